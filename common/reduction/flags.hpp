@@ -1,0 +1,68 @@
+// The closed list of what can be said about a readout beside its numbers. Names are stable: scripts rely on them.
+// Add a flag here and in README.md, nowhere else. Values only; thread-safe, real-time safe.
+#pragma once
+
+#include <array>
+#include <bitset>
+#include <optional>
+#include <string_view>
+
+namespace strobe::reduction {
+
+enum class Flag {
+  late_flash,             // a flash that shows the ball came later than the rig's tolerance; its measured time was used
+  missing_flash,          // a planned flash among those that show the ball was seen by no sensor
+  double_flash,           // a lamp flashed twice for one pulse among those that show the ball
+  flash_match_ambiguous,  // several assignments of images to flashes fit alike and give different numbers
+  spin_aliased,           // the equator may have turned by more than a quarter turn between images
+  too_few_images,         // a leg has too few airborne images for some number, which is null
+  outlier_image,          // an image did not fit its leg and was left out
+  no_redundancy,          // a leg has just enough images: nothing would show a bad one
+  no_contact_image,       // no image between touchdown and lift-off
+  overlaps_surface,       // an image given as airborne overlaps the surface line and was left out
+  degenerate_geometry,    // no line through the surface, or a leg that does not meet it: numbers are null
+  sd_from_residuals,      // noise was estimated from this shot's residuals; the sd is scaled by Student's t
+  shot_aborted,           // outputs went safe before the plan's end
+  no_photograph,          // the photograph or its digitized frame did not come in time
+  sensor_missing,         // a fitted flash sensor saw none, or not all, of the flashes that show the ball
+  clock_suspect,          // flash times are not plausible: out of order, or not of this shot
+  events_missing,         // events of this shot were lost before the journal
+};
+
+inline constexpr std::array kFlagNames{
+    std::string_view{"late_flash"},          std::string_view{"missing_flash"},
+    std::string_view{"double_flash"},        std::string_view{"flash_match_ambiguous"},
+    std::string_view{"spin_aliased"},        std::string_view{"too_few_images"},
+    std::string_view{"outlier_image"},       std::string_view{"no_redundancy"},
+    std::string_view{"no_contact_image"},    std::string_view{"overlaps_surface"},
+    std::string_view{"degenerate_geometry"}, std::string_view{"sd_from_residuals"},
+    std::string_view{"shot_aborted"},        std::string_view{"no_photograph"},
+    std::string_view{"sensor_missing"},      std::string_view{"clock_suspect"},
+    std::string_view{"events_missing"},
+};
+inline constexpr std::size_t kFlagCount = kFlagNames.size();
+
+constexpr std::string_view name(Flag flag) { return kFlagNames[static_cast<std::size_t>(flag)]; }
+
+/// The flag of that name, or nothing.
+constexpr std::optional<Flag> flag_from_name(std::string_view text) {
+  for (std::size_t i = 0; i < kFlagCount; ++i) {
+    if (kFlagNames[i] == text) return static_cast<Flag>(i);
+  }
+  return std::nullopt;
+}
+
+/// A set of flags, iterated in the order of the list.
+class FlagSet {
+ public:
+  void set(Flag flag) { bits_.set(static_cast<std::size_t>(flag)); }
+  bool has(Flag flag) const { return bits_.test(static_cast<std::size_t>(flag)); }
+  bool empty() const { return bits_.none(); }
+  void merge(const FlagSet& other) { bits_ |= other.bits_; }
+  bool operator==(const FlagSet&) const = default;
+
+ private:
+  std::bitset<kFlagCount> bits_;
+};
+
+}  // namespace strobe::reduction

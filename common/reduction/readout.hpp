@@ -1,0 +1,79 @@
+// The rebound of one shot: the numbers, their uncertainty, and what must be said about them.
+// Signs: x along the surface in the direction of travel, y up from it, spin counter-clockwise positive as the
+// camera sees it (backspin positive). Touchdown (TD) and lift-off (LO): the centre is one radius above the surface.
+// Plain values, thread-safe.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "common/reduction/flags.hpp"
+#include "common/reduction/frame.hpp"
+
+namespace strobe::reduction {
+
+enum class Quantity {
+  theta_in_deg,
+  theta_out_deg,
+  vx_td_mps,
+  vy_td_mps,
+  v_td_mps,
+  omega_td_radps,
+  vx_lo_mps,
+  vy_lo_mps,
+  v_lo_mps,
+  omega_lo_radps,
+  slip_lo_mps,
+  e,
+  mu,
+  dwell_time_ms,
+  dwell_distance_cm,
+  court_pace,
+};
+
+/// Names as in the JSON object and on the screen, in the order of Quantity.
+inline constexpr std::array<std::string_view, 16> kQuantityNames{
+    "theta_in_deg", "theta_out_deg", "vx_td_mps",   "vy_td_mps", "v_td_mps", "omega_td_radps", "vx_lo_mps",         "vy_lo_mps",
+    "v_lo_mps",     "omega_lo_radps", "slip_lo_mps", "e",         "mu",       "dwell_time_ms",  "dwell_distance_cm", "court_pace"};
+inline constexpr std::size_t kQuantityCount = kQuantityNames.size();
+
+constexpr std::string_view name(Quantity q) { return kQuantityNames[static_cast<std::size_t>(q)]; }
+
+/// One optional number for each quantity; absent: could not be had.
+class Quantities {
+ public:
+  std::optional<double>& operator[](Quantity q) { return values_[static_cast<std::size_t>(q)]; }
+  const std::optional<double>& operator[](Quantity q) const { return values_[static_cast<std::size_t>(q)]; }
+  bool operator==(const Quantities&) const = default;
+
+ private:
+  std::array<std::optional<double>, kQuantityCount> values_{};
+};
+
+enum class Regime { slides, grips, unclear };
+
+constexpr std::string_view name(Regime regime) {
+  switch (regime) {
+    case Regime::slides: return "slides";
+    case Regime::grips: return "grips";
+    case Regime::unclear: return "unclear";
+  }
+  return "unclear";
+}
+
+struct Readout {
+  int shot_id = 0;
+  Quantities value;
+  Quantities sd;             ///< statistical standard deviation, given the ball's diameter
+  Quantities sd_systematic;  ///< standard deviation from the diameter's tolerance
+  std::optional<Regime> regime;
+  bool court_pace_conforming = false;
+  std::string method;  ///< "best", "two-point", "legacy"
+  bool mirrored = false;
+  FlagSet flags;
+  Record record;
+};
+
+}  // namespace strobe::reduction

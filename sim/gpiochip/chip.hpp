@@ -1,0 +1,97 @@
+// The rig's side of the simulated GPIO chip: create it, watch its lines, drive its inputs.
+//
+// The chip lives in one folder: a shared-memory state file, a lock file (ownership by OFD locks), one FIFO per
+// requested event line. A program sees it as /dev/<name> through the preloaded library (preload_path()), with
+// STROBE_GPIOCHIP_DIR naming the folder. Levels here are physical (0 or 1), never inverted by active-low.
+// One Chip object per thread; any number of processes may attach. Times are CLOCK_MONOTONIC.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/result.hpp"
+#include "common/units/time.hpp"
+
+namespace strobe::sim {
+
+enum class OnRelease {
+  keep,   ///< a released output keeps driving its last level (Raspberry Pi)
+  input,  ///< a released output returns to input, read as the line's idle level
+};
+
+struct LineSpec {
+  std::string name;          ///< at most 31 characters; may be empty
+  int idle_level = 0;        ///< level where nobody drives it: the board's pull resistor
+  bool kernel_used = false;  ///< taken by the kernel: every request gets EBUSY
+};
+
+struct ChipSpec {
+  std::string name = "gpiochip0";        ///< device node under /dev
+  std::string label = "strobe-sim-rig";  ///< at most 31 characters
+  std::vector<LineSpec> lines;           ///< 1 to 64
+  OnRelease on_release = OnRelease::keep;
+};
+
+/// Why a line changed.
+enum class Cause : std::uint8_t { set, request, release, drive };
+
+struct Change {
+  MonoTime time;  ///< of the change itself, stamped by who made it
+  std::uint32_t line = 0;
+  std::uint8_t level = 0;
+  Cause cause = Cause::set;
+};
+
+struct LineState {
+  int level = 0;
+  bool is_output = false;
+  bool requested = false;
+  std::string consumer;
+};
+
+/// A reader's place in the ring of changes.
+struct ChangeCursor {
+  std::uint64_t next = 0;
+};
+
+class Chip {
+ public:
+  static Result<Chip> create(const std::filesystem::path& dir, const ChipSpec& spec);  ///< dir is made; error if a chip is in it
+  static Result<Chip> attach(const std::filesystem::path& dir);
+  Chip(Chip&&) noexcept;
+  Chip& operator=(Chip&&) noexcept;
+  ~Chip();  ///< the creator removes what it made
+
+  std::size_t line_count() const;
+  Result<std::uint32_t> line_named(const std::string& name) const;
+  LineState state(std::uint32_t line) const;
+
+  /// Drives an input from outside at the instant `stamp` (now or just past): level, ring entry, and, if the line is
+  /// requested for that edge, an event with this very stamp. No effect but the latched outside level on an output.
+  void drive(std::uint32_t line, int level, MonoTime stamp);
+
+  /// Appends to `changes` what happened since the cursor; waits until there is something or the deadline passes.
+  /// Returns false if the ring lapped this reader (some changes were lost; the cursor then stands at the oldest kept).
+  bool wait_changes(ChangeCursor& cursor, MonoTime deadline, std::vector<Change>& changes);
+  ChangeCursor cursor_now() const;  ///< only changes from now on
+
+  /// As if the device were unplugged: every further ioctl answers ENODEV, event descriptors end.
+  void unplug();
+
+  const std::filesystem::path& dir() const;
+
+ private:
+  struct Impl;
+  explicit Chip(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+/// The preloaded library beside the running program (…/lib/libstrobe-gpiochip.so, in the build and the install tree).
+Result<std::filesystem::path> preload_path();
+
+inline constexpr const char* kChipDirVariable = "STROBE_GPIOCHIP_DIR";
+
+}  // namespace strobe::sim
