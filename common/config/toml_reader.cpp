@@ -209,6 +209,11 @@ bool TomlTable::is_integer(std::string_view key) const { return has(key) && node
 bool TomlTable::is_string(std::string_view key) const { return has(key) && node_->table->get(key)->is_string(); }
 bool TomlTable::is_table(std::string_view key) const { return has(key) && node_->table->get(key)->is_table(); }
 
+std::uint32_t TomlTable::line_of(std::string_view key) const {
+  const toml::node* node = node_->table ? node_->table->get(key) : nullptr;
+  return node ? node->source().begin.line : node_->line();
+}
+
 void TomlTable::error_at(std::string_view key, const std::string& what) {
   node_->report(key, node_->table ? node_->table->get(key) : nullptr, what);
 }

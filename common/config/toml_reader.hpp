@@ -52,6 +52,8 @@ class TomlTable {
   bool is_integer(std::string_view key) const;                  ///< present and an integer
   bool is_string(std::string_view key) const;
   bool is_table(std::string_view key) const;
+  /// Line of the key's value in the file, from 1; the table's own if there is no such key; 0 if absent altogether.
+  std::uint32_t line_of(std::string_view key) const;
 
   /// Reports an error of the caller's own at the key's line (or at the table's, if there is no such key).
   void error_at(std::string_view key, const std::string& what);
