@@ -1,0 +1,33 @@
+// How a subcommand of `strobe` registers itself. Each add_* function adds one subcommand to the application; its
+// options live as long as the application. When the subcommand was chosen, its callback runs it and stores the
+// exit status: 0 done, 1 ran but the shot or check failed, 2 bad usage or input (one line on stderr).
+// Single-threaded. A new subcommand: declare it here, define it in host/commands/<name>_command.cpp, add it in
+// host/main.cpp.
+#pragma once
+
+#include <string>
+
+namespace CLI {
+class App;
+}
+
+namespace strobe::host {
+
+inline constexpr int kDone = 0;
+inline constexpr int kFailed = 1;
+inline constexpr int kBadInput = 2;
+
+void add_fire_command(CLI::App& app, int& exit_status);
+void add_live_command(CLI::App& app, int& exit_status);
+void add_replay_command(CLI::App& app, int& exit_status);
+void add_reduce_command(CLI::App& app, int& exit_status);
+void add_contact_command(CLI::App& app, int& exit_status);
+void add_predict_command(CLI::App& app, int& exit_status);
+
+/// Prints "strobe: WHAT" as one line on stderr (line breaks within become spaces) and returns kBadInput.
+int bad_input(const std::string& what);
+
+/// Prints "strobe: WHAT" as one line on stderr and returns kFailed.
+int failed(const std::string& what);
+
+}  // namespace strobe::host
