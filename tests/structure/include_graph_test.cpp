@@ -1,0 +1,186 @@
+// Dependencies point one way: common <- firmware, host, sim; the cores stay free of the operating system.
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "tests/structure/source_tree.hpp"
+// CppUTest redefines new; its headers come last.
+#include <CppUTest/TestHarness.h>
+
+namespace {
+
+using namespace strobe::structure;
+
+/// What each folder's files may include with quotes.
+const std::map<std::string, std::set<std::string>> kMayInclude{
+    {"common", {"common"}},
+    {"firmware", {"firmware", "common"}},
+    {"host", {"host", "common"}},
+    {"sim", {"sim", "common"}},
+    {"tests", {"tests", "sim", "host", "firmware", "common"}},
+};
+
+/// Standard headers that let neither time, threads nor the outside world into deterministic code.
+const std::set<std::string> kPureStandardHeaders{"algorithm",
+                                                 "any",
+                                                 "array",
+                                                 "atomic",
+                                                 "bit",
+                                                 "bitset",
+                                                 "cassert",
+                                                 "cctype",
+                                                 "cerrno",
+                                                 "cfloat",
+                                                 "charconv",
+                                                 "cinttypes",
+                                                 "climits",
+                                                 "cmath",
+                                                 "compare",
+                                                 "complex",
+                                                 "concepts",
+                                                 "cstddef",
+                                                 "cstdint",
+                                                 "cstring",
+                                                 "deque",
+                                                 "exception",
+                                                 "format",
+                                                 "forward_list",
+                                                 "functional",
+                                                 "initializer_list",
+                                                 "iterator",
+                                                 "limits",
+                                                 "list",
+                                                 "map",
+                                                 "memory",
+                                                 "numbers",
+                                                 "numeric",
+                                                 "optional",
+                                                 "queue",
+                                                 "ranges",
+                                                 "ratio",
+                                                 "set",
+                                                 "span",
+                                                 "sstream",
+                                                 "stack",
+                                                 "stdexcept",
+                                                 "string",
+                                                 "string_view",
+                                                 "tuple",
+                                                 "type_traits",
+                                                 "unordered_map",
+                                                 "unordered_set",
+                                                 "utility",
+                                                 "variant",
+                                                 "vector",
+                                                 "version",
+                                                 "source_location",
+                                                 "cstdlib",
+                                                 "locale",
+                                                 "iomanip",
+                                                 "ostream",
+                                                 "istream",
+                                                 "iosfwd"};
+
+std::string complaint(const SourceFile& file, const Include& include, const std::string& why) {
+  return fmt::format("\n  {}:{}: {} {}", file.path, include.line, include.target, why);
+}
+
+std::string directory_of(const std::string& path) { return path.substr(0, path.rfind('/')); }
+
+bool is_pure(const Include& include) {
+  if (include.quoted) return true;
+  return kPureStandardHeaders.count(include.target) != 0 || starts_with(include.target, "tl/") ||
+         starts_with(include.target, "Eigen/");
+}
+
+}  // namespace
+
+TEST_GROUP(IncludeGraph){};
+
+TEST(IncludeGraph, QuotedIncludesAreWrittenFromTheRootAndExist) {
+  std::string wrong;
+  for (const SourceFile& file : cpp_files()) {
+    for (const Include& include : includes_of(file)) {
+      if (include.quoted && !std::filesystem::exists(repository_root() / include.target)) {
+        wrong += complaint(file, include, "is not a file of the repository");
+      }
+    }
+  }
+  STRCMP_EQUAL("", wrong.c_str());
+}
+
+TEST(IncludeGraph, FoldersIncludeOnlyWhatTheyMayDependOn) {
+  std::string wrong;
+  for (const SourceFile& file : cpp_files()) {
+    const auto allowed = kMayInclude.find(top_folder(file.path));
+    if (allowed == kMayInclude.end()) continue;
+    for (const Include& include : includes_of(file)) {
+      if (include.quoted && allowed->second.count(top_folder(include.target)) == 0) {
+        wrong += complaint(file, include, "points the wrong way");
+      }
+    }
+  }
+  STRCMP_EQUAL("", wrong.c_str());
+}
+
+TEST(IncludeGraph, TheFirmwaresCoreSeesOnlyPortsAndCommon) {
+  std::string wrong;
+  for (const SourceFile& file : cpp_files()) {
+    if (!starts_with(file.path, "firmware/core/") && !starts_with(file.path, "firmware/ports/")) continue;
+    for (const Include& include : includes_of(file)) {
+      const bool inside = starts_with(include.target, "firmware/core/") ||
+                          starts_with(include.target, "firmware/ports/") ||
+                          starts_with(include.target, "common/");
+      if (include.quoted && !inside)
+        wrong += complaint(file, include, "is outside the core's ports and common");
+      if (!include.quoted && !is_pure(include))
+        wrong += complaint(file, include, "lets the system into the core");
+    }
+  }
+  STRCMP_EQUAL("", wrong.c_str());
+}
+
+TEST(IncludeGraph, PortsAreHeadersOnly) {
+  for (const SourceFile& file : cpp_files()) {
+    if (!starts_with(file.path, "firmware/ports/")) continue;
+    CHECK_TEXT(std::filesystem::path(file.path).extension() == ".hpp", file.path.c_str());
+  }
+}
+
+TEST(IncludeGraph, TheAnalysisCoreSeesNoSystemThreadsOrClocks) {
+  const std::vector<std::string> pure{"common/units/",  "common/ball/",    "common/impact/",
+                                      "common/flight/", "common/contact/", "common/reduction/"};
+  std::string wrong;
+  for (const SourceFile& file : cpp_files()) {
+    bool core = false;
+    for (const std::string& folder : pure) core = core || starts_with(file.path, folder);
+    if (!core) continue;
+    for (const Include& include : includes_of(file)) {
+      if (!is_pure(include)) wrong += complaint(file, include, "is not for deterministic code");
+    }
+  }
+  STRCMP_EQUAL("", wrong.c_str());
+}
+
+TEST(IncludeGraph, CommonHasNoLinuxOrPosixHeaders) {
+  const std::set<std::string> system{"unistd.h",    "fcntl.h", "poll.h",  "pthread.h", "sched.h",
+                                     "signal.h",    "csignal", "time.h",  "dirent.h",  "dlfcn.h",
+                                     "semaphore.h", "spawn.h", "netdb.h", "ctime"};
+  std::string wrong;
+  for (const SourceFile& file : cpp_files()) {
+    if (top_folder(file.path) != "common") continue;
+    for (const Include& include : includes_of(file)) {
+      if (include.quoted) continue;
+      const std::string folder = directory_of(include.target);
+      if (system.count(include.target) != 0 || folder == "sys" || folder == "linux" || folder == "net" ||
+          folder == "netinet" || folder == "arpa") {
+        wrong += complaint(file, include, "is the operating system's");
+      }
+    }
+  }
+  STRCMP_EQUAL("", wrong.c_str());
+}
