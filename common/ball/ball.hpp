@@ -1,0 +1,52 @@
+// A tennis ball as the models see it: size, mass, moment of inertia, and how its restitution changes with
+// temperature. Units: m, kg, kg·m², degrees Fahrenheit where named. Plain values and pure functions:
+// thread-safe, real-time safe. Inputs of the free functions are preconditions unless a Result is returned.
+#pragma once
+
+#include "common/result.hpp"
+
+namespace strobe::ball {
+
+/// Working values of the thesis: the mean of its balls, and the diameter every speed was scaled with.
+inline constexpr double kThesisDiameter_m = 0.0651;
+inline constexpr double kThesisMass_kg = 0.0576;
+
+/// I = alpha·m·R². A thin shell at the outer radius (the thesis's equations) and the value measured on tennis
+/// balls by R. Cross.
+inline constexpr double kThinShellAlpha = 2.0 / 3.0;
+inline constexpr double kMeasuredAlpha = 0.55;
+
+/// The rubber shell of the thesis's balls: outer and inner radius, and their mean.
+inline constexpr double kShellOuterRadius_m = 0.0300;
+inline constexpr double kShellInnerRadius_m = 0.0268;
+inline constexpr double kShellMeanRadius_m = 0.0284;
+
+/// One ball. `alpha` is the moment of inertia over m·R², R being half of `diameter_m`.
+/// Valid: diameter_m > 0, mass_kg > 0, 0 < alpha <= 2/3 (no mass lies outside the surface); see check().
+struct Ball {
+  double diameter_m = kThesisDiameter_m;
+  double mass_kg = kThesisMass_kg;
+  double alpha = kMeasuredAlpha;
+
+  constexpr double radius_m() const { return diameter_m / 2.0; }
+  constexpr double inertia_kgm2() const { return alpha * mass_kg * radius_m() * radius_m(); }
+};
+
+/// The ball itself, or what is wrong with it (non-finite or out of the ranges above).
+Result<Ball> check(const Ball& ball);
+
+/// Moment of inertia of a thin spherical shell, (2/3)·m·r².
+constexpr double thin_shell_inertia_kgm2(double mass_kg, double shell_radius_m) {
+  return kThinShellAlpha * mass_kg * shell_radius_m * shell_radius_m;
+}
+
+/// Moment of inertia of a thick spherical shell, (2m/5)(a⁵-b⁵)/(a³-b³), with the common factor a-b divided
+/// out so that thin shells lose no digits. Valid: outer > 0, 0 <= inner <= outer.
+double thick_shell_inertia_kgm2(double mass_kg, double outer_radius_m, double inner_radius_m);
+
+/// Coefficient of restitution of still balls against temperature, e = 0.717 + 0.00055·T (LaMarche, R² 0.988).
+constexpr double restitution_at(double temperature_degF) { return 0.717 + 0.00055 * temperature_degF; }
+
+constexpr double fahrenheit_from_celsius(double temperature_degC) { return temperature_degC * 1.8 + 32.0; }
+
+}  // namespace strobe::ball

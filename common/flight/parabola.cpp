@@ -1,0 +1,45 @@
+#include "common/flight/parabola.hpp"
+
+#include <cmath>
+
+namespace strobe::flight {
+
+namespace {
+
+/// Solves drop = v·t + a·t²/2 for the root at which the velocity is `sign`·sqrt(v² + 2·a·drop). Of the two
+/// ways of writing that root the one that adds numbers of like sign is taken, so that no digits cancel.
+std::optional<double> root_s(double v, double a, double drop, double sign) {
+  const double discriminant = v * v + 2.0 * a * drop;
+  if (!(discriminant >= 0.0)) return std::nullopt;
+  const double v_there = sign * std::sqrt(discriminant);
+  if (v * v_there > 0.0) return 2.0 * drop / (v + v_there);
+  if (a != 0.0) return (v_there - v) / a;
+  if (v == 0.0 && drop == 0.0) return 0.0;
+  return std::nullopt;
+}
+
+}  // namespace
+
+Vector gravity_mps2(double inclination_rad) {
+  return {-kStandardGravity_mps2 * std::sin(inclination_rad),
+          -kStandardGravity_mps2 * std::cos(inclination_rad)};
+}
+
+Vector Parabola::position_at(double time_s) const {
+  return {position_m.x + time_s * (velocity_mps.x + 0.5 * acceleration_mps2.x * time_s),
+          position_m.y + time_s * (velocity_mps.y + 0.5 * acceleration_mps2.y * time_s)};
+}
+
+Vector Parabola::velocity_at(double time_s) const {
+  return {velocity_mps.x + acceleration_mps2.x * time_s, velocity_mps.y + acceleration_mps2.y * time_s};
+}
+
+std::optional<double> Parabola::time_falling_through_s(double height_m) const {
+  return root_s(velocity_mps.y, acceleration_mps2.y, height_m - position_m.y, -1.0);
+}
+
+std::optional<double> Parabola::time_rising_through_s(double height_m) const {
+  return root_s(velocity_mps.y, acceleration_mps2.y, height_m - position_m.y, 1.0);
+}
+
+}  // namespace strobe::flight

@@ -1,0 +1,45 @@
+// What can be wrong with the inputs of the impact models. An enumeration, so that the models allocate
+// nothing.
+#pragma once
+
+#include <string_view>
+
+namespace strobe::impact {
+
+enum class InputError {
+  not_finite,                ///< NaN or infinity among the inputs
+  not_approaching,           ///< vy at touchdown is not negative: the ball does not move towards the surface
+  restitution_out_of_range,  ///< e outside 0…1
+  friction_negative,         ///< mu below 0
+  tangential_out_of_range,   ///< e_x outside -1…1 (outside of it a grip would feed energy)
+  offset_out_of_range,       ///< offset below 0, not below the radius, or its reference speed not positive
+  ball_out_of_range,         ///< diameter, mass or alpha outside ball::check
+  dwell_not_positive,        ///< dwell time of 0 or less
+  damping_undefined,         ///< e = 0 in the simplified pulse, whose damping would be infinite
+};
+
+constexpr std::string_view message(InputError error) {
+  switch (error) {
+    case InputError::not_finite:
+      return "inputs must be finite numbers";
+    case InputError::not_approaching:
+      return "vy must be negative: the ball must move towards the surface";
+    case InputError::restitution_out_of_range:
+      return "e must be in 0…1";
+    case InputError::friction_negative:
+      return "mu must not be negative";
+    case InputError::tangential_out_of_range:
+      return "ex must be in -1…1";
+    case InputError::offset_out_of_range:
+      return "offset must be at least 0 and less than the radius";
+    case InputError::ball_out_of_range:
+      return "diameter and mass must be positive, alpha in (0, 2/3]";
+    case InputError::dwell_not_positive:
+      return "dwell time must be positive";
+    case InputError::damping_undefined:
+      return "the simplified pulse needs e above 0";
+  }
+  return "invalid input";
+}
+
+}  // namespace strobe::impact
