@@ -1,0 +1,131 @@
+// Runs a fuzzing entry point without libFuzzer: the seeds in a folder, then mutations of them for some
+// seconds.
+//   NAME_fuzzer --corpus DIR [--seconds S] [--seed N] [--run I]     (--run: repeat one mutation alone)
+//   NAME_fuzzer FILE...                                             (repeat inputs that libFuzzer kept)
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tests/fuzz/mutate.hpp"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
+
+namespace {
+
+struct Options {
+  std::string corpus;
+  double seconds = 1.0;
+  std::uint64_t seed = 1;
+  std::optional<std::uint64_t> run;
+  std::vector<std::string> files;
+};
+
+char now_running[512] = "";  // told by the handler of a crash
+
+void tell_what_crashed(int signal_number) {
+  std::size_t length = 0;
+  while (length < sizeof now_running && now_running[length] != '\0') ++length;
+  const ssize_t ignored = write(STDERR_FILENO, now_running, length);
+  static_cast<void>(ignored);
+  std::signal(signal_number, SIG_DFL);
+  std::raise(signal_number);
+}
+
+void run_input(const std::string& input) {
+  LLVMFuzzerTestOneInput(reinterpret_cast<const std::uint8_t*>(input.data()), input.size());
+}
+
+std::string contents(const std::filesystem::path& path) {
+  std::ifstream stream(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+double seconds_now() {
+  timespec now{};
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+void run_file(const std::filesystem::path& path) {
+  std::snprintf(now_running, sizeof now_running, "crashed on %s\n", path.c_str());
+  run_input(contents(path));
+}
+
+void run_mutation(const Options& options, const std::vector<std::string>& seeds, std::uint64_t run) {
+  std::snprintf(now_running, sizeof now_running, "crashed; repeat with --corpus %s --seed %llu --run %llu\n",
+                options.corpus.c_str(), static_cast<unsigned long long>(options.seed),
+                static_cast<unsigned long long>(run));
+  run_input(strobe::fuzz::mutated(seeds, options.seed, run));
+}
+
+Options parse(int argc, char** argv) {
+  Options options;
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i];
+    const bool more = i + 1 < argc;
+    if (word == "--corpus" && more)
+      options.corpus = argv[++i];
+    else if (word == "--seconds" && more)
+      options.seconds = std::strtod(argv[++i], nullptr);
+    else if (word == "--seed" && more)
+      options.seed = std::strtoull(argv[++i], nullptr, 10);
+    else if (word == "--run" && more)
+      options.run = std::strtoull(argv[++i], nullptr, 10);
+    else
+      options.files.push_back(word);
+  }
+  return options;
+}
+
+int replay_corpus(const Options& options) {
+  std::vector<std::filesystem::path> paths;
+  if (std::filesystem::is_directory(options.corpus)) {
+    for (const auto& entry : std::filesystem::directory_iterator(options.corpus))
+      paths.push_back(entry.path());
+  }
+  if (paths.empty()) {
+    std::fprintf(stderr, "no seeds in %s\n", options.corpus.c_str());
+    return EXIT_FAILURE;
+  }
+  std::sort(paths.begin(), paths.end());
+  std::vector<std::string> seeds;
+  for (const auto& path : paths) {
+    seeds.push_back(contents(path));
+    if (!options.run) run_file(path);
+  }
+  if (options.run) {
+    run_mutation(options, seeds, *options.run);
+    return EXIT_SUCCESS;
+  }
+  const double end = seconds_now() + options.seconds;
+  std::uint64_t runs = 0;
+  for (; seconds_now() < end; ++runs) run_mutation(options, seeds, runs);
+  std::printf("%zu seeds and %llu mutations under seed %llu ran without a crash\n", seeds.size(),
+              static_cast<unsigned long long>(runs), static_cast<unsigned long long>(options.seed));
+  return EXIT_SUCCESS;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const Options options = parse(argc, argv);
+  for (const int signal_number : {SIGABRT, SIGSEGV, SIGFPE, SIGBUS, SIGILL})
+    std::signal(signal_number, tell_what_crashed);
+  if (options.corpus.empty() && options.files.empty()) {
+    std::fprintf(stderr, "usage: %s --corpus DIR [--seconds S] [--seed N] [--run I] | FILE...\n", argv[0]);
+    return 2;
+  }
+  for (const std::string& file : options.files) run_file(file);
+  return options.corpus.empty() ? EXIT_SUCCESS : replay_corpus(options);
+}
