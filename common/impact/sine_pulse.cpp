@@ -1,6 +1,5 @@
 #include "common/impact/sine_pulse.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <numbers>
@@ -50,7 +49,7 @@ double integral_series(double f, double theta, int power) {
 
 /// I1 = integral of exp(-f·phi)·sin(phi) over 0…theta.
 double first_integral(double f, const Phase& p) {
-  if (p.theta < kSeriesBelow) return integral_series(f, p.theta, 1);
+  if (std::abs(p.theta) < kSeriesBelow) return integral_series(f, p.theta, 1);
   return (1.0 - p.decay * (f * p.sine + p.cosine)) / (1.0 + f * f);
 }
 
@@ -62,12 +61,12 @@ double depth_integral(double f, const Phase& p) {
 }
 
 double second_integral(double f, const Phase& p) {
-  return p.theta < kSeriesBelow ? integral_series(f, p.theta, 2) : p.theta - depth_integral(f, p);
+  return std::abs(p.theta) < kSeriesBelow ? integral_series(f, p.theta, 2) : p.theta - depth_integral(f, p);
 }
 
 /// The series of theta - sin(theta), or the difference where it is large.
 double theta_minus_sine(const Phase& p) {
-  return p.theta < kSeriesBelow ? integral_series(0.0, p.theta, 2) : p.theta - p.sine;
+  return std::abs(p.theta) < kSeriesBelow ? integral_series(0.0, p.theta, 2) : p.theta - p.sine;
 }
 
 /// Root of expm1(-pi·f) + (1 - e) - (1 + e)·f² = 0, which is e = (1 + exp(-pi·f))/(1 + f²) - 1 free of
@@ -113,8 +112,7 @@ tl::expected<SinePulse, InputError> SinePulse::make(PulseForm form, const PulseI
 double SinePulse::max_force_n() const { return -input_.mass_kg * input_.vy_td_mps * pi / input_.dwell_s; }
 
 PulseState SinePulse::at_fraction(double time_fraction) const {
-  const double tau = std::clamp(time_fraction, 0.0, 1.0);
-  const Phase p(tau, damping_);
+  const Phase p(time_fraction, damping_);
   const double speed = -input_.vy_td_mps;
   const double length = speed * input_.dwell_s / pi;  // |vy|/w
   const bool exact = form_ == PulseForm::exact;
@@ -126,7 +124,7 @@ PulseState SinePulse::at_fraction(double time_fraction) const {
   PulseState s;
   s.vx_mps = input_.vx_td_mps - input_.impulse_ratio * speed * impulse;
   s.vy_mps = exact ? speed * (impulse - 1.0) : -speed * p.decay * p.cosine;
-  s.x_m = input_.vx_td_mps * (tau * input_.dwell_s) - input_.impulse_ratio * length * lag;
+  s.x_m = input_.vx_td_mps * (time_fraction * input_.dwell_s) - input_.impulse_ratio * length * lag;
   s.y_m = 0.0 - length * depth;  // not a negative zero
   s.fy_n = max_force_n() * p.decay * p.sine;
   s.fx_n = 0.0 - input_.impulse_ratio * s.fy_n;

@@ -46,7 +46,8 @@ class SinePulse {
  public:
   static tl::expected<SinePulse, InputError> make(PulseForm form, const PulseInput& input);
 
-  /// The state at a share of the dwell time, clamped to 0…1.
+  /// The state at a share of the dwell time, 0…1. Outside of it the formulas are continued, though the ball
+  /// no longer touches the surface.
   PulseState at_fraction(double time_fraction) const;
   PulseState at_time(double time_s) const { return at_fraction(time_s / input_.dwell_s); }
 

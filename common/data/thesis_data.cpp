@@ -1,0 +1,180 @@
+#include "common/data/thesis_data.hpp"
+
+#include <array>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+
+#include "common/data/csv.hpp"
+
+namespace strobe::thesis {
+
+namespace {
+
+constexpr std::array<std::string_view, 7> kCorrectionColumns{"set",     "table",     "row",   "field",
+                                                             "printed", "corrected", "reason"};
+
+constexpr std::array<std::string_view, 5> kLeadingColumns{"spin", "angle_label_deg", "n_incoming",
+                                                          "n_rebound", "n_system"};
+
+struct Field {
+  std::string_view column;
+  std::string_view sd_column;
+  MeanSd Condition::*member;
+};
+
+constexpr std::array<Field, 14> kFields{{
+    {"theta_in_deg", "theta_in_sd_deg", &Condition::theta_in_deg},
+    {"vx_td_mps", "vx_td_sd_mps", &Condition::vx_td_mps},
+    {"vy_td_mps", "vy_td_sd_mps", &Condition::vy_td_mps},
+    {"v_td_mps", "v_td_sd_mps", &Condition::v_td_mps},
+    {"omega_td_radps", "omega_td_sd_radps", &Condition::omega_td_radps},
+    {"theta_out_deg", "theta_out_sd_deg", &Condition::theta_out_deg},
+    {"vx_lo_mps", "vx_lo_sd_mps", &Condition::vx_lo_mps},
+    {"vy_lo_mps", "vy_lo_sd_mps", &Condition::vy_lo_mps},
+    {"v_lo_mps", "v_lo_sd_mps", &Condition::v_lo_mps},
+    {"omega_lo_radps", "omega_lo_sd_radps", &Condition::omega_lo_radps},
+    {"e", "e_sd", &Condition::e},
+    {"mu", "mu_sd", &Condition::mu},
+    {"dwell_distance_cm", "dwell_distance_sd_cm", &Condition::dwell_distance_cm},
+    {"dwell_time_ms", "dwell_time_sd_ms", &Condition::dwell_time_ms},
+}};
+
+std::vector<std::string_view> condition_columns() {
+  std::vector<std::string_view> columns(kLeadingColumns.begin(), kLeadingColumns.end());
+  for (const Field& field : kFields) {
+    columns.push_back(field.column);
+    columns.push_back(field.sd_column);
+  }
+  return columns;
+}
+
+Result<Condition> parse_condition(const data::CsvRow& row, std::span<const std::string_view> columns,
+                                  std::string_view source) {
+  std::array<double, kLeadingColumns.size() + 2 * kFields.size()> values{};
+  for (std::size_t i = 1; i < values.size(); ++i) {
+    const auto value = data::parse_number(row.cells[i], source, row.line, columns[i]);
+    if (!value) return tl::unexpected(value.error());
+    const bool whole = *value == std::floor(*value) && *value >= 0.0 && *value < 1000.0;
+    if (i < kLeadingColumns.size() && !whole)
+      return data::csv_error(source, row.line, columns[i], "must be a whole number below 1000");
+    values[i] = *value;
+  }
+  Condition c;
+  c.spin = row.cells[0];
+  if (c.spin != "zero" && c.spin != "top" && c.spin != "back")
+    return data::csv_error(source, row.line, columns[0], "must be zero, top or back");
+  c.angle_label_deg = static_cast<int>(values[1]);
+  c.n_incoming = static_cast<int>(values[2]);
+  c.n_rebound = static_cast<int>(values[3]);
+  c.n_system = static_cast<int>(values[4]);
+  for (std::size_t i = 0; i < kFields.size(); ++i) {
+    const std::size_t column = kLeadingColumns.size() + 2 * i;
+    c.*kFields[i].member = {values[column], values[column + 1]};
+  }
+  return c;
+}
+
+double* find_number(Condition& condition, std::string_view column) {
+  for (const Field& field : kFields) {
+    if (column == field.column) return &(condition.*field.member).mean;
+    if (column == field.sd_column) return &(condition.*field.member).sd;
+  }
+  return nullptr;
+}
+
+Result<std::string> read_text(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) return fail(path.string() + ": cannot be read");
+  std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  if (file.bad()) return fail(path.string() + ": cannot be read");
+  return text;
+}
+
+Result<contact::ContactSet> load_contact(const std::filesystem::path& folder, const std::string& name) {
+  const std::filesystem::path path = folder / "contact" / (name + ".csv");
+  const auto text = read_text(path);
+  if (!text) return tl::unexpected(text.error());
+  auto set = contact::parse_contact_csv(*text, path.string());
+  if (set) set->name = name;
+  return set;
+}
+
+}  // namespace
+
+const Condition* Data::condition(std::string_view name) const {
+  for (const Condition& c : conditions)
+    if (c.name() == name) return &c;
+  return nullptr;
+}
+
+Result<std::vector<Correction>> parse_corrections(std::string_view text, std::string_view source) {
+  const auto rows = data::parse_csv(text, source, kCorrectionColumns);
+  if (!rows) return tl::unexpected(rows.error());
+  std::vector<Correction> corrections;
+  for (const data::CsvRow& row : *rows) {
+    const auto cell = [&row](std::size_t i) { return std::string(row.cells[i]); };
+    corrections.push_back({cell(0), cell(1), cell(2), cell(3), cell(4), cell(5), cell(6), row.line});
+    for (const std::size_t required : {0U, 1U, 3U, 5U, 6U})
+      if (row.cells[required].empty())
+        return data::csv_error(source, row.line, kCorrectionColumns[required], "is missing");
+  }
+  return corrections;
+}
+
+Result<std::vector<Condition>> parse_conditions(std::string_view text, std::string_view source) {
+  const std::vector<std::string_view> columns = condition_columns();
+  const auto rows = data::parse_csv(text, source, columns);
+  if (!rows) return tl::unexpected(rows.error());
+  std::vector<Condition> conditions;
+  for (const data::CsvRow& row : *rows) {
+    const auto condition = parse_condition(row, columns, source);
+    if (!condition) return tl::unexpected(condition.error());
+    conditions.push_back(*condition);
+  }
+  return conditions;
+}
+
+Result<std::vector<Condition>> corrected(std::vector<Condition> conditions,
+                                         std::span<const Correction> corrections) {
+  for (const Correction& c : corrections) {
+    if (c.table != "tables_02_to_10") continue;
+    double* number = nullptr;
+    for (Condition& condition : conditions)
+      if (condition.name() == c.set) number = find_number(condition, c.field);
+    if (!number)
+      return data::csv_error("corrections", c.line, "field", c.set + " has no number named " + c.field);
+    const auto printed = data::parse_number(c.printed, "corrections", c.line, "printed");
+    if (!printed) return tl::unexpected(printed.error());
+    const auto value = data::parse_number(c.corrected, "corrections", c.line, "corrected");
+    if (!value) return tl::unexpected(value.error());
+    if (*number != *printed)
+      return data::csv_error("corrections", c.line, "printed", "is not what the data has");
+    *number = *value;
+  }
+  return conditions;
+}
+
+Result<Data> load(const std::filesystem::path& folder, Version version) {
+  const auto corrections_text = read_text(folder / "corrections.csv");
+  if (!corrections_text) return tl::unexpected(corrections_text.error());
+  const auto tables_text = read_text(folder / "tables_02_to_10.csv");
+  if (!tables_text) return tl::unexpected(tables_text.error());
+  auto corrections = parse_corrections(*corrections_text, (folder / "corrections.csv").string());
+  if (!corrections) return tl::unexpected(corrections.error());
+  auto conditions = parse_conditions(*tables_text, (folder / "tables_02_to_10.csv").string());
+  if (conditions && version == Version::corrected)
+    conditions = corrected(*std::move(conditions), *corrections);
+  if (!conditions) return tl::unexpected(conditions.error());
+
+  Data data{.conditions = *std::move(conditions), .contact = {}, .corrections = *std::move(corrections)};
+  for (const Condition& condition : data.conditions) {
+    auto set = load_contact(folder, condition.name());
+    if (set && version == Version::corrected) set = corrected(*std::move(set), data.corrections);
+    if (!set) return tl::unexpected(set.error());
+    data.contact.emplace(condition.name(), *std::move(set));
+  }
+  return data;
+}
+
+}  // namespace strobe::thesis

@@ -1,0 +1,75 @@
+// The thesis's data: means of its 21 conditions (Tables 2–10) and the contact images of each (Appendix), as
+// printed, and a separate list of corrections, each with its reason, that is applied on loading unless asked
+// not to. Parsing works on text; load() alone reads files. Thread-safe; allocates.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/contact/contact_set.hpp"
+#include "common/result.hpp"
+
+namespace strobe::thesis {
+
+enum class Version { corrected, as_printed };
+
+/// One line of corrections.csv. `table` is "tables_02_to_10" or "contact" for what the project ships; lines
+/// about other tables of the thesis are for the reader and change nothing.
+struct Correction {
+  std::string set;  ///< e.g. "zero_23"
+  std::string table;
+  std::string row;        ///< contact: the printed time fraction, or "all"
+  std::string field;      ///< a column; or "row"
+  std::string printed;    ///< checked before it is replaced; may be empty
+  std::string corrected;  ///< a number, "exclude", "negate" or "sort"
+  std::string reason;
+  int line = 0;
+};
+
+struct MeanSd {
+  double mean = 0.0;
+  double sd = 0.0;  ///< population standard deviation
+};
+
+/// Means over the replicates of one angle of incidence and spin.
+struct Condition {
+  std::string spin;  ///< "zero", "top", "back"
+  int angle_label_deg = 0;
+  int n_incoming = 0;
+  int n_rebound = 0;
+  int n_system = 0;
+  MeanSd theta_in_deg, vx_td_mps, vy_td_mps, v_td_mps, omega_td_radps;
+  MeanSd theta_out_deg, vx_lo_mps, vy_lo_mps, v_lo_mps, omega_lo_radps;
+  MeanSd e, mu, dwell_distance_cm, dwell_time_ms;
+
+  std::string name() const { return spin + "_" + std::to_string(angle_label_deg); }
+};
+
+struct Data {
+  std::vector<Condition> conditions;                   ///< in printed order: zero, top, back, by angle
+  std::map<std::string, contact::ContactSet> contact;  ///< by name, e.g. "zero_23"
+  std::vector<Correction> corrections;
+
+  const Condition* condition(std::string_view name) const;  ///< null if there is none of that name
+};
+
+Result<std::vector<Correction>> parse_corrections(std::string_view text, std::string_view source);
+
+/// tables_02_to_10.csv as printed.
+Result<std::vector<Condition>> parse_conditions(std::string_view text, std::string_view source);
+
+/// Applies those of the corrections that concern the conditions or the set. Fails when a correction does not
+/// find what it corrects (set, row, field or printed value): the list and the data would not belong together.
+Result<std::vector<Condition>> corrected(std::vector<Condition> conditions,
+                                         std::span<const Correction> corrections);
+Result<contact::ContactSet> corrected(contact::ContactSet set, std::span<const Correction> corrections);
+
+/// Reads `folder`/tables_02_to_10.csv, `folder`/corrections.csv and `folder`/contact/<name>.csv for each
+/// condition.
+Result<Data> load(const std::filesystem::path& folder, Version version);
+
+}  // namespace strobe::thesis
