@@ -16,8 +16,9 @@ int run(int argc, char** argv) {
   CLI::App app{"Strobe-photography impact experiments: fire shots, watch them, reduce frames."};
   app.name("strobe");
   app.require_subcommand(1);
-  app.footer("Example: strobe fire --rig rig.toml --session run1 --shots 9 --spin zero --angle 23\n"
-             "Exit status: 0 done, 1 ran but the shot or check failed, 2 bad usage or input.");
+  app.footer(
+      "Example: strobe fire --rig rig.toml --session run1 --shots 9 --spin zero --angle 23\n"
+      "Exit status: 0 done, 1 ran but the shot or check failed, 2 bad usage or input.");
   int exit_status = strobe::host::kDone;
   strobe::host::add_fire_command(app, exit_status);
   strobe::host::add_live_command(app, exit_status);

@@ -1,8 +1,8 @@
-// How a subcommand of `strobe` registers itself. Each add_* function adds one subcommand to the application; its
-// options live as long as the application. When the subcommand was chosen, its callback runs it and stores the
-// exit status: 0 done, 1 ran but the shot or check failed, 2 bad usage or input (one line on stderr).
-// Single-threaded. A new subcommand: declare it here, define it in host/commands/<name>_command.cpp, add it in
-// host/main.cpp.
+// How a subcommand of `strobe` registers itself. Each add_* function adds one subcommand to the application;
+// its options live as long as the application. When the subcommand was chosen, its callback runs it and
+// stores the exit status: 0 done, 1 ran but the shot or check failed, 2 bad usage or input (one line on
+// stderr). Single-threaded. A new subcommand: declare it here, define it in host/commands/<name>_command.cpp,
+// add it in host/main.cpp.
 #pragma once
 
 #include <string>

@@ -1,0 +1,117 @@
+#include "host/config/rig_file.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <memory>
+#include <set>
+
+#include "common/config/toml_reader.hpp"
+#include "common/messages/channels.hpp"
+#include "host/config/notes.hpp"
+#include "host/share.hpp"
+
+namespace strobe::host {
+namespace {
+
+using config::TomlTable;
+
+BallSettings read_ball(TomlTable table) {
+  BallSettings ball;
+  ball.diameter_m = table.number_or("diameter_m", ball.diameter_m, {0.01, 1.0});
+  ball.diameter_sd_m = table.number_or("diameter_sd_m", ball.diameter_sd_m, {0.0, 0.1});
+  ball.mass_kg = table.number_or("mass_kg", ball.mass_kg, {0.001, 10.0});
+  return ball;
+}
+
+AnalysisSettings read_analysis(TomlTable table) {
+  AnalysisSettings analysis;
+  analysis.surface_angle_deg = table.optional_number("surface_angle_deg", {-60.0, 60.0});
+  analysis.photograph_timeout_s =
+      table.number_or("photograph_timeout_s", analysis.photograph_timeout_s, {0.01, 86400.0});
+  analysis.px_per_m = table.optional_number("px_per_m", {1.0, 1e7});
+  analysis.px_per_m_sd = table.optional_number("px_per_m_sd", {0.0, 1e6});
+  analysis.gate_distance_m = table.optional_number("gate_distance_m", {0.0, 20.0});
+  analysis.gate_distance_sd_m =
+      table.number_or("gate_distance_sd_m", analysis.gate_distance_sd_m, {1e-4, 20.0});
+  return analysis;
+}
+
+reduction::Record read_record(TomlTable table) {
+  reduction::Record record;
+  for (const std::string& key : table.keys()) {
+    const std::string value = table.is_string(key) ? table.string(key) : fmt::format("{}", table.number(key));
+    if (const auto problem = note_problem(key, value)) table.error_at(key, *problem);
+    record[key] = value;
+  }
+  if (record.size() > kMostNotes) table.error_at("", "more than 64 notes");
+  return record;
+}
+
+void accept_firmware_tables(TomlTable root) {
+  const std::set<std::string> own{"rig", "lcm_url", "ball", "analysis", "record", "plan", "machine"};
+  for (const std::string& key : root.keys()) {
+    if (!own.contains(key) && root.is_table(key)) root.table(key).accept_all();
+  }
+}
+
+struct FileCloser {
+  void operator()(std::FILE* file) const {
+    if (file != stdin) std::fclose(file);
+  }
+};
+
+}  // namespace
+
+Result<RigFile> read_rig(std::string_view text, const std::string& file_name) {
+  config::TomlReader reader(text, file_name);
+  TomlTable root = reader.root();
+  RigFile rig;
+  rig.text = text;
+  rig.rig = root.string("rig");
+  if (root.has("rig") && !messages::valid_rig_name(rig.rig)) {
+    root.error_at("rig", "must be 1 to 24 letters, digits, - or _");
+  }
+  if (root.has("lcm_url")) rig.lcm_url = root.string("lcm_url");
+  rig.ball = read_ball(root.table("ball"));
+  rig.analysis = read_analysis(root.table("analysis"));
+  rig.record = read_record(root.table("record"));
+  rig.plan = read_plan_table(root.table("plan"), {});
+  TomlTable machine = root.table("machine");
+  if (const auto lag = machine.optional_number("lag_ms", {0.0, 60000.0})) rig.machine_lag_s = *lag * 1e-3;
+  machine.accept_all();
+  accept_firmware_tables(root);
+  if (const auto bad = reader.error()) return fail(bad->message);
+  return rig;
+}
+
+Result<RigFile> load_rig(const std::string& path) {
+  std::string file = path;
+  if (file.empty()) {
+    const auto share = share_folder();
+    if (!share) return fail("no --rig given, and " + share.error().message);
+    file = (*share / "rig.toml").string();
+  }
+  const auto text = read_file(file);
+  if (!text) return tl::unexpected(text.error());
+  return read_rig(*text, file);
+}
+
+Result<std::string> read_file(const std::string& path) {
+  constexpr std::size_t kMostBytes = 16u << 20;
+  const std::unique_ptr<std::FILE, FileCloser> file(path == "-" ? stdin : std::fopen(path.c_str(), "rb"));
+  if (!file) return fail(path + ": " + std::strerror(errno));
+  std::string text;
+  std::array<char, 65536> block{};
+  while (const std::size_t n = std::fread(block.data(), 1, block.size(), file.get())) {
+    text.append(block.data(), n);
+    if (text.size() > kMostBytes) return fail(path + ": larger than 16 MB");
+  }
+  if (std::ferror(file.get())) return fail(path + ": " + std::strerror(errno));
+  return text;
+}
+
+}  // namespace strobe::host

@@ -1,0 +1,50 @@
+// The host's part of the rig file: rig, lcm_url, [ball], [analysis], [record], [plan] and the machine's lag.
+// The other tables are strobed's; they are accepted unread. Values; thread-safe.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "common/reduction/frame.hpp"
+#include "common/result.hpp"
+#include "host/config/shot_plan.hpp"
+
+namespace strobe::host {
+
+struct BallSettings {
+  double diameter_m = 0.0651;     ///< 0.01 to 1
+  double diameter_sd_m = 0.0008;  ///< 0 to 0.1; the diameter's tolerance as a standard deviation
+  double mass_kg = 0.0576;        ///< 0.001 to 10
+};
+
+struct AnalysisSettings {
+  std::optional<double> surface_angle_deg;  ///< -60 to 60; absent: the record's surface_angle_deg, else 0
+  double photograph_timeout_s = 5.0;        ///< 0.01 to 86,400, after the shot's end
+  std::optional<double> px_per_m;           ///< calibrated scale; absent: the frame's, else from the ball
+  std::optional<double> px_per_m_sd;
+  std::optional<double> gate_distance_m;  ///< light gate to the point of touchdown, along the ball's path
+  double gate_distance_sd_m = 0.05;
+};
+
+struct RigFile {
+  std::string rig;
+  std::optional<std::string> lcm_url;
+  BallSettings ball;
+  AnalysisSettings analysis;
+  reduction::Record record;
+  ShotPlan plan;
+  std::optional<double> machine_lag_s;  ///< trigger to touchdown
+  std::string text;                     ///< the file as it was read
+};
+
+/// Fails with "FILE:LINE: table.key: what".
+Result<RigFile> read_rig(std::string_view text, const std::string& file_name);
+
+/// Reads the file, or the shipped example if the path is empty. Fails with the file's name.
+Result<RigFile> load_rig(const std::string& path);
+
+/// The whole file as text, at most 16 MB. "-" is standard input. Fails with the file's name.
+Result<std::string> read_file(const std::string& path);
+
+}  // namespace strobe::host
