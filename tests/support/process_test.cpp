@@ -1,0 +1,101 @@
+#include "tests/support/process.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <string>
+#include <vector>
+
+#include "tests/support/temporary_folder.hpp"
+// CppUTest redefines new; its headers come last.
+#include <CppUTest/TestHarness.h>
+
+using namespace strobe::testing;
+using namespace std::chrono_literals;
+
+TEST_GROUP(Process) {
+  TemporaryFolder logs;
+  static Command shell(const std::string& script) { return {{"sh", "-c", script}, {}, {}, Rights::as_test}; }
+};
+
+TEST(Process, TellsOutputErrorsAndExitStatus) {
+  const Finished finished = run_to_end(shell("echo out; echo err >&2; exit 3"), 10s);
+  CHECK(finished.status == ExitStatus({3, 0}));
+  STRCMP_EQUAL("out\n", finished.out.c_str());
+  STRCMP_EQUAL("err\n", finished.err.c_str());
+}
+
+TEST(Process, TellsTheSignalThatEndedIt) {
+  const Finished finished = run_to_end(shell("kill -TERM $$"), 10s);
+  CHECK(finished.status == ExitStatus({-1, SIGTERM}));
+}
+
+TEST(Process, HasNoStandardInput) {
+  const Finished finished = run_to_end({{"cat"}, {}, {}, Rights::as_test}, 10s);
+  CHECK(finished.status == ExitStatus({0, 0}));
+}
+
+TEST(Process, AddsToTheEnvironmentAndReplacesInIt) {
+  Command command = shell("echo $STROBE_A; echo ${HOME}");
+  command.environment = {{"STROBE_A", "1"}, {"HOME", "/elsewhere"}};
+  STRCMP_EQUAL("1\n/elsewhere\n", run_to_end(command, 10s).out.c_str());
+}
+
+TEST(Process, StartsInTheFolderGiven) {
+  Command command = shell("pwd");
+  command.folder = logs.path();
+  STRCMP_EQUAL((std::filesystem::canonical(logs.path()).string() + "\n").c_str(),
+               run_to_end(command, 10s).out.c_str());
+}
+
+TEST(Process, IsNotWaitedForBeyondTheLimit) {
+  Process process(shell("sleep 60"), logs.path());
+  CHECK_FALSE(process.wait(20ms).has_value());
+  CHECK(process.running());
+  process.signal_group(SIGTERM);
+  CHECK(process.wait(10s) == ExitStatus({-1, SIGTERM}));
+}
+
+TEST(Process, LeavesNoneOfItsGroupBehind) {
+  pid_t grandchild = 0;
+  {
+    Process process(shell("sleep 60 & echo $!; wait"), logs.path());
+    CHECK(process.wait_for_out("\n", 10s));
+    grandchild = static_cast<pid_t>(std::stol(process.out()));
+    CHECK(!program_of(grandchild).empty());
+  }
+  CHECK(wait_until([&] { return program_of(grandchild).empty(); }, 10s));
+}
+
+TEST(Process, IsFoundAmongTheDescendantsOfItsParent) {
+  Process process(shell("sleep 60 & wait"), logs.path());
+  CHECK(wait_until([&] { return descendants_of(process.pid()).size() == 2; }, 10s));
+  CHECK(wait_until([&] { return program_of(descendants_of(process.pid()).at(1)) == "sleep"; }, 10s));
+  const std::vector<pid_t> mine = children_of(getpid());
+  CHECK(std::find(mine.begin(), mine.end(), process.pid()) != mine.end());
+}
+
+TEST(Process, WaitsForATextUntilItComes) {
+  Process process(shell("sleep 0.05; echo ready; sleep 60"), logs.path());
+  CHECK(process.wait_for_out("ready", 10s));
+}
+
+TEST(Process, GivesUpOnATextOnceTheProcessEnded) {
+  Process process(shell("echo something else"), logs.path());
+  const std::int64_t start = monotonic_now_ns();
+  CHECK_FALSE(process.wait_for_out("ready", 60s));
+  CHECK(monotonic_now_ns() - start < 30'000'000'000);
+}
+
+TEST(Process, OfAProgramThatIsNotThereExitsAsAShellSays) {
+  const Finished finished = run_to_end({{"/nowhere/at-all"}, {}, {}, Rights::as_test}, 10s);
+  CHECK(finished.status == ExitStatus({127, 0}));
+}
+
+TEST(Process, WithAnOrdinaryUsersRightsHasNeitherCapabilitiesNorRealTime) {
+  Command command = shell("grep CapEff /proc/self/status; ulimit -r; ulimit -l");
+  command.arguments[0] = "bash";
+  command.rights = Rights::ordinary;
+  STRCMP_EQUAL("CapEff:\t0000000000000000\n0\n64\n", run_to_end(command, 10s).out.c_str());
+}
