@@ -1,9 +1,9 @@
 // The rig's side of the simulated GPIO chip: create it, watch its lines, drive its inputs.
 //
-// The chip lives in one folder: a shared-memory state file, a lock file (ownership by OFD locks), one FIFO per
-// requested event line. A program sees it as /dev/<name> through the preloaded library (preload_path()), with
-// STROBE_GPIOCHIP_DIR naming the folder. Levels here are physical (0 or 1), never inverted by active-low.
-// One Chip object per thread; any number of processes may attach. Times are CLOCK_MONOTONIC.
+// The chip lives in one folder: a shared-memory state file, a lock file (ownership by OFD locks), one FIFO
+// per requested event line. A program sees it as /dev/<name> through the preloaded library (preload_path()),
+// with STROBE_GPIOCHIP_DIR naming the folder. Levels here are physical (0 or 1), never inverted by
+// active-low. One Chip object per thread; any number of processes may attach. Times are CLOCK_MONOTONIC.
 #pragma once
 
 #include <cstdint>
@@ -59,7 +59,8 @@ struct ChangeCursor {
 
 class Chip {
  public:
-  static Result<Chip> create(const std::filesystem::path& dir, const ChipSpec& spec);  ///< dir is made; error if a chip is in it
+  static Result<Chip> create(const std::filesystem::path& dir,
+                             const ChipSpec& spec);  ///< dir is made; error if a chip is in it
   static Result<Chip> attach(const std::filesystem::path& dir);
   Chip(Chip&&) noexcept;
   Chip& operator=(Chip&&) noexcept;
@@ -67,14 +68,17 @@ class Chip {
 
   std::size_t line_count() const;
   Result<std::uint32_t> line_named(const std::string& name) const;
+  std::string line_name(std::uint32_t line) const;  ///< empty if it has none
   LineState state(std::uint32_t line) const;
 
-  /// Drives an input from outside at the instant `stamp` (now or just past): level, ring entry, and, if the line is
-  /// requested for that edge, an event with this very stamp. No effect but the latched outside level on an output.
+  /// Drives an input from outside at the instant `stamp` (now or just past): level, ring entry, and, if the
+  /// line is requested for that edge, an event with this very stamp. No effect but the latched outside level
+  /// on an output.
   void drive(std::uint32_t line, int level, MonoTime stamp);
 
-  /// Appends to `changes` what happened since the cursor; waits until there is something or the deadline passes.
-  /// Returns false if the ring lapped this reader (some changes were lost; the cursor then stands at the oldest kept).
+  /// Appends to `changes` what happened since the cursor; waits until there is something or the deadline
+  /// passes. Returns false if the ring lapped this reader (some changes were lost; the cursor then stands at
+  /// the oldest kept).
   bool wait_changes(ChangeCursor& cursor, MonoTime deadline, std::vector<Change>& changes);
   ChangeCursor cursor_now() const;  ///< only changes from now on
 
@@ -89,7 +93,8 @@ class Chip {
   std::unique_ptr<Impl> impl_;
 };
 
-/// The preloaded library beside the running program (…/lib/libstrobe-gpiochip.so, in the build and the install tree).
+/// The preloaded library beside the running program (…/lib/libstrobe-gpiochip.so, in the build and the
+/// install tree).
 Result<std::filesystem::path> preload_path();
 
 inline constexpr const char* kChipDirVariable = "STROBE_GPIOCHIP_DIR";

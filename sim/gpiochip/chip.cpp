@@ -1,0 +1,195 @@
+#include "sim/gpiochip/chip.hpp"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <linux/gpio.h>
+#include <string.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "sim/gpiochip/folder.hpp"
+#include "sim/gpiochip/levels.hpp"
+#include "sim/gpiochip/ownership.hpp"
+#include "sim/gpiochip/system.hpp"
+
+namespace strobe::sim {
+namespace {
+
+// How often a waiting rig looks for owners that died; a release is stamped when it is found.
+constexpr std::int64_t kSweep_ns = 1'000'000;
+constexpr int kEventDepth = 16;  // of the kernel's FIFO; a newer event is dropped
+
+static_assert(static_cast<int>(Cause::set) == static_cast<int>(gpio::CauseCode::set));
+static_assert(static_cast<int>(Cause::request) == static_cast<int>(gpio::CauseCode::request));
+static_assert(static_cast<int>(Cause::release) == static_cast<int>(gpio::CauseCode::release));
+static_assert(static_cast<int>(Cause::drive) == static_cast<int>(gpio::CauseCode::drive));
+
+Change unpack(const gpio::State& state, std::uint64_t word) {
+  using gpio::RingWord;
+  Change change;
+  change.time.ns = state.epoch_ns + static_cast<std::int64_t>(word >> RingWord::kTimeShift);
+  change.line = static_cast<std::uint32_t>(word >> RingWord::kLineShift) & (gpio::kMaxLines - 1);
+  change.level = static_cast<std::uint8_t>(word & RingWord::kLevel);
+  change.cause = static_cast<Cause>((word >> RingWord::kCauseShift) & 3);
+  return change;
+}
+
+}  // namespace
+
+struct Chip::Impl {
+  gpio::Folder folder;
+  std::int64_t swept_ns = 0;
+
+  gpio::State& state() const { return *folder.state; }
+  const char* path() const { return folder.path.c_str(); }
+
+  void sweep() {
+    const std::int64_t now = gpio::sys::now_ns();
+    if (now - swept_ns < kSweep_ns) return;
+    swept_ns = now;
+    gpio::finish_pending(state());
+    if (state().input_on_release != 0) gpio::reap_handles(state(), path(), folder.lock_fd);
+    if (state().unplugged.load() != 0) folder.close_events();
+  }
+
+  bool read_ring(ChangeCursor& cursor, std::vector<Change>& changes) {
+    std::uint64_t word = 0;
+    for (;;) {
+      switch (gpio::read_slot(state(), cursor.next, word)) {
+        case gpio::Slot::ready:
+          changes.push_back(unpack(state(), word));
+          ++cursor.next;
+          break;
+        case gpio::Slot::not_yet:
+          return true;
+        case gpio::Slot::lapped:
+          cursor.next = std::max(cursor.next + 1, gpio::newest(state()) - gpio::kRingSize);
+          return false;
+      }
+    }
+  }
+
+  /// Sleeps until something may have happened, the deadline, or the next sweep.
+  void sleep(const ChangeCursor& cursor, MonoTime deadline) {
+    const std::uint32_t seen = state().wake.load();
+    state().waiting.store(1);
+    if (gpio::newest(state()) != cursor.next) return;
+    std::int64_t until = deadline.ns;
+    if (gpio::any_requested(state())) until = std::min(until, swept_ns + kSweep_ns);
+    gpio::sys::futex_wait(&state().wake, seen, until);
+  }
+
+  void emit(std::uint32_t line, unsigned level, MonoTime stamp) {
+    using gpio::ConfigWord;
+    const std::uint32_t config = state().lines[line].config.load();
+    if ((config & ConfigWord::kRequested) == 0) return;
+    const bool active = (level != 0) != ((config & ConfigWord::kActiveLow) != 0);
+    if ((config & (active ? ConfigWord::kRising : ConfigWord::kFalling)) == 0) return;
+    const int fifo = folder.events[line];
+    int queued = 0;
+    if (fifo < 0 || gpio::sys::ioctl(fifo, FIONREAD, &queued) != 0) return;
+    gpioevent_data event{};
+    if (queued >= kEventDepth * static_cast<int>(sizeof(event))) return;
+    event.timestamp = static_cast<std::uint64_t>(stamp.ns);
+    event.id = active ? GPIOEVENT_EVENT_RISING_EDGE : GPIOEVENT_EVENT_FALLING_EDGE;
+    gpio::sys::write(fifo, &event, sizeof(event));
+  }
+};
+
+Chip::Chip(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Chip::Chip(Chip&&) noexcept = default;
+Chip& Chip::operator=(Chip&&) noexcept = default;
+Chip::~Chip() = default;
+
+Result<Chip> Chip::create(const std::filesystem::path& dir, const ChipSpec& spec) {
+  auto folder = gpio::Folder::create(dir, spec);
+  if (!folder) return tl::unexpected(folder.error());
+  return Chip(std::make_unique<Impl>(Impl{std::move(*folder)}));
+}
+
+Result<Chip> Chip::attach(const std::filesystem::path& dir) {
+  auto folder = gpio::Folder::attach(dir);
+  if (!folder) return tl::unexpected(folder.error());
+  return Chip(std::make_unique<Impl>(Impl{std::move(*folder)}));
+}
+
+std::size_t Chip::line_count() const { return impl_->state().line_count; }
+
+Result<std::uint32_t> Chip::line_named(const std::string& name) const {
+  for (std::uint32_t line = 0; line < impl_->state().line_count; ++line) {
+    if (name == impl_->state().lines[line].name) return line;
+  }
+  return fail("the simulated chip has no line named " + name);
+}
+
+std::string Chip::line_name(std::uint32_t line) const {
+  return line < impl_->state().line_count ? impl_->state().lines[line].name : "";
+}
+
+LineState Chip::state(std::uint32_t line) const {
+  LineState found;
+  if (line >= impl_->state().line_count) return found;
+  gpio::reap_line(impl_->state(), impl_->path(), impl_->folder.lock_fd, line);
+  const gpio::Line& entry = impl_->state().lines[line];
+  const std::uint32_t config = entry.config.load();
+  found.level = static_cast<int>(gpio::level_of(impl_->state(), line));
+  found.is_output = (config & gpio::ConfigWord::kIsOut) != 0;
+  found.requested = (config & gpio::ConfigWord::kRequested) != 0;
+  char consumer[gpio::kNameSize];
+  gpio::get_consumer(entry, consumer);
+  found.consumer = consumer;
+  return found;
+}
+
+void Chip::drive(std::uint32_t line, int level, MonoTime stamp) {
+  gpio::State& state = impl_->state();
+  if (line >= state.line_count || state.unplugged.load() != 0) return;
+  const unsigned outside = level != 0 ? 1 : 0;
+  // Another process may drive the same line: a level and its event belong together.
+  const std::int64_t byte = gpio::kDriveByte + line;
+  while (gpio::sys::try_lock(impl_->folder.lock_fd, byte, true) == -EAGAIN) gpio::sys::sleep_ns(1'000);
+  if (gpio::change_line(state, line, gpio::outside_edit(outside), gpio::CauseCode::drive, stamp.ns)) {
+    impl_->emit(line, outside, stamp);
+  }
+  gpio::sys::unlock(impl_->folder.lock_fd, byte);
+  gpio::notify(state);
+}
+
+bool Chip::wait_changes(ChangeCursor& cursor, MonoTime deadline, std::vector<Change>& changes) {
+  const std::size_t before = changes.size();
+  for (;;) {
+    impl_->sweep();
+    if (!impl_->read_ring(cursor, changes)) return false;
+    if (changes.size() != before || gpio::sys::now_ns() >= deadline.ns) return true;
+    impl_->sleep(cursor, deadline);
+  }
+}
+
+ChangeCursor Chip::cursor_now() const { return {gpio::newest(impl_->state())}; }
+
+void Chip::unplug() {
+  impl_->state().unplugged.store(1);
+  impl_->folder.close_events();
+  gpio::notify(impl_->state());
+}
+
+const std::filesystem::path& Chip::dir() const { return impl_->folder.path; }
+
+Result<std::filesystem::path> preload_path() {
+  std::error_code error;
+  const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", error);
+  if (error) return fail("cannot read /proc/self/exe: " + error.message());
+  const std::filesystem::path prefix = self.parent_path().parent_path();
+  for (const char* folder : {"lib", STROBE_LIBRARY_FOLDER}) {
+    const std::filesystem::path candidate = prefix / folder / "libstrobe-gpiochip.so";
+    if (std::filesystem::exists(candidate, error)) return candidate;
+  }
+  return fail("libstrobe-gpiochip.so is not beside " + self.string() + " (expected in " +
+              (prefix / "lib").string() + ")");
+}
+
+}  // namespace strobe::sim

@@ -1,0 +1,42 @@
+// The chip's folder as the rig has it open: made, mapped, and removed again by its creator.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "common/result.hpp"
+#include "sim/gpiochip/chip.hpp"
+#include "sim/gpiochip/state.hpp"
+
+namespace strobe::sim::gpio {
+
+/// Move-only. The creator holds both ends of every event FIFO, so that readers never see an end while it
+/// lives.
+class Folder {
+ public:
+  static Result<Folder> create(const std::filesystem::path& dir, const ChipSpec& spec);
+  static Result<Folder> attach(const std::filesystem::path& dir);
+  Folder() = default;
+  Folder(Folder&& other) noexcept;
+  Folder& operator=(Folder&& other) noexcept;
+  ~Folder();
+
+  void close_events();
+
+  std::filesystem::path path;
+  State* state = nullptr;
+  int lock_fd = -1;
+  std::vector<int> events;  ///< one per line, -1 once closed
+
+ private:
+  Result<void> make_files(std::size_t lines);
+  Result<void> publish(const ChipSpec& spec);
+  Result<void> open_common(std::size_t lines);
+  void remove_files();
+  void reset();
+
+  bool made_folder_ = false;
+  bool made_chip_ = false;
+};
+
+}  // namespace strobe::sim::gpio

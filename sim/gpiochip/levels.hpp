@@ -1,0 +1,47 @@
+// Line levels and the ring of their changes: lock-free, and finished by others where a process died half way.
+//
+// A change is one compare-and-swap of the line's word, which marks it pending, then one of a ring slot.
+// Whoever finds a pending line (the next one who changes it, or a rig that looks) puts the missing entry into
+// the ring, exactly once: the slot is claimed and filled by the same swap, and only if no slot since holds
+// that change.
+#pragma once
+
+#include <cstdint>
+
+#include "sim/gpiochip/state.hpp"
+
+namespace strobe::sim::gpio {
+
+/// Bits of LevelWord that an edit replaces: the pins selected by `mask` become `pins`.
+struct PinEdit {
+  std::uint64_t mask = 0;
+  std::uint64_t pins = 0;
+};
+
+constexpr PinEdit drive_edit(unsigned value) {
+  return {LevelWord::kDriven | LevelWord::kValue, LevelWord::kDriven | (value != 0 ? LevelWord::kValue : 0)};
+}
+constexpr PinEdit float_edit() { return {LevelWord::kDriven, 0}; }
+constexpr PinEdit outside_edit(unsigned level) {
+  return {LevelWord::kOutside, level != 0 ? LevelWord::kOutside : 0};
+}
+
+/// Applies the edit; if the line's level changed by it, that is in the ring when this returns true.
+bool change_line(State& state, std::uint32_t line, PinEdit edit, CauseCode cause, std::int64_t time_ns);
+
+/// Puts changes that a dead process left pending into the ring.
+void finish_pending(State& state);
+
+/// Lets every rig that waits for changes look again.
+void notify(State& state);
+
+unsigned level_of(const State& state, std::uint32_t line);
+
+/// Position after the newest entry.
+std::uint64_t newest(State& state);
+
+enum class Slot { ready, not_yet, lapped };
+/// The entry at a position. Lapped: it was overwritten.
+Slot read_slot(State& state, std::uint64_t position, std::uint64_t& word);
+
+}  // namespace strobe::sim::gpio

@@ -1,0 +1,120 @@
+#include "sim/gpiochip/ownership.hpp"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "sim/gpiochip/levels.hpp"
+#include "sim/gpiochip/system.hpp"
+
+namespace strobe::sim::gpio {
+namespace {
+
+constexpr std::int64_t kGatePatience_ns = 2'000'000'000;
+
+/// Leaves owners alone that took the line between the look without the gate and the look with it.
+bool is_orphan(const State& state, const char* folder, int lock_fd, std::uint32_t line) {
+  const std::uint32_t config = state.lines[line].config.load();
+  return (config & ConfigWord::kRequested) != 0 && !owner_lives(folder, lock_fd, line, config);
+}
+
+}  // namespace
+
+bool path_in(const char* folder, const char* name, char (&path)[kPathSize]) {
+  const int length = snprintf(path, sizeof(path), "%s/%s", folder, name);
+  return length > 0 && static_cast<std::size_t>(length) < sizeof(path);
+}
+
+bool event_path(const char* folder, std::uint32_t line, char (&path)[kPathSize]) {
+  const int length = snprintf(path, sizeof(path), "%s/%s%u", folder, kEventPrefix, line);
+  return length > 0 && static_cast<std::size_t>(length) < sizeof(path);
+}
+
+Gate::Gate(const char* folder) {
+  char path[kPathSize];
+  if (!path_in(folder, kLockFile, path)) {
+    error_ = -ENAMETOOLONG;
+    return;
+  }
+  fd_ = sys::open(path, O_RDWR | O_CLOEXEC);
+  if (fd_ < 0) {
+    error_ = fd_;
+    return;
+  }
+  const std::int64_t give_up = sys::now_ns() + kGatePatience_ns;
+  std::int64_t pause = 20'000;
+  while ((error_ = sys::try_lock(fd_, kGateByte, true)) == -EAGAIN && sys::now_ns() < give_up) {
+    sys::sleep_ns(pause);
+    if (pause < 1'000'000) pause *= 2;
+  }
+}
+
+Gate::~Gate() {
+  if (fd_ < 0) return;
+  // Unlocked by hand: a child forked meanwhile by another thread shares the description.
+  if (error_ == 0) sys::unlock(fd_, kGateByte);
+  sys::close(fd_);
+}
+
+bool owner_lives(const char* folder, int lock_fd, std::uint32_t line, std::uint32_t config) {
+  if ((config & ConfigWord::kEvents) == 0) return sys::is_locked(lock_fd, line);
+  char path[kPathSize];
+  if (!event_path(folder, line, path)) return false;
+  const int fifo = sys::open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  if (fifo < 0) return true;  // cannot tell, e.g. out of descriptors: better busy than stolen
+  const bool locked = sys::is_locked(fifo, 0);
+  sys::close(fifo);
+  return locked;
+}
+
+void release_line(State& state, std::uint32_t line) {
+  Line& entry = state.lines[line];
+  std::uint32_t config = entry.config.load() & (ConfigWord::kIsOut | ConfigWord::kKernelUsed);
+  if (state.input_on_release != 0) {
+    change_line(state, line, float_edit(), CauseCode::release, sys::now_ns());
+    config &= ~ConfigWord::kIsOut;
+  }
+  set_consumer(entry, "");
+  entry.config.store(config);
+  notify(state);
+}
+
+void reap_line_gated(State& state, const char* folder, const Gate& gate, std::uint32_t line) {
+  if (is_orphan(state, folder, gate.lock_fd(), line)) release_line(state, line);
+}
+
+void reap_line(State& state, const char* folder, int lock_fd, std::uint32_t line) {
+  if (!is_orphan(state, folder, lock_fd, line)) return;
+  const sys::NoSignals quiet;
+  const Gate gate(folder);
+  if (gate.error() == 0) reap_line_gated(state, folder, gate, line);
+}
+
+void reap_handles(State& state, const char* folder, int lock_fd) {
+  for (std::uint32_t line = 0; line < state.line_count; ++line) {
+    if ((state.lines[line].config.load() & ConfigWord::kEvents) == 0) reap_line(state, folder, lock_fd, line);
+  }
+}
+
+bool any_requested(const State& state) {
+  for (std::uint32_t line = 0; line < state.line_count; ++line) {
+    if ((state.lines[line].config.load() & ConfigWord::kRequested) != 0) return true;
+  }
+  return false;
+}
+
+void set_consumer(Line& line, const char* text) {
+  std::uint64_t words[kNameSize / 8] = {};
+  memcpy(words, text, strnlen(text, kNameSize - 1));
+  for (std::size_t i = 0; i < kNameSize / 8; ++i) line.consumer[i].store(words[i]);
+}
+
+void get_consumer(const Line& line, char (&text)[kNameSize]) {
+  std::uint64_t words[kNameSize / 8];
+  for (std::size_t i = 0; i < kNameSize / 8; ++i) words[i] = line.consumer[i].load();
+  memcpy(text, words, kNameSize);
+  text[kNameSize - 1] = '\0';
+}
+
+}  // namespace strobe::sim::gpio

@@ -1,0 +1,72 @@
+// Who owns a line: an open file description that holds a lock, so that close() and any death release it by
+// the kernel's own hand. A line of a handle is owned by a lock on its byte of the lock file, an event line by
+// a lock on its FIFO; both are shared locks (descriptors are read-only, as the kernel's are), exclusive by
+// the gate.
+//
+// A released line is noticed by whoever looks next: the chip's configuration is then put back ("reaped").
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "sim/gpiochip/state.hpp"
+
+namespace strobe::sim::gpio {
+
+inline constexpr std::size_t kPathSize = 4096;
+
+/// DIR/name into `path`; false if it does not fit.
+bool path_in(const char* folder, const char* name, char (&path)[kPathSize]);
+bool event_path(const char* folder, std::uint32_t line, char (&path)[kPathSize]);
+
+/// Serialises requests, releases and configuration between all processes. Held by a lock that the kernel
+/// drops at death; a holder that is stopped (not dead) makes others give up after two seconds.
+class Gate {
+ public:
+  explicit Gate(const char* folder);
+  ~Gate();
+  Gate(const Gate&) = delete;
+  Gate& operator=(const Gate&) = delete;
+
+  int error() const { return error_; }  ///< 0 or a negated errno: not held
+  int lock_fd() const { return fd_; }
+
+ private:
+  int fd_ = -1;
+  int error_ = 0;
+};
+
+/// Whether the line's owner still lives. `lock_fd`: any description of the lock file that owns nothing.
+bool owner_lives(const char* folder, int lock_fd, std::uint32_t line, std::uint32_t config);
+
+/// Puts a released line back: unrequested, flags cleared, and, on chips of that kind, an input again. Gate
+/// held.
+void release_line(State& state, std::uint32_t line);
+
+/// Releases the lines whose owner is gone. Takes the gate itself, and only if there are such lines.
+void reap_line(State& state, const char* folder, int lock_fd, std::uint32_t line);
+/// All lines of handles; an event line's release changes no level and can wait for somebody to look at that
+/// line.
+void reap_handles(State& state, const char* folder, int lock_fd);
+/// The same for one line with the gate held.
+void reap_line_gated(State& state, const char* folder, const Gate& gate, std::uint32_t line);
+
+bool any_requested(const State& state);
+
+void set_consumer(Line& line, const char* text);
+void get_consumer(const Line& line, char (&text)[kNameSize]);
+
+/// A handle's descriptor names its slot and serial by its file offset, which dup and fork share with it.
+struct HandleName {
+  std::uint32_t slot = 0;
+  std::uint32_t serial = 0;
+
+  static constexpr std::int64_t kBase = std::int64_t{1} << 42;  // past every real file, within ext4's limit
+  constexpr std::int64_t offset() const { return kBase + std::int64_t{serial} * kMaxLines + slot; }
+  static constexpr HandleName of(std::int64_t offset) {
+    const auto number = static_cast<std::uint64_t>(offset - kBase);
+    return {static_cast<std::uint32_t>(number % kMaxLines), static_cast<std::uint32_t>(number / kMaxLines)};
+  }
+};
+
+}  // namespace strobe::sim::gpio

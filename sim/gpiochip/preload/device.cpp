@@ -1,0 +1,99 @@
+#include "sim/gpiochip/preload/device.hpp"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "sim/gpiochip/system.hpp"
+
+namespace strobe::sim::gpio {
+namespace {
+
+constexpr const char* kVariable = "STROBE_GPIOCHIP_DIR";
+
+State* map_state(const char* folder, const char*& problem) {
+  char path[kPathSize];
+  problem = "no simulated chip there";
+  if (!path_in(folder, kStateFile, path)) return nullptr;
+  const int fd = sys::open(path, O_RDWR | O_CLOEXEC);
+  if (fd == -EACCES) problem = "permission denied";
+  if (fd < 0) return nullptr;
+  const bool whole = sys::seek(fd, 0, SEEK_END) == static_cast<std::int64_t>(sizeof(State));
+  void* memory = whole ? sys::map_shared(fd, sizeof(State)) : nullptr;
+  sys::close(fd);
+  problem = "not a chip of this version";
+  if (memory == nullptr) return nullptr;
+  auto* state = static_cast<State*>(memory);
+  if (state->magic.load() == kMagic && state->version == kVersion) return state;
+  sys::unmap(memory, sizeof(State));
+  return nullptr;
+}
+
+Device open_device() {
+  Device found;
+  const char* named = getenv(kVariable);
+  if (named == nullptr) return found;
+  const char* problem = "no such folder";
+  // Made absolute now: the program may change its folder.
+  char whole[PATH_MAX];
+  if (realpath(named, whole) != nullptr && strlen(whole) < sizeof(found.folder)) {
+    memcpy(found.folder, whole, strlen(whole) + 1);
+    found.state = map_state(found.folder, problem);
+  }
+  if (found.state == nullptr) {
+    found.wrong = true;
+    char line[kPathSize + 128];
+    const int length =
+        snprintf(line, sizeof(line), "strobe-gpiochip: %s=%s: %s\n", kVariable, named, problem);
+    if (length > 0) sys::write(STDERR_FILENO, line, strnlen(line, sizeof(line)));
+    return found;
+  }
+  snprintf(found.node, sizeof(found.node), "/dev/%s", found.state->name);
+  snprintf(found.sysfs, sizeof(found.sysfs), "/sys/bus/gpio/devices/%s/dev", found.state->name);
+  return found;
+}
+
+/// Mapped before main, so that the first use is not the slow one.
+__attribute__((constructor)) void map_early() { device(); }
+
+}  // namespace
+
+const Device& device() {
+  static const Device opened = open_device();
+  return opened;
+}
+
+bool present() { return device().state != nullptr && device().state->unplugged.load() == 0; }
+
+Node node_of(const char* path) {
+  const Device& known = device();
+  if (path == nullptr) return Node::other;
+  if (known.wrong) return strncmp(path, "/dev/gpiochip", 13) == 0 ? Node::missing : Node::other;
+  if (known.state == nullptr) return Node::other;
+  if (strcmp(path, known.node) == 0) return present() ? Node::device : Node::missing;
+  if (strcmp(path, known.sysfs) == 0) return present() ? Node::sysfs : Node::missing;
+  return Node::other;
+}
+
+Descriptor describe(int fd) {
+  State* state = device().state;
+  if (state == nullptr || fd < 0) return {};
+  const std::int64_t offset = sys::seek(fd, 0, SEEK_CUR);
+  if (offset >= HandleName::kBase) {
+    const HandleName name = HandleName::of(offset);
+    if (state->handles[name.slot].serial.load() == name.serial) return {Kind::handle, name.slot};
+  }
+  sys::FileId id;
+  if (sys::identify(fd, id) != 0 || id.device != state->folder_device) return {};
+  if (id.inode == state->device_inode) return {Kind::chip, 0};
+  for (std::uint32_t line = 0; line < state->line_count; ++line) {
+    if (id.inode == state->lines[line].fifo_inode) return {Kind::event, line};
+  }
+  return {};
+}
+
+}  // namespace strobe::sim::gpio

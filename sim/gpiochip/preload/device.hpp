@@ -1,0 +1,41 @@
+// The chip as the preloaded library knows it: mapped once at start from STROBE_GPIOCHIP_DIR.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "sim/gpiochip/ownership.hpp"
+#include "sim/gpiochip/state.hpp"
+
+namespace strobe::sim::gpio {
+
+struct Device {
+  State* state = nullptr;  ///< null: variable unset (inert) or wrong (see `wrong`)
+  bool wrong = false;      ///< variable set, no usable chip there: every GPIO device node is refused
+  char folder[kPathSize] = {};
+  char node[64] = {};   ///< /dev/<name>
+  char sysfs[96] = {};  ///< /sys/bus/gpio/devices/<name>/dev
+};
+
+const Device& device();
+
+/// The node exists: mapped and not unplugged.
+bool present();
+
+enum class Node {
+  other,    ///< not ours: answered natively
+  device,   ///< /dev/<name>
+  sysfs,    ///< its number under /sys
+  missing,  ///< a GPIO device that must not be reached: unplugged, or the variable is wrong
+};
+Node node_of(const char* path);
+
+enum class Kind { none, chip, handle, event };
+struct Descriptor {
+  Kind kind = Kind::none;
+  std::uint32_t index = 0;  ///< handle: slot; event: line
+};
+/// What a descriptor is, from the descriptor itself: copies by dup, fork or exec are known without a table.
+Descriptor describe(int fd);
+
+}  // namespace strobe::sim::gpio

@@ -1,0 +1,223 @@
+#include "sim/gpiochip/preload/request.hpp"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <string.h>
+
+#include "sim/gpiochip/levels.hpp"
+#include "sim/gpiochip/preload/pins.hpp"
+#include "sim/gpiochip/system.hpp"
+
+namespace strobe::sim::gpio {
+namespace {
+
+constexpr std::uint32_t kBiasFlags =
+    GPIOHANDLE_REQUEST_BIAS_PULL_UP | GPIOHANDLE_REQUEST_BIAS_PULL_DOWN | GPIOHANDLE_REQUEST_BIAS_DISABLE;
+constexpr std::uint32_t kSingleEnded = GPIOHANDLE_REQUEST_OPEN_DRAIN | GPIOHANDLE_REQUEST_OPEN_SOURCE;
+constexpr std::uint32_t kKnownFlags = GPIOHANDLE_REQUEST_INPUT | GPIOHANDLE_REQUEST_OUTPUT |
+                                      GPIOHANDLE_REQUEST_ACTIVE_LOW | kSingleEnded | kBiasFlags;
+
+bool one_bias_at_most(std::uint32_t flags) {
+  const std::uint32_t bias = flags & kBiasFlags;
+  return (bias & (bias - 1)) == 0;
+}
+
+bool handle_flags_valid(std::uint32_t flags) {
+  const bool input = (flags & GPIOHANDLE_REQUEST_INPUT) != 0;
+  const bool output = (flags & GPIOHANDLE_REQUEST_OUTPUT) != 0;
+  if ((flags & ~kKnownFlags) != 0 || (input && output)) return false;
+  if ((flags & kSingleEnded) != 0 && ((flags & kSingleEnded) == kSingleEnded || !output)) return false;
+  if ((flags & kBiasFlags) != 0 && !input && !output) return false;
+  return one_bias_at_most(flags);
+}
+
+bool event_flags_valid(std::uint32_t flags, std::uint32_t edges) {
+  constexpr std::uint32_t kEdges = GPIOEVENT_REQUEST_RISING_EDGE | GPIOEVENT_REQUEST_FALLING_EDGE;
+  if ((flags & ~kKnownFlags) != 0 || (edges & ~kEdges) != 0) return false;
+  return (flags & (GPIOHANDLE_REQUEST_OUTPUT | kSingleEnded)) == 0 && one_bias_at_most(flags);
+}
+
+std::uint32_t config_flags(std::uint32_t flags) {
+  std::uint32_t config = 0;
+  if ((flags & GPIOHANDLE_REQUEST_ACTIVE_LOW) != 0) config |= ConfigWord::kActiveLow;
+  if ((flags & GPIOHANDLE_REQUEST_OPEN_DRAIN) != 0) config |= ConfigWord::kOpenDrain;
+  if ((flags & GPIOHANDLE_REQUEST_OPEN_SOURCE) != 0) config |= ConfigWord::kOpenSource;
+  if ((flags & GPIOHANDLE_REQUEST_BIAS_PULL_UP) != 0) config |= ConfigWord::kPullUp;
+  if ((flags & GPIOHANDLE_REQUEST_BIAS_PULL_DOWN) != 0) config |= ConfigWord::kPullDown;
+  if ((flags & GPIOHANDLE_REQUEST_BIAS_DISABLE) != 0) config |= ConfigWord::kBiasDisable;
+  return config;
+}
+
+/// Sets flags and direction of a line, and drives it if it is an output now.
+void configure_line(State& state, std::uint32_t line, std::uint32_t flags, unsigned value, std::int64_t now) {
+  std::atomic<std::uint32_t>& word = state.lines[line].config;
+  std::uint32_t config = (word.load() & ~ConfigWord::kFlags) | config_flags(flags);
+  if ((flags & GPIOHANDLE_REQUEST_OUTPUT) != 0) {
+    config |= ConfigWord::kIsOut;
+    change_line(state, line, output_edit(config, value), CauseCode::request, now);
+  } else if ((flags & GPIOHANDLE_REQUEST_INPUT) != 0) {
+    config &= ~ConfigWord::kIsOut;
+    change_line(state, line, float_edit(), CauseCode::request, now);
+  }
+  word.store(config);
+}
+
+/// The line's owner is `fd` from now on. -EBUSY if it has another.
+int take_line(State& state, const Gate& gate, std::uint32_t line, int fd, std::int64_t byte,
+              const char* label, std::uint32_t kind) {
+  reap_line_gated(state, device().folder, gate, line);
+  Line& entry = state.lines[line];
+  const std::uint32_t config = entry.config.load();
+  if ((config & (ConfigWord::kRequested | ConfigWord::kKernelUsed)) != 0) return -EBUSY;
+  const int locked = sys::try_lock(fd, byte, false);
+  if (locked != 0) return locked;
+  // The kernel shows "?" for an owner without a name.
+  set_consumer(entry, label[0] != '\0' ? label : "?");
+  entry.config.store((config & ConfigWord::kIsOut) | ConfigWord::kRequested | kind);
+  return 0;
+}
+
+std::uint64_t slots_in_use(const State& state) {
+  std::uint64_t used = 0;
+  for (std::uint32_t line = 0; line < state.line_count; ++line) {
+    const std::uint32_t config = state.lines[line].config.load();
+    if ((config & ConfigWord::kRequested) != 0 && (config & ConfigWord::kEvents) == 0) {
+      used |= std::uint64_t{1} << ((config & ConfigWord::kSlotMask) >> ConfigWord::kSlotShift);
+    }
+  }
+  return used;
+}
+
+/// A slot of its own for a new handle: there are as many as lines, and a handle has at least one line.
+int new_handle(State& state, const gpiohandle_request& request, HandleName& name) {
+  const std::uint64_t used = slots_in_use(state);
+  while (name.slot < kMaxLines && (used >> name.slot & 1) != 0) ++name.slot;
+  if (name.slot == kMaxLines) return -EBUSY;
+  name.serial = state.last_serial.fetch_add(1) + 1;
+  Handle& handle = state.handles[name.slot];
+  for (std::uint32_t i = 0; i < request.lines; ++i) {
+    handle.lines[i].store(static_cast<std::uint8_t>(request.lineoffsets[i]));
+  }
+  handle.count.store(request.lines);
+  handle.serial.store(name.serial);
+  return 0;
+}
+
+int open_handle(const HandleName& name) {
+  char path[kPathSize];
+  if (!path_in(device().folder, kLockFile, path)) return -ENAMETOOLONG;
+  const int fd = sys::open(path, O_RDONLY | O_CLOEXEC);
+  if (fd < 0) return fd;
+  if (sys::seek(fd, name.offset(), SEEK_SET) == name.offset()) return fd;
+  sys::close(fd);
+  return -EIO;
+}
+
+int take_handle_lines(State& state, const Gate& gate, const gpiohandle_request& request,
+                      const HandleName& name, int fd) {
+  const std::int64_t now = sys::now_ns();
+  for (std::uint32_t i = 0; i < request.lines; ++i) {
+    const std::uint32_t line = request.lineoffsets[i];
+    int result = line < state.line_count ? 0 : -EINVAL;
+    if (result == 0) {
+      result =
+          take_line(state, gate, line, fd, line, request.consumer_label, name.slot << ConfigWord::kSlotShift);
+    }
+    if (result != 0) {
+      for (std::uint32_t done = 0; done < i; ++done) release_line(state, request.lineoffsets[done]);
+      return result;
+    }
+    configure_line(state, line, request.flags, request.default_values[i], now);
+  }
+  return 0;
+}
+
+int open_event(std::uint32_t line) {
+  char path[kPathSize];
+  if (!event_path(device().folder, line, path)) return -ENAMETOOLONG;
+  return sys::open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+}
+
+/// Events that nobody read before the last owner let go.
+void drain(int fd) {
+  char rest[4096];
+  while (sys::read(fd, rest, sizeof(rest)) > 0) {
+  }
+}
+
+int take_event_line(State& state, const Gate& gate, const gpioevent_request& request, int fd) {
+  const std::uint32_t line = request.lineoffset;
+  const int result = take_line(state, gate, line, fd, 0, request.consumer_label, ConfigWord::kEvents);
+  if (result != 0) return result;
+  drain(fd);
+  configure_line(state, line, request.handleflags | GPIOHANDLE_REQUEST_INPUT, 0, sys::now_ns());
+  std::uint32_t edges = 0;
+  if ((request.eventflags & GPIOEVENT_REQUEST_RISING_EDGE) != 0) edges |= ConfigWord::kRising;
+  if ((request.eventflags & GPIOEVENT_REQUEST_FALLING_EDGE) != 0) edges |= ConfigWord::kFalling;
+  state.lines[line].config.fetch_or(edges);
+  return sys::control(fd, F_SETFL, 0);
+}
+
+}  // namespace
+
+int request_handle(gpiohandle_request& request) {
+  State& state = *device().state;
+  if (request.lines == 0 || request.lines > GPIOHANDLES_MAX) return -EINVAL;
+  if (!handle_flags_valid(request.flags)) return -EINVAL;
+  request.consumer_label[sizeof(request.consumer_label) - 1] = '\0';
+
+  const sys::NoSignals quiet;
+  const Gate gate(device().folder);
+  if (gate.error() != 0) return gate.error();
+  HandleName name;
+  int result = new_handle(state, request, name);
+  if (result != 0) return result;
+  const int fd = open_handle(name);
+  if (fd < 0) return fd;
+  result = take_handle_lines(state, gate, request, name, fd);
+  notify(state);
+  if (result != 0) {
+    sys::close(fd);
+    return result;
+  }
+  request.fd = fd;
+  return 0;
+}
+
+int request_event(gpioevent_request& request) {
+  State& state = *device().state;
+  if (request.lineoffset >= state.line_count) return -EINVAL;
+  if (!event_flags_valid(request.handleflags, request.eventflags)) return -EINVAL;
+  request.consumer_label[sizeof(request.consumer_label) - 1] = '\0';
+
+  const sys::NoSignals quiet;
+  const Gate gate(device().folder);
+  if (gate.error() != 0) return gate.error();
+  const int fd = open_event(request.lineoffset);
+  if (fd < 0) return fd;
+  const int result = take_event_line(state, gate, request, fd);
+  notify(state);
+  if (result != 0) {
+    sys::close(fd);
+    return result;
+  }
+  request.fd = fd;
+  return 0;
+}
+
+int configure_handle(std::uint32_t slot, const gpiohandle_config& config) {
+  State& state = *device().state;
+  if (!handle_flags_valid(config.flags)) return -EINVAL;
+  const sys::NoSignals quiet;
+  const Gate gate(device().folder);
+  if (gate.error() != 0) return gate.error();
+  const Handle& handle = state.handles[slot];
+  const std::int64_t now = sys::now_ns();
+  for (std::uint32_t i = 0; i < handle.count.load(); ++i) {
+    configure_line(state, handle.lines[i].load(), config.flags, config.default_values[i], now);
+  }
+  notify(state);
+  return 0;
+}
+
+}  // namespace strobe::sim::gpio

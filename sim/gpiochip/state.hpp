@@ -1,0 +1,143 @@
+// The shared memory of one simulated GPIO chip, and how its words are packed.
+//
+// Every process that has the chip open maps this one structure. It is built so that a process may be killed
+// at any instruction: there is no lock in it, every change is one compare-and-swap, and what a dead process
+// left half done (a level changed but not yet in the ring) is finished by whoever looks next. See levels.hpp.
+//
+// Times inside are nanoseconds since State::epoch_ns, 52 bits: a simulated chip may live for 52 days.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+
+namespace strobe::sim::gpio {
+
+inline constexpr std::uint64_t kMagic = 0x53545242'4750494fULL;  // "STRBGPIO"
+inline constexpr std::uint32_t kVersion = 1;
+inline constexpr std::uint32_t kMaxLines = 64;
+inline constexpr std::uint32_t kRingBits = 16;
+inline constexpr std::uint64_t kRingSize = std::uint64_t{1} << kRingBits;
+inline constexpr std::size_t kNameSize = 32;
+
+/// Files in the chip's folder.
+inline constexpr const char* kStateFile = "state";
+inline constexpr const char* kLockFile = "locks";
+inline constexpr const char* kDeviceFile = "device";  ///< what an open of /dev/<name> really opens
+inline constexpr const char* kSysfsFile = "dev";      ///< what /sys/bus/gpio/devices/<name>/dev reads as
+inline constexpr const char* kEventPrefix = "event-";
+
+/// Bytes of the lock file: one per line (its owner), and a few of the chip's own.
+inline constexpr std::int64_t kGateByte = 1000;
+inline constexpr std::int64_t kCreatorByte = 1001;
+inline constexpr std::int64_t kDriveByte = 2000;
+
+inline constexpr unsigned kDeviceMajor = 254;
+
+enum class CauseCode : std::uint8_t { set = 0, request = 1, release = 2, drive = 3 };
+
+/// A line's electrical state in one word: what the chip does to it, what the world does to it, and the last
+/// change. While `pending` is set, that change has not been seen in the ring yet.
+struct LevelWord {
+  static constexpr std::uint64_t kValue = 1;    ///< level that the chip drives
+  static constexpr std::uint64_t kDriven = 2;   ///< the chip drives it
+  static constexpr std::uint64_t kOutside = 4;  ///< level where the chip does not drive it
+  static constexpr std::uint64_t kPending = 8;
+  static constexpr unsigned kCauseShift = 4;
+  static constexpr unsigned kTimeShift = 12;
+  static constexpr std::uint64_t kPins = kValue | kDriven | kOutside;
+
+  static constexpr unsigned level(std::uint64_t word) {
+    return (word & kDriven) != 0 ? static_cast<unsigned>(word & kValue)
+                                 : static_cast<unsigned>((word & kOutside) >> 2);
+  }
+};
+
+/// One change in the ring, in one word, so that there is no such thing as a half-written entry. The tag is
+/// the lap number modulo 8 of the entry's position: it tells an entry of this lap from the one that stood
+/// there before.
+struct RingWord {
+  static constexpr std::uint64_t kLevel = 1;
+  static constexpr unsigned kCauseShift = 1;
+  static constexpr unsigned kLineShift = 3;
+  static constexpr unsigned kTagShift = 9;
+  static constexpr unsigned kTimeShift = 12;
+  static constexpr std::uint64_t kTagMask = std::uint64_t{7} << kTagShift;
+
+  static constexpr std::uint64_t tag(std::uint64_t position) {
+    return ((position >> kRingBits) & 7) << kTagShift;
+  }
+  static constexpr std::uint64_t of(std::uint64_t level_word, std::uint32_t line) {
+    const std::uint64_t time = level_word >> LevelWord::kTimeShift;
+    const std::uint64_t cause = (level_word >> LevelWord::kCauseShift) & 3;
+    return (time << kTimeShift) | (std::uint64_t{line} << kLineShift) | (cause << kCauseShift) |
+           LevelWord::level(level_word);
+  }
+};
+static_assert(LevelWord::kTimeShift == RingWord::kTimeShift);
+
+/// A line's configuration: changed only under the gate (ownership.hpp).
+struct ConfigWord {
+  static constexpr std::uint32_t kRequested = 1U << 0;
+  static constexpr std::uint32_t kEvents = 1U << 1;  ///< requested for edge events, else as part of a handle
+  static constexpr std::uint32_t kIsOut = 1U << 2;   ///< as the kernel's FLAG_IS_OUT; survives a release
+  static constexpr std::uint32_t kActiveLow = 1U << 3;
+  static constexpr std::uint32_t kOpenDrain = 1U << 4;
+  static constexpr std::uint32_t kOpenSource = 1U << 5;
+  static constexpr std::uint32_t kPullUp = 1U << 6;
+  static constexpr std::uint32_t kPullDown = 1U << 7;
+  static constexpr std::uint32_t kBiasDisable = 1U << 8;
+  static constexpr std::uint32_t kRising = 1U << 9;    ///< event wanted when the line becomes active
+  static constexpr std::uint32_t kFalling = 1U << 10;  ///< event wanted when it becomes inactive
+  static constexpr std::uint32_t kKernelUsed = 1U << 11;
+  static constexpr unsigned kSlotShift = 16;  ///< index of the handle
+  static constexpr std::uint32_t kSlotMask = 0x3fU << kSlotShift;
+  static constexpr std::uint32_t kFlags =
+      kActiveLow | kOpenDrain | kOpenSource | kPullUp | kPullDown | kBiasDisable;
+};
+
+struct alignas(64) Line {
+  std::atomic<std::uint64_t> level;
+  std::atomic<std::uint32_t> config;
+  std::uint32_t idle_level;
+  std::atomic<std::uint64_t> consumer[kNameSize / 8];
+  char name[kNameSize];
+  std::uint64_t fifo_inode;
+};
+
+/// Lines of one line handle. A handle's descriptor names its slot and serial by its file offset
+/// (ownership.hpp).
+struct alignas(64) Handle {
+  std::atomic<std::uint32_t> serial;
+  std::atomic<std::uint32_t> count;
+  std::atomic<std::uint8_t> lines[kMaxLines];
+};
+
+struct State {
+  std::atomic<std::uint64_t> magic;  ///< written last by the creator
+  std::uint32_t version;
+  std::uint32_t line_count;
+  std::uint32_t input_on_release;
+  std::uint32_t reserved;
+  char name[kNameSize];
+  char label[kNameSize];
+  std::int64_t epoch_ns;
+  std::uint64_t device_inode;
+  std::uint64_t lock_inode;
+  std::uint64_t folder_device;
+  std::atomic<std::uint32_t> unplugged;
+  std::atomic<std::uint32_t> last_serial;
+
+  alignas(64) std::atomic<std::uint64_t> head;  ///< position of the next ring entry
+  alignas(64) std::atomic<std::uint32_t> wake;  ///< futex: grows with every change
+  std::atomic<std::uint32_t> waiting;           ///< somebody may sleep on `wake`
+
+  Line lines[kMaxLines];
+  Handle handles[kMaxLines];
+  alignas(64) std::atomic<std::uint64_t> ring[kRingSize];
+};
+
+static_assert(std::atomic<std::uint64_t>::is_always_lock_free &&
+              std::atomic<std::uint32_t>::is_always_lock_free);
+
+}  // namespace strobe::sim::gpio
