@@ -41,7 +41,7 @@ Result<Estimate> estimate_error(const ContactSet& set, const Inputs& inputs) {
     squares_y += std::pow(row.y_fraction * inputs.diameter_m - state.y_m, 2);
     ++n;
   }
-  if (n < 2) return fail(set.name + ": needs at least two rows between touchdown and lift-off");
+  if (n < 2) return fail("at least two rows are needed between touchdown and lift-off");
   return Estimate{std::sqrt(squares_x / (n - 1)), std::sqrt(squares_y / (n - 1)), n, pulse->damping()};
 }
 

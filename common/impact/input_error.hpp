@@ -25,11 +25,11 @@ constexpr std::string_view message(InputError error) {
     case InputError::not_approaching:
       return "vy must be negative: the ball must move towards the surface";
     case InputError::restitution_out_of_range:
-      return "e must be in 0…1";
+      return "e must be from 0 to 1";
     case InputError::friction_negative:
       return "mu must not be negative";
     case InputError::tangential_out_of_range:
-      return "ex must be in -1…1";
+      return "ex must be from -1 to 1";
     case InputError::offset_out_of_range:
       return "offset must be at least 0 and less than the radius";
     case InputError::ball_out_of_range:
