@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "common/reduction/flags.hpp"
 #include "common/reduction/frame.hpp"
@@ -63,6 +64,22 @@ constexpr std::string_view name(Regime regime) {
   return "unclear";
 }
 
+/// One contact image as the thesis's program reports it. Fractions: of the dwell time, of the distance along the
+/// surface, of the rotation; y: drop of the top of the ball over the diameter, negative in contact.
+struct ContactImage {
+  double height_cm = 0.0;  ///< centre above the surface
+  double time_fraction = 0.0;
+  double x_fraction = 0.0;
+  double y_fraction = 0.0;
+  double rotation_fraction = 0.0;
+};
+
+/// What only the legacy estimator gives: the numbers from the first two and last two images, and contact.
+struct LegacyDetail {
+  Quantities far;
+  std::vector<ContactImage> contact;
+};
+
 struct Readout {
   int shot_id = 0;
   Quantities value;
@@ -74,6 +91,7 @@ struct Readout {
   bool mirrored = false;
   FlagSet flags;
   Record record;
+  std::optional<LegacyDetail> legacy;  ///< only with method "legacy"
 };
 
 }  // namespace strobe::reduction

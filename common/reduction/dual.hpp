@@ -1,0 +1,77 @@
+// Forward-mode differentiation: a number together with its derivatives by N variables. Each rule is the chain
+// rule, so a readout written once as a formula gives its exact gradient for the propagation of errors.
+// Plain values; thread-safe, real-time safe.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+namespace strobe::reduction {
+
+template <std::size_t N>
+struct Dual {
+  double value = 0.0;
+  std::array<double, N> grad{};
+
+  constexpr Dual() = default;
+  constexpr Dual(double v) : value(v) {}  // NOLINT: a constant is a dual number without slope
+
+  static constexpr Dual variable(double v, std::size_t index) {
+    Dual d(v);
+    d.grad[index] = 1.0;
+    return d;
+  }
+};
+
+/// f(a) with slope df/da.
+template <std::size_t N>
+Dual<N> chain(const Dual<N>& a, double f, double slope) {
+  Dual<N> r(f);
+  for (std::size_t i = 0; i < N; ++i) r.grad[i] = slope * a.grad[i];
+  return r;
+}
+
+/// f(a, b) with slopes df/da and df/db.
+template <std::size_t N>
+Dual<N> chain(const Dual<N>& a, const Dual<N>& b, double f, double slope_a, double slope_b) {
+  Dual<N> r(f);
+  for (std::size_t i = 0; i < N; ++i) r.grad[i] = slope_a * a.grad[i] + slope_b * b.grad[i];
+  return r;
+}
+
+// clang-format off
+template <std::size_t N> Dual<N> operator-(const Dual<N>& a) { return chain(a, -a.value, -1.0); }
+template <std::size_t N> Dual<N> operator+(const Dual<N>& a, const Dual<N>& b) { return chain(a, b, a.value + b.value, 1.0, 1.0); }
+template <std::size_t N> Dual<N> operator-(const Dual<N>& a, const Dual<N>& b) { return chain(a, b, a.value - b.value, 1.0, -1.0); }
+template <std::size_t N> Dual<N> operator*(const Dual<N>& a, const Dual<N>& b) { return chain(a, b, a.value * b.value, b.value, a.value); }
+template <std::size_t N> Dual<N> operator/(const Dual<N>& a, const Dual<N>& b) { return chain(a, b, a.value / b.value, 1.0 / b.value, -a.value / (b.value * b.value)); }
+template <std::size_t N> Dual<N> operator+(const Dual<N>& a, double b) { return chain(a, a.value + b, 1.0); }
+template <std::size_t N> Dual<N> operator-(const Dual<N>& a, double b) { return chain(a, a.value - b, 1.0); }
+template <std::size_t N> Dual<N> operator*(const Dual<N>& a, double b) { return chain(a, a.value * b, b); }
+template <std::size_t N> Dual<N> operator/(const Dual<N>& a, double b) { return chain(a, a.value / b, 1.0 / b); }
+template <std::size_t N> Dual<N> operator*(double a, const Dual<N>& b) { return b * a; }
+template <std::size_t N> Dual<N> operator-(double a, const Dual<N>& b) { return chain(b, a - b.value, -1.0); }
+// clang-format on
+
+template <std::size_t N>
+Dual<N> sqrt(const Dual<N>& a) {
+  const double root = std::sqrt(a.value);
+  return chain(a, root, 0.5 / root);
+}
+
+template <std::size_t N>
+Dual<N> hypot(const Dual<N>& a, const Dual<N>& b) {
+  const double length = std::hypot(a.value, b.value);
+  if (length == 0.0) return Dual<N>(0.0);
+  return chain(a, b, length, a.value / length, b.value / length);
+}
+
+template <std::size_t N>
+Dual<N> atan2(const Dual<N>& y, const Dual<N>& x) {
+  const double square = x.value * x.value + y.value * y.value;
+  if (square == 0.0) return Dual<N>(0.0);
+  return chain(y, x, std::atan2(y.value, x.value), x.value / square, -y.value / square);
+}
+
+}  // namespace strobe::reduction

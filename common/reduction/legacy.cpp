@@ -1,0 +1,208 @@
+#include "common/reduction/legacy.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "common/reduction/observations.hpp"
+
+namespace strobe::reduction {
+namespace {
+
+constexpr double kDegrees = 57.3;  // the program's constants
+constexpr double kPiLegacy = 3.1416;
+constexpr double kHalfPiLegacy = 1.5708;
+
+struct LevelImage {
+  double x = 0.0;
+  double y = 0.0;
+  double slope = 0.0;
+  double diameter = 0.0;
+};
+
+struct Turn {
+  double cos;
+  double sin;
+  PointPx operator()(const PointPx& p) const { return {p.x * cos - p.y * sin, p.x * sin + p.y * cos}; }
+};
+
+LevelImage level_image(const LegacyImage& image, const Turn& turn) {
+  const PointPx centre = turn(image.centre);
+  const PointPx edge = turn(image.edge);
+  const PointPx a = turn(image.equator_1);
+  const PointPx b = turn(image.equator_2);
+  return {centre.x, centre.y, (b.y - a.y) / (b.x - a.x),
+          2.0 * std::hypot(edge.x - centre.x, edge.y - centre.y)};
+}
+
+/// Change of the equator's angle between two images, by the program's rules.
+double turned(double slope_a, double slope_b) {
+  const double difference = std::atan(slope_b) - std::atan(slope_a);
+  if (slope_a > 1.0 && slope_b < -1.0) return difference + kPiLegacy;
+  if (slope_a < 0.0 && slope_b > 0.0) return difference - kPiLegacy;
+  return difference;
+}
+
+struct Motion {
+  double vx = 0.0;
+  double vy = 0.0;
+  double omega = 0.0;
+  double speed() const { return std::hypot(vx, vy); }
+};
+
+Motion between(const LevelImage& a, const LevelImage& b, double m_per_px, double period_s) {
+  const double per_second = m_per_px / period_s;
+  return {(b.x - a.x) * per_second, (b.y - a.y) * per_second, turned(a.slope, b.slope) / period_s};
+}
+
+void put(Quantities& q, Quantity which, double value) {
+  if (std::isfinite(value)) q[which] = value;
+}
+
+Quantities motions(const Motion& td, const Motion& lo, double radius_m) {
+  Quantities q;
+  put(q, Quantity::theta_in_deg, std::atan(td.vy / td.vx) * kDegrees);
+  put(q, Quantity::theta_out_deg, std::atan(lo.vy / lo.vx) * kDegrees);
+  put(q, Quantity::vx_td_mps, td.vx);
+  put(q, Quantity::vy_td_mps, td.vy);
+  put(q, Quantity::v_td_mps, td.speed());
+  put(q, Quantity::omega_td_radps, td.omega);
+  put(q, Quantity::vx_lo_mps, lo.vx);
+  put(q, Quantity::vy_lo_mps, lo.vy);
+  put(q, Quantity::v_lo_mps, lo.speed());
+  put(q, Quantity::omega_lo_radps, lo.omega);
+  put(q, Quantity::slip_lo_mps, lo.vx + radius_m * lo.omega);
+  put(q, Quantity::e, -lo.vy / td.vy);
+  put(q, Quantity::mu, (td.vx - lo.vx) / (lo.vy - td.vy));
+  return q;
+}
+
+/// A frame after the program's preparation: rotated, surface heights, mean diameter.
+struct Prepared {
+  std::array<LevelImage, 6> flight;
+  double surface_td = 0.0;
+  double surface_lo = 0.0;
+  double diameter = 0.0;
+};
+
+Prepared prepare(const LegacyFrame& frame, const Turn& turn) {
+  Prepared p;
+  for (std::size_t i = 0; i < 6; ++i) {
+    p.flight[i] = level_image(frame.flight[i], turn);
+    p.diameter += p.flight[i].diameter / 6.0;
+  }
+  p.surface_td = 0.5 * (turn(frame.surface[0]).y + turn(frame.surface[1]).y);
+  p.surface_lo = 0.5 * (turn(frame.surface[2]).y + turn(frame.surface[3]).y);
+  return p;
+}
+
+/// Where the straight path through an image reaches a height, and the time along it, which is never negative.
+struct PathEnd {
+  double x = 0.0;
+  double y = 0.0;
+  double time_s = 0.0;
+};
+
+PathEnd path_end(const LevelImage& from, const Motion& motion, double height, double m_per_px) {
+  const double x = from.x + (height - from.y) * motion.vx / motion.vy;
+  const double length = std::hypot(x - from.x, height - from.y) * m_per_px;
+  return {x, height, length / motion.speed()};
+}
+
+struct Impact {
+  PathEnd td;
+  PathEnd lo;
+  double dwell_s = 0.0;
+  double angle_td = 0.0;
+  double angle_total = 0.0;
+};
+
+ContactImage contact_image(const LevelImage& image, const Impact& impact, const Prepared& p, double time_s,
+                           double diameter_m) {
+  ContactImage out;
+  out.height_cm = (image.y - p.surface_td) * 100.0 * diameter_m / p.diameter;
+  out.time_fraction = (time_s - impact.td.time_s) / impact.dwell_s;
+  out.x_fraction = (image.x - impact.td.x) / (impact.lo.x - impact.td.x);
+  out.y_fraction = (image.y + 0.5 * image.diameter - (p.surface_td + p.diameter)) / p.diameter;
+  double angle = std::atan(image.slope) - impact.angle_td;
+  if (impact.angle_td > kHalfPiLegacy && image.slope < -1.0) {
+    angle += kPiLegacy;
+  } else if (impact.angle_td < 0.0 && image.slope > 0.0) {
+    angle -= kPiLegacy;
+  }
+  out.rotation_fraction = angle / impact.angle_total;
+  return out;
+}
+
+Impact impact_of(const LegacyFrame& frame, const Prepared& p, const Motion& td, const Motion& lo,
+                 double m_per_px) {
+  Impact impact;
+  impact.td = path_end(p.flight[2], td, p.surface_td + 0.5 * p.diameter, m_per_px);
+  impact.lo = path_end(p.flight[3], lo, p.surface_lo + 0.5 * p.diameter, m_per_px);
+  impact.dwell_s = (frame.contact_count + 1) * frame.period_s - impact.td.time_s - impact.lo.time_s;
+  impact.angle_td = std::atan(p.flight[2].slope) + td.omega * impact.td.time_s;
+  impact.angle_total = std::atan(p.flight[3].slope) - lo.omega * impact.lo.time_s - impact.angle_td;
+  if (impact.angle_total > 0.0) impact.angle_total -= kPiLegacy;
+  return impact;
+}
+
+}  // namespace
+
+Readout reduce_legacy(const LegacyFrame& frame, double ball_diameter_m) {
+  Readout readout;
+  readout.shot_id = frame.frame_number;
+  readout.method = "legacy";
+  const double angle =
+      std::atan2(frame.surface[2].y - frame.surface[0].y, frame.surface[2].x - frame.surface[0].x);
+  const Turn turn{std::cos(angle), std::sin(angle)};  // by +a: the program's doubling of the tilt
+  const Prepared p = prepare(frame, turn);
+  const double m_per_px = ball_diameter_m / p.diameter;
+  const auto& f = p.flight;
+  const Motion td = between(f[1], f[2], m_per_px, frame.period_s);
+  const Motion lo = between(f[3], f[4], m_per_px, frame.period_s);
+  readout.value = motions(td, lo, 0.5 * ball_diameter_m);
+  const Impact impact = impact_of(frame, p, td, lo, m_per_px);
+  put(readout.value, Quantity::dwell_time_ms, impact.dwell_s * 1e3);
+  const double distance = std::hypot(impact.lo.x - impact.td.x, impact.lo.y - impact.td.y) * m_per_px;
+  put(readout.value, Quantity::dwell_distance_cm, distance * 1e2);
+  readout.legacy.emplace();
+  readout.legacy->far = motions(between(f[0], f[1], m_per_px, frame.period_s),
+                                between(f[4], f[5], m_per_px, frame.period_s), 0.5 * ball_diameter_m);
+  for (std::size_t i = 0; i < frame.contact.size(); ++i) {
+    const double time_s = static_cast<double>(i + 1) * frame.period_s;
+    readout.legacy->contact.push_back(
+        contact_image(level_image(frame.contact[i], turn), impact, p, time_s, ball_diameter_m));
+  }
+  if (frame.contact.empty()) readout.flags.set(Flag::no_contact_image);
+  return readout;
+}
+
+Frame frame_from_legacy(const LegacyFrame& legacy) {
+  Frame frame;
+  frame.shot_id = legacy.frame_number;
+  frame.ball_diameter_m = kLegacyDiameterM;
+  frame.record["frame_number"] = std::to_string(legacy.frame_number);
+  frame.surface_px.assign(legacy.surface.begin(), legacy.surface.end());
+  const auto add = [&](const LegacyImage& image, int flash, Leg leg) {
+    BallImage out;
+    out.time_s = flash * legacy.period_s;
+    out.flash_index = flash;
+    out.leg = leg;
+    out.centre_px = image.centre;
+    out.diameter_px = 2.0 * std::hypot(image.edge.x - image.centre.x, image.edge.y - image.centre.y);
+    const double dx = image.equator_2.x - image.equator_1.x;
+    const double dy = image.equator_2.y - image.equator_1.y;
+    if (dx != 0.0 || dy != 0.0) out.equator_rad = std::atan2(dy, dx);
+    out.source = "hand";
+    frame.images.push_back(std::move(out));
+  };
+  for (int i = 0; i < 3; ++i) add(legacy.flight[static_cast<std::size_t>(i)], i, Leg::incoming);
+  for (std::size_t i = 0; i < legacy.contact.size(); ++i)
+    add(legacy.contact[i], 3 + static_cast<int>(i), Leg::contact);
+  for (int i = 0; i < 3; ++i) {
+    add(legacy.flight[static_cast<std::size_t>(3 + i)], 3 + legacy.contact_count + i, Leg::rebound);
+  }
+  return frame;
+}
+
+}  // namespace strobe::reduction

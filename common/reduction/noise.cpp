@@ -1,0 +1,89 @@
+#include "common/reduction/noise.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace strobe::reduction {
+namespace {
+
+/// Residuals of exact data are rounding; a level of zero would be an infinite weight.
+constexpr double kLeastRelativeLevel = 1e-12;
+/// Fewer degrees of freedom than this are rounding of the trace.
+constexpr double kLeastFreedom = 0.5;
+
+struct Scatter {
+  double sum_of_squares = 0.0;
+  double count = 0.0;
+  double taken = 0.0;  // by the fit
+};
+
+/// Squares of the part of a residual that the level, and not a stated error in time, accounts for.
+void add_centre(const ShotFit& fit, const Observation& o, Scatter& s) {
+  const CentreResidual r = centre_residual(fit.observations, fit.joint, o);
+  const double level = fit.observations.levels[Noise::centre];
+  const double det = r.cov_xx * r.cov_yy - r.cov_xy * r.cov_xy;
+  const double chi = (r.cov_yy * r.residual.x * r.residual.x - 2.0 * r.cov_xy * r.residual.x * r.residual.y +
+                      r.cov_xx * r.residual.y * r.residual.y) /
+                     det;
+  s.sum_of_squares += chi * level * level;
+  s.count += 2.0;
+}
+
+Scatter scatter(const ShotFit& fit, Noise noise) {
+  const Observations& all = fit.observations;
+  Scatter s;
+  for (const Observation& o : all.images) {
+    const bool centre = o.use_centre && o.centre_noise == noise && fit.joint.legs[leg_index(*o.leg)].fitted;
+    if (centre) add_centre(fit, o, s);
+    if (o.use_diameter && o.diameter_noise == noise) {
+      const double r = o.diameter_m - fit.joint.unknowns[kScale] * all.ball_diameter_m;
+      s.sum_of_squares += r * r;
+      s.count += 1.0;
+    }
+  }
+  if (all.surface_noise == noise) {
+    for (const Vec2& p : all.surface_m) {
+      const double r = surface_residual(fit.joint, p);
+      s.sum_of_squares += r * r;
+      s.count += 1.0;
+    }
+  }
+  if (s.count > 0.0) s.taken = information(all, fit.joint, noise).cwiseProduct(fit.joint.covariance).sum();
+  return s;
+}
+
+Scatter equator_scatter(const ShotFit& fit) {
+  Scatter s;
+  for (std::size_t leg = 0; leg < 2; ++leg) {
+    if (!fit.spin[leg]) continue;
+    for (std::size_t i = 0; i < fit.equators[leg].size(); ++i) {
+      if (!fit.equators[leg][i].estimated_noise) continue;
+      s.sum_of_squares += fit.spin[leg]->residual_rad[i] * fit.spin[leg]->residual_rad[i];
+      s.count += 1.0;
+      s.taken += fit.spin[leg]->leverage[i];
+    }
+  }
+  return s;
+}
+
+}  // namespace
+
+double update_levels(ShotFit& fit) {
+  double largest = 0.0;
+  for (const Noise noise : {Noise::centre, Noise::surface, Noise::diameter, Noise::equator}) {
+    const bool equator = noise == Noise::equator;
+    const Scatter s = equator ? equator_scatter(fit) : scatter(fit, noise);
+    EstimatedLevel& level = fit.levels[static_cast<std::size_t>(noise)];
+    level = {s.count > 0.0, s.count - s.taken};
+    if (level.degrees_of_freedom < kLeastFreedom) level.degrees_of_freedom = 0.0;
+    if (!level.used || level.degrees_of_freedom == 0.0) continue;
+    const double floor = kLeastRelativeLevel * (equator ? 1.0 : fit.observations.ball_diameter_m);
+    const double sd = std::max(std::sqrt(s.sum_of_squares / level.degrees_of_freedom), floor);
+    double& now = fit.observations.levels[noise];
+    largest = std::max(largest, std::abs(sd - now) / now);
+    now = sd;
+  }
+  return largest;
+}
+
+}  // namespace strobe::reduction

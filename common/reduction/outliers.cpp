@@ -1,0 +1,143 @@
+#include "common/reduction/outliers.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include "common/reduction/student_t.hpp"
+
+namespace strobe::reduction {
+namespace {
+
+constexpr double kFalseAlarms = 1e-3;  // of a photograph
+constexpr int kLeastImages = 4;
+
+struct Suspect {
+  double probability = 1.0;  // of so large a deviation by chance, times the number of chances
+  std::size_t image = 0;
+  enum class What { centre, diameter, equator } what = What::centre;
+};
+
+void consider(Suspect& worst, double probability, double chances, std::size_t image, Suspect::What what) {
+  if (probability * chances < worst.probability) worst = {probability * chances, image, what};
+}
+
+double freedom(const ShotFit& fit, Noise noise) {
+  if (noise == Noise::stated) return std::numeric_limits<double>::infinity();
+  return fit.levels[static_cast<std::size_t>(noise)].degrees_of_freedom;
+}
+
+/// A square with `dimensions` degrees of freedom in units of a level that was estimated with it included:
+/// the level without it, and then F.
+double chance_of_square(double square, double degrees_of_freedom, int dimensions) {
+  if (!std::isfinite(degrees_of_freedom)) {
+    return dimensions == 2 ? std::exp(-0.5 * square) : std::erfc(std::sqrt(0.5 * square));
+  }
+  const double left = degrees_of_freedom - dimensions;
+  if (left < 0.5) return 1.0;
+  const double rest = (degrees_of_freedom - square) / left;
+  if (!(rest > 0.0)) return 0.0;
+  if (dimensions == 2)
+    return std::pow(1.0 + square / (rest * left), -0.5 * left);  // F(2, left) in closed form
+  return student_t_tail(std::sqrt(square / rest), left);
+}
+
+/// Squared deviation from the prediction by the other images: residual over (noise - the fit's own
+/// covariance).
+double deleted_square(const ShotFit& fit, const Observation& o) {
+  const CentreResidual r = centre_residual(fit.observations, fit.joint, o);
+  const std::size_t leg = leg_index(*o.leg);
+  const double s = fit.joint.legs[leg].scaled(o.time_s);
+  const int k = kLegStart[leg];
+  const JointMatrix& c = fit.joint.covariance;
+  const auto fitted = [&](int a, int b) {
+    return c(k + a, k + b) + s * (c(k + a + 2, k + b) + c(k + a, k + b + 2)) +
+           s * s * c(k + a + 2, k + b + 2);
+  };
+  const double xx = r.cov_xx - fitted(0, 0);
+  const double xy = r.cov_xy - fitted(0, 1);
+  const double yy = r.cov_yy - fitted(1, 1);
+  const double determinant = xx * yy - xy * xy;
+  if (!(determinant > 0.0) || !(xx > 0.0)) return 0.0;
+  const Vec2 v = r.residual;
+  return (yy * v.x * v.x - 2.0 * xy * v.x * v.y + xx * v.y * v.y) / determinant;
+}
+
+void suspect_centres(const ShotFit& fit, Suspect& worst) {
+  int count[2] = {0, 0};
+  for (const Observation& o : fit.observations.images) {
+    if (o.use_centre) ++count[leg_index(*o.leg)];
+  }
+  for (std::size_t i = 0; i < fit.observations.images.size(); ++i) {
+    const Observation& o = fit.observations.images[i];
+    if (!o.use_centre || count[leg_index(*o.leg)] < kLeastImages) continue;
+    const double square = deleted_square(fit, o);
+    if (square < 9.0) continue;  // cannot be beyond chance
+    consider(worst, chance_of_square(square, freedom(fit, o.centre_noise), 2), count[0] + count[1], i,
+             Suspect::What::centre);
+  }
+}
+
+void suspect_diameters(const ShotFit& fit, Suspect& worst) {
+  int count = 0;
+  for (const Observation& o : fit.observations.images) count += o.use_diameter ? 1 : 0;
+  if (count < kLeastImages) return;
+  const double own = fit.observations.ball_diameter_m * fit.observations.ball_diameter_m *
+                     fit.joint.covariance(kScale, kScale);
+  for (std::size_t i = 0; i < fit.observations.images.size(); ++i) {
+    const Observation& o = fit.observations.images[i];
+    if (!o.use_diameter) continue;
+    const double residual = o.diameter_m - fit.joint.unknowns[kScale] * fit.observations.ball_diameter_m;
+    const double sd = fit.observations.diameter_sd(o);
+    const double variance = sd * sd - own;
+    const double square = variance > 0.0 ? residual * residual / variance : 0.0;
+    if (square < 4.0) continue;
+    consider(worst, chance_of_square(square, freedom(fit, o.diameter_noise), 1), count, i,
+             Suspect::What::diameter);
+  }
+}
+
+void suspect_equators(const ShotFit& fit, Suspect& worst) {
+  const double chances = static_cast<double>(fit.equators[0].size() + fit.equators[1].size());
+  for (std::size_t leg = 0; leg < 2; ++leg) {
+    const auto& readings = fit.equators[leg];
+    if (!fit.spin[leg] || readings.size() < static_cast<std::size_t>(kLeastImages)) continue;
+    for (std::size_t i = 0; i < readings.size(); ++i) {
+      const double by_time = fit.spin[leg]->omega_radps * readings[i].time_sd_s;
+      const double noise = readings[i].sd_rad * readings[i].sd_rad + by_time * by_time;
+      const double variance = noise * (1.0 - fit.spin[leg]->leverage[i]);
+      const double residual = fit.spin[leg]->residual_rad[i];
+      const double square = variance > 0.0 ? residual * residual / variance : 0.0;
+      if (square < 4.0) continue;
+      const Noise level = readings[i].estimated_noise ? Noise::equator : Noise::stated;
+      consider(worst, chance_of_square(square, freedom(fit, level), 1), chances, readings[i].index,
+               Suspect::What::equator);
+    }
+  }
+}
+
+}  // namespace
+
+bool leave_out_worst(ShotFit& fit) {
+  Suspect worst;
+  worst.probability = kFalseAlarms / 3.0;  // three kinds of measurement share the false alarms
+  const double threshold = worst.probability;
+  suspect_centres(fit, worst);
+  suspect_diameters(fit, worst);
+  suspect_equators(fit, worst);
+  if (!(worst.probability < threshold)) return false;
+  Observation& o = fit.observations.images[worst.image];
+  switch (worst.what) {
+    case Suspect::What::centre:
+      o.use_centre = o.use_diameter = o.use_equator = false;
+      break;
+    case Suspect::What::diameter:
+      o.use_diameter = false;
+      break;
+    case Suspect::What::equator:
+      o.use_equator = false;
+      break;
+  }
+  return true;
+}
+
+}  // namespace strobe::reduction

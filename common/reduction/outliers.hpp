@@ -1,0 +1,15 @@
+// Images that do not fit their leg. Part of the reduction, not of its interface. Thread-safe.
+#pragma once
+
+#include "common/reduction/shot_fit.hpp"
+
+namespace strobe::reduction {
+
+/// Marks the worst measurement as not to be used if it is further from what the others predict than chance
+/// allows: one clean photograph in a thousand loses a measurement, however many images it has (Bonferroni).
+/// The test is leave-one-out: chi squared where the noise is stated, F or t where it was estimated. Only
+/// where at least `four` like measurements remain to be judged against each other, since of three none can be
+/// singled out. Returns whether one was marked; the caller fits again.
+bool leave_out_worst(ShotFit& fit);
+
+}  // namespace strobe::reduction

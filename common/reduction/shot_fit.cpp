@@ -1,0 +1,61 @@
+#include "common/reduction/shot_fit.hpp"
+
+#include <utility>
+
+#include "common/reduction/noise.hpp"
+#include "common/reduction/outliers.hpp"
+
+namespace strobe::reduction {
+namespace {
+
+void fit_spins(ShotFit& fit) {
+  for (auto& readings : fit.equators) readings.clear();
+  for (std::size_t i = 0; i < fit.observations.images.size(); ++i) {
+    const Observation& o = fit.observations.images[i];
+    if (!o.use_equator) continue;
+    fit.equators[leg_index(*o.leg)].push_back({o.time_s, o.equator_rad, fit.observations.equator_sd(o),
+                                               o.time_sd_s, o.equator_noise != Noise::stated, i});
+  }
+  for (std::size_t leg = 0; leg < 2; ++leg) fit.spin[leg] = fit_spin(fit.equators[leg]);
+}
+
+bool any_estimated(const Observations& all) {
+  bool any = all.surface_noise != Noise::stated;
+  for (const Observation& o : all.images) {
+    any = any || (o.use_centre && o.centre_noise != Noise::stated);
+    any = any || (o.use_diameter && o.diameter_noise != Noise::stated);
+    any = any || (o.use_equator && o.equator_noise != Noise::stated);
+  }
+  return any;
+}
+
+void fit_once(ShotFit& fit, Vec2 gravity) {
+  // The levels hardly move the fit, and the fit hardly the levels: three rounds reach rounding.
+  constexpr int kMostRounds = 6;
+  const bool estimated = any_estimated(fit.observations);
+  for (int round = 0; round < kMostRounds; ++round) {
+    fit.joint = fit_joint(fit.observations, gravity);
+    fit_spins(fit);
+    if (!estimated || update_levels(fit) < 1e-6) return;
+  }
+}
+
+}  // namespace
+
+ShotFit fit_shot(Observations observations, FitOptions options, FlagSet& flags) {
+  ShotFit fit;
+  fit.observations = std::move(observations);
+  const Vec2 gravity = options.gravity ? fit.observations.gravity_mps2 : Vec2{};
+  fit_once(fit, gravity);
+  while (options.leave_out_outliers && leave_out_worst(fit)) {
+    flags.set(Flag::outlier_image);
+    fit_once(fit, gravity);
+  }
+  for (const auto& spin : fit.spin) {
+    if (spin && spin->aliased) flags.set(Flag::spin_aliased);
+  }
+  if (any_estimated(fit.observations)) flags.set(Flag::sd_from_residuals);
+  return fit;
+}
+
+}  // namespace strobe::reduction

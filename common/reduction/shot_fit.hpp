@@ -1,0 +1,37 @@
+// All fits of one photograph together, with the noise levels the frame does not state estimated on the way
+// and images that do not fit left out. Part of the reduction, not of its interface. Thread-safe; allocates.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "common/reduction/joint_fit.hpp"
+#include "common/reduction/observations.hpp"
+#include "common/reduction/spin_fit.hpp"
+
+namespace strobe::reduction {
+
+/// A noise level that the frame did not state.
+struct EstimatedLevel {
+  bool used = false;                ///< some measurement has it
+  double degrees_of_freedom = 0.0;  ///< measurements less what the fit took of them
+};
+
+struct ShotFit {
+  Observations observations;
+  JointFit joint;
+  std::array<std::optional<SpinFit>, 2> spin;           ///< incoming, rebound
+  std::array<std::vector<EquatorReading>, 2> equators;  ///< what the spins were fitted to
+  std::array<EstimatedLevel, kNoiseCount> levels;       ///< index: Noise
+};
+
+struct FitOptions {
+  bool gravity = true;
+  bool leave_out_outliers = true;
+};
+
+/// Sets the flags outlier_image, sd_from_residuals and spin_aliased.
+ShotFit fit_shot(Observations observations, FitOptions options, FlagSet& flags);
+
+}  // namespace strobe::reduction

@@ -1,0 +1,153 @@
+#include "common/reduction/spin_fit.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "common/units/angles.hpp"
+
+namespace strobe::reduction {
+namespace {
+
+/// A reading further out than this many sd costs no more: it is wrong, not unlikely.
+constexpr double kCostLimit = 16.0;
+/// Spins whose chi squared differs by less than 3 sd cannot be told apart.
+constexpr double kComparable = 9.0;
+/// Share of the window's width next to its limit where a turn more is as believable as the spin itself.
+constexpr double kNearLimit = 0.05;
+
+/// Running straight line angle = mean + omega (t - mean time).
+class Line {
+ public:
+  void add(double t, double angle, double weight) {
+    sw_ += weight;
+    const double dt = t - mean_t_;
+    const double step = weight / sw_;
+    mean_t_ += step * dt;
+    const double da = angle - mean_a_;
+    mean_a_ += step * da;
+    stt_ += weight * dt * (t - mean_t_);
+    sta_ += weight * dt * (angle - mean_a_);
+  }
+  double omega() const { return sta_ / stt_; }
+  double at(double t) const { return mean_a_ + omega() * (t - mean_t_); }
+  double mean_time() const { return mean_t_; }
+  double mean_angle() const { return mean_a_; }
+  double weight() const { return sw_; }
+  double moment() const { return stt_; }
+
+ private:
+  double sw_ = 0.0;
+  double mean_t_ = 0.0;
+  double mean_a_ = 0.0;
+  double stt_ = 0.0;
+  double sta_ = 0.0;
+};
+
+double weight(const EquatorReading& r, double omega) {
+  const double by_time = omega * r.time_sd_s;
+  return 1.0 / (r.sd_rad * r.sd_rad + by_time * by_time);
+}
+
+/// The line through readings `pair` and `pair + 1` with that spin, extended to all others, nearest first.
+Line follow(const std::vector<EquatorReading>& readings, std::size_t pair, double omega) {
+  const EquatorReading& first = readings[pair];
+  const EquatorReading& second = readings[pair + 1];
+  Line line;
+  line.add(first.time_s, first.angle_rad, weight(first, omega));
+  line.add(second.time_s, first.angle_rad + omega * (second.time_s - first.time_s), weight(second, omega));
+  std::size_t before = pair;
+  std::size_t after = pair + 2;
+  while (before > 0 || after < readings.size()) {
+    const double mean = line.mean_time();
+    const bool backward = after >= readings.size() ||
+                          (before > 0 && mean - readings[before - 1].time_s < readings[after].time_s - mean);
+    const EquatorReading& next = readings[backward ? --before : after++];
+    const double expected = line.at(next.time_s);
+    line.add(next.time_s, expected + wrap_half_turn(next.angle_rad - expected), weight(next, omega));
+  }
+  return line;
+}
+
+struct Proposal {
+  Line line;
+  double omega = 0.0;
+  double cost = std::numeric_limits<double>::infinity();
+};
+
+double robust_cost(const std::vector<EquatorReading>& readings, const Line& line) {
+  double cost = 0.0;
+  for (const EquatorReading& r : readings) {
+    const double miss = wrap_half_turn(r.angle_rad - line.at(r.time_s));
+    cost += std::min(miss * miss * weight(r, line.omega()), kCostLimit);
+  }
+  return cost;
+}
+
+std::vector<Proposal> propose(const std::vector<EquatorReading>& readings, double limit) {
+  std::vector<Proposal> proposals;
+  for (std::size_t i = 0; i + 1 < readings.size(); ++i) {
+    const double interval = readings[i + 1].time_s - readings[i].time_s;
+    const double base = wrap_half_turn(readings[i + 1].angle_rad - readings[i].angle_rad) / interval;
+    const double branch = kPi / interval;
+    const int most = static_cast<int>(std::ceil(std::min((limit + std::abs(base)) / branch, 1000.0)));
+    for (int k = -most; k <= most; ++k) {
+      const double omega = base + k * branch;
+      if (std::abs(omega) > limit * (1.0 + 1e-12)) continue;
+      const Line line = follow(readings, i, omega);
+      if (std::abs(line.omega()) > limit * (1.0 + 1e-12)) continue;
+      proposals.push_back({line, line.omega(), robust_cost(readings, line)});
+    }
+  }
+  return proposals;
+}
+
+void finish(const std::vector<EquatorReading>& readings, const Line& line, SpinFit& fit) {
+  fit.omega_radps = line.omega();
+  fit.variance = 1.0 / line.moment();
+  fit.mean_time_s = line.mean_time();
+  fit.angle_rad = line.mean_angle();
+  for (const EquatorReading& r : readings) {
+    const double dt = r.time_s - line.mean_time();
+    const double w = weight(r, fit.omega_radps);
+    const double miss = wrap_half_turn(r.angle_rad - line.at(r.time_s));
+    fit.residual_rad.push_back(miss);
+    fit.leverage.push_back(w * (1.0 / line.weight() + dt * dt / line.moment()));
+    fit.chi_squared += miss * miss * w;
+    const double share = r.sd_rad * r.sd_rad * w;  // less the part of a stated error in time
+    if (r.estimated_noise) fit.estimated_variance += share * w * dt * dt / (line.moment() * line.moment());
+  }
+}
+
+}  // namespace
+
+std::optional<SpinFit> fit_spin(const std::vector<EquatorReading>& readings) {
+  if (readings.size() < 2) return std::nullopt;
+  double shortest = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i + 1 < readings.size(); ++i) {
+    shortest = std::min(shortest, readings[i + 1].time_s - readings[i].time_s);
+  }
+  const double limit = kPi / (2.0 * shortest);
+  std::vector<Proposal> proposals = propose(readings, limit);
+  if (proposals.empty()) {
+    // Every line left the window by noise at its very edge: keep the pair's own spin, and say so.
+    const double omega = wrap_half_turn(readings[1].angle_rad - readings[0].angle_rad) /
+                         (readings[1].time_s - readings[0].time_s);
+    const Line line = follow(readings, 0, omega);
+    proposals.push_back({line, line.omega(), robust_cost(readings, line)});
+  }
+  const Proposal best =
+      *std::min_element(proposals.begin(), proposals.end(),
+                        [](const Proposal& a, const Proposal& b) { return a.cost < b.cost; });
+  SpinFit fit;
+  finish(readings, best.line, fit);
+  const double sd = std::sqrt(fit.variance);
+  fit.aliased = std::abs(fit.omega_radps) + std::max(3.0 * sd, kNearLimit * limit) > limit;
+  for (const Proposal& other : proposals) {
+    const bool distinct = std::abs(other.omega - fit.omega_radps) > 6.0 * sd;
+    fit.aliased = fit.aliased || (distinct && other.cost < best.cost + kComparable);
+  }
+  return fit;
+}
+
+}  // namespace strobe::reduction
