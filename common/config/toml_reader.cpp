@@ -214,6 +214,21 @@ std::uint32_t TomlTable::line_of(std::string_view key) const {
   return node ? node->source().begin.line : node_->line();
 }
 
+namespace {
+
+void mark_all(const toml::table& table, std::set<const toml::node*>& asked) {
+  for (const auto& [key, node] : table) {
+    asked.insert(&node);
+    if (const toml::table* child = node.as_table()) mark_all(*child, asked);
+  }
+}
+
+}  // namespace
+
+void TomlTable::accept_all() const {
+  if (node_->table) mark_all(*node_->table, node_->state->asked);
+}
+
 void TomlTable::error_at(std::string_view key, const std::string& what) {
   node_->report(key, node_->table ? node_->table->get(key) : nullptr, what);
 }

@@ -55,6 +55,9 @@ class TomlTable {
   /// Line of the key's value in the file, from 1; the table's own if there is no such key; 0 if absent altogether.
   std::uint32_t line_of(std::string_view key) const;
 
+  /// Accepts everything in this table unread: keys that are another program's business.
+  void accept_all() const;
+
   /// Reports an error of the caller's own at the key's line (or at the table's, if there is no such key).
   void error_at(std::string_view key, const std::string& what);
 
