@@ -1,0 +1,32 @@
+// Frames and readouts to and from their LCM messages. What is absent is NaN (numbers) or empty (text) there.
+// Messages come from outside: every conversion checks before it copies, and an error names the field.
+// Pure functions; thread-safe; they allocate.
+#pragma once
+
+#include <cstdint>
+
+#include "common/reduction/frame.hpp"
+#include "common/reduction/readout.hpp"
+#include "common/result.hpp"
+
+namespace strobe_msgs {
+class frame_t;
+class readout_t;
+}  // namespace strobe_msgs
+
+namespace strobe::messages {
+
+/// The message knows neither times nor the ball: time_s is 0 in every image and ball_diameter_m is 0; the
+/// caller sets both before it reduces the frame. Record and surface angle likewise are the caller's.
+Result<reduction::Frame> frame_from_lcm(const strobe_msgs::frame_t& message);
+
+/// Times, flash indices and per-image noise are not carried. boot_id and photograph are the caller's to set.
+strobe_msgs::frame_t frame_to_lcm(const reduction::Frame& frame);
+
+strobe_msgs::readout_t readout_to_lcm(const reduction::Readout& readout, std::int64_t host_id,
+                                      std::int64_t boot_id);
+
+/// host_id and boot_id are in the message. The legacy estimator's `far` and `contact` are not carried.
+Result<reduction::Readout> readout_from_lcm(const strobe_msgs::readout_t& message);
+
+}  // namespace strobe::messages

@@ -1,0 +1,69 @@
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "common/messages/json_conversions.hpp"
+
+namespace strobe::messages {
+namespace {
+
+using nlohmann::ordered_json;
+using reduction::Quantities;
+using reduction::Readout;
+
+void put(ordered_json& object, const Quantities& quantities) {
+  for (std::size_t i = 0; i < reduction::kQuantityCount; ++i) {
+    const auto quantity = static_cast<reduction::Quantity>(i);
+    const auto& value = quantities[quantity];
+    object[std::string(name(quantity))] = value ? ordered_json(*value) : ordered_json();
+  }
+}
+
+ordered_json quantities_json(const Quantities& quantities) {
+  ordered_json object = ordered_json::object();
+  put(object, quantities);
+  return object;
+}
+
+ordered_json flags_json(const reduction::FlagSet& flags) {
+  ordered_json names = ordered_json::array();
+  for (std::size_t i = 0; i < reduction::kFlagCount; ++i) {
+    const auto flag = static_cast<reduction::Flag>(i);
+    if (flags.has(flag)) names.push_back(std::string(name(flag)));
+  }
+  return names;
+}
+
+ordered_json contact_json(const reduction::ContactImage& image) {
+  ordered_json object;
+  object["height_cm"] = image.height_cm;
+  object["time_fraction"] = image.time_fraction;
+  object["x_fraction"] = image.x_fraction;
+  object["y_fraction"] = image.y_fraction;
+  object["rotation_fraction"] = image.rotation_fraction;
+  return object;
+}
+
+}  // namespace
+
+std::string readout_to_json(const Readout& readout) {
+  ordered_json object;
+  object["shot_id"] = readout.shot_id;
+  put(object, readout.value);
+  object["regime"] = readout.regime ? ordered_json(std::string(name(*readout.regime))) : ordered_json();
+  object["court_pace_conforming"] = readout.court_pace_conforming;
+  object["method"] = readout.method;
+  object["mirrored"] = readout.mirrored;
+  object["flags"] = flags_json(readout.flags);
+  object["sd"] = quantities_json(readout.sd);
+  object["sd_systematic"] = quantities_json(readout.sd_systematic);
+  if (readout.legacy) {
+    object["far"] = quantities_json(readout.legacy->far);
+    object["contact"] = ordered_json::array();
+    for (const auto& image : readout.legacy->contact) object["contact"].push_back(contact_json(image));
+  }
+  object["record"] = ordered_json::object();
+  for (const auto& [key, value] : readout.record) object["record"][key] = value;
+  return object.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
+}
+
+}  // namespace strobe::messages
