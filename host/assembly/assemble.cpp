@@ -1,0 +1,229 @@
+#include "host/assembly/assemble.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/reduction/reduce.hpp"
+#include "host/assembly/flash_match.hpp"
+#include "host/assembly/flash_times.hpp"
+#include "host/assembly/image_track.hpp"
+#include "host/config/notes.hpp"
+
+namespace strobe::host {
+namespace {
+
+using reduction::BallImage;
+using reduction::Flag;
+using reduction::FlagSet;
+using reduction::Frame;
+using strobe_msgs::ball_image_t;
+using strobe_msgs::frame_t;
+using strobe_msgs::shot_t;
+
+// A machine that has warmed up repeats its lag to about 10 ms.
+constexpr double kMachineLagScale_s = 0.010;
+
+std::optional<double> known(double value) {
+  return std::isfinite(value) ? std::optional<double>(value) : std::nullopt;
+}
+
+std::optional<double> positive(double value) { return value > 0.0 ? known(value) : std::nullopt; }
+
+std::optional<reduction::Leg> leg_of(const ball_image_t& image) {
+  switch (image.leg) {
+    case ball_image_t::LEG_INCOMING:
+      return reduction::Leg::incoming;
+    case ball_image_t::LEG_CONTACT:
+      return reduction::Leg::contact;
+    case ball_image_t::LEG_REBOUND:
+      return reduction::Leg::rebound;
+    default:
+      return std::nullopt;
+  }
+}
+
+BallImage ball_image(const ball_image_t& image, const std::string& source) {
+  BallImage result;
+  result.leg = leg_of(image);
+  result.centre_px = {image.centre_x_px, image.centre_y_px};
+  result.diameter_px = image.diameter_px;
+  result.equator_rad = known(image.equator_rad);
+  if (std::isfinite(image.top_x_px) && std::isfinite(image.top_y_px)) {
+    result.top_px = reduction::PointPx{image.top_x_px, image.top_y_px};
+  }
+  result.source = source;
+  return result;
+}
+
+double surface_angle_deg(const shot_t& shot, const AssemblySettings& settings) {
+  if (settings.analysis.surface_angle_deg) return *settings.analysis.surface_angle_deg;
+  return note_number(record_of(shot), "surface_angle_deg").value_or(0.0);
+}
+
+Frame frame_without_times(const shot_t& shot, const frame_t& message, const AssemblySettings& settings) {
+  Frame frame;
+  frame.shot_id = shot.shot_id;
+  frame.record = record_of(shot);
+  frame.ball_diameter_m = settings.ball.diameter_m;
+  frame.ball_diameter_sd_m = settings.ball.diameter_sd_m;
+  for (const auto& point : message.surface) frame.surface_px.push_back({point.x_px, point.y_px});
+  frame.surface_sd_px = positive(message.surface_sd_px);
+  frame.centre_sd_px = positive(message.centre_sd_px);
+  frame.diameter_sd_px = positive(message.diameter_sd_px);
+  frame.equator_sd_rad = positive(message.equator_sd_rad);
+  frame.px_per_m = positive(message.px_per_m);
+  frame.px_per_m_sd = positive(message.px_per_m_sd);
+  if (!frame.px_per_m) {
+    frame.px_per_m = settings.analysis.px_per_m;
+    frame.px_per_m_sd = settings.analysis.px_per_m_sd;
+  }
+  frame.surface_angle_deg = surface_angle_deg(shot, settings);
+  frame.temperature_c = note_number(frame.record, "temperature_c");
+  for (const ball_image_t& image : message.images) frame.images.push_back(ball_image(image, message.source));
+  return frame;
+}
+
+double since_s(std::int64_t time_ns, std::int64_t origin_ns) {
+  return static_cast<double>(time_ns - origin_ns) * 1e-9;
+}
+
+/// Speed along the path from the first two airborne images, for the time from gate to plate.
+std::optional<double> incoming_speed_mps(const Track& track, const FlashTimes& times) {
+  if (track.images.size() < 2 || times.seen.size() < 2) return std::nullopt;
+  const TrackImage& a = track.images[0];
+  const TrackImage& b = track.images[1];
+  if (b.leg != reduction::Leg::incoming) return std::nullopt;
+  const double step_m = std::hypot(b.along_px - a.along_px, b.up_px - a.up_px) / track.px_per_m;
+  const double interval_s = since_s(times.seen[1].time_ns, times.seen[0].time_ns);
+  if (!(step_m > 0.0) || !(interval_s > 0.0)) return std::nullopt;
+  return step_m / interval_s;
+}
+
+std::optional<ArrivalPrior> arrival_prior(const shot_t& shot, const Track& track, const FlashTimes& times,
+                                          const AssemblySettings& settings) {
+  const std::int64_t origin = times.seen.front().time_ns;
+  const auto speed = incoming_speed_mps(track, times);
+  if (shot.gate_ns != shot_t::NO_TIME && settings.analysis.gate_distance_m && speed) {
+    // The speed itself is known to a few per cent only before the match.
+    const double flight_s = *settings.analysis.gate_distance_m / *speed;
+    const double scale_s = std::hypot(settings.analysis.gate_distance_sd_m / *speed, 0.05 * flight_s);
+    return ArrivalPrior{since_s(shot.gate_ns, origin) + flight_s, scale_s};
+  }
+  if (shot.trigger_ns != shot_t::NO_TIME && settings.machine_lag_s) {
+    return ArrivalPrior{since_s(shot.trigger_ns, origin) + *settings.machine_lag_s, kMachineLagScale_s};
+  }
+  return std::nullopt;
+}
+
+/// What is to be said of the flashes from the first to the last that shows the ball.
+FlagSet flash_flags(const FlashTimes& times, int first, int last) {
+  FlagSet flags;
+  std::int64_t previous_ns = shot_t::NO_TIME;
+  for (const SeenFlash& flash : times.seen) {
+    if (flash.index < first || flash.index > last) continue;
+    if (flash.late) flags.set(Flag::late_flash);
+    if (flash.doubled) flags.set(Flag::double_flash);
+    if (flash.sensor_silent) flags.set(Flag::sensor_missing);
+    if (flash.before_its_pulse || flash.time_ns <= previous_ns) flags.set(Flag::clock_suspect);
+    previous_ns = flash.time_ns;
+  }
+  for (const int index : times.missing) {
+    if (index > first && index < last) flags.set(Flag::missing_flash);
+  }
+  return flags;
+}
+
+void put_times(Frame& frame, const FlashTimes& times, const FlashMatch& match) {
+  const auto seen = [&](std::size_t image) -> const SeenFlash& {
+    return times.seen[static_cast<std::size_t>(match.flash[image])];
+  };
+  for (std::size_t i = 0; i < frame.images.size(); ++i) {
+    frame.images[i].time_s = since_s(seen(i).time_ns, seen(0).time_ns);
+    frame.images[i].time_sd_s = seen(i).time_sd_s;
+    frame.images[i].flash_index = seen(i).index;
+  }
+}
+
+AssembledShot unmatched(AssembledShot shot, Flag flag, std::string problem) {
+  shot.flags.set(flag);
+  shot.problem = std::move(problem);
+  shot.frame.images.clear();
+  return shot;
+}
+
+bool measured_by_nobody(const FlashTimes& times, const shot_t& shot) {
+  return !times.measured && !times.seen.empty() && (shot.sensor_a_fitted || shot.sensor_b_fitted);
+}
+
+}  // namespace
+
+AssemblySettings assembly_settings(const RigFile& rig) { return {rig.ball, rig.analysis, rig.machine_lag_s}; }
+
+reduction::Record record_of(const shot_t& shot) {
+  reduction::Record record;
+  for (const auto& note : shot.notes) record[note.key] = note.value;
+  return record;
+}
+
+FlagSet shot_flags(const shot_t& shot) {
+  FlagSet flags;
+  if (shot.aborted) flags.set(Flag::shot_aborted);
+  if (shot.queue_overflows > 0 || shot.kernel_overflows > 0) flags.set(Flag::events_missing);
+  return flags;
+}
+
+reduction::Readout empty_readout(const shot_t& shot, const FlagSet& flags) {
+  reduction::Readout readout;
+  readout.shot_id = shot.shot_id;
+  readout.method = "best";
+  readout.flags = flags;
+  readout.record = record_of(shot);
+  return readout;
+}
+
+AssembledShot assemble(const shot_t& shot, const frame_t& message, const AssemblySettings& settings) {
+  AssembledShot result;
+  result.frame = frame_without_times(shot, message, settings);
+  result.flags = shot_flags(shot);
+  if (message.images.empty())
+    return unmatched(result, Flag::too_few_images, "no image of the ball on the photograph");
+  const auto track = image_track(message, settings.ball.diameter_m, result.frame.surface_angle_deg);
+  if (!track) {
+    return unmatched(result, Flag::degenerate_geometry,
+                     "the frame has no surface line or an image without a size");
+  }
+  FlashTimes times = flash_times(shot);
+  if (measured_by_nobody(times, shot)) result.flags.set(Flag::sensor_missing);
+  if (times.seen.empty())
+    return unmatched(result, Flag::missing_flash, "images, but no flash was seen or issued");
+  if (!times.in_order) {
+    result.flags.set(Flag::clock_suspect);
+    return unmatched(result, Flag::flash_match_ambiguous, "flash times are out of order");
+  }
+  std::vector<double> times_s;
+  times_s.reserve(times.seen.size());
+  for (const SeenFlash& flash : times.seen)
+    times_s.push_back(since_s(flash.time_ns, times.seen.front().time_ns));
+  const auto match = match_flashes(times_s, *track, arrival_prior(shot, *track, times, settings));
+  if (!match) return unmatched(result, Flag::flash_match_ambiguous, "more images than flashes were seen");
+  put_times(result.frame, times, *match);
+  result.match_doubt = match->doubt;
+  if (match->doubt > kMostDoubt) result.flags.set(Flag::flash_match_ambiguous);
+  result.flags.merge(
+      flash_flags(times, *result.frame.images.front().flash_index, *result.frame.images.back().flash_index));
+  return result;
+}
+
+ShotReadout shot_readout(const shot_t& shot, const frame_t& frame, const AssemblySettings& settings) {
+  AssembledShot assembled = assemble(shot, frame, settings);
+  if (assembled.frame.images.empty()) return {empty_readout(shot, assembled.flags), assembled.problem};
+  auto readout = reduction::reduce(assembled.frame, reduction::Estimator::best);
+  if (!readout) {
+    assembled.flags.set(Flag::degenerate_geometry);
+    return {empty_readout(shot, assembled.flags), readout.error().message};
+  }
+  readout->flags.merge(assembled.flags);
+  return {std::move(*readout), assembled.problem};
+}
+
+}  // namespace strobe::host

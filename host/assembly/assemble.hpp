@@ -1,0 +1,57 @@
+// From a shot of the firmware and its digitized photograph to a frame with times, and on to the readout.
+// Deterministic, no I/O; thread-safe; allocates.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <strobe_msgs/frame_t.hpp>
+#include <strobe_msgs/shot_t.hpp>
+#include <vector>
+
+#include "common/reduction/frame.hpp"
+#include "common/reduction/readout.hpp"
+#include "host/config/rig_file.hpp"
+
+namespace strobe::host {
+
+/// What the assembly needs to know of the rig.
+struct AssemblySettings {
+  BallSettings ball;
+  AnalysisSettings analysis;
+  std::optional<double> machine_lag_s;
+};
+
+AssemblySettings assembly_settings(const RigFile& rig);
+
+struct AssembledShot {
+  reduction::Frame
+      frame;  ///< images with the times of their flashes, from the first image's; empty if unmatched
+  reduction::FlagSet flags;  ///< of the flashes that show the ball, the match, the sensors and the shot
+  double match_doubt = 0.0;  ///< probability that the numbers belong to another match
+  std::string problem;       ///< words for a person where the frame could not be matched; else empty
+};
+
+/// Never throws for what a message can hold.
+AssembledShot assemble(const strobe_msgs::shot_t& shot, const strobe_msgs::frame_t& frame,
+                       const AssemblySettings& settings);
+
+/// The shot's notes as a record.
+reduction::Record record_of(const strobe_msgs::shot_t& shot);
+
+/// A readout without numbers: the shot's id and record, method "best" and these flags.
+reduction::Readout empty_readout(const strobe_msgs::shot_t& shot, const reduction::FlagSet& flags);
+
+struct ShotReadout {
+  reduction::Readout readout;
+  std::string problem;  ///< words for a person; empty: nothing to say beyond the flags
+};
+
+/// Assembles and reduces with the best estimator. A frame that cannot be reduced gives a readout without
+/// numbers.
+ShotReadout shot_readout(const strobe_msgs::shot_t& shot, const strobe_msgs::frame_t& frame,
+                         const AssemblySettings& settings);
+
+/// Flags of the shot itself, whatever the photograph shows: aborted, events lost before the journal.
+reduction::FlagSet shot_flags(const strobe_msgs::shot_t& shot);
+
+}  // namespace strobe::host

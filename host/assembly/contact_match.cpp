@@ -1,0 +1,124 @@
+#include "host/assembly/contact_match.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+namespace strobe::host {
+namespace {
+
+// A cubic between the ends' velocities leaves out how friction is spread over the contact: about 3 mm.
+constexpr double kContactModelSd_m = 3e-3;
+// Distance over dwell lies between the two velocities; this part of their difference is allowed beyond.
+constexpr double kMeanMargin = 0.1;
+constexpr double kLeastRestitution = 0.2;
+constexpr double kMostRestitution = 1.0;
+
+double outside(double value, double least, double most) {
+  if (value < least) return least - value;
+  return value > most ? value - most : 0.0;
+}
+
+double squared(double z) { return z * z; }
+
+/// Place along the surface: straight flight outside the contact, a cubic that keeps both ends' velocity
+/// within.
+double place_at(double time_s, const Crossing& down, const Crossing& off) {
+  if (time_s <= down.time_s) return down.along_px + down.v_along_px * (time_s - down.time_s);
+  if (time_s >= off.time_s) return off.along_px + off.v_along_px * (time_s - off.time_s);
+  const double dwell = off.time_s - down.time_s;
+  const double s = (time_s - down.time_s) / dwell;
+  const double r = 1.0 - s;
+  return r * r * (1.0 + 2.0 * s) * down.along_px + s * s * (3.0 - 2.0 * s) * off.along_px +
+         s * r * dwell * (r * down.v_along_px - s * off.v_along_px);
+}
+
+std::vector<int> between(const LegCandidate& in, const LegCandidate& out) {
+  std::vector<int> slots(static_cast<std::size_t>(std::max(0, out.first() - in.last() - 1)));
+  std::iota(slots.begin(), slots.end(), in.last() + 1);
+  return slots;
+}
+
+/// Beside the one leg that is known, or nowhere in particular.
+std::vector<int> adjacent(std::size_t count, const LegCandidate& in, const LegCandidate& out) {
+  std::vector<int> slots(count);
+  const int first = !in.empty() ? in.last() + 1 : !out.empty() ? out.first() - static_cast<int>(count) : 0;
+  std::iota(slots.begin(), slots.end(), first);
+  return slots;
+}
+
+}  // namespace
+
+Rebound rebound_of(const LegCandidate& in, const LegCandidate& out, const Track& track) {
+  const Crossing& down = *in.cross;
+  const Crossing& off = *out.cross;
+  Rebound r;
+  const double dwell = off.time_s - down.time_s;
+  r.value = {down.v_along_px, down.v_up_px, off.v_along_px, off.v_up_px, dwell, off.along_px - down.along_px};
+  const double v_in = track.sd_px * in.fit.velocity_factor();
+  const double v_out = track.sd_px * out.fit.velocity_factor();
+  const double p_in = track.sd_px * in.fit.position_factor(down.time_s);
+  const double p_out = track.sd_px * out.fit.position_factor(off.time_s);
+  // A height error moves the crossing's time by error / v_up, and with it its place.
+  const double t_in = p_in / std::abs(down.v_up_px);
+  const double t_out = p_out / std::abs(off.v_up_px);
+  const double x_in = std::hypot(p_in, t_in * down.v_along_px);
+  const double x_out = std::hypot(p_out, t_out * off.v_along_px);
+  r.sd = {v_in, v_in, v_out, v_out, std::hypot(t_in, t_out), std::hypot(x_in, x_out)};
+  return r;
+}
+
+double contact_penalty(const Rebound& r) {
+  const auto& [vx_td, vy_td, vx_lo, vy_lo, dwell, distance] = r.value;
+  if (vy_td >= 0.0 || vy_lo <= 0.0) return std::numeric_limits<double>::infinity();
+  double penalty = squared(outside(dwell, kShortestDwell_s, kLongestDwell_s) / r.sd[4]);
+  const double restitution = -vy_lo / vy_td;
+  const double restitution_sd = std::hypot(r.sd[3], restitution * r.sd[1]) / std::abs(vy_td);
+  penalty += squared(outside(restitution, kLeastRestitution, kMostRestitution) / restitution_sd);
+  // Judged as a distance: a dwell near zero would make distance over dwell meaningless.
+  const double margin = kMeanMargin * std::abs(vx_td - vx_lo);
+  const double slow = std::min(vx_td, vx_lo) - margin;
+  const double fast = std::max(vx_td, vx_lo) + margin;
+  const double positive_dwell = std::max(dwell, 0.0);
+  const double sd = std::hypot(r.sd[5], 0.5 * (std::abs(slow) + std::abs(fast)) * r.sd[4]);
+  return penalty + squared(outside(distance, slow * positive_dwell, fast * positive_dwell) / sd);
+}
+
+ContactFlashes contact_flashes(std::span<const TrackImage> images, const LegCandidate& in,
+                               const LegCandidate& out, std::span<const double> times_s, const Track& track) {
+  ContactFlashes best;
+  if (images.empty()) return best;
+  if (in.empty() || out.empty()) {
+    best.flash = adjacent(images.size(), in, out);
+    return best;
+  }
+  const std::vector<int> slots = between(in, out);
+  if (!in.cross || !out.cross || in.cross->time_s >= out.cross->time_s) {
+    best.flash.assign(slots.begin(), slots.begin() + static_cast<std::ptrdiff_t>(images.size()));
+    return best;
+  }
+  const double variance = squared(track.sd_px) + squared(kContactModelSd_m * track.px_per_m);
+  // Dynamic programme over (image, slot): the cheapest way to put the first i images into the first j slots.
+  const std::size_t n = images.size(), m = slots.size();
+  constexpr double kNever = std::numeric_limits<double>::infinity();
+  std::vector<double> cost((n + 1) * (m + 1), kNever);
+  const auto at = [&](std::size_t i, std::size_t j) -> double& { return cost[i * (m + 1) + j]; };
+  const auto with = [&](std::size_t i, std::size_t j) {
+    const double place = place_at(times_s[static_cast<std::size_t>(slots[j - 1])], *in.cross, *out.cross);
+    return at(i - 1, j - 1) + squared(images[i - 1].along_px - place) / variance;
+  };
+  for (std::size_t j = 0; j <= m; ++j) at(0, j) = 0.0;
+  for (std::size_t i = 1; i <= n; ++i) {
+    for (std::size_t j = i; j <= m; ++j) at(i, j) = std::min(at(i, j - 1), with(i, j));
+  }
+  best.chi_squared = at(n, m);
+  best.flash.resize(n);
+  for (std::size_t i = n, j = m; i > 0; --j) {
+    if (j > i && at(i, j) == at(i, j - 1)) continue;
+    best.flash[--i] = slots[j - 1];
+  }
+  return best;
+}
+
+}  // namespace strobe::host

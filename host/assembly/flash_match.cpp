@@ -1,0 +1,209 @@
+#include "host/assembly/flash_match.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "host/assembly/contact_match.hpp"
+#include "host/assembly/leg_candidates.hpp"
+
+namespace strobe::host {
+namespace {
+
+using reduction::Leg;
+
+// -2 ln of 0.5 %: how rarely a flash that showed the ball is left out of the digitized frame.
+constexpr double kUnseenPenalty = 10.6;
+// Numbers that differ by less than half their standard deviation are the same numbers.
+constexpr double kSameWithinSds = 0.5;
+// Contact images and penalties need not be looked at where the flight alone is this much worse than the best.
+constexpr double kHopeless = 60.0;
+
+struct Legs {
+  std::span<const TrackImage> in, contact, out;
+};
+
+Legs split(const Track& track) {
+  const auto is = [](Leg leg) { return [leg](const TrackImage& image) { return image.leg == leg; }; };
+  const auto& images = track.images;
+  const auto n_in = static_cast<std::size_t>(std::count_if(images.begin(), images.end(), is(Leg::incoming)));
+  const auto n_out = static_cast<std::size_t>(std::count_if(images.begin(), images.end(), is(Leg::rebound)));
+  const std::span<const TrackImage> all(images);
+  return {all.first(n_in), all.subspan(n_in, all.size() - n_in - n_out), all.last(n_out)};
+}
+
+struct Pair {
+  const LegCandidate* in;
+  const LegCandidate* out;
+  double chi_squared;
+  double penalty;
+
+  double score(double scale) const { return chi_squared / scale + penalty; }
+};
+
+double prior_penalty(const LegCandidate& in, const LegCandidate& out, std::span<const double> times_s,
+                     const std::optional<ArrivalPrior>& prior) {
+  if (!prior) return 0.0;
+  double touchdown = prior->touchdown_s;
+  if (in.cross) {
+    touchdown = in.cross->time_s;
+  } else if (out.cross) {
+    touchdown = out.cross->time_s;
+  } else if (!in.empty()) {
+    touchdown = times_s[static_cast<std::size_t>(in.last())];
+  } else if (!out.empty()) {
+    touchdown = times_s[static_cast<std::size_t>(out.first())];
+  }
+  const double z = (touchdown - prior->touchdown_s) / prior->scale_s;
+  return 2.0 * std::log1p(z * z);
+}
+
+/// The two legs put together; nothing where the contact images do not fit between them.
+class Matcher {
+ public:
+  Matcher(std::span<const double> times_s, const Track& track, const std::optional<ArrivalPrior>& prior)
+      : times_s_(times_s), track_(track), prior_(prior), legs_(split(track)) {}
+
+  FlashMatch run() {
+    const auto in = leg_candidates(legs_.in, times_s_, track_);
+    const auto out = leg_candidates(legs_.out, times_s_, track_);
+    scale_ = noise_scale(lowest(in) + lowest(out));
+    collect(in, out);
+    if (pairs_.empty()) return in_order();
+    return choose();
+  }
+
+ private:
+  int flash_count() const { return static_cast<int>(times_s_.size()); }
+  int contact_count() const { return static_cast<int>(legs_.contact.size()); }
+
+  void collect(const std::vector<LegCandidate>& ins, const std::vector<LegCandidate>& outs) {
+    pairs_.reserve(4 * ins.size());
+    for (const LegCandidate& in : ins) {
+      const int least = in.empty() ? contact_count() : in.last() + 1 + contact_count();
+      auto out = std::lower_bound(outs.begin(), outs.end(), least, [](const LegCandidate& c, int first) {
+        return !c.empty() && c.first() < first;
+      });
+      for (; out != outs.end(); ++out) {
+        if (!in.empty() && !out->empty() && out->first() > least + kMostUnseen) break;
+        consider(in, *out);
+      }
+    }
+  }
+
+  void consider(const LegCandidate& in, const LegCandidate& out) {
+    int unseen = in.unseen + out.unseen;
+    if (!in.empty() && !out.empty()) unseen += out.first() - in.last() - 1 - contact_count();
+    if (out.empty() && !in.empty() && in.last() + contact_count() >= flash_count()) return;
+    Pair pair{&in, &out, in.fit.chi_squared + out.fit.chi_squared, kUnseenPenalty * unseen};
+    if (pair.score(scale_) > best_score_ + kHopeless) return;
+    pair.penalty += prior_penalty(in, out, times_s_, prior_);
+    if (in.cross && out.cross) pair.penalty += contact_penalty(rebound_of(in, out, track_));
+    if (!std::isfinite(pair.penalty) || pair.score(scale_) > best_score_ + kHopeless) return;
+    pair.penalty += contact_flashes(legs_.contact, in, out, times_s_, track_).chi_squared;
+    best_score_ = std::min(best_score_, pair.score(scale_));
+    pairs_.push_back(pair);
+  }
+
+  double degrees_of_freedom() const {
+    double dof = 0.0;
+    for (const auto& leg : {legs_.in, legs_.out}) {
+      if (leg.size() >= 2) dof += 2.0 * static_cast<double>(leg.size()) - 4.0;
+    }
+    return dof;
+  }
+
+  /// Noise larger than stated shows in the best match's own residuals and makes the others less unlikely.
+  double noise_scale(double chi_squared) const {
+    return std::max(1.0, chi_squared / std::max(1.0, degrees_of_freedom()));
+  }
+
+  static double lowest(const std::vector<LegCandidate>& candidates) {
+    double chi_squared = candidates.empty() ? 0.0 : candidates.front().fit.chi_squared;
+    for (const LegCandidate& c : candidates) chi_squared = std::min(chi_squared, c.fit.chi_squared);
+    return chi_squared;
+  }
+
+  const Pair& best(double scale) const {
+    return *std::min_element(pairs_.begin(), pairs_.end(), [scale](const Pair& a, const Pair& b) {
+      return a.score(scale) < b.score(scale);
+    });
+  }
+
+  FlashMatch choose() const {
+    const double scale = noise_scale(best(scale_).chi_squared);
+    const Pair& chosen = best(scale);
+    FlashMatch match;
+    match.flash = chosen.in->flash;
+    const auto contact = contact_flashes(legs_.contact, *chosen.in, *chosen.out, times_s_, track_).flash;
+    match.flash.insert(match.flash.end(), contact.begin(), contact.end());
+    match.flash.insert(match.flash.end(), chosen.out->flash.begin(), chosen.out->flash.end());
+    match.chi_squared = chosen.chi_squared;
+    match.doubt = doubt(chosen, scale);
+    return match;
+  }
+
+  double doubt(const Pair& chosen, double scale) const {
+    double other = 0.0, all = 0.0;
+    for (const Pair& pair : pairs_) {
+      const double delta = pair.score(scale) - chosen.score(scale);
+      if (delta > kHopeless) continue;
+      const double weight = std::exp(-0.5 * delta);
+      all += weight;
+      if (!same_numbers(pair, chosen, std::sqrt(scale))) other += weight;
+    }
+    return other / all;
+  }
+
+  bool same_leg(const LegCandidate& a, const LegCandidate& b, double sigma) const {
+    if (!a.fit.has_velocity() || !b.fit.has_velocity()) return true;
+    const double within = kSameWithinSds * sigma * track_.sd_px * b.fit.velocity_factor();
+    return std::abs(a.fit.v_along_px - b.fit.v_along_px) <= within &&
+           std::abs(a.fit.v_up_px - b.fit.v_up_px) <= within;
+  }
+
+  bool same_numbers(const Pair& a, const Pair& b, double sigma) const {
+    if (!same_leg(*a.in, *b.in, sigma) || !same_leg(*a.out, *b.out, sigma)) return false;
+    if (!a.in->cross || !a.out->cross || !b.in->cross || !b.out->cross) return true;
+    const Rebound ra = rebound_of(*a.in, *a.out, track_);
+    const Rebound rb = rebound_of(*b.in, *b.out, track_);
+    for (std::size_t i = 0; i < ra.value.size(); ++i) {
+      if (std::abs(ra.value[i] - rb.value[i]) > kSameWithinSds * sigma * rb.sd[i]) return false;
+    }
+    return true;
+  }
+
+  /// One flash after the other, around the expected arrival or else the middle of the exposure.
+  FlashMatch in_order() const {
+    const int count = static_cast<int>(track_.images.size());
+    const double around = prior_ ? prior_->touchdown_s : 0.5 * (times_s_.front() + times_s_.back());
+    const auto it = std::lower_bound(times_s_.begin(), times_s_.end(), around);
+    const int middle = static_cast<int>(it - times_s_.begin());
+    FlashMatch match;
+    match.flash.resize(track_.images.size());
+    std::iota(match.flash.begin(), match.flash.end(),
+              std::clamp(middle - count / 2, 0, flash_count() - count));
+    match.doubt = 1.0;
+    return match;
+  }
+
+  std::span<const double> times_s_;
+  const Track& track_;
+  const std::optional<ArrivalPrior>& prior_;
+  Legs legs_;
+  std::vector<Pair> pairs_;
+  double scale_ = 1.0;
+  double best_score_ = std::numeric_limits<double>::infinity();
+};
+
+}  // namespace
+
+std::optional<FlashMatch> match_flashes(std::span<const double> times_s, const Track& track,
+                                        const std::optional<ArrivalPrior>& prior) {
+  if (times_s.size() < track.images.size()) return std::nullopt;
+  if (track.images.empty()) return FlashMatch{};
+  return Matcher(times_s, track, prior).run();
+}
+
+}  // namespace strobe::host

@@ -1,0 +1,69 @@
+#include "host/assembly/flash_times.hpp"
+
+#include <cmath>
+#include <optional>
+
+namespace strobe::host {
+namespace {
+
+using strobe_msgs::flash_t;
+using strobe_msgs::shot_t;
+
+constexpr std::int64_t kNoTime = flash_t::NO_TIME;
+// Stamps of sensor and pulse come from one clock; a microsecond or two may part them, not ten.
+constexpr std::int64_t kStampTolerance_ns = 10'000;
+
+std::int64_t lamp_delay_ns(const shot_t& shot) {
+  return std::isfinite(shot.lamp_delay_us) ? std::llround(shot.lamp_delay_us * 1e3) : 0;
+}
+
+std::optional<std::int64_t> observed_ns(const flash_t& flash) {
+  const bool a = flash.observed_a_ns != kNoTime;
+  const bool b = flash.observed_b_ns != kNoTime;
+  if (a && b) return flash.observed_a_ns + (flash.observed_b_ns - flash.observed_a_ns) / 2;
+  if (a) return flash.observed_a_ns;
+  if (b) return flash.observed_b_ns;
+  return std::nullopt;
+}
+
+bool any_observed(const shot_t& shot) {
+  for (const flash_t& flash : shot.flashes) {
+    if (observed_ns(flash)) return true;
+  }
+  return false;
+}
+
+SeenFlash seen_flash(const shot_t& shot, const flash_t& flash, std::int64_t time_ns, bool measured) {
+  SeenFlash seen;
+  seen.index = flash.flash_index;
+  seen.time_ns = time_ns;
+  seen.time_sd_s = measured ? kSensorTimeSd_s : kIssuedTimeSd_s;
+  const double late_us = static_cast<double>(time_ns - flash.commanded_ns - lamp_delay_ns(shot)) * 1e-3;
+  seen.late = late_us > shot.late_tolerance_us;
+  seen.doubled = flash.extra_edges > 0;
+  seen.sensor_silent = (shot.sensor_a_fitted && flash.observed_a_ns == kNoTime) ||
+                       (shot.sensor_b_fitted && flash.observed_b_ns == kNoTime);
+  seen.before_its_pulse =
+      flash.issue_start_ns == kNoTime || time_ns < flash.issue_start_ns - kStampTolerance_ns;
+  return seen;
+}
+
+}  // namespace
+
+FlashTimes flash_times(const shot_t& shot) {
+  FlashTimes times;
+  times.measured = any_observed(shot);
+  for (const flash_t& flash : shot.flashes) {
+    std::optional<std::int64_t> time = observed_ns(flash);
+    if (!times.measured && flash.issue_end_ns != kNoTime) time = flash.issue_end_ns + lamp_delay_ns(shot);
+    if (!time) {
+      times.missing.push_back(flash.flash_index);
+      continue;
+    }
+    if (!times.seen.empty() && *time <= times.seen.back().time_ns) times.in_order = false;
+    times.seen.push_back(seen_flash(shot, flash, *time, times.measured));
+  }
+  return times;
+}
+
+}  // namespace strobe::host

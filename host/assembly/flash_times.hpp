@@ -1,0 +1,39 @@
+// When each flash of a shot was, from what the sensors saw of it. No I/O; thread-safe.
+#pragma once
+
+#include <cstdint>
+#include <strobe_msgs/shot_t.hpp>
+#include <vector>
+
+namespace strobe::host {
+
+/// A flash that gave light. time_ns is CLOCK_MONOTONIC: the mean of both sensors' stamps, or the one's that
+/// fired.
+struct SeenFlash {
+  int index = 0;  ///< flash_t.flash_index
+  std::int64_t time_ns = 0;
+  double time_sd_s = 0.0;
+  bool late = false;              ///< observed - commanded - lamp delay beyond the rig's tolerance
+  bool doubled = false;           ///< further sensor edges in its window
+  bool sensor_silent = false;     ///< a fitted sensor did not see it
+  bool before_its_pulse = false;  ///< seen before it was issued: not plausible
+};
+
+/// The flashes of a shot that can have made an image, in order of time.
+struct FlashTimes {
+  std::vector<SeenFlash> seen;
+  std::vector<int> missing;  ///< indices of planned flashes that no sensor saw, ascending
+  bool measured =
+      false;             ///< false: no sensor saw anything; times are issued times plus the lamps' mean delay
+  bool in_order = true;  ///< times rise with the index
+};
+
+/// Standard deviation of a flash time that a sensor's edge gives: kernel stamp and photodiode. [s]
+inline constexpr double kSensorTimeSd_s = 2e-6;
+/// The same where no sensor saw it: a lamp's delay differs from its mean from flash to flash and with age.
+/// [s]
+inline constexpr double kIssuedTimeSd_s = 20e-6;
+
+FlashTimes flash_times(const strobe_msgs::shot_t& shot);
+
+}  // namespace strobe::host

@@ -1,0 +1,85 @@
+#include "host/assembly/leg_candidates.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace strobe::host {
+namespace {
+
+// How far the next image may be from where steady speed puts it, as a fraction of the step: a flash half a
+// period off its neighbours' mean would be nearer to another image.
+constexpr double kStepTolerance = 0.45;
+
+double distance(const TrackImage& a, const TrackImage& b) {
+  return std::hypot(a.along_px - b.along_px, a.up_px - b.up_px);
+}
+
+/// The number of the flash nearest to the time, after the given one; nothing past the end.
+std::optional<int> nearest_after(std::span<const double> times_s, int after, double time_s) {
+  const auto begin = times_s.begin() + after + 1;
+  if (begin == times_s.end()) return std::nullopt;
+  auto it = std::lower_bound(begin, times_s.end(), time_s);
+  if (it == times_s.end() || (it != begin && time_s - *(it - 1) < *it - time_s)) --it;
+  return static_cast<int>(it - times_s.begin());
+}
+
+/// The flashes that follow when the leg starts with these two; empty if steady speed does not lead to
+/// flashes.
+std::vector<int> follow(std::span<const TrackImage> images, std::span<const double> times_s, int first,
+                        int second) {
+  const auto at = [&](int k) { return times_s[static_cast<std::size_t>(k)]; };
+  std::vector<int> flash;
+  flash.reserve(images.size());
+  flash.push_back(first);
+  flash.push_back(second);
+  double path = distance(images[0], images[1]);
+  int unseen = second - first - 1;
+  for (std::size_t i = 2; i < images.size(); ++i) {
+    const double step = distance(images[i - 1], images[i]);
+    const double predicted = step * (at(flash.back()) - at(first)) / path;
+    const auto next = nearest_after(times_s, flash.back(), at(flash.back()) + predicted);
+    if (!next || !std::isfinite(predicted)) return {};
+    if (std::abs(at(*next) - at(flash.back()) - predicted) > kStepTolerance * predicted) return {};
+    unseen += *next - flash.back() - 1;
+    if (unseen > kMostUnseen) return {};
+    flash.push_back(*next);
+    path += step;
+  }
+  return flash;
+}
+
+LegCandidate candidate(std::span<const TrackImage> images, std::span<const double> times_s,
+                       const Track& track, std::vector<int> flash, std::vector<double>& scratch) {
+  LegCandidate result;
+  scratch.clear();
+  for (const int k : flash) scratch.push_back(times_s[static_cast<std::size_t>(k)]);
+  result.unseen = flash.back() - flash.front() + 1 - static_cast<int>(flash.size());
+  result.flash = std::move(flash);
+  result.fit = fit_leg(images, scratch, track);
+  result.cross = crossing(result.fit, track);
+  return result;
+}
+
+}  // namespace
+
+std::vector<LegCandidate> leg_candidates(std::span<const TrackImage> images, std::span<const double> times_s,
+                                         const Track& track) {
+  if (images.empty()) return {LegCandidate{}};
+  std::vector<LegCandidate> candidates;
+  candidates.reserve(2 * times_s.size());
+  std::vector<double> scratch;
+  const int count = static_cast<int>(times_s.size());
+  for (int first = 0; first < count; ++first) {
+    if (images.size() == 1) {
+      candidates.push_back(candidate(images, times_s, track, {first}, scratch));
+      continue;
+    }
+    for (int second = first + 1; second <= first + 1 + kMostUnseen && second < count; ++second) {
+      std::vector<int> flash = follow(images, times_s, first, second);
+      if (!flash.empty()) candidates.push_back(candidate(images, times_s, track, std::move(flash), scratch));
+    }
+  }
+  return candidates;
+}
+
+}  // namespace strobe::host

@@ -1,0 +1,34 @@
+// Every way in which the images of one leg can have been made by flashes: in order, at a steady speed.
+// No I/O; thread-safe; allocates.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "host/assembly/leg_fit.hpp"
+
+namespace strobe::host {
+
+/// A flash between two images that made none (nobody saw it on the photograph) happens; three in a leg do
+/// not.
+inline constexpr int kMostUnseen = 2;
+
+struct LegCandidate {
+  std::vector<int>
+      flash;       ///< for each image of the leg the number of its flash among the seen ones, ascending
+  int unseen = 0;  ///< flashes between the first and the last that made no image
+  LegFit fit;
+  std::optional<Crossing> cross;
+
+  bool empty() const { return flash.empty(); }
+  int first() const { return flash.front(); }
+  int last() const { return flash.back(); }
+};
+
+/// Candidates in ascending order of their first flash. times_s: seen flashes, ascending. A leg without images
+/// has one empty candidate; a leg of one image may have been made by any flash.
+std::vector<LegCandidate> leg_candidates(std::span<const TrackImage> images, std::span<const double> times_s,
+                                         const Track& track);
+
+}  // namespace strobe::host
