@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/messages/lcm_conversions.hpp"
+#include "common/messages/record.hpp"
 #include "common/reduction/reduce.hpp"
 #include "host/assembly/flash_match.hpp"
 #include "host/assembly/flash_times.hpp"
@@ -12,75 +14,32 @@
 namespace strobe::host {
 namespace {
 
-using reduction::BallImage;
 using reduction::Flag;
 using reduction::FlagSet;
 using reduction::Frame;
-using strobe_msgs::ball_image_t;
 using strobe_msgs::frame_t;
 using strobe_msgs::shot_t;
 
 // A machine that has warmed up repeats its lag to about 10 ms.
 constexpr double kMachineLagScale_s = 0.010;
 
-std::optional<double> known(double value) {
-  return std::isfinite(value) ? std::optional<double>(value) : std::nullopt;
-}
-
-std::optional<double> positive(double value) { return value > 0.0 ? known(value) : std::nullopt; }
-
-std::optional<reduction::Leg> leg_of(const ball_image_t& image) {
-  switch (image.leg) {
-    case ball_image_t::LEG_INCOMING:
-      return reduction::Leg::incoming;
-    case ball_image_t::LEG_CONTACT:
-      return reduction::Leg::contact;
-    case ball_image_t::LEG_REBOUND:
-      return reduction::Leg::rebound;
-    default:
-      return std::nullopt;
-  }
-}
-
-BallImage ball_image(const ball_image_t& image, const std::string& source) {
-  BallImage result;
-  result.leg = leg_of(image);
-  result.centre_px = {image.centre_x_px, image.centre_y_px};
-  result.diameter_px = image.diameter_px;
-  result.equator_rad = known(image.equator_rad);
-  if (std::isfinite(image.top_x_px) && std::isfinite(image.top_y_px)) {
-    result.top_px = reduction::PointPx{image.top_x_px, image.top_y_px};
-  }
-  result.source = source;
-  return result;
-}
-
 double surface_angle_deg(const shot_t& shot, const AssemblySettings& settings) {
   if (settings.analysis.surface_angle_deg) return *settings.analysis.surface_angle_deg;
   return note_number(record_of(shot), "surface_angle_deg").value_or(0.0);
 }
 
-Frame frame_without_times(const shot_t& shot, const frame_t& message, const AssemblySettings& settings) {
-  Frame frame;
+/// The frame but for the times of its images.
+void complete(Frame& frame, const shot_t& shot, const AssemblySettings& settings) {
   frame.shot_id = shot.shot_id;
   frame.record = record_of(shot);
   frame.ball_diameter_m = settings.ball.diameter_m;
   frame.ball_diameter_sd_m = settings.ball.diameter_sd_m;
-  for (const auto& point : message.surface) frame.surface_px.push_back({point.x_px, point.y_px});
-  frame.surface_sd_px = positive(message.surface_sd_px);
-  frame.centre_sd_px = positive(message.centre_sd_px);
-  frame.diameter_sd_px = positive(message.diameter_sd_px);
-  frame.equator_sd_rad = positive(message.equator_sd_rad);
-  frame.px_per_m = positive(message.px_per_m);
-  frame.px_per_m_sd = positive(message.px_per_m_sd);
   if (!frame.px_per_m) {
     frame.px_per_m = settings.analysis.px_per_m;
     frame.px_per_m_sd = settings.analysis.px_per_m_sd;
   }
   frame.surface_angle_deg = surface_angle_deg(shot, settings);
   frame.temperature_c = note_number(frame.record, "temperature_c");
-  for (const ball_image_t& image : message.images) frame.images.push_back(ball_image(image, message.source));
-  return frame;
 }
 
 double since_s(std::int64_t time_ns, std::int64_t origin_ns) {
@@ -160,9 +119,7 @@ bool measured_by_nobody(const FlashTimes& times, const shot_t& shot) {
 AssemblySettings assembly_settings(const RigFile& rig) { return {rig.ball, rig.analysis, rig.machine_lag_s}; }
 
 reduction::Record record_of(const shot_t& shot) {
-  reduction::Record record;
-  for (const auto& note : shot.notes) record[note.key] = note.value;
-  return record;
+  return messages::record_from_notes(shot.notes).value_or(reduction::Record{});
 }
 
 FlagSet shot_flags(const shot_t& shot) {
@@ -183,8 +140,11 @@ reduction::Readout empty_readout(const shot_t& shot, const FlagSet& flags) {
 
 AssembledShot assemble(const shot_t& shot, const frame_t& message, const AssemblySettings& settings) {
   AssembledShot result;
-  result.frame = frame_without_times(shot, message, settings);
   result.flags = shot_flags(shot);
+  auto frame = messages::frame_from_lcm(message);
+  if (!frame) return unmatched(result, Flag::degenerate_geometry, frame.error().message);
+  result.frame = std::move(*frame);
+  complete(result.frame, shot, settings);
   if (message.images.empty())
     return unmatched(result, Flag::too_few_images, "no image of the ball on the photograph");
   const auto track = image_track(message, settings.ball.diameter_m, result.frame.surface_angle_deg);

@@ -3,6 +3,8 @@
 #include <charconv>
 #include <cmath>
 
+#include "common/messages/record.hpp"
+
 namespace strobe::host {
 namespace {
 
@@ -10,15 +12,6 @@ std::string_view trimmed(std::string_view text) {
   while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
   while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
   return text;
-}
-
-bool valid_key(std::string_view key) {
-  if (key.empty() || key.size() > kLongestKey) return false;
-  for (const char c : key) {
-    const bool good = (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_' || c == '.';
-    if (!good) return false;
-  }
-  return true;
 }
 
 /// Bytes of the UTF-8 sequence at the front, 0 if there is none. Overlong forms and surrogates are refused
@@ -53,10 +46,11 @@ bool valid_text(std::string_view text) {
 }  // namespace
 
 std::optional<std::string> note_problem(std::string_view key, std::string_view value) {
-  if (!valid_key(key)) {
+  if (!messages::valid_note_key(key)) {
     return "note \"" + std::string(key) + "\": a key is 1 to 64 of a-z, 0-9, underscore and dot";
   }
-  if (value.size() > kLongestValue) return "note " + std::string(key) + ": longer than 1024 bytes";
+  if (value.size() > messages::kLongestNoteValue)
+    return "note " + std::string(key) + ": longer than 1024 bytes";
   if (!valid_text(value)) return "note " + std::string(key) + ": not plain UTF-8 text on one line";
   return std::nullopt;
 }
@@ -69,7 +63,7 @@ Result<void> add_note(reduction::Record& record, std::string_view text) {
   const std::string key(trimmed(text.substr(0, equals)));
   const std::string value(trimmed(text.substr(equals + 1)));
   if (const auto problem = note_problem(key, value)) return fail(*problem);
-  if (!record.contains(key) && record.size() >= kMostNotes)
+  if (!record.contains(key) && record.size() >= messages::kMostNotes)
     return fail("note " + key + ": more than 64 notes");
   record[key] = value;
   return {};

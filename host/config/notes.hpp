@@ -29,10 +29,6 @@ inline constexpr std::array<std::string_view, 14> kNamedNotes{"spin",
                                                               "operator",
                                                               "remarks"};
 
-inline constexpr std::size_t kMostNotes = 64;
-inline constexpr std::size_t kLongestKey = 64;
-inline constexpr std::size_t kLongestValue = 1024;  ///< bytes of UTF-8
-
 /// What is wrong with the note, or nothing: keys are 1 to 64 of [a-z0-9_.], values UTF-8 of at most 1024
 /// bytes without control characters.
 std::optional<std::string> note_problem(std::string_view key, std::string_view value);

@@ -11,6 +11,7 @@
 
 #include "common/config/toml_reader.hpp"
 #include "common/messages/channels.hpp"
+#include "common/messages/record.hpp"
 #include "host/config/notes.hpp"
 #include "host/share.hpp"
 
@@ -47,7 +48,7 @@ reduction::Record read_record(TomlTable table) {
     if (const auto problem = note_problem(key, value)) table.error_at(key, *problem);
     record[key] = value;
   }
-  if (record.size() > kMostNotes) table.error_at("", "more than 64 notes");
+  if (record.size() > messages::kMostNotes) table.error_at("", "more than 64 notes");
   return record;
 }
 
