@@ -112,7 +112,7 @@ class FrameReader {
   }
 
   PointPx point(const char* what, std::size_t index) {
-    const std::string name = what + (" " + std::to_string(index));
+    const std::string name = std::string(what).append(1, ' ').append(std::to_string(index));
     const auto l = line(name);
     if (!l) return {};
     std::string_view rest = l->text;
