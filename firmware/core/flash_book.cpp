@@ -1,0 +1,58 @@
+#include "firmware/core/flash_book.hpp"
+
+#include <algorithm>
+#include <iterator>
+
+namespace strobe::firmware {
+
+namespace {
+
+MonoTime begin_of(const FlashRecord& flash) {
+  return (flash.issue_start.known() ? flash.issue_start : flash.commanded) - FlashBook::kEarly;
+}
+
+}  // namespace
+
+void FlashBook::open(ShotRecord& record, Duration period) noexcept {
+  record_ = &record;
+  record_->flashes.clear();
+  period_ = period;
+}
+
+void FlashBook::plan(MonoTime commanded) noexcept {
+  if (record_->flashes.size() == record_->flashes.capacity()) return;
+  FlashRecord flash;
+  flash.commanded = commanded;
+  record_->flashes.push_back(flash);
+}
+
+void FlashBook::issued(std::int32_t flash_index, MonoTime start, MonoTime end) noexcept {
+  FlashRecord& flash = record_->flashes[static_cast<std::size_t>(flash_index)];
+  flash.issue_start = start;
+  flash.issue_end = end;
+}
+
+FlashRecord* FlashBook::owner(MonoTime seen) noexcept {
+  auto& flashes = record_->flashes;
+  const auto after =
+      std::upper_bound(flashes.begin(), flashes.end(), seen,
+                       [](MonoTime t, const FlashRecord& flash) { return t < begin_of(flash); });
+  if (after == flashes.begin()) return nullptr;
+  FlashRecord& flash = *std::prev(after);
+  const MonoTime end = begin_of(flash) + kEarly + nanoseconds(period_.ns / 2);
+  return seen < end ? &flash : nullptr;
+}
+
+void FlashBook::edge(Input sensor, MonoTime seen) noexcept {
+  if (record_ == nullptr) return;
+  FlashRecord* flash = owner(seen);
+  if (flash == nullptr) return;
+  MonoTime& observed = sensor == Input::sensor_a ? flash->observed_a : flash->observed_b;
+  if (observed.known()) {
+    ++flash->extra_edges;
+  } else {
+    observed = seen;
+  }
+}
+
+}  // namespace strobe::firmware

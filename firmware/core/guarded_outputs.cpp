@@ -1,0 +1,63 @@
+#include "firmware/core/guarded_outputs.hpp"
+
+#include <algorithm>
+
+namespace strobe::firmware {
+
+GuardedOutputs::GuardedOutputs(const Rig& rig, Clock& clock, OutputLines& lines)
+    : clock_(clock), lines_(lines) {
+  pulses_[index_of(Output::trigger)].longest = rig.machine.max_on;
+  pulses_[index_of(Output::strobes)].longest = rig.lamps.max_on;
+  pulses_[index_of(Output::shutter)].longest = rig.shutter.max_open;
+}
+
+Issue GuardedOutputs::activate(Output output, MonoTime commanded, Duration width) noexcept {
+  Pulse& pulse = pulses_[index_of(output)];
+  Issue issue{commanded, clock_.now(), {}, false};
+  issue.done = lines_.set(output, true);
+  issue.end = clock_.now();
+  // Even a failed call may have driven the line: it is switched off like any other.
+  pulse.active = true;
+  pulse.since = issue.start;
+  pulse.off_at = issue.end + std::min(width, pulse.longest);
+  return issue;
+}
+
+Issue GuardedOutputs::deactivate(Output output) noexcept {
+  Pulse& pulse = pulses_[index_of(output)];
+  Issue issue{pulse.off_at, clock_.now(), {}, false};
+  issue.done = lines_.set(output, false);
+  issue.end = clock_.now();
+  if (!issue.done) broken_ = true;
+  if (pulse.active) pulse.last_on_time = issue.end - pulse.since;
+  pulse.active = false;
+  return issue;
+}
+
+bool GuardedOutputs::all_off() noexcept {
+  bool done = true;
+  for (const Output output : kOutputs) done = deactivate(output).done && done;
+  return done;
+}
+
+bool GuardedOutputs::any_active() const noexcept {
+  return std::any_of(pulses_.begin(), pulses_.end(), [](const Pulse& pulse) { return pulse.active; });
+}
+
+MonoTime GuardedOutputs::next_off() const noexcept {
+  MonoTime next = kNoDeadline;
+  for (const Pulse& pulse : pulses_) {
+    if (pulse.active) next = std::min(next, pulse.off_at);
+  }
+  return next;
+}
+
+Output GuardedOutputs::next_off_output() const noexcept {
+  for (const Output output : kOutputs) {
+    const Pulse& pulse = pulses_[index_of(output)];
+    if (pulse.active && pulse.off_at == next_off()) return output;
+  }
+  return Output::trigger;
+}
+
+}  // namespace strobe::firmware

@@ -1,0 +1,56 @@
+// The only way to an output: every switching on comes with an end that is no later than the output's longest
+// on-time, whatever the plan says. Real-time safe; one thread's.
+#pragma once
+
+#include <array>
+#include <limits>
+
+#include "firmware/core/rig.hpp"
+#include "firmware/ports/clock.hpp"
+#include "firmware/ports/output_lines.hpp"
+
+namespace strobe::firmware {
+
+inline constexpr MonoTime kNoDeadline{std::numeric_limits<std::int64_t>::max()};
+
+/// One set-values call: the planned instant and the clock before and after it.
+struct Issue {
+  MonoTime commanded;
+  MonoTime start;
+  MonoTime end;
+  bool done = false;  ///< false: the call failed
+};
+
+class GuardedOutputs {
+ public:
+  GuardedOutputs(const Rig& rig, Clock& clock, OutputLines& lines);
+
+  Issue activate(Output output, MonoTime commanded, Duration width) noexcept;
+  Issue deactivate(Output output) noexcept;
+  /// Everything inactive now, the machine first. False: a call failed, the lines are not known to be safe.
+  bool all_off() noexcept;
+
+  bool active(Output output) const noexcept { return pulses_[index_of(output)].active; }
+  /// How long it was on when last switched off.
+  Duration last_on_time(Output output) const noexcept { return pulses_[index_of(output)].last_on_time; }
+  Duration longest_on(Output output) const noexcept { return pulses_[index_of(output)].longest; }
+  bool any_active() const noexcept;
+  MonoTime next_off() const noexcept;               ///< kNoDeadline: all are inactive
+  Output next_off_output() const noexcept;          ///< the one that next_off() is of
+  bool broken() const noexcept { return broken_; }  ///< an output could not be switched off
+
+ private:
+  struct Pulse {
+    bool active = false;
+    MonoTime since;
+    MonoTime off_at;
+    Duration longest;
+    Duration last_on_time;
+  };
+  Clock& clock_;
+  OutputLines& lines_;
+  std::array<Pulse, kOutputs.size()> pulses_;
+  bool broken_ = false;
+};
+
+}  // namespace strobe::firmware

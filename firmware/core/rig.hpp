@@ -1,0 +1,73 @@
+// The rig as configured: lines, limits and times of rig.toml, in the firmware's units. Plain values, filled
+// once before the loop starts (core/rig_file.hpp), then only read.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "common/units/time.hpp"
+#include "firmware/ports/event_sink.hpp"
+
+namespace strobe::firmware {
+
+struct LineConfig {
+  bool fitted = false;
+  std::string name;          ///< empty: by offset
+  std::int64_t offset = -1;  ///< -1: by name
+  bool active_low = false;
+  std::uint32_t file_line = 0;  ///< in the rig file, for messages
+};
+
+struct Note {
+  std::string key;
+  std::string value;
+};
+
+struct Rig {
+  std::string file_name;
+  std::string name = "bench";
+  std::string lcm_url;  ///< empty: the default
+  std::string chip = "gpiochip0";
+  std::uint32_t chip_file_line = 0;
+  std::array<LineConfig, kLineCount> lines;  ///< indexed by Line
+
+  struct Lamps {
+    Duration pulse = microseconds(50);
+    double delay_us = 12.0;
+    Duration min_period = microseconds(1500);
+    std::int32_t max_flashes = 400;
+    Duration max_on = microseconds(200);
+  } lamps;
+  Duration sensor_delay;
+  struct Shutter {
+    Duration lag = milliseconds(45);
+    Duration max_open = milliseconds(2000);
+  } shutter;
+  struct Machine {
+    Duration lag = milliseconds(310);
+    Duration pulse = milliseconds(20);
+    Duration max_on = milliseconds(100);
+  } machine;
+  PlanRequest plan;  ///< default shot; its impact_at stands in where a request has none
+  struct Tolerance {
+    Duration late = microseconds(100);
+    Duration abort_late = microseconds(1500);
+    Duration spin = microseconds(200);
+  } tolerance;
+  Duration arming_expires = milliseconds(30'000);
+  struct RealTime {
+    int priority = 80;
+    int cpu = -1;
+  } real_time;
+  std::vector<Note> record;
+
+  const LineConfig& line(Line which) const { return lines[static_cast<std::size_t>(which)]; }
+  LineConfig& line(Line which) { return lines[static_cast<std::size_t>(which)]; }
+};
+
+/// The key of a line in [lines], e.g. "strobe_a".
+const char* line_key(Line line);
+
+}  // namespace strobe::firmware

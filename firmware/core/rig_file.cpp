@@ -1,0 +1,169 @@
+#include "firmware/core/rig_file.hpp"
+
+#include <charconv>
+#include <cmath>
+
+#include "common/config/toml_reader.hpp"
+#include "common/messages/channels.hpp"
+#include "firmware/core/shot_plan.hpp"
+
+namespace strobe::firmware {
+
+namespace {
+
+using config::Range;
+using config::TomlTable;
+
+constexpr double kNsPerUs = 1e3;
+constexpr double kNsPerMs = 1e6;
+constexpr double kNsPerS = 1e9;
+
+Duration rounded(double value, double ns_per_unit) { return nanoseconds(std::llround(value * ns_per_unit)); }
+
+std::string shortest(double value) {
+  std::array<char, 32> text{};
+  return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr};
+}
+
+void read_line(TomlTable& lines, Line which, bool required, Rig& rig) {
+  const char* key = line_key(which);
+  LineConfig& line = rig.line(which);
+  if (!lines.has(key)) {
+    if (required) lines.error_at(key, "is missing");
+    return;
+  }
+  TomlTable table = lines.table(key);
+  line.fitted = true;
+  line.file_line = lines.line_of(key);
+  if (table.is_integer("line")) {
+    line.offset = table.integer("line", {0, 1023});
+  } else if (table.is_string("line")) {
+    line.name = table.string("line");
+    if (line.name.empty() || line.name.size() > 31) table.error_at("line", "must be 1 to 31 characters");
+  } else {
+    table.error_at("line", table.has("line") ? "must be an offset or a name in quotes" : "is missing");
+  }
+  line.active_low = table.boolean_or("active_low", false);
+}
+
+void read_lines(TomlTable lines, Rig& rig) {
+  for (const Line which :
+       {Line::strobe_a, Line::strobe_b, Line::shutter, Line::trigger, Line::key, Line::estop}) {
+    read_line(lines, which, true, rig);
+  }
+  for (const Line which : {Line::sensor_a, Line::sensor_b, Line::gate}) read_line(lines, which, false, rig);
+  if (!rig.line(Line::sensor_a).fitted && !rig.line(Line::sensor_b).fitted) {
+    lines.error_at("sensor_a", "at least one of sensor_a and sensor_b is needed");
+  }
+  for (std::size_t i = 1; i < kLineCount; ++i) {
+    for (std::size_t k = 1; k < i; ++k) {
+      const LineConfig &a = rig.lines[k], &b = rig.lines[i];
+      if (a.fitted && b.fitted && a.offset == b.offset && a.name == b.name) {
+        lines.error_at(line_key(static_cast<Line>(i)),
+                       std::string("is the same line as lines.") + line_key(static_cast<Line>(k)));
+      }
+    }
+  }
+}
+
+void read_lamps(TomlTable table, Rig& rig) {
+  auto& lamps = rig.lamps;
+  lamps.max_on = rounded(table.number("max_on_us", {1, 10'000}), kNsPerUs);
+  lamps.pulse = rounded(table.number("pulse_us", {1, 10'000}), kNsPerUs);
+  if (lamps.pulse > lamps.max_on) table.error_at("pulse_us", "must not be longer than lamps.max_on_us");
+  lamps.delay_us = table.number_or("delay_us", 0.0, {0, 10'000});
+  lamps.min_period = rounded(table.number("min_period_us", {100, 1e6}), kNsPerUs);
+  if (lamps.max_on >= lamps.min_period)
+    table.error_at("max_on_us", "must be shorter than lamps.min_period_us");
+  lamps.max_flashes = static_cast<std::int32_t>(table.integer("max_flashes_per_shot", {1, kMostFlashes}));
+}
+
+void read_movers(TomlTable shutter, TomlTable machine, Rig& rig) {
+  rig.shutter.lag = rounded(shutter.number("lag_ms", {0, 5'000}), kNsPerMs);
+  rig.shutter.max_open = rounded(shutter.number("max_open_s", {0.001, 60}), kNsPerS);
+  rig.machine.lag = rounded(machine.number("lag_ms", {0, 60'000}), kNsPerMs);
+  rig.machine.max_on = rounded(machine.number("max_on_ms", {0.01, 10'000}), kNsPerMs);
+  rig.machine.pulse = rounded(machine.number("pulse_ms", {0.01, 10'000}), kNsPerMs);
+  if (rig.machine.pulse > rig.machine.max_on) {
+    machine.error_at("pulse_ms", "must not be longer than machine.max_on_ms");
+  }
+}
+
+void read_plan(TomlTable& root, Rig& rig) {
+  TomlTable table = root.table("plan");
+  PlanRequest& plan = rig.plan;
+  plan.train = table.choice_or("train", "free", {"free", "gated"}) == "gated" ? Train::gated : Train::free;
+  plan.period = rounded(table.number("period_us", {1, 1e7}), kNsPerUs);
+  plan.exposure = rounded(table.number("shutter_open_ms", {0.001, 60'000}), kNsPerMs);
+  plan.gate_delay = rounded(table.number_or("gate_delay_ms", 0.0, {0, 60'000}), kNsPerMs);
+  plan.flash_count = static_cast<std::int32_t>(table.integer_or("flash_count", 0, {0, kMostFlashes}));
+  plan.impact_at = rounded(table.number("impact_at_ms", {0.001, 60'000}), kNsPerMs);
+  if (auto checked = check_plan(plan, rig); !checked) root.error_at("plan", checked.error().message);
+}
+
+void read_timing(TomlTable tolerance, TomlTable arming, TomlTable real_time, Rig& rig) {
+  rig.tolerance.late = rounded(tolerance.number("late_us", {1, 1e6}), kNsPerUs);
+  rig.tolerance.abort_late = rounded(tolerance.number("abort_late_us", {1, 1e6}), kNsPerUs);
+  if (rig.tolerance.abort_late < rig.tolerance.late) {
+    tolerance.error_at("abort_late_us", "must not be less than tolerance.late_us");
+  }
+  rig.tolerance.spin = rounded(tolerance.number("spin_us", {0, 1000}), kNsPerUs);
+  if (rig.tolerance.spin + rig.lamps.max_on >= rig.lamps.min_period) {
+    // Else the loop would go from spin to spin and never look at the e-stop.
+    tolerance.error_at("spin_us", "together with lamps.max_on_us must be shorter than lamps.min_period_us");
+  }
+  rig.arming_expires = rounded(arming.number("expires_s", {1, 3600}), kNsPerS);
+  rig.real_time.priority = static_cast<int>(real_time.integer_or("priority", 80, {1, 98}));
+  rig.real_time.cpu = static_cast<int>(real_time.integer_or("cpu", -1, {-1, 1023}));
+}
+
+void read_record(TomlTable& root, Rig& rig) {
+  TomlTable table = root.table("record");
+  constexpr std::size_t kMostNotes = 64;
+  for (const std::string& key : table.keys()) {
+    const bool well_formed = !key.empty() && key.size() <= 64 &&
+                             key.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_") == key.npos;
+    if (!well_formed) table.error_at(key, "must be 1 to 64 characters of [a-z0-9_]");
+    Note note{key, table.is_string(key) ? table.string(key) : shortest(table.number(key))};
+    if (note.value.size() > 1024) table.error_at(key, "must be at most 1024 bytes");
+    rig.record.push_back(std::move(note));
+  }
+  if (rig.record.size() > kMostNotes) root.error_at("record", "must have at most 64 entries");
+}
+
+}  // namespace
+
+const char* line_key(Line line) {
+  constexpr std::array<const char*, kLineCount> kKeys{
+      "none", "strobe_a", "strobe_b", "shutter", "trigger", "sensor_a", "sensor_b", "gate", "key", "estop"};
+  return kKeys[static_cast<std::size_t>(line)];
+}
+
+Result<Rig> read_rig(std::string_view text, const std::string& file_name) {
+  config::TomlReader reader(text, file_name);
+  TomlTable root = reader.root();
+  Rig rig;
+  rig.file_name = file_name;
+  rig.name = root.string("rig");
+  if (!messages::valid_rig_name(rig.name))
+    root.error_at("rig", "must be 1 to 24 characters of [A-Za-z0-9_-]");
+  rig.lcm_url = root.string_or("lcm_url", "");
+  TomlTable chip = root.table("chip");
+  rig.chip = chip.string("name");
+  rig.chip_file_line = chip.line_of("name");
+  read_lines(root.table("lines"), rig);
+  read_lamps(root.table("lamps"), rig);
+  rig.sensor_delay = rounded(root.table("sensors").number_or("delay_us", 0.0, {-10'000, 10'000}), kNsPerUs);
+  TomlTable machine = root.table("machine");
+  machine.number_or("flashes_before_ms", 0.0, {0, 60'000});
+  read_movers(root.table("shutter"), machine, rig);
+  read_timing(root.table("tolerance"), root.table("arming"), root.table("real_time"), rig);
+  read_record(root, rig);
+  root.table("ball").accept_all();
+  root.table("analysis").accept_all();
+  read_plan(root, rig);  // last: it is checked against the other tables' limits
+  if (auto bad = reader.error()) return tl::unexpected(*bad);
+  return rig;
+}
+
+}  // namespace strobe::firmware

@@ -1,0 +1,172 @@
+#include "firmware/core/sequencer.hpp"
+
+#include <algorithm>
+
+namespace strobe::firmware {
+
+Sequencer::Sequencer(const Rig& rig, const Ports& ports, std::int32_t last_shot_id)
+    : rig_(rig),
+      clock_(ports.clock),
+      edges_(ports.edges),
+      sink_(ports.sink),
+      commands_(ports.commands),
+      interlock_(rig.arming_expires),
+      outputs_(rig_, ports.clock, ports.outputs),
+      player_(rig_, ports.clock, ports.edges, ports.sink, interlock_, outputs_),
+      last_shot_id_(last_shot_id) {}
+
+void Sequencer::report(EventKind kind, const Words& detail) noexcept {
+  Event event;
+  event.kind = kind;
+  event.shot_id = player_.shot_id();
+  event.device_time = clock_.now();
+  event.detail = detail;
+  sink_.event(event);
+}
+
+void Sequencer::refuse(const Command& command, std::string_view why) noexcept {
+  constexpr std::array<std::string_view, 6> kNames{"", "ARM", "FIRE", "DISARM", "RESEND", "CLEAR"};
+  Words words(kNames[static_cast<std::size_t>(command.kind)]);
+  report(EventKind::refused, words.append(": ").append(why));
+}
+
+bool Sequencer::start(const Words& detail) noexcept {
+  const bool safe = outputs_.all_off();
+  report(EventKind::started, detail);
+  read_levels();
+  report_status();
+  sink_.flush();
+  return safe;
+}
+
+void Sequencer::carry_out(Interlock::Effect effect) noexcept {
+  using Kind = Interlock::Effect::Kind;
+  if (effect.kind == Kind::abort) player_.abort(effect.why);
+  if (effect.kind == Kind::disarmed) report(EventKind::disarmed, effect.why);
+}
+
+void Sequencer::fault(const char* why) noexcept {
+  const bool news = interlock_.fault_words()[0] == '\0';
+  carry_out(interlock_.fault(why));
+  if (news) report(EventKind::fault, why);
+}
+
+void Sequencer::level(Input input, bool active, MonoTime stamp) noexcept {
+  const bool is_key = input == Input::key;
+  if ((is_key ? interlock_.key_active() : interlock_.estop_active()) == active) return;
+  // First what makes safe, then what tells of it.
+  const Interlock::Effect effect = is_key ? interlock_.key(active) : interlock_.estop(active);
+  Event event;
+  event.kind = is_key ? EventKind::key : EventKind::estop;
+  event.line = is_key ? Line::key : Line::estop;
+  event.level = active ? 1 : 0;
+  event.shot_id = player_.shot_id();
+  event.device_time = stamp;
+  carry_out(effect);
+  sink_.event(event);
+}
+
+void Sequencer::read_levels() noexcept {
+  const auto key = edges_.level(Input::key);
+  const auto estop = edges_.level(Input::estop);
+  levels_read_ = clock_.now();
+  if (!key || !estop) return fault("key or e-stop cannot be read");
+  level(Input::estop, *estop, levels_read_);
+  level(Input::key, *key, levels_read_);
+}
+
+void Sequencer::arm(const Command& command) noexcept {
+  if (!sink_.journal_ok()) return refuse(command, "the journal cannot be written");
+  read_levels();
+  if (const char* why = interlock_.arm(command.host_id, command.fresh_token, clock_.now())) {
+    return refuse(command, why);
+  }
+  Words host;
+  report(EventKind::armed, host.append(command.host_id, 16));
+}
+
+void Sequencer::fire(const Command& command) noexcept {
+  if (!sink_.journal_ok()) return refuse(command, "the journal cannot be written");
+  ShotRecord* record = sink_.free_record();
+  if (record == nullptr) return refuse(command, "earlier shots are still being written");
+  read_levels();
+  if (const char* why = interlock_.fire(command.host_id, command.token, command.plan.dry, clock_.now())) {
+    return refuse(command, why);
+  }
+  player_.begin(command, ++last_shot_id_, *record);
+}
+
+void Sequencer::obey(const Command& command) noexcept {
+  if (!command.defect.empty()) return refuse(command, command.defect.view());
+  switch (command.kind) {
+    case CommandKind::arm:
+      return arm(command);
+    case CommandKind::fire:
+      return fire(command);
+    case CommandKind::disarm:
+      return carry_out(interlock_.disarm());
+    case CommandKind::clear: {
+      const char* why = interlock_.clear();
+      if (why != nullptr) return refuse(command, why);
+      report(EventKind::cleared, "");
+      return read_levels();  // latches anew if the cause is still there
+    }
+    case CommandKind::resend:
+      return refuse(command, "not for the loop");
+  }
+}
+
+bool Sequencer::step(MonoTime latest) noexcept {
+  const MonoTime longest = clock_.now() + kLongestSleep;
+  const MonoTime due = player_.next_due();
+  const MonoTime until =
+      std::min({due == kNoDeadline ? longest : due - rig_.tolerance.spin, longest, latest});
+  sink_.flush();
+  const auto count = edges_.wait(until, edge_buffer_);
+  if (!count) fault("the inputs' edges cannot be read");
+  for (std::size_t i = 0; i < count.value_or(0); ++i) {
+    const Edge& edge = edge_buffer_[i];
+    if (edge.input == Input::key || edge.input == Input::estop) {
+      level(edge.input, edge.active, edge.time);
+    } else {
+      player_.edge(edge);
+    }
+  }
+  Command command;
+  while (commands_.pop(command)) obey(command);
+  if (clock_.now() - levels_read_ >= kLongestSleep) read_levels();
+  carry_out(interlock_.tick(clock_.now()));
+  player_.run_due();
+  report_status();
+  return !outputs_.broken();
+}
+
+void Sequencer::stop(const Words& why) noexcept {
+  player_.abort(why);
+  outputs_.all_off();
+  for (int turn = 0; turn < 1000 && player_.busy(); ++turn) {
+    edges_.wait(std::min(player_.next_due(), clock_.now() + milliseconds(1)), edge_buffer_);
+    player_.run_due();
+  }
+  report(EventKind::stopped, why);
+  report_status();
+  sink_.flush();
+}
+
+void Sequencer::report_status() noexcept {
+  LoopStatus status;
+  status.state = interlock_.state();
+  status.key_active = interlock_.key_active();
+  status.estop_active = interlock_.estop_active();
+  status.arm_host = interlock_.arm_host();
+  status.arm_token = interlock_.arm_token();
+  status.arm_expires = interlock_.arm_expires();
+  status.last_shot_id = last_shot_id_;
+  status.kernel_overflows = edges_.overflows();
+  status.fault = interlock_.fault_words();
+  if (reported_ == status) return;
+  reported_ = status;
+  sink_.status(status);
+}
+
+}  // namespace strobe::firmware

@@ -1,0 +1,67 @@
+// The real-time loop, one turn at a time: wait for the next instant, an edge or a command; obey the
+// interlock; play the shot. Knows no Linux: it runs on the ports, on a real clock or a virtual one. After
+// start() no call allocates, locks or logs. One thread's.
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "firmware/core/shot_player.hpp"
+
+namespace strobe::firmware {
+
+struct Ports {
+  Clock& clock;
+  OutputLines& outputs;
+  EdgeSource& edges;
+  EventSink& sink;
+  CommandSource& commands;
+};
+
+class Sequencer {
+ public:
+  /// Longest sleep: inputs are read anew at least this often, should an edge have been lost.
+  static constexpr Duration kLongestSleep = milliseconds(50);
+
+  Sequencer(const Rig& rig, const Ports& ports, std::int32_t last_shot_id);
+
+  /// Outputs inactive, inputs read, STARTED reported. False: an output could not be driven.
+  bool start(const Words& detail) noexcept;
+
+  /// One turn; returns no later than kLongestSleep or `latest` from now.
+  /// False: an output can no longer be made inactive. The caller must end the process, so that the guardian
+  /// does it.
+  bool step(MonoTime latest) noexcept;
+
+  /// Outputs inactive, a running shot aborted and handed over, STOPPED reported.
+  void stop(const Words& why) noexcept;
+
+  State state() const noexcept { return interlock_.state(); }
+
+ private:
+  void read_levels() noexcept;
+  void level(Input input, bool active, MonoTime stamp) noexcept;
+  void obey(const Command& command) noexcept;
+  void arm(const Command& command) noexcept;
+  void fire(const Command& command) noexcept;
+  void carry_out(Interlock::Effect effect) noexcept;
+  void fault(const char* why) noexcept;
+  void refuse(const Command& command, std::string_view why) noexcept;
+  void report(EventKind kind, const Words& detail) noexcept;
+  void report_status() noexcept;
+
+  Rig rig_;
+  Clock& clock_;
+  EdgeSource& edges_;
+  EventSink& sink_;
+  CommandSource& commands_;
+  Interlock interlock_;
+  GuardedOutputs outputs_;
+  ShotPlayer player_;
+  std::array<Edge, 64> edge_buffer_;
+  std::int32_t last_shot_id_;
+  std::optional<LoopStatus> reported_;
+  MonoTime levels_read_;
+};
+
+}  // namespace strobe::firmware

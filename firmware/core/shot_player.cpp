@@ -1,0 +1,253 @@
+#include "firmware/core/shot_player.hpp"
+
+#include <algorithm>
+
+namespace strobe::firmware {
+
+ShotPlayer::ShotPlayer(const Rig& rig, Clock& clock, EdgeSource& edges, EventSink& sink, Interlock& interlock,
+                       GuardedOutputs& outputs)
+    : rig_(rig), clock_(clock), edges_(edges), sink_(sink), interlock_(interlock), outputs_(outputs) {
+  plan_.reserve(rig.lamps.max_flashes);
+}
+
+void ShotPlayer::report(EventKind kind, Line line, int level, const Issue& issue,
+                        std::int32_t flash_index) noexcept {
+  Event event;
+  event.kind = kind;
+  event.line = line;
+  event.level = static_cast<std::int8_t>(level);
+  event.shot_id = record_->shot_id;
+  event.flash_index = flash_index;
+  event.device_time = issue.end;
+  event.commanded = issue.commanded;
+  event.issue_start = issue.start;
+  event.issue_end = issue.end;
+  sink_.event(event);
+}
+
+void ShotPlayer::report(EventKind kind, const Words& detail) noexcept {
+  Event event;
+  event.kind = kind;
+  event.shot_id = record_->shot_id;
+  event.device_time = clock_.now();
+  event.detail = detail;
+  sink_.event(event);
+}
+
+void ShotPlayer::begin(const Command& fire, std::int32_t shot_id, ShotRecord& record) noexcept {
+  record_ = &record;
+  record.shot_id = shot_id;
+  record.host_id = fire.host_id;
+  record.command_id = fire.command_id;
+  record.plan = fire.plan;
+  if (record.plan.impact_at.ns == 0) record.plan.impact_at = rig_.plan.impact_at;
+  record.start = clock_.now() + kLead;
+  record.shutter_open = record.shutter_close = record.trigger = record.gate = MonoTime::never();
+  record.abort_reason = Words();
+  overflows_before_ = sink_.overflows();
+  kernel_overflows_before_ = edges_.overflows();
+  build_plan(record.plan, rig_, plan_);
+  book_.open(record, record.plan.period);
+  for (const PlannedPulse& pulse : plan_.pulses) {
+    if (pulse.output == Output::strobes) book_.plan(at(pulse.at));
+  }
+  next_pulse_ = 0;
+  last_flash_ = gate_counts_from_ = MonoTime::never();
+  phase_ = Phase::playing;
+  report(EventKind::shot_started, record.plan.dry ? "dry" : "");
+}
+
+MonoTime ShotPlayer::next_issue() const noexcept {
+  MonoTime next = outputs_.next_off();
+  if (next_pulse_ < plan_.pulses.size()) next = std::min(next, at(plan_.pulses[next_pulse_].at));
+  return next;
+}
+
+MonoTime ShotPlayer::next_due() const noexcept {
+  switch (phase_) {
+    case Phase::idle:
+      return kNoDeadline;
+    case Phase::playing: {
+      const MonoTime issue = next_issue();
+      return issue == kNoDeadline || awaits_gate() ? std::min(issue, at(plan_.exposure_end)) : issue;
+    }
+    case Phase::closing:
+      return closes_at_;
+    case Phase::handing_over:
+      return clock_.now() + milliseconds(1);
+  }
+  return kNoDeadline;
+}
+
+void ShotPlayer::run_due() noexcept {
+  while (phase_ == Phase::playing) {
+    const MonoTime due = next_issue();
+    if (due == kNoDeadline || due > clock_.now() + rig_.tolerance.spin) break;
+    clock_.spin_until(due);
+    issue_next(due);
+  }
+  end_if_over();
+}
+
+void ShotPlayer::issue_next(MonoTime due) noexcept {
+  if (outputs_.next_off() <= due) {
+    switch_off(outputs_.next_off_output());
+  } else {
+    issue(plan_.pulses[next_pulse_++]);
+  }
+}
+
+void ShotPlayer::issue(const PlannedPulse& pulse) noexcept {
+  const Duration lateness = clock_.now() - at(pulse.at);
+  if (lateness > rig_.tolerance.abort_late) {
+    Words why(pulse.output == Output::strobes   ? "flash "
+              : pulse.output == Output::trigger ? "trigger"
+                                                : "shutter");
+    if (pulse.output == Output::strobes) why.append(pulse.flash_index);
+    abort(why.append(" would have been ").append(lateness.ns / 1000).append(" us late"));
+    return;
+  }
+  switch (pulse.output) {
+    case Output::strobes:
+      flash(pulse);
+      break;
+    case Output::trigger:
+      trigger(pulse);
+      break;
+    case Output::shutter:
+      shutter(pulse);
+      break;
+  }
+}
+
+bool ShotPlayer::lamps_recharged(const PlannedPulse& pulse) noexcept {
+  if (!last_flash_.known()) return true;
+  const Duration gap = clock_.now() - last_flash_;
+  // A plan at the lamps' shortest period must survive the jitter that is tolerated in each flash.
+  if (gap + rig_.tolerance.late >= rig_.lamps.min_period) return true;
+  Words why("flash ");
+  why.append(pulse.flash_index)
+      .append(" would have come ")
+      .append(gap.ns / 1000)
+      .append(" us after the one before");
+  abort(why);
+  return false;
+}
+
+void ShotPlayer::flash(const PlannedPulse& pulse) noexcept {
+  if (!lamps_recharged(pulse)) return;
+  const Issue issue = outputs_.activate(Output::strobes, at(pulse.at), pulse.width);
+  last_flash_ = issue.start;
+  book_.issued(pulse.flash_index, issue.start, issue.end);
+  report(EventKind::flash, Line::none, 1, issue, pulse.flash_index);
+  if (!issue.done) abort("the lamps' lines could not be set");
+}
+
+void ShotPlayer::trigger(const PlannedPulse& pulse) noexcept {
+  const auto key = edges_.level(Input::key);
+  const auto estop = edges_.level(Input::estop);
+  if (!key || !estop) return abort("key or e-stop could not be read before the trigger");
+  if (!*key) return abort("the key is off");
+  if (*estop) return abort("the e-stop is pressed");
+  if (!interlock_.release_trigger()) return abort("the interlock withheld the trigger");
+  const Issue issue = outputs_.activate(Output::trigger, at(pulse.at), pulse.width);
+  record_->trigger = issue.end;
+  gate_counts_from_ = issue.end;
+  report(EventKind::trigger, Line::trigger, 1, issue);
+  if (!issue.done) abort("the trigger's line could not be set");
+}
+
+void ShotPlayer::shutter(const PlannedPulse& pulse) noexcept {
+  const Issue issue = outputs_.activate(Output::shutter, at(pulse.at), pulse.width);
+  record_->shutter_open = issue.end + rig_.shutter.lag;
+  if (record_->plan.dry) gate_counts_from_ = issue.end;  // a hand in the gate stands in for the ball
+  report(EventKind::shutter, Line::shutter, 1, issue);
+  if (!issue.done) abort("the shutter's line could not be set");
+}
+
+void ShotPlayer::switch_off(Output output) noexcept {
+  const Issue issue = outputs_.deactivate(output);
+  if (output == Output::shutter) {
+    record_->shutter_close = issue.end + rig_.shutter.lag;
+    report(EventKind::shutter, Line::shutter, 0, issue);
+  } else if (output == Output::trigger) {
+    report(EventKind::trigger, Line::trigger, 0, issue);
+  }
+  if (!issue.done) return abort("an output could not be switched off");
+  const Duration on_time = outputs_.last_on_time(output);
+  if (on_time <= outputs_.longest_on(output) + rig_.tolerance.late) return;
+  Words why(output == Output::strobes   ? "the lamps' lines were"
+            : output == Output::trigger ? "the trigger was"
+                                        : "the shutter was");
+  abort(why.append(" on for ").append(on_time.ns / 1000).append(" us"));
+}
+
+void ShotPlayer::edge(const Edge& edge) noexcept {
+  if (!busy() || !edge.active) return;
+  Event event;
+  event.shot_id = record_->shot_id;
+  event.device_time = edge.time;
+  event.level = 1;
+  if (edge.input == Input::gate) {
+    event.kind = EventKind::gate;
+    event.line = Line::gate;
+    sink_.event(event);
+    gate(edge.time);
+    return;
+  }
+  event.kind = EventKind::sensor;
+  event.line = edge.input == Input::sensor_a ? Line::sensor_a : Line::sensor_b;
+  sink_.event(event);
+  book_.edge(edge.input, edge.time - rig_.sensor_delay);
+}
+
+void ShotPlayer::gate(MonoTime stamp) noexcept {
+  const bool is_the_ball = gate_counts_from_.known() && stamp >= gate_counts_from_;
+  if (phase_ != Phase::playing || !is_the_ball || record_->gate.known()) return;
+  record_->gate = stamp;
+  if (!plan_.gated) return;
+  const Duration first = stamp + record_->plan.gate_delay - record_->start;
+  if (first < plan_.exposure_begin) return abort("the gate was interrupted before the shutter was open");
+  if (!add_burst(record_->plan, rig_, first, plan_)) {
+    return abort("the gate was interrupted too late for the burst to end within the exposure");
+  }
+  for (std::size_t k = next_pulse_; k < plan_.pulses.size(); ++k) {
+    if (plan_.pulses[k].output == Output::strobes) book_.plan(at(plan_.pulses[k].at));
+  }
+}
+
+void ShotPlayer::abort(const Words& why) noexcept {
+  if (phase_ != Phase::playing) return;
+  const bool shutter_was_open = outputs_.active(Output::shutter);
+  const bool safe = outputs_.all_off();
+  interlock_.aborted();
+  if (shutter_was_open) record_->shutter_close = clock_.now() + rig_.shutter.lag;
+  record_->abort_reason = why;
+  phase_ = Phase::closing;
+  closes_at_ = clock_.now() + kLateEdges;
+  report(EventKind::shot_aborted, why);
+  if (!safe) interlock_.fault("an output could not be switched off");
+}
+
+void ShotPlayer::end_if_over() noexcept {
+  if (phase_ == Phase::playing && clock_.now() >= at(plan_.exposure_end)) {
+    if (awaits_gate()) {
+      abort("gate never seen");
+    } else if (next_pulse_ == plan_.pulses.size() && !outputs_.any_active()) {
+      phase_ = Phase::closing;
+      closes_at_ = clock_.now() + kLateEdges;
+    }
+  }
+  if (phase_ == Phase::closing && clock_.now() >= closes_at_) {
+    if (record_->abort_reason.empty()) report(EventKind::shot_ended, "");
+    record_->queue_overflows = sink_.overflows() - overflows_before_;
+    record_->kernel_overflows = edges_.overflows() - kernel_overflows_before_;
+    phase_ = Phase::handing_over;
+  }
+  if (phase_ == Phase::handing_over && sink_.shot_done(record_)) {
+    phase_ = Phase::idle;
+    interlock_.shot_over();
+  }
+}
+
+}  // namespace strobe::firmware

@@ -1,0 +1,62 @@
+// Output lines and edge source on a /dev/gpiochipN, and what the guardian needs of it. The implementation is
+// chosen by libgpiod's version: gpio_lines_v1.cpp is libgpiod 1.6, whose events have no sequence number and
+// whose kernel buffer holds 16 edges of a line, the newest lost first.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/result.hpp"
+#include "firmware/core/rig.hpp"
+#include "firmware/ports/edge_source.hpp"
+#include "firmware/ports/output_lines.hpp"
+
+namespace strobe::firmware {
+
+/// Both ports. set(), wait() and level() are real-time safe: no allocation, one system call per set and
+/// level.
+class GpioLines final : public OutputLines, public EdgeSource {
+ public:
+  /// Takes every line of the rig, outputs inactive. wake_fd: an eventfd that ends wait(), emptied there.
+  /// Errors name the rig file's line and key.
+  static Result<std::unique_ptr<GpioLines>> open(const Rig& rig, int wake_fd);
+  ~GpioLines() override;
+
+  bool set(Output output, bool active) noexcept override;
+  std::optional<std::size_t> wait(MonoTime until, std::span<Edge> edges) noexcept override;
+  std::optional<bool> level(Input input) noexcept override;
+  std::int64_t overflows() const noexcept override;
+
+ private:
+  struct Impl;
+  explicit GpioLines(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+/// The outputs of a rig found but not taken, ready to be taken and driven inactive at once.
+class OutputTakeover {
+ public:
+  static Result<OutputTakeover> prepare(const Rig& rig);
+  OutputTakeover(OutputTakeover&&) noexcept;
+  OutputTakeover& operator=(OutputTakeover&&) noexcept;
+  ~OutputTakeover();
+
+  /// Takes every output and drives it inactive, trigger first; a busy line is tried again until the time is
+  /// up. The lines stay taken until destruction. Error: which lines could not be had, and why.
+  Result<void> drive_inactive(Duration patience);
+
+ private:
+  struct Impl;
+  explicit OutputTakeover(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+struct LineReport {
+  std::string key;    ///< in the rig file, e.g. "lines.strobe_a", or "chip.name"
+  std::string fault;  ///< empty: it can be had
+};
+/// Tries chip and lines without taking or changing any.
+std::vector<LineReport> inspect_lines(const Rig& rig);
+
+}  // namespace strobe::firmware

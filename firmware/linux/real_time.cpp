@@ -1,0 +1,112 @@
+#include "firmware/linux/real_time.hpp"
+
+#include <fcntl.h>
+#include <malloc.h>
+#include <pthread.h>
+#include <sched.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+
+namespace strobe::firmware {
+
+LatencyRequest::LatencyRequest() {
+  fd_ = open("/dev/cpu_dma_latency", O_WRONLY | O_CLOEXEC);
+  const std::int32_t microseconds_allowed = 0;
+  if (fd_ < 0 ||
+      write(fd_, &microseconds_allowed, sizeof microseconds_allowed) != sizeof microseconds_allowed) {
+    fault_ = std::string("/dev/cpu_dma_latency: ") + std::strerror(errno) +
+             "; deep sleep states of the processor stay allowed (give the user write access)";
+  }
+}
+
+LatencyRequest::~LatencyRequest() {
+  if (fd_ >= 0) close(fd_);
+}
+
+std::string lock_memory() {
+  rlimit limit{};
+  getrlimit(RLIMIT_MEMLOCK, &limit);
+  if (mlockall(MCL_CURRENT | MCL_FUTURE) == 0) {
+    // Within a finite limit a later allocation would fail in the middle of a shot; root is exempt, if it is
+    // real.
+    if (limit.rlim_cur == RLIM_INFINITY) return "";
+    constexpr std::size_t kMoreThanLimits = std::size_t{64} << 20;
+    if (limit.rlim_cur < kMoreThanLimits) {
+      void* trial =
+          mmap(nullptr, kMoreThanLimits, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+      if (trial != MAP_FAILED) {
+        munmap(trial, kMoreThanLimits);
+        return "";
+      }
+      munlockall();
+    } else {
+      return "";
+    }
+  }
+  return "memory cannot be locked (limit " + std::to_string(limit.rlim_cur >> 10) +
+         " KiB): set LimitMEMLOCK=infinity or give CAP_IPC_LOCK";
+}
+
+std::string become_real_time(int priority) {
+  sched_param param{};
+  param.sched_priority = priority;
+  const int error = pthread_setschedparam(pthread_self(), SCHED_FIFO, &param);
+  if (error == 0) return "";
+  return "SCHED_FIFO " + std::to_string(priority) + " was refused (" + std::strerror(error) +
+         "): set LimitRTPRIO or give CAP_SYS_NICE";
+}
+
+std::string pin_to_cpu(int cpu) {
+  if (cpu < 0) return "";
+  cpu_set_t set;
+  CPU_ZERO(&set);
+  CPU_SET(static_cast<std::size_t>(cpu), &set);
+  const int error = pthread_setaffinity_np(pthread_self(), sizeof set, &set);
+  if (error == 0) return "";
+  return "real_time.cpu: CPU " + std::to_string(cpu) + " cannot be had (" + std::strerror(error) + ")";
+}
+
+std::vector<std::string> try_real_time(const Rig::RealTime& wanted) {
+  std::vector<std::string> faults;
+  int result[2];
+  if (pipe(result) != 0) return {std::string("pipe: ") + std::strerror(errno)};
+  const pid_t child = fork();
+  if (child == 0) {
+    std::string all;
+    for (const std::string& fault :
+         {lock_memory(), pin_to_cpu(wanted.cpu), become_real_time(wanted.priority)}) {
+      if (!fault.empty()) all += fault + "\n";
+    }
+    _exit(write(result[1], all.data(), all.size()) == static_cast<ssize_t>(all.size()) ? 0 : 1);
+  }
+  close(result[1]);
+  std::string all;
+  char part[512];
+  for (ssize_t n = 0; (n = read(result[0], part, sizeof part)) > 0;)
+    all.append(part, static_cast<std::size_t>(n));
+  close(result[0]);
+  if (child > 0) waitpid(child, nullptr, 0);
+  for (std::size_t begin = 0, end = 0; (end = all.find('\n', begin)) != all.npos; begin = end + 1) {
+    faults.push_back(all.substr(begin, end - begin));
+  }
+  return faults;
+}
+
+void prefault_stack() {
+  constexpr std::size_t kBytes = std::size_t{128} << 10;
+  volatile unsigned char touched[kBytes];
+  for (std::size_t i = 0; i < kBytes; i += 1024) touched[i] = 1;
+  (void)touched[0];
+}
+
+void keep_memory() {
+  mallopt(M_TRIM_THRESHOLD, -1);
+  mallopt(M_MMAP_MAX, 0);
+}
+
+}  // namespace strobe::firmware

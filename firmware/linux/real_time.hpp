@@ -1,0 +1,38 @@
+// Real-time rights: locked memory, SCHED_FIFO, a CPU of its own, no deep sleep states. Set-up only, not
+// real-time.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "firmware/core/rig.hpp"
+
+namespace strobe::firmware {
+
+/// Holds /dev/cpu_dma_latency at 0 as long as it lives.
+class LatencyRequest {
+ public:
+  LatencyRequest();
+  LatencyRequest(const LatencyRequest&) = delete;
+  LatencyRequest& operator=(const LatencyRequest&) = delete;
+  ~LatencyRequest();
+  const std::string& fault() const { return fault_; }  ///< empty: granted
+
+ private:
+  int fd_ = -1;
+  std::string fault_;
+};
+
+/// Each returns what is wrong and what to do about it, in one line; empty: done.
+std::string lock_memory();
+std::string become_real_time(int priority);  ///< the calling thread, SCHED_FIFO
+std::string pin_to_cpu(int cpu);             ///< the calling thread; -1: nothing to do
+/// Tries all of the above without keeping any (in a child process).
+std::vector<std::string> try_real_time(const Rig::RealTime& wanted);
+
+/// Touches the calling thread's stack so that no page of it faults later.
+void prefault_stack();
+/// Keeps freed memory in the process, so that an allocation after locking does not fault.
+void keep_memory();
+
+}  // namespace strobe::firmware

@@ -1,0 +1,94 @@
+// strobed: plays shots on a rig's lines. See --help.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <fstream>
+#include <sstream>
+
+#include "common/messages/channels.hpp"
+#include "firmware/check.hpp"
+#include "firmware/core/rig_file.hpp"
+#include "firmware/linux/gpio_lines.hpp"
+#include "firmware/worker.hpp"
+
+namespace {
+
+using namespace strobe::firmware;  // NOLINT: the program's own
+
+enum class Mode { run, check, safe };
+
+constexpr const char* kFooter =
+    "Exit status: 0 stopped in good order (or checked, or made safe); 1 the worker died, or a check failed;\n"
+    "2 bad usage, rig file, chip or line.\n"
+    "A drill proves on the real rig that the guardian makes the outputs safe: --drill publisher-exception@3 "
+    "lets the\n"
+    "publishing thread fail at the first flash of this start's third shot.";
+
+strobe::Result<Rig> load_rig(const std::string& path) {
+  std::ifstream file(path);
+  if (!file) return strobe::fail(path + ": cannot be read");
+  std::ostringstream text;
+  text << file.rdbuf();
+  return read_rig(text.str(), path);
+}
+
+int bad_input(const std::string& what) {
+  std::fprintf(stderr, "strobed: %s\n", what.c_str());
+  return kExitBadInput;
+}
+
+int make_safe(const Rig& rig) {
+  auto takeover = OutputTakeover::prepare(rig);
+  if (!takeover) return bad_input(takeover.error().message);
+  if (auto safe = takeover->drive_inactive(strobe::milliseconds(1000)); !safe) {
+    std::fprintf(stderr, "strobed: the outputs could not all be made inactive: %s\n",
+                 safe.error().message.c_str());
+    return kExitFailed;
+  }
+  return kExitDone;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app(
+      "Plays strobe-photography shots on a rig's GPIO lines, with a guardian that keeps the outputs safe.");
+  app.footer(kFooter);
+  Options options;
+  bool check = false, safe = false;
+  std::string session, drill;
+  app.add_option("--config", options.config, "rig file (rig.toml)")->required();
+  app.add_option("--session", session, "folder of the journal; made if need be");
+  app.add_option(
+      "--lcm-url", options.lcm_url,
+      "overrides the rig file's lcm_url (default " + std::string(strobe::messages::kDefaultLcmUrl) + ")");
+  app.add_flag("--allow-no-rt", options.allow_no_rt, "run without real-time rights, with a warning");
+  auto* check_flag =
+      app.add_flag("--check", check, "try chip, lines, rights and folder, tell what is wrong, and end");
+  app.add_flag("--safe", safe, "drive all outputs inactive once, and end")->excludes(check_flag);
+  app.add_option("--drill", drill, "publisher-exception@SHOT, see below");
+  app.add_flag("--json", options.json, "with --check: one JSON object per line");
+  app.add_flag("--verbose", options.verbose, "every event on stderr");
+  app.set_version_flag("--version", STROBE_VERSION);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app.exit(error);
+    return bad_input(error.what());
+  }
+  if (!drill.empty()) {
+    char rest = 0;
+    if (std::sscanf(drill.c_str(), "publisher-exception@%d%c", &options.throw_at_shot, &rest) != 1 ||
+        options.throw_at_shot < 1) {
+      return bad_input("--drill: must be publisher-exception@SHOT with SHOT from 1, is \"" + drill + "\"");
+    }
+  }
+  options.session = session;
+  auto rig = load_rig(options.config);
+  if (!rig) return bad_input(rig.error().message);
+  if (options.lcm_url.empty()) options.lcm_url = rig->lcm_url;
+  if (options.lcm_url.empty()) options.lcm_url = strobe::messages::kDefaultLcmUrl;
+  if (safe) return make_safe(*rig);
+  if (check) return check_rig(*rig, options);
+  if (options.session.empty()) return bad_input("--session is required: the folder for the journal");
+  return guard(*rig, [&](WorkerPage& page) { return run_worker(*rig, options, page); });
+}

@@ -1,0 +1,17 @@
+// Port: the one clock of the firmware, CLOCK_MONOTONIC.
+#pragma once
+
+#include "common/units/time.hpp"
+
+namespace strobe::firmware {
+
+/// Real-time safe: neither call blocks, allocates or sleeps.
+class Clock {
+ public:
+  virtual ~Clock() = default;
+  virtual MonoTime now() noexcept = 0;
+  /// Spins until the instant has come; returns the clock's reading that ended it (>= instant).
+  virtual MonoTime spin_until(MonoTime instant) noexcept = 0;
+};
+
+}  // namespace strobe::firmware

@@ -1,0 +1,34 @@
+// Port: edges of the inputs, stamped by the kernel, and their levels.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "common/units/time.hpp"
+
+namespace strobe::firmware {
+
+enum class Input { sensor_a, sensor_b, gate, key, estop };
+
+struct Edge {
+  Input input = Input::sensor_a;
+  MonoTime time;        ///< the kernel's stamp
+  bool active = false;  ///< logical level after the edge; sensors and gate report their active edges only
+};
+
+/// One thread's. Real-time safe but for the sleep that wait() is.
+class EdgeSource {
+ public:
+  virtual ~EdgeSource() = default;
+  /// Sleeps until an edge, a wake-up (a command) or the instant; at once if it has passed. Fills `edges` from
+  /// its start and returns how many there are; what did not fit comes with the next call. Nothing: the inputs
+  /// are broken.
+  virtual std::optional<std::size_t> wait(MonoTime until, std::span<Edge> edges) noexcept = 0;
+  /// Logical level now; nothing: it cannot be read.
+  virtual std::optional<bool> level(Input input) noexcept = 0;
+  /// Times that a kernel buffer was found full, so that edges may have been lost, since the start.
+  virtual std::int64_t overflows() const noexcept = 0;
+};
+
+}  // namespace strobe::firmware

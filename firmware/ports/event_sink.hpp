@@ -1,0 +1,129 @@
+// Port: where the loop leaves what happened. Everything here is copied or handed over; nothing waits.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "common/units/time.hpp"
+#include "firmware/ports/fixed_text.hpp"
+
+namespace strobe::firmware {
+
+/// Values are those of event_t.
+enum class EventKind : std::int8_t {
+  started = 1,
+  stopped,
+  armed,
+  disarmed,
+  refused,
+  shot_started,
+  shutter,
+  trigger,
+  flash,
+  sensor,
+  gate,
+  key,
+  estop,
+  shot_ended,
+  shot_aborted,
+  fault,
+  cleared
+};
+enum class Line : std::int8_t {
+  none = 0,
+  strobe_a,
+  strobe_b,
+  shutter,
+  trigger,
+  sensor_a,
+  sensor_b,
+  gate,
+  key,
+  estop
+};
+inline constexpr std::size_t kLineCount = 10;  ///< with Line::none
+
+struct Event {
+  EventKind kind = EventKind::started;
+  Line line = Line::none;
+  std::int8_t level = -1;    ///< logical level after the change; -1: has no meaning
+  std::int32_t shot_id = 0;  ///< 0: outside a shot
+  std::int32_t flash_index = -1;
+  MonoTime device_time;  ///< the kernel's stamp for inputs, issue_end for outputs
+  MonoTime commanded = MonoTime::never();
+  MonoTime issue_start = MonoTime::never();
+  MonoTime issue_end = MonoTime::never();
+  Words detail;
+};
+
+enum class State : std::int8_t { idle = 0, armed, firing, fault };  ///< values are those of status_t
+
+/// What the loop knows of itself; handed over at every change.
+struct LoopStatus {
+  State state = State::idle;
+  bool key_active = false;
+  bool estop_active = true;
+  std::int64_t arm_host = 0;  ///< 0: not armed
+  std::int64_t arm_token = 0;
+  MonoTime arm_expires{0};
+  std::int32_t last_shot_id = 0;
+  std::int64_t kernel_overflows = 0;
+  Words fault;  ///< the latched fault; empty: none
+
+  bool operator==(const LoopStatus&) const = default;
+};
+
+enum class Train : std::int8_t { free = 0, gated };  ///< values are those of plan_t
+
+/// A shot that is asked for; see plan_t. An impact_at of 0 is the rig file's.
+struct PlanRequest {
+  Train train = Train::free;
+  Duration period{};
+  std::int32_t flash_count = 0;
+  Duration exposure{};
+  Duration gate_delay{};
+  Duration impact_at{};
+  bool dry = false;
+};
+
+struct FlashRecord {
+  MonoTime commanded;
+  MonoTime issue_start = MonoTime::never();
+  MonoTime issue_end = MonoTime::never();
+  MonoTime observed_a = MonoTime::never();
+  MonoTime observed_b = MonoTime::never();
+  std::int32_t extra_edges = 0;
+};
+
+/// One shot as it was obeyed and seen. `flashes` has its capacity from the start, so that filling never
+/// allocates.
+struct ShotRecord {
+  std::int32_t shot_id = 0;
+  std::int64_t host_id = 0;
+  std::int64_t command_id = 0;  ///< of the FIRE: finds the notes that came with it
+  PlanRequest plan;
+  MonoTime start;
+  MonoTime shutter_open = MonoTime::never();
+  MonoTime shutter_close = MonoTime::never();
+  MonoTime trigger = MonoTime::never();
+  MonoTime gate = MonoTime::never();
+  std::int64_t queue_overflows = 0;  ///< during the shot
+  std::int64_t kernel_overflows = 0;
+  Words abort_reason;  ///< empty: not aborted
+  std::vector<FlashRecord> flashes;
+};
+
+/// All calls are real-time safe: no lock, no allocation, no wait.
+class EventSink {
+ public:
+  virtual ~EventSink() = default;
+  virtual void event(const Event& event) noexcept = 0;  ///< a full queue is counted, see overflows()
+  virtual void status(const LoopStatus& status) noexcept = 0;
+  virtual ShotRecord* free_record() noexcept = 0;           ///< null: all are still being written
+  virtual bool shot_done(ShotRecord* record) noexcept = 0;  ///< hands it over; false: no room yet, try again
+  virtual void flush() noexcept = 0;  ///< before sleeping: wakes who writes, if there is something
+  virtual std::int64_t overflows() const noexcept = 0;  ///< events lost since the start
+  virtual bool journal_ok() const noexcept = 0;
+};
+
+}  // namespace strobe::firmware

@@ -1,0 +1,23 @@
+// Port: the three groups of outputs. Each has a line handle of its own, because a set writes every line of
+// its handle.
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+namespace strobe::firmware {
+
+enum class Output { trigger, strobes, shutter };
+/// In the order in which they are made inactive: the machine first.
+inline constexpr std::array<Output, 3> kOutputs{Output::trigger, Output::strobes, Output::shutter};
+constexpr std::size_t index_of(Output output) { return static_cast<std::size_t>(output); }
+
+class OutputLines {
+ public:
+  virtual ~OutputLines() = default;
+  /// Drives every line of the output to the logical level in one call. Real-time safe. False: the call
+  /// failed.
+  virtual bool set(Output output, bool active) noexcept = 0;
+};
+
+}  // namespace strobe::firmware

@@ -1,0 +1,191 @@
+#include "firmware/publisher/journal.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <lcm/lcm-cpp.hpp>
+
+#include <cerrno>
+#include <charconv>
+#include <cstdio>
+#include <cstring>
+
+namespace strobe::firmware {
+
+namespace {
+
+constexpr std::uint32_t kSyncWord = 0xEDA1DA01;  // LCM log format: sync, number, time, lengths, channel, data
+
+void put(std::vector<std::uint8_t>& out, std::uint64_t value, int bytes) {
+  for (int shift = 8 * (bytes - 1); shift >= 0; shift -= 8) {
+    out.push_back(static_cast<std::uint8_t>(value >> shift));
+  }
+}
+
+void put_record(std::vector<std::uint8_t>& out, const Message& message, std::int64_t number,
+                std::int64_t wall_us) {
+  put(out, kSyncWord, 4);
+  put(out, static_cast<std::uint64_t>(number), 8);
+  put(out, static_cast<std::uint64_t>(wall_us), 8);
+  put(out, message.channel.size(), 4);
+  put(out, message.bytes.size(), 4);
+  out.insert(out.end(), message.channel.begin(), message.channel.end());
+  out.insert(out.end(), message.bytes.begin(), message.bytes.end());
+}
+
+bool write_all(int fd, const std::vector<std::uint8_t>& bytes) {
+  for (std::size_t done = 0; done < bytes.size();) {
+    const ssize_t n = write(fd, bytes.data() + done, bytes.size() - done);
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) return false;
+    done += static_cast<std::size_t>(n);
+  }
+  return true;
+}
+
+std::string hex(std::int64_t value) {
+  char text[17];
+  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(value));
+  return text;
+}
+
+bool ends_with(const std::string& text, const std::string& end) {
+  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
+}
+
+/// What an LCM log's record is; nothing: neither an event nor a shot that can be decoded.
+bool entry_of(const lcm::LogEvent& record, JournalEntry& entry, std::int32_t& shot_id) {
+  if (ends_with(record.channel, "/EVENT")) {
+    strobe_msgs::event_t event{};
+    if (event.decode(record.data, 0, record.datalen) < 0) return false;
+    entry.kind = Message::Kind::event;
+    entry.sequences = {event.sequence, event.sequence};
+    shot_id = event.shot_id;
+    return true;
+  }
+  if (ends_with(record.channel, "/SHOT")) {
+    strobe_msgs::shot_t shot{};
+    if (shot.decode(record.data, 0, record.datalen) < 0) return false;
+    entry.kind = Message::Kind::shot;
+    entry.sequences = {shot.first_sequence, shot.last_sequence};
+    shot_id = shot.shot_id;
+    return true;
+  }
+  return false;
+}
+
+template <typename Visitor>
+void visit_log(const std::filesystem::path& path, Visitor&& visit) {
+  lcm::LogFile log(path.string(), "r");
+  if (!log.good()) return;
+  for (std::int64_t offset = 0;; offset = std::ftell(log.getFilePtr())) {
+    const lcm::LogEvent* record = log.readNextEvent();
+    if (record == nullptr) return;
+    JournalEntry entry;
+    std::int32_t shot_id = 0;
+    if (!entry_of(*record, entry, shot_id)) continue;
+    entry.offset = offset;
+    visit(entry, shot_id);
+  }
+}
+
+}  // namespace
+
+std::filesystem::path journal_path(const std::filesystem::path& dir, std::int64_t boot_id) {
+  return dir / ("journal-" + hex(boot_id) + ".lcmlog");
+}
+
+Result<Journal> Journal::create(const std::filesystem::path& dir, std::int64_t boot_id) {
+  std::error_code error;
+  std::filesystem::create_directories(dir, error);
+  if (error) return fail(dir.string() + ": the session folder cannot be made: " + error.message());
+  std::filesystem::path path = journal_path(dir, boot_id);
+  const int fd = open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
+  if (fd < 0) return fail(path.string() + ": the journal cannot be made: " + std::strerror(errno));
+  Journal journal(path, fd);
+  const int dir_fd = open(dir.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (dir_fd >= 0) {
+    fsync(dir_fd);  // the file's name, too, is to survive the machine
+    close(dir_fd);
+  }
+  return journal;
+}
+
+Journal::Journal(Journal&& other) noexcept
+    : path_(std::move(other.path_)),
+      fd_(other.fd_),
+      size_(other.size_),
+      count_(other.count_),
+      entries_(std::move(other.entries_)) {
+  other.fd_ = -1;
+}
+
+Journal::~Journal() {
+  if (fd_ >= 0) close(fd_);
+}
+
+Result<void> Journal::append(const std::vector<Message>& messages, std::int64_t wall_us) {
+  if (messages.empty()) return {};
+  std::vector<std::uint8_t> bytes;
+  std::vector<JournalEntry> places;
+  for (const Message& message : messages) {
+    places.push_back({message.kind, message.sequences, size_ + static_cast<std::int64_t>(bytes.size())});
+    put_record(bytes, message, count_ + static_cast<std::int64_t>(places.size()) - 1, wall_us);
+  }
+  if (!write_all(fd_, bytes)) {
+    const std::string cause = std::strerror(errno);
+    if (ftruncate(fd_, size_) != 0 || lseek(fd_, size_, SEEK_SET) != size_) {
+      return fail(path_.string() + ": " + cause + ", and the half-written end could not be cut off");
+    }
+    return fail(path_.string() + ": " + cause);
+  }
+  size_ += static_cast<std::int64_t>(bytes.size());
+  count_ += static_cast<std::int64_t>(places.size());
+  entries_.insert(entries_.end(), places.begin(), places.end());
+  return {};
+}
+
+Result<void> Journal::sync() {
+  if (fdatasync(fd_) != 0) return fail(path_.string() + ": " + std::strerror(errno));
+  return {};
+}
+
+Result<void> Journal::check() const {
+  struct stat file {};
+  if (fstat(fd_, &file) != 0) return fail(path_.string() + ": " + std::strerror(errno));
+  if (file.st_nlink == 0) return fail(path_.string() + ": the journal was removed; start strobed anew");
+  return {};
+}
+
+std::vector<JournalEntry> scan_journal(const std::filesystem::path& path) {
+  std::vector<JournalEntry> entries;
+  visit_log(path, [&](const JournalEntry& entry, std::int32_t) { entries.push_back(entry); });
+  return entries;
+}
+
+Message read_entry(const std::filesystem::path& path, const JournalEntry& entry) {
+  Message message{entry.kind, entry.sequences, "", {}};
+  lcm::LogFile log(path.string(), "r");
+  if (!log.good() || std::fseek(log.getFilePtr(), static_cast<long>(entry.offset), SEEK_SET) != 0)
+    return message;
+  const lcm::LogEvent* record = log.readNextEvent();
+  if (record == nullptr) return message;
+  message.channel = record->channel;
+  const auto* data = static_cast<const std::uint8_t*>(record->data);
+  message.bytes.assign(data, data + record->datalen);
+  return message;
+}
+
+std::int32_t last_shot_id(const std::filesystem::path& dir) {
+  std::int32_t last = 0;
+  std::error_code error;
+  for (const auto& file : std::filesystem::directory_iterator(dir, error)) {
+    const std::string name = file.path().filename().string();
+    if (name.rfind("journal-", 0) != 0 || file.path().extension() != ".lcmlog") continue;
+    visit_log(file.path(),
+              [&](const JournalEntry&, std::int32_t shot_id) { last = std::max(last, shot_id); });
+  }
+  return last;
+}
+
+}  // namespace strobe::firmware

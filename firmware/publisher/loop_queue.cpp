@@ -1,0 +1,52 @@
+#include "firmware/publisher/loop_queue.hpp"
+
+#include <unistd.h>
+
+namespace strobe::firmware {
+
+LoopQueue::LoopQueue(const Rig& rig, int wake_fd) : queue_(kCapacity), wake_fd_(wake_fd) {
+  for (Slot& slot : slots_) slot.record.flashes.reserve(static_cast<std::size_t>(rig.lamps.max_flashes));
+}
+
+void LoopQueue::event(const Event& event) noexcept {
+  if (!queue_.try_enqueue(Item(event))) overflows_.fetch_add(1, std::memory_order_relaxed);
+  news_ = true;
+}
+
+void LoopQueue::status(const LoopStatus& status) noexcept {
+  unsent_status_.reset();
+  if (!queue_.try_enqueue(Item(status))) unsent_status_ = status;
+  news_ = true;
+}
+
+ShotRecord* LoopQueue::free_record() noexcept {
+  for (Slot& slot : slots_) {
+    if (slot.free.load(std::memory_order_acquire)) return &slot.record;
+  }
+  return nullptr;
+}
+
+bool LoopQueue::shot_done(ShotRecord* record) noexcept {
+  for (Slot& slot : slots_) {
+    if (&slot.record == record) slot.free.store(false, std::memory_order_relaxed);
+  }
+  news_ = queue_.try_enqueue(Item(record));
+  return news_;
+}
+
+void LoopQueue::give_back(ShotRecord* record) {
+  for (Slot& slot : slots_) {
+    if (&slot.record == record) slot.free.store(true, std::memory_order_release);
+  }
+}
+
+void LoopQueue::flush() noexcept {
+  if (unsent_status_ && queue_.try_enqueue(Item(*unsent_status_))) unsent_status_.reset();
+  if (!news_) return;
+  news_ = false;
+  const std::uint64_t one = 1;
+  // An eventfd's write cannot block before 2^64 - 2 of them were left unread.
+  if (write(wake_fd_, &one, sizeof one) < 0) news_ = true;
+}
+
+}  // namespace strobe::firmware

@@ -1,0 +1,55 @@
+// From the loop to the publisher: a lock-free queue of one producer and one consumer, allocated at the start.
+// What the loop calls is EventSink (real-time safe); what the publisher calls is pop() and the rest below.
+#pragma once
+
+#include <readerwriterqueue/readerwriterqueue.h>
+
+#include <atomic>
+#include <memory>
+#include <optional>
+#include <variant>
+#include <vector>
+
+#include "firmware/core/rig.hpp"
+#include "firmware/ports/event_sink.hpp"
+
+namespace strobe::firmware {
+
+class LoopQueue final : public EventSink {
+ public:
+  /// A shot's events: two sensor edges, one issue per flash, and a sensor that chatters.
+  static constexpr std::size_t kCapacity = 16384;
+  static constexpr std::size_t kRecords = 4;
+  using Item = std::variant<Event, LoopStatus, ShotRecord*>;
+
+  /// wake_fd: an eventfd that is written when there is something to do; owned by the caller.
+  LoopQueue(const Rig& rig, int wake_fd);
+
+  void event(const Event& event) noexcept override;
+  void status(const LoopStatus& status) noexcept override;
+  ShotRecord* free_record() noexcept override;
+  bool shot_done(ShotRecord* record) noexcept override;
+  void flush() noexcept override;
+  std::int64_t overflows() const noexcept override { return overflows_.load(std::memory_order_relaxed); }
+  bool journal_ok() const noexcept override { return journal_ok_.load(std::memory_order_relaxed); }
+
+  bool pop(Item& item) { return queue_.try_dequeue(item); }
+  void give_back(ShotRecord* record);
+  void set_journal_ok(bool ok) { journal_ok_.store(ok, std::memory_order_relaxed); }
+
+ private:
+  struct Slot {
+    ShotRecord record;
+    std::atomic<bool> free{true};
+  };
+
+  moodycamel::ReaderWriterQueue<Item> queue_;
+  std::array<Slot, kRecords> slots_;
+  std::optional<LoopStatus> unsent_status_;
+  std::atomic<std::int64_t> overflows_{0};
+  std::atomic<bool> journal_ok_{true};
+  int wake_fd_;
+  bool news_ = false;
+};
+
+}  // namespace strobe::firmware

@@ -1,0 +1,59 @@
+// From the receiver to the publisher: what is not for the loop. Not real-time (a mutex); any thread.
+#pragma once
+
+#include <cstdint>
+#include <mutex>
+#include <utility>
+#include <vector>
+
+#include "firmware/publisher/messages.hpp"
+
+namespace strobe::firmware {
+
+struct ResendRequest {
+  std::int64_t boot_id = 0;
+  SequenceRange wanted;
+};
+
+/// The record that came with a FIRE, until its shot is over.
+struct ShotNotes {
+  std::int64_t host_id = 0;
+  std::int64_t command_id = 0;
+  std::vector<Note> notes;
+};
+
+class Mailbox {
+ public:
+  void ask(const ResendRequest& request) {
+    const std::lock_guard lock(mutex_);
+    if (requests_.size() < kMostRequests) requests_.push_back(request);
+  }
+  std::vector<ResendRequest> requests() {
+    const std::lock_guard lock(mutex_);
+    return std::exchange(requests_, {});
+  }
+  void keep(ShotNotes notes) {
+    const std::lock_guard lock(mutex_);
+    if (notes_.size() == kMostNotes) notes_.erase(notes_.begin());  // of commands that were refused
+    notes_.push_back(std::move(notes));
+  }
+  std::vector<Note> take(std::int64_t host_id, std::int64_t command_id) {
+    const std::lock_guard lock(mutex_);
+    for (auto it = notes_.begin(); it != notes_.end(); ++it) {
+      if (it->host_id != host_id || it->command_id != command_id) continue;
+      std::vector<Note> notes = std::move(it->notes);
+      notes_.erase(it);
+      return notes;
+    }
+    return {};
+  }
+
+ private:
+  static constexpr std::size_t kMostRequests = 256;
+  static constexpr std::size_t kMostNotes = 64;
+  std::mutex mutex_;
+  std::vector<ResendRequest> requests_;
+  std::vector<ShotNotes> notes_;
+};
+
+}  // namespace strobe::firmware

@@ -1,0 +1,127 @@
+#include "firmware/publisher/messages.hpp"
+
+#include <algorithm>
+
+namespace strobe::firmware {
+
+static_assert(static_cast<int>(EventKind::started) == strobe_msgs::event_t::STARTED);
+static_assert(static_cast<int>(EventKind::flash) == strobe_msgs::event_t::FLASH);
+static_assert(static_cast<int>(EventKind::cleared) == strobe_msgs::event_t::CLEARED);
+static_assert(static_cast<int>(Line::strobe_a) == strobe_msgs::event_t::LINE_STROBE_A);
+static_assert(static_cast<int>(Line::estop) == strobe_msgs::event_t::LINE_ESTOP);
+static_assert(static_cast<int>(Train::free) == strobe_msgs::plan_t::TRAIN_FREE);
+static_assert(static_cast<int>(Train::gated) == strobe_msgs::plan_t::TRAIN_GATED);
+static_assert(strobe_msgs::event_t::NO_TIME == MonoTime::never().ns);
+
+strobe_msgs::event_t to_message(const Event& event, std::int64_t boot_id, std::int64_t sequence) {
+  strobe_msgs::event_t message{};
+  message.schema_version = strobe_msgs::event_t::SCHEMA_VERSION;
+  message.boot_id = boot_id;
+  message.sequence = sequence;
+  message.kind = static_cast<std::int8_t>(event.kind);
+  message.shot_id = event.shot_id;
+  message.device_time_ns = event.device_time.ns;
+  message.commanded_ns = event.commanded.ns;
+  message.issue_start_ns = event.issue_start.ns;
+  message.issue_end_ns = event.issue_end.ns;
+  message.flash_index = event.flash_index;
+  message.line = static_cast<std::int8_t>(event.line);
+  message.level = event.level;
+  message.detail = event.detail.view();
+  return message;
+}
+
+strobe_msgs::plan_t to_message(const PlanRequest& plan) {
+  strobe_msgs::plan_t message{};
+  message.train = static_cast<std::int8_t>(plan.train);
+  message.period_ns = plan.period.ns;
+  message.flash_count = plan.flash_count;
+  message.shutter_open_ns = plan.exposure.ns;
+  message.gate_delay_ns = plan.gate_delay.ns;
+  message.impact_at_ns = plan.impact_at.ns;
+  message.dry = plan.dry;
+  return message;
+}
+
+PlanRequest from_message(const strobe_msgs::plan_t& plan) {
+  PlanRequest request;
+  request.train = static_cast<Train>(plan.train);
+  request.period = nanoseconds(plan.period_ns);
+  request.flash_count = plan.flash_count;
+  request.exposure = nanoseconds(plan.shutter_open_ns);
+  request.gate_delay = nanoseconds(plan.gate_delay_ns);
+  request.impact_at = nanoseconds(plan.impact_at_ns);
+  request.dry = plan.dry != 0;
+  return request;
+}
+
+std::vector<Note> merged(const std::vector<Note>& rig_record, const std::vector<Note>& command) {
+  std::vector<Note> notes = rig_record;
+  for (const Note& note : command) {
+    const auto same =
+        std::find_if(notes.begin(), notes.end(), [&](const Note& n) { return n.key == note.key; });
+    if (same == notes.end()) {
+      notes.push_back(note);
+    } else {
+      same->value = note.value;
+    }
+  }
+  return notes;
+}
+
+namespace {
+
+std::vector<strobe_msgs::flash_t> flashes_of(const ShotRecord& record) {
+  std::vector<strobe_msgs::flash_t> flashes;
+  flashes.reserve(record.flashes.size());
+  for (const FlashRecord& flash : record.flashes) {
+    strobe_msgs::flash_t message{};
+    message.flash_index = static_cast<std::int32_t>(flashes.size());
+    message.commanded_ns = flash.commanded.ns;
+    message.issue_start_ns = flash.issue_start.ns;
+    message.issue_end_ns = flash.issue_end.ns;
+    message.observed_a_ns = flash.observed_a.ns;
+    message.observed_b_ns = flash.observed_b.ns;
+    message.extra_edges = flash.extra_edges;
+    flashes.push_back(message);
+  }
+  return flashes;
+}
+
+}  // namespace
+
+strobe_msgs::shot_t to_message(const ShotRecord& record, const Rig& rig, std::int64_t boot_id,
+                               SequenceRange sequences, const std::vector<Note>& notes) {
+  strobe_msgs::shot_t message{};
+  message.schema_version = strobe_msgs::shot_t::SCHEMA_VERSION;
+  message.boot_id = boot_id;
+  message.shot_id = record.shot_id;
+  message.host_id = record.host_id;
+  message.first_sequence = sequences.first;
+  message.last_sequence = sequences.last;
+  message.plan = to_message(record.plan);
+  message.start_ns = record.start.ns;
+  message.shutter_open_ns = record.shutter_open.ns;
+  message.shutter_close_ns = record.shutter_close.ns;
+  message.trigger_ns = record.trigger.ns;
+  message.gate_ns = record.gate.ns;
+  message.lamp_delay_us = rig.lamps.delay_us;
+  message.sensor_a_fitted = rig.line(Line::sensor_a).fitted;
+  message.sensor_b_fitted = rig.line(Line::sensor_b).fitted;
+  message.late_tolerance_us = static_cast<double>(rig.tolerance.late.ns) / 1e3;
+  message.queue_overflows = record.queue_overflows;
+  message.kernel_overflows = record.kernel_overflows;
+  message.aborted = !record.abort_reason.empty();
+  message.abort_reason = record.abort_reason.view();
+  message.flashes = flashes_of(record);
+  message.flash_count = static_cast<std::int32_t>(message.flashes.size());
+  for (const Note& note : notes) {
+    message.notes.emplace_back();
+    message.notes.back().key = note.key;
+    message.notes.back().value = note.value;
+  }
+  message.note_count = static_cast<std::int32_t>(message.notes.size());
+  return message;
+}
+
+}  // namespace strobe::firmware

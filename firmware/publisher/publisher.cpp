@@ -1,0 +1,222 @@
+#include "firmware/publisher/publisher.hpp"
+
+#include <poll.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <ctime>
+#include <stdexcept>
+#include <strobe_msgs/status_t.hpp>
+#include <utility>
+
+#include "common/messages/channels.hpp"
+
+namespace strobe::firmware {
+
+namespace {
+
+constexpr Duration kHeartbeat = milliseconds(500);
+constexpr std::size_t kBatch = 512;        // so that a burst is published while it goes on
+constexpr std::size_t kResendBatch = 128;  // so that new events do not wait for a long resend
+constexpr std::size_t kMostUnwritten = 100'000;
+
+std::int64_t wall_ns() {
+  timespec t{};
+  clock_gettime(CLOCK_REALTIME, &t);
+  return t.tv_sec * 1'000'000'000 + t.tv_nsec;
+}
+
+template <typename T>
+std::vector<std::uint8_t> encoded(const T& message) {
+  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(message.getEncodedSize()));
+  message.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+  return bytes;
+}
+
+double microseconds_of(Duration d) { return static_cast<double>(d.ns) / 1e3; }
+
+}  // namespace
+
+Publisher::Publisher(const Rig& rig, PublisherSettings settings, LoopQueue& queue, Mailbox& mailbox,
+                     Journal& journal, lcm::LCM& lcm, Clock& clock, int wake_fd)
+    : rig_(rig),
+      settings_(std::move(settings)),
+      queue_(queue),
+      mailbox_(mailbox),
+      journal_(journal),
+      lcm_(lcm),
+      clock_(clock),
+      wake_fd_(wake_fd),
+      event_channel_(messages::channel_name(rig.name, messages::Channel::event)),
+      shot_channel_(messages::channel_name(rig.name, messages::Channel::shot)),
+      status_channel_(messages::channel_name(rig.name, messages::Channel::status)) {}
+
+void Publisher::run(const std::stop_token& stop) {
+  while (!stop.stop_requested()) {
+    wait_for_work();
+    turn();
+  }
+  while (collect()) write_and_publish();
+  publish_status();
+  if (auto synced = journal_.sync(); !synced) {
+    std::fprintf(stderr, "strobed: %s\n", synced.error().message.c_str());
+  }
+}
+
+void Publisher::wait_for_work() const {
+  const std::int64_t left_ms = (next_status_ - clock_.now()).ns / 1'000'000;
+  pollfd wake{wake_fd_, POLLIN, 0};
+  // 2 ms between the slices of a resend leave the receiver's socket time to empty.
+  poll(&wake, 1, resends_.empty() ? static_cast<int>(std::clamp<std::int64_t>(left_ms, 0, 500)) : 2);
+  std::uint64_t count = 0;
+  if ((wake.revents & POLLIN) != 0 && read(wake_fd_, &count, sizeof count) < 0) count = 0;
+}
+
+void Publisher::turn() {
+  bool more = true;
+  while (more) {
+    more = collect();
+    write_and_publish();
+  }
+  for (const ResendRequest& request : mailbox_.requests()) start_resend(request);
+  resend_some();
+  if (clock_.now() >= next_status_) publish_status();
+}
+
+/// Takes at most a batch from the queue; false: the queue is empty.
+bool Publisher::collect() {
+  LoopQueue::Item item;
+  for (std::size_t n = 0; n < kBatch; ++n) {
+    if (!queue_.pop(item)) return false;
+    std::visit([this](const auto& content) { take(content); }, item);
+  }
+  return true;
+}
+
+void Publisher::take(const Event& event) {
+  if (event.kind == EventKind::shot_started) {
+    ++shots_started_;
+    shot_first_sequence_ = sequence_ + 1;
+  }
+  if (event.kind == EventKind::flash) {
+    lateness_.add(event.issue_end - event.commanded);
+    if (shots_started_ == settings_.throw_at_shot) throw std::runtime_error("drill: the publisher fails");
+  }
+  ++sequence_;
+  if (settings_.verbose) {
+    std::fprintf(stderr, "strobed: event %lld kind %d shot %d flash %d level %d %.*s\n",
+                 static_cast<long long>(sequence_), static_cast<int>(event.kind), event.shot_id,
+                 event.flash_index, event.level, static_cast<int>(event.detail.view().size()),
+                 event.detail.view().data());
+  }
+  outbox_.push_back({Message::Kind::event,
+                     {sequence_, sequence_},
+                     event_channel_,
+                     encoded(to_message(event, settings_.boot_id, sequence_))});
+}
+
+void Publisher::take(const LoopStatus& status) {
+  status_ = status;
+  next_status_ = MonoTime{0};
+}
+
+void Publisher::take(ShotRecord* record) {
+  const SequenceRange sequences{shot_first_sequence_, sequence_};
+  const auto notes = merged(rig_.record, mailbox_.take(record->host_id, record->command_id));
+  outbox_.push_back({Message::Kind::shot, sequences, shot_channel_,
+                     encoded(to_message(*record, rig_, settings_.boot_id, sequences, notes))});
+  queue_.give_back(record);
+  sync_due_ = true;
+}
+
+void Publisher::write_and_publish() {
+  auto done = journal_.check();
+  if (done) done = journal_.append(outbox_, wall_ns() / 1000);
+  const std::string fault = done ? "" : done.error().message;
+  if (fault != journal_fault_) {
+    std::fprintf(stderr, "strobed: %s\n", fault.empty() ? "the journal can be written again" : fault.c_str());
+    next_status_ = MonoTime{0};
+  }
+  journal_fault_ = fault;
+  queue_.set_journal_ok(fault.empty());
+  if (!done) {
+    if (outbox_.size() > kMostUnwritten) throw std::runtime_error("too many events wait for the journal");
+    return;  // kept; tried again with the next batch or heartbeat
+  }
+  for (const Message& message : outbox_) {
+    lcm_.publish(message.channel, message.bytes.data(), static_cast<unsigned>(message.bytes.size()));
+    if (message.kind == Message::Kind::event) journalled_sequence_ = message.sequences.last;
+  }
+  outbox_.clear();
+  if (!sync_due_) return;
+  sync_due_ = false;
+  if (auto synced = journal_.sync(); !synced) journal_fault_ = synced.error().message;
+}
+
+std::string Publisher::words() const {
+  if (!status_.fault.empty()) return "fault: " + std::string(status_.fault.view());
+  if (!journal_fault_.empty()) return "the journal cannot be written: " + journal_fault_;
+  if (status_.estop_active) return "the e-stop is pressed, or its wire is broken";
+  if (!status_.key_active) return "the key is off";
+  return "";
+}
+
+void Publisher::publish_status() {
+  strobe_msgs::status_t message{};
+  message.schema_version = strobe_msgs::status_t::SCHEMA_VERSION;
+  message.boot_id = settings_.boot_id;
+  message.last_sequence = journalled_sequence_;
+  message.mono_ns = clock_.now().ns;
+  message.wall_ns = wall_ns();
+  message.state = static_cast<std::int8_t>(status_.state);
+  message.key_active = status_.key_active;
+  message.estop_active = status_.estop_active;
+  message.arm_host_id = status_.arm_host;
+  message.arm_token = status_.arm_token;
+  message.arm_expires_ns = status_.arm_expires.ns;
+  message.last_shot_id = status_.last_shot_id;
+  message.real_time = settings_.real_time;
+  message.journal_ok = journal_fault_.empty();
+  message.queue_overflows = queue_.overflows();
+  message.kernel_overflows = status_.kernel_overflows;
+  message.edges_issued = lateness_.count();
+  const bool any = lateness_.count() > 0;
+  message.lateness_p50_us = any ? microseconds_of(lateness_.percentile(0.5)) : std::nan("");
+  message.lateness_p99_us = any ? microseconds_of(lateness_.percentile(0.99)) : std::nan("");
+  message.lateness_p999_us = any ? microseconds_of(lateness_.percentile(0.999)) : std::nan("");
+  message.lateness_max_us = any ? microseconds_of(lateness_.max()) : std::nan("");
+  message.message = words();
+  lcm_.publish(status_channel_, &message);
+  next_status_ = clock_.now() + kHeartbeat;
+  if (settings_.on_first_status && sequence_ > 0) std::exchange(settings_.on_first_status, nullptr)();
+}
+
+void Publisher::start_resend(const ResendRequest& request) {
+  const bool this_boot = request.boot_id == settings_.boot_id;
+  Resend resend;
+  resend.path = this_boot ? journal_.path() : journal_path(settings_.session, request.boot_id);
+  const std::vector<JournalEntry> scanned =
+      this_boot ? std::vector<JournalEntry>{} : scan_journal(resend.path);
+  for (const JournalEntry& entry : this_boot ? journal_.entries() : scanned) {
+    if (entry.sequences.last >= request.wanted.first && entry.sequences.first <= request.wanted.last) {
+      resend.entries.push_back(entry);
+    }
+  }
+  if (!resend.entries.empty()) resends_.push_back(std::move(resend));
+}
+
+void Publisher::resend_some() {
+  if (resends_.empty()) return;
+  Resend& resend = resends_.front();
+  const std::size_t end = std::min(resend.entries.size(), resend.next + kResendBatch);
+  for (; resend.next < end; ++resend.next) {
+    const Message message = read_entry(resend.path, resend.entries[resend.next]);
+    if (message.bytes.empty()) continue;
+    lcm_.publish(message.channel, message.bytes.data(), static_cast<unsigned>(message.bytes.size()));
+  }
+  if (resend.next == resend.entries.size()) resends_.pop_front();
+}
+
+}  // namespace strobe::firmware

@@ -1,0 +1,78 @@
+// The loop's records to the journal, then to LCM; the heartbeat; resends from the journal. Runs on a thread
+// of its own, without real-time rights. An exception here ends the process, and the guardian makes the
+// outputs safe.
+#pragma once
+
+#include <deque>
+#include <functional>
+#include <lcm/lcm-cpp.hpp>
+#include <optional>
+#include <stop_token>
+
+#include "firmware/core/lateness.hpp"
+#include "firmware/ports/clock.hpp"
+#include "firmware/publisher/journal.hpp"
+#include "firmware/publisher/loop_queue.hpp"
+#include "firmware/publisher/mailbox.hpp"
+
+namespace strobe::firmware {
+
+struct PublisherSettings {
+  std::int64_t boot_id = 0;
+  std::filesystem::path session;
+  bool real_time = false;
+  bool verbose = false;
+  std::function<void()> on_first_status;  ///< called once, on the publisher's thread
+  int throw_at_shot = 0;  ///< drill: an exception at the first flash of the n-th shot of this boot; 0: none
+};
+
+class Publisher {
+ public:
+  Publisher(const Rig& rig, PublisherSettings settings, LoopQueue& queue, Mailbox& mailbox, Journal& journal,
+            lcm::LCM& lcm, Clock& clock, int wake_fd);
+
+  /// Until asked to stop; then what is left in the queue is still written.
+  void run(const std::stop_token& stop);
+
+ private:
+  void turn();
+  bool collect();
+  void take(const Event& event);
+  void take(const LoopStatus& status);
+  void take(ShotRecord* record);
+  void write_and_publish();
+  void publish_status();
+  void start_resend(const ResendRequest& request);
+  void resend_some();
+  void wait_for_work() const;
+  std::string words() const;
+
+  struct Resend {
+    std::filesystem::path path;
+    std::vector<JournalEntry> entries;
+    std::size_t next = 0;
+  };
+
+  const Rig& rig_;
+  PublisherSettings settings_;
+  LoopQueue& queue_;
+  Mailbox& mailbox_;
+  Journal& journal_;
+  lcm::LCM& lcm_;
+  Clock& clock_;
+  int wake_fd_;
+  std::string event_channel_, shot_channel_, status_channel_;
+  std::vector<Message> outbox_;
+  std::deque<Resend> resends_;
+  std::int64_t sequence_ = 0;  ///< of the newest event made
+  std::int64_t journalled_sequence_ = 0;
+  std::int64_t shot_first_sequence_ = 0;
+  int shots_started_ = 0;
+  bool sync_due_ = false;
+  LatenessHistogram lateness_;
+  LoopStatus status_;
+  std::string journal_fault_;
+  MonoTime next_status_{0};
+};
+
+}  // namespace strobe::firmware

@@ -1,0 +1,122 @@
+#include "firmware/publisher/receiver.hpp"
+
+#include <sodium.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <exception>
+#include <stdexcept>
+
+#include "common/messages/channels.hpp"
+#include "firmware/core/shot_plan.hpp"
+
+namespace strobe::firmware {
+
+std::int64_t random_id() {
+  std::int64_t id = 0;
+  while (id == 0) {
+    randombytes_buf(&id, sizeof id);
+    id &= 0x7fffffffffffffff;
+  }
+  return id;
+}
+
+bool CommandQueue::push(const Command& command) {
+  if (!queue_.try_enqueue(command)) return false;
+  const std::uint64_t one = 1;
+  return write(wake_fd_, &one, sizeof one) == sizeof one;
+}
+
+bool RepetitionFilter::is_news(std::int64_t host_id, std::int64_t command_id) {
+  const auto known = hosts_.find(host_id);
+  if (known != hosts_.end() && command_id <= known->second.command_id) return false;
+  if (known == hosts_.end() && hosts_.size() == kMostHosts) {
+    hosts_.erase(std::min_element(hosts_.begin(), hosts_.end(), [](const auto& a, const auto& b) {
+      return a.second.order < b.second.order;
+    }));
+  }
+  hosts_[host_id] = {command_id, ++order_};
+  return true;
+}
+
+namespace {
+
+bool good_note(const strobe_msgs::note_t& note) {
+  return !note.key.empty() && note.key.size() <= 64 && note.value.size() <= 1024 &&
+         note.key.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_.") == std::string::npos;
+}
+
+}  // namespace
+
+std::string defect_of(const strobe_msgs::command_t& command, const Rig& rig) {
+  using Type = strobe_msgs::command_t;
+  if (command.schema_version != Type::SCHEMA_VERSION) {
+    return "schema version " + std::to_string(command.schema_version) + " instead of " +
+           std::to_string(static_cast<int>(Type::SCHEMA_VERSION));
+  }
+  if (command.host_id == 0) return "the command names no host";
+  if (command.kind != Type::FIRE) return "";
+  if (command.note_count > 64) return "more than 64 notes";
+  if (!std::all_of(command.notes.begin(), command.notes.end(), good_note))
+    return "a note's key or length is not allowed";
+  const auto checked = check_plan(from_message(command.plan), rig);
+  return checked ? "" : checked.error().message;
+}
+
+Receiver::Receiver(const Rig& rig, std::int64_t boot_id, lcm::LCM& lcm, CommandQueue& commands,
+                   Mailbox& mailbox)
+    : rig_(rig), boot_id_(boot_id), lcm_(lcm), commands_(commands), mailbox_(mailbox) {
+  lcm_.subscribe(messages::channel_name(rig.name, messages::Channel::command), &Receiver::handle, this)
+      ->setQueueCapacity(messages::kSubscriptionQueueCapacity);
+}
+
+void Receiver::run(const std::stop_token& stop) {
+  while (!stop.stop_requested()) {
+    if (lcm_.handleTimeout(100) < 0) throw std::runtime_error("LCM cannot receive any more");
+  }
+}
+
+void Receiver::handle(const lcm::ReceiveBuffer* buffer, const std::string&) {
+  receive(buffer->data, static_cast<int>(buffer->data_size));
+}
+
+void Receiver::receive(const void* data, int size) noexcept {
+  try {
+    strobe_msgs::command_t command{};
+    if (command.decode(data, 0, size) >= 0) obey(command);
+  } catch (const std::exception& error) {
+    // Out of an LCM handler an exception would cross C code.
+    std::fprintf(stderr, "strobed: a command was dropped: %s\n", error.what());
+  }
+}
+
+void Receiver::obey(const strobe_msgs::command_t& message) {
+  const bool is_resend = message.kind == strobe_msgs::command_t::RESEND;
+  if (message.boot_id != boot_id_ && !is_resend) return;  // another firmware's, or an earlier life's
+  if (message.kind < strobe_msgs::command_t::ARM || message.kind > strobe_msgs::command_t::CLEAR) return;
+  Command command;
+  command.kind = static_cast<CommandKind>(message.kind);
+  command.host_id = message.host_id;
+  command.command_id = message.command_id;
+  command.token = message.arm_token;
+  command.plan = from_message(message.plan);
+  const std::string defect = defect_of(message, rig_);
+  const bool news = filter_.is_news(message.host_id, message.command_id);
+  if (is_resend) {
+    if (news && defect.empty()) {
+      mailbox_.ask({message.boot_id, {message.resend_first, message.resend_last}});
+    }
+    return;
+  }
+  command.defect = Words(news ? std::string_view(defect) : "a repeated command");
+  if (command.kind == CommandKind::arm) command.fresh_token = random_id();
+  if (command.kind == CommandKind::fire && command.defect.empty()) {
+    ShotNotes notes{message.host_id, message.command_id, {}};
+    for (const auto& note : message.notes) notes.notes.push_back({note.key, note.value});
+    mailbox_.keep(std::move(notes));
+  }
+  if (!commands_.push(command)) std::fprintf(stderr, "strobed: a command was dropped: too many at once\n");
+}
+
+}  // namespace strobe::firmware

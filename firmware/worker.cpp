@@ -1,0 +1,182 @@
+#include "firmware/worker.hpp"
+
+#include <pthread.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdio>
+#include <future>
+#include <thread>
+
+#include "firmware/core/sequencer.hpp"
+#include "firmware/linux/gpio_lines.hpp"
+#include "firmware/linux/monotonic_clock.hpp"
+#include "firmware/linux/real_time.hpp"
+#include "firmware/publisher/publisher.hpp"
+#include "firmware/publisher/receiver.hpp"
+
+namespace strobe::firmware {
+
+namespace {
+
+int give_up(const std::string& why) {
+  std::fprintf(stderr, "strobed: %s\n", why.c_str());
+  return kExitBadInput;
+}
+
+class EventFd {
+ public:
+  EventFd() : fd_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {}
+  EventFd(const EventFd&) = delete;
+  EventFd& operator=(const EventFd&) = delete;
+  ~EventFd() { close(fd_); }
+  operator int() const { return fd_; }  // NOLINT: it stands for the descriptor
+  void wake() const {
+    const std::uint64_t one = 1;
+    [[maybe_unused]] const ssize_t written = write(fd_, &one, sizeof one);
+  }
+
+ private:
+  int fd_;
+};
+
+std::string joined(const std::vector<std::string>& faults) {
+  std::string all;
+  for (const std::string& fault : faults) all += (all.empty() ? "" : "; ") + fault;
+  return all;
+}
+
+void use_small_stacks() {
+  // With locked memory every page of every stack is resident; LCM's threads, too, come with the default size.
+  pthread_attr_t attributes;
+  pthread_attr_init(&attributes);
+  pthread_attr_setstacksize(&attributes, std::size_t{512} << 10);
+  pthread_setattr_default_np(&attributes);
+  pthread_attr_destroy(&attributes);
+}
+
+void wait_for_stop_signal() {
+  sigset_t set;
+  sigemptyset(&set);
+  for (const int signal : {SIGTERM, SIGINT, SIGHUP}) sigaddset(&set, signal);
+  int signal = 0;
+  sigwait(&set, &signal);
+}
+
+/// The real-time thread: set up before the first turn, ended by stop().
+class LoopThread {
+ public:
+  LoopThread(Sequencer& sequencer, const Rig::RealTime& wanted, WorkerPage& page, const EventFd& wake)
+      : sequencer_(sequencer), page_(page), wake_(wake) {
+    thread_ = std::thread([this, wanted] { run(wanted); });
+  }
+  std::vector<std::string> set_up() { return set_up_.get_future().get(); }
+  void start(const Words& detail) { go_.set_value(detail); }
+  void stop() {
+    stop_ = true;
+    wake_.wake();
+    thread_.join();
+  }
+
+ private:
+  void run(const Rig::RealTime& wanted) noexcept {
+    std::vector<std::string> faults;
+    for (const std::string& fault : {pin_to_cpu(wanted.cpu), become_real_time(wanted.priority)}) {
+      if (!fault.empty()) faults.push_back(fault);
+    }
+    prefault_stack();
+    set_up_.set_value(std::move(faults));
+    const Words detail = go_.get_future().get();
+    if (detail.empty()) return;
+    if (!sequencer_.start(detail)) _exit(kExitFailed);
+    while (!stop_) {
+      page_.turned_ns.store(clock_.now().ns, std::memory_order_relaxed);
+      if (!sequencer_.step(kNoDeadline)) _exit(kExitFailed);  // the guardian makes the outputs safe
+    }
+    sequencer_.stop("stopped by a signal");
+    page_.outputs_safe = true;
+  }
+
+  Sequencer& sequencer_;
+  WorkerPage& page_;
+  const EventFd& wake_;
+  MonotonicClock clock_;
+  std::atomic<bool> stop_{false};
+  std::promise<std::vector<std::string>> set_up_;
+  std::promise<Words> go_;
+  std::thread thread_;
+};
+
+}  // namespace
+
+int run_worker(const Rig& rig, const Options& options, WorkerPage& page) {
+  use_small_stacks();
+  keep_memory();
+  const EventFd loop_wake;
+  const EventFd publisher_wake;
+  auto lines = GpioLines::open(rig, loop_wake);
+  if (!lines) return give_up(lines.error().message);
+  page.lines_taken = true;
+  // From here on every return leaves the lines inactive: nothing but the loop, not yet started, sets them.
+
+  lcm::LCM lcm(options.lcm_url);
+  if (!lcm.good()) {
+    page.outputs_safe = true;
+    return give_up("LCM cannot use \"" + options.lcm_url +
+                   "\": is there a multicast route? (ip route add 224.0.0.0/4 dev lo)");
+  }
+  const std::int64_t boot_id = random_id();
+  auto journal = Journal::create(options.session, boot_id);
+  if (!journal) {
+    page.outputs_safe = true;
+    return give_up(journal.error().message);
+  }
+
+  MonotonicClock clock;
+  LoopQueue queue(rig, publisher_wake);
+  CommandQueue commands(loop_wake);
+  Mailbox mailbox;
+  Sequencer sequencer(rig, {clock, **lines, **lines, queue, commands}, last_shot_id(options.session));
+
+  std::vector<std::string> faults;
+  if (std::string fault = lock_memory(); !fault.empty()) faults.push_back(std::move(fault));
+  const LatencyRequest latency;
+  LoopThread loop(sequencer, rig.real_time, page, loop_wake);
+  for (std::string& fault : loop.set_up()) faults.push_back(std::move(fault));
+  if (!faults.empty() && !options.allow_no_rt) {
+    loop.start(Words());
+    loop.stop();
+    page.outputs_safe = true;
+    return give_up("no real-time rights: " + joined(faults) +
+                   "; or start with --allow-no-rt and worse timing");
+  }
+  const bool real_time = faults.empty() && latency.fault().empty();
+  if (!latency.fault().empty()) faults.push_back(latency.fault());
+  for (const std::string& fault : faults) std::fprintf(stderr, "strobed: warning: %s\n", fault.c_str());
+
+  PublisherSettings settings{boot_id,         options.session, real_time,
+                             options.verbose, nullptr,         options.throw_at_shot};
+  settings.on_first_status = [&] {
+    std::fprintf(stderr, "strobed: ready, rig %s, boot %016llx\n", rig.name.c_str(),
+                 static_cast<unsigned long long>(boot_id));
+  };
+  Publisher publisher(rig, settings, queue, mailbox, *journal, lcm, clock, publisher_wake);
+  Receiver receiver(rig, boot_id, lcm, commands, mailbox);
+  Words detail("strobed " STROBE_VERSION);
+  detail.append(real_time ? ", real time" : ", without all real-time rights");
+  loop.start(detail);
+  std::jthread publishing([&](const std::stop_token& stop) noexcept { publisher.run(stop); });
+  std::jthread receiving([&](const std::stop_token& stop) noexcept { receiver.run(stop); });
+
+  wait_for_stop_signal();
+  loop.stop();
+  receiving.request_stop();
+  receiving.join();
+  publishing.request_stop();
+  publisher_wake.wake();
+  publishing.join();
+  return kExitDone;
+}
+
+}  // namespace strobe::firmware
