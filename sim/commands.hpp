@@ -1,0 +1,35 @@
+// The subcommands of strobe-sim. Each prints its own errors, one line on stderr, and returns the exit status:
+// 0 done, 1 ran but failed, 2 bad usage or input.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace strobe::sim {
+
+struct RunOptions {
+  std::string scene;
+  std::optional<std::uint64_t> seed;  ///< absent: a fresh one, printed
+  std::string lcm_url;
+  std::string rig_name = "bench";
+  std::string chip_dir;      ///< empty: a temporary folder
+  std::string truth_file;    ///< empty: none
+  std::string changes_file;  ///< empty: none
+  bool digitizer = true;
+  std::vector<std::string> command;
+};
+/// Exit status of the command; 128 plus the signal that ended it.
+int run_command(const RunOptions& options);
+
+int scenes_command(bool json);
+
+/// `drives`: LINE=LEVEL, LINE a name or an offset.
+int drive_command(const std::string& chip_dir, const std::vector<std::string>& drives);
+int lines_command(const std::string& chip_dir, bool json);
+
+/// Derives the scenes of the thesis's conditions from its tables and writes them to a folder.
+int fit_command(const std::string& tables, const std::string& folder);
+
+}  // namespace strobe::sim

@@ -1,0 +1,87 @@
+// strobe-sim: the simulated rig as a program.
+#include <CLI/CLI.hpp>
+
+#include "common/messages/channels.hpp"
+#include "sim/commands.hpp"
+
+namespace {
+
+using strobe::sim::RunOptions;
+
+void add_run(CLI::App& app, RunOptions& options, bool& no_digitizer) {
+  CLI::App* run = app.add_subcommand("run", "Run a command on a simulated rig");
+  run->footer(
+      "The command sees the rig's chip as /dev/gpiochip0 (or the scene's name for it). Its exit status is "
+      "passed on,\n"
+      "128 plus the signal if one ended it. A folder given by --chip-dir holds the chip until strobe-sim "
+      "ends, so\n"
+      "that `strobe-sim lines` and `drive` can be used on it meanwhile; strobe-sim removes what it put "
+      "there.\n\n"
+      "Example: strobe-sim run --scene zero_23 --seed 42 -- strobed --config rig.toml --session today");
+  run->add_option("--scene", options.scene, "Scene's name (see `strobe-sim scenes`) or a scene file")
+      ->required();
+  run->add_option("--seed", options.seed, "Seed of every random draw (default: a fresh one, printed)");
+  run->add_option("--lcm-url", options.lcm_url, "LCM network of the tablet")->capture_default_str();
+  run->add_option("--rig", options.rig_name, "Rig's name in the LCM channels")->capture_default_str();
+  run->add_option("--chip-dir", options.chip_dir, "Folder for the chip (default: a temporary one)");
+  run->add_option("--truth", options.truth_file, "Write what truly happened, one JSON object per shot");
+  run->add_option("--changes", options.changes_file, "Write every change of every line as CSV");
+  run->add_flag("--no-digitizer", no_digitizer, "Nobody digitizes the photographs; no LCM is needed");
+  run->add_option("command", options.command, "Command and its arguments, after --")->required();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  namespace sim = strobe::sim;
+  CLI::App app(
+      "Simulated strobe rig: a GPIO chip with lamps, shutter, pitching machine, ball and camera behind it.");
+  app.require_subcommand(1);
+
+  RunOptions options;
+  options.lcm_url = strobe::messages::kDefaultLcmUrl;
+  bool no_digitizer = false;
+  add_run(app, options, no_digitizer);
+
+  bool json = false;
+  CLI::App* scenes = app.add_subcommand("scenes", "List the scenes that come with the program");
+  scenes->footer("Example: strobe-sim scenes --json");
+  scenes->add_flag("--json", json, "One JSON object per line");
+
+  std::string chip_dir;
+  CLI::App* lines = app.add_subcommand("lines", "Show each line of a running rig's chip");
+  lines->footer(
+      "Prints offset, name, direction, level and consumer.\nExample: strobe-sim lines --chip-dir /tmp/chip");
+  lines->add_option("--chip-dir", chip_dir, "The chip's folder")->required();
+  lines->add_flag("--json", json, "One JSON object per line");
+
+  std::vector<std::string> drives;
+  CLI::App* drive = app.add_subcommand("drive", "Drive inputs of a running rig's chip by hand");
+  drive->footer(
+      "Levels are physical: ESTOP=0 presses the e-stop.\n"
+      "Example: strobe-sim drive --chip-dir /tmp/chip KEY=0");
+  drive->add_option("--chip-dir", chip_dir, "The chip's folder")->required();
+  drive->add_option("drives", drives, "LINE=LEVEL, a line's name or offset and 0 or 1")->required();
+
+  std::string tables;
+  std::string folder;
+  CLI::App* fit = app.add_subcommand("fit", "Derive the scenes of the thesis's conditions from its tables");
+  fit->footer("Example: strobe-sim fit --tables share/strobe/thesis --out scenes");
+  fit->add_option("--tables", tables, "Folder of tables_02_to_10.csv and corrections.csv")->required();
+  fit->add_option("--out", folder, "Folder for the scene files")->required();
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::CallForHelp& help) {
+    return app.exit(help);
+  } catch (const CLI::ParseError& error) {
+    std::cerr << "strobe-sim: " << error.what() << '\n';
+    return 2;
+  }
+  options.digitizer = !no_digitizer;
+  if (scenes->parsed()) return sim::scenes_command(json);
+  if (lines->parsed()) return sim::lines_command(chip_dir, json);
+  if (drive->parsed()) return sim::drive_command(chip_dir, drives);
+  if (fit->parsed()) return sim::fit_command(tables, folder);
+  return sim::run_command(options);
+}

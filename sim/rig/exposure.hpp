@@ -1,0 +1,57 @@
+// What happened while the shutter was open once: the record from which the photograph and the truth are made.
+// Plain values, thread-safe.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "common/units/time.hpp"
+#include "sim/rig/ball_path.hpp"
+
+namespace strobe::sim {
+
+/// One strobe pulse of the firmware (both lamps' lines) and the flashes that it made.
+struct Pulse {
+  MonoTime edge;                  ///< first of the two lines' rising edges
+  std::vector<MonoTime> flashes;  ///< true instants, of both lamps, in no order; empty if neither flashed
+};
+
+/// Mean of the pulse's flashes; never() if it made none.
+MonoTime flash_time(const Pulse& pulse);
+
+struct ThrownBall {
+  BallPath path;
+  MonoTime touchdown;
+};
+
+struct Exposure {
+  int shot = 0;  ///< 1-based
+  MonoTime line_on;
+  MonoTime opened = MonoTime::never();  ///< never(): the line was released before the shutter moved
+  MonoTime closed = MonoTime::never();
+  std::vector<Pulse> pulses;
+  std::optional<ThrownBall> ball;  ///< the one that meets the plate
+  int throws = 0;                  ///< how often the machine was triggered for this shot
+  std::vector<FaultKind> faults;   ///< that struck, each once
+  bool spoilt = false;             ///< the simulation itself could not keep up: edges came late or were lost
+};
+
+/// The pulse's place counted from the touchdown: -1 is the last before, 1 the first after; nothing without a
+/// ball.
+std::optional<int> place_from_impact(const Exposure& exposure, std::size_t pulse);
+
+/// Whether the ball met the plate while the shutter was open.
+bool shows_impact(const Exposure& exposure);
+
+/// One image of the ball on the photograph.
+struct FilmImage {
+  int pulse = 0;  ///< index into Exposure::pulses
+  MonoTime time;  ///< mean of the flashes that it was made of
+  BallState state;
+};
+
+/// All images in order of time. Flashes less than half a millisecond apart blend into one image (some 8 mm of
+/// a fast ball's way), which is measured in its middle.
+std::vector<FilmImage> film_images(const Scene& scene, const Exposure& exposure);
+
+}  // namespace strobe::sim

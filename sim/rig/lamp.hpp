@@ -1,0 +1,41 @@
+// One strobe lamp: a delay, some jitter, a capacitor that must recharge, and what can go wrong.
+// Virtual time, no clock; one object per lamp, not thread-safe; may allocate.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "sim/faults.hpp"
+#include "sim/rig/draws.hpp"
+#include "sim/rig/scene.hpp"
+
+namespace strobe::sim {
+
+class LampModel {
+ public:
+  /// `scene` must outlive the lamp.
+  LampModel(const Scene& scene, std::uint64_t seed, Lamp lamp) : scene_(scene), seed_(seed), lamp_(lamp) {}
+
+  /// The flashes that a rising edge of the lamp's line makes: one, none, or with a fault two; in order of
+  /// time. Kinds of faults that struck are appended to `struck`.
+  std::vector<MonoTime> on_pulse(MonoTime edge, const FlashPlace& place, std::vector<FaultKind>& struck);
+
+  /// Jitter of the sensor's edge for the newest pulse's flashes.
+  double sensor_jitter_s() const { return sensor_jitter_s_; }
+
+  /// Whether the sensor that looks at this lamp works in this shot.
+  bool sensor_works(int shot) const;
+
+ private:
+  Draws& draws(int shot);
+
+  const Scene& scene_;
+  std::uint64_t seed_;
+  Lamp lamp_;
+  MonoTime last_flash_ = MonoTime::never();
+  std::optional<Draws> draws_;  ///< of the shot below
+  int draws_shot_ = 0;
+  double sensor_jitter_s_ = 0.0;
+};
+
+}  // namespace strobe::sim

@@ -1,0 +1,231 @@
+#include "sim/rig/rig.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+namespace strobe::sim {
+
+namespace {
+
+constexpr MonoTime kFarFuture{std::numeric_limits<std::int64_t>::max()};
+constexpr Duration kSamePulse = microseconds(200);   // both lines of one pulse, set by one call or by two
+constexpr Duration kReportGrace = milliseconds(20);  // edges stamped before the closing but reported after it
+constexpr Duration kBallInFlight = milliseconds(5000);
+
+Duration from_seconds(double s) { return nanoseconds(std::llround(s * 1e9)); }
+
+constexpr std::size_t index(RigLine line) { return static_cast<std::size_t>(line); }
+constexpr std::size_t index(Lamp lamp) { return lamp == Lamp::a ? 0 : 1; }
+
+}  // namespace
+
+Rig::Rig(const Scene& scene, std::uint64_t seed, MonoTime start)
+    : scene_(scene), seed_(seed), lamps_{LampModel(scene_, seed, Lamp::a), LampModel(scene_, seed, Lamp::b)} {
+  levels_[index(RigLine::key)] = scene_.chip.key_level;
+  levels_[index(RigLine::estop)] = scene_.chip.estop_level;
+  for (const OperatorAction& action : scene_.operator_actions)
+    schedule({start + from_seconds(action.at_s), action.line, action.level});
+}
+
+void Rig::line_changed(RigLine line, int level, MonoTime at) {
+  int& known = levels_[index(line)];
+  if (known == level) return;
+  known = level;
+  switch (line) {
+    case RigLine::strobe_a:
+      if (level == 1) on_strobe(Lamp::a, at);
+      break;
+    case RigLine::strobe_b:
+      if (level == 1) on_strobe(Lamp::b, at);
+      break;
+    case RigLine::shutter:
+      on_shutter(level, at);
+      break;
+    case RigLine::trigger:
+      if (level == 1) on_trigger(at);
+      break;
+    default:
+      break;
+  }
+}
+
+FlashPlace Rig::begin_or_join_pulse(Lamp lamp, MonoTime at) {
+  const bool joins =
+      pulse_edge_.known() && !in_pulse_[index(lamp)] && at - pulse_edge_ <= kSamePulse && pulses_ > 0;
+  if (!joins) {
+    in_pulse_ = {};
+    previous_edge_ = pulses_ > 0 ? pulse_edge_ : MonoTime::never();
+    pulse_edge_ = at;
+    ++pulses_;
+    if (current_) current_->pulses.push_back({at, {}});
+  }
+  in_pulse_[index(lamp)] = true;
+  return {.shot = exposures_, .index = pulses_ - 1, .from_impact = predict_place(pulse_edge_)};
+}
+
+std::optional<int> Rig::predict_place(MonoTime edge) const {
+  if (!current_ || !current_->ball) return std::nullopt;
+  const MonoTime touchdown = current_->ball->touchdown;
+  if (edge >= touchdown) {
+    return static_cast<int>(
+        std::ranges::count_if(current_->pulses, [&](const Pulse& pulse) { return pulse.edge >= touchdown; }));
+  }
+  // Before touchdown: as many pulses are left as the last interval says.
+  if (!previous_edge_.known() || edge <= previous_edge_) return std::nullopt;
+  const Duration period = edge - previous_edge_;
+  return -static_cast<int>(((touchdown - edge).ns + period.ns - 1) / period.ns);
+}
+
+void Rig::on_strobe(Lamp lamp, MonoTime at) {
+  const FlashPlace place = begin_or_join_pulse(lamp, at);
+  std::vector<FaultKind> struck;
+  LampModel& model = lamps_[index(lamp)];
+  for (const MonoTime flash : model.on_pulse(at, place, struck)) {
+    if (current_ && !current_->pulses.empty()) current_->pulses.back().flashes.push_back(flash);
+    if (!model.sensor_works(place.shot)) {
+      struck.push_back(FaultKind::sensor_dead);
+      continue;
+    }
+    drive_sensor(lamp == Lamp::a ? RigLine::sensor_a : RigLine::sensor_b,
+                 flash + from_seconds(scene_.sensors.delay_s + model.sensor_jitter_s()));
+  }
+  note_faults(struck);
+}
+
+void Rig::drive_sensor(RigLine line, MonoTime rise) {
+  const MonoTime fall = rise + from_seconds(scene_.sensors.pulse_s);
+  // Light while the sensor still sees light makes its pulse longer, not a new edge.
+  const auto overlapped = std::ranges::find_if(
+      pending_, [&](const Drive& d) { return d.line == line && d.level == 0 && d.at >= rise; });
+  if (overlapped == pending_.end()) {
+    schedule({rise, line, 1});
+    schedule({fall, line, 0});
+    return;
+  }
+  const MonoTime end = std::max(overlapped->at, fall);
+  pending_.erase(overlapped);
+  schedule({end, line, 0});
+}
+
+void Rig::on_shutter(int level, MonoTime at) {
+  if (level == 1) {
+    if (current_) finished_.push_back(std::move(*current_));
+    ++exposures_;
+    pulses_ = 0;
+    current_.emplace();
+    current_->shot = exposures_;
+    current_->line_on = at;
+    shutter_draws_.emplace(seed_, Purpose::shutter, static_cast<std::uint64_t>(exposures_));
+    current_->opened = at + from_seconds(std::max(0.0, shutter_draws_->normal(scene_.shutter.open_lag_s,
+                                                                              scene_.shutter.lag_sd_s)));
+    if (waiting_.triggered.known() && at - waiting_.triggered < kBallInFlight) {
+      current_->ball = std::move(waiting_.ball);
+      current_->throws = waiting_.throws;
+      note_faults(waiting_.faults);
+    }
+    waiting_ = {};
+  } else if (current_ && !current_->closed.known()) {
+    if (at < current_->opened) {
+      current_->opened = MonoTime::never();
+      current_->closed = at;
+    } else {
+      current_->closed = at + from_seconds(std::max(0.0, shutter_draws_->normal(scene_.shutter.close_lag_s,
+                                                                                scene_.shutter.lag_sd_s)));
+    }
+  }
+}
+
+void Rig::on_trigger(MonoTime at) {
+  const bool during_exposure = current_ && !current_->closed.known();
+  const int shot = during_exposure ? current_->shot : exposures_ + 1;
+  std::optional<ThrownBall> ball;
+  int throws = 0;
+  std::vector<FaultKind> struck;
+  if (shot_fault(scene_.faults, FaultKind::machine_misfire, shot)) {
+    struck.push_back(FaultKind::machine_misfire);
+  } else {
+    throws = 1;
+    const Throw thrown = draw_throw(scene_, seed_, shot);
+    const MonoTime touchdown = at + from_seconds(thrown.lag_s);
+    if (const auto path = BallPath::make(scene_, thrown)) {
+      drive_gate(*path, touchdown, at);
+      ball = ThrownBall{*path, touchdown};
+    }
+    if (shot_fault(scene_.faults, FaultKind::ball_misses, shot)) {
+      struck.push_back(FaultKind::ball_misses);
+      ball.reset();
+    }
+  }
+  if (during_exposure) {
+    current_->throws += throws;
+    if (!current_->ball) current_->ball = ball;
+    note_faults(struck);
+  } else {
+    if (waiting_.triggered.known() && at - waiting_.triggered > kBallInFlight) waiting_ = {};
+    waiting_.triggered = at;
+    waiting_.throws += throws;
+    if (!waiting_.ball) waiting_.ball = ball;
+    waiting_.faults.insert(waiting_.faults.end(), struck.begin(), struck.end());
+  }
+}
+
+void Rig::drive_gate(const BallPath& path, MonoTime touchdown, MonoTime trigger) {
+  const double radius_m = scene_.ball.radius_m();
+  const double centre_m = scene_.gate.distance_m + path.spot_m();
+  const MonoTime rise = touchdown + from_seconds(path.time_at_distance_s(centre_m + radius_m));
+  const MonoTime fall = touchdown + from_seconds(path.time_at_distance_s(centre_m - radius_m));
+  if (rise <= trigger) return;  // the machine stands on the plate's side of the beam
+  schedule({rise, RigLine::gate, 1});
+  schedule({fall, RigLine::gate, 0});
+}
+
+void Rig::schedule(const Drive& drive) {
+  const auto place = std::ranges::find_if(pending_, [&](const Drive& d) { return d.at <= drive.at; });
+  pending_.insert(place, drive);
+}
+
+void Rig::note_faults(const std::vector<FaultKind>& kinds) {
+  if (!current_) return;
+  for (const FaultKind kind : kinds) {
+    if (std::ranges::find(current_->faults, kind) == current_->faults.end()) current_->faults.push_back(kind);
+  }
+}
+
+MonoTime Rig::next_due() const {
+  MonoTime due = pending_.empty() ? kFarFuture : pending_.back().at;
+  if (current_ && current_->closed.known()) due = std::min(due, current_->closed + kReportGrace);
+  if (!finished_.empty()) due = std::min(due, finished_.front().closed);
+  return due;
+}
+
+void Rig::collect(MonoTime now, std::vector<Drive>& drives, std::vector<Exposure>& exposures) {
+  while (!pending_.empty() && pending_.back().at <= now) {
+    drives.push_back(pending_.back());
+    pending_.pop_back();
+  }
+  if (current_ && current_->closed.known() && current_->closed + kReportGrace <= now) {
+    finished_.push_back(std::move(*current_));
+    current_.reset();
+    pulses_ = 0;
+  }
+  std::ranges::move(finished_, std::back_inserter(exposures));
+  finished_.clear();
+}
+
+void Rig::finish(MonoTime now, std::vector<Exposure>& exposures) {
+  if (current_) {
+    if (!current_->closed.known()) on_shutter(0, now);
+    finished_.push_back(std::move(*current_));
+    current_.reset();
+  }
+  std::ranges::move(finished_, std::back_inserter(exposures));
+  finished_.clear();
+}
+
+std::optional<MonoTime> Rig::exposing_since() const {
+  if (!current_) return std::nullopt;
+  return current_->line_on;
+}
+
+}  // namespace strobe::sim

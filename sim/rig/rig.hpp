@@ -1,0 +1,95 @@
+// The simulated bench in virtual time: it is told how the chip's output lines change and answers with how the
+// inputs are to be driven and with the exposures taken. No clock, no threads, no I/O, so that tests run
+// thousands of shots in-process; the runner couples it to a chip in real time.
+//
+// The same scene, seed and line changes give the same answers. Draws of a shot do not depend on earlier
+// shots. Not thread-safe; allocates.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "sim/rig/exposure.hpp"
+#include "sim/rig/lamp.hpp"
+#include "sim/rig/lines.hpp"
+#include "sim/rig/scene.hpp"
+
+namespace strobe::sim {
+
+/// An input line to be driven to `level` at the instant `at`.
+struct Drive {
+  MonoTime at;
+  RigLine line = RigLine::gate;
+  int level = 0;
+};
+
+class Rig {
+ public:
+  /// Lines are at their idle levels at `start`, from which the operator's actions are counted.
+  Rig(const Scene& scene, std::uint64_t seed, MonoTime start);
+  Rig(const Rig&) = delete;
+  Rig& operator=(const Rig&) = delete;
+
+  /// An output line's level at `at`; changes come in order of time. Repeated levels and inputs are ignored.
+  void line_changed(RigLine line, int level, MonoTime at);
+
+  /// The next instant at which collect() has something to give; far in the future if there is nothing.
+  MonoTime next_due() const;
+
+  /// Appends what is due up to `now`, drives in order of time. An exposure is given a little after it closed,
+  /// once every edge of it must have been reported.
+  void collect(MonoTime now, std::vector<Drive>& drives, std::vector<Exposure>& exposures);
+
+  /// Ends an exposure that is still open, as when the program under test has died.
+  void finish(MonoTime now, std::vector<Exposure>& exposures);
+
+  /// The simulation fell behind: the exposure under way is no fair test of the program.
+  void mark_spoilt() {
+    if (current_) current_->spoilt = true;
+  }
+
+  /// The line's change with which the exposure under way began; nothing between exposures.
+  std::optional<MonoTime> exposing_since() const;
+  int exposures_begun() const { return exposures_; }
+  const Scene& scene() const { return scene_; }
+  std::uint64_t seed() const { return seed_; }
+
+ private:
+  void on_strobe(Lamp lamp, MonoTime at);
+  void on_shutter(int level, MonoTime at);
+  void on_trigger(MonoTime at);
+  FlashPlace begin_or_join_pulse(Lamp lamp, MonoTime at);
+  std::optional<int> predict_place(MonoTime edge) const;
+  void drive_gate(const BallPath& path, MonoTime touchdown, MonoTime trigger);
+  void drive_sensor(RigLine line, MonoTime rise);
+  void schedule(const Drive& drive);
+  void note_faults(const std::vector<FaultKind>& kinds);
+
+  /// What the machine has thrown for the exposure that has not begun yet.
+  struct Waiting {
+    std::optional<ThrownBall> ball;
+    int throws = 0;
+    MonoTime triggered = MonoTime::never();
+    std::vector<FaultKind> faults;
+  };
+
+  const Scene scene_;
+  const std::uint64_t seed_;
+  std::array<int, kWiredLines> levels_{};
+  std::array<LampModel, 2> lamps_;
+  std::array<bool, 2> in_pulse_{};  ///< which lamps the newest pulse has reached
+  MonoTime pulse_edge_ = MonoTime::never();
+  MonoTime previous_edge_ = MonoTime::never();
+  int pulses_ = 0;  ///< of the current exposure, or since the last one
+  int exposures_ = 0;
+  std::optional<Exposure> current_;
+  std::vector<Exposure> finished_;
+  std::optional<Draws> shutter_draws_;
+  Waiting waiting_;
+  std::vector<Drive> pending_;  ///< latest first
+};
+
+}  // namespace strobe::sim

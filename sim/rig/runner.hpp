@@ -1,0 +1,54 @@
+// Plays a rig in real time on a chip: a thread of its own that waits for line changes, hands them to the rig,
+// and drives the inputs as soon as their instants have passed, with their exact stamps. The thread asks for
+// SCHED_FIFO priority and goes on without where that is not permitted. Start and stop from one thread.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <thread>
+#include <vector>
+
+#include "sim/gpiochip/chip.hpp"
+#include "sim/rig/darkroom.hpp"
+#include "sim/rig/rig.hpp"
+
+namespace strobe::sim {
+
+MonoTime monotonic_now();
+
+class Runner {
+ public:
+  /// `chip` is this runner's own attachment; changes from now on are seen. `darkroom` must outlive the
+  /// runner.
+  Runner(Chip chip, const Scene& scene, std::uint64_t seed, Darkroom& darkroom, bool record_changes);
+  ~Runner();
+  Runner(const Runner&) = delete;
+  Runner& operator=(const Runner&) = delete;
+
+  void start();
+  /// Ends the thread and hands an exposure still under way to the darkroom.
+  void stop();
+
+  /// All changes of all lines, if they were to be recorded. After stop() only.
+  const std::vector<Change>& changes() const { return recorded_; }
+
+ private:
+  void run(const std::atomic<bool>& stopping);
+  void take_changes(MonoTime deadline);
+  void give_drives(MonoTime now);
+
+  Chip chip_;
+  Rig rig_;
+  Darkroom& darkroom_;
+  bool record_changes_;
+  ChangeCursor cursor_;
+  std::vector<Change> fresh_;
+  std::vector<Change> recorded_;
+  std::vector<Drive> drives_;
+  std::vector<Exposure> exposures_;
+  std::atomic<bool> stopping_{false};
+  std::thread thread_;
+};
+
+}  // namespace strobe::sim

@@ -1,0 +1,137 @@
+// A scene: everything that the simulated bench is and does, read from a TOML file. Each field below is a key
+// of the table of its struct's name; a key's unit is in its name (…_ms, _us, _mm, _deg), fields here are SI.
+// What a file leaves out takes the default given here; an unknown key is an error. Plain values; parsing
+// allocates.
+#pragma once
+
+#include <numbers>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/ball/ball.hpp"
+#include "common/result.hpp"
+#include "common/units/time.hpp"
+#include "sim/faults.hpp"
+#include "sim/rig/lines.hpp"
+
+namespace strobe::sim {
+
+/// [machine] The pitching machine. What the ball does is what it does at touchdown.
+struct MachineSettings {
+  double speed_mps = 17.0;  ///< required; 1…60
+  double speed_sd_mps = 0.0;
+  double angle_rad = -0.4;  ///< required; angle_deg -85…-5, against the surface
+  double angle_sd_rad = 0.0;
+  double spin_radps = 0.0;  ///< required; backspin positive
+  double spin_sd_radps = 0.0;
+  double lag_s = 0.310;  ///< trigger to ball at the plate
+  double lag_sd_s = 0.003;
+  double spot_sd_m = 0.010;  ///< key spot_sd_mm: where along the surface the ball touches down
+};
+
+/// [bounce] How ball and surface rebound: common/impact's grip() with these coefficients, spread from shot to
+/// shot, and the exact damped sine in between.
+struct BounceSettings {
+  double e = 0.75;              ///< required; at e_speed_mps
+  double e_speed_mps = 0.0;     ///< |vy| at which e holds; default: the machine's mean
+  double e_slope_spm = -0.017;  ///< de/d|vy|; key e_slope_s_per_m
+  double e_sd = 0.0;
+  double mu = 0.57;  ///< required
+  double mu_sd = 0.0;
+  double ex = 0.087;  ///< required; -1…1
+  double ex_sd = 0.0;
+  double offset_m = 0.003;  ///< required, key offset_mm; of the normal force at full rolling speed
+  double offset_sd_m = 0.0;
+  double dwell_s = 0.005;  ///< required, key dwell_ms; touchdown to lift-off
+  double dwell_sd_s = 0.0;
+  double top_drop_ratio = 1.27;  ///< drop of the ball's top over that of its centre (measured at 23 degrees)
+};
+
+/// [lamps] Both alike.
+struct LampSettings {
+  double delay_s = 12e-6;  ///< rising edge of the line to flash
+  double jitter_s = 1e-6;
+  double recharge_s = 1.4e-3;  ///< a pulse sooner after a flash makes none
+};
+
+/// [sensors] Both alike.
+struct SensorSettings {
+  double delay_s = 0.0;  ///< flash to edge
+  double jitter_s = 0.2e-6;
+  double pulse_s = 100e-6;
+};
+
+/// [shutter]
+struct ShutterSettings {
+  double open_lag_s = 0.045;   ///< line active to open
+  double close_lag_s = 0.045;  ///< line inactive to closed
+  double lag_sd_s = 0.1e-3;
+};
+
+/// [gate]
+struct GateSettings {
+  double distance_m = 1.0;  ///< light beam ahead of the point of touchdown, along the surface
+};
+
+/// [camera] Orthographic: a true side view. The photograph's x is to the right, y up.
+struct CameraSettings {
+  double px_per_m = 4000.0;
+  double roll_rad = 0.3 * std::numbers::pi / 180.0;
+  double origin_x_px = 1500.0;  ///< where the point of touchdown is on the photograph
+  double origin_y_px = 300.0;
+  double half_width_m = 0.30;  ///< centres within ±half_width_m of the point of touchdown are seen ...
+  double height_m = 0.35;      ///< ... up to this height over the surface
+  bool mirrored = false;       ///< seen from the other side: the ball travels to the left
+};
+
+/// [tablet] Hand measurement of the photograph. Standard deviations of one coordinate on the object's scale.
+struct TabletSettings {
+  double centre_sd_m = 0.0003;
+  double equator_sd_rad = 0.5 * std::numbers::pi / 180.0;
+  double digitize_delay_s = 0.1;        ///< shot announced to frame published
+  double visible_flattening_m = 0.001;  ///< a drop of the ball's top from which an image is called "contact"
+  double calibration_sd =
+      -1.0;  ///< relative sd of a scale handed over with the frame; < 0: none (key absent)
+};
+
+/// [chip]
+struct ChipSettings {
+  std::string name = "gpiochip0";
+  std::string label = "strobe-sim-rig";
+  bool keep_on_release = true;  ///< key on_release = "keep" | "input"
+  int key_level = 1;            ///< 1: on
+  int estop_level = 1;          ///< 1: not pressed
+};
+
+/// [[operator]] Somebody turns the key, presses the e-stop, walks through the gate.
+struct OperatorAction {
+  double at_s = 0.0;  ///< after the rig's start
+  RigLine line = RigLine::key;
+  int level = 0;
+};
+
+struct Scene {
+  std::string name;             ///< the file's, without its extension
+  std::string title;            ///< one line for people
+  double temperature_c = 21.0;  ///< of the court pace's correction
+  double surface_angle_rad =
+      0.0;          ///< key surface_angle_deg: inclination of the plate, counter-clockwise positive
+  ball::Ball ball;  ///< [ball] diameter_m, mass_kg, alpha
+  MachineSettings machine;
+  BounceSettings bounce;
+  LampSettings lamps;
+  SensorSettings sensors;
+  ShutterSettings shutter;
+  GateSettings gate;
+  CameraSettings camera;
+  TabletSettings tablet;
+  ChipSettings chip;
+  std::vector<OperatorAction> operator_actions;
+  std::vector<Fault> faults;
+};
+
+/// A scene from its text. The error reads "FILE:LINE: table.key: what is wrong".
+Result<Scene> parse_scene(std::string_view text, const std::string& file_name);
+
+}  // namespace strobe::sim

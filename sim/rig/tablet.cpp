@@ -1,0 +1,114 @@
+#include "sim/rig/tablet.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "sim/rig/camera.hpp"
+#include "sim/rig/draws.hpp"
+
+namespace strobe::sim {
+
+namespace {
+
+using reduction::BallImage;
+using reduction::Leg;
+using reduction::PointPx;
+
+/// Where the surface is measured, as shares of the view's half width: well apart, clear of the impact.
+constexpr std::array kSurfacePoints{-0.95, -0.70, 0.70, 0.95};
+
+std::optional<double> known(double sd) { return sd > 0.0 ? std::optional(sd) : std::nullopt; }
+
+double modulo_pi(double angle_rad) {
+  return angle_rad - std::numbers::pi * std::floor(angle_rad / std::numbers::pi);
+}
+
+Leg leg_seen(const BallState& state, double time_s, double dwell_s, double visible_m) {
+  if (state.top_drop_m > visible_m) return Leg::contact;
+  return time_s < 0.5 * dwell_s ? Leg::incoming : Leg::rebound;
+}
+
+class Hand {
+ public:
+  Hand(const Scene& scene, std::uint64_t seed, int shot)
+      : scene_(scene),
+        camera_(scene),
+        draws_(seed, Purpose::tablet, static_cast<std::uint64_t>(shot)),
+        centre_sd_px_(scene.tablet.centre_sd_m * scene.camera.px_per_m) {}
+
+  PointPx point(double x_m, double y_m) {
+    PointPx p = camera_.project(x_m, y_m);
+    p.x += draws_.normal(0.0, centre_sd_px_);
+    p.y += draws_.normal(0.0, centre_sd_px_);
+    return p;
+  }
+
+  BallImage image(const FilmImage& film, const BallPath& path, MonoTime touchdown) {
+    const BallState& s = film.state;
+    const double x_m = s.x_m + path.spot_m();
+    BallImage image;
+    image.leg =
+        leg_seen(s, (film.time - touchdown).seconds(), path.dwell_s(), scene_.tablet.visible_flattening_m);
+    image.centre_px = point(x_m, s.y_m);
+    image.diameter_px =
+        scene_.ball.diameter_m * camera_.px_per_m() + draws_.normal(0.0, kDiameterNoiseRatio * centre_sd_px_);
+    image.equator_rad =
+        modulo_pi(camera_.project_angle(s.equator_rad) + draws_.normal(0.0, scene_.tablet.equator_sd_rad));
+    const PointPx top = point(x_m, scene_.ball.diameter_m - s.top_drop_m);
+    if (image.leg == Leg::contact) image.top_px = top;
+    image.source = "hand";
+    return image;
+  }
+
+  void state_noise(reduction::Frame& frame) {
+    frame.centre_sd_px = known(centre_sd_px_);
+    frame.surface_sd_px = known(centre_sd_px_);
+    frame.diameter_sd_px = known(kDiameterNoiseRatio * centre_sd_px_);
+    frame.equator_sd_rad = known(scene_.tablet.equator_sd_rad);
+    if (scene_.tablet.calibration_sd < 0.0) return;
+    const double sd = scene_.tablet.calibration_sd * camera_.px_per_m();
+    frame.px_per_m = draws_.normal(camera_.px_per_m(), sd);
+    frame.px_per_m_sd = sd;
+  }
+
+  double half_width_m() const { return camera_.half_width_m(); }
+
+ private:
+  const Scene& scene_;
+  Camera camera_;
+  Draws draws_;
+  double centre_sd_px_;
+};
+
+bool unseen(const Scene& scene, const Exposure& exposure, int pulse) {
+  const FlashPlace place{.shot = exposure.shot,
+                         .index = pulse,
+                         .from_impact = place_from_impact(exposure, static_cast<std::size_t>(pulse))};
+  return flash_fault(scene.faults, FaultKind::image_unseen, place, Lamp::a) != nullptr;
+}
+
+}  // namespace
+
+Digitized digitize(const Scene& scene, std::uint64_t seed, const Exposure& exposure) {
+  Digitized result;
+  Hand hand(scene, seed, exposure.shot);
+  reduction::Frame& frame = result.frame;
+  frame.ball_diameter_m = scene.ball.diameter_m;
+  frame.surface_angle_deg =
+      scene.surface_angle_rad * (scene.camera.mirrored ? -180.0 : 180.0) / std::numbers::pi;
+  frame.temperature_c = scene.temperature_c;
+  hand.state_noise(frame);
+  for (const double share : kSurfacePoints)
+    frame.surface_px.push_back(hand.point(share * hand.half_width_m(), 0.0));
+  std::ranges::sort(frame.surface_px, {}, &PointPx::x);
+  for (const FilmImage& film : film_images(scene, exposure)) {
+    const BallImage image = hand.image(film, exposure.ball->path, exposure.ball->touchdown);
+    if (unseen(scene, exposure, film.pulse)) continue;
+    frame.images.push_back(image);
+    result.image_pulse.push_back(film.pulse);
+  }
+  return result;
+}
+
+}  // namespace strobe::sim

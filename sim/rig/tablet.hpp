@@ -1,0 +1,27 @@
+// The person at the digitizing tablet: from an exposure to the points of a frame, with the errors of a hand.
+// Deterministic for (scene, seed, exposure). Thread-safe; allocates.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "common/reduction/frame.hpp"
+#include "sim/rig/exposure.hpp"
+
+namespace strobe::sim {
+
+struct Digitized {
+  reduction::Frame frame;  ///< times are all zero: a photograph shows none; shot_id is for the caller to set
+  std::vector<int> image_pulse;  ///< for each image of the frame the pulse that made it
+};
+
+/// Four points of the surface; of each image of the ball its centre, its diameter (twice the distance from
+/// the centre to a point of the edge, so 2·sqrt(2) times as noisy as a coordinate), the equator's angle
+/// modulo pi, the top where the ball is visibly flattened, and the leg as a person sees it. Faults
+/// image_unseen leave images out. Noise of zero leaves the frame's standard deviations absent.
+Digitized digitize(const Scene& scene, std::uint64_t seed, const Exposure& exposure);
+
+/// Standard deviation of a diameter over that of a coordinate.
+inline constexpr double kDiameterNoiseRatio = 2.0 * std::numbers::sqrt2;
+
+}  // namespace strobe::sim

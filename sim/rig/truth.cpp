@@ -1,0 +1,89 @@
+#include "sim/rig/truth.hpp"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "sim/rig/tablet.hpp"
+
+namespace strobe::sim {
+
+namespace {
+
+using nlohmann::json;
+using reduction::Quantity;
+
+constexpr double kDegrees = 180.0 / std::numbers::pi;
+
+json instant(MonoTime time) { return time.known() ? json(time.ns) : json(nullptr); }
+
+json readout_json(const reduction::Quantities& values) {
+  json object = json::object();
+  for (std::size_t i = 0; i < reduction::kQuantityCount; ++i) {
+    const auto& value = values[static_cast<Quantity>(i)];
+    object[std::string(reduction::kQuantityNames[i])] = value ? json(*value) : json(nullptr);
+  }
+  return object;
+}
+
+json fault_names(const Scene& scene, const Exposure& exposure) {
+  json names = json::array();
+  for (const FaultKind kind : exposure.faults) names.push_back(std::string(name(kind)));
+  for (const FaultKind kind : {FaultKind::no_photograph, FaultKind::frame_late, FaultKind::image_unseen}) {
+    if (shot_fault(scene.faults, kind, exposure.shot)) names.push_back(std::string(name(kind)));
+  }
+  return names;
+}
+
+}  // namespace
+
+reduction::Quantities true_readout(const Scene& scene, const BallPath& path) {
+  const impact::Motion& td = path.touchdown();
+  const impact::Motion& lo = path.rebound().lift_off;
+  const double e = -lo.vy_mps / td.vy_mps;
+  const double mu = (td.vx_mps - lo.vx_mps) / (lo.vy_mps - td.vy_mps);
+  const double e_at_23_degC = e + 0.003 * (23.0 - scene.temperature_c);
+
+  reduction::Quantities q;
+  q[Quantity::theta_in_deg] = std::atan2(td.vy_mps, td.vx_mps) * kDegrees;
+  q[Quantity::theta_out_deg] = std::atan2(lo.vy_mps, lo.vx_mps) * kDegrees;
+  q[Quantity::vx_td_mps] = td.vx_mps;
+  q[Quantity::vy_td_mps] = td.vy_mps;
+  q[Quantity::v_td_mps] = std::hypot(td.vx_mps, td.vy_mps);
+  q[Quantity::omega_td_radps] = td.omega_radps;
+  q[Quantity::vx_lo_mps] = lo.vx_mps;
+  q[Quantity::vy_lo_mps] = lo.vy_mps;
+  q[Quantity::v_lo_mps] = std::hypot(lo.vx_mps, lo.vy_mps);
+  q[Quantity::omega_lo_radps] = lo.omega_radps;
+  q[Quantity::slip_lo_mps] = lo.vx_mps + scene.ball.radius_m() * lo.omega_radps;
+  q[Quantity::e] = e;
+  q[Quantity::mu] = mu;
+  q[Quantity::dwell_time_ms] = path.dwell_s() * 1e3;
+  q[Quantity::dwell_distance_cm] = path.dwell_distance_m() * 1e2;
+  q[Quantity::court_pace] = 100.0 * (1.0 - mu) + 150.0 * (0.81 - e_at_23_degC);  // ITF CS 01/02
+  return q;
+}
+
+std::string truth_line(const Scene& scene, std::uint64_t seed, const Exposure& exposure, int shot_id) {
+  const bool ball = shows_impact(exposure);
+  json line = {{"shot", exposure.shot}, {"shot_id", shot_id}, {"ball", ball}, {"throws", exposure.throws}};
+  line["touchdown_ns"] = nullptr;
+  line["liftoff_ns"] = nullptr;
+  line["readout"] = nullptr;
+  if (ball) {
+    const BallPath& path = exposure.ball->path;
+    line["touchdown_ns"] = exposure.ball->touchdown.ns;
+    line["liftoff_ns"] = exposure.ball->touchdown.ns + std::llround(path.dwell_s() * 1e9);
+    line["readout"] = readout_json(true_readout(scene, path));
+  }
+  line["opened_ns"] = instant(exposure.opened);
+  line["closed_ns"] = instant(exposure.closed);
+  line["flash_true_ns"] = json::array();
+  for (const Pulse& pulse : exposure.pulses) line["flash_true_ns"].push_back(instant(flash_time(pulse)));
+  line["image_flash"] = digitize(scene, seed, exposure).image_pulse;
+  line["faults"] = fault_names(scene, exposure);
+  line["spoilt"] = exposure.spoilt;
+  return line.dump();
+}
+
+}  // namespace strobe::sim

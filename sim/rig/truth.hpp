@@ -1,0 +1,31 @@
+// What a perfect measurement of an exposure would have read; only tests may look at it. Thread-safe;
+// allocates.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "common/reduction/readout.hpp"
+#include "sim/rig/exposure.hpp"
+
+namespace strobe::sim {
+
+/// True values of every quantity of a readout, from the ball's true state at touchdown and lift-off.
+reduction::Quantities true_readout(const Scene& scene, const BallPath& path);
+
+/// One JSON object on one line, without the newline:
+///   shot          number of the exposure, 1-based; 0: the shot made none
+///   shot_id       the firmware's number; 0: it never said
+///   ball          whether a ball met the plate while the shutter was open
+///   throws        how often the machine threw for this shot
+///   touchdown_ns, liftoff_ns, readout       null without a ball
+///   opened_ns, closed_ns                    of the shutter; null: it did not open
+///   flash_true_ns                           for each strobe pulse the mean of its flashes; null: none
+///   image_flash                             for each digitized image the index of its pulse
+///   faults                                  kinds that struck
+///   spoilt                                  the simulation itself could not keep up
+std::string truth_line(const Scene& scene, std::uint64_t seed, const Exposure& exposure, int shot_id);
+
+}  // namespace strobe::sim

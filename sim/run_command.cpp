@@ -1,0 +1,183 @@
+#include <fmt/format.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <random>
+#include <thread>
+
+#include "common/messages/channels.hpp"
+#include "sim/child_process.hpp"
+#include "sim/commands.hpp"
+#include "sim/gpiochip/chip.hpp"
+#include "sim/rig/desk.hpp"
+#include "sim/rig/runner.hpp"
+#include "sim/scene_files.hpp"
+
+namespace strobe::sim {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::chrono::milliseconds kWatchAfterDeath{100};
+
+int complain(const Error& error, int status) {
+  fmt::print(stderr, "strobe-sim: {}\n", error.message);
+  return status;
+}
+
+/// A folder of its own in memory (a page of a disk's file may stall the lines), gone with this object.
+class TemporaryFolder {
+ public:
+  TemporaryFolder() {
+    std::error_code error;
+    const fs::path base =
+        access("/dev/shm", W_OK) == 0 ? fs::path("/dev/shm") : fs::temp_directory_path(error);
+    std::string name = (base / "strobe-sim-XXXXXX").string();
+    if (mkdtemp(name.data()) != nullptr) path_ = name;
+  }
+  ~TemporaryFolder() {
+    std::error_code error;
+    if (!path_.empty()) fs::remove_all(path_, error);
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+ChipSpec chip_of(const Scene& scene) {
+  ChipSpec spec;
+  spec.name = scene.chip.name;
+  spec.label = scene.chip.label;
+  spec.on_release = scene.chip.keep_on_release ? OnRelease::keep : OnRelease::input;
+  for (std::size_t i = 0; i < kLineNames.size(); ++i) {
+    LineSpec line;
+    line.name = std::string(kLineNames[i]);
+    if (rig_line(static_cast<std::uint32_t>(i)) == RigLine::key) line.idle_level = scene.chip.key_level;
+    if (rig_line(static_cast<std::uint32_t>(i)) == RigLine::estop) line.idle_level = scene.chip.estop_level;
+    spec.lines.push_back(line);
+  }
+  return spec;
+}
+
+const char* cause_name(Cause cause) {
+  switch (cause) {
+    case Cause::set:
+      return "set";
+    case Cause::request:
+      return "request";
+    case Cause::release:
+      return "release";
+    case Cause::drive:
+      return "drive";
+  }
+  return "unknown";
+}
+
+bool write_changes(const std::string& path, const std::vector<Change>& changes) {
+  std::ofstream file(path);
+  file << "time_ns,line,name,level,cause\n";
+  for (const Change& c : changes) {
+    const std::string_view line = c.line < kLineNames.size() ? kLineNames[c.line] : std::string_view{};
+    file << fmt::format("{},{},{},{},{}\n", c.time.ns, c.line, line, c.level, cause_name(c.cause));
+  }
+  file.flush();
+  return file.good();
+}
+
+std::uint64_t fresh_seed() {
+  std::random_device device;
+  return device() % 1'000'000;  // short enough to type again
+}
+
+std::string preload_with(const fs::path& library) {
+  const char* before = std::getenv("LD_PRELOAD");
+  return before && *before ? library.string() + ":" + before : library.string();
+}
+
+/// The rig around a chip, from its start to the last line of its files.
+class Session {
+ public:
+  static Result<std::unique_ptr<Session>> open(const RunOptions& options, const Scene& scene,
+                                               std::uint64_t seed, const fs::path& folder) {
+    std::unique_ptr<Session> session(new Session(options));
+    auto chip = Chip::create(folder, chip_of(scene));
+    if (!chip) return tl::unexpected(chip.error());
+    session->chip_.emplace(std::move(*chip));
+    auto attached = Chip::attach(folder);
+    if (!attached) return tl::unexpected(attached.error());
+    auto truth = TruthFile::create(options.truth_file, scene, seed);
+    if (!truth) return tl::unexpected(truth.error());
+    session->truth_ = std::move(*truth);
+    if (!options.changes_file.empty() && !write_changes(options.changes_file, {}))
+      return fail(options.changes_file + ": cannot be written");
+    session->runner_ = std::make_unique<Runner>(std::move(*attached), scene, seed, session->darkroom_,
+                                                !options.changes_file.empty());
+    if (options.digitizer) {
+      auto desk =
+          Desk::create(options.lcm_url, options.rig_name, scene, seed, session->darkroom_, *session->truth_);
+      if (!desk) return tl::unexpected(desk.error());
+      session->desk_ = std::move(*desk);
+      session->desk_->start();
+    }
+    session->runner_->start();
+    return session;
+  }
+
+  /// Whether all was written.
+  bool close() {
+    std::this_thread::sleep_for(kWatchAfterDeath);
+    runner_->stop();
+    if (desk_) desk_->stop();
+    for (const auto& exposure : darkroom_.all()) truth_->write(*exposure, 0);
+    return options_.changes_file.empty() || write_changes(options_.changes_file, runner_->changes());
+  }
+
+ private:
+  explicit Session(const RunOptions& options) : options_(options) {}
+
+  const RunOptions& options_;
+  std::optional<Chip> chip_;
+  Darkroom darkroom_;
+  std::unique_ptr<TruthFile> truth_;
+  std::unique_ptr<Runner> runner_;
+  std::unique_ptr<Desk> desk_;
+};
+
+}  // namespace
+
+int run_command(const RunOptions& options) {
+  if (!messages::valid_rig_name(options.rig_name))
+    return complain({"--rig: 1 to 24 letters, digits, _ or -, not \"" + options.rig_name + "\""}, 2);
+  const auto scene = load_scene(options.scene);
+  if (!scene) return complain(scene.error(), 2);
+  const auto library = preload_path();
+  if (!library) return complain(library.error(), 1);
+
+  const std::uint64_t seed = options.seed.value_or(fresh_seed());
+  block_child_signals();
+  std::optional<TemporaryFolder> temporary;
+  if (options.chip_dir.empty()) temporary.emplace();
+  const fs::path folder = temporary ? temporary->path() : fs::absolute(options.chip_dir);
+  if (folder.empty()) return complain({"no folder for the chip can be made"}, 1);
+  auto session = Session::open(options, *scene, seed, folder);
+  if (!session) return complain(session.error(), 2);
+  fmt::print(stderr, "strobe-sim: scene {}, seed {} (repeat with --seed {}), chip /dev/{} in {}\n",
+             scene->name, seed, seed, scene->chip.name, folder.string());
+
+  const auto child = start_child(
+      options.command, {{"LD_PRELOAD", preload_with(*library)}, {kChipDirVariable, folder.string()}});
+  if (!child) return complain(child.error(), 2);
+  const int status = wait_for_child(*child);
+  if (!(*session)->close()) return complain({options.changes_file + ": could not be written"}, 1);
+  return status;
+}
+
+}  // namespace strobe::sim
