@@ -1,0 +1,145 @@
+// strobe-bench timing: lateness of strobed's flashes beside cyclictest's, interleaved in one run.
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <stdexcept>
+#include <string>
+
+#include "tests/bench/timing/sample.hpp"
+#include "tests/bench/timing/witness.hpp"
+
+namespace {
+
+using strobe::bench::Freeze;
+using strobe::bench::Percentiles;
+using strobe::bench::Sample;
+
+struct Options {
+  int rounds = 3;
+  int seconds = 15;
+  int priority = 80;
+};
+
+std::filesystem::path own_folder() { return std::filesystem::canonical("/proc/self/exe").parent_path(); }
+
+void run(const std::string& command, const std::filesystem::path& log) {
+  const int status = std::system((command + " >> " + log.string() + " 2>&1").c_str());
+  if (status == -1 || !WIFEXITED(status)) throw std::runtime_error("cannot run: " + command);
+}
+
+// Dry shots (lamps and shutter only) through the shipped binaries, until the time is over.
+std::vector<Sample> fire_dry_shots(const std::filesystem::path& folder, const Options& options, int round) {
+  const std::string bin = own_folder().string();
+  const std::filesystem::path session = folder / ("round-" + std::to_string(round));
+  std::filesystem::create_directories(session);
+  const std::string url =
+      "udpm://239.255.76.67:" + std::to_string(20000 + getpid() % 20000) + "?ttl=0&recv_buf_size=2097152";
+  const int shots = std::max(1, options.seconds);  // a shot with its pauses takes about a second
+  const std::string script = folder / "fire.sh";
+  std::ofstream(script) << "rig=" << bin << "/../share/strobe/rig.toml\n"
+                        << bin << "/strobe-sim run --scene zero_23 --no-digitizer --lcm-url '" << url
+                        << "' -- " << bin << "/strobed --config $rig --session " << session << " --lcm-url '"
+                        << url << "' --allow-no-rt &\nsim=$!\n"
+                        << bin << "/strobe fire --rig $rig --dry --shots " << shots << " --retries " << shots
+                        << " --session " << (session / "host") << " --lcm-url '" << url << "' --json\n"
+                        << "kill $sim\nwait $sim\n";
+  run("bash " + script, folder / "log.txt");
+  std::vector<Sample> samples;
+  for (const auto& entry : std::filesystem::directory_iterator(session)) {
+    if (!entry.path().filename().string().starts_with("journal-")) continue;
+    const auto more = strobe::bench::flashes_of_journal(entry.path());
+    samples.insert(samples.end(), more.begin(), more.end());
+  }
+  if (samples.empty()) throw std::runtime_error("no flash was fired: see " + (folder / "log.txt").string());
+  return samples;
+}
+
+void print_row(const char* name, const Percentiles& p) {
+  std::printf("%-34s %8zu %10.2f %10.2f %10.2f %12.2f\n", name, p.count, p.p50_us, p.p99_us, p.p999_us,
+              p.max_us);
+}
+
+Percentiles all(const std::vector<Sample>& samples) {
+  std::vector<double> values;
+  for (const Sample& sample : samples) values.push_back(sample.lateness_us);
+  return strobe::bench::percentiles(values);
+}
+
+Percentiles outside(const std::vector<Sample>& samples, const std::vector<Freeze>& freezes) {
+  std::vector<double> values;
+  for (const Sample& sample : samples) {
+    if (!strobe::bench::within_freeze(freezes, sample.from, sample.to)) values.push_back(sample.lateness_us);
+  }
+  return strobe::bench::percentiles(values);
+}
+
+void report(const std::vector<Sample>& loop, const std::vector<Sample>& cyclic,
+            const std::vector<Freeze>& freezes) {
+  double frozen_ms = 0.0;
+  double longest_ms = 0.0;
+  for (const Freeze& freeze : freezes) {
+    frozen_ms += (freeze.end - freeze.begin).seconds() * 1e3;
+    longest_ms = std::max(longest_ms, (freeze.end - freeze.begin).seconds() * 1e3);
+  }
+  std::printf("freezes of a core (> 1 ms): %zu, %.0f ms in all, longest %.1f ms\n", freezes.size(), frozen_ms,
+              longest_ms);
+  std::printf("%-34s %8s %10s %10s %10s %12s\n", "lateness [us]", "n", "p50", "p99", "p99.9", "max");
+  print_row("strobed, outside freezes", outside(loop, freezes));
+  print_row("cyclictest, outside freezes", outside(cyclic, freezes));
+  print_row("strobed, all", all(loop));
+  print_row("cyclictest, all", all(cyclic));
+}
+
+int timing(const Options& options) {
+  const std::filesystem::path folder =
+      std::filesystem::temp_directory_path() / ("strobe-bench-" + std::to_string(getpid()));
+  std::filesystem::create_directories(folder);
+  strobe::bench::Witness witness(options.priority - 10);
+  std::vector<Sample> loop;
+  std::vector<Sample> cyclic;
+  for (int round = 1; round <= options.rounds; ++round) {
+    std::fprintf(stderr, "round %d of %d: strobed ...\n", round, options.rounds);
+    const auto shots = fire_dry_shots(folder, options, round);
+    loop.insert(loop.end(), shots.begin(), shots.end());
+    std::fprintf(stderr, "round %d of %d: cyclictest ...\n", round, options.rounds);
+    const auto wakeups =
+        strobe::bench::run_cyclictest(options.priority, strobe::milliseconds(3), options.seconds);
+    cyclic.insert(cyclic.end(), wakeups.begin(), wakeups.end());
+  }
+  report(loop, cyclic, witness.stop());
+  std::filesystem::remove_all(folder);
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{
+      "Benchmarks of the whole system, on the shipped binaries.\nExample: strobe-bench timing --rounds 3 "
+      "--seconds 15"};
+  app.require_subcommand(1);
+  Options options;
+  CLI::App* timing_command =
+      app.add_subcommand("timing", "lateness of strobed's flashes beside cyclictest's, in turns");
+  timing_command->add_option("--rounds", options.rounds, "rounds of strobed and cyclictest in turn")
+      ->check(CLI::Range(1, 1000));
+  timing_command->add_option("--seconds", options.seconds, "length of each part")->check(CLI::Range(1, 3600));
+  timing_command
+      ->add_option("--priority", options.priority,
+                   "real-time priority of cyclictest, as [real_time] priority of the rig file")
+      ->check(CLI::Range(11, 98));
+  try {
+    app.parse(argc, argv);
+    return timing(options);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "strobe-bench: %s\n", error.what());
+    return 1;
+  }
+}
