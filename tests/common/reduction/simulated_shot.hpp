@@ -1,0 +1,59 @@
+// Photographs of a ball whose motion is known exactly, for tests of the reduction. Written from the equations
+// of motion alone; shares no code with what it tests.
+#pragma once
+
+#include <cstdint>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "common/reduction/frame.hpp"
+#include "common/reduction/readout.hpp"
+
+namespace strobe::test {
+
+/// A bounce in the surface's axes, touchdown at time 0 and x = 0.
+struct Bounce {
+  std::string label;
+  double vx_td = 15.62, vy_td = -6.71, omega_td = 2.61;
+  double vx_lo = 8.84, vy_lo = 5.76, omega_lo = -313.2;
+  double dwell_s = 5.20e-3, dwell_x_m = 0.0629;
+  double diameter_m = 0.0651;
+};
+
+/// A camera, a flash train and a person who digitizes.
+struct Setup {
+  double px_per_m = 4000.0;
+  double roll_rad = 0.005;
+  double origin_x_px = 1200.0, origin_y_px = 300.0;
+  double period_s = 3.0e-3;
+  double phase = 0.4;  ///< of a period between the last flash before touchdown and touchdown
+  int incoming = 5, rebound = 5;
+  double incline_rad = 0.0;  ///< of the plate
+  double gravity_mps2 = 9.80665;
+  std::vector<double> surface_x_m = {-0.20, -0.12, 0.18, 0.26};
+  double time_origin_s = 0.0;
+  bool mirror = false;
+  bool labels = true;
+  bool state_noise = true;
+  // Noise of digitizing by hand: half a millimetre, one degree.
+  double centre_sd_m = 0.5e-3, diameter_sd_m = 0.5e-3, equator_sd_rad = 0.0175, surface_sd_m = 0.5e-3;
+  double flash_jitter_s = 0.0;  ///< of the true flash times; the frame has them exactly
+  double noise_factor = 1.0;    ///< of the noise added, not of that stated
+};
+
+/// All bounces of the thesis's tables, as means of their series.
+std::vector<Bounce> thesis_bounces();
+
+using Random = std::mt19937_64;
+
+reduction::Frame photograph(const Bounce& bounce, const Setup& setup, Random& random);
+
+/// What a perfect reduction reads.
+reduction::Quantities truth(const Bounce& bounce);
+
+/// Lower bound of any unbiased estimator's standard deviation (Cramer-Rao) for each quantity, from the Fisher
+/// information of the fifteen unknowns by numerical differentiation of the photograph.
+reduction::Quantities cramer_rao(const Bounce& bounce, const Setup& setup);
+
+}  // namespace strobe::test
