@@ -94,11 +94,8 @@ Result<FlightFit> fit_flight(const Frame& frame) {
   if (!fit.joint.legs[0].fitted || !fit.joint.legs[1].fitted) {
     return fail("images: a leg has fewer than two airborne images");
   }
-  Readout readout;
-  propagate(fit, std::nullopt, readout);
-  const auto& value = readout.value;
-  if (!value[Quantity::dwell_time_ms])
-    return fail("images: a leg does not meet the surface, or they meet out of order");
+  const auto contact = contact_values(fit);
+  if (!contact) return fail("images: a leg does not meet the surface, or lift-off does not follow touchdown");
   FlightFit result;
   for (const Observation& o : fit.observations.images) {
     if (!o.use_centre) continue;
@@ -106,10 +103,10 @@ Result<FlightFit> fit_flight(const Frame& frame) {
     result.degrees_of_freedom += 2;
   }
   result.degrees_of_freedom -= 8;  // position and velocity of two legs
-  result.dwell_time_s = *value[Quantity::dwell_time_ms] * 1e-3;
-  result.dwell_distance_m = *value[Quantity::dwell_distance_cm] * 1e-2;
-  result.vx_td_mps = *value[Quantity::vx_td_mps];
-  result.vx_lo_mps = *value[Quantity::vx_lo_mps];
+  result.dwell_time_s = contact->dwell_time_s;
+  result.dwell_distance_m = contact->dwell_distance_m;
+  result.vx_td_mps = contact->vx_td_mps;
+  result.vx_lo_mps = contact->vx_lo_mps;
   return result;
 }
 
