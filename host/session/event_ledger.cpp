@@ -1,0 +1,123 @@
+#include "host/session/event_ledger.hpp"
+
+#include <algorithm>
+
+namespace strobe::host {
+namespace {
+
+constexpr std::int64_t kGrace_ns = 100'000'000;  // datagrams of two senders may overtake each other
+constexpr std::int64_t kAskAgain_ns = 250'000'000;
+constexpr std::int64_t kMostEventsPerAsk = 512;  // so that an answer fits the socket's buffer
+constexpr std::size_t kMostAsks = 4;
+constexpr std::int64_t kTail = 1'000'000;
+// An ask and its answer each pass a lossy link: at 20 % loss eight in vain have a chance of 0.36^8 = 0.03 %.
+constexpr int kTailAsks = 8;
+
+}  // namespace
+
+bool EventLedger::add(std::int64_t boot_id, std::int64_t sequence, std::int64_t now_ns) {
+  if (sequence < 1) return false;
+  const bool first_of_boot = !boots_.contains(boot_id);
+  Boot& boot = boots_[boot_id];
+  if (first_of_boot) {
+    boot.start = from_start_ ? 1 : sequence;
+    boot.tail_asks_left = from_start_ ? kTailAsks : 0;
+  }
+  if (boot.again == sequence) boot.again = 0;
+  auto next = boot.have.upper_bound(sequence);
+  if (next != boot.have.begin() && std::prev(next)->second >= sequence) return false;
+  std::int64_t first = sequence, last = sequence;
+  if (next != boot.have.begin() && std::prev(next)->second == sequence - 1) {
+    first = std::prev(next)->first;
+    boot.have.erase(std::prev(next));
+  }
+  if (next != boot.have.end() && next->first == sequence + 1) {
+    last = next->second;
+    boot.have.erase(next);
+  }
+  boot.have[first] = last;
+  if (sequence > boot.newest + 1 || boot.gap_since_ns == 0) boot.gap_since_ns = now_ns;
+  boot.newest = std::max(boot.newest, sequence);
+  if (boot_id != current_boot_ && from_start_) boot.tail_asks_left = kTailAsks;
+  return true;
+}
+
+void EventLedger::status(std::int64_t boot_id, std::int64_t last_sequence, std::int64_t now_ns) {
+  current_boot_ = boot_id;
+  if (last_sequence < 1) return;
+  const auto known = boots_.find(boot_id);
+  Boot& boot = known != boots_.end() ? known->second : boots_[boot_id];
+  if (known == boots_.end()) {
+    boot.start = from_start_ ? 1 : last_sequence + 1;
+    boot.tail_asks_left = from_start_ ? kTailAsks : 0;
+  }
+  if (last_sequence > boot.newest) {
+    boot.gap_since_ns = now_ns;
+    boot.newest = last_sequence;
+  }
+}
+
+void EventLedger::want_again(std::int64_t boot_id, std::int64_t sequence) {
+  if (sequence >= 1) boots_[boot_id].again = sequence;
+}
+
+std::vector<SequenceRange> EventLedger::gaps(std::int64_t boot_id, const Boot& boot) const {
+  std::vector<SequenceRange> ranges;
+  std::int64_t next = boot.start;
+  const auto gap = [&](std::int64_t first, std::int64_t last) {
+    if (first <= last) ranges.push_back({boot_id, first, std::min(last, first + kMostEventsPerAsk - 1)});
+  };
+  for (const auto& [first, last] : boot.have) {
+    gap(next, first - 1);
+    next = std::max(next, last + 1);
+  }
+  gap(next, boot.newest);
+  return ranges;
+}
+
+std::vector<SequenceRange> EventLedger::due(std::int64_t now_ns) {
+  std::vector<SequenceRange> asks;
+  for (auto& [boot_id, boot] : boots_) {
+    if (now_ns - boot.gap_since_ns < kGrace_ns || now_ns - boot.asked_ns < kAskAgain_ns) continue;
+    std::vector<SequenceRange> ranges = gaps(boot_id, boot);
+    if (ranges.empty() && boot.again != 0) ranges.push_back({boot_id, boot.again, boot.again});
+    if (ranges.empty() && boot_id != current_boot_ && current_boot_ != 0 && boot.tail_asks_left > 0) {
+      --boot.tail_asks_left;
+      ranges.push_back({boot_id, boot.newest + 1, boot.newest + kTail});
+    }
+    if (ranges.size() > kMostAsks) ranges.resize(kMostAsks);
+    if (!ranges.empty()) boot.asked_ns = now_ns;
+    asks.insert(asks.end(), ranges.begin(), ranges.end());
+  }
+  return asks;
+}
+
+std::int64_t EventLedger::missing_of(const Boot& boot) {
+  if (boot.newest < boot.start) return 0;
+  std::int64_t missing = boot.newest - boot.start + 1;
+  for (const auto& [first, last] : boot.have) missing -= last - std::max(first, boot.start) + 1;
+  return missing;
+}
+
+std::int64_t EventLedger::missing() const {
+  std::int64_t sum = 0;
+  for (const auto& [boot_id, boot] : boots_) sum += missing_of(boot);
+  return sum;
+}
+
+bool EventLedger::complete() const {
+  return std::all_of(boots_.begin(), boots_.end(), [this](const auto& entry) {
+    const auto& [boot_id, boot] = entry;
+    return missing_of(boot) == 0 && boot.again == 0 && (boot_id == current_boot_ || boot.tail_asks_left == 0);
+  });
+}
+
+std::int64_t EventLedger::received() const {
+  std::int64_t sum = 0;
+  for (const auto& [boot_id, boot] : boots_) {
+    for (const auto& [first, last] : boot.have) sum += last - first + 1;
+  }
+  return sum;
+}
+
+}  // namespace strobe::host

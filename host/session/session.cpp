@@ -1,0 +1,221 @@
+#include "host/session/session.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string_view>
+
+#include "host/session/verdict.hpp"
+
+namespace strobe::host {
+namespace {
+
+using reduction::Flag;
+using strobe_msgs::event_t;
+using strobe_msgs::frame_t;
+using strobe_msgs::shot_t;
+
+constexpr std::int64_t kSecond_ns = 1'000'000'000;
+// Status messages come twice a second; five lost in a row mean that the firmware is gone.
+constexpr std::int64_t kSilent_ns = 5 * kSecond_ns / 2;
+constexpr std::int64_t kSummaryGrace_ns = 300'000'000;
+constexpr std::size_t kMostHeldFrames = 64;
+// A machine that is this much early still meets the plate before the abort.
+constexpr double kMachineLagDoubt_s = 0.1;
+
+std::uint64_t hash_of(const frame_t& frame) {
+  std::string bytes(static_cast<std::size_t>(frame.getEncodedSize()), '\0');
+  frame.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+  return std::hash<std::string_view>{}(bytes);
+}
+
+std::int64_t end_of(const shot_t& shot, std::int64_t now_ns) {
+  std::int64_t end = shot.shutter_close_ns;
+  for (const auto& flash : shot.flashes) end = std::max(end, flash.issue_end_ns);
+  return end != shot_t::NO_TIME && end != 0 ? end : now_ns;
+}
+
+}  // namespace
+
+void Session::on_status(const strobe_msgs::status_t& status, std::int64_t now_ns) {
+  if (status_ && status_->boot_id != status.boot_id) {
+    notice(fmt::format("the firmware was started anew (boot {:x})", status.boot_id));
+  }
+  status_ = status;
+  status_heard_ns_ = now_ns;
+  device_now_ns_ = std::max(device_now_ns_, status.mono_ns);
+  ledger_.status(status.boot_id, status.last_sequence, now_ns);
+  expire(now_ns);
+}
+
+void Session::on_event(const event_t& event, std::int64_t now_ns) {
+  if (!ledger_.add(event.boot_id, event.sequence, now_ns)) return;
+  const bool ended = event.kind == event_t::SHOT_ENDED || event.kind == event_t::SHOT_ABORTED;
+  const Key key{event.boot_id, event.shot_id};
+  if (ended && event.shot_id > 0 && !done_.contains(key) && !waiting_.contains(key)) {
+    ended_[key] = {event.sequence, now_ns};
+  }
+}
+
+void Session::on_shot(const shot_t& shot, std::int64_t now_ns) {
+  const Key key{shot.boot_id, shot.shot_id};
+  ended_.erase(key);
+  if (done_.contains(key) || waiting_.contains(key)) return;
+  if (shot.plan.dry) return finish_dry(shot);
+  if (const auto frame = take_held(key)) return finish(shot, *frame);
+  if (shot.aborted && ball_came_after_abort(shot)) {
+    return finish_without_photograph(shot, Flag::too_few_images,
+                                     "aborted before the ball came: " + shot.abort_reason);
+  }
+  Waiting waiting;
+  waiting.shot = shot;
+  const auto timeout_ns = static_cast<std::int64_t>(settings_.analysis.photograph_timeout_s * 1e9);
+  waiting.device_deadline_ns = end_of(shot, device_now_ns_) + timeout_ns;
+  waiting.local_deadline_ns = now_ns + timeout_ns + kSilent_ns;
+  if (device_now_ns_ > waiting.device_deadline_ns) {
+    done_[key] = std::nullopt;
+    notice(fmt::format("shot {} was over before this session was joined; its photograph is not waited for",
+                       shot.shot_id));
+    return;
+  }
+  waiting_[key] = std::move(waiting);
+}
+
+void Session::on_frame(const frame_t& frame, std::int64_t /*now_ns*/) {
+  const auto found = waiting_for(frame);
+  if (found == waiting_.end()) return keep_or_report(frame);
+  const shot_t shot = std::move(found->second.shot);
+  waiting_.erase(found);
+  finish(shot, frame);
+}
+
+/// A frame that does not know its firmware belongs to the newest shot of that number.
+std::map<Session::Key, Session::Waiting>::iterator Session::waiting_for(const frame_t& frame) {
+  if (frame.boot_id != 0) return waiting_.find({frame.boot_id, frame.shot_id});
+  auto newest = waiting_.end();
+  for (auto it = waiting_.begin(); it != waiting_.end(); ++it) {
+    if (it->first.second != frame.shot_id) continue;
+    if (newest == waiting_.end() || it->second.shot.start_ns > newest->second.shot.start_ns) newest = it;
+  }
+  return newest;
+}
+
+void Session::keep_or_report(const frame_t& frame) {
+  const auto same = [&frame](const auto& entry) {
+    return entry.first.second == frame.shot_id && (frame.boot_id == 0 || entry.first.first == frame.boot_id);
+  };
+  const auto done = std::find_if(done_.begin(), done_.end(), same);
+  if (done == done_.end()) {
+    if (held_.size() >= kMostHeldFrames) held_.erase(held_.begin());
+    held_[{frame.boot_id, frame.shot_id}] = frame;
+    return;
+  }
+  const std::uint64_t hash = hash_of(frame);
+  if (!done->second) {
+    notice(fmt::format("the photograph of shot {} came too late; it is kept in the log, the readout stands",
+                       frame.shot_id));
+    done->second = hash;
+  } else if (*done->second != hash) {
+    notice(fmt::format("a second, different frame of shot {} came; it is kept in the log, the readout stands",
+                       frame.shot_id));
+    done->second = hash;
+  }
+}
+
+std::optional<frame_t> Session::take_held(const Key& key) {
+  auto held = held_.find(key);
+  if (held == held_.end()) held = held_.find({0, key.second});
+  if (held == held_.end()) return std::nullopt;
+  frame_t frame = std::move(held->second);
+  held_.erase(held);
+  return frame;
+}
+
+bool Session::ball_came_after_abort(const shot_t& shot) const {
+  if (shot.trigger_ns == shot_t::NO_TIME) return true;
+  if (!settings_.machine_lag_s) return false;
+  const auto earliest =
+      static_cast<std::int64_t>(std::max(0.0, *settings_.machine_lag_s - kMachineLagDoubt_s) * 1e9);
+  return end_of(shot, shot.trigger_ns) < shot.trigger_ns + earliest;
+}
+
+void Session::push(Outcome outcome, const shot_t& shot) {
+  outcome.boot_id = shot.boot_id;
+  outcome.host_id = shot.host_id;
+  outcome.shot_id = shot.shot_id;
+  outcome.dry = shot.plan.dry;
+  outcome.train = train_report(shot);
+  outcomes_.push_back(std::move(outcome));
+}
+
+void Session::finish(const shot_t& shot, const frame_t& frame) {
+  done_[{shot.boot_id, shot.shot_id}] = hash_of(frame);
+  ShotReadout result = shot_readout(shot, frame, settings_);
+  Outcome outcome;
+  outcome.spoilt = spoilt_by(result.readout);
+  outcome.readout = std::move(result.readout);
+  outcome.problem = std::move(result.problem);
+  if (shot.aborted) outcome.problem = shot.abort_reason;
+  push(std::move(outcome), shot);
+}
+
+void Session::finish_without_photograph(const shot_t& shot, Flag why, std::string problem) {
+  done_[{shot.boot_id, shot.shot_id}] = std::nullopt;
+  reduction::FlagSet flags = shot_flags(shot);
+  flags.set(why);
+  Outcome outcome;
+  outcome.readout = empty_readout(shot, flags);
+  outcome.spoilt = spoilt_by(outcome.readout);
+  outcome.problem = std::move(problem);
+  push(std::move(outcome), shot);
+}
+
+void Session::finish_dry(const shot_t& shot) {
+  done_[{shot.boot_id, shot.shot_id}] = std::nullopt;
+  Outcome outcome;
+  outcome.readout = empty_readout(shot, shot_flags(shot));
+  outcome.problem = shot.abort_reason;
+  if (shot.aborted) outcome.spoilt = std::string(words(Flag::shot_aborted));
+  push(std::move(outcome), shot);
+}
+
+void Session::expire(std::int64_t now_ns) {
+  const bool silent = !status_ || now_ns - status_heard_ns_ > kSilent_ns;
+  for (auto it = waiting_.begin(); it != waiting_.end();) {
+    const Waiting& waiting = it->second;
+    const bool over =
+        device_now_ns_ > waiting.device_deadline_ns || (silent && now_ns > waiting.local_deadline_ns);
+    if (!over) {
+      ++it;
+      continue;
+    }
+    const shot_t shot = std::move(it->second.shot);
+    it = waiting_.erase(it);
+    finish_without_photograph(
+        shot, Flag::no_photograph,
+        fmt::format("no photograph within {} s", settings_.analysis.photograph_timeout_s));
+  }
+}
+
+void Session::ask_for_lost_summaries(std::int64_t now_ns) {
+  for (auto& [key, ended] : ended_) {
+    if (now_ns - ended.second < kSummaryGrace_ns) continue;
+    ledger_.want_again(key.first, ended.first);
+    ended.second = now_ns;
+  }
+}
+
+void Session::on_time(std::int64_t now_ns) {
+  expire(now_ns);
+  ask_for_lost_summaries(now_ns);
+}
+
+void Session::on_end() {
+  while (!waiting_.empty()) {
+    const shot_t shot = std::move(waiting_.begin()->second.shot);
+    waiting_.erase(waiting_.begin());
+    finish_without_photograph(shot, Flag::no_photograph, "no photograph in the log");
+  }
+}
+
+}  // namespace strobe::host

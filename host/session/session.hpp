@@ -1,0 +1,97 @@
+// The session as messages tell it: what the firmware is doing, which shots wait for their photograph, and the
+// readout of each shot once. Deterministic in the messages and times it is given; no I/O; single-threaded.
+//
+// The time that ends the wait for a photograph is the firmware's own clock as its status messages tell it, so
+// that a log played back at any speed gives the same readouts. Only when the firmware has fallen silent does
+// the caller's clock (nanoseconds, steady, any origin) end it.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <strobe_msgs/event_t.hpp>
+#include <strobe_msgs/frame_t.hpp>
+#include <strobe_msgs/shot_t.hpp>
+#include <strobe_msgs/status_t.hpp>
+#include <utility>
+#include <vector>
+
+#include "host/assembly/assemble.hpp"
+#include "host/session/event_ledger.hpp"
+#include "host/session/series_table.hpp"
+#include "host/session/train_report.hpp"
+
+namespace strobe::host {
+
+/// One shot, done with.
+struct Outcome {
+  std::int64_t boot_id = 0;
+  std::int64_t host_id = 0;  ///< who fired it
+  int shot_id = 0;
+  bool dry = false;
+  reduction::Readout readout;  ///< without numbers for a dry shot
+  TrainReport train;
+  std::optional<std::string> spoilt;  ///< why it does not count; nothing: it counts
+  std::string problem;                ///< more words for a person; may be empty
+};
+
+class Session {
+ public:
+  /// complete_events: also events from before this session was joined are wanted (see EventLedger).
+  Session(AssemblySettings settings, bool complete_events)
+      : settings_(std::move(settings)), ledger_(complete_events) {}
+
+  void on_status(const strobe_msgs::status_t& status, std::int64_t now_ns);
+  void on_event(const strobe_msgs::event_t& event, std::int64_t now_ns);
+  void on_shot(const strobe_msgs::shot_t& shot, std::int64_t now_ns);
+  void on_frame(const strobe_msgs::frame_t& frame, std::int64_t now_ns);
+  void on_time(std::int64_t now_ns);
+  /// No message will come any more: shots that still wait end without a photograph.
+  void on_end();
+
+  std::vector<Outcome> take_outcomes() { return std::exchange(outcomes_, {}); }
+  std::vector<std::string> take_notices() { return std::exchange(notices_, {}); }
+
+  EventLedger& ledger() { return ledger_; }
+  const EventLedger& ledger() const { return ledger_; }
+  const std::optional<strobe_msgs::status_t>& status() const { return status_; }
+  /// When the newest status arrived, on the caller's clock.
+  std::int64_t status_heard_ns() const { return status_heard_ns_; }
+  std::size_t waiting_for_photograph() const { return waiting_.size(); }
+
+ private:
+  using Key = std::pair<std::int64_t, std::int32_t>;  ///< boot, shot
+  struct Waiting {
+    strobe_msgs::shot_t shot;
+    std::int64_t device_deadline_ns = 0;
+    std::int64_t local_deadline_ns = 0;
+  };
+
+  void finish(const strobe_msgs::shot_t& shot, const strobe_msgs::frame_t& frame);
+  void finish_without_photograph(const strobe_msgs::shot_t& shot, reduction::Flag why, std::string problem);
+  void finish_dry(const strobe_msgs::shot_t& shot);
+  void push(Outcome outcome, const strobe_msgs::shot_t& shot);
+  bool ball_came_after_abort(const strobe_msgs::shot_t& shot) const;
+  std::optional<strobe_msgs::frame_t> take_held(const Key& key);
+  std::map<Key, Waiting>::iterator waiting_for(const strobe_msgs::frame_t& frame);
+  void keep_or_report(const strobe_msgs::frame_t& frame);
+  void expire(std::int64_t now_ns);
+  void ask_for_lost_summaries(std::int64_t now_ns);
+  void notice(std::string text) { notices_.push_back(std::move(text)); }
+
+  AssemblySettings settings_;
+  EventLedger ledger_;
+  std::optional<strobe_msgs::status_t> status_;
+  std::int64_t status_heard_ns_ = 0;
+  std::int64_t device_now_ns_ = strobe_msgs::shot_t::NO_TIME;
+  std::map<Key, Waiting> waiting_;
+  std::map<Key, strobe_msgs::frame_t> held_;          ///< frames that came before their shot
+  std::map<Key, std::optional<std::uint64_t>> done_;  ///< hash of the frame used; nothing: none came
+  std::map<Key, std::pair<std::int64_t, std::int64_t>>
+      ended_;  ///< shots ended without a summary: sequence, since
+  std::vector<Outcome> outcomes_;
+  std::vector<std::string> notices_;
+};
+
+}  // namespace strobe::host
