@@ -1,0 +1,108 @@
+// The commands contact and predict as a user runs them.
+#include <chrono>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "tests/support/json_lines.hpp"
+#include "tests/support/process.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+// CppUTest redefines new; its headers come last.
+#include <CppUTest/TestHarness.h>
+
+using strobe::testing::Finished;
+
+namespace {
+
+const std::string kZero23 = std::string(STROBE_THESIS_FOLDER) + "/contact/zero_23.csv";
+
+const std::vector<std::string> kZero23Inputs{"--vx-td",
+                                             "15.62",
+                                             "--vy-td",
+                                             "-6.701",
+                                             "--e",
+                                             "0.865",
+                                             "--mu",
+                                             "0.55",
+                                             "--dwell-time-ms",
+                                             "5.1996",
+                                             "--dwell-distance-cm",
+                                             "6.29"};
+
+Finished strobe(std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), STROBE_PROGRAM);
+  return strobe::testing::run_to_end({.arguments = std::move(arguments), .environment = {}, .folder = {}},
+                                     std::chrono::seconds(30));
+}
+
+Finished contact(const std::string& set, std::vector<std::string> more) {
+  std::vector<std::string> arguments{"contact", set};
+  arguments.insert(arguments.end(), kZero23Inputs.begin(), kZero23Inputs.end());
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return strobe(arguments);
+}
+
+void check_one_complaint(const Finished& run, const std::string& expected) {
+  LONGS_EQUAL(2, run.status->code);
+  STRCMP_EQUAL("", run.out.c_str());
+  STRCMP_EQUAL(expected.c_str(), run.err.c_str());
+}
+
+}  // namespace
+
+TEST_GROUP(PhysicsCommands){};
+
+TEST(PhysicsCommands, ContactPrintsOneJsonObjectWithItsInputs) {
+  const Finished run = contact(kZero23, {"--form", "simplified", "--json"});
+  LONGS_EQUAL(0, run.status->code);
+  const auto lines = strobe::testing::parse_json_lines(run.out);
+  LONGS_EQUAL(1, lines.size());
+  const auto& json = lines[0];
+  DOUBLES_EQUAL(1.13e-3, json["see_x_m"].get<double>(), 0.01e-3);
+  DOUBLES_EQUAL(1.41e-3, json["see_y_m"].get<double>(), 0.01e-3);
+  LONGS_EQUAL(19, json["n"].get<int>());
+  DOUBLES_EQUAL(-0.0065, json["x_poly"][0].get<double>(), 0.00005);
+  LONGS_EQUAL(4, json["rotation_poly"].size());
+  CHECK(json["r2"]["rotation"].get<double>() > 0.9);
+  STRCMP_EQUAL("simplified", json["inputs"]["form"].get<std::string>().c_str());
+  DOUBLES_EQUAL(-6.701, json["inputs"]["vy_td_mps"].get<double>(), 0.0);
+}
+
+TEST(PhysicsCommands, ContactRefusesAFileWithLettersNamingLineAndColumn) {
+  const strobe::testing::TemporaryFolder folder;
+  const std::string path = (folder.path() / "set.csv").string();
+  std::ofstream(path) << "time_fraction,x_fraction,y_fraction,rotation_fraction\n0,0,0,0\n0.5,abc,0,0\n";
+  check_one_complaint(contact(path, {}), "strobe: " + path + ":3: x_fraction: 'abc' is not a number\n");
+}
+
+TEST(PhysicsCommands, ContactAsksForWhatAFileDoesNotBring) {
+  check_one_complaint(strobe({"contact", kZero23}), "strobe: contact: --vx-td is needed with a file\n");
+}
+
+TEST(PhysicsCommands, ContactRefusesARestitutionAboveOne) {
+  check_one_complaint(strobe({"contact", kZero23, "--vx-td", "15", "--vy-td", "-6", "--e", "1.2", "--mu",
+                              "0.5", "--dwell-time-ms", "5", "--dwell-distance-cm", "6"}),
+                      "strobe: " + kZero23 + ": e must be from 0 to 1\n");
+}
+
+TEST(PhysicsCommands, PredictRollsOffAsTheThesisSays) {
+  const Finished run = strobe({"predict", "--vx", "10", "--vy", "-12", "--model", "rigid", "--json"});
+  LONGS_EQUAL(0, run.status->code);
+  const auto json = strobe::testing::parse_json_lines(run.out).at(0);
+  DOUBLES_EQUAL(6.0, json["vx_lo_mps"].get<double>(), 1e-12);
+  STRCMP_EQUAL("grips", json["regime"].get<std::string>().c_str());
+}
+
+TEST(PhysicsCommands, PredictRefusesABallThatMovesAway) {
+  check_one_complaint(strobe({"predict", "--vx", "10", "--vy", "12"}),
+                      "strobe: predict: vy must be negative: the ball must move towards the surface\n");
+}
+
+TEST(PhysicsCommands, BothExplainThemselves) {
+  for (const char* command : {"contact", "predict"}) {
+    const Finished run = strobe({command, "--help"});
+    LONGS_EQUAL(0, run.status->code);
+    CHECK(run.out.find("Example") != std::string::npos);
+  }
+}
