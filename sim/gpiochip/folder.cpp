@@ -76,8 +76,7 @@ void fill_state(State& state, const ChipSpec& spec, const std::filesystem::path&
   for (std::size_t i = 0; i < spec.lines.size(); ++i) {
     fill_line(state.lines[i], spec.lines[i], inode_of(folder / event_name(i)));
   }
-  for (std::atomic<std::uint64_t>& slot : state.ring)
-    slot.store(RingWord::tag(-std::uint64_t{1}));  // lap before 0
+  clear_ring(state);
   state.magic.store(kMagic);
 }
 
@@ -135,6 +134,7 @@ Folder& Folder::operator=(Folder&& other) noexcept {
   state = std::exchange(other.state, nullptr);
   lock_fd = std::exchange(other.lock_fd, -1);
   events = std::exchange(other.events, {});
+  device_fd_ = std::exchange(other.device_fd_, -1);
   made_folder_ = std::exchange(other.made_folder_, false);
   made_chip_ = std::exchange(other.made_chip_, false);
   return *this;
@@ -153,7 +153,7 @@ Result<void> Folder::make_files(std::size_t lines) {
   remove_chip_files(path);
   made_chip_ = true;
   int failed = make_file(path / kLockFile, "");
-  if (failed == 0) failed = make_file(path / kDeviceFile, "");
+  if (failed == 0) failed = make_fifo(path / kDeviceFile);
   if (failed == 0) failed = make_file(path / kSysfsFile, std::to_string(kDeviceMajor) + ":0\n");
   for (std::size_t i = 0; i < lines && failed == 0; ++i) failed = make_fifo(path / event_name(i));
   if (failed != 0) return system_failure("cannot create a simulated chip in " + path.string(), failed);
@@ -175,6 +175,8 @@ Result<void> Folder::publish(const ChipSpec& spec) {
 Result<void> Folder::open_common(std::size_t lines) {
   lock_fd = ::open((path / kLockFile).c_str(), O_RDWR | O_CLOEXEC);
   if (lock_fd < 0) return system_failure((path / kLockFile).string(), errno);
+  device_fd_ = ::open((path / kDeviceFile).c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);
+  if (device_fd_ < 0) return system_failure((path / kDeviceFile).string(), errno);
   for (std::size_t i = 0; i < lines; ++i) {
     const int fifo = ::open((path / event_name(i)).c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);
     if (fifo < 0) return system_failure((path / event_name(i)).string(), errno);
@@ -216,6 +218,7 @@ void Folder::close_events() {
     if (fifo >= 0) ::close(fifo);
     fifo = -1;
   }
+  if (device_fd_ >= 0) ::close(std::exchange(device_fd_, -1));
 }
 
 void Folder::reset() {

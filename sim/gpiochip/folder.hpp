@@ -10,7 +10,7 @@
 
 namespace strobe::sim::gpio {
 
-/// Move-only. The creator holds both ends of every event FIFO, so that readers never see an end while it
+/// Move-only. The creator holds both ends of every FIFO, so that readers never see an end while it
 /// lives.
 class Folder {
  public:
@@ -35,6 +35,7 @@ class Folder {
   void remove_files();
   void reset();
 
+  int device_fd_ = -1;
   bool made_folder_ = false;
   bool made_chip_ = false;
 };

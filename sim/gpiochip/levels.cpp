@@ -54,6 +54,11 @@ std::uint64_t packed_time(const State& state, std::int64_t time_ns) {
 
 }  // namespace
 
+void clear_ring(State& state) {
+  for (std::atomic<std::uint64_t>& slot : state.ring)
+    slot.store(RingWord::tag(-std::uint64_t{1}));  // lap before 0
+}
+
 bool change_line(State& state, std::uint32_t line, PinEdit edit, CauseCode cause, std::int64_t time_ns) {
   std::atomic<std::uint64_t>& level = state.lines[line].level;
   for (;;) {

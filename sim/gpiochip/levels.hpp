@@ -12,6 +12,9 @@
 
 namespace strobe::sim::gpio {
 
+/// Makes the ring of a new chip empty.
+void clear_ring(State& state);
+
 /// Bits of LevelWord that an edit replaces: the pins selected by `mask` become `pins`.
 struct PinEdit {
   std::uint64_t mask = 0;

@@ -23,7 +23,7 @@ inline constexpr std::size_t kNameSize = 32;
 /// Files in the chip's folder.
 inline constexpr const char* kStateFile = "state";
 inline constexpr const char* kLockFile = "locks";
-inline constexpr const char* kDeviceFile = "device";  ///< what an open of /dev/<name> really opens
+inline constexpr const char* kDeviceFile = "device";  ///< FIFO that an open of /dev/<name> really opens
 inline constexpr const char* kSysfsFile = "dev";      ///< what /sys/bus/gpio/devices/<name>/dev reads as
 inline constexpr const char* kEventPrefix = "event-";
 

@@ -4,7 +4,6 @@
 #include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
-#include <poll.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -100,21 +99,14 @@ bool status_ours(const char* path, struct stat* status, int& result) {
   return true;
 }
 
-long waits_forever(int fd) {
-  const int flags = gpio::sys::control(fd, F_GETFL, 0);
-  if (flags >= 0 && (flags & O_NONBLOCK) != 0) return answer(-EAGAIN);
-  return poll(nullptr, 0, -1);  // until a signal
-}
-
 /// A read that ended with nothing: no file of ours does that in the kernel.
 long read_nothing(int fd) {
   switch (gpio::describe(fd).kind) {
     case Kind::handle:
       return answer(-EINVAL);
     case Kind::event:
-      return answer(-ENODEV);  // the creator closed its end
     case Kind::chip:
-      return gpio::present() ? waits_forever(fd) : answer(-ENODEV);
+      return answer(-ENODEV);  // the rig closed its end
     default:
       return 0;
   }

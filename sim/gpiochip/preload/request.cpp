@@ -48,33 +48,31 @@ std::uint32_t config_flags(std::uint32_t flags) {
   return config;
 }
 
-/// Sets flags and direction of a line, and drives it if it is an output now.
-void configure_line(State& state, std::uint32_t line, std::uint32_t flags, unsigned value, std::int64_t now) {
+/// Sets flags and direction of a line in one store together with `owner`, and only then touches the pin: at
+/// no instant is a line driven that would not be put back if its owner died.
+void configure_line(State& state, std::uint32_t line, std::uint32_t flags, unsigned value,
+                    std::uint32_t owner, std::int64_t now) {
   std::atomic<std::uint32_t>& word = state.lines[line].config;
-  std::uint32_t config = (word.load() & ~ConfigWord::kFlags) | config_flags(flags);
-  if ((flags & GPIOHANDLE_REQUEST_OUTPUT) != 0) {
-    config |= ConfigWord::kIsOut;
-    change_line(state, line, output_edit(config, value), CauseCode::request, now);
-  } else if ((flags & GPIOHANDLE_REQUEST_INPUT) != 0) {
-    config &= ~ConfigWord::kIsOut;
-    change_line(state, line, float_edit(), CauseCode::request, now);
-  }
+  std::uint32_t config = (word.load() & ConfigWord::kIsOut) | owner | config_flags(flags);
+  const bool output = (flags & GPIOHANDLE_REQUEST_OUTPUT) != 0;
+  const bool input = (flags & GPIOHANDLE_REQUEST_INPUT) != 0;
+  if (output) config |= ConfigWord::kIsOut;
+  if (input) config &= ~ConfigWord::kIsOut;
   word.store(config);
+  if (output) change_line(state, line, output_edit(config, value), CauseCode::request, now);
+  if (input) change_line(state, line, float_edit(), CauseCode::request, now);
 }
 
 /// The line's owner is `fd` from now on. -EBUSY if it has another.
 int take_line(State& state, const Gate& gate, std::uint32_t line, int fd, std::int64_t byte,
-              const char* label, std::uint32_t kind) {
+              const char* label) {
   reap_line_gated(state, device().folder, gate, line);
   Line& entry = state.lines[line];
-  const std::uint32_t config = entry.config.load();
-  if ((config & (ConfigWord::kRequested | ConfigWord::kKernelUsed)) != 0) return -EBUSY;
+  if ((entry.config.load() & (ConfigWord::kRequested | ConfigWord::kKernelUsed)) != 0) return -EBUSY;
   const int locked = sys::try_lock(fd, byte, false);
-  if (locked != 0) return locked;
   // The kernel shows "?" for an owner without a name.
-  set_consumer(entry, label[0] != '\0' ? label : "?");
-  entry.config.store((config & ConfigWord::kIsOut) | ConfigWord::kRequested | kind);
-  return 0;
+  if (locked == 0) set_consumer(entry, label[0] != '\0' ? label : "?");
+  return locked;
 }
 
 std::uint64_t slots_in_use(const State& state) {
@@ -115,6 +113,7 @@ int open_handle(const HandleName& name) {
 
 int take_handle_lines(State& state, const Gate& gate, const gpiohandle_request& request,
                       const HandleName& name, int fd) {
+  const std::uint32_t owner = ConfigWord::kRequested | name.slot << ConfigWord::kSlotShift;
   const std::int64_t now = sys::now_ns();
   for (std::uint32_t i = 0; i < request.lines; ++i) {
     const std::uint32_t line = request.lineoffsets[i];
@@ -127,7 +126,7 @@ int take_handle_lines(State& state, const Gate& gate, const gpiohandle_request& 
       for (std::uint32_t done = 0; done < i; ++done) release_line(state, request.lineoffsets[done]);
       return result;
     }
-    configure_line(state, line, request.flags, request.default_values[i], now);
+    configure_line(state, line, request.flags, request.default_values[i], owner, now);
   }
   return 0;
 }
@@ -147,14 +146,13 @@ void drain(int fd) {
 
 int take_event_line(State& state, const Gate& gate, const gpioevent_request& request, int fd) {
   const std::uint32_t line = request.lineoffset;
-  const int result = take_line(state, gate, line, fd, 0, request.consumer_label, ConfigWord::kEvents);
+  const int result = take_line(state, gate, line, fd, 0, request.consumer_label);
   if (result != 0) return result;
   drain(fd);
-  configure_line(state, line, request.handleflags | GPIOHANDLE_REQUEST_INPUT, 0, sys::now_ns());
-  std::uint32_t edges = 0;
-  if ((request.eventflags & GPIOEVENT_REQUEST_RISING_EDGE) != 0) edges |= ConfigWord::kRising;
-  if ((request.eventflags & GPIOEVENT_REQUEST_FALLING_EDGE) != 0) edges |= ConfigWord::kFalling;
-  state.lines[line].config.fetch_or(edges);
+  std::uint32_t owner = ConfigWord::kRequested | ConfigWord::kEvents;
+  if ((request.eventflags & GPIOEVENT_REQUEST_RISING_EDGE) != 0) owner |= ConfigWord::kRising;
+  if ((request.eventflags & GPIOEVENT_REQUEST_FALLING_EDGE) != 0) owner |= ConfigWord::kFalling;
+  configure_line(state, line, request.handleflags | GPIOHANDLE_REQUEST_INPUT, 0, owner, sys::now_ns());
   return sys::control(fd, F_SETFL, 0);
 }
 
@@ -212,9 +210,10 @@ int configure_handle(std::uint32_t slot, const gpiohandle_config& config) {
   const Gate gate(device().folder);
   if (gate.error() != 0) return gate.error();
   const Handle& handle = state.handles[slot];
+  const std::uint32_t owner = ConfigWord::kRequested | slot << ConfigWord::kSlotShift;
   const std::int64_t now = sys::now_ns();
   for (std::uint32_t i = 0; i < handle.count.load(); ++i) {
-    configure_line(state, handle.lines[i].load(), config.flags, config.default_values[i], now);
+    configure_line(state, handle.lines[i].load(), config.flags, config.default_values[i], owner, now);
   }
   notify(state);
   return 0;

@@ -1,0 +1,129 @@
+#include <signal.h>
+
+#include <fstream>
+
+#include "sim/gpiochip/chip.hpp"
+#include "tests/sim/gpiochip/fixture.hpp"
+
+#include <CppUTest/TestHarness.h>
+
+using namespace strobe;
+using namespace strobe::sim;
+
+TEST_GROUP(SimulatedChip) {
+  testing::TemporaryFolder folder;
+
+  std::string refusal(const ChipSpec& spec) {
+    const auto chip = Chip::create(folder / "chip", spec);
+    return chip ? "" : chip.error().message;
+  }
+};
+
+TEST(SimulatedChip, FindsItsLinesByName) {
+  ChipFixture fixture;
+  LONGS_EQUAL(16, fixture.chip().line_count());
+  LONGS_EQUAL(3, fixture.chip().line_named("TRIGGER").value());
+  CHECK_FALSE(fixture.chip().line_named("NOWHERE").has_value());
+  STRCMP_EQUAL("SPARE_15", fixture.chip().line_name(15).c_str());
+}
+
+TEST(SimulatedChip, StartsWithTheBoardsLevels) {
+  ChipFixture fixture;
+  LONGS_EQUAL(0, fixture.chip().state(0).level);
+  LONGS_EQUAL(1, fixture.chip().state(8).level);
+  CHECK_FALSE(fixture.chip().state(8).is_output);
+  CHECK_FALSE(fixture.chip().state(8).requested);
+}
+
+TEST(SimulatedChip, IsSeenByAnotherProcessThatAttaches) {
+  ChipFixture fixture;
+  auto other = Chip::attach(fixture.chip_folder());
+  CHECK_TRUE(other.has_value());
+  other->drive(4, 1, now());
+  LONGS_EQUAL(1, fixture.chip().state(4).level);
+}
+
+TEST(SimulatedChip, ReportsADriveWithItsVeryStamp) {
+  ChipFixture fixture;
+  const MonoTime stamp = now() - microseconds(7);
+  fixture.chip().drive(4, 1, stamp);
+  const std::vector<Change> changes = fixture.changes(1);
+  CHECK_TRUE(changes[0].time == stamp);
+  LONGS_EQUAL(4, changes[0].line);
+  LONGS_EQUAL(1, changes[0].level);
+  CHECK_TRUE(changes[0].cause == Cause::drive);
+}
+
+TEST(SimulatedChip, ReturnsAtTheDeadlineWhenNothingHappens) {
+  ChipFixture fixture;
+  ChangeCursor cursor = fixture.chip().cursor_now();
+  std::vector<Change> changes;
+  const MonoTime deadline = now() + milliseconds(5);
+  CHECK_TRUE(fixture.chip().wait_changes(cursor, deadline, changes));
+  CHECK_TRUE(now() >= deadline);
+  CHECK_TRUE(changes.empty());
+}
+
+TEST(SimulatedChip, TellsALappedReaderAndLetsItGoOn) {
+  ChipFixture fixture;
+  ChangeCursor cursor = fixture.chip().cursor_now();
+  constexpr int kDrives = 70'000;  // more than the 65536 that are kept
+  for (int i = 0; i < kDrives; ++i) fixture.chip().drive(4, (i + 1) % 2, now());
+  std::vector<Change> changes;
+  CHECK_FALSE(fixture.chip().wait_changes(cursor, now(), changes));
+  CHECK_TRUE(fixture.chip().wait_changes(cursor, now(), changes));
+  LONGS_EQUAL(65'536, changes.size());
+  LONGS_EQUAL(0, changes.back().level);
+}
+
+TEST(SimulatedChip, HasAFolderToItself) {
+  ChipFixture fixture;
+  const auto second = Chip::create(fixture.chip_folder(), standard_chip());
+  CHECK_FALSE(second.has_value());
+  STRCMP_CONTAINS("already", second.error().message.c_str());
+}
+
+TEST(SimulatedChip, RemovesWhatItMade) {
+  ChipFixture fixture;
+  CHECK_TRUE(std::filesystem::exists(fixture.chip_folder()));
+  fixture.remove_chip();
+  CHECK_FALSE(std::filesystem::exists(fixture.chip_folder()));
+}
+
+TEST(SimulatedChip, TakesThePlaceOfOneWhoseCreatorWasKilled) {
+  testing::Command command{{built_program("gpiochip_host").string(), (folder / "chip").string()}, {}, {}, {}};
+  testing::Process host(command, folder.path());
+  CHECK_TRUE(host.wait_for_out("STROBE_GPIOCHIP_DIR", kLimit));
+  CHECK_TRUE(refusal(standard_chip()).find("already") != std::string::npos);
+  host.signal(SIGKILL);
+  host.wait(kLimit);
+  STRCMP_EQUAL("", refusal(standard_chip()).c_str());
+}
+
+TEST(SimulatedChip, CannotBeAttachedToWhereThereIsNone) {
+  const auto chip = Chip::attach(folder.path());
+  CHECK_FALSE(chip.has_value());
+  STRCMP_CONTAINS(folder.path().c_str(), chip.error().message.c_str());
+}
+
+TEST(SimulatedChip, RefusesAStateFileThatIsNotOne) {
+  std::ofstream(folder / "state") << "something else";
+  CHECK_FALSE(Chip::attach(folder.path()).has_value());
+}
+
+TEST(SimulatedChip, RefusesSpecificationsThatNoChipCanHave) {
+  ChipSpec spec = standard_chip();
+  spec.lines.resize(65);
+  STRCMP_CONTAINS("64", refusal(spec).c_str());
+  spec.lines.clear();
+  STRCMP_CONTAINS("64", refusal(spec).c_str());
+  spec = standard_chip();
+  spec.name = "../null";
+  STRCMP_CONTAINS("../null", refusal(spec).c_str());
+  spec = standard_chip();
+  spec.lines[0].name = std::string(32, 'x');
+  STRCMP_CONTAINS("too long", refusal(spec).c_str());
+  spec = standard_chip();
+  spec.lines[1].idle_level = 2;
+  STRCMP_CONTAINS("STROBE_B", refusal(spec).c_str());
+}

@@ -1,0 +1,116 @@
+#include <linux/gpio.h>
+#include <signal.h>
+
+#include <sstream>
+
+#include "tests/sim/gpiochip/fixture.hpp"
+
+#include <CppUTest/TestHarness.h>
+
+using namespace strobe;
+using namespace strobe::sim;
+
+namespace {
+
+struct Event {
+  int id = 0;
+  std::int64_t stamp_ns = 0;
+  bool operator==(const Event&) const = default;
+};
+
+std::vector<Event> events_in(const std::string& text) {
+  std::istringstream lines(text.substr(text.find('\n') + 1));  // after "ready"
+  std::vector<Event> found;
+  Event event;
+  while (lines >> event.id >> event.stamp_ns) found.push_back(event);
+  return found;
+}
+
+constexpr int kRising = GPIOEVENT_EVENT_RISING_EDGE;
+constexpr int kFalling = GPIOEVENT_EVENT_FALLING_EDGE;
+const std::string kBothEdges = "3";
+const std::string kRisingEdge = "1";
+const std::string kNoFlags = "0";
+
+}  // namespace
+
+TEST_GROUP(EdgeEvents) {
+  ChipFixture fixture;
+
+  /// Drives the line with stamps 1 µs apart that end now, and returns them.
+  std::vector<std::int64_t> drive(std::uint32_t line, const std::vector<int>& levels) {
+    std::vector<std::int64_t> stamps;
+    MonoTime stamp = now() - microseconds(static_cast<std::int64_t>(levels.size()));
+    for (const int level : levels) {
+      fixture.chip().drive(line, level, stamp);
+      stamps.push_back(stamp.ns);
+      stamp = stamp + microseconds(1);
+    }
+    return stamps;
+  }
+
+  std::vector<Event> wait_for(testing::Process & reader, std::size_t count) {
+    testing::wait_until([&] { return events_in(reader.out()).size() >= count; }, kLimit);
+    return events_in(reader.out());
+  }
+};
+
+TEST(EdgeEvents, CarryTheStampsThatWereGiven) {
+  auto reader = fixture.actor({"events", "4", kBothEdges, kNoFlags});
+  const auto stamps = drive(4, {1, 0, 1});
+  const std::vector<Event> expected = {{kRising, stamps[0]}, {kFalling, stamps[1]}, {kRising, stamps[2]}};
+  CHECK_TRUE(wait_for(reader, 3) == expected);
+}
+
+TEST(EdgeEvents, ComeOnlyForTheEdgesAskedFor) {
+  auto reader = fixture.actor({"events", "4", kRisingEdge, kNoFlags});
+  const auto stamps = drive(4, {1, 0, 1});
+  const std::vector<Event> expected = {{kRising, stamps[0]}, {kRising, stamps[2]}};
+  CHECK_TRUE(wait_for(reader, 2) == expected);
+}
+
+TEST(EdgeEvents, OfAnActiveLowLineRiseWhenTheLevelFalls) {
+  auto reader = fixture.actor({"events", "8", kRisingEdge, std::to_string(GPIOHANDLE_REQUEST_ACTIVE_LOW)});
+  const auto stamps = drive(8, {0, 1, 0});
+  const std::vector<Event> expected = {{kRising, stamps[0]}, {kRising, stamps[2]}};
+  CHECK_TRUE(wait_for(reader, 2) == expected);
+}
+
+TEST(EdgeEvents, DoNotComeForALevelThatStays) {
+  auto reader = fixture.actor({"events", "4", kBothEdges, kNoFlags});
+  const auto stamps = drive(4, {0, 1, 1, 0});
+  const std::vector<Event> expected = {{kRising, stamps[1]}, {kFalling, stamps[3]}};
+  CHECK_TRUE(wait_for(reader, 2) == expected);
+}
+
+TEST(EdgeEvents, AreQueuedSixteenDeepAndTheNewestAreLost) {
+  auto reader = fixture.actor({"late", "4"});
+  std::vector<int> levels;
+  for (int i = 0; i < 20; ++i) levels.push_back((i + 1) % 2);
+  const auto stamps = drive(4, levels);
+  reader.signal(SIGUSR1);
+  CHECK_TRUE(reader.wait_for_out("end", kLimit));
+  const std::vector<Event> found = events_in(reader.out());
+  LONGS_EQUAL(16, found.size());
+  for (std::size_t i = 0; i < 16; ++i) CHECK_TRUE(found[i].stamp_ns == stamps[i]);
+}
+
+TEST(EdgeEvents, OfAnEarlierOwnerAreNotHandedToTheNext) {
+  {
+    auto first = fixture.actor({"late", "4"});
+    drive(4, {1, 0, 1});
+  }
+  auto second = fixture.actor({"events", "4", kBothEdges, kNoFlags});
+  const auto stamps = drive(4, {0});
+  const std::vector<Event> expected = {{kFalling, stamps[0]}};
+  CHECK_TRUE(wait_for(second, 1) == expected);
+}
+
+TEST(EdgeEvents, EndWhenTheDeviceIsUnplugged) {
+  auto actor = fixture.actor({"unplugged", "4"});
+  fixture.chip().unplug();
+  actor.signal(SIGUSR1);
+  LONGS_EQUAL(0, actor.wait(kLimit).value().code);
+  STRCMP_EQUAL("ready\nset ENODEV\nget ENODEV\npoll 1 hang-up\nread ENODEV\nopen ENOENT\n",
+               actor.out().c_str());
+}

@@ -1,0 +1,147 @@
+#include <memory>
+#include <thread>
+#include <vector>
+
+#include "sim/gpiochip/levels.hpp"
+
+#include <CppUTest/TestHarness.h>
+
+using namespace strobe::sim::gpio;
+
+TEST_GROUP(LevelRing) {
+  std::unique_ptr<State> state = std::make_unique<State>();
+  std::uint64_t position = 0;
+
+  void setup() override {
+    state->line_count = 8;
+    clear_ring(*state);
+  }
+
+  bool set(std::uint32_t line, unsigned value, std::int64_t time_ns) {
+    return change_line(*state, line, drive_edit(value), CauseCode::set, time_ns);
+  }
+
+  /// Entries since the last call.
+  std::vector<std::uint64_t> entries() {
+    std::vector<std::uint64_t> found;
+    std::uint64_t word = 0;
+    while (read_slot(*state, position, word) == Slot::ready) {
+      found.push_back(word & ~RingWord::kTagMask);
+      ++position;
+    }
+    return found;
+  }
+
+  static std::uint64_t entry(std::uint32_t line, unsigned level, std::uint64_t time_ns) {
+    return time_ns << RingWord::kTimeShift | std::uint64_t{line} << RingWord::kLineShift | level;
+  }
+
+  /// As if a process died right after changing the line.
+  void leave_pending(std::uint32_t line, unsigned value, std::uint64_t time_ns) {
+    state->lines[line].level.store(time_ns << LevelWord::kTimeShift | LevelWord::kPending |
+                                   LevelWord::kDriven | value);
+  }
+};
+
+TEST(LevelRing, HoldsEveryChangeInOrder) {
+  CHECK_TRUE(set(3, 1, 100));
+  CHECK_TRUE(set(4, 1, 100));
+  CHECK_TRUE(set(3, 0, 250));
+  const std::vector<std::uint64_t> expected = {entry(3, 1, 100), entry(4, 1, 100), entry(3, 0, 250)};
+  CHECK_TRUE(entries() == expected);
+}
+
+TEST(LevelRing, DoesNotRecordALevelThatStays) {
+  CHECK_FALSE(set(3, 0, 100));
+  set(3, 1, 200);
+  CHECK_FALSE(set(3, 1, 300));
+  CHECK_EQUAL(1, entries().size());
+}
+
+TEST(LevelRing, RecordsWhatLettingGoOfALineChanges) {
+  change_line(*state, 2, outside_edit(1), CauseCode::drive, 10);
+  set(2, 0, 20);
+  CHECK_TRUE(change_line(*state, 2, float_edit(), CauseCode::release, 30));
+  const std::vector<std::uint64_t> found = entries();
+  CHECK_EQUAL(3, found.size());
+  CHECK_TRUE(found[2] == (entry(2, 1, 30) | std::uint64_t{2} << RingWord::kCauseShift));
+}
+
+TEST(LevelRing, ForgetsNothingWhatDrivesAnOutputFromOutsideUntilItIsLetGo) {
+  set(2, 0, 20);
+  CHECK_FALSE(change_line(*state, 2, outside_edit(1), CauseCode::drive, 25));
+  LONGS_EQUAL(0, level_of(*state, 2));
+  CHECK_TRUE(change_line(*state, 2, float_edit(), CauseCode::release, 30));
+  LONGS_EQUAL(1, level_of(*state, 2));
+}
+
+TEST(LevelRing, GetsAChangeThatADeadProcessDidNotRecord) {
+  leave_pending(5, 1, 70);
+  finish_pending(*state);
+  finish_pending(*state);
+  const std::vector<std::uint64_t> expected = {entry(5, 1, 70)};
+  CHECK_TRUE(entries() == expected);
+}
+
+TEST(LevelRing, GetsAMissingChangeBeforeTheLinesNextOne) {
+  leave_pending(5, 1, 70);
+  set(5, 0, 90);
+  const std::vector<std::uint64_t> expected = {entry(5, 1, 70), entry(5, 0, 90)};
+  CHECK_TRUE(entries() == expected);
+}
+
+TEST(LevelRing, DoesNotRepeatAChangeWhoseProcessDiedAfterRecordingIt) {
+  set(5, 1, 70);
+  set(6, 1, 80);
+  leave_pending(5, 1, 70);
+  finish_pending(*state);
+  CHECK_EQUAL(2, entries().size());
+}
+
+TEST(LevelRing, ShowsAnEntryWhoseProcessDiedBeforeAdvancingTheHead) {
+  state->ring[0].store(entry(1, 1, 40) | RingWord::tag(0));
+  set(2, 1, 50);
+  const std::vector<std::uint64_t> expected = {entry(1, 1, 40), entry(2, 1, 50)};
+  CHECK_TRUE(entries() == expected);
+}
+
+TEST(LevelRing, TellsAReaderThatItWasLapped) {
+  std::uint64_t word = 0;
+  for (std::uint64_t i = 0; i < kRingSize; ++i) set(0, (i + 1) % 2, static_cast<std::int64_t>(i));
+  CHECK_TRUE(read_slot(*state, 0, word) == Slot::ready);
+  set(0, 1, 1'000'000);
+  CHECK_TRUE(read_slot(*state, 0, word) == Slot::lapped);
+  CHECK_TRUE(read_slot(*state, 1, word) == Slot::ready);
+}
+
+TEST(LevelRing, TellsSoAfterEightLapsWhenTheTagsAreTheSameAgain) {
+  std::uint64_t word = 0;
+  for (std::uint64_t i = 0; i < 8 * kRingSize + 1; ++i) set(0, (i + 1) % 2, static_cast<std::int64_t>(i));
+  CHECK_TRUE(read_slot(*state, 0, word) == Slot::lapped);
+}
+
+TEST(LevelRing, LosesAndRepeatsNothingWhenThreadsShareLines) {
+  constexpr int kThreads = 4;
+  constexpr int kChanges = 10'000;  // each thread on its own line and on line 0; all fits into the ring
+  std::vector<std::thread> threads;
+  std::atomic<int> shared_changes{0};
+  for (std::uint32_t t = 1; t <= kThreads; ++t) {
+    threads.emplace_back([&, t] {
+      for (int i = 0; i < kChanges; ++i) {
+        set(t, static_cast<unsigned>(i + 1) % 2, i);
+        if (i % 4 == 0 && set(0, t % 2, i * 8 + static_cast<int>(t))) ++shared_changes;
+      }
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  std::vector<int> count(8, 0);
+  std::vector<unsigned> level(8, 0);
+  for (const std::uint64_t word : entries()) {
+    const std::size_t line = word >> RingWord::kLineShift & 63;
+    CHECK_TRUE((word & RingWord::kLevel) != level[line]);  // a line's changes alternate
+    level[line] = word & RingWord::kLevel;
+    ++count[line];
+  }
+  for (std::size_t t = 1; t <= kThreads; ++t) LONGS_EQUAL(kChanges, count[t]);
+  LONGS_EQUAL(shared_changes.load(), count[0]);
+}

@@ -1,0 +1,130 @@
+// Debian's own GPIO programs, unmodified, against the simulated chip, and the conformance program.
+#include <signal.h>
+#include <unistd.h>
+
+#include <regex>
+
+#include "tests/sim/gpiochip/fixture.hpp"
+
+#include <CppUTest/TestHarness.h>
+
+using namespace strobe;
+using namespace strobe::sim;
+using testing::Finished;
+
+TEST_GROUP(GpioTools) {
+  ChipFixture fixture;
+
+  /// Fails the test with the reason if the tool is missing or failed.
+  std::string output_of(std::vector<std::string> arguments) {
+    const std::string tool = arguments[0];
+    const Finished finished = fixture.run(std::move(arguments));
+    const std::string problem = tool + " failed (is the package gpiod installed?): " + finished.err;
+    CHECK_TRUE_TEXT(finished.status.has_value() && finished.status->code == 0, problem.c_str());
+    return finished.out;
+  }
+};
+
+TEST(GpioTools, GpiodetectListsTheChip) {
+  const std::string out = output_of({"gpiodetect"});
+  STRCMP_CONTAINS("gpiochip0 [strobe-sim-rig] (16 lines)\n", out.c_str());
+}
+
+TEST(GpioTools, GpioinfoShowsLinesAndOwners) {
+  const auto holder = fixture.actor({"hold", "1", "1"});
+  const std::string out = output_of({"gpioinfo", "gpiochip0"});
+  STRCMP_CONTAINS("gpiochip0 - 16 lines:\n", out.c_str());
+  STRCMP_CONTAINS("line   0:   \"STROBE_A\"       unused   input  active-high \n", out.c_str());
+  STRCMP_CONTAINS("line   1:   \"STROBE_B\"      \"actor\"  output  active-high [used]\n", out.c_str());
+}
+
+TEST(GpioTools, GpiofindFindsALineByName) {
+  STRCMP_EQUAL("gpiochip0 8\n", output_of({"gpiofind", "ESTOP"}).c_str());
+  LONGS_EQUAL(1, fixture.run({"gpiofind", "NOWHERE"}).status.value().code);
+}
+
+TEST(GpioTools, GpiogetReadsLevels) {
+  fixture.chip().drive(4, 1, now());
+  STRCMP_EQUAL("0 1 1\n", output_of({"gpioget", "gpiochip0", "0", "4", "8"}).c_str());
+  STRCMP_EQUAL("1 0 0\n", output_of({"gpioget", "--active-low", "gpiochip0", "0", "4", "8"}).c_str());
+}
+
+TEST(GpioTools, GpiogetFindsTheChipByLabelAndPath) {
+  STRCMP_EQUAL("1\n", output_of({"gpioget", "strobe-sim-rig", "8"}).c_str());
+  STRCMP_EQUAL("1\n", output_of({"gpioget", "/dev/gpiochip0", "8"}).c_str());
+  STRCMP_EQUAL("1\n", output_of({"gpioget", "0", "8"}).c_str());
+}
+
+TEST(GpioTools, GpiosetSetsLinesTogether) {
+  output_of({"gpioset", "gpiochip0", "0=1", "2=1", "3=0"});
+  const std::vector<Change> changes = fixture.changes(2);
+  LONGS_EQUAL(2, changes.size());
+  CHECK_TRUE(changes[0].time == changes[1].time);
+  LONGS_EQUAL(1, fixture.chip().state(2).level);
+}
+
+TEST(GpioTools, GpiosetInTheBackgroundKeepsTheLine) {
+  output_of({"gpioset", "--mode=time", "--sec=60", "--background", "gpiochip0", "2=1"});
+  CHECK_TRUE(fixture.chip().state(2).requested);
+}
+
+TEST(GpioTools, GpiomonPrintsEdges) {
+  testing::Process monitor(
+      fixture.preloaded({"gpiomon", "--num-events=2", "--format=%e %o %s.%n", "gpiochip0", "4"}),
+      fixture.logs());
+  CHECK_TRUE(
+      testing::wait_until([&] { return fixture.chip().state(4).requested || !monitor.running(); }, kLimit));
+  const MonoTime rise = now();
+  const MonoTime fall = rise + nanoseconds(1);
+  fixture.chip().drive(4, 1, rise);
+  fixture.chip().drive(4, 0, fall);
+  LONGS_EQUAL(0, monitor.wait(kLimit).value().code);
+  const auto line = [](int rising, MonoTime time) {
+    return std::to_string(rising) + " 4 " + std::to_string(time.ns / 1'000'000'000) + "." +
+           std::to_string(time.ns % 1'000'000'000) + "\n";
+  };
+  STRCMP_EQUAL((line(1, rise) + line(0, fall)).c_str(), monitor.out().c_str());
+}
+
+TEST_GROUP(PreloadedLibrary) { ChipFixture fixture; };
+
+TEST(PreloadedLibrary, AnswersAsTheKernelDoes) {
+  const Finished finished =
+      fixture.run({built_program("gpio_conformance").string(), "/dev/gpiochip0", "9", "10"});
+  LONGS_EQUAL(0, finished.status.value().code);
+  STRCMP_EQUAL(testing::read_text(STROBE_TEST_DATA "/gpio_conformance.txt").c_str(), finished.out.c_str());
+}
+
+TEST(PreloadedLibrary, DoesNothingWithoutItsVariable) {
+  testing::Command command = fixture.preloaded({"gpiodetect"});
+  command.environment.erase(kChipDirVariable);
+  command.arguments = {"env", "-u", kChipDirVariable, "gpiodetect"};
+  const Finished finished = testing::run_to_end(command, kLimit);
+  STRCMP_EQUAL("", finished.err.c_str());
+  CHECK_TRUE(finished.out.find("strobe-sim-rig") == std::string::npos);
+}
+
+TEST(PreloadedLibrary, ComplainsInOneLineWhenItsVariableIsWrong) {
+  testing::Command command = fixture.preloaded({"gpioget", "gpiochip0", "0"});
+  command.environment[kChipDirVariable] = "/nonexistent";
+  const Finished finished = testing::run_to_end(command, kLimit);
+  LONGS_EQUAL(1, finished.status.value().code);
+  STRCMP_CONTAINS("strobe-gpiochip: STROBE_GPIOCHIP_DIR=/nonexistent: ", finished.err.c_str());
+  STRCMP_CONTAINS("No such device", finished.err.c_str());  // never the machine's own chip
+}
+
+TEST(PreloadedLibrary, RunsBesideThreadSanitizer) {
+  auto holder = fixture.actor({"toggle", "0,1", "1000", "0"}, "done", "gpio_actor_tsan");
+  LONGS_EQUAL(0, holder.wait(kLimit).value().code);
+  LONGS_EQUAL(2'000, fixture.changes(2'000).size());
+}
+
+TEST(PreloadedLibrary, RunsBesideAddressSanitizer) {
+  const Finished finished = testing::run_to_end(
+      fixture.preloaded({built_program("gpio_actor_asan").string(), "toggle", "0,1", "1000", "0"},
+                        STROBE_ASAN_LIBRARY),
+      kLimit);
+  STRCMP_EQUAL("", finished.err.c_str());
+  LONGS_EQUAL(0, finished.status.value().code);
+  LONGS_EQUAL(2'000, fixture.changes(2'000).size());
+}
