@@ -83,22 +83,21 @@ void ShotPlayer::run_due() noexcept {
   while (phase_ == Phase::playing) {
     const MonoTime due = next_issue();
     if (due == kNoDeadline || due > clock_.now() + rig_.tolerance.spin) break;
-    clock_.spin_until(due);
-    issue_next(due);
+    issue_next(due, clock_.spin_until(due));
   }
   end_if_over();
 }
 
-void ShotPlayer::issue_next(MonoTime due) noexcept {
+void ShotPlayer::issue_next(MonoTime due, MonoTime now) noexcept {
   if (outputs_.next_off() <= due) {
     switch_off(outputs_.next_off_output());
   } else {
-    issue(plan_.pulses[next_pulse_++]);
+    issue(plan_.pulses[next_pulse_++], now);
   }
 }
 
-void ShotPlayer::issue(const PlannedPulse& pulse) noexcept {
-  const Duration lateness = clock_.now() - at(pulse.at);
+void ShotPlayer::issue(const PlannedPulse& pulse, MonoTime now) noexcept {
+  const Duration lateness = now - at(pulse.at);
   if (lateness > rig_.tolerance.abort_late) {
     Words why(pulse.output == Output::strobes   ? "flash "
               : pulse.output == Output::trigger ? "trigger"
@@ -109,7 +108,7 @@ void ShotPlayer::issue(const PlannedPulse& pulse) noexcept {
   }
   switch (pulse.output) {
     case Output::strobes:
-      flash(pulse);
+      flash(pulse, now);
       break;
     case Output::trigger:
       trigger(pulse);
@@ -120,9 +119,9 @@ void ShotPlayer::issue(const PlannedPulse& pulse) noexcept {
   }
 }
 
-bool ShotPlayer::lamps_recharged(const PlannedPulse& pulse) noexcept {
+bool ShotPlayer::lamps_recharged(const PlannedPulse& pulse, MonoTime now) noexcept {
   if (!last_flash_.known()) return true;
-  const Duration gap = clock_.now() - last_flash_;
+  const Duration gap = now - last_flash_;
   // A plan at the lamps' shortest period must survive the jitter that is tolerated in each flash.
   if (gap + rig_.tolerance.late >= rig_.lamps.min_period) return true;
   Words why("flash ");
@@ -134,8 +133,8 @@ bool ShotPlayer::lamps_recharged(const PlannedPulse& pulse) noexcept {
   return false;
 }
 
-void ShotPlayer::flash(const PlannedPulse& pulse) noexcept {
-  if (!lamps_recharged(pulse)) return;
+void ShotPlayer::flash(const PlannedPulse& pulse, MonoTime now) noexcept {
+  if (!lamps_recharged(pulse, now)) return;
   const Issue issue = outputs_.activate(Output::strobes, at(pulse.at), pulse.width);
   last_flash_ = issue.start;
   book_.issued(pulse.flash_index, issue.start, issue.end);

@@ -38,14 +38,14 @@ class ShotPlayer {
 
   MonoTime at(Duration offset) const noexcept { return record_->start + offset; }
   MonoTime next_issue() const noexcept;
-  void issue_next(MonoTime due) noexcept;
-  void issue(const PlannedPulse& pulse) noexcept;
-  void flash(const PlannedPulse& pulse) noexcept;
+  void issue_next(MonoTime due, MonoTime now) noexcept;
+  void issue(const PlannedPulse& pulse, MonoTime now) noexcept;
+  void flash(const PlannedPulse& pulse, MonoTime now) noexcept;
   void trigger(const PlannedPulse& pulse) noexcept;
   void shutter(const PlannedPulse& pulse) noexcept;
   void switch_off(Output output) noexcept;
   void gate(MonoTime stamp) noexcept;
-  bool lamps_recharged(const PlannedPulse& pulse) noexcept;
+  bool lamps_recharged(const PlannedPulse& pulse, MonoTime now) noexcept;
   bool awaits_gate() const noexcept { return plan_.gated && !record_->gate.known(); }
   void end_if_over() noexcept;
   void report(EventKind kind, Line line, int level, const Issue& issue,

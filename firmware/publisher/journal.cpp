@@ -163,12 +163,16 @@ std::vector<JournalEntry> scan_journal(const std::filesystem::path& path) {
   return entries;
 }
 
-Message read_entry(const std::filesystem::path& path, const JournalEntry& entry) {
+JournalReader::JournalReader(const std::filesystem::path& path)
+    : log_(std::make_unique<lcm::LogFile>(path.string(), "r")) {}
+JournalReader::JournalReader(JournalReader&&) noexcept = default;
+JournalReader::~JournalReader() = default;
+
+Message JournalReader::read(const JournalEntry& entry) {
   Message message{entry.kind, entry.sequences, "", {}};
-  lcm::LogFile log(path.string(), "r");
-  if (!log.good() || std::fseek(log.getFilePtr(), static_cast<long>(entry.offset), SEEK_SET) != 0)
-    return message;
-  const lcm::LogEvent* record = log.readNextEvent();
+  if (!log_->good()) return message;
+  if (std::fseek(log_->getFilePtr(), static_cast<long>(entry.offset), SEEK_SET) != 0) return message;
+  const lcm::LogEvent* record = log_->readNextEvent();
   if (record == nullptr) return message;
   message.channel = record->channel;
   const auto* data = static_cast<const std::uint8_t*>(record->data);

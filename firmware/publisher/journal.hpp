@@ -5,11 +5,16 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "common/result.hpp"
 #include "firmware/publisher/messages.hpp"
+
+namespace lcm {
+class LogFile;
+}
 
 namespace strobe::firmware {
 
@@ -60,8 +65,18 @@ class Journal {
 
 /// The entries of a journal of an earlier boot, up to a torn tail.
 std::vector<JournalEntry> scan_journal(const std::filesystem::path& path);
-/// The message at an entry's place; empty bytes: it cannot be read.
-Message read_entry(const std::filesystem::path& path, const JournalEntry& entry);
+/// Reads messages back from a journal, also from one that is still being written.
+class JournalReader {
+ public:
+  explicit JournalReader(const std::filesystem::path& path);
+  JournalReader(JournalReader&&) noexcept;
+  ~JournalReader();
+  /// The message at an entry's place; empty bytes: it cannot be read.
+  Message read(const JournalEntry& entry);
+
+ private:
+  std::unique_ptr<lcm::LogFile> log_;
+};
 /// Largest shot id in the folder's journals; 0: none.
 std::int32_t last_shot_id(const std::filesystem::path& dir);
 

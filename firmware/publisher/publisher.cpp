@@ -195,10 +195,9 @@ void Publisher::publish_status() {
 
 void Publisher::start_resend(const ResendRequest& request) {
   const bool this_boot = request.boot_id == settings_.boot_id;
-  Resend resend;
-  resend.path = this_boot ? journal_.path() : journal_path(settings_.session, request.boot_id);
-  const std::vector<JournalEntry> scanned =
-      this_boot ? std::vector<JournalEntry>{} : scan_journal(resend.path);
+  const auto path = this_boot ? journal_.path() : journal_path(settings_.session, request.boot_id);
+  const auto scanned = this_boot ? std::vector<JournalEntry>{} : scan_journal(path);
+  Resend resend{JournalReader(path), {}, 0};
   for (const JournalEntry& entry : this_boot ? journal_.entries() : scanned) {
     if (entry.sequences.last >= request.wanted.first && entry.sequences.first <= request.wanted.last) {
       resend.entries.push_back(entry);
@@ -212,7 +211,7 @@ void Publisher::resend_some() {
   Resend& resend = resends_.front();
   const std::size_t end = std::min(resend.entries.size(), resend.next + kResendBatch);
   for (; resend.next < end; ++resend.next) {
-    const Message message = read_entry(resend.path, resend.entries[resend.next]);
+    const Message message = resend.reader.read(resend.entries[resend.next]);
     if (message.bytes.empty()) continue;
     lcm_.publish(message.channel, message.bytes.data(), static_cast<unsigned>(message.bytes.size()));
   }

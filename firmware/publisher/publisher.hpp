@@ -48,7 +48,7 @@ class Publisher {
   std::string words() const;
 
   struct Resend {
-    std::filesystem::path path;
+    JournalReader reader;
     std::vector<JournalEntry> entries;
     std::size_t next = 0;
   };
