@@ -118,10 +118,7 @@ int take_handle_lines(State& state, const Gate& gate, const gpiohandle_request& 
   for (std::uint32_t i = 0; i < request.lines; ++i) {
     const std::uint32_t line = request.lineoffsets[i];
     int result = line < state.line_count ? 0 : -EINVAL;
-    if (result == 0) {
-      result =
-          take_line(state, gate, line, fd, line, request.consumer_label, name.slot << ConfigWord::kSlotShift);
-    }
+    if (result == 0) result = take_line(state, gate, line, fd, line, request.consumer_label);
     if (result != 0) {
       for (std::uint32_t done = 0; done < i; ++done) release_line(state, request.lineoffsets[done]);
       return result;
