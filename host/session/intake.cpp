@@ -1,0 +1,57 @@
+#include "host/session/intake.hpp"
+
+#include <exception>
+#include <limits>
+
+#include "common/messages/channels.hpp"
+
+namespace strobe::host {
+namespace {
+
+template <typename Message>
+bool decode(Message& message, const void* data, std::size_t size) {
+  if (size > static_cast<std::size_t>(std::numeric_limits<int>::max())) return false;
+  return message.decode(data, 0, static_cast<int>(size)) >= 0 &&
+         message.schema_version == Message::SCHEMA_VERSION;
+}
+
+}  // namespace
+
+Intake::Intake(std::string_view rig, MessageSink& sink)
+    : sink_(sink),
+      status_(messages::channel_name(rig, messages::Channel::status)),
+      event_(messages::channel_name(rig, messages::Channel::event)),
+      shot_(messages::channel_name(rig, messages::Channel::shot)),
+      frame_(messages::channel_name(rig, messages::Channel::frame)) {}
+
+void Intake::receive(std::string_view channel, const void* data, std::size_t size,
+                     std::int64_t now_ns) noexcept {
+  const auto take = [&]<typename Message>(Message message,
+                                          void (MessageSink::*hand_on)(const Message&, std::int64_t)) {
+    if (decode(message, data, size)) {
+      (sink_.*hand_on)(message, now_ns);
+    } else {
+      ++undecodable_;
+    }
+  };
+  try {
+    if (channel == event_) {
+      take(strobe_msgs::event_t{}, &MessageSink::event);
+    } else if (channel == status_) {
+      take(strobe_msgs::status_t{}, &MessageSink::status);
+    } else if (channel == shot_) {
+      take(strobe_msgs::shot_t{}, &MessageSink::shot);
+    } else if (channel == frame_) {
+      take(strobe_msgs::frame_t{}, &MessageSink::frame);
+    }
+  } catch (const std::exception& error) {
+    ++undecodable_;
+    try {
+      fault_ = error.what();
+    } catch (...) {
+      fault_.clear();
+    }
+  }
+}
+
+}  // namespace strobe::host

@@ -1,0 +1,42 @@
+// This host's end of LCM: every message of one rig in, commands and readouts out. One thread's; blocks in
+// wait().
+#pragma once
+
+#include <functional>
+#include <lcm/lcm-cpp.hpp>
+#include <memory>
+#include <string>
+#include <strobe_msgs/command_t.hpp>
+#include <strobe_msgs/readout_t.hpp>
+
+#include "common/result.hpp"
+
+namespace strobe::host {
+
+class Link {
+ public:
+  /// What to do with a message as it came: channel, bytes. Must not throw.
+  using Receiver = std::function<void(const std::string&, const void*, std::size_t)>;
+
+  /// Fails where LCM cannot be had (no route for multicast, bad URL).
+  static Result<std::unique_ptr<Link>> open(const std::string& url, const std::string& rig,
+                                            Receiver receiver);
+
+  /// Handles one message, or returns after the time. False: LCM cannot receive any more.
+  bool wait(int milliseconds);
+  /// Handles what is there without waiting, at most 10,000 messages.
+  bool drain();
+
+  void publish(const strobe_msgs::command_t& command);
+  void publish(const strobe_msgs::readout_t& readout);
+
+ private:
+  Link(const std::string& url, const std::string& rig, Receiver receiver);
+  void handle(const lcm::ReceiveBuffer* buffer, const std::string& channel);
+
+  lcm::LCM lcm_;
+  Receiver receiver_;
+  std::string command_channel_, readout_channel_;
+};
+
+}  // namespace strobe::host

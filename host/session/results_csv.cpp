@@ -1,0 +1,134 @@
+#include "host/session/results_csv.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <utility>
+
+#include "host/config/notes.hpp"
+
+namespace strobe::host {
+namespace {
+
+using reduction::kQuantityCount;
+using reduction::Quantities;
+using reduction::Quantity;
+
+std::string csv_field(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  std::string result = "\"";
+  for (const char c : text) {
+    if (c == '"') result += '"';
+    result += c;
+  }
+  return result + "\"";
+}
+
+void add_names(std::string& header, const std::string& prefix) {
+  for (const std::string_view name : reduction::kQuantityNames) header += fmt::format(",{}{}", prefix, name);
+}
+
+void add_values(std::string& line, const Quantities& values) {
+  for (std::size_t i = 0; i < kQuantityCount; ++i) {
+    const auto& value = values[static_cast<Quantity>(i)];
+    line += value ? fmt::format(",{}", *value) : ",";
+  }
+}
+
+std::string flag_names(const reduction::FlagSet& flags) {
+  std::string names;
+  for (std::size_t i = 0; i < reduction::kFlagCount; ++i) {
+    const auto flag = static_cast<reduction::Flag>(i);
+    if (flags.has(flag)) names += (names.empty() ? "" : ";") + std::string(name(flag));
+  }
+  return names;
+}
+
+void add_notes(std::string& line, reduction::Record record) {
+  for (const std::string_view key : kNamedNotes) {
+    const auto entry = record.find(std::string(key));
+    line += "," + (entry == record.end() ? std::string() : csv_field(entry->second));
+    if (entry != record.end()) record.erase(entry);
+  }
+  std::string others;
+  for (const auto& [key, value] : record) others += (others.empty() ? "" : ";") + key + "=" + value;
+  line += "," + csv_field(others);
+}
+
+Error errno_error(const std::filesystem::path& path) { return {path.string() + ": " + std::strerror(errno)}; }
+
+bool write_all(int fd, const std::string& text) {
+  const ssize_t written = ::write(fd, text.data(), text.size());
+  return written == static_cast<ssize_t>(text.size());
+}
+
+}  // namespace
+
+std::string results_header() {
+  std::string header = "utc,boot_id,shot_id,spoilt";
+  add_names(header, "");
+  add_names(header, "sd_");
+  add_names(header, "sd_systematic_");
+  header += ",regime,court_pace_conforming,method,mirrored,flags";
+  for (const std::string_view key : kNamedNotes) header += "," + std::string(key);
+  return header + ",other_notes";
+}
+
+std::string results_line(const Outcome& outcome, const std::string& utc) {
+  const reduction::Readout& readout = outcome.readout;
+  std::string line = fmt::format("{},{:x},{},{}", utc, static_cast<std::uint64_t>(outcome.boot_id),
+                                 outcome.shot_id, csv_field(outcome.spoilt.value_or("")));
+  add_values(line, readout.value);
+  add_values(line, readout.sd);
+  add_values(line, readout.sd_systematic);
+  line +=
+      fmt::format(",{},{},{},{},{}", readout.regime ? name(*readout.regime) : "",
+                  readout.court_pace_conforming, readout.method, readout.mirrored, flag_names(readout.flags));
+  add_notes(line, readout.record);
+  return line;
+}
+
+Result<ResultsCsv> ResultsCsv::open(const std::filesystem::path& path) {
+  const std::string header = results_header();
+  std::string first;
+  {
+    std::ifstream existing(path);
+    if (existing) std::getline(existing, first);
+  }
+  if (!first.empty() && first != header) {
+    return fail(path.string() + ":1: another version's columns; use another session folder");
+  }
+  const int fd = ::open(path.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
+  if (fd < 0) return tl::unexpected(errno_error(path));
+  ResultsCsv csv(path, fd);
+  if (first.empty()) {
+    if (!write_all(fd, header + "\n")) return tl::unexpected(errno_error(path));
+    return csv;
+  }
+  char last = '\n';
+  struct stat status {};
+  if (::fstat(fd, &status) == 0 && status.st_size > 0 && ::pread(fd, &last, 1, status.st_size - 1) == 1 &&
+      last != '\n') {
+    if (!write_all(fd, "\n")) return tl::unexpected(errno_error(path));
+  }
+  return csv;
+}
+
+ResultsCsv::ResultsCsv(ResultsCsv&& other) noexcept
+    : path_(std::move(other.path_)), fd_(std::exchange(other.fd_, -1)) {}
+
+ResultsCsv::~ResultsCsv() {
+  if (fd_ >= 0) ::close(fd_);
+}
+
+Result<void> ResultsCsv::append(const std::string& line) {
+  if (!write_all(fd_, line + "\n")) return tl::unexpected(errno_error(path_));
+  return {};
+}
+
+}  // namespace strobe::host

@@ -1,0 +1,113 @@
+#include "host/session/session_folder.hpp"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include <ctime>
+#include <fstream>
+#include <sstream>
+#include <system_error>
+
+#include "common/messages/channels.hpp"
+
+namespace strobe::host {
+namespace {
+
+namespace fs = std::filesystem;
+
+Result<void> write_text(const fs::path& path, std::string_view text) {
+  std::ofstream file(path, std::ios::binary);
+  file << text;
+  file.close();
+  if (!file) return fail(path.string() + ": cannot be written");
+  return {};
+}
+
+std::string text_of(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+/// name.toml, or name-<utc>.toml where an earlier run in this folder used another one.
+Result<void> keep(const fs::path& folder, const std::string& name, std::string_view text,
+                  const std::string& utc) {
+  const fs::path path = folder / (name + ".toml");
+  std::error_code error;
+  if (!fs::exists(path, error)) return write_text(path, text);
+  if (text_of(path) == text) return {};
+  return write_text(folder / (name + "-" + utc + ".toml"), text);
+}
+
+fs::path unused(const fs::path& folder, const std::string& utc) {
+  std::error_code error;
+  fs::path path = folder / ("host-" + utc + ".lcmlog");
+  for (char letter = 'b'; fs::exists(path, error) && letter <= 'z'; ++letter) {
+    path = folder / ("host-" + utc + letter + ".lcmlog");
+  }
+  return path;
+}
+
+}  // namespace
+
+std::string utc_for_file(std::int64_t wall_us) {
+  return fmt::format("{:%Y%m%dT%H%M%SZ}", fmt::gmtime(static_cast<std::time_t>(wall_us / 1'000'000)));
+}
+
+std::string utc_for_table(std::int64_t wall_us) {
+  const std::tm time = fmt::gmtime(static_cast<std::time_t>(wall_us / 1'000'000));
+  return fmt::format("{:%Y-%m-%dT%H:%M:%S}", time) + fmt::format(".{:03}Z", wall_us / 1000 % 1000);
+}
+
+Result<std::unique_ptr<SessionFolder>> SessionFolder::open(const fs::path& folder, const std::string& utc,
+                                                           std::string_view rig_text,
+                                                           std::string_view plan_text) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) return fail(folder.string() + ": " + error.message());
+  std::unique_ptr<SessionFolder> result(new SessionFolder(folder, unused(folder, utc)));
+  for (const auto& [name, text] : {std::pair{"rig", rig_text}, std::pair{"plan", plan_text}}) {
+    if (auto kept = keep(folder, name, text, utc); !kept) return tl::unexpected(kept.error());
+  }
+  auto results = ResultsCsv::open(folder / "results.csv");
+  if (!results) return tl::unexpected(results.error());
+  result->results_ = std::make_unique<ResultsCsv>(std::move(*results));
+  result->log_ = std::make_unique<lcm::LogFile>(result->log_path_.string(), "w");
+  if (!result->log_->good()) return fail(result->log_path_.string() + ": cannot be written");
+  return result;
+}
+
+void SessionFolder::log(const std::string& channel, const void* data, std::size_t size,
+                        std::int64_t wall_us) {
+  lcm::LogEvent event{};
+  event.eventnum = event_number_++;
+  event.timestamp = wall_us;
+  event.channel = channel;
+  event.datalen = static_cast<std::int32_t>(size);
+  event.data = const_cast<void*>(data);  // LCM's interface; it only reads
+  log_->writeEvent(&event);
+  std::fflush(log_->getFilePtr());
+}
+
+Result<void> SessionFolder::add(const Outcome& outcome, const std::string& utc) {
+  return results_->append(results_line(outcome, utc));
+}
+
+void SessionFolder::recall(EventLedger& ledger, const std::string& rig) const {
+  const std::string channel = messages::channel_name(rig, messages::Channel::event);
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder_, error)) {
+    const std::string name = entry.path().filename().string();
+    if (!name.starts_with("host-") || !name.ends_with(".lcmlog") || entry.path() == log_path_) continue;
+    lcm::LogFile log(entry.path().string(), "r");
+    if (!log.good()) continue;
+    while (const lcm::LogEvent* logged = log.readNextEvent()) {
+      if (logged->channel != channel) continue;
+      strobe_msgs::event_t event;
+      if (event.decode(logged->data, 0, logged->datalen) >= 0) ledger.add(event.boot_id, event.sequence, 0);
+    }
+  }
+}
+
+}  // namespace strobe::host

@@ -1,0 +1,53 @@
+// What a host keeps of a session: DIR/host-<UTC>.lcmlog (every message received, its own readouts),
+// results.csv, and the rig and plan files as used. Writes files; one thread's.
+#pragma once
+
+#include <filesystem>
+#include <lcm/lcm-cpp.hpp>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <strobe_msgs/readout_t.hpp>
+
+#include "common/result.hpp"
+#include "host/session/event_ledger.hpp"
+#include "host/session/results_csv.hpp"
+#include "host/session/session.hpp"
+
+namespace strobe::host {
+
+class SessionFolder {
+ public:
+  /// Makes the folder if need be, opens a new log and results.csv for appending, keeps the rig and plan
+  /// files. utc: as in utc_now(). Fails with the path that cannot be written.
+  static Result<std::unique_ptr<SessionFolder>> open(const std::filesystem::path& folder,
+                                                     const std::string& utc, std::string_view rig_text,
+                                                     std::string_view plan_text);
+
+  /// Appends a message as it came, at wall_us. Each is on its way to the disk before the call returns, so
+  /// that a killed host loses none.
+  void log(const std::string& channel, const void* data, std::size_t size, std::int64_t wall_us);
+  /// Appends a line to results.csv.
+  Result<void> add(const Outcome& outcome, const std::string& utc);
+
+  /// Enters the events in this folder's earlier host logs, so that they are not asked for again.
+  void recall(EventLedger& ledger, const std::string& rig) const;
+
+  const std::filesystem::path& path() const { return folder_; }
+
+ private:
+  SessionFolder(std::filesystem::path folder, std::filesystem::path log_path)
+      : folder_(std::move(folder)), log_path_(std::move(log_path)) {}
+
+  std::filesystem::path folder_, log_path_;
+  std::unique_ptr<lcm::LogFile> log_;
+  std::int64_t event_number_ = 0;
+  std::unique_ptr<ResultsCsv> results_;
+};
+
+/// "20260131T093000Z" for file names; one more letter makes it unique where needed.
+std::string utc_for_file(std::int64_t wall_us);
+/// "2026-01-31T09:30:00.123Z"
+std::string utc_for_table(std::int64_t wall_us);
+
+}  // namespace strobe::host

@@ -1,0 +1,273 @@
+#include "host/view/render.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "host/config/notes.hpp"
+#include "host/session/verdict.hpp"
+#include "host/view/quantities.hpp"
+#include "host/view/text.hpp"
+
+namespace strobe::host {
+namespace {
+
+using reduction::Quantities;
+using reduction::Quantity;
+using strobe_msgs::status_t;
+using Lines = std::vector<std::string>;
+
+constexpr std::size_t kNameWidth = 17;
+constexpr std::size_t kUnitWidth = 6;
+constexpr std::size_t kNumberWidth = 10;
+constexpr double kSilent_s = 2.0;
+constexpr std::size_t kNoticesShown = 5;
+
+Lines fitted(Lines lines, std::size_t width) {
+  for (std::string& line : lines) {
+    line = cut(line, width);
+    while (!line.empty() && line.back() == ' ') line.pop_back();
+  }
+  return lines;
+}
+
+std::string state_name(const status_t& status) {
+  switch (status.state) {
+    case status_t::IDLE:
+      return "idle";
+    case status_t::ARMED: {
+      const double left_s = static_cast<double>(status.arm_expires_ns - status.mono_ns) * 1e-9;
+      return fmt::format("ARMED, for {:.0f} s more", std::max(0.0, left_s));
+    }
+    case status_t::FIRING:
+      return "FIRING";
+    case status_t::FAULT:
+      return "FAULT";
+    default:
+      return "unknown state";
+  }
+}
+
+std::string microseconds(double us) { return std::isfinite(us) ? fmt::format("{:.2f}", us) : "-"; }
+
+/// Why nothing can be fired, if it cannot: the caller's words, else the firmware's.
+std::string lacking_words(const Model& model) {
+  if (!model.lacking.empty()) return model.lacking;
+  if (!model.status) return "no firmware heard";
+  if (model.status_age_s > kSilent_s)
+    return fmt::format("the firmware has been silent for {:.0f} s", model.status_age_s);
+  return model.status->message;
+}
+
+std::string value_text(const Quantities& values, const Quantities& sds, Quantity q) {
+  return values[q] ? rounded(*values[q], sds[q].value_or(0.0)) : "-";
+}
+
+std::string sd_text(const std::optional<double>& sd, double scale) {
+  return sd ? "± " + rounded(*sd, scale) : "";
+}
+
+std::string shot_row(const reduction::Readout& readout, Quantity q) {
+  const QuantityLabel& label = kQuantityLabels[static_cast<std::size_t>(q)];
+  const double sd = readout.sd[q].value_or(0.0);
+  // Given the diameter, these do not depend on it: a systematic sd of rounding size is none.
+  const auto& systematic = readout.sd_systematic[q];
+  const bool shown = systematic && *systematic > 1e-3 * sd;
+  return left(label.words, kNameWidth) + right(value_text(readout.value, readout.sd, q), kNumberWidth) + " " +
+         left(sd_text(readout.sd[q], sd), kNumberWidth) + " " +
+         left(shown ? sd_text(systematic, sd > 0.0 ? sd : *systematic) : "", kNumberWidth) + " " +
+         left(label.unit, kUnitWidth);
+}
+
+std::string series_cells(const reduction::Series& series) {
+  if (series.count() == 0) return right("-", kNumberWidth) + right("", kNumberWidth + 9 + 5);
+  const double sd = series.population_sd();
+  const std::string variation = series.count() > 1 && std::isfinite(series.coefficient_of_variation())
+                                    ? fmt::format("{:.1f} %", 100.0 * series.coefficient_of_variation())
+                                    : "";
+  return right(rounded(series.mean(), sd), kNumberWidth) +
+         right(series.count() > 1 ? "± " + rounded(sd, sd) : "", kNumberWidth) + right(variation, 9) +
+         right(std::to_string(series.count()), 5);
+}
+
+const thesis::MeanSd* thesis_value(const thesis::Condition& c, Quantity q) {
+  switch (q) {
+    case Quantity::theta_in_deg:
+      return &c.theta_in_deg;
+    case Quantity::theta_out_deg:
+      return &c.theta_out_deg;
+    case Quantity::vx_td_mps:
+      return &c.vx_td_mps;
+    case Quantity::vy_td_mps:
+      return &c.vy_td_mps;
+    case Quantity::v_td_mps:
+      return &c.v_td_mps;
+    case Quantity::omega_td_radps:
+      return &c.omega_td_radps;
+    case Quantity::vx_lo_mps:
+      return &c.vx_lo_mps;
+    case Quantity::vy_lo_mps:
+      return &c.vy_lo_mps;
+    case Quantity::v_lo_mps:
+      return &c.v_lo_mps;
+    case Quantity::omega_lo_radps:
+      return &c.omega_lo_radps;
+    case Quantity::e:
+      return &c.e;
+    case Quantity::mu:
+      return &c.mu;
+    case Quantity::dwell_time_ms:
+      return &c.dwell_time_ms;
+    case Quantity::dwell_distance_cm:
+      return &c.dwell_distance_cm;
+    case Quantity::slip_lo_mps:
+    case Quantity::court_pace:
+      return nullptr;
+  }
+  return nullptr;
+}
+
+/// Tables 2-4 hold the incoming, 5-7 the rebounding ball, 8-10 the parameters; one each for zero, top, back
+/// spin.
+int first_table(const thesis::Condition& c) { return c.spin == "top" ? 3 : c.spin == "back" ? 4 : 2; }
+
+std::string thesis_cells(const thesis::Condition& condition, Quantity q, const reduction::Series& series) {
+  const thesis::MeanSd* printed = thesis_value(condition, q);
+  if (!printed) return "";
+  std::string cells = right(fmt::format("{:.2f}", printed->mean), kNumberWidth) +
+                      right(fmt::format("± {:.2f}", printed->sd), kNumberWidth);
+  if (series.count() > 0 && printed->sd > 0.0) {
+    cells += right(fmt::format("{:+.1f} sd", (series.mean() - printed->mean) / printed->sd), 10);
+  }
+  return cells;
+}
+
+void append(Lines& lines, const Lines& more) { lines.insert(lines.end(), more.begin(), more.end()); }
+
+std::string headline(const Outcome& outcome) {
+  std::string text = fmt::format("shot {}", outcome.shot_id);
+  if (outcome.dry) text += "   dry";
+  if (outcome.readout.regime) text += "   " + std::string(name(*outcome.readout.regime));
+  if (outcome.readout.value[Quantity::court_pace] && !outcome.readout.court_pace_conforming) {
+    text += "   court pace indicative";
+  }
+  if (outcome.spoilt) text += "   SPOILT";
+  return text;
+}
+
+Lines remarks(const Outcome& outcome) {
+  Lines lines;
+  for (std::size_t i = 0; i < reduction::kFlagCount; ++i) {
+    const auto flag = static_cast<reduction::Flag>(i);
+    if (outcome.readout.flags.has(flag)) lines.push_back("! " + std::string(words(flag)));
+  }
+  if (!outcome.problem.empty()) lines.push_back("! " + outcome.problem);
+  std::string notes;
+  for (const std::string_view key : kNamedNotes) {
+    const auto note = outcome.readout.record.find(std::string(key));
+    if (note == outcome.readout.record.end() || note->second.empty()) continue;
+    notes += fmt::format("{}{} {}", notes.empty() ? "" : ", ", key, note->second);
+  }
+  if (!notes.empty()) lines.push_back("record: " + notes);
+  return lines;
+}
+
+bool has_numbers(const Outcome& outcome) {
+  for (std::size_t i = 0; i < reduction::kQuantityCount; ++i) {
+    if (outcome.readout.value[static_cast<Quantity>(i)]) return true;
+  }
+  return false;
+}
+
+std::string shot_header() {
+  return left("", kNameWidth) + right("value", kNumberWidth) + " " + left("± sd", kNumberWidth) + " " +
+         left("± ball", kNumberWidth) + " " + left("unit", kUnitWidth);
+}
+
+constexpr std::string_view kSeriesHeader = "      mean        sd  variation   n";
+
+Lines shot_beside_series(const Model& model) {
+  Lines lines{shot_header() + std::string(kSeriesHeader)};
+  for (std::size_t i = 0; i < reduction::kQuantityCount; ++i) {
+    const auto q = static_cast<Quantity>(i);
+    lines.push_back(shot_row(model.last->readout, q) + series_cells(model.series.of(q)));
+  }
+  return lines;
+}
+
+}  // namespace
+
+Lines render_firmware(const Model& model, std::size_t width) {
+  Lines lines;
+  if (model.status) {
+    const status_t& s = *model.status;
+    lines.push_back(fmt::format("firmware {}   key {}   e-stop {}   real time {}", state_name(s),
+                                s.key_active ? "on" : "OFF", s.estop_active ? "PRESSED" : "released",
+                                s.real_time ? "yes" : "NO"));
+    lines.push_back(fmt::format(
+        "lateness p50 {} p99 {} p99.9 {} max {} us of {} edges   lost: queue {}, kernel {}, link {}",
+        microseconds(s.lateness_p50_us), microseconds(s.lateness_p99_us), microseconds(s.lateness_p999_us),
+        microseconds(s.lateness_max_us), s.edges_issued, s.queue_overflows, s.kernel_overflows,
+        model.events_missing));
+  }
+  if (const std::string lacking = lacking_words(model); !lacking.empty())
+    lines.push_back("MISSING: " + lacking);
+  if (!model.doing.empty()) lines.push_back(model.doing);
+  return fitted(std::move(lines), width);
+}
+
+Lines render_shot(const Outcome& outcome, std::size_t width) {
+  Lines lines{headline(outcome)};
+  if (outcome.dry) append(lines, describe(outcome.train));
+  if (has_numbers(outcome)) {
+    lines.push_back(shot_header());
+    for (std::size_t i = 0; i < reduction::kQuantityCount; ++i) {
+      lines.push_back(shot_row(outcome.readout, static_cast<Quantity>(i)));
+    }
+  }
+  append(lines, remarks(outcome));
+  return fitted(std::move(lines), width);
+}
+
+Lines render_series(const SeriesTable& series, const std::optional<thesis::Condition>& condition,
+                    std::size_t width) {
+  Lines lines{fmt::format("series of {} shots", series.shots())};
+  std::string header = left("", kNameWidth) + left("unit", kUnitWidth) + std::string(kSeriesHeader);
+  if (condition) {
+    const int table = first_table(*condition);
+    header += fmt::format("    thesis {} {}, Tables {}, {}, {}", condition->spin, condition->angle_label_deg,
+                          table, table + 3, table + 6);
+  }
+  lines.push_back(header);
+  for (std::size_t i = 0; i < reduction::kQuantityCount; ++i) {
+    const auto q = static_cast<Quantity>(i);
+    const QuantityLabel& label = kQuantityLabels[i];
+    std::string line =
+        left(label.words, kNameWidth) + left(label.unit, kUnitWidth) + series_cells(series.of(q));
+    if (condition) line += thesis_cells(*condition, q, series.of(q));
+    lines.push_back(line);
+  }
+  return fitted(std::move(lines), width);
+}
+
+Lines render(const Model& model, std::size_t width) {
+  Lines lines{model.title};
+  append(lines, render_firmware(model, width));
+  lines.emplace_back();
+  const std::size_t both = columns(shot_header()) + kSeriesHeader.size();
+  if (!model.last) {
+    lines.push_back("no shot yet");
+  } else if (has_numbers(*model.last) && width >= both) {
+    lines.push_back(headline(*model.last) + fmt::format("   series of {} shots", model.series.shots()));
+    append(lines, shot_beside_series(model));
+    append(lines, remarks(*model.last));
+  } else {
+    append(lines, render_shot(*model.last, width));
+  }
+  lines.emplace_back();
+  const std::size_t first = model.notices.size() > kNoticesShown ? model.notices.size() - kNoticesShown : 0;
+  for (std::size_t i = first; i < model.notices.size(); ++i) lines.push_back("· " + model.notices[i]);
+  return fitted(std::move(lines), width);
+}
+
+}  // namespace strobe::host
