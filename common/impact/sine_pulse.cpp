@@ -138,11 +138,21 @@ double SinePulse::fraction_at_impulse(double fraction) const {
   double high = form_ == PulseForm::exact ? 1.0 : 1.0 - std::atan(damping_) / pi;
   if (fraction <= 0.0) return low;
   if (at_fraction(high).impulse_fraction <= fraction) return high;
-  while (high - low > 1e-13) {
-    const double middle = 0.5 * (low + high);
-    (at_fraction(middle).impulse_fraction < fraction ? low : high) = middle;
+  // Newton on the impulse, whose slope is the force; bisection wherever a step leaves the bracket.
+  const double target = fraction * (1.0 + input_.e);
+  double tau = 0.5 * (low + high);
+  for (int i = 0; i < 60; ++i) {
+    const Phase p(tau, damping_);
+    const bool exact = form_ == PulseForm::exact;
+    const double miss = (exact ? first_integral(damping_, p) : p.one_minus_decayed_cosine(damping_)) - target;
+    const double slope = pi * p.decay * (p.sine + (exact ? 0.0 : damping_ * p.cosine));
+    (miss < 0.0 ? low : high) = tau;
+    double next = tau - miss / slope;
+    if (!(next > low && next < high)) next = 0.5 * (low + high);
+    if (std::abs(next - tau) < 1e-14) return next;
+    tau = next;
   }
-  return 0.5 * (low + high);
+  return tau;
 }
 
 tl::expected<PulseRebound, InputError> pulse_rebound(PulseForm form, const ball::Ball& ball,

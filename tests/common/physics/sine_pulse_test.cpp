@@ -117,7 +117,7 @@ TEST(DampedSinePulse, TheSimplificationCostsUpToFourAndAHalfPercentAtTheThesissD
 TEST(DampedSinePulse, FindsWhenAShareOfTheImpulseHasActed) {
   for (const PulseForm form : {PulseForm::exact, PulseForm::simplified}) {
     const SinePulse p = pulse(form);
-    for (const double share : {1e-6, 0.1, 0.5, 0.9, 0.999})
+    for (const double share : {1e-12, 1e-6, 0.1, 0.5, 0.9, 0.999, 0.999999})
       DOUBLES_EQUAL(share, p.at_fraction(p.fraction_at_impulse(share)).impulse_fraction, 1e-12);
     DOUBLES_EQUAL(0.0, p.fraction_at_impulse(0.0), 0.0);
   }
