@@ -35,6 +35,7 @@ class Line {
   double mean_angle() const { return mean_a_; }
   double weight() const { return sw_; }
   double moment() const { return stt_; }
+  double variance_at(double t) const { return 1.0 / sw_ + (t - mean_t_) * (t - mean_t_) / stt_; }
 
  private:
   double sw_ = 0.0;
@@ -49,7 +50,7 @@ double weight(const EquatorReading& r, double omega) {
   return 1.0 / (r.sd_rad * r.sd_rad + by_time * by_time);
 }
 
-/// The line through readings `pair` and `pair + 1` with that spin, extended to all others, nearest first.
+/// The line through readings `pair` and `pair + 1` with that spin, extended to the others, nearest first.
 Line follow(const std::vector<EquatorReading>& readings, std::size_t pair, double omega) {
   const EquatorReading& first = readings[pair];
   const EquatorReading& second = readings[pair + 1];
@@ -64,7 +65,21 @@ Line follow(const std::vector<EquatorReading>& readings, std::size_t pair, doubl
                           (before > 0 && mean - readings[before - 1].time_s < readings[after].time_s - mean);
     const EquatorReading& next = readings[backward ? --before : after++];
     const double expected = line.at(next.time_s);
-    line.add(next.time_s, expected + wrap_half_turn(next.angle_rad - expected), weight(next, omega));
+    const double miss = wrap_half_turn(next.angle_rad - expected);
+    const double w = weight(next, omega);
+    // A wrong reading must not lead the line astray from those that follow.
+    if (miss * miss > kCostLimit * (1.0 / w + line.variance_at(next.time_s))) continue;
+    line.add(next.time_s, expected + miss, w);
+  }
+  return line;
+}
+
+/// Least squares through all readings, each at the half turn nearest to the given line.
+Line through_all(const std::vector<EquatorReading>& readings, const Line& nearby) {
+  Line line;
+  for (const EquatorReading& r : readings) {
+    const double expected = nearby.at(r.time_s);
+    line.add(r.time_s, expected + wrap_half_turn(r.angle_rad - expected), weight(r, nearby.omega()));
   }
   return line;
 }
@@ -72,7 +87,7 @@ Line follow(const std::vector<EquatorReading>& readings, std::size_t pair, doubl
 struct Proposal {
   Line line;
   double omega = 0.0;
-  double cost = std::numeric_limits<double>::infinity();
+  double cost = 0.0;
 };
 
 double robust_cost(const std::vector<EquatorReading>& readings, const Line& line) {
@@ -140,11 +155,11 @@ std::optional<SpinFit> fit_spin(const std::vector<EquatorReading>& readings) {
       *std::min_element(proposals.begin(), proposals.end(),
                         [](const Proposal& a, const Proposal& b) { return a.cost < b.cost; });
   SpinFit fit;
-  finish(readings, best.line, fit);
+  finish(readings, through_all(readings, best.line), fit);
   const double sd = std::sqrt(fit.variance);
   fit.aliased = std::abs(fit.omega_radps) + std::max(3.0 * sd, kNearLimit * limit) > limit;
   for (const Proposal& other : proposals) {
-    const bool distinct = std::abs(other.omega - fit.omega_radps) > 6.0 * sd;
+    const bool distinct = std::abs(other.omega - best.omega) > 6.0 * sd;
     fit.aliased = fit.aliased || (distinct && other.cost < best.cost + kComparable);
   }
   return fit;

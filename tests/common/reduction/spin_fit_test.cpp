@@ -1,0 +1,92 @@
+// Spin from a line that is known modulo half a turn.
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "common/reduction/spin_fit.hpp"
+#include "common/units/angles.hpp"
+
+#include <CppUTest/TestHarness.h>
+
+using namespace strobe;
+using namespace strobe::reduction;
+
+namespace {
+
+std::vector<EquatorReading> readings(double omega, double phase, const std::vector<double>& times,
+                                     double sd = 0.0175) {
+  std::vector<EquatorReading> result;
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    const double angle = phase + omega * times[i];
+    EquatorReading r;
+    r.time_s = times[i];
+    r.angle_rad = angle - kPi * std::floor(angle / kPi);
+    r.sd_rad = sd;
+    r.index = i;
+    result.push_back(r);
+  }
+  return result;
+}
+
+const std::vector<double> kFive{0.0, 0.003, 0.006, 0.009, 0.012};
+
+}  // namespace
+
+TEST_GROUP(SpinFitting){};
+
+TEST(SpinFitting, IsExactAtEveryPhaseAndSpinWithinTheWindow) {
+  for (double omega = -490.0; omega <= 490.0; omega += 35.0) {
+    for (int phase = 0; phase < 50; ++phase) {
+      const auto fit = fit_spin(readings(omega, kPi * phase / 50.0, kFive));
+      CHECK_TRUE(fit.has_value());
+      DOUBLES_EQUAL(omega, fit->omega_radps, 1e-9);
+    }
+  }
+}
+
+TEST(SpinFitting, VarianceIsThatOfAStraightLine) {
+  // Five times 3 ms apart: sum of squares about the mean is 10 * (3 ms)^2.
+  const auto fit = fit_spin(readings(100.0, 0.2, kFive, 0.01));
+  DOUBLES_EQUAL(1e-4 / (10.0 * 9e-6), fit->variance, 1e-9);
+}
+
+TEST(SpinFitting, OneBadReadingDoesNotChooseTheBranch) {
+  for (std::size_t bad = 0; bad < 5; ++bad) {
+    auto r = readings(-350.0, 1.0, kFive);
+    r[bad].angle_rad += 1.2;
+    const auto fit = fit_spin(r);
+    // Its pull: 1.2 rad times its share of the slope, at most 0.2 / 3 ms: 80 rad/s. Another branch is 1047
+    // off.
+    DOUBLES_EQUAL(-350.0, fit->omega_radps, 85.0);
+  }
+}
+
+TEST(SpinFitting, AMissingReadingKeepsTheWindowOfTheShortestInterval) {
+  const auto fit = fit_spin(readings(400.0, 0.3, {0.0, 0.006, 0.009, 0.015}));
+  DOUBLES_EQUAL(400.0, fit->omega_radps, 1e-9);
+}
+
+TEST(SpinFitting, ALongLegDoesNotLoseAHalfTurnToNoise) {
+  std::mt19937_64 random(9);
+  std::vector<double> times;
+  for (int i = 0; i < 60; ++i) times.push_back(i * 0.003);
+  for (int shot = 0; shot < 200; ++shot) {
+    auto r = readings(-450.0, 0.1 * shot, times, 0.1);
+    for (EquatorReading& e : r) e.angle_rad += 0.1 * std::normal_distribution<double>()(random);
+    const auto fit = fit_spin(r);
+    // sd: 0.1 / sqrt(60^3 / 12) / 3 ms = 0.25 rad/s.
+    DOUBLES_EQUAL(-450.0, fit->omega_radps, 5 * 0.25);
+  }
+}
+
+TEST(SpinFitting, TwoReadingsGiveTheSmallestTurn) {
+  const auto fit = fit_spin(readings(-120.0, 0.05, {0.0, 0.003}));
+  DOUBLES_EQUAL(-120.0, fit->omega_radps, 1e-9);
+  CHECK_FALSE(fit_spin(readings(0.0, 0.0, {0.0})).has_value());
+}
+
+TEST(SpinFitting, SaysWhenAnotherTurnFitsAlike) {
+  CHECK_TRUE(fit_spin(readings(515.0, 0.0, kFive))->aliased);
+  CHECK_TRUE(fit_spin(readings(-515.0, 0.0, kFive))->aliased);
+  CHECK_FALSE(fit_spin(readings(300.0, 0.0, kFive))->aliased);
+}

@@ -1,0 +1,61 @@
+// Student's t, court pace and derivatives, against printed tables and worked examples.
+#include <cmath>
+
+#include "common/reduction/court_pace.hpp"
+#include "common/reduction/dual.hpp"
+#include "common/reduction/student_t.hpp"
+
+#include <CppUTest/TestHarness.h>
+
+using namespace strobe;
+using namespace strobe::reduction;
+
+TEST_GROUP(StudentT){};
+
+TEST(StudentT, HoldsAsMuchAsOneSigmaOfANormal) {
+  // GUM, table G.2, column 68.27 %: 1.84, 1.32, 1.20, 1.14, 1.11; 1.05 at 10; 1.03 at 20.
+  DOUBLES_EQUAL(1.84, student_t_sigma(1), 0.005);
+  DOUBLES_EQUAL(1.32, student_t_sigma(2), 0.005);
+  DOUBLES_EQUAL(1.20, student_t_sigma(3), 0.005);
+  DOUBLES_EQUAL(1.11, student_t_sigma(5), 0.005);
+  DOUBLES_EQUAL(1.05, student_t_sigma(10), 0.005);
+  DOUBLES_EQUAL(1.03, student_t_sigma(20), 0.005);
+  DOUBLES_EQUAL(1.0, student_t_sigma(1e9), 1e-12);
+}
+
+TEST(StudentT, TailsAreThoseOfTheTables) {
+  DOUBLES_EQUAL(0.05, student_t_tail(2.228, 10), 1e-4);  // the 95 % point of ten degrees of freedom
+  DOUBLES_EQUAL(0.3173, student_t_tail(1.0, 1e9), 1e-4);
+}
+
+TEST_GROUP(CourtPace){};
+
+TEST(CourtPace, GivesTheRatingsOfTheWorkedExamples) {
+  DOUBLES_EQUAL(37.0, court_pace_rating(0.81, 0.63, 23.0), 1e-9);
+  DOUBLES_EQUAL(6.5, court_pace_rating(0.90, 0.80, 23.0), 1e-9);
+  DOUBLES_EQUAL(56.0, court_pace_rating(0.75, 0.53, 23.0), 1e-9);
+  DOUBLES_EQUAL(37.0 - 150 * 0.03, court_pace_rating(0.81, 0.63, 13.0), 1e-9);
+}
+
+TEST(CourtPace, KeepsTheMethodsLimits) {
+  CHECK_TRUE(court_pace_limits_kept(31.9, -17.9, 18.8));
+  CHECK_FALSE(court_pace_limits_kept(32.1, -16.0, 0.0));
+  CHECK_FALSE(court_pace_limits_kept(30.0, -18.1, 0.0));
+  CHECK_FALSE(court_pace_limits_kept(30.0, 16.0, 0.0));
+  CHECK_FALSE(court_pace_limits_kept(30.0, -16.0, 18.9));
+}
+
+TEST_GROUP(Derivatives){};
+
+TEST(Derivatives, AgreeWithDifferencesOfTheValue) {
+  const auto formula = [](const Dual<2>& a, const Dual<2>& b) {
+    return atan2(sqrt(a * b + 2.0) - b / a, 3.0 - a) * hypot(a, -b) + 0.5 * (a - 1.0) / b;
+  };
+  const double a = 1.3;
+  const double b = 0.7;
+  const double h = 1e-6;
+  const auto f = formula(Dual<2>::variable(a, 0), Dual<2>::variable(b, 1));
+  // Central differences: rounding 1e-16 / 1e-6 and h^2 leave 1e-9.
+  DOUBLES_EQUAL((formula(a + h, b).value - formula(a - h, b).value) / (2 * h), f.grad[0], 1e-8);
+  DOUBLES_EQUAL((formula(a, b + h).value - formula(a, b - h).value) / (2 * h), f.grad[1], 1e-8);
+}
