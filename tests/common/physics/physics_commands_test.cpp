@@ -1,6 +1,5 @@
 // The commands contact and predict as a user runs them.
 #include <chrono>
-#include <fstream>
 #include <string>
 #include <vector>
 
@@ -30,7 +29,7 @@ const std::vector<std::string> kZero23Inputs{"--vx-td",
                                              "--dwell-distance-cm",
                                              "6.29"};
 
-Finished strobe(std::vector<std::string> arguments) {
+Finished run_strobe(std::vector<std::string> arguments) {
   arguments.insert(arguments.begin(), STROBE_PROGRAM);
   return strobe::testing::run_to_end({.arguments = std::move(arguments), .environment = {}, .folder = {}},
                                      std::chrono::seconds(30));
@@ -40,7 +39,7 @@ Finished contact(const std::string& set, std::vector<std::string> more) {
   std::vector<std::string> arguments{"contact", set};
   arguments.insert(arguments.end(), kZero23Inputs.begin(), kZero23Inputs.end());
   arguments.insert(arguments.end(), more.begin(), more.end());
-  return strobe(arguments);
+  return run_strobe(arguments);
 }
 
 void check_one_complaint(const Finished& run, const std::string& expected) {
@@ -72,22 +71,23 @@ TEST(PhysicsCommands, ContactPrintsOneJsonObjectWithItsInputs) {
 TEST(PhysicsCommands, ContactRefusesAFileWithLettersNamingLineAndColumn) {
   const strobe::testing::TemporaryFolder folder;
   const std::string path = (folder.path() / "set.csv").string();
-  std::ofstream(path) << "time_fraction,x_fraction,y_fraction,rotation_fraction\n0,0,0,0\n0.5,abc,0,0\n";
+  strobe::testing::write_text(
+      path, "time_fraction,x_fraction,y_fraction,rotation_fraction\n0,0,0,0\n0.5,abc,0,0\n");
   check_one_complaint(contact(path, {}), "strobe: " + path + ":3: x_fraction: 'abc' is not a number\n");
 }
 
 TEST(PhysicsCommands, ContactAsksForWhatAFileDoesNotBring) {
-  check_one_complaint(strobe({"contact", kZero23}), "strobe: contact: --vx-td is needed with a file\n");
+  check_one_complaint(run_strobe({"contact", kZero23}), "strobe: contact: --vx-td is needed with a file\n");
 }
 
 TEST(PhysicsCommands, ContactRefusesARestitutionAboveOne) {
-  check_one_complaint(strobe({"contact", kZero23, "--vx-td", "15", "--vy-td", "-6", "--e", "1.2", "--mu",
-                              "0.5", "--dwell-time-ms", "5", "--dwell-distance-cm", "6"}),
+  check_one_complaint(run_strobe({"contact", kZero23, "--vx-td", "15", "--vy-td", "-6", "--e", "1.2", "--mu",
+                                  "0.5", "--dwell-time-ms", "5", "--dwell-distance-cm", "6"}),
                       "strobe: " + kZero23 + ": e must be from 0 to 1\n");
 }
 
 TEST(PhysicsCommands, PredictRollsOffAsTheThesisSays) {
-  const Finished run = strobe({"predict", "--vx", "10", "--vy", "-12", "--model", "rigid", "--json"});
+  const Finished run = run_strobe({"predict", "--vx", "10", "--vy", "-12", "--model", "rigid", "--json"});
   LONGS_EQUAL(0, run.status->code);
   const auto json = strobe::testing::parse_json_lines(run.out).at(0);
   DOUBLES_EQUAL(6.0, json["vx_lo_mps"].get<double>(), 1e-12);
@@ -95,13 +95,13 @@ TEST(PhysicsCommands, PredictRollsOffAsTheThesisSays) {
 }
 
 TEST(PhysicsCommands, PredictRefusesABallThatMovesAway) {
-  check_one_complaint(strobe({"predict", "--vx", "10", "--vy", "12"}),
+  check_one_complaint(run_strobe({"predict", "--vx", "10", "--vy", "12"}),
                       "strobe: predict: vy must be negative: the ball must move towards the surface\n");
 }
 
 TEST(PhysicsCommands, BothExplainThemselves) {
   for (const char* command : {"contact", "predict"}) {
-    const Finished run = strobe({command, "--help"});
+    const Finished run = run_strobe({command, "--help"});
     LONGS_EQUAL(0, run.status->code);
     CHECK(run.out.find("Example") != std::string::npos);
   }
