@@ -76,6 +76,21 @@ TEST(PhysicsCommands, ContactRefusesAFileWithLettersNamingLineAndColumn) {
   check_one_complaint(contact(path, {}), "strobe: " + path + ":3: x_fraction: 'abc' is not a number\n");
 }
 
+// Back -45 has eight images in print, one of which its correction leaves out.
+TEST(PhysicsCommands, ContactTakesAProjectsSetWithItsMeansCorrectedOrAsPrinted) {
+  const auto images = [](std::vector<std::string> arguments) {
+    const Finished run = run_strobe(std::move(arguments));
+    LONGS_EQUAL(0, run.status->code);
+    const auto json = strobe::testing::parse_json_lines(run.out).at(0);
+    DOUBLES_EQUAL(12.02, json["inputs"]["vx_td_mps"].get<double>(), 0.0);
+    return json["n"].get<int>();
+  };
+  LONGS_EQUAL(7, images({"contact", "back_45", "--json"}));
+  LONGS_EQUAL(8, images({"contact", "back_45", "--json", "--as-printed"}));
+  check_one_complaint(run_strobe({"contact", "back_46"}),
+                      "strobe: back_46: neither a file nor one of the project's sets (zero_17 to back_68)\n");
+}
+
 TEST(PhysicsCommands, ContactAsksForWhatAFileDoesNotBring) {
   check_one_complaint(run_strobe({"contact", kZero23}), "strobe: contact: --vx-td is needed with a file\n");
 }
