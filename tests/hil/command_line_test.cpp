@@ -1,0 +1,210 @@
+// Bad input: the exit status and exactly one line on standard error that says what and where.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "tests/hil/bench.hpp"
+#include "tests/support/private_network.hpp"
+// CppUTest redefines new; its headers come last.
+#include <CppUTest/TestHarness.h>
+
+using namespace strobe::hil;
+using namespace std::chrono_literals;
+using strobe::testing::Command;
+using strobe::testing::Finished;
+
+namespace {
+
+struct Case {
+  const char* what;
+  Command command;
+  int code;
+  const char* word;  ///< what the line must name
+};
+
+std::string complaints(const std::vector<Case>& cases) {
+  std::string wrong;
+  for (const Case& each : cases) {
+    const Finished finished = strobe::testing::run_to_end(each.command, 20s);
+    const auto lines = std::count(finished.err.begin(), finished.err.end(), '\n');
+    const int code = finished.status ? finished.status->code : -1;
+    if (code == each.code && lines == 1 && finished.err.find(each.word) != std::string::npos) continue;
+    wrong += fmt::format("\n  {}: exit {} (wanted {}), {} lines, looked for \"{}\" in:\n{}", each.what, code,
+                         each.code, lines, each.word, finished.err);
+  }
+  return wrong;
+}
+
+Command with_strobe(std::vector<std::string> words) {
+  words.insert(words.begin(), program("strobe"));
+  return {words, {}, {}, {}};
+}
+
+/// A frame of five images that the reduction accepts; `{}` stands for one more member.
+const char* const kFrame =
+    R"({"shot_id":1,"ball_diameter_m":0.0651,"surface_px":[[0,100],[100,100],[900,100],[1000,100]],"images":[)"
+    R"({"time_s":0.0,"leg":"incoming","centre_px":[100,600],"diameter_px":260,"equator_rad":0.1},)"
+    R"({"time_s":0.003,"leg":"incoming","centre_px":[250,450],"diameter_px":260,"equator_rad":0.1},)"
+    R"({"time_s":0.006,"leg":"incoming","centre_px":[400,300],"diameter_px":260,"equator_rad":0.1},)"
+    R"({"time_s":0.015,"leg":"rebound","centre_px":[700,400],"diameter_px":260,"equator_rad":0.2},)"
+    R"({"time_s":0.018,"leg":"rebound","centre_px":[800,500],"diameter_px":260,"equator_rad":0.3},)"
+    R"({"time_s":0.021,"leg":"rebound","centre_px":[900,600],"diameter_px":260,"equator_rad":0.4}]})";
+
+}  // namespace
+
+TEST_GROUP(CommandLine) {
+  strobe::testing::TemporaryFolder folder;
+
+  std::string file(const std::string& name, const std::string& text) const {
+    strobe::testing::write_text(folder / name, text);
+    return folder / name;
+  }
+  std::string rig(const std::string& name, const std::string& from, const std::string& to) const {
+    return file(name, replaced(strobe::testing::read_text(share("rig.toml")), from, to));
+  }
+};
+
+TEST(CommandLine, WrongRigFilesAreNamedWithTheirLine) {
+  const std::string session = folder / "session";
+  const auto strobed = [&](const std::string& config) {
+    return Command{
+        {program("strobed"), "--config", config, "--session", session, "--allow-no-rt"}, {}, {}, {}};
+  };
+  STRCMP_EQUAL(
+      "",
+      complaints(
+          {
+              {"no such file", strobed(folder / "none.toml"), 2, "none.toml"},
+              {"not TOML", strobed(file("broken.toml", "rig = \"bench\"\n[chip\n")), 2, "broken.toml:2"},
+              {"unknown key", strobed(rig("unknown.toml", "priority = 80", "prority = 80")), 2, "prority"},
+              {"text for a number", strobed(rig("text.toml", "pulse_us = 50 ", "pulse_us = \"fifty\" ")), 2,
+               "pulse_us"},
+              {"not a number", strobed(rig("nan.toml", "pulse_us = 50 ", "pulse_us = nan ")), 2, "pulse_us"},
+              {"beyond its range", strobed(rig("range.toml", "max_open_s = 2.0", "max_open_s = -2.0")), 2,
+               "max_open_s"},
+              {"a line missing", strobed(rig("missing.toml", "trigger  = { line = \"TRIGGER\" }", "")), 2,
+               "trigger"},
+              {"one line twice", strobed(rig("twice.toml", "line = \"STROBE_B\"", "line = \"STROBE_A\"")), 2,
+               "strobe_b"},
+              {"bad rig name", strobed(rig("name.toml", "rig = \"bench\"", "rig = \"a/b\"")), 2, "rig"},
+          })
+          .c_str());
+}
+
+TEST(CommandLine, ChipsAndLinesThatCannotBeHadAreNamed) {
+  BenchOptions options;
+  options.shell = "sleep 100";  // a chip with nobody on it
+  Bench bench(options);
+  CHECK(bench.sim().wait_for_err("strobe-sim: scene", 20s));
+  const std::string session = folder / "session";
+  const auto strobed = [&](const std::string& config) {
+    return bench.strobed(
+        {"--config", config, "--session", session, "--allow-no-rt", "--lcm-url", bench.lcm_url()});
+  };
+  Command no_chip = strobed(share("rig.toml"));
+  no_chip.environment.clear();
+  STRCMP_EQUAL(
+      "",
+      complaints(
+          {
+              {"no chip", no_chip, 2, "gpiochip0"},
+              {"no such chip", strobed(rig("chip.toml", "\"gpiochip0\"", "\"gpiochip7\"")), 2, "gpiochip7"},
+              {"no such line", strobed(rig("line.toml", "\"SHUTTER\"", "\"SHUTER\"")), 2, "SHUTER"},
+              {"no such number", strobed(rig("offset.toml", "\"SHUTTER\"", "99")), 2, "99"},
+          })
+          .c_str());
+}
+
+TEST(CommandLine, LinesThatAnotherProgramHoldsAreNamed) {
+  Bench bench;
+  if (!bench.ready()) FAIL(("strobed did not come up:\n" + bench.log()).c_str());
+  const Command second = bench.strobed({"--config", bench.rig_file(), "--session", folder / "session",
+                                        "--allow-no-rt", "--lcm-url", bench.lcm_url()});
+  STRCMP_EQUAL("", complaints({{"busy chip", second, 2, "busy"}}).c_str());
+}
+
+TEST(CommandLine, WrongFramesAreNamedWithTheirLine) {
+  const auto reduce = [&](const std::string& path) {
+    return with_strobe({"reduce", path, "--format", "frame"});
+  };
+  const std::string good = std::string(kFrame) + "\n";
+  STRCMP_EQUAL(
+      "",
+      complaints(
+          {
+              {"no such file", reduce(folder / "none.jsonl"), 2, "none.jsonl"},
+              {"letters in a number", reduce(file("letters.jsonl", replaced(good, "0.003", "0.0O3"))), 1,
+               "letters.jsonl:1"},
+              {"NaN", reduce(file("nan.jsonl", good + replaced(good, "0.003", "NaN"))), 1, "nan.jsonl:2"},
+              {"cut in the middle", reduce(file("cut.jsonl", good + good.substr(0, good.size() / 2))), 1,
+               "cut.jsonl:2"},
+              {"no images", reduce(file("none_key.jsonl", "{\"shot_id\":1}\n")), 1, "none_key.jsonl:1"},
+              {"unknown estimator",
+               with_strobe({"reduce", file("good.jsonl", good), "--format", "frame", "--estimator", "guess"}),
+               2, "guess"},
+              {"unknown format", with_strobe({"reduce", file("good.jsonl", good), "--format", "card"}), 2,
+               "card"},
+          })
+          .c_str());
+  CHECK(strobe::testing::run_to_end(reduce(file("good.jsonl", good)), 20s).status ==
+        strobe::testing::ExitStatus({0, 0}));
+}
+
+TEST(CommandLine, LegacyFilesCutOrWithLettersAreNamedWithTheirLine) {
+  const auto reduce = [&](const std::string& path) {
+    return with_strobe({"reduce", path, "--format", "legacy", "--estimator", "legacy"});
+  };
+  const std::string start =
+      "0.003\n2 17\n0 100\n100 100\n900 100\n1000 100\n\n100 600\n230 600\n50 590\n150 610\n\n250 450\n";
+  STRCMP_EQUAL(
+      "",
+      complaints({
+                     {"cut in the middle", reduce(file("cut.dat", start)), 1, "cut.dat"},
+                     {"letters in a number",
+                      reduce(file("letters.dat", replaced(start, "900 100", "9OO 100"))), 1, "letters.dat:5"},
+                     {"not a number", reduce(file("nan.dat", replaced(start, "900 100", "nan 100"))), 1,
+                      "nan.dat:5"},
+                     {"no period", reduce(file("period.dat", "period\n")), 2, "period.dat:1"},
+                     {"empty", reduce(file("empty.dat", "")), 2, "empty.dat"},
+                 })
+          .c_str());
+}
+
+TEST(CommandLine, WrongOptionsOfStrobeAreNamed) {
+  STRCMP_EQUAL(
+      "",
+      complaints(
+          {
+              {"no such command", with_strobe({"explode"}), 2, "explode"},
+              {"letters in a number", with_strobe({"fire", "--shots", "nine"}), 2, "nine"},
+              {"no shots", with_strobe({"fire", "--shots", "0"}), 2, "shots"},
+              {"unknown spin", with_strobe({"fire", "--shots", "1", "--spin", "side"}), 2, "side"},
+              {"a note without a value", with_strobe({"fire", "--shots", "1", "--note", "remarks"}), 2,
+               "remarks"},
+              {"no such plan", with_strobe({"fire", "--shots", "1", "--plan", folder / "none.toml"}), 2,
+               "none.toml"},
+              {"wrong plan",
+               with_strobe(
+                   {"fire", "--shots", "1", "--plan", file("plan.toml", "period_us = 3000\nperid = 1\n")}),
+               2, "plan.toml:2"},
+              {"no such log", with_strobe({"replay", folder / "none.lcmlog"}), 2, "none.lcmlog"},
+              {"no such rig file", with_strobe({"live", "--rig", folder / "none.toml"}), 2, "none.toml"},
+              {"restitution above 1",
+               with_strobe({"predict", "--vx", "15", "--vy", "-6", "--omega", "0", "--e", "1.5"}), 2, "--e"},
+              {"ball leaving the surface",
+               with_strobe({"predict", "--vx", "15", "--vy", "6", "--omega", "0"}), 2, "vy"},
+              {"not a number", with_strobe({"predict", "--vx", "nan", "--vy", "-6", "--omega", "0"}), 2,
+               "vx"},
+          })
+          .c_str());
+}
+
+TEST(CommandLine, FiringWithoutAStrobedEndsWithAClearMessage) {
+  const std::string url = strobe::testing::private_lcm_url();
+  const Finished finished = strobe::testing::run_to_end(
+      with_strobe({"fire", "--shots", "1", "--session", folder / "session", "--lcm-url", url}), 30s);
+  CHECK(finished.status == strobe::testing::ExitStatus({1, 0}));
+  CHECK_TEXT(finished.err.find("strobed") != std::string::npos, finished.err.c_str());
+}

@@ -1,0 +1,65 @@
+#include "tests/hil/line_changes.hpp"
+
+#include <algorithm>
+
+#include "tests/support/json_lines.hpp"
+
+namespace strobe::hil {
+namespace {
+
+std::vector<LineChange> read_changes(const std::filesystem::path& csv) {
+  const testing::CsvTable table = testing::read_csv(csv);
+  const std::size_t time = table.column("time_ns");
+  const std::size_t name = table.column("name");
+  const std::size_t level = table.column("level");
+  const std::size_t cause = table.column("cause");
+  std::vector<LineChange> changes;
+  for (const auto& row : table.rows) {
+    changes.push_back({std::stoll(row.at(time)), row.at(name), std::stoi(row.at(level)), row.at(cause)});
+  }
+  return changes;
+}
+
+}  // namespace
+
+LineChanges::LineChanges(const std::filesystem::path& csv) : LineChanges(read_changes(csv)) {}
+
+LineChanges::LineChanges(std::vector<LineChange> changes) : changes_(std::move(changes)) {
+  std::stable_sort(changes_.begin(), changes_.end(),
+                   [](const auto& a, const auto& b) { return a.time_ns < b.time_ns; });
+}
+
+int LineChanges::rises(const std::string& line, std::int64_t from_ns, std::int64_t to_ns) const {
+  int count = 0;
+  int level = 0;
+  for (const LineChange& change : changes_) {
+    if (change.line != line) continue;
+    if (level == 0 && change.level == 1 && change.time_ns >= from_ns && change.time_ns <= to_ns) ++count;
+    level = change.level;
+  }
+  return count;
+}
+
+int LineChanges::level_at(const std::string& line, std::int64_t time_ns) const {
+  int level = 0;
+  for (const LineChange& change : changes_) {
+    if (change.line == line && change.time_ns <= time_ns) level = change.level;
+  }
+  return level;
+}
+
+std::int64_t LineChanges::outputs_safe_from(std::int64_t from_ns) const {
+  std::int64_t safe = from_ns;
+  for (const std::string& line : kOutputs) {
+    if (level_at(line, INT64_MAX) != 0) return INT64_MAX;
+    int level = 0;
+    for (const LineChange& change : changes_) {
+      if (change.line != line) continue;
+      if (level != 0 && change.level == 0) safe = std::max(safe, change.time_ns);
+      level = change.level;
+    }
+  }
+  return safe;
+}
+
+}  // namespace strobe::hil

@@ -1,0 +1,144 @@
+// Sessions as standard LCM logs: recorded, played back, recomputed to the same bytes; and never obeyed again.
+#include <csignal>
+#include <cstdio>
+#include <string>
+
+#include "tests/hil/bench.hpp"
+#include "tests/hil/raw_host.hpp"
+// CppUTest redefines new; its headers come last.
+#include <CppUTest/TestHarness.h>
+
+using namespace strobe::hil;
+using namespace std::chrono_literals;
+using strobe::testing::Command;
+using strobe::testing::ExitStatus;
+using strobe::testing::Process;
+
+namespace {
+
+Command logger(const Bench& bench, const std::filesystem::path& log) {
+  return {{"lcm-logger", "--quiet", "--lcm-url=" + bench.lcm_url(), log}, {}, {}, {}};
+}
+
+Command player(const std::string& lcm_url, const std::filesystem::path& log) {
+  return {{"lcm-logplayer", "--lcm-url=" + lcm_url, log}, {}, {}, {}};
+}
+
+void expect_ready(Bench& bench) {
+  if (!bench.ready()) FAIL(("strobed did not come up:\n" + bench.log()).c_str());
+}
+
+/// Waits until a recorder has written something: it hears the bench.
+bool hears(const std::filesystem::path& log) {
+  return strobe::testing::wait_until(
+      [&] {
+        std::error_code error;
+        return std::filesystem::file_size(log, error) > 0 && !error;
+      },
+      10s);
+}
+
+/// Fires shots while lcm-logger listens; returns what strobe printed.
+std::string record_session(Bench& bench, int shots, const std::filesystem::path& log) {
+  Process recorder = bench.start(logger(bench, log));
+  strobe::testing::sleep_for(300ms);  // it makes its file before it has subscribed
+  const auto fired = strobe::testing::run_to_end(bench.fire(shots, 6), 60s);
+  CHECK_TEXT(fired.status == ExitStatus({0, 0}), fired.err.c_str());
+  CHECK(hears(log));
+  strobe::testing::sleep_for(300ms);
+  recorder.signal(SIGINT);
+  recorder.wait(5s);
+  return fired.out;
+}
+
+std::string join(const std::vector<nlohmann::json>& values) {
+  std::string text;
+  for (const auto& value : values) text += value.dump() + "\n";
+  return text;
+}
+
+}  // namespace
+
+TEST_GROUP(Log){};
+
+TEST(Log, RecordedAndPlayedBackShowsTheSameBytes) {
+  Bench bench;
+  expect_ready(bench);
+  const std::string fired = record_session(bench, 2, bench.folder() / "recorded.lcmlog");
+  bench.finish();
+  const auto replayed = strobe::testing::run_to_end(
+      bench.strobe({"replay", bench.folder() / "recorded.lcmlog", "--json"}), 30s);
+  CHECK_TEXT(replayed.status == ExitStatus({0, 0}), replayed.err.c_str());
+  STRCMP_EQUAL(join(readouts(fired)).c_str(), join(readouts(replayed.out)).c_str());
+
+  Process live = bench.start(bench.strobe({"live", "--json"}));
+  strobe::testing::sleep_for(1000ms);
+  const auto played =
+      strobe::testing::run_to_end(player(bench.lcm_url(), bench.folder() / "recorded.lcmlog"), 60s);
+  CHECK(played.status == ExitStatus({0, 0}));
+  const std::size_t wanted = readouts(fired).size();
+  strobe::testing::wait_until([&] { return readouts(live.out()).size() >= wanted; }, 8s);
+  live.signal(SIGINT);
+  CHECK(live.wait(10s).has_value());
+  STRCMP_EQUAL(join(readouts(fired)).c_str(), join(readouts(live.out())).c_str());
+}
+
+TEST(Log, OfTheSessionsFolderIsRecomputedToTheSameBytes) {
+  Bench bench;
+  expect_ready(bench);
+  const auto fired = strobe::testing::run_to_end(bench.fire(2, 6), 60s);
+  CHECK(fired.status == ExitStatus({0, 0}));
+  bench.finish();
+  std::filesystem::path host_log;
+  for (const auto& entry : std::filesystem::directory_iterator(bench.session())) {
+    if (entry.path().filename().string().rfind("host-", 0) == 0) host_log = entry.path();
+  }
+  CHECK(!host_log.empty());
+  const auto replayed = strobe::testing::run_to_end(bench.strobe({"replay", host_log, "--json"}), 30s);
+  CHECK(replayed.status == ExitStatus({0, 0}));
+  STRCMP_EQUAL(join(readouts(fired.out)).c_str(), join(readouts(replayed.out)).c_str());
+}
+
+TEST(Log, WithCommandsInItNeverFiresARigAgain) {
+  Bench first;
+  expect_ready(first);
+  const std::filesystem::path log = first.folder() / "recorded.lcmlog";
+  record_session(first, 1, log);
+  CHECK(read_log(log).commands >= 2);
+
+  // The same daemon, armed again by another host: its boot id is right, its tokens are spent.
+  RawHost host(first.lcm_url(), "bench");
+  CHECK(host.wait_status());
+  CHECK(host.arm() != 0);
+  const std::int64_t before = strobe::testing::monotonic_now_ns();
+  strobe::testing::run_to_end(player(first.lcm_url(), log), 60s);
+  host.listen(1s);
+  const LineChanges changes = first.finish();
+  for (const std::string& output : kOutputs) LONGS_EQUAL(0, changes.rises(output, before));
+
+  // Another daemon, another boot, armed as well.
+  Bench second;
+  expect_ready(second);
+  RawHost other(second.lcm_url(), "bench");
+  CHECK(other.wait_status());
+  CHECK(other.arm() != 0);
+  strobe::testing::run_to_end(player(second.lcm_url(), log), 60s);
+  other.listen(1s);
+  const LineChanges untouched = second.finish();
+  for (const std::string& output : kOutputs) LONGS_EQUAL(0, untouched.rises(output));
+}
+
+TEST(Log, OfAListenerThatJoinsLateHoldsTheShotsToCome) {
+  Bench bench;
+  expect_ready(bench);
+  CHECK(strobe::testing::run_to_end(bench.fire(1, 6), 60s).status == ExitStatus({0, 0}));
+  Process live = bench.start(bench.strobe({"live", "--json"}));
+  strobe::testing::sleep_for(1000ms);
+  const auto fired = strobe::testing::run_to_end(bench.fire(1, 6), 60s);
+  CHECK(fired.status == ExitStatus({0, 0}));
+  const std::vector<nlohmann::json> expected = readouts(fired.out);
+  strobe::testing::wait_until([&] { return readouts(live.out()).size() >= expected.size(); }, 8s);
+  live.signal(SIGINT);
+  CHECK(live.wait(10s).has_value());
+  STRCMP_EQUAL(join(expected).c_str(), join(readouts(live.out())).c_str());
+}

@@ -1,0 +1,129 @@
+#include "tests/hil/raw_host.hpp"
+
+#include <random>
+#include <stdexcept>
+
+#include "common/messages/channels.hpp"
+#include "tests/support/process.hpp"
+
+namespace strobe::hil {
+
+using messages::Channel;
+using messages::channel_name;
+using namespace std::chrono_literals;
+
+namespace {
+
+std::int64_t random_id() {
+  std::random_device random;
+  return std::uniform_int_distribution<std::int64_t>(1)(random);
+}
+
+bool ends_with(const std::string& text, const std::string& end) {
+  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
+}
+
+}  // namespace
+
+RawHost::RawHost(const std::string& lcm_url, const std::string& rig)
+    : lcm_(lcm_url), rig_(rig), host_id_(random_id()) {
+  if (!lcm_.good()) throw std::runtime_error("no LCM at " + lcm_url);
+  const auto all = [](lcm::Subscription* subscription) {
+    subscription->setQueueCapacity(messages::kSubscriptionQueueCapacity);
+  };
+  all(lcm_.subscribe(channel_name(rig, Channel::status), &RawHost::take_status, this));
+  all(lcm_.subscribe(channel_name(rig, Channel::event), &RawHost::take_event, this));
+  all(lcm_.subscribe(channel_name(rig, Channel::shot), &RawHost::take_shot, this));
+}
+
+void RawHost::take_status(const lcm::ReceiveBuffer*, const std::string&,
+                          const strobe_msgs::status_t* status) {
+  status_ = *status;
+  status_seen_ = true;
+}
+
+void RawHost::take_event(const lcm::ReceiveBuffer*, const std::string&, const strobe_msgs::event_t* event) {
+  events_.push_back(*event);
+}
+
+void RawHost::take_shot(const lcm::ReceiveBuffer*, const std::string&, const strobe_msgs::shot_t* shot) {
+  shots_.push_back(*shot);
+}
+
+bool RawHost::wait(const std::function<bool()>& condition, std::chrono::milliseconds limit) {
+  const std::int64_t end = testing::monotonic_now_ns() + std::chrono::nanoseconds(limit).count();
+  while (!condition()) {
+    if (testing::monotonic_now_ns() >= end) return false;
+    lcm_.handleTimeout(10);
+  }
+  return true;
+}
+
+void RawHost::listen(std::chrono::milliseconds time) {
+  wait([] { return false; }, time);
+}
+
+bool RawHost::wait_status() {
+  return wait([this] { return status_seen_; }, 10s);
+}
+
+strobe_msgs::command_t RawHost::command(std::int8_t kind) {
+  strobe_msgs::command_t command{};
+  command.schema_version = strobe_msgs::command_t::SCHEMA_VERSION;
+  command.host_id = host_id_;
+  command.command_id = next_command_++;
+  command.boot_id = status_.boot_id;
+  command.kind = kind;
+  command.note_count = 0;
+  return command;
+}
+
+void RawHost::send(const strobe_msgs::command_t& command) {
+  lcm_.publish(channel_name(rig_, Channel::command), &command);
+}
+
+std::int64_t RawHost::arm() {
+  send(command(strobe_msgs::command_t::ARM));
+  const bool given = wait([this] { return status_.arm_host_id == host_id_ && status_.arm_token != 0; }, 3s);
+  return given ? status_.arm_token : 0;
+}
+
+strobe_msgs::command_t RawHost::fire_command(std::int64_t token, bool dry) {
+  strobe_msgs::command_t fire = command(strobe_msgs::command_t::FIRE);
+  fire.arm_token = token;
+  fire.plan.train = strobe_msgs::plan_t::TRAIN_FREE;
+  fire.plan.period_ns = 3'000'000;
+  fire.plan.shutter_open_ns = 200'000'000;
+  fire.plan.impact_at_ns = 100'000'000;
+  fire.plan.dry = dry ? 1 : 0;
+  return fire;
+}
+
+bool RawHost::saw(std::int8_t event_kind) const {
+  for (const auto& event : events_) {
+    if (event.kind == event_kind) return true;
+  }
+  return false;
+}
+
+LogContents read_log(const std::string& path) {
+  lcm::LogFile log(path, "r");
+  if (!log.good()) throw std::runtime_error("no log " + path);
+  LogContents contents;
+  while (const lcm::LogEvent* entry = log.readNextEvent()) {
+    strobe_msgs::event_t event;
+    strobe_msgs::shot_t shot;
+    if (ends_with(entry->channel, "/EVENT") && event.decode(entry->data, 0, entry->datalen) > 0) {
+      contents.events.push_back(event);
+    } else if (ends_with(entry->channel, "/SHOT") && shot.decode(entry->data, 0, entry->datalen) > 0) {
+      contents.shots.push_back(shot);
+    } else if (ends_with(entry->channel, "/COMMAND")) {
+      ++contents.commands;
+    } else {
+      ++contents.other;
+    }
+  }
+  return contents;
+}
+
+}  // namespace strobe::hil

@@ -1,0 +1,63 @@
+// A host that speaks to strobed in single messages, for what no command of strobe does on purpose: commands
+// that are stale, repeated, late or meant for another boot. One thread; messages are taken in whenever it
+// waits.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <lcm/lcm-cpp.hpp>
+#include <string>
+#include <strobe_msgs/command_t.hpp>
+#include <strobe_msgs/event_t.hpp>
+#include <strobe_msgs/shot_t.hpp>
+#include <strobe_msgs/status_t.hpp>
+#include <vector>
+
+namespace strobe::hil {
+
+class RawHost {
+ public:
+  RawHost(const std::string& lcm_url, const std::string& rig);
+
+  /// Takes messages in until the condition holds or the limit passed; tells whether it holds.
+  bool wait(const std::function<bool()>& condition, std::chrono::milliseconds limit);
+  void listen(std::chrono::milliseconds time);
+
+  bool wait_status();  ///< the first one of strobed
+  std::int64_t arm();  ///< asks for a token; 0: none was given
+  /// A dry or live shot of the rig file's kind: 3 ms, 200 ms exposure.
+  strobe_msgs::command_t fire_command(std::int64_t token, bool dry);
+  strobe_msgs::command_t command(std::int8_t kind);  ///< addressed to the boot last seen, with the next id
+  void send(const strobe_msgs::command_t& command);
+
+  const strobe_msgs::status_t& status() const { return status_; }
+  const std::vector<strobe_msgs::event_t>& events() const { return events_; }
+  const std::vector<strobe_msgs::shot_t>& shots() const { return shots_; }
+  bool saw(std::int8_t event_kind) const;
+
+ private:
+  void take_status(const lcm::ReceiveBuffer*, const std::string&, const strobe_msgs::status_t* status);
+  void take_event(const lcm::ReceiveBuffer*, const std::string&, const strobe_msgs::event_t* event);
+  void take_shot(const lcm::ReceiveBuffer*, const std::string&, const strobe_msgs::shot_t* shot);
+
+  lcm::LCM lcm_;
+  std::string rig_;
+  std::int64_t host_id_;
+  std::int64_t next_command_ = 1;
+  bool status_seen_ = false;
+  strobe_msgs::status_t status_{};
+  std::vector<strobe_msgs::event_t> events_;
+  std::vector<strobe_msgs::shot_t> shots_;
+};
+
+/// A log as lcm-logger and strobed write it.
+struct LogContents {
+  std::vector<strobe_msgs::event_t> events;
+  std::vector<strobe_msgs::shot_t> shots;
+  int commands = 0;
+  int other = 0;
+};
+LogContents read_log(const std::string& path);
+
+}  // namespace strobe::hil

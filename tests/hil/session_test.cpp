@@ -1,0 +1,81 @@
+// Who may run it, and where it may be installed.
+#include <csignal>
+#include <string>
+
+#include "tests/hil/bench.hpp"
+#include "tests/hil/raw_host.hpp"
+#include "tests/support/json_lines.hpp"
+// CppUTest redefines new; its headers come last.
+#include <CppUTest/TestHarness.h>
+
+using namespace strobe::hil;
+using namespace std::chrono_literals;
+using strobe::testing::ExitStatus;
+
+TEST_GROUP(Session){};
+
+TEST(Session, AnOrdinaryUserFiresWithAWarning) {
+  BenchOptions options;
+  options.rights = strobe::testing::Rights::ordinary;
+  Bench bench(options);
+  if (!bench.ready()) FAIL(("strobed did not come up:\n" + bench.log()).c_str());
+  CHECK_TEXT(bench.log().find("warn") != std::string::npos, bench.log().c_str());
+  strobe::testing::Command fire = bench.fire(1, 9);
+  fire.rights = strobe::testing::Rights::ordinary;
+  const auto fired = strobe::testing::run_to_end(fire, 60s);
+  CHECK_TEXT(fired.status == ExitStatus({0, 0}), fired.err.c_str());
+  CHECK(!readouts(fired.out).empty());
+}
+
+TEST(Session, WithoutRealTimeRightsStrobedRefusesUnlessToldOtherwise) {
+  BenchOptions options;
+  options.rights = strobe::testing::Rights::ordinary;
+  options.shell = "\"$1\" --config \"$3\" --session \"$5\" --lcm-url \"$7\"";
+  Bench bench(options);
+  CHECK(bench.sim().wait(20s) == ExitStatus({1, 0}));
+  CHECK_TEXT(bench.log().find("--allow-no-rt") != std::string::npos, bench.log().c_str());
+}
+
+TEST(Session, FolderHoldsAllThatIsNeededToRecomputeIt) {
+  Bench bench;
+  if (!bench.ready()) FAIL(("strobed did not come up:\n" + bench.log()).c_str());
+  const auto fired = strobe::testing::run_to_end(bench.fire(2, 6, {"--note", "remarks=two shots"}), 60s);
+  CHECK_TEXT(fired.status == ExitStatus({0, 0}), fired.err.c_str());
+  bench.finish();
+  CHECK(std::filesystem::exists(bench.session() / "rig.toml"));
+  CHECK(std::filesystem::exists(bench.session() / "plan.toml"));
+  const auto table = strobe::testing::read_csv(bench.session() / "results.csv");
+  LONGS_EQUAL(readouts(fired.out).size(), table.rows.size());
+  STRCMP_EQUAL("two shots",
+               readouts(fired.out).front().at("record").at("remarks").get<std::string>().c_str());
+}
+
+TEST(Session, ShotNumbersGoOnInTheSameFolder) {
+  Bench bench;
+  if (!bench.ready()) FAIL(("strobed did not come up:\n" + bench.log()).c_str());
+  strobe::testing::run_to_end(bench.fire(1, 0), 60s);
+  strobe::testing::run_to_end(bench.fire(1, 0), 60s);
+  const LogContents journal = read_log(bench.journal());
+  LONGS_EQUAL(2, journal.shots.size());
+  LONGS_EQUAL(1, journal.shots[0].shot_id);
+  LONGS_EQUAL(2, journal.shots[1].shot_id);
+}
+
+TEST(Session, StartsAgainBesideTheOldJournalAndGoesOnCounting) {
+  BenchOptions options;
+  options.shell = "\"$@\"; \"$@\"";  // strobed again once it was ended
+  Bench bench(options);
+  if (!bench.ready()) FAIL(("strobed did not come up:\n" + bench.log()).c_str());
+  strobe::testing::run_to_end(bench.fire(1, 0), 60s);
+  const std::filesystem::path old_journal = bench.journal();
+  const pid_t guardian = bench.guardian();
+  kill(guardian, SIGTERM);
+  CHECK(
+      strobe::testing::wait_until([&] { return bench.guardian() != guardian && bench.worker() != 0; }, 10s));
+  CHECK(strobe::testing::wait_until([&] { return bench.journal() != old_journal; }, 10s));
+  strobe::testing::run_to_end(bench.fire(1, 0), 60s);
+  const LogContents journal = read_log(bench.journal());
+  LONGS_EQUAL(1, journal.shots.size());
+  LONGS_EQUAL(2, journal.shots[0].shot_id);
+  kill(bench.guardian(), SIGTERM);
+}

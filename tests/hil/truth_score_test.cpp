@@ -1,0 +1,59 @@
+#include "tests/hil/truth_score.hpp"
+
+#include <random>
+#include <string>
+
+// CppUTest redefines new; its headers come last.
+#include <CppUTest/TestHarness.h>
+
+using namespace strobe::hil;
+
+namespace {
+
+nlohmann::json readout_with(double e, double sd) {
+  return {{"e", e}, {"mu", nullptr}, {"sd", {{"e", sd}}}, {"flags", nlohmann::json::array()}};
+}
+
+const nlohmann::json kTruth{{"readout", {{"e", 0.75}, {"mu", 0.5}}}};
+
+/// Shots whose true noise is `ratio` times what they state.
+TruthScore shots_with_noise(double ratio, int count) {
+  std::mt19937 random(1);
+  std::normal_distribution<double> noise(0.0, 0.01 * ratio);
+  TruthScore score;
+  for (int i = 0; i < count; ++i) score.add(readout_with(0.75 + noise(random), 0.01), kTruth, "shot");
+  return score;
+}
+
+}  // namespace
+
+TEST_GROUP(TruthScore){};
+
+TEST(TruthScore, NamesANumberThatIsOffByMoreThanItsSdAllows) {
+  TruthScore score;
+  score.add(readout_with(0.80, 0.01), kTruth, "shot 1");
+  CHECK(score.beyond(4.5).find("shot 1: e is off by 5.00 sd") != std::string::npos);
+  STRCMP_EQUAL("", score.beyond(5.1).c_str());
+}
+
+TEST(TruthScore, TakesANumberWithoutAnSdForWrong) {
+  TruthScore score;
+  score.add(readout_with(0.75, 0.0), kTruth, "shot 1");
+  CHECK(!score.beyond(1e9).empty());
+}
+
+TEST(TruthScore, AcceptsErrorsAsLargeAsStated) {
+  STRCMP_EQUAL("", shots_with_noise(1.0, 60).implausible_rms(1e-3).c_str());
+}
+
+TEST(TruthScore, RejectsStatedSdsThatAreTooSmallOrTooLarge) {
+  // With 60 shots and one quantity the bounds are about 0.70 and 1.32.
+  CHECK(!shots_with_noise(1.6, 60).implausible_rms(1e-3).empty());
+  CHECK(!shots_with_noise(0.5, 60).implausible_rms(1e-3).empty());
+}
+
+TEST(TruthScore, DoesNotJudgeWhatWasNotMeasured) {
+  TruthScore score;
+  score.add(readout_with(0.75, 0.01), kTruth, "shot 1");
+  CHECK(score.table().find("mu") == std::string::npos);
+}
