@@ -24,12 +24,8 @@ int run(int argc, char** argv) {
   strobe::host::add_live_command(app, exit_status);
   strobe::host::add_replay_command(app, exit_status);
   strobe::host::add_reduce_command(app, exit_status);
-#ifdef STROBE_HAS_CONTACT_COMMAND
   strobe::host::add_contact_command(app, exit_status);
-#endif
-#ifdef STROBE_HAS_PREDICT_COMMAND
   strobe::host::add_predict_command(app, exit_status);
-#endif
   try {
     app.parse(argc, argv);
   } catch (const CLI::CallForHelp& help) {

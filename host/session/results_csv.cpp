@@ -44,7 +44,7 @@ std::string flag_names(const reduction::FlagSet& flags) {
   std::string names;
   for (std::size_t i = 0; i < reduction::kFlagCount; ++i) {
     const auto flag = static_cast<reduction::Flag>(i);
-    if (flags.has(flag)) names += (names.empty() ? "" : ";") + std::string(name(flag));
+    if (flags.has(flag)) names += fmt::format("{}{}", names.empty() ? "" : ";", name(flag));
   }
   return names;
 }
@@ -52,12 +52,14 @@ std::string flag_names(const reduction::FlagSet& flags) {
 void add_notes(std::string& line, reduction::Record record) {
   for (const std::string_view key : kNamedNotes) {
     const auto entry = record.find(std::string(key));
-    line += "," + (entry == record.end() ? std::string() : csv_field(entry->second));
+    line += ',';
+    if (entry != record.end()) line += csv_field(entry->second);
     if (entry != record.end()) record.erase(entry);
   }
   std::string others;
-  for (const auto& [key, value] : record) others += (others.empty() ? "" : ";") + key + "=" + value;
-  line += "," + csv_field(others);
+  for (const auto& [key, value] : record)
+    others += fmt::format("{}{}={}", others.empty() ? "" : ";", key, value);
+  line += fmt::format(",{}", csv_field(others));
 }
 
 Error errno_error(const std::filesystem::path& path) { return {path.string() + ": " + std::strerror(errno)}; }
@@ -75,7 +77,7 @@ std::string results_header() {
   add_names(header, "sd_");
   add_names(header, "sd_systematic_");
   header += ",regime,court_pace_conforming,method,mirrored,flags";
-  for (const std::string_view key : kNamedNotes) header += "," + std::string(key);
+  for (const std::string_view key : kNamedNotes) header += fmt::format(",{}", key);
   return header + ",other_notes";
 }
 

@@ -1,0 +1,126 @@
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include <memory>
+#include <optional>
+
+#include "host/commands/command.hpp"
+#include "host/commands/fire_run.hpp"
+#include "host/config/notes.hpp"
+#include "host/share.hpp"
+
+namespace strobe::host {
+namespace {
+
+struct FireOptions {
+  std::string rig_path, url, session, plan_path, spin;
+  std::vector<std::string> notes;
+  std::optional<double> angle_deg;
+  int shots = 1;
+  std::optional<int> retries;
+  double wait_s = 60.0;
+  bool dry = false, json = false, plain = false, clear_fault = false;
+};
+
+Result<reduction::Record> notes_of(const FireOptions& options) {
+  reduction::Record notes;
+  if (!options.spin.empty()) notes["spin"] = options.spin;
+  if (options.angle_deg) notes["angle_deg"] = fmt::format("{}", *options.angle_deg);
+  for (const std::string& note : options.notes) {
+    if (auto added = add_note(notes, note); !added) return fail("--note: " + added.error().message);
+  }
+  return notes;
+}
+
+/// The thesis's series that --spin and --angle name, if they do; angles of incidence are labelled without
+/// sign.
+std::optional<thesis::Condition> condition_of(const FireOptions& options) {
+  const auto share = share_folder();
+  if (options.spin.empty() || !options.angle_deg || !share) return std::nullopt;
+  const auto text = read_file((*share / "thesis" / "tables_02_to_10.csv").string());
+  if (!text) return std::nullopt;
+  const auto conditions = thesis::parse_conditions(*text, "tables_02_to_10.csv");
+  if (!conditions) return std::nullopt;
+  for (const thesis::Condition& condition : *conditions) {
+    if (condition.spin == options.spin && condition.angle_label_deg == std::abs(*options.angle_deg))
+      return condition;
+  }
+  return std::nullopt;
+}
+
+Result<FireOrder> order_of(const FireOptions& options) {
+  FireOrder order;
+  auto rig = load_rig(options.rig_path);
+  if (!rig) return tl::unexpected(rig.error());
+  order.rig = std::move(*rig);
+  order.campaign.plan = order.rig.plan;
+  if (!options.plan_path.empty()) {
+    const auto text = read_file(options.plan_path);
+    if (!text) return tl::unexpected(text.error());
+    const auto plan = read_plan(*text, options.plan_path, order.rig.plan);
+    if (!plan) return tl::unexpected(plan.error());
+    order.campaign.plan = *plan;
+    order.plan_text = *text;
+  } else {
+    order.plan_text = plan_to_toml(order.rig.plan);
+  }
+  auto notes = notes_of(options);
+  if (!notes) return tl::unexpected(notes.error());
+  order.campaign.notes = std::move(*notes);
+  order.campaign.shots = options.shots;
+  order.campaign.retries = options.retries.value_or(options.shots);
+  order.campaign.dry = options.dry;
+  order.campaign.patience_s = options.wait_s;
+  order.campaign.photograph_timeout_s = order.rig.analysis.photograph_timeout_s;
+  order.campaign.clear_fault = options.clear_fault;
+  order.url = lcm_url(options.url, order.rig);
+  order.session = options.session.empty() ? "session-" + utc_for_file(wall_now_us()) : options.session;
+  order.condition = condition_of(options);
+  order.style = options.json    ? Terminal::Style::json
+                : options.plain ? Terminal::Style::plain
+                                : Terminal::Style::screen;
+  return order;
+}
+
+int run(const FireOptions& options) {
+  const auto order = order_of(options);
+  return order ? run_fire(*order) : bad_input(order.error().message);
+}
+
+}  // namespace
+
+void add_fire_command(CLI::App& app, int& exit_status) {
+  auto options = std::make_shared<FireOptions>();
+  CLI::App* command =
+      app.add_subcommand("fire", "Fire shots and show the rebound of each; spoilt shots are fired again");
+  command->add_option("--shots", options->shots, "shots that must count (default 1)")
+      ->check(CLI::Range(1, 100000));
+  command
+      ->add_option("--retries", options->retries,
+                   "shots that may be fired again, in all (default: as many as --shots)")
+      ->check(CLI::Range(0, 100000));
+  command->add_option("--rig", options->rig_path, "rig file (default: the example that comes with strobe)");
+  command->add_option("--session", options->session,
+                      "session folder (default: session-<UTC> in the current one)");
+  command->add_option("--plan", options->plan_path, "shot plan, TOML (default: the rig file's [plan])");
+  command->add_option("--spin", options->spin, "label of the series: zero, top or back")
+      ->check(CLI::IsMember({"zero", "top", "back"}));
+  command->add_option("--angle", options->angle_deg, "label of the series: the machine's angle in degrees")
+      ->check(CLI::Range(-90.0, 90.0));
+  command->add_option("--note", options->notes, "record entry key=value, any number of times")->take_all();
+  command->add_flag("--dry", options->dry, "lamps and shutter only; reports the flashes' timing");
+  command->add_flag("--clear-fault", options->clear_fault, "clear a fault that the firmware has latched");
+  command->add_option("--wait", options->wait_s, "seconds to wait while the rig cannot be armed (default 60)")
+      ->check(CLI::Range(0.1, 1e6));
+  command->add_option("--lcm-url", options->url, "LCM URL (default: the rig file's, else this machine only)");
+  command->add_flag("--json", options->json,
+                    "one JSON object per readout on standard output, nothing else there");
+  command->add_flag("--plain", options->plain, "lines of text instead of a screen");
+  command->footer(
+      "Example: strobe fire --rig rig.toml --session run1 --shots 9 --spin zero --angle 23 --note "
+      "operator=\"A. Author\"\n"
+      "Exit status: 0 all shots came, 1 some did not, 2 bad usage or input.");
+  command->callback([options, &exit_status] { exit_status = run(*options); });
+}
+
+}  // namespace strobe::host

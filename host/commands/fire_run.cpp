@@ -1,0 +1,195 @@
+#include "host/commands/fire_run.hpp"
+
+#include <fmt/format.h>
+
+#include <random>
+
+#include "common/messages/channels.hpp"
+#include "common/messages/lcm_conversions.hpp"
+#include "host/commands/command.hpp"
+#include "host/session/follower.hpp"
+#include "host/session/intake.hpp"
+#include "host/session/link.hpp"
+
+namespace strobe::host {
+namespace {
+
+constexpr std::int64_t kSecond_ns = 1'000'000'000;
+constexpr std::int64_t kLinger_ns = 10 * kSecond_ns;
+constexpr std::int64_t kDisarm_ns = 1 * kSecond_ns;
+constexpr int kTurn_ms = 20;
+
+std::int64_t random_host_id() {
+  std::random_device device;
+  const std::uint64_t bits = (static_cast<std::uint64_t>(device()) << 32) | device();
+  return static_cast<std::int64_t>(bits >> 1) | 1;
+}
+
+class FireRun {
+ public:
+  explicit FireRun(const FireOrder& order)
+      : order_(order),
+        maker_(random_host_id()),
+        campaign_(order.campaign, maker_),
+        follower_(assembly_settings(order.rig), true,
+                  fmt::format("strobe fire   rig {}   session {}", order.rig.rig, order.session)),
+        intake_(order.rig.rig, follower_) {}
+
+  int run() {
+    auto folder =
+        SessionFolder::open(order_.session, utc_for_file(wall_now_us()), order_.rig.text, order_.plan_text);
+    if (!folder) return bad_input(folder.error().message);
+    folder_ = std::move(*folder);
+    folder_->recall(follower_.session().ledger(), order_.rig.rig);
+    auto link = Link::open(order_.url, order_.rig.rig,
+                           [this](const std::string& c, const void* d, std::size_t n) { receive(c, d, n); });
+    if (!link) return failed(link.error().message);
+    link_ = std::move(*link);
+    catch_signals();
+    Terminal terminal(order_.style);
+    terminal_ = &terminal;
+    follower_.model().thesis = order_.condition;
+    follower_.on_outcome = [this](const Outcome& outcome) { done(outcome); };
+    follower_.on_event = [this](const strobe_msgs::event_t& event) { campaign_.on_event(event); };
+    follower_.on_notice = [this](const std::string& text) { terminal_->notice(text); };
+    terminal.notice(fmt::format("session {}, rig {} on {}", order_.session, order_.rig.rig, order_.url));
+    fire();
+    if (interrupted()) disarm();
+    collect_missing();
+    terminal.close();
+    return conclude();
+  }
+
+ private:
+  void receive(const std::string& channel, const void* data, std::size_t size) {
+    // Own readouts are logged as they are published.
+    if (channel == messages::channel_name(order_.rig.rig, messages::Channel::readout) &&
+        own_readout(data, size))
+      return;
+    intake_.receive(channel, data, size, steady_now_ns());
+    folder_->log(channel, data, size, wall_now_us());
+  }
+
+  bool own_readout(const void* data, std::size_t size) const {
+    strobe_msgs::readout_t readout;
+    return readout.decode(data, 0, static_cast<int>(size)) >= 0 && readout.host_id == maker_.host_id();
+  }
+
+  void done(const Outcome& outcome) {
+    const std::int64_t wall_us = wall_now_us();
+    if (outcome.host_id == maker_.host_id() && !outcome.dry) {
+      const auto message = messages::readout_to_lcm(outcome.readout, maker_.host_id(), outcome.boot_id);
+      link_->publish(message);
+      log_readout(message, wall_us);
+      if (auto added = folder_->add(outcome, utc_for_table(wall_us)); !added)
+        follower_.notice(added.error().message);
+    }
+    campaign_.on_outcome(outcome);
+    terminal_->outcome(outcome);
+  }
+
+  void log_readout(const strobe_msgs::readout_t& message, std::int64_t wall_us) {
+    std::string bytes(static_cast<std::size_t>(message.getEncodedSize()), '\0');
+    message.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+    folder_->log(messages::channel_name(order_.rig.rig, messages::Channel::readout), bytes.data(),
+                 bytes.size(), wall_us);
+  }
+
+  /// One turn: what has come, what is due, the screen.
+  bool turn() {
+    if (!link_->wait(kTurn_ms) || !link_->drain()) {
+      follower_.notice("LCM cannot receive any more");
+      return false;
+    }
+    now_ns_ = steady_now_ns();
+    follower_.time(now_ns_);
+    for (const SequenceRange& range : follower_.session().ledger().due(now_ns_))
+      link_->publish(maker_.resend(range));
+    return true;
+  }
+
+  void send_commands() {
+    for (const auto& command : campaign_.take_commands()) link_->publish(command);
+    for (const std::string& text : campaign_.take_notices()) follower_.notice(text);
+  }
+
+  void show() {
+    follower_.model().doing = campaign_.doing();
+    follower_.model().lacking = campaign_.lacking();
+    if (campaign_.lacking() != said_) {
+      said_ = campaign_.lacking();
+      if (!said_.empty() && !campaign_.finished()) terminal_->notice("waiting: " + said_);
+    }
+    terminal_->show(follower_.shown(now_ns_), now_ns_);
+  }
+
+  void fire() {
+    // The first status may take half a second: nothing is missing before it had time to come.
+    const std::int64_t started_ns = steady_now_ns();
+    while (!campaign_.finished() && !interrupted() && turn()) {
+      const auto heard = follower_.heard(now_ns_);
+      if (heard || now_ns_ - started_ns > kSecond_ns) campaign_.step(heard, now_ns_);
+      send_commands();
+      show();
+    }
+  }
+
+  void disarm() {
+    campaign_.stop(follower_.heard(now_ns_));
+    send_commands();
+    follower_.notice("interrupted: disarming");
+    const std::int64_t until_ns = steady_now_ns() + kDisarm_ns;
+    while (turn() && now_ns_ < until_ns) {
+      const auto& status = follower_.session().status();
+      if (!status || (status->arm_token == 0 && status->state != strobe_msgs::status_t::FIRING)) break;
+    }
+  }
+
+  /// Events that were lost on the way are fetched from the journal before the log is closed.
+  void collect_missing() {
+    const EventLedger& ledger = follower_.session().ledger();
+    const std::int64_t started_ns = steady_now_ns();
+    bool said = false;
+    while (turn() && follower_.heard(now_ns_)) {
+      const bool settled = now_ns_ - started_ns > kSecond_ns / 2;  // the next status tells of the last events
+      if ((settled && ledger.complete()) || now_ns_ - started_ns > kLinger_ns) break;
+      if (!said && now_ns_ - started_ns > 2 * kSecond_ns) {
+        said = true;
+        terminal_->notice(fmt::format("fetching {} events that were lost on the way", ledger.missing()));
+      }
+      show();
+    }
+    if (ledger.missing() > 0)
+      terminal_->notice(fmt::format("{} events are still missing here", ledger.missing()));
+  }
+
+  int conclude() {
+    if (order_.style != Terminal::Style::json && !order_.campaign.dry) {
+      print(render_series(follower_.model().series, order_.condition, kPlainWidth));
+    }
+    const std::string summary =
+        fmt::format("{} of {} shots came, {} fired again; session in {}", campaign_.good(),
+                    order_.campaign.shots, campaign_.refired(), order_.session);
+    if (!campaign_.succeeded())
+      return failed(summary + (campaign_.lacking().empty() ? "" : ": " + campaign_.lacking()));
+    std::fprintf(stderr, "strobe: %s\n", summary.c_str());
+    return kDone;
+  }
+
+  const FireOrder& order_;
+  CommandMaker maker_;
+  Campaign campaign_;
+  Follower follower_;
+  Intake intake_;
+  std::unique_ptr<SessionFolder> folder_;
+  std::unique_ptr<Link> link_;
+  Terminal* terminal_ = nullptr;
+  std::int64_t now_ns_ = 0;
+  std::string said_;
+};
+
+}  // namespace
+
+int run_fire(const FireOrder& order) { return FireRun(order).run(); }
+
+}  // namespace strobe::host

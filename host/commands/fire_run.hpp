@@ -1,0 +1,28 @@
+// The firing of a series from LCM to the screen. One thread's; blocks until done or interrupted.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "common/data/thesis_data.hpp"
+#include "host/commands/terminal.hpp"
+#include "host/config/rig_file.hpp"
+#include "host/session/campaign.hpp"
+#include "host/session/session_folder.hpp"
+
+namespace strobe::host {
+
+struct FireOrder {
+  RigFile rig;
+  CampaignSettings campaign;
+  std::string plan_text;
+  std::string url;
+  std::string session;
+  std::optional<thesis::Condition> condition;
+  Terminal::Style style = Terminal::Style::plain;
+};
+
+/// Returns the exit status.
+int run_fire(const FireOrder& order);
+
+}  // namespace strobe::host

@@ -1,0 +1,93 @@
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include <memory>
+
+#include "host/commands/command.hpp"
+#include "host/commands/terminal.hpp"
+#include "host/config/rig_file.hpp"
+#include "host/session/follower.hpp"
+#include "host/session/intake.hpp"
+#include "host/session/link.hpp"
+
+namespace strobe::host {
+namespace {
+
+struct LiveOptions {
+  std::string rig_path;
+  std::string url;
+  bool json = false;
+  bool plain = false;
+  int shots = 0;
+  double idle_exit_s = 0.0;
+};
+
+Terminal::Style style_of(const LiveOptions& options) {
+  if (options.json) return Terminal::Style::json;
+  return options.plain ? Terminal::Style::plain : Terminal::Style::screen;
+}
+
+int run_live(const LiveOptions& options) {
+  const auto rig = load_rig(options.rig_path);
+  if (!rig) return bad_input(rig.error().message);
+  const std::string url = lcm_url(options.url, *rig);
+  Follower follower(assembly_settings(*rig), false, fmt::format("strobe live   rig {}", rig->rig));
+  Intake intake(rig->rig, follower);
+  std::int64_t last_message_ns = steady_now_ns();
+  auto link = Link::open(url, rig->rig, [&](const std::string& channel, const void* data, std::size_t size) {
+    last_message_ns = steady_now_ns();
+    intake.receive(channel, data, size, last_message_ns);
+  });
+  if (!link) return failed(link.error().message);
+  catch_signals();
+  Terminal terminal(style_of(options));
+  terminal.notice(fmt::format("listening to rig {} on {}", rig->rig, url));
+  follower.on_outcome = [&](const Outcome& outcome) {
+    if (options.shots == 0 || follower.outcomes() <= options.shots) terminal.outcome(outcome);
+  };
+  follower.on_notice = [&](const std::string& text) { terminal.notice(text); };
+  const auto idle_ns = static_cast<std::int64_t>(options.idle_exit_s * 1e9);
+  std::int64_t missing_said = 0;
+  while (!interrupted()) {
+    if (!(*link)->wait(50) || !(*link)->drain()) return failed("LCM cannot receive any more");
+    const std::int64_t now_ns = steady_now_ns();
+    follower.time(now_ns);
+    terminal.show(follower.shown(now_ns), now_ns);
+    if (const std::int64_t missing = follower.model().events_missing; missing > missing_said) {
+      missing_said = missing;
+      terminal.notice(fmt::format("{} events did not arrive here", missing));
+    }
+    if (options.shots > 0 && follower.outcomes() >= options.shots) break;
+    if (idle_ns > 0 && now_ns - last_message_ns > idle_ns) break;
+  }
+  terminal.close();
+  if (!options.json && follower.model().series.shots() > 0) {
+    print(render_series(follower.model().series, std::nullopt, kPlainWidth));
+  }
+  return options.shots > 0 && follower.outcomes() < options.shots ? kFailed : kDone;
+}
+
+}  // namespace
+
+void add_live_command(CLI::App& app, int& exit_status) {
+  auto options = std::make_shared<LiveOptions>();
+  CLI::App* command =
+      app.add_subcommand("live", "Watch a session: each shot's readout, the series, the firmware");
+  command->add_option("--rig", options->rig_path, "rig file (default: the example that comes with strobe)");
+  command->add_option("--lcm-url", options->url, "LCM URL (default: the rig file's, else this machine only)");
+  command->add_flag("--json", options->json,
+                    "one JSON object per readout on standard output, nothing else there");
+  command->add_flag("--plain", options->plain, "lines of text instead of a screen");
+  command->add_option("--shots", options->shots, "end after this many shots (default 0: never)")
+      ->check(CLI::Range(0, 1000000));
+  command
+      ->add_option("--idle-exit", options->idle_exit_s,
+                   "end when nothing was heard for this many seconds (default 0: never)")
+      ->check(CLI::Range(0.0, 1e6));
+  command->footer(
+      "Example: strobe live --rig rig.toml\n         strobe live --rig rig.toml --json --shots 9 > "
+      "readouts.jsonl");
+  command->callback([options, &exit_status] { exit_status = run_live(*options); });
+}
+
+}  // namespace strobe::host

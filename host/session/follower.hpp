@@ -1,0 +1,54 @@
+// Follows a session for a person: outcomes as they come, the series, what there is to say. Shared by fire,
+// live and replay. No I/O; single-threaded.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "host/session/intake.hpp"
+#include "host/session/session.hpp"
+#include "host/view/render.hpp"
+
+namespace strobe::host {
+
+class Follower : public MessageSink {
+ public:
+  Follower(AssemblySettings settings, bool complete_events, std::string title)
+      : session_(std::move(settings), complete_events) {
+    model_.title = std::move(title);
+  }
+
+  void status(const strobe_msgs::status_t& message, std::int64_t now_ns) override;
+  void event(const strobe_msgs::event_t& message, std::int64_t now_ns) override;
+  void shot(const strobe_msgs::shot_t& message, std::int64_t now_ns) override;
+  void frame(const strobe_msgs::frame_t& message, std::int64_t now_ns) override;
+  void time(std::int64_t now_ns);
+  void end();
+
+  /// Called for each shot that is done, after it has entered the series.
+  std::function<void(const Outcome&)> on_outcome;
+  /// Called for each new event, after the session has it.
+  std::function<void(const strobe_msgs::event_t&)> on_event;
+  /// Called for each line that a person should read.
+  std::function<void(const std::string&)> on_notice;
+
+  void notice(const std::string& text);
+  /// Absent if none was heard within two seconds.
+  std::optional<strobe_msgs::status_t> heard(std::int64_t now_ns) const;
+
+  Session& session() { return session_; }
+  Model& model() { return model_; }
+  /// The model, brought up to date.
+  const Model& shown(std::int64_t now_ns);
+  int outcomes() const { return outcomes_; }
+
+ private:
+  void hand_on();
+
+  Session session_;
+  Model model_;
+  int outcomes_ = 0;
+};
+
+}  // namespace strobe::host
