@@ -1,6 +1,8 @@
 #include "common/reduction/propagate.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "common/reduction/court_pace.hpp"
 #include "common/reduction/dual.hpp"
@@ -90,8 +92,10 @@ class Uncertainty {
     const JointVector g = joint_gradient(q);
     const JointVector u = fit_.joint.covariance * g;
     double variance = g.dot(u) + spin_variance(q, &SpinFit::variance);
+    if (!std::isfinite(variance) || variance < 0.0) return std::nullopt;  // a frame of absurd numbers
     if (!any_level_) return std::sqrt(variance);
     double uncertain = 0.0;  // sum of (estimated part)^2 / its degrees of freedom
+    double fewest = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < kNoiseCount; ++i) {
       const EstimatedLevel& level = fit_.levels[i];
       if (!level.used) continue;
@@ -101,9 +105,11 @@ class Uncertainty {
       if (part <= 1e-9 * variance) continue;
       if (level.degrees_of_freedom == 0.0) return std::nullopt;
       uncertain += part * part / level.degrees_of_freedom;
+      fewest = std::min(fewest, level.degrees_of_freedom);
     }
     const double sd = std::sqrt(variance);
-    return uncertain > 0.0 ? sd * student_t_sigma(variance * variance / uncertain) : sd;
+    if (!(uncertain > 0.0)) return sd;
+    return sd * student_t_sigma(std::max(variance * variance / uncertain, fewest));  // Welch-Satterthwaite
   }
 
   std::optional<double> systematic(const Number& q) const {

@@ -10,17 +10,20 @@ namespace {
 constexpr double kAboveOneSd = 0.158655253931457;
 constexpr double kAsGoodAsNormal = 1e6;
 
+using Distribution = boost::math::students_t_distribution<
+    double, boost::math::policies::policy<boost::math::policies::promote_double<false>>>;
+
 }  // namespace
 
 double student_t_sigma(double degrees_of_freedom) {
   if (degrees_of_freedom > kAsGoodAsNormal) return 1.0;
-  const boost::math::students_t distribution(degrees_of_freedom);
+  const Distribution distribution(degrees_of_freedom);
   return boost::math::quantile(boost::math::complement(distribution, kAboveOneSd));
 }
 
 double student_t_tail(double t, double degrees_of_freedom) {
   if (degrees_of_freedom > kAsGoodAsNormal) return std::erfc(std::abs(t) / std::sqrt(2.0));
-  const boost::math::students_t distribution(degrees_of_freedom);
+  const Distribution distribution(degrees_of_freedom);
   return 2.0 * boost::math::cdf(boost::math::complement(distribution, std::abs(t)));
 }
 
