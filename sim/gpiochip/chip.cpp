@@ -162,9 +162,11 @@ void Chip::drive(std::uint32_t line, int level, MonoTime stamp) {
 bool Chip::wait_changes(ChangeCursor& cursor, MonoTime deadline, std::vector<Change>& changes) {
   const std::size_t before = changes.size();
   for (;;) {
+    // Looked at first: a caller that was held up past its deadline still gets what a sweep finds.
+    const bool expired = gpio::sys::now_ns() >= deadline.ns;
     impl_->sweep();
     if (!impl_->read_ring(cursor, changes)) return false;
-    if (changes.size() != before || gpio::sys::now_ns() >= deadline.ns) return true;
+    if (changes.size() != before || expired) return true;
     impl_->sleep(cursor, deadline);
   }
 }

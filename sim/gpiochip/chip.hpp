@@ -3,7 +3,12 @@
 // The chip lives in one folder: a shared-memory state file, a lock file (ownership by OFD locks), one FIFO
 // per requested event line. A program sees it as /dev/<name> through the preloaded library (preload_path()),
 // with STROBE_GPIOCHIP_DIR naming the folder. Levels here are physical (0 or 1), never inverted by
-// active-low. One Chip object per thread; any number of processes may attach. Times are CLOCK_MONOTONIC.
+// active-low. One Chip object per thread; any number of processes may attach. Times are CLOCK_MONOTONIC. A
+// folder in memory (/dev/shm) spares programs the page faults of write-back. The chip ends with its creator.
+//
+// Not simulated: uAPI v2 and line-info watches (EINVAL, as on kernels before they existed), write() to the
+// chip itself, bias resistors inside the chip (flags are kept and shown; the board's resistor decides the
+// level). A process that is killed inside a set of several lines may have set only the first of them.
 #pragma once
 
 #include <cstdint>
@@ -59,8 +64,8 @@ struct ChangeCursor {
 
 class Chip {
  public:
-  static Result<Chip> create(const std::filesystem::path& dir,
-                             const ChipSpec& spec);  ///< dir is made; error if a chip is in it
+  /// Makes `dir`. An error if a living chip is in it; one whose creator was killed is replaced.
+  static Result<Chip> create(const std::filesystem::path& dir, const ChipSpec& spec);
   static Result<Chip> attach(const std::filesystem::path& dir);
   Chip(Chip&&) noexcept;
   Chip& operator=(Chip&&) noexcept;
@@ -78,11 +83,14 @@ class Chip {
 
   /// Appends to `changes` what happened since the cursor; waits until there is something or the deadline
   /// passes. Returns false if the ring lapped this reader (some changes were lost; the cursor then stands at
-  /// the oldest kept).
+  /// the oldest kept). A change wakes the waiter at once. A release by close() or death is looked for once a
+  /// millisecond while lines are requested, and is stamped when found; so is a change whose process was
+  /// killed before it could record it (stamped when it happened).
   bool wait_changes(ChangeCursor& cursor, MonoTime deadline, std::vector<Change>& changes);
   ChangeCursor cursor_now() const;  ///< only changes from now on
 
-  /// As if the device were unplugged: every further ioctl answers ENODEV, event descriptors end.
+  /// As if the device were unplugged: every further ioctl answers ENODEV, the node is gone, event descriptors
+  /// end (poll: hang-up, read: ENODEV) as soon as every rig that is attached made its next call.
   void unplug();
 
   const std::filesystem::path& dir() const;

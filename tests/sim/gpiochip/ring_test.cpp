@@ -67,7 +67,7 @@ TEST(LevelRing, RecordsWhatLettingGoOfALineChanges) {
   CHECK_TRUE(found[2] == (entry(2, 1, 30) | std::uint64_t{2} << RingWord::kCauseShift));
 }
 
-TEST(LevelRing, ForgetsNothingWhatDrivesAnOutputFromOutsideUntilItIsLetGo) {
+TEST(LevelRing, KeepsTheOutsideLevelOfAnOutputUntilItIsLetGo) {
   set(2, 0, 20);
   CHECK_FALSE(change_line(*state, 2, outside_edit(1), CauseCode::drive, 25));
   LONGS_EQUAL(0, level_of(*state, 2));

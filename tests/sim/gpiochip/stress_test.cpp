@@ -29,16 +29,17 @@ struct Reader {
   std::vector<std::size_t> count = std::vector<std::size_t>(16, 0);
   std::vector<int> level = std::vector<int>(16, 0);
 
-  /// True if something came.
+  /// True if something came, or was lost.
   bool read(Duration patience) {
     std::vector<Change> changes;
-    lapped |= !chip.wait_changes(cursor, now() + patience, changes);
+    const bool lost = !chip.wait_changes(cursor, now() + patience, changes);
+    lapped |= lost;
     for (const Change& change : changes) {
       in_order &= lapped || change.level != level[change.line];
       level[change.line] = change.level;
       ++count[change.line];
     }
-    return !changes.empty();
+    return lost || !changes.empty();
   }
 };
 
