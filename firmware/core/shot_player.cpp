@@ -25,23 +25,24 @@ void ShotPlayer::report(EventKind kind, Line line, int level, const Issue& issue
   sink_.event(event);
 }
 
-void ShotPlayer::report(EventKind kind, const Words& detail) noexcept {
+void ShotPlayer::report(EventKind kind, MonoTime time, const Words& detail) noexcept {
   Event event;
   event.kind = kind;
   event.shot_id = record_->shot_id;
-  event.device_time = clock_.now();
+  event.device_time = time;
   event.detail = detail;
   sink_.event(event);
 }
 
 void ShotPlayer::begin(const Command& fire, std::int32_t shot_id, ShotRecord& record) noexcept {
+  const MonoTime now = clock_.now();
   record_ = &record;
   record.shot_id = shot_id;
   record.host_id = fire.host_id;
   record.command_id = fire.command_id;
   record.plan = fire.plan;
   if (record.plan.impact_at.ns == 0) record.plan.impact_at = rig_.plan.impact_at;
-  record.start = clock_.now() + kLead;
+  record.start = now + kLead;
   record.shutter_open = record.shutter_close = record.trigger = record.gate = MonoTime::never();
   record.abort_reason = Words();
   overflows_before_ = sink_.overflows();
@@ -54,7 +55,7 @@ void ShotPlayer::begin(const Command& fire, std::int32_t shot_id, ShotRecord& re
   next_pulse_ = 0;
   last_flash_ = gate_counts_from_ = MonoTime::never();
   phase_ = Phase::playing;
-  report(EventKind::shot_started, record.plan.dry ? "dry" : "");
+  report(EventKind::shot_started, now, record.plan.dry ? "dry" : "");
 }
 
 MonoTime ShotPlayer::next_issue() const noexcept {
@@ -224,7 +225,7 @@ void ShotPlayer::abort(const Words& why) noexcept {
   record_->abort_reason = why;
   phase_ = Phase::closing;
   closes_at_ = clock_.now() + kLateEdges;
-  report(EventKind::shot_aborted, why);
+  report(EventKind::shot_aborted, clock_.now(), why);
   if (!safe) interlock_.fault("an output could not be switched off");
 }
 
@@ -238,7 +239,7 @@ void ShotPlayer::end_if_over() noexcept {
     }
   }
   if (phase_ == Phase::closing && clock_.now() >= closes_at_) {
-    if (record_->abort_reason.empty()) report(EventKind::shot_ended, "");
+    if (record_->abort_reason.empty()) report(EventKind::shot_ended, clock_.now(), "");
     record_->queue_overflows = sink_.overflows() - overflows_before_;
     record_->kernel_overflows = edges_.overflows() - kernel_overflows_before_;
     phase_ = Phase::handing_over;

@@ -50,7 +50,7 @@ class ShotPlayer {
   void end_if_over() noexcept;
   void report(EventKind kind, Line line, int level, const Issue& issue,
               std::int32_t flash_index = -1) noexcept;
-  void report(EventKind kind, const Words& detail) noexcept;
+  void report(EventKind kind, MonoTime time, const Words& detail) noexcept;
 
   const Rig& rig_;
   Clock& clock_;

@@ -1,0 +1,90 @@
+#include "firmware/core/flash_book.hpp"
+// CppUTest redefines new; its headers come last.
+#include <CppUTest/TestHarness.h>
+
+using namespace strobe;
+using namespace strobe::firmware;
+
+namespace {
+constexpr MonoTime kFirst{1'000'000'000};
+constexpr Duration kPeriod = microseconds(3000);
+constexpr Duration kDelay = microseconds(12);
+MonoTime at(int flash) { return kFirst + kPeriod * flash; }
+}  // namespace
+
+TEST_GROUP(FlashBook) {
+  ShotRecord record;
+  FlashBook book;
+  void setup() override {
+    record.flashes.reserve(4);
+    book.open(record, kPeriod);
+    for (int k = 0; k < 4; ++k) book.plan(at(k));
+  }
+  void issue(int k, Duration late = {}) { book.issued(k, at(k) + late, at(k) + late + microseconds(1)); }
+};
+
+TEST(FlashBook, GivesAnEdgeToTheFlashThatWasIssuedJustBefore) {
+  issue(0);
+  issue(1);
+  book.edge(Input::sensor_a, at(1) + kDelay);
+  CHECK(record.flashes[1].observed_a == at(1) + kDelay);
+  CHECK_FALSE(record.flashes[0].observed_a.known());
+  CHECK_FALSE(record.flashes[1].observed_b.known());
+}
+
+TEST(FlashBook, KeepsTheSensorsApart) {
+  issue(0);
+  book.edge(Input::sensor_b, at(0) + kDelay);
+  CHECK(record.flashes[0].observed_b == at(0) + kDelay);
+  CHECK_FALSE(record.flashes[0].observed_a.known());
+}
+
+TEST(FlashBook, CountsASecondEdgeAsExtra) {
+  issue(0);
+  book.edge(Input::sensor_a, at(0) + kDelay);
+  book.edge(Input::sensor_a, at(0) + microseconds(700));
+  book.edge(Input::sensor_b, at(0) + kDelay);
+  CHECK(record.flashes[0].observed_a == at(0) + kDelay);
+  CHECK_EQUAL(1, record.flashes[0].extra_edges);
+}
+
+TEST(FlashBook, LeavesAMissingFlashMissing) {
+  for (int k = 0; k < 3; ++k) issue(k);
+  book.edge(Input::sensor_a, at(0) + kDelay);
+  book.edge(Input::sensor_a, at(2) + kDelay);
+  CHECK_FALSE(record.flashes[1].observed_a.known());
+  CHECK(record.flashes[2].observed_a.known());
+}
+
+TEST(FlashBook, FollowsAFlashThatWasIssuedLate) {
+  // Late by nearly half a period: its light would fall outside a window counted from the commanded instant.
+  const Duration late = microseconds(1495);
+  issue(0);
+  issue(1, late);
+  book.edge(Input::sensor_a, at(1) + late + kDelay);
+  CHECK(record.flashes[1].observed_a == at(1) + late + kDelay);
+}
+
+TEST(FlashBook, IgnoresLightOutsideEveryWindow) {
+  issue(0);
+  issue(1);
+  book.edge(Input::sensor_a, at(0) - microseconds(21));
+  book.edge(Input::sensor_a, at(0) + microseconds(1500));  // half a period: the window is over
+  for (const FlashRecord& flash : record.flashes) {
+    CHECK_FALSE(flash.observed_a.known());
+    CHECK_EQUAL(0, flash.extra_edges);
+  }
+}
+
+TEST(FlashBook, AcceptsAnEdgeALittleBeforeTheIssue) {
+  // A configured sensor delay that is somewhat too large puts the corrected stamp before the issue.
+  issue(0);
+  book.edge(Input::sensor_a, at(0) - microseconds(19));
+  CHECK(record.flashes[0].observed_a.known());
+}
+
+TEST(FlashBook, KeepsWithinItsCapacity) {
+  const auto* before = record.flashes.data();
+  for (int k = 4; k < 100; ++k) book.plan(at(k));
+  POINTERS_EQUAL(before, record.flashes.data());
+}

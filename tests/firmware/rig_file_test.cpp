@@ -1,0 +1,165 @@
+#include "firmware/core/rig_file.hpp"
+
+#include <algorithm>
+#include <fstream>
+#include <sstream>
+#include <string>
+// CppUTest redefines new; its headers come last.
+#include <CppUTest/TestHarness.h>
+
+using namespace strobe;
+using namespace strobe::firmware;
+
+namespace {
+
+std::string shipped() {
+  std::ifstream file(STROBE_SHIPPED_RIG);
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const auto place = text.find(from);
+  CHECK_TEXT(place != text.npos, from.c_str());
+  return text.replace(place, from.size(), to);
+}
+
+/// The number of the line that holds the text, as an error gives it.
+std::string line_of(const std::string& text, const std::string& part) {
+  const auto place = text.find(part);
+  return std::to_string(1 +
+                        std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(place), '\n'));
+}
+
+std::string error_of(const std::string& text) {
+  const auto rig = read_rig(text, "rig.toml");
+  return rig ? "" : rig.error().message;
+}
+
+}  // namespace
+
+TEST_GROUP(RigFile) { std::string text = shipped(); };
+
+TEST(RigFile, ReadsTheShippedRig) {
+  const auto rig = read_rig(text, "rig.toml");
+  CHECK_EQUAL(std::string(), error_of(text));
+  CHECK_EQUAL(std::string("bench"), rig->name);
+  CHECK_EQUAL(std::string("gpiochip0"), rig->chip);
+  CHECK_EQUAL(std::string("STROBE_A"), rig->line(Line::strobe_a).name);
+  CHECK_FALSE(rig->line(Line::key).active_low);
+  CHECK_TRUE(rig->line(Line::estop).active_low);
+  CHECK(rig->lamps.pulse == microseconds(50));
+  CHECK(rig->lamps.min_period == microseconds(1500));
+  CHECK(rig->shutter.lag == milliseconds(45));
+  CHECK(rig->shutter.max_open == milliseconds(2000));
+  CHECK(rig->machine.lag == milliseconds(310));
+  CHECK(rig->plan.period == microseconds(3000));
+  CHECK(rig->plan.exposure == milliseconds(500));
+  CHECK(rig->plan.impact_at == milliseconds(250));
+  CHECK(rig->tolerance.abort_late == microseconds(1500));
+  CHECK(rig->arming_expires == milliseconds(30'000));
+  CHECK_EQUAL(80, rig->real_time.priority);
+}
+
+TEST(RigFile, RemembersTheLinesOfTheFileForLaterErrors) {
+  const auto rig = read_rig(text, "rig.toml");
+  CHECK_EQUAL(line_of(text, "shutter  ="), std::to_string(rig->line(Line::shutter).file_line));
+  CHECK_EQUAL(line_of(text, "name = \"gpiochip0\""), std::to_string(rig->chip_file_line));
+}
+
+TEST(RigFile, KeepsTheRecordAsShortText) {
+  const auto rig =
+      read_rig(replaced(text, "temperature_c = 21.0", "temperature_c = 21.3\nframe_number = 12"), "rig.toml");
+  std::string all;
+  for (const Note& note : rig->record) all += note.key + "=" + note.value + ";";
+  STRCMP_CONTAINS("temperature_c=21.3;", all.c_str());
+  STRCMP_CONTAINS("frame_number=12;", all.c_str());
+  STRCMP_CONTAINS("surface_name=hard court;", all.c_str());
+}
+
+TEST(RigFile, TakesLinesByOffsetAndLeavesTheOptionalOnesOut) {
+  text = replaced(text, "strobe_a = { line = \"STROBE_A\" }", "strobe_a = { line = 17, active_low = true }");
+  text = replaced(text, "sensor_b = { line = \"SENSOR_B\" }\n", "");
+  text = replaced(text, "gate     = ", "# gate     = ");
+  const auto rig = read_rig(text, "rig.toml");
+  CHECK_EQUAL(17, rig->line(Line::strobe_a).offset);
+  CHECK_TRUE(rig->line(Line::strobe_a).active_low);
+  CHECK_FALSE(rig->line(Line::sensor_b).fitted);
+  CHECK_FALSE(rig->line(Line::gate).fitted);
+}
+
+TEST(RigFile, AcceptsWhatIsTheHosts) {
+  text = replaced(text, "[analysis]", "[analysis]\nanything = [1, 2, { x = true }]");
+  CHECK_EQUAL(std::string(), error_of(text));
+}
+
+TEST(RigFile, NamesFileLineAndKeyOfEveryMistake) {
+  struct Row {
+    const char* from;
+    const char* to;
+    const char* error;  // without "rig.toml:LINE: "
+  };
+  const Row rows[] = {
+      {"rig = \"bench\"", "rig = \"be nch\"", "rig: must be 1 to 24 characters of [A-Za-z0-9_-]"},
+      {"rig = \"bench\"", "rig = 7", "rig: must be text in quotes"},
+      {"rig = \"bench\"", "rig = \"bench\"\nspeed = 3", "speed: unknown key"},
+      {"name = \"gpiochip0\"", "name = 0", "chip.name: must be text in quotes"},
+      {"trigger  = { line = \"TRIGGER\" }", "trigger = { line = 2.5 }",
+       "lines.trigger.line: must be an offset or a name in quotes"},
+      {"trigger  = { line = \"TRIGGER\" }", "trigger = { active_low = true }",
+       "lines.trigger.line: is missing"},
+      {"trigger  = { line = \"TRIGGER\" }", "trigger = \"TRIGGER\"", "lines.trigger: must be a table"},
+      {"trigger  = { line = \"TRIGGER\" }", "trigger = { line = \"SHUTTER\" }",
+       "lines.trigger: is the same line as lines.shutter"},
+      {"trigger  = { line = \"TRIGGER\" }", "trigger = { line = -1 }",
+       "lines.trigger.line: must be at least 0, is -1"},
+      {"active_low = true", "active_low = 1", "lines.estop.active_low: must be true or false"},
+      {"active_low = true", "activelow = true", "lines.estop.activelow: unknown key"},
+      {"pulse_us = 50", "pulse_us = 0", "lamps.pulse_us: must be at least 1, is 0"},
+      {"pulse_us = 50", "pulse_us = \"50\"", "lamps.pulse_us: must be a number"},
+      {"pulse_us = 50", "pulse_us = 201", "lamps.pulse_us: must not be longer than lamps.max_on_us"},
+      {"pulse_us = 50", "pulse_us = nan", "lamps.pulse_us: must be a finite number"},
+      {"max_flashes_per_shot = 400", "max_flashes_per_shot = 0",
+       "lamps.max_flashes_per_shot: must be at least 1, is 0"},
+      {"max_on_us = 200", "max_on_us = 1500", "lamps.max_on_us: must be shorter than lamps.min_period_us"},
+      {"lag_ms = 45", "lag_ms = -1", "shutter.lag_ms: must be at least 0, is -1"},
+      {"pulse_ms = 20", "pulse_ms = 101", "machine.pulse_ms: must not be longer than machine.max_on_ms"},
+      {"train = \"free\"", "train = \"fast\"", "plan.train: must be one of free, gated, is \"fast\""},
+      {"abort_late_us = 1500", "abort_late_us = 99",
+       "tolerance.abort_late_us: must not be less than tolerance.late_us"},
+      {"spin_us = 200", "spin_us = 1001", "tolerance.spin_us: must be at most 1000, is 1001"},
+      {"expires_s = 30", "expires_s = 0", "arming.expires_s: must be at least 1, is 0"},
+      {"priority = 80", "priority = 99", "real_time.priority: must be at most 98, is 99"},
+      {"priority = 80", "priority = 80.5", "real_time.priority: must be a whole number"},
+      {"operator = \"\"", "Operator = \"\"", "record.Operator: must be 1 to 64 characters of [a-z0-9_]"},
+      {"operator = \"\"", "operator = true", "record.operator: must be a number"},
+  };
+  for (const Row& row : rows) {
+    const std::string bad = replaced(text, row.from, row.to);
+    const std::string last_line = std::string(row.to).substr(std::string(row.to).rfind('\n') + 1);
+    CHECK_EQUAL("rig.toml:" + line_of(bad, last_line) + ": " + row.error, error_of(bad));
+  }
+}
+
+TEST(RigFile, NamesTheTableWhereAKeyIsMissing) {
+  const std::string without = replaced(text, "pulse_us = 50 ", "# pulse_us = 50 ");
+  CHECK_EQUAL("rig.toml:" + line_of(text, "[lamps]") + ": lamps.pulse_us: is missing", error_of(without));
+  CHECK_EQUAL(std::string("rig.toml:1: rig: is missing"), error_of("[chip]\nname = \"gpiochip0\"\n"));
+  CHECK_EQUAL(std::string("rig.toml: chip.name: is missing"), error_of("rig = \"bench\"\n"));
+}
+
+TEST(RigFile, ChecksThePlanAgainstTheLimits) {
+  STRCMP_CONTAINS(": plan: a period of 1000 us is shorter than the lamps' 1500 us",
+                  error_of(replaced(text, "period_us = 3000", "period_us = 1000")).c_str());
+}
+
+TEST(RigFile, GivesTheLineOfASyntaxError) {
+  STRCMP_CONTAINS("rig.toml:2: ", error_of("rig = \"bench\"\n[chip\n").c_str());
+}
+
+TEST(RigFile, NeedsAtLeastOneSensor) {
+  text = replaced(text, "sensor_a = ", "# sensor_a = ");
+  text = replaced(text, "sensor_b = ", "# sensor_b = ");
+  STRCMP_CONTAINS("at least one of sensor_a and sensor_b is needed", error_of(text).c_str());
+}

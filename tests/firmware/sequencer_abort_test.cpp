@@ -1,0 +1,194 @@
+// Shots that must not go on: late, stopped, or with lines that fail.
+#include <string>
+
+#include "tests/support/sequencer_bench.hpp"
+// CppUTest redefines new; its headers come last.
+#include <CppUTest/TestHarness.h>
+
+using namespace strobe;
+using namespace strobe::testing;
+
+TEST_GROUP(SequencerAbort) {
+  SequencerBench bench;
+  VirtualRig& rig = bench.rig;
+  void setup() override { bench.start(); }
+  void expect_aborted(const char* why) {
+    CHECK_EQUAL(1u, rig.shots.size());
+    STRCMP_CONTAINS(why, bench.abort_reason().c_str());
+    CHECK_EQUAL(1u, rig.count(EventKind::shot_aborted));
+    CHECK_EQUAL(0u, rig.count(EventKind::shot_ended));
+    CHECK_TRUE(rig.all_inactive());
+  }
+};
+
+TEST(SequencerAbort, FollowsAFreezeWithoutABurst) {
+  const MonoTime start = bench.fire();
+  const MonoTime frozen = start + kFirstFlashAt + microseconds(3000) * 50 + milliseconds(1);
+  rig.freeze(frozen, milliseconds(50));
+  bench.play();
+  expect_aborted("flash 51 would have been 48");  // it was due 2 ms into the freeze: 48 ms late
+  CHECK_EQUAL(51u, rig.instants(Output::strobes).size());
+  CHECK(rig.instants(Output::strobes).back() < frozen);
+  CHECK_FALSE(bench.shot().flashes[51].issue_end.known());
+  CHECK_EQUAL(167u, bench.shot().flashes.size());
+}
+
+TEST(SequencerAbort, ToleratesAndRecordsAFlashThatIsLateWithinTheLimit) {
+  const MonoTime start = bench.fire();
+  const MonoTime due = start + kFirstFlashAt + microseconds(3000) * 50;
+  rig.freeze(due - microseconds(10), microseconds(1000));
+  bench.play();
+  CHECK(bench.shot().abort_reason.empty());
+  const FlashRecord& late = bench.shot().flashes[50];
+  CHECK(late.commanded == due);
+  CHECK(late.issue_start - due >= microseconds(989));
+  CHECK(late.observed_a.known());
+  CHECK(bench.shot().flashes[51].issue_start - bench.shot().flashes[51].commanded < microseconds(1));
+}
+
+TEST(SequencerAbort, HoldsTheWidthOfALatePulse) {
+  const MonoTime start = bench.fire();
+  rig.freeze(start + kFirstFlashAt - microseconds(10), microseconds(1000));
+  bench.play();
+  CHECK(rig.instants(Output::strobes, false).at(0) - rig.instants(Output::strobes).at(0) >=
+        bench.config.lamps.pulse);
+}
+
+TEST(SequencerAbort, FollowsLampLinesThatAFreezeKeptOn) {
+  const MonoTime start = bench.fire();
+  rig.freeze(start + kFirstFlashAt + microseconds(30), milliseconds(1));
+  bench.play();
+  expect_aborted("the lamps' lines were on for 1");
+}
+
+TEST(SequencerAbort, ComesBeforeALampThatHasNotRecharged) {
+  Rig config = bench_rig();
+  config.plan.period = microseconds(1600);
+  SequencerBench fast(config);
+  fast.start();
+  const MonoTime start = fast.fire();
+  // 1.4 ms late is within the limit, but the next flash is then due after 0.2 ms.
+  fast.rig.freeze(start + kFirstFlashAt + microseconds(1600) * 20 - microseconds(10), microseconds(1410));
+  fast.play();
+  STRCMP_CONTAINS("flash 21 would have come", fast.abort_reason().c_str());
+  CHECK_EQUAL(21u, fast.rig.instants(Output::strobes).size());
+}
+
+TEST(SequencerAbort, FollowsTheEStopWithinAMillisecondAtAnyInstant) {
+  // Across the whole shot, in steps that are no divisor of the period, so that spins and pulses are hit too.
+  for (int i = 0; i < 97; ++i) {
+    SequencerBench trial;
+    trial.start();
+    const MonoTime start = trial.fire();
+    const MonoTime pressed = start + microseconds(5791) * i + nanoseconds(13) * i;
+    trial.rig.schedule({Input::estop, pressed, true});
+    trial.play();
+    CHECK_EQUAL(1u, trial.rig.shots.size());
+    STRCMP_EQUAL("the e-stop is pressed", trial.abort_reason().c_str());
+    CHECK_TRUE(trial.rig.all_inactive());
+    for (const auto& set : trial.rig.sets) {
+      if (set.active) CHECK(set.time < pressed + milliseconds(1));
+    }
+    CHECK(trial.rig.sets.back().time < pressed + milliseconds(1));
+    CHECK_EQUAL(1u, trial.rig.count(EventKind::estop) - 1u);  // one at the start: released
+  }
+}
+
+TEST(SequencerAbort, FollowsTheKeyAndTheDisarmCommand) {
+  MonoTime start = bench.fire();
+  rig.schedule({Input::key, start + milliseconds(100), false});
+  bench.play();
+  expect_aborted("the key is off");
+
+  SequencerBench other;
+  other.start();
+  start = other.fire();
+  other.rig.schedule_command(start + milliseconds(100), other.plain_command(CommandKind::disarm));
+  other.play();
+  STRCMP_EQUAL("disarmed by command", other.abort_reason().c_str());
+}
+
+TEST(SequencerAbort, ReadsTheEStopAgainJustBeforeTheTrigger) {
+  // Pressed within the spin before the trigger, so that its edge has not been read when the trigger is due.
+  const MonoTime start = bench.fire();
+  rig.schedule({Input::estop, start - microseconds(50), true});
+  rig.schedule({Input::sensor_a, start - microseconds(190), true});  // the loop has just looked
+  bench.play();
+  expect_aborted("the e-stop is pressed");
+  CHECK_EQUAL(0u, rig.instants(Output::trigger).size());
+}
+
+TEST(SequencerAbort, WithholdsATriggerThatWouldBeLate) {
+  const MonoTime start = bench.fire();
+  rig.freeze(start - milliseconds(1), milliseconds(20));
+  bench.play();
+  expect_aborted("trigger would have been 19");
+  CHECK_EQUAL(0u, rig.instants(Output::trigger).size());
+}
+
+TEST(SequencerAbort, WithholdsTheTriggerWhenTheKeyCannotBeRead) {
+  const MonoTime start = bench.fire();
+  while (rig.time < start - milliseconds(10)) bench.sequencer.step(start - milliseconds(10));
+  rig.levels_readable = false;
+  bench.play();
+  CHECK_EQUAL(0u, rig.instants(Output::trigger).size());
+  CHECK_TRUE(rig.all_inactive());
+  CHECK_FALSE(bench.shot().abort_reason.empty());
+}
+
+TEST(SequencerAbort, FollowsALineThatCannotBeSet) {
+  int pulses = 0;
+  rig.set_succeeds = [&pulses](Output output, bool active) {
+    return !(output == Output::strobes && active && ++pulses == 30);
+  };
+  bench.fire();
+  bench.play();
+  expect_aborted("the lamps' lines could not be set");
+  CHECK_EQUAL(29u, rig.instants(Output::strobes).size());
+}
+
+TEST(SequencerAbort, EndsTheLoopWhenALineCannotBeSwitchedOff) {
+  bench.fire();
+  rig.set_succeeds = [](Output output, bool active) { return output != Output::trigger || active; };
+  bool goes_on = true;
+  for (int turn = 0; goes_on && turn < 1000; ++turn) goes_on = bench.step();
+  CHECK_FALSE(goes_on);
+}
+
+TEST(SequencerAbort, LimitsEveryOutputsOnTimeWhateverThePlanSays) {
+  // A rig and a plan that the checks would have refused: the outputs' own limits hold all the same.
+  Rig config = bench_rig();
+  config.lamps.pulse = milliseconds(2);
+  config.machine.pulse = milliseconds(5000);
+  config.shutter.max_open = milliseconds(100);
+  SequencerBench wild(config);
+  wild.start();
+  wild.fire();
+  wild.play();
+  const auto longest = [&wild](Output output) {
+    const auto on = wild.rig.instants(output), off = wild.rig.instants(output, false);
+    Duration result{0};
+    for (std::size_t k = 0; k < on.size(); ++k) result = std::max(result, off.at(k) - on[k]);
+    return result;
+  };
+  const Duration cost = microseconds(1);
+  CHECK(longest(Output::strobes) <= config.lamps.max_on + cost);
+  CHECK(longest(Output::trigger) <= config.machine.max_on + config.lamps.max_on + cost);
+  CHECK(longest(Output::shutter) <= config.shutter.max_open + config.lamps.max_on + cost);
+}
+
+TEST(SequencerAbort, HandsTheShotOverWhenTheDaemonIsStopped) {
+  const MonoTime start = bench.fire();
+  while (rig.time < start + milliseconds(100)) bench.step();
+  bench.sequencer.stop("stopped by a signal");
+  expect_aborted("stopped by a signal");
+  CHECK(rig.events.back().kind == EventKind::stopped);
+}
+
+TEST(SequencerAbort, StillCollectsTheLastFlashsLight) {
+  const MonoTime start = bench.fire();
+  rig.lamp_delay = microseconds(400);
+  rig.schedule({Input::estop, start + kFirstFlashAt + microseconds(300), true});
+  bench.play();
+  CHECK(bench.shot().flashes[0].observed_a.known());
+}

@@ -1,0 +1,226 @@
+// Shots that go well, and what they report; refusals and arming.
+#include "firmware/core/sequencer.hpp"
+
+#include <string>
+
+#include "tests/support/allocations.hpp"
+#include "tests/support/sequencer_bench.hpp"
+// CppUTest redefines new; its headers come last.
+#include <CppUTest/TestHarness.h>
+
+using namespace strobe;
+using namespace strobe::testing;
+
+namespace {
+// One reading of the virtual clock and one overshoot of a spin: nothing else delays a pulse there.
+constexpr Duration kIssueCost = nanoseconds(100);
+}  // namespace
+
+TEST_GROUP(Sequencer) {
+  SequencerBench bench;
+  VirtualRig& rig = bench.rig;
+  void setup() override { bench.start(); }
+  std::string refusal() {
+    const Event* event = rig.find(EventKind::refused, rig.count(EventKind::refused) - 1);
+    return event ? std::string(event->detail.view()) : "";
+  }
+};
+
+TEST(Sequencer, MakesTheOutputsInactiveBeforeAnythingElse) {
+  CHECK_EQUAL(3u, rig.sets.size());
+  for (const auto& set : rig.sets) CHECK_FALSE(set.active);
+  CHECK(rig.sets.front().output == Output::trigger);
+  CHECK(rig.events.front().kind == EventKind::started);
+}
+
+TEST(Sequencer, PlaysEveryFlashAtItsInstant) {
+  const MonoTime start = bench.fire();
+  bench.play();
+  const auto flashes = rig.instants(Output::strobes);
+  CHECK_EQUAL(167u, flashes.size());
+  for (std::size_t k = 0; k < flashes.size(); ++k) {
+    const MonoTime due = start + kFirstFlashAt + microseconds(3000) * static_cast<std::int64_t>(k);
+    CHECK(flashes[k] >= due);
+    CHECK(flashes[k] <= due + kIssueCost);
+  }
+}
+
+TEST(Sequencer, EndsEachPulseAfterItsWidth) {
+  const MonoTime start = bench.fire();
+  bench.play();
+  const auto on = rig.instants(Output::strobes), off = rig.instants(Output::strobes, false);
+  CHECK_EQUAL(on.size(), off.size());
+  for (std::size_t k = 0; k < on.size(); ++k) {
+    CHECK(off[k] - on[k] >= bench.config.lamps.pulse);
+    CHECK(off[k] - on[k] <= bench.config.lamps.pulse + rig.set_cost + kIssueCost);
+  }
+  const Duration trigger = rig.instants(Output::trigger, false).at(0) - rig.instants(Output::trigger).at(0);
+  CHECK(trigger >= bench.config.machine.pulse);
+  CHECK(trigger <= bench.config.machine.pulse + rig.set_cost + kIssueCost);
+  CHECK(rig.instants(Output::trigger).at(0) - start <= kIssueCost);
+  CHECK(rig.instants(Output::shutter).at(0) - (start + kShutterAt) <= kIssueCost);
+}
+
+TEST(Sequencer, HandsOverAWholeRecord) {
+  const MonoTime start = bench.fire();
+  bench.play();
+  CHECK_EQUAL(1u, rig.shots.size());
+  const ShotRecord& shot = bench.shot();
+  CHECK(shot.abort_reason.empty());
+  CHECK(shot.start == start);
+  CHECK(shot.host_id == kHost);
+  CHECK_EQUAL(167u, shot.flashes.size());
+  for (const FlashRecord& flash : shot.flashes) {
+    CHECK(flash.issue_start >= flash.commanded);
+    CHECK(flash.issue_end > flash.issue_start);
+    CHECK(flash.observed_a - flash.issue_start <= rig.lamp_delay + kIssueCost);
+    CHECK(flash.observed_b == flash.observed_a);
+    CHECK_EQUAL(0, flash.extra_edges);
+  }
+  CHECK(shot.shutter_close - shot.shutter_open >= milliseconds(500));
+  CHECK(shot.trigger.known());
+}
+
+TEST(Sequencer, SubtractsTheSensorsDelay) {
+  Rig config = bench_rig();
+  config.sensor_delay = microseconds(5);
+  SequencerBench slow(config);
+  slow.start();
+  slow.fire();
+  slow.play();
+  const FlashRecord& flash = slow.shot().flashes[3];
+  CHECK(flash.observed_a - flash.issue_start <= slow.rig.lamp_delay - microseconds(5) + kIssueCost);
+}
+
+TEST(Sequencer, ReportsTheShotInOrder) {
+  bench.fire();
+  bench.play();
+  CHECK_EQUAL(1u, rig.count(EventKind::shot_started));
+  CHECK_EQUAL(167u, rig.count(EventKind::flash));
+  CHECK_EQUAL(334u, rig.count(EventKind::sensor));
+  CHECK_EQUAL(2u, rig.count(EventKind::trigger));
+  CHECK_EQUAL(2u, rig.count(EventKind::shutter));
+  CHECK(rig.events.back().kind == EventKind::shot_ended);
+  int index = 0;
+  for (const Event& event : rig.events) {
+    if (event.kind != EventKind::flash) continue;
+    CHECK_EQUAL(index, event.flash_index);
+    ++index;
+    CHECK_EQUAL(1, event.shot_id);
+    CHECK(event.device_time == event.issue_end);
+  }
+}
+
+TEST(Sequencer, LeavesTheMachineAloneInADryShot) {
+  bench.fire(true);
+  bench.play();
+  CHECK_EQUAL(0u, rig.instants(Output::trigger).size());
+  CHECK_EQUAL(167u, rig.instants(Output::strobes).size());
+  STRCMP_EQUAL("dry", std::string(rig.find(EventKind::shot_started)->detail.view()).c_str());
+}
+
+TEST(Sequencer, AllocatesNothingWhileItPlaysAShot) {
+  const std::int64_t token = bench.arm();
+  rig.schedule_command(rig.time, bench.fire_command(token));
+  std::int64_t allocated = 0;
+  {
+    const AllocationCounter allocations;
+    bench.play();
+    allocated = allocations.count();
+  }
+  CHECK_EQUAL(0, allocated);
+  CHECK_EQUAL(1u, rig.shots.size());
+}
+
+TEST(Sequencer, NumbersShotsFromTheLastOneOfTheSession) {
+  SequencerBench later;
+  Sequencer sequencer(later.config, later.rig.ports(), 41);
+  sequencer.start("test");
+  later.rig.schedule_command(later.rig.time, later.arm_command());
+  sequencer.step(kNoDeadline);
+  later.rig.schedule_command(later.rig.time, later.fire_command(later.rig.statuses.back().arm_token));
+  sequencer.step(kNoDeadline);
+  CHECK_EQUAL(42, later.rig.statuses.back().last_shot_id);
+}
+
+TEST(Sequencer, FiresAgainAfterANewArming) {
+  bench.fire();
+  bench.play();
+  bench.fire();
+  bench.play();
+  CHECK_EQUAL(2u, rig.instants(Output::trigger).size());
+  CHECK_EQUAL(2, bench.shot(1).shot_id);
+}
+
+TEST(Sequencer, RefusesAFireThatIsPlayedBack) {
+  const std::int64_t token = bench.arm();
+  const Command fire = bench.fire_command(token);
+  bench.give(fire);
+  bench.play();
+  bench.give(fire);
+  bench.play();
+  CHECK_EQUAL(1u, rig.instants(Output::trigger).size());
+  STRCMP_EQUAL("FIRE: not armed", refusal().c_str());
+}
+
+TEST(Sequencer, RefusesAWrongToken) {
+  bench.give(bench.fire_command(bench.arm() + 1));
+  STRCMP_EQUAL("FIRE: not the token that was given to this host", refusal().c_str());
+  CHECK_EQUAL(0u, rig.count(EventKind::shot_started));
+}
+
+TEST(Sequencer, RefusesWhatTheReceiverFoundWrong) {
+  Command fire = bench.fire_command(bench.arm());
+  fire.defect = "a repeated command";
+  bench.give(fire);
+  STRCMP_EQUAL("FIRE: a repeated command", refusal().c_str());
+  CHECK(bench.sequencer.state() == State::armed);
+}
+
+TEST(Sequencer, RefusesToArmWithTheKeyOff) {
+  rig.key = false;
+  bench.give(bench.arm_command());
+  STRCMP_EQUAL("ARM: the key is off", refusal().c_str());
+  CHECK_EQUAL(0, rig.statuses.back().arm_token);
+}
+
+TEST(Sequencer, RefusesWhileTheJournalCannotBeWritten) {
+  const std::int64_t token = bench.arm();
+  rig.journal = false;
+  bench.give(bench.fire_command(token));
+  STRCMP_EQUAL("FIRE: the journal cannot be written", refusal().c_str());
+  bench.give(bench.arm_command());
+  STRCMP_EQUAL("ARM: the journal cannot be written", refusal().c_str());
+}
+
+TEST(Sequencer, LetsTheArmingExpireByItself) {
+  bench.arm();
+  const MonoTime armed = rig.time;
+  while (bench.sequencer.state() == State::armed && rig.time < armed + milliseconds(40'000)) bench.step();
+  CHECK(rig.time >= armed + milliseconds(29'999));
+  CHECK(rig.time <= armed + milliseconds(30'000) + Sequencer::kLongestSleep);
+  STRCMP_EQUAL("the arming has expired", std::string(rig.find(EventKind::disarmed)->detail.view()).c_str());
+}
+
+TEST(Sequencer, NoticesAKeyWhoseEdgeWasLost) {
+  bench.arm();
+  rig.key = false;  // without an edge
+  for (int turn = 0; turn < 3; ++turn) bench.step();
+  CHECK(bench.sequencer.state() == State::idle);
+  CHECK_EQUAL(1u, rig.count(EventKind::disarmed));
+}
+
+TEST(Sequencer, LatchesAFaultWhileTheInputsCannotBeRead) {
+  rig.levels_readable = false;
+  for (int turn = 0; turn < 3; ++turn) bench.step();
+  CHECK(bench.sequencer.state() == State::fault);
+  CHECK_EQUAL(1u, rig.count(EventKind::fault));
+  bench.give(bench.plain_command(CommandKind::clear));
+  CHECK(bench.sequencer.state() == State::fault);  // the cause is still there
+  rig.levels_readable = true;
+  bench.give(bench.plain_command(CommandKind::clear));
+  CHECK(bench.sequencer.state() == State::idle);
+  bench.fire();
+  bench.play();
+  CHECK(bench.shot().abort_reason.empty());
+}

@@ -1,0 +1,153 @@
+#include "firmware/core/shot_plan.hpp"
+
+#include <string>
+
+#include "tests/support/virtual_rig.hpp"
+// CppUTest redefines new; its headers come last.
+#include <CppUTest/TestHarness.h>
+
+using namespace strobe;
+using namespace strobe::firmware;
+
+TEST_GROUP(ShotPlan) {
+  Rig rig = strobe::testing::bench_rig();
+  PlanRequest request = rig.plan;
+  ShotPlan plan;
+
+  void setup() override { plan.reserve(rig.lamps.max_flashes); }
+  const PlannedPulse* first(Output output) {
+    for (const PlannedPulse& pulse : plan.pulses) {
+      if (pulse.output == output) return &pulse;
+    }
+    return nullptr;
+  }
+  std::string refusal() {
+    const auto checked = check_plan(request, rig);
+    return checked ? "" : checked.error().message;
+  }
+  void gated(int flashes) {
+    request.train = Train::gated;
+    request.flash_count = flashes;
+  }
+};
+
+TEST(ShotPlan, FlashesFromTheShuttersOpeningToItsClosing) {
+  build_plan(request, rig, plan);
+  // 500 ms / 3 ms = 166.7: the 167th flash is at 498 ms, the next would be at 501 ms.
+  CHECK_EQUAL(167, plan.flash_count);
+  CHECK(first(Output::strobes)->at == plan.exposure_begin);
+  CHECK(plan.exposure_end - plan.exposure_begin == milliseconds(500));
+  CHECK(plan.exposure_begin - first(Output::shutter)->at == rig.shutter.lag);
+  CHECK(first(Output::shutter)->width == milliseconds(500));
+}
+
+TEST(ShotPlan, TimesTheTriggerSoThatTheBallIsAtThePlateAsAsked) {
+  build_plan(request, rig, plan);
+  const Duration ball_at_plate = first(Output::trigger)->at + rig.machine.lag;
+  CHECK(ball_at_plate - plan.exposure_begin == milliseconds(250));
+}
+
+TEST(ShotPlan, StartsWithTheEarliestPulseWhicheverItIs) {
+  build_plan(request, rig, plan);
+  CHECK(plan.pulses.front().output == Output::trigger);
+  CHECK_EQUAL(0, plan.pulses.front().at.ns);
+  request.impact_at = milliseconds(400);
+  build_plan(request, rig, plan);
+  CHECK(plan.pulses.front().output == Output::shutter);
+  CHECK_EQUAL(0, plan.pulses.front().at.ns);
+  CHECK(first(Output::trigger)->at == milliseconds(45 + 400 - 310));
+}
+
+TEST(ShotPlan, TakesTheRigFilesImpactWhereTheRequestHasNone) {
+  request.impact_at = {};
+  build_plan(request, rig, plan);
+  CHECK(first(Output::trigger)->at + rig.machine.lag - plan.exposure_begin == rig.plan.impact_at);
+}
+
+TEST(ShotPlan, HasNoTriggerInADryShot) {
+  request.dry = true;
+  build_plan(request, rig, plan);
+  POINTERS_EQUAL(nullptr, first(Output::trigger));
+  CHECK_EQUAL(0, first(Output::shutter)->at.ns);
+}
+
+TEST(ShotPlan, IsSortedByInstant) {
+  build_plan(request, rig, plan);
+  for (std::size_t i = 1; i < plan.pulses.size(); ++i) CHECK(plan.pulses[i - 1].at <= plan.pulses[i].at);
+}
+
+TEST(ShotPlan, HasNoFlashesInAGatedShotUntilTheGateIsSeen) {
+  gated(5);
+  CHECK_EQUAL(std::string(), refusal());
+  build_plan(request, rig, plan);
+  POINTERS_EQUAL(nullptr, first(Output::strobes));
+  CHECK(add_burst(request, rig, plan.exposure_begin + milliseconds(100), plan));
+  CHECK_EQUAL(5u + 2u, plan.pulses.size());
+  CHECK(first(Output::strobes)->at == plan.exposure_begin + milliseconds(100));
+}
+
+TEST(ShotPlan, AddsNoBurstThatWouldOutlastTheExposure) {
+  gated(5);
+  build_plan(request, rig, plan);
+  const Duration burst = request.period * 4 + rig.lamps.pulse;
+  CHECK_FALSE(add_burst(request, rig, plan.exposure_end - burst + nanoseconds(1), plan));
+  CHECK_EQUAL(2u, plan.pulses.size());
+  CHECK(add_burst(request, rig, plan.exposure_end - burst, plan));
+}
+
+TEST(ShotPlan, RefusesAPeriodShorterThanTheLampsRecharge) {
+  request.period = rig.lamps.min_period - nanoseconds(1);
+  STRCMP_CONTAINS("shorter than the lamps'", refusal().c_str());
+  request.period = rig.lamps.min_period;
+  request.exposure = milliseconds(400);
+  CHECK_EQUAL(std::string(), refusal());
+}
+
+TEST(ShotPlan, RefusesMoreFlashesThanAShotMayHave) {
+  request.period = rig.lamps.min_period;
+  request.exposure = rig.lamps.min_period * rig.lamps.max_flashes;
+  CHECK_EQUAL(std::string(), refusal());
+  request.exposure = request.exposure + nanoseconds(1);
+  STRCMP_CONTAINS("401 flashes are more than the 400", refusal().c_str());
+}
+
+TEST(ShotPlan, RefusesAnExposureLongerThanTheShutterStands) {
+  request.period = microseconds(10'000);
+  request.exposure = rig.shutter.max_open + nanoseconds(1);
+  STRCMP_CONTAINS("longer than the shutter's 2000 ms", refusal().c_str());
+}
+
+TEST(ShotPlan, RefusesABallThatComesAfterTheExposure) {
+  request.impact_at = request.exposure;
+  STRCMP_CONTAINS("after the shutter opened", refusal().c_str());
+}
+
+TEST(ShotPlan, RefusesAGatedTrainWithoutAGateOrABurst) {
+  gated(0);
+  STRCMP_CONTAINS("flash_count of at least 1", refusal().c_str());
+  gated(5);
+  rig.line(Line::gate).fitted = false;
+  STRCMP_CONTAINS("lines.gate", refusal().c_str());
+}
+
+TEST(ShotPlan, RefusesABurstLongerThanTheExposure) {
+  gated(167);
+  CHECK_EQUAL(std::string(), refusal());
+  gated(168);
+  STRCMP_CONTAINS("longer than the exposure", refusal().c_str());
+}
+
+TEST(ShotPlan, RefusesNumbersThatNoRigHas) {
+  const std::int64_t extremes[] = {INT64_MIN, -1, INT64_MAX};
+  for (const std::int64_t extreme : extremes) {
+    for (Duration PlanRequest::*field :
+         {&PlanRequest::period, &PlanRequest::exposure, &PlanRequest::gate_delay, &PlanRequest::impact_at}) {
+      request = rig.plan;
+      request.*field = nanoseconds(extreme);
+      CHECK(!refusal().empty());
+    }
+  }
+  request = rig.plan;
+  request.train = static_cast<Train>(7);
+  STRCMP_CONTAINS("unknown kind of train", refusal().c_str());
+}
