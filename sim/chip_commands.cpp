@@ -7,8 +7,8 @@
 
 #include "sim/commands.hpp"
 #include "sim/gpiochip/chip.hpp"
-#include "sim/rig/runner.hpp"
-#include "sim/scene_files.hpp"
+#include "sim/live/runner.hpp"
+#include "sim/live/scene_files.hpp"
 
 namespace strobe::sim {
 

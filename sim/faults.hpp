@@ -35,10 +35,10 @@ enum class Lamp { a, b };
 
 struct Fault {
   FaultKind kind = FaultKind::flash_late;
-  int shot = 0;                          ///< exposure it strikes, 1-based; 0: every one
-  std::optional<int> flash_from_impact;  ///< -1: last flash before touchdown, 1: first one after; never 0
-  std::optional<int> flash_index;        ///< instead: the flash's number within the exposure, 0-based
-  bool lamp_a = true;                    ///< lamp or sensor concerned
+  int shot = 0;                            ///< exposure it strikes, 1-based; 0: every one
+  std::optional<int> flash_from_impact{};  ///< -1: last flash before touchdown, 1: first one after; never 0
+  std::optional<int> flash_index{};        ///< instead: the flash's number within the exposure, 0-based
+  bool lamp_a = true;                      ///< lamp or sensor concerned
   bool lamp_b = true;
   Duration delay{};  ///< flash_late, flash_double, frame_late
 
@@ -52,7 +52,7 @@ std::vector<Fault> read_faults(config::TomlTable& scene);
 struct FlashPlace {
   int shot = 0;
   int index = 0;
-  std::optional<int> from_impact;
+  std::optional<int> from_impact{};
 };
 
 /// First fault of that kind for this flash of this lamp: flash_late, flash_missing, flash_double.

@@ -26,7 +26,9 @@ int fit_command(const std::string& tables, const std::string& folder) {
     file << to_toml(*fitted, condition);
     file.flush();
     if (!file) return complain(path.string() + ": cannot be written", 2);
-    for (const std::string& remark : fitted->remarks) fmt::print("{}: {}\n", condition.name(), remark);
+    for (const Excess& excess : fitted->excesses)
+      fmt::print("{}: {}: published sd {:.3g}, at least {:.3g} here\n", condition.name(),
+                 reduction::name(excess.quantity), excess.published_sd, excess.expected_sd);
   }
   return 0;
 }

@@ -10,12 +10,12 @@
 #include <thread>
 
 #include "common/messages/channels.hpp"
-#include "sim/child_process.hpp"
 #include "sim/commands.hpp"
 #include "sim/gpiochip/chip.hpp"
-#include "sim/rig/desk.hpp"
-#include "sim/rig/runner.hpp"
-#include "sim/scene_files.hpp"
+#include "sim/live/child_process.hpp"
+#include "sim/live/desk.hpp"
+#include "sim/live/runner.hpp"
+#include "sim/live/scene_files.hpp"
 
 namespace strobe::sim {
 

@@ -40,10 +40,12 @@ Throw draw_throw(const Scene& scene, std::uint64_t seed, int shot) {
   Draws bounce(seed, Purpose::bounce, number);
   const double e_mean = b.e + b.e_slope_spm * (std::abs(t.touchdown.vy_mps) - b.e_speed_mps);
   t.coefficients.e = std::clamp(bounce.normal(e_mean, b.e_sd), 0.05, 0.99);
-  t.coefficients.mu = std::max(0.0, bounce.normal(b.mu, b.mu_sd));
-  t.coefficients.e_x = std::clamp(bounce.normal(b.ex, b.ex_sd), -1.0, 1.0);
-  t.coefficients.offset_m =
-      std::clamp(bounce.normal(b.offset_m, b.offset_sd_m), 0.0, 0.9 * scene.ball.radius_m());
+  const double grip = bounce.normal();
+  t.coefficients.mu = std::max(0.0, b.mu + b.mu_sd * grip);
+  t.coefficients.e_x = std::clamp(b.ex + b.ex_sd * grip, -1.0, 1.0);
+  const double rho = b.offset_grip_correlation;
+  const double offset = rho * grip + std::sqrt(1.0 - rho * rho) * bounce.normal();
+  t.coefficients.offset_m = std::clamp(b.offset_m + b.offset_sd_m * offset, 0.0, 0.9 * scene.ball.radius_m());
   t.dwell_s = std::clamp(bounce.normal(b.dwell_s, b.dwell_sd_s), 0.5 * b.dwell_s, 1.5 * b.dwell_s);
   return t;
 }

@@ -11,6 +11,7 @@ namespace strobe::sim {
 
 namespace {
 
+using reduction::Quantity;
 using thesis::Condition;
 using thesis::MeanSd;
 
@@ -53,6 +54,11 @@ double admissible_noise(const Scene& scene, const Condition& c) {
   leg(c.vx_td_mps, c.vy_td_mps, c.v_td_mps, c.theta_in_deg);
   leg(c.vx_lo_mps, c.vy_lo_mps, c.v_lo_mps, c.theta_out_deg);
   return factor;
+}
+
+void note_excess(FittedScene& fitted, Quantity quantity, double published_sd, double left_over_variance) {
+  if (left_over_variance < 0.0)
+    fitted.excesses.push_back({quantity, published_sd, std::sqrt(square(published_sd) - left_over_variance)});
 }
 
 void fit_means(FittedScene& fitted, const Condition& c) {
@@ -144,24 +150,26 @@ std::array<impact::Motion, 6> derivatives(const FittedScene& fitted) {
   return result;
 }
 
-/// Non-negative variances p, q that bring a[i]·p + b[i]·q nearest to 1 in both of two equations.
-std::array<double, 2> nearest_variances(std::array<double, 2> a, std::array<double, 2> b) {
-  const auto misfit = [&](double p, double q) {
-    return square(a[0] * p + b[0] * q - 1.0) + square(a[1] * p + b[1] * q - 1.0);
-  };
-  const auto alone = [](const std::array<double, 2>& k) {
-    const double norm = square(k[0]) + square(k[1]);
-    return norm > 0.0 ? std::max(0.0, (k[0] + k[1]) / norm) : 0.0;
-  };
-  std::array<double, 2> best{alone(a), 0.0};
-  if (misfit(0.0, alone(b)) < misfit(best[0], best[1])) best = {0.0, alone(b)};
-  const double determinant = a[0] * b[1] - a[1] * b[0];
-  if (determinant != 0.0) {
-    const double p = (b[1] - b[0]) / determinant;
-    const double q = (a[0] - a[1]) / determinant;
-    if (p >= 0.0 && q >= 0.0) best = {p, q};
-  }
-  return best;
+/// Standard deviations of grip (e_x or mu) and offset and their correlation that make changes of vx and spin
+/// with the given variances: correlated such that the offset, which cannot be negative, is spread least.
+void spread_grip_and_offset(FittedScene& fitted, const impact::Motion& per_grip,
+                            const impact::Motion& per_offset, double vx_variance, double spin_variance) {
+  BounceSettings& b = fitted.scene.bounce;
+  const double determinant =
+      per_grip.vx_mps * per_offset.omega_radps - per_offset.vx_mps * per_grip.omega_radps;
+  if (determinant == 0.0) return;
+  // (grip, offset) = inverse matrix times (vx, spin).
+  const double grip_vx = per_offset.omega_radps / determinant;
+  const double grip_spin = -per_offset.vx_mps / determinant;
+  const double offset_vx = -per_grip.omega_radps / determinant;
+  const double offset_spin = per_grip.vx_mps / determinant;
+  const double vx_sd = std::sqrt(vx_variance);
+  const double spin_sd = offset_vx * offset_spin > 0.0 ? -std::sqrt(spin_variance) : std::sqrt(spin_variance);
+  const double grip_change = grip_vx * vx_sd + grip_spin * spin_sd;
+  const double offset_change = offset_vx * vx_sd + offset_spin * spin_sd;
+  (fitted.slides ? b.mu_sd : b.ex_sd) = std::abs(grip_change);
+  b.offset_sd_m = std::abs(offset_change);
+  b.offset_grip_correlation = grip_change * offset_change < 0.0 ? -1.0 : 1.0;
 }
 
 void fit_bounce(FittedScene& fitted, const Condition& c) {
@@ -183,23 +191,10 @@ void fit_bounce(FittedScene& fitted, const Condition& c) {
   b.e_sd = std::sqrt(std::max(0.0, vy)) / std::abs(d[3].vy_mps);
   vx -= square(d[3].vx_mps * b.e_sd);
   spin -= square(d[3].omega_radps * b.e_sd);
-  double grip_variance = 0.0;
-  double offset_variance = 0.0;
-  if (vx > 0.0 && spin > 0.0) {
-    const auto fit = nearest_variances({square(d[4].vx_mps) / vx, square(d[4].omega_radps) / spin},
-                                       {square(d[5].vx_mps) / vx, square(d[5].omega_radps) / spin});
-    grip_variance = fit[0];
-    offset_variance = fit[1];
-  }
-  (fitted.slides ? b.mu_sd : b.ex_sd) = std::sqrt(grip_variance);
-  b.offset_sd_m = std::sqrt(offset_variance);
-  const auto remark = [&](bool cut, const char* text) {
-    if (cut) fitted.remarks.emplace_back(text);
-  };
-  remark(vy <= 0.0, "vy at lift-off: machine and tablet alone spread it as much as published, or more");
-  remark(vx <= 0.0, "vx at lift-off: machine, tablet and e alone spread it as much as published, or more");
-  remark(spin <= 0.0,
-         "spin at lift-off: machine, tablet and e alone spread it as much as published, or more");
+  spread_grip_and_offset(fitted, d[4], d[5], std::max(0.0, vx), std::max(0.0, spin));
+  note_excess(fitted, Quantity::vx_lo_mps, c.vx_lo_mps.sd, vx);
+  note_excess(fitted, Quantity::vy_lo_mps, c.vy_lo_mps.sd, vy);
+  note_excess(fitted, Quantity::omega_lo_radps, c.omega_lo_radps.sd, spin);
 }
 
 void fit_dwell(FittedScene& fitted, const Condition& c) {
@@ -210,8 +205,8 @@ void fit_dwell(FittedScene& fitted, const Condition& c) {
       scene.tablet.centre_sd_m * std::sqrt(8.0 / 3.0 + 0.25 + 2.0 / images_of_shot(scene, c));
   const double noise_s = end_m * std::hypot(1.0 / c.vy_td_mps.mean, 1.0 / c.vy_lo_mps.mean);
   scene.bounce.dwell_sd_s = left_over(c.dwell_time_ms.sd * 1e-3, noise_s);
-  if (scene.bounce.dwell_sd_s == 0.0)
-    fitted.remarks.emplace_back("dwell time: the tablet alone spreads it as much");
+  note_excess(fitted, Quantity::dwell_time_ms, c.dwell_time_ms.sd,
+              square(c.dwell_time_ms.sd) - square(noise_s * 1e3));
 }
 
 }  // namespace

@@ -23,7 +23,9 @@ std::string to_toml(const FittedScene& fitted, const thesis::Condition& conditio
   const TabletSettings& t = fitted.scene.tablet;
   std::string text = "# Written by `strobe-sim fit` from the thesis's tables; sim/rig/fit.hpp says how.\n";
   text += fitted.slides ? "# The ball slides throughout.\n" : "# The ball grips.\n";
-  for (const std::string& remark : fitted.remarks) text += "# " + remark + ".\n";
+  for (const Excess& excess : fitted.excesses)
+    text += fmt::format("# {}: published sd {:.3g}; tablet and machine alone make it {:.3g}.\n",
+                        reduction::name(excess.quantity), excess.published_sd, excess.expected_sd);
   text += fmt::format("title = \"{}, {:.2f} degrees\"\n", spin_words(condition.spin),
                       condition.theta_in_deg.mean);
   text += "\n[machine]\n";
@@ -35,6 +37,7 @@ std::string to_toml(const FittedScene& fitted, const thesis::Condition& conditio
   text += entry("mu", b.mu) + (b.mu_sd > 0.0 ? entry("mu_sd", b.mu_sd) : "");
   text += entry("ex", b.ex) + (b.ex_sd > 0.0 ? entry("ex_sd", b.ex_sd) : "");
   text += entry("offset_mm", b.offset_m * 1e3) + entry("offset_sd_mm", b.offset_sd_m * 1e3);
+  text += entry("offset_grip_correlation", b.offset_grip_correlation);
   text += entry("dwell_ms", b.dwell_s * 1e3) + entry("dwell_sd_ms", b.dwell_sd_s * 1e3);
   text += "\n[tablet]\n";
   text += entry("centre_sd_mm", t.centre_sd_m * 1e3) + entry("equator_sd_deg", t.equator_sd_rad * kDegrees);

@@ -50,6 +50,7 @@ BounceSettings read_bounce(TomlTable table, const MachineSettings& machine) {
   b.ex_sd = table.number_or("ex_sd", 0.0, {0.0, 1.0});
   b.offset_m = table.number("offset_mm", {0.0, 20.0}) * kMilli;
   b.offset_sd_m = table.number_or("offset_sd_mm", 0.0, {0.0, 20.0}) * kMilli;
+  b.offset_grip_correlation = table.number_or("offset_grip_correlation", 0.0, {-1.0, 1.0});
   b.dwell_s = table.number("dwell_ms", {0.1, 50.0}) * kMilli;
   b.dwell_sd_s = table.number_or("dwell_sd_ms", 0.0, {0.0, 10.0}) * kMilli;
   b.top_drop_ratio = table.number_or("top_drop_ratio", b.top_drop_ratio, {0.5, 2.0});

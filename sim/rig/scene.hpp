@@ -31,7 +31,8 @@ struct MachineSettings {
 };
 
 /// [bounce] How ball and surface rebound: common/impact's grip() with these coefficients, spread from shot to
-/// shot, and the exact damped sine in between.
+/// shot, and the exact damped sine in between. One draw moves mu and e_x together: a shot that finds more
+/// grip.
 struct BounceSettings {
   double e = 0.75;              ///< required; at e_speed_mps
   double e_speed_mps = 0.0;     ///< |vy| at which e holds; default: the machine's mean
@@ -43,7 +44,8 @@ struct BounceSettings {
   double ex_sd = 0.0;
   double offset_m = 0.003;  ///< required, key offset_mm; of the normal force at full rolling speed
   double offset_sd_m = 0.0;
-  double dwell_s = 0.005;  ///< required, key dwell_ms; touchdown to lift-off
+  double offset_grip_correlation = 0.0;  ///< -1…1, between the offset and mu or e_x of one shot
+  double dwell_s = 0.005;                ///< required, key dwell_ms; touchdown to lift-off
   double dwell_sd_s = 0.0;
   double top_drop_ratio = 1.27;  ///< drop of the ball's top over that of its centre (measured at 23 degrees)
 };

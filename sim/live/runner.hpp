@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "sim/gpiochip/chip.hpp"
-#include "sim/rig/darkroom.hpp"
+#include "sim/live/darkroom.hpp"
 #include "sim/rig/rig.hpp"
 
 namespace strobe::sim {

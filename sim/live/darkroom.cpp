@@ -1,4 +1,4 @@
-#include "sim/rig/darkroom.hpp"
+#include "sim/live/darkroom.hpp"
 
 namespace strobe::sim {
 

@@ -1,11 +1,11 @@
-#include "sim/rig/desk.hpp"
+#include "sim/live/desk.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "common/messages/channels.hpp"
-#include "sim/rig/runner.hpp"
+#include "sim/live/runner.hpp"
 
 namespace strobe::sim {
 

@@ -1,4 +1,4 @@
-#include "sim/rig/truth_file.hpp"
+#include "sim/live/truth_file.hpp"
 
 #include "sim/rig/truth.hpp"
 

@@ -16,9 +16,9 @@
 #include <utility>
 #include <vector>
 
-#include "sim/rig/darkroom.hpp"
+#include "sim/live/darkroom.hpp"
+#include "sim/live/truth_file.hpp"
 #include "sim/rig/tablet.hpp"
-#include "sim/rig/truth_file.hpp"
 
 namespace strobe::sim {
 

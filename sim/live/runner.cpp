@@ -1,4 +1,4 @@
-#include "sim/rig/runner.hpp"
+#include "sim/live/runner.hpp"
 
 #include <pthread.h>
 #include <sched.h>

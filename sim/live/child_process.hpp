@@ -1,0 +1,28 @@
+// Runs one command to its end: its environment, the signals passed on to it, its exit status.
+// For the main thread of a program, before it starts others: signals are blocked in it and in all threads
+// after it.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/result.hpp"
+
+namespace strobe::sim {
+
+/// Blocks what wait_for_child() takes in: SIGINT, SIGTERM, SIGHUP, SIGCHLD. Call it before any thread is
+/// started.
+void block_child_signals();
+
+/// Starts `command` (looked up in PATH) with these environment variables set and all others kept. The child
+/// is sent SIGTERM if this process dies. Fails if the command cannot be executed.
+Result<int> start_child(const std::vector<std::string>& command,
+                        const std::vector<std::pair<std::string, std::string>>& environment);
+
+/// Waits for the child's end, passing on SIGINT, SIGTERM and SIGHUP (but not those that a terminal sends to
+/// the whole foreground, which the child gets anyway). Gives its exit status, or 128 plus the signal that
+/// ended it.
+int wait_for_child(int pid);
+
+}  // namespace strobe::sim

@@ -1,0 +1,204 @@
+#include "sim/rig/ball_path.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "sim/rig/truth.hpp"
+#include "tests/sim/rig/bench.hpp"
+// CppUTest redefines new; its headers come last.
+#include <CppUTest/TestHarness.h>
+
+namespace {
+
+using namespace strobe;
+using namespace strobe::sim;
+using reduction::Quantity;
+
+/// A scene with every spread on, of a few rebounds that differ much.
+Scene spread_scene(int kind) {
+  Scene scene = test::plain_scene();
+  scene.machine.angle_rad = -(15.0 + 9.0 * kind) * std::numbers::pi / 180.0;
+  scene.machine.spin_radps = 90.0 * (kind % 5 - 2);
+  scene.machine.speed_sd_mps = 1.0;
+  scene.machine.angle_sd_rad = 0.04;
+  scene.machine.spin_sd_radps = 20.0;
+  scene.bounce.e_speed_mps = 10.0;
+  scene.bounce.e_sd = 0.03;
+  scene.bounce.mu_sd = 0.05;
+  scene.bounce.ex_sd = 0.1;
+  scene.bounce.offset_sd_m = 0.001;
+  scene.bounce.dwell_sd_s = 0.0003;
+  scene.surface_angle_rad = kind % 2 == 0 ? 0.0 : 0.3;
+  return scene;
+}
+
+constexpr int kKinds = 7;
+constexpr int kShots = 200;
+
+template <typename Check>
+void for_many_balls(Check check) {
+  for (int kind = 0; kind < kKinds; ++kind) {
+    const Scene scene = spread_scene(kind);
+    for (int shot = 1; shot <= kShots; ++shot) {
+      const Throw thrown = draw_throw(scene, 99, shot);
+      const auto path = BallPath::make(scene, thrown);
+      CHECK_TEXT(path.has_value(), fmt::format("kind {} shot {}", kind, shot).c_str());
+      check(scene, thrown, *path);
+    }
+  }
+}
+
+double tangential_energy(const Scene& scene, const impact::Motion& m) {
+  const double rim = scene.ball.radius_m() * m.omega_radps;
+  return m.vx_mps * m.vx_mps + scene.ball.alpha * rim * rim;
+}
+
+}  // namespace
+
+TEST_GROUP(BallPath){};
+
+TEST(BallPath, TouchesDownAndLiftsOffWithItsCentreOneRadiusUp) {
+  for_many_balls([](const Scene& scene, const Throw&, const BallPath& path) {
+    DOUBLES_EQUAL(scene.ball.radius_m(), path.at(0.0).y_m, 1e-15);
+    DOUBLES_EQUAL(scene.ball.radius_m(), path.at(path.dwell_s()).y_m, 1e-12);
+    DOUBLES_EQUAL(0.0, path.at(0.0).x_m, 1e-15);
+    DOUBLES_EQUAL(path.dwell_distance_m(), path.at(path.dwell_s()).x_m, 1e-15);
+  });
+}
+
+TEST(BallPath, IsBelowItsRadiusThroughoutTheDwellTimeAndOnlyThen) {
+  for_many_balls([](const Scene& scene, const Throw&, const BallPath& path) {
+    for (int i = 1; i < 100; ++i) {
+      const BallState s = path.at(path.dwell_s() * i / 100.0);
+      CHECK(s.y_m < scene.ball.radius_m());
+      CHECK(s.top_drop_m > 0.0);
+    }
+    for (const double before_s : {-1e-6, -1e-3, -0.01}) CHECK(path.at(before_s).y_m > scene.ball.radius_m());
+    for (const double after_s : {1e-6, 1e-3, 0.01})
+      CHECK(path.at(path.dwell_s() + after_s).y_m > scene.ball.radius_m());
+  });
+}
+
+TEST(BallPath, MovesAsItsVelocitiesSay) {
+  // Central differences: the third derivative is at most v·(pi/dwell)² (damping adds less than as much
+  // again), the error h²/6 of it: 60·2·(pi/3e-3)²·1e-12/6 < 3e-5 m/s; for the spin likewise with 400 rad/s.
+  constexpr double h = 1e-6;
+  for_many_balls([](const Scene&, const Throw&, const BallPath& path) {
+    for (int i = -10; i <= 20; ++i) {
+      const double t = path.dwell_s() * (i + 0.37) / 10.0;
+      const BallState a = path.at(t - h);
+      const BallState b = path.at(t + h);
+      const BallState s = path.at(t);
+      DOUBLES_EQUAL(s.vx_mps, (b.x_m - a.x_m) / (2 * h), 1e-4);
+      DOUBLES_EQUAL(s.vy_mps, (b.y_m - a.y_m) / (2 * h), 1e-4);
+      DOUBLES_EQUAL(s.omega_radps, (b.equator_rad - a.equator_rad) / (2 * h), 1e-3);
+    }
+  });
+}
+
+TEST(BallPath, HasNoJumpInPlaceVelocityOrSpin) {
+  for_many_balls([](const Scene&, const Throw&, const BallPath& path) {
+    for (const double t : {0.0, path.dwell_s()}) {
+      const BallState a = path.at(t - 1e-9);
+      const BallState b = path.at(t + 1e-9);
+      DOUBLES_EQUAL(a.x_m, b.x_m, 1e-7);
+      DOUBLES_EQUAL(a.y_m, b.y_m, 1e-7);
+      DOUBLES_EQUAL(a.vx_mps, b.vx_mps, 1e-4);
+      DOUBLES_EQUAL(a.vy_mps, b.vy_mps, 1e-4);
+      DOUBLES_EQUAL(a.omega_radps, b.omega_radps, 1e-3);
+      DOUBLES_EQUAL(a.equator_rad, b.equator_rad, 1e-5);
+    }
+  });
+}
+
+TEST(BallPath, TurnsFrictionIntoSpinByTheMomentEquation) {
+  // alpha·R²·Δomega = R·Δvx + d·J with the offset that acted.
+  for_many_balls([](const Scene& scene, const Throw& thrown, const BallPath& path) {
+    const impact::Motion& td = thrown.touchdown;
+    const impact::Motion& lo = path.rebound().lift_off;
+    const double r = scene.ball.radius_m();
+    const double impulse = lo.vy_mps - td.vy_mps;
+    DOUBLES_EQUAL(scene.ball.alpha * r * r * (lo.omega_radps - td.omega_radps),
+                  r * (lo.vx_mps - td.vx_mps) + path.rebound().offset_m * impulse, 1e-12);
+    DOUBLES_EQUAL(-thrown.coefficients.e * td.vy_mps, lo.vy_mps, 1e-12);
+  });
+}
+
+TEST(BallPath, NeverGainsEnergyInTheImpact) {
+  for_many_balls([](const Scene& scene, const Throw& thrown, const BallPath& path) {
+    const double before = tangential_energy(scene, thrown.touchdown);
+    CHECK(tangential_energy(scene, path.rebound().lift_off) <= before * (1.0 + 1e-12));
+    CHECK(std::abs(path.rebound().lift_off.vy_mps) < std::abs(thrown.touchdown.vy_mps));
+  });
+}
+
+TEST(BallPath, KeepsItsEnergyInFlight) {
+  for_many_balls([](const Scene& scene, const Throw&, const BallPath& path) {
+    const flight::Vector g = flight::gravity_mps2(scene.surface_angle_rad);
+    const auto energy = [&](const BallState& s) {
+      return 0.5 * (s.vx_mps * s.vx_mps + s.vy_mps * s.vy_mps) - g.x * s.x_m - g.y * s.y_m;
+    };
+    DOUBLES_EQUAL(energy(path.at(-0.05)), energy(path.at(-0.001)), 1e-9);
+    DOUBLES_EQUAL(energy(path.at(path.dwell_s() + 0.001)), energy(path.at(path.dwell_s() + 0.05)), 1e-9);
+  });
+}
+
+TEST(BallPath, PassesTheGateWhereTheGateStands) {
+  for_many_balls([](const Scene&, const Throw&, const BallPath& path) {
+    for (const double distance_m : {0.2, 1.0, 3.0}) {
+      const double t = path.time_at_distance_s(distance_m);
+      CHECK(t < 0.0);
+      DOUBLES_EQUAL(-distance_m, path.at(t).x_m, 1e-9);
+    }
+  });
+}
+
+TEST(BallPath, TellsTheTruthThatItsOwnStatesShow) {
+  for_many_balls([](const Scene& scene, const Throw&, const BallPath& path) {
+    const reduction::Quantities q = true_readout(scene, path);
+    const BallState td = path.at(0.0);
+    const BallState lo = path.at(path.dwell_s());
+    DOUBLES_EQUAL(td.vx_mps, *q[Quantity::vx_td_mps], 1e-9);
+    DOUBLES_EQUAL(lo.vx_mps, *q[Quantity::vx_lo_mps], 1e-9);
+    DOUBLES_EQUAL(lo.vy_mps, *q[Quantity::vy_lo_mps], 1e-9);
+    DOUBLES_EQUAL(lo.omega_radps, *q[Quantity::omega_lo_radps], 1e-9);
+    DOUBLES_EQUAL(lo.vx_mps + scene.ball.radius_m() * lo.omega_radps, *q[Quantity::slip_lo_mps], 1e-9);
+    DOUBLES_EQUAL(-lo.vy_mps / td.vy_mps, *q[Quantity::e], 1e-9);
+    DOUBLES_EQUAL((td.vx_mps - lo.vx_mps) / (lo.vy_mps - td.vy_mps), *q[Quantity::mu], 1e-9);
+    DOUBLES_EQUAL(100.0 * (lo.x_m - td.x_m), *q[Quantity::dwell_distance_cm], 1e-9);
+    DOUBLES_EQUAL(1000.0 * path.dwell_s(), *q[Quantity::dwell_time_ms], 1e-12);
+  });
+}
+
+TEST(BallPath, DoesNotDependOnEarlierShots) {
+  const Scene scene = spread_scene(3);
+  const Throw direct = draw_throw(scene, 5, 40);
+  for (int shot = 1; shot < 40; ++shot) draw_throw(scene, 5, shot);
+  DOUBLES_EQUAL(direct.touchdown.vx_mps, draw_throw(scene, 5, 40).touchdown.vx_mps, 0.0);
+}
+
+TEST(BallPath, LosesRestitutionWithSpeedAsTheSceneSays) {
+  Scene scene = test::plain_scene();
+  const double e0 = draw_throw(scene, 1, 1).coefficients.e;
+  scene.machine.speed_mps = 27.0;
+  const double more = (27.0 - 17.0) * std::sin(23.0 * std::numbers::pi / 180.0);
+  DOUBLES_EQUAL(e0 - 0.017 * more, draw_throw(scene, 1, 1).coefficients.e, 1e-12);
+}
+
+TEST(BallPath, GivesTheCourtPaceOfTheStandardsExamples) {
+  // ITF CS 01/02: (mu .63, e .81) gives 37, (.53, .75) gives 56, at 23 degrees Celsius. A sliding ball that
+  // starts without spin keeps exactly mu.
+  Scene scene = test::plain_scene();
+  scene.temperature_c = 23.0;
+  scene.bounce.offset_m = 0.0;
+  scene.machine.angle_rad = -10.0 * std::numbers::pi / 180.0;
+  scene.bounce.e_slope_spm = 0.0;
+  const auto pace = [&](double mu, double e) {
+    scene.bounce.mu = mu;
+    scene.bounce.e = e;
+    return *true_readout(scene, *BallPath::make(scene, draw_throw(scene, 1, 1)))[Quantity::court_pace];
+  };
+  DOUBLES_EQUAL(37.0, pace(0.63, 0.81), 1e-9);
+  DOUBLES_EQUAL(56.0, pace(0.53, 0.75), 1e-9);
+}

@@ -1,0 +1,311 @@
+#include "sim/rig/rig.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim/rig/tablet.hpp"
+#include "sim/rig/truth.hpp"
+#include "tests/sim/rig/bench.hpp"
+// CppUTest redefines new; its headers come last.
+#include <CppUTest/TestHarness.h>
+
+namespace {
+
+using namespace strobe;
+using namespace strobe::sim;
+
+bool struck(const Exposure& exposure, FaultKind kind) {
+  return std::ranges::find(exposure.faults, kind) != exposure.faults.end();
+}
+
+/// Index of the pulse that far from the touchdown.
+std::size_t pulse_at(const Exposure& exposure, int from_impact) {
+  for (std::size_t i = 0; i < exposure.pulses.size(); ++i) {
+    if (*place_from_impact(exposure, i) == from_impact) return i;
+  }
+  FAIL("no such pulse");
+  return 0;
+}
+
+}  // namespace
+
+TEST_GROUP(Rig) { Scene scene = test::plain_scene(); };
+
+TEST(Rig, AnswersEveryPulseWithBothSensorsAtTheTrueFlashes) {
+  scene.lamps.jitter_s = 1e-6;
+  scene.sensors.delay_s = 2e-6;
+  test::VirtualBench bench(scene);
+  const Exposure exposure = bench.shoot();
+  LONGS_EQUAL(167, exposure.pulses.size());  // 500 ms at 3 ms
+  for (const RigLine line : {RigLine::sensor_a, RigLine::sensor_b}) {
+    const auto rises = bench.drives_of(line, 1);
+    const auto falls = bench.drives_of(line, 0);
+    LONGS_EQUAL(167, rises.size());
+    LONGS_EQUAL(167, falls.size());
+    const std::size_t lamp = line == RigLine::sensor_a ? 0 : 1;
+    for (std::size_t i = 0; i < rises.size(); ++i) {
+      CHECK(rises[i].at == exposure.pulses[i].flashes[lamp] + microseconds(2));
+      CHECK(falls[i].at - rises[i].at == microseconds(100));
+    }
+  }
+}
+
+TEST(Rig, GivesNothingBeforeItsInstant) {
+  Rig rig(scene, 1, MonoTime{0});
+  rig.line_changed(RigLine::strobe_a, 1, MonoTime{1000000});
+  CHECK(rig.next_due() == MonoTime{1012000});
+  std::vector<Drive> drives;
+  std::vector<Exposure> exposures;
+  rig.collect(MonoTime{1011999}, drives, exposures);
+  CHECK(drives.empty());
+  rig.collect(MonoTime{1012000}, drives, exposures);
+  LONGS_EQUAL(1, drives.size());
+  CHECK(drives[0].line == RigLine::sensor_a && drives[0].at == MonoTime{1012000});
+}
+
+TEST(Rig, OpensAndClosesTheShutterItsLagsAfterTheLine) {
+  scene.shutter.open_lag_s = 0.045;
+  scene.shutter.close_lag_s = 0.030;
+  test::VirtualBench bench(scene);
+  const Exposure exposure = bench.shoot();
+  CHECK(exposure.opened - exposure.line_on == milliseconds(45));
+  CHECK(exposure.closed - exposure.line_on == milliseconds(530));
+}
+
+TEST(Rig, TakesNoPhotographWhenTheLineIsReleasedBeforeTheShutterMoved) {
+  Rig rig(scene, 1, MonoTime{0});
+  std::vector<Drive> drives;
+  std::vector<Exposure> exposures;
+  rig.line_changed(RigLine::shutter, 1, MonoTime{0});
+  rig.line_changed(RigLine::shutter, 0, MonoTime{10'000'000});
+  rig.collect(MonoTime{1'000'000'000}, drives, exposures);
+  LONGS_EQUAL(1, exposures.size());
+  CHECK(!exposures[0].opened.known());
+  CHECK(film_images(scene, exposures[0]).empty());
+}
+
+TEST(Rig, MeetsThePlateTheMachinesLagAfterTheTrigger) {
+  test::VirtualBench bench(scene);
+  const Exposure exposure = bench.shoot();
+  CHECK(exposure.ball.has_value());
+  LONGS_EQUAL(1, exposure.throws);
+  // The trigger was set such that the ball meets the plate 250 ms after the shutter opened.
+  CHECK(exposure.ball->touchdown - exposure.opened == milliseconds(250));
+}
+
+TEST(Rig, SpreadsTheMachinesLagFromShotToShot) {
+  scene.machine.lag_sd_s = 0.003;
+  test::VirtualBench bench(scene);
+  double sum = 0.0, square = 0.0;
+  constexpr int n = 500;
+  for (int i = 0; i < n; ++i) {
+    const Exposure e = bench.shoot({.exposure = milliseconds(100), .impact_after = milliseconds(50)});
+    const double late_ms = (e.ball->touchdown - e.opened).seconds() * 1e3 - 50.0;
+    sum += late_ms / n;
+    square += late_ms * late_ms / n;
+  }
+  DOUBLES_EQUAL(0.0, sum, 4.0 * 3.0 / std::sqrt(n));
+  DOUBLES_EQUAL(3.0, std::sqrt(square), 4.0 * 3.0 / std::sqrt(2.0 * n));
+}
+
+TEST(Rig, ClosesTheGateWhileTheBallIsInItsBeam) {
+  // Beam 1 m ahead of the plate; the ball's edge meets it a radius earlier. Level plate: vx does not change.
+  test::VirtualBench bench(scene);
+  const Exposure exposure = bench.shoot();
+  const double vx = 17.0 * std::cos(23.0 * std::numbers::pi / 180.0);
+  const auto rise = bench.drives_of(RigLine::gate, 1);
+  const auto fall = bench.drives_of(RigLine::gate, 0);
+  LONGS_EQUAL(1, rise.size());
+  LONGS_EQUAL(1, fall.size());
+  DOUBLES_EQUAL(-(1.0 + 0.03255) / vx, (rise[0].at - exposure.ball->touchdown).seconds(), 2e-9);
+  DOUBLES_EQUAL(-(1.0 - 0.03255) / vx, (fall[0].at - exposure.ball->touchdown).seconds(), 2e-9);
+}
+
+TEST(Rig, PhotographsTheBallOnlyWhileTheShutterIsOpen) {
+  test::VirtualBench bench(scene);
+  const Exposure early = bench.shoot({.impact_after = milliseconds(700)});
+  CHECK(early.ball.has_value());
+  CHECK(!shows_impact(early));
+  CHECK(film_images(scene, early).empty());
+  CHECK(shows_impact(bench.shoot()));
+}
+
+TEST(Rig, MakesAnImageWithOneLampAlone) {
+  scene.faults = {{.kind = FaultKind::lamp_dead, .lamp_b = false}};
+  test::VirtualBench bench(scene);
+  const Exposure exposure = bench.shoot();
+  CHECK(film_images(scene, exposure).size() >= 10);
+  CHECK(bench.drives_of(RigLine::sensor_a, 1).empty());
+  LONGS_EQUAL(exposure.pulses.size(), bench.drives_of(RigLine::sensor_b, 1).size());
+  CHECK(struck(exposure, FaultKind::lamp_dead));
+}
+
+TEST(Rig, MakesNoImageWhereBothLampsMiss) {
+  test::VirtualBench sound(scene);
+  const std::size_t whole = film_images(scene, sound.shoot()).size();
+  scene.faults = {{.kind = FaultKind::flash_missing, .flash_from_impact = 2}};
+  test::VirtualBench bench(scene);
+  const Exposure exposure = bench.shoot();
+  LONGS_EQUAL(whole - 1, film_images(scene, exposure).size());
+  CHECK(exposure.pulses[pulse_at(exposure, 2)].flashes.empty());
+  CHECK(!flash_time(exposure.pulses[pulse_at(exposure, 2)]).known());
+}
+
+TEST(Rig, StrikesTheFlashThatTheFaultCountsFromTheImpact) {
+  for (const int k : {-4, -3, -2, -1, 1, 2, 3}) {
+    scene.faults = {
+        {.kind = FaultKind::flash_late, .shot = 2, .flash_from_impact = k, .delay = microseconds(160)}};
+    scene.machine.lag_sd_s = 0.003;
+    test::VirtualBench bench(scene);
+    for (int shot = 1; shot <= 3; ++shot) {
+      const Exposure exposure = bench.shoot();
+      CHECK(struck(exposure, FaultKind::flash_late) == (shot == 2));
+      for (std::size_t i = 0; i < exposure.pulses.size(); ++i) {
+        const bool late = flash_time(exposure.pulses[i]) - exposure.pulses[i].edge > microseconds(100);
+        CHECK(late == (shot == 2 && *place_from_impact(exposure, i) == k));
+      }
+    }
+  }
+}
+
+TEST(Rig, BlendsTheTwoLampsOfAPulseIntoOneImageBetweenThem) {
+  scene.faults = {
+      {.kind = FaultKind::flash_late, .flash_from_impact = -2, .lamp_b = false, .delay = microseconds(160)}};
+  test::VirtualBench bench(scene);
+  const Exposure exposure = bench.shoot();
+  const auto late = static_cast<int>(pulse_at(exposure, -2));
+  int seen = 0;
+  for (const FilmImage& image : film_images(scene, exposure)) {
+    if (image.pulse != late) continue;
+    ++seen;
+    CHECK(image.time - exposure.pulses[static_cast<std::size_t>(late)].edge == microseconds(12 + 80));
+  }
+  LONGS_EQUAL(1, seen);
+}
+
+TEST(Rig, ShowsADoubleFlashFarApartAsTwoImagesAndTwoEdges) {
+  scene.faults = {{.kind = FaultKind::flash_double, .flash_from_impact = -2, .delay = microseconds(900)}};
+  test::VirtualBench bench(scene);
+  const Exposure exposure = bench.shoot();
+  LONGS_EQUAL(exposure.pulses.size() + 1, bench.drives_of(RigLine::sensor_a, 1).size());
+  const auto images = film_images(scene, exposure);
+  const auto from_it =
+      std::ranges::count(images, static_cast<int>(pulse_at(exposure, -2)), &FilmImage::pulse);
+  LONGS_EQUAL(2, from_it);
+}
+
+TEST(Rig, LengthensASensorsPulseByLightThatComesDuringIt) {
+  scene.faults = {{.kind = FaultKind::flash_double, .flash_index = 5, .delay = microseconds(60)}};
+  test::VirtualBench bench(scene);
+  const Exposure exposure = bench.shoot();
+  const auto rises = bench.drives_of(RigLine::sensor_a, 1);
+  const auto falls = bench.drives_of(RigLine::sensor_a, 0);
+  LONGS_EQUAL(exposure.pulses.size(), rises.size());
+  LONGS_EQUAL(exposure.pulses.size(), falls.size());
+  CHECK(falls[5].at - rises[5].at == microseconds(160));
+}
+
+TEST(Rig, SilencesADeadSensorButNotItsLamp) {
+  scene.faults = {{.kind = FaultKind::sensor_dead, .lamp_a = false}};
+  test::VirtualBench bench(scene);
+  const Exposure exposure = bench.shoot();
+  CHECK(bench.drives_of(RigLine::sensor_b, 1).empty());
+  for (const Pulse& pulse : exposure.pulses) LONGS_EQUAL(2, pulse.flashes.size());
+}
+
+TEST(Rig, CrossesTheGateWithABallThatMissesThePlate) {
+  scene.faults = {{.kind = FaultKind::ball_misses, .shot = 1}};
+  test::VirtualBench bench(scene);
+  const Exposure exposure = bench.shoot();
+  LONGS_EQUAL(1, bench.drives_of(RigLine::gate, 1).size());
+  LONGS_EQUAL(1, exposure.throws);
+  CHECK(!exposure.ball.has_value());
+  CHECK(struck(exposure, FaultKind::ball_misses));
+  CHECK(bench.shoot().ball.has_value());
+}
+
+TEST(Rig, ThrowsNothingWhenTheMachineMisfires) {
+  scene.faults = {{.kind = FaultKind::machine_misfire, .shot = 1}};
+  test::VirtualBench bench(scene);
+  const Exposure exposure = bench.shoot();
+  LONGS_EQUAL(0, exposure.throws);
+  CHECK(bench.drives_of(RigLine::gate, 1).empty());
+  CHECK(struck(exposure, FaultKind::machine_misfire));
+}
+
+TEST(Rig, CountsEveryThrowOfAShot) {
+  Rig rig(scene, 1, MonoTime{0});
+  std::vector<Drive> drives;
+  std::vector<Exposure> exposures;
+  rig.line_changed(RigLine::shutter, 1, MonoTime{0});
+  for (int i = 0; i < 3; ++i) {
+    rig.line_changed(RigLine::trigger, 1, MonoTime{50'000'000LL * (i + 1)});
+    rig.line_changed(RigLine::trigger, 0, MonoTime{50'000'000LL * (i + 1) + 20'000'000});
+  }
+  rig.finish(MonoTime{500'000'000}, exposures);
+  LONGS_EQUAL(1, exposures.size());
+  LONGS_EQUAL(3, exposures[0].throws);
+}
+
+TEST(Rig, ForgetsABallThrownLongBeforeTheShutterOpens) {
+  Rig rig(scene, 1, MonoTime{0});
+  std::vector<Exposure> exposures;
+  rig.line_changed(RigLine::trigger, 1, MonoTime{0});
+  rig.line_changed(RigLine::shutter, 1, MonoTime{20'000'000'000});
+  rig.finish(MonoTime{21'000'000'000}, exposures);
+  CHECK(!exposures[0].ball.has_value());
+}
+
+TEST(Rig, DoesWhatTheOperatorDoes) {
+  scene.operator_actions = {{.at_s = 0.5, .line = RigLine::estop, .level = 0},
+                            {.at_s = 0.2, .line = RigLine::key, .level = 0}};
+  Rig rig(scene, 1, MonoTime{1'000'000'000});
+  CHECK(rig.next_due() == MonoTime{1'200'000'000});
+  std::vector<Drive> drives;
+  std::vector<Exposure> exposures;
+  rig.collect(MonoTime{2'000'000'000}, drives, exposures);
+  LONGS_EQUAL(2, drives.size());
+  CHECK(drives[0].line == RigLine::key && drives[1].line == RigLine::estop);
+  CHECK(drives[1].at == MonoTime{1'500'000'000});
+}
+
+TEST(Rig, KeepsBothExposuresWhenTheShutterOpensAgainAtOnce) {
+  Rig rig(scene, 1, MonoTime{0});
+  std::vector<Drive> drives;
+  std::vector<Exposure> exposures;
+  rig.line_changed(RigLine::shutter, 1, MonoTime{0});
+  rig.line_changed(RigLine::shutter, 0, MonoTime{100'000'000});
+  rig.line_changed(RigLine::shutter, 1, MonoTime{110'000'000});
+  rig.line_changed(RigLine::shutter, 0, MonoTime{300'000'000});
+  rig.collect(MonoTime{1'000'000'000}, drives, exposures);
+  LONGS_EQUAL(2, exposures.size());
+  LONGS_EQUAL(1, exposures[0].shot);
+  LONGS_EQUAL(2, exposures[1].shot);
+}
+
+TEST(Rig, RepeatsARunFromItsSeed) {
+  scene.machine.speed_sd_mps = 0.5;
+  scene.tablet.centre_sd_m = 0.3e-3;
+  scene.lamps.jitter_s = 1e-6;
+  test::VirtualBench a(scene, 11);
+  test::VirtualBench b(scene, 11);
+  test::VirtualBench other(scene, 12);
+  for (int shot = 1; shot <= 3; ++shot) {
+    const std::string line = truth_line(scene, 11, a.shoot(), shot);
+    STRCMP_EQUAL(line.c_str(), truth_line(scene, 11, b.shoot(), shot).c_str());
+    CHECK(line != truth_line(scene, 12, other.shoot(), shot));
+  }
+}
+
+TEST(Rig, ThrowsTheSameBallHoweverManyFlashesCameBefore) {
+  scene.machine.speed_sd_mps = 0.5;
+  scene.lamps.jitter_s = 1e-6;
+  test::VirtualBench few(scene, 11);
+  test::VirtualBench many(scene, 11);
+  few.shoot({.period = milliseconds(10)});
+  many.shoot({.period = milliseconds(2)});
+  const Exposure a = few.shoot();
+  const Exposure b = many.shoot();
+  DOUBLES_EQUAL(a.ball->path.touchdown().vx_mps, b.ball->path.touchdown().vx_mps, 0.0);
+  CHECK(a.pulses[7].flashes[0] - a.pulses[7].edge == b.pulses[7].flashes[0] - b.pulses[7].edge);
+}

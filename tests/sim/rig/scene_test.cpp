@@ -1,0 +1,90 @@
+#include "sim/rig/scene.hpp"
+
+#include <string>
+// CppUTest redefines new; its headers come last.
+#include <CppUTest/TestHarness.h>
+
+namespace {
+
+using namespace strobe;
+using namespace strobe::sim;
+
+const std::string kLeast =
+    "[machine]\nspeed_mps = 17\nangle_deg = -23\nspin_radps = 0\n"
+    "[bounce]\ne = 0.8\nmu = 0.6\nex = 0.1\noffset_mm = 2.5\ndwell_ms = 5\n";
+
+std::string error_of(const std::string& text) {
+  const auto scene = parse_scene(text, "scenes/some.toml");
+  return scene ? "" : scene.error().message;
+}
+
+}  // namespace
+
+TEST_GROUP(SceneFile){};
+
+TEST(SceneFile, NeedsOnlyMachineAndBounce) {
+  const auto scene = parse_scene(kLeast, "scenes/some.toml");
+  CHECK(scene.has_value());
+  STRCMP_EQUAL("some", scene->name.c_str());
+  DOUBLES_EQUAL(0.0025, scene->bounce.offset_m, 1e-15);
+  DOUBLES_EQUAL(0.310, scene->machine.lag_s, 1e-15);
+  DOUBLES_EQUAL(12e-6, scene->lamps.delay_s, 1e-18);
+  // e holds at the machine's mean unless said otherwise.
+  DOUBLES_EQUAL(17.0 * 0.39073112848927377, scene->bounce.e_speed_mps, 1e-12);
+}
+
+TEST(SceneFile, RefusesAnUnknownKeyWithItsLine) {
+  STRCMP_EQUAL("scenes/some.toml:12: lamps.dealy_us: unknown key",
+               error_of(kLeast + "[lamps]\ndealy_us = 3\n").c_str());
+}
+
+TEST(SceneFile, NamesWhatIsMissing) {
+  STRCMP_CONTAINS("machine.speed_mps: is missing", error_of("[machine]\nangle_deg = -23\n").c_str());
+}
+
+TEST(SceneFile, RefusesAValueOutOfItsRange) {
+  STRCMP_CONTAINS("some.toml:12: lamps.delay_us: must be at least 0",
+                  error_of(kLeast + "[lamps]\ndelay_us = -3\n").c_str());
+}
+
+TEST(SceneFile, RefusesWhatIsNoToml) {
+  STRCMP_CONTAINS("scenes/some.toml:1", error_of("[machine\n").c_str());
+}
+
+TEST(SceneFile, ReadsWhatTheOperatorDoes) {
+  const auto scene =
+      parse_scene(kLeast + "[[operator]]\nat_s = 1.5\nline = \"ESTOP\"\nlevel = 0\n", "some.toml");
+  LONGS_EQUAL(1, scene->operator_actions.size());
+  CHECK(scene->operator_actions[0].line == RigLine::estop);
+}
+
+TEST(SceneFile, LetsTheOperatorTouchInputsOnly) {
+  STRCMP_CONTAINS("operator[1].line: must be one of",
+                  error_of(kLeast + "[[operator]]\nat_s = 1\nline = \"TRIGGER\"\nlevel = 1\n").c_str());
+}
+
+TEST(SceneFile, ReadsFaults) {
+  const auto scene = parse_scene(kLeast +
+                                     "[[fault]]\nkind = \"flash_late\"\nshot = 2\nflash_from_impact = -2\n"
+                                     "delay_us = 160\nlamp = \"b\"\n"
+                                     "[[fault]]\nkind = \"frame_late\"\ndelay_s = 0.5\n",
+                                 "some.toml");
+  CHECK(scene.has_value());
+  LONGS_EQUAL(2, scene->faults.size());
+  const Fault& late = scene->faults[0];
+  CHECK(late.kind == FaultKind::flash_late && late.shot == 2 && *late.flash_from_impact == -2);
+  CHECK(late.delay == microseconds(160) && !late.lamp_a && late.lamp_b);
+  CHECK(scene->faults[1].delay == milliseconds(500) && scene->faults[1].shot == 0);
+}
+
+TEST(SceneFile, RefusesAFaultThatCannotBe) {
+  STRCMP_CONTAINS("fault[1].kind: must be one of",
+                  error_of(kLeast + "[[fault]]\nkind = \"flood\"\n").c_str());
+  STRCMP_CONTAINS("fault[1].kind: is missing", error_of(kLeast + "[[fault]]\nshot = 1\n").c_str());
+  STRCMP_CONTAINS("fault[1].delay_us: is missing",
+                  error_of(kLeast + "[[fault]]\nkind = \"flash_late\"\n").c_str());
+  STRCMP_CONTAINS("must not be 0",
+                  error_of(kLeast + "[[fault]]\nkind = \"flash_missing\"\nflash_from_impact = 0\n").c_str());
+  STRCMP_CONTAINS("fault[1].lamp: unknown key",
+                  error_of(kLeast + "[[fault]]\nkind = \"ball_misses\"\nlamp = \"a\"\n").c_str());
+}

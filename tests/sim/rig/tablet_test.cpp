@@ -1,0 +1,167 @@
+#include "sim/rig/tablet.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim/rig/camera.hpp"
+#include "tests/sim/rig/bench.hpp"
+// CppUTest redefines new; its headers come last.
+#include <CppUTest/TestHarness.h>
+
+namespace {
+
+using namespace strobe;
+using namespace strobe::sim;
+using reduction::Leg;
+
+Digitized digitized(const Scene& scene, int shots = 1) {
+  test::VirtualBench bench(scene);
+  Exposure exposure;
+  for (int i = 0; i < shots; ++i) exposure = bench.shoot();
+  return digitize(scene, 1, exposure);
+}
+
+}  // namespace
+
+TEST_GROUP(Tablet) { Scene scene = test::plain_scene(); };
+
+TEST(Tablet, MeasuresADozenImagesInOrderOfTime) {
+  const Digitized d = digitized(scene);
+  CHECK(d.frame.images.size() >= 10 && d.frame.images.size() <= 18);
+  LONGS_EQUAL(d.frame.images.size(), d.image_pulse.size());
+  for (std::size_t i = 1; i < d.image_pulse.size(); ++i)
+    LONGS_EQUAL(d.image_pulse[i - 1] + 1, d.image_pulse[i]);
+}
+
+TEST(Tablet, LabelsLegsInTheirOrder) {
+  const Digitized d = digitized(scene);
+  int contacts = 0;
+  for (std::size_t i = 0; i < d.frame.images.size(); ++i) {
+    if (i > 0) CHECK(*d.frame.images[i - 1].leg <= *d.frame.images[i].leg);
+    contacts += *d.frame.images[i].leg == Leg::contact ? 1 : 0;
+    CHECK(d.frame.images[i].top_px.has_value() == (*d.frame.images[i].leg == Leg::contact));
+  }
+  CHECK(contacts >= 1 && contacts <= 2);  // 5 ms of contact, 3 ms apart
+}
+
+TEST(Tablet, PutsThePhotographWhereAnIndependentProjectionPutsIt) {
+  // Noise-free: the incoming images lie on a parabola seen under the camera's roll. Undo roll, origin and
+  // scale by hand and compare with free fall from the truth at touchdown.
+  test::VirtualBench bench(scene);
+  const Exposure exposure = bench.shoot();
+  const Digitized d = digitize(scene, 1, exposure);
+  const double roll = 0.3 * std::numbers::pi / 180.0;
+  for (std::size_t i = 0; i < d.frame.images.size(); ++i) {
+    if (*d.frame.images[i].leg != Leg::incoming) continue;
+    const double px = (d.frame.images[i].centre_px.x - 1500.0) / 4000.0;
+    const double py = (d.frame.images[i].centre_px.y - 300.0) / 4000.0;
+    const double x = std::cos(roll) * px + std::sin(roll) * py;
+    const double y = std::cos(roll) * py - std::sin(roll) * px;
+    const Pulse& pulse = exposure.pulses[static_cast<std::size_t>(d.image_pulse[i])];
+    const double t = (flash_time(pulse) - exposure.ball->touchdown).seconds();
+    if (t > 0.0) continue;  // already in contact, not yet visibly so
+    const double vx = 17.0 * std::cos(23.0 * std::numbers::pi / 180.0);
+    const double vy = -17.0 * std::sin(23.0 * std::numbers::pi / 180.0);
+    DOUBLES_EQUAL(vx * t, x, 1e-9);
+    DOUBLES_EQUAL(0.0651 / 2.0 + vy * t - 0.5 * 9.80665 * t * t, y, 1e-9);
+  }
+}
+
+TEST(Tablet, ShowsTheSurfaceUnderTheBall) {
+  scene.surface_angle_rad = 0.2;
+  const Digitized d = digitized(scene);
+  LONGS_EQUAL(4, d.frame.surface_px.size());
+  const auto& first = d.frame.surface_px.front();
+  const auto& last = d.frame.surface_px.back();
+  CHECK(first.x < last.x);
+  DOUBLES_EQUAL(0.2 + scene.camera.roll_rad, std::atan2(last.y - first.y, last.x - first.x), 1e-12);
+  DOUBLES_EQUAL(0.2 * 180.0 / std::numbers::pi, d.frame.surface_angle_deg, 1e-12);
+}
+
+TEST(Tablet, SeesABallTravelToTheLeftFromTheOtherSide) {
+  scene.camera.mirrored = true;
+  scene.machine.spin_radps = 150.0;
+  const Digitized d = digitized(scene);
+  const auto& a = d.frame.images[0];
+  const auto& b = d.frame.images[1];
+  CHECK(b.centre_px.x < a.centre_px.x);
+  // Backspin, counter-clockwise from the usual side, is clockwise from here: .45 rad in 3 ms.
+  DOUBLES_EQUAL(-0.45, std::remainder(*b.equator_rad - *a.equator_rad, std::numbers::pi), 1e-9);
+  CHECK(d.frame.surface_px.front().x < d.frame.surface_px.back().x);
+}
+
+TEST(Tablet, StatesTheNoiseThatItMakes) {
+  scene.tablet.centre_sd_m = 0.4e-3;
+  scene.tablet.equator_sd_rad = 0.01;
+  Scene still = scene;
+  still.tablet.centre_sd_m = still.tablet.equator_sd_rad = 0.0;
+  test::VirtualBench bench(scene);
+  double centre = 0.0, diameter = 0.0, equator = 0.0, surface = 0.0;
+  double n = 0.0, n_surface = 0.0;
+  Digitized noisy;
+  for (int shot = 0; shot < 400; ++shot) {
+    const Exposure exposure = bench.shoot({.exposure = milliseconds(100), .impact_after = milliseconds(50)});
+    noisy = digitize(scene, 1, exposure);
+    const Digitized exact = digitize(still, 1, exposure);
+    for (std::size_t i = 0; i < noisy.frame.images.size(); ++i) {
+      const auto& a = noisy.frame.images[i];
+      const auto& b = exact.frame.images[i];
+      centre += std::pow(a.centre_px.x - b.centre_px.x, 2) + std::pow(a.centre_px.y - b.centre_px.y, 2);
+      diameter += std::pow(a.diameter_px - b.diameter_px, 2);
+      equator += std::pow(std::remainder(*a.equator_rad - *b.equator_rad, std::numbers::pi), 2);
+      n += 1.0;
+    }
+    for (std::size_t i = 0; i < 4; ++i) {
+      surface += std::pow(noisy.frame.surface_px[i].y - exact.frame.surface_px[i].y, 2);
+      n_surface += 1.0;
+    }
+  }
+  // Relative standard error of an sd from n values: 1/sqrt(2n); four of them.
+  DOUBLES_EQUAL(1.0, std::sqrt(centre / (2.0 * n)) / *noisy.frame.centre_sd_px, 4.0 / std::sqrt(4.0 * n));
+  DOUBLES_EQUAL(1.0, std::sqrt(diameter / n) / *noisy.frame.diameter_sd_px, 4.0 / std::sqrt(2.0 * n));
+  DOUBLES_EQUAL(1.0, std::sqrt(equator / n) / *noisy.frame.equator_sd_rad, 4.0 / std::sqrt(2.0 * n));
+  DOUBLES_EQUAL(1.0, std::sqrt(surface / n_surface) / *noisy.frame.surface_sd_px,
+                4.0 / std::sqrt(2.0 * n_surface));
+  DOUBLES_EQUAL(1.6, *noisy.frame.centre_sd_px, 1e-12);
+}
+
+TEST(Tablet, HandsOverACalibrationOnlyIfTheSceneHasOne) {
+  CHECK(!digitized(scene).frame.px_per_m.has_value());
+  scene.tablet.calibration_sd = 0.001;
+  const Digitized d = digitized(scene);
+  DOUBLES_EQUAL(4.0, *d.frame.px_per_m_sd, 1e-12);
+  DOUBLES_EQUAL(4000.0, *d.frame.px_per_m, 5.0 * 4.0);
+}
+
+TEST(Tablet, FindsNoBallOnAPhotographWithoutOne) {
+  test::VirtualBench bench(scene);
+  const Exposure dry = bench.shoot({.throw_ball = false});
+  CHECK(dry.opened.known());
+  CHECK(!shows_impact(dry));
+  const Digitized d = digitize(scene, 1, dry);
+  LONGS_EQUAL(0, d.frame.images.size());
+  LONGS_EQUAL(4, d.frame.surface_px.size());
+}
+
+TEST(Tablet, OverlooksTheImageThatTheFaultNames) {
+  const Digitized whole = digitized(scene);
+  scene.faults = {{.kind = FaultKind::image_unseen, .flash_from_impact = -1}};
+  const Digitized less = digitized(scene);
+  LONGS_EQUAL(whole.image_pulse.size() - 1, less.image_pulse.size());
+  for (const int pulse : whole.image_pulse) {
+    const bool kept = std::ranges::find(less.image_pulse, pulse) != less.image_pulse.end();
+    test::VirtualBench bench(scene);
+    const auto place = place_from_impact(bench.shoot(), static_cast<std::size_t>(pulse));
+    CHECK(kept == (*place != -1));
+  }
+}
+
+TEST(Tablet, GivesTheSameFrameAgain) {
+  scene.tablet.centre_sd_m = 0.4e-3;
+  test::VirtualBench bench(scene);
+  const Exposure exposure = bench.shoot();
+  const Digitized a = digitize(scene, 7, exposure);
+  const Digitized b = digitize(scene, 7, exposure);
+  for (std::size_t i = 0; i < a.frame.images.size(); ++i)
+    DOUBLES_EQUAL(a.frame.images[i].centre_px.x, b.frame.images[i].centre_px.x, 0.0);
+}
