@@ -1,0 +1,152 @@
+// Strict reading of TOML.
+#include <string>
+
+#include "common/config/toml_reader.hpp"
+
+#include <CppUTest/TestHarness.h>
+
+using namespace strobe::config;
+
+namespace {
+
+constexpr const char* kText = R"(rig = "bench"
+count = 3
+
+[lamps]
+pulse_us = 50      # integer where a number is asked for
+delay_us = 12.5
+on = true
+train = "free"
+steps = [1, 2.5]
+
+[[fault]]
+kind = "late"
+[[fault]]
+kind = "missing"
+shot = 2
+)";
+
+std::string error_of(TomlReader& reader) {
+  const auto error = reader.error();
+  return error ? error->message : "";
+}
+
+/// Reads one number of an otherwise empty document.
+std::string complaint(const std::string& value, Range range = {}) {
+  TomlReader reader("a = 1\nx = " + value + "\n", "f.toml");
+  reader.root().number("a");
+  reader.root().number("x", range);
+  return error_of(reader);
+}
+
+}  // namespace
+
+TEST_GROUP(TomlReading){};
+
+TEST(TomlReading, GivesWhatIsAskedForByNameAndType) {
+  TomlReader reader(kText, "rig.toml");
+  TomlTable root = reader.root();
+  STRCMP_EQUAL("bench", root.string("rig").c_str());
+  LONGS_EQUAL(3, root.integer("count"));
+  TomlTable lamps = root.table("lamps");
+  DOUBLES_EQUAL(50.0, lamps.number("pulse_us"), 0.0);
+  DOUBLES_EQUAL(12.5, lamps.number_or("delay_us", 1.0), 0.0);
+  CHECK_TRUE(lamps.boolean_or("on", false));
+  STRCMP_EQUAL("free", lamps.choice_or("train", "gated", {"free", "gated"}).c_str());
+  const auto steps = lamps.numbers_or("steps", {});
+  LONGS_EQUAL(2, steps.size());
+  DOUBLES_EQUAL(2.5, steps[1], 0.0);
+  auto faults = root.tables("fault");
+  LONGS_EQUAL(2, faults.size());
+  STRCMP_EQUAL("late", faults[0].string("kind").c_str());
+  STRCMP_EQUAL("missing", faults[1].string("kind").c_str());
+  LONGS_EQUAL(2, faults[1].integer_or("shot", 0));
+  STRCMP_EQUAL("", error_of(reader).c_str());
+}
+
+TEST(TomlReading, DefaultsStandInForWhatIsAbsent) {
+  TomlReader reader("", "f.toml");
+  TomlTable table = reader.root().table("nothing");
+  CHECK_FALSE(table.present());
+  DOUBLES_EQUAL(7.0, table.number_or("x", 7.0), 0.0);
+  LONGS_EQUAL(8, table.integer_or("n", 8));
+  CHECK_TRUE(table.boolean_or("b", true));
+  STRCMP_EQUAL("word", table.string_or("s", "word").c_str());
+  CHECK_FALSE(table.optional_number("x").has_value());
+  LONGS_EQUAL(0, reader.root().tables("many").size());
+  STRCMP_EQUAL("", error_of(reader).c_str());
+}
+
+TEST(TomlReading, AMissingKeyIsNamedWithItsTable) {
+  TomlReader reader("[lamps]\npulse_us = 1\n", "rig.toml");
+  reader.root().table("lamps").number("delay_us");
+  STRCMP_EQUAL("rig.toml:1: lamps.delay_us: is missing", error_of(reader).c_str());
+  TomlReader absent("a = 1\n", "rig.toml");
+  absent.root().table("lamps").number("delay_us");
+  STRCMP_CONTAINS("lamps.delay_us: is missing", error_of(absent).c_str());
+}
+
+TEST(TomlReading, NumbersKeepTheirRange) {
+  STRCMP_EQUAL("f.toml:2: x: must be at least 1, is 0.5", complaint("0.5", {1, 2}).c_str());
+  STRCMP_EQUAL("f.toml:2: x: must be at most 2, is 3", complaint("3", {1, 2}).c_str());
+  STRCMP_EQUAL("f.toml:2: x: must be a finite number", complaint("nan", {1, 2}).c_str());
+  STRCMP_EQUAL("f.toml:2: x: must be a finite number", complaint("inf").c_str());
+  STRCMP_EQUAL("f.toml:2: x: must be a number", complaint("\"3\"").c_str());
+  STRCMP_EQUAL("f.toml:2: x: must be a number", complaint("true").c_str());
+  STRCMP_EQUAL("", complaint("2", {1, 2}).c_str());
+}
+
+TEST(TomlReading, EachTypeIsStrict) {
+  const auto ask = [](const char* text, auto&& question) {
+    TomlReader reader(text, "f.toml");
+    TomlTable root = reader.root();
+    question(root);
+    return error_of(reader);
+  };
+  STRCMP_EQUAL("f.toml:1: n: must be a whole number",
+               ask("n = 1.5", [](TomlTable& t) { t.integer("n"); }).c_str());
+  STRCMP_EQUAL("f.toml:1: b: must be true or false",
+               ask("b = 1", [](TomlTable& t) { t.boolean_or("b", false); }).c_str());
+  STRCMP_EQUAL("f.toml:1: s: must be text in quotes",
+               ask("s = 1", [](TomlTable& t) { t.string("s"); }).c_str());
+  STRCMP_EQUAL("f.toml:1: t: must be a table", ask("t = 1", [](TomlTable& t) { t.table("t"); }).c_str());
+  STRCMP_EQUAL("f.toml:1: a: must be an array of numbers",
+               ask("a = [1, \"2\"]", [](TomlTable& t) { t.numbers_or("a", {}); }).c_str());
+  STRCMP_CONTAINS("written [[f]]", ask("f = 1", [](TomlTable& t) { t.tables("f"); }).c_str());
+  STRCMP_EQUAL("f.toml:1: w: must be one of free, gated, is \"wild\"",
+               ask("w = \"wild\"", [](TomlTable& t) {
+                 t.choice_or("w", "free", {"free", "gated"});
+               }).c_str());
+}
+
+TEST(TomlReading, AKeyNobodyAskedForIsAnError) {
+  TomlReader reader("a = 1\n[t]\nb = 2\nc = 3\n", "f.toml");
+  reader.root().number("a");
+  reader.root().table("t").number("b");
+  STRCMP_EQUAL("f.toml:4: t.c: unknown key", error_of(reader).c_str());
+  TomlReader in_array("[[f]]\na = 1\n[[f]]\nb = 1\n", "f.toml");
+  for (TomlTable& t : in_array.root().tables("f")) t.number_or("a", 0.0);
+  STRCMP_EQUAL("f.toml:4: f[2].b: unknown key", error_of(in_array).c_str());
+}
+
+TEST(TomlReading, ASyntaxErrorIsSaidByLineAndComesFirst) {
+  TomlReader reader("a = 1\nb = = 2\n", "f.toml");
+  reader.root().number("zzz");
+  STRCMP_CONTAINS("f.toml:2: ", error_of(reader).c_str());
+}
+
+TEST(TomlReading, TheFirstErrorIsKept) {
+  TomlReader reader("a = \"x\"\nb = \"y\"\n", "f.toml");
+  reader.root().number("a");
+  reader.root().number("b");
+  STRCMP_EQUAL("f.toml:1: a: must be a number", error_of(reader).c_str());
+}
+
+TEST(TomlReading, ACallersOwnErrorHasTheKeysLine) {
+  TomlReader reader("a = 1\nb = 2\n", "f.toml");
+  TomlTable root = reader.root();
+  root.number("a");
+  root.number("b");
+  root.error_at("b", "must be larger than a by 2");
+  STRCMP_EQUAL("f.toml:2: b: must be larger than a by 2", error_of(reader).c_str());
+}

@@ -1,0 +1,70 @@
+// Pins the wire format: a change of any message type must be a decision, not an accident.
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <strobe_msgs/ball_image_t.hpp>
+#include <strobe_msgs/command_t.hpp>
+#include <strobe_msgs/event_t.hpp>
+#include <strobe_msgs/flash_t.hpp>
+#include <strobe_msgs/frame_t.hpp>
+#include <strobe_msgs/note_t.hpp>
+#include <strobe_msgs/plan_t.hpp>
+#include <strobe_msgs/point_t.hpp>
+#include <strobe_msgs/readout_t.hpp>
+#include <strobe_msgs/readout_values_t.hpp>
+#include <strobe_msgs/shot_t.hpp>
+#include <strobe_msgs/status_t.hpp>
+
+#include <CppUTest/TestHarness.h>
+
+namespace {
+
+struct Pin {
+  std::int64_t is;
+  std::uint64_t pinned;
+};
+
+const std::map<std::string, Pin>& pins() {
+  static const std::map<std::string, Pin> table{
+      {"ball_image_t", {strobe_msgs::ball_image_t::getHash(), 0x5333004e4b6fab8c}},
+      {"command_t", {strobe_msgs::command_t::getHash(), 0x31793037ed436524}},
+      {"event_t", {strobe_msgs::event_t::getHash(), 0x5d73a8136a3a7405}},
+      {"flash_t", {strobe_msgs::flash_t::getHash(), 0x92477946a481f0e7}},
+      {"frame_t", {strobe_msgs::frame_t::getHash(), 0x96b60b74edcfe8d3}},
+      {"note_t", {strobe_msgs::note_t::getHash(), 0x2eae802baa5ddbbd}},
+      {"plan_t", {strobe_msgs::plan_t::getHash(), 0x435a8a10627fd9cf}},
+      {"point_t", {strobe_msgs::point_t::getHash(), 0xb9e20652cc607e78}},
+      {"readout_t", {strobe_msgs::readout_t::getHash(), 0x77eb909734c84cb4}},
+      {"readout_values_t", {strobe_msgs::readout_values_t::getHash(), 0xb7fa907edaf1173a}},
+      {"shot_t", {strobe_msgs::shot_t::getHash(), 0x14ba596b5a2e6ad1}},
+      {"status_t", {strobe_msgs::status_t::getHash(), 0xd53a993bf0dc4acb}},
+  };
+  return table;
+}
+
+}  // namespace
+
+TEST_GROUP(MessageFingerprints){};
+
+TEST(MessageFingerprints, AreThePinnedOnes) {
+  for (const auto& [type, pin] : pins()) {
+    char text[400];
+    std::snprintf(
+        text, sizeof text,
+        "%s has changed: its fingerprint is now 0x%016llx. Logs and messages of other versions cannot be "
+        "read any more. If that is meant: describe the change in common/messages/CHANGELOG.md, raise "
+        "SCHEMA_VERSION if a field's meaning changed, and pin the new fingerprint here.",
+        type.c_str(), static_cast<unsigned long long>(pin.is));
+    CHECK_TRUE_TEXT(static_cast<std::uint64_t>(pin.is) == pin.pinned, text);
+  }
+}
+
+TEST(MessageFingerprints, ArePinnedForEveryType) {
+  for (const auto& entry : std::filesystem::directory_iterator(STROBE_LCM_DIR)) {
+    if (entry.path().extension() != ".lcm") continue;
+    const std::string type = entry.path().stem().string();
+    CHECK_TRUE_TEXT(pins().contains(type), (type + " is not pinned in this test").c_str());
+  }
+}

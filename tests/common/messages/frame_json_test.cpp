@@ -1,0 +1,125 @@
+// Frames as lines of JSON.
+#include <string>
+
+#include "common/messages/json_conversions.hpp"
+
+#include <CppUTest/TestHarness.h>
+
+using namespace strobe;
+using namespace strobe::messages;
+using reduction::Frame;
+using reduction::Leg;
+
+namespace {
+
+const std::string kExample =
+    R"({"shot_id":1,"ball_diameter_m":0.0651,"surface_px":[[0,1],[10,1.5],[20,2],[30,2.5]],"centre_sd_px":2.0,)"
+    R"("diameter_sd_px":3.0,"equator_sd_rad":0.017,"images":[{"time_s":0.0,"leg":"incoming","centre_px":[1,2],)"
+    R"("diameter_px":260.0,"equator_rad":0.3},{"time_s":0.003,"leg":"contact","centre_px":[3,4],"diameter_px":250}]})";
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t at = text.find(from);
+  return at == std::string::npos ? "no " + from : text.replace(at, from.size(), to);
+}
+
+std::string complaint(const std::string& text) {
+  const auto frame = frame_from_json(text);
+  return frame ? "accepted" : frame.error().message;
+}
+
+}  // namespace
+
+TEST_GROUP(FrameJson){};
+
+TEST(FrameJson, ReadsTheDocumentedExample) {
+  const auto frame = frame_from_json(kExample);
+  CHECK_TRUE(frame.has_value());
+  LONGS_EQUAL(1, frame->shot_id);
+  DOUBLES_EQUAL(0.0651, frame->ball_diameter_m, 0.0);
+  LONGS_EQUAL(4, frame->surface_px.size());
+  DOUBLES_EQUAL(1.5, frame->surface_px[1].y, 0.0);
+  DOUBLES_EQUAL(3.0, *frame->diameter_sd_px, 0.0);
+  CHECK_FALSE(frame->px_per_m.has_value());
+  LONGS_EQUAL(2, frame->images.size());
+  CHECK_TRUE(frame->images[1].leg == Leg::contact);
+  DOUBLES_EQUAL(0.3, *frame->images[0].equator_rad, 0.0);
+  CHECK_FALSE(frame->images[1].equator_rad.has_value());
+}
+
+TEST(FrameJson, ReadsWhatIsOptional) {
+  std::string text = replaced(
+      kExample, R"("centre_sd_px":2.0)",
+      R"("px_per_m":4000,"px_per_m_sd":8,"ball_diameter_sd_m":0.0008,"surface_angle_deg":-2.5,)"
+      R"("temperature_c":21,"surface_sd_px":1.5,"record":{"operator":"A","n":12,"x":0.1,"none":null})");
+  text = replaced(
+      text, R"("equator_rad":0.3)",
+      R"("equator_rad":0.3,"time_sd_s":1e-6,"flash_index":77,"centre_cov_px2":[[4,1],[1,9]],)"
+      R"("diameter_sd_px":2,"equator_sd_rad":0.02,"top_px":[1,9],"contact_width_px":30,"source":"hand")");
+  const auto frame = frame_from_json(text);
+  CHECK_TRUE(frame.has_value());
+  DOUBLES_EQUAL(4000.0, *frame->px_per_m, 0.0);
+  DOUBLES_EQUAL(-2.5, frame->surface_angle_deg, 0.0);
+  DOUBLES_EQUAL(21.0, *frame->temperature_c, 0.0);
+  STRCMP_EQUAL("12", frame->record.at("n").c_str());
+  STRCMP_EQUAL("0.1", frame->record.at("x").c_str());
+  CHECK_FALSE(frame->record.contains("none"));
+  const auto& image = frame->images[0];
+  LONGS_EQUAL(77, *image.flash_index);
+  DOUBLES_EQUAL(9.0, (*image.centre_cov_px2)[3], 0.0);
+  DOUBLES_EQUAL(9.0, image.top_px->y, 0.0);
+  STRCMP_EQUAL("hand", image.source.c_str());
+}
+
+TEST(FrameJson, IgnoresUnknownKeysAndTakesNullForAbsent) {
+  const auto frame =
+      frame_from_json(replaced(kExample, R"("centre_sd_px":2.0)", R"("centre_sd_px":null,"colour":[1])"));
+  CHECK_TRUE(frame.has_value());
+  CHECK_FALSE(frame->centre_sd_px.has_value());
+}
+
+TEST(FrameJson, AnErrorNamesTheField) {
+  STRCMP_EQUAL("images[1].centre_px: must be two numbers",
+               complaint(replaced(kExample, "[3,4]", "[3]")).c_str());
+  STRCMP_EQUAL("images[1].centre_px: must be two numbers",
+               complaint(replaced(kExample, "[3,4]", R"([3,"4"])")).c_str());
+  STRCMP_EQUAL("images[0].diameter_px: must be a number",
+               complaint(replaced(kExample, "260.0", R"("260")")).c_str());
+  STRCMP_EQUAL("images[0].leg: must be incoming, contact or rebound",
+               complaint(replaced(kExample, "incoming", "upward")).c_str());
+  STRCMP_EQUAL("images[0].time_s: is missing", complaint(replaced(kExample, R"("time_s":0.0,)", "")).c_str());
+  STRCMP_EQUAL("ball_diameter_m: is missing",
+               complaint(replaced(kExample, R"("ball_diameter_m":0.0651,)", "")).c_str());
+  STRCMP_EQUAL("surface_px[2]: must be two numbers", complaint(replaced(kExample, "[20,2]", "20")).c_str());
+  STRCMP_EQUAL("surface_px: must be an array of at least two points",
+               complaint(R"({"ball_diameter_m":1,"surface_px":[[0,0]],"images":[]})").c_str());
+  STRCMP_EQUAL("shot_id: must be a whole number of 32 bits",
+               complaint(replaced(kExample, R"("shot_id":1)", R"("shot_id":3000000000)")).c_str());
+  STRCMP_EQUAL("record: must be an object",
+               complaint(replaced(kExample, R"("shot_id":1)", R"("record":[])")).c_str());
+  STRCMP_EQUAL("images[0]: must be an object",
+               complaint(R"({"ball_diameter_m":1,"surface_px":[[0,0],[1,0]],"images":[7]})").c_str());
+}
+
+TEST(FrameJson, TextThatIsNotJsonIsSaidByColumn) {
+  STRCMP_EQUAL("column 2: is not JSON", complaint("{,}").c_str());
+  STRCMP_CONTAINS("is not JSON", complaint("").c_str());
+  STRCMP_EQUAL("must be a JSON object", complaint("[1,2]").c_str());
+  STRCMP_CONTAINS("out of range", complaint(R"({"ball_diameter_m":1e999})").c_str());
+}
+
+TEST(FrameJson, WritingAndReadingGivesTheSameBytes) {
+  const auto first =
+      frame_from_json(replaced(kExample, "\"equator_rad\":0.3", "\"equator_rad\":0.30000000000000004"));
+  CHECK_TRUE(first.has_value());
+  const std::string text = frame_to_json(*first);
+  const auto second = frame_from_json(text);
+  CHECK_TRUE(second.has_value());
+  STRCMP_EQUAL(text.c_str(), frame_to_json(*second).c_str());
+  STRCMP_CONTAINS("0.30000000000000004", text.c_str());
+}
+
+TEST(FrameJson, BytesThatAreNotUtf8DoNotThrow) {
+  Frame frame;
+  frame.record["operator"] = "\xff\xfe";
+  STRCMP_CONTAINS("operator", frame_to_json(frame).c_str());
+}

@@ -1,0 +1,86 @@
+// Readouts as lines of JSON.
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "common/messages/json_conversions.hpp"
+
+#include <CppUTest/TestHarness.h>
+
+using namespace strobe;
+using namespace strobe::messages;
+using nlohmann::json;
+using reduction::Quantity;
+using reduction::Readout;
+
+namespace {
+
+Readout example() {
+  Readout r;
+  r.shot_id = 3;
+  r.value[Quantity::e] = 0.1 + 0.2;
+  r.sd[Quantity::e] = 0.047;
+  r.sd_systematic[Quantity::e] = 0.0;
+  r.regime = reduction::Regime::grips;
+  r.method = "best";
+  r.mirrored = true;
+  r.flags.set(reduction::Flag::outlier_image);
+  r.flags.set(reduction::Flag::late_flash);
+  r.record["operator"] = "A \"quoted\" name";
+  return r;
+}
+
+}  // namespace
+
+TEST_GROUP(ReadoutJson){};
+
+TEST(ReadoutJson, HasEveryDocumentedName) {
+  const json object = json::parse(readout_to_json(example()));
+  for (const char* key : {"shot_id", "regime", "court_pace_conforming", "method", "mirrored", "flags",
+                          "record", "sd", "sd_systematic"}) {
+    CHECK_TRUE_TEXT(object.contains(key), key);
+  }
+  for (const char* key : {"theta_in_deg", "theta_out_deg", "vx_td_mps", "vy_td_mps", "v_td_mps",
+                          "omega_td_radps", "vx_lo_mps", "vy_lo_mps", "v_lo_mps", "omega_lo_radps",
+                          "slip_lo_mps", "e", "mu", "dwell_time_ms", "dwell_distance_cm", "court_pace"}) {
+    CHECK_TRUE_TEXT(object.contains(key), key);
+    CHECK_TRUE_TEXT(object["sd"].contains(key), key);
+    CHECK_TRUE_TEXT(object["sd_systematic"].contains(key), key);
+  }
+}
+
+TEST(ReadoutJson, WhatIsAbsentIsNull) {
+  const json object = json::parse(readout_to_json(example()));
+  CHECK_TRUE(object["mu"].is_null());
+  CHECK_TRUE(object["sd"]["mu"].is_null());
+  Readout without = example();
+  without.regime.reset();
+  CHECK_TRUE(json::parse(readout_to_json(without))["regime"].is_null());
+  CHECK_FALSE(object.contains("far"));
+}
+
+TEST(ReadoutJson, ANumberThatIsNotFiniteIsNull) {
+  Readout r = example();
+  r.value[Quantity::mu] = std::numeric_limits<double>::infinity();
+  CHECK_TRUE(json::parse(readout_to_json(r))["mu"].is_null());
+}
+
+TEST(ReadoutJson, IsTheSameBytesEachTimeWithShortestNumbers) {
+  const std::string text = readout_to_json(example());
+  STRCMP_EQUAL(text.c_str(), readout_to_json(example()).c_str());
+  STRCMP_CONTAINS(R"("e":0.30000000000000004,)", text.c_str());
+  STRCMP_CONTAINS(R"("flags":["late_flash","outlier_image"])", text.c_str());
+  STRCMP_CONTAINS(R"({"shot_id":3,"theta_in_deg":null,)", text.c_str());
+  CHECK_TRUE(text.find('\n') == std::string::npos);
+}
+
+TEST(ReadoutJson, LegacyDetailIsWrittenAsFarAndContact) {
+  Readout r = example();
+  r.legacy.emplace();
+  r.legacy->far[Quantity::e] = 0.7;
+  r.legacy->contact.push_back({2.2, 0.1, 0.2, -0.1, 0.3});
+  const json object = json::parse(readout_to_json(r));
+  DOUBLES_EQUAL(0.7, object["far"]["e"].get<double>(), 0.0);
+  DOUBLES_EQUAL(-0.1, object["contact"][0]["y_fraction"].get<double>(), 0.0);
+  DOUBLES_EQUAL(2.2, object["contact"][0]["height_cm"].get<double>(), 0.0);
+}
