@@ -15,6 +15,7 @@
 
 namespace {
 
+using strobe::bench::FlashSamples;
 using strobe::bench::Freeze;
 using strobe::bench::Percentiles;
 using strobe::bench::Sample;
@@ -32,8 +33,12 @@ void run(const std::string& command, const std::filesystem::path& log) {
   if (status == -1 || !WIFEXITED(status)) throw std::runtime_error("cannot run: " + command);
 }
 
+void append(std::vector<Sample>& to, const std::vector<Sample>& from) {
+  to.insert(to.end(), from.begin(), from.end());
+}
+
 // Dry shots (lamps and shutter only) through the shipped binaries, until the time is over.
-std::vector<Sample> fire_dry_shots(const std::filesystem::path& folder, const Options& options, int round) {
+FlashSamples fire_dry_shots(const std::filesystem::path& folder, const Options& options, int round) {
   const std::string bin = own_folder().string();
   const std::filesystem::path session = folder / ("round-" + std::to_string(round));
   std::filesystem::create_directories(session);
@@ -49,13 +54,15 @@ std::vector<Sample> fire_dry_shots(const std::filesystem::path& folder, const Op
                         << " --session " << (session / "host") << " --lcm-url '" << url << "' --json\n"
                         << "kill $sim\nwait $sim\n";
   run("bash " + script, folder / "log.txt");
-  std::vector<Sample> samples;
+  FlashSamples samples;
   for (const auto& entry : std::filesystem::directory_iterator(session)) {
     if (!entry.path().filename().string().starts_with("journal-")) continue;
-    const auto more = strobe::bench::flashes_of_journal(entry.path());
-    samples.insert(samples.end(), more.begin(), more.end());
+    const FlashSamples more = strobe::bench::flashes_of_journal(entry.path());
+    append(samples.issue, more.issue);
+    append(samples.done, more.done);
   }
-  if (samples.empty()) throw std::runtime_error("no flash was fired: see " + (folder / "log.txt").string());
+  if (samples.issue.empty())
+    throw std::runtime_error("no flash was fired: see " + (folder / "log.txt").string());
   return samples;
 }
 
@@ -78,8 +85,7 @@ Percentiles outside(const std::vector<Sample>& samples, const std::vector<Freeze
   return strobe::bench::percentiles(values);
 }
 
-void report(const std::vector<Sample>& loop, const std::vector<Sample>& cyclic,
-            const std::vector<Freeze>& freezes) {
+void report(const FlashSamples& loop, const std::vector<Sample>& cyclic, const std::vector<Freeze>& freezes) {
   double frozen_ms = 0.0;
   double longest_ms = 0.0;
   for (const Freeze& freeze : freezes) {
@@ -89,10 +95,11 @@ void report(const std::vector<Sample>& loop, const std::vector<Sample>& cyclic,
   std::printf("freezes of a core (> 1 ms): %zu, %.0f ms in all, longest %.1f ms\n", freezes.size(), frozen_ms,
               longest_ms);
   std::printf("%-34s %8s %10s %10s %10s %12s\n", "lateness [us]", "n", "p50", "p99", "p99.9", "max");
-  print_row("strobed, outside freezes", outside(loop, freezes));
+  print_row("strobed issue, outside freezes", outside(loop.issue, freezes));
   print_row("cyclictest, outside freezes", outside(cyclic, freezes));
-  print_row("strobed, all", all(loop));
+  print_row("strobed issue, all", all(loop.issue));
   print_row("cyclictest, all", all(cyclic));
+  print_row("strobed call done, outside freezes", outside(loop.done, freezes));
 }
 
 int timing(const Options& options) {
@@ -100,16 +107,17 @@ int timing(const Options& options) {
       std::filesystem::temp_directory_path() / ("strobe-bench-" + std::to_string(getpid()));
   std::filesystem::create_directories(folder);
   strobe::bench::Witness witness(options.priority - 10);
-  std::vector<Sample> loop;
+  FlashSamples loop;
   std::vector<Sample> cyclic;
   for (int round = 1; round <= options.rounds; ++round) {
     std::fprintf(stderr, "round %d of %d: strobed ...\n", round, options.rounds);
-    const auto shots = fire_dry_shots(folder, options, round);
-    loop.insert(loop.end(), shots.begin(), shots.end());
+    const FlashSamples shots = fire_dry_shots(folder, options, round);
+    append(loop.issue, shots.issue);
+    append(loop.done, shots.done);
     std::fprintf(stderr, "round %d of %d: cyclictest ...\n", round, options.rounds);
     const auto wakeups =
         strobe::bench::run_cyclictest(options.priority, strobe::milliseconds(3), options.seconds);
-    cyclic.insert(cyclic.end(), wakeups.begin(), wakeups.end());
+    append(cyclic, wakeups);
   }
   report(loop, cyclic, witness.stop());
   std::filesystem::remove_all(folder);

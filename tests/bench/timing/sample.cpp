@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <lcm/lcm-cpp.hpp>
 #include <memory>
@@ -33,18 +34,21 @@ Percentiles percentiles(std::vector<double> lateness_us) {
   return {lateness_us.size(), rank(0.5), rank(0.99), rank(0.999), lateness_us.back()};
 }
 
-std::vector<Sample> flashes_of_journal(const std::string& path) {
+FlashSamples flashes_of_journal(const std::string& path) {
   lcm::LogFile log(path, "r");
   if (!log.good()) throw std::runtime_error(path + ": cannot be read");
-  std::vector<Sample> samples;
+  FlashSamples samples;
   while (const lcm::LogEvent* entry = log.readNextEvent()) {
     if (!entry->channel.ends_with("/EVENT")) continue;
     strobe_msgs::event_t event;
     if (event.decode(entry->data, 0, entry->datalen) < 0 || event.kind != strobe_msgs::event_t::FLASH)
       continue;
-    samples.push_back({{event.commanded_ns},
-                       {event.issue_end_ns},
-                       static_cast<double>(event.issue_end_ns - event.commanded_ns) * 1e-3});
+    const auto late_us = [&](std::int64_t at_ns) {
+      return static_cast<double>(at_ns - event.commanded_ns) * 1e-3;
+    };
+    const MonoTime from{event.commanded_ns};
+    samples.issue.push_back({from, {event.issue_start_ns}, late_us(event.issue_start_ns)});
+    samples.done.push_back({from, {event.issue_end_ns}, late_us(event.issue_end_ns)});
   }
   return samples;
 }

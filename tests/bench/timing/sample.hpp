@@ -26,8 +26,13 @@ struct Percentiles {
 /// Nearest-rank percentiles; zeros where there are no samples.
 Percentiles percentiles(std::vector<double> lateness_us);
 
-/// Lateness of every flash in a journal of strobed: issue_end - commanded.
-std::vector<Sample> flashes_of_journal(const std::string& path);
+/// Of every flash in a journal of strobed.
+struct FlashSamples {
+  std::vector<Sample> issue;  ///< issue_start - commanded: what cyclictest measures of a wake-up
+  std::vector<Sample> done;   ///< issue_end - commanded: with the set-values call, here the simulated chip's
+};
+
+FlashSamples flashes_of_journal(const std::string& path);
 
 /// Runs `cyclictest` (rt-tests) for so many seconds; its verbose output, one line a wake-up, is stamped on
 /// arrival.
