@@ -8,6 +8,18 @@
 
 namespace strobe::config {
 
+namespace {
+
+/// Keys, values and the parser's own words may hold line breaks; a message is one line.
+std::string on_one_line(std::string text) {
+  for (char& c : text) {
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
+  }
+  return text;
+}
+
+}  // namespace
+
 struct TomlReader::State {
   std::string file_name;
   toml::table document;
@@ -17,7 +29,7 @@ struct TomlReader::State {
   void report(std::uint32_t line, const std::string& path, const std::string& what) {
     if (first_error) return;
     const std::string place = line > 0 ? file_name + ":" + std::to_string(line) : file_name;
-    first_error = Error{place + ": " + (path.empty() ? "" : path + ": ") + what};
+    first_error = Error{on_one_line(place + ": " + (path.empty() ? "" : path + ": ") + what)};
   }
 };
 
@@ -283,7 +295,8 @@ std::optional<Unasked> first_unasked(const toml::table& table, const std::set<co
 std::optional<Error> TomlReader::error() const {
   if (state_->first_error) return state_->first_error;
   if (auto found = first_unasked(state_->document, state_->asked, "")) {
-    return Error{state_->file_name + ":" + std::to_string(found->line) + ": " + found->path + ": unknown key"};
+    return Error{on_one_line(state_->file_name + ":" + std::to_string(found->line) + ": " + found->path +
+                             ": unknown key")};
   }
   return std::nullopt;
 }
