@@ -31,7 +31,7 @@ class FireRun {
       : order_(order),
         maker_(random_host_id()),
         campaign_(order.campaign, maker_),
-        follower_(assembly_settings(order.rig), true,
+        follower_(assembly_settings(order.rig), maker_.host_id(),
                   fmt::format("strobe fire   rig {}   session {}", order.rig.rig, order.session)),
         intake_(order.rig.rig, follower_) {}
 
@@ -113,13 +113,24 @@ class FireRun {
     for (const std::string& text : campaign_.take_notices()) follower_.notice(text);
   }
 
+  /// What a person who sees no screen should know: what has been lasting for two seconds.
+  void say_what_lasts() {
+    const std::string now =
+        campaign_.lacking().empty() ? campaign_.doing() : "waiting: " + campaign_.lacking();
+    if (now != lasting_) {
+      lasting_ = now;
+      lasting_since_ns_ = now_ns_;
+      said_ = false;
+    }
+    if (said_ || campaign_.finished() || now_ns_ - lasting_since_ns_ < 2 * kSecond_ns) return;
+    said_ = true;
+    terminal_->notice(lasting_);
+  }
+
   void show() {
     follower_.model().doing = campaign_.doing();
     follower_.model().lacking = campaign_.lacking();
-    if (campaign_.lacking() != said_) {
-      said_ = campaign_.lacking();
-      if (!said_.empty() && !campaign_.finished()) terminal_->notice("waiting: " + said_);
-    }
+    say_what_lasts();
     terminal_->show(follower_.shown(now_ns_), now_ns_);
   }
 
@@ -185,7 +196,9 @@ class FireRun {
   std::unique_ptr<Link> link_;
   Terminal* terminal_ = nullptr;
   std::int64_t now_ns_ = 0;
-  std::string said_;
+  std::string lasting_;
+  std::int64_t lasting_since_ns_ = 0;
+  bool said_ = false;
 };
 
 }  // namespace

@@ -31,7 +31,7 @@ int run_live(const LiveOptions& options) {
   const auto rig = load_rig(options.rig_path);
   if (!rig) return bad_input(rig.error().message);
   const std::string url = lcm_url(options.url, *rig);
-  Follower follower(assembly_settings(*rig), false, fmt::format("strobe live   rig {}", rig->rig));
+  Follower follower(assembly_settings(*rig), 0, fmt::format("strobe live   rig {}", rig->rig));
   Intake intake(rig->rig, follower);
   std::int64_t last_message_ns = steady_now_ns();
   auto link = Link::open(url, rig->rig, [&](const std::string& channel, const void* data, std::size_t size) {

@@ -1,5 +1,6 @@
 // strobe reduce: digitized frames to readouts.
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
@@ -86,6 +87,7 @@ class Reducer {
   void put(const Result<Readout>& readout, const std::string& place) {
     if (!readout) return bad(place + readout.error().message);
     series_.add(*readout);
+    show_progress();
     if (json_) {
       std::puts(messages::readout_to_json(*readout).c_str());
       return;
@@ -95,6 +97,17 @@ class Reducer {
     outcome.readout = *readout;
     print(render_shot(outcome, kPlainWidth));
     if (readout->legacy) print(legacy_lines(*readout->legacy));
+  }
+
+  /// Only a person at a terminal whose results go elsewhere sees no sign of progress otherwise.
+  void show_progress() {
+    constexpr std::int64_t kEvery_ns = 2'000'000'000;
+    const std::int64_t now_ns = steady_now_ns();
+    if (now_ns - progress_ns_ < kEvery_ns) return;
+    progress_ns_ = now_ns;
+    if (::isatty(STDERR_FILENO) == 1 && ::isatty(STDOUT_FILENO) == 0) {
+      std::fprintf(stderr, "strobe: %d frames reduced\n", series_.shots());
+    }
   }
 
   static std::vector<std::string> legacy_lines(const reduction::LegacyDetail& detail) {
@@ -116,6 +129,7 @@ class Reducer {
   reduction::Estimator estimator_;
   SeriesTable series_;
   int bad_ = 0;
+  std::int64_t progress_ns_ = steady_now_ns();
 };
 
 int run_reduce(const ReduceOptions& options) {

@@ -36,7 +36,7 @@ int run_replay(const ReplayOptions& options) {
   if (!std::filesystem::is_regular_file(options.log, error)) return bad_input(options.log + ": no such file");
   lcm::LogFile log(options.log, "r");
   if (!log.good()) return bad_input(options.log + ": cannot be read");
-  Follower follower(assembly_settings(*rig), false, "");
+  Follower follower(assembly_settings(*rig), 0, "");
   Intake intake(rig->rig, follower);
   Terminal terminal(options.json ? Terminal::Style::json : Terminal::Style::plain);
   follower.on_outcome = [&](const Outcome& outcome) { terminal.outcome(outcome); };

@@ -8,7 +8,7 @@ namespace {
 using strobe_msgs::event_t;
 using strobe_msgs::status_t;
 
-constexpr std::int64_t kSendAgain_ns = 500'000'000;
+constexpr std::int64_t kSendAgain_ns = 300'000'000;
 // After a token is gone without a sign of the shot: its events and status may still be on their way.
 constexpr std::int64_t kSignOfShot_ns = 1'500'000'000;
 constexpr int kMostRefusals = 3;

@@ -8,7 +8,10 @@ namespace {
 constexpr std::int64_t kGrace_ns = 100'000'000;  // datagrams of two senders may overtake each other
 constexpr std::int64_t kAskAgain_ns = 250'000'000;
 constexpr std::int64_t kMostEventsPerAsk = 512;  // so that an answer fits the socket's buffer
-constexpr std::size_t kMostAsks = 4;
+constexpr std::size_t kMostAsks = 8;
+// Losses this close to each other are asked for as one range; what comes twice is cheaper than more
+// questions.
+constexpr std::int64_t kMergeWithin = 64;
 constexpr std::int64_t kTail = 1'000'000;
 // An ask and its answer each pass a lossy link: at 20 % loss eight in vain have a chance of 0.36^8 = 0.03 %.
 constexpr int kTailAsks = 8;
@@ -65,7 +68,14 @@ std::vector<SequenceRange> EventLedger::gaps(std::int64_t boot_id, const Boot& b
   std::vector<SequenceRange> ranges;
   std::int64_t next = boot.start;
   const auto gap = [&](std::int64_t first, std::int64_t last) {
-    if (first <= last) ranges.push_back({boot_id, first, std::min(last, first + kMostEventsPerAsk - 1)});
+    if (first > last) return;
+    const bool merges = !ranges.empty() && first - ranges.back().last <= kMergeWithin &&
+                        last - ranges.back().first < kMostEventsPerAsk;
+    if (merges) {
+      ranges.back().last = last;
+    } else {
+      ranges.push_back({boot_id, first, std::min(last, first + kMostEventsPerAsk - 1)});
+    }
   };
   for (const auto& [first, last] : boot.have) {
     gap(next, first - 1);
@@ -80,7 +90,8 @@ std::vector<SequenceRange> EventLedger::due(std::int64_t now_ns) {
   for (auto& [boot_id, boot] : boots_) {
     if (now_ns - boot.gap_since_ns < kGrace_ns || now_ns - boot.asked_ns < kAskAgain_ns) continue;
     std::vector<SequenceRange> ranges = gaps(boot_id, boot);
-    if (ranges.empty() && boot.again != 0) ranges.push_back({boot_id, boot.again, boot.again});
+    // First: with it comes the shot's summary, which somebody waits for.
+    if (boot.again != 0) ranges.insert(ranges.begin(), {boot_id, boot.again, boot.again});
     if (ranges.empty() && boot_id != current_boot_ && current_boot_ != 0 && boot.tail_asks_left > 0) {
       --boot.tail_asks_left;
       ranges.push_back({boot_id, boot.newest + 1, boot.newest + kTail});

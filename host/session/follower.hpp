@@ -14,8 +14,8 @@ namespace strobe::host {
 
 class Follower : public MessageSink {
  public:
-  Follower(AssemblySettings settings, bool complete_events, std::string title)
-      : session_(std::move(settings), complete_events) {
+  Follower(AssemblySettings settings, std::int64_t firing_host_id, std::string title)
+      : session_(std::move(settings), firing_host_id) {
     model_.title = std::move(title);
   }
 

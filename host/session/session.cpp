@@ -72,8 +72,8 @@ void Session::on_shot(const shot_t& shot, std::int64_t now_ns) {
   const auto timeout_ns = static_cast<std::int64_t>(settings_.analysis.photograph_timeout_s * 1e9);
   waiting.device_deadline_ns = end_of(shot, device_now_ns_) + timeout_ns;
   waiting.local_deadline_ns = now_ns + timeout_ns + kSilent_ns;
-  if (device_now_ns_ > waiting.device_deadline_ns) {
-    done_[key] = std::nullopt;
+  if (device_now_ns_ > waiting.device_deadline_ns && (host_id_ == 0 || shot.host_id != host_id_)) {
+    done_[key] = {};
     notice(fmt::format("shot {} was over before this session was joined; its photograph is not waited for",
                        shot.shot_id));
     return;
@@ -111,14 +111,13 @@ void Session::keep_or_report(const frame_t& frame) {
     return;
   }
   const std::uint64_t hash = hash_of(frame);
-  if (!done->second) {
+  const std::optional<std::uint64_t> before = std::exchange(done->second.frame_hash, hash);
+  if (!before && done->second.photograph_missed) {
     notice(fmt::format("the photograph of shot {} came too late; it is kept in the log, the readout stands",
                        frame.shot_id));
-    done->second = hash;
-  } else if (*done->second != hash) {
+  } else if (before && *before != hash) {
     notice(fmt::format("a second, different frame of shot {} came; it is kept in the log, the readout stands",
                        frame.shot_id));
-    done->second = hash;
   }
 }
 
@@ -149,7 +148,7 @@ void Session::push(Outcome outcome, const shot_t& shot) {
 }
 
 void Session::finish(const shot_t& shot, const frame_t& frame) {
-  done_[{shot.boot_id, shot.shot_id}] = hash_of(frame);
+  done_[{shot.boot_id, shot.shot_id}] = {hash_of(frame), false};
   ShotReadout result = shot_readout(shot, frame, settings_);
   Outcome outcome;
   outcome.spoilt = spoilt_by(result.readout);
@@ -160,7 +159,7 @@ void Session::finish(const shot_t& shot, const frame_t& frame) {
 }
 
 void Session::finish_without_photograph(const shot_t& shot, Flag why, std::string problem) {
-  done_[{shot.boot_id, shot.shot_id}] = std::nullopt;
+  done_[{shot.boot_id, shot.shot_id}] = {std::nullopt, why == Flag::no_photograph};
   reduction::FlagSet flags = shot_flags(shot);
   flags.set(why);
   Outcome outcome;
@@ -171,7 +170,7 @@ void Session::finish_without_photograph(const shot_t& shot, Flag why, std::strin
 }
 
 void Session::finish_dry(const shot_t& shot) {
-  done_[{shot.boot_id, shot.shot_id}] = std::nullopt;
+  done_[{shot.boot_id, shot.shot_id}] = {};
   Outcome outcome;
   outcome.readout = empty_readout(shot, shot_flags(shot));
   outcome.problem = shot.abort_reason;

@@ -38,9 +38,10 @@ struct Outcome {
 
 class Session {
  public:
-  /// complete_events: also events from before this session was joined are wanted (see EventLedger).
-  Session(AssemblySettings settings, bool complete_events)
-      : settings_(std::move(settings)), ledger_(complete_events) {}
+  /// A host that fires gives its host id: it wants all events, also those from before it joined, and a
+  /// readout of each of its own shots however late the shot is heard of. 0: a passive one.
+  Session(AssemblySettings settings, std::int64_t firing_host_id)
+      : settings_(std::move(settings)), host_id_(firing_host_id), ledger_(firing_host_id != 0) {}
 
   void on_status(const strobe_msgs::status_t& status, std::int64_t now_ns);
   void on_event(const strobe_msgs::event_t& event, std::int64_t now_ns);
@@ -68,6 +69,11 @@ class Session {
     std::int64_t local_deadline_ns = 0;
   };
 
+  struct Done {
+    std::optional<std::uint64_t> frame_hash;  ///< of the newest frame that came; nothing: none yet
+    bool photograph_missed = false;           ///< it was waited for in vain
+  };
+
   void finish(const strobe_msgs::shot_t& shot, const strobe_msgs::frame_t& frame);
   void finish_without_photograph(const strobe_msgs::shot_t& shot, reduction::Flag why, std::string problem);
   void finish_dry(const strobe_msgs::shot_t& shot);
@@ -81,13 +87,14 @@ class Session {
   void notice(std::string text) { notices_.push_back(std::move(text)); }
 
   AssemblySettings settings_;
+  std::int64_t host_id_;
   EventLedger ledger_;
   std::optional<strobe_msgs::status_t> status_;
   std::int64_t status_heard_ns_ = 0;
   std::int64_t device_now_ns_ = strobe_msgs::shot_t::NO_TIME;
   std::map<Key, Waiting> waiting_;
-  std::map<Key, strobe_msgs::frame_t> held_;          ///< frames that came before their shot
-  std::map<Key, std::optional<std::uint64_t>> done_;  ///< hash of the frame used; nothing: none came
+  std::map<Key, strobe_msgs::frame_t> held_;  ///< frames that came before their shot
+  std::map<Key, Done> done_;
   std::map<Key, std::pair<std::int64_t, std::int64_t>>
       ended_;  ///< shots ended without a summary: sequence, since
   std::vector<Outcome> outcomes_;
