@@ -75,8 +75,10 @@ double update_levels(ShotFit& fit) {
     const Scatter s = equator ? equator_scatter(fit) : scatter(fit, noise);
     EstimatedLevel& level = fit.levels[static_cast<std::size_t>(noise)];
     level = {s.count > 0.0, s.count - s.taken};
-    if (level.degrees_of_freedom < kLeastFreedom) level.degrees_of_freedom = 0.0;
-    if (!level.used || level.degrees_of_freedom == 0.0) continue;
+    // Absurd coordinates overflow to NaN, which is no freedom either.
+    const bool known = level.degrees_of_freedom >= kLeastFreedom && std::isfinite(s.sum_of_squares);
+    if (!known) level.degrees_of_freedom = 0.0;
+    if (!level.used || !known) continue;
     const double floor = kLeastRelativeLevel * (equator ? 1.0 : fit.observations.ball_diameter_m);
     const double sd = std::max(std::sqrt(s.sum_of_squares / level.degrees_of_freedom), floor);
     double& now = fit.observations.levels[noise];

@@ -94,7 +94,7 @@ class Uncertainty {
     double variance = g.dot(u) + spin_variance(q, &SpinFit::variance);
     if (!std::isfinite(variance) || variance < 0.0) return std::nullopt;  // a frame of absurd numbers
     if (!any_level_) return std::sqrt(variance);
-    double uncertain = 0.0;  // sum of (estimated part)^2 / its degrees of freedom
+    double uncertain = 0.0;  // sum of (estimated share)^2 / its degrees of freedom
     double fewest = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < kNoiseCount; ++i) {
       const EstimatedLevel& level = fit_.levels[i];
@@ -102,14 +102,15 @@ class Uncertainty {
       const double part = static_cast<Noise>(i) == Noise::equator
                               ? spin_variance(q, &SpinFit::estimated_variance)
                               : u.dot(information_[i] * u);
-      if (part <= 1e-9 * variance) continue;
+      const double share = std::min(part / variance, 1.0);
+      if (!(share > 1e-9)) continue;
       if (level.degrees_of_freedom == 0.0) return std::nullopt;
-      uncertain += part * part / level.degrees_of_freedom;
+      uncertain += share * share / level.degrees_of_freedom;
       fewest = std::min(fewest, level.degrees_of_freedom);
     }
     const double sd = std::sqrt(variance);
     if (!(uncertain > 0.0)) return sd;
-    return sd * student_t_sigma(std::max(variance * variance / uncertain, fewest));  // Welch-Satterthwaite
+    return sd * student_t_sigma(std::max(1.0 / uncertain, fewest));  // Welch-Satterthwaite
   }
 
   std::optional<double> systematic(const Number& q) const {
