@@ -27,7 +27,7 @@ struct AssembledShot {
   reduction::Frame
       frame;  ///< images with the times of their flashes, from the first image's; empty if unmatched
   reduction::FlagSet flags;  ///< of the flashes that show the ball, the match, the sensors and the shot
-  double match_doubt = 0.0;  ///< probability that the numbers belong to another match
+  double match_doubt = 0.0;  ///< FlashMatch::doubt
   std::string problem;       ///< words for a person where the frame could not be matched; else empty
 };
 

@@ -15,8 +15,8 @@ using reduction::Leg;
 
 // -2 ln of 0.5 %: how rarely a flash that showed the ball is left out of the digitized frame.
 constexpr double kUnseenPenalty = 10.6;
-// Numbers that differ by less than half their standard deviation are the same numbers.
-constexpr double kSameWithinSds = 0.5;
+// An error of 3 sd is a wrong number; a larger one is no worse.
+constexpr double kMostSquaredError = 9.0;
 // Contact images and penalties need not be looked at where the flight alone is this much worse than the best.
 constexpr double kHopeless = 60.0;
 
@@ -145,33 +145,37 @@ class Matcher {
   }
 
   double doubt(const Pair& chosen, double scale) const {
-    double other = 0.0, all = 0.0;
+    double error = 0.0, all = 0.0;
     for (const Pair& pair : pairs_) {
       const double delta = pair.score(scale) - chosen.score(scale);
       if (delta > kHopeless) continue;
       const double weight = std::exp(-0.5 * delta);
       all += weight;
-      if (!same_numbers(pair, chosen, std::sqrt(scale))) other += weight;
+      error += weight * std::min(squared_error(pair, chosen) / scale, kMostSquaredError);
     }
-    return other / all;
+    return error / all;
   }
 
-  bool same_leg(const LegCandidate& a, const LegCandidate& b, double sigma) const {
-    if (!a.fit.has_velocity() || !b.fit.has_velocity()) return true;
-    const double within = kSameWithinSds * sigma * track_.sd_px * b.fit.velocity_factor();
-    return std::abs(a.fit.v_along_px - b.fit.v_along_px) <= within &&
-           std::abs(a.fit.v_up_px - b.fit.v_up_px) <= within;
+  /// In units of the noise as stated.
+  double squared_leg_error(const LegCandidate& a, const LegCandidate& b) const {
+    if (!a.fit.has_velocity() || !b.fit.has_velocity()) return 0.0;
+    const double sd = track_.sd_px * b.fit.velocity_factor();
+    const double along = (a.fit.v_along_px - b.fit.v_along_px) / sd;
+    const double up = (a.fit.v_up_px - b.fit.v_up_px) / sd;
+    return std::max(along * along, up * up);
   }
 
-  bool same_numbers(const Pair& a, const Pair& b, double sigma) const {
-    if (!same_leg(*a.in, *b.in, sigma) || !same_leg(*a.out, *b.out, sigma)) return false;
-    if (!a.in->cross || !a.out->cross || !b.in->cross || !b.out->cross) return true;
+  /// Of the number that differs most.
+  double squared_error(const Pair& a, const Pair& b) const {
+    double worst = std::max(squared_leg_error(*a.in, *b.in), squared_leg_error(*a.out, *b.out));
+    if (!a.in->cross || !a.out->cross || !b.in->cross || !b.out->cross) return worst;
     const Rebound ra = rebound_of(*a.in, *a.out, track_);
     const Rebound rb = rebound_of(*b.in, *b.out, track_);
     for (std::size_t i = 0; i < ra.value.size(); ++i) {
-      if (std::abs(ra.value[i] - rb.value[i]) > kSameWithinSds * sigma * rb.sd[i]) return false;
+      const double z = (ra.value[i] - rb.value[i]) / rb.sd[i];
+      worst = std::max(worst, z * z);
     }
-    return true;
+    return worst;
   }
 
   /// One flash after the other, around the expected arrival or else the middle of the exposure.
@@ -184,7 +188,7 @@ class Matcher {
     match.flash.resize(track_.images.size());
     std::iota(match.flash.begin(), match.flash.end(),
               std::clamp(middle - count / 2, 0, flash_count() - count));
-    match.doubt = 1.0;
+    match.doubt = kMostSquaredError;
     return match;
   }
 

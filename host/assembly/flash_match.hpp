@@ -1,5 +1,5 @@
 // Which flash made which image of the ball: order, spacing, straight flight and a contact that a ball can
-// have. Of all assignments the most likely one is taken; what it leaves in doubt is said as a probability.
+// have. Of all assignments the most likely one is taken; what it leaves in doubt is said as a number.
 // Deterministic, no I/O; thread-safe; allocates. 166 flashes and a dozen images take a fraction of a
 // millisecond.
 #pragma once
@@ -22,14 +22,17 @@ struct ArrivalPrior {
 struct FlashMatch {
   std::vector<int> flash;    ///< for each image the number of its flash among the seen ones, ascending
   double chi_squared = 0.0;  ///< straight flight of both legs
-  double doubt = 0.0;        ///< probability, 0 to 1, of assignments that give other numbers than this one
+  /// What taking the wrong assignment is expected to add to the variance of the worst number, in units of
+  /// that number's own variance; one assignment's error counts as at most 3 sd. 0 to 9.
+  double doubt = 0.0;
 };
 
-/// More doubt than this is an ambiguous match: odds of less than 100 to 1 for the numbers shown.
-inline constexpr double kMostDoubt = 0.01;
+/// More doubt than this is an ambiguous match: the stated sd would be 5 % too small, or the odds for numbers
+/// that are off by 3 sd or more better than 1 to 90.
+inline constexpr double kMostDoubt = 0.1;
 
 /// Nothing if there are fewer flashes than images. times_s: seen flashes, ascending, any origin.
-/// An assignment that nothing supports (no steady speed fits) is still given, in order, with doubt 1.
+/// An assignment that nothing supports (no steady speed fits) is still given, in order, with doubt 9.
 std::optional<FlashMatch> match_flashes(std::span<const double> times_s, const Track& track,
                                         const std::optional<ArrivalPrior>& prior);
 
