@@ -3,18 +3,16 @@
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
-#include <lcm/lcm-cpp.hpp>
 
 #include <cerrno>
 #include <charconv>
 #include <cstdio>
 #include <cstring>
+#include <exception>
 
 namespace strobe::firmware {
 
 namespace {
-
-constexpr std::uint32_t kSyncWord = 0xEDA1DA01;  // LCM log format: sync, number, time, lengths, channel, data
 
 void put(std::vector<std::uint8_t>& out, std::uint64_t value, int bytes) {
   for (int shift = 8 * (bytes - 1); shift >= 0; shift -= 8) {
@@ -24,7 +22,7 @@ void put(std::vector<std::uint8_t>& out, std::uint64_t value, int bytes) {
 
 void put_record(std::vector<std::uint8_t>& out, const Message& message, std::int64_t number,
                 std::int64_t wall_us) {
-  put(out, kSyncWord, 4);
+  put(out, kLogSyncWord, 4);
   put(out, static_cast<std::uint64_t>(number), 8);
   put(out, static_cast<std::uint64_t>(wall_us), 8);
   put(out, message.channel.size(), 4);
@@ -53,11 +51,11 @@ bool ends_with(const std::string& text, const std::string& end) {
   return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
 }
 
-/// What an LCM log's record is; nothing: neither an event nor a shot that can be decoded.
-bool entry_of(const lcm::LogEvent& record, JournalEntry& entry, std::int32_t& shot_id) {
+/// What an LCM log's record is. False: neither an event nor a shot that can be decoded.
+bool entry_of(const LogRecord& record, JournalEntry& entry, std::int32_t& shot_id) try {
   if (ends_with(record.channel, "/EVENT")) {
     strobe_msgs::event_t event{};
-    if (event.decode(record.data, 0, record.datalen) < 0) return false;
+    if (event.decode(record.bytes.data(), 0, static_cast<int>(record.bytes.size())) < 0) return false;
     entry.kind = Message::Kind::event;
     entry.sequences = {event.sequence, event.sequence};
     shot_id = event.shot_id;
@@ -65,26 +63,25 @@ bool entry_of(const lcm::LogEvent& record, JournalEntry& entry, std::int32_t& sh
   }
   if (ends_with(record.channel, "/SHOT")) {
     strobe_msgs::shot_t shot{};
-    if (shot.decode(record.data, 0, record.datalen) < 0) return false;
+    if (shot.decode(record.bytes.data(), 0, static_cast<int>(record.bytes.size())) < 0) return false;
     entry.kind = Message::Kind::shot;
     entry.sequences = {shot.first_sequence, shot.last_sequence};
     shot_id = shot.shot_id;
     return true;
   }
   return false;
+} catch (const std::exception&) {
+  return false;  // LCM's decoder believes a damaged message's counts and lengths
 }
 
 template <typename Visitor>
 void visit_log(const std::filesystem::path& path, Visitor&& visit) {
-  lcm::LogFile log(path.string(), "r");
-  if (!log.good()) return;
-  for (std::int64_t offset = 0;; offset = std::ftell(log.getFilePtr())) {
-    const lcm::LogEvent* record = log.readNextEvent();
-    if (record == nullptr) return;
+  LogReader log(path);
+  for (LogRecord record; log.next(record);) {
     JournalEntry entry;
     std::int32_t shot_id = 0;
-    if (!entry_of(*record, entry, shot_id)) continue;
-    entry.offset = offset;
+    if (!entry_of(record, entry, shot_id)) continue;
+    entry.offset = record.offset;
     visit(entry, shot_id);
   }
 }
@@ -163,20 +160,13 @@ std::vector<JournalEntry> scan_journal(const std::filesystem::path& path) {
   return entries;
 }
 
-JournalReader::JournalReader(const std::filesystem::path& path)
-    : log_(std::make_unique<lcm::LogFile>(path.string(), "r")) {}
-JournalReader::JournalReader(JournalReader&&) noexcept = default;
-JournalReader::~JournalReader() = default;
-
-Message JournalReader::read(const JournalEntry& entry) {
+Message read_entry(LogReader& reader, const JournalEntry& entry) {
   Message message{entry.kind, entry.sequences, "", {}};
-  if (!log_->good()) return message;
-  if (std::fseek(log_->getFilePtr(), static_cast<long>(entry.offset), SEEK_SET) != 0) return message;
-  const lcm::LogEvent* record = log_->readNextEvent();
-  if (record == nullptr) return message;
-  message.channel = record->channel;
-  const auto* data = static_cast<const std::uint8_t*>(record->data);
-  message.bytes.assign(data, data + record->datalen);
+  LogRecord record;
+  reader.seek(entry.offset);
+  if (!reader.next(record) || record.offset != entry.offset) return message;
+  message.channel = std::move(record.channel);
+  message.bytes = std::move(record.bytes);
   return message;
 }
 

@@ -5,16 +5,12 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <memory>
 #include <string>
 #include <vector>
 
 #include "common/result.hpp"
+#include "firmware/publisher/log_reader.hpp"
 #include "firmware/publisher/messages.hpp"
-
-namespace lcm {
-class LogFile;
-}
 
 namespace strobe::firmware {
 
@@ -63,20 +59,11 @@ class Journal {
   std::vector<JournalEntry> entries_;
 };
 
-/// The entries of a journal of an earlier boot, up to a torn tail.
+/// The entries of a journal of an earlier boot; see LogReader for damaged ones.
 std::vector<JournalEntry> scan_journal(const std::filesystem::path& path);
-/// Reads messages back from a journal, also from one that is still being written.
-class JournalReader {
- public:
-  explicit JournalReader(const std::filesystem::path& path);
-  JournalReader(JournalReader&&) noexcept;
-  ~JournalReader();
-  /// The message at an entry's place; empty bytes: it cannot be read.
-  Message read(const JournalEntry& entry);
-
- private:
-  std::unique_ptr<lcm::LogFile> log_;
-};
+/// The message at an entry's place, also in a journal that is still being written; empty bytes: it cannot be
+/// read.
+Message read_entry(LogReader& reader, const JournalEntry& entry);
 /// Largest shot id in the folder's journals; 0: none.
 std::int32_t last_shot_id(const std::filesystem::path& dir);
 

@@ -58,7 +58,7 @@ void Publisher::run(const std::stop_token& stop) {
     wait_for_work();
     turn();
   }
-  while (collect()) write_and_publish();
+  empty_queue();
   publish_status();
   if (auto synced = journal_.sync(); !synced) {
     std::fprintf(stderr, "strobed: %s\n", synced.error().message.c_str());
@@ -75,14 +75,17 @@ void Publisher::wait_for_work() const {
 }
 
 void Publisher::turn() {
-  bool more = true;
-  while (more) {
-    more = collect();
-    write_and_publish();
-  }
+  empty_queue();
   for (const ResendRequest& request : mailbox_.requests()) start_resend(request);
   resend_some();
   if (clock_.now() >= next_status_) publish_status();
+}
+
+void Publisher::empty_queue() {
+  for (bool more = true; more;) {
+    more = collect();
+    write_and_publish();
+  }
 }
 
 /// Takes at most a batch from the queue; false: the queue is empty.
@@ -197,7 +200,7 @@ void Publisher::start_resend(const ResendRequest& request) {
   const bool this_boot = request.boot_id == settings_.boot_id;
   const auto path = this_boot ? journal_.path() : journal_path(settings_.session, request.boot_id);
   const auto scanned = this_boot ? std::vector<JournalEntry>{} : scan_journal(path);
-  Resend resend{JournalReader(path), {}, 0};
+  Resend resend{LogReader(path), {}, 0};
   for (const JournalEntry& entry : this_boot ? journal_.entries() : scanned) {
     if (entry.sequences.last >= request.wanted.first && entry.sequences.first <= request.wanted.last) {
       resend.entries.push_back(entry);
@@ -211,7 +214,7 @@ void Publisher::resend_some() {
   Resend& resend = resends_.front();
   const std::size_t end = std::min(resend.entries.size(), resend.next + kResendBatch);
   for (; resend.next < end; ++resend.next) {
-    const Message message = resend.reader.read(resend.entries[resend.next]);
+    const Message message = read_entry(resend.reader, resend.entries[resend.next]);
     if (message.bytes.empty()) continue;
     lcm_.publish(message.channel, message.bytes.data(), static_cast<unsigned>(message.bytes.size()));
   }

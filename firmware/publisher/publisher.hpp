@@ -36,6 +36,7 @@ class Publisher {
 
  private:
   void turn();
+  void empty_queue();
   bool collect();
   void take(const Event& event);
   void take(const LoopStatus& status);
@@ -48,7 +49,7 @@ class Publisher {
   std::string words() const;
 
   struct Resend {
-    JournalReader reader;
+    LogReader reader;
     std::vector<JournalEntry> entries;
     std::size_t next = 0;
   };

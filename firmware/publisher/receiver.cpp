@@ -42,12 +42,36 @@ bool RepetitionFilter::is_news(std::int64_t host_id, std::int64_t command_id) {
 
 namespace {
 
+constexpr std::uint32_t kMostNotes = 64;
+
 bool good_note(const strobe_msgs::note_t& note) {
   return !note.key.empty() && note.key.size() <= 64 && note.value.size() <= 1024 &&
          note.key.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_.") == std::string::npos;
 }
 
 }  // namespace
+
+bool well_formed(const std::uint8_t* data, std::size_t size) {
+  // LCM's generated decoder believes every count and length: 2^31 notes are allocated, a length of 0 or below
+  // reads before the buffer. So what varies is walked through first.
+  const auto fixed = static_cast<std::size_t>(strobe_msgs::command_t{}.getEncodedSize());
+  if (size < fixed) return false;
+  std::size_t at = fixed - 4;
+  const auto next_count = [&](std::uint32_t& count) {
+    if (size - at < 4) return false;
+    count = std::uint32_t{data[at]} << 24 | std::uint32_t{data[at + 1]} << 16 |
+            std::uint32_t{data[at + 2]} << 8 | std::uint32_t{data[at + 3]};
+    at += 4;
+    return true;
+  };
+  std::uint32_t notes = 0, length = 0;
+  if (!next_count(notes) || notes > kMostNotes) return false;
+  for (std::uint32_t text = 0; text < 2 * notes; ++text) {
+    if (!next_count(length) || length == 0 || length > size - at) return false;
+    at += length;
+  }
+  return at == size;
+}
 
 std::string defect_of(const strobe_msgs::command_t& command, const Rig& rig) {
   using Type = strobe_msgs::command_t;
@@ -57,7 +81,6 @@ std::string defect_of(const strobe_msgs::command_t& command, const Rig& rig) {
   }
   if (command.host_id == 0) return "the command names no host";
   if (command.kind != Type::FIRE) return "";
-  if (command.note_count > 64) return "more than 64 notes";
   if (!std::all_of(command.notes.begin(), command.notes.end(), good_note))
     return "a note's key or length is not allowed";
   const auto checked = check_plan(from_message(command.plan), rig);
@@ -84,6 +107,8 @@ void Receiver::handle(const lcm::ReceiveBuffer* buffer, const std::string&) {
 void Receiver::receive(const void* data, int size) noexcept {
   try {
     strobe_msgs::command_t command{};
+    if (size < 0 || !well_formed(static_cast<const std::uint8_t*>(data), static_cast<std::size_t>(size)))
+      return;
     if (command.decode(data, 0, size) >= 0) obey(command);
   } catch (const std::exception& error) {
     // Out of an LCM handler an exception would cross C code.

@@ -44,6 +44,10 @@ class RepetitionFilter {
   std::uint64_t order_ = 0;
 };
 
+/// Whether bytes can be given to command_t's decoder: all counts and lengths within the message, at most 64
+/// notes.
+bool well_formed(const std::uint8_t* data, std::size_t size);
+
 /// What is wrong with the form of a command, or with a FIRE's plan; empty: nothing.
 std::string defect_of(const strobe_msgs::command_t& command, const Rig& rig);
 

@@ -1,0 +1,39 @@
+// Reads LCM's log format record by record and, unlike LCM's own reader, goes on after damage: a torn or
+// zero-filled tail hides no record before it, a damaged stretch none after it. Not real-time; one thread's.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+namespace strobe::firmware {
+
+struct LogRecord {
+  std::int64_t offset = 0;  ///< of the record in the file
+  std::string channel;
+  std::vector<std::uint8_t> bytes;
+};
+
+class LogReader {
+ public:
+  explicit LogReader(const std::filesystem::path& path) : file_(path, std::ios::binary) {}
+  /// False: no whole record follows. More may follow later, if the file is still being written.
+  bool next(LogRecord& record);
+  void seek(std::int64_t offset) { at_ = offset; }
+
+ private:
+  bool read(std::int64_t offset, std::uint8_t* bytes, std::size_t size);
+  bool read_record(std::int64_t offset, LogRecord& record);
+  bool find_sync(std::int64_t from, std::int64_t& found);
+
+  std::ifstream file_;
+  std::int64_t at_ = 0;
+};
+
+inline constexpr std::uint32_t kLogSyncWord = 0xEDA1DA01;
+inline constexpr std::size_t kLogHeaderSize =
+    28;  ///< sync word, number, time, channel's length, data's length
+
+}  // namespace strobe::firmware

@@ -1,0 +1,189 @@
+#include "firmware/publisher/journal.hpp"
+
+#include <fcntl.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <lcm/lcm-cpp.hpp>
+#include <string>
+
+#include "tests/support/temporary_folder.hpp"
+// CppUTest redefines new; its headers come last.
+#include <CppUTest/TestHarness.h>
+
+using namespace strobe;
+using namespace strobe::firmware;
+
+namespace {
+
+constexpr std::int64_t kBoot = 0x1122334455667788;
+
+template <typename T>
+std::vector<std::uint8_t> encoded(const T& message) {
+  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(message.getEncodedSize()));
+  message.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+  return bytes;
+}
+
+Message event(std::int64_t sequence, std::int32_t shot_id = 0) {
+  Event content;
+  content.kind = EventKind::flash;
+  content.shot_id = shot_id;
+  content.detail = "words";
+  return {Message::Kind::event,
+          {sequence, sequence},
+          "STROBE/bench/EVENT",
+          encoded(to_message(content, kBoot, sequence))};
+}
+
+Message shot(std::int32_t shot_id, SequenceRange sequences) {
+  ShotRecord record;
+  record.shot_id = shot_id;
+  record.flashes.resize(3);
+  return {Message::Kind::shot, sequences, "STROBE/bench/SHOT",
+          encoded(to_message(record, Rig(), kBoot, sequences, {{"operator", "M"}}))};
+}
+
+std::vector<std::string> channels_in(const std::filesystem::path& path) {
+  std::vector<std::string> channels;
+  lcm::LogFile log(path.string(), "r");
+  while (const lcm::LogEvent* record = log.readNextEvent()) channels.push_back(record->channel);
+  return channels;
+}
+
+/// Files of this process cannot grow beyond, as if the disk were full: a write is cut short, the next one
+/// fails.
+class FullDisk {
+ public:
+  explicit FullDisk(std::uintmax_t size) {
+    before_ = signal(SIGXFSZ, SIG_IGN);
+    getrlimit(RLIMIT_FSIZE, &limit_);
+    const rlimit tight{size, limit_.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &tight);
+  }
+  ~FullDisk() {
+    setrlimit(RLIMIT_FSIZE, &limit_);
+    signal(SIGXFSZ, before_);
+  }
+
+ private:
+  rlimit limit_{};
+  void (*before_)(int) = nullptr;
+};
+
+}  // namespace
+
+TEST_GROUP(Journal) { strobe::testing::TemporaryFolder folder; };
+
+TEST(Journal, IsALogThatLcmReads) {
+  auto journal = Journal::create(folder / "new" / "session", kBoot);
+  CHECK_TRUE(journal.has_value());
+  CHECK(journal->append({event(1), event(2), shot(1, {1, 2})}, 1'700'000'000'000'000).has_value());
+  CHECK_EQUAL(std::string("journal-1122334455667788.lcmlog"), journal->path().filename().string());
+  lcm::LogFile log(journal->path().string(), "r");
+  for (std::int64_t k = 0; k < 2; ++k) {
+    const lcm::LogEvent* record = log.readNextEvent();
+    CHECK_EQUAL(k, record->eventnum);
+    CHECK_EQUAL(1'700'000'000'000'000, record->timestamp);
+    strobe_msgs::event_t message;
+    CHECK(message.decode(record->data, 0, record->datalen) > 0);
+    CHECK_EQUAL(k + 1, message.sequence);
+    CHECK_EQUAL(std::string("words"), message.detail);
+  }
+  CHECK_EQUAL(std::string("STROBE/bench/SHOT"), log.readNextEvent()->channel);
+  POINTERS_EQUAL(nullptr, log.readNextEvent());
+}
+
+TEST(Journal, CanBeReadWhileItIsWritten) {
+  auto journal = Journal::create(folder.path(), kBoot);
+  CHECK(journal->append({event(1)}, 0).has_value());
+  LogReader reader(journal->path());
+  CHECK(read_entry(reader, journal->entries()[0]).bytes == event(1).bytes);
+  CHECK(journal->append({event(2), event(3)}, 0).has_value());
+  CHECK(read_entry(reader, journal->entries()[2]).bytes == event(3).bytes);
+  CHECK(read_entry(reader, journal->entries()[0]).bytes == event(1).bytes);
+}
+
+TEST(Journal, KnowsWhereItsMessagesAre) {
+  auto journal = Journal::create(folder.path(), kBoot);
+  CHECK(journal->append({event(1)}, 0).has_value());
+  CHECK(journal->append({event(2), shot(1, {1, 2}), event(3)}, 0).has_value());
+  const auto scanned = scan_journal(journal->path());
+  CHECK_EQUAL(journal->entries().size(), scanned.size());
+  for (std::size_t i = 0; i < scanned.size(); ++i) {
+    CHECK_EQUAL(journal->entries()[i].offset, scanned[i].offset);
+    CHECK(journal->entries()[i].kind == scanned[i].kind);
+    CHECK_EQUAL(journal->entries()[i].sequences.last, scanned[i].sequences.last);
+  }
+}
+
+TEST(Journal, IsReadUpToATornTailAndUpToZeros) {
+  auto journal = Journal::create(folder.path(), kBoot);
+  CHECK(journal->append({event(1), event(2), shot(5, {1, 2})}, 0).has_value());
+  const auto whole = strobe::testing::read_text(journal->path());
+  const auto last = static_cast<std::size_t>(journal->entries()[2].offset);
+  for (std::size_t size = last; size < whole.size(); size += 7) {
+    for (const std::size_t zeros :
+         {0, 1, 100}) {  // what a file system may leave of a write that was under way
+      strobe::testing::write_text(journal->path(), whole.substr(0, size) + std::string(zeros, '\0'));
+      CHECK(scan_journal(journal->path()).size() == 2 || zeros > 0);
+      CHECK(scan_journal(journal->path()).size() >= 2);
+    }
+  }
+}
+
+TEST(Journal, IsReadOnAfterADamagedStretch) {
+  auto journal = Journal::create(folder.path(), kBoot);
+  CHECK(journal->append({event(1), event(2), event(3), shot(5, {1, 3})}, 0).has_value());
+  auto text = strobe::testing::read_text(journal->path());
+  text.replace(static_cast<std::size_t>(journal->entries()[1].offset), 40, std::string(40, '\0'));
+  strobe::testing::write_text(journal->path(), text);
+  const auto entries = scan_journal(journal->path());
+  CHECK_EQUAL(3u, entries.size());
+  CHECK_EQUAL(3, entries[1].sequences.first);
+  CHECK_EQUAL(5, last_shot_id(folder.path()));
+}
+
+TEST(Journal, GivesTheLargestShotOfAllBootsOfTheFolder) {
+  CHECK_EQUAL(0, last_shot_id(folder.path()));
+  CHECK_EQUAL(0, last_shot_id(folder / "none"));
+  auto first = Journal::create(folder.path(), 1);
+  CHECK(first->append({event(1, 8), shot(7, {1, 1})}, 0).has_value());
+  auto second = Journal::create(folder.path(), 2);
+  CHECK(second->append({event(1, 3)}, 0).has_value());
+  strobe::testing::write_text(folder / "host-20260101T000000Z.lcmlog", "not the firmware's");
+  strobe::testing::write_text(folder / "journal-garbage.lcmlog", std::string(1000, '\xed'));
+  CHECK_EQUAL(8, last_shot_id(folder.path()));
+}
+
+TEST(Journal, NeverOverwritesAnother) {
+  CHECK_TRUE(Journal::create(folder.path(), kBoot).has_value());
+  const auto second = Journal::create(folder.path(), kBoot);
+  CHECK_FALSE(second.has_value());
+  STRCMP_CONTAINS("journal-1122334455667788.lcmlog: the journal cannot be made: File exists",
+                  second.error().message.c_str());
+}
+
+TEST(Journal, CutsOffAHalfWrittenEndAndGoesOnLater) {
+  auto journal = Journal::create(folder.path(), kBoot);
+  CHECK(journal->append({event(1)}, 0).has_value());
+  const auto size = std::filesystem::file_size(journal->path());
+  {
+    const FullDisk disk(size + 50);  // less than one more event
+    const auto failed = journal->append({event(2), event(3)}, 0);
+    CHECK_FALSE(failed.has_value());
+    STRCMP_CONTAINS("File too large", failed.error().message.c_str());
+  }
+  CHECK_EQUAL(size, std::filesystem::file_size(journal->path()));
+  CHECK_EQUAL(1u, journal->entries().size());
+  CHECK(journal->append({event(2), event(3)}, 0).has_value());
+  CHECK_EQUAL(3u, channels_in(journal->path()).size());
+}
+
+TEST(Journal, NoticesThatItsFileWasRemoved) {
+  auto journal = Journal::create(folder.path(), kBoot);
+  CHECK(journal->check().has_value());
+  std::filesystem::remove(journal->path());
+  STRCMP_CONTAINS("the journal was removed", journal->check().error().message.c_str());
+}

@@ -1,0 +1,52 @@
+#include "firmware/publisher/messages.hpp"
+
+// CppUTest redefines new; its headers come last.
+#include <CppUTest/TestHarness.h>
+
+using namespace strobe;
+using namespace strobe::firmware;
+
+TEST_GROUP(FirmwareMessages){};
+
+TEST(FirmwareMessages, CarryAPlanThereAndBack) {
+  PlanRequest plan;
+  plan.train = Train::gated;
+  plan.period = microseconds(1777);
+  plan.flash_count = 12;
+  plan.exposure = milliseconds(321);
+  plan.gate_delay = microseconds(4001);
+  plan.impact_at = milliseconds(99);
+  plan.dry = true;
+  const PlanRequest back = from_message(to_message(plan));
+  CHECK(back.train == plan.train);
+  CHECK(back.period == plan.period);
+  CHECK_EQUAL(plan.flash_count, back.flash_count);
+  CHECK(back.exposure == plan.exposure);
+  CHECK(back.gate_delay == plan.gate_delay);
+  CHECK(back.impact_at == plan.impact_at);
+  CHECK_EQUAL(plan.dry, back.dry);
+}
+
+TEST(FirmwareMessages, SayWhatWasNotSeen) {
+  ShotRecord record;
+  record.flashes.resize(2);
+  record.flashes[1].observed_a = MonoTime{123};
+  const auto shot = to_message(record, Rig(), 7, {1, 9}, {});
+  CHECK_EQUAL(2, shot.flash_count);
+  CHECK_EQUAL(1, shot.flashes[1].flash_index);
+  CHECK_EQUAL(123, shot.flashes[1].observed_a_ns);
+  CHECK(shot.flashes[1].observed_b_ns == strobe_msgs::flash_t::NO_TIME);
+  CHECK(shot.flashes[0].issue_end_ns == strobe_msgs::flash_t::NO_TIME);
+  CHECK(shot.trigger_ns == strobe_msgs::shot_t::NO_TIME);
+  CHECK(shot.gate_ns == strobe_msgs::shot_t::NO_TIME);
+  CHECK_FALSE(shot.aborted);
+  CHECK_FALSE(shot.sensor_a_fitted);
+}
+
+TEST(FirmwareMessages, PutACommandsNotesOverTheRigFiles) {
+  const auto notes = merged({{"operator", ""}, {"ball_name", "new"}}, {{"operator", "M"}, {"spin", "zero"}});
+  CHECK_EQUAL(3u, notes.size());
+  CHECK_EQUAL(std::string("M"), notes[0].value);
+  CHECK_EQUAL(std::string("new"), notes[1].value);
+  CHECK_EQUAL(std::string("spin"), notes[2].key);
+}

@@ -1,0 +1,205 @@
+// The publisher on a private LCM: what is journalled is published, in order, and can be had again.
+#include "firmware/publisher/publisher.hpp"
+
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <string>
+#include <strobe_msgs/status_t.hpp>
+#include <thread>
+
+#include "firmware/linux/monotonic_clock.hpp"
+#include "tests/support/temporary_folder.hpp"
+// CppUTest redefines new; its headers come last.
+#include <CppUTest/TestHarness.h>
+
+using namespace strobe;
+using namespace strobe::firmware;
+
+namespace {
+
+constexpr std::int64_t kBoot = 0xb007;
+
+/// Everything that came over LCM.
+struct Listener {
+  std::vector<strobe_msgs::event_t> events;
+  std::vector<strobe_msgs::shot_t> shots;
+  std::vector<strobe_msgs::status_t> statuses;
+
+  void on_event(const lcm::ReceiveBuffer*, const std::string&, const strobe_msgs::event_t* m) {
+    events.push_back(*m);
+  }
+  void on_shot(const lcm::ReceiveBuffer*, const std::string&, const strobe_msgs::shot_t* m) {
+    shots.push_back(*m);
+  }
+  void on_status(const lcm::ReceiveBuffer*, const std::string&, const strobe_msgs::status_t* m) {
+    statuses.push_back(*m);
+  }
+};
+
+}  // namespace
+
+TEST_GROUP(Publisher) {
+  strobe::testing::TemporaryFolder folder;
+  Rig rig;
+  int wake_fd = eventfd(0, EFD_NONBLOCK);
+  lcm::LCM lcm{"memq://"};
+  MonotonicClock clock;
+  LoopQueue queue{rig, wake_fd};
+  Mailbox mailbox;
+  Listener listener;
+  std::optional<Journal> journal;
+  std::optional<Publisher> publisher;
+  std::jthread thread;
+
+  void setup() override {
+    lcm.subscribe("STROBE/bench/EVENT", &Listener::on_event, &listener)->setQueueCapacity(10'000);
+    lcm.subscribe("STROBE/bench/SHOT", &Listener::on_shot, &listener)->setQueueCapacity(10'000);
+    lcm.subscribe("STROBE/bench/STATUS", &Listener::on_status, &listener)->setQueueCapacity(10'000);
+    journal.emplace(std::move(*Journal::create(folder.path(), kBoot)));
+  }
+  void teardown() override {
+    stop();
+    close(wake_fd);
+  }
+  void start() {
+    PublisherSettings settings;
+    settings.boot_id = kBoot;
+    settings.session = folder.path();
+    publisher.emplace(rig, settings, queue, mailbox, *journal, lcm, clock, wake_fd);
+    thread = std::jthread([this](const std::stop_token& token) { publisher->run(token); });
+  }
+  void wake() {
+    const std::uint64_t one = 1;
+    CHECK(write(wake_fd, &one, sizeof one) > 0);
+  }
+  void stop() {
+    if (!thread.joinable()) return;
+    thread.request_stop();
+    wake();
+    thread.join();
+  }
+  template <typename Condition>
+  bool until(Condition && condition) {
+    const MonoTime end = clock.now() + milliseconds(10'000);
+    while (!condition() && clock.now() < end) lcm.handleTimeout(10);
+    return condition();
+  }
+  void play_shot(int shot_id, int flashes) {
+    Event event;
+    event.shot_id = shot_id;
+    event.kind = EventKind::shot_started;
+    queue.event(event);
+    event.kind = EventKind::flash;
+    for (event.flash_index = 0; event.flash_index < flashes; ++event.flash_index) {
+      event.commanded = MonoTime{1'000'000};
+      event.issue_end = MonoTime{1'000'100};
+      queue.event(event);
+    }
+    event.kind = EventKind::shot_ended;
+    queue.event(event);
+    ShotRecord* record = queue.free_record();
+    record->shot_id = shot_id;
+    record->host_id = 5;
+    record->command_id = 1;
+    record->flashes.resize(static_cast<std::size_t>(flashes));
+    CHECK_TRUE(queue.shot_done(record));
+    queue.flush();
+  }
+};
+
+TEST(Publisher, JournalsAndPublishesAShotWithItsEvents) {
+  rig.record = {{"operator", "rig"}};
+  mailbox.keep({5, 1, {{"operator", "host"}}});
+  start();
+  play_shot(3, 100);
+  CHECK_TRUE(until([&] { return listener.shots.size() == 1; }));
+  CHECK_EQUAL(102u, listener.events.size());
+  for (std::size_t k = 0; k < listener.events.size(); ++k) {
+    CHECK_EQUAL(static_cast<std::int64_t>(k) + 1, listener.events[k].sequence);
+  }
+  const auto& shot = listener.shots[0];
+  CHECK_EQUAL(1, shot.first_sequence);
+  CHECK_EQUAL(102, shot.last_sequence);
+  CHECK_EQUAL(std::string("host"), shot.notes[0].value);
+  CHECK_EQUAL(103u, scan_journal(journal->path()).size());
+}
+
+TEST(Publisher, BeatsAtLeastTwiceASecondAndTellsLateness) {
+  start();
+  CHECK_TRUE(until([&] { return listener.statuses.size() >= 3; }));
+  CHECK_TRUE(std::isnan(listener.statuses[0].lateness_p50_us));
+  const auto gap = listener.statuses[2].mono_ns - listener.statuses[1].mono_ns;
+  CHECK(gap < 700'000'000);  // half a second and what a loaded machine adds
+  play_shot(1, 10);
+  CHECK_TRUE(
+      until([&] { return !listener.statuses.empty() && listener.statuses.back().edges_issued == 10; }));
+  DOUBLES_EQUAL(0.1, listener.statuses.back().lateness_p50_us, 1e-9);
+  CHECK_EQUAL(12, listener.statuses.back().last_sequence);
+}
+
+TEST(Publisher, SaysAtOnceWhatIsMissing) {
+  start();
+  LoopStatus status;
+  status.estop_active = false;
+  queue.status(status);
+  queue.flush();
+  CHECK_TRUE(until(
+      [&] { return !listener.statuses.empty() && listener.statuses.back().message == "the key is off"; }));
+  status.key_active = true;
+  status.fault = "broken";
+  queue.status(status);
+  queue.flush();
+  CHECK_TRUE(until([&] { return listener.statuses.back().message == "fault: broken"; }));
+}
+
+TEST(Publisher, SendsAgainWhatIsAskedForAndTheShotsAmongIt) {
+  start();
+  play_shot(1, 1000);
+  CHECK_TRUE(until([&] { return listener.shots.size() == 1; }));
+  listener = Listener{};
+  mailbox.ask({kBoot, {500, 505}});
+  wake();
+  CHECK_TRUE(until([&] { return listener.events.size() == 6 && listener.shots.size() == 1; }));
+  CHECK_EQUAL(500, listener.events.front().sequence);
+  CHECK_EQUAL(505, listener.events.back().sequence);
+  listener = Listener{};
+  mailbox.ask({kBoot, {1, INT64_MAX}});
+  wake();
+  CHECK_TRUE(until([&] { return listener.events.size() == 1002 && listener.shots.size() == 1; }));
+}
+
+TEST(Publisher, SendsAgainWhatAnEarlierBootJournalled) {
+  {
+    auto earlier = Journal::create(folder.path(), 77);
+    Event event;
+    const auto message = to_message(event, 77, 1);
+    std::vector<std::uint8_t> bytes(static_cast<std::size_t>(message.getEncodedSize()));
+    message.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+    CHECK(earlier->append({{Message::Kind::event, {1, 1}, "STROBE/bench/EVENT", bytes}}, 0).has_value());
+  }
+  start();
+  mailbox.ask({77, {1, INT64_MAX}});
+  mailbox.ask({78, {1, INT64_MAX}});  // no such boot: nothing to send, no harm
+  wake();
+  CHECK_TRUE(until([&] { return listener.events.size() == 1; }));
+  CHECK_EQUAL(77, listener.events[0].boot_id);
+}
+
+TEST(Publisher, HoldsEventsBackWhileTheJournalCannotBeWritten) {
+  start();
+  std::filesystem::remove(journal->path());
+  play_shot(1, 3);
+  CHECK_TRUE(until([&] { return !listener.statuses.empty() && !listener.statuses.back().journal_ok; }));
+  STRCMP_CONTAINS("the journal was removed", listener.statuses.back().message.c_str());
+  CHECK_FALSE(queue.journal_ok());
+  CHECK_EQUAL(0u, listener.events.size());
+}
+
+TEST(Publisher, WritesWhatIsLeftWhenItIsStopped) {
+  start();
+  play_shot(1, 2000);
+  stop();
+  CHECK_EQUAL(2003u, scan_journal(journal->path()).size());
+}
