@@ -1,5 +1,8 @@
 // strobe-sim: the simulated rig as a program.
 #include <CLI/CLI.hpp>
+#include <iostream>
+#include <string>
+#include <vector>
 
 #include "common/messages/channels.hpp"
 #include "sim/commands.hpp"
@@ -75,7 +78,11 @@ int main(int argc, char** argv) {
   } catch (const CLI::CallForHelp& help) {
     return app.exit(help);
   } catch (const CLI::ParseError& error) {
-    std::cerr << "strobe-sim: " << error.what() << '\n';
+    const std::string word = argc > 1 ? argv[1] : "";
+    const bool unknown = !word.empty() && word[0] != '-' && app.get_subcommands().empty();
+    const std::string what =
+        unknown ? "no command \"" + word + "\" (strobe-sim --help lists them)" : error.what();
+    std::cerr << "strobe-sim: " << what << '\n';
     return 2;
   }
   options.digitizer = !no_digitizer;

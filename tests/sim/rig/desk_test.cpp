@@ -1,0 +1,199 @@
+// The person at the tablet, over LCM.
+#include "sim/live/desk.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include "common/messages/channels.hpp"
+#include "sim/live/runner.hpp"
+#include "tests/sim/rig/bench.hpp"
+#include "tests/support/json_lines.hpp"
+#include "tests/support/private_network.hpp"
+#include "tests/support/temporary_folder.hpp"
+// CppUTest redefines new; its headers come last.
+#include <CppUTest/TestHarness.h>
+
+namespace {
+
+using namespace strobe;
+using namespace strobe::sim;
+
+constexpr std::int64_t kBoot = 0x1234567890;
+constexpr int kFrameLimit_ms = 10000;  // far longer than it takes, so that a busy machine does not fail
+constexpr int kSilence_ms = 400;       // many of the desk's rounds
+
+/// A host's ear and a firmware's mouth.
+class Listener {
+ public:
+  explicit Listener(const std::string& url) : lcm_(url) {
+    lcm_.subscribe(messages::channel_name("bench", messages::Channel::frame), &Listener::on_frame, this);
+  }
+  void announce(int shot_id, MonoTime start) {
+    strobe_msgs::shot_t shot{};
+    shot.schema_version = strobe_msgs::shot_t::SCHEMA_VERSION;
+    shot.boot_id = kBoot;
+    shot.shot_id = shot_id;
+    shot.start_ns = start.ns;
+    lcm_.publish(messages::channel_name("bench", messages::Channel::shot), &shot);
+  }
+  /// Waits for so many frames in all, or until the limit.
+  bool hear(std::size_t frames, int limit_ms) {
+    const MonoTime end = monotonic_now() + milliseconds(limit_ms);
+    while (frames_.size() < frames && monotonic_now() < end) lcm_.handleTimeout(10);
+    return frames_.size() >= frames;
+  }
+  const std::vector<strobe_msgs::frame_t>& frames() const { return frames_; }
+
+ private:
+  void on_frame(const lcm::ReceiveBuffer*, const std::string&, const strobe_msgs::frame_t* frame) {
+    frames_.push_back(*frame);
+  }
+  lcm::LCM lcm_;
+  std::vector<strobe_msgs::frame_t> frames_;
+};
+
+/// The exposure of a shot that ended just now, so that its times are those of the clock.
+Exposure exposure_now(const Scene& scene, bool opened = true, bool ball = true) {
+  test::VirtualBench bench(scene);
+  Exposure exposure = bench.shoot({.throw_ball = ball});
+  const Duration shift = monotonic_now() - exposure.closed - milliseconds(20);
+  exposure.line_on = exposure.line_on + shift;
+  exposure.opened = opened ? exposure.opened + shift : MonoTime::never();
+  exposure.closed = exposure.closed + shift;
+  if (exposure.ball) exposure.ball->touchdown = exposure.ball->touchdown + shift;
+  for (Pulse& pulse : exposure.pulses) {
+    pulse.edge = pulse.edge + shift;
+    for (MonoTime& flash : pulse.flashes) flash = flash + shift;
+  }
+  return exposure;
+}
+
+}  // namespace
+
+TEST_GROUP(Desk) {
+  Scene scene = test::plain_scene();
+  strobe::testing::TemporaryFolder folder;
+  std::string url = strobe::testing::private_lcm_url();
+  Darkroom darkroom;
+  std::unique_ptr<TruthFile> truth;
+  std::unique_ptr<Desk> desk;
+  std::unique_ptr<Listener> listener;
+
+  void sit_down() {
+    scene.tablet.digitize_delay_s = 0.05;
+    truth = *TruthFile::create(folder / "truth.jsonl", scene, 1);
+    auto made = Desk::create(url, "bench", scene, 1, darkroom, *truth);
+    CHECK_TEXT(made.has_value(), made ? "" : made.error().message.c_str());
+    desk = std::move(*made);
+    desk->start();
+    listener = std::make_unique<Listener>(url);
+  }
+  std::vector<nlohmann::json> truths() const {
+    return strobe::testing::read_json_lines(folder / "truth.jsonl");
+  }
+};
+
+TEST(Desk, SendsTheFrameOfTheShotThatWasAnnounced) {
+  sit_down();
+  const Exposure exposure = exposure_now(scene);
+  darkroom.add(exposure);
+  listener->announce(7, exposure.line_on - milliseconds(20));
+  CHECK(listener->hear(1, kFrameLimit_ms));
+  const strobe_msgs::frame_t& frame = listener->frames()[0];
+  CHECK(frame.boot_id == kBoot);
+  LONGS_EQUAL(7, frame.shot_id);
+  LONGS_EQUAL(4, frame.surface_count);
+  LONGS_EQUAL(digitize(scene, 1, exposure).frame.images.size(), frame.image_count);
+  STRCMP_EQUAL("hand", frame.source.c_str());
+  LONGS_EQUAL(1, truths().size());
+  LONGS_EQUAL(7, truths()[0]["shot_id"].get<int>());
+}
+
+TEST(Desk, SendsTheSameFrameAgainWhenTheShotIsAnnouncedAgain) {
+  scene.tablet.centre_sd_m = 0.3e-3;
+  sit_down();
+  const Exposure exposure = exposure_now(scene);
+  darkroom.add(exposure);
+  listener->announce(1, exposure.line_on);
+  CHECK(listener->hear(1, kFrameLimit_ms));
+  listener->announce(1, exposure.line_on);
+  CHECK(listener->hear(2, kFrameLimit_ms));
+  DOUBLES_EQUAL(listener->frames()[0].images[0].centre_x_px, listener->frames()[1].images[0].centre_x_px,
+                0.0);
+  LONGS_EQUAL(1, truths().size());
+}
+
+TEST(Desk, WaitsForAnExposureThatIsStillUnderWay) {
+  sit_down();
+  const Exposure exposure = exposure_now(scene);
+  darkroom.set_exposing(exposure.line_on);
+  listener->announce(1, exposure.line_on);
+  CHECK(!listener->hear(1, kSilence_ms));
+  darkroom.add(exposure);
+  darkroom.set_exposing(std::nullopt);
+  CHECK(listener->hear(1, kFrameLimit_ms));
+}
+
+TEST(Desk, HasNoPhotographWhenTheShutterDidNotOpen) {
+  sit_down();
+  const Exposure exposure = exposure_now(scene, false);
+  darkroom.add(exposure);
+  listener->announce(1, exposure.line_on);
+  CHECK(!listener->hear(1, kSilence_ms));
+  LONGS_EQUAL(1, truths().size());
+  CHECK(truths()[0]["opened_ns"].is_null());
+}
+
+TEST(Desk, TakesNoOtherShotsPhotograph) {
+  sit_down();
+  const Exposure earlier = exposure_now(scene);
+  darkroom.add(earlier);
+  listener->announce(2, earlier.closed);
+  CHECK(!listener->hear(1, kSilence_ms));
+  LONGS_EQUAL(1, truths().size());
+  LONGS_EQUAL(0, truths()[0]["shot"].get<int>());
+  LONGS_EQUAL(2, truths()[0]["shot_id"].get<int>());
+}
+
+TEST(Desk, ReportsAnEmptyPhotograph) {
+  sit_down();
+  const Exposure exposure = exposure_now(scene, true, false);
+  darkroom.add(exposure);
+  listener->announce(1, exposure.line_on);
+  CHECK(listener->hear(1, kFrameLimit_ms));
+  LONGS_EQUAL(0, listener->frames()[0].image_count);
+  LONGS_EQUAL(4, listener->frames()[0].surface_count);
+}
+
+TEST(Desk, LeavesAPhotographLyingOrTakesItsTimeWhenTheSceneSaysSo) {
+  scene.faults = {{.kind = FaultKind::no_photograph, .shot = 1}};
+  sit_down();
+  const Exposure exposure = exposure_now(scene);
+  darkroom.add(exposure);
+  listener->announce(1, exposure.line_on);
+  CHECK(!listener->hear(1, kSilence_ms));
+  STRCMP_EQUAL("[\"no_photograph\"]", truths()[0]["faults"].dump().c_str());
+}
+
+TEST(Desk, SendsALateFrameLate) {
+  scene.faults = {{.kind = FaultKind::frame_late, .shot = 1, .delay = milliseconds(600)}};
+  sit_down();
+  const Exposure exposure = exposure_now(scene);
+  darkroom.add(exposure);
+  const MonoTime announced = monotonic_now();
+  listener->announce(1, exposure.line_on);
+  CHECK(listener->hear(1, kFrameLimit_ms));
+  CHECK(monotonic_now() - announced >= milliseconds(650));
+}
+
+TEST(Desk, WritesTheTruthOfAnnouncedShotsWhenItLeaves) {
+  scene.faults = {{.kind = FaultKind::frame_late, .delay = milliseconds(60000)}};
+  sit_down();
+  const Exposure exposure = exposure_now(scene);
+  darkroom.set_exposing(exposure.line_on);
+  listener->announce(3, exposure.line_on);
+  listener->hear(1, kSilence_ms);
+  darkroom.add(exposure);
+  desk->stop();
+  LONGS_EQUAL(1, truths().size());
+  LONGS_EQUAL(3, truths()[0]["shot_id"].get<int>());
+}

@@ -1,0 +1,175 @@
+// strobe-sim as a program: what it does with commands, lines and files.
+#include <algorithm>
+#include <csignal>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "tests/support/json_lines.hpp"
+#include "tests/support/process.hpp"
+#include "tests/support/temporary_folder.hpp"
+// CppUTest redefines new; its headers come last.
+#include <CppUTest/TestHarness.h>
+
+namespace {
+
+using namespace std::chrono_literals;
+using strobe::testing::Command;
+using strobe::testing::ExitStatus;
+using strobe::testing::Finished;
+using strobe::testing::Process;
+
+const std::string kSim = std::string(STROBE_BUILD_DIR) + "/bin/strobe-sim";
+constexpr auto kLimit = 20s;
+
+Command sim(std::vector<std::string> words) {
+  words.insert(words.begin(), kSim);
+  Command command;
+  command.arguments = std::move(words);
+  return command;
+}
+
+Command on_rig(std::vector<std::string> options, const std::vector<std::string>& command) {
+  std::vector<std::string> words{"run", "--scene", "zero_23", "--no-digitizer", "--seed", "42"};
+  words.insert(words.end(), options.begin(), options.end());
+  words.push_back("--");
+  words.insert(words.end(), command.begin(), command.end());
+  return sim(words);
+}
+
+}  // namespace
+
+TEST_GROUP(SimProgram) {
+  strobe::testing::TemporaryFolder folder;
+
+  /// Exit status 2 and one line on standard error with that word.
+  void check_refused(const Command& command, const char* word) {
+    const Finished finished = strobe::testing::run_to_end(command, kLimit);
+    CHECK_TEXT(finished.status == ExitStatus({2, 0}), finished.err.c_str());
+    LONGS_EQUAL(1, std::count(finished.err.begin(), finished.err.end(), '\n'));
+    STRCMP_CONTAINS(word, finished.err.c_str());
+  }
+};
+
+TEST(SimProgram, PassesTheCommandsExitStatusOn) {
+  const Finished finished = strobe::testing::run_to_end(on_rig({}, {"sh", "-c", "exit 7"}), kLimit);
+  CHECK(finished.status == ExitStatus({7, 0}));
+  STRCMP_CONTAINS("strobe-sim: scene zero_23, seed 42 (repeat with --seed 42), chip /dev/gpiochip0 in ",
+                  finished.err.c_str());
+}
+
+TEST(SimProgram, AddsTheSignalTo128) {
+  const Finished finished = strobe::testing::run_to_end(on_rig({}, {"sh", "-c", "kill -KILL $$"}), kLimit);
+  CHECK(finished.status == ExitStatus({128 + SIGKILL, 0}));
+}
+
+TEST(SimProgram, ForwardsSignalsAndWaitsForTheCommandsOwnEnd) {
+  for (const auto& [signal, word] : {std::pair{SIGTERM, "TERM"}, std::pair{SIGINT, "INT"}}) {
+    const std::string script =
+        std::string("trap 'exit 9' ") + word + "; echo up; while :; do sleep 0.01; done";
+    Process process(on_rig({}, {"sh", "-c", script}), folder.path());
+    CHECK(process.wait_for_out("up", kLimit));
+    process.signal(signal);
+    CHECK(process.wait(kLimit) == ExitStatus({9, 0}));
+  }
+}
+
+TEST(SimProgram, PutsItsLibraryFirstAndKeepsTheRestOfTheEnvironment) {
+  Command command = on_rig({}, {"sh", "-c", "echo $LD_PRELOAD $STROBE_GPIOCHIP_DIR $KEPT"});
+  command.environment = {{"LD_PRELOAD", "libm.so.6"}, {"KEPT", "kept"}};
+  const Finished finished = strobe::testing::run_to_end(command, kLimit);
+  STRCMP_CONTAINS("/libstrobe-gpiochip.so:libm.so.6 /", finished.out.c_str());
+  STRCMP_CONTAINS(" kept\n", finished.out.c_str());
+}
+
+TEST(SimProgram, LeavesNoFolderBehind) {
+  const Finished finished =
+      strobe::testing::run_to_end(on_rig({}, {"sh", "-c", "printf %s $STROBE_GPIOCHIP_DIR"}), kLimit);
+  CHECK(!finished.out.empty());
+  CHECK(!std::filesystem::exists(finished.out));
+}
+
+TEST(SimProgram, RefusesWhatItCannotDoInOneLine) {
+  check_refused(sim({"run", "--scene", "zero_99", "--", "true"}), "zero_99");
+  check_refused(sim({"run", "--scene", folder / "none.toml", "--", "true"}), "none.toml");
+  check_refused(sim({"run", "--", "true"}), "--scene");
+  check_refused(sim({"run", "--scene", "zero_23"}), "command");
+  check_refused(sim({"run", "--scene", "zero_23", "--rig", "a/b", "--", "true"}), "a/b");
+  check_refused(on_rig({"--truth", folder / "no/truth.jsonl"}, {"true"}), "truth.jsonl");
+  check_refused(on_rig({"--changes", folder / "no/changes.csv"}, {"true"}), "changes.csv");
+  check_refused(sim({"lines", "--chip-dir", folder / "none"}), "none");
+  check_refused(sim({"dance"}), "dance");
+  strobe::testing::write_text(folder / "wrong.toml", "[machine]\nspeed_mps = \"fast\"\n");
+  check_refused(sim({"run", "--scene", folder / "wrong.toml", "--", "true"}),
+                "wrong.toml:2: machine.speed_mps");
+}
+
+TEST(SimProgram, NamesACommandThatIsNotThere) {
+  const Finished finished = strobe::testing::run_to_end(on_rig({}, {"/nowhere/strobed"}), kLimit);
+  CHECK(finished.status == ExitStatus({2, 0}));
+  STRCMP_CONTAINS("/nowhere/strobed: No such file", finished.err.c_str());
+}
+
+TEST(SimProgram, ShowsAndDrivesLinesOfARunningChip) {
+  const std::string chip = folder / "chip";
+  const std::string script = kSim + " lines --json --chip-dir " + chip + "; " + kSim + " drive --chip-dir " +
+                             chip + " KEY=0 8=0; " + kSim + " lines --json --chip-dir " + chip;
+  const Finished finished = strobe::testing::run_to_end(
+      on_rig({"--chip-dir", chip, "--changes", folder / "changes.csv"}, {"sh", "-c", script}), kLimit);
+  CHECK_TEXT(finished.status == ExitStatus({0, 0}), finished.err.c_str());
+  const auto lines = strobe::testing::parse_json_lines(finished.out);
+  LONGS_EQUAL(32, lines.size());
+  STRCMP_EQUAL("STROBE_A", lines[0]["name"].get<std::string>().c_str());
+  STRCMP_EQUAL("input", lines[0]["direction"].get<std::string>().c_str());
+  LONGS_EQUAL(1, lines[7]["level"].get<int>());
+  LONGS_EQUAL(1, lines[8]["level"].get<int>());
+  LONGS_EQUAL(0, lines[16 + 7]["level"].get<int>());
+  LONGS_EQUAL(0, lines[16 + 8]["level"].get<int>());
+
+  const auto changes = strobe::testing::read_csv(folder / "changes.csv");
+  LONGS_EQUAL(2, changes.rows.size());
+  STRCMP_EQUAL("KEY", changes.rows[0][changes.column("name")].c_str());
+  STRCMP_EQUAL("0", changes.rows[0][changes.column("level")].c_str());
+  STRCMP_EQUAL("drive", changes.rows[1][changes.column("cause")].c_str());
+  CHECK(!std::filesystem::exists(chip) || std::filesystem::is_empty(chip));
+}
+
+TEST(SimProgram, RefusesToDriveWhatIsNoLine) {
+  const std::string chip = folder / "chip";
+  for (const char* drive : {"KEYS=0", "KEY", "KEY=2", "99=1", "=1"}) {
+    const Finished finished = strobe::testing::run_to_end(
+        on_rig({"--chip-dir", chip}, {kSim, "drive", "--chip-dir", chip, drive}), kLimit);
+    CHECK_TEXT(finished.status == ExitStatus({2, 0}), drive);
+    STRCMP_CONTAINS(drive, finished.err.c_str());
+  }
+}
+
+TEST(SimProgram, PlaysTheOperatorInRealTime) {
+  std::string scene = strobe::testing::read_text(std::string(STROBE_SCENES_FOLDER) + "/zero_23.toml");
+  scene += "\n[[operator]]\nat_s = 0.3\nline = \"ESTOP\"\nlevel = 0\n";
+  strobe::testing::write_text(folder / "stop.toml", scene);
+  const Finished finished =
+      strobe::testing::run_to_end(sim({"run", "--scene", folder / "stop.toml", "--no-digitizer", "--changes",
+                                       folder / "changes.csv", "--", "sleep", "0.6"}),
+                                  kLimit);
+  CHECK(finished.status == ExitStatus({0, 0}));
+  const auto changes = strobe::testing::read_csv(folder / "changes.csv");
+  LONGS_EQUAL(1, changes.rows.size());
+  STRCMP_EQUAL("ESTOP", changes.rows[0][changes.column("name")].c_str());
+}
+
+TEST(SimProgram, ListsTheScenes) {
+  const Finished finished = strobe::testing::run_to_end(sim({"scenes", "--json"}), kLimit);
+  const auto scenes = strobe::testing::parse_json_lines(finished.out);
+  LONGS_EQUAL(21, scenes.size());
+  STRCMP_EQUAL("back_17", scenes[0]["scene"].get<std::string>().c_str());
+  for (const auto& scene : scenes) CHECK(scene["speed_mps"].get<double>() > 15.0);
+}
+
+TEST(SimProgram, HelpsWithAnExample) {
+  for (const char* command : {"run", "scenes", "lines", "drive", "fit"}) {
+    const Finished finished = strobe::testing::run_to_end(sim({command, "--help"}), kLimit);
+    CHECK(finished.status == ExitStatus({0, 0}));
+    STRCMP_CONTAINS("Example: strobe-sim ", finished.out.c_str());
+  }
+}
