@@ -1,0 +1,108 @@
+// What the sensors saw of each flash, as the time of the flash.
+#include "host/assembly/flash_times.hpp"
+
+#include <limits>
+
+#include "tests/host/synthetic_shot.hpp"
+// CppUTest redefines new; its headers come last.
+#include <CppUTest/TestHarness.h>
+
+namespace {
+
+using strobe::host::flash_times;
+using strobe::host::FlashTimes;
+using strobe_msgs::flash_t;
+using strobe_msgs::shot_t;
+
+flash_t flash(int index, std::int64_t commanded_ns, std::int64_t a_ns, std::int64_t b_ns) {
+  flash_t f{};
+  f.flash_index = index;
+  f.commanded_ns = commanded_ns;
+  f.issue_start_ns = commanded_ns;
+  f.issue_end_ns = commanded_ns + 100;
+  f.observed_a_ns = a_ns;
+  f.observed_b_ns = b_ns;
+  return f;
+}
+
+constexpr std::int64_t kNone = flash_t::NO_TIME;
+
+}  // namespace
+
+TEST_GROUP(FlashTimesOfAShot) {
+  shot_t shot{};
+
+  void setup() override {
+    shot.sensor_a_fitted = shot.sensor_b_fitted = true;
+    shot.lamp_delay_us = 12.0;
+    shot.late_tolerance_us = 100.0;
+  }
+};
+
+TEST(FlashTimesOfAShot, MeanOfBothSensors) {
+  shot.flashes = {flash(0, 1'000'000, 1'012'000, 1'013'000)};
+  const FlashTimes times = flash_times(shot);
+  LONGS_EQUAL(1'012'500, times.seen[0].time_ns);
+  CHECK_FALSE(times.seen[0].late);
+  CHECK_FALSE(times.seen[0].sensor_silent);
+  CHECK_TRUE(times.measured);
+}
+
+TEST(FlashTimesOfAShot, TheSensorThatFiredCountsAloneAndTheOtherIsMissed) {
+  shot.flashes = {flash(0, 1'000'000, kNone, 1'013'000), flash(1, 4'000'000, 4'011'000, kNone)};
+  const FlashTimes times = flash_times(shot);
+  LONGS_EQUAL(1'013'000, times.seen[0].time_ns);
+  LONGS_EQUAL(4'011'000, times.seen[1].time_ns);
+  CHECK_TRUE(times.seen[0].sensor_silent);
+  CHECK_TRUE(times.seen[1].sensor_silent);
+}
+
+TEST(FlashTimesOfAShot, ASensorThatIsNotFittedIsNotMissed) {
+  shot.sensor_a_fitted = false;
+  shot.flashes = {flash(0, 1'000'000, kNone, 1'013'000)};
+  CHECK_FALSE(flash_times(shot).seen[0].sensor_silent);
+}
+
+TEST(FlashTimesOfAShot, LatenessIsBeyondTheLampsDelayAndTheTolerance) {
+  shot.flashes = {flash(0, 1'000'000, 1'112'000, 1'112'000),   // exactly the tolerance
+                  flash(1, 4'000'000, 4'112'010, 4'112'010)};  // 10 ns more
+  const FlashTimes times = flash_times(shot);
+  CHECK_FALSE(times.seen[0].late);
+  CHECK_TRUE(times.seen[1].late);
+}
+
+TEST(FlashTimesOfAShot, AFlashThatNoSensorSawIsMissing) {
+  shot.flashes = {flash(0, 1'000'000, 1'012'000, 1'012'000), flash(1, 4'000'000, kNone, kNone),
+                  flash(2, 7'000'000, 7'012'000, 7'012'000)};
+  const FlashTimes times = flash_times(shot);
+  LONGS_EQUAL(2, times.seen.size());
+  LONGS_EQUAL(1, times.missing.size());
+  LONGS_EQUAL(1, times.missing[0]);
+}
+
+TEST(FlashTimesOfAShot, WithoutAnySensorIssuedTimesAndTheLampsDelayHaveToDo) {
+  shot.flashes = {flash(0, 1'000'000, kNone, kNone), flash(1, 4'000'000, kNone, kNone)};
+  shot.flashes[1].issue_start_ns = shot.flashes[1].issue_end_ns = kNone;  // never issued
+  const FlashTimes times = flash_times(shot);
+  CHECK_FALSE(times.measured);
+  LONGS_EQUAL(1, times.seen.size());
+  LONGS_EQUAL(1'012'100, times.seen[0].time_ns);
+  DOUBLES_EQUAL(20e-6, times.seen[0].time_sd_s, 1e-12);
+  LONGS_EQUAL(1, times.missing[0]);
+}
+
+TEST(FlashTimesOfAShot, LightBeforeThePulseIsNotPlausible) {
+  shot.flashes = {flash(0, 1'000'000, 980'000, 980'000)};
+  CHECK_TRUE(flash_times(shot).seen[0].before_its_pulse);
+}
+
+TEST(FlashTimesOfAShot, TimesOutOfOrderAreNoticed) {
+  shot.flashes = {flash(0, 1'000'000, 9'012'000, kNone), flash(1, 4'000'000, 4'012'000, kNone)};
+  CHECK_FALSE(flash_times(shot).in_order);
+}
+
+TEST(FlashTimesOfAShot, ALampDelayThatIsNotANumberCountsAsNone) {
+  shot.lamp_delay_us = std::numeric_limits<double>::quiet_NaN();
+  shot.flashes = {flash(0, 1'000'000, kNone, kNone)};
+  LONGS_EQUAL(1'000'100, flash_times(shot).seen[0].time_ns);
+}
