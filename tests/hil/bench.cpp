@@ -1,7 +1,7 @@
 #include "tests/hil/bench.hpp"
 
 #include <csignal>
-#include <cstdlib>
+#include <sstream>
 #include <stdexcept>
 
 #include "tests/support/json_lines.hpp"
@@ -112,8 +112,10 @@ std::filesystem::path Bench::journal() const {
 
 Command Bench::strobe(std::vector<std::string> words) const {
   Command command;
+  const bool speaks = words.at(0) == "fire" || words.at(0) == "live";
   words.insert(words.begin(), program("strobe"));
-  words.insert(words.end(), {"--rig", rig_file(), "--lcm-url", lcm_url_});
+  words.insert(words.end(), {"--rig", rig_file()});
+  if (speaks) words.insert(words.end(), {"--lcm-url", lcm_url_});
   command.arguments = std::move(words);
   return command;
 }
@@ -164,6 +166,15 @@ std::vector<nlohmann::json> readouts(const std::string& out) {
     return !value.contains("shot_id") || !value.contains("vx_td_mps");
   });
   return found;
+}
+
+std::string readout_lines(const std::string& out) {
+  std::string lines;
+  std::istringstream stream(out);
+  for (std::string line; std::getline(stream, line);) {
+    if (!readouts(line).empty()) lines += line + "\n";
+  }
+  return lines;
 }
 
 bool has_flag(const nlohmann::json& readout, const std::string& flag) {

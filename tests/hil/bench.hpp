@@ -56,7 +56,7 @@ class Bench {
   const std::string& lcm_url() const { return lcm_url_; }
   std::filesystem::path journal() const;  ///< newest journal in the session's folder
 
-  /// A command of strobe with this bench's rig file and network.
+  /// A command of strobe with this bench's rig file; fire and live also with its network.
   testing::Command strobe(std::vector<std::string> words) const;
   testing::Command fire(int shots, int retries, const std::vector<std::string>& more = {}) const;
   testing::Command strobed(
@@ -81,6 +81,9 @@ class Bench {
 
 /// The readouts among the lines that strobe printed.
 std::vector<nlohmann::json> readouts(const std::string& out);
+
+/// The lines themselves, for comparisons to the byte.
+std::string readout_lines(const std::string& out);
 
 bool has_flag(const nlohmann::json& readout, const std::string& flag);
 

@@ -174,37 +174,38 @@ TEST(CommandLine, LegacyFilesCutOrWithLettersAreNamedWithTheirLine) {
 
 TEST(CommandLine, WrongOptionsOfStrobeAreNamed) {
   STRCMP_EQUAL(
-      "",
-      complaints(
-          {
-              {"no such command", with_strobe({"explode"}), 2, "explode"},
-              {"letters in a number", with_strobe({"fire", "--shots", "nine"}), 2, "nine"},
-              {"no shots", with_strobe({"fire", "--shots", "0"}), 2, "shots"},
-              {"unknown spin", with_strobe({"fire", "--shots", "1", "--spin", "side"}), 2, "side"},
-              {"a note without a value", with_strobe({"fire", "--shots", "1", "--note", "remarks"}), 2,
-               "remarks"},
-              {"no such plan", with_strobe({"fire", "--shots", "1", "--plan", folder / "none.toml"}), 2,
-               "none.toml"},
-              {"wrong plan",
-               with_strobe(
-                   {"fire", "--shots", "1", "--plan", file("plan.toml", "period_us = 3000\nperid = 1\n")}),
-               2, "plan.toml:2"},
-              {"no such log", with_strobe({"replay", folder / "none.lcmlog"}), 2, "none.lcmlog"},
-              {"no such rig file", with_strobe({"live", "--rig", folder / "none.toml"}), 2, "none.toml"},
-              {"restitution above 1",
-               with_strobe({"predict", "--vx", "15", "--vy", "-6", "--omega", "0", "--e", "1.5"}), 2, "--e"},
-              {"ball leaving the surface",
-               with_strobe({"predict", "--vx", "15", "--vy", "6", "--omega", "0"}), 2, "vy"},
-              {"not a number", with_strobe({"predict", "--vx", "nan", "--vy", "-6", "--omega", "0"}), 2,
-               "vx"},
-          })
-          .c_str());
+      "", complaints(
+              {
+                  {"no such command", with_strobe({"explode"}), 2, "explode"},
+                  {"letters in a number", with_strobe({"fire", "--shots", "nine"}), 2, "nine"},
+                  {"no shots", with_strobe({"fire", "--shots", "0"}), 2, "shots"},
+                  {"unknown spin", with_strobe({"fire", "--shots", "1", "--spin", "side"}), 2, "side"},
+                  {"a note without a value", with_strobe({"fire", "--shots", "1", "--note", "remarks"}), 2,
+                   "remarks"},
+                  {"no such plan", with_strobe({"fire", "--shots", "1", "--plan", folder / "none.toml"}), 2,
+                   "none.toml"},
+                  {"wrong plan",
+                   with_strobe({"fire", "--shots", "1", "--plan",
+                                file("plan.toml", "period_us = 3000\nperid = 1\n")}),
+                   2, "plan.toml:2"},
+                  {"no such log", with_strobe({"replay", folder / "none.lcmlog"}), 2, "none.lcmlog"},
+                  {"no such rig file", with_strobe({"live", "--rig", folder / "none.toml"}), 2, "none.toml"},
+                  {"restitution above 1",
+                   with_strobe({"predict", "--vx", "15", "--vy", "-6", "--omega", "0", "--e", "1.5"}), 2,
+                   "e must"},
+                  {"ball leaving the surface",
+                   with_strobe({"predict", "--vx", "15", "--vy", "6", "--omega", "0"}), 2, "vy"},
+                  {"not a number", with_strobe({"predict", "--vx", "nan", "--vy", "-6", "--omega", "0"}), 2,
+                   "vx"},
+              })
+              .c_str());
 }
 
 TEST(CommandLine, FiringWithoutAStrobedEndsWithAClearMessage) {
   const std::string url = strobe::testing::private_lcm_url();
   const Finished finished = strobe::testing::run_to_end(
-      with_strobe({"fire", "--shots", "1", "--session", folder / "session", "--lcm-url", url}), 30s);
-  CHECK(finished.status == strobe::testing::ExitStatus({1, 0}));
+      with_strobe({"fire", "--shots", "1", "--session", folder / "session", "--lcm-url", url, "--wait", "1"}),
+      30s);
+  CHECK_TEXT(finished.status == strobe::testing::ExitStatus({1, 0}), finished.err.c_str());
   CHECK_TEXT(finished.err.find("strobed") != std::string::npos, finished.err.c_str());
 }

@@ -22,14 +22,32 @@ struct Shot {
 };
 
 struct Outcome {
-  std::vector<Shot> shots;
+  std::vector<Shot>
+      struck;  ///< shots with a fault, but those that a host freeze aborted: they say nothing of it
+  int aborted = 0;
   std::string messages;
-  std::int64_t took_ns = 0;
-  bool ended = false;
 };
 
-/// Fires shots at a bench with these faults and pairs what was read with what was true.
-Outcome fire_with(const std::string& faults, int shots,
+/// Faulty exposures come first; a few more in case a host freeze aborts one.
+constexpr int kSpare = 3;
+
+std::string fault(const std::string& kind, int shot, const std::string& more = "") {
+  return fmt::format("[[fault]]\nkind = \"{}\"\nshot = {}\n{}\n", kind, shot, more);
+}
+
+/// One exposure for each of `kinds`, the whole list twice over: an aborted exposure is made up for by its
+/// second.
+std::string faults_twice(const std::vector<std::pair<std::string, std::string>>& kinds) {
+  std::string text;
+  int shot = 0;
+  for (int round = 0; round < 2; ++round) {
+    for (const auto& [kind, more] : kinds) text += fault(kind, ++shot, more);
+  }
+  return text;
+}
+
+/// Fires until every faulty exposure is through, and pairs what was read with what was true.
+Outcome fire_with(const std::string& faults, int exposures,
                   const std::vector<std::pair<std::string, std::string>>& rig_edits = {}) {
   BenchOptions options;
   options.scene_addition = faults;
@@ -37,53 +55,54 @@ Outcome fire_with(const std::string& faults, int shots,
   options.seed = 7;
   Bench bench(options);
   if (!bench.ready()) FAIL(("strobed did not come up:\n" + bench.log()).c_str());
+  const auto fired = strobe::testing::run_to_end(bench.fire(exposures, exposures + kSpare), 120s);
+  CHECK_TEXT(fired.status.has_value(), "strobe fire did not end");
   Outcome outcome;
-  const std::int64_t start = strobe::testing::monotonic_now_ns();
-  const auto fired = strobe::testing::run_to_end(bench.fire(shots, 0), 120s);
-  outcome.took_ns = strobe::testing::monotonic_now_ns() - start;
-  outcome.ended = fired.status.has_value();
   outcome.messages = fired.err;
   const std::vector<nlohmann::json> truths = bench.truths();
   for (auto& readout : readouts(fired.out)) {
     for (const auto& truth : truths) {
-      if (truth.at("shot_id") == readout.at("shot_id")) outcome.shots.push_back({readout, truth});
+      if (truth.at("shot_id") != readout.at("shot_id") || truth.at("faults").empty()) continue;
+      std::printf("%s: shot %s flags %s\n", truth.at("faults").dump().c_str(),
+                  readout.at("shot_id").dump().c_str(), readout.at("flags").dump().c_str());
+      if (has_flag(readout, "shot_aborted")) {
+        ++outcome.aborted;
+      } else {
+        outcome.struck.push_back({readout, truth});
+      }
     }
   }
   return outcome;
 }
 
-/// A host freeze aborted the shot: it says nothing about the fault.
-bool frozen(const Shot& shot) { return has_flag(shot.readout, "shot_aborted"); }
-
-std::string fault(const std::string& kind, int shot, const std::string& more = "") {
-  return fmt::format("[[fault]]\nkind = \"{}\"\nshot = {}\n{}\n", kind, shot, more);
-}
-
 /// No number of any shot is wrong, whatever its flags; nulls are fine.
-void check_no_wrong_number(const Outcome& outcome) {
+void expect_no_wrong_number(const Outcome& outcome) {
   TruthScore score;
-  for (const Shot& shot : outcome.shots) {
+  for (const Shot& shot : outcome.struck) {
     if (shot.truth.at("ball").get<bool>())
       score.add(shot.readout, shot.truth, "shot " + shot.readout.at("shot_id").dump());
   }
   STRCMP_EQUAL("", score.beyond(4.5).c_str());
 }
 
-int count_unfrozen(const Outcome& outcome) {
-  int count = 0;
-  for (const Shot& shot : outcome.shots) count += frozen(shot) ? 0 : 1;
-  return count;
+void expect_flag(const Outcome& outcome, const std::string& flag) {
+  for (const Shot& shot : outcome.struck)
+    CHECK_TEXT(has_flag(shot.readout, flag), shot.readout.dump().c_str());
 }
 
-void report(const char* what, const Outcome& outcome) {
-  for (const Shot& shot : outcome.shots) {
-    std::printf("%s: shot %s flags %s\n", what, shot.readout.at("shot_id").dump().c_str(),
-                shot.readout.at("flags").dump().c_str());
-  }
+/// Freezes abort one shot in five; that more than half are lost is beyond one in a hundred for the smallest
+/// list here.
+void expect_enough(const Outcome& outcome, std::size_t wanted) {
+  CHECK_TEXT(2 * outcome.struck.size() >= wanted,
+             fmt::format("only {} of {} shots were not aborted", outcome.struck.size(), wanted).c_str());
 }
 
 bool has_no_rebound(const nlohmann::json& readout) {
   return readout.at("vx_td_mps").is_null() && readout.at("vx_lo_mps").is_null() && readout.at("e").is_null();
+}
+
+std::string at(int flash_from_impact, const std::string& more = "lamp = \"both\"") {
+  return fmt::format("flash_from_impact = {}\n{}", flash_from_impact, more);
 }
 
 }  // namespace
@@ -91,105 +110,91 @@ bool has_no_rebound(const nlohmann::json& readout) {
 TEST_GROUP(Fault){};
 
 TEST(Fault, ALateFlashIsFlaggedAndItsMeasuredTimeKeepsTheVelocitiesRight) {
-  const std::vector<int> places{-3, -2, -1, 1, 2, 3};
   std::string faults;
   int shot = 0;
-  for (const int place : places) {
-    faults += fault("flash_late", ++shot,
-                    fmt::format("flash_from_impact = {}\ndelay_us = 160\nlamp = \"both\"", place));
+  for (const int place : {-3, -2, -1, 1, 2, 3, -2, 2}) {
+    faults += fault("flash_late", ++shot, at(place, "delay_us = 160\nlamp = \"both\""));
   }
-  const Outcome outcome = fire_with(faults, static_cast<int>(places.size()));
-  report("late flash", outcome);
-  CHECK(outcome.ended);
-  LONGS_EQUAL(places.size(), outcome.shots.size());
-  check_no_wrong_number(outcome);
-  for (const Shot& each : outcome.shots) {
-    if (frozen(each)) continue;
-    CHECK_TEXT(has_flag(each.readout, "late_flash"), each.readout.dump().c_str());
-    CHECK_TEXT(is_spoilt(each.readout) || is_complete(each.readout), each.readout.dump().c_str());
-  }
-  CHECK_TEXT(count_unfrozen(outcome) >= 3, "more than half of the shots were aborted");
+  const Outcome outcome = fire_with(faults, shot);
+  expect_enough(outcome, 8);
+  expect_flag(outcome, "late_flash");
+  expect_no_wrong_number(outcome);
+  for (const Shot& each : outcome.struck) CHECK_TEXT(is_complete(each.readout), each.readout.dump().c_str());
 }
 
 TEST(Fault, AMissingFlashIsFlaggedAndMakesNoNumberWrong) {
-  std::string faults;
-  int shot = 0;
-  for (const int place : {-3, -2, 2, 3})
-    faults += fault("flash_missing", ++shot, fmt::format("flash_from_impact = {}\nlamp = \"both\"", place));
-  const Outcome outcome = fire_with(faults, 4);
-  report("missing flash", outcome);
-  LONGS_EQUAL(4, outcome.shots.size());
-  check_no_wrong_number(outcome);
-  for (const Shot& each : outcome.shots) {
-    if (!frozen(each)) CHECK_TEXT(has_flag(each.readout, "missing_flash"), each.readout.dump().c_str());
-  }
+  const Outcome outcome = fire_with(
+      faults_twice({{"flash_missing", at(-3)}, {"flash_missing", at(-1)}, {"flash_missing", at(2)}}), 6);
+  expect_enough(outcome, 6);
+  expect_flag(outcome, "missing_flash");
+  expect_no_wrong_number(outcome);
 }
 
 TEST(Fault, ADoubleFlashIsFlaggedAndMakesNoNumberWrong) {
-  std::string faults;
-  int shot = 0;
-  for (const int place : {-2, 2}) {
-    faults += fault("flash_double", ++shot,
-                    fmt::format("flash_from_impact = {}\ndelay_us = 400\nlamp = \"both\"", place));
-  }
-  const Outcome outcome = fire_with(faults, 2);
-  report("double flash", outcome);
-  LONGS_EQUAL(2, outcome.shots.size());
-  check_no_wrong_number(outcome);
-  for (const Shot& each : outcome.shots) {
-    if (!frozen(each)) CHECK_TEXT(has_flag(each.readout, "double_flash"), each.readout.dump().c_str());
-  }
+  const std::string more = "delay_us = 400\nlamp = \"both\"";
+  const Outcome outcome =
+      fire_with(faults_twice({{"flash_double", at(-2, more)}, {"flash_double", at(2, more)}}), 4);
+  expect_enough(outcome, 4);
+  expect_flag(outcome, "double_flash");
+  expect_no_wrong_number(outcome);
 }
 
 TEST(Fault, ABallThatMissesThePlateGivesNoNumbers) {
-  const Outcome outcome = fire_with(fault("ball_misses", 1) + fault("machine_misfire", 2), 2);
-  report("no ball", outcome);
-  LONGS_EQUAL(2, outcome.shots.size());
-  for (const Shot& each : outcome.shots) {
+  const Outcome outcome = fire_with(faults_twice({{"ball_misses", ""}, {"machine_misfire", ""}}), 4);
+  expect_enough(outcome, 4);
+  for (const Shot& each : outcome.struck) {
     CHECK_TEXT(has_no_rebound(each.readout), each.readout.dump().c_str());
     CHECK_TEXT(!each.readout.at("flags").empty(), each.readout.dump().c_str());
   }
 }
 
 TEST(Fault, APhotographThatNeverComesIsSaidWithinASecond) {
-  // A second of patience in the rig file; then the readout must be there within a second more. A shot
-  // takes 1.5 s at most with arming, start and end of the program are allowed another 2 s.
-  const Outcome outcome =
-      fire_with(fault("no_photograph", 1), 1, {{"photograph_timeout_s = 5", "photograph_timeout_s = 1"}});
-  report("no photograph", outcome);
-  CHECK(outcome.ended);
-  LONGS_EQUAL(1, outcome.shots.size());
-  CHECK(has_flag(outcome.shots[0].readout, "no_photograph"));
-  CHECK(has_no_rebound(outcome.shots[0].readout));
-  CHECK(outcome.took_ns < 5'500'000'000);
+  // The rig file gives it a second of patience after the shot's end; the readout must be there within a
+  // second more. Dead time of the program beside that: arming, a 0.6 s shot, its start; 2.5 s are ample
+  // outside freezes.
+  BenchOptions options;
+  options.scene_addition = fault("no_photograph", 0);
+  options.rig_edits = {{"photograph_timeout_s = 5", "photograph_timeout_s = 1"}};
+  Bench bench(options);
+  if (!bench.ready()) FAIL(("strobed did not come up:\n" + bench.log()).c_str());
+  bool told = false;
+  for (int attempt = 0; attempt < 5 && !told; ++attempt) {  // an aborted shot is not waited for
+    const std::int64_t start = strobe::testing::monotonic_now_ns();
+    const auto fired = strobe::testing::run_to_end(bench.fire(1, 0), 60s);
+    const std::int64_t took = strobe::testing::monotonic_now_ns() - start;
+    CHECK(fired.status == strobe::testing::ExitStatus({1, 0}));
+    CHECK(took < 4'500'000'000);
+    const std::vector<nlohmann::json> told_readouts = readouts(fired.out);
+    LONGS_EQUAL(1, told_readouts.size());
+    CHECK(has_no_rebound(told_readouts[0]));
+    told = has_flag(told_readouts[0], "no_photograph");
+  }
+  CHECK(told);
 }
 
 TEST(Fault, AFrameThatComesAfterAllIsStillRead) {
-  const Outcome outcome = fire_with(fault("frame_late", 1, "delay_s = 2.0"), 1);
-  report("late frame", outcome);
-  LONGS_EQUAL(1, outcome.shots.size());
-  check_no_wrong_number(outcome);
-  if (!frozen(outcome.shots[0])) CHECK(is_complete(outcome.shots[0].readout));
+  const Outcome outcome = fire_with(faults_twice({{"frame_late", "delay_s = 2.0"}}), 2);
+  expect_enough(outcome, 2);
+  expect_no_wrong_number(outcome);
+  for (const Shot& each : outcome.struck)
+    CHECK_TEXT(is_spoilt(each.readout) || is_complete(each.readout), each.readout.dump().c_str());
 }
 
 TEST(Fault, ADeadSensorOrLampIsFlaggedAndMakesNoNumberWrong) {
   const Outcome outcome =
-      fire_with(fault("sensor_dead", 1, "lamp = \"a\"") + fault("lamp_dead", 2, "lamp = \"b\""), 2);
-  report("dead sensor, dead lamp", outcome);
-  LONGS_EQUAL(2, outcome.shots.size());
-  check_no_wrong_number(outcome);
-  for (const Shot& each : outcome.shots) {
-    if (!frozen(each)) CHECK_TEXT(has_flag(each.readout, "sensor_missing"), each.readout.dump().c_str());
-  }
+      fire_with(faults_twice({{"sensor_dead", "lamp = \"a\""}, {"lamp_dead", "lamp = \"b\""}}), 4);
+  expect_enough(outcome, 4);
+  expect_flag(outcome, "sensor_missing");
+  expect_no_wrong_number(outcome);
 }
 
 TEST(Fault, AnImageThatWasOverlookedMakesNoNumberWrong) {
-  std::string faults;
-  int shot = 0;
-  for (const int place : {-2, -1, 1, 2})
-    faults += fault("image_unseen", ++shot, fmt::format("flash_from_impact = {}", place));
-  const Outcome outcome = fire_with(faults, 4);
-  report("image unseen", outcome);
-  LONGS_EQUAL(4, outcome.shots.size());
-  check_no_wrong_number(outcome);
+  const std::string any;
+  const Outcome outcome = fire_with(faults_twice({{"image_unseen", at(-2, any)},
+                                                  {"image_unseen", at(-1, any)},
+                                                  {"image_unseen", at(1, any)},
+                                                  {"image_unseen", at(2, any)}}),
+                                    8);
+  expect_enough(outcome, 8);
+  expect_no_wrong_number(outcome);
 }

@@ -16,7 +16,7 @@ using strobe::testing::run_to_end;
 TEST_GROUP(Install) {
   strobe::testing::TemporaryFolder folder;
   const std::filesystem::path first = folder / "first";
-  const std::filesystem::path moved = folder / "moved here";
+  const std::filesystem::path moved = folder / "moved";
 
   void setup() override {
     const auto installed =
@@ -50,8 +50,9 @@ TEST(Install, RunsFromWhereItWasMoved) {
   const auto scenes = run_to_end({{bin("strobe-sim"), "scenes"}, {}, {}, {}}, 10s);
   CHECK_TEXT(scenes.status == ExitStatus({0, 0}), scenes.err.c_str());
   CHECK(scenes.out.find("zero_23") != std::string::npos);
-  const auto thesis = run_to_end({{bin("strobe"), "thesis", "--json"}, {}, {}, {}}, 30s);
-  CHECK_TEXT(thesis.status == ExitStatus({0, 0}), thesis.err.c_str());
+  const auto predicted = run_to_end(
+      {{bin("strobe"), "predict", "--vx", "15", "--vy", "-6", "--omega", "0", "--json"}, {}, {}, {}}, 30s);
+  CHECK_TEXT(predicted.status == ExitStatus({0, 0}), predicted.err.c_str());
 }
 
 TEST(Install, FiresAShotFromWhereItWasMoved) {

@@ -51,12 +51,6 @@ std::string record_session(Bench& bench, int shots, const std::filesystem::path&
   return fired.out;
 }
 
-std::string join(const std::vector<nlohmann::json>& values) {
-  std::string text;
-  for (const auto& value : values) text += value.dump() + "\n";
-  return text;
-}
-
 }  // namespace
 
 TEST_GROUP(Log){};
@@ -69,7 +63,7 @@ TEST(Log, RecordedAndPlayedBackShowsTheSameBytes) {
   const auto replayed = strobe::testing::run_to_end(
       bench.strobe({"replay", bench.folder() / "recorded.lcmlog", "--json"}), 30s);
   CHECK_TEXT(replayed.status == ExitStatus({0, 0}), replayed.err.c_str());
-  STRCMP_EQUAL(join(readouts(fired)).c_str(), join(readouts(replayed.out)).c_str());
+  STRCMP_EQUAL(readout_lines(fired).c_str(), readout_lines(replayed.out).c_str());
 
   Process live = bench.start(bench.strobe({"live", "--json"}));
   strobe::testing::sleep_for(1000ms);
@@ -80,7 +74,7 @@ TEST(Log, RecordedAndPlayedBackShowsTheSameBytes) {
   strobe::testing::wait_until([&] { return readouts(live.out()).size() >= wanted; }, 8s);
   live.signal(SIGINT);
   CHECK(live.wait(10s).has_value());
-  STRCMP_EQUAL(join(readouts(fired)).c_str(), join(readouts(live.out())).c_str());
+  STRCMP_EQUAL(readout_lines(fired).c_str(), readout_lines(live.out()).c_str());
 }
 
 TEST(Log, OfTheSessionsFolderIsRecomputedToTheSameBytes) {
@@ -96,7 +90,7 @@ TEST(Log, OfTheSessionsFolderIsRecomputedToTheSameBytes) {
   CHECK(!host_log.empty());
   const auto replayed = strobe::testing::run_to_end(bench.strobe({"replay", host_log, "--json"}), 30s);
   CHECK(replayed.status == ExitStatus({0, 0}));
-  STRCMP_EQUAL(join(readouts(fired.out)).c_str(), join(readouts(replayed.out)).c_str());
+  STRCMP_EQUAL(readout_lines(fired.out).c_str(), readout_lines(replayed.out).c_str());
 }
 
 TEST(Log, WithCommandsInItNeverFiresARigAgain) {
@@ -140,5 +134,5 @@ TEST(Log, OfAListenerThatJoinsLateHoldsTheShotsToCome) {
   strobe::testing::wait_until([&] { return readouts(live.out()).size() >= expected.size(); }, 8s);
   live.signal(SIGINT);
   CHECK(live.wait(10s).has_value());
-  STRCMP_EQUAL(join(expected).c_str(), join(readouts(live.out())).c_str());
+  STRCMP_EQUAL(readout_lines(fired.out).c_str(), readout_lines(live.out()).c_str());
 }

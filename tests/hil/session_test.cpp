@@ -32,7 +32,7 @@ TEST(Session, WithoutRealTimeRightsStrobedRefusesUnlessToldOtherwise) {
   options.rights = strobe::testing::Rights::ordinary;
   options.shell = "\"$1\" --config \"$3\" --session \"$5\" --lcm-url \"$7\"";
   Bench bench(options);
-  CHECK(bench.sim().wait(20s) == ExitStatus({1, 0}));
+  CHECK(bench.sim().wait(20s) == ExitStatus({2, 0}));
   CHECK_TEXT(bench.log().find("--allow-no-rt") != std::string::npos, bench.log().c_str());
 }
 
