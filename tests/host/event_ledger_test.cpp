@@ -1,0 +1,154 @@
+// Which events are missing, and what is asked for when. Time is virtual.
+#include "host/session/event_ledger.hpp"
+
+#include <algorithm>
+#include <random>
+#include <set>
+// CppUTest redefines new; its headers come last.
+#include <CppUTest/TestHarness.h>
+
+namespace {
+
+using strobe::host::EventLedger;
+using strobe::host::SequenceRange;
+
+constexpr std::int64_t kMs = 1'000'000;
+constexpr std::int64_t kBoot = 0x7700;
+
+void add(EventLedger& ledger, std::int64_t first, std::int64_t last, std::int64_t now_ns = 0) {
+  for (std::int64_t s = first; s <= last; ++s) ledger.add(kBoot, s, now_ns);
+}
+
+}  // namespace
+
+TEST_GROUP(EventLedgerOfAHost){};
+
+TEST(EventLedgerOfAHost, AnUnbrokenSequenceMissesNothing) {
+  EventLedger ledger(true);
+  ledger.status(kBoot, 0, 0);
+  add(ledger, 1, 500);
+  LONGS_EQUAL(0, ledger.missing());
+  LONGS_EQUAL(500, ledger.received());
+  CHECK_TRUE(ledger.due(1000 * kMs).empty());
+  CHECK_TRUE(ledger.complete());
+}
+
+TEST(EventLedgerOfAHost, AnEventThatComesTwiceIsNewOnce) {
+  EventLedger ledger(true);
+  CHECK_TRUE(ledger.add(kBoot, 1, 0));
+  CHECK_FALSE(ledger.add(kBoot, 1, 0));
+  CHECK_FALSE(ledger.add(kBoot, 0, 0));
+  CHECK_FALSE(ledger.add(kBoot, -5, 0));
+  LONGS_EQUAL(1, ledger.received());
+}
+
+TEST(EventLedgerOfAHost, AGapIsAskedForAfterAGraceForReordering) {
+  EventLedger ledger(true);
+  ledger.status(kBoot, 1, 0);
+  add(ledger, 1, 10, 1000 * kMs);
+  add(ledger, 13, 20, 1000 * kMs);
+  LONGS_EQUAL(2, ledger.missing());
+  CHECK_TRUE(ledger.due(1050 * kMs).empty());
+  const auto asks = ledger.due(1200 * kMs);
+  LONGS_EQUAL(1, asks.size());
+  CHECK_TRUE((asks[0] == SequenceRange{kBoot, 11, 12}));
+  CHECK_TRUE(ledger.due(1250 * kMs).empty());     // just asked
+  LONGS_EQUAL(1, ledger.due(1500 * kMs).size());  // and again
+  add(ledger, 11, 12, 1600 * kMs);
+  CHECK_TRUE(ledger.due(3000 * kMs).empty());
+}
+
+TEST(EventLedgerOfAHost, ReorderedEventsCloseTheirOwnGap) {
+  EventLedger ledger(true);
+  ledger.status(kBoot, 0, 0);
+  for (const std::int64_t s : {2, 1, 4, 3, 6, 5}) ledger.add(kBoot, s, 1000 * kMs);
+  LONGS_EQUAL(0, ledger.missing());
+  CHECK_TRUE(ledger.due(2000 * kMs).empty());
+}
+
+TEST(EventLedgerOfAHost, AStatusTellsOfALossAtTheEnd) {
+  EventLedger ledger(true);
+  add(ledger, 1, 10, 0);
+  ledger.status(kBoot, 12, 1000 * kMs);
+  const auto asks = ledger.due(1200 * kMs);
+  LONGS_EQUAL(1, asks.size());
+  CHECK_TRUE((asks[0] == SequenceRange{kBoot, 11, 12}));
+}
+
+TEST(EventLedgerOfAHost, AHostThatFiresWantsWhatWasBeforeItCameAndAPassiveOneDoesNot) {
+  EventLedger firing(true), passive(false);
+  for (EventLedger* ledger : {&firing, &passive}) {
+    ledger->status(kBoot, 40, 1000 * kMs);
+    ledger->add(kBoot, 41, 1000 * kMs);
+  }
+  LONGS_EQUAL(40, firing.missing());
+  LONGS_EQUAL(0, passive.missing());
+}
+
+TEST(EventLedgerOfAHost, LossesNearEachOtherAreOneQuestionAndLongOnesAreCut) {
+  EventLedger ledger(true);
+  ledger.status(kBoot, 5000, 0);
+  for (std::int64_t s = 1; s <= 200; s += 2) ledger.add(kBoot, s, 0);  // every second one is lost
+  const auto asks = ledger.due(1000 * kMs);
+  CHECK_TRUE(asks.size() <= 8);
+  for (const SequenceRange& range : asks) CHECK_TRUE(range.last - range.first < 512);
+  LONGS_EQUAL(2, asks[0].first);
+}
+
+TEST(EventLedgerOfAHost, ALostSummaryIsAskedForFirst) {
+  EventLedger ledger(true);
+  ledger.status(kBoot, 1, 0);
+  add(ledger, 1, 5, 0);
+  add(ledger, 9, 9, 0);
+  ledger.want_again(kBoot, 9);
+  const auto asks = ledger.due(1000 * kMs);
+  LONGS_EQUAL(2, asks.size());
+  CHECK_TRUE((asks[0] == SequenceRange{kBoot, 9, 9}));
+  ledger.add(kBoot, 9, 1100 * kMs);  // it came again
+  CHECK_TRUE((ledger.due(2000 * kMs)[0] == SequenceRange{kBoot, 6, 8}));
+}
+
+TEST(EventLedgerOfAHost, WhatAnEndedBootMayStillHoldIsAskedForUntilNothingComes) {
+  EventLedger ledger(true);
+  ledger.status(kBoot, 3, 0);
+  add(ledger, 1, 3, 0);
+  ledger.status(kBoot + 1, 0, 100 * kMs);  // killed and started anew; its last events never came
+  CHECK_FALSE(ledger.complete());
+  const auto asks = ledger.due(1000 * kMs);
+  LONGS_EQUAL(1, asks.size());
+  LONGS_EQUAL(kBoot, asks[0].boot_id);
+  LONGS_EQUAL(4, asks[0].first);
+  ledger.add(kBoot, 4, 1100 * kMs);
+  std::int64_t now_ns = 2000 * kMs;
+  int more = 0;
+  while (!ledger.complete() && more < 100) {
+    more += static_cast<int>(ledger.due(now_ns).size());
+    now_ns += 300 * kMs;
+  }
+  LONGS_EQUAL(8, more);  // the answer put the count back to its start
+  LONGS_EQUAL(4, ledger.received());
+}
+
+TEST(EventLedgerOfAHost, AtTwentyPerCentLossEverythingComesInTheEnd) {
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    std::mt19937 generator(seed);
+    std::bernoulli_distribution lost(0.2);
+    EventLedger ledger(true);
+    std::set<std::int64_t> here;
+    const auto send = [&](std::int64_t s, std::int64_t now_ns) {
+      if (!lost(generator) && ledger.add(kBoot, s, now_ns)) here.insert(s);
+    };
+    for (std::int64_t s = 1; s <= 3000; ++s) send(s, s * kMs);
+    ledger.status(kBoot, 3000, 3000 * kMs);
+    std::int64_t now_ns = 3000 * kMs;
+    for (int turn = 0; turn < 200 && !ledger.complete(); ++turn, now_ns += 20 * kMs) {
+      for (const SequenceRange& range : ledger.due(now_ns)) {
+        if (lost(generator)) continue;
+        for (std::int64_t s = range.first; s <= std::min<std::int64_t>(range.last, 3000); ++s)
+          send(s, now_ns);
+      }
+    }
+    LONGS_EQUAL(3000, here.size());
+    LONGS_EQUAL(0, ledger.missing());
+  }
+}

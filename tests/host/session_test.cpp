@@ -1,0 +1,243 @@
+// The session logic on messages in virtual time: waiting, time-outs, duplicates, reordering, joining late.
+#include "host/session/session.hpp"
+
+#include <string>
+
+#include "common/messages/json_conversions.hpp"
+#include "tests/host/synthetic_shot.hpp"
+// CppUTest redefines new; its headers come last.
+#include <CppUTest/TestHarness.h>
+
+namespace {
+
+using namespace strobe;
+using host::Outcome;
+using host::Session;
+using host_test::make_shot;
+using host_test::SyntheticShot;
+using reduction::Flag;
+using strobe_msgs::event_t;
+using strobe_msgs::status_t;
+
+constexpr std::int64_t kSecond = 1'000'000'000;
+
+host::AssemblySettings settings() {
+  host::AssemblySettings s;
+  s.machine_lag_s = host_test::kMachineLag_s;
+  s.analysis.photograph_timeout_s = 5.0;
+  return s;
+}
+
+/// Host and firmware clocks differ by an arbitrary offset.
+struct Bench {
+  Session session;
+  SyntheticShot made = make_shot({});
+  std::int64_t local_ns = 40 * kSecond;
+  std::int64_t end_ns = made.shot.shutter_close_ns;
+
+  explicit Bench(std::int64_t host_id = 0) : session(settings(), host_id) { status(end_ns - kSecond / 2); }
+
+  void status(std::int64_t mono_ns, std::int64_t boot_id = 77) {
+    status_t status{};
+    status.boot_id = boot_id;
+    status.mono_ns = mono_ns;
+    session.on_status(status, local_ns);
+  }
+  void shot() { session.on_shot(made.shot, local_ns); }
+  void frame() { session.on_frame(made.frame, local_ns); }
+  std::vector<Outcome> outcomes() { return session.take_outcomes(); }
+};
+
+event_t ended(std::int32_t shot_id, std::int64_t sequence) {
+  event_t event{};
+  event.boot_id = 77;
+  event.shot_id = shot_id;
+  event.sequence = sequence;
+  event.kind = event_t::SHOT_ENDED;
+  return event;
+}
+
+std::string first_notice(Session& session) {
+  const auto notices = session.take_notices();
+  return notices.empty() ? "" : notices.front();
+}
+
+}  // namespace
+
+TEST_GROUP(SessionOfMessages){};
+
+TEST(SessionOfMessages, ShotAndFrameMakeOneReadout) {
+  Bench bench;
+  bench.shot();
+  CHECK_TRUE(bench.outcomes().empty());
+  LONGS_EQUAL(1, bench.session.waiting_for_photograph());
+  bench.frame();
+  const auto outcomes = bench.outcomes();
+  LONGS_EQUAL(1, outcomes.size());
+  CHECK_FALSE(outcomes[0].spoilt.has_value());
+  LONGS_EQUAL(77, outcomes[0].boot_id);
+  LONGS_EQUAL(5, outcomes[0].host_id);
+  CHECK_TRUE(outcomes[0].readout.value[reduction::Quantity::e].has_value());
+}
+
+TEST(SessionOfMessages, TheFrameMayComeBeforeTheShot) {
+  Bench usual, reversed;
+  usual.shot();
+  usual.frame();
+  reversed.frame();
+  CHECK_TRUE(reversed.outcomes().empty());
+  reversed.shot();
+  STRCMP_EQUAL(messages::readout_to_json(usual.outcomes().at(0).readout).c_str(),
+               messages::readout_to_json(reversed.outcomes().at(0).readout).c_str());
+}
+
+TEST(SessionOfMessages, DuplicatesChangeNothing) {
+  Bench bench;
+  bench.shot();
+  bench.shot();
+  bench.frame();
+  bench.frame();
+  bench.shot();
+  bench.frame();
+  LONGS_EQUAL(1, bench.outcomes().size());
+  CHECK_TRUE(bench.session.take_notices().empty());
+}
+
+TEST(SessionOfMessages, ASecondFrameThatDiffersIsSaidAndDoesNotChangeTheReadout) {
+  Bench bench;
+  bench.shot();
+  bench.frame();
+  bench.made.frame.images[0].centre_x_px += 5;
+  bench.frame();
+  LONGS_EQUAL(1, bench.outcomes().size());
+  STRCMP_CONTAINS("second, different frame of shot 1", first_notice(bench.session).c_str());
+}
+
+TEST(SessionOfMessages, AFrameThatDoesNotKnowItsFirmwareGoesToTheNewestShotOfItsNumber) {
+  Bench bench;
+  bench.shot();
+  SyntheticShot other = bench.made;
+  other.shot.boot_id = 78;
+  other.shot.start_ns += kSecond;
+  bench.session.on_shot(other.shot, bench.local_ns);
+  bench.made.frame.boot_id = 0;
+  bench.frame();
+  LONGS_EQUAL(78, bench.outcomes().at(0).boot_id);
+}
+
+TEST(SessionOfMessages, TheWaitForThePhotographEndsByTheFirmwaresClock) {
+  Bench bench;
+  bench.shot();
+  bench.local_ns += 100 * kSecond;  // whatever the host's own clock says, while the firmware is heard
+  bench.status(bench.end_ns + 5 * kSecond);
+  bench.session.on_time(bench.local_ns);
+  CHECK_TRUE(bench.outcomes().empty());
+  bench.status(bench.end_ns + 5 * kSecond + 1);
+  const auto outcomes = bench.outcomes();
+  LONGS_EQUAL(1, outcomes.size());
+  CHECK_TRUE(outcomes[0].readout.flags.has(Flag::no_photograph));
+  CHECK_FALSE(outcomes[0].readout.value[reduction::Quantity::e].has_value());
+  CHECK_TRUE(outcomes[0].spoilt.has_value());
+}
+
+TEST(SessionOfMessages, ASilentFirmwareDoesNotMakeItWaitForEver) {
+  Bench bench;
+  bench.shot();
+  bench.session.on_time(bench.local_ns + 7 * kSecond);
+  CHECK_TRUE(bench.outcomes().empty());  // 5 s and what a lost status or two may take
+  bench.session.on_time(bench.local_ns + 8 * kSecond);
+  LONGS_EQUAL(1, bench.outcomes().size());
+}
+
+TEST(SessionOfMessages, ALatePhotographIsSaidAndTheReadoutStands) {
+  Bench bench;
+  bench.shot();
+  bench.status(bench.end_ns + 6 * kSecond);
+  LONGS_EQUAL(1, bench.outcomes().size());
+  bench.frame();
+  CHECK_TRUE(bench.outcomes().empty());
+  STRCMP_CONTAINS("photograph of shot 1 came too late", first_notice(bench.session).c_str());
+}
+
+TEST(SessionOfMessages, AShotAbortedBeforeTheTriggerIsDoneAtOnce) {
+  Bench bench;
+  bench.made.shot.aborted = true;
+  bench.made.shot.abort_reason = "key off";
+  bench.made.shot.trigger_ns = strobe_msgs::shot_t::NO_TIME;
+  bench.shot();
+  const auto outcomes = bench.outcomes();
+  LONGS_EQUAL(1, outcomes.size());
+  CHECK_TRUE(outcomes[0].readout.flags.has(Flag::shot_aborted));
+  STRCMP_CONTAINS("key off", outcomes[0].problem.c_str());
+  bench.frame();  // of an empty plate; nothing to say of it
+  CHECK_TRUE(bench.session.take_notices().empty());
+}
+
+TEST(SessionOfMessages, AShotAbortedAfterTheBallWaitsForItsPhotograph) {
+  Bench bench;
+  bench.made.shot.aborted = true;
+  bench.shot();
+  CHECK_TRUE(bench.outcomes().empty());
+  bench.frame();
+  const auto outcomes = bench.outcomes();
+  CHECK_TRUE(outcomes[0].readout.flags.has(Flag::shot_aborted));
+  CHECK_TRUE(outcomes[0].readout.value[reduction::Quantity::e].has_value());
+  CHECK_TRUE(outcomes[0].spoilt.has_value());
+}
+
+TEST(SessionOfMessages, ADryShotIsDoneWithoutAPhotograph) {
+  Bench bench;
+  bench.made.shot.plan.dry = true;
+  bench.shot();
+  const auto outcomes = bench.outcomes();
+  LONGS_EQUAL(1, outcomes.size());
+  CHECK_TRUE(outcomes[0].dry);
+  CHECK_FALSE(outcomes[0].spoilt.has_value());
+  LONGS_EQUAL(166, *outcomes[0].train.seen_by_a);
+}
+
+TEST(SessionOfMessages, AShotThatWasOverLongAgoIsNotWaitedForByAPassiveHost) {
+  Bench bench;
+  bench.status(bench.end_ns + 60 * kSecond);
+  bench.shot();
+  LONGS_EQUAL(0, bench.session.waiting_for_photograph());
+  CHECK_TRUE(bench.outcomes().empty());
+  STRCMP_CONTAINS("before this session was joined", first_notice(bench.session).c_str());
+}
+
+TEST(SessionOfMessages, TheHostThatFiredItGetsAReadoutHoweverLateTheShotIsHeardOf) {
+  Bench bench(5);
+  bench.status(bench.end_ns + 60 * kSecond);
+  bench.shot();
+  bench.status(bench.end_ns + 61 * kSecond);
+  LONGS_EQUAL(1, bench.outcomes().size());
+}
+
+TEST(SessionOfMessages, TheSummaryOfAShotThatEndedIsAskedForWhenItIsLost) {
+  Bench bench(5);
+  for (std::int64_t s = 1; s < 9; ++s) {
+    event_t event = ended(0, s);
+    event.kind = event_t::FLASH;
+    bench.session.on_event(event, bench.local_ns);
+  }
+  bench.session.on_event(ended(1, 9), bench.local_ns);
+  bench.session.on_time(bench.local_ns + kSecond / 10);
+  CHECK_TRUE(bench.session.ledger().due(bench.local_ns + kSecond / 5).empty());
+  bench.session.on_time(bench.local_ns + kSecond);
+  const auto asks = bench.session.ledger().due(bench.local_ns + kSecond);
+  LONGS_EQUAL(1, asks.size());
+  LONGS_EQUAL(9, asks[0].first);
+}
+
+TEST(SessionOfMessages, AnotherBootIsSaid) {
+  Bench bench;
+  bench.status(bench.end_ns, 78);
+  STRCMP_CONTAINS("started anew", first_notice(bench.session).c_str());
+}
+
+TEST(SessionOfMessages, AtTheEndOfALogWaitingShotsEndWithoutAPhotograph) {
+  Bench bench;
+  bench.shot();
+  bench.session.on_end();
+  CHECK_TRUE(bench.outcomes().at(0).readout.flags.has(Flag::no_photograph));
+}
