@@ -41,6 +41,10 @@ class EventFd {
   int fd_;
 };
 
+std::string no_lcm(const std::string& url) {
+  return "LCM cannot use \"" + url + "\": is there a multicast route? (ip route add 224.0.0.0/4 dev lo)";
+}
+
 std::string joined(const std::vector<std::string>& faults) {
   std::string all;
   for (const std::string& fault : faults) all += (all.empty() ? "" : "; ") + fault;
@@ -71,6 +75,13 @@ class LoopThread {
       : sequencer_(sequencer), page_(page), wake_(wake) {
     thread_ = std::thread([this, wanted] { run(wanted); });
   }
+  /// Never started: ends without having touched an output.
+  ~LoopThread() {
+    if (!thread_.joinable()) return;
+    go_.set_value(Words());
+    thread_.join();
+  }
+  /// What could not be had of the thread's real-time rights.
   std::vector<std::string> set_up() { return set_up_.get_future().get(); }
   void start(const Words& detail) { go_.set_value(detail); }
   void stop() {
@@ -118,21 +129,15 @@ int run_worker(const Rig& rig, const Options& options, WorkerPage& page) {
   auto lines = GpioLines::open(rig, loop_wake);
   if (!lines) return give_up(lines.error().message);
   page.lines_taken = true;
-  // From here on every return leaves the lines inactive: nothing but the loop, not yet started, sets them.
+  // Taken inactive; only the loop sets them, so until it starts there is nothing for the guardian to do.
+  const auto give_up_safely = [&page](const std::string& why) {
+    page.outputs_safe = true;
+    return give_up(why);
+  };
 
   lcm::LCM lcm(options.lcm_url);
-  if (!lcm.good()) {
-    page.outputs_safe = true;
-    return give_up("LCM cannot use \"" + options.lcm_url +
-                   "\": is there a multicast route? (ip route add 224.0.0.0/4 dev lo)");
-  }
+  if (!lcm.good()) return give_up_safely(no_lcm(options.lcm_url));
   const std::int64_t boot_id = random_id();
-  auto journal = Journal::create(options.session, boot_id);
-  if (!journal) {
-    page.outputs_safe = true;
-    return give_up(journal.error().message);
-  }
-
   MonotonicClock clock;
   LoopQueue queue(rig, publisher_wake);
   CommandQueue commands(loop_wake);
@@ -145,27 +150,29 @@ int run_worker(const Rig& rig, const Options& options, WorkerPage& page) {
   LoopThread loop(sequencer, rig.real_time, page, loop_wake);
   for (std::string& fault : loop.set_up()) faults.push_back(std::move(fault));
   if (!faults.empty() && !options.allow_no_rt) {
-    loop.start(Words());
-    loop.stop();
-    page.outputs_safe = true;
-    return give_up("no real-time rights: " + joined(faults) +
-                   "; or start with --allow-no-rt and worse timing");
+    return give_up_safely("no real-time rights: " + joined(faults) +
+                          "; or start with --allow-no-rt and worse timing");
   }
-  const bool real_time = faults.empty() && latency.fault().empty();
   if (!latency.fault().empty()) faults.push_back(latency.fault());
   for (const std::string& fault : faults) std::fprintf(stderr, "strobed: warning: %s\n", fault.c_str());
 
-  PublisherSettings settings{boot_id,         options.session, real_time,
-                             options.verbose, nullptr,         options.throw_at_shot};
-  settings.on_first_status = [&] {
+  auto journal = Journal::create(options.session, boot_id);
+  if (!journal) return give_up_safely(journal.error().message);
+  PublisherSettings settings;
+  settings.boot_id = boot_id;
+  settings.session = options.session;
+  settings.real_time = faults.empty();
+  settings.verbose = options.verbose;
+  settings.throw_at_shot = options.throw_at_shot;
+  settings.on_first_status = [&rig, boot_id] {
     std::fprintf(stderr, "strobed: ready, rig %s, boot %016llx\n", rig.name.c_str(),
                  static_cast<unsigned long long>(boot_id));
   };
   Publisher publisher(rig, settings, queue, mailbox, *journal, lcm, clock, publisher_wake);
   Receiver receiver(rig, boot_id, lcm, commands, mailbox);
-  Words detail("strobed " STROBE_VERSION);
-  detail.append(real_time ? ", real time" : ", without all real-time rights");
-  loop.start(detail);
+  loop.start(Words("strobed " STROBE_VERSION)
+                 .append(settings.real_time ? ", real time" : ", without all real-time rights"));
+  // noexcept: an exception ends the process here and now, and the guardian makes the outputs safe.
   std::jthread publishing([&](const std::stop_token& stop) noexcept { publisher.run(stop); });
   std::jthread receiving([&](const std::stop_token& stop) noexcept { receiver.run(stop); });
 

@@ -11,9 +11,9 @@ GuardedOutputs::GuardedOutputs(const Rig& rig, Clock& clock, OutputLines& lines)
   pulses_[index_of(Output::shutter)].longest = rig.shutter.max_open;
 }
 
-Issue GuardedOutputs::activate(Output output, MonoTime commanded, Duration width) noexcept {
+Issue GuardedOutputs::activate(Output output, MonoTime commanded, Duration width, MonoTime now) noexcept {
   Pulse& pulse = pulses_[index_of(output)];
-  Issue issue{commanded, clock_.now(), {}, false};
+  Issue issue{commanded, now, {}, false};
   issue.done = lines_.set(output, true);
   issue.end = clock_.now();
   // Even a failed call may have driven the line: it is switched off like any other.
@@ -23,9 +23,9 @@ Issue GuardedOutputs::activate(Output output, MonoTime commanded, Duration width
   return issue;
 }
 
-Issue GuardedOutputs::deactivate(Output output) noexcept {
+Issue GuardedOutputs::deactivate(Output output, MonoTime now) noexcept {
   Pulse& pulse = pulses_[index_of(output)];
-  Issue issue{pulse.off_at, clock_.now(), {}, false};
+  Issue issue{pulse.off_at, now, {}, false};
   issue.done = lines_.set(output, false);
   issue.end = clock_.now();
   if (!issue.done) broken_ = true;
@@ -36,7 +36,7 @@ Issue GuardedOutputs::deactivate(Output output) noexcept {
 
 bool GuardedOutputs::all_off() noexcept {
   bool done = true;
-  for (const Output output : kOutputs) done = deactivate(output).done && done;
+  for (const Output output : kOutputs) done = deactivate(output, clock_.now()).done && done;
   return done;
 }
 

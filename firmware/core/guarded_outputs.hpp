@@ -25,8 +25,9 @@ class GuardedOutputs {
  public:
   GuardedOutputs(const Rig& rig, Clock& clock, OutputLines& lines);
 
-  Issue activate(Output output, MonoTime commanded, Duration width) noexcept;
-  Issue deactivate(Output output) noexcept;
+  /// now: the clock's last reading, so that none comes between it and the call.
+  Issue activate(Output output, MonoTime commanded, Duration width, MonoTime now) noexcept;
+  Issue deactivate(Output output, MonoTime now) noexcept;
   /// Everything inactive now, the machine first. False: a call failed, the lines are not known to be safe.
   bool all_off() noexcept;
 

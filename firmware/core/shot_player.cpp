@@ -91,7 +91,7 @@ void ShotPlayer::run_due() noexcept {
 
 void ShotPlayer::issue_next(MonoTime due, MonoTime now) noexcept {
   if (outputs_.next_off() <= due) {
-    switch_off(outputs_.next_off_output());
+    switch_off(outputs_.next_off_output(), now);
   } else {
     issue(plan_.pulses[next_pulse_++], now);
   }
@@ -115,7 +115,7 @@ void ShotPlayer::issue(const PlannedPulse& pulse, MonoTime now) noexcept {
       trigger(pulse);
       break;
     case Output::shutter:
-      shutter(pulse);
+      shutter(pulse, now);
       break;
   }
 }
@@ -136,7 +136,7 @@ bool ShotPlayer::lamps_recharged(const PlannedPulse& pulse, MonoTime now) noexce
 
 void ShotPlayer::flash(const PlannedPulse& pulse, MonoTime now) noexcept {
   if (!lamps_recharged(pulse, now)) return;
-  const Issue issue = outputs_.activate(Output::strobes, at(pulse.at), pulse.width);
+  const Issue issue = outputs_.activate(Output::strobes, at(pulse.at), pulse.width, now);
   last_flash_ = issue.start;
   book_.issued(pulse.flash_index, issue.start, issue.end);
   report(EventKind::flash, Line::none, 1, issue, pulse.flash_index);
@@ -150,23 +150,23 @@ void ShotPlayer::trigger(const PlannedPulse& pulse) noexcept {
   if (!*key) return abort("the key is off");
   if (*estop) return abort("the e-stop is pressed");
   if (!interlock_.release_trigger()) return abort("the interlock withheld the trigger");
-  const Issue issue = outputs_.activate(Output::trigger, at(pulse.at), pulse.width);
+  const Issue issue = outputs_.activate(Output::trigger, at(pulse.at), pulse.width, clock_.now());
   record_->trigger = issue.end;
   gate_counts_from_ = issue.end;
   report(EventKind::trigger, Line::trigger, 1, issue);
   if (!issue.done) abort("the trigger's line could not be set");
 }
 
-void ShotPlayer::shutter(const PlannedPulse& pulse) noexcept {
-  const Issue issue = outputs_.activate(Output::shutter, at(pulse.at), pulse.width);
+void ShotPlayer::shutter(const PlannedPulse& pulse, MonoTime now) noexcept {
+  const Issue issue = outputs_.activate(Output::shutter, at(pulse.at), pulse.width, now);
   record_->shutter_open = issue.end + rig_.shutter.lag;
   if (record_->plan.dry) gate_counts_from_ = issue.end;  // a hand in the gate stands in for the ball
   report(EventKind::shutter, Line::shutter, 1, issue);
   if (!issue.done) abort("the shutter's line could not be set");
 }
 
-void ShotPlayer::switch_off(Output output) noexcept {
-  const Issue issue = outputs_.deactivate(output);
+void ShotPlayer::switch_off(Output output, MonoTime now) noexcept {
+  const Issue issue = outputs_.deactivate(output, now);
   if (output == Output::shutter) {
     record_->shutter_close = issue.end + rig_.shutter.lag;
     report(EventKind::shutter, Line::shutter, 0, issue);

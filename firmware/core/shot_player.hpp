@@ -42,8 +42,8 @@ class ShotPlayer {
   void issue(const PlannedPulse& pulse, MonoTime now) noexcept;
   void flash(const PlannedPulse& pulse, MonoTime now) noexcept;
   void trigger(const PlannedPulse& pulse) noexcept;
-  void shutter(const PlannedPulse& pulse) noexcept;
-  void switch_off(Output output) noexcept;
+  void shutter(const PlannedPulse& pulse, MonoTime now) noexcept;
+  void switch_off(Output output, MonoTime now) noexcept;
   void gate(MonoTime stamp) noexcept;
   bool lamps_recharged(const PlannedPulse& pulse, MonoTime now) noexcept;
   bool awaits_gate() const noexcept { return plan_.gated && !record_->gate.known(); }
