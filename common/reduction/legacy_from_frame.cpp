@@ -71,7 +71,7 @@ Result<Readout> reduce_legacy(const Frame& frame) {
   legacy.surface = {surface[0], surface[1], surface[surface.size() - 2], surface.back()};
   legacy.period_s = median_interval(frame);
   const double gap = frame.images[rebound.front()].time_s - frame.images[incoming.back()].time_s;
-  legacy.contact_count = static_cast<int>(std::lround(std::min(gap / legacy.period_s, 1e6))) - 1;
+  legacy.contact_count = static_cast<int>(std::lround(std::clamp(gap / legacy.period_s, -1e6, 1e6))) - 1;
   if (legacy.contact_count < 0) {  // the legs are labelled in the wrong order
     absent.flags.set(Flag::degenerate_geometry);
     return absent;

@@ -13,6 +13,8 @@ namespace {
 constexpr double kCostLimit = 16.0;
 /// Spins whose chi squared differs by less than 3 sd cannot be told apart.
 constexpr double kComparable = 9.0;
+/// Half turns tried between two readings far apart; more would be beyond any flash train.
+constexpr int kMostBranches = 1000;
 /// Share of the window's width next to its limit where a turn more is as believable as the spin itself.
 constexpr double kNearLimit = 0.05;
 
@@ -105,7 +107,9 @@ std::vector<Proposal> propose(const std::vector<EquatorReading>& readings, doubl
     const double interval = readings[i + 1].time_s - readings[i].time_s;
     const double base = wrap_half_turn(readings[i + 1].angle_rad - readings[i].angle_rad) / interval;
     const double branch = kPi / interval;
-    const int most = static_cast<int>(std::ceil(std::min((limit + std::abs(base)) / branch, 1000.0)));
+    if (!std::isfinite(base)) continue;
+    const double branches = std::ceil((limit + std::abs(base)) / branch);
+    const int most = branches < kMostBranches ? static_cast<int>(branches) : kMostBranches;
     for (int k = -most; k <= most; ++k) {
       const double omega = base + k * branch;
       if (std::abs(omega) > limit * (1.0 + 1e-12)) continue;
