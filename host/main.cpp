@@ -1,5 +1,7 @@
 // strobe: the host's commands.
 #include <CLI/CLI.hpp>
+#include <cmath>
+#include <cstdlib>
 #include <exception>
 #include <string>
 
@@ -10,6 +12,28 @@ namespace {
 std::string one_line(const CLI::ParseError& error) {
   const std::string what = error.what();
   return what.empty() ? error.get_name() : what;
+}
+
+/// NaN and infinity are spelled like numbers, but no option means them.
+std::string finite(const std::string& text) {
+  return std::isfinite(std::strtod(text.c_str(), nullptr)) ? std::string() : text + " is not a finite number";
+}
+
+void demand_finite_numbers(CLI::App& app) {
+  for (CLI::App* command : app.get_subcommands({})) {
+    for (CLI::Option* option : command->get_options()) {
+      if (option->get_type_name().rfind("FLOAT", 0) == 0) option->check(finite);
+    }
+  }
+}
+
+/// The library says only that a command is missing when it is misspelt.
+std::string unknown_command(CLI::App& app, int argc, char** argv) {
+  if (argc < 2 || argv[1][0] == '-') return {};
+  for (const CLI::App* command : app.get_subcommands({})) {
+    if (command->check_name(argv[1])) return {};
+  }
+  return std::string("no command \"") + argv[1] + "\"";
 }
 
 int run(int argc, char** argv) {
@@ -26,12 +50,15 @@ int run(int argc, char** argv) {
   strobe::host::add_reduce_command(app, exit_status);
   strobe::host::add_contact_command(app, exit_status);
   strobe::host::add_predict_command(app, exit_status);
+  demand_finite_numbers(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::CallForHelp& help) {
     return app.exit(help);
   } catch (const CLI::ParseError& error) {
-    return strobe::host::bad_input(one_line(error) + " (strobe --help lists commands and options)");
+    const std::string unknown = unknown_command(app, argc, argv);
+    return strobe::host::bad_input((unknown.empty() ? one_line(error) : unknown) +
+                                   " (strobe --help lists commands and options)");
   }
   return exit_status;
 }

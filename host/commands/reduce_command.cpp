@@ -75,7 +75,8 @@ class Reducer {
 
   int conclude() const {
     if (!json_ && series_.shots() > 1) print(render_series(series_, std::nullopt, kPlainWidth));
-    return bad_ > 0 ? kFailed : kDone;
+    if (bad_ == 0) return kDone;
+    return series_.shots() > 0 ? kFailed : kBadInput;
   }
 
  private:
@@ -164,7 +165,9 @@ void add_reduce_command(CLI::App& app, int& exit_status) {
                     "one JSON object per readout on standard output, nothing else there");
   command->footer(
       "Example: strobe reduce frames.jsonl --estimator best --json\n"
-      "Bad lines are named on standard error and make the exit status 1; the others are reduced.");
+      "Bad lines are named on standard error and make the exit status 1; the others are reduced. Without "
+      "any\n"
+      "good line it is 2.");
   command->callback([options, &exit_status] { exit_status = run_reduce(*options); });
 }
 

@@ -135,12 +135,12 @@ TEST(CommandLine, WrongFramesAreNamedWithTheirLine) {
       complaints(
           {
               {"no such file", reduce(folder / "none.jsonl"), 2, "none.jsonl"},
-              {"letters in a number", reduce(file("letters.jsonl", replaced(good, "0.003", "0.0O3"))), 1,
+              {"letters in a number", reduce(file("letters.jsonl", replaced(good, "0.003", "0.0O3"))), 2,
                "letters.jsonl:1"},
               {"NaN", reduce(file("nan.jsonl", good + replaced(good, "0.003", "NaN"))), 1, "nan.jsonl:2"},
               {"cut in the middle", reduce(file("cut.jsonl", good + good.substr(0, good.size() / 2))), 1,
                "cut.jsonl:2"},
-              {"no images", reduce(file("none_key.jsonl", "{\"shot_id\":1}\n")), 1, "none_key.jsonl:1"},
+              {"no images", reduce(file("none_key.jsonl", "{\"shot_id\":1}\n")), 2, "none_key.jsonl:1"},
               {"unknown estimator",
                with_strobe({"reduce", file("good.jsonl", good), "--format", "frame", "--estimator", "guess"}),
                2, "guess"},
@@ -161,10 +161,10 @@ TEST(CommandLine, LegacyFilesCutOrWithLettersAreNamedWithTheirLine) {
   STRCMP_EQUAL(
       "",
       complaints({
-                     {"cut in the middle", reduce(file("cut.dat", start)), 1, "cut.dat"},
+                     {"cut in the middle", reduce(file("cut.dat", start)), 2, "cut.dat"},
                      {"letters in a number",
-                      reduce(file("letters.dat", replaced(start, "900 100", "9OO 100"))), 1, "letters.dat:5"},
-                     {"not a number", reduce(file("nan.dat", replaced(start, "900 100", "nan 100"))), 1,
+                      reduce(file("letters.dat", replaced(start, "900 100", "9OO 100"))), 2, "letters.dat:5"},
+                     {"not a number", reduce(file("nan.dat", replaced(start, "900 100", "nan 100"))), 2,
                       "nan.dat:5"},
                      {"no period", reduce(file("period.dat", "period\n")), 2, "period.dat:1"},
                      {"empty", reduce(file("empty.dat", "")), 2, "empty.dat"},
