@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "common/messages/channels.hpp"
+#include "host/session/counts.hpp"
 
 namespace strobe::host {
 namespace {
@@ -40,8 +41,10 @@ void Intake::receive(std::string_view channel, const void* data, std::size_t siz
     } else if (channel == status_) {
       take(strobe_msgs::status_t{}, &MessageSink::status);
     } else if (channel == shot_) {
+      if (!shot_counts_plausible(data, size)) return void(++undecodable_);
       take(strobe_msgs::shot_t{}, &MessageSink::shot);
     } else if (channel == frame_) {
+      if (!frame_counts_plausible(data, size)) return void(++undecodable_);
       take(strobe_msgs::frame_t{}, &MessageSink::frame);
     }
   } catch (const std::exception& error) {

@@ -1,0 +1,78 @@
+#include "host/session/counts.hpp"
+
+#include <cstdint>
+
+namespace strobe::host {
+namespace {
+
+// Sizes of encoded fields, in the order of the .lcm files.
+constexpr std::size_t kFingerprint = 8, kInt8 = 1, kInt32 = 4, kInt64 = 8, kDouble = 8;
+constexpr std::size_t kPoint = 2 * kDouble;
+constexpr std::size_t kBallImage = kInt8 + 6 * kDouble;
+constexpr std::size_t kFlash = kInt32 + 5 * kInt64 + kInt32;
+constexpr std::size_t kShortestNote = 2 * (kInt32 + 1);  // two empty strings with their ends
+constexpr std::size_t kPlan = kInt8 + kInt64 + kInt32 + 3 * kInt64 + kInt8;
+
+/// Walks over an encoded message; once past its end it stays failed.
+class Walk {
+ public:
+  Walk(const void* data, std::size_t size) : at_(static_cast<const unsigned char*>(data)), left_(size) {}
+
+  void skip(std::size_t bytes) {
+    if (bytes > left_) good_ = false;
+    if (!good_) return;
+    at_ += bytes;
+    left_ -= bytes;
+  }
+  void skip_string() { skip(number()); }
+  /// A count of elements of that size, all of which must be there.
+  void count(std::size_t element, bool skip_them) {
+    const std::size_t elements = number();
+    if (good_ && elements > left_ / element) good_ = false;
+    if (good_ && skip_them) skip(elements * element);
+  }
+  bool good() const { return good_; }
+
+ private:
+  /// A big-endian int32 that must not be negative.
+  std::size_t number() {
+    if (left_ < kInt32) good_ = false;
+    if (!good_) return 0;
+    const std::uint32_t value =
+        std::uint32_t{at_[0]} << 24 | std::uint32_t{at_[1]} << 16 | std::uint32_t{at_[2]} << 8 | at_[3];
+    skip(kInt32);
+    if (value > 0x7FFFFFFF) good_ = false;
+    return value;
+  }
+
+  const unsigned char* at_;
+  std::size_t left_;
+  bool good_ = true;
+};
+
+}  // namespace
+
+bool frame_counts_plausible(const void* data, std::size_t size) {
+  Walk walk(data, size);
+  walk.skip(kFingerprint + kInt32 + kInt64 + kInt32);  // schema, boot, shot
+  walk.skip_string();                                  // source
+  walk.skip_string();                                  // photograph
+  walk.skip(6 * kDouble);
+  walk.count(kPoint, true);
+  walk.count(kBallImage, true);
+  return walk.good();
+}
+
+bool shot_counts_plausible(const void* data, std::size_t size) {
+  Walk walk(data, size);
+  walk.skip(kFingerprint + kInt32 + kInt64 + kInt32 + 3 * kInt64);  // schema, boot, shot, host, sequences
+  walk.skip(kPlan);
+  walk.skip(5 * kInt64 + kDouble + 2 * kInt8 + kDouble);  // instants, lamp delay, sensors, tolerance
+  walk.skip(2 * kInt64 + kInt8);                          // overflows, aborted
+  walk.skip_string();                                     // reason
+  walk.count(kFlash, true);
+  walk.count(kShortestNote, false);
+  return walk.good();
+}
+
+}  // namespace strobe::host

@@ -1,0 +1,15 @@
+// Whether the counts in an encoded message can be true. The generated decoders make room for as many elements
+// as a message claims before they look for them: 250 million images would take 16 GB. Pure functions;
+// thread-safe.
+#pragma once
+
+#include <cstddef>
+
+namespace strobe::host {
+
+/// False if a count is negative or claims more elements than the bytes behind it can hold. What else may be
+/// wrong is the decoder's to find.
+bool frame_counts_plausible(const void* data, std::size_t size);
+bool shot_counts_plausible(const void* data, std::size_t size);
+
+}  // namespace strobe::host

@@ -1,0 +1,116 @@
+// Bytes from the network: whatever they are, nothing is thrown and nothing but this rig's messages gets
+// through.
+#include "host/session/intake.hpp"
+
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tests/host/synthetic_shot.hpp"
+// CppUTest redefines new; its headers come last.
+#include <CppUTest/TestHarness.h>
+
+namespace {
+
+using strobe::host::Intake;
+using strobe::host::MessageSink;
+
+struct CountingSink : MessageSink {
+  int statuses = 0, events = 0, shots = 0, frames = 0;
+  std::int64_t last_ns = 0;
+  bool throws = false;
+
+  void status(const strobe_msgs::status_t&, std::int64_t now_ns) override {
+    ++statuses;
+    last_ns = now_ns;
+    if (throws) throw std::runtime_error("the disk is full");
+  }
+  void event(const strobe_msgs::event_t&, std::int64_t) override { ++events; }
+  void shot(const strobe_msgs::shot_t&, std::int64_t) override { ++shots; }
+  void frame(const strobe_msgs::frame_t&, std::int64_t) override { ++frames; }
+};
+
+template <typename Message>
+std::vector<char> bytes_of(const Message& message) {
+  std::vector<char> bytes(static_cast<std::size_t>(message.getEncodedSize()));
+  message.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+  return bytes;
+}
+
+strobe_msgs::status_t status() {
+  strobe_msgs::status_t message{};
+  message.schema_version = strobe_msgs::status_t::SCHEMA_VERSION;
+  return message;
+}
+
+}  // namespace
+
+TEST_GROUP(IntakeOfMessages) {
+  CountingSink sink;
+  Intake intake{"bench", sink};
+
+  void give(const std::string& channel, const std::vector<char>& bytes) {
+    intake.receive(channel, bytes.data(), bytes.size(), 42);
+  }
+};
+
+TEST(IntakeOfMessages, EachChannelHasItsType) {
+  const auto made = strobe::host_test::make_shot({});
+  give("STROBE/bench/STATUS", bytes_of(status()));
+  give("STROBE/bench/SHOT", bytes_of(made.shot));
+  give("STROBE/bench/FRAME", bytes_of(made.frame));
+  LONGS_EQUAL(1, sink.statuses);
+  LONGS_EQUAL(1, sink.shots);
+  LONGS_EQUAL(1, sink.frames);
+  LONGS_EQUAL(42, sink.last_ns);
+  LONGS_EQUAL(0, intake.undecodable());
+}
+
+TEST(IntakeOfMessages, OtherRigsAndTypesAreLeft) {
+  give("STROBE/other/STATUS", bytes_of(status()));
+  give("STROBE/bench/READOUT", bytes_of(status()));
+  LONGS_EQUAL(0, sink.statuses);
+  give("STROBE/bench/SHOT", bytes_of(status()));
+  LONGS_EQUAL(0, sink.shots);
+  LONGS_EQUAL(1, intake.undecodable());
+  auto future = status();
+  future.schema_version = 99;
+  give("STROBE/bench/STATUS", bytes_of(future));
+  LONGS_EQUAL(0, sink.statuses);
+}
+
+TEST(IntakeOfMessages, WhatTheSinkThrowsEndsHere) {
+  sink.throws = true;
+  give("STROBE/bench/STATUS", bytes_of(status()));
+  STRCMP_EQUAL("the disk is full", intake.fault().c_str());
+}
+
+TEST(IntakeOfMessages, CutBytesAreNoMessage) {
+  const auto made = strobe::host_test::make_shot({});
+  for (const auto& [channel, whole] : {std::pair{"STROBE/bench/FRAME", bytes_of(made.frame)},
+                                       std::pair{"STROBE/bench/SHOT", bytes_of(made.shot)}}) {
+    for (std::size_t length = 0; length < whole.size(); ++length) {
+      give(channel, {whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(length)});
+    }
+  }
+  LONGS_EQUAL(0, sink.frames + sink.shots);
+}
+
+TEST(IntakeOfMessages, ACountThatTheBytesCannotHoldIsRefusedBeforeRoomIsMadeForIt) {
+  const auto made = strobe::host_test::make_shot({});
+  int refused = 0;
+  for (const auto& [channel, whole] : {std::pair{"STROBE/bench/FRAME", bytes_of(made.frame)},
+                                       std::pair{"STROBE/bench/SHOT", bytes_of(made.shot)}}) {
+    // Wherever a count is, it is claimed to be 1.9e9 (its first byte 0x70) and -1.9e9.
+    for (std::size_t at = 8; at < whole.size(); ++at) {
+      for (const char byte : {'\x70', '\x90'}) {
+        auto changed = whole;
+        changed[at] = byte;
+        give(channel, changed);
+      }
+    }
+    refused += static_cast<int>(intake.undecodable());
+  }
+  CHECK_TRUE(refused > 0);
+}

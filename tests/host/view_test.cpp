@@ -1,0 +1,231 @@
+// What a person reads: numbers with their uncertainties, what is missing, the series.
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "host/session/verdict.hpp"
+#include "host/view/render.hpp"
+#include "host/view/text.hpp"
+// CppUTest redefines new; its headers come last.
+#include <CppUTest/TestHarness.h>
+
+namespace {
+
+using namespace strobe;
+using host::Model;
+using host::Outcome;
+using host::render;
+using reduction::Flag;
+using reduction::Quantity;
+
+std::string joined(const std::vector<std::string>& lines) {
+  std::string text;
+  for (const std::string& line : lines) text += line + "\n";
+  return text;
+}
+
+/// The line that starts with the words, with runs of spaces as one.
+std::string row(const std::vector<std::string>& lines, const std::string& words) {
+  for (const std::string& line : lines) {
+    if (line.rfind(words, 0) != 0) continue;
+    std::string text;
+    for (const char c : line) {
+      if (c != ' ' || (!text.empty() && text.back() != ' ')) text += c;
+    }
+    return text;
+  }
+  return "";
+}
+
+Outcome example(int id = 4, double vx = 15.6234) {
+  Outcome outcome;
+  outcome.shot_id = id;
+  outcome.readout.shot_id = id;
+  outcome.readout.value[Quantity::vx_td_mps] = vx;
+  outcome.readout.sd[Quantity::vx_td_mps] = 0.0367;
+  outcome.readout.sd_systematic[Quantity::vx_td_mps] = 0.189;
+  outcome.readout.value[Quantity::e] = 0.8359;
+  outcome.readout.sd[Quantity::e] = 0.0024;
+  outcome.readout.regime = reduction::Regime::grips;
+  return outcome;
+}
+
+strobe_msgs::status_t idle() {
+  strobe_msgs::status_t status{};
+  status.state = strobe_msgs::status_t::IDLE;
+  status.key_active = true;
+  status.real_time = true;
+  status.lateness_p50_us = 0.0123;
+  status.lateness_p99_us = 0.5;
+  status.lateness_p999_us = 2;
+  status.lateness_max_us = std::numeric_limits<double>::quiet_NaN();
+  status.edges_issued = 166;
+  return status;
+}
+
+Model model() {
+  Model m;
+  m.title = "strobe live   rig bench";
+  m.status = idle();
+  m.last = example();
+  m.series.add(m.last->readout);
+  return m;
+}
+
+}  // namespace
+
+TEST_GROUP(ScreenLines){};
+
+TEST(ScreenLines, ShowTheShotWithBothUncertaintiesBesideTheSeries) {
+  Model m = model();
+  m.series.add(example(5, 15.7).readout);
+  const auto lines = render(m, 120);
+  STRCMP_CONTAINS("shot 4 grips series of 2 shots", row(lines, "shot 4").c_str());
+  // Mean of 15.6234 and 15.7 is 15.6617, population sd 0.0383, 0.2 %.
+  STRCMP_EQUAL("vx touchdown 15.623 ± 0.037 ± 0.189 m/s 15.662 ± 0.038 0.2 % 2",
+               row(lines, "vx touchdown").c_str());
+  STRCMP_CONTAINS("0.8359 ± 0.0024", row(lines, "restitution e").c_str());
+  STRCMP_EQUAL("impulse ratio mu - -", row(lines, "impulse ratio mu").c_str());
+}
+
+TEST(ScreenLines, SayWhatTheFirmwareIsDoing) {
+  const auto lines = render(model(), 160);
+  STRCMP_CONTAINS("firmware idle key on e-stop released real time yes", row(lines, "firmware").c_str());
+  STRCMP_CONTAINS("p50 0.01 p99 0.50 p99.9 2.00 max - us of 166 edges", row(lines, "lateness").c_str());
+  Model m = model();
+  m.status->state = strobe_msgs::status_t::ARMED;
+  m.status->mono_ns = 100;
+  m.status->arm_expires_ns = 100 + 21'400'000'000;
+  STRCMP_CONTAINS("ARMED, for 21 s more", row(render(m, 120), "firmware").c_str());
+  m.status->estop_active = true;
+  m.status->key_active = false;
+  STRCMP_CONTAINS("key OFF e-stop PRESSED", row(render(m, 120), "firmware").c_str());
+}
+
+TEST(ScreenLines, SayWhatIsMissing) {
+  Model m = model();
+  STRCMP_EQUAL("", row(render(m, 120), "MISSING").c_str());
+  m.status->message = "the key is off";
+  STRCMP_EQUAL("MISSING: the key is off", row(render(m, 120), "MISSING").c_str());
+  m.lacking = "another host has armed the rig";
+  STRCMP_EQUAL("MISSING: another host has armed the rig", row(render(m, 120), "MISSING").c_str());
+  m.lacking.clear();
+  m.status_age_s = 7;
+  STRCMP_CONTAINS("silent for 7 s", row(render(m, 120), "MISSING").c_str());
+  m.status.reset();
+  STRCMP_EQUAL("MISSING: no firmware heard", row(render(m, 120), "MISSING").c_str());
+}
+
+TEST(ScreenLines, GiveEveryFlagInWords) {
+  for (std::size_t i = 0; i < reduction::kFlagCount; ++i) {
+    Model m = model();
+    const auto flag = static_cast<Flag>(i);
+    m.last->readout.flags.set(flag);
+    CHECK_FALSE(host::words(flag).empty());
+    STRCMP_CONTAINS(std::string(host::words(flag)).c_str(), joined(render(m, 150)).c_str());
+  }
+}
+
+TEST(ScreenLines, ASpoiltShotWithoutNumbersSaysWhy) {
+  Model m = model();
+  m.last = Outcome{};
+  m.last->shot_id = 9;
+  m.last->readout.flags.set(Flag::no_photograph);
+  m.last->spoilt = "the photograph did not come in time";
+  m.last->problem = "no photograph within 5 s";
+  const std::string text = joined(render(m, 120));
+  STRCMP_CONTAINS("shot 9   SPOILT", text.c_str());
+  STRCMP_CONTAINS("no photograph within 5 s", text.c_str());
+  CHECK_TRUE(text.find("vx touchdown") == std::string::npos);
+}
+
+TEST(ScreenLines, FitAnyWidthAndHoldNoEscapeCodes) {
+  Model m = model();
+  m.notices = {"a notice with an umlaut ü and much too long a text for a narrow window, cut at its end"};
+  m.last->readout.record["remarks"] = "\x1b[31mred";
+  for (std::size_t width = 1; width <= 160; ++width) {
+    for (const std::string& line : render(m, width)) {
+      CHECK_TRUE(host::columns(line) <= width);
+      CHECK_TRUE(line.find('\x1b') == std::string::npos);
+    }
+  }
+  STRCMP_CONTAINS("15.623", row(render(m, 60), "vx touchdown").c_str());
+}
+
+TEST(ScreenLines, ThesisRowsStandBesideTheSeries) {
+  host::SeriesTable series;
+  for (const double vx : {15.0, 16.0}) series.add(example(1, vx).readout);
+  thesis::Condition condition;
+  condition.spin = "top";
+  condition.angle_label_deg = 23;
+  condition.vx_td_mps = {16.19, 0.23};
+  const auto lines = host::render_series(series, condition, 160);
+  STRCMP_CONTAINS("thesis top 23, Tables 3, 6, 9", joined(lines).c_str());
+  // (15.5 - 16.19) / 0.23 = -3.0
+  STRCMP_EQUAL("vx touchdown m/s 15.50 ± 0.50 3.2 % 2 16.19 ± 0.23 -3.0 sd",
+               row(lines, "vx touchdown").c_str());
+}
+
+TEST(ScreenLines, ADryShotShowsItsTrain) {
+  Model m = model();
+  m.last = Outcome{};
+  m.last->shot_id = 2;
+  m.last->dry = true;
+  m.last->train.planned = m.last->train.issued = 166;
+  m.last->train.seen_by_a = 165;
+  const std::string text = joined(render(m, 140));
+  STRCMP_CONTAINS("shot 2   dry", text.c_str());
+  STRCMP_CONTAINS("flashes planned 166, issued 166, seen by sensor A 165, by sensor B not fitted",
+                  text.c_str());
+}
+
+TEST_GROUP(TextForATerminal){};
+
+TEST(TextForATerminal, IsCutAndPaddedByCharacters) {
+  STRCMP_EQUAL("±±…", host::cut("±±±±", 3).c_str());
+  STRCMP_EQUAL("±± ", host::left("±±", 3).c_str());
+  STRCMP_EQUAL(" ±±", host::right("±±", 3).c_str());
+  STRCMP_EQUAL("", host::cut("abc", 0).c_str());
+  STRCMP_EQUAL("a b", host::cut("a\tb", 9).c_str());
+  LONGS_EQUAL(4, host::columns("aü日🎾"));
+}
+
+TEST(TextForATerminal, NumbersHaveTwoDigitsOfTheirUncertainty) {
+  STRCMP_EQUAL("15.623", host::rounded(15.6234, 0.0367).c_str());
+  STRCMP_EQUAL("-308", host::rounded(-307.9, 12.0).c_str());
+  STRCMP_EQUAL("-307.9", host::rounded(-307.91, 1.2).c_str());
+  STRCMP_EQUAL("1.000", host::rounded(1.0, 0.0).c_str());
+}
+
+TEST_GROUP(SeriesStatistics){};
+
+TEST(SeriesStatistics, AreMeanAndPopulationSdOverTheShotsThatHaveTheNumber) {
+  host::SeriesTable table;
+  // By hand: 2, 4, 4, 4, 5, 5, 7, 9 have mean 5 and population sd 2.
+  for (const double vx : {2.0, 4.0, 4.0, 4.0, 5.0, 5.0, 7.0, 9.0}) table.add(example(1, vx).readout);
+  table.add(reduction::Readout{});  // a readout without numbers
+  LONGS_EQUAL(9, table.shots());
+  LONGS_EQUAL(8, table.of(Quantity::vx_td_mps).count());
+  DOUBLES_EQUAL(5.0, table.of(Quantity::vx_td_mps).mean(), 1e-12);
+  DOUBLES_EQUAL(2.0, table.of(Quantity::vx_td_mps).population_sd(), 1e-12);
+  DOUBLES_EQUAL(0.4, table.of(Quantity::vx_td_mps).coefficient_of_variation(), 1e-12);
+  LONGS_EQUAL(0, table.of(Quantity::mu).count());
+}
+
+TEST_GROUP(Verdict){};
+
+TEST(Verdict, OnlyWhatSpoilsTheNumbersIsFiredAgain) {
+  for (const Flag flag : {Flag::shot_aborted, Flag::no_photograph, Flag::too_few_images, Flag::late_flash,
+                          Flag::missing_flash, Flag::double_flash, Flag::flash_match_ambiguous}) {
+    reduction::Readout readout;
+    readout.flags.set(flag);
+    CHECK_TRUE(host::spoilt_by(readout).has_value());
+  }
+  for (const Flag flag :
+       {Flag::sensor_missing, Flag::outlier_image, Flag::no_contact_image, Flag::sd_from_residuals,
+        Flag::spin_aliased, Flag::events_missing, Flag::no_redundancy, Flag::overlaps_surface}) {
+    reduction::Readout readout;
+    readout.flags.set(flag);
+    CHECK_FALSE(host::spoilt_by(readout).has_value());
+  }
+}
