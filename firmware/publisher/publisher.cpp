@@ -104,7 +104,7 @@ void Publisher::take(const Event& event) {
     shot_first_sequence_ = sequence_ + 1;
   }
   if (event.kind == EventKind::flash) {
-    lateness_.add(event.issue_end - event.commanded);
+    lateness_.add(event.issue_start - event.commanded);
     if (shots_started_ == settings_.throw_at_shot) throw std::runtime_error("drill: the publisher fails");
   }
   ++sequence_;
