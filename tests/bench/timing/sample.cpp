@@ -1,7 +1,5 @@
 #include "tests/bench/timing/sample.hpp"
 
-#include <time.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,17 +10,9 @@
 #include <stdexcept>
 #include <strobe_msgs/event_t.hpp>
 
+#include "tests/bench/timing/clock.hpp"
+
 namespace strobe::bench {
-
-namespace {
-
-MonoTime now() {
-  timespec t{};
-  clock_gettime(CLOCK_MONOTONIC, &t);
-  return {t.tv_sec * 1'000'000'000 + t.tv_nsec};
-}
-
-}  // namespace
 
 Percentiles percentiles(std::vector<double> lateness_us) {
   if (lateness_us.empty()) return {};

@@ -6,15 +6,11 @@
 
 #include <algorithm>
 
+#include "tests/bench/timing/clock.hpp"
+
 namespace strobe::bench {
 
 namespace {
-
-MonoTime now() {
-  timespec t{};
-  clock_gettime(CLOCK_MONOTONIC, &t);
-  return {t.tv_sec * 1'000'000'000 + t.tv_nsec};
-}
 
 void sleep_until(MonoTime deadline) {
   const timespec t{deadline.ns / 1'000'000'000, deadline.ns % 1'000'000'000};

@@ -1,0 +1,16 @@
+// The benchmark's clock port. Thread-safe, real-time safe.
+#pragma once
+
+#include <time.h>
+
+#include "common/units/time.hpp"
+
+namespace strobe::bench {
+
+inline MonoTime now() {
+  timespec t{};
+  clock_gettime(CLOCK_MONOTONIC, &t);
+  return {t.tv_sec * 1'000'000'000 + t.tv_nsec};
+}
+
+}  // namespace strobe::bench
