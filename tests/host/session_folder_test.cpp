@@ -1,0 +1,100 @@
+// What is kept of a session, and what a second run in the same folder makes of it.
+#include "host/session/session_folder.hpp"
+
+#include <string>
+#include <strobe_msgs/event_t.hpp>
+#include <vector>
+
+#include "tests/support/temporary_folder.hpp"
+// CppUTest redefines new; its headers come last.
+#include <CppUTest/TestHarness.h>
+
+namespace {
+
+using namespace strobe;
+using host::EventLedger;
+using host::SessionFolder;
+using testing::read_text;
+using testing::TemporaryFolder;
+
+constexpr const char* kUtc = "20260131T093000Z";
+
+std::vector<char> event_bytes(std::int64_t sequence) {
+  strobe_msgs::event_t event{};
+  event.boot_id = 77;
+  event.sequence = sequence;
+  std::vector<char> bytes(static_cast<std::size_t>(event.getEncodedSize()));
+  event.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+  return bytes;
+}
+
+}  // namespace
+
+TEST_GROUP(FolderOfASession){};
+
+TEST(FolderOfASession, KeepsEveryMessageAsItCame) {
+  TemporaryFolder folder;
+  const auto path = folder / "a/b";
+  const std::string bytes("\0\1binary\xff", 9);
+  {
+    auto session = SessionFolder::open(path, kUtc, "rig = \"bench\"\n", "train = \"free\"\n");
+    CHECK_TRUE(session.has_value());
+    (*session)->log("STROBE/bench/EVENT", bytes.data(), bytes.size(), 1'000'001);
+    // Read while still open, as after a kill: nothing may be left in a buffer.
+    lcm::LogFile log((path / "host-20260131T093000Z.lcmlog").string(), "r");
+    const lcm::LogEvent* event = log.readNextEvent();
+    CHECK_TRUE(event != nullptr);
+    STRCMP_EQUAL("STROBE/bench/EVENT", event->channel.c_str());
+    LONGS_EQUAL(1'000'001, event->timestamp);
+    LONGS_EQUAL(bytes.size(), event->datalen);
+    MEMCMP_EQUAL(bytes.data(), event->data, bytes.size());
+    CHECK_TRUE(log.readNextEvent() == nullptr);
+  }
+  STRCMP_EQUAL("rig = \"bench\"\n", read_text(path / "rig.toml").c_str());
+  STRCMP_EQUAL("train = \"free\"\n", read_text(path / "plan.toml").c_str());
+}
+
+TEST(FolderOfASession, ASecondRunOverwritesNothing) {
+  TemporaryFolder folder;
+  for (const char* rig : {"rig = \"one\"\n", "rig = \"one\"\n", "rig = \"two\"\n"}) {
+    CHECK_TRUE(SessionFolder::open(folder.path(), kUtc, rig, "").has_value());
+  }
+  STRCMP_EQUAL("rig = \"one\"\n", read_text(folder / "rig.toml").c_str());
+  STRCMP_EQUAL("rig = \"two\"\n", read_text(folder / "rig-20260131T093000Z.toml").c_str());
+  for (const char* log :
+       {"host-20260131T093000Z.lcmlog", "host-20260131T093000Zb.lcmlog", "host-20260131T093000Zc.lcmlog"}) {
+    CHECK_TRUE_TEXT(std::filesystem::exists(folder / log), log);
+  }
+}
+
+TEST(FolderOfASession, EventsOfEarlierRunsAreNotAskedForAgain) {
+  TemporaryFolder folder;
+  {
+    auto first = SessionFolder::open(folder.path(), kUtc, "", "");
+    for (const std::int64_t sequence : {1, 2, 4}) {
+      const auto bytes = event_bytes(sequence);
+      (*first)->log("STROBE/bench/EVENT", bytes.data(), bytes.size(), sequence);
+    }
+    const auto foreign = event_bytes(3);
+    (*first)->log("STROBE/other/EVENT", foreign.data(), foreign.size(), 9);
+    (*first)->log("STROBE/bench/EVENT", "garbage", 7, 10);
+  }
+  auto second = SessionFolder::open(folder.path(), kUtc, "", "");
+  EventLedger ledger(true);
+  (*second)->recall(ledger, "bench");
+  ledger.status(77, 4, 0);
+  LONGS_EQUAL(3, ledger.received());
+  LONGS_EQUAL(1, ledger.missing());
+}
+
+TEST(FolderOfASession, AFolderThatCannotBeMadeIsNamed) {
+  const auto session = SessionFolder::open("/proc/nowhere", kUtc, "", "");
+  CHECK_FALSE(session.has_value());
+  STRCMP_CONTAINS("/proc/nowhere", session.error().message.c_str());
+}
+
+TEST(FolderOfASession, TimesAreUtc) {
+  // 2026-01-31 09:30:00.123 UTC is 1769851800.123 s after 1970 (date -u -d @1769851800).
+  STRCMP_EQUAL("20260131T093000Z", host::utc_for_file(1'769'851'800'123'000).c_str());
+  STRCMP_EQUAL("2026-01-31T09:30:00.123Z", host::utc_for_table(1'769'851'800'123'000).c_str());
+}
