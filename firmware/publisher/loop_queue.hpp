@@ -2,8 +2,6 @@
 // What the loop calls is EventSink (real-time safe); what the publisher calls is pop() and the rest below.
 #pragma once
 
-#include <readerwriterqueue/readerwriterqueue.h>
-
 #include <atomic>
 #include <memory>
 #include <optional>
@@ -12,6 +10,7 @@
 
 #include "firmware/core/rig.hpp"
 #include "firmware/ports/event_sink.hpp"
+#include "firmware/publisher/spsc_queue.hpp"
 
 namespace strobe::firmware {
 
@@ -43,7 +42,7 @@ class LoopQueue final : public EventSink {
     std::atomic<bool> free{true};
   };
 
-  moodycamel::ReaderWriterQueue<Item> queue_;
+  SpscQueue<Item> queue_;
   std::array<Slot, kRecords> slots_;
   std::optional<LoopStatus> unsent_status_;
   std::atomic<std::int64_t> overflows_{0};

@@ -2,8 +2,6 @@
 // publisher. Runs on a thread of its own, without real-time rights.
 #pragma once
 
-#include <readerwriterqueue/readerwriterqueue.h>
-
 #include <lcm/lcm-cpp.hpp>
 #include <map>
 #include <stop_token>
@@ -11,6 +9,7 @@
 
 #include "firmware/ports/command_source.hpp"
 #include "firmware/publisher/mailbox.hpp"
+#include "firmware/publisher/spsc_queue.hpp"
 
 namespace strobe::firmware {
 
@@ -23,7 +22,7 @@ class CommandQueue final : public CommandSource {
 
  private:
   static constexpr std::size_t kCapacity = 256;
-  moodycamel::ReaderWriterQueue<Command> queue_;
+  SpscQueue<Command> queue_;
   int wake_fd_;
 };
 

@@ -4,6 +4,7 @@
 #include <sys/eventfd.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <strobe_msgs/status_t.hpp>
@@ -128,10 +129,13 @@ TEST(Publisher, JournalsAndPublishesAShotWithItsEvents) {
 
 TEST(Publisher, BeatsAtLeastTwiceASecondAndTellsLateness) {
   start();
-  CHECK_TRUE(until([&] { return listener.statuses.size() >= 3; }));
+  CHECK_TRUE(until([&] { return listener.statuses.size() >= 5; }));
   CHECK_TRUE(std::isnan(listener.statuses[0].lateness_p50_us));
-  const auto gap = listener.statuses[2].mono_ns - listener.statuses[1].mono_ns;
-  CHECK(gap > 0);  // how prompt they are depends on the machine: a figure for the benchmark
+  std::int64_t shortest_ns = INT64_MAX;  // a machine that stands still makes any single gap longer
+  for (std::size_t k = 2; k < 5; ++k) {
+    shortest_ns = std::min(shortest_ns, listener.statuses[k].mono_ns - listener.statuses[k - 1].mono_ns);
+  }
+  CHECK(shortest_ns <= 510'000'000);
   play_shot(1, 10);
   CHECK_TRUE(
       until([&] { return !listener.statuses.empty() && listener.statuses.back().edges_issued == 10; }));
