@@ -194,7 +194,8 @@ std::string TomlTable::choice_or(std::string_view key, std::string_view fallback
   return std::string(fallback);
 }
 
-std::vector<double> TomlTable::numbers_or(std::string_view key, const std::vector<double>& fallback, Range range) {
+std::vector<double> TomlTable::numbers_or(std::string_view key, const std::vector<double>& fallback,
+                                          Range range) {
   const toml::node* node = node_->find(key);
   if (!node) return fallback;
   const toml::array* array = node->as_array();
@@ -217,9 +218,15 @@ std::vector<double> TomlTable::numbers_or(std::string_view key, const std::vecto
   return values;
 }
 
-bool TomlTable::is_integer(std::string_view key) const { return has(key) && node_->table->get(key)->is_integer(); }
-bool TomlTable::is_string(std::string_view key) const { return has(key) && node_->table->get(key)->is_string(); }
-bool TomlTable::is_table(std::string_view key) const { return has(key) && node_->table->get(key)->is_table(); }
+bool TomlTable::is_integer(std::string_view key) const {
+  return has(key) && node_->table->get(key)->is_integer();
+}
+bool TomlTable::is_string(std::string_view key) const {
+  return has(key) && node_->table->get(key)->is_string();
+}
+bool TomlTable::is_table(std::string_view key) const {
+  return has(key) && node_->table->get(key)->is_table();
+}
 
 std::uint32_t TomlTable::line_of(std::string_view key) const {
   const toml::node* node = node_->table ? node_->table->get(key) : nullptr;

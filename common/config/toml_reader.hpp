@@ -36,9 +36,9 @@ class TomlTable {
   bool has(std::string_view key) const;
   std::vector<std::string> keys() const;
 
-  TomlTable table(std::string_view key);                        ///< absent if there is none; error if not a table
-  std::vector<TomlTable> tables(std::string_view key);          ///< array of tables, [[key]]; empty if absent
-  double number(std::string_view key, Range range = {});        ///< integer or float
+  TomlTable table(std::string_view key);                  ///< absent if there is none; error if not a table
+  std::vector<TomlTable> tables(std::string_view key);    ///< array of tables, [[key]]; empty if absent
+  double number(std::string_view key, Range range = {});  ///< integer or float
   double number_or(std::string_view key, double fallback, Range range = {});
   std::optional<double> optional_number(std::string_view key, Range range = {});
   std::int64_t integer(std::string_view key, Range range = {});
@@ -47,12 +47,14 @@ class TomlTable {
   std::string string(std::string_view key);
   std::string string_or(std::string_view key, std::string_view fallback);
   /// One of the given words; the error lists them.
-  std::string choice_or(std::string_view key, std::string_view fallback, const std::vector<std::string_view>& words);
+  std::string choice_or(std::string_view key, std::string_view fallback,
+                        const std::vector<std::string_view>& words);
   std::vector<double> numbers_or(std::string_view key, const std::vector<double>& fallback, Range range = {});
-  bool is_integer(std::string_view key) const;                  ///< present and an integer
+  bool is_integer(std::string_view key) const;  ///< present and an integer
   bool is_string(std::string_view key) const;
   bool is_table(std::string_view key) const;
-  /// Line of the key's value in the file, from 1; the table's own if there is no such key; 0 if absent altogether.
+  /// Line of the key's value in the file, from 1; the table's own if there is no such key; 0 if absent
+  /// altogether.
   std::uint32_t line_of(std::string_view key) const;
 
   /// Accepts everything in this table unread: keys that are another program's business.

@@ -16,12 +16,18 @@ enum class Channel { command, event, status, shot, frame, readout };
 
 constexpr std::string_view kind_name(Channel channel) {
   switch (channel) {
-    case Channel::command: return "COMMAND";
-    case Channel::event: return "EVENT";
-    case Channel::status: return "STATUS";
-    case Channel::shot: return "SHOT";
-    case Channel::frame: return "FRAME";
-    case Channel::readout: return "READOUT";
+    case Channel::command:
+      return "COMMAND";
+    case Channel::event:
+      return "EVENT";
+    case Channel::status:
+      return "STATUS";
+    case Channel::shot:
+      return "SHOT";
+    case Channel::frame:
+      return "FRAME";
+    case Channel::readout:
+      return "READOUT";
   }
   return "UNKNOWN";
 }

@@ -1,5 +1,5 @@
-// The closed list of what can be said about a readout beside its numbers. Names are stable: scripts rely on them.
-// Add a flag here and in README.md, nowhere else. Values only; thread-safe, real-time safe.
+// The closed list of what can be said about a readout beside its numbers. Names are stable: scripts rely on
+// them. Add a flag here and in README.md, nowhere else. Values only; thread-safe, real-time safe.
 #pragma once
 
 #include <array>
@@ -10,7 +10,7 @@
 namespace strobe::reduction {
 
 enum class Flag {
-  late_flash,             // a flash that shows the ball came later than the rig's tolerance; its measured time was used
+  late_flash,  // a flash that shows the ball came later than the rig's tolerance; its measured time was used
   missing_flash,          // a planned flash among those that show the ball was seen by no sensor
   double_flash,           // a lamp flashed twice for one pulse among those that show the ball
   flash_match_ambiguous,  // several assignments of images to flashes fit alike and give different numbers

@@ -1,7 +1,7 @@
 // The rebound of one shot: the numbers, their uncertainty, and what must be said about them.
 // Signs: x along the surface in the direction of travel, y up from it, spin counter-clockwise positive as the
-// camera sees it (backspin positive). Touchdown (TD) and lift-off (LO): the centre is one radius above the surface.
-// Plain values, thread-safe.
+// camera sees it (backspin positive). Touchdown (TD) and lift-off (LO): the centre is one radius above the
+// surface. Plain values, thread-safe.
 #pragma once
 
 #include <array>
@@ -36,8 +36,9 @@ enum class Quantity {
 
 /// Names as in the JSON object and on the screen, in the order of Quantity.
 inline constexpr std::array<std::string_view, 16> kQuantityNames{
-    "theta_in_deg", "theta_out_deg", "vx_td_mps",   "vy_td_mps", "v_td_mps", "omega_td_radps", "vx_lo_mps",         "vy_lo_mps",
-    "v_lo_mps",     "omega_lo_radps", "slip_lo_mps", "e",         "mu",       "dwell_time_ms",  "dwell_distance_cm", "court_pace"};
+    "theta_in_deg", "theta_out_deg", "vx_td_mps",         "vy_td_mps",      "v_td_mps",    "omega_td_radps",
+    "vx_lo_mps",    "vy_lo_mps",     "v_lo_mps",          "omega_lo_radps", "slip_lo_mps", "e",
+    "mu",           "dwell_time_ms", "dwell_distance_cm", "court_pace"};
 inline constexpr std::size_t kQuantityCount = kQuantityNames.size();
 
 constexpr std::string_view name(Quantity q) { return kQuantityNames[static_cast<std::size_t>(q)]; }
@@ -57,15 +58,18 @@ enum class Regime { slides, grips, unclear };
 
 constexpr std::string_view name(Regime regime) {
   switch (regime) {
-    case Regime::slides: return "slides";
-    case Regime::grips: return "grips";
-    case Regime::unclear: return "unclear";
+    case Regime::slides:
+      return "slides";
+    case Regime::grips:
+      return "grips";
+    case Regime::unclear:
+      return "unclear";
   }
   return "unclear";
 }
 
-/// One contact image as the thesis's program reports it. Fractions: of the dwell time, of the distance along the
-/// surface, of the rotation; y: drop of the top of the ball over the diameter, negative in contact.
+/// One contact image as the thesis's program reports it. Fractions: of the dwell time, of the distance along
+/// the surface, of the rotation; y: drop of the top of the ball over the diameter, negative in contact.
 struct ContactImage {
   double height_cm = 0.0;  ///< centre above the surface
   double time_fraction = 0.0;

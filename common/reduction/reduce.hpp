@@ -31,7 +31,8 @@ Result<Readout> reduce(const Frame& frame, Estimator estimator);
 
 /// How well straight flight under gravity explains the airborne images at their times.
 struct FlightFit {
-  double chi_squared = 0.0;  ///< sum of squared residuals in units of the noise (1 px where the frame states none)
+  double chi_squared =
+      0.0;  ///< sum of squared residuals in units of the noise (1 px where the frame states none)
   int degrees_of_freedom = 0;
   double dwell_time_s = 0.0;      ///< touchdown to lift-off
   double dwell_distance_m = 0.0;  ///< along the surface
