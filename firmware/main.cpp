@@ -1,6 +1,7 @@
 // strobed: plays shots on a rig's lines. See --help.
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <exception>
 #include <fstream>
 #include <sstream>
 
@@ -13,8 +14,6 @@
 namespace {
 
 using namespace strobe::firmware;  // NOLINT: the program's own
-
-enum class Mode { run, check, safe };
 
 constexpr const char* kFooter =
     "Exit status: 0 stopped in good order (or checked, or made safe); 1 the worker died, or a check failed;\n"
@@ -47,9 +46,7 @@ int make_safe(const Rig& rig) {
   return kExitDone;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int run(int argc, char** argv) {
   CLI::App app(
       "Plays strobe-photography shots on a rig's GPIO lines, with a guardian that keeps the outputs safe.");
   app.footer(kFooter);
@@ -91,4 +88,11 @@ int main(int argc, char** argv) {
   if (check) return check_rig(*rig, options);
   if (options.session.empty()) return bad_input("--session is required: the folder for the journal");
   return guard(*rig, [&](WorkerPage& page) { return run_worker(*rig, options, page); });
+}
+
+}  // namespace
+
+int main(int argc, char** argv) try { return run(argc, argv); } catch (const std::exception& error) {
+  std::fprintf(stderr, "strobed: %s\n", error.what());
+  return kExitFailed;
 }

@@ -11,7 +11,6 @@ namespace strobe::firmware {
 
 namespace {
 
-using config::Range;
 using config::TomlTable;
 
 constexpr double kNsPerUs = 1e3;

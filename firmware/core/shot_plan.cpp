@@ -51,7 +51,7 @@ Result<void> check_plan(const PlanRequest& request, const Rig& rig) {
     return fail("an exposure of " + ms(request.exposure) + " is longer than the shutter's " +
                 ms(rig.shutter.max_open));
   }
-  const auto checked = request.train == Train::gated ? check_gated(request, rig) : check_free(request);
+  auto checked = request.train == Train::gated ? check_gated(request, rig) : check_free(request);
   if (!checked) return checked;
   if (impact_at(request, rig) >= request.exposure) {
     return fail("the ball would meet the plate " + ms(impact_at(request, rig)) +

@@ -9,13 +9,15 @@ LoopQueue::LoopQueue(const Rig& rig, int wake_fd) : queue_(kCapacity), wake_fd_(
 }
 
 void LoopQueue::event(const Event& event) noexcept {
-  if (!queue_.try_enqueue(Item(event))) overflows_.fetch_add(1, std::memory_order_relaxed);
+  const Item item(event);
+  if (!queue_.try_enqueue(item)) overflows_.fetch_add(1, std::memory_order_relaxed);
   news_ = true;
 }
 
 void LoopQueue::status(const LoopStatus& status) noexcept {
   unsent_status_.reset();
-  if (!queue_.try_enqueue(Item(status))) unsent_status_ = status;
+  const Item item(status);
+  if (!queue_.try_enqueue(item)) unsent_status_ = status;
   news_ = true;
 }
 
@@ -30,8 +32,10 @@ bool LoopQueue::shot_done(ShotRecord* record) noexcept {
   for (Slot& slot : slots_) {
     if (&slot.record == record) slot.free.store(false, std::memory_order_relaxed);
   }
-  news_ = queue_.try_enqueue(Item(record));
-  return news_;
+  const Item item(record);
+  const bool taken = queue_.try_enqueue(item);
+  news_ = news_ || taken;
+  return taken;
 }
 
 void LoopQueue::give_back(ShotRecord* record) {
@@ -41,7 +45,7 @@ void LoopQueue::give_back(ShotRecord* record) {
 }
 
 void LoopQueue::flush() noexcept {
-  if (unsent_status_ && queue_.try_enqueue(Item(*unsent_status_))) unsent_status_.reset();
+  if (unsent_status_) status(LoopStatus(*unsent_status_));
   if (!news_) return;
   news_ = false;
   const std::uint64_t one = 1;
