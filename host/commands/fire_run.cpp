@@ -66,8 +66,9 @@ class FireRun {
     if (channel == messages::channel_name(order_.rig.rig, messages::Channel::readout) &&
         own_readout(data, size))
       return;
+    folder_->log(channel, data, size,
+                 wall_now_us());  // first, so that the record holds what a result came from
     intake_.receive(channel, data, size, steady_now_ns());
-    folder_->log(channel, data, size, wall_now_us());
   }
 
   bool own_readout(const void* data, std::size_t size) const {
