@@ -97,6 +97,17 @@ std::uint64_t fresh_seed() {
   return device() % 1'000'000;  // short enough to type again
 }
 
+/// LD_PRELOAD is split at blanks and colons: a library whose path has some is reached by a link in
+/// `link_folder`.
+fs::path preloadable(const fs::path& library, std::optional<TemporaryFolder>& link_folder) {
+  if (library.string().find_first_of(" :") == std::string::npos) return library;
+  link_folder.emplace();
+  const fs::path link = link_folder->path() / library.filename();
+  std::error_code error;
+  fs::create_symlink(library, link, error);
+  return error ? library : link;
+}
+
 std::string preload_with(const fs::path& library) {
   const char* before = std::getenv("LD_PRELOAD");
   return before && *before ? library.string() + ":" + before : library.string();
@@ -163,6 +174,8 @@ int run_command(const RunOptions& options) {
 
   const std::uint64_t seed = options.seed.value_or(fresh_seed());
   block_child_signals();
+  std::optional<TemporaryFolder> link_folder;
+  const fs::path preloaded = preloadable(*library, link_folder);
   std::optional<TemporaryFolder> temporary;
   if (options.chip_dir.empty()) temporary.emplace();
   const fs::path folder = temporary ? temporary->path() : fs::absolute(options.chip_dir);
@@ -173,7 +186,7 @@ int run_command(const RunOptions& options) {
              scene->name, seed, seed, scene->chip.name, folder.string());
 
   const auto child = start_child(
-      options.command, {{"LD_PRELOAD", preload_with(*library)}, {kChipDirVariable, folder.string()}});
+      options.command, {{"LD_PRELOAD", preload_with(preloaded)}, {kChipDirVariable, folder.string()}});
   if (!child) return complain(child.error(), 2);
   const int status = wait_for_child(*child);
   if (!(*session)->close()) return complain({options.changes_file + ": could not be written"}, 1);

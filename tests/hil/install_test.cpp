@@ -16,7 +16,7 @@ using strobe::testing::run_to_end;
 TEST_GROUP(Install) {
   strobe::testing::TemporaryFolder folder;
   const std::filesystem::path first = folder / "first";
-  const std::filesystem::path moved = folder / "moved";
+  const std::filesystem::path moved = folder / "moved here";
 
   void setup() override {
     const auto installed =
