@@ -2,6 +2,7 @@
 // wait without end.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <string>
 #include <vector>
@@ -85,9 +86,17 @@ void expect_no_wrong_number(const Outcome& outcome) {
   STRCMP_EQUAL("", score.beyond(4.5).c_str());
 }
 
-void expect_flag(const Outcome& outcome, const std::string& flag) {
-  for (const Shot& shot : outcome.struck)
-    CHECK_TEXT(has_flag(shot.readout, flag), shot.readout.dump().c_str());
+/// Where a busy machine makes the match of images to flashes ambiguous, the readout says that instead: which
+/// flash showed the ball is then not known. That all are so is as rare as all being aborted.
+void expect_flag(const Outcome& outcome, const std::vector<std::string>& any_of) {
+  std::size_t named = 0;
+  for (const Shot& shot : outcome.struck) {
+    const bool says = std::any_of(any_of.begin(), any_of.end(),
+                                  [&](const auto& flag) { return has_flag(shot.readout, flag); });
+    CHECK_TEXT(says || has_flag(shot.readout, "flash_match_ambiguous"), shot.readout.dump().c_str());
+    named += says ? 1 : 0;
+  }
+  CHECK_TEXT(named > 0, "no shot names its fault");
 }
 
 /// Freezes abort one shot in five, more on a busy machine; that they abort four in a row is one in 600.
@@ -113,7 +122,7 @@ TEST(Fault, ALateFlashIsFlaggedAndItsMeasuredTimeKeepsTheVelocitiesRight) {
   }
   const Outcome outcome = fire_with(faults, shot);
   expect_some(outcome);
-  expect_flag(outcome, "late_flash");
+  expect_flag(outcome, {"late_flash"});
   expect_no_wrong_number(outcome);
   for (const Shot& each : outcome.struck) CHECK_TEXT(is_complete(each.readout), each.readout.dump().c_str());
 }
@@ -122,7 +131,7 @@ TEST(Fault, AMissingFlashIsFlaggedAndMakesNoNumberWrong) {
   const Outcome outcome = fire_with(
       faults_twice({{"flash_missing", at(-3)}, {"flash_missing", at(-1)}, {"flash_missing", at(2)}}), 6);
   expect_some(outcome);
-  expect_flag(outcome, "missing_flash");
+  expect_flag(outcome, {"missing_flash"});
   expect_no_wrong_number(outcome);
 }
 
@@ -131,11 +140,8 @@ TEST(Fault, ADoubleFlashIsFlaggedAndMakesNoNumberWrong) {
   const Outcome outcome =
       fire_with(faults_twice({{"flash_double", at(-2, more)}, {"flash_double", at(2, more)}}), 4);
   expect_some(outcome);
-  for (const Shot& each : outcome.struck) {
-    // A freeze may put the first flash where the second was to be.
-    const bool flagged = has_flag(each.readout, "double_flash") || has_flag(each.readout, "late_flash");
-    CHECK_TEXT(flagged, each.readout.dump().c_str());
-  }
+  expect_flag(outcome,
+              {"double_flash", "late_flash"});  // a freeze may put the first where the second was to be
   expect_no_wrong_number(outcome);
 }
 
@@ -185,7 +191,7 @@ TEST(Fault, ADeadSensorOrLampIsFlaggedAndMakesNoNumberWrong) {
   const Outcome outcome =
       fire_with(faults_twice({{"sensor_dead", "lamp = \"a\""}, {"lamp_dead", "lamp = \"b\""}}), 4);
   expect_some(outcome);
-  expect_flag(outcome, "sensor_missing");
+  expect_flag(outcome, {"sensor_missing"});
   expect_no_wrong_number(outcome);
 }
 
