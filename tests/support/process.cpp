@@ -132,10 +132,19 @@ struct Process::State {
 
   ~State() {
     if (pid > 0) {
+      if (!ended) let_it_clean_up();
       kill(-pid, SIGKILL);
       if (!ended) waitpid(pid, nullptr, 0);
     }
     if (descriptor >= 0) close(descriptor);
+  }
+
+  /// Asked to end, a program removes the folders that it made.
+  void let_it_clean_up() const {
+    constexpr int kPatienceMs = 1000;
+    kill(pid, SIGTERM);
+    pollfd ready{descriptor, POLLIN, 0};
+    poll(&ready, 1, kPatienceMs);
   }
 };
 

@@ -44,7 +44,7 @@ class Process {
   Process(const Command& command, const std::filesystem::path& log_folder);
   Process(Process&&) noexcept;
   Process& operator=(Process&&) = delete;
-  /// Kills the group and waits for the process.
+  /// Asks the process to end, gives it a second for that, then kills the group.
   ~Process();
 
   pid_t pid() const;
