@@ -12,7 +12,7 @@ namespace strobe::reduction {
 enum class Flag {
   late_flash,  // a flash that shows the ball came later than the rig's tolerance; its measured time was used
   missing_flash,          // a planned flash among those that show the ball was seen by no sensor
-  double_flash,           // a lamp flashed twice for one pulse among those that show the ball
+  double_flash,           // a lamp flashed twice for one pulse among those that show the ball, or may show it
   flash_match_ambiguous,  // several assignments of images to flashes fit alike and give different numbers
   spin_aliased,           // the equator may have turned by more than a quarter turn between images
   too_few_images,         // a leg has too few airborne images for some number, which is null

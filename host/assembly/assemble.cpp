@@ -75,13 +75,17 @@ std::optional<ArrivalPrior> arrival_prior(const shot_t& shot, const Track& track
 }
 
 /// What is to be said of the flashes from the first to the last that shows the ball.
-FlagSet flash_flags(const FlashTimes& times, int first, int last) {
+FlagSet flash_flags(const FlashTimes& times, const FlashMatch& match, int first, int last) {
   FlagSet flags;
   std::int64_t previous_ns = shot_t::NO_TIME;
-  for (const SeenFlash& flash : times.seen) {
-    if (flash.index < first || flash.index > last) continue;
+  for (std::size_t i = 0; i < times.seen.size(); ++i) {
+    const SeenFlash& flash = times.seen[i];
+    const bool shows = flash.index >= first && flash.index <= last;
+    // A second light leaves the intervals as they are: only the images could tell which flash it was.
+    const bool may_show = i < match.may_show.size() && match.may_show[i] != 0;
+    if (flash.doubled && (shows || may_show)) flags.set(Flag::double_flash);
+    if (!shows) continue;
     if (flash.late) flags.set(Flag::late_flash);
-    if (flash.doubled) flags.set(Flag::double_flash);
     if (flash.sensor_silent) flags.set(Flag::sensor_missing);
     if (flash.before_its_pulse || flash.time_ns <= previous_ns) flags.set(Flag::clock_suspect);
     previous_ns = flash.time_ns;
@@ -169,8 +173,8 @@ AssembledShot assemble(const shot_t& shot, const frame_t& message, const Assembl
   put_times(result.frame, times, *match);
   result.match_doubt = match->doubt;
   if (match->doubt > kMostDoubt) result.flags.set(Flag::flash_match_ambiguous);
-  result.flags.merge(
-      flash_flags(times, *result.frame.images.front().flash_index, *result.frame.images.back().flash_index));
+  result.flags.merge(flash_flags(times, *match, *result.frame.images.front().flash_index,
+                                 *result.frame.images.back().flash_index));
   return result;
 }
 

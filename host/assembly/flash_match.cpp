@@ -19,6 +19,8 @@ constexpr double kUnseenPenalty = 10.6;
 constexpr double kMostSquaredError = 9.0;
 // Contact images and penalties need not be looked at where the flight alone is this much worse than the best.
 constexpr double kHopeless = 60.0;
+// -2 ln of 1/10: an assignment ten times less likely than the best is not to be reckoned with.
+constexpr double kImplausible = 4.6;
 
 struct Legs {
   std::span<const TrackImage> in, contact, out;
@@ -141,7 +143,21 @@ class Matcher {
     match.flash.insert(match.flash.end(), chosen.out->flash.begin(), chosen.out->flash.end());
     match.chi_squared = chosen.chi_squared;
     match.doubt = doubt(chosen, scale);
+    match.may_show = may_show(chosen, scale);
     return match;
+  }
+
+  /// Where equal intervals leave the offset open, a flash next to the ball's may have been one of them.
+  std::vector<char> may_show(const Pair& chosen, double scale) const {
+    std::vector<char> marked(times_s_.size(), 0);
+    for (const Pair& pair : pairs_) {
+      if (pair.score(scale) - chosen.score(scale) > kImplausible) continue;
+      if (pair.in->empty() && pair.out->empty()) continue;
+      const int first = pair.in->empty() ? pair.out->first() : pair.in->first();
+      const int last = pair.out->empty() ? pair.in->last() : pair.out->last();
+      std::fill(marked.begin() + first, marked.begin() + last + 1, char{1});
+    }
+    return marked;
   }
 
   double doubt(const Pair& chosen, double scale) const {

@@ -20,7 +20,9 @@ struct ArrivalPrior {
 };
 
 struct FlashMatch {
-  std::vector<int> flash;    ///< for each image the number of its flash among the seen ones, ascending
+  std::vector<int> flash;  ///< for each image the number of its flash among the seen ones, ascending
+  std::vector<char>
+      may_show;  ///< for each seen flash, 1 if it lies within this or another plausible assignment
   double chi_squared = 0.0;  ///< straight flight of both legs
   /// What taking the wrong assignment is expected to add to the variance of the worst number, in units of
   /// that number's own variance; one assignment's error counts as at most 3 sd. 0 to 9.
