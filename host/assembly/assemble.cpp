@@ -74,7 +74,8 @@ std::optional<ArrivalPrior> arrival_prior(const shot_t& shot, const Track& track
   return std::nullopt;
 }
 
-/// What is to be said of the flashes from the first to the last that shows the ball.
+/// What is to be said of the flashes from the first to the last that shows the ball; a double flash counts where
+/// another plausible match would put it among them.
 FlagSet flash_flags(const FlashTimes& times, const FlashMatch& match, int first, int last) {
   FlagSet flags;
   std::int64_t previous_ns = shot_t::NO_TIME;
