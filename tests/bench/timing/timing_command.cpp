@@ -7,9 +7,11 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <stdexcept>
 #include <string>
 
+#include "tests/bench/command.hpp"
 #include "tests/bench/timing/sample.hpp"
 #include "tests/bench/timing/witness.hpp"
 
@@ -126,28 +128,22 @@ int timing(const Options& options) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  CLI::App app{
-      "Benchmarks of the whole system, on the shipped binaries.\nExample: strobe-bench timing --rounds 3 "
-      "--seconds 15"};
-  app.require_subcommand(1);
-  Options options;
-  CLI::App* timing_command =
-      app.add_subcommand("timing", "lateness of strobed's flashes beside cyclictest's, in turns");
-  timing_command->add_option("--rounds", options.rounds, "rounds of strobed and cyclictest in turn")
+namespace strobe::bench {
+
+void add_timing_command(CLI::App& app, int& exit_status) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* command =
+      app.add_subcommand("timing",
+                         "lateness of strobed's flashes beside cyclictest's, in turns, on the shipped "
+                         "binaries.\nExample: strobe-bench timing --rounds 3 --seconds 15");
+  command->add_option("--rounds", options->rounds, "rounds of strobed and cyclictest in turn")
       ->check(CLI::Range(1, 1000));
-  timing_command->add_option("--seconds", options.seconds, "length of each part")->check(CLI::Range(1, 3600));
-  timing_command
-      ->add_option("--priority", options.priority,
+  command->add_option("--seconds", options->seconds, "length of each part")->check(CLI::Range(1, 3600));
+  command
+      ->add_option("--priority", options->priority,
                    "real-time priority of cyclictest, as [real_time] priority of the rig file")
       ->check(CLI::Range(11, 98));
-  try {
-    app.parse(argc, argv);
-    return timing(options);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "strobe-bench: %s\n", error.what());
-    return 1;
-  }
+  command->callback([options, &exit_status] { exit_status = timing(*options); });
 }
+
+}  // namespace strobe::bench

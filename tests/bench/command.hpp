@@ -1,0 +1,15 @@
+// How a subcommand of `strobe-bench` registers itself: add_*() adds it to the program; when it was chosen its
+// callback measures, prints, and stores the exit status (0 done, 1 ran but failed, 2 bad usage or input). A
+// new one: declare it here, list it in tests/bench/main.cpp, define it in a folder of its own, whose
+// CMakeLists.txt adds its sources to the program. Single-threaded.
+#pragma once
+
+namespace CLI {
+class App;
+}
+
+namespace strobe::bench {
+
+void add_timing_command(CLI::App& app, int& exit_status);
+
+}  // namespace strobe::bench

@@ -1,0 +1,31 @@
+// strobe-bench: measurements whose figures are taken by hand, too long or too noisy for tests.
+#include <CLI/CLI.hpp>
+#include <array>
+#include <cstdio>
+#include <exception>
+
+#include "tests/bench/command.hpp"
+
+namespace {
+
+using AddCommand = void (*)(CLI::App& app, int& exit_status);
+constexpr std::array<AddCommand, 1> kCommands{strobe::bench::add_timing_command};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{"Measurements of the whole product.\nExample: strobe-bench timing --rounds 3 --seconds 15"};
+  app.name("strobe-bench");
+  app.require_subcommand(1);
+  int exit_status = 0;
+  for (const AddCommand add : kCommands) add(app, exit_status);
+  try {
+    app.parse(argc, argv);
+    return exit_status;
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "strobe-bench: %s\n", error.what());
+    return 1;
+  }
+}
