@@ -229,12 +229,4 @@ void propagate(const ShotFit& fit, std::optional<double> temperature_c, Readout&
   propagation.impact(temperature_c);
 }
 
-std::optional<ContactValues> contact_values(const ShotFit& fit) {
-  const auto td = crossing(fit, 0);
-  const auto lo = crossing(fit, 1);
-  if (!td || !lo || !(lo->time_s.value > td->time_s.value)) return std::nullopt;
-  return ContactValues{lo->time_s.value - td->time_s.value, lo->x_m.value - td->x_m.value, td->vx_mps.value,
-                       lo->vx_mps.value};
-}
-
 }  // namespace strobe::reduction

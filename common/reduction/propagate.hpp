@@ -18,15 +18,4 @@ inline constexpr double kInertiaFactor = 0.55;
 /// sd is first order (delta method) with exact derivatives, through the full covariance.
 void propagate(const ShotFit& fit, std::optional<double> temperature_c, Readout& readout);
 
-/// Numbers of the contact alone, without their uncertainty: for choosing among many assignments of flashes.
-struct ContactValues {
-  double dwell_time_s = 0.0;
-  double dwell_distance_m = 0.0;
-  double vx_td_mps = 0.0;
-  double vx_lo_mps = 0.0;
-};
-
-/// Nothing where a leg is not fitted or does not meet the surface, or lift-off does not follow touchdown.
-std::optional<ContactValues> contact_values(const ShotFit& fit);
-
 }  // namespace strobe::reduction

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string_view>
 
+#include "common/flight/aerodynamics.hpp"
 #include "common/reduction/frame.hpp"
 #include "common/reduction/readout.hpp"
 #include "common/result.hpp"
@@ -24,24 +25,16 @@ constexpr std::optional<Estimator> estimator_from_name(std::string_view text) {
   return std::nullopt;
 }
 
+/// How to reduce, for studies of what each part is worth; the defaults are the product's. For the best
+/// estimator; the others know neither gravity nor air.
+struct ReduceOptions {
+  /// What the flight is fitted with. Absent: gravity, and drag and Magnus where they matter to this shot.
+  std::optional<flight::Effects> effects;
+};
+
 /// A readout of the frame. Numbers that cannot be had are absent and the flags say why.
 /// Fails only for a frame that is not one: no positive diameter, fewer than two surface points, non-finite
 /// coordinates, images out of order of time. The message names the field.
-Result<Readout> reduce(const Frame& frame, Estimator estimator);
-
-/// How well straight flight under gravity explains the airborne images at their times.
-struct FlightFit {
-  double chi_squared =
-      0.0;  ///< sum of squared residuals in units of the noise (1 px where the frame states none)
-  int degrees_of_freedom = 0;
-  double dwell_time_s = 0.0;      ///< touchdown to lift-off
-  double dwell_distance_m = 0.0;  ///< along the surface
-  double vx_td_mps = 0.0;
-  double vx_lo_mps = 0.0;
-};
-
-/// The same fit as Estimator::best without its readout; for choosing which flash made which image.
-/// Fails as reduce() does, and where a leg has fewer than two airborne images.
-Result<FlightFit> fit_flight(const Frame& frame);
+Result<Readout> reduce(const Frame& frame, Estimator estimator, const ReduceOptions& options = {});
 
 }  // namespace strobe::reduction

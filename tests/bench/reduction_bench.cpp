@@ -63,12 +63,6 @@ void best_noise_estimated(benchmark::State& state) { run(state, Estimator::best,
 void two_point(benchmark::State& state) { run(state, Estimator::two_point, true, true); }
 void legacy(benchmark::State& state) { run(state, Estimator::legacy, true, true); }
 
-void flight_fit(benchmark::State& state) {
-  const Frame frame = typical_frame(true, true);
-  for (auto _ : state) benchmark::DoNotOptimize(fit_flight(frame));
-  state.SetItemsProcessed(state.iterations());
-}
-
 void frame_from_json(benchmark::State& state) {
   const std::string text = strobe::messages::frame_to_json(typical_frame(true, true));
   for (auto _ : state) benchmark::DoNotOptimize(strobe::messages::frame_from_json(text));
@@ -80,7 +74,6 @@ BENCHMARK(best_legs_found);
 BENCHMARK(best_noise_estimated);
 BENCHMARK(two_point);
 BENCHMARK(legacy);
-BENCHMARK(flight_fit);
 BENCHMARK(frame_from_json);
 
 }  // namespace

@@ -20,6 +20,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const auto readout = reduce(*frame, estimator);
     if (readout) (void)messages::readout_to_json(*readout);
   }
-  (void)fit_flight(*frame);
   return 0;
 }
