@@ -16,6 +16,11 @@ enum class InputError {
   ball_out_of_range,         ///< diameter, mass or alpha outside ball::check
   dwell_not_positive,        ///< dwell time of 0 or less
   damping_undefined,         ///< e = 0 in the simplified pulse, whose damping would be infinite
+  magnitude_out_of_range,    ///< a finite number, but too large or too small for the model's arithmetic
+  spring_out_of_range,       ///< a contact spring's or dashpot's ratio outside the range its model states
+  tolerance_out_of_range,    ///< an integrator's tolerance or number of steps outside its range
+  contact_without_end,       ///< the ball does not leave the surface: its weight holds it there
+  contact_unresolved,        ///< more steps or events than an integration allows
 };
 
 constexpr std::string_view message(InputError error) {
@@ -38,6 +43,16 @@ constexpr std::string_view message(InputError error) {
       return "dwell time must be positive";
     case InputError::damping_undefined:
       return "the simplified pulse needs e above 0";
+    case InputError::magnitude_out_of_range:
+      return "a speed, a length, a mass or a time is too large or too small to compute with";
+    case InputError::spring_out_of_range:
+      return "a spring or damping ratio is out of its range";
+    case InputError::tolerance_out_of_range:
+      return "tolerance or number of steps is out of its range";
+    case InputError::contact_without_end:
+      return "the ball does not leave the surface: its weight holds it there";
+    case InputError::contact_unresolved:
+      return "the contact takes more steps or events than the integration allows";
   }
   return "invalid input";
 }
