@@ -1,0 +1,27 @@
+#include "host/thesis/tables.hpp"
+
+namespace strobe::report {
+
+const std::vector<TableEntry>& catalogue() {
+  static const std::vector<TableEntry> entries{
+      {"2", "incoming, no spin", [](const Material& m) { return incoming_table(m, 2, "zero"); }},
+      {"3", "incoming, topspin", [](const Material& m) { return incoming_table(m, 3, "top"); }},
+      {"4", "incoming, backspin", [](const Material& m) { return incoming_table(m, 4, "back"); }},
+      {"5", "rebounding, no spin", [](const Material& m) { return rebound_table(m, 5, "zero"); }},
+      {"6", "rebounding, topspin", [](const Material& m) { return rebound_table(m, 6, "top"); }},
+      {"7", "rebounding, backspin", [](const Material& m) { return rebound_table(m, 7, "back"); }},
+      {"8", "system parameters, no spin", [](const Material& m) { return system_table(m, 8, "zero"); }},
+      {"9", "system parameters, topspin", [](const Material& m) { return system_table(m, 9, "top"); }},
+      {"10", "system parameters, backspin", [](const Material& m) { return system_table(m, 10, "back"); }},
+      {"spread", "spreads of the angles", spread_table},
+  };
+  return entries;
+}
+
+const TableEntry* find_table(std::string_view id) {
+  for (const TableEntry& entry : catalogue())
+    if (entry.id == id) return &entry;
+  return nullptr;
+}
+
+}  // namespace strobe::report

@@ -1,0 +1,33 @@
+// The tables: 2 to 17 as in the thesis, and those beyond it. Each is computed from the material by the
+// analysis core. Pure; thread-safe; allocates.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "host/thesis/material.hpp"
+#include "host/thesis/table.hpp"
+
+namespace strobe::report {
+
+/// Tables 2–4, 5–7 and 8–10.
+Table incoming_table(const Material& material, int number, std::string_view spin);
+Table rebound_table(const Material& material, int number, std::string_view spin);
+Table system_table(const Material& material, int number, std::string_view spin);
+/// Printed sds of the angles against those of the components and of the speed.
+Table spread_table(const Material& material);
+
+struct TableEntry {
+  std::string id;
+  std::string title;
+  Table (*make)(const Material&);
+};
+
+/// In the order in which they are printed.
+const std::vector<TableEntry>& catalogue();
+
+/// Null if there is none of that id.
+const TableEntry* find_table(std::string_view id);
+
+}  // namespace strobe::report
