@@ -1,0 +1,87 @@
+#include "common/impact/in_out_model.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <limits>
+
+namespace strobe::impact {
+
+namespace {
+
+constexpr ParameterValues kLower{0.0, -1.0, 0.0, 1e-9, 0.01};
+constexpr double kLargestMu = 10.0;
+constexpr double kLargestReference_mps = 100.0;
+
+struct Inputs {
+  Motion touchdown;
+  double e;
+};
+
+/// The observation's inputs with one of the four moved by `shift` of its standard deviations.
+Inputs moved(const Observation& o, std::size_t which, double shift) {
+  Inputs in{o.touchdown, o.e};
+  if (which == 0) in.touchdown.vx_mps += shift * o.touchdown_sd.vx_mps;
+  if (which == 1) {
+    const double barely_down = -std::numeric_limits<double>::min();
+    in.touchdown.vy_mps = std::min(barely_down, in.touchdown.vy_mps + shift * o.touchdown_sd.vy_mps);
+  }
+  if (which == 2) in.touchdown.omega_radps += shift * o.touchdown_sd.omega_radps;
+  if (which == 3) in.e = std::clamp(in.e + shift * o.e_sd, 0.0, 1.0);
+  return in;
+}
+
+}  // namespace
+
+double lower_bound(Parameter p) { return kLower[index(p)]; }
+
+double upper_bound(Parameter p, double radius_m) {
+  switch (p) {
+    case Parameter::mu:
+      return kLargestMu;
+    case Parameter::e_x:
+      return 1.0;
+    case Parameter::offset_m:
+      return radius_m * (1.0 - 1e-12);
+    case Parameter::offset_reference_mps:
+      return kLargestReference_mps;
+    case Parameter::alpha:
+      return ball::kThinShellAlpha;
+  }
+  return 0.0;
+}
+
+ParameterValues default_values(InOutModel model) {
+  if (model == InOutModel::slide_roll)
+    return {0.55, 0.0, 0.0, kOffsetReferenceSpeed_mps, ball::kThinShellAlpha};
+  const double offset_m = model == InOutModel::grip_offset ? kFittedToThesis.offset_m : 0.0;
+  return {kFittedToThesis.mu, kFittedToThesis.e_x, offset_m, kOffsetReferenceSpeed_mps, ball::kMeasuredAlpha};
+}
+
+tl::expected<Rebound, InputError> rebound_of(InOutModel model, const ParameterValues& parameters,
+                                             double diameter_m, const Motion& touchdown, double e) {
+  const auto value = [&](Parameter p) { return has_parameter(model, p) ? parameters[index(p)] : 0.0; };
+  Coefficients c{.e = e, .mu = value(Parameter::mu), .e_x = value(Parameter::e_x)};
+  c.offset_m = value(Parameter::offset_m);
+  if (model == InOutModel::grip_offset) c.offset_reference_mps = value(Parameter::offset_reference_mps);
+  return impact::grip({.diameter_m = diameter_m, .alpha = value(Parameter::alpha)}, touchdown, c);
+}
+
+InputCovariance input_covariance(InOutModel model, const ParameterValues& parameters, double diameter_m,
+                                 const Observation& observation) {
+  InputCovariance sum;
+  for (std::size_t which = 0; which < 4; ++which) {
+    const Inputs more = moved(observation, which, 1.0);
+    const Inputs less = moved(observation, which, -1.0);
+    const auto high = rebound_of(model, parameters, diameter_m, more.touchdown, more.e);
+    const auto low = rebound_of(model, parameters, diameter_m, less.touchdown, less.e);
+    assert(high && low);
+    const double vx = 0.5 * (high->lift_off.vx_mps - low->lift_off.vx_mps);
+    const double spin = 0.25 * diameter_m * (high->lift_off.omega_radps - low->lift_off.omega_radps);
+    sum.vx += vx * vx;
+    sum.spin += spin * spin;
+    sum.cross += vx * spin;
+  }
+  return sum;
+}
+
+}  // namespace strobe::impact

@@ -1,0 +1,41 @@
+// What the inverse of the in/out models is fitted to: the motion measured at touchdown and lift-off of a
+// shot, or its means over the replicates of a condition, with their standard deviations. Plain values;
+// copying allocates (names). Thread-safe; not for the real-time path.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/data/thesis_data.hpp"
+#include "common/impact/rebound.hpp"
+
+namespace strobe::impact {
+
+/// Signs and units as in rebound.hpp. The standard deviations are of independent errors, >= 0.
+struct Observation {
+  std::string name;    ///< of this one, e.g. "zero_23" or "results.csv:7"; for messages and tables
+  std::string spin;    ///< group of the leave-one-spin-out validation, e.g. "zero", "top", "back"
+  std::string series;  ///< group of the leave-one-condition-out validation
+  Motion touchdown;
+  Motion touchdown_sd;
+  Motion lift_off;
+  Motion lift_off_sd;  ///< of vy it is not used: e says the same
+  double e = 0.0;      ///< measured restitution, 0…1
+  double e_sd = 0.0;
+};
+
+/// Which spread the published tables' standard deviations stand for.
+enum class Spread {
+  /// Of one replicate, as printed. "Within one sd" and the z-scores of the tables are by these.
+  replicate,
+  /// Of the mean of n replicates: the printed population sd over sqrt(n - 1). The machine's spread from shot
+  /// to shot is in it, though touchdown and lift-off share it, so that it cancels in part: an upper bound of
+  /// the error with which means can be compared.
+  mean,
+};
+
+/// One observation for each condition, in the order given; e is the tables' own.
+std::vector<Observation> observations_of(std::span<const thesis::Condition> conditions, Spread spread);
+
+}  // namespace strobe::impact
