@@ -52,6 +52,7 @@ struct Scale {
   double total_rotation_rad = 0.0;  ///< angle at lift-off less that at touchdown
   double diameter_m = ball::kThesisDiameter_m;
   double mass_kg = ball::kThesisMass_kg;
+  double alpha = ball::kMeasuredAlpha;  ///< for the torque only
 };
 
 struct DerivedMotion {

@@ -9,6 +9,7 @@
 
 #include "common/contact/contact_set.hpp"
 #include "common/contact/spin_pulse.hpp"
+#include "common/contact/value_sd.hpp"
 
 namespace strobe::contact {
 
@@ -80,11 +81,6 @@ Result<EndSpinTotal> end_spin_total(const ContactSet& set, double omega_td_radps
                                     double dwell_s);
 
 // --- Largest values (the thesis's Table 16) --------------------------------------------------------------
-
-struct ValueSd {
-  double value = 0.0;
-  double sd = 0.0;
-};
 
 /// One largest value and when it occurs.
 struct Peak {

@@ -1,0 +1,66 @@
+// The differentiation approach in real units: cubics through the fractions, derived to velocities, forces and
+// torque with standard deviations, the velocities they predict at touchdown and lift-off, where spin and slip
+// pass through zero, and how the errors grow from position to velocity to force (which is why the thesis left
+// this approach). Scales: x by dwell distance, y by the diameter, rotation by the total rotation, each over
+// the dwell time once per derivative. sds are those of the fit alone (see CubicFit); the scales' own are not
+// in them. Pure; thread-safe; what returns vectors allocates.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "common/contact/analysis.hpp"
+#include "common/contact/value_sd.hpp"
+
+namespace strobe::contact {
+
+/// Absent: that fit is absent.
+struct DerivedState {
+  std::optional<ValueSd> x_m, y_m, rotation_rad;
+  std::optional<ValueSd> vx_mps, vy_mps, omega_radps;
+  std::optional<ValueSd> fx_n, fy_n, torque_nm;  ///< m·a, alpha·m·R²·(domega/dt) about the centre
+  std::optional<ValueSd> slip_mps;               ///< vx + R·omega, the two fits taken as independent
+};
+
+DerivedState derive(const FractionFits& fits, const Scale& scale, double time_fraction);
+
+/// Velocities, forces and torque as polynomials of the time fraction, constant first: the thesis's Table 12
+/// in real units (its own is per unit of fraction: see fraction_polynomials()).
+struct DerivedPolynomials {
+  std::optional<std::array<double, 3>> vx_mps, vy_mps, omega_radps;
+  std::optional<std::array<double, 2>> fx_n, fy_n, torque_nm;
+};
+
+DerivedPolynomials derived_polynomials(const FractionFits& fits, const Scale& scale);
+
+/// The same with all scales 1: derivatives of the fractions by the time fraction.
+DerivedPolynomials fraction_polynomials(const FractionFits& fits);
+
+/// Time fractions in 0…1, in order, at which the fitted curves pass through zero (touchdown itself left out).
+/// The thesis's Table 14 asks where the rotation is zero; skidding stops where the slip is.
+struct ZeroCrossings {
+  std::vector<double> rotation;  ///< the angle is that of touchdown again
+  std::vector<double> omega;     ///< the spin changes its sense
+  std::vector<double> slip;      ///< vx + R·omega = 0
+};
+
+ZeroCrossings zero_crossings(const FractionFits& fits, const Scale& scale);
+
+/// Roots of c0 + c1·t + c2·t² in [low, high], in order; a double root once; none of a polynomial that is
+/// zero.
+std::vector<double> quadratic_roots(const std::array<double, 3>& c, double low, double high);
+
+/// Root mean square over the contact of the sd, over that of the quantity itself: the relative error of each
+/// derivative of one fit.
+struct ErrorGrowth {
+  double position = 0.0;
+  double velocity = 0.0;
+  double force = 0.0;
+  double force_at_ends = 0.0;  ///< the larger of the force's sds at touchdown and lift-off, over the same rms
+};
+
+/// Absent for a fit of four rows (no sd) or of a curve that is zero.
+std::optional<ErrorGrowth> error_growth(const CubicFit& fit);
+
+}  // namespace strobe::contact
