@@ -21,6 +21,10 @@ inline constexpr double kShellOuterRadius_m = 0.0300;
 inline constexpr double kShellInnerRadius_m = 0.0268;
 inline constexpr double kShellMeanRadius_m = 0.0284;
 
+/// Sizes and masses beyond these are refused: no power of them that the models form overflows.
+inline constexpr double kSmallestSize = 1e-30;
+inline constexpr double kLargestSize = 1e30;
+
 /// One ball. `alpha` is the moment of inertia over m·R², R being half of `diameter_m`.
 /// Valid: diameter_m > 0, mass_kg > 0, 0 < alpha <= 2/3 (no mass lies outside the surface); see check().
 struct Ball {
@@ -41,8 +45,9 @@ constexpr double thin_shell_inertia_kgm2(double mass_kg, double shell_radius_m) 
 }
 
 /// Moment of inertia of a thick spherical shell, (2m/5)(a⁵-b⁵)/(a³-b³), with the common factor a-b divided
-/// out so that thin shells lose no digits. Valid: outer > 0, 0 <= inner <= outer.
-double thick_shell_inertia_kgm2(double mass_kg, double outer_radius_m, double inner_radius_m);
+/// out so that thin shells lose no digits. Valid: outer > 0, 0 <= inner <= outer, mass > 0; otherwise a
+/// message.
+Result<double> thick_shell_inertia_kgm2(double mass_kg, double outer_radius_m, double inner_radius_m);
 
 /// Coefficient of restitution of still balls against temperature, e = 0.717 + 0.00055·T (LaMarche, R² 0.988).
 constexpr double restitution_at(double temperature_degF) { return 0.717 + 0.00055 * temperature_degF; }

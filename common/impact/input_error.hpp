@@ -16,12 +16,20 @@ enum class InputError {
   ball_out_of_range,         ///< diameter, mass or alpha outside ball::check
   dwell_not_positive,        ///< dwell time of 0 or less
   damping_undefined,         ///< e = 0 in the simplified pulse, whose damping would be infinite
+  phase_out_of_range,        ///< damping outside 0…10 or an angle of the pulse outside 0…pi
   magnitude_out_of_range,    ///< a finite number, but too large or too small for the model's arithmetic
   spring_out_of_range,       ///< a contact spring's or dashpot's ratio outside the range its model states
   tolerance_out_of_range,    ///< an integrator's tolerance or number of steps outside its range
   contact_without_end,       ///< the ball does not leave the surface: its weight holds it there
   contact_unresolved,        ///< more steps or events than an integration allows
 };
+
+/// Largest and smallest magnitude of any number (0 apart) that the closed forms take: no product or quotient
+/// of theirs overflows within it. Beyond it: magnitude_out_of_range. Speeds, spins, coefficients and offsets
+/// may be as small as they like; diameter, mass, alpha, dwell time and reference speed, which are divided by,
+/// may not.
+inline constexpr double kLargestMagnitude = 1e30;
+inline constexpr double kSmallestMagnitude = 1e-30;
 
 constexpr std::string_view message(InputError error) {
   switch (error) {
@@ -43,6 +51,8 @@ constexpr std::string_view message(InputError error) {
       return "dwell time must be positive";
     case InputError::damping_undefined:
       return "the simplified pulse needs e above 0";
+    case InputError::phase_out_of_range:
+      return "damping must be from 0 to 10, the pulse's angle from 0 to pi";
     case InputError::magnitude_out_of_range:
       return "a speed, a length, a mass or a time is too large or too small to compute with";
     case InputError::spring_out_of_range:

@@ -1,8 +1,10 @@
 // In/out models of an impact: from the velocities at touchdown and a few coefficients to those at lift-off.
 // The surface is along x, the ball comes from above (vy < 0); spin is counter-clockwise positive (backspin
 // for a ball moving along +x). Slip of the contact point: s = vx + R·omega. J = (1 + e)|vy| is the normal
-// impulse per mass; the ball's weight is left out (0.1–0.7 % of mu). Pure functions, no allocation:
-// thread-safe, real-time safe. Over a million a second on one core.
+// impulse per mass; the ball's weight is left out (0.1–0.7 % of mu). Values agree with 50-digit arithmetic to
+// 1e-13 of themselves or, where they pass through zero, of the terms that they are the difference of (the
+// slip at lift-off: of the slip and its changes, not of the speeds). Numbers beyond kLargestMagnitude are
+// refused. Pure functions, no allocation: thread-safe, real-time safe. Over a million a second on one core.
 #pragma once
 
 #include <string_view>

@@ -18,8 +18,8 @@ enum class PulseForm { exact, simplified };
 
 constexpr std::string_view name(PulseForm form) { return form == PulseForm::exact ? "exact" : "simplified"; }
 
-/// Damping f that gives the restitution e. Valid: simplified 0 < e <= 1, exact 0 <= e <= 1 (f at most
-/// 0.4745).
+/// Damping f that gives the restitution e, to 1e-13. Valid: simplified 0 < e <= 1, exact 0 <= e <= 1 (f at
+/// most 0.4745).
 tl::expected<double, InputError> damping_from_restitution(PulseForm form, double e);
 
 struct PulseInput {
@@ -31,6 +31,10 @@ struct PulseInput {
   double dwell_s = 0.0;  ///< > 0
   double mass_kg = ball::kThesisMass_kg;  ///< > 0; only the forces depend on it
 };
+
+/// How far the formulas are continued beyond the contact: measured times reach 1.005.
+inline constexpr double kEarliestFraction = -0.5;
+inline constexpr double kLatestFraction = 1.5;
 
 struct PulseState {
   double vx_mps = 0.0;
@@ -46,14 +50,15 @@ class SinePulse {
  public:
   static tl::expected<SinePulse, InputError> make(PulseForm form, const PulseInput& input);
 
-  /// The state at a share of the dwell time, 0…1. Outside of it the formulas are continued, though the ball
-  /// no longer touches the surface.
+  /// The state at a share of the dwell time, 0…1; a finite number. Outside of it the formulas are continued
+  /// as far as kEarliestFraction and kLatestFraction, though the ball no longer touches the surface; beyond
+  /// those the state stays as it is there.
   PulseState at_fraction(double time_fraction) const;
   PulseState at_time(double time_s) const { return at_fraction(time_s / input_.dwell_s); }
 
-  /// Time fraction at which `fraction` (0…1) of the normal impulse has acted, to 1e-12; exact form: unique.
-  /// The simplified form's impulse overshoots 1 before the end at small damping; the first such time is
-  /// given.
+  /// Time fraction at which `fraction` (0…1) of the normal impulse has acted, as exact as the fraction
+  /// determines it; exact form: unique. The simplified form's impulse overshoots 1 before the end at small
+  /// damping; the first such time is given.
   double fraction_at_impulse(double fraction) const;
 
   double damping() const { return damping_; }

@@ -16,17 +16,17 @@ TEST(BallModel, AThinShellAtTheMeanRadiusHasAnAlphaOf0508) {
 }
 
 TEST(BallModel, AThickShellHasAFewMilligramSquareMetresMoreThanTheThinOne) {
-  DOUBLES_EQUAL(3.11e-5, thick_shell_inertia_kgm2(kThesisMass_kg, kShellOuterRadius_m, kShellInnerRadius_m),
+  DOUBLES_EQUAL(3.11e-5, *thick_shell_inertia_kgm2(kThesisMass_kg, kShellOuterRadius_m, kShellInnerRadius_m),
                 0.005e-5);
 }
 
 TEST(BallModel, AThickShellOfNoThicknessIsAThinOne) {
-  DOUBLES_EQUAL(1.0, thick_shell_inertia_kgm2(0.057, 0.03, 0.03) / thin_shell_inertia_kgm2(0.057, 0.03),
+  DOUBLES_EQUAL(1.0, *thick_shell_inertia_kgm2(0.057, 0.03, 0.03) / thin_shell_inertia_kgm2(0.057, 0.03),
                 1e-15);
 }
 
 TEST(BallModel, AThickShellWithoutAHoleIsASolidSphere) {
-  DOUBLES_EQUAL(0.4 * 0.057 * 0.03 * 0.03, thick_shell_inertia_kgm2(0.057, 0.03, 0.0), 1e-20);
+  DOUBLES_EQUAL(0.4 * 0.057 * 0.03 * 0.03, *thick_shell_inertia_kgm2(0.057, 0.03, 0.0), 1e-20);
 }
 
 TEST(BallModel, FourDegreesFahrenheitChangeRestitutionBy00022) {
