@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cassert>
-#include <limits>
 
 namespace strobe::impact {
 
@@ -11,24 +10,7 @@ namespace {
 constexpr ParameterValues kLower{0.0, -1.0, 0.0, 1e-9, 0.01};
 constexpr double kLargestMu = 10.0;
 constexpr double kLargestReference_mps = 100.0;
-
-struct Inputs {
-  Motion touchdown;
-  double e;
-};
-
-/// The observation's inputs with one of the four moved by `shift` of its standard deviations.
-Inputs moved(const Observation& o, std::size_t which, double shift) {
-  Inputs in{o.touchdown, o.e};
-  if (which == 0) in.touchdown.vx_mps += shift * o.touchdown_sd.vx_mps;
-  if (which == 1) {
-    const double barely_down = -std::numeric_limits<double>::min();
-    in.touchdown.vy_mps = std::min(barely_down, in.touchdown.vy_mps + shift * o.touchdown_sd.vy_mps);
-  }
-  if (which == 2) in.touchdown.omega_radps += shift * o.touchdown_sd.omega_radps;
-  if (which == 3) in.e = std::clamp(in.e + shift * o.e_sd, 0.0, 1.0);
-  return in;
-}
+constexpr double kBarelyDown_mps = -1e-300;
 
 }  // namespace
 
@@ -66,12 +48,23 @@ tl::expected<Rebound, InputError> rebound_of(InOutModel model, const ParameterVa
   return impact::grip({.diameter_m = diameter_m, .alpha = value(Parameter::alpha)}, touchdown, c);
 }
 
+ModelInputs moved_inputs(const Observation& o, std::size_t which, double standard_deviations) {
+  ModelInputs in{o.touchdown, o.e};
+  Motion& td = in.touchdown;
+  if (which == 0) td.vx_mps += standard_deviations * o.touchdown_sd.vx_mps;
+  if (which == 1)
+    td.vy_mps = std::min(kBarelyDown_mps, td.vy_mps + standard_deviations * o.touchdown_sd.vy_mps);
+  if (which == 2) td.omega_radps += standard_deviations * o.touchdown_sd.omega_radps;
+  if (which == 3) in.e = std::clamp(in.e + standard_deviations * o.e_sd, 0.0, 1.0);
+  return in;
+}
+
 InputCovariance input_covariance(InOutModel model, const ParameterValues& parameters, double diameter_m,
                                  const Observation& observation) {
   InputCovariance sum;
-  for (std::size_t which = 0; which < 4; ++which) {
-    const Inputs more = moved(observation, which, 1.0);
-    const Inputs less = moved(observation, which, -1.0);
+  for (std::size_t which = 0; which < kInputCount; ++which) {
+    const ModelInputs more = moved_inputs(observation, which, 1.0);
+    const ModelInputs less = moved_inputs(observation, which, -1.0);
     const auto high = rebound_of(model, parameters, diameter_m, more.touchdown, more.e);
     const auto low = rebound_of(model, parameters, diameter_m, less.touchdown, less.e);
     assert(high && low);

@@ -54,9 +54,20 @@ ParameterValues default_values(InOutModel model);
 tl::expected<Rebound, InputError> rebound_of(InOutModel model, const ParameterValues& parameters,
                                              double diameter_m, const Motion& touchdown, double e);
 
+/// The uncertain inputs of an observation: vx, vy, omega at touchdown, and e.
+struct ModelInputs {
+  Motion touchdown;
+  double e = 0.0;
+};
+inline constexpr std::size_t kInputCount = 4;
+
+/// The observation's inputs with one of them (0…3) moved by so many of its standard deviations, kept in its
+/// valid range.
+ModelInputs moved_inputs(const Observation& observation, std::size_t which, double standard_deviations);
+
 /// What the uncertain inputs make uncertain in the prediction, as variances and covariance of (vx, R·omega)
 /// at lift-off, (m/s)². Each input's share is half the difference between its value plus and less one
-/// standard deviation (a secant, since the regimes' border is a kink), inputs kept in their valid range.
+/// standard deviation (a secant, since the regimes' border is a kink).
 struct InputCovariance {
   double vx = 0.0;
   double spin = 0.0;

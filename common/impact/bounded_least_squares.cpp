@@ -1,0 +1,163 @@
+#include "common/impact/bounded_least_squares.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+namespace strobe::impact {
+
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr int kMostIterations = 200;
+constexpr double kLargestDamping = 1e16;
+constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+
+VectorXd clamped(const LeastSquaresProblem& problem, const VectorXd& at) {
+  return at.cwiseMax(problem.lower).cwiseMin(problem.upper);
+}
+
+VectorXd moved(const VectorXd& at, Index i, double step) {
+  VectorXd out = at;
+  out[i] += step;
+  return out;
+}
+
+VectorXd derivative(const LeastSquaresProblem& problem, const VectorXd& at, Index i) {
+  const double wanted = std::cbrt(kEpsilon) * std::max(std::abs(at[i]), problem.scale[i]);
+  const double h = std::min(wanted, 0.25 * (problem.upper[i] - problem.lower[i]));
+  const bool low = at[i] - h < problem.lower[i];
+  if (!low && at[i] + h <= problem.upper[i])
+    return (problem.residuals(moved(at, i, h)) - problem.residuals(moved(at, i, -h))) / (2.0 * h);
+  const double side = low ? h : -h;
+  return (4.0 * problem.residuals(moved(at, i, side)) - problem.residuals(moved(at, i, 2.0 * side)) -
+          3.0 * problem.residuals(at)) /
+         (2.0 * side);
+}
+
+/// Parameters that may move: not those at a bound that the sum of squares presses against.
+std::vector<Index> movable(const LeastSquaresProblem& problem, const VectorXd& at, const VectorXd& gradient) {
+  std::vector<Index> out;
+  for (Index i = 0; i < at.size(); ++i) {
+    const bool pressed = (at[i] <= problem.lower[i] && gradient[i] >= 0.0) ||
+                         (at[i] >= problem.upper[i] && gradient[i] <= 0.0);
+    if (!pressed) out.push_back(i);
+  }
+  return out;
+}
+
+/// Minimizes |J·p + r|² + damping·|D·p|² over the movable parameters, D being the columns' lengths.
+VectorXd damped_step(const MatrixXd& jac, const VectorXd& r, const std::vector<Index>& free, double damping) {
+  const auto n = static_cast<Index>(free.size());
+  MatrixXd stacked = MatrixXd::Zero(jac.rows() + n, n);
+  VectorXd right = VectorXd::Zero(jac.rows() + n);
+  right.head(jac.rows()) = -r;
+  for (Index k = 0; k < n; ++k) {
+    const auto column = jac.col(free[static_cast<std::size_t>(k)]);
+    const double length = column.norm();
+    stacked.col(k).head(jac.rows()) = column;
+    stacked(jac.rows() + k, k) = std::sqrt(damping) * (length > 0.0 ? length : 1.0);
+  }
+  const VectorXd solution = stacked.colPivHouseholderQr().solve(right);
+  VectorXd step = VectorXd::Zero(jac.cols());
+  for (Index k = 0; k < n; ++k) step[free[static_cast<std::size_t>(k)]] = solution[k];
+  return step;
+}
+
+/// One accepted step, or false if none lessens the sum by more than rounding.
+bool improve(const LeastSquaresProblem& problem, Minimum& now, double& damping) {
+  const VectorXd r = problem.residuals(now.at);
+  const MatrixXd jac = jacobian(problem, now.at);
+  const std::vector<Index> free = movable(problem, now.at, jac.transpose() * r);
+  if (free.empty()) return false;
+  for (; damping <= kLargestDamping; damping *= 8.0) {
+    const VectorXd next = clamped(problem, now.at + damped_step(jac, r, free, damping));
+    const double sum = problem.residuals(next).squaredNorm();
+    if (!(sum < now.sum_of_squares)) continue;
+    const bool rounding = now.sum_of_squares - sum <= 4.0 * kEpsilon * now.sum_of_squares;
+    now.at = next;
+    now.sum_of_squares = sum;
+    damping = std::max(damping / 16.0, 1e-14);
+    return !rounding;
+  }
+  return false;
+}
+
+/// Steps along the axes, halved when none helps.
+Minimum searched(const LeastSquaresProblem& problem, Minimum now) {
+  for (double size = 0.05; size > 1e-9;) {
+    bool better = false;
+    for (Index i = 0; i < now.at.size(); ++i) {
+      for (const double sign : {1.0, -1.0}) {
+        const VectorXd next = clamped(problem, moved(now.at, i, sign * size * problem.scale[i]));
+        const double sum = problem.residuals(next).squaredNorm();
+        if (!(sum < now.sum_of_squares * (1.0 - 4.0 * kEpsilon))) continue;
+        now.at = next;
+        now.sum_of_squares = sum;
+        better = true;
+      }
+    }
+    if (!better) size *= 0.5;
+  }
+  return now;
+}
+
+/// Indices of the candidates, smallest sum of squares first.
+std::vector<std::size_t> ranked(const LeastSquaresProblem& problem, const std::vector<VectorXd>& candidates) {
+  std::vector<double> sums;
+  for (const VectorXd& c : candidates) sums.push_back(problem.residuals(clamped(problem, c)).squaredNorm());
+  std::vector<std::size_t> order(candidates.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return sums[a] < sums[b]; });
+  return order;
+}
+
+}  // namespace
+
+MatrixXd jacobian(const LeastSquaresProblem& problem, const VectorXd& at) {
+  MatrixXd out(problem.residuals(at).size(), at.size());
+  for (Index i = 0; i < at.size(); ++i) out.col(i) = derivative(problem, at, i);
+  return out;
+}
+
+Minimum descend(const LeastSquaresProblem& problem, const VectorXd& start) {
+  Minimum now{.at = clamped(problem, start)};
+  now.sum_of_squares = problem.residuals(now.at).squaredNorm();
+  double damping = 1e-3;
+  for (int i = 0; i < kMostIterations && !now.converged; ++i) now.converged = !improve(problem, now, damping);
+  return now;
+}
+
+Minimum minimize(const LeastSquaresProblem& problem, const VectorXd& first,
+                 const std::vector<VectorXd>& candidates, std::size_t tries) {
+  Minimum best = descend(problem, first);
+  const std::vector<std::size_t> order = ranked(problem, candidates);
+  for (std::size_t k = 0; k < std::min(tries, order.size()); ++k) {
+    const Minimum other = descend(problem, candidates[order[k]]);
+    if (other.sum_of_squares < best.sum_of_squares) best = other;
+  }
+  const Minimum found = searched(problem, best);
+  if (!(found.sum_of_squares < best.sum_of_squares)) return best;
+  return descend(problem, found.at);
+}
+
+std::optional<MatrixXd> inverse_gram(const MatrixXd& jac, double dependence) {
+  const Index n = jac.cols();
+  if (n == 0) return MatrixXd(0, 0);
+  const VectorXd lengths = jac.colwise().stableNorm();
+  if (jac.rows() < n || !(lengths.minCoeff() > 0.0) || !jac.allFinite()) return std::nullopt;
+  Eigen::ColPivHouseholderQR<MatrixXd> qr(jac * lengths.cwiseInverse().asDiagonal());
+  qr.setThreshold(dependence);
+  if (qr.rank() < n) return std::nullopt;
+  const MatrixXd inverse_r =
+      qr.matrixR().topRows(n).triangularView<Eigen::Upper>().solve(MatrixXd::Identity(n, n));
+  const MatrixXd half = lengths.cwiseInverse().asDiagonal() * (qr.colsPermutation() * inverse_r);
+  return MatrixXd(half * half.transpose());
+}
+
+}  // namespace strobe::impact

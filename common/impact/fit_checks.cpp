@@ -1,0 +1,102 @@
+#include "common/impact/fit_checks.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace strobe::impact {
+
+namespace {
+
+bool positive(double x) { return std::isfinite(x) && x > 0.0; }
+bool not_negative(double x) { return std::isfinite(x) && x >= 0.0; }
+
+bool usable(const Motion& sd) {
+  return not_negative(sd.vx_mps) && not_negative(sd.vy_mps) && not_negative(sd.omega_radps);
+}
+
+std::optional<FitFailure> wrong_options(const FitOptions& o) {
+  if (!positive(o.diameter_m) || !positive(o.vx_weight) || !positive(o.spin_weight))
+    return FitFailure{.error = FitError::invalid_options};
+  for (std::size_t i = 0; i < kParameterCount; ++i) {
+    const auto p = static_cast<Parameter>(i);
+    if (!has_parameter(o.model, p)) {
+      if (o.free[i]) return FitFailure{.error = FitError::parameter_not_in_model, .parameter = p};
+      continue;
+    }
+    const bool inside = o.start[i] >= lower_bound(p) && o.start[i] <= upper_bound(p, 0.5 * o.diameter_m);
+    if (!inside) return FitFailure{.error = FitError::value_out_of_bounds, .parameter = p};
+  }
+  return std::nullopt;
+}
+
+std::optional<FitFailure> wrong_observation(const Observation& o, std::size_t at, const FitOptions& options) {
+  const auto predicted = rebound_of(options.model, options.start, options.diameter_m, o.touchdown, o.e);
+  FitFailure failure{.error = FitError::invalid_observation, .observation = at};
+  if (!predicted) {
+    failure.input = predicted.error();
+    return failure;
+  }
+  if (!std::isfinite(o.lift_off.vx_mps) || !std::isfinite(o.lift_off.omega_radps)) return failure;
+  failure.error = FitError::sd_not_usable;
+  if (!usable(o.touchdown_sd) || !usable(o.lift_off_sd) || !not_negative(o.e_sd)) return failure;
+  const bool weightless = o.lift_off_sd.vx_mps == 0.0 || o.lift_off_sd.omega_radps == 0.0;
+  if (options.weighting == Weighting::stated_sd && weightless) return failure;
+  return std::nullopt;
+}
+
+std::string needs(FitError error) {
+  switch (error) {
+    case FitError::no_observations:
+      return "there are no observations to fit to";
+    case FitError::sd_not_usable:
+      return "standard deviations must be finite and not negative, those of lift-off positive where they "
+             "weight the fit";
+    case FitError::invalid_options:
+      return "diameter and weights must be positive";
+    case FitError::parameter_not_in_model:
+      return "the model does not have this parameter";
+    case FitError::value_out_of_bounds:
+      return "outside of the parameter's range";
+    case FitError::too_few_numbers:
+      return "too few observations for so many parameters: each gives two numbers (vx and omega)";
+    case FitError::not_identifiable:
+      return "cannot be told apart from the other parameters by these observations: fix it";
+    case FitError::invalid_observation:
+      break;
+  }
+  return "invalid observation";
+}
+
+}  // namespace
+
+std::optional<FitFailure> find_failure(std::span<const Observation> observations, const FitOptions& options) {
+  if (observations.empty()) return FitFailure{.error = FitError::no_observations};
+  if (const auto failure = wrong_options(options)) return failure;
+  for (std::size_t i = 0; i < observations.size(); ++i)
+    if (const auto failure = wrong_observation(observations[i], i, options)) return failure;
+  const auto parameters =
+      static_cast<std::size_t>(std::count(options.free.begin(), options.free.end(), true));
+  const std::size_t spare = options.scale == CovarianceScale::residuals && parameters > 0 ? 1 : 0;
+  if (2 * observations.size() < parameters + spare) return FitFailure{.error = FitError::too_few_numbers};
+  return std::nullopt;
+}
+
+std::string message(const FitFailure& failure, std::span<const Observation> observations) {
+  const auto at = [&] {
+    return failure.observation < observations.size() ? observations[failure.observation].name + ": " : "";
+  };
+  switch (failure.error) {
+    case FitError::invalid_observation:
+      return at() + std::string(message(failure.input));
+    case FitError::sd_not_usable:
+      return at() + needs(failure.error);
+    case FitError::parameter_not_in_model:
+    case FitError::value_out_of_bounds:
+    case FitError::not_identifiable:
+      return std::string(name(failure.parameter)) + ": " + needs(failure.error);
+    default:
+      return needs(failure.error);
+  }
+}
+
+}  // namespace strobe::impact

@@ -1,0 +1,301 @@
+#include "common/impact/model_fit.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "common/impact/bounded_least_squares.hpp"
+#include "common/impact/fit_checks.hpp"
+
+namespace strobe::impact {
+
+namespace {
+
+using Eigen::Index;
+using Eigen::Matrix2d;
+using Eigen::MatrixXd;
+using Eigen::Vector2d;
+using Eigen::VectorXd;
+
+constexpr std::size_t kStartsTried = 6;
+constexpr int kMostReweightings = 12;
+constexpr double kDependence = 1e-8;               // derivatives by differences are good to about 1e-10
+constexpr double kOneSidedZ = 1.6448536269514722;  // normal quantile of kLimitLevel
+
+/// One fit under way: which parameters are free, and how residuals are weighted.
+class Work {
+ public:
+  Work(std::span<const Observation> observations, const FitOptions& options)
+      : observations_(observations), options_(options), values_(options.start) {
+    for (std::size_t i = 0; i < kParameterCount; ++i)
+      if (options.free[i]) free_.push_back(static_cast<Parameter>(i));
+    weights_.resize(observations.size(), equal_weight());
+    if (options.weighting == Weighting::stated_sd) reweight(false);
+  }
+
+  ModelFit run() {
+    fit_once(kStartsTried);
+    if (options_.weighting == Weighting::stated_sd) settle_weights();
+    ModelFit out;
+    out.converged = converged_;
+    out.comparisons = compare(observations_, options_.model, values_, options_.diameter_m);
+    out.agreement = agreement_of(out.comparisons);
+    out.chi2 = residuals_at(free_values()).squaredNorm();
+    out.dof = static_cast<int>(2 * observations_.size()) - static_cast<int>(free_.size());
+    if (options_.scale == CovarianceScale::residuals) out.variance_scale = level(out.chi2, out.dof);
+    return out;
+  }
+
+  const std::vector<Parameter>& free() const { return free_; }
+  const ParameterValues& values() const { return values_; }
+
+  VectorXd free_values() const {
+    VectorXd out(static_cast<Index>(free_.size()));
+    for (std::size_t k = 0; k < free_.size(); ++k) out[static_cast<Index>(k)] = values_[index(free_[k])];
+    return out;
+  }
+
+  /// Weighted residuals, predicted less measured: two for each observation.
+  VectorXd residuals_at(const VectorXd& at) const {
+    const ParameterValues values = with(at);
+    VectorXd out(static_cast<Index>(2 * observations_.size()));
+    for (std::size_t i = 0; i < observations_.size(); ++i) {
+      const Observation& o = observations_[i];
+      const auto predicted = rebound_of(options_.model, values, options_.diameter_m, o.touchdown, o.e);
+      const Vector2d residual(
+          predicted->lift_off.vx_mps - o.lift_off.vx_mps,
+          0.5 * options_.diameter_m * (predicted->lift_off.omega_radps - o.lift_off.omega_radps));
+      out.segment<2>(static_cast<Index>(2 * i)) = weights_[i] * residual;
+    }
+    return out;
+  }
+
+  LeastSquaresProblem problem() const {
+    const auto n = static_cast<Index>(free_.size());
+    const double radius = 0.5 * options_.diameter_m;
+    const ParameterValues scales{0.1, 0.1, 0.1 * radius, 1.0, 0.1};
+    LeastSquaresProblem out{.residuals = [this](const VectorXd& at) { return residuals_at(at); },
+                            .lower = VectorXd(n),
+                            .upper = VectorXd(n),
+                            .scale = VectorXd(n)};
+    for (Index k = 0; k < n; ++k) {
+      const Parameter p = free_[static_cast<std::size_t>(k)];
+      out.lower[k] = lower_bound(p);
+      out.upper[k] = upper_bound(p, radius);
+      out.scale[k] = scales[index(p)];
+    }
+    return out;
+  }
+
+ private:
+  ParameterValues with(const VectorXd& at) const {
+    ParameterValues out = values_;
+    for (std::size_t k = 0; k < free_.size(); ++k) out[index(free_[k])] = at[static_cast<Index>(k)];
+    return out;
+  }
+
+  Matrix2d equal_weight() const {
+    return Vector2d(std::sqrt(options_.vx_weight), std::sqrt(options_.spin_weight)).asDiagonal();
+  }
+
+  /// Whitening: the inverse of the Cholesky factor of the residual's covariance.
+  void reweight(bool with_inputs) {
+    for (std::size_t i = 0; i < observations_.size(); ++i) {
+      const Observation& o = observations_[i];
+      InputCovariance c;
+      if (with_inputs) c = input_covariance(options_.model, values_, options_.diameter_m, o);
+      c.vx += std::pow(o.lift_off_sd.vx_mps, 2);
+      c.spin += std::pow(0.5 * options_.diameter_m * o.lift_off_sd.omega_radps, 2);
+      const double first = std::sqrt(c.vx);
+      const double across = c.cross / first;
+      const double second = std::sqrt(std::max(c.spin - across * across, std::numeric_limits<double>::min()));
+      weights_[i] << 1.0 / first, 0.0, -across / (first * second), 1.0 / second;
+    }
+  }
+
+  void fit_once(std::size_t tries) {
+    if (free_.empty()) {
+      converged_ = true;
+      return;
+    }
+    const Minimum found = minimize(problem(), free_values(), candidates(tries), tries);
+    values_ = with(found.at);
+    converged_ = found.converged;
+  }
+
+  /// The inputs' share of the weights depends on the parameters: alternate until they stand still.
+  void settle_weights() {
+    const VectorXd scale = problem().scale;
+    for (int i = 0; i < kMostReweightings; ++i) {
+      const VectorXd before = free_values();
+      reweight(true);
+      fit_once(i == 0 ? kStartsTried : 0);
+      if (((free_values() - before).array().abs() <= 1e-7 * scale.array()).all()) return;
+    }
+  }
+
+  /// A grid over the free parameters.
+  std::vector<VectorXd> candidates(std::size_t tries) const {
+    if (tries == 0) return {};
+    const double radius = 0.5 * options_.diameter_m;
+    const std::array<std::vector<double>, kParameterCount> grid{{{0.15, 0.35, 0.55, 0.8},
+                                                                 {0.0, 0.15, 0.5},
+                                                                 {0.01 * radius, 0.08 * radius, 0.2 * radius},
+                                                                 {0.3, 2.5, 10.0},
+                                                                 {0.4, 0.5, 0.6}}};
+    std::vector<VectorXd> out{free_values()};
+    for (std::size_t k = 0; k < free_.size(); ++k) {
+      std::vector<VectorXd> longer;
+      for (const VectorXd& c : out) {
+        for (const double value : grid[index(free_[k])]) {
+          longer.push_back(c);
+          longer.back()[static_cast<Index>(k)] = value;
+        }
+      }
+      out = std::move(longer);
+    }
+    return out;
+  }
+
+  /// chi2/dof, and 0 where the residuals are no more than the rounding of the numbers.
+  double level(double chi2, int dof) const {
+    double rounding = 0.0;
+    for (std::size_t i = 0; i < observations_.size(); ++i) {
+      const Observation& o = observations_[i];
+      const double largest = std::abs(o.touchdown.vx_mps) + std::abs(o.touchdown.vy_mps) +
+                             options_.diameter_m * std::abs(o.touchdown.omega_radps);
+      const Vector2d error = Vector2d::Constant(16.0 * std::numeric_limits<double>::epsilon() * largest);
+      rounding += (weights_[i].cwiseAbs() * error).squaredNorm();
+    }
+    return chi2 <= rounding ? 0.0 : chi2 / dof;
+  }
+
+  std::span<const Observation> observations_;
+  const FitOptions& options_;
+  ParameterValues values_;
+  std::vector<Parameter> free_;
+  std::vector<Matrix2d> weights_;
+  bool converged_ = false;
+};
+
+/// Columns of the Jacobian by what becomes of their parameters.
+struct Columns {
+  std::vector<Index> fitted;
+  std::vector<Index> at_bound;
+};
+
+MatrixXd picked(const MatrixXd& jac, const std::vector<Index>& columns) {
+  MatrixXd out(jac.rows(), static_cast<Index>(columns.size()));
+  for (std::size_t k = 0; k < columns.size(); ++k) out.col(static_cast<Index>(k)) = jac.col(columns[k]);
+  return out;
+}
+
+Columns sort_columns(const Work& work, const LeastSquaresProblem& problem, const MatrixXd& jac,
+                     ModelFit& fit) {
+  Columns out;
+  const VectorXd at = work.free_values();
+  const double strongest = (jac * problem.scale.asDiagonal()).colwise().norm().maxCoeff();
+  for (Index k = 0; k < at.size(); ++k) {
+    FittedParameter& parameter = fit.parameters[index(work.free()[static_cast<std::size_t>(k)])];
+    const double near = 1e-9 * problem.scale[k];
+    parameter.status = ParameterStatus::fitted;
+    if (at[k] <= problem.lower[k] + near) parameter.status = ParameterStatus::at_lower_bound;
+    if (at[k] >= problem.upper[k] - near) parameter.status = ParameterStatus::at_upper_bound;
+    if (parameter.status != ParameterStatus::fitted) {
+      out.at_bound.push_back(k);
+    } else if (problem.scale[k] * jac.col(k).norm() <= kDependence * strongest) {
+      parameter.status = ParameterStatus::undetermined;
+    } else {
+      out.fitted.push_back(k);
+    }
+  }
+  return out;
+}
+
+/// How far from its bound the parameter may be: where the linearized sum of squares has risen by z².
+void set_limit(const MatrixXd& fitted, const VectorXd& column, const VectorXd& residuals, double scale,
+               const LeastSquaresProblem& problem, Index k, FittedParameter& parameter) {
+  VectorXd alone = column;
+  if (fitted.cols() > 0) alone -= fitted * fitted.colPivHouseholderQr().solve(column);
+  if (alone.norm() <= kDependence * column.norm() || column.norm() == 0.0) return;
+  const double rise = kOneSidedZ * kOneSidedZ * scale;
+  const double slope = std::abs(alone.dot(residuals));
+  const double root = slope + std::sqrt(slope * slope + alone.squaredNorm() * rise);
+  const double away = root > 0.0 ? rise / root : 0.0;
+  const bool low = parameter.status == ParameterStatus::at_lower_bound;
+  parameter.limit = std::clamp(parameter.value + (low ? away : -away), problem.lower[k], problem.upper[k]);
+}
+
+double least_friction(const ModelFit& fit) {
+  double most = 0.0;
+  for (const Comparison& c : fit.comparisons) most = std::max(most, std::abs(c.predicted.impulse_ratio));
+  return most;
+}
+
+/// The parameter without which the others would not depend on each other.
+Parameter culprit(const MatrixXd& jac, const std::vector<Index>& fitted, const Work& work) {
+  for (std::size_t k = fitted.size(); k-- > 0;) {
+    std::vector<Index> others = fitted;
+    others.erase(others.begin() + static_cast<std::ptrdiff_t>(k));
+    if (inverse_gram(picked(jac, others), kDependence))
+      return work.free()[static_cast<std::size_t>(fitted[k])];
+  }
+  return work.free()[static_cast<std::size_t>(fitted.front())];
+}
+
+tl::expected<void, FitFailure> add_uncertainty(const Work& work, ModelFit& fit) {
+  if (work.free().empty()) return {};
+  const LeastSquaresProblem problem = work.problem();
+  const VectorXd at = work.free_values();
+  const MatrixXd jac = jacobian(problem, at);
+  const Columns columns = sort_columns(work, problem, jac, fit);
+  const MatrixXd fitted = picked(jac, columns.fitted);
+  const auto covariance = inverse_gram(fitted, kDependence);
+  if (!covariance)
+    return tl::unexpected(
+        FitFailure{.error = FitError::not_identifiable, .parameter = culprit(jac, columns.fitted, work)});
+  const auto place = [&](std::size_t k) {
+    return index(work.free()[static_cast<std::size_t>(columns.fitted[k])]);
+  };
+  for (std::size_t a = 0; a < columns.fitted.size(); ++a) {
+    for (std::size_t b = 0; b < columns.fitted.size(); ++b)
+      fit.covariance(static_cast<Index>(place(a)), static_cast<Index>(place(b))) =
+          fit.variance_scale * (*covariance)(static_cast<Index>(a), static_cast<Index>(b));
+    const auto diagonal = static_cast<Index>(place(a));
+    fit.parameters[place(a)].sd = std::sqrt(fit.covariance(diagonal, diagonal));
+  }
+  const VectorXd residuals = work.residuals_at(at);
+  for (const Index k : columns.at_bound)
+    set_limit(fitted, jac.col(k), residuals, fit.variance_scale, problem, k,
+              fit.parameters[index(work.free()[static_cast<std::size_t>(k)])]);
+  FittedParameter& mu = fit.parameters[index(Parameter::mu)];
+  if (mu.status == ParameterStatus::undetermined) mu.limit = least_friction(fit);
+  return {};
+}
+
+}  // namespace
+
+tl::expected<ModelFit, FitFailure> fit(std::span<const Observation> observations, const FitOptions& options) {
+  if (const auto failure = find_failure(observations, options)) return tl::unexpected(*failure);
+  Work work(observations, options);
+  ModelFit out = work.run();
+  out.covariance.setZero();
+  for (std::size_t i = 0; i < kParameterCount; ++i) out.parameters[i].value = work.values()[i];
+  if (const auto added = add_uncertainty(work, out); !added) return tl::unexpected(added.error());
+  return out;
+}
+
+ParameterValues ModelFit::values() const {
+  ParameterValues out{};
+  for (std::size_t i = 0; i < kParameterCount; ++i) out[i] = parameters[i].value;
+  return out;
+}
+
+double ModelFit::correlation(Parameter a, Parameter b) const {
+  const auto i = static_cast<Index>(index(a));
+  const auto j = static_cast<Index>(index(b));
+  const double scale = std::sqrt(covariance(i, i)) * std::sqrt(covariance(j, j));
+  return scale > 0.0 ? covariance(i, j) / scale : 0.0;
+}
+
+}  // namespace strobe::impact

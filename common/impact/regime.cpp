@@ -1,0 +1,127 @@
+#include "common/impact/regime.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace strobe::impact {
+
+namespace {
+
+using Eigen::Index;
+
+/// Enough to make any contact grip.
+constexpr double kAnyFriction = 1e9;
+
+/// What the model says of inputs.
+struct Said {
+  double needed = 0.0;
+  double available = 0.0;
+  double slip_lo = 0.0;
+
+  double margin() const { return needed - available; }
+};
+
+Said say(InOutModel model, const ParameterValues& parameters, double diameter_m, const ModelInputs& in) {
+  ParameterValues rough = parameters;
+  rough[index(Parameter::mu)] = kAnyFriction;
+  const auto gripping = rebound_of(model, rough, diameter_m, in.touchdown, in.e);
+  const auto actual = rebound_of(model, parameters, diameter_m, in.touchdown, in.e);
+  return {.needed = std::abs(gripping->lift_off.vx_mps - in.touchdown.vx_mps),
+          .available = parameters[index(Parameter::mu)] * (1.0 + in.e) * std::abs(in.touchdown.vy_mps),
+          .slip_lo = actual->slip_lo_mps};
+}
+
+/// Sums variances of the margin and of the slip.
+struct Variances {
+  double margin = 0.0;
+  double slip_lo = 0.0;
+};
+
+void add_inputs(const Observation& o, InOutModel model, const ParameterValues& values, double diameter_m,
+                Variances& sum) {
+  for (std::size_t which = 0; which < kInputCount; ++which) {
+    const Said more = say(model, values, diameter_m, moved_inputs(o, which, 1.0));
+    const Said less = say(model, values, diameter_m, moved_inputs(o, which, -1.0));
+    sum.margin += std::pow(0.5 * (more.margin() - less.margin()), 2);
+    sum.slip_lo += std::pow(0.5 * (more.slip_lo - less.slip_lo), 2);
+  }
+}
+
+/// Parameters move together along the axes of their covariance, one standard deviation each way, kept in
+/// their bounds.
+void add_parameters(const ModelInputs& in, InOutModel model, const ModelFit& fit, double diameter_m,
+                    Variances& sum) {
+  using Square = Eigen::Matrix<double, kParameterCount, kParameterCount>;
+  using Vector = Eigen::Matrix<double, kParameterCount, 1>;
+  const Vector sd = fit.covariance.diagonal().cwiseSqrt();
+  const Vector inverse = (sd.array() > 0.0).select(sd.cwiseInverse(), 0.0);
+  const Square correlation = inverse.asDiagonal() * fit.covariance * inverse.asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Square> axes(correlation);
+  const auto moved = [&](Index axis, double sign) {
+    const Vector step = sd.cwiseProduct(axes.eigenvectors().col(axis)) *
+                        (sign * std::sqrt(std::max(axes.eigenvalues()[axis], 0.0)));
+    ParameterValues out = fit.values();
+    for (std::size_t i = 0; i < kParameterCount; ++i) {
+      const auto p = static_cast<Parameter>(i);
+      if (sd[static_cast<Index>(i)] > 0.0)
+        out[i] = std::clamp(out[i] + step[static_cast<Index>(i)], lower_bound(p),
+                            upper_bound(p, 0.5 * diameter_m));
+    }
+    return out;
+  };
+  for (Index axis = 0; axis < static_cast<Index>(kParameterCount); ++axis) {
+    const Said more = say(model, moved(axis, 1.0), diameter_m, in);
+    const Said less = say(model, moved(axis, -1.0), diameter_m, in);
+    sum.margin += std::pow(0.5 * (more.margin() - less.margin()), 2);
+    sum.slip_lo += std::pow(0.5 * (more.slip_lo - less.slip_lo), 2);
+  }
+}
+
+double in_sd(double value, double sd) {
+  if (value == 0.0) return 0.0;
+  return sd > 0.0 ? value / sd : std::copysign(std::numeric_limits<double>::infinity(), value);
+}
+
+/// What rolling off needs less what happened, in the direction of the slip; vx and omega as independent.
+void add_measured(const Observation& o, double alpha, double radius, RegimeJudgement& out) {
+  const double share = alpha / (1.0 + alpha);
+  const double slip = o.touchdown.vx_mps + radius * o.touchdown.omega_radps;
+  const double sign = slip < 0.0 ? -1.0 : 1.0;
+  out.slip_lo_mps = o.lift_off.vx_mps + radius * o.lift_off.omega_radps;
+  out.slip_lo_sd_mps = std::hypot(o.lift_off_sd.vx_mps, radius * o.lift_off_sd.omega_radps);
+  out.shortfall_mps = share * std::abs(slip) - sign * (o.touchdown.vx_mps - o.lift_off.vx_mps);
+  out.shortfall_sd_mps = std::hypot((1.0 - share) * o.touchdown_sd.vx_mps, o.lift_off_sd.vx_mps,
+                                    share * radius * o.touchdown_sd.omega_radps);
+  if (out.shortfall_mps <= 0.0)
+    out.measured = MeasuredRegime::grips;
+  else if (sign * out.slip_lo_mps > 2.0 * out.slip_lo_sd_mps)
+    out.measured = MeasuredRegime::slides;
+}
+
+}  // namespace
+
+tl::expected<RegimeJudgement, InputError> judge_regime(const Observation& observation, InOutModel model,
+                                                       const ModelFit& fit, double diameter_m) {
+  const ParameterValues values = fit.values();
+  const ModelInputs in{observation.touchdown, observation.e};
+  const auto rebound = rebound_of(model, values, diameter_m, in.touchdown, in.e);
+  if (!rebound) return tl::unexpected(rebound.error());
+  const Said said = say(model, values, diameter_m, in);
+  Variances variances;
+  add_inputs(observation, model, values, diameter_m, variances);
+  add_parameters(in, model, fit, diameter_m, variances);
+
+  RegimeJudgement out{.name = observation.name, .predicted = rebound->regime};
+  out.friction_needed_mps = said.needed;
+  out.friction_available_mps = said.available;
+  out.margin_sd_mps = std::sqrt(variances.margin);
+  out.z = in_sd(said.margin(), out.margin_sd_mps);
+  out.probability_slides = 0.5 * std::erfc(-out.z / std::sqrt(2.0));
+  out.slip_lo_predicted_mps = said.slip_lo;
+  out.slip_lo_predicted_sd_mps = std::sqrt(variances.slip_lo);
+  add_measured(observation, values[index(Parameter::alpha)], 0.5 * diameter_m, out);
+  return out;
+}
+
+}  // namespace strobe::impact
