@@ -1,0 +1,169 @@
+// The mechanics of a contact, integrated: normal spring and dashpot, Coulomb friction, a tangential spring
+// and dashpot at the contact point that grip and slip, and a normal force that stands ahead of the centre.
+//
+// With y the depth of the centre below its height at touchdown, u the stretch of the tangential spring,
+// s = vx + R·omega, a(y) = sqrt(y(2R - y)) the footprint's radius (R beyond y = R):
+//   N  = k·y + c·dy/dt (only pushes; the ball leaves where N = 0),        m·d²y/dt² = -N + m·g,
+//   F  = k_t·u + c_t·du/dt,  |F| <= mu·N,                                m·dvx/dt = -F,
+//   alpha·m·R²·domega/dt = -R·F + d·N,
+//   grips: du/dt = s;   slips in direction sigma = ±1: F = sigma·mu·N, with sigma·(s - du/dt) > 0.
+//
+// The offset d. Pressure under a turning footprint: the point at xi ahead of the centre goes down at
+// -vy - omega·xi, so that with damping the pressure is higher where the turning presses down and its centre
+// stands off by an amount odd in omega, ahead of the centre when the ball rolls forward (omega < 0). Hence
+//   d = -delta·a(y)·w/sqrt(w² + w0²),   w = R·omega,
+// odd in the direction of turning, gone with it and with the footprint. Its couple has the power
+// d·N·omega <= 0 at every instant, by its sign alone. With
+//   E = m(vx² + vy² + alpha·R²·omega²)/2 + k·y²/2 + k_t·u²/2 (- m·g·y):
+//   dE/dt = -c(dy/dt)² - F(s - du/dt) - c_t(du/dt)² + d·N·omega,
+// each term <= 0 (F and s - du/dt have the same sign), so energy never grows. A mirrored contact is the
+// mirror image to the last bit.
+//
+// Numerics. Integrated in units of |vy|, sqrt(m/k) and m, as changes since touchdown, so that no range of
+// speeds loses digits. Dormand and Prince's embedded pair 5(4) with the error of the speeds, distances and
+// energies held to the tolerance; or fixed steps of RK4 or semi-implicit Euler. Changes of mode and the
+// release are bracketed on the step's cubic through its ends and then located to rounding by repeating the
+// step at its fraction, so that no step spans a change of law and the order of the method is kept; so are
+// the reversals of friction, the deepest point and the largest force. Where rounding cannot tell grip from
+// slip, the present mode is kept for 1e-7 of sqrt(m/k). No allocation in simulate(); thread-safe,
+// real-time safe.
+// Source: tiers 4 and 5 after R. Cross (grip and slip of balls); E. Hairer, S. P. Nørsett, G. Wanner, Solving
+// Ordinary Differential Equations I, II.5, II.6.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <tl/expected.hpp>
+
+#include "common/impact/rebound.hpp"
+
+namespace strobe::impact {
+
+/// Rolling speed R·|omega| at which the offset is 1/sqrt(2) of the full one.
+inline constexpr double kContactOffsetReference_mps = 2.5;
+
+/// What ball and surface have in common. The springs are given by what they do: k and c by e and the dwell
+/// time (normal_spring.hpp), the tangential ones relative to k.
+struct ContactCoefficients {
+  double e = 0.75;                ///< normal restitution, 1e-3…1
+  double dwell_s = 5e-3;          ///< touchdown to release, 1e-9…1e3
+  double mu = 0.555;              ///< coefficient of friction, 0…1e3
+  double stiffness_ratio = 1.39;  ///< k_t/k, 1e-3…1e3
+  double damping_ratio = 0.75;    ///< c_t/sqrt(k_t·m), 0 (none) or 0.01…10
+  double offset_share = 0.098;    ///< delta: offset over the footprint's radius at full speed, 0…1
+  double offset_reference_mps = kContactOffsetReference_mps;  ///< w0, 1e-9…1e9
+  double gravity_mps2 = 0.0;  ///< towards the surface, 0…1e3; at most 0.7 % of mu in the thesis's shots
+};
+
+enum class ContactMode { slips_forward, slips_backward, grips };
+
+constexpr std::string_view name(ContactMode mode) {
+  switch (mode) {
+    case ContactMode::slips_forward:
+      return "slips_forward";
+    case ContactMode::slips_backward:
+      return "slips_backward";
+    case ContactMode::grips:
+      return "grips";
+  }
+  return "";
+}
+
+enum class ContactEventKind { grip, slip, friction_reversal, deepest, largest_force, release };
+
+constexpr std::string_view name(ContactEventKind kind) {
+  switch (kind) {
+    case ContactEventKind::grip:
+      return "grip";
+    case ContactEventKind::slip:
+      return "slip";
+    case ContactEventKind::friction_reversal:
+      return "friction_reversal";
+    case ContactEventKind::deepest:
+      return "deepest";
+    case ContactEventKind::largest_force:
+      return "largest_force";
+    case ContactEventKind::release:
+      return "release";
+  }
+  return "";
+}
+
+struct ContactEvent {
+  double time_s = 0.0;
+  ContactEventKind kind = ContactEventKind::release;
+};
+
+inline constexpr int kMaxContactEvents = 64;
+
+/// In joules. lost() accounts for kinetic_td - kinetic_lo to the tolerance (with gravity also for its work).
+struct ContactEnergy {
+  double kinetic_td_j = 0.0;  ///< of translation and rotation
+  double kinetic_lo_j = 0.0;
+  double kinetic_lost_j = 0.0;  ///< their difference, without its cancellation
+  double normal_damping_j = 0.0;
+  double sliding_j = 0.0;
+  double tangential_damping_j = 0.0;
+  double offset_j = 0.0;              ///< taken from the spin by the offset normal force
+  double normal_spring_left_j = 0.0;  ///< in the compressed spring at release: lost, as the ball is gone
+  double tangential_spring_left_j = 0.0;
+  double gravity_work_j = 0.0;  ///< done by the weight from touchdown to release (0 without gravity)
+  double lost_j() const {
+    return normal_damping_j + sliding_j + tangential_damping_j + offset_j + normal_spring_left_j +
+           tangential_spring_left_j - gravity_work_j;
+  }
+};
+
+struct ContactSummary {
+  Motion lift_off;
+  Regime regime = Regime::slides;  ///< grips: the contact point came to a stop before release
+  double dwell_s = 0.0;            ///< touchdown to release
+  /// When skidding ended: the first grip after slipping; 0 where the ball gripped from touchdown on; empty
+  /// where it slides throughout (a tangential spring may hold briefly as the force sets in: no grip).
+  std::optional<double> skid_to_grip_s;
+  /// When the ball's rigid contact point stopped, s = vx + R·omega = 0 (what velocities alone show). Later
+  /// than skid_to_grip_s by the give of the tangential spring; empty if it did not.
+  std::optional<double> slip_zero_s;
+  int friction_reversals = 0;
+  double max_depth_m = 0.0;
+  double max_depth_time_s = 0.0;
+  double max_force_n = 0.0;  ///< largest N; at touchdown if the dashpot outweighs the spring
+  double max_force_time_s = 0.0;
+  double max_friction_n = 0.0;    ///< largest |F| at the ends of steps and events
+  double dwell_distance_m = 0.0;  ///< of the centre along the surface
+  double rotation_rad = 0.0;      ///< touchdown to release, counter-clockwise
+  double slip_lo_mps = 0.0;       ///< vx + R·omega at release
+  double impulse_ratio = 0.0;     ///< (vx_TD - vx_LO)/(vy_LO - vy_TD)
+  double mean_offset_m = 0.0;     ///< impulse-weighted offset of the normal force, along +x
+  ContactEnergy energy;
+  std::array<ContactEvent, kMaxContactEvents> events{};
+  int event_count = 0;
+  int steps = 0;
+  int evaluations = 0;  ///< of the right-hand side, those of locating events included
+
+  std::span<const ContactEvent> event_list() const {
+    return {events.data(), static_cast<std::size_t>(event_count)};
+  }
+};
+
+enum class ContactMethod { dormand_prince, rk4, semi_implicit_euler };
+
+struct ContactOptions {
+  ContactMethod method = ContactMethod::dormand_prince;
+  double tolerance =
+      1e-9;         ///< dormand_prince: error at release relative to the scale of each motion, 1e-12…1e-3
+  int steps = 200;  ///< fixed-step methods: steps from touchdown to release without gravity, 4…1e7
+};
+
+/// One contact, without its course. Errors: not_finite, ball_out_of_range, not_approaching,
+/// restitution_out_of_range, friction_negative, spring_out_of_range, offset_out_of_range,
+/// dwell_not_positive, tolerance_out_of_range; magnitude_out_of_range (|vx|, |vy| above 1e9 m/s, |vy| below
+/// 1e-15 m/s, |omega| above 1e9 rad/s, |R·omega| or |vx| above 1e15·|vy|, diameter or mass outside
+/// 1e-9…1e9); contact_without_end (gravity); contact_unresolved (not met in tests over the whole range).
+tl::expected<ContactSummary, InputError> simulate(const ball::Ball& ball, const Motion& touchdown,
+                                                  const ContactCoefficients& coefficients,
+                                                  const ContactOptions& options = {});
+
+}  // namespace strobe::impact

@@ -1,0 +1,219 @@
+#include "common/impact/contact_system.hpp"
+
+#include <algorithm>
+
+#include "common/impact/normal_spring.hpp"
+
+namespace strobe::impact::detail {
+
+namespace {
+
+bool within(double value, double low, double high) { return value >= low && value <= high; }
+
+bool all_finite(const ball::Ball& b, const Motion& m, const ContactCoefficients& c) {
+  for (const double v :
+       {b.diameter_m, b.mass_kg, b.alpha, m.vx_mps, m.vy_mps, m.omega_radps, c.e, c.dwell_s, c.mu,
+        c.stiffness_ratio, c.damping_ratio, c.offset_share, c.offset_reference_mps, c.gravity_mps2})
+    if (!std::isfinite(v)) return false;
+  return true;
+}
+
+std::optional<InputError> find_motion_error(const ball::Ball& b, const Motion& m) {
+  if (b.diameter_m <= 0.0 || b.mass_kg <= 0.0 || b.alpha <= 0.0 || b.alpha > ball::kThinShellAlpha)
+    return InputError::ball_out_of_range;
+  if (m.vy_mps >= 0.0) return InputError::not_approaching;
+  const double largest = 1e9;
+  if (!within(b.diameter_m, 1e-9, largest) || !within(b.mass_kg, 1e-9, largest) || b.alpha < 1e-6 ||
+      !within(-m.vy_mps, 1e-15, largest) || std::abs(m.vx_mps) > largest || std::abs(m.omega_radps) > largest)
+    return InputError::magnitude_out_of_range;
+  if (std::max(std::abs(m.vx_mps), std::abs(b.radius_m() * m.omega_radps)) > -1e15 * m.vy_mps)
+    return InputError::magnitude_out_of_range;
+  return std::nullopt;
+}
+
+std::optional<InputError> find_coefficient_error(const ContactCoefficients& c) {
+  if (!within(c.e, kLeastSpringRestitution, 1.0)) return InputError::restitution_out_of_range;
+  if (c.dwell_s <= 0.0) return InputError::dwell_not_positive;
+  if (c.mu < 0.0) return InputError::friction_negative;
+  if (!within(c.stiffness_ratio, 1e-3, 1e3) ||
+      (c.damping_ratio != 0.0 && !within(c.damping_ratio, 0.01, 10.0)))
+    return InputError::spring_out_of_range;
+  if (!within(c.offset_share, 0.0, 1.0) || !within(c.offset_reference_mps, 1e-9, 1e9))
+    return InputError::offset_out_of_range;
+  if (!within(c.dwell_s, 1e-9, 1e3) || c.mu > 1e3 || !within(c.gravity_mps2, 0.0, 1e3))
+    return InputError::magnitude_out_of_range;
+  return std::nullopt;
+}
+
+struct Term {
+  const State* slope;
+  double weight;
+};
+
+template <std::size_t n>
+State combine(const State& z, double h, const std::array<Term, n>& terms) {
+  State out;
+  for (std::size_t i = 0; i < kComponents; ++i) {
+    double sum = 0.0;
+    for (const Term& term : terms) sum += term.weight * (*term.slope)[i];
+    out[i] = z[i] + h * sum;
+  }
+  return out;
+}
+
+State rk4(const System& s, ContactMode mode, const State& z, const State& k1, double h) {
+  const State k2 = derivative(s, combine<1>(z, h, {{{&k1, 0.5}}}), mode);
+  const State k3 = derivative(s, combine<1>(z, h, {{{&k2, 0.5}}}), mode);
+  const State k4 = derivative(s, combine<1>(z, h, {{{&k3, 1.0}}}), mode);
+  return combine<4>(z, h, {{{&k1, 1.0 / 6.0}, {&k2, 1.0 / 3.0}, {&k3, 1.0 / 3.0}, {&k4, 1.0 / 6.0}}});
+}
+
+/// Speeds by the slopes at the start, then everything else by the slopes at the new speeds.
+State semi_implicit_euler(const System& s, ContactMode mode, const State& z, const State& k1, double h) {
+  State speeds = z;
+  for (const std::size_t i : {kDepthRate, kVxChange, kSpinChange}) speeds[i] += h * k1[i];
+  const State k2 = derivative(s, speeds, mode);
+  State out = speeds;
+  for (const std::size_t i : {kDepth, kStretch, kPathChange, kAngleChange, kDampingLoss, kSlidingLoss,
+                              kTangentialLoss, kOffsetLoss, kOffsetImpulse})
+    out[i] += h * k2[i];
+  return out;
+}
+
+}  // namespace
+
+double System::friction(const State& z, ContactMode mode) const {
+  return mode == ContactMode::grips ? holding_force(z) : direction(mode) * mu * normal_force(z);
+}
+
+double System::offset(const State& z) const {
+  if (delta == 0.0) return 0.0;
+  const double share = std::clamp(z[kDepth] / radius, 0.0, 1.0);
+  const double w = spin(z);
+  return -delta * std::sqrt(share * (2.0 - share)) * w / std::sqrt(w * w + w_ref * w_ref);
+}
+
+tl::expected<System, InputError> make_system(const ball::Ball& ball, const Motion& touchdown,
+                                             const ContactCoefficients& c) {
+  if (!all_finite(ball, touchdown, c)) return tl::unexpected(InputError::not_finite);
+  if (const auto error = find_motion_error(ball, touchdown)) return tl::unexpected(*error);
+  if (const auto error = find_coefficient_error(c)) return tl::unexpected(*error);
+  const auto spring = normal_spring(ball.mass_kg, c.e, c.dwell_s);
+  if (!spring) return tl::unexpected(spring.error());
+  const double speed = -touchdown.vy_mps;
+  System s;
+  s.zeta = spring->damping_ratio;
+  s.mu = c.mu;
+  s.kt = c.stiffness_ratio;
+  s.ct = c.damping_ratio * std::sqrt(c.stiffness_ratio);
+  s.alpha = ball.alpha;
+  s.delta = c.offset_share;
+  s.w_ref = c.offset_reference_mps / speed;
+  s.radius = ball.radius_m() * (spring->frequency_radps / speed);
+  s.gravity = c.gravity_mps2 / (spring->frequency_radps * speed);
+  s.vx0 = touchdown.vx_mps / speed;
+  s.w0 = ball.radius_m() * touchdown.omega_radps / speed;
+  // The slip may be the small difference of large numbers: one rounding only.
+  s.slip0 = std::fma(ball.radius_m(), touchdown.omega_radps, touchdown.vx_mps) / speed;
+  s.speed_mps = speed;
+  s.frequency_radps = spring->frequency_radps;
+  s.mass_kg = ball.mass_kg;
+  s.radius_m = ball.radius_m();
+  return s;
+}
+
+State derivative(const System& s, const State& z, ContactMode mode) {
+  const double normal = s.normal_force(z);
+  const double acceleration = s.gravity - normal;
+  const double slip = s.slip(z);
+  double friction = 0.0;
+  double stretch_rate = slip;
+  if (mode == ContactMode::grips) {
+    friction = s.holding_force(z);
+  } else {
+    const double limit = direction(mode) * s.mu;
+    friction = limit * normal;
+    stretch_rate = s.ct > 0.0 ? (friction - s.kt * z[kStretch]) / s.ct
+                              : limit * (z[kDepthRate] + 2.0 * s.zeta * acceleration) / s.kt;
+  }
+  const double couple = s.offset(z) * normal;
+  State d;
+  d[kDepth] = z[kDepthRate];
+  d[kDepthRate] = acceleration;
+  d[kVxChange] = -friction;
+  d[kSpinChange] = (couple - friction) / s.alpha;
+  d[kStretch] = stretch_rate;
+  d[kPathChange] = z[kVxChange];
+  d[kAngleChange] = z[kSpinChange];
+  d[kDampingLoss] = 2.0 * s.zeta * z[kDepthRate] * z[kDepthRate];
+  d[kSlidingLoss] = friction * (slip - stretch_rate);
+  d[kTangentialLoss] = s.ct * stretch_rate * stretch_rate;
+  d[kOffsetLoss] = -couple * s.spin(z);
+  d[kOffsetImpulse] = couple;
+  return d;
+}
+
+ContactMode first_mode(const System& s) {
+  // With nothing stretched yet: by the dashpot's force, and where there is none by how fast the spring's
+  // force and its limit rise.
+  const double limit = s.mu * 2.0 * s.zeta;
+  const double held = s.ct * std::abs(s.slip0);
+  const double limit_rate = s.mu * (1.0 + 2.0 * s.zeta * (s.gravity - 2.0 * s.zeta));
+  const bool slips = held > limit || (held == limit && s.kt * std::abs(s.slip0) > limit_rate);
+  return slips ? slipping(s.slip0) : ContactMode::grips;
+}
+
+State take_step(const System& s, ContactMethod method, ContactMode mode, const State& z, const State& k1,
+                double h) {
+  switch (method) {
+    case ContactMethod::rk4:
+      return rk4(s, mode, z, k1, h);
+    case ContactMethod::semi_implicit_euler:
+      return semi_implicit_euler(s, mode, z, k1, h);
+    case ContactMethod::dormand_prince:
+      break;
+  }
+  State error;
+  return take_step_with_error(s, mode, z, k1, h, error);
+}
+
+State take_step_with_error(const System& s, ContactMode mode, const State& z, const State& k1, double h,
+                           State& error) {
+  const State k2 = derivative(s, combine<1>(z, h, {{{&k1, 1.0 / 5.0}}}), mode);
+  const State k3 = derivative(s, combine<2>(z, h, {{{&k1, 3.0 / 40.0}, {&k2, 9.0 / 40.0}}}), mode);
+  const State k4 =
+      derivative(s, combine<3>(z, h, {{{&k1, 44.0 / 45.0}, {&k2, -56.0 / 15.0}, {&k3, 32.0 / 9.0}}}), mode);
+  const State k5 = derivative(s,
+                              combine<4>(z, h,
+                                         {{{&k1, 19372.0 / 6561.0},
+                                           {&k2, -25360.0 / 2187.0},
+                                           {&k3, 64448.0 / 6561.0},
+                                           {&k4, -212.0 / 729.0}}}),
+                              mode);
+  const State k6 = derivative(s,
+                              combine<5>(z, h,
+                                         {{{&k1, 9017.0 / 3168.0},
+                                           {&k2, -355.0 / 33.0},
+                                           {&k3, 46732.0 / 5247.0},
+                                           {&k4, 49.0 / 176.0},
+                                           {&k5, -5103.0 / 18656.0}}}),
+                              mode);
+  const State out = combine<5>(z, h,
+                               {{{&k1, 35.0 / 384.0},
+                                 {&k3, 500.0 / 1113.0},
+                                 {&k4, 125.0 / 192.0},
+                                 {&k5, -2187.0 / 6784.0},
+                                 {&k6, 11.0 / 84.0}}});
+  const State k7 = derivative(s, out, mode);
+  const State zero{};
+  error = combine<6>(zero, h,
+                     {{{&k1, 71.0 / 57600.0},
+                       {&k3, -71.0 / 16695.0},
+                       {&k4, 71.0 / 1920.0},
+                       {&k5, -17253.0 / 339200.0},
+                       {&k6, 22.0 / 525.0},
+                       {&k7, -1.0 / 40.0}}});
+  return out;
+}
+
+}  // namespace strobe::impact::detail
