@@ -1,6 +1,9 @@
 // A condition of the thesis (Tables 2–10) as inputs of the contact analysis. Pure; thread-safe.
 #pragma once
 
+#include <algorithm>
+
+#include "common/contact/constrained_motion.hpp"
 #include "common/contact/integration.hpp"
 #include "common/data/thesis_data.hpp"
 
@@ -31,6 +34,24 @@ inline SpinPulseSd spin_pulse_sd(const thesis::Condition& c) {
   sd.mu = c.mu.sd;
   sd.dwell_s = c.dwell_time_ms.sd / 1e3;
   return sd;
+}
+
+/// With the means' largest measured drop, for explain_stiffness().
+inline PublishedStiffness published_stiffness(const thesis::Condition& c, const ContactSet& set,
+                                              double stiffness_npm) {
+  PublishedStiffness out{.input = spin_pulse_input(c, impact::PulseForm::exact),
+                         .vy_lo_mps = c.vy_lo_mps.mean,
+                         .stiffness = stiffness_npm,
+                         .measured_drop_m = 0.0};
+  for (const ContactRow& row : set.rows)
+    out.measured_drop_m = std::max(out.measured_drop_m, -row.y_fraction * out.input.ball.diameter_m);
+  return out;
+}
+
+inline EndVelocities end_velocities(const thesis::Condition& c) {
+  const auto of = [](const thesis::MeanSd& m) { return ValueSd{m.mean, m.sd}; };
+  return {of(c.vx_td_mps), of(c.vx_lo_mps),      of(c.vy_td_mps),
+          of(c.vy_lo_mps), of(c.omega_td_radps), of(c.omega_lo_radps)};
 }
 
 inline SetScale set_scale(const thesis::Condition& c) {

@@ -6,6 +6,9 @@
 
 #include <functional>
 #include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
 
 #include "common/contact/contact_set.hpp"
 #include "common/contact/spin_pulse.hpp"
@@ -127,6 +130,35 @@ struct Stiffness {
 
 /// Errors as SpinPulse::make(). Kelvin–Voigt needs e > 0.135 (zeta < 1): 0 below.
 tl::expected<Stiffness, impact::InputError> stiffness(const SpinPulseInput& input);
+
+/// A stiffness printed elsewhere for a condition, to be explained.
+struct PublishedStiffness {
+  SpinPulseInput input;  ///< the condition's means
+  double vy_lo_mps = 0.0;
+  double stiffness = 0.0;        ///< N/m
+  double measured_drop_m = 0.0;  ///< largest drop of the top among the images
+};
+
+/// One guess at how published stiffnesses came about: what it gives for each condition, and published over
+/// that. A guess explains the numbers if the ratios are 1 within rounding; it is proportional to them if they
+/// are equal to each other (`spread`, the sd of their logarithms, no more than rounding's).
+struct StiffnessHypothesis {
+  std::string_view name;
+  std::vector<double> predicted;  ///< N/m
+  std::vector<double> ratio;      ///< published over predicted
+  double common_ratio = 0.0;      ///< geometric mean of them
+  double spread = 0.0;
+};
+
+/// All readings of Stiffness; Hertz's and stiffer contacts (F ~ depth^n, n = 1.5, 2.6) of the same dwell
+/// time; the pulse's largest force over the measured drop; and the largest force of an undamped half wave of
+/// the measured impulse, pi·m·(vy_LO - vy_TD)/(2·dwell), over one depth for all conditions (fixed_depth_m()).
+/// Needs at least two conditions; errors as stiffness().
+tl::expected<std::vector<StiffnessHypothesis>, impact::InputError> explain_stiffness(
+    std::span<const PublishedStiffness> published);
+
+/// The depth that turns the half wave's largest force into the published stiffness, for each condition.
+std::vector<double> fixed_depth_m(std::span<const PublishedStiffness> published);
 
 /// Damping ratio zeta of a Kelvin–Voigt contact, released where its force is zero, of restitution e:
 /// e = exp(-(zeta/q)(pi - atan2(2 zeta q, 1 - 2 zeta²))), q = sqrt(1 - zeta²). Nothing for e outside
