@@ -13,7 +13,19 @@ const std::vector<TableEntry>& catalogue() {
       {"8", "system parameters, no spin", [](const Material& m) { return system_table(m, 8, "zero"); }},
       {"9", "system parameters, topspin", [](const Material& m) { return system_table(m, 9, "top"); }},
       {"10", "system parameters, backspin", [](const Material& m) { return system_table(m, 10, "back"); }},
+      {"11", "cubics through the images in contact", cubic_table},
+      {"12", "derivatives of the cubics", derivative_table},
+      {"13", "velocities at the ends by differentiation", end_velocity_table},
+      {"14", "when skidding stops", zero_table},
+      {"15", "equations of the integration", equation_table},
+      {"16", "largest forces and deformation", peak_table},
+      {"17", "standard error of estimate", see_table},
       {"spread", "spreads of the angles", spread_table},
+      {"growth", "growth of errors by differentiation", growth_table},
+      {"peaks", "Table 16 for all sets", peaks_of_all_table},
+      {"see", "standard error of estimate of all sets", see_of_all_table},
+      {"stiffness", "stiffness of the contact", stiffness_table},
+      {"depth", "drop of the top over that of the centre", depth_table},
   };
   return entries;
 }

@@ -18,6 +18,25 @@ Table system_table(const Material& material, int number, std::string_view spin);
 /// Printed sds of the angles against those of the components and of the speed.
 Table spread_table(const Material& material);
 
+/// The thesis's three sets, or the one asked for; with `all`, every set that is shown.
+std::vector<std::string> contact_sets(const Material& material, bool all);
+
+/// Tables 11–14, and the growth of errors that made the thesis leave the differentiation approach.
+Table cubic_table(const Material& material);
+Table derivative_table(const Material& material);
+Table end_velocity_table(const Material& material);
+Table zero_table(const Material& material);
+Table growth_table(const Material& material);
+
+/// Tables 15–17, and the same and more of all sets.
+Table equation_table(const Material& material);
+Table peak_table(const Material& material);
+Table peaks_of_all_table(const Material& material);
+Table see_table(const Material& material);
+Table see_of_all_table(const Material& material);
+Table stiffness_table(const Material& material);
+Table depth_table(const Material& material);
+
 struct TableEntry {
   std::string id;
   std::string title;
