@@ -259,7 +259,7 @@ ContactSummary Run::summary() const {
     out.skid_to_grip_s = 0.0;
   else if (first_grip_)
     out.skid_to_grip_s = *first_grip_ * second;
-  out.regime = out.skid_to_grip_s ? Regime::grips : Regime::slides;
+  out.regime = out.skid_to_grip_s || out.slip_zero_s ? Regime::grips : Regime::slides;
   out.friction_reversals = reversals_;
   out.max_depth_m = depth_ * metre;
   out.max_depth_time_s = depth_time_ * second;

@@ -89,8 +89,10 @@ double System::friction(const State& z, ContactMode mode) const {
 double System::offset(const State& z) const {
   if (delta == 0.0) return 0.0;
   const double share = std::clamp(z[kDepth] / radius, 0.0, 1.0);
+  const double full = delta * std::sqrt(share * (2.0 - share));
+  if (ahead != 0.0) return ahead * full;
   const double w = spin(z);
-  return -delta * std::sqrt(share * (2.0 - share)) * w / std::sqrt(w * w + w_ref * w_ref);
+  return -full * w / std::sqrt(w * w + w_ref * w_ref);
 }
 
 tl::expected<System, InputError> make_system(const ball::Ball& ball, const Motion& touchdown,
@@ -108,6 +110,7 @@ tl::expected<System, InputError> make_system(const ball::Ball& ball, const Motio
   s.ct = c.damping_ratio * std::sqrt(c.stiffness_ratio);
   s.alpha = ball.alpha;
   s.delta = c.offset_share;
+  if (c.offset_law == OffsetLaw::constant_ahead) s.ahead = std::copysign(1.0, touchdown.vx_mps);
   s.w_ref = c.offset_reference_mps / speed;
   s.radius = ball.radius_m() * (spring->frequency_radps / speed);
   s.gravity = c.gravity_mps2 / (spring->frequency_radps * speed);

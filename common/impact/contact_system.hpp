@@ -36,6 +36,7 @@ struct System {
   double ct = 0.0;  ///< c_t/sqrt(k·m)
   double alpha = 0.0;
   double delta = 0.0;
+  double ahead = 0.0;  ///< sign of a constant offset; 0: against the spin
   double w_ref = 0.0;
   double radius = 0.0;
   double gravity = 0.0;

@@ -1,0 +1,230 @@
+#include "common/impact/contact_fit.hpp"
+
+#include <Eigen/QR>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "common/impact/normal_spring.hpp"
+
+namespace strobe::impact {
+
+namespace {
+
+const ContactVector kStart{0.55, 1.4, 0.7, 0.1, 0.55};
+const ContactVector kLowest{0.0, 1e-2, 0.01, 0.0, 0.1};
+const ContactVector kHighest{10.0, 1e2, 10.0, 1.0, ball::kThinShellAlpha};
+constexpr int kMaxIterations = 100;
+
+using Jacobian = Eigen::Matrix<double, Eigen::Dynamic, kFitParameters>;
+
+Error refused(const ContactObservation& o, InputError error) {
+  return Error{o.name + ": " + std::string(message(error))};
+}
+
+tl::expected<ContactSummary, InputError> compute(const ContactObservation& o, const ContactVector& p,
+                                                 const ContactFitOptions& options) {
+  return simulate(ball_of(p), o.touchdown, coefficients_of(o, p, options), {.tolerance = options.tolerance});
+}
+
+Result<Eigen::VectorXd> residuals(std::span<const ContactObservation> observations, const ContactVector& p,
+                                  const ContactFitOptions& options) {
+  Eigen::VectorXd r(2 * static_cast<Eigen::Index>(observations.size()));
+  Eigen::Index row = 0;
+  for (const ContactObservation& o : observations) {
+    const auto computed = compute(o, p, options);
+    if (!computed) return tl::unexpected(refused(o, computed.error()));
+    r[row++] = (computed->lift_off.vx_mps - o.lift_off.vx_mps) / options.vx_sd_mps;
+    r[row++] = (computed->lift_off.omega_radps - o.lift_off.omega_radps) / options.omega_sd_radps;
+  }
+  return r;
+}
+
+/// Central differences, one-sided at a bound. The step balances the integration's error against curvature.
+Result<Jacobian> slopes(std::span<const ContactObservation> observations, const ContactVector& p,
+                        const ContactFitOptions& options) {
+  Jacobian j(2 * static_cast<Eigen::Index>(observations.size()), +kFitParameters);
+  for (int i = 0; i < kFitParameters; ++i) {
+    const double h = 1e-4 * std::max(p[i], 0.01);
+    ContactVector low = p;
+    ContactVector high = p;
+    low[i] = std::max(p[i] - h, kLowest[i]);
+    high[i] = std::min(p[i] + h, kHighest[i]);
+    const auto below = residuals(observations, low, options);
+    if (!below) return tl::unexpected(below.error());
+    const auto above = residuals(observations, high, options);
+    if (!above) return tl::unexpected(above.error());
+    j.col(i) = (*above - *below) / (high[i] - low[i]);
+  }
+  return j;
+}
+
+/// Least squares of [J; sqrt(damping)·D] by QR, D the lengths of J's columns.
+ContactVector damped_step(const Jacobian& j, const Eigen::VectorXd& r, double damping) {
+  Jacobian stacked(j.rows() + kFitParameters, +kFitParameters);
+  Eigen::VectorXd right = Eigen::VectorXd::Zero(stacked.rows());
+  stacked.topRows(j.rows()) = j;
+  stacked.bottomRows<kFitParameters>() =
+      (std::sqrt(damping) * j.colwise().norm().cwiseMax(1e-12)).asDiagonal();
+  right.head(r.size()) = -r;
+  return stacked.colPivHouseholderQr().solve(right);
+}
+
+ContactMatrix covariance_of(const Jacobian& j, double scale) {
+  const Eigen::ColPivHouseholderQR<Jacobian> qr(j);
+  const ContactMatrix upper = qr.matrixR().topRows<kFitParameters>().triangularView<Eigen::Upper>();
+  const ContactMatrix inverse =
+      upper.triangularView<Eigen::Upper>().solve(ContactMatrix(ContactMatrix::Identity()));
+  const ContactMatrix permuted = qr.colsPermutation() * inverse;
+  return scale * permuted * permuted.transpose();
+}
+
+struct Optimum {
+  ContactVector value;
+  Eigen::VectorXd residual;
+  Jacobian jacobian;
+  int iterations;
+};
+
+Result<Optimum> minimize(std::span<const ContactObservation> observations, const ContactFitOptions& options) {
+  ContactVector p = kStart;
+  auto r = residuals(observations, p, options);
+  if (!r) return tl::unexpected(r.error());
+  double damping = 1e-3;
+  for (int iteration = 1; iteration <= kMaxIterations; ++iteration) {
+    const auto j = slopes(observations, p, options);
+    if (!j) return tl::unexpected(j.error());
+    const double before = r->squaredNorm();
+    double gain = 0.0;
+    for (int attempt = 0; attempt < 12 && gain <= 0.0; ++attempt) {
+      const ContactVector next = (p + damped_step(*j, *r, damping)).cwiseMax(kLowest).cwiseMin(kHighest);
+      const auto tried = residuals(observations, next, options);
+      if (!tried) return tl::unexpected(tried.error());
+      gain = before - tried->squaredNorm();
+      damping = std::max(gain > 0.0 ? damping / 10.0 : damping * 4.0, 1e-12);
+      if (gain <= 0.0) continue;
+      p = next;
+      r = tried;
+    }
+    if (gain <= 1e-10 * (1.0 + before)) return Optimum{p, *r, *j, iteration};
+  }
+  return fail("the contact's fit does not converge");
+}
+
+double rms(double sum_of_squares, std::size_t n) {
+  return std::sqrt(sum_of_squares / static_cast<double>(std::max<std::size_t>(n, 1)));
+}
+
+Result<std::vector<ContactFitPoint>> judge(std::span<const ContactObservation> observations,
+                                           const ContactVector& p, const ContactFitOptions& options) {
+  std::vector<ContactFitPoint> points;
+  for (const ContactObservation& o : observations) {
+    const auto computed = compute(o, p, options);
+    if (!computed) return tl::unexpected(refused(o, computed.error()));
+    const auto spring = normal_spring(ball_of(p).mass_kg, o.e, o.dwell_s);
+    if (!spring) return tl::unexpected(refused(o, spring.error()));
+    points.push_back({.name = o.name,
+                      .computed = *computed,
+                      .stiffness_npm = spring->stiffness_npm,
+                      .damping_ratio = spring->damping_ratio,
+                      .vx_residual_mps = computed->lift_off.vx_mps - o.lift_off.vx_mps,
+                      .omega_residual_radps = computed->lift_off.omega_radps - o.lift_off.omega_radps});
+  }
+  return points;
+}
+
+struct Spread {
+  double vx;
+  double omega;
+};
+
+Spread spread_of(std::span<const ContactFitPoint> points) {
+  Spread sum{0.0, 0.0};
+  for (const ContactFitPoint& point : points) {
+    sum.vx += point.vx_residual_mps * point.vx_residual_mps;
+    sum.omega += point.omega_residual_radps * point.omega_residual_radps;
+  }
+  return {rms(sum.vx, points.size()), rms(sum.omega, points.size())};
+}
+
+double condition_of(Jacobian j) {
+  for (int i = 0; i < kFitParameters; ++i) j.col(i) /= std::max(j.col(i).norm(), 1e-300);
+  const auto values = Eigen::JacobiSVD<Eigen::MatrixXd>(j).singularValues();
+  return values[0] / std::max(values[values.size() - 1], 1e-300);
+}
+
+}  // namespace
+
+ContactObservation observation_of(const thesis::Condition& c) {
+  return {.name = c.name(),
+          .group = c.spin,
+          .touchdown = {c.vx_td_mps.mean, c.vy_td_mps.mean, c.omega_td_radps.mean},
+          .touchdown_sd = {c.vx_td_mps.sd, c.vy_td_mps.sd, c.omega_td_radps.sd},
+          .lift_off = {c.vx_lo_mps.mean, c.vy_lo_mps.mean, c.omega_lo_radps.mean},
+          .lift_off_sd = {c.vx_lo_mps.sd, c.vy_lo_mps.sd, c.omega_lo_radps.sd},
+          .e = -c.vy_lo_mps.mean / c.vy_td_mps.mean,
+          .dwell_s = c.dwell_time_ms.mean / 1e3,
+          .dwell_sd_s = c.dwell_time_ms.sd / 1e3};
+}
+
+double ContactFit::sd(ContactParameter parameter) const {
+  return std::sqrt(covariance(parameter, parameter));
+}
+
+ContactCoefficients coefficients_of(const ContactObservation& o, const ContactVector& p,
+                                    const ContactFitOptions& options) {
+  return {.e = o.e,
+          .dwell_s = o.dwell_s,
+          .mu = p[kFitMu],
+          .stiffness_ratio = p[kFitStiffness],
+          .damping_ratio = p[kFitDamping],
+          .offset_share = p[kFitOffset],
+          .offset_reference_mps = options.offset_reference_mps,
+          .offset_law = options.law};
+}
+
+ball::Ball ball_of(const ContactVector& p) { return {.alpha = p[kFitAlpha]}; }
+
+Result<ContactFit> fit_contact(std::span<const ContactObservation> observations,
+                               const ContactFitOptions& options) {
+  if (observations.size() < 3) return fail("a fit of the contact needs three conditions or more");
+  const auto best = minimize(observations, options);
+  if (!best) return tl::unexpected(best.error());
+  auto points = judge(observations, best->value, options);
+  if (!points) return tl::unexpected(points.error());
+  ContactFit fit;
+  fit.value = best->value;
+  fit.chi_square = best->residual.squaredNorm();
+  fit.degrees_of_freedom = static_cast<int>(best->residual.size()) - kFitParameters;
+  fit.covariance = covariance_of(best->jacobian, fit.chi_square / fit.degrees_of_freedom);
+  fit.coefficients = coefficients_of(observations.front(), best->value, options);
+  fit.jacobian_condition = condition_of(best->jacobian);
+  fit.iterations = best->iterations;
+  fit.points = std::move(*points);
+  const Spread spread = spread_of(fit.points);
+  fit.vx_rms_mps = spread.vx;
+  fit.omega_rms_radps = spread.omega;
+  return fit;
+}
+
+Result<std::vector<ContactLeftOut>> leave_one_group_out(std::span<const ContactObservation> observations,
+                                                        const ContactFitOptions& options) {
+  std::set<std::string> groups;
+  for (const ContactObservation& o : observations) groups.insert(o.group);
+  std::vector<ContactLeftOut> out;
+  for (const std::string& group : groups) {
+    std::vector<ContactObservation> kept;
+    std::vector<ContactObservation> left;
+    for (const ContactObservation& o : observations) (o.group == group ? left : kept).push_back(o);
+    const auto fit = fit_contact(kept, options);
+    if (!fit) return tl::unexpected(fit.error());
+    const auto points = judge(left, fit->value, options);
+    if (!points) return tl::unexpected(points.error());
+    const Spread spread = spread_of(*points);
+    out.push_back({group, fit->value, spread.vx, spread.omega});
+  }
+  return out;
+}
+
+}  // namespace strobe::impact
