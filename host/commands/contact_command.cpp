@@ -1,22 +1,21 @@
 // strobe contact: the images in contact against the damped sine pulse and cubic fits.
 #include <CLI/CLI.hpp>
-#include <cstdio>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <memory>
-#include <nlohmann/json.hpp>
 
-#include "common/contact/analysis.hpp"
+#include "common/contact/condition_inputs.hpp"
 #include "common/data/thesis_data.hpp"
+#include "common/units/angles.hpp"
 #include "host/commands/command.hpp"
+#include "host/commands/contact_report.hpp"
 #include "host/share.hpp"
 
 namespace strobe::host {
 
 namespace {
-
-using nlohmann::ordered_json;
 
 struct ContactOptions {
   std::string set;
@@ -26,18 +25,18 @@ struct ContactOptions {
   std::optional<double> mu;
   std::optional<double> dwell_time_ms;
   std::optional<double> dwell_distance_cm;
+  std::optional<double> omega_td_radps;
+  std::optional<double> omega_lo_radps;
+  std::optional<double> vx_lo_mps;
+  std::optional<double> vy_lo_mps;
+  std::optional<double> total_rotation_deg;
+  double offset_mm = 0.0;
   double diameter_m = ball::kThesisDiameter_m;
+  double mass_kg = ball::kThesisMass_kg;
+  double alpha = ball::kMeasuredAlpha;
   std::string form = "exact";
   bool as_printed = false;
   bool json = false;
-};
-
-struct Job {
-  contact::ContactSet set;
-  contact::Inputs inputs;
-  double dwell_time_ms = 0.0;
-  double dwell_distance_cm = 0.0;
-  bool project_set = false;
 };
 
 /// Defaults that a project's set brings with it; none for a file.
@@ -82,102 +81,95 @@ Result<double> value_or_mean(const std::optional<double>& given, const char* opt
   return fail(std::string("contact: ") + option + " is needed with a file");
 }
 
-Result<Job> prepare(const ContactOptions& o) {
+/// The option's value, else the mean of the project's set, else nothing.
+std::optional<double> value_if_known(const std::optional<double>& given, const Source& source,
+                                     thesis::MeanSd thesis::Condition::*mean) {
+  if (given || !source.means) return given;
+  return ((*source.means).*mean).mean;
+}
+
+Result<contact::Inputs> thesis_inputs(const ContactOptions& o, const Source& source) {
+  using thesis::Condition;
+  const auto vx = value_or_mean(o.vx_td_mps, "--vx-td", source, &Condition::vx_td_mps);
+  const auto vy = value_or_mean(o.vy_td_mps, "--vy-td", source, &Condition::vy_td_mps);
+  const auto e = value_or_mean(o.e, "--e", source, &Condition::e);
+  const auto mu = value_or_mean(o.mu, "--mu", source, &Condition::mu);
+  const auto time = value_or_mean(o.dwell_time_ms, "--dwell-time-ms", source, &Condition::dwell_time_ms);
+  const auto distance =
+      value_or_mean(o.dwell_distance_cm, "--dwell-distance-cm", source, &Condition::dwell_distance_cm);
+  for (const auto* value : {&vx, &vy, &e, &mu, &time, &distance})
+    if (!*value) return tl::unexpected(value->error());
+  return contact::Inputs{
+      .vx_td_mps = *vx,
+      .vy_td_mps = *vy,
+      .e = *e,
+      .mu = *mu,
+      .dwell_time_s = *time / 1e3,
+      .dwell_distance_m = *distance / 1e2,
+      .diameter_m = o.diameter_m,
+      .form = o.form == "simplified" ? impact::PulseForm::simplified : impact::PulseForm::exact};
+}
+
+contact::SpinPulseInput pulse_input(const ContactOptions& o, const contact::Inputs& in, double omega_radps) {
+  return {.ball = {.diameter_m = in.diameter_m, .mass_kg = o.mass_kg, .alpha = o.alpha},
+          .touchdown = {in.vx_td_mps, in.vy_td_mps, omega_radps},
+          .e = in.e,
+          .mu = std::abs(in.mu),
+          .dwell_s = in.dwell_time_s,
+          .offset_m = o.offset_mm / 1e3,
+          .form = in.form};
+}
+
+/// What the splines must meet. Lift-off velocities that are not given follow from e and mu, which are ratios
+/// of them. The published sds belong to the means; what was given instead has none.
+contact::EndVelocities end_velocities(const ContactOptions& o, const ContactJob& job, const Source& source) {
+  const contact::Inputs& in = job.inputs;
+  contact::EndVelocities ends;
+  if (source.means) ends = contact::end_velocities(*source.means);
+  const auto take = [](contact::ValueSd& into, const std::optional<double>& given, bool known,
+                       double derived) {
+    if (given || !known) into = {given.value_or(derived), 0.0};
+  };
+  take(ends.vx_td_mps, o.vx_td_mps, source.means.has_value(), in.vx_td_mps);
+  take(ends.vy_td_mps, o.vy_td_mps, source.means.has_value(), in.vy_td_mps);
+  take(ends.vx_lo_mps, o.vx_lo_mps, source.means.has_value(),
+       in.vx_td_mps + in.mu * (1.0 + in.e) * in.vy_td_mps);
+  take(ends.vy_lo_mps, o.vy_lo_mps, source.means.has_value(), 0.0 - in.e * in.vy_td_mps);
+  take(ends.omega_td_radps, o.omega_td_radps, source.means.has_value(), 0.0);
+  take(ends.omega_lo_radps, o.omega_lo_radps, source.means.has_value(), 0.0);
+  return ends;
+}
+
+Result<ContactJob> prepare(const ContactOptions& o) {
   using thesis::Condition;
   auto source = find_source(o);
   if (!source) return tl::unexpected(source.error());
-  const auto vx = value_or_mean(o.vx_td_mps, "--vx-td", *source, &Condition::vx_td_mps);
-  const auto vy = value_or_mean(o.vy_td_mps, "--vy-td", *source, &Condition::vy_td_mps);
-  const auto e = value_or_mean(o.e, "--e", *source, &Condition::e);
-  const auto mu = value_or_mean(o.mu, "--mu", *source, &Condition::mu);
-  const auto time = value_or_mean(o.dwell_time_ms, "--dwell-time-ms", *source, &Condition::dwell_time_ms);
-  const auto distance =
-      value_or_mean(o.dwell_distance_cm, "--dwell-distance-cm", *source, &Condition::dwell_distance_cm);
-  for (const auto* value : {&vx, &vy, &e, &mu, &time, &distance})
-    if (!*value) return tl::unexpected(value->error());
-  Job job{
-      .set = std::move(source->set), .inputs = {}, .dwell_time_ms = *time, .dwell_distance_cm = *distance};
+  const auto inputs = thesis_inputs(o, *source);
+  if (!inputs) return tl::unexpected(inputs.error());
+  ContactJob job;
+  job.name = o.set;
   job.project_set = source->means.has_value();
-  job.inputs = {.vx_td_mps = *vx,
-                .vy_td_mps = *vy,
-                .e = *e,
-                .mu = *mu,
-                .dwell_time_s = *time / 1e3,
-                .dwell_distance_m = *distance / 1e2,
-                .diameter_m = o.diameter_m,
-                .form = o.form == "simplified" ? impact::PulseForm::simplified : impact::PulseForm::exact};
+  job.corrected = job.project_set && !o.as_printed;
+  job.inputs = *inputs;
+  const Source& known = *source;
+  job.dwell_time_ms = *value_or_mean(o.dwell_time_ms, "", known, &Condition::dwell_time_ms);
+  job.dwell_distance_cm = *value_or_mean(o.dwell_distance_cm, "", known, &Condition::dwell_distance_cm);
+  job.omega_td_radps = value_if_known(o.omega_td_radps, known, &Condition::omega_td_radps);
+  job.omega_lo_radps = value_if_known(o.omega_lo_radps, known, &Condition::omega_lo_radps);
+  job.pulse = pulse_input(o, *inputs, job.omega_td_radps.value_or(0.0));
+  if (known.means) job.pulse_sd = contact::spin_pulse_sd(*known.means);
+  if (o.total_rotation_deg) job.total_rotation_rad = radians(*o.total_rotation_deg);
+  job.ends = end_velocities(o, job, known);
+  job.set = std::move(source->set);
   return job;
-}
-
-ordered_json poly(const std::optional<contact::CubicFit>& fit) {
-  return fit ? ordered_json(fit->coefficients) : ordered_json();
-}
-
-ordered_json poly_errors(const std::optional<contact::CubicFit>& fit) {
-  return fit && fit->standard_errors ? ordered_json(*fit->standard_errors) : ordered_json();
-}
-
-ordered_json r_squared(const std::optional<contact::CubicFit>& fit) {
-  return fit && fit->r_squared ? ordered_json(*fit->r_squared) : ordered_json();
-}
-
-void print_json(const Job& job, const ContactOptions& o, const contact::Estimate& estimate,
-                const contact::FractionFits& fits) {
-  const contact::Inputs& in = job.inputs;
-  ordered_json out{
-      {"see_x_m", estimate.see_x_m},         {"see_y_m", estimate.see_y_m}, {"n", estimate.n},
-      {"damping_f", estimate.damping_f},     {"x_poly", poly(fits.x)},      {"y_poly", poly(fits.y)},
-      {"rotation_poly", poly(fits.rotation)}};
-  out["r2"] = {{"x", r_squared(fits.x)}, {"y", r_squared(fits.y)}, {"rotation", r_squared(fits.rotation)}};
-  out["poly_se"] = {
-      {"x", poly_errors(fits.x)}, {"y", poly_errors(fits.y)}, {"rotation", poly_errors(fits.rotation)}};
-  out["inputs"] = {{"set", o.set},
-                   {"corrected", job.project_set && !o.as_printed},
-                   {"vx_td_mps", in.vx_td_mps},
-                   {"vy_td_mps", in.vy_td_mps},
-                   {"e", in.e},
-                   {"mu", in.mu},
-                   {"dwell_time_ms", job.dwell_time_ms},
-                   {"dwell_distance_cm", job.dwell_distance_cm},
-                   {"diameter_m", in.diameter_m},
-                   {"form", o.form}};
-  std::printf("%s\n", out.dump(-1, ' ', false, ordered_json::error_handler_t::replace).c_str());
-}
-
-void print_fit(const char* name, const std::optional<contact::CubicFit>& fit) {
-  if (!fit) {
-    std::printf("  %-9s too few different times\n", name);
-    return;
-  }
-  const auto& c = fit->coefficients;
-  std::printf("  %-9s %9.4f %9.4f %9.4f %9.4f", name, c[0], c[1], c[2], c[3]);
-  fit->r_squared ? std::printf("   %.4f", *fit->r_squared) : std::printf("        -");
-  std::printf("   %d\n", fit->n);
-}
-
-void print_table(const Job& job, const ContactOptions& o, const contact::Estimate& estimate,
-                 const contact::FractionFits& fits) {
-  const contact::Inputs& in = job.inputs;
-  const char* version = !job.project_set ? "" : o.as_printed ? " (as printed)" : " (corrected)";
-  std::printf("%s%s: %d images between touchdown and lift-off\n", o.set.c_str(), version, estimate.n);
-  std::printf("touchdown vx %g, vy %g m/s; e %g, mu %g; dwell %g ms, %g cm; diameter %g m\n", in.vx_td_mps,
-              in.vy_td_mps, in.e, in.mu, job.dwell_time_ms, job.dwell_distance_cm, in.diameter_m);
-  std::printf("damped sine pulse, %s form: damping f %.5f\n", o.form.c_str(), estimate.damping_f);
-  std::printf("  standard error of estimate: along %.3f mm, normal %.3f mm\n", 1e3 * estimate.see_x_m,
-              1e3 * estimate.see_y_m);
-  std::printf("cubics in the time fraction        1         T        T2        T3       R2   rows\n");
-  print_fit("x", fits.x);
-  print_fit("y", fits.y);
-  print_fit("rotation", fits.rotation);
 }
 
 int run_contact(const ContactOptions& options) {
   const auto job = prepare(options);
   if (!job) return bad_input(job.error().message);
-  const auto estimate = contact::estimate_error(job->set, job->inputs);
-  if (!estimate) return bad_input(options.set + ": " + estimate.error().message);
-  const contact::FractionFits fits = contact::fit_fractions(job->set);
-  options.json ? print_json(*job, options, *estimate, fits) : print_table(*job, options, *estimate, fits);
+  const auto report = analyse(*job);
+  if (!report) return bad_input(options.set + ": " + report.error().message);
+  options.json ? print_contact_json(*job, *report) : print_contact_table(*job, *report);
   return kDone;
 }
 
@@ -187,7 +179,8 @@ void add_contact_command(CLI::App& app, int& exit_status) {
   auto options = std::make_shared<ContactOptions>();
   CLI::App* command = app.add_subcommand(
       "contact",
-      "Hold the images of a ball in contact against the damped sine pulse, and fit cubics to them.");
+      "Hold the images of a ball in contact against the damped sine pulse, with spin, grip, forces and "
+      "stiffness, and against cubics and splines fitted to them.");
   command
       ->add_option(
           "SET", options->set,
@@ -202,6 +195,21 @@ void add_contact_command(CLI::App& app, int& exit_status) {
                       "Impulse ratio; negative where the surface drove the ball forward");
   command->add_option("--dwell-time-ms", options->dwell_time_ms, "Touchdown to lift-off, ms");
   command->add_option("--dwell-distance-cm", options->dwell_distance_cm, "Along the surface, cm");
+  command->add_option("--omega-td", options->omega_td_radps,
+                      "Spin at touchdown, rad/s, backspin positive; without it nothing is said about spin");
+  command->add_option("--omega-lo", options->omega_lo_radps, "Spin at lift-off, rad/s, for the spline");
+  command->add_option("--vx-lo", options->vx_lo_mps,
+                      "Speed along the surface at lift-off, m/s, for the spline; default from e and mu");
+  command->add_option("--vy-lo", options->vy_lo_mps,
+                      "Speed normal to the surface at lift-off, m/s, for the spline; default from e");
+  command->add_option(
+      "--total-rotation-deg", options->total_rotation_deg,
+      "Rotation from touchdown to lift-off that the fractions are shares of; default: the one "
+      "that fits the pulse best");
+  command->add_option("--offset-mm", options->offset_mm, "Normal force ahead of the centre, mm")
+      ->capture_default_str();
+  command->add_option("--mass-kg", options->mass_kg, "Mass of the ball, kg")->capture_default_str();
+  command->add_option("--alpha", options->alpha, "Moment of inertia over m R^2")->capture_default_str();
   command->add_option("--diameter-m", options->diameter_m, "Diameter of the ball, m")->capture_default_str();
   command->add_option("--form", options->form, "Integral of the pulse: exact, or simplified as in the thesis")
       ->check(CLI::IsMember({"exact", "simplified"}))
@@ -211,7 +219,7 @@ void add_contact_command(CLI::App& app, int& exit_status) {
   command->footer(
       "Examples: strobe contact zero_23 --form simplified\n"
       "          strobe contact shot.csv --vx-td 15.62 --vy-td -6.701 --e 0.865 --mu 0.55 "
-      "--dwell-time-ms 5.1996 --dwell-distance-cm 6.29 --json");
+      "--dwell-time-ms 5.1996 --dwell-distance-cm 6.29 --omega-td 2.6 --omega-lo -313 --json");
   command->callback([options, &exit_status] { exit_status = run_contact(*options); });
 }
 
