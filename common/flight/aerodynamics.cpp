@@ -7,11 +7,6 @@
 namespace strobe::flight {
 namespace {
 
-Vector sum(Vector a, double factor, Vector b) { return {a.x + factor * b.x, a.y + factor * b.y}; }
-
-/// A quarter turn counter-clockwise: z x v.
-Vector left_of(Vector v) { return {-v.y, v.x}; }
-
 /// The jerk moves the crossing by a share a t / v of itself, squared at each step: three reach rounding.
 std::optional<double> corrected(const Flight& flight, std::optional<double> time_s, double height_m) {
   if (!time_s || flight.forcing.jerk_mps3.y == 0.0) return time_s;
@@ -43,19 +38,22 @@ Aerodynamics aerodynamics(const ball::Ball& ball, double air_density_kgpm3, Effe
 
 Forcing forcing(const Aerodynamics& air, Vector gravity_mps2, Vector v, double omega_radps) {
   const double speed = std::hypot(v.x, v.y);
-  if (!(speed > 0.0)) return {gravity_mps2, {}};
+  if (!(speed > 0.0)) return {gravity_mps2, {}, {}};
   // Lift is f(speed) (z x v) with f = lift_per_m R omega speed / (2 R|omega| + speed).
   const double rim = air.radius_m * omega_radps;
   const double whole = 2.0 * std::abs(rim) + speed;
   const double f = air.lift_per_m * rim * speed / whole;
-  const double f_slope = air.lift_per_m * rim * 2.0 * std::abs(rim) / (whole * whole);
-  const Vector across = left_of(v);
-  const Vector a = sum(sum(gravity_mps2, -air.drag_per_m * speed, v), f, across);
-  const double speed_rate = (v.x * a.x + v.y * a.y) / speed;
-  Vector jerk{-air.drag_per_m * (speed_rate * v.x + speed * a.x),
-              -air.drag_per_m * (speed_rate * v.y + speed * a.y)};
-  jerk = sum(sum(jerk, f, left_of(a)), f_slope * speed_rate, across);
-  return {a, jerk};
+  const double f_slope = air.lift_per_m * rim * (2.0 * std::abs(rim) / whole) / whole;
+  const double drag = air.drag_per_m * speed;
+  const Vector a{gravity_mps2.x - drag * v.x - f * v.y, gravity_mps2.y - drag * v.y + f * v.x};
+  const Vector unit{v.x / speed, v.y / speed};
+  const Matrix by_velocity{
+      -drag - air.drag_per_m * v.x * unit.x - f_slope * v.y * unit.x,
+      -air.drag_per_m * v.x * unit.y - f - f_slope * v.y * unit.y,
+      -air.drag_per_m * v.y * unit.x + f + f_slope * v.x * unit.x,
+      -drag - air.drag_per_m * v.y * unit.y + f_slope * v.x * unit.y,
+  };
+  return {a, by_velocity * a, by_velocity};
 }
 
 Vector Flight::position_at(double t) const {

@@ -6,6 +6,9 @@
 // values: thread-safe, real-time safe, no allocation.
 #pragma once
 
+#include <array>
+#include <string_view>
+
 #include "common/ball/ball.hpp"
 #include "common/flight/parabola.hpp"
 
@@ -18,11 +21,16 @@ struct Effects {
   bool magnus = true;
   bool operator==(const Effects&) const = default;
 };
+/// Their names, in this order, as in a readout.
+inline constexpr std::array<std::string_view, 3> kEffectNames{"gravity", "drag", "magnus"};
+inline constexpr std::array<bool Effects::*, 3> kEffectMembers{&Effects::gravity, &Effects::drag,
+                                                               &Effects::magnus};
+
 inline constexpr Effects kNoEffects{false, false, false};
 inline constexpr Effects kGravityOnly{true, false, false};
 
-/// The middle of the published values, so that the error is at most an eighth of the drag either way.
-inline constexpr double kDragCoefficient = 0.58;
+/// Of used balls, as experiments have them: between the smooth-felted and the new ball above.
+inline constexpr double kDragCoefficient = 0.55;
 
 /// Dry air at 20 degrees Celsius and 101 325 Pa.
 inline constexpr double kAirDensity_kgpm3 = 1.204;
@@ -49,10 +57,18 @@ struct Aerodynamics {
 /// The ball's, leaving out what `effects` leaves out. diameter_m, mass_kg and density > 0.
 Aerodynamics aerodynamics(const ball::Ball& ball, double air_density_kgpm3, Effects effects = {});
 
-/// Acceleration at one velocity, and how fast it changes along the path.
+/// 2x2 matrix, row by row.
+struct Matrix {
+  double xx = 0.0, xy = 0.0;
+  double yx = 0.0, yy = 0.0;
+  Vector operator*(Vector v) const { return {xx * v.x + xy * v.y, yx * v.x + yy * v.y}; }
+};
+
+/// Acceleration at one velocity, its derivative by the velocity, and how fast it changes along the path.
 struct Forcing {
   Vector acceleration_mps2;
   Vector jerk_mps3;
+  Matrix by_velocity_per_s;
 };
 
 /// Of a ball with velocity and (constant) spin, in gravity. The jerk is the exact time derivative of the

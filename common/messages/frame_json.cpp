@@ -195,6 +195,9 @@ Frame read_frame(const json& object, std::optional<Error>& error) {
   fields.number("surface_angle_deg", angle);
   frame.surface_angle_deg = angle.value_or(0.0);
   fields.number("temperature_c", frame.temperature_c);
+  fields.number("ball_mass_kg", frame.ball_mass_kg);
+  fields.number("ball_alpha", frame.ball_alpha);
+  fields.number("air_density_kgpm3", frame.air_density_kgpm3);
   read_record(fields, frame);
   read_images(fields, frame, error);
   return frame;
@@ -277,6 +280,9 @@ std::string frame_to_json(const Frame& frame) {
   put(object, "px_per_m_sd", frame.px_per_m_sd);
   object["surface_angle_deg"] = frame.surface_angle_deg;
   put(object, "temperature_c", frame.temperature_c);
+  put(object, "ball_mass_kg", frame.ball_mass_kg);
+  put(object, "ball_alpha", frame.ball_alpha);
+  put(object, "air_density_kgpm3", frame.air_density_kgpm3);
   if (!frame.record.empty()) object["record"] = frame.record;
   object["images"] = ordered_json::array();
   for (const BallImage& image : frame.images) object["images"].push_back(image_json(image));

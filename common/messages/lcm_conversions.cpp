@@ -220,6 +220,11 @@ strobe_msgs::readout_t readout_to_lcm(const Readout& readout, std::int64_t host_
   m.court_pace_conforming = readout.court_pace_conforming ? 1 : 0;
   m.method = readout.method;
   m.mirrored = readout.mirrored ? 1 : 0;
+  for (std::size_t i = 0; i < flight::kEffectNames.size(); ++i) {
+    if (readout.flight_effects.*flight::kEffectMembers[i])
+      m.flight_effects.emplace_back(flight::kEffectNames[i]);
+  }
+  m.effect_count = static_cast<std::int32_t>(m.flight_effects.size());
   for (std::size_t i = 0; i < reduction::kFlagCount; ++i) {
     const auto flag = static_cast<reduction::Flag>(i);
     if (readout.flags.has(flag)) m.flags.emplace_back(name(flag));
@@ -252,6 +257,12 @@ Result<Readout> readout_from_lcm(const strobe_msgs::readout_t& m) {
   readout.court_pace_conforming = m.court_pace_conforming != 0;
   readout.method = m.method;
   readout.mirrored = m.mirrored != 0;
+  for (const std::string& text : m.flight_effects) {
+    const auto* const name = std::find(flight::kEffectNames.begin(), flight::kEffectNames.end(), text);
+    if (name == flight::kEffectNames.end()) return fail("flight_effects: unknown effect \"" + text + "\"");
+    readout.flight_effects.*
+        flight::kEffectMembers[static_cast<std::size_t>(name - flight::kEffectNames.begin())] = true;
+  }
   for (const std::string& text : m.flags) {
     const auto flag = reduction::flag_from_name(text);
     if (!flag) return fail("flags: unknown flag \"" + text + "\"");

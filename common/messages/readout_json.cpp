@@ -53,6 +53,11 @@ std::string readout_to_json(const Readout& readout) {
   object["court_pace_conforming"] = readout.court_pace_conforming;
   object["method"] = readout.method;
   object["mirrored"] = readout.mirrored;
+  object["flight_effects"] = ordered_json::array();
+  for (std::size_t i = 0; i < flight::kEffectNames.size(); ++i) {
+    if (!(readout.flight_effects.*flight::kEffectMembers[i])) continue;
+    object["flight_effects"].push_back(std::string(flight::kEffectNames[i]));
+  }
   object["flags"] = flags_json(readout.flags);
   object["sd"] = quantities_json(readout.sd);
   object["sd_systematic"] = quantities_json(readout.sd_systematic);

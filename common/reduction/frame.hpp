@@ -38,7 +38,13 @@ struct BallImage {
 /// The session's record: free key-value notes (frame number, ball, surface, operator, remarks ...).
 using Record = std::map<std::string, std::string>;
 
-/// A digitized photograph. Images are in order of time. What is absent was not known.
+inline constexpr double kColdest_degC = -60.0;
+inline constexpr double kHottest_degC = 100.0;
+
+/// A digitized photograph. Images are in order of time, a nanosecond apart or more, times within 1e9 s. What
+/// is absent was not known. Coordinates and lengths in pixels are within 1e12 either way, diameters and
+/// standard deviations 1e-9 to 1e12 px, angles within 1e6 rad and their standard deviations 1e-9 to 1e6 rad:
+/// the fit's squares then neither overflow nor vanish.
 struct Frame {
   int shot_id = 0;
   double ball_diameter_m = 0.0;              ///< 0.01 to 1
@@ -48,10 +54,13 @@ struct Frame {
   std::optional<double> centre_sd_px;        ///< of each coordinate
   std::optional<double> diameter_sd_px;
   std::optional<double> equator_sd_rad;
-  std::optional<double> px_per_m;  ///< calibrated scale; absent: from the ball's diameter
-  std::optional<double> px_per_m_sd;
+  std::optional<double> px_per_m;     ///< calibrated scale; absent: from the ball's diameter
+  std::optional<double> px_per_m_sd;  ///< absent or 0: the calibrated scale is exact
   double surface_angle_deg = 0.0;  ///< inclination of the plate against the horizontal, from an inclinometer
-  std::optional<double> temperature_c;
+  std::optional<double> temperature_c;      ///< of the ball and the air, -60 to 100
+  std::optional<double> ball_mass_kg;       ///< 0.001 to 10; absent: the thesis's 57.6 g. For drag and lift
+  std::optional<double> ball_alpha;         ///< I / (m R^2), above 0 to 2/3; absent: 0.55. For the regime
+  std::optional<double> air_density_kgpm3;  ///< 0 to 100; absent: dry air of the temperature, 1.204 without
   Record record;
   std::vector<BallImage> images;
 };

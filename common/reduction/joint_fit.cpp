@@ -1,249 +1,270 @@
 #include "common/reduction/joint_fit.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <optional>
+
+#include "common/reduction/row_reduction.hpp"
 
 namespace strobe::reduction {
 namespace {
 
-struct Symmetric2 {
-  double xx = 0.0;
-  double xy = 0.0;
-  double yy = 0.0;
-  Vec2 operator*(Vec2 v) const { return {xx * v.x + xy * v.y, xy * v.x + yy * v.y}; }
-  void add(const Symmetric2& other, double factor) {
-    xx += factor * other.xx;
-    xy += factor * other.xy;
-    yy += factor * other.yy;
+/// Rotation by the tilt: from the surface's axes to the levelled photograph's.
+struct Turn {
+  double cos = 1.0;
+  double sin = 0.0;
+  explicit Turn(const JointFit& fit)
+      : cos(std::cos(fit.unknowns[kTilt])), sin(std::sin(fit.unknowns[kTilt])) {}
+  Vec2 to_photograph(Vec2 v) const { return {cos * v.x - sin * v.y, sin * v.x + cos * v.y}; }
+  Vec2 to_surface(Vec2 v) const { return {cos * v.x + sin * v.y, cos * v.y - sin * v.x}; }
+};
+
+/// a b - c d without the cancellation of two rounded products (Kahan).
+double difference_of_products(double a, double b, double c, double d) {
+  const double cd = c * d;
+  return std::fma(a, b, -cd) + std::fma(-c, d, cd);
+}
+
+/// Inverse of the lower triangular root of an image's covariance.
+struct Whitening {
+  double xx = 1.0;
+  double yx = 0.0;
+  double yy = 1.0;
+  double first(double x) const { return xx * x; }
+  double second(double x, double y) const { return yx * x + yy * y; }
+};
+
+/// A flash's error in time moves the image along its path by `shift`; its determinant is added up from what
+/// cannot cancel, however long the shift.
+Whitening whitening(const Observations& all, const Observation& o, Vec2 shift) {
+  double xx = o.cov_xx_m2;
+  double xy = o.cov_xy_m2;
+  double yy = o.cov_yy_m2;
+  if (o.centre_noise != Noise::stated) {
+    xx = yy = all.levels[Noise::centre] * all.levels[Noise::centre];
+    xy = 0.0;
   }
-};
-
-Symmetric2 inverse(const Symmetric2& m) {
-  const double determinant = m.xx * m.yy - m.xy * m.xy;
-  return {m.yy / determinant, -m.xy / determinant, m.xx / determinant};
+  double determinant = xy == 0.0 ? xx * yy : difference_of_products(xx, yy, xy, xy);
+  if (shift.x != 0.0 || shift.y != 0.0) {
+    const double across = yy * shift.x - xy * shift.y;  // of the quadratic form, completed to a square
+    determinant += across * across / yy + determinant / yy * shift.y * shift.y;
+    xx += shift.x * shift.x;
+    xy += shift.x * shift.y;
+  }
+  const double sx = std::sqrt(xx);
+  const double sy = std::sqrt(determinant) / sx;
+  return {1.0 / sx, -xy / (xx * sy), 1.0 / sy};
 }
 
-double dot(Vec2 a, Vec2 b) { return a.x * b.x + a.y * b.y; }
-
-struct NormalEquations {
-  JointMatrix matrix = JointMatrix::Zero();  // lower triangle
-  JointVector right = JointVector::Zero();
-};
-
-/// Measurements to take: all, or those of one noise level.
-bool wanted(std::optional<Noise> only, Noise noise) { return !only || *only == noise; }
-
-/// Where the model puts an image, and how that depends on scale and tilt through the fall.
-struct Model {
-  Vec2 at;
-  Vec2 by_scale;
-  Vec2 by_tilt;
-};
-
-Model model(const JointFit& fit, std::size_t leg, double s) {
-  const int k = kLegStart[leg];
-  const auto& z = fit.unknowns;
-  const double half = 0.5 * fit.legs[leg].span_s * fit.legs[leg].span_s * s * s;
-  const double cos = std::cos(z[kTilt]);
-  const double sin = std::sin(z[kTilt]);
-  const Vec2 fall{half * (cos * fit.gravity_mps2.x - sin * fit.gravity_mps2.y),
-                  half * (sin * fit.gravity_mps2.x + cos * fit.gravity_mps2.y)};
-  const double scale = z[kScale];
-  return {{z[k] + z[k + 2] * s + scale * fall.x, z[k + 1] + z[k + 3] * s + scale * fall.y},
-          fall,
-          {-scale * fall.y, scale * fall.x}};
-}
-
-/// A flash's error in time moves the image along its path.
-Symmetric2 covariance(const Observations& all, const JointFit& fit, const Observation& o) {
-  Symmetric2 c{o.cov_xx_m2, o.cov_xy_m2, o.cov_yy_m2};
-  if (o.centre_noise != Noise::stated) c.xx = c.yy = all.levels[Noise::centre] * all.levels[Noise::centre];
+ImageRows rows_of(const Observations& all, const JointFit& fit, const Turn& turn, const Observation& o) {
+  const std::size_t leg = leg_index(*o.leg);
+  const LegTime& times = fit.legs[leg];
+  const flight::Forcing& forcing = fit.forcing[leg];
+  const double* z = &fit.unknowns[kLegStart[leg]];
+  const double scale = fit.unknowns[kScale];
+  const double s = times.scaled(o.time_s);
+  const double t = s * times.span_s;
+  const Vec2& a = forcing.acceleration_mps2;
+  const Vec2& j = forcing.jerk_mps3;
+  const Vec2 bend =
+      turn.to_photograph({t * t * (0.5 * a.x + t * j.x / 6.0), t * t * (0.5 * a.y + t * j.y / 6.0)});
+  const Vec2 residual{o.centre_m.x - (z[0] + z[2] * s + scale * bend.x),
+                      o.centre_m.y - (z[1] + z[3] * s + scale * bend.y)};
+  // The air's pull depends on the velocity. The tilt is small enough to leave it out there.
+  const double half = 0.5 * t * s;
+  const flight::Matrix& by_v = forcing.by_velocity_per_s;
+  const Vec2 columns[6] = {{1.0, 0.0},
+                           {0.0, 1.0},
+                           {s + half * by_v.xx, half * by_v.yx},
+                           {half * by_v.xy, s + half * by_v.yy},
+                           {-scale * bend.y, scale * bend.x},
+                           bend};
+  Vec2 shift;
   if (o.time_sd_s > 0.0) {
-    const std::size_t leg = leg_index(*o.leg);
-    const double sd = o.time_sd_s / fit.legs[leg].span_s;
-    const Vec2 shift{sd * fit.unknowns[kLegStart[leg] + 2], sd * fit.unknowns[kLegStart[leg] + 3]};
-    c.add({shift.x * shift.x, shift.x * shift.y, shift.y * shift.y}, 1.0);
+    const double sd = o.time_sd_s / times.span_s;
+    shift = {sd * z[2], sd * z[3]};
   }
-  return c;
+  const Whitening w = whitening(all, o, shift);
+  ImageRows rows;
+  for (std::size_t c = 0; c < 6; ++c) {
+    rows.row[0][c] = w.first(columns[c].x);
+    rows.row[1][c] = w.second(columns[c].x, columns[c].y);
+  }
+  rows.residual[0] = w.first(residual.x);
+  rows.residual[1] = w.second(residual.x, residual.y);
+  return rows;
 }
 
-/// Sums over one leg's images; the coordinates of position and velocity share their 2x2 blocks.
-struct LegSums {
-  Symmetric2 pp, pv, vv;
-  Vec2 tilt_p, tilt_v, scale_p, scale_v, right_p, right_v;
-  double tilt_tilt = 0.0, tilt_scale = 0.0, scale_scale = 0.0, right_tilt = 0.0, right_scale = 0.0;
+/// The whitened problem about the present unknowns, reduced to triangles.
+class Problem {
+ public:
+  Problem(const Observations& all, const JointFit& fit) : all_(all), fit_(fit), turn_(fit) {
+    // Large rows first keep the small ones exact (Cox, Higham 1998), and a calibration weighs most.
+    add_scale();
+    add_surface();
+    add_images();
+    shared_.reflect([](const auto&) {});
+  }
 
-  void add(const Symmetric2& weight, const Model& m, Vec2 residual, double s) {
-    pp.add(weight, 1.0);
-    pv.add(weight, s);
-    vv.add(weight, s * s);
-    const Vec2 wt = weight * m.by_tilt;
-    const Vec2 ws = weight * m.by_scale;
-    const Vec2 wr = weight * residual;
-    sum(tilt_p, wt, 1.0), sum(tilt_v, wt, s);
-    sum(scale_p, ws, 1.0), sum(scale_v, ws, s);
-    sum(right_p, wr, 1.0), sum(right_v, wr, s);
-    tilt_tilt += dot(m.by_tilt, wt);
-    tilt_scale += dot(m.by_tilt, ws);
-    scale_scale += dot(m.by_scale, ws);
-    right_tilt += dot(m.by_tilt, wr);
-    right_scale += dot(m.by_scale, wr);
+  /// Fills the factor; returns the whitened right side.
+  JointVector factor(JointFactor& f) const {
+    JointVector right{};
+    for (int i = 0; i < 3; ++i) {
+      for (int k = i; k < 3; ++k) f.r[i][k] = shared_.triangle(i, k);
+      if (f.r[i][i] != 0.0) right[static_cast<std::size_t>(i)] = shared_.triangle(i, 3);
+    }
+    for (std::size_t l = 0; l < 2; ++l) {
+      for (int i = 0; i < 4; ++i) {
+        for (int k = i; k < 4; ++k) f.leg[l].r[i][k] = legs_[l].triangle(i, k);
+        for (int k = 0; k < 2; ++k) f.leg[l].coupling[i][k] = legs_[l].triangle(i, 4 + k);
+        right[kLegStart[l] + static_cast<std::size_t>(i)] = legs_[l].triangle(i, 6);
+      }
+    }
+    return right;
   }
-  static void sum(Vec2& into, Vec2 v, double factor) {
-    into.x += factor * v.x;
-    into.y += factor * v.y;
+
+ private:
+  void share(double tilt, double height, double scale, double right) {
+    if (all_.scale_exact()) scale = 0.0;
+    shared_.add({tilt, height, scale, right}, [](const auto&) {});
   }
+
+  void add_scale() {
+    if (all_.scale && !all_.scale_exact()) {
+      share(0.0, 0.0, 1.0 / all_.scale_sd, (*all_.scale - fit_.unknowns[kScale]) / all_.scale_sd);
+    }
+    if (all_.scale_exact()) return;
+    for (const Observation& o : all_.images) {
+      if (!o.use_diameter) continue;
+      const double sd = all_.diameter_sd(o);
+      share(0.0, 0.0, all_.ball_diameter_m / sd,
+            (o.diameter_m - fit_.unknowns[kScale] * all_.ball_diameter_m) / sd);
+    }
+  }
+
+  void add_surface() {
+    const double weight = 1.0 / all_.surface_sd();
+    for (const Vec2& p : all_.surface_m) {
+      const double residual = turn_.cos * p.y - turn_.sin * p.x - fit_.unknowns[kHeight];
+      share(weight * (turn_.cos * p.x + turn_.sin * p.y), weight, 0.0, weight * residual);
+    }
+  }
+
+  void add_images() {
+    const auto next = [this](const std::array<double, 3>& rest) { share(rest[0], 0.0, rest[1], rest[2]); };
+    for (const Observation& o : all_.images) {
+      if (!o.use_centre) continue;
+      const std::size_t leg = leg_index(*o.leg);
+      if (!fit_.legs[leg].fitted) continue;
+      const ImageRows rows = rows_of(all_, fit_, turn_, o);
+      for (std::size_t k = 0; k < 2; ++k) {
+        const auto& r = rows.row[k];
+        legs_[leg].add({r[0], r[1], r[2], r[3], r[4], r[5], rows.residual[k]}, next);
+      }
+    }
+    for (auto& leg : legs_) leg.reflect(next);
+  }
+
+  const Observations& all_;
+  const JointFit& fit_;
+  Turn turn_;
+  RowReduction<4, 7> legs_[2];
+  RowReduction<3, 4> shared_;
 };
 
-void put(JointMatrix& m, int row, int column, const Symmetric2& block) {
-  m(row, column) += block.xx;
-  m(row + 1, column) += block.xy;
-  if (row != column) m(row, column + 1) += block.xy;
-  m(row + 1, column + 1) += block.yy;
-}
-
-void put(JointMatrix& m, int row, int column, Vec2 v) {
-  m(row, column) += v.x;
-  m(row + 1, column) += v.y;
-}
-
-void put(NormalEquations& n, std::size_t leg, const LegSums& s) {
-  const int k = kLegStart[leg];
-  put(n.matrix, k, k, s.pp);
-  put(n.matrix, k + 2, k, s.pv);
-  put(n.matrix, k + 2, k + 2, s.vv);
-  put(n.matrix, k, kTilt, s.tilt_p);
-  put(n.matrix, k + 2, kTilt, s.tilt_v);
-  put(n.matrix, k, kScale, s.scale_p);
-  put(n.matrix, k + 2, kScale, s.scale_v);
-  n.matrix(kTilt, kTilt) += s.tilt_tilt;
-  n.matrix(kScale, kTilt) += s.tilt_scale;
-  n.matrix(kScale, kScale) += s.scale_scale;
-  n.right[kTilt] += s.right_tilt;
-  n.right[kScale] += s.right_scale;
-  n.right.segment<2>(k) << s.right_p.x, s.right_p.y;
-  n.right.segment<2>(k + 2) << s.right_v.x, s.right_v.y;
-}
-
-void add_images(const Observations& all, const JointFit& fit, std::optional<Noise> only, NormalEquations& n) {
-  LegSums sums[2];
-  for (const Observation& o : all.images) {
-    if (o.use_diameter && wanted(only, o.diameter_noise)) {
-      const double weight = 1.0 / (all.diameter_sd(o) * all.diameter_sd(o));
-      const double residual = o.diameter_m - fit.unknowns[kScale] * all.ball_diameter_m;
-      n.matrix(kScale, kScale) += weight * all.ball_diameter_m * all.ball_diameter_m;
-      n.right[kScale] += weight * all.ball_diameter_m * residual;
-    }
-    if (!o.use_centre || !wanted(only, o.centre_noise)) continue;
-    const std::size_t leg = leg_index(*o.leg);
-    if (!fit.legs[leg].fitted) continue;
-    const double s = fit.legs[leg].scaled(o.time_s);
-    const Model m = model(fit, leg, s);
-    const Vec2 residual{o.centre_m.x - m.at.x, o.centre_m.y - m.at.y};
-    sums[leg].add(inverse(covariance(all, fit, o)), m, residual, s);
-  }
-  for (std::size_t leg = 0; leg < 2; ++leg) put(n, leg, sums[leg]);
-}
-
-void add_surface(const Observations& all, const JointFit& fit, std::optional<Noise> only,
-                 NormalEquations& n) {
-  if (!wanted(only, all.surface_noise)) return;
-  const double weight = 1.0 / (all.surface_sd() * all.surface_sd());
-  const double cos = std::cos(fit.unknowns[kTilt]);
-  const double sin = std::sin(fit.unknowns[kTilt]);
-  for (const Vec2& p : all.surface_m) {
-    const double residual = surface_residual(fit, p);
-    const double by_tilt =
-        cos * p.x + sin * p.y;  // of height - normal . p: opposite sign of the residual's slope
-    n.matrix(kTilt, kTilt) += weight * by_tilt * by_tilt;
-    n.matrix(kHeight, kTilt) += weight * by_tilt;
-    n.matrix(kHeight, kHeight) += weight;
-    n.right[kTilt] += weight * by_tilt * residual;
-    n.right[kHeight] += weight * residual;
-  }
-}
-
-NormalEquations assemble(const Observations& all, const JointFit& fit, std::optional<Noise> only) {
-  NormalEquations n;
-  add_images(all, fit, only, n);
-  add_surface(all, fit, only, n);
-  if (all.scale && wanted(only, Noise::stated)) {
-    const double weight = 1.0 / (all.scale_sd * all.scale_sd);
-    n.matrix(kScale, kScale) += weight;
-    n.right[kScale] += weight * (*all.scale - fit.unknowns[kScale]);
-  }
-  return n;
-}
-
-/// What nothing was measured of stays where it is.
-void pin_unmeasured(NormalEquations& n) {
-  for (int i = 0; i < kJointCount; ++i) {
-    if (!(n.matrix(i, i) > 0.0)) n.matrix(i, i) = 1.0;
-  }
-}
-
-std::array<LegTime, 2> leg_times(const Observations& all) {
-  std::array<LegTime, 2> legs;
+/// Times of both legs, and a first guess from their outermost images.
+void start(const Observations& all, JointFit& fit) {
   int count[2] = {0, 0};
+  const Observation* first[2] = {};
+  const Observation* last[2] = {};
   for (const Observation& o : all.images) {
     if (!o.use_centre) continue;
-    LegTime& leg = legs[leg_index(*o.leg)];
-    if (count[leg_index(*o.leg)]++ == 0) leg.first_s = o.time_s;
-    leg.last_s = o.time_s;
-    leg.origin_s += o.time_s;
+    const std::size_t leg = leg_index(*o.leg);
+    if (count[leg]++ == 0) first[leg] = &o;
+    last[leg] = &o;
+    fit.legs[leg].origin_s += o.time_s;
   }
-  for (std::size_t i = 0; i < 2; ++i) {
-    legs[i].fitted = count[i] >= 2;
-    if (!legs[i].fitted) continue;
-    legs[i].origin_s /= count[i];
-    legs[i].span_s = legs[i].last_s - legs[i].first_s;
+  fit.unknowns[kScale] = all.scale.value_or(1.0);
+  for (std::size_t leg = 0; leg < 2; ++leg) {
+    LegTime& times = fit.legs[leg];
+    times.fitted = count[leg] >= 2;
+    if (!times.fitted) continue;
+    times.origin_s /= count[leg];
+    times.first_s = first[leg]->time_s;
+    times.last_s = last[leg]->time_s;
+    times.span_s = times.last_s - times.first_s;
+    const Vec2 step{last[leg]->centre_m.x - first[leg]->centre_m.x,
+                    last[leg]->centre_m.y - first[leg]->centre_m.y};
+    const double s = times.scaled(times.first_s);
+    double* z = &fit.unknowns[kLegStart[leg]];
+    z[0] = first[leg]->centre_m.x - s * step.x;
+    z[1] = first[leg]->centre_m.y - s * step.y;
+    z[2] = step.x;
+    z[3] = step.y;
   }
-  return legs;
+}
+
+/// Forcing at the legs' present velocities.
+void bend(const Motion& motion, JointFit& fit) {
+  const Turn turn(fit);
+  // The series of drag and lift is one in their share of the velocity; this bound leaves 1e-4 of it.
+  constexpr double kLongest = 0.1;
+  Vec2 velocity[2];
+  for (std::size_t leg = 0; leg < 2; ++leg) {
+    if (!fit.legs[leg].fitted) continue;
+    const double* z = &fit.unknowns[kLegStart[leg]];
+    const double per_second = fit.unknowns[kScale] * fit.legs[leg].span_s;
+    velocity[leg] = turn.to_surface({z[2] / per_second, z[3] / per_second});
+    const double path_m = std::hypot(velocity[leg].x, velocity[leg].y) * fit.legs[leg].span_s;
+    if (!(path_m * std::max(motion.air.drag_per_m, motion.air.lift_per_m) < kLongest)) fit.air_used = false;
+  }
+  const flight::Aerodynamics air = fit.air_used ? motion.air : flight::Aerodynamics{};
+  for (std::size_t leg = 0; leg < 2; ++leg) {
+    fit.forcing[leg] = flight::forcing(air, motion.gravity_mps2, velocity[leg], motion.omega_radps[leg]);
+  }
+}
+
+double square(const JointVector& v) {
+  double sum = 0.0;
+  for (const double x : v) sum += x * x;
+  return sum;
 }
 
 }  // namespace
 
+ImageRows image_rows(const Observations& all, const JointFit& fit, const Observation& image) {
+  return rows_of(all, fit, Turn(fit), image);
+}
+
 double surface_residual(const JointFit& fit, Vec2 p) {
-  const double tilt = fit.unknowns[kTilt];
-  return std::cos(tilt) * p.y - std::sin(tilt) * p.x - fit.unknowns[kHeight];
+  const Turn turn(fit);
+  return turn.cos * p.y - turn.sin * p.x - fit.unknowns[kHeight];
 }
 
-CentreResidual centre_residual(const Observations& all, const JointFit& fit, const Observation& image) {
-  const std::size_t leg = leg_index(*image.leg);
-  const Model m = model(fit, leg, fit.legs[leg].scaled(image.time_s));
-  const Symmetric2 c = covariance(all, fit, image);
-  return {{image.centre_m.x - m.at.x, image.centre_m.y - m.at.y}, c.xx, c.xy, c.yy};
+double surface_lever_m(const JointFit& fit, Vec2 p) {
+  const Turn turn(fit);
+  return turn.cos * p.x + turn.sin * p.y;
 }
 
-JointMatrix information(const Observations& all, const JointFit& fit, Noise noise) {
-  return assemble(all, fit, noise).matrix.selfadjointView<Eigen::Lower>();
-}
-
-JointFit fit_joint(const Observations& all, Vec2 gravity_mps2) {
+JointFit fit_joint(const Observations& all, const Motion& motion) {
   JointFit fit;
-  fit.gravity_mps2 = gravity_mps2;
-  fit.legs = leg_times(all);
-  fit.unknowns[kScale] = 1.0;
+  start(all, fit);
   const bool time_noise = std::any_of(all.images.begin(), all.images.end(),
                                       [](const Observation& o) { return o.time_sd_s > 0.0; });
   constexpr int kMostSteps = 12;
-  constexpr double kConverged = 1e-10;  // predicted fall of chi squared: a hundred-thousandth of an sd
-  Eigen::LLT<JointMatrix, Eigen::Lower> factor;
-  JointVector unit;
+  // Squares of what is left, in sd: at worst each step shrinks it as the one before did.
+  constexpr double kConverged = 1e-12;
+  double before = 1.0;
   for (int step = 0; step < kMostSteps; ++step) {
-    NormalEquations n = assemble(all, fit, std::nullopt);
-    pin_unmeasured(n);
-    unit = n.matrix.diagonal().cwiseSqrt().cwiseInverse();  // the columns' units differ by many orders
-    const JointMatrix scaled = unit.asDiagonal() * n.matrix * unit.asDiagonal();
-    factor.compute(scaled);
-    const JointVector change = unit.asDiagonal() * factor.solve(unit.asDiagonal() * n.right);
-    fit.unknowns += change;
+    bend(motion, fit);
+    const JointVector right = Problem(all, fit).factor(fit.factor);
+    const JointVector change = fit.factor.unknowns(right);
+    for (std::size_t i = 0; i < kJointCount; ++i) fit.unknowns[i] += change[i];
+    const double now = square(right);
     const bool weights_settled = !time_noise || step >= 2;
-    if (change.dot(n.right) < kConverged && weights_settled) break;
+    const bool small = now < kConverged || (step > 0 && now / before * now < kConverged);
+    if (small && weights_settled) break;
+    before = now;
   }
-  fit.covariance = unit.asDiagonal() * factor.solve(JointMatrix::Identity()) * unit.asDiagonal();
   return fit;
 }
 

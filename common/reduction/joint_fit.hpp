@@ -1,25 +1,17 @@
-// Least squares fit of surface line, scale and both legs' flight to one photograph.
+// Least squares fit of surface line, scale and both legs' flight to one photograph, by orthogonal
+// factorization: each measurement is divided by its noise, reflections eliminate the four unknowns of either
+// leg, and what is left of the images joins surface points, diameters and calibrated scale in a small
+// triangle of tilt, height and scale. Normal equations, which square the condition, are never formed.
 // Part of the reduction, not of its interface. Thread-safe; no allocation.
 #pragma once
 
-#include <Eigen/Core>
 #include <array>
 
+#include "common/flight/aerodynamics.hpp"
+#include "common/reduction/joint_factor.hpp"
 #include "common/reduction/observations.hpp"
 
 namespace strobe::reduction {
-
-/// Unknowns: tilt [rad], height [m] and scale (about 1) against the levelling, then for each leg the position
-/// and the velocity in the levelled photograph, at the leg's mean time, in metres and metres per span.
-/// The equator's angle and spin of each leg, the other four of the fifteen, share no measurement with these.
-inline constexpr int kTilt = 0;
-inline constexpr int kHeight = 1;
-inline constexpr int kScale = 2;
-inline constexpr int kLegStart[2] = {3, 7};  // x, y, vx * span, vy * span
-inline constexpr int kJointCount = 11;
-
-using JointVector = Eigen::Matrix<double, kJointCount, 1>;
-using JointMatrix = Eigen::Matrix<double, kJointCount, kJointCount>;
 
 /// Time is measured from a leg's mean in units of its length, so that every column is of order one.
 struct LegTime {
@@ -31,33 +23,41 @@ struct LegTime {
   double scaled(double time_s) const { return (time_s - origin_s) / span_s; }
 };
 
+/// What bends the paths: gravity in the surface's axes, air, and the legs' spins.
+struct Motion {
+  Vec2 gravity_mps2;
+  flight::Aerodynamics air;
+  std::array<double, 2> omega_radps{};
+};
+
 struct JointFit {
-  JointVector unknowns = JointVector::Zero();
-  JointMatrix covariance =
-      JointMatrix::Zero();  ///< rows and columns of a leg that is not fitted mean nothing
+  JointVector unknowns{};
+  JointFactor factor;  ///< the covariance's; zero rows for a leg that is not fitted
   std::array<LegTime, 2> legs;
-  Vec2 gravity_mps2;  ///< as used
+  /// In the surface's axes at the leg's origin of time, as used.
+  std::array<flight::Forcing, 2> forcing;
+  bool air_used = true;  ///< false: the legs are so long that the series of the drag does not hold
 };
 
 constexpr std::size_t leg_index(Leg leg) { return leg == Leg::rebound ? 1 : 0; }
 
 /// Gauss-Newton; the problem is linear but for products of small corrections. A leg with fewer than two
-/// images is not fitted. Measured: converged to 1e-5 of an sd after two steps.
-JointFit fit_joint(const Observations& all, Vec2 gravity_mps2);
+/// images is not fitted. Stops within a millionth of an sd, mostly after two steps.
+JointFit fit_joint(const Observations& all, const Motion& motion);
 
-/// Residual of an image's centre and its covariance before the fit, in the levelled photograph. [m, m^2]
-struct CentreResidual {
-  Vec2 residual;
-  double cov_xx = 0.0;
-  double cov_xy = 0.0;
-  double cov_yy = 0.0;
+/// One image's centre: two rows divided by its noise (columns: the leg's x, y, vx * span, vy * span; tilt,
+/// scale), and the residuals. Flashes' errors in time are in the noise.
+struct ImageRows {
+  std::array<double, 6> row[2];
+  double residual[2];
 };
-CentreResidual centre_residual(const Observations& all, const JointFit& fit, const Observation& image);
+/// `image` is airborne, its leg fitted.
+ImageRows image_rows(const Observations& all, const JointFit& fit, const Observation& image);
 
 /// Distance of a surface point from the fitted line. [m]
 double surface_residual(const JointFit& fit, Vec2 point);
 
-/// The part of the normal equations that measurements of one noise level contribute.
-JointMatrix information(const Observations& all, const JointFit& fit, Noise noise);
+/// How that line's height at the point grows with the tilt. [m]
+double surface_lever_m(const JointFit& fit, Vec2 point);
 
 }  // namespace strobe::reduction

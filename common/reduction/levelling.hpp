@@ -5,14 +5,12 @@
 #include <optional>
 #include <vector>
 
+#include "common/flight/parabola.hpp"
 #include "common/reduction/frame.hpp"
 
 namespace strobe::reduction {
 
-struct Vec2 {
-  double x = 0.0;
-  double y = 0.0;
-};
+using Vec2 = flight::Vector;
 
 /// Rotation by -tilt about the surface points' centroid, division by a first guess of the scale, and the
 /// mirror image if the ball travels to the left. The fit corrects tilt, height and scale from there.

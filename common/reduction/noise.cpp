@@ -17,16 +17,38 @@ struct Scatter {
   double taken = 0.0;  // by the fit
 };
 
+double square(const std::array<double, 7>& v) {
+  double sum = 0.0;
+  for (const double x : v) sum += x * x;
+  return sum;
+}
+
 /// Squares of the part of a residual that the level, and not a stated error in time, accounts for.
 void add_centre(const ShotFit& fit, const Observation& o, Scatter& s) {
-  const CentreResidual r = centre_residual(fit.observations, fit.joint, o);
+  const ImageRows rows = image_rows(fit.observations, fit.joint, o);
   const double level = fit.observations.levels[Noise::centre];
-  const double det = r.cov_xx * r.cov_yy - r.cov_xy * r.cov_xy;
-  const double chi = (r.cov_yy * r.residual.x * r.residual.x - 2.0 * r.cov_xy * r.residual.x * r.residual.y +
-                      r.cov_xx * r.residual.y * r.residual.y) /
-                     det;
-  s.sum_of_squares += chi * level * level;
-  s.count += 2.0;
+  for (std::size_t k = 0; k < 2; ++k) {
+    const double residual = rows.residual[k] * level;
+    s.sum_of_squares += residual * residual;
+    s.count += 1.0;
+    s.taken += square(fit.joint.factor.whitened(leg_index(*o.leg), rows.row[k]));
+  }
+}
+
+void add_diameter(const ShotFit& fit, const Observation& o, Scatter& s) {
+  const Observations& all = fit.observations;
+  const double r = o.diameter_m - fit.joint.unknowns[kScale] * all.ball_diameter_m;
+  s.sum_of_squares += r * r;
+  s.count += 1.0;
+  s.taken += square(fit.joint.factor.shared(0.0, 0.0, all.ball_diameter_m / all.diameter_sd(o)));
+}
+
+void add_surface(const ShotFit& fit, Vec2 point, Scatter& s) {
+  const double r = surface_residual(fit.joint, point);
+  const double sd = fit.observations.surface_sd();
+  s.sum_of_squares += r * r;
+  s.count += 1.0;
+  s.taken += square(fit.joint.factor.shared(surface_lever_m(fit.joint, point) / sd, 1.0 / sd, 0.0));
 }
 
 Scatter scatter(const ShotFit& fit, Noise noise) {
@@ -35,20 +57,11 @@ Scatter scatter(const ShotFit& fit, Noise noise) {
   for (const Observation& o : all.images) {
     const bool centre = o.use_centre && o.centre_noise == noise && fit.joint.legs[leg_index(*o.leg)].fitted;
     if (centre) add_centre(fit, o, s);
-    if (o.use_diameter && o.diameter_noise == noise) {
-      const double r = o.diameter_m - fit.joint.unknowns[kScale] * all.ball_diameter_m;
-      s.sum_of_squares += r * r;
-      s.count += 1.0;
-    }
+    if (o.use_diameter && o.diameter_noise == noise) add_diameter(fit, o, s);
   }
   if (all.surface_noise == noise) {
-    for (const Vec2& p : all.surface_m) {
-      const double r = surface_residual(fit.joint, p);
-      s.sum_of_squares += r * r;
-      s.count += 1.0;
-    }
+    for (const Vec2& p : all.surface_m) add_surface(fit, p, s);
   }
-  if (s.count > 0.0) s.taken = information(all, fit.joint, noise).cwiseProduct(fit.joint.covariance).sum();
   return s;
 }
 

@@ -1,6 +1,7 @@
 #include "common/reduction/observations.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 
 #include "common/reduction/legs.hpp"
@@ -83,9 +84,7 @@ void set_surface(const Frame& frame, Observations& all) {
 void set_scale(const Frame& frame, Observations& all) {
   if (!frame.px_per_m) return;
   all.scale = *frame.px_per_m / all.levelling.px_per_m;
-  // A scale without an sd is taken as exact; the weight must be finite all the same.
-  constexpr double kExact = 1e-9;
-  all.scale_sd = std::max(frame.px_per_m_sd.value_or(0.0) / all.levelling.px_per_m, kExact);
+  all.scale_sd = frame.px_per_m_sd.value_or(0.0) / all.levelling.px_per_m;
 }
 
 double mean_diameter_variance(const Observations& all) {
@@ -146,6 +145,17 @@ void mirror(Observations& all) {
 
 }  // namespace
 
+std::optional<double> temperature_c(const Frame& frame) {
+  if (frame.temperature_c) return frame.temperature_c;
+  const auto entry = frame.record.find("temperature_c");
+  if (entry == frame.record.end()) return std::nullopt;
+  const std::string& text = entry->second;
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return value >= kColdest_degC && value <= kHottest_degC ? std::optional(value) : std::nullopt;
+}
+
 std::optional<Observations> observe(const Frame& frame, FlagSet& flags) {
   const std::optional<Levelling> levelling = level(frame.surface_px, first_scale(frame));
   if (!levelling) {
@@ -156,8 +166,11 @@ std::optional<Observations> observe(const Frame& frame, FlagSet& flags) {
   all.levelling = *levelling;
   all.ball_diameter_m = frame.ball_diameter_m;
   all.ball_diameter_sd_m = frame.ball_diameter_sd_m;
-  const double slope = radians(frame.surface_angle_deg);
-  all.gravity_mps2 = {-kGravityMps2 * std::sin(slope), -kGravityMps2 * std::cos(slope)};
+  all.gravity_mps2 = flight::gravity_mps2(radians(frame.surface_angle_deg));
+  all.ball = {frame.ball_diameter_m, frame.ball_mass_kg.value_or(ball::kThesisMass_kg),
+              frame.ball_alpha.value_or(ball::kMeasuredAlpha)};
+  all.air_density_kgpm3 =
+      frame.air_density_kgpm3.value_or(flight::air_density_kgpm3(temperature_c(frame).value_or(20.0)));
   const double guess = kGuessOfDiameter * frame.ball_diameter_m;
   all.levels[Noise::centre] = all.levels[Noise::surface] = all.levels[Noise::diameter] = guess;
   all.levels[Noise::equator] = kGuessEquatorRad;

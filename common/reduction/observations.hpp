@@ -6,14 +6,13 @@
 #include <optional>
 #include <vector>
 
+#include "common/ball/ball.hpp"
+#include "common/flight/aerodynamics.hpp"
 #include "common/reduction/flags.hpp"
 #include "common/reduction/frame.hpp"
 #include "common/reduction/levelling.hpp"
 
 namespace strobe::reduction {
-
-/// Standard gravity. [m/s^2]
-inline constexpr double kGravityMps2 = 9.80665;
 
 /// Measurements that share one noise level. `stated` is noise that came with the frame; the others are levels
 /// that must be estimated from the residuals.
@@ -55,11 +54,14 @@ struct Observations {
   double ball_diameter_m = 0.0;
   std::optional<double> ball_diameter_sd_m;
   std::optional<double> scale;  ///< calibrated px per m over the levelling's
-  double scale_sd = 0.0;
-  Vec2 gravity_mps2;  ///< in the surface's axes
+  double scale_sd = 0.0;        ///< 0: exact
+  Vec2 gravity_mps2;            ///< in the surface's axes
+  ball::Ball ball;
+  double air_density_kgpm3 = flight::kAirDensity_kgpm3;
   Levelling levelling;
   NoiseLevels levels;
 
+  bool scale_exact() const { return scale && scale_sd == 0.0; }
   double centre_variance(const Observation& o) const {
     return o.centre_noise == Noise::stated ? 0.5 * (o.cov_xx_m2 + o.cov_yy_m2)
                                            : levels[Noise::centre] * levels[Noise::centre];
@@ -75,6 +77,9 @@ struct Observations {
 
 /// What is wrong with the frame, naming the field; nothing if it can be reduced.
 std::optional<std::string> invalid(const Frame& frame);
+
+/// From the frame, or from the session's record if that has a number there within the valid range.
+std::optional<double> temperature_c(const Frame& frame);
 
 /// Levels the frame, finds the legs and leaves out what is not airborne; sets the flags of what it found.
 /// Nothing if no line goes through the surface points (flag degenerate_geometry). The frame must be valid.

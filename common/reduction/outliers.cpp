@@ -10,6 +10,9 @@ namespace {
 
 constexpr double kFalseAlarms = 1e-3;  // of a photograph
 constexpr int kLeastImages = 4;
+/// What is left of a variance beside this share of it is rounding: the fit must pass through the measurement,
+/// which has nothing to be held against.
+constexpr double kRounding = 1e-9;
 
 struct Suspect {
   double probability = 1.0;  // of so large a deviation by chance, times the number of chances
@@ -24,6 +27,12 @@ void consider(Suspect& worst, double probability, double chances, std::size_t im
 double freedom(const ShotFit& fit, Noise noise) {
   if (noise == Noise::stated) return std::numeric_limits<double>::infinity();
   return fit.levels[static_cast<std::size_t>(noise)].degrees_of_freedom;
+}
+
+double dot(const std::array<double, 7>& a, const std::array<double, 7>& b) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += a[i] * b[i];
+  return sum;
 }
 
 /// A square with `dimensions` degrees of freedom in units of a level that was estimated with it included:
@@ -41,25 +50,20 @@ double chance_of_square(double square, double degrees_of_freedom, int dimensions
   return student_t_tail(std::sqrt(square / rest), left);
 }
 
-/// Squared deviation from the prediction by the other images: residual over (noise - the fit's own
-/// covariance).
+/// Squared deviation from the prediction by the other images: the whitened residual r has covariance I - H,
+/// H being the share that the image has in its own fitted place.
 double deleted_square(const ShotFit& fit, const Observation& o) {
-  const CentreResidual r = centre_residual(fit.observations, fit.joint, o);
-  const std::size_t leg = leg_index(*o.leg);
-  const double s = fit.joint.legs[leg].scaled(o.time_s);
-  const int k = kLegStart[leg];
-  const JointMatrix& c = fit.joint.covariance;
-  const auto fitted = [&](int a, int b) {
-    return c(k + a, k + b) + s * (c(k + a + 2, k + b) + c(k + a, k + b + 2)) +
-           s * s * c(k + a + 2, k + b + 2);
-  };
-  const double xx = r.cov_xx - fitted(0, 0);
-  const double xy = r.cov_xy - fitted(0, 1);
-  const double yy = r.cov_yy - fitted(1, 1);
+  const ImageRows rows = image_rows(fit.observations, fit.joint, o);
+  const auto x = fit.joint.factor.whitened(leg_index(*o.leg), rows.row[0]);
+  const auto y = fit.joint.factor.whitened(leg_index(*o.leg), rows.row[1]);
+  const double xx = 1.0 - dot(x, x);
+  const double xy = -dot(x, y);
+  const double yy = 1.0 - dot(y, y);
   const double determinant = xx * yy - xy * xy;
-  if (!(determinant > 0.0) || !(xx > 0.0)) return 0.0;
-  const Vec2 v = r.residual;
-  return (yy * v.x * v.x - 2.0 * xy * v.x * v.y + xx * v.y * v.y) / determinant;
+  if (!(determinant > kRounding) || !(xx > kRounding)) return 0.0;
+  const double rx = rows.residual[0];
+  const double ry = rows.residual[1];
+  return (yy * rx * rx - 2.0 * xy * rx * ry + xx * ry * ry) / determinant;
 }
 
 void suspect_centres(const ShotFit& fit, Suspect& worst) {
@@ -81,15 +85,15 @@ void suspect_diameters(const ShotFit& fit, Suspect& worst) {
   int count = 0;
   for (const Observation& o : fit.observations.images) count += o.use_diameter ? 1 : 0;
   if (count < kLeastImages) return;
-  const double own = fit.observations.ball_diameter_m * fit.observations.ball_diameter_m *
-                     fit.joint.covariance(kScale, kScale);
+  const auto scale = fit.joint.factor.shared(0.0, 0.0, fit.observations.ball_diameter_m);
+  const double own = dot(scale, scale);
   for (std::size_t i = 0; i < fit.observations.images.size(); ++i) {
     const Observation& o = fit.observations.images[i];
     if (!o.use_diameter) continue;
     const double residual = o.diameter_m - fit.joint.unknowns[kScale] * fit.observations.ball_diameter_m;
     const double sd = fit.observations.diameter_sd(o);
     const double variance = sd * sd - own;
-    const double square = variance > 0.0 ? residual * residual / variance : 0.0;
+    const double square = variance > kRounding * sd * sd ? residual * residual / variance : 0.0;
     if (square < 4.0) continue;
     consider(worst, chance_of_square(square, freedom(fit, o.diameter_noise), 1), count, i,
              Suspect::What::diameter);
@@ -106,7 +110,7 @@ void suspect_equators(const ShotFit& fit, Suspect& worst) {
       const double noise = readings[i].sd_rad * readings[i].sd_rad + by_time * by_time;
       const double variance = noise * (1.0 - fit.spin[leg]->leverage[i]);
       const double residual = fit.spin[leg]->residual_rad[i];
-      const double square = variance > 0.0 ? residual * residual / variance : 0.0;
+      const double square = variance > kRounding * noise ? residual * residual / variance : 0.0;
       if (square < 4.0) continue;
       const Noise level = readings[i].estimated_noise ? Noise::equator : Noise::stated;
       consider(worst, chance_of_square(square, freedom(fit, level), 1), chances, readings[i].index,

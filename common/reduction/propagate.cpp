@@ -25,58 +25,125 @@ struct Crossing {
   Number vy_mps;
 };
 
-Number unknown(const ShotFit& fit, int index) {
-  return Number::variable(fit.joint.unknowns[index], static_cast<std::size_t>(index));
+Number unknown(const ShotFit& fit, std::size_t index) {
+  return Number::variable(fit.joint.unknowns[index], index);
 }
 
 Number radius(const ShotFit& fit) {
   return Number::variable(fit.observations.ball_diameter_m, kDiameter) * 0.5;
 }
 
-/// Height over the surface less a radius is c + b t + g t^2 / 2. The speed at its zero is the root of
-/// b^2 - 2 g c, downwards before the impact; t = -2 c / (b + speed) loses no digits where the fall is slight.
-std::optional<Crossing> crossing(const ShotFit& fit, std::size_t leg) {
-  const LegTime& times = fit.joint.legs[leg];
-  if (!times.fitted) return std::nullopt;
-  const int k = kLegStart[leg];
+/// Flight of one leg about its origin of time in the surface's axes; the height is less a radius.
+struct Path {
+  Number x_m, height_m, vx_mps, vy_mps;
+  const flight::Forcing& forcing;
+
+  flight::Flight values() const {
+    return {{x_m.value, height_m.value}, {vx_mps.value, vy_mps.value}, forcing};
+  }
+};
+
+Path path(const ShotFit& fit, std::size_t leg) {
+  const std::size_t k = kLegStart[leg];
   const Number tilt = unknown(fit, kTilt);
   const Number cos = chain(tilt, std::cos(tilt.value), -std::sin(tilt.value));
   const Number sin = chain(tilt, std::sin(tilt.value), std::cos(tilt.value));
   const Number scale = unknown(fit, kScale);
-  const Number per_second = scale * times.span_s;
+  const Number per_second = scale * fit.joint.legs[leg].span_s;
   const Number px = unknown(fit, k);
   const Number py = unknown(fit, k + 1);
   const Number ux = unknown(fit, k + 2);
   const Number uy = unknown(fit, k + 3);
-  const Number height = (cos * py - sin * px - unknown(fit, kHeight)) / scale - radius(fit);
-  const Number x = (cos * px + sin * py) / scale;
-  const Number vx = (cos * ux + sin * uy) / per_second;
-  const Number vy = (cos * uy - sin * ux) / per_second;
-  const double g = fit.joint.gravity_mps2.y;
-  const double sign = leg == 0 ? -1.0 : 1.0;
-  const double edge = (leg == 0 ? times.last_s : times.first_s) - times.origin_s;
-  const bool towards_surface = sign * (vy.value + g * edge) > 0.0;
-  const double square = vy.value * vy.value - 2.0 * g * height.value;
-  if (!towards_surface || !(square > 0.0)) return std::nullopt;
-  const Number speed = sign * sqrt(vy * vy - 2.0 * g * height);
-  // Of the two equal forms the one whose denominator does not cancel.
-  const bool alike = vy.value * speed.value > 0.0;
-  const Number t = alike ? -2.0 * height / (vy + speed) : (speed - vy) / g;
-  const double gx = fit.joint.gravity_mps2.x;
-  return Crossing{t + times.origin_s, x + vx * t + 0.5 * gx * (t * t), vx + gx * t, speed};
+  return {(cos * px + sin * py) / scale, (cos * py - sin * px - unknown(fit, kHeight)) / scale - radius(fit),
+          (cos * ux + sin * uy) / per_second, (cos * uy - sin * ux) / per_second, fit.joint.forcing[leg]};
+}
+
+/// The air's pull follows the velocity.
+void add_slopes(const Number& vx, const Number& vy, double by_vx, double by_vy, Number& into) {
+  for (std::size_t i = 0; i < into.grad.size(); ++i) into.grad[i] += by_vx * vx.grad[i] + by_vy * vy.grad[i];
+}
+
+/// The instant is found in plain numbers; one Newton step in dual ones from there gives its slopes.
+std::optional<Crossing> crossing(const ShotFit& fit, std::size_t leg) {
+  const LegTime& times = fit.joint.legs[leg];
+  if (!times.fitted) return std::nullopt;
+  const Path p = path(fit, leg);
+  const flight::Flight values = p.values();
+  const bool falls = leg == 0;
+  const double edge = (falls ? times.last_s : times.first_s) - times.origin_s;
+  const double vy_edge = values.velocity_at(edge).y;
+  if (falls ? !(vy_edge < 0.0) : !(vy_edge > 0.0)) return std::nullopt;
+  const auto at = falls ? values.time_falling_through_s(0.0) : values.time_rising_through_s(0.0);
+  if (!at) return std::nullopt;
+  const double t = *at;
+  const flight::Vector there = values.velocity_at(t);
+  if (falls ? !(there.y < 0.0) : !(there.y > 0.0)) return std::nullopt;
+  Number ax = p.forcing.acceleration_mps2.x;
+  Number ay = p.forcing.acceleration_mps2.y;
+  const flight::Matrix& by_v = p.forcing.by_velocity_per_s;
+  add_slopes(p.vx_mps, p.vy_mps, by_v.xx, by_v.xy, ax);
+  add_slopes(p.vx_mps, p.vy_mps, by_v.yx, by_v.yy, ay);
+  const flight::Vector& j = p.forcing.jerk_mps3;
+  Number time = -1.0 / there.y * (p.height_m + p.vy_mps * t + ay * (0.5 * t * t));
+  time.value = t;
+  // d x / d t and so on at the crossing, along the slopes of its instant.
+  Number x = p.x_m + p.vx_mps * t + ax * (0.5 * t * t);
+  Number vx = p.vx_mps + ax * t;
+  Number vy = p.vy_mps + ay * t;
+  x.value += j.x * t * t * t / 6.0;
+  vx.value = there.x;
+  vy.value = there.y;
+  for (std::size_t i = 0; i < time.grad.size(); ++i) {
+    x.grad[i] += there.x * time.grad[i];
+    vx.grad[i] += (ax.value + j.x * t) * time.grad[i];
+    vy.grad[i] += (ay.value + j.y * t) * time.grad[i];
+  }
+  time.value += times.origin_s;
+  return Crossing{time, x, vx, vy};
+}
+
+/// A whitened measurement of estimated noise, with the columns that it has.
+struct LevelRow {
+  Noise noise = Noise::stated;
+  std::size_t leg = 0;
+  std::array<double, 4> own{};
+  double tilt = 0.0, height = 0.0, scale = 0.0;
+
+  double operator*(const JointVector& u) const {
+    const double* z = &u[kLegStart[leg]];
+    return own[0] * z[0] + own[1] * z[1] + own[2] * z[2] + own[3] * z[3] + tilt * u[kTilt] +
+           height * u[kHeight] + scale * u[kScale];
+  }
+};
+
+std::vector<LevelRow> level_rows(const ShotFit& fit) {
+  const Observations& all = fit.observations;
+  std::vector<LevelRow> rows;
+  for (const Observation& o : all.images) {
+    const bool centre = o.use_centre && o.centre_noise != Noise::stated;
+    if (centre && fit.joint.legs[leg_index(*o.leg)].fitted) {
+      for (const auto& r : image_rows(all, fit.joint, o).row) {
+        rows.push_back({o.centre_noise, leg_index(*o.leg), {r[0], r[1], r[2], r[3]}, r[4], 0.0, r[5]});
+      }
+    }
+    if (o.use_diameter && o.diameter_noise != Noise::stated) {
+      rows.push_back({o.diameter_noise, 0, {}, 0.0, 0.0, all.ball_diameter_m / all.diameter_sd(o)});
+    }
+  }
+  if (all.surface_noise == Noise::stated) return rows;
+  const double weight = 1.0 / all.surface_sd();
+  for (const Vec2& p : all.surface_m) {
+    rows.push_back({all.surface_noise, 0, {}, weight * surface_lever_m(fit.joint, p), weight, 0.0});
+  }
+  return rows;
 }
 
 /// Standard deviations of a number with known gradient.
 class Uncertainty {
  public:
   explicit Uncertainty(const ShotFit& fit) : fit_(fit) {
-    for (std::size_t i = 0; i < kNoiseCount; ++i) {
-      const Noise noise = static_cast<Noise>(i);
-      if (noise == Noise::stated || noise == Noise::equator || !fit.levels[i].used) continue;
-      information_[i] = information(fit.observations, fit.joint, noise);
-      any_level_ = true;
-    }
-    any_level_ = any_level_ || fit.levels[static_cast<std::size_t>(Noise::equator)].used;
+    for (const EstimatedLevel& level : fit.levels) any_level_ = any_level_ || level.used;
+    if (any_level_) rows_ = level_rows(fit);
     // The diameter enters the fit through the diameters' images only: they say scale * diameter.
     double pull = 0.0;
     for (const Observation& o : fit.observations.images) {
@@ -84,25 +151,23 @@ class Uncertainty {
       const double sd = fit.observations.diameter_sd(o);
       pull -= fit.observations.ball_diameter_m * fit.joint.unknowns[kScale] / (sd * sd);
     }
-    by_diameter_ = fit.joint.covariance.col(kScale) * pull;
+    JointVector scale{};
+    scale[kScale] = pull;
+    by_diameter_ = fit.joint.factor.unknowns(fit.joint.factor.whitened(scale));
   }
 
   /// Absent where a level that the number depends on has no residuals to be known from.
   std::optional<double> statistical(const Number& q) const {
-    const JointVector g = joint_gradient(q);
-    const JointVector u = fit_.joint.covariance * g;
-    double variance = g.dot(u) + spin_variance(q, &SpinFit::variance);
-    if (!std::isfinite(variance) || variance < 0.0) return std::nullopt;  // a frame of absurd numbers
-    if (!any_level_) return std::sqrt(variance);
+    const JointVector y = fit_.joint.factor.whitened(joint_gradient(q));
+    const double variance = dot(y, y) + spin_covariance(q, q, &SpinFit::variance);
+    if (!any_level_ || variance == 0.0) return std::sqrt(variance);
+    const auto parts = level_parts(q, y);
     double uncertain = 0.0;  // sum of (estimated share)^2 / its degrees of freedom
     double fewest = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < kNoiseCount; ++i) {
       const EstimatedLevel& level = fit_.levels[i];
       if (!level.used) continue;
-      const double part = static_cast<Noise>(i) == Noise::equator
-                              ? spin_variance(q, &SpinFit::estimated_variance)
-                              : u.dot(information_[i] * u);
-      const double share = std::min(part / variance, 1.0);
+      const double share = std::min(parts[i] / variance, 1.0);
       if (!(share > 1e-9)) continue;
       if (level.degrees_of_freedom == 0.0) return std::nullopt;
       uncertain += share * share / level.degrees_of_freedom;
@@ -115,25 +180,52 @@ class Uncertainty {
 
   std::optional<double> systematic(const Number& q) const {
     if (!fit_.observations.ball_diameter_sd_m) return std::nullopt;
-    const double slope = q.grad[kDiameter] + joint_gradient(q).dot(by_diameter_);
+    const double slope = q.grad[kDiameter] + dot(joint_gradient(q), by_diameter_);
     return std::abs(slope) * *fit_.observations.ball_diameter_sd_m;
   }
 
- private:
-  static JointVector joint_gradient(const Number& q) { return Eigen::Map<const JointVector>(q.grad.data()); }
+  double covariance(const Number& a, const Number& b) const {
+    return dot(fit_.joint.factor.whitened(joint_gradient(a)), fit_.joint.factor.whitened(joint_gradient(b))) +
+           spin_covariance(a, b, &SpinFit::variance);
+  }
 
-  double spin_variance(const Number& q, double SpinFit::*which) const {
+ private:
+  static JointVector joint_gradient(const Number& q) {
+    JointVector g;
+    std::copy_n(q.grad.begin(), kJointCount, g.begin());
+    return g;
+  }
+
+  static double dot(const JointVector& a, const JointVector& b) {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < kJointCount; ++i) sum += a[i] * b[i];
+    return sum;
+  }
+
+  double spin_covariance(const Number& a, const Number& b, double SpinFit::*which) const {
     double sum = 0.0;
     for (std::size_t leg = 0; leg < 2; ++leg) {
-      const double g = q.grad[kSpin[leg]];
-      if (fit_.spin[leg]) sum += g * g * (*fit_.spin[leg]).*which;
+      if (fit_.spin[leg]) sum += a.grad[kSpin[leg]] * b.grad[kSpin[leg]] * (*fit_.spin[leg]).*which;
     }
     return sum;
   }
 
+  /// The part of the variance that each estimated level accounts for: the number moves by sum of
+  /// (row . u) error, u being the covariance times its gradient.
+  std::array<double, kNoiseCount> level_parts(const Number& q, const JointVector& y) const {
+    std::array<double, kNoiseCount> parts{};
+    const JointVector u = fit_.joint.factor.unknowns(y);
+    for (const LevelRow& row : rows_) {
+      const double by_error = row * u;
+      parts[static_cast<std::size_t>(row.noise)] += by_error * by_error;
+    }
+    parts[static_cast<std::size_t>(Noise::equator)] = spin_covariance(q, q, &SpinFit::estimated_variance);
+    return parts;
+  }
+
   const ShotFit& fit_;
-  std::array<JointMatrix, kNoiseCount> information_;  // of the levels in use
-  JointVector by_diameter_;
+  std::vector<LevelRow> rows_;
+  JointVector by_diameter_{};
   bool any_level_ = false;
 };
 
@@ -180,6 +272,28 @@ class Propagation {
                                omega_[0]->value);
   }
 
+  /// Of the numbers that the others follow from, if all of them are there.
+  void covariance() {
+    if (!crossing_[0] || !crossing_[1] || !omega_[0] || !omega_[1]) return;
+    const std::array<Number, kPrimaryCount> primary{
+        crossing_[0]->vx_mps, crossing_[0]->vy_mps, *omega_[0], crossing_[0]->time_s,
+        crossing_[1]->vx_mps, crossing_[1]->vy_mps, *omega_[1], crossing_[1]->time_s};
+    PrimaryCovariance& matrix = readout_.covariance.emplace();
+    for (std::size_t i = 0; i < kPrimaryCount; ++i) {
+      for (std::size_t k = 0; k < kPrimaryCount; ++k) {
+        matrix[i][k] = uncertainty_.covariance(primary[i], primary[k]);
+      }
+    }
+  }
+
+  Crossings crossings() const {
+    Crossings at;
+    for (std::size_t leg = 0; leg < 2; ++leg) {
+      if (crossing_[leg]) at[leg] = crossing_[leg]->time_s.value;
+    }
+    return at;
+  }
+
  private:
   struct LegQuantities {
     Quantity theta, vx, vy, v, omega;
@@ -205,7 +319,8 @@ class Propagation {
   /// What is missing of the change of vx that ends the slip: |slip| alpha / (1 + alpha), against its own sd.
   void regime(const Number& lost, const Number& slip) {
     const auto size = [](const Number& n) { return n.value < 0.0 ? -n : n; };
-    const Number missing = size(slip) * (kInertiaFactor / (1.0 + kInertiaFactor)) - size(lost);
+    const double alpha = fit_.observations.ball.alpha;
+    const Number missing = size(slip) * (alpha / (1.0 + alpha)) - size(lost);
     const std::optional<double> sd = uncertainty_.statistical(missing);
     if (missing.value <= 0.0) {
       readout_.regime = Regime::grips;
@@ -223,10 +338,12 @@ class Propagation {
 
 }  // namespace
 
-void propagate(const ShotFit& fit, std::optional<double> temperature_c, Readout& readout) {
+Crossings propagate(const ShotFit& fit, const Propagate& options, Readout& readout) {
   Propagation propagation(fit, readout);
   propagation.legs();
-  propagation.impact(temperature_c);
+  propagation.impact(options.temperature_c);
+  if (options.covariance) propagation.covariance();
+  return propagation.crossings();
 }
 
 }  // namespace strobe::reduction

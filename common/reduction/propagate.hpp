@@ -2,6 +2,7 @@
 // Part of the reduction, not of its interface. Thread-safe.
 #pragma once
 
+#include <array>
 #include <optional>
 
 #include "common/reduction/readout.hpp"
@@ -9,13 +10,18 @@
 
 namespace strobe::reduction {
 
-/// I / (m R^2) of a tennis ball, as measured (Cross). It only decides what rolling would need, hence the
-/// regime.
-inline constexpr double kInertiaFactor = 0.55;
+struct Propagate {
+  std::optional<double> temperature_c;  ///< for the court pace
+  bool covariance = false;              ///< fill Readout::covariance
+};
+
+/// Touchdown and lift-off, where there is one, in the observations' time. [s]
+using Crossings = std::array<std::optional<double>, 2>;
 
 /// Fills value, sd, sd_systematic, regime and court pace, and sets too_few_images and degenerate_geometry.
 /// Touchdown and lift-off are where the fitted flight has its centre one radius above the fitted line. Every
-/// sd is first order (delta method) with exact derivatives, through the full covariance.
-void propagate(const ShotFit& fit, std::optional<double> temperature_c, Readout& readout);
+/// sd is first order (delta method) with exact derivatives, through the full covariance, which is held as a
+/// triangular factor R: the variance of a number with gradient g is |R^-T g|^2.
+Crossings propagate(const ShotFit& fit, const Propagate& options, Readout& readout);
 
 }  // namespace strobe::reduction

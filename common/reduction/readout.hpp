@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "common/flight/aerodynamics.hpp"
 #include "common/reduction/flags.hpp"
 #include "common/reduction/frame.hpp"
 
@@ -84,6 +85,12 @@ struct LegacyDetail {
   std::vector<ContactImage> contact;
 };
 
+/// Covariance of the numbers that the others follow from, in this order: vx_td_mps, vy_td_mps,
+/// omega_td_radps, touchdown [s], then the same four at lift-off. Statistical, given the ball's diameter;
+/// where the noise was estimated it is that of the estimated levels, without Student's factor.
+inline constexpr std::size_t kPrimaryCount = 8;
+using PrimaryCovariance = std::array<std::array<double, kPrimaryCount>, kPrimaryCount>;
+
 struct Readout {
   int shot_id = 0;
   Quantities value;
@@ -95,7 +102,9 @@ struct Readout {
   bool mirrored = false;
   FlagSet flags;
   Record record;
-  std::optional<LegacyDetail> legacy;  ///< only with method "legacy"
+  flight::Effects flight_effects = flight::kNoEffects;  ///< what the paths were fitted with
+  std::optional<PrimaryCovariance> covariance;          ///< only if asked for
+  std::optional<LegacyDetail> legacy;                   ///< only with method "legacy"
 };
 
 }  // namespace strobe::reduction

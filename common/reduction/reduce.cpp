@@ -1,27 +1,14 @@
 #include "common/reduction/reduce.hpp"
 
-#include <charconv>
-#include <cmath>
 #include <utility>
 
+#include "common/reduction/flight_effects.hpp"
 #include "common/reduction/legacy.hpp"
 #include "common/reduction/propagate.hpp"
 #include "common/reduction/shot_fit.hpp"
 
 namespace strobe::reduction {
 namespace {
-
-/// From the frame, or from the session's record if that has a number there.
-std::optional<double> temperature_c(const Frame& frame) {
-  if (frame.temperature_c) return frame.temperature_c;
-  const auto entry = frame.record.find("temperature_c");
-  if (entry == frame.record.end()) return std::nullopt;
-  const std::string& text = entry->second;
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
-  return value;
-}
 
 /// Keeps the two images next to the impact, and the two next to it that show the equator. Diameters stay: the
 /// mean of all of them is the scale.
@@ -47,25 +34,45 @@ void flag_redundancy(const Observations& all, FlagSet& flags) {
   if (count[0] == 2 || count[1] == 2) flags.set(Flag::no_redundancy);
 }
 
-Readout fitted_readout(const Frame& frame, Estimator estimator, const ReduceOptions& options) {
+Readout empty_readout(const Frame& frame, Estimator estimator) {
   Readout readout;
   readout.shot_id = frame.shot_id;
   readout.record = frame.record;
   readout.method = estimator == Estimator::best ? "best" : "two-point";
+  return readout;
+}
+
+Readout two_point_readout(const Frame& frame, const Propagate& propagation) {
+  Readout readout = empty_readout(frame, Estimator::two_point);
   std::optional<Observations> observations = observe(frame, readout.flags);
   if (!observations) return readout;
   readout.mirrored = observations->levelling.mirrored;
-  const bool best = estimator == Estimator::best;
-  if (!best) {
-    flag_redundancy(*observations, readout.flags);
-    keep_nearest(*observations);
-  }
-  const ShotFit fit = fit_shot(
-      std::move(*observations),
-      {.gravity = best && options.effects.value_or(flight::kGravityOnly).gravity, .leave_out_outliers = best},
-      readout.flags);
-  if (best) flag_redundancy(fit.observations, readout.flags);
-  propagate(fit, temperature_c(frame), readout);
+  flag_redundancy(*observations, readout.flags);
+  keep_nearest(*observations);
+  const ShotFit fit = fit_shot(std::move(*observations),
+                               {.effects = flight::kNoEffects, .leave_out_outliers = false}, readout.flags);
+  propagate(fit, propagation, readout);
+  return readout;
+}
+
+/// Air is fitted first and left out again where it does not matter: it nearly always does, and costs nothing.
+Readout best_readout(const Frame& frame, const Propagate& propagation, const ReduceOptions& options) {
+  Readout readout = empty_readout(frame, Estimator::best);
+  std::optional<Observations> observations = observe(frame, readout.flags);
+  if (!observations) return readout;
+  readout.mirrored = observations->levelling.mirrored;
+  ShotFit fit = fit_shot(std::move(*observations), {.effects = options.effects.value_or(flight::Effects{})},
+                         readout.flags);
+  flag_redundancy(fit.observations, readout.flags);
+  Readout reduced = readout;
+  const Crossings crossings = propagate(fit, propagation, reduced);
+  reduced.flight_effects = fit.effects;
+  if (options.effects) return reduced;
+  const flight::Effects kept = effects_that_matter(reduced, fit, crossings, fit.effects);
+  if (kept == fit.effects) return reduced;
+  refit(fit, kept);
+  propagate(fit, propagation, readout);
+  readout.flight_effects = kept;
   return readout;
 }
 
@@ -74,7 +81,9 @@ Readout fitted_readout(const Frame& frame, Estimator estimator, const ReduceOpti
 Result<Readout> reduce(const Frame& frame, Estimator estimator, const ReduceOptions& options) {
   if (const auto complaint = invalid(frame)) return fail(*complaint);
   if (estimator == Estimator::legacy) return reduce_legacy(frame);
-  return fitted_readout(frame, estimator, options);
+  const Propagate propagation{temperature_c(frame), options.covariance};
+  if (estimator == Estimator::two_point) return two_point_readout(frame, propagation);
+  return best_readout(frame, propagation, options);
 }
 
 }  // namespace strobe::reduction

@@ -25,11 +25,13 @@ constexpr std::optional<Estimator> estimator_from_name(std::string_view text) {
   return std::nullopt;
 }
 
-/// How to reduce, for studies of what each part is worth; the defaults are the product's. For the best
-/// estimator; the others know neither gravity nor air.
+/// How to reduce, for studies of what each part is worth; the defaults are the product's. `effects` is for
+/// the best estimator; the others know neither gravity nor air.
 struct ReduceOptions {
   /// What the flight is fitted with. Absent: gravity, and drag and Magnus where they matter to this shot.
   std::optional<flight::Effects> effects;
+  /// Give Readout::covariance as well.
+  bool covariance = false;
 };
 
 /// A readout of the frame. Numbers that cannot be had are absent and the flags say why.

@@ -29,27 +29,36 @@ bool any_estimated(const Observations& all) {
   return any;
 }
 
-void fit_once(ShotFit& fit, Vec2 gravity) {
+void fit_once(ShotFit& fit) {
   // The levels hardly move the fit, and the fit hardly the levels: three rounds reach rounding.
   constexpr int kMostRounds = 6;
   const bool estimated = any_estimated(fit.observations);
+  Motion motion{fit.effects.gravity ? fit.observations.gravity_mps2 : Vec2{}, fit.air, {}};
   for (int round = 0; round < kMostRounds; ++round) {
-    fit.joint = fit_joint(fit.observations, gravity);
     fit_spins(fit);
+    for (std::size_t leg = 0; leg < 2; ++leg) {
+      motion.omega_radps[leg] = fit.spin[leg] ? fit.spin[leg]->omega_radps : 0.0;
+    }
+    fit.joint = fit_joint(fit.observations, motion);
     if (!estimated || update_levels(fit) < 1e-6) return;
   }
 }
 
 }  // namespace
 
+void refit(ShotFit& fit, flight::Effects effects) {
+  fit.effects = effects;
+  fit.air = flight::aerodynamics(fit.observations.ball, fit.observations.air_density_kgpm3, effects);
+  fit_once(fit);
+}
+
 ShotFit fit_shot(Observations observations, FitOptions options, FlagSet& flags) {
   ShotFit fit;
   fit.observations = std::move(observations);
-  const Vec2 gravity = options.gravity ? fit.observations.gravity_mps2 : Vec2{};
-  fit_once(fit, gravity);
+  refit(fit, options.effects);
   while (options.leave_out_outliers && leave_out_worst(fit)) {
     flags.set(Flag::outlier_image);
-    fit_once(fit, gravity);
+    fit_once(fit);
   }
   for (const auto& spin : fit.spin) {
     if (spin && spin->aliased) flags.set(Flag::spin_aliased);

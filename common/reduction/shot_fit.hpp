@@ -20,6 +20,8 @@ struct EstimatedLevel {
 
 struct ShotFit {
   Observations observations;
+  flight::Effects effects;  ///< what the paths were fitted with
+  flight::Aerodynamics air;
   JointFit joint;
   std::array<std::optional<SpinFit>, 2> spin;           ///< incoming, rebound
   std::array<std::vector<EquatorReading>, 2> equators;  ///< what the spins were fitted to
@@ -27,11 +29,14 @@ struct ShotFit {
 };
 
 struct FitOptions {
-  bool gravity = true;
+  flight::Effects effects;
   bool leave_out_outliers = true;
 };
 
 /// Sets the flags outlier_image, sd_from_residuals and spin_aliased.
 ShotFit fit_shot(Observations observations, FitOptions options, FlagSet& flags);
+
+/// The same images once more with other effects.
+void refit(ShotFit& fit, flight::Effects effects);
 
 }  // namespace strobe::reduction

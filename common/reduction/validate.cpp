@@ -9,57 +9,86 @@ namespace {
 
 using Complaint = std::optional<std::string>;
 
-bool finite(const PointPx& p) { return std::isfinite(p.x) && std::isfinite(p.y); }
+// Written so that NaN is outside.
+constexpr double kLargestPx = 1e12;
+constexpr double kSmallest = 1e-9;
+constexpr double kLargestRad = 1e6;
+constexpr double kLongest_s = 1e9;
+constexpr double kShortestInterval_s = 1e-9;
 
-bool bad_sd(const std::optional<double>& sd) { return sd && !(std::isfinite(*sd) && *sd > 0.0); }
+bool within(double value, double least, double most) { return value >= least && value <= most; }
+bool within(const PointPx& p) {
+  return within(p.x, -kLargestPx, kLargestPx) && within(p.y, -kLargestPx, kLargestPx);
+}
+bool bad(const std::optional<double>& value, double least, double most) {
+  return value && !within(*value, least, most);
+}
+bool bad_sd_px(const std::optional<double>& sd) { return bad(sd, kSmallest, kLargestPx); }
+bool bad_sd_rad(const std::optional<double>& sd) { return bad(sd, kSmallest, kLargestRad); }
+constexpr const char* kPointNeeded = "must be two finite numbers within 1e12";
+constexpr const char* kLengthNeeded = "must be a positive number within 1e-9 and 1e12";
+constexpr const char* kAngleSdNeeded = "must be positive, within 1e-9 and 1e6";
 
 Complaint invalid_covariance(const std::array<double, 4>& c) {
-  const bool numbers =
-      std::isfinite(c[0]) && std::isfinite(c[1]) && std::isfinite(c[2]) && std::isfinite(c[3]);
+  constexpr double kLeast = kSmallest * kSmallest;
+  constexpr double kMost = kLargestPx * kLargestPx;
   const double mean = 0.5 * (c[1] + c[2]);
-  if (!numbers || !(c[0] > 0.0) || !(c[0] * c[3] > mean * mean)) return "must be positive definite";
-  if (std::abs(c[1] - c[2]) > 1e-6 * std::sqrt(c[0] * c[3])) return "must be symmetric";
+  if (!within(c[0], kLeast, kMost) || !within(c[3], kLeast, kMost) || !within(mean, -kMost, kMost)) {
+    return "must be positive definite, variances within 1e-18 and 1e24";
+  }
+  const double largest = std::sqrt(c[0]) * std::sqrt(c[3]);
+  // Closer to one, the correlation is all rounding.
+  constexpr double kMostCorrelation = 1.0 - 1e-12;
+  if (!(std::abs(mean) <= kMostCorrelation * largest)) return "must be positive definite";
+  if (!(std::abs(c[1] - c[2]) <= 1e-6 * largest)) return "must be symmetric";
   return std::nullopt;
 }
 
 Complaint invalid_image(const BallImage& image) {
-  if (!std::isfinite(image.time_s)) return "time_s: must be a finite number";
-  if (!finite(image.centre_px)) return "centre_px: must be two finite numbers";
+  if (!within(image.time_s, -kLongest_s, kLongest_s)) return "time_s: must be a finite number within 1e9";
+  if (!within(image.centre_px)) return std::string("centre_px: ") + kPointNeeded;
   const bool contact = image.leg == Leg::contact;  // a flattened ball may have no diameter
-  if (!std::isfinite(image.diameter_px) || (!contact && !(image.diameter_px > 0.0))) {
-    return "diameter_px: must be a positive number";
+  const bool any = contact && within(image.diameter_px, -kLargestPx, kLargestPx);
+  if (!any && !within(image.diameter_px, kSmallest, kLargestPx)) {
+    return std::string("diameter_px: ") + kLengthNeeded;
   }
-  if (image.equator_rad && !std::isfinite(*image.equator_rad)) return "equator_rad: must be a finite number";
-  if (image.time_sd_s && !(std::isfinite(*image.time_sd_s) && *image.time_sd_s >= 0.0)) {
-    return "time_sd_s: must not be negative";
+  if (bad(image.equator_rad, -kLargestRad, kLargestRad)) {
+    return "equator_rad: must be a finite number within 1e6";
   }
-  if (bad_sd(image.diameter_sd_px)) return "diameter_sd_px: must be positive";
-  if (bad_sd(image.equator_sd_rad)) return "equator_sd_rad: must be positive";
+  if (bad(image.time_sd_s, 0.0, 1.0)) return "time_sd_s: must not be negative, nor above 1";
+  if (bad_sd_px(image.diameter_sd_px)) return std::string("diameter_sd_px: ") + kLengthNeeded;
+  if (bad_sd_rad(image.equator_sd_rad)) return std::string("equator_sd_rad: ") + kAngleSdNeeded;
   if (image.centre_cov_px2) {
     if (const Complaint c = invalid_covariance(*image.centre_cov_px2)) return "centre_cov_px2: " + *c;
   }
   return std::nullopt;
 }
 
-Complaint invalid_constants(const Frame& frame) {
-  if (!(frame.ball_diameter_m >= 0.01 && frame.ball_diameter_m <= 1.0)) {
-    return "ball_diameter_m: must be within 0.01 and 1";
+Complaint invalid_noise(const Frame& frame) {
+  if (bad_sd_px(frame.surface_sd_px)) return std::string("surface_sd_px: ") + kLengthNeeded;
+  if (bad_sd_px(frame.centre_sd_px)) return std::string("centre_sd_px: ") + kLengthNeeded;
+  if (bad_sd_px(frame.diameter_sd_px)) return std::string("diameter_sd_px: ") + kLengthNeeded;
+  if (bad_sd_rad(frame.equator_sd_rad)) return std::string("equator_sd_rad: ") + kAngleSdNeeded;
+  if (bad_sd_px(frame.px_per_m)) return std::string("px_per_m: ") + kLengthNeeded;
+  if (frame.px_per_m_sd && *frame.px_per_m_sd != 0.0 && bad_sd_px(frame.px_per_m_sd)) {
+    return "px_per_m_sd: must not be negative; 0, or within 1e-9 and 1e12";
   }
-  if (frame.ball_diameter_sd_m && !(*frame.ball_diameter_sd_m >= 0.0 && *frame.ball_diameter_sd_m < 1.0)) {
-    return "ball_diameter_sd_m: must be at least 0 and less than 1";
-  }
-  if (bad_sd(frame.surface_sd_px)) return "surface_sd_px: must be positive";
-  if (bad_sd(frame.centre_sd_px)) return "centre_sd_px: must be positive";
-  if (bad_sd(frame.diameter_sd_px)) return "diameter_sd_px: must be positive";
-  if (bad_sd(frame.equator_sd_rad)) return "equator_sd_rad: must be positive";
-  if (bad_sd(frame.px_per_m)) return "px_per_m: must be positive";
-  if (frame.px_per_m_sd && !(*frame.px_per_m_sd >= 0.0 && std::isfinite(*frame.px_per_m_sd))) {
-    return "px_per_m_sd: must not be negative";
-  }
-  if (!(std::abs(frame.surface_angle_deg) <= 90.0)) return "surface_angle_deg: must be within -90 and 90";
-  if (frame.temperature_c && !std::isfinite(*frame.temperature_c))
-    return "temperature_c: must be a finite number";
   return std::nullopt;
+}
+
+Complaint invalid_constants(const Frame& frame) {
+  if (!within(frame.ball_diameter_m, 0.01, 1.0)) return "ball_diameter_m: must be within 0.01 and 1";
+  if (bad(frame.ball_diameter_sd_m, 0.0, 1.0)) return "ball_diameter_sd_m: must be within 0 and 1";
+  if (bad(frame.ball_mass_kg, 0.001, 10.0)) return "ball_mass_kg: must be within 0.001 and 10";
+  if (frame.ball_alpha && !(*frame.ball_alpha > 0.0 && *frame.ball_alpha <= ball::kThinShellAlpha)) {
+    return "ball_alpha: must be above 0 and at most 2/3";
+  }
+  if (bad(frame.air_density_kgpm3, 0.0, 100.0)) return "air_density_kgpm3: must be within 0 and 100";
+  if (!within(frame.surface_angle_deg, -90.0, 90.0)) return "surface_angle_deg: must be within -90 and 90";
+  if (bad(frame.temperature_c, kColdest_degC, kHottest_degC)) {
+    return "temperature_c: must be within -60 and 100";
+  }
+  return invalid_noise(frame);
 }
 
 }  // namespace
@@ -68,14 +97,13 @@ std::optional<std::string> invalid(const Frame& frame) {
   if (Complaint complaint = invalid_constants(frame)) return complaint;
   if (frame.surface_px.size() < 2) return "surface_px: needs at least two points";
   for (std::size_t i = 0; i < frame.surface_px.size(); ++i) {
-    if (!finite(frame.surface_px[i]))
-      return "surface_px[" + std::to_string(i) + "]: must be two finite numbers";
+    if (!within(frame.surface_px[i])) return "surface_px[" + std::to_string(i) + "]: " + kPointNeeded;
   }
   for (std::size_t i = 0; i < frame.images.size(); ++i) {
     const std::string place = "images[" + std::to_string(i) + "].";
     if (const Complaint complaint = invalid_image(frame.images[i])) return place + *complaint;
-    if (i > 0 && !(frame.images[i].time_s > frame.images[i - 1].time_s)) {
-      return place + "time_s: must be later than the image before";
+    if (i > 0 && !(frame.images[i].time_s - frame.images[i - 1].time_s >= kShortestInterval_s)) {
+      return place + "time_s: must be later than the image before, by a nanosecond or more";
     }
   }
   return std::nullopt;

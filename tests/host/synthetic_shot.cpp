@@ -24,15 +24,48 @@ struct Pose {
   std::int8_t leg;
 };
 
+struct State {
+  double x, y, vx, vy;
+};
+
+/// Gravity, drag with C_D = 0.55 and Magnus lift with C_L = R omega / (2 R |omega| + v), of 57.6 g in air of
+/// 1.204 kg/m3.
+State rate(const State& s, double omega) {
+  constexpr double kPerM = 1.204 * std::numbers::pi * kRadius_m * kRadius_m / (2 * 0.0576);
+  const double speed = std::hypot(s.vx, s.vy);
+  const double drag = kPerM * 0.55 * speed;
+  const double lift = kPerM * kRadius_m * omega / (2 * kRadius_m * std::abs(omega) + speed) * speed;
+  return {s.vx, s.vy, -drag * s.vx - lift * s.vy, -kG - drag * s.vy + lift * s.vx};
+}
+
+/// A time t after (or, negative, before) `from`: sixteen steps of Runge and Kutta's fourth order.
+State flown(const State& from, double omega, double t) {
+  constexpr int kSteps = 16;
+  const double h = t / kSteps;
+  const auto moved = [](const State& s, double by, const State& d) {
+    return State{s.x + by * d.x, s.y + by * d.y, s.vx + by * d.vx, s.vy + by * d.vy};
+  };
+  State s = from;
+  for (int i = 0; i < kSteps; ++i) {
+    const State a = rate(s, omega);
+    const State b = rate(moved(s, h / 2, a), omega);
+    const State c = rate(moved(s, h / 2, b), omega);
+    const State d = rate(moved(s, h, c), omega);
+    s = moved(moved(moved(moved(s, h / 6, a), h / 3, b), h / 3, c), h / 6, d);
+  }
+  return s;
+}
+
 Pose pose_at(const Bounce& b, double t) {  // t after touchdown
-  if (t < 0)
-    return {b.vx_td * t, kRadius_m + b.vy_td * t - kG * t * t / 2, 0.4 + b.omega_td * t,
-            ball_image_t::LEG_INCOMING};
+  if (t < 0) {
+    const State at = flown({0.0, kRadius_m, b.vx_td, b.vy_td}, b.omega_td, t);
+    return {at.x, at.y, 0.4 + b.omega_td * t, ball_image_t::LEG_INCOMING};
+  }
   if (t > b.dwell_s) {
     const double s = t - b.dwell_s;
     const double turned = 0.4 + (b.omega_td + b.omega_lo) / 2 * b.dwell_s;
-    return {b.distance_m + b.vx_lo * s, kRadius_m + b.vy_lo * s - kG * s * s / 2, turned + b.omega_lo * s,
-            ball_image_t::LEG_REBOUND};
+    const State at = flown({b.distance_m, kRadius_m, b.vx_lo, b.vy_lo}, b.omega_lo, s);
+    return {at.x, at.y, turned + b.omega_lo * s, ball_image_t::LEG_REBOUND};
   }
   // Friction early in the contact: the speed along the surface falls as a power law that covers the distance.
   const double s = t / b.dwell_s;

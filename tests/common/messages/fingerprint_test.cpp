@@ -36,7 +36,7 @@ const std::map<std::string, Pin>& pins() {
       {"note_t", {strobe_msgs::note_t::getHash(), 0x2eae802baa5ddbbd}},
       {"plan_t", {strobe_msgs::plan_t::getHash(), 0x435a8a10627fd9cf}},
       {"point_t", {strobe_msgs::point_t::getHash(), 0xb9e20652cc607e78}},
-      {"readout_t", {strobe_msgs::readout_t::getHash(), 0x77eb909734c84cb4}},
+      {"readout_t", {strobe_msgs::readout_t::getHash(), 0x784800cf5a41192a}},
       {"readout_values_t", {strobe_msgs::readout_values_t::getHash(), 0xb7fa907edaf1173a}},
       {"shot_t", {strobe_msgs::shot_t::getHash(), 0x14ba596b5a2e6ad1}},
       {"status_t", {strobe_msgs::status_t::getHash(), 0xd53a993bf0dc4acb}},

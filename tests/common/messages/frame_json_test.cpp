@@ -50,7 +50,7 @@ TEST(FrameJson, ReadsWhatIsOptional) {
   std::string text = replaced(
       kExample, R"("centre_sd_px":2.0)",
       R"("px_per_m":4000,"px_per_m_sd":8,"ball_diameter_sd_m":0.0008,"surface_angle_deg":-2.5,)"
-      R"("temperature_c":21,"surface_sd_px":1.5,"record":{"operator":"A","n":12,"x":0.1,"none":null})");
+      R"("ball_mass_kg":0.058,"ball_alpha":0.5,"air_density_kgpm3":1.1,"temperature_c":21,"surface_sd_px":1.5,"record":{"operator":"A","n":12,"x":0.1,"none":null})");
   text = replaced(
       text, R"("equator_rad":0.3)",
       R"("equator_rad":0.3,"time_sd_s":1e-6,"flash_index":77,"centre_cov_px2":[[4,1],[1,9]],)"
@@ -58,6 +58,9 @@ TEST(FrameJson, ReadsWhatIsOptional) {
   const auto frame = frame_from_json(text);
   CHECK_TRUE(frame.has_value());
   DOUBLES_EQUAL(4000.0, *frame->px_per_m, 0.0);
+  DOUBLES_EQUAL(0.058, *frame->ball_mass_kg, 0.0);
+  DOUBLES_EQUAL(0.5, *frame->ball_alpha, 0.0);
+  DOUBLES_EQUAL(1.1, *frame->air_density_kgpm3, 0.0);
   DOUBLES_EQUAL(-2.5, frame->surface_angle_deg, 0.0);
   DOUBLES_EQUAL(21.0, *frame->temperature_c, 0.0);
   STRCMP_EQUAL("12", frame->record.at("n").c_str());

@@ -119,6 +119,7 @@ TEST_GROUP(ReadoutMessage) {
     readout.regime = reduction::Regime::slides;
     readout.court_pace_conforming = true;
     readout.method = "two-point";
+    readout.flight_effects = {.gravity = true, .drag = true, .magnus = false};
     readout.flags.set(reduction::Flag::sensor_missing);
     readout.record["operator"] = "A";
   }
@@ -152,6 +153,9 @@ TEST(ReadoutMessage, IsChecked) {
   auto bad = readout_to_lcm(readout, 1, 1);
   bad.flags[0] = "haunted";
   STRCMP_EQUAL("flags: unknown flag \"haunted\"", complaint(bad).c_str());
+  bad = readout_to_lcm(readout, 1, 1);
+  bad.flight_effects[1] = "wind";
+  STRCMP_EQUAL("flight_effects: unknown effect \"wind\"", complaint(bad).c_str());
   bad = readout_to_lcm(readout, 1, 1);
   bad.regime = "floats";
   STRCMP_EQUAL("regime: unknown word \"floats\"", complaint(bad).c_str());

@@ -36,8 +36,8 @@ TEST_GROUP(ReadoutJson){};
 
 TEST(ReadoutJson, HasEveryDocumentedName) {
   const json object = json::parse(readout_to_json(example()));
-  for (const char* key : {"shot_id", "regime", "court_pace_conforming", "method", "mirrored", "flags",
-                          "record", "sd", "sd_systematic"}) {
+  for (const char* key : {"shot_id", "regime", "court_pace_conforming", "method", "mirrored",
+                          "flight_effects", "flags", "record", "sd", "sd_systematic"}) {
     CHECK_TRUE_TEXT(object.contains(key), key);
   }
   for (const char* key : {"theta_in_deg", "theta_out_deg", "vx_td_mps", "vy_td_mps", "v_td_mps",
@@ -47,6 +47,13 @@ TEST(ReadoutJson, HasEveryDocumentedName) {
     CHECK_TRUE_TEXT(object["sd"].contains(key), key);
     CHECK_TRUE_TEXT(object["sd_systematic"].contains(key), key);
   }
+}
+
+TEST(ReadoutJson, NamesTheEffectsOfTheFlight) {
+  Readout r = example();
+  CHECK_TRUE(json::parse(readout_to_json(r))["flight_effects"] == json::array());
+  r.flight_effects = {.gravity = true, .drag = false, .magnus = true};
+  CHECK_TRUE(json::parse(readout_to_json(r))["flight_effects"] == json::array({"gravity", "magnus"}));
 }
 
 TEST(ReadoutJson, WhatIsAbsentIsNull) {

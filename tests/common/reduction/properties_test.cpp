@@ -31,6 +31,7 @@ Bounce any_bounce() {
 
 Setup any_setup() {
   Setup s;
+  s.air = {.drag_coefficient = 0.0, .lift = false};
   s.phase = real(0.06, 0.94);  // with the jitter below no image slips past touchdown or lift-off
   s.roll_rad = real(-0.3, 0.3);
   s.incoming = *rc::gen::inRange(2, 8);
@@ -50,8 +51,9 @@ Frame photograph() {
   return photograph(b, any_setup());
 }
 
+/// These photographs are of flight without air.
 Readout reduced(const Frame& frame, Estimator estimator = Estimator::best) {
-  const auto readout = reduce(frame, estimator);
+  const auto readout = reduce(frame, estimator, {.effects = flight::kGravityOnly});
   RC_ASSERT(readout.has_value());
   return *readout;
 }

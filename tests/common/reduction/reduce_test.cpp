@@ -46,8 +46,9 @@ Frame straight_frame() {
   return frame;
 }
 
+/// These photographs are of flight without air.
 Readout reduced(const Frame& frame, Estimator estimator = Estimator::best) {
-  const auto readout = reduce(frame, estimator);
+  const auto readout = reduce(frame, estimator, {.effects = flight::kGravityOnly});
   if (!readout) FAIL(readout.error().message.c_str());
   return *readout;
 }
@@ -62,7 +63,13 @@ void equal(double expected, const std::optional<double>& actual, double toleranc
   DOUBLES_EQUAL(expected, *actual, tolerance);
 }
 
-Frame noisy(const Setup& setup = {}, std::uint64_t seed = 3) {
+Setup vacuum() {
+  Setup setup;
+  setup.air = {.drag_coefficient = 0.0, .lift = false};
+  return setup;
+}
+
+Frame noisy(const Setup& setup = vacuum(), std::uint64_t seed = 3) {
   test::Random random(seed);
   return test::photograph(Bounce{}, setup, random);
 }
@@ -123,7 +130,7 @@ TEST(TwoPoint, IgnoresAllButTheImagesNextToTheImpact) {
 TEST_GROUP(BestEstimator){};
 
 TEST(BestEstimator, RecoversExactFlightExactly) {
-  Setup setup;
+  Setup setup = vacuum();
   setup.noise_factor = 0.0;
   setup.incline_rad = 0.1;
   const Readout r = reduced(noisy(setup));
@@ -137,7 +144,7 @@ TEST(BestEstimator, RecoversExactFlightExactly) {
 }
 
 TEST(BestEstimator, TimeAndLengthMayHaveAnyOriginAndScale) {
-  Setup setup;
+  Setup setup = vacuum();
   const Readout plain = reduced(noisy(setup));
   for (const double scale : {1e-3, 1e6}) {
     setup.px_per_m = 4000.0 * scale;
@@ -148,7 +155,7 @@ TEST(BestEstimator, TimeAndLengthMayHaveAnyOriginAndScale) {
     equal(*plain.value[Quantity::vx_td_mps], scaled.value[Quantity::vx_td_mps], 1e-8);
     equal(*plain.sd[Quantity::dwell_distance_cm], scaled.sd[Quantity::dwell_distance_cm], 1e-9);
   }
-  setup = Setup{};
+  setup = vacuum();
   setup.time_origin_s = 1e6;  // a double has steps of 0.12 ns there, that is 1e-7 of 3 ms
   const Readout late = reduced(noisy(setup));
   equal(*plain.value[Quantity::vx_td_mps], late.value[Quantity::vx_td_mps], 1e-5);
@@ -158,7 +165,7 @@ TEST(BestEstimator, TimeAndLengthMayHaveAnyOriginAndScale) {
 
 TEST(BestEstimator, AHundredMetresASecondAreNoTrouble) {
   Bounce fast;
-  Setup setup;
+  Setup setup = vacuum();
   setup.noise_factor = 0.0;
   fast.vx_td = 97.0, fast.vy_td = -24.0, fast.vx_lo = 60.0, fast.vy_lo = 18.0, fast.dwell_x_m = 0.3;
   test::Random random(1);
@@ -171,7 +178,7 @@ TEST(BestEstimator, ADropFromFiveCentimetresIsMostlyGravity) {
   Bounce drop;
   drop.vx_td = 0.1, drop.vy_td = -1.0, drop.omega_td = 0.0;
   drop.vx_lo = 0.08, drop.vy_lo = 0.75, drop.omega_lo = -1.5, drop.dwell_x_m = 0.0005;
-  Setup setup;
+  Setup setup = vacuum();
   setup.noise_factor = 0.0;
   setup.period_s = 0.01;
   test::Random random(1);
@@ -181,7 +188,7 @@ TEST(BestEstimator, ADropFromFiveCentimetresIsMostlyGravity) {
 }
 
 TEST(BestEstimator, LargeTiltsAreTurnedBack) {
-  Setup setup;
+  Setup setup = vacuum();
   const Readout plain = reduced(noisy(setup));
   for (const double tilt : {-1.2, 0.8, 1.5}) {
     setup.roll_rad = tilt;
@@ -194,7 +201,7 @@ TEST(BestEstimator, LargeTiltsAreTurnedBack) {
 }
 
 TEST(BestEstimator, ABallToTheLeftIsMirrored) {
-  Setup setup;
+  Setup setup = vacuum();
   setup.incline_rad = 0.2;
   const Readout right = reduced(noisy(setup));
   setup.mirror = true;
@@ -280,7 +287,7 @@ TEST(BestEstimator, ACourtPaceConformsWithinTheFederationsLimits) {
   Bounce b;
   b.vx_td = 30.0 * std::cos(16.0 * kPi / 180), b.vy_td = -30.0 * std::sin(16.0 * kPi / 180),
   b.omega_td = 10.0;
-  Setup setup;
+  Setup setup = vacuum();
   setup.noise_factor = 0.0;
   test::Random random(1);
   Frame frame = test::photograph(b, setup, random);
@@ -296,7 +303,7 @@ TEST_GROUP(Regime21){};
 
 TEST(Regime21, OnlyTheThreeShallowSetsSlideThroughout) {
   // Known from the thesis's measured means: zero -17, back -17 and back -22 slide, the others grip.
-  Setup setup;
+  Setup setup = vacuum();
   setup.noise_factor = 0.0;
   setup.centre_sd_m = setup.diameter_sd_m = setup.surface_sd_m = 0.02e-3;
   setup.equator_sd_rad = 0.001;
@@ -309,7 +316,7 @@ TEST(Regime21, OnlyTheThreeShallowSetsSlideThroughout) {
 }
 
 TEST(Regime21, WithinTwoSdItIsUnclear) {
-  Setup setup;
+  Setup setup = vacuum();
   setup.noise_factor = 0.0;
   const Bounce b = test::thesis_bounces().front();  // 0.95 m/s short of rolling
   setup.centre_sd_m = 5e-3;
@@ -434,7 +441,7 @@ TEST(ReadoutFlags, AnImageLabelledAirborneThatOverlapsTheSurfaceIsLeftOut) {
 }
 
 TEST(ReadoutFlags, AWrongImageOfFourIsLeftOut) {
-  Setup setup;
+  Setup setup = vacuum();
   setup.incoming = setup.rebound = 4;
   for (const std::size_t wrong : {0U, 1U, 2U, 3U}) {
     Frame frame = noisy(setup);
@@ -461,7 +468,7 @@ TEST(ReadoutFlags, CleanPhotographsHardlyEverLoseAnImage) {
   test::Random random(11);
   constexpr int kShots = 4000;
   for (int i = 0; i < kShots; ++i) {
-    const Readout r = reduced(test::photograph(Bounce{}, Setup{}, random));
+    const Readout r = reduced(test::photograph(Bounce{}, vacuum(), random));
     lost += r.flags.has(Flag::outlier_image) ? 1 : 0;
   }
   // Meant: one in a thousand, so 4 with a sd of 2.
@@ -469,7 +476,7 @@ TEST(ReadoutFlags, CleanPhotographsHardlyEverLoseAnImage) {
 }
 
 TEST(ReadoutFlags, SpinNearTheLimitOfAQuarterTurnIsFlagged) {
-  Setup setup;
+  Setup setup = vacuum();
   Bounce b;
   b.omega_td = 515.0;  // the limit is pi / (2 * 3 ms) = 523.6
   test::Random random(5);
@@ -479,7 +486,7 @@ TEST(ReadoutFlags, SpinNearTheLimitOfAQuarterTurnIsFlagged) {
 }
 
 TEST(ReadoutFlags, NoiseFromResidualsIsSaid) {
-  Setup setup;
+  Setup setup = vacuum();
   setup.state_noise = false;
   const Readout r = reduced(noisy(setup));
   CHECK_TRUE(r.flags.has(Flag::sd_from_residuals));

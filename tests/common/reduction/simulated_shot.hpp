@@ -21,6 +21,15 @@ struct Bounce {
   double diameter_m = 0.0651;
 };
 
+/// What the air does to the ball: dv/dt = g - q·C_D·|v|·v + q·C_L·|v|·(z × v), q = density·pi·R²/(2·mass),
+/// C_L = R·omega/(2·R·|omega| + |v|). Dry air at 20 degrees Celsius.
+struct Air {
+  double drag_coefficient = 0.55;
+  bool lift = true;
+  double density_kgpm3 = 1.204;
+  double mass_kg = 0.0576;
+};
+
 /// A camera, a flash train and a person who digitizes.
 struct Setup {
   double px_per_m = 4000.0;
@@ -31,6 +40,7 @@ struct Setup {
   int incoming = 5, rebound = 5;
   double incline_rad = 0.0;  ///< of the plate
   double gravity_mps2 = 9.80665;
+  Air air;
   std::vector<double> surface_x_m = {-0.20, -0.12, 0.18, 0.26};
   double time_origin_s = 0.0;
   bool mirror = false;
@@ -38,8 +48,9 @@ struct Setup {
   bool state_noise = true;
   // Noise of digitizing by hand: half a millimetre, one degree.
   double centre_sd_m = 0.5e-3, diameter_sd_m = 0.5e-3, equator_sd_rad = 0.0175, surface_sd_m = 0.5e-3;
-  double flash_jitter_s = 0.0;  ///< of the true flash times; the frame has them exactly
-  double noise_factor = 1.0;    ///< of the noise added, not of that stated
+  double flash_jitter_s = 0.0;    ///< of the true flash times; the frame has them exactly
+  double late_before_td_s = 0.0;  ///< by how much the last flash before touchdown is late; the frame says so
+  double noise_factor = 1.0;      ///< of the noise added, not of that stated
 };
 
 /// All bounces of the thesis's tables, as means of their series.
