@@ -57,7 +57,12 @@ BallPath::BallPath(const Scene& scene, const Throw& thrown, const impact::Reboun
       pulse_(pulse),
       radius_m_(scene.ball.radius_m()),
       top_drop_ratio_(scene.bounce.top_drop_ratio),
-      gravity_mps2_(flight::gravity_mps2(scene.surface_angle_rad)) {}
+      approach_(scene, {0.0, radius_m_, thrown.touchdown.vx_mps, thrown.touchdown.vy_mps},
+                thrown.touchdown.omega_radps),
+      departure_(
+          scene,
+          {contact_at(thrown.dwell_s).x_m, radius_m_, rebound.lift_off.vx_mps, rebound.lift_off.vy_mps},
+          rebound.lift_off.omega_radps) {}
 
 Result<BallPath> BallPath::make(const Scene& scene, const Throw& thrown) {
   const auto rebound = impact::grip(scene.ball, thrown.touchdown, thrown.coefficients);
@@ -103,28 +108,20 @@ BallState BallPath::contact_at(double time_s) const {
 BallState BallPath::at(double time_s) const {
   if (time_s > 0.0 && time_s < thrown_.dwell_s) return contact_at(time_s);
   const bool rebounding = time_s > 0.0;
-  const BallState lift_off = rebounding ? contact_at(thrown_.dwell_s) : BallState{};
-  const impact::Motion& start = rebounding ? rebound_.lift_off : thrown_.touchdown;
   const double flight_s = rebounding ? time_s - thrown_.dwell_s : time_s;
-  const flight::Parabola path{.position_m = {lift_off.x_m, radius_m_},
-                              .velocity_mps = {start.vx_mps, start.vy_mps},
-                              .acceleration_mps2 = gravity_mps2_};
-  const flight::Vector position = path.position_at(flight_s);
-  const flight::Vector velocity = path.velocity_at(flight_s);
-  const double equator = rebounding ? lift_off.equator_rad : thrown_.equator_rad;
-  return {.x_m = position.x,
-          .y_m = position.y,
-          .vx_mps = velocity.x,
-          .vy_mps = velocity.y,
-          .omega_radps = start.omega_radps,
-          .equator_rad = equator + start.omega_radps * flight_s};
+  const FlightState state = (rebounding ? departure_ : approach_).at(flight_s);
+  const double equator = rebounding ? contact_at(thrown_.dwell_s).equator_rad : thrown_.equator_rad;
+  const double omega = (rebounding ? rebound_.lift_off : thrown_.touchdown).omega_radps;
+  return {.x_m = state.x_m,
+          .y_m = state.y_m,
+          .vx_mps = state.vx_mps,
+          .vy_mps = state.vy_mps,
+          .omega_radps = omega,
+          .equator_rad = equator + omega * flight_s};
 }
 
-double BallPath::time_at_distance_s(double distance_m) const {
-  // The parabola x(t) = vx·t + a·t²/2 = -distance, by the root that stays finite as a goes to zero.
-  const double vx = thrown_.touchdown.vx_mps;
-  const double discriminant = vx * vx - 2.0 * gravity_mps2_.x * distance_m;
-  return -2.0 * distance_m / (vx + std::sqrt(std::max(0.0, discriminant)));
+std::optional<double> BallPath::time_at_distance_s(double distance_m) const {
+  return approach_.time_back_at_x_s(-distance_m);
 }
 
 }  // namespace strobe::sim

@@ -1,4 +1,4 @@
-// The true path of one ball: free flight under gravity, the rebound, and what happens in between. This is the
+// The true path of one ball: flight through the air, the rebound, and what happens in between. This is the
 // truth that readouts are held against; it shares no code with the reduction. Axes of the surface: x along it
 // in the direction of travel, y up from it, origin under the centre at touchdown; spin counter-clockwise
 // (backspin) positive. Touchdown and lift-off: the centre is one radius above the surface. Plain values,
@@ -6,11 +6,12 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
-#include "common/flight/parabola.hpp"
 #include "common/impact/rebound.hpp"
 #include "common/impact/sine_pulse.hpp"
 #include "common/result.hpp"
+#include "sim/rig/flight.hpp"
 #include "sim/rig/scene.hpp"
 
 namespace strobe::sim {
@@ -57,8 +58,8 @@ class BallPath {
   double spot_m() const { return thrown_.spot_m; }
 
   /// When (before touchdown, hence negative) the centre passes a point `distance_m` ahead of that of
-  /// touchdown.
-  double time_at_distance_s(double distance_m) const;
+  /// touchdown; nothing if it never does.
+  std::optional<double> time_at_distance_s(double distance_m) const;
 
  private:
   BallPath(const Scene& scene, const Throw& thrown, const impact::Rebound& rebound,
@@ -70,7 +71,8 @@ class BallPath {
   impact::SinePulse pulse_;
   double radius_m_;
   double top_drop_ratio_;
-  flight::Vector gravity_mps2_;
+  Flight approach_;   ///< backwards from touchdown
+  Flight departure_;  ///< from lift-off on
 };
 
 }  // namespace strobe::sim

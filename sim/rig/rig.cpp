@@ -173,8 +173,11 @@ void Rig::on_trigger(MonoTime at) {
 void Rig::drive_gate(const BallPath& path, MonoTime touchdown, MonoTime trigger) {
   const double radius_m = scene_.ball.radius_m();
   const double centre_m = scene_.gate.distance_m + path.spot_m();
-  const MonoTime rise = touchdown + from_seconds(path.time_at_distance_s(centre_m + radius_m));
-  const MonoTime fall = touchdown + from_seconds(path.time_at_distance_s(centre_m - radius_m));
+  const auto enters_s = path.time_at_distance_s(centre_m + radius_m);
+  const auto leaves_s = path.time_at_distance_s(centre_m - radius_m);
+  if (!enters_s || !leaves_s) return;
+  const MonoTime rise = touchdown + from_seconds(*enters_s);
+  const MonoTime fall = touchdown + from_seconds(*leaves_s);
   if (rise <= trigger) return;  // the machine stands on the plate's side of the beam
   schedule({rise, RigLine::gate, 1});
   schedule({fall, RigLine::gate, 0});

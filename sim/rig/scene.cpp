@@ -57,6 +57,15 @@ BounceSettings read_bounce(TomlTable table, const MachineSettings& machine) {
   return b;
 }
 
+AirSettings read_air(TomlTable table) {
+  AirSettings a;
+  a.temperature_c = table.number_or("temperature_c", a.temperature_c, {-50.0, 80.0});
+  a.density_kgpm3 = table.optional_number("density_kgpm3", Range{0.0, 10.0}).value_or(-1.0);
+  a.drag_coefficient = table.number_or("drag_coefficient", a.drag_coefficient, {0.0, 2.0});
+  a.lift = table.choice_or("lift_law", "spin_ratio", {"spin_ratio", "none"}) == "spin_ratio";
+  return a;
+}
+
 LampSettings read_lamps(TomlTable table) {
   LampSettings l;
   l.delay_s = table.number_or("delay_us", l.delay_s / kMicro, {0.0, 10000.0}) * kMicro;
@@ -138,11 +147,11 @@ Result<Scene> parse_scene(std::string_view text, const std::string& file_name) {
   Scene scene;
   scene.name = stem(file_name);
   scene.title = root.string_or("title", scene.name);
-  scene.temperature_c = root.number_or("temperature_c", scene.temperature_c, {-50.0, 80.0});
   scene.surface_angle_rad = root.number_or("surface_angle_deg", 0.0, {-89.0, 89.0}) * kDegree;
   scene.ball = read_ball(root.table("ball"));
   scene.machine = read_machine(root.table("machine"));
   scene.bounce = read_bounce(root.table("bounce"), scene.machine);
+  scene.air = read_air(root.table("air"));
   scene.lamps = read_lamps(root.table("lamps"));
   scene.sensors = read_sensors(root.table("sensors"));
   scene.shutter = read_shutter(root.table("shutter"));

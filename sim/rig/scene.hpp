@@ -50,6 +50,14 @@ struct BounceSettings {
   double top_drop_ratio = 1.27;  ///< drop of the ball's top over that of its centre (measured at 23 degrees)
 };
 
+/// [air] What slows and lifts the ball in flight.
+struct AirSettings {
+  double temperature_c = 21.0;     ///< -50…80; of the air's density and the court pace's correction
+  double density_kgpm3 = -1.0;     ///< < 0 (key absent): dry air of that temperature at 101.325 kPa
+  double drag_coefficient = 0.55;  ///< of the area pi·R²; 0: no drag
+  bool lift = true;                ///< key lift_law = "spin_ratio" (sim/rig/flight.hpp) | "none"
+};
+
 /// [lamps] Both alike.
 struct LampSettings {
   double delay_s = 12e-6;  ///< rising edge of the line to flash
@@ -114,14 +122,14 @@ struct OperatorAction {
 };
 
 struct Scene {
-  std::string name;             ///< the file's, without its extension
-  std::string title;            ///< one line for people
-  double temperature_c = 21.0;  ///< of the court pace's correction
+  std::string name;   ///< the file's, without its extension
+  std::string title;  ///< one line for people
   double surface_angle_rad =
       0.0;          ///< key surface_angle_deg: inclination of the plate, counter-clockwise positive
   ball::Ball ball;  ///< [ball] diameter_m, mass_kg, alpha
   MachineSettings machine;
   BounceSettings bounce;
+  AirSettings air;
   LampSettings lamps;
   SensorSettings sensors;
   ShutterSettings shutter;

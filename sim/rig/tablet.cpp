@@ -97,7 +97,7 @@ Digitized digitize(const Scene& scene, std::uint64_t seed, const Exposure& expos
   frame.ball_diameter_m = scene.ball.diameter_m;
   frame.surface_angle_deg =
       scene.surface_angle_rad * (scene.camera.mirrored ? -180.0 : 180.0) / std::numbers::pi;
-  frame.temperature_c = scene.temperature_c;
+  frame.temperature_c = scene.air.temperature_c;
   hand.state_noise(frame);
   for (const double share : kSurfacePoints)
     frame.surface_px.push_back(hand.point(share * hand.half_width_m(), 0.0));

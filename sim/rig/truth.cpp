@@ -42,7 +42,7 @@ reduction::Quantities true_readout(const Scene& scene, const BallPath& path) {
   const impact::Motion& lo = path.rebound().lift_off;
   const double e = -lo.vy_mps / td.vy_mps;
   const double mu = (td.vx_mps - lo.vx_mps) / (lo.vy_mps - td.vy_mps);
-  const double e_at_23_degC = e + 0.003 * (23.0 - scene.temperature_c);
+  const double e_at_23_degC = e + 0.003 * (23.0 - scene.air.temperature_c);
 
   reduction::Quantities q;
   q[Quantity::theta_in_deg] = std::atan2(td.vy_mps, td.vx_mps) * kDegrees;

@@ -47,6 +47,28 @@ TEST(SceneFile, RefusesAValueOutOfItsRange) {
                   error_of(kLeast + "[lamps]\ndelay_us = -3\n").c_str());
 }
 
+TEST(SceneFile, ReadsTheAir) {
+  const auto still = parse_scene(kLeast, "some.toml");
+  DOUBLES_EQUAL(0.55, still->air.drag_coefficient, 0.0);
+  CHECK(still->air.lift && still->air.density_kgpm3 < 0.0);
+  const auto thin = parse_scene(kLeast +
+                                    "[air]\ntemperature_c = 30\ndensity_kgpm3 = 0.9\ndrag_coefficient = 0\n"
+                                    "lift_law = \"none\"\n",
+                                "some.toml");
+  DOUBLES_EQUAL(30.0, thin->air.temperature_c, 0.0);
+  DOUBLES_EQUAL(0.9, thin->air.density_kgpm3, 0.0);
+  CHECK(thin->air.drag_coefficient == 0.0 && !thin->air.lift);
+}
+
+TEST(SceneFile, RefusesAirThatCannotBe) {
+  STRCMP_CONTAINS("some.toml:12: air.drag_coefficient: must be at least 0",
+                  error_of(kLeast + "[air]\ndrag_coefficient = -0.1\n").c_str());
+  STRCMP_CONTAINS("some.toml:12: air.density_kgpm3: must be at least 0",
+                  error_of(kLeast + "[air]\ndensity_kgpm3 = -1\n").c_str());
+  STRCMP_CONTAINS("some.toml:12: air.lift_law: must be one of",
+                  error_of(kLeast + "[air]\nlift_law = \"magnus\"\n").c_str());
+}
+
 TEST(SceneFile, RefusesWhatIsNoToml) {
   STRCMP_CONTAINS("scenes/some.toml:1", error_of("[machine\n").c_str());
 }

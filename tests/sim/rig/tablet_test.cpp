@@ -46,7 +46,8 @@ TEST(Tablet, LabelsLegsInTheirOrder) {
 
 TEST(Tablet, PutsThePhotographWhereAnIndependentProjectionPutsIt) {
   // Noise-free: the incoming images lie on a parabola seen under the camera's roll. Undo roll, origin and
-  // scale by hand and compare with free fall from the truth at touchdown.
+  // scale by hand and compare with free fall in a vacuum from the truth at touchdown.
+  scene.air.density_kgpm3 = 0.0;
   test::VirtualBench bench(scene);
   const Exposure exposure = bench.shoot();
   const Digitized d = digitize(scene, 1, exposure);
