@@ -24,10 +24,9 @@ enum class InputError {
   contact_unresolved,        ///< more steps or events than an integration allows
 };
 
-/// Largest and smallest magnitude of any number (0 apart) that the closed forms take: no product or quotient
-/// of theirs overflows within it. Beyond it: magnitude_out_of_range. Speeds, spins, coefficients and offsets
-/// may be as small as they like; diameter, mass, alpha, dwell time and reference speed, which are divided by,
-/// may not.
+/// Largest and smallest magnitude of the numbers that the closed forms take: no product or quotient of theirs
+/// overflows within it. Beyond it: magnitude_out_of_range. What is divided by (vy, diameter, mass, alpha,
+/// dwell time, reference speed) may not be smaller either; all others may be as small as they like, or 0.
 inline constexpr double kLargestMagnitude = 1e30;
 inline constexpr double kSmallestMagnitude = 1e-30;
 
@@ -56,7 +55,7 @@ constexpr std::string_view message(InputError error) {
     case InputError::magnitude_out_of_range:
       return "a speed, a length, a mass or a time is too large or too small to compute with";
     case InputError::spring_out_of_range:
-      return "a spring or damping ratio is out of its range";
+      return "e is below 0.001, or a spring or damping ratio is out of its range";
     case InputError::tolerance_out_of_range:
       return "tolerance or number of steps is out of its range";
     case InputError::contact_without_end:

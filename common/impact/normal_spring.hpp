@@ -25,7 +25,8 @@ double restitution_of_damping_ratio(double zeta);
 /// Time from touchdown to release times sqrt(k/m): pi at zeta = 0, 2 at zeta = 1.
 double release_phase(double zeta);
 
-/// Inverse of restitution_of_damping_ratio. Valid: kLeastSpringRestitution <= e <= 1.
+/// Inverse of restitution_of_damping_ratio. Valid: kLeastSpringRestitution <= e <= 1 (below it, down to 0:
+/// spring_out_of_range).
 tl::expected<double, InputError> damping_ratio_from_restitution(double e);
 
 struct NormalSpring {

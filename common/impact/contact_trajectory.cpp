@@ -1,0 +1,76 @@
+#include "common/impact/contact_trajectory.hpp"
+
+#include <algorithm>
+#include <iterator>
+
+namespace strobe::impact {
+
+tl::expected<ContactTrajectory, InputError> ContactTrajectory::make(const ball::Ball& ball,
+                                                                    const Motion& touchdown,
+                                                                    const ContactCoefficients& coefficients,
+                                                                    const ContactOptions& options) {
+  const auto system = detail::make_system(ball, touchdown, coefficients);
+  if (!system) return tl::unexpected(system.error());
+  ContactTrajectory out;
+  out.system_ = *system;
+  out.method_ = options.method;
+  const auto summary = detail::run(out.system_, options, &out.steps_);
+  if (!summary) return tl::unexpected(summary.error());
+  out.summary_ = *summary;
+  return out;
+}
+
+ContactState ContactTrajectory::at(double time_s) const {
+  const detail::ContactStep& last = steps_.back();
+  const double tau = std::clamp(time_s * system_.frequency_radps, 0.0, last.tau + last.size);
+  const auto after = std::upper_bound(steps_.begin(), steps_.end(), tau,
+                                      [](double t, const detail::ContactStep& s) { return t < s.tau; });
+  const detail::ContactStep& step = after == steps_.begin() ? steps_.front() : *std::prev(after);
+  const double part = std::min(tau - step.tau, step.size);
+  const detail::State z =
+      part > 0.0 ? detail::take_step(system_, method_, step.mode, step.start, step.slope, part) : step.start;
+  return state_of(z, tau, step.mode);
+}
+
+std::vector<double> ContactTrajectory::step_times_s() const {
+  std::vector<double> times;
+  times.reserve(steps_.size() + 1);
+  for (const detail::ContactStep& step : steps_) times.push_back(step.tau / system_.frequency_radps);
+  times.push_back((steps_.back().tau + steps_.back().size) / system_.frequency_radps);
+  return times;
+}
+
+ContactState ContactTrajectory::state_of(const detail::State& z, double tau, ContactMode mode) const {
+  const detail::System& s = system_;
+  const double second = 1.0 / s.frequency_radps;
+  const double metre = s.speed_mps * second;
+  const double newton = s.mass_kg * s.speed_mps * s.frequency_radps;
+  const double joule = s.mass_kg * s.speed_mps * s.speed_mps;
+  const double vx = s.vx0 + z[detail::kVxChange];
+  const double w = s.spin(z);
+  const double vy = z[detail::kDepthRate];
+  const double depth = z[detail::kDepth];
+  const double stretch = z[detail::kStretch];
+  ContactState out;
+  out.time_s = tau * second;
+  out.x_m = metre * (s.vx0 * tau + z[detail::kPathChange]);
+  out.y_m = 0.0 - metre * depth;
+  out.angle_rad = metre * (s.w0 * tau + z[detail::kAngleChange]) / s.radius_m;
+  out.vx_mps = s.speed_mps * vx;
+  out.vy_mps = -s.speed_mps * vy;
+  out.omega_radps = s.speed_mps * w / s.radius_m;
+  out.fx_n = 0.0 - newton * s.friction(z, mode);
+  out.fy_n = newton * std::max(s.normal_force(z), 0.0);
+  out.mode = mode;
+  out.slip_mps = s.speed_mps * s.slip(z);
+  out.stretch_m = metre * stretch;
+  out.offset_m = s.radius_m * s.offset(z);
+  out.mechanical_j =
+      joule * (0.5 * (vx * vx + vy * vy + s.alpha * w * w + depth * depth + s.kt * stretch * stretch) -
+               s.gravity * depth);
+  out.lost_j = joule * (z[detail::kDampingLoss] + z[detail::kSlidingLoss] + z[detail::kTangentialLoss] +
+                        z[detail::kOffsetLoss]);
+  return out;
+}
+
+}  // namespace strobe::impact

@@ -1,0 +1,21 @@
+// How `strobe predict --model ode` tells a contact: as JSON, as text, and its course as CSV.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "common/impact/contact_trajectory.hpp"
+
+namespace strobe::host {
+
+/// Adds what the contact's course tells besides lift-off: times, extremes, events, energy budget, and with
+/// `samples` > 0 that many states from touchdown to release.
+void add_contact_json(nlohmann::ordered_json& out, const impact::ContactTrajectory& contact, int samples);
+
+void print_contact(const impact::ContactTrajectory& contact);
+
+/// A header and `samples` rows, equally spaced from touchdown to release: time, place, angle, speeds, forces
+/// on the ball, mode.
+std::string contact_csv(const impact::ContactTrajectory& contact, int samples);
+
+}  // namespace strobe::host
