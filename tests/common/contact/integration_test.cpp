@@ -1,0 +1,293 @@
+// Scores, largest values, stiffness and depth.
+#include <array>
+#include <boost/math/tools/minima.hpp>
+#include <cmath>
+#include <numbers>
+#include <random>
+#include <string>
+
+#include "common/contact/condition_inputs.hpp"
+#include "common/contact/integration.hpp"
+#include "tests/common/physics/thesis_folder.hpp"
+
+#include <CppUTest/TestHarness.h>
+
+using namespace strobe;
+using contact::ContactSet;
+using contact::SpinPulse;
+using contact::SpinPulseInput;
+using impact::PulseForm;
+using std::numbers::pi;
+using testing::thesis_data;
+
+namespace {
+
+const contact::SetScale kScale{.dwell_distance_m = 0.06, .diameter_m = 0.065, .total_rotation_rad = -0.8};
+
+contact::TrajectoryPoint arc(double t) { return {0.06 * t, -0.01 * std::sin(pi * t), -0.8 * t * t}; }
+
+/// Images on arc(), moved by ±`error` (m, m, rad) in turn.
+ContactSet set_on_arc(double error) {
+  ContactSet set{.name = "made", .rows = {{0, 0, 0, 0}}};
+  for (const double t : {0.1, 0.3, 0.5, 0.7, 0.9}) {
+    const auto p = arc(t);
+    set.rows.push_back(
+        {t, (p.x_m + error) / 0.06, (p.y_m - 2 * error) / 0.065, (p.rotation_rad + 3 * error) / -0.8});
+    error = -error;
+  }
+  set.rows.push_back({1, 1, 0, 1});
+  return set;
+}
+
+SpinPulseInput condition(const std::string& name, PulseForm form) {
+  return contact::spin_pulse_input(*thesis_data(thesis::Version::corrected).condition(name), form);
+}
+
+std::vector<contact::PublishedStiffness> freund() {
+  const thesis::Data& data = thesis_data(thesis::Version::corrected);
+  std::vector<contact::PublishedStiffness> out;
+  for (const auto& [name, npm] : {std::pair{"zero_17", 20.1e3}, {"top_18", 23.8e3}, {"back_17", 19.3e3}})
+    out.push_back(contact::published_stiffness(*data.condition(name), data.contact.at(name), npm));
+  return out;
+}
+
+}  // namespace
+
+TEST_GROUP(ContactScores){};
+
+TEST(ContactScores, OfImagesOnTheTrajectoryAreZeroAndOfErrorsTheirRootMeanSquare) {
+  const auto none = contact::score(set_on_arc(0.0), arc, kScale);
+  DOUBLES_EQUAL(0.0, none->see_x_m, 1e-17);
+  DOUBLES_EQUAL(0.0, none->rotation->given_total->see_rad, 1e-16);
+  DOUBLES_EQUAL(1.0, none->rotation->r_squared, 1e-15);
+  DOUBLES_EQUAL(-0.8, none->rotation->fitted_total.total_rad, 1e-15);
+  const auto some = contact::score(set_on_arc(1e-3), arc, kScale);
+  DOUBLES_EQUAL(std::sqrt(1.25) * 1e-3, some->see_x_m, 1e-15);
+  DOUBLES_EQUAL(std::sqrt(1.25) * 2e-3, some->see_y_m, 1e-15);
+  DOUBLES_EQUAL(std::sqrt(1.25) * 3e-3, some->rotation->given_total->see_rad, 1e-15);
+  DOUBLES_EQUAL(some->rotation->own_total.see_rad, some->rotation->given_total->see_rad, 1e-16);
+  DOUBLES_EQUAL(some->rotation->own_total.see_rad / 0.8, *some->rotation->own_total.see_fraction, 1e-16);
+  CHECK(some->rotation->fitted_total.see_rad <= some->rotation->own_total.see_rad);
+  LONGS_EQUAL(5, some->rotation->n);
+}
+
+TEST(ContactScores, FindTheTotalRotationThatFitsAndSayHowSurely) {
+  const auto half = [](double t) { return contact::TrajectoryPoint{0.06 * t, 0.0, -0.4 * t * t}; };
+  const auto score = contact::score(set_on_arc(0.0), half, kScale);
+  DOUBLES_EQUAL(-0.4, score->rotation->fitted_total.total_rad, 1e-15);
+  DOUBLES_EQUAL(0.0, score->rotation->fitted_total_sd_rad, 1e-15);
+  DOUBLES_EQUAL(-0.4, score->rotation->own_total.total_rad, 1e-15);
+  DOUBLES_EQUAL(-0.8, score->rotation->given_total->total_rad, 0.0);
+}
+
+TEST(ContactScores, RefuseWhatCannotBeScored) {
+  const auto message = [](const ContactSet& set, const contact::Trajectory& of, contact::SetScale scale) {
+    return contact::score(set, of, scale).error().message;
+  };
+  const auto set = set_on_arc(0.0);
+  STRCMP_EQUAL("dwell distance must be positive", message(set, arc, {}).c_str());
+  STRCMP_EQUAL("diameter must be positive",
+               message(set, arc, {.dwell_distance_m = 1, .diameter_m = 0, .total_rotation_rad = {}}).c_str());
+  STRCMP_EQUAL("the trajectory is not finite at an image", message(
+                                                               set,
+                                                               [](double) {
+                                                                 return contact::TrajectoryPoint{NAN, 0, 0};
+                                                               },
+                                                               kScale)
+                                                               .c_str());
+  const ContactSet one{.name = "one", .rows = {{0.5, 0.5, -0.1, 0.5}}};
+  STRCMP_EQUAL("at least two rows are needed between touchdown and lift-off",
+               message(one, arc, kScale).c_str());
+}
+
+// A cubic with the end spins given and the total -0.7 rad is met exactly.
+TEST(ContactScores, EndSpinsAndFractionsTellTheTotalRotation) {
+  const double dwell = 5e-3, td = 40.0, lo = -310.0, total = -0.7;
+  ContactSet set{.name = "hermite", .rows = {{0, 0, 0, 0}}};
+  for (const double t : {0.05, 0.2, 0.45, 0.6, 0.85}) {
+    const double rest = 1 - t;
+    const double angle = total * t * t * (3 - 2 * t) + dwell * t * rest * (td * rest - lo * t);
+    set.rows.push_back({t, t, 0, angle / total});
+  }
+  const auto found = contact::end_spin_total(set, td, lo, dwell);
+  DOUBLES_EQUAL(total, found->total_rad, 1e-14);
+  DOUBLES_EQUAL(0.0, found->sd_rad, 1e-9);  // root of what rounding leaves
+  CHECK_FALSE(contact::end_spin_total(set, td, lo, 0.0).has_value());
+  CHECK_FALSE(contact::end_spin_total(set, NAN, lo, dwell).has_value());
+}
+
+// The spins and the rotation fractions were measured apart: where a topspin or spinless ball's pulse fits its
+// fractions, the angle that it turns must be of the fractions' own scale.
+TEST(ContactScores, ThePulseTurnsAsTheImagesDoWhereTheRotationIsNotNearZero) {
+  for (const auto& c : thesis_data(thesis::Version::corrected).conditions) {
+    if (c.spin == "back") continue;
+    const auto pulse = SpinPulse::make(contact::spin_pulse_input(c, PulseForm::exact));
+    const auto score = contact::score(thesis_data(thesis::Version::corrected).contact.at(c.name()),
+                                      contact::trajectory_of(*pulse), contact::set_scale(c));
+    CHECK_TEXT(score->rotation->r_squared > 0.84, c.name().c_str());
+    // 5 degrees of digitizing error and model.
+    CHECK_TEXT(score->rotation->fitted_total.see_rad < 0.09, c.name().c_str());
+    CHECK_TEXT(score->rotation->own_total.see_rad < 0.09, c.name().c_str());
+  }
+}
+
+TEST_GROUP(ContactPeaks){};
+
+TEST(ContactPeaks, AreWhereASearchFindsThem) {
+  for (const PulseForm form : {PulseForm::exact, PulseForm::simplified}) {
+    for (const char* name : {"zero_23", "top_71", "back_17"}) {
+      const auto in = condition(name, form);
+      const auto pulse = SpinPulse::make(in);
+      const auto peaks = contact::peaks(in, {});
+      // Brent's search knows a maximum's place to the root of the precision.
+      const auto force = boost::math::tools::brent_find_minima(
+          [&](double t) { return -pulse->at_fraction(t).fy_n; }, 0.0, 1.0, 50);
+      DOUBLES_EQUAL(force.first, peaks->normal_force.fraction.value, 1e-7);
+      DOUBLES_EQUAL(-force.second, peaks->normal_force.size.value, 1e-12 * -force.second);
+      const auto depth = boost::math::tools::brent_find_minima(
+          [&](double t) { return pulse->at_fraction(t).y_m; }, 0.0, 1.0, 50);
+      DOUBLES_EQUAL(depth.first, peaks->deformation.fraction.value, 1e-7);
+      DOUBLES_EQUAL(-depth.second, peaks->deformation.size.value, 1e-14);
+      DOUBLES_EQUAL(peaks->deformation.fraction.value * in.dwell_s, peaks->deformation.time_s.value, 1e-18);
+      double friction = 0.0;
+      for (int i = 0; i <= 100000; ++i)
+        friction = std::max(friction, std::abs(pulse->at_fraction(i / 1e5).fx_n));
+      DOUBLES_EQUAL(friction, peaks->friction_force.size.value, 2e-5 * friction);
+    }
+  }
+}
+
+// 20,000 draws know an sd to .5 %; the inputs' sds are small, so that their squares do not show.
+TEST(ContactPeaks, HaveTheSdsOfManyDraws) {
+  const unsigned seed = 31;
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal;
+  const auto in = condition("zero_34", PulseForm::exact);
+  const contact::SpinPulseSd sd{.vx_mps = 0.01,
+                                .vy_mps = 0.02,
+                                .omega_radps = 0.5,
+                                .e = 0.002,
+                                .mu = 0.002,
+                                .dwell_s = 8e-6,
+                                .diameter_m = 2e-4,
+                                .mass_kg = 1e-4,
+                                .alpha = 0.003,
+                                .offset_m = 1e-5};
+  const auto peaks = contact::peaks(in, sd);
+  const auto numbers = [](const contact::Peaks& p) {
+    return std::array{p.normal_force.size,    p.normal_force.time_s, p.deformation.size,
+                      p.deformation.fraction, p.friction_force.size, *p.grip_time_s,
+                      *p.grip_fraction,       p.total_rotation_rad};
+  };
+  const auto expected = numbers(*peaks);
+  std::array<double, 8> sum{};
+  constexpr int kDraws = 20000;
+  for (int i = 0; i < kDraws; ++i) {
+    SpinPulseInput moved = in;
+    moved.touchdown.vx_mps += sd.vx_mps * normal(random);
+    moved.touchdown.vy_mps += sd.vy_mps * normal(random);
+    moved.touchdown.omega_radps += sd.omega_radps * normal(random);
+    moved.e += sd.e * normal(random);
+    moved.mu += sd.mu * normal(random);
+    moved.dwell_s += sd.dwell_s * normal(random);
+    moved.ball.diameter_m += sd.diameter_m * normal(random);
+    moved.ball.mass_kg += sd.mass_kg * normal(random);
+    moved.ball.alpha += sd.alpha * normal(random);
+    moved.offset_m += sd.offset_m * normal(random);
+    const auto drawn = numbers(*contact::peaks(moved, {}));
+    for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += std::pow(drawn[k].value - expected[k].value, 2);
+  }
+  for (std::size_t k = 0; k < sum.size(); ++k)
+    CHECK_TEXT(std::abs(std::sqrt(sum[k] / kDraws) / expected[k].sd - 1.0) < 0.02,
+               ("number " + std::to_string(k) + ", seed " + std::to_string(seed)).c_str());
+}
+
+TEST(ContactPeaks, OfInputsThatAreKnownHaveNoSdAndWrongSdsAreRefused) {
+  const auto in = condition("zero_23", PulseForm::exact);
+  DOUBLES_EQUAL(0.0, contact::peaks(in, {})->normal_force.size.sd, 0.0);
+  contact::SpinPulseSd wrong;
+  wrong.e = -0.1;
+  CHECK_FALSE(contact::peaks(in, wrong).has_value());
+  wrong.e = NAN;
+  CHECK_FALSE(contact::peaks(in, wrong).has_value());
+}
+
+TEST_GROUP(ContactStiffness){};
+
+TEST(ContactStiffness, OfHalfAPeriodIsWhatTheDwellTimeGives) {
+  const auto half = [](const char* name) {
+    return contact::stiffness(condition(name, PulseForm::exact))->half_period / 1e3;
+  };
+  DOUBLES_EQUAL(15.7, half("zero_17"), 0.05);
+  DOUBLES_EQUAL(17.9, half("top_18"), 0.05);
+  DOUBLES_EQUAL(14.6, half("back_17"), 0.05);
+}
+
+TEST(ContactStiffness, AgreesAmongAllReadingsWithoutLoss) {
+  SpinPulseInput in = condition("zero_17", PulseForm::exact);
+  in.e = 1.0;
+  const auto s = contact::stiffness(in);
+  for (const double other : {s->secant, s->energy, s->kelvin_voigt, s->compression, s->peak_time})
+    DOUBLES_EQUAL(s->half_period, other, 1e-9);
+}
+
+// Kelvin–Voigt: integrated in small steps from touchdown to N = 0, the spring found must give e and dwell.
+TEST(ContactStiffness, OfKelvinAndVoigtBringsBackRestitutionAndDwell) {
+  for (const double e : {0.2, 0.5, 0.77, 0.88, 0.99}) {
+    SpinPulseInput in = condition("zero_17", PulseForm::exact);
+    in.e = e;
+    const auto s = contact::stiffness(in);
+    const double k = s->kelvin_voigt / in.ball.mass_kg, c = s->kelvin_voigt_damping / in.ball.mass_kg;
+    double depth = 0.0, v = 1.0;  // downwards
+    const int steps = 20000;
+    const double h = in.dwell_s / steps;
+    const auto acceleration = [&](double y, double u) { return -k * y - c * u; };
+    for (int i = 0; i < steps; ++i) {  // Runge–Kutta of fourth order
+      const double k1 = acceleration(depth, v), v2 = v + 0.5 * h * k1;
+      const double k2 = acceleration(depth + 0.5 * h * v, v2), v3 = v + 0.5 * h * k2;
+      const double k3 = acceleration(depth + 0.5 * h * v2, v3), v4 = v + h * k3;
+      const double k4 = acceleration(depth + h * v3, v4);
+      depth += h / 6 * (v + 2 * v2 + 2 * v3 + v4);
+      v += h / 6 * (k1 + 2 * k2 + 2 * k3 + k4);
+    }
+    DOUBLES_EQUAL(-e, v, 1e-10);
+    DOUBLES_EQUAL(0.0, acceleration(depth, v) * in.dwell_s, 1e-8);
+    DOUBLES_EQUAL(s->kelvin_voigt_zeta, *contact::kelvin_voigt_zeta(e), 0.0);
+  }
+  CHECK_FALSE(contact::kelvin_voigt_zeta(0.135).has_value());
+  CHECK_FALSE(contact::kelvin_voigt_zeta(1.1).has_value());
+  DOUBLES_EQUAL(0.0, *contact::kelvin_voigt_zeta(1.0), 0.0);
+}
+
+// Three published values of three digits: within rounding (.05 of 19.3 to 23.8 kN/m, so .0026 relative) one
+// depth of 6.75 mm under the pulse's largest force explains them, and no stiffness of the contact itself
+// does.
+TEST(ContactStiffness, PublishedAtSeventeenDegreesIsThePeakForceOverOneDepthAndNoReadingOfTheContact) {
+  const auto guesses = contact::explain_stiffness(freund());
+  for (const auto& guess : *guesses) {
+    const bool force_of_the_impulse = guess.name == "half wave of the measured impulse over one depth" ||
+                                      guess.name == "pulse's largest force over one depth";
+    CHECK_EQUAL_TEXT(force_of_the_impulse, guess.spread < 0.0026, std::string(guess.name).c_str());
+    if (!force_of_the_impulse) CHECK_TEXT(guess.spread > 0.015, std::string(guess.name).c_str());
+  }
+  for (const double depth_m : contact::fixed_depth_m(freund()))
+    DOUBLES_EQUAL(6.75e-3, depth_m, 0.0026 * 6.75e-3);
+  CHECK_FALSE(contact::explain_stiffness({}).has_value());
+}
+
+TEST_GROUP(DropRatios){};
+
+TEST(DropRatios, AreTheFactorThatTheSetWasMadeWith) {
+  const auto in = condition("zero_23", PulseForm::exact);
+  const auto pulse = SpinPulse::make(in);
+  ContactSet set{.name = "made", .rows = {{0, 0, 0, 0}}};
+  for (const double t : {0.1, 0.4, 0.6, 0.95})
+    set.rows.push_back({t, t, 1.3 * pulse->at_fraction(t).y_m / in.ball.diameter_m, t});
+  const auto drop = contact::drop_ratio(set, in, {});
+  DOUBLES_EQUAL(1.3, drop->ratio, 1e-14);
+  DOUBLES_EQUAL(0.0, drop->sd_images, 1e-14);
+  DOUBLES_EQUAL(1.3 * contact::peaks(in, {})->deformation.size.value, drop->depth_m, 1e-15);
+  // Half a per cent of depth comes from half a per cent of speed.
+  DOUBLES_EQUAL(1.3 * 0.005, contact::drop_ratio(set, in, {.vy_mps = 0.005 * 6.71})->sd_inputs, 1e-6);
+  CHECK_FALSE(contact::drop_ratio({.name = "", .rows = {{0.5, 0.5, 0, 0}}}, in, {}).has_value());
+}
