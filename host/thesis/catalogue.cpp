@@ -26,6 +26,14 @@ const std::vector<TableEntry>& catalogue() {
       {"see", "standard error of estimate of all sets", see_of_all_table},
       {"stiffness", "stiffness of the contact", stiffness_table},
       {"depth", "drop of the top over that of the centre", depth_table},
+      {"vx-models", "in/out models: speed at lift-off", vx_model_table},
+      {"omega-models", "in/out models: spin at lift-off", omega_model_table},
+      {"fits", "in/out models fitted", fit_table},
+      {"regimes", "slides or grips", regime_table},
+      {"rolling", "rolling friction", rolling_table},
+      {"mechanics", "contact mechanics fitted", mechanics_table},
+      {"skid", "when skidding stops, of all sets", skid_table},
+      {"energy", "where the energy goes", energy_table},
   };
   return entries;
 }

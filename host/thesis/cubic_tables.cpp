@@ -4,6 +4,7 @@
 
 #include "common/contact/condition_inputs.hpp"
 #include "common/contact/differentiation.hpp"
+#include "host/thesis/rotation_scale.hpp"
 #include "host/thesis/tables.hpp"
 
 namespace strobe::report {
@@ -22,15 +23,6 @@ struct Images {
   FractionFits fits;
   contact::Scale scale;
 };
-
-contact::Scale scale_of(const contact::ContactSet& set, const thesis::Condition& c) {
-  contact::Scale scale{.dwell_time_s = c.dwell_time_ms.mean / 1e3,
-                       .dwell_distance_m = c.dwell_distance_cm.mean / 1e2};
-  const auto total =
-      contact::end_spin_total(set, c.omega_td_radps.mean, c.omega_lo_radps.mean, scale.dwell_time_s);
-  if (total) scale.total_rotation_rad = total->total_rad;
-  return scale;
-}
 
 /// The thesis fitted the rows as it printed them; where a correction changes them, they are fitted again.
 std::vector<Images> images_of(const Material& m, bool all) {
@@ -181,9 +173,10 @@ Table end_velocity_table(const Material& m) {
       "printed: the means of Tables 2 to 7, which the slopes should meet; anew: slopes with the sd of the "
       "fit "
       "alone",
-      "spin: the fractions are of a total rotation that is not printed; it is taken as what the measured "
-      "spins "
-      "at both ends ask for, so Table 13's figures, made with another total, differ by a common factor"};
+      "spin: the fractions are of a total rotation that is not printed; it is taken as the one with which "
+      "the "
+      "images fit the integrated rotation best. Table 13 was made with another: its figures differ by a "
+      "common factor"};
   if (const auto* e = erratum(m, "all", "vy", {"table_13"}))
     table.notes.push_back("Table 13 prints half of every vy: " + e->reason);
   return table;

@@ -1,6 +1,7 @@
 // The data file and the script of a figure.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string_view>
 
@@ -11,10 +12,8 @@ namespace strobe::report {
 namespace {
 
 // Pixels of the SVG; the PNG has kPngScale times as many.
-constexpr int kPanelHeight = 400;
-constexpr int kOnePanelHeight = 520;
-constexpr int kWidth = 1000;
-constexpr int kTop = 78;
+constexpr int kPanelHeights[] = {500, 390, 330};  // by the number of rows
+constexpr int kTop = 64;
 constexpr int kLegendLine = 24;
 constexpr int kLeft = 88;
 constexpr int kRight = 24;
@@ -60,7 +59,7 @@ std::string style(const Series& s) {
 }
 
 struct Place {
-  int rows;
+  int width;
   int height;
   int legend;
   int panel_height;
@@ -73,9 +72,10 @@ Place place_of(const Figure& figure) {
   for (const Panel& panel : figure.panels)
     for (const Series& s : panel.series) entries += s.legend.empty() ? 0 : 1;
   const int lines = (entries + figure.legend_columns - 1) / figure.legend_columns;
-  const int panel_height = rows == 1 ? kOnePanelHeight : kPanelHeight;
+  const int panel_height = kPanelHeights[std::min(rows, 3) - 1];
+  const int width = figure.columns >= 3 ? 1320 : 1000;
   const int legend = lines * kLegendLine + 16;
-  return {rows, kTop + rows * panel_height + legend, legend, panel_height};
+  return {width, kTop + rows * panel_height + legend, legend, panel_height};
 }
 
 std::string range(const std::optional<std::pair<double, double>>& r) {
@@ -86,13 +86,13 @@ std::string panel_text(const Figure& figure, std::size_t i, const Place& place, 
   const Panel& panel = figure.panels[i];
   const int column = static_cast<int>(i) % figure.columns;
   const int row = static_cast<int>(i) / figure.columns;
-  const double width = static_cast<double>(kWidth) / figure.columns;
+  const double width = static_cast<double>(place.width) / figure.columns;
   const double height = place.height;
   const double top = 1.0 - (kTop + row * place.panel_height + kAbovePanel) / height;
   const double bottom = 1.0 - (kTop + (row + 1) * place.panel_height - kBelowPanel) / height;
   std::string out = "\n";
   out += fmt::format("set lmargin at screen {:.4f}; set rmargin at screen {:.4f}\n",
-                     (column * width + kLeft) / kWidth, ((column + 1) * width - kRight) / kWidth);
+                     (column * width + kLeft) / place.width, ((column + 1) * width - kRight) / place.width);
   out += fmt::format("set tmargin at screen {:.4f}; set bmargin at screen {:.4f}\n", top, bottom);
   out += fmt::format("set title {} offset 0,-0.5\n", literal(panel.title));
   out += fmt::format("set xlabel {}\nset ylabel {}\n", literal(panel.x_label), literal(panel.y_label));
@@ -136,6 +136,11 @@ std::string legend_text(const Figure& figure, const Place& place) {
 std::string file_stem(const Figure& figure) { return fmt::format("figure_{:02}", figure.number); }
 
 std::string csv_text(const Figure& figure) {
+  const auto name_of = [](const Series& s) {
+    std::string name = s.name;
+    std::replace(name.begin(), name.end(), ',', ';');
+    return name;
+  };
   std::string out = "series,x,y,low,high\n";
   bool first = true;
   for (const Panel& panel : figure.panels) {
@@ -143,8 +148,8 @@ std::string csv_text(const Figure& figure) {
       if (!first) out += "\n\n";
       first = false;
       for (const PlotPoint& p : s.points)
-        out +=
-            fmt::format("{},{},{},{},{}\n", s.name, number(p.x), number(p.y), number(p.low), number(p.high));
+        out += fmt::format("{},{},{},{},{}\n", name_of(s), number(p.x), number(p.y), number(p.low),
+                           number(p.high));
     }
   }
   return out;
@@ -159,11 +164,11 @@ std::string script_text(const Figure& figure) {
   out += "do for [kind in 'svg png'] {\nreset\nset datafile separator ','\nset encoding utf8\n";
   out += fmt::format(
       "if (kind eq 'svg') {{ set terminal svg size {},{} font 'sans-serif,15' background '#ffffff' }}\n",
-      kWidth, place.height);
+      place.width, place.height);
   out += fmt::format(
       "if (kind eq 'png') {{ set terminal pngcairo size {},{} font 'sans,11' fontscale {} linewidth {} "
       "pointscale {} background '#ffffff' }}\n",
-      std::lround(kWidth * kPngScale), std::lround(place.height * kPngScale), kPngScale, kPngScale,
+      std::lround(place.width * kPngScale), std::lround(place.height * kPngScale), kPngScale, kPngScale,
       kPngScale);
   out += fmt::format("set output '{}.'.kind\nset multiplot\n", stem);
   out += "set border 3 lc rgb '#444444'; set tics nomirror out; set grid lt 1 lw 0.6 lc rgb '#dddddd'\n";

@@ -37,6 +37,18 @@ Table see_of_all_table(const Material& material);
 Table stiffness_table(const Material& material);
 Table depth_table(const Material& material);
 
+/// In/out models: speed and spin at lift-off against all sets, their fits, regimes, rolling friction.
+Table vx_model_table(const Material& material);
+Table omega_model_table(const Material& material);
+Table fit_table(const Material& material);
+Table regime_table(const Material& material);
+Table rolling_table(const Material& material);
+
+/// Contact mechanics: its fit, the skid-to-grip time, the energy.
+Table mechanics_table(const Material& material);
+Table skid_table(const Material& material);
+Table energy_table(const Material& material);
+
 struct TableEntry {
   std::string id;
   std::string title;
