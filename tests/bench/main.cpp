@@ -9,7 +9,8 @@
 namespace {
 
 using AddCommand = void (*)(CLI::App& app, int& exit_status);
-constexpr std::array<AddCommand, 1> kCommands{strobe::bench::add_timing_command};
+constexpr std::array<AddCommand, 2> kCommands{strobe::bench::add_timing_command,
+                                              strobe::bench::add_efficiency_command};
 
 }  // namespace
 
@@ -22,8 +23,11 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
     return exit_status;
+  } catch (const CLI::CallForHelp& help) {
+    return app.exit(help);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
+    std::fprintf(stderr, "strobe-bench: %s (--help lists commands and options)\n", error.what());
+    return 2;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "strobe-bench: %s\n", error.what());
     return 1;
