@@ -49,8 +49,9 @@ FitOptions default_options(InOutModel model);
 enum class ParameterStatus {
   fixed,   ///< not asked for
   fitted,  ///< within its bounds: value ± sd
-  /// The fit presses against the bound. `limit` is the other end of a one-sided interval of kLimitLevel, the
-  /// fitted parameters following along, linearized; absent where nothing changes with the parameter.
+  /// The fit presses against the bound. `limit` is the other end of a one-sided interval of at least
+  /// kLimitLevel, the fitted parameters following along, linearized; absent where nothing changes with the
+  /// parameter.
   at_lower_bound,
   at_upper_bound,
   /// Nothing changes with it at the fit. Of mu, where all observations grip, `limit` is the least that lets

@@ -1,5 +1,7 @@
 // strobe fit: friction, restitution and rolling friction from measured rebounds.
+#include <fmt/format.h>
 #include <CLI/CLI.hpp>
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -83,6 +85,12 @@ Result<impact::FitOptions> options_of(const Arguments& a) {
     if (!impact::has_parameter(out.model, fixed->first))
       return fail("fit: " + std::string(impact::name(fixed->first)) +
                   ": the model does not have this parameter");
+    const double lowest = at_the_edge(fixed->first, impact::lower_bound(fixed->first));
+    const double highest = at_the_edge(fixed->first, impact::upper_bound(fixed->first, 0.5 * a.diameter_m));
+    const double given = at_the_edge(fixed->first, fixed->second);
+    if (given < lowest || given > highest)
+      return fail(fmt::format("fit: --fix {}: must be from {} to {:.4g}{}", text, lowest, highest,
+                              unit_at_the_edge(fixed->first)));
     out.start[i] = fixed->second;
     out.free[i] = false;
   }

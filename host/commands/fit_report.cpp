@@ -135,6 +135,10 @@ ordered_json fit_json(const FitReport& r) {
 double at_the_edge(Parameter p, double value) { return p == Parameter::offset_m ? 1e3 * value : value; }
 double from_the_edge(Parameter p, double value) { return p == Parameter::offset_m ? value / 1e3 : value; }
 
+const char* unit_at_the_edge(Parameter p) {
+  return p == Parameter::offset_m ? " mm" : p == Parameter::offset_reference_mps ? " m/s" : "";
+}
+
 void print_fit_json(const FitReport& r) {
   print_line(fit_json(r));
   for (std::size_t i = 0; i < r.data.observations.size(); ++i) {

@@ -24,6 +24,7 @@ struct FitReport {
 /// A parameter's value as the command line has it: d in mm, the others as they are.
 double at_the_edge(impact::Parameter parameter, double value);
 double from_the_edge(impact::Parameter parameter, double value);
+const char* unit_at_the_edge(impact::Parameter parameter);  ///< " mm", " m/s" or ""
 
 /// Lines of type "fit", then "observation" for each, then "left_out" for each group and "validation".
 void print_fit_json(const FitReport& report);

@@ -25,10 +25,6 @@ std::string with_sd(double value, double sd) {
   return fmt::format("{:.{}f} +- {:.{}f}", value, decimals, sd, decimals);
 }
 
-const char* unit(Parameter p) {
-  return p == Parameter::offset_m ? " mm" : p == Parameter::offset_reference_mps ? " m/s" : "";
-}
-
 std::string limit_text(Parameter p, const FittedParameter& f) {
   if (!f.limit) return {};
   const bool upper = f.status == ParameterStatus::at_lower_bound;
@@ -40,8 +36,8 @@ std::string limit_text(Parameter p, const FittedParameter& f) {
 
 std::string value_text(Parameter p, const FittedParameter& f) {
   const double value = at_the_edge(p, f.value);
-  if (f.sd) return with_sd(value, at_the_edge(p, *f.sd)) + unit(p);
-  return fmt::format("{:.5g}{}  {}{}", value, unit(p), impact::name(f.status), limit_text(p, f));
+  if (f.sd) return with_sd(value, at_the_edge(p, *f.sd)) + unit_at_the_edge(p);
+  return fmt::format("{:.5g}{}  {}{}", value, unit_at_the_edge(p), impact::name(f.status), limit_text(p, f));
 }
 
 void print_parameters(const FitReport& r) {

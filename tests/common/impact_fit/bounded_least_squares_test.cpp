@@ -1,0 +1,127 @@
+#include "common/impact/bounded_least_squares.hpp"
+
+#include <cmath>
+
+#include <CppUTest/TestHarness.h>
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::Vector2d;
+using Eigen::VectorXd;
+using namespace strobe::impact;
+
+namespace {
+
+/// Orthogonal, and exact but for the rounding of its entries.
+MatrixXd reflection(Index n, double seed) {
+  VectorXd v(n);
+  for (Index i = 0; i < n; ++i) v[i] = std::sin(seed + static_cast<double>(i * i + i));
+  return MatrixXd::Identity(n, n) - (2.0 / v.squaredNorm()) * v * v.transpose();
+}
+
+LeastSquaresProblem plane(std::function<VectorXd(const VectorXd&)> residuals, Vector2d lower,
+                          Vector2d upper) {
+  return {.residuals = std::move(residuals), .lower = lower, .upper = upper, .scale = Vector2d(1.0, 1.0)};
+}
+
+VectorXd rosenbrock(const VectorXd& x) { return Vector2d(10.0 * (x[1] - x[0] * x[0]), 1.0 - x[0]); }
+
+}  // namespace
+
+TEST_GROUP(BoundedLeastSquares){};
+
+// J = U·S·Vᵀ with singular values from 1 down to 1/condition has the inverse Gram matrix V·S⁻²·Vᵀ. Rounding
+// J's entries alone moves that by 2·condition·eps; the rest is room for the factorization's own rounding.
+TEST(BoundedLeastSquares, TheInverseGramMatrixHoldsUpToConditionNumbersOf1e12) {
+  for (const double condition : {1.0, 1e3, 1e6, 1e9, 1e12}) {
+    const MatrixXd u = reflection(12, 0.3);
+    const MatrixXd v = reflection(4, 1.7);
+    VectorXd s(4);
+    for (Index i = 0; i < 4; ++i) s[i] = std::pow(condition, -static_cast<double>(i) / 3.0);
+    const MatrixXd jac = u.leftCols(4) * s.asDiagonal() * v.transpose();
+    const MatrixXd expected = v * s.cwiseInverse().cwiseAbs2().asDiagonal() * v.transpose();
+    const auto inverse = inverse_gram(jac);
+    CHECK(inverse.has_value());
+    const double error = (*inverse - expected).norm() / expected.norm();
+    CHECK_COMPARE(error, <=, 40.0 * condition * 2.2e-16);
+  }
+}
+
+TEST(BoundedLeastSquares, ColumnsInAnyUnitGiveTheSameInverse) {
+  const MatrixXd jac = reflection(9, 0.4).leftCols(3);
+  const Eigen::Vector3d units(1e-150, 1.0, 1e150);
+  const auto inverse = inverse_gram(jac * units.asDiagonal());
+  CHECK(inverse.has_value());
+  for (Index i = 0; i < 3; ++i) DOUBLES_EQUAL(1.0, (*inverse)(i, i) * units[i] * units[i], 1e-13);
+}
+
+TEST(BoundedLeastSquares, ColumnsThatDependOnEachOtherHaveNoInverse) {
+  MatrixXd jac = reflection(8, 0.5).leftCols(3);
+  jac.col(2) = 3.0 * jac.col(0) - jac.col(1);
+  CHECK(!inverse_gram(jac));
+  jac.col(2).setZero();
+  CHECK(!inverse_gram(jac));
+  CHECK(!inverse_gram(MatrixXd::Ones(2, 3)));
+  jac(0, 2) = std::nan("");
+  CHECK(!inverse_gram(jac));
+  LONGS_EQUAL(0, inverse_gram(MatrixXd(5, 0))->size());
+}
+
+TEST(BoundedLeastSquares, FindsTheEndOfRosenbrocksValley) {
+  const auto problem = plane(rosenbrock, {-5, -5}, {5, 5});
+  const Minimum found = descend(problem, Vector2d(-1.2, 1.0));
+  CHECK(found.converged);
+  DOUBLES_EQUAL(1.0, found.at[0], 1e-12);
+  DOUBLES_EQUAL(1.0, found.at[1], 1e-12);
+}
+
+// On x = 1/2 the least of 100(y - x²)² + (1 - x)² is at y = 1/4. Its value of 1/4 hides departures of y of up
+// to sqrt(4 eps/400) behind rounding.
+TEST(BoundedLeastSquares, StopsAtABoundAndMovesAlongIt) {
+  const Minimum found = descend(plane(rosenbrock, {-5, -5}, {0.5, 5}), Vector2d(-1.2, 1.0));
+  CHECK(found.converged);
+  DOUBLES_EQUAL(0.5, found.at[0], 0.0);
+  DOUBLES_EQUAL(0.25, found.at[1], 1e-8);
+}
+
+TEST(BoundedLeastSquares, LeavesABoundThatItWasStartedOn) {
+  const Minimum found = descend(plane(rosenbrock, {-5, 0}, {5, 5}), Vector2d(0.0, 0.0));
+  DOUBLES_EQUAL(1.0, found.at[0], 1e-12);
+}
+
+// The residuals' derivatives jump where the minimum is, on a ridge along neither axis.
+TEST(BoundedLeastSquares, FindsAMinimumOnAKink) {
+  const auto residuals = [](const VectorXd& x) -> VectorXd {
+    return Vector2d(1.0 + 3.0 * std::abs(x[0] - 0.3), x[1] - x[0]);
+  };
+  const Minimum found = minimize(plane(residuals, {-2, -2}, {2, 2}), Vector2d(-1.0, 1.5), {}, 0);
+  DOUBLES_EQUAL(0.3, found.at[0], 1e-7);
+  DOUBLES_EQUAL(1.0, found.sum_of_squares, 1e-6);
+}
+
+TEST(BoundedLeastSquares, TakesTheBestOfSeveralValleys) {
+  const auto residuals = [](const VectorXd& x) -> VectorXd {
+    return Vector2d(std::min(std::abs(x[0] + 1.0) + 0.5, std::abs(x[0] - 1.0)), x[1]);
+  };
+  const auto problem = plane(residuals, {-2, -2}, {2, 2});
+  const Minimum found = minimize(problem, Vector2d(-1.1, 0.0), {Vector2d(-0.8, 1.0), Vector2d(0.7, 1.0)}, 1);
+  DOUBLES_EQUAL(1.0, found.at[0], 1e-9);
+}
+
+TEST(BoundedLeastSquares, AParameterWithoutEffectStaysWhereItWas) {
+  const auto residuals = [](const VectorXd& x) -> VectorXd { return Vector2d(x[0] - 0.5, 2.0 * x[0]); };
+  const Minimum found = descend(plane(residuals, {-2, -2}, {2, 2}), Vector2d(1.0, 0.75));
+  DOUBLES_EQUAL(0.1, found.at[0], 1e-14);
+  DOUBLES_EQUAL(0.75, found.at[1], 0.0);
+}
+
+// Differences to second order: the error is a third derivative's share of the squared step, (6e-6)².
+TEST(BoundedLeastSquares, DerivativesAtABoundAreAsGoodAsInside) {
+  const auto residuals = [](const VectorXd& x) -> VectorXd {
+    return Vector2d(std::exp(x[0]), std::sin(x[1]));
+  };
+  const MatrixXd jac = jacobian(plane(residuals, {0.0, -3.0}, {1.0, 1.0}), Vector2d(0.0, 1.0));
+  DOUBLES_EQUAL(1.0, jac(0, 0), 1e-9);
+  DOUBLES_EQUAL(std::cos(1.0), jac(1, 1), 1e-9);
+  DOUBLES_EQUAL(0.0, jac(0, 1), 0.0);
+}

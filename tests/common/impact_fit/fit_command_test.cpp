@@ -1,0 +1,150 @@
+// The command fit as a user runs it.
+#include <chrono>
+#include <string>
+#include <vector>
+
+#include "tests/support/json_lines.hpp"
+#include "tests/support/process.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+// CppUTest redefines new; its headers come last.
+#include <CppUTest/TestHarness.h>
+
+using strobe::testing::Finished;
+using strobe::testing::parse_json_lines;
+using strobe::testing::TemporaryFolder;
+
+namespace {
+
+const std::string kHeader =
+    "utc,shot_id,spoilt,vx_td_mps,vy_td_mps,omega_td_radps,vx_lo_mps,omega_lo_radps,e,sd_vx_td_mps,"
+    "sd_vy_td_mps,sd_omega_td_radps,sd_vx_lo_mps,sd_omega_lo_radps,sd_e,flags,spin,angle_deg,remarks\n";
+
+/// Gripping shots with an offset (alpha .55, e_x .1, d 2 mm at full rolling), one with a comma in its
+/// remarks, one spoilt, one whose spin could not be had, one that may be aliased.
+const std::string kShots =
+    "t,1,,15.62,-6.71,2.6,8.8,-300,0.86,.05,.05,1,.05,2,.01,,zero,23,\n"
+    "t,2,,14.49,-9.95,-1.1,8.1,-283,0.77,.05,.05,1,.05,2,.01,,zero,34,\"wet, slow\"\n"
+    "t,3,late,14.49,-9.95,-1.1,1.0,0,0.77,.05,.05,1,.05,2,.01,,zero,34,\n"
+    "t,4,,14.49,-9.95,,8.1,-283,0.77,.05,.05,,.05,2,.01,too_few_images,zero,34,\n"
+    "t,5,,13.46,-11.74,23.5,7.1,-250,0.75,.05,.05,1,.05,2,.01,,zero,41,\n"
+    "t,6,,13.46,-11.74,23.5,7.1,250,0.75,.05,.05,1,.05,2,.01,late_flash;spin_aliased,zero,41,\n"
+    "t,7,,11.70,-13.25,5.6,6.2,-215,0.71,.05,.05,1,.05,2,.01,,zero,49,\n";
+
+Finished run_fit(std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), {STROBE_PROGRAM, "fit"});
+  return strobe::testing::run_to_end({.arguments = std::move(arguments), .environment = {}, .folder = {}},
+                                     std::chrono::seconds(60));
+}
+
+void check_complaint(const Finished& run, const std::string& expected) {
+  LONGS_EQUAL(2, run.status->code);
+  STRCMP_EQUAL("", run.out.c_str());
+  STRCMP_EQUAL(("strobe: " + expected + "\n").c_str(), run.err.c_str());
+}
+
+}  // namespace
+
+TEST_GROUP(FitCommand) {
+  TemporaryFolder folder;
+
+  std::string file(const std::string& text) {
+    const auto path = folder.path() / "results.csv";
+    strobe::testing::write_text(path, text);
+    return path.string();
+  }
+};
+
+TEST(FitCommand, FitsTheThesissConditionsByDefault) {
+  const Finished run = run_fit({"--json"});
+  LONGS_EQUAL(0, run.status->code);
+  const auto lines = parse_json_lines(run.out);
+  LONGS_EQUAL(22, lines.size());
+  STRCMP_EQUAL("fit", lines[0]["type"].get<std::string>().c_str());
+  const auto& mu = lines[0]["parameters"]["mu"];
+  DOUBLES_EQUAL(0.570, mu["value"].get<double>(), 0.001);
+  CHECK(mu["sd"].get<double>() > 0.0);
+  STRCMP_EQUAL("fitted", mu["status"].get<std::string>().c_str());
+  DOUBLES_EQUAL(3.0, lines[0]["parameters"]["d_mm"]["value"].get<double>(), 0.05);
+  CHECK(lines[0]["correlation"].contains("d,u0"));
+  STRCMP_EQUAL("zero_17", lines[1]["name"].get<std::string>().c_str());
+  STRCMP_EQUAL("slides", lines[1]["regime"].get<std::string>().c_str());
+  CHECK(lines[1]["z_vx"].is_number());
+}
+
+TEST(FitCommand, LeavesSpinsOutInTurn) {
+  const auto lines = parse_json_lines(run_fit({"--json", "--leave-out", "spin"}).out);
+  LONGS_EQUAL(22 + 3 + 1, lines.size());
+  STRCMP_EQUAL("left_out", lines[22]["type"].get<std::string>().c_str());
+  STRCMP_EQUAL("top", lines[23]["group"].get<std::string>().c_str());
+  STRCMP_EQUAL("validation", lines[25]["type"].get<std::string>().c_str());
+  LONGS_EQUAL(21, lines[25]["count"].get<int>());
+}
+
+TEST(FitCommand, FitsShotsOfASessionAndSaysWhatItLeftOut) {
+  const std::string path = file(kHeader + kShots);
+  const Finished run = run_fit({path, "--json", "--free", "ex,d", "--weights", "sd"});
+  STRCMP_EQUAL("", run.err.c_str());
+  LONGS_EQUAL(0, run.status->code);
+  const auto lines = parse_json_lines(run.out);
+  LONGS_EQUAL(1 + 4, lines.size());
+  LONGS_EQUAL(1, lines[0]["inputs"]["spoilt"].get<int>());
+  LONGS_EQUAL(2, lines[0]["inputs"]["incomplete"].get<int>());
+  STRCMP_EQUAL("fixed", lines[0]["parameters"]["mu"]["status"].get<std::string>().c_str());
+  STRCMP_EQUAL((path + ":3").c_str(), lines[2]["name"].get<std::string>().c_str());
+  STRCMP_EQUAL("zero_34", lines[2]["series"].get<std::string>().c_str());
+}
+
+TEST(FitCommand, TextNamesEachParameterWithItsUncertainty) {
+  const Finished run = run_fit({"--model", "grip", "--free", "mu,ex,alpha"});
+  LONGS_EQUAL(0, run.status->code);
+  CHECK(run.out.find("mu     0.580 +- 0.026") != std::string::npos);
+  CHECK(run.out.find("at upper bound; at least 0.645") != std::string::npos);
+}
+
+TEST(FitCommand, FixedValuesAreKept) {
+  const auto lines = parse_json_lines(run_fit({"--json", "--fix", "d=2.5", "--fix", "u0=1e-9"}).out);
+  DOUBLES_EQUAL(2.5, lines[0]["parameters"]["d_mm"]["value"].get<double>(), 1e-12);
+  STRCMP_EQUAL("fixed", lines[0]["parameters"]["d_mm"]["status"].get<std::string>().c_str());
+}
+
+TEST(FitCommand, RefusesParametersThatThereAreNot) {
+  check_complaint(run_fit({"--free", "mu,friction"}),
+                  "fit: no parameter \"friction\": mu, ex, d, u0 or alpha");
+  check_complaint(run_fit({"--model", "slide-roll", "--free", "mu,ex"}),
+                  "fit: ex: the model does not have this parameter");
+  check_complaint(run_fit({"--free", "mu", "--fix", "mu=0.5"}), "fit: mu is both free and fixed");
+  check_complaint(run_fit({"--fix", "mu"}), "fit: --fix mu: must be name=value");
+  check_complaint(run_fit({"--fix", "mu=nan"}), "fit: --fix mu=nan: the value is not a number");
+  check_complaint(run_fit({"--fix", "d=40"}), "fit: --fix d=40: must be from 0 to 32.55 mm");
+}
+
+TEST(FitCommand, NamesFileLineAndColumnOfWhatIsWrong) {
+  std::string path = file(kHeader + "t,1,,15.62,-6.71,fast,8.8,-300,0.86,,,,,,,,zero,23,\n");
+  check_complaint(run_fit({path}), path + ":2: omega_td_radps: 'fast' is not a number");
+  path = file(kHeader + "t,1,,15.62,-6.71,1,8.8,-300,1.86,,,,,,,,zero,23,\n" + kShots);
+  check_complaint(run_fit({path}), "fit: " + path + ":2: e must be from 0 to 1");
+  path = file(kHeader + "t,1,,15.62\n");
+  check_complaint(run_fit({path}), path + ":2: 4 cells where the header has 19");
+  path = file("shot_id,vx_td_mps\n1,2\n");
+  check_complaint(run_fit({path}), path + ":1: vy_td_mps: is missing in the header");
+  path = file("");
+  check_complaint(run_fit({path}), path + ": is empty");
+  path = file(kHeader);
+  check_complaint(run_fit({path}),
+                  path + ": no shot with vx, vy, omega at touchdown, vx, omega at lift-off and e");
+  check_complaint(run_fit({folder.path().string()}), folder.path().string() + ": cannot be read");
+}
+
+TEST(FitCommand, RefusesMoreParametersThanTheShotsGiveNumbers) {
+  const std::string path = file(kHeader + "t,1,,15.62,-6.71,1,8.8,-300,0.86,,,,,,,,zero,23,\n");
+  check_complaint(run_fit({path}),
+                  "fit: too few observations for so many parameters: each gives two numbers (vx and omega)");
+}
+
+TEST(FitCommand, FailsWhereParametersCannotBeToldApart) {
+  const std::string row = "t,1,,11.70,-13.25,5.6,6.2,-215,0.71,.05,.05,1,.05,2,.01,,zero,49,\n";
+  const Finished run = run_fit({file(kHeader + row + row + row + row)});
+  LONGS_EQUAL(1, run.status->code);
+  CHECK(run.err.find("cannot be told apart") != std::string::npos);
+}

@@ -1,0 +1,132 @@
+#include "common/impact/regime.hpp"
+
+#include <cmath>
+#include <set>
+#include <string>
+
+#include "tests/common/impact_fit/check.hpp"
+
+#include <CppUTest/TestHarness.h>
+
+using namespace strobe;
+using namespace strobe::impact;
+using strobe::testing::conditions;
+using strobe::testing::random_source;
+
+namespace {
+
+const std::set<std::string> kSlide{"zero_17", "back_17", "back_22"};
+
+struct Sets {
+  std::set<std::string> predicted, measured;
+  double least_sure = 1.0;  ///< smallest probability of what was predicted
+};
+
+Sets judge_all(const FitOptions& options, Spread spread) {
+  const auto observations = conditions(thesis::Version::corrected, spread);
+  const auto fitted = fit(observations, options);
+  Sets out;
+  for (const Observation& o : observations) {
+    const auto j = judge_regime(o, options.model, *fitted, options.diameter_m);
+    const bool slides = j->predicted == Regime::slides;
+    if (slides) out.predicted.insert(o.name);
+    if (j->measured == MeasuredRegime::slides) out.measured.insert(o.name);
+    CHECK(j->measured != MeasuredRegime::unclear);
+    out.least_sure = std::min(out.least_sure, slides ? j->probability_slides : 1.0 - j->probability_slides);
+  }
+  return out;
+}
+
+/// A fit whose parameters are known but for what is said of them.
+ModelFit known(const ParameterValues& values, Parameter uncertain, double sd) {
+  ModelFit out;
+  for (std::size_t i = 0; i < kParameterCount; ++i) out.parameters[i].value = values[i];
+  out.covariance.setZero();
+  const auto at = static_cast<Eigen::Index>(index(uncertain));
+  out.covariance(at, at) = sd * sd;
+  return out;
+}
+
+}  // namespace
+
+TEST_GROUP(Regimes){};
+
+TEST(Regimes, All21ConditionsArePredictedAsMeasured) {
+  for (const InOutModel model : {InOutModel::slide_roll, InOutModel::grip, InOutModel::grip_offset}) {
+    for (const Spread spread : {Spread::replicate, Spread::mean}) {
+      const Sets sets = judge_all(default_options(model), spread);
+      CHECK(sets.measured == kSlide);
+      if (model != InOutModel::grip) CHECK(sets.predicted == kSlide);
+    }
+  }
+}
+
+// The border is nearest at zero -23: the mean grips, one shot in nine of its spread would slide.
+TEST(Regimes, OnlyTheConditionNextToTheBorderIsInDoubt) {
+  const Sets sets = judge_all(default_options(InOutModel::grip_offset), Spread::replicate);
+  CHECK(sets.predicted == kSlide);
+  DOUBLES_EQUAL(0.89, sets.least_sure, 0.02);
+}
+
+// Without spin and offset: needed = (1 + e_x)·vx·alpha/(1 + alpha), available = mu·(1 + e)·|vy|.
+TEST(Regimes, TheUncertaintiesAddUpAsTheFormulaSays) {
+  Observation o;
+  o.touchdown = {15.0, -6.0, 0.0};
+  o.touchdown_sd = {0.3, 0.1, 0.0};
+  o.lift_off = {9.0, 5.0, -250.0};
+  o.lift_off_sd = {0.3, 0.1, 4.0};
+  o.e = 0.8;
+  o.e_sd = 0.02;
+  const ParameterValues values{0.5, 0.1, 0.0, 2.5, 0.5};
+  const ModelFit fitted = known(values, Parameter::mu, 0.03);
+  const auto j = judge_regime(o, InOutModel::grip_offset, fitted, 0.0651);
+  DOUBLES_EQUAL(1.1 * 15.0 / 3.0, j->friction_needed_mps, 1e-12);
+  DOUBLES_EQUAL(0.5 * 1.8 * 6.0, j->friction_available_mps, 1e-12);
+  const double sd = std::sqrt(std::pow(1.1 / 3.0 * 0.3, 2) + std::pow(0.5 * 1.8 * 0.1, 2) +
+                              std::pow(0.5 * 6.0 * 0.02, 2) + std::pow(1.8 * 6.0 * 0.03, 2));
+  DOUBLES_EQUAL(sd, j->margin_sd_mps, 1e-9);
+  DOUBLES_EQUAL((5.5 - 5.4) / sd, j->z, 1e-9);
+  DOUBLES_EQUAL(9.0 - 0.03255 * 250.0, j->slip_lo_mps, 1e-12);
+  DOUBLES_EQUAL(std::hypot(0.3, 0.03255 * 4.0), j->slip_lo_sd_mps, 1e-12);
+}
+
+TEST(Regimes, TheProbabilityIsTheShareOfDraws) {
+  auto source = random_source("probability of sliding");
+  std::normal_distribution<double> normal;
+  Observation o;
+  o.touchdown = {15.0, -6.0, 20.0};
+  o.touchdown_sd = {0.4, 0.2, 8.0};
+  o.e = 0.8;
+  o.e_sd = 0.03;
+  const ParameterValues values{0.55, 0.1, 0.003, 2.5, 0.55};
+  const auto j = judge_regime(o, InOutModel::grip_offset, known(values, Parameter::e_x, 0.03), 0.0651);
+  int slides = 0;
+  constexpr int kDraws = 20000;
+  for (int i = 0; i < kDraws; ++i) {
+    ParameterValues drawn = values;
+    drawn[1] += 0.03 * normal(source);
+    const Motion td{o.touchdown.vx_mps + 0.4 * normal(source), o.touchdown.vy_mps + 0.2 * normal(source),
+                    o.touchdown.omega_radps + 8.0 * normal(source)};
+    const auto r = rebound_of(InOutModel::grip_offset, drawn, 0.0651, td, o.e + 0.03 * normal(source));
+    slides += r->regime == Regime::slides ? 1 : 0;
+  }
+  // Sampling is worth .0035; products of the inputs' errors, a few hundredths of an sd, bend the normal.
+  DOUBLES_EQUAL(slides / static_cast<double>(kDraws), j->probability_slides, 0.02);
+}
+
+TEST(Regimes, WithoutAnyUncertaintyTheAnswerIsSure) {
+  Observation o;
+  o.touchdown = {15.0, -2.0, 0.0};
+  o.e = 0.8;
+  const auto j =
+      judge_regime(o, InOutModel::grip, known({0.5, 0.1, 0.0, 2.5, 0.5}, Parameter::mu, 0.0), 0.0651);
+  CHECK(std::isinf(j->z) && j->z > 0.0);
+  DOUBLES_EQUAL(1.0, j->probability_slides, 0.0);
+}
+
+TEST(Regimes, RefusesWhatTheModelRefuses) {
+  Observation o;
+  o.touchdown = {15.0, 2.0, 0.0};
+  const ModelFit fitted = known({0.5, 0.1, 0.0, 2.5, 0.5}, Parameter::mu, 0.0);
+  CHECK(judge_regime(o, InOutModel::grip, fitted, 0.0651).error() == InputError::not_approaching);
+}
