@@ -10,7 +10,8 @@ Result<Ball> check(const Ball& ball) {
     return fail("ball diameter must be a positive number of metres");
   if (!(std::isfinite(ball.mass_kg) && ball.mass_kg > 0.0))
     return fail("ball mass must be a positive number of kilograms");
-  if (!(ball.alpha > 0.0 && ball.alpha <= kThinShellAlpha)) return fail("ball alpha must be in (0, 2/3]");
+  if (!(std::isfinite(ball.alpha) && ball.alpha > 0.0 && ball.alpha <= kThinShellAlpha))
+    return fail("ball alpha must be in (0, 2/3]");
   if (ball.diameter_m > kLargestSize || ball.mass_kg > kLargestSize || ball.diameter_m < kSmallestSize ||
       ball.mass_kg < kSmallestSize || ball.alpha < kSmallestSize)
     return fail("ball diameter, mass and alpha must lie between 1e-30 and 1e30");
@@ -18,11 +19,12 @@ Result<Ball> check(const Ball& ball) {
 }
 
 Result<double> thick_shell_inertia_kgm2(double mass_kg, double outer_radius_m, double inner_radius_m) {
-  if (!(std::abs(mass_kg) <= kLargestSize && mass_kg >= kSmallestSize))
+  // isfinite() first: it is silent about a NaN, comparisons raise an exception.
+  if (!(std::isfinite(mass_kg) && mass_kg >= kSmallestSize && mass_kg <= kLargestSize))
     return fail("shell mass must be a positive number of kilograms, 1e-30 to 1e30");
-  if (!(outer_radius_m >= kSmallestSize && outer_radius_m <= kLargestSize))
+  if (!(std::isfinite(outer_radius_m) && outer_radius_m >= kSmallestSize && outer_radius_m <= kLargestSize))
     return fail("outer radius must be a positive number of metres, 1e-30 to 1e30");
-  if (!(inner_radius_m >= 0.0 && inner_radius_m <= outer_radius_m))
+  if (!(std::isfinite(inner_radius_m) && inner_radius_m >= 0.0 && inner_radius_m <= outer_radius_m))
     return fail("inner radius must be from 0 to the outer radius");
   const double r = inner_radius_m / outer_radius_m;
   const double fifth = 1.0 + r * (1.0 + r * (1.0 + r * (1.0 + r)));  // (1-r⁵)/(1-r)

@@ -20,9 +20,9 @@ bool too_small(double value) { return value < kSmallestMagnitude; }
 
 bool magnitudes_in_range(const ball::Ball& b, const Motion& m, const Coefficients& c) {
   return !(too_large(b.diameter_m) || too_large(b.mass_kg) || too_large(m.vx_mps) || too_large(m.vy_mps) ||
-           too_large(m.omega_radps) || too_large(c.mu) || too_large(c.offset_reference_mps) ||
-           too_small(b.diameter_m) || too_small(b.mass_kg) || too_small(b.alpha) ||
-           too_small(c.offset_reference_mps));
+           too_large(m.omega_radps) || too_small(-m.vy_mps) || too_large(c.mu) ||
+           too_large(c.offset_reference_mps) || too_small(b.diameter_m) || too_small(b.mass_kg) ||
+           too_small(b.alpha) || too_small(c.offset_reference_mps));
 }
 
 std::optional<InputError> find_error(const ball::Ball& b, const Motion& m, const Coefficients& c) {

@@ -43,7 +43,8 @@ std::optional<InputError> find_error(const PulseInput& in) {
   if (in.dwell_s <= 0.0) return InputError::dwell_not_positive;
   if (in.mass_kg <= 0.0) return InputError::ball_out_of_range;
   if (too_large(in.vx_td_mps) || too_large(in.vy_td_mps) || too_large(in.impulse_ratio) ||
-      too_large(in.dwell_s) || too_large(in.mass_kg) || too_small(in.dwell_s) || too_small(in.mass_kg))
+      too_large(in.dwell_s) || too_large(in.mass_kg) || too_small(-in.vy_td_mps) || too_small(in.dwell_s) ||
+      too_small(in.mass_kg))
     return InputError::magnitude_out_of_range;
   return std::nullopt;
 }

@@ -15,7 +15,8 @@ using Vec2 = flight::Vector;
 /// Rotation by -tilt about the surface points' centroid, division by a first guess of the scale, and the
 /// mirror image if the ball travels to the left. The fit corrects tilt, height and scale from there.
 struct Levelling {
-  PointPx origin_px;
+  PointPx origin_px;    ///< one of the surface points
+  PointPx centroid_px;  ///< theirs, from the origin: apart, so that far coordinates do not round it
   double cos_tilt = 1.0;
   double sin_tilt = 0.0;
   double px_per_m = 1.0;
@@ -26,7 +27,9 @@ struct Levelling {
     const double y = (cos_tilt * dy_px - sin_tilt * dx_px) / px_per_m;
     return {mirrored ? -x : x, y};
   }
-  Vec2 point(const PointPx& p) const { return vector(p.x - origin_px.x, p.y - origin_px.y); }
+  Vec2 point(const PointPx& p) const {
+    return vector((p.x - origin_px.x) - centroid_px.x, (p.y - origin_px.y) - centroid_px.y);
+  }
 };
 
 /// Total least squares line through the surface points (each coordinate has the same noise), tilt in

@@ -83,9 +83,8 @@ void pulse_state(benchmark::State& state, PulseForm form) {
 }
 
 void pulse_rebound_of(benchmark::State& state, PulseForm form) {
-  run(state, [form](const Shot& s) {
-    return pulse_rebound(form, ball::Ball{}, s.touchdown, s.e, s.mu, s.dwell_s);
-  });
+  run(state,
+      [form](const Shot& s) { return pulse_rebound(form, ball::Ball{}, s.touchdown, s.e, s.mu, s.dwell_s); });
 }
 
 BENCHMARK(rigid_rebound);
