@@ -9,8 +9,9 @@
 namespace {
 
 using AddCommand = void (*)(CLI::App& app, int& exit_status);
-constexpr std::array<AddCommand, 2> kCommands{strobe::bench::add_timing_command,
-                                              strobe::bench::add_efficiency_command};
+constexpr std::array<AddCommand, 3> kCommands{strobe::bench::add_timing_command,
+                                              strobe::bench::add_efficiency_command,
+                                              strobe::bench::add_digits_command};
 
 }  // namespace
 
