@@ -18,12 +18,6 @@ struct Turn {
   Vec2 to_surface(Vec2 v) const { return {cos * v.x + sin * v.y, cos * v.y - sin * v.x}; }
 };
 
-/// a b - c d without the cancellation of two rounded products (Kahan).
-double difference_of_products(double a, double b, double c, double d) {
-  const double cd = c * d;
-  return std::fma(a, b, -cd) + std::fma(-c, d, cd);
-}
-
 /// Inverse of the lower triangular root of an image's covariance.
 struct Whitening {
   double xx = 1.0;
@@ -33,26 +27,18 @@ struct Whitening {
   double second(double x, double y) const { return yx * x + yy * y; }
 };
 
-/// A flash's error in time moves the image along its path by `shift`; its determinant is added up from what
-/// cannot cancel, however long the shift.
+/// A flash's error in time moves the image along its path by `shift`. The determinant of L L^T + s s^T is a
+/// sum of squares, of which none can cancel another, however long the shift.
 Whitening whitening(const Observations& all, const Observation& o, Vec2 shift) {
-  double xx = o.cov_xx_m2;
-  double xy = o.cov_xy_m2;
-  double yy = o.cov_yy_m2;
-  if (o.centre_noise != Noise::stated) {
-    xx = yy = all.levels[Noise::centre] * all.levels[Noise::centre];
-    xy = 0.0;
-  }
-  double determinant = xy == 0.0 ? xx * yy : difference_of_products(xx, yy, xy, xy);
-  if (shift.x != 0.0 || shift.y != 0.0) {
-    const double across = yy * shift.x - xy * shift.y;  // of the quadratic form, completed to a square
-    determinant += across * across / yy + determinant / yy * shift.y * shift.y;
-    xx += shift.x * shift.x;
-    xy += shift.x * shift.y;
-  }
-  const double sx = std::sqrt(xx);
-  const double sy = std::sqrt(determinant) / sx;
-  return {1.0 / sx, -xy / (xx * sy), 1.0 / sy};
+  const double level = all.levels[Noise::centre];
+  const Root l = o.centre_noise == Noise::stated ? o.centre_root_m : Root{level, 0.0, level};
+  if (shift.x == 0.0 && shift.y == 0.0) return {1.0 / l.xx, -l.yx / l.xx / l.yy, 1.0 / l.yy};
+  const double xx = std::hypot(l.xx, shift.x);
+  const double yx = (l.xx * l.yx + shift.x * shift.y) / xx;
+  const double along = l.yy * shift.x;
+  const double across = l.xx * shift.y - l.yx * shift.x;
+  const double yy = std::hypot(l.xx * l.yy, std::hypot(along, across)) / xx;
+  return {1.0 / xx, -yx / xx / yy, 1.0 / yy};
 }
 
 ImageRows rows_of(const Observations& all, const JointFit& fit, const Turn& turn, const Observation& o) {

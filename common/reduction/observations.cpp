@@ -30,19 +30,30 @@ double first_scale(const Frame& frame) {
   return *middle / frame.ball_diameter_m;
 }
 
+Root root_of(const std::array<double, 4>& covariance) {
+  const double xx = std::sqrt(covariance[0]);
+  const double yx = 0.5 * (covariance[1] + covariance[2]) / xx;
+  const double largest = std::sqrt(covariance[3]);
+  return {xx, yx, std::sqrt((largest - yx) * (largest + yx))};
+}
+
+/// Rotated by -tilt and made triangular again; its determinant does not change.
+Root levelled(const Root& l, const Levelling& levelling) {
+  const double cos = levelling.cos_tilt;
+  const double sin = levelling.sin_tilt;
+  const Vec2 top{cos * l.xx + sin * l.yx, sin * l.yy};
+  const Vec2 bottom{cos * l.yx - sin * l.xx, cos * l.yy};
+  const double xx = std::hypot(top.x, top.y);
+  const double px = levelling.px_per_m;
+  return {xx / px, (top.x * bottom.x + top.y * bottom.y) / xx / px, l.xx / xx * l.yy / px};
+}
+
 void set_centre_noise(const BallImage& image, const Frame& frame, const Levelling& levelling,
                       Observation& o) {
-  const double scale = levelling.px_per_m * levelling.px_per_m;
   if (image.centre_cov_px2) {
-    const auto& c = *image.centre_cov_px2;
-    const double xy = 0.5 * (c[1] + c[2]);
-    const double cos = levelling.cos_tilt;
-    const double sin = levelling.sin_tilt;
-    o.cov_xx_m2 = (cos * cos * c[0] + 2.0 * cos * sin * xy + sin * sin * c[3]) / scale;
-    o.cov_yy_m2 = (sin * sin * c[0] - 2.0 * cos * sin * xy + cos * cos * c[3]) / scale;
-    o.cov_xy_m2 = ((c[3] - c[0]) * cos * sin + (cos * cos - sin * sin) * xy) / scale;
+    o.centre_root_m = levelled(root_of(*image.centre_cov_px2), levelling);
   } else if (frame.centre_sd_px) {
-    o.cov_xx_m2 = o.cov_yy_m2 = *frame.centre_sd_px * *frame.centre_sd_px / scale;
+    o.centre_root_m.xx = o.centre_root_m.yy = *frame.centre_sd_px / levelling.px_per_m;
   } else {
     o.centre_noise = Noise::centre;
   }
@@ -138,7 +149,7 @@ void mirror(Observations& all) {
   for (Vec2& p : all.surface_m) p.x = -p.x;
   for (Observation& o : all.images) {
     o.centre_m.x = -o.centre_m.x;
-    o.cov_xy_m2 = -o.cov_xy_m2;
+    o.centre_root_m.yx = -o.centre_root_m.yx;
     o.equator_rad = -o.equator_rad;
   }
 }

@@ -26,14 +26,20 @@ struct NoiseLevels {
   double& operator[](Noise n) { return sd[static_cast<std::size_t>(n)]; }
 };
 
+/// Lower triangular root L of a 2x2 covariance L L^T. Kept instead of the covariance, whose smaller variance
+/// a rotation would round away beside the larger.
+struct Root {
+  double xx = 0.0;
+  double yx = 0.0;
+  double yy = 0.0;
+};
+
 struct Observation {
   double time_s = 0.0;
   Vec2 centre_m;
   double diameter_m = 0.0;
   double equator_rad = 0.0;
-  double cov_xx_m2 = 0.0;  ///< of the centre, if stated
-  double cov_xy_m2 = 0.0;
-  double cov_yy_m2 = 0.0;
+  Root centre_root_m;           ///< if stated
   double diameter_sd_m = 0.0;   ///< if stated
   double equator_sd_rad = 0.0;  ///< if stated
   double time_sd_s = 0.0;
@@ -63,7 +69,8 @@ struct Observations {
 
   bool scale_exact() const { return scale && scale_sd == 0.0; }
   double centre_variance(const Observation& o) const {
-    return o.centre_noise == Noise::stated ? 0.5 * (o.cov_xx_m2 + o.cov_yy_m2)
+    const Root& l = o.centre_root_m;
+    return o.centre_noise == Noise::stated ? 0.5 * (l.xx * l.xx + l.yx * l.yx + l.yy * l.yy)
                                            : levels[Noise::centre] * levels[Noise::centre];
   }
   double diameter_sd(const Observation& o) const {

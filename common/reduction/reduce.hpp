@@ -29,7 +29,7 @@ constexpr std::optional<Estimator> estimator_from_name(std::string_view text) {
 /// the best estimator; the others know neither gravity nor air.
 struct ReduceOptions {
   /// What the flight is fitted with. Absent: gravity, and drag and Magnus where they matter to this shot.
-  std::optional<flight::Effects> effects;
+  std::optional<flight::Effects> effects{};
   /// Give Readout::covariance as well.
   bool covariance = false;
 };

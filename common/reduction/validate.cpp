@@ -9,14 +9,16 @@ namespace {
 
 using Complaint = std::optional<std::string>;
 
-// Written so that NaN is outside.
 constexpr double kLargestPx = 1e12;
 constexpr double kSmallest = 1e-9;
 constexpr double kLargestRad = 1e6;
 constexpr double kLongest_s = 1e9;
 constexpr double kShortestInterval_s = 1e-9;
 
-bool within(double value, double least, double most) { return value >= least && value <= most; }
+/// NaN is outside; asking raises no floating-point exception.
+bool within(double value, double least, double most) {
+  return std::isgreaterequal(value, least) && std::islessequal(value, most);
+}
 bool within(const PointPx& p) {
   return within(p.x, -kLargestPx, kLargestPx) && within(p.y, -kLargestPx, kLargestPx);
 }
@@ -70,7 +72,7 @@ Complaint invalid_noise(const Frame& frame) {
   if (bad_sd_px(frame.diameter_sd_px)) return std::string("diameter_sd_px: ") + kLengthNeeded;
   if (bad_sd_rad(frame.equator_sd_rad)) return std::string("equator_sd_rad: ") + kAngleSdNeeded;
   if (bad_sd_px(frame.px_per_m)) return std::string("px_per_m: ") + kLengthNeeded;
-  if (frame.px_per_m_sd && *frame.px_per_m_sd != 0.0 && bad_sd_px(frame.px_per_m_sd)) {
+  if (bad_sd_px(frame.px_per_m_sd) && *frame.px_per_m_sd != 0.0) {
     return "px_per_m_sd: must not be negative; 0, or within 1e-9 and 1e12";
   }
   return std::nullopt;
@@ -80,7 +82,8 @@ Complaint invalid_constants(const Frame& frame) {
   if (!within(frame.ball_diameter_m, 0.01, 1.0)) return "ball_diameter_m: must be within 0.01 and 1";
   if (bad(frame.ball_diameter_sd_m, 0.0, 1.0)) return "ball_diameter_sd_m: must be within 0 and 1";
   if (bad(frame.ball_mass_kg, 0.001, 10.0)) return "ball_mass_kg: must be within 0.001 and 10";
-  if (frame.ball_alpha && !(*frame.ball_alpha > 0.0 && *frame.ball_alpha <= ball::kThinShellAlpha)) {
+  if (frame.ball_alpha &&
+      (!within(*frame.ball_alpha, 0.0, ball::kThinShellAlpha) || *frame.ball_alpha == 0.0)) {
     return "ball_alpha: must be above 0 and at most 2/3";
   }
   if (bad(frame.air_density_kgpm3, 0.0, 100.0)) return "air_density_kgpm3: must be within 0 and 100";

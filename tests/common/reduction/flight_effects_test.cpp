@@ -1,0 +1,163 @@
+// Drag and Magnus lift in the best estimator: what they change, and when they are left out.
+#include <cmath>
+#include <string>
+
+#include "common/reduction/flight_effects.hpp"
+#include "common/reduction/reduce.hpp"
+#include "tests/common/reduction/simulated_shot.hpp"
+
+#include <CppUTest/TestHarness.h>
+
+using namespace strobe;
+using namespace strobe::reduction;
+using test::Bounce;
+using test::Setup;
+
+namespace {
+
+Frame photograph(const Bounce& bounce, const Setup& setup, std::uint64_t seed = 5) {
+  test::Random random(seed);
+  return test::photograph(bounce, setup, random);
+}
+
+Readout reduced(const Frame& frame, const ReduceOptions& options = {}) {
+  const auto readout = reduce(frame, Estimator::best, options);
+  if (!readout) FAIL(readout.error().message.c_str());
+  return *readout;
+}
+
+Setup exact() {
+  Setup setup;
+  setup.noise_factor = 0.0;
+  return setup;
+}
+
+}  // namespace
+
+TEST_GROUP(FlightEffects){};
+
+TEST(FlightEffects, WithoutNoiseTheTruthIsReadToAThousandthOfAnSd) {
+  // The photographs' air is integrated, the estimator's a series; truth and estimator share C_D.
+  for (const Bounce& bounce : test::thesis_bounces()) {
+    const Readout r = reduced(photograph(bounce, exact()));
+    const Quantities truth = test::truth(bounce);
+    for (std::size_t i = 0; i < kQuantityCount; ++i) {
+      const auto q = static_cast<Quantity>(i);
+      if (!truth[q]) continue;
+      const std::string text = bounce.label + " " + std::string(name(q)) + " " +
+                               std::to_string((*r.value[q] - *truth[q]) / *r.sd[q]);
+      CHECK_TRUE_TEXT(std::abs(*r.value[q] - *truth[q]) < 1e-3 * *r.sd[q], text.c_str());
+    }
+  }
+}
+
+TEST(FlightEffects, LeavingThemOutChangesNoNumberByMoreThanItsBound) {
+  for (const Bounce& bounce : test::thesis_bounces()) {
+    const Frame frame = photograph(bounce, exact());
+    FlagSet flags;
+    const ShotFit fit = fit_shot(*observe(frame, flags), {}, flags);
+    Readout all;
+    const Crossings crossings = propagate(fit, {}, all);
+    for (const bool drag : {true, false}) {
+      std::array<double, 2> acceleration{};
+      for (std::size_t leg = 0; leg < 2; ++leg) {
+        const double speed = *all.value[leg == 0 ? Quantity::v_td_mps : Quantity::v_lo_mps];
+        acceleration[leg] =
+            drag ? fit.air.drag_mps2(speed) : std::abs(fit.air.lift_mps2(speed, fit.spin[leg]->omega_radps));
+      }
+      const Quantities bound = bound_of_change(all, fit, crossings, acceleration);
+      const Readout without = reduced(frame, {.effects = flight::Effects{true, !drag, drag}});
+      for (std::size_t i = 0; i < kQuantityCount; ++i) {
+        const auto q = static_cast<Quantity>(i);
+        if (!bound[q]) continue;
+        const double change = std::abs(*without.value[q] - *all.value[q]);
+        char text[160];
+        std::snprintf(text, sizeof text, "%s %s %s: changes by %.4g, bound %.4g", bounce.label.c_str(),
+                      drag ? "drag" : "magnus", kQuantityNames[i].data(), change, *bound[q]);
+        // The bound is of first order; 2 % leave room for the second.
+        CHECK_TRUE_TEXT(change <= 1.02 * *bound[q] + 1e-9, text);
+        // And not far above: it would be no bound to decide by.
+        if (q == Quantity::v_td_mps && drag) CHECK_TRUE_TEXT(change > 0.2 * *bound[q], text);
+      }
+    }
+  }
+}
+
+TEST(FlightEffects, AreAllFittedToAFastShot) {
+  const Readout r = reduced(photograph(Bounce{}, Setup{}));
+  CHECK_TRUE((r.flight_effects == flight::Effects{true, true, true}));
+}
+
+TEST(FlightEffects, WhatDoesNotMatterIsLeftOutAndSaid) {
+  // A ball without spin has no lift.
+  Bounce bounce;
+  bounce.omega_td = bounce.omega_lo = 0.0;
+  Setup setup = exact();
+  Frame frame = photograph(bounce, setup);
+  for (BallImage& image : frame.images) image.equator_rad = 0.3;
+  CHECK_TRUE((reduced(frame).flight_effects == flight::Effects{true, true, false}));
+  // A slow ball, coarsely digitized: 1.5 m/s has 43 mm/s^2 of drag, half a millimetre a second in 14 ms.
+  bounce.vx_td = 1.4, bounce.vy_td = -0.7, bounce.vx_lo = 1.0, bounce.vy_lo = 0.6, bounce.dwell_x_m = 0.006;
+  CHECK_TRUE((reduced(photograph(bounce, setup)).flight_effects == flight::kGravityOnly));
+  // In a vacuum there is nothing to leave out, at any speed.
+  setup.air = {.drag_coefficient = 0.0, .lift = false};
+  frame = photograph(Bounce{}, setup);
+  frame.air_density_kgpm3 = 0.0;
+  const Readout r = reduced(frame);
+  CHECK_TRUE((r.flight_effects == flight::kGravityOnly));
+  DOUBLES_EQUAL(Bounce{}.vx_td, *r.value[Quantity::vx_td_mps], 1e-8);
+}
+
+TEST(FlightEffects, AreThoseThatAreAskedFor) {
+  const Frame frame = photograph(Bounce{}, exact());
+  for (const flight::Effects effects :
+       {flight::kNoEffects, flight::kGravityOnly, flight::Effects{true, true, false}}) {
+    CHECK_TRUE(reduced(frame, {.effects = effects}).flight_effects == effects);
+  }
+  // Drag over half a leg: 5.5 m/s^2 for about 8 ms.
+  const double with = *reduced(frame).value[Quantity::vx_td_mps];
+  const double without = *reduced(frame, {.effects = flight::kGravityOnly}).value[Quantity::vx_td_mps];
+  CHECK_TRUE(without - with > 0.02 && without - with < 0.08);
+}
+
+TEST(FlightEffects, TheOtherEstimatorsKnowNone) {
+  for (const Estimator estimator : {Estimator::two_point, Estimator::legacy}) {
+    const auto r = reduce(photograph(Bounce{}, Setup{}), estimator);
+    CHECK_TRUE(r && r->flight_effects == flight::kNoEffects);
+  }
+}
+
+TEST(FlightEffects, TheBallsMassAndTheAirsDensityAreTheFrames) {
+  Frame frame = photograph(Bounce{}, exact());
+  const auto excess = [](const Frame& f) {
+    return *reduced(f, {.effects = flight::kGravityOnly}).value[Quantity::vx_td_mps] -
+           *reduced(f, {.effects = flight::Effects{true, true, false}}).value[Quantity::vx_td_mps];
+  };
+  const double usual = excess(frame);
+  frame.ball_mass_kg = 2 * 0.0576;
+  DOUBLES_EQUAL(0.5, excess(frame) / usual, 0.01);
+  frame.ball_mass_kg.reset();
+  frame.air_density_kgpm3 = 2 * 1.204;
+  DOUBLES_EQUAL(2.0, excess(frame) / usual, 0.02);
+  frame.air_density_kgpm3.reset();
+  frame.temperature_c = 20.0 - 29.315;  // a tenth colder, a ninth denser
+  DOUBLES_EQUAL(10.0 / 9.0, excess(frame) / usual, 0.01);
+}
+
+TEST(FlightEffects, ALegOfManyMetresIsFittedWithoutAir) {
+  // The series holds while the air takes a small part of the speed; 100 m at one flash a second is beyond it.
+  Frame frame;
+  frame.ball_diameter_m = 0.0651;
+  frame.surface_px = {{0, 0}, {1000, 0}};
+  frame.centre_sd_px = frame.diameter_sd_px = 1.0;
+  for (int i = 0; i < 3; ++i) {
+    BallImage image;
+    image.time_s = i;
+    image.leg = Leg::incoming;
+    image.diameter_px = 65.1;
+    image.centre_px = {30000.0 * i, 1000.0 * (100.0 - 10.0 * i)};
+    frame.images.push_back(image);
+  }
+  const Readout r = reduced(frame);
+  CHECK_FALSE(r.flight_effects.drag || r.flight_effects.magnus);
+}
