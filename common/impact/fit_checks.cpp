@@ -7,8 +7,10 @@ namespace strobe::impact {
 
 namespace {
 
-bool positive(double x) { return std::isfinite(x) && x > 0.0; }
-bool not_negative(double x) { return std::isfinite(x) && x >= 0.0; }
+bool positive(double x) { return x >= kSmallestMagnitude && x <= kLargestMagnitude; }
+/// An sd of 0 is one that is not known.
+bool not_negative(double x) { return x == 0.0 || positive(x); }
+bool measurable(double x) { return std::abs(x) <= kLargestMagnitude; }
 
 bool usable(const Motion& sd) {
   return not_negative(sd.vx_mps) && not_negative(sd.vy_mps) && not_negative(sd.omega_radps);
@@ -36,9 +38,10 @@ std::optional<FitFailure> wrong_observation(const Observation& o, std::size_t at
     failure.input = predicted.error();
     return failure;
   }
-  if (!std::isfinite(o.lift_off.vx_mps) || !std::isfinite(o.lift_off.omega_radps)) return failure;
+  if (!measurable(o.lift_off.vx_mps) || !measurable(o.lift_off.omega_radps)) return failure;
   failure.error = FitError::sd_not_usable;
   if (!usable(o.touchdown_sd) || !usable(o.lift_off_sd) || !not_negative(o.e_sd)) return failure;
+  if (moved_inputs_error(options.model, options.start, options.diameter_m, o)) return failure;
   const bool weightless = o.lift_off_sd.vx_mps == 0.0 || o.lift_off_sd.omega_radps == 0.0;
   if (options.weighting == Weighting::stated_sd && weightless) return failure;
   return std::nullopt;

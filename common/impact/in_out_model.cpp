@@ -10,7 +10,6 @@ namespace {
 constexpr ParameterValues kLower{0.0, -1.0, 0.0, 1e-9, 0.01};
 constexpr double kLargestMu = 10.0;
 constexpr double kLargestReference_mps = 100.0;
-constexpr double kBarelyDown_mps = -1e-300;
 
 }  // namespace
 
@@ -53,10 +52,22 @@ ModelInputs moved_inputs(const Observation& o, std::size_t which, double standar
   Motion& td = in.touchdown;
   if (which == 0) td.vx_mps += standard_deviations * o.touchdown_sd.vx_mps;
   if (which == 1)
-    td.vy_mps = std::min(kBarelyDown_mps, td.vy_mps + standard_deviations * o.touchdown_sd.vy_mps);
+    td.vy_mps = std::min(-kSmallestMagnitude, td.vy_mps + standard_deviations * o.touchdown_sd.vy_mps);
   if (which == 2) td.omega_radps += standard_deviations * o.touchdown_sd.omega_radps;
   if (which == 3) in.e = std::clamp(in.e + standard_deviations * o.e_sd, 0.0, 1.0);
   return in;
+}
+
+std::optional<InputError> moved_inputs_error(InOutModel model, const ParameterValues& parameters,
+                                             double diameter_m, const Observation& observation) {
+  for (std::size_t which = 0; which < kInputCount; ++which) {
+    for (const double sign : {1.0, -1.0}) {
+      const ModelInputs in = moved_inputs(observation, which, sign);
+      const auto moved = rebound_of(model, parameters, diameter_m, in.touchdown, in.e);
+      if (!moved) return moved.error();
+    }
+  }
+  return std::nullopt;
 }
 
 InputCovariance input_covariance(InOutModel model, const ParameterValues& parameters, double diameter_m,

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstddef>
+#include <optional>
 #include <string_view>
 #include <tl/expected.hpp>
 
@@ -65,6 +66,11 @@ inline constexpr std::size_t kInputCount = 4;
 /// valid range.
 ModelInputs moved_inputs(const Observation& observation, std::size_t which, double standard_deviations);
 
+/// What is wrong with the observation's inputs when each is moved by one standard deviation either way: an sd
+/// that is not finite or beyond the models' magnitudes.
+std::optional<InputError> moved_inputs_error(InOutModel model, const ParameterValues& parameters,
+                                             double diameter_m, const Observation& observation);
+
 /// What the uncertain inputs make uncertain in the prediction, as variances and covariance of (vx, R·omega)
 /// at lift-off, (m/s)². Each input's share is half the difference between its value plus and less one
 /// standard deviation (a secant, since the regimes' border is a kink).
@@ -74,7 +80,7 @@ struct InputCovariance {
   double cross = 0.0;
 };
 
-/// Precondition: rebound_of() has a value for this observation.
+/// Precondition: rebound_of() has a value for this observation and moved_inputs_error() finds nothing.
 InputCovariance input_covariance(InOutModel model, const ParameterValues& parameters, double diameter_m,
                                  const Observation& observation);
 

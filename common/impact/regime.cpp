@@ -107,6 +107,10 @@ tl::expected<RegimeJudgement, InputError> judge_regime(const Observation& observ
   const ModelInputs in{observation.touchdown, observation.e};
   const auto rebound = rebound_of(model, values, diameter_m, in.touchdown, in.e);
   if (!rebound) return tl::unexpected(rebound.error());
+  if (const auto error = moved_inputs_error(model, values, diameter_m, observation))
+    return tl::unexpected(*error);
+  if (!std::isfinite(observation.lift_off.vx_mps) || !std::isfinite(observation.lift_off.omega_radps))
+    return tl::unexpected(InputError::not_finite);
   const Said said = say(model, values, diameter_m, in);
   Variances variances;
   add_inputs(observation, model, values, diameter_m, variances);

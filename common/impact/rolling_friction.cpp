@@ -10,18 +10,21 @@ namespace strobe::impact {
 
 namespace {
 
+bool usable_sd(double sd) { return sd >= 0.0 && sd <= kLargestMagnitude; }
+
 bool usable_sd(const Motion& sd) {
-  return std::isfinite(sd.vx_mps) && sd.vx_mps >= 0.0 && std::isfinite(sd.vy_mps) && sd.vy_mps >= 0.0 &&
-         std::isfinite(sd.omega_radps) && sd.omega_radps >= 0.0;
+  return usable_sd(sd.vx_mps) && usable_sd(sd.vy_mps) && usable_sd(sd.omega_radps);
 }
 
 /// The inputs that the models check, and those that only this function has.
 std::optional<InputError> find_error(const Observation& o, const ball::Ball& ball, double alpha_sd) {
   const auto checked = rigid(ball, o.touchdown, o.e, 0.0);
   if (!checked) return checked.error();
-  const bool finite = std::isfinite(o.lift_off.vx_mps) && std::isfinite(o.lift_off.omega_radps) &&
-                      std::isfinite(o.e_sd) && o.e_sd >= 0.0 && std::isfinite(alpha_sd) && alpha_sd >= 0.0;
-  if (!finite || !usable_sd(o.touchdown_sd) || !usable_sd(o.lift_off_sd)) return InputError::not_finite;
+  const bool finite = std::isfinite(o.lift_off.vx_mps) && std::isfinite(o.lift_off.omega_radps);
+  const bool spreads = usable_sd(o.touchdown_sd) && usable_sd(o.lift_off_sd) && usable_sd(o.e_sd);
+  if (!finite || !spreads || !usable_sd(alpha_sd)) return InputError::not_finite;
+  const double largest = std::max(std::abs(o.lift_off.vx_mps), std::abs(o.lift_off.omega_radps));
+  if (largest > kLargestMagnitude) return InputError::magnitude_out_of_range;
   return std::nullopt;
 }
 

@@ -236,6 +236,33 @@ TEST(ModelFit, RefusesWhatIsNotANumberOrOutOfRange) {
   CHECK(error_of(conditions(), wrong) == FitError::invalid_options);
 }
 
+// Whatever is not refused gives numbers.
+TEST(ModelFit, HugeAndSubnormalInputsAreRefusedOrGiveNumbers) {
+  using Field = double& (*)(Observation&);
+  const Field fields[] = {[](Observation& o) -> double& { return o.touchdown.vx_mps; },
+                          [](Observation& o) -> double& { return o.touchdown.vy_mps; },
+                          [](Observation& o) -> double& { return o.touchdown.omega_radps; },
+                          [](Observation& o) -> double& { return o.lift_off.vx_mps; },
+                          [](Observation& o) -> double& { return o.lift_off.omega_radps; },
+                          [](Observation& o) -> double& { return o.touchdown_sd.vy_mps; },
+                          [](Observation& o) -> double& { return o.lift_off_sd.vx_mps; },
+                          [](Observation& o) -> double& { return o.e_sd; }};
+  for (const Field field : fields) {
+    for (const double value : {1e308, -1e308, 1e40, -1e40, 5e-324, -5e-324, 1e-200, -1e-200, 1e29}) {
+      for (const Weighting weighting : {Weighting::equal, Weighting::stated_sd}) {
+        auto observations = conditions();
+        field(observations[7]) = value;
+        FitOptions options = default_options(InOutModel::grip_offset);
+        options.weighting = weighting;
+        const auto fitted = fit(observations, options);
+        if (!fitted) continue;
+        for (const FittedParameter& p : fitted->parameters) CHECK(std::isfinite(p.value));
+        CHECK(std::isfinite(fitted->chi2) && fitted->covariance.allFinite());
+      }
+    }
+  }
+}
+
 TEST(ModelFit, NamesTheObservationThatIsWrong) {
   auto observations = conditions();
   observations[5].e = 1.1;
