@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "common/units/angles.hpp"
+#include "host/thesis/rotation_scale.hpp"
 
 namespace strobe::report {
 
@@ -41,7 +42,7 @@ std::optional<double> image_value(const SetCurves& c, const ContactRow& row, Qua
   if (quantity == Quantity::x_cm) return row.x_fraction * c.condition->dwell_distance_cm.mean;
   if (quantity == Quantity::y_mm) return 1e3 * row.y_fraction * c.scale.diameter_m;
   if (quantity == Quantity::rotation_deg && row.rotation_fraction)
-    return degrees(*row.rotation_fraction * c.total_rotation_rad);
+    return degrees(*row.rotation_fraction * c.scale.total_rotation_rad);
   return std::nullopt;
 }
 
@@ -57,33 +58,72 @@ double cubic_value(const SetCurves& c, double t, Quantity quantity) {
   return image_value(c, ContactRow{t, value, value, value}, quantity).value_or(kNoValue);
 }
 
-double derived_value(const SetCurves& c, double t, Quantity quantity) {
-  const contact::DerivedMotion motion = contact::differentiate(c.fits, c.scale, t);
-  const auto or_nothing = [](const std::optional<double>& value) { return value.value_or(kNoValue); };
+/// Value and sd of differentiation in the figures' units.
+PlotPoint derived_point(const contact::DerivedState& state, Quantity quantity, bool band) {
+  const auto point = [band](const std::optional<contact::ValueSd>& v, double unit) {
+    if (!v) return PlotPoint{0.0, kNoValue};
+    const double y = unit * v->value;
+    const double sd = band ? std::abs(unit) * v->sd : kNoValue;
+    return PlotPoint{0.0, y, y - sd, y + sd};
+  };
   switch (quantity) {
+    case Quantity::x_cm:
+      return point(state.x_m, 1e2);
+    case Quantity::y_mm:
+      return point(state.y_m, 1e3);
+    case Quantity::rotation_deg:
+      return point(state.rotation_rad, degrees(1.0));
     case Quantity::vx_mps:
-      return or_nothing(motion.vx_mps);
+      return point(state.vx_mps, 1.0);
     case Quantity::vy_mps:
-      return or_nothing(motion.vy_mps);
+      return point(state.vy_mps, 1.0);
     case Quantity::omega_radps:
-      return or_nothing(motion.omega_radps);
+      return point(state.omega_radps, 1.0);
     case Quantity::slip_mps:
-      return or_nothing(motion.vx_mps) + c.scale.diameter_m / 2.0 * or_nothing(motion.omega_radps);
+      return point(state.slip_mps, 1.0);
     case Quantity::fx_n:
-      return or_nothing(motion.fx_n);
+      return point(state.fx_n, 1.0);
     case Quantity::fy_n:
-      return or_nothing(motion.fy_n);
-    default:
-      return cubic_value(c, t, quantity);
+      return point(state.fy_n, 1.0);
   }
+  return {};
+}
+
+using Motion = std::function<contact::ContactState(double)>;
+
+/// Integration as a function of the time fraction; nothing for inputs out of range.
+std::optional<Motion> motion_of(const SpinPulseInput& input, bool grips) {
+  if (grips) {
+    const auto pulse = SpinPulse::make(input);
+    if (!pulse) return std::nullopt;
+    return [p = *pulse](double t) { return p.at_fraction(t); };
+  }
+  const auto pulse = impact::SinePulse::make(input.form, {.vx_td_mps = input.touchdown.vx_mps,
+                                                          .vy_td_mps = input.touchdown.vy_mps,
+                                                          .e = input.e,
+                                                          .impulse_ratio = input.mu,
+                                                          .dwell_s = input.dwell_s,
+                                                          .mass_kg = input.ball.mass_kg});
+  if (!pulse) return std::nullopt;
+  return [p = *pulse](double t) {
+    const impact::PulseState s = p.at_fraction(t);
+    contact::ContactState out;
+    out.x_m = s.x_m;
+    out.y_m = s.y_m;
+    out.vx_mps = s.vx_mps;
+    out.vy_mps = s.vy_mps;
+    out.fx_n = s.fx_n;
+    out.fy_n = s.fy_n;
+    return out;
+  };
 }
 
 /// Sd of a quantity at each step from the printed sds, as independent: a central difference over each.
 class Propagation {
  public:
-  Propagation(const SetCurves& c, const SpinPulseInput& input) {
+  Propagation(const SetCurves& c, const SpinPulseInput& input, bool grips) {
     const contact::SpinPulseSd sd = contact::spin_pulse_sd(*c.condition);
-    const auto add = [this, &input](auto change, double size) {
+    const auto add = [this, &input, grips](auto change, double size) {
       SpinPulseInput up = input;
       SpinPulseInput down = input;
       change(up, size);
@@ -91,9 +131,9 @@ class Propagation {
       up.e = std::min(up.e, 1.0);
       up.mu = std::max(up.mu, 0.0);
       down.mu = std::max(down.mu, 0.0);
-      const auto a = SpinPulse::make(up);
-      const auto b = SpinPulse::make(down);
-      if (a && b) pairs_.emplace_back(*a, *b);
+      auto a = motion_of(up, grips);
+      auto b = motion_of(down, grips);
+      if (a && b) pairs_.emplace_back(*std::move(a), *std::move(b));
     };
     add([](SpinPulseInput& in, double d) { in.touchdown.vx_mps += d; }, sd.vx_mps);
     add([](SpinPulseInput& in, double d) { in.touchdown.vy_mps += d; }, sd.vy_mps);
@@ -106,15 +146,14 @@ class Propagation {
   double sd(double t, Quantity quantity) const {
     double variance = 0.0;
     for (const auto& [up, down] : pairs_) {
-      const double half =
-          (state_value(up.at_fraction(t), quantity) - state_value(down.at_fraction(t), quantity)) / 2.0;
+      const double half = (state_value(up(t), quantity) - state_value(down(t), quantity)) / 2.0;
       variance += half * half;
     }
     return std::sqrt(variance);
   }
 
  private:
-  std::vector<std::pair<SpinPulse, SpinPulse>> pairs_;
+  std::vector<std::pair<Motion, Motion>> pairs_;
 };
 
 double residual_sd(const SetCurves& c, Quantity quantity) {
@@ -155,20 +194,44 @@ const char* axis_label(Quantity quantity) {
   return "";
 }
 
-Result<SetCurves> set_curves(const Material& material, const std::string& set) {
+bool turns(Quantity quantity) {
+  return quantity == Quantity::rotation_deg || quantity == Quantity::omega_radps ||
+         quantity == Quantity::slip_mps;
+}
+
+const char* short_label(Quantity quantity) {
+  switch (quantity) {
+    case Quantity::vx_mps:
+      return "vx, m/s";
+    case Quantity::vy_mps:
+      return "vy, m/s";
+    case Quantity::omega_radps:
+      return "spin, rad/s";
+    case Quantity::fx_n:
+      return "Fx, N";
+    case Quantity::fy_n:
+      return "Fy, N";
+    default:
+      return axis_label(quantity);
+  }
+}
+
+Result<SetCurves> set_curves(const Material& material, const impact::ContactFit& fit,
+                             const std::string& set) {
   SetCurves c;
   c.condition = material.used.condition(set);
   if (!c.condition) return fail("no set " + set);
   c.set = &material.used.contact.at(set);
   c.dwell_ms = c.condition->dwell_time_ms.mean;
-  const auto total = contact::end_spin_total(*c.set, c.condition->omega_td_radps.mean,
-                                             c.condition->omega_lo_radps.mean, c.dwell_ms / 1e3);
-  if (!total) return fail(set + ": " + total.error().message);
-  c.total_rotation_rad = total->total_rad;
   c.fits = contact::fit_fractions(*c.set);
-  c.scale = {.dwell_time_s = c.dwell_ms / 1e3,
-             .dwell_distance_m = c.condition->dwell_distance_cm.mean / 1e2,
-             .total_rotation_rad = c.total_rotation_rad};
+  c.scale = scale_of(*c.set, *c.condition);
+  if (auto spline = contact::fit_constrained_motion(*c.set, c.scale, contact::end_velocities(*c.condition)))
+    c.spline = *std::move(spline);
+  const auto coefficients = impact::coefficients_of(impact::observation_of(*c.condition), fit.value, {});
+  const impact::Motion touchdown{c.condition->vx_td_mps.mean, c.condition->vy_td_mps.mean,
+                                 c.condition->omega_td_radps.mean};
+  if (auto course = impact::ContactTrajectory::make(impact::ball_of(fit.value), touchdown, coefficients))
+    c.mechanics = *std::move(course);
   return c;
 }
 
@@ -215,24 +278,49 @@ std::vector<PlotPoint> measured_ends(const SetCurves& c, Quantity quantity) {
           {c.dwell_ms, lo.mean, lo.mean - lo.sd, lo.mean + lo.sd}};
 }
 
-std::vector<PlotPoint> differentiated(const SetCurves& c, Quantity quantity) {
+namespace {
+
+std::vector<PlotPoint> differentiated(const SetCurves& c, Approach approach, Quantity quantity, bool band) {
+  if (approach == Approach::spline && !c.spline) return {};
   std::vector<PlotPoint> points;
   for (int i = 0; i <= kCurveSteps; ++i) {
     const double t = static_cast<double>(i) / kCurveSteps;
-    points.push_back({t * c.dwell_ms, derived_value(c, t, quantity)});
+    const contact::DerivedState state =
+        approach == Approach::spline ? contact::derive(*c.spline, t) : contact::derive(c.fits, c.scale, t);
+    PlotPoint p = derived_point(state, quantity, band);
+    p.x = t * c.dwell_ms;
+    points.push_back(p);
   }
   return points;
 }
 
-std::vector<PlotPoint> integrated(const SetCurves& c, impact::PulseForm form, Quantity quantity, bool band) {
-  const SpinPulseInput input = contact::spin_pulse_input(*c.condition, form);
-  const auto pulse = SpinPulse::make(input);
-  if (!pulse) return {};
-  const Propagation spread(c, input);
+/// Up to the release, which is the dwell time that the spring was made for.
+std::vector<PlotPoint> by_mechanics(const SetCurves& c, Quantity quantity) {
+  if (!c.mechanics) return {};
+  std::vector<PlotPoint> points;
+  for (int i = 0; i <= kCurveSteps; ++i) {
+    const double time_s = c.mechanics->summary().dwell_s * i / kCurveSteps;
+    const impact::ContactState s = c.mechanics->at(time_s);
+    const contact::ContactState state{s.x_m,         s.y_m,      s.angle_rad, s.vx_mps, s.vy_mps,
+                                      s.omega_radps, s.slip_mps, s.fx_n,      s.fy_n};
+    points.push_back({1e3 * time_s, state_value(state, quantity)});
+  }
+  return points;
+}
+
+std::vector<PlotPoint> integrated(const SetCurves& c, Approach approach, Quantity quantity, bool band) {
+  const bool grips = approach == Approach::pulse_grip;
+  if (turns(quantity) && !grips) return {};
+  const SpinPulseInput input = contact::spin_pulse_input(*c.condition, approach == Approach::pulse_simplified
+                                                                           ? impact::PulseForm::simplified
+                                                                           : impact::PulseForm::exact);
+  const auto motion = motion_of(input, grips);
+  if (!motion) return {};
+  const Propagation spread(c, input, grips);
   std::vector<PlotPoint> points;
   for (int i = 0; i <= kCurveSteps; ++i) {
     const double t = static_cast<double>(i) / kCurveSteps;
-    PlotPoint p{t * c.dwell_ms, state_value(pulse->at_fraction(t), quantity)};
+    PlotPoint p{t * c.dwell_ms, state_value((*motion)(t), quantity)};
     if (band) {
       const double sd = spread.sd(t, quantity);
       p.low = p.y - sd;
@@ -241,6 +329,15 @@ std::vector<PlotPoint> integrated(const SetCurves& c, impact::PulseForm form, Qu
     points.push_back(p);
   }
   return points;
+}
+
+}  // namespace
+
+std::vector<PlotPoint> curve(const SetCurves& c, Approach approach, Quantity quantity, bool band) {
+  if (approach == Approach::cubic || approach == Approach::spline)
+    return differentiated(c, approach, quantity, band);
+  if (approach == Approach::mechanics) return by_mechanics(c, quantity);
+  return integrated(c, approach, quantity, band);
 }
 
 }  // namespace strobe::report

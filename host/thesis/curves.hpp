@@ -6,9 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "common/contact/analysis.hpp"
 #include "common/contact/condition_inputs.hpp"
-#include "common/contact/integration.hpp"
+#include "common/contact/constrained_motion.hpp"
+#include "common/impact/contact_fit.hpp"
+#include "common/impact/contact_trajectory.hpp"
 #include "host/thesis/material.hpp"
 #include "host/thesis/plot.hpp"
 
@@ -18,18 +19,30 @@ namespace strobe::report {
 enum class Quantity { x_cm, y_mm, rotation_deg, vx_mps, vy_mps, omega_radps, slip_mps, fx_n, fy_n };
 
 const char* axis_label(Quantity quantity);
+const char* short_label(Quantity quantity);  ///< for narrow panels
+bool turns(Quantity quantity);               ///< rotation, spin and slip
 
 struct SetCurves {
   const thesis::Condition* condition = nullptr;
   const contact::ContactSet* set = nullptr;
   double dwell_ms = 0.0;
-  double total_rotation_rad = 0.0;  ///< by contact::end_spin_total()
   contact::FractionFits fits;
   contact::Scale scale;
+  std::optional<contact::ConstrainedMotion> spline;
+  std::optional<impact::ContactTrajectory> mechanics;
+};
+
+enum class Approach {
+  cubic,             ///< differentiation as in the thesis
+  spline,            ///< differentiation with the end velocities given
+  pulse_exact,       ///< integration, friction throughout
+  pulse_simplified,  ///< the same in the thesis's form
+  pulse_grip,        ///< integration with friction until the contact point stops
+  mechanics,         ///< the contact's mechanics fitted to all sets
 };
 
 /// Fails where the images or the means do not allow the analysis.
-Result<SetCurves> set_curves(const Material& material, const std::string& set);
+Result<SetCurves> set_curves(const Material& material, const impact::ContactFit& fit, const std::string& set);
 
 /// Number of steps of a curve from touchdown to lift-off.
 inline constexpr int kCurveSteps = 120;
@@ -40,11 +53,9 @@ std::vector<PlotPoint> measured(const SetCurves& curves, Quantity quantity);
 /// The means at touchdown and lift-off with their printed sd; only for velocities, spin and slip.
 std::vector<PlotPoint> measured_ends(const SetCurves& curves, Quantity quantity);
 
-/// Cubic through the images, and its derivatives.
-std::vector<PlotPoint> differentiated(const SetCurves& curves, Quantity quantity);
-
-/// The damped sine pulse carried through to spin; with the band that the printed sds give, if asked for.
-std::vector<PlotPoint> integrated(const SetCurves& curves, impact::PulseForm form, Quantity quantity,
-                                  bool band);
+/// The approach's curve from touchdown to lift-off; with its band of one sd, if asked for: of the fit for
+/// differentiation, of a single shot by the printed sds for integration. Empty where the approach does not
+/// have the quantity.
+std::vector<PlotPoint> curve(const SetCurves& curves, Approach approach, Quantity quantity, bool band);
 
 }  // namespace strobe::report

@@ -98,17 +98,19 @@ std::string panel_text(const Figure& figure, std::size_t i, const Place& place, 
   out += fmt::format("set xlabel {}\nset ylabel {}\n", literal(panel.x_label), literal(panel.y_label));
   out += fmt::format("set xrange {}\nset yrange {}\n", range(panel.x_range), range(panel.y_range));
   out += panel.zero_line ? "set xzeroaxis lt 1 lw 1 lc rgb '#888888'\n" : "unset xzeroaxis\n";
+  // Bands under lines, lines under points.
   std::string bands;
-  std::string strokes;
+  std::string lines;
+  std::string points;
   for (const Series& s : panel.series) {
     const std::string source = fmt::format("data index {} using ", index++);
     if (has_band(s))
       bands += fmt::format("  {}2:4:5 with filledcurves fs transparent solid 0.16 noborder fc rgb {}, \\\n",
                            source, literal(s.colour));
-    const std::string columns = has_bars(s) ? "2:3:4:5" : "2:3";
-    strokes += fmt::format("  {}{} {}, \\\n", source, columns, style(s));
+    std::string& strokes = s.stroke == Stroke::points ? points : lines;
+    strokes += fmt::format("  {}{} {}, \\\n", source, has_bars(s) ? "2:3:4:5" : "2:3", style(s));
   }
-  std::string plots = bands + strokes;
+  std::string plots = bands + lines + points;
   plots.erase(plots.rfind(", \\"));
   return out + "plot \\\n" + plots + "\n";
 }
@@ -163,11 +165,12 @@ std::string script_text(const Figure& figure) {
   out += fmt::format("data = '{}.csv'\n", stem);
   out += "do for [kind in 'svg png'] {\nreset\nset datafile separator ','\nset encoding utf8\n";
   out += fmt::format(
-      "if (kind eq 'svg') {{ set terminal svg size {},{} font 'sans-serif,15' background '#ffffff' }}\n",
+      "if (kind eq 'svg') {{ set terminal svg size {},{} font 'sans-serif,15' background '#ffffff'; small = "
+      "',12' }}\n",
       place.width, place.height);
   out += fmt::format(
       "if (kind eq 'png') {{ set terminal pngcairo size {},{} font 'sans,11' fontscale {} linewidth {} "
-      "pointscale {} background '#ffffff' }}\n",
+      "pointscale {} background '#ffffff'; small = ',9' }}\n",
       std::lround(place.width * kPngScale), std::lround(place.height * kPngScale), kPngScale, kPngScale,
       kPngScale);
   out += fmt::format("set output '{}.'.kind\nset multiplot\n", stem);
@@ -177,7 +180,7 @@ std::string script_text(const Figure& figure) {
                      literal(fmt::format("Figure {}. {}", figure.number, figure.title)),
                      1.0 - 22.0 / place.height);
   out += fmt::format(
-      "set label 2 {} at screen 0.02, screen {:.4f} left front font ',11' textcolor rgb "
+      "set label 2 {} at screen 0.02, screen {:.4f} left front font small textcolor rgb "
       "'#555555'\n",
       literal(figure.caption), 1.0 - 48.0 / place.height);
   int index = 0;
