@@ -98,6 +98,9 @@ Digitized digitize(const Scene& scene, std::uint64_t seed, const Exposure& expos
   frame.surface_angle_deg =
       scene.surface_angle_rad * (scene.camera.mirrored ? -180.0 : 180.0) / std::numbers::pi;
   frame.temperature_c = scene.air.temperature_c;
+  frame.ball_mass_kg = scene.ball.mass_kg;
+  frame.ball_alpha = scene.ball.alpha;
+  if (scene.air.density_kgpm3 >= 0.0) frame.air_density_kgpm3 = scene.air.density_kgpm3;  // by a barometer
   hand.state_noise(frame);
   for (const double share : kSurfacePoints)
     frame.surface_px.push_back(hand.point(share * hand.half_width_m(), 0.0));
