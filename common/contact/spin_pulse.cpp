@@ -37,7 +37,7 @@ tl::expected<SpinPulse, InputError> SpinPulse::make(const SpinPulseInput& input)
   if (!unit) return tl::unexpected(unit.error());
   const SpinPulse pulse(input, *unit);
   if (!finite(pulse.at_fraction(0.5)) || !finite(pulse.at_fraction(1.0)))
-    return tl::unexpected(InputError::not_finite);
+    return tl::unexpected(InputError::magnitude_out_of_range);
   return pulse;
 }
 
@@ -61,6 +61,7 @@ void SpinPulse::find_grip() {
     grip_fraction_ = 0.0;
     return;
   }
+  if (rate == 0.0) return;
   const double needed = slip_td_mps_ / rate;
   if (!(needed > 0.0 && needed < whole)) return;
   grip_fraction_ = unit_.fraction_at_impulse(needed / whole);
@@ -72,7 +73,8 @@ impact::Regime SpinPulse::regime() const {
   return grip_fraction_ && rolls_ ? impact::Regime::grips : impact::Regime::slides;
 }
 
-ContactState SpinPulse::at_fraction(double time_fraction) const {
+ContactState SpinPulse::at_fraction(double asked_fraction) const {
+  const double time_fraction = std::clamp(asked_fraction, impact::kEarliestFraction, impact::kLatestFraction);
   const impact::PulseState normal = unit_.at_fraction(time_fraction);
   const double radius = input_.ball.radius_m();
   const double alpha = input_.ball.alpha;

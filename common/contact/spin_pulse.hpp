@@ -43,8 +43,8 @@ struct ContactState {
 
 class SpinPulse {
  public:
-  /// Errors: those of impact::rigid() and impact::SinePulse::make(); not_finite also for inputs so large that
-  /// the motion at lift-off is beyond double precision.
+  /// Errors: those of impact::rigid() and impact::SinePulse::make(); magnitude_out_of_range also for a motion
+  /// beyond double precision.
   static tl::expected<SpinPulse, impact::InputError> make(const SpinPulseInput& input);
 
   /// The state at a share of the dwell time, 0…1. Outside of it the formulas are continued, though the ball

@@ -25,6 +25,11 @@ void choose_total(const ContactJob& job, ContactReport& r) {
   }
 }
 
+std::optional<double> known_total(const ContactReport& r) {
+  if (r.scale.total_rotation_rad == 0.0) return std::nullopt;
+  return r.scale.total_rotation_rad;
+}
+
 bool knows_rotation(const ContactJob& job, const ContactReport& r) {
   return job.omega_td_radps && job.omega_lo_radps && r.scale.total_rotation_rad != 0.0;
 }
@@ -86,6 +91,14 @@ Result<ContactReport> analyse(const ContactJob& job) {
   }
   const auto rotation_fit = r.fits.rotation;  // reported in fractions whether or not radians can be had
   choose_total(job, r);
+  if (job.omega_td_radps) {
+    const auto mechanics = contact::score_mechanics(job.set, job.pulse.ball, job.pulse.touchdown,
+                                                    {.e = job.pulse.e, .dwell_s = job.pulse.dwell_s},
+                                                    {.dwell_distance_m = r.scale.dwell_distance_m,
+                                                     .diameter_m = r.scale.diameter_m,
+                                                     .total_rotation_rad = known_total(r)});
+    if (mechanics) r.mechanics = *mechanics;  // its springs need e of at least .001
+  }
   r.zeros = contact::zero_crossings(r.fits, r.scale);
   r.fits.rotation = rotation_fit;
   if (const auto ok = add_spline(job, r, *pulse); !ok) return tl::unexpected(ok.error());

@@ -127,6 +127,20 @@ ordered_json spline_json(const ContactReport& r) {
   return out;
 }
 
+ordered_json mechanics_json(const ContactReport& r) {
+  if (!r.mechanics) return nullptr;
+  const contact::MechanicsScore& m = *r.mechanics;
+  ordered_json out{{"see_x_m", m.score.see_x_m}, {"see_y_m", m.score.see_y_m}};
+  const bool turns = m.score.rotation && m.score.rotation->given_total;
+  out["see_rotation_rad"] = turns ? ordered_json(m.score.rotation->given_total->see_rad) : ordered_json();
+  out["rotation_deg"] = degrees(m.summary.rotation_rad);
+  out["skid_to_grip_ms"] =
+      m.summary.skid_to_grip_s ? ordered_json(1e3 * *m.summary.skid_to_grip_s) : ordered_json();
+  out["max_normal_force_n"] = m.summary.max_force_n;
+  out["max_deformation_m"] = m.summary.max_depth_m;
+  return out;
+}
+
 ordered_json left_out_json(const contact::LeaveOneOut& l) {
   return {{"cubic", or_null(l.cubic)}, {"spline", or_null(l.spline)}, {"pulse", or_null(l.pulse)}};
 }
@@ -177,9 +191,12 @@ void print_head(const ContactJob& job, const ContactReport& r) {
               job.dwell_distance_cm, in.diameter_m);
 }
 
+/// Three digits of the value, and the sd to the same place.
 void print_value(const char* what, const ValueSd& v, double unit, const char* name) {
-  std::printf("  %-30s %#9.3g", what, v.value * unit);
-  v.sd > 0.0 ? std::printf(" +- %-8.2g", v.sd * unit) : std::printf("%12s", "");
+  const double size = std::abs(v.value * unit);
+  const int decimals = size >= 100.0 ? 0 : size >= 10.0 ? 1 : 2;
+  std::printf("  %-30s %9.*f", what, decimals, v.value * unit);
+  v.sd > 0.0 ? std::printf(" +- %-8.*f", decimals, v.sd * unit) : std::printf("%12s", "");
   std::printf(" %s\n", name);
 }
 
@@ -267,6 +284,14 @@ void print_comparison(const ContactReport& r) {
     }
     std::printf("\n");
   }
+  if (r.mechanics) {
+    const contact::MechanicsScore& m = *r.mechanics;
+    std::printf("  contact mechanics (springs and grip): along %.3f mm, normal %.3f mm",
+                1e3 * m.score.see_x_m, 1e3 * m.score.see_y_m);
+    if (m.score.rotation && m.score.rotation->given_total)
+      std::printf(", rotation %.2f degrees", degrees(m.score.rotation->given_total->see_rad));
+    std::printf("\n");
+  }
   if (r.spline.x && r.spline.y)
     std::printf("  spline through the measured end velocities: along %.3f mm, normal %.3f mm\n",
                 1e3 * r.spline_score.see_x_m, 1e3 * r.spline_score.see_y_m);
@@ -294,6 +319,7 @@ void print_contact_json(const ContactJob& job, const ContactReport& r) {
   out["condition"] = job.project_set ? ordered_json(job.name) : ordered_json();
   put_spin(out, r);
   put_peaks(out, job, r);
+  out["mechanics"] = mechanics_json(r);
   out["stiffness_npm"] = stiffness_json(r.stiffness);
   out["drop_ratio"] = {{"ratio", r.drop.ratio},
                        {"sd_images", r.drop.sd_images},

@@ -8,6 +8,7 @@
 #include "common/contact/analysis.hpp"
 #include "common/contact/constrained_motion.hpp"
 #include "common/contact/integration.hpp"
+#include "common/contact/mechanics_score.hpp"
 
 namespace strobe::host {
 
@@ -37,7 +38,8 @@ struct ContactReport {
   contact::ZeroCrossings zeros;
   std::optional<contact::Score> spin_score;  ///< of the pulse with its grip; absent without a spin
   contact::ContactState lift_off;
-  const char* rotation_source = "unknown";  ///< "given", "fitted to the pulse" or "unknown"
+  const char* rotation_source = "unknown";           ///< "given", "fitted to the pulse" or "unknown"
+  std::optional<contact::MechanicsScore> mechanics;  ///< fitted defaults; absent without a spin
   contact::ConstrainedMotion spline;
   contact::Score spline_score;
   std::optional<contact::ForcePeak> spline_force;

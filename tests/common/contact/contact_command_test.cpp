@@ -48,6 +48,7 @@ TEST(ContactCommand, TellsGripForcesAndStiffnessOfAProjectsSetWithTheirSds) {
   DOUBLES_EQUAL(15.7, json["stiffness_npm"]["half_period"].get<double>() / 1e3, 0.05);
   CHECK(json["sd"]["max_normal_force_n"].get<double>() > 0.0);
   CHECK(json["see_rotation_rad"].get<double>() < 0.05);
+  CHECK(json["mechanics"]["see_x_m"].get<double>() < 2e-3);
   CHECK(json["leave_one_out"]["rotation_rad"]["spline"].is_number());
   CHECK(json["spline"]["see_y_m"].get<double>() < json["see_y_m"].get<double>());
 }
@@ -57,6 +58,7 @@ TEST(ContactCommand, SaysNothingAboutSpinThatIsNotGiven) {
   CHECK(json["inputs"]["omega_td_radps"].is_null());
   CHECK(json["see_rotation_rad"].is_null());
   CHECK(json["sd"].is_null());
+  CHECK(json["mechanics"].is_null());
   CHECK_FALSE(json.contains("grip_fraction"));
   CHECK(json["leave_one_out"]["rotation_rad"]["spline"].is_null());
 }

@@ -8,6 +8,7 @@
 
 #include "common/contact/condition_inputs.hpp"
 #include "common/contact/integration.hpp"
+#include "common/contact/mechanics_score.hpp"
 #include "tests/common/physics/thesis_folder.hpp"
 
 #include <CppUTest/TestHarness.h>
@@ -129,6 +130,25 @@ TEST(ContactScores, ThePulseTurnsAsTheImagesDoWhereTheRotationIsNotNearZero) {
     CHECK_TEXT(score->rotation->fitted_total.see_rad < 0.09, c.name().c_str());
     CHECK_TEXT(score->rotation->own_total.see_rad < 0.09, c.name().c_str());
   }
+}
+
+// The mechanics end where the images do: at the measured dwell time, with the restitution measured.
+TEST(ContactScores, HoldTheMechanicsAgainstAllSets) {
+  for (const auto& c : thesis_data(thesis::Version::corrected).conditions) {
+    const auto in = contact::spin_pulse_input(c, PulseForm::exact);
+    const auto held =
+        contact::score_mechanics(thesis_data(thesis::Version::corrected).contact.at(c.name()), in.ball,
+                                 in.touchdown, {.e = in.e, .dwell_s = in.dwell_s}, contact::set_scale(c));
+    CHECK_TEXT(held.has_value(), c.name().c_str());
+    DOUBLES_EQUAL(in.dwell_s, held->summary.dwell_s, 1e-6 * in.dwell_s);
+    // Half of the depth would be no model (see the pulse's).
+    const double depth_m = -in.touchdown.vy_mps * in.dwell_s / pi;
+    CHECK_TEXT(held->score.see_y_m < 0.5 * depth_m, c.name().c_str());
+    DOUBLES_EQUAL(held->summary.rotation_rad, held->score.rotation->own_total.total_rad, 1e-12);
+  }
+  const ContactSet set = set_on_arc(0.0);
+  CHECK_FALSE(contact::score_mechanics(set, {}, {10, 5, 0}, {}, kScale).has_value());
+  CHECK_FALSE(contact::score_mechanics(set, {}, {10, -5, 0}, {}, {}).has_value());
 }
 
 TEST_GROUP(ContactPeaks){};
