@@ -63,7 +63,7 @@ std::optional<Bracket> glance_for_crossing(const TakenStep& taken, Watched what,
   std::array<double, kSamples + 1> value{start};
   for (int i = 1; i <= kSamples; ++i) {
     const auto at = static_cast<std::size_t>(i);
-    const State z = i == kSamples ? taken.end : taken.glance(static_cast<double>(i) / kSamples);
+    const State& z = i == kSamples ? taken.end : taken.between[at - 1];
     const Value v = watch(taken.system, what, taken.step.mode, z);
     value[at] = v.value;
     if (v.value < -v.noise) return Bracket{(i - 1.0) / kSamples, static_cast<double>(i) / kSamples};
@@ -99,6 +99,10 @@ Value watch(const System& s, Watched what, ContactMode mode, const State& z) {
       const double limit_rate = s.mu * s.normal_force_rate(z) / s.kt;
       return {sigma * slip - limit_rate, scale * (slip_noise + std::abs(limit_rate))};
     }
+    case Watched::footprint_full:
+      return {s.radius - z[kDepth], scale * s.radius};
+    case Watched::footprint_shrinks:
+      return {z[kDepth] - s.radius, scale * s.radius};
     case Watched::friction:
       return {s.friction(z, mode), scale * hold_noise};
     case Watched::depth_rate:
@@ -122,10 +126,14 @@ State TakenStep::at(double part_size) const {
   return take_step(system, method, step.mode, step.start, step.slope, part_size);
 }
 
+void TakenStep::prepare() {
+  for (std::size_t i = 0; i < between.size(); ++i) between[i] = glance(static_cast<double>(i + 1) / kSamples);
+}
+
 State TakenStep::glance(double fraction) const {
   const double back = 1.0 - fraction;
-  State z;
-  for (std::size_t i = 0; i < kComponents; ++i) {
+  State z{};
+  for (std::size_t i = 0; i <= kStretch; ++i) {
     const double rise = end[i] - step.start[i];
     z[i] = step.start[i] + fraction * (rise + back * (back * (step.size * step.slope[i] - rise) -
                                                       fraction * (step.size * end_slope[i] - rise)));

@@ -8,14 +8,16 @@
 
 namespace strobe::impact::detail {
 
-/// The functions that are watched. The first four end a step where they become negative; of the others the
+/// The functions that are watched. The first six end a step where they become negative; of the others the
 /// time is noted where they change sign.
 enum class Watched {
-  release,        ///< N
-  hold_forward,   ///< gripping: mu·N - F
-  hold_backward,  ///< gripping: mu·N + F
-  sliding,        ///< slipping: speed of the slip in its direction (times c_t where there is a dashpot)
-  friction,       ///< gripping: F
+  release,            ///< N
+  hold_forward,       ///< gripping: mu·N - F
+  hold_backward,      ///< gripping: mu·N + F
+  sliding,            ///< slipping: speed of the slip in its direction (times c_t where there is a dashpot)
+  footprint_full,     ///< R - y: the footprint stops growing
+  footprint_shrinks,  ///< y - R
+  friction,           ///< gripping: F
   depth_rate,
   force_rate,     ///< dN/dt
   friction_rate,  ///< dF/dt
@@ -29,7 +31,7 @@ struct Value {
 
 Value watch(const System& system, Watched what, ContactMode mode, const State& z);
 
-/// A step taken, for looking into it.
+/// A step taken, for looking into it. Call prepare() before find_crossing().
 struct TakenStep {
   const System& system;
   ContactMethod method;
@@ -37,10 +39,12 @@ struct TakenStep {
   State end;
   State end_slope;
   int* evaluations;
+  std::array<State, 3> between{};  ///< glances at its quarters
 
+  void prepare();
   /// State a part of the step's size on, with the method's full order.
   State at(double part_size) const;
-  /// Cubic through both ends, for finding where to look.
+  /// Cubic through both ends, for finding where to look; the components that are watched.
   State glance(double fraction) const;
 };
 

@@ -42,7 +42,12 @@ class Run {
   }
 
  private:
-  double first_size() const { return 0.05 * std::pow(options_.tolerance, 0.2) + 1e-4; }
+  /// The footprint's radius sets in as a root of time, which no embedded error sees in full: its share of the
+  /// first step is kept below the tolerance by the step's size.
+  double first_size() const {
+    const double smooth = 0.05 * std::pow(options_.tolerance, 0.2);
+    return s_.delta > 0.0 ? std::min(smooth, 0.2 * std::pow(options_.tolerance, 2.0 / 3.0)) : smooth;
+  }
 
   void set_scales() {
     const double offset = s_.delta > 0.0 ? 2.0 * s_.delta * std::sqrt(std::min(1.0, 2.0 / s_.radius)) : 0.0;
@@ -67,6 +72,7 @@ class Run {
         s_,           options_.method, {tau_, size, mode_, z_, slope_}, end_, derivative(s_, end_, mode_),
         &evaluations_};
     ++evaluations_;
+    taken.prepare();
     if (size <= kUndecidedStep && undecided_ > 2) {
       undecided_ = 0;
       return advance(taken, size, end_, std::nullopt);
@@ -88,8 +94,11 @@ class Run {
     } else {
       consider(Watched::sliding);
     }
+    if (s_.delta > 0.0) consider(full_ ? Watched::footprint_shrinks : Watched::footprint_full);
     if (!first) return advance(taken, size, end_, std::nullopt);
-    if (*first == 0.0 && what != Watched::release) return switch_mode(what, true);
+    const bool switches =
+        what == Watched::hold_forward || what == Watched::hold_backward || what == Watched::sliding;
+    if (*first == 0.0 && switches) return switch_mode(what, true);
     return advance(taken, *first, taken.at(*first), what);
   }
 
@@ -135,7 +144,10 @@ class Run {
       released_ = true;
       return add(ContactEventKind::release, tau_);
     }
-    if (event) return switch_mode(*event, false);
+    if (event == Watched::footprint_full || event == Watched::footprint_shrinks)
+      full_ = event == Watched::footprint_full;
+    else if (event)
+      return switch_mode(*event, false);
     slope_ = size == taken.step.size ? taken.end_slope : derivative(s_, z_, mode_);
     return true;
   }
@@ -186,7 +198,11 @@ class Run {
 
   bool add(ContactEventKind kind, double tau) {
     if (event_count_ == kMaxContactEvents) return false;
-    events_[static_cast<std::size_t>(event_count_++)] = {tau / s_.frequency_radps, kind};
+    const ContactEvent event{tau / s_.frequency_radps, kind};
+    // In order of time: what is noted within a step may come before what was noted first.
+    auto place = events_.begin() + event_count_++;
+    for (; place != events_.begin() && (place - 1)->time_s > event.time_s; --place) *place = *(place - 1);
+    *place = event;
     return true;
   }
 
@@ -206,6 +222,7 @@ class Run {
   double next_size_ = 0.0;
   double fixed_size_ = 0.0;
   bool released_ = false;
+  bool full_ = false;  ///< the depth is past the radius: the footprint has its largest size
   bool started_gripping_ = false;
   int undecided_ = 0;
   int steps_ = 0;
@@ -274,9 +291,6 @@ ContactSummary Run::summary() const {
   out.energy = energy();
   out.events = events_;
   out.event_count = event_count_;
-  // Events noted within a step may come before the one that ended it; in order of time all the same.
-  std::stable_sort(out.events.begin(), out.events.begin() + event_count_,
-                   [](const ContactEvent& a, const ContactEvent& b) { return a.time_s < b.time_s; });
   out.steps = steps_;
   out.evaluations = evaluations_;
   return out;

@@ -1,5 +1,6 @@
 // The commands contact and predict as a user runs them.
 #include <chrono>
+#include <fstream>
 #include <string>
 #include <vector>
 
@@ -112,6 +113,56 @@ TEST(PhysicsCommands, PredictRollsOffAsTheThesisSays) {
 TEST(PhysicsCommands, PredictRefusesABallThatMovesAway) {
   check_one_complaint(run_strobe({"predict", "--vx", "10", "--vy", "12"}),
                       "strobe: predict: vy must be negative: the ball must move towards the surface\n");
+}
+
+TEST(PhysicsCommands, PredictOdeTellsTheContactsCourseEventsAndEnergy) {
+  const Finished run = run_strobe({"predict", "--vx", "14.49", "--vy", "-9.95", "--model", "ode", "--e",
+                                   "0.77", "--dwell-time-ms", "4.84", "--samples", "11", "--json"});
+  LONGS_EQUAL(0, run.status->code);
+  const auto json = strobe::testing::parse_json_lines(run.out).at(0);
+  STRCMP_EQUAL("grips", json["regime"].get<std::string>().c_str());
+  DOUBLES_EQUAL(9.95 * 0.77, json["vy_lo_mps"].get<double>(), 1e-8);
+  DOUBLES_EQUAL(4.84, json["dwell_time_ms"].get<double>(), 1e-8);
+  STRCMP_EQUAL("release", json["events"].back()["event"].get<std::string>().c_str());
+  LONGS_EQUAL(11, json["trajectory"].size());
+  DOUBLES_EQUAL(json["vx_lo_mps"].get<double>(), json["trajectory"][10]["vx_mps"].get<double>(), 1e-12);
+  double lost = 0.0;
+  for (const char* loss : {"normal_damping_j", "normal_spring_left_j", "sliding_j", "tangential_damping_j",
+                           "tangential_spring_left_j", "offset_j"})
+    lost += json["energy"][loss].get<double>();
+  DOUBLES_EQUAL(json["energy"]["kinetic_lost_j"].get<double>(), lost, 1e-8);
+  DOUBLES_EQUAL(1e-9, json["inputs"]["tolerance"].get<double>(), 0.0);
+}
+
+TEST(PhysicsCommands, PredictOdeWritesTheCourseAsCsv) {
+  const strobe::testing::TemporaryFolder folder;
+  const std::string path = (folder.path() / "contact.csv").string();
+  const Finished run = run_strobe({"predict", "--vx", "10", "--vy", "-12", "--model", "ode", "--trajectory",
+                                   path, "--samples", "5", "--json"});
+  LONGS_EQUAL(0, run.status->code);
+  LONGS_EQUAL(1, strobe::testing::parse_json_lines(run.out).size());
+  std::ifstream file(path);
+  std::string line;
+  std::getline(file, line);
+  STRCMP_EQUAL("time_ms,x_m,y_m,angle_deg,vx_mps,vy_mps,omega_radps,fx_n,fy_n,mode", line.c_str());
+  int rows = 0;
+  while (std::getline(file, line)) ++rows;
+  LONGS_EQUAL(5, rows);
+  check_one_complaint(
+      run_strobe({"predict", "--vx", "10", "--vy", "-12", "--model", "ode", "--trajectory",
+                  (folder.path() / "none" / "contact.csv").string()}),
+      "strobe: predict: " + (folder.path() / "none" / "contact.csv").string() + ": cannot be written\n");
+}
+
+TEST(PhysicsCommands, PredictNamesWhatIsWrongWithAContact) {
+  check_one_complaint(run_strobe({"predict", "--vx", "10", "--vy", "-12", "--samples", "5"}),
+                      "strobe: predict: --samples and --trajectory need --model ode\n");
+  check_one_complaint(
+      run_strobe({"predict", "--vx", "10", "--vy", "-12", "--model", "ode", "--kt-ratio", "0"}),
+      "strobe: predict: e is below 0.001, or a spring or damping ratio is out of its range\n");
+  check_one_complaint(
+      run_strobe({"predict", "--vx", "10", "--vy", "-12", "--model", "ode", "--tolerance", "2"}),
+      "strobe: predict: tolerance or number of steps is out of its range\n");
 }
 
 TEST(PhysicsCommands, BothExplainThemselves) {

@@ -1,0 +1,270 @@
+// The integrated contact against closed forms of its special cases, its methods' orders, its errors.
+#include "common/impact/contact_ode.hpp"
+
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <numbers>
+#include <vector>
+
+#include "common/impact/contact_system.hpp"
+#include "common/impact/contact_trajectory.hpp"
+#include "common/impact/normal_spring.hpp"
+#include "tests/support/allocations.hpp"
+// CppUTest redefines new; its headers come last.
+#include <CppUTest/TestHarness.h>
+
+using namespace strobe;
+using namespace strobe::impact;
+
+namespace {
+
+const ball::Ball kBall{.alpha = 0.55};
+const Motion kShot{15.0, -8.0, 20.0};
+
+/// Without an offset: the parts that closed forms describe.
+ContactCoefficients plain(double mu, double damping_ratio = 0.75) {
+  return {.e = 0.8, .dwell_s = 5e-3, .mu = mu, .damping_ratio = damping_ratio, .offset_share = 0.0};
+}
+
+ContactSummary contact_of(const Motion& touchdown, const ContactCoefficients& c, double tolerance = 1e-11) {
+  const auto summary = simulate(kBall, touchdown, c, {.tolerance = tolerance});
+  CHECK_TRUE(summary.has_value());
+  return *summary;
+}
+
+double at_release(ContactMethod method, int steps, const ContactCoefficients& c,
+                  double ContactSummary::*what = nullptr) {
+  const auto s = simulate(kBall, kShot, c, {.method = method, .steps = steps});
+  return what ? (*s).*what : s->lift_off.vx_mps;
+}
+
+InputError error_of(const Motion& m, const ContactCoefficients& c, const ContactOptions& o = {},
+                    const ball::Ball& b = kBall) {
+  const auto result = simulate(b, m, c, o);
+  CHECK_FALSE(result.has_value());
+  return result.error();
+}
+
+}  // namespace
+
+TEST_GROUP(ContactOde){};
+
+TEST(ContactOde, TheNormalMotionIsThatOfTheClosedForm) {
+  for (const double e : {1.0, 0.95, 0.8, 0.5, 0.2, 0.14, 0.1, 0.01}) {
+    ContactCoefficients c = plain(0.5);
+    c.e = e;
+    const ContactSummary s = contact_of(kShot, c);
+    DOUBLES_EQUAL(8.0 * e, s.lift_off.vy_mps, 8e-10);
+    DOUBLES_EQUAL(5e-3, s.dwell_s, e < 0.14 ? 5e-11 : 5e-13);  // the force fades slowly there
+    // The deepest point of exp(-zeta t) sin(q t)/q is where tan(q t) = q/zeta.
+    const auto spring = normal_spring(kBall.mass_kg, e, c.dwell_s);
+    const double zeta = spring->damping_ratio;
+    if (zeta >= 1.0) continue;
+    const double q = std::sqrt(1.0 - zeta * zeta);
+    const double turn = std::atan2(q, zeta);
+    DOUBLES_EQUAL(turn / q / spring->frequency_radps, s.max_depth_time_s, 1e-12);
+    DOUBLES_EQUAL(8.0 / spring->frequency_radps * std::exp(-zeta / q * turn), s.max_depth_m, 1e-11);
+  }
+}
+
+TEST(ContactOde, SlidingThroughoutIsTheRigidSlide) {
+  const Motion shot{20.0, -3.0, 100.0};
+  const ContactSummary s = contact_of(shot, plain(0.4));
+  const auto slide = rigid(kBall, shot, 0.8, 0.4);
+  CHECK(slide->regime == Regime::slides);
+  CHECK(s.regime == Regime::slides);
+  DOUBLES_EQUAL(slide->lift_off.vx_mps, s.lift_off.vx_mps, 1e-9);
+  DOUBLES_EQUAL(slide->lift_off.omega_radps, s.lift_off.omega_radps, 1e-7);
+  DOUBLES_EQUAL(0.4, s.impulse_ratio, 1e-10);
+  CHECK_FALSE(s.skid_to_grip_s.has_value());
+  CHECK_FALSE(s.slip_zero_s.has_value());
+}
+
+// Friction that grows with the normal force in step: k_t = k·alpha/(1 + alpha) makes the tangential
+// oscillation as long as the normal one, so that F/N = k_t·s/|vy| stays put and the ball grips all along; at
+// release the slip has turned round: a superball.
+TEST(ContactOde, AnElasticGripAsLongAsTheContactTurnsTheSlipRound) {
+  ContactCoefficients c = plain(5.0, 0.0);
+  c.e = 1.0;
+  c.stiffness_ratio = kBall.alpha / (1.0 + kBall.alpha);
+  const ContactSummary s = contact_of({4.0, -8.0, 30.0}, c);
+  DOUBLES_EQUAL(-(4.0 + kBall.radius_m() * 30.0), s.slip_lo_mps, 1e-8);
+  CHECK(s.regime == Regime::grips);
+  DOUBLES_EQUAL(0.0, *s.skid_to_grip_s, 0.0);
+  DOUBLES_EQUAL(0.0, s.energy.lost_j() / s.energy.kinetic_td_j, 1e-9);
+}
+
+TEST(ContactOde, WithoutFrictionOnlyTheNormalMotionChanges) {
+  const ContactSummary s = contact_of(kShot, plain(0.0));
+  DOUBLES_EQUAL(15.0, s.lift_off.vx_mps, 0.0);
+  DOUBLES_EQUAL(20.0, s.lift_off.omega_radps, 1e-13);
+  DOUBLES_EQUAL(0.0, s.energy.sliding_j, 0.0);
+}
+
+TEST(ContactOde, ADropWithoutSpinStaysUpright) {
+  for (const double offset : {0.0, 0.3}) {
+    ContactCoefficients c = plain(0.5);
+    c.offset_share = offset;
+    const ContactSummary s = contact_of({0.0, -8.0, 0.0}, c);
+    DOUBLES_EQUAL(0.0, s.lift_off.vx_mps, 0.0);
+    DOUBLES_EQUAL(0.0, s.lift_off.omega_radps, 0.0);
+    CHECK(s.regime == Regime::grips);
+  }
+}
+
+TEST(ContactOde, EventsStandWhereTheirLawsChange) {
+  const auto contact = ContactTrajectory::make(kBall, kShot, {}, {.tolerance = 1e-10});
+  int seen = 0;
+  for (const ContactEvent& event : contact->summary().event_list()) {
+    const ContactState z = contact->at(event.time_s);
+    const double limit = 0.537 * z.fy_n;
+    if (event.kind == ContactEventKind::grip || event.kind == ContactEventKind::slip)
+      DOUBLES_EQUAL(limit, std::abs(z.fx_n), 1e-8);
+    if (event.kind == ContactEventKind::deepest) DOUBLES_EQUAL(0.0, z.vy_mps, 1e-8);
+    if (event.kind == ContactEventKind::friction_reversal) DOUBLES_EQUAL(0.0, z.fx_n, 1e-7);
+    if (event.kind == ContactEventKind::release) DOUBLES_EQUAL(0.0, z.fy_n, 1e-9);
+    if (event.kind == ContactEventKind::largest_force)
+      CHECK(z.fy_n > contact->at(event.time_s * 1.001).fy_n &&
+            z.fy_n > contact->at(event.time_s * 0.999).fy_n);
+    ++seen;
+  }
+  LONGS_EQUAL(6, seen);
+}
+
+// What is asked for between steps is as good as the steps: the states of a coarse run against a fine one.
+TEST(ContactOde, TheCourseBetweenStepsKeepsTheTolerance) {
+  const auto coarse = ContactTrajectory::make(kBall, kShot, {}, {.tolerance = 1e-9});
+  const auto fine = ContactTrajectory::make(kBall, kShot, {}, {.tolerance = 1e-12});
+  for (int i = 0; i <= 1000; ++i) {
+    const double t = 5e-6 * i;
+    const ContactState a = coarse->at(t);
+    const ContactState b = fine->at(t);
+    DOUBLES_EQUAL(b.vx_mps, a.vx_mps, 1e-8);
+    DOUBLES_EQUAL(b.omega_radps, a.omega_radps, 3e-7);
+    DOUBLES_EQUAL(b.x_m, a.x_m, 1e-10);
+    DOUBLES_EQUAL(b.angle_rad, a.angle_rad, 1e-9);
+    DOUBLES_EQUAL(b.fy_n, a.fy_n, 1e-6);
+  }
+}
+
+// The sum of the losses is what the motion has lost, although neither is computed from the other.
+TEST(ContactOde, LossesSumToTheKineticEnergyLost) {
+  for (const double gravity : {0.0, 9.81}) {
+    ContactCoefficients c;
+    c.gravity_mps2 = gravity;
+    const ContactEnergy e = contact_of(kShot, c).energy;
+    DOUBLES_EQUAL(e.kinetic_lost_j, e.lost_j(), 1e-10 * e.kinetic_td_j);
+    DOUBLES_EQUAL(e.kinetic_td_j - e.kinetic_lo_j, e.kinetic_lost_j, 1e-13 * e.kinetic_td_j);
+    CHECK(e.normal_damping_j > 0.0 && e.sliding_j > 0.0 && e.tangential_damping_j > 0.0 && e.offset_j > 0.0);
+  }
+}
+
+TEST(ContactOde, GravityAddsItsImpulseToThatOfTheRebound) {
+  ContactCoefficients c = plain(0.3);
+  c.gravity_mps2 = 9.81;
+  const Motion shot{30.0, -5.0, 0.0};
+  const ContactSummary s = contact_of(shot, c);
+  // Sliding throughout: friction has mu of the normal impulse, the weight's part included.
+  DOUBLES_EQUAL(0.3 * (5.0 + s.lift_off.vy_mps + 9.81 * s.dwell_s), 30.0 - s.lift_off.vx_mps, 1e-9);
+}
+
+TEST(ContactOde, AWeightThatHoldsTheBallIsNamed) {
+  ContactCoefficients c = plain(0.3);
+  c.gravity_mps2 = 9.81;
+  CHECK(error_of({1e-3, -1e-6, 0.0}, c) == InputError::contact_without_end);
+}
+
+// Halving the step divides the error of a method of order p by 2^p. One law throughout and no footprint
+// radius, whose root at touchdown has no derivative; the step's part before the release counts too.
+TEST(ContactOde, FixedStepMethodsConvergeAtTheirOrder) {
+  const ContactCoefficients c = plain(0.55);
+  const double exact = contact_of(kShot, c, 1e-12).lift_off.vx_mps;
+  const auto order = [&](ContactMethod method, int steps) {
+    const double coarse = std::abs(at_release(method, steps, c) - exact);
+    const double fine = std::abs(at_release(method, 8 * steps, c) - exact);
+    return std::log2(coarse / fine) / 3.0;
+  };
+  DOUBLES_EQUAL(4.0, order(ContactMethod::rk4, 80), 0.25);
+  DOUBLES_EQUAL(1.0, order(ContactMethod::semi_implicit_euler, 100), 0.15);
+}
+
+TEST(ContactOde, StepsOfTheAdaptiveMethodAreOfFifthOrderWithAFourthOrderError) {
+  const auto s = detail::make_system(kBall, {15.0, -8.0, 20.0}, plain(0.55));
+  const auto carry = [&](int n, double& last_error) {
+    detail::State z{};
+    z[detail::kDepthRate] = 1.0;
+    detail::State error{};
+    for (int i = 0; i < n; ++i) {
+      const detail::State k1 = detail::derivative(*s, z, ContactMode::grips);
+      z = detail::take_step_with_error(*s, ContactMode::grips, z, k1, 2.0 / n, error);
+    }
+    last_error = std::abs(error[detail::kStretch]);
+    return z[detail::kStretch];
+  };
+  double e32 = 0.0;
+  double e64 = 0.0;
+  double unused = 0.0;
+  const double exact = carry(4000, unused);
+  const double ratio = std::abs(carry(32, e32) - exact) / std::abs(carry(64, e64) - exact);
+  DOUBLES_EQUAL(5.0, std::log2(ratio), 0.15);
+  DOUBLES_EQUAL(5.0, std::log2(e32 / e64), 0.2);  // of one step: order 4, and 1 for the step
+}
+
+TEST(ContactOde, EveryToleranceIsKept) {
+  const ContactCoefficients c;
+  const ContactSummary exact = contact_of(kShot, c, 1e-12);
+  for (double tolerance = 1e-3; tolerance > 2e-12; tolerance *= 0.1) {
+    const ContactSummary s = contact_of(kShot, c, tolerance);
+    DOUBLES_EQUAL(exact.lift_off.vx_mps, s.lift_off.vx_mps, 8.0 * tolerance + 1e-12);
+    DOUBLES_EQUAL(exact.lift_off.vy_mps, s.lift_off.vy_mps, 8.0 * tolerance + 1e-12);
+    DOUBLES_EQUAL(kBall.radius_m() * exact.lift_off.omega_radps, kBall.radius_m() * s.lift_off.omega_radps,
+                  8.0 * tolerance + 1e-12);
+  }
+}
+
+TEST(ContactOde, NothingIsAllocatedOnTheWay) {
+  std::int64_t allocated = -1;
+  bool done = true;
+  {
+    const strobe::testing::AllocationCounter counter;
+    for (const ContactMethod method :
+         {ContactMethod::dormand_prince, ContactMethod::rk4, ContactMethod::semi_implicit_euler})
+      done = simulate(kBall, kShot, {}, {.method = method}).has_value() && done;
+    allocated = counter.count();
+  }
+  CHECK_TRUE(done);
+  LONGS_EQUAL(0, allocated);
+}
+
+TEST(ContactOde, InputsOutOfRangeAreNamed) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double inf = std::numeric_limits<double>::infinity();
+  const double tiny = std::numeric_limits<double>::denorm_min();
+  const auto with = [](double ContactCoefficients::*member, double value) {
+    ContactCoefficients c;
+    c.*member = value;
+    return c;
+  };
+  CHECK(error_of({nan, -1.0, 0.0}, {}) == InputError::not_finite);
+  CHECK(error_of({1.0, -inf, 0.0}, {}) == InputError::not_finite);
+  CHECK(error_of({1.0, 0.0, 0.0}, {}) == InputError::not_approaching);
+  CHECK(error_of({1.0, -tiny, 0.0}, {}) == InputError::magnitude_out_of_range);
+  CHECK(error_of({1e300, -1.0, 0.0}, {}) == InputError::magnitude_out_of_range);
+  CHECK(error_of({1.0, -1.0, 1e300}, {}) == InputError::magnitude_out_of_range);
+  CHECK(error_of(kShot, {}, {}, {.diameter_m = 0.0}) == InputError::ball_out_of_range);
+  CHECK(error_of(kShot, {}, {}, {.mass_kg = tiny}) == InputError::magnitude_out_of_range);
+  CHECK(error_of(kShot, with(&ContactCoefficients::e, 1.01)) == InputError::restitution_out_of_range);
+  CHECK(error_of(kShot, with(&ContactCoefficients::e, 1e-4)) == InputError::spring_out_of_range);
+  CHECK(error_of(kShot, with(&ContactCoefficients::mu, -0.1)) == InputError::friction_negative);
+  CHECK(error_of(kShot, with(&ContactCoefficients::mu, 1e300)) == InputError::magnitude_out_of_range);
+  CHECK(error_of(kShot, with(&ContactCoefficients::dwell_s, 0.0)) == InputError::dwell_not_positive);
+  CHECK(error_of(kShot, with(&ContactCoefficients::dwell_s, tiny)) == InputError::magnitude_out_of_range);
+  CHECK(error_of(kShot, with(&ContactCoefficients::stiffness_ratio, 0.0)) == InputError::spring_out_of_range);
+  CHECK(error_of(kShot, with(&ContactCoefficients::damping_ratio, 1e-3)) == InputError::spring_out_of_range);
+  CHECK(error_of(kShot, with(&ContactCoefficients::offset_share, 1.5)) == InputError::offset_out_of_range);
+  CHECK(error_of(kShot, {}, {.tolerance = 1e-14}) == InputError::tolerance_out_of_range);
+  CHECK(error_of(kShot, {}, {.tolerance = nan}) == InputError::tolerance_out_of_range);
+  CHECK(error_of(kShot, {}, {.method = ContactMethod::rk4, .steps = 0}) ==
+        InputError::tolerance_out_of_range);
+}

@@ -1,0 +1,126 @@
+// What holds of every contact: energy never grows, a mirrored contact is the mirror image, every contact
+// ends. Failing cases print the configuration that repeats them (RC_PARAMS).
+#include <rapidcheck.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "common/impact/contact_trajectory.hpp"
+// CppUTest redefines new; its headers come last.
+#include <CppUTest/TestHarness.h>
+
+using namespace strobe;
+using namespace strobe::impact;
+
+namespace {
+
+double fraction() { return *rc::gen::inRange(0, 1'000'001) / 1e6; }
+double between(double low, double high) { return low + (high - low) * fraction(); }
+double over_decades(double low, double high) { return low * std::pow(high / low, fraction()); }
+
+const ball::Ball kBall{.alpha = 0.579};
+
+Motion any_touchdown() {
+  const double degree = std::numbers::pi / 180.0;
+  const double speed = over_decades(1e-6, 1e3);
+  const double angle = *rc::gen::arbitrary<bool>() ? over_decades(0.01, 90.0) : between(1.0, 90.0);
+  const double side = *rc::gen::arbitrary<bool>() ? 1.0 : -1.0;
+  Motion m{side * speed * std::cos(angle * degree), -speed * std::sin(angle * degree), 0.0};
+  switch (*rc::gen::inRange(0, 4)) {
+    case 0:
+      break;
+    case 1:  // rolling, to the last bit or nearly
+      m.omega_radps = -m.vx_mps / kBall.radius_m();
+      break;
+    case 2:
+      m.omega_radps = between(-3.0, 3.0) * speed / kBall.radius_m();
+      break;
+    default:
+      m.omega_radps = between(-1e5, 1e5);
+  }
+  m.omega_radps = std::clamp(m.omega_radps, -1e5, 1e5);
+  return m;
+}
+
+/// From nothing to much of everything, with the exact zeros and ones at which laws change.
+ContactCoefficients any_coefficients() {
+  const auto sometimes = [](double special, double otherwise) {
+    return *rc::gen::inRange(0, 6) == 0 ? special : otherwise;
+  };
+  ContactCoefficients c;
+  c.e = sometimes(1.0, between(0.05, 1.0));
+  c.dwell_s = over_decades(1e-6, 1.0);
+  c.mu = sometimes(0.0, over_decades(1e-3, 10.0));
+  c.stiffness_ratio = over_decades(0.05, 20.0);
+  c.damping_ratio = sometimes(0.0, over_decades(0.05, 5.0));
+  c.offset_share = sometimes(0.0, between(0.0, 1.0));
+  c.offset_reference_mps = over_decades(1e-3, 1e3);
+  return c;
+}
+
+}  // namespace
+
+TEST_GROUP(ContactProperties){};
+
+// Between any two of the asked times, events among them, the energy may differ by what the integration's
+// tolerance and the rounding of the energies themselves allow, and no more. Losses only grow.
+TEST(ContactProperties, EnergyNeverGrows) {
+  const bool held = rc::check("energy never grows", [] {
+    const Motion touchdown = any_touchdown();
+    const ContactCoefficients c = any_coefficients();
+    const auto contact = ContactTrajectory::make(kBall, touchdown, c, {.tolerance = 1e-9});
+    RC_ASSERT(contact.has_value());
+    std::vector<double> times = contact->step_times_s();
+    for (int i = 0; i <= 200; ++i) times.push_back(contact->summary().dwell_s * i / 200.0);
+    std::sort(times.begin(), times.end());
+    const double normal = 0.5 * kBall.mass_kg * touchdown.vy_mps * touchdown.vy_mps;
+    const ContactEnergy& energy = contact->summary().energy;
+    // Tangential errors weigh with the speeds that they change.
+    const double turning = std::abs(kBall.radius_m() * touchdown.omega_radps);
+    const double moving = std::abs(touchdown.vx_mps) + turning - touchdown.vy_mps;
+    const double allowed = 1e-9 * kBall.mass_kg * -touchdown.vy_mps * moving * (1.0 + c.mu) + 1e-9 * normal +
+                           8e-16 * energy.kinetic_td_j;
+    ContactState before = contact->at(0.0);
+    for (const double t : times) {
+      const ContactState now = contact->at(t);
+      RC_ASSERT(now.mechanical_j <= before.mechanical_j + allowed);
+      RC_ASSERT(now.lost_j >= before.lost_j - allowed);
+      before = now;
+    }
+    RC_ASSERT(std::abs(energy.kinetic_lost_j - energy.lost_j()) <= allowed);
+  });
+  CHECK(held);
+}
+
+TEST(ContactProperties, AMirroredContactIsTheMirrorImageToTheLastBit) {
+  const bool held = rc::check("mirror", [] {
+    const Motion touchdown = any_touchdown();
+    const ContactCoefficients c = any_coefficients();
+    const auto one = simulate(kBall, touchdown, c);
+    const auto other = simulate(kBall, {-touchdown.vx_mps, touchdown.vy_mps, -touchdown.omega_radps}, c);
+    RC_ASSERT(one.has_value() && other.has_value());
+    RC_ASSERT(one->lift_off.vx_mps == -other->lift_off.vx_mps);
+    RC_ASSERT(one->lift_off.vy_mps == other->lift_off.vy_mps);
+    RC_ASSERT(one->lift_off.omega_radps == -other->lift_off.omega_radps);
+    RC_ASSERT(one->dwell_distance_m == -other->dwell_distance_m);
+    RC_ASSERT(one->mean_offset_m == -other->mean_offset_m);
+    RC_ASSERT(one->event_count == other->event_count);
+    RC_ASSERT(one->energy.sliding_j == other->energy.sliding_j);
+  });
+  CHECK(held);
+}
+
+TEST(ContactProperties, EveryContactEndsAfterItsDwellTimeWithFewSteps) {
+  const bool held = rc::check("ends", [] {
+    const Motion touchdown = any_touchdown();
+    const ContactCoefficients c = any_coefficients();
+    const auto s = simulate(kBall, touchdown, c, {.tolerance = 1e-9});
+    RC_ASSERT(s.has_value());
+    RC_ASSERT(std::abs(s->dwell_s / c.dwell_s - 1.0) < 1e-8);
+    RC_ASSERT(std::abs(s->lift_off.vy_mps / (-c.e * touchdown.vy_mps) - 1.0) < 1e-9 / c.e);
+    RC_ASSERT(s->steps < 3000);
+    RC_ASSERT(std::abs(s->impulse_ratio) <= c.mu * (1.0 + 1e-8) + 1e-12);
+  });
+  CHECK(held);
+}

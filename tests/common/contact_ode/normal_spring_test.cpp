@@ -1,0 +1,73 @@
+// The normal spring's closed forms against 34 digits of their textbook forms.
+#include "common/impact/normal_spring.hpp"
+
+#include <boost/multiprecision/cpp_bin_float.hpp>
+#include <cmath>
+#include <limits>
+
+#include "tests/common/contact_ode/reference.hpp"
+// CppUTest redefines new; its headers come last.
+#include <CppUTest/TestHarness.h>
+
+using namespace strobe::impact;
+using strobe::testing::Quad;
+
+TEST_GROUP(NormalSpring){};
+
+TEST(NormalSpring, RestitutionAndReleaseOfADampingRatioHoldThirteenDigits) {
+  for (double zeta = 1e-12; zeta < 0.99999; zeta = zeta < 0.1 ? zeta * 3.7 : zeta + 0.0137) {
+    const Quad phase = strobe::testing::reference_release_phase(zeta);
+    const Quad e = exp(-Quad(zeta) * phase);
+    DOUBLES_EQUAL(1.0, static_cast<double>(release_phase(zeta) / phase), 1e-13);
+    DOUBLES_EQUAL(1.0, static_cast<double>(restitution_of_damping_ratio(zeta) / e), 1e-13);
+  }
+}
+
+TEST(NormalSpring, BeyondCriticalDampingItReleasesWhereTheForceIsGone) {
+  for (const double zeta : {1.0 + 1e-9, 1.0001, 1.01, 1.5, 4.0, 15.0}) {
+    const Quad p = sqrt(Quad(zeta) * zeta - 1);
+    const Quad t = release_phase(zeta);
+    // N = y + 2 zeta y' of y = exp(-zeta t) sinh(p t)/p, over its first term.
+    const Quad ratio = 1 + 2 * zeta * (p / tanh(p * t) - zeta);
+    // A part in 1e15 of zeta·t moves exp(-zeta·t) by that and the zero by as much times zeta².
+    DOUBLES_EQUAL(0.0, static_cast<double>(ratio), 1e-14 * zeta * zeta * zeta * zeta + 1e-13);
+  }
+}
+
+TEST(NormalSpring, DampingRatioOfARestitutionHoldsThirteenDigits) {
+  for (const double e :
+       {1.0 - 1e-15, 1.0 - 1e-9, 0.9999, 0.97, 0.86, 0.71, 0.5, 0.38, 0.36, 0.3, 0.2, 0.15, 0.14}) {
+    const Quad reference = strobe::testing::reference_damping_ratio(e);
+    // Of an e near 1 only 1 - e carries digits: relative to zeta the last bit of e is worth eps/(1 - e).
+    const double tolerance = 1e-13;
+    DOUBLES_EQUAL(1.0, static_cast<double>(*damping_ratio_from_restitution(e) / reference), tolerance);
+  }
+}
+
+TEST(NormalSpring, TheInverseReturnsToItsRestitutionOnBothSidesOfCriticalDamping) {
+  for (double e = kLeastSpringRestitution; e <= 1.0; e += 0.00311) {
+    const double zeta = *damping_ratio_from_restitution(e);
+    DOUBLES_EQUAL(1.0, restitution_of_damping_ratio(zeta) / e, 2e-14);
+  }
+  DOUBLES_EQUAL(1.0, *damping_ratio_from_restitution(std::exp(-2.0)), 1e-14);
+}
+
+TEST(NormalSpring, StiffnessOfAnUndampedSpringIsThatOfHalfAnOscillation) {
+  const auto spring = normal_spring(0.0576, 1.0, 5e-3);
+  DOUBLES_EQUAL(0.0576 * std::pow(3.14159265358979324 / 5e-3, 2), spring->stiffness_npm, 1e-8);
+  DOUBLES_EQUAL(0.0, spring->damping_nspm, 0.0);
+}
+
+TEST(NormalSpring, InputsOutOfRangeAreNamed) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const auto error_of = [](double mass, double e, double dwell) {
+    return normal_spring(mass, e, dwell).error();
+  };
+  CHECK(error_of(nan, 0.5, 1.0) == InputError::not_finite);
+  CHECK(error_of(1.0, nan, 1.0) == InputError::not_finite);
+  CHECK(error_of(-1.0, 0.5, 1.0) == InputError::ball_out_of_range);
+  CHECK(error_of(1.0, 1.1, 1.0) == InputError::restitution_out_of_range);
+  CHECK(error_of(1.0, 1e-4, 1.0) == InputError::spring_out_of_range);
+  CHECK(error_of(1.0, 0.5, 0.0) == InputError::dwell_not_positive);
+  CHECK(error_of(1.0, 0.5, 1e-300) == InputError::magnitude_out_of_range);
+}
