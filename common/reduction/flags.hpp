@@ -20,13 +20,14 @@ enum class Flag {
   no_redundancy,          // a leg has just enough images: nothing would show a bad one
   no_contact_image,       // no image between touchdown and lift-off
   overlaps_surface,       // an image given as airborne overlaps the surface line and was left out
-  degenerate_geometry,    // no line through the surface, or a leg that does not meet it: numbers are null
-  sd_from_residuals,      // noise was estimated from this shot's residuals; the sd is scaled by Student's t
-  shot_aborted,           // outputs went safe before the plan's end
-  no_photograph,          // the photograph or its digitized frame did not come in time
-  sensor_missing,         // a fitted flash sensor saw none, or not all, of the flashes that show the ball
-  clock_suspect,          // flash times are not plausible: out of order, or not of this shot
-  events_missing,         // events of this shot were lost before the journal
+  degenerate_geometry,  // no line through the surface, a leg that does not meet it, or no scale: numbers are
+                        // null
+  sd_from_residuals,    // noise was estimated from this shot's residuals; the sd is scaled by Student's t
+  shot_aborted,         // outputs went safe before the plan's end
+  no_photograph,        // the photograph or its digitized frame did not come in time
+  sensor_missing,       // a fitted flash sensor saw none, or not all, of the flashes that show the ball
+  clock_suspect,        // flash times are not plausible: out of order, or not of this shot
+  events_missing,       // events of this shot were lost before the journal
 };
 
 inline constexpr std::array kFlagNames{

@@ -245,6 +245,8 @@ JointFit fit_joint(const Observations& all, const Motion& motion) {
     const JointVector right = Problem(all, fit).factor(fit.factor);
     const JointVector change = fit.factor.unknowns(right);
     for (std::size_t i = 0; i < kJointCount; ++i) fit.unknowns[i] += change[i];
+    fit.degenerate = !(fit.unknowns[kScale] > 1e-3 * all.scale.value_or(1.0));
+    if (fit.degenerate) break;
     const double now = square(right);
     const bool weights_settled = !time_noise || step >= 2;
     const bool small = now < kConverged || (step > 0 && now / before * now < kConverged);

@@ -36,7 +36,8 @@ struct JointFit {
   std::array<LegTime, 2> legs;
   /// In the surface's axes at the leg's origin of time, as used.
   std::array<flight::Forcing, 2> forcing;
-  bool air_used = true;  ///< false: the legs are so long that the series of the drag does not hold
+  bool degenerate = false;  ///< calibration and diameters contradict each other beyond any scale
+  bool air_used = true;     ///< false: the legs are so long that the series of the drag does not hold
 };
 
 constexpr std::size_t leg_index(Leg leg) { return leg == Leg::rebound ? 1 : 0; }

@@ -66,7 +66,7 @@ void add_slopes(const Number& vx, const Number& vy, double by_vx, double by_vy, 
 /// The instant is found in plain numbers; one Newton step in dual ones from there gives its slopes.
 std::optional<Crossing> crossing(const ShotFit& fit, std::size_t leg) {
   const LegTime& times = fit.joint.legs[leg];
-  if (!times.fitted) return std::nullopt;
+  if (!times.fitted || fit.joint.degenerate) return std::nullopt;
   const Path p = path(fit, leg);
   const flight::Flight values = p.values();
   const bool falls = leg == 0;

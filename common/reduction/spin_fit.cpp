@@ -22,14 +22,16 @@ constexpr double kNearLimit = 0.05;
 class Line {
  public:
   void add(double t, double angle, double weight) {
-    sw_ += weight;
+    // West's update: however unlike the weights, no moment vanishes by rounding.
     const double dt = t - mean_t_;
+    const double da = angle - mean_a_;
+    const double moment = weight * (sw_ / (sw_ + weight)) * dt;
+    sw_ += weight;
     const double step = weight / sw_;
     mean_t_ += step * dt;
-    const double da = angle - mean_a_;
     mean_a_ += step * da;
-    stt_ += weight * dt * (t - mean_t_);
-    sta_ += weight * dt * (angle - mean_a_);
+    stt_ += moment * dt;
+    sta_ += moment * da;
   }
   double omega() const { return sta_ / stt_; }
   double at(double t) const { return mean_a_ + omega() * (t - mean_t_); }

@@ -30,14 +30,25 @@ struct ReduceOptions {
   std::vector<std::string> files;
   std::string format = "frame";
   std::string estimator = "best";
+  std::string flight = "auto";
   bool json = false;
 };
+
+reduction::ReduceOptions reduction_options(const std::string& flight) {
+  reduction::ReduceOptions options;
+  if (flight == "none") options.effects = flight::kNoEffects;
+  if (flight == "gravity") options.effects = flight::kGravityOnly;
+  if (flight == "all") options.effects = flight::Effects{};
+  return options;
+}
 
 /// Prints what comes and remembers what did not.
 class Reducer {
  public:
   explicit Reducer(const ReduceOptions& options)
-      : json_(options.json), estimator_(*reduction::estimator_from_name(options.estimator)) {}
+      : json_(options.json),
+        estimator_(*reduction::estimator_from_name(options.estimator)),
+        options_(reduction_options(options.flight)) {}
 
   Result<void> frames(const std::string& file) {
     std::ifstream opened;
@@ -49,7 +60,8 @@ class Reducer {
       if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
       const std::string place = fmt::format("{}:{}: ", file, number);
       const auto frame = messages::frame_from_json(line);
-      frame ? put(reduction::reduce(*frame, estimator_), place) : bad(place + frame.error().message);
+      frame ? put(reduction::reduce(*frame, estimator_, options_), place)
+            : bad(place + frame.error().message);
     }
     if (input.bad()) return fail(file + ": cannot be read to its end");
     return {};
@@ -66,7 +78,7 @@ class Reducer {
       } else if (estimator_ == reduction::Estimator::legacy) {
         put(reduction::reduce_legacy(*frame), file + ": ");
       } else {
-        put(reduction::reduce(reduction::frame_from_legacy(*frame), estimator_),
+        put(reduction::reduce(reduction::frame_from_legacy(*frame), estimator_, options_),
             fmt::format("{}: frame {}: ", file, number));
       }
     }
@@ -97,7 +109,17 @@ class Reducer {
     outcome.shot_id = readout->shot_id;
     outcome.readout = *readout;
     print(render_shot(outcome, kPlainWidth));
+    if (estimator_ == reduction::Estimator::best) print({flight_line(readout->flight_effects)});
     if (readout->legacy) print(legacy_lines(*readout->legacy));
+  }
+
+  static std::string flight_line(const flight::Effects& effects) {
+    std::string names;
+    for (std::size_t i = 0; i < flight::kEffectNames.size(); ++i) {
+      if (!(effects.*flight::kEffectMembers[i])) continue;
+      names += (names.empty() ? "" : ", ") + std::string(flight::kEffectNames[i]);
+    }
+    return "flight fitted with: " + (names.empty() ? "nothing" : names);
   }
 
   /// Only a person at a terminal whose results go elsewhere sees no sign of progress otherwise.
@@ -128,6 +150,7 @@ class Reducer {
 
   bool json_;
   reduction::Estimator estimator_;
+  reduction::ReduceOptions options_;
   SeriesTable series_;
   int bad_ = 0;
   std::int64_t progress_ns_ = steady_now_ns();
@@ -161,6 +184,12 @@ void add_reduce_command(CLI::App& app, int& exit_status) {
       ->check(CLI::IsMember({"frame", "legacy"}));
   command->add_option("--estimator", options->estimator, "best (default), two-point or legacy")
       ->check(CLI::IsMember({"best", "two-point", "legacy"}));
+  command
+      ->add_option(
+          "--flight", options->flight,
+          "what the best estimator fits the flight with: auto (default: gravity, and drag and Magnus "
+          "lift where they matter), none, gravity, or all")
+      ->check(CLI::IsMember({"auto", "none", "gravity", "all"}));
   command->add_flag("--json", options->json,
                     "one JSON object per readout on standard output, nothing else there");
   command->footer(
