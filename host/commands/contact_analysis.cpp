@@ -25,11 +25,6 @@ void choose_total(const ContactJob& job, ContactReport& r) {
   }
 }
 
-std::optional<double> known_total(const ContactReport& r) {
-  if (r.scale.total_rotation_rad == 0.0) return std::nullopt;
-  return r.scale.total_rotation_rad;
-}
-
 bool knows_rotation(const ContactJob& job, const ContactReport& r) {
   return job.omega_td_radps && job.omega_lo_radps && r.scale.total_rotation_rad != 0.0;
 }
@@ -96,7 +91,7 @@ Result<ContactReport> analyse(const ContactJob& job) {
                                                     {.e = job.pulse.e, .dwell_s = job.pulse.dwell_s},
                                                     {.dwell_distance_m = r.scale.dwell_distance_m,
                                                      .diameter_m = r.scale.diameter_m,
-                                                     .total_rotation_rad = known_total(r)});
+                                                     .total_rotation_rad = job.total_rotation_rad});
     if (mechanics) r.mechanics = *mechanics;  // its springs need e of at least .001
   }
   r.zeros = contact::zero_crossings(r.fits, r.scale);

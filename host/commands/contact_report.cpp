@@ -63,6 +63,11 @@ void put_peaks(ordered_json& out, const ContactJob& job, const ContactReport& r)
   out["sd"] = job.project_set ? sds : ordered_json();
 }
 
+/// With the total rotation given, else with each motion's best.
+const contact::RotationError& error_used(const contact::RotationScore& score) {
+  return score.given_total ? *score.given_total : score.fitted_total;
+}
+
 void put_spin(ordered_json& out, const ContactReport& r) {
   out["see_rotation_rad"] = nullptr;
   out["see_rotation_fraction"] = nullptr;
@@ -72,7 +77,7 @@ void put_spin(ordered_json& out, const ContactReport& r) {
   out["omega_lo_radps"] = r.lift_off.omega_radps;
   if (!r.spin_score->rotation) return;
   const contact::RotationScore& score = *r.spin_score->rotation;
-  const contact::RotationError& used = score.given_total ? *score.given_total : score.fitted_total;
+  const contact::RotationError& used = error_used(score);
   out["see_rotation_rad"] = used.see_rad;
   out["see_rotation_fraction"] = or_null(used.see_fraction);
   out["total_rotation_deg"] = degrees(used.total_rad);
@@ -131,8 +136,8 @@ ordered_json mechanics_json(const ContactReport& r) {
   if (!r.mechanics) return nullptr;
   const contact::MechanicsScore& m = *r.mechanics;
   ordered_json out{{"see_x_m", m.score.see_x_m}, {"see_y_m", m.score.see_y_m}};
-  const bool turns = m.score.rotation && m.score.rotation->given_total;
-  out["see_rotation_rad"] = turns ? ordered_json(m.score.rotation->given_total->see_rad) : ordered_json();
+  out["see_rotation_rad"] =
+      m.score.rotation ? ordered_json(error_used(*m.score.rotation).see_rad) : ordered_json();
   out["rotation_deg"] = degrees(m.summary.rotation_rad);
   out["skid_to_grip_ms"] =
       m.summary.skid_to_grip_s ? ordered_json(1e3 * *m.summary.skid_to_grip_s) : ordered_json();
@@ -278,7 +283,7 @@ void print_comparison(const ContactReport& r) {
   if (r.spin_score) {
     std::printf("  pulse, rolling once it grips: along %.3f mm", 1e3 * r.spin_score->see_x_m);
     if (const auto& rotation = r.spin_score->rotation) {
-      const auto& used = rotation->given_total ? *rotation->given_total : rotation->fitted_total;
+      const contact::RotationError& used = error_used(*rotation);
       std::printf(", rotation %.2f degrees of %.1f in all (%s)", degrees(used.see_rad),
                   degrees(used.total_rad), r.rotation_source);
     }
@@ -288,8 +293,9 @@ void print_comparison(const ContactReport& r) {
     const contact::MechanicsScore& m = *r.mechanics;
     std::printf("  contact mechanics (springs and grip): along %.3f mm, normal %.3f mm",
                 1e3 * m.score.see_x_m, 1e3 * m.score.see_y_m);
-    if (m.score.rotation && m.score.rotation->given_total)
-      std::printf(", rotation %.2f degrees", degrees(m.score.rotation->given_total->see_rad));
+    if (m.score.rotation)
+      std::printf(", rotation %.2f degrees of %.1f", degrees(error_used(*m.score.rotation).see_rad),
+                  degrees(error_used(*m.score.rotation).total_rad));
     std::printf("\n");
   }
   if (r.spline.x && r.spline.y)
