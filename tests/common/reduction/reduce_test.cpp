@@ -247,6 +247,26 @@ TEST(BestEstimator, ACalibratedScaleReplacesTheBallsAndItsTolerance) {
   CHECK_TRUE(*both.sd[Quantity::v_td_mps] < *by_ball.sd[Quantity::v_td_mps]);
 }
 
+TEST(BestEstimator, ACalibratedScaleWithoutAnSdIsExact) {
+  // Diameters then say nothing: speeds have the same sd however well they are measured, and no tolerance of
+  // the ball's.
+  Frame frame = noisy();
+  frame.px_per_m = 4000.0;
+  frame.ball_diameter_sd_m = 0.0008;
+  const Readout r = reduced(frame);
+  for (BallImage& image : frame.images) image.diameter_px *= 1.05, image.diameter_sd_px = 1.0;
+  const Readout other = reduced(frame);
+  equal(*r.value[Quantity::vx_td_mps], other.value[Quantity::vx_td_mps]);
+  equal(*r.sd[Quantity::vx_td_mps], other.sd[Quantity::vx_td_mps]);
+  equal(0.0, r.sd_systematic[Quantity::vx_td_mps]);
+  // An sd of 0 is none; a small one is nearly that.
+  frame.px_per_m_sd = 0.0;
+  equal(*r.value[Quantity::vx_td_mps], reduced(frame).value[Quantity::vx_td_mps]);
+  frame.px_per_m_sd = 1e-5;
+  equal(*r.value[Quantity::vx_td_mps], reduced(frame).value[Quantity::vx_td_mps], 1e-6);
+  equal(*r.sd[Quantity::vx_td_mps], reduced(frame).sd[Quantity::vx_td_mps], 1e-6);
+}
+
 TEST(BestEstimator, PerImageNoiseOverridesTheFrames) {
   Frame frame = noisy();
   const Readout plain = reduced(frame);
@@ -313,6 +333,20 @@ TEST(Regime21, OnlyTheThreeShallowSetsSlideThroughout) {
     const bool slides = b.label == "zero_17" || b.label == "back_17" || b.label == "back_22";
     CHECK_TRUE_TEXT(r.regime == (slides ? Regime::slides : Regime::grips), b.label.c_str());
   }
+}
+
+TEST(Regime21, TheBallsInertiaDecidesWhatRollingNeeds) {
+  // Slip 15 - 3.25 = 11.75 m/s, of which alpha / (1 + alpha), 0.355 at 0.55, must go to roll: 4.17 of the 6
+  // that vx lost, so it gripped.
+  Frame frame = straight_frame();
+  frame.images[1].equator_rad = 0.1 - 0.2 + kPi;
+  CHECK_TRUE(reduced(frame).regime == Regime::grips);
+  // With backspin the slip is 18.25 m/s.
+  frame.images[1].equator_rad = 0.1 + 0.2;
+  frame.ball_alpha = 0.3;
+  CHECK_TRUE(reduced(frame).regime == Regime::grips);  // needs 4.21
+  frame.ball_alpha = 2.0 / 3.0;
+  CHECK_TRUE(reduced(frame).regime == Regime::slides);  // needs 7.3
 }
 
 TEST(Regime21, WithinTwoSdItIsUnclear) {

@@ -3,12 +3,34 @@
 
 #include "common/reduction/court_pace.hpp"
 #include "common/reduction/dual.hpp"
+#include "common/reduction/series.hpp"
 #include "common/reduction/student_t.hpp"
 
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe;
 using namespace strobe::reduction;
+
+TEST_GROUP(SeriesRounding){};
+
+TEST(SeriesRounding, IdenticalValuesHaveNoSpread) {
+  for (const double value : {0.1, 15.62, -1e15, 1e-300, 0.0}) {
+    Series series;
+    for (int i = 0; i < 1000; ++i) series.add(value);
+    DOUBLES_EQUAL(value, series.mean(), 0.0);
+    DOUBLES_EQUAL(0.0, series.population_sd(), 0.0);
+    DOUBLES_EQUAL(0.0, series.sample_sd(), 0.0);
+  }
+}
+
+TEST(SeriesRounding, ALargeOffsetCostsOnlyItsOwnRounding) {
+  // 1, 2, 3 ... 9 on top of 1e9: sd sqrt(60 / 9). The sum of squares less the square of the sum would keep
+  // no digit. Values at 1e9 are rounded to 1e-7, here not at all.
+  Series series;
+  for (int i = 1; i <= 9; ++i) series.add(1e9 + i);
+  DOUBLES_EQUAL(1e9 + 5, series.mean(), 0.0);
+  DOUBLES_EQUAL(std::sqrt(60.0 / 9.0), series.population_sd(), 1e-7);
+}
 
 TEST_GROUP(StudentT){};
 
