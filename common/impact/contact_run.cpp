@@ -10,7 +10,7 @@ namespace strobe::impact::detail {
 
 namespace {
 
-constexpr int kMaxSteps = 20'000'000;
+constexpr int kMaxSteps = 200'000;       // of the adaptive method; fixed steps are as many as asked for
 constexpr double kLongest = 400.0;       // about 130 dwell times: gravity holds the ball
 constexpr double kUndecidedStep = 1e-7;  // where rounding cannot tell grip from slip
 constexpr double kLargestStep = 0.25;
@@ -33,7 +33,8 @@ class Run {
 
   tl::expected<ContactSummary, InputError> to_release() {
     slope_ = derivative(s_, z_, mode_);
-    for (int i = 0; i < kMaxSteps; ++i) {
+    const int most = adaptive() ? kMaxSteps : std::numeric_limits<int>::max();
+    for (int i = 0; i < most; ++i) {
       if (!step()) return tl::unexpected(InputError::contact_unresolved);
       if (released_) return summary();
       if (tau_ > kLongest) return tl::unexpected(InputError::contact_without_end);
