@@ -17,7 +17,7 @@ enum class Flag {
   spin_aliased,           // the equator may have turned by more than a quarter turn between images
   too_few_images,         // a leg has too few airborne images for some number, which is null
   outlier_image,          // an image did not fit its leg and was left out
-  no_redundancy,          // a leg has just enough images: nothing would show a bad one
+  no_redundancy,          // a leg has fewer than four images: a bad one could not be told
   no_contact_image,       // no image between touchdown and lift-off
   overlaps_surface,       // an image given as airborne overlaps the surface line and was left out
   degenerate_geometry,  // no line through the surface, a leg that does not meet it, or no scale: numbers are

@@ -31,7 +31,9 @@ void flag_redundancy(const Observations& all, FlagSet& flags) {
   for (const Observation& o : all.images) {
     if (o.use_centre) ++count[leg_index(*o.leg)];
   }
-  if (count[0] == 2 || count[1] == 2) flags.set(Flag::no_redundancy);
+  // Of three images that do not agree none can be told to be the bad one.
+  const auto few = [](int images) { return images == 2 || images == 3; };
+  if (few(count[0]) || few(count[1])) flags.set(Flag::no_redundancy);
 }
 
 Readout empty_readout(const Frame& frame, Estimator estimator) {

@@ -23,7 +23,7 @@ std::string_view words(Flag flag) {
     case Flag::outlier_image:
       return "an image did not fit and was left out";
     case Flag::no_redundancy:
-      return "just enough images: a bad one would not show";
+      return "a leg has fewer than four images: a bad one could not be told";
     case Flag::no_contact_image:
       return "no image in contact";
     case Flag::overlaps_surface:

@@ -487,6 +487,15 @@ TEST(ReadoutFlags, AWrongImageOfFourIsLeftOut) {
   }
 }
 
+TEST(ReadoutFlags, FewerThanFourImagesOfALegAreSaidToHaveNoRedundancy) {
+  for (const int images : {2, 3, 4, 5}) {
+    Setup setup = vacuum();
+    setup.rebound = images;
+    const bool said = reduced(noisy(setup)).flags.has(Flag::no_redundancy);
+    CHECK_EQUAL(images < 4, said);
+  }
+}
+
 TEST(ReadoutFlags, AWrongEquatorOfFiveIsLeftOutAndTheFlightKept) {
   Frame frame = noisy();
   const Readout clean = reduced(frame);
