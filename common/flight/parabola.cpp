@@ -6,6 +6,9 @@ namespace strobe::flight {
 
 namespace {
 
+/// An instant so far away is as good as never, and its computation might overflow.
+constexpr double kNever_s = 1e100;
+
 /// Solves drop = v·t + a·t²/2 for the root at which the velocity is `sign`·sqrt(v² + 2·a·drop). Of the two
 /// ways of writing that root the one that adds numbers of like sign is taken, so that no digits cancel.
 std::optional<double> root_s(double v, double a, double drop, double sign) {
@@ -13,7 +16,7 @@ std::optional<double> root_s(double v, double a, double drop, double sign) {
   if (!(discriminant >= 0.0)) return std::nullopt;
   const double v_there = sign * std::sqrt(discriminant);
   if (v * v_there > 0.0) return 2.0 * drop / (v + v_there);
-  if (a != 0.0) return (v_there - v) / a;
+  if (a != 0.0 && std::abs(v_there - v) <= std::abs(a) * kNever_s) return (v_there - v) / a;
   if (v == 0.0 && drop == 0.0) return 0.0;
   return std::nullopt;
 }

@@ -18,7 +18,7 @@ struct Vector {
 /// (counter-clockwise positive as the camera sees it; 0 = level).
 Vector gravity_mps2(double inclination_rad);
 
-/// Position and velocity at t = 0 and a constant acceleration. All values finite.
+/// Position and velocity at t = 0 and a constant acceleration. All values finite, of magnitude up to 1e100.
 struct Parabola {
   Vector position_m;
   Vector velocity_mps;
@@ -28,7 +28,8 @@ struct Parabola {
   Vector velocity_at(double time_s) const;
 
   /// When the centre passes `height_m` on its way down (vy <= 0) or up (vy >= 0); may lie before t = 0.
-  /// Absent when it never does so. At the very top or bottom of the path both give the same instant.
+  /// Absent when it never does so (nor within 1e100 s). At the very top or bottom of the path both give the
+  /// same instant.
   std::optional<double> time_falling_through_s(double height_m) const;
   std::optional<double> time_rising_through_s(double height_m) const;
 };

@@ -194,7 +194,8 @@ tl::expected<PulseRebound, InputError> pulse_rebound(PulseForm form, const ball:
     out.depth_m = length * std::exp(-f * peak) / std::sqrt(1.0 + f * f);
   }
   if (rebound->regime == Regime::grips) {
-    const double share = slip == 0.0 ? 0.0 : std::abs(rebound->impulse_ratio) / mu;
+    // Without friction a grip means that there is no slip to speak of.
+    const double share = slip == 0.0 || mu == 0.0 ? 0.0 : std::abs(rebound->impulse_ratio) / mu;
     out.grip_fraction = fraction_at(form, f, e, share * (1.0 + e));
   }
   const double held_back = path_at(form, f, PulsePhase::at_fraction(f, out.grip_fraction));

@@ -26,7 +26,11 @@ inline double less_multiples_of_pi(double angle_rad, double share) {
   const double period = share * kPi;
   if (!(std::abs(angle_rad) <= kPreciseUpTo_rad)) return std::remainder(angle_rad, period);
   const double n = std::nearbyint(angle_rad / period);
-  return std::fma(-n, share * kPiRest, std::fma(-n, period, angle_rad));
+  const double rest = std::fma(-n, share * kPiRest, std::fma(-n, period, angle_rad));
+  if (std::abs(rest) <= 0.5 * period) return rest;
+  // Half-way between two multiples the quotient's rounding may have named the wrong one.
+  const double other = n + std::copysign(1.0, rest);
+  return std::fma(-other, share * kPiRest, std::fma(-other, period, angle_rad));
 }
 
 }  // namespace detail
