@@ -57,7 +57,9 @@ TEST(JointCovariance, IsGivenOnlyWhenAskedForAndWhole) {
 }
 
 TEST(JointCovariance, HasTheReadoutsSdOnItsDiagonalAndExplainsTheRatios) {
-  const Readout r = reduced(test::photograph(Bounce{}, Setup{}, random));
+  Frame frame = test::photograph(Bounce{}, Setup{}, random);
+  frame.temperature_c = 20.0;
+  const Readout r = reduced(frame);
   const Matrix8 m = matrix(*r.covariance);
   for (int i = 0; i < 6; ++i) {
     const double sd = *r.sd[kVelocities[i]];
@@ -80,6 +82,8 @@ TEST(JointCovariance, HasTheReadoutsSdOnItsDiagonalAndExplainsTheRatios) {
   const double sum = uy - vy;
   mu(0) = 1.0 / sum, mu(4) = -1.0 / sum, mu(5) = -(vx - ux) / (sum * sum), mu(1) = (vx - ux) / (sum * sum);
   DOUBLES_EQUAL(*r.sd[Quantity::mu], sd(mu), 1e-10);
+  const Vector8 pace = -100.0 * mu - 150.0 * e;  // e and mu err together
+  DOUBLES_EQUAL(*r.sd[Quantity::court_pace], sd(pace), 1e-8);
 }
 
 TEST(JointCovariance, NormalizedErrorsOfTheVelocitiesAreChiSquared) {
