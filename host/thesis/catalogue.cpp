@@ -25,6 +25,7 @@ const std::vector<TableEntry>& catalogue() {
       {"peaks", "Table 16 for all sets", peaks_of_all_table},
       {"see", "standard error of estimate of all sets", see_of_all_table},
       {"stiffness", "stiffness of the contact", stiffness_table},
+      {"freund", "what Freund's stiffnesses may come from", freund_table},
       {"depth", "drop of the top over that of the centre", depth_table},
       {"vx-models", "in/out models: speed at lift-off", vx_model_table},
       {"omega-models", "in/out models: spin at lift-off", omega_model_table},

@@ -30,7 +30,7 @@ std::vector<Images> images_of(const Material& m, bool all) {
   const auto add = [&](const std::string& name, const thesis::Data& data, const std::string& label) {
     const contact::ContactSet& set = data.contact.at(name);
     const thesis::Condition& c = *m.used.condition(name);
-    out.push_back({label, name, &c, contact::fit_fractions(set), scale_of(set, c)});
+    out.push_back({label, name, &c, contact::fit_fractions(set), scale_of(m, c)});
   };
   for (const std::string& name : contact_sets(m, all)) {
     const bool changed = m.printed.contact.at(name).rows != m.used.contact.at(name).rows;
@@ -173,10 +173,10 @@ Table end_velocity_table(const Material& m) {
       "printed: the means of Tables 2 to 7, which the slopes should meet; anew: slopes with the sd of the "
       "fit "
       "alone",
-      "spin: the fractions are of a total rotation that is not printed; it is taken as the one with which "
-      "the "
-      "images fit the integrated rotation best. Table 13 was made with another: its figures differ by a "
-      "common factor"};
+      "spin: the fractions are of a total rotation that is not printed; it is taken as the one that the "
+      "contact "
+      "mechanics gives. Table 13's own can be told from its corrected entries: -51.0 degrees (zero_23), -9.7 "
+      "(back_22)"};
   if (const auto* e = erratum(m, "all", "vy", {"table_13"}))
     table.notes.push_back("Table 13 prints half of every vy: " + e->reason);
   return table;

@@ -216,22 +216,17 @@ const char* short_label(Quantity quantity) {
   }
 }
 
-Result<SetCurves> set_curves(const Material& material, const impact::ContactFit& fit,
-                             const std::string& set) {
+Result<SetCurves> set_curves(const Material& material, const std::string& set) {
   SetCurves c;
   c.condition = material.used.condition(set);
   if (!c.condition) return fail("no set " + set);
   c.set = &material.used.contact.at(set);
   c.dwell_ms = c.condition->dwell_time_ms.mean;
   c.fits = contact::fit_fractions(*c.set);
-  c.scale = scale_of(*c.set, *c.condition);
+  c.scale = scale_of(material, *c.condition);
   if (auto spline = contact::fit_constrained_motion(*c.set, c.scale, contact::end_velocities(*c.condition)))
     c.spline = *std::move(spline);
-  const auto coefficients = impact::coefficients_of(impact::observation_of(*c.condition), fit.value, {});
-  const impact::Motion touchdown{c.condition->vx_td_mps.mean, c.condition->vy_td_mps.mean,
-                                 c.condition->omega_td_radps.mean};
-  if (auto course = impact::ContactTrajectory::make(impact::ball_of(fit.value), touchdown, coefficients))
-    c.mechanics = *std::move(course);
+  c.mechanics = course_of(material, *c.condition);
   return c;
 }
 

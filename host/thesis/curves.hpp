@@ -42,7 +42,7 @@ enum class Approach {
 };
 
 /// Fails where the images or the means do not allow the analysis.
-Result<SetCurves> set_curves(const Material& material, const impact::ContactFit& fit, const std::string& set);
+Result<SetCurves> set_curves(const Material& material, const std::string& set);
 
 /// Number of steps of a curve from touchdown to lift-off.
 inline constexpr int kCurveSteps = 120;

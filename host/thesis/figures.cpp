@@ -11,6 +11,7 @@ namespace {
 
 constexpr const char* kBars = "bars: one sd of the images about their cubic";
 constexpr const char* kEnds = "points: means at touchdown and lift-off ± printed sd";
+constexpr const char* kScale = "; fractions of the mechanics' rotation";
 constexpr const char* kFitBand = "bands: one sd of the fit";
 constexpr const char* kShotBand = "bands: one sd of a single shot, from the printed sds";
 
@@ -22,8 +23,8 @@ Series cubic_series(const SetCurves& c, Quantity quantity, std::string legend) {
 Figure positions(int number, const Sets& sets, Quantity quantity, const char* what) {
   Figure figure{.number = number,
                 .title = fmt::format("{}, with the cubics through the images: {}", what, labels_of(sets)),
-                .caption = fmt::format("points: images in contact ({}); lines: least-squares cubics; {}",
-                                       kBars, kFitBand)};
+                .caption = fmt::format("points: images in contact ({}); lines: least-squares cubics; {}{}",
+                                       kBars, kFitBand, turns(quantity) ? kScale : "")};
   Panel panel = time_panel(sets, quantity);
   for (const SetCurves& c : sets) {
     panel.series.push_back(
@@ -71,6 +72,7 @@ Panel integration_panel(const Sets& sets, Quantity quantity, bool legend) {
     add("measured", Stroke::points, std::move(images));
     if (turns(quantity)) {
       add("integrated", Stroke::solid, curve(c, Approach::pulse_grip, quantity, true));
+      add("mechanics", Stroke::dash_dotted, curve(c, Approach::mechanics, quantity, false));
       continue;
     }
     add("exact", Stroke::solid, curve(c, Approach::pulse_exact, quantity, true));
@@ -123,14 +125,9 @@ std::vector<Figure> integration_figures(const Sets& sets) {
 }
 
 Result<std::vector<Figure>> figures(const Material& material, const std::vector<std::string>& names) {
-  std::vector<impact::ContactObservation> observations;
-  for (const thesis::Condition& c : material.used.conditions)
-    observations.push_back(impact::observation_of(c));
-  const auto fit = impact::fit_contact(observations);
-  if (!fit) return tl::unexpected(fit.error());
   Sets sets;
   for (const std::string& name : names) {
-    auto curves = set_curves(material, *fit, name);
+    auto curves = set_curves(material, name);
     if (!curves) return tl::unexpected(curves.error());
     sets.push_back(*std::move(curves));
   }

@@ -21,16 +21,33 @@ Result<Material> load_material(const std::filesystem::path& folder, thesis::Vers
   if (!values) return tl::unexpected(values.error());
   if (!only_set.empty() && !printed->condition(only_set))
     return fail("no set " + only_set + "; the thesis has zero_17 to back_68");
-  return Material{.printed = *std::move(printed),
-                  .used = *std::move(used),
-                  .corrected = version == thesis::Version::corrected,
-                  .values = *std::move(values),
-                  .only_set = only_set};
+  Material material{.printed = *std::move(printed),
+                    .used = *std::move(used),
+                    .corrected = version == thesis::Version::corrected,
+                    .values = *std::move(values),
+                    .only_set = only_set,
+                    .observations = {},
+                    .mechanics = {}};
+  for (const thesis::Condition& c : material.used.conditions)
+    material.observations.push_back(impact::observation_of(c));
+  auto fit = impact::fit_contact(material.observations);
+  if (!fit) return fail("contact mechanics: " + fit.error().message);
+  material.mechanics = *std::move(fit);
+  return material;
 }
 
 std::string_view spin_phrase(std::string_view spin) {
   if (spin == "top") return "topspin";
   return spin == "back" ? "backspin" : "no spin";
+}
+
+std::optional<impact::ContactTrajectory> course_of(const Material& material, const thesis::Condition& c) {
+  const impact::ContactVector& fitted = material.mechanics.value;
+  auto course = impact::ContactTrajectory::make(
+      impact::ball_of(fitted), {c.vx_td_mps.mean, c.vy_td_mps.mean, c.omega_td_radps.mean},
+      impact::coefficients_of(impact::observation_of(c), fitted, {}));
+  if (!course) return std::nullopt;
+  return *std::move(course);
 }
 
 const thesis::Correction* erratum(const Material& material, std::string_view set, std::string_view field,

@@ -10,14 +10,7 @@ namespace strobe::report {
 namespace {
 
 using impact::ContactFit;
-using impact::ContactObservation;
 using impact::Uncertain;
-
-std::vector<ContactObservation> observations(const Material& m) {
-  std::vector<ContactObservation> out;
-  for (const thesis::Condition& c : m.used.conditions) out.push_back(impact::observation_of(c));
-  return out;
-}
 
 Cell cell_of(const Uncertain& value, double unit) {
   return computed_only(unit * value.value, unit * value.sd);
@@ -44,16 +37,14 @@ Table mechanics_table(const Material& m) {
                    {"alpha", "alpha", "", 3},
                    {"rms_vx_mps", "rms vx LO", "m/s", 3},
                    {"rms_omega_radps", "rms omega LO", "rad/s", 2}};
-  const std::vector<ContactObservation> all = observations(m);
-  const auto fit = impact::fit_contact(all);
-  if (!fit) return failed(std::move(table), fit.error().message);
+  const ContactFit& fit = m.mechanics;
   Row row{"all sets", {}};
   for (int i = 0; i < impact::kFitParameters; ++i)
-    row.cells.push_back(computed_only(fit->value[i], fit->sd(static_cast<impact::ContactParameter>(i))));
-  row.cells.push_back(computed_only(fit->vx_rms_mps));
-  row.cells.push_back(computed_only(fit->omega_rms_radps));
+    row.cells.push_back(computed_only(fit.value[i], fit.sd(static_cast<impact::ContactParameter>(i))));
+  row.cells.push_back(computed_only(fit.vx_rms_mps));
+  row.cells.push_back(computed_only(fit.omega_rms_radps));
   table.rows.push_back(std::move(row));
-  if (const auto left_out = impact::leave_one_group_out(all)) {
+  if (const auto left_out = impact::leave_one_group_out(m.observations)) {
     for (const impact::ContactLeftOut& left : *left_out) {
       Row without{"without " + left.group, {}};
       for (int i = 0; i < impact::kFitParameters; ++i) without.cells.push_back(computed_only(left.value[i]));
@@ -78,10 +69,7 @@ Table skid_table(const Material& m) {
                    {"reversals", "reversals", "", 0},
                    {"slip_lo_mps", "slip LO computed", "m/s", 2},
                    {"measured_slip_lo_mps", "measured", "m/s", 2}};
-  const std::vector<ContactObservation> all = observations(m);
-  const auto fit = impact::fit_contact(all);
-  if (!fit) return failed(std::move(table), fit.error().message);
-  const auto conclusions = impact::conclude(all, *fit);
+  const auto conclusions = impact::conclude(m.observations, m.mechanics);
   if (!conclusions) return failed(std::move(table), conclusions.error().message);
   for (const impact::SkidToGrip& s : conclusions->skid_to_grip) {
     if (!m.shows(s.name)) continue;
@@ -91,7 +79,7 @@ Table skid_table(const Material& m) {
     const bool pulse = peaks && peaks->grip_time_s;
     table.rows.push_back(
         {s.name,
-         {cell_of(s.dwell_s, 1e3), time_cell(s.grip_s, "slides"), time_cell(s.slip_zero_s, "never"),
+         {cell_of(s.dwell_s, 1e3), time_cell(s.grip_s, "never sticks"), time_cell(s.slip_zero_s, "never"),
           time_cell(s.by_impulse_s, "slides"),
           pulse ? computed_only(1e3 * peaks->grip_time_s->value, 1e3 * peaks->grip_time_s->sd)
                 : text_cell("slides"),
@@ -112,10 +100,7 @@ Table energy_table(const Material& m) {
                    {"computed_loss_j", "computed", "J", 2}, {"normal_j", "normal damping", "J", 2},
                    {"sliding_j", "sliding", "J", 2},        {"tangential_j", "tangential", "J", 2},
                    {"offset_j", "rolling friction", "J", 2}};
-  const std::vector<ContactObservation> all = observations(m);
-  const auto fit = impact::fit_contact(all);
-  if (!fit) return failed(std::move(table), fit.error().message);
-  const auto conclusions = impact::conclude(all, *fit);
+  const auto conclusions = impact::conclude(m.observations, m.mechanics);
   if (!conclusions) return failed(std::move(table), conclusions.error().message);
   for (const impact::EnergyBalance& e : conclusions->energy) {
     if (!m.shows(e.name)) continue;

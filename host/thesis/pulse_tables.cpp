@@ -7,6 +7,7 @@
 #include "common/contact/condition_inputs.hpp"
 #include "common/units/angles.hpp"
 #include "host/thesis/allowance.hpp"
+#include "host/thesis/rotation_scale.hpp"
 #include "host/thesis/tables.hpp"
 
 namespace strobe::report {
@@ -103,6 +104,18 @@ See see_rounding(const contact::ContactSet& set, const Equation& equation) {
   add(&contact::Inputs::dwell_time_s, half(equation.dwell) / 1e3);
   add(&contact::Inputs::dwell_distance_m, kHalfDigit / 1e2);
   return sum;
+}
+
+/// Of the fitted mechanics: X, Y, rotation and the R² of the latter.
+std::vector<Cell> mechanics_scores(const Material& m, const Condition& c, const contact::ContactSet& set) {
+  const auto course = course_of(m, c);
+  if (!course) return std::vector<Cell>(4, text_cell("-"));
+  const auto score = contact::score(set, trajectory_of(*course), contact::set_scale(c));
+  if (!score) return std::vector<Cell>(4, text_cell("-"));
+  const auto& rotation = score->rotation;
+  return {computed_only(1e3 * score->see_x_m), computed_only(1e3 * score->see_y_m),
+          rotation ? computed_only(degrees(rotation->own_total.see_rad)) : text_cell("-"),
+          rotation ? computed_only(rotation->r_squared) : text_cell("-")};
 }
 
 Cell peak_cell(const contact::ValueSd& value, double unit) {
@@ -212,6 +225,8 @@ Table see_of_all_table(const Material& m) {
                    {"exact_x_mm", "exact X", "mm", 2},
                    {"exact_y_mm", "Y", "mm", 2},
                    {"grip_x_mm", "with grip X", "mm", 2},
+                   {"mechanics_x_mm", "mechanics X", "mm", 2},
+                   {"mechanics_y_mm", "Y", "mm", 2},
                    {"rotation_deg", "rotation", "deg", 1},
                    {"rotation_r2", "R^2", "", 3}};
   for (const Condition* c : m.conditions()) {
@@ -231,18 +246,16 @@ Table see_of_all_table(const Material& m) {
       if (result) score = *result;
     }
     row.cells.push_back(score ? computed_only(1e3 * score->see_x_m) : text_cell("-"));
-    const bool turns = score && score->rotation;
-    row.cells.push_back(turns ? computed_only(degrees(score->rotation->fitted_total.see_rad))
-                              : text_cell("-"));
-    row.cells.push_back(turns ? computed_only(score->rotation->r_squared) : text_cell("-"));
+    for (Cell& cell : mechanics_scores(m, *c, set)) row.cells.push_back(std::move(cell));
     table.rows.push_back(std::move(row));
   }
   table.notes = {
       "simplified, exact: friction mu F_y throughout, as in the thesis; with grip: until the contact point "
       "stops, rolling from then on, which is what the thesis could not integrate",
-      "rotation: against the images, the total rotation fitted; R^2 the share of the rotation that the "
-      "images "
-      "follow"};
+      "mechanics: springs, friction and offset fitted to the velocities and spins of all sets, not to the "
+      "images; "
+      "rotation: its own against the images as fractions of its total, R^2 the share of it that they follow; "
+      "with backspin the total is small, and so are the fractions' degrees"};
   return table;
 }
 
@@ -271,6 +284,37 @@ Table stiffness_table(const Material& m) {
       "the contact is no linear spring, so that its readings differ; Freund measured at 17 degrees; to "
       "deepest and to "
       "peak force: the time to it is a quarter of a period"};
+  return table;
+}
+
+Table freund_table(const Material& m) {
+  Table table{.id = "freund", .title = "What Freund's stiffnesses may have been computed from"};
+  std::vector<contact::PublishedStiffness> published;
+  for (const thesis::PrintedValue& v : m.values) {
+    if (v.table != "freund") continue;
+    published.push_back(
+        contact::published_stiffness(*m.used.condition(v.set), m.used.contact.at(v.set), 1e3 * v.value));
+    table.columns.push_back({v.set + "_knpm", v.set, "kN/m", 1});
+  }
+  table.columns.push_back({"common_ratio", "Freund over it", "", 2});
+  table.columns.push_back({"spread", "spread of that", "", 3});
+  const auto guesses = contact::explain_stiffness(published);
+  if (!guesses) return table;
+  Row printed{"as printed", {}};
+  for (const contact::PublishedStiffness& p : published)
+    printed.cells.push_back(computed_only(p.stiffness / 1e3));
+  printed.cells.resize(table.columns.size());
+  table.rows.push_back(std::move(printed));
+  for (const contact::StiffnessHypothesis& guess : *guesses) {
+    Row row{std::string(guess.name), {}};
+    for (const double k : guess.predicted) row.cells.push_back(computed_only(k / 1e3));
+    row.cells.push_back(computed_only(guess.common_ratio));
+    row.cells.push_back(computed_only(guess.spread));
+    table.rows.push_back(std::move(row));
+  }
+  table.notes = {
+      "a guess explains the numbers where Freund over it is 1, and is proportional to them where the spread "
+      "(sd of the logarithms of the ratios) is no more than rounding's"};
   return table;
 }
 

@@ -35,6 +35,7 @@ Table peaks_of_all_table(const Material& material);
 Table see_table(const Material& material);
 Table see_of_all_table(const Material& material);
 Table stiffness_table(const Material& material);
+Table freund_table(const Material& material);
 Table depth_table(const Material& material);
 
 /// In/out models: speed and spin at lift-off against all sets, their fits, regimes, rolling friction.
