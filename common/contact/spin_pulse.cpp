@@ -61,9 +61,10 @@ void SpinPulse::find_grip() {
     grip_fraction_ = 0.0;
     return;
   }
-  if (rate == 0.0) return;
+  // Compared before it is divided, which might overflow.
+  const bool stops = rate * slip_td_mps_ > 0.0 && std::abs(slip_td_mps_) < std::abs(rate) * whole;
+  if (!stops) return;
   const double needed = slip_td_mps_ / rate;
-  if (!(needed > 0.0 && needed < whole)) return;
   grip_fraction_ = unit_.fraction_at_impulse(needed / whole);
   grip_speed_mps_ = needed;
   grip_length_m_ = unit_.at_fraction(*grip_fraction_).x_m;
