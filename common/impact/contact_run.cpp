@@ -14,7 +14,8 @@ constexpr int kMaxSteps = 200'000;       // of the adaptive method; fixed steps 
 constexpr double kLongest = 400.0;       // about 130 dwell times: gravity holds the ball
 constexpr double kUndecidedStep = 1e-7;  // where rounding cannot tell grip from slip
 constexpr double kLargestStep = 0.25;
-constexpr double kSafety = 0.1;  // of the tolerance at release that one step may use
+constexpr double kLeastScale = 1e-200;  // of a motion that does not take place; its inverse is finite
+constexpr double kSafety = 0.1;         // of the tolerance at release that one step may use
 
 class Run {
  public:
@@ -47,20 +48,21 @@ class Run {
   /// first step is kept below the tolerance by the step's size.
   double first_size() const {
     const double smooth = 0.05 * std::pow(options_.tolerance, 0.2);
-    return s_.delta > 0.0 ? std::min(smooth, 0.2 * std::pow(options_.tolerance, 2.0 / 3.0)) : smooth;
+    if (s_.delta == 0.0) return smooth;
+    // That share grows as size^1.5 over the root of the time in which the footprint fills.
+    return std::min(smooth,
+                    0.2 * std::pow(options_.tolerance, 2.0 / 3.0) * std::cbrt(std::min(1.0, s_.radius)));
   }
 
   void set_scales() {
     const double offset = s_.delta > 0.0 ? 2.0 * s_.delta * std::sqrt(std::min(1.0, 2.0 / s_.radius)) : 0.0;
-    const double tangential =
-        std::max(std::min(2.0 * s_.mu, std::abs(s_.slip0)) + offset, std::numeric_limits<double>::min());
+    const double tangential = std::max(std::min(2.0 * s_.mu, std::abs(s_.slip0)) + offset, kLeastScale);
     const double energy =
         tangential * (std::abs(s_.slip0) + tangential + (offset > 0.0 ? std::abs(s_.w0) : 0.0));
     scale_.fill(tangential);
     scale_[kDepth] = scale_[kDepthRate] = scale_[kDampingLoss] = 1.0;
     scale_[kStretch] = tangential / std::max(1.0, s_.kt);
-    scale_[kSlidingLoss] = scale_[kTangentialLoss] = scale_[kOffsetLoss] =
-        std::max(energy, std::numeric_limits<double>::min());
+    scale_[kSlidingLoss] = scale_[kTangentialLoss] = scale_[kOffsetLoss] = std::max(energy, kLeastScale);
     for (double& scale : scale_) scale = 1.0 / (scale * kSafety * options_.tolerance);
   }
 
