@@ -215,6 +215,15 @@ double square(const JointVector& v) {
   return sum;
 }
 
+/// Measurements that contradict each other beyond any photograph: no scale, or places beyond all that valid
+/// coordinates allow (1e21 m).
+bool diverged(const JointFit& fit, double first_scale) {
+  constexpr double kFarthest = 1e30;
+  const bool near = std::all_of(fit.unknowns.begin(), fit.unknowns.end(),
+                                [](double x) { return std::isless(std::abs(x), kFarthest); });
+  return !near || !(fit.unknowns[kScale] > 1e-3 * first_scale);
+}
+
 }  // namespace
 
 ImageRows image_rows(const Observations& all, const JointFit& fit, const Observation& image) {
@@ -245,7 +254,7 @@ JointFit fit_joint(const Observations& all, const Motion& motion) {
     const JointVector right = Problem(all, fit).factor(fit.factor);
     const JointVector change = fit.factor.unknowns(right);
     for (std::size_t i = 0; i < kJointCount; ++i) fit.unknowns[i] += change[i];
-    fit.degenerate = !(fit.unknowns[kScale] > 1e-3 * all.scale.value_or(1.0));
+    fit.degenerate = diverged(fit, all.scale.value_or(1.0));
     if (fit.degenerate) break;
     const double now = square(right);
     const bool weights_settled = !time_noise || step >= 2;

@@ -36,7 +36,7 @@ struct JointFit {
   std::array<LegTime, 2> legs;
   /// In the surface's axes at the leg's origin of time, as used.
   std::array<flight::Forcing, 2> forcing;
-  bool degenerate = false;  ///< calibration and diameters contradict each other beyond any scale
+  bool degenerate = false;  ///< no scale, or no place, agrees with the measurements
   bool air_used = true;     ///< false: the legs are so long that the series of the drag does not hold
 };
 
