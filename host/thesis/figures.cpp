@@ -117,9 +117,8 @@ std::vector<Figure> integration_figures(const Sets& sets) {
       integrals(12, sets, {Quantity::vx_mps, Quantity::vy_mps}, "Velocities", kEnds),
       integrals(13, sets, {Quantity::rotation_deg, Quantity::omega_radps, Quantity::slip_mps},
                 "Rotation, spin and slip",
-                "friction until the slip is zero, rolling from then on; images: fractions times the total "
-                "rotation that "
-                "fits best"),
+                "integrated: friction until the slip is zero, then rolling; images: fractions of the "
+                "mechanics' rotation"),
       integrals(14, sets, {Quantity::fx_n, Quantity::fy_n}, "Forces", "friction: mu Fy throughout"),
   };
 }
