@@ -116,15 +116,25 @@ class Contact {
         mu_ * k_ * abs(z_[kY]) + kt_ * abs(z_[kU]) + ct_ * abs(slip_of(z_)) + mu_ * c_ * abs(z_[kRate]);
     const Quad noise = (mode_ == 0 || ct_ > 0 ? scale : abs(slip_of(z_)) + scale / kt_) * Quad(1e-30);
     const bool deep = z_[kY] > radius_;
-    if (share_ > 0 && deep != (end[kY] > radius_) && to - from > Quad(1e-30))
-      return to_full_footprint(from, to, deep);
+    if (share_ > 0 && deep != (end[kY] > radius_) && to - from > Quad(1e-30)) {
+      const Quad size = size_to_full_footprint(from, to, deep);
+      const Vector full = moved(from, size);
+      if (lawful(full, next) < -noise) return to_change(from, size);
+      z_ = full;
+      return from + size;
+    }
     // At release itself everything vanishes together.
     if (lawful(end, next) >= -noise || (last && to - from < Quad(1e-12))) {
       z_ = end;
       return to;
     }
+    return to_change(from, to - from);
+  }
+
+  /// To where the law, broken `high` further, begins to be.
+  Quad to_change(const Quad& from, Quad high) {
     Quad low = 0;
-    Quad high = to - from;
+    int next = 0;
     for (int i = 0; i < 100 && high - low > high * Quad(1e-32); ++i) {
       const Quad middle = (low + high) / 2;
       int unused = 0;
@@ -140,15 +150,14 @@ class Contact {
   }
 
   /// The footprint's law changes where the depth passes the radius.
-  Quad to_full_footprint(const Quad& from, const Quad& to, bool deep) {
+  Quad size_to_full_footprint(const Quad& from, const Quad& to, bool deep) const {
     Quad low = 0;
     Quad high = to - from;
     for (int i = 0; i < 100; ++i) {
       const Quad middle = (low + high) / 2;
       ((moved(from, middle)[kY] > radius_) == deep ? low : high) = middle;
     }
-    z_ = moved(from, high);
-    return from + high;
+    return high;
   }
 
   Quad radius_, mass_, alpha_, mu_, share_, reference_;
