@@ -92,11 +92,12 @@ TEST(ImpactExtremes, PulseAndItsInverse) {
         [&] {
           return SinePulse::make(form, in).map([&](const SinePulse& pulse) {
             const PulseState s = pulse.at_fraction(fraction);
-            return finite(s.vx_mps, s.vy_mps, s.x_m, s.y_m, s.fx_n, s.fy_n, s.impulse_fraction) &&
-                   finite(pulse.max_force_n(), pulse.fraction_at_impulse(fraction));
+            const bool all = finite(s.vx_mps, s.vy_mps, s.x_m, s.y_m, s.fx_n, s.fy_n, s.impulse_fraction) &&
+                             finite(pulse.max_force_n(), pulse.fraction_at_impulse(fraction));
+            return all ? 1 : 0;
           });
         },
-        [](bool all) { return all; });
+        [](int all) { return all == 1; });
   }));
 }
 
