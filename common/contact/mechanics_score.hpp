@@ -3,7 +3,7 @@
 #pragma once
 
 #include "common/contact/integration.hpp"
-#include "common/impact/contact_trajectory.hpp"
+#include "common/impact/ode/contact_trajectory.hpp"
 
 namespace strobe::contact {
 

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "common/impact/observation.hpp"
+#include "common/impact/fit/observation.hpp"
 #include "common/result.hpp"
 
 namespace strobe::host {

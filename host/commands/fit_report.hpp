@@ -4,9 +4,9 @@
 #include <optional>
 #include <vector>
 
-#include "common/impact/leave_out.hpp"
-#include "common/impact/regime.hpp"
-#include "common/impact/rolling_friction.hpp"
+#include "common/impact/fit/leave_out.hpp"
+#include "common/impact/fit/regime.hpp"
+#include "common/impact/fit/rolling_friction.hpp"
 #include "host/commands/fit_data.hpp"
 
 namespace strobe::host {

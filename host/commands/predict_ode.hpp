@@ -4,7 +4,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
-#include "common/impact/contact_trajectory.hpp"
+#include "common/impact/ode/contact_trajectory.hpp"
 
 namespace strobe::host {
 

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "common/impact/model_fit.hpp"
+#include "common/impact/fit/model_fit.hpp"
 #include "host/thesis/figure_parts.hpp"
 
 namespace strobe::report {

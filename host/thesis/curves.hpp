@@ -8,8 +8,8 @@
 
 #include "common/contact/condition_inputs.hpp"
 #include "common/contact/constrained_motion.hpp"
-#include "common/impact/contact_fit.hpp"
-#include "common/impact/contact_trajectory.hpp"
+#include "common/impact/fit/contact_fit.hpp"
+#include "common/impact/ode/contact_trajectory.hpp"
 #include "host/thesis/material.hpp"
 #include "host/thesis/plot.hpp"
 

@@ -2,9 +2,9 @@
 // and the rolling friction.
 #include <fmt/format.h>
 
-#include "common/impact/leave_out.hpp"
-#include "common/impact/regime.hpp"
-#include "common/impact/rolling_friction.hpp"
+#include "common/impact/fit/leave_out.hpp"
+#include "common/impact/fit/regime.hpp"
+#include "common/impact/fit/rolling_friction.hpp"
 #include "host/thesis/tables.hpp"
 
 namespace strobe::report {

@@ -10,8 +10,8 @@
 
 #include "common/data/printed_values.hpp"
 #include "common/data/thesis_data.hpp"
-#include "common/impact/contact_fit.hpp"
-#include "common/impact/contact_trajectory.hpp"
+#include "common/impact/fit/contact_fit.hpp"
+#include "common/impact/ode/contact_trajectory.hpp"
 #include "host/thesis/table.hpp"
 
 namespace strobe::report {

@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 
 #include "common/contact/condition_inputs.hpp"
-#include "common/impact/contact_summary.hpp"
+#include "common/impact/fit/contact_summary.hpp"
 #include "host/thesis/tables.hpp"
 
 namespace strobe::report {

@@ -4,7 +4,7 @@
 
 #include <array>
 
-#include "common/impact/contact_trajectory.hpp"
+#include "common/impact/ode/contact_trajectory.hpp"
 
 namespace {
 

@@ -1,12 +1,12 @@
 // The contact mechanics fitted to the thesis's 21 conditions, and what is concluded from the fit.
-#include "common/impact/contact_fit.hpp"
+#include "common/impact/fit/contact_fit.hpp"
 
 #include <cmath>
 #include <random>
 #include <set>
 #include <vector>
 
-#include "common/impact/contact_summary.hpp"
+#include "common/impact/fit/contact_summary.hpp"
 // CppUTest redefines new; its headers come last.
 #include <CppUTest/TestHarness.h>
 

@@ -1,5 +1,5 @@
 // The integrated contact against closed forms of its special cases, its methods' orders, its errors.
-#include "common/impact/contact_ode.hpp"
+#include "common/impact/ode/contact_ode.hpp"
 
 #include <cmath>
 #include <functional>
@@ -7,9 +7,9 @@
 #include <numbers>
 #include <vector>
 
-#include "common/impact/contact_system.hpp"
-#include "common/impact/contact_trajectory.hpp"
-#include "common/impact/normal_spring.hpp"
+#include "common/impact/ode/contact_system.hpp"
+#include "common/impact/ode/contact_trajectory.hpp"
+#include "common/impact/ode/normal_spring.hpp"
 #include "tests/support/allocations.hpp"
 // CppUTest redefines new; its headers come last.
 #include <CppUTest/TestHarness.h>

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "common/impact/contact_trajectory.hpp"
+#include "common/impact/ode/contact_trajectory.hpp"
 // CppUTest redefines new; its headers come last.
 #include <CppUTest/TestHarness.h>
 

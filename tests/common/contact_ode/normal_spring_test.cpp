@@ -1,5 +1,5 @@
 // The normal spring's closed forms against 34 digits of their textbook forms.
-#include "common/impact/normal_spring.hpp"
+#include "common/impact/ode/normal_spring.hpp"
 
 #include <boost/multiprecision/cpp_bin_float.hpp>
 #include <cmath>

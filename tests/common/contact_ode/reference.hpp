@@ -1,12 +1,12 @@
-// The contact of common/impact/contact_ode.hpp in 34 digits, written anew: in SI units with the motion itself
-// as the state, steps of Boost.odeint's Fehlberg 7(8) on a mesh that is dense at touchdown and release (where
-// the footprint's radius has its root), modes located by bisection.
+// The contact of common/impact/ode/contact_ode.hpp in 34 digits, written anew: in SI units with the motion
+// itself as the state, steps of Boost.odeint's Fehlberg 7(8) on a mesh that is dense at touchdown and release
+// (where the footprint's radius has its root), modes located by bisection.
 #pragma once
 
 #include <boost/multiprecision/cpp_bin_float.hpp>
 #include <optional>
 
-#include "common/impact/contact_ode.hpp"
+#include "common/impact/ode/contact_ode.hpp"
 
 namespace strobe::testing {
 

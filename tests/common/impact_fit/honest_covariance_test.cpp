@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/impact/model_fit.hpp"
+#include "common/impact/fit/model_fit.hpp"
 #include "tests/common/impact_fit/check.hpp"
 
 #include <CppUTest/TestHarness.h>

@@ -1,4 +1,4 @@
-#include "common/impact/leave_out.hpp"
+#include "common/impact/fit/leave_out.hpp"
 
 #include <cmath>
 #include <set>

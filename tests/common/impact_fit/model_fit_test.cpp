@@ -1,4 +1,4 @@
-#include "common/impact/model_fit.hpp"
+#include "common/impact/fit/model_fit.hpp"
 
 #include <cmath>
 #include <functional>

@@ -1,9 +1,9 @@
 // Whatever the inputs: a typed error or finite numbers, and no floating-point exception on the way. A failure
 // prints the seed that repeats it (RC_PARAMS).
 #include "common/impact/brody.hpp"
-#include "common/impact/contact_ode.hpp"
-#include "common/impact/in_out_model.hpp"
-#include "common/impact/normal_spring.hpp"
+#include "common/impact/fit/in_out_model.hpp"
+#include "common/impact/ode/contact_ode.hpp"
+#include "common/impact/ode/normal_spring.hpp"
 #include "common/impact/pulse_integrals.hpp"
 #include "common/impact/sine_pulse.hpp"
 #include "tests/common/numerics/any_number.hpp"

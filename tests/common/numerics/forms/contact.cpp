@@ -3,7 +3,7 @@
 #include <array>
 
 #include "common/contact/cubic_fit.hpp"
-#include "common/impact/normal_spring.hpp"
+#include "common/impact/ode/normal_spring.hpp"
 #include "common/units/angles.hpp"
 #include "tests/common/numerics/forms/forms.hpp"
 #include "tests/common/numerics/wide.hpp"

@@ -1,10 +1,10 @@
-#include "common/impact/contact_run.hpp"
+#include "common/impact/ode/contact_run.hpp"
 
 #include <algorithm>
 #include <limits>
 
-#include "common/impact/contact_events.hpp"
-#include "common/impact/normal_spring.hpp"
+#include "common/impact/ode/contact_events.hpp"
+#include "common/impact/ode/normal_spring.hpp"
 
 namespace strobe::impact::detail {
 

@@ -2,7 +2,7 @@
 // and predicts it. Deterministic; thread-safe; allocates; a fit for each group.
 #pragma once
 
-#include "common/impact/model_fit.hpp"
+#include "common/impact/fit/model_fit.hpp"
 
 namespace strobe::impact {
 

@@ -1,4 +1,4 @@
-#include "common/impact/rolling_friction.hpp"
+#include "common/impact/fit/rolling_friction.hpp"
 
 #include <algorithm>
 #include <array>

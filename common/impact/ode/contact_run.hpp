@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "common/impact/contact_system.hpp"
+#include "common/impact/ode/contact_system.hpp"
 
 namespace strobe::impact::detail {
 

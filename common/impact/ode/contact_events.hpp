@@ -4,7 +4,7 @@
 
 #include <optional>
 
-#include "common/impact/contact_run.hpp"
+#include "common/impact/ode/contact_run.hpp"
 
 namespace strobe::impact::detail {
 

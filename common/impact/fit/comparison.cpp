@@ -1,6 +1,6 @@
 #include <cmath>
 
-#include "common/impact/model_fit.hpp"
+#include "common/impact/fit/model_fit.hpp"
 
 namespace strobe::impact {
 

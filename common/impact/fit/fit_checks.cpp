@@ -1,4 +1,4 @@
-#include "common/impact/fit_checks.hpp"
+#include "common/impact/fit/fit_checks.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "common/impact/contact_fit.hpp"
+#include "common/impact/fit/contact_fit.hpp"
 
 #include <Eigen/QR>
 #include <Eigen/SVD>
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <set>
 
-#include "common/impact/normal_spring.hpp"
+#include "common/impact/ode/normal_spring.hpp"
 
 namespace strobe::impact {
 

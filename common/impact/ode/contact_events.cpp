@@ -1,4 +1,4 @@
-#include "common/impact/contact_events.hpp"
+#include "common/impact/ode/contact_events.hpp"
 
 #include <algorithm>
 #include <limits>

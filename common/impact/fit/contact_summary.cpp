@@ -1,11 +1,11 @@
-#include "common/impact/contact_summary.hpp"
+#include "common/impact/fit/contact_summary.hpp"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <functional>
 
-#include "common/impact/normal_spring.hpp"
+#include "common/impact/ode/normal_spring.hpp"
 
 namespace strobe::impact {
 

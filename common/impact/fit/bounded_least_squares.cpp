@@ -1,4 +1,4 @@
-#include "common/impact/bounded_least_squares.hpp"
+#include "common/impact/fit/bounded_least_squares.hpp"
 
 #include <algorithm>
 #include <cmath>

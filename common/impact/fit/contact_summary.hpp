@@ -9,7 +9,7 @@
 #include <optional>
 #include <vector>
 
-#include "common/impact/contact_fit.hpp"
+#include "common/impact/fit/contact_fit.hpp"
 
 namespace strobe::impact {
 

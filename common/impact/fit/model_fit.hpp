@@ -11,7 +11,7 @@
 #include <tl/expected.hpp>
 #include <vector>
 
-#include "common/impact/in_out_model.hpp"
+#include "common/impact/fit/in_out_model.hpp"
 
 namespace strobe::impact {
 

@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "common/impact/model_fit.hpp"
+#include "common/impact/fit/model_fit.hpp"
 
 namespace strobe::impact {
 

@@ -1,4 +1,4 @@
-#include "common/impact/in_out_model.hpp"
+#include "common/impact/fit/in_out_model.hpp"
 
 #include <algorithm>
 #include <cassert>

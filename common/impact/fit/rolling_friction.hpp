@@ -11,7 +11,7 @@
 #include <tl/expected.hpp>
 #include <vector>
 
-#include "common/impact/observation.hpp"
+#include "common/impact/fit/observation.hpp"
 
 namespace strobe::impact {
 

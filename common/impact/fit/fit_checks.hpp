@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "common/impact/model_fit.hpp"
+#include "common/impact/fit/model_fit.hpp"
 
 namespace strobe::impact {
 

@@ -1,4 +1,4 @@
-#include "common/impact/contact_trajectory.hpp"
+#include "common/impact/ode/contact_trajectory.hpp"
 
 #include <algorithm>
 #include <iterator>

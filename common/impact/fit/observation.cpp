@@ -1,4 +1,4 @@
-#include "common/impact/observation.hpp"
+#include "common/impact/fit/observation.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,11 +1,11 @@
-#include "common/impact/model_fit.hpp"
+#include "common/impact/fit/model_fit.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "common/impact/bounded_least_squares.hpp"
-#include "common/impact/fit_checks.hpp"
+#include "common/impact/fit/bounded_least_squares.hpp"
+#include "common/impact/fit/fit_checks.hpp"
 
 namespace strobe::impact {
 

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "common/data/thesis_data.hpp"
-#include "common/impact/contact_ode.hpp"
+#include "common/impact/ode/contact_ode.hpp"
 #include "common/result.hpp"
 
 namespace strobe::impact {

@@ -1,4 +1,4 @@
-#include "common/impact/regime.hpp"
+#include "common/impact/fit/regime.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <tl/expected.hpp>
 
-#include "common/impact/observation.hpp"
+#include "common/impact/fit/observation.hpp"
 
 namespace strobe::impact {
 

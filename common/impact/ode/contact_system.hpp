@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-#include "common/impact/contact_ode.hpp"
+#include "common/impact/ode/contact_ode.hpp"
 
 namespace strobe::impact::detail {
 

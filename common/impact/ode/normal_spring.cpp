@@ -1,4 +1,4 @@
-#include "common/impact/normal_spring.hpp"
+#include "common/impact/ode/normal_spring.hpp"
 
 #include <cmath>
 #include <numbers>

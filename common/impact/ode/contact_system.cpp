@@ -1,8 +1,8 @@
-#include "common/impact/contact_system.hpp"
+#include "common/impact/ode/contact_system.hpp"
 
 #include <algorithm>
 
-#include "common/impact/normal_spring.hpp"
+#include "common/impact/ode/normal_spring.hpp"
 
 namespace strobe::impact::detail {
 
