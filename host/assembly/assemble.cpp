@@ -34,6 +34,8 @@ void complete(Frame& frame, const shot_t& shot, const AssemblySettings& settings
   frame.record = record_of(shot);
   frame.ball_diameter_m = settings.ball.diameter_m;
   frame.ball_diameter_sd_m = settings.ball.diameter_sd_m;
+  frame.ball_mass_kg = settings.ball.mass_kg;
+  frame.ball_alpha = settings.ball.alpha;
   if (!frame.px_per_m) {
     frame.px_per_m = settings.analysis.px_per_m;
     frame.px_per_m_sd = settings.analysis.px_per_m_sd;

@@ -9,6 +9,7 @@
 #include <memory>
 #include <set>
 
+#include "common/ball/ball.hpp"
 #include "common/config/toml_reader.hpp"
 #include "common/messages/channels.hpp"
 #include "common/messages/record.hpp"
@@ -24,7 +25,8 @@ BallSettings read_ball(TomlTable table) {
   BallSettings ball;
   ball.diameter_m = table.number_or("diameter_m", ball.diameter_m, {0.01, 1.0});
   ball.diameter_sd_m = table.number_or("diameter_sd_m", ball.diameter_sd_m, {0.0, 0.1});
-  ball.mass_kg = table.number_or("mass_kg", ball.mass_kg, {0.001, 10.0});
+  ball.mass_kg = table.optional_number("mass_kg", {0.001, 10.0});
+  ball.alpha = table.optional_number("alpha", {0.01, ball::kThinShellAlpha});
   return ball;
 }
 

@@ -102,6 +102,18 @@ TEST(Assembly, ACleanShotGetsItsFlashesAndNoFlag) {
   }
 }
 
+TEST(Assembly, TheFrameKnowsTheBallAsTheRigFileDoes) {
+  const SyntheticShot made = make_shot({});
+  CHECK_FALSE(assembled(made).frame.ball_mass_kg.has_value());
+  CHECK_FALSE(assembled(made).frame.ball_alpha.has_value());
+  host::AssemblySettings heavy = settings();
+  heavy.ball = {.diameter_m = 0.0660, .mass_kg = 0.0585, .alpha = 0.6};
+  const reduction::Frame frame = host::assemble(made.shot, made.frame, heavy).frame;
+  DOUBLES_EQUAL(0.0660, frame.ball_diameter_m, 0.0);
+  DOUBLES_EQUAL(0.0585, frame.ball_mass_kg.value(), 0.0);
+  DOUBLES_EQUAL(0.6, frame.ball_alpha.value(), 0.0);
+}
+
 TEST(Assembly, AnOffsetThatCannotBeToldApartDoesNotMatter) {
   Scenario sc;
   sc.machine_error_s = 0.020;  // the arrival is expected seven flashes off

@@ -103,11 +103,24 @@ TEST(RigFileOfTheHost, TakesItsOwnTablesAndLeavesTheFirmwares) {
   STRCMP_EQUAL("12", rig->record.at("frame_number").c_str());
 }
 
+TEST(RigFileOfTheHost, KnowsTheBallsMassAndInertiaOnlyWhereTheFileSaysThem) {
+  const auto silent = read_rig("rig = \"b\"\n[ball]\ndiameter_m = 0.0660\n", "rig.toml");
+  CHECK_FALSE(silent->ball.mass_kg.has_value());
+  CHECK_FALSE(silent->ball.alpha.has_value());
+  const auto said = read_rig("rig = \"b\"\n[ball]\nmass_kg = 0.0585\nalpha = 0.6\n", "rig.toml");
+  DOUBLES_EQUAL(0.0585, said->ball.mass_kg.value(), 0);
+  DOUBLES_EQUAL(0.6, said->ball.alpha.value(), 0);
+}
+
 TEST(RigFileOfTheHost, NamesWhatIsWrongInItsOwnTables) {
   STRCMP_EQUAL("rig.toml:2: ball.diametr_m: unknown key",
                rig_error("rig = \"b\"\nball = { diametr_m = 1 }\n").c_str());
   STRCMP_CONTAINS("rig.toml:3: ball.diameter_m: must be at most 1",
                   rig_error("rig = \"b\"\n[ball]\ndiameter_m = 65.1\n").c_str());
+  STRCMP_CONTAINS("rig.toml:3: ball.mass_kg: must be at least 0.001",
+                  rig_error("rig = \"b\"\n[ball]\nmass_kg = 0\n").c_str());
+  STRCMP_CONTAINS("rig.toml:4: ball.alpha: must be at most 0.66",
+                  rig_error("rig = \"b\"\n[ball]\nmass_kg = 0.058\nalpha = 0.7\n").c_str());
   STRCMP_CONTAINS("rig: is missing", rig_error("[ball]\n").c_str());
   STRCMP_CONTAINS("rig.toml:1: rig: must be 1 to 24", rig_error("rig = \"no/slash\"\n").c_str());
   STRCMP_CONTAINS("rig.toml:3: record.Operator: note",
