@@ -28,7 +28,7 @@ VectorXd moved(const VectorXd& at, Index i, double step) {
 }
 
 VectorXd derivative(const LeastSquaresProblem& problem, const VectorXd& at, Index i) {
-  const double wanted = std::cbrt(kEpsilon) * std::max(std::abs(at[i]), problem.scale[i]);
+  const double wanted = problem.difference * std::max(std::abs(at[i]), problem.scale[i]);
   const double h = std::min(wanted, 0.25 * (problem.upper[i] - problem.lower[i]));
   const bool low = at[i] - h < problem.lower[i];
   if (!low && at[i] + h <= problem.upper[i])
@@ -68,21 +68,29 @@ VectorXd damped_step(const MatrixXd& jac, const VectorXd& r, const std::vector<I
   return step;
 }
 
-/// One accepted step, or false if none lessens the sum by more than rounding.
+/// One accepted step, or false if none lessens the sum by more than `least_gain`.
 bool improve(const LeastSquaresProblem& problem, Minimum& now, double& damping) {
   const VectorXd r = problem.residuals(now.at);
   const MatrixXd jac = jacobian(problem, now.at);
   const std::vector<Index> free = movable(problem, now.at, jac.transpose() * r);
   if (free.empty()) return false;
+  const double promise = problem.least_gain * now.sum_of_squares;
+  const double least_gain = std::max(problem.least_gain, 4.0 * kEpsilon) * now.sum_of_squares;
   for (; damping <= kLargestDamping; damping *= 8.0) {
-    const VectorXd next = clamped(problem, now.at + damped_step(jac, r, free, damping));
+    const VectorXd step = damped_step(jac, r, free, damping);
+    const VectorXd next = clamped(problem, now.at + step);
     const double sum = problem.residuals(next).squaredNorm();
-    if (!(sum < now.sum_of_squares)) continue;
-    const bool rounding = now.sum_of_squares - sum <= 4.0 * kEpsilon * now.sum_of_squares;
+    if (!(sum < now.sum_of_squares)) {
+      // More damping promises less still.
+      const VectorXd change = jac * step;
+      if (-change.dot(2.0 * r + change) <= promise) return false;
+      continue;
+    }
+    const double gain = now.sum_of_squares - sum;
     now.at = next;
     now.sum_of_squares = sum;
     damping = std::max(damping / 16.0, 1e-14);
-    return !rounding;
+    return gain > least_gain;
   }
   return false;
 }
@@ -129,7 +137,8 @@ Minimum descend(const LeastSquaresProblem& problem, const VectorXd& start) {
   Minimum now{.at = clamped(problem, start)};
   now.sum_of_squares = problem.residuals(now.at).squaredNorm();
   double damping = 1e-3;
-  for (int i = 0; i < kMostIterations && !now.converged; ++i) now.converged = !improve(problem, now, damping);
+  for (; now.iterations < kMostIterations && !now.converged; ++now.iterations)
+    now.converged = !improve(problem, now, damping);
   return now;
 }
 

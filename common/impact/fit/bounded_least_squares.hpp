@@ -17,20 +17,27 @@ struct LeastSquaresProblem {
   Eigen::VectorXd upper;
   Eigen::VectorXd
       scale;  ///< > 0: a step of this much in each parameter matters; for differences and searches
+  /// Step of the differences over the larger of |parameter| and scale. The default, the cube root of the
+  /// rounding, is for residuals in full double precision; coarser ones need wider steps.
+  double difference = 6.0554544523933395e-6;
+  /// A descent ends where a step lessens the sum of squares, or after a vain one is to, by no more than this
+  /// share of it. 0: by no more than rounding.
+  double least_gain = 0.0;
 };
 
 /// Derivatives of the residuals by differences: central, or three-point one-sided within a step of a bound.
-/// About 1e-10 relative where the residuals are smooth.
+/// About 1e-10 relative where the residuals are smooth and in full double precision.
 Eigen::MatrixXd jacobian(const LeastSquaresProblem& problem, const Eigen::VectorXd& at);
 
 struct Minimum {
   Eigen::VectorXd at;
   double sum_of_squares = 0.0;
-  bool converged = false;  ///< false: stopped at the limit of iterations
+  bool converged = false;  ///< false: stopped at the limit of 200 iterations
+  int iterations = 0;      ///< Jacobians evaluated by the last descent
 };
 
-/// Local minimum from one start (moved into the bounds). Stops when no step lessens the sum by more than
-/// rounding.
+/// Local minimum from one start (moved into the bounds). Residuals that are infinite at some other point keep
+/// the descent away from it.
 Minimum descend(const LeastSquaresProblem& problem, const Eigen::VectorXd& start);
 
 /// Best of the descents from `first` and from those `tries` of the `candidates` that have the smallest sums,

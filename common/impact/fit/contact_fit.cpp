@@ -1,11 +1,14 @@
 #include "common/impact/fit/contact_fit.hpp"
 
-#include <Eigen/QR>
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <limits>
+#include <optional>
 #include <set>
 
+#include "common/impact/fit/bounded_least_squares.hpp"
 #include "common/impact/ode/normal_spring.hpp"
 
 namespace strobe::impact {
@@ -15,9 +18,9 @@ namespace {
 const ContactVector kStart{0.55, 1.4, 0.7, 0.1, 0.55};
 const ContactVector kLowest{0.0, 1e-2, 0.01, 0.0, 0.1};
 const ContactVector kHighest{10.0, 1e2, 10.0, 1.0, ball::kThinShellAlpha};
-constexpr int kMaxIterations = 100;
 
-using Jacobian = Eigen::Matrix<double, Eigen::Dynamic, kFitParameters>;
+/// A column that is, but for this share of it, a combination of others: the differences tell no finer.
+constexpr double kDependence = 1e-6;
 
 Error refused(const ContactObservation& o, InputError error) {
   return Error{o.name + ": " + std::string(message(error))};
@@ -41,75 +44,38 @@ Result<Eigen::VectorXd> residuals(std::span<const ContactObservation> observatio
   return r;
 }
 
-/// Central differences, one-sided at a bound. The step balances the integration's error against curvature.
-Result<Jacobian> slopes(std::span<const ContactObservation> observations, const ContactVector& p,
-                        const ContactFitOptions& options) {
-  Jacobian j(2 * static_cast<Eigen::Index>(observations.size()), +kFitParameters);
-  for (int i = 0; i < kFitParameters; ++i) {
-    const double h = 1e-4 * std::max(p[i], 0.01);
-    ContactVector low = p;
-    ContactVector high = p;
-    low[i] = std::max(p[i] - h, kLowest[i]);
-    high[i] = std::min(p[i] + h, kHighest[i]);
-    const auto below = residuals(observations, low, options);
-    if (!below) return tl::unexpected(below.error());
-    const auto above = residuals(observations, high, options);
-    if (!above) return tl::unexpected(above.error());
-    j.col(i) = (*above - *below) / (high[i] - low[i]);
-  }
-  return j;
-}
-
-/// Least squares of [J; sqrt(damping)·D] by QR, D the lengths of J's columns.
-ContactVector damped_step(const Jacobian& j, const Eigen::VectorXd& r, double damping) {
-  Jacobian stacked(j.rows() + kFitParameters, +kFitParameters);
-  Eigen::VectorXd right = Eigen::VectorXd::Zero(stacked.rows());
-  stacked.topRows(j.rows()) = j;
-  stacked.bottomRows<kFitParameters>() =
-      (std::sqrt(damping) * j.colwise().norm().cwiseMax(1e-12)).asDiagonal();
-  right.head(r.size()) = -r;
-  return stacked.colPivHouseholderQr().solve(right);
-}
-
-ContactMatrix covariance_of(const Jacobian& j, double scale) {
-  const Eigen::ColPivHouseholderQR<Jacobian> qr(j);
-  const ContactMatrix upper = qr.matrixR().topRows<kFitParameters>().triangularView<Eigen::Upper>();
-  const ContactMatrix inverse =
-      upper.triangularView<Eigen::Upper>().solve(ContactMatrix(ContactMatrix::Identity()));
-  const ContactMatrix permuted = qr.colsPermutation() * inverse;
-  return scale * permuted * permuted.transpose();
+/// The integration is good to 1e-9 or so, not to rounding: wider differences, and an end before its noise.
+LeastSquaresProblem problem_of(std::function<Eigen::VectorXd(const Eigen::VectorXd&)> residuals) {
+  return {.residuals = std::move(residuals),
+          .lower = kLowest,
+          .upper = kHighest,
+          .scale = ContactVector::Constant(0.01),
+          .difference = 1e-4,
+          .least_gain = 1e-10};
 }
 
 struct Optimum {
   ContactVector value;
-  Eigen::VectorXd residual;
-  Jacobian jacobian;
+  double chi_square;
+  Eigen::MatrixXd jacobian;
   int iterations;
 };
 
-Result<Optimum> minimize(std::span<const ContactObservation> observations, const ContactFitOptions& options) {
-  ContactVector p = kStart;
-  auto r = residuals(observations, p, options);
-  if (!r) return tl::unexpected(r.error());
-  double damping = 1e-3;
-  for (int iteration = 1; iteration <= kMaxIterations; ++iteration) {
-    const auto j = slopes(observations, p, options);
-    if (!j) return tl::unexpected(j.error());
-    const double before = r->squaredNorm();
-    double gain = 0.0;
-    for (int attempt = 0; attempt < 12 && gain <= 0.0; ++attempt) {
-      const ContactVector next = (p + damped_step(*j, *r, damping)).cwiseMax(kLowest).cwiseMin(kHighest);
-      const auto tried = residuals(observations, next, options);
-      if (!tried) return tl::unexpected(tried.error());
-      gain = before - tried->squaredNorm();
-      damping = std::max(gain > 0.0 ? damping / 10.0 : damping * 4.0, 1e-12);
-      if (gain <= 0.0) continue;
-      p = next;
-      r = tried;
-    }
-    if (gain <= 1e-10 * (1.0 + before)) return Optimum{p, *r, *j, iteration};
-  }
-  return fail("the contact's fit does not converge");
+Result<Optimum> optimum(std::span<const ContactObservation> observations, const ContactFitOptions& options) {
+  std::optional<Error> refusal;
+  const LeastSquaresProblem problem = problem_of([&](const Eigen::VectorXd& at) -> Eigen::VectorXd {
+    auto r = residuals(observations, at, options);
+    if (r) return *std::move(r);
+    if (!refusal) refusal = r.error();
+    return Eigen::VectorXd::Constant(2 * static_cast<Eigen::Index>(observations.size()),
+                                     std::numeric_limits<double>::infinity());
+  });
+  if (problem.residuals(kStart); refusal) return tl::unexpected(*refusal);
+  const Minimum found = descend(problem, kStart);
+  Eigen::MatrixXd at_minimum = jacobian(problem, found.at);
+  if (refusal) return tl::unexpected(*refusal);
+  if (!found.converged) return fail("the contact's fit does not converge");
+  return Optimum{found.at, found.sum_of_squares, std::move(at_minimum), found.iterations};
 }
 
 double rms(double sum_of_squares, std::size_t n) {
@@ -148,7 +114,7 @@ Spread spread_of(std::span<const ContactFitPoint> points) {
   return {rms(sum.vx, points.size()), rms(sum.omega, points.size())};
 }
 
-double condition_of(Jacobian j) {
+double condition_of(Eigen::MatrixXd j) {
   for (int i = 0; i < kFitParameters; ++i) j.col(i) /= std::max(j.col(i).norm(), 1e-300);
   const auto values = Eigen::JacobiSVD<Eigen::MatrixXd>(j).singularValues();
   return values[0] / std::max(values[values.size() - 1], 1e-300);
@@ -166,6 +132,10 @@ ContactObservation observation_of(const thesis::Condition& c) {
           .e = -c.vy_lo_mps.mean / c.vy_td_mps.mean,
           .dwell_s = c.dwell_time_ms.mean / 1e3,
           .dwell_sd_s = c.dwell_time_ms.sd / 1e3};
+}
+
+ContactVector within_bounds(const ContactVector& parameters) {
+  return parameters.cwiseMax(kLowest).cwiseMin(kHighest);
 }
 
 double ContactFit::sd(ContactParameter parameter) const {
@@ -189,15 +159,17 @@ ball::Ball ball_of(const ContactVector& p) { return {.alpha = p[kFitAlpha]}; }
 Result<ContactFit> fit_contact(std::span<const ContactObservation> observations,
                                const ContactFitOptions& options) {
   if (observations.size() < 3) return fail("a fit of the contact needs three conditions or more");
-  const auto best = minimize(observations, options);
+  const auto best = optimum(observations, options);
   if (!best) return tl::unexpected(best.error());
+  const auto inverse = inverse_gram(best->jacobian, kDependence);
+  if (!inverse) return fail("the conditions do not tell the contact's parameters apart");
   auto points = judge(observations, best->value, options);
   if (!points) return tl::unexpected(points.error());
   ContactFit fit;
   fit.value = best->value;
-  fit.chi_square = best->residual.squaredNorm();
-  fit.degrees_of_freedom = static_cast<int>(best->residual.size()) - kFitParameters;
-  fit.covariance = covariance_of(best->jacobian, fit.chi_square / fit.degrees_of_freedom);
+  fit.chi_square = best->chi_square;
+  fit.degrees_of_freedom = static_cast<int>(best->jacobian.rows()) - kFitParameters;
+  fit.covariance = fit.chi_square / fit.degrees_of_freedom * *inverse;
   fit.coefficients = coefficients_of(observations.front(), best->value, options);
   fit.jacobian_condition = condition_of(best->jacobian);
   fit.iterations = best->iterations;

@@ -1,7 +1,6 @@
 // The contact mechanics fitted to measured conditions: normal spring and dashpot of each from its restitution
 // and dwell time, and five numbers that all share: mu, k_t/k, c_t, the offset's share of the footprint and
-// the ball's alpha. Least squares by Levenberg and Marquardt, each step by a QR factorization. Allocates;
-// thread-safe; some 20 ms for 21 conditions.
+// the ball's alpha (bounded_least_squares.hpp). Allocates; thread-safe; some 20 ms for 21 conditions.
 #pragma once
 
 #include <Eigen/Core>
@@ -81,9 +80,11 @@ ContactCoefficients coefficients_of(const ContactObservation& observation, const
                                     const ContactFitOptions& options);
 ball::Ball ball_of(const ContactVector& parameters);
 
-/// Fails with fewer than three observations, an observation that simulate() refuses (named), or no
-/// convergence in 100 iterations. Parameters are kept in: mu 0…10, k_t/k 1e-2…1e2, c_t 0.01…10, offset 0…1,
-/// alpha 0.1…2/3.
+/// Moved into the bounds of a fit: mu 0…10, k_t/k 1e-2…1e2, c_t 0.01…10, offset 0…1, alpha 0.1…2/3.
+ContactVector within_bounds(const ContactVector& parameters);
+
+/// Fails with fewer than three observations, an observation that simulate() refuses (named), parameters that
+/// the observations do not tell apart, or no convergence in 200 iterations.
 Result<ContactFit> fit_contact(std::span<const ContactObservation> observations,
                                const ContactFitOptions& options = {});
 

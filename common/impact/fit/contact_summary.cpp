@@ -141,11 +141,7 @@ std::array<std::optional<Uncertain>, kTold> spread_of(const ContactObservation& 
   // Directions of the parameters' covariance, one sd each way.
   const ContactMatrix root = fit.covariance.llt().matrixL();
   for (int i = 0; i < kFitParameters; ++i) {
-    const auto at = [&](double sign) {
-      ContactVector p = fit.value + sign * root.col(i);
-      p[kFitAlpha] = std::min(p[kFitAlpha], ball::kThinShellAlpha);
-      return p.cwiseMax(ContactVector{0.0, 1e-2, 0.01, 0.0, 0.1}).eval();
-    };
+    const auto at = [&](double sign) { return within_bounds(fit.value + sign * root.col(i)); };
     add(tell(o, at(1.0), options), tell(o, at(-1.0), options));
   }
   std::array<std::optional<Uncertain>, kTold> out;

@@ -118,6 +118,14 @@ TEST(ContactFit, TooFewConditionsAreRefused) {
   CHECK_FALSE(fit_contact(two).has_value());
 }
 
+// Six numbers, but only two different ones for five parameters.
+TEST(ContactFit, ParametersThatTheConditionsDoNotTellApartAreRefused) {
+  const std::vector<ContactObservation> alike(3, measured()[1]);
+  const auto fit = fit_contact(alike);
+  CHECK_FALSE(fit.has_value());
+  STRCMP_EQUAL("the conditions do not tell the contact's parameters apart", fit.error().message.c_str());
+}
+
 TEST(ContactFit, AConditionThatTheMechanicsRefusesIsNamed) {
   auto conditions = measured();
   conditions[4].e = 1.2;

@@ -115,6 +115,34 @@ TEST(BoundedLeastSquares, AParameterWithoutEffectStaysWhereItWas) {
   DOUBLES_EQUAL(0.75, found.at[1], 0.0);
 }
 
+// The root of 2 has no residual beyond 3/2: the first steps from 1/10 overshoot there.
+TEST(BoundedLeastSquares, KeepsAwayFromWhereResidualsAreInfinite) {
+  const auto residuals = [](const VectorXd& x) -> VectorXd {
+    if (x[0] > 1.5) return Vector2d::Constant(INFINITY);
+    return Vector2d(x[0] * x[0] - 2.0, 0.1 * x[1]);
+  };
+  const Minimum found = descend(plane(residuals, {0, -2}, {9, 2}), Vector2d(0.1, 1.0));
+  CHECK(found.converged);
+  CHECK(found.iterations > 1);
+  DOUBLES_EQUAL(std::sqrt(2.0), found.at[0], 1e-12);
+  DOUBLES_EQUAL(0.0, found.at[1], 1e-12);
+}
+
+// The least sum is 1; where a step gains less than a hundredth of it the end is near.
+TEST(BoundedLeastSquares, StopsWhereTheGainAskedForIsNotToBeHad) {
+  const auto residuals = [](const VectorXd& x) -> VectorXd {
+    return Eigen::Vector3d(std::exp(x[0]) - 2.0, x[1] - 0.5, 1.0);
+  };
+  auto problem = plane(residuals, {-5, -5}, {5, 5});
+  const Minimum whole = descend(problem, Vector2d(1.0, 1.0));
+  problem.least_gain = 0.01;
+  const Minimum early = descend(problem, Vector2d(1.0, 1.0));
+  CHECK(whole.converged && early.converged);
+  CHECK(early.iterations < whole.iterations);
+  DOUBLES_EQUAL(1.0, whole.sum_of_squares, 1e-14);
+  DOUBLES_EQUAL(1.0, early.sum_of_squares, 0.01);
+}
+
 // Differences to second order: the error is a third derivative's share of the squared step, (6e-6)².
 TEST(BoundedLeastSquares, DerivativesAtABoundAreAsGoodAsInside) {
   const auto residuals = [](const VectorXd& x) -> VectorXd {
