@@ -1,6 +1,7 @@
 #include "common/contact/cubic_fit.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/QR>
+#include <Eigen/SVD>
 #include <cmath>
 
 namespace strobe::contact {
@@ -17,8 +18,11 @@ Design powers(const Eigen::VectorXd& t) {
   return a;
 }
 
+/// That of the triangle R, whose singular values are those of A.
 double condition_of(const Design& a) {
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(a);
+  const Eigen::Matrix4d r =
+      a.colPivHouseholderQr().matrixR().topLeftCorner<4, 4>().triangularView<Eigen::Upper>();
+  const Eigen::JacobiSVD<Eigen::Matrix4d, Eigen::NoQRPreconditioner> svd(r);
   return svd.singularValues()(0) / svd.singularValues()(3);
 }
 
