@@ -53,9 +53,15 @@ Result<contact::ContactSet> read_file(const std::filesystem::path& path) {
   return contact::parse_contact_csv(text, path.string());
 }
 
-Result<Source> find_source(const ContactOptions& options) {
+/// A pipe counts: the shell's <(...) and /dev/stdin.
+bool is_file(const std::string& path) {
   std::error_code ignored;
-  if (std::filesystem::is_regular_file(options.set, ignored)) {
+  const auto status = std::filesystem::status(path, ignored);
+  return std::filesystem::is_regular_file(status) || std::filesystem::is_fifo(status);
+}
+
+Result<Source> find_source(const ContactOptions& options) {
+  if (is_file(options.set)) {
     if (options.as_printed)
       return fail(options.set + ": --as-printed is for the project's own sets; a file is read as it stands");
     auto set = read_file(options.set);

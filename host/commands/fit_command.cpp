@@ -165,7 +165,10 @@ void add_model_options(CLI::App& command, Arguments& a) {
   command
       .add_option("--free", a.free, "Parameters to fit, e.g. mu,ex,d,u0,alpha [all of the model but alpha]")
       ->delimiter(',');
-  command.add_option("--fix", a.fix, "name=value of a parameter that is not fitted; d in mm, u0 in m/s")
+  command
+      .add_option("--fix", a.fix,
+                  "name=value of parameters that are not fitted, e.g. mu=0.55,d=3; d in mm, u0 in m/s")
+      ->delimiter(',')
       ->allow_extra_args(false);
   command
       .add_option("--weights", a.weights,

@@ -124,7 +124,8 @@ void print_validation(const FitReport& r) {
     for (std::size_t i = 0; i < kParameterCount; ++i) {
       const auto p = static_cast<Parameter>(i);
       if (r.options.free[i])
-        values += fmt::format(" {} {:.4g}", impact::name(p), at_the_edge(p, group.fit.parameters[i].value));
+        values += fmt::format(" {} {:.4g}{}", impact::name(p), at_the_edge(p, group.fit.parameters[i].value),
+                              unit_at_the_edge(p));
     }
     say(fmt::format("  {:<10} {}  with{}\n", group.group, agreement_text(group.agreement), values));
   }

@@ -5,10 +5,10 @@
 #include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <numbers>
 #include <optional>
 
 #include "common/impact/sine_pulse.hpp"
+#include "common/units/angles.hpp"
 #include "host/commands/command.hpp"
 #include "host/commands/predict_ode.hpp"
 
@@ -92,8 +92,6 @@ tl::expected<Prediction, impact::InputError> predict(const PredictOptions& o) {
                                           {.e = o.e, .mu = mu, .e_x = o.e_x, .offset_m = o.offset_mm / 1e3});
   return rebound.map([](const impact::Rebound& r) { return Prediction{.rebound = r}; });
 }
-
-double degrees(double rad) { return rad * 180.0 / std::numbers::pi; }
 
 ordered_json inputs_of(const PredictOptions& o) {
   ordered_json in{{"vx_mps", o.touchdown.vx_mps},

@@ -4,16 +4,15 @@
 
 #include <cstdio>
 #include <nlohmann/json.hpp>
-#include <numbers>
 #include <optional>
+
+#include "common/units/angles.hpp"
 
 namespace strobe::host {
 
 namespace {
 
 using nlohmann::ordered_json;
-
-double degrees(double rad) { return rad * 180.0 / std::numbers::pi; }
 
 ordered_json milliseconds(const std::optional<double>& time_s) {
   return time_s ? ordered_json(*time_s * 1e3) : ordered_json(nullptr);

@@ -35,6 +35,8 @@ std::string ids() {
   return text;
 }
 
+std::string not_empty(const std::string& text) { return text.empty() ? "must not be empty" : ""; }
+
 std::string contents() {
   std::string text;
   for (const report::TableEntry& entry : report::catalogue())
@@ -43,12 +45,13 @@ std::string contents() {
   return text;
 }
 
+/// A table that has nothing of the set asked for is left out.
 int print_tables(const report::Material& material, const ThesisOptions& options) {
   bool first = true;
   for (const report::TableEntry& entry : report::catalogue()) {
     if (!options.table.empty() && entry.id != options.table) continue;
     const report::Table table = entry.make(material);
-    if (table.rows.empty() && options.table.empty()) continue;
+    if (table.rows.empty() && !options.set.empty()) continue;
     if (options.json) {
       std::printf("%s\n", report::json(table).c_str());
     } else {
@@ -56,7 +59,7 @@ int print_tables(const report::Material& material, const ThesisOptions& options)
     }
     first = false;
   }
-  return kDone;
+  return first ? bad_input("thesis: table " + options.table + " has nothing of set " + options.set) : kDone;
 }
 
 /// What goes into one folder.
@@ -152,6 +155,7 @@ void add_thesis_command(CLI::App& app, int& exit_status) {
   figures->excludes(table);
   all->excludes(set);
   figures->type_name("DIR");
+  for (CLI::Option* option : {table, set, figures}) option->check(not_empty);
   command->add_flag("--as-printed", options->as_printed, "The thesis's data without its corrections");
   command->add_flag("--json", options->json, "One JSON object for each table, or figure, on stdout");
   command->footer(

@@ -27,6 +27,7 @@ const std::vector<TableEntry>& catalogue() {
       {"stiffness", "stiffness of the contact", stiffness_table},
       {"freund", "what Freund's stiffnesses may come from", freund_table},
       {"depth", "drop of the top over that of the centre", depth_table},
+      {"foretell", "images foretold by each approach", foretell_table},
       {"vx-models", "in/out models: speed at lift-off", vx_model_table},
       {"omega-models", "in/out models: spin at lift-off", omega_model_table},
       {"fits", "in/out models fitted", fit_table},

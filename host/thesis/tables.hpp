@@ -38,6 +38,9 @@ Table stiffness_table(const Material& material);
 Table freund_table(const Material& material);
 Table depth_table(const Material& material);
 
+/// Each image in contact foretold without it: by the pulse, by cubics and by splines.
+Table foretell_table(const Material& material);
+
 /// In/out models: speed and spin at lift-off against all sets, their fits, regimes, rolling friction.
 Table vx_model_table(const Material& material);
 Table omega_model_table(const Material& material);

@@ -1,6 +1,7 @@
 #include "sim/rig/flight.hpp"
 
 #include <cmath>
+#include <numbers>
 
 namespace strobe::sim {
 

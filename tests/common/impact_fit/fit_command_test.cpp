@@ -108,6 +108,12 @@ TEST(FitCommand, FixedValuesAreKept) {
   STRCMP_EQUAL("fixed", lines[0]["parameters"]["d_mm"]["status"].get<std::string>().c_str());
 }
 
+TEST(FitCommand, TakesFixedValuesOneByOneOrInAList) {
+  const auto apart = run_fit({"--json", "--fix", "d=2.5", "--fix", "mu=0.5"});
+  LONGS_EQUAL(0, apart.status->code);
+  STRCMP_EQUAL(apart.out.c_str(), run_fit({"--json", "--fix", "d=2.5,mu=0.5"}).out.c_str());
+}
+
 TEST(FitCommand, RefusesParametersThatThereAreNot) {
   check_complaint(run_fit({"--free", "mu,friction"}),
                   "fit: no parameter \"friction\": mu, ex, d, u0 or alpha");

@@ -101,11 +101,16 @@ TEST(ThesisFigures, DrawTheDistanceThatTheClosedFormGives) {
   const auto& c = *thesis_material(thesis::Version::corrected).used.condition("zero_23");
   const double expected_cm =
       1e2 * (c.vx_td_mps.mean + c.mu.mean * c.vy_td_mps.mean) * c.dwell_time_ms.mean / 1e3;
+  int drawn = 0;
   for (const Figure& figure : figures_of({"zero_23"})) {
     if (figure.number != 10) continue;
-    for (const Series& s : figure.panels.at(0).series)
-      if (s.name == "zero_23 simplified") DOUBLES_EQUAL(expected_cm, s.points.back().y, 1e-9);
+    for (const Series& s : figure.panels.at(0).series) {
+      if (s.name != "zero_23 simplified") continue;
+      DOUBLES_EQUAL(expected_cm, s.points.back().y, 1e-9);
+      ++drawn;
+    }
   }
+  LONGS_EQUAL(1, drawn);
 }
 
 TEST_GROUP(Gnuplot) { TemporaryFolder folder; };

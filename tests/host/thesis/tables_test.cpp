@@ -4,8 +4,10 @@
 #include <set>
 #include <string>
 
+#include "common/contact/condition_inputs.hpp"
 #include "common/data/csv.hpp"
 #include "host/thesis/render.hpp"
+#include "host/thesis/rotation_scale.hpp"
 #include "host/thesis/tables.hpp"
 #include "tests/host/thesis/thesis_material.hpp"
 #include "tests/support/json_lines.hpp"
@@ -160,6 +162,50 @@ TEST(ThesisTables, OfOneSetHaveItsRowsOnly) {
   STRCMP_EQUAL("back_40", see_table(one).rows.at(0).label.c_str());
   LONGS_EQUAL(3, cubic_table(one).rows.size());
   LONGS_EQUAL(1, vx_model_table(one).rows.size());
+}
+
+TEST(ThesisTables, ForetellImagesThatLieOnThePulseByThePulse) {
+  Material one = load_thesis(Version::corrected, "top_34");
+  const thesis::Condition& c = *one.used.condition("top_34");
+  const contact::Scale scale = scale_of(one, c);
+  const auto pulse = contact::SpinPulse::make(contact::spin_pulse_input(c, impact::PulseForm::exact));
+  for (contact::ContactRow& row : one.used.contact.at("top_34").rows) {
+    const auto at = contact::trajectory_of(*pulse)(row.time_fraction);
+    row.x_fraction = at.x_m / scale.dwell_distance_m;
+    row.y_fraction = at.y_m / scale.diameter_m;
+    row.rotation_fraction = at.rotation_rad / scale.total_rotation_rad;
+  }
+  const Table table = foretell_table(one);
+  LONGS_EQUAL(1, table.rows.size());
+  for (const char* quantity : {"x_pulse_mm", "y_pulse_mm", "rotation_pulse_deg"})
+    DOUBLES_EQUAL(0.0, *cell_of(table, "top_34", quantity)->computed, 1e-10);
+  for (const char* quantity : {"x_cubic_mm", "y_cubic_mm", "y_spline_mm", "rotation_cubic_deg"})
+    CHECK_TEXT(*cell_of(table, "top_34", quantity)->computed > 1e-3, quantity);
+}
+
+TEST(ThesisTables, ForetellImagesThatLieOnCubicsByTheCubics) {
+  Material one = load_thesis(Version::corrected, "top_34");
+  for (contact::ContactRow& row : one.used.contact.at("top_34").rows) {
+    const double t = row.time_fraction;
+    row.x_fraction = t * (1.5 + t * (-0.7 + 0.2 * t));
+    row.y_fraction = -t * (1.0 - t) * (0.8 + 0.3 * t);
+    row.rotation_fraction = t * t * (2.5 - 1.5 * t);
+  }
+  const Table table = foretell_table(one);
+  for (const char* quantity : {"x_cubic_mm", "y_cubic_mm", "rotation_cubic_deg"})
+    DOUBLES_EQUAL(0.0, *cell_of(table, "top_34", quantity)->computed, 1e-9);
+  for (const char* quantity : {"x_pulse_mm", "y_pulse_mm", "rotation_pulse_deg"})
+    CHECK_TEXT(*cell_of(table, "top_34", quantity)->computed > 0.1, quantity);
+}
+
+// The CSV files hold 270 images between touchdown and lift-off; the corrections leave out six of them.
+TEST(ThesisTables, ForetellEveryImageOfEverySet) {
+  const Table& table = table_of("foretell");
+  LONGS_EQUAL(22, table.rows.size());
+  DOUBLES_EQUAL(264.0, *cell_of(table, "all sets", "n")->computed, 0.0);
+  for (const Row& row : table.rows)
+    for (std::size_t i = 0; i < row.cells.size(); ++i)
+      CHECK_TEXT(row.cells[i].computed > 0.0, where(table, row, i).c_str());
 }
 
 TEST(ThesisTables, RefuseASetThatTheThesisDoesNotHave) {

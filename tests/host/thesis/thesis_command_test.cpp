@@ -95,6 +95,22 @@ TEST(ThesisCommand, NamesTheTablesAndSetsThatThereAre) {
                   "strobe: thesis: --all-sets is for --figures; tables show all sets anyway\n");
 }
 
+TEST(ThesisCommand, RefusesATableThatHasNothingOfTheSet) {
+  for (const char* form : {"--as-printed", "--json"})
+    check_complaint(2, thesis({"--table", "3", "--set", "zero_23", form}),
+                    "strobe: thesis: table 3 has nothing of set zero_23\n");
+  const Finished all = thesis({"--set", "zero_23"});
+  LONGS_EQUAL(0, all.status->code);
+  CHECK(contains(all.out, "Table 2. ") && !contains(all.out, "Table 3. "));
+}
+
+TEST(ThesisCommand, RefusesAnOptionLeftEmpty) {
+  for (const char* option : {"--table", "--set", "--figures"})
+    check_complaint(2, thesis({option, ""}),
+                    "strobe: " + std::string(option) +
+                        ": must not be empty (strobe --help lists commands and options)\n");
+}
+
 TEST(ThesisCommand, DrawsFourteenFiguresOfTheThreeSpins) {
   const TemporaryFolder folder;
   const Finished run = thesis({"--figures", (folder / "figures").string()});
