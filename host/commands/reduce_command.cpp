@@ -56,14 +56,17 @@ class Reducer {
     std::istream& input = file == "-" ? std::cin : opened;
     if (!input) return fail(file + ": cannot be read");
     std::string line;
+    bool any = false;
     for (int number = 1; std::getline(input, line); ++number) {
       if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
+      any = true;
       const std::string place = fmt::format("{}:{}: ", file, number);
       const auto frame = messages::frame_from_json(line);
       frame ? put(reduction::reduce(*frame, estimator_, options_), place)
             : bad(place + frame.error().message);
     }
     if (input.bad()) return fail(file + ": cannot be read to its end");
+    if (!any) bad(file + ": no frames");
     return {};
   }
 
@@ -157,6 +160,8 @@ class Reducer {
 };
 
 int run_reduce(const ReduceOptions& options) {
+  if (options.flight != "auto" && options.estimator != "best")
+    return bad_input("reduce: --flight is for the best estimator");
   for (const std::string& file : options.files) {
     std::error_code error;
     if (file == "-") continue;

@@ -141,6 +141,11 @@ TEST(CommandLine, WrongFramesAreNamedWithTheirLine) {
               {"cut in the middle", reduce(file("cut.jsonl", good + good.substr(0, good.size() / 2))), 1,
                "cut.jsonl:2"},
               {"no images", reduce(file("none_key.jsonl", "{\"shot_id\":1}\n")), 2, "none_key.jsonl:1"},
+              {"no frames", reduce(file("empty.jsonl", "\n \n")), 2, "empty.jsonl: no frames"},
+              {"a flight for another estimator",
+               with_strobe(
+                   {"reduce", file("good.jsonl", good), "--estimator", "two-point", "--flight", "all"}),
+               2, "--flight"},
               {"unknown estimator",
                with_strobe({"reduce", file("good.jsonl", good), "--format", "frame", "--estimator", "guess"}),
                2, "guess"},
