@@ -44,7 +44,8 @@ tl::expected<SpinPulse, InputError> SpinPulse::make(const SpinPulseInput& input)
 SpinPulse::SpinPulse(const SpinPulseInput& input, const impact::SinePulse& unit)
     : input_(input), unit_(unit) {
   const double radius = input.ball.radius_m();
-  slip_td_mps_ = input.touchdown.vx_mps + radius * input.touchdown.omega_radps;
+  // The slip of a nearly rolling ball is the small difference of large numbers: one rounding only.
+  slip_td_mps_ = std::fma(radius, input.touchdown.omega_radps, input.touchdown.vx_mps);
   slipping_ratio_ = std::copysign(input.mu, slip_td_mps_);
   const double needed = input.offset_m / (radius * (1.0 + input.ball.alpha));
   rolling_ratio_ = std::clamp(needed, -input.mu, input.mu);

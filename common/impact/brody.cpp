@@ -16,7 +16,7 @@ tl::expected<double, InputError> normal_impulse(const ball::Ball& ball, const Mo
 
 Rebound slid(const ball::Ball& ball, const Motion& touchdown, double e, double mu, double impulse) {
   const double radius = ball.radius_m();
-  const double slip = touchdown.vx_mps + radius * touchdown.omega_radps;
+  const double slip = std::fma(radius, touchdown.omega_radps, touchdown.vx_mps);
   const double direction = slip > 0.0 ? 1.0 : slip < 0.0 ? -1.0 : 0.0;
   const double friction = direction * mu * impulse;
   Rebound out;
@@ -30,7 +30,7 @@ Rebound slid(const ball::Ball& ball, const Motion& touchdown, double e, double m
 
 Rebound rolled(const ball::Ball& ball, const Motion& touchdown, double e, double impulse) {
   const double radius = ball.radius_m();
-  const double slip = touchdown.vx_mps + radius * touchdown.omega_radps;
+  const double slip = std::fma(radius, touchdown.omega_radps, touchdown.vx_mps);
   const double vx = (touchdown.vx_mps - ball.alpha * radius * touchdown.omega_radps) / (1.0 + ball.alpha);
   Rebound out;
   out.lift_off = {vx, -e * touchdown.vy_mps, -vx / radius};
