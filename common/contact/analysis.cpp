@@ -58,19 +58,4 @@ FractionFits fit_fractions(const ContactSet& set) {
   return {fitted(t, x), fitted(t, y), fitted(t_rotation, rotation)};
 }
 
-DerivedMotion differentiate(const FractionFits& fits, const Scale& scale, double time_fraction) {
-  DerivedMotion out;
-  const double rate = 1.0 / scale.dwell_time_s;
-  if (fits.x) {
-    out.vx_mps = fits.x->slope(time_fraction) * scale.dwell_distance_m * rate;
-    out.fx_n = scale.mass_kg * fits.x->curvature(time_fraction) * scale.dwell_distance_m * rate * rate;
-  }
-  if (fits.y) {
-    out.vy_mps = fits.y->slope(time_fraction) * scale.diameter_m * rate;
-    out.fy_n = scale.mass_kg * fits.y->curvature(time_fraction) * scale.diameter_m * rate * rate;
-  }
-  if (fits.rotation) out.omega_radps = fits.rotation->slope(time_fraction) * scale.total_rotation_rad * rate;
-  return out;
-}
-
 }  // namespace strobe::contact

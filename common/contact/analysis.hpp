@@ -1,6 +1,6 @@
 // What the images in contact say: the integration approach (damped sine pulse held against the images) and
-// the differentiation approach (cubics through the fractions, derived to velocities and forces). Pure;
-// thread-safe; allocates.
+// the differentiation approach (cubics through the fractions; differentiation.hpp makes velocities and forces
+// of them). Pure; thread-safe; allocates.
 #pragma once
 
 #include <optional>
@@ -54,18 +54,5 @@ struct Scale {
   double mass_kg = ball::kThesisMass_kg;
   double alpha = ball::kMeasuredAlpha;  ///< for the torque only
 };
-
-struct DerivedMotion {
-  std::optional<double> vx_mps;
-  std::optional<double> vy_mps;
-  std::optional<double> omega_radps;
-  std::optional<double> fx_n;
-  std::optional<double> fy_n;
-};
-
-/// Derivatives of the cubics at a time fraction: vx = x'·distance/dwell, vy = y'·D/dwell (the thesis's table
-/// has half of it), forces m·x''·distance/dwell² and m·y''·D/dwell². A cubic's force neither starts nor ends
-/// at zero.
-DerivedMotion differentiate(const FractionFits& fits, const Scale& scale, double time_fraction);
 
 }  // namespace strobe::contact

@@ -15,7 +15,8 @@
 
 namespace strobe::contact {
 
-/// Absent: that fit is absent.
+/// Absent: that fit is absent. vy is y'·D/dwell (the thesis's table has half of it). A cubic's force neither
+/// starts nor ends at zero.
 struct DerivedState {
   std::optional<ValueSd> x_m, y_m, rotation_rad;
   std::optional<ValueSd> vx_mps, vy_mps, omega_radps;

@@ -1,7 +1,7 @@
 // What the integration approach says about the images in contact: any motion through the contact (the pulse,
 // the contact ODE, a fitted curve) scored against a set, the largest force, deformation and friction with
 // their times, the contact's stiffness by several readings, and the measured drop of the ball's top beside
-// the pulse's depth. Units in the names; pure; thread-safe; what returns a Result allocates.
+// the pulse's depth. SI units; pure; thread-safe; what returns a Result allocates.
 #pragma once
 
 #include <functional>
@@ -115,7 +115,8 @@ tl::expected<Peaks, impact::InputError> peaks(const SpinPulseInput& input, const
 
 // --- Stiffness -------------------------------------------------------------------------------------------
 
-/// Readings of "the" stiffness of the contact, N/m. They differ since a damped pulse is no linear spring.
+/// Readings of "the" stiffness of the contact, in N/m where nothing else is said. They differ since a damped
+/// pulse is no linear spring.
 struct Stiffness {
   double half_period = 0.0;  ///< m(pi/dwell)²: the whole contact is half a period of an undamped spring
   double secant = 0.0;       ///< largest force over largest deformation of the pulse
@@ -128,7 +129,7 @@ struct Stiffness {
   double peak_time = 0.0;    ///< m(pi/(2·t_peak))²: the time to the largest force is a quarter period
 };
 
-/// Errors as SpinPulse::make(). Kelvin–Voigt needs e > 0.135 (zeta < 1): 0 below.
+/// Errors as SpinPulse::make(). Kelvin–Voigt (impact/ode/normal_spring.hpp) needs e >= 0.001: 0 below.
 tl::expected<Stiffness, impact::InputError> stiffness(const SpinPulseInput& input);
 
 /// A stiffness printed elsewhere for a condition, to be explained.
@@ -159,11 +160,6 @@ tl::expected<std::vector<StiffnessHypothesis>, impact::InputError> explain_stiff
 
 /// The depth that turns the half wave's largest force into the published stiffness, for each condition.
 std::vector<double> fixed_depth_m(std::span<const PublishedStiffness> published);
-
-/// Damping ratio zeta of a Kelvin–Voigt contact, released where its force is zero, of restitution e:
-/// e = exp(-(zeta/q)(pi - atan2(2 zeta q, 1 - 2 zeta²))), q = sqrt(1 - zeta²). Nothing for e outside
-/// (exp(-2), 1].
-std::optional<double> kelvin_voigt_zeta(double e);
 
 // --- Depth -----------------------------------------------------------------------------------------------
 

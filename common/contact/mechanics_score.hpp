@@ -1,4 +1,4 @@
-// The contact's mechanics (impact/contact_ode.hpp) held against the images of a set. Pure; thread-safe;
+// The contact's mechanics (impact/ode/contact_ode.hpp) held against the images of a set. Pure; thread-safe;
 // allocates.
 #pragma once
 

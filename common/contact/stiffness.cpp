@@ -5,40 +5,13 @@
 
 #include "common/contact/integration.hpp"
 #include "common/contact/pulse_depth.hpp"
+#include "common/impact/ode/normal_spring.hpp"
 
 namespace strobe::contact {
 
 namespace {
 
 using std::numbers::pi;
-
-/// b = asin(zeta), from (pi/2 - b)·tan(b) = -ln(e)/2, which is the formula of e with its arctangent resolved:
-/// the spring is released at a phase of pi - 2b. The left side rises from 0 to 1.
-double loss_angle(double e) {
-  const double target = -0.5 * std::log(e);
-  double low = 0.0, high = 0.5 * pi, b = 2.0 * target / pi;
-  for (int i = 0; i < 200; ++i) {
-    const double rest = 0.5 * pi - b;
-    const double miss = rest * std::tan(b) - target;
-    (miss < 0.0 ? low : high) = b;
-    const double cosine = std::cos(b);
-    double next = b - miss / (rest / (cosine * cosine) - std::tan(b));
-    if (!(next > low && next < high)) next = 0.5 * (low + high);
-    if (std::abs(next - b) <= 2e-16 * b) return next;
-    b = next;
-  }
-  return b;
-}
-
-void add_kelvin_voigt(Stiffness& out, const SpinPulseInput& in) {
-  const auto zeta = kelvin_voigt_zeta(in.e);
-  if (!zeta) return;
-  const double b = in.e == 1.0 ? 0.0 : loss_angle(in.e);
-  const double natural_radps = (pi - 2.0 * b) / (in.dwell_s * std::cos(b));
-  out.kelvin_voigt = in.ball.mass_kg * natural_radps * natural_radps;
-  out.kelvin_voigt_zeta = *zeta;
-  out.kelvin_voigt_damping = 2.0 * *zeta * in.ball.mass_kg * natural_radps;
-}
 
 struct Drop {
   double ratio;
@@ -58,11 +31,6 @@ Drop fitted_drop(const ContactSet& set, const SpinPulse& pulse) {
 
 }  // namespace
 
-std::optional<double> kelvin_voigt_zeta(double e) {
-  if (!(e > std::exp(-2.0) && e <= 1.0)) return std::nullopt;
-  return e == 1.0 ? 0.0 : std::sin(loss_angle(e));
-}
-
 tl::expected<Stiffness, impact::InputError> stiffness(const SpinPulseInput& input) {
   const auto pulse = SpinPulse::make(input);
   if (!pulse) return tl::unexpected(pulse.error());
@@ -77,7 +45,11 @@ tl::expected<Stiffness, impact::InputError> stiffness(const SpinPulseInput& inpu
   out.energy = mass * std::pow(input.touchdown.vy_mps / depth_m, 2);
   out.compression = of_period(2.0 * deepest * input.dwell_s);
   out.peak_time = of_period(2.0 * peak_fraction * input.dwell_s);
-  add_kelvin_voigt(out, input);
+  if (const auto spring = impact::normal_spring(mass, input.e, input.dwell_s)) {
+    out.kelvin_voigt = spring->stiffness_npm;
+    out.kelvin_voigt_zeta = spring->damping_ratio;
+    out.kelvin_voigt_damping = spring->damping_nspm;
+  }
   return out;
 }
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "common/contact/analysis.hpp"
+#include "common/contact/differentiation.hpp"
 #include "common/data/csv.hpp"
 #include "tests/common/physics/thesis_folder.hpp"
 
@@ -143,8 +143,8 @@ TEST(CubicFits, GiveTheDerivativesOfTable12) {
 // Half of the last digit of 8.04 is 0.005; the dwell distance of 6.29 cm is good to a thousandth of that.
 TEST(CubicFits, PredictTheLiftOffSpeedOfTable13) {
   const contact::Scale scale{.dwell_time_s = 5.2e-3, .dwell_distance_m = 0.0629};
-  const auto motion = contact::differentiate(fits_as_printed("zero_23"), scale, 1.0);
-  DOUBLES_EQUAL(8.04, *motion.vx_mps, 0.011);
+  const auto motion = contact::derive(fits_as_printed("zero_23"), scale, 1.0);
+  DOUBLES_EQUAL(8.04, motion.vx_mps->value, 0.011);
 }
 
 // The total rotation is not printed. Whatever it was, one value must give both ends of the backspin row:
@@ -153,15 +153,15 @@ TEST(CubicFits, PredictTheLiftOffSpeedOfTable13) {
 TEST(CubicFits, PredictTheSpinsOfTable13WithOneTotalRotation) {
   const auto back = fits_as_printed("back_22");
   const contact::Scale unit{.dwell_time_s = 5.1241e-3, .dwell_distance_m = 1.0, .total_rotation_rad = 1.0};
-  const double total_rad = 580.0 / *contact::differentiate(back, unit, 0.0).omega_radps;
+  const double total_rad = 580.0 / contact::derive(back, unit, 0.0).omega_radps->value;
   contact::Scale scale = unit;
   scale.total_rotation_rad = total_rad;
-  DOUBLES_EQUAL(-15.0, *contact::differentiate(back, scale, 1.0).omega_radps, 0.1);
+  DOUBLES_EQUAL(-15.0, contact::derive(back, scale, 1.0).omega_radps->value, 0.1);
 
   const auto zero = fits_as_printed("zero_23");
   const contact::Scale zero_unit{
       .dwell_time_s = 5.1996e-3, .dwell_distance_m = 1.0, .total_rotation_rad = 1.0};
-  const double zero_total_rad = 129.9 / *contact::differentiate(zero, zero_unit, 0.0).omega_radps;
+  const double zero_total_rad = 129.9 / contact::derive(zero, zero_unit, 0.0).omega_radps->value;
   CHECK(zero_total_rad < 0.0);
   // Between no spin and the measured lift-off spin throughout.
   CHECK(zero_total_rad > -313.2 * 5.1996e-3);
