@@ -9,6 +9,7 @@
 #include <set>
 
 #include "common/impact/fit/bounded_least_squares.hpp"
+#include "common/impact/fit/observation.hpp"
 #include "common/impact/ode/normal_spring.hpp"
 
 namespace strobe::impact {
@@ -78,10 +79,6 @@ Result<Optimum> optimum(std::span<const ContactObservation> observations, const 
   return Optimum{found.at, found.sum_of_squares, std::move(at_minimum), found.iterations};
 }
 
-double rms(double sum_of_squares, std::size_t n) {
-  return std::sqrt(sum_of_squares / static_cast<double>(std::max<std::size_t>(n, 1)));
-}
-
 Result<std::vector<ContactFitPoint>> judge(std::span<const ContactObservation> observations,
                                            const ContactVector& p, const ContactFitOptions& options) {
   std::vector<ContactFitPoint> points;
@@ -100,18 +97,19 @@ Result<std::vector<ContactFitPoint>> judge(std::span<const ContactObservation> o
   return points;
 }
 
-struct Spread {
+struct Rms {
   double vx;
   double omega;
 };
 
-Spread spread_of(std::span<const ContactFitPoint> points) {
-  Spread sum{0.0, 0.0};
+Rms rms_of(std::span<const ContactFitPoint> points) {
+  Rms sum{0.0, 0.0};
   for (const ContactFitPoint& point : points) {
     sum.vx += point.vx_residual_mps * point.vx_residual_mps;
     sum.omega += point.omega_residual_radps * point.omega_residual_radps;
   }
-  return {rms(sum.vx, points.size()), rms(sum.omega, points.size())};
+  const auto n = static_cast<double>(std::max<std::size_t>(points.size(), 1));
+  return {std::sqrt(sum.vx / n), std::sqrt(sum.omega / n)};
 }
 
 double condition_of(Eigen::MatrixXd j) {
@@ -123,13 +121,14 @@ double condition_of(Eigen::MatrixXd j) {
 }  // namespace
 
 ContactObservation observation_of(const thesis::Condition& c) {
-  return {.name = c.name(),
-          .group = c.spin,
-          .touchdown = {c.vx_td_mps.mean, c.vy_td_mps.mean, c.omega_td_radps.mean},
-          .touchdown_sd = {c.vx_td_mps.sd, c.vy_td_mps.sd, c.omega_td_radps.sd},
-          .lift_off = {c.vx_lo_mps.mean, c.vy_lo_mps.mean, c.omega_lo_radps.mean},
-          .lift_off_sd = {c.vx_lo_mps.sd, c.vy_lo_mps.sd, c.omega_lo_radps.sd},
-          .e = -c.vy_lo_mps.mean / c.vy_td_mps.mean,
+  const Observation o = observations_of({&c, 1}, Spread::replicate).front();
+  return {.name = o.name,
+          .group = o.spin,
+          .touchdown = o.touchdown,
+          .touchdown_sd = o.touchdown_sd,
+          .lift_off = o.lift_off,
+          .lift_off_sd = o.lift_off_sd,
+          .e = -o.lift_off.vy_mps / o.touchdown.vy_mps,
           .dwell_s = c.dwell_time_ms.mean / 1e3,
           .dwell_sd_s = c.dwell_time_ms.sd / 1e3};
 }
@@ -174,9 +173,9 @@ Result<ContactFit> fit_contact(std::span<const ContactObservation> observations,
   fit.jacobian_condition = condition_of(best->jacobian);
   fit.iterations = best->iterations;
   fit.points = std::move(*points);
-  const Spread spread = spread_of(fit.points);
-  fit.vx_rms_mps = spread.vx;
-  fit.omega_rms_radps = spread.omega;
+  const Rms rms = rms_of(fit.points);
+  fit.vx_rms_mps = rms.vx;
+  fit.omega_rms_radps = rms.omega;
   return fit;
 }
 
@@ -193,8 +192,8 @@ Result<std::vector<ContactLeftOut>> leave_one_group_out(std::span<const ContactO
     if (!fit) return tl::unexpected(fit.error());
     const auto points = judge(left, fit->value, options);
     if (!points) return tl::unexpected(points.error());
-    const Spread spread = spread_of(*points);
-    out.push_back({group, fit->value, spread.vx, spread.omega});
+    const Rms rms = rms_of(*points);
+    out.push_back({group, fit->value, rms.vx, rms.omega});
   }
   return out;
 }

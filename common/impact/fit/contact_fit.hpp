@@ -88,7 +88,7 @@ ContactVector within_bounds(const ContactVector& parameters);
 Result<ContactFit> fit_contact(std::span<const ContactObservation> observations,
                                const ContactFitOptions& options = {});
 
-/// The fit without each group in turn, judged on that group.
+/// The fit without each group in turn, judged on that group (its own e and dwell times are used).
 struct ContactLeftOut {
   std::string group;
   ContactVector value;
@@ -96,6 +96,7 @@ struct ContactLeftOut {
   double omega_rms_radps = 0.0;
 };
 
+/// In order of the groups' names. Fails as fit_contact() does, on the first group that makes it fail.
 Result<std::vector<ContactLeftOut>> leave_one_group_out(std::span<const ContactObservation> observations,
                                                         const ContactFitOptions& options = {});
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace strobe::impact {
 
@@ -14,6 +15,11 @@ double divisor(Spread spread, int n) {
 }
 
 }  // namespace
+
+double z_score(double value, double sd) {
+  if (value == 0.0) return 0.0;
+  return sd > 0.0 ? value / sd : std::copysign(std::numeric_limits<double>::infinity(), value);
+}
 
 std::vector<Observation> observations_of(std::span<const thesis::Condition> conditions, Spread spread) {
   std::vector<Observation> out;

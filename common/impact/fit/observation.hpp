@@ -35,6 +35,9 @@ enum class Spread {
   mean,
 };
 
+/// A value in standard deviations; 0 for 0, infinite for any other value whose sd is 0.
+double z_score(double value, double sd);
+
 /// One observation for each condition, in the order given; e is the tables' own.
 std::vector<Observation> observations_of(std::span<const thesis::Condition> conditions, Spread spread);
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace strobe::impact {
 
@@ -78,11 +77,6 @@ void add_parameters(const ModelInputs& in, InOutModel model, const ModelFit& fit
   }
 }
 
-double in_sd(double value, double sd) {
-  if (value == 0.0) return 0.0;
-  return sd > 0.0 ? value / sd : std::copysign(std::numeric_limits<double>::infinity(), value);
-}
-
 /// What rolling off needs less what happened, in the direction of the slip; vx and omega as independent.
 void add_measured(const Observation& o, double alpha, double radius, RegimeJudgement& out) {
   const double share = alpha / (1.0 + alpha);
@@ -120,7 +114,7 @@ tl::expected<RegimeJudgement, InputError> judge_regime(const Observation& observ
   out.friction_needed_mps = said.needed;
   out.friction_available_mps = said.available;
   out.margin_sd_mps = std::sqrt(variances.margin);
-  out.z = in_sd(said.margin(), out.margin_sd_mps);
+  out.z = z_score(said.margin(), out.margin_sd_mps);
   out.probability_slides = 0.5 * std::erfc(-out.z / std::sqrt(2.0));
   out.slip_lo_predicted_mps = said.slip_lo;
   out.slip_lo_predicted_sd_mps = std::sqrt(variances.slip_lo);

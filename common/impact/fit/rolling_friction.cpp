@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <optional>
 
 namespace strobe::impact {
@@ -32,11 +31,6 @@ double root_of_squares(std::span<const double> values) {
   double sum = 0.0;
   for (const double v : values) sum += v * v;
   return std::sqrt(sum);
-}
-
-double in_sd(double value, double sd) {
-  if (value == 0.0) return 0.0;
-  return sd > 0.0 ? value / sd : std::copysign(std::numeric_limits<double>::infinity(), value);
 }
 
 double weight_of(const RollingFriction& r, bool alike) {
@@ -77,7 +71,7 @@ tl::expected<RollingFriction, InputError> rolling_friction(const Observation& o,
   out.offset_by_alpha_m = radius * turned / impulse;
   out.rolling_speed_mps = 0.25 * (o.touchdown.vx_mps + o.lift_off.vx_mps -
                                   radius * (o.touchdown.omega_radps + o.lift_off.omega_radps));
-  out.z_from_symmetry = in_sd(out.offset_m, out.offset_sd_m);
+  out.z_from_symmetry = z_score(out.offset_m, out.offset_sd_m);
   return out;
 }
 
