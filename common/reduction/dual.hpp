@@ -45,7 +45,7 @@ template <std::size_t N> Dual<N> operator-(const Dual<N>& a) { return chain(a, -
 template <std::size_t N> Dual<N> operator+(const Dual<N>& a, const Dual<N>& b) { return chain(a, b, a.value + b.value, 1.0, 1.0); }
 template <std::size_t N> Dual<N> operator-(const Dual<N>& a, const Dual<N>& b) { return chain(a, b, a.value - b.value, 1.0, -1.0); }
 template <std::size_t N> Dual<N> operator*(const Dual<N>& a, const Dual<N>& b) { return chain(a, b, a.value * b.value, b.value, a.value); }
-template <std::size_t N> Dual<N> operator/(const Dual<N>& a, const Dual<N>& b) { return chain(a, b, a.value / b.value, 1.0 / b.value, -a.value / (b.value * b.value)); }
+template <std::size_t N> Dual<N> operator/(const Dual<N>& a, const Dual<N>& b) { return chain(a, b, a.value / b.value, 1.0 / b.value, -(a.value / b.value) / b.value); }
 template <std::size_t N> Dual<N> operator+(const Dual<N>& a, double b) { return chain(a, a.value + b, 1.0); }
 template <std::size_t N> Dual<N> operator-(const Dual<N>& a, double b) { return chain(a, a.value - b, 1.0); }
 template <std::size_t N> Dual<N> operator*(const Dual<N>& a, double b) { return chain(a, a.value * b, b); }
@@ -69,9 +69,10 @@ Dual<N> hypot(const Dual<N>& a, const Dual<N>& b) {
 
 template <std::size_t N>
 Dual<N> atan2(const Dual<N>& y, const Dual<N>& x) {
-  const double square = x.value * x.value + y.value * y.value;
-  if (square == 0.0) return Dual<N>(0.0);
-  return chain(y, x, std::atan2(y.value, x.value), x.value / square, -y.value / square);
+  // Divided by the length twice, since its square may leave double precision's range.
+  const double length = std::hypot(x.value, y.value);
+  if (length == 0.0) return Dual<N>(0.0);
+  return chain(y, x, std::atan2(y.value, x.value), x.value / length / length, -y.value / length / length);
 }
 
 }  // namespace strobe::reduction

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/reduction/court_pace.hpp"
 #include "common/units/angles.hpp"
 
 namespace strobe::reduction {
@@ -51,7 +52,8 @@ Quantities bound_of_change(const Readout& readout, const ShotFit& fit, const Cro
                     (1.0 + std::abs(*readout.value[Quantity::mu])) / (vy_td + vy_lo);
   bound[Quantity::e] = e;
   bound[Quantity::mu] = mu;
-  if (readout.value[Quantity::court_pace]) bound[Quantity::court_pace] = 100.0 * mu + 150.0 * e;
+  if (readout.value[Quantity::court_pace])
+    bound[Quantity::court_pace] = kFrictionPoints * mu + kRestitutionPoints * e;
   if (!readout.value[Quantity::dwell_time_ms]) return bound;
   const double td_s = legs[0].place_m / vy_td;
   const double lo_s = legs[1].place_m / vy_lo;

@@ -19,6 +19,14 @@ inline constexpr std::size_t kJointCount = 11;
 
 using JointVector = std::array<double, kJointCount>;
 
+/// Of whitened gradients: their numbers' covariance.
+template <std::size_t N>
+double dot(const std::array<double, N>& a, const std::array<double, N>& b) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < N; ++i) sum += a[i] * b[i];
+  return sum;
+}
+
 /// An unknown that nothing was measured of has a zero row: no variance, no change.
 struct JointFactor {
   struct Leg {

@@ -209,12 +209,6 @@ void bend(const Motion& motion, JointFit& fit) {
   }
 }
 
-double square(const JointVector& v) {
-  double sum = 0.0;
-  for (const double x : v) sum += x * x;
-  return sum;
-}
-
 /// Measurements that contradict each other beyond any photograph: no scale, or places beyond all that valid
 /// coordinates allow (1e21 m).
 bool diverged(const JointFit& fit, double first_scale) {
@@ -256,7 +250,7 @@ JointFit fit_joint(const Observations& all, const Motion& motion) {
     for (std::size_t i = 0; i < kJointCount; ++i) fit.unknowns[i] += change[i];
     fit.degenerate = diverged(fit, all.scale.value_or(1.0));
     if (fit.degenerate) break;
-    const double now = square(right);
+    const double now = dot(right, right);
     const bool weights_settled = !time_noise || step >= 2;
     const bool small = now < kConverged || (step > 0 && now / before * now < kConverged);
     if (small && weights_settled) break;

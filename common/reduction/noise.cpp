@@ -17,11 +17,7 @@ struct Scatter {
   double taken = 0.0;  // by the fit
 };
 
-double square(const std::array<double, 7>& v) {
-  double sum = 0.0;
-  for (const double x : v) sum += x * x;
-  return sum;
-}
+double square(const std::array<double, 7>& v) { return dot(v, v); }
 
 /// Squares of the part of a residual that the level, and not a stated error in time, accounts for.
 void add_centre(const ShotFit& fit, const Observation& o, Scatter& s) {

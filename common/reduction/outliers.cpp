@@ -29,12 +29,6 @@ double freedom(const ShotFit& fit, Noise noise) {
   return fit.levels[static_cast<std::size_t>(noise)].degrees_of_freedom;
 }
 
-double dot(const std::array<double, 7>& a, const std::array<double, 7>& b) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) sum += a[i] * b[i];
-  return sum;
-}
-
 /// A square with `dimensions` degrees of freedom in units of a level that was estimated with it included:
 /// the level without it, and then F.
 double chance_of_square(double square, double degrees_of_freedom, int dimensions) {

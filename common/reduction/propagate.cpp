@@ -196,12 +196,6 @@ class Uncertainty {
     return g;
   }
 
-  static double dot(const JointVector& a, const JointVector& b) {
-    double sum = 0.0;
-    for (std::size_t i = 0; i < kJointCount; ++i) sum += a[i] * b[i];
-    return sum;
-  }
-
   double spin_covariance(const Number& a, const Number& b, double SpinFit::*which) const {
     double sum = 0.0;
     for (std::size_t leg = 0; leg < 2; ++leg) {

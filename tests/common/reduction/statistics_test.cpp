@@ -81,3 +81,12 @@ TEST(Derivatives, AgreeWithDifferencesOfTheValue) {
   DOUBLES_EQUAL((formula(a + h, b).value - formula(a - h, b).value) / (2 * h), f.grad[0], 1e-8);
   DOUBLES_EQUAL((formula(a, b + h).value - formula(a, b - h).value) / (2 * h), f.grad[1], 1e-8);
 }
+
+// d atan2(y, x)/dx = -y/(x² + y²) = -1/(2·size) at x = y = size, whose square no double holds.
+TEST(Derivatives, OfTheArctangentHoldBeyondTheSquaresRange) {
+  for (const double size : {1e-200, 1.0, 1e200}) {
+    const auto angle = atan2(Dual<2>::variable(size, 0), Dual<2>::variable(size, 1));
+    DOUBLES_EQUAL(0.5, angle.grad[0] * size, 1e-15);
+    DOUBLES_EQUAL(-0.5, angle.grad[1] * size, 1e-15);
+  }
+}
