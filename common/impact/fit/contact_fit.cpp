@@ -16,6 +16,7 @@ namespace strobe::impact {
 
 namespace {
 
+/// Near the published fit of this mechanics (mu .555, k_t/k 1.39, c_t .75, offset .098, alpha .55).
 const ContactVector kStart{0.55, 1.4, 0.7, 0.1, 0.55};
 const ContactVector kLowest{0.0, 1e-2, 0.01, 0.0, 0.1};
 const ContactVector kHighest{10.0, 1e2, 10.0, 1.0, ball::kThinShellAlpha};
