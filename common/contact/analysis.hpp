@@ -53,6 +53,10 @@ struct Scale {
   double diameter_m = ball::kThesisDiameter_m;
   double mass_kg = ball::kThesisMass_kg;
   double alpha = ball::kMeasuredAlpha;  ///< for the torque only
+
+  double inertia_kgm2() const {
+    return ball::Ball{.diameter_m = diameter_m, .mass_kg = mass_kg, .alpha = alpha}.inertia_kgm2();
+  }
 };
 
 }  // namespace strobe::contact

@@ -106,8 +106,6 @@ Result<ConstrainedMotion> fit_constrained_motion(const ContactSet& set, const Sc
 DerivedState derive(const ConstrainedMotion& m, double t) {
   const Scale& s = m.scale;
   const double rate = 1.0 / s.dwell_time_s, rate2 = rate * rate;
-  const double inertia =
-      ball::Ball{.diameter_m = s.diameter_m, .mass_kg = s.mass_kg, .alpha = s.alpha}.inertia_kgm2();
   DerivedState out{.x_m = scaled(m.x, t, 0, 1.0),
                    .y_m = scaled(m.y, t, 0, 1.0),
                    .rotation_rad = scaled(m.rotation, t, 0, 1.0),
@@ -116,13 +114,9 @@ DerivedState derive(const ConstrainedMotion& m, double t) {
                    .omega_radps = scaled(m.rotation, t, 1, rate),
                    .fx_n = scaled(m.x, t, 2, s.mass_kg * rate2),
                    .fy_n = scaled(m.y, t, 2, s.mass_kg * rate2),
-                   .torque_nm = scaled(m.rotation, t, 2, inertia * rate2),
+                   .torque_nm = scaled(m.rotation, t, 2, s.inertia_kgm2() * rate2),
                    .slip_mps = std::nullopt};
-  if (out.vx_mps && out.omega_radps) {
-    const double radius = 0.5 * s.diameter_m;
-    out.slip_mps = ValueSd{out.vx_mps->value + radius * out.omega_radps->value,
-                           std::hypot(out.vx_mps->sd, radius * out.omega_radps->sd)};
-  }
+  out.slip_mps = slip_of(out, 0.5 * s.diameter_m);
   return out;
 }
 

@@ -13,10 +13,6 @@ std::optional<ValueSd> scaled(const std::optional<CubicFit>& fit, double t, int 
   return ValueSd{v.value * factor, v.sd * std::abs(factor)};
 }
 
-double inertia_of(const Scale& s) {
-  return ball::Ball{.diameter_m = s.diameter_m, .mass_kg = s.mass_kg, .alpha = s.alpha}.inertia_kgm2();
-}
-
 std::optional<std::array<double, 3>> slope_of(const std::optional<CubicFit>& fit, double factor) {
   if (!fit) return std::nullopt;
   const auto& c = fit->coefficients;
@@ -63,6 +59,12 @@ std::vector<double> sign_changes(const CubicFit& fit, double low, double high) {
 
 }  // namespace
 
+std::optional<ValueSd> slip_of(const DerivedState& state, double radius_m) {
+  if (!state.vx_mps || !state.omega_radps) return std::nullopt;
+  return ValueSd{state.vx_mps->value + radius_m * state.omega_radps->value,
+                 std::hypot(state.vx_mps->sd, radius_m * state.omega_radps->sd)};
+}
+
 DerivedState derive(const FractionFits& fits, const Scale& s, double t) {
   const double rate = 1.0 / s.dwell_time_s, rate2 = rate * rate;
   const double x = s.dwell_distance_m, y = s.diameter_m, turn = s.total_rotation_rad;
@@ -74,19 +76,15 @@ DerivedState derive(const FractionFits& fits, const Scale& s, double t) {
                    .omega_radps = scaled(fits.rotation, t, 1, turn * rate),
                    .fx_n = scaled(fits.x, t, 2, s.mass_kg * x * rate2),
                    .fy_n = scaled(fits.y, t, 2, s.mass_kg * y * rate2),
-                   .torque_nm = scaled(fits.rotation, t, 2, inertia_of(s) * turn * rate2),
+                   .torque_nm = scaled(fits.rotation, t, 2, s.inertia_kgm2() * turn * rate2),
                    .slip_mps = std::nullopt};
-  if (out.vx_mps && out.omega_radps) {
-    const double radius = 0.5 * s.diameter_m;
-    out.slip_mps = ValueSd{out.vx_mps->value + radius * out.omega_radps->value,
-                           std::hypot(out.vx_mps->sd, radius * out.omega_radps->sd)};
-  }
+  out.slip_mps = slip_of(out, 0.5 * s.diameter_m);
   return out;
 }
 
 DerivedPolynomials derived_polynomials(const FractionFits& fits, const Scale& s) {
   return polynomials(fits, s.dwell_distance_m, s.diameter_m, s.total_rotation_rad, 1.0 / s.dwell_time_s,
-                     s.mass_kg, inertia_of(s));
+                     s.mass_kg, s.inertia_kgm2());
 }
 
 DerivedPolynomials fraction_polynomials(const FractionFits& fits) {

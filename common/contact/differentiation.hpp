@@ -24,6 +24,9 @@ struct DerivedState {
   std::optional<ValueSd> slip_mps;               ///< vx + R·omega, the two fits taken as independent
 };
 
+/// Slip of the contact point from vx and omega, their errors taken as independent; absent without both.
+std::optional<ValueSd> slip_of(const DerivedState& state, double radius_m);
+
 DerivedState derive(const FractionFits& fits, const Scale& scale, double time_fraction);
 
 /// Velocities, forces and torque as polynomials of the time fraction, constant first: the thesis's Table 12

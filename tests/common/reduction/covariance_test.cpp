@@ -2,7 +2,6 @@
 #include <Eigen/Dense>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 
 #include "common/reduction/reduce.hpp"
 #include "tests/common/reduction/simulated_shot.hpp"
@@ -16,10 +15,7 @@ using test::Setup;
 
 namespace {
 
-std::uint64_t seed() {
-  const char* text = std::getenv("STROBE_SEED");
-  return text ? std::strtoull(text, nullptr, 10) : 977;
-}
+std::uint64_t seed() { return test::seed_or(977); }
 
 using Vector8 = Eigen::Matrix<double, 8, 1>;
 using Matrix8 = Eigen::Matrix<double, 8, 8>;

@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <fstream>
 #include <functional>
 #include <numbers>
@@ -125,6 +126,11 @@ std::vector<double> rebound_times(const Bounce& b, const Setup& s) {
 }
 
 }  // namespace
+
+std::uint64_t seed_or(std::uint64_t own) {
+  const char* text = std::getenv("STROBE_SEED");
+  return text ? std::strtoull(text, nullptr, 10) : own;
+}
 
 std::vector<Bounce> thesis_bounces() {
   std::ifstream file(STROBE_THESIS_TABLE);

@@ -58,6 +58,9 @@ std::vector<Bounce> thesis_bounces();
 
 using Random = std::mt19937_64;
 
+/// STROBE_SEED from the environment, which repeats a run, or the test's own seed.
+std::uint64_t seed_or(std::uint64_t own);
+
 reduction::Frame photograph(const Bounce& bounce, const Setup& setup, Random& random);
 
 /// What a perfect reduction reads.

@@ -3,7 +3,6 @@
 #include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <string>
 
 #include "common/reduction/reduce.hpp"
@@ -20,11 +19,7 @@ using test::Setup;
 
 namespace {
 
-/// STROBE_SEED repeats a run.
-std::uint64_t seed() {
-  const char* text = std::getenv("STROBE_SEED");
-  return text ? std::strtoull(text, nullptr, 10) : 20240611;
-}
+std::uint64_t seed() { return test::seed_or(20240611); }
 
 struct Spread {
   int shots = 0;
