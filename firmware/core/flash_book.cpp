@@ -32,23 +32,22 @@ void FlashBook::issued(std::int32_t flash_index, MonoTime start, MonoTime end) n
   flash.issue_end = end;
 }
 
-FlashRecord* FlashBook::owner(MonoTime seen) noexcept {
+FlashRecord* FlashBook::last_begun(MonoTime seen) noexcept {
   auto& flashes = record_->flashes;
   const auto after =
       std::upper_bound(flashes.begin(), flashes.end(), seen,
                        [](MonoTime t, const FlashRecord& flash) { return t < begin_of(flash); });
-  if (after == flashes.begin()) return nullptr;
-  FlashRecord& flash = *std::prev(after);
-  const MonoTime end = begin_of(flash) + kEarly + nanoseconds(period_.ns / 2);
-  return seen < end ? &flash : nullptr;
+  return after == flashes.begin() ? nullptr : &*std::prev(after);
 }
 
 void FlashBook::edge(Input sensor, MonoTime seen) noexcept {
   if (record_ == nullptr) return;
-  FlashRecord* flash = owner(seen);
+  FlashRecord* flash = last_begun(seen);
   if (flash == nullptr) return;
+  const Duration since_begin = seen - (begin_of(*flash) + kEarly);
+  if (since_begin.ns >= period_.ns) return;
   MonoTime& observed = sensor == Input::sensor_a ? flash->observed_a : flash->observed_b;
-  if (observed.known()) {
+  if (observed.known() || since_begin.ns >= period_.ns / 2) {
     ++flash->extra_edges;
   } else {
     observed = seen;

@@ -1,6 +1,8 @@
 // Assigns the sensors' edges to flashes. A flash's window runs from a little before it was issued (commanded,
-// if it never was) for half a period: its first edge of each sensor is the flash, further ones are counted as
-// extra. Edges outside every window are nobody's. Real-time safe; no allocation beyond the record's capacity.
+// if it never was) for half a period: its first edge of each sensor is the flash. Further edges there, and every
+// edge in the rest of its period, are light that nobody asked for and are counted as extra: such light makes an
+// image as well. Edges before the first flash and a period after the last are not the train's.
+// Real-time safe; no allocation beyond the record's capacity.
 #pragma once
 
 #include "firmware/ports/edge_source.hpp"
@@ -22,7 +24,7 @@ class FlashBook {
   void edge(Input sensor, MonoTime seen) noexcept;
 
  private:
-  FlashRecord* owner(MonoTime seen) noexcept;
+  FlashRecord* last_begun(MonoTime seen) noexcept;
 
   ShotRecord* record_ = nullptr;
   Duration period_;

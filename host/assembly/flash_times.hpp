@@ -14,7 +14,7 @@ struct SeenFlash {
   std::int64_t time_ns = 0;
   double time_sd_s = 0.0;
   bool late = false;              ///< observed - commanded - lamp delay beyond the rig's tolerance
-  bool doubled = false;           ///< further sensor edges in its window
+  bool doubled = false;           ///< further sensor edges before the next flash
   bool sensor_silent = false;     ///< a fitted sensor did not see it
   bool before_its_pulse = false;  ///< seen before it was issued: not plausible
 };

@@ -65,11 +65,21 @@ TEST(FlashBook, FollowsAFlashThatWasIssuedLate) {
   CHECK(record.flashes[1].observed_a == at(1) + late + kDelay);
 }
 
-TEST(FlashBook, IgnoresLightOutsideEveryWindow) {
-  issue(0);
-  issue(1);
+TEST(FlashBook, CountsLightBetweenTwoFlashesAsExtra) {
+  for (int k = 0; k < 4; ++k) issue(k);
+  book.edge(Input::sensor_a, at(1) + kDelay);
+  book.edge(Input::sensor_a, at(1) + microseconds(1500));  // half a period: too late to be the flash
+  book.edge(Input::sensor_b, at(2) - microseconds(21));
+  CHECK(record.flashes[1].observed_a == at(1) + kDelay);
+  CHECK_FALSE(record.flashes[1].observed_b.known());
+  CHECK_EQUAL(2, record.flashes[1].extra_edges);
+  CHECK_EQUAL(0, record.flashes[2].extra_edges);
+}
+
+TEST(FlashBook, IgnoresLightBeforeAndAfterTheTrain) {
+  for (int k = 0; k < 4; ++k) issue(k);
   book.edge(Input::sensor_a, at(0) - microseconds(21));
-  book.edge(Input::sensor_a, at(0) + microseconds(1500));  // half a period: the window is over
+  book.edge(Input::sensor_a, at(3) + kPeriod);
   for (const FlashRecord& flash : record.flashes) {
     CHECK_FALSE(flash.observed_a.known());
     CHECK_EQUAL(0, flash.extra_edges);
