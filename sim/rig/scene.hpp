@@ -7,9 +7,12 @@
 #include <numbers>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "common/ball/ball.hpp"
+#include "common/impact/ode/contact_ode.hpp"
+#include "common/reduction/readout.hpp"
 #include "common/result.hpp"
 #include "common/units/time.hpp"
 #include "sim/faults.hpp"
@@ -30,23 +33,35 @@ struct MachineSettings {
   double spot_sd_m = 0.010;  ///< key spot_sd_mm: where along the surface the ball touches down
 };
 
-/// [bounce] How ball and surface rebound: common/impact's grip() with these coefficients, spread from shot to
-/// shot, and the exact damped sine in between. One draw moves mu and e_x together: a shot that finds more
-/// grip.
+/// How the rig's ball and surface meet.
+enum class ContactLaw {
+  ode,   ///< common/impact/ode: spring, dashpot, Coulomb friction, tangential spring, offset; the default
+  grip,  ///< common/impact's grip() between touchdown and lift-off, and the exact damped sine in between
+};
+
+/// [bounce] How ball and surface rebound, spread from shot to shot. One draw moves mu and what goes with it
+/// (grip: e_x) together: a shot that finds more grip.
 struct BounceSettings {
-  double e = 0.75;              ///< required; at e_speed_mps
-  double e_speed_mps = 0.0;     ///< |vy| at which e holds; default: the machine's mean
-  double e_slope_spm = -0.017;  ///< de/d|vy|; key e_slope_s_per_m
+  ContactLaw contact = ContactLaw::ode;  ///< key contact = "ode" | "grip"
+  double e = 0.75;                       ///< required; at e_speed_mps
+  double e_speed_mps = 0.0;              ///< |vy| at which e holds; default: the machine's mean
+  double e_slope_spm = -0.017;           ///< de/d|vy|; key e_slope_s_per_m
   double e_sd = 0.0;
   double mu = 0.57;  ///< required
   double mu_sd = 0.0;
+  double dwell_s = 0.005;  ///< required, key dwell_ms; touchdown to lift-off
+  double dwell_sd_s = 0.0;
+  // contact = "ode"
+  double stiffness_ratio = impact::ContactCoefficients{}.stiffness_ratio;  ///< tangential over normal
+  double damping_ratio = impact::ContactCoefficients{}.damping_ratio;      ///< c_t/sqrt(k_t·m)
+  double offset_share = impact::ContactCoefficients{}.offset_share;        ///< of the footprint's radius
+  double offset_share_sd = 0.0;
+  // contact = "grip"
   double ex = 0.087;  ///< required; -1…1
   double ex_sd = 0.0;
   double offset_m = 0.003;  ///< required, key offset_mm; of the normal force at full rolling speed
   double offset_sd_m = 0.0;
-  double offset_grip_correlation = 0.0;  ///< -1…1, between the offset and mu or e_x of one shot
-  double dwell_s = 0.005;                ///< required, key dwell_ms; touchdown to lift-off
-  double dwell_sd_s = 0.0;
+  double offset_grip_correlation = 0.0;  ///< -1…1, between the offset and mu of one shot
   double top_drop_ratio = 1.27;  ///< drop of the ball's top over that of its centre (measured at 23 degrees)
 };
 
@@ -56,6 +71,7 @@ struct AirSettings {
   double density_kgpm3 = -1.0;     ///< < 0 (key absent): dry air of that temperature at 101.325 kPa
   double drag_coefficient = 0.55;  ///< of the area pi·R²; 0: no drag
   bool lift = true;                ///< key lift_law = "spin_ratio" (sim/rig/flight.hpp) | "none"
+  double spin_decay_per_m = 0.01;  ///< domega/dt = -spin_decay_per_m·|v|·omega; .05 % in 3 ms at 17 m/s
 };
 
 /// [lamps] Both alike.
@@ -63,6 +79,7 @@ struct LampSettings {
   double delay_s = 12e-6;  ///< rising edge of the line to flash
   double jitter_s = 1e-6;
   double recharge_s = 1.4e-3;  ///< a pulse sooner after a flash makes none
+  double flash_s = 1e-6;       ///< key flash_us: how long it gives light; the image is that time's mean
 };
 
 /// [sensors] Both alike.
@@ -84,15 +101,20 @@ struct GateSettings {
   double distance_m = 1.0;  ///< light beam ahead of the point of touchdown, along the surface
 };
 
-/// [camera] Orthographic: a true side view. The photograph's x is to the right, y up.
+/// [camera] A side view. The photograph's x is to the right, y up. Without distance_m a true (orthographic)
+/// one.
 struct CameraSettings {
-  double px_per_m = 4000.0;
+  double px_per_m = 4000.0;  ///< in the plane that the ball is to fly in
   double roll_rad = 0.3 * std::numbers::pi / 180.0;
   double origin_x_px = 1500.0;  ///< where the point of touchdown is on the photograph
   double origin_y_px = 300.0;
-  double half_width_m = 0.30;  ///< centres within ±half_width_m of the point of touchdown are seen ...
-  double height_m = 0.35;      ///< ... up to this height over the surface
-  bool mirrored = false;       ///< seen from the other side: the ball travels to the left
+  double half_width_m = 0.30;   ///< centres within ±half_width_m of the point of touchdown are seen ...
+  double height_m = 0.35;       ///< ... up to this height over the surface
+  bool mirrored = false;        ///< seen from the other side: the ball travels to the left
+  double distance_m = 0.0;      ///< lens to that plane; 0 (key absent): infinitely far
+  double off_plane_sd_m = 0.0;  ///< key off_plane_sd_mm: how far from that plane balls fly, towards the lens
+  double distortion = 0.0;  ///< radial: displaced by distortion·(r/half diagonal of the view)²·r, outwards
+  bool pixels = false;      ///< key rendering = "pixels" | "points": images are rendered and measured there
 };
 
 /// [tablet] Hand measurement of the photograph. Standard deviations of one coordinate on the object's scale.
@@ -103,6 +125,14 @@ struct TabletSettings {
   double visible_flattening_m = 0.001;  ///< a drop of the ball's top from which an image is called "contact"
   double calibration_sd =
       -1.0;  ///< relative sd of a scale handed over with the frame; < 0: none (key absent)
+};
+
+/// [readout] What the scene is to be read out for, and how well.
+struct ReadoutSettings {
+  double tolerance = 0.0;  ///< key tolerance_percent; relative, see sim/plan; 0 (key absent): none stated
+  /// Absolute ones by a quantity's name, in its unit; < 0: not wanted (key = "any"), absent: the relative
+  /// one.
+  std::vector<std::pair<reduction::Quantity, double>> absolute;
 };
 
 /// [chip]
@@ -136,6 +166,7 @@ struct Scene {
   GateSettings gate;
   CameraSettings camera;
   TabletSettings tablet;
+  ReadoutSettings readout;
   ChipSettings chip;
   std::vector<OperatorAction> operator_actions;
   std::vector<Fault> faults;

@@ -1,0 +1,68 @@
+// Which effects a simulation computes. The full model has all that the scene has; a planned one
+// (sim/plan) leaves out those that cannot change a readout by more than is tolerated. Plain values.
+#pragma once
+
+#include <array>
+#include <bitset>
+#include <optional>
+#include <string_view>
+
+namespace strobe::sim {
+
+enum class Effect {
+  gravity,          ///< in flight
+  drag,             ///< in flight
+  magnus,           ///< in flight
+  spin_decay,       ///< in flight
+  contact_gravity,  ///< the weight during contact
+  grip,             ///< the contact point may come to a stop; without it friction is at its limit throughout
+  offset,           ///< the normal force stands ahead of the centre
+  tangential_compliance,  ///< grip and slip of the tangential spring; without it one number, e_x
+  contact_ode,            ///< course of the contact by the ODE; without it by the damped sine
+  flash_duration,         ///< an image is the mean over the flash
+  lamp_delay,             ///< pulse to flash
+  lamp_jitter,            ///< from flash to flash
+  sensor_delay,           ///< flash to edge, and its jitter
+  shutter_lag,            ///< line to shutter, and its jitter
+  perspective,            ///< balls off the plane look larger or smaller; a ball aside is seen obliquely
+  lens_distortion,
+  pixels,  ///< images are rendered on pixels and measured there
+};
+
+inline constexpr std::array<std::string_view, 17> kEffectNames{
+    "gravity",         "drag",           "magnus",      "spin_decay",
+    "contact_gravity", "grip",           "offset",      "tangential_compliance",
+    "contact_ode",     "flash_duration", "lamp_delay",  "lamp_jitter",
+    "sensor_delay",    "shutter_lag",    "perspective", "lens_distortion",
+    "pixels"};
+inline constexpr std::size_t kEffectCount = kEffectNames.size();
+
+constexpr std::string_view name(Effect effect) { return kEffectNames[static_cast<std::size_t>(effect)]; }
+
+constexpr std::optional<Effect> effect_from_name(std::string_view text) {
+  for (std::size_t i = 0; i < kEffectCount; ++i) {
+    if (kEffectNames[i] == text) return static_cast<Effect>(i);
+  }
+  return std::nullopt;
+}
+
+class Model {
+ public:
+  static Model full() { return Model(std::bitset<kEffectCount>().set()); }
+  static Model none() { return Model({}); }
+
+  bool has(Effect effect) const { return effects_[static_cast<std::size_t>(effect)]; }
+  Model with(Effect effect, bool on = true) const {
+    Model other = *this;
+    other.effects_[static_cast<std::size_t>(effect)] = on;
+    return other;
+  }
+  Model without(Effect effect) const { return with(effect, false); }
+  bool operator==(const Model&) const = default;
+
+ private:
+  explicit Model(std::bitset<kEffectCount> effects) : effects_(effects) {}
+  std::bitset<kEffectCount> effects_;
+};
+
+}  // namespace strobe::sim
