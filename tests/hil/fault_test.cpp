@@ -31,6 +31,8 @@ struct Outcome {
 
 /// Faulty exposures come first; a few more in case a host freeze aborts one.
 constexpr int kSpare = 3;
+/// On a machine that freezes every second all exposures of a round may be aborted; four rounds are not.
+constexpr std::uint64_t kRounds = 4;
 
 std::string fault(const std::string& kind, int shot, const std::string& more = "") {
   return fmt::format("[[fault]]\nkind = \"{}\"\nshot = {}\n{}\n", kind, shot, more);
@@ -48,12 +50,7 @@ std::string faults_twice(const std::vector<std::pair<std::string, std::string>>&
 }
 
 /// Fires until every faulty exposure is through, and pairs what was read with what was true.
-Outcome fire_with(const std::string& faults, int exposures,
-                  const std::vector<std::pair<std::string, std::string>>& rig_edits = {}) {
-  BenchOptions options;
-  options.scene_addition = faults;
-  options.rig_edits = rig_edits;
-  options.seed = 7;
+Outcome fire_once(const BenchOptions& options, int exposures) {
   Bench bench(options);
   if (!bench.ready()) FAIL(("strobed did not come up:\n" + bench.log()).c_str());
   const auto fired = strobe::testing::run_to_end(bench.fire(exposures, exposures + kSpare), 120s);
@@ -72,6 +69,19 @@ Outcome fire_with(const std::string& faults, int exposures,
         outcome.struck.push_back({readout, truth});
       }
     }
+  }
+  return outcome;
+}
+
+/// Fires it all once more, on another bench, where host freezes aborted every faulty exposure.
+Outcome fire_with(const std::string& faults, int exposures,
+                  const std::vector<std::pair<std::string, std::string>>& rig_edits = {}) {
+  BenchOptions options;
+  options.scene_addition = faults;
+  options.rig_edits = rig_edits;
+  Outcome outcome;
+  for (options.seed = 7; options.seed < 7 + kRounds && outcome.struck.empty(); ++options.seed) {
+    outcome = fire_once(options, exposures);
   }
   return outcome;
 }
@@ -99,7 +109,7 @@ void expect_flag(const Outcome& outcome, const std::vector<std::string>& any_of)
   CHECK_TEXT(named > 0, "no shot names its fault");
 }
 
-/// Freezes abort one shot in five, more on a busy machine; that they abort four in a row is one in 600.
+/// Freezes abort one shot in five, more on a busy machine.
 void expect_some(const Outcome& outcome) { CHECK_TEXT(!outcome.struck.empty(), "every shot was aborted"); }
 
 bool has_no_rebound(const nlohmann::json& readout) {
