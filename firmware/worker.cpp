@@ -1,7 +1,6 @@
 #include "firmware/worker.hpp"
 
 #include <pthread.h>
-#include <sys/eventfd.h>
 #include <unistd.h>
 
 #include <csignal>
@@ -9,10 +8,13 @@
 #include <future>
 #include <thread>
 
+#include "common/messages/channels.hpp"
 #include "firmware/core/sequencer.hpp"
+#include "firmware/linux/event_fd.hpp"
 #include "firmware/linux/gpio_lines.hpp"
 #include "firmware/linux/monotonic_clock.hpp"
 #include "firmware/linux/real_time.hpp"
+#include "firmware/publisher/lcm_bus.hpp"
 #include "firmware/publisher/publisher.hpp"
 #include "firmware/publisher/receiver.hpp"
 
@@ -24,22 +26,6 @@ int give_up(const std::string& why) {
   std::fprintf(stderr, "strobed: %s\n", why.c_str());
   return kExitBadInput;
 }
-
-class EventFd {
- public:
-  EventFd() : fd_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {}
-  EventFd(const EventFd&) = delete;
-  EventFd& operator=(const EventFd&) = delete;
-  ~EventFd() { close(fd_); }
-  operator int() const { return fd_; }  // NOLINT: it stands for the descriptor
-  void wake() const {
-    const std::uint64_t one = 1;
-    [[maybe_unused]] const ssize_t written = write(fd_, &one, sizeof one);
-  }
-
- private:
-  int fd_;
-};
 
 std::string no_lcm(const std::string& url) {
   return "LCM cannot use \"" + url + "\": is there a multicast route? (ip route add 224.0.0.0/4 dev lo)";
@@ -71,7 +57,7 @@ void wait_for_stop_signal() {
 /// The real-time thread: set up before the first turn, ended by stop().
 class LoopThread {
  public:
-  LoopThread(Sequencer& sequencer, const Rig::RealTime& wanted, WorkerPage& page, const EventFd& wake)
+  LoopThread(Sequencer& sequencer, const Rig::RealTime& wanted, WorkerPage& page, EventFd& wake)
       : sequencer_(sequencer), page_(page), wake_(wake) {
     thread_ = std::thread([this, wanted] { run(wanted); });
   }
@@ -111,7 +97,7 @@ class LoopThread {
 
   Sequencer& sequencer_;
   WorkerPage& page_;
-  const EventFd& wake_;
+  EventFd& wake_;
   MonotonicClock clock_;
   std::atomic<bool> stop_{false};
   std::promise<std::vector<std::string>> set_up_;
@@ -124,9 +110,9 @@ class LoopThread {
 int run_worker(const Rig& rig, const Options& options, WorkerPage& page) {
   use_small_stacks();
   keep_memory();
-  const EventFd loop_wake;
-  const EventFd publisher_wake;
-  auto lines = GpioLines::open(rig, loop_wake);
+  EventFd loop_wake;
+  EventFd publisher_wake;
+  auto lines = GpioLines::open(rig, loop_wake.fd());
   if (!lines) return give_up(lines.error().message);
   page.lines_taken = true;
   // Taken inactive; only the loop sets them, so until it starts there is nothing for the guardian to do.
@@ -137,6 +123,7 @@ int run_worker(const Rig& rig, const Options& options, WorkerPage& page) {
 
   lcm::LCM lcm(options.lcm_url);
   if (!lcm.good()) return give_up_safely(no_lcm(options.lcm_url));
+  LcmBus bus(lcm);
   const std::int64_t boot_id = random_id();
   MonotonicClock clock;
   LoopQueue queue(rig, publisher_wake);
@@ -168,13 +155,16 @@ int run_worker(const Rig& rig, const Options& options, WorkerPage& page) {
     std::fprintf(stderr, "strobed: ready, rig %s, boot %016llx\n", rig.name.c_str(),
                  static_cast<unsigned long long>(boot_id));
   };
-  Publisher publisher(rig, settings, queue, mailbox, *journal, lcm, clock, publisher_wake);
-  Receiver receiver(rig, boot_id, lcm, commands, mailbox);
+  Publisher publisher(rig, settings, queue, mailbox, *journal, bus, clock);
+  Receiver receiver(rig, boot_id, commands, mailbox);
+  bus.listen(messages::channel_name(rig.name, messages::Channel::command),
+             [&receiver](const void* data, int size) { receiver.receive(data, size); });
   loop.start(Words("strobed " STROBE_VERSION)
                  .append(settings.real_time ? ", real time" : ", without all real-time rights"));
   // noexcept: an exception ends the process here and now, and the guardian makes the outputs safe.
-  std::jthread publishing([&](const std::stop_token& stop) noexcept { publisher.run(stop); });
-  std::jthread receiving([&](const std::stop_token& stop) noexcept { receiver.run(stop); });
+  std::jthread publishing(
+      [&](const std::stop_token& stop) noexcept { publisher.run(stop, publisher_wake.fd()); });
+  std::jthread receiving([&](const std::stop_token& stop) noexcept { bus.run(stop); });
 
   wait_for_stop_signal();
   loop.stop();

@@ -1,10 +1,8 @@
 #include "firmware/publisher/loop_queue.hpp"
 
-#include <unistd.h>
-
 namespace strobe::firmware {
 
-LoopQueue::LoopQueue(const Rig& rig, int wake_fd) : queue_(kCapacity), wake_fd_(wake_fd) {
+LoopQueue::LoopQueue(const Rig& rig, Wake& publisher) : queue_(kCapacity), publisher_(publisher) {
   for (Slot& slot : slots_) slot.record.flashes.reserve(static_cast<std::size_t>(rig.lamps.max_flashes));
 }
 
@@ -47,10 +45,7 @@ void LoopQueue::give_back(ShotRecord* record) {
 void LoopQueue::flush() noexcept {
   if (unsent_status_) status(LoopStatus(*unsent_status_));
   if (!news_) return;
-  news_ = false;
-  const std::uint64_t one = 1;
-  // An eventfd's write cannot block before 2^64 - 2 of them were left unread.
-  if (write(wake_fd_, &one, sizeof one) < 0) news_ = true;
+  news_ = !publisher_.wake();
 }
 
 }  // namespace strobe::firmware

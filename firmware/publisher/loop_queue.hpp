@@ -10,6 +10,7 @@
 
 #include "firmware/core/rig.hpp"
 #include "firmware/ports/event_sink.hpp"
+#include "firmware/ports/wake.hpp"
 #include "firmware/publisher/spsc_queue.hpp"
 
 namespace strobe::firmware {
@@ -21,8 +22,8 @@ class LoopQueue final : public EventSink {
   static constexpr std::size_t kRecords = 4;
   using Item = std::variant<Event, LoopStatus, ShotRecord*>;
 
-  /// wake_fd: an eventfd that is written when there is something to do; owned by the caller.
-  LoopQueue(const Rig& rig, int wake_fd);
+  /// publisher: woken when there is something to do.
+  LoopQueue(const Rig& rig, Wake& publisher);
 
   void event(const Event& event) noexcept override;
   void status(const LoopStatus& status) noexcept override;
@@ -47,7 +48,7 @@ class LoopQueue final : public EventSink {
   std::optional<LoopStatus> unsent_status_;
   std::atomic<std::int64_t> overflows_{0};
   std::atomic<bool> journal_ok_{true};
-  int wake_fd_;
+  Wake& publisher_;
   bool news_ = false;
 };
 

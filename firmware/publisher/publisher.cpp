@@ -21,12 +21,7 @@ constexpr Duration kHeartbeat = milliseconds(500);
 constexpr std::size_t kBatch = 512;        // so that a burst is published while it goes on
 constexpr std::size_t kResendBatch = 128;  // so that new events do not wait for a long resend
 constexpr std::size_t kMostUnwritten = 100'000;
-
-std::int64_t wall_ns() {
-  timespec t{};
-  clock_gettime(CLOCK_REALTIME, &t);
-  return t.tv_sec * 1'000'000'000 + t.tv_nsec;
-}
+constexpr Duration kResendPause = milliseconds(2);  // leaves the receiver's socket time to empty
 
 template <typename T>
 std::vector<std::uint8_t> encoded(const T& message) {
@@ -39,39 +34,51 @@ double microseconds_of(Duration d) { return static_cast<double>(d.ns) / 1e3; }
 
 }  // namespace
 
+std::int64_t system_wall_ns() {
+  timespec t{};
+  clock_gettime(CLOCK_REALTIME, &t);
+  return t.tv_sec * 1'000'000'000 + t.tv_nsec;
+}
+
+void say_on_stderr(const std::string& line) { std::fprintf(stderr, "strobed: %s\n", line.c_str()); }
+
 Publisher::Publisher(const Rig& rig, PublisherSettings settings, LoopQueue& queue, Mailbox& mailbox,
-                     Journal& journal, lcm::LCM& lcm, Clock& clock, int wake_fd)
+                     Journal& journal, MessageBus& bus, Clock& clock)
     : rig_(rig),
       settings_(std::move(settings)),
       queue_(queue),
       mailbox_(mailbox),
       journal_(journal),
-      lcm_(lcm),
+      bus_(bus),
       clock_(clock),
-      wake_fd_(wake_fd),
       event_channel_(messages::channel_name(rig.name, messages::Channel::event)),
       shot_channel_(messages::channel_name(rig.name, messages::Channel::shot)),
       status_channel_(messages::channel_name(rig.name, messages::Channel::status)) {}
 
-void Publisher::run(const std::stop_token& stop) {
+void Publisher::run(const std::stop_token& stop, int wake_fd) {
   while (!stop.stop_requested()) {
-    wait_for_work();
+    wait_for_work(wake_fd);
     turn();
   }
-  empty_queue();
-  publish_status();
-  if (auto synced = journal_.sync(); !synced) {
-    std::fprintf(stderr, "strobed: %s\n", synced.error().message.c_str());
-  }
+  finish();
 }
 
-void Publisher::wait_for_work() const {
-  const std::int64_t left_ms = (next_status_ - clock_.now()).ns / 1'000'000;
-  pollfd wake{wake_fd_, POLLIN, 0};
-  // 2 ms between the slices of a resend leave the receiver's socket time to empty.
-  poll(&wake, 1, resends_.empty() ? static_cast<int>(std::clamp<std::int64_t>(left_ms, 0, 500)) : 2);
+void Publisher::finish() {
+  empty_queue();
+  publish_status();
+  if (auto synced = journal_.sync(); !synced) settings_.say(synced.error().message);
+}
+
+MonoTime Publisher::next_turn() const {
+  return resends_.empty() ? next_status_ : std::min(next_status_, clock_.now() + kResendPause);
+}
+
+void Publisher::wait_for_work(int wake_fd) const {
+  const std::int64_t left_ms = (next_turn() - clock_.now()).ns / 1'000'000;
+  pollfd wake{wake_fd, POLLIN, 0};
+  poll(&wake, 1, static_cast<int>(std::clamp<std::int64_t>(left_ms, resends_.empty() ? 0 : 2, 500)));
   std::uint64_t count = 0;
-  if ((wake.revents & POLLIN) != 0 && read(wake_fd_, &count, sizeof count) < 0) count = 0;
+  if ((wake.revents & POLLIN) != 0 && read(wake_fd, &count, sizeof count) < 0) count = 0;
 }
 
 void Publisher::turn() {
@@ -136,10 +143,10 @@ void Publisher::take(ShotRecord* record) {
 
 void Publisher::write_and_publish() {
   auto done = journal_.check();
-  if (done) done = journal_.append(outbox_, wall_ns() / 1000);
+  if (done) done = journal_.append(outbox_, settings_.wall_ns() / 1000);
   const std::string fault = done ? "" : done.error().message;
   if (fault != journal_fault_) {
-    std::fprintf(stderr, "strobed: %s\n", fault.empty() ? "the journal can be written again" : fault.c_str());
+    settings_.say(fault.empty() ? "the journal can be written again" : fault);
     next_status_ = MonoTime{0};
   }
   journal_fault_ = fault;
@@ -149,7 +156,7 @@ void Publisher::write_and_publish() {
     return;  // kept; tried again with the next batch or heartbeat
   }
   for (const Message& message : outbox_) {
-    lcm_.publish(message.channel, message.bytes.data(), static_cast<unsigned>(message.bytes.size()));
+    bus_.publish(message.channel, message.bytes);
     if (message.kind == Message::Kind::event) journalled_sequence_ = message.sequences.last;
   }
   outbox_.clear();
@@ -172,7 +179,7 @@ void Publisher::publish_status() {
   message.boot_id = settings_.boot_id;
   message.last_sequence = journalled_sequence_;
   message.mono_ns = clock_.now().ns;
-  message.wall_ns = wall_ns();
+  message.wall_ns = settings_.wall_ns();
   message.state = static_cast<std::int8_t>(status_.state);
   message.key_active = status_.key_active;
   message.estop_active = status_.estop_active;
@@ -191,7 +198,7 @@ void Publisher::publish_status() {
   message.lateness_p999_us = any ? microseconds_of(lateness_.percentile(0.999)) : std::nan("");
   message.lateness_max_us = any ? microseconds_of(lateness_.max()) : std::nan("");
   message.message = words();
-  lcm_.publish(status_channel_, &message);
+  bus_.publish(status_channel_, encoded(message));
   next_status_ = clock_.now() + kHeartbeat;
   if (settings_.on_first_status && sequence_ > 0) std::exchange(settings_.on_first_status, nullptr)();
 }
@@ -216,7 +223,7 @@ void Publisher::resend_some() {
   for (; resend.next < end; ++resend.next) {
     const Message message = read_entry(resend.reader, resend.entries[resend.next]);
     if (message.bytes.empty()) continue;
-    lcm_.publish(message.channel, message.bytes.data(), static_cast<unsigned>(message.bytes.size()));
+    bus_.publish(message.channel, message.bytes);
   }
   if (resend.next == resend.entries.size()) resends_.pop_front();
 }

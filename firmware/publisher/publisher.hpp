@@ -1,21 +1,26 @@
-// The loop's records to the journal, then to LCM; the heartbeat; resends from the journal. Runs on a thread
-// of its own, without real-time rights. An exception here ends the process, and the guardian makes the
-// outputs safe.
+// The loop's records to the journal, then to the message bus; the heartbeat; resends from the journal. Runs
+// on a thread of its own, without real-time rights. An exception here ends the process, and the guardian
+// makes the outputs safe.
 #pragma once
 
 #include <deque>
 #include <functional>
-#include <lcm/lcm-cpp.hpp>
 #include <optional>
 #include <stop_token>
 
 #include "firmware/core/lateness.hpp"
 #include "firmware/ports/clock.hpp"
+#include "firmware/ports/message_bus.hpp"
 #include "firmware/publisher/journal.hpp"
 #include "firmware/publisher/loop_queue.hpp"
 #include "firmware/publisher/mailbox.hpp"
 
 namespace strobe::firmware {
+
+/// CLOCK_REALTIME, ns since 1970: metadata only.
+std::int64_t system_wall_ns();
+/// A line on standard error, after the program's name.
+void say_on_stderr(const std::string& line);
 
 struct PublisherSettings {
   std::int64_t boot_id = 0;
@@ -23,19 +28,26 @@ struct PublisherSettings {
   bool real_time = false;
   bool verbose = false;
   std::function<void()> on_first_status;  ///< called once, on the publisher's thread
+  std::function<std::int64_t()> wall_ns = system_wall_ns;
+  std::function<void(const std::string&)> say = say_on_stderr;
   int throw_at_shot = 0;  ///< drill: an exception at the first flash of the n-th shot of this boot; 0: none
 };
 
 class Publisher {
  public:
   Publisher(const Rig& rig, PublisherSettings settings, LoopQueue& queue, Mailbox& mailbox, Journal& journal,
-            lcm::LCM& lcm, Clock& clock, int wake_fd);
+            MessageBus& bus, Clock& clock);
 
-  /// Until asked to stop; then what is left in the queue is still written.
-  void run(const std::stop_token& stop);
+  /// turn() whenever wake_fd (an eventfd) or the time asks for one, until asked to stop; then finish().
+  void run(const std::stop_token& stop, int wake_fd);
+  /// Writes and publishes what the loop has left, goes on with resends, beats. Does not wait.
+  void turn();
+  /// When a turn is due even if the loop leaves nothing; in the past: at once.
+  MonoTime next_turn() const;
+  /// Writes what is left in the queue, for good.
+  void finish();
 
  private:
-  void turn();
   void empty_queue();
   bool collect();
   void take(const Event& event);
@@ -45,7 +57,7 @@ class Publisher {
   void publish_status();
   void start_resend(const ResendRequest& request);
   void resend_some();
-  void wait_for_work() const;
+  void wait_for_work(int wake_fd) const;
   std::string words() const;
 
   struct Resend {
@@ -59,9 +71,8 @@ class Publisher {
   LoopQueue& queue_;
   Mailbox& mailbox_;
   Journal& journal_;
-  lcm::LCM& lcm_;
+  MessageBus& bus_;
   Clock& clock_;
-  int wake_fd_;
   std::string event_channel_, shot_channel_, status_channel_;
   std::vector<Message> outbox_;
   std::deque<Resend> resends_;

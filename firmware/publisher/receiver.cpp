@@ -1,14 +1,12 @@
 #include "firmware/publisher/receiver.hpp"
 
 #include <sodium.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cstdio>
 #include <exception>
-#include <stdexcept>
+#include <utility>
 
-#include "common/messages/channels.hpp"
 #include "firmware/core/shot_plan.hpp"
 
 namespace strobe::firmware {
@@ -22,11 +20,7 @@ std::int64_t random_id() {
   return id;
 }
 
-bool CommandQueue::push(const Command& command) {
-  if (!queue_.try_enqueue(command)) return false;
-  const std::uint64_t one = 1;
-  return write(wake_fd_, &one, sizeof one) == sizeof one;
-}
+bool CommandQueue::push(const Command& command) { return queue_.try_enqueue(command) && loop_.wake(); }
 
 bool RepetitionFilter::is_news(std::int64_t host_id, std::int64_t command_id) {
   const auto known = hosts_.find(host_id);
@@ -87,22 +81,13 @@ std::string defect_of(const strobe_msgs::command_t& command, const Rig& rig) {
   return checked ? "" : checked.error().message;
 }
 
-Receiver::Receiver(const Rig& rig, std::int64_t boot_id, lcm::LCM& lcm, CommandQueue& commands,
-                   Mailbox& mailbox)
-    : rig_(rig), boot_id_(boot_id), lcm_(lcm), commands_(commands), mailbox_(mailbox) {
-  lcm_.subscribe(messages::channel_name(rig.name, messages::Channel::command), &Receiver::handle, this)
-      ->setQueueCapacity(messages::kSubscriptionQueueCapacity);
-}
-
-void Receiver::run(const std::stop_token& stop) {
-  while (!stop.stop_requested()) {
-    if (lcm_.handleTimeout(100) < 0) throw std::runtime_error("LCM cannot receive any more");
-  }
-}
-
-void Receiver::handle(const lcm::ReceiveBuffer* buffer, const std::string&) {
-  receive(buffer->data, static_cast<int>(buffer->data_size));
-}
+Receiver::Receiver(const Rig& rig, std::int64_t boot_id, CommandQueue& commands, Mailbox& mailbox,
+                   std::function<std::int64_t()> draw_token)
+    : rig_(rig),
+      boot_id_(boot_id),
+      commands_(commands),
+      mailbox_(mailbox),
+      draw_token_(std::move(draw_token)) {}
 
 void Receiver::receive(const void* data, int size) noexcept {
   try {
@@ -135,7 +120,7 @@ void Receiver::obey(const strobe_msgs::command_t& message) {
     return;
   }
   command.defect = Words(news ? std::string_view(defect) : "a repeated command");
-  if (command.kind == CommandKind::arm) command.fresh_token = random_id();
+  if (command.kind == CommandKind::arm) command.fresh_token = draw_token_();
   if (command.kind == CommandKind::fire && command.defect.empty()) {
     ShotNotes notes{message.host_id, message.command_id, {}};
     for (const auto& note : message.notes) notes.notes.push_back({note.key, note.value});

@@ -1,10 +1,8 @@
 #include "firmware/publisher/loop_queue.hpp"
 
-#include <sys/eventfd.h>
-#include <unistd.h>
-
 #include <thread>
 
+#include "firmware/linux/event_fd.hpp"
 // CppUTest redefines new; its headers come last.
 #include <CppUTest/TestHarness.h>
 
@@ -13,13 +11,9 @@ using namespace strobe::firmware;
 
 TEST_GROUP(LoopQueue) {
   Rig rig;
-  int wake_fd = eventfd(0, EFD_NONBLOCK);
-  LoopQueue queue{rig, wake_fd};
-  void teardown() override { close(wake_fd); }
-  bool woken() const {
-    std::uint64_t count = 0;
-    return read(wake_fd, &count, sizeof count) == sizeof count;
-  }
+  EventFd wake;
+  LoopQueue queue{rig, wake};
+  bool woken() { return wake.take() > 0; }
   Event numbered(int number) const {
     Event event;
     event.flash_index = number;

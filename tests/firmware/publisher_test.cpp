@@ -1,16 +1,15 @@
 // The publisher on a private LCM: what is journalled is published, in order, and can be had again.
 #include "firmware/publisher/publisher.hpp"
 
-#include <sys/eventfd.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <cmath>
 #include <string>
 #include <strobe_msgs/status_t.hpp>
 #include <thread>
 
+#include "firmware/linux/event_fd.hpp"
 #include "firmware/linux/monotonic_clock.hpp"
+#include "firmware/publisher/lcm_bus.hpp"
 #include "tests/support/temporary_folder.hpp"
 // CppUTest redefines new; its headers come last.
 #include <CppUTest/TestHarness.h>
@@ -44,10 +43,11 @@ struct Listener {
 TEST_GROUP(Publisher) {
   strobe::testing::TemporaryFolder folder;
   Rig rig;
-  int wake_fd = eventfd(0, EFD_NONBLOCK);
+  EventFd wake_up;
   lcm::LCM lcm{"memq://"};
   MonotonicClock clock;
-  LoopQueue queue{rig, wake_fd};
+  LcmBus bus{lcm};
+  LoopQueue queue{rig, wake_up};
   Mailbox mailbox;
   Listener listener;
   std::optional<Journal> journal;
@@ -60,21 +60,15 @@ TEST_GROUP(Publisher) {
     lcm.subscribe("STROBE/bench/STATUS", &Listener::on_status, &listener)->setQueueCapacity(10'000);
     journal.emplace(std::move(*Journal::create(folder.path(), kBoot)));
   }
-  void teardown() override {
-    stop();
-    close(wake_fd);
-  }
+  void teardown() override { stop(); }
   void start() {
     PublisherSettings settings;
     settings.boot_id = kBoot;
     settings.session = folder.path();
-    publisher.emplace(rig, settings, queue, mailbox, *journal, lcm, clock, wake_fd);
-    thread = std::jthread([this](const std::stop_token& token) { publisher->run(token); });
+    publisher.emplace(rig, settings, queue, mailbox, *journal, bus, clock);
+    thread = std::jthread([this](const std::stop_token& token) { publisher->run(token, wake_up.fd()); });
   }
-  void wake() {
-    const std::uint64_t one = 1;
-    CHECK(write(wake_fd, &one, sizeof one) > 0);
-  }
+  void wake() { CHECK_TRUE(wake_up.wake()); }
   void stop() {
     if (!thread.joinable()) return;
     thread.request_stop();

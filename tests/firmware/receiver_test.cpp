@@ -1,11 +1,9 @@
 #include "firmware/publisher/receiver.hpp"
 
-#include <sys/eventfd.h>
-#include <unistd.h>
-
 #include <random>
 #include <string>
 
+#include "firmware/linux/event_fd.hpp"
 // CppUTest redefines new; its headers come last.
 #include <CppUTest/TestHarness.h>
 
@@ -29,11 +27,10 @@ Rig small_rig() {
 
 TEST_GROUP(Receiver) {
   Rig rig = small_rig();
-  int wake_fd = eventfd(0, EFD_NONBLOCK);
-  lcm::LCM lcm{"memq://"};
-  CommandQueue commands{wake_fd};
+  EventFd wake;
+  CommandQueue commands{wake};
   Mailbox mailbox;
-  Receiver receiver{rig, kBoot, lcm, commands, mailbox};
+  Receiver receiver{rig, kBoot, commands, mailbox};
   Type message{};
   Command command;
 
@@ -44,7 +41,6 @@ TEST_GROUP(Receiver) {
     message.boot_id = kBoot;
     message.kind = Type::ARM;
   }
-  void teardown() override { close(wake_fd); }
   void fill_fire() {
     message.kind = Type::FIRE;
     message.arm_token = 99;
@@ -71,8 +67,7 @@ TEST(Receiver, WakesTheLoopWithACommand) {
   CHECK(command.kind == CommandKind::arm);
   CHECK_EQUAL(5, command.host_id);
   CHECK_EQUAL(std::string(), defect());
-  std::uint64_t wakes = 0;
-  CHECK_EQUAL(static_cast<ssize_t>(sizeof wakes), read(wake_fd, &wakes, sizeof wakes));
+  CHECK_EQUAL(1u, wake.take());
 }
 
 TEST(Receiver, GivesEachArmATokenOfItsOwn) {
