@@ -63,8 +63,9 @@ Readout best_readout(const Frame& frame, const Propagate& propagation, const Red
   std::optional<Observations> observations = observe(frame, readout.flags);
   if (!observations) return readout;
   readout.mirrored = observations->levelling.mirrored;
-  ShotFit fit = fit_shot(std::move(*observations), {.effects = options.effects.value_or(flight::Effects{})},
-                         readout.flags);
+  const FitOptions fitting{.effects = options.effects.value_or(flight::Effects{}),
+                           .leave_out_outliers = options.leave_out_outliers};
+  ShotFit fit = fit_shot(std::move(*observations), fitting, readout.flags);
   flag_redundancy(fit.observations, readout.flags);
   Readout reduced = readout;
   const Crossings crossings = propagate(fit, propagation, reduced);

@@ -30,6 +30,9 @@ constexpr std::optional<Estimator> estimator_from_name(std::string_view text) {
 struct ReduceOptions {
   /// What the flight is fitted with. Absent: gravity, and drag and Magnus where they matter to this shot.
   std::optional<flight::Effects> effects{};
+  /// Leave out images that do not fit and say so (outlier_image), best estimator only. Without it every image
+  /// counts and the readout is a smooth function of the measurements, as studies of small displacements need.
+  bool leave_out_outliers = true;
   /// Give Readout::covariance as well.
   bool covariance = false;
 };

@@ -487,6 +487,25 @@ TEST(ReadoutFlags, AWrongImageOfFourIsLeftOut) {
   }
 }
 
+TEST(ReadoutFlags, AnImageThatDoesNotFitCountsLikeTheOthersWhereOutliersAreKept) {
+  const Frame clean = noisy();
+  const auto vx_with = [&](double displaced_px) {
+    Frame frame = clean;
+    frame.images[1].centre_px.x += displaced_px;
+    const auto r =
+        reduce(frame, Estimator::best, {.effects = flight::Effects{}, .leave_out_outliers = false});
+    CHECK_TRUE(r.has_value());
+    CHECK_FALSE(r->flags.has(Flag::outlier_image));
+    return *r->value[Quantity::vx_td_mps];
+  };
+  // A straight line's slope is linear in its points; the common scale and tilt bend that by the square of the
+  // displacement over the path, (120 px/1800 px)^2.
+  const double one = vx_with(60.0) - vx_with(0.0);
+  const double two = vx_with(120.0) - vx_with(0.0);
+  CHECK_TRUE(std::abs(one) > 1e-3);
+  DOUBLES_EQUAL(2.0 * one, two, 5e-3 * std::abs(two));
+}
+
 TEST(ReadoutFlags, FewerThanFourImagesOfALegAreSaidToHaveNoRedundancy) {
   for (const int images : {2, 3, 4, 5}) {
     Setup setup = vacuum();
