@@ -12,12 +12,21 @@ constexpr double kMostDelay_s = 3600.0;
 
 bool concerns_one_flash(FaultKind kind) {
   return kind == FaultKind::flash_late || kind == FaultKind::flash_missing ||
-         kind == FaultKind::flash_double || kind == FaultKind::image_unseen;
+         kind == FaultKind::flash_double || kind == FaultKind::flash_dim ||
+         kind == FaultKind::sensor_dropout || kind == FaultKind::sensor_bounce ||
+         kind == FaultKind::image_unseen;
 }
 
 bool concerns_a_lamp(FaultKind kind) {
   return kind == FaultKind::flash_late || kind == FaultKind::flash_missing ||
-         kind == FaultKind::flash_double || kind == FaultKind::lamp_dead || kind == FaultKind::sensor_dead;
+         kind == FaultKind::flash_double || kind == FaultKind::flash_dim || kind == FaultKind::lamp_dead ||
+         kind == FaultKind::sensor_dead || kind == FaultKind::sensor_dropout ||
+         kind == FaultKind::sensor_bounce;
+}
+
+bool has_delay(FaultKind kind) {
+  return kind == FaultKind::flash_late || kind == FaultKind::flash_double ||
+         kind == FaultKind::sensor_bounce || kind == FaultKind::gate_chatter || kind == FaultKind::frame_late;
 }
 
 FaultKind read_kind(config::TomlTable& table) {
@@ -62,9 +71,7 @@ Fault read_fault(config::TomlTable& table) {
     fault.lamp_a = lamp != "b";
     fault.lamp_b = lamp != "a";
   }
-  if (fault.kind == FaultKind::flash_late || fault.kind == FaultKind::flash_double ||
-      fault.kind == FaultKind::frame_late)
-    fault.delay = read_delay(table, fault.kind);
+  if (has_delay(fault.kind)) fault.delay = read_delay(table, fault.kind);
   return fault;
 }
 

@@ -16,8 +16,13 @@ enum class FaultKind {
   flash_late,       ///< the lamp flashes delay_us later than it should
   flash_missing,    ///< the lamp does not flash
   flash_double,     ///< the lamp flashes once more, delay_us after its flash
+  flash_dim,        ///< the lamp's flash is too weak for the film, not for its sensor
   lamp_dead,        ///< no flash in the whole shot
   sensor_dead,      ///< no edge of the sensor in the whole shot
+  sensor_dropout,   ///< the sensor does not see this flash
+  sensor_bounce,    ///< the sensor's line drops for a moment, so that its edge comes again delay_us later
+  gate_chatter,     ///< the gate is interrupted three times more, delay_us apart, before the ball
+  shutter_stuck,    ///< the shutter does not open
   ball_misses,      ///< the ball passes the gate but neither the plate nor the camera's view
   machine_misfire,  ///< the machine does not throw
   no_photograph,    ///< nobody digitizes the photograph
@@ -25,9 +30,10 @@ enum class FaultKind {
   image_unseen,     ///< whoever digitizes overlooks this flash's image
 };
 
-inline constexpr std::array<std::string_view, 10> kFaultNames{
-    "flash_late",  "flash_missing",   "flash_double",  "lamp_dead",  "sensor_dead",
-    "ball_misses", "machine_misfire", "no_photograph", "frame_late", "image_unseen"};
+inline constexpr std::array<std::string_view, 15> kFaultNames{
+    "flash_late",  "flash_missing",   "flash_double",  "flash_dim",    "lamp_dead",
+    "sensor_dead", "sensor_dropout",  "sensor_bounce", "gate_chatter", "shutter_stuck",
+    "ball_misses", "machine_misfire", "no_photograph", "frame_late",   "image_unseen"};
 
 constexpr std::string_view name(FaultKind kind) { return kFaultNames[static_cast<std::size_t>(kind)]; }
 
@@ -40,7 +46,7 @@ struct Fault {
   std::optional<int> flash_index{};        ///< instead: the flash's number within the exposure, 0-based
   bool lamp_a = true;                      ///< lamp or sensor concerned
   bool lamp_b = true;
-  Duration delay{};  ///< flash_late, flash_double, frame_late
+  Duration delay{};  ///< flash_late, flash_double, sensor_bounce, gate_chatter, frame_late
 
   bool strikes(Lamp lamp) const { return lamp == Lamp::a ? lamp_a : lamp_b; }
 };
@@ -55,7 +61,7 @@ struct FlashPlace {
   std::optional<int> from_impact{};
 };
 
-/// First fault of that kind for this flash of this lamp: flash_late, flash_missing, flash_double.
+/// First fault of that kind for this flash of this lamp: the kinds that concern one flash.
 const Fault* flash_fault(const std::vector<Fault>& faults, FaultKind kind, const FlashPlace& place,
                          Lamp lamp);
 

@@ -12,6 +12,8 @@ constexpr MonoTime kFarFuture{std::numeric_limits<std::int64_t>::max()};
 constexpr Duration kSamePulse = microseconds(200);   // both lines of one pulse, set by one call or by two
 constexpr Duration kReportGrace = milliseconds(20);  // edges stamped before the closing but reported after it
 constexpr Duration kBallInFlight = milliseconds(5000);
+constexpr Duration kBounce = microseconds(5);  // how long a bouncing line is down
+constexpr int kChatter = 3;
 
 Duration from_seconds(double s) { return nanoseconds(std::llround(s * 1e9)); }
 
@@ -82,13 +84,26 @@ void Rig::on_strobe(Lamp lamp, MonoTime at) {
   std::vector<FaultKind> struck;
   LampModel& model = lamps_[index(lamp)];
   for (const MonoTime flash : model.on_pulse(at, place, struck)) {
-    if (current_ && !current_->pulses.empty()) current_->pulses.back().flashes.push_back(flash);
+    if (flash_fault(scene_.faults, FaultKind::flash_dim, place, lamp)) {
+      struck.push_back(FaultKind::flash_dim);
+    } else if (current_ && !current_->pulses.empty()) {
+      current_->pulses.back().flashes.push_back(flash);
+    }
     if (!model.sensor_works(place.shot)) {
       struck.push_back(FaultKind::sensor_dead);
       continue;
     }
-    drive_sensor(lamp == Lamp::a ? RigLine::sensor_a : RigLine::sensor_b,
-                 flash + from_seconds(scene_.sensors.delay_s + model.sensor_jitter_s()));
+    if (flash_fault(scene_.faults, FaultKind::sensor_dropout, place, lamp)) {
+      struck.push_back(FaultKind::sensor_dropout);
+      continue;
+    }
+    const RigLine sensor = lamp == Lamp::a ? RigLine::sensor_a : RigLine::sensor_b;
+    const MonoTime rise = flash + from_seconds(scene_.sensors.delay_s + model.sensor_jitter_s());
+    drive_sensor(sensor, rise);
+    if (const Fault* bounce = flash_fault(scene_.faults, FaultKind::sensor_bounce, place, lamp)) {
+      struck.push_back(FaultKind::sensor_bounce);
+      bounce_sensor(sensor, rise, bounce->delay);
+    }
   }
   note_faults(struck);
 }
@@ -108,6 +123,15 @@ void Rig::drive_sensor(RigLine line, MonoTime rise) {
   schedule({end, line, 0});
 }
 
+void Rig::bounce_sensor(RigLine line, MonoTime rise, Duration after) {
+  if (after >= from_seconds(scene_.sensors.pulse_s)) {
+    drive_sensor(line, rise + after);
+    return;
+  }
+  schedule({rise + std::max(after - kBounce, Duration{}), line, 0});
+  schedule({rise + after, line, 1});
+}
+
 void Rig::on_shutter(int level, MonoTime at) {
   if (level == 1) {
     if (current_) finished_.push_back(std::move(*current_));
@@ -119,6 +143,10 @@ void Rig::on_shutter(int level, MonoTime at) {
     shutter_draws_.emplace(seed_, Purpose::shutter, static_cast<std::uint64_t>(exposures_));
     current_->opened = at + from_seconds(std::max(0.0, shutter_draws_->normal(scene_.shutter.open_lag_s,
                                                                               scene_.shutter.lag_sd_s)));
+    if (shot_fault(scene_.faults, FaultKind::shutter_stuck, exposures_)) {
+      current_->opened = MonoTime::never();
+      note_faults({FaultKind::shutter_stuck});
+    }
     if (waiting_.triggered.known() && at - waiting_.triggered < kBallInFlight) {
       current_->ball = std::move(waiting_.ball);
       current_->throws = waiting_.throws;
@@ -148,8 +176,9 @@ void Rig::on_trigger(MonoTime at) {
     throws = 1;
     const Throw thrown = draw_throw(scene_, seed_, shot);
     const MonoTime touchdown = at + from_seconds(thrown.lag_s);
+    if (shot_fault(scene_.faults, FaultKind::gate_chatter, shot)) struck.push_back(FaultKind::gate_chatter);
     if (const auto path = BallPath::make(scene_, thrown)) {
-      drive_gate(*path, touchdown, at);
+      drive_gate(*path, touchdown, at, shot);
       ball = ThrownBall{*path, touchdown};
     }
     if (shot_fault(scene_.faults, FaultKind::ball_misses, shot)) {
@@ -170,7 +199,7 @@ void Rig::on_trigger(MonoTime at) {
   }
 }
 
-void Rig::drive_gate(const BallPath& path, MonoTime touchdown, MonoTime trigger) {
+void Rig::drive_gate(const BallPath& path, MonoTime touchdown, MonoTime trigger, int shot) {
   const double radius_m = scene_.ball.radius_m();
   const double centre_m = scene_.gate.distance_m + path.spot_m();
   const auto enters_s = path.time_at_distance_s(centre_m + radius_m);
@@ -181,6 +210,13 @@ void Rig::drive_gate(const BallPath& path, MonoTime touchdown, MonoTime trigger)
   if (rise <= trigger) return;  // the machine stands on the plate's side of the beam
   schedule({rise, RigLine::gate, 1});
   schedule({fall, RigLine::gate, 0});
+  const Fault* chatter = shot_fault(scene_.faults, FaultKind::gate_chatter, shot);
+  for (int k = 1; chatter != nullptr && k <= kChatter; ++k) {
+    const MonoTime early = rise - chatter->delay * k;
+    if (early <= trigger) break;
+    schedule({early, RigLine::gate, 1});
+    schedule({early + nanoseconds(chatter->delay.ns / 2), RigLine::gate, 0});
+  }
 }
 
 void Rig::schedule(const Drive& drive) {

@@ -63,8 +63,9 @@ class Rig {
   void on_trigger(MonoTime at);
   FlashPlace begin_or_join_pulse(Lamp lamp, MonoTime at);
   std::optional<int> predict_place(MonoTime edge) const;
-  void drive_gate(const BallPath& path, MonoTime touchdown, MonoTime trigger);
+  void drive_gate(const BallPath& path, MonoTime touchdown, MonoTime trigger, int shot);
   void drive_sensor(RigLine line, MonoTime rise);
+  void bounce_sensor(RigLine line, MonoTime rise, Duration after);
   void schedule(const Drive& drive);
   void note_faults(const std::vector<FaultKind>& kinds);
 

@@ -1,0 +1,75 @@
+// Faults of single lines and of the shutter: what the rig's lines and its film then show.
+#include <algorithm>
+
+#include "sim/rig/exposure.hpp"
+#include "tests/sim/rig/bench.hpp"
+// CppUTest redefines new; its headers come last.
+#include <CppUTest/TestHarness.h>
+
+using namespace strobe;
+using namespace strobe::sim;
+
+TEST_GROUP(LineFault) {
+  Scene scene = test::plain_scene();
+
+  bool struck(const Exposure& exposure, FaultKind kind) const {
+    return std::ranges::find(exposure.faults, kind) != exposure.faults.end();
+  }
+};
+
+TEST(LineFault, ADimFlashIsSeenByItsSensorAndNotOnTheFilm) {
+  test::VirtualBench sound(scene);
+  const auto all = film_images(scene, sound.shoot());
+  scene.faults = {{.kind = FaultKind::flash_dim, .flash_from_impact = -1}};
+  test::VirtualBench bench(scene);
+  const Exposure exposure = bench.shoot();
+  LONGS_EQUAL(all.size() - 1, film_images(scene, exposure).size());
+  LONGS_EQUAL(sound.drives_of(RigLine::sensor_a, 1).size(), bench.drives_of(RigLine::sensor_a, 1).size());
+  CHECK(struck(exposure, FaultKind::flash_dim));
+}
+
+TEST(LineFault, ASensorThatDropsOutLeavesTheFilmAsItIs) {
+  test::VirtualBench sound(scene);
+  const auto all = film_images(scene, sound.shoot());
+  scene.faults = {{.kind = FaultKind::sensor_dropout, .flash_index = 5, .lamp_b = false}};
+  test::VirtualBench bench(scene);
+  const Exposure exposure = bench.shoot();
+  LONGS_EQUAL(all.size(), film_images(scene, exposure).size());
+  LONGS_EQUAL(sound.drives_of(RigLine::sensor_a, 1).size() - 1, bench.drives_of(RigLine::sensor_a, 1).size());
+  LONGS_EQUAL(sound.drives_of(RigLine::sensor_b, 1).size(), bench.drives_of(RigLine::sensor_b, 1).size());
+  CHECK(struck(exposure, FaultKind::sensor_dropout));
+}
+
+TEST(LineFault, ABouncingSensorRisesTwiceForOneFlash) {
+  for (const Duration delay : {microseconds(30), microseconds(400)}) {  // within its pulse and after it
+    scene.faults = {{.kind = FaultKind::sensor_bounce, .flash_index = 5, .lamp_b = false, .delay = delay}};
+    test::VirtualBench bench(scene);
+    bench.shoot();
+    const auto rises = bench.drives_of(RigLine::sensor_a, 1);
+    LONGS_EQUAL(bench.drives_of(RigLine::sensor_b, 1).size() + 1, rises.size());
+    CHECK(rises[6].at - rises[5].at == delay);
+    LONGS_EQUAL(rises.size(), bench.drives_of(RigLine::sensor_a, 0).size());
+  }
+}
+
+TEST(LineFault, AChatteringGateIsInterruptedBeforeTheBallComes) {
+  test::VirtualBench sound(scene);
+  sound.shoot();
+  scene.faults = {{.kind = FaultKind::gate_chatter, .delay = microseconds(700)}};
+  test::VirtualBench bench(scene);
+  CHECK(struck(bench.shoot(), FaultKind::gate_chatter));
+  const auto rises = bench.drives_of(RigLine::gate, 1);
+  LONGS_EQUAL(4, rises.size());
+  CHECK(rises.back().at == sound.drives_of(RigLine::gate, 1)[0].at);
+  CHECK(rises[3].at - rises[2].at == microseconds(700));
+}
+
+TEST(LineFault, AStuckShutterShowsNothing) {
+  scene.faults = {{.kind = FaultKind::shutter_stuck}};
+  test::VirtualBench bench(scene);
+  const Exposure exposure = bench.shoot();
+  CHECK_FALSE(exposure.opened.known());
+  CHECK(film_images(scene, exposure).empty());
+  CHECK_FALSE(shows_impact(exposure));
+  CHECK(struck(exposure, FaultKind::shutter_stuck));
+}
