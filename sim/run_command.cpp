@@ -124,7 +124,7 @@ class Session {
     session->chip_.emplace(std::move(*chip));
     auto attached = Chip::attach(folder);
     if (!attached) return tl::unexpected(attached.error());
-    auto truth = TruthFile::create(options.truth_file, scene, seed);
+    auto truth = TruthFile::create(options.truth_file, scene);
     if (!truth) return tl::unexpected(truth.error());
     session->truth_ = std::move(*truth);
     if (!options.changes_file.empty() && !write_changes(options.changes_file, {}))

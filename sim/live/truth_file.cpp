@@ -4,9 +4,8 @@
 
 namespace strobe::sim {
 
-Result<std::unique_ptr<TruthFile>> TruthFile::create(const std::filesystem::path& path, const Scene& scene,
-                                                     std::uint64_t seed) {
-  std::unique_ptr<TruthFile> truth(new TruthFile(scene, seed));
+Result<std::unique_ptr<TruthFile>> TruthFile::create(const std::filesystem::path& path, const Scene& scene) {
+  std::unique_ptr<TruthFile> truth(new TruthFile(scene));
   if (!path.empty()) {
     truth->file_.open(path);
     if (!truth->file_) return fail(path.string() + ": cannot be written");
@@ -18,7 +17,7 @@ void TruthFile::write(const Exposure& exposure, int shot_id) {
   const std::lock_guard lock(mutex_);
   if (!file_.is_open()) return;
   if (exposure.shot != 0 && !written_.insert(exposure.shot).second) return;
-  file_ << truth_line(scene_, seed_, exposure, shot_id) << std::endl;
+  file_ << truth_line(scene_, exposure, shot_id) << std::endl;
 }
 
 }  // namespace strobe::sim

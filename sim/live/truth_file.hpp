@@ -15,17 +15,15 @@ namespace strobe::sim {
 class TruthFile {
  public:
   /// An empty path writes nothing. Fails if the file cannot be made.
-  static Result<std::unique_ptr<TruthFile>> create(const std::filesystem::path& path, const Scene& scene,
-                                                   std::uint64_t seed);
+  static Result<std::unique_ptr<TruthFile>> create(const std::filesystem::path& path, const Scene& scene);
 
   /// Writes the exposure's line unless it was written before. shot_id 0: unknown.
   void write(const Exposure& exposure, int shot_id);
 
  private:
-  TruthFile(const Scene& scene, std::uint64_t seed) : scene_(scene), seed_(seed) {}
+  explicit TruthFile(const Scene& scene) : scene_(scene) {}
 
   const Scene scene_;
-  std::uint64_t seed_;
   std::mutex mutex_;
   std::ofstream file_;
   std::set<int> written_;  ///< numbers of exposures

@@ -4,6 +4,7 @@
 // Plain values: thread-safe per object, no allocation.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
@@ -11,7 +12,20 @@
 namespace strobe::sim {
 
 /// What a draw is for. Values are part of what a seed means: append, never renumber.
-enum class Purpose : std::uint64_t { machine = 1, bounce, lamp_a, lamp_b, shutter, gate, tablet };
+enum class Purpose : std::uint64_t {
+  machine = 1,
+  bounce,
+  lamp_a,
+  lamp_b,
+  shutter,
+  gate,
+  tablet,
+  off_plane,
+};
+
+/// No normal draw is farther from its mean than this many standard deviations (a share of 2e-9 would be), so
+/// that what a shot can do has a bound.
+inline constexpr double kLargestNormal = 6.0;
 
 class Draws {
  public:
@@ -25,12 +39,18 @@ class Draws {
     return (static_cast<double>(bits) + 0.5) * 0x1p-53;
   }
 
-  /// Standard normal; always takes two uniforms, so that later draws do not depend on earlier choices.
+  /// Standard normal, within ±kLargestNormal; always takes two uniforms, so that later draws do not depend on
+  /// earlier choices.
   double normal() {
     const double radius = std::sqrt(-2.0 * std::log(uniform()));
-    return radius * std::cos(2.0 * std::numbers::pi * uniform());
+    return std::clamp(radius * std::cos(2.0 * std::numbers::pi * uniform()), -kLargestNormal, kLargestNormal);
   }
-  double normal(double mean, double sd) { return mean + sd * normal(); }
+  /// Without a spread the draw is taken but not computed.
+  double normal(double mean, double sd) {
+    if (sd != 0.0) return mean + sd * normal();
+    count_ += 2;
+    return mean;
+  }
 
  private:
   static constexpr std::uint64_t kGolden = 0x9e3779b97f4a7c15U;

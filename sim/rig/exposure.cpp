@@ -12,14 +12,20 @@ constexpr Duration kBlend = microseconds(500);
 
 struct Flash {
   MonoTime time;
+  MonoTime stamp;
   int pulse;
 };
 
 std::vector<Flash> flashes_on_film(const Exposure& exposure) {
   std::vector<Flash> flashes;
+  flashes.reserve(2 * exposure.pulses.size());
   for (std::size_t i = 0; i < exposure.pulses.size(); ++i) {
-    for (const MonoTime time : exposure.pulses[i].flashes) {
-      if (time >= exposure.opened && time <= exposure.closed) flashes.push_back({time, static_cast<int>(i)});
+    const Pulse& pulse = exposure.pulses[i];
+    for (std::size_t k = 0; k < pulse.flashes.size(); ++k) {
+      const MonoTime time = pulse.flashes[k];
+      const MonoTime stamp = k < pulse.stamps.size() ? pulse.stamps[k] : MonoTime::never();
+      if (time >= exposure.opened && time <= exposure.closed)
+        flashes.push_back({time, stamp, static_cast<int>(i)});
     }
   }
   std::ranges::sort(flashes, {}, &Flash::time);
@@ -30,6 +36,18 @@ MonoTime mean_time(const Flash* first, const Flash* last) {
   std::int64_t sum = 0;
   for (const Flash* f = first; f != last; ++f) sum += f->time.ns - first->time.ns;
   return first->time + nanoseconds(sum / (last - first));
+}
+
+MonoTime mean_stamp(const Flash* first, const Flash* last) {
+  MonoTime start = MonoTime::never();
+  std::int64_t sum = 0;
+  std::int64_t known = 0;
+  for (const Flash* f = first; f != last; ++f) {
+    if (!f->stamp.known()) continue;
+    if (known++ == 0) start = f->stamp;
+    sum += f->stamp.ns - start.ns;
+  }
+  return known == 0 ? start : start + nanoseconds(sum / known);
 }
 
 }  // namespace
@@ -66,7 +84,8 @@ std::vector<FilmImage> film_images(const Scene& scene, const Exposure& exposure)
     const MonoTime time = mean_time(&flashes[first], flashes.data() + last);
     const BallState state = ball.path.at((time - ball.touchdown).seconds());
     if (camera.sees(state.x_m + ball.path.spot_m(), state.y_m))
-      images.push_back({flashes[first].pulse, time, state});
+      images.push_back(
+          {flashes[first].pulse, time, mean_stamp(&flashes[first], flashes.data() + last), state});
     first = last;
   }
   return images;

@@ -7,13 +7,15 @@
 
 #include "common/units/time.hpp"
 #include "sim/rig/ball_path.hpp"
+#include "sim/rig/instants.hpp"
 
 namespace strobe::sim {
 
 /// One strobe pulse of the firmware (both lamps' lines) and the flashes that it made.
 struct Pulse {
-  MonoTime edge;                  ///< first of the two lines' rising edges
-  std::vector<MonoTime> flashes;  ///< true instants, of both lamps, in no order; empty if neither flashed
+  MonoTime edge;     ///< first of the two lines' rising edges
+  Instants flashes;  ///< true instants, of both lamps, in no order; empty if neither flashed
+  Instants stamps;   ///< of each flash the edge of its lamp's sensor; never(): it gave none
 };
 
 /// Mean of the pulse's flashes; never() if it made none.
@@ -45,8 +47,9 @@ bool shows_impact(const Exposure& exposure);
 
 /// One image of the ball on the photograph.
 struct FilmImage {
-  int pulse = 0;  ///< index into Exposure::pulses
-  MonoTime time;  ///< mean of the flashes that it was made of
+  int pulse = 0;                       ///< index into Exposure::pulses
+  MonoTime time;                       ///< mean of the flashes that it was made of
+  MonoTime stamp = MonoTime::never();  ///< mean of their sensors' edges; never(): no sensor gave one
   BallState state;
 };
 

@@ -1,5 +1,5 @@
 // One strobe lamp: a delay, some jitter, a capacitor that must recharge, and what can go wrong.
-// Virtual time, no clock; one object per lamp, not thread-safe; may allocate.
+// Virtual time, no clock; one object per lamp, not thread-safe; allocates only where a fault strikes.
 #pragma once
 
 #include <optional>
@@ -7,6 +7,7 @@
 
 #include "sim/faults.hpp"
 #include "sim/rig/draws.hpp"
+#include "sim/rig/instants.hpp"
 #include "sim/rig/scene.hpp"
 
 namespace strobe::sim {
@@ -18,7 +19,13 @@ class LampModel {
 
   /// The flashes that a rising edge of the lamp's line makes: one, none, or with a fault two; in order of
   /// time. Kinds of faults that struck are appended to `struck`.
-  std::vector<MonoTime> on_pulse(MonoTime edge, const FlashPlace& place, std::vector<FaultKind>& struck);
+  Instants on_pulse(MonoTime edge, const FlashPlace& place, std::vector<FaultKind>& struck);
+
+  /// Forgets earlier flashes and draws.
+  void restart() {
+    last_flash_ = MonoTime::never();
+    draws_.reset();
+  }
 
   /// Jitter of the sensor's edge for the newest pulse's flashes.
   double sensor_jitter_s() const { return sensor_jitter_s_; }

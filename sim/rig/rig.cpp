@@ -4,6 +4,8 @@
 #include <cmath>
 #include <iterator>
 
+#include "sim/rig/reduced_scene.hpp"
+
 namespace strobe::sim {
 
 namespace {
@@ -22,8 +24,26 @@ constexpr std::size_t index(Lamp lamp) { return lamp == Lamp::a ? 0 : 1; }
 
 }  // namespace
 
-Rig::Rig(const Scene& scene, std::uint64_t seed, MonoTime start)
-    : scene_(scene), seed_(seed), lamps_{LampModel(scene_, seed, Lamp::a), LampModel(scene_, seed, Lamp::b)} {
+Rig::Rig(const Scene& scene, std::uint64_t seed, MonoTime start, const Model& model)
+    : model_(model),
+      scene_(reduced_scene(scene, model)),
+      seed_(seed),
+      lamps_{LampModel(scene_, seed, Lamp::a), LampModel(scene_, seed, Lamp::b)} {
+  restart(1, start);
+}
+
+void Rig::restart(int shot, MonoTime start) {
+  for (LampModel& lamp : lamps_) lamp.restart();
+  in_pulse_ = {};
+  pulse_edge_ = previous_edge_ = MonoTime::never();
+  pulses_ = 0;
+  exposures_ = shot - 1;
+  current_.reset();
+  finished_.clear();
+  shutter_draws_.reset();
+  waiting_ = {};
+  pending_.clear();
+  levels_ = {};
   levels_[index(RigLine::key)] = scene_.chip.key_level;
   levels_[index(RigLine::estop)] = scene_.chip.estop_level;
   for (const OperatorAction& action : scene_.operator_actions)
@@ -60,7 +80,7 @@ FlashPlace Rig::begin_or_join_pulse(Lamp lamp, MonoTime at) {
     previous_edge_ = pulses_ > 0 ? pulse_edge_ : MonoTime::never();
     pulse_edge_ = at;
     ++pulses_;
-    if (current_) current_->pulses.push_back({at, {}});
+    if (current_) current_->pulses.push_back({at, {}, {}});
   }
   in_pulse_[index(lamp)] = true;
   return {.shot = exposures_, .index = pulses_ - 1, .from_impact = predict_place(pulse_edge_)};
@@ -84,31 +104,39 @@ void Rig::on_strobe(Lamp lamp, MonoTime at) {
   std::vector<FaultKind> struck;
   LampModel& model = lamps_[index(lamp)];
   for (const MonoTime flash : model.on_pulse(at, place, struck)) {
+    const MonoTime stamp = sense(lamp, flash, place, struck);
     if (flash_fault(scene_.faults, FaultKind::flash_dim, place, lamp)) {
       struck.push_back(FaultKind::flash_dim);
     } else if (current_ && !current_->pulses.empty()) {
       current_->pulses.back().flashes.push_back(flash);
-    }
-    if (!model.sensor_works(place.shot)) {
-      struck.push_back(FaultKind::sensor_dead);
-      continue;
-    }
-    if (flash_fault(scene_.faults, FaultKind::sensor_dropout, place, lamp)) {
-      struck.push_back(FaultKind::sensor_dropout);
-      continue;
-    }
-    const RigLine sensor = lamp == Lamp::a ? RigLine::sensor_a : RigLine::sensor_b;
-    const MonoTime rise = flash + from_seconds(scene_.sensors.delay_s + model.sensor_jitter_s());
-    drive_sensor(sensor, rise);
-    if (const Fault* bounce = flash_fault(scene_.faults, FaultKind::sensor_bounce, place, lamp)) {
-      struck.push_back(FaultKind::sensor_bounce);
-      bounce_sensor(sensor, rise, bounce->delay);
+      current_->pulses.back().stamps.push_back(stamp);
     }
   }
   note_faults(struck);
 }
 
-void Rig::drive_sensor(RigLine line, MonoTime rise) {
+MonoTime Rig::sense(Lamp lamp, MonoTime flash, const FlashPlace& place, std::vector<FaultKind>& struck) {
+  const LampModel& model = lamps_[index(lamp)];
+  if (!model.sensor_works(place.shot)) {
+    struck.push_back(FaultKind::sensor_dead);
+    return MonoTime::never();
+  }
+  if (flash_fault(scene_.faults, FaultKind::sensor_dropout, place, lamp)) {
+    struck.push_back(FaultKind::sensor_dropout);
+    return MonoTime::never();
+  }
+  const RigLine sensor = lamp == Lamp::a ? RigLine::sensor_a : RigLine::sensor_b;
+  const MonoTime rise = flash + from_seconds(scene_.sensors.delay_s + model.sensor_jitter_s());
+  const bool edge = drive_sensor(sensor, rise);
+  if (const Fault* bounce = flash_fault(scene_.faults, FaultKind::sensor_bounce, place, lamp)) {
+    struck.push_back(FaultKind::sensor_bounce);
+    bounce_sensor(sensor, rise, bounce->delay);
+  }
+  return edge ? rise : MonoTime::never();
+}
+
+/// Whether it made a rising edge.
+bool Rig::drive_sensor(RigLine line, MonoTime rise) {
   const MonoTime fall = rise + from_seconds(scene_.sensors.pulse_s);
   // Light while the sensor still sees light makes its pulse longer, not a new edge.
   const auto overlapped = std::ranges::find_if(
@@ -116,11 +144,12 @@ void Rig::drive_sensor(RigLine line, MonoTime rise) {
   if (overlapped == pending_.end()) {
     schedule({rise, line, 1});
     schedule({fall, line, 0});
-    return;
+    return true;
   }
   const MonoTime end = std::max(overlapped->at, fall);
   pending_.erase(overlapped);
   schedule({end, line, 0});
+  return false;
 }
 
 void Rig::bounce_sensor(RigLine line, MonoTime rise, Duration after) {
@@ -177,9 +206,9 @@ void Rig::on_trigger(MonoTime at) {
     const Throw thrown = draw_throw(scene_, seed_, shot);
     const MonoTime touchdown = at + from_seconds(thrown.lag_s);
     if (shot_fault(scene_.faults, FaultKind::gate_chatter, shot)) struck.push_back(FaultKind::gate_chatter);
-    if (const auto path = BallPath::make(scene_, thrown)) {
-      drive_gate(*path, touchdown, at, shot);
-      ball = ThrownBall{*path, touchdown};
+    if (auto path = BallPath::make(scene_, thrown)) {
+      if (gate_watched_) drive_gate(*path, touchdown, at, shot);
+      ball = ThrownBall{std::move(*path), touchdown};
     }
     if (shot_fault(scene_.faults, FaultKind::ball_misses, shot)) {
       struck.push_back(FaultKind::ball_misses);
@@ -188,13 +217,13 @@ void Rig::on_trigger(MonoTime at) {
   }
   if (during_exposure) {
     current_->throws += throws;
-    if (!current_->ball) current_->ball = ball;
+    if (!current_->ball) current_->ball = std::move(ball);
     note_faults(struck);
   } else {
     if (waiting_.triggered.known() && at - waiting_.triggered > kBallInFlight) waiting_ = {};
     waiting_.triggered = at;
     waiting_.throws += throws;
-    if (!waiting_.ball) waiting_.ball = ball;
+    if (!waiting_.ball) waiting_.ball = std::move(ball);
     waiting_.faults.insert(waiting_.faults.end(), struck.begin(), struck.end());
   }
 }

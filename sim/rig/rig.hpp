@@ -15,6 +15,7 @@
 #include "sim/rig/exposure.hpp"
 #include "sim/rig/lamp.hpp"
 #include "sim/rig/lines.hpp"
+#include "sim/rig/model.hpp"
 #include "sim/rig/scene.hpp"
 
 namespace strobe::sim {
@@ -28,10 +29,17 @@ struct Drive {
 
 class Rig {
  public:
-  /// Lines are at their idle levels at `start`, from which the operator's actions are counted.
-  Rig(const Scene& scene, std::uint64_t seed, MonoTime start);
+  /// Lines are at their idle levels at `start`, from which the operator's actions are counted. A model other
+  /// than the full one leaves effects out (see model.hpp); scene() is then what is left.
+  Rig(const Scene& scene, std::uint64_t seed, MonoTime start, const Model& model = Model::full());
   Rig(const Rig&) = delete;
   Rig& operator=(const Rig&) = delete;
+
+  /// Begins afresh at `start`, as if newly made, with the exposure to come numbered `shot` (1-based).
+  void restart(int shot, MonoTime start);
+
+  /// Whether the gate's edges are computed (they are, unless nobody looks at them).
+  void watch_gate(bool watched) { gate_watched_ = watched; }
 
   /// An output line's level at `at`; changes come in order of time. Repeated levels and inputs are ignored.
   void line_changed(RigLine line, int level, MonoTime at);
@@ -55,6 +63,7 @@ class Rig {
   std::optional<MonoTime> exposing_since() const;
   int exposures_begun() const { return exposures_; }
   const Scene& scene() const { return scene_; }
+  const Model& model() const { return model_; }
   std::uint64_t seed() const { return seed_; }
 
  private:
@@ -64,7 +73,8 @@ class Rig {
   FlashPlace begin_or_join_pulse(Lamp lamp, MonoTime at);
   std::optional<int> predict_place(MonoTime edge) const;
   void drive_gate(const BallPath& path, MonoTime touchdown, MonoTime trigger, int shot);
-  void drive_sensor(RigLine line, MonoTime rise);
+  MonoTime sense(Lamp lamp, MonoTime flash, const FlashPlace& place, std::vector<FaultKind>& struck);
+  bool drive_sensor(RigLine line, MonoTime rise);
   void bounce_sensor(RigLine line, MonoTime rise, Duration after);
   void schedule(const Drive& drive);
   void note_faults(const std::vector<FaultKind>& kinds);
@@ -77,6 +87,7 @@ class Rig {
     std::vector<FaultKind> faults;
   };
 
+  const Model model_;
   const Scene scene_;
   const std::uint64_t seed_;
   std::array<int, kWiredLines> levels_{};
@@ -90,6 +101,7 @@ class Rig {
   std::vector<Exposure> finished_;
   std::optional<Draws> shutter_draws_;
   Waiting waiting_;
+  bool gate_watched_ = true;
   std::vector<Drive> pending_;  ///< latest first
 };
 

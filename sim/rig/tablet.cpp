@@ -31,16 +31,17 @@ Leg leg_seen(const BallState& state, double time_s, double dwell_s, double visib
 
 class Hand {
  public:
-  Hand(const Scene& scene, std::uint64_t seed, int shot)
+  Hand(const Scene& scene, std::uint64_t seed, int shot, bool perfect)
       : scene_(scene),
         camera_(scene),
         draws_(seed, Purpose::tablet, static_cast<std::uint64_t>(shot)),
+        error_(perfect ? 0.0 : 1.0),
         centre_sd_px_(scene.tablet.centre_sd_m * scene.camera.px_per_m) {}
 
   PointPx point(double x_m, double y_m) {
     PointPx p = camera_.project(x_m, y_m);
-    p.x += draws_.normal(0.0, centre_sd_px_);
-    p.y += draws_.normal(0.0, centre_sd_px_);
+    p.x += error(centre_sd_px_);
+    p.y += error(centre_sd_px_);
     return p;
   }
 
@@ -52,9 +53,8 @@ class Hand {
         leg_seen(s, (film.time - touchdown).seconds(), path.dwell_s(), scene_.tablet.visible_flattening_m);
     image.centre_px = point(x_m, s.y_m);
     image.diameter_px =
-        scene_.ball.diameter_m * camera_.px_per_m() + draws_.normal(0.0, kDiameterNoiseRatio * centre_sd_px_);
-    image.equator_rad =
-        modulo_pi(camera_.project_angle(s.equator_rad) + draws_.normal(0.0, scene_.tablet.equator_sd_rad));
+        scene_.ball.diameter_m * camera_.px_per_m() + error(kDiameterNoiseRatio * centre_sd_px_);
+    image.equator_rad = modulo_pi(camera_.project_angle(s.equator_rad) + error(scene_.tablet.equator_sd_rad));
     const PointPx top = point(x_m, scene_.ball.diameter_m - s.top_drop_m);
     if (image.leg == Leg::contact) image.top_px = top;
     image.source = "hand";
@@ -68,16 +68,19 @@ class Hand {
     frame.equator_sd_rad = known(scene_.tablet.equator_sd_rad);
     if (scene_.tablet.calibration_sd < 0.0) return;
     const double sd = scene_.tablet.calibration_sd * camera_.px_per_m();
-    frame.px_per_m = draws_.normal(camera_.px_per_m(), sd);
+    frame.px_per_m = camera_.px_per_m() + error(sd);
     frame.px_per_m_sd = sd;
   }
 
   double half_width_m() const { return camera_.half_width_m(); }
 
  private:
+  double error(double sd) { return draws_.normal(0.0, error_ * sd); }
+
   const Scene& scene_;
   Camera camera_;
   Draws draws_;
+  double error_;
   double centre_sd_px_;
 };
 
@@ -88,11 +91,8 @@ bool unseen(const Scene& scene, const Exposure& exposure, int pulse) {
   return flash_fault(scene.faults, FaultKind::image_unseen, place, Lamp::a) != nullptr;
 }
 
-}  // namespace
-
-Digitized digitize(const Scene& scene, std::uint64_t seed, const Exposure& exposure) {
+Digitized digitize_by(Hand hand, const Scene& scene, const Exposure& exposure) {
   Digitized result;
-  Hand hand(scene, seed, exposure.shot);
   reduction::Frame& frame = result.frame;
   frame.ball_diameter_m = scene.ball.diameter_m;
   frame.surface_angle_deg =
@@ -105,13 +105,34 @@ Digitized digitize(const Scene& scene, std::uint64_t seed, const Exposure& expos
   for (const double share : kSurfacePoints)
     frame.surface_px.push_back(hand.point(share * hand.half_width_m(), 0.0));
   std::ranges::sort(frame.surface_px, {}, &PointPx::x);
-  for (const FilmImage& film : film_images(scene, exposure)) {
-    const BallImage image = hand.image(film, exposure.ball->path, exposure.ball->touchdown);
+  const std::vector<FilmImage> film_of_all = film_images(scene, exposure);
+  frame.images.reserve(film_of_all.size());
+  result.image_pulse.reserve(film_of_all.size());
+  for (const FilmImage& film : film_of_all) {
+    BallImage image = hand.image(film, exposure.ball->path, exposure.ball->touchdown);
     if (unseen(scene, exposure, film.pulse)) continue;
-    frame.images.push_back(image);
+    frame.images.push_back(std::move(image));
     result.image_pulse.push_back(film.pulse);
+    result.image_stamp.push_back(film.stamp);
   }
   return result;
+}
+
+}  // namespace
+
+Digitized digitize(const Scene& scene, std::uint64_t seed, const Exposure& exposure) {
+  return digitize_by(Hand(scene, seed, exposure.shot, false), scene, exposure);
+}
+
+Digitized digitize_perfectly(const Scene& scene, std::uint64_t seed, const Exposure& exposure) {
+  return digitize_by(Hand(scene, seed, exposure.shot, true), scene, exposure);
+}
+
+std::vector<int> image_pulses(const Scene& scene, const Exposure& exposure) {
+  std::vector<int> pulses;
+  for (const FilmImage& film : film_images(scene, exposure))
+    if (!unseen(scene, exposure, film.pulse)) pulses.push_back(film.pulse);
+  return pulses;
 }
 
 }  // namespace strobe::sim

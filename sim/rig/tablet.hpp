@@ -12,7 +12,8 @@ namespace strobe::sim {
 
 struct Digitized {
   reduction::Frame frame;  ///< times are all zero: a photograph shows none; shot_id is for the caller to set
-  std::vector<int> image_pulse;  ///< for each image of the frame the pulse that made it
+  std::vector<int> image_pulse;       ///< for each image of the frame the pulse that made it
+  std::vector<MonoTime> image_stamp;  ///< and the mean of the sensors' edges; never(): they gave none
 };
 
 /// Four points of the surface; of each image of the ball its centre, its diameter (twice the distance from
@@ -20,6 +21,12 @@ struct Digitized {
 /// modulo pi, the top where the ball is visibly flattened, and the leg as a person sees it. Faults
 /// image_unseen leave images out. Noise of zero leaves the frame's standard deviations absent.
 Digitized digitize(const Scene& scene, std::uint64_t seed, const Exposure& exposure);
+
+/// The same by a hand without error: the frame states the scene's noise but has none.
+Digitized digitize_perfectly(const Scene& scene, std::uint64_t seed, const Exposure& exposure);
+
+/// Digitized::image_pulse alone, without measuring anything.
+std::vector<int> image_pulses(const Scene& scene, const Exposure& exposure);
 
 /// Standard deviation of a diameter over that of a coordinate.
 inline constexpr double kDiameterNoiseRatio = 2.0 * std::numbers::sqrt2;

@@ -64,7 +64,7 @@ reduction::Quantities true_readout(const Scene& scene, const BallPath& path) {
   return q;
 }
 
-std::string truth_line(const Scene& scene, std::uint64_t seed, const Exposure& exposure, int shot_id) {
+std::string truth_line(const Scene& scene, const Exposure& exposure, int shot_id) {
   const bool ball = shows_impact(exposure);
   json line = {{"shot", exposure.shot}, {"shot_id", shot_id}, {"ball", ball}, {"throws", exposure.throws}};
   line["touchdown_ns"] = nullptr;
@@ -80,7 +80,7 @@ std::string truth_line(const Scene& scene, std::uint64_t seed, const Exposure& e
   line["closed_ns"] = instant(exposure.closed);
   line["flash_true_ns"] = json::array();
   for (const Pulse& pulse : exposure.pulses) line["flash_true_ns"].push_back(instant(flash_time(pulse)));
-  line["image_flash"] = digitize(scene, seed, exposure).image_pulse;
+  line["image_flash"] = image_pulses(scene, exposure);
   line["faults"] = fault_names(scene, exposure);
   line["spoilt"] = exposure.spoilt;
   return line.dump();

@@ -26,6 +26,6 @@ reduction::Quantities true_readout(const Scene& scene, const BallPath& path);
 ///   image_flash                             for each digitized image the index of its pulse
 ///   faults                                  kinds that struck
 ///   spoilt                                  the simulation itself could not keep up
-std::string truth_line(const Scene& scene, std::uint64_t seed, const Exposure& exposure, int shot_id);
+std::string truth_line(const Scene& scene, const Exposure& exposure, int shot_id);
 
 }  // namespace strobe::sim

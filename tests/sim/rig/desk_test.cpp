@@ -80,7 +80,7 @@ TEST_GROUP(Desk) {
 
   void sit_down() {
     scene.tablet.digitize_delay_s = 0.05;
-    truth = *TruthFile::create(folder / "truth.jsonl", scene, 1);
+    truth = *TruthFile::create(folder / "truth.jsonl", scene);
     auto made = Desk::create(url, "bench", scene, 1, darkroom, *truth);
     CHECK_TEXT(made.has_value(), made ? "" : made.error().message.c_str());
     desk = std::move(*made);

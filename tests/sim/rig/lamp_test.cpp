@@ -11,8 +11,7 @@ TEST_GROUP(LampModel) {
   Scene scene = test::plain_scene();
   std::vector<FaultKind> struck;
 
-  std::vector<MonoTime> pulse(LampModel & lamp, MonoTime at, int index = 0,
-                              std::optional<int> from_impact = {}) {
+  Instants pulse(LampModel & lamp, MonoTime at, int index = 0, std::optional<int> from_impact = {}) {
     return lamp.on_pulse(at, {.shot = 1, .index = index, .from_impact = from_impact}, struck);
   }
 };

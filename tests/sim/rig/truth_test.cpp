@@ -14,7 +14,7 @@ TEST_GROUP(TruthLine) {
   Scene scene = test::plain_scene();
 
   nlohmann::json line_of(const Exposure& exposure, int shot_id) {
-    const std::string text = truth_line(scene, 1, exposure, shot_id);
+    const std::string text = truth_line(scene, exposure, shot_id);
     LONGS_EQUAL(std::string::npos, text.find('\n'));
     return nlohmann::json::parse(text);
   }

@@ -1,0 +1,126 @@
+#include "sim/shoot/shoot.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim/rig/tablet.hpp"
+#include "sim/rig/truth.hpp"
+#include "sim/shoot/window.hpp"
+
+namespace strobe::sim {
+
+namespace {
+
+constexpr MonoTime kStart{1'000'000'000'000};
+constexpr Duration kLinePulse = microseconds(50);
+constexpr Duration kLead = milliseconds(1);
+
+Duration from_seconds(double s) { return nanoseconds(std::llround(s * 1e9)); }
+
+void set(SimulatedShot& shot, ShotFlag flag) { shot.flags.set(static_cast<std::size_t>(flag)); }
+
+bool struck(const Exposure& exposure, FaultKind kind) {
+  return std::ranges::find(exposure.faults, kind) != exposure.faults.end();
+}
+
+}  // namespace
+
+Shooter::Shooter(const Scene& scene, std::uint64_t seed, const Model& model, const ShootSettings& settings)
+    : settings_(settings), rig_(std::make_unique<Rig>(scene, seed, kStart, model)) {
+  rig_->watch_gate(false);
+  // From the scene as it is, so that every model of it has the same train.
+  const Window window = settings.exposure.ns > 0
+                            ? Window{0.5 * settings.exposure.seconds(), 0.5 * settings.exposure.seconds()}
+                            : crossing_window(scene, settings.period.seconds());
+  before_ = from_seconds(window.before_s);
+  flashes_ = static_cast<int>((before_ + from_seconds(window.after_s)).ns / settings.period.ns) + 1;
+  open_ahead_ = from_seconds(scene.shutter.open_lag_s + kLargestNormal * scene.shutter.lag_sd_s) + kLead;
+}
+
+Result<Shooter> Shooter::make(const Scene& scene, std::uint64_t seed, const Model& model,
+                              const ShootSettings& settings) {
+  if (settings.period < microseconds(100) || settings.period > milliseconds(1000))
+    return fail("period: must be 0.1…1000 ms");
+  if (settings.exposure < Duration{} || settings.exposure > milliseconds(2000))
+    return fail("exposure: must be 0…2 s");
+  return Shooter(scene, seed, model, settings);
+}
+
+void Shooter::play(int shot) {
+  drives_.clear();
+  exposures_.clear();
+  rig_->restart(shot, kStart);
+  const MonoTime first = kStart + milliseconds(10'000);
+  const MonoTime trigger = first + before_ - from_seconds(scene().machine.lag_s);
+  const MonoTime last = first + settings_.period * (flashes_ - 1);
+  bool triggered = false;
+  const auto change = [&](RigLine line, int level, MonoTime at) {
+    if (!triggered && trigger <= at) {
+      triggered = true;
+      rig_->line_changed(RigLine::trigger, 1, trigger);
+      rig_->line_changed(RigLine::trigger, 0, trigger);
+    }
+    rig_->line_changed(line, level, at);
+  };
+  change(RigLine::shutter, 1, first - open_ahead_);
+  for (int i = 0; i < flashes_; ++i) {
+    const MonoTime at = first + settings_.period * i;
+    rig_->collect(at, drives_, exposures_);
+    for (const int level : {1, 0}) {
+      for (const RigLine lamp : {RigLine::strobe_a, RigLine::strobe_b})
+        change(lamp, level, level == 1 ? at : at + kLinePulse);
+    }
+  }
+  const MonoTime end = last + milliseconds(10);
+  change(RigLine::shutter, 0, std::max(end, trigger));
+  rig_->finish(std::max(end, trigger), exposures_);
+}
+
+void Shooter::fill_frame(SimulatedShot& shot) const {
+  Digitized digitized = settings_.perfect_digitizer ? digitize_perfectly(scene(), rig_->seed(), shot.exposure)
+                                                    : digitize(scene(), rig_->seed(), shot.exposure);
+  shot.frame = std::move(digitized.frame);
+  shot.frame.shot_id = shot.exposure.shot;
+  std::vector<reduction::BallImage>& images = shot.frame.images;
+  std::size_t kept = 0;
+  MonoTime start = MonoTime::never();
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    const MonoTime stamp = digitized.image_stamp[i];
+    if (!stamp.known()) {
+      set(shot, ShotFlag::unstamped_image);
+      continue;
+    }
+    if (!start.known()) start = stamp;
+    images[i].time_s = (stamp - start).seconds();
+    images[i].flash_index = digitized.image_pulse[i];
+    if (kept != i) images[kept] = std::move(images[i]);
+    digitized.image_pulse[kept++] = digitized.image_pulse[i];
+  }
+  images.resize(kept);
+  digitized.image_pulse.resize(kept);
+  shot.image_pulse = std::move(digitized.image_pulse);
+}
+
+SimulatedShot Shooter::shoot(int shot) {
+  play(shot);
+  SimulatedShot result;
+  result.exposure = std::move(exposures_.back());
+  fill_frame(result);
+  if (result.exposure.ball) {
+    if (!shows_impact(result.exposure)) set(result, ShotFlag::impact_unseen);
+    result.truth = true_readout(scene(), result.exposure.ball->path);
+  } else {
+    set(result, struck(result.exposure, FaultKind::ball_misses) ? ShotFlag::ball_missed : ShotFlag::no_ball);
+  }
+  return result;
+}
+
+Result<SimulatedShot> shoot(const Scene& scene, std::uint64_t seed, int shot, const Model& model,
+                            const ShootSettings& settings) {
+  if (shot < 1) return fail("shot: must be 1 or more");
+  auto shooter = Shooter::make(scene, seed, model, settings);
+  if (!shooter) return tl::unexpected(shooter.error());
+  return shooter->shoot(shot);
+}
+
+}  // namespace strobe::sim

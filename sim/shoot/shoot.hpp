@@ -1,0 +1,87 @@
+// Whole simulated shots in one process: an ideal train of flashes in place of the firmware drives the rig,
+// and what comes out is a frame that the reduction can read, with the truth beside it. No clock, no threads,
+// no I/O: the same scene, seed, shot, model and settings give the same bytes, whatever was shot before.
+//
+// The shutter is held open around the train (its line rises the longest lag before the first flash), so that
+// it decides nothing; the ball is triggered such that one with the mean lag meets the plate in the middle of
+// the train's window. An image's time in the frame is, as in a session, the mean of the flash sensors' edges
+// of its flash, from the first image's.
+#pragma once
+
+#include <array>
+#include <bitset>
+#include <cstdint>
+#include <memory>
+#include <string_view>
+#include <vector>
+
+#include "common/reduction/frame.hpp"
+#include "common/reduction/readout.hpp"
+#include "common/result.hpp"
+#include "sim/rig/exposure.hpp"
+#include "sim/rig/model.hpp"
+#include "sim/rig/rig.hpp"
+
+namespace strobe::sim {
+
+struct ShootSettings {
+  Duration period = milliseconds(3);  ///< between flashes; 100 µs…1 s
+  /// How long the train lasts, at most 2 s. 0: as long as the scene's balls take to cross the camera's view
+  /// (every spread included), but not more than 0.25 s before and after the impact.
+  Duration exposure{};
+  bool perfect_digitizer = false;  ///< the frame states the tablet's noise but has none
+};
+
+enum class ShotFlag {
+  no_ball,          ///< the machine threw none, or one that the contact's mechanics cannot carry through
+  ball_missed,      ///< it missed the plate
+  impact_unseen,    ///< it met the plate when the shutter was closed
+  unstamped_image,  ///< an image was left out of the frame: no sensor saw its flash
+};
+inline constexpr std::array<std::string_view, 4> kShotFlagNames{"no_ball", "ball_missed", "impact_unseen",
+                                                                "unstamped_image"};
+
+struct SimulatedShot {
+  Exposure exposure;
+  reduction::Frame frame;         ///< without images where there is no ball
+  std::vector<int> image_pulse;   ///< for each image of the frame its pulse's index in the exposure
+  reduction::Quantities truth{};  ///< of the ball that met the plate; all absent without one
+  std::bitset<kShotFlagNames.size()> flags;
+
+  bool has(ShotFlag flag) const { return flags[static_cast<std::size_t>(flag)]; }
+};
+
+/// Many shots of one scene: holds what is prepared once. Not thread-safe; independent objects are.
+class Shooter {
+ public:
+  /// Fails for settings out of range.
+  static Result<Shooter> make(const Scene& scene, std::uint64_t seed, const Model& model = Model::full(),
+                              const ShootSettings& settings = {});
+
+  /// The `shot`-th (1-based) of the run; in any order.
+  SimulatedShot shoot(int shot);
+
+  /// What the model leaves of the scene.
+  const Scene& scene() const { return rig_->scene(); }
+  int flashes() const { return flashes_; }
+
+ private:
+  Shooter(const Scene& scene, std::uint64_t seed, const Model& model, const ShootSettings& settings);
+
+  void play(int shot);
+  void fill_frame(SimulatedShot& shot) const;
+
+  ShootSettings settings_;
+  std::unique_ptr<Rig> rig_;
+  int flashes_ = 0;
+  Duration before_;      ///< first flash to the mean ball's impact
+  Duration open_ahead_;  ///< shutter line to first flash
+  std::vector<Drive> drives_;
+  std::vector<Exposure> exposures_;
+};
+
+/// One shot. For many use a Shooter, which prepares the scene once.
+Result<SimulatedShot> shoot(const Scene& scene, std::uint64_t seed, int shot,
+                            const Model& model = Model::full(), const ShootSettings& settings = {});
+
+}  // namespace strobe::sim
