@@ -3,12 +3,10 @@
 #include <charconv>
 #include <cstdio>
 #include <nlohmann/json.hpp>
-#include <numbers>
 
 #include "sim/commands.hpp"
 #include "sim/gpiochip/chip.hpp"
 #include "sim/live/runner.hpp"
-#include "sim/live/scene_files.hpp"
 
 namespace strobe::sim {
 
@@ -46,26 +44,6 @@ std::string name_of(std::size_t line) {
 }
 
 }  // namespace
-
-int scenes_command(bool json) {
-  const auto scenes = shipped_scenes();
-  if (!scenes) return complain(scenes.error().message, 2);
-  for (const Scene& scene : *scenes) {
-    const double angle_deg = scene.machine.angle_rad * 180.0 / std::numbers::pi;
-    if (json) {
-      const nlohmann::json line = {{"scene", scene.name},
-                                   {"title", scene.title},
-                                   {"speed_mps", scene.machine.speed_mps},
-                                   {"angle_deg", angle_deg},
-                                   {"spin_radps", scene.machine.spin_radps}};
-      fmt::print("{}\n", line.dump());
-    } else {
-      fmt::print("{:<9} {:5.2f} m/s  {:6.2f} deg  {:7.1f} rad/s  {}\n", scene.name, scene.machine.speed_mps,
-                 angle_deg, scene.machine.spin_radps, scene.title);
-    }
-  }
-  return 0;
-}
 
 int drive_command(const std::string& chip_dir, const std::vector<std::string>& drives) {
   auto chip = Chip::attach(chip_dir);

@@ -26,10 +26,15 @@ struct TomlReader::State {
   std::optional<Error> first_error;
   std::set<const toml::node*> asked;
 
-  void report(std::uint32_t line, const std::string& path, const std::string& what) {
+  /// What was inherited stands in its own file.
+  std::string place(const toml::source_region& source) const {
+    const std::string& file = source.path ? *source.path : file_name;
+    return source.begin.line > 0 ? file + ":" + std::to_string(source.begin.line) : file;
+  }
+
+  void report(const toml::source_region& source, const std::string& path, const std::string& what) {
     if (first_error) return;
-    const std::string place = line > 0 ? file_name + ":" + std::to_string(line) : file_name;
-    first_error = Error{on_one_line(place + ": " + (path.empty() ? "" : path + ": ") + what)};
+    first_error = Error{on_one_line(place(source) + ": " + (path.empty() ? "" : path + ": ") + what)};
   }
 };
 
@@ -46,9 +51,10 @@ struct TomlTable::Node {
     if (node) state->asked.insert(node);
     return node;
   }
-  std::uint32_t line() const { return table ? table->source().begin.line : 0; }
+  toml::source_region source() const { return table ? table->source() : toml::source_region{}; }
+  std::uint32_t line() const { return source().begin.line; }
   void report(std::string_view key, const toml::node* node, const std::string& what) {
-    state->report(node ? node->source().begin.line : line(), path_of(key), what);
+    state->report(node ? node->source() : source(), path_of(key), what);
   }
 };
 
@@ -257,12 +263,41 @@ TomlReader::TomlReader(std::string_view text, std::string file_name) : state_(st
   try {
     state_->document = toml::parse(text, state_->file_name);
   } catch (const toml::parse_error& error) {
-    state_->report(error.source().begin.line, "", std::string(error.description()));
+    state_->report(error.source(), "", std::string(error.description()));
   }
 }
 TomlReader::~TomlReader() = default;
 TomlReader::TomlReader(TomlReader&&) noexcept = default;
 TomlReader& TomlReader::operator=(TomlReader&&) noexcept = default;
+
+namespace {
+
+/// Moves, since only moved nodes keep their place in the source.
+void move_missing(toml::table& from, toml::table& to) {
+  for (auto&& [key, node] : from) {
+    toml::node* own = to.get(key.str());
+    if (!own) {
+      to.insert(key, std::move(node));
+    } else if (own->is_table() && node.is_table()) {
+      move_missing(*node.as_table(), *own->as_table());
+    }
+  }
+}
+
+}  // namespace
+
+void TomlReader::inherit(TomlReader&& parent) {
+  if (!state_->first_error) state_->first_error = parent.state_->first_error;
+  move_missing(parent.state_->document, state_->document);
+}
+
+void TomlReader::remove(std::string_view table, std::string_view key) {
+  toml::node* node = table.empty() ? &state_->document : state_->document.get(table);
+  toml::table* holder = node ? node->as_table() : nullptr;
+  if (!holder) return;
+  state_->asked.clear();  // of nodes that may be gone
+  holder->erase(key);
+}
 
 TomlTable TomlReader::root() {
   auto node = std::make_shared<TomlTable::Node>();
@@ -274,7 +309,7 @@ TomlTable TomlReader::root() {
 namespace {
 
 struct Unasked {
-  std::uint32_t line;
+  toml::source_region source;
   std::string path;
 };
 
@@ -282,7 +317,7 @@ std::optional<Unasked> first_unasked(const toml::table& table, const std::set<co
                                      const std::string& path) {
   for (const auto& [key, node] : table) {
     const std::string full = path.empty() ? std::string(key.str()) : path + "." + std::string(key.str());
-    if (!asked.contains(&node)) return Unasked{node.source().begin.line, full};
+    if (!asked.contains(&node)) return Unasked{node.source(), full};
     if (const toml::table* child = node.as_table()) {
       if (auto found = first_unasked(*child, asked, full)) return found;
     }
@@ -299,11 +334,12 @@ std::optional<Unasked> first_unasked(const toml::table& table, const std::set<co
 
 }  // namespace
 
+std::optional<Error> TomlReader::error_so_far() const { return state_->first_error; }
+
 std::optional<Error> TomlReader::error() const {
   if (state_->first_error) return state_->first_error;
   if (auto found = first_unasked(state_->document, state_->asked, "")) {
-    return Error{on_one_line(state_->file_name + ":" + std::to_string(found->line) + ": " + found->path +
-                             ": unknown key")};
+    return Error{on_one_line(state_->place(found->source) + ": " + found->path + ": unknown key")};
   }
   return std::nullopt;
 }

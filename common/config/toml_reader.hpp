@@ -78,11 +78,23 @@ class TomlReader {
   TomlReader(TomlReader&&) noexcept;
   TomlReader& operator=(TomlReader&&) noexcept;
 
+  /// Takes what `parent` has and this document lacks, table by table; arrays, those of tables included, are
+  /// taken or left as a whole. Errors in what was taken name the parent's file. Call it before reading from
+  /// either; tables got from the parent become invalid.
+  void inherit(TomlReader&& parent);
+
+  /// Takes a key out of a table of the document's root ("": out of the root itself) as if it had not been
+  /// written; nothing happens if it was not. Call it before reading; what was read so far counts as unread.
+  void remove(std::string_view table, std::string_view key);
+
   TomlTable root();
 
   /// The first error so far: syntax, a value out of range or of another type, a required key that is missing;
   /// if there was none, the first key of the document that nobody asked for. Call it last.
   std::optional<Error> error() const;
+
+  /// The same without keys that nobody has asked for yet.
+  std::optional<Error> error_so_far() const;
 
  private:
   friend class TomlTable;

@@ -36,40 +36,76 @@ Result<fs::path> share_folder() {
   return folder;
 }
 
+namespace {
+
+bool is_path(const std::string& name) {
+  return name.find('/') != std::string::npos || name.ends_with(".toml");
+}
+
+Result<fs::path> shipped_scene_path(const std::string& name) {
+  const auto share = share_folder();
+  if (!share) return tl::unexpected(share.error());
+  const fs::path path = *share / "scenes" / (name + ".toml");
+  std::error_code error;
+  if (!fs::exists(path, error))
+    return fail("no scene \"" + name + "\" (strobe-sim scenes lists them; a file's path ends in .toml)");
+  return path;
+}
+
+Result<fs::path> parent_path(const std::string& name, const fs::path& from_file) {
+  if (is_path(name)) return from_file.parent_path() / name;
+  const fs::path sibling = from_file.parent_path() / (name + ".toml");
+  std::error_code error;
+  if (fs::exists(sibling, error)) return sibling;
+  return shipped_scene_path(name);
+}
+
+}  // namespace
+
+Result<SceneText> resolve_scene(const std::string& name, const std::string& from_file) {
+  const auto path = parent_path(name, from_file);
+  if (!path) return tl::unexpected(path.error());
+  const fs::path normal = path->lexically_normal();
+  return read_text_file(normal).map([&](std::string text) {
+    return SceneText{std::move(text), normal.string()};
+  });
+}
+
 Result<Scene> load_scene(const std::string& name_or_path) {
-  const bool is_path = name_or_path.find('/') != std::string::npos || name_or_path.ends_with(".toml");
   fs::path path = name_or_path;
-  if (!is_path) {
-    const auto share = share_folder();
-    if (!share) return tl::unexpected(share.error());
-    path = *share / "scenes" / (name_or_path + ".toml");
-    std::error_code error;
-    if (!fs::exists(path, error))
-      return fail("no scene \"" + name_or_path +
-                  "\" (strobe-sim scenes lists them; a file's path ends in .toml)");
+  if (!is_path(name_or_path)) {
+    const auto shipped = shipped_scene_path(name_or_path);
+    if (!shipped) return tl::unexpected(shipped.error());
+    path = *shipped;
   }
   const auto text = read_text_file(path);
   if (!text) return tl::unexpected(text.error());
-  return parse_scene(*text, path.string());
+  return parse_scene(*text, path.string(), resolve_scene);
 }
 
-Result<std::vector<Scene>> shipped_scenes() {
+Result<std::vector<SceneFile>> shipped_scene_files() {
   const auto share = share_folder();
   if (!share) return tl::unexpected(share.error());
   std::error_code error;
-  std::vector<fs::path> files;
+  std::vector<SceneFile> scenes;
   for (const auto& entry : fs::directory_iterator(*share / "scenes", error)) {
-    if (entry.path().extension() == ".toml") files.push_back(entry.path());
+    if (entry.path().extension() == ".toml")
+      scenes.push_back({entry.path().stem().string(), load_scene(entry.path().string())});
   }
   if (error) return fail((*share / "scenes").string() + ": " + error.message());
-  std::vector<Scene> scenes;
-  for (const fs::path& file : files) {
-    auto scene = load_scene(file.string());
-    if (!scene) return tl::unexpected(scene.error());
-    scenes.push_back(std::move(*scene));
-  }
   std::ranges::sort(scenes, {},
-                    [](const Scene& s) { return std::pair(s.name.substr(0, s.name.find('_')), s.name); });
+                    [](const SceneFile& s) { return std::pair(s.name.substr(0, s.name.find('_')), s.name); });
+  return scenes;
+}
+
+Result<std::vector<Scene>> shipped_scenes() {
+  auto files = shipped_scene_files();
+  if (!files) return tl::unexpected(files.error());
+  std::vector<Scene> scenes;
+  for (SceneFile& file : *files) {
+    if (!file.scene) return tl::unexpected(file.scene.error());
+    scenes.push_back(std::move(*file.scene));
+  }
   return scenes;
 }
 

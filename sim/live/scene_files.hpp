@@ -18,7 +18,20 @@ Result<std::filesystem::path> share_folder();
 /// path.
 Result<Scene> load_scene(const std::string& name_or_path);
 
-/// Every scene of the scenes' folder, by spin and then by angle. Fails at the first that cannot be read.
+/// The scene that `from_file` inherits from: by a path relative to its folder, or by name from that folder or
+/// from the scenes' folder.
+Result<SceneText> resolve_scene(const std::string& name, const std::string& from_file);
+
+/// A file of the scenes' folder: its scene, or why there is none.
+struct SceneFile {
+  std::string name;
+  Result<Scene> scene;
+};
+
+/// By the name's first word and then by name. Fails if the folder cannot be read.
+Result<std::vector<SceneFile>> shipped_scene_files();
+
+/// The scenes of these files. Fails at the first that is broken.
 Result<std::vector<Scene>> shipped_scenes();
 
 Result<std::string> read_text_file(const std::filesystem::path& path);

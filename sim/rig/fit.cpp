@@ -75,6 +75,7 @@ void fit_means(FittedScene& fitted, const Condition& c) {
   const double slip_td = c.vx_td_mps.mean + radius * c.omega_td_radps.mean;
   const double slip_lo = c.vx_lo_mps.mean + radius * c.omega_lo_radps.mean;
   BounceSettings& b = scene.bounce;
+  b.contact = ContactLaw::grip;
   b.e = c.vy_lo_mps.mean / -c.vy_td_mps.mean;
   b.e_speed_mps = -c.vy_td_mps.mean;
   const double impulse = (1.0 + b.e) * -c.vy_td_mps.mean;

@@ -32,7 +32,7 @@ std::string to_toml(const FittedScene& fitted, const thesis::Condition& conditio
   text += entry("speed_mps", m.speed_mps) + entry("speed_sd_mps", m.speed_sd_mps);
   text += entry("angle_deg", m.angle_rad * kDegrees) + entry("angle_sd_deg", m.angle_sd_rad * kDegrees);
   text += entry("spin_radps", m.spin_radps) + entry("spin_sd_radps", m.spin_sd_radps);
-  text += "\n[bounce]\n";
+  text += "\n[bounce]\ncontact = \"grip\"\n";
   text += entry("e", b.e) + entry("e_speed_mps", b.e_speed_mps) + entry("e_sd", b.e_sd);
   text += entry("mu", b.mu) + (b.mu_sd > 0.0 ? entry("mu_sd", b.mu_sd) : "");
   text += entry("ex", b.ex) + (b.ex_sd > 0.0 ? entry("ex_sd", b.ex_sd) : "");

@@ -4,6 +4,7 @@
 // allocates.
 #pragma once
 
+#include <functional>
 #include <numbers>
 #include <string>
 #include <string_view>
@@ -24,7 +25,7 @@ namespace strobe::sim {
 struct MachineSettings {
   double speed_mps = 17.0;  ///< required; 1…60
   double speed_sd_mps = 0.0;
-  double angle_rad = -0.4;  ///< required; angle_deg -85…-5, against the surface
+  double angle_rad = -0.4;  ///< required; angle_deg -90…-5, against the surface
   double angle_sd_rad = 0.0;
   double spin_radps = 0.0;  ///< required; backspin positive
   double spin_sd_radps = 0.0;
@@ -40,7 +41,12 @@ enum class ContactLaw {
 };
 
 /// [bounce] How ball and surface rebound, spread from shot to shot. One draw moves mu and what goes with it
-/// (grip: e_x) together: a shot that finds more grip.
+/// (grip: e_x) together: a shot that finds more grip. A key of the other law is an error.
+/// Other ways to say the same, one at a time:
+///  - for e and dwell_ms: [ball] stiffness_npm and damping_nspm (common/impact/ode/normal_spring.hpp); a
+///    spring's e does not change with the speed, so that e_slope_s_per_m then defaults to 0;
+///  - for mu: [surface] friction, court_pace (the ITF's rating: mu from it and e at 30 m/s, 16 degrees), or
+///    pace_grade = "slow" | "medium_slow" | "medium" | "medium_fast" | "fast" (27, 32, 37, 42, 47).
 struct BounceSettings {
   ContactLaw contact = ContactLaw::ode;  ///< key contact = "ode" | "grip"
   double e = 0.75;                       ///< required; at e_speed_mps
@@ -152,11 +158,14 @@ struct OperatorAction {
 };
 
 struct Scene {
-  std::string name;   ///< the file's, without its extension
-  std::string title;  ///< one line for people
-  double surface_angle_rad =
-      0.0;          ///< key surface_angle_deg: inclination of the plate, counter-clockwise positive
-  ball::Ball ball;  ///< [ball] diameter_m, mass_kg, alpha
+  std::string name;    ///< the file's, without its extension
+  std::string title;   ///< one line for people
+  std::string parent;  ///< key inherits: the scene it inherits from; empty: none
+  /// Inclination of the plate, counter-clockwise positive: key surface_angle_deg or [surface] tilt_deg.
+  double surface_angle_rad = 0.0;
+  /// [ball] diameter_m, mass_kg, and alpha or inertia = "thin_shell" | "rubber_shell_mean_radius" |
+  /// "thick_shell" | "solid" | "measured" (common/ball).
+  ball::Ball ball;
   MachineSettings machine;
   BounceSettings bounce;
   AirSettings air;
@@ -172,7 +181,25 @@ struct Scene {
   std::vector<Fault> faults;
 };
 
-/// A scene from its text. The error reads "FILE:LINE: table.key: what is wrong".
-Result<Scene> parse_scene(std::string_view text, const std::string& file_name);
+/// The text of a scene's file; file_name tells files apart and is what errors name.
+struct SceneText {
+  std::string text;
+  std::string file_name;
+};
+
+/// Finds the scene that `from_file` inherits from under that name. Its error is put behind FILE:LINE:
+/// inherits.
+using SceneResolver = std::function<Result<SceneText>(const std::string& name, const std::string& from_file)>;
+
+/// The longest chain of parents.
+inline constexpr std::size_t kMostAncestors = 16;
+
+/// A scene from its text. With `inherits = "NAME"` it has all that the scene of that name has, except for
+/// what its own text says: tables are merged key by key, arrays of tables ([[fault]], [[operator]]) replaced,
+/// and of alternatives (the contact's law, e and dwell_ms or springs, the friction's source, alpha or
+/// inertia, the tilt) the parent's are dropped where the child has its own. No I/O but what `resolve` does.
+/// The error reads "FILE:LINE: table.key: what is wrong", FILE being that in which the key stands.
+Result<Scene> parse_scene(std::string_view text, const std::string& file_name,
+                          const SceneResolver& resolve = {});
 
 }  // namespace strobe::sim

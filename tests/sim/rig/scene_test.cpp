@@ -11,7 +11,7 @@ using namespace strobe::sim;
 
 const std::string kLeast =
     "[machine]\nspeed_mps = 17\nangle_deg = -23\nspin_radps = 0\n"
-    "[bounce]\ne = 0.8\nmu = 0.6\nex = 0.1\noffset_mm = 2.5\ndwell_ms = 5\n";
+    "[bounce]\ncontact = \"grip\"\ne = 0.8\nmu = 0.6\nex = 0.1\noffset_mm = 2.5\ndwell_ms = 5\n";
 
 std::string error_of(const std::string& text) {
   const auto scene = parse_scene(text, "scenes/some.toml");
@@ -34,7 +34,7 @@ TEST(SceneFile, NeedsOnlyMachineAndBounce) {
 }
 
 TEST(SceneFile, RefusesAnUnknownKeyWithItsLine) {
-  STRCMP_EQUAL("scenes/some.toml:12: lamps.dealy_us: unknown key",
+  STRCMP_EQUAL("scenes/some.toml:13: lamps.dealy_us: unknown key",
                error_of(kLeast + "[lamps]\ndealy_us = 3\n").c_str());
 }
 
@@ -43,7 +43,7 @@ TEST(SceneFile, NamesWhatIsMissing) {
 }
 
 TEST(SceneFile, RefusesAValueOutOfItsRange) {
-  STRCMP_CONTAINS("some.toml:12: lamps.delay_us: must be at least 0",
+  STRCMP_CONTAINS("some.toml:13: lamps.delay_us: must be at least 0",
                   error_of(kLeast + "[lamps]\ndelay_us = -3\n").c_str());
 }
 
@@ -61,11 +61,11 @@ TEST(SceneFile, ReadsTheAir) {
 }
 
 TEST(SceneFile, RefusesAirThatCannotBe) {
-  STRCMP_CONTAINS("some.toml:12: air.drag_coefficient: must be at least 0",
+  STRCMP_CONTAINS("some.toml:13: air.drag_coefficient: must be at least 0",
                   error_of(kLeast + "[air]\ndrag_coefficient = -0.1\n").c_str());
-  STRCMP_CONTAINS("some.toml:12: air.density_kgpm3: must be at least 0",
+  STRCMP_CONTAINS("some.toml:13: air.density_kgpm3: must be at least 0",
                   error_of(kLeast + "[air]\ndensity_kgpm3 = -1\n").c_str());
-  STRCMP_CONTAINS("some.toml:12: air.lift_law: must be one of",
+  STRCMP_CONTAINS("some.toml:13: air.lift_law: must be one of",
                   error_of(kLeast + "[air]\nlift_law = \"magnus\"\n").c_str());
 }
 

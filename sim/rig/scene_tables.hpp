@@ -1,0 +1,41 @@
+// Reading of a scene's tables, one function each: names of keys, units, ranges. What is wrong is reported to
+// the tables' reader. Inside of scene.hpp; allocates.
+#pragma once
+
+#include <array>
+#include <numbers>
+#include <string_view>
+
+#include "common/config/toml_reader.hpp"
+#include "sim/rig/scene.hpp"
+
+namespace strobe::sim::tables {
+
+inline constexpr double kDegree = std::numbers::pi / 180.0;
+inline constexpr double kMilli = 1e-3;
+inline constexpr double kMicro = 1e-6;
+
+/// Keys of [bounce] that only one of the contact's laws has.
+inline constexpr std::array<std::string_view, 4> kOdeKeys{"stiffness_ratio", "damping_ratio", "offset_share",
+                                                          "offset_share_sd"};
+inline constexpr std::array<std::string_view, 4> kGripKeys{"ex", "ex_sd", "offset_mm", "offset_sd_mm"};
+
+// scene_impact.cpp: what meets the surface, and how. Each needs those before it in the scene, and [air] for
+// the surface's speed.
+void read_ball(config::TomlTable& root, Scene& scene);
+void read_machine(config::TomlTable& root, Scene& scene);
+void read_impact(config::TomlTable& root, Scene& scene);  ///< [bounce], and springs and friction elsewhere
+void read_tilt(config::TomlTable& root, Scene& scene);
+
+// scene_bench.cpp: what is around it.
+AirSettings read_air(config::TomlTable table);
+LampSettings read_lamps(config::TomlTable table);
+SensorSettings read_sensors(config::TomlTable table);
+ShutterSettings read_shutter(config::TomlTable table);
+CameraSettings read_camera(config::TomlTable table, const ball::Ball& ball);
+TabletSettings read_tablet(config::TomlTable table);
+ReadoutSettings read_readout(config::TomlTable table);
+ChipSettings read_chip(config::TomlTable table);
+OperatorAction read_action(config::TomlTable& table);
+
+}  // namespace strobe::sim::tables
