@@ -41,8 +41,8 @@ enum class ContactLaw {
 };
 
 /// [bounce] How ball and surface rebound, spread from shot to shot. One draw moves mu and what goes with it
-/// (grip: e_x) together: a shot that finds more grip. A key of the other law is an error.
-/// Other ways to say the same, one at a time:
+/// (ode: stiffness_ratio, grip: e_x) together: a shot that finds more grip. A key of the other law is an
+/// error. Other ways to say the same, one at a time:
 ///  - for e and dwell_ms: [ball] stiffness_npm and damping_nspm (common/impact/ode/normal_spring.hpp); a
 ///    spring's e does not change with the speed, so that e_slope_s_per_m then defaults to 0;
 ///  - for mu: [surface] friction, court_pace (the ITF's rating: mu from it and e at 30 m/s, 16 degrees), or
@@ -59,15 +59,18 @@ struct BounceSettings {
   double dwell_sd_s = 0.0;
   // contact = "ode"
   double stiffness_ratio = impact::ContactCoefficients{}.stiffness_ratio;  ///< tangential over normal
-  double damping_ratio = impact::ContactCoefficients{}.damping_ratio;      ///< c_t/sqrt(k_t·m)
-  double offset_share = impact::ContactCoefficients{}.offset_share;        ///< of the footprint's radius
+  double stiffness_ratio_sd = 0.0;                                     ///< moved by the draw that moves mu
+  double damping_ratio = impact::ContactCoefficients{}.damping_ratio;  ///< c_t/sqrt(k_t·m)
+  double offset_share = impact::ContactCoefficients{}.offset_share;    ///< of the footprint's radius
   double offset_share_sd = 0.0;
   // contact = "grip"
   double ex = 0.087;  ///< required; -1…1
   double ex_sd = 0.0;
   double offset_m = 0.003;  ///< required, key offset_mm; of the normal force at full rolling speed
   double offset_sd_m = 0.0;
-  double offset_grip_correlation = 0.0;  ///< -1…1, between the offset and mu of one shot
+  // either
+  double offset_grip_correlation =
+      0.0;                       ///< -1…1, between one shot's offset (or its share) and its draw of mu
   double top_drop_ratio = 1.27;  ///< drop of the ball's top over that of its centre (measured at 23 degrees)
 };
 

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
 #include <string>
 
@@ -40,13 +41,14 @@ void read_law(TomlTable& table, BounceSettings& b) {
   b.contact =
       table.choice_or("contact", "ode", {"ode", "grip"}) == "ode" ? ContactLaw::ode : ContactLaw::grip;
   const bool ode = b.contact == ContactLaw::ode;
-  for (const std::string_view key : ode ? kGripKeys : kOdeKeys) {
+  for (const std::string_view key : keys_of(ode ? ContactLaw::grip : ContactLaw::ode)) {
     if (table.has(key))
       table.error_at(key, fmt::format("belongs to contact = \"{}\", and this scene's is \"{}\"",
                                       ode ? "grip" : "ode", ode ? "ode" : "grip"));
   }
   if (ode) {
     b.stiffness_ratio = table.number_or("stiffness_ratio", b.stiffness_ratio, kRatio);
+    b.stiffness_ratio_sd = table.number_or("stiffness_ratio_sd", 0.0, {0.0, 10.0});
     b.damping_ratio = table.number_or("damping_ratio", b.damping_ratio, {0.0, 10.0});
     if (b.damping_ratio > 0.0 && b.damping_ratio < 0.01)
       table.error_at("damping_ratio", "must be 0 or at least 0.01");
@@ -148,6 +150,13 @@ double read_friction(TomlTable& root, const Scene& scene, const BounceSettings& 
 }
 
 }  // namespace
+
+std::span<const std::string_view> keys_of(ContactLaw law) {
+  static constexpr std::array<std::string_view, 5> ode{"stiffness_ratio", "stiffness_ratio_sd",
+                                                       "damping_ratio", "offset_share", "offset_share_sd"};
+  static constexpr std::array<std::string_view, 4> grip{"ex", "ex_sd", "offset_mm", "offset_sd_mm"};
+  return law == ContactLaw::ode ? std::span<const std::string_view>(ode) : grip;
+}
 
 void read_ball(TomlTable& root, Scene& scene) {
   TomlTable table = root.table("ball");

@@ -40,7 +40,7 @@ const std::vector<std::vector<Way>>& alternatives() {
 
 std::vector<Key> keys_of(std::string_view law) {
   std::vector<Key> keys;
-  for (const std::string_view key : law == "grip" ? tables::kGripKeys : tables::kOdeKeys)
+  for (const std::string_view key : tables::keys_of(law == "grip" ? ContactLaw::grip : ContactLaw::ode))
     keys.push_back({"bounce", key});
   return keys;
 }

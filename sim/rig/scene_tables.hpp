@@ -2,8 +2,8 @@
 // the tables' reader. Inside of scene.hpp; allocates.
 #pragma once
 
-#include <array>
 #include <numbers>
+#include <span>
 #include <string_view>
 
 #include "common/config/toml_reader.hpp"
@@ -15,10 +15,8 @@ inline constexpr double kDegree = std::numbers::pi / 180.0;
 inline constexpr double kMilli = 1e-3;
 inline constexpr double kMicro = 1e-6;
 
-/// Keys of [bounce] that only one of the contact's laws has.
-inline constexpr std::array<std::string_view, 4> kOdeKeys{"stiffness_ratio", "damping_ratio", "offset_share",
-                                                          "offset_share_sd"};
-inline constexpr std::array<std::string_view, 4> kGripKeys{"ex", "ex_sd", "offset_mm", "offset_sd_mm"};
+/// Keys of [bounce] that only that law has.
+std::span<const std::string_view> keys_of(ContactLaw law);
 
 // scene_impact.cpp: what meets the surface, and how. Each needs those before it in the scene, and [air] for
 // the surface's speed.
