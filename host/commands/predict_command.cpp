@@ -5,12 +5,17 @@
 #include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <optional>
+#include <string>
+#include <vector>
 
-#include "common/impact/sine_pulse.hpp"
 #include "common/units/angles.hpp"
 #include "host/commands/command.hpp"
+#include "host/commands/frontier_files.hpp"
+#include "host/commands/predict_choice.hpp"
+#include "host/commands/predict_choice_report.hpp"
 #include "host/commands/predict_ode.hpp"
+#include "host/commands/predict_options.hpp"
+#include "host/commands/terminal.hpp"
 
 namespace strobe::host {
 
@@ -18,82 +23,7 @@ namespace {
 
 using nlohmann::ordered_json;
 
-struct PredictOptions {
-  impact::Motion touchdown;
-  std::string model = "grip";
-  double e = 0.75;
-  std::optional<double> mu;
-  std::optional<double> alpha;
-  double e_x = impact::kFittedToThesis.e_x;
-  double offset_mm = impact::kFittedToThesis.offset_m * 1e3;
-  double diameter_m = ball::kThesisDiameter_m;
-  double mass_kg = ball::kThesisMass_kg;
-  double dwell_time_ms = 5.0;
-  std::string form = "exact";
-  impact::ContactCoefficients contact;
-  impact::ContactOptions integration;
-  std::string trajectory_file;
-  int samples = 0;
-  bool json = false;
-};
-
-/// The thesis's rigid body has its thin shell; grip and ode were fitted with alpha of their own.
-ball::Ball ball_of(const PredictOptions& o) {
-  const double alpha = o.model == "grip"  ? ball::kMeasuredAlpha
-                       : o.model == "ode" ? impact::kContactAlpha
-                                          : ball::kThinShellAlpha;
-  return {.diameter_m = o.diameter_m, .mass_kg = o.mass_kg, .alpha = o.alpha.value_or(alpha)};
-}
-
-double mu_of(const PredictOptions& o) {
-  const double mu = o.model == "grip"  ? impact::kFittedToThesis.mu
-                    : o.model == "ode" ? impact::ContactCoefficients{}.mu
-                                       : 0.55;
-  return o.mu.value_or(mu);
-}
-
-impact::ContactCoefficients contact_of(const PredictOptions& o) {
-  impact::ContactCoefficients c = o.contact;
-  c.e = o.e;
-  c.mu = mu_of(o);
-  c.dwell_s = o.dwell_time_ms / 1e3;
-  return c;
-}
-
-struct Prediction {
-  impact::Rebound rebound;
-  std::optional<impact::PulseRebound> pulse = std::nullopt;
-  std::optional<impact::ContactTrajectory> contact = std::nullopt;
-};
-
-tl::expected<Prediction, impact::InputError> predict(const PredictOptions& o) {
-  const ball::Ball ball = ball_of(o);
-  const double mu = mu_of(o);
-  if (o.model == "pulse") {
-    const auto form = o.form == "simplified" ? impact::PulseForm::simplified : impact::PulseForm::exact;
-    return impact::pulse_rebound(form, ball, o.touchdown, o.e, mu, o.dwell_time_ms / 1e3)
-        .map([](const impact::PulseRebound& p) { return Prediction{.rebound = p.rebound, .pulse = p}; });
-  }
-  if (o.model == "ode") {
-    return impact::ContactTrajectory::make(ball, o.touchdown, contact_of(o), o.integration)
-        .map([](impact::ContactTrajectory&& contact) {
-          const impact::ContactSummary& s = contact.summary();
-          return Prediction{.rebound = {.lift_off = s.lift_off,
-                                        .regime = s.regime,
-                                        .slip_lo_mps = s.slip_lo_mps,
-                                        .impulse_ratio = s.impulse_ratio,
-                                        .offset_m = s.mean_offset_m},
-                            .contact = std::move(contact)};
-        });
-  }
-  const auto rebound = o.model == "rigid"
-                           ? impact::rigid(ball, o.touchdown, o.e, mu)
-                           : impact::grip(ball, o.touchdown,
-                                          {.e = o.e, .mu = mu, .e_x = o.e_x, .offset_m = o.offset_mm / 1e3});
-  return rebound.map([](const impact::Rebound& r) { return Prediction{.rebound = r}; });
-}
-
-ordered_json inputs_of(const PredictOptions& o) {
+ordered_json inputs_of(const PredictInput& o) {
   ordered_json in{{"vx_mps", o.touchdown.vx_mps},
                   {"vy_mps", o.touchdown.vy_mps},
                   {"omega_radps", o.touchdown.omega_radps},
@@ -125,7 +55,7 @@ ordered_json inputs_of(const PredictOptions& o) {
   return in;
 }
 
-void print_json(const PredictOptions& o, const Prediction& p) {
+ordered_json json_of(const PredictInput& in, const Prediction& p, int samples) {
   const impact::Motion& lo = p.rebound.lift_off;
   ordered_json out{{"theta_out_deg", degrees(std::atan2(lo.vy_mps, lo.vx_mps))},
                    {"vx_lo_mps", lo.vx_mps},
@@ -142,12 +72,12 @@ void print_json(const PredictOptions& o, const Prediction& p) {
     out["dwell_distance_cm"] = p.pulse->dwell_distance_m * 1e2;
     out["force_max_n"] = p.pulse->max_force_n;
   }
-  if (p.contact) add_contact_json(out, *p.contact, o.trajectory_file.empty() ? o.samples : 0);
-  out["inputs"] = inputs_of(o);
-  std::printf("%s\n", out.dump().c_str());
+  if (p.contact) add_contact_json(out, *p.contact, samples);
+  out["inputs"] = inputs_of(in);
+  return out;
 }
 
-void print_table(const PredictOptions& o, const Prediction& p) {
+void print_table(const PredictInput& o, const Prediction& p) {
   const impact::Motion& td = o.touchdown;
   const impact::Motion& lo = p.rebound.lift_off;
   std::printf("model %s: e %g, mu %g, alpha %.4g, diameter %g m", o.model.c_str(), o.e, mu_of(o),
@@ -186,80 +116,54 @@ int write_course(const PredictOptions& options, const impact::ContactTrajectory&
   return kDone;
 }
 
-int run_predict(const PredictOptions& options) {
-  const bool course = options.samples > 0 || !options.trajectory_file.empty();
-  if (course && options.model != "ode")
-    return bad_input("predict: --samples and --trajectory need --model ode");
-  const auto prediction = predict(options);
-  if (!prediction) return bad_input("predict: " + std::string(impact::message(prediction.error())));
+/// What is told about a choice besides the prediction: nothing if none was asked for.
+struct Told {
+  ordered_json json;
+  std::vector<std::string> lines;
+};
+
+int tell(const PredictOptions& options, const PredictInput& in, const Prediction& prediction,
+         const Told& choice) {
   if (!options.trajectory_file.empty()) {
-    const int written = write_course(options, *prediction->contact);
+    const int written = write_course(options, *prediction.contact);
     if (written != kDone) return written;
   }
-  options.json ? print_json(options, *prediction) : print_table(options, *prediction);
-  if (course && options.trajectory_file.empty()) return write_course(options, *prediction->contact);
+  if (options.json) {
+    ordered_json out = json_of(in, prediction, options.trajectory_file.empty() ? options.samples : 0);
+    if (!choice.json.is_null()) out["choice"] = choice.json;
+    std::printf("%s\n", out.dump().c_str());
+  } else {
+    print_table(in, prediction);
+    for (const std::string& line : choice.lines) std::printf("%s\n", line.c_str());
+  }
+  if (options.course() && options.trajectory_file.empty()) return write_course(options, *prediction.contact);
   return kDone;
 }
 
-void add_model_options(CLI::App& command, PredictOptions& o) {
-  command
-      .add_option(
-          "--model", o.model,
-          "rigid: slides or rolls off; grip: with tangential restitution and an offset normal force, "
-          "fitted to 21 conditions; pulse: rigid, with what happens in contact; ode: springs, dashpots, "
-          "grip and slip through the contact, fitted to 21 conditions")
-      ->check(CLI::IsMember({"rigid", "grip", "pulse", "ode"}))
-      ->capture_default_str();
-  command.add_option("--e", o.e, "Coefficient of restitution, 0 to 1 (ode: from 0.001)")
-      ->capture_default_str();
-  command.add_option("--mu", o.mu, "Coefficient of friction [0.57 for grip, 0.537 for ode, 0.55 otherwise]");
-  command.add_option("--ex", o.e_x, "grip: tangential restitution, -1 to 1")->capture_default_str();
-  command
-      .add_option("--offset-mm", o.offset_mm,
-                  "grip: normal force ahead of the centre at full rolling speed, mm")
-      ->capture_default_str();
-  command.add_option("--alpha", o.alpha,
-                     "Moment of inertia over m R^2 [0.55 for grip, 0.579 for ode, 2/3 otherwise]");
-  command.add_option("--diameter-m", o.diameter_m, "Diameter of the ball, m")->capture_default_str();
-  command.add_option("--mass-kg", o.mass_kg, "pulse, ode: mass of the ball, kg")->capture_default_str();
-  command.add_option("--dwell-time-ms", o.dwell_time_ms, "pulse, ode: touchdown to lift-off, ms")
-      ->capture_default_str();
-  command.add_option("--form", o.form, "pulse: exact, or simplified as in the thesis")
-      ->check(CLI::IsMember({"exact", "simplified"}))
-      ->capture_default_str();
+int run_choice(const PredictOptions& options) {
+  const auto demand = parse_demand(options.tolerance, options.deadline_us);
+  if (!demand) return bad_input("predict: " + demand.error().message);
+  const auto files = read_frontier(options.frontier_file);
+  if (!files) return bad_input("predict: " + files.error().message);
+  const std::string model = options.model_given ? options.input.model : options.course() ? "ode" : "";
+  const auto choice =
+      choose_impact(impacts_of(files->rows, files->ranges), *demand, model, options.input, steady_now_ns);
+  if (!choice) return bad_input("predict: " + choice.error().message);
+  const int told = tell(options, choice->input, choice->prediction,
+                        {choice_json(*choice, *demand), choice_lines(*choice, *demand)});
+  std::fputs(
+      took_line("predict", static_cast<double>(choice->took_ns) / 1e3, choice->expected_cost_us, *demand)
+          .c_str(),
+      stderr);
+  if (told != kDone || choice->within_tolerance.value_or(true)) return told;
+  return failed("predict: " + frontier::title(choice->taken.row) + " misses the tolerance on this impact");
 }
 
-void add_ode_options(CLI::App& command, PredictOptions& o) {
-  command
-      .add_option("--kt-ratio", o.contact.stiffness_ratio,
-                  "ode: tangential over normal stiffness, 0.001 to 1000")
-      ->capture_default_str();
-  command
-      .add_option("--ct", o.contact.damping_ratio,
-                  "ode: tangential damping over sqrt(kt m), 0 (none) or 0.01 to 10")
-      ->capture_default_str();
-  command
-      .add_option("--offset-footprint", o.contact.offset_share,
-                  "ode: offset of the normal force over the footprint's radius at full turning speed, 0 to 1")
-      ->capture_default_str();
-  command
-      .add_option("--offset-reference-mps", o.contact.offset_reference_mps,
-                  "ode: turning speed R omega at which 0.71 of that offset is reached, m/s")
-      ->capture_default_str();
-  command.add_option("--gravity-mps2", o.contact.gravity_mps2, "ode: weight during the contact, m/s^2")
-      ->capture_default_str();
-  command
-      .add_option("--tolerance", o.integration.tolerance,
-                  "ode: relative error of the lift-off, 1e-12 to 1e-3")
-      ->capture_default_str();
-  command.add_option("--trajectory", o.trajectory_file,
-                     "ode: write the course of the contact to this CSV file");
-  command
-      .add_option(
-          "--samples", o.samples,
-          "ode: states from touchdown to release, equally spaced: in the file [201], else in the JSON "
-          "as `trajectory`, else as CSV after the table")
-      ->check(CLI::Range(2, 1'000'000));
+int run_predict(const PredictOptions& options) {
+  if (options.chooses()) return run_choice(options);
+  const auto prediction = predict(options.input);
+  if (!prediction) return bad_input("predict: " + std::string(impact::message(prediction.error())));
+  return tell(options, options.input, *prediction, {});
 }
 
 }  // namespace
@@ -267,20 +171,19 @@ void add_ode_options(CLI::App& command, PredictOptions& o) {
 void add_predict_command(CLI::App& app, int& exit_status) {
   auto options = std::make_shared<PredictOptions>();
   CLI::App* command = app.add_subcommand("predict", "Predict the rebound from the motion at touchdown.");
-  command->add_option("--vx", options->touchdown.vx_mps, "Speed along the surface, m/s")->required();
-  command
-      ->add_option("--vy", options->touchdown.vy_mps, "Speed normal to the surface, m/s; negative towards it")
-      ->required();
-  command->add_option("--omega", options->touchdown.omega_radps, "Spin, rad/s; backspin positive")
-      ->capture_default_str();
-  add_model_options(*command, *options);
-  add_ode_options(*command, *options);
-  command->add_flag("--json", options->json, "One JSON object on stdout");
+  add_predict_options(*command, *options);
   command->footer(
       "Examples: strobe predict --vx 15.62 --vy -6.71 --omega 2.6 --model grip --e 0.86\n"
       "          strobe predict --vx 14.49 --vy -9.95 --model ode --e 0.77 --dwell-time-ms 4.84 --samples "
-      "11");
-  command->callback([options, &exit_status] { exit_status = run_predict(*options); });
+      "11\n"
+      "          strobe predict --vx 15.62 --vy -6.71 --e 0.86 --tolerance 0.1% --deadline-us 50\n"
+      "Exit status: 1 if --model restricts the choice to one that misses the tolerance on this impact, 2 for "
+      "bad\n"
+      "input and if no model meets tolerance and deadline.");
+  command->callback([options, command, &exit_status] {
+    const std::string wrong = conflict(*command, *options);
+    exit_status = wrong.empty() ? run_predict(*options) : bad_input("predict: " + wrong);
+  });
 }
 
 }  // namespace strobe::host

@@ -161,7 +161,7 @@ TEST(PhysicsCommands, PredictNamesWhatIsWrongWithAContact) {
       run_strobe({"predict", "--vx", "10", "--vy", "-12", "--model", "ode", "--kt-ratio", "0"}),
       "strobe: predict: e is below 0.001, or a spring or damping ratio is out of its range\n");
   check_one_complaint(
-      run_strobe({"predict", "--vx", "10", "--vy", "-12", "--model", "ode", "--tolerance", "2"}),
+      run_strobe({"predict", "--vx", "10", "--vy", "-12", "--model", "ode", "--ode-tolerance", "2"}),
       "strobe: predict: tolerance or number of steps is out of its range\n");
 }
 

@@ -1,0 +1,179 @@
+#include "host/commands/predict_choice.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <utility>
+
+#include "common/units/angles.hpp"
+
+namespace strobe::host {
+
+namespace {
+
+using frontier::Row;
+
+constexpr std::string_view kStudy = "lift_off";
+
+/// A check has to be so many times as exact as what it checks, and as what is asked for.
+constexpr double kCheckTimesAsExact = 10.0;
+
+template <typename Number>
+std::optional<Number> number(const Row& row, std::string_view name) {
+  const auto text = frontier::parameter_value(row.parameter, name);
+  Number value{};
+  if (!text) return std::nullopt;
+  const auto [end, error] = std::from_chars(text->data(), text->data() + text->size(), value);
+  if (error != std::errc{} || end != text->data() + text->size()) return std::nullopt;
+  return value;
+}
+
+bool take_grip(const Row& row, PredictInput& in) {
+  const auto e_x = number<double>(row, "ex");
+  const auto offset_mm = number<double>(row, "offset_mm");
+  const bool offset = row.method == "grip_offset";
+  if (!e_x || (offset && !offset_mm)) return false;
+  in.model = "grip";
+  in.e_x = *e_x;
+  in.offset_mm = offset ? *offset_mm : 0.0;
+  return true;
+}
+
+bool take_ode(const Row& row, PredictInput& in) {
+  in.model = "ode";
+  if (row.method == "ode") {
+    const auto tolerance = number<double>(row, "tolerance");
+    in.integration = {.tolerance = tolerance.value_or(0.0)};
+    return tolerance.has_value();
+  }
+  const auto steps = number<int>(row, "steps");
+  const bool rk4 = row.method == "ode_rk4";
+  in.integration = {.method = rk4 ? impact::ContactMethod::rk4 : impact::ContactMethod::semi_implicit_euler,
+                    .steps = steps.value_or(0)};
+  return steps.has_value();
+}
+
+double speed_mps(const PredictInput& in) { return std::hypot(in.touchdown.vx_mps, in.touchdown.vy_mps); }
+
+double difference(const PredictInput& in, const impact::Motion& a, const impact::Motion& b) {
+  const double spin_mps = 0.5 * in.diameter_m * (a.omega_radps - b.omega_radps);
+  return std::hypot(a.vx_mps - b.vx_mps, a.vy_mps - b.vy_mps, spin_mps) / speed_mps(in);
+}
+
+std::vector<std::string> outside(const MeasuredImpacts& measured, const PredictInput& in) {
+  const impact::ContactCoefficients c = contact_of(in);
+  const ball::Ball ball = ball_of(in);
+  const std::array quantities{
+      frontier::Quantity{"v_td_mps", speed_mps(in)},
+      frontier::Quantity{"theta_in_deg",
+                         degrees(std::atan2(-in.touchdown.vy_mps, std::abs(in.touchdown.vx_mps)))},
+      frontier::Quantity{"omega_radps", in.touchdown.omega_radps},
+      frontier::Quantity{"spin_ratio", std::abs(ball.radius_m() * in.touchdown.omega_radps) / speed_mps(in)},
+      frontier::Quantity{"e", c.e},
+      frontier::Quantity{"mu", c.mu},
+      frontier::Quantity{"alpha", ball.alpha},
+      frontier::Quantity{"diameter_m", ball.diameter_m},
+      frontier::Quantity{"mass_kg", ball.mass_kg},
+      frontier::Quantity{"dwell_time_ms", in.dwell_time_ms},
+      frontier::Quantity{"kt_ratio", c.stiffness_ratio},
+      frontier::Quantity{"ct", c.damping_ratio},
+      frontier::Quantity{"offset_footprint", c.offset_share},
+      frontier::Quantity{"offset_reference_mps", c.offset_reference_mps},
+      frontier::Quantity{"gravity_mps2", c.gravity_mps2}};
+  return frontier::outside(measured.ranges, kStudy, quantities);
+}
+
+/// The cheapest integration exact enough to judge `row` by, within the time left.
+std::optional<Row> check_for(const std::vector<Row>& integrations, const Row& row,
+                             const frontier::Demand& demand, double spent_us) {
+  frontier::Demand of_check{.tolerance = row.error / kCheckTimesAsExact, .deadline_us = {}};
+  if (demand.tolerance) of_check.tolerance = std::min(row.error, *demand.tolerance) / kCheckTimesAsExact;
+  if (demand.deadline_us) of_check.deadline_us = *demand.deadline_us - spent_us;
+  const auto check = frontier::choose(integrations, of_check);
+  return check ? std::optional(*check) : std::nullopt;
+}
+
+struct Clock {
+  std::int64_t (*now_ns)();
+  std::int64_t took_ns = 0;
+};
+
+Result<Prediction> run(const Row& row, const PredictInput& in, Clock& clock) {
+  const auto with = input_for(row, in);
+  if (!with) return fail(frontier::title(row) + " cannot be run");
+  const std::int64_t begin_ns = clock.now_ns();
+  auto prediction = predict(*with);
+  clock.took_ns += clock.now_ns() - begin_ns;
+  if (!prediction) return fail(std::string(impact::message(prediction.error())));
+  return std::move(*prediction);
+}
+
+bool same_method(const Row& a, const Row& b) { return a.method == b.method && a.parameter == b.parameter; }
+
+}  // namespace
+
+std::optional<PredictInput> input_for(const Row& row, PredictInput in) {
+  bool known = true;
+  if (row.method == "rigid") {
+    in.model = "rigid";
+  } else if (row.method == "grip" || row.method == "grip_offset") {
+    known = take_grip(row, in);
+  } else if (row.method == "pulse_exact" || row.method == "pulse_simplified") {
+    in.model = "pulse";
+    in.form = row.method.substr(std::string_view("pulse_").size());
+  } else if (row.method == "ode" || row.method == "ode_rk4" || row.method == "ode_euler") {
+    known = take_ode(row, in);
+  } else {
+    known = false;
+  }
+  return known ? std::optional(std::move(in)) : std::nullopt;
+}
+
+MeasuredImpacts impacts_of(const std::vector<Row>& rows, const std::vector<frontier::Range>& ranges) {
+  MeasuredImpacts measured{.rows = frontier::of_study(rows, kStudy), .ranges = ranges};
+  std::erase_if(measured.rows, [](const Row& row) { return !input_for(row, {}); });
+  return measured;
+}
+
+Result<ImpactChoice> choose_impact(const MeasuredImpacts& measured, const frontier::Demand& demand,
+                                   const std::string& model, PredictInput in, std::int64_t (*now_ns)()) {
+  Clock clock{now_ns};
+  in.mu = in.mu.value_or(default_mu("ode"));
+  in.alpha = in.alpha.value_or(default_alpha("ode"));
+  std::vector<Row> rows = measured.rows;
+  std::vector<Row> integrations = measured.rows;
+  std::erase_if(rows, [&](const Row& row) { return !model.empty() && input_for(row, in)->model != model; });
+  std::erase_if(integrations, [](const Row& row) { return row.method != "ode"; });
+  const auto first = frontier::choose(rows, demand);
+  if (!first) return fail(frontier::refusal(first.error(), demand));
+
+  ImpactChoice choice;
+  choice.reason = frontier::reason(rows, demand);
+  choice.outside = outside(measured, in);
+  choice.taken.row = *first;
+  choice.expected_cost_us = first->cost_us;
+  auto prediction = run(*first, in, clock);
+  if (!prediction) return tl::unexpected(prediction.error());
+  while (const auto check = check_for(integrations, choice.taken.row, demand, choice.expected_cost_us)) {
+    auto checked = run(*check, in, clock);
+    if (!checked) break;
+    choice.expected_cost_us += check->cost_us;
+    choice.taken.checked_by = *check;
+    choice.taken.error_estimate =
+        difference(in, prediction->rebound.lift_off, checked->rebound.lift_off) + check->error;
+    if (!demand.tolerance) break;
+    choice.within_tolerance = *choice.taken.error_estimate <= *demand.tolerance;
+    const bool allowed = std::ranges::any_of(rows, [&](const Row& r) { return same_method(r, *check); });
+    if (*choice.within_tolerance || !allowed) break;
+    choice.replaced.push_back(std::exchange(choice.taken, TriedImpact{*check, {}, {}}));
+    choice.within_tolerance.reset();
+    prediction = std::move(checked);
+  }
+  choice.took_ns = clock.took_ns;
+  choice.prediction = std::move(*prediction);
+  choice.input = *input_for(choice.taken.row, in);
+  return choice;
+}
+
+}  // namespace strobe::host
