@@ -1,0 +1,174 @@
+// The several ways of saying what ball and surface are, and the keys of lens, lamps and readout.
+#include <cmath>
+#include <string>
+
+#include "common/impact/ode/normal_spring.hpp"
+#include "sim/rig/scene.hpp"
+// CppUTest redefines new; its headers come last.
+#include <CppUTest/TestHarness.h>
+
+namespace {
+
+using namespace strobe;
+using namespace strobe::sim;
+
+/// Nine lines; what a test adds begins at line 10.
+const std::string kLeast =
+    "[machine]\nspeed_mps = 17\nangle_deg = -23\nspin_radps = 0\n"
+    "[bounce]\ne = 0.8\nmu = 0.6\ndwell_ms = 5\n\n";
+const std::string kThrow = "[machine]\nspeed_mps = 30\nangle_deg = -16\nspin_radps = 0\n";
+
+Scene scene_of(const std::string& text) {
+  const auto scene = parse_scene(text, "some.toml");
+  if (!scene) FAIL(scene.error().message.c_str());
+  return *scene;
+}
+
+std::string error_of(const std::string& text) {
+  const auto scene = parse_scene(text, "some.toml");
+  return scene ? "" : scene.error().message;
+}
+
+}  // namespace
+
+TEST_GROUP(SceneKeys){};
+
+TEST(SceneKeys, TakeTheContactsMechanicsUnlessToldOtherwise) {
+  const Scene scene = scene_of(kLeast);
+  CHECK(scene.bounce.contact == ContactLaw::ode);
+  DOUBLES_EQUAL(impact::ContactCoefficients{}.offset_share, scene.bounce.offset_share, 0.0);
+  const Scene other = scene_of(kThrow +
+                               "[bounce]\ne = 0.8\nmu = 0.6\ndwell_ms = 5\nstiffness_ratio = 1.1\n"
+                               "stiffness_ratio_sd = 0.2\ndamping_ratio = 0\noffset_share = 0.2\n"
+                               "offset_share_sd = 0.03\noffset_grip_correlation = -1\n");
+  DOUBLES_EQUAL(1.1, other.bounce.stiffness_ratio, 0.0);
+  DOUBLES_EQUAL(0.2, other.bounce.stiffness_ratio_sd, 0.0);
+  DOUBLES_EQUAL(0.0, other.bounce.damping_ratio, 0.0);
+  DOUBLES_EQUAL(0.03, other.bounce.offset_share_sd, 0.0);
+  STRCMP_CONTAINS(
+      "some.toml:9: bounce.damping_ratio: must be 0 or at least 0.01",
+      error_of(kThrow + "[bounce]\ne = 0.8\nmu = 0.6\ndwell_ms = 5\ndamping_ratio = 0.001\n").c_str());
+  STRCMP_CONTAINS(
+      "some.toml:9: bounce.contact: must be one of ode, grip",
+      error_of(kThrow + "[bounce]\ne = 0.8\nmu = 0.6\ndwell_ms = 5\ncontact = \"sine\"\n").c_str());
+}
+
+TEST(SceneKeys, GiveTheBallsInertiaByNumberOrByModel) {
+  const auto alpha = [](const std::string& ball) { return scene_of(kLeast + "[ball]\n" + ball).ball.alpha; };
+  DOUBLES_EQUAL(0.5, alpha("alpha = 0.5\n"), 0.0);
+  DOUBLES_EQUAL(2.0 / 3.0, alpha("inertia = \"thin_shell\"\n"), 1e-15);
+  DOUBLES_EQUAL(0.4, alpha("inertia = \"solid\"\n"), 1e-15);
+  DOUBLES_EQUAL(0.55, alpha("inertia = \"measured\"\n"), 1e-15);
+  // (2/3)·(.0284/.03255)² and 3.11e-5 kg·m² of the thick shell, whatever the mass.
+  DOUBLES_EQUAL(0.5075, alpha("inertia = \"rubber_shell_mean_radius\"\nmass_kg = 0.05\n"), 1e-4);
+  const Scene thick = scene_of(kLeast + "[ball]\ninertia = \"thick_shell\"\nmass_kg = 0.0576\n");
+  DOUBLES_EQUAL(3.11e-5, thick.ball.inertia_kgm2(), 0.005e-5);
+  STRCMP_EQUAL("some.toml:12: ball.alpha: excludes ball.inertia",
+               error_of(kLeast + "[ball]\ninertia = \"solid\"\nalpha = 0.4\n").c_str());
+  STRCMP_CONTAINS("some.toml:11: ball.inertia: must be one of thin_shell",
+                  error_of(kLeast + "[ball]\ninertia = \"cube\"\n").c_str());
+  // The rubber's shell does not fit into a golf ball.
+  STRCMP_CONTAINS("some.toml:11: ball.inertia: makes alpha",
+                  error_of(kLeast + "[ball]\ninertia = \"thick_shell\"\ndiameter_m = 0.043\n").c_str());
+}
+
+TEST(SceneKeys, GiveTheReboundByRestitutionAndDwellOrBySprings) {
+  const auto spring = impact::normal_spring(0.0576, 0.8, 5e-3);
+  const std::string text =
+      kThrow + "[bounce]\nmu = 0.6\n[ball]\nstiffness_npm = " + std::to_string(spring->stiffness_npm) +
+      "\ndamping_nspm = " + std::to_string(spring->damping_nspm) + "\n";
+  const Scene scene = scene_of(text);
+  DOUBLES_EQUAL(0.8, scene.bounce.e, 1e-6);
+  DOUBLES_EQUAL(5e-3, scene.bounce.dwell_s, 1e-8);
+  DOUBLES_EQUAL(0.0, scene.bounce.e_slope_spm, 0.0);
+  STRCMP_CONTAINS("ball.damping_nspm: is missing",
+                  error_of(kThrow + "[bounce]\nmu = 0.6\n[ball]\nstiffness_npm = 20000\n").c_str());
+  STRCMP_EQUAL("some.toml:6: bounce.e: excludes ball.stiffness_npm and ball.damping_nspm",
+               error_of(kLeast + "[ball]\nstiffness_npm = 20000\ndamping_nspm = 2\n").c_str());
+  STRCMP_CONTAINS(
+      "some.toml:9: ball.damping_nspm: makes the restitution",
+      error_of(kThrow + "[bounce]\nmu = 0.6\n[ball]\nstiffness_npm = 20000\ndamping_nspm = 0\n").c_str());
+  STRCMP_CONTAINS("bounce.dwell_ms: is missing", error_of(kThrow + "[bounce]\nmu = 0.6\ne = 0.8\n").c_str());
+}
+
+TEST(SceneKeys, GiveTheFrictionByOneOfFourKeys) {
+  const std::string bounce =
+      kThrow + "[bounce]\ne = 0.81\ndwell_ms = 5\n[air]\ntemperature_c = 23\n[surface]\n";
+  DOUBLES_EQUAL(0.7, scene_of(bounce + "friction = 0.7\n").bounce.mu, 0.0);
+  // The ITF's formula at 23 degrees and e .81, where 30 m/s at 16 degrees is the machine's own: mu .63
+  // rates 37.
+  DOUBLES_EQUAL(0.63, scene_of(bounce + "court_pace = 37\n").bounce.mu, 1e-12);
+  DOUBLES_EQUAL(0.73, scene_of(bounce + "pace_grade = \"slow\"\n").bounce.mu, 1e-12);
+  DOUBLES_EQUAL(0.53, scene_of(bounce + "pace_grade = \"fast\"\n").bounce.mu, 1e-12);
+  STRCMP_EQUAL("some.toml:11: surface.court_pace: excludes surface.friction: one of them says the friction",
+               error_of(bounce + "court_pace = 37\nfriction = 0.7\n").c_str());
+  STRCMP_EQUAL("some.toml:11: surface.friction: excludes bounce.mu: one of them says the friction",
+               error_of(kLeast + "[surface]\nfriction = 0.7\n").c_str());
+  STRCMP_CONTAINS("some.toml:11: surface.court_pace: needs a friction of -",
+                  error_of(bounce + "court_pace = 150\n").c_str());
+  STRCMP_CONTAINS("bounce.mu: is missing", error_of(bounce).c_str());
+}
+
+TEST(SceneKeys, CountThePacesRestitutionAtTheTestsSpeedAndTemperature) {
+  // e .81 at 30 m/s and 16 degrees, 8.27 m/s towards the surface, is .81 + .017·(8.27 - 6) at 6 m/s.
+  const double e = 0.81 + 0.017 * (30.0 * std::sin(16.0 * std::numbers::pi / 180.0) - 6.0);
+  const std::string text =
+      "[machine]\nspeed_mps = 12\nangle_deg = -30\nspin_radps = 0\n[bounce]\ne = " + std::to_string(e) +
+      "\ndwell_ms = 5\n[surface]\ncourt_pace = 37\n[air]\n";
+  DOUBLES_EQUAL(0.63, scene_of(text + "temperature_c = 23\n").bounce.mu, 1e-5);
+  // Ten degrees less are worth .03 of e, 4.5 points, .045 of mu.
+  DOUBLES_EQUAL(0.585, scene_of(text + "temperature_c = 13\n").bounce.mu, 1e-5);
+}
+
+TEST(SceneKeys, GiveTheTiltByOneOfTwoKeys) {
+  DOUBLES_EQUAL(
+      2.0, scene_of("surface_angle_deg = 2\n" + kLeast).surface_angle_rad * 180.0 / std::numbers::pi, 1e-12);
+  DOUBLES_EQUAL(2.0,
+                scene_of(kLeast + "[surface]\ntilt_deg = 2\n").surface_angle_rad * 180.0 / std::numbers::pi,
+                1e-12);
+  STRCMP_CONTAINS("some.toml:12: surface.tilt_deg: excludes surface_angle_deg",
+                  error_of("surface_angle_deg = 2\n" + kLeast + "[surface]\ntilt_deg = 2\n").c_str());
+}
+
+TEST(SceneKeys, ReadTheLensTheFlashAndTheSpinsDecay) {
+  const Scene scene =
+      scene_of(kLeast +
+               "[camera]\ndistance_m = 1.5\noff_plane_sd_mm = 8\ndistortion = -0.05\n"
+               "rendering = \"pixels\"\n[lamps]\nflash_us = 30\n[air]\nspin_decay_per_m = 0.02\n");
+  DOUBLES_EQUAL(1.5, scene.camera.distance_m, 0.0);
+  DOUBLES_EQUAL(0.008, scene.camera.off_plane_sd_m, 1e-15);
+  DOUBLES_EQUAL(-0.05, scene.camera.distortion, 0.0);
+  CHECK(scene.camera.pixels);
+  DOUBLES_EQUAL(30e-6, scene.lamps.flash_s, 1e-18);
+  DOUBLES_EQUAL(0.02, scene.air.spin_decay_per_m, 0.0);
+  const Scene plain = scene_of(kLeast);
+  CHECK(plain.camera.distance_m == 0.0 && plain.camera.distortion == 0.0 && !plain.camera.pixels);
+}
+
+TEST(SceneKeys, RefuseALensThatCannotBe) {
+  STRCMP_CONTAINS("some.toml:11: camera.distance_m: must be at least 0.1",
+                  error_of(kLeast + "[camera]\ndistance_m = 0\n").c_str());
+  STRCMP_CONTAINS("some.toml:11: camera.distance_m: balls may fly up to the lens",
+                  error_of(kLeast + "[camera]\ndistance_m = 0.3\noff_plane_sd_mm = 50\n").c_str());
+  STRCMP_CONTAINS("some.toml:11: camera.distortion: must be at least -0.3",
+                  error_of(kLeast + "[camera]\ndistortion = -0.4\n").c_str());
+  STRCMP_CONTAINS("some.toml:11: camera.rendering: must be one of points, pixels",
+                  error_of(kLeast + "[camera]\nrendering = \"film\"\n").c_str());
+}
+
+TEST(SceneKeys, ReadWhatIsToBeReadOut) {
+  const Scene scene =
+      scene_of(kLeast + "[readout]\ntolerance_percent = 0.5\nmu = 0.01\ncourt_pace = \"any\"\n");
+  DOUBLES_EQUAL(0.005, scene.readout.tolerance, 1e-15);
+  LONGS_EQUAL(2, scene.readout.absolute.size());
+  CHECK(scene.readout.absolute[0].first == reduction::Quantity::mu);
+  DOUBLES_EQUAL(0.01, scene.readout.absolute[0].second, 0.0);
+  CHECK(scene.readout.absolute[1].first == reduction::Quantity::court_pace);
+  CHECK(scene.readout.absolute[1].second < 0.0);
+  STRCMP_EQUAL("some.toml:11: readout.speed: unknown key",
+               error_of(kLeast + "[readout]\nspeed = 1\n").c_str());
+  STRCMP_CONTAINS("some.toml:11: readout.mu: must be a tolerance or \"any\"",
+                  error_of(kLeast + "[readout]\nmu = \"all\"\n").c_str());
+  STRCMP_CONTAINS("some.toml:11: readout.mu: must be at least",
+                  error_of(kLeast + "[readout]\nmu = 0\n").c_str());
+}
