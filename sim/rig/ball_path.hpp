@@ -5,28 +5,16 @@
 // thread-safe.
 #pragma once
 
-#include <cstdint>
 #include <optional>
 
-#include "common/impact/rebound.hpp"
-#include "common/impact/sine_pulse.hpp"
 #include "common/result.hpp"
+#include "sim/rig/contact_course.hpp"
 #include "sim/rig/flight.hpp"
+#include "sim/rig/model.hpp"
 #include "sim/rig/scene.hpp"
+#include "sim/rig/throw.hpp"
 
 namespace strobe::sim {
-
-/// What a shot's ball is like: the scene's means with this shot's draws.
-struct Throw {
-  impact::Motion touchdown;
-  impact::Coefficients coefficients;
-  double dwell_s = 0.0;      ///< touchdown to lift-off
-  double equator_rad = 0.0;  ///< angle of the equator line at touchdown
-  double lag_s = 0.0;        ///< trigger to touchdown
-  double spot_m = 0.0;       ///< point of touchdown, along the surface from where the camera has its origin
-};
-
-Throw draw_throw(const Scene& scene, std::uint64_t seed, int shot);
 
 struct BallState {
   double x_m = 0.0;
@@ -40,35 +28,41 @@ struct BallState {
 
 class BallPath {
  public:
-  /// Fails if the throw is outside the impact models' ranges.
-  static Result<BallPath> make(const Scene& scene, const Throw& thrown);
+  /// Fails if the throw is outside the impact models' ranges or the ball's weight keeps it on the surface.
+  /// `reduced`: of calibrate(), for a model that needs it (contact_course.hpp); nullptr: calibrated here.
+  static Result<BallPath> make(const Scene& scene, const Throw& thrown, const Model& model = Model::full(),
+                               const ReducedContact* reduced = nullptr);
 
-  /// The state `time_s` after touchdown (negative: before).
-  ///
-  /// In contact the net force (weight included) is the exact damped sine pulse, friction and spin follow its
-  /// impulse. The pulse ends, as for any damped contact, while the ball is still flattened; it then moves
-  /// freely and lifts off, by the definition above, a little later. The pulse's length is chosen such that
-  /// touchdown to lift-off takes the dwell time.
+  /// The state `time_s` after touchdown (negative: before): flight, contact (contact_course.hpp), flight.
   BallState at(double time_s) const;
 
+  /// Mean of the states over the `duration_s` (0: none) from `from_s` on, but for speeds and spin, which are
+  /// those of its middle. By Gauss's rule of three points, exact for the fifth power of time.
+  BallState mean_over(double from_s, double duration_s) const;
+
+  /// Whether the ball is in the air there with its centre lower than at touchdown: it would have met the
+  /// surface once more, of which nothing is known.
+  bool beyond_knowledge(double time_s, const BallState& state) const {
+    return (time_s < 0.0 || time_s > dwell_s()) && state.y_m < radius_m_;
+  }
+
   const impact::Motion& touchdown() const { return thrown_.touchdown; }
-  const impact::Rebound& rebound() const { return rebound_; }
-  double dwell_s() const { return thrown_.dwell_s; }
-  double dwell_distance_m() const { return contact_at(thrown_.dwell_s).x_m; }
+  const impact::Rebound& rebound() const { return contact_.lift_off().rebound; }
+  double dwell_s() const { return contact_.lift_off().dwell_s; }
+  double dwell_distance_m() const { return contact_.lift_off().way_m; }
   double spot_m() const { return thrown_.spot_m; }
+  double off_plane_m() const { return thrown_.off_plane_m; }
 
   /// When (before touchdown, hence negative) the centre passes a point `distance_m` ahead of that of
   /// touchdown; nothing if it never does.
   std::optional<double> time_at_distance_s(double distance_m) const;
 
  private:
-  BallPath(const Scene& scene, const Throw& thrown, const impact::Rebound& rebound,
-           const impact::SinePulse& pulse);
+  BallPath(const Scene& scene, const Throw& thrown, const Model& model, ContactCourse contact);
   BallState contact_at(double time_s) const;
 
   Throw thrown_;
-  impact::Rebound rebound_;
-  impact::SinePulse pulse_;
+  ContactCourse contact_;
   double radius_m_;
   double top_drop_ratio_;
   Flight approach_;   ///< backwards from touchdown

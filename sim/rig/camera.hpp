@@ -1,6 +1,8 @@
 // From the scene of the impact to the photograph: an orthographic side view. Plain values, thread-safe.
 #pragma once
 
+#include <cmath>
+
 #include "common/reduction/frame.hpp"
 #include "sim/rig/scene.hpp"
 
@@ -18,6 +20,9 @@ class Camera {
 
   /// Whether a ball with its centre there is on the photograph.
   bool sees(double x_m, double y_m) const;
+
+  /// Whether some height there is on the photograph.
+  bool may_see(double x_m) const { return std::abs(x_m) <= settings_.half_width_m; }
 
   double px_per_m() const { return settings_.px_per_m; }
   double half_width_m() const { return settings_.half_width_m; }

@@ -32,23 +32,61 @@ std::vector<Flash> flashes_on_film(const Exposure& exposure) {
   return flashes;
 }
 
-MonoTime mean_time(const Flash* first, const Flash* last) {
-  std::int64_t sum = 0;
-  for (const Flash* f = first; f != last; ++f) sum += f->time.ns - first->time.ns;
-  return first->time + nanoseconds(sum / (last - first));
+/// Flashes that make one image.
+struct Blend {
+  MonoTime time;
+  MonoTime stamp;
+  int pulse = 0;
+};
+
+Blend blend_of(const Flash* first, const Flash* last) {
+  Blend blend{first->time, MonoTime::never(), first->pulse};
+  MonoTime start;
+  std::int64_t sum = 0, stamps = 0, stamped = 0;
+  for (const Flash* f = first; f != last; ++f) {
+    sum += (f->time - first->time).ns;
+    if (!f->stamp.known()) continue;
+    if (stamped++ == 0) start = f->stamp;
+    stamps += (f->stamp - start).ns;
+  }
+  blend.time = first->time + nanoseconds(sum / (last - first));
+  if (stamped > 0) blend.stamp = start + nanoseconds(stamps / stamped);
+  return blend;
 }
 
-MonoTime mean_stamp(const Flash* first, const Flash* last) {
-  MonoTime start = MonoTime::never();
-  std::int64_t sum = 0;
-  std::int64_t known = 0;
-  for (const Flash* f = first; f != last; ++f) {
-    if (!f->stamp.known()) continue;
-    if (known++ == 0) start = f->stamp;
-    sum += f->stamp.ns - start.ns;
+std::vector<Blend> blends_of(const std::vector<Flash>& flashes) {
+  std::vector<Blend> blends;
+  blends.reserve(flashes.size());
+  for (std::size_t first = 0; first < flashes.size();) {
+    std::size_t last = first + 1;
+    while (last < flashes.size() && flashes[last].time - flashes[last - 1].time <= kBlend) ++last;
+    blends.push_back(blend_of(flashes.data() + first, flashes.data() + last));
+    first = last;
   }
-  return known == 0 ? start : start + nanoseconds(sum / known);
+  return blends;
 }
+
+class Film {
+ public:
+  Film(const Scene& scene, const ThrownBall& ball)
+      : camera_(scene), ball_(ball), flash_s_(scene.lamps.flash_s) {}
+
+  /// Adds the image if there is one. True: none will follow on this side of the impact.
+  bool add(const Blend& blend, std::vector<FilmImage>& images) const {
+    const double time_s = (blend.time - ball_.touchdown).seconds();
+    const BallState begin = ball_.path.at(time_s);
+    const double x_m = begin.x_m + ball_.path.spot_m();
+    if (ball_.path.beyond_knowledge(time_s, begin) || !camera_.may_see(x_m)) return true;
+    if (camera_.sees(x_m, begin.y_m))
+      images.push_back({blend.pulse, blend.time, blend.stamp, ball_.path.mean_over(time_s, flash_s_)});
+    return false;
+  }
+
+ private:
+  Camera camera_;
+  const ThrownBall& ball_;
+  double flash_s_;
+};
 
 }  // namespace
 
@@ -75,18 +113,16 @@ bool shows_impact(const Exposure& exposure) {
 std::vector<FilmImage> film_images(const Scene& scene, const Exposure& exposure) {
   std::vector<FilmImage> images;
   if (!exposure.ball || !exposure.opened.known()) return images;
-  const Camera camera(scene);
-  const std::vector<Flash> flashes = flashes_on_film(exposure);
-  const ThrownBall& ball = *exposure.ball;
-  for (std::size_t first = 0; first < flashes.size();) {
-    std::size_t last = first + 1;
-    while (last < flashes.size() && flashes[last].time - flashes[last - 1].time <= kBlend) ++last;
-    const MonoTime time = mean_time(&flashes[first], flashes.data() + last);
-    const BallState state = ball.path.at((time - ball.touchdown).seconds());
-    if (camera.sees(state.x_m + ball.path.spot_m(), state.y_m))
-      images.push_back(
-          {flashes[first].pulse, time, mean_stamp(&flashes[first], flashes.data() + last), state});
-    first = last;
+  const std::vector<Blend> blends = blends_of(flashes_on_film(exposure));
+  const Film film(scene, *exposure.ball);
+  const auto after = std::ranges::lower_bound(blends, exposure.ball->touchdown, {}, &Blend::time);
+  // Outwards from the impact: where the ball has left the view to its side nothing more is seen.
+  for (auto blend = after; blend != blends.begin();) {
+    if (film.add(*--blend, images)) break;
+  }
+  std::ranges::reverse(images);
+  for (auto blend = after; blend != blends.end(); ++blend) {
+    if (film.add(*blend, images)) break;
   }
   return images;
 }

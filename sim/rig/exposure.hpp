@@ -50,11 +50,13 @@ struct FilmImage {
   int pulse = 0;                       ///< index into Exposure::pulses
   MonoTime time;                       ///< mean of the flashes that it was made of
   MonoTime stamp = MonoTime::never();  ///< mean of their sensors' edges; never(): no sensor gave one
-  BallState state;
+  BallState state;  ///< mean over the time that the flash gives light, which is from `time` on
 };
 
 /// All images in order of time. Flashes less than half a millisecond apart blend into one image (some 8 mm of
-/// a fast ball's way), which is measured in its middle.
+/// a fast ball's way), which is measured in its middle. A flash begins at its instant, where the sensor sees
+/// it, and gives even light for the scene's flash_s. Where the ball would have met the surface a second time
+/// there is no image.
 std::vector<FilmImage> film_images(const Scene& scene, const Exposure& exposure);
 
 }  // namespace strobe::sim

@@ -14,8 +14,12 @@ constexpr double kStep_s = 2e-3;
 constexpr double kLongest_s = 60.0;
 
 FlightState plus(const FlightState& s, const FlightState& slope, double h_s) {
-  return {s.x_m + h_s * slope.x_m, s.y_m + h_s * slope.y_m, s.vx_mps + h_s * slope.vx_mps,
-          s.vy_mps + h_s * slope.vy_mps};
+  return {s.x_m + h_s * slope.x_m,
+          s.y_m + h_s * slope.y_m,
+          s.vx_mps + h_s * slope.vx_mps,
+          s.vy_mps + h_s * slope.vy_mps,
+          s.omega_radps + h_s * slope.omega_radps,
+          s.turned_rad + h_s * slope.turned_rad};
 }
 
 double density_kgpm3(const AirSettings& air) {
@@ -27,24 +31,46 @@ double density_kgpm3(const AirSettings& air) {
 
 }  // namespace
 
-Flight::Flight(const Scene& scene, const FlightState& start, double omega_radps)
+Flight::Flight(const Scene& scene, const FlightState& start, double omega_radps, const Model& model)
     : start_(start),
-      rim_mps_(scene.ball.radius_m() * omega_radps),
-      gravity_x_mps2_(-kStandardGravity_mps2 * std::sin(scene.surface_angle_rad)),
-      gravity_y_mps2_(-kStandardGravity_mps2 * std::cos(scene.surface_angle_rad)) {
-  const double radius = scene.ball.radius_m();
-  const double q = density_kgpm3(scene.air) * std::numbers::pi * radius * radius / (2.0 * scene.ball.mass_kg);
-  drag_pm_ = q * scene.air.drag_coefficient;
-  lift_pm_ = scene.air.lift ? q : 0.0;
+      radius_m_(scene.ball.radius_m()),
+      decay_pm_(model.has(Effect::spin_decay) ? scene.air.spin_decay_per_m : 0.0),
+      gravity_x_mps2_(0.0),
+      gravity_y_mps2_(0.0) {
+  start_.omega_radps = omega_radps;
+  start_.turned_rad = 0.0;
+  const double area = std::numbers::pi * radius_m_ * radius_m_;
+  const double q = density_kgpm3(scene.air) * area / (2.0 * scene.ball.mass_kg);
+  drag_pm_ = model.has(Effect::drag) ? q * scene.air.drag_coefficient : 0.0;
+  lift_pm_ = model.has(Effect::magnus) && scene.air.lift ? q : 0.0;
+  parabola_ = drag_pm_ == 0.0 && lift_pm_ == 0.0 && decay_pm_ == 0.0;
+  if (!model.has(Effect::gravity)) return;
+  gravity_x_mps2_ = -kStandardGravity_mps2 * std::sin(scene.surface_angle_rad);
+  gravity_y_mps2_ = -kStandardGravity_mps2 * std::cos(scene.surface_angle_rad);
 }
 
 FlightState Flight::slope(const FlightState& s) const {
-  const double v = std::hypot(s.vx_mps, s.vy_mps);
+  const double v = std::sqrt(s.vx_mps * s.vx_mps + s.vy_mps * s.vy_mps);
   const double drag = drag_pm_ * v;
-  const double twice_rim = 2.0 * std::abs(rim_mps_);
-  const double lift = v > 0.0 ? lift_pm_ * v * rim_mps_ / (twice_rim + v) : 0.0;
-  return {s.vx_mps, s.vy_mps, gravity_x_mps2_ - drag * s.vx_mps - lift * s.vy_mps,
-          gravity_y_mps2_ - drag * s.vy_mps + lift * s.vx_mps};
+  const double rim = radius_m_ * s.omega_radps;
+  const double lift = v > 0.0 ? lift_pm_ * v * rim / (2.0 * std::abs(rim) + v) : 0.0;
+  return {s.vx_mps,
+          s.vy_mps,
+          gravity_x_mps2_ - drag * s.vx_mps - lift * s.vy_mps,
+          gravity_y_mps2_ - drag * s.vy_mps + lift * s.vx_mps,
+          -decay_pm_ * v * s.omega_radps,
+          s.omega_radps};
+}
+
+FlightState Flight::fall(double time_s) const {
+  const double x = start_.vx_mps + 0.5 * gravity_x_mps2_ * time_s;
+  const double y = start_.vy_mps + 0.5 * gravity_y_mps2_ * time_s;
+  return {start_.x_m + x * time_s,
+          start_.y_m + y * time_s,
+          start_.vx_mps + gravity_x_mps2_ * time_s,
+          start_.vy_mps + gravity_y_mps2_ * time_s,
+          start_.omega_radps,
+          start_.omega_radps * time_s};
 }
 
 FlightState Flight::step(const FlightState& s, double h_s) const {
@@ -59,6 +85,7 @@ FlightState Flight::step(const FlightState& s, double h_s) const {
 }
 
 FlightState Flight::at(double time_s) const {
+  if (parabola_) return fall(time_s);
   const double steps = std::ceil(std::abs(time_s) / kStep_s);
   FlightState s = start_;
   for (int i = 0; i < static_cast<int>(steps); ++i) s = step(s, time_s / steps);

@@ -29,6 +29,10 @@ Rig::Rig(const Scene& scene, std::uint64_t seed, MonoTime start, const Model& mo
       scene_(reduced_scene(scene, model)),
       seed_(seed),
       lamps_{LampModel(scene_, seed, Lamp::a), LampModel(scene_, seed, Lamp::b)} {
+  if (needs_calibration(scene_, model_)) {
+    // Where the mean ball stays on the surface every throw is refused likewise.
+    if (const auto reduced = calibrate(scene_, model_)) reduced_ = *reduced;
+  }
   restart(1, start);
 }
 
@@ -206,7 +210,7 @@ void Rig::on_trigger(MonoTime at) {
     const Throw thrown = draw_throw(scene_, seed_, shot);
     const MonoTime touchdown = at + from_seconds(thrown.lag_s);
     if (shot_fault(scene_.faults, FaultKind::gate_chatter, shot)) struck.push_back(FaultKind::gate_chatter);
-    if (auto path = BallPath::make(scene_, thrown)) {
+    if (auto path = BallPath::make(scene_, thrown, model_, reduced_ ? &*reduced_ : nullptr)) {
       if (gate_watched_) drive_gate(*path, touchdown, at, shot);
       ball = ThrownBall{std::move(*path), touchdown};
     }

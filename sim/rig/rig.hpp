@@ -90,6 +90,7 @@ class Rig {
   const Model model_;
   const Scene scene_;
   const std::uint64_t seed_;
+  std::optional<ReducedContact> reduced_;
   std::array<int, kWiredLines> levels_{};
   std::array<LampModel, 2> lamps_;
   std::array<bool, 2> in_pulse_{};  ///< which lamps the newest pulse has reached

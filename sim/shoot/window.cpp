@@ -14,21 +14,11 @@ namespace {
 constexpr double kLongest_s = 0.25;
 constexpr double kStep_s = 1e-3;
 
-Scene without_spread(Scene scene) {
-  MachineSettings& m = scene.machine;
-  m.speed_sd_mps = m.angle_sd_rad = m.spin_sd_radps = m.lag_sd_s = m.spot_sd_m = 0.0;
-  BounceSettings& b = scene.bounce;
-  b.e_sd = b.mu_sd = b.dwell_sd_s = b.ex_sd = b.offset_sd_m = b.offset_share_sd = 0.0;
-  return scene;
-}
-
-double seen_for_s(const Camera& camera, const BallPath& path, double radius_m, double step_s) {
+double seen_for_s(const Camera& camera, const BallPath& path, double step_s) {
   double t = 0.0;
-  const double contact_s = step_s > 0.0 ? path.dwell_s() : 0.0;
   while (std::abs(t) < kLongest_s) {
     const BallState s = path.at(t);
-    const bool under = (t < 0.0 || t > contact_s) && s.y_m < radius_m;
-    if (under || !camera.sees(s.x_m, s.y_m)) break;
+    if (path.beyond_knowledge(t, s) || !camera.sees(s.x_m, s.y_m)) break;
     t += step_s;
   }
   return std::abs(t);
@@ -40,9 +30,8 @@ Window crossing_window(const Scene& scene, double period_s) {
   const Scene mean = without_spread(scene);
   const auto path = BallPath::make(mean, draw_throw(mean, 1, 1));
   const Camera camera(mean);
-  const double radius = scene.ball.radius_m();
-  const double before = path ? seen_for_s(camera, *path, radius, -kStep_s) : kLongest_s;
-  const double after = path ? seen_for_s(camera, *path, radius, kStep_s) : kLongest_s;
+  const double before = path ? seen_for_s(camera, *path, -kStep_s) : kLongest_s;
+  const double after = path ? seen_for_s(camera, *path, kStep_s) : kLongest_s;
   const MachineSettings& m = scene.machine;
   const double slowest = std::max(0.2, 1.0 - kLargestNormal * m.speed_sd_mps / m.speed_mps -
                                            kLargestNormal * m.angle_sd_rad * std::tan(std::abs(m.angle_rad)));

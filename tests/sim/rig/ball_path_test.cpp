@@ -15,10 +15,13 @@ using namespace strobe;
 using namespace strobe::sim;
 using reduction::Quantity;
 
+constexpr int kKinds = 7;  // of each law
+constexpr int kShots = 60;
+
 /// A scene with every spread on, of a few rebounds that differ much.
 Scene spread_scene(int kind) {
   Scene scene = test::plain_scene();
-  scene.machine.angle_rad = -(15.0 + 9.0 * kind) * std::numbers::pi / 180.0;
+  scene.machine.angle_rad = -(15.0 + 9.0 * (kind % kKinds)) * std::numbers::pi / 180.0;
   scene.machine.spin_radps = 90.0 * (kind % 5 - 2);
   scene.machine.speed_sd_mps = 1.0;
   scene.machine.angle_sd_rad = 0.04;
@@ -28,17 +31,16 @@ Scene spread_scene(int kind) {
   scene.bounce.mu_sd = 0.05;
   scene.bounce.ex_sd = 0.1;
   scene.bounce.offset_sd_m = 0.001;
+  scene.bounce.offset_share_sd = 0.03;
   scene.bounce.dwell_sd_s = 0.0003;
+  scene.bounce.contact = kind < kKinds ? ContactLaw::ode : ContactLaw::grip;
   scene.surface_angle_rad = kind % 2 == 0 ? 0.0 : 0.3;
   return scene;
 }
 
-constexpr int kKinds = 7;
-constexpr int kShots = 200;
-
 template <typename Check>
 void for_many_balls(Check check) {
-  for (int kind = 0; kind < kKinds; ++kind) {
+  for (int kind = 0; kind < 2 * kKinds; ++kind) {
     const Scene scene = spread_scene(kind);
     for (int shot = 1; shot <= kShots; ++shot) {
       const Throw thrown = draw_throw(scene, 99, shot);
@@ -121,7 +123,9 @@ TEST(BallPath, TurnsFrictionIntoSpinByTheMomentEquation) {
     const double impulse = lo.vy_mps - td.vy_mps;
     DOUBLES_EQUAL(scene.ball.alpha * r * r * (lo.omega_radps - td.omega_radps),
                   r * (lo.vx_mps - td.vx_mps) + path.rebound().offset_m * impulse, 1e-12);
-    DOUBLES_EQUAL(-thrown.coefficients.e * td.vy_mps, lo.vy_mps, 1e-12);
+    // The weight makes the contact deeper and so takes a little more, in the ODE's law.
+    const bool ode = scene.bounce.contact == ContactLaw::ode;
+    DOUBLES_EQUAL(-thrown.coefficients.e * td.vy_mps, lo.vy_mps, ode ? 0.01 : 1e-12);
   });
 }
 
@@ -189,6 +193,7 @@ TEST(BallPath, GivesTheCourtPaceOfTheStandardsExamples) {
   // starts without spin keeps exactly mu.
   Scene scene = test::plain_scene();
   scene.air.temperature_c = 23.0;
+  scene.bounce.contact = ContactLaw::grip;
   scene.bounce.offset_m = 0.0;
   scene.machine.angle_rad = -10.0 * std::numbers::pi / 180.0;
   scene.bounce.e_slope_spm = 0.0;

@@ -48,6 +48,7 @@ TEST(Tablet, PutsThePhotographWhereAnIndependentProjectionPutsIt) {
   // Noise-free: the incoming images lie on a parabola seen under the camera's roll. Undo roll, origin and
   // scale by hand and compare with free fall in a vacuum from the truth at touchdown.
   scene.air.density_kgpm3 = 0.0;
+  scene.lamps.flash_s = 0.0;
   test::VirtualBench bench(scene);
   const Exposure exposure = bench.shoot();
   const Digitized d = digitize(scene, 1, exposure);
@@ -82,6 +83,7 @@ TEST(Tablet, ShowsTheSurfaceUnderTheBall) {
 TEST(Tablet, SeesABallTravelToTheLeftFromTheOtherSide) {
   scene.camera.mirrored = true;
   scene.machine.spin_radps = 150.0;
+  scene.air.spin_decay_per_m = 0.0;
   const Digitized d = digitized(scene);
   const auto& a = d.frame.images[0];
   const auto& b = d.frame.images[1];

@@ -33,7 +33,9 @@ TEST(TruthLine, NamesEveryQuantityOfAReadout) {
 TEST(TruthLine, PlacesLiftOffTheDwellTimeAfterTouchdown) {
   test::VirtualBench bench(scene);
   const auto line = line_of(bench.shoot(), 7);
-  LONGS_EQUAL(5'000'000, line["liftoff_ns"].get<std::int64_t>() - line["touchdown_ns"].get<std::int64_t>());
+  // 5 ms, and by the ball's weight up to .2 % more (contact_course.hpp).
+  const auto dwell_ns = line["liftoff_ns"].get<std::int64_t>() - line["touchdown_ns"].get<std::int64_t>();
+  CHECK(dwell_ns > 5'000'000 && dwell_ns < 5'010'000);
 }
 
 TEST(TruthLine, SaysWhichFlashMadeEachImageAndWhen) {

@@ -1,0 +1,28 @@
+// What one shot's ball is like: the scene's means with this shot's draws. Plain values, thread-safe.
+#pragma once
+
+#include <cstdint>
+
+#include "common/impact/rebound.hpp"
+#include "sim/rig/scene.hpp"
+
+namespace strobe::sim {
+
+struct Throw {
+  impact::Motion touchdown;
+  impact::Coefficients coefficients;  ///< e and mu; with contact = "grip" also e_x and the offset
+  double offset_share = 0.0;          ///< with contact = "ode"
+  double dwell_s = 0.0;               ///< touchdown to lift-off, the ball's weight left out
+  double equator_rad = 0.0;           ///< angle of the equator line at touchdown
+  double lag_s = 0.0;                 ///< trigger to touchdown
+  double spot_m = 0.0;       ///< point of touchdown, along the surface from where the camera has its origin
+  double off_plane_m = 0.0;  ///< of the ball's path from the plane the camera is focused on, towards the lens
+};
+
+/// Normal draws are within kLargestNormal standard deviations of their means.
+Throw draw_throw(const Scene& scene, std::uint64_t seed, int shot);
+
+/// The scene with every spread of machine and bounce taken away: each throw is the mean one.
+Scene without_spread(Scene scene);
+
+}  // namespace strobe::sim
