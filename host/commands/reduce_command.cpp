@@ -3,11 +3,13 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <system_error>
 
 #include "common/messages/json_conversions.hpp"
@@ -15,6 +17,8 @@
 #include "common/reduction/legacy_file.hpp"
 #include "common/reduction/reduce.hpp"
 #include "host/commands/command.hpp"
+#include "host/commands/frontier_files.hpp"
+#include "host/commands/reduce_choice.hpp"
 #include "host/commands/terminal.hpp"
 #include "host/config/rig_file.hpp"
 #include "host/view/quantities.hpp"
@@ -31,7 +35,14 @@ struct ReduceOptions {
   std::string format = "frame";
   std::string estimator = "best";
   std::string flight = "auto";
+  std::string tolerance;  ///< as written; empty: none
+  std::optional<double> deadline_us;
+  std::string frontier_file;  ///< empty: the shipped one
+  bool estimator_given = false;
+  bool flight_given = false;
   bool json = false;
+
+  bool chooses() const { return !tolerance.empty() || deadline_us.has_value(); }
 };
 
 reduction::ReduceOptions reduction_options(const std::string& flight) {
@@ -45,10 +56,12 @@ reduction::ReduceOptions reduction_options(const std::string& flight) {
 /// Prints what comes and remembers what did not.
 class Reducer {
  public:
-  explicit Reducer(const ReduceOptions& options)
+  /// `chooser`: absent if the estimator is stated.
+  Reducer(const ReduceOptions& options, std::optional<EstimatorChooser> chooser)
       : json_(options.json),
         estimator_(*reduction::estimator_from_name(options.estimator)),
-        options_(reduction_options(options.flight)) {}
+        options_(reduction_options(options.flight)),
+        chooser_(std::move(chooser)) {}
 
   Result<void> frames(const std::string& file) {
     std::ifstream opened;
@@ -62,8 +75,7 @@ class Reducer {
       any = true;
       const std::string place = fmt::format("{}:{}: ", file, number);
       const auto frame = messages::frame_from_json(line);
-      frame ? put(reduction::reduce(*frame, estimator_, options_), place)
-            : bad(place + frame.error().message);
+      frame ? reduce(*frame, place) : bad(place + frame.error().message);
     }
     if (input.bad()) return fail(file + ": cannot be read to its end");
     if (!any) bad(file + ": no frames");
@@ -78,17 +90,17 @@ class Reducer {
       ++number;
       if (!frame) {
         bad(frame.error().message);
-      } else if (estimator_ == reduction::Estimator::legacy) {
+      } else if (!chooser_ && estimator_ == reduction::Estimator::legacy) {
         put(reduction::reduce_legacy(*frame), file + ": ");
       } else {
-        put(reduction::reduce(reduction::frame_from_legacy(*frame), estimator_, options_),
-            fmt::format("{}: frame {}: ", file, number));
+        reduce(reduction::frame_from_legacy(*frame), fmt::format("{}: frame {}: ", file, number));
       }
     }
     return {};
   }
 
   int conclude() const {
+    if (chooser_ && timed_ > 0) std::fputs(timing().c_str(), stderr);
     if (!json_ && series_.shots() > 1) print(render_series(series_, std::nullopt, kPlainWidth));
     if (bad_ == 0) return kDone;
     return series_.shots() > 0 ? kFailed : kBadInput;
@@ -100,20 +112,53 @@ class Reducer {
     failed(what);
   }
 
-  void put(const Result<Readout>& readout, const std::string& place) {
+  void reduce(const reduction::Frame& frame, const std::string& place) {
+    if (!chooser_) return put(reduction::reduce(frame, estimator_, options_), place);
+    auto chosen = chooser_->reduce(frame);
+    if (!chosen) return bad(place + chosen.error().message);
+    time(chosen->choice);
+    put(std::move(chosen->readout), place, &chosen->choice);
+  }
+
+  void put(const Result<Readout>& readout, const std::string& place,
+           const EstimatorChoice* choice = nullptr) {
     if (!readout) return bad(place + readout.error().message);
     series_.add(*readout);
     show_progress();
-    if (json_) {
-      std::puts(messages::readout_to_json(*readout).c_str());
-      return;
-    }
+    if (json_) return put_json(*readout, choice);
     Outcome outcome;
     outcome.shot_id = readout->shot_id;
     outcome.readout = *readout;
     print(render_shot(outcome, kPlainWidth));
-    if (estimator_ == reduction::Estimator::best) print({flight_line(readout->flight_effects)});
+    if (readout->method == "best") print({flight_line(readout->flight_effects)});
     if (readout->legacy) print(legacy_lines(*readout->legacy));
+    if (choice != nullptr) print(choice_lines(*choice));
+  }
+
+  void put_json(const Readout& readout, const EstimatorChoice* choice) const {
+    std::string line = messages::readout_to_json(readout);
+    if (choice != nullptr) {
+      line.back() = ',';
+      line += "\"choice\":" + choice_json(*choice, chooser_->demand()) + "}";
+    }
+    std::puts(line.c_str());
+  }
+
+  void time(const EstimatorChoice& choice) {
+    const double took_us = static_cast<double>(choice.took_ns) / 1e3;
+    ++timed_;
+    took_us_ += took_us;
+    longest_us_ = std::max(longest_us_, took_us);
+    const auto& deadline_us = chooser_->demand().deadline_us;
+    if (deadline_us && took_us > *deadline_us) ++late_;
+  }
+
+  /// For standard error: a time never belongs to a result's bytes.
+  std::string timing() const {
+    std::string line = fmt::format("strobe: reduce: took {:.1f} us a frame, {:.1f} us the longest of {}",
+                                   took_us_ / timed_, longest_us_, timed_);
+    if (chooser_->demand().deadline_us) line += fmt::format(", {} past the deadline", late_);
+    return line + "\n";
   }
 
   static std::string flight_line(const flight::Effects& effects) {
@@ -154,10 +199,33 @@ class Reducer {
   bool json_;
   reduction::Estimator estimator_;
   reduction::ReduceOptions options_;
+  std::optional<EstimatorChooser> chooser_;
+  int timed_ = 0;
+  int late_ = 0;
+  double took_us_ = 0.0;
+  double longest_us_ = 0.0;
   SeriesTable series_;
   int bad_ = 0;
   std::int64_t progress_ns_ = steady_now_ns();
 };
+
+/// What the options leave to choose, or what is wrong with them.
+Result<std::optional<EstimatorChooser>> chooser_of(const ReduceOptions& options) {
+  if (!options.chooses()) {
+    if (!options.frontier_file.empty()) return fail("--frontier is for --tolerance and --deadline-us");
+    return std::nullopt;
+  }
+  const auto demand = parse_demand(options.tolerance, options.deadline_us);
+  if (!demand) return tl::unexpected(demand.error());
+  auto files = read_frontier(options.frontier_file);
+  if (!files) return tl::unexpected(files.error());
+  return EstimatorChooser::make(files->rows, std::move(files->ranges),
+                                {.demand = *demand,
+                                 .estimator = options.estimator_given ? options.estimator : "",
+                                 .flight = options.flight_given ? options.flight : ""},
+                                steady_now_ns)
+      .map([](EstimatorChooser&& chooser) { return std::optional(std::move(chooser)); });
+}
 
 int run_reduce(const ReduceOptions& options) {
   if (options.flight != "auto" && options.estimator != "best")
@@ -168,7 +236,9 @@ int run_reduce(const ReduceOptions& options) {
     if (!std::filesystem::exists(file, error)) return bad_input(file + ": no such file");
     if (std::filesystem::is_directory(file, error)) return bad_input(file + ": is a folder");
   }
-  Reducer reducer(options);
+  auto chooser = chooser_of(options);
+  if (!chooser) return bad_input("reduce: " + chooser.error().message);
+  Reducer reducer(options, std::move(*chooser));
   for (const std::string& file : options.files) {
     const auto read = options.format == "legacy" ? reducer.legacy(file) : reducer.frames(file);
     if (!read) return bad_input(read.error().message);
@@ -195,14 +265,37 @@ void add_reduce_command(CLI::App& app, int& exit_status) {
           "what the best estimator fits the flight with: auto (default: gravity, and drag and Magnus "
           "lift where they matter), none, gravity, or all")
       ->check(CLI::IsMember({"auto", "none", "gravity", "all"}));
+  command->add_option(
+      "--tolerance", options->tolerance,
+      "choose for each frame the cheapest estimator and flight that add at most this to the error which the "
+      "photograph's noise leaves the best of them, as 1% or 1e-2: rms of the worst number and condition "
+      "measured, relative to the touchdown's speed (spins times R; angles in radians, e and mu as they are, "
+      "times to the dwell time). Where its own sd is beyond the tolerance, a cheaper one gives way to the "
+      "most "
+      "exact in time, and what noise is left is said");
+  command->add_option("--deadline-us", options->deadline_us,
+                      "choose one that takes at most this long a frame, in microseconds as measured; without "
+                      "--tolerance the most exact such");
+  command->add_option("--frontier", options->frontier_file,
+                      "what the estimators cost and how exact they are, as `strobe-bench trade --frontier` "
+                      "writes it [share/strobe/frontier/frontier.csv]");
   command->add_flag("--json", options->json,
                     "one JSON object per readout on standard output, nothing else there");
   command->footer(
       "Example: strobe reduce frames.jsonl --estimator best --json\n"
+      "         strobe reduce frames.jsonl --tolerance 1% --deadline-us 20 --json\n"
+      "--estimator and --flight restrict the choice of --tolerance and --deadline-us. No estimator that "
+      "meets "
+      "both:\n"
+      "exit status 2, or for some frames only as for bad lines.\n"
       "Bad lines are named on standard error and make the exit status 1; the others are reduced. Without "
       "any\n"
       "good line it is 2.");
-  command->callback([options, &exit_status] { exit_status = run_reduce(*options); });
+  command->callback([options, command, &exit_status] {
+    options->estimator_given = command->count("--estimator") > 0;
+    options->flight_given = command->count("--flight") > 0;
+    exit_status = run_reduce(*options);
+  });
 }
 
 }  // namespace strobe::host
