@@ -1,0 +1,77 @@
+// What the contact mechanics says of a condition of the thesis when its constants come from the other two
+// spins alone. Nothing of the spin foretold enters: neither the five constants, nor the offset's reference
+// speed, nor (where asked for) its restitution and dwell time. Pure; deterministic; thread-safe; allocates.
+#pragma once
+
+#include <array>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/data/thesis_data.hpp"
+#include "common/impact/fit/contact_fit.hpp"
+#include "common/result.hpp"
+
+namespace strobe::bench {
+
+/// Where a condition's restitution and dwell time come from.
+enum class Vertical {
+  measured,  ///< the condition's own: vy at lift-off, e and the dwell time are inputs
+  /// From the other two spins. e linear in |vy_TD|: what a shell loses by buckling and in its rubber grows
+  /// with its speed (LaMarche, Cross: a straight line between 3 and 20 m/s). Dwell time a power of |vy_TD|: a
+  /// spring N ~ y^n gives |vy|^((1 - n)/(1 + n)).
+  by_speed,
+  /// e besides linear in s/|vy_TD|, the slope of the contact point's path: friction presses the ball into the
+  /// surface along that path, and takes of the rebound what it turns aside.
+  by_speed_and_slip,
+};
+inline constexpr std::array<std::string_view, 3> kVerticalNames{"measured", "by-speed", "by-speed-and-slip"};
+
+/// What of the tangential spring's dashpot is fitted.
+enum class Dashpot {
+  fitted,  ///< c_t with the others: five constants
+  /// Its damping ratio c_t/(2·sqrt(k_t·m_t)), m_t = m·alpha/(1 + alpha), is held at 1/2, where dashpot and
+  /// spring are equally strong at the tangential oscillation's own frequency: four constants. Two spins
+  /// hardly tell c_t from k_t.
+  tied,
+};
+inline constexpr std::array<std::string_view, 2> kDashpotNames{"fitted", "tied"};
+inline constexpr double kTiedDamping = 0.5;
+
+/// Constants from two spins.
+struct Constants {
+  std::string left_out;  ///< the spin that they do not know
+  impact::ContactVector value;
+  double offset_reference_mps = 0.0;
+  double chi_square = 0.0;           ///< of the fit, with residuals over .38 m/s and 11.5 rad/s
+  std::array<double, 3> e_by{};      ///< constant, per m/s of |vy_TD|, per s/|vy_TD|
+  std::array<double, 2> dwell_by{};  ///< ln of s at 1 m/s, exponent
+};
+
+/// One condition foretold.
+struct Forecast {
+  impact::ContactObservation inputs;  ///< as measured, but e and dwell time as they were put in
+  impact::ContactCoefficients coefficients;
+  ball::Ball ball;
+  impact::ContactSummary contact;
+};
+
+/// Without the observations of that spin. Fails as impact::fit_contact().
+Result<Constants> constants_without(std::string_view spin,
+                                    std::span<const impact::ContactObservation> observations,
+                                    Vertical vertical, Dashpot dashpot);
+
+/// Fails for inputs that the mechanics refuses.
+Result<Forecast> foretell(const impact::ContactObservation& observation, const Constants& constants,
+                          Vertical vertical);
+
+/// How far the foretold vx and omega at lift-off move with the published sd of what goes in: the touchdown's
+/// velocities and spin, and where they are measured e (by vy at lift-off) and the dwell time.
+struct InputSpread {
+  double vx_mps = 0.0;
+  double omega_radps = 0.0;
+};
+InputSpread input_spread(const impact::ContactObservation& observation, const Constants& constants,
+                         Vertical vertical);
+
+}  // namespace strobe::bench
