@@ -84,32 +84,72 @@ std::vector<std::string> outside(const MeasuredImpacts& measured, const PredictI
   return frontier::outside(measured.ranges, kStudy, quantities);
 }
 
-/// The cheapest integration exact enough to judge `row` by, within the time left.
-std::optional<Row> check_for(const std::vector<Row>& integrations, const Row& row,
-                             const frontier::Demand& demand, double spent_us) {
-  frontier::Demand of_check{.tolerance = row.error / kCheckTimesAsExact, .deadline_us = {}};
-  if (demand.tolerance) of_check.tolerance = std::min(row.error, *demand.tolerance) / kCheckTimesAsExact;
-  if (demand.deadline_us) of_check.deadline_us = *demand.deadline_us - spent_us;
-  const auto check = frontier::choose(integrations, of_check);
-  return check ? std::optional(*check) : std::nullopt;
-}
-
-struct Clock {
-  std::int64_t (*now_ns)();
-  std::int64_t took_ns = 0;
-};
-
-Result<Prediction> run(const Row& row, const PredictInput& in, Clock& clock) {
-  const auto with = input_for(row, in);
-  if (!with) return fail(frontier::title(row) + " cannot be run");
-  const std::int64_t begin_ns = clock.now_ns();
-  auto prediction = predict(*with);
-  clock.took_ns += clock.now_ns() - begin_ns;
-  if (!prediction) return fail(std::string(impact::message(prediction.error())));
-  return std::move(*prediction);
-}
-
 bool same_method(const Row& a, const Row& b) { return a.method == b.method && a.parameter == b.parameter; }
+
+/// Runs and checks what is taken, one method after another.
+class Runs {
+ public:
+  Runs(const MeasuredImpacts& measured, std::vector<Row> rows, const frontier::Demand& demand,
+       const PredictInput& in, std::int64_t (*now_ns)())
+      : rows_(std::move(rows)), integrations_(measured.rows), demand_(demand), in_(in), now_ns_(now_ns) {
+    std::erase_if(integrations_, [](const Row& row) { return row.method != "ode"; });
+  }
+
+  Result<Prediction> take(const Row& row, ImpactChoice& choice) const {
+    choice.taken = {.row = row, .error_estimate = {}, .checked_by = {}};
+    return run(row, choice);
+  }
+
+  /// Compares with a more exact run if there is time for one. Where that shows an error beyond the tolerance
+  /// it takes its place, if it may, and true is returned: it is to be checked in turn.
+  bool replaced_after_check(Prediction& prediction, ImpactChoice& choice) const {
+    const auto check = check_for(choice);
+    if (!check) return false;
+    auto checked = run(*check, choice);
+    if (!checked) return false;
+    choice.taken.checked_by = *check;
+    choice.taken.error_estimate =
+        difference(in_, prediction.rebound.lift_off, checked->rebound.lift_off) + check->error;
+    if (!demand_.tolerance) return false;
+    choice.within_tolerance = *choice.taken.error_estimate <= *demand_.tolerance;
+    if (*choice.within_tolerance || !may_be_taken(*check)) return false;
+    choice.replaced.push_back(std::exchange(choice.taken, TriedImpact{*check, {}, {}}));
+    choice.within_tolerance.reset();
+    prediction = std::move(*checked);
+    return true;
+  }
+
+ private:
+  /// The cheapest integration exact enough to judge by, within the time left.
+  std::optional<Row> check_for(const ImpactChoice& choice) const {
+    const double to_judge =
+        std::min(choice.taken.row.error, demand_.tolerance.value_or(choice.taken.row.error));
+    frontier::Demand demand{.tolerance = to_judge / kCheckTimesAsExact, .deadline_us = {}};
+    if (demand_.deadline_us) demand.deadline_us = *demand_.deadline_us - choice.expected_cost_us;
+    const auto check = frontier::choose(integrations_, demand);
+    return check ? std::optional(*check) : std::nullopt;
+  }
+
+  bool may_be_taken(const Row& check) const {
+    return std::ranges::any_of(rows_, [&](const Row& row) { return same_method(row, check); });
+  }
+
+  Result<Prediction> run(const Row& row, ImpactChoice& choice) const {
+    const PredictInput with = *input_for(row, in_);
+    const std::int64_t begin_ns = now_ns_();
+    auto prediction = predict(with);
+    choice.took_ns += now_ns_() - begin_ns;
+    choice.expected_cost_us += row.cost_us;
+    if (!prediction) return fail(std::string(impact::message(prediction.error())));
+    return std::move(*prediction);
+  }
+
+  std::vector<Row> rows_;
+  std::vector<Row> integrations_;
+  const frontier::Demand& demand_;
+  const PredictInput& in_;
+  std::int64_t (*now_ns_)();
+};
 
 }  // namespace
 
@@ -138,39 +178,21 @@ MeasuredImpacts impacts_of(const std::vector<Row>& rows, const std::vector<front
 
 Result<ImpactChoice> choose_impact(const MeasuredImpacts& measured, const frontier::Demand& demand,
                                    const std::string& model, PredictInput in, std::int64_t (*now_ns)()) {
-  Clock clock{now_ns};
   in.mu = in.mu.value_or(default_mu("ode"));
   in.alpha = in.alpha.value_or(default_alpha("ode"));
   std::vector<Row> rows = measured.rows;
-  std::vector<Row> integrations = measured.rows;
   std::erase_if(rows, [&](const Row& row) { return !model.empty() && input_for(row, in)->model != model; });
-  std::erase_if(integrations, [](const Row& row) { return row.method != "ode"; });
   const auto first = frontier::choose(rows, demand);
   if (!first) return fail(frontier::refusal(first.error(), demand));
 
   ImpactChoice choice;
   choice.reason = frontier::reason(rows, demand);
   choice.outside = outside(measured, in);
-  choice.taken.row = *first;
-  choice.expected_cost_us = first->cost_us;
-  auto prediction = run(*first, in, clock);
+  const Runs runs(measured, std::move(rows), demand, in, now_ns);
+  auto prediction = runs.take(*first, choice);
   if (!prediction) return tl::unexpected(prediction.error());
-  while (const auto check = check_for(integrations, choice.taken.row, demand, choice.expected_cost_us)) {
-    auto checked = run(*check, in, clock);
-    if (!checked) break;
-    choice.expected_cost_us += check->cost_us;
-    choice.taken.checked_by = *check;
-    choice.taken.error_estimate =
-        difference(in, prediction->rebound.lift_off, checked->rebound.lift_off) + check->error;
-    if (!demand.tolerance) break;
-    choice.within_tolerance = *choice.taken.error_estimate <= *demand.tolerance;
-    const bool allowed = std::ranges::any_of(rows, [&](const Row& r) { return same_method(r, *check); });
-    if (*choice.within_tolerance || !allowed) break;
-    choice.replaced.push_back(std::exchange(choice.taken, TriedImpact{*check, {}, {}}));
-    choice.within_tolerance.reset();
-    prediction = std::move(checked);
+  while (runs.replaced_after_check(*prediction, choice)) {
   }
-  choice.took_ns = clock.took_ns;
   choice.prediction = std::move(*prediction);
   choice.input = *input_for(choice.taken.row, in);
   return choice;

@@ -1,0 +1,57 @@
+// Measured frontiers come from people's runs: any bytes are either rows and ranges in order or an error of
+// one line, and any demand on the rows is met or refused in words.
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <string_view>
+
+#include "common/frontier/frontier.hpp"
+
+namespace {
+
+using namespace strobe::frontier;
+
+void require(bool holds) {
+  if (!holds) std::abort();
+}
+
+void require_one_line(const strobe::Error& error) {
+  require(error.message.starts_with("fuzz.csv:"));
+  require(error.message.find('\n') == std::string::npos);
+}
+
+void choose_each_way(const std::vector<Row>& rows) {
+  for (const Row& row : rows) {
+    for (const Demand& demand :
+         {Demand{row.error, {}}, Demand{{}, row.cost_us}, Demand{row.error, row.cost_us},
+          Demand{0.5 * row.error, 0.5 * row.cost_us}}) {
+      const auto chosen = choose(rows, demand);
+      require(chosen ? demand.met_by(*chosen) : !refusal(chosen.error(), demand).empty());
+      require(chosen || !demand.met_by(row));
+    }
+  }
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const std::string_view text(reinterpret_cast<const char*>(data), size);
+  const auto rows = parse_frontier(text, "fuzz.csv");
+  if (!rows) require_one_line(rows.error());
+  if (rows && rows->size() < 200) {
+    for (const Row& row : *rows) {
+      require(std::isfinite(row.cost_us) && row.cost_us > 0.0 && std::isfinite(row.error) &&
+              row.error >= 0.0);
+      require(!row.study.empty() && !row.method.empty() && promise(row).find('\n') == std::string::npos);
+      parameter_value(row.parameter, "tolerance");
+    }
+    choose_each_way(*rows);
+  }
+  const auto ranges = parse_ranges(text, "fuzz.csv");
+  if (!ranges) require_one_line(ranges.error());
+  if (ranges) {
+    for (const Range& range : *ranges) require(range.lowest <= range.highest);
+  }
+  return 0;
+}

@@ -1,0 +1,177 @@
+// predict and reduce with a tolerance and a deadline, as a user runs them.
+#include <chrono>
+#include <string>
+#include <vector>
+
+#include "tests/support/json_lines.hpp"
+#include "tests/support/process.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+// CppUTest redefines new; its headers come last.
+#include <CppUTest/TestHarness.h>
+
+using strobe::testing::Finished;
+
+namespace {
+
+// Made up, so that no machine's figures matter.
+constexpr const char* kFrontier =
+    "study,method,parameter,cost_us,error,error_unit,note\n"
+    "lift_off,rigid,,0.01,0.6,of v_td,\n"
+    "lift_off,grip_offset,ex=0.35;offset_mm=1.5,0.03,0.3,of v_td,frontier\n"
+    "lift_off,ode,tolerance=0.001,9,0.01,of v_td,frontier\n"
+    "lift_off,ode,tolerance=1e-06,14,1e-5,of v_td,frontier\n"
+    "lift_off,ode,tolerance=1e-09,30,1e-8,of v_td,frontier\n"
+    "reduce,two-point,,5,0.05,of the readouts' scales,frontier\n"
+    "reduce,best,effects=auto,8,0.03,of the readouts' scales,frontier\n"
+    "reduce_estimated,best,effects=auto,50,0.03,of the readouts' scales,frontier\n";
+
+}  // namespace
+
+TEST_GROUP(ChoiceCommands) {
+  strobe::testing::TemporaryFolder folder;
+  std::string frontier;
+
+  void setup() override {
+    frontier = (folder.path() / "frontier.csv").string();
+    strobe::testing::write_text(frontier, kFrontier);
+  }
+
+  Finished run(std::vector<std::string> arguments, bool chooses = true) const {
+    arguments.insert(arguments.begin(), STROBE_PROGRAM);
+    if (chooses) arguments.insert(arguments.end(), {"--frontier", frontier});
+    return strobe::testing::run_to_end({.arguments = std::move(arguments), .environment = {}, .folder = {}},
+                                       std::chrono::seconds(30));
+  }
+
+  Finished predict(std::vector<std::string> more, bool chooses = true) const {
+    more.insert(more.begin(), {"predict", "--vx", "15.62", "--vy", "-6.71", "--e", "0.86"});
+    return run(std::move(more), chooses);
+  }
+
+  void check_refused(const Finished& run, const std::string& complaint) const {
+    LONGS_EQUAL(2, run.status->code);
+    STRCMP_EQUAL("", run.out.c_str());
+    STRCMP_EQUAL(("strobe: " + complaint + "\n").c_str(), run.err.c_str());
+  }
+};
+
+TEST(ChoiceCommands, PredictSaysWhatItTookAndWhy) {
+  const Finished run = predict({"--tolerance", "0.1%", "--deadline-us", "50", "--json"});
+  LONGS_EQUAL(0, run.status->code);
+  const auto json = strobe::testing::parse_json_lines(run.out).at(0);
+  STRCMP_EQUAL("ode", json["inputs"]["model"].get<std::string>().c_str());
+  DOUBLES_EQUAL(1e-6, json["inputs"]["tolerance"].get<double>(), 0.0);
+  const auto& choice = json["choice"];
+  STRCMP_EQUAL("tolerance=1e-06", choice["parameter"].get<std::string>().c_str());
+  DOUBLES_EQUAL(1e-5, choice["expected_error"].get<double>(), 0.0);
+  DOUBLES_EQUAL(14.0, choice["expected_cost_us"].get<double>(), 0.0);
+  DOUBLES_EQUAL(44.0, choice["total_expected_cost_us"].get<double>(), 0.0);
+  STRCMP_EQUAL("the cheapest of 5 methods that meets 0.1% and 50 us",
+               choice["reason"].get<std::string>().c_str());
+  CHECK(choice["error_estimate"].get<double>() < 1e-3);
+  CHECK(choice["within_tolerance"].get<bool>());
+  CHECK(run.err.starts_with("strobe: predict: took "));
+}
+
+TEST(ChoiceCommands, PredictGivesTheSameBytesEachTime) {
+  const Finished once = predict({"--tolerance", "1e-6", "--json"});
+  const Finished again = predict({"--tolerance", "1e-6", "--json"});
+  CHECK(!once.out.empty());
+  STRCMP_EQUAL(once.out.c_str(), again.out.c_str());
+}
+
+TEST(ChoiceCommands, PredictTellsItsChoiceInWords) {
+  const Finished run = predict({"--deadline-us", "10"});
+  LONGS_EQUAL(0, run.status->code);
+  CHECK(
+      run.out.find("chosen ode tolerance=0.001: the most exact of 5 methods that meets 10 us; at most 1% of "
+                   "v_td in 9 us as measured\n") != std::string::npos);
+  CHECK(run.out.find("not checked on this impact: no time for a more exact run\n") != std::string::npos);
+}
+
+TEST(ChoiceCommands, PredictRefusesWhatNothingMeetsAndNamesTheNearest) {
+  check_refused(predict({"--tolerance", "0.1%", "--deadline-us", "5"}),
+                "predict: no method meets 0.1% and 5 us; in time the most exact is grip_offset "
+                "ex=0.35;offset_mm=1.5 (30% of v_td in 0.03 us); exact enough the fastest is ode "
+                "tolerance=1e-06 (0.001% of v_td in 14 us)");
+}
+
+TEST(ChoiceCommands, PredictRefusesWhatDoesNotGoTogether) {
+  check_refused(predict({"--tolerance", "5"}),
+                "predict: --tolerance: '5' is more than 100%; did you mean 5%?");
+  check_refused(predict({"--deadline-us", "-1"}), "predict: --deadline-us must be above 0");
+  check_refused(predict({"--tolerance", "1%", "--ode-tolerance", "1e-6"}),
+                "predict: --ode-tolerance is chosen with --tolerance or --deadline-us: leave it out");
+  check_refused(predict({"--tolerance", "1%", "--model", "rigid", "--samples", "4"}),
+                "predict: --samples and --trajectory need --model ode");
+  check_refused(predict({}), "predict: --frontier is for --tolerance and --deadline-us");
+}
+
+TEST(ChoiceCommands, PredictRefusesOptionsOfAnotherModel) {
+  check_refused(predict({"--kt-ratio", "2"}, false), "predict: --kt-ratio is for --model ode, not grip");
+  check_refused(predict({"--model", "rigid", "--ex", "0.1"}, false),
+                "predict: --ex is for --model grip, not rigid");
+  check_refused(predict({"--mass-kg", "0.06"}, false),
+                "predict: --mass-kg is for --model pulse or ode, not grip");
+  LONGS_EQUAL(0, predict({"--model", "pulse", "--mass-kg", "0.06"}, false).status->code);
+}
+
+TEST(ChoiceCommands, PredictNamesLineAndColumnOfAWrongFrontier) {
+  strobe::testing::write_text(frontier,
+                              "study,method,parameter,cost_us,error,error_unit,note\na,b,,x,1,u,\n");
+  check_refused(predict({"--tolerance", "1%"}), "predict: " + frontier + ":2: cost_us: 'x' is not a number");
+}
+
+TEST(ChoiceCommands, PredictFailsWhereTheModelAskedForMissesTheToleranceOnThisImpact) {
+  strobe::testing::write_text(frontier,
+                              "study,method,parameter,cost_us,error,error_unit,note\n"
+                              "lift_off,rigid,,0.01,0.001,of v_td,\n"
+                              "lift_off,ode,tolerance=1e-06,14,1e-5,of v_td,\n");
+  const Finished run = predict({"--tolerance", "1%", "--model", "rigid", "--json"});
+  LONGS_EQUAL(1, run.status->code);
+  const auto json = strobe::testing::parse_json_lines(run.out).at(0);
+  CHECK(!json["choice"]["within_tolerance"].get<bool>());
+  CHECK(run.err.find("strobe: predict: rigid misses the tolerance on this impact\n") != std::string::npos);
+  const Finished free = predict({"--tolerance", "1%", "--json"});
+  LONGS_EQUAL(0, free.status->code);
+  const auto instead = strobe::testing::parse_json_lines(free.out).at(0);
+  STRCMP_EQUAL("ode", instead["choice"]["method"].get<std::string>().c_str());
+  STRCMP_EQUAL("rigid", instead["choice"]["replaced"][0]["method"].get<std::string>().c_str());
+}
+
+TEST(ChoiceCommands, ReduceSaysWhatItTookAndWhatNoiseIsLeft) {
+  const Finished run = this->run({"reduce", STROBE_FRAME, "--tolerance", "0.5%", "--json"});
+  LONGS_EQUAL(0, run.status->code);
+  const auto json = strobe::testing::parse_json_lines(run.out).at(0);
+  STRCMP_EQUAL("best", json["method"].get<std::string>().c_str());
+  STRCMP_EQUAL("effects=auto", json["choice"]["parameter"].get<std::string>().c_str());
+  DOUBLES_EQUAL(0.0, json["choice"]["expected_error"].get<double>(), 0.0);
+  CHECK(json["choice"]["noise_beyond_tolerance"].get<bool>());
+  CHECK(run.err.starts_with("strobe: reduce: took "));
+  const Finished words = this->run({"reduce", STROBE_FRAME, "--tolerance", "0.5%"});
+  CHECK(words.out.find("chosen best effects=auto: the cheapest of 2 methods that meets 0.5%; adds 0% of the "
+                       "readouts' scales in 8 us as measured\n") != std::string::npos);
+  CHECK(words.out.find("the photograph's own noise is beyond the tolerance: sd of ") != std::string::npos);
+}
+
+TEST(ChoiceCommands, ReduceAddsNothingButTheChoice) {
+  const Finished plain = run({"reduce", STROBE_FRAME, "--json"}, false);
+  const Finished chosen = run({"reduce", STROBE_FRAME, "--deadline-us", "10", "--json"});
+  const auto end = chosen.out.find(",\"choice\":");
+  CHECK(end != std::string::npos);
+  STRCMP_EQUAL(plain.out.c_str(), (chosen.out.substr(0, end) + "}\n").c_str());
+}
+
+TEST(ChoiceCommands, ReduceRefusesWhatNoEstimatorMeets) {
+  check_refused(
+      run({"reduce", STROBE_FRAME, "--deadline-us", "1"}),
+      "reduce: no method meets 1 us; the fastest of all is two-point (4% of the readouts' scales in "
+      "5 us)");
+  check_refused(
+      run({"reduce", STROBE_FRAME, "--tolerance", "1%", "--estimator", "two-point"}),
+      "reduce: no method meets 1%; the most exact of all is two-point (4% of the readouts' scales in "
+      "5 us)");
+  check_refused(run({"reduce", STROBE_FRAME, "--tolerance", "much"}),
+                "reduce: --tolerance: 'much' is not a tolerance; write one as 0.5% or 5e-3");
+}
