@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <cstdlib>
 #include <optional>
-#include <system_error>
 
 namespace strobe {
 
