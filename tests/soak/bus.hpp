@@ -1,0 +1,76 @@
+// A message bus on the virtual clock that delays, loses, doubles and reorders packets, each receiver for
+// itself, as UDP multicast does. One thread's; allocates.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "tests/soak/random.hpp"
+#include "tests/soak/timeline.hpp"
+
+namespace strobe::soak {
+
+enum class Station { firmware, host, desk };
+inline constexpr std::size_t kStations = 3;
+
+struct BusFaults {
+  double loss = 0.0;
+  double duplication = 0.0;
+  double reordering = 0.0;
+};
+
+struct BusCounts {
+  std::int64_t sent = 0;  ///< packets, times their receivers
+  std::int64_t lost = 0;
+  std::int64_t doubled = 0;
+  std::int64_t reordered = 0;
+};
+
+class VirtualBus {
+ public:
+  struct Packet {
+    std::string channel;
+    std::vector<std::uint8_t> bytes;
+    int in_flight = 0;
+  };
+
+  explicit VirtualBus(std::uint64_t seed) : random_(seed) {}
+
+  void set_faults(const BusFaults& faults) { faults_ = faults; }
+  void send(Station to, const std::string& channel, std::span<const std::uint8_t> bytes, MonoTime now);
+  MonoTime next_due() const { return flights_.next(); }
+
+  struct Delivery {
+    MonoTime at;
+    Station to = Station::host;
+    Packet* packet = nullptr;  ///< until done() is called with this delivery
+  };
+  /// The first delivery; next_due() must not be in the far future.
+  Delivery take();
+  void done(const Delivery& delivery);
+
+  const BusCounts& counts() const { return counts_; }
+
+ private:
+  struct Flight {
+    Station to;
+    std::uint32_t packet;
+  };
+  void fly(Station to, std::uint32_t packet, MonoTime now);
+  std::uint32_t free_packet();
+
+  Random random_;
+  BusFaults faults_;
+  BusCounts counts_;
+  Timeline<Flight> flights_;
+  std::vector<std::unique_ptr<Packet>> packets_;
+  std::vector<std::uint32_t> free_;
+  std::uint32_t taken_ = 0;
+  std::array<MonoTime, kStations> newest_{};  ///< arrival of what keeps its order
+};
+
+}  // namespace strobe::soak

@@ -1,0 +1,48 @@
+#include "tests/soak/firmware_process.hpp"
+
+#include <variant>
+
+namespace strobe::soak {
+
+namespace {
+
+firmware::PublisherSettings publisher_settings(const FirmwareProcess::Settings& settings) {
+  firmware::PublisherSettings result;
+  result.boot_id = settings.boot_id;
+  result.session = settings.session;
+  result.real_time = true;
+  result.wall_ns = settings.wall_ns;
+  result.say = settings.say;
+  return result;
+}
+
+}  // namespace
+
+FirmwareProcess::FirmwareProcess(const firmware::Rig& rig, const FirmwarePorts& ports,
+                                 const Settings& settings, firmware::Journal journal)
+    : boot_id_(settings.boot_id),
+      queue_(rig, ports.publisher_wake),
+      commands_(ports.loop_wake),
+      journal_(std::move(journal)),
+      sequencer_(rig, {ports.loop_clock, ports.outputs, ports.edges, queue_, commands_},
+                 firmware::last_shot_id(settings.session)),
+      publisher_(rig, publisher_settings(settings), queue_, mailbox_, journal_, ports.bus,
+                 ports.publisher_clock),
+      receiver_(rig, settings.boot_id, commands_, mailbox_, settings.draw_token) {}
+
+Result<std::unique_ptr<FirmwareProcess>> FirmwareProcess::start(const firmware::Rig& rig,
+                                                                const FirmwarePorts& ports,
+                                                                const Settings& settings) {
+  auto journal = firmware::Journal::create(settings.session, settings.boot_id);
+  if (!journal) return tl::unexpected(journal.error());
+  return std::unique_ptr<FirmwareProcess>(new FirmwareProcess(rig, ports, settings, std::move(*journal)));
+}
+
+int FirmwareProcess::drop_queue() {
+  int events = 0;
+  firmware::LoopQueue::Item item;
+  while (queue_.pop(item)) events += std::holds_alternative<firmware::Event>(item) ? 1 : 0;
+  return events;
+}
+
+}  // namespace strobe::soak

@@ -1,0 +1,91 @@
+#include "tests/soak/judge.hpp"
+
+#include <fmt/format.h>
+
+#include <boost/math/special_functions/erf.hpp>
+#include <cmath>
+#include <limits>
+
+namespace strobe::soak {
+
+using reduction::Flag;
+using reduction::Quantity;
+
+double limit_of(double comparisons, double false_alarms) {
+  return std::sqrt(2.0) * boost::math::erfc_inv(false_alarms / comparisons);
+}
+
+double soak_limit() {
+  static const double limit = limit_of(static_cast<double>(reduction::kQuantityCount) * 1e6, 1e-3);
+  return limit;
+}
+
+bool explains(Flag flag, Quantity quantity) {
+  switch (flag) {
+    case Flag::shot_aborted:
+    case Flag::no_photograph:
+    case Flag::too_few_images:
+    case Flag::late_flash:
+    case Flag::missing_flash:
+    case Flag::double_flash:
+    case Flag::flash_match_ambiguous:
+    case Flag::clock_suspect:
+    case Flag::degenerate_geometry:
+    case Flag::sensor_missing:
+    case Flag::events_missing:
+      return true;
+    case Flag::spin_aliased:
+      return quantity == Quantity::omega_td_radps || quantity == Quantity::omega_lo_radps ||
+             quantity == Quantity::slip_lo_mps;
+    case Flag::outlier_image:
+    case Flag::no_redundancy:
+    case Flag::no_contact_image:
+    case Flag::overlaps_surface:
+    case Flag::sd_from_residuals:
+      return false;
+  }
+  return false;
+}
+
+namespace {
+
+double z_of(const reduction::Readout& readout, const reduction::Quantities& truth, Quantity q) {
+  const auto& value = readout.value[q];
+  const auto& expected = truth[q];
+  if (!expected) return std::numeric_limits<double>::infinity();
+  const double sd = std::hypot(readout.sd[q].value_or(0.0), readout.sd_systematic[q].value_or(0.0));
+  const double error = *value - *expected;
+  if (!std::isfinite(error)) return std::numeric_limits<double>::infinity();
+  return sd > 0.0 ? std::abs(error) / sd : (error == 0.0 ? 0.0 : std::numeric_limits<double>::infinity());
+}
+
+}  // namespace
+
+Judgement judge(const reduction::Readout& readout, const reduction::Quantities& truth, double limit) {
+  Judgement result;
+  for (std::size_t i = 0; i < reduction::kQuantityCount; ++i) {
+    const auto quantity = static_cast<Quantity>(i);
+    if (!readout.value[quantity]) continue;
+    ++result.compared;
+    const double z = z_of(readout, truth, quantity);
+    result.z[i] = z;
+    bool explained = false;
+    for (std::size_t f = 0; f < reduction::kFlagCount; ++f) {
+      if (!readout.flags.has(static_cast<Flag>(f)) || !explains(static_cast<Flag>(f), quantity)) continue;
+      explained = true;
+      if (z > limit) result.by_flag[f] = true;
+    }
+    if (!explained) result.largest_z = std::max(result.largest_z, z);
+    if (!(z > limit)) continue;
+    if (explained) {
+      ++result.explained;
+    } else {
+      result.wrong +=
+          fmt::format(" {} = {:.6g}, true {}, {:.1f} sd off;", name(quantity), *readout.value[quantity],
+                      truth[quantity] ? fmt::format("{:.6g}", *truth[quantity]) : "none", z);
+    }
+  }
+  return result;
+}
+
+}  // namespace strobe::soak

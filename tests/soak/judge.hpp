@@ -1,0 +1,42 @@
+// Readout against truth: is a number farther from it than its stated uncertainty allows, and does a flag say
+// so? Pure; thread-safe.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "common/reduction/readout.hpp"
+
+namespace strobe::soak {
+
+/// How many standard deviations a number may be off, so that by chance alone `false_alarms` of `comparisons`
+/// normal errors are farther off.
+double limit_of(double comparisons, double false_alarms);
+
+/// 16 numbers a shot, a million shots, one false alarm in a thousand such runs: 6.6 sd.
+double soak_limit();
+
+/// Whether the flag says of that number that it may be wrong beyond its stated uncertainty:
+///  - flags of a shot that does not count and is fired again say so of every number, sensor_missing likewise,
+///    since a flash's time is then that of one lamp, or of none;
+///  - spin_aliased says so of the spins and of what follows from them;
+///  - the other flags (an image left out, few images, sds from residuals) excuse no wrong number.
+bool explains(reduction::Flag flag, reduction::Quantity quantity);
+
+struct Judgement {
+  int compared = 0;
+  double largest_z = 0.0;                             ///< of the numbers that no flag explains
+  std::array<double, reduction::kQuantityCount> z{};  ///< 0: not compared
+  /// Numbers beyond the limit.
+  int explained = 0;
+  std::array<bool, reduction::kFlagCount> by_flag{};  ///< that explained one of them
+  std::string wrong;                                  ///< the others, in words; empty: none
+};
+
+/// truth: absent numbers are those that the shot does not have: of a shot without a ball, all. A number that
+/// is stated and not there in truth is wrong unless explained.
+Judgement judge(const reduction::Readout& readout, const reduction::Quantities& truth, double limit);
+
+}  // namespace strobe::soak

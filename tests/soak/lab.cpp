@@ -1,0 +1,266 @@
+// The lab's clock, its bench and the ports of the firmware's loop.
+#include "tests/soak/lab.hpp"
+
+#include <algorithm>
+#include <fstream>
+#include <sstream>
+
+#include "firmware/core/rig_file.hpp"
+
+#include "tests/soak/lab_parts.hpp"
+
+namespace strobe::soak {
+
+using firmware::Input;
+using firmware::Output;
+
+namespace {
+
+// What the loop's own calls take.
+constexpr Duration kClockReading = nanoseconds(20);
+constexpr Duration kSpinsEnd = nanoseconds(30);
+constexpr Duration kHalfASet = nanoseconds(150);
+constexpr Duration kWakeUp = microseconds(3);
+constexpr std::size_t kKernelBuffer = 16;
+
+constexpr std::size_t index(Input input) { return static_cast<std::size_t>(input); }
+
+std::string text_of(const std::string& path) {
+  std::ifstream file(path);
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+std::uint64_t seed_of(const CampaignOrder& order) {
+  return mixed(order.seed, static_cast<std::uint64_t>(order.campaign) + 1);
+}
+
+Scenery scenery_of(const CampaignOrder& order, const host::ShotPlan& shipped, Random& random) {
+  Scenery scenery = draw_scenery(order.plan, shipped, random);
+  // Spoilt shots are fired again; a campaign never has more exposures than this.
+  scenery.scene.faults = draw_bench_faults(order.faults, 4 * order.shots + 20, random);
+  return scenery;
+}
+
+HostOrder host_order_of(const RigFiles& files, const CampaignOrder& order, const Scenery& scenery) {
+  HostOrder host;
+  host.rig = files.host.rig;
+  host.assembly = host::assembly_settings(files.host);
+  const bool mirrored = scenery.scene.camera.mirrored;
+  host.assembly.analysis.surface_angle_deg =
+      scenery.scene.surface_angle_rad * (mirrored ? -1.0 : 1.0) * 180.0 / std::numbers::pi;
+  host.campaign.shots = order.shots;
+  host.campaign.retries = 2 * order.shots;
+  host.campaign.plan = scenery.plan;
+  host.campaign.notes = scenery.notes;
+  host.campaign.clear_fault = true;
+  host.campaign.photograph_timeout_s = host.assembly.analysis.photograph_timeout_s;
+  return host;
+}
+
+}  // namespace
+
+Result<RigFiles> read_rig_files(const std::string& path) {
+  const std::string text = text_of(path);
+  auto rig = firmware::read_rig(text, path);
+  if (!rig) return tl::unexpected(rig.error());
+  auto host = host::read_rig(text, path);
+  if (!host) return tl::unexpected(host.error());
+  return RigFiles{std::move(*rig), std::move(*host)};
+}
+
+Lab::Lab(const RigFiles& files, const CampaignOrder& order)
+    : files_(files),
+      order_(order),
+      random_(seed_of(order)),
+      scenery_(scenery_of(order, files.host.plan, random_)),
+      host_order_(host_order_of(files, order, scenery_)),
+      time_{1'000'000'000'000},
+      bus_(random_.bits()),
+      rig_(scenery_.scene, random_.bits() >> 1, time_),
+      desk_(scenery_.scene, rig_.seed()),
+      observer_(files.firmware),
+      publisher_clock_(std::make_unique<PublisherClock>(*this)),
+      publisher_wake_(std::make_unique<PublisherWake>(*this)),
+      loop_wake_(std::make_unique<LoopWake>(*this)) {
+  bus_.set_faults(
+      {order.faults.packet_loss, order.faults.packet_duplication, order.faults.packet_reordering});
+  publisher_latency_ = nanoseconds(std::llround(random_.log_uniform(0.2e6, 20e6)));
+  host_rate_ = 1.0 + random_.uniform(-50e-6, 50e-6);
+  host_origin_ns_ = std::llround(random_.uniform(1e9, 1e15));
+}
+
+Lab::~Lab() = default;
+
+// Time ------------------------------------------------------------------------------------------------------
+
+MonoTime Lab::next() const {
+  return std::min(
+      {timeline_.next(), bus_.next_due(), rig_.next_due(), desk_.next_due(), publisher_due_, host_due_});
+}
+
+void Lab::happen() {
+  const MonoTime at = next();
+  time_ = std::max(time_, at);
+  if (rig_.next_due() <= at) return collect_rig();
+  if (bus_.next_due() <= at) return deliver();
+  if (publisher_due_ <= at) return publisher_turn();
+  if (host_due_ <= at) return host_turn();
+  if (desk_.next_due() <= at) return desk_turn();
+  happen(timeline_.take().what);
+}
+
+void Lab::advance_to(MonoTime instant) {
+  while (next() <= instant) {
+    happen();
+    if (dead_ && firmware_) return;
+  }
+  time_ = std::max(time_, instant);
+}
+
+void Lab::pass(Duration duration) {
+  if (dead_) return;
+  advance_to(time_ + duration);
+  while (!dead_ && time_ < still_until_) advance_to(still_until_);
+}
+
+// Ports of the loop -----------------------------------------------------------------------------------------
+
+MonoTime Lab::now() noexcept {
+  pass(kClockReading);
+  return time_;
+}
+
+MonoTime Lab::spin_until(MonoTime instant) noexcept {
+  if (dead_) return std::max(time_, instant);
+  if (instant > time_) pass(instant - time_);
+  pass(kSpinsEnd);
+  return time_;
+}
+
+bool Lab::set(Output output, bool active) noexcept {
+  ambush();
+  pass(kHalfASet);
+  if (dead_) return true;
+  drive(output, active);
+  pass(kHalfASet);
+  return true;
+}
+
+std::optional<std::size_t> Lab::wait(MonoTime until, std::span<firmware::Edge> edges) noexcept {
+  while (!dead_ && !woken_ && waiting_edges_ == 0) {
+    if (next() > until) {
+      time_ = std::max(time_, until);
+      break;
+    }
+    happen();
+  }
+  woken_ = false;
+  pass(kWakeUp);
+  return dead_ ? 0 : drain(edges);
+}
+
+std::size_t Lab::drain(std::span<firmware::Edge> edges) {
+  if (waiting_edges_ == 0) return 0;
+  std::size_t count = 0;
+  for (auto& buffer : kernel_) {
+    if (buffer.size() == kKernelBuffer) ++overflows_;
+    for (; !buffer.empty() && count < edges.size(); --waiting_edges_) {
+      edges[count++] = buffer.front();
+      buffer.pop_front();
+    }
+  }
+  std::sort(edges.begin(), edges.begin() + static_cast<std::ptrdiff_t>(count),
+            [](const firmware::Edge& a, const firmware::Edge& b) { return a.time < b.time; });
+  return count;
+}
+
+std::optional<bool> Lab::level(Input input) noexcept {
+  return input == Input::key ? key_ : input == Input::estop ? estop_ : false;
+}
+
+void Lab::publish(const std::string& channel, std::span<const std::uint8_t> bytes) {
+  bus_.send(Station::host, channel, bytes, time_);
+  if (!channel.ends_with("/SHOT")) return;
+  bus_.send(Station::desk, channel, bytes, time_);
+  note_shot(bytes);
+}
+
+// Bench -----------------------------------------------------------------------------------------------------
+
+void Lab::drive(Output output, bool active) {
+  bool& driven = driven_[index_of(output)];
+  if (driven == active) return;
+  driven = active;
+  mix(static_cast<std::uint64_t>(time_.ns) ^ (index_of(output) << 1) ^ (active ? 1 : 0));
+  trace("{} {}",
+        output == Output::trigger   ? "TRIGGER"
+        : output == Output::strobes ? "lamps"
+                                    : "shutter",
+        active ? "on" : "off");
+  observer_.output(output, active, time_);
+  const int level = active ? 1 : 0;
+  switch (output) {
+    case Output::trigger:
+      return rig_.line_changed(sim::RigLine::trigger, level, time_);
+    case Output::shutter:
+      return rig_.line_changed(sim::RigLine::shutter, level, time_);
+    case Output::strobes:
+      rig_.line_changed(sim::RigLine::strobe_a, level, time_);
+      return rig_.line_changed(sim::RigLine::strobe_b, level, time_);
+  }
+}
+
+void Lab::edge(Input input, bool active, MonoTime at) {
+  if (dead_) return;  // nobody has requested the line
+  auto& buffer = kernel_[index(input)];
+  if (buffer.size() == kKernelBuffer) return;  // the newest are lost
+  buffer.push_back({input, at, active});
+  ++waiting_edges_;
+}
+
+void Lab::set_key(bool on) {
+  if (key_ == on) return;
+  key_ = on;
+  trace("key {}", on ? "on" : "off");
+  observer_.key(on, time_);
+  edge(Input::key, on, time_);
+}
+
+void Lab::set_estop(bool pressed) {
+  if (estop_ == pressed) return;
+  estop_ = pressed;
+  trace("e-stop {}", pressed ? "pressed" : "released");
+  observer_.estop(pressed, time_);
+  edge(Input::estop, pressed, time_);
+}
+
+void Lab::collect_rig() {
+  drives_.clear();
+  exposures_.clear();
+  rig_.collect(time_, drives_, exposures_);
+  for (const sim::Drive& drive : drives_) {
+    if (drive.level == 0) continue;  // sensors and gate report their active edges only
+    if (drive.line == sim::RigLine::sensor_a) edge(Input::sensor_a, true, drive.at);
+    if (drive.line == sim::RigLine::sensor_b) edge(Input::sensor_b, true, drive.at);
+    if (drive.line == sim::RigLine::gate) edge(Input::gate, true, drive.at);
+  }
+  for (sim::Exposure& exposure : exposures_) {
+    for (const sim::FaultKind kind : exposure.faults) ++tally_.bench_faults[static_cast<std::size_t>(kind)];
+    for (const auto kind :
+         {sim::FaultKind::no_photograph, sim::FaultKind::frame_late, sim::FaultKind::image_unseen}) {
+      if (shot_fault(scenery_.scene.faults, kind, exposure.shot))
+        ++tally_.bench_faults[static_cast<std::size_t>(kind)];
+    }
+    if (order_.trace != nullptr) {
+      std::string faults;
+      for (const sim::FaultKind kind : exposure.faults) faults.append(" ").append(name(kind));
+      trace("exposure {} of {} pulses{}{}", exposure.shot, exposure.pulses.size(),
+            shows_impact(exposure) ? "" : " without a ball", faults);
+    }
+    desk_.add(std::move(exposure));
+  }
+}
+
+}  // namespace strobe::soak

@@ -1,0 +1,189 @@
+// The virtual lab: firmware core, publisher and journal, the rig, a lossy bus, the host that fires a series
+// and the person who digitizes its photographs, in one process on one virtual clock. Deterministic from a
+// seed: no clock is read, nothing depends on the machine's load.
+//
+// The firmware's loop is the one that waits: while it sleeps or spins, whatever is due until then happens, in
+// order of time, on the same thread. Between two happenings no time passes but what the loop's own calls
+// take. One thread's; allocates.
+#pragma once
+
+#include <cstdio>
+#include <deque>
+#include <memory>
+#include <optional>
+
+#include "firmware/core/sequencer.hpp"
+#include "sim/rig/rig.hpp"
+#include "tests/soak/bus.hpp"
+#include "tests/soak/desk.hpp"
+#include "tests/soak/disk.hpp"
+#include "tests/soak/fault_plan.hpp"
+#include "tests/soak/firmware_process.hpp"
+#include "tests/soak/observer.hpp"
+#include "tests/soak/scenery.hpp"
+#include "tests/soak/tally.hpp"
+#include "tests/soak/virtual_host.hpp"
+
+namespace strobe::soak {
+
+/// The rig file as both sides read it.
+struct RigFiles {
+  firmware::Rig firmware;
+  host::RigFile host;
+};
+Result<RigFiles> read_rig_files(const std::string& path);
+
+struct CampaignOrder {
+  std::uint64_t seed = 1;     ///< of the whole soak
+  std::int64_t campaign = 0;  ///< which of its campaigns
+  int shots = 10;             ///< that must count
+  FaultPlan faults;
+  PlanKind plan = PlanKind::mixed;
+  std::FILE* trace = nullptr;  ///< the log of what happens; null: none
+};
+
+class Lab final : firmware::Clock, firmware::OutputLines, firmware::EdgeSource, firmware::MessageBus {
+ public:
+  /// `files` must outlive the lab.
+  Lab(const RigFiles& files, const CampaignOrder& order);
+  ~Lab() override;
+
+  /// Runs the campaign to its end.
+  Tally run();
+
+  Observer& observer() { return observer_; }
+
+ private:
+  enum class What {
+    fates,
+    hazard,
+    key_on,
+    estop_off,
+    disk_free,
+    host_start,
+    firmware_kill,
+    guardian,
+    boot,
+  };
+  struct Happening {
+    What what = What::fates;
+    Hazard hazard = Hazard::key_off;
+  };
+  struct Ambush {
+    int calls_left;
+    Hazard hazard;
+  };
+  struct Shot {
+    MonoTime start;
+    MonoTime end;
+    bool dry = false;
+  };
+  class PublisherClock;
+  class PublisherWake;
+  class LoopWake;
+
+  // Ports of the firmware's loop
+  MonoTime now() noexcept override;
+  MonoTime spin_until(MonoTime instant) noexcept override;
+  bool set(firmware::Output output, bool active) noexcept override;
+  std::optional<std::size_t> wait(MonoTime until, std::span<firmware::Edge> edges) noexcept override;
+  std::optional<bool> level(firmware::Input input) noexcept override;
+  std::int64_t overflows() const noexcept override { return overflows_; }
+  // Port of the firmware's publisher
+  void publish(const std::string& channel, std::span<const std::uint8_t> bytes) override;
+
+  // Time
+  void pass(Duration duration);
+  void advance_to(MonoTime instant);
+  MonoTime next() const;
+  void happen();
+  void happen(const Happening& happening);
+  void in(Duration delay, What what) { timeline_.schedule(time_ + delay, {what, {}}); }
+
+  // Bench
+  void drive(firmware::Output output, bool active);
+  void set_key(bool on);
+  void set_estop(bool pressed);
+  void edge(firmware::Input input, bool active, MonoTime at);
+  void collect_rig();
+  std::size_t drain(std::span<firmware::Edge> edges);
+
+  // Fates
+  void draw_fates();
+  void strike(Hazard hazard);
+  void ambush();
+  void stand_still(Duration duration, bool whole_machine);
+  void heal();
+
+  // Processes
+  void boot();
+  void die();
+  void stop_firmware();
+  void guardian_takes_over();
+  void publisher_turn();
+  void start_host();
+  void host_turn();
+  void deliver();
+  void desk_turn();
+  void note_shot(std::span<const std::uint8_t> bytes);
+  void on_outcome(const host::Outcome& outcome);
+  bool over();
+  void settle();
+  std::int64_t host_now() const;
+  std::string trace_time() const;
+  template <typename... Args>
+  void trace(const char* format, const Args&... args);
+  void mix(std::uint64_t value) { digest_ = mixed(digest_ ^ value, 1); }
+
+  const RigFiles& files_;
+  CampaignOrder order_;
+  Random random_;
+  Scenery scenery_;
+  HostOrder host_order_;
+  MonoTime time_;
+  Timeline<Happening> timeline_;
+  VirtualBus bus_;
+  VirtualDisk disk_;
+  sim::Rig rig_;
+  VirtualDesk desk_;
+  Observer observer_;
+  Tally tally_;
+  std::uint64_t digest_ = 0;
+
+  bool key_ = true;
+  bool estop_ = false;
+  std::array<std::deque<firmware::Edge>, 5> kernel_;
+  std::size_t waiting_edges_ = 0;
+  std::int64_t overflows_ = 0;
+  std::vector<sim::Drive> drives_;
+  std::vector<sim::Exposure> exposures_;
+  std::vector<Ambush> ambushes_;
+  MonoTime still_until_;          ///< the loop
+  MonoTime machine_still_until_;  ///< every process of the firmware's machine
+
+  std::unique_ptr<FirmwareProcess> firmware_;
+  std::unique_ptr<PublisherClock> publisher_clock_;
+  std::unique_ptr<PublisherWake> publisher_wake_;
+  std::unique_ptr<LoopWake> loop_wake_;
+  std::array<bool, firmware::kOutputs.size()> driven_{};
+  bool dead_ = true;  ///< the process has ended, its objects may still be unwinding
+  bool stop_asked_ = false;
+  bool woken_ = false;
+  MonoTime publisher_due_ = kFarFuture;
+  Duration publisher_latency_;
+  Duration wall_offset_;
+
+  std::unique_ptr<VirtualHost> host_;
+  HostLog host_log_;
+  MonoTime host_due_ = kFarFuture;
+  double host_rate_ = 1.0;
+  std::int64_t host_origin_ns_ = 0;
+  int good_ = 0;
+  bool healed_ = false;
+  bool finished_ = false;
+  std::map<Observer::ShotKey, Shot> shots_;
+  std::deque<std::vector<std::uint8_t>> old_commands_;
+  std::size_t violations_traced_ = 0;
+};
+
+}  // namespace strobe::soak

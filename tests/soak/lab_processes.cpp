@@ -1,0 +1,415 @@
+// The processes of the lab: firmware, its guardian, host, desk; what ends and starts them; what strikes them.
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <strobe_msgs/command_t.hpp>
+#include <strobe_msgs/shot_t.hpp>
+
+#include "common/messages/channels.hpp"
+#include "host/session/verdict.hpp"
+#include "sim/rig/truth.hpp"
+#include "tests/soak/lab_parts.hpp"
+
+namespace strobe::soak {
+
+using firmware::Output;
+
+namespace {
+
+constexpr Duration kFates = milliseconds(500);
+constexpr Duration kHostTurn = milliseconds(20);
+constexpr Duration kHostBatch = milliseconds(1);
+constexpr Duration kLongestCampaign = milliseconds(1'800'000);
+constexpr std::size_t kOldCommands = 64;
+
+bool has_numbers(const reduction::Readout& readout) {
+  for (std::size_t i = 0; i < reduction::kQuantityCount; ++i) {
+    if (readout.value[static_cast<reduction::Quantity>(i)]) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+std::string Lab::trace_time() const {
+  return fmt::format("{:14.6f}", static_cast<double>(time_.ns - 1'000'000'000'000) * 1e-9);
+}
+
+std::int64_t Lab::host_now() const {
+  return host_origin_ns_ + std::llround(static_cast<double>(time_.ns) * host_rate_);
+}
+
+// Fates -----------------------------------------------------------------------------------------------------
+
+void Lab::draw_fates() {
+  in(kFates, What::fates);
+  if (healed_) return;
+  for (std::size_t i = 0; i < kHazardCount; ++i) {
+    const auto hazard = static_cast<Hazard>(i);
+    if (!random_.chance(order_.faults[hazard] * kFates.seconds())) continue;
+    if (random_.chance(0.5)) {
+      timeline_.schedule(time_ + random_.between(Duration{}, kFates), {What::hazard, hazard});
+    } else {
+      ambushes_.push_back({random_.integer(1, 100), hazard});  // at an instant at which an output changes
+    }
+  }
+}
+
+void Lab::ambush() {
+  for (std::size_t i = 0; i < ambushes_.size();) {
+    if (--ambushes_[i].calls_left > 0) {
+      ++i;
+      continue;
+    }
+    const Hazard hazard = ambushes_[i].hazard;
+    ambushes_.erase(ambushes_.begin() + static_cast<std::ptrdiff_t>(i));
+    const Duration delay = random_.chance(0.5) ? Duration{} : random_.between(Duration{}, microseconds(60));
+    timeline_.schedule(time_ + delay, {What::hazard, hazard});
+  }
+}
+
+void Lab::stand_still(Duration duration, bool whole_machine) {
+  if (dead_) return;
+  observer_.stands_still(time_, time_ + duration);
+  still_until_ = std::max(still_until_, time_ + duration);
+  if (whole_machine) machine_still_until_ = std::max(machine_still_until_, time_ + duration);
+}
+
+void Lab::strike(Hazard hazard) {
+  if (healed_) return;
+  ++tally_.hazards[static_cast<std::size_t>(hazard)];
+  trace("hazard: {}", name(hazard));
+  const auto soon = [this](double least_s, double most_s) {
+    return nanoseconds(std::llround(random_.log_uniform(least_s, most_s) * 1e9));
+  };
+  switch (hazard) {
+    case Hazard::key_off:
+      set_key(false);
+      return in(soon(1e-5, 2.0), What::key_on);
+    case Hazard::estop:
+      set_estop(true);
+      return in(soon(1e-5, 2.0), What::estop_off);
+    case Hazard::firmware_kill:
+      return die();
+    case Hazard::firmware_stop:
+      stop_asked_ = woken_ = true;
+      return;
+    case Hazard::firmware_hang: {
+      const Duration until_killed = random_.between(milliseconds(500), milliseconds(700));
+      stand_still(until_killed, false);
+      return in(until_killed, What::firmware_kill);
+    }
+    case Hazard::loop_freeze:
+      return stand_still(random_.between(milliseconds(10), milliseconds(170)), true);
+    case Hazard::loop_delay:
+      return stand_still(soon(20e-6, 5e-3), false);
+    case Hazard::host_kill:
+      if (!host_) return;
+      host_.reset();
+      host_due_ = kFarFuture;
+      return in(soon(0.05, 1.0), What::host_start);
+    case Hazard::wall_step:
+      wall_offset_ = wall_offset_ + random_.between(milliseconds(-86'400'000), milliseconds(86'400'000));
+      return;
+    case Hazard::disk_full:
+      disk_.fill(static_cast<std::uint64_t>(random_.integer(0, 3000)));
+      return in(soon(0.01, 2.0), What::disk_free);
+    case Hazard::command_replay:
+      if (old_commands_.empty()) return;
+      return bus_.send(Station::firmware, messages::channel_name(files_.host.rig, messages::Channel::command),
+                       old_commands_[static_cast<std::size_t>(random_.bits() % old_commands_.size())], time_);
+  }
+}
+
+void Lab::happen(const Happening& happening) {
+  switch (happening.what) {
+    case What::fates:
+      return draw_fates();
+    case What::hazard:
+      return strike(happening.hazard);
+    case What::key_on:
+      return set_key(true);
+    case What::estop_off:
+      return set_estop(false);
+    case What::disk_free:
+      return disk_.make_room();
+    case What::host_start:
+      return start_host();
+    case What::firmware_kill:
+      return die();
+    case What::guardian:
+      return guardian_takes_over();
+    case What::boot:
+      return boot();
+  }
+}
+
+/// The campaign is over: nothing strikes any more, so that what was lost can be fetched.
+void Lab::heal() {
+  healed_ = true;
+  trace("healed");
+  ambushes_.clear();
+  bus_.set_faults({});
+  disk_.make_room();
+  set_key(true);
+  set_estop(false);
+}
+
+// Firmware --------------------------------------------------------------------------------------------------
+
+void Lab::boot() {
+  if (firmware_) return;
+  FirmwareProcess::Settings settings;
+  settings.boot_id = random_.id();
+  settings.session = disk_.path();
+  settings.draw_token = [this] {
+    const std::int64_t token = random_.id();
+    observer_.token_drawn(token, time_);
+    return token;
+  };
+  settings.wall_ns = [this] { return 1'770'000'000'000'000'000 + time_.ns + wall_offset_.ns; };
+  settings.say = [this](const std::string& line) { trace("strobed: {}", line); };
+  disk_.write([&] {
+    auto process = FirmwareProcess::start(
+        files_.firmware, {*this, *this, *this, *this, *publisher_clock_, *loop_wake_, *publisher_wake_},
+        settings);
+    if (process) firmware_ = std::move(*process);
+  });
+  if (!firmware_) return in(milliseconds(500), What::boot);
+  ++tally_.boots;
+  trace("boot {:x}", settings.boot_id);
+  observer_.booted(settings.boot_id);
+  for (auto& buffer : kernel_) buffer.clear();
+  waiting_edges_ = 0;
+  overflows_ = 0;
+  stop_asked_ = dead_ = false;
+  still_until_ = machine_still_until_ = MonoTime{};
+  publisher_due_ = time_;
+}
+
+void Lab::die() {
+  if (dead_) return;
+  dead_ = true;
+  const int lost = firmware_->drop_queue();
+  tally_.events_lost_dying += lost;
+  trace("the firmware's process ends, {} events in its queue", lost);
+  observer_.died(time_);
+  publisher_due_ = kFarFuture;
+  in(random_.between(microseconds(300), milliseconds(5)), What::guardian);
+}
+
+void Lab::guardian_takes_over() {
+  for (const Output output : firmware::kOutputs) drive(output, false);
+  in(random_.between(milliseconds(300), milliseconds(1'200)), What::boot);
+}
+
+void Lab::stop_firmware() {
+  firmware_->loop().stop("stopped by a signal");
+  if (dead_) return;
+  disk_.write([this] { firmware_->publisher().finish(); });
+  die();
+}
+
+void Lab::publisher_turn() {
+  if (dead_) {
+    publisher_due_ = kFarFuture;
+    return;
+  }
+  if (time_ < machine_still_until_) {
+    publisher_due_ = machine_still_until_;
+    return;
+  }
+  publisher_due_ = kFarFuture;
+  try {
+    disk_.write([this] { firmware_->publisher().turn(); });
+  } catch (const std::exception& error) {
+    trace("the publisher throws: {}", error.what());
+    return die();
+  }
+  publisher_due_ = std::min(publisher_due_, firmware_->publisher().next_turn());
+  publisher_due_ = std::max(publisher_due_, time_ + microseconds(20));
+}
+
+// Host and desk ---------------------------------------------------------------------------------------------
+
+void Lab::start_host() {
+  if (good_ >= order_.shots) return void(finished_ = true);
+  HostOrder& order = host_order_;
+  order.campaign.shots = order_.shots - good_;
+  ++tally_.hosts;
+  const std::int64_t host_id = random_.id();
+  trace("host {:x} starts", host_id);
+  const auto send = [this](const strobe_msgs::command_t& command) {
+    std::vector<std::uint8_t> bytes(static_cast<std::size_t>(command.getEncodedSize()));
+    command.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+    trace("command {} of kind {}", command.command_id, static_cast<int>(command.kind));
+    bus_.send(Station::firmware, messages::channel_name(files_.host.rig, messages::Channel::command), bytes,
+              time_);
+    old_commands_.push_back(std::move(bytes));
+    if (old_commands_.size() > kOldCommands) old_commands_.pop_front();
+  };
+  host_ = std::make_unique<VirtualHost>(
+      order, host_id, host_log_, send, [this](const host::Outcome& outcome) { on_outcome(outcome); },
+      host_now());
+  host_due_ = time_;
+}
+
+void Lab::host_turn() {
+  host_due_ = time_ + kHostTurn;
+  host_->turn(host_now());
+  for (const std::string& text : host_->take_notices()) trace("host: {}", text);
+  if (!host_->firing() && !healed_) {
+    if (!host_->campaign().succeeded()) ++tally_.unfinished;
+    heal();
+  }
+  if (host_->ended()) finished_ = true;
+}
+
+void Lab::deliver() {
+  const VirtualBus::Delivery delivery = bus_.take();
+  const auto& bytes = delivery.packet->bytes;
+  switch (delivery.to) {
+    case Station::firmware:
+      if (dead_) break;
+      observer_.at_firmware(bytes, time_);
+      firmware_->receive(bytes);
+      break;
+    case Station::host:
+      if (!host_) break;
+      observer_.at_host(delivery.packet->channel, bytes);
+      host_->receive(delivery.packet->channel, bytes, host_now());
+      host_due_ = std::min(host_due_, time_ + kHostBatch);
+      break;
+    case Station::desk: {
+      strobe_msgs::shot_t shot;
+      if (shot.decode(bytes.data(), 0, static_cast<int>(bytes.size())) >= 0)
+        desk_.announce({shot.boot_id, shot.shot_id}, MonoTime{shot.start_ns}, time_);
+      break;
+    }
+  }
+  bus_.done(delivery);
+}
+
+void Lab::desk_turn() {
+  const std::vector<std::uint8_t> frame = desk_.take(time_);
+  if (frame.empty()) return;
+  trace("frame sent");
+  bus_.send(Station::host, messages::channel_name(files_.host.rig, messages::Channel::frame), frame, time_);
+}
+
+void Lab::note_shot(std::span<const std::uint8_t> bytes) {
+  strobe_msgs::shot_t shot;
+  if (shot.decode(bytes.data(), 0, static_cast<int>(bytes.size())) < 0) return;
+  const bool news = shots_
+                        .emplace(Observer::ShotKey{shot.boot_id, shot.shot_id},
+                                 Shot{MonoTime{shot.start_ns}, time_, shot.plan.dry != 0})
+                        .second;
+  if (!news) return;
+  ++tally_.shots;
+  trace("shot {} is published{}{}", shot.shot_id, shot.aborted ? ", aborted: " : "", shot.abort_reason);
+}
+
+void Lab::on_outcome(const host::Outcome& outcome) {
+  if (outcome.host_id == host_->id() && !outcome.spoilt) ++good_;
+  const Observer::ShotKey key{outcome.boot_id, outcome.shot_id};
+  const auto shot = shots_.find(key);
+  reduction::Quantities truth;
+  if (shot != shots_.end()) {
+    const sim::Exposure* exposure = desk_.exposure_of(shot->second.start, shot->second.end);
+    if (exposure != nullptr && shows_impact(*exposure))
+      truth = sim::true_readout(rig_.scene(), exposure->ball->path);
+  }
+  const reduction::Readout& readout = outcome.readout;
+  observer_.readout(host_->id(), key, readout, truth, outcome.dry);
+  const bool numbers = has_numbers(readout);
+  ++(numbers ? (outcome.spoilt ? tally_.flagged : tally_.good) : tally_.withheld);
+  std::string flags;
+  for (std::size_t i = 0; i < reduction::kFlagCount; ++i) {
+    if (!readout.flags.has(static_cast<reduction::Flag>(i))) continue;
+    ++tally_.flags[i];
+    flags.append(" ").append(reduction::kFlagNames[i]);
+  }
+  trace("readout of shot {}: {}{}", outcome.shot_id, numbers ? "numbers" : "no numbers", flags);
+  mix(static_cast<std::uint64_t>(outcome.shot_id));
+  for (std::size_t i = 0; i < reduction::kQuantityCount; ++i) {
+    const auto& value = readout.value[static_cast<reduction::Quantity>(i)];
+    mix(value ? std::bit_cast<std::uint64_t>(*value) : 0);
+  }
+  const auto& judgement = observer_.last_judgement();
+  if (!judgement) return;
+  tally_.compared += judgement->compared;
+  tally_.explained += judgement->explained;
+  for (std::size_t f = 0; f < reduction::kFlagCount; ++f) tally_.explained_by[f] += judgement->by_flag[f];
+  for (std::size_t i = 0; i < reduction::kQuantityCount; ++i) {
+    bool explained = false;
+    for (std::size_t f = 0; f < reduction::kFlagCount; ++f) {
+      const auto flag = static_cast<reduction::Flag>(f);
+      explained =
+          explained || (readout.flags.has(flag) && explains(flag, static_cast<reduction::Quantity>(i)));
+    }
+    if (!explained) tally_.largest_z[i] = std::max(tally_.largest_z[i], judgement->z[i]);
+  }
+}
+
+// The campaign ----------------------------------------------------------------------------------------------
+
+bool Lab::over() {
+  const auto& violations = observer_.violations();
+  for (; violations_traced_ < violations.size(); ++violations_traced_)
+    trace("VIOLATION: {}", violations[violations_traced_]);
+  if (time_ > MonoTime{1'000'000'000'000} + kLongestCampaign) {
+    observer_.violate("the campaign does not end");
+    return true;
+  }
+  return finished_ && std::none_of(driven_.begin(), driven_.end(), [](bool driven) { return driven; });
+}
+
+/// What is still on its way arrives; nothing new is sent.
+void Lab::settle() {
+  while (bus_.next_due() != kFarFuture) {
+    const VirtualBus::Delivery delivery = bus_.take();
+    if (delivery.to == Station::host) observer_.at_host(delivery.packet->channel, delivery.packet->bytes);
+    bus_.done(delivery);
+  }
+}
+
+Tally Lab::run() {
+  tally_.campaigns = 1;
+  tally_.planned = order_.shots;
+  boot();
+  bool started = false;
+  in(Duration{}, What::host_start);
+  in(Duration{}, What::fates);
+  while (!over()) {
+    if (!firmware_) {
+      happen();
+      started = false;
+      continue;
+    }
+    if (!started) {
+      started = true;
+      firmware_->loop().start("strobed, virtual");
+    } else if (stop_asked_ && !dead_) {
+      stop_firmware();
+    } else if (!firmware_->loop().step(firmware::kNoDeadline) && !dead_) {
+      die();
+    }
+    if (dead_) firmware_.reset();
+  }
+  settle();
+  observer_.end(disk_.path());
+  over();
+  tally_.triggers = observer_.triggers();
+  tally_.events_journalled = observer_.events_journalled();
+  tally_.events_missing = observer_.events_missing();
+  tally_.violations = static_cast<std::int64_t>(observer_.violations().size());
+  tally_.packets = bus_.counts().sent;
+  tally_.packets_lost = bus_.counts().lost;
+  tally_.packets_doubled = bus_.counts().doubled;
+  tally_.packets_reordered = bus_.counts().reordered;
+  tally_.virtual_s = (time_ - MonoTime{1'000'000'000'000}).seconds();
+  tally_.digest = digest_;
+  return tally_;
+}
+
+}  // namespace strobe::soak

@@ -1,0 +1,145 @@
+#include "tests/soak/scenery.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace strobe::soak {
+
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+
+void draw_ball(sim::Scene& scene, Random& random) {
+  // Rule 3's tolerance, as the rig file states it by its standard deviation.
+  scene.ball.diameter_m = 0.0651 + random.uniform(-1.0, 1.0) * std::sqrt(3.0) * 0.0008;
+  scene.ball.mass_kg = 0.0576;
+  sim::BounceSettings& bounce = scene.bounce;
+  bounce.e = random.uniform(0.70, 0.88);
+  bounce.e_speed_mps = std::abs(scene.machine.speed_mps * std::sin(scene.machine.angle_rad));
+  bounce.e_sd = 0.01;
+  bounce.mu = random.uniform(0.35, 0.70);
+  bounce.mu_sd = 0.02;
+  bounce.dwell_s = random.uniform(0.004, 0.0056);
+  bounce.dwell_sd_s = 0.0001;
+  bounce.offset_share_sd = 0.02;
+}
+
+void draw_throw(sim::Scene& scene, Random& random, double speed_mps, double angle_rad, double spin_radps) {
+  sim::MachineSettings& machine = scene.machine;
+  machine.speed_mps = speed_mps;
+  machine.speed_sd_mps = 0.02 * speed_mps;
+  machine.angle_rad = angle_rad;
+  machine.angle_sd_rad = 0.3 * kDegree;
+  machine.spin_radps = spin_radps;
+  machine.spin_sd_radps = 10.0;
+  machine.lag_sd_s = random.uniform(0.0005, 0.004);
+}
+
+void draw_throw(sim::Scene& scene, Random& random) {
+  draw_throw(scene, random, random.uniform(12.0, 34.0), -random.uniform(15.0, 72.0) * kDegree,
+             random.uniform(-350.0, 350.0));
+}
+
+void draw_extreme_throw(sim::Scene& scene, Random& random) {
+  const double angle = -random.uniform(17.0, 60.0) * kDegree;
+  switch (random.integer(0, 5)) {
+    case 0:
+      return draw_throw(scene, random, random.uniform(1.2, 5.0), angle, random.uniform(-100.0, 100.0));
+    case 1:
+      return draw_throw(scene, random, random.uniform(40.0, 58.0), angle, random.uniform(-300.0, 300.0));
+    case 2:
+      return draw_throw(scene, random, random.uniform(12.0, 35.0), -random.uniform(5.2, 10.0) * kDegree,
+                        random.uniform(-300.0, 300.0));
+    case 3:
+      return draw_throw(scene, random, random.uniform(10.0, 25.0), -random.uniform(78.0, 84.5) * kDegree,
+                        random.uniform(-200.0, 200.0));
+    case 4:
+      return draw_throw(scene, random, random.uniform(12.0, 30.0), angle,
+                        (random.chance(0.5) ? 1.0 : -1.0) * random.uniform(450.0, 1200.0));
+    default:
+      return draw_throw(scene, random, random.uniform(25.0, 40.0), -random.uniform(40.0, 70.0) * kDegree,
+                        random.uniform(-200.0, 200.0));
+  }
+}
+
+void draw_camera(Scenery& scenery, Random& random) {
+  sim::Scene& scene = scenery.scene;
+  scene.camera.roll_rad = random.uniform(-1.0, 1.0) * kDegree;
+  scene.camera.mirrored = random.chance(0.2);
+  scene.tablet.centre_sd_m = random.uniform(0.0002, 0.0005);
+  scene.tablet.equator_sd_rad = random.uniform(0.2, 1.0) * kDegree;
+  if (random.chance(0.3)) scene.tablet.calibration_sd = random.log_uniform(1e-4, 1e-2);
+  if (random.chance(0.3)) scene.surface_angle_rad = random.uniform(-10.0, 10.0) * kDegree;
+}
+
+/// So that the ball advances by a third to nearly two of its diameters between images.
+double period_us(const sim::Scene& scene, Random& random) {
+  const double step_m = random.uniform(0.022, 0.055);
+  return std::clamp(1e6 * step_m / scene.machine.speed_mps, 1500.0, 6000.0);
+}
+
+void plan_brief(Scenery& scenery, Random& random) {
+  host::ShotPlan& plan = scenery.plan;
+  plan.period_us = std::round(period_us(scenery.scene, random));
+  plan.shutter_open_ms = std::round(random.uniform(70.0, 110.0));
+  plan.impact_at_ms = std::round(random.uniform(0.45, 0.55) * plan.shutter_open_ms);
+}
+
+void plan_gated(Scenery& scenery, Random& random) {
+  host::ShotPlan& plan = scenery.plan;
+  plan_brief(scenery, random);
+  plan.train = host::Train::gated;
+  plan.flash_count = random.integer(14, 24);
+  const double vx_mps = scenery.scene.machine.speed_mps * std::cos(scenery.scene.machine.angle_rad);
+  const double arrival_ms = 1e3 * (scenery.scene.gate.distance_m + 0.03) / vx_mps;
+  const double before_ms = 0.45e-3 * plan.period_us * plan.flash_count;
+  plan.gate_delay_ms = std::max(0.0, std::round(arrival_ms - before_ms));
+  // The gate is passed before the impact by the arrival's time; the burst must end within the exposure.
+  plan.impact_at_ms = std::round(arrival_ms + 20.0);
+  plan.shutter_open_ms = std::round(*plan.impact_at_ms + 1e-3 * plan.period_us * plan.flash_count + 30.0);
+}
+
+bool can_be_gated(const sim::Scene& scene) {
+  return scene.machine.speed_mps * std::cos(scene.machine.angle_rad) > 8.0;
+}
+
+}  // namespace
+
+Scenery draw_scenery(PlanKind kind, const host::ShotPlan& shipped, Random& random) {
+  Scenery scenery;
+  scenery.scene.name = "drawn";
+  if (kind == PlanKind::extremes) {
+    draw_extreme_throw(scenery.scene, random);
+  } else {
+    draw_throw(scenery.scene, random);
+  }
+  draw_ball(scenery.scene, random);
+  draw_camera(scenery, random);
+  scenery.plan = shipped;
+  const double which = random.uniform();
+  const bool any = kind == PlanKind::mixed || kind == PlanKind::extremes;
+  const bool gated = kind == PlanKind::gated || (any && which < 0.1);
+  const bool as_shipped = kind == PlanKind::shipped || (any && which > 0.9);
+  if (gated && can_be_gated(scenery.scene)) {
+    plan_gated(scenery, random);
+  } else if (!as_shipped) {
+    plan_brief(scenery, random);
+  }
+  scenery.notes = {{"surface_angle_deg", fmt::format("{}", scenery.scene.surface_angle_rad / kDegree)},
+                   {"temperature_c", fmt::format("{}", scenery.scene.air.temperature_c)}};
+  return scenery;
+}
+
+Result<PlanKind> find_plan_kind(std::string_view word) {
+  if (word == "shipped") return PlanKind::shipped;
+  if (word == "brief") return PlanKind::brief;
+  if (word == "gated") return PlanKind::gated;
+  if (word == "mixed") return PlanKind::mixed;
+  if (word == "extremes") return PlanKind::extremes;
+  return fail(std::string(word) + ": not one of shipped, brief, gated, mixed, extremes");
+}
+
+}  // namespace strobe::soak
