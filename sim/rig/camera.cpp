@@ -6,23 +6,97 @@ namespace strobe::sim {
 
 Camera::Camera(const Scene& scene)
     : settings_(scene.camera),
+      radius_m_(scene.ball.radius_m()),
       turn_rad_(scene.camera.roll_rad +
-                (scene.camera.mirrored ? -scene.surface_angle_rad : scene.surface_angle_rad)) {}
+                (scene.camera.mirrored ? -scene.surface_angle_rad : scene.surface_angle_rad)),
+      turn_cos_(std::cos(turn_rad_)),
+      turn_sin_(std::sin(turn_rad_)),
+      bend_pm2_(0.0) {
+  const double w = settings_.half_width_m;
+  const double h = 0.5 * settings_.height_m;
+  if (settings_.distortion != 0.0) bend_pm2_ = settings_.distortion / (w * w + h * h);
+}
 
-reduction::PointPx Camera::project(double x_m, double y_m) const {
-  const double x = settings_.mirrored ? -x_m : x_m;
-  const double c = std::cos(turn_rad_);
-  const double s = std::sin(turn_rad_);
-  return {settings_.origin_x_px + settings_.px_per_m * (c * x - s * y_m),
-          settings_.origin_y_px + settings_.px_per_m * (s * x + c * y_m)};
+/// From the axis, x to the photograph's right. [m]
+Camera::Point Camera::from_axis(double x_m, double y_m) const {
+  return {settings_.mirrored ? -x_m : x_m, y_m - 0.5 * settings_.height_m};
+}
+
+/// Where a point is seen in the focused plane, through the lens.
+Camera::Point Camera::seen(double x_m, double y_m, double off_plane_m) const {
+  Point p = from_axis(x_m, y_m);
+  if (settings_.distance_m > 0.0) {
+    const double nearer = settings_.distance_m / (settings_.distance_m - off_plane_m);
+    p = {nearer * p.x, nearer * p.y};
+  }
+  const double stretch = 1.0 + bend_pm2_ * (p.x * p.x + p.y * p.y);
+  return {stretch * p.x, stretch * p.y};
+}
+
+reduction::PointPx Camera::photograph(const Point& p) const {
+  const double y = p.y + 0.5 * settings_.height_m;
+  return {settings_.origin_x_px + settings_.px_per_m * (turn_cos_ * p.x - turn_sin_ * y),
+          settings_.origin_y_px + settings_.px_per_m * (turn_sin_ * p.x + turn_cos_ * y)};
+}
+
+double Camera::direction_seen(const Point& c, double depth_m, double angle_rad) const {
+  const double ex = std::cos(angle_rad);
+  const double ey = std::sin(angle_rad);
+  const double u = c.x * ex + c.y * ey;
+  const double tilt = std::atan2(u, depth_m);
+  const double limb = std::asin(radius_m_ / std::hypot(depth_m, u));
+  const auto image = [&](double psi) {
+    const double share = 1.0 / (depth_m - radius_m_ * std::sin(psi));
+    const double along = radius_m_ * std::cos(psi);
+    return Point{(c.x + along * ex) * share, (c.y + along * ey) * share};
+  };
+  const Point a = image(tilt + limb);
+  const Point b = image(std::numbers::pi + tilt - limb);
+  return std::atan2(a.y - b.y, a.x - b.x);
+}
+
+void Camera::distort(BallView& view, Point& centre, double& angle_rad) const {
+  const double square = bend_pm2_ * (centre.x * centre.x + centre.y * centre.y);
+  const double area = view.along_px * view.across_px / (settings_.px_per_m * settings_.px_per_m);
+  const double outwards = 1.0 + square + 3.0 * bend_pm2_ * area;
+  const double along = std::cos(angle_rad - view.axis_rad) * (1.0 + 3.0 * square);
+  const double across = std::sin(angle_rad - view.axis_rad) * (1.0 + square);
+  angle_rad = view.axis_rad + std::atan2(across, along);
+  view.along_px *= 1.0 + 3.0 * square;
+  view.across_px *= 1.0 + square;
+  centre = {outwards * centre.x, outwards * centre.y};
+}
+
+BallView Camera::view(double x_m, double y_m, double off_plane_m, double equator_rad) const {
+  Point centre = from_axis(x_m, y_m);
+  double angle = settings_.mirrored ? -equator_rad : equator_rad;
+  BallView view;
+  view.along_px = view.across_px = settings_.px_per_m * radius_m_;
+  view.axis_rad = std::atan2(centre.y, centre.x);
+  if (settings_.distance_m > 0.0) {
+    const double depth = settings_.distance_m - off_plane_m;
+    const double square = centre.x * centre.x + centre.y * centre.y;
+    const double ray = square + depth * depth;
+    const double sin_beta = radius_m_ / std::sqrt(ray);
+    const double q = depth * depth / ray - sin_beta * sin_beta;
+    const double scale_px = settings_.px_per_m * settings_.distance_m;
+    angle = direction_seen(centre, depth, angle);
+    view.along_px = scale_px * sin_beta * std::sqrt(1.0 - sin_beta * sin_beta) / q;
+    view.across_px = scale_px * sin_beta / std::sqrt(q);
+    const double nearer = settings_.distance_m * depth / (ray * q);  // sin·cos/q over hypot(X, Y)
+    centre = {nearer * centre.x, nearer * centre.y};
+  }
+  if (bend_pm2_ != 0.0) distort(view, centre, angle);
+  view.centre_px = photograph(centre);
+  view.axis_rad += turn_rad_;
+  view.equator_rad = angle + turn_rad_;
+  return view;
 }
 
 double Camera::project_angle(double angle_rad) const {
   return (settings_.mirrored ? -angle_rad : angle_rad) + turn_rad_;
 }
 
-bool Camera::sees(double x_m, double y_m) const {
-  return std::abs(x_m) <= settings_.half_width_m && y_m <= settings_.height_m;
-}
+bool Camera::sees(double x_m, double y_m) const { return may_see(x_m) && y_m <= settings_.height_m; }
 
 }  // namespace strobe::sim

@@ -1,21 +1,66 @@
-// From the scene of the impact to the photograph: an orthographic side view. Plain values, thread-safe.
+// From the scene of the impact to the photograph: a side view. Plain values, thread-safe.
+//
+// Without a distance the view is orthographic. With one it is that of a pinhole at `distance_m` (L) from the
+// plane in which balls are to fly, whose axis stands on that plane in the middle of the view (above the
+// origin, at half of height_m). With X, Y from the axis and z from the plane towards the lens a point is seen
+// in that plane at (X, Y)·L/(L - z); the surface's line is in the plane (z = 0).
+//
+// A sphere of radius R whose centre is at X, Y, z is seen under a circular cone, of half angle beta around
+// the direction at theta to the axis: tan(theta) = hypot(X, Y)/(L - z), sin(beta) = R/hypot(X, Y, L - z).
+// The plane cuts the cone in an ellipse, exactly (with q = cos²(theta) - sin²(beta)):
+//   centre at  L·sin(theta)·cos(theta)/q  from the axis, in the direction of (X, Y),
+//   half axes  L·sin(beta)·cos(beta)/q  in that direction,  L·sin(beta)/sqrt(q)  across.
+// To first order: the centre of the image is the image of the centre but for a share beta², the image is
+// longer along its direction by a share theta²/2, and all of it larger by (L/(L - z))(1 + beta²/2).
+// What is measured is the centre of the ellipse and the diameter of the disc of equal area, 2·sqrt(a·b).
+//
+// The equator is the great circle through C ± R·(cos(phi), sin(phi), 0) and the point of the sphere nearest
+// to the lens' plane. It leaves the ball's outline where (C - lens)·n = -R (n: from C to the point on it),
+// that is at the two psi with (L - z)·sin(psi) - u·cos(psi) = R, u = X·cos(phi) + Y·sin(phi); its angle on
+// the photograph is that of the line through the images of those two points. To first order the angle changes
+// by the part of (X, Y) across the line times that along it over (L - z)².
+//
+// The lens moves what would be seen at p (from the axis) to p·(1 + k·|p|²/r0²), r0 half the view's diagonal
+// (half_width_m, height_m/2), k the scene's distortion. An extended image is seen through the derivative of
+// that at its centre, 1 + 3k·|p|²/r0² along p and 1 + k·|p|²/r0² across; the centre of its area is farther
+// out by the share 3k·a·b/r0², as the outer parts are the more enlarged. All to first order in k.
 #pragma once
 
 #include <cmath>
+#include <numbers>
 
 #include "common/reduction/frame.hpp"
 #include "sim/rig/scene.hpp"
 
 namespace strobe::sim {
 
+/// The image of one ball on the photograph: an ellipse, and on it a line through its centre.
+struct BallView {
+  reduction::PointPx centre_px;
+  double along_px = 0.0;  ///< half axes
+  double across_px = 0.0;
+  double axis_rad = 0.0;     ///< direction of the first
+  double equator_rad = 0.0;  ///< of the line; counter-clockwise
+
+  double diameter_px() const { return 2.0 * std::sqrt(along_px * across_px); }
+};
+
 class Camera {
  public:
   explicit Camera(const Scene& scene);
 
-  /// A point of the scene, in the surface's axes but from the camera's origin on the surface.
-  reduction::PointPx project(double x_m, double y_m) const;
+  /// A point of the focused plane, in the surface's axes but from the camera's origin on the surface.
+  reduction::PointPx project(double x_m, double y_m) const { return photograph(seen(x_m, y_m, 0.0)); }
 
-  /// Angle on the photograph of a line at `angle_rad` to the surface, counter-clockwise.
+  /// Likewise a point off the plane, towards the lens.
+  reduction::PointPx project(double x_m, double y_m, double off_plane_m) const {
+    return photograph(seen(x_m, y_m, off_plane_m));
+  }
+
+  /// A ball with its centre there and its equator at `equator_rad` to the surface, counter-clockwise.
+  BallView view(double x_m, double y_m, double off_plane_m, double equator_rad) const;
+
+  /// Angle on the photograph of a line in the focused plane at `angle_rad` to the surface, near the axis.
   double project_angle(double angle_rad) const;
 
   /// Whether a ball with its centre there is on the photograph.
@@ -28,8 +73,23 @@ class Camera {
   double half_width_m() const { return settings_.half_width_m; }
 
  private:
+  struct Point {
+    double x = 0.0;
+    double y = 0.0;
+  };
+
+  Point from_axis(double x_m, double y_m) const;
+  Point seen(double x_m, double y_m, double off_plane_m) const;
+  double direction_seen(const Point& centre, double depth_m, double angle_rad) const;
+  void distort(BallView& view, Point& centre, double& angle_rad) const;
+  reduction::PointPx photograph(const Point& seen) const;
+
   CameraSettings settings_;
+  double radius_m_;
   double turn_rad_;  ///< of the surface line on the photograph
+  double turn_cos_;
+  double turn_sin_;
+  double bend_pm2_;  ///< k/r0²
 };
 
 }  // namespace strobe::sim

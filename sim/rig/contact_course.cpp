@@ -30,7 +30,7 @@ impact::ContactCoefficients ode_coefficients(const Scene& scene, const Throw& th
   // Of the spring that takes one second from touchdown to release.
   c.dwell_s = thrown.dwell_s / (1.0 + 2.0 * unit.damping_ratio / unit.frequency_radps);
   c.mu = thrown.coefficients.mu;
-  c.stiffness_ratio = scene.bounce.stiffness_ratio;
+  c.stiffness_ratio = thrown.stiffness_ratio;
   c.damping_ratio = scene.bounce.damping_ratio;
   c.offset_share = model.has(Effect::offset) ? thrown.offset_share : 0.0;
   c.gravity_mps2 = model.has(Effect::contact_gravity)
@@ -61,6 +61,8 @@ Result<LiftOff> rise(const Scene& scene, const impact::Motion& td, const impact:
   if (!(lo.vy_mps > 0.0) || left <= 0.0) return fail("the ball's weight keeps it on the surface");
   const double free_s = 2.0 * depth_m / (lo.vy_mps + std::sqrt(left));
   lo.vy_mps = std::sqrt(left);
+  const double release_mps = summary.lift_off.vy_mps;
+  end.push_factor = (release_mps - td.vy_mps + gravity_mps2 * summary.dwell_s) / (lo.vy_mps - td.vy_mps);
   end.dwell_s = summary.dwell_s + free_s;
   end.way_m = summary.dwell_distance_m + lo.vx_mps * free_s;
   end.turned_rad = summary.rotation_rad + lo.omega_radps * free_s;
@@ -104,7 +106,7 @@ Result<LiftOff> reduced_lift_off(const Scene& scene, const Throw& thrown, const 
   const double offset = mean_share > 0.0 ? c.offset_m * thrown.offset_share / mean_share : c.offset_m;
   const double e = std::min(1.0, c.e_factor * thrown.coefficients.e);
   LiftOff end;
-  end.rebound = algebraic(scene.ball, thrown.touchdown, e, thrown.coefficients.mu, offset,
+  end.rebound = algebraic(scene.ball, thrown.touchdown, e, c.push_factor * thrown.coefficients.mu, offset,
                           model.has(Effect::grip) ? std::optional(c.ex) : std::nullopt);
   end.dwell_s = c.dwell_factor * thrown.dwell_s;
   const auto plain = SineCourse::make(scene, thrown.touchdown, end);
@@ -169,6 +171,7 @@ Result<ReducedContact> calibrate(const Scene& scene, const Model& model) {
     c.ex = -end->rebound.slip_lo_mps / slip_td;
   c.offset_m = end->rebound.offset_m;
   c.e_factor = -lo.vy_mps / td.vy_mps / mean.coefficients.e;
+  c.push_factor = end->push_factor;
   c.dwell_factor = end->dwell_s / mean.dwell_s;
   const auto sine = SineCourse::make(scene, td, *end);
   if (!sine) return tl::unexpected(sine.error());

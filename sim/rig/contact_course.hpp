@@ -22,8 +22,9 @@
 // weight, and a few tenths of a percent more with it (2·g·dwell/(pi²·|vy|), .15 % at 6.7 m/s).
 //
 // Without the ODE, its numbers are calibrated (ReducedContact): from one run of the ODE at the scene's mean
-// e_x, the offset, and the factors by which e, dwell time and the ways gone in contact differ from those of
-// the sine; at the mean ball the reduced model is then the ODE, and differs from it as balls differ.
+// e_x, the offset, and the factors by which e, dwell time, the normal force's impulse and the ways gone in
+// contact differ from those of the weightless sine; at the mean ball the reduced model is then the ODE, and
+// differs from it as balls differ.
 //
 // A scene whose law is `grip`: common/impact's grip() and the damped sine; only grip and offset can be left
 // out of it. (The sine's net force has the weight in it, and nothing of the ODE is there to leave out.)
@@ -46,9 +47,10 @@ namespace strobe::sim {
 /// A ball at its lift-off, and how it came there.
 struct LiftOff {
   impact::Rebound rebound;
-  double dwell_s = 0.0;     ///< since touchdown
-  double way_m = 0.0;       ///< along the surface
-  double turned_rad = 0.0;  ///< counter-clockwise
+  double dwell_s = 0.0;      ///< since touchdown
+  double way_m = 0.0;        ///< along the surface
+  double turned_rad = 0.0;   ///< counter-clockwise
+  double push_factor = 1.0;  ///< the normal force's impulse over m·(vy_LO - vy_TD): more, by the weight's
 };
 
 /// Constants of the contact without the ODE.
@@ -56,6 +58,7 @@ struct ReducedContact {
   double ex = 0.0;
   double offset_m = 0.0;      ///< impulse-weighted, along +x, of a ball with the mean offset_share
   double e_factor = 1.0;      ///< restitution over the coefficient e
+  double push_factor = 1.0;   ///< as in LiftOff
   double dwell_factor = 1.0;  ///< touchdown to lift-off, over the scene's
   double way_shift = 0.0;     ///< way beyond the sine's, over (1 + e)·|vy|·dwell
   double turned_shift = 0.0;  ///< likewise R times the angle

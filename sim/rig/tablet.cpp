@@ -6,6 +6,7 @@
 
 #include "sim/rig/camera.hpp"
 #include "sim/rig/draws.hpp"
+#include "sim/rig/pixels.hpp"
 
 namespace strobe::sim {
 
@@ -38,24 +39,26 @@ class Hand {
         error_(perfect ? 0.0 : 1.0),
         centre_sd_px_(scene.tablet.centre_sd_m * scene.camera.px_per_m) {}
 
-  PointPx point(double x_m, double y_m) {
-    PointPx p = camera_.project(x_m, y_m);
+  PointPx point(PointPx p) {
     p.x += error(centre_sd_px_);
     p.y += error(centre_sd_px_);
     return p;
   }
+  PointPx surface_point(double x_m) { return point(camera_.project(x_m, 0.0)); }
 
   BallImage image(const FilmImage& film, const BallPath& path, MonoTime touchdown) {
     const BallState& s = film.state;
     const double x_m = s.x_m + path.spot_m();
+    const PixelMeasurement seen = measure(s, x_m, path.off_plane_m());
     BallImage image;
     image.leg =
         leg_seen(s, (film.time - touchdown).seconds(), path.dwell_s(), scene_.tablet.visible_flattening_m);
-    image.centre_px = point(x_m, s.y_m);
-    image.diameter_px =
-        scene_.ball.diameter_m * camera_.px_per_m() + error(kDiameterNoiseRatio * centre_sd_px_);
-    image.equator_rad = modulo_pi(camera_.project_angle(s.equator_rad) + error(scene_.tablet.equator_sd_rad));
-    const PointPx top = point(x_m, scene_.ball.diameter_m - s.top_drop_m);
+    image.centre_px = point(seen.centre_px);
+    image.diameter_px = seen.diameter_px + error(kDiameterNoiseRatio * centre_sd_px_);
+    const double equator_error = error(scene_.tablet.equator_sd_rad);
+    if (seen.equator_rad) image.equator_rad = modulo_pi(*seen.equator_rad + equator_error);
+    const PointPx top =
+        point(camera_.project(x_m, scene_.ball.diameter_m - s.top_drop_m, path.off_plane_m()));
     if (image.leg == Leg::contact) image.top_px = top;
     image.source = "hand";
     return image;
@@ -75,10 +78,21 @@ class Hand {
   double half_width_m() const { return camera_.half_width_m(); }
 
  private:
+  PixelMeasurement measure(const BallState& s, double x_m, double off_plane_m) {
+    const BallView view = camera_.view(x_m, s.y_m, off_plane_m, s.equator_rad);
+    if (!scene_.camera.pixels) return {view.centre_px, view.diameter_px(), view.equator_rad};
+    const double flash_s = scene_.lamps.flash_s;
+    const PointPx a = camera_.project(x_m, s.y_m, off_plane_m);
+    const PointPx b = camera_.project(x_m + flash_s * s.vx_mps, s.y_m + flash_s * s.vy_mps, off_plane_m);
+    const double turn = flash_s * (scene_.camera.mirrored ? -s.omega_radps : s.omega_radps);
+    return grid_.measure(view, {b.x - a.x, b.y - a.y, turn});
+  }
+
   double error(double sd) { return draws_.normal(0.0, error_ * sd); }
 
   const Scene& scene_;
   Camera camera_;
+  PixelGrid grid_;
   Draws draws_;
   double error_;
   double centre_sd_px_;
@@ -91,7 +105,7 @@ bool unseen(const Scene& scene, const Exposure& exposure, int pulse) {
   return flash_fault(scene.faults, FaultKind::image_unseen, place, Lamp::a) != nullptr;
 }
 
-Digitized digitize_by(Hand hand, const Scene& scene, const Exposure& exposure) {
+Digitized digitize_by(Hand&& hand, const Scene& scene, const Exposure& exposure) {
   Digitized result;
   reduction::Frame& frame = result.frame;
   frame.ball_diameter_m = scene.ball.diameter_m;
@@ -103,7 +117,7 @@ Digitized digitize_by(Hand hand, const Scene& scene, const Exposure& exposure) {
   if (scene.air.density_kgpm3 >= 0.0) frame.air_density_kgpm3 = scene.air.density_kgpm3;  // by a barometer
   hand.state_noise(frame);
   for (const double share : kSurfacePoints)
-    frame.surface_px.push_back(hand.point(share * hand.half_width_m(), 0.0));
+    frame.surface_px.push_back(hand.surface_point(share * hand.half_width_m()));
   std::ranges::sort(frame.surface_px, {}, &PointPx::x);
   const std::vector<FilmImage> film_of_all = film_images(scene, exposure);
   frame.images.reserve(film_of_all.size());

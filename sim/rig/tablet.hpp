@@ -16,7 +16,8 @@ struct Digitized {
   std::vector<MonoTime> image_stamp;  ///< and the mean of the sensors' edges; never(): they gave none
 };
 
-/// Four points of the surface; of each image of the ball its centre, its diameter (twice the distance from
+/// Where and how large a ball is seen: camera.hpp, and pixels.hpp where the scene's camera has pixels. Four
+/// points of the surface; of each image of the ball its centre, its diameter (twice the distance from
 /// the centre to a point of the edge, so 2·sqrt(2) times as noisy as a coordinate), the equator's angle
 /// modulo pi, the top where the ball is visibly flattened, and the leg as a person sees it. Faults
 /// image_unseen leave images out. Noise of zero leaves the frame's standard deviations absent.

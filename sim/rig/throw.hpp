@@ -11,10 +11,11 @@ namespace strobe::sim {
 struct Throw {
   impact::Motion touchdown;
   impact::Coefficients coefficients;  ///< e and mu; with contact = "grip" also e_x and the offset
-  double offset_share = 0.0;          ///< with contact = "ode"
-  double dwell_s = 0.0;               ///< touchdown to lift-off, the ball's weight left out
-  double equator_rad = 0.0;           ///< angle of the equator line at touchdown
-  double lag_s = 0.0;                 ///< trigger to touchdown
+  double stiffness_ratio = 1.0;       ///< with contact = "ode", as the next
+  double offset_share = 0.0;
+  double dwell_s = 0.0;      ///< touchdown to lift-off, the ball's weight left out
+  double equator_rad = 0.0;  ///< angle of the equator line at touchdown
+  double lag_s = 0.0;        ///< trigger to touchdown
   double spot_m = 0.0;       ///< point of touchdown, along the surface from where the camera has its origin
   double off_plane_m = 0.0;  ///< of the ball's path from the plane the camera is focused on, towards the lens
 };
