@@ -26,9 +26,9 @@ int fit_command(const std::string& tables, const std::string& folder) {
     file << to_toml(*fitted, condition);
     file.flush();
     if (!file) return complain(path.string() + ": cannot be written", 2);
-    for (const Excess& excess : fitted->excesses)
-      fmt::print("{}: {}: published sd {:.3g}, at least {:.3g} here\n", condition.name(),
-                 reduction::name(excess.quantity), excess.published_sd, excess.expected_sd);
+    for (const MissedSpread& miss : fitted->missed)
+      fmt::print("{}: {}: published sd {:.3g}, here {:.3g}\n", condition.name(),
+                 reduction::name(miss.quantity), miss.published_sd, miss.expected_sd);
   }
   return 0;
 }

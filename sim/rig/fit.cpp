@@ -1,10 +1,10 @@
 #include "sim/rig/fit.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
-#include "sim/rig/ball_path.hpp"
+#include "sim/rig/fit_means.hpp"
+#include "sim/rig/fit_spreads.hpp"
 #include "sim/rig/tablet.hpp"
 
 namespace strobe::sim {
@@ -20,6 +20,7 @@ constexpr double kShare = 0.9;
 constexpr double kMostCentreNoise_m = 0.5e-3;
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kMostEquatorNoise_rad = kDegree;
+constexpr double kNoMiss = 0.01;
 
 double square(double x) { return x * x; }
 double left_over(double sd, double noise) { return std::sqrt(std::max(0.0, square(sd) - square(noise))); }
@@ -56,40 +57,25 @@ double admissible_noise(const Scene& scene, const Condition& c) {
   return factor;
 }
 
-void note_excess(FittedScene& fitted, Quantity quantity, double published_sd, double left_over_variance) {
-  if (left_over_variance < 0.0)
-    fitted.excesses.push_back({quantity, published_sd, std::sqrt(square(published_sd) - left_over_variance)});
+void note_miss(FittedScene& fitted, Quantity quantity, double published_sd, double expected_sd) {
+  if (std::abs(expected_sd - published_sd) > kNoMiss * published_sd)
+    fitted.missed.push_back({quantity, published_sd, expected_sd});
 }
 
-void fit_means(FittedScene& fitted, const Condition& c) {
+Result<void> fit_means(FittedScene& fitted, const Condition& c) {
   Scene& scene = fitted.scene;
+  scene.ball.alpha = impact::kContactAlpha;
   MachineSettings& m = scene.machine;
   m.speed_mps = std::hypot(c.vx_td_mps.mean, c.vy_td_mps.mean);
   m.angle_rad = std::atan2(c.vy_td_mps.mean, c.vx_td_mps.mean);
   m.spin_radps = c.omega_td_radps.mean;
-
-  const double radius = scene.ball.radius_m();
-  const double alpha = scene.ball.alpha;
-  const double dvx = c.vx_lo_mps.mean - c.vx_td_mps.mean;
-  const double domega = c.omega_lo_radps.mean - c.omega_td_radps.mean;
-  const double slip_td = c.vx_td_mps.mean + radius * c.omega_td_radps.mean;
-  const double slip_lo = c.vx_lo_mps.mean + radius * c.omega_lo_radps.mean;
-  BounceSettings& b = scene.bounce;
-  b.contact = ContactLaw::grip;
-  b.e = c.vy_lo_mps.mean / -c.vy_td_mps.mean;
-  b.e_speed_mps = -c.vy_td_mps.mean;
-  const double impulse = (1.0 + b.e) * -c.vy_td_mps.mean;
-  const double acting_m = (alpha * square(radius) * domega - radius * dvx) / impulse;
-  const double rolling = 0.5 * (c.vx_td_mps.mean - radius * c.omega_td_radps.mean);
-  b.offset_m = std::max(0.0, acting_m * std::hypot(rolling, impact::kOffsetReferenceSpeed_mps) / rolling);
-  fitted.slides = std::abs(dvx) < std::abs(slip_td) * alpha / (1.0 + alpha);
-  if (fitted.slides) {
-    b.mu = -dvx / impulse;
-  } else {
-    b.ex = std::clamp(-slip_lo / slip_td, -1.0, 1.0);
-    b.mu = std::max(impact::kFittedToThesis.mu, -dvx / impulse + 2.0 * c.mu.sd);
-  }
-  b.dwell_s = c.dwell_time_ms.mean * 1e-3;
+  if (auto done = fit_coefficients(scene, c); !done) return done;
+  const auto end = mean_lift_off(scene);
+  if (!end) return tl::unexpected(end.error());
+  fitted.slides = end->rebound.regime == impact::Regime::slides;
+  fitted.left_vx_mps = end->rebound.lift_off.vx_mps - c.vx_lo_mps.mean;
+  fitted.left_omega_radps = end->rebound.lift_off.omega_radps - c.omega_lo_radps.mean;
+  return {};
 }
 
 void fit_noise_and_machine(FittedScene& fitted, const Condition& c) {
@@ -106,96 +92,17 @@ void fit_noise_and_machine(FittedScene& fitted, const Condition& c) {
   scene.machine.spin_sd_radps = left_over(c.omega_td_radps.sd, n.spin_radps);
 }
 
-/// What a shot's lift-off depends on, at the scene's means.
-struct Parameters {
-  double speed, angle, spin, e, grip, offset;  // grip: e_x, or mu where the ball slides
-};
-
-impact::Motion lift_off(const FittedScene& fitted, const Parameters& p) {
-  const BounceSettings& b = fitted.scene.bounce;
-  const impact::Motion td{p.speed * std::cos(p.angle), p.speed * std::sin(p.angle), p.spin};
-  impact::Coefficients c;
-  c.e = p.e + b.e_slope_spm * (-td.vy_mps - b.e_speed_mps);
-  c.mu = fitted.slides ? p.grip : b.mu;
-  c.e_x = fitted.slides ? b.ex : p.grip;
-  c.offset_m = p.offset;
-  const auto rebound = impact::grip(fitted.scene.ball, td, c);
-  return rebound ? rebound->lift_off : impact::Motion{};
-}
-
-/// Central difference of the lift-off for each parameter.
-std::array<impact::Motion, 6> derivatives(const FittedScene& fitted) {
-  const Scene& s = fitted.scene;
-  const Parameters mean{s.machine.speed_mps,
-                        s.machine.angle_rad,
-                        s.machine.spin_radps,
-                        s.bounce.e,
-                        fitted.slides ? s.bounce.mu : s.bounce.ex,
-                        s.bounce.offset_m};
-  constexpr std::array<double Parameters::*, 6> fields{&Parameters::speed, &Parameters::angle,
-                                                       &Parameters::spin,  &Parameters::e,
-                                                       &Parameters::grip,  &Parameters::offset};
-  constexpr std::array steps{1e-3, 1e-5, 1e-2, 1e-5, 1e-5, 1e-7};
-  std::array<impact::Motion, 6> result;
-  for (std::size_t i = 0; i < fields.size(); ++i) {
-    Parameters up = mean;
-    Parameters down = mean;
-    up.*fields[i] += steps[i];
-    down.*fields[i] -= steps[i];
-    const impact::Motion a = lift_off(fitted, up);
-    const impact::Motion b = lift_off(fitted, down);
-    const double step = 2.0 * steps[i];
-    result[i] = {(a.vx_mps - b.vx_mps) / step, (a.vy_mps - b.vy_mps) / step,
-                 (a.omega_radps - b.omega_radps) / step};
-  }
-  return result;
-}
-
-/// Standard deviations of grip (e_x or mu) and offset and their correlation that make changes of vx and spin
-/// with the given variances: correlated such that the offset, which cannot be negative, is spread least.
-void spread_grip_and_offset(FittedScene& fitted, const impact::Motion& per_grip,
-                            const impact::Motion& per_offset, double vx_variance, double spin_variance) {
-  BounceSettings& b = fitted.scene.bounce;
-  const double determinant =
-      per_grip.vx_mps * per_offset.omega_radps - per_offset.vx_mps * per_grip.omega_radps;
-  if (determinant == 0.0) return;
-  // (grip, offset) = inverse matrix times (vx, spin).
-  const double grip_vx = per_offset.omega_radps / determinant;
-  const double grip_spin = -per_offset.vx_mps / determinant;
-  const double offset_vx = -per_grip.omega_radps / determinant;
-  const double offset_spin = per_grip.vx_mps / determinant;
-  const double vx_sd = std::sqrt(vx_variance);
-  const double spin_sd = offset_vx * offset_spin > 0.0 ? -std::sqrt(spin_variance) : std::sqrt(spin_variance);
-  const double grip_change = grip_vx * vx_sd + grip_spin * spin_sd;
-  const double offset_change = offset_vx * vx_sd + offset_spin * spin_sd;
-  (fitted.slides ? b.mu_sd : b.ex_sd) = std::abs(grip_change);
-  b.offset_sd_m = std::abs(offset_change);
-  b.offset_grip_correlation = grip_change * offset_change < 0.0 ? -1.0 : 1.0;
-}
-
 void fit_bounce(FittedScene& fitted, const Condition& c) {
-  Scene& scene = fitted.scene;
-  BounceSettings& b = scene.bounce;
   const TwoPointNoise n =
-      two_point_noise(scene, c.vx_lo_mps.mean, c.vy_lo_mps.mean, images_of_shot(scene, c));
-  const auto d = derivatives(fitted);
-  const std::array spreads{scene.machine.speed_sd_mps, scene.machine.angle_sd_rad,
-                           scene.machine.spin_sd_radps};
-  double vx = square(c.vx_lo_mps.sd) - square(component_noise(n, c.vx_lo_mps.mean, c.vy_lo_mps.mean));
-  double vy = square(c.vy_lo_mps.sd) - square(component_noise(n, c.vy_lo_mps.mean, c.vx_lo_mps.mean));
-  double spin = square(c.omega_lo_radps.sd) - square(n.spin_radps);
-  for (std::size_t i = 0; i < spreads.size(); ++i) {
-    vx -= square(d[i].vx_mps * spreads[i]);
-    vy -= square(d[i].vy_mps * spreads[i]);
-    spin -= square(d[i].omega_radps * spreads[i]);
-  }
-  b.e_sd = std::sqrt(std::max(0.0, vy)) / std::abs(d[3].vy_mps);
-  vx -= square(d[3].vx_mps * b.e_sd);
-  spin -= square(d[3].omega_radps * b.e_sd);
-  spread_grip_and_offset(fitted, d[4], d[5], std::max(0.0, vx), std::max(0.0, spin));
-  note_excess(fitted, Quantity::vx_lo_mps, c.vx_lo_mps.sd, vx);
-  note_excess(fitted, Quantity::vy_lo_mps, c.vy_lo_mps.sd, vy);
-  note_excess(fitted, Quantity::omega_lo_radps, c.omega_lo_radps.sd, spin);
+      two_point_noise(fitted.scene, c.vx_lo_mps.mean, c.vy_lo_mps.mean, images_of_shot(fitted.scene, c));
+  const LiftOffVariances noise{square(component_noise(n, c.vx_lo_mps.mean, c.vy_lo_mps.mean)),
+                               square(component_noise(n, c.vy_lo_mps.mean, c.vx_lo_mps.mean)),
+                               square(n.spin_radps)};
+  const LiftOffVariances made = fit_spreads(
+      fitted.scene, noise, {square(c.vx_lo_mps.sd), square(c.vy_lo_mps.sd), square(c.omega_lo_radps.sd)});
+  note_miss(fitted, Quantity::vx_lo_mps, c.vx_lo_mps.sd, std::sqrt(made.vx));
+  note_miss(fitted, Quantity::vy_lo_mps, c.vy_lo_mps.sd, std::sqrt(made.vy));
+  note_miss(fitted, Quantity::omega_lo_radps, c.omega_lo_radps.sd, std::sqrt(made.spin));
 }
 
 void fit_dwell(FittedScene& fitted, const Condition& c) {
@@ -206,8 +113,8 @@ void fit_dwell(FittedScene& fitted, const Condition& c) {
       scene.tablet.centre_sd_m * std::sqrt(8.0 / 3.0 + 0.25 + 2.0 / images_of_shot(scene, c));
   const double noise_s = end_m * std::hypot(1.0 / c.vy_td_mps.mean, 1.0 / c.vy_lo_mps.mean);
   scene.bounce.dwell_sd_s = left_over(c.dwell_time_ms.sd * 1e-3, noise_s);
-  note_excess(fitted, Quantity::dwell_time_ms, c.dwell_time_ms.sd,
-              square(c.dwell_time_ms.sd) - square(noise_s * 1e3));
+  note_miss(fitted, Quantity::dwell_time_ms, c.dwell_time_ms.sd,
+            std::hypot(noise_s, scene.bounce.dwell_sd_s) * 1e3);
 }
 
 }  // namespace
@@ -226,14 +133,11 @@ TwoPointNoise two_point_noise(const Scene& scene, double vx_mps, double vy_mps, 
 Result<FittedScene> fit_scene(const Condition& condition) {
   FittedScene fitted;
   fitted.scene.name = condition.name();
-  fit_means(fitted, condition);
+  if (auto done = fit_means(fitted, condition); !done)
+    return fail(condition.name() + ": " + done.error().message);
   fit_noise_and_machine(fitted, condition);
   fit_bounce(fitted, condition);
   fit_dwell(fitted, condition);
-  Scene still = fitted.scene;
-  still.machine.speed_sd_mps = still.machine.angle_sd_rad = still.machine.spin_sd_radps = 0.0;
-  if (auto path = BallPath::make(still, draw_throw(still, 0, 1)); !path)
-    return fail(condition.name() + ": " + path.error().message);
   return fitted;
 }
 

@@ -2,10 +2,16 @@
 // reproduces, and spreads that together with the tablet's noise give the published standard deviations, so
 // that nothing is counted twice. Pure; thread-safe; allocates.
 //
-// Means: touchdown as printed. e = vy_LO/|vy_TD|, and with J = (1 + e)|vy_TD|, s the slip, R and alpha of the
-// ball: d = (alpha·R²·Δomega - R·Δvx)/J, handed over as the offset at full rolling speed (see
-// common/impact/rebound.hpp). The ball slides throughout if |Δvx| < |s|·alpha/(1 + alpha): then
-// mu = -Δvx/J. Else it grips: e_x = -s_LO/s_TD, and mu is ample.
+// Ball: alpha of the contact mechanics' fit to all conditions (impact::kContactAlpha).
+//
+// Means: touchdown as printed. e and the dwell time such that vy_LO and the time from touchdown to lift-off
+// come out as printed; the ball's weight in contact makes both differ from the coefficients by some tenths of
+// a percent. mu, k_t/k, c_t and the offset's share delta minimize
+//   (Δvx/(.01·sd vx))² + (Δomega/(.01·sd omega))² + sum of (ln(p/p_all)/w_p)²,
+// Δ being simulated less published at lift-off, p_all the values fitted to all conditions (contact_ode.hpp)
+// and w_p how far a condition is taken to be from them: .1 for mu, .5 for the others; none is moved by more
+// than 2.5 w_p. So two numbers are met by those of four that need least of a change: mu and delta where the
+// ball slides throughout, k_t/k, c_t and delta where it grips. What cannot be met so is said in the file.
 //
 // Tablet: two-point velocities over T = 3 ms from centres with noise c carry sqrt(2)·c/T in every direction,
 // along the flight besides v times the relative noise of the mean diameter, across it v times the noise of
@@ -14,10 +20,11 @@
 //
 // Machine: sd² - noise², cut off at 0, in speed, angle and spin.
 //
-// Bounce: what is left of the variances of vy_LO, vx_LO and omega_LO after the noise and what the machine's
-// spread makes of them to first order, cut off at 0, is explained by e for vy_LO, and by e_x (sliding: mu)
-// and the offset for the other two; of all correlations of these the one is taken that spreads the offset
-// least.
+// Bounce, with secants from one sd below a mean to one above for derivatives: e_sd takes what noise and
+// machine leave of the variance of vy_LO. What they and e_sd leave of those of vx_LO and omega_LO is made by
+// two spreads, fully correlated or anti-correlated: of mu or k_t/k (whichever does it better), and of delta.
+// They are those with the least relative misfit of the two sds, and of such the smallest; at most .25 of mu
+// and .3 of k_t/k and of delta, since none may come out negative.
 //
 // Dwell time: sd² less the noise of two straight paths' ends, cut off at 0.
 #pragma once
@@ -41,8 +48,9 @@ struct TwoPointNoise {
 /// For a leg with that velocity, `diameters` measured diameters, and the scene's tablet.
 TwoPointNoise two_point_noise(const Scene& scene, double vx_mps, double vy_mps, double diameters);
 
-/// A quantity whose published spread is less than what tablet and machine make of it.
-struct Excess {
+/// A quantity whose published spread is not met: less than what tablet and machine make of it, or more than
+/// the contact's spread may add.
+struct MissedSpread {
   reduction::Quantity quantity = reduction::Quantity::vx_lo_mps;
   double published_sd = 0.0;
   double expected_sd = 0.0;  ///< to first order
@@ -50,8 +58,10 @@ struct Excess {
 
 struct FittedScene {
   Scene scene;
-  bool slides = false;
-  std::vector<Excess> excesses;  ///< spreads cut off at 0
+  bool slides = false;       ///< throughout
+  double left_vx_mps = 0.0;  ///< lift-off of a ball without spread, less the published mean
+  double left_omega_radps = 0.0;
+  std::vector<MissedSpread> missed;  ///< by more than 1 %
 };
 
 /// Fails if the condition is outside the impact models' ranges.

@@ -49,10 +49,7 @@ Scene plain_scene() {
 }
 
 void make_exact(Scene& scene) {
-  MachineSettings& m = scene.machine;
-  m.speed_sd_mps = m.angle_sd_rad = m.spin_sd_radps = m.lag_sd_s = m.spot_sd_m = 0.0;
-  BounceSettings& b = scene.bounce;
-  b.e_sd = b.mu_sd = b.ex_sd = b.offset_sd_m = b.dwell_sd_s = 0.0;
+  scene = without_spread(scene);
   scene.lamps.jitter_s = scene.sensors.jitter_s = scene.shutter.lag_sd_s = 0.0;
   scene.tablet.centre_sd_m = scene.tablet.equator_sd_rad = 0.0;
 }
