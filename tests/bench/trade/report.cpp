@@ -1,0 +1,99 @@
+#include "tests/bench/trade/report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace strobe::bench::trade {
+
+namespace {
+
+std::string cost(double us) {
+  if (us < 10.0) return fmt::format("{:.3f}", us);
+  return us < 1000.0 ? fmt::format("{:.1f}", us) : fmt::format("{:.0f}", us);
+}
+
+const char* name(Source source) {
+  switch (source) {
+    case Source::model:
+      return "model";
+    case Source::numerical:
+      return "numerical";
+    case Source::noise:
+      return "noise";
+  }
+  return "";
+}
+
+std::string times(double factor) {
+  if (factor < 1.05) return "as";
+  if (factor < 9.95) return fmt::format("{:.1f} times", factor);
+  return factor < 1e4 ? fmt::format("{:.0f} times", factor) : fmt::format("{:.0e} times", factor);
+}
+
+std::string verdict(const Study& study, const std::optional<Dominated>& by) {
+  if (!by) return "frontier";
+  return fmt::format("dominated by {}: {} slower and {} less exact", label(study.rows[by->by]),
+                     times(by->slower), times(by->worse));
+}
+
+/// A field of a file whose separator is the comma.
+std::string field(std::string text) {
+  std::replace(text.begin(), text.end(), ',', ';');
+  return text;
+}
+
+}  // namespace
+
+std::string table_text(const Study& study) {
+  std::string text = fmt::format("== {}: {}\n   {}\n", study.name, study.title, study.what);
+  if (study.reference > 0.0) text += fmt::format("   the reference's own error: {:.1e}\n", study.reference);
+  text += fmt::format("   errors {}\n", study.unit);
+  std::size_t width = 20;
+  for (const Row& row : study.rows) width = std::max(width, label(row).size() + 1);
+  text += fmt::format("{:<{}} {:>9} {:>9} {:>9} {:>9} {:>9}  {:<9} {}\n", "method", width, "us a call", "rms",
+                      "worst", "rms, 21", "worst, 21", "error", "verdict");
+  const auto verdicts = dominated(study);
+  for (std::size_t i = 0; i < study.rows.size(); ++i) {
+    const Row& row = study.rows[i];
+    text += fmt::format("{:<{}} {:>9} {:>9.1e} {:>9.1e} {:>9.1e} {:>9.1e}  {:<9} {}{}\n", label(row), width,
+                        cost(row.cost_us), row.practical.rms, row.practical.worst, row.thesis.rms,
+                        row.thesis.worst, name(row.source), verdict(study, verdicts[i]),
+                        row.remark.empty() ? "" : "; " + row.remark);
+  }
+  return text;
+}
+
+std::string csv_text(const std::vector<Study>& studies) {
+  std::string text =
+      "study,method,parameter,cost_us,rms,worst,thesis_rms,thesis_worst,error_unit,source,verdict,remark\n";
+  for (const Study& study : studies) {
+    const auto verdicts = dominated(study);
+    for (std::size_t i = 0; i < study.rows.size(); ++i) {
+      const Row& row = study.rows[i];
+      text += fmt::format("{},{},{},{:.4g},{:.4g},{:.4g},{:.4g},{:.4g},{},{},{},{}\n", study.name, row.method,
+                          row.parameter, row.cost_us, row.practical.rms, row.practical.worst, row.thesis.rms,
+                          row.thesis.worst, field(study.unit), name(row.source),
+                          field(verdict(study, verdicts[i])), field(row.remark));
+    }
+  }
+  return text;
+}
+
+std::string frontier_text(const std::vector<Study>& studies) {
+  std::string text = "study,method,parameter,cost_us,error,error_unit,note\n";
+  for (const Study& study : studies) {
+    if (!study.shipped) continue;
+    const auto verdicts = dominated(study);
+    for (std::size_t i = 0; i < study.rows.size(); ++i) {
+      const Row& row = study.rows[i];
+      const std::string note =
+          verdicts[i] ? "dominated by " + label(study.rows[verdicts[i]->by]) : "frontier";
+      text += fmt::format("{},{},{},{:.3g},{:.3g},{},{}\n", study.name, row.method, row.parameter,
+                          row.cost_us, error_of(row), field(study.unit), field(note));
+    }
+  }
+  return text;
+}
+
+}  // namespace strobe::bench::trade

@@ -1,0 +1,20 @@
+// The studies in words and files. Pure functions of plain values.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tests/bench/trade/study.hpp"
+
+namespace strobe::bench::trade {
+
+/// For people: each method's cost and errors, and which are dominated by what.
+std::string table_text(const Study& study);
+
+/// All studies, a line a method, with both kinds of error over both sets of scenes.
+std::string csv_text(const std::vector<Study>& studies);
+
+/// What the product chooses by; see common/data/frontier/README.md.
+std::string frontier_text(const std::vector<Study>& studies);
+
+}  // namespace strobe::bench::trade

@@ -1,0 +1,72 @@
+// What `strobe-bench trade` measures: for each study a list of methods with their cost and their error
+// against a reference two orders better. Plain values; one thread's.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace strobe::bench::trade {
+
+/// What an error comes from: a model that leaves out what the truth has, a method that solves the right
+/// equations approximately, or noise of the measurement that any method suffers.
+enum class Source { model, numerical, noise };
+
+/// Over scenes. Where noise decides, a scene's error is the rms over its shots.
+struct Error {
+  double rms = 0.0;
+  double worst = 0.0;
+};
+
+struct Row {
+  std::string method;
+  std::string parameter;  ///< "name=value", several joined by ';'; empty: none
+  double cost_us = 0.0;   ///< a call, least of the repetitions
+  Error practical{};      ///< over the seeded scenes of the practical range
+  Error thesis{};         ///< over the thesis's 21 conditions
+  Source source = Source::model;
+  std::string remark{};
+  bool general = false;  ///< of an engine that is not the product's
+};
+
+struct Study {
+  std::string name;
+  std::string title;
+  std::string what;        ///< scenes, norm of the error, reference: for the table's head
+  std::string unit{};      ///< of the errors, as in the frontier's file
+  double reference = 0.0;  ///< error of the reference itself, same norm; 0: closed form in many digits
+  bool shipped = true;     ///< the product can choose among these methods
+  std::vector<Row> rows{};
+};
+
+struct Effort {
+  std::uint64_t seed = 1;
+  int scenes = 200;      ///< of the practical range
+  int shots = 2000;      ///< of each condition, for estimators
+  int repetitions = 15;  ///< of every timing; the least counts
+  bool quick = false;    ///< fewer tolerances and step counts
+};
+
+/// The error that a row stands for when methods are compared: of both sets of scenes the larger.
+double error_of(const Row& row);
+
+/// "method parameter"
+std::string label(const Row& row);
+
+struct Dominated {
+  std::size_t by = 0;   ///< row
+  double slower = 1.0;  ///< how many times
+  double worse = 1.0;
+};
+
+/// For each row: the row that is neither slower nor less exact than it, of several the one that beats it
+/// most (product of both factors); none: the row is on the frontier. Costs within `margin` of each other
+/// count as equal, since they are measured.
+std::vector<std::optional<Dominated>> dominated(const Study& study, double margin = 0.03);
+
+/// What must hold of any run, as sentences about what does not: errors that fall with the tolerance down to
+/// rounding, a reference better than every method, finite figures.
+std::vector<std::string> broken_invariants(const std::vector<Study>& studies);
+
+}  // namespace strobe::bench::trade
