@@ -23,6 +23,19 @@ struct RunOptions {
 /// Exit status of the command; 128 plus the signal that ended it.
 int run_command(const RunOptions& options);
 
+struct ShootOptions {
+  std::string scene;
+  int shots = 1;
+  std::uint64_t seed = 1;
+  std::string model = "full";
+  double period_ms = 3.0;
+  double exposure_ms = 0.0;  ///< 0: as long as the balls take to cross the view
+  bool perfect_digitizer = false;
+  std::string truth_file;  ///< empty: none
+};
+/// Prints the frames of simulated shots, one per line.
+int shoot_command(const ShootOptions& options);
+
 int scenes_command(bool json);
 
 /// `drives`: LINE=LEVEL, LINE a name or an offset.

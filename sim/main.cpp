@@ -10,6 +10,7 @@
 namespace {
 
 using strobe::sim::RunOptions;
+using strobe::sim::ShootOptions;
 
 void add_run(CLI::App& app, RunOptions& options, bool& no_digitizer) {
   CLI::App* run = app.add_subcommand("run", "Run a command on a simulated rig");
@@ -33,6 +34,28 @@ void add_run(CLI::App& app, RunOptions& options, bool& no_digitizer) {
   run->add_option("command", options.command, "Command and its arguments, after --")->required();
 }
 
+void add_shoot(CLI::App& app, ShootOptions& options, bool& json) {
+  CLI::App* shoot = app.add_subcommand("shoot", "Simulate whole shots in virtual time, without a firmware");
+  shoot->footer(
+      "Prints one frame per line, always as JSON, for `strobe reduce --format frame`. The same scene, seed, "
+      "model\n"
+      "and settings print the same bytes. A model is \"full\", \"none\", the effects to have "
+      "(gravity,grip) or those\n"
+      "to leave out (--model=-pixels,-drag).\n\n"
+      "Example: strobe-sim shoot --scene zero_23 --shots 9 --seed 42 | strobe reduce - --format frame");
+  shoot->add_option("--scene", options.scene, "Scene's name (see `strobe-sim scenes`) or a scene file")
+      ->required();
+  shoot->add_option("--shots", options.shots, "How many")->capture_default_str();
+  shoot->add_option("--seed", options.seed, "Seed of every random draw")->capture_default_str();
+  shoot->add_option("--model", options.model, "Effects to simulate")->capture_default_str();
+  shoot->add_option("--period-ms", options.period_ms, "Between flashes")->capture_default_str();
+  shoot->add_option("--exposure-ms", options.exposure_ms,
+                    "Length of the train of flashes (0: while balls cross the view)");
+  shoot->add_flag("--perfect", options.perfect_digitizer, "Digitize without error, though stating one");
+  shoot->add_option("--truth", options.truth_file, "Write what truly happened, one JSON object per shot");
+  shoot->add_flag("--json", json, "As for other commands; frames are JSON anyway");
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -50,6 +73,9 @@ int main(int argc, char** argv) {
   CLI::App* scenes = app.add_subcommand("scenes", "List the scenes that come with the program");
   scenes->footer("Example: strobe-sim scenes --json");
   scenes->add_flag("--json", json, "One JSON object per line");
+
+  ShootOptions shots;
+  add_shoot(app, shots, json);
 
   std::string chip_dir;
   CLI::App* lines = app.add_subcommand("lines", "Show each line of a running rig's chip");
@@ -87,6 +113,7 @@ int main(int argc, char** argv) {
   }
   options.digitizer = !no_digitizer;
   if (scenes->parsed()) return sim::scenes_command(json);
+  if (app.got_subcommand("shoot")) return sim::shoot_command(shots);
   if (lines->parsed()) return sim::lines_command(chip_dir, json);
   if (drive->parsed()) return sim::drive_command(chip_dir, drives);
   if (fit->parsed()) return sim::fit_command(tables, folder);

@@ -1,0 +1,80 @@
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+
+#include "common/messages/json_conversions.hpp"
+#include "sim/commands.hpp"
+#include "sim/live/scene_files.hpp"
+#include "sim/rig/truth.hpp"
+#include "sim/shoot/model_text.hpp"
+#include "sim/shoot/shoot.hpp"
+
+namespace strobe::sim {
+
+namespace {
+
+int complain(const std::string& message, int status) {
+  fmt::print(stderr, "strobe-sim: {}\n", message);
+  return status;
+}
+
+Duration from_milliseconds(double ms) { return nanoseconds(std::llround(ms * 1e6)); }
+
+/// A line on stderr every two seconds, so that short runs say nothing.
+class Progress {
+ public:
+  explicit Progress(int shots) : shots_(shots) {}
+  void at(int shot) {
+    const auto now = std::chrono::steady_clock::now();
+    if (now - last_ < std::chrono::seconds(2)) return;
+    last_ = now;
+    fmt::print(stderr, "strobe-sim: {} of {} shots\n", shot, shots_);
+  }
+
+ private:
+  int shots_;
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+Result<Shooter> prepare(const ShootOptions& options) {
+  const auto scene = load_scene(options.scene);
+  if (!scene) return tl::unexpected(scene.error());
+  const auto model = parse_model(options.model);
+  if (!model) return fail("--model: " + model.error().message);
+  return Shooter::make(*scene, options.seed, *model,
+                       {.period = from_milliseconds(options.period_ms),
+                        .exposure = from_milliseconds(options.exposure_ms),
+                        .perfect_digitizer = options.perfect_digitizer})
+      .map_error([](Error error) {
+        error.message.insert(error.message.find(':'), "-ms");  // the option's name
+        return Error{"--" + error.message};
+      });
+}
+
+}  // namespace
+
+int shoot_command(const ShootOptions& options) {
+  if (options.shots < 1) return complain("--shots: must be 1 or more", 2);
+  auto shooter = prepare(options);
+  if (!shooter) return complain(shooter.error().message, 2);
+  std::ofstream truth;
+  if (!options.truth_file.empty()) {
+    truth.open(options.truth_file);
+    if (!truth) return complain(options.truth_file + ": cannot be written", 2);
+  }
+  Progress progress(options.shots);
+  for (int shot = 1; shot <= options.shots; ++shot) {
+    const SimulatedShot result = shooter->shoot(shot);
+    fmt::print("{}\n", messages::frame_to_json(result.frame));
+    if (truth.is_open()) truth << truth_line(shooter->scene(), result.exposure, shot) << '\n';
+    progress.at(shot);
+  }
+  const bool written = std::fflush(stdout) == 0;
+  if (!truth.flush() || !written) return complain("not everything could be written", 1);
+  return 0;
+}
+
+}  // namespace strobe::sim
