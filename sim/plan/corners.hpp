@@ -1,0 +1,35 @@
+// The corners of what a scene's shots can be: draws are bounded (kLargestNormal), so that all shots lie in a
+// box of draws; its middle, the middles of its faces and a balanced choice of its corners stand for it.
+// Deterministic; thread-safe; allocates.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "sim/rig/ball_path.hpp"
+#include "sim/rig/scene.hpp"
+
+namespace strobe::sim {
+
+/// What is drawn for a shot, in the order of a corner's numbers.
+enum class Spread { speed, angle, spin, e, friction, offset, dwell, spot, off_plane };
+inline constexpr std::size_t kSpreadCount = 9;
+
+/// Draws in standard deviations, -kLargestNormal…kLargestNormal.
+struct Corner {
+  std::array<double, kSpreadCount> z{};
+  double operator[](Spread s) const { return z[static_cast<std::size_t>(s)]; }
+};
+
+/// The middle first. Spreads that the scene does not have stay 0 and add no corners. For all nine: the
+/// middle, 18 faces and 32 corners, a two-level design of 16 runs and its mirror image, in which every pair
+/// of spreads occurs in all four combinations.
+std::vector<Corner> corners(const Scene& scene);
+
+/// Further points of the box, spread evenly (Halton's sequence), for what need not be largest at a corner.
+std::vector<Corner> inside(const Scene& scene, int count);
+
+/// The shot that these draws make.
+Throw throw_at(const Scene& scene, const Corner& corner);
+
+}  // namespace strobe::sim

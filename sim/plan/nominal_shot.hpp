@@ -1,0 +1,75 @@
+// One shot of a scene without chance: given draws, given flashes, a hand without error, the sensors exact.
+// What plans measure the scene with. Deterministic; thread-safe; allocates.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "common/reduction/frame.hpp"
+#include "sim/plan/corners.hpp"
+#include "sim/plan/flight_bounds.hpp"
+#include "sim/rig/ball_path.hpp"
+#include "sim/rig/model.hpp"
+#include "sim/shoot/shoot.hpp"
+
+namespace strobe::sim {
+
+/// One flash, from touchdown, and how much later the frame says that it was.
+struct NominalFlash {
+  double time_s = 0.0;
+  double stamp_late_s = 0.0;
+};
+
+/// A frame with the flash of each of its images.
+struct NominalFrame {
+  reduction::Frame frame;
+  std::vector<std::size_t> flash;  ///< indices of the flashes that were given
+};
+
+/// How long the train of a shot runs before and after the mean ball's touchdown, as Shooter has it. [s]
+struct Train {
+  double period_s = 0.0;
+  double before_s = 0.0;
+  double after_s = 0.0;
+};
+Train train_of(const Scene& scene, const ShootSettings& settings);
+
+/// A scene as one model has it, with what is prepared once.
+struct ModelledScene {
+  ModelledScene(const Scene& scene, const Model& model);
+
+  Scene whole;
+  Scene left;  ///< what the model leaves of it
+  Model model;
+  std::optional<ReducedContact> reduced;
+};
+
+/// The ball of one corner under one model, and the camera that sees it. The scene must outlive it.
+class NominalShot {
+ public:
+  /// Nothing if the contact's mechanics refuse the throw.
+  static std::optional<NominalShot> make(const ModelledScene& scene, const Corner& corner);
+
+  NominalFrame photograph(std::span<const NominalFlash> flashes) const;
+
+  /// All flashes of the train that find the ball near the view, the first one after touchdown at phase (0…1)
+  /// of a period; the ball meets the plate `late_s` after the mean one.
+  std::vector<NominalFlash> flashes(const Train& train, double phase, double late_s) const;
+
+  LegMotion incoming() const;
+  LegMotion rebound() const;
+  double dwell_s() const { return path_.dwell_s(); }
+  const BallPath& path() const { return path_; }
+
+ private:
+  NominalShot(const Scene& scene, BallPath path);
+  double seen_until_s(double direction) const;
+
+  const Scene& scene_;
+  BallPath path_;
+  double first_seen_s_;
+  double last_seen_s_;
+};
+
+}  // namespace strobe::sim

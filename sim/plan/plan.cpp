@@ -1,0 +1,60 @@
+#include "sim/plan/plan.hpp"
+
+#include <algorithm>
+
+namespace strobe::sim {
+
+namespace {
+
+using reduction::Quantity;
+
+bool within(const PerReadout& bound, const PerReadout& tolerance) {
+  for (std::size_t q = 0; q < reduction::kQuantityCount; ++q) {
+    if (!(bound[q] <= tolerance[q])) return false;
+  }
+  return true;
+}
+
+Quantity worst(const PerReadout& bound, const PerReadout& tolerance) {
+  std::size_t result = 0;
+  double largest = -1.0;
+  for (std::size_t q = 0; q < reduction::kQuantityCount; ++q) {
+    const double share = bound[q] > 0.0 ? bound[q] / tolerance[q] : 0.0;
+    if (share <= largest) continue;
+    largest = share;
+    result = q;
+  }
+  return static_cast<Quantity>(result);
+}
+
+}  // namespace
+
+Plan plan(SceneBounds& bounds, const PerReadout& tolerance) {
+  Plan result;
+  result.tolerance = tolerance;
+  result.scale = readout_scales(bounds.scene());
+  result.flips = bounds.flips();
+  result.caution = bounds.caution();
+  for (std::size_t i = 0; i < kEffectCount; ++i) {
+    PlannedEffect& planned = result.effects[i];
+    planned.effect = static_cast<Effect>(i);
+    planned.present = bounds.present(planned.effect);
+    if (planned.present) planned.bound = bounds.of(planned.effect);
+    planned.worst = worst(planned.bound, tolerance);
+    if (planned.bound.all_zero()) result.model = result.model.without(planned.effect);
+  }
+  for (const Effect effect : kByPrice) {
+    if (!result.model.has(effect)) continue;
+    const Model without = result.model.without(effect);
+    if (within(bounds.of(without), tolerance)) result.model = without;
+  }
+  for (PlannedEffect& planned : result.effects) planned.needed = result.model.has(planned.effect);
+  result.left_out = bounds.of(result.model);
+  return result;
+}
+
+Plan plan(SceneBounds& bounds, double tolerance) {
+  return plan(bounds, tolerances(bounds.scene(), tolerance));
+}
+
+}  // namespace strobe::sim

@@ -1,0 +1,82 @@
+// By how much each effect can change each readout of a scene's shots, whatever is drawn for them.
+//
+// Two kinds of effects.
+// - Those of the image (flight, timing, camera) displace what is measured of it. Their headers bound by how
+//   much (flight_bounds.hpp, timing_bounds.hpp, camera_bounds.hpp); the reduction's own sensitivities
+//   (sensitivity.hpp) carry it to each number. The largest over the corners of the scene's spread
+//   (corners.hpp) and, at each, over two phases of the flash train: that with the fewest images, which weigh
+//   most, and one more, another at each corner. Times kImageMargin for what lies between the corners and the
+//   second order.
+// - Those of the contact change the rebound itself (contact_bounds.hpp).
+//
+// Which images there are is decided by thresholds: the view's edge, flattening that is seen as contact, an
+// image that overlaps the surface. A displaced image may pass one. What that can do is measured: with all
+// effects the readout at neighbouring ones of kPhases phases of the train differs by what images that come
+// and go do to it (and by a smooth part, which only adds). flips() is the sum of the kThresholds largest such
+// steps, the largest over the corners: a shot that passes several thresholds at once changes by no more. It
+// counts as soon as anything that displaces images is left out: once, and once more for every image that may
+// be carried past a threshold (the displacement over the spacing of images, or in contact by how many the
+// images counted differ); and with it, where the sensors' jitter is kept, twice what one image's can do.
+// Where pixels are kept, what they do to all images counts twice besides: at another place it is another. A
+// number that some phases or corners have and others have not gets an infinite one: nothing that displaces
+// may then be left out.
+//
+// Deterministic: no clock. Thread-safe. Allocates.
+#pragma once
+
+#include <array>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "sim/plan/contact_bounds.hpp"
+#include "sim/plan/readouts.hpp"
+#include "sim/rig/model.hpp"
+#include "sim/rig/scene.hpp"
+#include "sim/shoot/shoot.hpp"
+
+namespace strobe::sim {
+
+inline constexpr double kImageMargin = 1.5;
+inline constexpr int kPhases = 32;
+inline constexpr std::size_t kThresholds = 4;
+
+class SceneBounds {
+ public:
+  explicit SceneBounds(const Scene& scene, const ShootSettings& settings = {});
+
+  /// Whether the scene has the effect at all; without it there is nothing to leave out.
+  bool present(Effect effect) const { return present_[static_cast<std::size_t>(effect)]; }
+
+  /// Of leaving out this effect alone, thresholds apart.
+  PerReadout of(Effect effect);
+
+  /// Of leaving out all that the model lacks, thresholds included: what plans hold against the tolerance.
+  PerReadout of(const Model& model);
+
+  /// Of images that come and go.
+  const PerReadout& flips() const { return flips_; }
+
+  /// Why flips() is infinite, for people; empty where it is not for a reason that holds for all numbers.
+  const std::string& caution() const { return caution_; }
+
+  const Scene& scene() const { return scene_; }
+
+ private:
+  void measure(const ShootSettings& settings);
+  void look_for_cautions(const ShootSettings& settings);
+
+  Scene scene_;
+  std::array<bool, kEffectCount> present_{};
+  std::array<PerReadout, kEffectCount> images_{};
+  std::array<double, kEffectCount> passing_{};  ///< how many images each may carry past a threshold
+  ContactBounds contact_;
+  PerReadout flips_;
+  PerReadout one_stamp_;  ///< of one image's time by the sensors' jitter
+  std::string caution_;
+};
+
+/// Whether the scene has the effect: its parameters are not those at which it does nothing.
+bool scene_has(const Scene& scene, Effect effect);
+
+}  // namespace strobe::sim
