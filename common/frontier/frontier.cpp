@@ -12,8 +12,10 @@ namespace {
 /// Three digits: costs and errors are measured, no more of them holds.
 std::string brief(double number) {
   std::array<char, 32> text{};
+  const bool whole = number >= 1e3 && number < 1e9;
   const auto [end, error] =
-      std::to_chars(text.data(), text.data() + text.size(), number, std::chars_format::general, 3);
+      whole ? std::to_chars(text.data(), text.data() + text.size(), number, std::chars_format::fixed, 0)
+            : std::to_chars(text.data(), text.data() + text.size(), number, std::chars_format::general, 3);
   return error == std::errc{} ? std::string(text.data(), end) : "?";
 }
 
