@@ -10,6 +10,7 @@ namespace {
 
 constexpr double kBarLength = 0.6;  // half length and half width of the bar over the half diameter
 constexpr double kBarWidth = 0.06;
+constexpr double kBarReach = 0.61;    // of its corners: hypot(.6, .06) = .603
 constexpr double kInside = 0.8;       // of the half diameter: what is not brightest in there is the bar
 constexpr double kSpacing_px = 0.25;  // of the balls that a smeared one is the mean of
 constexpr double kMostInstants = 64.0;
@@ -66,17 +67,9 @@ class BarCut {
   double c_, s_, r_;
 };
 
-/// Adds a span's coverage to a row kept as differences; x = 0 is the left side of the row's first pixel.
-void add(std::vector<double>& row, Span span, double weight) {
-  if (span.to <= span.from) return;
-  const auto edge = [&](double x, double w) {
-    const double pixel = std::floor(x);
-    const auto i = static_cast<std::size_t>(pixel);
-    row[i] += w * (pixel + 1.0 - x);
-    row[i + 1] += w * (x - pixel);
-  };
-  edge(span.from, weight);
-  edge(span.to, -weight);
+std::uint8_t grey(double ball, double bar) {
+  return static_cast<std::uint8_t>(
+      std::max(0.0, PixelGrid::kBall * ball - (PixelGrid::kBall - PixelGrid::kBar) * bar) + 0.5);
 }
 
 int instants_of(const Smear& smear, double half_diameter_px) {
@@ -95,8 +88,8 @@ double PixelGrid::error_px(double r) {
 
 void PixelGrid::lay_out(const BallView& view, const Smear& smear) {
   const double reach_px = std::max(view.along_px, view.across_px);
-  const double x = reach_px + 0.5 * std::abs(smear.x_px) + 2.0;
-  const double y = reach_px + 0.5 * std::abs(smear.y_px) + 2.0;
+  const double x = reach_px + 0.5 * std::abs(smear.x_px) + 3.0;
+  const double y = reach_px + 0.5 * std::abs(smear.y_px) + 3.0;
   left_ = static_cast<int>(std::floor(view.centre_px.x - x));
   bottom_ = static_cast<int>(std::floor(view.centre_px.y - y));
   width_ = static_cast<int>(std::ceil(view.centre_px.x + x)) - left_ + 1;
@@ -104,39 +97,50 @@ void PixelGrid::lay_out(const BallView& view, const Smear& smear) {
   pixels_.assign(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_), 0);
 }
 
-void PixelGrid::draw_row(int row, const BallView& view, const Smear& smear, int instants) {
-  const auto size = static_cast<std::size_t>(width_) + 2;
-  ball_.assign(size, 0.0);
-  bar_.assign(size, 0.0);
-  const EllipseCut ellipse(view);
+void PixelGrid::draw(const BallView& view, const Smear& smear) {
   const double r = 0.5 * view.diameter_px();
+  const EllipseCut ellipse(view);
+  std::vector<BarCut> bars;
+  const int instants = instants_of(smear, r);
+  const auto part = [&](int k) { return (k + 0.5) / instants - 0.5; };
+  for (int k = 0; k < instants; ++k) bars.emplace_back(view.equator_rad + part(k) * smear.turn_rad, r);
   const double weight = 1.0 / (kLines * instants);
-  for (int k = 0; k < instants; ++k) {
-    const double part = (k + 0.5) / instants - 0.5;
-    const BarCut bar(view.equator_rad + part * smear.turn_rad, r);
-    const double x = view.centre_px.x + part * smear.x_px - (left_ - 0.5);
-    const double y = view.centre_px.y + part * smear.y_px - (bottom_ + row - 0.5);
-    for (int line = 0; line < kLines; ++line) {
-      const double h = (line + 0.5) / kLines - y;
-      const Span ball = ellipse.at(h);
-      add(ball_, {x + ball.from, x + ball.to}, weight);
-      const Span dark = bar.at(h);
-      add(bar_, {x + dark.from, x + dark.to}, weight);
+  for (int row = 0; row < height_; ++row) {
+    ball_.clear(static_cast<std::size_t>(width_));
+    bar_.clear(static_cast<std::size_t>(width_));
+    for (int k = 0; k < instants; ++k) {
+      const double x = view.centre_px.x + part(k) * smear.x_px - (left_ - 0.5);
+      const double y = view.centre_px.y + part(k) * smear.y_px - (bottom_ + row - 0.5);
+      for (int line = 0; line < kLines; ++line) {
+        const double h = (line + 0.5) / kLines - y;
+        const Span ball = ellipse.at(h);
+        ball_.add(x + ball.from, x + ball.to, weight);
+        if (std::abs(h) > kBarReach * r) continue;
+        const Span dark = bars[static_cast<std::size_t>(k)].at(h);
+        bar_.add(x + dark.from, x + dark.to, weight);
+      }
     }
-  }
-  double ball = 0.0;
-  double dark = 0.0;
-  std::uint8_t* out = pixels_.data() + static_cast<std::size_t>(row) * static_cast<std::size_t>(width_);
-  for (std::size_t i = 0; i < static_cast<std::size_t>(width_); ++i) {
-    ball += ball_[i];
-    dark += bar_[i];
-    out[i] = static_cast<std::uint8_t>(std::max(0.0, kBall * ball - (kBall - kBar) * dark) + 0.5);
+    paint(pixels_.data() + static_cast<std::size_t>(row) * static_cast<std::size_t>(width_));
   }
 }
 
-void PixelGrid::draw(const BallView& view, const Smear& smear) {
-  const int instants = instants_of(smear, 0.5 * view.diameter_px());
-  for (int row = 0; row < height_; ++row) draw_row(row, view, smear, instants);
+void PixelGrid::paint(std::uint8_t* out) const {
+  const bool nested = bar_.first() >= ball_.even_first() && bar_.end() <= ball_.even_end();
+  double ball = 0.0;
+  double dark = 0.0;
+  std::size_t i = ball_.first();
+  if (nested || bar_.empty()) {
+    for (; i < ball_.even_first(); ++i) out[i] = grey(ball += ball_.step(i), 0.0);
+    if (ball_.even_end() > i) {
+      std::fill(out + i, out + ball_.even_end(), grey(ball, 0.0));
+      for (std::size_t k = bar_.first(); k < bar_.end(); ++k) out[k] = grey(ball, dark += bar_.step(k));
+      i = ball_.even_end();
+    }
+    for (; i < ball_.end(); ++i) out[i] = grey(ball += ball_.step(i), 0.0);
+    return;
+  }
+  for (i = std::min(i, bar_.first()); i < std::max(ball_.end(), bar_.end()); ++i)
+    out[i] = grey(ball += ball_.step(i), dark += bar_.step(i));
 }
 
 PixelGrid::Moments PixelGrid::brightness() const {

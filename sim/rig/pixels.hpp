@@ -33,6 +33,7 @@
 
 #include "common/reduction/frame.hpp"
 #include "sim/rig/camera.hpp"
+#include "sim/rig/row_coverage.hpp"
 
 namespace strobe::sim {
 
@@ -75,7 +76,7 @@ class PixelGrid {
  private:
   void lay_out(const BallView& view, const Smear& smear);
   void draw(const BallView& view, const Smear& smear);
-  void draw_row(int row, const BallView& view, const Smear& smear, int instants);
+  void paint(std::uint8_t* row) const;
   PixelMeasurement read(double half_diameter_px) const;
 
   struct Moments {
@@ -88,8 +89,8 @@ class PixelGrid {
   int bottom_ = 0;
   int width_ = 0;
   int height_ = 0;
-  std::vector<double> ball_;  ///< coverage of one row, as differences along it
-  std::vector<double> bar_;
+  RowCoverage ball_;
+  RowCoverage bar_;
   std::vector<std::uint8_t> pixels_;
 };
 
