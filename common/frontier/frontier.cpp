@@ -98,7 +98,7 @@ std::string reason(std::span<const Row> rows, const Demand& demand) {
 }
 
 std::string refusal(const Nearest& nearest, const Demand& demand) {
-  if (!nearest.fastest) return "no method was measured that could be taken";
+  if (!nearest.fastest) return "the frontier holds no method that could be taken";
   const auto with_promise = [](const Row& row) { return title(row) + " (" + promise(row) + ")"; };
   std::string text = "no method meets " + demand_text(demand);
   if (demand.deadline_us)

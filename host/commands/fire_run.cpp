@@ -7,6 +7,7 @@
 #include "common/messages/channels.hpp"
 #include "common/messages/lcm_conversions.hpp"
 #include "host/commands/command.hpp"
+#include "host/session/collection.hpp"
 #include "host/session/follower.hpp"
 #include "host/session/intake.hpp"
 #include "host/session/link.hpp"
@@ -15,7 +16,6 @@ namespace strobe::host {
 namespace {
 
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
-constexpr std::int64_t kLinger_ns = 10 * kSecond_ns;
 constexpr std::int64_t kDisarm_ns = 1 * kSecond_ns;
 constexpr int kTurn_ms = 20;
 
@@ -160,12 +160,10 @@ class FireRun {
   /// Events that were lost on the way are fetched from the journal before the log is closed.
   void collect_missing() {
     const EventLedger& ledger = follower_.session().ledger();
-    const std::int64_t started_ns = steady_now_ns();
+    const Collection collection(steady_now_ns());
     bool said = false;
-    while (turn() && follower_.heard(now_ns_)) {
-      const bool settled = now_ns_ - started_ns > kSecond_ns / 2;  // the next status tells of the last events
-      if ((settled && ledger.complete()) || now_ns_ - started_ns > kLinger_ns) break;
-      if (!said && now_ns_ - started_ns > 2 * kSecond_ns) {
+    while (turn() && !collection.over(follower_.session(), follower_.heard(now_ns_).has_value(), now_ns_)) {
+      if (!said && now_ns_ - collection.started_ns() > 2 * kSecond_ns) {
         said = true;
         terminal_->notice(fmt::format("fetching {} events that were lost on the way", ledger.missing()));
       }

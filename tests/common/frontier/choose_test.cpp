@@ -85,7 +85,7 @@ TEST(Choose, RefusesNamingTheFastestAndTheMostExactWhereNothingComesNear) {
       "exact "
       "of all is ode tolerance=1e-06 (1e-05% of v_td in 20 us)",
       refusal(choose(kRows, demand).error(), demand).c_str());
-  STRCMP_EQUAL("no method was measured that could be taken",
+  STRCMP_EQUAL("the frontier holds no method that could be taken",
                refusal(choose({}, demand).error(), demand).c_str());
 }
 

@@ -181,6 +181,17 @@ TEST(PredictChoice, NamesWhatLiesOutsideOfWhatWasMeasured) {
   STRCMP_EQUAL("e", choice->outside[1].c_str());
 }
 
+TEST(PredictChoice, TakesAMirroredImpactForTheSame) {
+  MeasuredImpacts narrow = measured();
+  narrow.ranges = {{.study = "lift_off", .quantity = "omega_radps", .lowest = 0.0, .highest = 10.0}};
+  PredictInput left = thesis_input();
+  left.touchdown.vx_mps = -left.touchdown.vx_mps;
+  left.touchdown.omega_radps = -left.touchdown.omega_radps;
+  const frontier::Demand demand{.tolerance = 0.5, .deadline_us = {}};
+  LONGS_EQUAL(0, choose_impact(narrow, demand, "", thesis_input(), no_clock)->outside.size());
+  LONGS_EQUAL(0, choose_impact(narrow, demand, "", left, no_clock)->outside.size());
+}
+
 // The rows' errors are far above the integrations' own, so that what they promise holds; a check that says
 // "within" must then be right against an integration to 1e-12, and no demand may be overrun.
 TEST(PredictChoice, OnAnyImpactKeepsTheDeadlineAndNeverCallsAnErrorWithinThatIsNot) {
