@@ -6,6 +6,7 @@
 #include "common/reduction/legacy.hpp"
 #include "common/reduction/propagate.hpp"
 #include "common/reduction/shot_fit.hpp"
+#include "common/reduction/spin_check.hpp"
 
 namespace strobe::reduction {
 namespace {
@@ -54,6 +55,7 @@ Readout two_point_readout(const Frame& frame, const Propagate& propagation) {
   const ShotFit fit = fit_shot(std::move(*observations),
                                {.effects = flight::kNoEffects, .leave_out_outliers = false}, readout.flags);
   propagate(fit, propagation, readout);
+  if (spins_contradict_friction(readout, fit)) readout.flags.set(Flag::spin_aliased);
   return readout;
 }
 
@@ -69,6 +71,10 @@ Readout best_readout(const Frame& frame, const Propagate& propagation, const Red
   flag_redundancy(fit.observations, readout.flags);
   Readout reduced = readout;
   const Crossings crossings = propagate(fit, propagation, reduced);
+  if (spins_contradict_friction(reduced, fit)) {
+    readout.flags.set(Flag::spin_aliased);
+    reduced.flags.set(Flag::spin_aliased);
+  }
   reduced.flight_effects = fit.effects;
   if (options.effects) return reduced;
   const flight::Effects kept = effects_that_matter(reduced, fit, crossings, fit.effects);

@@ -137,7 +137,7 @@ bool ShotPlayer::lamps_recharged(const PlannedPulse& pulse, MonoTime now) noexce
 void ShotPlayer::flash(const PlannedPulse& pulse, MonoTime now) noexcept {
   if (!lamps_recharged(pulse, now)) return;
   const Issue issue = outputs_.activate(Output::strobes, at(pulse.at), pulse.width, now);
-  last_flash_ = issue.start;
+  last_flash_ = issue.end;  // wherever in the call the line changed, the lamp has not flashed after it
   book_.issued(pulse.flash_index, issue.start, issue.end);
   report(EventKind::flash, Line::none, 1, issue, pulse.flash_index);
   if (!issue.done) abort("the lamps' lines could not be set");

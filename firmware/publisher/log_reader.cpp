@@ -8,6 +8,7 @@ namespace strobe::firmware {
 namespace {
 
 constexpr std::uint32_t kLongestChannel = 1000;
+constexpr std::size_t kPart = std::size_t{16} << 10;  // of the file, read at once
 constexpr std::uint32_t kLargestMessage = std::uint32_t{16} << 20;
 
 std::uint32_t big_endian(const std::uint8_t* bytes) {
@@ -17,11 +18,24 @@ std::uint32_t big_endian(const std::uint8_t* bytes) {
 
 }  // namespace
 
-bool LogReader::read(std::int64_t offset, std::uint8_t* bytes, std::size_t size) {
+void LogReader::fill(std::int64_t offset, std::size_t size) {
+  part_.resize(size);
   file_.clear();
   file_.seekg(offset);
-  file_.read(reinterpret_cast<char*>(bytes), static_cast<std::streamsize>(size));
-  return file_.good();
+  file_.read(reinterpret_cast<char*>(part_.data()), static_cast<std::streamsize>(size));
+  part_.resize(static_cast<std::size_t>(file_.gcount()));
+  part_at_ = offset;
+}
+
+bool LogReader::read(std::int64_t offset, std::uint8_t* bytes, std::size_t size) {
+  const auto holds = [&] {
+    return offset >= part_at_ && size <= part_.size() &&
+           static_cast<std::size_t>(offset - part_at_) <= part_.size() - size;
+  };
+  if (!holds()) fill(offset, std::max(size, kPart));
+  if (!holds()) return false;
+  std::copy_n(part_.begin() + (offset - part_at_), size, bytes);
+  return true;
 }
 
 bool LogReader::read_record(std::int64_t offset, LogRecord& record) {

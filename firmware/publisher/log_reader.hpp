@@ -28,7 +28,11 @@ class LogReader {
   bool read_record(std::int64_t offset, LogRecord& record);
   bool find_sync(std::int64_t from, std::int64_t& found);
 
+  void fill(std::int64_t offset, std::size_t size);
+
   std::ifstream file_;
+  std::vector<std::uint8_t> part_;  ///< of the file, from part_at_; what is written is never changed
+  std::int64_t part_at_ = 0;
   std::int64_t at_ = 0;
 };
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <boost/math/special_functions/erf.hpp>
 #include <cmath>
 #include <limits>
@@ -49,19 +50,31 @@ bool explains(Flag flag, Quantity quantity) {
 
 namespace {
 
-double z_of(const reduction::Readout& readout, const reduction::Quantities& truth, Quantity q) {
+double z_of(const reduction::Readout& readout, const Truth& truth, Quantity q) {
   const auto& value = readout.value[q];
-  const auto& expected = truth[q];
+  const auto& expected = truth.value[q];
   if (!expected) return std::numeric_limits<double>::infinity();
   const double sd = std::hypot(readout.sd[q].value_or(0.0), readout.sd_systematic[q].value_or(0.0));
-  const double error = *value - *expected;
+  const double error = std::max(0.0, std::abs(*value - *expected) - truth.allowance[q].value_or(0.0));
   if (!std::isfinite(error)) return std::numeric_limits<double>::infinity();
-  return sd > 0.0 ? std::abs(error) / sd : (error == 0.0 ? 0.0 : std::numeric_limits<double>::infinity());
+  return sd > 0.0 ? error / sd : (error == 0.0 ? 0.0 : std::numeric_limits<double>::infinity());
 }
 
 }  // namespace
 
-Judgement judge(const reduction::Readout& readout, const reduction::Quantities& truth, double limit) {
+reduction::Quantities allowance_for_spin_decay(const reduction::Quantities& truth, double decay_per_m,
+                                               double ball_radius_m) {
+  constexpr double kHalfALeg_m = 0.35;
+  reduction::Quantities allowance;
+  for (const Quantity q : {Quantity::omega_td_radps, Quantity::omega_lo_radps}) {
+    if (truth[q]) allowance[q] = decay_per_m * kHalfALeg_m * std::abs(*truth[q]);
+  }
+  if (truth[Quantity::omega_lo_radps])
+    allowance[Quantity::slip_lo_mps] = ball_radius_m * *allowance[Quantity::omega_lo_radps];
+  return allowance;
+}
+
+Judgement judge(const reduction::Readout& readout, const Truth& truth, double limit) {
   Judgement result;
   for (std::size_t i = 0; i < reduction::kQuantityCount; ++i) {
     const auto quantity = static_cast<Quantity>(i);
@@ -82,7 +95,7 @@ Judgement judge(const reduction::Readout& readout, const reduction::Quantities& 
     } else {
       result.wrong +=
           fmt::format(" {} = {:.6g}, true {}, {:.1f} sd off;", name(quantity), *readout.value[quantity],
-                      truth[quantity] ? fmt::format("{:.6g}", *truth[quantity]) : "none", z);
+                      truth.value[quantity] ? fmt::format("{:.6g}", *truth.value[quantity]) : "none", z);
     }
   }
   return result;

@@ -86,7 +86,7 @@ Lab::Lab(const RigFiles& files, const CampaignOrder& order)
       loop_wake_(std::make_unique<LoopWake>(*this)) {
   bus_.set_faults(
       {order.faults.packet_loss, order.faults.packet_duplication, order.faults.packet_reordering});
-  publisher_latency_ = nanoseconds(std::llround(random_.log_uniform(0.2e6, 20e6)));
+  publisher_latency_ = nanoseconds(std::llround(random_.log_uniform(0.5e6, 30e6)));
   host_rate_ = 1.0 + random_.uniform(-50e-6, 50e-6);
   host_origin_ns_ = std::llround(random_.uniform(1e9, 1e15));
 }

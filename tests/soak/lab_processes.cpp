@@ -233,9 +233,8 @@ void Lab::publisher_turn() {
 // Host and desk ---------------------------------------------------------------------------------------------
 
 void Lab::start_host() {
-  if (good_ >= order_.shots) return void(finished_ = true);
   HostOrder& order = host_order_;
-  order.campaign.shots = order_.shots - good_;
+  order.campaign.shots = std::max(1, order_.shots - good_);  // whoever starts it anew wants one shot at least
   ++tally_.hosts;
   const std::int64_t host_id = random_.id();
   trace("host {:x} starts", host_id);
@@ -313,11 +312,14 @@ void Lab::on_outcome(const host::Outcome& outcome) {
   if (outcome.host_id == host_->id() && !outcome.spoilt) ++good_;
   const Observer::ShotKey key{outcome.boot_id, outcome.shot_id};
   const auto shot = shots_.find(key);
-  reduction::Quantities truth;
+  Truth truth;
   if (shot != shots_.end()) {
     const sim::Exposure* exposure = desk_.exposure_of(shot->second.start, shot->second.end);
-    if (exposure != nullptr && shows_impact(*exposure))
-      truth = sim::true_readout(rig_.scene(), exposure->ball->path);
+    if (exposure != nullptr && shows_impact(*exposure)) {
+      truth.value = sim::true_readout(rig_.scene(), exposure->ball->path);
+      truth.allowance = allowance_for_spin_decay(truth.value, scenery_.scene.air.spin_decay_per_m,
+                                                 scenery_.scene.ball.radius_m());
+    }
   }
   const reduction::Readout& readout = outcome.readout;
   observer_.readout(host_->id(), key, readout, truth, outcome.dry);

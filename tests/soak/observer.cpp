@@ -4,15 +4,13 @@
 
 #include <algorithm>
 #include <fstream>
-#include <iterator>
+#include <sstream>
 #include <strobe_msgs/command_t.hpp>
-#include <strobe_msgs/event_t.hpp>
 
 namespace strobe::soak {
 
 using firmware::Output;
 using strobe_msgs::command_t;
-using strobe_msgs::event_t;
 
 namespace {
 
@@ -25,8 +23,14 @@ constexpr Duration kNewShot = milliseconds(100);  // no train pauses that long
 
 constexpr std::array kOutputNames{"trigger", "lamps", "shutter"};
 
-bool ends_with(const std::string& text, std::string_view end) {
-  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
+// An encoded event begins with its fingerprint and its version; boot and sequence follow.
+constexpr std::size_t kBoot = 12, kSequence = 20;
+
+template <typename Byte>
+std::int64_t big_endian(const Byte* bytes) {
+  std::uint64_t value = 0;
+  for (int i = 0; i < 8; ++i) value = value << 8 | static_cast<std::uint8_t>(bytes[i]);
+  return static_cast<std::int64_t>(value);
 }
 
 }  // namespace
@@ -87,7 +91,7 @@ void Observer::check_end(Output output, const Watched& watched, MonoTime at) {
 
 void Observer::check_trigger(MonoTime at) {
   ++triggers_;
-  if (unsafe_since_.known() && at - unsafe_since_ > kRace) {
+  if (unsafe_since_.known() && at - unsafe_since_ > kRace + excused(unsafe_since_, at)) {
     violate(fmt::format("trigger at {} with the key off or the e-stop pressed since {}", at.ns,
                         unsafe_since_.ns));
   }
@@ -154,18 +158,11 @@ void Observer::at_firmware(const std::vector<std::uint8_t>& bytes, MonoTime at) 
 }
 
 void Observer::at_host(const std::string& channel, const std::vector<std::uint8_t>& bytes) {
-  if (!ends_with(channel, "/EVENT")) return;
-  // The message begins with its fingerprint and its version; boot and sequence follow.
-  constexpr std::size_t kBoot = 12, kSequence = 20;
+  if (!channel.ends_with("/EVENT")) return;
   if (bytes.size() < kSequence + 8) return;
-  const auto number = [&bytes](std::size_t from) {
-    std::uint64_t value = 0;
-    for (std::size_t i = from; i < from + 8; ++i) value = value << 8 | bytes[i];
-    return static_cast<std::int64_t>(value);
-  };
-  const std::int64_t sequence = number(kSequence);
+  const std::int64_t sequence = big_endian(&bytes[kSequence]);
   if (sequence < 1 || sequence > 10'000'000) return violate("an event's sequence is absurd");
-  std::vector<bool>& have = on_host_[number(kBoot)];
+  std::vector<bool>& have = on_host_[big_endian(&bytes[kBoot])];
   if (have.size() <= static_cast<std::size_t>(sequence)) {
     have.resize(std::max(2 * have.size(), static_cast<std::size_t>(sequence) + 1));
   }
@@ -173,7 +170,7 @@ void Observer::at_host(const std::string& channel, const std::vector<std::uint8_
 }
 
 void Observer::readout(std::int64_t host_id, ShotKey shot, const reduction::Readout& readout,
-                       const reduction::Quantities& truth, bool dry) {
+                       const Truth& truth, bool dry) {
   judgement_.reset();
   if (!read_out_.insert({host_id, shot}).second) {
     violate(fmt::format("shot {} of boot {:x} was read out twice on host {:x}", shot.second, shot.first,
@@ -191,7 +188,9 @@ void Observer::read_journal(const std::filesystem::path& path) {
   // An LCM log's record: sync word, number, time, the lengths of channel and data, big-endian; then both.
   constexpr std::size_t kHeader = 28;
   std::ifstream file(path, std::ios::binary);
-  const std::string text((std::istreambuf_iterator<char>(file)), {});
+  std::ostringstream whole;
+  whole << file.rdbuf();
+  const std::string text = std::move(whole).str();
   const auto number = [&text](std::size_t from) {
     std::uint32_t value = 0;
     for (std::size_t i = from; i < from + 4; ++i) value = value << 8 | static_cast<std::uint8_t>(text[i]);
@@ -203,23 +202,23 @@ void Observer::read_journal(const std::filesystem::path& path) {
     const std::size_t channel = number(at + 20), data = number(at + 24), begin = at + kHeader + channel;
     if (begin + data > text.size()) return violate(path.filename().string() + " ends in a torn record");
     at = begin + data;
-    if (!text.substr(begin - channel, channel).ends_with("/EVENT")) continue;
-    event_t event;
-    if (event.decode(text.data(), static_cast<int>(begin), static_cast<int>(data)) < 0) {
+    if (!std::string_view(text).substr(begin - channel, channel).ends_with("/EVENT")) continue;
+    if (data < kSequence + 8) {
       violate(path.filename().string() + " holds what is no event");
       continue;
     }
     ++journalled_;
-    if (event.sequence != expected) {
-      violate(fmt::format("{}: event {} follows {}", path.filename().string(), event.sequence, expected - 1));
+    const std::int64_t boot_id = big_endian(&text[begin + kBoot]);
+    const std::int64_t sequence = big_endian(&text[begin + kSequence]);
+    if (sequence != expected) {
+      violate(fmt::format("{}: event {} follows {}", path.filename().string(), sequence, expected - 1));
     }
-    expected = event.sequence + 1;
-    const auto have = on_host_.find(event.boot_id);
-    const auto index = static_cast<std::size_t>(event.sequence);
+    expected = sequence + 1;
+    const auto have = on_host_.find(boot_id);
+    const auto index = static_cast<std::size_t>(sequence);
     if (have != on_host_.end() && index < have->second.size() && have->second[index]) continue;
     ++missing_;
-    violate(
-        fmt::format("event {} of boot {:x} is in the journal and on no host", event.sequence, event.boot_id));
+    violate(fmt::format("event {} of boot {:x} is in the journal and on no host", sequence, boot_id));
   }
 }
 

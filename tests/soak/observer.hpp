@@ -52,8 +52,8 @@ class Observer {
   void at_host(const std::string& channel, const std::vector<std::uint8_t>& bytes);
 
   // The results
-  void readout(std::int64_t host_id, ShotKey shot, const reduction::Readout& readout,
-               const reduction::Quantities& truth, bool dry);
+  void readout(std::int64_t host_id, ShotKey shot, const reduction::Readout& readout, const Truth& truth,
+               bool dry);
   /// All is quiet: the journals of the folder against what the hosts have.
   void end(const std::filesystem::path& session);
 

@@ -8,9 +8,8 @@ namespace strobe::soak {
 
 namespace {
 
-// As in `strobe fire`: the first status may take half a second, what is missing is waited for ten seconds.
-constexpr std::int64_t kSecond_ns = 1'000'000'000;
-constexpr std::int64_t kLinger_ns = 10 * kSecond_ns;
+constexpr std::int64_t kSecond_ns =
+    1'000'000'000;  // as in `strobe fire`: the first status may take half of it
 
 }  // namespace
 
@@ -48,7 +47,6 @@ void VirtualHost::turn(std::int64_t now_ns) {
   if (!campaign_.finished()) {
     const auto heard = follower_.heard(now_ns);
     if (heard || now_ns - started_ns_ > kSecond_ns) campaign_.step(heard, now_ns);
-    if (campaign_.finished()) finished_ns_ = now_ns;
   } else {
     collect(now_ns);
   }
@@ -57,11 +55,8 @@ void VirtualHost::turn(std::int64_t now_ns) {
 }
 
 void VirtualHost::collect(std::int64_t now_ns) {
-  if (finished_ns_ == 0) finished_ns_ = now_ns;
-  const host::EventLedger& events = follower_.session().ledger();
-  const bool settled = now_ns - finished_ns_ > kSecond_ns / 2;
-  if ((settled && events.complete()) || now_ns - finished_ns_ > kLinger_ns || !follower_.heard(now_ns))
-    ended_ = true;
+  if (!collection_) collection_.emplace(now_ns);
+  ended_ = collection_->over(follower_.session(), follower_.heard(now_ns).has_value(), now_ns);
 }
 
 }  // namespace strobe::soak

@@ -4,11 +4,13 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "host/session/campaign.hpp"
+#include "host/session/collection.hpp"
 #include "host/session/follower.hpp"
 #include "host/session/intake.hpp"
 
@@ -57,7 +59,7 @@ class VirtualHost {
   host::Follower follower_;
   host::Intake intake_;
   std::int64_t started_ns_;
-  std::int64_t finished_ns_ = 0;
+  std::optional<host::Collection> collection_;
   bool ended_ = false;
   std::vector<std::string> notices_;
 };

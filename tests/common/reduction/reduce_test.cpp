@@ -547,6 +547,27 @@ TEST(ReadoutFlags, SpinNearTheLimitOfAQuarterTurnIsFlagged) {
   CHECK_FALSE(reduced(test::photograph(b, setup, random)).flags.has(Flag::spin_aliased));
 }
 
+TEST(ReadoutFlags, ASpinBeyondAQuarterTurnIsFlaggedByWhatFrictionTookFromTheTravel) {
+  Bounce b;  // 692 rad/s are 2.08 rad in 3 ms, and read as -1.06
+  b.vx_td = 32.0;
+  b.vx_lo = 22.8;
+  b.omega_td = -100.0;
+  b.omega_lo = -692.0;
+  test::Random random(6);
+  const Readout r = reduced(test::photograph(b, vacuum(), random));
+  CHECK_TRUE(*r.value[Quantity::omega_lo_radps] > 0.0);
+  CHECK_TRUE(r.flags.has(Flag::spin_aliased));
+}
+
+TEST(ReadoutFlags, NoBounceOfTheThesisBelowTheLimitContradictsFriction) {
+  test::Random random(7);
+  for (const Bounce& b : test::thesis_bounces()) {
+    if (std::max(std::abs(b.omega_td), std::abs(b.omega_lo)) > 450.0) continue;  // near pi / (2 * 3 ms)
+    CHECK_FALSE_TEXT(reduced(test::photograph(b, vacuum(), random)).flags.has(Flag::spin_aliased),
+                     b.label.c_str());
+  }
+}
+
 TEST(ReadoutFlags, NoiseFromResidualsIsSaid) {
   Setup setup = vacuum();
   setup.state_noise = false;

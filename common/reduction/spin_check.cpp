@@ -1,0 +1,37 @@
+#include "common/reduction/spin_check.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace strobe::reduction {
+
+namespace {
+
+double shortest_interval_s(const std::vector<EquatorReading>& readings) {
+  double shortest = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i + 1 < readings.size(); ++i)
+    shortest = std::min(shortest, readings[i + 1].time_s - readings[i].time_s);
+  return shortest;
+}
+
+}  // namespace
+
+bool spins_contradict_friction(const Readout& readout, const ShotFit& fit) {
+  constexpr double kMostInterval_s = 7e-3;
+  const Quantities& value = readout.value;
+  const auto& before = value[Quantity::omega_td_radps];
+  const auto& after = value[Quantity::omega_lo_radps];
+  const auto& vx_before = value[Quantity::vx_td_mps];
+  const auto& vx_after = value[Quantity::vx_lo_mps];
+  if (!before || !after || !vx_before || !vx_after) return false;
+  const double interval_s =
+      std::max(shortest_interval_s(fit.equators[0]), shortest_interval_s(fit.equators[1]));
+  if (!(interval_s > 0.0) || interval_s > kMostInterval_s) return false;
+  const ball::Ball& ball = fit.observations.ball;
+  const double expected = (*vx_after - *vx_before) / (ball.alpha * ball.radius_m());
+  return std::abs(*after - *before - expected) > std::numbers::pi / (2.0 * interval_s);
+}
+
+}  // namespace strobe::reduction

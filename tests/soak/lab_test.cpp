@@ -1,0 +1,74 @@
+// Whole shots in the virtual lab: some thousand of them in each test run. The long run is tests/soak/run.
+#include "tests/soak/lab.hpp"
+
+#include <algorithm>
+#include <string>
+
+// CppUTest redefines new; its headers come last.
+#include <CppUTest/TestHarness.h>
+
+using namespace strobe;
+using namespace strobe::soak;
+
+TEST_GROUP(VirtualLab) {
+  RigFiles files = *read_rig_files(STROBE_SHIPPED_RIG);
+  std::string violations;
+
+  Tally run(const FaultPlan& faults, PlanKind plan, int campaigns, int shots = 10,
+            std::uint64_t seed = 2026) {
+    Tally sum;
+    for (int campaign = 0; campaign < campaigns; ++campaign) {
+      CampaignOrder order;
+      order.seed = seed;
+      order.campaign = campaign;
+      order.shots = shots;
+      order.faults = faults;
+      order.plan = plan;
+      Lab lab(files, order);
+      sum.add(lab.run());
+      for (const std::string& violation : lab.observer().violations())
+        violations +=
+            "\nseed " + std::to_string(seed) + ", campaign " + std::to_string(campaign) + ": " + violation;
+    }
+    STRCMP_EQUAL("", violations.c_str());
+    return sum;
+  }
+  template <std::size_t N>
+  bool all_struck(const std::array<std::int64_t, N>& counts) const {
+    return std::ranges::all_of(counts, [](std::int64_t count) { return count > 0; });
+  }
+};
+
+TEST(VirtualLab, ReadsEveryShotOutWhenNothingGoesWrong) {
+  const Tally tally = run(no_faults(), PlanKind::brief, 60);
+  LONGS_EQUAL(600, tally.good);
+  LONGS_EQUAL(tally.shots, tally.triggers);
+  LONGS_EQUAL(0, tally.unfinished);
+  // Two chance errors of a hundred thousand are beyond 4.3 sd.
+  for (const double z : tally.largest_z) CHECK(z > 1.0 && z < 6.0);
+}
+
+TEST(VirtualLab, PlaysTheShippedPlanAndBurstsAfterTheGate) {
+  LONGS_EQUAL(60, run(no_faults(), PlanKind::shipped, 6).good);
+  LONGS_EQUAL(100, run(no_faults(), PlanKind::gated, 10).good);
+}
+
+TEST(VirtualLab, HoldsWhatMustHoldThroughEveryKindOfFault) {
+  const Tally tally = run(wild_faults(), PlanKind::brief, 60);
+  CHECK_TRUE(all_struck(tally.bench_faults));
+  CHECK_TRUE(all_struck(tally.hazards));
+  CHECK(tally.packets_lost > 0 && tally.packets_doubled > 0 && tally.packets_reordered > 0);
+  CHECK(tally.events_journalled > 10'000);
+  LONGS_EQUAL(0, tally.events_missing);
+}
+
+TEST(VirtualLab, IsRightOrSaysThatItIsNotAtTheExtremes) {
+  const Tally tally = run(no_faults(), PlanKind::extremes, 40);
+  CHECK(tally.compared > 1'000);
+}
+
+TEST(VirtualLab, RepeatsItselfToTheLastBitFromItsSeed) {
+  const std::uint64_t digest = run(wild_faults(), PlanKind::mixed, 4, 5).digest;
+  CHECK(digest == run(wild_faults(), PlanKind::mixed, 4, 5).digest);
+  CHECK(digest != run(wild_faults(), PlanKind::mixed, 4, 5, 2027).digest);
+}

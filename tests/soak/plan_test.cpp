@@ -1,0 +1,57 @@
+// The virtual clock's order, and the fault plans.
+#include <string>
+
+#include "tests/soak/fault_plan.hpp"
+#include "tests/soak/timeline.hpp"
+// CppUTest redefines new; its headers come last.
+#include <CppUTest/TestHarness.h>
+
+using namespace strobe;
+using namespace strobe::soak;
+
+TEST_GROUP(Timeline){};
+
+TEST(Timeline, GivesWhatHappensInOrderOfTimeAndAtOneInstantAsItWasScheduled) {
+  Timeline<int> timeline;
+  CHECK(timeline.next() == kFarFuture);
+  timeline.schedule(MonoTime{20}, 3);
+  timeline.schedule(MonoTime{10}, 1);
+  timeline.schedule(MonoTime{20}, 4);
+  timeline.schedule(MonoTime{10}, 2);
+  for (int expected = 1; expected <= 4; ++expected) {
+    CHECK(timeline.next() == MonoTime{expected <= 2 ? 10 : 20});
+    LONGS_EQUAL(expected, timeline.take().what);
+  }
+  CHECK_TRUE(timeline.empty());
+}
+
+TEST_GROUP(FaultPlan){};
+
+TEST(FaultPlan, ReadsProbabilitiesByTheirNames) {
+  const auto plan = read_fault_plan("flash_late = 0.5\nestop = 0.25\npacket_loss = 0.125\n", "faults.toml");
+  CHECK_TRUE(plan.has_value());
+  DOUBLES_EQUAL(0.5, plan->bench[static_cast<std::size_t>(sim::FaultKind::flash_late)], 0.0);
+  DOUBLES_EQUAL(0.25, (*plan)[Hazard::estop], 0.0);
+  DOUBLES_EQUAL(0.125, plan->packet_loss, 0.0);
+  DOUBLES_EQUAL(0.0, (*plan)[Hazard::key_off], 0.0);
+}
+
+TEST(FaultPlan, NamesFileLineAndKeyOfWhatIsWrong) {
+  const auto unknown = read_fault_plan("estop = 0.1\nflash_latte = 0.5\n", "faults.toml");
+  CHECK_FALSE(unknown.has_value());
+  STRCMP_CONTAINS("faults.toml:2: flash_latte", unknown.error().message.c_str());
+  const auto large = read_fault_plan("estop = 1.5\n", "faults.toml");
+  CHECK_FALSE(large.has_value());
+  STRCMP_CONTAINS("faults.toml:1: estop", large.error().message.c_str());
+  CHECK_FALSE(find_fault_plan("tame").has_value());
+}
+
+TEST(FaultPlan, StrikesWithTheStatedProbability) {
+  FaultPlan plan;
+  plan[sim::FaultKind::flash_dim] = 0.25;
+  Random random(3);
+  const auto faults = draw_bench_faults(plan, 4000, random);
+  for (const auto& fault : faults) CHECK(fault.kind == sim::FaultKind::flash_dim);
+  CHECK(faults.size() > 850 && faults.size() < 1150);  // 1000 with a sd of 27
+  CHECK_TRUE(draw_bench_faults(no_faults(), 4000, random).empty());
+}
