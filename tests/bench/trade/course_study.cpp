@@ -91,6 +91,26 @@ std::vector<KnownCourse> known(const std::vector<ImpactScene>& scenes) {
   return all;
 }
 
+/// Rms of the largest difference in x, y and R phi each.
+template <typename Follow>
+std::string apart(const std::vector<KnownCourse>& set, const Follow& follow) {
+  std::array<Tally, 3> tallies;
+  for (const KnownCourse& k : set) {
+    Course got = follow(k.scene);
+    for (std::size_t part = 0; part < tallies.size(); ++part) {
+      Course alone = k.course;
+      for (std::size_t i = 0; i < alone.size(); ++i) {
+        if (part == 0) alone[i].x_m = got[i].x_m;
+        if (part == 1) alone[i].y_m = got[i].y_m;
+        if (part == 2) alone[i].turned_m = got[i].turned_m;
+      }
+      tallies[part].add(difference(k.scene, alone, k.course));
+    }
+  }
+  return fmt::format("rms of x {:.1e} y {:.1e} R phi {:.1e}", tallies[0].error().rms, tallies[1].error().rms,
+                     tallies[2].error().rms);
+}
+
 template <typename Follow>
 Error error_over(const std::vector<KnownCourse>& set, const Follow& follow) {
   Tally tally;
@@ -116,9 +136,9 @@ Study course_study(const Effort& effort) {
     Row row{.method = std::move(method), .parameter = std::move(parameter), .source = source};
     row.practical = error_over(practical, follow);
     row.thesis = error_over(thesis, follow);
-    row.cost_us = least_cost_us(effort.repetitions, practical.size(), [&] {
-      for (const KnownCourse& k : practical) keep(follow(k.scene));
-    });
+    row.cost_us = least_cost_us(effort.repetitions, practical.size(),
+                                [&](std::size_t i) { keep(follow(practical[i].scene)); });
+    if (source == Source::model) row.remark = apart(practical, follow);
     study.rows.push_back(row);
   };
   const Grip fitted{.e_x = impact::kFittedToThesis.e_x, .offset_m = impact::kFittedToThesis.offset_m};

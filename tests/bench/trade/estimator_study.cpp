@@ -214,8 +214,8 @@ Study study_of(Study study, const test::Setup& setup, const Effort& effort) {
     row.practical = error_over(of_practical, m);
     row.thesis = error_over(of_thesis, m);
     row.remark = in_units(of_thesis, m);
-    row.cost_us = least_cost_us(effort.repetitions, frames.size(), [&] {
-      for (const auto& frame : frames) keep(reduction::reduce(frame, all[m].estimator, all[m].options));
+    row.cost_us = least_cost_us(effort.repetitions, frames.size(), [&](std::size_t i) {
+      keep(reduction::reduce(frames[i], all[m].estimator, all[m].options));
     });
     study.rows.push_back(row);
   }

@@ -170,9 +170,8 @@ Study flight_study(const Effort& effort) {
     Row row{.method = method, .parameter = "", .source = source};
     row.practical = error_over(practical, fly);
     row.thesis = error_over(thesis, fly);
-    row.cost_us = least_cost_us(effort.repetitions, practical.size(), [&] {
-      for (const KnownFlight& k : practical) keep(fly(k.start));
-    });
+    row.cost_us = least_cost_us(effort.repetitions, practical.size(),
+                                [&](std::size_t i) { keep(fly(practical[i].start)); });
     study.rows.push_back(row);
   };
   add("straight", Source::model, straight);

@@ -125,8 +125,8 @@ std::string panel_text(const Study& study, std::size_t index, int width, int hei
   out += fmt::format("set tmargin at screen {:.4f}; set bmargin at screen {:.4f}\n",
                      1.0 - (kTop + row * kPanelHeight + 28.0) / height,
                      1.0 - (kTop + (row + 1) * kPanelHeight - 62.0) / height);
-  out += fmt::format("set title {} offset 0,-0.6\n", literal(study.title));
-  out += fmt::format("set xlabel 'microseconds a call' offset 0,0.3\nset ylabel {} offset 0.5,0\n",
+  out += fmt::format("set title {} offset 0,-0.6 noenhanced\n", literal(study.title));
+  out += fmt::format("set xlabel 'microseconds a call' offset 0,0.3\nset ylabel {} offset 0.5,0 noenhanced\n",
                      literal("largest error " + study.unit));
   // The key stands at the right, beyond the points.
   out += fmt::format("set xrange {}\nset yrange {}\n",
@@ -177,7 +177,8 @@ std::string script_text(const std::vector<Study>& studies, const std::string& na
     out += "set logscale xy\nset format x '10^{%L}'\nset format y '10^{%L}'\n";
     out += "set border 3 lc rgb '#444444'; set tics nomirror out\n";
     out += "set grid lt 1 lw 0.5 lc rgb '#e8e8e8'\n";
-    out += "set key at graph 1.0,0.98 right top Right font small samplen 1.6 spacing 1.0 noopaque\n";
+    out +=
+        "set key at graph 1.0,0.98 right top Right font small noenhanced samplen 1.6 spacing 1.0 noopaque\n";
     out += fmt::format(
         "set label 99 'Error against cost of every method, and what can be had best' at screen 0.012,{:.4f} "
         "left front\n",

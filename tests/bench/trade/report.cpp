@@ -26,15 +26,20 @@ const char* name(Source source) {
 }
 
 std::string times(double factor) {
-  if (factor < 1.05) return "as";
   if (factor < 9.95) return fmt::format("{:.1f} times", factor);
   return factor < 1e4 ? fmt::format("{:.0f} times", factor) : fmt::format("{:.0e} times", factor);
 }
 
+/// "2.4 times slower and as exact".
+std::string how_much(const Dominated& by) {
+  const std::string cost = by.slower < 1.05 ? "as fast" : times(by.slower) + " slower";
+  const std::string error = by.worse < 1.05 ? "as exact" : times(by.worse) + " less exact";
+  return cost + " and " + error;
+}
+
 std::string verdict(const Study& study, const std::optional<Dominated>& by) {
   if (!by) return "frontier";
-  return fmt::format("dominated by {}: {} slower and {} less exact", label(study.rows[by->by]),
-                     times(by->slower), times(by->worse));
+  return fmt::format("dominated by {}: {}", label(study.rows[by->by]), how_much(*by));
 }
 
 /// A field of a file whose separator is the comma.
@@ -77,6 +82,13 @@ std::string csv_text(const std::vector<Study>& studies) {
                           field(verdict(study, verdicts[i])), field(row.remark));
     }
   }
+  return text;
+}
+
+std::string ranges_text(const std::vector<Range>& ranges) {
+  std::string text = "study,quantity,lowest,highest\n";
+  for (const Range& r : ranges)
+    text += fmt::format("{},{},{:.4g},{:.4g}\n", r.study, r.quantity, r.lowest, r.highest);
   return text;
 }
 

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/bench/trade/impact_scenes.hpp"
 #include "tests/bench/trade/study.hpp"
 
 namespace strobe::bench::trade {
@@ -16,5 +17,6 @@ std::string csv_text(const std::vector<Study>& studies);
 
 /// What the product chooses by; see common/data/frontier/README.md.
 std::string frontier_text(const std::vector<Study>& studies);
+std::string ranges_text(const std::vector<Range>& ranges);
 
 }  // namespace strobe::bench::trade

@@ -57,9 +57,8 @@ double cost_us(const sim::Scene& scene, const sim::Model& model, const Effort& e
   auto shooter = sim::Shooter::make(scene, effort.seed, model, kPerfect);
   if (!shooter) return 0.0;
   constexpr int kShots = 10;
-  return least_cost_us(effort.repetitions, kShots, [&] {
-    for (int shot = 1; shot <= kShots; ++shot) keep(shooter->shoot(shot));
-  });
+  return least_cost_us(effort.repetitions, kShots,
+                       [&](std::size_t i) { keep(shooter->shoot(static_cast<int>(i) + 1)); });
 }
 
 }  // namespace

@@ -44,19 +44,21 @@ std::string label(const Row& row) {
   return row.parameter.empty() ? row.method : row.method + " " + row.parameter;
 }
 
-std::vector<std::optional<Dominated>> dominated(const Study& study, double margin) {
+std::vector<std::optional<Dominated>> dominated(const Study& study) {
+  constexpr double kCostMargin = 0.05;
   std::vector<std::optional<Dominated>> all;
   for (const Row& row : study.rows) {
+    const double margin = row.source == Source::noise ? 0.02 : 1e-9;
     std::optional<Dominated> found;
     for (std::size_t i = 0; i < study.rows.size(); ++i) {
       const Row& other = study.rows[i];
       if (&other == &row) continue;
       const double slower = row.cost_us / other.cost_us;
       const double worse = std::max(error_of(row), kUnit) / std::max(error_of(other), kUnit);
-      const bool neither = slower >= 1.0 - margin && worse >= 1.0;
-      if (!neither || (slower < 1.0 + margin && worse <= 1.0)) continue;
+      if (slower < 1.0 - kCostMargin || worse < 1.0 - margin) continue;
+      if (slower <= 1.0 + kCostMargin && worse <= 1.0 + margin) continue;
       if (!found || slower * worse > found->slower * found->worse)
-        found = Dominated{.by = i, .slower = std::max(1.0, slower), .worse = worse};
+        found = Dominated{.by = i, .slower = std::max(1.0, slower), .worse = std::max(1.0, worse)};
     }
     all.push_back(found);
   }

@@ -60,10 +60,10 @@ struct Dominated {
   double worse = 1.0;
 };
 
-/// For each row: the row that is neither slower nor less exact than it, of several the one that beats it
-/// most (product of both factors); none: the row is on the frontier. Costs within `margin` of each other
-/// count as equal, since they are measured.
-std::vector<std::optional<Dominated>> dominated(const Study& study, double margin = 0.03);
+/// For each row: the row that is neither slower nor less exact than it, but better in one; of several the one
+/// that beats it most (product of both factors). None: the row is on the frontier. Costs within 5 % of each
+/// other count as equal, since they are measured, and so do errors within 2 % where noise makes them.
+std::vector<std::optional<Dominated>> dominated(const Study& study);
 
 /// What must hold of any run, as sentences about what does not: errors that fall with the tolerance down to
 /// rounding, a reference better than every method, finite figures.

@@ -55,6 +55,15 @@ bool write(const std::string& path, const std::string& text) {
   return !file.fail();
 }
 
+/// Beside the frontier's file: what the impacts spanned.
+bool write_ranges(const Options& options) {
+  if (options.frontier.empty()) return true;
+  auto scenes = practical_impacts(options.effort.scenes, options.effort.seed);
+  for (const ImpactScene& s : thesis_impacts()) scenes.push_back(s);
+  const auto path = std::filesystem::path(options.frontier).replace_filename("ranges.csv");
+  return write(path.string(), ranges_text(ranges_of(scenes, "lift_off")));
+}
+
 int run(Options options) {
   if (options.effort.quick) {
     options.effort.scenes = std::min(options.effort.scenes, 6);
@@ -65,7 +74,9 @@ int run(Options options) {
   const std::vector<Study> studies = measure(options, missing);
   for (const Study& study : studies) fmt::print("{}\n", table_text(study));
   for (const std::string& engine : missing) fmt::print("{}: not installed\n", engine);
-  if (!write(options.csv, csv_text(studies)) || !write(options.frontier, frontier_text(studies))) return 2;
+  if (!write(options.csv, csv_text(studies)) || !write(options.frontier, frontier_text(studies)) ||
+      !write_ranges(options))
+    return 2;
   if (!options.frontier.empty() &&
       !write(std::filesystem::path(options.frontier).replace_filename("ranges.csv").string(),
              ranges_text(options.effort)))
