@@ -1,5 +1,6 @@
 #include "sim/rig/scene.hpp"
 
+#include "sim/rig/ball_path.hpp"
 #include "sim/rig/scene_inherit.hpp"
 #include "sim/rig/scene_tables.hpp"
 
@@ -41,6 +42,10 @@ Result<Scene> parse_scene(std::string_view text, const std::string& file_name, c
     scene.operator_actions.push_back(tables::read_action(table));
   scene.faults = read_faults(root);
   if (auto bad = reader->error()) return tl::unexpected(*bad);
+  if (const auto path = BallPath::make(scene, draw_throw(without_spread(scene), 1, 1)); !path) {
+    root.table("machine").error_at("speed_mps", "the mean ball cannot bounce: " + path.error().message);
+    return tl::unexpected(*reader->error());
+  }
   return scene;
 }
 

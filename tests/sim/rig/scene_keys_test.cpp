@@ -53,6 +53,14 @@ TEST(SceneKeys, TakeTheContactsMechanicsUnlessToldOtherwise) {
       error_of(kThrow + "[bounce]\ne = 0.8\nmu = 0.6\ndwell_ms = 5\ncontact = \"sine\"\n").c_str());
 }
 
+TEST(SceneKeys, RefuseABallThatItsWeightKeepsOnTheSurface) {
+  // It comes down with 9 cm/s; in 50 ms of contact its weight adds 49.
+  STRCMP_CONTAINS("some.toml:2: machine.speed_mps: the mean ball cannot bounce: ",
+                  error_of("[machine]\nspeed_mps = 1\nangle_deg = -5\nspin_radps = 0\n"
+                           "[bounce]\ne = 0.5\nmu = 0.6\ndwell_ms = 50\n")
+                      .c_str());
+}
+
 TEST(SceneKeys, GiveTheBallsInertiaByNumberOrByModel) {
   const auto alpha = [](const std::string& ball) { return scene_of(kLeast + "[ball]\n" + ball).ball.alpha; };
   DOUBLES_EQUAL(0.5, alpha("alpha = 0.5\n"), 0.0);
