@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "sim/plan/choose.hpp"
+
 namespace strobe::sim {
 
 struct RunOptions {
@@ -18,6 +20,8 @@ struct RunOptions {
   std::string truth_file;    ///< empty: none
   std::string changes_file;  ///< empty: none
   bool digitizer = true;
+  std::string tolerance;              ///< empty: none
+  std::optional<double> deadline_us;  ///< of computing a shot
   std::vector<std::string> command;
 };
 /// Exit status of the command; 128 plus the signal that ended it.
@@ -28,6 +32,8 @@ struct ShootOptions {
   int shots = 1;
   std::uint64_t seed = 1;
   std::string model = "full";
+  std::string tolerance;              ///< empty: none
+  std::optional<double> deadline_us;  ///< of computing a shot
   double period_ms = 3.0;
   double exposure_ms = 0.0;  ///< 0: as long as the balls take to cross the view
   bool perfect_digitizer = false;
@@ -35,6 +41,21 @@ struct ShootOptions {
 };
 /// Prints the frames of simulated shots, one per line.
 int shoot_command(const ShootOptions& options);
+
+struct PlanOptions {
+  std::string scene;
+  std::string tolerance;  ///< empty: the scene's own
+  double period_ms = 3.0;
+  double exposure_ms = 0.0;
+  bool all = false;
+  bool json = false;
+};
+/// Prints which effects a scene requires at a tolerance, and what they cost.
+int plan_command(const PlanOptions& options);
+
+/// A tolerance as typed (empty: the scene's own, if it has one) and a deadline. The error names the option.
+Result<Demand> demand_of(const std::string& tolerance, const std::optional<double>& deadline_us,
+                         const Scene& scene);
 
 int scenes_command(bool json);
 

@@ -9,6 +9,7 @@
 
 namespace {
 
+using strobe::sim::PlanOptions;
 using strobe::sim::RunOptions;
 using strobe::sim::ShootOptions;
 
@@ -30,6 +31,9 @@ void add_run(CLI::App& app, RunOptions& options, bool& no_digitizer) {
   run->add_option("--chip-dir", options.chip_dir, "Folder for the chip (default: a temporary one)");
   run->add_option("--truth", options.truth_file, "Write what truly happened, one JSON object per shot");
   run->add_option("--changes", options.changes_file, "Write every change of every line as CSV");
+  run->add_option("--tolerance", options.tolerance,
+                  "Simulate only what numbers read require to stay within this: 0.5%, 5e-3");
+  run->add_option("--deadline-us", options.deadline_us, "Longest that computing a shot may take");
   run->add_flag("--no-digitizer", no_digitizer, "Nobody digitizes the photographs; no LCM is needed");
   run->add_option("command", options.command, "Command and its arguments, after --")->required();
 }
@@ -47,13 +51,37 @@ void add_shoot(CLI::App& app, ShootOptions& options, bool& json) {
       ->required();
   shoot->add_option("--shots", options.shots, "How many")->capture_default_str();
   shoot->add_option("--seed", options.seed, "Seed of every random draw")->capture_default_str();
-  shoot->add_option("--model", options.model, "Effects to simulate")->capture_default_str();
+  auto* model = shoot->add_option("--model", options.model, "Effects to simulate")->capture_default_str();
+  shoot
+      ->add_option("--tolerance", options.tolerance,
+                   "Simulate only what numbers read require to stay within this: 0.5%, 5e-3 (see plan)")
+      ->excludes(model);
+  shoot->add_option("--deadline-us", options.deadline_us, "Longest that computing a shot may take")
+      ->excludes(model);
   shoot->add_option("--period-ms", options.period_ms, "Between flashes")->capture_default_str();
   shoot->add_option("--exposure-ms", options.exposure_ms,
                     "Length of the train of flashes (0: while balls cross the view)");
   shoot->add_flag("--perfect", options.perfect_digitizer, "Digitize without error, though stating one");
   shoot->add_option("--truth", options.truth_file, "Write what truly happened, one JSON object per shot");
   shoot->add_flag("--json", json, "As for other commands; frames are JSON anyway");
+}
+
+void add_plan(CLI::App& app, PlanOptions& options) {
+  CLI::App* plan = app.add_subcommand("plan", "Show which effects a scene requires at a tolerance");
+  plan->footer(
+      "For each effect: by how much leaving it out can change any number read from any shot, at most, and\n"
+      "what it costs a shot on this machine. What may go together is left out. A tolerance of 1% is 1 % of\n"
+      "the speed for velocities, of v/R for spins, of a radian for angles, .01 for e and mu, 1 % of the\n"
+      "dwell time, 1 for the court pace; a scene's [readout] may say otherwise.\n\n"
+      "Example: strobe-sim plan --scene top_23 --tolerance 1%");
+  plan->add_option("--scene", options.scene, "Scene's name (see `strobe-sim scenes`) or a scene file")
+      ->required();
+  plan->add_option("--tolerance", options.tolerance, "0.5%, 5e-3 (default: the scene's own)");
+  plan->add_option("--period-ms", options.period_ms, "Between flashes")->capture_default_str();
+  plan->add_option("--exposure-ms", options.exposure_ms,
+                   "Length of the train of flashes (0: while balls cross the view)");
+  plan->add_flag("--all", options.all, "Every number's bound");
+  plan->add_flag("--json", options.json, "One JSON object per effect, and one for all");
 }
 
 }  // namespace
@@ -76,6 +104,9 @@ int main(int argc, char** argv) {
 
   ShootOptions shots;
   add_shoot(app, shots, json);
+
+  PlanOptions plan;
+  add_plan(app, plan);
 
   std::string chip_dir;
   CLI::App* lines = app.add_subcommand("lines", "Show each line of a running rig's chip");
@@ -114,6 +145,7 @@ int main(int argc, char** argv) {
   options.digitizer = !no_digitizer;
   if (scenes->parsed()) return sim::scenes_command(json);
   if (app.got_subcommand("shoot")) return sim::shoot_command(shots);
+  if (app.got_subcommand("plan")) return sim::plan_command(plan);
   if (lines->parsed()) return sim::lines_command(chip_dir, json);
   if (drive->parsed()) return sim::drive_command(chip_dir, drives);
   if (fit->parsed()) return sim::fit_command(tables, folder);

@@ -16,6 +16,7 @@
 #include "sim/live/desk.hpp"
 #include "sim/live/runner.hpp"
 #include "sim/live/scene_files.hpp"
+#include "sim/rig/reduced_scene.hpp"
 
 namespace strobe::sim {
 
@@ -117,7 +118,8 @@ std::string preload_with(const fs::path& library) {
 class Session {
  public:
   static Result<std::unique_ptr<Session>> open(const RunOptions& options, const Scene& scene,
-                                               std::uint64_t seed, const fs::path& folder) {
+                                               const Model& model, std::uint64_t seed,
+                                               const fs::path& folder) {
     std::unique_ptr<Session> session(new Session(options));
     auto chip = Chip::create(folder, chip_of(scene));
     if (!chip) return tl::unexpected(chip.error());
@@ -130,7 +132,7 @@ class Session {
     if (!options.changes_file.empty() && !write_changes(options.changes_file, {}))
       return fail(options.changes_file + ": cannot be written");
     session->runner_ = std::make_unique<Runner>(std::move(*attached), scene, seed, session->darkroom_,
-                                                !options.changes_file.empty());
+                                                !options.changes_file.empty(), model);
     if (options.digitizer) {
       auto desk =
           Desk::create(options.lcm_url, options.rig_name, scene, seed, session->darkroom_, *session->truth_);
@@ -164,11 +166,33 @@ class Session {
 
 }  // namespace
 
+namespace {
+
+/// The firmware's train is not known beforehand: planned for the usual one. The shutter's lag is in what the
+/// firmware was told about its rig and cannot be left out of it.
+constexpr ShootSettings kUsualTrain{.period = milliseconds(3), .exposure = milliseconds(500)};
+
+/// 0, or the exit status after the complaint.
+int choose_model(const RunOptions& options, const Scene& scene, Model& model) {
+  if (options.tolerance.empty() && !options.deadline_us) return 0;
+  const auto demand = demand_of(options.tolerance, options.deadline_us, scene);
+  if (!demand) return complain(demand.error(), 2);
+  const auto chosen = choose(scene, *demand, kUsualTrain);
+  if (!chosen) return complain(chosen.error(), 1);
+  fmt::print(stderr, "strobe-sim: {}\n", explanation(*chosen));
+  model = chosen->plan.model.with(Effect::shutter_lag);
+  return 0;
+}
+
+}  // namespace
+
 int run_command(const RunOptions& options) {
   if (!messages::valid_rig_name(options.rig_name))
     return complain({"--rig: 1 to 24 letters, digits, _ or -, not \"" + options.rig_name + "\""}, 2);
   const auto scene = load_scene(options.scene);
   if (!scene) return complain(scene.error(), 2);
+  Model model = Model::full();
+  if (const int status = choose_model(options, *scene, model); status != 0) return status;
   const auto library = preload_path();
   if (!library) return complain(library.error(), 1);
 
@@ -180,7 +204,7 @@ int run_command(const RunOptions& options) {
   if (options.chip_dir.empty()) temporary.emplace();
   const fs::path folder = temporary ? temporary->path() : fs::absolute(options.chip_dir);
   if (folder.empty()) return complain({"no folder for the chip can be made"}, 1);
-  auto session = Session::open(options, *scene, seed, folder);
+  auto session = Session::open(options, reduced_scene(*scene, model), model, seed, folder);
   if (!session) return complain(session.error(), 2);
   fmt::print(stderr, "strobe-sim: scene {}, seed {} (repeat with --seed {}), chip /dev/{} in {}\n",
              scene->name, seed, seed, scene->chip.name, folder.string());

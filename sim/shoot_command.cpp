@@ -39,12 +39,8 @@ class Progress {
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
-Result<Shooter> prepare(const ShootOptions& options) {
-  const auto scene = load_scene(options.scene);
-  if (!scene) return tl::unexpected(scene.error());
-  const auto model = parse_model(options.model);
-  if (!model) return fail("--model: " + model.error().message);
-  return Shooter::make(*scene, options.seed, *model,
+Result<Shooter> prepare(const ShootOptions& options, const Scene& scene, const Model& model) {
+  return Shooter::make(scene, options.seed, model,
                        {.period = from_milliseconds(options.period_ms),
                         .exposure = from_milliseconds(options.exposure_ms),
                         .perfect_digitizer = options.perfect_digitizer})
@@ -54,11 +50,33 @@ Result<Shooter> prepare(const ShootOptions& options) {
       });
 }
 
+/// 0, or the exit status after the complaint.
+int choose_model(const ShootOptions& options, const Scene& scene, Model& model) {
+  if (options.tolerance.empty() && !options.deadline_us) return 0;
+  const auto demand = demand_of(options.tolerance, options.deadline_us, scene);
+  if (!demand) return complain(demand.error().message, 2);
+  const auto chosen = choose(scene, *demand,
+                             {.period = from_milliseconds(options.period_ms),
+                              .exposure = from_milliseconds(options.exposure_ms),
+                              .perfect_digitizer = options.perfect_digitizer});
+  if (!chosen) return complain(chosen.error().message, 1);
+  fmt::print(stderr, "strobe-sim: {}\n", explanation(*chosen));
+  model = chosen->plan.model;
+  return 0;
+}
+
 }  // namespace
 
 int shoot_command(const ShootOptions& options) {
   if (options.shots < 1) return complain("--shots: must be 1 or more", 2);
-  auto shooter = prepare(options);
+  const auto scene = load_scene(options.scene);
+  if (!scene) return complain(scene.error().message, 2);
+  const auto asked = parse_model(options.model);
+  if (!asked) return complain("--model: " + asked.error().message, 2);
+  Model model = *asked;
+  if (const auto full = prepare(options, *scene, model); !full) return complain(full.error().message, 2);
+  if (const int status = choose_model(options, *scene, model); status != 0) return status;
+  auto shooter = prepare(options, *scene, model);
   if (!shooter) return complain(shooter.error().message, 2);
   std::ofstream truth;
   if (!options.truth_file.empty()) {

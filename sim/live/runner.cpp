@@ -31,9 +31,10 @@ MonoTime monotonic_now() {
   return {static_cast<std::int64_t>(now.tv_sec) * 1'000'000'000 + now.tv_nsec};
 }
 
-Runner::Runner(Chip chip, const Scene& scene, std::uint64_t seed, Darkroom& darkroom, bool record_changes)
+Runner::Runner(Chip chip, const Scene& scene, std::uint64_t seed, Darkroom& darkroom, bool record_changes,
+               const Model& model)
     : chip_(std::move(chip)),
-      rig_(scene, seed, monotonic_now()),
+      rig_(scene, seed, monotonic_now(), model),
       darkroom_(darkroom),
       record_changes_(record_changes),
       cursor_(chip_.cursor_now()) {}

@@ -21,7 +21,8 @@ class Runner {
  public:
   /// `chip` is this runner's own attachment; changes from now on are seen. `darkroom` must outlive the
   /// runner.
-  Runner(Chip chip, const Scene& scene, std::uint64_t seed, Darkroom& darkroom, bool record_changes);
+  Runner(Chip chip, const Scene& scene, std::uint64_t seed, Darkroom& darkroom, bool record_changes,
+         const Model& model = Model::full());
   ~Runner();
   Runner(const Runner&) = delete;
   Runner& operator=(const Runner&) = delete;
