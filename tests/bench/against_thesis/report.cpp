@@ -28,16 +28,25 @@ constexpr std::array kColumns{Column{Quantity::vx_lo_mps, "vx_LO", 2},
                               Column{Quantity::dwell_time_ms, "dwell ms", 2},
                               Column{Quantity::dwell_distance_cm, "dwell cm", 2}};
 
-constexpr double kTypicalVxSd_mps = 0.38;
-constexpr double kTypicalOmegaSd_radps = 11.5;
-
 bool is_tangential(const Cell& cell) {
   return cell.quantity == Quantity::vx_lo_mps || cell.quantity == Quantity::omega_lo_radps;
 }
 
 std::string figures(const Tally& t) {
-  return fmt::format(" {:>5} {:>6.2f} {:>7.1f} {:>6}", t.count, t.rms_z, 100.0 * t.share_within_2,
+  return fmt::format(" {:>5} {:>6.3f} {:>7.1f} {:>6}", t.count, t.rms_z, 100.0 * t.share_within_2,
                      t.beyond_3);
+}
+
+/// Root mean square of the sets' sd: what a spread is worth that 8 to 12 shots gave.
+double pooled_sd(std::span<const Cell> cells, Quantity quantity) {
+  double squares = 0.0;
+  double n = 0.0;
+  for (const Cell& cell : cells) {
+    if (cell.quantity != quantity) continue;
+    squares += cell.published_sd * cell.published_sd;
+    n += 1.0;
+  }
+  return std::sqrt(squares / n);
 }
 
 const Told& told_of(const Forecasts& forecasts, const std::string& condition) {
@@ -99,26 +108,20 @@ std::string summary_line(const std::string& name, std::span<const Cell> cells) {
 std::string beyond_3(const Forecasts& forecasts) {
   std::string text;
   for (const Cell& cell : forecasts.cells) {
-    if (!is_lift_off_motion(cell.quantity) || std::abs(cell.z()) <= 3.0) continue;
+    if (cell.input || std::abs(cell.z()) <= 3.0) continue;
     const Told& told = told_of(forecasts, cell.condition);
-    text += fmt::format("{} {}: {:.4g} for {:.4g} ± {:.3g}, z {:+.1f}.", cell.condition, name(cell.quantity),
-                        cell.foretold, cell.published, cell.published_sd, cell.z());
-    const bool vx = cell.quantity == Quantity::vx_lo_mps;
+    const double pooled = pooled_sd(forecasts.cells, cell.quantity);
+    text +=
+        fmt::format("{} {}: {:.4g} for {:.4g} ± {:.3g}, z {:+.1f}; by the sets' common sd of {:.3g} {:+.1f}",
+                    cell.condition, name(cell.quantity), cell.foretold, cell.published, cell.published_sd,
+                    cell.z(), pooled, cell.z() * cell.published_sd / pooled);
     if (is_tangential(cell)) {
+      const bool vx = cell.quantity == Quantity::vx_lo_mps;
       const double spread = vx ? told.spread.vx_mps : told.spread.omega_radps;
-      const double typical = vx ? kTypicalVxSd_mps : kTypicalOmegaSd_radps;
-      text += fmt::format(
-          " By the sd of the 21 sets together ({:.3g}) {:+.1f}; with the published sd of what"
-          " went in ({:.3g} more) {:+.1f}.",
-          typical, cell.z() * cell.published_sd / typical, spread,
-          cell.z() * cell.published_sd / std::hypot(cell.published_sd, spread));
+      text += fmt::format("; with the published sd of what went in ({:.3g}) {:+.1f}", spread,
+                          cell.z() * cell.published_sd / std::hypot(cell.published_sd, spread));
     }
-    if (told.forecast.contact.regime == impact::Regime::slides)
-      text += fmt::format(
-          " Slides throughout: vx is the friction alone, {:.3f} of the other spins for a measured"
-          " {:.2f} ± {:.2f}.",
-          told.constants->value[impact::kFitMu], told.condition->mu.mean, told.condition->mu.sd);
-    text += "\n";
+    text += fmt::format(".\n   {}\n", reason(cell));
   }
   return text.empty() ? "none\n" : text;
 }
@@ -145,7 +148,7 @@ std::string csv_header() { return "way,condition,quantity,foretold,published,pub
 std::string csv_lines(const std::string& name, std::span<const Cell> cells) {
   std::string text;
   for (const Cell& cell : cells)
-    text += fmt::format("{},{},{},{},{},{},{},{}\n", name, cell.condition, reduction::name(cell.quantity),
+    text += fmt::format("\"{}\",{},{},{},{},{},{},{}\n", name, cell.condition, reduction::name(cell.quantity),
                         cell.foretold, cell.published, cell.published_sd, cell.input ? 1 : 0, cell.z());
   return text;
 }

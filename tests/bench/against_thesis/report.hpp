@@ -18,8 +18,11 @@ std::string condition_table(std::span<const Cell> cells);
 std::string summary_header();
 std::string summary_line(const std::string& name, std::span<const Cell> cells);
 
-/// The cells of the lift-off's motion with |z| > 3, each with what the numbers say about why.
+/// The cells with |z| > 3 that are no inputs, each with what the tables say about why.
 std::string beyond_3(const Forecasts& forecasts);
+
+/// Looked up by hand in the tables, for the cells that some way of foretelling misses by more than three sd.
+std::string reason(const Cell& cell);
 
 std::string json_lines(const std::string& name, std::span<const Cell> cells);
 std::string csv_header();

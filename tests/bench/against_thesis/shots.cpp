@@ -29,7 +29,7 @@ Result<sim::Scene> scene_of(const thesis::Condition& condition, const Forecast& 
   b.stiffness_ratio = forecast.coefficients.stiffness_ratio;
   b.damping_ratio = forecast.coefficients.damping_ratio;
   b.offset_share = forecast.coefficients.offset_share;
-  b.offset_share_sd = 0.0;
+  b.offset_share_sd = b.stiffness_ratio_sd = 0.0;
   return scene;
 }
 

@@ -16,7 +16,7 @@ using namespace strobe::bench;
 
 struct Options {
   std::string dashpot = "tied";
-  std::string vertical = "measured";
+  std::string vertical = "by-speed-and-slip";
   int shots = 50;
   std::uint64_t seed = 1;
   bool json = false;
@@ -70,12 +70,14 @@ void print_report(const Options& options, const Forecasts& chosen, const std::ve
           ? "Besides: the condition's own e (hence vy at lift-off) and\ndwell time, marked so; of the "
             "figures only the "
             "middle ones have that vy in them."
-          : "Nothing else: e and the dwell time follow from\nthe other spins too.");
+          : "Nothing else: e and the dwell time follow from\nthe other spins too. (Chosen with all sets in "
+            "view: "
+            "that e goes with |vy| and s/|vy|, that the dashpot is tied.)");
   fmt::print("{}: {}\n\n{}\n", ways.front().name, "as foretold, with z", constants_table(chosen));
   fmt::print("{}\n", condition_table(ways.front().cells));
   fmt::print("{}", summary_header());
   for (const Way& way : ways) fmt::print("{}", summary_line(way.name, way.cells));
-  fmt::print("\nLift-off's motion beyond 3, {}:\n{}", ways.front().name, beyond_3(chosen));
+  fmt::print("\nBeyond 3, {}:\n{}", ways.front().name, beyond_3(chosen));
 }
 
 strobe::Result<std::vector<Way>> run(const Options& options, const strobe::thesis::Data& data,
@@ -139,7 +141,7 @@ void add_thesis_command(CLI::App& app, int& exit_status) {
   CLI::App* command = app.add_subcommand(
       "thesis",
       "the thesis's 21 conditions, each spin foretold from the other two, against its tables.\n"
-      "Example: strobe-bench thesis --e-and-dwell by-speed-and-slip --plot z.svg");
+      "Example: strobe-bench thesis --e-and-dwell measured --plot z.svg");
   command
       ->add_option("--dashpot", options->dashpot,
                    "of the tangential spring: fitted, or tied (a constant less)")
