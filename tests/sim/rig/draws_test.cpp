@@ -60,3 +60,11 @@ TEST(Draws, AreTheSameOnEveryMachine) {
   DOUBLES_EQUAL(0.18470926541650973, draws.uniform(), 1e-16);
   DOUBLES_EQUAL(0.8106642580215659, draws.uniform(), 1e-16);
 }
+
+TEST(Draws, TakeANormalWithoutSpreadAsIfItHadOne) {
+  Draws with(1, Purpose::machine, 1);
+  Draws without(1, Purpose::machine, 1);
+  with.normal(3.0, 0.5);
+  DOUBLES_EQUAL(3.0, without.normal(3.0, 0.0), 0.0);
+  DOUBLES_EQUAL(with.uniform(), without.uniform(), 0.0);
+}
