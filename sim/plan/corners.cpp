@@ -98,9 +98,9 @@ Throw throw_at(const Scene& scene, const Corner& corner) {
   moved.bounce.ex += b.ex_sd * corner[Spread::friction];
   moved.bounce.stiffness_ratio += b.stiffness_ratio_sd * corner[Spread::friction];
   const double rho = b.offset_grip_correlation;
-  moved.bounce.offset_m +=
-      b.offset_sd_m * (rho * corner[Spread::friction] + std::sqrt(1.0 - rho * rho) * corner[Spread::offset]);
-  moved.bounce.offset_share += b.offset_share_sd * corner[Spread::offset];
+  const double offset = rho * corner[Spread::friction] + std::sqrt(1.0 - rho * rho) * corner[Spread::offset];
+  moved.bounce.offset_m += b.offset_sd_m * offset;
+  moved.bounce.offset_share += b.offset_share_sd * offset;
   moved.bounce.dwell_s =
       std::clamp(b.dwell_s + b.dwell_sd_s * corner[Spread::dwell], 0.5 * b.dwell_s, 1.5 * b.dwell_s);
   Throw thrown = draw_throw(moved, 1, 1);

@@ -1,5 +1,6 @@
 #include <string>
 
+#include "sim/rig/draws.hpp"
 #include "sim/rig/scene_tables.hpp"
 
 namespace strobe::sim::tables {
@@ -11,8 +12,6 @@ using config::TomlTable;
 
 /// A point at the share r of the view's half diagonal is seen at r + k·r³, which must grow with r: k > -1/3.
 constexpr double kLeastDistortion = -0.3;
-/// No draw is farther out: Box and Muller's from 53 bits reach 8.6, one in 1e12 goes beyond 7.
-constexpr double kMostDraws_sd = 7.0;
 constexpr double kLeastTolerance = 1e-9;
 
 void read_lens(TomlTable& table, CameraSettings& c, const ball::Ball& ball) {
@@ -21,11 +20,11 @@ void read_lens(TomlTable& table, CameraSettings& c, const ball::Ball& ball) {
   c.off_plane_sd_m = table.number_or("off_plane_sd_mm", c.off_plane_sd_m / kMilli, {0.0, 500.0}) * kMilli;
   c.distortion = table.number_or("distortion", c.distortion, {kLeastDistortion, 0.5});
   c.pixels = table.choice_or("rendering", "points", {"points", "pixels"}) == "pixels";
-  const double nearest_m = kMostDraws_sd * c.off_plane_sd_m + ball.diameter_m;
+  const double nearest_m = kLargestNormal * c.off_plane_sd_m + ball.diameter_m;
   if (c.distance_m > 0.0 && c.distance_m < nearest_m)
     table.error_at(
         "distance_m",
-        "balls may fly up to the lens: must be at least 7 off_plane_sd_mm and a ball's diameter, " +
+        "balls may fly up to the lens: must be at least 6 off_plane_sd_mm and a ball's diameter, " +
             std::to_string(nearest_m));
 }
 

@@ -150,3 +150,48 @@ TEST(TomlReading, ACallersOwnErrorHasTheKeysLine) {
   root.error_at("b", "must be larger than a by 2");
   STRCMP_EQUAL("f.toml:2: b: must be larger than a by 2", error_of(reader).c_str());
 }
+
+TEST(TomlReading, InheritingTakesWhatTheDocumentLacksTableByTable) {
+  TomlReader child("a = 1\n[t]\nb = 2\n[[f]]\nx = 1\n", "child.toml");
+  child.inherit(
+      TomlReader("a = 10\nz = 5\n[t]\nb = 20\nc = 30\n[[f]]\nx = 2\n[[f]]\nx = 3\n", "parent.toml"));
+  TomlTable root = child.root();
+  DOUBLES_EQUAL(1.0, root.number("a"), 0.0);
+  DOUBLES_EQUAL(5.0, root.number("z"), 0.0);
+  DOUBLES_EQUAL(2.0, root.table("t").number("b"), 0.0);
+  DOUBLES_EQUAL(30.0, root.table("t").number("c"), 0.0);
+  LONGS_EQUAL(1, root.tables("f").size());
+  DOUBLES_EQUAL(1.0, root.tables("f")[0].number("x"), 0.0);
+  STRCMP_EQUAL("", error_of(child).c_str());
+}
+
+TEST(TomlReading, WhatWasInheritedNamesItsOwnFile) {
+  TomlReader child("[t]\nb = 2\n", "child.toml");
+  child.inherit(TomlReader("\n[t]\nc = \"x\"\n", "parent.toml"));
+  TomlTable t = child.root().table("t");
+  t.number("b");
+  t.number("c");
+  STRCMP_EQUAL("parent.toml:3: t.c: must be a number", error_of(child).c_str());
+  TomlReader unasked("a = 1\n", "child.toml");
+  unasked.inherit(TomlReader("\n\nq = 1\n", "parent.toml"));
+  unasked.root().number("a");
+  STRCMP_EQUAL("parent.toml:3: q: unknown key", error_of(unasked).c_str());
+}
+
+TEST(TomlReading, InheritingKeepsTheFirstSyntaxError) {
+  TomlReader child("a = 1\n", "child.toml");
+  child.inherit(TomlReader("b = = 1\n", "parent.toml"));
+  CHECK(child.error_so_far().has_value());
+  STRCMP_CONTAINS("parent.toml:1: ", child.error_so_far()->message.c_str());
+}
+
+TEST(TomlReading, ARemovedKeyIsAsIfItHadNotBeenWritten) {
+  TomlReader reader("a = 1\n[t]\nb = 2\nc = 3\n", "f.toml");
+  reader.remove("", "a");
+  reader.remove("t", "b");
+  reader.remove("t", "none");
+  reader.remove("none", "b");
+  CHECK(!reader.root().has("a") && !reader.root().table("t").has("b"));
+  CHECK(!reader.error_so_far().has_value());
+  STRCMP_EQUAL("f.toml:4: t.c: unknown key", error_of(reader).c_str());
+}
