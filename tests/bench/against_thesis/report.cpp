@@ -163,7 +163,7 @@ std::string plot_program(std::span<const Cell> cells, const std::string& title, 
   text += fmt::format("set output '{}'\nset title '{}'\n", file, title);
   text += fmt::format(
       "set ylabel '(foretold - published mean) / published sd'\nset xrange [-0.7:{}.7]\nset yrange [-6:6]\n"
-      "set grid ytics lc rgb '#dddddd'\nset key outside below horizontal\nset ytics 1\n"
+      "set grid ytics lc rgb '#dddddd'\nset key top left horizontal\nset ytics 1\n"
       "set object 1 rectangle from graph 0,first -2 to graph 1,first 2 fc rgb '#eef4ea' fs solid noborder "
       "behind\n",
       names.size() - 1);
