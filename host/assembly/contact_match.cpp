@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <numeric>
 
 namespace strobe::host {
@@ -10,6 +11,8 @@ namespace {
 
 // A cubic between the ends' velocities leaves out how friction is spread over the contact: about 3 mm.
 constexpr double kContactModelSd_m = 3e-3;
+// The half sine leaves out how the force is spread: this share of the depth, beside the model's sd along.
+constexpr double kDepthModelShare = 0.15;
 // Distance over dwell lies between the two velocities; this part of their difference is allowed beyond.
 constexpr double kMeanMargin = 0.1;
 constexpr double kLeastRestitution = 0.2;
@@ -32,6 +35,14 @@ double place_at(double time_s, const Crossing& down, const Crossing& off) {
   const double r = 1.0 - s;
   return r * r * (1.0 + 2.0 * s) * down.along_px + s * s * (3.0 - 2.0 * s) * off.along_px +
          s * r * dwell * (r * down.v_along_px - s * off.v_along_px);
+}
+
+/// By how much the centre is below its height at touchdown: a half sine that keeps both ends' velocity.
+double depth_at(double time_s, const Crossing& down, const Crossing& off) {
+  const double dwell = off.time_s - down.time_s;
+  const double s = std::clamp((time_s - down.time_s) / dwell, 0.0, 1.0);
+  const double speed = (1.0 - s) * std::abs(down.v_up_px) + s * std::abs(off.v_up_px);
+  return dwell / std::numbers::pi * std::sin(std::numbers::pi * s) * speed;
 }
 
 std::vector<int> between(const LegCandidate& in, const LegCandidate& out) {
@@ -66,6 +77,7 @@ Rebound rebound_of(const LegCandidate& in, const LegCandidate& out, const Track&
   const double x_in = std::hypot(p_in, t_in * down.v_along_px);
   const double x_out = std::hypot(p_out, t_out * off.v_along_px);
   r.sd = {v_in, v_in, v_out, v_out, std::hypot(t_in, t_out), std::hypot(x_in, x_out)};
+  r.contact_model_sd_px = kContactModelSd_m * track.px_per_m;
   return r;
 }
 
@@ -81,7 +93,8 @@ double contact_penalty(const Rebound& r) {
   const double slow = std::min(vx_td, vx_lo) - margin;
   const double fast = std::max(vx_td, vx_lo) + margin;
   const double positive_dwell = std::max(dwell, 0.0);
-  const double sd = std::hypot(r.sd[5], 0.5 * (std::abs(slow) + std::abs(fast)) * r.sd[4]);
+  const double sd =
+      std::hypot(r.sd[5], 0.5 * (std::abs(slow) + std::abs(fast)) * r.sd[4], r.contact_model_sd_px);
   return penalty + squared(outside(distance, slow * positive_dwell, fast * positive_dwell) / sd);
 }
 
@@ -105,8 +118,12 @@ ContactFlashes contact_flashes(std::span<const TrackImage> images, const LegCand
   std::vector<double> cost((n + 1) * (m + 1), kNever);
   const auto at = [&](std::size_t i, std::size_t j) -> double& { return cost[i * (m + 1) + j]; };
   const auto with = [&](std::size_t i, std::size_t j) {
-    const double place = place_at(times_s[static_cast<std::size_t>(slots[j - 1])], *in.cross, *out.cross);
-    return at(i - 1, j - 1) + squared(images[i - 1].along_px - place) / variance;
+    const double time_s = times_s[static_cast<std::size_t>(slots[j - 1])];
+    const double place = place_at(time_s, *in.cross, *out.cross);
+    const double depth = depth_at(time_s, *in.cross, *out.cross);
+    const double miss = track.radius_px - images[i - 1].up_px - depth;
+    return at(i - 1, j - 1) + squared(images[i - 1].along_px - place) / variance +
+           squared(miss) / (variance + squared(kDepthModelShare * depth));
   };
   for (std::size_t j = 0; j <= m; ++j) at(0, j) = 0.0;
   for (std::size_t i = 1; i <= n; ++i) {

@@ -18,6 +18,8 @@ struct Rebound {
   std::array<double, 6>
       value{};  ///< v along and up at touchdown, at lift-off [px/s], dwell [s], distance [px]
   std::array<double, 6> sd{};
+  double contact_model_sd_px =
+      0.0;  ///< of the distance: friction may drive the ball on beyond both velocities
 };
 Rebound rebound_of(const LegCandidate& in, const LegCandidate& out, const Track& track);
 
@@ -26,7 +28,7 @@ Rebound rebound_of(const LegCandidate& in, const LegCandidate& out, const Track&
 double contact_penalty(const Rebound& rebound);
 
 /// The flashes of the contact images, chosen among those between the legs to suit their places along the
-/// surface.
+/// surface and their heights: a ball is pressed down by a half sine.
 struct ContactFlashes {
   std::vector<int> flash;
   double chi_squared = 0.0;

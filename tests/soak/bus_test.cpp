@@ -16,7 +16,7 @@ TEST_GROUP(VirtualBus) {
   std::vector<int> arrivals(int count, Station to = Station::host) {
     for (int i = 0; i < count; ++i) {
       const std::vector<std::uint8_t> bytes{static_cast<std::uint8_t>(i >> 8), static_cast<std::uint8_t>(i)};
-      bus.send(to, "channel", bytes, MonoTime{i * 1'000'000});
+      bus.send(to, "channel", bytes, MonoTime{std::int64_t{i} * 1'000'000});
     }
     std::vector<int> numbers;
     MonoTime last{0};
@@ -25,7 +25,7 @@ TEST_GROUP(VirtualBus) {
       CHECK(delivery.at >= last);
       last = delivery.at;
       numbers.push_back(delivery.packet->bytes[0] << 8 | delivery.packet->bytes[1]);
-      CHECK(delivery.at > MonoTime{numbers.back() * 1'000'000});
+      CHECK(delivery.at > MonoTime{std::int64_t{numbers.back()} * 1'000'000});
       bus.done(delivery);
     }
     return numbers;

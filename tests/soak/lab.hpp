@@ -128,6 +128,7 @@ class Lab final : firmware::Clock, firmware::OutputLines, firmware::EdgeSource, 
   void note_shot(std::span<const std::uint8_t> bytes);
   void on_outcome(const host::Outcome& outcome);
   bool over();
+  void trace_scenery();
   void settle();
   std::int64_t host_now() const;
   std::string trace_time() const;

@@ -375,9 +375,24 @@ void Lab::settle() {
   }
 }
 
+void Lab::trace_scenery() {
+  const sim::Scene& scene = scenery_.scene;
+  const auto degrees = [](double rad) { return rad * 180.0 / std::numbers::pi; };
+  trace(
+      "scene: {:.2f} m/s at {:.1f} degrees, {:.0f} rad/s, e {:.2f}, mu {:.2f}, dwell {:.2f} ms, tilt {:.1f} "
+      "degrees{}",
+      scene.machine.speed_mps, degrees(scene.machine.angle_rad), scene.machine.spin_radps, scene.bounce.e,
+      scene.bounce.mu, scene.bounce.dwell_s * 1e3, degrees(scene.surface_angle_rad),
+      scene.camera.mirrored ? ", mirrored" : "");
+  trace("plan: {} train, every {:.0f} us, {:.0f} ms; centres to {:.2f} mm, equators to {:.2f} degrees",
+        scenery_.plan.train == host::Train::gated ? "gated" : "free", scenery_.plan.period_us,
+        scenery_.plan.shutter_open_ms, scene.tablet.centre_sd_m * 1e3, degrees(scene.tablet.equator_sd_rad));
+}
+
 Tally Lab::run() {
   tally_.campaigns = 1;
   tally_.planned = order_.shots;
+  trace_scenery();
   boot();
   bool started = false;
   in(Duration{}, What::host_start);
