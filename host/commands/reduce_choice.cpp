@@ -15,7 +15,8 @@ namespace {
 using frontier::Row;
 using reduction::Quantity;
 
-constexpr std::array<std::string_view, 3> kStudies{"reduce", "reduce_estimated", "reduce_fine"};
+constexpr std::string_view kFineStudy = "reduce_fine";
+constexpr std::array<std::string_view, 3> kStudies{"reduce", "reduce_estimated", kFineStudy};
 
 /// Between the two noises that were measured: their geometric mean.
 constexpr double kFineBelow_mm = 0.1;
@@ -72,6 +73,25 @@ void keep_own_part(std::vector<Row>& rows) {
   for (Row& row : rows) row.error = std::sqrt((row.error - least) * (row.error + least));
 }
 
+/// What a method adds to photographs measured finely is bias for the most part, which noise hides but does
+/// not take away: it is never taken for less on others.
+void keep_at_least(std::vector<Row>& rows, const std::vector<Row>& fine) {
+  for (Row& row : rows) {
+    for (const Row& other : fine) {
+      if (other.method == row.method && other.parameter == row.parameter)
+        row.error = std::max(row.error, other.error);
+    }
+  }
+}
+
+/// The rows of a study that reduce() can run, with their own parts of the error.
+std::vector<Row> own_parts(const std::vector<Row>& rows, std::string_view study) {
+  std::vector<Row> own = frontier::of_study(rows, study);
+  std::erase_if(own, [](const Row& row) { return !estimator_for(row); });
+  keep_own_part(own);
+  return own;
+}
+
 bool left_to_choose(const Row& row, const EstimatorDemand& demand) {
   if (!demand.estimator.empty() && row.method != demand.estimator) return false;
   return demand.flight.empty() || frontier::parameter_value(row.parameter, "effects") == demand.flight;
@@ -120,7 +140,7 @@ std::optional<MeasuredEstimator> estimator_for(const Row& row) {
 
 std::string study_for(const reduction::Frame& frame) {
   if (!all_stated(frame)) return "reduce_estimated";
-  return centre_sd_mm(frame).value_or(1.0) < kFineBelow_mm ? "reduce_fine" : "reduce";
+  return centre_sd_mm(frame).value_or(1.0) < kFineBelow_mm ? std::string(kFineStudy) : "reduce";
 }
 
 std::optional<LargestSd> largest_sd(const reduction::Readout& readout, double ball_diameter_m) {
@@ -143,11 +163,11 @@ Result<EstimatorChooser> EstimatorChooser::make(const std::vector<Row>& rows,
   EstimatorChooser chooser;
   chooser.ranges_ = std::move(ranges);
   chooser.now_ns_ = now_ns;
+  const std::vector<Row> fine = own_parts(rows, kFineStudy);
   for (const std::string_view study : kStudies) {
-    std::vector<Row> kind = frontier::of_study(rows, study);
-    std::erase_if(kind, [](const Row& row) { return !estimator_for(row); });
+    std::vector<Row> kind = own_parts(rows, study);
     if (kind.empty()) continue;
-    keep_own_part(kind);
+    keep_at_least(kind, fine);
     std::erase_if(kind, [&](const Row& row) { return !left_to_choose(row, demand); });
     const auto chosen = frontier::choose(kind, demand.demand);
     chooser.kinds_.push_back({std::string(study), std::move(kind), chosen});

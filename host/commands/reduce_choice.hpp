@@ -2,10 +2,11 @@
 //
 // What an estimator is relied on for is its own part of the error: the measured rms error (against the truth,
 // of the worst condition and number, in the scales below) less, in squares, that of the best estimator of the
-// same study. The noise of the photograph itself no estimator can mend; where the readout's own stated sd is
-// beyond the tolerance, that is said. Scales of an error: the speed of touchdown for speeds and slip, the
-// same over R for spins, one radian for angles, 1 for e and mu, the dwell time, the speed times the dwell
-// time for the distance, 100 for the court pace.
+// same study, and no less than on photographs measured finely, where no noise hides a bias. The noise of the
+// photograph itself no estimator can mend; where the readout's own stated sd is beyond the tolerance, that is
+// said. Scales of an error: the speed of touchdown for speeds and slip, the same over R for spins, one radian
+// for angles, 1 for e and mu, the dwell time, the speed times the dwell time for the distance, 100 for the
+// court pace.
 #pragma once
 
 #include <cstdint>

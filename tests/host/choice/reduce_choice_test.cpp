@@ -82,6 +82,21 @@ TEST(ReduceChoice, CountsOnlyTheEstimatorsOwnPartOfTheError) {
   DOUBLES_EQUAL(0.0, narrow.choice.row.error, 0.0);
 }
 
+// 3 % of noise hides a bias of 0.8 % (sqrt(1² - 0.6²)), which is there all the same.
+TEST(ReduceChoice, TakesABiasThatNoiseHidesForWhatItIsWithoutNoise) {
+  std::vector<Row> biased = rows();
+  biased.push_back(row("reduce", "best", "effects=gravity", 7.0, 0.03));
+  biased.push_back(row("reduce_fine", "best", "effects=gravity", 7.0, 0.01));
+  const auto own = [&](double tolerance) {
+    const EstimatorDemand demand{
+        .demand = {.tolerance = tolerance, .deadline_us = {}}, .estimator = "best", .flight = ""};
+    return EstimatorChooser::make(biased, {}, demand, no_clock)->reduce(frame())->choice.row;
+  };
+  STRCMP_EQUAL("effects=gravity", own(0.0081).parameter.c_str());
+  DOUBLES_EQUAL(0.008, own(0.0081).error, 1e-15);
+  STRCMP_EQUAL("effects=auto", own(0.0079).parameter.c_str());
+}
+
 TEST(ReduceChoice, GivesTheReadoutThatTheEstimatorGives) {
   const auto chosen = reduced({.tolerance = 0.005, .deadline_us = {}}, frame(of_sd(3e-5)));
   const auto plain = reduction::reduce(frame(of_sd(3e-5)), reduction::Estimator::best,
