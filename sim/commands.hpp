@@ -64,6 +64,6 @@ int drive_command(const std::string& chip_dir, const std::vector<std::string>& d
 int lines_command(const std::string& chip_dir, bool json);
 
 /// Derives the scenes of the thesis's conditions from its tables and writes them to a folder.
-int fit_command(const std::string& tables, const std::string& folder);
+int fit_command(const std::string& tables, const std::string& folder, bool json);
 
 }  // namespace strobe::sim

@@ -99,7 +99,9 @@ int main(int argc, char** argv) {
 
   bool json = false;
   CLI::App* scenes = app.add_subcommand("scenes", "List the scenes that come with the program");
-  scenes->footer("Example: strobe-sim scenes --json");
+  scenes->footer(
+      "With what each inherits from. Broken ones are named on stderr, and the exit status is then 1.\n\n"
+      "Example: strobe-sim scenes --json");
   scenes->add_flag("--json", json, "One JSON object per line");
 
   ShootOptions shots;
@@ -129,6 +131,7 @@ int main(int argc, char** argv) {
   fit->footer("Example: strobe-sim fit --tables share/strobe/thesis --out scenes");
   fit->add_option("--tables", tables, "Folder of tables_02_to_10.csv and corrections.csv")->required();
   fit->add_option("--out", folder, "Folder for the scene files")->required();
+  fit->add_flag("--json", json, "One JSON object per line");
 
   try {
     app.parse(argc, argv);
@@ -148,6 +151,6 @@ int main(int argc, char** argv) {
   if (app.got_subcommand("plan")) return sim::plan_command(plan);
   if (lines->parsed()) return sim::lines_command(chip_dir, json);
   if (drive->parsed()) return sim::drive_command(chip_dir, drives);
-  if (fit->parsed()) return sim::fit_command(tables, folder);
+  if (fit->parsed()) return sim::fit_command(tables, folder, json);
   return sim::run_command(options);
 }

@@ -13,7 +13,7 @@ std::string spin_words(const std::string& spin) {
   return spin == "top" ? "topspin" : "backspin";
 }
 
-std::string entry(const char* key, double value) { return fmt::format("{} = {:.9g}\n", key, value); }
+std::string entry(const char* key, double value) { return fmt::format("{} = {:.8g}\n", key, value); }
 std::string spread(const char* key, double sd) {
   return sd > 0.0 ? fmt::format("{} = {:.6g}\n", key, sd) : "";
 }

@@ -217,7 +217,7 @@ TEST(ThesisScenes, FilesAreWhatTheFitDerivesFromTheTables) {
 }
 
 TEST(ThesisScenes, WithoutSpreadReboundAsTheTablesMeans) {
-  // Velocities and spins: the scene files' nine digits, through an integration to 1e-9; the fit says what the
+  // Velocities and spins: the scene files' eight digits, through an integration to 1e-9; the fit says what the
   // mechanics leave of vx and spin. Angles: the printed components' rounding (.005 m/s
   // each) and their own, and that a mean of angles is not the angle of the means (half the square of the
   // angles' sd, and the product of the components' relative sds). Ratios: rounding and likewise the product
