@@ -230,8 +230,10 @@ std::vector<Study> estimator_studies(const Effort& effort) {
   const Study stated{.name = "reduce",
                      .title = "Readout of a frame measured by hand, noise stated",
                      .what = "centre, diameter, surface .5 mm, equator 1 degree"};
-  const Study estimated{
-      .name = "reduce_estimated", .title = "The same, noise estimated from the shot", .what = "as reduce"};
+  const Study estimated{.name = "reduce_estimated",
+                        .title = "The same, noise estimated from the shot",
+                        .what = "as reduce",
+                        .drawn = false};
   const Study fine{.name = "reduce_fine",
                    .title = "Readout of a frame measured finely, noise stated",
                    .what = "centre, diameter, surface .02 mm, equator .05 degree"};

@@ -13,7 +13,8 @@ namespace strobe::bench::trade {
 namespace {
 
 constexpr int kColumns = 2;
-constexpr int kPanelWidth = 660;
+constexpr int kPanelWidth = 760;
+constexpr int kKeyWidth = 275;
 constexpr int kPanelHeight = 470;
 constexpr int kTop = 56;
 /// Errors of rounding alone are drawn here.
@@ -120,17 +121,20 @@ std::string panel_text(const Study& study, std::size_t index, int width, int hei
   }
   const double decades = std::log10(costs.high / costs.low);
   std::string out = "\n";
-  out += fmt::format("set lmargin at screen {:.4f}; set rmargin at screen {:.4f}\n",
-                     (column * kPanelWidth + 82.0) / width, ((column + 1) * kPanelWidth - 16.0) / width);
+  out +=
+      fmt::format("set lmargin at screen {:.4f}; set rmargin at screen {:.4f}\n",
+                  (column * kPanelWidth + 82.0) / width, ((column + 1.0) * kPanelWidth - kKeyWidth) / width);
   out += fmt::format("set tmargin at screen {:.4f}; set bmargin at screen {:.4f}\n",
                      1.0 - (kTop + row * kPanelHeight + 28.0) / height,
                      1.0 - (kTop + (row + 1) * kPanelHeight - 62.0) / height);
   out += fmt::format("set title {} offset 0,-0.6 noenhanced\n", literal(study.title));
   out += fmt::format("set xlabel 'microseconds a call' offset 0,0.3\nset ylabel {} offset 0.5,0 noenhanced\n",
                      literal("largest error " + study.unit));
-  // The key stands at the right, beyond the points.
+  out += fmt::format("set key at screen {:.4f}, screen {:.4f} left top Left reverse\n",
+                     ((column + 1.0) * kPanelWidth - kKeyWidth + 12.0) / width,
+                     1.0 - (kTop + row * kPanelHeight + 26.0) / height);
   out += fmt::format("set xrange {}\nset yrange {}\n",
-                     costs.text(0.06 * decades + 0.05, 0.85 * decades + 0.6), errors.text(0.3, 0.3));
+                     costs.text(0.06 * decades + 0.05, 0.12 * decades + 0.1), errors.text(0.3, 0.3));
   for (const Curve& curve : curves) out += labels_of(curve);
   std::string data;
   std::string plots;
@@ -177,8 +181,7 @@ std::string script_text(const std::vector<Study>& studies, const std::string& na
     out += "set logscale xy\nset format x '10^{%L}'\nset format y '10^{%L}'\n";
     out += "set border 3 lc rgb '#444444'; set tics nomirror out\n";
     out += "set grid lt 1 lw 0.5 lc rgb '#e8e8e8'\n";
-    out +=
-        "set key at graph 1.0,0.98 right top Right font small noenhanced samplen 1.6 spacing 1.0 noopaque\n";
+    out += "set key font small noenhanced samplen 1.6 spacing 1.0 noopaque\n";
     out += fmt::format(
         "set label 99 'Error against cost of every method, and what can be had best' at screen 0.012,{:.4f} "
         "left front\n",

@@ -69,6 +69,21 @@ std::string table_text(const Study& study) {
   return text;
 }
 
+std::string engines_text(const Study& study) {
+  const auto general = std::ranges::count(study.rows, true, &Row::general);
+  if (general == 0) return {};
+  std::string text;
+  const auto list = [&](const std::string& without, const char* by) {
+    const auto beyond = beyond_own(study, without);
+    text += fmt::format("{} of {} rows of engines are neither faster nor more exact than {}\n",
+                        general - static_cast<std::ptrdiff_t>(beyond.size()), general, by);
+    for (const std::size_t i : beyond) text += "  not " + label(study.rows[i]) + "\n";
+  };
+  list("", "a method of the product");
+  list("rigid", "the product's integrated mechanics alone (without the closed form)");
+  return text;
+}
+
 std::string csv_text(const std::vector<Study>& studies) {
   std::string text =
       "study,method,parameter,cost_us,rms,worst,thesis_rms,thesis_worst,error_unit,source,verdict,remark\n";
@@ -80,6 +95,25 @@ std::string csv_text(const std::vector<Study>& studies) {
                           row.parameter, row.cost_us, row.practical.rms, row.practical.worst, row.thesis.rms,
                           row.thesis.worst, field(study.unit), name(row.source),
                           field(verdict(study, verdicts[i])), field(row.remark));
+    }
+  }
+  return text;
+}
+
+std::string json_lines(const std::vector<Study>& studies) {
+  std::string text;
+  for (const Study& study : studies) {
+    const auto verdicts = dominated(study);
+    for (std::size_t i = 0; i < study.rows.size(); ++i) {
+      const Row& row = study.rows[i];
+      // No name or remark has a character that JSON would want escaped.
+      text += fmt::format(
+          R"({{"study":"{}","method":"{}","parameter":"{}","cost_us":{},"rms":{},"worst":{},"thesis_rms":{},)"
+          R"("thesis_worst":{},"error_unit":"{}","source":"{}","verdict":"{}","remark":"{}"}})"
+          "\n",
+          study.name, row.method, row.parameter, row.cost_us, row.practical.rms, row.practical.worst,
+          row.thesis.rms, row.thesis.worst, study.unit, name(row.source), verdict(study, verdicts[i]),
+          row.remark);
     }
   }
   return text;

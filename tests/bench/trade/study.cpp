@@ -9,8 +9,11 @@ namespace strobe::bench::trade {
 
 namespace {
 
-/// Errors below a double's own are equal.
-constexpr double kUnit = 1.1e-16;
+/// Errors of a few roundings of a double are equal.
+constexpr double kUnit = 5e-16;
+
+/// Costs this close count as equal.
+constexpr double kCostMargin = 0.05;
 
 /// Errors below this are rounding, which does not fall with a tolerance.
 constexpr double kRounding = 1e-13;
@@ -45,7 +48,6 @@ std::string label(const Row& row) {
 }
 
 std::vector<std::optional<Dominated>> dominated(const Study& study) {
-  constexpr double kCostMargin = 0.05;
   std::vector<std::optional<Dominated>> all;
   for (const Row& row : study.rows) {
     const double margin = row.source == Source::noise ? 0.02 : 1e-9;
@@ -65,12 +67,29 @@ std::vector<std::optional<Dominated>> dominated(const Study& study) {
   return all;
 }
 
+std::vector<std::size_t> beyond_own(const Study& study, const std::string& without) {
+  std::vector<std::size_t> beyond;
+  for (std::size_t i = 0; i < study.rows.size(); ++i) {
+    const Row& row = study.rows[i];
+    if (!row.general) continue;
+    const bool beaten = std::ranges::any_of(study.rows, [&](const Row& own) {
+      return !own.general && own.method != without && own.cost_us <= row.cost_us * (1.0 + kCostMargin) &&
+             std::max(error_of(own), kUnit) <= std::max(error_of(row), kUnit) * (1.0 + 1e-9);
+    });
+    if (!beaten) beyond.push_back(i);
+  }
+  return beyond;
+}
+
 std::vector<std::string> broken_invariants(const std::vector<Study>& studies) {
   std::vector<std::string> broken;
   for (const Study& study : studies) {
     check_falling(study, "tolerance", broken);
     check_falling(study, "steps", broken);
     for (const Row& row : study.rows) {
+      const auto promised = number_after(row.parameter, "tolerance");
+      if (row.method == "planned" && promised && error_of(row) > *promised)
+        broken.push_back(fmt::format("{}: {} differs by {:.2e}", study.name, label(row), error_of(row)));
       if (!(std::isfinite(error_of(row)) && row.cost_us > 0.0))
         broken.push_back(fmt::format("{}: {} has no finite error or cost", study.name, label(row)));
       const bool rounds = row.practical.worst < 100.0 * kRounding;

@@ -36,6 +36,7 @@ struct Study {
   std::string what;        ///< scenes, norm of the error, reference: for the table's head
   std::string unit{};      ///< of the errors, as in the frontier's file
   double reference = 0.0;  ///< error of the reference itself, same norm; 0: closed form in many digits
+  bool drawn = true;       ///< has a panel in the figure
   bool shipped = true;     ///< the product can choose among these methods
   std::vector<Row> rows{};
 };
@@ -65,8 +66,12 @@ struct Dominated {
 /// other count as equal, since they are measured, and so do errors within 2 % where noise makes them.
 std::vector<std::optional<Dominated>> dominated(const Study& study);
 
+/// Rows of general engines that no row of the product's own is both as fast as (within 5 %) and as exact as,
+/// `without` (a method) left out of the product's.
+std::vector<std::size_t> beyond_own(const Study& study, const std::string& without = "");
+
 /// What must hold of any run, as sentences about what does not: errors that fall with the tolerance down to
-/// rounding, a reference better than every method, finite figures.
+/// rounding, a reference better than every method, planned shots within their tolerance, finite figures.
 std::vector<std::string> broken_invariants(const std::vector<Study>& studies);
 
 }  // namespace strobe::bench::trade

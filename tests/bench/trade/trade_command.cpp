@@ -1,5 +1,6 @@
 // strobe-bench trade: speed against accuracy of every method, in one table.
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -10,7 +11,6 @@
 
 #include "tests/bench/command.hpp"
 #include "tests/bench/trade/plot.hpp"
-#include "tests/bench/trade/ranges.hpp"
 #include "tests/bench/trade/report.hpp"
 #include "tests/bench/trade/studies.hpp"
 
@@ -26,7 +26,13 @@ struct Options {
   std::string plot;
   std::string frontier;
   std::vector<std::string> only;
+  bool json = false;
 };
+
+/// On a terminal: which study is under way.
+void tell(const char* what) {
+  if (isatty(STDERR_FILENO) != 0) fmt::print(stderr, "\r{:60}\r{}", "", what);
+}
 
 bool wanted(const Options& options, const std::string& name) {
   return options.only.empty() || std::ranges::find(options.only, name) != options.only.end();
@@ -34,15 +40,20 @@ bool wanted(const Options& options, const std::string& name) {
 
 std::vector<Study> measure(const Options& options, std::vector<std::string>& missing) {
   std::vector<Study> all;
-  if (wanted(options, "impact"))
+  const auto begins = [&](const char* name) {
+    if (!wanted(options, name)) return false;
+    tell(name);
+    return true;
+  };
+  if (begins("impact"))
     for (Study& s : lift_off_studies(options.effort)) all.push_back(std::move(s));
-  if (wanted(options, "course")) all.push_back(course_study(options.effort));
-  if (wanted(options, "flight")) all.push_back(flight_study(options.effort));
-  if (wanted(options, "estimators"))
+  if (begins("course")) all.push_back(course_study(options.effort));
+  if (begins("flight")) all.push_back(flight_study(options.effort));
+  if (begins("estimators"))
     for (Study& s : estimator_studies(options.effort)) all.push_back(std::move(s));
-  if (wanted(options, "shots"))
+  if (begins("shots"))
     if (auto study = shot_study(options.effort)) all.push_back(std::move(*study));
-  if (wanted(options, "engines")) all.push_back(engine_study(options.effort, missing));
+  if (begins("engines")) all.push_back(engine_study(options.effort, missing));
   return all;
 }
 
@@ -55,13 +66,21 @@ bool write(const std::string& path, const std::string& text) {
   return !file.fail();
 }
 
-/// Beside the frontier's file: what the impacts spanned.
+std::vector<Study> drawn_of(std::vector<Study> studies) {
+  std::erase_if(studies, [](const Study& s) { return !s.drawn; });
+  return studies;
+}
+
+/// Beside the frontier's file: what the impacts and the photographs spanned.
 bool write_ranges(const Options& options) {
   if (options.frontier.empty()) return true;
   auto scenes = practical_impacts(options.effort.scenes, options.effort.seed);
   for (const ImpactScene& s : thesis_impacts()) scenes.push_back(s);
   const auto path = std::filesystem::path(options.frontier).replace_filename("ranges.csv");
-  return write(path.string(), ranges_text(ranges_of(scenes, "lift_off")));
+  auto ranges = ranges_of(scenes, "lift_off");
+  for (const char* study : {"reduce", "reduce_estimated", "reduce_fine"})
+    ranges.push_back({.study = study, .quantity = "images_per_leg", .lowest = 5.0, .highest = 5.0});
+  return write(path.string(), ranges_text(ranges));
 }
 
 int run(Options options) {
@@ -72,17 +91,18 @@ int run(Options options) {
   }
   std::vector<std::string> missing;
   const std::vector<Study> studies = measure(options, missing);
-  for (const Study& study : studies) fmt::print("{}\n", table_text(study));
-  for (const std::string& engine : missing) fmt::print("{}: not installed\n", engine);
+  tell("");
+  if (options.json) {
+    fmt::print("{}", json_lines(studies));
+  } else {
+    for (const Study& study : studies) fmt::print("{}{}\n", table_text(study), engines_text(study));
+    for (const std::string& engine : missing) fmt::print("{}: not installed\n", engine);
+  }
   if (!write(options.csv, csv_text(studies)) || !write(options.frontier, frontier_text(studies)) ||
       !write_ranges(options))
     return 2;
-  if (!options.frontier.empty() &&
-      !write(std::filesystem::path(options.frontier).replace_filename("ranges.csv").string(),
-             ranges_text(options.effort)))
-    return 2;
   if (!options.plot.empty()) {
-    if (const auto drawn = plot(studies, options.plot); !drawn) {
+    if (const auto drawn = plot(drawn_of(studies), options.plot); !drawn) {
       fmt::print(stderr, "strobe-bench trade: {}\n", drawn.error().message);
       return 1;
     }
@@ -121,6 +141,7 @@ void add_trade_command(CLI::App& app, int& exit_status) {
   command->add_option("--plot", options->plot, "draw NAME.svg and NAME.png (by gnuplot)");
   command->add_option("--frontier", options->frontier,
                       "write what programs choose by, and ranges.csv beside it");
+  command->add_flag("--json", options->json, "one object per method, nothing else on stdout");
   command->add_flag("--quick", options->effort.quick, "few scenes and steps, to see that all works");
   command->callback([options, &exit_status] { exit_status = run(*options); });
 }
