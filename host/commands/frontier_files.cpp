@@ -1,7 +1,5 @@
 #include "host/commands/frontier_files.hpp"
 
-#include <fmt/format.h>
-
 #include <filesystem>
 #include <system_error>
 
@@ -45,16 +43,6 @@ Result<frontier::Demand> parse_demand(const std::string& tolerance, std::optiona
   if (!value) return fail("--tolerance: " + value.error().message);
   demand.tolerance = *value;
   return demand;
-}
-
-std::string took_line(const std::string& command, double took_us, double expected_us,
-                      const frontier::Demand& demand) {
-  std::string line =
-      fmt::format("strobe: {}: took {:.1f} us at its first call ({:.3g} us expected of a later one", command,
-                  took_us, expected_us);
-  if (demand.deadline_us && took_us > *demand.deadline_us)
-    line += fmt::format("; {:.1f} us past the deadline", took_us - *demand.deadline_us);
-  return line + ")\n";
 }
 
 }  // namespace strobe::host

@@ -20,10 +20,4 @@ Result<FrontierFiles> read_frontier(const std::string& file);
 /// The error names the option.
 Result<frontier::Demand> parse_demand(const std::string& tolerance, std::optional<double> deadline_us);
 
-/// A line for standard error on the time taken, which never belongs to a result's bytes:
-/// "strobe: COMMAND: took 12.3 us at its first call (9.8 us expected of a later one)", and by how much a
-/// deadline was missed.
-std::string took_line(const std::string& command, double took_us, double expected_us,
-                      const frontier::Demand& demand);
-
 }  // namespace strobe::host

@@ -38,7 +38,8 @@ struct ImpactChoice {
   std::vector<std::string> outside;      ///< quantities beyond those measured
   std::vector<TriedImpact> replaced;     ///< whose check showed an error beyond the tolerance here
   double expected_cost_us = 0.0;         ///< of all that was run
-  std::int64_t took_ns = 0;              ///< what it took, on the clock given
+  std::int64_t took_ns = 0;              ///< what it took, on the clock given: code and data not yet at hand
+  std::int64_t took_again_ns = 0;        ///< the same once more
   std::optional<bool> within_tolerance;  ///< as far as checked; none: not checked, or no tolerance
 };
 

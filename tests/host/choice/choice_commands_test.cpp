@@ -90,6 +90,17 @@ TEST(ChoiceCommands, PredictTellsItsChoiceInWords) {
   CHECK(run.out.find("not checked on this impact: no time for a more exact run\n") != std::string::npos);
 }
 
+TEST(ChoiceCommands, PredictSaysWithHowManyStepsItIntegrated) {
+  strobe::testing::write_text(frontier,
+                              "study,method,parameter,cost_us,error,error_unit,note\n"
+                              "lift_off,ode_rk4,steps=50,12,0.001,of v_td,\n");
+  const Finished run = predict({"--tolerance", "1%", "--json"});
+  const auto inputs = strobe::testing::parse_json_lines(run.out).at(0)["inputs"];
+  STRCMP_EQUAL("rk4", inputs["integrator"].get<std::string>().c_str());
+  LONGS_EQUAL(50, inputs["steps"].get<int>());
+  CHECK(!inputs.contains("tolerance"));
+}
+
 TEST(ChoiceCommands, PredictRefusesWhatNothingMeetsAndNamesTheNearest) {
   check_refused(predict({"--tolerance", "0.1%", "--deadline-us", "5"}),
                 "predict: no method meets 0.1% and 5 us; in time the most exact is grip_offset "
