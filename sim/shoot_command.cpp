@@ -84,13 +84,14 @@ int shoot_command(const ShootOptions& options) {
     if (!truth) return complain(options.truth_file + ": cannot be written", 2);
   }
   Progress progress(options.shots);
-  for (int shot = 1; shot <= options.shots; ++shot) {
+  bool written = true;
+  for (int shot = 1; shot <= options.shots && written; ++shot) {
     const SimulatedShot result = shooter->shoot(shot);
-    fmt::print("{}\n", messages::frame_to_json(result.frame));
+    written = std::puts(messages::frame_to_json(result.frame).c_str()) >= 0;
     if (truth.is_open()) truth << truth_line(shooter->scene(), result.exposure, shot) << '\n';
     progress.at(shot);
   }
-  const bool written = std::fflush(stdout) == 0;
+  written = std::fflush(stdout) == 0 && written;
   if (!truth.flush() || !written) return complain("not everything could be written", 1);
   return 0;
 }
