@@ -54,8 +54,13 @@ ContactBounds::ContactBounds(const Scene& scene, const ShootSettings& settings) 
     for (int k = 0; k < kContactPhases && shot; ++k) {
       const auto p = static_cast<std::size_t>(k);
       // Phases differ from point to point: the golden ratio's multiples lie evenly.
-      const double turns = 0.61803398875 * static_cast<double>(i) + static_cast<double>(k) / kContactPhases;
-      sample.flashes[p] = shot->flashes(train, turns - static_cast<int>(turns), 0.0);
+      double turns = 0.61803398875 * static_cast<double>(i);
+      // One flash in contact, while it passes for one in the air: there its course shows.
+      const NominalShot::Seen seen = shot->flattening_seen();
+      const double share = 0.2 * static_cast<double>(i / 2 % 5) + 0.18;
+      const double before_s = (shot->dwell_s() - seen.to_s) * share;
+      if (k == 1) turns = (i % 2 == 0 ? share * seen.from_s : shot->dwell_s() - before_s) / train.period_s;
+      sample.flashes[p] = shot->flashes(train, turns - std::floor(turns), 0.0);
       const NominalFrame frame = shot->photograph(sample.flashes[p]);
       sample.readouts[p] = readout_of(frame.frame);
       sample.rebounds[p] = rebounds(frame);

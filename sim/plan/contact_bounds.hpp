@@ -4,7 +4,8 @@
 // numbers that are drawn for a shot, apart from where sliding turns into gripping. Hence both simulations are
 // made at the corners of the scene's spread, where monotonic changes are largest, and at kInside points
 // spread evenly inside, where a change of regime may lie; each is photographed at kContactPhases phases of
-// the flash train and read. The bound is the largest difference times kContactMargin.
+// the flash train, one of them with a flash in contact that still passes for one in the air, and read. The
+// bound is the largest difference times kContactMargin.
 //
 // The margin, why 2: between two neighbours of kInside points a change with one kink (where gripping begins)
 // is at most twice as large as at the nearer one. Tests hold it against direct simulations.

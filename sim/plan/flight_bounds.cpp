@@ -67,6 +67,8 @@ Displaced FlightBounds::displaced(const Leg& leg, double ax, double ay, double l
   d.by.x_m = 0.5 * ax * t * t;
   d.by.y_m = 0.5 * ay * t * t;
   d.within.x_m = d.within.y_m = off;
+  d.within.equator_rad = std::abs(leg.start.omega_radps) * (1.0 + leg.decayed) * decay_pm_ * largest *
+                         std::exp(leg.lipschitz * t) * t * t * t / 6.0;
   return d;
 }
 

@@ -22,7 +22,8 @@
 // more; off it |Domega| <= |omega0|·(exp(c·V·t) - 1 - c·V·t + c·A·t²/2), convex, hence that·t/3. Lift changes
 // by at most q·V³/(2w + V)²·R·|omega0|·(exp(c·V·t) - 1), w the least on the leg, growing convexly from 0, so
 // that the place moves by at most that·t²/6 (counted with spin decay; with lift, whose w may be larger by
-// the same factor, likewise).
+// the same factor, likewise). And what changes the speed changes the way flown, by at most
+// a_max·exp(L·t)·t²/2, hence the spin by |omega|·c of that and the equator by |omega|·c·a_max·exp(L·t)·t³/6.
 //
 // All this holds whichever of the other effects are there, so that what several do adds up.
 #pragma once

@@ -91,6 +91,21 @@ std::vector<NominalFlash> NominalShot::flashes(const Train& train, double phase,
   return all;
 }
 
+NominalShot::Seen NominalShot::flattening_seen() const {
+  const double middle_s = 0.5 * dwell_s();
+  const auto seen = [&](double t) { return path_.at(t).top_drop_m > scene_.tablet.visible_flattening_m; };
+  if (!seen(middle_s)) return {middle_s, middle_s};
+  const auto edge = [&](double unseen_s) {
+    double seen_s = middle_s;
+    for (int i = 0; i < 30; ++i) {
+      const double half = 0.5 * (seen_s + unseen_s);
+      (seen(half) ? seen_s : unseen_s) = half;
+    }
+    return unseen_s;
+  };
+  return {edge(0.0), edge(dwell_s())};
+}
+
 LegMotion NominalShot::incoming() const {
   const impact::Motion& m = path_.touchdown();
   return {m.vx_mps, m.vy_mps, m.omega_radps};

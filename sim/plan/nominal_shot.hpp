@@ -57,6 +57,15 @@ class NominalShot {
   /// of a period; the ball meets the plate `late_s` after the mean one.
   std::vector<NominalFlash> flashes(const Train& train, double phase, double late_s) const;
 
+  /// When flattening begins to be seen (incoming) and when it was last seen (rebounding), of the top of the
+  /// ball; both half way through the contact where it is never seen. Between touchdown and the first, and the
+  /// second and lift-off, an image passes for one in the air.
+  struct Seen {
+    double from_s = 0.0;
+    double to_s = 0.0;
+  };
+  Seen flattening_seen() const;
+
   LegMotion incoming() const;
   LegMotion rebound() const;
   double dwell_s() const { return path_.dwell_s(); }

@@ -73,9 +73,9 @@ class CornerStudy {
         flight_(scene),
         timing_(scene),
         camera_(scene) {
-    for (int k = 0; k < kPhases; ++k) {
+    for (const double phase : phases_of(shot, train.period_s)) {
       Exposed e;
-      e.flashes = shot.flashes(train, static_cast<double>(k) / kPhases, late_s);
+      e.flashes = shot.flashes(train, phase, late_s);
       e.photograph = shot.photograph(e.flashes);
       e.readout = readout_of(e.photograph.frame);
       phases_.push_back(std::move(e));
@@ -87,9 +87,11 @@ class CornerStudy {
   /// Steps between neighbouring phases: the sum of each quantity's kThresholds largest, which images that
   /// come and go may have caused, and the largest of the others.
   void steps(PerReadout& flips, PerReadout& drift) const {
-    std::array<std::array<double, kPhases>, reduction::kQuantityCount> all{};
-    for (std::size_t k = 0; k < kPhases; ++k) {
-      const PerReadout step = difference(phases_[k].readout, phases_[(k + 1) % kPhases].readout);
+    const std::size_t count = phases_.size();
+    std::array<std::vector<double>, reduction::kQuantityCount> all;
+    for (auto& steps : all) steps.resize(count);
+    for (std::size_t k = 0; k < count; ++k) {
+      const PerReadout step = difference(phases_[k].readout, phases_[(k + 1) % count].readout);
       for (std::size_t q = 0; q < reduction::kQuantityCount; ++q) all[q][k] = step[q];
     }
     for (std::size_t q = 0; q < reduction::kQuantityCount; ++q) {
@@ -137,7 +139,29 @@ class CornerStudy {
     return static_cast<std::size_t>(std::ranges::min_element(phases_, {}, count) - phases_.begin());
   }
 
+  std::size_t another(std::size_t number) const { return (7 * number + 3) % phases_.size(); }
+
  private:
+  /// Evenly over a period, and besides within and to both sides of where an image in contact passes for one
+  /// in the air: what it is off its leg's path grows steeply there, until it is seen to be in contact.
+  static std::vector<double> phases_of(const NominalShot& shot, double period_s) {
+    constexpr double kBeside_s = 1e-7;
+    constexpr int kWithin = 4;
+    std::vector<double> times_s;
+    for (int k = 0; k < kPhases; ++k) times_s.push_back(k * period_s / kPhases);
+    const NominalShot::Seen seen = shot.flattening_seen();
+    for (int k = 1; k <= kWithin; ++k) {
+      const double share = static_cast<double>(k) / kWithin;
+      times_s.push_back(share * seen.from_s - kBeside_s);
+      times_s.push_back(shot.dwell_s() - share * (shot.dwell_s() - seen.to_s) + kBeside_s);
+    }
+    times_s.push_back(seen.from_s + kBeside_s);
+    times_s.push_back(seen.to_s - kBeside_s);
+    for (double& t : times_s) t = t / period_s - std::floor(t / period_s);
+    std::ranges::sort(times_s);
+    return times_s;
+  }
+
   CoordinateMask wanted() const {
     const auto has = [&](Effect effect) { return present_[static_cast<std::size_t>(effect)]; };
     const bool lens = has(Effect::perspective) || has(Effect::lens_distortion) || has(Effect::pixels);
@@ -218,48 +242,6 @@ class CornerStudy {
 
 }  // namespace
 
-bool scene_has(const Scene& scene, Effect effect) {
-  const BounceSettings& b = scene.bounce;
-  const bool ode = b.contact == ContactLaw::ode;
-  const CameraSettings& c = scene.camera;
-  switch (effect) {
-    case Effect::gravity:
-    case Effect::grip:
-    case Effect::contact_gravity:
-      return true;
-    case Effect::drag:
-      return scene.air.drag_coefficient > 0.0 && scene.air.density_kgpm3 != 0.0;
-    case Effect::magnus:
-      return scene.air.lift && scene.air.density_kgpm3 != 0.0;
-    case Effect::spin_decay:
-      return scene.air.spin_decay_per_m > 0.0;
-    case Effect::offset:
-      return ode ? b.offset_share > 0.0 || b.offset_share_sd > 0.0 : b.offset_m > 0.0 || b.offset_sd_m > 0.0;
-    case Effect::tangential_compliance:
-      return ode || b.ex != 0.0 || b.ex_sd > 0.0;
-    case Effect::contact_ode:
-      return ode;
-    case Effect::flash_duration:
-      return scene.lamps.flash_s > 0.0;
-    case Effect::lamp_delay:
-      return scene.lamps.delay_s > 0.0;
-    case Effect::lamp_jitter:
-      return scene.lamps.jitter_s > 0.0;
-    case Effect::sensor_delay:
-      return scene.sensors.delay_s > 0.0 || scene.sensors.jitter_s > 0.0;
-    case Effect::shutter_lag:
-      return scene.shutter.open_lag_s > 0.0 || scene.shutter.close_lag_s > 0.0 ||
-             scene.shutter.lag_sd_s > 0.0;
-    case Effect::perspective:
-      return c.distance_m > 0.0;
-    case Effect::lens_distortion:
-      return c.distortion != 0.0;
-    case Effect::pixels:
-      return c.pixels;
-  }
-  return true;
-}
-
 SceneBounds::SceneBounds(const Scene& scene, const ShootSettings& settings)
     : scene_(scene), contact_(scene, settings) {
   for (std::size_t i = 0; i < kEffectCount; ++i) present_[i] = scene_has(scene, static_cast<Effect>(i));
@@ -271,9 +253,8 @@ void SceneBounds::measure(const ShootSettings& settings) {
   const Train train = train_of(scene_, settings);
   const TimingBounds timing(scene_);
   const std::vector<Corner> points = corners(scene_);
-  std::array<bool, reduction::kQuantityCount> some{};
-  std::array<bool, reduction::kQuantityCount> none{};
   PerReadout largest_drift;
+  std::array<bool, reduction::kQuantityCount> lost{};
   const ModelledScene modelled(scene_, kStudied);
   const SurfacePoints surface_without = surface_without_lens(scene_);
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -283,7 +264,9 @@ void SceneBounds::measure(const ShootSettings& settings) {
     const CornerStudy study(scene_, *shot, train, late_s, present_, surface_without);
     for (const Exposed& e : study.phases()) {
       for (std::size_t q = 0; q < reduction::kQuantityCount; ++q)
-        (e.readout[static_cast<Quantity>(q)] ? some : none)[q] = true;
+        lost[q] = lost[q] || !e.readout[static_cast<Quantity>(q)];
+      if (const auto dwell = e.readout[Quantity::dwell_time_ms])
+        least_dwell_ms_ = std::min(least_dwell_ms_, *dwell);
     }
     PerReadout flips;
     PerReadout drift;
@@ -292,10 +275,10 @@ void SceneBounds::measure(const ShootSettings& settings) {
     largest_drift.raise_to(drift);
     study.measure(study.fewest_images(), images_, passing_);
     if (present(Effect::sensor_delay)) one_stamp_.raise_to(study.of_one_stamp(study.fewest_images()));
-    study.measure((7 * i + 3) % kPhases, images_, passing_);
+    study.measure(study.another(i), images_, passing_);
   }
   for (std::size_t q = 0; q < reduction::kQuantityCount; ++q) {
-    if (some[q] && none[q]) flips_[q] = kNoBound;
+    if (lost[q]) flips_[q] = kNoBound;
   }
   for (PerReadout& bound : images_) bound = times(bound, kImageMargin);
   // All flashes together: the train's phase moves, and readouts drift with it.
@@ -359,7 +342,23 @@ PerReadout SceneBounds::of(const Model& model) {
   // What pixels do to a place is another thing at any other place.
   if (present(Effect::pixels) && model.has(Effect::pixels))
     sum += times(images_[static_cast<std::size_t>(Effect::pixels)], 2.0);
+  no_bound_where_large(sum);
   return sum;
+}
+
+void SceneBounds::no_bound_where_large(PerReadout& sum) const {
+  const PerReadout scale = readout_scales(scene_);
+  bool bent = false;
+  for (const Quantity q :
+       {Quantity::theta_in_deg, Quantity::theta_out_deg, Quantity::v_td_mps, Quantity::v_lo_mps,
+        Quantity::vx_td_mps, Quantity::vy_td_mps, Quantity::vx_lo_mps, Quantity::vy_lo_mps})
+    bent = bent || sum[q] > kSmall * scale[q];
+  for (std::size_t q = 0; q < reduction::kQuantityCount; ++q) {
+    if (bent || sum[q] > kSmall * scale[q]) sum[q] = kNoBound;
+  }
+  // A dwell time that comes out negative is no number.
+  if (sum[Quantity::dwell_time_ms] >= least_dwell_ms_)
+    sum[Quantity::dwell_time_ms] = sum[Quantity::dwell_distance_cm] = kNoBound;
 }
 
 }  // namespace strobe::sim

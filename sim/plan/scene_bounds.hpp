@@ -11,21 +11,25 @@
 //
 // Which images there are is decided by thresholds: the view's edge, flattening that is seen as contact, an
 // image that overlaps the surface. A displaced image may pass one. What that can do is measured: with all
-// effects the readout at neighbouring ones of kPhases phases of the train differs by what images that come
-// and go do to it (and by a smooth part, which only adds). flips() is the sum of the kThresholds largest such
+// effects the readout at neighbouring ones of kPhases phases of the train (and some more, where
+// an image in contact passes for one in the air) differs by what images that come and go do to it (and by a
+// smooth part, which only adds). flips() is the sum of the kThresholds largest such
 // steps, the largest over the corners: a shot that passes several thresholds at once changes by no more. It
 // counts as soon as anything that displaces images is left out: once, and once more for every image that may
 // be carried past a threshold (the displacement over the spacing of images, or in contact by how many the
 // images counted differ); and with it, where the sensors' jitter is kept, twice what one image's can do.
 // Where pixels are kept, what they do to all images counts twice besides: at another place it is another. A
-// number that some phases or corners have and others have not gets an infinite one: nothing that displaces
-// may then be left out.
+// number that some phase or corner has not gets an infinite one: nothing that displaces may then be left out.
+//
+// First order is for small changes. Where the sum is more than kSmall of a number's scale there is no bound
+// for it, and none for any where that number is an angle or a velocity in the plane; nor for the dwell time
+// where it might come out negative, which is no number.
 //
 // Deterministic: no clock. Thread-safe. Allocates.
 #pragma once
 
 #include <array>
-#include <map>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -38,6 +42,7 @@
 namespace strobe::sim {
 
 inline constexpr double kImageMargin = 1.5;
+inline constexpr double kSmall = 0.25;
 inline constexpr int kPhases = 32;
 inline constexpr std::size_t kThresholds = 4;
 
@@ -64,6 +69,7 @@ class SceneBounds {
 
  private:
   void measure(const ShootSettings& settings);
+  void no_bound_where_large(PerReadout& sum) const;
   void look_for_cautions(const ShootSettings& settings);
 
   Scene scene_;
@@ -72,6 +78,7 @@ class SceneBounds {
   std::array<double, kEffectCount> passing_{};  ///< how many images each may carry past a threshold
   ContactBounds contact_;
   PerReadout flips_;
+  double least_dwell_ms_ = std::numeric_limits<double>::infinity();
   PerReadout one_stamp_;  ///< of one image's time by the sensors' jitter
   std::string caution_;
 };

@@ -1,0 +1,43 @@
+#include <array>
+#include <cstdlib>
+#include <string>
+
+#include "tests/sim/plan/trial.hpp"
+
+// Last: it redefines new.
+#include <CppUTest/TestHarness.h>
+
+using namespace strobe;
+using namespace strobe::sim;
+
+namespace {
+
+/// STROBE_PLAN_SCENES from the environment, for a long run by hand (or strobe-bench plan), or what seconds
+/// allow.
+int scenes() {
+  const char* text = std::getenv("STROBE_PLAN_SCENES");
+#ifdef __SANITIZE_ADDRESS__
+  constexpr int kDefault = 2;
+#else
+  constexpr int kDefault = 6;
+#endif
+  return text ? std::atoi(text) : kDefault;
+}
+
+}  // namespace
+
+TEST_GROUP(RandomPlans){};
+
+TEST(RandomPlans, DifferFromTheFullModelByNoMoreThanTheTolerance) {
+  constexpr std::array kTolerances{1e-4, 1e-3, 1e-2, 5e-2};
+  for (int number = 0; number < scenes(); ++number) {
+    const test::RandomScene random = test::random_scene(static_cast<std::uint64_t>(number));
+    const test::Trial trial = test::try_plans(random, kTolerances, 3, false);
+    for (const test::Violation& v : trial.violations) {
+      const std::string text = "scene " + std::to_string(number) + ", tolerance " +
+                               std::to_string(v.tolerance) + ", " + std::string(reduction::name(v.quantity)) +
+                               ":\n" + test::as_toml(random);
+      FAIL(text.c_str());
+    }
+  }
+}
