@@ -61,6 +61,14 @@ double difference(const PredictInput& in, const impact::Motion& a, const impact:
   return std::hypot(a.vx_mps - b.vx_mps, a.vy_mps - b.vy_mps, spin_mps) / speed_mps(in);
 }
 
+/// The least ratio drawn is no limit: spins of both signs were, and none lies between them.
+double judged_spin_ratio(const MeasuredImpacts& measured, double ratio) {
+  for (const frontier::Range& range : measured.ranges) {
+    if (range.study == kStudy && range.quantity == "spin_ratio") return std::max(ratio, range.lowest);
+  }
+  return ratio;
+}
+
 std::vector<std::string> outside(const MeasuredImpacts& measured, const PredictInput& in) {
   const impact::ContactCoefficients c = contact_of(in);
   const ball::Ball ball = ball_of(in);
@@ -70,7 +78,9 @@ std::vector<std::string> outside(const MeasuredImpacts& measured, const PredictI
                          degrees(std::atan2(-in.touchdown.vy_mps, std::abs(in.touchdown.vx_mps)))},
       // To the left is the mirror image, whose spin has the other sign.
       frontier::Quantity{"omega_radps", std::copysign(1.0, in.touchdown.vx_mps) * in.touchdown.omega_radps},
-      frontier::Quantity{"spin_ratio", std::abs(ball.radius_m() * in.touchdown.omega_radps) / speed_mps(in)},
+      frontier::Quantity{
+          "spin_ratio",
+          judged_spin_ratio(measured, std::abs(ball.radius_m() * in.touchdown.omega_radps) / speed_mps(in))},
       frontier::Quantity{"e", c.e}, frontier::Quantity{"mu", c.mu}, frontier::Quantity{"alpha", ball.alpha},
       frontier::Quantity{"diameter_m", ball.diameter_m}, frontier::Quantity{"mass_kg", ball.mass_kg},
       frontier::Quantity{"dwell_time_ms", in.dwell_time_ms},

@@ -181,6 +181,17 @@ TEST(PredictChoice, NamesWhatLiesOutsideOfWhatWasMeasured) {
   STRCMP_EQUAL("e", choice->outside[1].c_str());
 }
 
+TEST(PredictChoice, TakesNoSpinForOneBetweenThoseMeasured) {
+  MeasuredImpacts narrow = measured();
+  narrow.ranges = {{.study = "lift_off", .quantity = "spin_ratio", .lowest = 0.01, .highest = 0.9}};
+  PredictInput in = thesis_input();
+  const frontier::Demand demand{.tolerance = 0.5, .deadline_us = {}};
+  in.touchdown.omega_radps = 0.0;
+  LONGS_EQUAL(0, choose_impact(narrow, demand, "", in, no_clock)->outside.size());
+  in.touchdown.omega_radps = 500.0;  // R omega is 16.3 m/s of 17
+  LONGS_EQUAL(1, choose_impact(narrow, demand, "", in, no_clock)->outside.size());
+}
+
 TEST(PredictChoice, TakesAMirroredImpactForTheSame) {
   MeasuredImpacts narrow = measured();
   narrow.ranges = {{.study = "lift_off", .quantity = "omega_radps", .lowest = 0.0, .highest = 10.0}};
