@@ -190,6 +190,19 @@ const EstimatorChooser::Kind* EstimatorChooser::kind_of(const reduction::Frame& 
   return kind != nullptr ? kind : &kinds_.front();
 }
 
+/// Work is a share for each image and one for the frame: more images than were measured cost at most in
+/// proportion.
+EstimatorChooser::Kind EstimatorChooser::with_costs_of(Kind kind, const reduction::Frame& frame) const {
+  for (const frontier::Range& range : ranges_) {
+    if (range.study != kind.study || range.quantity != "images_per_leg") continue;
+    const double times = images_per_leg(frame) / range.highest;
+    if (!(times > 1.0) || !std::isfinite(times)) continue;
+    for (Row& row : kind.rows) row.cost_us *= times;
+    kind.chosen = frontier::choose(kind.rows, demand_.demand);
+  }
+  return kind;
+}
+
 Result<reduction::Readout> EstimatorChooser::timed(const Row& row, const reduction::Frame& frame,
                                                    EstimatorChoice& choice) const {
   const MeasuredEstimator with = *estimator_for(row);
@@ -217,7 +230,7 @@ std::optional<Row> EstimatorChooser::better(const Kind& kind, const EstimatorCho
 }
 
 Result<ChosenReadout> EstimatorChooser::reduce(const reduction::Frame& frame) const {
-  const Kind& kind = *kind_of(frame);
+  const Kind kind = with_costs_of(*kind_of(frame), frame);
   if (!kind.chosen) return fail(frontier::refusal(kind.chosen.error(), demand_.demand));
   ChosenReadout result;
   EstimatorChoice& choice = result.choice;

@@ -64,7 +64,8 @@ struct ChosenReadout {
   EstimatorChoice choice;
 };
 
-/// Chooses once for each kind of frame, then reduces frame by frame. One thread's.
+/// Chooses for each kind of frame, then reduces frame by frame; frames of more images than were measured are
+/// reckoned to cost in proportion. One thread's.
 class EstimatorChooser {
  public:
   /// Fails with the refusal if no kind of frame has an estimator that meets the demand. `now_ns` is a clock
@@ -86,6 +87,7 @@ class EstimatorChooser {
   };
 
   const Kind* kind_of(const reduction::Frame& frame) const;
+  Kind with_costs_of(Kind kind, const reduction::Frame& frame) const;
   Result<reduction::Readout> timed(const frontier::Row& row, const reduction::Frame& frame,
                                    EstimatorChoice& choice) const;
   std::optional<frontier::Row> better(const Kind& kind, const EstimatorChoice& choice) const;

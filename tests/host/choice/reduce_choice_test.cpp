@@ -161,6 +161,19 @@ TEST(ReduceChoice, NamesWhatLiesOutsideOfWhatWasMeasured) {
   STRCMP_EQUAL("images_per_leg", chosen->choice.outside[0].c_str());
 }
 
+TEST(ReduceChoice, ReckonsWithMoreImagesThanWereMeasured) {
+  const std::vector<frontier::Range> ranges{{"reduce", "images_per_leg", 4.0, 4.0}};
+  const auto best_in = [&](double deadline_us) {
+    const EstimatorDemand demand{
+        .demand = {.tolerance = 0.001, .deadline_us = deadline_us}, .estimator = "", .flight = ""};
+    return EstimatorChooser::make(rows(), ranges, demand, no_clock)->reduce(frame());
+  };
+  // The best takes 8 us with four images a leg, thus 10 us with five.
+  CHECK(!best_in(9.9));
+  CHECK(best_in(10.1).has_value());
+  DOUBLES_EQUAL(10.0, best_in(10.1)->choice.row.cost_us, 1e-12);
+}
+
 TEST(ReduceChoice, TakesNoFrameForOneThatIsNot) {
   const auto any = chooser({.tolerance = 0.9, .deadline_us = {}});
   STRCMP_EQUAL(reduction::reduce({}, reduction::Estimator::best).error().message.c_str(),
