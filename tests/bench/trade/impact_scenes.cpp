@@ -89,7 +89,7 @@ std::vector<Range> ranges_of(const std::vector<ImpactScene>& scenes, const std::
   static constexpr Quantity kQuantities[] = {
       {"v_td_mps", [](const ImpactScene& s) { return s.speed_mps(); }},
       {"theta_in_deg",
-       [](const ImpactScene& s) { return std::atan2(s.touchdown.vy_mps, s.touchdown.vx_mps) / kDegree; }},
+       [](const ImpactScene& s) { return std::atan2(-s.touchdown.vy_mps, s.touchdown.vx_mps) / kDegree; }},
       {"omega_radps", [](const ImpactScene& s) { return s.touchdown.omega_radps; }},
       {"spin_ratio",
        [](const ImpactScene& s) {

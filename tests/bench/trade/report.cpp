@@ -122,7 +122,7 @@ std::string json_lines(const std::vector<Study>& studies) {
 std::string ranges_text(const std::vector<Range>& ranges) {
   std::string text = "study,quantity,lowest,highest\n";
   for (const Range& r : ranges)
-    text += fmt::format("{},{},{:.4g},{:.4g}\n", r.study, r.quantity, r.lowest, r.highest);
+    text += fmt::format("{},{},{},{}\n", r.study, r.quantity, r.lowest, r.highest);
   return text;
 }
 

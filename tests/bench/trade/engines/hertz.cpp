@@ -58,7 +58,7 @@ Shape shape_of(Real q) {
     const Real depth = std::max<Real>(z[0], 0);
     d = {z[1], -std::max<Real>(0, depth * std::sqrt(depth) * (1 + q * z[1])), 0, 0};
   };
-  const auto [end, dwell] = to_release(slope, {0, 1, 0, 0}, Real(1e-3));
+  const auto [end, dwell] = to_release(slope, {0, 1, 0, 0}, Real(5e-3));
   return {-end[1], dwell};
 }
 
