@@ -76,17 +76,20 @@ std::optional<ArrivalPrior> arrival_prior(const shot_t& shot, const Track& track
   return std::nullopt;
 }
 
-/// What is to be said of the flashes from the first to the last that shows the ball; a double flash counts where
-/// another plausible match would put it among them.
+/// What is to be said of the flashes from the first to the last that shows the ball; a double flash counts
+/// where another plausible match would put it among them. So does light just before the first and just after
+/// the last, and a flash there that no sensor saw: if it showed the ball after all, all images of a leg are
+/// one flash off.
 FlagSet flash_flags(const FlashTimes& times, const FlashMatch& match, int first, int last) {
   FlagSet flags;
+  const auto next_to = [first, last](int index) { return index >= first - 1 && index <= last + 1; };
   std::int64_t previous_ns = shot_t::NO_TIME;
   for (std::size_t i = 0; i < times.seen.size(); ++i) {
     const SeenFlash& flash = times.seen[i];
     const bool shows = flash.index >= first && flash.index <= last;
     // A second light leaves the intervals as they are: only the images could tell which flash it was.
     const bool may_show = i < match.may_show.size() && match.may_show[i] != 0;
-    if (flash.doubled && (shows || may_show)) flags.set(Flag::double_flash);
+    if (flash.doubled && (shows || may_show || next_to(flash.index))) flags.set(Flag::double_flash);
     if (!shows) continue;
     if (flash.late) flags.set(Flag::late_flash);
     if (flash.sensor_silent) flags.set(Flag::sensor_missing);
@@ -94,7 +97,7 @@ FlagSet flash_flags(const FlashTimes& times, const FlashMatch& match, int first,
     previous_ns = flash.time_ns;
   }
   for (const int index : times.missing) {
-    if (index > first && index < last) flags.set(Flag::missing_flash);
+    if (next_to(index)) flags.set(Flag::missing_flash);
   }
   return flags;
 }

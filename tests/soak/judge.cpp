@@ -21,7 +21,7 @@ double soak_limit() {
   return limit;
 }
 
-bool explains(Flag flag, Quantity quantity) {
+bool explains(Flag flag) {
   switch (flag) {
     case Flag::shot_aborted:
     case Flag::no_photograph:
@@ -34,10 +34,8 @@ bool explains(Flag flag, Quantity quantity) {
     case Flag::degenerate_geometry:
     case Flag::sensor_missing:
     case Flag::events_missing:
-      return true;
     case Flag::spin_aliased:
-      return quantity == Quantity::omega_td_radps || quantity == Quantity::omega_lo_radps ||
-             quantity == Quantity::slip_lo_mps;
+      return true;
     case Flag::outlier_image:
     case Flag::no_redundancy:
     case Flag::no_contact_image:
@@ -84,14 +82,18 @@ Judgement judge(const reduction::Readout& readout, const Truth& truth, double li
     result.z[i] = z;
     bool explained = false;
     for (std::size_t f = 0; f < reduction::kFlagCount; ++f) {
-      if (!readout.flags.has(static_cast<Flag>(f)) || !explains(static_cast<Flag>(f), quantity)) continue;
+      if (!readout.flags.has(static_cast<Flag>(f)) || !explains(static_cast<Flag>(f))) continue;
       explained = true;
       if (z > limit) result.by_flag[f] = true;
     }
-    if (!explained) result.largest_z = std::max(result.largest_z, z);
+    if (!explained && !(truth.images_do_not_tell && z > limit))
+      result.largest_z = std::max(result.largest_z, z);
     if (!(z > limit)) continue;
+    const bool of_dwell = quantity == Quantity::dwell_time_ms || quantity == Quantity::dwell_distance_cm;
     if (explained) {
       ++result.explained;
+    } else if (of_dwell && truth.images_do_not_tell) {
+      ++result.mismatched;
     } else {
       result.wrong +=
           fmt::format(" {} = {:.6g}, true {}, {:.1f} sd off;", name(quantity), *readout.value[quantity],

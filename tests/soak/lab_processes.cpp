@@ -29,6 +29,18 @@ bool has_numbers(const reduction::Readout& readout) {
   return false;
 }
 
+/// A flash without an image, or with two.
+bool images_mislead(const sim::Scene& scene, const sim::Exposure& exposure) {
+  using sim::FaultKind;
+  const auto struck = [&](FaultKind kind) {
+    return std::find(exposure.faults.begin(), exposure.faults.end(), kind) != exposure.faults.end();
+  };
+  return struck(FaultKind::flash_dim) || struck(FaultKind::flash_double) || struck(FaultKind::flash_late) ||
+         struck(FaultKind::flash_missing) || struck(FaultKind::sensor_bounce) ||
+         struck(FaultKind::sensor_dropout) ||
+         shot_fault(scene.faults, FaultKind::image_unseen, exposure.shot) != nullptr;
+}
+
 }  // namespace
 
 std::string Lab::trace_time() const {
@@ -321,6 +333,9 @@ void Lab::on_outcome(const host::Outcome& outcome) {
                                                  scenery_.scene.ball.radius_m());
     }
   }
+  const sim::Exposure* taken =
+      shot == shots_.end() ? nullptr : desk_.exposure_of(shot->second.start, shot->second.end);
+  truth.images_do_not_tell = taken != nullptr && images_mislead(scenery_.scene, *taken);
   const reduction::Readout& readout = outcome.readout;
   observer_.readout(host_->id(), key, readout, truth, outcome.dry);
   const bool numbers = has_numbers(readout);
@@ -341,15 +356,16 @@ void Lab::on_outcome(const host::Outcome& outcome) {
   if (!judgement) return;
   tally_.compared += judgement->compared;
   tally_.explained += judgement->explained;
+  tally_.mismatched += judgement->mismatched;
   for (std::size_t f = 0; f < reduction::kFlagCount; ++f) tally_.explained_by[f] += judgement->by_flag[f];
   for (std::size_t i = 0; i < reduction::kQuantityCount; ++i) {
     bool explained = false;
     for (std::size_t f = 0; f < reduction::kFlagCount; ++f) {
       const auto flag = static_cast<reduction::Flag>(f);
-      explained =
-          explained || (readout.flags.has(flag) && explains(flag, static_cast<reduction::Quantity>(i)));
+      explained = explained || (readout.flags.has(flag) && explains(flag));
     }
-    if (!explained) tally_.largest_z[i] = std::max(tally_.largest_z[i], judgement->z[i]);
+    if (!explained && !(truth.images_do_not_tell && judgement->z[i] > soak_limit()))
+      tally_.largest_z[i] = std::max(tally_.largest_z[i], judgement->z[i]);
   }
 }
 
@@ -419,6 +435,7 @@ Tally Lab::run() {
   tally_.triggers = observer_.triggers();
   tally_.events_journalled = observer_.events_journalled();
   tally_.events_missing = observer_.events_missing();
+  tally_.events_unheard = observer_.events_unheard();
   tally_.violations = static_cast<std::int64_t>(observer_.violations().size());
   tally_.packets = bus_.counts().sent;
   tally_.packets_lost = bus_.counts().lost;

@@ -41,7 +41,7 @@ Duration Observer::excused(MonoTime from, MonoTime to) const {
     const MonoTime begin = std::max(from, still.from), end = std::min(to, still.until);
     if (end > begin) sum = sum + (end - begin);
   }
-  if (died_.known() && died_ >= from && died_ <= to) sum = sum + kGuardianMakesSafe;
+  if (died_.known() && died_ <= to && died_ + kGuardianMakesSafe >= from) sum = sum + kGuardianMakesSafe;
   return sum;
 }
 
@@ -217,6 +217,10 @@ void Observer::read_journal(const std::filesystem::path& path) {
     const auto have = on_host_.find(boot_id);
     const auto index = static_cast<std::size_t>(sequence);
     if (have != on_host_.end() && index < have->second.size() && have->second[index]) continue;
+    if (have == on_host_.end()) {
+      ++unheard_;  // no host ever heard of this boot: none can know that there is something to ask for
+      continue;
+    }
     ++missing_;
     violate(fmt::format("event {} of boot {:x} is in the journal and on no host", sequence, boot_id));
   }

@@ -5,7 +5,8 @@
 //  - after the key goes off or the e-stop is pressed every output is inactive within 1 ms, and none becomes
 //    active before both are well again;
 //  - no output longer than its limit, lamps no closer and no more often than theirs;
-//  - in the end all outputs are inactive, every event in a journal is on the host, sequences have no gaps;
+//  - in the end all outputs are inactive, every event in a journal is on the host (but of a boot that ended
+//    unheard: such events are counted), sequences have no gaps;
 //  - one readout for one shot of one host; no wrong number without a flag that explains it.
 // While the machine stands still nothing can be done: such time is not counted. After a process's end its
 // guardian has 6 ms.
@@ -62,6 +63,8 @@ class Observer {
   int triggers() const { return triggers_; }
   std::int64_t events_journalled() const { return journalled_; }
   std::int64_t events_missing() const { return missing_; }
+  /// Of boots that ended before any host heard of them.
+  std::int64_t events_unheard() const { return unheard_; }
 
   /// For the trace: the newest violation is told to it.
   void violate(std::string what) { violations_.push_back(std::move(what)); }
@@ -111,6 +114,7 @@ class Observer {
   std::optional<Judgement> judgement_;
   std::int64_t journalled_ = 0;
   std::int64_t missing_ = 0;
+  std::int64_t unheard_ = 0;
   std::vector<std::string> violations_;
 };
 

@@ -306,17 +306,26 @@ TEST(Judge, AddsTheSystematicUncertaintyToTheStatisticalOne) {
   DOUBLES_EQUAL(10.0, judge(readout, truth, 20.0).largest_z, 1e-9);
 }
 
-TEST(Judge, LetsAnAliasedSpinExcuseSpinsOnly) {
+TEST(Judge, CountsWhatAFlagExplains) {
   Truth truth;
   truth.value[Quantity::omega_lo_radps] = -600.0;
-  truth.value[Quantity::mu] = 0.5;
   reduction::Readout readout;
   readout.flags.set(Flag::spin_aliased);
   readout.value[Quantity::omega_lo_radps] = 447.0;
   readout.sd[Quantity::omega_lo_radps] = 1.0;
-  CHECK_TRUE(judge(readout, truth, 6.5).wrong.empty());
-  LONGS_EQUAL(1, judge(readout, truth, 6.5).explained);
-  readout.value[Quantity::mu] = 0.7;
-  readout.sd[Quantity::mu] = 0.01;
-  CHECK_FALSE(judge(readout, truth, 6.5).wrong.empty());
+  const Judgement judgement = judge(readout, truth, 6.5);
+  CHECK_TRUE(judgement.wrong.empty());
+  LONGS_EQUAL(1, judgement.explained);
+  CHECK_TRUE(judgement.by_flag[static_cast<std::size_t>(Flag::spin_aliased)]);
+  DOUBLES_EQUAL(0.0, judgement.largest_z, 0.0);
+}
+
+TEST(Observer, CountsEventsOfABootThatNoHostHeardOf) {
+  const VirtualDisk disk;
+  auto journal = firmware::Journal::create(disk.path(), kBoot);
+  CHECK_TRUE(
+      journal->append({{firmware::Message::Kind::event, {1, 1}, "STROBE/x/EVENT", event(1)}}, 0).has_value());
+  observer.end(disk.path());
+  expect_none();
+  LONGS_EQUAL(1, observer.events_unheard());
 }

@@ -58,7 +58,7 @@ void draw_extreme_throw(sim::Scene& scene, Random& random) {
                         random.uniform(-200.0, 200.0));
     case 4:
       return draw_throw(scene, random, random.uniform(12.0, 30.0), angle,
-                        (random.chance(0.5) ? 1.0 : -1.0) * random.uniform(450.0, 1200.0));
+                        (random.chance(0.5) ? 1.0 : -1.0) * random.uniform(450.0, 950.0));
     default:
       return draw_throw(scene, random, random.uniform(25.0, 40.0), -random.uniform(40.0, 70.0) * kDegree,
                         random.uniform(-200.0, 200.0));
@@ -78,7 +78,10 @@ void draw_camera(Scenery& scenery, Random& random) {
 /// So that the ball advances by a third to nearly two of its diameters between images.
 double period_us(const sim::Scene& scene, Random& random) {
   const double step_m = random.uniform(0.022, 0.055);
-  return std::clamp(1e6 * step_m / scene.machine.speed_mps, 1500.0, 6000.0);
+  // Whoever expects much spin flashes faster: up to a little more than a quarter turn between images.
+  const double turn_rad = random.uniform(0.5, 1.1) * std::numbers::pi / 2.0;
+  const double spin_radps = std::max(50.0, std::abs(scene.machine.spin_radps));
+  return std::clamp(1e6 * std::min(step_m / scene.machine.speed_mps, turn_rad / spin_radps), 1500.0, 6000.0);
 }
 
 void plan_brief(Scenery& scenery, Random& random) {

@@ -31,12 +31,14 @@ void Tally::add(const Tally& other) {
                            &Tally::withheld,
                            &Tally::compared,
                            &Tally::explained,
+                           &Tally::mismatched,
                            &Tally::packets,
                            &Tally::packets_lost,
                            &Tally::packets_doubled,
                            &Tally::packets_reordered,
                            &Tally::events_journalled,
                            &Tally::events_missing,
+                           &Tally::events_unheard,
                            &Tally::events_lost_dying,
                            &Tally::violations}) {
     sum(field);
@@ -68,6 +70,7 @@ std::string table_of(const Tally& tally) {
   line("readouts without numbers", tally.withheld);
   line("numbers held against truth", tally.compared);
   line(fmt::format("  beyond {:.2f} sd, explained by a flag", soak_limit()), tally.explained);
+  line("  dwells off by a period, an image overlooked", tally.mismatched);
   for (std::size_t i = 0; i < reduction::kFlagCount; ++i) {
     if (tally.flags[i] == 0) continue;
     line(fmt::format("  readouts with {}, off with it", reduction::kFlagNames[i]),
@@ -85,6 +88,7 @@ std::string table_of(const Tally& tally) {
        fmt::format("{}, {}, {}", tally.packets_lost, tally.packets_doubled, tally.packets_reordered));
   line("events journalled", tally.events_journalled);
   line("  missing on the hosts in the end", tally.events_missing);
+  line("  of boots that ended before a host heard them", tally.events_unheard);
   line("events in the queue of a process that died", tally.events_lost_dying);
   line("violations", tally.violations);
   line("digest", fmt::format("{:016x}", tally.digest));
