@@ -4,9 +4,9 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "common/impact/ode/normal_spring.hpp"
 #include "sim/commands.hpp"
 #include "sim/live/scene_files.hpp"
+#include "sim/rig/scene_spring.hpp"
 
 namespace strobe::sim {
 
@@ -30,7 +30,7 @@ void print_json(const SceneFile& file) {
                          {"mu", scene.bounce.mu},
                          {"dwell_ms", scene.bounce.dwell_s * 1e3}};
   if (!scene.parent.empty()) line["inherits"] = scene.parent;
-  if (const auto spring = impact::normal_spring(scene.ball.mass_kg, scene.bounce.e, scene.bounce.dwell_s)) {
+  if (const auto spring = spring_of_rebound(scene.ball.mass_kg, {scene.bounce.e, scene.bounce.dwell_s})) {
     line["stiffness_npm"] = spring->stiffness_npm;
     line["damping_nspm"] = spring->damping_nspm;
   }

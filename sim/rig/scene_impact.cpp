@@ -4,7 +4,7 @@
 #include <cmath>
 #include <string>
 
-#include "common/impact/ode/normal_spring.hpp"
+#include "sim/rig/scene_spring.hpp"
 #include "sim/rig/scene_tables.hpp"
 
 namespace strobe::sim::tables {
@@ -70,10 +70,9 @@ void read_springs(TomlTable& ball, TomlTable& bounce, const Scene& scene, Bounce
   }
   const double stiffness_npm = ball.number("stiffness_npm", kStiffness_npm);
   const double damping_nspm = ball.number("damping_nspm", kDamping_nspm);
-  const double mass_kg = scene.ball.mass_kg;
-  const double zeta = damping_nspm / (2.0 * std::sqrt(stiffness_npm * mass_kg));
-  b.e = impact::restitution_of_damping_ratio(zeta);
-  b.dwell_s = impact::release_phase(zeta) / std::sqrt(stiffness_npm / mass_kg);
+  const SpringRebound rebound = rebound_of_spring(scene.ball.mass_kg, stiffness_npm, damping_nspm);
+  b.e = rebound.e;
+  b.dwell_s = rebound.dwell_s;
   b.e_slope_spm = 0.0;
   if (!(b.e >= kRestitution.least && b.e <= kRestitution.most)) {
     ball.error_at("damping_nspm", fmt::format("makes the restitution {:.3g}; must be {} to {}", b.e,

@@ -2,8 +2,9 @@
 #include <cmath>
 #include <string>
 
-#include "common/impact/ode/normal_spring.hpp"
+#include "sim/rig/contact_course.hpp"
 #include "sim/rig/scene.hpp"
+#include "sim/rig/scene_spring.hpp"
 // CppUTest redefines new; its headers come last.
 #include <CppUTest/TestHarness.h>
 
@@ -81,13 +82,19 @@ TEST(SceneKeys, GiveTheBallsInertiaByNumberOrByModel) {
 }
 
 TEST(SceneKeys, GiveTheReboundByRestitutionAndDwellOrBySprings) {
-  const auto spring = impact::normal_spring(0.0576, 0.8, 5e-3);
+  const auto spring = spring_of_rebound(0.0576, {0.8, 5e-3});
   const std::string text =
       kThrow + "[bounce]\nmu = 0.6\n[ball]\nstiffness_npm = " + std::to_string(spring->stiffness_npm) +
       "\ndamping_nspm = " + std::to_string(spring->damping_nspm) + "\n";
   const Scene scene = scene_of(text);
   DOUBLES_EQUAL(0.8, scene.bounce.e, 1e-6);
   DOUBLES_EQUAL(5e-3, scene.bounce.dwell_s, 1e-8);
+  // Without weight the ball is at its radius again after that time, and nothing was lost between keys and
+  // ball.
+  const Throw thrown = draw_throw(scene, 1, 1);
+  const auto end = ode_lift_off(scene, thrown, Model::full().without(Effect::contact_gravity));
+  DOUBLES_EQUAL(5e-3, end->dwell_s, 1e-8);
+  DOUBLES_EQUAL(-0.8 * thrown.touchdown.vy_mps, end->rebound.lift_off.vy_mps, 1e-5);
   DOUBLES_EQUAL(0.0, scene.bounce.e_slope_spm, 0.0);
   STRCMP_CONTAINS("ball.damping_nspm: is missing",
                   error_of(kThrow + "[bounce]\nmu = 0.6\n[ball]\nstiffness_npm = 20000\n").c_str());
