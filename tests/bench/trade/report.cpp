@@ -91,10 +91,10 @@ std::string csv_text(const std::vector<Study>& studies) {
     const auto verdicts = dominated(study);
     for (std::size_t i = 0; i < study.rows.size(); ++i) {
       const Row& row = study.rows[i];
-      text += fmt::format("{},{},{},{:.4g},{:.4g},{:.4g},{:.4g},{:.4g},{},{},{},{}\n", study.name, row.method,
-                          row.parameter, row.cost_us, row.practical.rms, row.practical.worst, row.thesis.rms,
-                          row.thesis.worst, field(study.unit), name(row.source),
-                          field(verdict(study, verdicts[i])), field(row.remark));
+      text += fmt::format("{},{},{},{:.4g},{:.4g},{:.4g},{:.4g},{:.4g},{},{},{},{}\n", study.name,
+                          field(row.method), row.parameter, row.cost_us, row.practical.rms,
+                          row.practical.worst, row.thesis.rms, row.thesis.worst, field(study.unit),
+                          name(row.source), field(verdict(study, verdicts[i])), field(row.remark));
     }
   }
   return text;
