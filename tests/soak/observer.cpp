@@ -19,7 +19,6 @@ constexpr Duration kGuardianMakesSafe = milliseconds(6);
 constexpr Duration kRace = microseconds(2);  // from the last look at the key to the line's edge
 constexpr Duration kTokenLife = milliseconds(30'100);
 constexpr Duration kFireToTrigger = milliseconds(5'000);
-constexpr Duration kNewShot = milliseconds(100);  // no train pauses that long
 
 constexpr std::array kOutputNames{"trigger", "lamps", "shutter"};
 
@@ -75,6 +74,7 @@ void Observer::output(Output output, bool active, MonoTime at) {
                         kOutputNames[index_of(output)], at.ns, unsafe_since_.ns));
   }
   if (output == Output::trigger) check_trigger(at);
+  if (output == Output::shutter) flashes_of_shot_ = 0;  // each shot opens it once
   if (output == Output::strobes) check_lamps(at);
 }
 
@@ -107,7 +107,6 @@ void Observer::check_trigger(MonoTime at) {
 void Observer::check_lamps(MonoTime at) {
   if (last_flash_.known()) {
     const Duration gap = at - last_flash_;
-    if (gap > kNewShot) flashes_of_shot_ = 0;
     // A daemon that is started anew does not know when the last one flashed; it takes much longer than that.
     if (gap + limits_.tolerance.late + microseconds(1) < limits_.lamps.min_period) {
       violate(fmt::format("lamps flashed {} us after the flash before, at {}", gap.ns / 1000, at.ns));
