@@ -13,8 +13,8 @@ namespace strobe::bench::trade {
 namespace {
 
 constexpr int kColumns = 2;
-constexpr int kPanelWidth = 760;
-constexpr int kKeyWidth = 275;
+constexpr int kPanelWidth = 830;
+constexpr int kKeyWidth = 345;
 constexpr int kPanelHeight = 470;
 constexpr int kTop = 56;
 /// Errors of rounding alone are drawn here.

@@ -14,7 +14,7 @@ namespace {
 
 constexpr const char* kShipped = "bounce, as shipped";
 constexpr const char* kFreeOfCorrection = "bounce, no correction nor softness";
-constexpr const char* kQuick = "bounce, no correction nor softness, quick step";
+constexpr const char* kQuick = "bounce, the same, quick step";
 constexpr const char* kSpring = "spring by erp and cfm";
 constexpr const char* kSpringQuick = "spring by erp and cfm, quick step";
 
