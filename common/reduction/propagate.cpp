@@ -232,7 +232,7 @@ class Propagation {
       crossing_[leg] = crossing(fit_, leg);
       if (!fit_.joint.legs[leg].fitted || !fit_.spin[leg]) readout_.flags.set(Flag::too_few_images);
       if (fit_.joint.legs[leg].fitted && !crossing_[leg]) readout_.flags.set(Flag::degenerate_geometry);
-      if (fit_.spin[leg]) omega_[leg] = Number::variable(fit_.spin[leg]->omega_radps, kSpin[leg]);
+      if (fit_.spin[leg]) omega_[leg] = spin_at_surface(leg);
     }
     leg(0, {Quantity::theta_in_deg, Quantity::vx_td_mps, Quantity::vy_td_mps, Quantity::v_td_mps,
             Quantity::omega_td_radps});
@@ -289,6 +289,21 @@ class Propagation {
   }
 
  private:
+  /// A steady spin fitted to one that decays is that of the readings' mean time, to second order in the
+  /// decay.
+  Number spin_at_surface(std::size_t leg) const {
+    const SpinFit& spin = *fit_.spin[leg];
+    const Number mean = Number::variable(spin.omega_radps, kSpin[leg]);
+    if (!crossing_[leg]) return mean;
+    const double origin_s = fit_.joint.legs[leg].origin_s;
+    const double crossing_s = crossing_[leg]->time_s.value;
+    const flight::Flight flight = path(fit_, leg).values();
+    const flight::Vector a = flight.position_at(crossing_s - origin_s);
+    const flight::Vector b = flight.position_at(spin.mean_time_s - origin_s);
+    const double way_m = std::copysign(std::hypot(b.x - a.x, b.y - a.y), spin.mean_time_s - crossing_s);
+    return mean * std::exp(fit_.spin_decay_per_m * way_m);
+  }
+
   struct LegQuantities {
     Quantity theta, vx, vy, v, omega;
   };

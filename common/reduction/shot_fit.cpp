@@ -55,6 +55,10 @@ void refit(ShotFit& fit, flight::Effects effects) {
 ShotFit fit_shot(Observations observations, FitOptions options, FlagSet& flags) {
   ShotFit fit;
   fit.observations = std::move(observations);
+  if (options.effects.drag) {
+    fit.spin_decay_per_m =
+        flight::kSpinDecay_per_m * fit.observations.air_density_kgpm3 / flight::kAirDensity_kgpm3;
+  }
   refit(fit, options.effects);
   while (options.leave_out_outliers && leave_out_worst(fit)) {
     flags.set(Flag::outlier_image);

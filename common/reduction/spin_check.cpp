@@ -20,18 +20,24 @@ double shortest_interval_s(const std::vector<EquatorReading>& readings) {
 
 bool spins_contradict_friction(const Readout& readout, const ShotFit& fit) {
   constexpr double kMostInterval_s = 7e-3;
+  constexpr double kGap = 1.5;
+  constexpr double kLargestOffset = 0.5;  // of the radius
   const Quantities& value = readout.value;
   const auto& before = value[Quantity::omega_td_radps];
   const auto& after = value[Quantity::omega_lo_radps];
   const auto& vx_before = value[Quantity::vx_td_mps];
   const auto& vx_after = value[Quantity::vx_lo_mps];
   if (!before || !after || !vx_before || !vx_after) return false;
-  const double interval_s =
-      std::max(shortest_interval_s(fit.equators[0]), shortest_interval_s(fit.equators[1]));
+  const auto [shorter_s, interval_s] =
+      std::minmax({shortest_interval_s(fit.equators[0]), shortest_interval_s(fit.equators[1])});
   if (!(interval_s > 0.0) || interval_s > kMostInterval_s) return false;
   const ball::Ball& ball = fit.observations.ball;
   const double expected = (*vx_after - *vx_before) / (ball.alpha * ball.radius_m());
-  return std::abs(*after - *before - expected) > std::numbers::pi / (2.0 * interval_s);
+  const double contradiction = std::abs(*after - *before - expected);
+  const double half_turn = std::numbers::pi / interval_s;
+  if (interval_s <= kGap * shorter_s) return contradiction > 0.5 * half_turn;
+  const double impulse_mps = *value[Quantity::vy_lo_mps] - *value[Quantity::vy_td_mps];
+  return contradiction > half_turn - kLargestOffset * impulse_mps / (ball.alpha * ball.radius_m());
 }
 
 }  // namespace strobe::reduction

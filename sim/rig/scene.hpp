@@ -80,7 +80,9 @@ struct AirSettings {
   double density_kgpm3 = -1.0;     ///< < 0 (key absent): dry air of that temperature at 101.325 kPa
   double drag_coefficient = 0.55;  ///< of the area pi·R²; 0: no drag
   bool lift = true;                ///< key lift_law = "spin_ratio" (sim/rig/flight.hpp) | "none"
-  double spin_decay_per_m = 0.01;  ///< domega/dt = -spin_decay_per_m·|v|·omega; .05 % in 3 ms at 17 m/s
+  /// domega/dt = -spin_decay_per_m·|v|·omega; .05 % in 3 ms at 17 m/s. Key absent: in proportion to
+  /// density_kgpm3.
+  double spin_decay_per_m = 0.01;
 };
 
 /// [lamps] Both alike.

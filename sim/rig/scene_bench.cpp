@@ -28,6 +28,9 @@ void read_lens(TomlTable& table, CameraSettings& c, const ball::Ball& ball) {
             std::to_string(nearest_m));
 }
 
+/// Of the air in which a spin decays by default as it does.
+constexpr double kUsualDensity_kgpm3 = 1.204;
+
 }  // namespace
 
 AirSettings read_air(TomlTable table) {
@@ -36,7 +39,8 @@ AirSettings read_air(TomlTable table) {
   a.density_kgpm3 = table.optional_number("density_kgpm3", Range{0.0, 10.0}).value_or(-1.0);
   a.drag_coefficient = table.number_or("drag_coefficient", a.drag_coefficient, {0.0, 2.0});
   a.lift = table.choice_or("lift_law", "spin_ratio", {"spin_ratio", "none"}) == "spin_ratio";
-  a.spin_decay_per_m = table.number_or("spin_decay_per_m", a.spin_decay_per_m, {0.0, 1.0});
+  const double thinner = a.density_kgpm3 < 0.0 ? 1.0 : a.density_kgpm3 / kUsualDensity_kgpm3;
+  a.spin_decay_per_m = table.number_or("spin_decay_per_m", a.spin_decay_per_m * thinner, {0.0, 1.0});
   return a;
 }
 

@@ -53,24 +53,12 @@ double z_of(const reduction::Readout& readout, const Truth& truth, Quantity q) {
   const auto& expected = truth.value[q];
   if (!expected) return std::numeric_limits<double>::infinity();
   const double sd = std::hypot(readout.sd[q].value_or(0.0), readout.sd_systematic[q].value_or(0.0));
-  const double error = std::max(0.0, std::abs(*value - *expected) - truth.allowance[q].value_or(0.0));
+  const double error = std::abs(*value - *expected);
   if (!std::isfinite(error)) return std::numeric_limits<double>::infinity();
   return sd > 0.0 ? error / sd : (error == 0.0 ? 0.0 : std::numeric_limits<double>::infinity());
 }
 
 }  // namespace
-
-reduction::Quantities allowance_for_spin_decay(const reduction::Quantities& truth, double decay_per_m,
-                                               double ball_radius_m) {
-  constexpr double kHalfALeg_m = 0.35;
-  reduction::Quantities allowance;
-  for (const Quantity q : {Quantity::omega_td_radps, Quantity::omega_lo_radps}) {
-    if (truth[q]) allowance[q] = decay_per_m * kHalfALeg_m * std::abs(*truth[q]);
-  }
-  if (truth[Quantity::omega_lo_radps])
-    allowance[Quantity::slip_lo_mps] = ball_radius_m * *allowance[Quantity::omega_lo_radps];
-  return allowance;
-}
 
 Judgement judge(const reduction::Readout& readout, const Truth& truth, double limit) {
   Judgement result;

@@ -37,22 +37,14 @@ struct Judgement {
   std::string wrong;                                  ///< the others, in words; empty: none
 };
 
-/// What is true of a shot, and by how much a number may differ from it because of what the analysis is known
-/// to leave out.
+/// What is true of a shot.
 struct Truth {
   reduction::Quantities value;
-  reduction::Quantities allowance;  ///< absent: none
   /// The photograph lacks an image of a flash that was seen, or has one too many. Next to the contact the
   /// host then takes one match for another once in a while, as its stated odds say
   /// (host/assembly/flash_match.hpp): the dwell time is off by a period. Such numbers are counted apart.
   bool images_do_not_tell = false;
 };
-
-/// The analysis takes the spin as steady along a leg; in truth it decays with the way, so that the mean over
-/// a leg's images differs from that at touchdown or lift-off by what decays over half the leg, at most 0.35
-/// m.
-reduction::Quantities allowance_for_spin_decay(const reduction::Quantities& truth, double decay_per_m,
-                                               double ball_radius_m);
 
 /// truth: absent numbers are those that the shot does not have: of a shot without a ball, all. A number that
 /// is stated and not there in truth is wrong unless explained.

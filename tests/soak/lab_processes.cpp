@@ -329,8 +329,6 @@ void Lab::on_outcome(const host::Outcome& outcome) {
     const sim::Exposure* exposure = desk_.exposure_of(shot->second.start, shot->second.end);
     if (exposure != nullptr && shows_impact(*exposure)) {
       truth.value = sim::true_readout(rig_.scene(), exposure->ball->path);
-      truth.allowance = allowance_for_spin_decay(truth.value, scenery_.scene.air.spin_decay_per_m,
-                                                 scenery_.scene.ball.radius_m());
     }
   }
   const sim::Exposure* taken =

@@ -100,7 +100,7 @@ TEST(FlightEffects, WhatDoesNotMatterIsLeftOutAndSaid) {
   bounce.vx_td = 1.4, bounce.vy_td = -0.7, bounce.vx_lo = 1.0, bounce.vy_lo = 0.6, bounce.dwell_x_m = 0.006;
   CHECK_TRUE((reduced(photograph(bounce, setup)).flight_effects == flight::kGravityOnly));
   // In a vacuum there is nothing to leave out, at any speed.
-  setup.air = {.drag_coefficient = 0.0, .lift = false};
+  setup.air = {.drag_coefficient = 0.0, .lift = false, .spin_decay_per_m = 0.0};
   frame = photograph(Bounce{}, setup);
   frame.air_density_kgpm3 = 0.0;
   const Readout r = reduced(frame);

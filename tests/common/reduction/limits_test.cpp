@@ -194,7 +194,7 @@ TEST(FrameLimits, IdenticalImagesAndExactDataGiveNoSpreadAndNoCrash) {
   Setup setup;
   setup.noise_factor = 0.0;
   setup.state_noise = false;
-  setup.air = {.drag_coefficient = 0.0, .lift = false};
+  setup.air = {.drag_coefficient = 0.0, .lift = false, .spin_decay_per_m = 0.0};
   Frame frame = photograph(setup);
   frame.air_density_kgpm3 = 0.0;
   STRCMP_EQUAL("", tried(frame).c_str());

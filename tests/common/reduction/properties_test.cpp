@@ -31,7 +31,7 @@ Bounce any_bounce() {
 
 Setup any_setup() {
   Setup s;
-  s.air = {.drag_coefficient = 0.0, .lift = false};
+  s.air = {.drag_coefficient = 0.0, .lift = false, .spin_decay_per_m = 0.0};
   s.phase = real(0.06, 0.94);  // with the jitter below no image slips past touchdown or lift-off
   s.roll_rad = real(-0.3, 0.3);
   s.incoming = *rc::gen::inRange(2, 8);

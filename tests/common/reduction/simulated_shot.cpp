@@ -60,6 +60,14 @@ class Flight {
     const double q = s.air.density_kgpm3 * kPi * radius_m * radius_m / (2 * s.air.mass_kg);
     drag_ = q * s.air.drag_coefficient;
     lift_ = s.air.lift ? q : 0.0;
+    spin_ = leg[5];
+    fading_ = s.air.spin_decay_per_m * s.air.density_kgpm3 / 1.204 * std::hypot(leg[2], leg[3]);
+  }
+
+  /// By how much the ball has turned. The speed's own change in a leg, 1 % at most, changes the decay by 1 %
+  /// of itself.
+  double turned(double t) const {
+    return fading_ == 0.0 ? spin_ * t : -spin_ / fading_ * std::expm1(-fading_ * t);
   }
 
   /// x, y, vx, vy
@@ -92,6 +100,7 @@ class Flight {
   }
 
   State start_;
+  double spin_ = 0.0, fading_ = 0.0;
   double rim_;
   Point gravity_;
   double drag_ = 0.0, lift_ = 0.0;
@@ -186,7 +195,7 @@ Frame photograph(const Bounce& b, const Setup& s, Random& random) {
   const double start_angle = std::uniform_real_distribution<double>(0.0, kPi)(random);
   for (double t : incoming_times(s)) {
     t += jitter();
-    add(t, Leg::incoming, place(in.at(t)), start_angle + b.omega_td * t);
+    add(t, Leg::incoming, place(in.at(t)), start_angle + in.turned(t));
   }
   for (const double t : contact_times(b, s)) {
     // Half a sine of vertical squash: only that it is low matters here.
@@ -195,7 +204,7 @@ Frame photograph(const Bounce& b, const Setup& s, Random& random) {
   }
   for (double t : rebound_times(b, s)) {
     t += jitter();
-    add(t, Leg::rebound, place(out.at(t - b.dwell_s)), start_angle + 1.0 + b.omega_lo * (t - b.dwell_s));
+    add(t, Leg::rebound, place(out.at(t - b.dwell_s)), start_angle + 1.0 + out.turned(t - b.dwell_s));
   }
   if (s.state_noise) {
     frame.centre_sd_px = s.centre_sd_m * s.px_per_m;
@@ -248,7 +257,7 @@ std::vector<double> measurements(const Unknowns& u, const Bounce& b, const Setup
     m.push_back(p.x / (s.centre_sd_m * s.px_per_m));
     m.push_back(p.y / (s.centre_sd_m * s.px_per_m));
     m.push_back(b.diameter_m * u.px_per_m / (s.diameter_sd_m * s.px_per_m));
-    m.push_back((values[4] + u.tilt + values[5] * t) / s.equator_sd_rad);
+    m.push_back((values[4] + u.tilt + flight.turned(t)) / s.equator_sd_rad);
   };
   const Flight in(u.in, b.diameter_m / 2, s);
   const Flight out(u.out, b.diameter_m / 2, s);

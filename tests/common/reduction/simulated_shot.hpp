@@ -28,6 +28,7 @@ struct Air {
   bool lift = true;
   double density_kgpm3 = 1.204;
   double mass_kg = 0.0576;
+  double spin_decay_per_m = 0.01;  ///< domega/dt = -spin_decay_per_m·|v|·omega, at 1.204 kg/m³
 };
 
 /// A camera, a flash train and a person who digitizes.

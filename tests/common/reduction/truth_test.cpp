@@ -313,7 +313,7 @@ TEST(TruthOf21Conditions, TwoPointIsTrueToItsStatedErrorButWiderThanTheBound) {
   // images a leg (as the thesis has them) and 4.47 for five.
   Setup setup;
   setup.gravity_mps2 = 0.0;
-  setup.air = {.drag_coefficient = 0.0, .lift = false};
+  setup.air = {.drag_coefficient = 0.0, .lift = false, .spin_decay_per_m = 0.0};
   const auto bounces = test::thesis_bounces();
   for (const std::size_t i : {1U, 9U, 18U}) {
     for (const int images : {3, 5}) {

@@ -31,7 +31,6 @@ Scene scene_at(double angle_deg, double spin_radps) {
   scene.bounce.e_sd = 0.02;
   scene.bounce.mu_sd = 0.03;
   scene.bounce.dwell_sd_s = 2e-4;
-  scene.air.spin_decay_per_m = 0.0;  // the reduction takes a leg's spin for constant
   return scene;
 }
 
@@ -103,7 +102,7 @@ TEST(EstimatorsOfTheOde, ContactImagesDoNotMoveIt) {
 // the thin air of this test nothing else acts.
 TEST(EstimatorsOfTheOde, TheTwoPointOneErrsByGravityAsItShould) {
   Scene scene = scene_at(-23.0, 0.0);
-  scene.air.density_kgpm3 = 0.0;
+  scene.air.density_kgpm3 = scene.air.spin_decay_per_m = 0.0;
   scene.lamps.jitter_s = scene.sensors.jitter_s = 0.0;
   auto shooter = Shooter::make(scene, kSeed, Model::full(), {.perfect_digitizer = true});
   for (int number = 1; number <= 20; ++number) {

@@ -66,8 +66,8 @@ Extreme draw(Numbers& d) {
   s.bounce.stiffness_ratio = d.over_decades(0.1, 10.0);
   s.bounce.damping_ratio = d.over_decades(0.02, 5.0);
   s.bounce.offset_share = d.either(0.0, 0.9, d.between(0.0, 0.5));
-  s.air.spin_decay_per_m = 0.0;  // the reduction takes a leg's spin for constant
   s.air.density_kgpm3 = d.one_in(3) ? 0.0 : 1.2;
+  s.air.spin_decay_per_m *= s.air.density_kgpm3 / 1.204;
   s.camera.px_per_m = 250.0 / s.ball.diameter_m;
   s.camera.half_width_m = 8.0 * s.ball.diameter_m;
   s.camera.height_m = 8.0 * s.ball.diameter_m;
@@ -117,19 +117,24 @@ struct Judged {
   /// How far the reduction's third-order series of the flight may be off, in the velocities: the fourth
   /// order of a drag k·v² is 2·k·g² where gravity changes the speed (slow balls in long legs), (k·way)³ of
   /// the speed where drag does. Twice the drag, for the lift.
-  double series_mps() const {
-    double longest_s = 0.0;
+  double longest_s() const {
+    double longest = 0.0;
     const ThrownBall& ball = *shot.exposure.ball;
     for (const int i : shot.image_pulse) {
       const MonoTime at = flash_time(shot.exposure.pulses[static_cast<std::size_t>(i)]);
-      longest_s = std::max(longest_s, std::abs((at - ball.touchdown).seconds()));
+      longest = std::max(longest, std::abs((at - ball.touchdown).seconds()));
     }
+    return longest;
+  }
+  double longest_way_m() const { return *shot.truth[Quantity::v_td_mps] * longest_s(); }
+
+  double series_mps() const {
     const Scene& s = extreme.scene;
     const double radius = s.ball.radius_m();
     const double k = 2.0 * s.air.drag_coefficient * s.air.density_kgpm3 * std::numbers::pi * radius * radius /
                      (2.0 * s.ball.mass_kg);
     const double speed = *shot.truth[Quantity::v_td_mps];
-    return k * 96.2 * std::pow(longest_s, 3) / 3.0 + speed * std::pow(k * speed * longest_s, 3);
+    return k * 96.2 * std::pow(longest_s(), 3) / 3.0 + speed * std::pow(k * speed * longest_s(), 3);
   }
 
   /// The same carried to a quantity.
@@ -155,7 +160,11 @@ struct Judged {
     double error = *readout.value[q] - *shot.truth[q];
     if (beyond_images()) {
       if (!is_spin(q)) return std::nullopt;
-      error = std::remainder(error, turn_radps());
+      const double turns = error - std::remainder(error, turn_radps());
+      // What is taken for the spin is carried to the surface by the decay, whole turns with it.
+      const double carried =
+          std::abs(turns) * std::expm1(extreme.scene.air.spin_decay_per_m * longest_way_m());
+      error = std::max(0.0, std::abs(error - turns) - carried);
     }
     return std::max(0.0, std::abs(error) - series_error(q)) / *readout.sd[q];
   }
