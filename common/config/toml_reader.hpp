@@ -79,8 +79,8 @@ class TomlReader {
   TomlReader& operator=(TomlReader&&) noexcept;
 
   /// Takes what `parent` has and this document lacks, table by table; arrays, those of tables included, are
-  /// taken or left as a whole. Errors in what was taken name the parent's file. Call it before reading from
-  /// either; tables got from the parent become invalid.
+  /// taken or left as a whole. Errors in what was taken name the parent's file. What was read of this
+  /// document stays read; tables got from the parent become invalid.
   void inherit(TomlReader&& parent);
 
   /// Takes a key out of a table of the document's root ("": out of the root itself) as if it had not been

@@ -290,7 +290,7 @@ class Propagation {
 
  private:
   /// A steady spin fitted to one that decays is that of the readings' mean time, to second order in the
-  /// decay.
+  /// decay where they are evenly spaced; with one image missing 1e-4 of it off.
   Number spin_at_surface(std::size_t leg) const {
     const SpinFit& spin = *fit_.spin[leg];
     const Number mean = Number::variable(spin.omega_radps, kSpin[leg]);

@@ -27,7 +27,9 @@ bool spins_contradict_friction(const Readout& readout, const ShotFit& fit) {
   const auto& after = value[Quantity::omega_lo_radps];
   const auto& vx_before = value[Quantity::vx_td_mps];
   const auto& vx_after = value[Quantity::vx_lo_mps];
-  if (!before || !after || !vx_before || !vx_after) return false;
+  const auto& vy_before = value[Quantity::vy_td_mps];
+  const auto& vy_after = value[Quantity::vy_lo_mps];
+  if (!before || !after || !vx_before || !vx_after || !vy_before || !vy_after) return false;
   const auto [shorter_s, interval_s] =
       std::minmax({shortest_interval_s(fit.equators[0]), shortest_interval_s(fit.equators[1])});
   if (!(interval_s > 0.0) || interval_s > kMostInterval_s) return false;
@@ -36,7 +38,7 @@ bool spins_contradict_friction(const Readout& readout, const ShotFit& fit) {
   const double contradiction = std::abs(*after - *before - expected);
   const double half_turn = std::numbers::pi / interval_s;
   if (interval_s <= kGap * shorter_s) return contradiction > 0.5 * half_turn;
-  const double impulse_mps = *value[Quantity::vy_lo_mps] - *value[Quantity::vy_td_mps];
+  const double impulse_mps = *vy_after - *vy_before;
   return contradiction > half_turn - kLargestOffset * impulse_mps / (ball.alpha * ball.radius_m());
 }
 

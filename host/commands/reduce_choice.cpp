@@ -239,10 +239,11 @@ Result<ChosenReadout> EstimatorChooser::reduce(const reduction::Frame& frame) co
   choice.reason = frontier::reason(kind.rows, demand_.demand);
   if (choice.noise_beyond_tolerance) {
     if (const auto row = better(kind, choice)) {
-      choice.replaced = choice.row;
-      auto instead = timed(*row, frame, choice);
-      if (!instead) return tl::unexpected(instead.error());
-      readout = std::move(instead);
+      const auto first = choice.row;
+      if (auto instead = timed(*row, frame, choice)) {
+        choice.replaced = first;
+        readout = std::move(instead);
+      }
     }
   }
   const std::array quantities{

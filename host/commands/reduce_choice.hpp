@@ -5,8 +5,8 @@
 // same study, and no less than on photographs measured finely, where no noise hides a bias. The noise of the
 // photograph itself no estimator can mend; where the readout's own stated sd is beyond the tolerance, that is
 // said. Scales of an error: the speed of touchdown for speeds and slip, the same over R for spins, one radian
-// for angles, 1 for e and mu, the dwell time, the speed times the dwell time for the distance, 100 for the
-// court pace.
+// for angles, 1 for e and mu, the dwell time, the speed times the dwell time for the distance; the court
+// pace, which follows from e and mu, is not judged.
 #pragma once
 
 #include <cstdint>

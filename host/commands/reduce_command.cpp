@@ -263,7 +263,8 @@ void add_reduce_command(CLI::App& app, int& exit_status) {
       ->add_option(
           "--flight", options->flight,
           "what the best estimator fits the flight with: auto (default: gravity, and drag and Magnus "
-          "lift where they matter), none, gravity, or all")
+          "lift where they matter; spins corrected for the air's friction), none, gravity (neither corrects "
+          "spins), or all")
       ->check(CLI::IsMember({"auto", "none", "gravity", "all"}));
   command->add_option(
       "--tolerance", options->tolerance,

@@ -70,9 +70,12 @@ double percent(const PerReadout& bound, const PerReadout& scale, reduction::Quan
 
 reduction::Quantity largest(const PerReadout& bound, const PerReadout& tolerance) {
   auto worst = reduction::Quantity::vx_td_mps;
+  double most = -1.0;
   for (std::size_t i = 0; i < reduction::kQuantityCount; ++i) {
-    if (bound[i] / tolerance[i] > bound[worst] / tolerance[worst])
-      worst = static_cast<reduction::Quantity>(i);
+    const double share = bound[i] / tolerance[i];  // infinite of infinite is none
+    if (!(share > most)) continue;
+    most = share;
+    worst = static_cast<reduction::Quantity>(i);
   }
   return worst;
 }

@@ -20,7 +20,7 @@ Quantity worst(const PerReadout& bound, const PerReadout& tolerance) {
   double largest = -1.0;
   for (std::size_t q = 0; q < reduction::kQuantityCount; ++q) {
     const double share = bound[q] > 0.0 ? bound[q] / tolerance[q] : 0.0;
-    if (share <= largest) continue;
+    if (!(share > largest)) continue;  // infinite of infinite is none
     largest = share;
     result = q;
   }

@@ -31,10 +31,10 @@ class PerReadout {
 /// |a - b|; infinite where one is absent and the other is not.
 PerReadout difference(const reduction::Quantities& a, const reduction::Quantities& b);
 
-/// The readout of a shot's frame: the best estimator with gravity, drag and Magnus and every image kept, so
-/// that it is a smooth function of the frame. A noise that the frame does not state (a scene with a perfect
-/// hand) is taken as a tenth of a millimetre and a tenth of a degree: it only weighs the measurements.
-/// All absent for a frame that cannot be reduced.
+/// The readout of a shot's frame: the best estimator with gravity, drag (the spin's decay with it) and Magnus
+/// and every image kept, so that it is a smooth function of the frame. A noise that the frame does not state
+/// (a scene with a perfect hand) is taken as a tenth of a millimetre and a tenth of a degree: it only weighs
+/// the measurements. All absent for a frame that cannot be reduced.
 reduction::Quantities readout_of(reduction::Frame frame);
 
 /// What a relative tolerance of 1 means for each quantity: the mean speed at touchdown v for velocities and

@@ -25,7 +25,7 @@
 // for it, and none for any where that number is an angle or a velocity in the plane; nor for the dwell time
 // where it might come out negative, which is no number.
 //
-// Deterministic: no clock. Thread-safe. Allocates.
+// Deterministic: no clock. Not thread-safe: it keeps what it has measured. Allocates.
 #pragma once
 
 #include <array>

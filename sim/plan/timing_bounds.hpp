@@ -10,13 +10,13 @@
 // sensor_delay. Its constant part moves all times alike, and a readout does not depend on where times begin.
 //   What is left is the jitter, at most kLargestNormal of its standard deviations, of the mean of two also.
 //   Times are whole nanoseconds: one more for rounding.
-// flash_duration. The image is the mean over the flash, which the sensors see begin and which lasts d: that
-// of
-//   a flash d/2 later, all alike, so that only the train's phase moves, and by what the mean of a path over d
-//   differs from its middle. That is |acceleration|·d²/24 where the path is smooth: at most (g + kappa·V²)·
-//   d²/24 in flight (flight_bounds.hpp); the equator by the spin's decay c·V·|omega|·d²/24. A flash within
-//   d of touchdown or lift-off sees a path whose velocity changes within it, by no more than the contact's
-//   acceleration pi·(1 + e)·(1 + mu)·|vy|/dwell times the time since: counted with that acceleration.
+// flash_duration. The image is the mean over the flash, which the sensors see begin and which lasts d:
+//   that of a flash d/2 later, all alike, so that only the train's phase moves, and by what the mean of a
+//   path over d differs from its middle. That is |acceleration|·d²/24 where the path is smooth: at most (g +
+//   kappa·V²)· d²/24 in flight (flight_bounds.hpp); the equator by the spin's decay c·V·|omega|·d²/24. A
+//   flash within d of touchdown or lift-off sees a path whose velocity changes within it, by no more than the
+//   contact's acceleration pi·(1 + e)·(1 + mu)·|vy|/dwell times the time since: counted with that
+//   acceleration.
 // shutter_lag. The shutter is open around the whole train, by the largest lag that there can be: nothing.
 #pragma once
 

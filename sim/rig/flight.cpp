@@ -8,8 +8,8 @@ namespace strobe::sim {
 namespace {
 
 constexpr double kStandardGravity_mps2 = 9.80665;
-/// Velocities change at rates of q·|v|, at most 3 per second for a ball of 60 m/s, so that a step of the
-/// classical Runge-Kutta method errs by less than v·(2e-3·3)^5/120 or 1e-13 of v.
+/// Velocities change at rates of q·|v|, at most 3 per second for a tennis ball of 60 m/s in usual air, so
+/// that a step of the classical Runge-Kutta method errs by less than v·(2e-3·3)^5/120 or 1e-13 of v.
 constexpr double kStep_s = 2e-3;
 constexpr double kLongest_s = 60.0;
 

@@ -36,7 +36,8 @@ class Flight {
   Flight(const Scene& scene, const FlightState& start, double omega_radps,
          const Model& model = Model::full());
 
-  /// The state `time_s` after the start (negative: before it). Error below 1e-12 of the way flown.
+  /// The state `time_s` after the start (negative: before it). Error below 1e-12 of the way flown for
+  /// tennis balls in usual air; it grows with the fifth power of q·|v| and of c·|v|.
   FlightState at(double time_s) const;
 
   /// When, going back from the start, the centre was at `x_m`; nothing if it was not within a minute. The

@@ -21,10 +21,9 @@
 // and the diameter by at most as much (its moment is the area, 2·r the lever): .007 px at r = 130. The test
 // finds a fifth of that.
 //   The angle. The bar's moment Suv is off by at most 1/320 of a pixel (rounding) at each of 3.5·r pixels of
-//   its
-// outline, .3·r along on average and .06·r across: over Suu - Svv = .0173·r^4 that is .011/r rad. A long side
-// that rises by one line (1/8 px) over the bar's length is drawn as one step, whose slope is 1.5 times as
-// large: .05/r rad. Together at most error_rad(r) = .1/r.
+// its outline, .3·r along on average and .06·r across: over Suu - Svv = .0171·r^4 that is .011/r rad. A long
+// side that rises by one line (1/8 px) over the bar's length is drawn as one step, whose slope is 1.5 times
+// as large: .05/r rad. Together at most error_rad(r) = .1/r.
 #pragma once
 
 #include <cstdint>

@@ -81,7 +81,7 @@ struct AirSettings {
   double drag_coefficient = 0.55;  ///< of the area pi·R²; 0: no drag
   bool lift = true;                ///< key lift_law = "spin_ratio" (sim/rig/flight.hpp) | "none"
   /// domega/dt = -spin_decay_per_m·|v|·omega; .05 % in 3 ms at 17 m/s. Key absent: in proportion to
-  /// density_kgpm3.
+  /// density_kgpm3, and .01 where that is absent too.
   double spin_decay_per_m = 0.01;
 };
 

@@ -1,7 +1,6 @@
 // A scene's document with all that it inherits. Inside of scene.hpp; allocates, no I/O of its own.
 #pragma once
 
-#include <set>
 #include <string>
 
 #include "common/config/toml_reader.hpp"

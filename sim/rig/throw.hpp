@@ -23,7 +23,8 @@ struct Throw {
 /// Normal draws are within kLargestNormal standard deviations of their means.
 Throw draw_throw(const Scene& scene, std::uint64_t seed, int shot);
 
-/// The scene with every spread of machine and bounce taken away: each throw is the mean one.
+/// The scene with every spread of machine, bounce and plane taken away: each throw is the mean one, but for
+/// the equator's angle.
 Scene without_spread(Scene scene);
 
 }  // namespace strobe::sim

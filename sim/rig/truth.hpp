@@ -2,9 +2,6 @@
 // allocates.
 #pragma once
 
-#include <array>
-#include <cstdint>
-#include <optional>
 #include <string>
 
 #include "common/reduction/readout.hpp"

@@ -13,6 +13,7 @@ namespace {
 
 constexpr MonoTime kStart{1'000'000'000'000};
 constexpr Duration kLinePulse = microseconds(50);
+constexpr Duration kLongestFlight = milliseconds(4000);
 constexpr Duration kLead = milliseconds(1);
 
 Duration from_seconds(double s) { return nanoseconds(std::llround(s * 1e9)); }
@@ -62,7 +63,8 @@ void Shooter::play(int shot) {
     }
     rig_->line_changed(line, level, at);
   };
-  change(RigLine::shutter, 1, first - open_ahead_);
+  // A ball that was thrown long before the shutter's line is not this exposure's to the rig.
+  change(RigLine::shutter, 1, std::min(first - open_ahead_, trigger + kLongestFlight));
   for (int i = 0; i < flashes_; ++i) {
     const MonoTime at = first + settings_.period * i;
     rig_->collect(at, drives_, exposures_);

@@ -27,7 +27,8 @@ namespace strobe::sim {
 struct ShootSettings {
   Duration period = milliseconds(3);  ///< between flashes; 100 µs…1 s
   /// How long the train lasts, at most 2 s. 0: as long as the scene's balls take to cross the camera's view
-  /// (every spread included), but not more than 0.25 s before and after the impact.
+  /// (spreads of speed, angle and lag included), but before and after the impact not more than 0.25 s and the
+  /// margins for lag and period.
   Duration exposure{};
   bool perfect_digitizer = false;  ///< the frame states the tablet's noise but has none
 };

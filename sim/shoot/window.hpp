@@ -12,8 +12,8 @@ struct Window {
 };
 
 /// From the scene's mean ball, with margins for the spread of speed, angle and the machine's lag at
-/// kLargestNormal standard deviations, and a flash's period on either side. Each side at most 0.25 s. A ball
-/// that comes back into view, falling, is not waited for.
+/// kLargestNormal standard deviations, and a flash's period on either side. Each side at most 0.25 s before
+/// lag and period are added. A ball that comes back into view, falling, is not waited for.
 Window crossing_window(const Scene& scene, double period_s);
 
 }  // namespace strobe::sim

@@ -22,7 +22,7 @@ double soak_limit();
 ///  - flags of a shot that does not count and is fired again do, and sensor_missing, since a flash's time is
 ///  then
 ///    that of one lamp, or of none;
-///  - spin_aliased does: the spins, and the velocities that a wrong spin's lift bends;
+///  - spin_aliased does: every number of the shot;
 ///  - the other flags (an image left out, few images, sds from residuals) excuse no wrong number.
 bool explains(reduction::Flag flag);
 
@@ -40,9 +40,10 @@ struct Judgement {
 /// What is true of a shot.
 struct Truth {
   reduction::Quantities value;
-  /// The photograph lacks an image of a flash that was seen, or has one too many. Next to the contact the
-  /// host then takes one match for another once in a while, as its stated odds say
-  /// (host/assembly/flash_match.hpp): the dwell time is off by a period. Such numbers are counted apart.
+  /// The photograph lacks an image of a flash that was seen, or has one too many, or a flash's time or sensor
+  /// was disturbed. Next to the contact the host then takes one match for another once in a while, as its
+  /// stated odds say (host/assembly/flash_match.hpp): the dwell time is off by a period. Such numbers are
+  /// counted apart.
   bool images_do_not_tell = false;
 };
 

@@ -29,7 +29,7 @@ bool has_numbers(const reduction::Readout& readout) {
   return false;
 }
 
-/// A flash without an image, or with two.
+/// A flash without an image, or with two, or one whose time or sensor was disturbed.
 bool images_mislead(const sim::Scene& scene, const sim::Exposure& exposure) {
   using sim::FaultKind;
   const auto struck = [&](FaultKind kind) {

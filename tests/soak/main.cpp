@@ -1,4 +1,4 @@
-// strobe-soak: many campaigns of the virtual lab, with faults, until one violates what must hold.
+// strobe-soak: many campaigns of the virtual lab, with faults, and says which violate what must hold.
 #include <fmt/format.h>
 #include <poll.h>
 #include <sys/wait.h>

@@ -68,8 +68,9 @@ void Observer::output(Output output, bool active, MonoTime at) {
     watched = {};
     return;
   }
-  watched = {true, at, MonoTime::never()};
-  if (unsafe_before(at)) {
+  const bool too_late = unsafe_before(at);
+  watched = {true, at, too_late ? MonoTime::never() : unsafe_since_};
+  if (too_late) {
     violate(fmt::format("{} made active at {} with the key off or the e-stop pressed since {}",
                         kOutputNames[index_of(output)], at.ns, unsafe_since_.ns));
   }

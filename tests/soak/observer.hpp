@@ -2,8 +2,8 @@
 // the journals on the disk. Uses nothing that the product believes of itself. What must hold:
 //  - a pulse of the machine's trigger only with the key on, the e-stop released, and a FIRE of this boot's
 //    firmware that carries a fresh token of an ARM of the same host; each token for one pulse;
-//  - after the key goes off or the e-stop is pressed every output is inactive within 1 ms, and none becomes
-//    active before both are well again;
+//  - after the key goes off or the e-stop is pressed every output is inactive within 1 ms, and none stays
+//    or becomes active after that until both are well again (the trigger: within 2 us);
 //  - no output longer than its limit, lamps no closer and no more often than theirs;
 //  - in the end all outputs are inactive, every event in a journal is on the host (but of a boot that ended
 //    unheard: such events are counted), sequences have no gaps;

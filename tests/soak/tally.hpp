@@ -37,7 +37,7 @@ struct Tally {
   std::int64_t events_lost_dying = 0;  ///< in the queue of a process that died: never journalled
   std::int64_t violations = 0;
   double virtual_s = 0.0;
-  std::uint64_t digest = 0;  ///< of all that happened; a sum over the campaigns
+  std::uint64_t digest = 0;  ///< of the outputs' changes and the readouts; a sum over the campaigns
 
   void add(const Tally& other);
 };

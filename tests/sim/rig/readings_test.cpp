@@ -81,7 +81,7 @@ TEST(Readings, FollowTheAirAndTheBallThatTheFrameTellsOf) {
 }
 
 TEST(Readings, AreOfTheSpinAtTheSurfaceThoughItDecaysInFlight) {
-  // Ten times the usual decay would show: 1 % in 10 ms. What is left of it is of second order: a leg of 0.25 m
+  // The usual decay is .17 % in 10 ms and would show. What is left of it is of second order: a leg of 0.25 m
   // at .01 per metre, squared.
   const Scene scene = test::plain_scene();
   test::VirtualBench bench(scene, kSeed);
