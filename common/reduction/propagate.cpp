@@ -300,6 +300,8 @@ class Propagation {
     const flight::Flight flight = path(fit_, leg).values();
     const flight::Vector a = flight.position_at(crossing_s - origin_s);
     const flight::Vector b = flight.position_at(spin.mean_time_s - origin_s);
+    constexpr double kLongestWay_m = 100.0;  // frames of no ball may have any, and overflow
+    if (!(std::abs(b.x - a.x) < kLongestWay_m && std::abs(b.y - a.y) < kLongestWay_m)) return mean;
     const double way_m = std::copysign(std::hypot(b.x - a.x, b.y - a.y), spin.mean_time_s - crossing_s);
     return mean * std::exp(fit_.spin_decay_per_m * way_m);
   }

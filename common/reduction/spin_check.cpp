@@ -34,12 +34,12 @@ bool spins_contradict_friction(const Readout& readout, const ShotFit& fit) {
       std::minmax({shortest_interval_s(fit.equators[0]), shortest_interval_s(fit.equators[1])});
   if (!(interval_s > 0.0) || interval_s > kMostInterval_s) return false;
   const ball::Ball& ball = fit.observations.ball;
-  const double expected = (*vx_after - *vx_before) / (ball.alpha * ball.radius_m());
-  const double contradiction = std::abs(*after - *before - expected);
-  const double half_turn = std::numbers::pi / interval_s;
-  if (interval_s <= kGap * shorter_s) return contradiction > 0.5 * half_turn;
-  const double impulse_mps = *vy_after - *vy_before;
-  return contradiction > half_turn - kLargestOffset * impulse_mps / (ball.alpha * ball.radius_m());
+  // As speeds of the rim, times alpha: no quotient of a ball's size overflows.
+  const double lever_m = ball.alpha * ball.radius_m();
+  const double contradiction_mps = std::abs(lever_m * (*after - *before) - (*vx_after - *vx_before));
+  const double half_turn_mps = lever_m * std::numbers::pi / interval_s;
+  if (interval_s <= kGap * shorter_s) return contradiction_mps > 0.5 * half_turn_mps;
+  return contradiction_mps > half_turn_mps - kLargestOffset * (*vy_after - *vy_before);
 }
 
 }  // namespace strobe::reduction
