@@ -1,0 +1,25 @@
+// The line of the surface on the photograph, found from the plate that every flash lit. Deterministic;
+// thread-safe; allocates.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "host/digitize/photograph.hpp"
+#include "host/digitize/plane_map.hpp"
+#include "host/digitize/types.hpp"
+
+namespace strobe::digitize {
+
+struct SurfaceLine {
+  std::vector<cv::Point2d> points;  ///< plane px, left to right, at least 2
+  double sd_px = 0.0;               ///< of each coordinate of a point
+};
+
+/// `outlines`: the round images found so far, none of which lies below the surface; parts of the line that
+/// they cover are left out. Rejection: no_plate, line_ambiguous, imprecise.
+Measured<SurfaceLine> find_surface_line(const Photograph& photograph, const PlaneMap& map,
+                                        std::span<const Outline> outlines, Effort effort);
+
+}  // namespace strobe::digitize

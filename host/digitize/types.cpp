@@ -1,0 +1,18 @@
+#include "host/digitize/types.hpp"
+
+#include <array>
+
+namespace strobe::digitize {
+
+namespace {
+
+constexpr std::array<std::string_view, 13> kReasons{
+    "few_edges",     "wrong_size", "not_round",      "off_path", "at_border", "saturated", "duplicate",
+    "below_surface", "no_line",    "line_ambiguous", "no_plate", "imprecise", "by_hand"};
+static_assert(kReasons.size() == static_cast<std::size_t>(Reason::by_hand) + 1);
+
+}  // namespace
+
+std::string_view name(Reason reason) { return kReasons.at(static_cast<std::size_t>(reason)); }
+
+}  // namespace strobe::digitize
