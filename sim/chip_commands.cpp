@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "sim/command_line.hpp"
 #include "sim/commands.hpp"
 #include "sim/gpiochip/chip.hpp"
 #include "sim/live/runner.hpp"
@@ -11,11 +12,6 @@
 namespace strobe::sim {
 
 namespace {
-
-int complain(const std::string& message, int status) {
-  fmt::print(stderr, "strobe-sim: {}\n", message);
-  return status;
-}
 
 struct LineLevel {
   std::uint32_t line = 0;

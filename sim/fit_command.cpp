@@ -5,6 +5,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "sim/command_line.hpp"
 #include "sim/commands.hpp"
 #include "sim/rig/fit.hpp"
 
@@ -39,10 +40,6 @@ void print_text(const FittedScene& fitted, const thesis::Condition& condition) {
 }  // namespace
 
 int fit_command(const std::string& tables, const std::string& folder, bool json) {
-  const auto complain = [](const std::string& message, int status) {
-    fmt::print(stderr, "strobe-sim: {}\n", message);
-    return status;
-  };
   const auto data = thesis::load(tables, thesis::Version::corrected);
   if (!data) return complain(data.error().message, 2);
   std::error_code error;

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/units/tolerance.hpp"
+#include "sim/command_line.hpp"
 #include "sim/commands.hpp"
 #include "sim/live/scene_files.hpp"
 #include "sim/plan/choose.hpp"
@@ -17,13 +18,6 @@ namespace {
 
 using nlohmann::json;
 using reduction::Quantity;
-
-int complain(const std::string& message, int status) {
-  fmt::print(stderr, "strobe-sim: {}\n", message);
-  return status;
-}
-
-Duration from_milliseconds(double ms) { return nanoseconds(std::llround(ms * 1e6)); }
 
 /// What every shot of the scene costs: with all effects, as planned, and with all but each effect.
 struct Costs {

@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "common/messages/channels.hpp"
+#include "sim/command_line.hpp"
 #include "sim/commands.hpp"
 #include "sim/gpiochip/chip.hpp"
 #include "sim/live/child_process.hpp"
@@ -25,11 +26,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::chrono::milliseconds kWatchAfterDeath{100};
-
-int complain(const Error& error, int status) {
-  fmt::print(stderr, "strobe-sim: {}\n", error.message);
-  return status;
-}
 
 /// A folder of its own in memory (a page of a disk's file may stall the lines), gone with this object.
 class TemporaryFolder {
@@ -164,10 +160,6 @@ class Session {
   std::unique_ptr<Desk> desk_;
 };
 
-}  // namespace
-
-namespace {
-
 /// The firmware's train is not known beforehand: planned for the usual one. The shutter's lag is in what the
 /// firmware was told about its rig and cannot be left out of it.
 constexpr ShootSettings kUsualTrain{.period = milliseconds(3), .exposure = milliseconds(500)};
@@ -176,9 +168,9 @@ constexpr ShootSettings kUsualTrain{.period = milliseconds(3), .exposure = milli
 int choose_model(const RunOptions& options, const Scene& scene, Model& model) {
   if (options.tolerance.empty() && !options.deadline_us) return 0;
   const auto demand = demand_of(options.tolerance, options.deadline_us, scene);
-  if (!demand) return complain(demand.error(), 2);
+  if (!demand) return complain(demand.error().message, 2);
   const auto chosen = choose(scene, *demand, kUsualTrain);
-  if (!chosen) return complain(chosen.error(), 1);
+  if (!chosen) return complain(chosen.error().message, 1);
   fmt::print(stderr, "strobe-sim: {}\n", explanation(*chosen));
   model = chosen->plan.model.with(Effect::shutter_lag);
   return 0;
@@ -188,13 +180,13 @@ int choose_model(const RunOptions& options, const Scene& scene, Model& model) {
 
 int run_command(const RunOptions& options) {
   if (!messages::valid_rig_name(options.rig_name))
-    return complain({"--rig: 1 to 24 letters, digits, _ or -, not \"" + options.rig_name + "\""}, 2);
+    return complain("--rig: 1 to 24 letters, digits, _ or -, not \"" + options.rig_name + "\"", 2);
   const auto scene = load_scene(options.scene);
-  if (!scene) return complain(scene.error(), 2);
+  if (!scene) return complain(scene.error().message, 2);
   Model model = Model::full();
   if (const int status = choose_model(options, *scene, model); status != 0) return status;
   const auto library = preload_path();
-  if (!library) return complain(library.error(), 1);
+  if (!library) return complain(library.error().message, 1);
 
   const std::uint64_t seed = options.seed.value_or(fresh_seed());
   block_child_signals();
@@ -203,17 +195,17 @@ int run_command(const RunOptions& options) {
   std::optional<TemporaryFolder> temporary;
   if (options.chip_dir.empty()) temporary.emplace();
   const fs::path folder = temporary ? temporary->path() : fs::absolute(options.chip_dir);
-  if (folder.empty()) return complain({"no folder for the chip can be made"}, 1);
+  if (folder.empty()) return complain("no folder for the chip can be made", 1);
   auto session = Session::open(options, reduced_scene(*scene, model), model, seed, folder);
-  if (!session) return complain(session.error(), 2);
+  if (!session) return complain(session.error().message, 2);
   fmt::print(stderr, "strobe-sim: scene {}, seed {} (repeat with --seed {}), chip /dev/{} in {}\n",
              scene->name, seed, seed, scene->chip.name, folder.string());
 
   const auto child = start_child(
       options.command, {{"LD_PRELOAD", preload_with(preloaded)}, {kChipDirVariable, folder.string()}});
-  if (!child) return complain(child.error(), 2);
+  if (!child) return complain(child.error().message, 2);
   const int status = wait_for_child(*child);
-  if (!(*session)->close()) return complain({options.changes_file + ": could not be written"}, 1);
+  if (!(*session)->close()) return complain(options.changes_file + ": could not be written", 1);
   return status;
 }
 

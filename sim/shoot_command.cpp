@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "common/messages/json_conversions.hpp"
+#include "sim/command_line.hpp"
 #include "sim/commands.hpp"
 #include "sim/live/scene_files.hpp"
 #include "sim/rig/truth.hpp"
@@ -15,13 +16,6 @@
 namespace strobe::sim {
 
 namespace {
-
-int complain(const std::string& message, int status) {
-  fmt::print(stderr, "strobe-sim: {}\n", message);
-  return status;
-}
-
-Duration from_milliseconds(double ms) { return nanoseconds(std::llround(ms * 1e6)); }
 
 /// A line on stderr every two seconds, so that short runs say nothing.
 class Progress {

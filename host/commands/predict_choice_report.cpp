@@ -3,25 +3,13 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <nlohmann/json.hpp>
+#include "host/commands/choice_json.hpp"
 
 namespace strobe::host {
 
 namespace {
 
 using nlohmann::ordered_json;
-
-template <typename T>
-ordered_json or_null(const std::optional<T>& value) {
-  return value ? ordered_json(*value) : ordered_json(nullptr);
-}
-
-ordered_json row_json(const frontier::Row& row) {
-  return {{"method", row.method},
-          {"parameter", row.parameter},
-          {"expected_error", row.error},
-          {"expected_cost_us", row.cost_us}};
-}
 
 ordered_json checked_json(ordered_json out, const TriedImpact& tried) {
   out["error_estimate"] = or_null(tried.error_estimate);

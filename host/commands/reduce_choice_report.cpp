@@ -1,8 +1,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <nlohmann/json.hpp>
-
+#include "host/commands/choice_json.hpp"
 #include "host/commands/reduce_choice.hpp"
 
 namespace strobe::host {
@@ -10,17 +9,6 @@ namespace strobe::host {
 namespace {
 
 using nlohmann::ordered_json;
-
-ordered_json or_null(const std::optional<double>& value) {
-  return value ? ordered_json(*value) : ordered_json(nullptr);
-}
-
-ordered_json row_json(const frontier::Row& row) {
-  return {{"method", row.method},
-          {"parameter", row.parameter},
-          {"expected_error", row.error},
-          {"expected_cost_us", row.cost_us}};
-}
 
 }  // namespace
 

@@ -68,18 +68,6 @@ double percent(const PerReadout& bound, const PerReadout& scale, reduction::Quan
   return 100.0 * bound[q] / scale[q];
 }
 
-reduction::Quantity largest(const PerReadout& bound, const PerReadout& tolerance) {
-  auto worst = reduction::Quantity::vx_td_mps;
-  double most = -1.0;
-  for (std::size_t i = 0; i < reduction::kQuantityCount; ++i) {
-    const double share = bound[i] / tolerance[i];  // infinite of infinite is none
-    if (!(share > most)) continue;
-    most = share;
-    worst = static_cast<reduction::Quantity>(i);
-  }
-  return worst;
-}
-
 }  // namespace
 
 Result<Chosen> choose(const Scene& scene, const Demand& demand, const ShootSettings& settings) {
@@ -115,9 +103,9 @@ std::string explanation(const Chosen& chosen) {
   text += left_out.empty() ? ", nothing that matters is left out" : ", left out: " + left_out;
   if (!without_effect.empty()) text += "; without any effect here: " + without_effect;
   if (!left_out.empty()) {
-    const auto worst = largest(plan.left_out, plan.tolerance);
-    text += fmt::format("; all together change {} by at most {:.2g}%", reduction::name(worst),
-                        percent(plan.left_out, plan.scale, worst));
+    const reduction::Quantity most = worst(plan.left_out, plan.tolerance);
+    text += fmt::format("; all together change {} by at most {:.2g}%", reduction::name(most),
+                        percent(plan.left_out, plan.scale, most));
   }
   if (!plan.caution.empty()) text += "; " + plan.caution;
   return text;

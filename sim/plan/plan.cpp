@@ -6,8 +6,6 @@ namespace strobe::sim {
 
 namespace {
 
-using reduction::Quantity;
-
 bool within(const PerReadout& bound, const PerReadout& tolerance) {
   for (std::size_t q = 0; q < reduction::kQuantityCount; ++q) {
     if (!(bound[q] <= tolerance[q])) return false;
@@ -15,7 +13,9 @@ bool within(const PerReadout& bound, const PerReadout& tolerance) {
   return true;
 }
 
-Quantity worst(const PerReadout& bound, const PerReadout& tolerance) {
+}  // namespace
+
+reduction::Quantity worst(const PerReadout& bound, const PerReadout& tolerance) {
   std::size_t result = 0;
   double largest = -1.0;
   for (std::size_t q = 0; q < reduction::kQuantityCount; ++q) {
@@ -24,10 +24,8 @@ Quantity worst(const PerReadout& bound, const PerReadout& tolerance) {
     largest = share;
     result = q;
   }
-  return static_cast<Quantity>(result);
+  return static_cast<reduction::Quantity>(result);
 }
-
-}  // namespace
 
 Plan plan(SceneBounds& bounds, const PerReadout& tolerance) {
   Plan result;

@@ -56,6 +56,9 @@ struct Plan {
   std::string caution;  ///< why nothing that displaces an image may be left out; mostly empty
 };
 
+/// The quantity whose bound takes most of its tolerance; the first of all if no bound is above 0.
+reduction::Quantity worst(const PerReadout& bound, const PerReadout& tolerance);
+
 /// A plan for tolerances in the quantities' units.
 Plan plan(SceneBounds& bounds, const PerReadout& tolerance);
 

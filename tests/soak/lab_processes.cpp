@@ -273,6 +273,10 @@ void Lab::host_turn() {
     if (!host_->campaign().succeeded()) ++tally_.unfinished;
     heal();
   }
+  if (!host_->fault().empty()) {
+    observer_.violate("the host threw on a message: " + host_->fault());
+    finished_ = true;
+  }
   if (host_->ended()) finished_ = true;
 }
 
@@ -324,15 +328,12 @@ void Lab::on_outcome(const host::Outcome& outcome) {
   if (outcome.host_id == host_->id() && !outcome.spoilt) ++good_;
   const Observer::ShotKey key{outcome.boot_id, outcome.shot_id};
   const auto shot = shots_.find(key);
-  Truth truth;
-  if (shot != shots_.end()) {
-    const sim::Exposure* exposure = desk_.exposure_of(shot->second.start, shot->second.end);
-    if (exposure != nullptr && shows_impact(*exposure)) {
-      truth.value = sim::true_readout(rig_.scene(), exposure->ball->path);
-    }
-  }
   const sim::Exposure* taken =
       shot == shots_.end() ? nullptr : desk_.exposure_of(shot->second.start, shot->second.end);
+  Truth truth;
+  if (taken != nullptr && shows_impact(*taken)) {
+    truth.value = sim::true_readout(rig_.scene(), taken->ball->path);
+  }
   truth.images_do_not_tell = taken != nullptr && images_mislead(scenery_.scene, *taken);
   const reduction::Readout& readout = outcome.readout;
   observer_.readout(host_->id(), key, readout, truth, outcome.dry);

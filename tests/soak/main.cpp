@@ -42,8 +42,10 @@ int bad_input(const std::string& why) {
 }
 
 std::string repetition(const Options& options, std::int64_t campaign) {
-  return fmt::format("strobe-soak --seed {} --faults {} --plan {} --from {} --shots {} --trace", options.seed,
-                     options.faults, options.plan, campaign * kShotsPerCampaign, kShotsPerCampaign);
+  const std::string rig = options.rig == STROBE_SHIPPED_RIG ? "" : fmt::format(" --rig '{}'", options.rig);
+  return fmt::format("strobe-soak --seed {} --faults {} --plan {} --from {} --shots {}{} --trace",
+                     options.seed, options.faults, options.plan, campaign * kShotsPerCampaign,
+                     kShotsPerCampaign, rig);
 }
 
 Tally run_campaign(const Options& options, const Work& work, std::int64_t campaign) {

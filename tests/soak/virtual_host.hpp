@@ -42,9 +42,8 @@ class VirtualHost {
   bool ended() const { return ended_; }
   bool firing() const { return !campaign_.finished(); }
   const host::Campaign& campaign() const { return campaign_; }
-  const host::EventLedger& ledger() { return follower_.session().ledger(); }
   std::int64_t id() const { return maker_.host_id(); }
-  std::int64_t undecodable() const { return intake_.undecodable(); }
+  /// What an exception on a message said; empty: there was none.
   const std::string& fault() const { return intake_.fault(); }
   std::vector<std::string> take_notices() { return std::exchange(notices_, {}); }
 
