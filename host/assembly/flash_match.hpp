@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "host/assembly/image_track.hpp"
+#include "host/assembly/track.hpp"
 
 namespace strobe::host {
 

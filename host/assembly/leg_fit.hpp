@@ -4,7 +4,7 @@
 
 #include <span>
 
-#include "host/assembly/image_track.hpp"
+#include "host/assembly/track.hpp"
 
 namespace strobe::host {
 
