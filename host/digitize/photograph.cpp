@@ -1,0 +1,110 @@
+#include "host/digitize/photograph.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <fstream>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <vector>
+
+#include "host/digitize/image_header.hpp"
+#include "host/digitize/saturation.hpp"
+
+namespace strobe::digitize {
+
+namespace {
+
+constexpr int kLeastSide = 16;
+
+std::string one_line(std::string text) {
+  std::replace_if(
+      text.begin(), text.end(), [](unsigned char c) { return c < ' '; }, ' ');
+  return text;
+}
+
+Result<ImageHeader> acceptable_header(std::span<const unsigned char> bytes) {
+  auto header = read_image_header(bytes);
+  if (!header) return header;
+  // A quotient, as a product of what a header may say overflows.
+  if (header->width > kMostPixels / header->height)
+    return fail(fmt::format("{} x {} pixels are more than the {} million that are read", header->width,
+                            header->height, kMostPixels / 1'000'000));
+  if (header->width < kLeastSide || header->height < kLeastSide)
+    return fail(fmt::format("{} x {} pixels are too few: {} x {} are needed", header->width, header->height,
+                            kLeastSide, kLeastSide));
+  return header;
+}
+
+/// Grey of 8 or 16 bits, as the file has it.
+Result<cv::Mat> decode_grey(std::span<const unsigned char> bytes, const ImageHeader& header) {
+  // OpenCV takes no const buffer, though it only reads it.
+  const cv::Mat buffer(1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<unsigned char*>(bytes.data()));
+  cv::Mat pixels = cv::imdecode(buffer, cv::IMREAD_UNCHANGED);
+  if (pixels.empty()) return fail(fmt::format("the {} file is damaged", header.format));
+  if (pixels.cols != header.width || pixels.rows != header.height)
+    return fail(fmt::format("the {} header says {} x {} pixels, but {} x {} were read", header.format,
+                            header.width, header.height, pixels.cols, pixels.rows));
+  if (pixels.depth() != CV_8U && pixels.depth() != CV_16U)
+    return fail(fmt::format("the {}'s pixels are of {} bits: 1, 8 or 16 bits unsigned are read",
+                            header.format, header.bits));
+  if (header.negative) cv::bitwise_not(pixels, pixels);
+  cv::Mat grey;
+  if (pixels.channels() == 1) return pixels;
+  if (pixels.channels() == 3)
+    cv::cvtColor(pixels, grey, cv::COLOR_BGR2GRAY);
+  else if (pixels.channels() == 4)
+    cv::cvtColor(pixels, grey, cv::COLOR_BGRA2GRAY);
+  else
+    return fail(fmt::format("a pixel of {} numbers is neither grey nor a colour", pixels.channels()));
+  return grey;
+}
+
+Result<Photograph> decoded(std::span<const unsigned char> bytes, const std::string& name) {
+  if (bytes.size() > static_cast<std::size_t>(INT32_MAX)) return fail("the file is larger than 2 GB");
+  const auto header = acceptable_header(bytes);
+  if (!header) return tl::unexpected(header.error());
+  const auto grey = decode_grey(bytes, *header);
+  if (!grey) return tl::unexpected(grey.error());
+  Photograph photograph;
+  photograph.name = name;
+  photograph.bits = header->bits == 1 ? 1 : grey->depth() == CV_8U ? 8 : 16;
+  const double top = grey->depth() == CV_8U ? 255.0 : 65535.0;
+  // Half a number less, so that rounding hides no saturated pixel.
+  photograph.saturation = static_cast<float>((saturation_level(*grey) - 0.5) / top);
+  grey->convertTo(photograph.light, CV_32F, 1.0 / top);
+  return photograph;
+}
+
+}  // namespace
+
+Result<Photograph> decode_photograph(std::span<const unsigned char> bytes, const std::string& name) {
+  try {
+    auto photograph = decoded(bytes, name);
+    if (!photograph) return fail(fmt::format("{}: {}", name, photograph.error().message));
+    return photograph;
+  } catch (const std::exception& error) {  // cv::Exception, bad_alloc
+    return fail(fmt::format("{}: cannot be decoded: {}", name, one_line(error.what())));
+  }
+}
+
+Result<Photograph> load_photograph(const std::filesystem::path& path) {
+  const std::string name = path.string();
+  std::error_code error;
+  if (std::filesystem::is_directory(path, error)) return fail(fmt::format("{}: is a folder", name));
+  std::ifstream file(path, std::ios::binary | std::ios::ate);
+  if (!file) return fail(fmt::format("{}: cannot be opened", name));
+  const std::streamoff size = file.tellg();
+  if (size < 0 || size > INT32_MAX)
+    return fail(fmt::format("{}: is larger than 2 GB or no plain file", name));
+  std::vector<unsigned char> bytes(static_cast<std::size_t>(size));
+  file.seekg(0);
+  file.read(reinterpret_cast<char*>(bytes.data()), size);
+  if (file.gcount() != size) return fail(fmt::format("{}: cannot be read to its end", name));
+  return decode_photograph(bytes, name);
+}
+
+}  // namespace strobe::digitize

@@ -1,0 +1,81 @@
+#include "host/digitize/saturation.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+namespace strobe::digitize {
+
+namespace {
+
+constexpr int kBins = 256;
+/// As wide as compression or a well's spread makes the heap, in bins: 3 % of the range.
+constexpr int kHeapBins = 8;
+/// A sensor's numbers end at no less than this share of what its bits can hold.
+constexpr double kLeastTop = 0.85;
+
+template <typename Number>
+double largest_in(const cv::Mat& pixels, int step) {
+  Number largest = 0;
+  for (int y = 0; y < pixels.rows; y += step) {
+    const auto* row = pixels.ptr<Number>(y);
+    largest = std::max(largest, *std::max_element(row, row + pixels.cols));
+  }
+  return largest;
+}
+
+/// Counts of the numbers of every step-th row and column, in bins of that width.
+template <typename Number>
+std::array<std::int64_t, kBins> histogram(const cv::Mat& pixels, int step, int bin_width) {
+  std::array<std::int64_t, kBins> counts{};
+  for (int y = 0; y < pixels.rows; y += step) {
+    const auto* row = pixels.ptr<Number>(y);
+    for (int x = 0; x < pixels.cols; x += step)
+      ++counts[static_cast<std::size_t>(std::min(row[x] / bin_width, kBins - 1))];
+  }
+  return counts;
+}
+
+/// What a sensor's bits can hold: the fewest that reach `largest`.
+int range_of(double largest, double file_range) {
+  for (const int bits : {10, 12, 14})
+    if (file_range > 256 && largest < (1 << bits)) return 1 << bits;
+  return static_cast<int>(file_range);
+}
+
+}  // namespace
+
+double saturation_level(const cv::Mat& pixels) {
+  const bool bytes = pixels.depth() == CV_8U;
+  const double file_range = bytes ? 256.0 : 65536.0;
+  // A million pixels are enough to see a heap.
+  const int step = std::max(1, static_cast<int>(std::sqrt(static_cast<double>(pixels.total()) / 1e6)));
+  const double largest =
+      bytes ? largest_in<std::uint8_t>(pixels, step) : largest_in<std::uint16_t>(pixels, step);
+  const int range = range_of(largest, file_range);
+  if (largest < kLeastTop * range) return file_range - 1;
+
+  const int width = range / kBins;
+  const auto counts =
+      bytes ? histogram<std::uint8_t>(pixels, step, width) : histogram<std::uint16_t>(pixels, step, width);
+  const int top = static_cast<int>(largest) / width;
+  std::int64_t heap = 0, below = 0;
+  int peak = top;
+  for (int i = 0; i < kHeapBins; ++i) {
+    const auto bin = static_cast<std::size_t>(top - i);
+    heap += counts[bin];
+    below += counts[bin - kHeapBins];
+    if (counts[bin] > counts[static_cast<std::size_t>(peak)]) peak = top - i;
+  }
+  // A tail of a smooth histogram falls off; chance makes heaps of a few.
+  constexpr std::int64_t kFew = 20;
+  if (heap < kFew || heap < 4 * below) return file_range - 1;
+  int low = peak;
+  while (low > top - kHeapBins &&
+         20 * counts[static_cast<std::size_t>(low - 1)] > counts[static_cast<std::size_t>(peak)])
+    --low;
+  return low * width;
+}
+
+}  // namespace strobe::digitize
