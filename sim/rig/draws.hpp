@@ -21,6 +21,8 @@ enum class Purpose : std::uint64_t {
   gate,
   tablet,
   off_plane,
+  look,  ///< of the photograph: ball, lamps, background
+  flash_power,
 };
 
 /// No normal draw is farther from its mean than this many standard deviations (a share of 2e-9 would be), so

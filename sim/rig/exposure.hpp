@@ -2,6 +2,7 @@
 // Plain values, thread-safe.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <vector>
 
@@ -13,9 +14,10 @@ namespace strobe::sim {
 
 /// One strobe pulse of the firmware (both lamps' lines) and the flashes that it made.
 struct Pulse {
-  MonoTime edge;     ///< first of the two lines' rising edges
-  Instants flashes;  ///< true instants, of both lamps, in no order; empty if neither flashed
-  Instants stamps;   ///< of each flash the edge of its lamp's sensor; never(): it gave none
+  MonoTime edge;               ///< first of the two lines' rising edges
+  Instants flashes;            ///< true instants, of both lamps, in no order; empty if neither flashed
+  Instants stamps;             ///< of each flash the edge of its lamp's sensor; never(): it gave none
+  std::array<int, 2> lamps{};  ///< how many of the flashes are lamp A's, and lamp B's
 };
 
 /// Mean of the pulse's flashes; never() if it made none.

@@ -84,7 +84,7 @@ FlashPlace Rig::begin_or_join_pulse(Lamp lamp, MonoTime at) {
     previous_edge_ = pulses_ > 0 ? pulse_edge_ : MonoTime::never();
     pulse_edge_ = at;
     ++pulses_;
-    if (current_) current_->pulses.push_back({at, {}, {}});
+    if (current_) current_->pulses.push_back({at, {}, {}, {}});
   }
   in_pulse_[index(lamp)] = true;
   return {.shot = exposures_, .index = pulses_ - 1, .from_impact = predict_place(pulse_edge_)};
@@ -113,6 +113,7 @@ void Rig::on_strobe(Lamp lamp, MonoTime at) {
       struck.push_back(FaultKind::flash_dim);
     } else if (current_ && !current_->pulses.empty()) {
       current_->pulses.back().flashes.push_back(flash);
+      ++current_->pulses.back().lamps[index(lamp)];
       current_->pulses.back().stamps.push_back(stamp);
     }
   }

@@ -36,6 +36,9 @@ Result<Scene> parse_scene(std::string_view text, const std::string& file_name, c
   scene.gate.distance_m = root.table("gate").number_or("distance_m", scene.gate.distance_m, {0.1, 20.0});
   scene.camera = tables::read_camera(root.table("camera"), scene.ball);
   scene.tablet = tables::read_tablet(root.table("tablet"));
+  scene.photograph = tables::read_photograph(root.table("photograph"));
+  scene.ball_look = tables::read_ball_look(root.table("ball_look"));
+  scene.background = tables::read_background(root.table("background"));
   scene.readout = tables::read_readout(root.table("readout"));
   scene.chip = tables::read_chip(root.table("chip"));
   for (config::TomlTable& table : root.tables("operator"))

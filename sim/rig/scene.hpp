@@ -18,6 +18,7 @@
 #include "common/units/time.hpp"
 #include "sim/faults.hpp"
 #include "sim/rig/lines.hpp"
+#include "sim/rig/photograph_settings.hpp"
 
 namespace strobe::sim {
 
@@ -180,6 +181,9 @@ struct Scene {
   GateSettings gate;
   CameraSettings camera;
   TabletSettings tablet;
+  PhotographSettings photograph;  ///< sim/rig/photograph_settings.hpp, as the next two
+  BallLookSettings ball_look;
+  BackgroundSettings background;
   ReadoutSettings readout;
   ChipSettings chip;
   std::vector<OperatorAction> operator_actions;

@@ -36,4 +36,9 @@ ReadoutSettings read_readout(config::TomlTable table);
 ChipSettings read_chip(config::TomlTable table);
 OperatorAction read_action(config::TomlTable& table);
 
+// scene_photograph.cpp: how it looks.
+PhotographSettings read_photograph(config::TomlTable table);
+BallLookSettings read_ball_look(config::TomlTable table);
+BackgroundSettings read_background(config::TomlTable table);
+
 }  // namespace strobe::sim::tables
