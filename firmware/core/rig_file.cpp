@@ -160,6 +160,7 @@ Result<Rig> read_rig(std::string_view text, const std::string& file_name) {
   read_record(root, rig);
   root.table("ball").accept_all();
   root.table("analysis").accept_all();
+  root.table("camera").accept_all();
   read_plan(root, rig);  // last: it is checked against the other tables' limits
   if (auto bad = reader.error()) return tl::unexpected(*bad);
   return rig;

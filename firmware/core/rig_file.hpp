@@ -10,7 +10,7 @@
 
 namespace strobe::firmware {
 
-/// file_name is for messages only. [ball] and [analysis] are the host's and accepted as they stand.
+/// file_name is for messages only. [ball], [analysis] and [camera] are the host's and accepted as they stand.
 Result<Rig> read_rig(std::string_view text, const std::string& file_name);
 
 }  // namespace strobe::firmware

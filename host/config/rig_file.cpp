@@ -6,6 +6,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <memory>
 #include <set>
 
@@ -55,7 +56,8 @@ reduction::Record read_record(TomlTable table) {
 }
 
 void accept_firmware_tables(TomlTable root) {
-  const std::set<std::string> own{"rig", "lcm_url", "ball", "analysis", "record", "plan", "machine"};
+  const std::set<std::string> own{"rig",    "lcm_url", "ball", "analysis",
+                                  "camera", "record",  "plan", "machine"};
   for (const std::string& key : root.keys()) {
     if (!own.contains(key) && root.is_table(key)) root.table(key).accept_all();
   }
@@ -81,6 +83,7 @@ Result<RigFile> read_rig(std::string_view text, const std::string& file_name) {
   if (root.has("lcm_url")) rig.lcm_url = root.string("lcm_url");
   rig.ball = read_ball(root.table("ball"));
   rig.analysis = read_analysis(root.table("analysis"));
+  rig.camera = read_camera(root.table("camera"));
   rig.record = read_record(root.table("record"));
   rig.plan = read_plan_table(root.table("plan"), {});
   TomlTable machine = root.table("machine");
@@ -100,7 +103,12 @@ Result<RigFile> load_rig(const std::string& path) {
   }
   const auto text = read_file(file);
   if (!text) return tl::unexpected(text.error());
-  return read_rig(*text, file);
+  auto rig = read_rig(*text, file);
+  if (rig && rig->camera.folder) {
+    const std::filesystem::path beside = file == "-" ? "" : std::filesystem::path(file).parent_path();
+    rig->camera.folder = (beside / *rig->camera.folder).string();
+  }
+  return rig;
 }
 
 Result<std::string> read_file(const std::string& path) {

@@ -1,4 +1,5 @@
-// The host's part of the rig file: rig, lcm_url, [ball], [analysis], [record], [plan] and the machine's lag.
+// The host's part of the rig file: rig, lcm_url, [ball], [analysis], [camera], [record], [plan] and the
+// machine's lag.
 // The other tables are strobed's; they are accepted unread. Values; thread-safe.
 #pragma once
 
@@ -8,6 +9,7 @@
 
 #include "common/reduction/frame.hpp"
 #include "common/result.hpp"
+#include "host/config/camera_table.hpp"
 #include "host/config/shot_plan.hpp"
 
 namespace strobe::host {
@@ -33,6 +35,7 @@ struct RigFile {
   std::optional<std::string> lcm_url;
   BallSettings ball;
   AnalysisSettings analysis;
+  CameraTable camera;
   reduction::Record record;
   ShotPlan plan;
   std::optional<double> machine_lag_s;  ///< trigger to touchdown
@@ -42,7 +45,8 @@ struct RigFile {
 /// Fails with "FILE:LINE: table.key: what".
 Result<RigFile> read_rig(std::string_view text, const std::string& file_name);
 
-/// Reads the file, or the shipped example if the path is empty. Fails with the file's name.
+/// Reads the file, or the shipped example if the path is empty; a relative camera.folder is then one beside
+/// the file. Fails with the file's name.
 Result<RigFile> load_rig(const std::string& path);
 
 /// The whole file as text, at most 16 MB. "-" is standard input. Fails with the file's name.

@@ -90,7 +90,7 @@ TEST(RigFile, TakesLinesByOffsetAndLeavesTheOptionalOnesOut) {
 }
 
 TEST(RigFile, AcceptsWhatIsTheHosts) {
-  text = replaced(text, "[analysis]", "[analysis]\nanything = [1, 2, { x = true }]");
+  text = replaced(text, "[analysis]", "[analysis]\nanything = [1, 2, { x = true }]\n[camera]\nrectify = [1, 2]\n[analysis.more]");
   CHECK_EQUAL(std::string(), error_of(text));
 }
 

@@ -1,6 +1,7 @@
 // Rig files, plans and notes as the host reads them; what is wrong is named by file, line and key.
 #include <string>
 
+#include "host/config/digitize_settings.hpp"
 #include "host/config/notes.hpp"
 #include "host/config/rig_file.hpp"
 #include "host/config/shot_plan.hpp"
@@ -132,6 +133,90 @@ TEST(RigFileOfTheHost, NamesWhatIsWrongInItsOwnTables) {
 TEST(RigFileOfTheHost, AFileThatIsNotThereIsNamed) {
   STRCMP_CONTAINS("/nowhere/rig.toml: No such file",
                   host::load_rig("/nowhere/rig.toml").error().message.c_str());
+}
+
+TEST_GROUP(CameraTable){};
+
+namespace {
+
+const char* const kCalibrated =
+    "rig = \"b\"\n[camera]\nfolder = \"in\"\nwidth_px = 640\nheight_px = 480\npx_per_m = 1000\npx_per_m_sd = "
+    "0.5\n"
+    "lens_centre_px = [319.5, 239.5]\nlens_focal_px = 900\nlens_distortion = [0, 0, 0, 0]\n"
+    "rectify = [2, 0, 0, 0, -2, 958, 0, 0, 1]\nviewpoint_px = [640, 480, 5000]\n"
+    "surface_px = [700, 41, 100, 40]\ncalibrated = \"2026-08-23\"\n";
+
+std::string without(std::string text, const std::string& line_start) {
+  const std::size_t at = text.find("\n" + line_start);
+  return text.erase(at, text.find('\n', at + 1) - at);
+}
+
+std::string camera_error(const std::string& lines) { return rig_error("rig = \"b\"\n[camera]\n" + lines); }
+
+}  // namespace
+
+TEST(CameraTable, TellsTheDigitizerScaleMapAndSurface) {
+  const auto rig = read_rig(kCalibrated, "rig.toml");
+  CHECK_TRUE_TEXT(rig.has_value(), rig ? "" : rig.error().message.c_str());
+  const auto settings = host::digitize_settings(*rig, 640, 480);
+  CHECK_TRUE(settings.has_value());
+  DOUBLES_EQUAL(1000, settings->px_per_m, 0);
+  DOUBLES_EQUAL(0.5, *settings->px_per_m_sd, 0);
+  DOUBLES_EQUAL(20, settings->map.to_plane({10, 30}).x, 1e-9);
+  DOUBLES_EQUAL(898, settings->map.to_plane({10, 30}).y, 1e-9);
+  DOUBLES_EQUAL(5000, settings->map.viewpoint()->distance_px, 0);
+  DOUBLES_EQUAL(100, settings->surface->points.front().x, 0);  // left to right
+  DOUBLES_EQUAL(700, settings->surface->points.back().x, 0);
+}
+
+TEST(CameraTable, APhotographOfAnotherSizeIsRefused) {
+  const auto settings = host::digitize_settings(*read_rig(kCalibrated, "rig.toml"), 640, 481);
+  STRCMP_EQUAL("640 x 481 pixels, but the camera's calibration is for 640 x 480",
+               settings.error().message.c_str());
+}
+
+TEST(CameraTable, AScaleAloneLeavesThePhotographAsItIs) {
+  const auto settings = host::digitize_settings(
+      *read_rig("rig = \"b\"\n[analysis]\npx_per_m = 500\n[camera]\npx_per_m = 1000\n", "rig.toml"), 64, 48);
+  DOUBLES_EQUAL(1000, settings->px_per_m, 0);
+  CHECK_TRUE(settings->map.is_plain());
+  DOUBLES_EQUAL(47, settings->map.to_plane({0, 0}).y, 0);
+}
+
+TEST(CameraTable, WithoutAnyScaleSaysSo) {
+  const auto settings = host::digitize_settings(*read_rig("rig = \"b\"\n", "rig.toml"), 64, 48);
+  STRCMP_CONTAINS("gives no scale", settings.error().message.c_str());
+}
+
+TEST(CameraTable, NamesWhatIsWrong) {
+  STRCMP_EQUAL("rig.toml:3: camera.px_per_metre: unknown key", camera_error("px_per_metre = 3\n").c_str());
+  STRCMP_EQUAL("rig.toml:3: camera.px_per_m_sd: needs px_per_m too",
+               camera_error("px_per_m_sd = 3\n").c_str());
+  STRCMP_EQUAL("rig.toml:3: camera.folder: must not be empty", camera_error("folder = \"\"\n").c_str());
+  STRCMP_EQUAL("rig.toml:3: camera.surface_px: must be 4 numbers",
+               camera_error("surface_px = [1]\n").c_str());
+  STRCMP_CONTAINS("two points a pixel or more apart", camera_error("surface_px = [1, 2, 1, 2]\n").c_str());
+  STRCMP_CONTAINS("must be a date", camera_error("calibrated = \"2026-02-30\"\n").c_str());
+  STRCMP_CONTAINS("must be a date", camera_error("calibrated = \"yesterday \"\n").c_str());
+  STRCMP_CONTAINS("distance of at least 1", camera_error("viewpoint_px = [0, 0, 0]\n").c_str());
+  STRCMP_CONTAINS("lens_focal_px: needs rectify too", camera_error("lens_focal_px = 900\n").c_str());
+  STRCMP_CONTAINS("must not be singular", camera_error("rectify = [1, 2, 3, 2, 4, 6, 0, 0, 1]\n").c_str());
+  for (const char* key : {"width_px", "px_per_m ", "lens_centre_px", "lens_distortion"}) {
+    STRCMP_CONTAINS("too", rig_error(without(kCalibrated, key)).c_str());
+  }
+}
+
+TEST(CameraTable, WarnsOfAnOldCalibration) {
+  const std::int64_t november_21 = 1795219200;  // 2026-11-21 00:00 UTC
+  const auto camera = read_rig(kCalibrated, "rig.toml")->camera;
+  CHECK_FALSE(host::calibration_warning(camera, november_21).has_value());  // 90 days
+  STRCMP_CONTAINS("2026-08-23, 91 days ago",
+                  host::calibration_warning(camera, november_21 + 86'400)->c_str());
+  const auto undated = read_rig(without(kCalibrated, "calibrated"), "rig.toml")->camera;
+  STRCMP_CONTAINS("no date", host::calibration_warning(undated, november_21)->c_str());
+  CHECK_FALSE(host::calibration_warning({}, november_21).has_value());
+  STRCMP_EQUAL("2026-11-21", host::date_of(november_21 + 86'399).c_str());
+  LONGS_EQUAL(-1, *host::days_since("2026-11-22", november_21));
 }
 
 TEST_GROUP(Notes){};

@@ -1,0 +1,155 @@
+#include "host/config/camera_table.hpp"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <string_view>
+#include <vector>
+
+namespace strobe::host {
+namespace {
+
+using config::Range;
+using config::TomlTable;
+
+constexpr Range kPlace{-1e9, 1e9};
+constexpr Range kFactor{-1e12, 1e12};
+
+template <std::size_t N>
+std::optional<std::array<double, N>> optional_array(TomlTable& table, std::string_view key, Range range) {
+  if (!table.has(key)) return std::nullopt;
+  const std::vector<double> values = table.numbers_or(key, {}, range);
+  if (values.size() != N) {
+    table.error_at(key, fmt::format("must be {} numbers", N));
+    return std::nullopt;
+  }
+  std::array<double, N> result{};
+  std::copy(values.begin(), values.end(), result.begin());
+  return result;
+}
+
+template <std::size_t N>
+std::array<double, N> required_array(TomlTable& table, std::string_view key, Range range) {
+  if (!table.has(key)) table.error_at("rectify", fmt::format("needs {} too", key));
+  return optional_array<N>(table, key, range).value_or(std::array<double, N>{});
+}
+
+std::optional<int> optional_count(TomlTable& table, std::string_view key, Range range) {
+  if (!table.has(key)) return std::nullopt;
+  return static_cast<int>(table.integer_or(key, 1, range));
+}
+
+std::optional<std::string> optional_text(TomlTable& table, std::string_view key) {
+  if (!table.has(key)) return std::nullopt;
+  return table.string(key);
+}
+
+double determinant(const std::array<double, 9>& m) {
+  return m[0] * (m[4] * m[8] - m[5] * m[7]) - m[1] * (m[3] * m[8] - m[5] * m[6]) +
+         m[2] * (m[3] * m[7] - m[4] * m[6]);
+}
+
+std::optional<CameraMap> read_map(TomlTable& table) {
+  const auto rectify = optional_array<9>(table, "rectify", kFactor);
+  for (const char* key : {"lens_centre_px", "lens_focal_px", "lens_distortion"}) {
+    if (table.has(key) && !table.has("rectify")) table.error_at(key, "needs rectify too");
+  }
+  if (!rectify) return std::nullopt;
+  CameraMap map;
+  map.rectify = *rectify;
+  if (!(std::abs(determinant(map.rectify)) > 1e-12)) table.error_at("rectify", "must not be singular");
+  map.lens_centre_px = required_array<2>(table, "lens_centre_px", kPlace);
+  map.lens_focal_px = table.number("lens_focal_px", {1.0, 1e9});
+  map.lens_distortion = required_array<4>(table, "lens_distortion", kFactor);
+  for (const char* key : {"width_px", "height_px", "px_per_m"}) {
+    if (!table.has(key)) table.error_at("rectify", fmt::format("needs {} too", key));
+  }
+  return map;
+}
+
+std::optional<std::chrono::sys_days> parse_date(const std::string& text) {
+  int year = 0, month = 0, day = 0, used = 0;
+  if (text.size() != 10 || std::sscanf(text.c_str(), "%4d-%2d-%2d%n", &year, &month, &day, &used) != 3 ||
+      used != 10) {
+    return std::nullopt;
+  }
+  const std::chrono::year_month_day date{std::chrono::year(year),
+                                         std::chrono::month(static_cast<unsigned>(month)),
+                                         std::chrono::day(static_cast<unsigned>(day))};
+  if (!date.ok()) return std::nullopt;
+  return std::chrono::sys_days(date);
+}
+
+std::chrono::sys_days day_of(std::int64_t unix_s) {
+  return std::chrono::floor<std::chrono::days>(std::chrono::sys_seconds(std::chrono::seconds(unix_s)));
+}
+
+void read_surface(TomlTable& table, CameraTable& camera) {
+  camera.surface_px = optional_array<4>(table, "surface_px", kPlace);
+  camera.surface_sd_px = table.number_or("surface_sd_px", camera.surface_sd_px, {1e-4, 1000.0});
+  if (!camera.surface_px) return;
+  const auto& s = *camera.surface_px;
+  if (std::hypot(s[2] - s[0], s[3] - s[1]) < 1.0) {
+    table.error_at("surface_px", "must be two points a pixel or more apart");
+  }
+}
+
+void read_viewpoint(TomlTable& table, CameraTable& camera) {
+  camera.viewpoint_px = optional_array<3>(table, "viewpoint_px", kPlace);
+  camera.viewpoint_sd_px = table.optional_number("viewpoint_sd_px", {0.0, 1e9});
+  if (camera.viewpoint_px && !((*camera.viewpoint_px)[2] >= 1.0)) {
+    table.error_at("viewpoint_px", "must end with a distance of at least 1");
+  }
+}
+
+}  // namespace
+
+CameraTable read_camera(TomlTable table) {
+  CameraTable camera;
+  camera.folder = optional_text(table, "folder");
+  if (camera.folder && camera.folder->empty()) table.error_at("folder", "must not be empty");
+  camera.max_age_days = table.number_or("max_age_days", camera.max_age_days, {0.01, 100'000.0});
+  camera.width_px = optional_count(table, "width_px", {16, 100'000});
+  camera.height_px = optional_count(table, "height_px", {16, 100'000});
+  camera.px_per_m = table.optional_number("px_per_m", {1.0, 1e7});
+  camera.px_per_m_sd = table.optional_number("px_per_m_sd", {0.0, 1e6});
+  if (camera.px_per_m_sd && !camera.px_per_m) table.error_at("px_per_m_sd", "needs px_per_m too");
+  camera.map = read_map(table);
+  read_viewpoint(table, camera);
+  read_surface(table, camera);
+  camera.calibrated = optional_text(table, "calibrated");
+  if (camera.calibrated && !parse_date(*camera.calibrated)) {
+    table.error_at("calibrated", "must be a date written \"2026-11-21\"");
+  }
+  camera.board = optional_text(table, "board");
+  camera.photographs = optional_count(table, "photographs", {1, 1000});
+  camera.residual_px = table.optional_number("residual_px", {0.0, 1e6});
+  camera.tilt_deg = table.optional_number("tilt_deg", {0.0, 90.0});
+  return camera;
+}
+
+std::optional<std::int64_t> days_since(const std::string& date, std::int64_t unix_s) {
+  const auto day = parse_date(date);
+  if (!day) return std::nullopt;
+  return (day_of(unix_s) - *day).count();
+}
+
+std::string date_of(std::int64_t unix_s) {
+  const std::chrono::year_month_day date(day_of(unix_s));
+  return fmt::format("{:04}-{:02}-{:02}", static_cast<int>(date.year()), static_cast<unsigned>(date.month()),
+                     static_cast<unsigned>(date.day()));
+}
+
+std::optional<std::string> calibration_warning(const CameraTable& camera, std::int64_t unix_s) {
+  if (!camera.px_per_m) return std::nullopt;
+  if (!camera.calibrated) return "the camera's calibration has no date";
+  const auto days = days_since(*camera.calibrated, unix_s);
+  if (!days || static_cast<double>(*days) <= camera.max_age_days) return std::nullopt;
+  return fmt::format(
+      "the camera's calibration is of {}, {} days ago (camera.max_age_days is {}): calibrate again",
+      *camera.calibrated, *days, camera.max_age_days);
+}
+
+}  // namespace strobe::host

@@ -1,0 +1,61 @@
+// The rig file's [camera]: where its photographs arrive, and what `strobe calibrate` has measured of it. Each
+// field is a key of that name. Coordinates: image px, x the column, y the row from the top, and plane px, x
+// to the right, y up, one scale everywhere (host/digitize/plane_map.hpp). Values; thread-safe.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "common/config/toml_reader.hpp"
+#include "common/result.hpp"
+
+namespace strobe::host {
+
+/// From image px to plane px: undo the lens, then the tilt.
+struct CameraMap {
+  std::array<double, 2> lens_centre_px{};   ///< image px
+  double lens_focal_px = 1.0;               ///< unit of the distortion's argument, > 0
+  std::array<double, 4> lens_distortion{};  ///< k1, k2, p1, p2 as in OpenCV
+  std::array<double, 9> rectify{};          ///< row by row: undistorted image px to plane px, homogeneous
+};
+
+struct CameraTable {
+  std::optional<std::string> folder;  ///< where the camera's photographs arrive; ~ is not expanded
+  double max_age_days = 90.0;         ///< 0.01 to 100,000; an older calibration is warned of
+
+  std::optional<int> width_px;  ///< of the photographs that the calibration is for
+  std::optional<int> height_px;
+  std::optional<double> px_per_m;     ///< of plane px, 1 to 1e7
+  std::optional<double> px_per_m_sd;  ///< all of it: the board's print and place included; 0 to 1e6
+  std::optional<CameraMap> map;       ///< present if `rectify` is; absent: the photograph is taken as it is
+  /// Where the lens is: plane px of the foot of its perpendicular on the plane, and its distance. Key
+  /// viewpoint_px = [x, y, distance]; absent: so far away that balls show as circles.
+  std::optional<std::array<double, 3>> viewpoint_px;
+  std::optional<double> viewpoint_sd_px;  ///< of the distance
+  /// Two points of the surface's line, plane px: surface_px = [x, y, x, y]; absent: found on each photograph.
+  std::optional<std::array<double, 4>> surface_px;
+  double surface_sd_px = 0.5;  ///< of each coordinate; 1e-4 to 1000
+
+  std::optional<std::string> calibrated;  ///< the day, "2026-11-21"
+  std::optional<std::string> board;       ///< for a person
+  std::optional<int> photographs;         ///< of the board
+  std::optional<double> residual_px;      ///< rms of the board's points about the fit
+  std::optional<double> tilt_deg;         ///< of the optical axis against the plane's normal
+};
+
+/// Reads it; what is wrong is reported to the table's reader.
+CameraTable read_camera(config::TomlTable table);
+
+/// Whole days from `date` ("2026-11-21") to the day of `unix_s`; absent if it is no date.
+std::optional<std::int64_t> days_since(const std::string& date, std::int64_t unix_s);
+
+/// The day of `unix_s` as "2026-11-21", UTC.
+std::string date_of(std::int64_t unix_s);
+
+/// One line if the calibration is older than max_age_days or without a date; absent: all is well, or there is
+/// none.
+std::optional<std::string> calibration_warning(const CameraTable& camera, std::int64_t unix_s);
+
+}  // namespace strobe::host

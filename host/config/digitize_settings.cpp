@@ -1,0 +1,65 @@
+#include "host/config/digitize_settings.hpp"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+namespace strobe::host {
+namespace {
+
+using digitize::PlaneMap;
+
+std::optional<digitize::Viewpoint> viewpoint_of(const CameraTable& camera) {
+  if (!camera.viewpoint_px) return std::nullopt;
+  const auto& [x, y, distance] = *camera.viewpoint_px;
+  return digitize::Viewpoint{{x, y}, distance};
+}
+
+PlaneMap map_of(const CameraTable& camera, int height_px) {
+  const auto viewpoint = viewpoint_of(camera);
+  if (!camera.map && !viewpoint) return PlaneMap::plain(height_px);
+  if (!camera.map) {
+    const cv::Matx33d upside_down(1.0, 0.0, 0.0, 0.0, -1.0, height_px - 1.0, 0.0, 0.0, 1.0);
+    return PlaneMap::calibrated({}, upside_down, viewpoint);
+  }
+  const CameraMap& map = *camera.map;
+  const auto& [k1, k2, p1, p2] = map.lens_distortion;
+  const digitize::LensDistortion lens{
+      {map.lens_centre_px[0], map.lens_centre_px[1]}, map.lens_focal_px, k1, k2, p1, p2};
+  return PlaneMap::calibrated(lens, cv::Matx33d(map.rectify.data()), viewpoint);
+}
+
+digitize::SurfaceLine surface_of(const std::array<double, 4>& points, double sd_px) {
+  digitize::SurfaceLine line{{{points[0], points[1]}, {points[2], points[3]}}, sd_px};
+  if (points[2] < points[0]) std::swap(line.points[0], line.points[1]);
+  return line;
+}
+
+}  // namespace
+
+Result<digitize::DigitizeSettings> digitize_settings(const RigFile& rig, int width_px, int height_px) {
+  const CameraTable& camera = rig.camera;
+  if (camera.width_px.value_or(width_px) != width_px || camera.height_px.value_or(height_px) != height_px) {
+    return fail(fmt::format("{} x {} pixels, but the camera's calibration is for {} x {}", width_px,
+                            height_px, camera.width_px.value_or(width_px),
+                            camera.height_px.value_or(height_px)));
+  }
+  digitize::DigitizeSettings settings;
+  settings.ball_diameter_m = rig.ball.diameter_m;
+  settings.ball_diameter_sd_m = rig.ball.diameter_sd_m;
+  if (camera.px_per_m) {
+    settings.px_per_m = *camera.px_per_m;
+    settings.px_per_m_sd = camera.px_per_m_sd;
+  } else if (rig.analysis.px_per_m) {
+    settings.px_per_m = *rig.analysis.px_per_m;
+    settings.px_per_m_sd = rig.analysis.px_per_m_sd;
+  } else {
+    return fail(
+        "the rig file gives no scale: calibrate the camera (strobe calibrate), or state camera.px_per_m");
+  }
+  settings.map = map_of(camera, height_px);
+  if (camera.surface_px) settings.surface = surface_of(*camera.surface_px, camera.surface_sd_px);
+  return settings;
+}
+
+}  // namespace strobe::host
