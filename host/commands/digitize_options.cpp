@@ -1,0 +1,77 @@
+#include "host/commands/digitize_options.hpp"
+
+#include <CLI/CLI.hpp>
+
+namespace strobe::host {
+
+namespace {
+
+void add_scale(CLI::App& command, DigitizeOptions& options) {
+  command.add_option("--rig", options.rig, "rig file: ball, calibrated camera, period of the plan");
+  command.add_option("--px-per-m", options.px_per_m, "scale in the ball's plane; overrules the rig file's")
+      ->check(CLI::Range(1.0, 1e7));
+  command
+      .add_option(
+          "--px-per-m-sd", options.px_per_m_sd,
+          "its standard deviation, if calibrated: handed on with the frame, so that speeds are read by "
+          "it and not by the ball's diameter")
+      ->check(CLI::Range(0.0, 1e6));
+  command.add_option("--ball-diameter-m", options.ball_diameter_m, "[the rig file's, else 0.0651]")
+      ->check(CLI::Range(0.01, 1.0));
+  command.add_option("--ball-diameter-sd-m", options.ball_diameter_sd_m, "its tolerance")
+      ->check(CLI::Range(0.0, 0.1));
+  command
+      .add_option("--size-tolerance", options.size_tolerance_percent,
+                  "how far a ball's size on the photograph may be from scale times diameter, in percent [8]")
+      ->check(CLI::Range(0.1, 50.0));
+}
+
+void add_times(CLI::App& command, DigitizeOptions& options) {
+  command.add_option("--period-ms", options.period_ms, "between flashes, if all came when they were due")
+      ->check(CLI::Range(0.01, 1000.0));
+  command.add_option("--times", options.times_file,
+                     "the flashes as measured, in seconds: an array [0, 0.003, ...] or an object with "
+                     "flash_times_s; one line for all photographs or one for each");
+}
+
+void add_results(CLI::App& command, DigitizeOptions& options) {
+  command.add_option("--shot-id", options.shot_id, "of the first photograph; the others count on")
+      ->check(CLI::Range(0, 1000000000))
+      ->capture_default_str();
+  command.add_option("--edit", options.edit_file,
+                     "a person's corrections, applied to what was found; one photograph only");
+  command.add_option("--overlay", options.overlay,
+                     "write the photograph with what was found drawn on it: a file's name, or of several "
+                     "photographs a folder's");
+  command.add_flag("--explain", options.explain,
+                   "why each place that looked like a ball is none, and the time spent");
+  command.add_flag("--json", options.json, "one frame a photograph on standard output, nothing else there");
+}
+
+}  // namespace
+
+void add_digitize_options(CLI::App& command, DigitizeOptions& options) {
+  command.add_option("IMAGE", options.images, "photographs: TIFF, PNG, JPEG, BMP, PGM")->required();
+  add_scale(command, options);
+  add_times(command, options);
+  command
+      .add_option("--effort", options.effort,
+                  "fast (some ms), standard, or thorough (renders what it found and compares)")
+      ->check(CLI::IsMember({"fast", "standard", "thorough"}))
+      ->capture_default_str();
+  command.add_option("--direction", options.direction, "of flight; auto: the bounce tells")
+      ->check(CLI::IsMember({"auto", "right", "left"}))
+      ->capture_default_str();
+  add_results(command, options);
+}
+
+std::string conflict(const DigitizeOptions& options) {
+  if (options.rig.empty() && !options.px_per_m)
+    return "--rig or --px-per-m is needed: the ball's size on the photograph";
+  if (options.px_per_m_sd && !options.px_per_m) return "--px-per-m-sd is nothing without --px-per-m";
+  if (options.period_ms && !options.times_file.empty()) return "--period-ms and --times exclude each other";
+  if (!options.edit_file.empty() && options.images.size() > 1) return "--edit is for one photograph";
+  return {};
+}
+
+}  // namespace strobe::host

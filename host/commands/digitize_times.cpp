@@ -1,0 +1,70 @@
+#include "host/commands/digitize_times.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+namespace strobe::host {
+
+namespace {
+
+constexpr std::size_t kMostFlashes = 100'000;
+constexpr double kLongest_s = 1e9;
+constexpr double kShortestInterval_s = 1e-9;
+
+/// What is wrong with it, or an empty text.
+std::string read_times(const nlohmann::json& line, std::vector<double>& times_s) {
+  const nlohmann::json* list = &line;
+  if (line.is_object()) {
+    const auto found = line.find("flash_times_s");
+    if (found == line.end()) return "no flash_times_s";
+    list = &*found;
+  }
+  if (!list->is_array()) return "must be an array of seconds, or an object with flash_times_s";
+  if (list->empty() || list->size() > kMostFlashes) return "must be 1 to 100000 flashes";
+  for (const auto& time : *list) {
+    if (!time.is_number()) return fmt::format("flash {} is not a number", times_s.size());
+    const double seconds = time.get<double>();
+    if (!(std::abs(seconds) <= kLongest_s)) return fmt::format("flash {} is beyond 1e9 s", times_s.size());
+    if (!times_s.empty() && !(seconds - times_s.back() >= kShortestInterval_s))
+      return fmt::format("flash {} is not after the one before", times_s.size());
+    times_s.push_back(seconds);
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<std::vector<std::vector<double>>> parse_flash_times(const std::string& text, const std::string& file) {
+  std::vector<std::vector<double>> all;
+  std::istringstream lines(text);
+  std::string line;
+  for (int number = 1; std::getline(lines, line); ++number) {
+    if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
+    const auto parsed = nlohmann::json::parse(line, nullptr, false);
+    const std::string wrong = parsed.is_discarded() ? "is not JSON" : read_times(parsed, all.emplace_back());
+    if (!wrong.empty()) return fail(fmt::format("{}:{}: {}", file, number, wrong));
+  }
+  if (all.empty()) return fail(file + ": no flashes");
+  return all;
+}
+
+std::vector<double> even_flashes(double period_s) {
+  constexpr int kFlashes = 166;  // half a second of 20,000 a minute
+  std::vector<double> times_s;
+  for (int i = 0; i < kFlashes; ++i) times_s.push_back(i * period_s);
+  return times_s;
+}
+
+void count_from_first_image(reduction::Frame& frame) {
+  if (frame.images.empty()) return;
+  const reduction::BallImage first = frame.images.front();
+  for (reduction::BallImage& image : frame.images) {
+    image.time_s -= first.time_s;
+    if (image.flash_index && first.flash_index) *image.flash_index -= *first.flash_index;
+  }
+}
+
+}  // namespace strobe::host
