@@ -1,0 +1,216 @@
+// strobe digitize: photographs to frames.
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+
+#include "host/commands/command.hpp"
+#include "host/commands/digitize_options.hpp"
+#include "host/commands/digitize_report.hpp"
+#include "host/commands/digitize_times.hpp"
+#include "host/commands/terminal.hpp"
+#include "host/config/digitize_settings.hpp"
+#include "host/digitize/corrections.hpp"
+#include "host/digitize/overlay.hpp"
+
+namespace strobe::host {
+namespace {
+
+namespace fs = std::filesystem;
+using digitize::Digitization;
+using digitize::DigitizeSettings;
+using digitize::Photograph;
+
+/// All that is read before the first photograph.
+struct Given {
+  RigFile rig;
+  bool has_rig = false;
+  std::vector<std::vector<double>> flash_times_s;  ///< one for all, one for each photograph, or none
+  bool even = false;                               ///< those are as planned, not as measured
+  std::vector<digitize::Correction> corrections;
+};
+
+void overrule(RigFile& rig, const DigitizeOptions& options) {
+  if (options.px_per_m) {
+    rig.analysis.px_per_m = options.px_per_m;
+    rig.analysis.px_per_m_sd = options.px_per_m_sd;
+  }
+  if (options.ball_diameter_m) rig.ball.diameter_m = *options.ball_diameter_m;
+  if (options.ball_diameter_sd_m) rig.ball.diameter_sd_m = *options.ball_diameter_sd_m;
+}
+
+Result<void> read_times(const DigitizeOptions& options, Given& given) {
+  if (!options.times_file.empty()) {
+    const auto text = read_file(options.times_file);
+    if (!text) return tl::unexpected(text.error());
+    auto times = parse_flash_times(*text, options.times_file);
+    if (!times) return tl::unexpected(times.error());
+    if (times->size() != 1 && times->size() != options.images.size())
+      return fail(fmt::format("{}: {} lines for {} photographs", options.times_file, times->size(),
+                              options.images.size()));
+    given.flash_times_s = std::move(*times);
+    return {};
+  }
+  std::optional<double> period_s;
+  if (given.has_rig) period_s = given.rig.plan.period_us * 1e-6;
+  if (options.period_ms) period_s = *options.period_ms * 1e-3;
+  if (!period_s) return {};
+  given.even = true;
+  given.flash_times_s = {even_flashes(*period_s)};
+  return {};
+}
+
+Result<Given> read_given(const DigitizeOptions& options) {
+  Given given;
+  given.has_rig = !options.rig.empty();
+  if (given.has_rig) {
+    auto rig = load_rig(options.rig);
+    if (!rig) return tl::unexpected(rig.error());
+    given.rig = std::move(*rig);
+  }
+  overrule(given.rig, options);
+  if (auto read = read_times(options, given); !read) return tl::unexpected(read.error());
+  if (!options.edit_file.empty()) {
+    const auto text = read_file(options.edit_file);
+    if (!text) return tl::unexpected(text.error());
+    auto corrections = digitize::parse_corrections(*text, options.edit_file);
+    if (!corrections) return tl::unexpected(corrections.error());
+    given.corrections = std::move(*corrections);
+  }
+  return given;
+}
+
+digitize::Effort effort_of(const std::string& name) {
+  if (name == "fast") return digitize::Effort::fast;
+  return name == "thorough" ? digitize::Effort::thorough : digitize::Effort::standard;
+}
+
+class Digitizer {
+ public:
+  Digitizer(const DigitizeOptions& options, Given given) : options_(options), given_(std::move(given)) {}
+
+  int run() {
+    for (std::size_t i = 0; i < options_.images.size(); ++i) {
+      const auto done = one(i);
+      if (!done) {
+        ++bad_;
+        failed(done.error().message);
+      }
+      show_progress(i + 1);
+    }
+    if (bad_ == options_.images.size()) return kBadInput;
+    return bad_ + empty_ > 0 ? kFailed : kDone;
+  }
+
+ private:
+  Result<DigitizeSettings> settings_of(const Photograph& photograph, std::size_t index) const {
+    auto settings = digitize_settings(given_.rig, photograph.width(), photograph.height());
+    if (!settings)
+      return fail((given_.has_rig ? options_.rig : photograph.name) + ": " + settings.error().message);
+    if (!given_.has_rig && !options_.ball_diameter_sd_m) settings->ball_diameter_sd_m.reset();
+    if (options_.size_tolerance_percent) settings->size_tolerance = *options_.size_tolerance_percent / 100.0;
+    if (options_.direction != "auto") settings->leftwards = options_.direction == "left";
+    if (!given_.flash_times_s.empty())
+      settings->flash_times_s = given_.flash_times_s[given_.flash_times_s.size() == 1 ? 0 : index];
+    settings->effort = effort_of(options_.effort);
+    return settings;
+  }
+
+  Result<void> one(std::size_t index) {
+    const auto photograph = digitize::load_photograph(options_.images[index]);
+    if (!photograph) return tl::unexpected(photograph.error());
+    const auto settings = settings_of(*photograph, index);
+    if (!settings) return tl::unexpected(settings.error());
+    auto found = digitize::digitize(*photograph, *settings);
+    if (!found) return fail(options_.images[index] + ": " + found.error().message);
+    if (!given_.corrections.empty()) {
+      if (auto applied = digitize::apply_corrections(*found, given_.corrections, *settings); !applied)
+        return tl::unexpected(applied.error());
+    }
+    found->frame.shot_id = options_.shot_id + static_cast<int>(index);
+    if (given_.even) count_from_first_image(found->frame);
+    tell(*found, *settings, options_.images[index]);
+    if (found->frame.images.empty()) ++empty_;
+    if (options_.overlay.empty()) return {};
+    return digitize::write_overlay(overlay_path(index), *photograph, settings->map, *found,
+                                   {.rejected = options_.explain});
+  }
+
+  void tell(const Digitization& found, const DigitizeSettings& settings,
+            const std::string& photograph) const {
+    if (options_.json) {
+      std::puts(digitization_json(found, photograph, settings, options_.explain).c_str());
+      std::fflush(stdout);
+    } else {
+      print(digitization_lines(found, photograph, settings));
+      if (options_.explain) print(unmeasured_lines(found));
+    }
+    if (options_.explain) std::fputs(stages_line(found).c_str(), stderr);
+  }
+
+  fs::path overlay_path(std::size_t index) const {
+    std::error_code error;
+    if (options_.images.size() == 1 && !fs::is_directory(options_.overlay, error)) return options_.overlay;
+    return fs::path(options_.overlay) / (fs::path(options_.images[index]).stem().string() + "_overlay.png");
+  }
+
+  /// Only where results go elsewhere does a person see no sign of progress otherwise.
+  void show_progress(std::size_t done) {
+    constexpr std::int64_t kEvery_ns = 2'000'000'000;
+    const std::int64_t now_ns = steady_now_ns();
+    if (now_ns - progress_ns_ < kEvery_ns || ::isatty(STDOUT_FILENO) == 1) return;
+    progress_ns_ = now_ns;
+    fmt::print(stderr, "strobe: {} of {} photographs digitized\n", done, options_.images.size());
+  }
+
+  const DigitizeOptions& options_;
+  Given given_;
+  std::size_t bad_ = 0;
+  std::size_t empty_ = 0;  ///< without an image of the ball
+  std::int64_t progress_ns_ = steady_now_ns();
+};
+
+int run_digitize(const DigitizeOptions& options) {
+  if (const std::string wrong = conflict(options); !wrong.empty()) return bad_input("digitize: " + wrong);
+  auto given = read_given(options);
+  if (!given) return bad_input(given.error().message);
+  std::error_code error;
+  if (!options.overlay.empty() && options.images.size() > 1 && !fs::is_directory(options.overlay, error))
+    return bad_input("--overlay " + options.overlay + ": must be a folder for several photographs");
+  return Digitizer(options, std::move(*given)).run();
+}
+
+}  // namespace
+
+void add_digitize_command(CLI::App& app, int& exit_status) {
+  auto options = std::make_shared<DigitizeOptions>();
+  CLI::App* command = app.add_subcommand("digitize", "Measure the ball's images on photographs");
+  add_digitize_options(*command, *options);
+  command->footer(
+      "Examples: strobe digitize shot.tiff --px-per-m 4000 --period-ms 3 --overlay shot.png\n"
+      "          strobe digitize shots/*.tiff --rig rig.toml --times times.jsonl --json | strobe reduce -\n"
+      "          strobe digitize shot.tiff --rig rig.toml --edit corrections.toml --json\n"
+      "Without --times and --period-ms the period is that of the rig file's plan; without one the images "
+      "come in\n"
+      "their order but with no times, and cannot be reduced. A file of corrections has tables [[add]], "
+      "[[move]]\n"
+      "and [[remove]]:\n"
+      "  [[remove]]\n"
+      "  at_px = [812, 640]        # the image nearest to this point of the frame (x right, y up)\n"
+      "  [[move]]\n"
+      "  at_image_px = [1200, 615] # ... or of the photograph (column, row from the top)\n"
+      "  centre_px = [1203.5, 1224.0]\n"
+      "  equator_deg = 31\n"
+      "  [[add]]\n"
+      "  centre_px = [1410, 1180]\n"
+      "  diameter_px = 261\n"
+      "Exit status: 1 if a photograph of several could not be read, or shows no ball; 2 if none could be "
+      "read.");
+  command->callback([options, &exit_status] { exit_status = run_digitize(*options); });
+}
+
+}  // namespace strobe::host
