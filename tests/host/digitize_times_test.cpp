@@ -1,0 +1,53 @@
+// The flashes' times as the digitizing command reads them.
+#include "host/commands/digitize_times.hpp"
+
+// CppUTest redefines new; its headers come last.
+#include <CppUTest/TestHarness.h>
+
+using namespace strobe::host;
+
+namespace {
+
+std::string complaint(const std::string& text) {
+  const auto parsed = parse_flash_times(text, "t.json");
+  return parsed ? "" : parsed.error().message;
+}
+
+}  // namespace
+
+TEST_GROUP(DigitizeTimes){};
+
+TEST(DigitizeTimes, AreArraysOrObjectsOneALine) {
+  const auto times =
+      parse_flash_times("[0, 0.003]\n\n{\"shot\": 2, \"flash_times_s\": [1, 1.5, 2]}\n", "t.json").value();
+  LONGS_EQUAL(2, times.size());
+  DOUBLES_EQUAL(0.003, times[0].at(1), 0.0);
+  LONGS_EQUAL(3, times[1].size());
+}
+
+TEST(DigitizeTimes, ThatAreWrongAreNamedByFileAndLine) {
+  STRCMP_EQUAL("t.json: no flashes", complaint("\n").c_str());
+  STRCMP_EQUAL("t.json:2: is not JSON", complaint("[0]\n[1,\n").c_str());
+  STRCMP_EQUAL("t.json:1: no flash_times_s", complaint("{\"times\": [0]}").c_str());
+  STRCMP_EQUAL("t.json:1: must be an array of seconds, or an object with flash_times_s",
+               complaint("3").c_str());
+  STRCMP_EQUAL("t.json:1: must be 1 to 100000 flashes", complaint("[]").c_str());
+  STRCMP_EQUAL("t.json:1: flash 1 is not a number", complaint("[0, \"1\"]").c_str());
+  STRCMP_EQUAL("t.json:1: flash 2 is not after the one before", complaint("[0, 1, 1]").c_str());
+  STRCMP_EQUAL("t.json:1: flash 0 is beyond 1e9 s", complaint("[1e10]").c_str());
+}
+
+TEST(DigitizeTimes, OfAnEvenTrainCountFromTheFirstImage) {
+  strobe::reduction::Frame frame;
+  for (const int flash : {70, 71, 73}) {
+    strobe::reduction::BallImage image;
+    image.flash_index = flash;
+    image.time_s = even_flashes(0.003).at(static_cast<std::size_t>(flash));
+    frame.images.push_back(image);
+  }
+  count_from_first_image(frame);
+  LONGS_EQUAL(0, frame.images[0].flash_index.value());
+  LONGS_EQUAL(3, frame.images[2].flash_index.value());
+  DOUBLES_EQUAL(0.0, frame.images[0].time_s, 0.0);
+  DOUBLES_EQUAL(0.009, frame.images[2].time_s, 1e-15);  // rounding of 0.219
+}
