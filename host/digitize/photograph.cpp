@@ -94,12 +94,14 @@ Result<Photograph> decode_photograph(std::span<const unsigned char> bytes, const
 Result<Photograph> load_photograph(const std::filesystem::path& path) {
   const std::string name = path.string();
   std::error_code error;
-  if (std::filesystem::is_directory(path, error)) return fail(fmt::format("{}: is a folder", name));
+  const auto status = std::filesystem::status(path, error);
+  if (!std::filesystem::exists(status)) return fail(fmt::format("{}: is not there", name));
+  // Opening a pipe would wait for whoever fills it.
+  if (!std::filesystem::is_regular_file(status)) return fail(fmt::format("{}: is no plain file", name));
   std::ifstream file(path, std::ios::binary | std::ios::ate);
   if (!file) return fail(fmt::format("{}: cannot be opened", name));
   const std::streamoff size = file.tellg();
-  if (size < 0 || size > INT32_MAX)
-    return fail(fmt::format("{}: is larger than 2 GB or no plain file", name));
+  if (size < 0 || size > INT32_MAX) return fail(fmt::format("{}: is larger than 2 GB", name));
   std::vector<unsigned char> bytes(static_cast<std::size_t>(size));
   file.seekg(0);
   file.read(reinterpret_cast<char*>(bytes.data()), size);

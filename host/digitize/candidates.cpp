@@ -1,0 +1,158 @@
+#include "host/digitize/candidates.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <opencv2/imgproc.hpp>
+#include <queue>
+
+#include "host/digitize/circle_support.hpp"
+#include "host/digitize/voting_edges.hpp"
+
+namespace strobe::digitize {
+
+namespace {
+
+/// The photograph made smaller by a whole number, so that the ball's radius is what the search needs.
+struct Reduced {
+  cv::Mat light;
+  int factor = 1;
+  double to_full(double at) const { return (at + 0.5) * factor - 0.5; }
+};
+
+Reduced reduce(const cv::Mat& light, double radius_px, Effort effort) {
+  const double wanted = effort == Effort::fast ? 25.0 : 50.0;
+  Reduced reduced;
+  reduced.factor = std::max(1, static_cast<int>(radius_px / wanted));
+  if (reduced.factor == 1) {
+    reduced.light = light;
+    return reduced;
+  }
+  const int f = reduced.factor;
+  const cv::Size size(light.cols / f, light.rows / f);
+  cv::resize(light(cv::Rect(0, 0, size.width * f, size.height * f)), reduced.light, size, 0, 0,
+             cv::INTER_AREA);
+  return reduced;
+}
+
+/// Each edge votes for all centres that it may belong to: a stretch along its uphill direction. Votes lie on
+/// a grid wider than the picture, as a ball's centre may be off it.
+struct Votes {
+  cv::Mat count;   // CV_32FC1
+  int margin = 0;  // of the grid around the picture
+};
+
+Votes vote(const std::vector<VotingEdge>& edges, cv::Size size, double radius_min, double radius_max) {
+  Votes votes;
+  votes.margin = static_cast<int>(radius_max);
+  votes.count = cv::Mat::zeros(size.height + 2 * votes.margin, size.width + 2 * votes.margin, CV_32FC1);
+  const int steps = std::max(1, static_cast<int>(std::ceil(radius_max - radius_min)));
+  const auto from = static_cast<float>(radius_min);
+  const auto step = static_cast<float>((radius_max - radius_min) / steps);
+  const float shift = static_cast<float>(votes.margin) + 0.5F;
+  for (const auto& edge : edges) {
+    for (int i = 0; i <= steps; ++i) {
+      const float r = from + static_cast<float>(i) * step;
+      const int x = static_cast<int>(edge.at.x + r * edge.uphill.x + shift);
+      const int y = static_cast<int>(edge.at.y + r * edge.uphill.y + shift);
+      if (x >= 0 && y >= 0 && x < votes.count.cols && y < votes.count.rows)
+        votes.count.at<float>(y, x) += 1.0F;
+    }
+  }
+  const double spread = 0.05 * radius_max;
+  cv::GaussianBlur(votes.count, votes.count, {}, spread, spread, cv::BORDER_CONSTANT);
+  return votes;
+}
+
+struct Peak {
+  cv::Point2d at;
+  float height = 0.0F;
+};
+
+/// Local maxima, highest first.
+std::vector<Peak> peaks_of(const Votes& votes, double radius, std::size_t most) {
+  cv::Mat around;
+  const int side = 2 * std::max(1, static_cast<int>(0.05 * radius)) + 1;
+  cv::dilate(votes.count, around, cv::getStructuringElement(cv::MORPH_RECT, {side, side}));
+  std::vector<Peak> peaks;
+  for (int y = 0; y < votes.count.rows; ++y) {
+    const auto* count = votes.count.ptr<float>(y);
+    const auto* top = around.ptr<float>(y);
+    for (int x = 0; x < votes.count.cols; ++x)
+      if (count[x] > 0.0F && count[x] == top[x])
+        peaks.push_back({cv::Point2d(x - votes.margin, y - votes.margin), count[x]});
+  }
+  std::stable_sort(peaks.begin(), peaks.end(),
+                   [](const Peak& a, const Peak& b) { return a.height > b.height; });
+  if (peaks.size() > most) peaks.resize(most);
+  return peaks;
+}
+
+struct Scored {
+  SupportedCircle supported;
+  std::size_t round = 0;  ///< how many circles had claimed their edges when it was fitted
+  std::size_t peak = 0;
+  bool operator<(const Scored& other) const {
+    if (supported.share != other.supported.share) return supported.share < other.supported.share;
+    return peak > other.peak;
+  }
+};
+
+/// The circle with the largest share of its outline seen first; then the next by what edges that one leaves.
+std::vector<SupportedCircle> best_first(CircleSupport& edges, const std::vector<Peak>& peaks,
+                                        double radius_min, double radius_max, double least_share) {
+  const double middle = 0.5 * (radius_min + radius_max);
+  std::priority_queue<Scored> queue;
+  for (std::size_t i = 0; i < peaks.size(); ++i) {
+    const auto fitted = edges.fit({peaks[i].at, middle}, radius_min, radius_max);
+    if (fitted.share >= least_share) queue.push({fitted, 0, i});
+  }
+  std::vector<SupportedCircle> found;
+  while (!queue.empty()) {
+    Scored best = queue.top();
+    queue.pop();
+    if (best.round < found.size()) {
+      best.supported = edges.fit(best.supported.circle, radius_min, radius_max);
+      best.round = found.size();
+      if (best.supported.share >= least_share) queue.push(best);
+      continue;
+    }
+    const Circle& circle = best.supported.circle;
+    const bool near = std::any_of(found.begin(), found.end(), [&](const SupportedCircle& other) {
+      return cv::norm(other.circle.centre - circle.centre) < 0.1 * middle;
+    });
+    if (near) continue;
+    edges.claim(circle);
+    found.push_back(best.supported);
+  }
+  return found;
+}
+
+}  // namespace
+
+std::vector<Candidate> find_candidates(const Photograph& photograph, const SearchRange& range,
+                                       Effort effort) {
+  const double middle = 0.5 * (range.radius_min_px + range.radius_max_px);
+  const Reduced reduced = reduce(photograph.light, middle, effort);
+  const double radius_min = range.radius_min_px / reduced.factor,
+               radius_max = range.radius_max_px / reduced.factor;
+  const double radius = middle / reduced.factor;
+
+  EdgeSearch search;
+  search.neighbourhood_px = radius;
+  search.floor = 0.25 / 255.0 / 4.0;
+  auto edges = find_voting_edges(reduced.light, search);
+  const Votes votes = vote(edges, reduced.light.size(), radius_min, radius_max);
+  const auto peaks = peaks_of(votes, radius, 500);
+  CircleSupport support(std::move(edges), reduced.light.size());
+  const auto circles = best_first(support, peaks, radius_min, radius_max, range.least_share);
+
+  std::vector<Candidate> candidates;
+  for (const auto& [circle, share, deviation] : circles)
+    candidates.push_back({{reduced.to_full(circle.centre.x), reduced.to_full(circle.centre.y)},
+                          circle.radius * reduced.factor,
+                          share});
+  return candidates;
+}
+
+}  // namespace strobe::digitize
