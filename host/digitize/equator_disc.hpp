@@ -1,0 +1,83 @@
+// One ball's image as a unit disc, and the line on it. Unit coordinates: u to the right and v up, both in
+// radii of the ball from the middle of its image, so that the outline is u² + v² = 1 also where perspective
+// shows it as an ellipse; z = sqrt(1 - u² - v²) towards the lens. Plain values; thread-safe; no allocation.
+//
+// A band on the sphere about a great circle whose plane is tilted by t out of the line of sight is where
+// f = v'·cos(t) - z·sin(t) - offset is small, (u', v') being turned by the line's angle: half an ellipse of
+// half axes 1 and sin(t), that begins and ends at the outline, on a diameter.
+#pragma once
+
+#include <cmath>
+#include <opencv2/core.hpp>
+
+#include "host/digitize/plane_map.hpp"
+#include "host/digitize/types.hpp"
+
+namespace strobe::digitize {
+
+/// Darkness across a line, 0 to 1: a bar of `half_width` whose edges are blurred by a Gaussian of sd `soft`.
+/// Both in radii.
+struct LineShape {
+  double half_width = 0.05;
+  double soft = 0.02;
+
+  double darkness(double f) const;
+  /// d darkness/d f
+  double slope(double f) const;
+  /// Beyond this |f| there is nothing of the line.
+  double reach() const { return half_width + 3.0 * soft; }
+};
+
+/// A line in unit coordinates.
+struct DiscLine {
+  double angle_rad = 0.0;
+  double tilt_rad = 0.0;
+  double offset = 0.0;    ///< of its middle, radii
+  double contrast = 0.0;  ///< darkness at its middle over the ball's brightness
+  LineShape shape;
+};
+
+/// A line's angle and tilt as sines and cosines, to place many points.
+class LinePlace {
+ public:
+  explicit LinePlace(const DiscLine& line)
+      : cos_(std::cos(line.angle_rad)),
+        sin_(std::sin(line.angle_rad)),
+        cos_tilt_(std::cos(line.tilt_rad)),
+        sin_tilt_(std::sin(line.tilt_rad)),
+        offset_(line.offset) {}
+
+  double along(double u, double v) const { return cos_ * u + sin_ * v; }
+  double across(double u, double v) const {
+    const double z = std::sqrt(std::max(0.0, 1.0 - u * u - v * v));
+    return (cos_ * v - sin_ * u) * cos_tilt_ - z * sin_tilt_ - offset_;
+  }
+
+ private:
+  double cos_, sin_, cos_tilt_, sin_tilt_, offset_;
+};
+
+struct Disc {
+  cv::Point2d centre_image;
+  cv::Matx22d unit_from_image;
+  cv::Matx22d image_from_unit;
+  cv::Matx22d plane_from_unit;
+  double radius_image_px = 0.0;
+  double rim = 0.0;        ///< half width of the ring about the outline where its edge spoils what lies below
+  double centre_sd = 0.0;  ///< radii
+
+  cv::Point2d unit(double column, double row) const {
+    const double x = column - centre_image.x, y = row - centre_image.y;
+    return {unit_from_image(0, 0) * x + unit_from_image(0, 1) * y,
+            unit_from_image(1, 0) * x + unit_from_image(1, 1) * y};
+  }
+  /// Half the height and width of the disc of `radii` on the photograph.
+  cv::Point2d half_extent_px(double radii) const;
+};
+
+/// The lens and the perspective are taken as linear over one ball. Not ok(): no finite disc of a pixel or
+/// more.
+Disc make_disc(const PlaneMap& map, const Outline& outline);
+bool ok(const Disc& disc);
+
+}  // namespace strobe::digitize
