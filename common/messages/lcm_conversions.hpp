@@ -11,17 +11,23 @@
 
 namespace strobe_msgs {
 class frame_t;
+class frame_v1_t;
 class readout_t;
 }  // namespace strobe_msgs
 
 namespace strobe::messages {
 
 /// The message knows neither times nor the ball: time_s is 0 in every image and ball_diameter_m is 0; the
-/// caller sets both before it reduces the frame. Record and surface angle likewise are the caller's.
+/// caller sets both before it reduces the frame. Record and surface angle likewise are the caller's. A frame
+/// without a surface line is converted, too (it cannot be reduced). A contact image without a diameter has 0.
 Result<reduction::Frame> frame_from_lcm(const strobe_msgs::frame_t& message);
 
-/// Times, flash indices and per-image noise are not carried. boot_id and photograph are the caller's to set.
+/// Times and flash indices are not carried. boot_id, host_id and photograph are the caller's to set. Sources
+/// other than "auto" and "hand" become the frame's, which is that of most images.
 strobe_msgs::frame_t frame_to_lcm(const reduction::Frame& frame);
+
+/// A frame of a log from before version 2.
+strobe_msgs::frame_t frame_from_v1(const strobe_msgs::frame_v1_t& message);
 
 strobe_msgs::readout_t readout_to_lcm(const reduction::Readout& readout, std::int64_t host_id,
                                       std::int64_t boot_id);

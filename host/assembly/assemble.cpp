@@ -160,7 +160,8 @@ AssembledShot assemble(const shot_t& shot, const frame_t& message, const Assembl
   const auto track = image_track(message, settings.ball.diameter_m, result.frame.surface_angle_deg);
   if (!track) {
     return unmatched(result, Flag::degenerate_geometry,
-                     "the frame has no surface line or an image without a size");
+                     message.surface.empty() ? "no surface line on the photograph"
+                                             : "the frame has no surface line or an image without a size");
   }
   FlashTimes times = flash_times(shot);
   if (measured_by_nobody(times, shot)) result.flags.set(Flag::sensor_missing);

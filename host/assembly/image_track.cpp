@@ -43,9 +43,13 @@ std::optional<Line> surface_line(const frame_t& frame) {
   return line;
 }
 
+bool has_diameter(const ball_image_t& image) {
+  return std::isfinite(image.diameter_px) && image.diameter_px > 0.0;
+}
+
 bool usable(const ball_image_t& image) {
   return std::isfinite(image.centre_x_px) && std::isfinite(image.centre_y_px) &&
-         std::isfinite(image.diameter_px) && image.diameter_px > 0.0;
+         (has_diameter(image) || image.leg == ball_image_t::LEG_CONTACT);
 }
 
 /// Median diameter, of the images that nobody saw in contact if there are any: contact flattens the ball.
@@ -53,7 +57,8 @@ std::optional<double> ball_diameter_px(const frame_t& frame) {
   std::vector<double> diameters;
   for (const bool all : {false, true}) {
     for (const ball_image_t& image : frame.images) {
-      if (all || image.leg != ball_image_t::LEG_CONTACT) diameters.push_back(image.diameter_px);
+      if (has_diameter(image) && (all || image.leg != ball_image_t::LEG_CONTACT))
+        diameters.push_back(image.diameter_px);
     }
     if (!diameters.empty()) break;
   }
@@ -61,6 +66,22 @@ std::optional<double> ball_diameter_px(const frame_t& frame) {
   const auto middle = diameters.begin() + static_cast<std::ptrdiff_t>(diameters.size() / 2);
   std::nth_element(diameters.begin(), middle, diameters.end());
   return *middle;
+}
+
+/// Of each coordinate of a centre, as stated: the images' own covariances (root mean square of those in the
+/// air), else the frame's.
+std::optional<double> stated_sd_px(const frame_t& frame) {
+  double sum = 0.0;
+  int count = 0;
+  for (const ball_image_t& image : frame.images) {
+    const double variance = 0.5 * (image.centre_xx_px2 + image.centre_yy_px2);
+    if (image.leg == ball_image_t::LEG_CONTACT || !std::isfinite(variance) || !(variance > 0.0)) continue;
+    sum += variance;
+    ++count;
+  }
+  if (count > 0) return std::sqrt(sum / count);
+  if (std::isfinite(frame.centre_sd_px) && frame.centre_sd_px > 0.0) return frame.centre_sd_px;
+  return std::nullopt;
 }
 
 double distance_to_line(const TrackImage& p, const TrackImage& a, const TrackImage& b) {
@@ -124,8 +145,7 @@ std::optional<Track> image_track(const frame_t& frame, double ball_diameter_m, d
   Track track;
   track.radius_px = 0.5 * *diameter;
   track.px_per_m = *diameter / ball_diameter_m;
-  const bool stated = std::isfinite(frame.centre_sd_px) && frame.centre_sd_px > 0.0;
-  track.sd_px = stated ? frame.centre_sd_px : kHandSdOfDiameter * *diameter;
+  track.sd_px = stated_sd_px(frame).value_or(kHandSdOfDiameter * *diameter);
   for (const ball_image_t& image : frame.images) {
     const double dx = image.centre_x_px - line->x0;
     const double dy = image.centre_y_px - line->y0;

@@ -8,7 +8,8 @@ namespace {
 // Sizes of encoded fields, in the order of the .lcm files.
 constexpr std::size_t kFingerprint = 8, kInt8 = 1, kInt32 = 4, kInt64 = 8, kDouble = 8;
 constexpr std::size_t kPoint = 2 * kDouble;
-constexpr std::size_t kBallImage = kInt8 + 6 * kDouble;
+constexpr std::size_t kBallImage = 2 * kInt8 + 12 * kDouble;
+constexpr std::size_t kBallImageV1 = kInt8 + 6 * kDouble;
 constexpr std::size_t kFlash = kInt32 + 5 * kInt64 + kInt32;
 constexpr std::size_t kShortestNote = 2 * (kInt32 + 1);  // two empty strings with their ends
 constexpr std::size_t kPlan = kInt8 + kInt64 + kInt32 + 3 * kInt64 + kInt8;
@@ -50,17 +51,25 @@ class Walk {
   bool good_ = true;
 };
 
+bool frame_plausible(const void* data, std::size_t size, std::size_t host, std::size_t image) {
+  Walk walk(data, size);
+  walk.skip(kFingerprint + kInt32 + kInt64 + kInt32 + host);  // schema, boot, shot, host
+  walk.skip_string();                                         // source
+  walk.skip_string();                                         // photograph
+  walk.skip(6 * kDouble);
+  walk.count(kPoint, true);
+  walk.count(image, true);
+  return walk.good();
+}
+
 }  // namespace
 
 bool frame_counts_plausible(const void* data, std::size_t size) {
-  Walk walk(data, size);
-  walk.skip(kFingerprint + kInt32 + kInt64 + kInt32);  // schema, boot, shot
-  walk.skip_string();                                  // source
-  walk.skip_string();                                  // photograph
-  walk.skip(6 * kDouble);
-  walk.count(kPoint, true);
-  walk.count(kBallImage, true);
-  return walk.good();
+  return frame_plausible(data, size, kInt64, kBallImage);
+}
+
+bool frame_v1_counts_plausible(const void* data, std::size_t size) {
+  return frame_plausible(data, size, 0, kBallImageV1);
 }
 
 bool shot_counts_plausible(const void* data, std::size_t size) {

@@ -10,6 +10,7 @@ namespace strobe::host {
 /// False if a count is negative or claims more elements than the bytes behind it can hold. What else may be
 /// wrong is the decoder's to find.
 bool frame_counts_plausible(const void* data, std::size_t size);
+bool frame_v1_counts_plausible(const void* data, std::size_t size);
 bool shot_counts_plausible(const void* data, std::size_t size);
 
 }  // namespace strobe::host

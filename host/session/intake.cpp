@@ -2,8 +2,10 @@
 
 #include <exception>
 #include <limits>
+#include <strobe_msgs/frame_v1_t.hpp>
 
 #include "common/messages/channels.hpp"
+#include "common/messages/lcm_conversions.hpp"
 #include "host/session/counts.hpp"
 
 namespace strobe::host {
@@ -44,8 +46,7 @@ void Intake::receive(std::string_view channel, const void* data, std::size_t siz
       if (!shot_counts_plausible(data, size)) return void(++undecodable_);
       take(strobe_msgs::shot_t{}, &MessageSink::shot);
     } else if (channel == frame_) {
-      if (!frame_counts_plausible(data, size)) return void(++undecodable_);
-      take(strobe_msgs::frame_t{}, &MessageSink::frame);
+      take_frame(data, size, now_ns);
     }
   } catch (const std::exception& error) {
     ++undecodable_;
@@ -55,6 +56,15 @@ void Intake::receive(std::string_view channel, const void* data, std::size_t siz
       fault_.clear();
     }
   }
+}
+
+void Intake::take_frame(const void* data, std::size_t size, std::int64_t now_ns) {
+  strobe_msgs::frame_t frame;
+  if (frame_counts_plausible(data, size) && decode(frame, data, size)) return sink_.frame(frame, now_ns);
+  strobe_msgs::frame_v1_t old;  // of a log from before version 2
+  if (frame_v1_counts_plausible(data, size) && decode(old, data, size))
+    return sink_.frame(messages::frame_from_v1(old), now_ns);
+  ++undecodable_;
 }
 
 }  // namespace strobe::host

@@ -25,8 +25,8 @@ class Intake {
  public:
   Intake(std::string_view rig, MessageSink& sink);
 
-  /// Decodes and hands on a message; other channels, and types that are not this version's, are counted and
-  /// left. Exceptions of the sink end here, too: an LCM handler must not throw through C code.
+  /// Decodes and hands on a message; other channels, and types that are of no version known, are
+  /// counted and left. Exceptions of the sink end here, too: an LCM handler must not throw through C code.
   void receive(std::string_view channel, const void* data, std::size_t size, std::int64_t now_ns) noexcept;
 
   std::int64_t undecodable() const { return undecodable_; }
@@ -34,6 +34,8 @@ class Intake {
   const std::string& fault() const { return fault_; }
 
  private:
+  void take_frame(const void* data, std::size_t size, std::int64_t now_ns);
+
   MessageSink& sink_;
   std::string status_, event_, shot_, frame_;
   std::int64_t undecodable_ = 0;

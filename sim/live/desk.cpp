@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "common/messages/channels.hpp"
+#include "common/messages/lcm_conversions.hpp"
 #include "sim/live/runner.hpp"
 
 namespace strobe::sim {
@@ -19,59 +19,13 @@ constexpr std::size_t kRememberedFrames = 256;
 
 Duration from_seconds(double s) { return nanoseconds(std::llround(s * 1e9)); }
 
-double or_nan(const std::optional<double>& value) {
-  return value.value_or(std::numeric_limits<double>::quiet_NaN());
-}
-
-std::int8_t leg_code(const std::optional<reduction::Leg>& leg) {
-  using strobe_msgs::ball_image_t;
-  if (!leg) return ball_image_t::LEG_UNKNOWN;
-  switch (*leg) {
-    case reduction::Leg::incoming:
-      return ball_image_t::LEG_INCOMING;
-    case reduction::Leg::contact:
-      return ball_image_t::LEG_CONTACT;
-    case reduction::Leg::rebound:
-      return ball_image_t::LEG_REBOUND;
-  }
-  return ball_image_t::LEG_UNKNOWN;
-}
-
-strobe_msgs::ball_image_t to_message(const reduction::BallImage& image) {
-  strobe_msgs::ball_image_t m{};
-  m.leg = leg_code(image.leg);
-  m.centre_x_px = image.centre_px.x;
-  m.centre_y_px = image.centre_px.y;
-  m.diameter_px = image.diameter_px;
-  m.equator_rad = or_nan(image.equator_rad);
-  m.top_x_px = image.top_px ? image.top_px->x : or_nan(std::nullopt);
-  m.top_y_px = image.top_px ? image.top_px->y : or_nan(std::nullopt);
-  return m;
-}
-
 }  // namespace
 
 strobe_msgs::frame_t to_message(const reduction::Frame& frame, std::int64_t boot_id, int shot_id) {
-  strobe_msgs::frame_t m{};
-  m.schema_version = strobe_msgs::frame_t::SCHEMA_VERSION;
+  strobe_msgs::frame_t m = messages::frame_to_lcm(frame);
   m.boot_id = boot_id;
   m.shot_id = shot_id;
   m.source = "hand";
-  m.centre_sd_px = or_nan(frame.centre_sd_px);
-  m.diameter_sd_px = or_nan(frame.diameter_sd_px);
-  m.surface_sd_px = or_nan(frame.surface_sd_px);
-  m.equator_sd_rad = or_nan(frame.equator_sd_rad);
-  m.px_per_m = or_nan(frame.px_per_m);
-  m.px_per_m_sd = or_nan(frame.px_per_m_sd);
-  for (const reduction::PointPx& p : frame.surface_px) {
-    strobe_msgs::point_t point{};
-    point.x_px = p.x;
-    point.y_px = p.y;
-    m.surface.push_back(point);
-  }
-  m.surface_count = static_cast<std::int32_t>(m.surface.size());
-  for (const reduction::BallImage& image : frame.images) m.images.push_back(to_message(image));
-  m.image_count = static_cast<std::int32_t>(m.images.size());
   return m;
 }
 

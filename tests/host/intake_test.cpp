@@ -4,6 +4,7 @@
 
 #include <stdexcept>
 #include <string>
+#include <strobe_msgs/frame_v1_t.hpp>
 #include <utility>
 #include <vector>
 
@@ -65,6 +66,14 @@ TEST(IntakeOfMessages, EachChannelHasItsType) {
   LONGS_EQUAL(1, sink.frames);
   LONGS_EQUAL(42, sink.last_ns);
   LONGS_EQUAL(0, intake.undecodable());
+}
+
+TEST(IntakeOfMessages, AFrameOfVersionOneIsTakenIn) {
+  strobe_msgs::frame_v1_t old{};
+  old.schema_version = strobe_msgs::frame_v1_t::SCHEMA_VERSION;
+  old.images.resize(3), old.image_count = 3;
+  give("STROBE/bench/FRAME", bytes_of(old));
+  LONGS_EQUAL(1, sink.frames);
 }
 
 TEST(IntakeOfMessages, OtherRigsAndTypesAreLeft) {

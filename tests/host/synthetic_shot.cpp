@@ -107,7 +107,9 @@ ball_image_t make_image(const Scenario& sc, const Pose& pose, std::mt19937& rand
   image.centre_y_px = 300 + x * std::sin(kRoll) + y * std::cos(kRoll) + noise(random);
   image.diameter_px = kBallDiameter_m * kPxPerM + noise(random);
   image.equator_rad = std::remainder(towards * pose.angle + kRoll + turn(random), std::numbers::pi);
-  image.top_x_px = image.top_y_px = std::numeric_limits<double>::quiet_NaN();
+  image.top_x_px = image.top_y_px = image.contact_width_px = std::numeric_limits<double>::quiet_NaN();
+  image.centre_xx_px2 = image.centre_xy_px2 = image.centre_yy_px2 = std::numeric_limits<double>::quiet_NaN();
+  image.diameter_sd_px = image.equator_sd_rad = std::numeric_limits<double>::quiet_NaN();
   return image;
 }
 

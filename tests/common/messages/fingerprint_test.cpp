@@ -5,10 +5,12 @@
 #include <map>
 #include <string>
 #include <strobe_msgs/ball_image_t.hpp>
+#include <strobe_msgs/ball_image_v1_t.hpp>
 #include <strobe_msgs/command_t.hpp>
 #include <strobe_msgs/event_t.hpp>
 #include <strobe_msgs/flash_t.hpp>
 #include <strobe_msgs/frame_t.hpp>
+#include <strobe_msgs/frame_v1_t.hpp>
 #include <strobe_msgs/note_t.hpp>
 #include <strobe_msgs/plan_t.hpp>
 #include <strobe_msgs/point_t.hpp>
@@ -28,11 +30,13 @@ struct Pin {
 
 const std::map<std::string, Pin>& pins() {
   static const std::map<std::string, Pin> table{
-      {"ball_image_t", {strobe_msgs::ball_image_t::getHash(), 0x5333004e4b6fab8c}},
+      {"ball_image_t", {strobe_msgs::ball_image_t::getHash(), 0xc4e7715c496d5f93}},
+      {"ball_image_v1_t", {strobe_msgs::ball_image_v1_t::getHash(), 0x5333004e4b6fab8c}},
       {"command_t", {strobe_msgs::command_t::getHash(), 0x31793037ed436524}},
       {"event_t", {strobe_msgs::event_t::getHash(), 0x5d73a8136a3a7405}},
       {"flash_t", {strobe_msgs::flash_t::getHash(), 0x92477946a481f0e7}},
-      {"frame_t", {strobe_msgs::frame_t::getHash(), 0x96b60b74edcfe8d3}},
+      {"frame_t", {strobe_msgs::frame_t::getHash(), 0xa3be7c3c948983f8}},
+      {"frame_v1_t", {strobe_msgs::frame_v1_t::getHash(), 0x96b60b74edcfe8d3}},
       {"note_t", {strobe_msgs::note_t::getHash(), 0x2eae802baa5ddbbd}},
       {"plan_t", {strobe_msgs::plan_t::getHash(), 0x435a8a10627fd9cf}},
       {"point_t", {strobe_msgs::point_t::getHash(), 0xb9e20652cc607e78}},

@@ -11,6 +11,7 @@
 #include <limits>
 #include <string>
 #include <strobe_msgs/frame_t.hpp>
+#include <strobe_msgs/frame_v1_t.hpp>
 #include <strobe_msgs/readout_t.hpp>
 
 #include "common/messages/json_conversions.hpp"
@@ -41,6 +42,12 @@ Frame example_frame() {
   frame.images[1].leg = Leg::contact;
   frame.images[1].top_px = reduction::PointPx{4, 5};
   for (auto& image : frame.images) image.centre_px = {1, 2}, image.diameter_px = 260, image.source = "hand";
+  frame.images[2].source = "auto";
+  frame.images[2].centre_cov_px2 = {0.01, -0.002, -0.002, 0.02};
+  frame.images[2].diameter_sd_px = 0.125;
+  frame.images[2].equator_rad = 0.5;
+  frame.images[2].equator_sd_rad = 0.0625;
+  frame.images[1].contact_width_px = 88.5;
   return frame;
 }
 
@@ -77,7 +84,9 @@ TEST(FrameMessage, SurvivesTheWire) {
   CHECK_FALSE(frame->diameter_sd_px.has_value());
   CHECK_FALSE(frame->images[2].leg.has_value());
   CHECK_FALSE(frame->images[1].equator_rad.has_value());
-  STRCMP_EQUAL("hand", frame->images[2].source.c_str());
+  CHECK_FALSE(frame->images[0].centre_cov_px2.has_value());
+  STRCMP_EQUAL("hand", frame->images[1].source.c_str());
+  STRCMP_EQUAL("auto", frame->images[2].source.c_str());
 }
 
 TEST(FrameMessage, IsCheckedFieldByField) {
@@ -91,20 +100,85 @@ TEST(FrameMessage, IsCheckedFieldByField) {
   bad.images[0].leg = 9;
   STRCMP_EQUAL("images[0].leg: unknown leg 9", complaint(bad).c_str());
   bad = message;
+  bad.images[0].source = 3;
+  STRCMP_EQUAL("images[0].source: unknown source 3", complaint(bad).c_str());
+  bad = message;
+  bad.images[2].centre_xy_px2 = 0.015;
+  STRCMP_CONTAINS("images[2].centre_xx_px2, xy, yy: must be positive definite", complaint(bad).c_str());
+  bad = message;
+  bad.images[0].centre_xx_px2 = 1.0;  // alone
+  STRCMP_CONTAINS("images[0].centre_xx_px2, xy, yy", complaint(bad).c_str());
+  bad = message;
+  bad.images[2].diameter_sd_px = 0.0;
+  STRCMP_CONTAINS("images[2].diameter_sd_px: must be positive", complaint(bad).c_str());
+  bad = message;
+  bad.images[2].equator_sd_rad = INFINITY;
+  STRCMP_CONTAINS("images[2].equator_sd_rad: must be positive", complaint(bad).c_str());
+  bad = message;
+  bad.images[1].contact_width_px = -1.0;
+  STRCMP_CONTAINS("images[1].contact_width_px: must be positive", complaint(bad).c_str());
+  bad = message;
   bad.centre_sd_px = 0.0;
   STRCMP_CONTAINS("centre_sd_px: must be positive", complaint(bad).c_str());
   bad = message;
   bad.surface[1].x_px = INFINITY;
   STRCMP_EQUAL("surface[1]: must be two finite numbers", complaint(bad).c_str());
   bad = message;
-  bad.schema_version = 2;
-  STRCMP_EQUAL("schema_version: is 2, known is 1", complaint(bad).c_str());
+  bad.schema_version = 1;
+  STRCMP_EQUAL("schema_version: is 1, known is 2", complaint(bad).c_str());
   bad = message;
   bad.image_count = 1000;
   STRCMP_CONTAINS("image_count", complaint(bad).c_str());
   bad = message;
   bad.surface.resize(1), bad.surface_count = 1;
   STRCMP_CONTAINS("surface: needs at least two points", complaint(bad).c_str());
+}
+
+TEST(FrameMessage, MayHaveNoSurfaceAndAContactImageWithoutADiameter) {
+  message.surface.clear(), message.surface_count = 0;
+  message.images[1].diameter_px = kNone;
+  const auto frame = frame_from_lcm(wired(message));
+  CHECK_TRUE(frame.has_value());
+  CHECK_TRUE(frame->surface_px.empty());
+  DOUBLES_EQUAL(0.0, frame->images[1].diameter_px, 0.0);
+  CHECK_TRUE(std::isnan(frame_to_lcm(*frame).images[1].diameter_px));
+  message.images[0].diameter_px = kNone;  // in flight it must have one
+  STRCMP_EQUAL("images[0].diameter_px: must be positive", complaint(message).c_str());
+}
+
+TEST(FrameMessage, AnExactScaleSurvives) {
+  Frame frame = example_frame();
+  frame.px_per_m = 4000.0;
+  frame.px_per_m_sd = 0.0;
+  DOUBLES_EQUAL(0.0, *frame_from_lcm(wired(frame_to_lcm(frame)))->px_per_m_sd, 0.0);
+}
+
+TEST(FrameMessage, OfVersionOneIsStillRead) {
+  strobe_msgs::frame_v1_t old{};
+  old.schema_version = strobe_msgs::frame_v1_t::SCHEMA_VERSION;
+  old.boot_id = 77;
+  old.shot_id = 5;
+  old.source = "hand";
+  old.centre_sd_px = 2.0;
+  old.diameter_sd_px = old.surface_sd_px = old.equator_sd_rad = old.px_per_m = old.px_per_m_sd = kNone;
+  old.surface = message.surface, old.surface_count = 2;
+  strobe_msgs::ball_image_v1_t image{};
+  image.leg = strobe_msgs::ball_image_v1_t::LEG_CONTACT;
+  image.centre_x_px = 1, image.centre_y_px = 2, image.diameter_px = 260;
+  image.equator_rad = kNone, image.top_x_px = 4, image.top_y_px = 5;
+  old.images = {image}, old.image_count = 1;
+  const auto frame = frame_from_lcm(frame_from_v1(wired(old)));
+  CHECK_TRUE(frame.has_value());
+  Frame expected;
+  expected.shot_id = 5;
+  expected.surface_px = example_frame().surface_px;
+  expected.centre_sd_px = 2.0;
+  expected.images.resize(1);
+  expected.images[0].leg = Leg::contact;
+  expected.images[0].centre_px = {1, 2}, expected.images[0].diameter_px = 260;
+  expected.images[0].top_px = reduction::PointPx{4, 5};
+  expected.images[0].source = "hand";
+  STRCMP_EQUAL(frame_to_json(expected).c_str(), frame_to_json(*frame).c_str());
 }
 
 TEST_GROUP(ReadoutMessage) {

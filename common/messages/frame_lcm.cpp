@@ -1,0 +1,252 @@
+// Frames to and from their LCM messages.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <strobe_msgs/frame_t.hpp>
+#include <strobe_msgs/frame_v1_t.hpp>
+#include <utility>
+
+#include "common/messages/lcm_conversions.hpp"
+
+namespace strobe::messages {
+namespace {
+
+using reduction::BallImage;
+using reduction::Frame;
+using reduction::Leg;
+using reduction::PointPx;
+using strobe_msgs::ball_image_t;
+using strobe_msgs::frame_t;
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr std::int32_t kMostImages = 512;
+constexpr std::int32_t kMostSurfacePoints = 10000;
+
+bool finite(double x, double y) { return std::isfinite(x) && std::isfinite(y); }
+
+/// A number that is above 0 (or at least 0), or NaN for unknown.
+std::optional<Error> take(double value, const std::string& field, std::optional<double>& into,
+                          bool zero_too = false) {
+  if (std::isnan(value)) return std::nullopt;
+  if (!std::isfinite(value) || !(value > 0.0 || (zero_too && value == 0.0)))
+    return Error{field + ": must be positive, or NaN for unknown"};
+  into = value;
+  return std::nullopt;
+}
+
+Result<std::optional<Leg>> leg_from(std::int8_t leg, const std::string& field) {
+  if (leg == ball_image_t::LEG_UNKNOWN) return std::optional<Leg>();
+  if (leg == ball_image_t::LEG_INCOMING) return std::optional(Leg::incoming);
+  if (leg == ball_image_t::LEG_CONTACT) return std::optional(Leg::contact);
+  if (leg == ball_image_t::LEG_REBOUND) return std::optional(Leg::rebound);
+  return fail(field + ": unknown leg " + std::to_string(leg));
+}
+
+std::int8_t leg_to(std::optional<Leg> leg) {
+  if (!leg) return ball_image_t::LEG_UNKNOWN;
+  switch (*leg) {
+    case Leg::incoming:
+      return ball_image_t::LEG_INCOMING;
+    case Leg::contact:
+      return ball_image_t::LEG_CONTACT;
+    case Leg::rebound:
+      return ball_image_t::LEG_REBOUND;
+  }
+  return ball_image_t::LEG_UNKNOWN;
+}
+
+std::int8_t source_to(const std::string& source, const std::string& of_frame) {
+  if (source == of_frame) return ball_image_t::SOURCE_OF_FRAME;
+  if (source == "auto") return ball_image_t::SOURCE_AUTO;
+  if (source == "hand") return ball_image_t::SOURCE_HAND;
+  return ball_image_t::SOURCE_OF_FRAME;
+}
+
+Result<std::string> source_from(std::int8_t source, const std::string& of_frame, const std::string& field) {
+  if (source == ball_image_t::SOURCE_OF_FRAME) return of_frame;
+  if (source == ball_image_t::SOURCE_AUTO) return std::string("auto");
+  if (source == ball_image_t::SOURCE_HAND) return std::string("hand");
+  return fail(field + ": unknown source " + std::to_string(source));
+}
+
+/// The source of most images, the earlier one's of equals.
+std::string source_of(const Frame& frame) {
+  std::map<std::string, int> counts;
+  for (const BallImage& image : frame.images) ++counts[image.source];
+  std::string source;
+  int most = 0;
+  for (const BallImage& image : frame.images) {
+    if (counts[image.source] > most) most = counts[image.source], source = image.source;
+  }
+  return source;
+}
+
+/// The centre's covariance, all of it or nothing.
+std::optional<Error> covariance_from(const ball_image_t& m, const std::string& place, BallImage& image) {
+  const double xx = m.centre_xx_px2, xy = m.centre_xy_px2, yy = m.centre_yy_px2;
+  if (std::isnan(xx) && std::isnan(xy) && std::isnan(yy)) return std::nullopt;
+  const bool definite = std::isfinite(xx) && std::isfinite(xy) && std::isfinite(yy) && xx > 0.0 && yy > 0.0 &&
+                        std::abs(xy) < std::sqrt(xx) * std::sqrt(yy);
+  if (!definite) return Error{place + "centre_xx_px2, xy, yy: must be positive definite, or NaN for unknown"};
+  image.centre_cov_px2 = {xx, xy, xy, yy};
+  return std::nullopt;
+}
+
+std::optional<Error> diameter_from(const ball_image_t& m, const std::string& place, BallImage& image) {
+  const bool optional = image.leg == Leg::contact;
+  if (optional && std::isnan(m.diameter_px)) return std::nullopt;
+  if (!std::isfinite(m.diameter_px) || !(m.diameter_px > 0.0))
+    return Error{place + "diameter_px: must be positive"};
+  image.diameter_px = m.diameter_px;
+  return std::nullopt;
+}
+
+Result<BallImage> image_from(const ball_image_t& m, const std::string& place, const std::string& source) {
+  BallImage image;
+  auto leg = leg_from(m.leg, place + "leg");
+  if (!leg) return tl::unexpected(leg.error());
+  image.leg = *leg;
+  auto measured_by = source_from(m.source, source, place + "source");
+  if (!measured_by) return tl::unexpected(measured_by.error());
+  image.source = std::move(*measured_by);
+  if (!finite(m.centre_x_px, m.centre_y_px)) return fail(place + "centre_px: must be two finite numbers");
+  if (std::isinf(m.equator_rad)) return fail(place + "equator_rad: must be finite, or NaN for not seen");
+  image.centre_px = {m.centre_x_px, m.centre_y_px};
+  if (!std::isnan(m.equator_rad)) image.equator_rad = m.equator_rad;
+  if (finite(m.top_x_px, m.top_y_px)) image.top_px = PointPx{m.top_x_px, m.top_y_px};
+  std::optional<Error> error = diameter_from(m, place, image);
+  if (!error) error = covariance_from(m, place, image);
+  if (!error) error = take(m.diameter_sd_px, place + "diameter_sd_px", image.diameter_sd_px);
+  if (!error) error = take(m.equator_sd_rad, place + "equator_sd_rad", image.equator_sd_rad);
+  if (!error) error = take(m.contact_width_px, place + "contact_width_px", image.contact_width_px);
+  if (error) return tl::unexpected(*error);
+  return image;
+}
+
+std::optional<Error> noise_from(const frame_t& m, Frame& frame) {
+  std::optional<Error> error = take(m.centre_sd_px, "centre_sd_px", frame.centre_sd_px);
+  if (!error) error = take(m.diameter_sd_px, "diameter_sd_px", frame.diameter_sd_px);
+  if (!error) error = take(m.surface_sd_px, "surface_sd_px", frame.surface_sd_px);
+  if (!error) error = take(m.equator_sd_rad, "equator_sd_rad", frame.equator_sd_rad);
+  if (!error) error = take(m.px_per_m, "px_per_m", frame.px_per_m);
+  if (!error) error = take(m.px_per_m_sd, "px_per_m_sd", frame.px_per_m_sd, true);
+  return error;
+}
+
+std::optional<Error> counts_from(const frame_t& m) {
+  const bool counts_fit = m.surface.size() == static_cast<std::size_t>(std::max(m.surface_count, 0)) &&
+                          m.images.size() == static_cast<std::size_t>(std::max(m.image_count, 0));
+  if (!counts_fit) return Error{"surface_count, image_count: do not fit the arrays"};
+  if (m.surface_count == 1 || m.surface_count > kMostSurfacePoints)
+    return Error{"surface: needs at least two points, or none"};
+  if (m.image_count > kMostImages) return Error{"images: at most 512 are allowed"};
+  return std::nullopt;
+}
+
+ball_image_t image_to(const BallImage& image, const std::string& source) {
+  ball_image_t m;
+  m.leg = leg_to(image.leg);
+  m.source = source_to(image.source, source);
+  m.centre_x_px = image.centre_px.x;
+  m.centre_y_px = image.centre_px.y;
+  const auto& c = image.centre_cov_px2;
+  m.centre_xx_px2 = c ? (*c)[0] : kNone;
+  m.centre_xy_px2 = c ? 0.5 * ((*c)[1] + (*c)[2]) : kNone;
+  m.centre_yy_px2 = c ? (*c)[3] : kNone;
+  m.diameter_px = image.leg == Leg::contact && !(image.diameter_px > 0.0) ? kNone : image.diameter_px;
+  m.diameter_sd_px = image.diameter_sd_px.value_or(kNone);
+  m.equator_rad = image.equator_rad.value_or(kNone);
+  m.equator_sd_rad = image.equator_sd_rad.value_or(kNone);
+  m.top_x_px = image.top_px ? image.top_px->x : kNone;
+  m.top_y_px = image.top_px ? image.top_px->y : kNone;
+  m.contact_width_px = image.contact_width_px.value_or(kNone);
+  return m;
+}
+
+ball_image_t image_from_v1(const strobe_msgs::ball_image_v1_t& old) {
+  ball_image_t m;
+  m.leg = old.leg;
+  m.source = ball_image_t::SOURCE_OF_FRAME;
+  m.centre_x_px = old.centre_x_px;
+  m.centre_y_px = old.centre_y_px;
+  m.centre_xx_px2 = m.centre_xy_px2 = m.centre_yy_px2 = kNone;
+  m.diameter_px = old.diameter_px;
+  m.equator_rad = old.equator_rad;
+  m.diameter_sd_px = m.equator_sd_rad = m.contact_width_px = kNone;
+  m.top_x_px = old.top_x_px;
+  m.top_y_px = old.top_y_px;
+  return m;
+}
+
+}  // namespace
+
+Result<Frame> frame_from_lcm(const frame_t& m) {
+  if (m.schema_version != frame_t::SCHEMA_VERSION) {
+    return fail("schema_version: is " + std::to_string(m.schema_version) + ", known is " +
+                std::to_string(frame_t::SCHEMA_VERSION));
+  }
+  if (auto error = counts_from(m)) return tl::unexpected(*error);
+  Frame frame;
+  frame.shot_id = m.shot_id;
+  if (auto error = noise_from(m, frame)) return tl::unexpected(*error);
+  for (std::size_t i = 0; i < m.surface.size(); ++i) {
+    const auto& p = m.surface[i];
+    if (!finite(p.x_px, p.y_px))
+      return fail("surface[" + std::to_string(i) + "]: must be two finite numbers");
+    frame.surface_px.push_back({p.x_px, p.y_px});
+  }
+  for (std::size_t i = 0; i < m.images.size(); ++i) {
+    auto image = image_from(m.images[i], "images[" + std::to_string(i) + "].", m.source);
+    if (!image) return tl::unexpected(image.error());
+    frame.images.push_back(std::move(*image));
+  }
+  return frame;
+}
+
+frame_t frame_to_lcm(const Frame& frame) {
+  frame_t m;
+  m.schema_version = frame_t::SCHEMA_VERSION;
+  m.boot_id = 0;
+  m.host_id = 0;
+  m.shot_id = frame.shot_id;
+  m.source = source_of(frame);
+  m.centre_sd_px = frame.centre_sd_px.value_or(kNone);
+  m.diameter_sd_px = frame.diameter_sd_px.value_or(kNone);
+  m.surface_sd_px = frame.surface_sd_px.value_or(kNone);
+  m.equator_sd_rad = frame.equator_sd_rad.value_or(kNone);
+  m.px_per_m = frame.px_per_m.value_or(kNone);
+  m.px_per_m_sd = frame.px_per_m_sd.value_or(kNone);
+  m.surface_count = static_cast<std::int32_t>(frame.surface_px.size());
+  for (const PointPx& p : frame.surface_px) {
+    strobe_msgs::point_t point;
+    point.x_px = p.x;
+    point.y_px = p.y;
+    m.surface.push_back(point);
+  }
+  m.image_count = static_cast<std::int32_t>(frame.images.size());
+  for (const BallImage& image : frame.images) m.images.push_back(image_to(image, m.source));
+  return m;
+}
+
+frame_t frame_from_v1(const strobe_msgs::frame_v1_t& old) {
+  frame_t m;
+  m.schema_version = frame_t::SCHEMA_VERSION;
+  m.boot_id = old.boot_id;
+  m.host_id = 0;
+  m.shot_id = old.shot_id;
+  m.source = old.source;
+  m.photograph = old.photograph;
+  m.centre_sd_px = old.centre_sd_px;
+  m.diameter_sd_px = old.diameter_sd_px;
+  m.surface_sd_px = old.surface_sd_px;
+  m.equator_sd_rad = old.equator_sd_rad;
+  m.px_per_m = old.px_per_m;
+  m.px_per_m_sd = old.px_per_m_sd;
+  m.surface_count = old.surface_count;
+  m.surface = old.surface;
+  m.image_count = old.image_count;
+  for (const auto& image : old.images) m.images.push_back(image_from_v1(image));
+  return m;
+}
+
+}  // namespace strobe::messages
