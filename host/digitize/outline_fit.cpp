@@ -1,0 +1,273 @@
+#include "host/digitize/outline_fit.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace strobe::digitize {
+
+namespace {
+
+constexpr int kUnknowns = 5;
+constexpr double kTukey = 4.685;      // 95 % efficient on normal errors
+constexpr double kUsefulSd_px = 1.0;  // of a sector's offset
+constexpr double kLeastSigma_px = 0.35;
+constexpr int kFewest = 6;
+
+using Vector = cv::Vec<double, kUnknowns>;
+using Square = cv::Matx<double, kUnknowns, kUnknowns>;
+
+Vector gradient(cv::Point2d out) {
+  const double c = out.x, s = out.y;
+  return {c, s, 1.0, c * c - s * s, 2.0 * c * s};
+}
+
+struct Offsets {
+  std::vector<SectorEdge> edges;
+  std::vector<double> weight;  ///< 1/px²
+  std::vector<double> trust;   ///< Tukey's factor
+  double extra2 = 0.0;         ///< variance beyond the sectors' own
+};
+
+bool useful(const SectorEdge& edge) { return edge.usable && edge.sd_px < kUsefulSd_px; }
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// The variance to be added so that the median of residual²/variance is that of a normal's square.
+double extra_variance(const std::vector<SectorEdge>& edges, const std::vector<double>& residual) {
+  constexpr double kMedianOfSquare = 0.4549;
+  const auto middle = [&](double extra) {
+    std::vector<double> ratio;
+    for (std::size_t i = 0; i < edges.size(); ++i)
+      if (useful(edges[i]))
+        ratio.push_back(residual[i] * residual[i] / (edges[i].sd_px * edges[i].sd_px + extra));
+    return median(std::move(ratio));
+  };
+  double low = 1e-6, high = 4.0;
+  if (middle(low) <= kMedianOfSquare) return low;
+  for (int i = 0; i < 30; ++i) {
+    const double half = std::sqrt(low * high);
+    (middle(half) > kMedianOfSquare ? low : high) = half;
+  }
+  return high;
+}
+
+/// One outline's fit, step by step.
+class Fit {
+ public:
+  Fit(const SectorPixels& pixels, std::span<const OutlineShape> neighbours, const FitSettings& settings,
+      const OutlineShape& start, double sigma)
+      : pixels_(pixels),
+        neighbours_(neighbours),
+        settings_(settings),
+        start_radius_(start.radius),
+        shape_(start),
+        sigma_(sigma) {}
+
+  bool step() {
+    measure();
+    Vector change = solve();
+    if (used() < kFewest) return false;
+    const double longest = std::max({std::abs(change[0]), std::abs(change[1]), std::abs(change[2])});
+    const double most = 2.0 * std::max(sigma_, 0.7);
+    if (longest > most) change *= most / longest;
+    shape_.centre += cv::Point2d(change[0], change[1]);
+    shape_.radius += change[2];
+    shape_.oval_cos += change[3];
+    shape_.oval_sin += change[4];
+    sharpen();
+    return true;
+  }
+
+  FittedOutline result() {
+    measure();
+    (void)solve();
+    FittedOutline fitted;
+    fitted.shape = shape_;
+    fitted.sigma_px = sigma_;
+    fitted.covariance = covariance();
+    fitted.weight = offsets_.trust;
+    fitted.scatter_px = std::sqrt(offsets_.extra2);
+    summarize(fitted);
+    return fitted;
+  }
+
+ private:
+  int count() const { return pixels_.count(); }
+
+  int used() const {
+    return static_cast<int>(
+        std::count_if(offsets_.trust.begin(), offsets_.trust.end(), [](double t) { return t > 0.1; }));
+  }
+
+  void measure() {
+    offsets_.edges.resize(static_cast<std::size_t>(count()));
+    const double most = 2.0 * std::max(sigma_, 0.7);
+    for (int i = 0; i < count(); ++i) {
+      SectorEdge& edge = offsets_.edges[static_cast<std::size_t>(i)];
+      edge = fit_sector(pixels_, i, shape_, neighbours_, sigma_);
+      edge.offset_px = std::clamp(edge.offset_px, -most, most);
+    }
+  }
+
+  double residual(int i, const Vector& change) const {
+    return offsets_.edges[static_cast<std::size_t>(i)].offset_px - gradient(pixels_.direction(i)).dot(change);
+  }
+
+  /// Iteratively reweighted.
+  Vector solve() {
+    Vector change{};
+    offsets_.weight.assign(static_cast<std::size_t>(count()), 0.0);
+    offsets_.trust = offsets_.weight;
+    for (int round = 0; round < 8; ++round) {
+      reweight(change);
+      normal_ = prior();
+      Vector right = prior_pull();
+      for (int i = 0; i < count(); ++i) {
+        const double w = offsets_.weight[static_cast<std::size_t>(i)];
+        if (w == 0.0) continue;
+        const Vector g = gradient(pixels_.direction(i));
+        normal_ += w * g * g.t();
+        right += w * offsets_.edges[static_cast<std::size_t>(i)].offset_px * g;
+      }
+      change = normal_.solve(right, cv::DECOMP_CHOLESKY);
+    }
+    change_ = change;
+    return change;
+  }
+
+  void reweight(const Vector& change) {
+    std::vector<double> left(static_cast<std::size_t>(count()));
+    for (int i = 0; i < count(); ++i) left[static_cast<std::size_t>(i)] = residual(i, change);
+    offsets_.extra2 = extra_variance(offsets_.edges, left);
+    for (std::size_t i = 0; i < left.size(); ++i) {
+      const SectorEdge& edge = offsets_.edges[i];
+      offsets_.weight[i] = offsets_.trust[i] = 0.0;
+      if (!useful(edge)) continue;
+      const double variance = edge.sd_px * edge.sd_px + offsets_.extra2;
+      const double z2 = left[i] * left[i] / (variance * kTukey * kTukey);
+      if (z2 >= 1.0) continue;
+      offsets_.trust[i] = (1.0 - z2) * (1.0 - z2);
+      offsets_.weight[i] = offsets_.trust[i] / variance;
+    }
+  }
+
+  double oval_precision() const { return 1.0 / std::pow(settings_.oval_sd * start_radius_, 2); }
+  double radius_precision() const {
+    return settings_.radius_px && settings_.radius_sd_px
+               ? 1.0 / std::pow(std::max(*settings_.radius_sd_px, 1e-3), 2)
+               : 0.0;
+  }
+  Square prior() const {
+    Square p = Square::zeros();
+    p(0, 0) = p(1, 1) = 1e-6;
+    p(2, 2) = 1e-6 + radius_precision();
+    p(3, 3) = p(4, 4) = oval_precision();
+    return p;
+  }
+  Vector prior_pull() const {
+    const double known = settings_.radius_px ? *settings_.radius_px - shape_.radius : 0.0;
+    return {0.0, 0.0, radius_precision() * known, -oval_precision() * shape_.oval_cos,
+            -oval_precision() * shape_.oval_sin};
+  }
+
+  void sharpen() {
+    double change = 0.0, weight = 0.0;
+    for (int i = 0; i < count(); ++i) {
+      const SectorEdge& edge = offsets_.edges[static_cast<std::size_t>(i)];
+      const double trust = offsets_.trust[static_cast<std::size_t>(i)];
+      change += trust * edge.sigma_change;
+      weight += trust * edge.sigma_weight;
+    }
+    if (weight <= 0.0) return;
+    sigma_ = std::max(kLeastSigma_px, sigma_ + std::clamp(change / weight, -0.4 * sigma_, 0.4 * sigma_));
+  }
+
+  Square covariance() const {
+    // Sectors whose errors go together: felt and seams reach over a few.
+    constexpr int kReach = 4;
+    std::vector<Vector> score(static_cast<std::size_t>(count()));
+    for (int i = 0; i < count(); ++i)
+      score[static_cast<std::size_t>(i)] = offsets_.weight[static_cast<std::size_t>(i)] *
+                                           residual(i, change_) * gradient(pixels_.direction(i));
+    Square meat = prior();
+    for (int i = 0; i < count(); ++i) {
+      const Vector& here = score[static_cast<std::size_t>(i)];
+      meat += here * here.t();
+      for (int lag = 1; lag < kReach; ++lag) {
+        const Vector& there = score[static_cast<std::size_t>((i + lag) % count())];
+        meat += (1.0 - static_cast<double>(lag) / kReach) * (here * there.t() + there * here.t());
+      }
+    }
+    const Square inverse = normal_.inv(cv::DECOMP_CHOLESKY);
+    const double n = used();
+    return inverse * meat * inverse * (n / std::max(1.0, n - kUnknowns));
+  }
+
+  void summarize(FittedOutline& fitted) const {
+    double squares = 0.0, trusts = 0.0;
+    int seen = 0;
+    std::vector<bool> is_seen(static_cast<std::size_t>(count()));
+    for (int i = 0; i < count(); ++i) {
+      const auto at = static_cast<std::size_t>(i);
+      squares += offsets_.trust[at] * std::pow(residual(i, change_), 2);
+      trusts += offsets_.trust[at];
+      is_seen[at] = offsets_.trust[at] > 0.1;
+      seen += is_seen[at] ? 1 : 0;
+      fitted.saturated_share += (pixels_.saturated_share(i) > 0.3 ? 1.0 : 0.0) / count();
+      fitted.absent_share += (pixels_.present_share(i) < 0.5 ? 1.0 : 0.0) / count();
+    }
+    fitted.seen_share = static_cast<double>(seen) / count();
+    fitted.rms_px = trusts > 0.0 ? std::sqrt(squares / trusts) : 0.0;
+    fitted.seen = arcs(is_seen);
+  }
+
+  std::vector<Arc> arcs(const std::vector<bool>& seen) const {
+    const double turn = 2.0 * std::numbers::pi;
+    const int n = count();
+    const auto at = [&](int i) { return seen[static_cast<std::size_t>((i + n) % n)]; };
+    if (std::all_of(seen.begin(), seen.end(), [](bool s) { return s; })) return {{0.0, turn}};
+    std::vector<Arc> found;
+    for (int i = 0; i < n; ++i) {
+      if (!at(i) || at(i - 1)) continue;
+      int length = 1;
+      while (at(i + length)) ++length;
+      found.push_back({turn * i / n, turn * length / n});
+    }
+    return found;
+  }
+
+  const SectorPixels& pixels_;
+  std::span<const OutlineShape> neighbours_;
+  FitSettings settings_;
+  double start_radius_;
+  OutlineShape shape_;
+  double sigma_;
+  Offsets offsets_;
+  Square normal_ = Square::eye();
+  Vector change_{};
+};
+
+}  // namespace
+
+std::optional<FittedOutline> fit_outline(const Photograph& photograph, const LocalFrame& frame,
+                                         const OutlineShape& start, double sigma_px,
+                                         std::span<const OutlineShape> neighbours,
+                                         const FitSettings& settings) {
+  const int sectors =
+      std::clamp(static_cast<int>(2.0 * std::numbers::pi * start.radius / settings.sectors_px), 24, 160);
+  const double most = 0.3 * start.radius;
+  const SectorPixels pixels(photograph, frame, start, sectors, std::min(most, 4.0 * sigma_px + 4.0),
+                            std::min(most, 4.0 * sigma_px + 6.0));
+  Fit fit(pixels, neighbours, settings, start, sigma_px);
+  for (int step = 0; step < settings.steps; ++step)
+    if (!fit.step()) return std::nullopt;
+  return fit.result();
+}
+
+}  // namespace strobe::digitize

@@ -1,0 +1,42 @@
+// One outline fitted to its sectors (edge_sectors.hpp): robust weighted least squares for centre, radius, a
+// slight oval and the blur, and a covariance from the scatter of the sectors themselves, which are correlated
+// as felt and shading are (sandwich estimator with Bartlett's window along the outline, Newey and West 1987).
+// Deterministic; thread-safe; allocates.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "host/digitize/edge_sectors.hpp"
+#include "host/digitize/types.hpp"
+
+namespace strobe::digitize {
+
+struct FitSettings {
+  int steps = 4;
+  double sectors_px = 8.0;                        ///< length of one
+  double oval_sd = 0.005;                         ///< expected of the oval, over the radius
+  std::optional<double> radius_px, radius_sd_px;  ///< known beforehand
+};
+
+struct FittedOutline {
+  OutlineShape shape;
+  double sigma_px = 1.0;
+  cv::Matx<double, 5, 5> covariance;  ///< centre x, y, radius, oval cos, sin [local px²]
+  std::vector<double> weight;         ///< by sector: 0, not used, to 1
+  std::vector<Arc> seen;
+  double seen_share = 0.0;
+  double saturated_share = 0.0;  ///< of the outline
+  double absent_share = 0.0;     ///< of the outline, beyond the photograph's border
+  double rms_px = 0.0;
+  double scatter_px = 0.0;  ///< of the sectors beyond what their pixels' noise explains
+};
+
+/// Absent: too few sectors with an edge.
+std::optional<FittedOutline> fit_outline(const Photograph& photograph, const LocalFrame& frame,
+                                         const OutlineShape& start, double sigma_px,
+                                         std::span<const OutlineShape> neighbours,
+                                         const FitSettings& settings);
+
+}  // namespace strobe::digitize
