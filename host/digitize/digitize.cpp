@@ -1,0 +1,262 @@
+#include "host/digitize/digitize.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "host/digitize/arrange.hpp"
+#include "host/digitize/ball_size.hpp"
+#include "host/digitize/candidates.hpp"
+#include "host/digitize/contact_image.hpp"
+#include "host/digitize/equator.hpp"
+#include "host/digitize/outlines.hpp"
+#include "host/digitize/surface_frame.hpp"
+
+namespace strobe::digitize {
+namespace {
+
+using reduction::BallImage;
+using reduction::Leg;
+
+std::optional<std::string> wrong(const DigitizeSettings& s) {
+  const auto positive = [](double v) { return std::isfinite(v) && v > 0.0; };
+  if (!(s.ball_diameter_m >= 0.01 && s.ball_diameter_m <= 1.0))
+    return "ball_diameter_m: must be within 0.01 and 1";
+  if (!positive(s.px_per_m)) return "px_per_m: must be positive";
+  if (s.px_per_m_sd && !(std::isfinite(*s.px_per_m_sd) && *s.px_per_m_sd >= 0.0))
+    return "px_per_m_sd: must not be negative";
+  if (!(s.size_tolerance > 0.0 && s.size_tolerance < 0.9))
+    return "size_tolerance: must be above 0 and below 0.9";
+  if (s.surface && s.surface->points.size() < 2) return "surface: needs at least two points";
+  if (s.flash_times_s) {
+    for (std::size_t i = 0; i < s.flash_times_s->size(); ++i) {
+      if (!std::isfinite((*s.flash_times_s)[i])) return fmt::format("flash_times_s[{}]: must be finite", i);
+      if (i > 0 && !((*s.flash_times_s)[i] > (*s.flash_times_s)[i - 1]))
+        return fmt::format("flash_times_s[{}]: must be later than the one before", i);
+    }
+  }
+  return std::nullopt;
+}
+
+/// Names the time between its ends.
+class Stopwatch {
+ public:
+  explicit Stopwatch(std::vector<std::pair<std::string, double>>& laps) : laps_(laps) {}
+  void lap(const char* stage) {
+    const auto now = std::chrono::steady_clock::now();
+    laps_.emplace_back(stage, std::chrono::duration<double, std::milli>(now - start_).count());
+    start_ = now;
+  }
+
+ private:
+  std::vector<std::pair<std::string, double>>& laps_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+double sd_of_diameter(const Outline& o) { return std::sqrt(std::max(0.0, o.covariance(2, 2))); }
+
+class Run {
+ public:
+  Run(const Photograph& photograph, const DigitizeSettings& settings)
+      : photograph_(photograph),
+        settings_(settings),
+        expected_(settings.px_per_m * settings.ball_diameter_m) {
+    if (settings.map.is_plain())
+      map_ = PlaneMap::plain(photograph.height());
+    else
+      map_ = settings.map;
+  }
+
+  Digitization run() {
+    Stopwatch watch(result_.stage_ms);
+    candidates_ = find_candidates(photograph_, search_range(), settings_.effort);
+    watch.lap("candidates");
+    std::vector<Outline> outlines = keep_sizes(measure(candidates_, std::nullopt));
+    watch.lap("outlines");
+    find_surface(outlines);
+    watch.lap("surface");
+    choose(outlines);
+    watch.lap("path");
+    fill_frame();
+    arrange(result_.frame, result_.outlines, settings_, result_.remarks);
+    watch.lap("order");
+    put_contacts();
+    watch.lap("contacts");
+    put_equators();
+    watch.lap("equators");
+    return std::move(result_);
+  }
+
+ private:
+  /// On the photograph; the plane's scale may differ from place to place by the lens.
+  SearchRange search_range() const {
+    double least = 1e300, most = 0.0;
+    for (const double u : {0.0, 0.5, 1.0}) {
+      for (const double v : {0.0, 0.5, 1.0}) {
+        const cv::Matx22d d = map_.derivative({u * photograph_.width(), v * photograph_.height()});
+        const double scale = 1.0 / std::sqrt(std::abs(d(0, 0) * d(1, 1) - d(0, 1) * d(1, 0)));
+        least = std::min(least, scale);
+        most = std::max(most, scale);
+      }
+    }
+    SearchRange range;
+    range.radius_min_px = std::max(3.01, 0.5 * expected_ * (1.0 - settings_.size_tolerance) * least);
+    range.radius_max_px = std::max(3.02, 0.5 * expected_ * (1.0 + settings_.size_tolerance) * most);
+    return range;
+  }
+
+  void reject(cv::Point2d centre, double diameter, const char* what, Reason reason, std::string detail) {
+    result_.unmeasured.push_back({centre, diameter, what, {reason, std::move(detail)}});
+  }
+
+  std::vector<Outline> measure(std::span<const Candidate> candidates, const std::optional<BallSize>& size) {
+    OutlineSettings settings;
+    settings.diameter_min_px = expected_ * (1.0 - settings_.size_tolerance);
+    settings.diameter_max_px = expected_ * (1.0 + settings_.size_tolerance);
+    settings.effort = settings_.effort;
+    if (size) {
+      settings.diameter_px = size->diameter;
+      settings.diameter_sd_px = size->sd;
+    }
+    const auto measured = fit_outlines(photograph_, map_, candidates, settings);
+    std::vector<Outline> outlines;
+    for (std::size_t i = 0; i < measured.size(); ++i) {
+      if (measured[i]) {
+        outlines.push_back(*measured[i]);
+        continue;
+      }
+      const cv::Point2d centre = map_.to_plane(candidates[i].centre_image);
+      reject(centre, expected_, "image", measured[i].error().reason, measured[i].error().detail);
+    }
+    return outlines;
+  }
+
+  std::vector<Outline> keep_sizes(std::vector<Outline> outlines) {
+    if (outlines.empty()) return outlines;
+    const BallSize size = agreed_size(outlines);
+    std::vector<Outline> kept;
+    for (Outline& o : outlines) {
+      if (!wrong_size(o, size)) {
+        kept.push_back(std::move(o));
+        continue;
+      }
+      reject(
+          o.centre, o.diameter, "image", Reason::wrong_size,
+          fmt::format("{:.1f} px, where the ball's images agree on {:.1f}", o.diameter, size.at(o.centre.x)));
+    }
+    return kept;
+  }
+
+  void find_surface(std::span<const Outline> outlines) {
+    if (settings_.surface) {
+      surface_ = settings_.surface;
+      return;
+    }
+    const auto found = find_surface_line(photograph_, map_, outlines, settings_.effort);
+    if (found) {
+      surface_ = *found;
+    } else {
+      result_.no_surface = found.error();
+    }
+  }
+
+  void choose(const std::vector<Outline>& outlines) {
+    if (outlines.empty()) return;
+    PathScene scene{median_diameter(outlines), surface_.has_value(),
+                    surface_ ? surface_frame(*surface_).sd_px : 0.0};
+    const auto points = path_points(outlines, surface_);
+    const Path path = find_path(points, scene);
+    std::vector<char> left(outlines.size(), 0);
+    for (const Path::Left& l : path.left) {
+      const Outline& o = outlines[static_cast<std::size_t>(l.index)];
+      left[static_cast<std::size_t>(l.index)] = 1;
+      if (l.below) {
+        reject(o.centre, o.diameter, "image", Reason::below_surface, "it lies below the surface");
+      } else {
+        reject(o.centre, o.diameter, "image", Reason::off_path,
+               std::isfinite(l.off_px) ? fmt::format("{:.1f} px off the ball's path", l.off_px)
+                                       : std::string("no path leads to it"));
+      }
+    }
+    for (std::size_t i = 0; i < outlines.size(); ++i) {
+      if (!left[i]) result_.outlines.push_back(outlines[i]);
+    }
+  }
+
+  void fill_frame() {
+    reduction::Frame& frame = result_.frame;
+    frame.ball_diameter_m = settings_.ball_diameter_m;
+    frame.ball_diameter_sd_m = settings_.ball_diameter_sd_m;
+    if (settings_.px_per_m_sd) {
+      frame.px_per_m = settings_.px_per_m;
+      frame.px_per_m_sd = settings_.px_per_m_sd;
+    }
+    if (surface_) {
+      for (const cv::Point2d& p : surface_->points) frame.surface_px.push_back({p.x, p.y});
+      if (surface_->sd_px > 0.0) frame.surface_sd_px = surface_->sd_px;
+    }
+    for (const Outline& o : result_.outlines) {
+      BallImage image;
+      image.centre_px = {o.centre.x, o.centre.y};
+      image.diameter_px = o.diameter;
+      const double xy = 0.5 * (o.covariance(0, 1) + o.covariance(1, 0));
+      image.centre_cov_px2 = std::array<double, 4>{o.covariance(0, 0), xy, xy, o.covariance(1, 1)};
+      image.diameter_sd_px = sd_of_diameter(o);
+      image.source = "auto";
+      frame.images.push_back(std::move(image));
+    }
+  }
+
+  void put_contacts() {
+    if (!surface_) return;
+    for (std::size_t i = 0; i < result_.outlines.size(); ++i) {
+      BallImage& image = result_.frame.images[i];
+      if (image.leg != Leg::contact) continue;
+      const Outline& o = result_.outlines[i];
+      const auto contact = measure_contact(photograph_, map_, o, *surface_, settings_.effort);
+      if (!contact) {
+        reject(o.centre, o.diameter, "top", contact.error().reason, contact.error().detail);
+        continue;
+      }
+      image.top_px = reduction::PointPx{contact->top.x, contact->top.y};
+      if (contact->width_px) image.contact_width_px = *contact->width_px;
+    }
+  }
+
+  void put_equators() {
+    const auto equators = measure_equators(photograph_, map_, result_.outlines, settings_.effort);
+    for (std::size_t i = 0; i < equators.size(); ++i) {
+      if (!equators[i]) {
+        const Outline& o = result_.outlines[i];
+        reject(o.centre, o.diameter, "equator", equators[i].error().reason, equators[i].error().detail);
+        continue;
+      }
+      result_.frame.images[i].equator_rad = equators[i]->angle_rad;
+      result_.frame.images[i].equator_sd_rad = equators[i]->sd_rad;
+    }
+  }
+
+  const Photograph& photograph_;
+  const DigitizeSettings& settings_;
+  PlaneMap map_ = PlaneMap::plain(0);
+  double expected_;
+  std::vector<Candidate> candidates_;
+  std::optional<SurfaceLine> surface_;
+  Digitization result_;
+};
+
+}  // namespace
+
+Result<Digitization> digitize(const Photograph& photograph, const DigitizeSettings& settings) {
+  if (const auto problem = wrong(settings)) return fail(*problem);
+  if (photograph.light.empty()) return fail(photograph.name + ": no picture");
+  try {
+    return Run(photograph, settings).run();
+  } catch (const cv::Exception& e) {
+    return fail(photograph.name + ": " + e.err);
+  }
+}
+
+}  // namespace strobe::digitize

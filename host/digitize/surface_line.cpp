@@ -1,0 +1,102 @@
+#include "host/digitize/surface_line.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "host/digitize/surface_edge.hpp"
+#include "host/digitize/surface_search.hpp"
+
+namespace strobe::digitize {
+namespace {
+
+constexpr std::size_t kMostLines = 12;
+constexpr double kLeastShare = 0.35;  // of what is not hidden
+constexpr double kMostRms_px = 0.8;
+constexpr double kMostSd_px = 3.0;
+constexpr double kCoveredRadii = 1.08;
+
+/// Where balls cover the edge.
+cv::Mat covered(const Photograph& photograph, const PlaneMap& map, std::span<const Outline> outlines) {
+  cv::Mat mask = cv::Mat::zeros(photograph.light.size(), CV_8UC1);
+  for (const Outline& o : outlines) {
+    const cv::Point2d centre = map.to_image(o.centre);
+    const cv::Point2d side = map.to_image(o.centre + cv::Point2d(0.5 * o.diameter, 0.0));
+    const double radius = kCoveredRadii * cv::norm(side - centre);
+    if (!(std::abs(centre.x) < 1e6 && std::abs(centre.y) < 1e6 && radius < 1e5)) continue;
+    cv::circle(mask, cv::Point(cvRound(centre.x), cvRound(centre.y)), cvRound(radius), cv::Scalar(255), -1);
+  }
+  return mask;
+}
+
+/// No ball's centre lies lower than a third of a radius above the line.
+bool below_balls(const EdgeLine& edge, std::span<const Outline> outlines) {
+  return std::all_of(outlines.begin(), outlines.end(), [&](const Outline& o) {
+    return o.centre.y - edge.at(o.centre.x) > 0.3 * 0.5 * o.diameter;
+  });
+}
+
+/// Height of the lowest centre over the line, in radii.
+double lowest(const EdgeLine& edge, std::span<const Outline> outlines) {
+  double least = 1e300;
+  for (const Outline& o : outlines)
+    least = std::min(least, (o.centre.y - edge.at(o.centre.x)) / (0.5 * o.diameter));
+  return least;
+}
+
+/// Long, clear and just below the lowest ball.
+double merit(const EdgeLine& edge, std::span<const Outline> outlines) {
+  double value = edge.seen_share * std::min(1.0, edge.contrast / 0.05);
+  if (!outlines.empty()) value /= 1.0 + 0.1 * std::max(0.0, lowest(edge, outlines) - 1.0);
+  return value;
+}
+
+/// Four points with the line's own height and slope as their mean and trend: with an independent error of
+/// sd_px each they are as uncertain as the line.
+SurfaceLine four_points(const EdgeLine& edge) {
+  SurfaceLine line;
+  const double reach = edge.sd_px / std::max(edge.slope_sd, 1e-12) * std::sqrt(1.8);
+  const double a = std::min(std::max(reach, 1.0), 1e5);
+  for (const double share : {-1.0, -1.0 / 3.0, 1.0 / 3.0, 1.0}) {
+    const double x = edge.middle.x + share * a;
+    line.points.emplace_back(x, edge.at(x));
+  }
+  line.sd_px = 2.0 * edge.sd_px;
+  return line;
+}
+
+}  // namespace
+
+Measured<SurfaceLine> find_surface_line(const Photograph& photograph, const PlaneMap& map,
+                                        std::span<const Outline> outlines, Effort /*effort*/) {
+  const cv::Mat mask = covered(photograph, map, outlines);
+  const EdgeLine* none = nullptr;
+  std::vector<EdgeLine> edges;
+  double longest = 0.0;
+  for (const RoughLine& rough : rough_lines(photograph, mask, kMostLines)) {
+    const auto edge = measure_edge(photograph, map, mask, rough);
+    if (!edge || !below_balls(*edge, outlines)) continue;
+    longest = std::max(longest, edge->seen_share);
+    if (edge->seen_share < kLeastShare || edge->rms_px > kMostRms_px) continue;
+    edges.push_back(*edge);
+  }
+  const EdgeLine* best = none;
+  for (const EdgeLine& edge : edges) {
+    if (best == nullptr || merit(edge, outlines) > merit(*best, outlines)) best = &edge;
+  }
+  if (best == nullptr) {
+    return tl::unexpected(Rejection{
+        Reason::no_plate,
+        fmt::format("no straight edge with light below it: the best is seen over {:.0f} % of the width",
+                    100.0 * longest)});
+  }
+  if (best->sd_px > kMostSd_px) {
+    return tl::unexpected(Rejection{Reason::imprecise,
+                                    fmt::format("the surface line is known to {:.1f} px only", best->sd_px)});
+  }
+  return four_points(*best);
+}
+
+}  // namespace strobe::digitize
