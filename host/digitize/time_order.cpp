@@ -17,6 +17,8 @@ using reduction::Leg;
 constexpr double kClearlyWorse = 12.0;
 // Legs whose speeds along the normal differ by less than this share do not tell the direction.
 constexpr double kSameSpeed = 0.04;
+// FlashMatch::doubt of an assignment that nothing supports.
+constexpr double kNoSupport = 9.0;
 constexpr double kLeastNoise_px = 0.1;
 
 const PathPoint& at(std::span<const PathPoint> points, int i) { return points[static_cast<std::size_t>(i)]; }
@@ -68,6 +70,7 @@ struct Timed {
   double doubt = 0.0;
   double speed_in = 0.0;  ///< along the normal, px/s, > 0; 0: not known
   double speed_out = 0.0;
+  bool supported = true;  ///< some steady speed fits
 };
 
 class Orderer {
@@ -106,7 +109,8 @@ class Orderer {
     const host::Track path = track(order);
     const auto match = host::match_flashes(scene_.flash_times_s, path, std::nullopt);
     if (!match) return std::nullopt;
-    Timed timed{match->flash, match->chi_squared, match->doubt, 0.0, 0.0};
+    Timed timed{match->flash, match->chi_squared, match->doubt, 0.0, 0.0, true};
+    timed.supported = match->chi_squared > 0.0 || match->doubt < kNoSupport;
     timed.speed_in = speed(path, match->flash, Leg::incoming);
     timed.speed_out = speed(path, match->flash, Leg::rebound);
     return timed;
@@ -134,6 +138,7 @@ class Orderer {
 
   /// +1 where a is more likely than b, -1 the other way round, 0 where the flashes do not tell.
   int likelier(const Timed& a, const Timed& b) const {
+    if (a.supported != b.supported) return a.supported ? 1 : -1;
     const double scale = std::max(1.0, std::min(a.chi_squared, b.chi_squared) / freedom());
     const double difference = (a.chi_squared - b.chi_squared) / scale;
     if (std::abs(difference) > kClearlyWorse) return difference < 0.0 ? 1 : -1;

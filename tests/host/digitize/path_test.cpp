@@ -1,0 +1,191 @@
+// Which round things are one ball's, in what order and when, from places alone.
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include "host/digitize/arrange.hpp"
+#include "host/digitize/path.hpp"
+#include "host/digitize/time_order.hpp"
+// CppUTest redefines new; its headers come last.
+#include <CppUTest/TestHarness.h>
+
+namespace {
+
+using namespace strobe::digitize;
+using strobe::reduction::Leg;
+
+constexpr double kDiameter_px = 260.0;
+constexpr double kPeriod_s = 3e-3;
+constexpr double kScale_px = 4000.0;
+
+/// A ball that bounces at x = 0 above a level surface at y = 0, as every flash sees it.
+struct Shot {
+  double angle_deg = -23.0;
+  double speed_mps = 17.0;
+  double restitution = 0.75;
+  double friction = 0.2;
+  double first_flash_s = 0.0007;  ///< after the ball is in view
+  double reach_px = 1200.0;
+  double dwell_s = 4.5e-3;
+  bool leftwards = false;
+
+  struct Image {
+    PathPoint point;
+    Leg leg;
+    double time_s;
+  };
+
+  std::vector<Image> images(double missing_time_s = -1.0) const {
+    const double vx = speed_mps * std::cos(angle_deg * CV_PI / 180.0) * kScale_px;
+    const double vy = speed_mps * std::sin(angle_deg * CV_PI / 180.0) * kScale_px;
+    const double out_y = -restitution * vy, out_x = vx - friction * (out_y - vy);
+    const double radius = 0.5 * kDiameter_px;
+    const double contact_x = 0.5 * (vx + out_x) * dwell_s;
+    std::vector<Image> all;
+    for (int k = -20; k < 20; ++k) {
+      const double t = k * kPeriod_s + first_flash_s;
+      if (std::abs(t - missing_time_s) < 1e-9) continue;
+      Image image{};
+      image.time_s = t;
+      cv::Point2d at;
+      if (t < 0.0) {
+        image.leg = Leg::incoming;
+        at = {vx * t, radius + vy * t};
+      } else if (t > dwell_s) {
+        image.leg = Leg::rebound;
+        at = {contact_x + out_x * (t - dwell_s), radius + out_y * (t - dwell_s)};
+      } else {
+        image.leg = Leg::contact;
+        const double s = t / dwell_s;
+        at = {contact_x * s, radius - 0.4 * radius * std::sin(CV_PI * s)};
+      }
+      if (std::abs(at.x) > reach_px || at.y > 0.9 * reach_px) continue;
+      if (leftwards) at.x = -at.x;
+      image.point = {at, 0.1, 0.95};
+      all.push_back(image);
+    }
+    return all;
+  }
+};
+
+std::vector<PathPoint> shuffled(const std::vector<Shot::Image>& images, std::vector<int>& order,
+                                std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  order.resize(images.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<int>(i);
+  std::shuffle(order.begin(), order.end(), random);
+  std::vector<PathPoint> points;
+  for (const int i : order) points.push_back(images[static_cast<std::size_t>(i)].point);
+  return points;
+}
+
+std::vector<double> flashes() {
+  std::vector<double> times;
+  for (int k = -20; k < 20; ++k) times.push_back(k * kPeriod_s);
+  return times;
+}
+
+TimeScene scene(bool surface, std::span<const double> times = {}) {
+  TimeScene s;
+  s.path = {kDiameter_px, surface, 0.1};
+  s.px_per_m = kScale_px;
+  s.flash_times_s = times;
+  return s;
+}
+
+/// Legs and order are the shot's own.
+void check_order(const Shot& shot, const TimeScene& s, bool contacts = true) {
+  std::vector<Shot::Image> images = shot.images();
+  if (!contacts) std::erase_if(images, [](const Shot::Image& i) { return i.leg == Leg::contact; });
+  std::vector<int> order;
+  const auto points = shuffled(images, order, 7);
+  const Path path = find_path(points, s.path);
+  LONGS_EQUAL(0, path.left.size());
+  const TimeOrder result = order_in_time(points, path, s);
+  LONGS_EQUAL(images.size(), result.sequence.size());
+  for (std::size_t k = 0; k < images.size(); ++k) {
+    LONGS_EQUAL(k, order[static_cast<std::size_t>(result.sequence[k])]);
+    CHECK_TRUE(result.leg[k] == images[k].leg);
+  }
+}
+
+}  // namespace
+
+TEST_GROUP(BallPath){};
+
+TEST(BallPath, IsOrderedAtEveryAngleInBothDirections) {
+  for (const double angle : {-17.0, -23.0, -35.0, -48.0, -60.0, -71.0}) {
+    for (const double first : {0.0003, 0.0012, 0.0021, 0.0027}) {
+      for (const bool leftwards : {false, true}) {
+        Shot shot;
+        shot.angle_deg = angle;
+        shot.first_flash_s = first;
+        shot.leftwards = leftwards;
+        check_order(shot, scene(true));
+      }
+    }
+  }
+}
+
+TEST(BallPath, IsFoundWithoutASurface) {
+  for (const double angle : {-20.0, -40.0, -60.0}) {
+    Shot shot;
+    shot.angle_deg = angle;
+    check_order(shot, scene(false), false);
+  }
+}
+
+TEST(BallPath, LeavesOutWhatIsNotOnIt) {
+  const Shot shot;
+  auto images = shot.images();
+  const std::size_t own = images.size();
+  for (const cv::Point2d at : {cv::Point2d(-200, 700), cv::Point2d(900, 150), cv::Point2d(100, -300)})
+    images.push_back({{at, 0.1, 0.9}, Leg::incoming, 0.0});
+  std::vector<int> order;
+  const auto points = shuffled(images, order, 3);
+  const Path path = find_path(points, scene(true).path);
+  LONGS_EQUAL(3, path.left.size());
+  for (const auto& left : path.left)
+    CHECK_TRUE(order[static_cast<std::size_t>(left.index)] >= static_cast<int>(own));
+}
+
+TEST(BallPath, TakesTheTimesOfItsFlashesWithOneMissing) {
+  const auto times = flashes();
+  Shot shot;
+  const double gone = -3.0 * kPeriod_s + shot.first_flash_s;
+  auto images = shot.images(gone);
+  std::vector<double> moved = times;
+  for (double& t : moved) t += shot.first_flash_s;
+  std::erase_if(moved, [gone](double t) { return std::abs(t - gone) < 1e-9; });
+  std::vector<int> order;
+  const auto points = shuffled(images, order, 5);
+  const TimeScene s = scene(true, moved);
+  const TimeOrder result = order_in_time(points, find_path(points, s.path), s);
+  LONGS_EQUAL(images.size(), result.flash.size());
+  for (std::size_t k = 0; k < images.size(); ++k) {
+    // The place of the gap fixes which flash made which image.
+    DOUBLES_EQUAL(images[k].time_s, moved[static_cast<std::size_t>(result.flash[k])], 1e-9);
+  }
+}
+
+TEST(BallPath, OfOneLegGoesTheWayTheFlashesSay) {
+  // Unequal intervals: only one direction gives a steady speed.
+  const std::vector<double> times{0.0, 0.004, 0.006, 0.011, 0.012, 0.02};
+  for (const bool leftwards : {false, true}) {
+    std::vector<PathPoint> points;
+    for (const double t : times) {
+      const double x = 60000.0 * t * (leftwards ? -1.0 : 1.0);
+      points.push_back({{x, 300.0 - 10000.0 * t}, 0.1, 1.0});
+    }
+    const TimeScene s = scene(false, times);
+    const TimeOrder result = order_in_time(points, find_path(points, s.path), s);
+    CHECK_TRUE(result.leftwards == leftwards);
+    for (std::size_t k = 0; k < times.size(); ++k) LONGS_EQUAL(k, result.sequence[k]);
+  }
+}
+
+TEST(BallPath, OfNothingIsEmpty) {
+  const Path path = find_path({}, scene(true).path);
+  CHECK_TRUE(path.legs[0].empty() && path.contact.empty() && path.left.empty());
+}
