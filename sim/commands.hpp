@@ -53,6 +53,18 @@ struct PlanOptions {
 /// Prints which effects a scene requires at a tolerance, and what they cost.
 int plan_command(const PlanOptions& options);
 
+struct PhotographOptions {
+  std::string scene;
+  int shots = 1;
+  std::uint64_t seed = 1;
+  std::string folder;
+  double period_ms = 3.0;
+  double exposure_ms = 0.0;  ///< 0: as long as the balls take to cross the view
+  bool json = false;
+};
+/// Writes photographs of simulated shots, and the truth about them.
+int photograph_command(const PhotographOptions& options);
+
 /// A tolerance as typed (empty: the scene's own, if it has one) and a deadline. The error names the option.
 Result<Demand> demand_of(const std::string& tolerance, const std::optional<double>& deadline_us,
                          const Scene& scene);

@@ -9,6 +9,7 @@
 
 namespace {
 
+using strobe::sim::PhotographOptions;
 using strobe::sim::PlanOptions;
 using strobe::sim::RunOptions;
 using strobe::sim::ShootOptions;
@@ -66,6 +67,25 @@ void add_shoot(CLI::App& app, ShootOptions& options, bool& json) {
   shoot->add_flag("--json", json, "As for other commands; frames are JSON anyway");
 }
 
+void add_photograph(CLI::App& app, PhotographOptions& options) {
+  CLI::App* photograph = app.add_subcommand("photograph", "Render photographs of simulated shots");
+  photograph->footer(
+      "Writes shot_0001.tif ... into the folder, as the scene's [photograph], [ball_look] and [background] "
+      "say,\n"
+      "and truth.jsonl: one JSON object per photograph with what a perfect measurement would read. The same\n"
+      "scene, seed and settings write the same photographs.\n\n"
+      "Example: strobe-sim photograph --scene zero_23 --shots 3 --seed 42 --out photographs");
+  photograph->add_option("--scene", options.scene, "Scene's name (see `strobe-sim scenes`) or a scene file")
+      ->required();
+  photograph->add_option("--shots", options.shots, "How many")->capture_default_str();
+  photograph->add_option("--seed", options.seed, "Seed of every random draw")->capture_default_str();
+  photograph->add_option("--out", options.folder, "Folder for the photographs, made if missing")->required();
+  photograph->add_option("--period-ms", options.period_ms, "Between flashes")->capture_default_str();
+  photograph->add_option("--exposure-ms", options.exposure_ms,
+                         "Length of the train of flashes (0: while balls cross the view)");
+  photograph->add_flag("--json", options.json, "Print the lines of truth instead of the files' names");
+}
+
 void add_plan(CLI::App& app, PlanOptions& options) {
   CLI::App* plan = app.add_subcommand("plan", "Show which effects a scene requires at a tolerance");
   plan->footer(
@@ -110,6 +130,9 @@ int main(int argc, char** argv) {
   PlanOptions plan;
   add_plan(app, plan);
 
+  PhotographOptions photographs;
+  add_photograph(app, photographs);
+
   std::string chip_dir;
   CLI::App* lines = app.add_subcommand("lines", "Show each line of a running rig's chip");
   lines->footer(
@@ -149,6 +172,7 @@ int main(int argc, char** argv) {
   if (scenes->parsed()) return sim::scenes_command(json);
   if (app.got_subcommand("shoot")) return sim::shoot_command(shots);
   if (app.got_subcommand("plan")) return sim::plan_command(plan);
+  if (app.got_subcommand("photograph")) return sim::photograph_command(photographs);
   if (lines->parsed()) return sim::lines_command(chip_dir, json);
   if (drive->parsed()) return sim::drive_command(chip_dir, drives);
   if (fit->parsed()) return sim::fit_command(tables, folder, json);

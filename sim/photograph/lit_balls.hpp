@@ -1,0 +1,38 @@
+// The balls that an exposure's flashes lit, as far as any part of them is on the sensor: what is rendered and
+// what the truth is told of. Thread-safe; allocates.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "sim/photograph/look.hpp"
+#include "sim/photograph/optics.hpp"
+#include "sim/rig/exposure.hpp"
+
+namespace strobe::sim {
+
+/// One ball at one instant. A ball in contact is a sphere whose top has come down by top_drop_m, cut off by
+/// the surface.
+struct LitBall {
+  Vec3 centre;             ///< of the sphere, axis coordinates
+  double angle_rad = 0.0;  ///< of its line, counter-clockwise in axis coordinates, at the middle of the view
+  std::array<double, 2> light{};  ///< of each lamp, over that of a usual flash
+};
+
+struct BallImageOnSensor {
+  FilmImage film;
+  LitBall middle;              ///< in the middle of the flash
+  std::vector<LitBall> balls;  ///< spread over the flash where the ball moves visibly; at least one
+};
+
+/// In order of time.
+std::vector<BallImageOnSensor> lit_balls(const Scene& scene, const Exposure& exposure, const Look& look);
+
+/// Light of each lamp in all flashes of the exposure while the shutter was open.
+std::array<double, 2> light_of_all(const Exposure& exposure, const Look& look, double power_sd);
+
+/// The outline of a ball as seen on the photograph, lens included: points around it, counter-clockwise. Not
+/// cut off by the surface.
+std::vector<Vec2> outline_on_sensor(const Optics& optics, const Vec3& centre, double radius_m, int points);
+
+}  // namespace strobe::sim

@@ -1,0 +1,22 @@
+// Photographs as files, written as a tethered camera does: under a temporary name that no one takes for a
+// photograph, then renamed. Thread-safe for different files; writes files.
+#pragma once
+
+#include <filesystem>
+#include <opencv2/core.hpp>
+#include <string>
+
+#include "common/result.hpp"
+#include "sim/rig/photograph_settings.hpp"
+
+namespace strobe::sim {
+
+/// ".tif" or ".png"
+std::string extension(PhotographFormat format);
+
+/// Uncompressed TIFF, or PNG. The file appears complete under its name, over an older one. The error names
+/// the file.
+Result<void> write_photograph(const std::filesystem::path& path, const cv::Mat& pixels,
+                              PhotographFormat format);
+
+}  // namespace strobe::sim

@@ -1,0 +1,210 @@
+#include "sim/photograph/photograph_truth.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "sim/rig/camera.hpp"
+#include "sim/rig/truth.hpp"
+
+namespace strobe::sim {
+
+namespace {
+
+using nlohmann::json;
+using reduction::PointPx;
+
+constexpr int kOutlinePoints = 256;
+
+/// The scene's camera with a perfect lens.
+Scene without_distortion(Scene scene) {
+  scene.camera.distortion = 0.0;
+  return scene;
+}
+
+double modulo_pi(double angle_rad) {
+  return angle_rad - std::numbers::pi * std::floor(angle_rad / std::numbers::pi);
+}
+
+class Truth {
+ public:
+  Truth(const Scene& scene, const Look& look)
+      : scene_(without_distortion(scene)), look_(look), camera_(scene_), straight_(scene_), optics_(scene) {}
+
+  ImageTruth image(const BallImageOnSensor& on_sensor, const Exposure& exposure) const {
+    const FilmImage& film = on_sensor.film;
+    const BallState& s = film.state;
+    const BallPath& path = exposure.ball->path;
+    const double radius_m = scene_.ball.radius_m();
+    const bool contact = s.top_drop_m > 0.0;
+    const double x_m = s.x_m + path.spot_m();
+    const double y_m = contact ? radius_m - s.top_drop_m : s.y_m;
+    const BallView view = camera_.view(x_m, y_m, path.off_plane_m(), s.equator_rad);
+    ImageTruth image;
+    image.flash_index = film.pulse;
+    image.time_s = (film.time - exposure.pulses.front().edge).seconds() + 0.5 * scene_.lamps.flash_s;
+    const bool after = (film.time - exposure.ball->touchdown).seconds() > 0.5 * path.dwell_s();
+    image.leg = contact ? reduction::Leg::contact
+                : after ? reduction::Leg::rebound
+                        : reduction::Leg::incoming;
+    image.centre_px = view.centre_px;
+    image.diameter_px = view.diameter_px();
+    image.equator_rad = modulo_pi(line_seen(on_sensor.middle));
+    image.top_px = top_of(view);
+    image.top_drop_px = s.top_drop_m * scale_at(path.off_plane_m());
+    if (contact) {
+      const double half_m = std::sqrt(std::max(0.0, radius_m * radius_m - y_m * y_m));
+      image.contact_width_px = 2.0 * half_m * scale_at(path.off_plane_m());
+    }
+    tell_share(on_sensor.middle.centre, image);
+    return image;
+  }
+
+  double scale_at(double off_plane_m) const {
+    const double distance_m = scene_.camera.distance_m;
+    return scene_.camera.px_per_m * (distance_m > 0.0 ? distance_m / (distance_m - off_plane_m) : 1.0);
+  }
+  PointPx surface(double share) const { return camera_.project(share * camera_.half_width_m(), 0.0); }
+  const SensorSize& sensor() const { return optics_.sensor(); }
+
+ private:
+  PointPx plane_px(const Vec2& image) const { return {image.x, optics_.sensor().height - 1.0 - image.y}; }
+
+  /// Through the images of the two points where the line, a great circle that may be tilted against the line
+  /// of sight, leaves the outline: n = cos(psi)·e + sin(psi)·f with (C - lens)·n = -R.
+  double line_seen(const LitBall& ball) const {
+    const double tilt = look_.ball.line_tilt_rad;
+    const double c = std::cos(ball.angle_rad), s = std::sin(ball.angle_rad);
+    const Vec3 e{c, s, 0.0};
+    const Vec3 f{std::sin(tilt) * s, -std::sin(tilt) * c, std::cos(tilt)};
+    const double radius_m = scene_.ball.radius_m();
+    double first = 0.0, second = std::numbers::pi;
+    if (optics_.perspective()) {
+      const Vec3 from_lens = ball.centre - Vec3{0.0, 0.0, optics_.distance_m()};
+      const double a = dot(from_lens, e), b = dot(from_lens, f);
+      const double middle = std::atan2(b, a);
+      const double half = std::acos(std::clamp(-radius_m / std::hypot(a, b), -1.0, 1.0));
+      first = middle + half;
+      second = middle - half;
+    }
+    const auto seen = [&](double psi) {
+      return plane_px(straight_.image_of(ball.centre + radius_m * (std::cos(psi) * e + std::sin(psi) * f)));
+    };
+    const PointPx p = seen(first), q = seen(second);
+    return std::atan2(p.y - q.y, p.x - q.x);
+  }
+
+  PointPx top_of(const BallView& view) const {
+    const PointPx a = camera_.project(0.0, 0.0), b = camera_.project(0.0, scene_.camera.height_m);
+    const double length = std::hypot(b.x - a.x, b.y - a.y);
+    const double ux = (b.x - a.x) / length, uy = (b.y - a.y) / length;
+    const double c = std::cos(view.axis_rad), s = std::sin(view.axis_rad);
+    const double along = c * ux + s * uy, across = c * uy - s * ux;
+    const double aa = view.along_px * view.along_px, bb = view.across_px * view.across_px;
+    const double reach = std::sqrt(aa * along * along + bb * across * across);
+    return {view.centre_px.x + (c * aa * along - s * bb * across) / reach,
+            view.centre_px.y + (s * aa * along + c * bb * across) / reach};
+  }
+
+  void tell_share(const Vec3& centre, ImageTruth& image) const {
+    const std::vector<Vec2> outline =
+        outline_on_sensor(optics_, centre, scene_.ball.radius_m(), kOutlinePoints);
+    const auto inside = std::ranges::count_if(outline, [&](const Vec2& p) {
+      return p.x >= -0.5 && p.y >= -0.5 && p.x <= sensor().width - 0.5 && p.y <= sensor().height - 0.5;
+    });
+    image.whole = inside == kOutlinePoints;
+    image.share_on_sensor = static_cast<double>(inside) / kOutlinePoints;
+  }
+
+  Scene scene_;
+  const Look& look_;
+  Camera camera_;
+  Optics straight_;
+  Optics optics_;
+};
+
+std::optional<double> stamp_s(const Pulse& pulse, MonoTime origin) {
+  double sum = 0.0;
+  int stamped = 0;
+  for (const MonoTime stamp : pulse.stamps) {
+    if (!stamp.known()) continue;
+    sum += (stamp - origin).seconds();
+    ++stamped;
+  }
+  return stamped > 0 ? std::optional(sum / stamped) : std::nullopt;
+}
+
+json point(const PointPx& p) { return json::array({p.x, p.y}); }
+
+json image_json(const ImageTruth& i) {
+  static constexpr std::array kLegs{"incoming", "contact", "rebound"};
+  json object = {{"flash_index", i.flash_index},
+                 {"time_s", i.time_s},
+                 {"leg", kLegs[static_cast<std::size_t>(i.leg)]},
+                 {"centre_px", point(i.centre_px)},
+                 {"diameter_px", i.diameter_px},
+                 {"equator_rad", i.equator_rad},
+                 {"top_px", point(i.top_px)},
+                 {"top_drop_px", i.top_drop_px},
+                 {"whole", i.whole},
+                 {"share_on_sensor", i.share_on_sensor}};
+  object["contact_width_px"] = i.contact_width_px ? json(*i.contact_width_px) : json(nullptr);
+  return object;
+}
+
+json look_json(const Scene& scene, const Look& look) {
+  return {{"blur_px", look.blur_px},
+          {"defocus_px", scene.photograph.defocus_px},
+          {"exposure", scene.photograph.exposure},
+          {"bits", scene.photograph.bits},
+          {"line", look.ball.line},
+          {"line_width_m", look.ball.line_width_m},
+          {"line_contrast", look.ball.line_contrast},
+          {"line_tilt_rad", look.ball.line_tilt_rad},
+          {"grain", look.ball.grain},
+          {"fuzz_px", look.ball.fuzz_px},
+          {"lamp_powers", {look.lamps[0].power, look.lamps[1].power}},
+          {"wall", look.background.wall},
+          {"plate_brightness", look.background.plate_brightness}};
+}
+
+}  // namespace
+
+PhotographTruth photograph_truth(const Scene& scene, const Exposure& exposure, const Look& look,
+                                 const std::vector<BallImageOnSensor>& images) {
+  const Truth truth(scene, look);
+  PhotographTruth result;
+  result.width_px = truth.sensor().width;
+  result.height_px = truth.sensor().height;
+  result.px_per_m = scene.camera.px_per_m;
+  result.px_per_m_of_ball = truth.scale_at(exposure.ball ? exposure.ball->path.off_plane_m() : 0.0);
+  result.surface_px = {truth.surface(-1.0), truth.surface(1.0)};
+  std::ranges::sort(result.surface_px, {}, &PointPx::x);
+  for (const Pulse& pulse : exposure.pulses)
+    result.flash_times_s.push_back(stamp_s(pulse, exposure.pulses.front().edge));
+  for (const BallImageOnSensor& image : images) result.images.push_back(truth.image(image, exposure));
+  return result;
+}
+
+std::string photograph_line(const Scene& scene, const Exposure& exposure, const Look& look,
+                            const PhotographTruth& truth, const std::string& file) {
+  json line = json::parse(truth_line(scene, exposure, exposure.shot));
+  line["file"] = file.empty() ? json(nullptr) : json(file);
+  line["width_px"] = truth.width_px;
+  line["height_px"] = truth.height_px;
+  line["px_per_m"] = truth.px_per_m;
+  line["px_per_m_of_ball"] = truth.px_per_m_of_ball;
+  line["ball_diameter_m"] = scene.ball.diameter_m;
+  line["surface_px"] = json::array();
+  for (const PointPx& p : truth.surface_px) line["surface_px"].push_back(point(p));
+  line["flash_times_s"] = json::array();
+  for (const auto& time : truth.flash_times_s)
+    line["flash_times_s"].push_back(time ? json(*time) : json(nullptr));
+  line["images"] = json::array();
+  for (const ImageTruth& image : truth.images) line["images"].push_back(image_json(image));
+  line["look"] = look_json(scene, look);
+  return line.dump();
+}
+
+}  // namespace strobe::sim
