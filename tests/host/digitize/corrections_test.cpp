@@ -1,0 +1,205 @@
+// A person's corrections: the file, and what becomes of the images.
+#include "host/digitize/corrections.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+
+// CppUTest redefines new; its headers come last.
+#include <CppUTest/TestHarness.h>
+
+using namespace strobe::digitize;
+using strobe::reduction::BallImage;
+using strobe::reduction::Leg;
+
+namespace {
+
+constexpr double kPxPerM = 4000.0;
+constexpr double kDiameter_px = 260.0;
+constexpr int kHeight_px = 1840;
+constexpr double kPeriod_s = 0.003;
+
+std::string complaint(const std::string& text) {
+  const auto parsed = parse_corrections(text, "fix.toml");
+  return parsed ? "" : parsed.error().message;
+}
+
+std::vector<Correction> parsed(const std::string& text) {
+  return parse_corrections(text, "fix.toml").value();
+}
+
+DigitizeSettings settings() {
+  DigitizeSettings made;
+  made.px_per_m = kPxPerM;
+  made.map = PlaneMap::plain(kHeight_px);
+  std::vector<double> times_s;
+  for (int i = 0; i < 40; ++i) times_s.push_back(i * kPeriod_s);
+  made.flash_times_s = times_s;
+  return made;
+}
+
+/// A ball that comes in steps of 200 px and 80 px down, and leaves slower.
+cv::Point2d centre_of(int image) {
+  constexpr int kBefore = 4;
+  if (image < kBefore) return {400.0 + 200.0 * image, 430.0 + 80.0 * (kBefore - 1 - image)};
+  return {1150.0 + 150.0 * (image - kBefore), 460.0 + 65.0 * (image - kBefore)};
+}
+
+Digitization digitized() {
+  constexpr int kImages = 8;
+  Digitization made;
+  made.frame.ball_diameter_m = kDiameter_px / kPxPerM;
+  made.frame.surface_px = {{100.0, 300.0}, {2700.0, 300.0}};
+  made.frame.surface_sd_px = 0.1;
+  for (int i = 0; i < kImages; ++i) {
+    BallImage image;
+    image.time_s = kPeriod_s * i;
+    image.leg = i < 4 ? Leg::incoming : Leg::rebound;
+    image.centre_px = {centre_of(i).x, centre_of(i).y};
+    image.centre_cov_px2 = {0.01, 0.0, 0.0, 0.01};
+    image.diameter_px = kDiameter_px;
+    image.diameter_sd_px = 0.1;
+    image.equator_rad = 0.1 * i;
+    image.equator_sd_rad = 0.002;
+    image.source = "auto";
+    made.frame.images.push_back(image);
+    Outline outline;
+    outline.centre = centre_of(i);
+    outline.diameter = kDiameter_px;
+    outline.covariance = cv::Matx33d::eye() * 0.01;
+    outline.seen_share = 1.0;
+    made.outlines.push_back(outline);
+  }
+  return made;
+}
+
+std::string at(int image) {
+  return fmt::format("at_px = [{}, {}]\n", centre_of(image).x + 3.0, centre_of(image).y);
+}
+
+Digitization corrected(const std::string& text) {
+  Digitization made = digitized();
+  const auto applied = apply_corrections(made, parsed(text), settings());
+  CHECK_TEXT(applied.has_value(), applied ? "" : applied.error().message.c_str());
+  LONGS_EQUAL(made.frame.images.size(), made.outlines.size());
+  return made;
+}
+
+std::string refusal(const std::string& text) {
+  Digitization made = digitized();
+  const auto applied = apply_corrections(made, parsed(text), settings());
+  LONGS_EQUAL(8, made.frame.images.size());
+  for (const BallImage& image : made.frame.images) STRCMP_EQUAL("auto", image.source.c_str());
+  return applied ? "" : applied.error().message;
+}
+
+}  // namespace
+
+TEST_GROUP(CorrectionsFile){};
+
+TEST(CorrectionsFile, HoldsWhatIsToBeAddedMovedAndRemoved) {
+  const auto read = parsed(
+      "[[add]]\ncentre_image_px = [10, 20.5]\nleg = \"contact\"\ncontact_width_px = 40\ntop_px = [10, 9]\n"
+      "[[remove]]\nat_px = [1, 2]\n"
+      "[[move]]\nat_image_px = [3, 4]\nequator_deg = 90\nequator_sd_deg = 2\n");
+  LONGS_EQUAL(3, read.size());
+  CHECK(read[0].kind == Correction::Kind::remove);
+  DOUBLES_EQUAL(2.0, read[0].at.point.y, 0.0);
+  CHECK(!read[0].at.of_photograph);
+  STRCMP_EQUAL("fix.toml:6", read[0].place.c_str());
+  CHECK(read[1].kind == Correction::Kind::move);
+  CHECK(read[1].at.of_photograph);
+  DOUBLES_EQUAL(std::numbers::pi / 2, read[1].measured.equator_rad.value(), 1e-15);
+  DOUBLES_EQUAL(std::numbers::pi / 90, read[1].measured.equator_sd_rad.value(), 1e-15);
+  CHECK(read[2].kind == Correction::Kind::add);
+  CHECK(read[2].measured.centre->of_photograph);
+  CHECK(read[2].measured.leg == Leg::contact);
+  DOUBLES_EQUAL(9.0, read[2].measured.top->point.y, 0.0);
+}
+
+TEST(CorrectionsFile, NamesTheLineAndKeyThatIsWrong) {
+  STRCMP_EQUAL("fix.toml: no [[add]], [[move]] or [[remove]]", complaint("").c_str());
+  STRCMP_CONTAINS("fix.toml:1: ", complaint("[[remove]]\n").c_str());
+  STRCMP_CONTAINS("at_px (or at_image_px) is missing", complaint("[[remove]]\n").c_str());
+  STRCMP_CONTAINS("centre_px (or centre_image_px) is missing", complaint("[[add]]\n").c_str());
+  STRCMP_CONTAINS("says nothing to change", complaint("[[move]]\nat_px = [1, 2]\n").c_str());
+  STRCMP_CONTAINS("at_px: must be two numbers", complaint("[[remove]]\nat_px = [1, 2, 3]\n").c_str());
+  STRCMP_CONTAINS("fix.toml:3: move",
+                  complaint("[[move]]\nat_px = [1, 2]\ncenter_px = [1, 2]\nequator_deg = 1\n").c_str());
+  STRCMP_CONTAINS("diameter_px", complaint("[[add]]\ncentre_px = [1, 2]\ndiameter_px = -5\n").c_str());
+  STRCMP_CONTAINS("leg", complaint("[[add]]\ncentre_px = [1, 2]\nleg = \"up\"\n").c_str());
+  STRCMP_CONTAINS("equator_sd_deg: is nothing without equator_deg",
+                  complaint("[[add]]\ncentre_px = [1, 2]\nequator_sd_deg = 1\n").c_str());
+  STRCMP_CONTAINS("no_equator: contradicts equator_deg",
+                  complaint("[[move]]\nat_px = [1, 2]\nequator_deg = 1\nno_equator = true\n").c_str());
+  STRCMP_CONTAINS("is there twice",
+                  complaint("[[add]]\ncentre_px = [1, 2]\ncentre_image_px = [1, 2]\n").c_str());
+}
+
+TEST_GROUP(Corrections){};
+
+TEST(Corrections, ARemovedImageIsListedAsRemovedByHand) {
+  const Digitization made = corrected("[[remove]]\n" + at(2));
+  LONGS_EQUAL(7, made.frame.images.size());
+  LONGS_EQUAL(1, made.unmeasured.size());
+  CHECK(made.unmeasured[0].why.reason == Reason::by_hand);
+  STRCMP_EQUAL("removed by fix.toml:1", made.unmeasured[0].why.detail.c_str());
+  DOUBLES_EQUAL(centre_of(2).x, made.unmeasured[0].centre.x, 0.0);
+  for (const BallImage& image : made.frame.images) STRCMP_EQUAL("auto", image.source.c_str());
+}
+
+TEST(Corrections, TheTimesOfTheOthersStayWhereOneIsRemoved) {
+  const Digitization made = corrected("[[remove]]\n" + at(2));
+  // The gap is one period longer than the others, wherever the even train is taken to begin.
+  DOUBLES_EQUAL(2 * kPeriod_s, made.frame.images[2].time_s - made.frame.images[1].time_s, 1e-12);
+  DOUBLES_EQUAL(kPeriod_s, made.frame.images[1].time_s - made.frame.images[0].time_s, 1e-12);
+}
+
+TEST(Corrections, AMovedImageKeepsWhatIsNotOverruledAndIsMarked) {
+  const Digitization made = corrected("[[move]]\n" + at(5) + "centre_px = [1302, 526]\n");
+  const BallImage& image = made.frame.images.at(5);
+  STRCMP_EQUAL("hand", image.source.c_str());
+  DOUBLES_EQUAL(1302.0, image.centre_px.x, 0.0);
+  DOUBLES_EQUAL(526.0, image.centre_px.y, 0.0);
+  DOUBLES_EQUAL(0.5, image.equator_rad.value(), 0.0);
+  DOUBLES_EQUAL(0.002, image.equator_sd_rad.value(), 0.0);
+  // Half a millimetre at 4000 px/m is 2 px.
+  DOUBLES_EQUAL(4.0, image.centre_cov_px2.value()[0], 1e-12);
+  DOUBLES_EQUAL(1302.0, made.outlines.at(5).centre.x, 0.0);
+  for (std::size_t i = 0; i < made.frame.images.size(); ++i) {
+    if (i != 5) STRCMP_EQUAL("auto", made.frame.images[i].source.c_str());
+  }
+}
+
+TEST(Corrections, ALineThatIsNoneIsTakenAway) {
+  const Digitization made = corrected("[[move]]\n" + at(0) + "no_equator = true\n");
+  CHECK(!made.frame.images[0].equator_rad.has_value());
+  CHECK(!made.frame.images[0].equator_sd_rad.has_value());
+  STRCMP_EQUAL("hand", made.frame.images[0].source.c_str());
+}
+
+TEST(Corrections, AnAddedImageComesIntoItsPlaceWithItsTime) {
+  // The next after the last, in the photograph's own coordinates.
+  const cv::Point2d next = centre_of(8);
+  const Digitization made = corrected(fmt::format("[[add]]\ncentre_image_px = [{}, {}]\nequator_deg = 20\n",
+                                                  next.x, kHeight_px - 1 - next.y));
+  LONGS_EQUAL(9, made.frame.images.size());
+  const BallImage& image = made.frame.images.back();
+  STRCMP_EQUAL("hand", image.source.c_str());
+  DOUBLES_EQUAL(next.y, image.centre_px.y, 1e-9);
+  DOUBLES_EQUAL(kDiameter_px, image.diameter_px, 1e-12);
+  CHECK(image.diameter_sd_px.value() > 1.0);
+  CHECK(image.leg == Leg::rebound);
+  DOUBLES_EQUAL(kPeriod_s, image.time_s - made.frame.images[7].time_s, 1e-12);
+}
+
+TEST(Corrections, OneThatMeansNoImageIsRefusedAndChangesNothing) {
+  STRCMP_EQUAL("fix.toml:1: no image within 130 px of (50.0, 60.0)",
+               refusal("[[remove]]\nat_px = [50, 60]\n").c_str());
+}
+
+TEST(Corrections, TwoThatMeanTheSameImageAreRefused) {
+  STRCMP_EQUAL("fix.toml:3: means the same image as fix.toml:1",
+               refusal("[[remove]]\n" + at(1) + "[[move]]\n" + at(1) + "diameter_px = 250\n").c_str());
+}
