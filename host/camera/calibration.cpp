@@ -1,0 +1,192 @@
+#include "host/camera/calibration.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+#include <opencv2/imgproc.hpp>
+
+#include "host/camera/lens_place.hpp"
+
+namespace strobe::camera {
+namespace {
+
+using digitize::LensDistortion;
+using digitize::PlaneMap;
+
+/// From image px to metres on the first view's board, y as it comes.
+PlaneMap board_map(const LensDistortion& lens, const cv::Matx33d& homography) {
+  const double f = lens.focal_px;
+  const cv::Matx33d normalize(1.0 / f, 0.0, -lens.centre_px.x / f, 0.0, 1.0 / f, -lens.centre_px.y / f, 0.0,
+                              0.0, 1.0);
+  return PlaneMap::calibrated(lens, homography.inv() * normalize, {});
+}
+
+double log_scale(const PlaneMap& to_board, cv::Point2d image_px) {
+  const cv::Matx22d d = to_board.derivative(image_px);
+  return -0.5 * std::log(std::abs(d(0, 0) * d(1, 1) - d(0, 1) * d(1, 0)));
+}
+
+std::vector<cv::Point2d> places(const CalibrationSettings& settings) {
+  std::vector<cv::Point2d> points;
+  for (const double y : {0.1, 0.5, 0.9}) {
+    for (const double x : {0.1, 0.5, 0.9}) {
+      points.emplace_back(x * (settings.width_px - 1), y * (settings.height_px - 1));
+    }
+  }
+  return points;
+}
+
+/// The scale's sd as a share, rms over the photograph, as the points' noise makes it.
+double points_error(const BoardFit& fit, const CalibrationSettings& settings) {
+  const auto where = places(settings);
+  std::vector<double> x = fit.parameters;
+  const int n = static_cast<int>(x.size());
+  cv::Mat slopes(static_cast<int>(where.size()), n, CV_64F, cv::Scalar(0.0));
+  for (int i = 0; i < n; ++i) {
+    const double kept = x[static_cast<std::size_t>(i)];
+    const double step = 0.01 * std::sqrt(std::max(fit.covariance.at<double>(i, i), 0.0)) + 1e-14;
+    for (const double sign : {1.0, -1.0}) {
+      x[static_cast<std::size_t>(i)] = kept + sign * step;
+      const PlaneMap map = board_map(lens_of(fit, x), homography_of(x, 0));
+      for (std::size_t p = 0; p < where.size(); ++p) {
+        slopes.at<double>(static_cast<int>(p), i) += sign * log_scale(map, where[p]) * 0.5 / step;
+      }
+    }
+    x[static_cast<std::size_t>(i)] = kept;
+  }
+  const cv::Mat spread = slopes * fit.covariance * slopes.t();
+  return std::sqrt(std::max(0.0, cv::trace(spread)[0]) / static_cast<double>(where.size()));
+}
+
+/// Board metres to plane px: at the photograph's centre x to the right, y up, a pixel a pixel.
+cv::Matx33d similarity(const PlaneMap& to_board, const CalibrationSettings& settings, double px_per_m) {
+  const cv::Point2d centre(0.5 * (settings.width_px - 1), 0.5 * (settings.height_px - 1));
+  const cv::Matx22d d = to_board.derivative(centre);
+  // Rotation (or reflection) nearest to the derivative's inverse; image rows count downwards.
+  const double sign = d(0, 0) * d(1, 1) - d(0, 1) * d(1, 0) > 0.0 ? 1.0 : -1.0;
+  const double turn = std::atan2(d(1, 0) - sign * d(0, 1), d(0, 0) + sign * d(1, 1));
+  const double c = px_per_m * std::cos(turn), s = px_per_m * std::sin(turn);
+  const cv::Matx22d linear(c, s, sign * s, -sign * c);
+  const cv::Point2d at = to_board.to_plane(centre);
+  const cv::Vec2d moved = linear * cv::Vec2d(at.x, at.y);
+  return {linear(0, 0), linear(0, 1), centre.x - moved[0],
+          linear(1, 0), linear(1, 1), settings.height_px - 1.0 - centre.y - moved[1],
+          0.0,          0.0,          1.0};
+}
+
+cv::Point2d transform(const cv::Matx33d& similarity_of, cv::Point2d p) {
+  const cv::Vec3d q = similarity_of * cv::Vec3d(p.x, p.y, 1.0);
+  return {q[0], q[1]};
+}
+
+double covered(const BoardView& view, const CalibrationSettings& settings) {
+  const std::vector<cv::Point2f> points(view.image_px.begin(), view.image_px.end());
+  std::vector<cv::Point2f> hull;
+  cv::convexHull(points, hull);
+  return cv::contourArea(hull) / (static_cast<double>(settings.width_px) * settings.height_px);
+}
+
+double largest_shift(const LensDistortion& lens, const CalibrationSettings& settings) {
+  const PlaneMap map = PlaneMap::calibrated(lens, cv::Matx33d::eye(), {});
+  double most = 0.0;
+  for (const double x : {0.0, settings.width_px - 1.0}) {
+    for (const double y : {0.0, settings.height_px - 1.0}) {
+      most = std::max(most, cv::norm(map.to_plane({x, y}) - cv::Point2d(x, y)));
+    }
+  }
+  return most;
+}
+
+void locate(const CalibrationSettings& settings, const cv::Matx33d& to_plane, Calibration& calibration) {
+  const double sd = settings.lens_distance_sd_m.value_or(0.01 * settings.lens_distance_m.value_or(1.0));
+  const auto pose = locate_lens(calibration.fit, settings.lens_distance_m, sd);
+  if (!pose) return;
+  LensPlace place;
+  place.viewpoint = {transform(to_plane, pose->foot_m), pose->distance_m * calibration.px_per_m};
+  place.distance_sd_px = pose->distance_sd_m * calibration.px_per_m;
+  place.focal_px = pose->focal * calibration.lens.focal_px;
+  place.tilt_rad = pose->tilt_rad;
+  calibration.place = place;
+  calibration.scale_errors.off_plane = settings.off_plane_sd_m / pose->distance_m;
+}
+
+void remark(const CalibrationSettings& settings, Calibration& calibration) {
+  auto& remarks = calibration.remarks;
+  if (calibration.covered_share < 0.3) {
+    remarks.push_back(
+        fmt::format("the board covers {:.0f} % of the photograph: outside of it the map is extrapolated",
+                    100.0 * calibration.covered_share));
+  }
+  if (calibration.fit.rms_px > 0.3) {
+    remarks.push_back(fmt::format("the board's points are {:.2f} px rms off: is it flat, sharp and still?",
+                                  calibration.fit.rms_px));
+  }
+  if (calibration.fit.outliers > 0) {
+    remarks.push_back(fmt::format("{} of the board's points were left out, more than 5 sigma off",
+                                  calibration.fit.outliers));
+  }
+  if (!calibration.place) {
+    remarks.push_back(
+        "the photographs do not tell how far away the lens is: balls are taken to show as circles, and an "
+        "error of "
+        "the board's place is not in the scale's sd (add photographs of the slanted board, or state the "
+        "distance)");
+  } else if (settings.lens_distance_m) {
+    const double found = calibration.place->viewpoint.distance_px / calibration.px_per_m;
+    const double sd = settings.lens_distance_sd_m.value_or(0.01 * *settings.lens_distance_m);
+    if (std::abs(found - *settings.lens_distance_m) > 3.0 * sd) {
+      remarks.push_back(fmt::format("the photographs say that the lens is {:.3f} m away, not {:.3f} m", found,
+                                    *settings.lens_distance_m));
+    }
+  }
+}
+
+std::optional<std::string> wrong(const CalibrationSettings& s) {
+  if (s.width_px < 16 || s.height_px < 16) return "the photograph is too small";
+  if (!(s.spacing_sd_share >= 0.0 && s.spacing_sd_share <= 0.1)) return "the board's sd must be 0 to 10 %";
+  if (!(s.off_plane_sd_m >= 0.0)) return "the sd of the board's place must not be negative";
+  if (s.lens_distance_m && !(*s.lens_distance_m > 0.0)) return "the lens' distance must be above 0";
+  if (s.lens_distance_sd_m && !(*s.lens_distance_sd_m > 0.0))
+    return "the sd of the lens' distance must be above 0";
+  return std::nullopt;
+}
+
+}  // namespace
+
+double ScaleErrors::total() const {
+  const double place = off_plane.value_or(0.0);
+  return std::sqrt(points * points + print * print + place * place);
+}
+
+PlaneMap Calibration::map() const {
+  return PlaneMap::calibrated(lens, rectify, place ? std::optional(place->viewpoint) : std::nullopt);
+}
+
+Result<Calibration> calibrate(std::span<const BoardView> views, const CalibrationSettings& settings) {
+  if (const auto what = wrong(settings)) return fail(*what);
+  auto fit = fit_boards(views, settings.width_px, settings.height_px);
+  if (!fit) return tl::unexpected(fit.error());
+  Calibration calibration;
+  calibration.fit = std::move(*fit);
+  calibration.lens = calibration.fit.lens;
+  const PlaneMap to_board = board_map(calibration.lens, calibration.fit.homographies[0]);
+  const cv::Point2d centre(0.5 * (settings.width_px - 1), 0.5 * (settings.height_px - 1));
+  calibration.px_per_m = std::exp(log_scale(to_board, centre));
+  if (!std::isfinite(calibration.px_per_m)) return fail("the boards fit no camera");
+  const cv::Matx33d to_plane = similarity(to_board, settings, calibration.px_per_m);
+  const double f = calibration.lens.focal_px;
+  const cv::Point2d c = calibration.lens.centre_px;
+  const cv::Matx33d normalize(1.0 / f, 0.0, -c.x / f, 0.0, 1.0 / f, -c.y / f, 0.0, 0.0, 1.0);
+  calibration.rectify = to_plane * calibration.fit.homographies[0].inv() * normalize;
+  calibration.rectify = calibration.rectify * (1.0 / calibration.rectify(2, 2));
+  calibration.scale_errors.points = points_error(calibration.fit, settings);
+  calibration.scale_errors.print = settings.spacing_sd_share;
+  calibration.covered_share = covered(views[0], settings);
+  calibration.largest_shift_px = largest_shift(calibration.lens, settings);
+  locate(settings, to_plane, calibration);
+  remark(settings, calibration);
+  return calibration;
+}
+
+}  // namespace strobe::camera

@@ -1,0 +1,63 @@
+// The calibration of the camera from photographs of a printed board. The first photograph has the board in
+// the plane in which balls fly: its homography is the scale and undoes the tilt. The others may have it
+// anywhere; all of them tell the lens, and the slanted ones the focal length (Zhang 2000), and with it where
+// the lens is. Deterministic; thread-safe; allocates; no I/O.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/result.hpp"
+#include "host/camera/board.hpp"
+#include "host/camera/board_fit.hpp"
+#include "host/digitize/plane_map.hpp"
+
+namespace strobe::camera {
+
+struct CalibrationSettings {
+  int width_px = 0;
+  int height_px = 0;
+  double spacing_sd_share = 0.0;             ///< of the board's print, as a share; 0 to 0.1
+  double off_plane_sd_m = 0.0;               ///< between the board's plane and the balls', >= 0
+  std::optional<double> lens_distance_m;     ///< of the lens from that plane, by a tape, > 0
+  std::optional<double> lens_distance_sd_m;  ///< default 1 %
+};
+
+/// Of the scale, as shares of it.
+struct ScaleErrors {
+  double points = 0.0;              ///< of the board's points, rms over the photograph
+  double print = 0.0;               ///< of the board's print
+  std::optional<double> off_plane;  ///< of its place; absent: the lens' distance is not known
+  double total() const;
+};
+
+/// Where the lens is, as far as the photographs or a tape tell.
+struct LensPlace {
+  digitize::Viewpoint viewpoint;
+  double distance_sd_px = 0.0;
+  double focal_px = 0.0;
+  double tilt_rad = 0.0;  ///< of the optical axis against the plane's normal, 0 to pi/2
+};
+
+struct Calibration {
+  digitize::LensDistortion lens;
+  cv::Matx33d
+      rectify;  ///< undistorted image px to plane px; near the photograph's centre plane px are image px
+  double px_per_m = 0.0;  ///< of plane px
+  ScaleErrors scale_errors;
+  std::optional<LensPlace> place;  ///< absent: the distance would be uncertain by more than a quarter
+  BoardFit fit;
+  double covered_share = 0.0;        ///< of the photograph by the board in the plane
+  double largest_shift_px = 0.0;     ///< by the lens, at the photograph's corners
+  std::vector<std::string> remarks;  ///< for a person: what may be doubted
+
+  double px_per_m_sd() const { return px_per_m * scale_errors.total(); }
+  digitize::PlaneMap map() const;
+};
+
+/// Fails with a line if settings are out of range or the boards fit no camera.
+Result<Calibration> calibrate(std::span<const BoardView> views, const CalibrationSettings& settings);
+
+}  // namespace strobe::camera
