@@ -53,6 +53,7 @@ int run(int argc, char** argv) {
   strobe::host::add_predict_command(app, exit_status);
   strobe::host::add_fit_command(app, exit_status);
   strobe::host::add_thesis_command(app, exit_status);
+  strobe::host::add_calibrate_command(app, exit_status);
   demand_finite_numbers(app);
   try {
     app.parse(argc, argv);

@@ -1,0 +1,271 @@
+// strobe calibrate: photographs of a printed board to the rig file's [camera].
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <ctime>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/camera/calibration.hpp"
+#include "host/commands/command.hpp"
+#include "host/config/camera_writer.hpp"
+#include "host/config/rig_file.hpp"
+#include "host/digitize/photograph.hpp"
+
+namespace strobe::host {
+namespace {
+
+struct CalibrateOptions {
+  std::vector<std::string> images;
+  std::string rig_path;
+  std::string board = "chessboard";
+  int columns = 9;
+  int rows = 6;
+  double spacing_mm = 0.0;
+  double spacing_sd_percent = 0.05;
+  double off_plane_sd_mm = 1.0;
+  std::optional<double> lens_distance_m;
+  std::optional<double> lens_distance_sd_m;
+  std::vector<double> surface;  ///< image px: x, row, x, row
+  double surface_sd_px = 0.5;
+  std::string date;  ///< empty: today
+  bool dry = false;
+  bool json = false;
+};
+
+camera::BoardPattern pattern_of(const CalibrateOptions& options) {
+  camera::BoardPattern pattern;
+  pattern.kind = options.board == "chessboard" ? camera::BoardKind::chessboard
+                 : options.board == "circles"  ? camera::BoardKind::circles
+                                               : camera::BoardKind::staggered_circles;
+  pattern.columns = options.columns;
+  pattern.rows = options.rows;
+  pattern.spacing_m = options.spacing_mm * 1e-3;
+  return pattern;
+}
+
+struct Boards {
+  std::vector<camera::BoardView> views;
+  int width_px = 0;
+  int height_px = 0;
+};
+
+Result<Boards> find_boards(const CalibrateOptions& options) {
+  Boards boards;
+  for (std::size_t i = 0; i < options.images.size(); ++i) {
+    if (options.images.size() > 1) {
+      std::fprintf(stderr, "strobe: calibrate: %zu of %zu: %s\n", i + 1, options.images.size(),
+                   options.images[i].c_str());
+    }
+    const auto photograph = digitize::load_photograph(options.images[i]);
+    if (!photograph) return tl::unexpected(photograph.error());
+    if (i == 0) {
+      boards.width_px = photograph->width();
+      boards.height_px = photograph->height();
+    } else if (photograph->width() != boards.width_px || photograph->height() != boards.height_px) {
+      return fail(fmt::format("{}: {} x {} pixels, but {} has {} x {}", options.images[i],
+                              photograph->width(), photograph->height(), options.images[0], boards.width_px,
+                              boards.height_px));
+    }
+    auto view = camera::find_board(*photograph, pattern_of(options));
+    if (!view) return tl::unexpected(view.error());
+    boards.views.push_back(std::move(*view));
+  }
+  return boards;
+}
+
+/// Six significant digits would do; the file keeps what was computed.
+CameraTable table_of(const CalibrateOptions& options, const camera::Calibration& found,
+                     const Boards& boards) {
+  CameraTable table;
+  table.calibrated = options.date.empty() ? date_of(std::time(nullptr)) : options.date;
+  table.board = camera::describe(pattern_of(options));
+  table.photographs = static_cast<int>(options.images.size());
+  table.residual_px = found.fit.rms_px;
+  table.width_px = boards.width_px;
+  table.height_px = boards.height_px;
+  table.px_per_m = found.px_per_m;
+  table.px_per_m_sd = found.px_per_m_sd();
+  CameraMap map;
+  map.lens_centre_px = {found.lens.centre_px.x, found.lens.centre_px.y};
+  map.lens_focal_px = found.lens.focal_px;
+  map.lens_distortion = {found.lens.k1, found.lens.k2, found.lens.p1, found.lens.p2};
+  std::copy(found.rectify.val, found.rectify.val + 9, map.rectify.begin());
+  table.map = map;
+  if (found.place) {
+    const auto& viewpoint = found.place->viewpoint;
+    table.viewpoint_px = {viewpoint.foot_px.x, viewpoint.foot_px.y, viewpoint.distance_px};
+    table.viewpoint_sd_px = found.place->distance_sd_px;
+    table.tilt_deg = found.place->tilt_rad * 180.0 / std::numbers::pi;
+  }
+  if (options.surface.size() == 4) {
+    const auto plane = found.map();
+    const cv::Point2d a = plane.to_plane({options.surface[0], options.surface[1]});
+    const cv::Point2d b = plane.to_plane({options.surface[2], options.surface[3]});
+    table.surface_px = {a.x, a.y, b.x, b.y};
+    table.surface_sd_px = options.surface_sd_px;
+  }
+  return table;
+}
+
+using nlohmann::ordered_json;
+
+ordered_json number_or_null(std::optional<double> value) {
+  return value ? ordered_json(*value) : ordered_json();
+}
+
+void print_json(const CalibrateOptions& options, const CameraTable& table, const camera::Calibration& found) {
+  ordered_json out;
+  out["px_per_m"] = *table.px_per_m;
+  out["px_per_m_sd"] = *table.px_per_m_sd;
+  out["sd_share"] = {{"points", found.scale_errors.points},
+                     {"print", found.scale_errors.print},
+                     {"off_plane", number_or_null(found.scale_errors.off_plane)}};
+  out["residual_px"] = found.fit.rms_px;
+  out["residuals_px"] = found.fit.view_rms_px;
+  out["points"] = found.fit.points;
+  out["outliers"] = found.fit.outliers;
+  out["covered_share"] = found.covered_share;
+  out["lens_distortion"] = table.map->lens_distortion;
+  out["lens_terms"] = found.fit.lens_terms;
+  out["largest_shift_px"] = found.largest_shift_px;
+  out["tilt_deg"] = number_or_null(table.tilt_deg);
+  out["lens_distance_m"] = ordered_json();
+  out["lens_distance_sd_m"] = ordered_json();
+  if (found.place) {
+    out["lens_distance_m"] = found.place->viewpoint.distance_px / found.px_per_m;
+    out["lens_distance_sd_m"] = found.place->distance_sd_px / found.px_per_m;
+  }
+  out["calibrated"] = *table.calibrated;
+  out["remarks"] = found.remarks;
+  out["inputs"] = {{"images", options.images},
+                   {"board", options.board},
+                   {"columns", options.columns},
+                   {"rows", options.rows},
+                   {"spacing_mm", options.spacing_mm},
+                   {"spacing_sd_percent", options.spacing_sd_percent},
+                   {"off_plane_sd_mm", options.off_plane_sd_mm}};
+  std::printf("%s\n", out.dump().c_str());
+}
+
+void print_text(const CameraTable& table, const camera::Calibration& found) {
+  fmt::print("scale          {:.3f} px/m, sd {:.3f} ({:.4f} %: points {:.4f}, print {:.4f}, place {})\n",
+             *table.px_per_m, *table.px_per_m_sd, 100.0 * found.scale_errors.total(),
+             100.0 * found.scale_errors.points, 100.0 * found.scale_errors.print,
+             found.scale_errors.off_plane ? fmt::format("{:.4f}", 100.0 * *found.scale_errors.off_plane)
+                                          : "unknown");
+  fmt::print("residuals      {:.3f} px rms over {} points, {} left out\n", found.fit.rms_px, found.fit.points,
+             found.fit.outliers);
+  fmt::print("lens           moves the corners by up to {:.2f} px ({} terms)\n", found.largest_shift_px,
+             found.fit.lens_terms);
+  if (found.place) {
+    fmt::print("lens' place    {:.3f} m from the plane, sd {:.3f}; tilt {:.2f} degrees\n",
+               found.place->viewpoint.distance_px / found.px_per_m,
+               found.place->distance_sd_px / found.px_per_m, *table.tilt_deg);
+  }
+  fmt::print("board          {}, over {:.0f} % of the photograph\n", *table.board,
+             100.0 * found.covered_share);
+}
+
+int run_calibrate(const CalibrateOptions& options) {
+  if (!options.date.empty() && !days_since(options.date, 0)) {
+    return bad_input("calibrate: --date: must be written 2026-11-21");
+  }
+  std::optional<std::string> rig_text;
+  if (!options.rig_path.empty()) {
+    const auto text = read_file(options.rig_path);
+    if (!text) return bad_input("calibrate: " + text.error().message);
+    rig_text = *text;
+    if (const auto rig = read_rig(*text, options.rig_path); !rig) {
+      return bad_input("calibrate: " + rig.error().message);
+    }
+  }
+  const auto boards = find_boards(options);
+  if (!boards) return bad_input("calibrate: " + boards.error().message);
+  camera::CalibrationSettings settings;
+  settings.width_px = boards->width_px;
+  settings.height_px = boards->height_px;
+  settings.spacing_sd_share = options.spacing_sd_percent / 100.0;
+  settings.off_plane_sd_m = options.off_plane_sd_mm * 1e-3;
+  settings.lens_distance_m = options.lens_distance_m;
+  settings.lens_distance_sd_m = options.lens_distance_sd_m;
+  const auto found = camera::calibrate(boards->views, settings);
+  if (!found) return bad_input("calibrate: " + found.error().message);
+  const CameraTable table = table_of(options, *found, *boards);
+  if (rig_text && !options.dry) {
+    const auto text = with_calibration(*rig_text, options.rig_path, table);
+    if (!text) return bad_input("calibrate: " + text.error().message);
+    if (const auto done = replace_file(options.rig_path, *text); !done) {
+      return bad_input("calibrate: " + done.error().message);
+    }
+  }
+  options.json ? print_json(options, table, *found) : print_text(table, *found);
+  for (const std::string& remark : found->remarks) {
+    std::fprintf(stderr, "strobe: calibrate: note: %s\n", remark.c_str());
+  }
+  return kDone;
+}
+
+}  // namespace
+
+void add_calibrate_command(CLI::App& app, int& exit_status) {
+  auto options = std::make_shared<CalibrateOptions>();
+  CLI::App* command = app.add_subcommand(
+      "calibrate", "Measure the camera's scale, tilt and lens from photographs of a printed board.");
+  command
+      ->add_option(
+          "images", options->images,
+          "Photographs of the board: the first with the board in the plane in which balls fly, the others "
+          "slanted, anywhere")
+      ->required();
+  command->add_option("--rig", options->rig_path, "Rig file whose [camera] is written; all else of it stays");
+  command->add_option("--board", options->board, "What is printed")
+      ->check(CLI::IsMember({"chessboard", "circles", "staggered"}))
+      ->capture_default_str();
+  command->add_option("--columns", options->columns, "Inner corners, or discs, along a row")
+      ->check(CLI::Range(3, 100))
+      ->capture_default_str();
+  command->add_option("--rows", options->rows, "Rows of inner corners or discs")
+      ->check(CLI::Range(3, 100))
+      ->capture_default_str();
+  command
+      ->add_option("--spacing-mm", options->spacing_mm,
+                   "Side of a square, or distance of discs in a row, as measured on the print (over many)")
+      ->check(CLI::Range(0.1, 1000.0))
+      ->required();
+  command->add_option("--spacing-sd-percent", options->spacing_sd_percent, "How well that is known")
+      ->check(CLI::Range(0.0, 10.0))
+      ->capture_default_str();
+  command
+      ->add_option("--off-plane-sd-mm", options->off_plane_sd_mm,
+                   "How well the board stands in the plane of the ball's centre")
+      ->check(CLI::Range(0.0, 1000.0))
+      ->capture_default_str();
+  command->add_option("--lens-distance-m", options->lens_distance_m, "Lens to plane, by a tape")
+      ->check(CLI::Range(0.01, 1000.0));
+  command->add_option("--lens-distance-sd-m", options->lens_distance_sd_m, "How well; 1 % if left out")
+      ->check(CLI::Range(1e-6, 1000.0));
+  command
+      ->add_option("--surface", options->surface,
+                   "Two points of the surface's line on the photograph: column row column row [px]")
+      ->expected(4);
+  command->add_option("--surface-sd-px", options->surface_sd_px, "How well")
+      ->check(CLI::Range(1e-4, 1000.0))
+      ->capture_default_str();
+  command->add_option("--date", options->date, "Day of the photographs, 2026-11-21; today if left out");
+  command->add_flag("--dry", options->dry, "Leave the rig file as it is");
+  command->add_flag("--json", options->json, "One JSON object");
+  command->footer(
+      "Example: strobe calibrate plane.tif slanted1.tif slanted2.tif --spacing-mm 20.02 --rig rig.toml\n"
+      "One photograph gives scale, tilt and lens; with slanted ones, or --lens-distance-m, also how balls "
+      "show away "
+      "from the\nmiddle. `strobe digitize --rig` then uses all of it.");
+  command->callback([options, &exit_status] { exit_status = run_calibrate(*options); });
+}
+
+}  // namespace strobe::host
