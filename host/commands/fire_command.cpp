@@ -19,6 +19,7 @@ struct FireOptions {
   int shots = 1;
   std::optional<int> retries;
   double wait_s = 60.0;
+  PhotographOptions photographs;
   bool dry = false, json = false, plain = false, clear_fault = false;
 };
 
@@ -75,6 +76,7 @@ Result<FireOrder> order_of(const FireOptions& options) {
   order.campaign.clear_fault = options.clear_fault;
   order.url = lcm_url(options.url, order.rig);
   order.session = options.session.empty() ? "session-" + utc_for_file(wall_now_us()) : options.session;
+  order.photographs = options.photographs;
   order.condition = condition_of(options);
   order.style = options.json    ? Terminal::Style::json
                 : options.plain ? Terminal::Style::plain
@@ -112,6 +114,7 @@ void add_fire_command(CLI::App& app, int& exit_status) {
   command->add_flag("--clear-fault", options->clear_fault, "clear a fault that the firmware has latched");
   command->add_option("--wait", options->wait_s, "seconds to wait while the rig cannot be armed (default 60)")
       ->check(CLI::Range(0.1, 1e6));
+  add_photograph_options(*command, options->photographs);
   command->add_option("--lcm-url", options->url, "LCM URL (default: the rig file's, else this machine only)");
   command->add_flag("--json", options->json,
                     "one JSON object per readout on standard output, nothing else there");

@@ -2,11 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <random>
-
 #include "common/messages/channels.hpp"
 #include "common/messages/lcm_conversions.hpp"
 #include "host/commands/command.hpp"
+#include "host/commands/watched_photographs.hpp"
 #include "host/session/collection.hpp"
 #include "host/session/follower.hpp"
 #include "host/session/intake.hpp"
@@ -19,10 +18,11 @@ constexpr std::int64_t kSecond_ns = 1'000'000'000;
 constexpr std::int64_t kDisarm_ns = 1 * kSecond_ns;
 constexpr int kTurn_ms = 20;
 
-std::int64_t random_host_id() {
-  std::random_device device;
-  const std::uint64_t bits = (static_cast<std::uint64_t>(device()) << 32) | device();
-  return static_cast<std::int64_t>(bits >> 1) | 1;
+template <typename Message>
+std::string encoded(const Message& message) {
+  std::string bytes(static_cast<std::size_t>(message.getEncodedSize()), '\0');
+  message.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+  return bytes;
 }
 
 class FireRun {
@@ -33,7 +33,8 @@ class FireRun {
         campaign_(order.campaign, maker_),
         follower_(assembly_settings(order.rig), maker_.host_id(),
                   fmt::format("strobe fire   rig {}   session {}", order.rig.rig, order.session)),
-        intake_(order.rig.rig, follower_) {}
+        photographs_(order.rig, order.photographs, order.session, maker_.host_id(), follower_),
+        intake_(order.rig.rig, photographs_.sink()) {}
 
   int run() {
     auto folder =
@@ -41,6 +42,7 @@ class FireRun {
     if (!folder) return bad_input(folder.error().message);
     folder_ = std::move(*folder);
     folder_->recall(follower_.session().ledger(), order_.rig.rig);
+    if (auto watched = photographs_.open(); !watched) return bad_input(watched.error().message);
     auto link = Link::open(order_.url, order_.rig.rig,
                            [this](const std::string& c, const void* d, std::size_t n) { receive(c, d, n); });
     if (!link) return failed(link.error().message);
@@ -53,19 +55,22 @@ class FireRun {
     follower_.on_event = [this](const strobe_msgs::event_t& event) { campaign_.on_event(event); };
     follower_.on_notice = [this](const std::string& text) { terminal_->notice(text); };
     terminal.notice(fmt::format("session {}, rig {} on {}", order_.session, order_.rig.rig, order_.url));
+    for (const std::string& text : photographs_.opening_words()) follower_.notice(text);
     fire();
     if (interrupted()) disarm();
     collect_missing();
+    take_photographs(true);
     terminal.close();
     return conclude();
   }
 
  private:
   void receive(const std::string& channel, const void* data, std::size_t size) {
-    // Own readouts are logged as they are published.
+    // Own readouts and frames are logged as they are published.
     if (channel == messages::channel_name(order_.rig.rig, messages::Channel::readout) &&
         own_readout(data, size))
       return;
+    if (photographs_.own_frame(channel, data, size)) return;
     folder_->log(channel, data, size,
                  wall_now_us());  // first, so that the record holds what a result came from
     intake_.receive(channel, data, size, steady_now_ns());
@@ -90,18 +95,34 @@ class FireRun {
   }
 
   void log_readout(const strobe_msgs::readout_t& message, std::int64_t wall_us) {
-    std::string bytes(static_cast<std::size_t>(message.getEncodedSize()), '\0');
-    message.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+    const std::string bytes = encoded(message);
     folder_->log(messages::channel_name(order_.rig.rig, messages::Channel::readout), bytes.data(),
                  bytes.size(), wall_us);
   }
 
+  /// A frame is logged and taken in here as if it had come from elsewhere, and sent to everybody else.
+  void take_photographs(bool last) {
+    for (const auto& frame : last ? photographs_.end(steady_now_ns()) : photographs_.turn(steady_now_ns())) {
+      const std::string bytes = encoded(frame);
+      receive_frame(bytes);
+      link_->publish(frame);
+    }
+    for (const std::string& text : photographs_.take_notices()) follower_.notice(text);
+  }
+
+  void receive_frame(const std::string& bytes) {
+    const std::string channel = messages::channel_name(order_.rig.rig, messages::Channel::frame);
+    folder_->log(channel, bytes.data(), bytes.size(), wall_now_us());
+    intake_.receive(channel, bytes.data(), bytes.size(), steady_now_ns());
+  }
+
   /// One turn: what has come, what is due, the screen.
   bool turn() {
-    if (!link_->wait(kTurn_ms) || !link_->drain()) {
+    if (!link_->wait(kTurn_ms, photographs_.descriptors()) || !link_->drain()) {
       follower_.notice("LCM cannot receive any more");
       return false;
     }
+    take_photographs(false);
     now_ns_ = steady_now_ns();
     follower_.time(now_ns_);
     for (const SequenceRange& range : follower_.session().ledger().due(now_ns_))
@@ -190,6 +211,7 @@ class FireRun {
   CommandMaker maker_;
   Campaign campaign_;
   Follower follower_;
+  WatchedPhotographs photographs_;
   Intake intake_;
   std::unique_ptr<SessionFolder> folder_;
   std::unique_ptr<Link> link_;

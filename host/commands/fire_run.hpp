@@ -6,6 +6,7 @@
 
 #include "common/data/thesis_data.hpp"
 #include "host/commands/terminal.hpp"
+#include "host/commands/watched_photographs.hpp"
 #include "host/config/rig_file.hpp"
 #include "host/session/campaign.hpp"
 #include "host/session/session_folder.hpp"
@@ -18,6 +19,7 @@ struct FireOrder {
   std::string plan_text;
   std::string url;
   std::string session;
+  PhotographOptions photographs;
   std::optional<thesis::Condition> condition;
   Terminal::Style style = Terminal::Style::plain;
 };

@@ -5,6 +5,7 @@
 
 #include "host/commands/command.hpp"
 #include "host/commands/terminal.hpp"
+#include "host/commands/watched_photographs.hpp"
 #include "host/config/rig_file.hpp"
 #include "host/session/follower.hpp"
 #include "host/session/intake.hpp"
@@ -16,6 +17,7 @@ namespace {
 struct LiveOptions {
   std::string rig_path;
   std::string url;
+  PhotographOptions photographs;
   bool json = false;
   bool plain = false;
   int shots = 0;
@@ -32,9 +34,13 @@ int run_live(const LiveOptions& options) {
   if (!rig) return bad_input(rig.error().message);
   const std::string url = lcm_url(options.url, *rig);
   Follower follower(assembly_settings(*rig), 0, fmt::format("strobe live   rig {}", rig->rig));
-  Intake intake(rig->rig, follower);
+  const std::int64_t host_id = random_host_id();
+  WatchedPhotographs photographs(*rig, options.photographs, "", host_id, follower);
+  if (auto watched = photographs.open(); !watched) return bad_input(watched.error().message);
+  Intake intake(rig->rig, photographs.sink());
   std::int64_t last_message_ns = steady_now_ns();
   auto link = Link::open(url, rig->rig, [&](const std::string& channel, const void* data, std::size_t size) {
+    if (photographs.own_frame(channel, data, size)) return;
     last_message_ns = steady_now_ns();
     intake.receive(channel, data, size, last_message_ns);
   });
@@ -46,10 +52,17 @@ int run_live(const LiveOptions& options) {
     if (options.shots == 0 || follower.outcomes() <= options.shots) terminal.outcome(outcome);
   };
   follower.on_notice = [&](const std::string& text) { terminal.notice(text); };
+  for (const std::string& text : photographs.opening_words()) follower.notice(text);
   const auto idle_ns = static_cast<std::int64_t>(options.idle_exit_s * 1e9);
   std::int64_t missing_said = 0;
   while (!interrupted()) {
-    if (!(*link)->wait(50) || !(*link)->drain()) return failed("LCM cannot receive any more");
+    if (!(*link)->wait(50, photographs.descriptors()) || !(*link)->drain())
+      return failed("LCM cannot receive any more");
+    for (const auto& frame : photographs.turn(steady_now_ns())) {
+      photographs.sink().frame(frame, steady_now_ns());
+      (*link)->publish(frame);
+    }
+    for (const std::string& text : photographs.take_notices()) follower.notice(text);
     const std::int64_t now_ns = steady_now_ns();
     follower.time(now_ns);
     terminal.show(follower.shown(now_ns), now_ns);
@@ -75,6 +88,7 @@ void add_live_command(CLI::App& app, int& exit_status) {
       app.add_subcommand("live", "Watch a session: each shot's readout, the series, the firmware");
   command->add_option("--rig", options->rig_path, "rig file (default: the example that comes with strobe)");
   command->add_option("--lcm-url", options->url, "LCM URL (default: the rig file's, else this machine only)");
+  add_photograph_options(*command, options->photographs);
   command->add_flag("--json", options->json,
                     "one JSON object per readout on standard output, nothing else there");
   command->add_flag("--plain", options->plain, "lines of text instead of a screen");

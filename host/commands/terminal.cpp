@@ -3,6 +3,7 @@
 #include <csignal>
 #include <cstdio>
 #include <ctime>
+#include <random>
 
 #include "common/messages/channels.hpp"
 #include "common/messages/json_conversions.hpp"
@@ -26,6 +27,12 @@ std::int64_t now_ns(clockid_t clock) {
 
 std::int64_t steady_now_ns() { return now_ns(CLOCK_MONOTONIC); }
 std::int64_t wall_now_us() { return now_ns(CLOCK_REALTIME) / 1000; }
+
+std::int64_t random_host_id() {
+  std::random_device device;
+  const std::uint64_t bits = (static_cast<std::uint64_t>(device()) << 32) | device();
+  return static_cast<std::int64_t>(bits >> 1) | 1;
+}
 
 void catch_signals() {
   struct sigaction action {};

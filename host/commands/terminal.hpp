@@ -14,6 +14,8 @@ namespace strobe::host {
 
 std::int64_t steady_now_ns();
 std::int64_t wall_now_us();
+/// Random, positive.
+std::int64_t random_host_id();
 
 /// From now on SIGINT, SIGTERM and SIGHUP only set a mark.
 void catch_signals();

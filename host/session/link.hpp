@@ -5,8 +5,10 @@
 #include <functional>
 #include <lcm/lcm-cpp.hpp>
 #include <memory>
+#include <span>
 #include <string>
 #include <strobe_msgs/command_t.hpp>
+#include <strobe_msgs/frame_t.hpp>
 #include <strobe_msgs/readout_t.hpp>
 
 #include "common/result.hpp"
@@ -22,13 +24,15 @@ class Link {
   static Result<std::unique_ptr<Link>> open(const std::string& url, const std::string& rig,
                                             Receiver receiver);
 
-  /// Handles one message, or returns after the time. False: LCM cannot receive any more.
-  bool wait(int milliseconds);
+  /// Handles one message, or returns after the time, or as soon as one of the other descriptors is readable.
+  /// False: LCM cannot receive any more.
+  bool wait(int milliseconds, std::span<const int> others = {});
   /// Handles what is there without waiting, at most 10,000 messages.
   bool drain();
 
   void publish(const strobe_msgs::command_t& command);
   void publish(const strobe_msgs::readout_t& readout);
+  void publish(const strobe_msgs::frame_t& frame);
 
  private:
   Link(const std::string& url, const std::string& rig, Receiver receiver);
@@ -36,7 +40,7 @@ class Link {
 
   lcm::LCM lcm_;
   Receiver receiver_;
-  std::string command_channel_, readout_channel_;
+  std::string command_channel_, readout_channel_, frame_channel_;
 };
 
 }  // namespace strobe::host

@@ -1,0 +1,98 @@
+#include "host/commands/watched_photographs.hpp"
+
+#include <CLI/CLI.hpp>
+
+#include "common/messages/channels.hpp"
+#include "host/commands/terminal.hpp"
+#include "host/photographs/measure_photograph.hpp"
+#include "host/session/counts.hpp"
+
+namespace strobe::host {
+namespace {
+
+digitize::Effort effort_of(const std::string& word) {
+  if (word == "fast") return digitize::Effort::fast;
+  return word == "thorough" ? digitize::Effort::thorough : digitize::Effort::standard;
+}
+
+std::string folder_of(const PhotographOptions& options, const RigFile& rig) {
+  return options.folder.empty() ? rig.camera.folder.value_or("") : options.folder;
+}
+
+}  // namespace
+
+void add_photograph_options(CLI::App& command, PhotographOptions& options) {
+  command.add_option("--photographs", options.folder,
+                     "folder where the camera's photographs arrive (default: the rig file's camera.folder)");
+  command
+      .add_option("--effort", options.effort,
+                  "how photographs are digitized: fast, standard or thorough (default standard)")
+      ->check(CLI::IsMember({"fast", "standard", "thorough"}));
+}
+
+WatchedPhotographs::WatchedPhotographs(const RigFile& rig, PhotographOptions options, std::string session,
+                                       std::int64_t host_id, MessageSink& next)
+    : rig_(rig),
+      options_(std::move(options)),
+      session_(std::move(session)),
+      host_id_(host_id),
+      next_(next),
+      relay_(next) {}
+
+Result<void> WatchedPhotographs::open() {
+  const std::string folder = folder_of(options_, rig_);
+  if (folder.empty()) return {};
+  if (!rig_.camera.px_per_m && !rig_.analysis.px_per_m) {
+    return fail(
+        "photographs need a scale: camera.px_per_m (strobe calibrate) or analysis.px_per_m in the rig file");
+  }
+  auto watched = CameraFolder::open(folder, steady_now_ns());
+  if (!watched) return tl::unexpected(watched.error());
+  PhotographSettings settings;
+  settings.timeout_s = rig_.analysis.photograph_timeout_s;
+  settings.host_id = host_id_;
+  settings.keep_folder = session_;
+  desk_ = std::make_unique<PhotographDesk>(next_, std::move(*watched),
+                                           photograph_measurer(rig_, effort_of(options_.effort)), settings);
+  relay_.to = desk_.get();
+  return {};
+}
+
+std::vector<std::string> WatchedPhotographs::opening_words() const {
+  std::vector<std::string> words;
+  if (!desk_) return words;
+  words.push_back("photographs from " + folder_of(options_, rig_));
+  if (auto warning = calibration_warning(rig_.camera, wall_now_us() / 1'000'000)) words.push_back(*warning);
+  return words;
+}
+
+MessageSink& WatchedPhotographs::sink() { return relay_; }
+
+bool WatchedPhotographs::own_frame(const std::string& channel, const void* data, std::size_t size) const {
+  if (!desk_ || channel != messages::channel_name(rig_.rig, messages::Channel::frame)) return false;
+  strobe_msgs::frame_t frame;
+  return frame_counts_plausible(data, size) && frame.decode(data, 0, static_cast<int>(size)) >= 0 &&
+         frame.host_id == host_id_;
+}
+
+std::vector<strobe_msgs::frame_t> WatchedPhotographs::turn(std::int64_t now_ns) {
+  if (!desk_) return {};
+  desk_->turn(now_ns);
+  return desk_->take_frames();
+}
+
+std::vector<strobe_msgs::frame_t> WatchedPhotographs::end(std::int64_t now_ns) {
+  if (!desk_) return {};
+  desk_->end(now_ns);
+  return desk_->take_frames();
+}
+
+std::vector<std::string> WatchedPhotographs::take_notices() {
+  return desk_ ? desk_->take_notices() : std::vector<std::string>();
+}
+
+std::vector<int> WatchedPhotographs::descriptors() const {
+  return desk_ ? desk_->descriptors() : std::vector<int>();
+}
+
+}  // namespace strobe::host

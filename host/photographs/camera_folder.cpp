@@ -1,0 +1,162 @@
+#include "host/photographs/camera_folder.hpp"
+
+#include <fcntl.h>
+#include <sys/inotify.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <string_view>
+#include <system_error>
+
+namespace strobe::host {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::int64_t kScanEvery_ns = 1'000'000'000;
+constexpr std::array<std::string_view, 10> kKinds{".tif", ".tiff", ".png", ".jpg", ".jpeg",
+                                                  ".bmp", ".pgm",  ".ppm", ".pbm", ".pnm"};
+constexpr std::array<std::string_view, 5> kUnfinished{"~", ".tmp", ".temp", ".part", ".partial"};
+
+std::int64_t wall_now_ns() {
+  timespec now{};
+  clock_gettime(CLOCK_REALTIME, &now);
+  return static_cast<std::int64_t>(now.tv_sec) * 1'000'000'000 + now.tv_nsec;
+}
+
+std::string lower_case(std::string text) {
+  for (char& c : text) {
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  }
+  return text;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<CameraFolder>> CameraFolder::open(const fs::path& folder, std::int64_t now_ns) {
+  std::error_code error;
+  if (!fs::is_directory(folder, error)) return fail(folder.string() + ": no such folder");
+  const int inotify = inotify_init1(IN_NONBLOCK | IN_CLOEXEC);
+  if (inotify < 0) return fail(folder.string() + ": cannot be watched: " + std::strerror(errno));
+  std::unique_ptr<CameraFolder> result(new CameraFolder(folder, inotify));
+  if (!result->watch()) return fail(folder.string() + ": cannot be watched: " + std::strerror(errno));
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    Identity identity;
+    const std::string name = entry.path().filename().string();
+    if (result->identify(name, identity)) result->known_[name] = identity;
+  }
+  if (error) return fail(folder.string() + ": " + error.message());
+  result->scanned_ns_ = now_ns;
+  return result;
+}
+
+CameraFolder::~CameraFolder() {
+  if (inotify_ >= 0) close(inotify_);
+}
+
+bool CameraFolder::watch() {
+  watch_ = inotify_add_watch(inotify_, folder_.c_str(),
+                             IN_CLOSE_WRITE | IN_MOVED_TO | IN_DELETE_SELF | IN_MOVE_SELF | IN_ONLYDIR);
+  return watch_ >= 0;
+}
+
+bool CameraFolder::identify(const std::string& name, Identity& identity) const {
+  struct stat status {};
+  if (stat((folder_ / name).c_str(), &status) != 0 || !S_ISREG(status.st_mode)) return false;
+  identity.inode = status.st_ino;
+  identity.size = status.st_size;
+  identity.changed_ns =
+      static_cast<std::int64_t>(status.st_mtim.tv_sec) * 1'000'000'000 + status.st_mtim.tv_nsec;
+  return true;
+}
+
+bool CameraFolder::wanted(const std::string& name) {
+  if (name.empty() || name.front() == '.') return false;
+  const std::string lower = lower_case(name);
+  const auto ends = [&lower](std::string_view end) { return lower.ends_with(end); };
+  if (std::any_of(kUnfinished.begin(), kUnfinished.end(), ends)) return false;
+  if (std::any_of(kKinds.begin(), kKinds.end(), ends)) return true;
+  if (said_kinds_.insert(fs::path(lower).extension().string()).second) {
+    notices_.push_back(name + ": not a kind of photograph that can be read (TIFF, PNG, JPEG, BMP, PNM)");
+  }
+  return false;
+}
+
+void CameraFolder::consider(const std::string& name, bool renamed, std::int64_t now_ns,
+                            std::vector<Arrival>& arrivals) {
+  Identity identity;
+  if (!identify(name, identity)) return;
+  const auto known = known_.find(name);
+  if (known != known_.end() && known->second == identity) return;
+  known_[name] = identity;
+  changing_.erase(name);
+  if (!wanted(name)) return;
+  const std::int64_t age_ns = wall_now_ns() - identity.changed_ns;
+  arrivals.push_back({folder_ / name, now_ns, now_ns - age_ns, renamed});
+}
+
+void CameraFolder::take_events(std::int64_t now_ns, std::vector<Arrival>& arrivals) {
+  alignas(inotify_event) std::array<char, 16384> buffer{};
+  while (true) {
+    const ssize_t size = read(inotify_, buffer.data(), buffer.size());
+    if (size <= 0) return;
+    for (std::size_t at = 0; at + sizeof(inotify_event) <= static_cast<std::size_t>(size);) {
+      inotify_event event{};
+      std::memcpy(&event, buffer.data() + at, sizeof event);
+      const char* name = buffer.data() + at + sizeof event;
+      if (event.mask & IN_Q_OVERFLOW) rescan_ = true;
+      if (event.wd == watch_ && (event.mask & (IN_IGNORED | IN_DELETE_SELF | IN_MOVE_SELF | IN_UNMOUNT)))
+        watch_ = -1;
+      if (event.len > 0 && (event.mask & (IN_CLOSE_WRITE | IN_MOVED_TO)))
+        consider(name, (event.mask & IN_MOVED_TO) != 0, now_ns, arrivals);
+      at += sizeof event + event.len;
+    }
+  }
+}
+
+/// A file that the kernel did not tell of has arrived when it is the same as a second ago.
+void CameraFolder::scan(std::int64_t now_ns, std::vector<Arrival>& arrivals) {
+  std::map<std::string, Identity> before = std::exchange(changing_, {});
+  std::error_code error;
+  std::vector<std::string> whole;
+  std::set<std::string> there;
+  for (fs::directory_iterator at(folder_, error), end; !error && at != end; at.increment(error)) {
+    const std::string name = at->path().filename().string();
+    there.insert(name);
+    Identity identity;
+    if (!identify(name, identity)) continue;
+    const auto known = known_.find(name);
+    if (known != known_.end() && known->second == identity) continue;
+    const auto last = before.find(name);
+    if (last != before.end() && last->second == identity) {
+      whole.push_back(name);
+    } else {
+      changing_[name] = identity;
+    }
+  }
+  if (error) return;
+  std::sort(whole.begin(), whole.end());
+  for (const std::string& name : whole) consider(name, false, now_ns, arrivals);
+  std::erase_if(known_, [&there](const auto& entry) { return !there.contains(entry.first); });
+}
+
+std::vector<Arrival> CameraFolder::look(std::int64_t now_ns) {
+  std::vector<Arrival> arrivals;
+  const bool watched = watch_ >= 0;
+  take_events(now_ns, arrivals);
+  if (watched && watch_ < 0) notices_.push_back(folder_.string() + ": the folder of photographs is gone");
+  if (now_ns - scanned_ns_ >= kScanEvery_ns || rescan_) {
+    scanned_ns_ = now_ns;
+    rescan_ = false;
+    if (watch_ < 0 && watch()) notices_.push_back(folder_.string() + ": the folder of photographs is back");
+    scan(now_ns, arrivals);
+  }
+  return arrivals;
+}
+
+}  // namespace strobe::host

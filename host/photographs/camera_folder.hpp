@@ -1,0 +1,73 @@
+// The folder into which the camera, or the program that it is tethered to, puts photographs: what has newly
+// arrived and is written to its end. Files that were there before are old and left alone. Told by the kernel
+// (inotify), and by looking once a second, since network folders and full queues do not tell. Reads the file
+// system; one thread's; never throws.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/result.hpp"
+
+namespace strobe::host {
+
+/// Times are nanoseconds of the caller's steady clock.
+struct Arrival {
+  std::filesystem::path path;
+  std::int64_t arrived_ns = 0;  ///< when it was renamed or closed, as noticed here
+  std::int64_t written_ns = 0;  ///< the file's own time of its last change
+  bool renamed = false;         ///< put there whole under its name: no writer changes it in place
+};
+
+class CameraFolder {
+ public:
+  /// Fails if it is no folder that can be read.
+  static Result<std::unique_ptr<CameraFolder>> open(const std::filesystem::path& folder, std::int64_t now_ns);
+  ~CameraFolder();
+  CameraFolder(const CameraFolder&) = delete;
+  CameraFolder& operator=(const CameraFolder&) = delete;
+
+  /// What has arrived since; never waits. Hidden files and those ending in ~, .tmp, .temp, .part or .partial
+  /// are not photographs yet.
+  std::vector<Arrival> look(std::int64_t now_ns);
+  /// For a person: files of a kind that cannot be read, a folder that went away and came back.
+  std::vector<std::string> take_notices() { return std::exchange(notices_, {}); }
+
+  /// Readable when look() may find something at once.
+  int descriptor() const { return inotify_; }
+  const std::filesystem::path& path() const { return folder_; }
+
+ private:
+  struct Identity {
+    std::uint64_t inode = 0;
+    std::int64_t size = 0;
+    std::int64_t changed_ns = 0;  ///< of the wall clock
+    bool operator==(const Identity&) const = default;
+  };
+
+  CameraFolder(std::filesystem::path folder, int inotify) : folder_(std::move(folder)), inotify_(inotify) {}
+  bool watch();
+  void take_events(std::int64_t now_ns, std::vector<Arrival>& arrivals);
+  void scan(std::int64_t now_ns, std::vector<Arrival>& arrivals);
+  void consider(const std::string& name, bool renamed, std::int64_t now_ns, std::vector<Arrival>& arrivals);
+  bool wanted(const std::string& name);
+  bool identify(const std::string& name, Identity& identity) const;
+
+  std::filesystem::path folder_;
+  int inotify_ = -1;
+  int watch_ = -1;
+  bool rescan_ = false;
+  std::int64_t scanned_ns_ = 0;
+  std::map<std::string, Identity> known_;
+  std::map<std::string, Identity> changing_;  ///< seen by looking; arrived once it stays the same
+  std::set<std::string> said_kinds_;
+  std::vector<std::string> notices_;
+};
+
+}  // namespace strobe::host

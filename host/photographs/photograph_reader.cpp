@@ -1,0 +1,140 @@
+#include "host/photographs/photograph_reader.hpp"
+
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <exception>
+#include <system_error>
+#include <utility>
+
+namespace strobe::host {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+constexpr std::chrono::milliseconds kTryEvery{50};
+
+struct FileState {
+  std::uintmax_t size = 0;
+  fs::file_time_type changed;
+  bool operator==(const FileState&) const = default;
+};
+
+FileState state_of(const fs::path& file) {
+  std::error_code error;
+  FileState state;
+  state.size = fs::file_size(file, error);
+  state.changed = fs::last_write_time(file, error);
+  return state;
+}
+
+std::string keep(const PhotographJob& job) {
+  std::error_code error;
+  fs::create_directories(job.keep_as.parent_path(), error);
+  if (job.may_link) {
+    fs::create_hard_link(job.file, job.keep_as, error);
+    if (!error) return {};
+  }
+  fs::copy_file(job.file, job.keep_as, error);
+  return error ? job.keep_as.string() + ": " + error.message() : std::string();
+}
+
+}  // namespace
+
+PhotographReader::PhotographReader(MeasurePhotograph measure, double patience_s)
+    : measure_(std::move(measure)),
+      patience_s_(patience_s),
+      event_(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)),
+      thread_([this] { run(); }) {}
+
+PhotographReader::~PhotographReader() {
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+  }
+  changed_.notify_all();
+  thread_.join();
+  if (event_ >= 0) close(event_);
+}
+
+void PhotographReader::add(PhotographJob job) {
+  {
+    const std::lock_guard lock(mutex_);
+    jobs_.push_back(std::move(job));
+    ++pending_;
+  }
+  changed_.notify_all();
+}
+
+std::vector<PhotographResult> PhotographReader::take_results() {
+  std::uint64_t count = 0;
+  if (event_ >= 0) static_cast<void>(!read(event_, &count, sizeof count));
+  const std::lock_guard lock(mutex_);
+  pending_ -= results_.size();
+  return std::exchange(results_, {});
+}
+
+std::size_t PhotographReader::pending() const {
+  const std::lock_guard lock(mutex_);
+  return pending_;
+}
+
+tl::expected<PhotographReading, UnreadPhotograph> PhotographReader::read_once(
+    const PhotographJob& job) const {
+  try {
+    return measure_(job.file, job.flash_times_s);
+  } catch (const std::exception& error) {
+    return tl::unexpected(UnreadPhotograph{job.file.filename().string() + ": " + error.what(), false});
+  }
+}
+
+tl::expected<PhotographReading, UnreadPhotograph> PhotographReader::read_when_whole(
+    const PhotographJob& job) {
+  FileState state = state_of(job.file);
+  Clock::time_point changed = Clock::now();
+  while (true) {
+    auto reading = read_once(job);
+    if (reading || !reading.error().unfinished) return reading;
+    // Tried again once it has changed and then stayed the same for a moment.
+    bool fresh = false;
+    while (true) {
+      std::unique_lock lock(mutex_);
+      if (changed_.wait_for(lock, kTryEvery, [this] { return stopping_; })) return reading;
+      lock.unlock();
+      const FileState now = state_of(job.file);
+      if (fresh && now == state) break;
+      if (now != state) fresh = true, changed = Clock::now();
+      state = now;
+      if (std::chrono::duration<double>(Clock::now() - changed).count() > patience_s_) return reading;
+    }
+  }
+}
+
+PhotographResult PhotographReader::work(PhotographJob job) {
+  PhotographResult result;
+  result.reading = job.measure ? read_when_whole(job) : PhotographReading{};
+  if (!job.keep_as.empty() && result.reading) result.not_kept = keep(job);
+  result.job = std::move(job);
+  return result;
+}
+
+void PhotographReader::run() {
+  while (true) {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [this] { return stopping_ || !jobs_.empty(); });
+    if (stopping_) return;
+    PhotographJob job = std::move(jobs_.front());
+    jobs_.pop_front();
+    lock.unlock();
+    PhotographResult result = work(std::move(job));
+    lock.lock();
+    results_.push_back(std::move(result));
+    lock.unlock();
+    const std::uint64_t one = 1;
+    if (event_ >= 0) static_cast<void>(!write(event_, &one, sizeof one));
+  }
+}
+
+}  // namespace strobe::host
