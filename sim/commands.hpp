@@ -19,6 +19,7 @@ struct RunOptions {
   std::string chip_dir;      ///< empty: a temporary folder
   std::string truth_file;    ///< empty: none
   std::string changes_file;  ///< empty: none
+  std::string photographs;   ///< folder for the camera's files; empty: none are made
   bool digitizer = true;
   std::string tolerance;              ///< empty: none
   std::optional<double> deadline_us;  ///< of computing a shot

@@ -32,6 +32,8 @@ void add_run(CLI::App& app, RunOptions& options, bool& no_digitizer) {
   run->add_option("--chip-dir", options.chip_dir, "Folder for the chip (default: a temporary one)");
   run->add_option("--truth", options.truth_file, "Write what truly happened, one JSON object per shot");
   run->add_option("--changes", options.changes_file, "Write every change of every line as CSV");
+  run->add_option("--photographs", options.photographs,
+                  "Folder for a photograph of each exposure; nobody at the tablet then");
   run->add_option("--tolerance", options.tolerance,
                   "Simulate only what numbers read require to stay within this: 0.5%, 5e-3");
   run->add_option("--deadline-us", options.deadline_us, "Longest that computing a shot may take");

@@ -32,6 +32,12 @@ class Clock {
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
+/// The error of Shooter's settings with the option's name before it.
+std::string option_named(std::string message) {
+  message.insert(message.find(':'), "-ms");
+  return "--" + message;
+}
+
 Result<std::string> take(Shooter& shooter, const PhotographOptions& options, int shot) {
   const Scene& scene = shooter.scene();
   const SimulatedShot result = shooter.shoot(shot);
@@ -48,7 +54,7 @@ Result<std::string> take(Shooter& shooter, const PhotographOptions& options, int
                photograph->truth.width_px, photograph->truth.height_px, scene.photograph.bits,
                photograph->truth.images.size());
   }
-  return photograph_line(scene, result.exposure, look, photograph->truth, name);
+  return photograph_line(scene, result.exposure, shot, look, photograph->truth, name);
 }
 
 }  // namespace
@@ -60,7 +66,7 @@ int photograph_command(const PhotographOptions& options) {
   auto shooter = Shooter::make(
       *scene, options.seed, Model::full(),
       {.period = from_milliseconds(options.period_ms), .exposure = from_milliseconds(options.exposure_ms)});
-  if (!shooter) return complain("--" + shooter.error().message, 2);
+  if (!shooter) return complain(option_named(shooter.error().message), 2);
   std::error_code error;
   fs::create_directories(options.folder, error);
   const fs::path truth_path = fs::path(options.folder) / "truth.jsonl";

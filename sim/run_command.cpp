@@ -15,6 +15,7 @@
 #include "sim/gpiochip/chip.hpp"
 #include "sim/live/child_process.hpp"
 #include "sim/live/desk.hpp"
+#include "sim/live/photographer.hpp"
 #include "sim/live/runner.hpp"
 #include "sim/live/scene_files.hpp"
 #include "sim/rig/reduced_scene.hpp"
@@ -125,6 +126,12 @@ class Session {
     auto truth = TruthFile::create(options.truth_file, scene);
     if (!truth) return tl::unexpected(truth.error());
     session->truth_ = std::move(*truth);
+    if (!options.photographs.empty()) {
+      auto photographer = Photographer::create(options.photographs, scene, seed, session->darkroom_);
+      if (!photographer) return tl::unexpected(photographer.error());
+      session->photographer_ = std::move(*photographer);
+      session->truth_->tell_photographs(seed);
+    }
     if (!options.changes_file.empty() && !write_changes(options.changes_file, {}))
       return fail(options.changes_file + ": cannot be written");
     session->runner_ = std::make_unique<Runner>(std::move(*attached), scene, seed, session->darkroom_,
@@ -134,19 +141,23 @@ class Session {
           Desk::create(options.lcm_url, options.rig_name, scene, seed, session->darkroom_, *session->truth_);
       if (!desk) return tl::unexpected(desk.error());
       session->desk_ = std::move(*desk);
+      if (!options.photographs.empty()) session->desk_->only_listen();
       session->desk_->start();
     }
     session->runner_->start();
+    if (session->photographer_) session->photographer_->start();
     return session;
   }
 
-  /// Whether all was written.
-  bool close() {
+  /// Fails if not all could be written.
+  Result<void> close() {
     std::this_thread::sleep_for(kWatchAfterDeath);
     runner_->stop();
     if (desk_) desk_->stop();
     for (const auto& exposure : darkroom_.all()) truth_->write(*exposure, 0);
-    return options_.changes_file.empty() || write_changes(options_.changes_file, runner_->changes());
+    if (!options_.changes_file.empty() && !write_changes(options_.changes_file, runner_->changes()))
+      return fail(options_.changes_file + ": could not be written");
+    return photographer_ ? photographer_->stop() : Result<void>{};
   }
 
  private:
@@ -158,6 +169,7 @@ class Session {
   std::unique_ptr<TruthFile> truth_;
   std::unique_ptr<Runner> runner_;
   std::unique_ptr<Desk> desk_;
+  std::unique_ptr<Photographer> photographer_;
 };
 
 /// The firmware's train is not known beforehand: planned for the usual one. The shutter's lag is in what the
@@ -205,7 +217,7 @@ int run_command(const RunOptions& options) {
       options.command, {{"LD_PRELOAD", preload_with(preloaded)}, {kChipDirVariable, folder.string()}});
   if (!child) return complain(child.error().message, 2);
   const int status = wait_for_child(*child);
-  if (!(*session)->close()) return complain(options.changes_file + ": could not be written", 1);
+  if (const auto closed = (*session)->close(); !closed) return complain(closed.error().message, 1);
   return status;
 }
 

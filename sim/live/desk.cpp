@@ -81,7 +81,7 @@ bool Desk::find_exposure(Task& task, MonoTime now) {
 
 bool Desk::attend(Task& task, MonoTime now) {
   if (!task.exposure && !find_exposure(task, now)) return false;
-  const bool photograph = task.exposure->opened.known() &&
+  const bool photograph = sends_ && task.exposure->opened.known() &&
                           !shot_fault(scene_.faults, FaultKind::no_photograph, task.exposure->shot);
   if (photograph && now < task.due) return false;
   if (photograph) send(task);

@@ -35,6 +35,9 @@ class Desk {
   Desk(const Desk&) = delete;
   Desk& operator=(const Desk&) = delete;
 
+  /// Nobody measures: shots' numbers are read for the truth's lines, no frame is sent. Before start().
+  void only_listen() { sends_ = false; }
+
   void start();
   /// Ends the thread; shots that were announced but not dealt with get their lines of truth.
   void stop();
@@ -63,6 +66,7 @@ class Desk {
   Darkroom& darkroom_;
   TruthFile& truth_;
   std::string rig_name_;
+  bool sends_ = true;
   std::unique_ptr<lcm::LCM> lcm_;
   std::vector<Task> tasks_;
   std::set<ShotKey> announced_;

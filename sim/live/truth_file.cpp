@@ -1,5 +1,6 @@
 #include "sim/live/truth_file.hpp"
 
+#include "sim/photograph/photograph_truth.hpp"
 #include "sim/rig/truth.hpp"
 
 namespace strobe::sim {
@@ -13,11 +14,18 @@ Result<std::unique_ptr<TruthFile>> TruthFile::create(const std::filesystem::path
   return truth;
 }
 
+std::string TruthFile::line(const Exposure& exposure, int shot_id) const {
+  if (!photograph_seed_) return truth_line(scene_, exposure, shot_id);
+  const Look look = draw_look(scene_, *photograph_seed_, exposure.shot);
+  const PhotographTruth truth = photograph_truth(scene_, exposure, look, lit_balls(scene_, exposure, look));
+  return photograph_line(scene_, exposure, shot_id, look, truth, "");
+}
+
 void TruthFile::write(const Exposure& exposure, int shot_id) {
   const std::lock_guard lock(mutex_);
   if (!file_.is_open()) return;
   if (exposure.shot != 0 && !written_.insert(exposure.shot).second) return;
-  file_ << truth_line(scene_, exposure, shot_id) << std::endl;
+  file_ << line(exposure, shot_id) << std::endl;
 }
 
 }  // namespace strobe::sim

@@ -3,7 +3,9 @@
 
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <string>
 
@@ -17,13 +19,19 @@ class TruthFile {
   /// An empty path writes nothing. Fails if the file cannot be made.
   static Result<std::unique_ptr<TruthFile>> create(const std::filesystem::path& path, const Scene& scene);
 
+  /// From now on lines also tell of the photographs that the camera takes (sim/photograph).
+  void tell_photographs(std::uint64_t seed) { photograph_seed_ = seed; }
+
   /// Writes the exposure's line unless it was written before. shot_id 0: unknown.
   void write(const Exposure& exposure, int shot_id);
 
  private:
   explicit TruthFile(const Scene& scene) : scene_(scene) {}
 
+  std::string line(const Exposure& exposure, int shot_id) const;
+
   const Scene scene_;
+  std::optional<std::uint64_t> photograph_seed_;
   std::mutex mutex_;
   std::ofstream file_;
   std::set<int> written_;  ///< numbers of exposures

@@ -187,9 +187,9 @@ PhotographTruth photograph_truth(const Scene& scene, const Exposure& exposure, c
   return result;
 }
 
-std::string photograph_line(const Scene& scene, const Exposure& exposure, const Look& look,
+std::string photograph_line(const Scene& scene, const Exposure& exposure, int shot_id, const Look& look,
                             const PhotographTruth& truth, const std::string& file) {
-  json line = json::parse(truth_line(scene, exposure, exposure.shot));
+  json line = json::parse(truth_line(scene, exposure, shot_id));
   line["file"] = file.empty() ? json(nullptr) : json(file);
   line["width_px"] = truth.width_px;
   line["height_px"] = truth.height_px;

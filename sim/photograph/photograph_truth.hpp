@@ -41,9 +41,10 @@ struct PhotographTruth {
 PhotographTruth photograph_truth(const Scene& scene, const Exposure& exposure, const Look& look,
                                  const std::vector<BallImageOnSensor>& images);
 
-/// One JSON object on one line, without the newline: `shot`, `shot_id`, `file` ("" : null), the truth's names
-/// above, `exposure` (as truth_line() of sim/rig/truth.hpp) with the ball's true readout, and `look`.
-std::string photograph_line(const Scene& scene, const Exposure& exposure, const Look& look,
+/// One JSON object on one line, without the newline: all of truth_line() (sim/rig/truth.hpp), and `file`
+/// (null where it is not known), the truth's names as above (null for what is absent), `ball_diameter_m` and
+/// `look`.
+std::string photograph_line(const Scene& scene, const Exposure& exposure, int shot_id, const Look& look,
                             const PhotographTruth& truth, const std::string& file);
 
 }  // namespace strobe::sim
