@@ -55,6 +55,10 @@ class Stopwatch {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
+// From so many balls on the size is agreed well enough to doubt one.
+constexpr std::size_t kAgreeingBalls = 4;
+constexpr double kDoubtful_sd = 4.0;
+
 double sd_of_diameter(const Outline& o) { return std::sqrt(std::max(0.0, o.covariance(2, 2))); }
 
 class Run {
@@ -73,7 +77,8 @@ class Run {
     Stopwatch watch(result_.stage_ms);
     candidates_ = find_candidates(photograph_, search_range(), settings_.effort);
     watch.lap("candidates");
-    std::vector<Outline> outlines = keep_sizes(measure(candidates_, std::nullopt));
+    std::vector<Outline> outlines = keep_sizes(measure(candidates_));
+    if (settings_.effort != Effort::fast) outlines = mend_doubtful(std::move(outlines));
     watch.lap("outlines");
     find_surface(outlines);
     watch.lap("surface");
@@ -111,16 +116,16 @@ class Run {
     result_.unmeasured.push_back({centre, diameter, what, {reason, std::move(detail)}});
   }
 
-  std::vector<Outline> measure(std::span<const Candidate> candidates, const std::optional<BallSize>& size) {
+  OutlineSettings outline_settings() const {
     OutlineSettings settings;
     settings.diameter_min_px = expected_ * (1.0 - settings_.size_tolerance);
     settings.diameter_max_px = expected_ * (1.0 + settings_.size_tolerance);
     settings.effort = settings_.effort;
-    if (size) {
-      settings.diameter_px = size->diameter;
-      settings.diameter_sd_px = size->sd;
-    }
-    const auto measured = fit_outlines(photograph_, map_, candidates, settings);
+    return settings;
+  }
+
+  std::vector<Outline> measure(std::span<const Candidate> candidates) {
+    const auto measured = fit_outlines(photograph_, map_, candidates, outline_settings());
     std::vector<Outline> outlines;
     for (std::size_t i = 0; i < measured.size(); ++i) {
       if (measured[i]) {
@@ -147,6 +152,42 @@ class Run {
           fmt::format("{:.1f} px, where the ball's images agree on {:.1f}", o.diameter, size.at(o.centre.x)));
     }
     return kept;
+  }
+
+  static Candidate candidate_at(const PlaneMap& map, const Outline& o) {
+    const cv::Point2d centre = map.to_image(o.centre);
+    const cv::Point2d side = map.to_image(o.centre + cv::Point2d(0.5 * o.diameter, 0.0));
+    return {centre, cv::norm(side - centre), o.seen_share};
+  }
+
+  /// An outline that the others' diameter does not suit has taken some edge for its own that is not: those
+  /// are measured again, with the diameter known, and their neighbours with them, whose edges they share.
+  std::vector<Outline> mend_doubtful(std::vector<Outline> outlines) {
+    if (outlines.size() < kAgreeingBalls) return outlines;
+    const BallSize size = agreed_size(outlines);
+    const auto doubtful = [&](const Outline& o) {
+      const double sd = std::hypot(sd_of_diameter(o), size.sd);
+      return std::abs(o.diameter - size.at(o.centre.x)) > kDoubtful_sd * sd;
+    };
+    std::vector<std::size_t> again;
+    std::vector<Candidate> candidates;
+    for (std::size_t i = 0; i < outlines.size(); ++i) {
+      const bool concerned = std::any_of(outlines.begin(), outlines.end(), [&](const Outline& o) {
+        return doubtful(o) && cv::norm(o.centre - outlines[i].centre) < 1.2 * size.diameter;
+      });
+      if (!concerned) continue;
+      again.push_back(i);
+      candidates.push_back(candidate_at(map_, outlines[i]));
+    }
+    if (again.empty()) return outlines;
+    OutlineSettings settings = outline_settings();
+    settings.diameter_px = size.at(0.5 * photograph_.width());
+    settings.diameter_sd_px = size.sd + std::abs(size.growth) * 0.5 * photograph_.width();
+    const auto measured = fit_outlines(photograph_, map_, candidates, settings);
+    for (std::size_t k = 0; k < again.size(); ++k) {
+      if (measured[k] && doubtful(outlines[again[k]])) outlines[again[k]] = *measured[k];
+    }
+    return outlines;
   }
 
   void find_surface(std::span<const Outline> outlines) {
