@@ -130,6 +130,7 @@ SectorPixels::SectorPixels(const Photograph& photograph, const LocalFrame& frame
       std::hypot(shape.oval_cos, shape.oval_sin) + shape.radius * (std::max(shape.along, shape.across) - 1.0);
   const auto full = static_cast<float>(0.985 * photograph.saturation);
   const double expected = 2.0 * std::numbers::pi * shape.radius * (outside_px + inside_px) / sectors;
+  int visited = 0;  // every second pixel is enough: blur and felt make neighbours alike
   visit_annulus(photograph, frame, shape.centre, shape.radius - inside_px - oval,
                 shape.radius + outside_px + oval, [&](cv::Point2d at, float light) {
                   const double x = at.x - shape.centre.x, y = at.y - shape.centre.y;
@@ -140,11 +141,20 @@ SectorPixels::SectorPixels(const Photograph& photograph, const LocalFrame& frame
                   sector.present += 1.0;
                   if (light >= full) {
                     sector.saturated += 1.0;
-                  } else {
+                    double& nearest = depth > 0.0 ? sector.saturated_inside : sector.saturated_outside;
+                    nearest = depth > 0.0 ? std::min(nearest, depth) : std::max(nearest, depth);
+                  } else if (++visited % 2 == 0) {
                     sector.pixels.push_back({static_cast<float>(at.x), static_cast<float>(at.y), light});
                   }
                 });
   for (Sector& sector : sectors_) {
+    // Of a depth at which some pixels are saturated the others are the darker ones, and would mislead.
+    if (sector.saturated > 0.0) {
+      std::erase_if(sector.pixels, [&](const Pixel& pixel) {
+        const double depth = shape.depth({pixel.x, pixel.y});
+        return depth > sector.saturated_inside - 1.0 || depth < sector.saturated_outside + 1.0;
+      });
+    }
     if (sector.present > 0.0) sector.saturated /= sector.present;
     sector.present = std::min(1.0, sector.present / expected);
   }
@@ -165,6 +175,7 @@ SectorEdge fit_sector(const SectorPixels& pixels, int index, const OutlineShape&
   const int others = choose_neighbours(neighbours, middle, pixels.window_px(), sigma_px, chosen);
   Normal normal =
       accumulate(pixels, index, shape, std::span(chosen).first(static_cast<std::size_t>(others)), sigma_px);
+  if (!pixels.clear_of_saturation(index, 1.5 * sigma_px)) return edge;
   const int spare = normal.pixels - normal.linear - 2;
   if (spare < normal.linear) return edge;
   project(normal);

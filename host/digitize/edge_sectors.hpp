@@ -29,6 +29,11 @@ class SectorPixels {
   double saturated_share(int index) const { return sectors_[static_cast<std::size_t>(index)].saturated; }
   /// Share of the sector's pixels that the photograph has.
   double present_share(int index) const { return sectors_[static_cast<std::size_t>(index)].present; }
+  /// No saturated pixel is that near to the outline.
+  bool clear_of_saturation(int index, double within_px) const {
+    const Sector& sector = sectors_[static_cast<std::size_t>(index)];
+    return sector.saturated_inside > within_px && sector.saturated_outside < -within_px;
+  }
   cv::Point2d direction(int index) const;
   double angle(int index) const;  ///< of its middle
   double window_px() const { return window_; }
@@ -38,6 +43,7 @@ class SectorPixels {
     std::vector<Pixel> pixels;
     double saturated = 0.0;
     double present = 0.0;
+    double saturated_inside = 1e9, saturated_outside = -1e9;  ///< depths nearest to the outline
   };
   std::vector<Sector> sectors_;
   double window_;

@@ -13,6 +13,10 @@ constexpr double kTukey = 4.685;      // 95 % efficient on normal errors
 constexpr double kUsefulSd_px = 1.0;  // of a sector's offset
 constexpr double kLeastSigma_px = 0.35;
 constexpr int kFewest = 6;
+// What the sectors' scatter cannot show: shading and blur unlike the model pull whole stretches alike. Both
+// from painted photographs of balls with many looks (tests/host/digitize/outlines_test.cpp).
+constexpr double kUnseen = 1.35;
+constexpr double kFloor_px = 0.015;
 
 using Vector = cv::Vec<double, kUnknowns>;
 using Square = cv::Matx<double, kUnknowns, kUnknowns>;
@@ -26,6 +30,7 @@ struct Offsets {
   std::vector<SectorEdge> edges;
   std::vector<double> weight;  ///< 1/px²
   std::vector<double> trust;   ///< Tukey's factor
+  std::vector<double> pull;    ///< 1/px², how much a sector's offset still moves the fit (Tukey's psi')
   double extra2 = 0.0;         ///< variance beyond the sectors' own
 };
 
@@ -123,7 +128,7 @@ class Fit {
   Vector solve() {
     Vector change{};
     offsets_.weight.assign(static_cast<std::size_t>(count()), 0.0);
-    offsets_.trust = offsets_.weight;
+    offsets_.trust = offsets_.pull = offsets_.weight;
     for (int round = 0; round < 8; ++round) {
       reweight(change);
       normal_ = prior();
@@ -147,13 +152,14 @@ class Fit {
     offsets_.extra2 = extra_variance(offsets_.edges, left);
     for (std::size_t i = 0; i < left.size(); ++i) {
       const SectorEdge& edge = offsets_.edges[i];
-      offsets_.weight[i] = offsets_.trust[i] = 0.0;
+      offsets_.weight[i] = offsets_.trust[i] = offsets_.pull[i] = 0.0;
       if (!useful(edge)) continue;
       const double variance = edge.sd_px * edge.sd_px + offsets_.extra2;
       const double z2 = left[i] * left[i] / (variance * kTukey * kTukey);
       if (z2 >= 1.0) continue;
       offsets_.trust[i] = (1.0 - z2) * (1.0 - z2);
       offsets_.weight[i] = offsets_.trust[i] / variance;
+      offsets_.pull[i] = (1.0 - z2) * std::max(0.0, 1.0 - 5.0 * z2) / variance;
     }
   }
 
@@ -189,12 +195,18 @@ class Fit {
   }
 
   Square covariance() const {
-    // Sectors whose errors go together: felt and seams reach over a few.
-    constexpr int kReach = 4;
+    // Sectors whose errors go together: felt and seams reach over a few; with more, the
+    // estimate falls short, as the fit itself takes up what varies slowly along the outline.
+    constexpr int kReach = 3;
     std::vector<Vector> score(static_cast<std::size_t>(count()));
-    for (int i = 0; i < count(); ++i)
-      score[static_cast<std::size_t>(i)] = offsets_.weight[static_cast<std::size_t>(i)] *
-                                           residual(i, change_) * gradient(pixels_.direction(i));
+    const Square inverse = sensitivity().inv(cv::DECOMP_CHOLESKY);
+    for (int i = 0; i < count(); ++i) {
+      const auto at = static_cast<std::size_t>(i);
+      const Vector g = gradient(pixels_.direction(i));
+      // A residual is short by what its own sector pulled the fit towards it.
+      const double leverage = std::min(0.7, offsets_.weight[at] * g.dot(inverse * g));
+      score[at] = offsets_.weight[at] * residual(i, change_) / (1.0 - leverage) * g;
+    }
     Square meat = prior();
     for (int i = 0; i < count(); ++i) {
       const Vector& here = score[static_cast<std::size_t>(i)];
@@ -204,9 +216,18 @@ class Fit {
         meat += (1.0 - static_cast<double>(lag) / kReach) * (here * there.t() + there * here.t());
       }
     }
-    const Square inverse = normal_.inv(cv::DECOMP_CHOLESKY);
-    const double n = used();
-    return inverse * meat * inverse * (n / std::max(1.0, n - kUnknowns));
+    Square covariance = inverse * meat * inverse * (kUnseen * kUnseen);
+    for (int a = 0; a < 3; ++a) covariance(a, a) += kFloor_px * kFloor_px;
+    return covariance;
+  }
+
+  Square sensitivity() const {
+    Square slope = prior();
+    for (int i = 0; i < count(); ++i) {
+      const Vector g = gradient(pixels_.direction(i));
+      slope += offsets_.pull[static_cast<std::size_t>(i)] * g * g.t();
+    }
+    return slope;
   }
 
   void summarize(FittedOutline& fitted) const {

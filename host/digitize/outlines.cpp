@@ -67,7 +67,7 @@ class Outliner {
 
   std::vector<Measured<Outline>> run() {
     each([this](std::size_t i) { search(i); });
-    const int sweeps = settings_.effort == Effort::fast ? 1 : 3;
+    const int sweeps = settings_.effort == Effort::fast ? 1 : 2;
     for (int sweep = 0; sweep < sweeps; ++sweep) {
       const std::vector<Work> before = works_;
       each([this, &before, sweep](std::size_t i) { fit(i, before, sweep); });
@@ -124,7 +124,7 @@ class Outliner {
     Work& work = works_[i];
     if (!before[i].disc) return;
     FitSettings settings;
-    settings.steps = sweep == 0 ? 5 : 3;
+    settings.steps = sweep == 0 ? 3 : 2;
     settings.sectors_px = settings_.effort == Effort::fast ? 12.0 : 8.0;
     settings.oval_sd = map_.viewpoint() ? 0.002 : 0.005;
     if (settings_.diameter_px && settings_.diameter_sd_px) {
@@ -158,7 +158,7 @@ class Outliner {
       reject(work, Reason::wrong_size,
              fmt::format("diameter {:.1f} px is not between {:.1f} and {:.1f}", diameter,
                          settings_.diameter_min_px, settings_.diameter_max_px));
-    } else if (fitted.rms_px > std::max(0.8, 0.01 * fitted.shape.radius) ||
+    } else if (fitted.rms_px > std::max(1.0, 0.01 * fitted.shape.radius) ||
                std::hypot(fitted.shape.oval_cos, fitted.shape.oval_sin) > 0.03 * fitted.shape.radius) {
       reject(work, Reason::not_round,
              fmt::format("edges are {:.2f} px rms from an ellipse that a ball can have", fitted.rms_px));

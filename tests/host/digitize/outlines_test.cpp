@@ -1,0 +1,118 @@
+#include "host/digitize/outlines.hpp"
+
+#include <cmath>
+
+#include "tests/host/digitize/painter.hpp"
+
+#include <CppUTest/TestHarness.h>
+
+using namespace strobe::digitize;
+using strobe::testing::next_image;
+using strobe::testing::paint;
+using strobe::testing::Painting;
+using strobe::testing::random_ball;
+
+namespace {
+
+constexpr double kDiameter_px = 160.0;
+
+/// Three images that overlap, of a ball with a look of its own; seeds repeat it.
+Painting chain(std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  Painting painting;
+  painting.width = 480;
+  painting.height = 240;
+  painting.background = 0.02 + 0.06 * unit(random);
+  painting.blur_px = 0.7 + unit(random);
+  painting.bits = seed % 2 == 0 ? 8 : 16;
+  painting.seed = seed;
+  const auto ball = random_ball(random, {110 + unit(random), 100 + unit(random)}, kDiameter_px);
+  for (int i = 0; i < 3; ++i)
+    painting.balls.push_back(
+        next_image(ball, ball.centre + cv::Point2d(125 * i + unit(random), 20 * i + unit(random)), 0.5 * i));
+  return painting;
+}
+
+std::vector<Candidate> near_them(const Painting& painting) {
+  std::vector<Candidate> candidates;
+  for (std::size_t i = 0; i < painting.balls.size(); ++i) {
+    const double side = i % 2 == 0 ? 1.0 : -1.0;
+    candidates.push_back(
+        {painting.balls[i].centre + cv::Point2d(1.4 * side, -1.1), kDiameter_px / 2 + side, 0.8});
+  }
+  return candidates;
+}
+
+OutlineSettings settings(Effort effort = Effort::standard) {
+  OutlineSettings settings;
+  settings.diameter_min_px = 0.92 * kDiameter_px;
+  settings.diameter_max_px = 1.08 * kDiameter_px;
+  settings.effort = effort;
+  return settings;
+}
+
+}  // namespace
+
+TEST_GROUP(Outlines){};
+
+TEST(Outlines, FindOverlappingBallsOfAnyLookToATenthOfAPixelAndSayHowWell) {
+  double centre2 = 0.0, diameter2 = 0.0, normalized2 = 0.0;
+  int count = 0;
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    const Painting painting = chain(seed);
+    const PlaneMap map = PlaneMap::plain(painting.height);
+    const auto outlines = fit_outlines(paint(painting), map, near_them(painting), settings());
+    for (std::size_t i = 0; i < outlines.size(); ++i) {
+      CHECK_TRUE(outlines[i].has_value());
+      const cv::Point2d off = outlines[i]->centre - map.to_plane(painting.balls[i].centre);
+      const cv::Vec3d error(off.x, off.y, outlines[i]->diameter - kDiameter_px);
+      centre2 += off.dot(off) / 2;
+      diameter2 += error[2] * error[2];
+      normalized2 += error.dot(outlines[i]->covariance.inv() * error) / 3;
+      ++count;
+    }
+  }
+  LONGS_EQUAL(24, count);
+  CHECK(std::sqrt(centre2 / count) < 0.1);
+  CHECK(std::sqrt(diameter2 / count) < 0.2);
+  // 72 squares, of images of which three at a time look alike: as if of some 24 at least. Their mean's sd is
+  // then sqrt(2 / 24) = 0.29; three of them either way.
+  const double normalized = normalized2 / count;
+  CHECK(normalized > 0.13);
+  CHECK(normalized < 1.87);
+}
+
+TEST(Outlines, AreNotInventedWhereThereIsNone) {
+  Painting painting = chain(1);
+  painting.balls.clear();
+  const std::vector<Candidate> candidates{{{150, 120}, 80, 0.3}};
+  const auto outlines =
+      fit_outlines(paint(painting), PlaneMap::plain(painting.height), candidates, settings());
+  CHECK_FALSE(outlines[0].has_value());
+  LONGS_EQUAL(static_cast<int>(Reason::few_edges), static_cast<int>(outlines[0].error().reason));
+}
+
+TEST(Outlines, OfTwoCandidatesForOneBallKeepOne) {
+  Painting painting = chain(2);
+  painting.balls.resize(1);
+  auto candidates = near_them(painting);
+  candidates.push_back(candidates[0]);
+  candidates[1].centre_image += cv::Point2d(2, 2);
+  const auto outlines =
+      fit_outlines(paint(painting), PlaneMap::plain(painting.height), candidates, settings());
+  LONGS_EQUAL(1, (outlines[0].has_value() ? 1 : 0) + (outlines[1].has_value() ? 1 : 0));
+}
+
+TEST(Outlines, OfABallCutOffByTheBorderAreFittedToWhatIsThere) {
+  Painting painting = chain(3);
+  painting.balls.resize(1);
+  painting.balls[0].centre.x = 20.0;
+  const PlaneMap map = PlaneMap::plain(painting.height);
+  const auto outlines = fit_outlines(paint(painting), map, near_them(painting), settings(Effort::fast));
+  CHECK_TRUE(outlines[0].has_value());
+  const double off = cv::norm(outlines[0]->centre - map.to_plane(painting.balls[0].centre));
+  const double sd = std::sqrt(outlines[0]->covariance(0, 0) + outlines[0]->covariance(1, 1));
+  CHECK(off < 4.0 * sd);
+  CHECK(outlines[0]->seen_share < 0.7);
+}
