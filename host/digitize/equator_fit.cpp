@@ -10,7 +10,8 @@ namespace {
 constexpr double kInner = 0.95;
 constexpr int kMostStretches = 24;
 constexpr double kLeastStretch_px = 5.0;
-constexpr int kRounds = 4;
+constexpr int kRounds = 3;
+constexpr double kWithin = 0.22;  ///< to either side of a line is looked at, radii
 
 /// A block near the line: brightness relative to the ball's own.
 struct Point {
@@ -46,13 +47,12 @@ std::vector<Point> gather(const Blocks& blocks, const Flattened& flattened, cons
 /// Weighted means of the brightness across the line.
 struct Profile {
   static constexpr int kBins = 81;
-  double within = 0.3;
   std::array<double, kBins> sum{};
   std::array<double, kBins> weight{};
 
-  double at(int bin) const { return within * (2.0 * (bin + 0.5) / kBins - 1.0); }
+  double at(int bin) const { return kWithin * (2.0 * (bin + 0.5) / kBins - 1.0); }
   void add(double f, double x, double w) {
-    const int bin = static_cast<int>((f / within + 1.0) * 0.5 * kBins);
+    const int bin = static_cast<int>((f / kWithin + 1.0) * 0.5 * kBins);
     if (bin < 0 || bin >= kBins) return;
     sum[static_cast<std::size_t>(bin)] += w * x;
     weight[static_cast<std::size_t>(bin)] += w;
@@ -63,10 +63,10 @@ struct Profile {
 LineShape fit_shape(const Profile& profile, double softest) {
   LineShape best;
   double least = 1e300;
-  for (double half = 0.012; half < 0.16; half *= 1.15) {
-    for (double soft = softest; soft < 0.06; soft *= 1.35) {
+  for (double half = 0.012; half < 0.13; half *= 1.25) {
+    for (double soft = softest; soft < 0.05; soft *= 1.7) {
       const LineShape shape{half, soft};
-      if (shape.reach() > 0.8 * profile.within) continue;
+      if (shape.reach() > 0.8 * kWithin) continue;
       cv::Matx33d normal = cv::Matx33d::eye() * 1e-9;
       cv::Vec3d right;
       double square = 0.0;
@@ -152,7 +152,9 @@ Measured4 measure_stretches(const std::vector<Point>& points, const DiscLine& li
     const int which = static_cast<int>((along / kInner + 1.0) * 0.5 * stretches);
     if (which < 0 || which >= stretches) continue;
     const auto [dark, slope] = shape.at(f);
-    const cv::Vec4d row(1.0, f, -dark, slope);
+    // What shading and felt leave is in proportion to the light, also on the line.
+    const double lit = 1.0 - line.contrast * dark;
+    const cv::Vec4d row(lit, f * lit, -dark, slope);
     Sums& s = sums[static_cast<std::size_t>(which)];
     for (int a = 0; a < 4; ++a) {
       s.right[a] += point.weight * row[a] * point.x;
@@ -292,33 +294,45 @@ Step regress(LineFit& fit, const FitSettings& settings) {
   return step;
 }
 
+double middle_of(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::ranges::nth_element(values, middle);
+  return *middle;
+}
+
 void judge(LineFit& fit) {
-  double told = 0.0, dark = 0.0, first = 1.0, last = -1.0;
+  double first = 1.0, last = -1.0;
+  std::vector<double> dark;
   for (const Stretch& s : fit.stretches) {
     // One that cannot tell half the line's contrast from none says nothing.
     if (s.dark_sd * std::sqrt(fit.inside_scatter) > 0.5 * fit.line.contrast) continue;
-    told += 1.0;
-    if (s.dark > 0.4 * fit.line.contrast) dark += 1.0;
+    dark.push_back(s.dark);
     first = std::min(first, s.along);
     last = std::max(last, s.along);
   }
-  fit.dark_share = told > 0.0 ? dark / told : 0.0;
   fit.span = std::max(0.0, last - first);
+  if (dark.size() < 3) return;
+  const double n = static_cast<double>(dark.size());
+  fit.dark_share = static_cast<double>(
+                       std::ranges::count_if(dark, [&](double d) { return d > 0.4 * fit.line.contrast; })) /
+                   n;
+  const double usual = middle_of(dark);
+  for (double& d : dark) d = std::abs(d - usual);
+  fit.steadiness = usual * std::sqrt(n) / (1.4826 * 1.2533 * middle_of(dark) + 1e-6);
 }
 
 }  // namespace
 
 std::optional<LineFit> fit_line(const Blocks& blocks, const Flattened& flattened, const Disc& disc,
                                 const Shading& shading, const DiscLine& start, const FitSettings& settings) {
-  constexpr double kWithin = 0.3;
   LineFit fit;
   fit.line = start;
-  const std::vector<Point> points = gather(blocks, flattened, disc, shading, start, kWithin + 0.06);
+  const std::vector<Point> points = gather(blocks, flattened, disc, shading, start, kWithin + 0.04);
   const double radius = disc.radius_image_px / blocks.stride;
   const int stretches =
       std::clamp(static_cast<int>(2.0 * kInner * radius / kLeastStretch_px), 6, kMostStretches);
   for (int round = 0; round < kRounds; ++round) {
-    if (!settings.shape_known && round < 3) {
+    if (!settings.shape_known && round < 2) {
       Profile profile;
       const LinePlace place(fit.line);
       for (const Point& point : points) profile.add(place.across(point.u, point.v), point.x, point.weight);

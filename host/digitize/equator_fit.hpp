@@ -30,6 +30,7 @@ struct LineFit {
   double freedom = 0.0;         ///< degrees of it
   double neighbours = 0.0;      ///< sum of the products of next stretches' offs, as `scatter`
   double dark_share = 0.0;      ///< of the stretches that could tell, those that are dark
+  double steadiness = 0.0;      ///< how many sd the line is dark, by how the stretches' darkness differs
   double standing_share = 0.0;  ///< of the stretches, by weight, that fit
   double span = 0.0;            ///< between the outermost stretches, radii, at most 1.9
 };

@@ -9,11 +9,16 @@ namespace {
 constexpr double kInner = 0.95;
 constexpr int kMostCells = 44;     ///< a radius
 constexpr double kAcross = 0.62;   ///< how far from the middle a strip reaches, radii
-constexpr int kColumns = 60;       ///< along a strip
+constexpr int kColumns = 40;       ///< along a strip
 constexpr double kTiltMost = 0.3;  ///< 5 degrees of tilt, and what perspective adds off the axis
-constexpr int kTilts = 9;
+
 constexpr double kClip = 2.5;  ///< sd that one column may count
-constexpr std::array kHalfWidths{0.022, 0.04, 0.07, 0.115};
+/// A narrow line needs its tilt known the better.
+struct Width {
+  double half = 0.0;
+  int tilts = 1;
+};
+constexpr std::array kWidths{Width{0.022, 9}, Width{0.045, 7}, Width{0.09, 5}};
 
 /// The disc in square cells: brightness relative to the ball's own, weighted.
 class Cells {
@@ -153,29 +158,31 @@ float darkness(const Strip& strip, int column, double middle, double half_width,
   return side / sides - inner.sum / inner.weight;
 }
 
-double tilt(int index) { return kTiltMost * (2.0 * index / (kTilts - 1) - 1.0); }
+double tilt(int index, int tilts) { return kTiltMost * (2.0 * index / (tilts - 1) - 1.0); }
 
 /// Darkness of every column of every strip and tilt, for one width.
 struct Table {
   int angles = 0;
+  int tilts = 0;
   std::vector<float> dark;  ///< [angle][tilt][column]
 
   const float* columns(int angle, int tilt_index) const {
-    return dark.data() + static_cast<std::size_t>((angle * kTilts + tilt_index) * kColumns);
+    return dark.data() + static_cast<std::size_t>((angle * tilts + tilt_index) * kColumns);
   }
 };
 
-Table fill_table(const std::vector<Strip>& strips, double half_width, int per_radius) {
+Table fill_table(const std::vector<Strip>& strips, const Width& width, int per_radius) {
   Table table;
+  table.tilts = width.tilts;
   table.angles = static_cast<int>(strips.size());
-  table.dark.reserve(strips.size() * kTilts * kColumns);
+  table.dark.reserve(strips.size() * static_cast<std::size_t>(width.tilts * kColumns));
   for (const Strip& strip : strips) {
-    for (int t = 0; t < kTilts; ++t) {
-      const double tangent = std::tan(tilt(t));
+    for (int t = 0; t < width.tilts; ++t) {
+      const double tangent = std::tan(tilt(t, width.tilts));
       for (int column = 0; column < kColumns; ++column) {
         const double a = Strip::along(column);
         const double z = std::sqrt((1.0 - a * a) / (1.0 + tangent * tangent));
-        table.dark.push_back(darkness(strip, column, tangent * z, half_width, per_radius));
+        table.dark.push_back(darkness(strip, column, tangent * z, width.half, per_radius));
       }
     }
   }
@@ -186,7 +193,7 @@ Table fill_table(const std::vector<Strip>& strips, double half_width, int per_ra
 double spread(const Table& table) {
   std::vector<float> values;
   for (int angle = 0; angle < table.angles; ++angle) {
-    const float* columns = table.columns(angle, kTilts / 2);
+    const float* columns = table.columns(angle, table.tilts / 2);
     for (int column = 0; column < kColumns; ++column)
       if (columns[column] != kUnseen) values.push_back(std::abs(columns[column]));
   }
@@ -232,18 +239,18 @@ LineSearch search_line(const Blocks& blocks, const Flattened& flattened, const D
   const Cells cells(blocks, flattened, disc, shading);
   search.saturated = cells.saturated();
   search.outside = cells.outside();
-  const int angles = effort == Effort::fast ? 60 : 120;
+  const int angles = effort == Effort::fast ? 60 : 90;
   std::vector<Strip> strips;
   for (int k = 0; k < angles; ++k) strips.emplace_back(cells, std::numbers::pi * k / angles);
   std::vector<LinePeak> best(static_cast<std::size_t>(angles));
   std::vector<double> rank(best.size(), -1e30);
-  for (const double half_width : kHalfWidths) {
-    if (half_width * cells.per_radius() < 0.4) continue;
-    const Table table = fill_table(strips, half_width, cells.per_radius());
+  for (const Width& width : kWidths) {
+    if (width.half * cells.per_radius() < 0.4) continue;
+    const Table table = fill_table(strips, width, cells.per_radius());
     const double sd = spread(table);
     if (!(sd > 0.0)) continue;
     for (int k = 0; k < angles; ++k) {
-      for (int t = 0; t < kTilts; ++t) {
+      for (int t = 0; t < table.tilts; ++t) {
         const Tally found = tally(table.columns(k, t), sd);
         search.seen = std::max(search.seen, static_cast<double>(found.seen) / kColumns);
         if (found.seen < kColumns / 4) continue;
@@ -254,9 +261,9 @@ LineSearch search_line(const Blocks& blocks, const Flattened& flattened, const D
         rank[at] = order;
         LinePeak& peak = best[at];
         peak.line.angle_rad = std::numbers::pi * k / angles;
-        peak.line.tilt_rad = tilt(t);
+        peak.line.tilt_rad = tilt(t, table.tilts);
         peak.line.contrast = found.contrast;
-        peak.line.shape.half_width = half_width;
+        peak.line.shape.half_width = width.half;
         peak.score = found.score;
         peak.share = found.share;
       }

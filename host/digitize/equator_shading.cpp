@@ -9,7 +9,7 @@ namespace {
 constexpr float kNoUse = -1.0F;
 /// Nearer to the outline the sphere is too steep for low orders.
 constexpr double kInner = 0.96;
-constexpr int kSamplesAcross = 56;  ///< a disc
+constexpr int kSamplesAcross = 40;  ///< a disc
 constexpr int kSweeps = 4;
 
 /// One block under one disc.
