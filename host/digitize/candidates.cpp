@@ -20,10 +20,11 @@ struct Reduced {
   double to_full(double at) const { return (at + 0.5) * factor - 0.5; }
 };
 
-Reduced reduce(const cv::Mat& light, double radius_px, Effort effort) {
-  const double wanted = effort == Effort::fast ? 25.0 : 50.0;
+Reduced made_smaller(const cv::Mat& light, double radius_px, Effort effort) {
+  const double wanted = effort == Effort::fast ? 25.0 : 32.0;
   Reduced reduced;
   reduced.factor = std::max(1, static_cast<int>(radius_px / wanted));
+  reduced.factor = std::min(reduced.factor, std::min(light.cols, light.rows));
   if (reduced.factor == 1) {
     reduced.light = light;
     return reduced;
@@ -132,15 +133,21 @@ std::vector<SupportedCircle> best_first(CircleSupport& edges, const std::vector<
 
 std::vector<Candidate> find_candidates(const Photograph& photograph, const SearchRange& range,
                                        Effort effort) {
+  const double largest = std::max(photograph.width(), photograph.height());
+  if (!(range.radius_min_px > 3.0 && range.radius_max_px >= range.radius_min_px) ||
+      range.radius_max_px > largest)
+    return {};
   const double middle = 0.5 * (range.radius_min_px + range.radius_max_px);
-  const Reduced reduced = reduce(photograph.light, middle, effort);
+  const Reduced reduced = made_smaller(photograph.light, middle, effort);
+  if (std::min(reduced.light.cols, reduced.light.rows) < 3) return {};
   const double radius_min = range.radius_min_px / reduced.factor,
                radius_max = range.radius_max_px / reduced.factor;
   const double radius = middle / reduced.factor;
 
   EdgeSearch search;
   search.neighbourhood_px = radius;
-  search.floor = 0.25 / 255.0 / 4.0;
+  // A sixteenth of an 8-bit number per px: less is rounding.
+  search.floor = 0.0625 / 255.0;
   auto edges = find_voting_edges(reduced.light, search);
   const Votes votes = vote(edges, reduced.light.size(), radius_min, radius_max);
   const auto peaks = peaks_of(votes, radius, 500);
@@ -152,6 +159,9 @@ std::vector<Candidate> find_candidates(const Photograph& photograph, const Searc
     candidates.push_back({{reduced.to_full(circle.centre.x), reduced.to_full(circle.centre.y)},
                           circle.radius * reduced.factor,
                           share});
+  // A circle refitted to what others left may have gained.
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const Candidate& a, const Candidate& b) { return a.score > b.score; });
   return candidates;
 }
 

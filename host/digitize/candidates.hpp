@@ -18,8 +18,8 @@ struct SearchRange {
   double least_share = 0.2;
 };
 
-/// Best first; no two closer than a tenth of the radius. Centres to about a pixel of the photograph (fast:
-/// two).
+/// Best first; none for radii of 3 px or less or larger than the photograph; no two closer than a tenth of
+/// the radius. Centres to about a pixel of the photograph (fast: two).
 std::vector<Candidate> find_candidates(const Photograph& photograph, const SearchRange& range, Effort effort);
 
 }  // namespace strobe::digitize

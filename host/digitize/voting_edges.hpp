@@ -15,7 +15,7 @@ struct VotingEdge {
 
 struct EdgeSearch {
   double neighbourhood_px = 32.0;  ///< over which a gradient is judged: about the ball's radius
-  double prominence = 2.5;         ///< over the usual gradient around it
+  double prominence = 1.8;         ///< over the usual gradient around it
   double floor = 0.0;              ///< light per px: no edge below it
 };
 

@@ -1,0 +1,40 @@
+// Photographs come from cameras, copies and half-finished writes: any bytes are either a photograph within
+// its limits, in which the search for the ball ends, or an error of one line.
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <opencv2/core.hpp>
+
+#include "host/digitize/candidates.hpp"
+#include "host/digitize/photograph.hpp"
+
+namespace {
+
+void require(bool holds) {
+  if (!holds) std::abort();
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace strobe::digitize;
+  // Large pictures are for a test: here they only cost rounds.
+  constexpr std::int64_t kMostSearched = 100'000;
+  const auto photograph = decode_photograph({data, size}, "fuzz.tif");
+  if (!photograph) {
+    require(photograph.error().message.starts_with("fuzz.tif: "));
+    require(photograph.error().message.find('\n') == std::string::npos);
+    return 0;
+  }
+  require(photograph->width() >= 16 && photograph->height() >= 16);
+  require(photograph->bits == 1 || photograph->bits == 8 || photograph->bits == 16);
+  require(photograph->saturation > 0.0F && photograph->saturation <= 1.0F);
+  require(photograph->light.type() == CV_32FC1);
+  require(cv::checkRange(photograph->light, true, nullptr, 0.0, 1.0001));
+  if (std::int64_t{photograph->width()} * photograph->height() > kMostSearched) return 0;
+  for (const auto& candidate : find_candidates(*photograph, {6.0, 9.0}, Effort::fast)) {
+    require(candidate.radius_image_px >= 6.0 && candidate.radius_image_px <= 9.0);
+    require(candidate.score >= 0.0 && candidate.score <= 1.0);
+  }
+  return 0;
+}

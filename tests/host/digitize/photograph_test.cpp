@@ -1,0 +1,166 @@
+#include "host/digitize/photograph.hpp"
+
+#include <cstdio>
+#include <filesystem>
+#include <opencv2/imgcodecs.hpp>
+#include <string>
+#include <vector>
+
+#include "host/digitize/saturation.hpp"
+
+#include <CppUTest/TestHarness.h>
+
+using strobe::digitize::decode_photograph;
+using strobe::digitize::load_photograph;
+using strobe::digitize::Photograph;
+using strobe::digitize::saturation_level;
+
+namespace {
+
+using Bytes = std::vector<unsigned char>;
+
+Bytes encoded(const cv::Mat& pixels, const std::string& extension, const std::vector<int>& options = {}) {
+  Bytes bytes;
+  cv::imencode(extension, pixels, bytes, options);
+  return bytes;
+}
+
+/// 20 rows of 30: the number at (column, row) is step·(30·row + column), cut off at the top.
+cv::Mat ramp(int depth, int step) {
+  cv::Mat pixels(20, 30, depth);
+  for (int y = 0; y < 20; ++y)
+    for (int x = 0; x < 30; ++x) {
+      const int value = step * (30 * y + x);
+      if (depth == CV_8U)
+        pixels.at<unsigned char>(y, x) = cv::saturate_cast<unsigned char>(value);
+      else
+        pixels.at<unsigned short>(y, x) = cv::saturate_cast<unsigned short>(value);
+    }
+  return pixels;
+}
+
+/// A picture without structure near the top of its numbers, with a heap of 400 pixels from `from` to `to`.
+cv::Mat with_heap(int depth, int from, int to) {
+  cv::Mat pixels(100, 100, depth);
+  for (int i = 0; i < 10000; ++i) {
+    const int value = i < 9600 ? i % (from / 2) : from + i % (to - from + 1);
+    if (depth == CV_8U)
+      pixels.at<unsigned char>(i / 100, i % 100) = static_cast<unsigned char>(value);
+    else
+      pixels.at<unsigned short>(i / 100, i % 100) = static_cast<unsigned short>(value);
+  }
+  return pixels;
+}
+
+std::string complaint(const Bytes& bytes) {
+  const auto photograph = decode_photograph(bytes, "shot.tif");
+  return photograph ? "" : photograph.error().message;
+}
+
+}  // namespace
+
+TEST_GROUP(Photograph){void check_complaint(const Bytes& bytes, const std::string& part){
+    const std::string message = complaint(bytes);
+CHECK_TRUE(message.starts_with("shot.tif: "));
+CHECK_TRUE(message.find('\n') == std::string::npos);
+if (message.find(part) == std::string::npos) FAIL(("\"" + part + "\" is not in: " + message).c_str());
+}
+}
+;
+
+TEST(Photograph, LightIsProportionalToTheFilesNumbersWhateverTheFormat) {
+  for (const int depth : {CV_8U, CV_16U}) {
+    const double top = depth == CV_8U ? 255.0 : 65535.0;
+    const cv::Mat pixels = ramp(depth, depth == CV_8U ? 1 : 101);
+    for (const std::string extension : {".tif", ".png", ".pgm"}) {
+      const auto photograph = decode_photograph(encoded(pixels, extension), "a");
+      CHECK_TRUE(photograph.has_value());
+      CHECK_EQUAL(depth == CV_8U ? 8 : 16, photograph->bits);
+      CHECK_EQUAL(30, photograph->width());
+      cv::Mat expected;
+      pixels.convertTo(expected, CV_32F, 1.0 / top);
+      // Single precision's rounding of numbers up to one.
+      CHECK_TRUE(cv::norm(photograph->light, expected, cv::NORM_INF) <= 1.2e-7);
+    }
+  }
+}
+
+TEST(Photograph, APixelAtTheTopOfTheFileCountsAsSaturated) {
+  for (const int depth : {CV_8U, CV_16U}) {
+    const cv::Mat pixels(20, 20, depth, cv::Scalar(depth == CV_8U ? 255 : 65535));
+    const auto photograph = decode_photograph(encoded(pixels, ".png"), "a");
+    CHECK_TRUE(photograph.has_value());
+    CHECK_TRUE(photograph->light.at<float>(3, 3) >= photograph->saturation);
+  }
+}
+
+TEST(Photograph, ColoursBecomeTheirLuminance) {
+  const cv::Mat pixels(16, 16, CV_8UC3, cv::Scalar(40, 80, 160));  // blue, green, red
+  const auto photograph = decode_photograph(encoded(pixels, ".png"), "a");
+  CHECK_TRUE(photograph.has_value());
+  // ITU-R BT.601, to a whole number of the file.
+  DOUBLES_EQUAL(0.114 * 40 + 0.587 * 80 + 0.299 * 160, 255.0 * photograph->light.at<float>(5, 5), 0.51);
+}
+
+TEST(Photograph, OneBitIsBlackAndWhite) {
+  cv::Mat pixels = cv::Mat::zeros(16, 24, CV_8U);
+  pixels.colRange(10, 20).setTo(255);
+  const auto photograph = decode_photograph(encoded(pixels, ".png", {cv::IMWRITE_PNG_BILEVEL, 1}), "a");
+  CHECK_TRUE(photograph.has_value());
+  CHECK_EQUAL(1, photograph->bits);
+  DOUBLES_EQUAL(0.0, photograph->light.at<float>(8, 9), 0.0);
+  DOUBLES_EQUAL(1.0, photograph->light.at<float>(8, 10), 1e-6);
+}
+
+TEST(Photograph, AFileThatEndsTooEarlySaysSo) {
+  const cv::Mat pixels = ramp(CV_8U, 1);
+  for (const std::string extension : {".tif", ".png", ".jpg", ".bmp", ".pgm"}) {
+    const Bytes whole = encoded(pixels, extension);
+    CHECK_TRUE(decode_photograph(whole, "a").has_value());
+    for (std::size_t length = 0; length < whole.size(); length += 1 + length / 8)
+      CHECK_TRUE(complaint(Bytes(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(length))) != "");
+    check_complaint(Bytes(whole.begin(), whole.end() - 30), "cut short");
+  }
+}
+
+TEST(Photograph, WhatIsNoPictureIsNamed) {
+  check_complaint({}, "the file is empty");
+  check_complaint(Bytes(100, 'x'), "no picture of a kind that is read");
+  check_complaint(encoded(cv::Mat::zeros(15, 40, CV_8U), ".png"), "40 x 15 pixels are too few");
+  check_complaint(encoded(cv::Mat::zeros(20, 20, CV_32F), ".tif"), "floating-point");
+}
+
+TEST(Photograph, AHeaderOfBillionsOfPixelsIsRefusedBeforeTheyAreAllocated) {
+  Bytes png = encoded(ramp(CV_8U, 1), ".png");
+  for (const std::size_t at : {std::size_t{16}, std::size_t{20}}) png[at] = 0x7F;
+  check_complaint(png, "more than the 120 million");
+}
+
+TEST(Photograph, PathsThatAreNoPlainFileAreNamed) {
+  for (const std::string path : {"/", "/dev/null", "/no/such/photograph.tif"}) {
+    const auto photograph = load_photograph(path);
+    CHECK_FALSE(photograph.has_value());
+    CHECK_TRUE(photograph.error().message.starts_with(path + ": "));
+  }
+}
+
+TEST_GROUP(Saturation){};
+
+TEST(Saturation, IsTheTopOfASensorOfFewerBitsThanTheFile) {
+  // Found to a 256th of the sensor's range.
+  DOUBLES_EQUAL(4095.0, saturation_level(with_heap(CV_16U, 4095, 4095)), 16.0);
+  DOUBLES_EQUAL(65520.0, saturation_level(with_heap(CV_16U, 65520, 65520)), 256.0);
+  DOUBLES_EQUAL(1023.0, saturation_level(with_heap(CV_16U, 1023, 1023)), 4.0);
+}
+
+TEST(Saturation, IsFoundWhereCompressionSpreadsIt) {
+  const double level = saturation_level(with_heap(CV_8U, 247, 252));
+  CHECK_TRUE(level <= 247.0 && level >= 244.0);
+}
+
+TEST(Saturation, IsTheFilesTopWhereNothingIsHeapedUp) {
+  DOUBLES_EQUAL(255.0, saturation_level(ramp(CV_8U, 1).rowRange(0, 8)), 0.0);
+  DOUBLES_EQUAL(65535.0, saturation_level(ramp(CV_16U, 5)), 0.0);
+  // An evenly lit object, but far from what eight bits hold.
+  DOUBLES_EQUAL(255.0, saturation_level(with_heap(CV_8U, 180, 180)), 0.0);
+}
