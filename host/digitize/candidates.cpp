@@ -150,7 +150,7 @@ std::vector<Candidate> find_candidates(const Photograph& photograph, const Searc
   search.floor = 0.0625 / 255.0;
   auto edges = find_voting_edges(reduced.light, search);
   const Votes votes = vote(edges, reduced.light.size(), radius_min, radius_max);
-  const auto peaks = peaks_of(votes, radius, 500);
+  const auto peaks = peaks_of(votes, radius, 250);
   CircleSupport support(std::move(edges), reduced.light.size());
   const auto circles = best_first(support, peaks, radius_min, radius_max, range.least_share);
 
