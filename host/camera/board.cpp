@@ -61,7 +61,10 @@ double least_distance(const std::vector<cv::Point2f>& points) {
 void refine_corners(const cv::Mat& light, std::vector<cv::Point2f>& points) {
   const int half = std::clamp(static_cast<int>(0.3 * least_distance(points)), 2, 25);
   const cv::TermCriteria until(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 60, 1e-4);
-  cv::cornerSubPix(light, points, {half, half}, {-1, -1}, until);
+  // Gradients of the noise alone would blur the result; those of the corners are far wider.
+  cv::Mat calm;
+  cv::GaussianBlur(light, calm, {0, 0}, std::clamp(0.1 * half, 0.5, 1.5));
+  cv::cornerSubPix(calm, points, {half, half}, {-1, -1}, until);
 }
 
 /// Centroid of what is darker than half way from the paper to the disc, weighted by how much.

@@ -17,6 +17,20 @@ cv::Vec2d deviations(std::span<const double> h, double focal) {
   return {a.dot(b) / size, 0.5 * (a.dot(a) - b.dot(b)) / size};
 }
 
+/// The lens' centre is taken to be the photograph's, from which lenses are some per mille of the diagonal
+/// off: enough to make a slight tilt tell nothing of the focal length.
+cv::Matx22d centre_spread(const std::vector<double>& h, double focal) {
+  constexpr double kCentreSd = 0.004;
+  cv::Matx22d spread = cv::Matx22d::zeros();
+  for (const std::size_t row : {std::size_t{0}, std::size_t{3}}) {
+    std::vector<double> moved = h;
+    for (std::size_t i = 0; i < 2; ++i) moved[row + i] += kCentreSd * h[6 + i];
+    const cv::Vec2d change = deviations(moved, focal) - deviations(h, focal);
+    spread += change * change.t();
+  }
+  return spread;
+}
+
 double chi_square(const BoardFit& fit, std::size_t view, double focal) {
   std::vector<double> h(fit.parameters.begin() + static_cast<std::ptrdiff_t>(view * kPerView),
                         fit.parameters.begin() + static_cast<std::ptrdiff_t>((view + 1) * kPerView));
@@ -37,7 +51,8 @@ double chi_square(const BoardFit& fit, std::size_t view, double focal) {
           static_cast<int>(view * kPerView + i), static_cast<int>(view * kPerView + j));
     }
   }
-  const cv::Matx22d spread = slopes * covariance * slopes.t() + cv::Matx22d::eye() * 1e-24;
+  const cv::Matx22d spread =
+      slopes * covariance * slopes.t() + centre_spread(h, focal) + cv::Matx22d::eye() * 1e-24;
   return (g.t() * spread.inv() * g)(0);
 }
 

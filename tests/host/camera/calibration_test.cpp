@@ -90,6 +90,17 @@ TEST(Calibration, OfSlantedBoardsFindsTheLens) {
   DOUBLES_EQUAL(-0.25, found->lens.k1 * std::pow(2500.0 / found->lens.focal_px, 2.0), 0.02);
 }
 
+TEST(Calibration, OfASlightTiltDoesNotTakeALensOffCentreForADistance) {
+  pinhole.centre = {322.0, 237.5};
+  const Pose plane = testing::pose(board, 0.9, {0.03, 0.03, 0.0});
+  const auto view = testing::view(pinhole, plane, board, 0.002, random);
+  const auto found = camera::calibrate({&view, 1}, settings);
+  if (found->place) {
+    DOUBLES_EQUAL(plane.distance_m(), found->place->viewpoint.distance_px / found->px_per_m,
+                  3.0 * found->place->distance_sd_px / found->px_per_m);
+  }
+}
+
 TEST(Calibration, OfOneStraightPhotographLeavesTheDistanceToATape) {
   const auto view = testing::view(pinhole, testing::pose(board, 1.0, {0.0, 0.0, 0.0}), board, 0.05, random);
   settings.off_plane_sd_m = 0.001;
@@ -188,6 +199,11 @@ TEST(Board, ChessboardsCornersAreFoundToPartsOfAPixel) {
 
 TEST(Board, DiscsAreFoundToPartsOfAPixel) {
   const BoardPattern pattern{BoardKind::circles, 8, 6, 0.02};
+  CHECK_TRUE(rms_of(pattern, testing::pose(pattern, 1.0, {0.02, -0.03, 0.05})) < 0.1);
+}
+
+TEST(Board, StaggeredDiscsAreFoundToPartsOfAPixel) {
+  const BoardPattern pattern{BoardKind::staggered_circles, 4, 7, 0.04};
   CHECK_TRUE(rms_of(pattern, testing::pose(pattern, 1.0, {0.02, -0.03, 0.05})) < 0.1);
 }
 
