@@ -1,0 +1,88 @@
+// From the camera's photograph to the readout, with the shipped programs: photographs rendered as the shutter
+// closes, found in the folder, matched, digitized, reduced; recomputed from the log without them.
+#include <cmath>
+#include <filesystem>
+#include <string>
+
+#include "tests/hil/bench.hpp"
+#include "tests/hil/truth_score.hpp"
+#include "tests/support/json_lines.hpp"
+// CppUTest redefines new; its headers come last.
+#include <CppUTest/TestHarness.h>
+
+using namespace strobe::hil;
+using namespace std::chrono_literals;
+using strobe::testing::ExitStatus;
+
+namespace {
+
+/// A ball of 98 px: quick to render and to measure on a busy machine.
+BenchOptions small_sensor(const std::filesystem::path& photographs) {
+  BenchOptions options;
+  options.scene_addition = "[camera]\npx_per_m = 1500\norigin_x_px = 600\norigin_y_px = 150\n";
+  options.rig_edits = {{"photograph_timeout_s = 5", "photograph_timeout_s = 60"},
+                       {"[analysis]", "[analysis]\npx_per_m = 1500\npx_per_m_sd = 0.5"}};
+  options.sim_options = {"--photographs", photographs};
+  return options;
+}
+
+std::filesystem::path host_log(const Bench& bench) {
+  for (const auto& entry : std::filesystem::directory_iterator(bench.session())) {
+    if (entry.path().filename().string().rfind("host-", 0) == 0) return entry.path();
+  }
+  return {};
+}
+
+int files_in(const std::filesystem::path& folder) {
+  int count = 0;
+  for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator(folder)) ++count;
+  return count;
+}
+
+/// Share of the incoming speed by which the velocities are off. A centre that is off by a whole pixel at both
+/// ends of a leg of four images would make 2 %.
+double worst_share(const nlohmann::json& readout, const nlohmann::json& truth) {
+  double worst = 0.0;
+  for (const char* name : {"vx_td_mps", "vy_td_mps", "vx_lo_mps", "vy_lo_mps"}) {
+    const double error = readout.at(name).get<double>() - truth.at("readout").at(name).get<double>();
+    worst = std::max(worst, std::abs(error) / truth.at("readout").at("v_td_mps").get<double>());
+  }
+  return worst;
+}
+
+}  // namespace
+
+TEST_GROUP(Photographs){};
+
+TEST(Photographs, AreReadOutAsTheyArriveAndAJunkFileStopsNothing) {
+  const strobe::testing::TemporaryFolder camera;
+  strobe::testing::write_text(camera / "old.tif", "of another day");
+  Bench bench(small_sensor(camera.path()));
+  if (!bench.ready()) FAIL(("strobed did not come up:\n" + bench.log()).c_str());
+  auto fire = bench.start(bench.fire(2, 9, {"--photographs", camera.path(), "--effort", "fast"}));
+  CHECK(fire.wait_for_err("photographs from", 20s));
+  strobe::testing::write_text(camera / "junk.tif", "no photograph");
+  const auto status = fire.wait(240s);
+  CHECK_TEXT(status == ExitStatus({0, 0}), fire.err().c_str());
+  CHECK_TEXT(fire.err().find("junk.tif") != std::string::npos, fire.err().c_str());
+  CHECK_TEXT(fire.err().find("old.tif") == std::string::npos, fire.err().c_str());
+  const std::string printed = fire.out();
+  bench.finish();
+
+  int good = 0;
+  for (const auto& readout : readouts(printed)) {
+    if (is_spoilt(readout) || !is_complete(readout)) continue;
+    for (const auto& truth : bench.truths()) {
+      if (truth.at("shot_id") != readout.at("shot_id")) continue;
+      ++good;
+      CHECK_TEXT(worst_share(readout, truth) < 0.02, readout.dump().c_str());
+    }
+  }
+  CHECK(good >= 1);
+  CHECK(files_in(bench.session() / "photographs") >= 2);
+
+  std::filesystem::remove_all(bench.session() / "photographs");
+  const auto replayed = strobe::testing::run_to_end(bench.strobe({"replay", host_log(bench), "--json"}), 30s);
+  CHECK_TEXT(replayed.status == ExitStatus({0, 0}), replayed.err.c_str());
+  STRCMP_EQUAL(readout_lines(printed).c_str(), readout_lines(replayed.out).c_str());
+}
