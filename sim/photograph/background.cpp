@@ -22,24 +22,30 @@ class Stage {
  public:
   Stage(const Optics& optics, cv::Mat& light, int step) : optics_(optics), light_(light), step_(step) {}
 
-  /// Replaces (share 1) or mixes in light.
+  /// Mixes light into a convex polygon (corners counter-clockwise): all of it at a share of 1. The edges are
+  /// where the corners say, to a small part of a pixel; blurred edges fall over 5 sd of the blur.
   void polygon(const std::vector<Vec2>& corners, double z, double brightness, double share, double blur_px) {
-    std::vector<cv::Point> points;
-    for (std::size_t i = 0; i < corners.size(); ++i) {
-      const Vec2& a = corners[i];
-      const Vec2& b = corners[(i + 1) % corners.size()];
+    const double nearer = optics_.perspective() ? optics_.distance_m() / (optics_.distance_m() - z) : 1.0;
+    std::vector<Vec2> seen;
+    for (const Vec2& c : corners) seen.push_back({nearer * c.x, nearer * c.y});
+    std::vector<cv::Point> outline;
+    for (std::size_t i = 0; i < seen.size(); ++i) {
+      const Vec2 &a = seen[i], &b = seen[(i + 1) % seen.size()];
       for (int k = 0; k < kPiecesOfASide; ++k) {
         const double t = static_cast<double>(k) / kPiecesOfASide;
-        points.push_back(fixed({a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)}, z));
+        outline.push_back(fixed({a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)}, 0.0));
       }
     }
-    const cv::Rect box = within(points, blur_px);
-    if (box.empty()) return;
-    cv::Mat mask = cv::Mat::zeros(box.size(), CV_8UC1);
-    const cv::Point shift(-box.x * static_cast<int>(kFixed), -box.y * static_cast<int>(kFixed));
-    for (cv::Point& p : points) p += shift;
-    cv::fillPoly(mask, std::vector<std::vector<cv::Point>>{points}, cv::Scalar(255), cv::LINE_AA, kFraction);
-    mix(mask, box, brightness, share, blur_px);
+    const cv::Rect box = within(outline, blur_px);
+    const double per_m = optics_.px_per_m() / step_;
+    const double fall_px = 1.0 + 5.0 * blur_px;
+    for (int row = box.y; row < box.y + box.height; ++row) {
+      float* l = light_.ptr<float>(row);
+      for (int column = box.x; column < box.x + box.width; ++column) {
+        const double covered = std::clamp(0.5 - per_m * outside(seen, at(column, row)) / fall_px, 0.0, 1.0);
+        l[column] += static_cast<float>(share * covered) * (static_cast<float>(brightness) - l[column]);
+      }
+    }
   }
 
   void stroke(const std::vector<Vec2>& way, double z, double width_m, double brightness) {
@@ -52,7 +58,7 @@ class Stage {
     const cv::Point shift(-box.x * static_cast<int>(kFixed), -box.y * static_cast<int>(kFixed));
     for (cv::Point& p : points) p += shift;
     cv::polylines(mask, points, false, cv::Scalar(255), cvRound(width_px), cv::LINE_AA, kFraction);
-    mix(mask, box, brightness, 1.0, 0.7);
+    mix(mask, box, brightness);
   }
 
   Vec2 at(int column, int row) const {
@@ -84,15 +90,23 @@ class Stage {
                        floored(bottom) - floored(top) + 2 * m + 1);
     return box & cv::Rect(0, 0, light_.cols, light_.rows);
   }
-  void mix(cv::Mat& mask, const cv::Rect& box, double brightness, double share, double blur_px) {
-    if (blur_px > 0.0) cv::GaussianBlur(mask, mask, {}, blur_px);
+  /// How far a point lies outside of the polygon; negative inside.
+  static double outside(const std::vector<Vec2>& corners, const Vec2& p) {
+    double most = -1e9;
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      const Vec2 &a = corners[i], &b = corners[(i + 1) % corners.size()];
+      const double dx = b.x - a.x, dy = b.y - a.y;
+      most = std::max(most, (dy * (p.x - a.x) - dx * (p.y - a.y)) / std::hypot(dx, dy));
+    }
+    return most;
+  }
+  void mix(cv::Mat& mask, const cv::Rect& box, double brightness) {
+    cv::GaussianBlur(mask, mask, {}, 0.7);
     for (int row = 0; row < box.height; ++row) {
       const std::uint8_t* m = mask.ptr<std::uint8_t>(row);
       float* l = light_.ptr<float>(box.y + row) + box.x;
-      for (int column = 0; column < box.width; ++column) {
-        const auto a = static_cast<float>(share * m[column] / 255.0);
-        l[column] += a * (static_cast<float>(brightness) - l[column]);
-      }
+      for (int column = 0; column < box.width; ++column)
+        l[column] += static_cast<float>(m[column] / 255.0) * (static_cast<float>(brightness) - l[column]);
     }
   }
 
