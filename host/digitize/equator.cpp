@@ -290,7 +290,9 @@ Measured<Equator> result(const Disc& disc, const Found& found, const Scatter& sc
   const double own = fit.scatter, all = scatter.mean * fit.inside_scatter;
   const double variance = (fit.freedom * own + kFreedomOfAll * all) / (fit.freedom + kFreedomOfAll);
   Equator equator;
-  equator.sd_rad = std::sqrt(variance * scatter.together * fit.per_variance);
+  // A fiftieth of a pixel at the outline: what is left of shading without any noise.
+  const double floor_rad = std::max(0.01 * kDegree, 0.02 / disc.radius_image_px);
+  equator.sd_rad = std::hypot(std::sqrt(variance * scatter.together * fit.per_variance), floor_rad);
   if (!(equator.sd_rad < 3.0 * kDegree))
     return tl::unexpected<Rejection>(
         Rejection{Reason::imprecise, fmt::format("sd of {:.1f} degrees", equator.sd_rad / kDegree)});

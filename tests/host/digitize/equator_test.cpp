@@ -1,0 +1,166 @@
+#include "host/digitize/equator.hpp"
+
+#include <numbers>
+
+#include "tests/host/digitize/painter.hpp"
+
+#include <CppUTest/TestHarness.h>
+
+using strobe::digitize::Effort;
+using strobe::digitize::Equator;
+using strobe::digitize::measure_equators;
+using strobe::digitize::Measured;
+using strobe::digitize::Outline;
+using strobe::digitize::Photograph;
+using strobe::digitize::PlaneMap;
+using strobe::digitize::Reason;
+using strobe::testing::next_image;
+using strobe::testing::paint;
+using strobe::testing::PaintedBall;
+using strobe::testing::Painting;
+
+namespace {
+constexpr double kDegree = std::numbers::pi / 180.0;
+constexpr double kDiameter_px = 160.0;
+}  // namespace
+
+TEST_GROUP(Equators) {
+  Painting painting;
+
+  void setup() override {
+    painting.width = 520;
+    painting.height = 220;
+  }
+
+  static PaintedBall ball() {
+    PaintedBall ball;
+    ball.centre = {110.0, 108.0};
+    ball.diameter_px = kDiameter_px;
+    ball.light = 0.3;
+    ball.lamps = {{{-1.0, 0.4, 1.0}, 0.8}, {{1.0, 0.3, 1.2}, 0.7}};
+    ball.grain = 0.04;
+    ball.grain_px = 3.0;
+    ball.seam_contrast = 0.1;
+    ball.line = strobe::testing::PaintedLine{0.7, 8.0, 0.5, 0.0, 1.0};
+    ball.seed = 11;
+    return ball;
+  }
+
+  void add_three(const PaintedBall& first, double apart_px, double turn_rad) {
+    for (int k = 0; k < 3; ++k)
+      painting.balls.push_back(next_image(first, {110.0 + apart_px * k, 108.0}, turn_rad * k));
+  }
+
+  std::vector<Measured<Equator>> measured(Effort effort = Effort::standard) const {
+    return measured(paint(painting), effort);
+  }
+
+  std::vector<Measured<Equator>> measured(const Photograph& photograph, Effort effort) const {
+    std::vector<Outline> outlines;
+    for (const PaintedBall& one : painting.balls) {
+      Outline outline;
+      outline.centre = {one.centre.x, painting.height - 1 - one.centre.y};
+      outline.diameter = one.diameter_px;
+      outline.covariance = cv::Matx33d(0.01, 0, 0, 0, 0.01, 0, 0, 0, 0.04);
+      outline.blur_px = painting.blur_px;
+      outlines.push_back(outline);
+    }
+    return measure_equators(photograph, PlaneMap::plain(painting.height), outlines, effort);
+  }
+
+  /// All found and within the limit, and the stated sd is not far below the error either.
+  void check_angles(const std::vector<Measured<Equator>>& results, double limit_rad) const {
+    CHECK_EQUAL(painting.balls.size(), results.size());
+    for (std::size_t k = 0; k < results.size(); ++k) {
+      CHECK_TRUE(results[k].has_value());
+      const double error =
+          std::remainder(results[k]->angle_rad - painting.balls[k].line->angle_rad, std::numbers::pi);
+      CHECK_TRUE(std::abs(error) < limit_rad);
+      CHECK_TRUE(std::abs(error) < 5.0 * results[k]->sd_rad);
+      CHECK_TRUE(results[k]->angle_rad >= 0.0 && results[k]->angle_rad < std::numbers::pi);
+    }
+  }
+};
+
+// Limits: the stretches' scatter for felt of 4 % and a line of contrast 0.5 gives some 0.05 degree at this
+// size; five of these, rounded up. A contrast of 0.15 makes it 0.17 degree.
+
+TEST(Equators, AreMeasuredWhereImagesStandAlone) {
+  add_three(ball(), 170.0, 0.4);
+  check_angles(measured(), 0.3 * kDegree);
+}
+
+TEST(Equators, AreMeasuredWhereImagesOverlap) {
+  add_three(ball(), 110.0, 0.4);
+  check_angles(measured(), 0.4 * kDegree);
+}
+
+TEST(Equators, AreMeasuredFast) {
+  add_three(ball(), 130.0, 2.0);
+  check_angles(measured(Effort::fast), 0.5 * kDegree);
+}
+
+TEST(Equators, OfATiltedLineAreTheDirectionOfItsEnds) {
+  PaintedBall tilted = ball();
+  tilted.line->tilt_rad = 5.0 * kDegree;
+  add_three(tilted, 170.0, 1.0);
+  check_angles(measured(), 0.3 * kDegree);
+}
+
+TEST(Equators, AreMeasuredWhereTheLineIsFaint) {
+  PaintedBall faint = ball();
+  faint.line->contrast = 0.15;
+  faint.grain = 0.03;
+  faint.seam_contrast = 0.0;
+  add_three(faint, 150.0, 0.3);
+  check_angles(measured(), 0.9 * kDegree);
+}
+
+TEST(Equators, TellTheContrastOfTheLine) {
+  add_three(ball(), 170.0, 0.4);
+  // The shading gives way to the line by some per cent.
+  for (const auto& one : measured()) DOUBLES_EQUAL(0.5, one->contrast, 0.08);
+}
+
+TEST(Equators, AreNotGuessedOfABallWithoutALine) {
+  PaintedBall plain = ball();
+  plain.line.reset();
+  plain.seam_contrast = 0.3;
+  add_three(plain, 130.0, 0.4);
+  for (const auto& one : measured()) CHECK_FALSE(one.has_value());
+}
+
+TEST(Equators, AreSaidToBeSaturatedWhereNothingElseIsSeen) {
+  PaintedBall bright = ball();
+  bright.light = 6.0;
+  bright.line->contrast = 0.1;
+  add_three(bright, 170.0, 0.4);
+  for (const auto& one : measured()) {
+    CHECK_FALSE(one.has_value());
+    CHECK_TRUE(one.error().reason == Reason::saturated);
+  }
+}
+
+TEST(Equators, AreTheSameForAnyNumberOfThreads) {
+  add_three(ball(), 100.0, 0.4);
+  const Photograph photograph = paint(painting);
+  const auto many = measured(photograph, Effort::standard);
+  const int threads = cv::getNumThreads();
+  cv::setNumThreads(1);
+  const auto one = measured(photograph, Effort::standard);
+  cv::setNumThreads(threads);
+  for (std::size_t k = 0; k < one.size(); ++k) {
+    CHECK_EQUAL(one[k].has_value(), many[k].has_value());
+    if (one[k]) CHECK_TRUE(one[k]->angle_rad == many[k]->angle_rad && one[k]->sd_rad == many[k]->sd_rad);
+  }
+}
+
+TEST(Equators, AreNoneWhereNoOutlineIsSeenAtAll) {
+  painting.balls.push_back(ball());
+  painting.balls.back().centre = {-4000.0, 100.0};
+  const auto results = measured();
+  CHECK_EQUAL(1, results.size());
+  CHECK_FALSE(results.front().has_value());
+  painting.balls.clear();
+  CHECK_TRUE(measured().empty());
+}
