@@ -12,6 +12,7 @@ namespace strobe::bench {
 
 void add_timing_command(CLI::App& app, int& exit_status);
 void add_digits_command(CLI::App& app, int& exit_status);
+void add_digitize_command(CLI::App& app, int& exit_status);
 void add_efficiency_command(CLI::App& app, int& exit_status);
 void add_plan_command(CLI::App& app, int& exit_status);
 void add_thesis_command(CLI::App& app, int& exit_status);
