@@ -57,6 +57,10 @@ class Stopwatch {
 
 // From so many balls on the size is agreed well enough to doubt one.
 constexpr std::size_t kAgreeingBalls = 4;
+// A centre less well known is that of a sliver at the border, or of arcs that belong to several things.
+constexpr double kMostSdOfDiameter = 0.004;
+// Among the balls near the bounce stray arcs are likelier to pass for one that touches.
+constexpr double kMostContactSdOfDiameter = 0.002;
 constexpr double kDoubtful_sd = 4.0;
 
 double sd_of_diameter(const Outline& o) { return std::sqrt(std::max(0.0, o.covariance(2, 2))); }
@@ -143,6 +147,12 @@ class Run {
     const BallSize size = agreed_size(outlines);
     std::vector<Outline> kept;
     for (Outline& o : outlines) {
+      const double sd = std::sqrt(std::max(o.covariance(0, 0), o.covariance(1, 1)));
+      if (sd > kMostSdOfDiameter * o.diameter) {
+        reject(o.centre, o.diameter, "image", Reason::imprecise,
+               fmt::format("its centre would be known to {:.1f} px only", sd));
+        continue;
+      }
       if (!wrong_size(o, size)) {
         kept.push_back(std::move(o));
         continue;
@@ -220,6 +230,14 @@ class Run {
                std::isfinite(l.off_px) ? fmt::format("{:.1f} px off the ball's path", l.off_px)
                                        : std::string("no path leads to it"));
       }
+    }
+    for (const int i : path.contact) {
+      const Outline& o = outlines[static_cast<std::size_t>(i)];
+      const double sd = points[static_cast<std::size_t>(i)].sd_px;
+      if (sd <= std::max(0.5, kMostContactSdOfDiameter * o.diameter)) continue;
+      left[static_cast<std::size_t>(i)] = 1;
+      reject(o.centre, o.diameter, "image", Reason::imprecise,
+             fmt::format("arcs near the surface that fix a centre to {:.1f} px only", sd));
     }
     for (std::size_t i = 0; i < outlines.size(); ++i) {
       if (!left[i]) result_.outlines.push_back(outlines[i]);

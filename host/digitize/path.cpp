@@ -14,6 +14,7 @@ namespace {
 // the two may be wrong where it goes straight down and up.
 constexpr double kLongestContact = 2.8;
 constexpr double kCrossingNoise = 0.4;
+constexpr double kContactMargin = 0.2;  ///< beyond where the legs meet the surface
 constexpr double kNearApex = 3.0;
 // A second leg must explain at least this much weight of images.
 constexpr double kLegCost = 0.5;
@@ -175,7 +176,7 @@ class Finder {
         to = std::max(to.value_or(c->x), c->x);
       }
     }
-    const double margin = kept_.size() == 2 ? 0.7 * d_ : kLongestContact * d_;
+    const double margin = kept_.size() == 2 ? kContactMargin * d_ : kLongestContact * d_;
     for (const int i : low_) {
       const double x = at(points_, i).at.x;
       if (!from || (x >= *from - margin && x <= *to + margin)) path_.contact.push_back(i);
