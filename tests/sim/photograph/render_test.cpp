@@ -1,0 +1,237 @@
+// Rendered photographs against the truth that is told of them.
+#include <cmath>
+#include <string>
+
+#include "sim/photograph/optics.hpp"
+#include "sim/photograph/render.hpp"
+#include "sim/rig/camera.hpp"
+#include "sim/shoot/shoot.hpp"
+// CppUTest redefines new; its headers come last.
+#include <CppUTest/TestHarness.h>
+
+namespace {
+
+using namespace strobe;
+using namespace strobe::sim;
+
+/// A small sensor, no noise, no irregular outline, shadows cast far aside.
+Scene clean_scene(const std::string& camera = "") {
+  auto scene = parse_scene(
+      "[machine]\nspeed_mps = 17\nangle_deg = -23\nspin_radps = 100\n"
+      "[bounce]\ne = 0.8\nmu = 0.6\ndwell_ms = 5\n"
+      "[photograph]\nbits = 16\nread_noise_e = 0\nvignetting = 0\nflash_power_sd = 0\n"
+      "[ball_look]\nsurface = \"plain\"\nline_tilt_deg = 0\n"
+      "[background]\nwall = 0.5\nwall_distance_m = 20\nclutter = 0\nplate = false\n"
+      "[camera]\npx_per_m = 1000\norigin_x_px = 375\norigin_y_px = 75\n" +
+          camera,
+      "clean.toml");
+  if (!scene) FAIL(scene.error().message.c_str());
+  scene->photograph.full_well_e = 1e30;
+  return *scene;
+}
+
+/// The exposure with none but the flash of one pulse.
+Exposure only(Exposure exposure, std::size_t pulse) {
+  for (std::size_t i = 0; i < exposure.pulses.size(); ++i) {
+    if (i != pulse) exposure.pulses[i].flashes = {};
+  }
+  return exposure;
+}
+
+Exposure shot_of(const Scene& scene) {
+  auto shot = shoot(scene, 7, 1);
+  if (!shot) FAIL(shot.error().message.c_str());
+  return shot->exposure;
+}
+
+Photograph rendered(const Scene& scene, const Exposure& exposure, const Look& look) {
+  auto photograph = render(scene, exposure, look);
+  if (!photograph) FAIL(photograph.error().message.c_str());
+  return *photograph;
+}
+
+struct Moments {
+  double sum = 0.0, x = 0.0, y = 0.0, angle_rad = 0.0;
+};
+
+/// Of weights; y upwards.
+template <typename Weight>
+Moments moments(int width, int height, Weight weight) {
+  double m = 0, mx = 0, my = 0, mxx = 0, mxy = 0, myy = 0;
+  for (int row = 0; row < height; ++row) {
+    for (int column = 0; column < width; ++column) {
+      const double w = weight(column, row), y = height - 1.0 - row;
+      m += w, mx += w * column, my += w * y;
+      mxx += w * column * column, mxy += w * column * y, myy += w * y * y;
+    }
+  }
+  const double x = mx / m, y = my / m;
+  return {m, x, y, 0.5 * std::atan2(2.0 * (mxy / m - x * y), mxx / m - x * x - (myy / m - y * y))};
+}
+
+/// How much of each pixel the ball covers: a lighter wall shows everywhere but there.
+Moments coverage(const Scene& scene, const Exposure& exposure, const Look& look) {
+  Look light = look;
+  light.background.wall = 0.1;
+  const cv::Mat dark_wall = rendered(scene, exposure, light).pixels;
+  light.background.wall = 0.9;
+  const cv::Mat bright_wall = rendered(scene, exposure, light).pixels;
+  Exposure empty = exposure;
+  empty.ball.reset();
+  const cv::Mat bright = rendered(scene, empty, light).pixels;
+  light.background.wall = 0.1;
+  const cv::Mat dark = rendered(scene, empty, light).pixels;
+  return moments(dark.cols, dark.rows, [&](int column, int row) {
+    const auto number = [&](const cv::Mat& m) {
+      return static_cast<double>(m.at<std::uint16_t>(row, column));
+    };
+    return 1.0 - (number(bright_wall) - number(dark_wall)) / (number(bright) - number(dark));
+  });
+}
+
+/// Looks at one image in the air, whole on the sensor.
+void check_coverage(const Scene& scene) {
+  const Exposure all = shot_of(scene);
+  const Look look = draw_look(scene, 1, 1);
+  const PhotographTruth truth = rendered(scene, all, look).truth;
+  int looked_at = 0;
+  for (const ImageTruth& image : truth.images) {
+    if (!image.whole || image.contact_width_px || looked_at == 3) continue;
+    ++looked_at;
+    const Moments m = coverage(scene, only(all, static_cast<std::size_t>(image.flash_index)), look);
+    // 2^-16 of a number's range in the quotient of two differences of 20000 and more: 1e-4 a pixel at random,
+    // .005 px² over 4000 pixels; soft edges of 4 x 4 rays are exact for straight ones.
+    DOUBLES_EQUAL(image.diameter_px, 2.0 * std::sqrt(m.sum / M_PI), 0.01);
+    DOUBLES_EQUAL(image.centre_px.x, m.x, 0.01);
+    DOUBLES_EQUAL(image.centre_px.y, m.y, 0.01);
+  }
+  LONGS_EQUAL(3, looked_at);
+}
+
+}  // namespace
+
+TEST_GROUP(Render){};
+
+TEST(Render, CoversTheDiscThatTheTruthTellsOf) { check_coverage(clean_scene()); }
+
+TEST(Render, CoversTheEllipseOfABallSeenObliquely) {
+  check_coverage(clean_scene("distance_m = 1.0\noff_plane_sd_mm = 10\n"));
+}
+
+TEST(Render, SeesAnImageFromTheOtherSide) { check_coverage(clean_scene("mirrored = true\n")); }
+
+TEST(Render, TurnsTheLineAsTheTruthTells) {
+  for (const double tilt_rad : {0.0, 0.08}) {
+    const Scene scene = clean_scene();
+    const Exposure all = shot_of(scene);
+    Look look = draw_look(scene, 1, 1);
+    look.ball.line_tilt_rad = tilt_rad;
+    look.ball.falloff = 1e-9;  // even light
+    const PhotographTruth truth = rendered(scene, all, look).truth;
+    const ImageTruth& image = truth.images[3];
+    const Exposure one = only(all, static_cast<std::size_t>(image.flash_index));
+    look.ball.line = false;
+    const cv::Mat without = rendered(scene, one, look).pixels;
+    look.ball.line = true;
+    const cv::Mat with = rendered(scene, one, look).pixels;
+    const Moments m = moments(with.cols, with.rows, [&](int column, int row) {
+      return static_cast<double>(without.at<std::uint16_t>(row, column)) -
+             with.at<std::uint16_t>(row, column);
+    });
+    // Lamps at two sides light the line's ends unevenly, which leans a half ellipse a little.
+    DOUBLES_EQUAL(0.0, std::remainder(m.angle_rad - image.equator_rad, M_PI), tilt_rad > 0.0 ? 0.01 : 0.002);
+  }
+}
+
+TEST(Render, CutsABallInContactOffAtTheSurface) {
+  Scene scene = clean_scene("roll_deg = 0\n");
+  const Exposure all = shot_of(scene);
+  const Look look = draw_look(scene, 1, 1);
+  const PhotographTruth truth = rendered(scene, all, look).truth;
+  int contacts = 0;
+  for (const ImageTruth& image : truth.images) {
+    if (!image.contact_width_px) continue;
+    ++contacts;
+    const double radius = 0.5 * image.diameter_px;
+    const double over = image.centre_px.y - truth.surface_px[0].y;
+    // A circle less the segment below the surface.
+    const double half_angle = std::acos(over / radius);
+    const double area = radius * radius * (M_PI - half_angle + std::sin(half_angle) * std::cos(half_angle));
+    const Moments m = coverage(scene, only(all, static_cast<std::size_t>(image.flash_index)), look);
+    DOUBLES_EQUAL(area, m.sum, 0.02 * radius);
+    DOUBLES_EQUAL(2.0 * radius * std::sin(half_angle), *image.contact_width_px, 1e-6);
+    DOUBLES_EQUAL(image.centre_px.y + radius, image.top_px.y, 1e-9);
+  }
+  CHECK(contacts >= 1);
+}
+
+TEST(Render, AddsUpTheLightOfItsFlashes) {
+  Scene scene = clean_scene();
+  scene.photograph.black_level = 0.0;
+  scene.photograph.exposure = 0.5;
+  Look look = draw_look(scene, 1, 1);
+  look.background.wall = 0.0;
+  const Exposure all = shot_of(scene);
+  const Photograph together = rendered(scene, all, look);
+  cv::Mat sum = cv::Mat::zeros(together.pixels.size(), CV_32SC1);
+  for (const ImageTruth& image : together.truth.images) {
+    cv::Mat numbers;
+    rendered(scene, only(all, static_cast<std::size_t>(image.flash_index)), look)
+        .pixels.convertTo(numbers, CV_32S);
+    sum += numbers;
+  }
+  cv::Mat numbers;
+  together.pixels.convertTo(numbers, CV_32S);
+  // Half a number's rounding for each image, and for the whole.
+  CHECK(cv::norm(sum, numbers, cv::NORM_INF) <=
+        0.5 * static_cast<double>(together.truth.images.size()) + 1.0);
+}
+
+TEST(Render, HasTheNoiseThatTheSceneSays) {
+  Scene scene = clean_scene();
+  scene.photograph.full_well_e = 2000.0;
+  scene.photograph.read_noise_e = 20.0;
+  scene.photograph.black_level = 0.1;
+  scene.photograph.ambient = 0.2;
+  Exposure dark = shot_of(scene);
+  for (Pulse& pulse : dark.pulses) pulse.flashes = {};
+  const cv::Mat pixels = rendered(scene, dark, draw_look(scene, 1, 1)).pixels;
+  cv::Scalar mean, sd;
+  cv::meanStdDev(pixels, mean, sd);
+  // 330000 pixels: the sd's own sd is .12 %, five of which and what the normal's table leaves out.
+  const double expected = std::sqrt(0.2 / 2000.0 + 20.0 * 20.0 / (2000.0 * 2000.0));
+  DOUBLES_EQUAL(0.3, mean[0] / 65535.0, 1e-4);
+  DOUBLES_EQUAL(expected, sd[0] / 65535.0, 0.01 * expected);
+}
+
+TEST(Render, IsRepeatedBySeedAndDiffersByShot) {
+  Scene scene = clean_scene();
+  scene.photograph.bits = 8;
+  scene.photograph.full_well_e = 5000.0;
+  const Exposure exposure = shot_of(scene);
+  const cv::Mat first = rendered(scene, exposure, draw_look(scene, 5, 1)).pixels;
+  LONGS_EQUAL(CV_8UC1, first.type());
+  CHECK(cv::norm(first, rendered(scene, exposure, draw_look(scene, 5, 1)).pixels, cv::NORM_INF) == 0.0);
+  CHECK(cv::norm(first, rendered(scene, exposure, draw_look(scene, 5, 2)).pixels, cv::NORM_INF) > 0.0);
+}
+
+TEST_GROUP(Optics){};
+
+TEST(Optics, SeesPointsWhereTheCameraDoesAndFindsThemBack) {
+  const Scene scene = clean_scene("distance_m = 0.9\ndistortion = -0.12\nroll_deg = 3\nmirrored = true\n");
+  const Optics optics(scene);
+  const Camera camera(scene);
+  for (const double x_m : {-0.3, 0.02, 0.25}) {
+    for (const double y_m : {0.0, 0.1, 0.35}) {
+      const auto expected = camera.project(x_m, y_m, 0.03);
+      const Vec2 seen = optics.image_of(optics.from_surface(x_m, y_m, 0.03));
+      DOUBLES_EQUAL(expected.x, seen.x, 1e-9);
+      DOUBLES_EQUAL(expected.y, optics.sensor().height - 1.0 - seen.y, 1e-9);
+      const Vec3 in_plane = optics.from_surface(x_m, y_m, 0.0);
+      const Vec2 image = optics.image_of(in_plane);
+      const Vec2 back = optics.plane_at(image.x, image.y);
+      DOUBLES_EQUAL(in_plane.x, back.x, 1e-9);
+      DOUBLES_EQUAL(in_plane.y, back.y, 1e-9);
+    }
+  }
+}
