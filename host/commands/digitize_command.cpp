@@ -84,11 +84,6 @@ Result<Given> read_given(const DigitizeOptions& options) {
   return given;
 }
 
-digitize::Effort effort_of(const std::string& name) {
-  if (name == "fast") return digitize::Effort::fast;
-  return name == "thorough" ? digitize::Effort::thorough : digitize::Effort::standard;
-}
-
 class Digitizer {
  public:
   Digitizer(const DigitizeOptions& options, Given given) : options_(options), given_(std::move(given)) {}
@@ -116,7 +111,7 @@ class Digitizer {
     if (options_.direction != "auto") settings->leftwards = options_.direction == "left";
     if (!given_.flash_times_s.empty())
       settings->flash_times_s = given_.flash_times_s[given_.flash_times_s.size() == 1 ? 0 : index];
-    settings->effort = effort_of(options_.effort);
+    settings->effort = digitize::effort_from_name(options_.effort).value();
     return settings;
   }
 

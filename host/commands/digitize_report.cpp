@@ -19,11 +19,6 @@ using nlohmann::ordered_json;
 using reduction::BallImage;
 using reduction::Leg;
 
-std::string_view effort_name(digitize::Effort effort) {
-  constexpr std::array<std::string_view, 3> kNames{"fast", "standard", "thorough"};
-  return kNames.at(static_cast<std::size_t>(effort));
-}
-
 std::string_view leg_name(const std::optional<Leg>& leg) {
   if (!leg) return "";
   return *leg == Leg::incoming ? "incoming" : *leg == Leg::contact ? "contact" : "rebound";
@@ -44,7 +39,7 @@ ordered_json inputs_json(const DigitizeSettings& settings) {
   inputs["calibrated"] = !settings.map.is_plain();
   inputs["flashes"] =
       settings.flash_times_s ? ordered_json(settings.flash_times_s->size()) : ordered_json(nullptr);
-  inputs["effort"] = effort_name(settings.effort);
+  inputs["effort"] = name(settings.effort);
   inputs["direction"] = !settings.leftwards ? "auto" : *settings.leftwards ? "left" : "right";
   return inputs;
 }

@@ -10,11 +10,6 @@
 namespace strobe::host {
 namespace {
 
-digitize::Effort effort_of(const std::string& word) {
-  if (word == "fast") return digitize::Effort::fast;
-  return word == "thorough" ? digitize::Effort::thorough : digitize::Effort::standard;
-}
-
 std::string folder_of(const PhotographOptions& options, const RigFile& rig) {
   return options.folder.empty() ? rig.camera.folder.value_or("") : options.folder;
 }
@@ -52,8 +47,9 @@ Result<void> WatchedPhotographs::open() {
   settings.timeout_s = rig_.analysis.photograph_timeout_s;
   settings.host_id = host_id_;
   settings.keep_folder = session_;
-  desk_ = std::make_unique<PhotographDesk>(next_, std::move(*watched),
-                                           photograph_measurer(rig_, effort_of(options_.effort)), settings);
+  desk_ = std::make_unique<PhotographDesk>(
+      next_, std::move(*watched),
+      photograph_measurer(rig_, digitize::effort_from_name(options_.effort).value()), settings);
   relay_.to = desk_.get();
   return {};
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "host/digitize/median.hpp"
 #include "host/digitize/surface_frame.hpp"
 #include "host/digitize/time_order.hpp"
 
@@ -77,10 +78,7 @@ void put(const TimeOrder& order, const DigitizeSettings& settings, Frame& frame)
 double median_diameter(std::span<const Outline> outlines) {
   std::vector<double> diameters;
   for (const Outline& o : outlines) diameters.push_back(o.diameter);
-  if (diameters.empty()) return 0.0;
-  std::sort(diameters.begin(), diameters.end());
-  const std::size_t n = diameters.size();
-  return 0.5 * (diameters[(n - 1) / 2] + diameters[n / 2]);
+  return median(std::move(diameters));
 }
 
 std::vector<PathPoint> path_points(std::span<const Outline> outlines,
@@ -89,7 +87,7 @@ std::vector<PathPoint> path_points(std::span<const Outline> outlines,
   points.reserve(outlines.size());
   const SurfaceFrame axes = surface ? surface_frame(*surface) : SurfaceFrame{};
   for (const Outline& o : outlines) {
-    const double sd = std::sqrt(std::max(o.covariance(0, 0), o.covariance(1, 1)));
+    const double sd = o.centre_sd();
     points.push_back({axes.from_plane(o.centre), sd, 0.3 + 0.7 * std::clamp(o.seen_share, 0.0, 1.0)});
   }
   return points;

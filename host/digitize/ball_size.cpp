@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/digitize/median.hpp"
+
 namespace strobe::digitize {
 namespace {
 
@@ -10,14 +12,6 @@ constexpr std::size_t kSlopeNeeds = 5;
 // A ball pressed flat, or lit from one side, may measure this much off.
 constexpr double kToleranceOfDiameter = 0.03;
 constexpr double kTolerance_sd = 5.0;
-
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  const std::size_t n = values.size();
-  return 0.5 * (values[(n - 1) / 2] + values[n / 2]);
-}
-
-double sd_of(const Outline& o) { return std::sqrt(std::max(0.0, o.covariance(2, 2))); }
 
 double median_slope(std::span<const Outline> outlines) {
   std::vector<double> slopes;
@@ -57,7 +51,7 @@ BallSize agreed_size(std::span<const Outline> outlines) {
     }
   }
   std::vector<double> sds;
-  for (const Outline& o : outlines) sds.push_back(sd_of(o));
+  for (const Outline& o : outlines) sds.push_back(o.diameter_sd());
   // 1.4826: from the median deviation to the sd; 1.25: of a median against a mean.
   size.sd = 1.25 * std::max(1.4826 * spread, median(std::move(sds))) /
             std::sqrt(static_cast<double>(outlines.size()));
@@ -67,7 +61,7 @@ BallSize agreed_size(std::span<const Outline> outlines) {
 bool wrong_size(const Outline& outline, const BallSize& size) {
   const double expected = size.at(outline.centre.x);
   const double allowed =
-      std::max(kToleranceOfDiameter * expected, kTolerance_sd * std::hypot(sd_of(outline), size.sd));
+      std::max(kToleranceOfDiameter * expected, kTolerance_sd * std::hypot(outline.diameter_sd(), size.sd));
   return std::abs(outline.diameter - expected) > allowed;
 }
 

@@ -63,19 +63,13 @@ constexpr double kMostSdOfDiameter = 0.004;
 constexpr double kMostContactSdOfDiameter = 0.002;
 constexpr double kDoubtful_sd = 4.0;
 
-double sd_of_diameter(const Outline& o) { return std::sqrt(std::max(0.0, o.covariance(2, 2))); }
-
 class Run {
  public:
   Run(const Photograph& photograph, const DigitizeSettings& settings)
       : photograph_(photograph),
         settings_(settings),
-        expected_(settings.px_per_m * settings.ball_diameter_m) {
-    if (settings.map.is_plain())
-      map_ = PlaneMap::plain(photograph.height());
-    else
-      map_ = settings.map;
-  }
+        map_(settings.map.is_plain() ? PlaneMap::plain(photograph.height()) : settings.map),
+        expected_(settings.px_per_m * settings.ball_diameter_m) {}
 
   Digitization run() {
     Stopwatch watch(result_.stage_ms);
@@ -147,7 +141,7 @@ class Run {
     const BallSize size = agreed_size(outlines);
     std::vector<Outline> kept;
     for (Outline& o : outlines) {
-      const double sd = std::sqrt(std::max(o.covariance(0, 0), o.covariance(1, 1)));
+      const double sd = o.centre_sd();
       if (sd > kMostSdOfDiameter * o.diameter) {
         reject(o.centre, o.diameter, "image", Reason::imprecise,
                fmt::format("its centre would be known to {:.1f} px only", sd));
@@ -176,7 +170,7 @@ class Run {
     if (outlines.size() < kAgreeingBalls) return outlines;
     const BallSize size = agreed_size(outlines);
     const auto doubtful = [&](const Outline& o) {
-      const double sd = std::hypot(sd_of_diameter(o), size.sd);
+      const double sd = std::hypot(o.diameter_sd(), size.sd);
       return std::abs(o.diameter - size.at(o.centre.x)) > kDoubtful_sd * sd;
     };
     std::vector<std::size_t> again;
@@ -262,7 +256,7 @@ class Run {
       image.diameter_px = o.diameter;
       const double xy = 0.5 * (o.covariance(0, 1) + o.covariance(1, 0));
       image.centre_cov_px2 = std::array<double, 4>{o.covariance(0, 0), xy, xy, o.covariance(1, 1)};
-      image.diameter_sd_px = sd_of_diameter(o);
+      image.diameter_sd_px = o.diameter_sd();
       image.source = "auto";
       frame.images.push_back(std::move(image));
     }
@@ -299,7 +293,7 @@ class Run {
 
   const Photograph& photograph_;
   const DigitizeSettings& settings_;
-  PlaneMap map_ = PlaneMap::plain(0);
+  PlaneMap map_;
   double expected_;
   std::vector<Candidate> candidates_;
   std::optional<SurfaceLine> surface_;

@@ -7,6 +7,7 @@
 
 #include "host/digitize/equator_fit.hpp"
 #include "host/digitize/equator_search.hpp"
+#include "host/digitize/median.hpp"
 
 namespace strobe::digitize {
 namespace {
@@ -210,11 +211,6 @@ void for_each_ball(const Scene& scene, const Look& look_at) {
   });
 }
 
-double median(std::vector<double> values) {
-  std::ranges::sort(values);
-  return values[values.size() / 2];
-}
-
 /// The balls of a photograph are one ball with one line.
 std::optional<LineShape> common_shape(const std::vector<Found>& found) {
   std::vector<double> half, soft;
@@ -224,7 +220,7 @@ std::optional<LineShape> common_shape(const std::vector<Found>& found) {
     soft.push_back(one.fit->line.shape.soft);
   }
   if (half.empty()) return std::nullopt;
-  return LineShape{median(half), median(soft)};
+  return LineShape{upper_median(half), upper_median(soft)};
 }
 
 /// Rejects lines that differ in darkness from the others' too much to be the same line.
@@ -233,7 +229,7 @@ void reject_odd(std::vector<Found>& found) {
   for (const Found& one : found)
     if (one.accepted) contrasts.push_back(one.fit->line.contrast);
   if (contrasts.size() < 3) return;
-  const double usual = median(contrasts);
+  const double usual = upper_median(contrasts);
   for (Found& one : found) {
     if (!one.accepted || one.fit->line.contrast > 0.4 * usual) continue;
     one.accepted = false;
@@ -321,7 +317,7 @@ Scene prepare(const Photograph& photograph, const PlaneMap& map, std::span<const
   scene.shadings.resize(scene.discs.size());
   if (good.empty()) return scene;
   const double radius_wanted = effort == Effort::fast ? 50.0 : 110.0;
-  const int stride = std::max(1, static_cast<int>(median(radii) / radius_wanted));
+  const int stride = std::max(1, static_cast<int>(upper_median(radii) / radius_wanted));
   scene.blocks = cut_blocks(photograph, good, stride);
   const std::vector<Shading> shadings = fit_shadings(scene.blocks, good);
   scene.flattened = flatten(scene.blocks, good, shadings);

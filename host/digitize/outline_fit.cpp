@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "host/digitize/median.hpp"
+
 namespace strobe::digitize {
 
 namespace {
@@ -36,13 +38,6 @@ struct Offsets {
 
 bool useful(const SectorEdge& edge) { return edge.usable && edge.sd_px < kUsefulSd_px; }
 
-double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 /// The variance to be added so that the median of residual²/variance is that of a normal's square.
 double extra_variance(const std::vector<SectorEdge>& edges, const std::vector<double>& residual) {
   constexpr double kMedianOfSquare = 0.4549;
@@ -51,7 +46,7 @@ double extra_variance(const std::vector<SectorEdge>& edges, const std::vector<do
     for (std::size_t i = 0; i < edges.size(); ++i)
       if (useful(edges[i]))
         ratio.push_back(residual[i] * residual[i] / (edges[i].sd_px * edges[i].sd_px + extra));
-    return median(std::move(ratio));
+    return upper_median(std::move(ratio));
   };
   double low = 1e-6, high = 4.0;
   if (middle(low) <= kMedianOfSquare) return low;

@@ -6,6 +6,8 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
+#include "host/digitize/median.hpp"
+
 namespace strobe::digitize {
 namespace {
 
@@ -78,12 +80,6 @@ std::vector<Crossing> crossings(const Photograph& photograph, const PlaneMap& ma
     found.push_back(*crossing);
   }
   return found;
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 struct Line {
@@ -186,7 +182,7 @@ std::optional<EdgeLine> measure_edge(const Photograph& photograph, const PlaneMa
   edge.half_span = 0.5 * (most - least);
   edge.seen_share = static_cast<double>(agreed.size()) / std::max(1, looked);
   edge.seen_px = static_cast<double>(agreed.size()) / std::max(1, looked) * (most - least);
-  edge.contrast = median(std::move(rises));
+  edge.contrast = upper_median(std::move(rises));
   spread(agreed, line, edge);
   return edge;
 }

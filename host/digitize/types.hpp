@@ -2,6 +2,8 @@
 // says image, else plane px (plane_map.hpp). Plain values.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <opencv2/core.hpp>
 #include <optional>
 #include <string>
@@ -11,8 +13,11 @@
 
 namespace strobe::digitize {
 
-/// How much time is spent: fast, a screenful in some ms; standard; thorough, analysis by synthesis.
+/// How much time is spent: fast, standard, or thorough, which so far does what standard does.
 enum class Effort { fast, standard, thorough };
+
+std::string_view name(Effort effort);
+std::optional<Effort> effort_from_name(std::string_view name);
 
 /// Why something that looked like an image of the ball, or a part of it, was not measured. A closed list.
 enum class Reason {
@@ -64,6 +69,10 @@ struct Outline {
   double seen_share = 0.0;  ///< of the whole turn, 0 to 1
   double rms_px = 0.0;      ///< of the edge points about it
   double blur_px = 0.0;     ///< sd of the edge's blur
+
+  /// Of the centre's less well known coordinate. [px]
+  double centre_sd() const { return std::sqrt(std::max(covariance(0, 0), covariance(1, 1))); }
+  double diameter_sd() const { return std::sqrt(std::max(0.0, covariance(2, 2))); }
 };
 
 /// The ball's diameter line.
