@@ -44,6 +44,7 @@ struct TomlTable::Node {
   std::string path;
 
   std::string path_of(std::string_view key) const {
+    if (key.empty()) return path;
     return path.empty() ? std::string(key) : path + "." + std::string(key);
   }
   const toml::node* find(std::string_view key) const {

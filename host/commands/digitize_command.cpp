@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdio>
+#include <ctime>
 #include <filesystem>
 #include <memory>
 
@@ -36,8 +37,8 @@ struct Given {
 
 void overrule(RigFile& rig, const DigitizeOptions& options) {
   if (options.px_per_m) {
-    rig.analysis.px_per_m = options.px_per_m;
-    rig.analysis.px_per_m_sd = options.px_per_m_sd;
+    rig.camera.px_per_m = options.px_per_m;
+    rig.camera.px_per_m_sd = options.px_per_m_sd;
   }
   if (options.ball_diameter_m) rig.ball.diameter_m = *options.ball_diameter_m;
   if (options.ball_diameter_sd_m) rig.ball.diameter_sd_m = *options.ball_diameter_sd_m;
@@ -71,6 +72,8 @@ Result<Given> read_given(const DigitizeOptions& options) {
     auto rig = load_rig(options.rig);
     if (!rig) return tl::unexpected(rig.error());
     given.rig = std::move(*rig);
+    if (const auto warning = calibration_warning(given.rig.camera, std::time(nullptr)))
+      fmt::print(stderr, "strobe: digitize: {}: {}\n", options.rig, *warning);
   }
   overrule(given.rig, options);
   if (auto read = read_times(options, given); !read) return tl::unexpected(read.error());
