@@ -11,6 +11,7 @@
 #include "host/digitize/candidates.hpp"
 #include "host/digitize/contact_image.hpp"
 #include "host/digitize/equator.hpp"
+#include "host/digitize/limb_light.hpp"
 #include "host/digitize/outlines.hpp"
 #include "host/digitize/surface_frame.hpp"
 
@@ -62,6 +63,10 @@ constexpr double kMostSdOfDiameter = 0.004;
 // Among the balls near the bounce stray arcs are likelier to pass for one that touches.
 constexpr double kMostContactSdOfDiameter = 0.002;
 constexpr double kDoubtful_sd = 4.0;
+// An outline of borrowed arcs shows its own light on those and, by chance, on a third of the rest; a ball's
+// on nearly all. Between the two, and nothing is said where hardly any of it can be told.
+constexpr double kLeastLimbShare = 0.55;
+constexpr double kTellingShare = 0.15;
 
 class Run {
  public:
@@ -80,7 +85,7 @@ class Run {
     watch.lap("outlines");
     find_surface(outlines);
     watch.lap("surface");
-    choose(outlines);
+    choose(keep_lit(std::move(outlines)));
     watch.lap("path");
     fill_frame();
     arrange(result_.frame, result_.outlines, settings_, result_.remarks);
@@ -205,6 +210,23 @@ class Run {
     } else {
       result_.no_surface = found.error();
     }
+  }
+
+  /// Without those whose light is not a ball's: arcs of several images that together pass for one more.
+  std::vector<Outline> keep_lit(std::vector<Outline> outlines) {
+    const auto limbs = compare_limbs(photograph_, map_, outlines, surface_);
+    std::vector<Outline> kept;
+    for (std::size_t i = 0; i < outlines.size(); ++i) {
+      Outline& o = outlines[i];
+      if (limbs[i].told < kTellingShare || limbs[i].share >= kLeastLimbShare) {
+        kept.push_back(std::move(o));
+        continue;
+      }
+      reject(o.centre, o.diameter, "image", Reason::few_edges,
+             fmt::format("light rises by {:.0f} % only of what it does across the others' outlines",
+                         100.0 * limbs[i].share));
+    }
+    return kept;
   }
 
   void choose(const std::vector<Outline>& outlines) {
