@@ -23,26 +23,25 @@ struct Found {
   bool accepted = false;
 };
 
-struct Scene {
-  Effort effort = Effort::standard;
+/// The photograph in blocks of one size.
+struct Level {
   Blocks blocks;
-  std::vector<Disc> discs;
-  std::vector<Shading> shadings;
-  Flattened flattened;
-  std::vector<std::vector<std::size_t>> neighbours;  ///< whose discs overlap
+  std::optional<ShapeTrials> shapes;
 };
 
-/// One ball's part of the photograph.
-struct Part {
-  Blocks blocks;
-  Flattened flattened;
+struct Scene {
+  Effort effort = Effort::standard;
+  Level rough, fine;
+  std::vector<Disc> discs;
+  std::vector<Shading> shadings;
+  std::vector<std::vector<std::size_t>> overlapping;
 };
 
 /// Neighbours whose lines are to be taken out of a ball's part. Where two balls claim one and the same line,
 /// that of which more is seen keeps it: it is not taken from there, but from the other.
 std::vector<std::size_t> line_neighbours(const Scene& scene, std::size_t k, const std::vector<Found>& found) {
   std::vector<std::size_t> result;
-  for (const std::size_t other : scene.neighbours[k]) {
+  for (const std::size_t other : scene.overlapping[k]) {
     if (!found[other].accepted) continue;
     if (found[k].accepted) {
       const DiscLine &a = found[k].fit->line, &b = found[other].fit->line;
@@ -58,27 +57,20 @@ std::vector<std::size_t> line_neighbours(const Scene& scene, std::size_t k, cons
   return result;
 }
 
-Part cut(const Scene& scene, std::size_t k, const std::vector<Found>& found,
-         const std::vector<std::size_t>& others) {
-  Part part;
-  const cv::Rect box = scene.blocks.around(scene.discs[k], 1.0);
-  part.blocks = scene.blocks;
-  part.blocks.light = scene.blocks.light(box);
-  part.blocks.origin += cv::Point(box.x, box.y) * scene.blocks.stride;
-  part.flattened.left = scene.flattened.left(box);
-  part.flattened.noise = scene.flattened.noise(box);
-  if (!others.empty()) part.flattened.left = part.flattened.left.clone();
-  for (const std::size_t other : others) {
-    add_line(part.blocks, scene.discs[other], scene.shadings[other], found[other].fit->line, -1.0F,
-             part.flattened.left);
+BallRows rows_of(const Scene& scene, const Level& level, std::size_t k, const std::vector<Found>& found) {
+  const auto with_lines = line_neighbours(scene, k, found);
+  std::vector<Neighbour> neighbours;
+  for (const std::size_t other : scene.overlapping[k]) {
+    Neighbour& neighbour = neighbours.emplace_back(Neighbour{other, {}});
+    if (std::ranges::find(with_lines, other) != with_lines.end()) neighbour.line = found[other].fit->line;
   }
-  return part;
+  return BallRows(level.blocks, scene.discs, scene.shadings, k, neighbours);
 }
 
-FitSettings fit_settings(const Disc& disc, bool shape_known) {
+FitSettings fit_settings(const Disc& disc, const ShapeTrials* shapes) {
   FitSettings settings;
   settings.offset_sd = std::hypot(0.008, 1.5 * disc.centre_sd);
-  settings.shape_known = shape_known;
+  settings.shapes = shapes;
   return settings;
 }
 
@@ -123,20 +115,20 @@ struct Tried {
   std::optional<Rejection> fault;
 };
 
-/// The likeliest of the peaks, fitted; absent: there is none worth it.
-std::optional<Tried> best_of(const Scene& scene, std::size_t k, const Part& part, const LineSearch& search,
-                             const std::optional<LineShape>& shape) {
+/// The likeliest of the peaks that has no fault, else the likeliest; absent: there is none worth it.
+std::optional<Tried> best_of(const Scene& scene, BallRows& rows, const LineSearch& search) {
+  std::vector<LinePeak> peaks = search.peaks;
+  std::ranges::stable_sort(peaks, [](const LinePeak& a, const LinePeak& b) { return a.score > b.score; });
+  const double radius = rows.disc().radius_image_px / rows.stride();
   std::optional<Tried> best;
-  for (const LinePeak& peak : search.peaks) {
+  for (const LinePeak& peak : peaks) {
     if (peak.score < 0.7 * search.peaks.front().score || peak.score < 4.0) continue;
-    DiscLine start = peak.line;
-    if (shape) start.shape = *shape;
-    auto fit = fit_line(part.blocks, part.flattened, scene.discs[k], scene.shadings[k], start,
-                        fit_settings(scene.discs[k], shape.has_value()));
+    auto fit = fit_line(points_near(rows, peak.line), radius, peak.line,
+                        fit_settings(rows.disc(), &*scene.rough.shapes));
     if (!fit) continue;
     Tried tried{*fit, peak.score, fault(*fit)};
-    const auto order = [](const Tried& t) { return std::pair(!t.fault.has_value(), t.score); };
-    if (!best || order(tried) > order(*best)) best = std::move(tried);
+    if (!tried.fault) return tried;
+    if (!best) best = std::move(tried);
   }
   return best;
 }
@@ -151,17 +143,17 @@ const LinePeak* rival(const LineSearch& search, const Tried& chosen) {
   return nullptr;
 }
 
-/// Looks for the line of one ball in all directions.
-void look(const Scene& scene, std::size_t k, const Part& part, const std::optional<LineShape>& shape,
-          Found& found) {
+/// Looks for the line of one ball in all directions. Lines of `others` are taken away first.
+void look(const Scene& scene, std::size_t k, const std::vector<Found>& others, Found& found) {
+  BallRows rows = rows_of(scene, scene.rough, k, others);
   found.accepted = false;
-  found.search = search_line(part.blocks, part.flattened, scene.discs[k], scene.shadings[k], scene.effort);
+  found.search = search_line(rows, scene.effort);
   const auto& peaks = found.search.peaks;
   if (peaks.empty() || found.search.seen < 0.4) {
     found.why = unseen(found.search);
     return;
   }
-  const auto best = best_of(scene, k, part, found.search, shape);
+  const auto best = best_of(scene, rows, found.search);
   if (!best) {
     found.why = weak(peaks.front().score);
     return;
@@ -181,24 +173,34 @@ void look(const Scene& scene, std::size_t k, const Part& part, const std::option
   }
 }
 
-/// Fits anew what was found before, now that the neighbours' lines are out of the way; what does not stand
-/// that is looked for again.
-void look_again(const Scene& scene, std::size_t k, const Part& part, const std::optional<LineShape>& shape,
-                const Found& before, Found& found) {
-  found = before;
-  if (before.accepted) {
-    DiscLine start = before.fit->line;
-    if (shape) start.shape = *shape;
-    const auto fit = fit_line(part.blocks, part.flattened, scene.discs[k], scene.shadings[k], start,
-                              fit_settings(scene.discs[k], shape.has_value()));
-    if (fit && !fault(*fit) && fit->line.contrast > 0.5 * before.fit->line.contrast) {
-      found.fit = fit;
-      return;
-    }
-  } else if (before.fit == std::nullopt && before.search.seen < 0.4) {
-    return;
-  }
-  look(scene, k, part, shape, found);
+bool has_line_beside(const Scene& scene, std::size_t k, const std::vector<Found>& found) {
+  return std::ranges::any_of(scene.overlapping[k], [&](std::size_t other) { return found[other].accepted; });
+}
+
+/// Where a line was found, with the neighbours' lines out of the way.
+struct Near {
+  std::vector<LinePoint> points;
+  LineProfile profile;
+};
+
+Near near_line(const Scene& scene, std::size_t k, const std::vector<Found>& found) {
+  Near near;
+  BallRows rows = rows_of(scene, scene.fine, k, found);
+  const DiscLine& line = found[k].fit->line;
+  near.points = points_near(rows, line);
+  near.profile.add(near.points, line);
+  return near;
+}
+
+bool refine(const Scene& scene, std::size_t k, std::span<const LinePoint> points, const LineShape& shape,
+            Found& found) {
+  DiscLine start = found.fit->line;
+  start.shape = shape;
+  const auto fit = fit_line(points, scene.discs[k].radius_image_px / scene.fine.blocks.stride, start,
+                            fit_settings(scene.discs[k], nullptr));
+  if (!fit || fault(*fit) || fit->line.contrast <= 0.5 * found.fit->line.contrast) return false;
+  found.fit = fit;
+  return true;
 }
 
 template <typename Look>
@@ -206,21 +208,9 @@ void for_each_ball(const Scene& scene, const Look& look_at) {
   cv::parallel_for_(cv::Range(0, static_cast<int>(scene.discs.size())), [&](const cv::Range& range) {
     for (int k = range.start; k < range.end; ++k) {
       const auto ball = static_cast<std::size_t>(k);
-      if (ok(scene.discs[ball]) && !scene.blocks.around(scene.discs[ball], 1.0).empty()) look_at(ball);
+      if (ok(scene.discs[ball]) && !scene.rough.blocks.around(scene.discs[ball], 1.0).empty()) look_at(ball);
     }
   });
-}
-
-/// The balls of a photograph are one ball with one line.
-std::optional<LineShape> common_shape(const std::vector<Found>& found) {
-  std::vector<double> half, soft;
-  for (const Found& one : found) {
-    if (!one.accepted) continue;
-    half.push_back(one.fit->line.shape.half_width);
-    soft.push_back(one.fit->line.shape.soft);
-  }
-  if (half.empty()) return std::nullopt;
-  return LineShape{upper_median(half), upper_median(soft)};
 }
 
 /// Rejects lines that differ in darkness from the others' too much to be the same line.
@@ -313,14 +303,20 @@ Scene prepare(const Photograph& photograph, const PlaneMap& map, std::span<const
     good.push_back(scene.discs.back());
     radii.push_back(scene.discs.back().radius_image_px);
   }
-  scene.neighbours.resize(scene.discs.size());
+  scene.overlapping.resize(scene.discs.size());
   scene.shadings.resize(scene.discs.size());
   if (good.empty()) return scene;
-  const double radius_wanted = effort == Effort::fast ? 50.0 : 110.0;
-  const int stride = std::max(1, static_cast<int>(upper_median(radii) / radius_wanted));
-  scene.blocks = cut_blocks(photograph, good, stride);
-  const std::vector<Shading> shadings = fit_shadings(scene.blocks, good);
-  scene.flattened = flatten(scene.blocks, good, shadings);
+  const double radius = upper_median(radii);
+  const bool fast = effort == Effort::fast;
+  const auto level = [&](double wanted) {
+    const int stride = std::max(1, static_cast<int>(radius / wanted));
+    Level result{cut_blocks(photograph, good, stride), {}};
+    result.shapes.emplace(radius / stride);
+    return result;
+  };
+  scene.rough = level(fast ? 26.0 : 40.0);
+  scene.fine = fast ? scene.rough : level(60.0);
+  const std::vector<Shading> shadings = fit_shadings(scene.rough.blocks, good, fast ? 22 : 30);
   for (std::size_t k = 0, next = 0; k < scene.discs.size(); ++k) {
     if (!ok(scene.discs[k])) continue;
     scene.shadings[k] = shadings[next++];
@@ -328,10 +324,45 @@ Scene prepare(const Photograph& photograph, const PlaneMap& map, std::span<const
       if (other == k || !ok(scene.discs[other])) continue;
       const double apart = cv::norm(scene.discs[k].centre_image - scene.discs[other].centre_image);
       if (apart < scene.discs[k].radius_image_px + scene.discs[other].radius_image_px)
-        scene.neighbours[k].push_back(other);
+        scene.overlapping[k].push_back(other);
     }
   }
   return scene;
+}
+
+void find_lines(const Scene& scene, std::vector<Found>& found) {
+  const std::vector<Found> nothing(found.size());
+  for_each_ball(scene, [&](std::size_t k) { look(scene, k, nothing, found[k]); });
+  reject_odd(found);
+  // Others' lines may have been in the way.
+  const std::vector<Found> before = found;
+  for_each_ball(scene, [&](std::size_t k) {
+    const bool seen = before[k].fit || before[k].search.seen >= 0.4;
+    if (!before[k].accepted && seen && has_line_beside(scene, k, before)) look(scene, k, before, found[k]);
+  });
+  reject_odd(found);
+}
+
+/// To the shape that all have, as the balls of a photograph are one ball with one line.
+void refine_lines(const Scene& scene, std::vector<Found>& found) {
+  const std::vector<Found> before = found;
+  std::vector<Near> near(found.size());
+  for_each_ball(scene, [&](std::size_t k) {
+    if (before[k].accepted) near[k] = near_line(scene, k, before);
+  });
+  LineProfile profile;
+  for (const Near& one : near) profile.add(one.profile);
+  const LineShape shape = scene.fine.shapes->best(profile);
+  for_each_ball(scene, [&](std::size_t k) {
+    if (!before[k].accepted || refine(scene, k, near[k].points, shape, found[k])) return;
+    look(scene, k, before, found[k]);
+    if (!found[k].accepted) return;
+    std::vector<Found> now = before;
+    now[k] = found[k];
+    if (refine(scene, k, near_line(scene, k, now).points, shape, found[k])) return;
+    found[k].accepted = false;
+    found[k].why = fault(*found[k].fit).value_or(Rejection{Reason::no_line, "no line stands a closer look"});
+  });
 }
 
 }  // namespace
@@ -341,16 +372,9 @@ std::vector<Measured<Equator>> measure_equators(const Photograph& photograph, co
   std::vector<Measured<Equator>> results;
   const Scene scene = prepare(photograph, map, outlines, effort);
   std::vector<Found> found(outlines.size());
-  if (!scene.blocks.light.empty()) {
-    for_each_ball(scene, [&](std::size_t k) { look(scene, k, cut(scene, k, found, {}), {}, found[k]); });
-    reject_odd(found);
-    // Now with the others' lines out of the way, and the shape that all have.
-    const std::vector<Found> before = found;
-    const auto shape = common_shape(before);
-    for_each_ball(scene, [&](std::size_t k) {
-      look_again(scene, k, cut(scene, k, before, line_neighbours(scene, k, before)), shape, before[k],
-                 found[k]);
-    });
+  if (!scene.rough.blocks.light.empty()) {
+    find_lines(scene, found);
+    refine_lines(scene, found);
     reject_odd(found);
     reject_few(found);
   }

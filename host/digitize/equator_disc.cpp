@@ -17,6 +17,15 @@ double LineShape::slope(double f) const {
   return (bell(f + half_width) - bell(f - half_width)) / (std::sqrt(2.0 * std::numbers::pi) * soft * full);
 }
 
+ShapeTable::ShapeTable(const LineShape& shape)
+    : reach_(shape.reach()), per_radius_(kSteps / std::max(1e-9, reach_)) {
+  for (int k = 0; k <= kSteps; ++k) {
+    const double f = reach_ * k / kSteps;
+    dark_[static_cast<std::size_t>(k)] = shape.darkness(f);
+    slope_[static_cast<std::size_t>(k)] = shape.slope(f);
+  }
+}
+
 cv::Point2d Disc::half_extent_px(double radii) const {
   return {radii * std::hypot(image_from_unit(0, 0), image_from_unit(0, 1)),
           radii * std::hypot(image_from_unit(1, 0), image_from_unit(1, 1))};

@@ -7,8 +7,10 @@
 // half axes 1 and sin(t), that begins and ends at the outline, on a diameter.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <opencv2/core.hpp>
+#include <utility>
 
 #include "host/digitize/plane_map.hpp"
 #include "host/digitize/types.hpp"
@@ -26,6 +28,30 @@ struct LineShape {
   double slope(double f) const;
   /// Beyond this |f| there is nothing of the line.
   double reach() const { return half_width + 3.0 * soft; }
+};
+
+/// The darkness of a shape and its slope, looked up.
+class ShapeTable {
+ public:
+  explicit ShapeTable(const LineShape& shape);
+  double reach() const { return reach_; }
+  /// Darkness and slope.
+  std::pair<double, double> at(double f) const {
+    const double place = std::abs(f) * per_radius_;
+    if (!(place < kSteps)) return {0.0, 0.0};
+    const auto k = static_cast<std::size_t>(place);
+    const double part = place - static_cast<double>(k);
+    const double dark = dark_[k] + part * (dark_[k + 1] - dark_[k]);
+    const double slope = slope_[k] + part * (slope_[k + 1] - slope_[k]);
+    return {dark, f < 0.0 ? -slope : slope};
+  }
+
+ private:
+  static constexpr int kSteps = 64;
+  double reach_;
+  double per_radius_;  ///< steps
+  std::array<double, kSteps + 1> dark_{};
+  std::array<double, kSteps + 1> slope_{};
 };
 
 /// A line in unit coordinates.
@@ -49,7 +75,9 @@ class LinePlace {
 
   double along(double u, double v) const { return cos_ * u + sin_ * v; }
   double across(double u, double v) const {
-    const double z = std::sqrt(std::max(0.0, 1.0 - u * u - v * v));
+    return across(u, v, std::sqrt(std::max(0.0, 1.0 - u * u - v * v)));
+  }
+  double across(double u, double v, double z) const {
     return (cos_ * v - sin_ * u) * cos_tilt_ - z * sin_tilt_ - offset_;
   }
 

@@ -12,114 +12,7 @@ constexpr int kMostStretches = 24;
 constexpr double kLeastStretch_px = 5.0;
 constexpr int kRounds = 3;
 constexpr double kWithin = 0.22;  ///< to either side of a line is looked at, radii
-
-/// A block near the line: brightness relative to the ball's own.
-struct Point {
-  double u = 0.0, v = 0.0;
-  double x = 0.0;
-  double weight = 0.0;
-};
-
-std::vector<Point> gather(const Blocks& blocks, const Flattened& flattened, const Disc& disc,
-                          const Shading& shading, const DiscLine& line, double within) {
-  std::vector<Point> points;
-  const cv::Rect box = blocks.around(disc, kInner);
-  const LinePlace place(line);
-  const float middle = std::max(1e-6F, shading.at(0.0F, 0.0F, 1.0F));
-  const float floor = 0.05F * middle;
-  for (int j = box.y; j < box.y + box.height; ++j) {
-    const float* left = flattened.left.ptr<float>(j);
-    const float* noise = flattened.noise.ptr<float>(j);
-    for (int i = box.x; i < box.x + box.width; ++i) {
-      if (noise[i] < 0.0F) continue;
-      const cv::Point2d unit = disc.unit(blocks.column(i), blocks.row(j));
-      const double r = unit.dot(unit);
-      if (r > kInner * kInner || std::abs(place.across(unit.x, unit.y)) > within) continue;
-      const float own = shading.at(static_cast<float>(unit.x), static_cast<float>(unit.y),
-                                   static_cast<float>(std::sqrt(1.0 - r)));
-      if (own <= floor) continue;
-      points.push_back({unit.x, unit.y, left[i] / own, own * own / (noise[i] + floor * floor)});
-    }
-  }
-  return points;
-}
-
-/// Weighted means of the brightness across the line.
-struct Profile {
-  static constexpr int kBins = 81;
-  std::array<double, kBins> sum{};
-  std::array<double, kBins> weight{};
-
-  double at(int bin) const { return kWithin * (2.0 * (bin + 0.5) / kBins - 1.0); }
-  void add(double f, double x, double w) {
-    const int bin = static_cast<int>((f / kWithin + 1.0) * 0.5 * kBins);
-    if (bin < 0 || bin >= kBins) return;
-    sum[static_cast<std::size_t>(bin)] += w * x;
-    weight[static_cast<std::size_t>(bin)] += w;
-  }
-};
-
-/// The shape of least squares, by trial; a level and a bow of the ground go with it.
-LineShape fit_shape(const Profile& profile, double softest) {
-  LineShape best;
-  double least = 1e300;
-  for (double half = 0.012; half < 0.13; half *= 1.25) {
-    for (double soft = softest; soft < 0.05; soft *= 1.7) {
-      const LineShape shape{half, soft};
-      if (shape.reach() > 0.8 * kWithin) continue;
-      cv::Matx33d normal = cv::Matx33d::eye() * 1e-9;
-      cv::Vec3d right;
-      double square = 0.0;
-      for (int bin = 0; bin < Profile::kBins; ++bin) {
-        const double w = profile.weight[static_cast<std::size_t>(bin)];
-        if (w <= 0.0) continue;
-        const double f = profile.at(bin), x = profile.sum[static_cast<std::size_t>(bin)] / w;
-        const cv::Vec3d row(1.0, f * f, shape.darkness(f));
-        for (int a = 0; a < 3; ++a) {
-          right[a] += w * row[a] * x;
-          for (int b = 0; b < 3; ++b) normal(a, b) += w * row[a] * row[b];
-        }
-        square += w * x * x;
-      }
-      const cv::Vec3d fit = normal.solve(right, cv::DECOMP_CHOLESKY);
-      const double rest = square - fit.dot(right);
-      if (fit[2] < 0.0 && rest < least) {
-        least = rest;
-        best = shape;
-      }
-    }
-  }
-  return best;
-}
-
-/// The darkness of a shape and its slope, looked up.
-class ShapeTable {
- public:
-  explicit ShapeTable(const LineShape& shape) : reach_(shape.reach()) {
-    for (int k = 0; k <= kSteps; ++k) {
-      const double f = reach_ * k / kSteps;
-      dark_[static_cast<std::size_t>(k)] = shape.darkness(f);
-      slope_[static_cast<std::size_t>(k)] = shape.slope(f);
-    }
-  }
-  double reach() const { return reach_; }
-  /// Darkness and slope.
-  std::pair<double, double> at(double f) const {
-    const double place = std::abs(f) / reach_ * kSteps;
-    if (place >= kSteps) return {0.0, 0.0};
-    const auto k = static_cast<std::size_t>(place);
-    const double part = place - static_cast<double>(k);
-    const double dark = dark_[k] + part * (dark_[k + 1] - dark_[k]);
-    const double slope = slope_[k] + part * (slope_[k + 1] - slope_[k]);
-    return {dark, f < 0.0 ? -slope : slope};
-  }
-
- private:
-  static constexpr int kSteps = 200;
-  double reach_;
-  std::array<double, kSteps + 1> dark_{};
-  std::array<double, kSteps + 1> slope_{};
-};
+constexpr double kRoom = 0.04;    ///< more, for a line that moves while it is fitted
 
 /// Least squares of one stretch: level, gradient, darkness, shift.
 struct Sums {
@@ -140,32 +33,48 @@ struct Measured4 {
   double freedom = 0.0;
 };
 
-Measured4 measure_stretches(const std::vector<Point>& points, const DiscLine& line, const ShapeTable& shape,
+void add(Sums& s, const LinePoint& point, double along, double f, double dark, double slope,
+         double contrast) {
+  const double w = point.weight;
+  // What shading and felt leave is in proportion to the light, also on the line.
+  const double lit = 1.0 - contrast * dark;
+  const double level = w * lit, gradient = level * f, x = point.x;
+  s.normal(0, 0) += level * lit;
+  s.normal(1, 0) += gradient * lit;
+  s.normal(1, 1) += gradient * f * lit;
+  s.right[0] += level * x;
+  s.right[1] += gradient * x;
+  s.square += w * x * x;
+  s.weight += w;
+  s.count += 1.0;
+  if (dark == 0.0) return;
+  s.normal(2, 0) -= level * dark;
+  s.normal(2, 1) -= gradient * dark;
+  s.normal(2, 2) += w * dark * dark;
+  s.normal(3, 0) += level * slope;
+  s.normal(3, 1) += gradient * slope;
+  s.normal(3, 2) -= w * dark * slope;
+  const double tells = w * slope * slope;
+  s.normal(3, 3) += tells;
+  s.right[2] -= w * dark * x;
+  s.right[3] += w * slope * x;
+  s.along += tells * along;
+  s.information += tells;
+}
+
+Measured4 measure_stretches(std::span<const LinePoint> points, const DiscLine& line, const ShapeTable& shape,
                             int stretches) {
   std::vector<Sums> sums(static_cast<std::size_t>(stretches));
   const LinePlace place(line);
   const double within = 1.7 * shape.reach() + 0.02;
-  for (const Point& point : points) {
-    const double f = place.across(point.u, point.v);
+  for (const LinePoint& point : points) {
+    const double f = place.across(point.u, point.v, point.z);
     if (std::abs(f) > within) continue;
     const double along = place.along(point.u, point.v);
     const int which = static_cast<int>((along / kInner + 1.0) * 0.5 * stretches);
     if (which < 0 || which >= stretches) continue;
     const auto [dark, slope] = shape.at(f);
-    // What shading and felt leave is in proportion to the light, also on the line.
-    const double lit = 1.0 - line.contrast * dark;
-    const cv::Vec4d row(lit, f * lit, -dark, slope);
-    Sums& s = sums[static_cast<std::size_t>(which)];
-    for (int a = 0; a < 4; ++a) {
-      s.right[a] += point.weight * row[a] * point.x;
-      for (int b = 0; b <= a; ++b) s.normal(a, b) += point.weight * row[a] * row[b];
-    }
-    s.square += point.weight * point.x * point.x;
-    const double tells = point.weight * slope * slope;
-    s.along += tells * along;
-    s.information += tells;
-    s.weight += point.weight;
-    s.count += 1.0;
+    add(sums[static_cast<std::size_t>(which)], point, along, f, dark, slope, line.contrast);
   }
   Measured4 result;
   for (Sums& s : sums) {
@@ -323,20 +232,101 @@ void judge(LineFit& fit) {
 
 }  // namespace
 
-std::optional<LineFit> fit_line(const Blocks& blocks, const Flattened& flattened, const Disc& disc,
-                                const Shading& shading, const DiscLine& start, const FitSettings& settings) {
+std::vector<LinePoint> points_near(BallRows& rows, const DiscLine& line) {
+  std::vector<LinePoint> points;
+  const LinePlace place(line);
+  const double within = kWithin + kRoom;
+  const BallRows::Band band{line.angle_rad,
+                            within + std::abs(std::sin(line.tilt_rad)) + std::abs(line.offset)};
+  const float floor2 = rows.floor() * rows.floor();
+  const cv::Range range = rows.rows(kInner);
+  for (int j = range.start; j < range.end; ++j) {
+    for (const BallRows::Block& block : rows.row(j, kInner, band)) {
+      if (!block.use || block.own <= rows.floor()) continue;
+      if (std::abs(place.across(block.u, block.v, block.z)) > within) continue;
+      points.push_back({block.u, block.v, block.z, block.left / block.own,
+                        block.own * block.own / (block.noise + floor2)});
+    }
+  }
+  return points;
+}
+
+namespace {
+double bin_middle(int bin) { return kWithin * (2.0 * (bin + 0.5) / LineProfile::kBins - 1.0); }
+}  // namespace
+
+void LineProfile::add(std::span<const LinePoint> points, const DiscLine& line) {
+  const LinePlace place(line);
+  for (const LinePoint& point : points) {
+    const double f = place.across(point.u, point.v, point.z);
+    const double bin = (f / kWithin + 1.0) * 0.5 * kBins;
+    if (!(bin >= 0.0 && bin < kBins)) continue;
+    const auto at = static_cast<std::size_t>(bin);
+    sum[at] += static_cast<double>(point.weight) * point.x;
+    weight[at] += point.weight;
+  }
+}
+
+void LineProfile::add(const LineProfile& other) {
+  for (std::size_t bin = 0; bin < kBins; ++bin) {
+    sum[bin] += other.sum[bin];
+    weight[bin] += other.weight[bin];
+  }
+}
+
+ShapeTrials::ShapeTrials(double radius) {
+  const double softest = std::max(0.004, 0.5 / radius);
+  for (double half = 0.012; half < 0.13; half *= 1.25) {
+    for (double soft = softest; soft < 0.05; soft *= 1.7) {
+      const LineShape shape{half, soft};
+      if (shape.reach() > 0.8 * kWithin) continue;
+      Trial& trial = trials_.emplace_back(Trial{shape, {}});
+      for (int bin = 0; bin < LineProfile::kBins; ++bin)
+        trial.darkness[static_cast<std::size_t>(bin)] = shape.darkness(bin_middle(bin));
+    }
+  }
+}
+
+LineShape ShapeTrials::best(const LineProfile& profile) const {
+  LineShape best;
+  double least = 1e300;
+  for (const Trial& trial : trials_) {
+    // A level and a bow of the ground go with the line.
+    cv::Matx33d normal = cv::Matx33d::eye() * 1e-9;
+    cv::Vec3d right;
+    double square = 0.0;
+    for (std::size_t bin = 0; bin < LineProfile::kBins; ++bin) {
+      const double w = profile.weight[bin];
+      if (w <= 0.0) continue;
+      const double f = bin_middle(static_cast<int>(bin)), sum = profile.sum[bin];
+      const cv::Vec3d row(1.0, f * f, trial.darkness[bin]);
+      for (int a = 0; a < 3; ++a) {
+        right[a] += row[a] * sum;
+        for (int b = 0; b < 3; ++b) normal(a, b) += w * row[a] * row[b];
+      }
+      square += sum * sum / w;
+    }
+    const cv::Vec3d fit = normal.solve(right, cv::DECOMP_CHOLESKY);
+    const double rest = square - fit.dot(right);
+    if (fit[2] < 0.0 && rest < least) {
+      least = rest;
+      best = trial.shape;
+    }
+  }
+  return best;
+}
+
+std::optional<LineFit> fit_line(std::span<const LinePoint> points, double radius, const DiscLine& start,
+                                const FitSettings& settings) {
   LineFit fit;
   fit.line = start;
-  const std::vector<Point> points = gather(blocks, flattened, disc, shading, start, kWithin + 0.04);
-  const double radius = disc.radius_image_px / blocks.stride;
   const int stretches =
       std::clamp(static_cast<int>(2.0 * kInner * radius / kLeastStretch_px), 6, kMostStretches);
   for (int round = 0; round < kRounds; ++round) {
-    if (!settings.shape_known && round < 2) {
-      Profile profile;
-      const LinePlace place(fit.line);
-      for (const Point& point : points) profile.add(place.across(point.u, point.v), point.x, point.weight);
-      fit.line.shape = fit_shape(profile, std::max(0.004, 0.5 / radius));
+    if (settings.shapes != nullptr && round < 2) {
+      LineProfile profile;
+      profile.add(points, fit.line);
+      fit.line.shape = settings.shapes->best(profile);
     }
     const ShapeTable shape(fit.line.shape);
     Measured4 measured = measure_stretches(points, fit.line, shape, stretches);

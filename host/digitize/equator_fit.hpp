@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "host/digitize/equator_shading.hpp"
+#include "host/digitize/equator_rows.hpp"
 
 namespace strobe::digitize {
 
@@ -35,14 +35,51 @@ struct LineFit {
   double span = 0.0;            ///< between the outermost stretches, radii, at most 1.9
 };
 
+class ShapeTrials;
+
 struct FitSettings {
   double offset_sd = 0.01;  ///< how far the line's middle may be from the disc's, radii
   double tilt_sd = 0.15;
-  bool shape_known = false;  ///< then the start's shape is kept
+  const ShapeTrials* shapes = nullptr;  ///< without, the start's shape is kept
 };
 
-/// Absent: too little is seen to fit anything.
-std::optional<LineFit> fit_line(const Blocks& blocks, const Flattened& flattened, const Disc& disc,
-                                const Shading& shading, const DiscLine& start, const FitSettings& settings);
+/// A block near a line: brightness relative to the ball's own.
+struct LinePoint {
+  float u = 0.0F, v = 0.0F, z = 0.0F;
+  float x = 0.0F;
+  float weight = 0.0F;
+};
+
+std::vector<LinePoint> points_near(BallRows& rows, const DiscLine& line);
+
+/// Weighted means of the brightness across a line.
+struct LineProfile {
+  static constexpr int kBins = 81;
+  std::array<double, kBins> sum{};
+  std::array<double, kBins> weight{};
+
+  void add(std::span<const LinePoint> points, const DiscLine& line);
+  void add(const LineProfile& other);
+};
+
+/// Shapes that a line may have, to be tried on profiles.
+class ShapeTrials {
+ public:
+  /// `radius`: the ball's in blocks, which do not show anything sharper than they are.
+  explicit ShapeTrials(double radius);
+  /// The shape of least squares.
+  LineShape best(const LineProfile& profile) const;
+
+ private:
+  struct Trial {
+    LineShape shape;
+    std::array<double, LineProfile::kBins> darkness{};
+  };
+  std::vector<Trial> trials_;
+};
+
+/// `radius`: the ball's in blocks. Absent: too little is seen to fit anything.
+std::optional<LineFit> fit_line(std::span<const LinePoint> points, double radius, const DiscLine& start,
+                                const FitSettings& settings);
 
 }  // namespace strobe::digitize

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "host/digitize/equator_shading.hpp"
+#include "host/digitize/equator_rows.hpp"
 
 namespace strobe::digitize {
 
@@ -12,7 +12,6 @@ namespace strobe::digitize {
 struct LinePeak {
   DiscLine line;
   double score = 0.0;  ///< how many sd of chance, every stretch of the line counting alike, however dark
-  double share = 0.0;  ///< of what is seen of the line's length that is dark
 };
 
 struct LineSearch {
@@ -22,7 +21,6 @@ struct LineSearch {
   double outside = 0.0;         ///< share of the disc beyond the photograph's border
 };
 
-LineSearch search_line(const Blocks& blocks, const Flattened& flattened, const Disc& disc,
-                       const Shading& shading, Effort effort);
+LineSearch search_line(BallRows& rows, Effort effort);
 
 }  // namespace strobe::digitize

@@ -2,14 +2,13 @@
 
 #include <algorithm>
 #include <opencv2/imgproc.hpp>
+#include <optional>
 
 namespace strobe::digitize {
 namespace {
 
-constexpr float kNoUse = -1.0F;
 /// Nearer to the outline the sphere is too steep for low orders.
 constexpr double kInner = 0.96;
-constexpr int kSamplesAcross = 40;  ///< a disc
 constexpr int kSweeps = 4;
 
 /// One block under one disc.
@@ -71,10 +70,11 @@ std::vector<std::size_t> near_row(std::span<const Disc> discs, double row, doubl
   return near;
 }
 
-Samples take_samples(const Blocks& blocks, std::span<const Disc> discs, std::span<const Shading> shadings) {
+Samples take_samples(const Blocks& blocks, std::span<const Disc> discs, std::span<const Shading> shadings,
+                     int across) {
   double radius = 0.0;
   for (const Disc& disc : discs) radius = std::max(radius, disc.radius_image_px);
-  const int step = std::max(1, static_cast<int>(2.0 * radius / blocks.stride / kSamplesAcross));
+  const int step = std::max(1, static_cast<int>(2.0 * radius / blocks.stride / across));
   Samples samples;
   samples.of_disc.resize(discs.size());
   std::vector<std::pair<std::size_t, cv::Point2d>> over;
@@ -111,10 +111,10 @@ Samples take_samples(const Blocks& blocks, std::span<const Disc> discs, std::spa
 using Normal = cv::Matx<double, Shading::kTerms, Shading::kTerms>;
 using Terms = cv::Vec<double, Shading::kTerms>;
 
-void add(Normal& normal, Terms& right, const float* basis, double weight, double value) {
+/// The lower half.
+void add(Normal& normal, const float* basis, double weight) {
   for (int a = 0; a < Shading::kTerms; ++a) {
     const double scaled = weight * basis[a];
-    right[a] += scaled * value;
     for (int b = 0; b <= a; ++b) normal(a, b) += scaled * basis[b];
   }
 }
@@ -142,77 +142,72 @@ Terms common_terms(const Samples& samples) {
         sums[static_cast<std::size_t>(sample.point)][a] += sample.basis[a];
   Normal normal = Normal::eye() * 1e-3;
   Terms right;
-  for (std::size_t p = 0; p < sums.size(); ++p) add(normal, right, sums[p].data(), 1.0, samples.value[p]);
+  for (std::size_t p = 0; p < sums.size(); ++p) {
+    add(normal, sums[p].data(), 1.0);
+    for (int a = 0; a < Shading::kTerms; ++a)
+      right[a] += samples.value[p] * sums[p][static_cast<std::size_t>(a)];
+  }
   return solved(normal, right).value_or(Terms());
 }
 
+/// Huber's limit: 1.5 robust sd. Lines are dark, so that the sd is taken from the bright side alone.
+double huber_limit(const std::vector<double>& left) {
+  std::vector<double> bright;
+  for (const double x : left)
+    if (x > 0.0) bright.push_back(x);
+  if (bright.size() <= 10) return 1e30;
+  const auto middle = bright.begin() + static_cast<std::ptrdiff_t>(bright.size() / 2);
+  std::ranges::nth_element(bright, middle);
+  return 1.5 * 1.4826 * *middle + 1e-9;
+}
+
+/// Of each disc's samples, all of weight one.
+std::vector<Normal> plain_normals(const Samples& samples) {
+  std::vector<Normal> normals(samples.of_disc.size());
+  cv::parallel_for_(cv::Range(0, static_cast<int>(normals.size())), [&](const cv::Range& range) {
+    for (int k = range.start; k < range.end; ++k) {
+      Normal& normal = normals[static_cast<std::size_t>(k)];
+      for (const Sample& sample : samples.of_disc[static_cast<std::size_t>(k)])
+        add(normal, sample.basis.data(), 1.0);
+    }
+  });
+  return normals;
+}
+
 /// Balls in turn, each to what the others leave (backfitting), drawn towards the common shading as far as
-/// lamps' light varies from flash to flash and ball to ball.
+/// lamps' light varies from flash to flash and ball to ball. Huber's weights from the second sweep on.
 std::vector<Terms> own_terms(const Samples& samples, const Terms& common) {
   constexpr double kDraw = 4.0;  // samples' worth
   std::vector<Terms> terms(samples.of_disc.size(), common);
+  const std::vector<Normal> plain = plain_normals(samples);
   std::vector<double> left(samples.value.begin(), samples.value.end());
   for (const auto& disc : samples.of_disc)
     for (const Sample& sample : disc) left[static_cast<std::size_t>(sample.point)] -= dot(sample, common);
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
-    // Huber's weights from the second sweep on, at 1.5 robust sd; lines are dark, so that the sd is taken
-    // from the bright side alone.
-    double limit = 1e30;
-    if (sweep > 0) {
-      std::vector<double> bright;
-      for (const double x : left)
-        if (x > 0.0) bright.push_back(x);
-      if (bright.size() > 10) {
-        const auto middle = bright.begin() + static_cast<std::ptrdiff_t>(bright.size() / 2);
-        std::ranges::nth_element(bright, middle);
-        limit = 1.5 * 1.4826 * *middle + 1e-9;
-      }
-    }
+    const double limit = sweep > 0 ? huber_limit(left) : 1e30;
     for (std::size_t k = 0; k < terms.size(); ++k) {
-      Normal normal = Normal::eye() * kDraw;
-      Terms right = common * kDraw;
+      // For the change of the terms; what weighs less than one is taken from the normal equations of all.
+      Normal normal = plain[k];
+      Terms right = (common - terms[k]) * kDraw;
       for (const Sample& sample : samples.of_disc[k]) {
-        const double residual = left[static_cast<std::size_t>(sample.point)];
-        const double weight = std::abs(residual) <= limit ? 1.0 : limit / std::abs(residual);
-        add(normal, right, sample.basis.data(), weight, residual + dot(sample, terms[k]));
+        double residual = left[static_cast<std::size_t>(sample.point)];
+        const double size = std::abs(residual);
+        if (size > limit) {
+          add(normal, sample.basis.data(), limit / size - 1.0);
+          residual *= limit / size;
+        }
+        for (int a = 0; a < Shading::kTerms; ++a)
+          right[a] += residual * sample.basis[static_cast<std::size_t>(a)];
       }
-      const auto next = solved(normal, right);
-      if (!next) continue;
+      for (int a = 0; a < Shading::kTerms; ++a) normal(a, a) += kDraw;
+      const auto change = solved(normal, right);
+      if (!change) continue;
       for (const Sample& sample : samples.of_disc[k])
-        left[static_cast<std::size_t>(sample.point)] += dot(sample, terms[k]) - dot(sample, *next);
-      terms[k] = *next;
+        left[static_cast<std::size_t>(sample.point)] -= dot(sample, *change);
+      terms[k] += *change;
     }
   }
   return terms;
-}
-
-/// One row of blocks under one disc.
-void flatten_row(const Blocks& blocks, int j, const Disc& disc, const Shading& shading, float* left,
-                 float* noise, float* background, float* count) {
-  const double reach = 1.0 + disc.rim;
-  const cv::Rect box = blocks.around(disc, reach);
-  if (j < box.y || j >= box.y + box.height) return;
-  const cv::Point2d first = disc.unit(blocks.column(box.x), blocks.row(j));
-  const auto du = static_cast<float>(disc.unit_from_image(0, 0) * blocks.stride);
-  const auto dv = static_cast<float>(disc.unit_from_image(1, 0) * blocks.stride);
-  const auto outer = static_cast<float>(reach * reach);
-  const auto inner = static_cast<float>((1.0 - disc.rim) * (1.0 - disc.rim));
-  for (int i = 0; i < box.width; ++i) {
-    const float u = static_cast<float>(first.x) + du * static_cast<float>(i);
-    const float v = static_cast<float>(first.y) + dv * static_cast<float>(i);
-    const float r = u * u + v * v;
-    if (r > outer) continue;
-    const int at = box.x + i;
-    if (r > inner) {
-      noise[at] = kNoUse;
-      continue;
-    }
-    const float own = shading.at(u, v, std::sqrt(1.0F - r));
-    left[at] -= own;
-    if (noise[at] >= 0.0F) noise[at] += own * own;
-    background[at] += shading.background;
-    count[at] += 1.0F;
-  }
 }
 
 }  // namespace
@@ -261,89 +256,30 @@ Blocks cut_blocks(const Photograph& photograph, std::span<const Disc> discs, int
 }
 
 void Shading::basis(float u, float v, float z, float* t) {
-  const float even = u * u - v * v;
   t[0] = 1.0F;
   t[1] = u;
   t[2] = v;
-  t[3] = z;
+  t[3] = u * u;
   t[4] = u * v;
-  t[5] = even;
-  t[6] = u * z;
-  t[7] = v * z;
-  t[8] = z * z;
-  t[9] = u * (even - 2.0F * v * v);
-  t[10] = v * (even + 2.0F * u * u);
-  t[11] = z * even;
-  t[12] = z * u * v;
-  t[13] = u * z * z;
-  t[14] = v * z * z;
-  t[15] = z * z * z;
+  t[5] = v * v;
+  t[6] = u * t[3];
+  t[7] = u * t[4];
+  t[8] = u * t[5];
+  t[9] = v * t[5];
+  for (int k = 0; k < 6; ++k) t[10 + k] = z * t[k];
 }
 
-float Shading::at(float u, float v, float z) const {
-  std::array<float, kTerms> t;
-  basis(u, v, z, t.data());
-  float sum = 0.0F;
-  for (std::size_t a = 0; a < kTerms; ++a) sum += terms[a] * t[a];
-  return sum;
-}
-
-std::vector<Shading> fit_shadings(const Blocks& blocks, std::span<const Disc> discs) {
+std::vector<Shading> fit_shadings(const Blocks& blocks, std::span<const Disc> discs, int across) {
   std::vector<Shading> shadings(discs.size());
   if (blocks.light.empty()) return shadings;
   const auto background = backgrounds(blocks, discs);
   for (std::size_t k = 0; k < discs.size(); ++k) shadings[k].background = background[k];
-  const Samples samples = take_samples(blocks, discs, shadings);
+  const Samples samples = take_samples(blocks, discs, shadings, across);
   const std::vector<Terms> terms = own_terms(samples, common_terms(samples));
   for (std::size_t k = 0; k < discs.size(); ++k)
     for (int a = 0; a < Shading::kTerms; ++a)
       shadings[k].terms[static_cast<std::size_t>(a)] = static_cast<float>(terms[k][a]);
   return shadings;
-}
-
-Flattened flatten(const Blocks& blocks, std::span<const Disc> discs, std::span<const Shading> shadings) {
-  Flattened result;
-  if (blocks.light.empty()) return result;
-  result.left = blocks.light.clone();
-  result.noise = cv::Mat::zeros(blocks.light.size(), CV_32F);
-  cv::parallel_for_(cv::Range(0, blocks.light.rows), [&](const cv::Range& rows) {
-    std::vector<float> background(static_cast<std::size_t>(blocks.light.cols));
-    std::vector<float> count(background.size());
-    for (int j = rows.start; j < rows.end; ++j) {
-      std::ranges::fill(background, 0.0F);
-      std::ranges::fill(count, 0.0F);
-      auto* left = result.left.ptr<float>(j);
-      auto* noise = result.noise.ptr<float>(j);
-      for (std::size_t k = 0; k < discs.size(); ++k)
-        flatten_row(blocks, j, discs[k], shadings[k], left, noise, background.data(), count.data());
-      const float* light = blocks.light.ptr<float>(j);
-      for (int i = 0; i < blocks.light.cols; ++i) {
-        const auto at = static_cast<std::size_t>(i);
-        if (count[at] > 0.0F) left[i] -= background[at] / count[at];
-        if (count[at] == 0.0F || light[i] >= blocks.saturation) noise[i] = kNoUse;
-      }
-    }
-  });
-  return result;
-}
-
-void add_line(const Blocks& blocks, const Disc& disc, const Shading& shading, const DiscLine& line,
-              float sign, cv::Mat& left) {
-  const cv::Rect box = blocks.around(disc, 1.0);
-  const LinePlace place(line);
-  for (int j = box.y; j < box.y + box.height; ++j) {
-    auto* row = left.ptr<float>(j);
-    for (int i = box.x; i < box.x + box.width; ++i) {
-      const cv::Point2d unit = disc.unit(blocks.column(i), blocks.row(j));
-      const double r = unit.dot(unit);
-      if (r >= 1.0) continue;
-      const double f = place.across(unit.x, unit.y);
-      if (std::abs(f) > line.shape.reach()) continue;
-      const float own = shading.at(static_cast<float>(unit.x), static_cast<float>(unit.y),
-                                   static_cast<float>(std::sqrt(1.0 - r)));
-      row[i] += sign * own * static_cast<float>(-line.contrast * line.shape.darkness(f));
-    }
-  }
 }
 
 }  // namespace strobe::digitize

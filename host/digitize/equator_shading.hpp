@@ -1,11 +1,9 @@
-// Flattens a photograph under the balls' images: exposure adds up, so that what is seen is the background and
-// the sum of the shadings of all balls that lie there. Each ball's own is a low-order function of its disc,
-// fitted to all of them together; what is left is what is drawn on the balls. Deterministic for any number of
-// threads; thread-safe; allocates.
+// The light of the balls' images: exposure adds up, so that what is seen is the background and the sum of the
+// shadings of all balls that lie there. Each ball's own is a low-order function of its disc, fitted to all of
+// them together. Deterministic for any number of threads; thread-safe; allocates.
 #pragma once
 
 #include <array>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -30,31 +28,26 @@ struct Blocks {
 /// The part that holds all discs.
 Blocks cut_blocks(const Photograph& photograph, std::span<const Disc> discs, int stride);
 
-/// A ball's brightness over its disc: polynomials of u, v and z to the third order, which hold any Lambert
-/// lamps' light to some per cent (Ramamoorthi and Hanrahan 2001), and the background about it.
+/// A ball's brightness over its disc, p(u, v) + z·q(u, v) with p of third and q of second order, which are
+/// all polynomials of u, v and z to the third order on the sphere and hold any Lambert lamps' light to some
+/// per cent (Ramamoorthi and Hanrahan 2001); and the background about it.
 struct Shading {
   static constexpr int kTerms = 16;
   std::array<float, kTerms> terms{};
   float background = 0.0F;
 
   static void basis(float u, float v, float z, float* terms);
-  float at(float u, float v, float z) const;
+  float at(float u, float v, float z) const {
+    const auto& t = terms;
+    const float p = t[0] + u * (t[1] + u * (t[3] + u * t[6])) +
+                    v * (t[2] + u * (t[4] + u * t[7]) + v * (t[5] + u * t[8] + v * t[9]));
+    const float q = t[10] + u * (t[11] + u * t[13]) + v * (t[12] + u * t[14] + v * t[15]);
+    return p + z * q;
+  }
 };
 
 /// Fitted to the blocks robustly, so that lines and print count little. One for each disc, in their order.
-std::vector<Shading> fit_shadings(const Blocks& blocks, std::span<const Disc> discs);
-
-/// What is left of the light when background and shadings are taken away.
-struct Flattened {
-  cv::Mat left;   ///< CV_32F
-  cv::Mat noise;  ///< CV_32F: sum of the squares of the shadings there, as felt's grain adds up; negative: no
-                  ///< use (saturated, in the ring about an outline, in no disc)
-};
-
-Flattened flatten(const Blocks& blocks, std::span<const Disc> discs, std::span<const Shading> shadings);
-
-/// Changes the light as a line on a ball does (sign 1), or undoes that (-1).
-void add_line(const Blocks& blocks, const Disc& disc, const Shading& shading, const DiscLine& line,
-              float sign, cv::Mat& left);
+/// `across`: samples taken over a disc's diameter, at most one for each block.
+std::vector<Shading> fit_shadings(const Blocks& blocks, std::span<const Disc> discs, int across);
 
 }  // namespace strobe::digitize
