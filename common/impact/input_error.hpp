@@ -30,6 +30,12 @@ enum class InputError {
 inline constexpr double kLargestMagnitude = 1e30;
 inline constexpr double kSmallestMagnitude = 1e-30;
 
+/// Of no number (NaN) both are true.
+constexpr bool too_large(double value) {
+  return !(value <= kLargestMagnitude && value >= -kLargestMagnitude);
+}
+constexpr bool too_small(double value) { return !(value >= kSmallestMagnitude); }
+
 constexpr std::string_view message(InputError error) {
   switch (error) {
     case InputError::not_finite:

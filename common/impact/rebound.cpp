@@ -15,9 +15,6 @@ bool all_finite(const ball::Ball& b, const Motion& m, const Coefficients& c) {
          std::isfinite(c.offset_reference_mps);
 }
 
-bool too_large(double value) { return std::abs(value) > kLargestMagnitude; }
-bool too_small(double value) { return value < kSmallestMagnitude; }
-
 bool magnitudes_in_range(const ball::Ball& b, const Motion& m, const Coefficients& c) {
   return !(too_large(b.diameter_m) || too_large(b.mass_kg) || too_large(m.vx_mps) || too_large(m.vy_mps) ||
            too_large(m.omega_radps) || too_small(-m.vy_mps) || too_large(c.mu) ||

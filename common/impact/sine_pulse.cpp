@@ -32,9 +32,6 @@ double exact_damping(double e) {
   return f;
 }
 
-bool too_large(double value) { return !(std::abs(value) <= kLargestMagnitude); }
-bool too_small(double value) { return !(value >= kSmallestMagnitude); }
-
 std::optional<InputError> find_error(const PulseInput& in) {
   if (!std::isfinite(in.vx_td_mps) || !std::isfinite(in.vy_td_mps) || !std::isfinite(in.impulse_ratio) ||
       !std::isfinite(in.dwell_s) || !std::isfinite(in.mass_kg))

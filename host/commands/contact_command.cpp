@@ -45,7 +45,7 @@ struct Source {
   std::optional<thesis::Condition> means;
 };
 
-Result<contact::ContactSet> read_file(const std::filesystem::path& path) {
+Result<contact::ContactSet> read_contacts(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
   if (!file) return fail(path.string() + ": cannot be read");
   const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
@@ -64,7 +64,7 @@ Result<Source> find_source(const ContactOptions& options) {
   if (is_file(options.set)) {
     if (options.as_printed)
       return fail(options.set + ": --as-printed is for the project's own sets; a file is read as it stands");
-    auto set = read_file(options.set);
+    auto set = read_contacts(options.set);
     if (!set) return tl::unexpected(set.error());
     return Source{*std::move(set), std::nullopt};
   }

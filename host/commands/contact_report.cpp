@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/units/angles.hpp"
+#include "host/commands/or_null.hpp"
 
 namespace strobe::host {
 
@@ -14,11 +15,6 @@ namespace {
 using contact::CubicFit;
 using contact::ValueSd;
 using nlohmann::ordered_json;
-
-template <typename T>
-ordered_json or_null(const std::optional<T>& value) {
-  return value ? ordered_json(*value) : ordered_json();
-}
 
 ordered_json poly(const std::optional<CubicFit>& fit) {
   return fit ? ordered_json(fit->coefficients) : ordered_json();

@@ -7,6 +7,7 @@
 
 #include "common/messages/json_conversions.hpp"
 #include "common/units/angles.hpp"
+#include "host/commands/or_null.hpp"
 #include "host/view/text.hpp"
 
 namespace strobe::host {
@@ -22,11 +23,6 @@ using reduction::Leg;
 std::string_view leg_name(const std::optional<Leg>& leg) {
   if (!leg) return "";
   return *leg == Leg::incoming ? "incoming" : *leg == Leg::contact ? "contact" : "rebound";
-}
-
-template <typename T>
-ordered_json or_null(const std::optional<T>& value) {
-  return value ? ordered_json(*value) : ordered_json(nullptr);
 }
 
 ordered_json inputs_json(const DigitizeSettings& settings) {

@@ -7,10 +7,9 @@
 namespace strobe::host {
 namespace {
 
-using Outcome = tl::expected<PhotographReading, UnreadPhotograph>;
-
-Outcome measure(const RigFile& rig, digitize::Effort effort, const std::filesystem::path& file,
-                const std::vector<double>& flash_times_s) {
+tl::expected<PhotographReading, UnreadPhotograph> measure(const RigFile& rig, digitize::Effort effort,
+                                                          const std::filesystem::path& file,
+                                                          const std::vector<double>& flash_times_s) {
   const auto photograph = digitize::load_photograph(file);
   if (!photograph) return tl::unexpected(UnreadPhotograph{photograph.error().message, true});
   auto settings = digitize_settings(rig, photograph->width(), photograph->height());

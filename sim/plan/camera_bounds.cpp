@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
+#include "sim/plan/displacement.hpp"
 #include "sim/rig/pixels.hpp"
 #include "sim/rig/reduced_scene.hpp"
 
@@ -12,7 +12,6 @@ namespace strobe::sim {
 
 namespace {
 
-constexpr double kNoBound = std::numeric_limits<double>::infinity();
 constexpr double kFlat = 1.0 / (2.0 * PixelGrid::kLines);
 
 Scene studied(const Scene& scene, Effect left_out) {

@@ -1,7 +1,12 @@
 // How an effect displaces what is measured of one image. Plain values, thread-safe.
 #pragma once
 
+#include <limits>
+
 namespace strobe::sim {
+
+/// The `within` of what an effect may change at will, or make impossible to measure.
+inline constexpr double kNoBound = std::numeric_limits<double>::infinity();
 
 /// Lengths on the object's scale: x along the surface in the direction of travel, y up from it; angles
 /// counter-clockwise for a ball that travels to the right.

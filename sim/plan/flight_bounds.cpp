@@ -1,18 +1,12 @@
 #include "sim/plan/flight_bounds.hpp"
 
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include "common/flight/aerodynamics.hpp"
+#include "sim/plan/displacement.hpp"
 
 namespace strobe::sim {
-
-namespace {
-
-constexpr double kNoBound = std::numeric_limits<double>::infinity();
-
-}  // namespace
 
 /// A leg up to `t`, with the bounds that all effects share.
 struct FlightBounds::Leg {

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include "common/reduction/reduce.hpp"
+#include "sim/plan/displacement.hpp"
 
 namespace strobe::sim {
 
@@ -13,7 +13,6 @@ namespace {
 
 using reduction::Quantity;
 
-constexpr double kNoBound = std::numeric_limits<double>::infinity();
 constexpr double kUnstatedCentre_m = 1e-4;
 constexpr double kUnstatedEquator_rad = 0.1 * std::numbers::pi / 180.0;
 

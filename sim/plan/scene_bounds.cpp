@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <span>
 
 #include "sim/plan/camera_bounds.hpp"
+#include "sim/plan/displacement.hpp"
 #include "sim/plan/sensitivity.hpp"
 #include "sim/plan/timing_bounds.hpp"
 #include "sim/rig/draws.hpp"
@@ -16,8 +16,6 @@ namespace strobe::sim {
 namespace {
 
 using reduction::Quantity;
-
-constexpr double kNoBound = std::numeric_limits<double>::infinity();
 
 constexpr std::array kImageEffects{
     Effect::gravity,        Effect::drag,        Effect::magnus,          Effect::spin_decay,

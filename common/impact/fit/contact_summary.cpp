@@ -37,9 +37,9 @@ ContactObservation moved(ContactObservation o, int input, double share) {
 }
 
 /// One quantity at the means and at both sides of every standard deviation.
-class Spread {
+class Deviation {
  public:
-  explicit Spread(std::optional<double> value) : value_(value) {}
+  explicit Deviation(std::optional<double> value) : value_(value) {}
 
   void add(std::optional<double> above, std::optional<double> below) {
     if (!value_) return;
@@ -132,7 +132,7 @@ Row tell(const ContactObservation& o, const ContactVector& p, const ContactFitOp
 std::array<std::optional<Uncertain>, kTold> spread_of(const ContactObservation& o, const ContactFit& fit,
                                                       const ContactFitOptions& options) {
   const Row middle = tell(o, fit.value, options);
-  std::vector<Spread> spreads(middle.begin(), middle.end());
+  std::vector<Deviation> spreads(middle.begin(), middle.end());
   const auto add = [&spreads](const Row& above, const Row& below) {
     for (std::size_t i = 0; i < kTold; ++i) spreads[i].add(above[i], below[i]);
   };

@@ -1,0 +1,14 @@
+// An absent value in JSON is null.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <optional>
+
+namespace strobe::host {
+
+template <typename T>
+nlohmann::ordered_json or_null(const std::optional<T>& value) {
+  return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
+}
+
+}  // namespace strobe::host
