@@ -1,6 +1,6 @@
 #include "host/digitize/edge_profile.hpp"
 
-#include <array>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -94,5 +94,74 @@ Blurred blurred_root(double depth_px, double sigma_px) {
 }
 
 double inward_shift(double radius_px, double sigma_px) { return 0.5 * sigma_px * sigma_px / radius_px; }
+
+namespace {
+constexpr double kPerPixel = 16.0;
+
+/// Foreshortened surface of a sphere towards the camera at that depth, over sqrt(2/R).
+double sphere_factor(double depth, double radius) {
+  return std::sqrt(std::max(0.25, 1.0 - 0.5 * depth / radius));
+}
+
+float lerp(float a, float b, float part) { return a + part * (b - a); }
+}  // namespace
+
+ProfileTable::ProfileTable(double sigma_px, double radius_px, double unit_px, double shallowest_px,
+                           double deepest_px)
+    : shallowest_(shallowest_px) {
+  const auto count = static_cast<std::size_t>((deepest_px - shallowest_px) * kPerPixel) + 2;
+  entries_.reserve(count);
+  sums_.reserve(count);
+  Sums sum{0.0, 0.0};
+  for (std::size_t i = 0; i < count; ++i) {
+    const double depth = shallowest_px + static_cast<double>(i) / kPerPixel;
+    const Blurred step = blurred_step(depth, sigma_px), root = blurred_root(depth, sigma_px);
+    const double factor = sphere_factor(depth, radius_px) / std::sqrt(unit_px);
+    entries_.push_back({static_cast<float>(step.value), static_cast<float>(root.value * factor),
+                        static_cast<float>(step.by_depth), static_cast<float>(root.by_depth * factor),
+                        static_cast<float>(step.by_sigma), static_cast<float>(root.by_sigma * factor)});
+    if (i > 0) {
+      sum.step += 0.5 / kPerPixel * (entries_[i - 1].step + entries_[i].step);
+      sum.root += 0.5 / kPerPixel * (entries_[i - 1].root + entries_[i].root);
+    }
+    sums_.push_back(sum);
+  }
+}
+
+double ProfileTable::position(double depth_px) const {
+  return std::clamp((depth_px - shallowest_) * kPerPixel, 0.0,
+                    static_cast<double>(entries_.size() - 1) - 1e-6);
+}
+
+ProfileTable::Entry ProfileTable::at(double depth_px) const {
+  const double where = position(depth_px);
+  const auto index = static_cast<std::size_t>(where);
+  const auto part = static_cast<float>(where - static_cast<double>(index));
+  const Entry &a = entries_[index], &b = entries_[index + 1];
+  return {lerp(a.step, b.step, part),
+          lerp(a.root, b.root, part),
+          lerp(a.step_by_depth, b.step_by_depth, part),
+          lerp(a.root_by_depth, b.root_by_depth, part),
+          lerp(a.step_by_sigma, b.step_by_sigma, part),
+          lerp(a.root_by_sigma, b.root_by_sigma, part)};
+}
+
+ProfileTable::Sums ProfileTable::sum_at(double position) const {
+  const auto index = static_cast<std::size_t>(position);
+  const double part = position - static_cast<double>(index);
+  const Sums &a = sums_[index], &b = sums_[index + 1];
+  return {a.step + part * (b.step - a.step), a.root + part * (b.root - a.root)};
+}
+
+ProfileTable::Mean ProfileTable::mean(double from_px, double to_px) const {
+  const double low = position(std::min(from_px, to_px)), high = position(std::max(from_px, to_px));
+  if (high - low < 1.0) {
+    const Entry middle = at(0.5 * (from_px + to_px));
+    return {middle.step, middle.root};
+  }
+  const Sums a = sum_at(low), b = sum_at(high);
+  const double scale = kPerPixel / (high - low);
+  return {static_cast<float>(scale * (b.step - a.step)), static_cast<float>(scale * (b.root - a.root))};
+}
 
 }  // namespace strobe::digitize

@@ -4,6 +4,9 @@
 // tables are built once.
 #pragma once
 
+#include <array>
+#include <vector>
+
 namespace strobe::digitize {
 
 /// A blurred function of depth and what it changes by when the outline moves out or the blur grows.
@@ -21,5 +24,36 @@ Blurred blurred_root(double depth_px, double sigma_px);
 
 /// Where the outline of a disc of that radius seems to lie after blur, px inside of where it is.
 double inward_shift(double radius_px, double sigma_px);
+
+/// Both profiles at one blur, for very many depths on one ball: a table with steps of a sixteenth of a px.
+class ProfileTable {
+ public:
+  /// The root is that of a sphere of that radius, over the root of `unit_px`. Depths to look up are taken to
+  /// lie between shallowest and deepest; what is beyond is cut off there.
+  ProfileTable(double sigma_px, double radius_px, double unit_px, double shallowest_px, double deepest_px);
+
+  struct Entry {
+    /// Values, their d/ddepth and d/dsigma.
+    float step, root, step_by_depth, root_by_depth, step_by_sigma, root_by_sigma;
+  };
+  Entry at(double depth_px) const;
+
+  struct Mean {
+    float step, root;
+  };
+  /// Over depths that spread evenly between the two.
+  Mean mean(double from_px, double to_px) const;
+
+ private:
+  struct Sums {
+    double step, root;
+  };
+  double position(double depth_px) const;
+  Sums sum_at(double position) const;
+
+  double shallowest_;
+  std::vector<Entry> entries_;
+  std::vector<Sums> sums_;  ///< integrals up to each entry
+};
 
 }  // namespace strobe::digitize

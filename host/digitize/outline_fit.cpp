@@ -60,9 +60,9 @@ double extra_variance(const std::vector<SectorEdge>& edges, const std::vector<do
 /// One outline's fit, step by step.
 class Fit {
  public:
-  Fit(const SectorPixels& pixels, std::span<const OutlineShape> neighbours, const FitSettings& settings,
+  Fit(const SectorLight& light, std::span<const OutlineShape> neighbours, const FitSettings& settings,
       const OutlineShape& start, double sigma)
-      : pixels_(pixels),
+      : light_(light),
         neighbours_(neighbours),
         settings_(settings),
         start_radius_(start.radius),
@@ -98,7 +98,7 @@ class Fit {
   }
 
  private:
-  int count() const { return pixels_.count(); }
+  int count() const { return light_.count(); }
 
   int used() const {
     return static_cast<int>(
@@ -108,15 +108,16 @@ class Fit {
   void measure() {
     offsets_.edges.resize(static_cast<std::size_t>(count()));
     const double most = 2.0 * std::max(sigma_, 0.7);
+    const ProfileTable profiles = sector_profiles(light_, shape_.radius, sigma_);
     for (int i = 0; i < count(); ++i) {
       SectorEdge& edge = offsets_.edges[static_cast<std::size_t>(i)];
-      edge = fit_sector(pixels_, i, shape_, neighbours_, sigma_);
+      edge = fit_sector(light_, i, shape_, neighbours_, profiles, sigma_);
       edge.offset_px = std::clamp(edge.offset_px, -most, most);
     }
   }
 
   double residual(int i, const Vector& change) const {
-    return offsets_.edges[static_cast<std::size_t>(i)].offset_px - gradient(pixels_.direction(i)).dot(change);
+    return offsets_.edges[static_cast<std::size_t>(i)].offset_px - gradient(light_.direction(i)).dot(change);
   }
 
   /// Iteratively reweighted.
@@ -131,7 +132,7 @@ class Fit {
       for (int i = 0; i < count(); ++i) {
         const double w = offsets_.weight[static_cast<std::size_t>(i)];
         if (w == 0.0) continue;
-        const Vector g = gradient(pixels_.direction(i));
+        const Vector g = gradient(light_.direction(i));
         normal_ += w * g * g.t();
         right += w * offsets_.edges[static_cast<std::size_t>(i)].offset_px * g;
       }
@@ -197,7 +198,7 @@ class Fit {
     const Square inverse = sensitivity().inv(cv::DECOMP_CHOLESKY);
     for (int i = 0; i < count(); ++i) {
       const auto at = static_cast<std::size_t>(i);
-      const Vector g = gradient(pixels_.direction(i));
+      const Vector g = gradient(light_.direction(i));
       // A residual is short by what its own sector pulled the fit towards it.
       const double leverage = std::min(0.7, offsets_.weight[at] * g.dot(inverse * g));
       score[at] = offsets_.weight[at] * residual(i, change_) / (1.0 - leverage) * g;
@@ -219,7 +220,7 @@ class Fit {
   Square sensitivity() const {
     Square slope = prior();
     for (int i = 0; i < count(); ++i) {
-      const Vector g = gradient(pixels_.direction(i));
+      const Vector g = gradient(light_.direction(i));
       slope += offsets_.pull[static_cast<std::size_t>(i)] * g * g.t();
     }
     return slope;
@@ -235,8 +236,8 @@ class Fit {
       trusts += offsets_.trust[at];
       is_seen[at] = offsets_.trust[at] > 0.1;
       seen += is_seen[at] ? 1 : 0;
-      fitted.saturated_share += (pixels_.saturated_share(i) > 0.3 ? 1.0 : 0.0) / count();
-      fitted.absent_share += (pixels_.present_share(i) < 0.5 ? 1.0 : 0.0) / count();
+      fitted.saturated_share += (light_.saturated_share(i) > 0.3 ? 1.0 : 0.0) / count();
+      fitted.absent_share += (light_.present_share(i) < 0.5 ? 1.0 : 0.0) / count();
     }
     fitted.seen_share = static_cast<double>(seen) / count();
     fitted.rms_px = trusts > 0.0 ? std::sqrt(squares / trusts) : 0.0;
@@ -258,7 +259,7 @@ class Fit {
     return found;
   }
 
-  const SectorPixels& pixels_;
+  const SectorLight& light_;
   std::span<const OutlineShape> neighbours_;
   FitSettings settings_;
   double start_radius_;
@@ -278,9 +279,11 @@ std::optional<FittedOutline> fit_outline(const Photograph& photograph, const Loc
   const int sectors =
       std::clamp(static_cast<int>(2.0 * std::numbers::pi * start.radius / settings.sectors_px), 24, 160);
   const double most = 0.3 * start.radius;
-  const SectorPixels pixels(photograph, frame, start, sectors, std::min(most, 4.0 * sigma_px + 4.0),
-                            std::min(most, 4.0 * sigma_px + 6.0));
-  Fit fit(pixels, neighbours, settings, start, sigma_px);
+  const double length = 2.0 * std::numbers::pi * start.radius / sectors;
+  const SectorGrid grid{sectors, std::max(2, static_cast<int>(length / settings.rays_px + 0.5)),
+                        std::min(most, 4.0 * sigma_px + 4.0), std::min(most, 4.0 * sigma_px + 6.0)};
+  const SectorLight light(photograph, frame, start, grid);
+  Fit fit(light, neighbours, settings, start, sigma_px);
   for (int step = 0; step < settings.steps; ++step)
     if (!fit.step()) return std::nullopt;
   return fit.result();

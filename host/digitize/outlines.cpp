@@ -126,6 +126,7 @@ class Outliner {
     FitSettings settings;
     settings.steps = sweep == 0 ? 3 : 2;
     settings.sectors_px = settings_.effort == Effort::fast ? 12.0 : 8.0;
+    settings.rays_px = settings_.effort == Effort::fast || sweep == 0 ? 2.0 : 1.0;
     settings.oval_sd = map_.viewpoint() ? 0.002 : 0.005;
     if (settings_.diameter_px && settings_.diameter_sd_px) {
       settings.radius_px = 0.5 * *settings_.diameter_px * work.frame->scale();
