@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+#include <opencv2/core/utility.hpp>
 #include <opencv2/imgproc.hpp>
 #include <queue>
 
@@ -99,20 +99,34 @@ struct Scored {
   }
 };
 
+/// Edges that far off a circle, and a fit's shift, may make a difference to it. [px]
+constexpr double kBandsReach = 16.0;
+
 /// The circle with the largest share of its outline seen first; then the next by what edges that one leaves.
 std::vector<SupportedCircle> best_first(CircleSupport& edges, const std::vector<Peak>& peaks,
                                         double radius_min, double radius_max, double least_share) {
   const double middle = 0.5 * (radius_min + radius_max);
+  std::vector<SupportedCircle> fitted(peaks.size());
+  cv::parallel_for_(cv::Range(0, static_cast<int>(peaks.size())), [&](const cv::Range& range) {
+    for (auto i = static_cast<std::size_t>(range.start); i < static_cast<std::size_t>(range.end); ++i)
+      fitted[i] = edges.fit({peaks[i].at, middle}, radius_min, radius_max);
+  });
   std::priority_queue<Scored> queue;
-  for (std::size_t i = 0; i < peaks.size(); ++i) {
-    const auto fitted = edges.fit({peaks[i].at, middle}, radius_min, radius_max);
-    if (fitted.share >= least_share) queue.push({fitted, 0, i});
-  }
+  for (std::size_t i = 0; i < peaks.size(); ++i)
+    if (fitted[i].share >= least_share) queue.push({fitted[i], 0, i});
   std::vector<SupportedCircle> found;
+  // Whether a circle found since then may have claimed edges of this one.
+  const auto robbed = [&](const Scored& scored) {
+    return std::any_of(found.begin() + static_cast<std::ptrdiff_t>(scored.round), found.end(),
+                       [&](const SupportedCircle& other) {
+                         return cv::norm(other.circle.centre - scored.supported.circle.centre) <
+                                2.0 * radius_max + kBandsReach;
+                       });
+  };
   while (!queue.empty()) {
     Scored best = queue.top();
     queue.pop();
-    if (best.round < found.size()) {
+    if (robbed(best)) {
       best.supported = edges.fit(best.supported.circle, radius_min, radius_max);
       best.round = found.size();
       if (best.supported.share >= least_share) queue.push(best);

@@ -86,19 +86,24 @@ void CircleSupport::visit_ring(const Circle& circle, double band, Visit visit) c
   const int column_to = cell_of(static_cast<float>(cx + outer), columns_);
   // Of a cell's middle to any point in it, and an edge's offset from its pixel.
   constexpr double kHalfDiagonal = 0.7072 * kCell + 1.0;
+  const double outer2 = outer * outer, inner2 = inner * inner;
+  const double farthest2 = (outer + kHalfDiagonal) * (outer + kHalfDiagonal);
+  const double nearest = std::max(0.0, inner - kHalfDiagonal), nearest2 = nearest * nearest;
   for (int row = row_from; row <= row_to; ++row) {
     for (int column = column_from; column <= column_to; ++column) {
-      const double far = std::hypot((column + 0.5) * kCell - cx, (row + 0.5) * kCell - cy);
-      if (far > outer + kHalfDiagonal || far < inner - kHalfDiagonal) continue;
+      const double x = (column + 0.5) * kCell - cx, y = (row + 0.5) * kCell - cy;
+      const double far2 = x * x + y * y;
+      if (far2 > farthest2 || far2 < nearest2) continue;
       const auto cell = static_cast<std::size_t>(row * columns_ + column);
       for (std::size_t i = first_[cell]; i < first_[cell + 1]; ++i) {
         if (claimed_[i] != 0) continue;
         const double dx = edges_[i].at.x - cx, dy = edges_[i].at.y - cy;
         const double square = dx * dx + dy * dy;
-        if (square > outer * outer || square < inner * inner || square == 0.0) continue;
+        if (square > outer2 || square < inner2) continue;
+        const double inwards = -(dx * edges_[i].uphill.x + dy * edges_[i].uphill.y);
+        if (!(inwards > 0.0) || inwards * inwards < kAligned * kAligned * square) continue;
         const double distance = std::sqrt(square);
         const double ux = dx / distance, uy = dy / distance;
-        if (-(ux * edges_[i].uphill.x + uy * edges_[i].uphill.y) < kAligned) continue;
         visit(i, ux, uy, distance - circle.radius);
       }
     }

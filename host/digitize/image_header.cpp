@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cctype>
 #include <optional>
 #include <string>
@@ -117,6 +118,31 @@ bool holds_its_strips(Bytes bytes, const TiffDirectory& directory) {
   return false;
 }
 
+/// Where the pixels begin if they are grey, neither compressed nor turned, and strip follows strip.
+std::optional<std::size_t> plain_pixels(const TiffDirectory& directory, bool big_endian, std::uint64_t width,
+                                        std::uint64_t height, std::uint64_t bits) {
+  struct Needed {
+    unsigned tag;
+    std::uint64_t value;
+  };
+  // Compression, numbers of a pixel, order of bits, orientation.
+  for (const Needed& n : {Needed{259, 1}, Needed{277, 1}, Needed{266, 1}, Needed{274, 1}})
+    if (directory.value_of(n.tag, 1) != n.value) return std::nullopt;
+  const bool as_in_memory =
+      bits == 8 || (bits == 16 && big_endian == (std::endian::native == std::endian::big));
+  const auto offsets = directory.field(273), sizes = directory.field(279);
+  if (!as_in_memory || !offsets || !sizes || directory.value_of(262, 1) > 1) return std::nullopt;
+  const std::uint64_t first = directory.value(*offsets, 0);
+  std::uint64_t end = first;
+  for (std::uint64_t i = 0; i < offsets->count; ++i) {
+    if (directory.value(*offsets, i) != end) return std::nullopt;
+    end += directory.value(*sizes, i);
+  }
+  const bool aligned = bits == 8 || first % 2 == 0;
+  if (!aligned || width == 0 || (end - first) / width / (bits / 8) < height) return std::nullopt;
+  return static_cast<std::size_t>(first);
+}
+
 Result<ImageHeader> read_tiff(Bytes bytes) {
   const bool big_endian = starts(bytes, "MM");
   const TiffDirectory directory(bytes, big_endian);
@@ -132,7 +158,8 @@ Result<ImageHeader> read_tiff(Bytes bytes) {
   // OpenCV 4.6 turns those of one bit about, and leaves the others.
   constexpr std::uint64_t kZeroIsWhite = 0;
   return sized({"TIFF", static_cast<std::int64_t>(width), static_cast<std::int64_t>(height),
-                static_cast<int>(std::min<std::uint64_t>(bits, 64)), meaning == kZeroIsWhite && bits > 1});
+                static_cast<int>(std::min<std::uint64_t>(bits, 64)), meaning == kZeroIsWhite && bits > 1,
+                plain_pixels(directory, big_endian, width, height, bits)});
 }
 
 /// The last marker, which cameras may follow with padding.

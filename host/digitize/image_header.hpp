@@ -3,7 +3,9 @@
 // never throws; thread-safe.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string_view>
 
@@ -17,6 +19,9 @@ struct ImageHeader {
   std::int64_t height = 0;  ///< > 0
   int bits = 8;             ///< per number of a pixel
   bool negative = false;    ///< 0 is white, and the decoder leaves it so
+  /// Where the file holds its grey pixels, of 8 or of 16 bits, just as this machine's memory would: row by row
+  /// from the top, without gaps. Absent: they have to be decoded.
+  std::optional<std::size_t> plain_from = std::nullopt;
 };
 
 /// Reads the header of PNG (W3C), TIFF 6.0, JPEG (ITU-T T.81), BMP and PNM files. Fails, without a file's

@@ -7,9 +7,10 @@
 #include <cmath>
 #include <cstdint>
 #include <fstream>
+#include <memory>
+#include <opencv2/core/utility.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
-#include <vector>
 
 #include "host/digitize/image_header.hpp"
 #include "host/digitize/saturation.hpp"
@@ -39,10 +40,19 @@ Result<ImageHeader> acceptable_header(std::span<const unsigned char> bytes) {
   return header;
 }
 
-/// Grey of 8 or 16 bits, as the file has it.
+/// Grey of 8 or 16 bits, as the file has it; it may lie in `bytes`.
 Result<cv::Mat> decode_grey(std::span<const unsigned char> bytes, const ImageHeader& header) {
   // OpenCV takes no const buffer, though it only reads it.
-  const cv::Mat buffer(1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<unsigned char*>(bytes.data()));
+  auto* data = const_cast<unsigned char*>(bytes.data());
+  if (header.plain_from) {
+    const cv::Mat plain(static_cast<int>(header.height), static_cast<int>(header.width),
+                        header.bits == 8 ? CV_8UC1 : CV_16UC1, data + *header.plain_from);
+    if (!header.negative) return plain;
+    cv::Mat positive;
+    cv::bitwise_not(plain, positive);
+    return positive;
+  }
+  const cv::Mat buffer(1, static_cast<int>(bytes.size()), CV_8UC1, data);
   cv::Mat pixels = cv::imdecode(buffer, cv::IMREAD_UNCHANGED);
   if (pixels.empty()) return fail(fmt::format("the {} file is damaged", header.format));
   if (pixels.cols != header.width || pixels.rows != header.height)
@@ -75,7 +85,11 @@ Result<Photograph> decoded(std::span<const unsigned char> bytes, const std::stri
   const double top = grey->depth() == CV_8U ? 255.0 : 65535.0;
   // Half a number less, so that rounding hides no saturated pixel.
   photograph.saturation = static_cast<float>((saturation_level(*grey) - 0.5) / top);
-  grey->convertTo(photograph.light, CV_32F, 1.0 / top);
+  photograph.light.create(grey->size(), CV_32FC1);
+  cv::parallel_for_(cv::Range(0, grey->rows), [&](const cv::Range& rows) {
+    cv::Mat light = photograph.light.rowRange(rows);
+    grey->rowRange(rows).convertTo(light, CV_32F, 1.0 / top);
+  });
   return photograph;
 }
 
@@ -102,11 +116,12 @@ Result<Photograph> load_photograph(const std::filesystem::path& path) {
   if (!file) return fail(fmt::format("{}: cannot be opened", name));
   const std::streamoff size = file.tellg();
   if (size < 0 || size > INT32_MAX) return fail(fmt::format("{}: is larger than 2 GB", name));
-  std::vector<unsigned char> bytes(static_cast<std::size_t>(size));
+  const auto count = static_cast<std::size_t>(size);
+  const auto bytes = std::make_unique_for_overwrite<unsigned char[]>(count);
   file.seekg(0);
-  file.read(reinterpret_cast<char*>(bytes.data()), size);
+  file.read(reinterpret_cast<char*>(bytes.get()), size);
   if (file.gcount() != size) return fail(fmt::format("{}: cannot be read to its end", name));
-  return decode_photograph(bytes, name);
+  return decode_photograph({bytes.get(), count}, name);
 }
 
 }  // namespace strobe::digitize

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
+#include <vector>
 
 namespace strobe::digitize {
 
@@ -15,26 +17,22 @@ constexpr int kHeapBins = 8;
 /// A sensor's numbers end at no less than this share of what its bits can hold.
 constexpr double kLeastTop = 0.85;
 
+/// Counts of each number on every step-th row and column.
 template <typename Number>
-double largest_in(const cv::Mat& pixels, int step) {
-  Number largest = 0;
+std::vector<std::int32_t> histogram(const cv::Mat& pixels, int step) {
+  std::vector<std::int32_t> counts(std::size_t{std::numeric_limits<Number>::max()} + 1);
   for (int y = 0; y < pixels.rows; y += step) {
     const auto* row = pixels.ptr<Number>(y);
-    largest = std::max(largest, *std::max_element(row, row + pixels.cols));
-  }
-  return largest;
-}
-
-/// Counts of the numbers of every step-th row and column, in bins of that width.
-template <typename Number>
-std::array<std::int64_t, kBins> histogram(const cv::Mat& pixels, int step, int bin_width) {
-  std::array<std::int64_t, kBins> counts{};
-  for (int y = 0; y < pixels.rows; y += step) {
-    const auto* row = pixels.ptr<Number>(y);
-    for (int x = 0; x < pixels.cols; x += step)
-      ++counts[static_cast<std::size_t>(std::min(row[x] / bin_width, kBins - 1))];
+    for (int x = 0; x < pixels.cols; x += step) ++counts[row[x]];
   }
   return counts;
+}
+
+std::array<std::int64_t, kBins> binned(const std::vector<std::int32_t>& counts, int bin_width) {
+  std::array<std::int64_t, kBins> bins{};
+  for (std::size_t n = 0; n < counts.size(); ++n)
+    bins[std::min(n / static_cast<std::size_t>(bin_width), std::size_t{kBins - 1})] += counts[n];
+  return bins;
 }
 
 /// What a sensor's bits can hold: the fewest that reach `largest`.
@@ -49,16 +47,17 @@ int range_of(double largest, double file_range) {
 double saturation_level(const cv::Mat& pixels) {
   const bool bytes = pixels.depth() == CV_8U;
   const double file_range = bytes ? 256.0 : 65536.0;
-  // A million pixels are enough to see a heap.
-  const int step = std::max(1, static_cast<int>(std::sqrt(static_cast<double>(pixels.total()) / 1e6)));
-  const double largest =
-      bytes ? largest_in<std::uint8_t>(pixels, step) : largest_in<std::uint16_t>(pixels, step);
+  // Half a million pixels are enough to see a heap.
+  const int step = std::max(1, static_cast<int>(std::sqrt(static_cast<double>(pixels.total()) / 5e5)));
+  const auto numbers = bytes ? histogram<std::uint8_t>(pixels, step) : histogram<std::uint16_t>(pixels, step);
+  std::size_t last = numbers.size() - 1;
+  while (last > 0 && numbers[last] == 0) --last;
+  const auto largest = static_cast<double>(last);
   const int range = range_of(largest, file_range);
   if (largest < kLeastTop * range) return file_range - 1;
 
   const int width = range / kBins;
-  const auto counts =
-      bytes ? histogram<std::uint8_t>(pixels, step, width) : histogram<std::uint16_t>(pixels, step, width);
+  const auto counts = binned(numbers, width);
   const int top = static_cast<int>(largest) / width;
   std::int64_t heap = 0, below = 0;
   int peak = top;

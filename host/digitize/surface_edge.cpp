@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
@@ -26,18 +27,17 @@ struct Crossing {
 };
 
 /// Light on the columns around, down the rows through the rough line.
-bool profile(const Photograph& photograph, const cv::Mat& mask, int column, double row,
+bool profile(const Photograph& photograph, const Hidden& hidden, int column, double row,
              std::array<double, 2 * kHalfReach + 1>& light) {
   const int top = static_cast<int>(std::lround(row)) - kHalfReach;
   if (top < 0 || top + 2 * kHalfReach >= photograph.height()) return false;
   if (column < kAlong / 2 || column + kAlong / 2 >= photograph.width()) return false;
+  for (int k = 0; k <= 2 * kHalfReach; k += kHalfReach / 2) {
+    if (hidden.at(column - kAlong / 2, top + k) || hidden.at(column + kAlong / 2, top + k)) return false;
+  }
   for (int k = 0; k <= 2 * kHalfReach; ++k) {
-    double sum = 0.0;
-    for (int c = column - kAlong / 2; c <= column + kAlong / 2; ++c) {
-      if (!mask.empty() && mask.at<uchar>(top + k, c) != 0) return false;
-      sum += photograph.light.at<float>(top + k, c);
-    }
-    light[static_cast<std::size_t>(k)] = sum / kAlong;
+    const float* row_light = photograph.light.ptr<float>(top + k) + column - kAlong / 2;
+    light[static_cast<std::size_t>(k)] = std::accumulate(row_light, row_light + kAlong, 0.0) / kAlong;
   }
   return true;
 }
@@ -63,7 +63,7 @@ std::optional<Crossing> steepest(const std::array<double, 2 * kHalfReach + 1>& l
   return Crossing{{static_cast<double>(column), top + best + part}, most, 0};
 }
 
-std::vector<Crossing> crossings(const Photograph& photograph, const PlaneMap& map, const cv::Mat& mask,
+std::vector<Crossing> crossings(const Photograph& photograph, const PlaneMap& map, const Hidden& hidden,
                                 const RoughLine& rough, int& looked) {
   std::vector<Crossing> found;
   const int count = std::min(kProfiles, std::max(16, photograph.width() / kAlong));
@@ -71,7 +71,7 @@ std::vector<Crossing> crossings(const Photograph& photograph, const PlaneMap& ma
   for (int i = 0; i < count; ++i) {
     const int column = static_cast<int>((i + 0.5) * photograph.width() / count);
     const double row = rough.row_px + rough.slope * (column - 0.5 * photograph.width());
-    if (!profile(photograph, mask, column, row, light)) continue;
+    if (!profile(photograph, hidden, column, row, light)) continue;
     ++looked;
     auto crossing = steepest(light, column, static_cast<int>(std::lround(row)) - kHalfReach);
     if (!crossing) continue;
@@ -154,10 +154,10 @@ void spread(const std::vector<Crossing>& agreed, const Line& line, EdgeLine& edg
 
 }  // namespace
 
-std::optional<EdgeLine> measure_edge(const Photograph& photograph, const PlaneMap& map, const cv::Mat& mask,
+std::optional<EdgeLine> measure_edge(const Photograph& photograph, const PlaneMap& map, const Hidden& hidden,
                                      const RoughLine& rough) {
   int looked = 0;
-  const std::vector<Crossing> found = crossings(photograph, map, mask, rough, looked);
+  const std::vector<Crossing> found = crossings(photograph, map, hidden, rough, looked);
   if (found.size() < 12) return std::nullopt;
   Line line = consensus(found);
   std::vector<Crossing> agreed;

@@ -23,7 +23,7 @@ struct EdgeLine {
   double at(double x) const { return middle.y + slope * (x - middle.x); }
 };
 
-std::optional<EdgeLine> measure_edge(const Photograph& photograph, const PlaneMap& map, const cv::Mat& mask,
+std::optional<EdgeLine> measure_edge(const Photograph& photograph, const PlaneMap& map, const Hidden& hidden,
                                      const RoughLine& rough);
 
 }  // namespace strobe::digitize

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <opencv2/core/utility.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "host/digitize/surface_edge.hpp"
@@ -19,16 +20,20 @@ constexpr double kMostSd_px = 3.0;
 constexpr double kCoveredRadii = 1.08;
 
 /// Where balls cover the edge.
-cv::Mat covered(const Photograph& photograph, const PlaneMap& map, std::span<const Outline> outlines) {
-  cv::Mat mask = cv::Mat::zeros(photograph.light.size(), CV_8UC1);
+Hidden covered(const Photograph& photograph, const PlaneMap& map, std::span<const Outline> outlines) {
+  Hidden hidden;
+  hidden.mask = cv::Mat::zeros(coarse_size(photograph.light.size()), CV_8UC1);
+  hidden.scale = static_cast<double>(photograph.width()) / hidden.mask.cols;
   for (const Outline& o : outlines) {
     const cv::Point2d centre = map.to_image(o.centre);
     const cv::Point2d side = map.to_image(o.centre + cv::Point2d(0.5 * o.diameter, 0.0));
     const double radius = kCoveredRadii * cv::norm(side - centre);
     if (!(std::abs(centre.x) < 1e6 && std::abs(centre.y) < 1e6 && radius < 1e5)) continue;
-    cv::circle(mask, cv::Point(cvRound(centre.x), cvRound(centre.y)), cvRound(radius), cv::Scalar(255), -1);
+    const auto coarse = [&](double at) { return cvRound((at + 0.5) / hidden.scale - 0.5); };
+    cv::circle(hidden.mask, cv::Point(coarse(centre.x), coarse(centre.y)),
+               static_cast<int>(std::ceil(radius / hidden.scale)), cv::Scalar(255), -1);
   }
-  return mask;
+  return hidden;
 }
 
 /// No ball's centre lies lower than a third of a radius above the line.
@@ -71,18 +76,22 @@ SurfaceLine four_points(const EdgeLine& edge) {
 
 Measured<SurfaceLine> find_surface_line(const Photograph& photograph, const PlaneMap& map,
                                         std::span<const Outline> outlines, Effort /*effort*/) {
-  const cv::Mat mask = covered(photograph, map, outlines);
-  const EdgeLine* none = nullptr;
+  const Hidden hidden = covered(photograph, map, outlines);
+  const std::vector<RoughLine> rough = rough_lines(photograph, hidden, kMostLines);
+  std::vector<std::optional<EdgeLine>> measured(rough.size());
+  cv::parallel_for_(cv::Range(0, static_cast<int>(rough.size())), [&](const cv::Range& range) {
+    for (auto i = static_cast<std::size_t>(range.start); i < static_cast<std::size_t>(range.end); ++i)
+      measured[i] = measure_edge(photograph, map, hidden, rough[i]);
+  });
   std::vector<EdgeLine> edges;
   double longest = 0.0;
-  for (const RoughLine& rough : rough_lines(photograph, mask, kMostLines)) {
-    const auto edge = measure_edge(photograph, map, mask, rough);
+  for (const auto& edge : measured) {
     if (!edge || !below_balls(*edge, outlines)) continue;
     longest = std::max(longest, edge->seen_share);
     if (edge->seen_share < kLeastShare || edge->rms_px > kMostRms_px) continue;
     edges.push_back(*edge);
   }
-  const EdgeLine* best = none;
+  const EdgeLine* best = nullptr;
   for (const EdgeLine& edge : edges) {
     if (best == nullptr || merit(edge, outlines) > merit(*best, outlines)) best = &edge;
   }

@@ -13,19 +13,8 @@ constexpr double kSlopeStep = 2.0 * kMostSlope / (kSlopes - 1);
 constexpr int kVoteReach = 8;  // slopes to either side that an edge's own direction leaves possible
 constexpr int kSmallWidth = 720;
 
-struct Small {
-  cv::Mat light, mask;
-  double scale = 1.0;  // photograph px per px
-};
-
-Small reduced(const Photograph& photograph, const cv::Mat& mask) {
-  Small small;
-  small.scale = std::max(1.0, static_cast<double>(photograph.width()) / kSmallWidth);
-  const cv::Size size(std::max(8, static_cast<int>(std::lround(photograph.width() / small.scale))),
-                      std::max(8, static_cast<int>(std::lround(photograph.height() / small.scale))));
-  cv::resize(photograph.light, small.light, size, 0, 0, cv::INTER_AREA);
-  if (!mask.empty()) cv::resize(mask, small.mask, size, 0, 0, cv::INTER_NEAREST);
-  return small;
+double coarse_scale(cv::Size photograph) {
+  return std::max(1.0, static_cast<double>(photograph.width) / kSmallWidth);
 }
 
 /// Edges much weaker than this are noise: from the gradients themselves.
@@ -93,23 +82,29 @@ class Votes {
 
 }  // namespace
 
-std::vector<RoughLine> rough_lines(const Photograph& photograph, const cv::Mat& mask, std::size_t most) {
-  const Small small = reduced(photograph, mask);
-  cv::Mat smooth, gx, gy;
-  cv::GaussianBlur(small.light, smooth, {}, 1.0);
+cv::Size coarse_size(cv::Size photograph) {
+  const double scale = coarse_scale(photograph);
+  return {std::max(8, static_cast<int>(std::lround(photograph.width / scale))),
+          std::max(8, static_cast<int>(std::lround(photograph.height / scale)))};
+}
+
+std::vector<RoughLine> rough_lines(const Photograph& photograph, const Hidden& hidden, std::size_t most) {
+  cv::Mat light, smooth, gx, gy;
+  cv::resize(photograph.light, light, coarse_size(photograph.light.size()), 0, 0, cv::INTER_AREA);
+  cv::GaussianBlur(light, smooth, {}, 1.0);
   cv::Scharr(smooth, gx, CV_32F, 1, 0, 1.0 / 32.0);
   cv::Scharr(smooth, gy, CV_32F, 0, 1, 1.0 / 32.0);
   const float edge = 3.0F * typical_edge(gy);
-  Votes votes(small.light);
+  Votes votes(light);
   for (int row = 2; row + 2 < gy.rows; ++row) {
     const auto* x = gx.ptr<float>(row);
     const auto* y = gy.ptr<float>(row);
     const auto* above = gy.ptr<float>(row - 1);
     const auto* below = gy.ptr<float>(row + 1);
-    const uchar* hidden = small.mask.empty() ? nullptr : small.mask.ptr<uchar>(row);
+    const uchar* covered = hidden.mask.empty() ? nullptr : hidden.mask.ptr<uchar>(row);
     for (int column = 2; column + 2 < gy.cols; ++column) {
       if (y[column] < edge || y[column] < above[column] || y[column] <= below[column]) continue;
-      if (hidden != nullptr && hidden[column] != 0) continue;
+      if (covered != nullptr && covered[column] != 0) continue;
       const double slope = -x[column] / y[column];
       if (std::abs(slope) > kMostSlope + kVoteReach * kSlopeStep) continue;
       const double bend = above[column] - 2.0 * y[column] + below[column];
@@ -117,7 +112,7 @@ std::vector<RoughLine> rough_lines(const Photograph& photograph, const cv::Mat& 
       votes.add(column, row + part, slope, std::min(1.0F, y[column] / (2.0F * edge)));
     }
   }
-  return votes.best(most, small.scale);
+  return votes.best(most, coarse_scale(photograph.light.size()));
 }
 
 }  // namespace strobe::digitize

@@ -2,6 +2,7 @@
 // in their own direction only (O'Gorman and Clowes 1976). Deterministic; thread-safe; allocates.
 #pragma once
 
+#include <algorithm>
 #include <opencv2/core.hpp>
 #include <vector>
 
@@ -16,8 +17,22 @@ struct RoughLine {
   double votes = 0.0;  ///< share of the width whose edges vote for it
 };
 
-/// The most voted first, at most `most`. `mask`: CV_8UC1 of the photograph's size or empty; non-zero: no edge
-/// there counts.
-std::vector<RoughLine> rough_lines(const Photograph& photograph, const cv::Mat& mask, std::size_t most);
+/// What of a photograph is hidden, on a coarser grid.
+struct Hidden {
+  cv::Mat mask;        ///< CV_8UC1, non-zero: hidden; empty: nothing is
+  double scale = 1.0;  ///< photograph px per px of it
+
+  bool at(int column, int row) const {
+    return !mask.empty() && mask.at<uchar>(std::min(static_cast<int>(row / scale), mask.rows - 1),
+                                           std::min(static_cast<int>(column / scale), mask.cols - 1)) != 0;
+  }
+};
+
+/// The size and scale at which lines are searched.
+cv::Size coarse_size(cv::Size photograph);
+
+/// The most voted first, at most `most`. `hidden`: of coarse_size(), or empty; no edge there
+/// counts.
+std::vector<RoughLine> rough_lines(const Photograph& photograph, const Hidden& hidden, std::size_t most);
 
 }  // namespace strobe::digitize

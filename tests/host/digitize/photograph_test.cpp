@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "host/digitize/image_header.hpp"
 #include "host/digitize/saturation.hpp"
 
 #include <CppUTest/TestHarness.h>
@@ -163,4 +164,38 @@ TEST(Saturation, IsTheFilesTopWhereNothingIsHeapedUp) {
   DOUBLES_EQUAL(65535.0, saturation_level(ramp(CV_16U, 5)), 0.0);
   // An evenly lit object, but far from what eight bits hold.
   DOUBLES_EQUAL(255.0, saturation_level(with_heap(CV_8U, 180, 180)), 0.0);
+}
+
+TEST(Photograph, OfPlainTiffIsReadAsThePackedOne) {
+  for (const int depth : {CV_8U, CV_16U}) {
+    const cv::Mat pixels = ramp(depth, depth == CV_8U ? 1 : 97);
+    // 7 rows a strip, so that there are several.
+    const Bytes plain = encoded(pixels, ".tif", {cv::IMWRITE_TIFF_COMPRESSION, 1, 278, 7});
+    const Bytes packed = encoded(pixels, ".tif", {cv::IMWRITE_TIFF_COMPRESSION, 5});
+    const auto header = strobe::digitize::read_image_header(plain);
+    CHECK_TRUE(header.has_value() && header->plain_from.has_value());
+    CHECK_FALSE(strobe::digitize::read_image_header(packed)->plain_from.has_value());
+    const auto a = decode_photograph(plain, "plain"), b = decode_photograph(packed, "packed");
+    CHECK_TRUE(a.has_value() && b.has_value());
+    DOUBLES_EQUAL(0.0, cv::norm(a->light, b->light, cv::NORM_INF), 0.0);
+    DOUBLES_EQUAL(a->saturation, b->saturation, 0.0);
+  }
+}
+
+TEST(Photograph, OfPlainTiffWithZeroForWhiteIsTurnedAboutAndTheFileLeftAlone) {
+  const cv::Mat pixels = ramp(CV_8U, 1);
+  Bytes bytes = encoded(pixels, ".tif", {cv::IMWRITE_TIFF_COMPRESSION, 1});
+  // The entry of tag 262 (photometric interpretation), a short: 1 becomes 0.
+  bool found = false;
+  for (std::size_t i = 8; i + 12 <= bytes.size() && !found; ++i) {
+    if (bytes[i] != 0x06 || bytes[i + 1] != 0x01 || bytes[i + 2] != 3 || bytes[i + 8] != 1) continue;
+    bytes[i + 8] = 0;
+    found = true;
+  }
+  CHECK_TRUE(found);
+  const Bytes before = bytes;
+  const auto photograph = decode_photograph(bytes, "negative");
+  CHECK_TRUE(photograph.has_value());
+  DOUBLES_EQUAL(1.0 - 5.0 / 255.0, photograph->light.at<float>(0, 5), 1e-6);
+  CHECK_TRUE(bytes == before);
 }
