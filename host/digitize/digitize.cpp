@@ -67,6 +67,15 @@ constexpr double kDoubtful_sd = 4.0;
 // on nearly all. Between the two, and nothing is said where hardly any of it can be told.
 constexpr double kLeastLimbShare = 0.55;
 constexpr double kTellingShare = 0.15;
+// Where that light is all there, an outline is a ball's however badly it is known.
+constexpr double kSureLimbShare = 0.75;
+constexpr double kSureTellingShare = 0.3;
+
+bool surely_a_ball(const LimbLight& limb) {
+  return limb.told >= kSureTellingShare && limb.share >= kSureLimbShare;
+}
+
+bool surely_none(const LimbLight& limb) { return limb.told >= kTellingShare && limb.share < kLeastLimbShare; }
 
 class Run {
  public:
@@ -144,10 +153,12 @@ class Run {
   std::vector<Outline> keep_sizes(std::vector<Outline> outlines) {
     if (outlines.empty()) return outlines;
     const BallSize size = agreed_size(outlines);
+    const auto limbs = compare_limbs(photograph_, map_, outlines, settings_.surface);
     std::vector<Outline> kept;
-    for (Outline& o : outlines) {
+    for (std::size_t i = 0; i < outlines.size(); ++i) {
+      Outline& o = outlines[i];
       const double sd = o.centre_sd();
-      if (sd > kMostSdOfDiameter * o.diameter) {
+      if (sd > kMostSdOfDiameter * o.diameter && !surely_a_ball(limbs[i])) {
         reject(o.centre, o.diameter, "image", Reason::imprecise,
                fmt::format("its centre would be known to {:.1f} px only", sd));
         continue;
@@ -218,7 +229,8 @@ class Run {
     std::vector<Outline> kept;
     for (std::size_t i = 0; i < outlines.size(); ++i) {
       Outline& o = outlines[i];
-      if (limbs[i].told < kTellingShare || limbs[i].share >= kLeastLimbShare) {
+      if (!surely_none(limbs[i])) {
+        limbs_.push_back(limbs[i]);
         kept.push_back(std::move(o));
         continue;
       }
@@ -251,6 +263,7 @@ class Run {
       const Outline& o = outlines[static_cast<std::size_t>(i)];
       const double sd = points[static_cast<std::size_t>(i)].sd_px;
       if (sd <= std::max(0.5, kMostContactSdOfDiameter * o.diameter)) continue;
+      if (surely_a_ball(limbs_[static_cast<std::size_t>(i)])) continue;
       left[static_cast<std::size_t>(i)] = 1;
       reject(o.centre, o.diameter, "image", Reason::imprecise,
              fmt::format("arcs near the surface that fix a centre to {:.1f} px only", sd));
@@ -319,6 +332,7 @@ class Run {
   double expected_;
   std::vector<Candidate> candidates_;
   std::optional<SurfaceLine> surface_;
+  std::vector<LimbLight> limbs_;  ///< of the outlines that a path is looked for through
   Digitization result_;
 };
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <opencv2/core/utility.hpp>
 
 #include "host/digitize/median.hpp"
 #include "host/digitize/surface_frame.hpp"
@@ -124,9 +125,11 @@ std::vector<LimbLight> compare_limbs(const Photograph& photograph, const PlaneMa
                                      std::span<const Outline> outlines,
                                      const std::optional<SurfaceLine>& surface) {
   const Reader reader(photograph, map, surface);
-  std::vector<Limb> limbs;
-  limbs.reserve(outlines.size());
-  for (const Outline& outline : outlines) limbs.push_back(reader.limb(outline));
+  std::vector<Limb> limbs(outlines.size());
+  cv::parallel_for_(cv::Range(0, static_cast<int>(outlines.size())), [&](const cv::Range& range) {
+    for (auto i = static_cast<std::size_t>(range.start); i < static_cast<std::size_t>(range.end); ++i)
+      limbs[i] = reader.limb(outlines[i]);
+  });
   Limb usually{};
   if (limbs.size() >= kFewest) usually = usual_limb(limbs);
   std::vector<LimbLight> result;
