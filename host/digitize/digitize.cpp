@@ -10,6 +10,7 @@
 #include "host/digitize/ball_size.hpp"
 #include "host/digitize/candidates.hpp"
 #include "host/digitize/contact_image.hpp"
+#include "host/digitize/crowding.hpp"
 #include "host/digitize/equator.hpp"
 #include "host/digitize/limb_light.hpp"
 #include "host/digitize/outlines.hpp"
@@ -258,6 +259,15 @@ class Run {
                std::isfinite(l.off_px) ? fmt::format("{:.1f} px off the ball's path", l.off_px)
                                        : std::string("no path leads to it"));
       }
+    }
+    std::vector<double> merit;
+    for (const LimbLight& limb : limbs_) merit.push_back(limb.share);
+    const std::vector<double> none;
+    for (const Crowded& c : find_crowded(path, points, merit, settings_.flash_times_s.value_or(none))) {
+      const Outline& o = outlines[static_cast<std::size_t>(c.index)];
+      left[static_cast<std::size_t>(c.index)] = 1;
+      reject(o.centre, o.diameter, "image", Reason::duplicate,
+             fmt::format("{:.1f} px from a better image: nearer than the ball's steps allow", c.apart_px));
     }
     for (const int i : path.contact) {
       const Outline& o = outlines[static_cast<std::size_t>(i)];
