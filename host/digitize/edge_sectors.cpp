@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 #include <opencv2/core/hal/intrin.hpp>
+#include <optional>
 
 namespace strobe::digitize {
 
@@ -19,6 +20,10 @@ constexpr int kStep = 2, kRoot = 3;
 constexpr int kLanes = 4;
 constexpr int kMostDepths = 64;
 constexpr int kFewestSpare = 4;
+constexpr double kRough = 2.0;
+// A neighbour's step and root are held near none, as if known to be less than some thirty times the noise:
+// else limbs that run side by side with this one take all that it tells.
+constexpr double kNeighbourDoubt = 1e-3;
 // Interpolation between pixels takes a third of white noise's variance away and leaves what a fit's error is
 // made of, its slow part, as it was (a cubic B-spline's values at 0, ±1: 2/3, 1/6).
 constexpr double kSmoothed = 1.5;
@@ -134,7 +139,8 @@ Terms terms_of(const SectorLight& light, int index, const OutlineShape& shape,
 /// and m[last][j] of a linear term j holds L⁻¹ of its product with the light (Cholesky, row by row).
 void project(Normal& normal) {
   const auto linear = static_cast<std::size_t>(normal.linear), terms = linear + kExtra;
-  for (std::size_t j = 0; j < linear; ++j) normal.m[j][j] *= 1.0 + 1e-6;
+  for (std::size_t j = 0; j < linear; ++j)
+    normal.m[j][j] = (1.0 + 1e-6) * normal.m[j][j] + (j < kOwn ? 0.0 : kNeighbourDoubt);
   for (std::size_t i = 0; i < terms; ++i) {
     for (std::size_t j = 0; j <= i; ++j) {
       double sum = normal.m[i][j];
@@ -166,32 +172,83 @@ std::array<double, kMostLinear> coefficients(const Normal& normal) {
 }
 
 /// What is left of a projected sector's terms, by the step's and root's own sizes.
-SectorEdge edge_of(const Normal& normal, double spare) {
-  SectorEdge edge;
-  const auto x = coefficients(normal);
-  const double step = x[kStep], root = x[kRoot];
-  const auto first = static_cast<std::size_t>(normal.linear);
-  const auto rest = [&](std::size_t i, std::size_t j) {
-    return normal.m[first + std::max(i, j)][first + std::min(i, j)];
+class Rest {
+ public:
+  Rest(const Normal& normal, double spare)
+      : normal_(normal), first_(static_cast<std::size_t>(normal.linear)) {
+    const auto x = coefficients(normal);
+    step_ = x[kStep];
+    root_ = x[kRoot];
+    depth_depth_ = step_ * step_ * of(0, 0) + 2 * step_ * root_ * of(0, 1) + root_ * root_ * of(1, 1);
+    noise2_ = kSmoothed * std::max(of(4, 4), 0.0) / spare + 1e-14;
+    if (depth_depth_ > 0.0) offset_ = (step_ * of(0, 4) + root_ * of(1, 4)) / depth_depth_;
+  }
+
+  double step() const { return step_; }
+  double root() const { return root_; }
+
+  /// How far inside of the outline light may begin where no lamp reaches the limb: the light there would be
+  /// below the background's, a negative step, and rises to it at (step/root)² of the window. Absent: it is
+  /// so. The step's size for a given outline says nothing of where the sector would have the outline, so that
+  /// no place is favoured; while the outline is still rough its own place must be allowed for.
+  std::optional<double> unlit_depth(double window_px, bool rough) const {
+    const StepSd sd = step_sd();
+    if (rough) {
+      if (step_ - sd.by_depth * offset_ < -kRough * sd.moving) return std::nullopt;
+      return 0.0;
+    }
+    if (step_ < -sd.fixed) return std::nullopt;
+    if (step_ > sd.fixed) return 0.0;
+    if (root_ <= 0.0) return std::nullopt;
+    return window_px * std::pow((sd.fixed - step_) / root_, 2);
+  }
+
+  SectorEdge edge() const {
+    SectorEdge edge;
+    if (!(depth_depth_ > 0.0)) return edge;
+    const double sigma_sigma =
+        step_ * step_ * of(2, 2) + 2 * step_ * root_ * of(2, 3) + root_ * root_ * of(3, 3);
+    const double depth_sigma =
+        step_ * step_ * of(0, 2) + step_ * root_ * (of(0, 3) + of(1, 2)) + root_ * root_ * of(1, 3);
+    const double sigma_light = step_ * of(2, 4) + root_ * of(3, 4);
+    edge.usable = true;
+    edge.offset_px = offset_;
+    edge.sd_px = std::sqrt(noise2_ / depth_depth_);
+    const double sigma_left = sigma_sigma - depth_sigma * depth_sigma / depth_depth_;
+    edge.sigma_weight = std::max(0.0, sigma_left) / noise2_;
+    edge.offset_by_sigma = -depth_sigma / depth_depth_;
+    edge.sigma_change = (sigma_light - depth_sigma * edge.offset_px) / noise2_;
+    return edge;
+  }
+
+ private:
+  double of(std::size_t i, std::size_t j) const {
+    return normal_.m[first_ + std::max(i, j)][first_ + std::min(i, j)];
+  }
+
+  struct StepSd {
+    double fixed = 0.0;     ///< of the step's size, the outline given
+    double moving = 0.0;    ///< where the outline is not
+    double by_depth = 0.0;  ///< change of the size as the outline moves out
   };
-  const auto square = [&](std::size_t a, std::size_t b) {
-    return step * step * rest(a, a) + 2 * step * root * rest(a, b) + root * root * rest(b, b);
-  };
-  const double depth_depth = square(0, 1), sigma_sigma = square(2, 3);
-  const double depth_sigma =
-      step * step * rest(0, 2) + step * root * (rest(0, 3) + rest(1, 2)) + root * root * rest(1, 3);
-  const double depth_light = step * rest(0, 4) + root * rest(1, 4);
-  const double sigma_light = step * rest(2, 4) + root * rest(3, 4);
-  const double noise2 = kSmoothed * std::max(rest(4, 4), 0.0) / spare + 1e-14;
-  if (!(depth_depth > 0.0)) return edge;
-  edge.usable = true;
-  edge.offset_px = depth_light / depth_depth;
-  edge.sd_px = std::sqrt(noise2 / depth_depth);
-  const double sigma_left = sigma_sigma - depth_sigma * depth_sigma / depth_depth;
-  edge.sigma_weight = std::max(0.0, sigma_left) / noise2;
-  edge.sigma_change = (sigma_light - depth_sigma * edge.offset_px) / noise2;
-  return edge;
-}
+  StepSd step_sd() const {
+    std::array<double, kMostLinear> unit{};
+    double variance = 0.0, shared = 0.0;
+    for (std::size_t i = kStep; i < first_; ++i) {
+      double sum = i == kStep ? 1.0 : 0.0;
+      for (std::size_t k = kStep; k < i; ++k) sum -= normal_.m[i][k] * unit[k];
+      unit[i] = sum / normal_.m[i][i];
+      variance += unit[i] * unit[i];
+      shared += unit[i] * (step_ * normal_.m[first_][i] + root_ * normal_.m[first_ + 1][i]);
+    }
+    return {std::sqrt(noise2_ * variance), std::sqrt(noise2_ * (variance + shared * shared / depth_depth_)),
+            shared};
+  }
+
+  const Normal& normal_;
+  std::size_t first_;
+  double step_ = 0.0, root_ = 0.0, depth_depth_ = 0.0, noise2_ = 0.0, offset_ = 0.0;
+};
 
 /// One sampled place.
 struct Sample {
@@ -302,8 +359,8 @@ ProfileTable sector_profiles(const SectorLight& light, double radius_px, double 
 }
 
 SectorEdge fit_sector(const SectorLight& light, int index, const OutlineShape& shape,
-                      std::span<const OutlineShape> neighbours, const ProfileTable& profiles,
-                      double sigma_px) {
+                      std::span<const OutlineShape> neighbours, const ProfileTable& profiles, double sigma_px,
+                      bool rough) {
   if (!light.clear_of_saturation(index, 1.5 * sigma_px)) return {};
   const cv::Point2d out = light.direction(index);
   const cv::Point2d middle = shape.centre + out * shape.reach(out.x, out.y);
@@ -315,9 +372,14 @@ SectorEdge fit_sector(const SectorLight& light, int index, const OutlineShape& s
                                profiles, sigma_px);
   Normal normal = products(terms);
   project(normal);
-  const auto x = coefficients(normal);
-  const double rise = x[kStep] + x[kRoot] * profiles.at(2.0 * sigma_px).root;
-  return rise > 0.0 ? edge_of(normal, spare) : SectorEdge{};
+  const Rest rest(normal, spare);
+  if (!(rest.step() + rest.root() * profiles.at(2.0 * sigma_px).root > 0.0)) return {};
+  SectorEdge edge = rest.edge();
+  if (!edge.usable) return {};
+  const auto unlit = rest.unlit_depth(light.window_px(), rough);
+  if (!unlit) return {};
+  edge.sd_px = std::hypot(edge.sd_px, *unlit);
+  return edge;
 }
 
 }  // namespace strobe::digitize

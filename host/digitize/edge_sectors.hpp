@@ -83,13 +83,15 @@ struct SectorEdge {
   double sd_px = 0.0;         ///< of it, from the pixels' scatter
   double sigma_change = 0.0;  ///< times sigma_weight: what the blur should change by
   double sigma_weight = 0.0;
+  double offset_by_sigma = 0.0;  ///< what the offset changes by as the blur grows
 };
 
 /// The profiles that fit_sector() needs of an outline of that radius and blur.
 ProfileTable sector_profiles(const SectorLight& light, double radius_px, double sigma_px);
 
+/// `rough`: the shape may still be off by more than a px.
 SectorEdge fit_sector(const SectorLight& light, int index, const OutlineShape& shape,
-                      std::span<const OutlineShape> neighbours, const ProfileTable& profiles,
-                      double sigma_px);
+                      std::span<const OutlineShape> neighbours, const ProfileTable& profiles, double sigma_px,
+                      bool rough);
 
 }  // namespace strobe::digitize

@@ -50,7 +50,7 @@ double extra_variance(const std::vector<SectorEdge>& edges, const std::vector<do
   };
   double low = 1e-6, high = 4.0;
   if (middle(low) <= kMedianOfSquare) return low;
-  for (int i = 0; i < 30; ++i) {
+  for (int i = 0; i < 14; ++i) {
     const double half = std::sqrt(low * high);
     (middle(half) > kMedianOfSquare ? low : high) = half;
   }
@@ -67,26 +67,35 @@ class Fit {
         settings_(settings),
         start_radius_(start.radius),
         shape_(start),
-        sigma_(sigma) {}
+        sigma_(sigma) {
+    for (int i = 0; i < light.count(); ++i) gradients_.push_back(gradient(light.direction(i)));
+    offsets_.edges.resize(gradients_.size());
+    offsets_.weight.assign(gradients_.size(), 0.0);
+    offsets_.trust = offsets_.pull = offsets_.weight;
+  }
 
-  bool step() {
-    measure();
-    Vector change = solve();
+  /// Blur and shape change together (Gauss-Newton).
+  bool step(bool rough) {
+    measure(rough);
+    solve({});
+    const double grown = blur_change();
+    for (SectorEdge& edge : offsets_.edges) edge.offset_px += edge.offset_by_sigma * grown;
+    solve(change_);
     if (used() < kFewest) return false;
-    const double longest = std::max({std::abs(change[0]), std::abs(change[1]), std::abs(change[2])});
     const double most = 2.0 * std::max(sigma_, 0.7);
+    sigma_ += grown;
+    Vector change = change_;
+    const double longest = std::max({std::abs(change[0]), std::abs(change[1]), std::abs(change[2])});
     if (longest > most) change *= most / longest;
     shape_.centre += cv::Point2d(change[0], change[1]);
     shape_.radius += change[2];
     shape_.oval_cos += change[3];
     shape_.oval_sin += change[4];
-    sharpen();
     return true;
   }
 
-  FittedOutline result() {
-    measure();
-    (void)solve();
+  /// As the last step left it.
+  FittedOutline result() const {
     FittedOutline fitted;
     fitted.shape = shape_;
     fitted.sigma_px = sigma_;
@@ -105,41 +114,42 @@ class Fit {
         std::count_if(offsets_.trust.begin(), offsets_.trust.end(), [](double t) { return t > 0.1; }));
   }
 
-  void measure() {
-    offsets_.edges.resize(static_cast<std::size_t>(count()));
+  void measure(bool rough) {
     const double most = 2.0 * std::max(sigma_, 0.7);
     const ProfileTable profiles = sector_profiles(light_, shape_.radius, sigma_);
     for (int i = 0; i < count(); ++i) {
       SectorEdge& edge = offsets_.edges[static_cast<std::size_t>(i)];
-      edge = fit_sector(light_, i, shape_, neighbours_, profiles, sigma_);
+      edge = fit_sector(light_, i, shape_, neighbours_, profiles, sigma_, rough);
       edge.offset_px = std::clamp(edge.offset_px, -most, most);
     }
   }
 
   double residual(int i, const Vector& change) const {
-    return offsets_.edges[static_cast<std::size_t>(i)].offset_px - gradient(light_.direction(i)).dot(change);
+    const auto at = static_cast<std::size_t>(i);
+    return offsets_.edges[at].offset_px - gradients_[at].dot(change);
   }
 
   /// Iteratively reweighted.
-  Vector solve() {
-    Vector change{};
-    offsets_.weight.assign(static_cast<std::size_t>(count()), 0.0);
-    offsets_.trust = offsets_.pull = offsets_.weight;
-    for (int round = 0; round < 8; ++round) {
-      reweight(change);
-      normal_ = prior();
+  void solve(const Vector& from) {
+    constexpr int kRounds = 5;
+    change_ = from;
+    for (int round = 0; round < kRounds; ++round) {
+      reweight(change_);
+      Square normal = prior();
       Vector right = prior_pull();
-      for (int i = 0; i < count(); ++i) {
-        const double w = offsets_.weight[static_cast<std::size_t>(i)];
+      for (std::size_t i = 0; i < gradients_.size(); ++i) {
+        const double w = offsets_.weight[i];
         if (w == 0.0) continue;
-        const Vector g = gradient(light_.direction(i));
-        normal_ += w * g * g.t();
-        right += w * offsets_.edges[static_cast<std::size_t>(i)].offset_px * g;
+        const Vector& g = gradients_[i];
+        for (int a = 0; a < kUnknowns; ++a) {
+          for (int b = 0; b <= a; ++b) normal(a, b) += w * g[a] * g[b];
+          right[a] += w * offsets_.edges[i].offset_px * g[a];
+        }
       }
-      change = normal_.solve(right, cv::DECOMP_CHOLESKY);
+      for (int a = 0; a < kUnknowns; ++a)
+        for (int b = a + 1; b < kUnknowns; ++b) normal(a, b) = normal(b, a);
+      change_ = normal.solve(right, cv::DECOMP_CHOLESKY);
     }
-    change_ = change;
-    return change;
   }
 
   void reweight(const Vector& change) {
@@ -178,16 +188,15 @@ class Fit {
             -oval_precision() * shape_.oval_sin};
   }
 
-  void sharpen() {
+  double blur_change() const {
     double change = 0.0, weight = 0.0;
-    for (int i = 0; i < count(); ++i) {
-      const SectorEdge& edge = offsets_.edges[static_cast<std::size_t>(i)];
-      const double trust = offsets_.trust[static_cast<std::size_t>(i)];
-      change += trust * edge.sigma_change;
-      weight += trust * edge.sigma_weight;
+    for (std::size_t i = 0; i < offsets_.edges.size(); ++i) {
+      change += offsets_.trust[i] * offsets_.edges[i].sigma_change;
+      weight += offsets_.trust[i] * offsets_.edges[i].sigma_weight;
     }
-    if (weight <= 0.0) return;
-    sigma_ = std::max(kLeastSigma_px, sigma_ + std::clamp(change / weight, -0.4 * sigma_, 0.4 * sigma_));
+    if (weight <= 0.0) return 0.0;
+    const double grown = std::clamp(change / weight, -0.4 * sigma_, 0.4 * sigma_);
+    return std::max(kLeastSigma_px, sigma_ + grown) - sigma_;
   }
 
   Square covariance() const {
@@ -198,7 +207,7 @@ class Fit {
     const Square inverse = sensitivity().inv(cv::DECOMP_CHOLESKY);
     for (int i = 0; i < count(); ++i) {
       const auto at = static_cast<std::size_t>(i);
-      const Vector g = gradient(light_.direction(i));
+      const Vector& g = gradients_[at];
       // A residual is short by what its own sector pulled the fit towards it.
       const double leverage = std::min(0.7, offsets_.weight[at] * g.dot(inverse * g));
       score[at] = offsets_.weight[at] * residual(i, change_) / (1.0 - leverage) * g;
@@ -220,7 +229,7 @@ class Fit {
   Square sensitivity() const {
     Square slope = prior();
     for (int i = 0; i < count(); ++i) {
-      const Vector g = gradient(light_.direction(i));
+      const Vector& g = gradients_[static_cast<std::size_t>(i)];
       slope += offsets_.pull[static_cast<std::size_t>(i)] * g * g.t();
     }
     return slope;
@@ -266,7 +275,7 @@ class Fit {
   OutlineShape shape_;
   double sigma_;
   Offsets offsets_;
-  Square normal_ = Square::eye();
+  std::vector<Vector> gradients_;  ///< of the radius by the unknowns, by sector
   Vector change_{};
 };
 
@@ -281,11 +290,11 @@ std::optional<FittedOutline> fit_outline(const Photograph& photograph, const Loc
   const double most = 0.3 * start.radius;
   const double length = 2.0 * std::numbers::pi * start.radius / sectors;
   const SectorGrid grid{sectors, std::max(2, static_cast<int>(length / settings.rays_px + 0.5)),
-                        std::min(most, 4.0 * sigma_px + 4.0), std::min(most, 4.0 * sigma_px + 6.0)};
+                        std::min(most, 3.0 * sigma_px + 4.0), std::min(most, 3.0 * sigma_px + 6.0)};
   const SectorLight light(photograph, frame, start, grid);
   Fit fit(light, neighbours, settings, start, sigma_px);
   for (int step = 0; step < settings.steps; ++step)
-    if (!fit.step()) return std::nullopt;
+    if (!fit.step(step < settings.rough_steps)) return std::nullopt;
   return fit.result();
 }
 

@@ -15,9 +15,10 @@ namespace strobe::digitize {
 
 struct FitSettings {
   int steps = 4;
-  double sectors_px = 8.0;                        ///< length of one
-  double rays_px = 1.0;                           ///< between the rays on which light is sampled
-  double oval_sd = 0.005;                         ///< expected of the oval, over the radius
+  int rough_steps = 2;      ///< of those, the first, from a start that may be off by more than a px
+  double sectors_px = 8.0;  ///< length of one
+  double rays_px = 1.0;     ///< between the rays on which light is sampled
+  double oval_sd = 0.005;   ///< expected of the oval, over the radius
   std::optional<double> radius_px, radius_sd_px;  ///< known beforehand
 };
 

@@ -13,6 +13,8 @@ namespace strobe::digitize {
 
 namespace {
 
+constexpr double kMuchBlur = 1.3;
+
 /// A circle in plane px.
 struct Disc {
   cv::Point2d centre;
@@ -125,6 +127,7 @@ class Outliner {
     if (!before[i].disc) return;
     FitSettings settings;
     settings.steps = sweep == 0 ? 3 : 2;
+    settings.rough_steps = sweep == 0 ? 2 : 0;
     settings.sectors_px = settings_.effort == Effort::fast ? 12.0 : 8.0;
     settings.rays_px = settings_.effort == Effort::fast || sweep == 0 ? 2.0 : 1.0;
     settings.oval_sd = map_.viewpoint() ? 0.002 : 0.005;
@@ -134,7 +137,14 @@ class Outliner {
     }
     const double sigma = sweep == 0 ? 1.5 : before[i].fitted->sigma_px;
     const OutlineShape start = shape_of(map_, *work.frame, *before[i].disc);
-    work.fitted = fit_outline(photograph_, *work.frame, start, sigma, neighbours(i, before), settings);
+    const std::vector<OutlineShape> others = neighbours(i, before);
+    work.fitted = fit_outline(photograph_, *work.frame, start, sigma, others, settings);
+    if (work.fitted && settings_.effort == Effort::fast && work.fitted->sigma_px > kMuchBlur * sigma) {
+      // The light was sampled too near to the outline to tell the blur's end.
+      settings.steps = 2, settings.rough_steps = 0;
+      work.fitted =
+          fit_outline(photograph_, *work.frame, work.fitted->shape, work.fitted->sigma_px, others, settings);
+    }
     if (!work.fitted) {
       reject(work, Reason::few_edges, "no stretch of an outline is clear enough to measure");
       return;
