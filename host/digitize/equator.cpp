@@ -5,8 +5,7 @@
 #include <algorithm>
 #include <numbers>
 
-#include "host/digitize/equator_fit.hpp"
-#include "host/digitize/equator_search.hpp"
+#include "host/digitize/equator_choice.hpp"
 #include "host/digitize/median.hpp"
 
 namespace strobe::digitize {
@@ -14,13 +13,8 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 
-/// What is known of one ball's line.
-struct Found {
-  std::optional<LineFit> fit;
+struct Found : Choice {
   LineSearch search;
-  double score = 0.0;
-  Rejection why{Reason::at_border, "outside of the photograph"};
-  bool accepted = false;
 };
 
 /// The photograph in blocks of one size.
@@ -67,110 +61,12 @@ BallRows rows_of(const Scene& scene, const Level& level, std::size_t k, const st
   return BallRows(level.blocks, scene.discs, scene.shadings, k, neighbours);
 }
 
-FitSettings fit_settings(const Disc& disc, const ShapeTrials* shapes) {
-  FitSettings settings;
-  settings.offset_sd = std::hypot(0.008, 1.5 * disc.centre_sd);
-  settings.shapes = shapes;
-  return settings;
-}
-
-/// Scores and steadiness below are what seams, print and felt without a line reached on painted balls, and
-/// some more: 5.3 and 5.8 sd, with the second best direction within 0.75 of the best.
-constexpr double kLeastScore = 5.8;
-constexpr double kLeastSteadiness = 4.0;
-constexpr double kMostSecond = 0.78;
-
-std::optional<Rejection> fault(const LineFit& fit) {
-  if (fit.dark_share < 0.7)
-    return Rejection{
-        Reason::no_line,
-        fmt::format("the darkest line is dark over {:.0f} % of what is seen of it", 100.0 * fit.dark_share)};
-  if (fit.span < 0.8)
-    return Rejection{Reason::no_line,
-                     fmt::format("a line is seen over {:.0f} % of a diameter", 50.0 * fit.span)};
-  if (fit.steadiness < kLeastSteadiness)
-    return Rejection{Reason::no_line,
-                     fmt::format("the darkest line is {:.1f} sd above chance", fit.steadiness)};
-  if (fit.standing_share < 0.55)
-    return Rejection{Reason::no_line, fmt::format("the darkest line is straight over {:.0f} % of its length",
-                                                  100.0 * fit.standing_share)};
-  return std::nullopt;
-}
-
-Rejection unseen(const LineSearch& search) {
-  const std::string seen = fmt::format("{:.0f} % of a diameter is seen", 100.0 * search.seen);
-  if (search.saturated > 0.3)
-    return {Reason::saturated, fmt::format("{:.0f} % of the ball is saturated", 100.0 * search.saturated)};
-  if (search.outside > 0.2) return {Reason::at_border, seen};
-  return {Reason::no_line, seen};
-}
-
-Rejection weak(double score) {
-  return {Reason::no_line, fmt::format("the darkest line is {:.1f} sd above chance", score)};
-}
-
-struct Tried {
-  LineFit fit;
-  double score = 0.0;
-  std::optional<Rejection> fault;
-};
-
-/// The likeliest of the peaks that has no fault, else the likeliest; absent: there is none worth it.
-std::optional<Tried> best_of(const Scene& scene, BallRows& rows, const LineSearch& search) {
-  std::vector<LinePeak> peaks = search.peaks;
-  std::ranges::stable_sort(peaks, [](const LinePeak& a, const LinePeak& b) { return a.score > b.score; });
-  const double radius = rows.disc().radius_image_px / rows.stride();
-  std::optional<Tried> best;
-  for (const LinePeak& peak : peaks) {
-    if (peak.score < 0.7 * search.peaks.front().score || peak.score < 4.0) continue;
-    auto fit = fit_line(points_near(rows, peak.line), radius, peak.line,
-                        fit_settings(rows.disc(), &*scene.rough.shapes));
-    if (!fit) continue;
-    Tried tried{*fit, peak.score, fault(*fit)};
-    if (!tried.fault) return tried;
-    if (!best) best = std::move(tried);
-  }
-  return best;
-}
-
-/// Another direction that is nearly as likely a line as the one chosen.
-const LinePeak* rival(const LineSearch& search, const Tried& chosen) {
-  constexpr double kSame = 9.0 * kDegree;
-  for (const LinePeak& peak : search.peaks)
-    if (peak.score > kMostSecond * chosen.score &&
-        std::abs(std::remainder(peak.line.angle_rad - chosen.fit.line.angle_rad, std::numbers::pi)) > kSame)
-      return &peak;
-  return nullptr;
-}
-
 /// Looks for the line of one ball in all directions. Lines of `others` are taken away first.
-void look(const Scene& scene, std::size_t k, const std::vector<Found>& others, Found& found) {
+void look(const Scene& scene, std::size_t k, const std::vector<Found>& others,
+          const std::optional<UsualLine>& usual, Found& found) {
   BallRows rows = rows_of(scene, scene.rough, k, others);
-  found.accepted = false;
   found.search = search_line(rows, scene.effort);
-  const auto& peaks = found.search.peaks;
-  if (peaks.empty() || found.search.seen < 0.4) {
-    found.why = unseen(found.search);
-    return;
-  }
-  const auto best = best_of(scene, rows, found.search);
-  if (!best) {
-    found.why = weak(peaks.front().score);
-    return;
-  }
-  found.fit = best->fit;
-  found.score = best->score;
-  if (best->fault) {
-    found.why = *best->fault;
-  } else if (best->score < kLeastScore) {
-    found.why = weak(best->score);
-  } else if (const LinePeak* other = rival(found.search, *best)) {
-    found.why = {Reason::line_ambiguous,
-                 fmt::format("lines at {:.0f} and {:.0f} degrees are as likely",
-                             found.fit->line.angle_rad / kDegree, other->line.angle_rad / kDegree)};
-  } else {
-    found.accepted = true;
-  }
+  static_cast<Choice&>(found) = choose_line(rows, found.search, *scene.rough.shapes, usual);
 }
 
 bool has_line_beside(const Scene& scene, std::size_t k, const std::vector<Found>& found) {
@@ -198,7 +94,7 @@ bool refine(const Scene& scene, std::size_t k, std::span<const LinePoint> points
   start.shape = shape;
   const auto fit = fit_line(points, scene.discs[k].radius_image_px / scene.fine.blocks.stride, start,
                             fit_settings(scene.discs[k], nullptr));
-  if (!fit || fault(*fit) || fit->line.contrast <= 0.5 * found.fit->line.contrast) return false;
+  if (!fit || fault(*fit, true) || fit->line.contrast <= 0.5 * found.fit->line.contrast) return false;
   found.fit = fit;
   return true;
 }
@@ -213,23 +109,36 @@ void for_each_ball(const Scene& scene, const Look& look_at) {
   });
 }
 
-/// Rejects lines that differ in darkness from the others' too much to be the same line.
+/// As most balls show it; absent: there is no line on most of them.
+std::optional<UsualLine> usual_line(const std::vector<Found>& found) {
+  std::vector<double> contrasts, widths;
+  std::size_t looked = 0;
+  for (const Found& one : found) {
+    if (one.search.seen >= 0.7) ++looked;
+    if (!one.accepted) continue;
+    contrasts.push_back(one.fit->line.contrast);
+    widths.push_back(one.fit->line.shape.spread());
+  }
+  if (contrasts.size() < 2 || 2 * contrasts.size() < looked) return std::nullopt;
+  return UsualLine{upper_median(contrasts), upper_median(widths)};
+}
+
+/// Rejects lines that differ from the others' too much to be the same line.
 void reject_odd(std::vector<Found>& found) {
-  std::vector<double> contrasts;
-  for (const Found& one : found)
-    if (one.accepted) contrasts.push_back(one.fit->line.contrast);
-  if (contrasts.size() < 3) return;
-  const double usual = upper_median(contrasts);
+  const auto usual = usual_line(found);
+  if (!usual || std::ranges::count_if(found, &Found::accepted) < 3) return;
   for (Found& one : found) {
-    if (!one.accepted || one.fit->line.contrast > 0.4 * usual) continue;
+    if (!one.accepted || like_usual(one.fit->line, *usual)) continue;
+    const DiscLine& line = one.fit->line;
     one.accepted = false;
     one.why = {Reason::line_ambiguous,
-               fmt::format("the line's contrast is {:.2f}, that of most images' {:.2f}",
-                           one.fit->line.contrast, usual)};
+               fmt::format("a line of contrast {:.2f} and width {:.3f} radii, where most images' has "
+                           "{:.2f} and {:.3f}",
+                           line.contrast, line.shape.spread(), usual->contrast, usual->spread)};
   }
 }
 
-/// Lines on a few of the balls only, none of them clear, are chance.
+/// Lines on some of the balls only, none of them clear, are chance; so are those on a few, however clear.
 void reject_few(std::vector<Found>& found) {
   constexpr double kClear = 8.0;
   std::size_t looked = 0, accepted = 0, clear = 0;
@@ -238,7 +147,7 @@ void reject_few(std::vector<Found>& found) {
     if (one.accepted) ++accepted;
     if (one.accepted && one.score >= kClear) ++clear;
   }
-  if (looked < 3 || 2 * accepted > looked || clear > 0) return;
+  if (looked < 3 || 2 * accepted > looked || (clear > 0 && 4 * accepted >= looked)) return;
   for (Found& one : found) {
     if (!one.accepted) continue;
     one.accepted = false;
@@ -332,13 +241,14 @@ Scene prepare(const Photograph& photograph, const PlaneMap& map, std::span<const
 
 void find_lines(const Scene& scene, std::vector<Found>& found) {
   const std::vector<Found> nothing(found.size());
-  for_each_ball(scene, [&](std::size_t k) { look(scene, k, nothing, found[k]); });
+  for_each_ball(scene, [&](std::size_t k) { look(scene, k, nothing, {}, found[k]); });
   reject_odd(found);
-  // Others' lines may have been in the way.
+  // Others' lines may have been in the way, and now it may be known what the line looks like.
+  const auto usual = usual_line(found);
   const std::vector<Found> before = found;
   for_each_ball(scene, [&](std::size_t k) {
-    const bool seen = before[k].fit || before[k].search.seen >= 0.4;
-    if (!before[k].accepted && seen && has_line_beside(scene, k, before)) look(scene, k, before, found[k]);
+    if (before[k].accepted || before[k].search.peaks.empty()) return;
+    if (usual || has_line_beside(scene, k, before)) look(scene, k, before, usual, found[k]);
   });
   reject_odd(found);
 }
@@ -353,15 +263,17 @@ void refine_lines(const Scene& scene, std::vector<Found>& found) {
   LineProfile profile;
   for (const Near& one : near) profile.add(one.profile);
   const LineShape shape = scene.fine.shapes->best(profile);
+  const auto usual = usual_line(before);
   for_each_ball(scene, [&](std::size_t k) {
     if (!before[k].accepted || refine(scene, k, near[k].points, shape, found[k])) return;
-    look(scene, k, before, found[k]);
+    look(scene, k, before, usual, found[k]);
     if (!found[k].accepted) return;
     std::vector<Found> now = before;
     now[k] = found[k];
     if (refine(scene, k, near_line(scene, k, now).points, shape, found[k])) return;
     found[k].accepted = false;
-    found[k].why = fault(*found[k].fit).value_or(Rejection{Reason::no_line, "no line stands a closer look"});
+    found[k].why =
+        fault(*found[k].fit, true).value_or(Rejection{Reason::no_line, "no line stands a closer look"});
   });
 }
 

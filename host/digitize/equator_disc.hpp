@@ -26,6 +26,8 @@ struct LineShape {
   double darkness(double f) const;
   /// d darkness/d f
   double slope(double f) const;
+  /// Sd of where the darkness is: how wide the line is, whatever part of it is blur.
+  double spread() const { return std::sqrt(half_width * half_width / 3.0 + soft * soft); }
   /// Beyond this |f| there is nothing of the line.
   double reach() const { return half_width + 3.0 * soft; }
 };

@@ -174,10 +174,23 @@ std::vector<Normal> plain_normals(const Samples& samples) {
   return normals;
 }
 
+/// Of the shading that is common, what comes nearest to a ball's.
+double scale_of(const Normal& lower, const Terms& common, const Terms& terms) {
+  double both = 0.0, square = 0.0;
+  for (int a = 0; a < Shading::kTerms; ++a) {
+    for (int b = 0; b <= a; ++b) {
+      const double n = lower(a, b);
+      both += n * (common[a] * terms[b] + (a == b ? 0.0 : common[b] * terms[a]));
+      square += n * common[a] * common[b] * (a == b ? 1.0 : 2.0);
+    }
+  }
+  return square > 0.0 ? both / square : 1.0;
+}
+
 /// Balls in turn, each to what the others leave (backfitting), drawn towards the common shading as far as
 /// lamps' light varies from flash to flash and ball to ball. Huber's weights from the second sweep on.
 std::vector<Terms> own_terms(const Samples& samples, const Terms& common) {
-  constexpr double kDraw = 4.0;  // samples' worth
+  constexpr double kDraw = 64.0;  // samples' worth
   std::vector<Terms> terms(samples.of_disc.size(), common);
   const std::vector<Normal> plain = plain_normals(samples);
   std::vector<double> left(samples.value.begin(), samples.value.end());
@@ -188,7 +201,7 @@ std::vector<Terms> own_terms(const Samples& samples, const Terms& common) {
     for (std::size_t k = 0; k < terms.size(); ++k) {
       // For the change of the terms; what weighs less than one is taken from the normal equations of all.
       Normal normal = plain[k];
-      Terms right = (common - terms[k]) * kDraw;
+      Terms right = (common * scale_of(plain[k], common, terms[k]) - terms[k]) * kDraw;
       for (const Sample& sample : samples.of_disc[k]) {
         double residual = left[static_cast<std::size_t>(sample.point)];
         const double size = std::abs(residual);
