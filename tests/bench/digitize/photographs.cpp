@@ -1,14 +1,23 @@
 #include "tests/bench/digitize/photographs.hpp"
 
+#include <fmt/format.h>
+
 #include <chrono>
+#include <fstream>
+#include <iterator>
 #include <opencv2/imgcodecs.hpp>
+#include <system_error>
 
 #include "sim/photograph/render.hpp"
-#include "sim/shoot/shoot.hpp"
 
 namespace strobe::bench::digitize {
 
 namespace {
+
+namespace fs = std::filesystem;
+using Bytes = std::vector<unsigned char>;
+
+constexpr int kNoCompression = 1;  // of TIFF's tag 259
 
 std::vector<TrueImage> true_images(const sim::Scene& scene, const sim::PhotographTruth& truth) {
   std::vector<TrueImage> images;
@@ -30,28 +39,64 @@ std::vector<double> seen_flashes(const sim::PhotographTruth& truth) {
   return times_s;
 }
 
+Result<Bytes> render_bytes(const Take& take, const sim::SimulatedShot& shot) {
+  const auto rendered = sim::render(take.scene, take.seed, shot.exposure);
+  if (!rendered) return tl::unexpected(rendered.error());
+  Bytes bytes;
+  if (!cv::imencode(".tif", rendered->pixels, bytes, {cv::IMWRITE_TIFF_COMPRESSION, kNoCompression}))
+    return fail(take.scene.name + ": cannot be encoded");
+  return bytes;
+}
+
+/// Whole under its name or not there: several runs may share the folder.
+Result<void> keep(const fs::path& path, const Bytes& bytes) {
+  std::error_code error;
+  fs::create_directories(path.parent_path(), error);
+  const fs::path part = path.string() + ".part";
+  std::ofstream file(part, std::ios::binary);
+  file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  file.close();
+  if (file) fs::rename(part, path, error);
+  if (!file || error) return fail(path.string() + ": cannot be written");
+  return {};
+}
+
 }  // namespace
 
-Result<KnownPhotograph> known_photograph(const sim::Scene& scene, std::uint64_t seed, int shot) {
-  const auto simulated = sim::shoot(scene, seed, shot);
+Result<Bytes> photograph_bytes(const Take& take, const sim::SimulatedShot& shot) {
+  if (take.kept_in.empty()) return render_bytes(take, shot);
+  const fs::path path =
+      take.kept_in / fmt::format("{}_seed{}_{:04}.tif", take.scene.name, take.seed, take.shot);
+  std::ifstream file(path, std::ios::binary);
+  if (file) return Bytes(std::istreambuf_iterator<char>(file), {});
+  auto bytes = render_bytes(take, shot);
+  if (!bytes) return bytes;
+  if (auto kept = keep(path, *bytes); !kept) return tl::unexpected(kept.error());
+  return bytes;
+}
+
+Result<KnownPhotograph> known_photograph(const Take& take) {
+  auto simulated = sim::shoot(take.scene, take.seed, take.shot);
   if (!simulated) return tl::unexpected(simulated.error());
-  const auto rendered = sim::render(scene, seed, simulated->exposure);
-  if (!rendered) return tl::unexpected(rendered.error());
-  std::vector<unsigned char> bytes;
-  cv::imencode(".pgm", rendered->pixels, bytes);
+  const auto bytes = photograph_bytes(take, *simulated);
+  if (!bytes) return tl::unexpected(bytes.error());
   const auto start = std::chrono::steady_clock::now();
-  auto photograph = strobe::digitize::decode_photograph(bytes, scene.name);
+  auto photograph = strobe::digitize::decode_photograph(*bytes, take.scene.name);
   if (!photograph) return tl::unexpected(photograph.error());
   KnownPhotograph known;
   known.decode_ms =
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  const sim::Look look = sim::draw_look(take.scene, take.seed, take.shot);
+  known.scene_truth = sim::photograph_truth(take.scene, simulated->exposure, look,
+                                            sim::lit_balls(take.scene, simulated->exposure, look));
   known.photograph = std::move(*photograph);
-  known.settings.ball_diameter_m = scene.ball.diameter_m;
-  known.settings.px_per_m = rendered->truth.px_per_m;
+  known.settings.ball_diameter_m = take.scene.ball.diameter_m;
+  known.settings.px_per_m = known.scene_truth.px_per_m;
   known.settings.map = strobe::digitize::PlaneMap::plain(known.photograph.height());
-  known.settings.flash_times_s = seen_flashes(rendered->truth);
-  known.truth = true_images(scene, rendered->truth);
-  for (const sim::ImageTruth& image : rendered->truth.images) known.times_s.push_back(image.time_s);
+  known.settings.flash_times_s = seen_flashes(known.scene_truth);
+  known.truth = true_images(take.scene, known.scene_truth);
+  for (const sim::ImageTruth& image : known.scene_truth.images) known.times_s.push_back(image.time_s);
+  known.shot = std::move(*simulated);
   return known;
 }
 

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 // CppUTest redefines new; its headers come last.
 #include <CppUTest/TestHarness.h>
@@ -94,4 +95,51 @@ TEST(DigitizeScore, OfContactImagesTheTopAndTheWidthCount) {
   DOUBLES_EQUAL(0.3, s.top_px.rms(), 1e-9);
   DOUBLES_EQUAL(1.0, s.contact_width_px.rms(), 1e-12);
   LONGS_EQUAL(0, s.x_px.count);
+}
+
+TEST(DigitizeScore, AMissedImageIsToldWhereItWasSaidToBeUnmeasurable) {
+  const std::vector<TrueImage> truth{true_at(100, 500), true_at(800, 500), true_at(1500, 500)};
+  const Score s = score(truth, Frame{},
+                        {{{120.0, 510.0}, "image"}, {{810.0, 500.0}, "equator"}, {{1600.0, 500.0}, "image"}});
+  LONGS_EQUAL(3, s.airborne - s.found);
+  LONGS_EQUAL(1, s.told);
+}
+
+TEST(DigitizeScore, AMissedLineIsToldWhereItWasSaidToBeUnmeasurable) {
+  TrueImage first = true_at(100, 500), second = true_at(800, 500);
+  first.equator_rad = second.equator_rad = 0.3;
+  Frame frame;
+  frame.images = {found_at(100.0, 500.0), found_at(800.0, 500.0)};
+  const Score s = score({first, second}, frame, {{{800.0, 500.0}, "equator"}});
+  LONGS_EQUAL(2, s.lines);
+  LONGS_EQUAL(0, s.lines_found);
+  LONGS_EQUAL(1, s.lines_told);
+}
+
+TEST(DigitizeScore, WildErrorsAreThoseFarBeyondTheirStatedSd) {
+  Frame frame;
+  frame.images = {found_at(100.0, 500.0), found_at(800.0, 500.0)};
+  frame.images[0].diameter_px = 261.0;
+  frame.images[0].diameter_sd_px = 0.1;
+  frame.images[1].diameter_px = 261.0;
+  frame.images[1].diameter_sd_px = 0.5;
+  const Score s = score({true_at(100, 500), true_at(800, 500)}, frame);
+  LONGS_EQUAL(1, s.diameter_px.wild);
+  LONGS_EQUAL(1, s.wild());
+}
+
+TEST(DigitizeScore, TimesAreHeldAgainstEachOtherSinceTheFirstFlashCannotBeKnown) {
+  const std::vector<TrueImage> truth{true_at(100, 500), true_at(800, 500), true_at(1500, 500)};
+  Frame frame;
+  frame.images = {found_at(100.0, 500.0), found_at(800.0, 500.0), found_at(1500.0, 500.0)};
+  const double late_s = 0.006;
+  frame.images[0].time_s = late_s;
+  frame.images[1].time_s = 0.003 + late_s;
+  frame.images[2].time_s = 0.009 + late_s;
+  TimeCount times = count_times(truth, {0.0, 0.003, 0.009}, frame);
+  LONGS_EQUAL(3, times.measured);
+  LONGS_EQUAL(0, times.wrong);
+  frame.images[2].time_s = 0.006 + late_s;
+  times = count_times(truth, {0.0, 0.003, 0.009}, frame);
+  LONGS_EQUAL(1, times.wrong);
 }
