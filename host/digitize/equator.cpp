@@ -88,17 +88,6 @@ Near near_line(const Scene& scene, std::size_t k, const std::vector<Found>& foun
   return near;
 }
 
-bool refine(const Scene& scene, std::size_t k, std::span<const LinePoint> points, const LineShape& shape,
-            Found& found) {
-  DiscLine start = found.fit->line;
-  start.shape = shape;
-  const auto fit = fit_line(points, scene.discs[k].radius_image_px / scene.fine.blocks.stride, start,
-                            fit_settings(scene.discs[k], nullptr));
-  if (!fit || fault(*fit, true) || fit->line.contrast <= 0.5 * found.fit->line.contrast) return false;
-  found.fit = fit;
-  return true;
-}
-
 template <typename Look>
 void for_each_ball(const Scene& scene, const Look& look_at) {
   cv::parallel_for_(cv::Range(0, static_cast<int>(scene.discs.size())), [&](const cv::Range& range) {
@@ -106,6 +95,44 @@ void for_each_ball(const Scene& scene, const Look& look_at) {
       const auto ball = static_cast<std::size_t>(k);
       if (ok(scene.discs[ball]) && !scene.rough.blocks.around(scene.discs[ball], 1.0).empty()) look_at(ball);
     }
+  });
+}
+
+std::optional<LineFit> closer(const Scene& scene, std::size_t k, std::span<const LinePoint> points,
+                              const DiscLine& start, const FitSettings& settings) {
+  return fit_line(points, scene.discs[k].radius_image_px / scene.fine.blocks.stride, start, settings);
+}
+
+bool refine(const Scene& scene, std::size_t k, std::span<const LinePoint> points, const LineShape& shape,
+            Found& found) {
+  DiscLine start = found.fit->line;
+  start.shape = shape;
+  const auto fit = closer(scene, k, points, start, fit_settings(scene.discs[k], nullptr));
+  if (!fit || fault(*fit, true) || fit->line.contrast <= 0.5 * found.fit->line.contrast) return false;
+  found.fit = fit;
+  return true;
+}
+
+/// The line is the same on all images, as far off its middle and as tilted: how much that is at all is told
+/// by the images together. What is seen of one end only then says more of the angle.
+void settle(const Scene& scene, const std::vector<Near>& near, std::vector<Found>& found) {
+  std::vector<double> offsets, tilts;
+  for (const Found& one : found) {
+    if (!one.accepted) continue;
+    offsets.push_back(std::abs(one.fit->line.offset));
+    tilts.push_back(std::abs(one.fit->line.tilt_rad));
+  }
+  constexpr std::size_t kLeast = 5;
+  if (offsets.size() < kLeast) return;
+  constexpr double kSdOfMedian = 1.4826;
+  const double offset_sd = kSdOfMedian * upper_median(offsets), tilt_sd = kSdOfMedian * upper_median(tilts);
+  for_each_ball(scene, [&](std::size_t k) {
+    if (!found[k].accepted) return;
+    FitSettings settings = fit_settings(scene.discs[k], nullptr);
+    settings.offset_sd = std::min(settings.offset_sd, std::hypot(offset_sd, scene.discs[k].centre_sd));
+    settings.tilt_sd = std::min(settings.tilt_sd, std::max(tilt_sd, 0.005));
+    const auto fit = closer(scene, k, near[k].points, found[k].fit->line, settings);
+    if (fit) found[k].fit = fit;
   });
 }
 
@@ -270,11 +297,13 @@ void refine_lines(const Scene& scene, std::vector<Found>& found) {
     if (!found[k].accepted) return;
     std::vector<Found> now = before;
     now[k] = found[k];
-    if (refine(scene, k, near_line(scene, k, now).points, shape, found[k])) return;
+    near[k] = near_line(scene, k, now);
+    if (refine(scene, k, near[k].points, shape, found[k])) return;
     found[k].accepted = false;
     found[k].why =
         fault(*found[k].fit, true).value_or(Rejection{Reason::no_line, "no line stands a closer look"});
   });
+  settle(scene, near, found);
 }
 
 }  // namespace
