@@ -1,0 +1,66 @@
+// A person's corrections: read or refused with one line, and applied to a small digitization so that it stays
+// whole or is left as it was.
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <string_view>
+
+#include "host/digitize/corrections.hpp"
+
+namespace {
+
+using namespace strobe;
+using namespace strobe::digitize;
+
+void require(bool holds) {
+  if (!holds) std::abort();
+}
+
+Digitization three_images() {
+  Digitization found;
+  for (int i = 0; i < 3; ++i) {
+    reduction::BallImage image;
+    image.centre_px = {100.0 + 60.0 * i, 200.0 - 40.0 * i};
+    image.diameter_px = 50.0;
+    image.time_s = 0.003 * i;
+    image.flash_index = i;
+    image.source = "auto";
+    found.frame.images.push_back(image);
+    Outline outline;
+    outline.centre = {image.centre_px.x, image.centre_px.y};
+    outline.diameter = 50.0;
+    outline.covariance = cv::Matx33d::eye();
+    found.outlines.push_back(outline);
+  }
+  return found;
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const std::string_view text(reinterpret_cast<const char*>(data), size);
+  const auto corrections = parse_corrections(text, "edit.toml");
+  if (!corrections) {
+    require(corrections.error().message.starts_with("edit.toml:"));
+    require(corrections.error().message.find('\n') == std::string::npos);
+    return 0;
+  }
+  require(!corrections->empty());
+  DigitizeSettings settings;
+  settings.px_per_m = 800.0;
+  settings.map = PlaneMap::plain(400);
+  settings.flash_times_s = {{0.0, 0.003, 0.006, 0.009}};
+  Digitization found = three_images();
+  if (const auto applied = apply_corrections(found, *corrections, settings); !applied) {
+    require(applied.error().message.starts_with("edit.toml:"));
+    require(found.frame.images.size() == 3);
+    return 0;
+  }
+  require(found.outlines.size() == found.frame.images.size());
+  for (const auto& image : found.frame.images) {
+    require(std::isfinite(image.centre_px.x) && std::isfinite(image.centre_px.y));
+    require(image.diameter_px >= 0.0 && (image.source == "auto" || image.source == "hand"));
+  }
+  return 0;
+}
