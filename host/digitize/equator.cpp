@@ -185,22 +185,24 @@ void reject_few(std::vector<Found>& found) {
 /// Scatter of the stretches, and how much more than alone they matter together, over all balls: few
 /// stretches of one tell little of how they scatter.
 struct Scatter {
-  double mean = 0.0;
+  double usual = 0.0;
   double together = 1.0;
 };
 
 Scatter common_scatter(const std::vector<Found>& found) {
   double sum = 0.0, freedom = 0.0, products = 0.0;
+  std::vector<double> ratios;
   for (const Found& one : found) {
     if (!one.accepted) continue;
     const double per = 1.0 / one.fit->inside_scatter;
     sum += one.fit->freedom * one.fit->scatter * per;
     products += one.fit->freedom * one.fit->neighbours * per;
     freedom += one.fit->freedom;
+    ratios.push_back(one.fit->scatter * per);
   }
   Scatter scatter;
   if (freedom <= 0.0 || sum <= 0.0) return scatter;
-  scatter.mean = sum / freedom;
+  scatter.usual = upper_median(ratios);
   scatter.together = std::clamp(1.0 + 2.0 * products / sum, 1.0, 2.5);
   return scatter;
 }
@@ -209,7 +211,7 @@ Measured<Equator> result(const Disc& disc, const Found& found, const Scatter& sc
   if (!found.accepted) return tl::unexpected<Rejection>(found.why);
   constexpr double kFreedomOfAll = 12.0;
   const LineFit& fit = *found.fit;
-  const double own = fit.scatter, all = scatter.mean * fit.inside_scatter;
+  const double own = fit.scatter, all = scatter.usual * fit.inside_scatter;
   const double variance = (fit.freedom * own + kFreedomOfAll * all) / (fit.freedom + kFreedomOfAll);
   Equator equator;
   // A fiftieth of a pixel at the outline: what is left of shading without any noise.

@@ -187,7 +187,9 @@ Step regress(LineFit& fit, const FitSettings& settings) {
   fit.freedom = std::max(1.0, n - 2.5);
   const double mean_slope = std::max(0.2, slope / n);
   fit.scatter = psi2 / fit.freedom / (mean_slope * mean_slope);
-  fit.neighbours = products / fit.freedom / (mean_slope * mean_slope);
+  // What is fitted makes next ones of independent stretches differ: by its share, taken off again.
+  fit.neighbours =
+      (products + (n - fit.freedom) * psi2 / fit.freedom) / fit.freedom / (mean_slope * mean_slope);
   fit.standing_share = weights > 0.0 ? standing / weights : 0.0;
   // With all weights: the loss of the outliers' is in mean psi'.
   cv::Matx33d normal;
