@@ -15,9 +15,7 @@ constexpr double kMostWidthSdOfDiameter = 0.15;
 
 }  // namespace
 
-Measured<ContactImage> measure_contact(const Photograph& /*photograph*/, const PlaneMap& /*map*/,
-                                       const Outline& outline, const SurfaceLine& surface,
-                                       Effort /*effort*/) {
+Measured<ContactImage> measure_contact(const Outline& outline, const SurfaceLine& surface) {
   const SurfaceFrame axes = surface_frame(surface);
   const cv::Point2d up = axes.up();
   const double radius = 0.5 * outline.diameter;

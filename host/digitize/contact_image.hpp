@@ -2,8 +2,6 @@
 // side tell more than a centre. Deterministic; thread-safe; allocates.
 #pragma once
 
-#include "host/digitize/photograph.hpp"
-#include "host/digitize/plane_map.hpp"
 #include "host/digitize/surface_line.hpp"
 #include "host/digitize/types.hpp"
 
@@ -17,7 +15,6 @@ struct ContactImage {
 };
 
 /// `outline`: the ellipse through what is round of the image.
-Measured<ContactImage> measure_contact(const Photograph& photograph, const PlaneMap& map,
-                                       const Outline& outline, const SurfaceLine& surface, Effort effort);
+Measured<ContactImage> measure_contact(const Outline& outline, const SurfaceLine& surface);
 
 }  // namespace strobe::digitize

@@ -216,9 +216,14 @@ class Run {
       surface_ = settings_.surface;
       return;
     }
-    const auto found = find_surface_line(photograph_, map_, outlines, settings_.effort);
+    const auto found = find_surface_line(photograph_, map_, outlines);
     if (found) {
       surface_ = *found;
+      if (found->between_px > 0.0)
+        result_.remarks.push_back(
+            fmt::format("the plate shows two edges {:.1f} px apart: the surface is taken "
+                        "to be half-way, give or take {:.1f} px; calibrate it",
+                        found->between_px, 0.5 * found->sd_px));
     } else {
       result_.no_surface = found.error();
     }
@@ -309,18 +314,27 @@ class Run {
 
   void put_contacts() {
     if (!surface_) return;
+    double top_sd = 0.0, width_sd = 0.0;
     for (std::size_t i = 0; i < result_.outlines.size(); ++i) {
       BallImage& image = result_.frame.images[i];
       if (image.leg != Leg::contact) continue;
       const Outline& o = result_.outlines[i];
-      const auto contact = measure_contact(photograph_, map_, o, *surface_, settings_.effort);
+      const auto contact = measure_contact(o, *surface_);
       if (!contact) {
         reject(o.centre, o.diameter, "top", contact.error().reason, contact.error().detail);
         continue;
       }
       image.top_px = reduction::PointPx{contact->top.x, contact->top.y};
-      if (contact->width_px) image.contact_width_px = *contact->width_px;
+      top_sd = std::max(top_sd, contact->top_sd_px);
+      if (!contact->width_px) continue;
+      image.contact_width_px = *contact->width_px;
+      width_sd = std::max(width_sd, *contact->width_sd_px);
     }
+    // A frame has no place for them.
+    if (top_sd > 0.0)
+      result_.remarks.push_back(
+          fmt::format("in contact the ball's top is known to {:.2f} px", top_sd) +
+          (width_sd > 0.0 ? fmt::format(", its flat side's width to {:.1f} px", width_sd) : ""));
   }
 
   void put_equators() {

@@ -22,8 +22,8 @@ constexpr double kLegCostBlind = 1.2;
 constexpr double kLoneWeight = 0.6;  ///< of an image that is to be a leg by itself
 constexpr double kLeastSlope = 0.03;
 constexpr std::size_t kMostLines = 80;
-// A ball is pressed together by half its radius at most; a touch shows from a hundredth on.
-constexpr double kMostPressedOfRadius = 0.7;
+// The fastest shots press a ball together by .7 of its radius; a touch shows from a hundredth on.
+constexpr double kMostPressedOfRadius = 0.85;
 constexpr double kTouchOfRadius = 0.02;
 
 const PathPoint& at(std::span<const PathPoint> points, int i) { return points[static_cast<std::size_t>(i)]; }

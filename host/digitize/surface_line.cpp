@@ -17,6 +17,15 @@ constexpr std::size_t kMostLines = 12;
 constexpr double kLeastShare = 0.35;  // of what is not hidden
 constexpr double kMostRms_px = 0.8;
 constexpr double kMostSd_px = 3.0;
+// Nearer than this, two edges are the two sides of a rounded one.
+constexpr double kLeastApart_px = 3.0;
+// How much the distance of a plate's two edges changes towards its ends, by perspective; how much of the
+// longer one's length the shorter has.
+constexpr double kParallel = 0.25;
+constexpr double kAsLong = 0.6;
+constexpr double kMostReach = 3.0;  ///< of the half length seen
+// The fastest shots press a ball together until its centre is .3 of its radius above the surface.
+constexpr double kLowestOfRadius = 0.15;
 constexpr double kCoveredRadii = 1.08;
 
 /// Where balls cover the edge.
@@ -36,10 +45,10 @@ Hidden covered(const Photograph& photograph, const PlaneMap& map, std::span<cons
   return hidden;
 }
 
-/// No ball's centre lies lower than a third of a radius above the line.
+/// No ball is pressed together by more than a ball can be.
 bool below_balls(const EdgeLine& edge, std::span<const Outline> outlines) {
   return std::all_of(outlines.begin(), outlines.end(), [&](const Outline& o) {
-    return o.centre.y - edge.at(o.centre.x) > 0.3 * 0.5 * o.diameter;
+    return o.centre.y - edge.at(o.centre.x) > kLowestOfRadius * 0.5 * o.diameter;
   });
 }
 
@@ -58,12 +67,39 @@ double merit(const EdgeLine& edge, std::span<const Outline> outlines) {
   return value;
 }
 
+/// The other edge of a plate that is seen from above: parallel to it, as long, and less than a ball away.
+const EdgeLine* other_edge(const EdgeLine& edge, std::span<const EdgeLine> edges,
+                           std::span<const Outline> outlines) {
+  double diameter = 0.0;
+  for (const Outline& o : outlines) diameter = std::max(diameter, o.diameter);
+  const EdgeLine* other = nullptr;
+  for (const EdgeLine& e : edges) {
+    const double apart = std::abs(e.at(edge.middle.x) - edge.middle.y);
+    if (apart < kLeastApart_px || apart > diameter) continue;
+    const double ends = std::abs(e.slope - edge.slope) * edge.half_span;
+    if (ends > kParallel * apart || e.half_span < kAsLong * edge.half_span) continue;
+    if (other == nullptr || e.seen_px > other->seen_px) other = &e;
+  }
+  return other;
+}
+
+/// Half-way between the two, as uncertain as any place between them is likely.
+EdgeLine between(const EdgeLine& a, const EdgeLine& b) {
+  EdgeLine line = a;
+  const double apart = std::abs(b.at(a.middle.x) - a.middle.y);
+  line.middle.y = 0.5 * (a.middle.y + b.at(a.middle.x));
+  line.slope = 0.5 * (a.slope + b.slope);
+  line.sd_px = std::hypot(apart / std::sqrt(12.0), std::max(a.sd_px, b.sd_px));
+  line.slope_sd = std::hypot(std::max(a.slope_sd, b.slope_sd), (a.slope - b.slope) / std::sqrt(12.0));
+  return line;
+}
+
 /// Four points with the line's own height and slope as their mean and trend: with an independent error of
 /// sd_px each they are as uncertain as the line.
 SurfaceLine four_points(const EdgeLine& edge) {
   SurfaceLine line;
   const double reach = edge.sd_px / std::max(edge.slope_sd, 1e-12) * std::sqrt(1.8);
-  const double a = std::min(std::max(reach, 1.0), 1e5);
+  const double a = std::min(std::max(reach, 1.0), std::max(1.0, kMostReach * edge.half_span));
   for (const double share : {-1.0, -1.0 / 3.0, 1.0 / 3.0, 1.0}) {
     const double x = edge.middle.x + share * a;
     line.points.emplace_back(x, edge.at(x));
@@ -75,7 +111,7 @@ SurfaceLine four_points(const EdgeLine& edge) {
 }  // namespace
 
 Measured<SurfaceLine> find_surface_line(const Photograph& photograph, const PlaneMap& map,
-                                        std::span<const Outline> outlines, Effort /*effort*/) {
+                                        std::span<const Outline> outlines) {
   const Hidden hidden = covered(photograph, map, outlines);
   const std::vector<RoughLine> rough = rough_lines(photograph, hidden, kMostLines);
   std::vector<std::optional<EdgeLine>> measured(rough.size());
@@ -86,13 +122,14 @@ Measured<SurfaceLine> find_surface_line(const Photograph& photograph, const Plan
   std::vector<EdgeLine> edges;
   double longest = 0.0;
   for (const auto& edge : measured) {
-    if (!edge || !below_balls(*edge, outlines)) continue;
-    longest = std::max(longest, edge->seen_share);
+    if (!edge) continue;
+    if (below_balls(*edge, outlines)) longest = std::max(longest, edge->seen_share);
     if (edge->seen_share < kLeastShare || edge->rms_px > kMostRms_px) continue;
     edges.push_back(*edge);
   }
   const EdgeLine* best = nullptr;
   for (const EdgeLine& edge : edges) {
+    if (!below_balls(edge, outlines)) continue;
     if (best == nullptr || merit(edge, outlines) > merit(*best, outlines)) best = &edge;
   }
   if (best == nullptr) {
@@ -105,7 +142,11 @@ Measured<SurfaceLine> find_surface_line(const Photograph& photograph, const Plan
     return tl::unexpected(Rejection{Reason::imprecise,
                                     fmt::format("the surface line is known to {:.1f} px only", best->sd_px)});
   }
-  return four_points(*best);
+  const EdgeLine* other = other_edge(*best, edges, outlines);
+  if (other == nullptr) return four_points(*best);
+  SurfaceLine line = four_points(between(*best, *other));
+  line.between_px = std::abs(other->at(best->middle.x) - best->middle.y);
+  return line;
 }
 
 }  // namespace strobe::digitize

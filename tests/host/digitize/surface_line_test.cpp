@@ -1,0 +1,77 @@
+// The surface's line on small pictures of plates.
+#include "host/digitize/surface_line.hpp"
+
+#include <cmath>
+#include <opencv2/core.hpp>
+
+#include "host/digitize/surface_frame.hpp"
+// CppUTest redefines new; its headers come last.
+#include <CppUTest/TestHarness.h>
+
+namespace {
+
+using namespace strobe::digitize;
+
+constexpr int kWidth = 600, kHeight = 300;
+
+/// Light rises at each of these rows, softly, on a picture with a little noise.
+Photograph stepped(const std::vector<double>& rows, double slope = 0.0) {
+  Photograph photograph;
+  photograph.light.create(kHeight, kWidth, CV_32FC1);
+  cv::RNG random(3);
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      double light = 0.05 + random.gaussian(0.002);
+      for (const double row : rows) light += 0.2 * 0.5 * std::erfc(-(y - row - slope * (x - 300)) / 1.5);
+      photograph.light.at<float>(y, x) = static_cast<float>(light);
+    }
+  }
+  return photograph;
+}
+
+Outline ball_at(double x, double y) {
+  Outline outline;
+  outline.centre = {x, y};
+  outline.diameter = 60.0;
+  return outline;
+}
+
+Measured<SurfaceLine> found(const Photograph& photograph) {
+  const std::vector<Outline> outlines{ball_at(150.0, 180.0), ball_at(300.0, 102.0), ball_at(420.0, 160.0)};
+  return find_surface_line(photograph, PlaneMap::plain(kHeight), outlines);
+}
+
+}  // namespace
+
+TEST_GROUP(SurfaceLine){};
+
+TEST(SurfaceLine, OfAPlateSeenEdgeOnIsItsEdge) {
+  const auto line = found(stepped({220.3}, 0.01));
+  CHECK_TRUE(line.has_value());
+  DOUBLES_EQUAL(0.0, line->between_px, 0.0);
+  const SurfaceFrame axes = surface_frame(*line);
+  DOUBLES_EQUAL(0.0, axes.from_plane({300.0, kHeight - 1 - 220.3}).y, 0.1);
+  CHECK_TRUE(axes.sd_px < 0.15);
+}
+
+TEST(SurfaceLine, OfAPlateSeenFromAboveLiesBetweenItsEdgesAndSaysSo) {
+  const auto line = found(stepped({212.0, 236.0}));
+  CHECK_TRUE(line.has_value());
+  DOUBLES_EQUAL(24.0, line->between_px, 0.2);
+  const SurfaceFrame axes = surface_frame(*line);
+  DOUBLES_EQUAL(0.0, axes.from_plane({300.0, kHeight - 1 - 224.0}).y, 0.2);
+  // Anywhere between them alike: 24 px/sqrt(12) = 6.9; of four points as if of three: 8.
+  CHECK_TRUE(axes.sd_px > 6.8 && axes.sd_px < 8.1);
+}
+
+TEST(SurfaceLine, OfABarFarBelowThePlateIsNotItsOtherEdge) {
+  const auto line = found(stepped({212.0, 280.0}));
+  CHECK_TRUE(line.has_value());
+  DOUBLES_EQUAL(0.0, line->between_px, 0.0);
+}
+
+TEST(SurfaceLine, OfNoPlateIsNone) {
+  const auto line = found(stepped({}));
+  CHECK_FALSE(line.has_value());
+  CHECK_TRUE(line.error().reason == Reason::no_plate);
+}
