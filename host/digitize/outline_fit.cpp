@@ -184,8 +184,8 @@ class Fit {
   }
   Vector prior_pull() const {
     const double known = settings_.radius_px ? *settings_.radius_px - shape_.radius : 0.0;
-    return {0.0, 0.0, radius_precision() * known, -oval_precision() * shape_.oval_cos,
-            -oval_precision() * shape_.oval_sin};
+    const cv::Vec2d oval = settings_.oval * start_radius_ - cv::Vec2d(shape_.oval_cos, shape_.oval_sin);
+    return {0.0, 0.0, radius_precision() * known, oval_precision() * oval[0], oval_precision() * oval[1]};
   }
 
   double blur_change() const {
@@ -296,6 +296,25 @@ std::optional<FittedOutline> fit_outline(const Photograph& photograph, const Loc
   for (int step = 0; step < settings.steps; ++step)
     if (!fit.step(step < settings.rough_steps)) return std::nullopt;
   return fit.result();
+}
+
+void take_oval(FittedOutline& fitted, cv::Vec2d oval, double sd, double former_sd) {
+  constexpr double kClearly2 = 16.0;
+  OutlineShape& shape = fitted.shape;
+  // What is new of it: precisions and their products with the expected oval add up.
+  const double precision = (1.0 / (sd * sd) - 1.0 / (former_sd * former_sd)) / (shape.radius * shape.radius);
+  const cv::Vec2d expected = oval * (1.0 / (shape.radius * sd * sd * precision));
+  const cv::Vec2d off = expected - cv::Vec2d(shape.oval_cos, shape.oval_sin);
+  const Square before = fitted.covariance;
+  const cv::Matx22d spread = before.get_minor<2, 2>(3, 3) + cv::Matx22d::eye() * (1.0 / precision);
+  if (off.dot(spread.inv() * off) > kClearly2) return;
+  const cv::Matx<double, kUnknowns, 2> gain = before.get_minor<kUnknowns, 2>(0, 3) * spread.inv();
+  const cv::Matx<double, kUnknowns, 1> change = gain * off;
+  shape.centre += cv::Point2d(change(0), change(1));
+  shape.radius += change(2);
+  shape.oval_cos += change(3);
+  shape.oval_sin += change(4);
+  fitted.covariance = before - gain * before.get_minor<2, kUnknowns>(3, 0);
 }
 
 }  // namespace strobe::digitize

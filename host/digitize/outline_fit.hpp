@@ -18,7 +18,8 @@ struct FitSettings {
   int rough_steps = 2;      ///< of those, the first, from a start that may be off by more than a px
   double sectors_px = 8.0;  ///< length of one
   double rays_px = 1.0;     ///< between the rays on which light is sampled
-  double oval_sd = 0.005;   ///< expected of the oval, over the radius
+  cv::Vec2d oval;           ///< expected, cos and sin over the radius
+  double oval_sd = 0.005;   ///< of it
   std::optional<double> radius_px, radius_sd_px;  ///< known beforehand
 };
 
@@ -40,5 +41,9 @@ std::optional<FittedOutline> fit_outline(const Photograph& photograph, const Loc
                                          const OutlineShape& start, double sigma_px,
                                          std::span<const OutlineShape> neighbours,
                                          const FitSettings& settings);
+
+/// The fit as it would be had the oval been known beforehand, over the radius, with an sd less than the
+/// `former_sd` around none that it was fitted with. An oval that is clearly another is left as it is.
+void take_oval(FittedOutline& fitted, cv::Vec2d oval, double sd, double former_sd);
 
 }  // namespace strobe::digitize

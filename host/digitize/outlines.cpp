@@ -8,6 +8,7 @@
 
 #include "host/digitize/edge_search.hpp"
 #include "host/digitize/outline_fit.hpp"
+#include "host/digitize/oval_agreement.hpp"
 
 namespace strobe::digitize {
 
@@ -75,6 +76,7 @@ class Outliner {
       each([this, &before, sweep](std::size_t i) { fit(i, before, sweep); });
       for (std::size_t i = 0; i < works_.size(); ++i) judge(i);
       drop_duplicates();
+      if (sweep == 0) agree_on_ovals();
     }
     std::vector<Measured<Outline>> results;
     for (std::size_t i = 0; i < works_.size(); ++i) results.push_back(result(i));
@@ -130,7 +132,11 @@ class Outliner {
     settings.rough_steps = sweep == 0 ? 2 : 0;
     settings.sectors_px = settings_.effort == Effort::fast ? 12.0 : 8.0;
     settings.rays_px = settings_.effort == Effort::fast || sweep == 0 ? 2.0 : 1.0;
-    settings.oval_sd = map_.viewpoint() ? 0.002 : 0.005;
+    settings.oval_sd = oval_sd();
+    if (agreed_ && sweep > 0) {
+      settings.oval = agreed_->at(before[i].disc->centre);
+      settings.oval_sd = agreed_->sd();
+    }
     if (settings_.diameter_px && settings_.diameter_sd_px) {
       settings.radius_px = 0.5 * *settings_.diameter_px * work.frame->scale();
       settings.radius_sd_px = 0.5 * *settings_.diameter_sd_px * work.frame->scale();
@@ -150,6 +156,30 @@ class Outliner {
       return;
     }
     work.disc = disc_of(map_, *work.frame, work.fitted->shape);
+  }
+
+  /// Of an outline, over its radius, before anything is seen.
+  double oval_sd() const { return map_.viewpoint() ? 0.002 : 0.005; }
+
+  void agree_on_ovals() {
+    std::vector<OvalSample> samples;
+    for (const Work& work : works_) {
+      if (!work.disc) continue;
+      const OutlineShape& shape = work.fitted->shape;
+      const double unit = 1.0 / shape.radius;
+      const auto c = work.fitted->covariance.get_minor<2, 2>(3, 3) * (unit * unit);
+      samples.push_back({work.disc->centre, cv::Vec2d(shape.oval_cos, shape.oval_sin) * unit, c});
+    }
+    const cv::Point2d corner = map_.to_plane({0.0, 0.0});
+    const cv::Point2d middle = map_.to_plane({0.5 * photograph_.width(), 0.5 * photograph_.height()});
+    agreed_ = agreed_oval(samples, middle, cv::norm(corner - middle));
+    if (agreed_ && agreed_->sd() >= oval_sd()) agreed_.reset();
+    if (!agreed_) return;
+    for (Work& work : works_) {
+      if (!work.disc) continue;
+      take_oval(*work.fitted, agreed_->at(work.disc->centre), agreed_->sd(), oval_sd());
+      work.disc = disc_of(map_, *work.frame, work.fitted->shape);
+    }
   }
 
   void judge(std::size_t i) {
@@ -217,6 +247,7 @@ class Outliner {
   std::span<const Candidate> candidates_;
   OutlineSettings settings_;
   std::vector<Work> works_;
+  std::optional<AgreedOval> agreed_;
 };
 
 }  // namespace
