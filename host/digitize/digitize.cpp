@@ -78,6 +78,14 @@ bool surely_a_ball(const LimbLight& limb) {
 
 bool surely_none(const LimbLight& limb) { return limb.told >= kTellingShare && limb.share < kLeastLimbShare; }
 
+/// Those that are balls beyond doubt; all, where these are few.
+std::vector<Outline> sure_ones(const std::vector<Outline>& outlines, const std::vector<LimbLight>& limbs) {
+  std::vector<Outline> sure;
+  for (std::size_t i = 0; i < outlines.size(); ++i)
+    if (surely_a_ball(limbs[i])) sure.push_back(outlines[i]);
+  return sure.size() < kAgreeingBalls ? outlines : sure;
+}
+
 class Run {
  public:
   Run(const Photograph& photograph, const DigitizeSettings& settings)
@@ -153,8 +161,8 @@ class Run {
 
   std::vector<Outline> keep_sizes(std::vector<Outline> outlines) {
     if (outlines.empty()) return outlines;
-    const BallSize size = agreed_size(outlines);
     const auto limbs = compare_limbs(photograph_, map_, outlines, settings_.surface);
+    const BallSize size = agreed_size(sure_ones(outlines, limbs));
     std::vector<Outline> kept;
     for (std::size_t i = 0; i < outlines.size(); ++i) {
       Outline& o = outlines[i];
