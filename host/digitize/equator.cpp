@@ -252,9 +252,9 @@ Scene prepare(const Photograph& photograph, const PlaneMap& map, std::span<const
     result.shapes.emplace(radius / stride);
     return result;
   };
-  scene.rough = level(fast ? 26.0 : 40.0);
+  scene.rough = level(fast ? 32.0 : 40.0);
   scene.fine = fast ? scene.rough : level(60.0);
-  const std::vector<Shading> shadings = fit_shadings(scene.rough.blocks, good, fast ? 22 : 30);
+  const std::vector<Shading> shadings = fit_shadings(scene.rough.blocks, good, fast ? 18 : 30);
   for (std::size_t k = 0, next = 0; k < scene.discs.size(); ++k) {
     if (!ok(scene.discs[k])) continue;
     scene.shadings[k] = shadings[next++];

@@ -64,7 +64,7 @@ Plan make_plan(int per_radius, Effort effort) {
   plan.angles = effort == Effort::fast ? 45 : 60;
   plan.columns = effort == Effort::fast ? 28 : 36;
   for (const Width& width : kWidths) {
-    if (width.half * per_radius < 0.4) continue;
+    if (width.half * per_radius < 0.6) continue;  // finer than the cells
     plan.patterns.push_back(make_pattern(plan, width, per_radius));
     plan.rows =
         std::max(plan.rows, plan.patterns.back().reach() + 1 + static_cast<int>(kTiltMost * per_radius));
@@ -179,14 +179,16 @@ float darkness(const Strip& strip, const Pattern& pattern, int column, int middl
   if (inner.weight < 0.15F * static_cast<float>(2 * pattern.half + 1)) return kUnseen;
   const auto below = strip.over(column, middle - pattern.reach(), middle - pattern.gap);
   const auto above = strip.over(column, middle + pattern.gap, middle + pattern.reach());
-  float side = 0.0F, sides = 0.0F;
-  for (const auto& one : {below, above}) {
-    if (one.weight < 0.15F * static_cast<float>(pattern.side)) continue;
-    side += one.sum / one.weight;
-    sides += 1.0F;
+  const float least = 0.15F * static_cast<float>(pattern.side);
+  if (below.weight >= least && above.weight >= least) {
+    // below.sum/below.weight and so on, with one division
+    const float both = 2.0F * below.weight * above.weight;
+    const float side = below.sum * above.weight + above.sum * below.weight;
+    return (side * inner.weight - inner.sum * both) / (both * inner.weight);
   }
-  if (sides == 0.0F) return kUnseen;
-  return side / sides - inner.sum / inner.weight;
+  if (below.weight < least && above.weight < least) return kUnseen;
+  const auto& side = below.weight >= least ? below : above;
+  return side.sum / side.weight - inner.sum / inner.weight;
 }
 
 /// Darkness of every column of every strip and tilt, for one width.
