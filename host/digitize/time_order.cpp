@@ -7,6 +7,7 @@
 
 #include "host/assembly/flash_match.hpp"
 #include "host/assembly/leg_fit.hpp"
+#include "host/digitize/median.hpp"
 
 namespace strobe::digitize {
 namespace {
@@ -20,6 +21,9 @@ constexpr double kSameSpeed = 0.04;
 // FlashMatch::doubt of an assignment that nothing supports.
 constexpr double kNoSupport = 9.0;
 constexpr double kLeastNoise_px = 0.1;
+// Images at any place between their neighbours are .29 of a step off steady flight; a lens that no
+// calibration undoes bends it by hundredths.
+constexpr double kUnsteadyOfStep = 0.12;
 
 const PathPoint& at(std::span<const PathPoint> points, int i) { return points[static_cast<std::size_t>(i)]; }
 
@@ -199,6 +203,23 @@ class Orderer {
     take(right);
   }
 
+  /// How far the images are from steady flight at the times of their flashes, rms of a coordinate.
+  double off_steady_px(const Order& order, const Timed& match) const {
+    const double dof = freedom() - 1.0;
+    if (dof <= 0.0) return 0.0;
+    return match.supported ? track(order).sd_px * std::sqrt(match.chi_squared / dof) : usual_step(order);
+  }
+
+  /// From an airborne image to the next.
+  double usual_step(const Order& order) const {
+    std::vector<double> steps;
+    for (std::size_t k = 1; k < order.sequence.size(); ++k) {
+      if (order.leg[k] == Leg::contact || order.leg[k] != order.leg[k - 1]) continue;
+      steps.push_back(cv::norm(at(points_, order.sequence[k]).at - at(points_, order.sequence[k - 1]).at));
+    }
+    return median(std::move(steps));
+  }
+
   void take(const Order& order) {
     result_.sequence = order.sequence;
     result_.leftwards = order.towards < 0.0;
@@ -209,6 +230,12 @@ class Orderer {
     if (!match) {
       result_.remarks.push_back(fmt::format("{} images, but only {} flashes: no image has a time",
                                             order.sequence.size(), scene_.flash_times_s.size()));
+      return;
+    }
+    const double off = off_steady_px(order, *match);
+    if (off > kUnsteadyOfStep * usual_step(order)) {
+      result_.remarks.push_back(fmt::format(
+          "no steady flight passes through the images (they are {:.0f} px off): no image has a time", off));
       return;
     }
     result_.flash = match->flash;

@@ -24,7 +24,8 @@ struct TimeScene {
 struct TimeOrder {
   std::vector<int> sequence;                       ///< indices of the points, in order of time
   std::vector<std::optional<reduction::Leg>> leg;  ///< of the sequence; absent where nothing tells
-  std::vector<int> flash;  ///< of the sequence: numbers into flash_times_s; empty: not known
+  std::vector<int> flash;  ///< of the sequence: numbers into flash_times_s; empty: not known, or
+                           ///< no steady flight passes through the images
   bool leftwards = false;
   std::vector<std::string> remarks;  ///< what was assumed or may be doubted
 };

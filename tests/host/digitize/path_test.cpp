@@ -185,6 +185,19 @@ TEST(BallPath, OfOneLegGoesTheWayTheFlashesSay) {
   }
 }
 
+TEST(BallPath, OfTwoFlightsOverEachOtherGetsNoTimes) {
+  // Straight down and up again: every second image of the way down is hidden, and those of the way up lie
+  // between.
+  std::vector<PathPoint> points;
+  for (int k = 0; k < 9; ++k) points.push_back({{0.0, 300.0 + 160.0 * k}, 0.2, 1.0});
+  for (int k = 0; k < 9; ++k) points.push_back({{1.0, 345.0 + 117.0 * k}, 0.2, 1.0});
+  const auto times = flashes();
+  const TimeScene s = scene(true, times);
+  const TimeOrder result = order_in_time(points, find_path(points, s.path), s);
+  CHECK_TRUE(result.flash.empty());
+  STRCMP_CONTAINS("no steady flight", result.remarks.back().c_str());
+}
+
 TEST(BallPath, OfNothingIsEmpty) {
   const Path path = find_path({}, scene(true).path);
   CHECK_TRUE(path.legs[0].empty() && path.contact.empty() && path.left.empty());
