@@ -2,6 +2,7 @@
 #include "host/digitize/digitize.hpp"
 
 #include <cmath>
+#include <opencv2/imgproc.hpp>
 
 #include "common/reduction/reduce.hpp"
 #include "tests/host/digitize/painter.hpp"
@@ -66,6 +67,35 @@ DigitizeSettings settings() {
   return s;
 }
 
+/// A camera that stands a little aside, with a lens that bends straight lines: plane px of a bounce() from
+/// image px.
+digitize::PlaneMap bent_map() {
+  digitize::LensDistortion lens;
+  lens.centre_px = {375.0, 215.0};
+  lens.focal_px = 400.0;
+  lens.k1 = -0.03;
+  lens.p1 = 0.001;
+  // At most 4 % of the scale and 2 degrees.
+  const cv::Matx33d rectify(1.02, 0.02, -6.0, 0.015, -1.01, kHeight + 2.0, 2e-5, -3e-5, 1.0);
+  return digitize::PlaneMap::calibrated(lens, rectify, std::nullopt);
+}
+
+/// The photograph as that camera would have taken it.
+digitize::Photograph taken_through(const digitize::PlaneMap& map, const digitize::Photograph& straight) {
+  cv::Mat from(straight.light.size(), CV_32FC2);
+  for (int row = 0; row < from.rows; ++row) {
+    for (int column = 0; column < from.cols; ++column) {
+      const cv::Point2d plane = map.to_plane({static_cast<double>(column), static_cast<double>(row)});
+      from.at<cv::Vec2f>(row, column) = {static_cast<float>(plane.x),
+                                         static_cast<float>(kHeight - 1 - plane.y)};
+    }
+  }
+  digitize::Photograph photograph = straight;
+  photograph.light = cv::Mat();
+  cv::remap(straight.light, photograph.light, from, cv::Mat(), cv::INTER_LANCZOS4, cv::BORDER_REPLICATE);
+  return photograph;
+}
+
 }  // namespace
 
 TEST_GROUP(Digitize){};
@@ -109,6 +139,44 @@ TEST(Digitize, GivesAFrameThatCanBeReduced) {
   CHECK_TRUE(readout.has_value());
   // 75.3 px of 96 px a ball of 65.1 mm in 3 ms.
   DOUBLES_EQUAL(75.3 / kDiameter_px * kBall_m / 3e-3, *readout->value[reduction::Quantity::vx_td_mps], 0.2);
+}
+
+TEST(Digitize, UndoesTheLensAndTheCamerasTilt) {
+  const auto placed = bounce();
+  DigitizeSettings s = settings();
+  s.map = bent_map();
+  const auto result = digitize::digitize(taken_through(s.map, painter::paint(picture(placed))), s);
+  CHECK_TRUE(result.has_value());
+  const auto& frame = result->frame;
+  LONGS_EQUAL(placed.size(), frame.images.size());
+  for (std::size_t i = 0; i < placed.size(); ++i) {
+    // As of a photograph taken straight on; the map alone moves centres by up to 20 px.
+    DOUBLES_EQUAL(placed[i].centre.x, frame.images[i].centre_px.x, 0.5);
+    DOUBLES_EQUAL(placed[i].centre.y, frame.images[i].centre_px.y, 0.5);
+    DOUBLES_EQUAL(kDiameter_px, frame.images[i].diameter_px, 1.0);
+  }
+  const double surface = kHeight - 1 - kPlateRow;
+  for (const auto& p : frame.surface_px) DOUBLES_EQUAL(surface, p.y, 0.3);
+}
+
+TEST(Digitize, OfAShotToTheLeftIsInOrderAndSaysTrulyWhereACutImageIs) {
+  auto placed = bounce();
+  for (Placed& image : placed) image.centre.x = 760.0 - 1.0 - image.centre.x;
+  // The first is cut through its middle.
+  placed.front().centre += cv::Point2d(44.0, 26.0);
+  const auto result = digitize::digitize(painter::paint(picture(placed)), settings());
+  CHECK_TRUE(result.has_value());
+  const auto& images = result->frame.images;
+  CHECK_TRUE(images.size() == placed.size() || images.size() + 1 == placed.size());
+  const std::size_t cut = placed.size() - images.size();
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    const Placed& truth = placed[i + cut];
+    CHECK_TRUE(images[i].leg == truth.leg);
+    const auto& cov = *images[i].centre_cov_px2;
+    // Five sds, and what the tests above allow for little.
+    DOUBLES_EQUAL(truth.centre.x, images[i].centre_px.x, 5.0 * std::sqrt(cov[0]) + 0.3);
+    DOUBLES_EQUAL(truth.centre.y, images[i].centre_px.y, 5.0 * std::sqrt(cov[3]) + 0.3);
+  }
 }
 
 TEST(Digitize, WithoutFlashTimesMakesNoneUp) {
