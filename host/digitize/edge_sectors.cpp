@@ -259,13 +259,17 @@ struct Sample {
 class Sampler {
  public:
   explicit Sampler(const Photograph& photograph)
-      : light_(photograph.light), full_(static_cast<float>(0.985 * photograph.saturation)) {}
+      : first_(photograph.light.ptr<float>()),
+        row_(static_cast<std::ptrdiff_t>(photograph.light.step1())),
+        right_(photograph.width() - 1),
+        bottom_(photograph.height() - 1),
+        full_(static_cast<float>(0.985 * photograph.saturation)) {}
 
   Sample at(cv::Point2d image) const {
-    const double x = std::floor(image.x), y = std::floor(image.y);
-    if (!(x >= 0.0 && y >= 0.0 && x + 1.0 < light_.cols && y + 1.0 < light_.rows)) return {};
-    const float* above = light_.ptr<float>(static_cast<int>(y)) + static_cast<int>(x);
-    const float* below = above + light_.step1();
+    if (!(image.x >= 0.0 && image.y >= 0.0 && image.x < right_ && image.y < bottom_)) return {};
+    const int x = static_cast<int>(image.x), y = static_cast<int>(image.y);
+    const float* above = first_ + static_cast<std::ptrdiff_t>(y) * row_ + x;
+    const float* below = above + row_;
     const auto u = static_cast<float>(image.x - x), v = static_cast<float>(image.y - y);
     const float top = above[0] + u * (above[1] - above[0]), bottom = below[0] + u * (below[1] - below[0]);
     const float most = std::max(std::max(above[0], above[1]), std::max(below[0], below[1]));
@@ -273,7 +277,9 @@ class Sampler {
   }
 
  private:
-  const cv::Mat& light_;
+  const float* first_;
+  std::ptrdiff_t row_;
+  double right_, bottom_;
   float full_;
 };
 

@@ -128,7 +128,7 @@ class Outliner {
     Work& work = works_[i];
     if (!before[i].disc) return;
     FitSettings settings;
-    settings.steps = sweep == 0 ? 3 : 2;
+    settings.steps = settings_.effort == Effort::fast ? 4 : sweep == 0 ? 3 : 2;
     settings.rough_steps = sweep == 0 ? 2 : 0;
     settings.sectors_px = settings_.effort == Effort::fast ? 12.0 : 8.0;
     settings.rays_px = settings_.effort == Effort::fast || sweep == 0 ? 2.0 : 1.0;
