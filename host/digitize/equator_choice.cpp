@@ -47,6 +47,21 @@ Rejection ambiguous(double one_rad, double other_rad) {
                                               degrees(one_rad), degrees(other_rad))};
 }
 
+/// Seams that happen to pass through the middle bend, by two hundredths of the radius or more, and are lost
+/// in places; what is not clear must be the straighter.
+constexpr double kMostWander = 0.016;
+constexpr double kClearScore = 9.0;
+
+Rejection bent(const LineFit& fit) {
+  return {Reason::no_line,
+          fmt::format("the darkest line bends by {:.1f} % of the radius", 100.0 * fit.wander)};
+}
+
+Rejection partly(const LineFit& fit) {
+  return {Reason::no_line, fmt::format("the darkest line is dark over {:.0f} % of what is seen of it",
+                                       100.0 * fit.dark_share)};
+}
+
 struct Tried {
   LineFit fit;
   double score = 0.0;
@@ -56,6 +71,10 @@ struct Tried {
 std::optional<Rejection> fault_of(const LineFit& fit, double score, bool usual) {
   if (auto found = fault(fit, usual)) return found;
   if (score < demand(usual).score) return weak(score);
+  if (!usual && score < kClearScore) {
+    if (fit.wander > 0.75 * kMostWander) return bent(fit);
+    if (fit.dark_share < 0.85) return partly(fit);
+  }
   if (score + fit.steadiness < demand(usual).both) return weak(std::min(score, fit.steadiness));
   return std::nullopt;
 }
@@ -162,10 +181,8 @@ FitSettings fit_settings(const Disc& disc, const ShapeTrials* shapes) {
 }
 
 std::optional<Rejection> fault(const LineFit& fit, bool usual) {
-  if (fit.dark_share < 0.7)
-    return Rejection{
-        Reason::no_line,
-        fmt::format("the darkest line is dark over {:.0f} % of what is seen of it", 100.0 * fit.dark_share)};
+  if (fit.dark_share < 0.7) return partly(fit);
+  if (fit.wander > kMostWander) return bent(fit);
   if (fit.line.contrast > kMostContrast)
     return Rejection{Reason::no_line, fmt::format("the darkest line takes {:.1f} times the light there is",
                                                   fit.line.contrast)};

@@ -170,7 +170,7 @@ Step regress(LineFit& fit, const FitSettings& settings) {
     }
   }
   // Huber's variance of an M-estimate: mean psi² over the square of mean psi'.
-  double psi2 = 0.0, slope = 0.0, products = 0.0, weights = 0.0, standing = 0.0;
+  double psi2 = 0.0, slope = 0.0, products = 0.0, weights = 0.0, standing = 0.0, square = 0.0;
   for (std::size_t k = 0; k < stretches.size(); ++k) {
     const auto& s = stretches[k];
     const double r = s.off * std::sqrt(s.weight), t = r / (kTukey * scale);
@@ -178,6 +178,7 @@ Step regress(LineFit& fit, const FitSettings& settings) {
     if (t * t < 1.0) slope += (1.0 - t * t) * (1.0 - 5.0 * t * t);
     weights += s.weight;
     standing += s.weight * s.standing;
+    square += s.weight * s.off * s.off;
     if (k > 0) {
       const auto& p = stretches[k - 1];
       products += r * s.standing * p.off * std::sqrt(p.weight) * p.standing;
@@ -191,6 +192,7 @@ Step regress(LineFit& fit, const FitSettings& settings) {
   fit.neighbours =
       (products + (n - fit.freedom) * psi2 / fit.freedom) / fit.freedom / (mean_slope * mean_slope);
   fit.standing_share = weights > 0.0 ? standing / weights : 0.0;
+  fit.wander = weights > 0.0 ? std::sqrt(square / weights) : 0.0;
   // With all weights: the loss of the outliers' is in mean psi'.
   cv::Matx33d normal;
   for (const Stretch& s : stretches) {

@@ -32,6 +32,7 @@ struct LineFit {
   double dark_share = 0.0;      ///< of the stretches that could tell, those that are dark
   double steadiness = 0.0;      ///< how many sd the line is dark, by how the stretches' darkness differs
   double standing_share = 0.0;  ///< of the stretches, by weight, that fit
+  double wander = 0.0;          ///< rms of all stretches' offs, radii
   double span = 0.0;            ///< between the outermost stretches, radii, at most 1.9
 };
 

@@ -1,6 +1,7 @@
 #include "host/digitize/equator.hpp"
 
 #include <numbers>
+#include <random>
 
 #include "tests/host/digitize/painter.hpp"
 
@@ -128,6 +129,72 @@ TEST(Equators, AreNotGuessedOfABallWithoutALine) {
   plain.seam_contrast = 0.3;
   add_three(plain, 130.0, 0.4);
   for (const auto& one : measured()) CHECK_FALSE(one.has_value());
+}
+
+TEST(Equators, AreNotGuessedOfManyBallsOfAllLooksWithoutALine) {
+  // Among them seams that pass nearly straight through the middle.
+  constexpr int kLooks = 4;
+  std::mt19937_64 random(5);
+  for (int look = 0; look < kLooks; ++look) {
+    PaintedBall plain = strobe::testing::random_ball(random, {110.0, 108.0}, kDiameter_px);
+    plain.line.reset();
+    painting.balls.clear();
+    painting.seed = random();
+    add_three(plain, 130.0, 0.4 * look);
+    for (const Effort effort : {Effort::fast, Effort::standard})
+      for (const auto& one : measured(effort)) CHECK_FALSE(one.has_value());
+  }
+}
+
+// Errors over stated sds, of lines as various as may be on balls that overlap. One look's felt turns all of
+// its images alike: some twelve looks tell the rms to a fifth of it; limits at three of that, and a half of a
+// true sd's worth to either side beyond.
+TEST(Equators, StateTrueStandardDeviations) {
+  constexpr int kLooks = 8;
+  std::mt19937_64 random(7);
+  double squares = 0.0;
+  int count = 0;
+  for (int look = 0; look < kLooks; ++look) {
+    painting.balls.clear();
+    painting.seed = random();
+    add_three(strobe::testing::random_ball(random, {110.0, 108.0}, kDiameter_px), 120.0, 0.3 + 0.1 * look);
+    const auto results = measured();
+    for (std::size_t k = 0; k < results.size(); ++k) {
+      if (!results[k]) continue;
+      const double error =
+          std::remainder(results[k]->angle_rad - painting.balls[k].line->angle_rad, std::numbers::pi);
+      squares += (error / results[k]->sd_rad) * (error / results[k]->sd_rad);
+      ++count;
+    }
+  }
+  CHECK_TRUE(count >= 3 * kLooks - 2);
+  DOUBLES_EQUAL(1.0, std::sqrt(squares / count), 0.6);
+}
+
+TEST(Equators, AreMeasuredWhereAFaintLineIsTilted) {
+  PaintedBall faint = ball();
+  faint.line->contrast = 0.12;
+  faint.line->tilt_rad = -5.0 * kDegree;
+  faint.grain = 0.02;
+  faint.seam_contrast = 0.0;
+  add_three(faint, 150.0, 0.3);
+  check_angles(measured(), 0.9 * kDegree);
+}
+
+TEST(Equators, AreMeasuredWhereANeighboursOutlineRunsAlongTheLine) {
+  // Images a radius apart: each outline passes through the next one's middle, where it is as steep as the
+  // line.
+  PaintedBall across = ball();
+  across.line->angle_rad = 0.5 * std::numbers::pi;
+  add_three(across, 0.5 * kDiameter_px, 0.02);
+  for (std::size_t k = 0; k < 3; ++k) painting.balls[k].light *= 0.6;
+  const auto results = measured();
+  for (std::size_t k = 0; k < results.size(); ++k) {
+    if (!results[k]) continue;
+    const double error =
+        std::remainder(results[k]->angle_rad - painting.balls[k].line->angle_rad, std::numbers::pi);
+    CHECK_TRUE(std::abs(error) < 5.0 * results[k]->sd_rad);
+  }
 }
 
 TEST(Equators, AreSaidToBeSaturatedWhereNothingElseIsSeen) {
