@@ -104,6 +104,13 @@ double mean_diameter_variance(const Observations& all) {
   return weight > 0.0 ? 1.0 / weight : 0.0;
 }
 
+/// The images' diameters would tell the scale far better than the calibration does, were the ball's own
+/// diameter known as well; where its tolerance is the greater doubt they tell the ball's size, not the scale.
+bool diameters_tell_scale(const Observations& all) {
+  if (!all.scale || !all.ball_diameter_sd_m) return true;
+  return *all.ball_diameter_sd_m / all.ball_diameter_m < all.scale_sd / *all.scale;
+}
+
 void assign_legs(const Frame& frame, Observations& all, FlagSet& flags) {
   std::vector<Height> heights;
   heights.reserve(all.images.size());
@@ -117,13 +124,15 @@ void assign_legs(const Frame& frame, Observations& all, FlagSet& flags) {
   const double reference = surface_variance + 0.25 * mean_diameter_variance(all);
   const LegsFound found = find_legs(heights, all.gravity_mps2.y, reference);
   if (!found.overlaps.empty()) flags.set(Flag::overlaps_surface);
+  const bool scale_from_diameters = diameters_tell_scale(all);
   bool contact = false;
   for (std::size_t i = 0; i < all.images.size(); ++i) {
     Observation& o = all.images[i];
     o.leg = found.legs[i];
     const bool airborne = found.legs[i] != Leg::contact;
     contact = contact || !airborne;
-    o.use_centre = o.use_diameter = airborne;
+    o.use_centre = airborne;
+    o.use_diameter = airborne && scale_from_diameters;
     o.use_equator = o.use_equator && airborne;
   }
   if (!contact) flags.set(Flag::no_contact_image);

@@ -247,6 +247,30 @@ TEST(BestEstimator, ACalibratedScaleReplacesTheBallsAndItsTolerance) {
   CHECK_TRUE(*both.sd[Quantity::v_td_mps] < *by_ball.sd[Quantity::v_td_mps]);
 }
 
+TEST(BestEstimator, ABallOfUncertainSizeDoesNotOverruleABetterCalibratedScale) {
+  // The ball is 1 % larger than what is stated, well within its tolerance of 1.2 %; its diameters are
+  // measured to .04 %, the scale to .05 %.
+  Frame frame = noisy();
+  frame.px_per_m = 4000.0;
+  frame.px_per_m_sd = 2.0;
+  for (BallImage& image : frame.images) image.diameter_sd_px = 0.1;
+  const Readout as_stated = reduced(frame);
+  frame.ball_diameter_sd_m = 0.0008;
+  const Readout known = reduced(frame);
+  for (BallImage& image : frame.images) image.diameter_px *= 1.01;
+  const Readout larger = reduced(frame);
+  for (const Quantity q : {Quantity::vx_td_mps, Quantity::vx_lo_mps}) {
+    equal(*known.value[q], larger.value[q], 1e-9);
+    equal(*known.sd[q], larger.sd[q], 1e-9);
+    CHECK_TRUE(*known.sd[q] >= *as_stated.sd[q]);
+    CHECK_TRUE(*larger.sd_systematic[q] < *larger.sd[q]);
+  }
+  // A scale that is less well known than the ball is told by both.
+  frame.px_per_m_sd = 80.0;
+  CHECK_TRUE(std::abs(*reduced(frame).value[Quantity::vx_td_mps] / *known.value[Quantity::vx_td_mps] - 1.0) >
+             0.005);
+}
+
 TEST(BestEstimator, ACalibratedScaleWithoutAnSdIsExact) {
   // Diameters then say nothing: speeds have the same sd however well they are measured, and no tolerance of
   // the ball's.
