@@ -10,13 +10,15 @@ namespace {
 
 void fit_spins(ShotFit& fit) {
   for (auto& readings : fit.equators) readings.clear();
+  std::array<std::vector<EquatorReading>, 2> left_out;
   for (std::size_t i = 0; i < fit.observations.images.size(); ++i) {
     const Observation& o = fit.observations.images[i];
-    if (!o.use_equator) continue;
-    fit.equators[leg_index(*o.leg)].push_back({o.time_s, o.equator_rad, fit.observations.equator_sd(o),
-                                               o.time_sd_s, o.equator_noise != Noise::stated, i});
+    if (!fit.equator_seen[i]) continue;
+    auto& readings = o.use_equator ? fit.equators : left_out;
+    readings[leg_index(*o.leg)].push_back({o.time_s, o.equator_rad, fit.observations.equator_sd(o),
+                                           o.time_sd_s, o.equator_noise != Noise::stated, i});
   }
-  for (std::size_t leg = 0; leg < 2; ++leg) fit.spin[leg] = fit_spin(fit.equators[leg]);
+  for (std::size_t leg = 0; leg < 2; ++leg) fit.spin[leg] = fit_spin(fit.equators[leg], left_out[leg]);
 }
 
 bool any_estimated(const Observations& all) {
@@ -55,6 +57,7 @@ void refit(ShotFit& fit, flight::Effects effects) {
 ShotFit fit_shot(Observations observations, FitOptions options, FlagSet& flags) {
   ShotFit fit;
   fit.observations = std::move(observations);
+  for (const Observation& o : fit.observations.images) fit.equator_seen.push_back(o.use_equator);
   if (options.effects.drag) {
     fit.spin_decay_per_m =
         flight::kSpinDecay_per_m * fit.observations.air_density_kgpm3 / flight::kAirDensity_kgpm3;

@@ -22,13 +22,14 @@ struct ShotFit {
   Observations observations;
   flight::Effects effects;  ///< what the paths were fitted with
   flight::Aerodynamics air;
-  /// domega/dt over -|v|·omega: friction goes with drag, but matters to the spin alone, so that it stays where
-  /// drag is left out because it does not matter to the path.
+  /// domega/dt over -|v|·omega: friction goes with drag, but matters to the spin alone, so that it stays
+  /// where drag is left out because it does not matter to the path.
   double spin_decay_per_m = 0.0;
   JointFit joint;
   std::array<std::optional<SpinFit>, 2> spin;           ///< incoming, rebound
   std::array<std::vector<EquatorReading>, 2> equators;  ///< what the spins were fitted to
-  std::array<EstimatedLevel, kNoiseCount> levels;       ///< index: Noise
+  std::vector<bool> equator_seen;  ///< per image: it came with an equator, whether it is used or was left out
+  std::array<EstimatedLevel, kNoiseCount> levels;  ///< index: Noise
 };
 
 struct FitOptions {

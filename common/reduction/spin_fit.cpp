@@ -103,7 +103,23 @@ double robust_cost(const std::vector<EquatorReading>& readings, const Line& line
   return cost;
 }
 
-std::vector<Proposal> propose(const std::vector<EquatorReading>& readings, double limit) {
+/// Shortest interval between two of both, each in order of time.
+double shortest_interval(const std::vector<EquatorReading>& readings,
+                         const std::vector<EquatorReading>& left_out) {
+  double shortest = std::numeric_limits<double>::infinity();
+  std::optional<double> before;
+  for (std::size_t i = 0, j = 0; i < readings.size() || j < left_out.size();) {
+    const bool first =
+        j >= left_out.size() || (i < readings.size() && readings[i].time_s < left_out[j].time_s);
+    const double time = first ? readings[i++].time_s : left_out[j++].time_s;
+    if (before && time > *before) shortest = std::min(shortest, time - *before);
+    before = time;
+  }
+  return shortest;
+}
+
+std::vector<Proposal> propose(const std::vector<EquatorReading>& readings,
+                              const std::vector<EquatorReading>& left_out, double limit) {
   std::vector<Proposal> proposals;
   for (std::size_t i = 0; i + 1 < readings.size(); ++i) {
     const double interval = readings[i + 1].time_s - readings[i].time_s;
@@ -117,7 +133,7 @@ std::vector<Proposal> propose(const std::vector<EquatorReading>& readings, doubl
       if (std::abs(omega) > limit * (1.0 + 1e-12)) continue;
       const Line line = follow(readings, i, omega);
       if (std::abs(line.omega()) > limit * (1.0 + 1e-12)) continue;
-      proposals.push_back({line, line.omega(), robust_cost(readings, line)});
+      proposals.push_back({line, line.omega(), robust_cost(readings, line) + robust_cost(left_out, line)});
     }
   }
   return proposals;
@@ -142,14 +158,11 @@ void finish(const std::vector<EquatorReading>& readings, const Line& line, SpinF
 
 }  // namespace
 
-std::optional<SpinFit> fit_spin(const std::vector<EquatorReading>& readings) {
+std::optional<SpinFit> fit_spin(const std::vector<EquatorReading>& readings,
+                                const std::vector<EquatorReading>& left_out) {
   if (readings.size() < 2) return std::nullopt;
-  double shortest = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i + 1 < readings.size(); ++i) {
-    shortest = std::min(shortest, readings[i + 1].time_s - readings[i].time_s);
-  }
-  const double limit = kPi / (2.0 * shortest);
-  std::vector<Proposal> proposals = propose(readings, limit);
+  const double limit = kPi / (2.0 * shortest_interval(readings, left_out));
+  std::vector<Proposal> proposals = propose(readings, left_out, limit);
   if (proposals.empty()) {
     // Every line left the window by noise at its very edge: keep the pair's own spin, and say so.
     const double omega = wrap_half_turn(readings[1].angle_rad - readings[0].angle_rad) /

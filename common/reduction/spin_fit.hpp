@@ -33,6 +33,10 @@ struct SpinFit {
 /// Each pair of neighbours proposes spins; each proposal is followed outward image by image, so that noise
 /// over a long leg cannot lose a half turn; the likeliest one is kept, by a cost that one bad reading cannot
 /// dominate. Nothing with fewer than two readings. Readings are in order of time, times differ.
-std::optional<SpinFit> fit_spin(const std::vector<EquatorReading>& readings);
+///
+/// `left_out`: readings whose image did not fit its leg. The line does not go through them, but they count
+/// for T and for the cost: with every second image left out the others alone could not tell half a turn more.
+std::optional<SpinFit> fit_spin(const std::vector<EquatorReading>& readings,
+                                const std::vector<EquatorReading>& left_out = {});
 
 }  // namespace strobe::reduction

@@ -66,6 +66,18 @@ TEST(SpinFitting, AMissingReadingKeepsTheWindowOfTheShortestInterval) {
   DOUBLES_EQUAL(400.0, fit->omega_radps, 1e-9);
 }
 
+TEST(SpinFitting, LeftOutReadingsStillTellHalfTurns) {
+  const auto used = readings(-305.0, 0.3, {0.0, 0.009, 0.018, 0.027, 0.036}, 0.001);
+  auto left_out = readings(-305.0, 0.3, {0.003, 0.006, 0.012, 0.015, 0.024}, 0.001);
+  left_out[1].angle_rad += 0.7;  // one was no image of the ball
+  // By themselves they cannot tell half a turn in 9 ms more.
+  DOUBLES_EQUAL(-305.0 + kPi / 0.009, fit_spin(used)->omega_radps, 1e-6);
+  const auto fit = fit_spin(used, left_out);
+  DOUBLES_EQUAL(-305.0, fit->omega_radps, 1e-6);
+  CHECK_FALSE(fit->aliased);
+  DOUBLES_EQUAL(fit_spin(used)->variance, fit->variance, 1e-9);
+}
+
 TEST(SpinFitting, ALongLegDoesNotLoseAHalfTurnToNoise) {
   std::mt19937_64 random(9);
   std::vector<double> times;
