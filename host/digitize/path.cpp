@@ -24,7 +24,7 @@ constexpr double kLeastSlope = 0.03;
 constexpr std::size_t kMostLines = 80;
 // The fastest shots press a ball together by .7 of its radius; a touch shows from a hundredth on.
 constexpr double kMostPressedOfRadius = 0.85;
-constexpr double kTouchOfRadius = 0.02;
+constexpr double kTouchOfRadius = 0.01;
 
 const PathPoint& at(std::span<const PathPoint> points, int i) { return points[static_cast<std::size_t>(i)]; }
 
