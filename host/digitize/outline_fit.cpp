@@ -290,7 +290,8 @@ std::optional<FittedOutline> fit_outline(const Photograph& photograph, const Loc
   const double most = 0.3 * start.radius;
   const double length = 2.0 * std::numbers::pi * start.radius / sectors;
   const SectorGrid grid{sectors, std::max(2, static_cast<int>(length / settings.rays_px + 0.5)),
-                        std::min(most, 3.0 * sigma_px + 4.0), std::min(most, 3.0 * sigma_px + 6.0)};
+                        std::min(most, 3.0 * sigma_px + settings.outside_px),
+                        std::min(most, 3.0 * sigma_px + settings.inside_px)};
   const SectorLight light(photograph, frame, start, grid);
   Fit fit(light, neighbours, settings, start, sigma_px);
   for (int step = 0; step < settings.steps; ++step)

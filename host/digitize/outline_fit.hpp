@@ -18,8 +18,10 @@ struct FitSettings {
   int rough_steps = 2;      ///< of those, the first, from a start that may be off by more than a px
   double sectors_px = 8.0;  ///< length of one
   double rays_px = 1.0;     ///< between the rays on which light is sampled
-  cv::Vec2d oval;           ///< expected, cos and sin over the radius
-  double oval_sd = 0.005;   ///< of it
+  /// How far out and in the light is looked at, beyond three sd of the blur.
+  double outside_px = 4.0, inside_px = 6.0;
+  cv::Vec2d oval;                                 ///< expected, cos and sin over the radius
+  double oval_sd = 0.005;                         ///< of it
   std::optional<double> radius_px, radius_sd_px;  ///< known beforehand
 };
 

@@ -7,6 +7,7 @@
 #include <opencv2/core/utility.hpp>
 
 #include "host/digitize/edge_search.hpp"
+#include "host/digitize/outline_cuts.hpp"
 #include "host/digitize/outline_fit.hpp"
 #include "host/digitize/oval_agreement.hpp"
 
@@ -144,7 +145,9 @@ class Outliner {
     const double sigma = sweep == 0 ? 1.5 : before[i].fitted->sigma_px;
     const OutlineShape start = shape_of(map_, *work.frame, *before[i].disc);
     const std::vector<OutlineShape> others = neighbours(i, before);
-    work.fitted = fit_outline(photograph_, *work.frame, start, sigma, others, settings);
+    const auto fit_once =
+        settings_.effort == Effort::thorough && sweep > 0 ? fit_outline_by_cuts : fit_outline;
+    work.fitted = fit_once(photograph_, *work.frame, start, sigma, others, settings);
     if (work.fitted && settings_.effort == Effort::fast && work.fitted->sigma_px > kMuchBlur * sigma) {
       // The light was sampled too near to the outline to tell the blur's end.
       settings.steps = 2, settings.rough_steps = 0;

@@ -13,7 +13,7 @@
 
 namespace strobe::digitize {
 
-/// How much time is spent: fast, standard, or thorough, which so far does what standard does.
+/// How much time is spent: fast, standard, or thorough: outlines measured several times over.
 enum class Effort { fast, standard, thorough };
 
 std::string_view name(Effort effort);
