@@ -37,7 +37,7 @@ sim::Scene scene_of(const std::filesystem::path& toml) {
   return *scene;
 }
 
-/// Black squares on white paper in the plane that balls fly in, 4 x 4 rays a pixel, blurred.
+/// Black squares on white paper in the plane that balls fly in, 3 x 3 rays a pixel, blurred.
 cv::Mat board(const sim::Scene& scene) {
   const sim::Optics optics(scene);
   const sim::SensorSize size = optics.sensor();
@@ -45,14 +45,14 @@ cv::Mat board(const sim::Scene& scene) {
   for (int row = 0; row < size.height; ++row) {
     for (int column = 0; column < size.width; ++column) {
       int whites = 0;
-      for (int k = 0; k < 16; ++k) {
-        const sim::Vec2 p = optics.plane_at(column + (k % 4 - 1.5) / 4.0, row + (k / 4 - 1.5) / 4.0);
+      for (int k = 0; k < 9; ++k) {
+        const sim::Vec2 p = optics.plane_at(column + (k % 3 - 1) / 3.0, row + (k / 3 - 1) / 3.0);
         const double i = std::floor(p.x / kSquare_m + 0.5 * (kColumns + 1));
         const double j = std::floor(p.y / kSquare_m + 0.5 * (kRows + 1));
         const bool on = i >= 0 && j >= 0 && i <= kColumns && j <= kRows;
         whites += on && (static_cast<int>(i + j) & 1) == 0 ? 0 : 1;
       }
-      light.at<float>(row, column) = 20.0F + 150.0F * static_cast<float>(whites) / 16.0F;
+      light.at<float>(row, column) = 20.0F + 150.0F * static_cast<float>(whites) / 9.0F;
     }
   }
   cv::GaussianBlur(light, light, {}, 0.7);
@@ -67,8 +67,8 @@ TEST_GROUP(CalibratedChain) {
   testing::TemporaryFolder folder;
 
   /// Of a photograph of the board; what the program printed.
-  std::string calibrate(const std::string& date) {
-    photograph(folder, "a", kScene, 2, kLens);
+  std::string calibrate(const std::string& date, int shots) {
+    photograph(folder, "a", kScene, shots, kLens);
     const sim::Scene scene = scene_of(folder / "a.toml");
     cv::imwrite((folder / "board.png").string(), board(scene));
     std::vector<std::string> surface{"--surface"};
@@ -115,14 +115,16 @@ TEST_GROUP(CalibratedChain) {
     const auto truths = testing::read_json_lines(folder / "a/truth.jsonl");
     LONGS_EQUAL(truths.size(), readouts.size());
     double worst = 0.0;
-    for (std::size_t i = 0; i < truths.size(); ++i)
+    for (std::size_t i = 0; i < truths.size(); ++i) {
       worst = std::max(worst, worst_velocity_mps(readouts[i], truths[i]));
+      CHECK_TEXT(spins_are_right(readouts[i], truths[i]), readouts[i].dump().c_str());
+    }
     return worst;
   }
 };
 
 TEST(CalibratedChain, UndoesTheLens) {
-  const auto found = nlohmann::json::parse(calibrate("2026-11-21"));
+  const auto found = nlohmann::json::parse(calibrate("2026-11-21", 2));
   const auto sd = found.at("px_per_m_sd").get<double>();
   CHECK_TEXT(sd < 5e-4 * kPxPerM, std::to_string(sd).c_str());
   DOUBLES_EQUAL(kPxPerM, found.at("px_per_m").get<double>(), 4.0 * sd);
@@ -134,7 +136,7 @@ TEST(CalibratedChain, UndoesTheLens) {
 }
 
 TEST(CalibratedChain, WarnsOfAnOldCalibration) {
-  calibrate("2020-02-29");
+  calibrate("2020-02-29", 1);
   const auto notes = [&](std::vector<std::string> more) {
     std::vector<std::string> words{
         "digitize", folder / "a/shot_0001.tif", "--rig", folder / "rig.toml", "--json", "--effort", "fast"};

@@ -42,4 +42,14 @@ double worst_velocity_mps(const nlohmann::json& readout, const nlohmann::json& t
   return worst;
 }
 
+bool spins_are_right(const nlohmann::json& readout, const nlohmann::json& truth) {
+  bool right = true;
+  for (const char* name : {"omega_td_radps", "omega_lo_radps"}) {
+    const auto told = truth.at("readout").at(name).get<double>();
+    right = right && readout.at(name).is_number() &&
+            std::abs(readout.at(name).get<double>() - told) < std::max(0.01 * std::abs(told), 1.5);
+  }
+  return right;
+}
+
 }  // namespace strobe::chain

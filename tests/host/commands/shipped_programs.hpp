@@ -32,4 +32,7 @@ std::vector<nlohmann::json> photograph(const testing::TemporaryFolder& folder, c
 /// The largest difference of a readout's four velocity components from the truth's. [m/s]
 double worst_velocity_mps(const nlohmann::json& readout, const nlohmann::json& truth);
 
+/// Whether both spins are within 1 % or 1.5 rad/s.
+bool spins_are_right(const nlohmann::json& readout, const nlohmann::json& truth);
+
 }  // namespace strobe::chain
