@@ -117,7 +117,10 @@ class Study {
     Progress progress(scenes_.size() * shots);
     std::optional<Error> error;
     in_order(
-        scenes_.size() * shots, options_.jobs, [&](std::size_t i) { return one(i / shots, i % shots + 1); },
+        scenes_.size() * shots, options_.jobs,
+        [&](std::size_t i) {
+          return one(i / shots, i % shots + static_cast<std::size_t>(options_.first_shot));
+        },
         [&](std::size_t i, Result<Done>& done) {
           if (!done) {
             error = done.error();

@@ -14,6 +14,7 @@ namespace strobe::bench::digitize {
 struct AccuracyOptions {
   std::vector<std::string> scenes;  ///< empty: the thesis's conditions
   int shots = 1;
+  int first_shot = 1;
   std::uint64_t seed = 1;
   strobe::digitize::Effort effort = strobe::digitize::Effort::standard;
   int rounds = 2;

@@ -28,6 +28,7 @@ struct Options {
   std::vector<std::string> scenes;
   std::vector<std::string> axes;
   std::optional<int> shots;
+  int first_shot = 1;
   std::uint64_t seed = 1;
   std::string effort = "standard";
   int rounds = 2;
@@ -56,8 +57,8 @@ Result<void> study(const Options& o) {
   }
   if (o.latency)
     return study_latency({o.scenes, o.shots.value_or(21), o.rounds, o.seed, {"fast", "standard"}, o.keep});
-  return study_accuracy({o.scenes, o.shots.value_or(1), o.seed, effort_of(o), o.rounds, o.jobs, o.hough,
-                         o.save, o.keep, o.csv});
+  return study_accuracy({o.scenes, o.shots.value_or(1), o.first_shot, o.seed, effort_of(o), o.rounds, o.jobs,
+                         o.hough, o.save, o.keep, o.csv});
 }
 
 int run(const Options& options) {
@@ -86,6 +87,9 @@ void add_what(CLI::App& command, Options& o) {
   command.add_option("scenes", o.scenes, "Scenes; without, the thesis's 21 conditions");
   command.add_option("--shots", o.shots, "Photographs of each [1; robustness 2; latency 21 in all]")
       ->check(CLI::Range(1, 100000));
+  command.add_option("--first-shot", o.first_shot, "The accuracy's first shot of each scene")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 1000000));
   command.add_option("--seed", o.seed, "Of the simulation")->capture_default_str();
   command.add_option("--effort", o.effort, "fast, standard or thorough")
       ->check(CLI::IsMember({"fast", "standard", "thorough"}))

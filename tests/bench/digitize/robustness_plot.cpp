@@ -79,9 +79,10 @@ std::string panels(const RobustnessAxis& axis, std::size_t index, const std::vec
     if (p.axis == axis.name) text += row(p);
   text += "EOD\nunset logscale\n";
   text += axis.logarithmic ? "set logscale x\n" : "";
-  text += fmt::format("set xlabel '{}' offset 0,0.4\nset autoscale x\nset offsets graph 0.03, 0.03, 0, 0\n",
-                      axis.what);
-  const std::string key = index == 0 ? "set key center left Left reverse opaque\n" : "unset key\n";
+  text += fmt::format(
+      "set xlabel '{}' offset 0,0.4\nset autoscale xfix\nset offsets graph 0.03, graph 0.03, 0, 0\n",
+      axis.what);
+  const std::string key = index == 0 ? "set key center left Left reverse noopaque\n" : "unset key\n";
   text += place(index, 0, width, height) + key + "set title 'share'\nset yrange [-0.03:1.08]\n" +
           curves(data, kShares) + "unset label 99\n";
   text += place(index, 1, width, height) + (index == 0 ? "set key top left Left reverse opaque\n" : "") +
