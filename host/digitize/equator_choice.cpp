@@ -9,6 +9,7 @@ namespace strobe::digitize {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
+constexpr double kMuchSaturated = 0.3;  ///< of the ball
 constexpr double kMostContrast = 1.25;  ///< shading and its trade with the neighbours' considered
 constexpr double kLeastSeen = 0.4;      ///< of a diameter
 
@@ -31,10 +32,13 @@ Rejection weak(double sd) {
   return {Reason::no_line, fmt::format("the darkest line is {:.1f} sd above chance", sd)};
 }
 
+Rejection saturated(const LineSearch& search) {
+  return {Reason::saturated, fmt::format("{:.0f} % of the ball is saturated", 100.0 * search.saturated)};
+}
+
 Rejection unseen(const LineSearch& search) {
   const std::string seen = fmt::format("{:.0f} % of a diameter is seen", 100.0 * search.seen);
-  if (search.saturated > 0.3)
-    return {Reason::saturated, fmt::format("{:.0f} % of the ball is saturated", 100.0 * search.saturated)};
+  if (search.saturated > kMuchSaturated) return saturated(search);
   if (search.outside > 0.2) return {Reason::at_border, seen};
   return {Reason::no_line, seen};
 }
@@ -205,9 +209,12 @@ Choice choose_line(BallRows& rows, const LineSearch& search, const ShapeTrials& 
   }
   Chooser chooser(rows, search, shapes);
   Choice choice = chooser.alone();
-  if (choice.accepted || !usual) return choice;
-  Choice like = chooser.like(*usual);
-  return like.accepted ? like : choice;
+  if (!choice.accepted && usual) {
+    Choice like = chooser.like(*usual);
+    if (like.accepted) choice = std::move(like);
+  }
+  if (!choice.accepted && search.saturated > kMuchSaturated) choice.why = saturated(search);
+  return choice;
 }
 
 }  // namespace strobe::digitize
