@@ -379,12 +379,16 @@ SectorEdge fit_sector(const SectorLight& light, int index, const OutlineShape& s
   Normal normal = products(terms);
   project(normal);
   const Rest rest(normal, spare);
-  if (!(rest.step() + rest.root() * profiles.at(2.0 * sigma_px).root > 0.0)) return {};
-  SectorEdge edge = rest.edge();
-  if (!edge.usable) return {};
   const auto unlit = rest.unlit_depth(light.window_px(), rough);
-  if (!unlit) return {};
+  if (!unlit || !(rest.step() + rest.root() * profiles.at(2.0 * sigma_px).root > 0.0)) {
+    SectorEdge none;
+    none.unlit = true;
+    return none;
+  }
+  SectorEdge edge = rest.edge();
   edge.sd_px = std::hypot(edge.sd_px, *unlit);
+  const double rounding = std::max(0.0, rest.root()) * std::sqrt(sigma_px / light.window_px());
+  edge.fading = rounding / std::max(rest.step(), 1e-3 * rounding);
   return edge;
 }
 

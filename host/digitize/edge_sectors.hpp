@@ -83,6 +83,8 @@ struct SectorEdge {
   double sd_px = 0.0;         ///< of it, from the pixels' scatter
   double sigma_change = 0.0;  ///< times sigma_weight: what the blur should change by
   double sigma_weight = 0.0;
+  bool unlit = false;   ///< light does not rise at the outline though it could be seen to
+  double fading = 0.0;  ///< light that the limb's rounding adds over a blur's width to that at the limb
   double offset_by_sigma = 0.0;  ///< what the offset changes by as the blur grows
 };
 

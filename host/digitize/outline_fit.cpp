@@ -33,6 +33,7 @@ struct Offsets {
   std::vector<double> weight;  ///< 1/px²
   std::vector<double> trust;   ///< Tukey's factor
   std::vector<double> pull;    ///< 1/px², how much a sector's offset still moves the fit (Tukey's psi')
+  std::vector<double> common;  ///< px, sd that stretches share
   double extra2 = 0.0;         ///< variance beyond the sectors' own
 };
 
@@ -71,7 +72,7 @@ class Fit {
     for (int i = 0; i < light.count(); ++i) gradients_.push_back(gradient(light.direction(i)));
     offsets_.edges.resize(gradients_.size());
     offsets_.weight.assign(gradients_.size(), 0.0);
-    offsets_.trust = offsets_.pull = offsets_.weight;
+    offsets_.trust = offsets_.pull = offsets_.common = offsets_.weight;
   }
 
   /// Blur and shape change together (Gauss-Newton).
@@ -121,6 +122,39 @@ class Fit {
       SectorEdge& edge = offsets_.edges[static_cast<std::size_t>(i)];
       edge = fit_sector(light_, i, shape_, neighbours_, profiles, sigma_, rough);
       edge.offset_px = std::clamp(edge.offset_px, -most, most);
+    }
+    if (!rough) doubt_the_dark();
+  }
+
+  /// Where no lamp reaches, single stretches that rise are something else's, and on either side the limb
+  /// fades into the terminator, which lies further in: those stretches err alike.
+  void doubt_the_dark() {
+    constexpr int kReach = 4;
+    const auto at = [&](int i) { return static_cast<std::size_t>((i + count()) % count()); };
+    std::vector<bool> dark(offsets_.edges.size());
+    for (int i = 0; i < count(); ++i) {
+      int unlit = 0, lit = 0;
+      for (int k = -kReach; k <= kReach; ++k) {
+        const SectorEdge& edge = offsets_.edges[at(i + k)];
+        unlit += edge.unlit ? 1 : 0;
+        lit += edge.usable ? 1 : 0;
+      }
+      dark[at(i)] = unlit > lit && unlit > kReach;
+    }
+    offsets_.common.assign(offsets_.edges.size(), 0.0);
+    for (int i = 0; i < count(); ++i) {
+      SectorEdge& edge = offsets_.edges[at(i)];
+      if (!edge.usable) continue;
+      if (dark[at(i)]) {
+        edge.usable = false;
+        continue;
+      }
+      bool near = false;
+      for (int k = -kReach; k <= kReach; ++k) near = near || dark[at(i + k)];
+      if (!near) continue;
+      const double common = sigma_ * std::min(1.0, edge.fading * edge.fading);
+      offsets_.common[at(i)] = common;
+      edge.sd_px = std::hypot(edge.sd_px, common);
     }
   }
 
@@ -222,6 +256,16 @@ class Fit {
       }
     }
     Square covariance = inverse * meat * inverse * (kUnseen * kUnseen);
+    // What stretches share is alike where they are near to each other and not across the ball.
+    for (int pattern = 0; pattern < 3; ++pattern) {
+      Vector pull{};
+      for (std::size_t i = 0; i < gradients_.size(); ++i) {
+        const double along = pattern == 0 ? 1.0 : gradients_[i][pattern - 1];
+        pull += offsets_.weight[i] * along * offsets_.common[i] * gradients_[i];
+      }
+      const Vector moved = inverse * pull * (1.0 / std::numbers::sqrt2);
+      covariance += moved * moved.t();
+    }
     for (int a = 0; a < 3; ++a) covariance(a, a) += kFloor_px * kFloor_px;
     return covariance;
   }

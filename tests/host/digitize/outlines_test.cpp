@@ -116,3 +116,23 @@ TEST(Outlines, OfABallCutOffByTheBorderAreFittedToWhatIsThere) {
   CHECK(off < 4.0 * sd);
   CHECK(outlines[0]->seen_share < 0.7);
 }
+
+TEST(Outlines, OfBallsThatOneLampLightsAreNotDrawnToTheirShadows) {
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    Painting painting = chain(seed);
+    painting.balls.resize(1);
+    auto& ball = painting.balls[0];
+    ball.lamps = {{{-1.0, 0.2 * static_cast<double>(seed), 0.5}, 1.0}};
+    ball.ambient = 0.0;
+    ball.light = 0.4;
+    const PlaneMap map = PlaneMap::plain(painting.height);
+    const auto outlines = fit_outlines(paint(painting), map, near_them(painting), settings());
+    CHECK_TRUE(outlines[0].has_value());
+    const cv::Point2d off = outlines[0]->centre - map.to_plane(ball.centre);
+    const cv::Vec3d error(off.x, off.y, outlines[0]->diameter - kDiameter_px);
+    // Of three normal numbers' squares one in ten thousand is more than 21.
+    CHECK(error.dot(outlines[0]->covariance.inv() * error) < 21.0);
+    // Half of the outline is in the dark.
+    CHECK(outlines[0]->seen_share < 0.75);
+  }
+}
