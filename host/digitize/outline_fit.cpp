@@ -17,8 +17,12 @@ constexpr double kLeastSigma_px = 0.35;
 constexpr int kFewest = 6;
 // What the sectors' scatter cannot show: shading and blur unlike the model pull whole stretches alike. Both
 // from painted photographs of balls with many looks (tests/host/digitize/outlines_test.cpp).
-constexpr double kUnseen = 1.35;
-constexpr double kFloor_px = 0.015;
+constexpr double kUnseen = 1.25;
+constexpr double kFloor_px = 0.01;
+// Across a blurred edge more of the ball's curved side is seen, whose shading the profile follows the less:
+// an error that grows as sigma²/radius (what counts lies sigma deep, and light there goes by depth over
+// radius), alike for all of an outline. Rendered photographs show 2 to 3 of it, painted ones less than 1.
+constexpr double kMisfit = 1.5;
 
 using Vector = cv::Vec<double, kUnknowns>;
 using Square = cv::Matx<double, kUnknowns, kUnknowns>;
@@ -266,7 +270,8 @@ class Fit {
       const Vector moved = inverse * pull * (1.0 / std::numbers::sqrt2);
       covariance += moved * moved.t();
     }
-    for (int a = 0; a < 3; ++a) covariance(a, a) += kFloor_px * kFloor_px;
+    const double misfit = kMisfit * sigma_ * sigma_ / shape_.radius;
+    for (int a = 0; a < 3; ++a) covariance(a, a) += kFloor_px * kFloor_px + misfit * misfit;
     return covariance;
   }
 
