@@ -54,7 +54,8 @@ struct Frame {
   std::optional<double> centre_sd_px;        ///< of each coordinate
   std::optional<double> diameter_sd_px;
   std::optional<double> equator_sd_rad;
-  std::optional<double> px_per_m;     ///< calibrated scale; absent: from the ball's diameter
+  std::optional<double> px_per_m;     ///< calibrated scale; absent: from the ball's diameter, which joins in
+                                      ///< where it is the better known
   std::optional<double> px_per_m_sd;  ///< absent or 0: the calibrated scale is exact
   double surface_angle_deg = 0.0;  ///< inclination of the plate against the horizontal, from an inclinometer
   std::optional<double> temperature_c;      ///< of the ball and the air, -60 to 100

@@ -24,14 +24,17 @@ std::string read_times(const nlohmann::json& line, std::vector<double>& times_s)
   }
   if (!list->is_array()) return "must be an array of seconds, or an object with flash_times_s";
   if (list->empty() || list->size() > kMostFlashes) return "must be 1 to 100000 flashes";
-  for (const auto& time : *list) {
-    if (!time.is_number()) return fmt::format("flash {} is not a number", times_s.size());
+  for (std::size_t i = 0; i < list->size(); ++i) {
+    const auto& time = (*list)[i];
+    if (time.is_null()) continue;  // a flash that no sensor saw
+    if (!time.is_number()) return fmt::format("flash {} is not a number", i);
     const double seconds = time.get<double>();
-    if (!(std::abs(seconds) <= kLongest_s)) return fmt::format("flash {} is beyond 1e9 s", times_s.size());
+    if (!(std::abs(seconds) <= kLongest_s)) return fmt::format("flash {} is beyond 1e9 s", i);
     if (!times_s.empty() && !(seconds - times_s.back() >= kShortestInterval_s))
-      return fmt::format("flash {} is not after the one before", times_s.size());
+      return fmt::format("flash {} is not after the one before", i);
     times_s.push_back(seconds);
   }
+  if (times_s.empty()) return "no flash was seen";
   return {};
 }
 

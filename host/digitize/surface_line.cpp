@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <opencv2/core/utility.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -23,10 +24,16 @@ constexpr double kLeastApart_px = 3.0;
 // longer one's length the shorter has.
 constexpr double kParallel = 0.25;
 constexpr double kAsLong = 0.6;
+// Of the clearer edge's contrast: fainter ones are the background's.
+constexpr double kAsClear = 0.05;
 constexpr double kMostReach = 3.0;  ///< of the half length seen
 // The fastest shots press a ball together until its centre is .3 of its radius above the surface.
 constexpr double kLowestOfRadius = 0.15;
 constexpr double kCoveredRadii = 1.08;
+// What of an outline is seen so far below a line, in radii and px, is not just pressed flat there.
+constexpr double kBelowOfRadius = 0.06;
+constexpr double kBelow_px = 4.0;
+constexpr double kMostTurnsBelow = 0.5;
 
 /// Where balls cover the edge.
 Hidden covered(const Photograph& photograph, const PlaneMap& map, std::span<const Outline> outlines) {
@@ -52,6 +59,27 @@ bool below_balls(const EdgeLine& edge, std::span<const Outline> outlines) {
   });
 }
 
+/// How much of the outlines is seen below the line, in whole turns: nothing of a ball that the surface
+/// presses flat, but much of balls in front of a line above the surface, through the tops of two clamps for
+/// instance.
+double turns_below(const EdgeLine& edge, std::span<const Outline> outlines) {
+  constexpr int kSteps = 180;
+  double turns = 0.0;
+  for (const Outline& o : outlines) {
+    const double radius = 0.5 * o.diameter;
+    const double allowed = std::max(kBelowOfRadius * radius, kBelow_px);
+    for (const Arc& arc : o.seen) {
+      const int steps = std::max(1, cvRound(arc.extent_rad / (2.0 * std::numbers::pi) * kSteps));
+      for (int k = 0; k < steps; ++k) {
+        const double angle = arc.from_rad + (k + 0.5) / steps * arc.extent_rad;
+        const cv::Point2d at = o.centre + radius * cv::Point2d(std::cos(angle), std::sin(angle));
+        if (edge.at(at.x) - at.y > allowed) turns += 1.0 / kSteps;
+      }
+    }
+  }
+  return turns;
+}
+
 /// Height of the lowest centre over the line, in radii.
 double lowest(const EdgeLine& edge, std::span<const Outline> outlines) {
   double least = 1e300;
@@ -63,6 +91,7 @@ double lowest(const EdgeLine& edge, std::span<const Outline> outlines) {
 /// Long, clear and just below the lowest ball.
 double merit(const EdgeLine& edge, std::span<const Outline> outlines) {
   double value = edge.seen_share * std::min(1.0, edge.contrast / 0.05);
+  value /= 1.0 + 10.0 * turns_below(edge, outlines);
   if (!outlines.empty()) value /= 1.0 + 0.1 * std::max(0.0, lowest(edge, outlines) - 1.0);
   return value;
 }
@@ -78,6 +107,7 @@ const EdgeLine* other_edge(const EdgeLine& edge, std::span<const EdgeLine> edges
     if (apart < kLeastApart_px || apart > diameter) continue;
     const double ends = std::abs(e.slope - edge.slope) * edge.half_span;
     if (ends > kParallel * apart || e.half_span < kAsLong * edge.half_span) continue;
+    if (e.contrast < kAsClear * edge.contrast) continue;
     if (other == nullptr || e.seen_px > other->seen_px) other = &e;
   }
   return other;
@@ -129,7 +159,7 @@ Measured<SurfaceLine> find_surface_line(const Photograph& photograph, const Plan
   }
   const EdgeLine* best = nullptr;
   for (const EdgeLine& edge : edges) {
-    if (!below_balls(edge, outlines)) continue;
+    if (!below_balls(edge, outlines) || turns_below(edge, outlines) > kMostTurnsBelow) continue;
     if (best == nullptr || merit(edge, outlines) > merit(*best, outlines)) best = &edge;
   }
   if (best == nullptr) {

@@ -25,6 +25,13 @@ TEST(DigitizeTimes, AreArraysOrObjectsOneALine) {
   LONGS_EQUAL(3, times[1].size());
 }
 
+TEST(DigitizeTimes, LeaveOutFlashesThatNoSensorSaw) {
+  const auto times = parse_flash_times("[null, 0.003, null, 0.009]", "t.json").value();
+  LONGS_EQUAL(2, times[0].size());
+  DOUBLES_EQUAL(0.009, times[0].at(1), 0.0);
+  STRCMP_EQUAL("t.json:1: no flash was seen", complaint("[null]").c_str());
+}
+
 TEST(DigitizeTimes, ThatAreWrongAreNamedByFileAndLine) {
   STRCMP_EQUAL("t.json: no flashes", complaint("\n").c_str());
   STRCMP_EQUAL("t.json:2: is not JSON", complaint("[0]\n[1,\n").c_str());

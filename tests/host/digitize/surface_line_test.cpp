@@ -2,6 +2,7 @@
 #include "host/digitize/surface_line.hpp"
 
 #include <cmath>
+#include <numbers>
 #include <opencv2/core.hpp>
 
 #include "host/digitize/surface_frame.hpp"
@@ -14,15 +15,20 @@ using namespace strobe::digitize;
 
 constexpr int kWidth = 600, kHeight = 300;
 
-/// Light rises at each of these rows, softly, on a picture with a little noise.
-Photograph stepped(const std::vector<double>& rows, double slope = 0.0) {
+/// Light rises at each of these rows, softly, on a picture with a little noise; by less at the first, if
+/// asked.
+Photograph stepped(const std::vector<double>& rows, double slope = 0.0, double first = 1.0) {
   Photograph photograph;
   photograph.light.create(kHeight, kWidth, CV_32FC1);
   cv::RNG random(3);
   for (int y = 0; y < kHeight; ++y) {
     for (int x = 0; x < kWidth; ++x) {
       double light = 0.05 + random.gaussian(0.002);
-      for (const double row : rows) light += 0.2 * 0.5 * std::erfc(-(y - row - slope * (x - 300)) / 1.5);
+      double rise = 0.1 * first;
+      for (const double row : rows) {
+        light += rise * std::erfc(-(y - row - slope * (x - 300)) / 1.5);
+        rise = 0.1;
+      }
       photograph.light.at<float>(y, x) = static_cast<float>(light);
     }
   }
@@ -64,10 +70,39 @@ TEST(SurfaceLine, OfAPlateSeenFromAboveLiesBetweenItsEdgesAndSaysSo) {
   CHECK_TRUE(axes.sd_px > 6.8 && axes.sd_px < 8.1);
 }
 
+TEST(SurfaceLine, OfAPlateIsNotDrawnToAFaintEdgeOfTheBackground) {
+  const auto line = found(stepped({190.0, 220.3}, 0.0, 0.03));
+  CHECK_TRUE(line.has_value());
+  DOUBLES_EQUAL(0.0, line->between_px, 0.0);
+  DOUBLES_EQUAL(0.0, surface_frame(*line).from_plane({300.0, kHeight - 1 - 220.3}).y, 0.1);
+}
+
 TEST(SurfaceLine, OfABarFarBelowThePlateIsNotItsOtherEdge) {
   const auto line = found(stepped({212.0, 280.0}));
   CHECK_TRUE(line.has_value());
   DOUBLES_EQUAL(0.0, line->between_px, 0.0);
+}
+
+TEST(SurfaceLine, IsNotOneThatBallsAreSeenBelow) {
+  // The upper edge is as clear and nearer to the balls, but both reach 20 px below it.
+  std::vector<Outline> balls{ball_at(200.0, 160.0), ball_at(400.0, 160.0)};
+  for (Outline& ball : balls) ball.seen = {{0.0, 2.0 * std::numbers::pi}};
+  const auto lower = find_surface_line(stepped({150.0, 220.3}), PlaneMap::plain(kHeight), balls);
+  CHECK_TRUE(lower.has_value());
+  DOUBLES_EQUAL(0.0, surface_frame(*lower).from_plane({300.0, kHeight - 1 - 220.3}).y, 0.1);
+  const auto none = find_surface_line(stepped({150.0}), PlaneMap::plain(kHeight), balls);
+  CHECK_FALSE(none.has_value());
+  CHECK_TRUE(none.error().reason == Reason::no_plate);
+}
+
+TEST(SurfaceLine, MayCutOffWhatIsNotSeenOfABall) {
+  // Pressed together by a third of its radius: the outline is seen above the line alone.
+  Outline pressed = ball_at(300.0, 98.7);
+  pressed.seen = {{-0.6, std::numbers::pi + 1.2}};
+  const auto line =
+      find_surface_line(stepped({220.3}), PlaneMap::plain(kHeight), std::vector<Outline>{pressed});
+  CHECK_TRUE(line.has_value());
+  DOUBLES_EQUAL(0.0, surface_frame(*line).from_plane({300.0, kHeight - 1 - 220.3}).y, 0.1);
 }
 
 TEST(SurfaceLine, OfNoPlateIsNone) {
