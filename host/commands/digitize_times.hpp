@@ -12,7 +12,8 @@
 namespace strobe::host {
 
 /// Reads JSON lines, each an array of seconds or an object with that array under "flash_times_s" (what else
-/// it has is ignored); a null is a flash that no sensor saw and is left out. Times ascend by a nanosecond or more; at most 100,000. Fails with "FILE:LINE: what".
+/// it has is ignored); a null is a flash that no sensor saw and is left out. Times ascend by a nanosecond or
+/// more; at most 100,000. Fails with "FILE:LINE: what".
 Result<std::vector<std::vector<double>>> parse_flash_times(const std::string& text, const std::string& file);
 
 /// As many flashes as a photograph may hold, the first at 0.
