@@ -54,7 +54,9 @@ void add_digitize_options(CLI::App& command, DigitizeOptions& options) {
   command.add_option("IMAGE", options.images, "photographs: TIFF, PNG, JPEG, BMP, PGM")->required();
   add_scale(command, options);
   add_times(command, options);
-  command.add_option("--effort", options.effort, "fast, standard, or thorough (outlines measured five times over)")
+  command
+      .add_option("--effort", options.effort,
+                  "fast, standard, or thorough (outlines measured five times over)")
       ->check(CLI::IsMember({"fast", "standard", "thorough"}))
       ->capture_default_str();
   command.add_option("--direction", options.direction, "of flight; auto: the bounce tells")

@@ -80,6 +80,10 @@ double turns_below(const EdgeLine& edge, std::span<const Outline> outlines) {
   return turns;
 }
 
+bool possible(const EdgeLine& edge, std::span<const Outline> outlines) {
+  return below_balls(edge, outlines) && turns_below(edge, outlines) <= kMostTurnsBelow;
+}
+
 /// Height of the lowest centre over the line, in radii.
 double lowest(const EdgeLine& edge, std::span<const Outline> outlines) {
   double least = 1e300;
@@ -159,7 +163,7 @@ Measured<SurfaceLine> find_surface_line(const Photograph& photograph, const Plan
   }
   const EdgeLine* best = nullptr;
   for (const EdgeLine& edge : edges) {
-    if (!below_balls(edge, outlines) || turns_below(edge, outlines) > kMostTurnsBelow) continue;
+    if (!possible(edge, outlines)) continue;
     if (best == nullptr || merit(edge, outlines) > merit(*best, outlines)) best = &edge;
   }
   if (best == nullptr) {
@@ -174,7 +178,10 @@ Measured<SurfaceLine> find_surface_line(const Photograph& photograph, const Plan
   }
   const EdgeLine* other = other_edge(*best, edges, outlines);
   if (other == nullptr) return four_points(*best);
-  SurfaceLine line = four_points(between(*best, *other));
+  const EdgeLine middle = between(*best, *other);
+  // The top of a clamp beside the plate: balls reach below what would be half-way.
+  if (!possible(middle, outlines)) return four_points(*best);
+  SurfaceLine line = four_points(middle);
   line.between_px = std::abs(other->at(best->middle.x) - best->middle.y);
   return line;
 }

@@ -77,6 +77,16 @@ TEST(SurfaceLine, OfAPlateIsNotDrawnToAFaintEdgeOfTheBackground) {
   DOUBLES_EQUAL(0.0, surface_frame(*line).from_plane({300.0, kHeight - 1 - 220.3}).y, 0.1);
 }
 
+TEST(SurfaceLine, IsNotDrawnToTheTopOfAClampThatBallsReachBelow) {
+  // 44 px above the plate; half-way would cut a third of the lower ball off, all of which is seen.
+  std::vector<Outline> balls{ball_at(200.0, 112.0), ball_at(400.0, 116.0)};
+  for (Outline& ball : balls) ball.seen = {{0.0, 2.0 * std::numbers::pi}};
+  const auto line = find_surface_line(stepped({176.3, 220.3}), PlaneMap::plain(kHeight), balls);
+  CHECK_TRUE(line.has_value());
+  DOUBLES_EQUAL(0.0, line->between_px, 0.0);
+  DOUBLES_EQUAL(0.0, surface_frame(*line).from_plane({300.0, kHeight - 1 - 220.3}).y, 0.1);
+}
+
 TEST(SurfaceLine, OfABarFarBelowThePlateIsNotItsOtherEdge) {
   const auto line = found(stepped({212.0, 280.0}));
   CHECK_TRUE(line.has_value());
