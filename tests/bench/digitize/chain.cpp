@@ -190,6 +190,16 @@ Result<Done> run_shot(const ChainOptions& options, const Take& take) {
   return done;
 }
 
+/// What is beyond its tolerance: name, error and stated sd.
+std::string words_of(const Errors& errors) {
+  std::string words;
+  for (std::size_t i = 0; i < kCount; ++i) {
+    if (!errors.within[i])
+      words += fmt::format(" {} {:.3g} (sd {:.2g})", name(kChecked[i]), errors.error[i], errors.sd[i]);
+  }
+  return words;
+}
+
 class Tally {
  public:
   void add(const Errors& errors) {
@@ -238,6 +248,9 @@ class Study {
             return false;
           }
           take(*done);
+          if (!done->shot.all_within())
+            problems_.push_back(fmt::format("{} shot {}: beyond:{}", scenes_[i / shots].name, i % shots + 1,
+                                            words_of(done->shot)));
           if (!done->problem.empty())
             problems_.push_back(
                 fmt::format("{} shot {}: {}", scenes_[i / shots].name, i % shots + 1, done->problem));
