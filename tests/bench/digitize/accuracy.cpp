@@ -231,16 +231,22 @@ Result<std::vector<std::string>> scene_names(const std::vector<std::string>& nam
   return names;
 }
 
-Result<void> study_accuracy(const AccuracyOptions& options) {
-  const auto names = scene_names(options.scenes);
-  if (!names) return tl::unexpected(names.error());
+Result<std::vector<sim::Scene>> load_scenes(const std::vector<std::string>& names) {
   std::vector<sim::Scene> scenes;
-  for (const std::string& name : *names) {
+  for (const std::string& name : names) {
     auto scene = sim::load_scene(name);
     if (!scene) return tl::unexpected(scene.error());
     scenes.push_back(std::move(*scene));
   }
-  return Study(options, std::move(scenes)).run();
+  return scenes;
+}
+
+Result<void> study_accuracy(const AccuracyOptions& options) {
+  const auto names = scene_names(options.scenes);
+  if (!names) return tl::unexpected(names.error());
+  auto scenes = load_scenes(*names);
+  if (!scenes) return tl::unexpected(scenes.error());
+  return Study(options, std::move(*scenes)).run();
 }
 
 }  // namespace strobe::bench::digitize

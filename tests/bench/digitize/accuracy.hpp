@@ -8,6 +8,7 @@
 
 #include "common/result.hpp"
 #include "host/digitize/types.hpp"
+#include "sim/rig/scene.hpp"
 
 namespace strobe::bench::digitize {
 
@@ -27,6 +28,7 @@ struct AccuracyOptions {
 
 /// The named scenes, or the thesis's conditions.
 Result<std::vector<std::string>> scene_names(const std::vector<std::string>& named);
+Result<std::vector<sim::Scene>> load_scenes(const std::vector<std::string>& names);
 
 Result<void> study_accuracy(const AccuracyOptions& options);
 

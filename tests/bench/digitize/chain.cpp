@@ -13,7 +13,6 @@
 #include "host/assembly/assemble.hpp"
 #include "host/assembly/flash_times.hpp"
 #include "host/config/digitize_settings.hpp"
-#include "sim/live/scene_files.hpp"
 #include "sim/rig/draws.hpp"
 #include "tests/bench/digitize/accuracy.hpp"
 #include "tests/bench/digitize/in_order.hpp"
@@ -333,13 +332,9 @@ Result<void> study_chain(const ChainOptions& options) {
   auto names = scene_names(options.scenes);
   if (!names) return tl::unexpected(names.error());
   if (options.scenes.empty()) names->insert(names->begin(), "itf_pace_medium");
-  std::vector<sim::Scene> scenes;
-  for (const std::string& name : *names) {
-    auto scene = sim::load_scene(name);
-    if (!scene) return tl::unexpected(scene.error());
-    scenes.push_back(std::move(*scene));
-  }
-  return Study(options, std::move(scenes)).run();
+  auto scenes = load_scenes(*names);
+  if (!scenes) return tl::unexpected(scenes.error());
+  return Study(options, std::move(*scenes)).run();
 }
 
 }  // namespace strobe::bench::digitize

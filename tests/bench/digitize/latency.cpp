@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <poll.h>
-#include <stdlib.h>
 
 #include <algorithm>
 #include <chrono>
@@ -19,6 +18,7 @@
 #include "tests/bench/digitize/accuracy.hpp"
 #include "tests/bench/digitize/photographs.hpp"
 #include "tests/bench/digitize/shot_message.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace strobe::bench::digitize {
 
@@ -30,24 +30,6 @@ using host::steady_now_ns;
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
 /// Until what was written is at rest.
 constexpr auto kPause = std::chrono::milliseconds(30);
-
-class Folder {
- public:
-  Folder() {
-    std::string pattern = (fs::temp_directory_path() / "strobe-latency-XXXXXX").string();
-    if (::mkdtemp(pattern.data()) != nullptr) path_ = pattern;
-  }
-  ~Folder() {
-    std::error_code error;
-    if (!path_.empty()) fs::remove_all(path_, error);
-  }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
 
 struct Shot {
   sim::Scene scene;
@@ -154,7 +136,7 @@ double percentile(const std::vector<double>& sorted, double share) {
 
 Result<void> study_effort(const LatencyOptions& options, const std::string& effort,
                           const std::vector<Shot>& shots) {
-  Folder folder;
+  const testing::TemporaryFolder folder;
   std::vector<double> times_ms;
   int whole = 0;
   int shot_id = 0;

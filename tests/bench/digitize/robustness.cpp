@@ -8,7 +8,7 @@
 #include <functional>
 
 #include "common/units/angles.hpp"
-#include "sim/live/scene_files.hpp"
+#include "tests/bench/digitize/accuracy.hpp"
 #include "tests/bench/digitize/in_order.hpp"
 #include "tests/bench/digitize/photographs.hpp"
 #include "tests/bench/digitize/tables.hpp"
@@ -121,13 +121,7 @@ Result<Measured> measure(const Take& take, strobe::digitize::Effort effort) {
 Result<std::vector<Scene>> scenes_of(const RobustnessOptions& options) {
   std::vector<std::string> names = options.scenes;
   if (names.empty()) names = {"zero_41", "top_34", "back_59"};
-  std::vector<Scene> scenes;
-  for (const std::string& name : names) {
-    auto scene = sim::load_scene(name);
-    if (!scene) return tl::unexpected(scene.error());
-    scenes.push_back(std::move(*scene));
-  }
-  return scenes;
+  return load_scenes(names);
 }
 
 Result<std::vector<Condition>> wanted(const std::vector<std::string>& axes) {
