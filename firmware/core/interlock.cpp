@@ -2,12 +2,37 @@
 
 namespace strobe::firmware {
 
-using Kind = Interlock::Effect::Kind;
+namespace {
 
-const char* Interlock::forbidden() const noexcept {
-  if (fault_[0] != '\0') return fault_;
-  if (estop_) return "the e-stop is pressed";
-  if (!key_) return "the key is off";
+using Effect = Interlock::Effect;
+
+const char* refusal_in(State state, LockInput input) {
+  if (input == LockInput::clear) return "there is no fault to clear";
+  if (state == State::firing) return "a shot is being fired";
+  if (state == State::spent) return "the shot is spent: arm for another";
+  return "not armed";
+}
+
+}  // namespace
+
+const char* Interlock::forbidden(std::uint32_t needs) const noexcept {
+  if ((needs & need::no_fault) != 0 && fault_[0] != '\0') return fault_;
+  if ((needs & need::estop_off) != 0 && estop_) return "the e-stop is pressed";
+  if ((needs & need::key_on) != 0 && !key_) return "the key is off";
+  return nullptr;
+}
+
+const char* Interlock::missing(std::uint32_t needs, const Request& request) const noexcept {
+  const auto lacks = [needs](std::uint32_t bit, bool holds) { return (needs & bit) != 0 && !holds; };
+  if (lacks(need::named_host, request.host != 0 && request.token != 0)) return "the command names no host";
+  if (lacks(need::own_arming, state_ != State::armed || host_ == request.host))
+    return "another host has armed";
+  if (lacks(need::in_time, request.now < expires_)) return "the arming has expired";
+  if (lacks(need::token, request.host == host_ && request.token == token_))
+    return "not the token that was given to this host";
+  if (lacks(need::new_shot, request.shot_id > shot_id_)) return "a shot of this number is spent";
+  if (lacks(need::this_shot, request.shot_id == shot_id_)) return "another shot is being fired";
+  if (lacks(need::trigger_left, trigger_left_)) return "the shot has no trigger left";
   return nullptr;
 }
 
@@ -17,84 +42,86 @@ void Interlock::drop_token() noexcept {
   expires_ = MonoTime{0};
 }
 
-const char* Interlock::arm(std::int64_t host, std::int64_t fresh_token, MonoTime now) noexcept {
-  if (const char* why = forbidden()) return why;
-  if (state_ == State::firing) return "a shot is being fired";
-  if (host == 0 || fresh_token == 0) return "the command names no host";
-  if (state_ == State::armed && host_ != host) return "another host has armed";
-  state_ = State::armed;
-  host_ = host;
-  token_ = fresh_token;
-  expires_ = now + expires_after_;
-  return nullptr;
-}
-
-const char* Interlock::fire(std::int64_t host, std::int64_t token, bool dry, MonoTime now) noexcept {
-  if (const char* why = forbidden()) return why;
-  if (state_ == State::firing) return "a shot is being fired";
-  if (state_ != State::armed) return "not armed";
-  if (now >= expires_) return "the arming has expired";
-  if (host != host_ || token != token_) return "not the token that was given to this host";
-  drop_token();
-  state_ = State::firing;
-  trigger_left_ = !dry;
-  return nullptr;
-}
-
-Interlock::Effect Interlock::withdraw(const char* why) noexcept {
-  if (state_ == State::armed) {
-    drop_token();
-    state_ = State::idle;
-    return {Kind::disarmed, why};
+void Interlock::perform(std::uint32_t deeds, const Request& request, const char* why) noexcept {
+  if ((deeds & deed::drop_token) != 0) drop_token();
+  if ((deeds & deed::take_token) != 0) {
+    host_ = request.host;
+    token_ = request.token;
+    expires_ = request.now + expires_after_;
   }
-  if (state_ == State::firing) {
+  if ((deeds & deed::begin_shot) != 0) {
+    shot_id_ = request.shot_id;
+    trigger_left_ = !request.dry;
+  }
+  if ((deeds & deed::withhold_trigger) != 0) trigger_left_ = false;
+  if ((deeds & deed::latch_fault) != 0 && fault_[0] == '\0') fault_ = why;
+  if ((deeds & deed::unlatch_fault) != 0) fault_ = "";
+}
+
+void Interlock::enter(State next) noexcept {
+  const bool latched = fault_[0] != '\0';
+  state_ = latched && (next == State::idle || next == State::spent) ? State::fault : next;
+}
+
+const char* Interlock::ask(LockInput input, const Request& request) noexcept {
+  const LockRow& rules = row(input);
+  if (const char* why = forbidden(rules.needs)) return why;
+  const LockCell answer = cell(input);
+  if (answer.answer != Answer::grant) return refusal_in(state_, input);
+  if (const char* why = missing(rules.needs, request)) return why;
+  perform(rules.deeds, request, "");
+  enter(answer.next);
+  return nullptr;
+}
+
+Effect Interlock::obey(LockInput input, const char* why) noexcept {
+  const LockCell answer = cell(input);
+  if (answer.answer == Answer::refuse) return {};
+  perform(row(input).deeds, {}, why);
+  enter(answer.next);
+  if (answer.answer == Answer::disarm) {
+    drop_token();
+    return {Effect::Kind::disarmed, why};
+  }
+  if (answer.answer == Answer::abort) {
     trigger_left_ = false;
-    return {Kind::abort, why};
+    return {Effect::Kind::abort, why};
   }
   return {};
 }
 
-Interlock::Effect Interlock::disarm() noexcept { return withdraw("disarmed by command"); }
+const char* Interlock::arm(std::int64_t host, std::int64_t fresh_token, MonoTime now) noexcept {
+  return ask(LockInput::arm, {host, fresh_token, 0, false, now});
+}
 
-Interlock::Effect Interlock::tick(MonoTime now) noexcept {
+const char* Interlock::fire(std::int64_t host, std::int64_t token, std::int32_t shot_id, bool dry,
+                            MonoTime now) noexcept {
+  return ask(LockInput::fire, {host, token, shot_id, dry, now});
+}
+
+bool Interlock::release_trigger(std::int32_t shot_id) noexcept {
+  return ask(LockInput::trigger, {0, 0, shot_id, false, {}}) == nullptr;
+}
+
+const char* Interlock::clear() noexcept { return ask(LockInput::clear, {}); }
+
+Effect Interlock::disarm() noexcept { return obey(LockInput::disarm, "disarmed by command"); }
+
+Effect Interlock::tick(MonoTime now) noexcept {
   if (state_ != State::armed || now < expires_) return {};
-  return withdraw("the arming has expired");
+  return obey(LockInput::expiry, "the arming has expired");
 }
 
-Interlock::Effect Interlock::key(bool active) noexcept {
+Effect Interlock::key(bool active) noexcept {
   key_ = active;
-  return active ? Effect{} : withdraw("the key is off");
+  return obey(active ? LockInput::key_on : LockInput::key_off, "the key is off");
 }
 
-Interlock::Effect Interlock::estop(bool active) noexcept {
+Effect Interlock::estop(bool active) noexcept {
   estop_ = active;
-  return active ? withdraw("the e-stop is pressed") : Effect{};
+  return obey(active ? LockInput::estop_on : LockInput::estop_off, "the e-stop is pressed");
 }
 
-Interlock::Effect Interlock::fault(const char* why) noexcept {
-  if (fault_[0] == '\0') fault_ = why;
-  const Effect effect = withdraw(why);
-  if (state_ != State::firing) state_ = State::fault;
-  return effect;
-}
-
-const char* Interlock::clear() noexcept {
-  if (state_ != State::fault) return "there is no fault to clear";
-  fault_ = "";
-  state_ = State::idle;
-  return nullptr;
-}
-
-void Interlock::shot_over() noexcept {
-  if (state_ != State::firing) return;
-  trigger_left_ = false;
-  state_ = fault_[0] != '\0' ? State::fault : State::idle;
-}
-
-bool Interlock::release_trigger() noexcept {
-  if (state_ != State::firing || !trigger_left_ || forbidden() != nullptr) return false;
-  trigger_left_ = false;
-  return true;
-}
+Effect Interlock::fault(const char* why) noexcept { return obey(LockInput::fault, why); }
 
 }  // namespace strobe::firmware

@@ -1,16 +1,21 @@
-// Who may fire, and when. An explicit state machine without clock, I/O or allocation:
+// Who may fire, and when: a state machine without clock, I/O or allocation, obeyed by Sequencer and
+// ShotPlayer. It runs from the table below, every input in every state; nothing else decides.
 //
-//   state   ARM                FIRE (token)       DISARM, expiry, key off, e-stop   fault    shot over CLEAR
-//   idle    armed (permitted)  refused            idle                              fault    - refused armed
-//   new token          firing, token gone idle                              fault    -           refused
-//   firing  refused            refused            firing, shot aborted              firing*  idle refused
-//   fault   refused            refused            fault                             fault    -           idle
+// What follows from it, and is proved in tests/firmware over all reachable states:
+//  1. The trigger is released only in `firing`, once a shot, for the shot that was granted, while the key is
+//  on,
+//     the e-stop released and no fault latched; never in a dry or aborted shot.
+//  2. A shot is granted only to the host that armed, with the token it got last, before that expired, and
+//  only
+//     under a number that no shot had before. The token goes with it: a fired or aborted shot is spent.
+//  3. Key off, e-stop, disarm and fault end an arming and abort a shot, from whatever state, in that very
+//  call.
+//  4. A fault stays until CLEAR; nothing is armed, granted or released while it lasts.
 //
-// * aborted; fault as soon as the shot is over. "Permitted": key active, e-stop inactive, no fault.
-// The trigger is released at most once per FIRE, and only while firing, not aborted, key on, e-stop off, not
-// dry. All calls are real-time safe; one thread's. Refusals are words (static storage); nullptr is "granted".
+// All calls are real-time safe; one thread's. Refusals are words (static storage); nullptr is "granted".
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "common/units/time.hpp"
@@ -18,9 +23,102 @@
 
 namespace strobe::firmware {
 
+enum class LockInput : std::uint8_t {
+  arm,
+  fire,
+  disarm,
+  expiry,
+  key_off,
+  key_on,
+  estop_on,
+  estop_off,
+  fault,
+  clear,
+  trigger,  ///< the shot's instant for the machine's pulse has come
+  aborted,  ///< the shot was aborted for a reason of its own (late, a failed line)
+  shot_over
+};
+inline constexpr std::size_t kLockInputs = 13;
+inline constexpr std::size_t kLockStates = 5;
+
+enum class Answer : std::uint8_t { nothing, grant, refuse, disarm, abort };
+
+/// What must hold for a grant, beside the state.
+namespace need {
+inline constexpr std::uint32_t no_fault = 1U << 0;
+inline constexpr std::uint32_t estop_off = 1U << 1;
+inline constexpr std::uint32_t key_on = 1U << 2;
+inline constexpr std::uint32_t permission = no_fault | estop_off | key_on;
+inline constexpr std::uint32_t named_host = 1U << 3;    ///< host and fresh token are not 0
+inline constexpr std::uint32_t own_arming = 1U << 4;    ///< not armed by another host
+inline constexpr std::uint32_t in_time = 1U << 5;       ///< the arming has not expired
+inline constexpr std::uint32_t token = 1U << 6;         ///< the arming's host and token
+inline constexpr std::uint32_t new_shot = 1U << 7;      ///< a number above every shot before
+inline constexpr std::uint32_t this_shot = 1U << 8;     ///< the number of the shot that is being fired
+inline constexpr std::uint32_t trigger_left = 1U << 9;  ///< live, not aborted, not yet released
+}  // namespace need
+
+/// What happens unless it is refused, beside the change of state. An Answer::disarm drops the token, an
+/// Answer::abort withholds the trigger.
+namespace deed {
+inline constexpr std::uint32_t take_token = 1U << 0;
+inline constexpr std::uint32_t drop_token = 1U << 1;
+inline constexpr std::uint32_t begin_shot = 1U << 2;  ///< its number is used up, its trigger ready unless dry
+inline constexpr std::uint32_t withhold_trigger = 1U << 3;
+inline constexpr std::uint32_t latch_fault = 1U << 4;
+inline constexpr std::uint32_t unlatch_fault = 1U << 5;
+}  // namespace deed
+
+struct LockCell {
+  Answer answer;
+  State next;
+};
+
+struct LockRow {
+  std::uint32_t needs = 0;                 ///< bits of need: for an Answer::grant
+  std::uint32_t deeds = 0;                 ///< bits of deed
+  std::array<LockCell, kLockStates> in{};  ///< indexed by State
+};
+
+using LockTable = std::array<LockRow, kLockInputs>;  ///< indexed by LockInput
+
+// clang-format off
+/// `next` of a shot that is over, and of a CLEAR, is `fault` as long as one is latched.
+inline constexpr LockTable kLockTable = [] {
+  using enum Answer;
+  constexpr State idle = State::idle, armed = State::armed, firing = State::firing, broken = State::fault,
+                  spent = State::spent;
+  namespace n = need;
+  namespace d = deed;
+  return LockTable{{
+  //                                                                           in idle           armed             firing           fault             spent
+  /* arm       */ {n::permission | n::named_host | n::own_arming,
+                   d::take_token,                                         {{{grant, armed},   {grant, armed},   {refuse, firing},  {refuse, broken},  {grant, armed}}}},
+  /* fire      */ {n::permission | n::in_time | n::token | n::new_shot,
+                   d::drop_token | d::begin_shot,                         {{{refuse, idle},   {grant, firing},  {refuse, firing},  {refuse, broken},  {refuse, spent}}}},
+  /* disarm    */ {0, 0,                                                  {{{nothing, idle},  {disarm, idle},   {abort, firing},   {nothing, broken}, {nothing, spent}}}},
+  /* expiry    */ {0, 0,                                                  {{{nothing, idle},  {disarm, idle},   {nothing, firing}, {nothing, broken}, {nothing, spent}}}},
+  /* key_off   */ {0, 0,                                                  {{{nothing, idle},  {disarm, idle},   {abort, firing},   {nothing, broken}, {nothing, spent}}}},
+  /* key_on    */ {0, 0,                                                  {{{nothing, idle},  {nothing, armed}, {nothing, firing}, {nothing, broken}, {nothing, spent}}}},
+  /* estop_on  */ {0, 0,                                                  {{{nothing, idle},  {disarm, idle},   {abort, firing},   {nothing, broken}, {nothing, spent}}}},
+  /* estop_off */ {0, 0,                                                  {{{nothing, idle},  {nothing, armed}, {nothing, firing}, {nothing, broken}, {nothing, spent}}}},
+  /* fault     */ {0, d::latch_fault,                                     {{{nothing, broken},{disarm, broken}, {abort, firing},   {nothing, broken}, {nothing, broken}}}},
+  /* clear     */ {0, d::unlatch_fault,                                   {{{refuse, idle},   {refuse, armed},  {refuse, firing},  {grant, idle},     {refuse, spent}}}},
+  /* trigger   */ {n::permission | n::this_shot | n::trigger_left,
+                   d::withhold_trigger,                                   {{{refuse, idle},   {refuse, armed},  {grant, firing},   {refuse, broken},  {refuse, spent}}}},
+  /* aborted   */ {0, d::withhold_trigger,                                {{{nothing, idle},  {nothing, armed}, {nothing, firing}, {nothing, broken}, {nothing, spent}}}},
+  /* shot_over */ {0, d::withhold_trigger,                                {{{nothing, idle},  {nothing, armed}, {nothing, spent},  {nothing, broken}, {nothing, spent}}}},
+  }};
+}();
+// clang-format on
+
 class Interlock {
  public:
-  explicit Interlock(Duration arming_expires) : expires_after_(arming_expires) {}
+  /// last_shot_id: the highest number any shot had. table: must outlive this; another than the shipped one is
+  /// for proofs that a wrong one would be noticed.
+  explicit Interlock(Duration arming_expires, std::int32_t last_shot_id = 0,
+                     const LockTable& table = kLockTable)
+      : table_(&table), expires_after_(arming_expires), shot_id_(last_shot_id) {}
 
   /// What the caller has to do after an input: at most one of them, with the reason in words.
   struct Effect {
@@ -29,32 +127,52 @@ class Interlock {
   };
 
   const char* arm(std::int64_t host, std::int64_t fresh_token, MonoTime now) noexcept;
-  const char* fire(std::int64_t host, std::int64_t token, bool dry, MonoTime now) noexcept;
+  /// shot_id: the number under which it will be fired.
+  const char* fire(std::int64_t host, std::int64_t token, std::int32_t shot_id, bool dry,
+                   MonoTime now) noexcept;
   Effect disarm() noexcept;
   Effect tick(MonoTime now) noexcept;  ///< expiry
   Effect key(bool active) noexcept;
   Effect estop(bool active) noexcept;
   Effect fault(const char* why) noexcept;  ///< latches the first; `why` in static storage
   const char* clear() noexcept;
-  void aborted() noexcept { trigger_left_ = false; }  ///< the shot was aborted for another reason
-  void shot_over() noexcept;
+  void aborted() noexcept { obey(LockInput::aborted, ""); }
+  void shot_over() noexcept { obey(LockInput::shot_over, ""); }
 
   /// True once per shot at most; then the trigger's pulse may be issued, now.
-  bool release_trigger() noexcept;
+  bool release_trigger(std::int32_t shot_id) noexcept;
 
   State state() const noexcept { return state_; }
   bool key_active() const noexcept { return key_; }
   bool estop_active() const noexcept { return estop_; }
-  std::int64_t arm_host() const noexcept { return host_; }
+  std::int64_t arm_host() const noexcept { return host_; }  ///< 0: not armed
   std::int64_t arm_token() const noexcept { return token_; }
   MonoTime arm_expires() const noexcept { return expires_; }
+  std::int32_t shot_id() const noexcept { return shot_id_; }  ///< newest number used
+  bool trigger_left() const noexcept { return trigger_left_; }
   const char* fault_words() const noexcept { return fault_; }  ///< "": none
 
  private:
-  const char* forbidden() const noexcept;
-  Effect withdraw(const char* why) noexcept;
+  struct Request {
+    std::int64_t host = 0;
+    std::int64_t token = 0;
+    std::int32_t shot_id = 0;
+    bool dry = false;
+    MonoTime now;
+  };
+  const LockRow& row(LockInput input) const noexcept { return (*table_)[static_cast<std::size_t>(input)]; }
+  const LockCell& cell(LockInput input) const noexcept {
+    return row(input).in[static_cast<std::size_t>(state_)];
+  }
+  const char* ask(LockInput input, const Request& request) noexcept;
+  Effect obey(LockInput input, const char* why) noexcept;
+  const char* forbidden(std::uint32_t needs) const noexcept;
+  const char* missing(std::uint32_t needs, const Request& request) const noexcept;
+  void perform(std::uint32_t deeds, const Request& request, const char* why) noexcept;
+  void enter(State next) noexcept;
   void drop_token() noexcept;
 
+  const LockTable* table_;
   Duration expires_after_;
   State state_ = State::idle;
   bool key_ = false;
@@ -63,6 +181,7 @@ class Interlock {
   std::int64_t host_ = 0;
   std::int64_t token_ = 0;
   MonoTime expires_{0};
+  std::int32_t shot_id_;
   const char* fault_ = "";
 };
 

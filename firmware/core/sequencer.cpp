@@ -10,10 +10,9 @@ Sequencer::Sequencer(const Rig& rig, const Ports& ports, std::int32_t last_shot_
       edges_(ports.edges),
       sink_(ports.sink),
       commands_(ports.commands),
-      interlock_(rig.arming_expires),
+      interlock_(rig.arming_expires, last_shot_id),
       outputs_(rig_, ports.clock, ports.outputs),
-      player_(rig_, ports.clock, ports.edges, ports.sink, interlock_, outputs_),
-      last_shot_id_(last_shot_id) {}
+      player_(rig_, ports.clock, ports.edges, ports.sink, interlock_, outputs_) {}
 
 void Sequencer::report(EventKind kind, const Words& detail) noexcept {
   Event event;
@@ -90,10 +89,12 @@ void Sequencer::fire(const Command& command) noexcept {
   ShotRecord* record = sink_.free_record();
   if (record == nullptr) return refuse(command, "earlier shots are still being written");
   read_levels();
-  if (const char* why = interlock_.fire(command.host_id, command.token, command.plan.dry, clock_.now())) {
+  const std::int32_t shot_id = interlock_.shot_id() + 1;
+  if (const char* why =
+          interlock_.fire(command.host_id, command.token, shot_id, command.plan.dry, clock_.now())) {
     return refuse(command, why);
   }
-  player_.begin(command, ++last_shot_id_, *record);
+  player_.begin(command, shot_id, *record);
 }
 
 void Sequencer::obey(const Command& command) noexcept {
@@ -161,7 +162,7 @@ void Sequencer::report_status() noexcept {
   status.arm_host = interlock_.arm_host();
   status.arm_token = interlock_.arm_token();
   status.arm_expires = interlock_.arm_expires();
-  status.last_shot_id = last_shot_id_;
+  status.last_shot_id = interlock_.shot_id();
   status.kernel_overflows = edges_.overflows();
   status.fault = interlock_.fault_words();
   if (reported_ == status) return;

@@ -59,7 +59,6 @@ class Sequencer {
   GuardedOutputs outputs_;
   ShotPlayer player_;
   std::array<Edge, 64> edge_buffer_;
-  std::int32_t last_shot_id_;
   std::optional<LoopStatus> reported_;
   MonoTime levels_read_;
 };

@@ -149,7 +149,7 @@ void ShotPlayer::trigger(const PlannedPulse& pulse) noexcept {
   if (!key || !estop) return abort("key or e-stop could not be read before the trigger");
   if (!*key) return abort("the key is off");
   if (*estop) return abort("the e-stop is pressed");
-  if (!interlock_.release_trigger()) return abort("the interlock withheld the trigger");
+  if (!interlock_.release_trigger(record_->shot_id)) return abort("the interlock withheld the trigger");
   const Issue issue = outputs_.activate(Output::trigger, at(pulse.at), pulse.width, clock_.now());
   record_->trigger = issue.end;
   gate_counts_from_ = issue.end;

@@ -56,7 +56,8 @@ struct Event {
   Words detail;
 };
 
-enum class State : std::int8_t { idle = 0, armed, firing, fault };  ///< values are those of status_t
+/// Values are those of status_t. Spent: the last shot was fired or aborted and can never be fired again.
+enum class State : std::int8_t { idle = 0, armed, firing, fault, spent };
 
 /// What the loop knows of itself; handed over at every change.
 struct LoopStatus {

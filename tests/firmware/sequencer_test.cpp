@@ -160,7 +160,7 @@ TEST(Sequencer, RefusesAFireThatIsPlayedBack) {
   bench.give(fire);
   bench.play();
   CHECK_EQUAL(1u, rig.instants(Output::trigger).size());
-  STRCMP_EQUAL("FIRE: not armed", refusal().c_str());
+  STRCMP_EQUAL("FIRE: the shot is spent: arm for another", refusal().c_str());
 }
 
 TEST(Sequencer, RefusesAWrongToken) {

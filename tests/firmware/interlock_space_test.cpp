@@ -1,0 +1,449 @@
+// The interlock's whole state space: every input in every state that can be reached, beside a judge who knows
+// only what was put in and what was answered. The search ends when no new state turns up, so it holds for
+// sequences of any length; and every single change of the interlock's table is put to the same judge, to
+// prove that it would notice.
+#include <array>
+#include <cstdio>
+#include <deque>
+#include <map>
+#include <optional>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "firmware/core/interlock.hpp"
+// CppUTest redefines new; its headers come last.
+#include <CppUTest/TestHarness.h>
+
+using namespace strobe;
+using namespace strobe::firmware;
+
+namespace {
+
+constexpr Duration kExpires = milliseconds(30'000);
+constexpr std::int64_t kHost = 11, kOther = 22;
+
+enum class In {
+  arm,
+  arm_other,     ///< another host than kHost
+  arm_nameless,  ///< host 0
+  arm_tokenless,
+  fire,  ///< by the host that is armed, with its token
+  fire_dry,
+  fire_old,  ///< with the token that was current before
+  fire_guessed,
+  fire_foreign,  ///< right token, another host
+  fire_used,     ///< right token, but the number of the last shot
+  disarm,
+  time_passes,  ///< until the arming is over, unnoticed so far
+  tick,
+  key_off,
+  key_on,
+  estop_on,
+  estop_off,
+  fault,
+  clear,
+  trigger,
+  trigger_used,  ///< for the shot before
+  aborted,
+  shot_over,
+  count
+};
+constexpr int kInputs = static_cast<int>(In::count);
+
+/// What may be known from outside, and what follows from it.
+struct Judge {
+  bool key = false;
+  bool estop = true;
+  bool latched = false;
+  std::int64_t host = 0;  ///< that armed and may still fire; 0: none
+  std::int64_t token = 0;
+  std::int64_t old_token = 0;
+  bool expired = false;
+  bool running = false;  ///< a shot was granted and is not over
+  bool live = false;     ///< and is neither dry nor aborted nor was its trigger released
+  bool spent = false;    ///< the last thing was a shot
+  std::int32_t shot = 0;
+
+  bool permitted() const { return key && !estop && !latched; }
+  void withdraw() {
+    host = 0;
+    live = false;
+  }
+  State state() const {
+    if (running) return State::firing;
+    if (latched) return State::fault;
+    if (host != 0) return State::armed;
+    return spent ? State::spent : State::idle;
+  }
+};
+
+struct Walk {
+  Interlock lock;
+  Judge judge;
+  MonoTime now{1'000'000'000};
+  std::int64_t next_token = 1;
+};
+
+using Complaint = std::optional<std::string>;
+using Kind = Interlock::Effect::Kind;
+
+Complaint expect(bool holds, const char* rule) { return holds ? Complaint{} : Complaint{rule}; }
+
+Complaint arm(Walk& walk, std::int64_t host, bool with_token) {
+  Judge& judge = walk.judge;
+  const std::int64_t token = with_token ? walk.next_token++ : 0;
+  const bool granted = walk.lock.arm(host, token, walk.now) == nullptr;
+  const bool may = judge.permitted() && !judge.running && host != 0 && token != 0 &&
+                   (judge.host == 0 || judge.host == host);
+  if (granted && may) {
+    judge.old_token = judge.token;
+    judge.token = token;
+    judge.host = host;
+    judge.expired = judge.spent = false;
+  }
+  return expect(granted == may, granted ? "armed without permission" : "not armed with permission");
+}
+
+Complaint fire(Walk& walk, std::int64_t host, std::int64_t token, std::int32_t shot, bool dry) {
+  Judge& judge = walk.judge;
+  const bool granted = walk.lock.fire(host, token, shot, dry, walk.now) == nullptr;
+  const bool may = judge.permitted() && judge.host != 0 && !judge.expired && !judge.running &&
+                   host == judge.host && token == judge.token && shot > judge.shot;
+  if (granted && may) {
+    judge.host = 0;
+    judge.running = true;
+    judge.live = !dry;
+    judge.shot = shot;
+  }
+  return expect(granted == may, granted ? "granted a shot without right" : "refused a shot of good right");
+}
+
+Complaint withdrawn(Walk& walk, Interlock::Effect effect) {
+  Judge& judge = walk.judge;
+  const Kind due = judge.running ? Kind::abort : judge.host != 0 ? Kind::disarmed : Kind::none;
+  judge.withdraw();
+  return expect(effect.kind == due, "an arming or a shot was not withdrawn at once, or none was there");
+}
+
+Complaint release(Walk& walk, std::int32_t shot) {
+  Judge& judge = walk.judge;
+  const bool released = walk.lock.release_trigger(shot);
+  const bool may = judge.running && judge.live && judge.permitted() && shot == judge.shot;
+  if (released) judge.live = false;
+  return expect(released == may,
+                released ? "THE TRIGGER WAS RELEASED WITHOUT RIGHT" : "the trigger was withheld");
+}
+
+Complaint none(Interlock::Effect effect) {
+  return expect(effect.kind == Kind::none, "an effect without a cause");
+}
+
+Complaint put_in(Walk& walk, In input) {
+  Judge& judge = walk.judge;
+  const std::int64_t holder = judge.host != 0 ? judge.host : kHost;
+  const std::int32_t next = judge.shot + 1;
+  switch (input) {
+    case In::arm:
+      return arm(walk, kHost, true);
+    case In::arm_other:
+      return arm(walk, kOther, true);
+    case In::arm_nameless:
+      return arm(walk, 0, true);
+    case In::arm_tokenless:
+      return arm(walk, kHost, false);
+    case In::fire:
+      return fire(walk, holder, judge.token, next, false);
+    case In::fire_dry:
+      return fire(walk, holder, judge.token, next, true);
+    case In::fire_old:
+      return fire(walk, holder, judge.old_token, next, false);
+    case In::fire_guessed:
+      return fire(walk, holder, 0, next, false);
+    case In::fire_foreign:
+      return fire(walk, holder == kHost ? kOther : kHost, judge.token, next, false);
+    case In::fire_used:
+      return fire(walk, holder, judge.token, judge.shot, false);
+    case In::disarm:
+      return withdrawn(walk, walk.lock.disarm());
+    case In::time_passes:
+      walk.now = walk.now + kExpires;
+      judge.expired = judge.host != 0;
+      return {};
+    case In::tick: {
+      const Interlock::Effect effect = walk.lock.tick(walk.now);
+      if (judge.host == 0 || !judge.expired) return none(effect);
+      return withdrawn(walk, effect);
+    }
+    case In::key_off:
+      judge.key = false;
+      return withdrawn(walk, walk.lock.key(false));
+    case In::key_on:
+      judge.key = true;
+      return none(walk.lock.key(true));
+    case In::estop_on:
+      judge.estop = true;
+      return withdrawn(walk, walk.lock.estop(true));
+    case In::estop_off:
+      judge.estop = false;
+      return none(walk.lock.estop(false));
+    case In::fault:
+      judge.latched = true;
+      return withdrawn(walk, walk.lock.fault("broken"));
+    case In::clear: {
+      const bool may = judge.latched && !judge.running;
+      if (may) judge.latched = judge.spent = false;
+      return expect((walk.lock.clear() == nullptr) == may, "a fault was cleared wrongly, or not");
+    }
+    case In::trigger:
+      return release(walk, judge.shot);
+    case In::trigger_used:
+      return release(walk, judge.shot - 1);
+    case In::aborted:
+      judge.live = false;
+      walk.lock.aborted();
+      return {};
+    case In::shot_over:
+      walk.lock.shot_over();
+      if (judge.running) judge.spent = true;
+      judge.running = judge.live = false;
+      return {};
+    case In::count:
+      break;
+  }
+  return {};
+}
+
+/// What must be so in every state, whatever led there.
+Complaint inspect(const Walk& walk) {
+  const Interlock& lock = walk.lock;
+  const Judge& judge = walk.judge;
+  if (lock.state() != judge.state()) return "another state than the history says";
+  if (lock.key_active() != judge.key || lock.estop_active() != judge.estop) return "key or e-stop forgotten";
+  if ((lock.fault_words()[0] != '\0') != judge.latched) return "a fault was forgotten, or made up";
+  if (lock.arm_host() != judge.host) return "a token that nobody should have, or the reverse";
+  if (judge.host != 0 && lock.arm_token() != judge.token) return "another token than the last";
+  if (judge.host == 0 && lock.arm_token() != 0) return "a token without a host";
+  if (lock.shot_id() != judge.shot) return "another number of the last shot";
+  // Whatever comes next, a stop is obeyed in one call.
+  for (const bool by_key : {true, false}) {
+    Interlock stopped = lock;
+    by_key ? stopped.key(false) : stopped.estop(true);
+    if (stopped.release_trigger(stopped.shot_id())) return "THE TRIGGER WAS RELEASED AFTER A STOP";
+    if (stopped.state() == State::armed) return "armed after a stop";
+  }
+  return {};
+}
+
+/// All that future answers depend on: times and numbers only as far as they are compared.
+using Key = std::tuple<int, bool, bool, bool, bool, std::int64_t, bool, bool, bool, bool, bool, bool>;
+Key key_of(const Walk& walk) {
+  const Interlock& lock = walk.lock;
+  const Judge& judge = walk.judge;
+  return {static_cast<int>(lock.state()),
+          lock.key_active(),
+          lock.estop_active(),
+          lock.fault_words()[0] != '\0',
+          lock.trigger_left(),
+          lock.arm_host(),
+          lock.arm_token() == judge.token,
+          walk.now >= lock.arm_expires(),
+          judge.token != judge.old_token && judge.old_token != 0,
+          judge.live,
+          judge.spent,
+          judge.shot > 0};
+}
+
+struct Found {
+  std::size_t states = 0;
+  std::size_t transitions = 0;
+  std::size_t depth = 0;  ///< of the state that takes the longest sequence
+  std::size_t released = 0;
+  std::array<std::size_t, kLockStates> of_state{};
+  std::string complaint;  ///< with the shortest sequence that leads to it; empty: none
+};
+
+struct Place {
+  Walk walk;
+  std::vector<In> path;
+};
+
+std::string told(const std::string& complaint, const std::vector<In>& path, In last) {
+  std::string text = complaint + " after inputs";
+  for (const In input : path) text += " " + std::to_string(static_cast<int>(input));
+  return text + " " + std::to_string(static_cast<int>(last));
+}
+
+enum class Severity { all, trigger_without_permission };
+
+Found search(const LockTable& table, Severity severity = Severity::all) {
+  Found found;
+  std::map<Key, bool> known;
+  std::deque<Place> open;
+  Place start{{Interlock{kExpires, 0, table}, {}}, {}};
+  known[key_of(start.walk)] = true;
+  open.push_back(start);
+  while (!open.empty()) {
+    const Place place = open.front();
+    open.pop_front();
+    ++found.states;
+    ++found.of_state[static_cast<std::size_t>(place.walk.lock.state())];
+    found.depth = place.path.size();
+    for (int i = 0; i < kInputs; ++i) {
+      Place next = place;
+      const In input = static_cast<In>(i);
+      const bool left = next.walk.lock.trigger_left();
+      Complaint complaint = put_in(next.walk, input);
+      if (!complaint) complaint = inspect(next.walk);
+      ++found.transitions;
+      const bool released = left && input == In::trigger && !next.walk.lock.trigger_left();
+      if (severity == Severity::trigger_without_permission) {
+        complaint = expect(!released || next.walk.judge.permitted(), "RELEASED WITHOUT PERMISSION");
+      }
+      if (complaint) {
+        found.complaint = told(*complaint, place.path, input);
+        return found;
+      }
+      if (released) ++found.released;
+      if (!known.emplace(key_of(next.walk), true).second) continue;
+      next.path.push_back(input);
+      open.push_back(std::move(next));
+    }
+  }
+  return found;
+}
+
+/// Without remembering what was seen: proves that key_of() forgets nothing that matters.
+Complaint try_all(const Walk& walk, int depth, std::size_t& sequences) {
+  ++sequences;
+  if (depth == 0) return {};
+  for (int i = 0; i < kInputs; ++i) {
+    Walk next = walk;
+    Complaint complaint = put_in(next, static_cast<In>(i));
+    if (!complaint) complaint = inspect(next);
+    if (!complaint) complaint = try_all(next, depth - 1, sequences);
+    if (complaint) return complaint;
+  }
+  return {};
+}
+
+struct Mutants {
+  int made = 0;
+  int noticed = 0;
+
+  void judge(const LockTable& table) {
+    ++made;
+    if (!search(table).complaint.empty()) ++noticed;
+  }
+};
+
+/// Inputs that may be refused; all others are facts.
+bool is_asked(std::size_t input) {
+  const auto which = static_cast<LockInput>(input);
+  return which == LockInput::arm || which == LockInput::fire || which == LockInput::clear ||
+         which == LockInput::trigger;
+}
+
+bool notices_without(LockInput input, std::uint32_t needs) {
+  LockTable table = kLockTable;
+  table[static_cast<std::size_t>(input)].needs &= ~needs;
+  return !search(table).complaint.empty();
+}
+
+}  // namespace
+
+TEST_GROUP(InterlockSpace){};
+
+TEST(InterlockSpace, KeepsEveryRuleInEveryStateThatCanBeReached) {
+  const Found found = search(kLockTable);
+  std::printf(
+      "interlock: %zu states (idle %zu, armed %zu, firing %zu, fault %zu, spent %zu), %zu transitions, "
+      "closed "
+      "at depth %zu\n",
+      found.states, found.of_state[0], found.of_state[1], found.of_state[2], found.of_state[3],
+      found.of_state[4], found.transitions, found.depth);
+  STRCMP_EQUAL("", found.complaint.c_str());
+  CHECK(found.released > 0);  // the rules are not kept by never firing at all
+  for (const std::size_t states : found.of_state) CHECK(states > 0);
+}
+
+TEST(InterlockSpace, KeepsThemInEverySequenceOfFourInputsToo) {
+  Walk walk{Interlock{kExpires}, {}};
+  put_in(walk, In::key_on);
+  put_in(walk, In::estop_off);
+  std::size_t sequences = 0;
+  STRCMP_EQUAL("", try_all(walk, 4, sequences).value_or("").c_str());
+  CHECK_EQUAL(1u + 23 + 23 * 23 + 23 * 23 * 23 + 23 * 23 * 23 * 23, sequences);
+}
+
+// The judge knows the one right answer to every input, and the state after it: a table that it takes for good
+// cannot be told from the shipped one by any sequence of inputs. Such are, of the cells' 204 wrong next
+// states and 110 wrong answers, those that another barrier makes harmless: a latched fault keeps its state
+// whatever the cell says; expiry is put in only while armed; the trigger is asked for only in `firing`, where
+// alone there is one left; CLEAR with nothing latched, where only its answer matters.
+TEST(InterlockSpace, WouldNoticeAWrongCellOfTheTable) {
+  Mutants states, answers;
+  for (std::size_t input = 0; input < kLockInputs; ++input) {
+    for (std::size_t state = 0; state < kLockStates; ++state) {
+      const LockCell& good = kLockTable[input].in[state];
+      LockTable table = kLockTable;
+      for (std::size_t other = 0; other < kLockStates; ++other) {
+        // What is refused changes no state.
+        if (static_cast<State>(other) == good.next || good.answer == Answer::refuse) continue;
+        table[input].in[state] = {good.answer, static_cast<State>(other)};
+        states.judge(table);
+      }
+      using enum Answer;
+      for (const Answer other :
+           is_asked(input) ? std::vector{grant, refuse} : std::vector{nothing, disarm, abort}) {
+        if (other == good.answer) continue;
+        table[input].in[state] = {other, good.next};
+        answers.judge(table);
+      }
+    }
+  }
+  std::printf("interlock's cells: %d of %d wrong states and %d of %d wrong answers noticed\n", states.noticed,
+              states.made, answers.noticed, answers.made);
+  CHECK_EQUAL(166, states.noticed);
+  CHECK_EQUAL(75, answers.noticed);
+}
+
+TEST(InterlockSpace, WouldNoticeAMissingNeed) {
+  for (const std::uint32_t needed : {need::estop_off, need::key_on, need::named_host, need::own_arming})
+    CHECK_TRUE(notices_without(LockInput::arm, needed));
+  for (const std::uint32_t needed : {need::in_time, need::token, need::new_shot})
+    CHECK_TRUE(notices_without(LockInput::fire, needed));
+  for (const std::uint32_t needed : {need::this_shot, need::trigger_left})
+    CHECK_TRUE(notices_without(LockInput::trigger, needed));
+  // A stop has already ended the arming, or withheld the trigger: the second barrier behind the first.
+  CHECK_FALSE(notices_without(LockInput::fire, need::permission));
+  CHECK_FALSE(notices_without(LockInput::trigger, need::permission));
+}
+
+TEST(InterlockSpace, WouldNoticeAMissingDeed) {
+  Mutants mutants;
+  for (std::size_t input = 0; input < kLockInputs; ++input) {
+    for (std::uint32_t bit = deed::take_token; bit <= deed::unlatch_fault; bit <<= 1) {
+      LockTable table = kLockTable;
+      if ((table[input].deeds & bit) == 0) continue;
+      table[input].deeds &= ~bit;
+      mutants.judge(table);
+    }
+  }
+  // All but one: the trigger of a shot that is over is withheld twice, by the state as well.
+  CHECK_EQUAL(8, mutants.made);
+  CHECK_EQUAL(7, mutants.noticed);
+}
+
+TEST(InterlockSpace, WithholdsTheTriggerByASecondBarrierIfStopsWereForgotten) {
+  LockTable deaf = kLockTable;
+  for (const LockInput input : {LockInput::key_off, LockInput::estop_on, LockInput::fault}) {
+    for (LockCell& cell : deaf[static_cast<std::size_t>(input)].in) cell.answer = Answer::nothing;
+  }
+  CHECK_TRUE(search(deaf).complaint.find("withdrawn") != std::string::npos);
+  // With every other complaint put aside, none is of the trigger: it asks for the permission itself.
+  STRCMP_EQUAL("", search(deaf, Severity::trigger_without_permission).complaint.c_str());
+  deaf[static_cast<std::size_t>(LockInput::trigger)].needs &= ~need::permission;
+  CHECK_TRUE(search(deaf, Severity::trigger_without_permission).complaint.find("PERMISSION") !=
+             std::string::npos);
+}
