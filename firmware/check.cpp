@@ -8,28 +8,40 @@
 
 #include "firmware/linux/gpio_lines.hpp"
 #include "firmware/linux/guardian.hpp"
-#include "firmware/linux/real_time.hpp"
+#include "firmware/linux/interrupts.hpp"
+#include "firmware/linux/real_time_report.hpp"
 
 namespace strobe::firmware {
 
 namespace {
 
+using Verdict = CheckItem::Verdict;
+
 class Report {
  public:
   explicit Report(bool json) : json_(json) {}
-  void item(const std::string& name, const std::string& fault, bool tolerated = false) {
-    if (!fault.empty() && !tolerated) ++faults_;
+  /// tolerated: a fault that this start would put up with.
+  void item(const CheckItem& item, bool tolerated = false) {
+    const bool well = item.verdict == Verdict::ok;
+    const bool advised = item.verdict == Verdict::advice;
+    if (!well && !advised && !tolerated) ++faults_;
     if (json_) {
-      const nlohmann::json object{
-          {"item", name}, {"ok", fault.empty()}, {"tolerated", tolerated && !fault.empty()}, {"what", fault}};
+      const nlohmann::json object{{"item", item.name},
+                                  {"ok", well},
+                                  {"tolerated", advised || (tolerated && !well)},
+                                  {"what", well ? "" : item.words},
+                                  {"found", well ? item.words : ""}};
       std::printf("%s\n", object.dump().c_str());
     } else {
-      std::printf("%-16s %s%s\n", name.c_str(),
-                  fault.empty() ? "ok"
-                  : tolerated   ? "tolerated: "
-                                : "",
-                  fault.c_str());
+      const std::string before = well        ? (item.words.empty() ? "ok" : "ok: ")
+                                 : advised   ? "advice: "
+                                 : tolerated ? "tolerated: "
+                                             : "";
+      std::printf("%-16s %s%s\n", item.name.c_str(), before.c_str(), item.words.c_str());
     }
+  }
+  void item(const std::string& name, const std::string& fault) {
+    item({name, fault.empty() ? Verdict::ok : Verdict::fault, fault});
   }
   int faults() const { return faults_; }
 
@@ -61,17 +73,32 @@ int check_rig(const Rig& rig, const Options& options) {
   Report report(options.json);
   report.item("rig file", "");
   for (const LineReport& line : inspect_lines(rig)) report.item(line.key, line.fault);
-  std::string rights;
-  for (const std::string& fault : try_real_time(rig.real_time))
-    rights += (rights.empty() ? "" : "; ") + fault;
-  report.item("real time", rights, options.allow_no_rt);
-  report.item("latency", LatencyRequest().fault(), true);
+  const RealTimeTrial trial = try_real_time(rig.real_time);
+  for (const CheckItem& item : real_time_report(rig, trial, SystemFiles()))
+    report.item(item, options.allow_no_rt);
   report.item("session", session_fault(options.session));
   lcm::LCM lcm(options.lcm_url);
   report.item(
       "lcm",
       lcm.good() ? "" : options.lcm_url + ": is there a multicast route? (ip route add 224.0.0.0/4 dev lo)");
   return report.faults() == 0 ? kExitDone : kExitFailed;
+}
+
+int move_interrupts(const Rig& rig) {
+  if (rig.real_time.cpu < 0) {
+    std::fprintf(stderr,
+                 "strobed: --move-interrupts: the rig file names no CPU for the loop ([real_time] cpu)\n");
+    return kExitBadInput;
+  }
+  const Moved moved = keep_interrupts_off(rig.real_time.cpu, SystemFiles());
+  const auto print = [](const char* what, const std::vector<Interrupt>& interrupts) {
+    for (const Interrupt& interrupt : interrupts)
+      std::printf("%-9s %d %s\n", what, interrupt.number, interrupt.name.c_str());
+  };
+  print("moved", moved.away);
+  print("refused", moved.refused);
+  print("fixed", moved.fixed);
+  return moved.refused.empty() ? kExitDone : kExitFailed;
 }
 
 }  // namespace strobe::firmware

@@ -51,7 +51,7 @@ int run(int argc, char** argv) {
       "Plays strobe-photography shots on a rig's GPIO lines, with a guardian that keeps the outputs safe.");
   app.footer(kFooter);
   Options options;
-  bool check = false, safe = false;
+  bool check = false, safe = false, move = false;
   std::string session, drill;
   app.add_option("--config", options.config, "rig file (rig.toml)")->required();
   app.add_option("--session", session, "folder of the journal; made if need be");
@@ -62,6 +62,9 @@ int run(int argc, char** argv) {
   auto* check_flag =
       app.add_flag("--check", check, "try chip, lines, rights and folder, tell what is wrong, and end");
   app.add_flag("--safe", safe, "drive all outputs inactive once, and end")->excludes(check_flag);
+  app.add_flag("--move-interrupts", move,
+               "as root: keep the machine's interrupts off the CPU of [real_time] cpu, and end")
+      ->excludes(check_flag);
   app.add_option("--drill", drill, "publisher-exception@SHOT, see below");
   app.add_flag("--json", options.json, "with --check: one JSON object per line");
   app.add_flag("--verbose", options.verbose, "every event on stderr");
@@ -86,6 +89,7 @@ int run(int argc, char** argv) {
   if (options.lcm_url.empty()) options.lcm_url = strobe::messages::kDefaultLcmUrl;
   if (safe) return make_safe(*rig);
   if (check) return check_rig(*rig, options);
+  if (move) return move_interrupts(*rig);
   if (options.session.empty()) return bad_input("--session is required: the folder for the journal");
   return guard(*rig, [&](WorkerPage& page) { return run_worker(*rig, options, page); });
 }

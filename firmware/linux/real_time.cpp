@@ -11,6 +11,7 @@
 
 #include <cerrno>
 #include <cstring>
+#include <sstream>
 
 namespace strobe::firmware {
 
@@ -71,18 +72,33 @@ std::string pin_to_cpu(int cpu) {
   return "real_time.cpu: CPU " + std::to_string(cpu) + " cannot be had (" + std::strerror(error) + ")";
 }
 
-std::vector<std::string> try_real_time(const Rig::RealTime& wanted) {
-  std::vector<std::string> faults;
+namespace {
+
+/// Runs in the child: one line for each right, empty if it was granted.
+std::string trial_lines(const Rig::RealTime& wanted) {
+  std::string lines;
+  const std::string lowest = become_real_time(sched_get_priority_min(SCHED_FIFO));
+  const std::string priority = lowest.empty() ? become_real_time(wanted.priority) : "";
+  for (const std::string& fault :
+       {lowest, priority, lock_memory(), pin_to_cpu(wanted.cpu), LatencyRequest().fault()}) {
+    lines += fault + "\n";
+  }
+  return lines;
+}
+
+}  // namespace
+
+RealTimeTrial try_real_time(const Rig::RealTime& wanted) {
   int result[2];
-  if (pipe(result) != 0) return {std::string("pipe: ") + std::strerror(errno)};
+  RealTimeTrial trial;
+  if (pipe(result) != 0) {
+    trial.policy = std::string("pipe: ") + std::strerror(errno);
+    return trial;
+  }
   const pid_t child = fork();
   if (child == 0) {
-    std::string all;
-    for (const std::string& fault :
-         {lock_memory(), pin_to_cpu(wanted.cpu), become_real_time(wanted.priority)}) {
-      if (!fault.empty()) all += fault + "\n";
-    }
-    _exit(write(result[1], all.data(), all.size()) == static_cast<ssize_t>(all.size()) ? 0 : 1);
+    const std::string lines = trial_lines(wanted);
+    _exit(write(result[1], lines.data(), lines.size()) == static_cast<ssize_t>(lines.size()) ? 0 : 1);
   }
   close(result[1]);
   std::string all;
@@ -91,10 +107,11 @@ std::vector<std::string> try_real_time(const Rig::RealTime& wanted) {
     all.append(part, static_cast<std::size_t>(n));
   close(result[0]);
   if (child > 0) waitpid(child, nullptr, 0);
-  for (std::size_t begin = 0, end = 0; (end = all.find('\n', begin)) != all.npos; begin = end + 1) {
-    faults.push_back(all.substr(begin, end - begin));
+  std::istringstream lines(all);
+  for (std::string* fault : {&trial.policy, &trial.priority, &trial.memory, &trial.pinning, &trial.latency}) {
+    if (!std::getline(lines, *fault)) *fault = "the trial of this right ended early";
   }
-  return faults;
+  return trial;
 }
 
 void prefault_stack() {

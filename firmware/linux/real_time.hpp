@@ -3,7 +3,6 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include "firmware/core/rig.hpp"
 
@@ -27,8 +26,18 @@ class LatencyRequest {
 std::string lock_memory();
 std::string become_real_time(int priority);  ///< the calling thread, SCHED_FIFO
 std::string pin_to_cpu(int cpu);             ///< the calling thread; -1: nothing to do
+
+/// What is wrong with each right, as above; empty: it can be had.
+struct RealTimeTrial {
+  std::string policy;
+  std::string priority;
+  std::string memory;
+  std::string pinning;
+  std::string latency;
+  bool granted() const { return policy.empty() && priority.empty() && memory.empty() && pinning.empty(); }
+};
 /// Tries all of the above without keeping any (in a child process).
-std::vector<std::string> try_real_time(const Rig::RealTime& wanted);
+RealTimeTrial try_real_time(const Rig::RealTime& wanted);
 
 /// Touches the calling thread's stack so that no page of it faults later.
 void prefault_stack();

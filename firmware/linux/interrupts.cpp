@@ -1,0 +1,71 @@
+#include "firmware/linux/interrupts.hpp"
+
+#include <algorithm>
+#include <cctype>
+
+namespace strobe::firmware {
+
+namespace {
+
+std::string folder_of(int number) { return "proc/irq/" + std::to_string(number); }
+
+std::string affinity_file(int number) { return folder_of(number) + "/smp_affinity_list"; }
+
+bool is_number(const std::string& text) {
+  return !text.empty() &&
+         std::all_of(text.begin(), text.end(), [](unsigned char c) { return std::isdigit(c); });
+}
+
+std::string users_of(int number, const SystemFiles& files) {
+  if (auto actions = files.read("sys/kernel/irq/" + std::to_string(number) + "/actions");
+      actions && !actions->empty())
+    return *actions;
+  std::string names;
+  for (const std::string& entry : files.list(folder_of(number))) {
+    if (files.is_folder(folder_of(number) + "/" + entry)) names += (names.empty() ? "" : ",") + entry;
+  }
+  return names;
+}
+
+}  // namespace
+
+std::vector<Interrupt> interrupts_of(const SystemFiles& files) {
+  std::vector<Interrupt> all;
+  for (const std::string& entry : files.list("proc/irq")) {
+    if (!is_number(entry)) continue;
+    Interrupt interrupt;
+    interrupt.number = std::atoi(entry.c_str());
+    const auto list = files.read(affinity_file(interrupt.number));
+    if (!list) continue;
+    interrupt.cpus = cpus_of_list(*list);
+    interrupt.name = users_of(interrupt.number, files);
+    // Since Linux 6.4 the mode says it; before, only an attempt does.
+    interrupt.movable = files.owner_may_write(affinity_file(interrupt.number));
+    all.push_back(std::move(interrupt));
+  }
+  return all;
+}
+
+Moved keep_interrupts_off(int cpu, const SystemFiles& files) {
+  Moved moved;
+  const std::set<int> online = cpus_of_list(files.read("sys/devices/system/cpu/online").value_or("0"));
+  for (Interrupt& interrupt : interrupts_of(files)) {
+    if (!interrupt.cpus.contains(cpu)) continue;
+    std::set<int> rest = interrupt.cpus;
+    rest.erase(cpu);
+    if (rest.empty()) rest = online;
+    rest.erase(cpu);
+    const std::string file = affinity_file(interrupt.number);
+    if (!interrupt.movable) {
+      moved.fixed.push_back(std::move(interrupt));
+    } else if (!rest.empty() && files.write(file, list_of_cpus(rest)) &&
+               !cpus_of_list(files.read(file).value_or("")).contains(cpu)) {
+      moved.away.push_back(std::move(interrupt));
+    } else {
+      moved.refused.push_back(std::move(interrupt));
+    }
+  }
+  return moved;
+}
+
+}  // namespace strobe::firmware

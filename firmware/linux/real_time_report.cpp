@@ -1,0 +1,177 @@
+#include "firmware/linux/real_time_report.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+
+#include "firmware/linux/interrupts.hpp"
+
+namespace strobe::firmware {
+
+namespace {
+
+using Verdict = CheckItem::Verdict;
+
+const std::string kCpuFolder = "sys/devices/system/cpu/";
+
+CheckItem ok(const char* name, std::string found) { return {name, Verdict::ok, std::move(found)}; }
+CheckItem advice(const char* name, std::string words) { return {name, Verdict::advice, std::move(words)}; }
+CheckItem tried(const char* name, const std::string& fault, std::string found) {
+  return fault.empty() ? ok(name, std::move(found)) : CheckItem{name, Verdict::fault, fault};
+}
+
+/// Where the loop may run.
+std::set<int> loop_cpus(const Rig& rig, const SystemFiles& files) {
+  if (rig.real_time.cpu >= 0) return {rig.real_time.cpu};
+  return cpus_of_list(files.read(kCpuFolder + "online").value_or("0"));
+}
+
+CheckItem pinning(const Rig& rig, const RealTimeTrial& trial, const SystemFiles& files) {
+  const int cpu = rig.real_time.cpu;
+  if (cpu >= 0) return tried("pinning", trial.pinning, "CPU " + std::to_string(cpu));
+  const std::set<int> online = loop_cpus(rig, files);
+  if (online.size() < 2) return ok("pinning", "there is one CPU only");
+  return advice("pinning", "the loop may run on any CPU: set [real_time] cpu, e.g. to " +
+                               std::to_string(*online.rbegin()) + ", and keep other work off it");
+}
+
+CheckItem governor(const Rig& rig, const SystemFiles& files) {
+  std::set<int> slow;
+  bool scaled = false;
+  std::string name;
+  for (const int cpu : loop_cpus(rig, files)) {
+    const auto chosen = files.read(kCpuFolder + "cpu" + std::to_string(cpu) + "/cpufreq/scaling_governor");
+    if (!chosen) continue;
+    scaled = true;
+    if (*chosen == "performance") continue;
+    slow.insert(cpu);
+    name = *chosen;
+  }
+  if (!scaled) return ok("governor", "the CPU's frequency is not the kernel's to change");
+  if (slow.empty()) return ok("governor", "performance");
+  return advice("governor", "\"" + name + "\" slows CPU " + list_of_cpus(slow) +
+                                " down between flashes: cpupower -c " + list_of_cpus(slow) +
+                                " frequency-set -g performance");
+}
+
+/// The largest share of time that the loop spins: once before every pulse, and through it.
+double spinning_share(const Rig& rig) {
+  const Duration spun = rig.tolerance.spin + rig.lamps.pulse;
+  return std::min(1.0, static_cast<double>(spun.ns) / static_cast<double>(rig.lamps.min_period.ns));
+}
+
+CheckItem throttling(const Rig& rig, const SystemFiles& files) {
+  const auto runtime = files.read("proc/sys/kernel/sched_rt_runtime_us");
+  const auto period = files.read("proc/sys/kernel/sched_rt_period_us");
+  if (!runtime || !period) return ok("throttling", "the kernel has none");
+  const double runtime_us = std::atof(runtime->c_str());
+  const double period_us = std::max(1.0, std::atof(period->c_str()));
+  if (runtime_us < 0.0) return ok("throttling", "off");
+  const int needed = static_cast<int>(std::min(100.0, 100.0 * spinning_share(rig) + 10.0));
+  const std::string allowed = *runtime + " of " + *period + " us";
+  if (100.0 * runtime_us / period_us >= needed) {
+    return ok("throttling", allowed + " allowed, at most " + std::to_string(needed) + " % needed");
+  }
+  return {"throttling", Verdict::fault,
+          "real-time threads may run " + allowed + " only, " + std::to_string(needed) +
+              " % are needed: sysctl kernel.sched_rt_runtime_us=950000 (of 1000000)"};
+}
+
+CheckItem isolation(const Rig& rig, const SystemFiles& files) {
+  const int cpu = rig.real_time.cpu;
+  if (cpu < 0) return advice("isolation", "no CPU is the loop's own: set [real_time] cpu first");
+  const std::string number = std::to_string(cpu);
+  std::string missing;
+  if (!cpus_of_list(files.read(kCpuFolder + "isolated").value_or("")).contains(cpu))
+    missing += " isolcpus=" + number;
+  if (!cpus_of_list(files.read(kCpuFolder + "nohz_full").value_or("")).contains(cpu))
+    missing += " nohz_full=" + number;
+  if (missing.empty()) return ok("isolation", "isolcpus and nohz_full hold CPU " + number);
+  return advice("isolation", "other work and the timer's tick run on CPU " + number +
+                                 ", too; best booted with" + missing + " on the kernel's command line");
+}
+
+std::string named(const std::vector<Interrupt>& interrupts) {
+  constexpr std::size_t kMostNamed = 6;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(kMostNamed, interrupts.size()); ++i) {
+    text += (i == 0 ? "" : ", ") + std::to_string(interrupts[i].number);
+    if (!interrupts[i].name.empty()) text += " (" + interrupts[i].name + ")";
+  }
+  if (interrupts.size() > kMostNamed)
+    text += " and " + std::to_string(interrupts.size() - kMostNamed) + " more";
+  return text;
+}
+
+bool irqbalance_runs(const SystemFiles& files) {
+  for (const std::string& entry : files.list("proc")) {
+    if (std::atoi(entry.c_str()) > 0 && files.read("proc/" + entry + "/comm").value_or("") == "irqbalance")
+      return true;
+  }
+  return false;
+}
+
+void interrupts(const Rig& rig, const SystemFiles& files, std::vector<CheckItem>& items) {
+  const int cpu = rig.real_time.cpu;
+  std::vector<Interrupt> movable;
+  std::vector<Interrupt> fixed;
+  for (Interrupt& interrupt : interrupts_of(files)) {
+    if (cpu >= 0 && interrupt.cpus.contains(cpu)) (interrupt.movable ? movable : fixed).push_back(interrupt);
+  }
+  const std::string where = "CPU " + std::to_string(cpu);
+  if (cpu < 0) {
+    items.push_back(
+        advice("interrupts", "none can be kept off a loop that runs anywhere: set [real_time] cpu first"));
+    items.push_back(ok("fixed_interrupts", "not looked for"));
+    return;
+  }
+  if (movable.empty()) {
+    items.push_back(ok("interrupts", "none that could be moved runs on " + where));
+  } else {
+    const std::string balancer =
+        irqbalance_runs(files)
+            ? "; irqbalance runs and brings them back: IRQBALANCE_BANNED_CPULIST=" + std::to_string(cpu)
+            : "";
+    items.push_back(
+        advice("interrupts", std::to_string(movable.size()) + " may run on " + where + ": " + named(movable) +
+                                 ": as root, strobed --config RIG.toml --move-interrupts" + balancer));
+  }
+  if (fixed.empty()) {
+    items.push_back(ok("fixed_interrupts", "none on " + where));
+  } else {
+    items.push_back(advice("fixed_interrupts", "cannot be moved from " + where + ": " + named(fixed) +
+                                                   ": take another CPU, or leave their devices idle"));
+  }
+}
+
+CheckItem clock_source(const SystemFiles& files) {
+  const std::string folder = "sys/devices/system/clocksource/clocksource0/";
+  const std::string current = files.read(folder + "current_clocksource").value_or("");
+  if (current.empty()) return ok("clock_source", "not told by the kernel");
+  constexpr std::array<const char*, 5> kSlow{"hpet", "acpi_pm", "jiffies", "pit", "refined-jiffies"};
+  if (std::find(kSlow.begin(), kSlow.end(), current) == kSlow.end()) return ok("clock_source", current);
+  return {"clock_source", Verdict::fault,
+          "\"" + current + "\" takes a system call and microseconds to read: echo one of \"" +
+              files.read(folder + "available_clocksource").value_or("") + "\" > /" + folder +
+              "current_clocksource, or boot with tsc=reliable"};
+}
+
+}  // namespace
+
+std::vector<CheckItem> real_time_report(const Rig& rig, const RealTimeTrial& trial,
+                                        const SystemFiles& files) {
+  std::vector<CheckItem> items{tried("policy", trial.policy, "SCHED_FIFO"),
+                               tried("priority", trial.priority, std::to_string(rig.real_time.priority)),
+                               tried("memory", trial.memory, "locked"),
+                               pinning(rig, trial, files),
+                               trial.latency.empty() ? ok("latency", "/dev/cpu_dma_latency is held at 0")
+                                                     : advice("latency", trial.latency),
+                               governor(rig, files),
+                               throttling(rig, files),
+                               isolation(rig, files)};
+  interrupts(rig, files, items);
+  items.push_back(clock_source(files));
+  return items;
+}
+
+}  // namespace strobe::firmware

@@ -1,0 +1,29 @@
+// What `strobed --check` says of the machine's real-time set-up: rights, power saving, what else may run on
+// the loop's CPU, the clock. Set-up only, not real-time.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "firmware/core/rig.hpp"
+#include "firmware/linux/real_time.hpp"
+#include "firmware/linux/system_files.hpp"
+
+namespace strobe::firmware {
+
+struct CheckItem {
+  enum class Verdict {
+    ok,      ///< words: what was found
+    advice,  ///< it runs, but better so: words say how
+    fault    ///< strobed would not start, or not keep its times: words say what to do
+  };
+  std::string name;
+  Verdict verdict = Verdict::ok;
+  std::string words;  ///< one line
+};
+
+/// policy, priority, memory, pinning, latency, governor, throttling, isolation, interrupts, fixed_interrupts,
+/// clock_source, in this order.
+std::vector<CheckItem> real_time_report(const Rig& rig, const RealTimeTrial& trial, const SystemFiles& files);
+
+}  // namespace strobe::firmware

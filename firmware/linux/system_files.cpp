@@ -1,0 +1,80 @@
+#include "firmware/linux/system_files.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
+
+namespace strobe::firmware {
+
+std::optional<std::string> SystemFiles::read(const std::string& path) const {
+  std::ifstream file(root_ / path);
+  if (!file) return std::nullopt;
+  std::ostringstream text;
+  text << file.rdbuf();
+  std::string all = text.str();
+  all.erase(all.find_last_not_of(" \t\r\n") + 1);
+  return all;
+}
+
+bool SystemFiles::write(const std::string& path, const std::string& text) const {
+  std::ofstream file(root_ / path);
+  return file && (file << text << std::flush);
+}
+
+std::vector<std::string> SystemFiles::list(const std::string& path) const {
+  std::vector<std::string> names;
+  std::error_code error;
+  for (std::filesystem::directory_iterator at(root_ / path, error), end; !error && at != end;
+       at.increment(error))
+    names.push_back(at->path().filename());
+  const auto key = [](const std::string& name) {
+    return std::pair(std::strtol(name.c_str(), nullptr, 10), name);
+  };
+  std::sort(names.begin(), names.end(),
+            [&](const std::string& a, const std::string& b) { return key(a) < key(b); });
+  return names;
+}
+
+bool SystemFiles::is_folder(const std::string& path) const {
+  std::error_code error;
+  return std::filesystem::is_directory(root_ / path, error);
+}
+
+bool SystemFiles::owner_may_write(const std::string& path) const {
+  std::error_code error;
+  const auto status = std::filesystem::status(root_ / path, error);
+  return !error &&
+         (status.permissions() & std::filesystem::perms::owner_write) != std::filesystem::perms::none;
+}
+
+std::set<int> cpus_of_list(const std::string& list) {
+  constexpr int kMostCpus = 8192;
+  std::set<int> cpus;
+  std::istringstream parts(list);
+  for (std::string part; std::getline(parts, part, ',');) {
+    int first = 0;
+    int last = 0;
+    const int read = std::sscanf(part.c_str(), "%d-%d", &first, &last);
+    if (read < 1 || first < 0) continue;
+    if (read == 1) last = first;
+    for (int cpu = first; cpu <= std::min(last, kMostCpus); ++cpu) cpus.insert(cpu);
+  }
+  return cpus;
+}
+
+std::string list_of_cpus(const std::set<int>& cpus) {
+  std::string list;
+  for (auto at = cpus.begin(); at != cpus.end();) {
+    const int first = *at;
+    int last = first;
+    while (++at != cpus.end() && *at == last + 1) ++last;
+    if (!list.empty()) list.append(",");
+    list.append(std::to_string(first));
+    if (last > first) list.append("-").append(std::to_string(last));
+  }
+  return list;
+}
+
+}  // namespace strobe::firmware

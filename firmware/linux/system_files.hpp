@@ -1,0 +1,36 @@
+// The kernel's files under /proc and /sys, as text, below a root that tests replace. Set-up only, not
+// real-time.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace strobe::firmware {
+
+class SystemFiles {
+ public:
+  /// root: "/" on a real system; paths below are given without a leading slash.
+  explicit SystemFiles(std::filesystem::path root = "/") : root_(std::move(root)) {}
+
+  /// Whole content without white space at its end; nothing: absent or not to be read.
+  std::optional<std::string> read(const std::string& path) const;
+  bool write(const std::string& path, const std::string& text) const;  ///< false: refused
+  /// Names in a folder, sorted: numbers by value; empty if there is no such folder.
+  std::vector<std::string> list(const std::string& path) const;
+  bool is_folder(const std::string& path) const;
+  /// Whether the owner may write it by its mode, whoever asks.
+  bool owner_may_write(const std::string& path) const;
+
+ private:
+  std::filesystem::path root_;
+};
+
+/// "0-2,5" as {0, 1, 2, 5}, as the kernel writes lists of CPUs; what is not well formed is left out.
+std::set<int> cpus_of_list(const std::string& list);
+/// The reverse: {0, 1, 2, 5} as "0-2,5".
+std::string list_of_cpus(const std::set<int>& cpus);
+
+}  // namespace strobe::firmware

@@ -1,0 +1,54 @@
+#include "firmware/linux/interrupts.hpp"
+
+#include "tests/firmware/system_tree.hpp"
+// CppUTest redefines new; its headers come last.
+#include <CppUTest/TestHarness.h>
+
+using namespace strobe::firmware;
+
+TEST_GROUP(Interrupts) {
+  strobe::testing::SystemTree tree;
+  SystemFiles files = tree.files();
+};
+
+TEST(Interrupts, AreReadWithTheirDevicesAndCpus) {
+  tree.put("proc/irq/default_smp_affinity", "3");
+  tree.fixed_interrupt(36, "virtio1-req.0", "0-1");
+  const auto all = interrupts_of(files);
+  CHECK_EQUAL(2U, all.size());
+  CHECK_EQUAL(24, all[0].number);
+  CHECK_EQUAL(std::string("ttyS0"), all[0].name);
+  CHECK_TRUE(all[0].movable);
+  CHECK_EQUAL(std::string("virtio1-req.0"), all[1].name);
+  CHECK((all[1].cpus == std::set<int>{0, 1}));
+  CHECK_FALSE(all[1].movable);
+}
+
+TEST(Interrupts, AreNamedByTheKernelsListOfUsersIfThereIsOne) {
+  tree.put("sys/kernel/irq/24/actions", "serial,modem");
+  CHECK_EQUAL(std::string("serial,modem"), interrupts_of(files)[0].name);
+}
+
+TEST(Interrupts, AreKeptOffACpuAndStayWhereElseTheyMayRun) {
+  tree.interrupt(25, "net", "0-1");
+  tree.interrupt(26, "usb", "1");
+  const Moved moved = keep_interrupts_off(1, files);
+  CHECK_EQUAL(2U, moved.away.size());
+  CHECK_TRUE(moved.refused.empty());
+  CHECK_EQUAL(std::string("0"), files.read("proc/irq/25/smp_affinity_list").value());
+  CHECK_EQUAL(std::string("0"), files.read("proc/irq/26/smp_affinity_list").value());
+  CHECK_EQUAL(std::string("0"), files.read("proc/irq/24/smp_affinity_list").value());
+}
+
+TEST(Interrupts, ThatCannotBeMovedAreLeftAndNamed) {
+  tree.fixed_interrupt(36, "virtio1-req.0", "0-1");
+  const Moved moved = keep_interrupts_off(1, files);
+  CHECK_EQUAL(1U, moved.fixed.size());
+  CHECK_EQUAL(36, moved.fixed[0].number);
+  CHECK_EQUAL(std::string("0-1"), files.read("proc/irq/36/smp_affinity_list").value());
+}
+
+TEST(Interrupts, OfTheOnlyCpuAreRefused) {
+  tree.put("sys/devices/system/cpu/online", "0");
+  CHECK_EQUAL(1U, keep_interrupts_off(0, files).refused.size());
+}

@@ -1,0 +1,119 @@
+#include "firmware/linux/real_time_report.hpp"
+
+#include <algorithm>
+
+#include "tests/firmware/system_tree.hpp"
+// CppUTest redefines new; its headers come last.
+#include <CppUTest/TestHarness.h>
+
+using namespace strobe::firmware;
+using Verdict = CheckItem::Verdict;
+
+TEST_GROUP(RealTimeReport) {
+  strobe::testing::SystemTree tree;
+  Rig rig;
+  RealTimeTrial trial;
+
+  void setup() override { rig.real_time.cpu = 1; }
+
+  CheckItem item(const std::string& name) const {
+    const auto items = real_time_report(rig, trial, tree.files());
+    const auto at =
+        std::find_if(items.begin(), items.end(), [&](const CheckItem& i) { return i.name == name; });
+    CHECK_TEXT(at != items.end(), name.c_str());
+    return *at;
+  }
+  void says(const std::string& name, Verdict verdict, const std::string& part) const {
+    const CheckItem found = item(name);
+    CHECK_TEXT(found.verdict == verdict, (name + ": " + found.words).c_str());
+    CHECK_TEXT(found.words.find(part) != std::string::npos, found.words.c_str());
+    CHECK_TEXT(found.words.find('\n') == std::string::npos, "one line");
+  }
+};
+
+TEST(RealTimeReport, FindsNothingToDoOnAMachineThatIsWellSetUp) {
+  const auto items = real_time_report(rig, trial, tree.files());
+  CHECK_EQUAL(11U, items.size());
+  for (const CheckItem& each : items)
+    CHECK_TEXT(each.verdict == Verdict::ok, (each.name + ": " + each.words).c_str());
+}
+
+TEST(RealTimeReport, PassesOnWhatTheTrialOfEachRightFound) {
+  trial = {"no FIFO", "no 80", "no lock", "no CPU", "no latency"};
+  says("policy", Verdict::fault, "no FIFO");
+  says("priority", Verdict::fault, "no 80");
+  says("memory", Verdict::fault, "no lock");
+  says("pinning", Verdict::fault, "no CPU");
+  says("latency", Verdict::advice, "no latency");
+}
+
+TEST(RealTimeReport, AdvisesACpuForALoopThatMayRunAnywhere) {
+  rig.real_time.cpu = -1;
+  says("pinning", Verdict::advice, "set [real_time] cpu, e.g. to 1");
+  says("isolation", Verdict::advice, "set [real_time] cpu");
+  says("interrupts", Verdict::advice, "set [real_time] cpu");
+  tree.put("sys/devices/system/cpu/online", "0");
+  says("pinning", Verdict::ok, "one CPU");
+}
+
+TEST(RealTimeReport, WantsTheGovernorOfTheLoopsCpuToBePerformance) {
+  tree.put("sys/devices/system/cpu/cpu0/cpufreq/scaling_governor", "ondemand");
+  tree.put("sys/devices/system/cpu/cpu1/cpufreq/scaling_governor", "performance");
+  says("governor", Verdict::ok, "performance");
+  tree.put("sys/devices/system/cpu/cpu1/cpufreq/scaling_governor", "powersave");
+  says("governor", Verdict::advice, "cpupower -c 1 frequency-set -g performance");
+}
+
+TEST(RealTimeReport, ThrottlingMustLeaveTheTimeThatTheSpinTakes) {
+  says("throttling", Verdict::ok, "950000 of 1000000 us");
+  tree.put("proc/sys/kernel/sched_rt_runtime_us", "-1");
+  says("throttling", Verdict::ok, "off");
+  tree.put("proc/sys/kernel/sched_rt_runtime_us", "100000");  // (200 + 50) of 1500 us and a tenth are needed
+  says("throttling", Verdict::fault, "26 % are needed");
+  tree.put("proc/sys/kernel/sched_rt_runtime_us", "0");
+  says("throttling", Verdict::fault, "sched_rt_runtime_us");
+}
+
+TEST(RealTimeReport, NamesWhatTheKernelsCommandLineLacks) {
+  tree.put("sys/devices/system/cpu/nohz_full", "(null)");
+  says("isolation", Verdict::advice, "nohz_full=1");
+  CHECK(item("isolation").words.find("isolcpus=1") == std::string::npos);
+  tree.put("sys/devices/system/cpu/isolated", "");
+  says("isolation", Verdict::advice, "isolcpus=1 nohz_full=1");
+}
+
+TEST(RealTimeReport, NamesInterruptsThatMayRunOnTheLoopsCpu) {
+  tree.interrupt(25, "net", "0-1");
+  says("interrupts", Verdict::advice, "1 may run on CPU 1: 25 (net)");
+  says("fixed_interrupts", Verdict::ok, "");
+}
+
+TEST(RealTimeReport, TellsThoseThatNobodyCanMoveApart) {
+  tree.fixed_interrupt(36, "virtio1-req.0", "0-1");
+  says("interrupts", Verdict::ok, "CPU 1");
+  says("fixed_interrupts", Verdict::advice, "36 (virtio1-req.0)");
+}
+
+TEST(RealTimeReport, NamesAFewOfManyInterrupts) {
+  for (int number = 30; number < 50; ++number) tree.interrupt(number, "net", "1");
+  says("interrupts", Verdict::advice, "20 may run on CPU 1");
+  says("interrupts", Verdict::advice, "and 14 more");
+}
+
+TEST(RealTimeReport, WarnsOfADaemonThatBringsInterruptsBack) {
+  tree.interrupt(25, "net", "0-1");
+  tree.put("proc/77/comm", "irqbalance");
+  says("interrupts", Verdict::advice, "IRQBALANCE_BANNED_CPULIST=1");
+}
+
+TEST(RealTimeReport, RefusesAClockThatTakesMicrosecondsToRead) {
+  tree.put("sys/devices/system/clocksource/clocksource0/current_clocksource", "hpet");
+  tree.put("sys/devices/system/clocksource/clocksource0/available_clocksource", "tsc hpet acpi_pm");
+  says("clock_source", Verdict::fault, "tsc hpet acpi_pm");
+}
+
+TEST(RealTimeReport, KnowsNoFaultWhereTheKernelTellsNothing) {
+  const auto items = real_time_report(rig, trial, SystemFiles("/nonexistent"));
+  for (const CheckItem& each : items)
+    CHECK_TEXT(each.verdict != Verdict::fault, (each.name + ": " + each.words).c_str());
+}

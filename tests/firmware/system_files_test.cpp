@@ -1,0 +1,57 @@
+#include "firmware/linux/system_files.hpp"
+
+#include "tests/firmware/system_tree.hpp"
+// CppUTest redefines new; its headers come last.
+#include <CppUTest/TestHarness.h>
+
+using namespace strobe::firmware;
+
+TEST_GROUP(SystemFiles) {
+  strobe::testing::SystemTree tree;
+  SystemFiles files = tree.files();
+};
+
+TEST(SystemFiles, ReadsAFileWithoutItsLineEnd) {
+  CHECK_EQUAL(std::string("0-1"), files.read("sys/devices/system/cpu/online").value());
+}
+
+TEST(SystemFiles, WhatIsAbsentIsNothing) {
+  CHECK_FALSE(files.read("proc/none").has_value());
+  CHECK_TRUE(files.list("proc/none").empty());
+  CHECK_FALSE(files.owner_may_write("proc/none"));
+}
+
+TEST(SystemFiles, ListsNumbersByTheirValue) {
+  tree.interrupt(100, "a", "0");
+  tree.interrupt(3, "b", "0");
+  CHECK((files.list("proc/irq") == std::vector<std::string>{"3", "24", "100"}));
+}
+
+TEST(SystemFiles, TellsWhatTheOwnerMayWriteEvenToRoot) {
+  tree.fixed_interrupt(30, "disk", "0");
+  CHECK_TRUE(files.owner_may_write("proc/irq/24/smp_affinity_list"));
+  CHECK_FALSE(files.owner_may_write("proc/irq/30/smp_affinity_list"));
+}
+
+TEST(SystemFiles, WritesWhatCanBeReadBack) {
+  CHECK_TRUE(files.write("proc/irq/24/smp_affinity_list", "1"));
+  CHECK_EQUAL(std::string("1"), files.read("proc/irq/24/smp_affinity_list").value());
+  CHECK_FALSE(files.write("proc/none/none", "1"));
+}
+
+TEST_GROUP(CpuList){};
+
+TEST(CpuList, ReadsNumbersAndRanges) {
+  CHECK((cpus_of_list("0-2,5\n") == std::set<int>{0, 1, 2, 5}));
+  CHECK(cpus_of_list("").empty());
+}
+
+TEST(CpuList, LeavesOutWhatIsNotWellFormed) {
+  CHECK((cpus_of_list("x,3,-4,7-6") == std::set<int>{3}));
+  CHECK_EQUAL(8193U, cpus_of_list("0-999999999").size());
+}
+
+TEST(CpuList, WritesTheShortestList) {
+  CHECK_EQUAL(std::string("0-2,5,7-8"), list_of_cpus({0, 1, 2, 5, 7, 8}));
+  CHECK_EQUAL(std::string(), list_of_cpus({}));
+}
