@@ -14,6 +14,7 @@
 #include "firmware/linux/gpio_lines.hpp"
 #include "firmware/linux/monotonic_clock.hpp"
 #include "firmware/linux/real_time.hpp"
+#include "firmware/publisher/journal_folder.hpp"
 #include "firmware/publisher/lcm_bus.hpp"
 #include "firmware/publisher/publisher.hpp"
 #include "firmware/publisher/receiver.hpp"
@@ -129,7 +130,9 @@ int run_worker(const Rig& rig, const Options& options, WorkerPage& page) {
   LoopQueue queue(rig, publisher_wake);
   CommandQueue commands(loop_wake);
   Mailbox mailbox;
-  Sequencer sequencer(rig, {clock, **lines, **lines, queue, commands}, last_shot_id(options.session));
+  const FolderFindings earlier = repair_journals(options.session);
+  for (const std::string& line : earlier.repaired) std::fprintf(stderr, "strobed: %s\n", line.c_str());
+  Sequencer sequencer(rig, {clock, **lines, **lines, queue, commands}, earlier.last_shot_id);
 
   std::vector<std::string> faults;
   if (std::string fault = lock_memory(); !fault.empty()) faults.push_back(std::move(fault));

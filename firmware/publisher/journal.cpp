@@ -1,11 +1,13 @@
 #include "firmware/publisher/journal.hpp"
 
 #include <fcntl.h>
+#include <sys/file.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/statvfs.h>
 #include <unistd.h>
 
 #include <cerrno>
-#include <charconv>
 #include <cstdio>
 #include <cstring>
 #include <exception>
@@ -51,8 +53,10 @@ bool ends_with(const std::string& text, const std::string& end) {
   return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
 }
 
-/// What an LCM log's record is. False: neither an event nor a shot that can be decoded.
+}  // namespace
+
 bool entry_of(const LogRecord& record, JournalEntry& entry, std::int32_t& shot_id) try {
+  entry.offset = record.offset;
   if (ends_with(record.channel, "/EVENT")) {
     strobe_msgs::event_t event{};
     if (event.decode(record.bytes.data(), 0, static_cast<int>(record.bytes.size())) < 0) return false;
@@ -74,20 +78,6 @@ bool entry_of(const LogRecord& record, JournalEntry& entry, std::int32_t& shot_i
   return false;  // LCM's decoder believes a damaged message's counts and lengths
 }
 
-template <typename Visitor>
-void visit_log(const std::filesystem::path& path, Visitor&& visit) {
-  LogReader log(path);
-  for (LogRecord record; log.next(record);) {
-    JournalEntry entry;
-    std::int32_t shot_id = 0;
-    if (!entry_of(record, entry, shot_id)) continue;
-    entry.offset = record.offset;
-    visit(entry, shot_id);
-  }
-}
-
-}  // namespace
-
 std::filesystem::path journal_path(const std::filesystem::path& dir, std::int64_t boot_id) {
   return dir / ("journal-" + hex(boot_id) + ".lcmlog");
 }
@@ -99,6 +89,7 @@ Result<Journal> Journal::create(const std::filesystem::path& dir, std::int64_t b
   std::filesystem::path path = journal_path(dir, boot_id);
   const int fd = open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
   if (fd < 0) return fail(path.string() + ": the journal cannot be made: " + std::strerror(errno));
+  flock(fd, LOCK_EX | LOCK_NB);  // where the file system knows no locks nobody can ask for one either
   Journal journal(path, fd);
   const int dir_fd = open(dir.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (dir_fd >= 0) {
@@ -112,13 +103,21 @@ Journal::Journal(Journal&& other) noexcept
     : path_(std::move(other.path_)),
       fd_(other.fd_),
       size_(other.size_),
+      reserved_(other.reserved_),
       count_(other.count_),
+      broken_(std::move(other.broken_)),
       entries_(std::move(other.entries_)) {
   other.fd_ = -1;
 }
 
 Journal::~Journal() {
-  if (fd_ >= 0) close(fd_);
+  if (fd_ < 0) return;
+  struct stat file {};
+  // Gives back the room that was set aside.
+  if (fstat(fd_, &file) == 0 && file.st_size == size_ && reserved_ > size_) {
+    if (ftruncate(fd_, size_) != 0) reserved_ = 0;
+  }
+  close(fd_);
 }
 
 Result<void> Journal::append(const std::vector<Message>& messages, std::int64_t wall_us) {
@@ -131,6 +130,7 @@ Result<void> Journal::append(const std::vector<Message>& messages, std::int64_t 
   }
   if (!write_all(fd_, bytes)) {
     const std::string cause = std::strerror(errno);
+    reserved_ = size_;
     if (ftruncate(fd_, size_) != 0 || lseek(fd_, size_, SEEK_SET) != size_) {
       return fail(path_.string() + ": " + cause + ", and the half-written end could not be cut off");
     }
@@ -143,20 +143,67 @@ Result<void> Journal::append(const std::vector<Message>& messages, std::int64_t 
 }
 
 Result<void> Journal::sync() {
-  if (fdatasync(fd_) != 0) return fail(path_.string() + ": " + std::strerror(errno));
-  return {};
+  if (fdatasync(fd_) == 0) return {};
+  broken_ = path_.string() + ": " + std::strerror(errno) +
+            ", and what was written may be lost; look after the disk and start strobed anew";
+  return fail(broken_);
 }
 
 Result<void> Journal::check() const {
-  struct stat file {};
-  if (fstat(fd_, &file) != 0) return fail(path_.string() + ": " + std::strerror(errno));
-  if (file.st_nlink == 0) return fail(path_.string() + ": the journal was removed; start strobed anew");
+  if (!broken_.empty()) return fail(broken_);
+  const auto failed = [this](const std::string& what) { return fail(path_.string() + ": " + what); };
+  struct stat ours {
+  }, there{};
+  if (fstat(fd_, &ours) != 0) return failed(std::strerror(errno));
+  if (ours.st_nlink == 0) return failed("the journal was removed; start strobed anew");
+  if (stat(path_.c_str(), &there) != 0) {
+    return failed(std::string("the journal was moved away (") + std::strerror(errno) +
+                  "); put it back or start strobed anew");
+  }
+  if (ours.st_dev != there.st_dev || ours.st_ino != there.st_ino)
+    return failed("another file is in the journal's place; start strobed anew");
+  if (ours.st_size != size_) return failed("the journal was changed by another program; start strobed anew");
+  struct statvfs system {};
+  if (fstatvfs(fd_, &system) == 0 && (system.f_flag & ST_RDONLY) != 0)
+    return failed("the file system is read-only");
+  const std::string dir = path_.parent_path().string();
+  if (faccessat(AT_FDCWD, dir.empty() ? "." : dir.c_str(), W_OK | X_OK, AT_EACCESS) != 0)
+    return failed(std::string("the folder cannot be written: ") + std::strerror(errno));
   return {};
+}
+
+Result<void> Journal::make_room() {
+  // Room for the next shot is asked for while there still is that of a whole one.
+  constexpr std::int64_t kAhead = 2 * kShotRoom;
+  rlimit limit{};
+  if (getrlimit(RLIMIT_FSIZE, &limit) == 0 && limit.rlim_cur < static_cast<rlim_t>(size_ + kShotRoom))
+    return fail(path_.string() + ": no room for another shot: " + std::strerror(EFBIG));
+  if (reserved_ - size_ >= kShotRoom) return {};
+  if (fallocate(fd_, FALLOC_FL_KEEP_SIZE, size_, kAhead) == 0) {
+    reserved_ = size_ + kAhead;
+    return {};
+  }
+  if (errno == EOPNOTSUPP || errno == ENOSYS || errno == EINTR) return free_room();
+  return fail(path_.string() + ": no room for another shot: " + std::strerror(errno));
+}
+
+/// Where none can be set aside.
+Result<void> Journal::free_room() const {
+  struct statvfs system {};
+  if (fstatvfs(fd_, &system) != 0) return {};
+  const auto wanted = static_cast<std::uintmax_t>(kShotRoom);
+  if (std::uintmax_t{system.f_bavail} * system.f_frsize >= wanted) return {};
+  return fail(path_.string() + ": no room for another shot: " + std::strerror(ENOSPC));
 }
 
 std::vector<JournalEntry> scan_journal(const std::filesystem::path& path) {
   std::vector<JournalEntry> entries;
-  visit_log(path, [&](const JournalEntry& entry, std::int32_t) { entries.push_back(entry); });
+  LogReader log(path);
+  for (LogRecord record; log.next(record);) {
+    JournalEntry entry;
+    std::int32_t shot_id = 0;
+    if (entry_of(record, entry, shot_id)) entries.push_back(entry);
+  }
   return entries;
 }
 
@@ -168,18 +215,6 @@ Message read_entry(LogReader& reader, const JournalEntry& entry) {
   message.channel = std::move(record.channel);
   message.bytes = std::move(record.bytes);
   return message;
-}
-
-std::int32_t last_shot_id(const std::filesystem::path& dir) {
-  std::int32_t last = 0;
-  std::error_code error;
-  for (const auto& file : std::filesystem::directory_iterator(dir, error)) {
-    const std::string name = file.path().filename().string();
-    if (name.rfind("journal-", 0) != 0 || file.path().extension() != ".lcmlog") continue;
-    visit_log(file.path(),
-              [&](const JournalEntry&, std::int32_t shot_id) { last = std::max(last, shot_id); });
-  }
-  return last;
 }
 
 }  // namespace strobe::firmware

@@ -1,6 +1,6 @@
 // The journal: a standard LCM log, one file per boot, DIR/journal-<boot id in hex>.lcmlog. Each append is one
-// write, so that what was appended survives the process; sync() makes it survive the machine. A file's torn
-// tail (the machine's death) is left as it is. Not real-time; one thread's.
+// write, so that what was appended survives the process; sync() makes it survive the machine. The file is
+// locked (flock) as long as it is written, so that nobody else mends it. Not real-time; one thread's.
 #pragma once
 
 #include <cstdint>
@@ -34,6 +34,10 @@ std::filesystem::path journal_path(const std::filesystem::path& dir, std::int64_
 
 class Journal {
  public:
+  /// Room on the disk that a shot may need, in bytes: 4,000 events and the summary. A shot of 200 flashes
+  /// takes 90,000.
+  static constexpr std::int64_t kShotRoom = std::int64_t{512} << 10;
+
   /// Makes the folder if need be. Error: names the path and the cause.
   static Result<Journal> create(const std::filesystem::path& dir, std::int64_t boot_id);
   Journal(Journal&& other) noexcept;
@@ -42,29 +46,37 @@ class Journal {
 
   /// All or nothing: on failure the file is cut back to what it was.
   Result<void> append(const std::vector<Message>& messages, std::int64_t wall_us);
+  /// After a failure the journal is broken for good: the system may have dropped what it could not write.
   Result<void> sync();
-  /// Whether the file can still be found and written.
+  /// Whether what is appended will be found again: the file is where it was made and as it was left, the
+  /// folder can be written. Error: what has become of it, and what to do.
   Result<void> check() const;
+  /// Sets room for a shot aside on the disk, where that is not done yet. Error: there is too little.
+  Result<void> make_room();
 
   const std::filesystem::path& path() const { return path_; }
   const std::vector<JournalEntry>& entries() const { return entries_; }
 
  private:
   Journal(std::filesystem::path path, int fd) : path_(std::move(path)), fd_(fd) {}
+  Result<void> free_room() const;
 
   std::filesystem::path path_;
   int fd_ = -1;
   std::int64_t size_ = 0;
+  std::int64_t reserved_ = 0;  ///< bytes of the file that the disk has room for, as far as was asked
   std::int64_t count_ = 0;
+  std::string broken_;
   std::vector<JournalEntry> entries_;
 };
 
+/// An LCM log's record as an entry, and the shot that it belongs to. False: neither an event nor a shot that
+/// can be decoded.
+bool entry_of(const LogRecord& record, JournalEntry& entry, std::int32_t& shot_id);
 /// The entries of a journal of an earlier boot; see LogReader for damaged ones.
 std::vector<JournalEntry> scan_journal(const std::filesystem::path& path);
 /// The message at an entry's place, also in a journal that is still being written; empty bytes: it cannot be
 /// read.
 Message read_entry(LogReader& reader, const JournalEntry& entry);
-/// Largest shot id in the folder's journals; 0: none.
-std::int32_t last_shot_id(const std::filesystem::path& dir);
 
 }  // namespace strobe::firmware

@@ -46,6 +46,8 @@ bool LogReader::read_record(std::int64_t offset, LogRecord& record) {
   std::vector<std::uint8_t> body(std::size_t{channel} + data);
   if (!read(offset + static_cast<std::int64_t>(header.size()), body.data(), body.size())) return false;
   record.offset = offset;
+  record.wall_us = static_cast<std::int64_t>(std::uint64_t{big_endian(&header[12])} << 32 |
+                                             std::uint64_t{big_endian(&header[16])});
   record.channel.assign(body.begin(), body.begin() + channel);
   record.bytes.assign(body.begin() + channel, body.end());
   at_ = offset + static_cast<std::int64_t>(header.size() + body.size());

@@ -11,7 +11,8 @@
 namespace strobe::firmware {
 
 struct LogRecord {
-  std::int64_t offset = 0;  ///< of the record in the file
+  std::int64_t offset = 0;   ///< of the record in the file
+  std::int64_t wall_us = 0;  ///< when it was written, microseconds since 1970
   std::string channel;
   std::vector<std::uint8_t> bytes;
 };
@@ -22,6 +23,8 @@ class LogReader {
   /// False: no whole record follows. More may follow later, if the file is still being written.
   bool next(LogRecord& record);
   void seek(std::int64_t offset) { at_ = offset; }
+  /// Where the record that came last ends.
+  std::int64_t at() const { return at_; }
 
  private:
   bool read(std::int64_t offset, std::uint8_t* bytes, std::size_t size);

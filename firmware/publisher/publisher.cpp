@@ -144,6 +144,10 @@ void Publisher::take(ShotRecord* record) {
 void Publisher::write_and_publish() {
   auto done = journal_.check();
   if (done) done = journal_.append(outbox_, settings_.wall_ns() / 1000);
+  if (done) publish_outbox();
+  if (done && std::exchange(sync_due_, false)) done = journal_.sync();
+  // A shot that runs may use up its room; the next one must have it before it is armed for.
+  if (done) done = journal_.make_room();
   const std::string fault = done ? "" : done.error().message;
   if (fault != journal_fault_) {
     settings_.say(fault.empty() ? "the journal can be written again" : fault);
@@ -151,18 +155,16 @@ void Publisher::write_and_publish() {
   }
   journal_fault_ = fault;
   queue_.set_journal_ok(fault.empty());
-  if (!done) {
-    if (outbox_.size() > kMostUnwritten) throw std::runtime_error("too many events wait for the journal");
-    return;  // kept; tried again with the next batch or heartbeat
-  }
+  // What is left is tried again with the next batch or heartbeat.
+  if (outbox_.size() > kMostUnwritten) throw std::runtime_error("too many events wait for the journal");
+}
+
+void Publisher::publish_outbox() {
   for (const Message& message : outbox_) {
     bus_.publish(message.channel, message.bytes);
     if (message.kind == Message::Kind::event) journalled_sequence_ = message.sequences.last;
   }
   outbox_.clear();
-  if (!sync_due_) return;
-  sync_due_ = false;
-  if (auto synced = journal_.sync(); !synced) journal_fault_ = synced.error().message;
 }
 
 std::string Publisher::words() const {

@@ -54,6 +54,7 @@ class Publisher {
   void take(const LoopStatus& status);
   void take(ShotRecord* record);
   void write_and_publish();
+  void publish_outbox();
   void publish_status();
   void start_resend(const ResendRequest& request);
   void resend_some();

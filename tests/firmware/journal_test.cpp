@@ -2,12 +2,14 @@
 
 #include <fcntl.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <csignal>
 #include <lcm/lcm-cpp.hpp>
 #include <string>
 
+#include "tests/firmware/journal_messages.hpp"
 #include "tests/support/temporary_folder.hpp"
 // CppUTest redefines new; its headers come last.
 #include <CppUTest/TestHarness.h>
@@ -17,33 +19,7 @@ using namespace strobe::firmware;
 
 namespace {
 
-constexpr std::int64_t kBoot = 0x1122334455667788;
-
-template <typename T>
-std::vector<std::uint8_t> encoded(const T& message) {
-  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(message.getEncodedSize()));
-  message.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
-  return bytes;
-}
-
-Message event(std::int64_t sequence, std::int32_t shot_id = 0) {
-  Event content;
-  content.kind = EventKind::flash;
-  content.shot_id = shot_id;
-  content.detail = "words";
-  return {Message::Kind::event,
-          {sequence, sequence},
-          "STROBE/bench/EVENT",
-          encoded(to_message(content, kBoot, sequence))};
-}
-
-Message shot(std::int32_t shot_id, SequenceRange sequences) {
-  ShotRecord record;
-  record.shot_id = shot_id;
-  record.flashes.resize(3);
-  return {Message::Kind::shot, sequences, "STROBE/bench/SHOT",
-          encoded(to_message(record, Rig(), kBoot, sequences, {{"operator", "M"}}))};
-}
+using namespace strobe::journal_test;
 
 std::vector<std::string> channels_in(const std::filesystem::path& path) {
   std::vector<std::string> channels;
@@ -142,19 +118,6 @@ TEST(Journal, IsReadOnAfterADamagedStretch) {
   const auto entries = scan_journal(journal->path());
   CHECK_EQUAL(3u, entries.size());
   CHECK_EQUAL(3, entries[1].sequences.first);
-  CHECK_EQUAL(5, last_shot_id(folder.path()));
-}
-
-TEST(Journal, GivesTheLargestShotOfAllBootsOfTheFolder) {
-  CHECK_EQUAL(0, last_shot_id(folder.path()));
-  CHECK_EQUAL(0, last_shot_id(folder / "none"));
-  auto first = Journal::create(folder.path(), 1);
-  CHECK(first->append({event(1, 8), shot(7, {1, 1})}, 0).has_value());
-  auto second = Journal::create(folder.path(), 2);
-  CHECK(second->append({event(1, 3)}, 0).has_value());
-  strobe::testing::write_text(folder / "host-20260101T000000Z.lcmlog", "not the firmware's");
-  strobe::testing::write_text(folder / "journal-garbage.lcmlog", std::string(1000, '\xed'));
-  CHECK_EQUAL(8, last_shot_id(folder.path()));
 }
 
 TEST(Journal, NeverOverwritesAnother) {
@@ -181,9 +144,82 @@ TEST(Journal, CutsOffAHalfWrittenEndAndGoesOnLater) {
   CHECK_EQUAL(3u, channels_in(journal->path()).size());
 }
 
-TEST(Journal, NoticesThatItsFileWasRemoved) {
+/// A journal with one event in a folder of its own, and what is wrong with it now.
+struct Underneath {
+  strobe::testing::TemporaryFolder parent;
+  std::filesystem::path folder = parent / "session";
+  Result<Journal> journal = Journal::create(folder, kBoot);
+
+  Underneath() {
+    CHECK(journal->append({event(1)}, 0).has_value());
+    CHECK(journal->check().has_value());
+  }
+  std::string fault() const {
+    const auto checked = journal->check();
+    return checked ? "" : checked.error().message;
+  }
+};
+
+TEST(Journal, NoticesThatItsFileOrItsFolderWasRemoved) {
+  Underneath file;
+  std::filesystem::remove(file.journal->path());
+  STRCMP_CONTAINS("the journal was removed; start strobed anew", file.fault().c_str());
+  Underneath whole;
+  std::filesystem::remove_all(whole.folder);
+  STRCMP_CONTAINS("the journal was removed", whole.fault().c_str());
+}
+
+TEST(Journal, NoticesThatItsFolderWasRenamedAndThatItIsBack) {
+  Underneath journal;
+  std::filesystem::rename(journal.folder, journal.parent / "elsewhere");
+  STRCMP_CONTAINS("the journal was moved away (No such file or directory); put it back",
+                  journal.fault().c_str());
+  std::filesystem::rename(journal.parent / "elsewhere", journal.folder);
+  STRCMP_EQUAL("", journal.fault().c_str());
+}
+
+TEST(Journal, NoticesThatItWasRotated) {
+  Underneath moved;
+  std::filesystem::rename(moved.journal->path(), moved.journal->path().string() + ".1");
+  STRCMP_CONTAINS("the journal was moved away", moved.fault().c_str());
+  strobe::testing::write_text(moved.journal->path(), "");
+  STRCMP_CONTAINS("another file is in the journal's place", moved.fault().c_str());
+  Underneath copied;  // and its contents cut off
+  std::filesystem::resize_file(copied.journal->path(), 0);
+  STRCMP_CONTAINS("the journal was changed by another program", copied.fault().c_str());
+}
+
+TEST(Journal, NoticesThatItsFolderCannotBeWritten) {
+  if (geteuid() == 0) return;  // root can; a file system mounted read-only is tried with the whole daemon
+  Underneath journal;
+  std::filesystem::permissions(journal.folder, std::filesystem::perms(0555));
+  STRCMP_CONTAINS("the folder cannot be written: Permission denied", journal.fault().c_str());
+  std::filesystem::permissions(journal.folder, std::filesystem::perms(0755));
+}
+
+TEST(Journal, SaysBeforeAShotThatThereIsNoRoomForIt) {
   auto journal = Journal::create(folder.path(), kBoot);
-  CHECK(journal->check().has_value());
-  std::filesystem::remove(journal->path());
-  STRCMP_CONTAINS("the journal was removed", journal->check().error().message.c_str());
+  CHECK(journal->append({event(1)}, 0).has_value());
+  {
+    const FullDisk disk(static_cast<std::uintmax_t>(Journal::kShotRoom));
+    const auto room = journal->make_room();
+    CHECK_FALSE(room.has_value());
+    STRCMP_CONTAINS("no room for another shot: File too large", room.error().message.c_str());
+    CHECK(journal->append({event(2)}, 0).has_value());  // what there is room for is still written
+  }
+  CHECK(journal->make_room().has_value());
+}
+
+TEST(Journal, TakesNoMoreOfTheDiskThanItHoldsOnceItIsClosed) {
+  std::filesystem::path path;
+  {
+    auto journal = Journal::create(folder.path(), kBoot);
+    path = journal->path();
+    CHECK(journal->make_room().has_value());
+    CHECK(journal->append({event(1)}, 0).has_value());
+    CHECK_EQUAL(1u, scan_journal(path).size());  // room is none of the file's size
+  }
+  struct stat file {};
+  CHECK_EQUAL(0, stat(path.c_str(), &file));
+  CHECK(file.st_blocks * 512 < Journal::kShotRoom);
 }

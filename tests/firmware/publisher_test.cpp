@@ -1,6 +1,8 @@
 // The publisher on a private LCM: what is journalled is published, in order, and can be had again.
 #include "firmware/publisher/publisher.hpp"
 
+#include <sys/resource.h>
+
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -194,6 +196,23 @@ TEST(Publisher, HoldsEventsBackWhileTheJournalCannotBeWritten) {
   STRCMP_CONTAINS("the journal was removed", listener.statuses.back().message.c_str());
   CHECK_FALSE(queue.journal_ok());
   CHECK_EQUAL(0u, listener.events.size());
+}
+
+TEST(Publisher, SaysThatThereIsNoRoomForAShotBeforeItIsArmedFor) {
+  start();
+  CHECK_TRUE(until([&] { return !listener.statuses.empty() && listener.statuses.back().journal_ok; }));
+  rlimit before{};
+  getrlimit(RLIMIT_FSIZE, &before);
+  const rlimit tight{static_cast<rlim_t>(Journal::kShotRoom / 2), before.rlim_max};
+  setrlimit(RLIMIT_FSIZE, &tight);  // as a disk that is nearly full
+  play_shot(1, 3);
+  const bool withdrawn = until([&] { return !listener.statuses.back().journal_ok; });
+  setrlimit(RLIMIT_FSIZE, &before);
+  CHECK_TRUE(withdrawn);
+  STRCMP_CONTAINS("no room for another shot", listener.statuses.back().message.c_str());
+  CHECK_FALSE(queue.journal_ok());
+  CHECK_EQUAL(1u, listener.shots.size());  // what could be written is published
+  CHECK_TRUE(until([&] { return listener.statuses.back().journal_ok != 0; }));
 }
 
 TEST(Publisher, WritesWhatIsLeftWhenItIsStopped) {

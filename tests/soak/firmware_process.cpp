@@ -2,6 +2,8 @@
 
 #include <variant>
 
+#include "firmware/publisher/journal_folder.hpp"
+
 namespace strobe::soak {
 
 namespace {
@@ -25,7 +27,7 @@ FirmwareProcess::FirmwareProcess(const firmware::Rig& rig, const FirmwarePorts& 
       commands_(ports.loop_wake),
       journal_(std::move(journal)),
       sequencer_(rig, {ports.loop_clock, ports.outputs, ports.edges, queue_, commands_},
-                 firmware::last_shot_id(settings.session)),
+                 firmware::repair_journals(settings.session).last_shot_id),
       publisher_(rig, publisher_settings(settings), queue_, mailbox_, journal_, ports.bus,
                  ports.publisher_clock),
       receiver_(rig, settings.boot_id, commands_, mailbox_, settings.draw_token) {}

@@ -1,0 +1,138 @@
+#include "firmware/publisher/journal_folder.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <string>
+
+#include "tests/firmware/journal_messages.hpp"
+#include "tests/support/temporary_folder.hpp"
+// CppUTest redefines new; its headers come last.
+#include <CppUTest/TestHarness.h>
+
+using namespace strobe;
+using namespace strobe::firmware;
+
+namespace {
+
+using namespace strobe::journal_test;
+
+std::string joined(const std::vector<std::string>& lines) {
+  std::string all;
+  for (const std::string& line : lines) all += line + "\n";
+  return all;
+}
+
+}  // namespace
+
+TEST_GROUP(JournalFolder) {
+  strobe::testing::TemporaryFolder folder;
+
+  std::filesystem::path journal(std::int64_t boot_id, const std::vector<Message>& messages,
+                                std::int64_t wall_us = 0) {
+    auto made = Journal::create(folder.path(), boot_id);
+    CHECK(made->append(messages, wall_us).has_value());
+    return made->path();
+  }
+  FolderFindings repair() { return repair_journals(folder.path()); }
+};
+
+TEST(JournalFolder, GivesTheLargestShotOfAllBoots) {
+  CHECK_EQUAL(0, repair().last_shot_id);
+  CHECK_EQUAL(0, repair_journals(folder / "none").last_shot_id);
+  journal(1, {event(1, 8), shot(8, {1, 1})});
+  journal(2, {event(1, 3), shot(3, {1, 1})});
+  strobe::testing::write_text(folder / "host-20260101T000000Z.lcmlog", "not the firmware's");
+  strobe::testing::write_text(folder / "journal-garbage.lcmlog", std::string(1000, '\xed'));
+  const FolderFindings findings = repair();
+  CHECK_EQUAL(8, findings.last_shot_id);
+  STRCMP_EQUAL("", joined(findings.repaired).c_str());
+}
+
+TEST(JournalFolder, ListsEarlierBootsTheNewestFirst) {
+  journal(7, {event(1), event(2)}, 2'000);
+  journal(9, {event(1), event(2), event(3)}, 1'000);
+  journal(5, {}, 3'000);  // ended before its first event was written
+  const FolderFindings findings = repair();
+  CHECK_EQUAL(2u, findings.earlier.size());
+  CHECK(findings.earlier[0] == EarlierBoot({7, 2}));
+  CHECK(findings.earlier[1] == EarlierBoot({9, 3}));
+}
+
+TEST(JournalFolder, CutsATornEndAtAnyByteAndSaysSo) {
+  const auto path = journal(kBoot, {event(1), event(2), event(3)});
+  const std::string whole = strobe::testing::read_text(path);
+  const auto last = static_cast<std::size_t>(scan_journal(path)[2].offset);
+  for (std::size_t size = last + 1; size < whole.size(); ++size) {
+    strobe::testing::write_text(path, whole.substr(0, size));
+    const FolderFindings findings = repair();
+    CHECK_EQUAL(last, std::filesystem::file_size(path));
+    const std::string what = std::to_string(size - last) + " bytes (a torn ";
+    CHECK_EQUAL(1u, findings.repaired.size());
+    STRCMP_CONTAINS(("boot 1122334455667788: " + what).c_str(), findings.repaired[0].c_str());
+    STRCMP_CONTAINS(") after event 2 were cut off", findings.repaired[0].c_str());
+    CHECK(findings.repaired[0].size() <= 160);
+  }
+  STRCMP_EQUAL("", joined(repair().repaired).c_str());  // once is enough
+}
+
+TEST(JournalFolder, CutsZerosThatTheFileSystemLeft) {
+  const auto path = journal(kBoot, {event(1), shot(1, {1, 1})});
+  const auto size = std::filesystem::file_size(path);
+  std::filesystem::resize_file(path, size + 5000);
+  STRCMP_EQUAL("boot 1122334455667788: 5000 bytes (zeros) after event 1 were cut off\n",
+               joined(repair().repaired).c_str());
+  CHECK_EQUAL(size, std::filesystem::file_size(path));
+}
+
+TEST(JournalFolder, KeepsWhatFollowsADamagedStretch) {
+  const auto path = journal(kBoot, {event(1), event(2), event(3)});
+  std::string text = strobe::testing::read_text(path);
+  text.replace(static_cast<std::size_t>(scan_journal(path)[1].offset), 40, std::string(40, '\0'));
+  strobe::testing::write_text(path, text);
+  STRCMP_CONTAINS("bytes in the middle of its journal are damaged", joined(repair().repaired).c_str());
+  CHECK_EQUAL(text.size(), std::filesystem::file_size(path));
+  CHECK(repair().earlier.front() == EarlierBoot({kBoot, 3}));
+}
+
+TEST(JournalFolder, LeavesAloneWhatIsNoJournal) {
+  const auto path = folder / "journal-00000000000000aa.lcmlog";
+  strobe::testing::write_text(path, "the notes of last week");
+  STRCMP_EQUAL("journal-00000000000000aa.lcmlog is no journal, and is left as it is\n",
+               joined(repair().repaired).c_str());
+  STRCMP_EQUAL("the notes of last week", strobe::testing::read_text(path).c_str());
+}
+
+TEST(JournalFolder, LeavesAloneAJournalThatIsBeingWritten) {
+  auto other = Journal::create(folder.path(), kBoot);
+  CHECK(other->append({event(1, 4), event(2, 4)}, 0).has_value());
+  const auto size = std::filesystem::file_size(other->path());
+  std::filesystem::resize_file(other->path(), size - 5);  // as in the middle of a write
+  const FolderFindings findings = repair();
+  CHECK_EQUAL(4, findings.last_shot_id);
+  CHECK_TRUE(findings.repaired.empty() && findings.earlier.empty());
+  CHECK_EQUAL(size - 5, std::filesystem::file_size(other->path()));
+}
+
+TEST(JournalFolder, NamesTheShotThatHasNoEnd) {
+  journal(kBoot, {event(1, 6), event(2, 6), shot(6, {1, 2}), event(3), event(4, 7), event(5, 7)}, 1'000);
+  const std::string lost = "boot 1122334455667788: shot 7 has no end; what came after event 5 is lost\n";
+  STRCMP_EQUAL(lost.c_str(), joined(repair().repaired).c_str());
+  journal(2, {event(1)}, 2'000);  // it has told it
+  STRCMP_EQUAL("", joined(repair().repaired).c_str());
+}
+
+TEST(JournalFolder, GivesBackTheRoomThatADeadDaemonHadSetAside) {
+  const auto path = journal(kBoot, {event(1)});
+  const int fd = open(path.c_str(), O_WRONLY | O_CLOEXEC);
+  const auto size = static_cast<off_t>(std::filesystem::file_size(path));
+  const bool set_aside = fallocate(fd, FALLOC_FL_KEEP_SIZE, size, 2 * Journal::kShotRoom) == 0;
+  close(fd);
+  if (!set_aside) return;  // this file system cannot
+  STRCMP_EQUAL("", joined(repair().repaired).c_str());
+  struct stat file {};
+  CHECK_EQUAL(0, stat(path.c_str(), &file));
+  CHECK(file.st_blocks * 512 < Journal::kShotRoom / 2);
+  CHECK_EQUAL(1u, scan_journal(path).size());
+}
