@@ -10,6 +10,7 @@
 #include "firmware/linux/guardian.hpp"
 #include "firmware/linux/interrupts.hpp"
 #include "firmware/linux/real_time_report.hpp"
+#include "firmware/linux/tick_finder.hpp"
 
 namespace strobe::firmware {
 
@@ -74,7 +75,7 @@ int check_rig(const Rig& rig, const Options& options) {
   report.item("rig file", "");
   for (const LineReport& line : inspect_lines(rig)) report.item(line.key, line.fault);
   const RealTimeTrial trial = try_real_time(rig.real_time);
-  for (const CheckItem& item : real_time_report(rig, trial, SystemFiles()))
+  for (const CheckItem& item : real_time_report(rig, trial, find_tick(rig.real_time), SystemFiles()))
     report.item(item, options.allow_no_rt);
   report.item("session", session_fault(options.session));
   lcm::LCM lcm(options.lcm_url);

@@ -14,6 +14,7 @@
 #include "firmware/linux/gpio_lines.hpp"
 #include "firmware/linux/monotonic_clock.hpp"
 #include "firmware/linux/real_time.hpp"
+#include "firmware/linux/tick_finder.hpp"
 #include "firmware/publisher/journal_folder.hpp"
 #include "firmware/publisher/lcm_bus.hpp"
 #include "firmware/publisher/publisher.hpp"
@@ -132,7 +133,9 @@ int run_worker(const Rig& rig, const Options& options, WorkerPage& page) {
   Mailbox mailbox;
   const FolderFindings earlier = repair_journals(options.session);
   for (const std::string& line : earlier.repaired) std::fprintf(stderr, "strobed: %s\n", line.c_str());
-  Sequencer sequencer(rig, {clock, **lines, **lines, queue, commands}, earlier.last_shot_id);
+  Rig found = rig;
+  found.real_time.tick = find_tick(rig.real_time);
+  Sequencer sequencer(found, {clock, **lines, **lines, queue, commands}, earlier.last_shot_id);
 
   std::vector<std::string> faults;
   if (std::string fault = lock_memory(); !fault.empty()) faults.push_back(std::move(fault));

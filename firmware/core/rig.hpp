@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/units/time.hpp"
+#include "firmware/core/tick.hpp"
 #include "firmware/ports/event_sink.hpp"
 
 namespace strobe::firmware {
@@ -60,6 +61,7 @@ struct Rig {
   struct RealTime {
     int priority = 80;
     int cpu = -1;
+    Tick tick;  ///< not of the file: found at the start
   } real_time;
   std::vector<Note> record;
 

@@ -6,7 +6,13 @@ namespace strobe::firmware {
 
 ShotPlayer::ShotPlayer(const Rig& rig, Clock& clock, EdgeSource& edges, EventSink& sink, Interlock& interlock,
                        GuardedOutputs& outputs)
-    : rig_(rig), clock_(clock), edges_(edges), sink_(sink), interlock_(interlock), outputs_(outputs) {
+    : rig_(rig),
+      clock_(clock),
+      edges_(edges),
+      sink_(sink),
+      interlock_(interlock),
+      outputs_(outputs),
+      quiet_start_(rig.real_time.tick) {
   plan_.reserve(rig.lamps.max_flashes);
 }
 
@@ -48,6 +54,7 @@ void ShotPlayer::begin(const Command& fire, std::int32_t shot_id, ShotRecord& re
   overflows_before_ = sink_.overflows();
   kernel_overflows_before_ = edges_.overflows();
   build_plan(record.plan, rig_, plan_);
+  record.start = record.start + quiet_start_.delay(record.start, plan_);
   book_.open(record, record.plan.period);
   for (const PlannedPulse& pulse : plan_.pulses) {
     if (pulse.output == Output::strobes) book_.plan(at(pulse.at));

@@ -6,6 +6,7 @@
 #include "firmware/core/flash_book.hpp"
 #include "firmware/core/guarded_outputs.hpp"
 #include "firmware/core/interlock.hpp"
+#include "firmware/core/quiet_start.hpp"
 #include "firmware/core/shot_plan.hpp"
 #include "firmware/ports/command_source.hpp"
 #include "firmware/ports/edge_source.hpp"
@@ -58,6 +59,7 @@ class ShotPlayer {
   EventSink& sink_;
   Interlock& interlock_;
   GuardedOutputs& outputs_;
+  QuietStart quiet_start_;
   FlashBook book_;
   ShotPlan plan_;
   std::size_t next_pulse_ = 0;

@@ -35,6 +35,13 @@ CheckItem pinning(const Rig& rig, const RealTimeTrial& trial, const SystemFiles&
                                std::to_string(*online.rbegin()) + ", and keep other work off it");
 }
 
+CheckItem tick_item(const Tick& tick) {
+  if (!tick.known()) return ok("tick", "none is seen on the loop's CPU");
+  return ok("tick", "every " + std::to_string(tick.period.ns / 1000) + " us for " +
+                        std::to_string(tick.length.ns / 1000) +
+                        " us: shots start so that flashes fall between, where the period allows");
+}
+
 CheckItem governor(const Rig& rig, const SystemFiles& files) {
   std::set<int> slow;
   bool scaled = false;
@@ -158,7 +165,7 @@ CheckItem clock_source(const SystemFiles& files) {
 
 }  // namespace
 
-std::vector<CheckItem> real_time_report(const Rig& rig, const RealTimeTrial& trial,
+std::vector<CheckItem> real_time_report(const Rig& rig, const RealTimeTrial& trial, const Tick& tick,
                                         const SystemFiles& files) {
   std::vector<CheckItem> items{tried("policy", trial.policy, "SCHED_FIFO"),
                                tried("priority", trial.priority, std::to_string(rig.real_time.priority)),
@@ -166,6 +173,7 @@ std::vector<CheckItem> real_time_report(const Rig& rig, const RealTimeTrial& tri
                                pinning(rig, trial, files),
                                trial.latency.empty() ? ok("latency", "/dev/cpu_dma_latency is held at 0")
                                                      : advice("latency", trial.latency),
+                               tick_item(tick),
                                governor(rig, files),
                                throttling(rig, files),
                                isolation(rig, files)};

@@ -13,11 +13,12 @@ TEST_GROUP(RealTimeReport) {
   strobe::testing::SystemTree tree;
   Rig rig;
   RealTimeTrial trial;
+  Tick tick;
 
   void setup() override { rig.real_time.cpu = 1; }
 
   CheckItem item(const std::string& name) const {
-    const auto items = real_time_report(rig, trial, tree.files());
+    const auto items = real_time_report(rig, trial, tick, tree.files());
     const auto at =
         std::find_if(items.begin(), items.end(), [&](const CheckItem& i) { return i.name == name; });
     CHECK_TEXT(at != items.end(), name.c_str());
@@ -32,8 +33,8 @@ TEST_GROUP(RealTimeReport) {
 };
 
 TEST(RealTimeReport, FindsNothingToDoOnAMachineThatIsWellSetUp) {
-  const auto items = real_time_report(rig, trial, tree.files());
-  CHECK_EQUAL(11U, items.size());
+  const auto items = real_time_report(rig, trial, tick, tree.files());
+  CHECK_EQUAL(12U, items.size());
   for (const CheckItem& each : items)
     CHECK_TEXT(each.verdict == Verdict::ok, (each.name + ": " + each.words).c_str());
 }
@@ -54,6 +55,12 @@ TEST(RealTimeReport, AdvisesACpuForALoopThatMayRunAnywhere) {
   says("interrupts", Verdict::advice, "set [real_time] cpu");
   tree.put("sys/devices/system/cpu/online", "0");
   says("pinning", Verdict::ok, "one CPU");
+}
+
+TEST(RealTimeReport, TellsOfTheTickIfThereIsOne) {
+  says("tick", Verdict::ok, "none");
+  tick = {strobe::milliseconds(4), {}, strobe::microseconds(20)};
+  says("tick", Verdict::ok, "every 4000 us for 20 us");
 }
 
 TEST(RealTimeReport, WantsTheGovernorOfTheLoopsCpuToBePerformance) {
@@ -113,7 +120,7 @@ TEST(RealTimeReport, RefusesAClockThatTakesMicrosecondsToRead) {
 }
 
 TEST(RealTimeReport, KnowsNoFaultWhereTheKernelTellsNothing) {
-  const auto items = real_time_report(rig, trial, SystemFiles("/nonexistent"));
+  const auto items = real_time_report(rig, trial, tick, SystemFiles("/nonexistent"));
   for (const CheckItem& each : items)
     CHECK_TEXT(each.verdict != Verdict::fault, (each.name + ": " + each.words).c_str());
 }
