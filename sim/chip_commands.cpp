@@ -13,26 +13,47 @@ namespace strobe::sim {
 
 namespace {
 
-struct LineLevel {
+constexpr Duration kLook = milliseconds(50);  // how soon the chip's end is noticed
+
+/// LINE=NUMBER, LINE a name or an offset.
+struct LineNumber {
   std::uint32_t line = 0;
-  int level = 0;
+  int number = 0;
 };
 
-Result<LineLevel> parse_drive(const Chip& chip, const std::string& text) {
+bool whole_number(const std::string& text, auto& number) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  return error == std::errc{} && end == text.data() + text.size();
+}
+
+Result<LineNumber> parse(const Chip& chip, const std::string& text, int least, int most, const char* wanted) {
   const std::size_t equals = text.find('=');
-  const std::string level = equals == std::string::npos ? "" : text.substr(equals + 1);
-  if (level != "0" && level != "1") return fail("\"" + text + "\": LINE=0 or LINE=1 is wanted");
+  LineNumber parsed;
+  if (equals == std::string::npos || !whole_number(text.substr(equals + 1), parsed.number) ||
+      parsed.number < least || parsed.number > most) {
+    return fail("\"" + text + "\": " + wanted + " is wanted");
+  }
   const std::string line = text.substr(0, equals);
-  std::uint32_t offset = 0;
-  const auto [end, error] = std::from_chars(line.data(), line.data() + line.size(), offset);
-  if (error == std::errc{} && end == line.data() + line.size()) {
-    if (offset >= chip.line_count()) return fail("\"" + text + "\": the chip has no line " + line);
+  if (whole_number(line, parsed.line)) {
+    if (parsed.line >= chip.line_count()) return fail("\"" + text + "\": the chip has no line " + line);
   } else {
     const auto named = chip.line_named(line);
     if (!named) return fail("\"" + text + "\": " + named.error().message);
-    offset = *named;
+    parsed.line = *named;
   }
-  return LineLevel{offset, level == "1" ? 1 : 0};
+  return parsed;
+}
+
+/// False if the chip ended before the line had risen so often.
+bool wait_for_rises(Chip& chip, const LineNumber& rises) {
+  ChangeCursor cursor = chip.cursor_now();
+  std::vector<Change> changes;
+  for (int left = rises.number; left > 0 && !chip.unplugged();) {
+    changes.clear();
+    chip.wait_changes(cursor, monotonic_now() + kLook, changes);
+    for (const Change& change : changes) left -= change.line == rises.line && change.level == 1 ? 1 : 0;
+  }
+  return !chip.unplugged();
 }
 
 std::string name_of(std::size_t line) {
@@ -44,15 +65,27 @@ std::string name_of(std::size_t line) {
 int drive_command(const std::string& chip_dir, const std::vector<std::string>& drives) {
   auto chip = Chip::attach(chip_dir);
   if (!chip) return complain(chip.error().message, 2);
-  std::vector<LineLevel> wanted;
+  std::vector<LineNumber> wanted;
   for (const std::string& text : drives) {
-    const auto drive = parse_drive(*chip, text);
+    const auto drive = parse(*chip, text, 0, 1, "LINE=0 or LINE=1");
     if (!drive) return complain(drive.error().message, 2);
     if (chip->state(drive->line).is_output)
       return complain("\"" + text + "\": the line is an output of " + chip->state(drive->line).consumer, 1);
     wanted.push_back(*drive);
   }
-  for (const LineLevel& drive : wanted) chip->drive(drive.line, drive.level, monotonic_now());
+  for (const LineNumber& drive : wanted) chip->drive(drive.line, drive.number, monotonic_now());
+  return 0;
+}
+
+int unplug_command(const std::string& chip_dir, const std::string& after) {
+  auto chip = Chip::attach(chip_dir);
+  if (!chip) return complain(chip.error().message, 2);
+  if (!after.empty()) {
+    const auto rises = parse(*chip, after, 1, 1'000'000, "LINE=1 or more");
+    if (!rises) return complain(rises.error().message, 2);
+    if (!wait_for_rises(*chip, *rises)) return complain("the rig ended before that", 1);
+  }
+  chip->unplug();
   return 0;
 }
 

@@ -76,6 +76,9 @@ int scenes_command(bool json);
 int drive_command(const std::string& chip_dir, const std::vector<std::string>& drives);
 int lines_command(const std::string& chip_dir, bool json);
 
+/// Unplugs the chip: at once, or after a line rose as often as `after` says (LINE=N).
+int unplug_command(const std::string& chip_dir, const std::string& after);
+
 /// Derives the scenes of the thesis's conditions from its tables and writes them to a folder.
 int fit_command(const std::string& tables, const std::string& folder, bool json);
 

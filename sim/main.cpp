@@ -150,6 +150,15 @@ int main(int argc, char** argv) {
   drive->add_option("--chip-dir", chip_dir, "The chip's folder")->required();
   drive->add_option("drives", drives, "LINE=LEVEL, a line's name or offset and 0 or 1")->required();
 
+  std::string after;
+  CLI::App* unplug = app.add_subcommand("unplug", "Unplug a running rig's chip");
+  unplug->footer(
+      "Every further call on it answers \"no such device\", and event lines hang up. A chip that keeps\n"
+      "released outputs goes on driving them; one that does not lets them all go.\n"
+      "Example: strobe-sim unplug --chip-dir /tmp/chip --after STROBE_A=20");
+  unplug->add_option("--chip-dir", chip_dir, "The chip's folder")->required();
+  unplug->add_option("--after", after, "LINE=N: at the line's Nth rise from now (default: at once)");
+
   std::string tables;
   std::string folder;
   CLI::App* fit = app.add_subcommand("fit", "Derive the scenes of the thesis's conditions from its tables");
@@ -177,6 +186,7 @@ int main(int argc, char** argv) {
   if (app.got_subcommand("photograph")) return sim::photograph_command(photographs);
   if (lines->parsed()) return sim::lines_command(chip_dir, json);
   if (drive->parsed()) return sim::drive_command(chip_dir, drives);
+  if (unplug->parsed()) return sim::unplug_command(chip_dir, after);
   if (fit->parsed()) return sim::fit_command(tables, folder, json);
   return sim::run_command(options);
 }

@@ -120,9 +120,6 @@ class Session {
     std::unique_ptr<Session> session(new Session(options));
     auto chip = Chip::create(folder, chip_of(scene));
     if (!chip) return tl::unexpected(chip.error());
-    session->chip_.emplace(std::move(*chip));
-    auto attached = Chip::attach(folder);
-    if (!attached) return tl::unexpected(attached.error());
     auto truth = TruthFile::create(options.truth_file, scene);
     if (!truth) return tl::unexpected(truth.error());
     session->truth_ = std::move(*truth);
@@ -134,7 +131,7 @@ class Session {
     }
     if (!options.changes_file.empty() && !write_changes(options.changes_file, {}))
       return fail(options.changes_file + ": cannot be written");
-    session->runner_ = std::make_unique<Runner>(std::move(*attached), scene, seed, session->darkroom_,
+    session->runner_ = std::make_unique<Runner>(std::move(*chip), scene, seed, session->darkroom_,
                                                 !options.changes_file.empty(), model);
     if (options.digitizer) {
       auto desk =
@@ -164,7 +161,6 @@ class Session {
   explicit Session(const RunOptions& options) : options_(options) {}
 
   const RunOptions& options_;
-  std::optional<Chip> chip_;
   Darkroom darkroom_;
   std::unique_ptr<TruthFile> truth_;
   std::unique_ptr<Runner> runner_;

@@ -174,10 +174,16 @@ bool Chip::wait_changes(ChangeCursor& cursor, MonoTime deadline, std::vector<Cha
 ChangeCursor Chip::cursor_now() const { return {gpio::newest(impl_->state())}; }
 
 void Chip::unplug() {
-  impl_->state().unplugged.store(1);
+  gpio::State& state = impl_->state();
+  state.unplugged.store(1);
   impl_->folder.close_events();
-  gpio::notify(impl_->state());
+  for (std::uint32_t line = 0; state.input_on_release != 0 && line < state.line_count; ++line) {
+    gpio::change_line(state, line, gpio::float_edit(), gpio::CauseCode::release, gpio::sys::now_ns());
+  }
+  gpio::notify(state);
 }
+
+bool Chip::unplugged() const { return impl_->state().unplugged.load() != 0; }
 
 const std::filesystem::path& Chip::dir() const { return impl_->folder.path; }
 

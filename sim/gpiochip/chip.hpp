@@ -90,8 +90,11 @@ class Chip {
   ChangeCursor cursor_now() const;  ///< only changes from now on
 
   /// As if the device were unplugged: every further ioctl answers ENODEV, the node is gone, event descriptors
-  /// end (poll: hang-up, read: ENODEV) as soon as every rig that is attached made its next call.
+  /// end (poll: hang-up, read: ENODEV) as soon as every rig that is attached made its next call. A chip that
+  /// keeps released outputs goes on driving them, as one whose driver was taken away does; one that does not
+  /// lets go of every line at once, as an adapter does that lost its power.
   void unplug();
+  bool unplugged() const;  ///< also once its creator is gone
 
   const std::filesystem::path& dir() const;
 

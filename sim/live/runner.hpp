@@ -19,8 +19,8 @@ MonoTime monotonic_now();
 
 class Runner {
  public:
-  /// `chip` is this runner's own attachment; changes from now on are seen. `darkroom` must outlive the
-  /// runner.
+  /// `chip` is this runner's own, created or attached to; changes from now on are seen. `darkroom` must
+  /// outlive the runner.
   Runner(Chip chip, const Scene& scene, std::uint64_t seed, Darkroom& darkroom, bool record_changes,
          const Model& model = Model::full());
   ~Runner();

@@ -55,6 +55,8 @@ TEST_GROUP(EdgeEvents) {
   }
 };
 
+TEST_GROUP(UnpluggedChip){};
+
 TEST(EdgeEvents, CarryTheStampsThatWereGiven) {
   auto reader = fixture.actor({"events", "4", kBothEdges, kNoFlags});
   const auto stamps = drive(4, {1, 0, 1});
@@ -113,4 +115,40 @@ TEST(EdgeEvents, EndWhenTheDeviceIsUnplugged) {
   LONGS_EQUAL(0, actor.wait(kLimit).value().code);
   STRCMP_EQUAL("ready\nset ENODEV\nget ENODEV\npoll 1 hang-up\nread ENODEV\nopen ENOENT\n",
                actor.out().c_str());
+}
+
+TEST(EdgeEvents, EndForAReaderWhoWaitsWhenAnotherProcessUnplugsTheDevice) {
+  auto reader = fixture.actor({"events", "4", kBothEdges, kNoFlags});
+  drive(4, {1});
+  wait_for(reader, 1);
+  Chip::attach(fixture.chip_folder())->unplug();
+  CHECK_TRUE(testing::wait_until(
+      [&] {
+        ChangeCursor cursor = fixture.chip().cursor_now();
+        std::vector<Change> changes;
+        fixture.chip().wait_changes(cursor, now(), changes);
+        return !reader.running();
+      },
+      kLimit));
+}
+
+TEST(UnpluggedChip, GoesOnDrivingWhatItDroveWhereItKeepsReleasedOutputs) {
+  ChipFixture fixture;
+  auto holder = fixture.actor({"hold", "0,4", "1,1"});
+  fixture.chip().unplug();
+  LONGS_EQUAL(1, fixture.chip().state(0).level);
+  CHECK_TRUE(fixture.chip().unplugged());
+}
+
+TEST(UnpluggedChip, LetsGoOfAllItsLinesWhereItDoesNot) {
+  ChipSpec spec = standard_chip();
+  spec.on_release = OnRelease::input;
+  ChipFixture fixture(spec);
+  auto holder = fixture.actor({"hold", "0,4", "1,1"});
+  fixture.changes(2);
+  fixture.chip().unplug();
+  LONGS_EQUAL(0, fixture.chip().state(0).level);
+  const std::vector<Change> changes = fixture.changes(2);
+  LONGS_EQUAL(2, changes.size());
+  CHECK_TRUE(changes[0].cause == Cause::release);
 }

@@ -1,4 +1,4 @@
-// Debian's own GPIO programs, unmodified, against the simulated chip, and the conformance program.
+// Debian's own GPIO programs, unmodified, against the simulated chip.
 #include <signal.h>
 #include <unistd.h>
 
@@ -87,13 +87,6 @@ TEST(GpioTools, GpiomonPrintsEdges) {
 }
 
 TEST_GROUP(PreloadedLibrary) { ChipFixture fixture; };
-
-TEST(PreloadedLibrary, AnswersAsTheKernelDoes) {
-  const Finished finished =
-      fixture.run({built_program("gpio_conformance").string(), "/dev/gpiochip0", "9", "10"});
-  LONGS_EQUAL(0, finished.status.value().code);
-  STRCMP_EQUAL(testing::read_text(STROBE_TEST_DATA "/gpio_conformance.txt").c_str(), finished.out.c_str());
-}
 
 TEST(PreloadedLibrary, DoesNothingWithoutItsVariable) {
   testing::Command command = fixture.preloaded({"gpiodetect"});

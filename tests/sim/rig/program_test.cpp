@@ -134,6 +134,32 @@ TEST(SimProgram, ShowsAndDrivesLinesOfARunningChip) {
   CHECK(!std::filesystem::exists(chip) || std::filesystem::is_empty(chip));
 }
 
+TEST(SimProgram, UnplugsTheChipInTheMiddleOfATrain) {
+  // Lines held: edges that somebody waits for hang up, and the next pulse meets no device.
+  const std::string chip = folder / "chip";
+  const std::string script = "gpiomon gpiochip0 6 & " + kSim + " unplug --chip-dir " + chip +
+                             " --after STROBE_A=2 & until " + kSim + " lines --chip-dir " + chip +
+                             " | grep -q gpiomon; do :; done; for i in 1 2 3 4 5 6; do gpioset gpiochip0 "
+                             "0=1; gpioset gpiochip0 0=0; "
+                             "sleep 0.2; done; wait";
+  const Finished finished = strobe::testing::run_to_end(
+      on_rig({"--chip-dir", chip, "--changes", folder / "changes.csv"}, {"sh", "-c", script}), kLimit);
+  CHECK_TRUE(finished.status.has_value());
+  STRCMP_CONTAINS("gpiomon: error waiting for events: No such device", finished.err.c_str());
+  STRCMP_CONTAINS("gpioset: ", finished.err.c_str());
+}
+
+TEST(SimProgram, RefusesToUnplugWhatIsNoChipOrAfterWhatIsNoLine) {
+  check_refused(sim({"unplug", "--chip-dir", folder / "none"}), "none");
+  const std::string chip = folder / "chip";
+  for (const char* after : {"STROBE=2", "STROBE_A", "STROBE_A=0", "99=1"}) {
+    const Finished finished = strobe::testing::run_to_end(
+        on_rig({"--chip-dir", chip}, {kSim, "unplug", "--chip-dir", chip, "--after", after}), kLimit);
+    LONGS_EQUAL(2, finished.status.value().code);
+    STRCMP_CONTAINS(after, finished.err.c_str());
+  }
+}
+
 TEST(SimProgram, RefusesToDriveWhatIsNoLine) {
   const std::string chip = folder / "chip";
   for (const char* drive : {"KEYS=0", "KEY", "KEY=2", "99=1", "=1"}) {

@@ -1,4 +1,4 @@
-// conformance DEVICE A B: what a GPIO chip answers through uAPI v1, one line per behaviour.
+// kernel_calls DEVICE A B: the GPIO uAPI by bare system calls, answer by answer.
 //
 // Runs on the simulated chip and on a real kernel's, whose answers are compared with the same expected file:
 // so the simulation cannot drift from the kernel. A and B are offsets of free lines to which nothing is

@@ -1,0 +1,50 @@
+// The simulated chip's answers are those of a real kernel's driver, which tests/kernel holds to the same
+// files.
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "tests/sim/gpiochip/conformance/requests.hpp"
+#include "tests/sim/gpiochip/fixture.hpp"
+
+#include <CppUTest/TestHarness.h>
+
+using namespace strobe;
+using namespace strobe::sim;
+
+TEST_GROUP(Conformance) {
+  ChipFixture fixture;
+
+  void do_as_asked(const testing::conformance::Request& request, std::uint32_t line) {
+    for (const int level : request.levels) fixture.chip().drive(line, level, now());
+    if (request.unplug) fixture.chip().unplug();
+  }
+};
+
+TEST(Conformance, SystemCallsAreAnsweredAsByTheKernel) {
+  const testing::Finished finished =
+      fixture.run({built_program("gpio_kernel_calls").string(), "/dev/gpiochip0", "10", "11"});
+  LONGS_EQUAL(0, finished.status.value().code);
+  STRCMP_EQUAL(testing::read_text(STROBE_TEST_DATA "/gpio_kernel_calls.txt").c_str(), finished.out.c_str());
+}
+
+TEST(Conformance, LibgpiodIsAnsweredAsByTheKernel) {
+  const std::string answers = fixture.logs() / "answers";
+  LONGS_EQUAL(0, mkfifo(answers.c_str(), 0600));
+  testing::Process process(fixture.preloaded({built_program("gpio_library_calls").string(), "gpiochip0", "10",
+                                              "11", "12", answers}),
+                           fixture.logs());
+  std::size_t done = 0;
+  CHECK_TRUE(testing::wait_until(
+      [&] {
+        const auto requests = testing::conformance::requests_in(process.out());
+        if (requests.size() > done) {
+          do_as_asked(requests[done++], 12);
+          close(open(answers.c_str(), O_WRONLY));
+        }
+        return !process.running();
+      },
+      kLimit));
+  STRCMP_EQUAL("", process.err().c_str());
+  STRCMP_EQUAL(testing::read_text(STROBE_TEST_DATA "/gpio_library_calls.txt").c_str(), process.out().c_str());
+}
