@@ -29,6 +29,7 @@ enum class Flag {
   sensor_missing,       // a fitted flash sensor saw none, or not all, of the flashes that show the ball
   clock_suspect,        // flash times are not plausible: out of order, or not of this shot
   events_missing,       // events of this shot were lost before the journal
+  shutter_suspect,      // the shutter's contact (X-sync) did not tell of opening or closing, or well off its lag
 };
 
 inline constexpr std::array kFlagNames{
@@ -40,7 +41,7 @@ inline constexpr std::array kFlagNames{
     std::string_view{"degenerate_geometry"}, std::string_view{"sd_from_residuals"},
     std::string_view{"shot_aborted"},        std::string_view{"no_photograph"},
     std::string_view{"sensor_missing"},      std::string_view{"clock_suspect"},
-    std::string_view{"events_missing"},
+    std::string_view{"events_missing"},      std::string_view{"shutter_suspect"},
 };
 inline constexpr std::size_t kFlagCount = kFlagNames.size();
 

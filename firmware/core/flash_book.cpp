@@ -13,15 +13,16 @@ MonoTime begin_of(const FlashRecord& flash) {
 
 }  // namespace
 
-void FlashBook::open(ShotRecord& record, Duration period) noexcept {
+void FlashBook::open(ShotRecord& record, Duration shortest) noexcept {
   record_ = &record;
   record_->flashes.clear();
-  period_ = period;
+  shortest_ = shortest;
 }
 
-void FlashBook::plan(MonoTime commanded) noexcept {
+void FlashBook::plan(MonoTime commanded, Lamps lamps) noexcept {
   if (record_->flashes.size() == record_->flashes.capacity()) return;
   FlashRecord flash;
+  flash.lamps = lamps;
   flash.commanded = commanded;
   record_->flashes.push_back(flash);
 }
@@ -40,14 +41,18 @@ FlashRecord* FlashBook::last_begun(MonoTime seen) noexcept {
   return after == flashes.begin() ? nullptr : &*std::prev(after);
 }
 
+Duration FlashBook::until_next(const FlashRecord& flash) const noexcept {
+  return &flash == &record_->flashes.back() ? shortest_ : (&flash + 1)->commanded - flash.commanded;
+}
+
 void FlashBook::edge(Input sensor, MonoTime seen) noexcept {
   if (record_ == nullptr) return;
   FlashRecord* flash = last_begun(seen);
   if (flash == nullptr) return;
   const Duration since_begin = seen - (begin_of(*flash) + kEarly);
-  if (since_begin.ns >= period_.ns) return;
+  if (since_begin >= until_next(*flash)) return;
   MonoTime& observed = sensor == Input::sensor_a ? flash->observed_a : flash->observed_b;
-  if (observed.known() || since_begin.ns >= period_.ns / 2) {
+  if (observed.known() || since_begin.ns >= shortest_.ns / 2) {
     ++flash->extra_edges;
   } else {
     observed = seen;

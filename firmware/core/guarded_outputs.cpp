@@ -11,10 +11,11 @@ GuardedOutputs::GuardedOutputs(const Rig& rig, Clock& clock, OutputLines& lines)
   pulses_[index_of(Output::shutter)].longest = rig.shutter.max_open;
 }
 
-Issue GuardedOutputs::activate(Output output, MonoTime commanded, Duration width, MonoTime now) noexcept {
+Issue GuardedOutputs::activate(Output output, MonoTime commanded, Duration width, MonoTime now,
+                               Lamps lamps) noexcept {
   Pulse& pulse = pulses_[index_of(output)];
   Issue issue{commanded, now, {}, false};
-  issue.done = lines_.set(output, true);
+  issue.done = output == Output::strobes ? lines_.set_lamps(lamps) : lines_.set(output, true);
   issue.end = clock_.now();
   // Even a failed call may have driven the line: it is switched off like any other.
   pulse.active = true;

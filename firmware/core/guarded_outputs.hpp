@@ -26,7 +26,9 @@ class GuardedOutputs {
   GuardedOutputs(const Rig& rig, Clock& clock, OutputLines& lines);
 
   /// now: the clock's last reading, so that none comes between it and the call.
-  Issue activate(Output output, MonoTime commanded, Duration width, MonoTime now) noexcept;
+  /// lamps: of Output::strobes, which of them.
+  Issue activate(Output output, MonoTime commanded, Duration width, MonoTime now,
+                 Lamps lamps = Lamps::both) noexcept;
   Issue deactivate(Output output, MonoTime now) noexcept;
   /// Everything inactive now, the machine first. False: a call failed, the lines are not known to be safe.
   bool all_off() noexcept;

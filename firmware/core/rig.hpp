@@ -36,15 +36,20 @@ struct Rig {
 
   struct Lamps {
     Duration pulse = microseconds(50);
-    double delay_us = 12.0;
+    double delay_a_us = 12.0;  ///< mean, from the trigger pulse to the flash
+    double delay_b_us = 12.0;
     Duration min_period = microseconds(1500);
     std::int32_t max_flashes = 400;
     Duration max_on = microseconds(200);
   } lamps;
-  Duration sensor_delay;
+  struct Sensors {
+    Duration delay_a;  ///< subtracted from the stamps
+    Duration delay_b;
+  } sensors;
   struct Shutter {
     Duration lag = milliseconds(45);
     Duration max_open = milliseconds(2000);
+    Duration late = milliseconds(20);  ///< its contact may come so much off the lag
   } shutter;
   struct Machine {
     Duration lag = milliseconds(310);

@@ -50,7 +50,8 @@ void read_lines(TomlTable lines, Rig& rig) {
        {Line::strobe_a, Line::strobe_b, Line::shutter, Line::trigger, Line::key, Line::estop}) {
     read_line(lines, which, true, rig);
   }
-  for (const Line which : {Line::sensor_a, Line::sensor_b, Line::gate}) read_line(lines, which, false, rig);
+  for (const Line which : {Line::sensor_a, Line::sensor_b, Line::gate, Line::xsync})
+    read_line(lines, which, false, rig);
   if (!rig.line(Line::sensor_a).fitted && !rig.line(Line::sensor_b).fitted) {
     lines.error_at("sensor_a", "at least one of sensor_a and sensor_b is needed");
   }
@@ -70,16 +71,25 @@ void read_lamps(TomlTable table, Rig& rig) {
   lamps.max_on = rounded(table.number("max_on_us", {1, 10'000}), kNsPerUs);
   lamps.pulse = rounded(table.number("pulse_us", {1, 10'000}), kNsPerUs);
   if (lamps.pulse > lamps.max_on) table.error_at("pulse_us", "must not be longer than lamps.max_on_us");
-  lamps.delay_us = table.number_or("delay_us", 0.0, {0, 10'000});
+  const double delay_us = table.number_or("delay_us", 0.0, {0, 10'000});
+  lamps.delay_a_us = table.number_or("delay_a_us", delay_us, {0, 10'000});
+  lamps.delay_b_us = table.number_or("delay_b_us", delay_us, {0, 10'000});
   lamps.min_period = rounded(table.number("min_period_us", {100, 1e6}), kNsPerUs);
   if (lamps.max_on >= lamps.min_period)
     table.error_at("max_on_us", "must be shorter than lamps.min_period_us");
   lamps.max_flashes = static_cast<std::int32_t>(table.integer("max_flashes_per_shot", {1, kMostFlashes}));
 }
 
+void read_sensors(TomlTable table, Rig& rig) {
+  const double delay_us = table.number_or("delay_us", 0.0, {-10'000, 10'000});
+  rig.sensors.delay_a = rounded(table.number_or("delay_a_us", delay_us, {-10'000, 10'000}), kNsPerUs);
+  rig.sensors.delay_b = rounded(table.number_or("delay_b_us", delay_us, {-10'000, 10'000}), kNsPerUs);
+}
+
 void read_movers(TomlTable shutter, TomlTable machine, Rig& rig) {
   rig.shutter.lag = rounded(shutter.number("lag_ms", {0, 5'000}), kNsPerMs);
   rig.shutter.max_open = rounded(shutter.number("max_open_s", {0.001, 60}), kNsPerS);
+  rig.shutter.late = rounded(shutter.number_or("late_ms", 20.0, {0.1, 1'000}), kNsPerMs);
   rig.machine.lag = rounded(machine.number("lag_ms", {0, 60'000}), kNsPerMs);
   rig.machine.max_on = rounded(machine.number("max_on_ms", {0.01, 10'000}), kNsPerMs);
   rig.machine.pulse = rounded(machine.number("pulse_ms", {0.01, 10'000}), kNsPerMs);
@@ -96,6 +106,8 @@ void read_plan(TomlTable& root, Rig& rig) {
   plan.exposure = rounded(table.number("shutter_open_ms", {0.001, 60'000}), kNsPerMs);
   plan.gate_delay = rounded(table.number_or("gate_delay_ms", 0.0, {0, 60'000}), kNsPerMs);
   plan.flash_count = static_cast<std::int32_t>(table.integer_or("flash_count", 0, {0, kMostFlashes}));
+  // A coded train is the host's to make; what comes with a FIRE is checked like any plan.
+  for (const char* key : {"intervals_us", "omit", "only_a", "only_b"}) table.numbers_or(key, {});
   plan.impact_at = rounded(table.number("impact_at_ms", {0.001, 60'000}), kNsPerMs);
   if (auto checked = check_plan(plan, rig); !checked) root.error_at("plan", checked.error().message);
 }
@@ -106,7 +118,7 @@ void read_timing(TomlTable tolerance, TomlTable arming, TomlTable real_time, Rig
   if (rig.tolerance.abort_late < rig.tolerance.late) {
     tolerance.error_at("abort_late_us", "must not be less than tolerance.late_us");
   }
-  rig.tolerance.spin = rounded(tolerance.number("spin_us", {0, 1000}), kNsPerUs);
+  rig.tolerance.spin = rounded(tolerance.number("spin_us", {0, 400}), kNsPerUs);
   if (rig.tolerance.spin + rig.lamps.max_on >= rig.lamps.min_period) {
     // Else the loop would go from spin to spin and never look at the e-stop.
     tolerance.error_at("spin_us", "together with lamps.max_on_us must be shorter than lamps.min_period_us");
@@ -133,8 +145,9 @@ void read_record(TomlTable& root, Rig& rig) {
 }  // namespace
 
 const char* line_key(Line line) {
-  constexpr std::array<const char*, kLineCount> kKeys{
-      "none", "strobe_a", "strobe_b", "shutter", "trigger", "sensor_a", "sensor_b", "gate", "key", "estop"};
+  constexpr std::array<const char*, kLineCount> kKeys{"none",    "strobe_a", "strobe_b", "shutter",
+                                                      "trigger", "sensor_a", "sensor_b", "gate",
+                                                      "key",     "estop",    "xsync"};
   return kKeys[static_cast<std::size_t>(line)];
 }
 
@@ -152,7 +165,7 @@ Result<Rig> read_rig(std::string_view text, const std::string& file_name) {
   rig.chip_file_line = chip.line_of("name");
   read_lines(root.table("lines"), rig);
   read_lamps(root.table("lamps"), rig);
-  rig.sensor_delay = rounded(root.table("sensors").number_or("delay_us", 0.0, {-10'000, 10'000}), kNsPerUs);
+  read_sensors(root.table("sensors"), rig);
   TomlTable machine = root.table("machine");
   machine.number_or("flashes_before_ms", 0.0, {0, 60'000});
   read_movers(root.table("shutter"), machine, rig);

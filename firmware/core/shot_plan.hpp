@@ -19,6 +19,7 @@ struct PlannedPulse {
   Output output = Output::strobes;
   Duration width;
   std::int32_t flash_index = -1;  ///< strobes only
+  Lamps lamps = Lamps::both;      ///< strobes only
 };
 
 struct ShotPlan {
@@ -26,10 +27,15 @@ struct ShotPlan {
   Duration exposure_begin;           ///< the shutter is open from here ...
   Duration exposure_end;             ///< ... to here
   std::int32_t flash_count = 0;      ///< free: those in `pulses`; gated: those that the gate will start
+  Duration shortest_interval;        ///< between two flashes
   bool gated = false;
 
   void reserve(std::int32_t max_flashes) { pulses.reserve(static_cast<std::size_t>(max_flashes) + 2); }
 };
+
+/// Two flashes of whichever lamps must be further apart than this, so that a pulse is over before the next
+/// one, and the loop looks at the e-stop in between.
+Duration least_interval(const Rig& rig);
 
 /// Refuses, in words that name the limit, what exceeds the rig's limits or contradicts itself. Allocates.
 Result<void> check_plan(const PlanRequest& request, const Rig& rig);

@@ -4,6 +4,14 @@
 
 namespace strobe::firmware {
 
+namespace {
+
+Line line_of(Lamps lamps) {
+  return lamps == Lamps::a ? Line::strobe_a : lamps == Lamps::b ? Line::strobe_b : Line::none;
+}
+
+}  // namespace
+
 ShotPlayer::ShotPlayer(const Rig& rig, Clock& clock, EdgeSource& edges, EventSink& sink, Interlock& interlock,
                        GuardedOutputs& outputs)
     : rig_(rig),
@@ -49,18 +57,22 @@ void ShotPlayer::begin(const Command& fire, std::int32_t shot_id, ShotRecord& re
   record.plan = fire.plan;
   if (record.plan.impact_at.ns == 0) record.plan.impact_at = rig_.plan.impact_at;
   record.start = now + kLead;
-  record.shutter_open = record.shutter_close = record.trigger = record.gate = MonoTime::never();
+  record.shutter_on = record.shutter_off = record.shutter_open = record.shutter_close = MonoTime::never();
+  record.trigger = record.gate = MonoTime::never();
+  record.shutter_feedback = ShutterFeedback::none;
   record.abort_reason = Words();
   overflows_before_ = sink_.overflows();
   kernel_overflows_before_ = edges_.overflows();
   build_plan(record.plan, rig_, plan_);
   record.start = record.start + quiet_start_.delay(record.start, plan_);
-  book_.open(record, record.plan.period);
+  book_.open(record, plan_.shortest_interval);
   for (const PlannedPulse& pulse : plan_.pulses) {
-    if (pulse.output == Output::strobes) book_.plan(at(pulse.at));
+    if (pulse.output == Output::strobes) book_.plan(at(pulse.at), pulse.lamps);
   }
   next_pulse_ = 0;
-  last_flash_ = gate_counts_from_ = MonoTime::never();
+  last_flash_ = {MonoTime::never(), MonoTime::never()};
+  gate_counts_from_ = MonoTime::never();
+  shutter_seen_open_ = shutter_seen_closed_ = false;
   phase_ = Phase::playing;
   report(EventKind::shot_started, now, record.plan.dry ? "dry" : "");
 }
@@ -128,25 +140,32 @@ void ShotPlayer::issue(const PlannedPulse& pulse, MonoTime now) noexcept {
 }
 
 bool ShotPlayer::lamps_recharged(const PlannedPulse& pulse, MonoTime now) noexcept {
-  if (!last_flash_.known()) return true;
-  const Duration gap = now - last_flash_;
-  // A plan at the lamps' shortest period must survive the jitter that is tolerated in each flash.
-  if (gap + rig_.tolerance.late >= rig_.lamps.min_period) return true;
-  Words why("flash ");
-  why.append(pulse.flash_index)
-      .append(" would have come ")
-      .append(gap.ns / 1000)
-      .append(" us after the one before");
-  abort(why);
-  return false;
+  for (std::size_t lamp = 0; lamp < last_flash_.size(); ++lamp) {
+    if (!last_flash_[lamp].known()) continue;
+    const bool flashes = lamp == 0 ? has_a(pulse.lamps) : has_b(pulse.lamps);
+    const Duration least = flashes ? rig_.lamps.min_period : least_interval(rig_);
+    const Duration gap = now - last_flash_[lamp];
+    // A plan at the lamps' shortest period must survive the jitter that is tolerated in each flash.
+    if (gap + rig_.tolerance.late >= least) continue;
+    Words why("flash ");
+    why.append(pulse.flash_index)
+        .append(" would have come ")
+        .append(gap.ns / 1000)
+        .append(" us after the one before");
+    abort(why);
+    return false;
+  }
+  return true;
 }
 
 void ShotPlayer::flash(const PlannedPulse& pulse, MonoTime now) noexcept {
   if (!lamps_recharged(pulse, now)) return;
-  const Issue issue = outputs_.activate(Output::strobes, at(pulse.at), pulse.width, now);
-  last_flash_ = issue.end;  // wherever in the call the line changed, the lamp has not flashed after it
+  const Issue issue = outputs_.activate(Output::strobes, at(pulse.at), pulse.width, now, pulse.lamps);
+  // Wherever in the call the line changed, the lamp has not flashed after it.
+  if (has_a(pulse.lamps)) last_flash_[0] = issue.end;
+  if (has_b(pulse.lamps)) last_flash_[1] = issue.end;
   book_.issued(pulse.flash_index, issue.start, issue.end);
-  report(EventKind::flash, Line::none, 1, issue, pulse.flash_index);
+  report(EventKind::flash, line_of(pulse.lamps), 1, issue, pulse.flash_index);
   if (!issue.done) abort("the lamps' lines could not be set");
 }
 
@@ -166,6 +185,7 @@ void ShotPlayer::trigger(const PlannedPulse& pulse) noexcept {
 
 void ShotPlayer::shutter(const PlannedPulse& pulse, MonoTime now) noexcept {
   const Issue issue = outputs_.activate(Output::shutter, at(pulse.at), pulse.width, now);
+  record_->shutter_on = issue.end;
   record_->shutter_open = issue.end + rig_.shutter.lag;
   if (record_->plan.dry) gate_counts_from_ = issue.end;  // a hand in the gate stands in for the ball
   report(EventKind::shutter, Line::shutter, 1, issue);
@@ -175,6 +195,7 @@ void ShotPlayer::shutter(const PlannedPulse& pulse, MonoTime now) noexcept {
 void ShotPlayer::switch_off(Output output, MonoTime now) noexcept {
   const Issue issue = outputs_.deactivate(output, now);
   if (output == Output::shutter) {
+    record_->shutter_off = issue.end;
     record_->shutter_close = issue.end + rig_.shutter.lag;
     report(EventKind::shutter, Line::shutter, 0, issue);
   } else if (output == Output::trigger) {
@@ -190,6 +211,7 @@ void ShotPlayer::switch_off(Output output, MonoTime now) noexcept {
 }
 
 void ShotPlayer::edge(const Edge& edge) noexcept {
+  if (busy() && edge.input == Input::xsync) return xsync(edge);
   if (!busy() || !edge.active) return;
   Event event;
   event.shot_id = record_->shot_id;
@@ -205,7 +227,47 @@ void ShotPlayer::edge(const Edge& edge) noexcept {
   event.kind = EventKind::sensor;
   event.line = edge.input == Input::sensor_a ? Line::sensor_a : Line::sensor_b;
   sink_.event(event);
-  book_.edge(edge.input, edge.time - rig_.sensor_delay);
+  const bool is_a = edge.input == Input::sensor_a;
+  book_.edge(edge.input, edge.time - (is_a ? rig_.sensors.delay_a : rig_.sensors.delay_b));
+}
+
+void ShotPlayer::xsync(const Edge& edge) noexcept {
+  Event event;
+  event.kind = EventKind::xsync;
+  event.line = Line::xsync;
+  event.level = edge.active ? 1 : 0;
+  event.shot_id = record_->shot_id;
+  event.device_time = edge.time;
+  sink_.event(event);
+  const auto after = [&edge](MonoTime issued) { return issued.known() && edge.time >= issued; };
+  // Contacts bounce: the first edge counts, and a closing only once the line is off.
+  if (edge.active && !shutter_seen_open_ && after(record_->shutter_on)) {
+    shutter_seen_open_ = true;
+    record_->shutter_open = edge.time;
+  } else if (!edge.active && shutter_seen_open_ && !shutter_seen_closed_ && after(record_->shutter_off)) {
+    shutter_seen_closed_ = true;
+    record_->shutter_close = edge.time;
+    if (phase_ == Phase::closing) closes_at_ = std::min(closes_at_, clock_.now() + kLateEdges);
+  }
+}
+
+ShutterFeedback ShotPlayer::shutter_feedback() const noexcept {
+  if (!rig_.line(Line::xsync).fitted || !record_->shutter_on.known()) return ShutterFeedback::none;
+  if (!shutter_seen_open_ || !shutter_seen_closed_) return ShutterFeedback::missing;
+  const auto off_by = [this](MonoTime seen, MonoTime issued) {
+    const Duration off = seen - issued - rig_.shutter.lag;
+    return std::max(off, -off);
+  };
+  const bool late = off_by(record_->shutter_open, record_->shutter_on) > rig_.shutter.late ||
+                    off_by(record_->shutter_close, record_->shutter_off) > rig_.shutter.late;
+  return late ? ShutterFeedback::late : ShutterFeedback::seen;
+}
+
+void ShotPlayer::close() noexcept {
+  phase_ = Phase::closing;
+  closes_at_ = clock_.now() + kLateEdges;
+  if (rig_.line(Line::xsync).fitted && shutter_seen_open_ && !shutter_seen_closed_)
+    closes_at_ = std::max(closes_at_, record_->shutter_close + rig_.shutter.late);
 }
 
 void ShotPlayer::gate(MonoTime stamp) noexcept {
@@ -219,7 +281,7 @@ void ShotPlayer::gate(MonoTime stamp) noexcept {
     return abort("the gate was interrupted too late for the burst to end within the exposure");
   }
   for (std::size_t k = next_pulse_; k < plan_.pulses.size(); ++k) {
-    if (plan_.pulses[k].output == Output::strobes) book_.plan(at(plan_.pulses[k].at));
+    if (plan_.pulses[k].output == Output::strobes) book_.plan(at(plan_.pulses[k].at), plan_.pulses[k].lamps);
   }
 }
 
@@ -228,10 +290,12 @@ void ShotPlayer::abort(const Words& why) noexcept {
   const bool shutter_was_open = outputs_.active(Output::shutter);
   const bool safe = outputs_.all_off();
   interlock_.aborted();
-  if (shutter_was_open) record_->shutter_close = clock_.now() + rig_.shutter.lag;
+  if (shutter_was_open) {
+    record_->shutter_off = clock_.now();
+    record_->shutter_close = record_->shutter_off + rig_.shutter.lag;
+  }
   record_->abort_reason = why;
-  phase_ = Phase::closing;
-  closes_at_ = clock_.now() + kLateEdges;
+  close();
   report(EventKind::shot_aborted, clock_.now(), why);
   if (!safe) interlock_.fault("an output could not be switched off");
 }
@@ -241,12 +305,12 @@ void ShotPlayer::end_if_over() noexcept {
     if (awaits_gate()) {
       abort("gate never seen");
     } else if (next_pulse_ == plan_.pulses.size() && !outputs_.any_active()) {
-      phase_ = Phase::closing;
-      closes_at_ = clock_.now() + kLateEdges;
+      close();
     }
   }
   if (phase_ == Phase::closing && clock_.now() >= closes_at_) {
     if (record_->abort_reason.empty()) report(EventKind::shot_ended, clock_.now(), "");
+    record_->shutter_feedback = shutter_feedback();
     record_->queue_overflows = sink_.overflows() - overflows_before_;
     record_->kernel_overflows = edges_.overflows() - kernel_overflows_before_;
     phase_ = Phase::handing_over;

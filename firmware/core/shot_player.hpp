@@ -29,7 +29,7 @@ class ShotPlayer {
   bool busy() const noexcept { return phase_ != Phase::idle; }
   std::int32_t shot_id() const noexcept { return busy() ? record_->shot_id : 0; }
   MonoTime next_due() const noexcept;    ///< kNoDeadline: nothing to do
-  void edge(const Edge& edge) noexcept;  ///< of a sensor or the gate
+  void edge(const Edge& edge) noexcept;  ///< of a sensor, the gate or the shutter's contact
   void abort(const Words& why) noexcept;
   /// Issues what is due within the spinning stretch, and ends the shot when its time has come.
   void run_due() noexcept;
@@ -46,6 +46,9 @@ class ShotPlayer {
   void shutter(const PlannedPulse& pulse, MonoTime now) noexcept;
   void switch_off(Output output, MonoTime now) noexcept;
   void gate(MonoTime stamp) noexcept;
+  void xsync(const Edge& edge) noexcept;
+  void close() noexcept;
+  ShutterFeedback shutter_feedback() const noexcept;
   bool lamps_recharged(const PlannedPulse& pulse, MonoTime now) noexcept;
   bool awaits_gate() const noexcept { return plan_.gated && !record_->gate.known(); }
   void end_if_over() noexcept;
@@ -66,7 +69,9 @@ class ShotPlayer {
   Phase phase_ = Phase::idle;
   ShotRecord* record_ = nullptr;
   MonoTime closes_at_;
-  MonoTime last_flash_ = MonoTime::never();
+  std::array<MonoTime, 2> last_flash_;  ///< of lamp A and of lamp B
+  bool shutter_seen_open_ = false;
+  bool shutter_seen_closed_ = false;
   MonoTime gate_counts_from_ = MonoTime::never();  ///< never: the machine was not yet triggered
   std::int64_t overflows_before_ = 0;
   std::int64_t kernel_overflows_before_ = 0;

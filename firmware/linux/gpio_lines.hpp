@@ -24,6 +24,7 @@ class GpioLines final : public OutputLines, public EdgeSource {
   ~GpioLines() override;
 
   bool set(Output output, bool active) noexcept override;
+  bool set_lamps(Lamps lamps) noexcept override;
   std::optional<std::size_t> wait(MonoTime until, std::span<Edge> edges) noexcept override;
   std::optional<bool> level(Input input) noexcept override;
   std::int64_t overflows() const noexcept override;

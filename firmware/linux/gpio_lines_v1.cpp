@@ -87,11 +87,12 @@ struct InputLine {
   Line line;
   bool both_edges;
 };
-constexpr std::array<InputLine, 5> kInputs{{{Input::estop, Line::estop, true},
+constexpr std::array<InputLine, 6> kInputs{{{Input::estop, Line::estop, true},
                                             {Input::key, Line::key, true},
                                             {Input::gate, Line::gate, false},
                                             {Input::sensor_a, Line::sensor_a, false},
-                                            {Input::sensor_b, Line::sensor_b, false}}};
+                                            {Input::sensor_b, Line::sensor_b, false},
+                                            {Input::xsync, Line::xsync, true}}};
 
 timespec until_timeout(MonoTime until) {
   timespec now{};
@@ -183,6 +184,13 @@ Result<std::unique_ptr<GpioLines>> GpioLines::open(const Rig& rig, int wake_fd) 
 bool GpioLines::set(Output output, bool active) noexcept {
   Impl::OutputGroup& group = impl_->outputs[index_of(output)];
   return gpiod_line_set_value_bulk(&group.bulk, active ? group.active.data() : group.inactive.data()) == 0;
+}
+
+bool GpioLines::set_lamps(Lamps lamps) noexcept {
+  Impl::OutputGroup& group = impl_->outputs[index_of(Output::strobes)];
+  const std::array<int, 2> levels{(has_a(lamps) ? group.active : group.inactive)[0],
+                                  (has_b(lamps) ? group.active : group.inactive)[1]};
+  return gpiod_line_set_value_bulk(&group.bulk, levels.data()) == 0;
 }
 
 bool GpioLines::Impl::drain(std::size_t i, std::span<Edge> edges, std::size_t& count) noexcept {

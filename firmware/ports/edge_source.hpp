@@ -9,7 +9,7 @@
 
 namespace strobe::firmware {
 
-enum class Input { sensor_a, sensor_b, gate, key, estop };
+enum class Input { sensor_a, sensor_b, gate, key, estop, xsync };
 
 struct Edge {
   Input input = Input::sensor_a;

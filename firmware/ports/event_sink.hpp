@@ -6,6 +6,7 @@
 
 #include "common/units/time.hpp"
 #include "firmware/ports/fixed_text.hpp"
+#include "firmware/ports/train_code.hpp"
 
 namespace strobe::firmware {
 
@@ -27,7 +28,9 @@ enum class EventKind : std::int8_t {
   shot_ended,
   shot_aborted,
   fault,
-  cleared
+  cleared,
+  xsync,
+  repaired
 };
 enum class Line : std::int8_t {
   none = 0,
@@ -39,9 +42,10 @@ enum class Line : std::int8_t {
   sensor_b,
   gate,
   key,
-  estop
+  estop,
+  xsync
 };
-inline constexpr std::size_t kLineCount = 10;  ///< with Line::none
+inline constexpr std::size_t kLineCount = 11;  ///< with Line::none
 
 struct Event {
   EventKind kind = EventKind::started;
@@ -85,9 +89,14 @@ struct PlanRequest {
   Duration gate_delay{};
   Duration impact_at{};
   bool dry = false;
+  TrainCode code;  ///< empty: an even train
 };
 
+/// What the shutter's own contact told; values are those of shot_t.
+enum class ShutterFeedback : std::int8_t { none = 0, seen, missing, late };
+
 struct FlashRecord {
+  Lamps lamps = Lamps::both;  ///< those that were to flash
   MonoTime commanded;
   MonoTime issue_start = MonoTime::never();
   MonoTime issue_end = MonoTime::never();
@@ -104,10 +113,13 @@ struct ShotRecord {
   std::int64_t command_id = 0;  ///< of the FIRE: finds the notes that came with it
   PlanRequest plan;
   MonoTime start;
-  MonoTime shutter_open = MonoTime::never();
+  MonoTime shutter_on = MonoTime::never();  ///< its line, issue_end
+  MonoTime shutter_off = MonoTime::never();
+  MonoTime shutter_open = MonoTime::never();  ///< as its contact told, else line and lag
   MonoTime shutter_close = MonoTime::never();
   MonoTime trigger = MonoTime::never();
   MonoTime gate = MonoTime::never();
+  ShutterFeedback shutter_feedback = ShutterFeedback::none;
   std::int64_t queue_overflows = 0;  ///< during the shot
   std::int64_t kernel_overflows = 0;
   Words abort_reason;  ///< empty: not aborted

@@ -5,6 +5,8 @@
 #include <array>
 #include <cstddef>
 
+#include "firmware/ports/lamps.hpp"
+
 namespace strobe::firmware {
 
 enum class Output { trigger, strobes, shutter };
@@ -18,6 +20,8 @@ class OutputLines {
   /// Drives every line of the output to the logical level in one call. Real-time safe. False: the call
   /// failed.
   virtual bool set(Output output, bool active) noexcept = 0;
+  /// Output::strobes: makes the named lamps' lines active and the other's inactive, in one call. Likewise.
+  virtual bool set_lamps(Lamps lamps) noexcept = 0;
 };
 
 }  // namespace strobe::firmware

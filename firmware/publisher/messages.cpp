@@ -7,6 +7,11 @@ namespace strobe::firmware {
 static_assert(static_cast<int>(EventKind::started) == strobe_msgs::event_t::STARTED);
 static_assert(static_cast<int>(EventKind::flash) == strobe_msgs::event_t::FLASH);
 static_assert(static_cast<int>(EventKind::cleared) == strobe_msgs::event_t::CLEARED);
+static_assert(static_cast<int>(EventKind::repaired) == strobe_msgs::event_t::REPAIRED);
+static_assert(static_cast<int>(EventKind::xsync) == strobe_msgs::event_t::XSYNC);
+static_assert(static_cast<int>(Line::xsync) == strobe_msgs::event_t::LINE_XSYNC);
+static_assert(static_cast<int>(Lamps::both) == strobe_msgs::coded_flash_t::BOTH_LAMPS);
+static_assert(static_cast<int>(ShutterFeedback::late) == strobe_msgs::shot_t::FEEDBACK_LATE);
 static_assert(static_cast<int>(Line::strobe_a) == strobe_msgs::event_t::LINE_STROBE_A);
 static_assert(static_cast<int>(Line::estop) == strobe_msgs::event_t::LINE_ESTOP);
 static_assert(static_cast<int>(Train::free) == strobe_msgs::plan_t::TRAIN_FREE);
@@ -40,6 +45,12 @@ strobe_msgs::plan_t to_message(const PlanRequest& plan) {
   message.gate_delay_ns = plan.gate_delay.ns;
   message.impact_at_ns = plan.impact_at.ns;
   message.dry = plan.dry;
+  message.code_count = static_cast<std::int32_t>(plan.code.size());
+  message.code.resize(plan.code.size());
+  for (std::size_t i = 0; i < plan.code.size(); ++i) {
+    message.code[i].offset_ns = plan.code[i].offset.ns;
+    message.code[i].lamps = static_cast<std::int8_t>(plan.code[i].lamps);
+  }
   return message;
 }
 
@@ -52,6 +63,9 @@ PlanRequest from_message(const strobe_msgs::plan_t& plan) {
   request.gate_delay = nanoseconds(plan.gate_delay_ns);
   request.impact_at = nanoseconds(plan.impact_at_ns);
   request.dry = plan.dry != 0;
+  for (const auto& flash : plan.code) {
+    if (!request.code.push_back({nanoseconds(flash.offset_ns), static_cast<Lamps>(flash.lamps)})) break;
+  }
   return request;
 }
 
@@ -77,6 +91,7 @@ std::vector<strobe_msgs::flash_t> flashes_of(const ShotRecord& record) {
   for (const FlashRecord& flash : record.flashes) {
     strobe_msgs::flash_t message{};
     message.flash_index = static_cast<std::int32_t>(flashes.size());
+    message.lamps = static_cast<std::int8_t>(flash.lamps);
     message.commanded_ns = flash.commanded.ns;
     message.issue_start_ns = flash.issue_start.ns;
     message.issue_end_ns = flash.issue_end.ns;
@@ -101,11 +116,15 @@ strobe_msgs::shot_t to_message(const ShotRecord& record, const Rig& rig, std::in
   message.last_sequence = sequences.last;
   message.plan = to_message(record.plan);
   message.start_ns = record.start.ns;
+  message.shutter_on_ns = record.shutter_on.ns;
+  message.shutter_off_ns = record.shutter_off.ns;
+  message.shutter_feedback = static_cast<std::int8_t>(record.shutter_feedback);
   message.shutter_open_ns = record.shutter_open.ns;
   message.shutter_close_ns = record.shutter_close.ns;
   message.trigger_ns = record.trigger.ns;
   message.gate_ns = record.gate.ns;
-  message.lamp_delay_us = rig.lamps.delay_us;
+  message.lamp_delay_a_us = rig.lamps.delay_a_us;
+  message.lamp_delay_b_us = rig.lamps.delay_b_us;
   message.sensor_a_fitted = rig.line(Line::sensor_a).fitted;
   message.sensor_b_fitted = rig.line(Line::sensor_b).fitted;
   message.late_tolerance_us = static_cast<double>(rig.tolerance.late.ns) / 1e3;

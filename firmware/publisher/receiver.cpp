@@ -50,7 +50,8 @@ bool well_formed(const std::uint8_t* data, std::size_t size) {
   // reads before the buffer. So what varies is walked through first.
   const auto fixed = static_cast<std::size_t>(strobe_msgs::command_t{}.getEncodedSize());
   if (size < fixed) return false;
-  std::size_t at = fixed - 4;
+  constexpr std::size_t kCodedFlash = 8 + 1, kAfterCode = 2 * 8 + 4;  // resend_first, resend_last, note_count
+  std::size_t at = fixed - kAfterCode - 4;
   const auto next_count = [&](std::uint32_t& count) {
     if (size - at < 4) return false;
     count = std::uint32_t{data[at]} << 24 | std::uint32_t{data[at + 1]} << 16 |
@@ -58,7 +59,9 @@ bool well_formed(const std::uint8_t* data, std::size_t size) {
     at += 4;
     return true;
   };
-  std::uint32_t notes = 0, length = 0;
+  std::uint32_t coded = 0, notes = 0, length = 0;
+  if (!next_count(coded) || coded > kMostCodedFlashes || size - fixed < coded * kCodedFlash) return false;
+  at += coded * kCodedFlash + kAfterCode - 4;
   if (!next_count(notes) || notes > kMostNotes) return false;
   for (std::uint32_t text = 0; text < 2 * notes; ++text) {
     if (!next_count(length) || length == 0 || length > size - at) return false;

@@ -136,6 +136,8 @@ FlagSet shot_flags(const shot_t& shot) {
   FlagSet flags;
   if (shot.aborted) flags.set(Flag::shot_aborted);
   if (shot.queue_overflows > 0 || shot.kernel_overflows > 0) flags.set(Flag::events_missing);
+  if (shot.shutter_feedback == shot_t::FEEDBACK_MISSING || shot.shutter_feedback == shot_t::FEEDBACK_LATE)
+    flags.set(Flag::shutter_suspect);
   return flags;
 }
 
@@ -179,6 +181,7 @@ AssembledShot assemble(const shot_t& shot, const frame_t& message, const Assembl
   if (!match) return unmatched(result, Flag::flash_match_ambiguous, "more images than flashes were seen");
   put_times(result.frame, times, *match);
   result.match_doubt = match->doubt;
+  result.index_doubt = match->index_doubt;
   if (match->doubt > kMostDoubt) result.flags.set(Flag::flash_match_ambiguous);
   result.flags.merge(flash_flags(times, *match, *result.frame.images.front().flash_index,
                                  *result.frame.images.back().flash_index));

@@ -28,6 +28,7 @@ struct AssembledShot {
       frame;  ///< images with the times of their flashes, from the first image's; empty if unmatched
   reduction::FlagSet flags;  ///< of the flashes that show the ball, the match, the sensors and the shot
   double match_doubt = 0.0;  ///< FlashMatch::doubt
+  double index_doubt = 0.0;  ///< FlashMatch::index_doubt
   std::string problem;       ///< words for a person where the frame could not be matched; else empty
 };
 
@@ -51,7 +52,8 @@ struct ShotReadout {
 ShotReadout shot_readout(const strobe_msgs::shot_t& shot, const strobe_msgs::frame_t& frame,
                          const AssemblySettings& settings);
 
-/// Flags of the shot itself, whatever the photograph shows: aborted, events lost before the journal.
+/// Flags of the shot itself, whatever the photograph shows: aborted, events lost before the journal,
+/// a shutter that did not tell as it should.
 reduction::FlagSet shot_flags(const strobe_msgs::shot_t& shot);
 
 }  // namespace strobe::host

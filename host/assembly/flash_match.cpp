@@ -143,6 +143,7 @@ class Matcher {
     match.flash.insert(match.flash.end(), chosen.out->flash.begin(), chosen.out->flash.end());
     match.chi_squared = chosen.chi_squared;
     match.doubt = doubt(chosen, scale);
+    match.index_doubt = index_doubt(chosen, scale);
     match.may_show = may_show(chosen, scale);
     return match;
   }
@@ -170,6 +171,12 @@ class Matcher {
       error += weight * std::min(squared_error(pair, chosen) / scale, kMostSquaredError);
     }
     return error / all;
+  }
+
+  double index_doubt(const Pair& chosen, double scale) const {
+    double all = 0.0;
+    for (const Pair& pair : pairs_) all += std::exp(-0.5 * (pair.score(scale) - chosen.score(scale)));
+    return 1.0 - 1.0 / all;
   }
 
   /// In units of the noise as stated.
@@ -205,6 +212,7 @@ class Matcher {
     std::iota(match.flash.begin(), match.flash.end(),
               std::clamp(middle - count / 2, 0, flash_count() - count));
     match.doubt = kMostSquaredError;
+    match.index_doubt = 1.0;
     return match;
   }
 

@@ -27,6 +27,9 @@ struct FlashMatch {
   /// What taking the wrong assignment is expected to add to the variance of the worst number, in units of
   /// that number's own variance; one assignment's error counts as at most 3 sd. 0 to 9.
   double doubt = 0.0;
+  /// How probable it is that the images are of other flashes than said, 0 to 1. In an even train the
+  /// intervals leave open which flashes they are, however sure the numbers; a coded train's tell.
+  double index_doubt = 0.0;
 };
 
 /// More doubt than this is an ambiguous match: the stated sd would be 5 % too small, or the odds for numbers

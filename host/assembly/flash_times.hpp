@@ -8,14 +8,15 @@
 namespace strobe::host {
 
 /// A flash that gave light. time_ns is CLOCK_MONOTONIC: the mean of both sensors' stamps, or the one's that
-/// fired.
+/// fired (of a flash of one lamp: its own sensor's). Where one sensor stands for both lamps, the difference
+/// of their delays is allowed for.
 struct SeenFlash {
   int index = 0;  ///< flash_t.flash_index
   std::int64_t time_ns = 0;
   double time_sd_s = 0.0;
   bool late = false;              ///< observed - commanded - lamp delay beyond the rig's tolerance
   bool doubled = false;           ///< further sensor edges before the next flash
-  bool sensor_silent = false;     ///< a fitted sensor did not see it
+  bool sensor_silent = false;     ///< a fitted sensor did not see the flash of its lamp
   bool before_its_pulse = false;  ///< seen before it was issued: not plausible
 };
 

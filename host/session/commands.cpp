@@ -20,6 +20,13 @@ plan_t plan_message(const ShotPlan& plan, bool dry) {
   message.gate_delay_ns = gated ? ns(plan.gate_delay_ms, 1e6) : 0;
   message.impact_at_ns = ns(plan.impact_at_ms.value_or(0.0), 1e6);
   message.dry = dry;
+  for (const CodedFlash& flash : train_code(plan)) {
+    message.code.emplace_back();
+    message.code.back().offset_ns = ns(flash.offset_us, 1e3);
+    message.code.back().lamps = static_cast<std::int8_t>(flash.lamps);
+  }
+  message.code_count = static_cast<std::int32_t>(message.code.size());
+  if (gated && plan.coded()) message.flash_count = message.code_count;
   return message;
 }
 

@@ -10,9 +10,11 @@ constexpr std::size_t kFingerprint = 8, kInt8 = 1, kInt32 = 4, kInt64 = 8, kDoub
 constexpr std::size_t kPoint = 2 * kDouble;
 constexpr std::size_t kBallImage = 2 * kInt8 + 12 * kDouble;
 constexpr std::size_t kBallImageV1 = kInt8 + 6 * kDouble;
-constexpr std::size_t kFlash = kInt32 + 5 * kInt64 + kInt32;
+constexpr std::size_t kFlashV1 = kInt32 + 5 * kInt64 + kInt32;
+constexpr std::size_t kFlash = kFlashV1 + kInt8;
 constexpr std::size_t kShortestNote = 2 * (kInt32 + 1);  // two empty strings with their ends
-constexpr std::size_t kPlan = kInt8 + kInt64 + kInt32 + 3 * kInt64 + kInt8;
+constexpr std::size_t kPlan = kInt8 + kInt64 + kInt32 + 3 * kInt64 + kInt8;  // of an even train
+constexpr std::size_t kCodedFlash = kInt64 + kInt8;
 
 /// Walks over an encoded message; once past its end it stays failed.
 class Walk {
@@ -62,6 +64,13 @@ bool frame_plausible(const void* data, std::size_t size, std::size_t host, std::
   return walk.good();
 }
 
+void skip_rest_of_shot(Walk& walk, std::size_t flash) {
+  walk.skip(2 * kInt64 + kInt8);  // overflows, aborted
+  walk.skip_string();             // reason
+  walk.count(flash, true);
+  walk.count(kShortestNote, false);
+}
+
 }  // namespace
 
 bool frame_counts_plausible(const void* data, std::size_t size) {
@@ -76,11 +85,19 @@ bool shot_counts_plausible(const void* data, std::size_t size) {
   Walk walk(data, size);
   walk.skip(kFingerprint + kInt32 + kInt64 + kInt32 + 3 * kInt64);  // schema, boot, shot, host, sequences
   walk.skip(kPlan);
+  walk.count(kCodedFlash, true);
+  walk.skip(5 * kInt64 + kInt8 + 2 * kInt64);    // start and shutter, its feedback, trigger and gate
+  walk.skip(2 * kDouble + 2 * kInt8 + kDouble);  // lamp delays, sensors, tolerance
+  skip_rest_of_shot(walk, kFlash);
+  return walk.good();
+}
+
+bool shot_v1_counts_plausible(const void* data, std::size_t size) {
+  Walk walk(data, size);
+  walk.skip(kFingerprint + kInt32 + kInt64 + kInt32 + 3 * kInt64);
+  walk.skip(kPlan);
   walk.skip(5 * kInt64 + kDouble + 2 * kInt8 + kDouble);  // instants, lamp delay, sensors, tolerance
-  walk.skip(2 * kInt64 + kInt8);                          // overflows, aborted
-  walk.skip_string();                                     // reason
-  walk.count(kFlash, true);
-  walk.count(kShortestNote, false);
+  skip_rest_of_shot(walk, kFlashV1);
   return walk.good();
 }
 

@@ -12,5 +12,6 @@ namespace strobe::host {
 bool frame_counts_plausible(const void* data, std::size_t size);
 bool frame_v1_counts_plausible(const void* data, std::size_t size);
 bool shot_counts_plausible(const void* data, std::size_t size);
+bool shot_v1_counts_plausible(const void* data, std::size_t size);
 
 }  // namespace strobe::host

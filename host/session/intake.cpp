@@ -6,6 +6,7 @@
 
 #include "common/messages/channels.hpp"
 #include "common/messages/lcm_conversions.hpp"
+#include "common/messages/shot_versions.hpp"
 #include "host/session/counts.hpp"
 
 namespace strobe::host {
@@ -43,8 +44,7 @@ void Intake::receive(std::string_view channel, const void* data, std::size_t siz
     } else if (channel == status_) {
       take(strobe_msgs::status_t{}, &MessageSink::status);
     } else if (channel == shot_) {
-      if (!shot_counts_plausible(data, size)) return void(++undecodable_);
-      take(strobe_msgs::shot_t{}, &MessageSink::shot);
+      take_shot(data, size, now_ns);
     } else if (channel == frame_) {
       take_frame(data, size, now_ns);
     }
@@ -56,6 +56,15 @@ void Intake::receive(std::string_view channel, const void* data, std::size_t siz
       fault_.clear();
     }
   }
+}
+
+void Intake::take_shot(const void* data, std::size_t size, std::int64_t now_ns) {
+  strobe_msgs::shot_t shot;
+  if (shot_counts_plausible(data, size) && decode(shot, data, size)) return sink_.shot(shot, now_ns);
+  strobe_msgs::shot_v1_t old;  // of a log from before version 2
+  if (shot_v1_counts_plausible(data, size) && decode(old, data, size))
+    return sink_.shot(messages::shot_from_v1(old), now_ns);
+  ++undecodable_;
 }
 
 void Intake::take_frame(const void* data, std::size_t size, std::int64_t now_ns) {

@@ -42,6 +42,8 @@ std::string_view words(Flag flag) {
       return "flash times are not plausible";
     case Flag::events_missing:
       return "events were lost before the journal";
+    case Flag::shutter_suspect:
+      return "the shutter's contact did not tell that it opened and closed as it should";
   }
   return "";
 }

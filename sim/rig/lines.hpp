@@ -19,12 +19,13 @@ enum class RigLine : std::uint32_t {
   gate,
   key,
   estop,
+  xsync,
 };
 
 inline constexpr std::array<std::string_view, 16> kLineNames{
     "STROBE_A", "STROBE_B", "SHUTTER",  "TRIGGER",  "SENSOR_A", "SENSOR_B", "GATE",     "KEY",
-    "ESTOP",    "SPARE_9",  "SPARE_10", "SPARE_11", "SPARE_12", "SPARE_13", "SPARE_14", "SPARE_15"};
-inline constexpr std::size_t kWiredLines = 9;
+    "ESTOP",    "XSYNC",    "SPARE_10", "SPARE_11", "SPARE_12", "SPARE_13", "SPARE_14", "SPARE_15"};
+inline constexpr std::size_t kWiredLines = 10;
 
 constexpr std::string_view name(RigLine line) { return kLineNames[static_cast<std::size_t>(line)]; }
 

@@ -180,6 +180,8 @@ void Rig::on_shutter(int level, MonoTime at) {
     if (shot_fault(scene_.faults, FaultKind::shutter_stuck, exposures_)) {
       current_->opened = MonoTime::never();
       note_faults({FaultKind::shutter_stuck});
+    } else {
+      schedule({current_->opened, RigLine::xsync, 1});
     }
     if (waiting_.triggered.known() && at - waiting_.triggered < kBallInFlight) {
       current_->ball = std::move(waiting_.ball);
@@ -189,11 +191,13 @@ void Rig::on_shutter(int level, MonoTime at) {
     waiting_ = {};
   } else if (current_ && !current_->closed.known()) {
     if (at < current_->opened) {
+      std::erase_if(pending_, [](const Drive& drive) { return drive.line == RigLine::xsync; });
       current_->opened = MonoTime::never();
       current_->closed = at;
     } else {
       current_->closed = at + from_seconds(std::max(0.0, shutter_draws_->normal(scene_.shutter.close_lag_s,
                                                                                 scene_.shutter.lag_sd_s)));
+      if (current_->opened.known()) schedule({current_->closed, RigLine::xsync, 0});
     }
   }
 }

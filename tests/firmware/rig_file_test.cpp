@@ -128,7 +128,7 @@ TEST(RigFile, NamesFileLineAndKeyOfEveryMistake) {
       {"train = \"free\"", "train = \"fast\"", "plan.train: must be one of free, gated, is \"fast\""},
       {"abort_late_us = 1500", "abort_late_us = 99",
        "tolerance.abort_late_us: must not be less than tolerance.late_us"},
-      {"spin_us = 200", "spin_us = 1001", "tolerance.spin_us: must be at most 1000, is 1001"},
+      {"spin_us = 200", "spin_us = 401", "tolerance.spin_us: must be at most 400, is 401"},
       {"expires_s = 30", "expires_s = 0", "arming.expires_s: must be at least 1, is 0"},
       {"priority = 80", "priority = 99", "real_time.priority: must be at most 98, is 99"},
       {"priority = 80", "priority = 80.5", "real_time.priority: must be a whole number"},

@@ -83,7 +83,7 @@ TEST(Sequencer, HandsOverAWholeRecord) {
 
 TEST(Sequencer, SubtractsTheSensorsDelay) {
   Rig config = bench_rig();
-  config.sensor_delay = microseconds(5);
+  config.sensors.delay_a = config.sensors.delay_b = microseconds(5);
   SequencerBench slow(config);
   slow.start();
   slow.fire();

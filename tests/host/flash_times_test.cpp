@@ -17,6 +17,7 @@ using strobe_msgs::shot_t;
 flash_t flash(int index, std::int64_t commanded_ns, std::int64_t a_ns, std::int64_t b_ns) {
   flash_t f{};
   f.flash_index = index;
+  f.lamps = 3;
   f.commanded_ns = commanded_ns;
   f.issue_start_ns = commanded_ns;
   f.issue_end_ns = commanded_ns + 100;
@@ -34,7 +35,7 @@ TEST_GROUP(FlashTimesOfAShot) {
 
   void setup() override {
     shot.sensor_a_fitted = shot.sensor_b_fitted = true;
-    shot.lamp_delay_us = 12.0;
+    shot.lamp_delay_a_us = shot.lamp_delay_b_us = 12.0;
     shot.late_tolerance_us = 100.0;
   }
 };
@@ -102,7 +103,7 @@ TEST(FlashTimesOfAShot, TimesOutOfOrderAreNoticed) {
 }
 
 TEST(FlashTimesOfAShot, ALampDelayThatIsNotANumberCountsAsNone) {
-  shot.lamp_delay_us = std::numeric_limits<double>::quiet_NaN();
+  shot.lamp_delay_a_us = shot.lamp_delay_b_us = std::numeric_limits<double>::quiet_NaN();
   shot.flashes = {flash(0, 1'000'000, kNone, kNone)};
   LONGS_EQUAL(1'000'100, flash_times(shot).seen[0].time_ns);
 }

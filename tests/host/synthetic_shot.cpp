@@ -80,6 +80,7 @@ Pose pose_at(const Bounce& b, double t) {  // t after touchdown
 
 flash_t make_flash(const Scenario& sc, int k, double* light_s) {
   flash_t flash{};
+  flash.lamps = 3;
   const auto planned_ns = static_cast<std::int64_t>(std::llround(k * sc.period_s * 1e9));
   const auto late = sc.late_us.find(k);
   const double late_us = late == sc.late_us.end() ? 0.0 : late->second;
@@ -156,7 +157,8 @@ SyntheticShot make_shot(const Scenario& sc) {
   shot.trigger_ns =
       kFirstFlash_ns + std::llround((sc.touchdown_s - kMachineLag_s - sc.machine_error_s) * 1e9);
   shot.gate_ns = shot_t::NO_TIME;
-  shot.lamp_delay_us = kLampDelay_us;
+  shot.shutter_on_ns = shot.shutter_off_ns = shot_t::NO_TIME;
+  shot.lamp_delay_a_us = shot.lamp_delay_b_us = kLampDelay_us;
   shot.sensor_a_fitted = shot.sensor_b_fitted = true;
   shot.late_tolerance_us = 100;
   for (int k = 0; k < sc.flash_count; ++k) {

@@ -41,6 +41,7 @@ bool explains(Flag flag) {
     case Flag::no_contact_image:
     case Flag::overlaps_surface:
     case Flag::sd_from_residuals:
+    case Flag::shutter_suspect:
       return false;
   }
   return false;

@@ -148,6 +148,15 @@ bool Lab::set(Output output, bool active) noexcept {
   return true;
 }
 
+bool Lab::set_lamps(firmware::Lamps lamps) noexcept {
+  ambush();
+  pass(kHalfASet);
+  if (dead_) return true;
+  drive(Output::strobes, true, lamps);
+  pass(kHalfASet);
+  return true;
+}
+
 std::optional<std::size_t> Lab::wait(MonoTime until, std::span<firmware::Edge> edges) noexcept {
   while (!dead_ && !woken_ && waiting_edges_ == 0) {
     if (next() > until) {
@@ -189,7 +198,7 @@ void Lab::publish(const std::string& channel, std::span<const std::uint8_t> byte
 
 // Bench -----------------------------------------------------------------------------------------------------
 
-void Lab::drive(Output output, bool active) {
+void Lab::drive(Output output, bool active, firmware::Lamps lamps) {
   bool& driven = driven_[index_of(output)];
   if (driven == active) return;
   driven = active;
@@ -199,7 +208,7 @@ void Lab::drive(Output output, bool active) {
         : output == Output::strobes ? "lamps"
                                     : "shutter",
         active ? "on" : "off");
-  observer_.output(output, active, time_);
+  observer_.output(output, active, time_, lamps);
   const int level = active ? 1 : 0;
   switch (output) {
     case Output::trigger:
@@ -207,8 +216,9 @@ void Lab::drive(Output output, bool active) {
     case Output::shutter:
       return rig_.line_changed(sim::RigLine::shutter, level, time_);
     case Output::strobes:
-      rig_.line_changed(sim::RigLine::strobe_a, level, time_);
-      return rig_.line_changed(sim::RigLine::strobe_b, level, time_);
+      if (!active || has_a(lamps)) rig_.line_changed(sim::RigLine::strobe_a, level, time_);
+      if (!active || has_b(lamps)) rig_.line_changed(sim::RigLine::strobe_b, level, time_);
+      return;
   }
 }
 

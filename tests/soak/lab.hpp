@@ -86,6 +86,7 @@ class Lab final : firmware::Clock, firmware::OutputLines, firmware::EdgeSource, 
   MonoTime now() noexcept override;
   MonoTime spin_until(MonoTime instant) noexcept override;
   bool set(firmware::Output output, bool active) noexcept override;
+  bool set_lamps(firmware::Lamps lamps) noexcept override;
   std::optional<std::size_t> wait(MonoTime until, std::span<firmware::Edge> edges) noexcept override;
   std::optional<bool> level(firmware::Input input) noexcept override;
   std::int64_t overflows() const noexcept override { return overflows_; }
@@ -101,7 +102,7 @@ class Lab final : firmware::Clock, firmware::OutputLines, firmware::EdgeSource, 
   void in(Duration delay, What what) { timeline_.schedule(time_ + delay, {what, {}}); }
 
   // Bench
-  void drive(firmware::Output output, bool active);
+  void drive(firmware::Output output, bool active, firmware::Lamps lamps = firmware::Lamps::both);
   void set_key(bool on);
   void set_estop(bool pressed);
   void edge(firmware::Input input, bool active, MonoTime at);
@@ -153,7 +154,7 @@ class Lab final : firmware::Clock, firmware::OutputLines, firmware::EdgeSource, 
 
   bool key_ = true;
   bool estop_ = false;
-  std::array<std::deque<firmware::Edge>, 5> kernel_;
+  std::array<std::deque<firmware::Edge>, 6> kernel_;
   std::size_t waiting_edges_ = 0;
   std::int64_t overflows_ = 0;
   std::vector<sim::Drive> drives_;

@@ -60,7 +60,7 @@ bool Observer::unsafe_before(MonoTime at) const {
   return unsafe_since_.known() && at - unsafe_since_ > kMakesSafe + excused(unsafe_since_, at);
 }
 
-void Observer::output(Output output, bool active, MonoTime at) {
+void Observer::output(Output output, bool active, MonoTime at, firmware::Lamps lamps) {
   Watched& watched = outputs_[index_of(output)];
   if (watched.active == active) return;
   if (!active) {
@@ -76,7 +76,7 @@ void Observer::output(Output output, bool active, MonoTime at) {
   }
   if (output == Output::trigger) check_trigger(at);
   if (output == Output::shutter) flashes_of_shot_ = 0;  // each shot opens it once
-  if (output == Output::strobes) check_lamps(at);
+  if (output == Output::strobes) check_lamps(lamps, at);
 }
 
 void Observer::check_end(Output output, const Watched& watched, MonoTime at) {
@@ -105,15 +105,17 @@ void Observer::check_trigger(MonoTime at) {
   violate(fmt::format("trigger at {} without a fresh token", at.ns));
 }
 
-void Observer::check_lamps(MonoTime at) {
-  if (last_flash_.known()) {
-    const Duration gap = at - last_flash_;
+void Observer::check_lamps(firmware::Lamps lamps, MonoTime at) {
+  for (std::size_t lamp = 0; lamp < last_flash_.size(); ++lamp) {
+    if (lamp == 0 ? !has_a(lamps) : !has_b(lamps)) continue;
+    const MonoTime before = std::exchange(last_flash_[lamp], at);
+    if (!before.known()) continue;
     // A daemon that is started anew does not know when the last one flashed; it takes much longer than that.
-    if (gap + limits_.tolerance.late + microseconds(1) < limits_.lamps.min_period) {
-      violate(fmt::format("lamps flashed {} us after the flash before, at {}", gap.ns / 1000, at.ns));
+    if (at - before + limits_.tolerance.late + microseconds(1) < limits_.lamps.min_period) {
+      violate(
+          fmt::format("a lamp flashed {} us after its flash before, at {}", (at - before).ns / 1000, at.ns));
     }
   }
-  last_flash_ = at;
   if (++flashes_of_shot_ > limits_.lamps.max_flashes) {
     violate(fmt::format("{} flashes in one shot, at {}", flashes_of_shot_, at.ns));
   }

@@ -38,7 +38,8 @@ class Observer {
   explicit Observer(const firmware::Rig& limits) : limits_(limits) {}
 
   // The bench
-  void output(firmware::Output output, bool active, MonoTime at);
+  void output(firmware::Output output, bool active, MonoTime at,
+              firmware::Lamps lamps = firmware::Lamps::both);
   void key(bool on, MonoTime at);
   void estop(bool pressed, MonoTime at);
 
@@ -88,7 +89,7 @@ class Observer {
   };
 
   void check_trigger(MonoTime at);
-  void check_lamps(MonoTime at);
+  void check_lamps(firmware::Lamps lamps, MonoTime at);
   void check_end(firmware::Output output, const Watched& watched, MonoTime at);
   void became_unsafe(MonoTime at);
   Duration excused(MonoTime from, MonoTime to) const;
@@ -106,7 +107,7 @@ class Observer {
   std::int64_t boot_id_ = 0;
   std::int64_t arming_host_ = 0;
   std::map<std::int64_t, Token> tokens_;
-  MonoTime last_flash_ = MonoTime::never();
+  std::array<MonoTime, 2> last_flash_{MonoTime::never(), MonoTime::never()};  ///< of lamp A, of lamp B
   int flashes_of_shot_ = 0;
   int triggers_ = 0;
   std::map<std::int64_t, std::vector<bool>> on_host_;  ///< of each boot, by sequence

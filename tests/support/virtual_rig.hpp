@@ -25,6 +25,7 @@ class VirtualRig final : public Clock,
     MonoTime time;
     Output output;
     bool active;
+    Lamps lamps = Lamps::both;  ///< of Output::strobes
   };
 
   explicit VirtualRig(std::size_t max_flashes = 400, std::size_t record_count = 16) : records_(record_count) {
@@ -50,6 +51,9 @@ class VirtualRig final : public Clock,
   Duration lamp_delay = microseconds(12);
   bool sensor_a_works = true;
   bool sensor_b_works = true;
+  bool xsync_works = false;
+  Duration opening_lag = milliseconds(45);
+  Duration closing_lag = milliseconds(45);
   std::set<int> missing_flashes;  ///< by count of lamp pulses since the start
   std::function<bool(Output, bool)> set_succeeds = [](Output, bool) { return true; };
 
@@ -118,14 +122,8 @@ class VirtualRig final : public Clock,
     pass(nanoseconds(30));
     return time;
   }
-  bool set(Output output, bool active) noexcept override {
-    const bool was = level_of(output);
-    const bool done = set_succeeds(output, active);
-    if (done) sets.push_back({time, output, active});
-    pass(set_cost);
-    if (done && output == Output::strobes && active && !was) flash();
-    return done;
-  }
+  bool set(Output output, bool active) noexcept override { return drive(output, active, Lamps::both); }
+  bool set_lamps(Lamps lamps) noexcept override { return drive(Output::strobes, true, lamps); }
   std::optional<std::size_t> wait(MonoTime until, std::span<Edge> edges) noexcept override {
     MonoTime wake = until;
     if (!pending_.empty()) wake = std::min(wake, pending_.front().time);
@@ -194,12 +192,24 @@ class VirtualRig final : public Clock,
     if (edge.input == Input::key) key = edge.active;
     if (edge.input == Input::estop) estop = edge.active;
   }
-  void flash() noexcept {
+  bool drive(Output output, bool active, Lamps lamps) noexcept {
+    const bool was = level_of(output);
+    const bool done = set_succeeds(output, active);
+    if (done) sets.push_back({time, output, active, lamps});
+    pass(set_cost);
+    if (done && output == Output::strobes && active && !was) flash(lamps);
+    if (done && output == Output::shutter && active != was) move_shutter(active);
+    return done;
+  }
+  void move_shutter(bool open) noexcept {
+    if (xsync_works) schedule({Input::xsync, sets.back().time + (open ? opening_lag : closing_lag), open});
+  }
+  void flash(Lamps lamps) noexcept {
     const int index = flashes_++;
     if (missing_flashes.count(index) != 0) return;
     const MonoTime seen = sets.back().time + lamp_delay;
-    if (sensor_a_works) schedule({Input::sensor_a, seen, true});
-    if (sensor_b_works) schedule({Input::sensor_b, seen, true});
+    if (sensor_a_works && has_a(lamps)) schedule({Input::sensor_a, seen, true});
+    if (sensor_b_works && has_b(lamps)) schedule({Input::sensor_b, seen, true});
   }
 
   std::vector<ShotRecord> records_;
@@ -209,11 +219,12 @@ class VirtualRig final : public Clock,
   int flashes_ = 0;
 };
 
-/// The rig as shipped, without a file: every line fitted, the numbers of firmware/rig.toml.
+/// The rig as shipped, without a file: every line but the X-sync fitted, the numbers of firmware/rig.toml.
 inline Rig bench_rig() {
   Rig rig;
   rig.file_name = "rig.toml";
   for (LineConfig& line : rig.lines) line.fitted = true;
+  rig.line(Line::xsync).fitted = false;
   rig.plan.period = microseconds(3000);
   rig.plan.exposure = milliseconds(500);
   rig.plan.impact_at = milliseconds(250);

@@ -22,6 +22,7 @@ std::int64_t nanoseconds_of(double s) { return std::llround(s * 1e9); }
 flash_t flash_message(int index, std::int64_t edge_ns, std::int64_t first_ns,
                       const std::optional<double>& seen_s) {
   flash_t flash{};
+  flash.lamps = 3;
   flash.flash_index = index;
   flash.commanded_ns = edge_ns;
   flash.issue_start_ns = edge_ns - kIssue_ns;
@@ -47,7 +48,9 @@ shot_t shot_message(const KnownPhotograph& known, const sim::Scene& scene, int s
   shot.shutter_close_ns = closed_ns;
   shot.trigger_ns = shot_t::NO_TIME;
   shot.gate_ns = shot_t::NO_TIME;
-  shot.lamp_delay_us = scene.lamps.delay_s * 1e6;
+  shot.shutter_on_ns = shot.start_ns;
+  shot.shutter_off_ns = shot_t::NO_TIME;
+  shot.lamp_delay_a_us = shot.lamp_delay_b_us = scene.lamps.delay_s * 1e6;
   shot.sensor_a_fitted = shot.sensor_b_fitted = true;
   shot.late_tolerance_us = 100.0;
   const std::int64_t first_ns = exposure.pulses.front().edge.ns + shift_ns;

@@ -1,0 +1,352 @@
+// Trains of unequal intervals, with flashes left out and flashes of one lamp, from the plan to the record.
+#include <cstdlib>
+#include <set>
+#include <string>
+
+#include "tests/support/sequencer_bench.hpp"
+// CppUTest redefines new; its headers come last.
+#include <CppUTest/TestHarness.h>
+
+using namespace strobe;
+using namespace strobe::firmware;
+using strobe::testing::bench_rig;
+using strobe::testing::kFirstFlashAt;
+using strobe::testing::SequencerBench;
+
+namespace {
+
+/// 0, 3, 6.4 ms ... with flash 2 of lamp A alone, flash 5 of lamp B alone, and a gap after flash 7.
+TrainCode some_code() {
+  TrainCode code;
+  Duration at{};
+  for (int k = 0; k < 12; ++k) {
+    code.push_back({at, k == 2 ? Lamps::a : k == 5 ? Lamps::b : Lamps::both});
+    at = at + microseconds(k % 3 == 1 ? 3400 : 3000) + (k == 7 ? milliseconds(3) : Duration{});
+  }
+  return code;
+}
+
+std::string refusal(const PlanRequest& request, const Rig& rig) {
+  const auto checked = check_plan(request, rig);
+  return checked ? "" : checked.error().message;
+}
+
+}  // namespace
+
+TEST_GROUP(TrainCode){};
+
+TEST(TrainCode, HoldsWhatWasPutInAndNoMoreThanItsRoom) {
+  TrainCode code;
+  CHECK(code.empty());
+  for (std::size_t i = 0; i < kMostCodedFlashes; ++i)
+    CHECK(code.push_back({milliseconds(static_cast<std::int64_t>(i)), i % 2 == 0 ? Lamps::a : Lamps::b}));
+  CHECK_FALSE(code.push_back({milliseconds(5000), Lamps::both}));
+  CHECK_EQUAL(kMostCodedFlashes, code.size());
+  const TrainCode copy = code;
+  CHECK(copy[7] == (CodedFlash{milliseconds(7), Lamps::b}));
+  CHECK(copy.back() == code.back());
+}
+
+TEST_GROUP(CodedPlan) {
+  Rig rig = bench_rig();
+  PlanRequest request = rig.plan;
+
+  void add(std::int64_t us, Lamps lamps = Lamps::both) { request.code.push_back({microseconds(us), lamps}); }
+};
+
+TEST(CodedPlan, HasItsFlashesAtTheirOffsetsFromTheOpening) {
+  request.code = some_code();
+  CHECK_EQUAL(std::string(), refusal(request, rig));
+  ShotPlan plan;
+  plan.reserve(rig.lamps.max_flashes);
+  build_plan(request, rig, plan);
+  CHECK_EQUAL(12, plan.flash_count);
+  CHECK(plan.shortest_interval == milliseconds(3));
+  std::size_t k = 0;
+  for (const PlannedPulse& pulse : plan.pulses) {
+    if (pulse.output != Output::strobes) continue;
+    CHECK(pulse.at - plan.exposure_begin == request.code[k].offset);
+    CHECK(pulse.lamps == request.code[k].lamps);
+    CHECK_EQUAL(static_cast<std::int32_t>(k), pulse.flash_index);
+    ++k;
+  }
+  CHECK_EQUAL(12u, k);
+}
+
+TEST(CodedPlan, GivesEachLampItsOwnRechargeTime) {
+  add(0, Lamps::a);
+  add(750, Lamps::b);
+  add(1500, Lamps::a);
+  add(2250, Lamps::b);
+  CHECK_EQUAL(std::string(), refusal(request, rig));
+  add(3700, Lamps::b);
+  STRCMP_EQUAL(
+      "flash 4 of the coded train comes 1450 us after lamp B's one before, shorter than the lamps' 1500 us",
+      refusal(request, rig).c_str());
+}
+
+TEST(CodedPlan, CountsAFlashOfBothForEither) {
+  add(0, Lamps::both);
+  add(1000, Lamps::a);
+  STRCMP_CONTAINS("lamp A's one before", refusal(request, rig).c_str());
+}
+
+TEST(CodedPlan, RefusesFlashesOfDifferentLampsBetweenWhichTheLoopCouldNotLookAtTheInputs) {
+  // A pulse of at most 200 us and a spin of 200 us must fit between.
+  add(0, Lamps::a);
+  add(400, Lamps::b);
+  STRCMP_EQUAL(
+      "flash 1 of the coded train comes 400 us after the one before, where more than 400 us are needed",
+      refusal(request, rig).c_str());
+  request.code = {};
+  add(0, Lamps::a);
+  add(401, Lamps::b);
+  CHECK_EQUAL(std::string(), refusal(request, rig));
+}
+
+TEST(CodedPlan, RefusesWhatGoesBackwardsOrNamesNoLamp) {
+  add(3000);
+  add(3000);
+  STRCMP_CONTAINS("comes 0 us after", refusal(request, rig).c_str());
+  request.code = {};
+  add(3000);
+  add(0);
+  STRCMP_CONTAINS("comes -3000 us after", refusal(request, rig).c_str());
+  request.code = {};
+  add(0, static_cast<Lamps>(0));
+  STRCMP_CONTAINS("names no lamp", refusal(request, rig).c_str());
+  request.code = {};
+  add(0, static_cast<Lamps>(4));
+  STRCMP_CONTAINS("names no lamp", refusal(request, rig).c_str());
+  for (const std::int64_t ns : {INT64_MIN, std::int64_t{-1}, INT64_MAX}) {
+    request.code = {};
+    request.code.push_back({nanoseconds(ns), Lamps::both});
+    STRCMP_CONTAINS("negative or absurdly large", refusal(request, rig).c_str());
+  }
+}
+
+TEST(CodedPlan, RefusesATrainLongerThanTheExposure) {
+  add(0);
+  add(499'999);
+  CHECK_EQUAL(std::string(), refusal(request, rig));
+  request.code = {};
+  add(500'000);
+  STRCMP_CONTAINS("longer than the exposure", refusal(request, rig).c_str());
+}
+
+TEST(CodedPlan, RefusesMoreFlashesThanAShotMayHave) {
+  rig.lamps.max_flashes = 3;
+  for (int k = 0; k < 4; ++k) add(3000 * k);
+  STRCMP_CONTAINS("4 flashes are more than the 3", refusal(request, rig).c_str());
+}
+
+TEST(CodedPlan, OfAGatedTrainHasTheFlashesThatItCounts) {
+  request.train = Train::gated;
+  request.flash_count = 3;
+  for (int k = 0; k < 4; ++k) add(3000 * k);
+  STRCMP_CONTAINS("is not that of the coded train", refusal(request, rig).c_str());
+  request.flash_count = 4;
+  CHECK_EQUAL(std::string(), refusal(request, rig));
+  add(499'000);
+  request.flash_count = 5;
+  request.gate_delay = milliseconds(1);
+  STRCMP_CONTAINS("longer than the exposure", refusal(request, rig).c_str());
+}
+
+TEST_GROUP(CodedTrain){static Rig coded(const TrainCode& code){Rig rig = bench_rig();
+rig.plan.code = code;
+return rig;
+}
+}
+;
+
+TEST(CodedTrain, IsPlayedAsPlannedAndTellsItsLamps) {
+  SequencerBench bench(coded(some_code()));
+  bench.start();
+  const MonoTime start = bench.fire();
+  bench.play();
+  const ShotRecord& shot = bench.shot();
+  CHECK(shot.abort_reason.empty());
+  const TrainCode code = some_code();
+  CHECK_EQUAL(code.size(), shot.flashes.size());
+  for (std::size_t k = 0; k < code.size(); ++k) {
+    const FlashRecord& flash = shot.flashes[k];
+    CHECK(flash.lamps == code[k].lamps);
+    CHECK(flash.commanded == start + kFirstFlashAt + code[k].offset);
+    CHECK(flash.issue_start >= flash.commanded && flash.issue_start - flash.commanded < microseconds(1));
+    CHECK_EQUAL(has_a(flash.lamps), flash.observed_a.known());
+    CHECK_EQUAL(has_b(flash.lamps), flash.observed_b.known());
+    CHECK_EQUAL(0, flash.extra_edges);
+    const Line line = k == 2 ? Line::strobe_a : k == 5 ? Line::strobe_b : Line::none;
+    CHECK(bench.rig.find(EventKind::flash, k)->line == line);
+  }
+}
+
+TEST(CodedTrain, DrivesTheLinesOfTheNamedLampsOnly) {
+  SequencerBench bench(coded(some_code()));
+  bench.start();
+  bench.fire();
+  bench.play();
+  std::vector<Lamps> driven;
+  for (const auto& set : bench.rig.sets) {
+    if (set.output == Output::strobes && set.active) driven.push_back(set.lamps);
+  }
+  CHECK_EQUAL(12u, driven.size());
+  for (std::size_t k = 0; k < driven.size(); ++k) CHECK(driven[k] == some_code()[k].lamps);
+}
+
+TEST(CodedTrain, CountsLightInTheGapOfAnOmittedFlash) {
+  SequencerBench bench(coded(some_code()));
+  bench.start();
+  const MonoTime start = bench.fire();
+  const MonoTime omitted = start + kFirstFlashAt + some_code()[7].offset + milliseconds(3);
+  bench.rig.schedule({Input::sensor_a, omitted, true});
+  bench.play();
+  CHECK_EQUAL(1, bench.shot().flashes[7].extra_edges);
+  CHECK_EQUAL(0, bench.shot().flashes[8].extra_edges);
+}
+
+TEST(CodedTrain, IsStoppedByAFlashThatIsLateBeyondTheLimitAndTheShotIsSpent) {
+  SequencerBench bench(coded(some_code()));
+  bench.start();
+  const MonoTime start = bench.fire();
+  const MonoTime sixth = start + kFirstFlashAt + some_code()[6].offset;
+  bench.rig.freeze(sixth - microseconds(300),
+                   microseconds(300) + bench.config.tolerance.abort_late + microseconds(10));
+  bench.play();
+  STRCMP_CONTAINS("flash 6 would have been", bench.abort_reason().c_str());
+  CHECK(bench.rig.all_inactive());
+  CHECK_EQUAL(6u, bench.rig.instants(Output::strobes).size());
+  CHECK(bench.sequencer.state() == State::spent);
+  const auto refused = bench.rig.count(EventKind::refused);
+  bench.give(bench.fire_command(1));
+  CHECK_EQUAL(refused + 1, bench.rig.count(EventKind::refused));
+  CHECK_EQUAL(1u, bench.rig.count(EventKind::shot_started));
+}
+
+TEST(CodedTrain, IsStoppedRatherThanCaughtUpWith) {
+  // Lamps in turn, so that neither lamp's recharge time forbids the next flash: its neighbour's lateness
+  // does.
+  TrainCode code;
+  for (int k = 0; k < 20; ++k) code.push_back({microseconds(800) * k, k % 2 == 0 ? Lamps::a : Lamps::b});
+  SequencerBench bench(coded(code));
+  bench.start();
+  const MonoTime start = bench.fire();
+  const MonoTime tenth = start + kFirstFlashAt + code[10].offset;
+  bench.rig.freeze(tenth - microseconds(100),
+                   microseconds(800));  // flash 10 is 700 us late, 11 is due in 100 us
+  bench.play();
+  STRCMP_CONTAINS("flash 11 would have come", bench.abort_reason().c_str());
+  CHECK(bench.rig.all_inactive());
+  CHECK_EQUAL(11u, bench.rig.instants(Output::strobes).size());
+}
+
+TEST(CodedTrain, OfTheGateStartsWhenTheGateSaysSo) {
+  Rig rig = coded(some_code());
+  rig.plan.train = Train::gated;
+  rig.plan.flash_count = 12;
+  SequencerBench bench(rig);
+  bench.start();
+  const MonoTime start = bench.fire();
+  const MonoTime ball = start + kFirstFlashAt + milliseconds(200);
+  bench.rig.schedule({Input::gate, ball, true});
+  bench.play();
+  CHECK(bench.shot().abort_reason.empty());
+  CHECK(bench.shot().flashes[4].commanded == ball + some_code()[4].offset);
+  CHECK(bench.shot().flashes[5].lamps == Lamps::b);
+  CHECK_FALSE(bench.shot().flashes[5].observed_a.known());
+}
+
+TEST_GROUP(ShutterContact) {
+  static Rig fitted() {
+    Rig rig = bench_rig();
+    rig.plan.exposure = milliseconds(100);
+    rig.plan.impact_at = milliseconds(50);
+    rig.line(Line::xsync).fitted = true;
+    return rig;
+  }
+  SequencerBench bench{fitted()};
+  void shoot() {
+    bench.start();
+    bench.fire();
+    bench.play();
+  }
+};
+
+TEST(ShutterContact, TellsWhenTheShutterReallyOpenedAndClosed) {
+  bench.rig.xsync_works = true;
+  bench.rig.opening_lag = milliseconds(49);
+  bench.rig.closing_lag = milliseconds(58);
+  shoot();
+  const ShotRecord& shot = bench.shot();
+  CHECK(shot.shutter_feedback == ShutterFeedback::seen);
+  CHECK(shot.shutter_on.known() && shot.shutter_off.known());
+  // The kernel's stamp is that of the line's change, the issue ends a little later.
+  CHECK(shot.shutter_open - shot.shutter_on <= milliseconds(49));
+  CHECK(shot.shutter_open - shot.shutter_on > milliseconds(49) - microseconds(1));
+  CHECK(shot.shutter_close - shot.shutter_off > milliseconds(58) - microseconds(1));
+  CHECK_EQUAL(2u, bench.rig.count(EventKind::xsync));
+  CHECK(bench.rig.find(EventKind::xsync)->line == Line::xsync);
+  CHECK_EQUAL(1, bench.rig.find(EventKind::xsync)->level);
+  CHECK_EQUAL(0, bench.rig.find(EventKind::xsync, 1)->level);
+}
+
+TEST(ShutterContact, ThatSaysNothingIsMissedAndTheLagHasToDo) {
+  shoot();
+  CHECK(bench.shot().shutter_feedback == ShutterFeedback::missing);
+  CHECK(bench.shot().shutter_open == bench.shot().shutter_on + bench.config.shutter.lag);
+  CHECK(bench.shot().shutter_close == bench.shot().shutter_off + bench.config.shutter.lag);
+}
+
+TEST(ShutterContact, FarOffTheLagIsLate) {
+  bench.rig.xsync_works = true;
+  bench.rig.opening_lag = bench.config.shutter.lag + bench.config.shutter.late + milliseconds(1);
+  shoot();
+  CHECK(bench.shot().shutter_feedback == ShutterFeedback::late);
+}
+
+TEST(ShutterContact, IsWaitedForNoLongerThanItsTolerance) {
+  bench.rig.xsync_works = true;
+  bench.rig.closing_lag = milliseconds(400);
+  shoot();
+  const ShotRecord& shot = bench.shot();
+  CHECK(shot.shutter_feedback == ShutterFeedback::missing);
+  const MonoTime ended = bench.rig.find(EventKind::shot_ended)->device_time;
+  CHECK(ended - shot.shutter_close < bench.config.shutter.late + milliseconds(1));
+}
+
+TEST(ShutterContact, MayBounce) {
+  bench.rig.xsync_works = true;
+  bench.start();
+  const MonoTime start = bench.fire();
+  const MonoTime opened = start + bench.rig.opening_lag + milliseconds(310 - 50 - 45);
+  for (const std::int64_t us : {300, 900}) {
+    bench.rig.schedule({Input::xsync, opened + microseconds(us), false});
+    bench.rig.schedule({Input::xsync, opened + microseconds(us + 200), true});
+  }
+  bench.play();
+  CHECK(bench.shot().shutter_feedback == ShutterFeedback::seen);
+  CHECK(bench.shot().shutter_open - bench.shot().shutter_on <= bench.rig.opening_lag);
+  CHECK(bench.shot().shutter_close > bench.shot().shutter_off + milliseconds(44));
+}
+
+TEST(ShutterContact, ThatIsNotFittedIsNotMissed) {
+  SequencerBench without;
+  without.start();
+  without.fire();
+  without.play();
+  CHECK(without.shot().shutter_feedback == ShutterFeedback::none);
+}
+
+TEST(ShutterContact, OfAnAbortedShotIsWaitedForWithTheOutputsSafe) {
+  bench.rig.xsync_works = true;
+  bench.start();
+  const MonoTime start = bench.fire();
+  const MonoTime pressed = start + milliseconds(310);
+  bench.rig.schedule({Input::estop, pressed, true});
+  while (bench.rig.time < pressed + milliseconds(1)) bench.step();
+  CHECK(bench.rig.all_inactive());
+  bench.play();
+  CHECK(bench.shot().shutter_feedback == ShutterFeedback::seen);
+  CHECK(bench.shot().shutter_close >= pressed);
+}
