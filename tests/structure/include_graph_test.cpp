@@ -167,12 +167,16 @@ TEST(IncludeGraph, TheAnalysisCoreSeesNoSystemThreadsOrClocks) {
 }
 
 TEST(IncludeGraph, CommonHasNoLinuxOrPosixHeaders) {
+  // Firmware and host must judge a secret's rights alike, and meet strangers' bytes alike.
+  const std::set<std::string> met_alike{"common/authentication/key_file.cpp",
+                                        "common/wire/channel_socket.cpp"};
   const std::set<std::string> system{"unistd.h",    "fcntl.h", "poll.h",  "pthread.h", "sched.h",
                                      "signal.h",    "csignal", "time.h",  "dirent.h",  "dlfcn.h",
                                      "semaphore.h", "spawn.h", "netdb.h", "ctime"};
   std::string wrong;
   for (const SourceFile& file : cpp_files()) {
-    if (top_folder(file.path) != "common") continue;
+    const bool excepted = met_alike.count(file.path) != 0;
+    if (top_folder(file.path) != "common" || excepted) continue;
     for (const Include& include : includes_of(file)) {
       if (include.quoted) continue;
       const std::string folder = directory_of(include.target);

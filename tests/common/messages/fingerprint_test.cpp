@@ -19,6 +19,7 @@
 #include <strobe_msgs/point_t.hpp>
 #include <strobe_msgs/readout_t.hpp>
 #include <strobe_msgs/readout_values_t.hpp>
+#include <strobe_msgs/sealed_command_t.hpp>
 #include <strobe_msgs/shot_t.hpp>
 #include <strobe_msgs/shot_v1_t.hpp>
 #include <strobe_msgs/status_t.hpp>
@@ -49,6 +50,7 @@ const std::map<std::string, Pin>& pins() {
       {"point_t", {strobe_msgs::point_t::getHash(), 0xb9e20652cc607e78}},
       {"readout_t", {strobe_msgs::readout_t::getHash(), 0x784800cf5a41192a}},
       {"readout_values_t", {strobe_msgs::readout_values_t::getHash(), 0xb7fa907edaf1173a}},
+      {"sealed_command_t", {strobe_msgs::sealed_command_t::getHash(), 0x86509c45717d16ca}},
       {"shot_t", {strobe_msgs::shot_t::getHash(), 0xb7f5b496dce12d29}},
       {"shot_v1_t", {strobe_msgs::shot_v1_t::getHash(), 0x14ba596b5a2e6ad1}},
       {"status_t", {strobe_msgs::status_t::getHash(), 0xd53a993bf0dc4acb}},

@@ -1,0 +1,33 @@
+// Commands under seal: sealed_command_t made and opened. The proof is a keyed BLAKE2b (RFC 7693) over every
+// byte before it. Pure; allocates; thread-safe; not for the real-time path.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <tl/expected.hpp>
+#include <vector>
+
+#include "common/authentication/key.hpp"
+#include "common/authentication/rejection.hpp"
+
+namespace strobe::authentication {
+
+/// Of the sealed command's body. A datagram holds 65,507 bytes.
+inline constexpr std::size_t kMostBody_bytes = 60'000;
+/// Of a sealed command without its body: fingerprint, version, rig, body's size, proof.
+inline constexpr std::size_t kSealed_bytes = 8 + 4 + 24 + 4 + 32;
+inline constexpr std::size_t kMostSealed_bytes = kSealed_bytes + kMostBody_bytes;
+
+/// The encoded sealed_command_t. rig: a valid name (messages::valid_rig_name). Fails if the body is larger
+/// than kMostBody_bytes.
+Result<std::vector<std::uint8_t>> seal(const Key& key, std::string_view rig,
+                                       std::span<const std::uint8_t> body);
+
+/// The body, within `sealed`, or why it must not be looked at: oversized, malformed, forged or other_rig, in
+/// this order. How long it takes depends on the size alone, not on how much of a forged proof is right. Any
+/// bytes.
+tl::expected<std::span<const std::uint8_t>, Rejection> unseal(const Key& key, std::string_view rig,
+                                                              std::span<const std::uint8_t> sealed);
+
+}  // namespace strobe::authentication

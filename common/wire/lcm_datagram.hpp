@@ -1,0 +1,50 @@
+// LCM's UDP multicast as it is on the wire: the URL, and what a datagram holds. LCM's own receiver is not for
+// bytes of strangers: one datagram with a large fragment offset writes outside its buffers, and one with a
+// large size makes it allocate. Pure; thread-safe.
+// Wire format: LCM's documentation, "UDP Multicast Protocol Description".
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace strobe::wire {
+
+struct MulticastGroup {
+  std::string address;           ///< IPv4, dotted
+  std::uint16_t port = 0;        ///< 1 to 65535
+  int receive_buffer_bytes = 0;  ///< 0: as the system has it
+};
+
+/// The group of an LCM URL udpm://ADDRESS:PORT?...; nothing if it is of another kind or cannot be read.
+std::optional<MulticastGroup> multicast_group(std::string_view url);
+
+/// A message's datagram, or one of several. Views into the datagram.
+struct Datagram {
+  std::string_view channel;            ///< at most 63 characters; empty in all parts but the first
+  std::span<const std::uint8_t> data;  ///< of the message, or of this part
+  std::uint32_t number = 0;            ///< the message's, rising with each sender
+  std::uint32_t message_bytes = 0;     ///< of the whole message
+  std::uint32_t at = 0;                ///< where the part's data goes
+  std::uint16_t part = 0;
+  std::uint16_t parts = 1;  ///< 1: the message is whole
+};
+
+/// Nothing: not LCM's. Any bytes; a part's data always lies within its message.
+std::optional<Datagram> read_datagram(std::span<const std::uint8_t> bytes);
+
+/// A UDP datagram's data at most.
+inline constexpr std::size_t kLargestDatagram_bytes = 65'507;
+
+// The layout, for the kernel's filter as well; numbers are big-endian.
+inline constexpr std::uint32_t kWholeMark = 0x4c433032;  ///< "LC02", then the number, then the channel
+inline constexpr std::uint32_t kPartMark =
+    0x4c433033;  ///< "LC03", number, message's size, place, part, parts
+inline constexpr std::size_t kWholeHeader_bytes = 8;
+inline constexpr std::size_t kPartHeader_bytes = 20;
+inline constexpr std::size_t kPartAt = 16;
+inline constexpr std::size_t kLongestChannel = 63;
+
+}  // namespace strobe::wire

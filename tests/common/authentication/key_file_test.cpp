@@ -1,0 +1,165 @@
+#include "common/authentication/key_file.hpp"
+
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <set>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "tests/support/temporary_folder.hpp"
+// CppUTest redefines new; its headers come last.
+#include <CppUTest/TestHarness.h>
+
+using namespace strobe::authentication;
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr const char* kVariables[] = {"STROBE_KEY_FILE", "CREDENTIALS_DIRECTORY", "XDG_CONFIG_HOME", "HOME"};
+const std::string kText(64, 'a');
+
+}  // namespace
+
+TEST_GROUP(KeyFile) {
+  strobe::testing::TemporaryFolder folder;
+
+  void setup() override {
+    for (const char* variable : kVariables) unsetenv(variable);
+    setenv("HOME", folder.path().c_str(), 1);
+  }
+  void teardown() override {
+    for (const char* variable : kVariables) unsetenv(variable);
+  }
+
+  fs::path file(const std::string& name, const std::string& text = kText + "\n", mode_t mode = 0600) const {
+    const fs::path path = folder / name;
+    fs::create_directories(path.parent_path());
+    std::ofstream(path) << text;
+    chmod(path.c_str(), mode);
+    return path;
+  }
+  static mode_t mode_of(const fs::path& path) {
+    struct stat status {};
+    stat(path.c_str(), &status);
+    return status.st_mode & 07777;
+  }
+  static void expect(const char* what, const fs::path& path) {
+    const auto key = read_key_file(path);
+    CHECK_FALSE_TEXT(key.has_value(), path.c_str());
+    STRCMP_CONTAINS(path.c_str(), key.error().message.c_str());
+    STRCMP_CONTAINS(what, key.error().message.c_str());
+    CHECK_TRUE(key.error().message.find('\n') == std::string::npos);
+    CHECK_TRUE(key.error().message.find(kText.substr(0, 8)) == std::string::npos);
+  }
+};
+
+TEST(KeyFile, IsReadIfOnlyItsOwnerCan) {
+  STRCMP_EQUAL(kText.c_str(), read_key_file(file("a"))->text().c_str());
+  STRCMP_EQUAL(kText.c_str(), read_key_file(file("b", kText, 0400))->text().c_str());
+}
+
+TEST(KeyFile, IsRefusedIfOthersCanReadOrChangeIt) {
+  for (const mode_t mode : {0640, 0620, 0610, 0604, 0602, 0644, 0660, 0666, 0777}) {
+    const fs::path path = file("loose", kText, mode);
+    expect(("chmod 600 " + path.string()).c_str(), path);
+  }
+}
+
+TEST(KeyFile, IsRefusedIfItIsNotThereOrNoFileOrNoKey) {
+  expect("strobe key --new", folder / "none");
+  expect("regular file", folder.path());
+  expect("regular file", "/dev/zero");
+  expect("64 hexadecimal digits", file("empty", ""));
+  expect("64 hexadecimal digits", file("letters", std::string(64, 'x')));
+  expect("64 hexadecimal digits", file("long", std::string(128, 'a')));
+}
+
+TEST(KeyFile, IsRefusedIfItIsAnothers) {
+  if (geteuid() != 0) return;  // only root can give a file away
+  const fs::path path = file("given");
+  LONGS_EQUAL(0, chown(path.c_str(), 12345, 12345));
+  expect("chown 0", path);
+}
+
+TEST(KeyFile, IsJudgedBehindASymbolicLink) {
+  fs::create_symlink(file("good"), folder / "to_good");
+  CHECK_TRUE(read_key_file(folder / "to_good").has_value());
+  fs::create_symlink(file("loose", kText, 0644), folder / "to_loose");
+  expect("chmod 600", folder / "to_loose");
+  fs::create_symlink(folder / "nowhere", folder / "to_nothing");
+  expect("no such key", folder / "to_nothing");
+}
+
+TEST(KeyFile, IsMadeForItsOwnerAloneAndNeverTwice) {
+  const mode_t before = umask(0);
+  const auto made = make_key_file(folder / "new" / "lab.key");
+  umask(before);
+  CHECK_TRUE(made.has_value());
+  CHECK_TRUE(made->made);
+  LONGS_EQUAL(0600, mode_of(made->path));
+  LONGS_EQUAL(0700, mode_of(made->path.parent_path()));
+  STRCMP_EQUAL(made->key.text().c_str(), read_key_file(made->path)->text().c_str());
+  STRCMP_CONTAINS("there is a key already", make_key_file(made->path).error().message.c_str());
+  STRCMP_EQUAL(made->key.text().c_str(), read_key_file(made->path)->text().c_str());
+  LONGS_EQUAL(1, std::distance(fs::directory_iterator(made->path.parent_path()), {}));
+}
+
+TEST(KeyFile, IsFoundInTheOrderThatTheHeaderSays) {
+  const std::string of[] = {std::string(64, '1'), std::string(64, '2'), std::string(64, '3'),
+                            std::string(64, '4'), std::string(64, '5')};
+  KeyPlaces places{file("option", of[0]), file("rig", of[1])};
+  setenv("STROBE_KEY_FILE", file("variable", of[2]).c_str(), 1);
+  setenv("CREDENTIALS_DIRECTORY", file("credentials/lab.key", of[3], 0440).parent_path().c_str(), 1);
+  file(".config/strobe/lab.key", of[4]);
+  const auto found = [&] { return find_key(places).value().key.text(); };
+  STRCMP_EQUAL(of[0].c_str(), found().c_str());
+  places.option.clear();
+  STRCMP_EQUAL(of[1].c_str(), found().c_str());
+  places.rig_file.clear();
+  STRCMP_EQUAL(of[2].c_str(), found().c_str());
+  unsetenv("STROBE_KEY_FILE");
+  STRCMP_EQUAL(of[3].c_str(), found().c_str());
+  fs::remove(folder / "credentials/lab.key");
+  STRCMP_EQUAL(of[4].c_str(), found().c_str());
+}
+
+TEST(KeyFile, ThatIsNamedIsNeitherMadeNorReplacedByAnother) {
+  file(".config/strobe/lab.key");
+  STRCMP_CONTAINS("no such key", find_key({folder / "none", ""}).error().message.c_str());
+  STRCMP_CONTAINS("chmod 600", find_key({"", file("loose", kText, 0644)}).error().message.c_str());
+}
+
+TEST(KeyFile, OfTheHomeIsMadeOnceHoweverManyProgramsStartTogether) {
+  constexpr int kPrograms = 16;
+  std::vector<std::string> texts(kPrograms);
+  {
+    std::vector<std::jthread> programs;
+    for (int i = 0; i < kPrograms; ++i) {
+      programs.emplace_back([&text = texts[static_cast<std::size_t>(i)]] {
+        const auto found = find_key({});
+        text = found ? found->key.text() : found.error().message;
+      });
+    }
+  }
+  LONGS_EQUAL(1, std::set<std::string>(texts.begin(), texts.end()).size());
+  LONGS_EQUAL(64, texts[0].size());
+  STRCMP_EQUAL(texts[0].c_str(), read_key_file(folder / ".config/strobe/lab.key")->text().c_str());
+}
+
+TEST(KeyFile, OfTheHomeIsRefusedIfOthersCanReadIt) {
+  file(".config/strobe/lab.key", kText, 0644);
+  STRCMP_CONTAINS("chmod 600", find_key({}).error().message.c_str());
+}
+
+TEST(KeyFile, WithoutAHomeThatCanBeWrittenMustBeNamed) {
+  file("no_folder");
+  setenv("HOME", (folder / "no_folder").c_str(), 1);
+  const auto found = find_key({});
+  CHECK_FALSE(found.has_value());
+  STRCMP_CONTAINS("--key-file", found.error().message.c_str());
+  STRCMP_CONTAINS("no_folder", found.error().message.c_str());
+}
