@@ -4,11 +4,8 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
-#include <ctime>
 #include <stdexcept>
-#include <strobe_msgs/status_t.hpp>
 #include <utility>
 
 #include "common/messages/channels.hpp"
@@ -30,15 +27,7 @@ std::vector<std::uint8_t> encoded(const T& message) {
   return bytes;
 }
 
-double microseconds_of(Duration d) { return static_cast<double>(d.ns) / 1e3; }
-
 }  // namespace
-
-std::int64_t system_wall_ns() {
-  timespec t{};
-  clock_gettime(CLOCK_REALTIME, &t);
-  return t.tv_sec * 1'000'000'000 + t.tv_nsec;
-}
 
 void say_on_stderr(const std::string& line) { std::fprintf(stderr, "strobed: %s\n", line.c_str()); }
 
@@ -111,7 +100,7 @@ void Publisher::take(const Event& event) {
     shot_first_sequence_ = sequence_ + 1;
   }
   if (event.kind == EventKind::flash) {
-    lateness_.add(event.issue_start - event.commanded);
+    timing_.issued(event.commanded, event.issue_start, event.issue_end);
     if (shots_started_ == settings_.throw_at_shot) throw std::runtime_error("drill: the publisher fails");
   }
   ++sequence_;
@@ -137,6 +126,7 @@ void Publisher::take(ShotRecord* record) {
   const auto notes = merged(rig_.record, mailbox_.take(record->host_id, record->command_id));
   outbox_.push_back({Message::Kind::shot, sequences, shot_channel_,
                      encoded(to_message(*record, rig_, settings_.boot_id, sequences, notes))});
+  timing_.seen(*record);
   queue_.give_back(record);
   sync_due_ = true;
 }
@@ -167,40 +157,17 @@ void Publisher::publish_outbox() {
   outbox_.clear();
 }
 
-std::string Publisher::words() const {
-  if (!status_.fault.empty()) return "fault: " + std::string(status_.fault.view());
-  if (!journal_fault_.empty()) return "the journal cannot be written: " + journal_fault_;
-  if (status_.estop_active) return "the e-stop is pressed, or its wire is broken";
-  if (!status_.key_active) return "the key is off";
-  return "";
-}
-
 void Publisher::publish_status() {
-  strobe_msgs::status_t message{};
-  message.schema_version = strobe_msgs::status_t::SCHEMA_VERSION;
-  message.boot_id = settings_.boot_id;
-  message.last_sequence = journalled_sequence_;
-  message.mono_ns = clock_.now().ns;
-  message.wall_ns = settings_.wall_ns();
-  message.state = static_cast<std::int8_t>(status_.state);
-  message.key_active = status_.key_active;
-  message.estop_active = status_.estop_active;
-  message.arm_host_id = status_.arm_host;
-  message.arm_token = status_.arm_token;
-  message.arm_expires_ns = status_.arm_expires.ns;
-  message.last_shot_id = status_.last_shot_id;
-  message.real_time = settings_.real_time;
-  message.journal_ok = journal_fault_.empty();
-  message.queue_overflows = queue_.overflows();
-  message.kernel_overflows = status_.kernel_overflows;
-  message.edges_issued = lateness_.count();
-  const bool any = lateness_.count() > 0;
-  message.lateness_p50_us = any ? microseconds_of(lateness_.percentile(0.5)) : std::nan("");
-  message.lateness_p99_us = any ? microseconds_of(lateness_.percentile(0.99)) : std::nan("");
-  message.lateness_p999_us = any ? microseconds_of(lateness_.percentile(0.999)) : std::nan("");
-  message.lateness_max_us = any ? microseconds_of(lateness_.max()) : std::nan("");
-  message.message = words();
-  bus_.publish(status_channel_, encoded(message));
+  StatusParts parts;
+  parts.boot_id = settings_.boot_id;
+  parts.last_sequence = journalled_sequence_;
+  parts.clocks = read_clocks(clock_, settings_.wall_ns, settings_.boot_time_ns);
+  parts.loop = status_;
+  parts.real_time = settings_.real_time;
+  parts.journal_fault = journal_fault_;
+  parts.queue_overflows = queue_.overflows();
+  parts.rejected = settings_.rejected();
+  bus_.publish(status_channel_, encoded(to_message(parts, timing_)));
   next_status_ = clock_.now() + kHeartbeat;
   if (settings_.on_first_status && sequence_ > 0) std::exchange(settings_.on_first_status, nullptr)();
 }

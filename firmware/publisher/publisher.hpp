@@ -8,17 +8,16 @@
 #include <optional>
 #include <stop_token>
 
-#include "firmware/core/lateness.hpp"
+#include "firmware/core/shot_timing.hpp"
 #include "firmware/ports/clock.hpp"
 #include "firmware/ports/message_bus.hpp"
 #include "firmware/publisher/journal.hpp"
 #include "firmware/publisher/loop_queue.hpp"
 #include "firmware/publisher/mailbox.hpp"
+#include "firmware/publisher/status_message.hpp"
 
 namespace strobe::firmware {
 
-/// CLOCK_REALTIME, ns since 1970: metadata only.
-std::int64_t system_wall_ns();
 /// A line on standard error, after the program's name.
 void say_on_stderr(const std::string& line);
 
@@ -29,6 +28,8 @@ struct PublisherSettings {
   bool verbose = false;
   std::function<void()> on_first_status;  ///< called once, on the publisher's thread
   std::function<std::int64_t()> wall_ns = system_wall_ns;
+  std::function<std::int64_t()> boot_time_ns = system_boot_time_ns;
+  std::function<RejectedCommands()> rejected = [] { return RejectedCommands{}; };  ///< so far
   std::function<void(const std::string&)> say = say_on_stderr;
   int throw_at_shot = 0;  ///< drill: an exception at the first flash of the n-th shot of this boot; 0: none
 };
@@ -59,7 +60,6 @@ class Publisher {
   void start_resend(const ResendRequest& request);
   void resend_some();
   void wait_for_work(int wake_fd) const;
-  std::string words() const;
 
   struct Resend {
     LogReader reader;
@@ -82,7 +82,7 @@ class Publisher {
   std::int64_t shot_first_sequence_ = 0;
   int shots_started_ = 0;
   bool sync_due_ = false;
-  LatenessHistogram lateness_;
+  ShotTiming timing_;
   LoopStatus status_;
   std::string journal_fault_;
   MonoTime next_status_{0};

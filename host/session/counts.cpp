@@ -12,6 +12,8 @@ constexpr std::size_t kBallImage = 2 * kInt8 + 12 * kDouble;
 constexpr std::size_t kBallImageV1 = kInt8 + 6 * kDouble;
 constexpr std::size_t kFlashV1 = kInt32 + 5 * kInt64 + kInt32;
 constexpr std::size_t kFlash = kFlashV1 + kInt8;
+constexpr std::size_t kMostHistograms = 64;
+constexpr std::size_t kHistogramHead = kInt8 + kInt64 + 9 * kDouble;
 constexpr std::size_t kShortestNote = 2 * (kInt32 + 1);  // two empty strings with their ends
 constexpr std::size_t kPlan = kInt8 + kInt64 + kInt32 + 3 * kInt64 + kInt8;  // of an even train
 constexpr std::size_t kCodedFlash = kInt64 + kInt8;
@@ -28,15 +30,6 @@ class Walk {
     left_ -= bytes;
   }
   void skip_string() { skip(number()); }
-  /// A count of elements of that size, all of which must be there.
-  void count(std::size_t element, bool skip_them) {
-    const std::size_t elements = number();
-    if (good_ && elements > left_ / element) good_ = false;
-    if (good_ && skip_them) skip(elements * element);
-  }
-  bool good() const { return good_; }
-
- private:
   /// A big-endian int32 that must not be negative.
   std::size_t number() {
     if (left_ < kInt32) good_ = false;
@@ -47,7 +40,15 @@ class Walk {
     if (value > 0x7FFFFFFF) good_ = false;
     return value;
   }
+  /// A count of elements of that size, all of which must be there.
+  void count(std::size_t element, bool skip_them) {
+    const std::size_t elements = number();
+    if (good_ && elements > left_ / element) good_ = false;
+    if (good_ && skip_them) skip(elements * element);
+  }
+  bool good() const { return good_; }
 
+ private:
   const unsigned char* at_;
   std::size_t left_;
   bool good_ = true;
@@ -79,6 +80,20 @@ bool frame_counts_plausible(const void* data, std::size_t size) {
 
 bool frame_v1_counts_plausible(const void* data, std::size_t size) {
   return frame_plausible(data, size, 0, kBallImageV1);
+}
+
+bool status_counts_plausible(const void* data, std::size_t size) {
+  Walk walk(data, size);
+  walk.skip(kFingerprint + kInt32 + 5 * kInt64 + 3 * kInt8);  // schema, boot, sequence, clocks, state, inputs
+  walk.skip(3 * kInt64 + kInt32 + 2 * kInt8 + 8 * kInt64);    // arming, last shot, health, losses, rejected
+  walk.count(2 * kInt64, true);                               // earlier starts
+  const std::size_t histograms = walk.number();
+  if (histograms > kMostHistograms) return false;
+  for (std::size_t i = 0; i < histograms && walk.good(); ++i) {
+    walk.skip(kHistogramHead);
+    walk.count(kInt64, true);
+  }
+  return walk.good();
 }
 
 bool shot_counts_plausible(const void* data, std::size_t size) {

@@ -11,6 +11,7 @@ namespace strobe::host {
 /// wrong is the decoder's to find.
 bool frame_counts_plausible(const void* data, std::size_t size);
 bool frame_v1_counts_plausible(const void* data, std::size_t size);
+bool status_counts_plausible(const void* data, std::size_t size);
 bool shot_counts_plausible(const void* data, std::size_t size);
 bool shot_v1_counts_plausible(const void* data, std::size_t size);
 

@@ -7,6 +7,7 @@
 #include "common/messages/channels.hpp"
 #include "common/messages/lcm_conversions.hpp"
 #include "common/messages/shot_versions.hpp"
+#include "common/messages/status_from_v1.hpp"
 #include "host/session/counts.hpp"
 
 namespace strobe::host {
@@ -42,7 +43,7 @@ void Intake::receive(std::string_view channel, const void* data, std::size_t siz
     if (channel == event_) {
       take(strobe_msgs::event_t{}, &MessageSink::event);
     } else if (channel == status_) {
-      take(strobe_msgs::status_t{}, &MessageSink::status);
+      take_status(data, size, now_ns);
     } else if (channel == shot_) {
       take_shot(data, size, now_ns);
     } else if (channel == frame_) {
@@ -64,6 +65,14 @@ void Intake::take_shot(const void* data, std::size_t size, std::int64_t now_ns) 
   strobe_msgs::shot_v1_t old;  // of a log from before version 2
   if (shot_v1_counts_plausible(data, size) && decode(old, data, size))
     return sink_.shot(messages::shot_from_v1(old), now_ns);
+  ++undecodable_;
+}
+
+void Intake::take_status(const void* data, std::size_t size, std::int64_t now_ns) {
+  strobe_msgs::status_t status;
+  if (status_counts_plausible(data, size) && decode(status, data, size)) return sink_.status(status, now_ns);
+  strobe_msgs::status_v1_t old;  // of a log from before version 2
+  if (decode(old, data, size)) return sink_.status(messages::status_from_v1(old), now_ns);
   ++undecodable_;
 }
 

@@ -35,6 +35,7 @@ class Intake {
 
  private:
   void take_shot(const void* data, std::size_t size, std::int64_t now_ns);
+  void take_status(const void* data, std::size_t size, std::int64_t now_ns);
   void take_frame(const void* data, std::size_t size, std::int64_t now_ns);
 
   MessageSink& sink_;

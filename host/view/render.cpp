@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <utility>
 
 #include "host/config/notes.hpp"
 #include "host/session/verdict.hpp"
 #include "host/view/quantities.hpp"
 #include "host/view/text.hpp"
+#include "host/view/timing.hpp"
 
 namespace strobe::host {
 namespace {
@@ -43,12 +45,26 @@ std::string state_name(const status_t& status) {
       return "FIRING";
     case status_t::FAULT:
       return "FAULT";
+    case status_t::SPENT:
+      return "spent, to be armed anew";
     default:
       return "unknown state";
   }
 }
 
-std::string microseconds(double us) { return std::isfinite(us) ? fmt::format("{:.2f}", us) : "-"; }
+std::string rejected_words(const status_t& s) {
+  std::string words;
+  for (const auto& [count, what] : {std::pair{s.rejected_malformed, "malformed"},
+                                    {s.rejected_oversized, "oversized"},
+                                    {s.rejected_forged, "forged"},
+                                    {s.rejected_replayed, "replayed"},
+                                    {s.rejected_stale, "stale"},
+                                    {s.rejected_other_rig, "for other rigs"}}) {
+    if (count > 0)
+      words += fmt::format("{}{} {}", words.empty() ? "   commands ignored: " : ", ", count, what);
+  }
+  return words;
+}
 
 /// Why nothing can be fired, if it cannot: the caller's words, else the firmware's.
 std::string lacking_words(const Model& model) {
@@ -204,11 +220,9 @@ Lines render_firmware(const Model& model, std::size_t width) {
     lines.push_back(fmt::format("firmware {}   key {}   e-stop {}   real time {}", state_name(s),
                                 s.key_active ? "on" : "OFF", s.estop_active ? "PRESSED" : "released",
                                 s.real_time ? "yes" : "NO"));
-    lines.push_back(fmt::format(
-        "lateness p50 {} p99 {} p99.9 {} max {} us of {} edges   lost: queue {}, kernel {}, link {}",
-        microseconds(s.lateness_p50_us), microseconds(s.lateness_p99_us), microseconds(s.lateness_p999_us),
-        microseconds(s.lateness_max_us), s.edges_issued, s.queue_overflows, s.kernel_overflows,
-        model.events_missing));
+    lines.push_back(fmt::format("lost: queue {}, kernel {}, link {}{}", s.queue_overflows, s.kernel_overflows,
+                                model.events_missing, rejected_words(s)));
+    append(lines, render_timing(s));
   }
   if (const std::string lacking = lacking_words(model); !lacking.empty())
     lines.push_back("MISSING: " + lacking);

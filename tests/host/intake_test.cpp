@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <string>
 #include <strobe_msgs/frame_v1_t.hpp>
+#include <strobe_msgs/status_v1_t.hpp>
 #include <utility>
 #include <vector>
 
@@ -42,6 +43,8 @@ std::vector<char> bytes_of(const Message& message) {
 strobe_msgs::status_t status() {
   strobe_msgs::status_t message{};
   message.schema_version = strobe_msgs::status_t::SCHEMA_VERSION;
+  message.histograms.resize(2), message.histogram_count = 2;
+  message.histograms[0].bins = {1, 2, 3}, message.histograms[0].bin_count = 3;
   return message;
 }
 
@@ -76,6 +79,13 @@ TEST(IntakeOfMessages, AFrameOfVersionOneIsTakenIn) {
   LONGS_EQUAL(1, sink.frames);
 }
 
+TEST(IntakeOfMessages, AStatusOfVersionOneIsTakenIn) {
+  strobe_msgs::status_v1_t old{};
+  old.schema_version = strobe_msgs::status_v1_t::SCHEMA_VERSION;
+  give("STROBE/bench/STATUS", bytes_of(old));
+  LONGS_EQUAL(1, sink.statuses);
+}
+
 TEST(IntakeOfMessages, OtherRigsAndTypesAreLeft) {
   give("STROBE/other/STATUS", bytes_of(status()));
   give("STROBE/bench/READOUT", bytes_of(status()));
@@ -98,19 +108,21 @@ TEST(IntakeOfMessages, WhatTheSinkThrowsEndsHere) {
 TEST(IntakeOfMessages, CutBytesAreNoMessage) {
   const auto made = strobe::host_test::make_shot({});
   for (const auto& [channel, whole] : {std::pair{"STROBE/bench/FRAME", bytes_of(made.frame)},
-                                       std::pair{"STROBE/bench/SHOT", bytes_of(made.shot)}}) {
+                                       std::pair{"STROBE/bench/SHOT", bytes_of(made.shot)},
+                                       std::pair{"STROBE/bench/STATUS", bytes_of(status())}}) {
     for (std::size_t length = 0; length < whole.size(); ++length) {
       give(channel, {whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(length)});
     }
   }
-  LONGS_EQUAL(0, sink.frames + sink.shots);
+  LONGS_EQUAL(0, sink.frames + sink.shots + sink.statuses);
 }
 
 TEST(IntakeOfMessages, ACountThatTheBytesCannotHoldIsRefusedBeforeRoomIsMadeForIt) {
   const auto made = strobe::host_test::make_shot({});
   int refused = 0;
   for (const auto& [channel, whole] : {std::pair{"STROBE/bench/FRAME", bytes_of(made.frame)},
-                                       std::pair{"STROBE/bench/SHOT", bytes_of(made.shot)}}) {
+                                       std::pair{"STROBE/bench/SHOT", bytes_of(made.shot)},
+                                       std::pair{"STROBE/bench/STATUS", bytes_of(status())}}) {
     // Wherever a count is, it is claimed to be 1.9e9 (its first byte 0x70) and -1.9e9.
     for (std::size_t at = 8; at < whole.size(); ++at) {
       for (const char byte : {'\x70', '\x90'}) {

@@ -55,11 +55,15 @@ strobe_msgs::status_t idle() {
   status.state = strobe_msgs::status_t::IDLE;
   status.key_active = true;
   status.real_time = true;
-  status.lateness_p50_us = 0.0123;
-  status.lateness_p99_us = 0.5;
-  status.lateness_p999_us = 2;
-  status.lateness_max_us = std::numeric_limits<double>::quiet_NaN();
-  status.edges_issued = 166;
+  strobe_msgs::histogram_t lateness{};
+  lateness.quantity = strobe_msgs::histogram_t::LATENESS;
+  lateness.count = 166;
+  lateness.mean_us = 0.0154, lateness.sd_us = 0.02, lateness.min_us = 0.0, lateness.p50_us = 0.0123;
+  lateness.p99_us = 0.5, lateness.p999_us = 2.0;
+  lateness.max_us = std::numeric_limits<double>::quiet_NaN();
+  lateness.bin_first_us = -0.1, lateness.bin_width_us = 0.1;
+  lateness.bins = {0, 128, 1, 11}, lateness.bin_count = 4;
+  status.histograms = {lateness}, status.histogram_count = 1;
   return status;
 }
 
@@ -91,7 +95,10 @@ TEST(ScreenLines, ShowTheShotWithBothUncertaintiesBesideTheSeries) {
 TEST(ScreenLines, SayWhatTheFirmwareIsDoing) {
   const auto lines = render(model(), 160);
   STRCMP_CONTAINS("firmware idle key on e-stop released real time yes", row(lines, "firmware").c_str());
-  STRCMP_CONTAINS("p50 0.01 p99 0.50 p99.9 2.00 max - us of 166 edges", row(lines, "lateness").c_str());
+  STRCMP_EQUAL("timing, us mean sd min p50 p99 p99.9 max n", row(lines, "timing").c_str());
+  // Eighths of ln n / ln 128, the rarest still one: 128 is all, 1 the least, 11 half.
+  STRCMP_EQUAL("lateness 0.02 0.02 0.00 0.01 0.50 2.00 - 166 -0.1 [ █▁▄] 0.3",
+               row(lines, "lateness").c_str());
   Model m = model();
   m.status->state = strobe_msgs::status_t::ARMED;
   m.status->mono_ns = 100;

@@ -8,12 +8,14 @@ namespace strobe::soak {
 
 namespace {
 
-firmware::PublisherSettings publisher_settings(const FirmwareProcess::Settings& settings) {
+firmware::PublisherSettings publisher_settings(const FirmwareProcess::Settings& settings,
+                                               firmware::Clock& clock) {
   firmware::PublisherSettings result;
   result.boot_id = settings.boot_id;
   result.session = settings.session;
   result.real_time = true;
   result.wall_ns = settings.wall_ns;
+  result.boot_time_ns = [&clock] { return clock.now().ns; };
   result.say = settings.say;
   return result;
 }
@@ -28,8 +30,8 @@ FirmwareProcess::FirmwareProcess(const firmware::Rig& rig, const FirmwarePorts& 
       journal_(std::move(journal)),
       sequencer_(rig, {ports.loop_clock, ports.outputs, ports.edges, queue_, commands_},
                  firmware::repair_journals(settings.session).last_shot_id),
-      publisher_(rig, publisher_settings(settings), queue_, mailbox_, journal_, ports.bus,
-                 ports.publisher_clock),
+      publisher_(rig, publisher_settings(settings, ports.publisher_clock), queue_, mailbox_, journal_,
+                 ports.bus, ports.publisher_clock),
       receiver_(rig, settings.boot_id, commands_, mailbox_, settings.draw_token) {}
 
 Result<std::unique_ptr<FirmwareProcess>> FirmwareProcess::start(const firmware::Rig& rig,

@@ -1,0 +1,123 @@
+#include "firmware/publisher/status_message.hpp"
+
+#include <algorithm>
+#include <ctime>
+#include <limits>
+
+namespace strobe::firmware {
+
+namespace {
+
+using strobe_msgs::histogram_t;
+using strobe_msgs::status_t;
+
+static_assert(static_cast<int>(State::idle) == status_t::IDLE);
+static_assert(static_cast<int>(State::fault) == status_t::FAULT);
+static_assert(static_cast<int>(State::spent) == status_t::SPENT);
+static_assert(static_cast<int>(TimingQuantity::lateness) == histogram_t::LATENESS);
+static_assert(static_cast<int>(TimingQuantity::period_error) == histogram_t::PERIOD_ERROR);
+
+constexpr Duration kTogether = microseconds(20);
+constexpr int kTries = 4;
+
+std::int64_t system_ns(clockid_t clock) {
+  timespec t{};
+  clock_gettime(clock, &t);
+  return t.tv_sec * 1'000'000'000 + t.tv_nsec;
+}
+
+double us(double ns) { return ns * 1e-3; }
+double us(Duration d) { return us(static_cast<double>(d.ns)); }
+
+/// Why it cannot be armed or fired now.
+std::string lacking(const StatusParts& parts) {
+  const LoopStatus& loop = parts.loop;
+  if (!loop.fault.empty()) return "fault: " + std::string(loop.fault.view());
+  if (!parts.journal_fault.empty()) return "the journal cannot be written: " + parts.journal_fault;
+  if (loop.estop_active) return "the e-stop is pressed, or its wire is broken";
+  if (!loop.key_active) return "the key is off";
+  return "";
+}
+
+void put_loop(status_t& message, const LoopStatus& loop) {
+  message.state = static_cast<std::int8_t>(loop.state);
+  message.key_active = loop.key_active;
+  message.estop_active = loop.estop_active;
+  message.arm_host_id = loop.arm_host;
+  message.arm_token = loop.arm_token;
+  message.arm_expires_ns = loop.arm_expires.ns;
+  message.last_shot_id = loop.last_shot_id;
+  message.kernel_overflows = loop.kernel_overflows;
+}
+
+void put_rejected(status_t& message, const RejectedCommands& rejected) {
+  message.rejected_malformed = rejected.malformed;
+  message.rejected_oversized = rejected.oversized;
+  message.rejected_forged = rejected.forged;
+  message.rejected_replayed = rejected.replayed;
+  message.rejected_stale = rejected.stale;
+  message.rejected_other_rig = rejected.other_rig;
+}
+
+}  // namespace
+
+std::int64_t system_wall_ns() { return system_ns(CLOCK_REALTIME); }
+std::int64_t system_boot_time_ns() { return system_ns(CLOCK_BOOTTIME); }
+
+ClockReading read_clocks(Clock& clock, const std::function<std::int64_t()>& wall_ns,
+                         const std::function<std::int64_t()>& boot_time_ns) {
+  ClockReading best;
+  Duration closest{std::numeric_limits<std::int64_t>::max()};
+  for (int i = 0; i < kTries && closest > kTogether; ++i) {
+    const MonoTime before = clock.now();
+    ClockReading reading{before, wall_ns(), boot_time_ns()};
+    const Duration apart = clock.now() - before;
+    reading.mono = before + nanoseconds(apart.ns / 2);
+    if (apart < closest) best = reading;
+    closest = std::min(closest, apart);
+  }
+  return best;
+}
+
+histogram_t to_message(TimingQuantity quantity, const TimingHistogram& histogram) {
+  const bool any = histogram.count() > 0;
+  const auto value = [any](double number) { return any ? number : std::numeric_limits<double>::quiet_NaN(); };
+  histogram_t message{};
+  message.quantity = static_cast<std::int8_t>(quantity);
+  message.count = histogram.count();
+  message.mean_us = value(us(histogram.mean_ns()));
+  message.sd_us = value(us(histogram.sd_ns()));
+  message.min_us = value(us(histogram.min()));
+  message.p50_us = value(us(histogram.percentile(0.5)));
+  message.p99_us = value(us(histogram.percentile(0.99)));
+  message.p999_us = value(us(histogram.percentile(0.999)));
+  message.max_us = value(us(histogram.max()));
+  const TimingHistogram::Coarse coarse = histogram.coarse();
+  message.bin_first_us = value(us(coarse.first));
+  message.bin_width_us = value(us(coarse.width));
+  message.bin_count = static_cast<std::int32_t>(coarse.count);
+  message.bins.assign(coarse.bins.begin(), coarse.bins.begin() + message.bin_count);
+  return message;
+}
+
+status_t to_message(const StatusParts& parts, const ShotTiming& timing) {
+  status_t message{};
+  message.schema_version = status_t::SCHEMA_VERSION;
+  message.boot_id = parts.boot_id;
+  message.last_sequence = parts.last_sequence;
+  message.mono_ns = parts.clocks.mono.ns;
+  message.wall_ns = parts.clocks.wall_ns;
+  message.boot_time_ns = parts.clocks.boot_time_ns;
+  put_loop(message, parts.loop);
+  message.real_time = parts.real_time;
+  message.journal_ok = parts.journal_fault.empty();
+  message.queue_overflows = parts.queue_overflows;
+  put_rejected(message, parts.rejected);
+  for (const TimingQuantity quantity : kTimingQuantities)
+    message.histograms.push_back(to_message(quantity, timing.of(quantity)));
+  message.histogram_count = static_cast<std::int32_t>(message.histograms.size());
+  message.message = lacking(parts);
+  return message;
+}
+
+}  // namespace strobe::firmware

@@ -1,0 +1,48 @@
+// The heartbeat as a message: what the loop, the journal and the timing say at one instant. Pure but for the
+// system's clocks where named; allocates; not real-time.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <strobe_msgs/status_t.hpp>
+
+#include "firmware/core/shot_timing.hpp"
+#include "firmware/ports/clock.hpp"
+#include "firmware/publisher/rejected_commands.hpp"
+
+namespace strobe::firmware {
+
+/// CLOCK_REALTIME, ns since 1970: metadata only.
+std::int64_t system_wall_ns();
+/// CLOCK_BOOTTIME: as CLOCK_MONOTONIC, but goes on while the machine is suspended.
+std::int64_t system_boot_time_ns();
+
+/// The machine's three clocks at one instant.
+struct ClockReading {
+  MonoTime mono;
+  std::int64_t wall_ns = 0;
+  std::int64_t boot_time_ns = 0;
+};
+
+/// Reads them within 20 us of each other if that can be had in four tries; else as close as the best of them.
+ClockReading read_clocks(Clock& clock, const std::function<std::int64_t()>& wall_ns,
+                         const std::function<std::int64_t()>& boot_time_ns);
+
+struct StatusParts {
+  std::int64_t boot_id = 0;
+  std::int64_t last_sequence = 0;  ///< journalled
+  ClockReading clocks;
+  LoopStatus loop;
+  bool real_time = false;
+  std::string journal_fault;  ///< empty: it can be written
+  std::int64_t queue_overflows = 0;
+  RejectedCommands rejected;
+};
+
+strobe_msgs::status_t to_message(const StatusParts& parts, const ShotTiming& timing);
+
+/// Microseconds; NaN and no bins without values.
+strobe_msgs::histogram_t to_message(TimingQuantity quantity, const TimingHistogram& histogram);
+
+}  // namespace strobe::firmware

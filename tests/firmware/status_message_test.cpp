@@ -1,0 +1,105 @@
+#include "firmware/publisher/status_message.hpp"
+
+#include <cmath>
+#include <memory>
+// CppUTest redefines new; its headers come last.
+#include <CppUTest/TestHarness.h>
+
+using namespace strobe;
+using namespace strobe::firmware;
+
+namespace {
+
+/// Each reading of it takes as long as the next entry says.
+struct SteppingClock : Clock {
+  MonoTime time{1000};
+  std::vector<Duration> steps;
+  std::size_t next = 0;
+
+  MonoTime now() noexcept override {
+    const MonoTime result = time;
+    if (next < steps.size()) time = time + steps[next++];
+    return result;
+  }
+  MonoTime spin_until(MonoTime instant) noexcept override { return instant; }
+};
+
+}  // namespace
+
+TEST_GROUP(StatusMessage) {
+  std::unique_ptr<ShotTiming> timing = std::make_unique<ShotTiming>();
+  StatusParts parts;
+};
+
+TEST(StatusMessage, HasEveryQuantityFromTheStart) {
+  const auto message = to_message(parts, *timing);
+  CHECK_EQUAL(6, message.histogram_count);
+  for (int k = 0; k < 6; ++k) {
+    CHECK_EQUAL(k + 1, message.histograms[static_cast<std::size_t>(k)].quantity);
+    CHECK_EQUAL(0, message.histograms[static_cast<std::size_t>(k)].count);
+    CHECK_TRUE(std::isnan(message.histograms[static_cast<std::size_t>(k)].mean_us));
+    CHECK_EQUAL(0, message.histograms[static_cast<std::size_t>(k)].bin_count);
+  }
+}
+
+TEST(StatusMessage, TellsTimingInMicroseconds) {
+  for (const std::int64_t late_ns : {100, 100, 400})
+    timing->issued(MonoTime{0}, MonoTime{late_ns}, MonoTime{late_ns + 250});
+  const auto message = to_message(parts, *timing);
+  const auto& lateness = message.histograms[0];
+  CHECK_EQUAL(3, lateness.count);
+  DOUBLES_EQUAL(0.2, lateness.mean_us, 1e-12);
+  DOUBLES_EQUAL(std::sqrt(0.02), lateness.sd_us, 1e-12);  // population: (0.1² + 0.1² + 0.2²)/3
+  DOUBLES_EQUAL(0.1, lateness.p50_us, 1e-12);
+  DOUBLES_EQUAL(0.4, lateness.max_us, 1e-12);
+  std::int64_t in_bins = 0;
+  for (const std::int64_t n : lateness.bins) in_bins += n;
+  CHECK_EQUAL(3, in_bins);
+  DOUBLES_EQUAL(0.25, message.histograms[1].p99_us, 1e-12);
+}
+
+TEST(StatusMessage, SaysTheGravestThingThatIsMissing) {
+  parts.loop.estop_active = false;
+  STRCMP_EQUAL("the key is off", to_message(parts, *timing).message.c_str());
+  parts.loop.estop_active = true;
+  STRCMP_EQUAL("the e-stop is pressed, or its wire is broken", to_message(parts, *timing).message.c_str());
+  parts.journal_fault = "the disk is full";
+  STRCMP_EQUAL("the journal cannot be written: the disk is full", to_message(parts, *timing).message.c_str());
+  CHECK_FALSE(to_message(parts, *timing).journal_ok);
+  parts.loop.fault = "broken";
+  STRCMP_EQUAL("fault: broken", to_message(parts, *timing).message.c_str());
+}
+
+TEST(StatusMessage, CountsWhatWasIgnored) {
+  parts.rejected = {1, 2, 3, 4, 5, 6};
+  const auto message = to_message(parts, *timing);
+  CHECK_EQUAL(1, message.rejected_malformed);
+  CHECK_EQUAL(2, message.rejected_oversized);
+  CHECK_EQUAL(3, message.rejected_forged);
+  CHECK_EQUAL(4, message.rejected_replayed);
+  CHECK_EQUAL(5, message.rejected_stale);
+  CHECK_EQUAL(6, message.rejected_other_rig);
+}
+
+TEST(StatusMessage, ReadsTheClocksAgainWhenItWasHeldUpBetweenThem) {
+  SteppingClock clock;
+  clock.steps = {milliseconds(30), microseconds(1), microseconds(4), microseconds(1)};
+  std::int64_t wall_ns = 0;
+  const auto reading = read_clocks(
+      clock, [&] { return ++wall_ns; }, [] { return std::int64_t{77}; });
+  CHECK_EQUAL(2, reading.wall_ns);
+  CHECK_EQUAL(77, reading.boot_time_ns);
+  // Read first at 1000 ns, then after 30 ms and 1 us, with 4 us from one reading to the next.
+  CHECK_EQUAL(1000 + 30'001'000 + 2000, reading.mono.ns);
+}
+
+TEST(StatusMessage, TakesTheClosestReadingIfNoneIsClose) {
+  SteppingClock clock;
+  clock.steps.assign(8, milliseconds(5));
+  clock.steps[4] = milliseconds(2);
+  std::int64_t wall_ns = 0;
+  const auto reading = read_clocks(
+      clock, [&] { return ++wall_ns; }, [] { return std::int64_t{0}; });
+  CHECK_EQUAL(4, wall_ns);
+  CHECK_EQUAL(3, reading.wall_ns);
+}

@@ -1,0 +1,104 @@
+#include "firmware/core/timing_histogram.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <numeric>
+#include <random>
+#include <vector>
+// CppUTest redefines new; its headers come last.
+#include <CppUTest/TestHarness.h>
+
+using namespace strobe;
+using namespace strobe::firmware;
+
+TEST_GROUP(TimingHistogram) {
+  std::unique_ptr<TimingHistogram> owned = std::make_unique<TimingHistogram>();
+  TimingHistogram& histogram = *owned;
+
+  static std::int64_t sum(const TimingHistogram::Coarse& coarse) {
+    return std::accumulate(coarse.bins.begin(), coarse.bins.end(), std::int64_t{0});
+  }
+};
+
+TEST(TimingHistogram, IsZeroBeforeTheFirst) {
+  CHECK_EQUAL(0, histogram.count());
+  CHECK_EQUAL(0, histogram.percentile(0.99).ns);
+  DOUBLES_EQUAL(0.0, histogram.sd_ns(), 0.0);
+  CHECK_EQUAL(0u, histogram.coarse().count);
+}
+
+TEST(TimingHistogram, IsExactForSmallNumbersOfEitherSign) {
+  for (int ns = -50; ns <= 50; ++ns) histogram.add(nanoseconds(ns));
+  CHECK_EQUAL(-50, histogram.min().ns);
+  CHECK_EQUAL(-40, histogram.percentile(11.0 / 101.0).ns);
+  CHECK_EQUAL(0, histogram.percentile(0.5).ns);
+  CHECK_EQUAL(49, histogram.percentile(0.99).ns);
+  CHECK_EQUAL(50, histogram.percentile(1.0).ns);
+  DOUBLES_EQUAL(0.0, histogram.mean_ns(), 1e-12);
+  DOUBLES_EQUAL(std::sqrt(850.0), histogram.sd_ns(), 1e-9);  // (101² - 1)/12
+}
+
+TEST(TimingHistogram, NeverGivesMoreThanTheLargest) {
+  histogram.add(milliseconds(170));
+  CHECK_EQUAL(milliseconds(170).ns, histogram.percentile(0.999).ns);
+  CHECK_EQUAL(milliseconds(170).ns, histogram.percentile(0.0).ns);
+}
+
+TEST(TimingHistogram, TakesAnythingThatANumberHolds) {
+  histogram.add(milliseconds(3'600'000));
+  histogram.add(nanoseconds(INT64_MIN));
+  histogram.add(nanoseconds(INT64_MAX));
+  CHECK_EQUAL(INT64_MIN, histogram.min().ns);
+  CHECK_EQUAL(INT64_MAX, histogram.max().ns);
+  CHECK_EQUAL(3, histogram.count());
+  CHECK(histogram.percentile(0.6) > milliseconds(10'000));
+  CHECK_EQUAL(3, sum(histogram.coarse()));
+}
+
+TEST(TimingHistogram, AgreesWithSortingWithinAStep) {
+  // 256 steps an octave: a bin is at most 1/256 of its value wide.
+  std::mt19937_64 random(42);
+  std::lognormal_distribution<double> magnitude(std::log(3000.0), 2.0);
+  std::vector<std::int64_t> all;
+  for (int i = 0; i < 20'000; ++i) {
+    const double sign = i % 3 == 0 ? -1.0 : 1.0;
+    all.push_back(static_cast<std::int64_t>(sign * magnitude(random)));
+    histogram.add(nanoseconds(all.back()));
+  }
+  std::sort(all.begin(), all.end());
+  for (const double share : {0.001, 0.01, 0.3, 0.5, 0.9, 0.99, 0.999, 1.0}) {
+    const auto rank = static_cast<std::size_t>(std::ceil(share * static_cast<double>(all.size()))) - 1;
+    const auto exact = static_cast<double>(all[rank]);
+    const auto given = static_cast<double>(histogram.percentile(share).ns);
+    CHECK(given >= exact);
+    CHECK(given <= exact + std::abs(exact) / 256.0 + 1.0);
+  }
+  CHECK_EQUAL(20'000, sum(histogram.coarse()));
+}
+
+TEST(TimingHistogram, ShowsTheMiddleInRoundBinsAndTheRestInTheOuterOnes) {
+  // A lamp: 12 us ± 0.5 us, and one flash in a thousand 100 us late.
+  std::mt19937_64 random(7);
+  std::normal_distribution<double> delay(12'000.0, 500.0);
+  for (int i = 0; i < 10'000; ++i) {
+    histogram.add(nanoseconds(static_cast<std::int64_t>(delay(random)) + (i % 1000 == 0 ? 100'000 : 0)));
+  }
+  const auto coarse = histogram.coarse();
+  CHECK_EQUAL(200, coarse.width.ns);  // 99 % of a normal are 5.15 sd = 2.6 us wide: over 22 bins, rounded up
+  CHECK_EQUAL(0, coarse.first.ns % 200);
+  CHECK(coarse.count >= 12 && coarse.count <= 16);
+  CHECK(coarse.bins[coarse.count - 1] >= 10);
+  CHECK_EQUAL(10'000, sum(coarse));
+  const auto most = std::max_element(coarse.bins.begin(), coarse.bins.end()) - coarse.bins.begin();
+  const double middle_ns = static_cast<double>(coarse.first.ns + coarse.width.ns * most) + 100.0;
+  DOUBLES_EQUAL(12'000.0, middle_ns, 250.0);
+}
+
+TEST(TimingHistogram, OfOneValueHasOneBin) {
+  histogram.add(nanoseconds(-1234));
+  const auto coarse = histogram.coarse();
+  CHECK_EQUAL(1u, coarse.count);
+  CHECK_EQUAL(1, coarse.bins[0]);
+  CHECK(coarse.first.ns <= -1234 && -1234 < (coarse.first + coarse.width).ns);
+}
