@@ -28,8 +28,8 @@ enum class Flag {
   no_photograph,        // the photograph or its digitized frame did not come in time
   sensor_missing,       // a fitted flash sensor saw none, or not all, of the flashes that show the ball
   clock_suspect,        // flash times are not plausible: out of order, or not of this shot
-  events_missing,       // events of this shot were lost before the journal
-  shutter_suspect,      // the shutter's contact (X-sync) did not tell of opening or closing, or well off its lag
+  events_missing,       // events of this shot were lost before the journal, or never came to this host
+  shutter_suspect,  // the shutter's contact (X-sync) did not tell of opening or closing, or well off its lag
 };
 
 inline constexpr std::array kFlagNames{

@@ -181,7 +181,7 @@ class FireRun {
   /// Events that were lost on the way are fetched from the journal before the log is closed.
   void collect_missing() {
     const EventLedger& ledger = follower_.session().ledger();
-    const Collection collection(steady_now_ns());
+    Collection collection(steady_now_ns());
     bool said = false;
     while (turn() && !collection.over(follower_.session(), follower_.heard(now_ns_).has_value(), now_ns_)) {
       if (!said && now_ns_ - collection.started_ns() > 2 * kSecond_ns) {

@@ -18,15 +18,21 @@ constexpr int kTailAsks = 8;
 
 }  // namespace
 
-bool EventLedger::add(std::int64_t boot_id, std::int64_t sequence, std::int64_t now_ns) {
-  if (sequence < 1) return false;
-  const bool first_of_boot = !boots_.contains(boot_id);
-  Boot& boot = boots_[boot_id];
-  if (first_of_boot) {
-    boot.start = from_start_ ? 1 : sequence;
+/// start: first sequence that counts where not everything is wanted.
+EventLedger::Boot& EventLedger::boot_of(std::int64_t boot_id, std::int64_t start) {
+  const auto [found, is_new] = boots_.try_emplace(boot_id);
+  Boot& boot = found->second;
+  if (is_new) {
+    boot.start = from_start_ ? 1 : start;
     boot.tail_asks_left = from_start_ ? kTailAsks : 0;
   }
-  if (boot.again == sequence) boot.again = 0;
+  return boot;
+}
+
+bool EventLedger::add(std::int64_t boot_id, std::int64_t sequence, std::int64_t now_ns) {
+  if (sequence < 1) return false;
+  Boot& boot = boot_of(boot_id, sequence);
+  boot.again.erase(sequence);
   auto next = boot.have.upper_bound(sequence);
   if (next != boot.have.begin() && std::prev(next)->second >= sequence) return false;
   std::int64_t first = sequence, last = sequence;
@@ -41,27 +47,40 @@ bool EventLedger::add(std::int64_t boot_id, std::int64_t sequence, std::int64_t 
   boot.have[first] = last;
   if (sequence > boot.newest + 1 || boot.gap_since_ns == 0) boot.gap_since_ns = now_ns;
   boot.newest = std::max(boot.newest, sequence);
-  if (boot_id != current_boot_ && from_start_) boot.tail_asks_left = kTailAsks;
+  if (boot_id != current_boot_ && from_start_ && !boot.end_known) boot.tail_asks_left = kTailAsks;
   return true;
 }
 
 void EventLedger::status(std::int64_t boot_id, std::int64_t last_sequence, std::int64_t now_ns) {
   current_boot_ = boot_id;
   if (last_sequence < 1) return;
-  const auto known = boots_.find(boot_id);
-  Boot& boot = known != boots_.end() ? known->second : boots_[boot_id];
-  if (known == boots_.end()) {
-    boot.start = from_start_ ? 1 : last_sequence + 1;
-    boot.tail_asks_left = from_start_ ? kTailAsks : 0;
-  }
+  Boot& boot = boot_of(boot_id, last_sequence + 1);
   if (last_sequence > boot.newest) {
     boot.gap_since_ns = now_ns;
     boot.newest = last_sequence;
   }
 }
 
+void EventLedger::earlier(std::span<const EndedBoot> boots, std::int64_t now_ns) {
+  const auto heard = [this](const EndedBoot& ended) { return boots_.contains(ended.boot_id); };
+  const auto oldest = std::find_if(boots.rbegin(), boots.rend(), heard);
+  for (auto ended = boots.begin(); ended != oldest.base(); ++ended) {
+    Boot& boot = boot_of(ended->boot_id, ended->last_sequence + 1);
+    if (ended->last_sequence > boot.newest) {
+      boot.gap_since_ns = now_ns;
+      boot.newest = ended->last_sequence;
+    }
+    boot.end_known = true;
+    boot.tail_asks_left = 0;
+  }
+}
+
 void EventLedger::want_again(std::int64_t boot_id, std::int64_t sequence) {
-  if (sequence >= 1) boots_[boot_id].again = sequence;
+  if (sequence >= 1) boot_of(boot_id, sequence).again.insert(sequence);
+}
+
+void EventLedger::give_up_again(std::int64_t boot_id, std::int64_t sequence) {
+  if (const auto boot = boots_.find(boot_id); boot != boots_.end()) boot->second.again.erase(sequence);
 }
 
 std::vector<SequenceRange> EventLedger::gaps(std::int64_t boot_id, const Boot& boot) const {
@@ -91,7 +110,9 @@ std::vector<SequenceRange> EventLedger::due(std::int64_t now_ns) {
     if (now_ns - boot.gap_since_ns < kGrace_ns || now_ns - boot.asked_ns < kAskAgain_ns) continue;
     std::vector<SequenceRange> ranges = gaps(boot_id, boot);
     // First: with it comes the shot's summary, which somebody waits for.
-    if (boot.again != 0) ranges.insert(ranges.begin(), {boot_id, boot.again, boot.again});
+    std::vector<SequenceRange> again;
+    for (const std::int64_t sequence : boot.again) again.push_back({boot_id, sequence, sequence});
+    ranges.insert(ranges.begin(), again.begin(), again.end());
     if (ranges.empty() && boot_id != current_boot_ && current_boot_ != 0 && boot.tail_asks_left > 0) {
       --boot.tail_asks_left;
       ranges.push_back({boot_id, boot.newest + 1, boot.newest + kTail});
@@ -119,7 +140,8 @@ std::int64_t EventLedger::missing() const {
 bool EventLedger::complete() const {
   return std::all_of(boots_.begin(), boots_.end(), [this](const auto& entry) {
     const auto& [boot_id, boot] = entry;
-    return missing_of(boot) == 0 && boot.again == 0 && (boot_id == current_boot_ || boot.tail_asks_left == 0);
+    return missing_of(boot) == 0 && boot.again.empty() &&
+           (boot_id == current_boot_ || boot.tail_asks_left == 0);
   });
 }
 
@@ -129,6 +151,20 @@ std::int64_t EventLedger::received() const {
     for (const auto& [first, last] : boot.have) sum += last - first + 1;
   }
   return sum;
+}
+
+bool EventLedger::holds(std::int64_t boot_id, std::int64_t first, std::int64_t last) const {
+  const auto boot = boots_.find(boot_id);
+  if (boot == boots_.end()) return false;
+  const auto after = boot->second.have.upper_bound(first);
+  return after != boot->second.have.begin() && std::prev(after)->second >= last;
+}
+
+bool EventLedger::ended_and_here(std::int64_t boot_id) const {
+  const auto found = boots_.find(boot_id);
+  if (found == boots_.end() || boot_id == current_boot_ || current_boot_ == 0) return false;
+  const Boot& boot = found->second;
+  return missing_of(boot) == 0 && (boot.end_known || (from_start_ && boot.tail_asks_left == 0));
 }
 
 }  // namespace strobe::host

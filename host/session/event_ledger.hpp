@@ -5,6 +5,8 @@
 
 #include <cstdint>
 #include <map>
+#include <set>
+#include <span>
 #include <vector>
 
 namespace strobe::host {
@@ -17,6 +19,12 @@ struct SequenceRange {
   bool operator==(const SequenceRange&) const = default;
 };
 
+/// A boot that has ended, and how far its journal has come.
+struct EndedBoot {
+  std::int64_t boot_id = 0;
+  std::int64_t last_sequence = 0;
+};
+
 class EventLedger {
  public:
   /// from_start: events before the first one heard count as missing too.
@@ -27,8 +35,13 @@ class EventLedger {
   /// The firmware that runs now says how far its journal has come. Another boot than before: the old one has
   /// ended.
   void status(std::int64_t boot_id, std::int64_t last_sequence, std::int64_t now_ns);
+  /// The firmware that runs now says what earlier starts have left, the newest first. Of those that were
+  /// heard here, and of all that came after one of them, everything is wanted.
+  void earlier(std::span<const EndedBoot> boots, std::int64_t now_ns);
   /// This event must come again although it has been here (its shot's summary was lost).
   void want_again(std::int64_t boot_id, std::int64_t sequence);
+  /// It is not to be had.
+  void give_up_again(std::int64_t boot_id, std::int64_t sequence);
 
   /// Ranges to ask for now. Losses are asked for after a grace for reordering, then again and again; of a
   /// boot that has ended, what may be behind its last event is asked for until nothing new comes.
@@ -39,6 +52,10 @@ class EventLedger {
   /// Nothing is missing, and no ended boot may hold more.
   bool complete() const;
   std::int64_t received() const;
+  /// All events of a range are here.
+  bool holds(std::int64_t boot_id, std::int64_t first, std::int64_t last) const;
+  /// The boot has ended, and all that its journal holds is here, as far as that can be known.
+  bool ended_and_here(std::int64_t boot_id) const;
 
  private:
   struct Boot {
@@ -47,9 +64,12 @@ class EventLedger {
     std::int64_t newest = 0;                    ///< largest known to exist
     std::int64_t gap_since_ns = 0;
     std::int64_t asked_ns = 0;
-    std::int64_t again = 0;  ///< 0: none
+    std::set<std::int64_t> again;
     int tail_asks_left = 0;
+    bool end_known = false;  ///< newest is the last one
   };
+
+  Boot& boot_of(std::int64_t boot_id, std::int64_t start);
 
   std::vector<SequenceRange> gaps(std::int64_t boot_id, const Boot& boot) const;
   static std::int64_t missing_of(const Boot& boot);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <string_view>
 
 #include "host/session/verdict.hpp"
@@ -18,7 +19,14 @@ using strobe_msgs::shot_t;
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
 // Status messages come twice a second; five lost in a row mean that the firmware is gone.
 constexpr std::int64_t kSilent_ns = 5 * kSecond_ns / 2;
+// A network that is cut for ten seconds has lost nothing yet.
+constexpr std::int64_t kCutOff_ns = 10 * kSecond_ns;
 constexpr std::int64_t kSummaryGrace_ns = 300'000'000;
+// An ask and its answer each pass a lossy link: at 50 % loss 24 in vain have a chance of 0.1 %.
+constexpr int kSummaryAsks = 24;
+// A photograph takes its time; who asks for its shot again gets it, too, if it was lost on the way.
+constexpr std::int64_t kPhotographGrace_ns = kSecond_ns;
+constexpr std::size_t kMostArmed = 4096;
 constexpr std::size_t kMostHeldFrames = 64;
 // A machine that is this much early still meets the plate before the abort.
 constexpr double kMachineLagDoubt_s = 0.1;
@@ -38,48 +46,83 @@ std::int64_t end_of(const shot_t& shot, std::int64_t now_ns) {
   return end != shot_t::NO_TIME && end != 0 ? end : now_ns;
 }
 
+std::int64_t host_in(const std::string& hex) {
+  std::int64_t host = 0;
+  std::from_chars(hex.data(), hex.data() + hex.size(), host, 16);
+  return host;
+}
+
 }  // namespace
 
 void Session::on_status(const strobe_msgs::status_t& status, std::int64_t now_ns) {
   if (status_ && status_->boot_id != status.boot_id) {
     notice(fmt::format("the firmware was started anew (boot {:x})", status.boot_id));
   }
+  forgive_silence(status.mono_ns);
   status_ = status;
   status_heard_ns_ = now_ns;
   device_now_ns_ = std::max(device_now_ns_, status.mono_ns);
   ledger_.status(status.boot_id, status.last_sequence, now_ns);
+  finish_what_was_cut_off();
   expire(now_ns);
+}
+
+void Session::forgive_silence(std::int64_t mono_ns) {
+  const bool heard_before = device_now_ns_ != shot_t::NO_TIME;
+  if (!heard_before || mono_ns - device_now_ns_ <= kSilent_ns) return;
+  for (auto& [key, waiting] : waiting_) waiting.device_deadline_ns += mono_ns - device_now_ns_;
 }
 
 void Session::on_event(const event_t& event, std::int64_t now_ns) {
   if (!ledger_.add(event.boot_id, event.sequence, now_ns)) return;
-  const bool ended = event.kind == event_t::SHOT_ENDED || event.kind == event_t::SHOT_ABORTED;
   const Key key{event.boot_id, event.shot_id};
-  if (ended && event.shot_id > 0 && !done_.contains(key) && !waiting_.contains(key)) {
-    ended_[key] = {event.sequence, now_ns};
+  if (event.kind == event_t::ARMED) {
+    armed_[{event.boot_id, event.sequence}] = host_in(event.detail);
+    if (armed_.size() > kMostArmed) armed_.erase(armed_.begin());
   }
+  const bool of_open_shot = event.shot_id > 0 && !done_.contains(key) && !waiting_.contains(key);
+  if (of_open_shot && event.kind == event_t::SHOT_STARTED) {
+    open_[key].started = event.sequence;
+    open_[key].dry = event.detail == "dry";
+  }
+  if (of_open_shot && (event.kind == event_t::SHOT_ENDED || event.kind == event_t::SHOT_ABORTED)) {
+    open_[key].ended = event.sequence;
+    open_[key].since_ns = now_ns;
+  }
+  finish_what_is_whole();
+  finish_what_was_cut_off();
+}
+
+bool Session::whole(const shot_t& shot) const {
+  return shot.first_sequence < 1 || ledger_.holds(shot.boot_id, shot.first_sequence, shot.last_sequence);
 }
 
 void Session::on_shot(const shot_t& shot, std::int64_t now_ns) {
   const Key key{shot.boot_id, shot.shot_id};
-  ended_.erase(key);
+  open_.erase(key);
   if (done_.contains(key) || waiting_.contains(key)) return;
   if (shot.plan.dry) return finish_dry(shot);
-  if (const auto frame = take_held(key)) return finish(shot, *frame);
-  if (shot.aborted && ball_came_after_abort(shot)) {
+  auto frame = take_held(key);
+  if (frame && whole(shot)) return finish(shot, *frame);
+  if (!frame && shot.aborted && ball_came_after_abort(shot)) {
     return finish_without_photograph(shot, Flag::too_few_images,
                                      "aborted before the ball came: " + shot.abort_reason);
   }
   Waiting waiting;
   waiting.shot = shot;
+  waiting.frame = std::move(frame);
   const auto timeout_ns = static_cast<std::int64_t>(settings_.analysis.photograph_timeout_s * 1e9);
   waiting.device_deadline_ns = end_of(shot, device_now_ns_) + timeout_ns;
-  waiting.local_deadline_ns = now_ns + timeout_ns + kSilent_ns;
-  if (device_now_ns_ > waiting.device_deadline_ns && (host_id_ == 0 || shot.host_id != host_id_)) {
-    done_[key] = {};
-    notice(fmt::format("shot {} was over before this session was joined; its photograph is not waited for",
-                       shot.shot_id));
-    return;
+  waiting.local_deadline_ns = now_ns + timeout_ns + kCutOff_ns;
+  waiting.asked_ns = now_ns;
+  if (device_now_ns_ > waiting.device_deadline_ns) {
+    // It was lost until now, and its photograph with it, which may come again as it has.
+    waiting.past = !own(shot);
+    waiting.device_deadline_ns = device_now_ns_ + timeout_ns;
+    if (waiting.past) {
+      notice(fmt::format("shot {} was over before this session was joined; its photograph is not waited for",
+                         shot.shot_id));
+    }
   }
   waiting_[key] = std::move(waiting);
 }
@@ -87,6 +130,10 @@ void Session::on_shot(const shot_t& shot, std::int64_t now_ns) {
 void Session::on_frame(const frame_t& frame, std::int64_t /*now_ns*/) {
   const auto found = waiting_for(frame);
   if (found == waiting_.end()) return keep_or_report(frame);
+  if (!whole(found->second.shot)) {
+    if (!found->second.frame) found->second.frame = frame;
+    return;
+  }
   const shot_t shot = std::move(found->second.shot);
   waiting_.erase(found);
   finish(shot, frame);
@@ -154,6 +201,7 @@ void Session::finish(const shot_t& shot, const frame_t& frame) {
   done_[{shot.boot_id, shot.shot_id}] = {hash_of(frame), false};
   ShotReadout result = shot_readout(shot, frame, settings_);
   Outcome outcome;
+  if (!whole(shot)) result.readout.flags.set(Flag::events_missing);
   outcome.spoilt = spoilt_by(result.readout);
   outcome.readout = std::move(result.readout);
   outcome.problem = std::move(result.problem);
@@ -165,6 +213,7 @@ void Session::finish_without_photograph(const shot_t& shot, Flag why, std::strin
   done_[{shot.boot_id, shot.shot_id}] = {std::nullopt, why == Flag::no_photograph};
   reduction::FlagSet flags = shot_flags(shot);
   flags.set(why);
+  if (!whole(shot)) flags.set(Flag::events_missing);
   Outcome outcome;
   outcome.readout = empty_readout(shot, flags);
   outcome.spoilt = spoilt_by(outcome.readout);
@@ -181,42 +230,116 @@ void Session::finish_dry(const shot_t& shot) {
   push(std::move(outcome), shot);
 }
 
-void Session::expire(std::int64_t now_ns) {
-  const bool silent = !status_ || now_ns - status_heard_ns_ > kSilent_ns;
-  for (auto it = waiting_.begin(); it != waiting_.end();) {
-    const Waiting& waiting = it->second;
-    const bool over =
-        device_now_ns_ > waiting.device_deadline_ns || (silent && now_ns > waiting.local_deadline_ns);
-    if (!over) {
+/// Who armed for it: the last one before its start.
+std::int64_t Session::host_of(const Key& key, const Open& open) const {
+  const auto after = armed_.lower_bound({key.first, open.started});
+  if (open.started < 1 || after == armed_.begin() || std::prev(after)->first.first != key.first) return 0;
+  return std::prev(after)->second;
+}
+
+/// The firmware died before it had written the shot's summary.
+void Session::finish_cut_off(const Key& key, const Open& open) {
+  shot_t shot{};
+  shot.boot_id = key.first;
+  shot.shot_id = key.second;
+  shot.host_id = host_of(key, open);
+  shot.plan.dry = open.dry;
+  shot.aborted = true;
+  shot.abort_reason = "the firmware died in it; what it had not yet written is lost";
+  done_[key] = {};
+  reduction::FlagSet flags = shot_flags(shot);
+  flags.set(Flag::events_missing);
+  Outcome outcome;
+  outcome.readout = empty_readout(shot, flags);
+  outcome.spoilt = spoilt_by(outcome.readout);
+  outcome.problem = shot.abort_reason;
+  push(std::move(outcome), shot);
+}
+
+void Session::finish_what_was_cut_off() {
+  for (auto it = open_.begin(); it != open_.end();) {
+    const auto& [key, open] = *it;
+    const bool asked_enough = open.ended == 0 || open.asked >= kSummaryAsks;
+    if (open.started == 0 || !asked_enough || !ledger_.ended_and_here(key.first)) {
       ++it;
       continue;
     }
-    const shot_t shot = std::move(it->second.shot);
-    it = waiting_.erase(it);
-    finish_without_photograph(
-        shot, Flag::no_photograph,
-        fmt::format("no photograph within {} s", settings_.analysis.photograph_timeout_s));
+    if (open.ended != 0) ledger_.give_up_again(key.first, open.ended);
+    finish_cut_off(key, open);
+    it = open_.erase(it);
   }
 }
 
+/// Shots whose photograph is here, and now their last event.
+void Session::finish_what_is_whole() {
+  for (auto it = waiting_.begin(); it != waiting_.end();) {
+    if (!it->second.frame || !whole(it->second.shot)) {
+      ++it;
+      continue;
+    }
+    const Waiting waiting = std::move(it->second);
+    it = waiting_.erase(it);
+    finish(waiting.shot, *waiting.frame);
+  }
+}
+
+bool Session::over(const Waiting& waiting, bool silent, std::int64_t now_ns) const {
+  return device_now_ns_ > waiting.device_deadline_ns || (silent && now_ns > waiting.local_deadline_ns);
+}
+
+void Session::expire(std::int64_t now_ns) {
+  const bool silent = !status_ || now_ns - status_heard_ns_ > kSilent_ns;
+  for (auto it = waiting_.begin(); it != waiting_.end();) {
+    if (!over(it->second, silent, now_ns)) {
+      ++it;
+      continue;
+    }
+    const Waiting waiting = std::move(it->second);
+    it = waiting_.erase(it);
+    finish_late(waiting, fmt::format("no photograph within {} s", settings_.analysis.photograph_timeout_s));
+  }
+}
+
+void Session::finish_late(const Waiting& waiting, const std::string& problem) {
+  if (waiting.frame) return finish(waiting.shot, *waiting.frame);
+  if (!waiting.past) return finish_without_photograph(waiting.shot, Flag::no_photograph, problem);
+  done_[{waiting.shot.boot_id, waiting.shot.shot_id}] = {};
+}
+
 void Session::ask_for_lost_summaries(std::int64_t now_ns) {
-  for (auto& [key, ended] : ended_) {
-    if (now_ns - ended.second < kSummaryGrace_ns) continue;
-    ledger_.want_again(key.first, ended.first);
-    ended.second = now_ns;
+  for (auto& [key, open] : open_) {
+    if (open.ended == 0 || now_ns - open.since_ns < kSummaryGrace_ns) continue;
+    ledger_.want_again(key.first, open.ended);
+    open.since_ns = now_ns;
+    ++open.asked;
+  }
+}
+
+void Session::ask_for_lost_photographs(std::int64_t now_ns) {
+  for (auto& [key, waiting] : waiting_) {
+    if (waiting.frame || !own(waiting.shot) || now_ns - waiting.asked_ns < kPhotographGrace_ns) continue;
+    ledger_.want_again(key.first, waiting.shot.last_sequence);
+    waiting.asked_ns = now_ns;
   }
 }
 
 void Session::on_time(std::int64_t now_ns) {
   expire(now_ns);
   ask_for_lost_summaries(now_ns);
+  ask_for_lost_photographs(now_ns);
+  finish_what_was_cut_off();
+}
+
+std::size_t Session::waiting_for_photograph() const {
+  return static_cast<std::size_t>(
+      std::count_if(waiting_.begin(), waiting_.end(), [](const auto& entry) { return !entry.second.past; }));
 }
 
 void Session::on_end() {
   while (!waiting_.empty()) {
-    const shot_t shot = std::move(waiting_.begin()->second.shot);
+    const Waiting waiting = std::move(waiting_.begin()->second);
     waiting_.erase(waiting_.begin());
-    finish_without_photograph(shot, Flag::no_photograph, "no photograph in the log");
+    finish_late(waiting, "no photograph in the log");
   }
 }
 

@@ -3,7 +3,11 @@
 //
 // The time that ends the wait for a photograph is the firmware's own clock as its status messages tell it, so
 // that a log played back at any speed gives the same readouts. Only when the firmware has fallen silent does
-// the caller's clock (nanoseconds, steady, any origin) end it.
+// the caller's clock (nanoseconds, steady, any origin) end it. Time in which the firmware was not heard does
+// not count: what was sent in it comes again.
+//
+// No number is given without all events of its shot, or else with the flag events_missing. Of a shot that has
+// no end, since the firmware died in it, that is all that can be said.
 #pragma once
 
 #include <cstdint>
@@ -59,14 +63,25 @@ class Session {
   const std::optional<strobe_msgs::status_t>& status() const { return status_; }
   /// When the newest status arrived, on the caller's clock.
   std::int64_t status_heard_ns() const { return status_heard_ns_; }
-  std::size_t waiting_for_photograph() const { return waiting_.size(); }
+  std::size_t waiting_for_photograph() const;
 
  private:
   using Key = std::pair<std::int64_t, std::int32_t>;  ///< boot, shot
   struct Waiting {
     strobe_msgs::shot_t shot;
+    std::optional<strobe_msgs::frame_t> frame;  ///< is here; events of the shot are not
     std::int64_t device_deadline_ns = 0;
     std::int64_t local_deadline_ns = 0;
+    std::int64_t asked_ns = 0;
+    bool past = false;  ///< over before this session was joined: nobody promised a readout
+  };
+  /// A shot whose start was heard, and not its summary.
+  struct Open {
+    std::int64_t started = 0;  ///< sequences; 0: not heard
+    std::int64_t ended = 0;
+    std::int64_t since_ns = 0;  ///< of the end, or of the last time that the summary was asked for
+    int asked = 0;
+    bool dry = false;
   };
 
   struct Done {
@@ -76,14 +91,24 @@ class Session {
 
   void finish(const strobe_msgs::shot_t& shot, const strobe_msgs::frame_t& frame);
   void finish_without_photograph(const strobe_msgs::shot_t& shot, reduction::Flag why, std::string problem);
+  void finish_late(const Waiting& waiting, const std::string& problem);
   void finish_dry(const strobe_msgs::shot_t& shot);
+  void finish_cut_off(const Key& key, const Open& open);
+  void finish_what_is_whole();
+  void finish_what_was_cut_off();
+  bool whole(const strobe_msgs::shot_t& shot) const;
+  bool own(const strobe_msgs::shot_t& shot) const { return host_id_ != 0 && shot.host_id == host_id_; }
+  std::int64_t host_of(const Key& key, const Open& open) const;
+  void forgive_silence(std::int64_t mono_ns);
   void push(Outcome outcome, const strobe_msgs::shot_t& shot);
   bool ball_came_after_abort(const strobe_msgs::shot_t& shot) const;
   std::optional<strobe_msgs::frame_t> take_held(const Key& key);
   std::map<Key, Waiting>::iterator waiting_for(const strobe_msgs::frame_t& frame);
   void keep_or_report(const strobe_msgs::frame_t& frame);
   void expire(std::int64_t now_ns);
+  bool over(const Waiting& waiting, bool silent, std::int64_t now_ns) const;
   void ask_for_lost_summaries(std::int64_t now_ns);
+  void ask_for_lost_photographs(std::int64_t now_ns);
   void notice(std::string text) { notices_.push_back(std::move(text)); }
 
   AssemblySettings settings_;
@@ -95,8 +120,8 @@ class Session {
   std::map<Key, Waiting> waiting_;
   std::map<Key, strobe_msgs::frame_t> held_;  ///< frames that came before their shot
   std::map<Key, Done> done_;
-  std::map<Key, std::pair<std::int64_t, std::int64_t>>
-      ended_;  ///< shots ended without a summary: sequence, since
+  std::map<Key, Open> open_;
+  std::map<std::pair<std::int64_t, std::int64_t>, std::int64_t> armed_;  ///< boot, sequence: by which host
   std::vector<Outcome> outcomes_;
   std::vector<std::string> notices_;
 };

@@ -41,7 +41,7 @@ std::string_view words(Flag flag) {
     case Flag::clock_suspect:
       return "flash times are not plausible";
     case Flag::events_missing:
-      return "events were lost before the journal";
+      return "events of the shot were lost";
     case Flag::shutter_suspect:
       return "the shutter's contact did not tell that it opened and closed as it should";
   }

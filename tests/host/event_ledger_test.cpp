@@ -2,6 +2,7 @@
 #include "host/session/event_ledger.hpp"
 
 #include <algorithm>
+#include <array>
 #include <random>
 #include <set>
 // CppUTest redefines new; its headers come last.
@@ -9,6 +10,7 @@
 
 namespace {
 
+using strobe::host::EndedBoot;
 using strobe::host::EventLedger;
 using strobe::host::SequenceRange;
 
@@ -17,6 +19,30 @@ constexpr std::int64_t kBoot = 0x7700;
 
 void add(EventLedger& ledger, std::int64_t first, std::int64_t last, std::int64_t now_ns = 0) {
   for (std::int64_t s = first; s <= last; ++s) ledger.add(kBoot, s, now_ns);
+}
+
+void everything_comes_at_loss(double loss) {
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    std::mt19937 generator(seed);
+    std::bernoulli_distribution lost(loss);
+    EventLedger ledger(true);
+    std::set<std::int64_t> here;
+    const auto send = [&](std::int64_t s, std::int64_t now_ns) {
+      if (!lost(generator) && ledger.add(kBoot, s, now_ns)) here.insert(s);
+    };
+    for (std::int64_t s = 1; s <= 3000; ++s) send(s, s * kMs);
+    ledger.status(kBoot, 3000, 3000 * kMs);
+    std::int64_t now_ns = 3000 * kMs;
+    for (int turn = 0; turn < 1000 && !ledger.complete(); ++turn, now_ns += 20 * kMs) {
+      for (const SequenceRange& range : ledger.due(now_ns)) {
+        if (lost(generator)) continue;
+        for (std::int64_t s = range.first; s <= std::min<std::int64_t>(range.last, 3000); ++s)
+          send(s, now_ns);
+      }
+    }
+    LONGS_EQUAL(3000, here.size());
+    LONGS_EQUAL(0, ledger.missing());
+  }
 }
 
 }  // namespace
@@ -129,26 +155,62 @@ TEST(EventLedgerOfAHost, WhatAnEndedBootMayStillHoldIsAskedForUntilNothingComes)
   LONGS_EQUAL(4, ledger.received());
 }
 
-TEST(EventLedgerOfAHost, AtTwentyPerCentLossEverythingComesInTheEnd) {
-  for (unsigned seed = 1; seed <= 20; ++seed) {
-    std::mt19937 generator(seed);
-    std::bernoulli_distribution lost(0.2);
-    EventLedger ledger(true);
-    std::set<std::int64_t> here;
-    const auto send = [&](std::int64_t s, std::int64_t now_ns) {
-      if (!lost(generator) && ledger.add(kBoot, s, now_ns)) here.insert(s);
-    };
-    for (std::int64_t s = 1; s <= 3000; ++s) send(s, s * kMs);
-    ledger.status(kBoot, 3000, 3000 * kMs);
-    std::int64_t now_ns = 3000 * kMs;
-    for (int turn = 0; turn < 200 && !ledger.complete(); ++turn, now_ns += 20 * kMs) {
-      for (const SequenceRange& range : ledger.due(now_ns)) {
-        if (lost(generator)) continue;
-        for (std::int64_t s = range.first; s <= std::min<std::int64_t>(range.last, 3000); ++s)
-          send(s, now_ns);
-      }
-    }
-    LONGS_EQUAL(3000, here.size());
-    LONGS_EQUAL(0, ledger.missing());
-  }
+TEST(EventLedgerOfAHost, WhatAnEndedBootHoldsIsAskedForToItsEndAndNoFurther) {
+  EventLedger ledger(true);
+  ledger.status(kBoot, 3, 0);
+  add(ledger, 1, 3, 0);
+  ledger.status(kBoot + 1, 0, 100 * kMs);
+  const EndedBoot ended{kBoot, 5};
+  ledger.earlier({&ended, 1}, 100 * kMs);
+  CHECK_FALSE(ledger.ended_and_here(kBoot));
+  const auto asks = ledger.due(1000 * kMs);
+  LONGS_EQUAL(1, asks.size());
+  CHECK_TRUE((asks[0] == SequenceRange{kBoot, 4, 5}));
+  add(ledger, 4, 5, 1100 * kMs);
+  CHECK_TRUE(ledger.ended_and_here(kBoot));
+  CHECK_TRUE(ledger.complete());
+  CHECK_TRUE(ledger.due(2000 * kMs).empty());
 }
+
+TEST(EventLedgerOfAHost, ABootBetweenTwoThatWereHeardIsWantedAndOneBeforeThemIsNot) {
+  const std::array<EndedBoot, 3> ended{{{kBoot + 2, 7}, {kBoot + 1, 9}, {kBoot, 11}}};
+  EventLedger ledger(true);
+  ledger.add(kBoot + 1, 1, 0);  // heard before this host's time, too
+  ledger.status(kBoot + 3, 0, 0);
+  ledger.earlier(ended, 0);
+  LONGS_EQUAL(8 + 7, ledger.missing());
+  EventLedger other(true);
+  other.status(kBoot + 3, 0, 0);
+  other.earlier(ended, 0);
+  LONGS_EQUAL(0, other.missing());
+}
+
+TEST(EventLedgerOfAHost, KnowsWhichRangesAreHere) {
+  EventLedger ledger(true);
+  add(ledger, 2, 5);
+  add(ledger, 7, 7);
+  CHECK_TRUE(ledger.holds(kBoot, 2, 5));
+  CHECK_TRUE(ledger.holds(kBoot, 3, 4));
+  CHECK_TRUE(ledger.holds(kBoot, 7, 7));
+  CHECK_FALSE(ledger.holds(kBoot, 1, 2));
+  CHECK_FALSE(ledger.holds(kBoot, 5, 7));
+  CHECK_FALSE(ledger.holds(kBoot, 8, 8));
+  CHECK_FALSE(ledger.holds(kBoot + 1, 2, 2));
+}
+
+TEST(EventLedgerOfAHost, EveryLostSummaryIsRemembered) {
+  EventLedger ledger(true);
+  ledger.status(kBoot, 9, 0);
+  add(ledger, 1, 9, 0);
+  ledger.want_again(kBoot, 4);
+  ledger.want_again(kBoot, 9);
+  LONGS_EQUAL(2, ledger.due(1000 * kMs).size());
+  CHECK_FALSE(ledger.complete());
+  ledger.give_up_again(kBoot, 9);
+  ledger.add(kBoot, 4, 1100 * kMs);
+  CHECK_TRUE(ledger.complete());
+}
+
+TEST(EventLedgerOfAHost, AtHalfLossEverythingComesInTheEnd) { everything_comes_at_loss(0.5); }
+
+TEST(EventLedgerOfAHost, AtTwentyPerCentLossEverythingComesInTheEnd) { everything_comes_at_loss(0.2); }
