@@ -1,5 +1,7 @@
 // strobed: plays shots on a rig's lines. See --help.
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <charconv>
 #include <cstdio>
 #include <exception>
 #include <fstream>
@@ -18,9 +20,9 @@ using namespace strobe::firmware;  // NOLINT: the program's own
 constexpr const char* kFooter =
     "Exit status: 0 stopped in good order (or checked, or made safe); 1 the worker died, or a check failed;\n"
     "2 bad usage, rig file, chip or line.\n"
-    "A drill proves on the real rig that the guardian makes the outputs safe: --drill publisher-exception@3 "
-    "lets the\n"
-    "publishing thread fail at the first flash of this start's third shot.";
+    "A drill proves on the real rig that the outputs become safe: --drill publisher-exception@3 lets the\n"
+    "publishing thread fail at the first flash of this start's third shot; publisher-hang and loop-hang let\n"
+    "that thread stand still.";
 
 strobe::Result<Rig> load_rig(const std::string& path) {
   std::ifstream file(path);
@@ -46,6 +48,16 @@ int make_safe(const Rig& rig) {
   return kExitDone;
 }
 
+bool read_drill(const std::string& text, Options& options) {
+  const std::size_t at = text.find('@');
+  options.drill = text.substr(0, at);
+  if (at == text.npos || std::find(kDrills.begin(), kDrills.end(), options.drill) == kDrills.end())
+    return false;
+  const char* end = text.data() + text.size();
+  const auto read = std::from_chars(text.data() + at + 1, end, options.drill_at_shot);
+  return read.ec == std::errc() && read.ptr == end && options.drill_at_shot >= 1;
+}
+
 int run(int argc, char** argv) {
   CLI::App app(
       "Plays strobe-photography shots on a rig's GPIO lines, with a guardian that keeps the outputs safe.");
@@ -65,7 +77,8 @@ int run(int argc, char** argv) {
   app.add_flag("--move-interrupts", move,
                "as root: keep the machine's interrupts off the CPU of [real_time] cpu, and end")
       ->excludes(check_flag);
-  app.add_option("--drill", drill, "publisher-exception@SHOT, see below");
+  app.add_option("--drill", drill,
+                 "publisher-exception@SHOT, publisher-hang@SHOT or loop-hang@SHOT, see below");
   app.add_flag("--json", options.json, "with --check: one JSON object per line");
   app.add_flag("--verbose", options.verbose, "every event on stderr");
   app.set_version_flag("--version", STROBE_VERSION);
@@ -75,12 +88,8 @@ int run(int argc, char** argv) {
     if (error.get_exit_code() == 0) return app.exit(error);
     return bad_input(error.what());
   }
-  if (!drill.empty()) {
-    char rest = 0;
-    if (std::sscanf(drill.c_str(), "publisher-exception@%d%c", &options.throw_at_shot, &rest) != 1 ||
-        options.throw_at_shot < 1) {
-      return bad_input("--drill: must be publisher-exception@SHOT with SHOT from 1, is \"" + drill + "\"");
-    }
+  if (!drill.empty() && !read_drill(drill, options)) {
+    return bad_input("--drill: must be CAUSE@SHOT with SHOT from 1, is \"" + drill + "\"");
   }
   options.session = session;
   auto rig = load_rig(options.config);

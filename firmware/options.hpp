@@ -1,10 +1,16 @@
 // What strobed's command line asks for.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 namespace strobe::firmware {
+
+/// What --drill can let happen, to prove on the real rig that the outputs become safe.
+inline constexpr std::array<std::string_view, 3> kDrills{"publisher-exception", "publisher-hang",
+                                                         "loop-hang"};
 
 struct Options {
   std::string config;
@@ -13,7 +19,8 @@ struct Options {
   bool allow_no_rt = false;
   bool verbose = false;
   bool json = false;
-  int throw_at_shot = 0;  ///< --drill publisher-exception@N; 0: none
+  std::string drill;      ///< one of kDrills; empty: none
+  int drill_at_shot = 0;  ///< of this start, from 1; 0: none
 };
 
 }  // namespace strobe::firmware

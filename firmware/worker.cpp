@@ -5,7 +5,9 @@
 
 #include <csignal>
 #include <cstdio>
+#include <functional>
 #include <future>
+#include <stdexcept>
 #include <thread>
 
 #include "common/messages/channels.hpp"
@@ -56,11 +58,13 @@ void wait_for_stop_signal() {
   sigwait(&set, &signal);
 }
 
-/// The real-time thread: set up before the first turn, ended by stop().
+/// The real-time thread: set up before the first turn, ended by stop(), or by itself when it can no longer
+/// keep the outputs safe: then the process gets the stop signal.
 class LoopThread {
  public:
-  LoopThread(Sequencer& sequencer, const Rig::RealTime& wanted, WorkerPage& page, EventFd& wake)
-      : sequencer_(sequencer), page_(page), wake_(wake) {
+  LoopThread(Sequencer& sequencer, GpioLines& lines, const Rig::RealTime& wanted, WorkerPage& page,
+             EventFd& wake)
+      : sequencer_(sequencer), lines_(lines), page_(page), wake_(wake) {
     thread_ = std::thread([this, wanted] { run(wanted); });
   }
   /// Never started: ends without having touched an output.
@@ -72,10 +76,13 @@ class LoopThread {
   /// What could not be had of the thread's real-time rights.
   std::vector<std::string> set_up() { return set_up_.get_future().get(); }
   void start(const Words& detail) { go_.set_value(detail); }
-  void stop() {
+  void hang() { hang_ = true; }  ///< drill
+  /// False: it had not stopped in good order.
+  bool stop() {
     stop_ = true;
     wake_.wake();
     thread_.join();
+    return well_;
   }
 
  private:
@@ -88,24 +95,65 @@ class LoopThread {
     set_up_.set_value(std::move(faults));
     const Words detail = go_.get_future().get();
     if (detail.empty()) return;
-    if (!sequencer_.start(detail)) _exit(kExitFailed);
-    while (!stop_) {
-      page_.turned_ns.store(clock_.now().ns, std::memory_order_relaxed);
-      if (!sequencer_.step(kNoDeadline)) _exit(kExitFailed);  // the guardian makes the outputs safe
-    }
-    sequencer_.stop("stopped by a signal");
-    page_.outputs_safe = true;
+    const char* failure = sequencer_.start(detail) ? nullptr : kNoSwitchingOff;
+    while (failure == nullptr && !stop_) failure = turn();
+    // Whoever stops the process may do it because the guardian is gone.
+    if (failure == nullptr) failure = guardian_fault();
+    well_ = failure == nullptr;
+    if (failure == kNoSwitchingOff) let_go();
+    page_.outputs_safe = sequencer_.stop(well_ ? "stopped by a signal" : failure) && !page_.lines_let_go;
+    if (well_) return;
+    std::fprintf(stderr, "strobed: stopped: %s\n", failure);
+    kill(getpid(), SIGTERM);
   }
 
+  /// Null, or why the loop must end.
+  const char* turn() noexcept {
+    page_.loop_turned_ns.store(clock_.now().ns, std::memory_order_relaxed);
+    while (hang_) pause();
+    if (const char* fault = guardian_fault()) return fault;
+    return sequencer_.step(kNoDeadline) ? nullptr : kNoSwitchingOff;
+  }
+
+  /// Without a guardian nobody would make the outputs safe if this process died.
+  const char* guardian_fault() const noexcept {
+    if (getppid() != guardian_) return "the guardian died";
+    const MonoTime turned{page_.guardian_turned_ns};
+    return turned.ns != 0 && clock_.now() - turned > kGuardianHangs ? "the guardian hangs" : nullptr;
+  }
+
+  void let_go() noexcept {
+    lines_.release_outputs();
+    page_.lines_let_go = true;
+    page_.ring();
+  }
+
+  static constexpr const char* kNoSwitchingOff = "an output could not be switched off";
+
   Sequencer& sequencer_;
+  GpioLines& lines_;
   WorkerPage& page_;
   EventFd& wake_;
-  MonotonicClock clock_;
+  mutable MonotonicClock clock_;
+  const pid_t guardian_ = getppid();
   std::atomic<bool> stop_{false};
+  std::atomic<bool> hang_{false};
+  bool well_ = true;
   std::promise<std::vector<std::string>> set_up_;
   std::promise<Words> go_;
   std::thread thread_;
 };
+
+/// What the publisher does in the middle of a shot when a drill asks for it.
+std::function<void()> drill(const std::string& name, LoopThread& loop) {
+  if (name == "publisher-exception") return [] { throw std::runtime_error("drill: the publisher fails"); };
+  if (name == "publisher-hang") {
+    return [] {
+      for (;;) pause();
+    };
+  }
+  return [&loop] { loop.hang(); };
+}
 
 }  // namespace
 
@@ -140,7 +188,7 @@ int run_worker(const Rig& rig, const Options& options, WorkerPage& page) {
   std::vector<std::string> faults;
   if (std::string fault = lock_memory(); !fault.empty()) faults.push_back(std::move(fault));
   const LatencyRequest latency;
-  LoopThread loop(sequencer, rig.real_time, page, loop_wake);
+  LoopThread loop(sequencer, **lines, rig.real_time, page, loop_wake);
   for (std::string& fault : loop.set_up()) faults.push_back(std::move(fault));
   if (!faults.empty() && !options.allow_no_rt) {
     return give_up_safely("no real-time rights: " + joined(faults) +
@@ -156,10 +204,14 @@ int run_worker(const Rig& rig, const Options& options, WorkerPage& page) {
   settings.session = options.session;
   settings.real_time = faults.empty();
   settings.verbose = options.verbose;
-  settings.throw_at_shot = options.throw_at_shot;
-  settings.on_first_status = [&rig, boot_id] {
+  settings.turned_ns = &page.publisher_turned_ns;
+  settings.drill_at_shot = options.drill_at_shot;
+  settings.drill = drill(options.drill, loop);
+  settings.on_first_status = [&rig, &page, boot_id] {
     std::fprintf(stderr, "strobed: ready, rig %s, boot %016llx\n", rig.name.c_str(),
                  static_cast<unsigned long long>(boot_id));
+    page.ready = true;
+    page.ring();
   };
   Publisher publisher(rig, settings, queue, mailbox, *journal, bus, clock);
   Receiver receiver(rig, boot_id, commands, mailbox);
@@ -173,13 +225,13 @@ int run_worker(const Rig& rig, const Options& options, WorkerPage& page) {
   std::jthread receiving([&](const std::stop_token& stop) noexcept { bus.run(stop); });
 
   wait_for_stop_signal();
-  loop.stop();
+  const bool well = loop.stop();
   receiving.request_stop();
   receiving.join();
   publishing.request_stop();
   publisher_wake.wake();
   publishing.join();
-  return kExitDone;
+  return well ? kExitDone : kExitFailed;
 }
 
 }  // namespace strobe::firmware

@@ -16,6 +16,7 @@ Issue GuardedOutputs::activate(Output output, MonoTime commanded, Duration width
   Pulse& pulse = pulses_[index_of(output)];
   Issue issue{commanded, now, {}, false};
   issue.done = output == Output::strobes ? lines_.set_lamps(lamps) : lines_.set(output, true);
+  if (!issue.done) failed_ = true;
   issue.end = clock_.now();
   // Even a failed call may have driven the line: it is switched off like any other.
   pulse.active = true;
@@ -29,7 +30,7 @@ Issue GuardedOutputs::deactivate(Output output, MonoTime now) noexcept {
   Issue issue{pulse.off_at, now, {}, false};
   issue.done = lines_.set(output, false);
   issue.end = clock_.now();
-  if (!issue.done) broken_ = true;
+  if (!issue.done) broken_ = failed_ = true;
   if (pulse.active) pulse.last_on_time = issue.end - pulse.since;
   pulse.active = false;
   return issue;

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <limits>
+#include <utility>
 
 #include "firmware/core/rig.hpp"
 #include "firmware/ports/clock.hpp"
@@ -41,6 +42,8 @@ class GuardedOutputs {
   MonoTime next_off() const noexcept;               ///< kNoDeadline: all are inactive
   Output next_off_output() const noexcept;          ///< the one that next_off() is of
   bool broken() const noexcept { return broken_; }  ///< an output could not be switched off
+  /// Whether a call failed since this was asked last.
+  bool take_failure() noexcept { return std::exchange(failed_, false); }
 
  private:
   struct Pulse {
@@ -54,6 +57,7 @@ class GuardedOutputs {
   OutputLines& lines_;
   std::array<Pulse, kOutputs.size()> pulses_;
   bool broken_ = false;
+  bool failed_ = false;
 };
 
 }  // namespace strobe::firmware

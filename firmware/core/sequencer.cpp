@@ -138,13 +138,14 @@ bool Sequencer::step(MonoTime latest) noexcept {
   if (clock_.now() - levels_read_ >= kLongestSleep) read_levels();
   carry_out(interlock_.tick(clock_.now()));
   player_.run_due();
+  if (outputs_.take_failure()) fault("an output line could not be set");
   report_status();
   return !outputs_.broken();
 }
 
-void Sequencer::stop(const Words& why) noexcept {
+bool Sequencer::stop(const Words& why) noexcept {
   player_.abort(why);
-  outputs_.all_off();
+  const bool safe = outputs_.all_off();
   for (int turn = 0; turn < 1000 && player_.busy(); ++turn) {
     edges_.wait(std::min(player_.next_due(), clock_.now() + milliseconds(1)), edge_buffer_);
     player_.run_due();
@@ -152,6 +153,7 @@ void Sequencer::stop(const Words& why) noexcept {
   report(EventKind::stopped, why);
   report_status();
   sink_.flush();
+  return safe;
 }
 
 void Sequencer::report_status() noexcept {

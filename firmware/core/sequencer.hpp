@@ -33,8 +33,9 @@ class Sequencer {
   /// does it.
   bool step(MonoTime latest) noexcept;
 
-  /// Outputs inactive, a running shot aborted and handed over, STOPPED reported.
-  void stop(const Words& why) noexcept;
+  /// Outputs inactive, a running shot aborted and handed over, STOPPED reported. False: an output could not be
+  /// driven.
+  bool stop(const Words& why) noexcept;
 
   State state() const noexcept { return interlock_.state(); }
 

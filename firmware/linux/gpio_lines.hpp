@@ -25,6 +25,8 @@ class GpioLines final : public OutputLines, public EdgeSource {
 
   bool set(Output output, bool active) noexcept override;
   bool set_lamps(Lamps lamps) noexcept override;
+  /// Lets go of the output lines, as they are, so that the guardian can take them; then set() fails.
+  void release_outputs() noexcept;
   std::optional<std::size_t> wait(MonoTime until, std::span<Edge> edges) noexcept override;
   std::optional<bool> level(Input input) noexcept override;
   std::int64_t overflows() const noexcept override;

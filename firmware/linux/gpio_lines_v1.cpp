@@ -193,6 +193,10 @@ bool GpioLines::set_lamps(Lamps lamps) noexcept {
   return gpiod_line_set_value_bulk(&group.bulk, levels.data()) == 0;
 }
 
+void GpioLines::release_outputs() noexcept {
+  for (Impl::OutputGroup& group : impl_->outputs) gpiod_line_release_bulk(&group.bulk);
+}
+
 bool GpioLines::Impl::drain(std::size_t i, std::span<Edge> edges, std::size_t& count) noexcept {
   const std::size_t room = std::min(edges.size() - count, kKernelBuffer);
   if (room == 0) return true;

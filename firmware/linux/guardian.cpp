@@ -1,6 +1,7 @@
 #include "firmware/linux/guardian.hpp"
 
 #include <poll.h>
+#include <sys/eventfd.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/signalfd.h>
@@ -14,19 +15,23 @@
 #include <cstring>
 #include <new>
 #include <optional>
+#include <string>
 
 #include "firmware/linux/gpio_lines.hpp"
+#include "firmware/linux/hang_judge.hpp"
 #include "firmware/linux/monotonic_clock.hpp"
 #include "firmware/linux/real_time.hpp"
+#include "firmware/linux/service_notify.hpp"
 
 namespace strobe::firmware {
 
 namespace {
 
 constexpr int kWatchPeriodMs = 100;
-constexpr Duration kHangs =
-    milliseconds(500);  // the loop turns every 50 ms; a virtual machine may pause for 200 ms
 constexpr Duration kPatience = milliseconds(1000);
+constexpr Duration kTimeToStop = milliseconds(15'000);  // a slow disk may keep the journal's last lines
+constexpr Duration kGrace =
+    milliseconds(1000);  // for a worker that was asked to stop since its publisher hangs
 
 sigset_t stop_signals() {
   sigset_t set;
@@ -48,7 +53,12 @@ sigset_t stop_signals() {
 
 class Guardian {
  public:
-  Guardian(const Rig& rig, pid_t worker, WorkerPage& page) : rig_(rig), worker_(worker), page_(page) {}
+  Guardian(const Rig& rig, pid_t worker, WorkerPage& page)
+      : rig_(rig),
+        worker_(worker),
+        page_(page),
+        service_(ServiceNotify::from_environment()),
+        hangs_(HangJudge::publisher_limit(service_.watchdog())) {}
 
   int run() {
     // What is wrong with the chip or the rights is the worker's to tell.
@@ -57,13 +67,10 @@ class Guardian {
     become_real_time(rig_.real_time.priority + 1);
     prefault_stack();
     watch();
-    const MonoTime noticed = clock_.now();
-    const bool needed = page_.lines_taken && !page_.outputs_safe;
-    const Result<void> safe = needed ? make_safe() : Result<void>{};
-    const Duration took = clock_.now() - noticed;
+    if (page_.lines_taken && !page_.outputs_safe) make_safe();
     int status = 0;
     while (waitpid(worker_, &status, 0) < 0 && errno == EINTR) continue;
-    return report(status, needed, safe, took);
+    return report(status);
   }
 
  private:
@@ -72,22 +79,60 @@ class Guardian {
     const sigset_t stops = stop_signals();
     const int signals = signalfd(-1, &stops, SFD_CLOEXEC | SFD_NONBLOCK);
     const int worker = static_cast<int>(syscall(SYS_pidfd_open, worker_, 0));
-    pollfd polled[] = {{worker, POLLIN, 0}, {signals, POLLIN, 0}};
-    int stale_looks = 0;
+    pollfd polled[] = {{worker, POLLIN, 0}, {signals, POLLIN, 0}, {page_.bell_fd, POLLIN, 0}};
     for (;;) {
-      poll(polled, 2, worker >= 0 ? kWatchPeriodMs : 1);
+      poll(polled, 3, worker >= 0 ? kWatchPeriodMs : 1);
       if (worker >= 0 ? polled[0].revents != 0 : dead_without_pidfd()) return;
-      signalfd_siginfo info{};
-      while (read(signals, &info, sizeof info) == sizeof info) kill(worker_, SIGTERM);
-      const MonoTime turned{page_.turned_ns};
-      const bool stale = turned.ns != 0 && !page_.outputs_safe && clock_.now() - turned > kHangs;
-      // Twice in a row: if the whole machine stood still, the worker is given its turn first.
-      stale_looks = stale ? stale_looks + 1 : 0;
-      if (stale_looks == 2) {
-        hung_ = true;
-        kill(worker_, SIGKILL);
-      }
+      page_.guardian_turned_ns = clock_.now().ns;
+      pass_stops_on(signals);
+      if (polled[2].revents != 0) answer_bell();
+      watch_for_hangs();
     }
+  }
+
+  void pass_stops_on(int signals) {
+    signalfd_siginfo info{};
+    while (read(signals, &info, sizeof info) == sizeof info) {
+      service_.say("STOPPING=1");
+      kill(worker_, SIGTERM);
+      if (!kill_at_.known()) kill_at_ = clock_.now() + kTimeToStop;
+    }
+  }
+
+  void answer_bell() {
+    std::uint64_t rings = 0;
+    if (read(page_.bell_fd, &rings, sizeof rings) < 0) return;
+    if (page_.lines_let_go && !safe_) {
+      make_safe();
+      if (!kill_at_.known()) kill_at_ = clock_.now() + kTimeToStop;
+    }
+    if (page_.ready && !said_ready_) {
+      said_ready_ = true;
+      service_.say("READY=1\nSTATUS=ready");
+    }
+  }
+
+  void watch_for_hangs() {
+    const MonoTime now = clock_.now();
+    if (kill_at_.known() && now > kill_at_) kill(worker_, SIGKILL);
+    const WorkerMarks marks{MonoTime{page_.loop_turned_ns}, MonoTime{page_.publisher_turned_ns}};
+    // A worker that stops, or whose loop had to end, turns no more.
+    const bool watched = !page_.outputs_safe && !page_.lines_let_go;
+    const HangJudge::Verdict verdict = watched ? hangs_.look(marks, now) : HangJudge::Verdict::well;
+    if (verdict == HangJudge::Verdict::well) return beat(now);
+    if (hung_ != HangJudge::Verdict::well) return;
+    hung_ = verdict;
+    const bool loop = verdict == HangJudge::Verdict::loop_hangs;
+    kill_at_ = now + kGrace;
+    kill(worker_, loop ? SIGKILL : SIGTERM);
+  }
+
+  /// The service manager's watchdog: only a guardian that comes round and finds all well feeds it.
+  void beat(MonoTime now) {
+    const Duration watchdog = service_.watchdog();
+    if (watchdog.ns == 0 || now < next_beat_) return;
+    service_.say("WATCHDOG=1");
+    next_beat_ = now + nanoseconds(watchdog.ns / 4);
   }
 
   bool dead_without_pidfd() const {
@@ -96,36 +141,40 @@ class Guardian {
            info.si_pid != 0;
   }
 
-  Result<void> make_safe() {
-    if (!takeover_) {
-      auto prepared = OutputTakeover::prepare(rig_);
-      if (!prepared) return tl::unexpected(prepared.error());
-      takeover_.emplace(std::move(*prepared));
-    }
-    return takeover_->drive_inactive(kPatience);
+  void make_safe() {
+    const MonoTime noticed = clock_.now();
+    safe_.emplace([this]() -> Result<void> {
+      if (!takeover_) {
+        auto prepared = OutputTakeover::prepare(rig_);
+        if (!prepared) return tl::unexpected(prepared.error());
+        takeover_.emplace(std::move(*prepared));
+      }
+      return takeover_->drive_inactive(kPatience);
+    }());
+    took_ = clock_.now() - noticed;
   }
 
-  int report(int status, bool needed, const Result<void>& safe, Duration took) const {
-    const bool exited = WIFEXITED(status);
-    if (exited && !needed) return WEXITSTATUS(status);
-    char cause[96];
-    if (hung_) {
-      std::snprintf(cause, sizeof cause, "the worker hung and was killed");
-    } else if (exited) {
-      std::snprintf(cause, sizeof cause, "the worker ended with status %d", WEXITSTATUS(status));
+  std::string cause(int status) const {
+    if (page_.lines_let_go) return "an output could not be switched off";
+    if (hung_ == HangJudge::Verdict::loop_hangs) return "the loop hung and the worker was killed";
+    if (hung_ == HangJudge::Verdict::publisher_hangs) return "the publisher hung and the worker was stopped";
+    if (WIFEXITED(status)) return "the worker ended with status " + std::to_string(WEXITSTATUS(status));
+    return "the worker died of signal " + std::to_string(WTERMSIG(status)) + " (" +
+           strsignal(WTERMSIG(status)) + ")";
+  }
+
+  int report(int status) const {
+    if (WIFEXITED(status) && !safe_ && hung_ == HangJudge::Verdict::well) return WEXITSTATUS(status);
+    std::string words = cause(status) + "; ";
+    if (!safe_) {
+      words += page_.outputs_safe ? "it had made the outputs inactive" : "it had no outputs";
+    } else if (*safe_) {
+      words += "the guardian made the outputs inactive in " + std::to_string(took_.ns / 1000) + " us";
     } else {
-      std::snprintf(cause, sizeof cause, "the worker died of signal %d (%s)", WTERMSIG(status),
-                    strsignal(WTERMSIG(status)));
+      words += "THE OUTPUTS MAY BE ACTIVE: " + safe_->error().message;
     }
-    if (!safe) {
-      std::fprintf(stderr, "strobed: %s; THE OUTPUTS MAY BE ACTIVE: %s\n", cause,
-                   safe.error().message.c_str());
-    } else if (needed) {
-      std::fprintf(stderr, "strobed: %s; the guardian made the outputs inactive in %lld us\n", cause,
-                   static_cast<long long>(took.ns / 1000));
-    } else {
-      std::fprintf(stderr, "strobed: %s; it had no outputs\n", cause);
-    }
+    std::fprintf(stderr, "strobed: %s\n", words.c_str());
+    service_.say("STATUS=" + words);
     return kExitFailed;
   }
 
@@ -133,8 +182,15 @@ class Guardian {
   pid_t worker_;
   WorkerPage& page_;
   MonotonicClock clock_;
+  ServiceNotify service_;
+  HangJudge hangs_;
   std::optional<OutputTakeover> takeover_;
-  bool hung_ = false;
+  std::optional<Result<void>> safe_;  ///< once it was tried to make the outputs safe
+  Duration took_{0};
+  HangJudge::Verdict hung_ = HangJudge::Verdict::well;
+  MonoTime kill_at_ = MonoTime::never();  ///< however well it seems
+  MonoTime next_beat_{0};
+  bool said_ready_ = false;
 };
 
 }  // namespace
@@ -146,6 +202,9 @@ int guard(const Rig& rig, const std::function<int(WorkerPage&)>& work) {
     return kExitFailed;
   }
   auto* page = new (memory) WorkerPage;
+  page->bell_fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+  // A terminal that is closed and a limit on file sizes are no reasons to die in the middle of a shot.
+  for (const int signal : {SIGPIPE, SIGXFSZ}) std::signal(signal, SIG_IGN);
   const sigset_t stops = stop_signals();
   sigprocmask(SIG_BLOCK, &stops, nullptr);
   const pid_t guardian = getpid();

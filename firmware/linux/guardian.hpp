@@ -1,27 +1,25 @@
 // strobed's parent. It forks the worker before anything is opened, and when the worker dies, by whatever
-// cause, or hangs, it takes the output lines over and drives them inactive. It does nothing else, so that it
-// cannot fail with the worker; its memory is locked and its priority one above the loop's, where that is
-// allowed.
+// cause, hangs, or can no longer drive its outputs, it takes the output lines over and drives them inactive.
+// It does little else (it passes signals on, and speaks to the service manager), so that it cannot fail with
+// the worker; its memory is locked and its priority one above the loop's, where that is allowed.
+//
+// A hung loop is killed at once. With a hung publisher the loop is asked to stop first, which makes the
+// outputs safe: a thread that the kernel holds in a dead disk keeps the lines open even after a kill.
 #pragma once
 
-#include <atomic>
-#include <cstdint>
 #include <functional>
 
 #include "firmware/core/rig.hpp"
+#include "firmware/linux/worker_page.hpp"
 
 namespace strobe::firmware {
-
-/// Shared between worker and guardian.
-struct WorkerPage {
-  std::atomic<bool> lines_taken{false};    ///< the worker owns the output lines
-  std::atomic<bool> outputs_safe{false};   ///< it has left them inactive and ends in good order
-  std::atomic<std::int64_t> turned_ns{0};  ///< when its loop last came round; 0: not running yet
-};
 
 inline constexpr int kExitDone = 0;
 inline constexpr int kExitFailed = 1;
 inline constexpr int kExitBadInput = 2;
+
+/// A guardian that has not come round for so long watches no more: the worker is to stop.
+inline constexpr Duration kGuardianHangs = milliseconds(5'000);
 
 /// Runs `work` in a child whose SIGTERM, SIGINT and SIGHUP are blocked (it waits for them) and that gets
 /// SIGTERM if the guardian dies. Returns the exit status of strobed: 0 orderly stop, 2 as the worker gives it

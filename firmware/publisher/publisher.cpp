@@ -101,7 +101,7 @@ void Publisher::take(const Event& event) {
   }
   if (event.kind == EventKind::flash) {
     timing_.issued(event.commanded, event.issue_start, event.issue_end);
-    if (shots_started_ == settings_.throw_at_shot) throw std::runtime_error("drill: the publisher fails");
+    if (shots_started_ == settings_.drill_at_shot) settings_.drill();
   }
   ++sequence_;
   if (settings_.verbose) {
@@ -132,6 +132,7 @@ void Publisher::take(ShotRecord* record) {
 }
 
 void Publisher::write_and_publish() {
+  if (settings_.turned_ns != nullptr) *settings_.turned_ns = clock_.now().ns;
   auto done = journal_.check();
   if (done) done = journal_.append(outbox_, settings_.wall_ns() / 1000);
   if (done) publish_outbox();

@@ -3,6 +3,7 @@
 // makes the outputs safe.
 #pragma once
 
+#include <atomic>
 #include <deque>
 #include <functional>
 #include <optional>
@@ -31,7 +32,9 @@ struct PublisherSettings {
   std::function<std::int64_t()> boot_time_ns = system_boot_time_ns;
   std::function<RejectedCommands()> rejected = [] { return RejectedCommands{}; };  ///< so far
   std::function<void(const std::string&)> say = say_on_stderr;
-  int throw_at_shot = 0;  ///< drill: an exception at the first flash of the n-th shot of this boot; 0: none
+  std::atomic<std::int64_t>* turned_ns = nullptr;  ///< gets the time of each turn, for whoever watches
+  int drill_at_shot = 0;                           ///< at the flashes of the n-th shot of this boot; 0: none
+  std::function<void()> drill;
 };
 
 class Publisher {

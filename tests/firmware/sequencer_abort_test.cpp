@@ -160,6 +160,11 @@ TEST(SequencerAbort, FollowsALineThatCannotBeSet) {
   bench.play();
   expect_aborted("the lamps' lines could not be set");
   CHECK_EQUAL(29u, rig.instants(Output::strobes).size());
+  CHECK(bench.sequencer.state() == State::fault);  // until somebody has looked, and says so
+  STRCMP_EQUAL("an output line could not be set",
+               std::string(rig.find(EventKind::fault)->detail.view()).c_str());
+  bench.give(bench.plain_command(CommandKind::clear));
+  CHECK(bench.sequencer.state() == State::idle);
 }
 
 TEST(SequencerAbort, EndsTheLoopWhenALineCannotBeSwitchedOff) {
@@ -168,6 +173,43 @@ TEST(SequencerAbort, EndsTheLoopWhenALineCannotBeSwitchedOff) {
   bool goes_on = true;
   for (int turn = 0; goes_on && turn < 1000; ++turn) goes_on = bench.step();
   CHECK_FALSE(goes_on);
+  CHECK_EQUAL(1u, rig.count(EventKind::fault));
+  CHECK_FALSE(bench.sequencer.stop("an output could not be switched off"));
+  CHECK_EQUAL(1u, rig.shots.size());  // the record is handed over all the same
+}
+
+TEST(SequencerAbort, FollowsTheEStopWithinAMillisecondAtAnyInstantOfACodedTrain) {
+  // The two lamps in turn, as close to one another as a plan may have them: the loop spins most of the time.
+  Rig config = bench_rig();
+  const Duration gap = config.tolerance.spin + config.lamps.max_on + microseconds(1);
+  config.lamps.min_period = gap * 2;
+  config.plan.exposure = milliseconds(60);
+  config.plan.impact_at = milliseconds(30);
+  for (int k = 0; k < 100; ++k) config.plan.code.push_back({gap * k, k % 2 == 0 ? Lamps::a : Lamps::b});
+  for (int i = 0; i < 97; ++i) {
+    SequencerBench trial(config);
+    trial.start();
+    const MonoTime start = trial.fire();
+    const MonoTime pressed = start + milliseconds(310 - 30) + microseconds(431) * i + nanoseconds(13) * i;
+    trial.rig.schedule({Input::estop, pressed, true});
+    trial.play();
+    CHECK_EQUAL(1u, trial.rig.shots.size());
+    STRCMP_EQUAL("the e-stop is pressed", trial.abort_reason().c_str());
+    CHECK_TRUE(trial.rig.all_inactive());
+    CHECK(trial.rig.sets.back().time < pressed + milliseconds(1));
+  }
+}
+
+TEST(SequencerAbort, LatchesAFaultWhenTheInputsAreGone) {
+  const MonoTime start = bench.fire();
+  while (rig.time < start + milliseconds(100)) bench.step();
+  rig.edges_readable = rig.levels_readable = false;
+  rig.set_succeeds = [](Output, bool) { return false; };
+  CHECK_FALSE(bench.step());
+  CHECK_EQUAL(1u, rig.count(EventKind::shot_aborted));
+  CHECK_EQUAL(1u, rig.count(EventKind::fault));
+  CHECK_FALSE(bench.sequencer.stop("an output could not be switched off"));
+  CHECK_EQUAL(1u, rig.shots.size());
 }
 
 TEST(SequencerAbort, LimitsEveryOutputsOnTimeWhateverThePlanSays) {
