@@ -10,8 +10,9 @@ void ShotTiming::issued(MonoTime commanded, MonoTime start, MonoTime end) noexce
 void ShotTiming::seen(const ShotRecord& shot) noexcept {
   const FlashRecord* before = nullptr;
   for (const FlashRecord& flash : shot.flashes) {
-    const bool a = flash.observed_a.known();
-    const bool b = flash.observed_b.known();
+    // A sensor may see the other lamp as well: that tells nothing of its own.
+    const bool a = flash.observed_a.known() && has_a(flash.lamps);
+    const bool b = flash.observed_b.known() && has_b(flash.lamps);
     if (a && b) add(TimingQuantity::skew, flash.observed_a - flash.observed_b);
     if (a && flash.issue_end.known()) add(TimingQuantity::lamp_delay_a, flash.observed_a - flash.issue_end);
     if (b && flash.issue_end.known()) add(TimingQuantity::lamp_delay_b, flash.observed_b - flash.issue_end);

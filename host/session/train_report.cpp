@@ -36,6 +36,21 @@ nlohmann::ordered_json to_json(const MeanSdMax& value) {
   return {{"n", value.count}, {"mean", value.mean}, {"sd", value.sd}, {"max_abs", value.largest}};
 }
 
+nlohmann::ordered_json to_json(const std::optional<CalibratedDelay>& delay) {
+  if (!delay) return nullptr;
+  return {{"n", delay->count}, {"mean", delay->mean}, {"sd", delay->sd}, {"mean_sd", delay->mean_sd}};
+}
+
+nlohmann::ordered_json to_json(const DelayCalibration& calibration) {
+  const auto number = [](const std::optional<double>& value) {
+    return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
+  };
+  return {{"lamp_delay_a_us", to_json(calibration.lamp_a_us)},
+          {"lamp_delay_b_us", to_json(calibration.lamp_b_us)},
+          {"shutter_opening_lag_ms", number(calibration.opening_lag_ms)},
+          {"shutter_closing_lag_ms", number(calibration.closing_lag_ms)}};
+}
+
 std::string words(const MeanSdMax& value) {
   if (value.count == 0) return "none";
   return fmt::format("{:.2f} ± {:.2f} us, at most {:.2f}", value.mean, value.sd, value.largest);
@@ -53,20 +68,24 @@ TrainReport train_report(const strobe_msgs::shot_t& shot) {
     const bool issued = flash.issue_end_ns != kNoTime;
     const bool a = flash.observed_a_ns != kNoTime;
     const bool b = flash.observed_b_ns != kNoTime;
+    const bool lamp_a = (flash.lamps & strobe_msgs::coded_flash_t::LAMP_A) != 0;
+    const bool lamp_b = (flash.lamps & strobe_msgs::coded_flash_t::LAMP_B) != 0;
+    report.planned_a += lamp_a;
+    report.planned_b += lamp_b;
     report.issued += issued;
     if (issued) lateness.add_ns(flash.issue_end_ns - flash.commanded_ns);
-    if (report.seen_by_a && a) ++*report.seen_by_a;
-    if (report.seen_by_b && b) ++*report.seen_by_b;
-    if (a && b) skew.add_ns(flash.observed_a_ns - flash.observed_b_ns);
-    if (issued && (a || b)) {
-      const std::int64_t first = a ? flash.observed_a_ns : flash.observed_b_ns;
-      delay.add_ns((a && b ? first + (flash.observed_b_ns - first) / 2 : first) - flash.issue_end_ns);
-    }
+    if (report.seen_by_a && a && lamp_a) ++*report.seen_by_a;
+    if (report.seen_by_b && b && lamp_b) ++*report.seen_by_b;
+    if (a && b && lamp_a && lamp_b) skew.add_ns(flash.observed_a_ns - flash.observed_b_ns);
   }
-  for (const SeenFlash& flash : flash_times(shot).seen) {
+  const FlashTimes times = flash_times(shot);
+  for (const SeenFlash& flash : times.seen) {
     report.late += flash.late;
     report.doubled += flash.doubled;
+    const std::int64_t issued_ns = shot.flashes[static_cast<std::size_t>(flash.index)].issue_end_ns;
+    if (times.measured && issued_ns != kNoTime) delay.add_ns(flash.time_ns - issued_ns);
   }
+  report.calibration = delay_calibration(shot);
   report.issue_lateness_us = lateness.result();
   report.lamp_delay_us = delay.result();
   report.skew_us = skew.result();
@@ -77,19 +96,27 @@ std::vector<std::string> describe(const TrainReport& report) {
   const auto seen = [](const std::optional<int>& n) {
     return n ? std::to_string(*n) : std::string("not fitted");
   };
-  return {
-      fmt::format("flashes planned {}, issued {}, seen by sensor A {}, by sensor B {}, late {}, double {}",
-                  report.planned, report.issued, seen(report.seen_by_a), seen(report.seen_by_b), report.late,
-                  report.doubled),
+  const bool single_lamps = report.planned_a + report.planned_b > 0 &&
+                            (report.planned_a != report.planned || report.planned_b != report.planned);
+  std::vector<std::string> lines{
+      fmt::format(
+          "flashes planned {}{}, issued {}, seen by sensor A {}, by sensor B {}, late {}, double {}",
+          report.planned,
+          single_lamps ? fmt::format(" (lamp A {}, lamp B {})", report.planned_a, report.planned_b) : "",
+          report.issued, seen(report.seen_by_a), seen(report.seen_by_b), report.late, report.doubled),
       "issue lateness    " + words(report.issue_lateness_us),
       "lamp delay        " + words(report.lamp_delay_us),
       "skew A-B          " + words(report.skew_us),
   };
+  const std::vector<std::string> values = calibration_lines(report.calibration);
+  if (!values.empty()) lines.emplace_back("measured, for the rig file:");
+  for (const std::string& value : values) lines.push_back("  " + value);
+  return lines;
 }
 
 bool sound(const TrainReport& report) {
-  const bool seen = report.seen_by_a.value_or(report.planned) == report.planned &&
-                    report.seen_by_b.value_or(report.planned) == report.planned;
+  const bool seen = report.seen_by_a.value_or(report.planned_a) == report.planned_a &&
+                    report.seen_by_b.value_or(report.planned_b) == report.planned_b;
   return report.issued == report.planned && seen && report.late == 0 && report.doubled == 0;
 }
 
@@ -100,6 +127,8 @@ std::string train_report_json(const TrainReport& report, int shot_id) {
   const nlohmann::ordered_json json{{"shot_id", shot_id},
                                     {"dry", true},
                                     {"planned", report.planned},
+                                    {"planned_a", report.planned_a},
+                                    {"planned_b", report.planned_b},
                                     {"issued", report.issued},
                                     {"seen_by_a", count(report.seen_by_a)},
                                     {"seen_by_b", count(report.seen_by_b)},
@@ -107,7 +136,8 @@ std::string train_report_json(const TrainReport& report, int shot_id) {
                                     {"double", report.doubled},
                                     {"issue_lateness_us", to_json(report.issue_lateness_us)},
                                     {"lamp_delay_us", to_json(report.lamp_delay_us)},
-                                    {"skew_us", to_json(report.skew_us)}};
+                                    {"skew_us", to_json(report.skew_us)},
+                                    {"calibration", to_json(report.calibration)}};
   return json.dump();
 }
 

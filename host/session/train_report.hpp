@@ -7,6 +7,8 @@
 #include <strobe_msgs/shot_t.hpp>
 #include <vector>
 
+#include "host/session/delay_calibration.hpp"
+
 namespace strobe::host {
 
 struct MeanSdMax {
@@ -18,14 +20,17 @@ struct MeanSdMax {
 
 struct TrainReport {
   int planned = 0;
+  int planned_a = 0;  ///< of lamp A, alone or with the other
+  int planned_b = 0;
   int issued = 0;
-  std::optional<int> seen_by_a;  ///< absent: no such sensor
+  std::optional<int> seen_by_a;  ///< of lamp A's flashes; absent: no such sensor
   std::optional<int> seen_by_b;
   int late = 0;  ///< beyond the rig's tolerance
   int doubled = 0;
   MeanSdMax issue_lateness_us;  ///< issue_end - commanded
   MeanSdMax lamp_delay_us;      ///< flash time - issue_end, flashes that a sensor saw
-  MeanSdMax skew_us;            ///< sensor A - sensor B, flashes that both saw
+  MeanSdMax skew_us;            ///< sensor A - sensor B, flashes of both lamps that both saw
+  DelayCalibration calibration;
 };
 
 TrainReport train_report(const strobe_msgs::shot_t& shot);

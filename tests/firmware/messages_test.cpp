@@ -27,6 +27,36 @@ TEST(FirmwareMessages, CarryAPlanThereAndBack) {
   CHECK_EQUAL(plan.dry, back.dry);
 }
 
+TEST(FirmwareMessages, CarryACodedTrainThereAndBack) {
+  PlanRequest plan;
+  for (int k = 0; k < 300; ++k)
+    plan.code.push_back({microseconds(3000 * k + 7 * k * k), k % 3 == 0   ? Lamps::a
+                                                             : k % 3 == 1 ? Lamps::b
+                                                                          : Lamps::both});
+  const PlanRequest back = from_message(to_message(plan));
+  CHECK_EQUAL(plan.code.size(), back.code.size());
+  for (std::size_t k = 0; k < plan.code.size(); ++k) CHECK(back.code[k] == plan.code[k]);
+}
+
+TEST(FirmwareMessages, TellEachFlashsLampsAndTheShutter) {
+  ShotRecord record;
+  record.flashes.resize(2);
+  record.flashes[1].lamps = Lamps::b;
+  record.shutter_on = MonoTime{7};
+  record.shutter_off = MonoTime{8};
+  record.shutter_feedback = ShutterFeedback::late;
+  Rig rig;
+  rig.lamps.delay_b_us = 13.5;
+  const auto shot = to_message(record, rig, 7, {1, 9}, {});
+  CHECK_EQUAL(3, shot.flashes[0].lamps);
+  CHECK_EQUAL(2, shot.flashes[1].lamps);
+  CHECK_EQUAL(7, shot.shutter_on_ns);
+  CHECK_EQUAL(8, shot.shutter_off_ns);
+  CHECK_EQUAL(+strobe_msgs::shot_t::FEEDBACK_LATE, shot.shutter_feedback);
+  DOUBLES_EQUAL(12.0, shot.lamp_delay_a_us, 0.0);
+  DOUBLES_EQUAL(13.5, shot.lamp_delay_b_us, 0.0);
+}
+
 TEST(FirmwareMessages, SayWhatWasNotSeen) {
   ShotRecord record;
   record.flashes.resize(2);

@@ -89,8 +89,39 @@ TEST(RigFile, TakesLinesByOffsetAndLeavesTheOptionalOnesOut) {
   CHECK_FALSE(rig->line(Line::gate).fitted);
 }
 
+TEST(RigFile, GivesLampsAndSensorsOneDelayOrEachItsOwn) {
+  const auto one = read_rig(text, "rig.toml");
+  DOUBLES_EQUAL(12.0, one->lamps.delay_a_us, 0.0);
+  DOUBLES_EQUAL(12.0, one->lamps.delay_b_us, 0.0);
+  text = replaced(text, "delay_us = 12.0", "delay_a_us = 12.25\ndelay_b_us = 13.5");
+  text = replaced(text, "delay_us = 0.0", "delay_us = 1.5\ndelay_b_us = 2");
+  const auto own = read_rig(text, "rig.toml");
+  CHECK_EQUAL(std::string(), error_of(text));
+  DOUBLES_EQUAL(12.25, own->lamps.delay_a_us, 0.0);
+  DOUBLES_EQUAL(13.5, own->lamps.delay_b_us, 0.0);
+  CHECK(own->sensors.delay_a == nanoseconds(1500));
+  CHECK(own->sensors.delay_b == nanoseconds(2000));
+}
+
+TEST(RigFile, TakesTheShuttersContactWhereThereIsOne) {
+  CHECK_FALSE(read_rig(text, "rig.toml")->line(Line::xsync).fitted);
+  text = replaced(text, "#xsync = ", "xsync = ");
+  text = replaced(text, "#late_ms = ", "late_ms = ");
+  const auto rig = read_rig(text, "rig.toml");
+  CHECK_EQUAL(std::string(), error_of(text));
+  CHECK_EQUAL(std::string("XSYNC"), rig->line(Line::xsync).name);
+  CHECK(rig->shutter.late == milliseconds(20));
+}
+
+TEST(RigFile, LeavesACodedTrainOfThePlanToTheHost) {
+  text =
+      replaced(text, "shutter_open_ms = 500", "shutter_open_ms = 500\nomit = [7]\nonly_a = [3]\nonly_b = []");
+  CHECK_EQUAL(std::string(), error_of(text));
+}
+
 TEST(RigFile, AcceptsWhatIsTheHosts) {
-  text = replaced(text, "[analysis]", "[analysis]\nanything = [1, 2, { x = true }]\n[camera]\nrectify = [1, 2]\n[analysis.more]");
+  text = replaced(text, "[analysis]",
+                  "[analysis]\nanything = [1, 2, { x = true }]\n[camera]\nrectify = [1, 2]\n[analysis.more]");
   CHECK_EQUAL(std::string(), error_of(text));
 }
 

@@ -92,6 +92,53 @@ TEST(FlashTimesOfAShot, WithoutAnySensorIssuedTimesAndTheLampsDelayHaveToDo) {
   LONGS_EQUAL(1, times.missing[0]);
 }
 
+TEST(FlashTimesOfAShot, AFlashOfOneLampIsWhenItsOwnSensorSawIt) {
+  shot.flashes = {flash(0, 1'000'000, 1'012'000, 1'015'000), flash(1, 4'000'000, 4'012'000, 4'016'000)};
+  shot.flashes[0].lamps = 1;
+  shot.flashes[1].lamps = 2;
+  const FlashTimes times = flash_times(shot);
+  LONGS_EQUAL(1'012'000, times.seen[0].time_ns);
+  LONGS_EQUAL(4'016'000, times.seen[1].time_ns);
+}
+
+TEST(FlashTimesOfAShot, AFlashOfOneLampIsNotMissedByTheOthersSensor) {
+  shot.flashes = {flash(0, 1'000'000, 1'012'000, kNone), flash(1, 4'000'000, kNone, 4'012'000),
+                  flash(2, 7'000'000, kNone, 7'012'000)};
+  shot.flashes[0].lamps = 1;
+  shot.flashes[1].lamps = 2;
+  shot.flashes[2].lamps = 1;  // lamp A alone, and its sensor did not see it
+  const FlashTimes times = flash_times(shot);
+  CHECK_FALSE(times.seen[0].sensor_silent);
+  CHECK_FALSE(times.seen[1].sensor_silent);
+  CHECK_TRUE(times.seen[2].sensor_silent);
+}
+
+TEST(FlashTimesOfAShot, EachLampHasItsOwnDelay) {
+  shot.lamp_delay_a_us = 10.0;
+  shot.lamp_delay_b_us = 150.0;
+  shot.flashes = {flash(0, 1'000'000, kNone, 1'150'000), flash(1, 4'000'000, 4'111'000, kNone)};
+  shot.flashes[0].lamps = 2;
+  shot.flashes[1].lamps = 1;
+  const FlashTimes times = flash_times(shot);
+  CHECK_FALSE(times.seen[0].late);
+  CHECK_TRUE(times.seen[1].late);
+  shot.flashes = {flash(0, 1'000'000, kNone, kNone), flash(1, 4'000'000, kNone, kNone)};
+  shot.flashes[1].lamps = 2;
+  const FlashTimes unseen = flash_times(shot);
+  LONGS_EQUAL(1'000'100 + 80'000, unseen.seen[0].time_ns);
+  LONGS_EQUAL(4'000'100 + 150'000, unseen.seen[1].time_ns);
+}
+
+TEST(FlashTimesOfAShot, OneSensorForBothLampsAllowsForTheOthersDelay) {
+  shot.lamp_delay_a_us = 10.0;
+  shot.lamp_delay_b_us = 30.0;
+  shot.sensor_b_fitted = false;
+  shot.flashes = {flash(0, 1'000'000, 1'010'000, kNone)};
+  LONGS_EQUAL(1'020'000, flash_times(shot).seen[0].time_ns);
+  shot.sensor_b_fitted = true;  // it was silent: lamp B may not have flashed at all
+  LONGS_EQUAL(1'010'000, flash_times(shot).seen[0].time_ns);
+}
+
 TEST(FlashTimesOfAShot, LightBeforeThePulseIsNotPlausible) {
   shot.flashes = {flash(0, 1'000'000, 980'000, 980'000)};
   CHECK_TRUE(flash_times(shot).seen[0].before_its_pulse);

@@ -81,7 +81,7 @@ Pose pose_at(const Bounce& b, double t) {  // t after touchdown
 flash_t make_flash(const Scenario& sc, int k, double* light_s) {
   flash_t flash{};
   flash.lamps = 3;
-  const auto planned_ns = static_cast<std::int64_t>(std::llround(k * sc.period_s * 1e9));
+  const auto planned_ns = static_cast<std::int64_t>(std::llround(flash_offset_s(sc, k) * 1e9));
   const auto late = sc.late_us.find(k);
   const double late_us = late == sc.late_us.end() ? 0.0 : late->second;
   flash.flash_index = k;
@@ -140,6 +140,16 @@ void describe_frame(const Scenario& sc, SyntheticShot& made) {
 
 int last_flash_before_touchdown(const Scenario& sc) {
   return static_cast<int>(std::floor((sc.touchdown_s - kLampDelay_us * 1e-6) / sc.period_s));
+}
+
+double flash_offset_s(const Scenario& sc, int k) {
+  double offset_s = 0.0;
+  for (int slot = 0, flash = 0;; ++slot) {
+    if (!sc.omitted.contains(slot) && flash++ == k) return offset_s;
+    offset_s += sc.intervals_s.empty()
+                    ? sc.period_s
+                    : sc.intervals_s[static_cast<std::size_t>(slot) % sc.intervals_s.size()];
+  }
 }
 
 SyntheticShot make_shot(const Scenario& sc) {

@@ -21,6 +21,8 @@ struct Scenario {
   Bounce bounce;
   std::uint32_t seed = 1;
   double period_s = 3e-3;
+  std::vector<double> intervals_s;  // repeated; empty: all are the period
+  std::set<int> omitted;  // of the train before any is left out; the others are numbered without them
   int flash_count = 166;
   double touchdown_s = 0.2507;    // after the first flash
   std::map<int, double> late_us;  // flash -> how much later than planned, both lamps
@@ -46,6 +48,9 @@ inline constexpr double kMachineLag_s = 0.310;
 inline constexpr double kBallDiameter_m = 0.0651;
 
 SyntheticShot make_shot(const Scenario& scenario);
+
+/// From the first instant of the train to its k-th flash.
+double flash_offset_s(const Scenario& scenario, int k);
 
 /// Number of the last flash before touchdown, when all flashes are where they were planned.
 int last_flash_before_touchdown(const Scenario& scenario);
