@@ -1,0 +1,176 @@
+#include "host/clock/clock_fit.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace strobe::host {
+namespace {
+
+using Points = std::vector<ClockPoint>;
+
+constexpr double kTukey = 4.685;  // 95 % as good as least squares where delays are normal
+constexpr double kHuber = 2.5;
+constexpr double kLeastSpread_s = 1e-9;
+constexpr int kMostReweightings = 60;
+constexpr std::size_t kBlocks = 40;
+
+struct Trend {
+  double at_centre = 0.0;
+  double drift = 0.0;
+};
+
+double left_turn(const ClockPoint& a, const ClockPoint& b, const ClockPoint& c) {
+  return (b.sent_s - a.sent_s) * (c.ahead_s - a.ahead_s) - (b.ahead_s - a.ahead_s) * (c.sent_s - a.sent_s);
+}
+
+/// The edge of the lower convex hull over the points' mean. Points in order of their sending.
+Trend envelope(const Points& points, double centre) {
+  Points hull;
+  for (const ClockPoint& point : points) {
+    while (!hull.empty() && hull.back().sent_s == point.sent_s && hull.back().ahead_s >= point.ahead_s)
+      hull.pop_back();
+    if (!hull.empty() && hull.back().sent_s == point.sent_s) continue;
+    while (hull.size() >= 2 && left_turn(hull[hull.size() - 2], hull.back(), point) <= 0.0) hull.pop_back();
+    hull.push_back(point);
+  }
+  std::size_t right = 1;
+  while (right + 1 < hull.size() && hull[right].sent_s < centre) ++right;
+  const ClockPoint& a = hull[right - 1];
+  const ClockPoint& b = hull[right];
+  const double drift = (b.ahead_s - a.ahead_s) / (b.sent_s - a.sent_s);
+  return {a.ahead_s + drift * (centre - a.sent_s), drift};
+}
+
+double above(const ClockPoint& point, const Trend& line, double centre) {
+  return point.ahead_s - line.at_centre - line.drift * (point.sent_s - centre);
+}
+
+/// From those on the early side alone: the others are late by any amount.
+double spread_below(const Points& points, const Trend& line, double centre) {
+  double squares = 0.0;
+  int early = 0;
+  for (const ClockPoint& point : points) {
+    const double r = above(point, line, centre);
+    if (r > 0.0) continue;
+    squares += r * r;
+    ++early;
+  }
+  return early == 0 ? kLeastSpread_s : std::max(kLeastSpread_s, std::sqrt(squares / early));
+}
+
+double weight_of(double in_spreads) {
+  if (in_spreads < 0.0) return in_spreads < -kHuber ? -kHuber / in_spreads : 1.0;
+  if (in_spreads >= kTukey) return 0.0;
+  const double share = in_spreads / kTukey;
+  return (1.0 - share * share) * (1.0 - share * share);
+}
+
+struct ClockFit {
+  Trend line;
+  double spread = 0.0;
+  int used = 0;
+};
+
+/// One step of reweighted least squares.
+ClockFit improved(const Points& points, const ClockFit& before, double centre) {
+  double w0 = 0.0, wx = 0.0, wy = 0.0, wxx = 0.0, wxy = 0.0;
+  ClockFit fit = before;
+  fit.used = 0;
+  for (const ClockPoint& point : points) {
+    const double w = weight_of(above(point, before.line, centre) / before.spread);
+    if (w <= 0.0) continue;
+    ++fit.used;
+    const double x = point.sent_s - centre;
+    w0 += w, wx += w * x, wy += w * point.ahead_s, wxx += w * x * x, wxy += w * x * point.ahead_s;
+  }
+  const double determinant = w0 * wxx - wx * wx;
+  if (!(determinant > 0.0)) return fit;
+  fit.line.drift = (w0 * wxy - wx * wy) / determinant;
+  fit.line.at_centre = (wy - fit.line.drift * wx) / w0;
+  fit.spread = spread_below(points, fit.line, centre);
+  return fit;
+}
+
+/// Half-way up among the usual delays, if one message in three has an unusual one.
+ClockFit start_of(const Points& points, double centre) {
+  Trend line = envelope(points, centre);
+  std::vector<double> heights;
+  for (const ClockPoint& point : points) heights.push_back(above(point, line, centre));
+  const auto third = heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 3);
+  std::nth_element(heights.begin(), third, heights.end());
+  line.at_centre += *third;
+  return {line, spread_below(points, line, centre), 0};
+}
+
+ClockFit converged(const Points& points, ClockFit fit, double centre) {
+  for (int i = 0; i < kMostReweightings; ++i) {
+    const ClockFit next = improved(points, fit, centre);
+    const double moved = std::abs(next.line.at_centre - fit.line.at_centre);
+    fit = next;
+    if (moved < 1e-4 * fit.spread) break;
+  }
+  return fit;
+}
+
+Points by_sending(std::span<const ClockPoint> given) {
+  Points points(given.begin(), given.end());
+  std::sort(points.begin(), points.end(),
+            [](const ClockPoint& a, const ClockPoint& b) { return a.sent_s < b.sent_s; });
+  return points;
+}
+
+/// The points without the k-th of `blocks` blocks of neighbours.
+Points without_block(const Points& points, std::size_t block, std::size_t blocks) {
+  Points rest = points;
+  const auto at = [&](std::size_t k) { return static_cast<std::ptrdiff_t>(k * points.size() / blocks); };
+  rest.erase(rest.begin() + at(block), rest.begin() + at(block + 1));
+  return rest;
+}
+
+}  // namespace
+
+double ClockLine::sd_s(double sent_s) const {
+  const double x = sent_s - centre_s;
+  return std::sqrt(std::max(0.0, centre_var_s2 + 2.0 * x * covariance_s + x * x * drift_var));
+}
+
+std::optional<ClockLine> fit_clock(std::span<const ClockPoint> given) {
+  if (given.size() < kFewestClockPoints) return std::nullopt;
+  const Points points = by_sending(given);
+  if (!(points.front().sent_s < points.back().sent_s)) return std::nullopt;
+  double centre = 0.0;
+  for (const ClockPoint& point : points) centre += point.sent_s / static_cast<double>(points.size());
+  const ClockFit fit = converged(points, start_of(points, centre), centre);
+  ClockLine line;
+  line.centre_s = centre;
+  line.at_centre_s = fit.line.at_centre;
+  line.drift = fit.line.drift;
+  line.spread_s = fit.spread;
+  line.used = fit.used;
+  return line;
+}
+
+void add_covariance(ClockLine& line, std::span<const ClockPoint> given) {
+  const Points points = by_sending(given);
+  const std::size_t blocks = std::min(kBlocks, points.size() / 3);
+  const ClockFit whole{{line.at_centre_s, line.drift}, line.spread_s, line.used};
+  std::vector<Trend> without;
+  Trend mean;
+  const auto n = static_cast<double>(blocks);
+  for (std::size_t block = 0; block < blocks; ++block) {
+    without.push_back(converged(without_block(points, block, blocks), whole, line.centre_s).line);
+    mean.at_centre += without.back().at_centre / n;
+    mean.drift += without.back().drift / n;
+  }
+  line.centre_var_s2 = line.drift_var = line.covariance_s = 0.0;
+  for (const Trend& one : without) {
+    const double a = one.at_centre - mean.at_centre;
+    const double b = one.drift - mean.drift;
+    line.centre_var_s2 += (n - 1.0) / n * a * a;
+    line.drift_var += (n - 1.0) / n * b * b;
+    line.covariance_s += (n - 1.0) / n * a * b;
+  }
+}
+
+}  // namespace strobe::host

@@ -1,0 +1,88 @@
+// The firmware's CLOCK_MONOTONIC on this machine's: offset, drift and how well they are known, from its
+// heartbeats. Wall clocks have no part in it, so that setting one changes nothing; it is told. Where the
+// relation breaks (a machine was suspended or started anew) a new one begins, and that is told, too. A
+// restart of strobed alone does not break it.
+//
+// The delay that every message has is part of the offset: instants come out that much late, on one machine
+// some 0.1 ms. No I/O; deterministic; one thread's.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "host/clock/clock_fit.hpp"
+#include "host/clock/machine_clocks.hpp"
+
+namespace strobe::host {
+
+/// How the clocks stand now. Numbers that are not known yet are absent: they take some 20 s of heartbeats.
+struct ClockState {
+  std::int64_t heartbeats = 0;      ///< since the relation began
+  std::optional<double> drift_ppm;  ///< this machine's clock against the firmware's; positive: it gains
+  double drift_sd_ppm = 0.0;
+  std::optional<double> offset_s;  ///< this clock less the firmware's at the newest heartbeat, with the delay
+  double offset_sd_s = 0.0;
+  std::optional<double> latency_s;  ///< of the newest heartbeat, beyond the delay that all have
+  double worst_latency_s = 0.0;     ///< of those in the window
+  bool suspect = false;             ///< no two machines' clocks differ like this
+};
+
+class DeviceClock {
+ public:
+  /// The window that the relation is taken from: longer, and the crystals' wander would count.
+  static constexpr std::int64_t kWindow_ns = 120'000'000'000;
+
+  /// A heartbeat: the firmware's clocks when it was sent, this machine's CLOCK_MONOTONIC when it was heard.
+  void on_heartbeat(std::int64_t boot_id, const MachineClocks& device, std::int64_t heard_ns);
+  /// This machine's clocks, now and then.
+  void on_local(const MachineClocks& local);
+
+  /// The firmware's instant on this machine's CLOCK_MONOTONIC; nothing before the first heartbeat. Instants
+  /// from before a break are told by the relation of their time.
+  std::optional<std::int64_t> local_ns(std::int64_t device_ns) const;
+  /// New sds every five seconds at most: they take some 5 ms.
+  ClockState state();
+  /// Whether the firmware's machine was suspended between two of its instants, as its own clocks tell.
+  bool slept_within(std::int64_t from_device_ns, std::int64_t to_device_ns) const;
+
+  std::vector<std::string> take_notices() { return std::exchange(notices_, {}); }
+
+ private:
+  struct Heartbeat {
+    std::int64_t sent_ns = 0;
+    std::int64_t heard_ns = 0;
+  };
+  /// One relation, as long as it holds.
+  struct Stretch {
+    std::int64_t first_sent_ns = 0;
+    std::int64_t origin_ns = 0;  ///< heard - sent of the first: numbers are kept relative to it
+    std::int64_t heartbeats = 0;
+    double least_ahead_s = 0.0;  ///< stands in for the line
+    std::optional<ClockLine> line;
+  };
+
+  double ahead_s(const Stretch& stretch, std::int64_t sent_ns) const;
+  double lateness_s(const Heartbeat& heartbeat) const;
+  void notice_changes(const ClockWatch::Change& change, const std::string& whose);
+  void begin(const Heartbeat& heartbeat);
+  void add(const Heartbeat& heartbeat);
+  std::vector<ClockPoint> points() const;
+  bool broken_by(const Heartbeat& heartbeat);
+  const Stretch& of(std::int64_t device_ns) const;
+
+  ClockWatch device_watch_, local_watch_;
+  std::int64_t boot_id_ = 0;
+  std::deque<Heartbeat> window_;
+  std::vector<Heartbeat> late_;  ///< in a row, by about the same: the relation may have broken
+  std::vector<Stretch> stretches_;
+  std::int64_t fitted_ns_ = 0;      ///< heartbeat that the newest line was fitted at
+  std::int64_t sds_fitted_ns_ = 0;  ///< and the one that its sds are of
+  std::vector<std::pair<std::int64_t, std::int64_t>> sleeps_;  ///< device instants around each
+  std::vector<std::string> notices_;
+};
+
+}  // namespace strobe::host
