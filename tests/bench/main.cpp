@@ -9,8 +9,9 @@
 namespace {
 
 using AddCommand = void (*)(CLI::App& app, int& exit_status);
-constexpr std::array<AddCommand, 7> kCommands{
-    strobe::bench::add_timing_command,     strobe::bench::add_plan_command,
+constexpr std::array<AddCommand, 9> kCommands{
+    strobe::bench::add_timing_command,     strobe::bench::add_spin_command,
+    strobe::bench::add_loop_command,       strobe::bench::add_plan_command,
     strobe::bench::add_efficiency_command, strobe::bench::add_digits_command,
     strobe::bench::add_thesis_command,     strobe::bench::add_trade_command,
     strobe::bench::add_digitize_command};

@@ -5,7 +5,7 @@
 
 #include "common/units/time.hpp"
 
-namespace strobe::bench {
+namespace strobe::bench::timing {
 
 inline MonoTime now() {
   timespec t{};
@@ -13,4 +13,4 @@ inline MonoTime now() {
   return {t.tv_sec * 1'000'000'000 + t.tv_nsec};
 }
 
-}  // namespace strobe::bench
+}  // namespace strobe::bench::timing

@@ -2,12 +2,12 @@
 #pragma once
 
 #include <cstddef>
-#include <string>
 #include <vector>
 
 #include "common/units/time.hpp"
+#include "tests/bench/timing/witness.hpp"
 
-namespace strobe::bench {
+namespace strobe::bench::timing {
 
 struct Sample {
   MonoTime from;  ///< a freeze that touches [from, to] ...
@@ -26,16 +26,10 @@ struct Percentiles {
 /// Nearest-rank percentiles; zeros where there are no samples.
 Percentiles percentiles(std::vector<double> lateness_us);
 
-/// Of every flash in a journal of strobed.
-struct FlashSamples {
-  std::vector<Sample> issue;  ///< issue_start - commanded: what cyclictest measures of a wake-up
-  std::vector<Sample> done;   ///< issue_end - commanded: with the set-values call, here the simulated chip's
-};
+std::vector<double> latenesses(const std::vector<Sample>& samples);
+/// Of those that no freeze touches.
+std::vector<double> outside(const std::vector<Sample>& samples, const std::vector<Freeze>& freezes);
 
-FlashSamples flashes_of_journal(const std::string& path);
+void append(std::vector<Sample>& to, const std::vector<Sample>& from);
 
-/// Runs `cyclictest` (rt-tests) for so many seconds; its verbose output, one line a wake-up, is stamped on
-/// arrival.
-std::vector<Sample> run_cyclictest(int priority, Duration period, int seconds);
-
-}  // namespace strobe::bench
+}  // namespace strobe::bench::timing

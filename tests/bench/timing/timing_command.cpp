@@ -1,149 +1,202 @@
-// strobe-bench timing: lateness of strobed's flashes beside cyclictest's, interleaved in one run.
-#include <sys/wait.h>
+// strobe-bench timing: lateness of the shipped loop's flashes beside cyclictest's, interleaved in one run,
+// under loads.
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
-#include <fstream>
+#include <map>
 #include <memory>
-#include <stdexcept>
 #include <string>
 
 #include "tests/bench/command.hpp"
-#include "tests/bench/timing/sample.hpp"
-#include "tests/bench/timing/witness.hpp"
+#include "tests/bench/timing/cyclictest.hpp"
+#include "tests/bench/timing/exceedance_plot.hpp"
+#include "tests/bench/timing/load.hpp"
+#include "tests/bench/timing/loop_run.hpp"
+#include "tests/bench/timing/programs.hpp"
+#include "tests/bench/timing/table.hpp"
+
+namespace strobe::bench::timing {
 
 namespace {
 
-using strobe::bench::FlashSamples;
-using strobe::bench::Freeze;
-using strobe::bench::Percentiles;
-using strobe::bench::Sample;
-
 struct Options {
   int rounds = 3;
-  int seconds = 15;
-  int priority = 80;
+  LoopSettings loop;
+  std::vector<std::string> loads = kLoads;
+  bool programs = false;
+  bool compare = false;
+  bool json = false;
+  std::string csv;
+  std::string plot;
 };
 
-std::filesystem::path own_folder() { return std::filesystem::canonical("/proc/self/exe").parent_path(); }
+/// What is measured in turns; the first is what the ratios are of, the second what they are to.
+struct Part {
+  std::string name;
+  std::vector<Sample> samples;
+  double cpu_percent = -1.0;
+};
 
-void run(const std::string& command, const std::filesystem::path& log) {
-  const int status = std::system((command + " >> " + log.string() + " 2>&1").c_str());
-  if (status == -1 || !WIFEXITED(status)) throw std::runtime_error("cannot run: " + command);
-}
+constexpr const char* kLoop = "loop";
+constexpr const char* kCyclictest = "cyclictest";
 
-void append(std::vector<Sample>& to, const std::vector<Sample>& from) {
-  to.insert(to.end(), from.begin(), from.end());
-}
+class LoadStudy {
+ public:
+  LoadStudy(std::string load, const Options& options, std::filesystem::path folder)
+      : load_(std::move(load)), options_(options), folder_(std::move(folder)) {}
 
-// Dry shots (lamps and shutter only) through the shipped binaries, until the time is over.
-FlashSamples fire_dry_shots(const std::filesystem::path& folder, const Options& options, int round) {
-  const std::string bin = own_folder().string();
-  const std::filesystem::path session = folder / ("round-" + std::to_string(round));
-  std::filesystem::create_directories(session);
-  const std::string url =
-      "udpm://239.255.76.67:" + std::to_string(20000 + getpid() % 20000) + "?ttl=0&recv_buf_size=2097152";
-  const int shots = std::max(1, options.seconds);  // a shot with its pauses takes about a second
-  const std::string script = folder / "fire.sh";
-  std::ofstream(script) << "rig=" << bin << "/../share/strobe/rig.toml\n"
-                        << bin << "/strobe-sim run --scene zero_23 --no-digitizer --lcm-url '" << url
-                        << "' -- " << bin << "/strobed --config $rig --session " << session << " --lcm-url '"
-                        << url << "' --allow-no-rt &\nsim=$!\n"
-                        << bin << "/strobe fire --rig $rig --dry --shots " << shots << " --retries " << shots
-                        << " --session " << (session / "host") << " --lcm-url '" << url << "' --json\n"
-                        << "kill $sim\nwait $sim\n";
-  run("bash " + script, folder / "log.txt");
-  FlashSamples samples;
-  for (const auto& entry : std::filesystem::directory_iterator(session)) {
-    if (!entry.path().filename().string().starts_with("journal-")) continue;
-    const FlashSamples more = strobe::bench::flashes_of_journal(entry.path());
-    append(samples.issue, more.issue);
-    append(samples.done, more.done);
+  void run() {
+    Witness witness(options_.loop.priority - 10);
+    for (int round = 1; round <= options_.rounds; ++round) {
+      const Load load(load_, folder_);
+      std::fprintf(stderr, "%s, round %d of %d\n", load_.c_str(), round, options_.rounds);
+      take(kLoop, loop(true, Outputs::chip, true));
+      append(part(kCyclictest).samples, run_cyclictest(options_.loop));
+      if (options_.compare) {
+        take("loop, starts anywhere", loop(true, Outputs::chip, false));
+        take("loop, no rig on the chip", loop(false, Outputs::chip, true));
+        take("loop, sets nothing", loop(false, Outputs::none, true));
+      }
+      if (options_.programs) take("all programs", run_programs(options_.loop, folder_));
+    }
+    freezes_ = witness.stop();
   }
-  if (samples.issue.empty())
-    throw std::runtime_error("no flash was fired: see " + (folder / "log.txt").string());
-  return samples;
-}
 
-void print_row(const char* name, const Percentiles& p) {
-  std::printf("%-34s %8zu %10.2f %10.2f %10.2f %12.2f\n", name, p.count, p.p50_us, p.p99_us, p.p999_us,
-              p.max_us);
-}
-
-Percentiles all(const std::vector<Sample>& samples) {
-  std::vector<double> values;
-  for (const Sample& sample : samples) values.push_back(sample.lateness_us);
-  return strobe::bench::percentiles(values);
-}
-
-Percentiles outside(const std::vector<Sample>& samples, const std::vector<Freeze>& freezes) {
-  std::vector<double> values;
-  for (const Sample& sample : samples) {
-    if (!strobe::bench::within_freeze(freezes, sample.from, sample.to)) values.push_back(sample.lateness_us);
+  std::vector<Row> rows() const {
+    std::vector<Row> rows;
+    for (const bool left_out : {true, false}) {
+      const Percentiles yardstick = percentiles(values(parts_[1], left_out));
+      for (const Part& each : parts_) {
+        Row row{load_,
+                each.name,
+                left_out ? "left out" : "included",
+                percentiles(values(each, left_out)),
+                each.cpu_percent,
+                ""};
+        if (each.name != kCyclictest) row.ratio = ratios(row.lateness, yardstick);
+        rows.push_back(row);
+      }
+      if (left_out && options_.compare) {
+        for (const auto& [name, samples] : calls_)
+          rows.push_back(
+              {load_, name + ": the call", "left out", percentiles(outside(samples, freezes_)), -1.0, ""});
+      }
+    }
+    return rows;
   }
-  return strobe::bench::percentiles(values);
-}
 
-void report(const FlashSamples& loop, const std::vector<Sample>& cyclic, const std::vector<Freeze>& freezes) {
-  double frozen_ms = 0.0;
-  double longest_ms = 0.0;
-  for (const Freeze& freeze : freezes) {
-    frozen_ms += (freeze.end - freeze.begin).seconds() * 1e3;
-    longest_ms = std::max(longest_ms, (freeze.end - freeze.begin).seconds() * 1e3);
+  Panel panel() const {
+    Panel panel{
+        load_ + ", freezes left out", "lateness [us]", "share of wake-ups that are later", true, true, {}};
+    for (const Part& each : parts_) panel.curves.push_back(exceedance(each.name, values(each, true)));
+    return panel;
   }
-  std::printf("freezes of a core (> 1 ms): %zu, %.0f ms in all, longest %.1f ms\n", freezes.size(), frozen_ms,
-              longest_ms);
-  std::printf("%-34s %8s %10s %10s %10s %12s\n", "lateness [us]", "n", "p50", "p99", "p99.9", "max");
-  print_row("strobed issue, outside freezes", outside(loop.issue, freezes));
-  print_row("cyclictest, outside freezes", outside(cyclic, freezes));
-  print_row("strobed issue, all", all(loop.issue));
-  print_row("cyclictest, all", all(cyclic));
-  print_row("strobed call done, outside freezes", outside(loop.done, freezes));
-}
 
-int timing(const Options& options) {
+  std::string freezes_in_words() const {
+    Duration sum;
+    Duration longest;
+    for (const Freeze& freeze : freezes_) {
+      sum = sum + (freeze.end - freeze.begin);
+      longest = std::max(longest, freeze.end - freeze.begin);
+    }
+    return load_ + ": " + std::to_string(freezes_.size()) + " freezes of a core, " +
+           std::to_string(sum.ns / 1'000'000) + " ms in all, longest " +
+           std::to_string(longest.ns / 1'000'000) + " ms; " + std::to_string(shots_) + " shots, " +
+           std::to_string(aborted_) + " aborted by one";
+  }
+
+ private:
+  Part& part(const std::string& name) {
+    for (Part& each : parts_) {
+      if (each.name == name) return each;
+    }
+    return parts_.emplace_back(Part{name, {}, -1.0});
+  }
+  LoopRun loop(bool rig_waits, Outputs outputs, bool quiet_start) {
+    LoopSettings settings = options_.loop;
+    settings.outputs = outputs;
+    settings.quiet_start = quiet_start;
+    return LoopBench(rig_waits).run(settings);
+  }
+  void take(const std::string& name, const LoopRun& run) {
+    Part& taken = part(name);
+    append(taken.samples, run.issue);
+    if (run.cpu_percent > 0.0) taken.cpu_percent = run.cpu_percent;
+    append(calls_[name], run.call);
+    shots_ += run.shots;
+    aborted_ += run.aborted;
+  }
+  std::vector<double> values(const Part& each, bool left_out) const {
+    return left_out ? outside(each.samples, freezes_) : latenesses(each.samples);
+  }
+
+  std::string load_;
+  const Options& options_;
+  std::filesystem::path folder_;
+  std::vector<Part> parts_;
+  std::map<std::string, std::vector<Sample>> calls_;
+  std::vector<Freeze> freezes_;
+  int shots_ = 0;
+  int aborted_ = 0;
+};
+
+int run_timing(const Options& options) {
   const std::filesystem::path folder =
       std::filesystem::temp_directory_path() / ("strobe-bench-" + std::to_string(getpid()));
   std::filesystem::create_directories(folder);
-  strobe::bench::Witness witness(options.priority - 10);
-  FlashSamples loop;
-  std::vector<Sample> cyclic;
-  for (int round = 1; round <= options.rounds; ++round) {
-    std::fprintf(stderr, "round %d of %d: strobed ...\n", round, options.rounds);
-    const FlashSamples shots = fire_dry_shots(folder, options, round);
-    append(loop.issue, shots.issue);
-    append(loop.done, shots.done);
-    std::fprintf(stderr, "round %d of %d: cyclictest ...\n", round, options.rounds);
-    const auto wakeups =
-        strobe::bench::run_cyclictest(options.priority, strobe::milliseconds(3), options.seconds);
-    append(cyclic, wakeups);
+  std::vector<Row> rows;
+  std::vector<Panel> panels;
+  for (const std::string& load : options.loads) {
+    LoadStudy study(load, options, folder);
+    study.run();
+    if (!options.json) std::printf("%s\n", study.freezes_in_words().c_str());
+    for (const Row& row : study.rows()) rows.push_back(row);
+    panels.push_back(study.panel());
   }
-  report(loop, cyclic, witness.stop());
+  print_rows(rows, options.json);
+  if (!options.csv.empty()) write_csv(options.csv, rows);
+  if (!options.plot.empty()) draw(options.plot, panels);
   std::filesystem::remove_all(folder);
   return 0;
 }
 
 }  // namespace
 
+}  // namespace strobe::bench::timing
+
 namespace strobe::bench {
 
 void add_timing_command(CLI::App& app, int& exit_status) {
+  using namespace timing;  // NOLINT: this command's own
   const auto options = std::make_shared<Options>();
   CLI::App* command =
       app.add_subcommand("timing",
-                         "lateness of strobed's flashes beside cyclictest's, in turns, on the shipped "
-                         "binaries.\nExample: strobe-bench timing --rounds 3 --seconds 15");
-  command->add_option("--rounds", options->rounds, "rounds of strobed and cyclictest in turn")
+                         "lateness of the shipped loop's flashes beside cyclictest's: same priority, period, "
+                         "CPU and load, in turns.\n"
+                         "A witness sees when the machine itself stands still; figures are given with and "
+                         "without such freezes.\n"
+                         "Example: strobe-bench timing --rounds 3 --seconds 15 --plot timing.png");
+  command->add_option("--rounds", options->rounds, "rounds of everything in turn, for each load")
       ->check(CLI::Range(1, 1000));
-  command->add_option("--seconds", options->seconds, "length of each part")->check(CLI::Range(1, 3600));
-  command
-      ->add_option("--priority", options->priority,
-                   "real-time priority of cyclictest, as [real_time] priority of the rig file")
+  command->add_option("--seconds", options->loop.seconds, "length of each part")->check(CLI::Range(1, 3600));
+  command->add_option("--priority", options->loop.priority, "real-time priority of both")
       ->check(CLI::Range(11, 98));
-  command->callback([options, &exit_status] { exit_status = timing(*options); });
+  command->add_option("--cpu", options->loop.cpu, "CPU of both; -1: any")->check(CLI::Range(-1, 1023));
+  command
+      ->add_option("--loads", options->loads,
+                   "idle, cpu (both cores busy), memory (and disk); all by default")
+      ->delimiter(',')
+      ->check(CLI::IsMember(kLoads));
+  command->add_flag("--programs", options->programs,
+                    "also strobed with strobe fire and strobe-sim, from its journal");
+  command->add_flag("--compare", options->compare,
+                    "also the loop with shots that start anywhere, and without the simulated rig or chip");
+  command->add_flag("--json", options->json, "one JSON object per row");
+  command->add_option("--csv", options->csv, "write the rows to this file");
+  command->add_option("--plot", options->plot, "draw the distributions into this PNG (gnuplot)");
+  command->callback([options, &exit_status] { exit_status = run_timing(*options); });
 }
 
 }  // namespace strobe::bench

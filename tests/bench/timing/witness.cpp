@@ -8,7 +8,7 @@
 
 #include "tests/bench/timing/clock.hpp"
 
-namespace strobe::bench {
+namespace strobe::bench::timing {
 
 namespace {
 
@@ -35,15 +35,11 @@ void Witness::watch(int cpu, int priority, std::vector<Freeze>& seen) {
   pthread_setaffinity_np(pthread_self(), sizeof set, &set);
   const sched_param param{.sched_priority = priority};
   pthread_setschedparam(pthread_self(), SCHED_FIFO, &param);
-  MonoTime deadline = now();
   while (running_.load(std::memory_order_relaxed)) {
-    deadline = deadline + kPeriod;
+    const MonoTime deadline{(now().ns / kPeriod.ns + 1) * kPeriod.ns};
     sleep_until(deadline);
     const MonoTime woken = now();
-    if (woken - deadline > kThreshold) {
-      seen.push_back({deadline, woken});
-      deadline = woken;
-    }
+    if (woken - deadline > kThreshold) seen.push_back({deadline - kPeriod, woken});
   }
 }
 
@@ -63,4 +59,4 @@ bool within_freeze(const std::vector<Freeze>& freezes, MonoTime from, MonoTime t
                      [&](const Freeze& freeze) { return freeze.begin <= to && from <= freeze.end; });
 }
 
-}  // namespace strobe::bench
+}  // namespace strobe::bench::timing

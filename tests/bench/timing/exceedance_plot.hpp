@@ -1,0 +1,30 @@
+// Curves drawn with gnuplot into a PNG.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace strobe::bench::timing {
+
+struct Curve {
+  std::string title;
+  std::vector<double> x;
+  std::vector<double> y;
+};
+
+struct Panel {
+  std::string title;
+  std::string x_label;
+  std::string y_label;
+  bool log_x = true;
+  bool log_y = true;
+  std::vector<Curve> curves;
+};
+
+/// The share of values that are above each, for values from 1 ns up.
+Curve exceedance(const std::string& title, std::vector<double> values);
+
+/// One panel beside the other. std::runtime_error if gnuplot cannot be run.
+void draw(const std::string& png, const std::vector<Panel>& panels);
+
+}  // namespace strobe::bench::timing
