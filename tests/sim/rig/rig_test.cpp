@@ -248,6 +248,52 @@ TEST(Rig, CountsEveryThrowOfAShot) {
   LONGS_EQUAL(3, exposures[0].throws);
 }
 
+TEST(Rig, TellsWhenTheShutterIsOpenByItsContact) {
+  scene.shutter.lag_sd_s = 1e-3;
+  test::VirtualBench bench(scene);
+  const Exposure exposure = bench.shoot();
+  const auto opened = bench.drives_of(RigLine::xsync, 1), closed = bench.drives_of(RigLine::xsync, 0);
+  LONGS_EQUAL(1, opened.size());
+  LONGS_EQUAL(1, closed.size());
+  CHECK(opened[0].at == exposure.opened);
+  CHECK(closed[0].at == exposure.closed);
+}
+
+TEST(Rig, TellsNothingOfAShutterThatDoesNotMove) {
+  scene.faults = {{.kind = FaultKind::shutter_stuck}};
+  test::VirtualBench stuck(scene);
+  stuck.shoot();
+  CHECK(stuck.drives_of(RigLine::xsync, 1).empty());
+  scene.faults.clear();
+  Rig rig(scene, 1, MonoTime{0});
+  rig.line_changed(RigLine::shutter, 1, MonoTime{0});
+  rig.line_changed(RigLine::shutter, 0, MonoTime{1'000'000});  // let go long before it opens
+  std::vector<Drive> drives;
+  std::vector<Exposure> exposures;
+  rig.collect(MonoTime{1'000'000'000}, drives, exposures);
+  CHECK(drives.empty());
+}
+
+TEST(Rig, FlashesTheLampWhoseLineRises) {
+  Rig rig(scene, 1, MonoTime{0});
+  rig.line_changed(RigLine::shutter, 1, MonoTime{0});
+  for (int k = 0; k < 4; ++k) {
+    const RigLine lamp = k % 2 == 0 ? RigLine::strobe_a : RigLine::strobe_b;
+    rig.line_changed(lamp, 1, MonoTime{100'000'000 + 800'000 * k});
+    rig.line_changed(lamp, 0, MonoTime{100'050'000 + 800'000 * k});
+  }
+  std::vector<Drive> drives;
+  std::vector<Exposure> exposures;
+  rig.finish(MonoTime{500'000'000}, exposures);
+  LONGS_EQUAL(4, exposures[0].pulses.size());
+  for (std::size_t k = 0; k < 4; ++k) {
+    const Pulse& pulse = exposures[0].pulses[k];
+    LONGS_EQUAL(1, pulse.flashes.size());
+    LONGS_EQUAL(k % 2 == 0 ? 1 : 0, pulse.lamps[0]);
+    LONGS_EQUAL(k % 2 == 0 ? 0 : 1, pulse.lamps[1]);
+  }
+}
+
 TEST(Rig, ForgetsABallThrownLongBeforeTheShutterOpens) {
   Rig rig(scene, 1, MonoTime{0});
   std::vector<Exposure> exposures;
