@@ -18,7 +18,7 @@ using reduction::PointPx;
 using strobe_msgs::ball_image_t;
 using strobe_msgs::frame_t;
 
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
 constexpr std::int32_t kMostImages = 512;
 constexpr std::int32_t kMostSurfacePoints = 10000;
 
@@ -150,16 +150,16 @@ ball_image_t image_to(const BallImage& image, const std::string& source) {
   m.centre_x_px = image.centre_px.x;
   m.centre_y_px = image.centre_px.y;
   const auto& c = image.centre_cov_px2;
-  m.centre_xx_px2 = c ? (*c)[0] : kNone;
-  m.centre_xy_px2 = c ? 0.5 * ((*c)[1] + (*c)[2]) : kNone;
-  m.centre_yy_px2 = c ? (*c)[3] : kNone;
-  m.diameter_px = image.leg == Leg::contact && !(image.diameter_px > 0.0) ? kNone : image.diameter_px;
-  m.diameter_sd_px = image.diameter_sd_px.value_or(kNone);
-  m.equator_rad = image.equator_rad.value_or(kNone);
-  m.equator_sd_rad = image.equator_sd_rad.value_or(kNone);
-  m.top_x_px = image.top_px ? image.top_px->x : kNone;
-  m.top_y_px = image.top_px ? image.top_px->y : kNone;
-  m.contact_width_px = image.contact_width_px.value_or(kNone);
+  m.centre_xx_px2 = c ? (*c)[0] : kNotANumber;
+  m.centre_xy_px2 = c ? 0.5 * ((*c)[1] + (*c)[2]) : kNotANumber;
+  m.centre_yy_px2 = c ? (*c)[3] : kNotANumber;
+  m.diameter_px = image.leg == Leg::contact && !(image.diameter_px > 0.0) ? kNotANumber : image.diameter_px;
+  m.diameter_sd_px = image.diameter_sd_px.value_or(kNotANumber);
+  m.equator_rad = image.equator_rad.value_or(kNotANumber);
+  m.equator_sd_rad = image.equator_sd_rad.value_or(kNotANumber);
+  m.top_x_px = image.top_px ? image.top_px->x : kNotANumber;
+  m.top_y_px = image.top_px ? image.top_px->y : kNotANumber;
+  m.contact_width_px = image.contact_width_px.value_or(kNotANumber);
   return m;
 }
 
@@ -169,10 +169,10 @@ ball_image_t image_from_v1(const strobe_msgs::ball_image_v1_t& old) {
   m.source = ball_image_t::SOURCE_OF_FRAME;
   m.centre_x_px = old.centre_x_px;
   m.centre_y_px = old.centre_y_px;
-  m.centre_xx_px2 = m.centre_xy_px2 = m.centre_yy_px2 = kNone;
+  m.centre_xx_px2 = m.centre_xy_px2 = m.centre_yy_px2 = kNotANumber;
   m.diameter_px = old.diameter_px;
   m.equator_rad = old.equator_rad;
-  m.diameter_sd_px = m.equator_sd_rad = m.contact_width_px = kNone;
+  m.diameter_sd_px = m.equator_sd_rad = m.contact_width_px = kNotANumber;
   m.top_x_px = old.top_x_px;
   m.top_y_px = old.top_y_px;
   return m;
@@ -210,12 +210,12 @@ frame_t frame_to_lcm(const Frame& frame) {
   m.host_id = 0;
   m.shot_id = frame.shot_id;
   m.source = source_of(frame);
-  m.centre_sd_px = frame.centre_sd_px.value_or(kNone);
-  m.diameter_sd_px = frame.diameter_sd_px.value_or(kNone);
-  m.surface_sd_px = frame.surface_sd_px.value_or(kNone);
-  m.equator_sd_rad = frame.equator_sd_rad.value_or(kNone);
-  m.px_per_m = frame.px_per_m.value_or(kNone);
-  m.px_per_m_sd = frame.px_per_m_sd.value_or(kNone);
+  m.centre_sd_px = frame.centre_sd_px.value_or(kNotANumber);
+  m.diameter_sd_px = frame.diameter_sd_px.value_or(kNotANumber);
+  m.surface_sd_px = frame.surface_sd_px.value_or(kNotANumber);
+  m.equator_sd_rad = frame.equator_sd_rad.value_or(kNotANumber);
+  m.px_per_m = frame.px_per_m.value_or(kNotANumber);
+  m.px_per_m_sd = frame.px_per_m_sd.value_or(kNotANumber);
   m.surface_count = static_cast<std::int32_t>(frame.surface_px.size());
   for (const PointPx& p : frame.surface_px) {
     strobe_msgs::point_t point;

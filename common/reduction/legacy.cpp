@@ -20,13 +20,13 @@ struct LevelImage {
   double diameter = 0.0;
 };
 
-struct Turn {
+struct LegacyTurn {
   double cos;
   double sin;
   PointPx operator()(const PointPx& p) const { return {p.x * cos - p.y * sin, p.x * sin + p.y * cos}; }
 };
 
-LevelImage level_image(const LegacyImage& image, const Turn& turn) {
+LevelImage level_image(const LegacyImage& image, const LegacyTurn& turn) {
   const PointPx centre = turn(image.centre);
   const PointPx edge = turn(image.edge);
   const PointPx a = turn(image.equator_1);
@@ -43,14 +43,14 @@ double turned(double slope_a, double slope_b) {
   return difference;
 }
 
-struct Motion {
+struct LegacyMotion {
   double vx = 0.0;
   double vy = 0.0;
   double omega = 0.0;
   double speed() const { return std::hypot(vx, vy); }
 };
 
-Motion between(const LevelImage& a, const LevelImage& b, double m_per_px, double period_s) {
+LegacyMotion between(const LevelImage& a, const LevelImage& b, double m_per_px, double period_s) {
   const double per_second = m_per_px / period_s;
   return {(b.x - a.x) * per_second, (b.y - a.y) * per_second, turned(a.slope, b.slope) / period_s};
 }
@@ -59,7 +59,7 @@ void put(Quantities& q, Quantity which, double value) {
   if (std::isfinite(value)) q[which] = value;
 }
 
-Quantities motions(const Motion& td, const Motion& lo, double radius_m) {
+Quantities motions(const LegacyMotion& td, const LegacyMotion& lo, double radius_m) {
   Quantities q;
   put(q, Quantity::theta_in_deg, std::atan(td.vy / td.vx) * kDegrees);
   put(q, Quantity::theta_out_deg, std::atan(lo.vy / lo.vx) * kDegrees);
@@ -85,7 +85,7 @@ struct Prepared {
   double diameter = 0.0;
 };
 
-Prepared prepare(const LegacyFrame& frame, const Turn& turn) {
+Prepared prepare(const LegacyFrame& frame, const LegacyTurn& turn) {
   Prepared p;
   for (std::size_t i = 0; i < 6; ++i) {
     p.flight[i] = level_image(frame.flight[i], turn);
@@ -103,7 +103,7 @@ struct PathEnd {
   double time_s = 0.0;
 };
 
-PathEnd path_end(const LevelImage& from, const Motion& motion, double height, double m_per_px) {
+PathEnd path_end(const LevelImage& from, const LegacyMotion& motion, double height, double m_per_px) {
   const double x = from.x + (height - from.y) * motion.vx / motion.vy;
   const double length = std::hypot(x - from.x, height - from.y) * m_per_px;
   return {x, height, length / motion.speed()};
@@ -134,7 +134,7 @@ ContactImage contact_image(const LevelImage& image, const Impact& impact, const 
   return out;
 }
 
-Impact impact_of(const LegacyFrame& frame, const Prepared& p, const Motion& td, const Motion& lo,
+Impact impact_of(const LegacyFrame& frame, const Prepared& p, const LegacyMotion& td, const LegacyMotion& lo,
                  double m_per_px) {
   Impact impact;
   impact.td = path_end(p.flight[2], td, p.surface_td + 0.5 * p.diameter, m_per_px);
@@ -154,12 +154,12 @@ Readout reduce_legacy(const LegacyFrame& frame, double ball_diameter_m) {
   readout.method = "legacy";
   const double angle =
       std::atan2(frame.surface[2].y - frame.surface[0].y, frame.surface[2].x - frame.surface[0].x);
-  const Turn turn{std::cos(angle), std::sin(angle)};  // by +a: the program's doubling of the tilt
+  const LegacyTurn turn{std::cos(angle), std::sin(angle)};  // by +a: the program's doubling of the tilt
   const Prepared p = prepare(frame, turn);
   const double m_per_px = ball_diameter_m / p.diameter;
   const auto& f = p.flight;
-  const Motion td = between(f[1], f[2], m_per_px, frame.period_s);
-  const Motion lo = between(f[3], f[4], m_per_px, frame.period_s);
+  const LegacyMotion td = between(f[1], f[2], m_per_px, frame.period_s);
+  const LegacyMotion lo = between(f[3], f[4], m_per_px, frame.period_s);
   readout.value = motions(td, lo, 0.5 * ball_diameter_m);
   const Impact impact = impact_of(frame, p, td, lo, m_per_px);
   put(readout.value, Quantity::dwell_time_ms, impact.dwell_s * 1e3);

@@ -18,7 +18,7 @@ constexpr std::size_t kDiameter = kJointCount + 2;
 using Number = Dual<kJointCount + 3>;
 
 /// A leg where its centre is one radius above the surface, in the surface's axes.
-struct Crossing {
+struct SurfaceCrossing {
   Number time_s;
   Number x_m;
   Number vx_mps;
@@ -64,7 +64,7 @@ void add_slopes(const Number& vx, const Number& vy, double by_vx, double by_vy, 
 }
 
 /// The instant is found in plain numbers; one Newton step in dual ones from there gives its slopes.
-std::optional<Crossing> crossing(const ShotFit& fit, std::size_t leg) {
+std::optional<SurfaceCrossing> crossing(const ShotFit& fit, std::size_t leg) {
   const LegTime& times = fit.joint.legs[leg];
   if (!times.fitted || fit.joint.degenerate) return std::nullopt;
   const Path p = path(fit, leg);
@@ -99,7 +99,7 @@ std::optional<Crossing> crossing(const ShotFit& fit, std::size_t leg) {
     vy.grad[i] += (ay.value + j.y * t) * time.grad[i];
   }
   time.value += times.origin_s;
-  return Crossing{time, x, vx, vy};
+  return SurfaceCrossing{time, x, vx, vy};
 }
 
 /// A whitened measurement of estimated noise, with the columns that it has.
@@ -244,8 +244,8 @@ class Propagation {
 
   void impact(std::optional<double> temperature_c) {
     if (!crossing_[0] || !crossing_[1]) return;
-    const Crossing& td = *crossing_[0];
-    const Crossing& lo = *crossing_[1];
+    const SurfaceCrossing& td = *crossing_[0];
+    const SurfaceCrossing& lo = *crossing_[1];
     const Number e = -lo.vy_mps / td.vy_mps;
     const Number lost = td.vx_mps - lo.vx_mps;
     const Number mu = lost / (lo.vy_mps - td.vy_mps);
@@ -343,7 +343,7 @@ class Propagation {
   const ShotFit& fit_;
   Readout& readout_;
   Uncertainty uncertainty_;
-  std::array<std::optional<Crossing>, 2> crossing_;
+  std::array<std::optional<SurfaceCrossing>, 2> crossing_;
   std::array<std::optional<Number>, 2> omega_;
 };
 

@@ -7,7 +7,7 @@
 namespace strobe::camera {
 namespace {
 
-constexpr std::size_t kPerView = 8;
+constexpr std::size_t kNumbersPerView = 8;
 constexpr double kMostShare = 0.25;
 
 /// How far the first two columns are from right angles and from equal lengths, as shares.
@@ -32,12 +32,12 @@ cv::Matx22d centre_spread(const std::vector<double>& h, double focal) {
 }
 
 double chi_square(const BoardFit& fit, std::size_t view, double focal) {
-  std::vector<double> h(fit.parameters.begin() + static_cast<std::ptrdiff_t>(view * kPerView),
-                        fit.parameters.begin() + static_cast<std::ptrdiff_t>((view + 1) * kPerView));
+  std::vector<double> h(fit.parameters.begin() + static_cast<std::ptrdiff_t>(view * kNumbersPerView),
+                        fit.parameters.begin() + static_cast<std::ptrdiff_t>((view + 1) * kNumbersPerView));
   const cv::Vec2d g = deviations(h, focal);
   cv::Matx<double, 2, 8> slopes;
   cv::Matx<double, 8, 8> covariance;
-  for (std::size_t i = 0; i < kPerView; ++i) {
+  for (std::size_t i = 0; i < kNumbersPerView; ++i) {
     const double step = 1e-6 * std::max(std::abs(h[i]), 1e-3), kept = h[i];
     h[i] = kept + step;
     const cv::Vec2d up = deviations(h, focal);
@@ -46,9 +46,9 @@ double chi_square(const BoardFit& fit, std::size_t view, double focal) {
     h[i] = kept;
     slopes(0, static_cast<int>(i)) = slope[0];
     slopes(1, static_cast<int>(i)) = slope[1];
-    for (std::size_t j = 0; j < kPerView; ++j) {
+    for (std::size_t j = 0; j < kNumbersPerView; ++j) {
       covariance(static_cast<int>(i), static_cast<int>(j)) = fit.covariance.at<double>(
-          static_cast<int>(view * kPerView + i), static_cast<int>(view * kPerView + j));
+          static_cast<int>(view * kNumbersPerView + i), static_cast<int>(view * kNumbersPerView + j));
     }
   }
   const cv::Matx22d spread =
@@ -57,7 +57,7 @@ double chi_square(const BoardFit& fit, std::size_t view, double focal) {
 }
 
 LensPose pose_of(const BoardFit& fit, double focal) {
-  const std::span<const double> h(fit.parameters.data(), kPerView);
+  const std::span<const double> h(fit.parameters.data(), kNumbersPerView);
   cv::Vec3d a(h[0] / focal, h[3] / focal, h[6]), b(h[1] / focal, h[4] / focal, h[7]);
   const cv::Vec3d t(h[2] / focal, h[5] / focal, 1.0);
   const double length = std::sqrt(0.5 * (a.dot(a) + b.dot(b)));

@@ -15,7 +15,7 @@ constexpr int kMostNeighbours = 3;
 constexpr int kOwn = 5;  // linear terms without neighbours
 constexpr int kMostLinear = kOwn + 2 * kMostNeighbours;
 constexpr int kExtra = 5;  // derivatives of step and root by depth and sigma, light
-constexpr int kMost = kMostLinear + kExtra;
+constexpr int kMostTerms = kMostLinear + kExtra;
 constexpr int kStep = 2, kRoot = 3;
 constexpr int kLanes = 4;
 constexpr int kMostDepths = 64;
@@ -30,7 +30,7 @@ constexpr double kSmoothed = 1.5;
 
 /// The sector's light and terms, a row each, by depth; and the sums of their products.
 struct Terms {
-  alignas(16) std::array<std::array<float, kMostDepths>, kMost> row;
+  alignas(16) std::array<std::array<float, kMostDepths>, kMostTerms> row;
   int linear = kOwn;
   int depths = 0;
 
@@ -45,7 +45,7 @@ struct Terms {
 };
 
 struct Normal {
-  std::array<std::array<double, kMost>, kMost> m;
+  std::array<std::array<double, kMostTerms>, kMostTerms> m;
   int linear = kOwn;
 };
 

@@ -122,8 +122,8 @@ void settle(const Scene& scene, const std::vector<Near>& near, std::vector<Found
     offsets.push_back(std::abs(one.fit->line.offset));
     tilts.push_back(std::abs(one.fit->line.tilt_rad));
   }
-  constexpr std::size_t kLeast = 5;
-  if (offsets.size() < kLeast) return;
+  constexpr std::size_t kFewestBalls = 5;
+  if (offsets.size() < kFewestBalls) return;
   constexpr double kSdOfMedian = 1.4826;
   const double offset_sd = kSdOfMedian * upper_median(offsets), tilt_sd = kSdOfMedian * upper_median(tilts);
   for_each_ball(scene, [&](std::size_t k) {

@@ -8,7 +8,7 @@
 namespace strobe::digitize {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
+constexpr double kRadPerDegree = std::numbers::pi / 180.0;
 constexpr double kMuchSaturated = 0.3;  ///< of the ball
 constexpr double kMostContrast = 1.25;  ///< shading and its trade with the neighbours' considered
 constexpr double kLeastSeen = 0.4;      ///< of a diameter
@@ -45,7 +45,7 @@ Rejection unseen(const LineSearch& search) {
 
 Rejection ambiguous(double one_rad, double other_rad) {
   const auto degrees = [](double rad) {
-    return (rad - std::numbers::pi * std::floor(rad / std::numbers::pi)) / kDegree;
+    return (rad - std::numbers::pi * std::floor(rad / std::numbers::pi)) / kRadPerDegree;
   };
   return {Reason::line_ambiguous, fmt::format("lines at {:.0f} and {:.0f} degrees are as likely",
                                               degrees(one_rad), degrees(other_rad))};
@@ -84,7 +84,7 @@ std::optional<Rejection> fault_of(const LineFit& fit, double score, bool usual) 
 }
 
 bool same_direction(double a_rad, double b_rad) {
-  return std::abs(std::remainder(a_rad - b_rad, std::numbers::pi)) < 9.0 * kDegree;
+  return std::abs(std::remainder(a_rad - b_rad, std::numbers::pi)) < 9.0 * kRadPerDegree;
 }
 
 /// Another direction that is nearly as likely a line as the one chosen.

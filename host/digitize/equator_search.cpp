@@ -6,7 +6,7 @@
 namespace strobe::digitize {
 namespace {
 
-constexpr double kInner = 0.95;
+constexpr double kSearchInner = 0.95;
 constexpr int kMostCells = 44;     ///< a radius
 constexpr double kTiltMost = 0.3;  ///< 5 degrees of tilt, and what perspective adds off the axis
 constexpr double kClip = 2.5;      ///< sd that one column may count
@@ -112,9 +112,9 @@ void Cells::fill(BallRows& rows) {
   const auto share = static_cast<float>(per_radius_ * per_radius_ / (radius * radius));  // of a cell
   const float floor2 = rows.floor() * rows.floor();
   int inside = 0, full = 0;
-  const cv::Range range = rows.rows(kInner);
+  const cv::Range range = rows.rows(kSearchInner);
   for (int j = range.start; j < range.end; ++j) {
-    for (const BallRows::Block& block : rows.row(j, kInner)) {
+    for (const BallRows::Block& block : rows.row(j, kSearchInner)) {
       ++inside;
       if (block.full) ++full;
       if (!block.use || block.own <= rows.floor()) continue;
@@ -125,7 +125,7 @@ void Cells::fill(BallRows& rows) {
       weight_[at] += block.own * block.own * scale;
     }
   }
-  const double whole = CV_PI * kInner * kInner * radius * radius;
+  const double whole = CV_PI * kSearchInner * kSearchInner * radius * radius;
   saturated_ = full / std::max(1.0, whole);
   outside_ = std::clamp(1.0 - inside / whole, 0.0, 1.0);
 }
@@ -139,7 +139,8 @@ class Strip {
     const double c = std::cos(angle), s = std::sin(angle), step = 1.0 / cells.per_radius();
     for (int column = 0; column < plan.columns; ++column) {
       const double a = plan.along(column);
-      const int most = std::min(half_, static_cast<int>(std::sqrt(kInner * kInner - a * a) / step));
+      const int most =
+          std::min(half_, static_cast<int>(std::sqrt(kSearchInner * kSearchInner - a * a) / step));
       Mean* at = sums_.data() + static_cast<std::size_t>(column) * rows_;
       Mean so_far;
       for (int k = -half_; k <= half_; ++k) {

@@ -8,7 +8,7 @@ namespace strobe::digitize {
 namespace {
 
 /// Nearer to the outline the sphere is too steep for low orders.
-constexpr double kInner = 0.96;
+constexpr double kShadingInner = 0.96;
 constexpr int kSweeps = 4;
 
 /// One block under one disc.
@@ -90,7 +90,7 @@ Samples take_samples(const Blocks& blocks, std::span<const Disc> discs, std::spa
         const cv::Point2d unit = discs[k].unit(blocks.column(i), blocks.row(j));
         const double r = unit.dot(unit);
         if (r > (1.0 + discs[k].rim) * (1.0 + discs[k].rim)) continue;
-        use = use && r < kInner * kInner && r < (1.0 - discs[k].rim) * (1.0 - discs[k].rim);
+        use = use && r < kShadingInner * kShadingInner && r < (1.0 - discs[k].rim) * (1.0 - discs[k].rim);
         over.emplace_back(k, unit);
       }
       if (!use || over.empty()) continue;

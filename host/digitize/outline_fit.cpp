@@ -10,11 +10,11 @@ namespace strobe::digitize {
 
 namespace {
 
-constexpr int kUnknowns = 5;
+constexpr int kOutlineUnknowns = 5;
 constexpr double kTukey = 4.685;      // 95 % efficient on normal errors
 constexpr double kUsefulSd_px = 1.0;  // of a sector's offset
 constexpr double kLeastSigma_px = 0.35;
-constexpr int kFewest = 6;
+constexpr int kFewestEdges = 6;
 // What the sectors' scatter cannot show: shading and blur unlike the model pull whole stretches alike. Both
 // from painted photographs of balls with many looks (tests/host/digitize/outlines_test.cpp).
 constexpr double kUnseen = 1.25;
@@ -27,8 +27,8 @@ constexpr double kMisfit = 1.5;
 // shows: .025 px of the radius, over 525 rendered photographs with 25 looks.
 constexpr double kLimb_px = 0.025;
 
-using Vector = cv::Vec<double, kUnknowns>;
-using Square = cv::Matx<double, kUnknowns, kUnknowns>;
+using Vector = cv::Vec<double, kOutlineUnknowns>;
+using Square = cv::Matx<double, kOutlineUnknowns, kOutlineUnknowns>;
 
 Vector gradient(cv::Point2d out) {
   const double c = out.x, s = out.y;
@@ -89,7 +89,7 @@ class Fit {
     const double grown = blur_change();
     for (SectorEdge& edge : offsets_.edges) edge.offset_px += edge.offset_by_sigma * grown;
     solve(change_);
-    if (used() < kFewest) return false;
+    if (used() < kFewestEdges) return false;
     const double most = 2.0 * std::max(sigma_, 0.7);
     sigma_ += grown;
     Vector change = change_;
@@ -182,13 +182,13 @@ class Fit {
         const double w = offsets_.weight[i];
         if (w == 0.0) continue;
         const Vector& g = gradients_[i];
-        for (int a = 0; a < kUnknowns; ++a) {
+        for (int a = 0; a < kOutlineUnknowns; ++a) {
           for (int b = 0; b <= a; ++b) normal(a, b) += w * g[a] * g[b];
           right[a] += w * offsets_.edges[i].offset_px * g[a];
         }
       }
-      for (int a = 0; a < kUnknowns; ++a)
-        for (int b = a + 1; b < kUnknowns; ++b) normal(a, b) = normal(b, a);
+      for (int a = 0; a < kOutlineUnknowns; ++a)
+        for (int b = a + 1; b < kOutlineUnknowns; ++b) normal(a, b) = normal(b, a);
       change_ = normal.solve(right, cv::DECOMP_CHOLESKY);
     }
   }
@@ -362,13 +362,14 @@ void take_oval(FittedOutline& fitted, cv::Vec2d oval, double sd, double former_s
   const Square before = fitted.covariance;
   const cv::Matx22d spread = before.get_minor<2, 2>(3, 3) + cv::Matx22d::eye() * (1.0 / precision);
   if (off.dot(spread.inv() * off) > kClearly2) return;
-  const cv::Matx<double, kUnknowns, 2> gain = before.get_minor<kUnknowns, 2>(0, 3) * spread.inv();
-  const cv::Matx<double, kUnknowns, 1> change = gain * off;
+  const cv::Matx<double, kOutlineUnknowns, 2> gain =
+      before.get_minor<kOutlineUnknowns, 2>(0, 3) * spread.inv();
+  const cv::Matx<double, kOutlineUnknowns, 1> change = gain * off;
   shape.centre += cv::Point2d(change(0), change(1));
   shape.radius += change(2);
   shape.oval_cos += change(3);
   shape.oval_sin += change(4);
-  fitted.covariance = before - gain * before.get_minor<2, kUnknowns>(3, 0);
+  fitted.covariance = before - gain * before.get_minor<2, kOutlineUnknowns>(3, 0);
 }
 
 }  // namespace strobe::digitize

@@ -78,16 +78,16 @@ std::string missed_words(const Score& s) {
   return fmt::format("{}", fmt::join(words, ", "));
 }
 
-constexpr int kNameWidth = 21;
+constexpr int kShotNameWidth = 21;
 
 void tell(const std::vector<RobustnessPoint>& points) {
   fmt::print(
       "\nBeyond the figures (all found, none invented, centre .1 px, diameter .2 px, equator .2 deg):\n");
   for (const RobustnessPoint& p : points) {
     const std::string name = fmt::format("{} {}", p.axis, p.label);
-    if (!holds(p.score)) fmt::print("  {:<{}} {}\n", name, kNameWidth, missed_words(p.score));
+    if (!holds(p.score)) fmt::print("  {:<{}} {}\n", name, kShotNameWidth, missed_words(p.score));
     if (p.times.wrong > 0)
-      fmt::print("  {:<{}} {} of {} at a wrong interval\n", name, kNameWidth, p.times.wrong,
+      fmt::print("  {:<{}} {} of {} at a wrong interval\n", name, kShotNameWidth, p.times.wrong,
                  p.times.measured);
   }
 }
@@ -159,7 +159,7 @@ Result<void> study_robustness(const RobustnessOptions& options) {
   const std::size_t of_point = scenes->size() * shots;
   std::vector<RobustnessPoint> points;
   std::optional<Error> error;
-  print_score_head(kNameWidth);
+  print_score_head(kShotNameWidth);
   Progress progress(all->size() * of_point);
   in_order(
       all->size() * of_point, options.jobs,
@@ -177,7 +177,7 @@ Result<void> study_robustness(const RobustnessOptions& options) {
         if (i % of_point == 0) points.push_back({c.axis, c.value, c.label, {}, {}});
         points.back().score.add(measured->score);
         points.back().times.add(measured->times);
-        if ((i + 1) % of_point == 0) print_score(c.axis + " " + c.label, kNameWidth, points.back().score);
+        if ((i + 1) % of_point == 0) print_score(c.axis + " " + c.label, kShotNameWidth, points.back().score);
         progress.done(i + 1);
         return true;
       });

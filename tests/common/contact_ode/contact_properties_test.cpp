@@ -19,7 +19,7 @@ double fraction() { return *rc::gen::inRange(0, 1'000'001) / 1e6; }
 double between(double low, double high) { return low + (high - low) * fraction(); }
 double over_decades(double low, double high) { return low * std::pow(high / low, fraction()); }
 
-const ball::Ball kBall{.alpha = 0.579};
+const ball::Ball kPropertiesBall{.alpha = 0.579};
 
 Motion any_touchdown() {
   const double degree = std::numbers::pi / 180.0;
@@ -31,10 +31,10 @@ Motion any_touchdown() {
     case 0:
       break;
     case 1:  // rolling, to the last bit or nearly
-      m.omega_radps = -m.vx_mps / kBall.radius_m();
+      m.omega_radps = -m.vx_mps / kPropertiesBall.radius_m();
       break;
     case 2:
-      m.omega_radps = between(-3.0, 3.0) * speed / kBall.radius_m();
+      m.omega_radps = between(-3.0, 3.0) * speed / kPropertiesBall.radius_m();
       break;
     default:
       m.omega_radps = between(-1e5, 1e5);
@@ -69,18 +69,18 @@ TEST(ContactProperties, EnergyNeverGrows) {
   const bool held = rc::check("energy never grows", [] {
     const Motion touchdown = any_touchdown();
     const ContactCoefficients c = any_coefficients();
-    const auto contact = ContactTrajectory::make(kBall, touchdown, c, {.tolerance = 1e-9});
+    const auto contact = ContactTrajectory::make(kPropertiesBall, touchdown, c, {.tolerance = 1e-9});
     RC_ASSERT(contact.has_value());
     std::vector<double> times = contact->step_times_s();
     for (int i = 0; i <= 200; ++i) times.push_back(contact->summary().dwell_s * i / 200.0);
     std::sort(times.begin(), times.end());
-    const double normal = 0.5 * kBall.mass_kg * touchdown.vy_mps * touchdown.vy_mps;
+    const double normal = 0.5 * kPropertiesBall.mass_kg * touchdown.vy_mps * touchdown.vy_mps;
     const ContactEnergy& energy = contact->summary().energy;
     // Tangential errors weigh with the speeds that they change.
-    const double turning = std::abs(kBall.radius_m() * touchdown.omega_radps);
+    const double turning = std::abs(kPropertiesBall.radius_m() * touchdown.omega_radps);
     const double moving = std::abs(touchdown.vx_mps) + turning - touchdown.vy_mps;
-    const double allowed = 1e-9 * kBall.mass_kg * -touchdown.vy_mps * moving * (1.0 + c.mu) + 1e-9 * normal +
-                           8e-16 * energy.kinetic_td_j;
+    const double allowed = 1e-9 * kPropertiesBall.mass_kg * -touchdown.vy_mps * moving * (1.0 + c.mu) +
+                           1e-9 * normal + 8e-16 * energy.kinetic_td_j;
     ContactState before = contact->at(0.0);
     for (const double t : times) {
       const ContactState now = contact->at(t);
@@ -97,8 +97,9 @@ TEST(ContactProperties, AMirroredContactIsTheMirrorImageToTheLastBit) {
   const bool held = rc::check("mirror", [] {
     const Motion touchdown = any_touchdown();
     const ContactCoefficients c = any_coefficients();
-    const auto one = simulate(kBall, touchdown, c);
-    const auto other = simulate(kBall, {-touchdown.vx_mps, touchdown.vy_mps, -touchdown.omega_radps}, c);
+    const auto one = simulate(kPropertiesBall, touchdown, c);
+    const auto other =
+        simulate(kPropertiesBall, {-touchdown.vx_mps, touchdown.vy_mps, -touchdown.omega_radps}, c);
     RC_ASSERT(one.has_value() && other.has_value());
     RC_ASSERT(one->lift_off.vx_mps == -other->lift_off.vx_mps);
     RC_ASSERT(one->lift_off.vy_mps == other->lift_off.vy_mps);
@@ -117,7 +118,7 @@ TEST(ContactProperties, EveryContactEndsAfterItsDwellTimeWithFewSteps) {
     ContactCoefficients c = any_coefficients();
     // Far below |vy| the offset is dry friction, as stiff as it is dry.
     c.offset_reference_mps = std::max(c.offset_reference_mps, 1.0);
-    const auto s = simulate(kBall, touchdown, c, {.tolerance = 1e-9});
+    const auto s = simulate(kPropertiesBall, touchdown, c, {.tolerance = 1e-9});
     RC_ASSERT(s.has_value());
     RC_ASSERT(std::abs(s->dwell_s / c.dwell_s - 1.0) < 1e-8);
     RC_ASSERT(std::abs(s->lift_off.vy_mps / (-c.e * touchdown.vy_mps) - 1.0) < 1e-9 / c.e);

@@ -17,7 +17,7 @@ using strobe::testing::Refinement;
 
 namespace {
 
-constexpr double kEps = std::numeric_limits<double>::epsilon();
+constexpr double kRounding = std::numeric_limits<double>::epsilon();
 const sim::FlightState kStart{.x_m = 0.3, .y_m = 0.2, .vx_mps = 15.0, .vy_mps = -6.0};
 constexpr double kSpin_radps = 200.0;
 const double kSpeed_mps = std::hypot(15.0, 6.0);
@@ -74,9 +74,9 @@ TEST(FlightConvergence, InOurAirTheRigsStepsErrByRounding) {
   const sim::Scene scene = scene_of(1.2);
   const sim::FlightState a = flown(scene, kStart, kSpin_radps, 0.16);
   const sim::FlightState b = in_parts(scene, kStart, 0.16, 1280);
-  DOUBLES_EQUAL(0.0, distance(a, b), 1280.0 * kEps * 2.6);
-  DOUBLES_EQUAL(b.vx_mps, a.vx_mps, 1280.0 * kEps * 16.0);
-  DOUBLES_EQUAL(b.vy_mps, a.vy_mps, 1280.0 * kEps * 16.0);
+  DOUBLES_EQUAL(0.0, distance(a, b), 1280.0 * kRounding * 2.6);
+  DOUBLES_EQUAL(b.vx_mps, a.vx_mps, 1280.0 * kRounding * 16.0);
+  DOUBLES_EQUAL(b.vy_mps, a.vy_mps, 1280.0 * kRounding * 16.0);
 }
 
 // The series holds acceleration and jerk: positions err by the fourth power of time, velocities by the third.
@@ -107,9 +107,9 @@ TEST(FlightConvergence, AFlightWithoutDragRunsBackToItsStart) {
     back.vy_mps = -end.vy_mps;
     const sim::FlightState start = flown(scene, back, -kSpin_radps, time_s);
     // 200 steps there and back.
-    DOUBLES_EQUAL(0.0, distance(kStart, start), 400.0 * kEps * (1.0 + kSpeed_mps * std::abs(time_s)));
-    DOUBLES_EQUAL(-kStart.vx_mps, start.vx_mps, 400.0 * kEps * kSpeed_mps);
-    DOUBLES_EQUAL(-kStart.vy_mps, start.vy_mps, 400.0 * kEps * kSpeed_mps);
+    DOUBLES_EQUAL(0.0, distance(kStart, start), 400.0 * kRounding * (1.0 + kSpeed_mps * std::abs(time_s)));
+    DOUBLES_EQUAL(-kStart.vx_mps, start.vx_mps, 400.0 * kRounding * kSpeed_mps);
+    DOUBLES_EQUAL(-kStart.vy_mps, start.vy_mps, 400.0 * kRounding * kSpeed_mps);
   }
 }
 

@@ -6,6 +6,7 @@
 
 #include "common/impact/fit/model_fit.hpp"
 #include "tests/common/impact_fit/check.hpp"
+#include "tests/support/repetitions.hpp"
 
 #include <CppUTest/TestHarness.h>
 
@@ -19,7 +20,7 @@ using strobe::testing::true_rebounds;
 
 namespace {
 
-constexpr int kReplicates = 500;
+constexpr int kReplicates = strobe::testing::repetitions(500);
 constexpr ParameterValues kTruth{0.55, 0.1, 0.003, 2.5, 0.55};
 /// Quantiles of chi-square with three degrees of freedom.
 constexpr double kMedian = 2.366, kNineTenths = 6.251, k95 = 7.815;

@@ -15,7 +15,7 @@ using strobe::testing::true_rebounds;
 
 namespace {
 
-constexpr ParameterValues kTruth{0.5, 0.12, 0.0028, 2.0, 0.56};
+constexpr ParameterValues kSearched{0.5, 0.12, 0.0028, 2.0, 0.56};
 
 /// 1e-6 of the values: derivatives are good to 1e-10 and the sum of squares to its rounding, whose root the
 /// parameters follow.
@@ -48,13 +48,13 @@ TEST_GROUP(ModelFit){};
 TEST(ModelFit, FindsTheParametersThatMadeTheRebounds) {
   check_recovered(all_free(InOutModel::slide_roll), {0.5, 0.0, 0.0, 2.5, 0.6});
   check_recovered(all_free(InOutModel::grip), {0.5, 0.12, 0.0, 2.5, 0.6});
-  check_recovered(all_free(InOutModel::grip_offset), kTruth);
+  check_recovered(all_free(InOutModel::grip_offset), kSearched);
 }
 
 TEST(ModelFit, FindsTheParametersByTheStatedSdToo) {
   FitOptions options = all_free(InOutModel::grip_offset);
   options.weighting = Weighting::stated_sd;
-  check_recovered(options, kTruth);
+  check_recovered(options, kSearched);
 }
 
 // The truth does not depend on where the fit starts.

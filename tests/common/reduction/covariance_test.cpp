@@ -29,7 +29,7 @@ Matrix8 matrix(const PrimaryCovariance& covariance) {
   return m;
 }
 
-Readout reduced(const Frame& frame) { return *reduce(frame, Estimator::best, {.covariance = true}); }
+Readout reduced_shot(const Frame& frame) { return *reduce(frame, Estimator::best, {.covariance = true}); }
 
 constexpr Quantity kVelocities[] = {Quantity::vx_td_mps, Quantity::vy_td_mps, Quantity::omega_td_radps,
                                     Quantity::vx_lo_mps, Quantity::vy_lo_mps, Quantity::omega_lo_radps};
@@ -47,15 +47,15 @@ TEST_GROUP(JointCovariance) {
 TEST(JointCovariance, IsGivenOnlyWhenAskedForAndWhole) {
   Frame frame = test::photograph(Bounce{}, Setup{}, random);
   CHECK_FALSE(reduce(frame, Estimator::best)->covariance.has_value());
-  CHECK_TRUE(reduced(frame).covariance.has_value());
+  CHECK_TRUE(reduced_shot(frame).covariance.has_value());
   for (BallImage& image : frame.images) image.equator_rad.reset();
-  CHECK_FALSE(reduced(frame).covariance.has_value());
+  CHECK_FALSE(reduced_shot(frame).covariance.has_value());
 }
 
 TEST(JointCovariance, HasTheReadoutsSdOnItsDiagonalAndExplainsTheRatios) {
   Frame frame = test::photograph(Bounce{}, Setup{}, random);
   frame.temperature_c = 20.0;
-  const Readout r = reduced(frame);
+  const Readout r = reduced_shot(frame);
   const Matrix8 m = matrix(*r.covariance);
   for (int i = 0; i < 6; ++i) {
     const double sd = *r.sd[kVelocities[i]];
@@ -96,7 +96,7 @@ TEST(JointCovariance, NormalizedErrorsOfTheVelocitiesAreChiSquared) {
     const Bounce& bounce = bounces[static_cast<std::size_t>(shot) % bounces.size()];
     Setup setup;
     setup.phase = std::uniform_real_distribution<double>(0.0, 1.0)(random);
-    const Readout r = reduced(test::photograph(bounce, setup, random));
+    const Readout r = reduced_shot(test::photograph(bounce, setup, random));
     CHECK_TRUE(r.covariance.has_value());
     const Quantities truth = test::truth(bounce);
     const Matrix8 whole = matrix(*r.covariance);

@@ -16,7 +16,7 @@ using namespace strobe::reduction;
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+constexpr double kHalfTurn = std::numbers::pi;
 
 LegacyImage image(double x, double y, double equator_rad, double diameter = 65.1) {
   const double dx = 20.0 * std::cos(equator_rad);
@@ -41,7 +41,7 @@ LegacyFrame hand_frame() {
   return f;
 }
 
-void equal(double expected, const std::optional<double>& actual, double tolerance = 1e-9) {
+void same(double expected, const std::optional<double>& actual, double tolerance = 1e-9) {
   CHECK_TRUE(actual.has_value());
   DOUBLES_EQUAL(expected, *actual, tolerance);
 }
@@ -61,7 +61,7 @@ double share_of_wrong_phases(double omega) {
   constexpr int kPhases = 20000;
   int wrong = 0;
   for (int i = 0; i < kPhases; ++i) {
-    const double phase = kPi * (i + 0.5) / kPhases;
+    const double phase = kHalfTurn * (i + 0.5) / kPhases;
     if (std::abs(legacy_spin(omega, phase, 0.003) - omega) > 10.0) ++wrong;
   }
   return static_cast<double>(wrong) / kPhases;
@@ -74,18 +74,18 @@ TEST_GROUP(LegacyProgram){};
 TEST(LegacyProgram, GivesTheNumbersWorkedOutByHand) {
   const Readout r = reduce_legacy(hand_frame());
   STRCMP_EQUAL("legacy", r.method.c_str());
-  equal(15.0, r.value[Quantity::vx_td_mps]);
-  equal(-6.0, r.value[Quantity::vy_td_mps]);
-  equal(9.0, r.value[Quantity::vx_lo_mps]);
-  equal(5.0, r.value[Quantity::vy_lo_mps]);
-  equal(5.0 / 6.0, r.value[Quantity::e]);
-  equal(6.0 / 11.0, r.value[Quantity::mu]);
-  equal(-0.380506377112365 * 57.3, r.value[Quantity::theta_in_deg]);  // atan(6 / 15), 57.3 to the radian
-  equal(-100.0, r.value[Quantity::omega_td_radps]);
-  equal(-150.0, r.value[Quantity::omega_lo_radps]);
-  equal(9.0 - 0.03255 * 150.0, r.value[Quantity::slip_lo_mps]);
-  equal(5.0, r.value[Quantity::dwell_time_ms]);
-  equal(5.0, r.value[Quantity::dwell_distance_cm]);
+  same(15.0, r.value[Quantity::vx_td_mps]);
+  same(-6.0, r.value[Quantity::vy_td_mps]);
+  same(9.0, r.value[Quantity::vx_lo_mps]);
+  same(5.0, r.value[Quantity::vy_lo_mps]);
+  same(5.0 / 6.0, r.value[Quantity::e]);
+  same(6.0 / 11.0, r.value[Quantity::mu]);
+  same(-0.380506377112365 * 57.3, r.value[Quantity::theta_in_deg]);  // atan(6 / 15), 57.3 to the radian
+  same(-100.0, r.value[Quantity::omega_td_radps]);
+  same(-150.0, r.value[Quantity::omega_lo_radps]);
+  same(9.0 - 0.03255 * 150.0, r.value[Quantity::slip_lo_mps]);
+  same(5.0, r.value[Quantity::dwell_time_ms]);
+  same(5.0, r.value[Quantity::dwell_distance_cm]);
   CHECK_FALSE(r.sd[Quantity::e].has_value());
   CHECK_FALSE(r.regime.has_value());
 }
@@ -93,11 +93,11 @@ TEST(LegacyProgram, GivesTheNumbersWorkedOutByHand) {
 TEST(LegacyProgram, FarNumbersComeFromTheOuterImages) {
   const Readout r = reduce_legacy(hand_frame());
   CHECK_TRUE(r.legacy.has_value());
-  equal(16.0, r.legacy->far[Quantity::vx_td_mps]);
-  equal(-7.0, r.legacy->far[Quantity::vy_td_mps]);
-  equal(8.5, r.legacy->far[Quantity::vx_lo_mps]);
-  equal(4.5, r.legacy->far[Quantity::vy_lo_mps]);
-  equal(4.5 / 7.0, r.legacy->far[Quantity::e]);
+  same(16.0, r.legacy->far[Quantity::vx_td_mps]);
+  same(-7.0, r.legacy->far[Quantity::vy_td_mps]);
+  same(8.5, r.legacy->far[Quantity::vx_lo_mps]);
+  same(4.5, r.legacy->far[Quantity::vy_lo_mps]);
+  same(4.5 / 7.0, r.legacy->far[Quantity::e]);
   CHECK_FALSE(r.legacy->far[Quantity::dwell_time_ms].has_value());
 }
 
@@ -121,7 +121,7 @@ TEST(LegacyProgram, ContactImagesAreFractions) {
 TEST(LegacyProgram, DoublesTheTilt) {
   // A shot of 15.62, -6.71 m/s (-23.25 degrees) photographed with the camera turned by 1 degree reads -21.25.
   LegacyFrame f = hand_frame();
-  const double a = kPi / 180;
+  const double a = kHalfTurn / 180;
   const auto turn = [&](PointPx& p) {
     p = {p.x * std::cos(a) - p.y * std::sin(a), p.x * std::sin(a) + p.y * std::cos(a)};
   };
@@ -131,7 +131,7 @@ TEST(LegacyProgram, DoublesTheTilt) {
   }
   for (PointPx& p : f.surface) turn(p);
   for (LegacyImage& i : f.flight) turn(i.centre), turn(i.edge), turn(i.equator_1), turn(i.equator_2);
-  equal(-21.25, reduce_legacy(f).value[Quantity::theta_in_deg], 0.01);
+  same(-21.25, reduce_legacy(f).value[Quantity::theta_in_deg], 0.01);
 }
 
 TEST(LegacyProgram, UnwrapsBackspinWrongAsOftenAsTheErrataSay) {
@@ -148,9 +148,9 @@ TEST(LegacyProgram, ReducesADigitizedFrameAsItReducesItsOwn) {
   CHECK_TRUE(by_frame.has_value());
   for (const Quantity q : {Quantity::vx_td_mps, Quantity::e, Quantity::mu, Quantity::omega_td_radps,
                            Quantity::dwell_time_ms, Quantity::dwell_distance_cm}) {
-    equal(*direct.value[q], by_frame->value[q], 1e-9);
+    same(*direct.value[q], by_frame->value[q], 1e-9);
   }
-  equal(*direct.legacy->far[Quantity::e], by_frame->legacy->far[Quantity::e], 1e-9);
+  same(*direct.legacy->far[Quantity::e], by_frame->legacy->far[Quantity::e], 1e-9);
   DOUBLES_EQUAL(direct.legacy->contact[1].x_fraction, by_frame->legacy->contact[1].x_fraction, 1e-9);
 }
 
@@ -179,8 +179,8 @@ TEST(LegacyToFrame, PutsImagesAtWholePeriods) {
 TEST(LegacyToFrame, TheOtherEstimatorsReadIt) {
   const auto r = reduce(frame_from_legacy(hand_frame()), Estimator::two_point);
   CHECK_TRUE(r.has_value());
-  equal(15.0, r->value[Quantity::vx_td_mps]);
-  equal(5.0, r->value[Quantity::dwell_time_ms]);
+  same(15.0, r->value[Quantity::vx_td_mps]);
+  same(5.0, r->value[Quantity::dwell_time_ms]);
   CHECK_TRUE(reduce(frame_from_legacy(hand_frame()), Estimator::best).has_value());
 }
 
@@ -231,7 +231,7 @@ TEST(LegacyFile, ReadsFramesWithTwoContactImagesAndWithOne) {
   LONGS_EQUAL(1, frames[1]->contact_count);
   DOUBLES_EQUAL(0.002, frames[1]->period_s, 0.0);
   DOUBLES_EQUAL(227.0, frames[0]->flight[4].centre.x, 0.0);
-  equal(15.0, reduce_legacy(*frames[0]).value[Quantity::vx_td_mps], 1e-6);  // six decimals in the file
+  same(15.0, reduce_legacy(*frames[0]).value[Quantity::vx_td_mps], 1e-6);  // six decimals in the file
 }
 
 TEST(LegacyFile, LineEndsAndBlanksDoNotMatter) {

@@ -34,7 +34,7 @@ class Trapped {
   static constexpr int kExceptions = FE_INVALID | FE_DIVBYZERO | FE_OVERFLOW;
 };
 
-Frame photograph(const Setup& setup = {}) {
+Frame limiting_photograph(const Setup& setup = {}) {
   test::Random random(11);
   return test::photograph(Bounce{}, setup, random);
 }
@@ -109,11 +109,11 @@ std::vector<NamedNumber> numbers_of(Frame& f) {
 TEST_GROUP(FrameLimits){};
 
 TEST(FrameLimits, NotANumberInfinityAndHugeNumbersAreRefusedByName) {
-  Frame frame = photograph();
+  Frame frame = limiting_photograph();
   const std::size_t count = numbers_of(frame).size();
   for (std::size_t i = 0; i < count; ++i) {
     for (const double bad : {std::nan(""), kInfinity, -kInfinity, 1e308, -1e308, 1e100}) {
-      Frame changed = photograph();
+      Frame changed = limiting_photograph();
       const NamedNumber number = numbers_of(changed)[i];
       *number.value = bad;
       const std::string complaint = tried(changed);
@@ -124,11 +124,11 @@ TEST(FrameLimits, NotANumberInfinityAndHugeNumbersAreRefusedByName) {
 }
 
 TEST(FrameLimits, TinyAndSubnormalNumbersAreRefusedByNameOrHarmless) {
-  Frame frame = photograph();
+  Frame frame = limiting_photograph();
   const std::size_t count = numbers_of(frame).size();
   for (std::size_t i = 0; i < count; ++i) {
     for (const double tiny : {5e-324, -5e-324, 1e-310, 1e-200, -1e-200, 0.0, 1e-30}) {
-      Frame changed = photograph();
+      Frame changed = limiting_photograph();
       const NamedNumber number = numbers_of(changed)[i];
       *number.value = tiny;
       const std::string complaint = tried(changed);
@@ -140,7 +140,7 @@ TEST(FrameLimits, TinyAndSubnormalNumbersAreRefusedByNameOrHarmless) {
 }
 
 TEST(FrameLimits, ImagesWithinANanosecondAreRefused) {
-  Frame frame = photograph();
+  Frame frame = limiting_photograph();
   frame.images[3].time_s = frame.images[2].time_s + 1e-12;
   STRCMP_CONTAINS("images[3].time_s: must be later", tried(frame).c_str());
 }
@@ -195,7 +195,7 @@ TEST(FrameLimits, IdenticalImagesAndExactDataGiveNoSpreadAndNoCrash) {
   setup.noise_factor = 0.0;
   setup.state_noise = false;
   setup.air = {.drag_coefficient = 0.0, .lift = false, .spin_decay_per_m = 0.0};
-  Frame frame = photograph(setup);
+  Frame frame = limiting_photograph(setup);
   frame.air_density_kgpm3 = 0.0;
   STRCMP_EQUAL("", tried(frame).c_str());
   const auto r = reduce(frame, Estimator::best);

@@ -23,7 +23,7 @@ Row row(std::string study, std::string method, std::string parameter, double cos
           .note = ""};
 }
 
-std::vector<Row> rows() {
+std::vector<Row> reduce_rows() {
   return {row("reduce", "two-point", "", 5.0, 0.05),
           row("reduce", "best", "effects=none", 6.0, 0.05),
           row("reduce", "best", "effects=auto", 8.0, 0.03),
@@ -46,13 +46,13 @@ test::Setup of_sd(double sd_m, bool stated = true) {
   return setup;
 }
 
-std::int64_t no_clock() { return 0; }
+std::int64_t standing_clock() { return 0; }
 
 Result<EstimatorChooser> chooser(frontier::Demand demand, std::string estimator = "",
                                  std::string flight = "") {
   return EstimatorChooser::make(
-      rows(), {}, {.demand = demand, .estimator = std::move(estimator), .flight = std::move(flight)},
-      no_clock);
+      reduce_rows(), {}, {.demand = demand, .estimator = std::move(estimator), .flight = std::move(flight)},
+      standing_clock);
 }
 
 ChosenReadout reduced(frontier::Demand demand, const reduction::Frame& of) {
@@ -84,13 +84,13 @@ TEST(ReduceChoice, CountsOnlyTheEstimatorsOwnPartOfTheError) {
 
 // 3 % of noise hides a bias of 0.8 % (sqrt(1² - 0.6²)), which is there all the same.
 TEST(ReduceChoice, TakesABiasThatNoiseHidesForWhatItIsWithoutNoise) {
-  std::vector<Row> biased = rows();
+  std::vector<Row> biased = reduce_rows();
   biased.push_back(row("reduce", "best", "effects=gravity", 7.0, 0.03));
   biased.push_back(row("reduce_fine", "best", "effects=gravity", 7.0, 0.01));
   const auto own = [&](double tolerance) {
     const EstimatorDemand demand{
         .demand = {.tolerance = tolerance, .deadline_us = {}}, .estimator = "best", .flight = ""};
-    return EstimatorChooser::make(biased, {}, demand, no_clock)->reduce(frame())->choice.row;
+    return EstimatorChooser::make(biased, {}, demand, standing_clock)->reduce(frame())->choice.row;
   };
   STRCMP_EQUAL("effects=gravity", own(0.0081).parameter.c_str());
   DOUBLES_EQUAL(0.008, own(0.0081).error, 1e-15);
@@ -154,8 +154,8 @@ TEST(ReduceChoice, NamesWhatLiesOutsideOfWhatWasMeasured) {
   const std::vector<frontier::Range> ranges{{"reduce", "images_per_leg", 3.0, 4.0},
                                             {"reduce", "v_td_mps", 10.0, 30.0}};
   const auto narrow = EstimatorChooser::make(
-      rows(), ranges, {.demand = {.tolerance = 0.9, .deadline_us = {}}, .estimator = "", .flight = ""},
-      no_clock);
+      reduce_rows(), ranges, {.demand = {.tolerance = 0.9, .deadline_us = {}}, .estimator = "", .flight = ""},
+      standing_clock);
   const auto chosen = narrow->reduce(frame());
   LONGS_EQUAL(1, chosen->choice.outside.size());
   STRCMP_EQUAL("images_per_leg", chosen->choice.outside[0].c_str());
@@ -166,7 +166,7 @@ TEST(ReduceChoice, ReckonsWithMoreImagesThanWereMeasured) {
   const auto best_in = [&](double deadline_us) {
     const EstimatorDemand demand{
         .demand = {.tolerance = 0.001, .deadline_us = deadline_us}, .estimator = "", .flight = ""};
-    return EstimatorChooser::make(rows(), ranges, demand, no_clock)->reduce(frame());
+    return EstimatorChooser::make(reduce_rows(), ranges, demand, standing_clock)->reduce(frame());
   };
   // The best takes 8 us with four images a leg, thus 10 us with five.
   CHECK(!best_in(9.9));

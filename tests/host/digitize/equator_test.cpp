@@ -22,7 +22,7 @@ using strobe::testing::Painting;
 
 namespace {
 constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr double kDiameter_px = 160.0;
+constexpr double kBall_px = 160.0;
 }  // namespace
 
 TEST_GROUP(Equators) {
@@ -36,7 +36,7 @@ TEST_GROUP(Equators) {
   static PaintedBall ball() {
     PaintedBall ball;
     ball.centre = {110.0, 108.0};
-    ball.diameter_px = kDiameter_px;
+    ball.diameter_px = kBall_px;
     ball.light = 0.3;
     ball.lamps = {{{-1.0, 0.4, 1.0}, 0.8}, {{1.0, 0.3, 1.2}, 0.7}};
     ball.grain = 0.04;
@@ -136,7 +136,7 @@ TEST(Equators, AreNotGuessedOfManyBallsOfAllLooksWithoutALine) {
   constexpr int kLooks = 4;
   std::mt19937_64 random(5);
   for (int look = 0; look < kLooks; ++look) {
-    PaintedBall plain = strobe::testing::random_ball(random, {110.0, 108.0}, kDiameter_px);
+    PaintedBall plain = strobe::testing::random_ball(random, {110.0, 108.0}, kBall_px);
     plain.line.reset();
     painting.balls.clear();
     painting.seed = random();
@@ -157,7 +157,7 @@ TEST(Equators, StateTrueStandardDeviations) {
   for (int look = 0; look < kLooks; ++look) {
     painting.balls.clear();
     painting.seed = random();
-    add_three(strobe::testing::random_ball(random, {110.0, 108.0}, kDiameter_px), 120.0, 0.3 + 0.1 * look);
+    add_three(strobe::testing::random_ball(random, {110.0, 108.0}, kBall_px), 120.0, 0.3 + 0.1 * look);
     const auto results = measured();
     for (std::size_t k = 0; k < results.size(); ++k) {
       if (!results[k]) continue;
@@ -186,7 +186,7 @@ TEST(Equators, AreMeasuredWhereANeighboursOutlineRunsAlongTheLine) {
   // line.
   PaintedBall across = ball();
   across.line->angle_rad = 0.5 * std::numbers::pi;
-  add_three(across, 0.5 * kDiameter_px, 0.02);
+  add_three(across, 0.5 * kBall_px, 0.02);
   for (std::size_t k = 0; k < 3; ++k) painting.balls[k].light *= 0.6;
   const auto results = measured();
   for (std::size_t k = 0; k < results.size(); ++k) {

@@ -12,7 +12,7 @@ namespace {
 using namespace strobe::digitize;
 namespace painter = strobe::testing;
 
-constexpr double kDiameter_px = 80.0;
+constexpr double kLimb_px = 80.0;
 constexpr int kHeight = 300;
 
 /// Images in a row that overlap, 3/4 of a diameter apart.
@@ -23,7 +23,7 @@ painter::Painting row_of_balls(std::uint64_t seed, int count, double light) {
   painting.height = kHeight;
   painting.bits = 16;
   painting.seed = seed;
-  painter::PaintedBall look = painter::random_ball(random, {}, kDiameter_px);
+  painter::PaintedBall look = painter::random_ball(random, {}, kLimb_px);
   look.light = light;
   for (int k = 0; k < count; ++k) {
     look = painter::next_image(look, {80.0 + 60.0 * k, 200.0 - 12.0 * k}, 0.2);
@@ -35,7 +35,7 @@ painter::Painting row_of_balls(std::uint64_t seed, int count, double light) {
 Outline outline_at(cv::Point2d image_px) {
   Outline outline;
   outline.centre = {image_px.x, kHeight - 1 - image_px.y};
-  outline.diameter = kDiameter_px;
+  outline.diameter = kLimb_px;
   outline.blur_px = 1.0;
   return outline;
 }

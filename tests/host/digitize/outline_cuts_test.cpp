@@ -15,7 +15,7 @@ using strobe::testing::random_ball;
 
 namespace {
 
-constexpr double kDiameter_px = 120.0;
+constexpr double kCut_px = 120.0;
 
 /// Two images of a ball with a look of its own; where they overlap the sensor is at its end.
 Painting bright_pair(std::uint64_t seed) {
@@ -26,7 +26,7 @@ Painting bright_pair(std::uint64_t seed) {
   painting.height = 180;
   painting.blur_px = 0.8 + 0.5 * unit(random);
   painting.seed = seed;
-  auto ball = random_ball(random, {85 + unit(random), 85 + unit(random)}, kDiameter_px);
+  auto ball = random_ball(random, {85 + unit(random), 85 + unit(random)}, kCut_px);
   ball.light = 0.45;
   for (int i = 0; i < 2; ++i)
     painting.balls.push_back(next_image(ball, ball.centre + cv::Point2d(70 * i, 10 * i), 0.5 * i));
@@ -36,7 +36,7 @@ Painting bright_pair(std::uint64_t seed) {
 OutlineShape start_of(const LocalFrame& frame, const PlaneMap& map, cv::Point2d centre_image) {
   OutlineShape shape;
   shape.centre = frame.from_plane(map.to_plane(centre_image)) + cv::Point2d(0.4, -0.3);
-  shape.radius = 0.5 * kDiameter_px + 0.3;
+  shape.radius = 0.5 * kCut_px + 0.3;
   return shape;
 }
 
@@ -52,16 +52,16 @@ TEST(OutlineCuts, MeasureOverexposedPairsTruly) {
     const PlaneMap map = PlaneMap::plain(painting.height);
     std::vector<Candidate> candidates;
     for (const auto& ball : painting.balls)
-      candidates.push_back({ball.centre + cv::Point2d(0.8, -0.7), kDiameter_px / 2 + 1, 0.8});
+      candidates.push_back({ball.centre + cv::Point2d(0.8, -0.7), kCut_px / 2 + 1, 0.8});
     OutlineSettings settings;
-    settings.diameter_min_px = 0.92 * kDiameter_px;
-    settings.diameter_max_px = 1.08 * kDiameter_px;
+    settings.diameter_min_px = 0.92 * kCut_px;
+    settings.diameter_max_px = 1.08 * kCut_px;
     settings.effort = Effort::thorough;
     const auto outlines = fit_outlines(paint(painting), map, candidates, settings);
     for (std::size_t i = 0; i < outlines.size(); ++i) {
       CHECK_TRUE(outlines[i].has_value());
       const cv::Point2d off = outlines[i]->centre - map.to_plane(painting.balls[i].centre);
-      const cv::Vec3d error(off.x, off.y, outlines[i]->diameter - kDiameter_px);
+      const cv::Vec3d error(off.x, off.y, outlines[i]->diameter - kCut_px);
       error2 += off.dot(off) / 2;
       normalized2 += error.dot(outlines[i]->covariance.inv() * error) / 3;
       ++count;
@@ -79,7 +79,7 @@ TEST(OutlineCuts, CountHowFarTheyDisagree) {
   const auto photograph = paint(painting);
   const PlaneMap map = PlaneMap::plain(painting.height);
   const cv::Point2d centre = painting.balls[0].centre;
-  const LocalFrame frame(map, centre, kDiameter_px);
+  const LocalFrame frame(map, centre, kCut_px);
   const OutlineShape start = start_of(frame, map, centre);
   const std::vector<OutlineShape> others{start_of(frame, map, painting.balls[1].centre)};
   const FitSettings settings;
@@ -97,6 +97,6 @@ TEST(OutlineCuts, FindNothingWhereThereIsNoEdge) {
   painting.balls.clear();
   const PlaneMap map = PlaneMap::plain(painting.height);
   const cv::Point2d centre(120.0, 90.0);
-  const LocalFrame frame(map, centre, kDiameter_px);
+  const LocalFrame frame(map, centre, kCut_px);
   CHECK_FALSE(fit_outline_by_cuts(paint(painting), frame, start_of(frame, map, centre), 1.2, {}, {}));
 }

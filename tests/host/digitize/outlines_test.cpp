@@ -14,7 +14,7 @@ using strobe::testing::random_ball;
 
 namespace {
 
-constexpr double kDiameter_px = 160.0;
+constexpr double kOutline_px = 160.0;
 
 /// Three images that overlap, of a ball with a look of its own; seeds repeat it.
 Painting chain(std::uint64_t seed) {
@@ -27,7 +27,7 @@ Painting chain(std::uint64_t seed) {
   painting.blur_px = 0.7 + unit(random);
   painting.bits = seed % 2 == 0 ? 8 : 16;
   painting.seed = seed;
-  const auto ball = random_ball(random, {110 + unit(random), 100 + unit(random)}, kDiameter_px);
+  const auto ball = random_ball(random, {110 + unit(random), 100 + unit(random)}, kOutline_px);
   for (int i = 0; i < 3; ++i)
     painting.balls.push_back(
         next_image(ball, ball.centre + cv::Point2d(125 * i + unit(random), 20 * i + unit(random)), 0.5 * i));
@@ -39,15 +39,15 @@ std::vector<Candidate> near_them(const Painting& painting) {
   for (std::size_t i = 0; i < painting.balls.size(); ++i) {
     const double side = i % 2 == 0 ? 1.0 : -1.0;
     candidates.push_back(
-        {painting.balls[i].centre + cv::Point2d(1.4 * side, -1.1), kDiameter_px / 2 + side, 0.8});
+        {painting.balls[i].centre + cv::Point2d(1.4 * side, -1.1), kOutline_px / 2 + side, 0.8});
   }
   return candidates;
 }
 
 OutlineSettings settings(Effort effort = Effort::standard) {
   OutlineSettings settings;
-  settings.diameter_min_px = 0.92 * kDiameter_px;
-  settings.diameter_max_px = 1.08 * kDiameter_px;
+  settings.diameter_min_px = 0.92 * kOutline_px;
+  settings.diameter_max_px = 1.08 * kOutline_px;
   settings.effort = effort;
   return settings;
 }
@@ -66,7 +66,7 @@ TEST(Outlines, FindOverlappingBallsOfAnyLookToATenthOfAPixelAndSayHowWell) {
     for (std::size_t i = 0; i < outlines.size(); ++i) {
       CHECK_TRUE(outlines[i].has_value());
       const cv::Point2d off = outlines[i]->centre - map.to_plane(painting.balls[i].centre);
-      const cv::Vec3d error(off.x, off.y, outlines[i]->diameter - kDiameter_px);
+      const cv::Vec3d error(off.x, off.y, outlines[i]->diameter - kOutline_px);
       centre2 += off.dot(off) / 2;
       diameter2 += error[2] * error[2];
       normalized2 += error.dot(outlines[i]->covariance.inv() * error) / 3;
@@ -129,7 +129,7 @@ TEST(Outlines, OfBallsThatOneLampLightsAreNotDrawnToTheirShadows) {
     const auto outlines = fit_outlines(paint(painting), map, near_them(painting), settings());
     CHECK_TRUE(outlines[0].has_value());
     const cv::Point2d off = outlines[0]->centre - map.to_plane(ball.centre);
-    const cv::Vec3d error(off.x, off.y, outlines[0]->diameter - kDiameter_px);
+    const cv::Vec3d error(off.x, off.y, outlines[0]->diameter - kOutline_px);
     // Of three normal numbers' squares one in ten thousand is more than 21.
     CHECK(error.dot(outlines[0]->covariance.inv() * error) < 21.0);
     // Half of the outline is in the dark.

@@ -38,7 +38,7 @@ Exposure only(Exposure exposure, std::size_t pulse) {
   return exposure;
 }
 
-Exposure shot_of(const Scene& scene) {
+Exposure rendered_shot(const Scene& scene) {
   auto shot = shoot(scene, 7, 1);
   if (!shot) FAIL(shot.error().message.c_str());
   return shot->exposure;
@@ -91,7 +91,7 @@ Moments coverage(const Scene& scene, const Exposure& exposure, const Look& look)
 
 /// Looks at one image in the air, whole on the sensor.
 void check_coverage(const Scene& scene) {
-  const Exposure all = shot_of(scene);
+  const Exposure all = rendered_shot(scene);
   const Look look = draw_look(scene, 1, 1);
   const PhotographTruth truth = rendered(scene, all, look).truth;
   int looked_at = 0;
@@ -123,7 +123,7 @@ TEST(Render, SeesAnImageFromTheOtherSide) { check_coverage(clean_scene("mirrored
 TEST(Render, TurnsTheLineAsTheTruthTells) {
   for (const double tilt_rad : {0.0, 0.08}) {
     const Scene scene = clean_scene();
-    const Exposure all = shot_of(scene);
+    const Exposure all = rendered_shot(scene);
     Look look = draw_look(scene, 1, 1);
     look.ball.line_tilt_rad = tilt_rad;
     look.ball.falloff = 1e-9;  // even light
@@ -145,7 +145,7 @@ TEST(Render, TurnsTheLineAsTheTruthTells) {
 
 TEST(Render, CutsABallInContactOffAtTheSurface) {
   Scene scene = clean_scene("roll_deg = 0\n");
-  const Exposure all = shot_of(scene);
+  const Exposure all = rendered_shot(scene);
   const Look look = draw_look(scene, 1, 1);
   const PhotographTruth truth = rendered(scene, all, look).truth;
   int contacts = 0;
@@ -171,7 +171,7 @@ TEST(Render, AddsUpTheLightOfItsFlashes) {
   scene.photograph.exposure = 0.5;
   Look look = draw_look(scene, 1, 1);
   look.background.wall = 0.0;
-  const Exposure all = shot_of(scene);
+  const Exposure all = rendered_shot(scene);
   const Photograph together = rendered(scene, all, look);
   cv::Mat sum = cv::Mat::zeros(together.pixels.size(), CV_32SC1);
   for (const ImageTruth& image : together.truth.images) {
@@ -193,7 +193,7 @@ TEST(Render, HasTheNoiseThatTheSceneSays) {
   scene.photograph.read_noise_e = 20.0;
   scene.photograph.black_level = 0.1;
   scene.photograph.ambient = 0.2;
-  Exposure dark = shot_of(scene);
+  Exposure dark = rendered_shot(scene);
   for (Pulse& pulse : dark.pulses) pulse.flashes = {};
   const cv::Mat pixels = rendered(scene, dark, draw_look(scene, 1, 1)).pixels;
   cv::Scalar mean, sd;
@@ -208,7 +208,7 @@ TEST(Render, IsRepeatedBySeedAndDiffersByShot) {
   Scene scene = clean_scene();
   scene.photograph.bits = 8;
   scene.photograph.full_well_e = 5000.0;
-  const Exposure exposure = shot_of(scene);
+  const Exposure exposure = rendered_shot(scene);
   const cv::Mat first = rendered(scene, exposure, draw_look(scene, 5, 1)).pixels;
   LONGS_EQUAL(CV_8UC1, first.type());
   CHECK(cv::norm(first, rendered(scene, exposure, draw_look(scene, 5, 1)).pixels, cv::NORM_INF) == 0.0);

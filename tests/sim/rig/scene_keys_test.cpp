@@ -14,7 +14,7 @@ using namespace strobe;
 using namespace strobe::sim;
 
 /// Nine lines; what a test adds begins at line 10.
-const std::string kLeast =
+const std::string kSmallest =
     "[machine]\nspeed_mps = 17\nangle_deg = -23\nspin_radps = 0\n"
     "[bounce]\ne = 0.8\nmu = 0.6\ndwell_ms = 5\n\n";
 const std::string kThrow = "[machine]\nspeed_mps = 30\nangle_deg = -16\nspin_radps = 0\n";
@@ -25,7 +25,7 @@ Scene scene_of(const std::string& text) {
   return *scene;
 }
 
-std::string error_of(const std::string& text) {
+std::string refusal_of(const std::string& text) {
   const auto scene = parse_scene(text, "some.toml");
   return scene ? "" : scene.error().message;
 }
@@ -35,7 +35,7 @@ std::string error_of(const std::string& text) {
 TEST_GROUP(SceneKeys){};
 
 TEST(SceneKeys, TakeTheContactsMechanicsUnlessToldOtherwise) {
-  const Scene scene = scene_of(kLeast);
+  const Scene scene = scene_of(kSmallest);
   CHECK(scene.bounce.contact == ContactLaw::ode);
   DOUBLES_EQUAL(impact::ContactCoefficients{}.offset_share, scene.bounce.offset_share, 0.0);
   const Scene other = scene_of(kThrow +
@@ -48,37 +48,39 @@ TEST(SceneKeys, TakeTheContactsMechanicsUnlessToldOtherwise) {
   DOUBLES_EQUAL(0.03, other.bounce.offset_share_sd, 0.0);
   STRCMP_CONTAINS(
       "some.toml:9: bounce.damping_ratio: must be 0 or at least 0.01",
-      error_of(kThrow + "[bounce]\ne = 0.8\nmu = 0.6\ndwell_ms = 5\ndamping_ratio = 0.001\n").c_str());
+      refusal_of(kThrow + "[bounce]\ne = 0.8\nmu = 0.6\ndwell_ms = 5\ndamping_ratio = 0.001\n").c_str());
   STRCMP_CONTAINS(
       "some.toml:9: bounce.contact: must be one of ode, grip",
-      error_of(kThrow + "[bounce]\ne = 0.8\nmu = 0.6\ndwell_ms = 5\ncontact = \"sine\"\n").c_str());
+      refusal_of(kThrow + "[bounce]\ne = 0.8\nmu = 0.6\ndwell_ms = 5\ncontact = \"sine\"\n").c_str());
 }
 
 TEST(SceneKeys, RefuseABallThatItsWeightKeepsOnTheSurface) {
   // It comes down with 9 cm/s; in 50 ms of contact its weight adds 49.
   STRCMP_CONTAINS("some.toml:2: machine.speed_mps: the mean ball cannot bounce: ",
-                  error_of("[machine]\nspeed_mps = 1\nangle_deg = -5\nspin_radps = 0\n"
-                           "[bounce]\ne = 0.5\nmu = 0.6\ndwell_ms = 50\n")
+                  refusal_of("[machine]\nspeed_mps = 1\nangle_deg = -5\nspin_radps = 0\n"
+                             "[bounce]\ne = 0.5\nmu = 0.6\ndwell_ms = 50\n")
                       .c_str());
 }
 
 TEST(SceneKeys, GiveTheBallsInertiaByNumberOrByModel) {
-  const auto alpha = [](const std::string& ball) { return scene_of(kLeast + "[ball]\n" + ball).ball.alpha; };
+  const auto alpha = [](const std::string& ball) {
+    return scene_of(kSmallest + "[ball]\n" + ball).ball.alpha;
+  };
   DOUBLES_EQUAL(0.5, alpha("alpha = 0.5\n"), 0.0);
   DOUBLES_EQUAL(2.0 / 3.0, alpha("inertia = \"thin_shell\"\n"), 1e-15);
   DOUBLES_EQUAL(0.4, alpha("inertia = \"solid\"\n"), 1e-15);
   DOUBLES_EQUAL(0.55, alpha("inertia = \"measured\"\n"), 1e-15);
   // (2/3)·(.0284/.03255)² and 3.11e-5 kg·m² of the thick shell, whatever the mass.
   DOUBLES_EQUAL(0.5075, alpha("inertia = \"rubber_shell_mean_radius\"\nmass_kg = 0.05\n"), 1e-4);
-  const Scene thick = scene_of(kLeast + "[ball]\ninertia = \"thick_shell\"\nmass_kg = 0.0576\n");
+  const Scene thick = scene_of(kSmallest + "[ball]\ninertia = \"thick_shell\"\nmass_kg = 0.0576\n");
   DOUBLES_EQUAL(3.11e-5, thick.ball.inertia_kgm2(), 0.005e-5);
   STRCMP_EQUAL("some.toml:12: ball.alpha: excludes ball.inertia",
-               error_of(kLeast + "[ball]\ninertia = \"solid\"\nalpha = 0.4\n").c_str());
+               refusal_of(kSmallest + "[ball]\ninertia = \"solid\"\nalpha = 0.4\n").c_str());
   STRCMP_CONTAINS("some.toml:11: ball.inertia: must be one of thin_shell",
-                  error_of(kLeast + "[ball]\ninertia = \"cube\"\n").c_str());
+                  refusal_of(kSmallest + "[ball]\ninertia = \"cube\"\n").c_str());
   // The rubber's shell does not fit into a golf ball.
   STRCMP_CONTAINS("some.toml:11: ball.inertia: makes alpha",
-                  error_of(kLeast + "[ball]\ninertia = \"thick_shell\"\ndiameter_m = 0.043\n").c_str());
+                  refusal_of(kSmallest + "[ball]\ninertia = \"thick_shell\"\ndiameter_m = 0.043\n").c_str());
 }
 
 TEST(SceneKeys, GiveTheReboundByRestitutionAndDwellOrBySprings) {
@@ -97,13 +99,14 @@ TEST(SceneKeys, GiveTheReboundByRestitutionAndDwellOrBySprings) {
   DOUBLES_EQUAL(-0.8 * thrown.touchdown.vy_mps, end->rebound.lift_off.vy_mps, 1e-5);
   DOUBLES_EQUAL(0.0, scene.bounce.e_slope_spm, 0.0);
   STRCMP_CONTAINS("ball.damping_nspm: is missing",
-                  error_of(kThrow + "[bounce]\nmu = 0.6\n[ball]\nstiffness_npm = 20000\n").c_str());
+                  refusal_of(kThrow + "[bounce]\nmu = 0.6\n[ball]\nstiffness_npm = 20000\n").c_str());
   STRCMP_EQUAL("some.toml:6: bounce.e: excludes ball.stiffness_npm and ball.damping_nspm",
-               error_of(kLeast + "[ball]\nstiffness_npm = 20000\ndamping_nspm = 2\n").c_str());
+               refusal_of(kSmallest + "[ball]\nstiffness_npm = 20000\ndamping_nspm = 2\n").c_str());
   STRCMP_CONTAINS(
       "some.toml:9: ball.damping_nspm: makes the restitution",
-      error_of(kThrow + "[bounce]\nmu = 0.6\n[ball]\nstiffness_npm = 20000\ndamping_nspm = 0\n").c_str());
-  STRCMP_CONTAINS("bounce.dwell_ms: is missing", error_of(kThrow + "[bounce]\nmu = 0.6\ne = 0.8\n").c_str());
+      refusal_of(kThrow + "[bounce]\nmu = 0.6\n[ball]\nstiffness_npm = 20000\ndamping_nspm = 0\n").c_str());
+  STRCMP_CONTAINS("bounce.dwell_ms: is missing",
+                  refusal_of(kThrow + "[bounce]\nmu = 0.6\ne = 0.8\n").c_str());
 }
 
 TEST(SceneKeys, GiveTheFrictionByOneOfFourKeys) {
@@ -116,12 +119,12 @@ TEST(SceneKeys, GiveTheFrictionByOneOfFourKeys) {
   DOUBLES_EQUAL(0.73, scene_of(bounce + "pace_grade = \"slow\"\n").bounce.mu, 1e-12);
   DOUBLES_EQUAL(0.53, scene_of(bounce + "pace_grade = \"fast\"\n").bounce.mu, 1e-12);
   STRCMP_EQUAL("some.toml:11: surface.court_pace: excludes surface.friction: one of them says the friction",
-               error_of(bounce + "court_pace = 37\nfriction = 0.7\n").c_str());
+               refusal_of(bounce + "court_pace = 37\nfriction = 0.7\n").c_str());
   STRCMP_EQUAL("some.toml:11: surface.friction: excludes bounce.mu: one of them says the friction",
-               error_of(kLeast + "[surface]\nfriction = 0.7\n").c_str());
+               refusal_of(kSmallest + "[surface]\nfriction = 0.7\n").c_str());
   STRCMP_CONTAINS("some.toml:11: surface.court_pace: needs a friction of -",
-                  error_of(bounce + "court_pace = 150\n").c_str());
-  STRCMP_CONTAINS("bounce.mu: is missing", error_of(bounce).c_str());
+                  refusal_of(bounce + "court_pace = 150\n").c_str());
+  STRCMP_CONTAINS("bounce.mu: is missing", refusal_of(bounce).c_str());
 }
 
 TEST(SceneKeys, CountThePacesRestitutionAtTheTestsSpeedAndTemperature) {
@@ -136,18 +139,19 @@ TEST(SceneKeys, CountThePacesRestitutionAtTheTestsSpeedAndTemperature) {
 }
 
 TEST(SceneKeys, GiveTheTiltByOneOfTwoKeys) {
-  DOUBLES_EQUAL(
-      2.0, scene_of("surface_angle_deg = 2\n" + kLeast).surface_angle_rad * 180.0 / std::numbers::pi, 1e-12);
   DOUBLES_EQUAL(2.0,
-                scene_of(kLeast + "[surface]\ntilt_deg = 2\n").surface_angle_rad * 180.0 / std::numbers::pi,
+                scene_of("surface_angle_deg = 2\n" + kSmallest).surface_angle_rad * 180.0 / std::numbers::pi,
                 1e-12);
+  DOUBLES_EQUAL(
+      2.0, scene_of(kSmallest + "[surface]\ntilt_deg = 2\n").surface_angle_rad * 180.0 / std::numbers::pi,
+      1e-12);
   STRCMP_CONTAINS("some.toml:12: surface.tilt_deg: excludes surface_angle_deg",
-                  error_of("surface_angle_deg = 2\n" + kLeast + "[surface]\ntilt_deg = 2\n").c_str());
+                  refusal_of("surface_angle_deg = 2\n" + kSmallest + "[surface]\ntilt_deg = 2\n").c_str());
 }
 
 TEST(SceneKeys, ReadTheLensTheFlashAndTheSpinsDecay) {
   const Scene scene =
-      scene_of(kLeast +
+      scene_of(kSmallest +
                "[camera]\ndistance_m = 1.5\noff_plane_sd_mm = 8\ndistortion = -0.05\n"
                "rendering = \"pixels\"\n[lamps]\nflash_us = 30\n[air]\nspin_decay_per_m = 0.02\n");
   DOUBLES_EQUAL(1.5, scene.camera.distance_m, 0.0);
@@ -156,24 +160,24 @@ TEST(SceneKeys, ReadTheLensTheFlashAndTheSpinsDecay) {
   CHECK(scene.camera.pixels);
   DOUBLES_EQUAL(30e-6, scene.lamps.flash_s, 1e-18);
   DOUBLES_EQUAL(0.02, scene.air.spin_decay_per_m, 0.0);
-  const Scene plain = scene_of(kLeast);
+  const Scene plain = scene_of(kSmallest);
   CHECK(plain.camera.distance_m == 0.0 && plain.camera.distortion == 0.0 && !plain.camera.pixels);
 }
 
 TEST(SceneKeys, RefuseALensThatCannotBe) {
   STRCMP_CONTAINS("some.toml:11: camera.distance_m: must be at least 0.1",
-                  error_of(kLeast + "[camera]\ndistance_m = 0\n").c_str());
+                  refusal_of(kSmallest + "[camera]\ndistance_m = 0\n").c_str());
   STRCMP_CONTAINS("some.toml:11: camera.distance_m: balls may fly up to the lens",
-                  error_of(kLeast + "[camera]\ndistance_m = 0.3\noff_plane_sd_mm = 50\n").c_str());
+                  refusal_of(kSmallest + "[camera]\ndistance_m = 0.3\noff_plane_sd_mm = 50\n").c_str());
   STRCMP_CONTAINS("some.toml:11: camera.distortion: must be at least -0.3",
-                  error_of(kLeast + "[camera]\ndistortion = -0.4\n").c_str());
+                  refusal_of(kSmallest + "[camera]\ndistortion = -0.4\n").c_str());
   STRCMP_CONTAINS("some.toml:11: camera.rendering: must be one of points, pixels",
-                  error_of(kLeast + "[camera]\nrendering = \"film\"\n").c_str());
+                  refusal_of(kSmallest + "[camera]\nrendering = \"film\"\n").c_str());
 }
 
 TEST(SceneKeys, ReadWhatIsToBeReadOut) {
   const Scene scene =
-      scene_of(kLeast + "[readout]\ntolerance_percent = 0.5\nmu = 0.01\ncourt_pace = \"any\"\n");
+      scene_of(kSmallest + "[readout]\ntolerance_percent = 0.5\nmu = 0.01\ncourt_pace = \"any\"\n");
   DOUBLES_EQUAL(0.005, scene.readout.tolerance, 1e-15);
   LONGS_EQUAL(2, scene.readout.absolute.size());
   CHECK(scene.readout.absolute[0].first == reduction::Quantity::mu);
@@ -181,9 +185,9 @@ TEST(SceneKeys, ReadWhatIsToBeReadOut) {
   CHECK(scene.readout.absolute[1].first == reduction::Quantity::court_pace);
   CHECK(scene.readout.absolute[1].second < 0.0);
   STRCMP_EQUAL("some.toml:11: readout.speed: unknown key",
-               error_of(kLeast + "[readout]\nspeed = 1\n").c_str());
+               refusal_of(kSmallest + "[readout]\nspeed = 1\n").c_str());
   STRCMP_CONTAINS("some.toml:11: readout.mu: must be a tolerance or \"any\"",
-                  error_of(kLeast + "[readout]\nmu = \"all\"\n").c_str());
+                  refusal_of(kSmallest + "[readout]\nmu = \"all\"\n").c_str());
   STRCMP_CONTAINS("some.toml:11: readout.mu: must be at least",
-                  error_of(kLeast + "[readout]\nmu = 0\n").c_str());
+                  refusal_of(kSmallest + "[readout]\nmu = 0\n").c_str());
 }

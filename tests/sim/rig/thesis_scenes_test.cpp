@@ -134,7 +134,7 @@ struct Spread {
   }
 };
 
-constexpr std::uint64_t kSeed = 2024;
+constexpr std::uint64_t kThesisSeed = 2024;
 constexpr int kShots = 1000;
 
 struct Series {
@@ -147,11 +147,11 @@ const Series& series_of(const thesis::Condition& condition) {
   const auto [place, is_new] = all.try_emplace(condition.name());
   if (!is_new) return place->second;
   const Scene scene = scene_of(condition);
-  test::VirtualBench bench(scene, kSeed);
+  test::VirtualBench bench(scene, kThesisSeed);
   for (int i = 0; i < kShots; ++i) {
     const Exposure exposure = bench.shoot({.exposure = milliseconds(100), .impact_after = milliseconds(50)});
     Measured measured;
-    CHECK(measure(digitize(scene, kSeed, exposure).frame, scene.ball.diameter_m, measured));
+    CHECK(measure(digitize(scene, kThesisSeed, exposure).frame, scene.ball.diameter_m, measured));
     place->second.in.add(measured.in);
     place->second.out.add(measured.out);
   }
@@ -165,7 +165,7 @@ void check_sd(const std::string& what, const thesis::MeanSd& published, const Mo
   const double tolerance = published.sd * (4.0 / std::sqrt(2.0 * kShots) + 0.03) + rounding;
   CHECK_TEXT(std::abs(published.sd - simulated.sd()) <= tolerance,
              fmt::format("{}: published sd {}, simulated {:.3f} (seed {})", what, published.sd,
-                         simulated.sd(), kSeed)
+                         simulated.sd(), kThesisSeed)
                  .c_str());
 }
 
