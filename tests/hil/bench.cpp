@@ -49,6 +49,7 @@ Bench::Bench(const BenchOptions& options)
 Command Bench::sim_command(const BenchOptions& options) const {
   Command command;
   command.rights = options.rights;
+  command.environment = options.environment;
   command.arguments = {program("strobe-sim"),
                        "run",
                        "--scene",

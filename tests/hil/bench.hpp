@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -28,6 +29,7 @@ struct BenchOptions {
   std::vector<std::string> strobed_options;
   std::vector<std::string> sim_options;
   std::string shell;  ///< a script run instead of strobed itself, which it finds as "$@"
+  std::map<std::string, std::string> environment;  ///< of strobe-sim and strobed, added to the test's own
   testing::Rights rights = testing::Rights::as_test;
 };
 

@@ -24,17 +24,7 @@ std::uint32_t LineWatch::number(const std::string& line) const {
 }
 
 std::int64_t LineWatch::wait_for(const std::string& line, int level, std::chrono::milliseconds limit) {
-  const std::uint32_t wanted = number(line);
-  const MonoTime end{testing::monotonic_now_ns() + std::chrono::nanoseconds(limit).count()};
-  std::vector<sim::Change> changes;
-  while (testing::monotonic_now_ns() < end.ns) {
-    changes.clear();
-    chip_.wait_changes(cursor_, end, changes);
-    for (const sim::Change& change : changes) {
-      if (change.line == wanted && change.level == level) return change.time.ns;
-    }
-  }
-  return 0;
+  return wait_for_nth(line, level, 1, limit);
 }
 
 std::int64_t LineWatch::wait_for(const std::string& line, int level, testing::Process& command) {
@@ -45,6 +35,23 @@ std::int64_t LineWatch::wait_for(const std::string& line, int level, testing::Pr
   }
   return 0;
 }
+
+std::int64_t LineWatch::wait_for_nth(const std::string& line, int level, int n,
+                                     std::chrono::milliseconds limit) {
+  const std::uint32_t wanted = number(line);
+  const MonoTime end{testing::monotonic_now_ns() + std::chrono::nanoseconds(limit).count()};
+  std::vector<sim::Change> changes;
+  while (testing::monotonic_now_ns() < end.ns) {
+    changes.clear();
+    chip_.wait_changes(cursor_, end, changes);
+    for (const sim::Change& change : changes) {
+      if (change.line == wanted && change.level == level && --n == 0) return change.time.ns;
+    }
+  }
+  return 0;
+}
+
+void LineWatch::unplug() { chip_.unplug(); }
 
 void LineWatch::drive(const std::string& line, int level) {
   chip_.drive(number(line), level, MonoTime{testing::monotonic_now_ns()});

@@ -19,11 +19,17 @@ class LineWatch {
   /// Waits for a line to reach a level; the instant of the change, or 0 when the limit passed.
   std::int64_t wait_for(const std::string& line, int level, std::chrono::milliseconds limit);
 
-  /// The same while a command runs; 0 at once when the command has ended without it.
+  /// The instant of the n-th change (from 1) of a line to a level, from now on; 0 when the limit passed.
+  std::int64_t wait_for_nth(const std::string& line, int level, int n, std::chrono::milliseconds limit);
+
+  /// The same as wait_for() while a command runs; 0 at once when the command has ended without it.
   std::int64_t wait_for(const std::string& line, int level, testing::Process& command);
 
   /// Drives an input with a stamp of now.
   void drive(const std::string& line, int level);
+
+  /// As if somebody pulled the chip's cable.
+  void unplug();
 
   sim::LineState state(const std::string& line) const;
 
