@@ -25,12 +25,12 @@ constexpr std::array<Label, 6> kLabels{{{histogram_t::LATENESS, "lateness"},
                                         {histogram_t::LAMP_DELAY_A, "lamp delay A"},
                                         {histogram_t::LAMP_DELAY_B, "lamp delay B"},
                                         {histogram_t::PERIOD_ERROR, "period error"}}};
-constexpr std::size_t kNameWidth = 13;
-constexpr std::size_t kNumberWidth = 9;
+constexpr std::size_t kQuantityWidth = 13;
+constexpr std::size_t kFigureWidth = 9;
 
 std::string number(double us) {
-  if (!std::isfinite(us)) return right("-", kNumberWidth);
-  return right(std::abs(us) < 1000.0 ? fmt::format("{:.2f}", us) : fmt::format("{:.0f}", us), kNumberWidth);
+  if (!std::isfinite(us)) return right("-", kFigureWidth);
+  return right(std::abs(us) < 1000.0 ? fmt::format("{:.2f}", us) : fmt::format("{:.0f}", us), kFigureWidth);
 }
 
 /// Heights by the logarithm: the single late flash among ten thousand must be seen.
@@ -47,10 +47,10 @@ std::string bars(const histogram_t& histogram) {
 }
 
 std::string line_of(std::string_view words, const histogram_t& h) {
-  std::string line = left(words, kNameWidth);
+  std::string line = left(words, kQuantityWidth);
   for (const double us : {h.mean_us, h.sd_us, h.min_us, h.p50_us, h.p99_us, h.p999_us, h.max_us})
     line += number(us);
-  line += right(std::to_string(h.count), kNumberWidth);
+  line += right(std::to_string(h.count), kFigureWidth);
   if (h.bins.empty()) return line;
   return line + fmt::format("  {:.6g} [{}] {:.6g}", h.bin_first_us, bars(h),
                             h.bin_first_us + h.bin_width_us * static_cast<double>(h.bins.size()));
@@ -72,9 +72,9 @@ std::vector<std::string> render_timing(const status_t& status) {
       lines.push_back(line_of(label.words, *histogram));
   }
   if (lines.empty()) return lines;
-  std::string header = left("timing, us", kNameWidth);
+  std::string header = left("timing, us", kQuantityWidth);
   for (const std::string_view name : {"mean", "sd", "min", "p50", "p99", "p99.9", "max", "n"})
-    header += right(name, kNumberWidth);
+    header += right(name, kFigureWidth);
   lines.insert(lines.begin(), header);
   return lines;
 }

@@ -17,7 +17,7 @@ using namespace strobe;
 using namespace strobe::sim;
 using reduction::Quantity;
 
-constexpr std::uint64_t kSeed = 5;
+constexpr std::uint64_t kEstimatorsSeed = 5;
 
 /// 17 m/s with every spread that the thesis's machine had; the contact's law is the ODE.
 Scene scene_at(double angle_deg, double spin_radps) {
@@ -64,7 +64,7 @@ TEST(EstimatorsOfTheOde, TheBestOneFindsTheBallWithinItsStatedCovariance) {
   double n = 0.0;
   for (const double angle_deg : {-17.0, -35.0, -60.0}) {
     for (const double spin : {-150.0, 0.0, 165.0}) {
-      auto shooter = Shooter::make(scene_at(angle_deg, spin), kSeed);
+      auto shooter = Shooter::make(scene_at(angle_deg, spin), kEstimatorsSeed);
       for (int number = 1; number <= 40; ++number) {
         const SimulatedShot shot = shooter->shoot(number);
         const auto readout = reduction::reduce(shot.frame, reduction::Estimator::best,
@@ -84,7 +84,7 @@ TEST(EstimatorsOfTheOde, TheBestOneFindsTheBallWithinItsStatedCovariance) {
 // Where the friction was and how the ball gripped never enters: a contact of another law with the same
 // lift-off would read the same. Seen by changing nothing but the contact images.
 TEST(EstimatorsOfTheOde, ContactImagesDoNotMoveIt) {
-  auto shooter = Shooter::make(scene_at(-23.0, 0.0), kSeed);
+  auto shooter = Shooter::make(scene_at(-23.0, 0.0), kEstimatorsSeed);
   for (int number = 1; number <= 20; ++number) {
     reduction::Frame frame = shooter->shoot(number).frame;
     const auto with = reduction::reduce(frame, reduction::Estimator::best);
@@ -104,7 +104,7 @@ TEST(EstimatorsOfTheOde, TheTwoPointOneErrsByGravityAsItShould) {
   Scene scene = scene_at(-23.0, 0.0);
   scene.air.density_kgpm3 = scene.air.spin_decay_per_m = 0.0;
   scene.lamps.jitter_s = scene.sensors.jitter_s = 0.0;
-  auto shooter = Shooter::make(scene, kSeed, Model::full(), {.perfect_digitizer = true});
+  auto shooter = Shooter::make(scene, kEstimatorsSeed, Model::full(), {.perfect_digitizer = true});
   for (int number = 1; number <= 20; ++number) {
     const SimulatedShot shot = shooter->shoot(number);
     const auto readout = reduction::reduce(shot.frame, reduction::Estimator::two_point);
@@ -136,8 +136,8 @@ TEST(EstimatorsOfTheOde, AMirroredPhotographReadsTheSame) {
   Scene scene = scene_at(-35.0, 165.0);
   Scene mirrored = scene;
   mirrored.camera.mirrored = true;
-  auto one = Shooter::make(scene, kSeed, Model::full(), {.perfect_digitizer = true});
-  auto other = Shooter::make(mirrored, kSeed, Model::full(), {.perfect_digitizer = true});
+  auto one = Shooter::make(scene, kEstimatorsSeed, Model::full(), {.perfect_digitizer = true});
+  auto other = Shooter::make(mirrored, kEstimatorsSeed, Model::full(), {.perfect_digitizer = true});
   for (int number = 1; number <= 20; ++number) {
     const auto a = reduction::reduce(one->shoot(number).frame, reduction::Estimator::best);
     const auto b = reduction::reduce(other->shoot(number).frame, reduction::Estimator::best);
