@@ -58,6 +58,10 @@ Result<void> read_times(const DigitizeOptions& options, Given& given) {
   }
   std::optional<double> period_s;
   if (given.has_rig) period_s = given.rig.plan.period_us * 1e-6;
+  if (given.has_rig && !options.period_ms && given.rig.plan.coded()) {
+    given.flash_times_s = {coded_flashes(given.rig.plan)};
+    return {};
+  }
   if (options.period_ms) period_s = *options.period_ms * 1e-3;
   if (!period_s) return {};
   given.even = true;

@@ -54,6 +54,12 @@ Result<std::vector<std::vector<double>>> parse_flash_times(const std::string& te
   return all;
 }
 
+std::vector<double> coded_flashes(const ShotPlan& plan) {
+  std::vector<double> times_s;
+  for (const CodedFlash& flash : train_code(plan)) times_s.push_back(flash.offset_us * 1e-6);
+  return times_s;
+}
+
 std::vector<double> even_flashes(double period_s) {
   constexpr int kFlashes = 166;  // half a second of 20,000 a minute
   std::vector<double> times_s;

@@ -1,7 +1,9 @@
 // Trains of unequal intervals, with flashes left out and flashes of one lamp, from the plan to the record.
-#include <cstdlib>
-#include <set>
+#include <rapidcheck.h>
+
+#include <array>
 #include <string>
+#include <vector>
 
 #include "tests/support/sequencer_bench.hpp"
 // CppUTest redefines new; its headers come last.
@@ -255,6 +257,104 @@ TEST(CodedTrain, OfTheGateStartsWhenTheGateSaysSo) {
   CHECK(bench.shot().flashes[4].commanded == ball + some_code()[4].offset);
   CHECK(bench.shot().flashes[5].lamps == Lamps::b);
   CHECK_FALSE(bench.shot().flashes[5].observed_a.known());
+}
+
+namespace {
+
+struct Step {
+  int gap_us;
+  int lamps;
+};
+
+rc::Gen<std::vector<Step>> steps() {
+  return rc::gen::container<std::vector<Step>>(rc::gen::build<Step>(
+      rc::gen::set(&Step::gap_us, rc::gen::weightedElement<int>(
+                                      {{1, 395}, {2, 401}, {2, 700}, {4, 760}, {4, 1500}, {6, 3000}})),
+      rc::gen::set(&Step::lamps, rc::gen::inRange(1, 4))));
+}
+
+/// Flashes of a lamp (1 or 2; 3: of either) that come too soon after one before, by comparing every two.
+bool any_too_soon(const TrainCode& code, int lamps, Duration least) {
+  for (std::size_t i = 0; i < code.size(); ++i) {
+    for (std::size_t k = 0; k < i; ++k) {
+      const int shared = static_cast<int>(code[i].lamps) & static_cast<int>(code[k].lamps) & lamps;
+      if ((shared != 0 || lamps == 3) && code[i].offset - code[k].offset < least) return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace
+
+TEST(CodedTrain, IsGrantedExactlyWhereTheLampsAndTheLoopCanFollow) {
+  const bool holds = rc::check("granted where two flashes are far enough apart", [] {
+    const Rig rig = bench_rig();
+    PlanRequest request = rig.plan;
+    Duration at{};
+    for (const Step& step : *steps()) {
+      request.code.push_back({at, static_cast<Lamps>(step.lamps)});
+      at = at + microseconds(step.gap_us);
+    }
+    const bool too_soon = any_too_soon(request.code, 1, rig.lamps.min_period) ||
+                          any_too_soon(request.code, 2, rig.lamps.min_period) ||
+                          any_too_soon(request.code, 3, least_interval(rig) + nanoseconds(1));
+    RC_ASSERT(refusal(request, rig).empty() != too_soon);
+    RC_CLASSIFY(!too_soon, "granted");
+  });
+  CHECK_TRUE(holds);
+}
+
+TEST(CodedTrain, KeepsEveryLampsLimitsThroughFreezes) {
+  const bool holds = rc::check("each lamp recharges, no pulse is too long, no burst catches up", [] {
+    Rig config = bench_rig();
+    config.plan.exposure = milliseconds(100);
+    config.plan.impact_at = milliseconds(50);
+    std::array<Duration, 2> ready{};
+    Duration at{};
+    for (const Step& step : *steps()) {  // made fit: each flash as soon as its lamps and the loop allow
+      const auto lamps = static_cast<Lamps>(step.lamps);
+      if (has_a(lamps)) at = std::max(at, ready[0]);
+      if (has_b(lamps)) at = std::max(at, ready[1]);
+      if (at >= config.plan.exposure) break;
+      config.plan.code.push_back({at, lamps});
+      if (has_a(lamps)) ready[0] = at + config.lamps.min_period;
+      if (has_b(lamps)) ready[1] = at + config.lamps.min_period;
+      at = at + microseconds(std::max(401, step.gap_us));
+    }
+    if (config.plan.code.empty()) config.plan.code.push_back({Duration{}, Lamps::both});
+    RC_ASSERT(refusal(config.plan, config) == "");
+    SequencerBench bench(config);
+    bench.start();
+    const MonoTime start = bench.fire();
+    const auto freezes = *rc::gen::inRange(0, 3);
+    for (int i = 0; i < freezes; ++i) {
+      bench.rig.freeze(start + milliseconds(260) + microseconds(*rc::gen::inRange(0, 100'000)),
+                       microseconds(*rc::gen::inRange(1, 2'500)));
+    }
+    bench.play();
+    RC_ASSERT(bench.rig.all_inactive());
+    const Duration late = config.tolerance.late;
+    std::array<MonoTime, 2> last{MonoTime::never(), MonoTime::never()};
+    for (const auto& set : bench.rig.sets) {
+      if (set.output != Output::strobes || !set.active) continue;
+      for (const std::size_t lamp : {0u, 1u}) {
+        if (!last[lamp].known()) continue;
+        const bool flashes = lamp == 0 ? has_a(set.lamps) : has_b(set.lamps);
+        RC_ASSERT(set.time - last[lamp] >=
+                  (flashes ? config.lamps.min_period : least_interval(config)) - late);
+      }
+      if (has_a(set.lamps)) last[0] = set.time;
+      if (has_b(set.lamps)) last[1] = set.time;
+    }
+    for (const FlashRecord& flash : bench.shot().flashes) {
+      RC_ASSERT(flash.issue_start.known() || !bench.shot().abort_reason.empty());
+      if (flash.issue_start.known())
+        RC_ASSERT(flash.issue_start - flash.commanded <= config.tolerance.abort_late);
+    }
+    RC_CLASSIFY(bench.shot().abort_reason.empty(), "whole");
+    RC_CLASSIFY(!bench.shot().abort_reason.empty(), "aborted");
+  });
+  CHECK_TRUE(holds);
 }
 
 TEST_GROUP(ShutterContact) {

@@ -25,6 +25,16 @@ TEST(DigitizeTimes, AreArraysOrObjectsOneALine) {
   LONGS_EQUAL(3, times[1].size());
 }
 
+TEST(DigitizeTimes, OfACodedPlanAreThoseOfItsFlashes) {
+  const auto plan =
+      read_plan("intervals_us = [3000, 3400]\nshutter_open_ms = 10\nomit = [1]\n", "p.toml", {});
+  const auto times = coded_flashes(*plan);
+  LONGS_EQUAL(3, times.size());
+  DOUBLES_EQUAL(0.0, times[0], 0.0);
+  DOUBLES_EQUAL(0.0064, times[1], 1e-12);
+  DOUBLES_EQUAL(0.0094, times[2], 1e-12);
+}
+
 TEST(DigitizeTimes, LeaveOutFlashesThatNoSensorSaw) {
   const auto times = parse_flash_times("[null, 0.003, null, 0.009]", "t.json").value();
   LONGS_EQUAL(2, times[0].size());
