@@ -53,6 +53,7 @@ class FireRun {
     follower_.model().thesis = order_.condition;
     follower_.on_outcome = [this](const Outcome& outcome) { done(outcome); };
     follower_.on_event = [this](const strobe_msgs::event_t& event) { campaign_.on_event(event); };
+    follower_.on_shot = [this](const strobe_msgs::shot_t& shot) { keep_flashes(shot); };
     follower_.on_notice = [this](const std::string& text) { terminal_->notice(text); };
     terminal.notice(fmt::format("session {}, rig {} on {}", order_.session, order_.rig.rig, order_.url));
     for (const std::string& text : photographs_.opening_words()) follower_.notice(text);
@@ -94,6 +95,10 @@ class FireRun {
     terminal_->outcome(outcome);
   }
 
+  void keep_flashes(const strobe_msgs::shot_t& shot) {
+    if (auto added = folder_->add(shot); !added) follower_.notice(added.error().message);
+  }
+
   void log_readout(const strobe_msgs::readout_t& message, std::int64_t wall_us) {
     const std::string bytes = encoded(message);
     folder_->log(messages::channel_name(order_.rig.rig, messages::Channel::readout), bytes.data(),
@@ -125,6 +130,7 @@ class FireRun {
     take_photographs(false);
     now_ns_ = steady_now_ns();
     follower_.time(now_ns_);
+    follower_.local_clocks(machine_clocks());
     for (const SequenceRange& range : follower_.session().ledger().due(now_ns_))
       link_->publish(maker_.resend(range));
     return true;

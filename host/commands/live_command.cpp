@@ -2,6 +2,7 @@
 #include <CLI/CLI.hpp>
 
 #include <memory>
+#include <optional>
 
 #include "host/commands/command.hpp"
 #include "host/commands/terminal.hpp"
@@ -10,9 +11,13 @@
 #include "host/session/follower.hpp"
 #include "host/session/intake.hpp"
 #include "host/session/link.hpp"
+#include "host/view/timing.hpp"
 
 namespace strobe::host {
 namespace {
+
+// A firmware that is there would have been heard by then.
+constexpr std::int64_t kSilent_ns = 2'000'000'000;
 
 struct LiveOptions {
   std::string rig_path;
@@ -20,6 +25,7 @@ struct LiveOptions {
   PhotographOptions photographs;
   bool json = false;
   bool plain = false;
+  bool timing = false;
   int shots = 0;
   double idle_exit_s = 0.0;
 };
@@ -28,6 +34,29 @@ Terminal::Style style_of(const LiveOptions& options) {
   if (options.json) return Terminal::Style::json;
   return options.plain ? Terminal::Style::plain : Terminal::Style::screen;
 }
+
+/// After each shot, once the firmware has told of it: its next heartbeat counts the shot's flashes.
+class TimingReport {
+ public:
+  void shot_done(int shot_id, std::int64_t heard_ns) {
+    after_shot_ = shot_id;
+    heard_ns_ = heard_ns;
+  }
+  bool due() const { return after_shot_.has_value(); }
+  void print_when_told(Follower& follower, const Model& model, bool json) {
+    if (!due() || !model.status || follower.session().status_heard_ns() <= heard_ns_) return;
+    if (json) {
+      print({timing_json(*model.status, model.clock, *after_shot_)});
+    } else {
+      print(render_timing(*model.status));
+    }
+    after_shot_.reset();
+  }
+
+ private:
+  std::optional<int> after_shot_;
+  std::int64_t heard_ns_ = 0;  ///< the newest heartbeat when the shot was done with
+};
 
 int run_live(const LiveOptions& options) {
   const auto rig = load_rig(options.rig_path);
@@ -48,8 +77,10 @@ int run_live(const LiveOptions& options) {
   catch_signals();
   Terminal terminal(style_of(options));
   terminal.notice(fmt::format("listening to rig {} on {}", rig->rig, url));
+  TimingReport timing;
   follower.on_outcome = [&](const Outcome& outcome) {
     if (options.shots == 0 || follower.outcomes() <= options.shots) terminal.outcome(outcome);
+    if (options.timing) timing.shot_done(outcome.shot_id, follower.session().status_heard_ns());
   };
   follower.on_notice = [&](const std::string& text) { terminal.notice(text); };
   for (const std::string& text : photographs.opening_words()) follower.notice(text);
@@ -65,12 +96,17 @@ int run_live(const LiveOptions& options) {
     for (const std::string& text : photographs.take_notices()) follower.notice(text);
     const std::int64_t now_ns = steady_now_ns();
     follower.time(now_ns);
-    terminal.show(follower.shown(now_ns), now_ns);
+    follower.local_clocks(machine_clocks());
+    const Model& shown = follower.shown(now_ns);
+    terminal.show(shown, now_ns);
+    if (!terminal.owns_screen()) timing.print_when_told(follower, shown, options.json);
     if (const std::int64_t missing = follower.model().events_missing; missing > missing_said) {
       missing_said = missing;
       terminal.notice(fmt::format("{} events did not arrive here", missing));
     }
-    if (options.shots > 0 && follower.outcomes() >= options.shots) break;
+    const bool silent = now_ns - follower.session().status_heard_ns() > kSilent_ns;
+    const bool told = !timing.due() || terminal.owns_screen() || silent;
+    if (options.shots > 0 && follower.outcomes() >= options.shots && told) break;
     if (idle_ns > 0 && now_ns - last_message_ns > idle_ns) break;
   }
   terminal.close();
@@ -92,6 +128,10 @@ void add_live_command(CLI::App& app, int& exit_status) {
   command->add_flag("--json", options->json,
                     "one JSON object per readout on standard output, nothing else there");
   command->add_flag("--plain", options->plain, "lines of text instead of a screen");
+  command->add_flag(
+      "--timing", options->timing,
+      "after each shot also how all flashes since the firmware's start were timed, and its clock; "
+      "with --json one more object (on a screen they are always shown)");
   command->add_option("--shots", options->shots, "end after this many shots (default 0: never)")
       ->check(CLI::Range(0, 1000000));
   command

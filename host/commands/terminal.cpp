@@ -26,6 +26,9 @@ std::int64_t now_ns(clockid_t clock) {
 }  // namespace
 
 std::int64_t steady_now_ns() { return now_ns(CLOCK_MONOTONIC); }
+MachineClocks machine_clocks() {
+  return {now_ns(CLOCK_MONOTONIC), now_ns(CLOCK_REALTIME), now_ns(CLOCK_BOOTTIME)};
+}
 std::int64_t wall_now_us() { return now_ns(CLOCK_REALTIME) / 1000; }
 
 std::int64_t random_host_id() {

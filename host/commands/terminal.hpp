@@ -14,6 +14,8 @@ namespace strobe::host {
 
 std::int64_t steady_now_ns();
 std::int64_t wall_now_us();
+/// All three clocks, read one after the other.
+MachineClocks machine_clocks();
 /// Random, positive.
 std::int64_t random_host_id();
 

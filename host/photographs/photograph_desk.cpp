@@ -33,7 +33,7 @@ PhotographDesk::PhotographDesk(MessageSink& next, std::unique_ptr<CameraFolder> 
       reader_(std::move(measure), settings_.patience_s) {}
 
 void PhotographDesk::status(const strobe_msgs::status_t& message, std::int64_t now_ns) {
-  match_.on_clock(message.mono_ns, now_ns);
+  match_.on_heartbeat(message.boot_id, {message.mono_ns, message.wall_ns, message.boot_time_ns}, now_ns);
   next_.status(message, now_ns);
 }
 

@@ -10,7 +10,8 @@ namespace {
 using strobe_msgs::shot_t;
 
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
-// The firmware's clock is known here but for the time that a message takes.
+// The firmware's clock is known here but for the time that a message takes, and to far less than that later
+// on.
 constexpr std::int64_t kClockDoubt_ns = kSecond_ns / 10;
 // Some file systems keep times to two seconds.
 constexpr std::int64_t kFileTimeDoubt_ns = 2 * kSecond_ns;
@@ -21,11 +22,6 @@ constexpr std::int64_t kForgotten_ns = 60 * kSecond_ns;
 constexpr std::size_t kMostExposures = 200;
 
 }  // namespace
-
-void PhotographMatch::on_clock(std::int64_t device_ns, std::int64_t local_ns) {
-  const std::int64_t offset = local_ns - device_ns;
-  if (!offset_ns_ || offset < *offset_ns_) offset_ns_ = offset;
-}
 
 void PhotographMatch::on_shot(const shot_t& shot) {
   const ShotKey key{shot.boot_id, shot.shot_id};

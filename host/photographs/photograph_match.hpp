@@ -11,6 +11,8 @@
 #include <utility>
 #include <vector>
 
+#include "host/clock/device_clock.hpp"
+
 namespace strobe::host {
 
 /// Boot id and shot id.
@@ -30,8 +32,11 @@ class PhotographMatch {
  public:
   explicit PhotographMatch(double timeout_s) : timeout_ns_(static_cast<std::int64_t>(timeout_s * 1e9)) {}
 
-  /// A message from the firmware that was sent at device_ns has been heard at local_ns.
-  void on_clock(std::int64_t device_ns, std::int64_t local_ns);
+  /// A heartbeat of the firmware, sent at the instants of its clocks, has been heard at local_ns.
+  void on_heartbeat(std::int64_t boot_id, const MachineClocks& device, std::int64_t local_ns) {
+    clock_.on_heartbeat(boot_id, device, local_ns);
+    clock_.take_notices();  // told by the session
+  }
   /// A shot whose shutter has opened; dry ones have photographs, too. Known shots change nothing.
   void on_shot(const strobe_msgs::shot_t& shot);
   /// Somebody has measured its photograph: it need not be measured here.
@@ -65,7 +70,7 @@ class PhotographMatch {
     std::size_t count() const { return waiting.size() + given_up.size(); }
   };
 
-  std::int64_t local(std::int64_t device_ns) const { return device_ns + offset_ns_.value_or(0); }
+  std::int64_t local(std::int64_t device_ns) const { return clock_.local_ns(device_ns).value_or(device_ns); }
   Candidates candidates(const Held& held, std::int64_t now_ns) const;
   std::optional<PhotographDecision> decide_first(std::int64_t now_ns);
   std::optional<PhotographDecision> choose(const Candidates& candidates, std::int64_t now_ns);
@@ -75,10 +80,10 @@ class PhotographMatch {
   std::int64_t own_due_ns(const Exposure& exposure) const;
 
   std::int64_t timeout_ns_;
-  std::optional<std::int64_t> offset_ns_;  ///< local - device, at its least: messages only come late
-  std::optional<std::int64_t> usual_ns_;   ///< longest from closing to arrival so far
-  std::vector<Exposure> exposures_;        ///< in order of their closing
-  std::vector<Held> held_;                 ///< in order of arrival
+  DeviceClock clock_;
+  std::optional<std::int64_t> usual_ns_;  ///< longest from closing to arrival so far
+  std::vector<Exposure> exposures_;       ///< in order of their closing
+  std::vector<Held> held_;                ///< in order of arrival
 };
 
 }  // namespace strobe::host

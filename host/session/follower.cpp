@@ -21,6 +21,7 @@ void Follower::event(const strobe_msgs::event_t& message, std::int64_t now_ns) {
 
 void Follower::shot(const strobe_msgs::shot_t& message, std::int64_t now_ns) {
   session_.on_shot(message, now_ns);
+  if (on_shot) on_shot(message);
   hand_on();
 }
 
@@ -32,6 +33,11 @@ void Follower::frame(const strobe_msgs::frame_t& message, std::int64_t now_ns) {
 void Follower::time(std::int64_t now_ns) {
   session_.on_time(now_ns);
   hand_on();
+}
+
+void Follower::local_clocks(const MachineClocks& clocks) {
+  session_.clock().on_local(clocks);
+  for (const std::string& text : session_.clock().take_notices()) notice(text);
 }
 
 void Follower::end() {
@@ -63,6 +69,7 @@ std::optional<strobe_msgs::status_t> Follower::heard(std::int64_t now_ns) const 
 const Model& Follower::shown(std::int64_t now_ns) {
   model_.status = session_.status();
   model_.status_age_s = static_cast<double>(now_ns - session_.status_heard_ns()) * 1e-9;
+  model_.clock = session_.clock().state();
   model_.events_missing = session_.ledger().missing();
   return model_;
 }

@@ -24,12 +24,16 @@ class Follower : public MessageSink {
   void shot(const strobe_msgs::shot_t& message, std::int64_t now_ns) override;
   void frame(const strobe_msgs::frame_t& message, std::int64_t now_ns) override;
   void time(std::int64_t now_ns);
+  /// This machine's clocks, now and then: notices that its wall clock was set, or that it was suspended.
+  void local_clocks(const MachineClocks& clocks);
   void end();
 
   /// Called for each shot that is done, after it has entered the series.
   std::function<void(const Outcome&)> on_outcome;
   /// Called for each new event, after the session has it.
   std::function<void(const strobe_msgs::event_t&)> on_event;
+  /// Called for each shot's summary, as often as it comes.
+  std::function<void(const strobe_msgs::shot_t&)> on_shot;
   /// Called for each line that a person should read.
   std::function<void(const std::string&)> on_notice;
 

@@ -1,14 +1,6 @@
 #include "host/session/results_csv.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
-#include <cerrno>
-#include <cstring>
-#include <fstream>
-#include <utility>
 
 #include "host/config/notes.hpp"
 
@@ -62,13 +54,6 @@ void add_notes(std::string& line, reduction::Record record) {
   line += fmt::format(",{}", csv_field(others));
 }
 
-Error errno_error(const std::filesystem::path& path) { return {path.string() + ": " + std::strerror(errno)}; }
-
-bool write_all(int fd, const std::string& text) {
-  const ssize_t written = ::write(fd, text.data(), text.size());
-  return written == static_cast<ssize_t>(text.size());
-}
-
 }  // namespace
 
 std::string results_header() {
@@ -93,44 +78,6 @@ std::string results_line(const Outcome& outcome, const std::string& utc) {
                   readout.court_pace_conforming, readout.method, readout.mirrored, flag_names(readout.flags));
   add_notes(line, readout.record);
   return line;
-}
-
-Result<ResultsCsv> ResultsCsv::open(const std::filesystem::path& path) {
-  const std::string header = results_header();
-  std::string first;
-  {
-    std::ifstream existing(path);
-    if (existing) std::getline(existing, first);
-  }
-  if (!first.empty() && first != header) {
-    return fail(path.string() + ":1: another version's columns; use another session folder");
-  }
-  const int fd = ::open(path.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
-  if (fd < 0) return tl::unexpected(errno_error(path));
-  ResultsCsv csv(path, fd);
-  if (first.empty()) {
-    if (!write_all(fd, header + "\n")) return tl::unexpected(errno_error(path));
-    return csv;
-  }
-  char last = '\n';
-  struct stat status {};
-  if (::fstat(fd, &status) == 0 && status.st_size > 0 && ::pread(fd, &last, 1, status.st_size - 1) == 1 &&
-      last != '\n') {
-    if (!write_all(fd, "\n")) return tl::unexpected(errno_error(path));
-  }
-  return csv;
-}
-
-ResultsCsv::ResultsCsv(ResultsCsv&& other) noexcept
-    : path_(std::move(other.path_)), fd_(std::exchange(other.fd_, -1)) {}
-
-ResultsCsv::~ResultsCsv() {
-  if (fd_ >= 0) ::close(fd_);
-}
-
-Result<void> ResultsCsv::append(const std::string& line) {
-  if (!write_all(fd_, line + "\n")) return tl::unexpected(errno_error(path_));
-  return {};
 }
 
 }  // namespace strobe::host

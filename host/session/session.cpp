@@ -59,6 +59,8 @@ void Session::on_status(const strobe_msgs::status_t& status, std::int64_t now_ns
     notice(fmt::format("the firmware was started anew (boot {:x})", status.boot_id));
   }
   forgive_silence(status.mono_ns);
+  clock_.on_heartbeat(status.boot_id, {status.mono_ns, status.wall_ns, status.boot_time_ns}, now_ns);
+  for (std::string& text : clock_.take_notices()) notice(std::move(text));
   status_ = status;
   status_heard_ns_ = now_ns;
   device_now_ns_ = std::max(device_now_ns_, status.mono_ns);
@@ -197,11 +199,18 @@ void Session::push(Outcome outcome, const shot_t& shot) {
   outcomes_.push_back(std::move(outcome));
 }
 
+/// What the shot itself does not tell. The clock is judged by the firmware's own clocks alone, so that a log
+/// gives the same flags wherever it is played.
+void Session::add_flags(const shot_t& shot, reduction::FlagSet& flags) const {
+  if (!whole(shot)) flags.set(Flag::events_missing);
+  if (clock_.slept_within(shot.start_ns, end_of(shot, shot.start_ns))) flags.set(Flag::clock_suspect);
+}
+
 void Session::finish(const shot_t& shot, const frame_t& frame) {
   done_[{shot.boot_id, shot.shot_id}] = {hash_of(frame), false};
   ShotReadout result = shot_readout(shot, frame, settings_);
   Outcome outcome;
-  if (!whole(shot)) result.readout.flags.set(Flag::events_missing);
+  add_flags(shot, result.readout.flags);
   outcome.spoilt = spoilt_by(result.readout);
   outcome.readout = std::move(result.readout);
   outcome.problem = std::move(result.problem);
@@ -213,7 +222,7 @@ void Session::finish_without_photograph(const shot_t& shot, Flag why, std::strin
   done_[{shot.boot_id, shot.shot_id}] = {std::nullopt, why == Flag::no_photograph};
   reduction::FlagSet flags = shot_flags(shot);
   flags.set(why);
-  if (!whole(shot)) flags.set(Flag::events_missing);
+  add_flags(shot, flags);
   Outcome outcome;
   outcome.readout = empty_readout(shot, flags);
   outcome.spoilt = spoilt_by(outcome.readout);

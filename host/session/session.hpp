@@ -22,6 +22,7 @@
 #include <vector>
 
 #include "host/assembly/assemble.hpp"
+#include "host/clock/device_clock.hpp"
 #include "host/session/event_ledger.hpp"
 #include "host/session/series_table.hpp"
 #include "host/session/train_report.hpp"
@@ -64,6 +65,7 @@ class Session {
   /// When the newest status arrived, on the caller's clock.
   std::int64_t status_heard_ns() const { return status_heard_ns_; }
   std::size_t waiting_for_photograph() const;
+  DeviceClock& clock() { return clock_; }
 
  private:
   using Key = std::pair<std::int64_t, std::int32_t>;  ///< boot, shot
@@ -97,6 +99,7 @@ class Session {
   void finish_what_is_whole();
   void finish_what_was_cut_off();
   bool whole(const strobe_msgs::shot_t& shot) const;
+  void add_flags(const strobe_msgs::shot_t& shot, reduction::FlagSet& flags) const;
   bool own(const strobe_msgs::shot_t& shot) const { return host_id_ != 0 && shot.host_id == host_id_; }
   std::int64_t host_of(const Key& key, const Open& open) const;
   void forgive_silence(std::int64_t mono_ns);
@@ -115,6 +118,7 @@ class Session {
   std::int64_t host_id_;
   EventLedger ledger_;
   std::optional<strobe_msgs::status_t> status_;
+  DeviceClock clock_;
   std::int64_t status_heard_ns_ = 0;
   std::int64_t device_now_ns_ = strobe_msgs::shot_t::NO_TIME;
   std::map<Key, Waiting> waiting_;

@@ -70,9 +70,12 @@ Result<std::unique_ptr<SessionFolder>> SessionFolder::open(const fs::path& folde
   for (const auto& [name, text] : {std::pair{"rig", rig_text}, std::pair{"plan", plan_text}}) {
     if (auto kept = keep(folder, name, text, utc); !kept) return tl::unexpected(kept.error());
   }
-  auto results = ResultsCsv::open(folder / "results.csv");
+  auto results = CsvFile::open(folder / "results.csv", results_header());
   if (!results) return tl::unexpected(results.error());
-  result->results_ = std::make_unique<ResultsCsv>(std::move(*results));
+  result->results_ = std::make_unique<CsvFile>(std::move(*results));
+  auto flashes = FlashesCsv::open(folder / "flashes.csv");
+  if (!flashes) return tl::unexpected(flashes.error());
+  result->flashes_ = std::make_unique<FlashesCsv>(std::move(*flashes));
   result->log_ = std::make_unique<lcm::LogFile>(result->log_path_.string(), "w");
   if (!result->log_->good()) return fail(result->log_path_.string() + ": cannot be written");
   return result;
@@ -93,6 +96,8 @@ void SessionFolder::log(const std::string& channel, const void* data, std::size_
 Result<void> SessionFolder::add(const Outcome& outcome, const std::string& utc) {
   return results_->append(results_line(outcome, utc));
 }
+
+Result<void> SessionFolder::add(const strobe_msgs::shot_t& shot) { return flashes_->add(shot); }
 
 void SessionFolder::recall(EventLedger& ledger, const std::string& rig) const {
   const std::string channel = messages::channel_name(rig, messages::Channel::event);

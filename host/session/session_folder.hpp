@@ -1,5 +1,5 @@
 // What a host keeps of a session: DIR/host-<UTC>.lcmlog (every message received, its own readouts),
-// results.csv, and the rig and plan files as used. Writes files; one thread's.
+// results.csv, flashes.csv, and the rig and plan files as used. Writes files; one thread's.
 #pragma once
 
 #include <filesystem>
@@ -10,7 +10,9 @@
 #include <strobe_msgs/readout_t.hpp>
 
 #include "common/result.hpp"
+#include "host/session/csv_file.hpp"
 #include "host/session/event_ledger.hpp"
+#include "host/session/flashes_csv.hpp"
 #include "host/session/results_csv.hpp"
 #include "host/session/session.hpp"
 
@@ -29,6 +31,8 @@ class SessionFolder {
   void log(const std::string& channel, const void* data, std::size_t size, std::int64_t wall_us);
   /// Appends a line to results.csv.
   Result<void> add(const Outcome& outcome, const std::string& utc);
+  /// Appends a shot's flashes to flashes.csv, once.
+  Result<void> add(const strobe_msgs::shot_t& shot);
 
   /// Enters the events in this folder's earlier host logs, so that they are not asked for again.
   void recall(EventLedger& ledger, const std::string& rig) const;
@@ -42,7 +46,8 @@ class SessionFolder {
   std::filesystem::path folder_, log_path_;
   std::unique_ptr<lcm::LogFile> log_;
   std::int64_t event_number_ = 0;
-  std::unique_ptr<ResultsCsv> results_;
+  std::unique_ptr<CsvFile> results_;
+  std::unique_ptr<FlashesCsv> flashes_;
 };
 
 /// "20260131T093000Z" for file names; one more letter makes it unique where needed.

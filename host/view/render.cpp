@@ -222,6 +222,7 @@ Lines render_firmware(const Model& model, std::size_t width) {
                                 s.real_time ? "yes" : "NO"));
     lines.push_back(fmt::format("lost: queue {}, kernel {}, link {}{}", s.queue_overflows, s.kernel_overflows,
                                 model.events_missing, rejected_words(s)));
+    lines.push_back(clock_line(model.clock, model.status_age_s));
     append(lines, render_timing(s));
   }
   if (const std::string lacking = lacking_words(model); !lacking.empty())

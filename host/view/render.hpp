@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/data/thesis_data.hpp"
+#include "host/clock/device_clock.hpp"
 #include "host/session/series_table.hpp"
 #include "host/session/session.hpp"
 
@@ -19,6 +20,7 @@ struct Model {
   std::string lacking;                          ///< what is missing; empty: nothing
   std::optional<strobe_msgs::status_t> status;  ///< newest; absent: no firmware was ever heard
   double status_age_s = 0.0;
+  ClockState clock;
   std::int64_t events_missing = 0;  ///< on the way to this host
   std::optional<Outcome> last;
   SeriesTable series;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <string_view>
 
 #include "host/view/text.hpp"
@@ -18,13 +19,14 @@ using strobe_msgs::status_t;
 struct Label {
   int quantity;
   std::string_view words;
+  std::string_view key;
 };
-constexpr std::array<Label, 6> kLabels{{{histogram_t::LATENESS, "lateness"},
-                                        {histogram_t::ISSUE, "issue call"},
-                                        {histogram_t::SKEW, "skew A-B"},
-                                        {histogram_t::LAMP_DELAY_A, "lamp delay A"},
-                                        {histogram_t::LAMP_DELAY_B, "lamp delay B"},
-                                        {histogram_t::PERIOD_ERROR, "period error"}}};
+constexpr std::array<Label, 6> kLabels{{{histogram_t::LATENESS, "lateness", "lateness_us"},
+                                        {histogram_t::ISSUE, "issue call", "issue_us"},
+                                        {histogram_t::SKEW, "skew A-B", "skew_us"},
+                                        {histogram_t::LAMP_DELAY_A, "lamp delay A", "lamp_delay_a_us"},
+                                        {histogram_t::LAMP_DELAY_B, "lamp delay B", "lamp_delay_b_us"},
+                                        {histogram_t::PERIOD_ERROR, "period error", "period_error_us"}}};
 constexpr std::size_t kQuantityWidth = 13;
 constexpr std::size_t kFigureWidth = 9;
 
@@ -46,6 +48,29 @@ std::string bars(const histogram_t& histogram) {
   return text;
 }
 
+nlohmann::ordered_json finite_or_null(double value) {
+  return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
+}
+
+nlohmann::ordered_json histogram_json(const histogram_t* h) {
+  if (h == nullptr) return nullptr;
+  return {{"n", h->count},
+          {"mean", finite_or_null(h->mean_us)},
+          {"sd", finite_or_null(h->sd_us)},
+          {"min", finite_or_null(h->min_us)},
+          {"p50", finite_or_null(h->p50_us)},
+          {"p99", finite_or_null(h->p99_us)},
+          {"p99_9", finite_or_null(h->p999_us)},
+          {"max", finite_or_null(h->max_us)},
+          {"bin_first", finite_or_null(h->bin_first_us)},
+          {"bin_width", finite_or_null(h->bin_width_us)},
+          {"bins", h->bins}};
+}
+
+nlohmann::ordered_json number_or_null(const std::optional<double>& value) {
+  return value ? finite_or_null(*value) : nlohmann::ordered_json(nullptr);
+}
+
 std::string line_of(std::string_view words, const histogram_t& h) {
   std::string line = left(words, kQuantityWidth);
   for (const double us : {h.mean_us, h.sd_us, h.min_us, h.p50_us, h.p99_us, h.p999_us, h.max_us})
@@ -65,6 +90,20 @@ const histogram_t* histogram_of(const status_t& status, int quantity) {
   return nullptr;
 }
 
+std::string clock_line(const ClockState& clock, double status_age_s) {
+  std::string line = fmt::format("clock: heard {:.1f} s ago", std::max(0.0, status_age_s));
+  if (clock.latency_s) {
+    line += fmt::format(", {:+.2f} ms against the usual; latest {:+.2f} ms", *clock.latency_s * 1e3,
+                        clock.worst_latency_s * 1e3);
+  }
+  if (clock.drift_ppm) {
+    line += fmt::format("   drift {} ± {} ppm   offset ± {:.0f} us",
+                        rounded(*clock.drift_ppm, clock.drift_sd_ppm),
+                        rounded(clock.drift_sd_ppm, clock.drift_sd_ppm), clock.offset_sd_s * 1e6);
+  }
+  return clock.suspect ? line + "   SUSPECT: no clock drifts like this" : line;
+}
+
 std::vector<std::string> render_timing(const status_t& status) {
   std::vector<std::string> lines;
   for (const Label& label : kLabels) {
@@ -77,6 +116,33 @@ std::vector<std::string> render_timing(const status_t& status) {
     header += right(name, kFigureWidth);
   lines.insert(lines.begin(), header);
   return lines;
+}
+
+std::string timing_json(const status_t& status, const ClockState& clock, int after_shot) {
+  nlohmann::ordered_json timing;
+  for (const Label& label : kLabels)
+    timing[std::string(label.key)] = histogram_json(histogram_of(status, label.quantity));
+  const nlohmann::ordered_json json{
+      {"timing_after_shot", after_shot},
+      {"boot_id", fmt::format("{:x}", static_cast<std::uint64_t>(status.boot_id))},
+      {"timing", timing},
+      {"clock",
+       {{"heartbeats", clock.heartbeats},
+        {"drift_ppm", number_or_null(clock.drift_ppm)},
+        {"drift_sd_ppm", clock.drift_ppm ? nlohmann::ordered_json(clock.drift_sd_ppm) : nullptr},
+        {"offset_s", number_or_null(clock.offset_s)},
+        {"offset_sd_s", clock.offset_s ? nlohmann::ordered_json(clock.offset_sd_s) : nullptr},
+        {"latency_s", number_or_null(clock.latency_s)},
+        {"worst_latency_s", clock.worst_latency_s},
+        {"suspect", clock.suspect}}},
+      {"rejected",
+       {{"malformed", status.rejected_malformed},
+        {"oversized", status.rejected_oversized},
+        {"forged", status.rejected_forged},
+        {"replayed", status.rejected_replayed},
+        {"stale", status.rejected_stale},
+        {"other_rig", status.rejected_other_rig}}}};
+  return json.dump();
 }
 
 }  // namespace strobe::host

@@ -1,9 +1,12 @@
-// The firmware's timing histograms for a person: as lines with small bars. No I/O; thread-safe.
+// The firmware's timing and clock for a person, as lines with small bars, and for a program. No I/O;
+// thread-safe.
 #pragma once
 
 #include <string>
 #include <strobe_msgs/status_t.hpp>
 #include <vector>
+
+#include "host/clock/device_clock.hpp"
 
 namespace strobe::host {
 
@@ -11,8 +14,15 @@ namespace strobe::host {
 /// value.
 const strobe_msgs::histogram_t* histogram_of(const strobe_msgs::status_t& status, int quantity);
 
+/// How the firmware's clock stands to this machine's, and how promptly its heartbeats come.
+std::string clock_line(const ClockState& clock, double status_age_s);
+
 /// One line for each quantity that has values, under a header: mean, sd, percentiles, largest, how many, and
 /// the bins as bars whose height is logarithmic. Microseconds.
 std::vector<std::string> render_timing(const strobe_msgs::status_t& status);
+
+/// {"timing_after_shot":…,"boot_id":"…","timing":{"lateness_us":{"n":…,"mean":…, …},…},"clock":{…},…} on one
+/// line; keys in fixed order, what is not known null.
+std::string timing_json(const strobe_msgs::status_t& status, const ClockState& clock, int after_shot);
 
 }  // namespace strobe::host

@@ -47,6 +47,17 @@ TEST(ShotTiming, TakesSkewAndEachLampsDelayFromWhatTheSensorsSaw) {
   CHECK_EQUAL(12'000, of(TimingQuantity::lamp_delay_b).min().ns);
 }
 
+TEST(ShotTiming, TakesALampsDelayOnlyFromItsOwnSensor) {
+  FlashRecord& only_a = flash(0, 2);
+  only_a.lamps = Lamps::a;
+  only_a.observed_a = at_us(14);
+  only_a.observed_b = at_us(15);  // it saw the other lamp's light
+  timing.seen(shot);
+  CHECK_EQUAL(1, of(TimingQuantity::lamp_delay_a).count());
+  CHECK_EQUAL(0, of(TimingQuantity::lamp_delay_b).count());
+  CHECK_EQUAL(0, of(TimingQuantity::skew).count());
+}
+
 TEST(ShotTiming, TakesThePeriodsErrorFromTheSensorsThatSawBothFlashes) {
   FlashRecord& first = flash(0, 2);
   first.observed_a = at_us(14);

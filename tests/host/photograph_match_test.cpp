@@ -22,7 +22,7 @@ std::int64_t at(double seconds) { return kOffset + static_cast<std::int64_t>(sec
 struct Bench {
   PhotographMatch match{5.0};
 
-  Bench() { match.on_clock(0, kOffset); }
+  Bench() { match.on_heartbeat(7, {0, 0, 0}, kOffset); }
   void shot(int id, double closed_s, bool dry = false) {
     strobe_msgs::shot_t shot{};
     shot.boot_id = 7;
@@ -182,8 +182,31 @@ TEST(PhotographsToShots, AfterOneThatCannotBeReadAnotherMayCome) {
 
 TEST(PhotographsToShots, TheClockIsThatOfThePromptestMessage) {
   Bench bench;
-  bench.match.on_clock(kSecond, kOffset + 9 * kSecond);  // heard 8 s late
+  bench.match.on_heartbeat(7, {kSecond, kSecond, kSecond}, kOffset + 9 * kSecond);  // heard 8 s late
   bench.shot(1, 10.0);
   bench.photograph(1, 10.6);
   STRCMP_EQUAL("1>1", bench.decided(10.6).c_str());
+}
+
+TEST(PhotographsToShots, TheClockIsFollowedThroughDriftAndSuspension) {
+  Bench bench;
+  // 500 ppm for an hour: 1.8 s by its end. Then the firmware's machine sleeps for a minute.
+  std::int64_t heard_ns = kOffset;
+  std::int64_t sent_ns = 0;
+  for (int i = 1; i <= 7200; ++i) {
+    sent_ns = i * kSecond / 2;
+    heard_ns = kOffset + sent_ns + sent_ns / 2000;
+    bench.match.on_heartbeat(7, {sent_ns, sent_ns, sent_ns}, heard_ns);
+  }
+  bench.shot(1, 3599.5);
+  const std::int64_t minute_ns = 60 * kSecond;
+  for (int i = 1; i <= 2; ++i) {
+    const std::int64_t woken_ns = sent_ns + i * kSecond;
+    bench.match.on_heartbeat(7, {woken_ns, woken_ns + minute_ns, woken_ns + minute_ns},
+                             heard_ns + i * kSecond + minute_ns);
+  }
+  bench.shot(2, 3601.5);
+  bench.match.on_photograph(1, heard_ns + kSecond / 100, heard_ns);
+  bench.match.on_photograph(2, heard_ns + 2 * kSecond + minute_ns, heard_ns + 2 * kSecond + minute_ns);
+  STRCMP_EQUAL("1>1! 2>2", Bench::words(bench.match.decide(heard_ns + 2 * kSecond + minute_ns)).c_str());
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <string>
 
+#include "host/session/csv_file.hpp"
 #include "tests/support/temporary_folder.hpp"
 // CppUTest redefines new; its headers come last.
 #include <CppUTest/TestHarness.h>
@@ -11,8 +12,8 @@
 namespace {
 
 using namespace strobe;
+using host::CsvFile;
 using host::Outcome;
-using host::ResultsCsv;
 using testing::read_text;
 using testing::TemporaryFolder;
 using testing::write_text;
@@ -80,7 +81,7 @@ TEST(ResultsTable, ALineHasAFieldForEachColumn) {
 TEST(ResultsTable, ASecondRunAppendsWithoutASecondHeader) {
   TemporaryFolder folder;
   for (const char* line : {"one", "two"}) {
-    auto csv = ResultsCsv::open(folder / "results.csv");
+    auto csv = CsvFile::open(folder / "results.csv", host::results_header());
     CHECK_TRUE(csv.has_value());
     CHECK_TRUE(csv->append(line).has_value());
   }
@@ -90,7 +91,7 @@ TEST(ResultsTable, ASecondRunAppendsWithoutASecondHeader) {
 TEST(ResultsTable, ALineThatAKilledRunLeftOpenIsClosedFirst) {
   TemporaryFolder folder;
   write_text(folder / "results.csv", host::results_header() + "\nhalf a li");
-  auto csv = ResultsCsv::open(folder / "results.csv");
+  auto csv = CsvFile::open(folder / "results.csv", host::results_header());
   CHECK_TRUE(csv->append("whole").has_value());
   STRCMP_EQUAL((host::results_header() + "\nhalf a li\nwhole\n").c_str(),
                read_text(folder / "results.csv").c_str());
@@ -99,12 +100,12 @@ TEST(ResultsTable, ALineThatAKilledRunLeftOpenIsClosedFirst) {
 TEST(ResultsTable, AnotherVersionsColumnsAreNotMixed) {
   TemporaryFolder folder;
   write_text(folder / "results.csv", "a,b,c\n1,2,3\n");
-  const auto csv = ResultsCsv::open(folder / "results.csv");
+  const auto csv = CsvFile::open(folder / "results.csv", host::results_header());
   CHECK_FALSE(csv.has_value());
   STRCMP_CONTAINS("results.csv:1: another version's columns", csv.error().message.c_str());
 }
 
 TEST(ResultsTable, AFolderThatIsNotThereIsNamed) {
   STRCMP_CONTAINS("/nowhere/results.csv: No such file",
-                  ResultsCsv::open("/nowhere/results.csv").error().message.c_str());
+                  CsvFile::open("/nowhere/results.csv", host::results_header()).error().message.c_str());
 }

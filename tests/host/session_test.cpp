@@ -40,7 +40,8 @@ struct Bench {
   void status(std::int64_t mono_ns, std::int64_t boot_id = 77) {
     status_t status{};
     status.boot_id = boot_id;
-    status.mono_ns = mono_ns;
+    status.mono_ns = status.boot_time_ns = status.wall_ns = mono_ns;
+    if (session.status()) local_ns += mono_ns - session.status()->mono_ns;
     session.on_status(status, local_ns);
   }
   /// A heartbeat every half second.
@@ -355,6 +356,21 @@ TEST(SessionOfMessages, TheSummaryOfAShotThatEndedIsAskedForWhenItIsLost) {
   const auto asks = bench.session.ledger().due(bench.local_ns + kSecond);
   LONGS_EQUAL(1, asks.size());
   LONGS_EQUAL(9, asks[0].first);
+}
+
+TEST(SessionOfMessages, AShotDuringWhichTheFirmwaresMachineWasSuspendedHasNoTimesToTrust) {
+  Bench bench;
+  bench.shot();
+  status_t woken{};
+  woken.boot_id = 77;
+  woken.mono_ns = bench.end_ns + kSecond / 10;
+  woken.boot_time_ns = woken.mono_ns + 30 * kSecond;  // the heartbeat before had both at the same
+  bench.session.on_status(woken, bench.local_ns + 30 * kSecond);
+  bench.frame();
+  const auto outcomes = bench.outcomes();
+  LONGS_EQUAL(1, outcomes.size());
+  CHECK_TRUE(outcomes[0].readout.flags.has(Flag::clock_suspect));
+  CHECK_TRUE(outcomes[0].spoilt.has_value());
 }
 
 TEST(SessionOfMessages, AnotherBootIsSaid) {

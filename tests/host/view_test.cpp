@@ -6,6 +6,7 @@
 #include "host/session/verdict.hpp"
 #include "host/view/render.hpp"
 #include "host/view/text.hpp"
+#include "host/view/timing.hpp"
 // CppUTest redefines new; its headers come last.
 #include <CppUTest/TestHarness.h>
 
@@ -107,6 +108,42 @@ TEST(ScreenLines, SayWhatTheFirmwareIsDoing) {
   m.status->estop_active = true;
   m.status->key_active = false;
   STRCMP_CONTAINS("key OFF e-stop PRESSED", row(render(m, 120), "firmware").c_str());
+}
+
+TEST(ScreenLines, SayHowTheFirmwaresClockStands) {
+  Model m = model();
+  m.status_age_s = 0.21;
+  STRCMP_EQUAL("clock: heard 0.2 s ago", row(render(m, 160), "clock").c_str());
+  m.clock.latency_s = 0.00012;
+  m.clock.worst_latency_s = 0.0034;
+  m.clock.drift_ppm = 12.3456, m.clock.drift_sd_ppm = 0.0567;
+  m.clock.offset_s = 7.0, m.clock.offset_sd_s = 4.2e-6;
+  STRCMP_EQUAL(
+      "clock: heard 0.2 s ago, +0.12 ms against the usual; latest +3.40 ms drift 12.346 ± 0.057 ppm offset ± "
+      "4 us",
+      row(render(m, 160), "clock").c_str());
+  m.clock.suspect = true;
+  STRCMP_CONTAINS("SUSPECT", row(render(m, 160), "clock").c_str());
+}
+
+TEST(ScreenLines, SayWhichCommandsWereIgnored) {
+  Model m = model();
+  m.status->rejected_forged = 3;
+  m.status->rejected_replayed = 1;
+  STRCMP_EQUAL("lost: queue 0, kernel 0, link 0 commands ignored: 3 forged, 1 replayed",
+               row(render(m, 160), "lost").c_str());
+}
+
+TEST(ScreenLines, TellAProgramTheSame) {
+  Model m = model();
+  m.status->boot_id = 0x2a;
+  const std::string line = timing_json(*m.status, m.clock, 4);
+  STRCMP_CONTAINS("{\"timing_after_shot\":4,\"boot_id\":\"2a\",\"timing\":{\"lateness_us\":{\"n\":166,",
+                  line.c_str());
+  STRCMP_CONTAINS("\"max\":null,\"bin_first\":-0.1,\"bin_width\":0.1,\"bins\":[0,128,1,11]}", line.c_str());
+  STRCMP_CONTAINS("\"skew_us\":null", line.c_str());
+  STRCMP_CONTAINS("\"drift_ppm\":null,\"drift_sd_ppm\":null", line.c_str());
+  CHECK(line.find('\n') == std::string::npos);
 }
 
 TEST(ScreenLines, SayWhatIsMissing) {
