@@ -62,4 +62,18 @@ std::int64_t LineChanges::outputs_safe_from(std::int64_t from_ns) const {
   return safe;
 }
 
+std::int64_t LineChanges::inactive_from(std::int64_t from_ns, std::int64_t to_ns) const {
+  std::int64_t inactive = from_ns;
+  for (const std::string& line : kOutputs) {
+    if (level_at(line, to_ns) != 0) return INT64_MAX;
+    int level = 0;
+    for (const LineChange& change : changes_) {
+      if (change.line != line || change.time_ns > to_ns) continue;
+      if (level != 0 && change.level == 0) inactive = std::max(inactive, change.time_ns);
+      level = change.level;
+    }
+  }
+  return inactive;
+}
+
 }  // namespace strobe::hil

@@ -35,6 +35,17 @@ TEST(LineChanges, TellFromWhenOnTheOutputsAreSafe) {
   CHECK_EQUAL(INT64_MAX, stuck.outputs_safe_from(0));
 }
 
+TEST(LineChanges, TellFromWhenOnTheOutputsAreInactiveWithinASpan) {
+  CHECK_EQUAL(400, changes.inactive_from(180, 450));
+  CHECK_EQUAL(INT64_MAX, changes.inactive_from(180, 350));
+  const LineChanges twice{{{100, "SHUTTER", 1, "set"},
+                           {130, "SHUTTER", 0, "set"},
+                           {500, "SHUTTER", 1, "set"},
+                           {530, "SHUTTER", 0, "set"}}};
+  CHECK_EQUAL(130, twice.inactive_from(110, 300));
+  CHECK_EQUAL(200, twice.inactive_from(200, 300));
+}
+
 TEST(LineChanges, AreReadFromTheChipsFile) {
   const strobe::testing::TemporaryFolder folder;
   strobe::testing::write_text(folder / "changes.csv", "time_ns,line,name,level,cause\n7,3,TRIGGER,1,set\n");
