@@ -202,6 +202,7 @@ int run_worker(const Rig& rig, const Options& options, WorkerPage& page) {
   PublisherSettings settings;
   settings.boot_id = boot_id;
   settings.session = options.session;
+  settings.found = earlier;
   settings.real_time = faults.empty();
   settings.verbose = options.verbose;
   settings.turned_ns = &page.publisher_turned_ns;

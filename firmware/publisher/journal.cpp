@@ -11,6 +11,7 @@
 #include <cstdio>
 #include <cstring>
 #include <exception>
+#include <strobe_msgs/shot_v1_t.hpp>
 
 namespace strobe::firmware {
 
@@ -53,6 +54,16 @@ bool ends_with(const std::string& text, const std::string& end) {
   return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
 }
 
+template <typename Shot>
+bool is_shot(const LogRecord& record, JournalEntry& entry, std::int32_t& shot_id) {
+  Shot shot{};
+  if (shot.decode(record.bytes.data(), 0, static_cast<int>(record.bytes.size())) < 0) return false;
+  entry.kind = Message::Kind::shot;
+  entry.sequences = {shot.first_sequence, shot.last_sequence};
+  shot_id = shot.shot_id;
+  return true;
+}
+
 }  // namespace
 
 bool entry_of(const LogRecord& record, JournalEntry& entry, std::int32_t& shot_id) try {
@@ -66,12 +77,8 @@ bool entry_of(const LogRecord& record, JournalEntry& entry, std::int32_t& shot_i
     return true;
   }
   if (ends_with(record.channel, "/SHOT")) {
-    strobe_msgs::shot_t shot{};
-    if (shot.decode(record.bytes.data(), 0, static_cast<int>(record.bytes.size())) < 0) return false;
-    entry.kind = Message::Kind::shot;
-    entry.sequences = {shot.first_sequence, shot.last_sequence};
-    shot_id = shot.shot_id;
-    return true;
+    return is_shot<strobe_msgs::shot_t>(record, entry, shot_id) ||
+           is_shot<strobe_msgs::shot_v1_t>(record, entry, shot_id);
   }
   return false;
 } catch (const std::exception&) {

@@ -114,6 +114,17 @@ void Publisher::take(const Event& event) {
                      {sequence_, sequence_},
                      event_channel_,
                      encoded(to_message(event, settings_.boot_id, sequence_))});
+  if (event.kind == EventKind::started) tell_of_earlier_starts(event.device_time);
+}
+
+void Publisher::tell_of_earlier_starts(MonoTime now) {
+  for (const std::string& line : std::exchange(settings_.found.repaired, {})) {
+    Event event;
+    event.kind = EventKind::repaired;
+    event.device_time = now;
+    event.detail = Words(std::string_view(line));
+    take(event);
+  }
 }
 
 void Publisher::take(const LoopStatus& status) {
@@ -167,18 +178,25 @@ void Publisher::publish_status() {
   parts.real_time = settings_.real_time;
   parts.journal_fault = journal_fault_;
   parts.queue_overflows = queue_.overflows();
+  parts.earlier = settings_.found.earlier;
   parts.rejected = settings_.rejected();
   bus_.publish(status_channel_, encoded(to_message(parts, timing_)));
   next_status_ = clock_.now() + kHeartbeat;
   if (settings_.on_first_status && sequence_ > 0) std::exchange(settings_.on_first_status, nullptr)();
 }
 
+const std::vector<JournalEntry>& Publisher::entries_of(std::int64_t boot_id) {
+  if (boot_id == settings_.boot_id) return journal_.entries();
+  if (boot_id != scanned_boot_) scanned_ = scan_journal(journal_path(settings_.session, boot_id));
+  scanned_boot_ = boot_id;  // it grows no more
+  return scanned_;
+}
+
 void Publisher::start_resend(const ResendRequest& request) {
   const bool this_boot = request.boot_id == settings_.boot_id;
-  const auto path = this_boot ? journal_.path() : journal_path(settings_.session, request.boot_id);
-  const auto scanned = this_boot ? std::vector<JournalEntry>{} : scan_journal(path);
-  Resend resend{LogReader(path), {}, 0};
-  for (const JournalEntry& entry : this_boot ? journal_.entries() : scanned) {
+  Resend resend{
+      LogReader(this_boot ? journal_.path() : journal_path(settings_.session, request.boot_id)), {}, 0};
+  for (const JournalEntry& entry : entries_of(request.boot_id)) {
     if (entry.sequences.last >= request.wanted.first && entry.sequences.first <= request.wanted.last) {
       resend.entries.push_back(entry);
     }

@@ -13,6 +13,7 @@
 #include "firmware/ports/clock.hpp"
 #include "firmware/ports/message_bus.hpp"
 #include "firmware/publisher/journal.hpp"
+#include "firmware/publisher/journal_folder.hpp"
 #include "firmware/publisher/loop_queue.hpp"
 #include "firmware/publisher/mailbox.hpp"
 #include "firmware/publisher/status_message.hpp"
@@ -35,6 +36,7 @@ struct PublisherSettings {
   std::atomic<std::int64_t>* turned_ns = nullptr;  ///< gets the time of each turn, for whoever watches
   int drill_at_shot = 0;                           ///< at the flashes of the n-th shot of this boot; 0: none
   std::function<void()> drill;
+  FolderFindings found;  ///< told by events after STARTED, and in the status
 };
 
 class Publisher {
@@ -55,12 +57,14 @@ class Publisher {
   void empty_queue();
   bool collect();
   void take(const Event& event);
+  void tell_of_earlier_starts(MonoTime now);
   void take(const LoopStatus& status);
   void take(ShotRecord* record);
   void write_and_publish();
   void publish_outbox();
   void publish_status();
   void start_resend(const ResendRequest& request);
+  const std::vector<JournalEntry>& entries_of(std::int64_t boot_id);
   void resend_some();
   void wait_for_work(int wake_fd) const;
 
@@ -80,6 +84,8 @@ class Publisher {
   std::string event_channel_, shot_channel_, status_channel_;
   std::vector<Message> outbox_;
   std::deque<Resend> resends_;
+  std::int64_t scanned_boot_ = 0;  ///< earlier boot whose journal was last asked for
+  std::vector<JournalEntry> scanned_;
   std::int64_t sequence_ = 0;  ///< of the newest event made
   std::int64_t journalled_sequence_ = 0;
   std::int64_t shot_first_sequence_ = 0;

@@ -59,6 +59,16 @@ void put_rejected(status_t& message, const RejectedCommands& rejected) {
   message.rejected_other_rig = rejected.other_rig;
 }
 
+void put_earlier(status_t& message, const std::vector<EarlierBoot>& earlier) {
+  constexpr std::size_t kMost = 16;
+  for (std::size_t i = 0; i < std::min(kMost, earlier.size()); ++i) {
+    message.earlier.emplace_back();
+    message.earlier.back().boot_id = earlier[i].boot_id;
+    message.earlier.back().last_sequence = earlier[i].last_sequence;
+  }
+  message.earlier_count = static_cast<std::int32_t>(message.earlier.size());
+}
+
 }  // namespace
 
 std::int64_t system_wall_ns() { return system_ns(CLOCK_REALTIME); }
@@ -113,6 +123,7 @@ status_t to_message(const StatusParts& parts, const ShotTiming& timing) {
   message.journal_ok = parts.journal_fault.empty();
   message.queue_overflows = parts.queue_overflows;
   put_rejected(message, parts.rejected);
+  put_earlier(message, parts.earlier);
   for (const TimingQuantity quantity : kTimingQuantities)
     message.histograms.push_back(to_message(quantity, timing.of(quantity)));
   message.histogram_count = static_cast<std::int32_t>(message.histograms.size());

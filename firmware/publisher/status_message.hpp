@@ -6,9 +6,11 @@
 #include <functional>
 #include <string>
 #include <strobe_msgs/status_t.hpp>
+#include <vector>
 
 #include "firmware/core/shot_timing.hpp"
 #include "firmware/ports/clock.hpp"
+#include "firmware/publisher/journal_folder.hpp"
 #include "firmware/publisher/rejected_commands.hpp"
 
 namespace strobe::firmware {
@@ -38,6 +40,7 @@ struct StatusParts {
   std::string journal_fault;  ///< empty: it can be written
   std::int64_t queue_overflows = 0;
   RejectedCommands rejected;
+  std::vector<EarlierBoot> earlier;  ///< newest first; the first 16 are told
 };
 
 strobe_msgs::status_t to_message(const StatusParts& parts, const ShotTiming& timing);

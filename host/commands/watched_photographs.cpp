@@ -32,7 +32,7 @@ WatchedPhotographs::WatchedPhotographs(const RigFile& rig, PhotographOptions opt
       session_(std::move(session)),
       host_id_(host_id),
       next_(next),
-      relay_(next) {}
+      relay_(next, *this) {}
 
 Result<void> WatchedPhotographs::open() {
   const std::string folder = folder_of(options_, rig_);
@@ -74,13 +74,27 @@ bool WatchedPhotographs::own_frame(const std::string& channel, const void* data,
 std::vector<strobe_msgs::frame_t> WatchedPhotographs::turn(std::int64_t now_ns) {
   if (!desk_) return {};
   desk_->turn(now_ns);
-  return desk_->take_frames();
+  return measured();
 }
 
 std::vector<strobe_msgs::frame_t> WatchedPhotographs::end(std::int64_t now_ns) {
   if (!desk_) return {};
   desk_->end(now_ns);
-  return desk_->take_frames();
+  return measured();
+}
+
+std::vector<strobe_msgs::frame_t> WatchedPhotographs::measured() {
+  std::vector<strobe_msgs::frame_t> frames = std::exchange(again_, {});
+  for (strobe_msgs::frame_t& frame : desk_->take_frames()) {
+    measured_.insert_or_assign({frame.boot_id, frame.shot_id}, frame);
+    frames.push_back(std::move(frame));
+  }
+  return frames;
+}
+
+void WatchedPhotographs::send_again(const strobe_msgs::shot_t& shot) {
+  const auto frame = measured_.find({shot.boot_id, shot.shot_id});
+  if (frame != measured_.end()) again_.push_back(frame->second);
 }
 
 std::vector<std::string> WatchedPhotographs::take_notices() {

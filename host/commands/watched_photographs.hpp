@@ -2,9 +2,11 @@
 // thread's.
 #pragma once
 
+#include <map>
 #include <memory>
 #include <string>
 #include <strobe_msgs/frame_t.hpp>
+#include <utility>
 #include <vector>
 
 #include "common/result.hpp"
@@ -41,7 +43,8 @@ class WatchedPhotographs {
   MessageSink& sink();
   bool own_frame(const std::string& channel, const void* data, std::size_t size) const;
 
-  /// Frames measured since; the caller hands them to sink() and to everybody else.
+  /// Frames measured since, and those of shots that came again: then somebody asked for them, from whom the
+  /// frame was lost, too. The caller hands them to sink() and to everybody else.
   std::vector<strobe_msgs::frame_t> turn(std::int64_t now_ns);
   /// The same when no shot will come any more.
   std::vector<strobe_msgs::frame_t> end(std::int64_t now_ns);
@@ -51,13 +54,20 @@ class WatchedPhotographs {
  private:
   /// Stands in the place of the desk, which comes later if at all.
   struct Relay : MessageSink {
-    explicit Relay(MessageSink& sink) : to(&sink) {}
+    Relay(MessageSink& sink, WatchedPhotographs& photographs) : to(&sink), owner(photographs) {}
     void status(const strobe_msgs::status_t& m, std::int64_t now_ns) override { to->status(m, now_ns); }
     void event(const strobe_msgs::event_t& m, std::int64_t now_ns) override { to->event(m, now_ns); }
-    void shot(const strobe_msgs::shot_t& m, std::int64_t now_ns) override { to->shot(m, now_ns); }
+    void shot(const strobe_msgs::shot_t& m, std::int64_t now_ns) override {
+      to->shot(m, now_ns);
+      owner.send_again(m);
+    }
     void frame(const strobe_msgs::frame_t& m, std::int64_t now_ns) override { to->frame(m, now_ns); }
     MessageSink* to;
+    WatchedPhotographs& owner;
   };
+
+  void send_again(const strobe_msgs::shot_t& shot);
+  std::vector<strobe_msgs::frame_t> measured();
 
   const RigFile& rig_;
   PhotographOptions options_;
@@ -66,6 +76,8 @@ class WatchedPhotographs {
   MessageSink& next_;
   Relay relay_;
   std::unique_ptr<PhotographDesk> desk_;
+  std::map<std::pair<std::int64_t, std::int32_t>, strobe_msgs::frame_t> measured_;  ///< by boot and shot
+  std::vector<strobe_msgs::frame_t> again_;
 };
 
 }  // namespace strobe::host

@@ -15,6 +15,7 @@ bool Collection::over(const Session& session, bool firmware_heard, std::int64_t 
   if (ledger.received() != received_ || progress_ns_ == 0) progress_ns_ = now_ns;
   received_ = ledger.received();
   if (now_ns - started_ns_ > kLongest_ns || now_ns - progress_ns_ > kNothingNew_ns) return true;
+  if (!session.status()) return true;  // there is nobody to ask
   if (!ledger.complete()) return false;
   return !firmware_heard || session.status_heard_ns() > started_ns_ + kOnTheWay_ns;
 }

@@ -5,7 +5,6 @@
 
 #include <cstdint>
 #include <map>
-#include <set>
 #include <span>
 #include <vector>
 
@@ -38,7 +37,8 @@ class EventLedger {
   /// The firmware that runs now says what earlier starts have left, the newest first. Of those that were
   /// heard here, and of all that came after one of them, everything is wanted.
   void earlier(std::span<const EndedBoot> boots, std::int64_t now_ns);
-  /// This event must come again although it has been here (its shot's summary was lost).
+  /// This event must come again although it has been here (its shot's summary was lost). Of a boot that has
+  /// ended it is asked for 24 times.
   void want_again(std::int64_t boot_id, std::int64_t sequence);
   /// It is not to be had.
   void give_up_again(std::int64_t boot_id, std::int64_t sequence);
@@ -64,7 +64,7 @@ class EventLedger {
     std::int64_t newest = 0;                    ///< largest known to exist
     std::int64_t gap_since_ns = 0;
     std::int64_t asked_ns = 0;
-    std::set<std::int64_t> again;
+    std::map<std::int64_t, int> again;  ///< sequence, and how often it was asked for
     int tail_asks_left = 0;
     bool end_known = false;  ///< newest is the last one
   };

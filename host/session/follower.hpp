@@ -14,10 +14,13 @@ namespace strobe::host {
 
 class Follower : public MessageSink {
  public:
-  Follower(AssemblySettings settings, std::int64_t firing_host_id, std::string title)
-      : session_(std::move(settings), firing_host_id) {
+  /// As Session has it.
+  Follower(AssemblySettings settings, std::int64_t firing_host_id, bool from_start, std::string title)
+      : session_(std::move(settings), firing_host_id, from_start) {
     model_.title = std::move(title);
   }
+  Follower(AssemblySettings settings, std::int64_t firing_host_id, std::string title)
+      : Follower(std::move(settings), firing_host_id, firing_host_id != 0, std::move(title)) {}
 
   void status(const strobe_msgs::status_t& message, std::int64_t now_ns) override;
   void event(const strobe_msgs::event_t& message, std::int64_t now_ns) override;

@@ -65,6 +65,9 @@ void Session::on_status(const strobe_msgs::status_t& status, std::int64_t now_ns
   status_heard_ns_ = now_ns;
   device_now_ns_ = std::max(device_now_ns_, status.mono_ns);
   ledger_.status(status.boot_id, status.last_sequence, now_ns);
+  std::vector<EndedBoot> earlier;
+  for (const auto& boot : status.earlier) earlier.push_back({boot.boot_id, boot.last_sequence});
+  ledger_.earlier(earlier, now_ns);
   finish_what_was_cut_off();
   expire(now_ns);
 }
@@ -82,6 +85,7 @@ void Session::on_event(const event_t& event, std::int64_t now_ns) {
     armed_[{event.boot_id, event.sequence}] = host_in(event.detail);
     if (armed_.size() > kMostArmed) armed_.erase(armed_.begin());
   }
+  if (event.kind == event_t::REPAIRED) notice("strobed found when it started: " + event.detail);
   const bool of_open_shot = event.shot_id > 0 && !done_.contains(key) && !waiting_.contains(key);
   if (of_open_shot && event.kind == event_t::SHOT_STARTED) {
     open_[key].started = event.sequence;
@@ -121,10 +125,6 @@ void Session::on_shot(const shot_t& shot, std::int64_t now_ns) {
     // It was lost until now, and its photograph with it, which may come again as it has.
     waiting.past = !own(shot);
     waiting.device_deadline_ns = device_now_ns_ + timeout_ns;
-    if (waiting.past) {
-      notice(fmt::format("shot {} was over before this session was joined; its photograph is not waited for",
-                         shot.shot_id));
-    }
   }
   waiting_[key] = std::move(waiting);
 }
@@ -313,6 +313,8 @@ void Session::finish_late(const Waiting& waiting, const std::string& problem) {
   if (waiting.frame) return finish(waiting.shot, *waiting.frame);
   if (!waiting.past) return finish_without_photograph(waiting.shot, Flag::no_photograph, problem);
   done_[{waiting.shot.boot_id, waiting.shot.shot_id}] = {};
+  notice(fmt::format("shot {} was over before this session was joined, and its photograph did not come again",
+                     waiting.shot.shot_id));
 }
 
 void Session::ask_for_lost_summaries(std::int64_t now_ns) {

@@ -43,10 +43,13 @@ struct Outcome {
 
 class Session {
  public:
-  /// A host that fires gives its host id: it wants all events, also those from before it joined, and a
-  /// readout of each of its own shots however late the shot is heard of. 0: a passive one.
+  /// A host that fires gives its host id: it wants a readout of each of its own shots however late the shot
+  /// is heard of. 0: a passive one. from_start: it can ask, and wants all events of the running boot, also
+  /// those from before it joined.
+  Session(AssemblySettings settings, std::int64_t firing_host_id, bool from_start)
+      : settings_(std::move(settings)), host_id_(firing_host_id), ledger_(from_start) {}
   Session(AssemblySettings settings, std::int64_t firing_host_id)
-      : settings_(std::move(settings)), host_id_(firing_host_id), ledger_(firing_host_id != 0) {}
+      : Session(std::move(settings), firing_host_id, firing_host_id != 0) {}
 
   void on_status(const strobe_msgs::status_t& status, std::int64_t now_ns);
   void on_event(const strobe_msgs::event_t& event, std::int64_t now_ns);

@@ -5,10 +5,13 @@
 
 #include <ctime>
 #include <fstream>
+#include <map>
+#include <set>
 #include <sstream>
 #include <system_error>
 
 #include "common/messages/channels.hpp"
+#include "host/session/counts.hpp"
 
 namespace strobe::host {
 namespace {
@@ -100,18 +103,34 @@ Result<void> SessionFolder::add(const Outcome& outcome, const std::string& utc) 
 Result<void> SessionFolder::add(const strobe_msgs::shot_t& shot) { return flashes_->add(shot); }
 
 void SessionFolder::recall(EventLedger& ledger, const std::string& rig) const {
-  const std::string channel = messages::channel_name(rig, messages::Channel::event);
+  using Key = std::pair<std::int64_t, std::int32_t>;
+  const std::string events = messages::channel_name(rig, messages::Channel::event);
+  const std::string shots = messages::channel_name(rig, messages::Channel::shot);
+  std::map<Key, std::int64_t> ended;
+  std::set<Key> summed_up;
+  const auto enter = [&](const lcm::LogEvent& logged) {
+    if (logged.channel == events) {
+      strobe_msgs::event_t event;
+      if (event.decode(logged.data, 0, logged.datalen) < 0) return;
+      ledger.add(event.boot_id, event.sequence, 0);
+      if (event.kind == strobe_msgs::event_t::SHOT_ENDED || event.kind == strobe_msgs::event_t::SHOT_ABORTED)
+        ended[{event.boot_id, event.shot_id}] = event.sequence;
+    } else if (logged.channel == shots &&
+               shot_counts_plausible(logged.data, static_cast<std::size_t>(logged.datalen))) {
+      strobe_msgs::shot_t shot;
+      if (shot.decode(logged.data, 0, logged.datalen) >= 0) summed_up.insert({shot.boot_id, shot.shot_id});
+    }
+  };
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(folder_, error)) {
     const std::string name = entry.path().filename().string();
     if (!name.starts_with("host-") || !name.ends_with(".lcmlog") || entry.path() == log_path_) continue;
     lcm::LogFile log(entry.path().string(), "r");
     if (!log.good()) continue;
-    while (const lcm::LogEvent* logged = log.readNextEvent()) {
-      if (logged->channel != channel) continue;
-      strobe_msgs::event_t event;
-      if (event.decode(logged->data, 0, logged->datalen) >= 0) ledger.add(event.boot_id, event.sequence, 0);
-    }
+    while (const lcm::LogEvent* logged = log.readNextEvent()) enter(*logged);
+  }
+  for (const auto& [key, sequence] : ended) {
+    if (!summed_up.contains(key)) ledger.want_again(key.first, sequence);
   }
 }
 

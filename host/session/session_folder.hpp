@@ -34,7 +34,8 @@ class SessionFolder {
   /// Appends a shot's flashes to flashes.csv, once.
   Result<void> add(const strobe_msgs::shot_t& shot);
 
-  /// Enters the events in this folder's earlier host logs, so that they are not asked for again.
+  /// Enters the events in this folder's earlier host logs, so that they are not asked for again; but for the
+  /// last ones of shots whose summaries are in none.
   void recall(EventLedger& ledger, const std::string& rig) const;
 
   const std::filesystem::path& path() const { return folder_; }

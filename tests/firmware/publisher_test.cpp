@@ -52,6 +52,7 @@ TEST_GROUP(Publisher) {
   LoopQueue queue{rig, wake_up};
   Mailbox mailbox;
   Listener listener;
+  FolderFindings found;
   std::optional<Journal> journal;
   std::optional<Publisher> publisher;
   std::jthread thread;
@@ -67,6 +68,7 @@ TEST_GROUP(Publisher) {
     PublisherSettings settings;
     settings.boot_id = kBoot;
     settings.session = folder.path();
+    settings.found = found;
     publisher.emplace(rig, settings, queue, mailbox, *journal, bus, clock);
     thread = std::jthread([this](const std::stop_token& token) { publisher->run(token, wake_up.fd()); });
   }
@@ -186,6 +188,24 @@ TEST(Publisher, SendsAgainWhatAnEarlierBootJournalled) {
   wake();
   CHECK_TRUE(until([&] { return listener.events.size() == 1; }));
   CHECK_EQUAL(77, listener.events[0].boot_id);
+}
+
+TEST(Publisher, TellsWhatEarlierStartsLeftAfterItsOwnStart) {
+  found.repaired = {"boot 77: 12 bytes were cut off", "boot 77: shot 3 has no end"};
+  found.earlier = std::vector<EarlierBoot>(20, EarlierBoot{77, 5});
+  start();
+  Event event;
+  event.kind = EventKind::started;
+  queue.event(event);
+  queue.flush();
+  CHECK_TRUE(until([&] { return listener.events.size() == 3; }));
+  CHECK_EQUAL(strobe_msgs::event_t::STARTED, listener.events[0].kind);
+  CHECK_EQUAL(strobe_msgs::event_t::REPAIRED, listener.events[1].kind);
+  CHECK_EQUAL(2, listener.events[1].sequence);
+  CHECK_EQUAL(std::string("boot 77: shot 3 has no end"), listener.events[2].detail);
+  CHECK_TRUE(until([&] { return !listener.statuses.empty(); }));
+  CHECK_EQUAL(16, listener.statuses[0].earlier_count);
+  CHECK_EQUAL(5, listener.statuses[0].earlier[0].last_sequence);
 }
 
 TEST(Publisher, HoldsEventsBackWhileTheJournalCannotBeWritten) {

@@ -211,6 +211,19 @@ TEST(EventLedgerOfAHost, EveryLostSummaryIsRemembered) {
   CHECK_TRUE(ledger.complete());
 }
 
+TEST(EventLedgerOfAHost, ASummaryThatAnEndedBootNeverWroteIsNotAskedForForEver) {
+  EventLedger ledger(true);
+  ledger.add(kBoot, 1, 0);
+  const EndedBoot ended{kBoot, 1};
+  ledger.status(kBoot + 1, 0, 0);
+  ledger.earlier({&ended, 1}, 0);
+  ledger.want_again(kBoot, 1);
+  int asks = 0;
+  for (std::int64_t now_ns = 1000 * kMs; asks < 100 && !ledger.complete(); now_ns += 300 * kMs)
+    asks += static_cast<int>(ledger.due(now_ns).size());
+  LONGS_EQUAL(24, asks);
+}
+
 TEST(EventLedgerOfAHost, AtHalfLossEverythingComesInTheEnd) { everything_comes_at_loss(0.5); }
 
 TEST(EventLedgerOfAHost, AtTwentyPerCentLossEverythingComesInTheEnd) { everything_comes_at_loss(0.2); }

@@ -3,6 +3,7 @@
 
 #include <string>
 #include <strobe_msgs/event_t.hpp>
+#include <strobe_msgs/shot_t.hpp>
 #include <vector>
 
 #include "tests/support/temporary_folder.hpp"
@@ -85,6 +86,36 @@ TEST(FolderOfASession, EventsOfEarlierRunsAreNotAskedForAgain) {
   ledger.status(77, 4, 0);
   LONGS_EQUAL(3, ledger.received());
   LONGS_EQUAL(1, ledger.missing());
+}
+
+TEST(FolderOfASession, ASummaryThatAnEarlierRunDidNotGetIsAskedFor) {
+  TemporaryFolder folder;
+  {
+    auto first = SessionFolder::open(folder.path(), kUtc, "", "");
+    for (const std::int64_t sequence : {1, 2}) {
+      strobe_msgs::event_t event{};
+      event.boot_id = 77;
+      event.sequence = sequence;
+      event.kind = strobe_msgs::event_t::SHOT_ENDED;
+      event.shot_id = static_cast<std::int32_t>(sequence);
+      std::vector<char> bytes(static_cast<std::size_t>(event.getEncodedSize()));
+      event.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+      (*first)->log("STROBE/bench/EVENT", bytes.data(), bytes.size(), sequence);
+    }
+    strobe_msgs::shot_t shot{};
+    shot.boot_id = 77;
+    shot.shot_id = 1;
+    std::vector<char> bytes(static_cast<std::size_t>(shot.getEncodedSize()));
+    shot.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+    (*first)->log("STROBE/bench/SHOT", bytes.data(), bytes.size(), 3);
+  }
+  auto second = SessionFolder::open(folder.path(), kUtc, "", "");
+  EventLedger ledger(true);
+  (*second)->recall(ledger, "bench");
+  ledger.status(77, 2, 0);
+  const auto asks = ledger.due(1'000'000'000);
+  LONGS_EQUAL(1, asks.size());
+  LONGS_EQUAL(2, asks[0].first);
 }
 
 TEST(FolderOfASession, AFolderThatCannotBeMadeIsNamed) {

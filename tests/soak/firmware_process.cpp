@@ -9,6 +9,7 @@ namespace strobe::soak {
 namespace {
 
 firmware::PublisherSettings publisher_settings(const FirmwareProcess::Settings& settings,
+                                               const firmware::FolderFindings& found,
                                                firmware::Clock& clock) {
   firmware::PublisherSettings result;
   result.boot_id = settings.boot_id;
@@ -17,29 +18,33 @@ firmware::PublisherSettings publisher_settings(const FirmwareProcess::Settings& 
   result.wall_ns = settings.wall_ns;
   result.boot_time_ns = [&clock] { return clock.now().ns; };
   result.say = settings.say;
+  result.found = found;
   return result;
 }
 
 }  // namespace
 
 FirmwareProcess::FirmwareProcess(const firmware::Rig& rig, const FirmwarePorts& ports,
-                                 const Settings& settings, firmware::Journal journal)
+                                 const Settings& settings, const firmware::FolderFindings& found,
+                                 firmware::Journal journal)
     : boot_id_(settings.boot_id),
       queue_(rig, ports.publisher_wake),
       commands_(ports.loop_wake),
       journal_(std::move(journal)),
-      sequencer_(rig, {ports.loop_clock, ports.outputs, ports.edges, queue_, commands_},
-                 firmware::repair_journals(settings.session).last_shot_id),
-      publisher_(rig, publisher_settings(settings, ports.publisher_clock), queue_, mailbox_, journal_,
+      sequencer_(rig, {ports.loop_clock, ports.outputs, ports.edges, queue_, commands_}, found.last_shot_id),
+      publisher_(rig, publisher_settings(settings, found, ports.publisher_clock), queue_, mailbox_, journal_,
                  ports.bus, ports.publisher_clock),
       receiver_(rig, settings.boot_id, commands_, mailbox_, settings.draw_token) {}
 
 Result<std::unique_ptr<FirmwareProcess>> FirmwareProcess::start(const firmware::Rig& rig,
                                                                 const FirmwarePorts& ports,
                                                                 const Settings& settings) {
+  const firmware::FolderFindings found = firmware::repair_journals(settings.session);
+  for (const std::string& line : found.repaired) settings.say(line);
   auto journal = firmware::Journal::create(settings.session, settings.boot_id);
   if (!journal) return tl::unexpected(journal.error());
-  return std::unique_ptr<FirmwareProcess>(new FirmwareProcess(rig, ports, settings, std::move(*journal)));
+  return std::unique_ptr<FirmwareProcess>(
+      new FirmwareProcess(rig, ports, settings, found, std::move(*journal)));
 }
 
 int FirmwareProcess::drop_queue() {

@@ -48,7 +48,7 @@ class FirmwareProcess {
 
  private:
   FirmwareProcess(const firmware::Rig& rig, const FirmwarePorts& ports, const Settings& settings,
-                  firmware::Journal journal);
+                  const firmware::FolderFindings& found, firmware::Journal journal);
 
   std::int64_t boot_id_;
   firmware::LoopQueue queue_;
