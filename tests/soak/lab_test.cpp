@@ -51,6 +51,7 @@ TEST(VirtualLab, ReadsEveryShotOutWhenNothingGoesWrong) {
 TEST(VirtualLab, PlaysTheShippedPlanAndBurstsAfterTheGate) {
   LONGS_EQUAL(60, run(no_faults(), PlanKind::shipped, 6).good);
   LONGS_EQUAL(100, run(no_faults(), PlanKind::gated, 10).good);
+  LONGS_EQUAL(100, run(no_faults(), PlanKind::coded, 10).good);
 }
 
 TEST(VirtualLab, HoldsWhatMustHoldThroughEveryKindOfFault) {

@@ -105,6 +105,21 @@ void plan_gated(Scenery& scenery, Random& random) {
   plan.shutter_open_ms = std::round(*plan.impact_at_ms + 1e-3 * plan.period_us * plan.flash_count + 30.0);
 }
 
+void plan_coded(Scenery& scenery, Random& random) {
+  host::ShotPlan& plan = scenery.plan;
+  plan_brief(scenery, random);
+  const double shortest_us = plan.period_us;
+  for (int k = random.integer(2, 7); k > 0; --k)
+    plan.intervals_us.push_back(std::round(shortest_us * (1.0 + 0.1 * random.integer(0, 2))));
+  plan.intervals_us.push_back(shortest_us);
+  // 11 at the least: 70 ms at 6 ms, a fifth longer.
+  const int flashes = static_cast<int>(1000.0 * plan.shutter_open_ms / (1.2 * shortest_us));
+  for (int k = random.integer(0, 3); k < flashes; k += random.integer(5, 12)) {
+    auto& list = random.chance(0.3) ? plan.omit : random.chance(0.5) ? plan.only_a : plan.only_b;
+    list.push_back(k);
+  }
+}
+
 bool can_be_gated(const sim::Scene& scene) {
   return scene.machine.speed_mps * std::cos(scene.machine.angle_rad) > 8.0;
 }
@@ -128,6 +143,8 @@ Scenery draw_scenery(PlanKind kind, const host::ShotPlan& shipped, Random& rando
   const bool as_shipped = kind == PlanKind::shipped || (any && which > 0.9);
   if (gated && can_be_gated(scenery.scene)) {
     plan_gated(scenery, random);
+  } else if (kind == PlanKind::coded) {
+    plan_coded(scenery, random);
   } else if (!as_shipped) {
     plan_brief(scenery, random);
   }
@@ -140,9 +157,10 @@ Result<PlanKind> find_plan_kind(std::string_view word) {
   if (word == "shipped") return PlanKind::shipped;
   if (word == "brief") return PlanKind::brief;
   if (word == "gated") return PlanKind::gated;
+  if (word == "coded") return PlanKind::coded;
   if (word == "mixed") return PlanKind::mixed;
   if (word == "extremes") return PlanKind::extremes;
-  return fail(std::string(word) + ": not one of shipped, brief, gated, mixed, extremes");
+  return fail(std::string(word) + ": not one of shipped, brief, gated, coded, mixed, extremes");
 }
 
 }  // namespace strobe::soak

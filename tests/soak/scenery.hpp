@@ -16,6 +16,7 @@ enum class PlanKind {
   shipped,   ///< the shipped rig file's: 167 flashes in 0.5 s
   brief,     ///< free trains of 70 to 110 ms around the impact
   gated,     ///< bursts after the light gate
+  coded,     ///< as brief, at unequal intervals, some flashes left out, some of one lamp
   mixed,     ///< one campaign in ten as shipped, one in ten gated, the others brief
   extremes,  ///< mixed, of balls that are slowest, fastest, grazing, steep, most spun, or hardly seen
 };
@@ -28,7 +29,7 @@ struct Scenery {
 
 Scenery draw_scenery(PlanKind kind, const host::ShotPlan& shipped, Random& random);
 
-/// "shipped", "brief", "gated", "mixed", "extremes".
+/// "shipped", "brief", "gated", "coded", "mixed", "extremes".
 Result<PlanKind> find_plan_kind(std::string_view word);
 
 }  // namespace strobe::soak
