@@ -1,0 +1,191 @@
+#include "tests/loss/audit.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <strobe_msgs/event_t.hpp>
+#include <strobe_msgs/readout_t.hpp>
+#include <strobe_msgs/shot_t.hpp>
+
+#include "firmware/publisher/log_reader.hpp"
+
+namespace strobe::loss {
+
+namespace {
+
+using firmware::LogReader;
+using firmware::LogRecord;
+using strobe_msgs::event_t;
+using strobe_msgs::readout_t;
+using strobe_msgs::shot_t;
+
+using EventKey = std::pair<std::int64_t, std::int64_t>;  // boot, sequence
+using ShotKey = std::pair<std::int64_t, std::int32_t>;   // boot, shot
+
+struct Range {
+  std::int64_t first = 0, last = 0;
+};
+
+template <typename Message>
+bool decode(const LogRecord& record, const char* kind, Message& message) {
+  return record.channel.ends_with(kind) &&
+         message.decode(record.bytes.data(), 0, static_cast<int>(record.bytes.size())) >= 0;
+}
+
+std::vector<std::filesystem::path> logs(const std::filesystem::path& folder, const std::string& before) {
+  std::vector<std::filesystem::path> found;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+    const std::string name = entry.path().filename().string();
+    if (name.starts_with(before) && name.ends_with(".lcmlog")) found.push_back(entry.path());
+  }
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+class Auditor {
+ public:
+  void read_journal(const std::filesystem::path& path) {
+    LogReader log(path);
+    std::int64_t expected = 1, end = 0;
+    ++audit_.boots;
+    for (LogRecord record; log.next(record); end = log.at()) {
+      audit_.torn += record.offset - end;
+      event_t event{};
+      shot_t shot{};
+      if (decode(record, "/EVENT", event)) {
+        if (event.sequence != expected)
+          violate(
+              fmt::format("{}: event {} follows {}", path.filename().string(), event.sequence, expected - 1));
+        expected = event.sequence + 1;
+        journalled_[{event.boot_id, event.sequence}] = record.bytes;
+        if (event.kind == event_t::SHOT_STARTED) started_.insert({event.boot_id, event.shot_id});
+        if (event.kind == event_t::REPAIRED) repairs_.push_back(event.detail);
+      } else if (decode(record, "/SHOT", shot)) {
+        shots_[{shot.boot_id, shot.shot_id}] = {shot.first_sequence, shot.last_sequence};
+      }
+    }
+    audit_.torn += static_cast<std::int64_t>(std::filesystem::file_size(path)) - end;
+  }
+
+  void read_host_log(const std::filesystem::path& path) {
+    LogReader log(path);
+    for (LogRecord record; log.next(record);) {
+      event_t event{};
+      shot_t shot{};
+      readout_t readout{};
+      if (decode(record, "/EVENT", event)) {
+        const auto journalled = journalled_.find({event.boot_id, event.sequence});
+        if (journalled == journalled_.end()) {
+          violate(fmt::format("event {} of boot {:x} is on the host and in no journal", event.sequence,
+                              event.boot_id));
+        } else if (journalled->second != record.bytes) {
+          violate(
+              fmt::format("event {} of boot {:x} differs from its journal", event.sequence, event.boot_id));
+        }
+        here_.insert({event.boot_id, event.sequence});
+      } else if (decode(record, "/SHOT", shot)) {
+        shots_here_.insert({shot.boot_id, shot.shot_id});
+      } else if (decode(record, "/READOUT", readout)) {
+        read_out(readout);
+      }
+    }
+  }
+
+  Audit end() {
+    audit_.journalled = static_cast<std::int64_t>(journalled_.size());
+    for (const auto& [key, bytes] : journalled_) {
+      if (here_.contains(key)) continue;
+      ++audit_.missing;
+      violate(fmt::format("event {} of boot {:x} is in the journal and on no host", key.second, key.first));
+    }
+    audit_.shots = static_cast<int>(shots_.size());
+    for (const auto& [key, range] : shots_) {
+      if (shots_here_.contains(key)) continue;
+      ++audit_.shots_missing;
+      violate(fmt::format("the summary of shot {} is in the journal and on no host", key.second));
+    }
+    for (const ShotKey& key : started_) {
+      if (!shots_.contains(key)) account_for(key);
+    }
+    return std::move(audit_);
+  }
+
+ private:
+  void violate(std::string what) { audit_.violations.push_back(std::move(what)); }
+
+  void read_out(const readout_t& readout) {
+    const ShotKey key{readout.boot_id, readout.shot_id};
+    ++audit_.readouts;
+    if (!read_out_.insert(key).second) {
+      ++audit_.twice;
+      violate(fmt::format("shot {} of boot {:x} was read out twice", key.second, key.first));
+    }
+    const bool flagged =
+        std::find(readout.flags.begin(), readout.flags.end(), "events_missing") != readout.flags.end();
+    audit_.flagged += flagged ? 1 : 0;
+    if (flagged || whole(key)) return;
+    ++audit_.incomplete_unflagged;
+    violate(fmt::format("shot {} was read out with events missing, and no flag says so", key.second));
+  }
+
+  bool whole(const ShotKey& key) const {
+    const auto shot = shots_.find(key);
+    if (shot == shots_.end()) return false;
+    for (std::int64_t sequence = shot->second.first; sequence <= shot->second.last; ++sequence) {
+      if (!here_.contains({key.first, sequence})) return false;
+    }
+    return true;
+  }
+
+  /// A shot whose end the firmware did not live to write.
+  void account_for(const ShotKey& key) {
+    ++audit_.cut_off;
+    const std::string words =
+        fmt::format("boot {:016x}: shot {} has no end", static_cast<std::uint64_t>(key.first), key.second);
+    const bool told = std::any_of(repairs_.begin(), repairs_.end(),
+                                  [&](const std::string& detail) { return detail.starts_with(words); });
+    if (told) {
+      ++audit_.cut_off_reported;
+    } else {
+      violate(fmt::format("nobody said that shot {} has no end", key.second));
+    }
+  }
+
+  Audit audit_;
+  std::map<EventKey, std::vector<std::uint8_t>> journalled_;
+  std::map<ShotKey, Range> shots_;
+  std::set<ShotKey> started_;
+  std::vector<std::string> repairs_;
+  std::set<EventKey> here_;
+  std::set<ShotKey> shots_here_, read_out_;
+};
+
+}  // namespace
+
+void Audit::add(const Audit& other) {
+  boots += other.boots;
+  journalled += other.journalled;
+  missing += other.missing;
+  torn += other.torn;
+  shots += other.shots;
+  shots_missing += other.shots_missing;
+  cut_off += other.cut_off;
+  cut_off_reported += other.cut_off_reported;
+  readouts += other.readouts;
+  flagged += other.flagged;
+  twice += other.twice;
+  incomplete_unflagged += other.incomplete_unflagged;
+  violations.insert(violations.end(), other.violations.begin(), other.violations.end());
+}
+
+Audit audit(const std::filesystem::path& firmware, const std::filesystem::path& host) {
+  Auditor auditor;
+  for (const auto& path : logs(firmware, "journal-")) auditor.read_journal(path);
+  for (const auto& path : logs(host, "host-")) auditor.read_host_log(path);
+  return auditor.end();
+}
+
+}  // namespace strobe::loss

@@ -1,0 +1,61 @@
+// The shipped programs across a link that loses, and killed in the middle of shots: a few of each, for the
+// many are tests/loss/run's. Nothing here judges time.
+#include <cstdio>
+#include <string>
+
+#include "tests/loss/trials.hpp"
+// CppUTest redefines new; its headers come last.
+#include <CppUTest/TestHarness.h>
+
+using namespace strobe::loss;
+
+namespace {
+
+void expect_nothing_lost(const Result& result) {
+  std::string violations;
+  for (const std::string& violation : result.audit.violations) violations += violation + "\n";
+  const std::string words = violations + result.words;
+  CHECK_TEXT(violations.empty(), words.c_str());
+  CHECK_TEXT(result.fired, words.c_str());
+  CHECK(result.audit.journalled > 0);
+  LONGS_EQUAL(0, result.audit.missing);
+}
+
+}  // namespace
+
+TEST_GROUP(Loss){};
+
+TEST(Loss, OfAFifthWithDoublesAndLatecomersLeavesNothingMissingInTheEnd) {
+  LinkTrial trial;
+  trial.faults = {0.2, 0.1, 0.2, 60};
+  const Result result = carry_out(trial);
+  CHECK(result.link.lost > 10 && result.link.doubled > 5 && result.link.delayed > 10);
+  expect_nothing_lost(result);
+}
+
+TEST(Loss, OfTheWholeLinkForAWhileInTheMiddleOfAShotLeavesNothingMissingInTheEnd) {
+  LinkTrial trial;
+  trial.cut_s = 1.5;
+  const Result result = carry_out(trial);
+  CHECK(result.link.cut > 0);
+  expect_nothing_lost(result);
+}
+
+TEST(Loss, OfTheHostInTheMiddleOfShotsLeavesNothingMissingInItsFolder) {
+  KillTrial trial;
+  trial.victim = Victim::host;
+  trial.kills = 2;
+  const Result result = carry_out(trial);
+  LONGS_EQUAL(2, result.kills);
+  expect_nothing_lost(result);
+}
+
+TEST(Loss, OfTheFirmwareInTheMiddleOfShotsLeavesNothingMissingAndTheShotsNamed) {
+  KillTrial trial;
+  trial.victim = Victim::firmware;
+  trial.kills = 2;
+  const Result result = carry_out(trial);
+  LONGS_EQUAL(2, result.kills);
+  CHECK(result.audit.boots >= 3);
+  expect_nothing_lost(result);
+}

@@ -1,0 +1,97 @@
+// The relay does to datagrams what it says, and no more.
+#include "tests/loss/relay.hpp"
+
+#include <lcm/lcm-cpp.hpp>
+#include <set>
+#include <string>
+
+#include "tests/support/private_network.hpp"
+#include "tests/support/process.hpp"
+// CppUTest redefines new; its headers come last.
+#include <CppUTest/TestHarness.h>
+
+using namespace strobe::loss;
+using strobe::testing::private_lcm_url;
+
+namespace {
+
+struct Ear {
+  std::multiset<std::string> heard;
+  void hear(const lcm::ReceiveBuffer* buffer, const std::string&) {
+    heard.emplace(static_cast<const char*>(buffer->data), buffer->data_size);
+  }
+};
+
+/// Two networks and what crossed between them.
+struct Networks {
+  std::string url_a = private_lcm_url(), url_b = private_lcm_url();
+  lcm::LCM a{url_a}, b{url_b};
+  Ear at_a, at_b;
+  Networks() {
+    a.subscribe("X", &Ear::hear, &at_a)->setQueueCapacity(10'000);
+    b.subscribe("X", &Ear::hear, &at_b)->setQueueCapacity(10'000);
+  }
+  void take_in(int milliseconds) {
+    const std::int64_t end = strobe::testing::monotonic_now_ns() + milliseconds * 1'000'000LL;
+    while (strobe::testing::monotonic_now_ns() < end) {
+      a.handleTimeout(1);
+      b.handleTimeout(1);
+    }
+  }
+  void send(lcm::LCM& from, int count) {
+    for (int i = 0; i < count; ++i) {
+      const std::string text = "message " + std::to_string(i);
+      from.publish("X", text.data(), static_cast<unsigned>(text.size()));
+    }
+  }
+};
+
+}  // namespace
+
+TEST_GROUP(Relay){};
+
+TEST(Relay, CarriesEverythingBothWaysOnce) {
+  Networks networks;
+  const Relay relay(networks.url_a, networks.url_b, {}, 1);
+  networks.send(networks.a, 200);
+  networks.take_in(100);
+  LONGS_EQUAL(200, networks.at_a.heard.size());  // its own network's, and no echo
+  LONGS_EQUAL(200, networks.at_b.heard.size());
+  networks.send(networks.b, 100);
+  networks.take_in(100);
+  LONGS_EQUAL(300, networks.at_a.heard.size());
+  LONGS_EQUAL(300, relay.counts().came);
+}
+
+TEST(Relay, LosesDoublesAndDelaysAsOftenAsItIsTold) {
+  Networks networks;
+  LinkFaults faults;
+  faults.loss = 0.5;
+  faults.duplication = 0.25;
+  faults.reordering = 0.25;
+  faults.most_delay_ms = 20;
+  const Relay relay(networks.url_a, networks.url_b, faults, 1);
+  networks.send(networks.a, 1000);
+  networks.take_in(200);
+  const LinkCounts counts = relay.counts();
+  LONGS_EQUAL(1000, counts.came);
+  // Four standard deviations of a count of 1000 at one half, and of 500 at a quarter (once more delayed).
+  CHECK(counts.lost > 437 && counts.lost < 563);
+  CHECK(counts.doubled > 80 && counts.doubled < 170);
+  CHECK(counts.delayed > 100 && counts.delayed < 215);
+  LONGS_EQUAL(1000 - counts.lost + counts.doubled, networks.at_b.heard.size());
+}
+
+TEST(Relay, CarriesNothingWhileItIsCut) {
+  Networks networks;
+  Relay relay(networks.url_a, networks.url_b, {}, 1);
+  relay.cut(true);
+  networks.send(networks.a, 10);
+  networks.take_in(50);
+  LONGS_EQUAL(0, networks.at_b.heard.size());
+  LONGS_EQUAL(10, relay.counts().cut);
+  relay.cut(false);
+  networks.send(networks.a, 10);
+  networks.take_in(50);
+  LONGS_EQUAL(10, networks.at_b.heard.size());
+}

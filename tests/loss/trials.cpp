@@ -1,0 +1,194 @@
+#include "tests/loss/trials.hpp"
+
+#include <csignal>
+#include <random>
+
+#include "tests/hil/bench.hpp"
+#include "tests/hil/watch.hpp"
+#include "tests/support/private_network.hpp"
+
+namespace strobe::loss {
+
+namespace {
+
+using namespace std::chrono_literals;
+using hil::Bench;
+using hil::BenchOptions;
+using hil::LineWatch;
+using testing::Command;
+using testing::ExitStatus;
+using testing::Process;
+
+constexpr auto kShotComes = 40s;  // a host waits for lost answers, a machine stands still
+constexpr auto kSeriesEnds = 240s;
+
+BenchOptions bench_options(bool short_exposure, std::uint64_t seed) {
+  BenchOptions options;
+  options.seed = seed;
+  if (short_exposure) {
+    options.rig_edits = {{"shutter_open_ms = 500", "shutter_open_ms = 160"},
+                         {"impact_at_ms = 250", "impact_at_ms = 80"}};
+  }
+  return options;
+}
+
+/// A bench, and a host on another network that is joined with it by a relay.
+class Lab {
+ public:
+  Lab(const BenchOptions& options, const LinkFaults& faults, std::uint64_t seed)
+      : bench_(options),
+        host_url_(testing::private_lcm_url()),
+        relay_(bench_.lcm_url(), host_url_, faults, seed) {
+    ready_ = bench_.ready();
+  }
+  bool ready() const { return ready_; }
+  Bench& bench() { return bench_; }
+  Relay& relay() { return relay_; }
+  std::filesystem::path host_folder() const { return bench_.folder() / "host"; }
+
+  Process fire(int shots, int retries) {
+    Command command = bench_.strobe({"fire", "--shots", std::to_string(shots), "--retries",
+                                     std::to_string(retries), "--session", host_folder(), "--plain"});
+    command.arguments.back() = host_url_;
+    return bench_.start(command);
+  }
+
+  void audit_into(Result& result) {
+    result.audit.add(audit(bench_.session(), host_folder()));
+    result.link = relay_.counts();
+  }
+
+ private:
+  Bench bench_;
+  std::string host_url_;
+  Relay relay_;
+  bool ready_ = false;
+};
+
+double seconds_since(std::int64_t start_ns) {
+  return static_cast<double>(testing::monotonic_now_ns() - start_ns) * 1e-9;
+}
+
+void end_series(Process& host, Result& result) {
+  const auto status = host.wait(kSeriesEnds);
+  result.fired = status == ExitStatus({0, 0});
+  result.words += host.err();
+}
+
+/// strobed again whenever it has ended, until the bench is taken down.
+const char* const kAgain = "until [ -e \"$5/stop\" ]; do \"$@\"; done";
+
+void take_down(Bench& bench) {
+  testing::write_text(bench.session() / "stop", "");
+  if (const pid_t guardian = bench.guardian(); guardian != 0) kill(guardian, SIGTERM);
+  bench.sim().wait(10s);
+}
+
+class Killing {
+ public:
+  Killing(const KillTrial& trial, Lab& lab, Result& result)
+      : trial_(trial), lab_(lab), result_(result), random_(trial.seed), watch_(lab.bench().chip_dir()) {}
+
+  /// Each host fires one shot and dies in it; the next one takes over its folder.
+  void hosts() {
+    while (result_.kills < trial_.kills) {
+      Process host = lab_.fire(1, 1000);
+      if (!instant_of_a_shot()) return;
+      host.signal(SIGKILL);
+      host.wait(5s);
+      killed();
+    }
+    Process last = lab_.fire(1, 1000);
+    end_series(last, result_);
+  }
+
+  /// One host fires on while the firmware dies in each of its shots.
+  void firmwares() {
+    Process host = lab_.fire(100'000, 100'000);
+    while (result_.kills < trial_.kills && host.running()) {
+      if (!instant_of_a_shot()) break;
+      const pid_t worker = lab_.bench().worker(), guardian = lab_.bench().guardian();
+      if (worker == 0) continue;
+      if (chance(1.0 / 3.0)) kill(guardian, SIGKILL);
+      kill(worker, SIGKILL);
+      killed();
+    }
+    // Two more shots: what the last death left has then been told and fetched.
+    for (int shot = 0; shot < 2; ++shot) watch_.wait_for("SHUTTER", 1, kShotComes);
+    testing::sleep_for(1500ms);
+    host.signal(SIGINT);
+    result_.fired = host.wait(kSeriesEnds).has_value();
+    result_.words += host.err();
+  }
+
+ private:
+  bool chance(double p) { return std::bernoulli_distribution(p)(random_); }
+  bool instant_of_a_shot() {
+    if (watch_.wait_for("SHUTTER", 1, kShotComes) == 0) {
+      result_.words += "no shot came\n";
+      return false;
+    }
+    const double most_ms = trial_.short_exposure ? 600.0 : 1000.0;
+    const double ms = std::uniform_real_distribution<double>(0.0, most_ms)(random_);
+    testing::sleep_for(std::chrono::milliseconds(static_cast<int>(ms)));
+    return true;
+  }
+  void killed() {
+    ++result_.kills;
+    trial_.progress(result_.kills);
+  }
+
+  const KillTrial& trial_;
+  Lab& lab_;
+  Result& result_;
+  std::mt19937_64 random_;
+  LineWatch watch_;
+};
+
+}  // namespace
+
+Result carry_out(const LinkTrial& trial) {
+  Result result;
+  const std::int64_t start_ns = testing::monotonic_now_ns();
+  Lab lab(bench_options(trial.short_exposure, trial.seed), trial.faults, trial.seed);
+  if (!lab.ready()) {
+    result.words = lab.bench().log();
+    return result;
+  }
+  LineWatch watch(lab.bench().chip_dir());
+  Process host = lab.fire(trial.shots, 1000);
+  if (trial.cut_s > 0.0 && watch.wait_for("SHUTTER", 1, kShotComes) != 0) {
+    std::mt19937_64 random(trial.seed);
+    testing::sleep_for(std::chrono::milliseconds(std::uniform_int_distribution<int>(0, 300)(random)));
+    lab.relay().cut(true);
+    testing::sleep_for(std::chrono::milliseconds(static_cast<int>(trial.cut_s * 1e3)));
+    lab.relay().cut(false);
+  }
+  end_series(host, result);
+  lab.audit_into(result);
+  result.took_s = seconds_since(start_ns);
+  return result;
+}
+
+Result carry_out(const KillTrial& trial) {
+  Result result;
+  const std::int64_t start_ns = testing::monotonic_now_ns();
+  BenchOptions options = bench_options(trial.short_exposure, trial.seed);
+  options.shell = kAgain;
+  LinkFaults faults;
+  faults.loss = trial.loss;
+  Lab lab(options, faults, trial.seed);
+  if (!lab.ready()) {
+    result.words = lab.bench().log();
+    return result;
+  }
+  Killing killing(trial, lab, result);
+  trial.victim == Victim::host ? killing.hosts() : killing.firmwares();
+  lab.audit_into(result);  // what follows no host hears
+  take_down(lab.bench());
+  result.words += lab.bench().log();
+  result.took_s = seconds_since(start_ns);
+  return result;
+}
+
+}  // namespace strobe::loss
