@@ -92,6 +92,7 @@ void outputs() {
   gpiod_line_bulk_add(&pair, line(line_b));
   const std::array<int, 2> off{0, 0}, on{1, 1}, one{1, 0};
   say_outcome("two outputs", gpiod_line_request_bulk_output(&pair, kConsumer, off.data()));
+  say_value("the first of them", gpiod_line_bulk_get_line(&pair, 0) == line(line_a) ? 1 : 0);
   say_value("line is used", gpiod_line_is_used(line(line_a)) ? 1 : 0);
   say_outcome("look again", gpiod_line_update(line(line_a)));
   say("its consumer", text_or_none(gpiod_line_consumer(line(line_a))));
