@@ -13,6 +13,7 @@ namespace strobe::bench {
 void add_timing_command(CLI::App& app, int& exit_status);
 void add_spin_command(CLI::App& app, int& exit_status);
 void add_loop_command(CLI::App& app, int& exit_status);
+void add_clock_command(CLI::App& app, int& exit_status);
 void add_digits_command(CLI::App& app, int& exit_status);
 void add_digitize_command(CLI::App& app, int& exit_status);
 void add_efficiency_command(CLI::App& app, int& exit_status);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <random>
 
 #include "host/clock/device_clock.hpp"
@@ -22,14 +23,20 @@ class Heartbeats {
   double burst_share = 0.0;  ///< of messages that begin a burst of ten, 5 to 10 ms late
   double extra_delay_s = 0.0;
 
+  struct Beat {
+    host::MachineClocks device;
+    std::int64_t heard_ns = 0;
+  };
   /// Half a second later: one more heartbeat, unless it is lost.
-  void send(host::DeviceClock& clock) {
+  std::optional<Beat> next() {
     device_s_ += 0.5;
     const double delay_s = draw_delay_s();
-    if (uniform() < lost_share) return;
-    clock.on_heartbeat(boot_id,
-                       {device_ns(), device_wall_ns + device_ns() + slept_ns_, device_ns() + slept_ns_},
-                       local_ns() + static_cast<std::int64_t>(delay_s * 1e9));
+    if (uniform() < lost_share) return std::nullopt;
+    return Beat{{device_ns(), device_wall_ns + device_ns() + slept_ns_, device_ns() + slept_ns_},
+                local_ns() + static_cast<std::int64_t>(delay_s * 1e9)};
+  }
+  void send(host::DeviceClock& clock) {
+    if (const auto beat = next()) clock.on_heartbeat(boot_id, beat->device, beat->heard_ns);
   }
 
   std::int64_t device_ns() const { return static_cast<std::int64_t>(device_s_ * 1e9); }
