@@ -22,7 +22,7 @@ constexpr const char* kFooter =
     "2 bad usage, rig file, chip or line.\n"
     "A drill proves on the real rig that the outputs become safe: --drill publisher-exception@3 lets the\n"
     "publishing thread fail at the first flash of this start's third shot; publisher-hang and loop-hang let\n"
-    "that thread stand still.";
+    "that thread stand still, output-failure lets every further setting of an output fail.";
 
 strobe::Result<Rig> load_rig(const std::string& path) {
   std::ifstream file(path);
@@ -78,7 +78,7 @@ int run(int argc, char** argv) {
                "as root: keep the machine's interrupts off the CPU of [real_time] cpu, and end")
       ->excludes(check_flag);
   app.add_option("--drill", drill,
-                 "publisher-exception@SHOT, publisher-hang@SHOT or loop-hang@SHOT, see below");
+                 "publisher-exception@SHOT, publisher-hang@, loop-hang@ or output-failure@SHOT, see below");
   app.add_flag("--json", options.json, "with --check: one JSON object per line");
   app.add_flag("--verbose", options.verbose, "every event on stderr");
   app.set_version_flag("--version", STROBE_VERSION);

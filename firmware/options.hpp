@@ -9,8 +9,8 @@
 namespace strobe::firmware {
 
 /// What --drill can let happen, to prove on the real rig that the outputs become safe.
-inline constexpr std::array<std::string_view, 3> kDrills{"publisher-exception", "publisher-hang",
-                                                         "loop-hang"};
+inline constexpr std::array<std::string_view, 4> kDrills{"publisher-exception", "publisher-hang", "loop-hang",
+                                                         "output-failure"};
 
 struct Options {
   std::string config;

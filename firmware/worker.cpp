@@ -76,7 +76,8 @@ class LoopThread {
   /// What could not be had of the thread's real-time rights.
   std::vector<std::string> set_up() { return set_up_.get_future().get(); }
   void start(const Words& detail) { go_.set_value(detail); }
-  void hang() { hang_ = true; }  ///< drill
+  void hang() { hang_ = true; }                  ///< drill
+  void lose_outputs() { lose_outputs_ = true; }  ///< drill: they can no longer be set
   /// False: it had not stopped in good order.
   bool stop() {
     stop_ = true;
@@ -111,6 +112,7 @@ class LoopThread {
   const char* turn() noexcept {
     page_.loop_turned_ns.store(clock_.now().ns, std::memory_order_relaxed);
     while (hang_) pause();
+    if (lose_outputs_.exchange(false, std::memory_order_relaxed)) lines_.release_outputs();
     if (const char* fault = guardian_fault()) return fault;
     return sequencer_.step(kNoDeadline) ? nullptr : kNoSwitchingOff;
   }
@@ -138,6 +140,7 @@ class LoopThread {
   const pid_t guardian_ = getppid();
   std::atomic<bool> stop_{false};
   std::atomic<bool> hang_{false};
+  std::atomic<bool> lose_outputs_{false};
   bool well_ = true;
   std::promise<std::vector<std::string>> set_up_;
   std::promise<Words> go_;
@@ -152,6 +155,7 @@ std::function<void()> drill(const std::string& name, LoopThread& loop) {
       for (;;) pause();
     };
   }
+  if (name == "output-failure") return [&loop] { loop.lose_outputs(); };
   return [&loop] { loop.hang(); };
 }
 

@@ -105,6 +105,9 @@ const std::vector<Way>& ways() {
        "loop-hang@1"},
       {"worker hangs, chip lets go", Chip::lets_go, to_worker(SIGSTOP),
        "the loop hung and the worker was killed", kHangKnown},
+      // The loop turns at the next flash, after 5 ms; the one after that fails.
+      {"an output fails", Chip::keeps, hangs, "an output could not be switched off; the guardian made",
+       kAtOnce + 10 * kMs, "output-failure@1"},
       {"chip unplugged", Chip::keeps, unplug, "THE OUTPUTS MAY BE ACTIVE", kAtOnce, "", true},
       {"chip unplugged, lets go", Chip::lets_go, unplug, "an output could not be switched off"},
   };
