@@ -200,6 +200,19 @@ TEST(RealKernel, OutputsAreInactiveAfterTheWorkerWasKilledInTheMiddleOfATrain) {
   firing->signal(SIGTERM);
 }
 
+TEST(RealKernel, OutputsAreMadeInactiveByHandAfterWorkerAndGuardianWereKilled) {
+  start();
+  const auto firing = fire_and_wait_for_the_train();
+  bench.machine().run("kill -9 $(pidof strobed); while pidof strobed >/dev/null; do :; done");
+  STRCMP_EQUAL("0\n", bench.machine().run("strobed --safe --config /rig.toml; echo $?").c_str());
+  outputs_become_inactive();
+  const std::size_t safe = bench.events().size();
+  bench.machine().run("sleep 1");
+  LONGS_EQUAL(0, rises_after(bench.events(), safe));
+  CHECK_TRUE(bench.rises(Pin::strobe_a) < kFlashes);
+  firing->signal(SIGTERM);
+}
+
 TEST(RealKernel, EndsAsFailedWhenTheDriverIsTakenAwayInTheMiddleOfATrain) {
   start();
   const auto firing = fire_and_wait_for_the_train();
