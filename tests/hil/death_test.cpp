@@ -191,11 +191,35 @@ std::vector<const Way*> try_together(const std::vector<const Way*>& tried) {
   return late;
 }
 
+/// A guardian that stands still for good, while other benches are at work: nothing to see before 5 s are
+/// over.
+class StandingGuardian {
+ public:
+  StandingGuardian() {
+    if (!bench_.ready()) FAIL(("strobed did not come up:\n" + bench_.log()).c_str());
+    guardian_ = bench_.guardian();
+    worker_ = bench_.worker();
+    kill(guardian_, SIGSTOP);
+  }
+  void expect_that_the_worker_stopped() {
+    CHECK(strobe::testing::wait_until([&] { return strobe::testing::program_of(worker_).empty(); }, 20s));
+    kill(guardian_, SIGCONT);
+    bench_.changes();
+    CHECK_TEXT(bench_.log().find("stopped: the guardian hangs") != std::string::npos, bench_.log().c_str());
+    expect_whole_journal(bench_, "guardian hangs");
+  }
+
+ private:
+  Bench bench_;
+  pid_t guardian_ = 0, worker_ = 0;
+};
+
 }  // namespace
 
 TEST_GROUP(Death){};
 
 TEST(Death, LeavesTheOutputsInactiveHoweverItComes) {
+  StandingGuardian standing;
   std::vector<const Way*> open;
   for (const Way& way : ways()) open.push_back(&way);
   for (int attempt = 0; attempt < kAttempts && !open.empty(); ++attempt) {
@@ -210,6 +234,7 @@ TEST(Death, LeavesTheOutputsInactiveHoweverItComes) {
   }
   for (const Way* way : open)
     FAIL((std::string("five times late, or without a flash: ") + way->name).c_str());
+  standing.expect_that_the_worker_stopped();
 }
 
 TEST(Death, OfAPublisherThatHangsIsOrderlyAndTheServiceManagerHearsOfIt) {
