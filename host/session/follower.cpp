@@ -1,5 +1,7 @@
 #include "host/session/follower.hpp"
 
+#include <fmt/format.h>
+
 namespace strobe::host {
 namespace {
 
@@ -69,7 +71,12 @@ std::optional<strobe_msgs::status_t> Follower::heard(std::int64_t now_ns) const 
 const Model& Follower::shown(std::int64_t now_ns) {
   model_.status = session_.status();
   model_.status_age_s = static_cast<double>(now_ns - session_.status_heard_ns()) * 1e-9;
+  const bool suspect_before = model_.clock.suspect;
   model_.clock = session_.clock().state();
+  if (model_.clock.suspect && !suspect_before) {
+    notice(fmt::format("the firmware's clock drifts by {:.0f} ppm against this machine's: not plausible",
+                       *model_.clock.drift_ppm));
+  }
   model_.events_missing = session_.ledger().missing();
   return model_;
 }

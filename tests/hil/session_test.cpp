@@ -46,6 +46,13 @@ TEST(Session, FolderHoldsAllThatIsNeededToRecomputeIt) {
   CHECK(std::filesystem::exists(bench.session() / "plan.toml"));
   const auto table = strobe::testing::read_csv(bench.session() / "results.csv");
   LONGS_EQUAL(readouts(fired.out).size(), table.rows.size());
+  const auto flashes = strobe::testing::read_csv(bench.session() / "flashes.csv");
+  const LogContents journal = read_log(bench.journal());
+  std::size_t planned = 0;
+  for (const auto& shot : journal.shots) planned += shot.flashes.size();
+  LONGS_EQUAL(planned, flashes.rows.size());
+  STRCMP_EQUAL(std::to_string(journal.shots.front().flashes.front().commanded_ns).c_str(),
+               flashes.rows.front().at(flashes.column("commanded_ns")).c_str());
   STRCMP_EQUAL("two shots",
                readouts(fired.out).front().at("record").at("remarks").get<std::string>().c_str());
 }
