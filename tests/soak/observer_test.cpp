@@ -200,7 +200,7 @@ TEST(Observer, HearsOfFlashesTooCloseAndTooMany) {
   pulse(Output::strobes, microseconds(50));
   pass(microseconds(1300));
   pulse(Output::strobes, microseconds(50));
-  expect("lamps flashed 1350 us after");
+  expect("a lamp flashed 1350 us after");
   for (int k = 2; k <= rig.lamps.max_flashes; ++k) {
     pass(milliseconds(2));
     pulse(Output::strobes, microseconds(50));
