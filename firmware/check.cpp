@@ -6,6 +6,7 @@
 #include <lcm/lcm-cpp.hpp>
 #include <nlohmann/json.hpp>
 
+#include "common/authentication/key_file.hpp"
 #include "firmware/linux/gpio_lines.hpp"
 #include "firmware/linux/guardian.hpp"
 #include "firmware/linux/interrupts.hpp"
@@ -78,6 +79,10 @@ int check_rig(const Rig& rig, const Options& options) {
   for (const CheckItem& item : real_time_report(rig, trial, find_tick(rig.real_time), SystemFiles()))
     report.item(item, options.allow_no_rt);
   report.item("session", session_fault(options.session));
+  const auto key = authentication::find_key({options.key_file, rig.key_file});
+  report.item(
+      key ? CheckItem{"key", Verdict::ok, key->path.string() + ", fingerprint " + key->key.fingerprint()}
+          : CheckItem{"key", Verdict::fault, key.error().message});
   lcm::LCM lcm(options.lcm_url);
   report.item(
       "lcm",

@@ -4,9 +4,11 @@
 #include <charconv>
 #include <cstdio>
 #include <exception>
+#include <filesystem>
 #include <fstream>
 #include <sstream>
 
+#include "common/authentication/key_file.hpp"
 #include "common/messages/channels.hpp"
 #include "firmware/check.hpp"
 #include "firmware/core/rig_file.hpp"
@@ -29,12 +31,25 @@ strobe::Result<Rig> load_rig(const std::string& path) {
   if (!file) return strobe::fail(path + ": cannot be read");
   std::ostringstream text;
   text << file.rdbuf();
-  return read_rig(text.str(), path);
+  auto rig = read_rig(text.str(), path);
+  if (rig && !rig->key_file.empty())
+    rig->key_file = (std::filesystem::path(path).parent_path() / rig->key_file).string();
+  return rig;
 }
 
 int bad_input(const std::string& what) {
   std::fprintf(stderr, "strobed: %s\n", what.c_str());
   return kExitBadInput;
+}
+
+/// The lab's key; its fingerprint is told at the start, so that it can be compared with a host's.
+strobe::Result<void> take_key(const Rig& rig, Options& options) {
+  const auto found = strobe::authentication::find_key({options.key_file, rig.key_file});
+  if (!found) return tl::unexpected(found.error());
+  options.key = found->key;
+  options.key_words =
+      found->path.string() + ", fingerprint " + found->key.fingerprint() + (found->made ? " (new)" : "");
+  return {};
 }
 
 int make_safe(const Rig& rig) {
@@ -70,6 +85,9 @@ int run(int argc, char** argv) {
   app.add_option(
       "--lcm-url", options.lcm_url,
       "overrides the rig file's lcm_url (default " + std::string(strobe::messages::kDefaultLcmUrl) + ")");
+  app.add_option("--key-file", options.key_file,
+                 "the lab's key, which commands must be sealed with (default: the rig file's, "
+                 "$STROBE_KEY_FILE, systemd's credential lab.key, ~/.config/strobe/lab.key)");
   app.add_flag("--allow-no-rt", options.allow_no_rt, "run without real-time rights, with a warning");
   auto* check_flag =
       app.add_flag("--check", check, "try chip, lines, rights and folder, tell what is wrong, and end");
@@ -100,6 +118,7 @@ int run(int argc, char** argv) {
   if (check) return check_rig(*rig, options);
   if (move) return move_interrupts(*rig);
   if (options.session.empty()) return bad_input("--session is required: the folder for the journal");
+  if (auto key = take_key(*rig, options); !key) return bad_input(key.error().message);
   return guard(*rig, [&](WorkerPage& page) { return run_worker(*rig, options, page); });
 }
 

@@ -3,8 +3,11 @@
 
 #include <array>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
+
+#include "common/authentication/key.hpp"
 
 namespace strobe::firmware {
 
@@ -16,6 +19,9 @@ struct Options {
   std::string config;
   std::filesystem::path session;
   std::string lcm_url;  ///< resolved: command line, rig file, default
+  std::string key_file;                    ///< --key-file; empty: not given
+  std::optional<authentication::Key> key;  ///< of the lab; there whenever the worker runs
+  std::string key_words;                   ///< the key's file and fingerprint
   bool allow_no_rt = false;
   bool verbose = false;
   bool json = false;

@@ -17,6 +17,7 @@
 #include "firmware/linux/monotonic_clock.hpp"
 #include "firmware/linux/real_time.hpp"
 #include "firmware/linux/tick_finder.hpp"
+#include "firmware/publisher/command_feed.hpp"
 #include "firmware/publisher/journal_folder.hpp"
 #include "firmware/publisher/lcm_bus.hpp"
 #include "firmware/publisher/publisher.hpp"
@@ -178,6 +179,9 @@ int run_worker(const Rig& rig, const Options& options, WorkerPage& page) {
   lcm::LCM lcm(options.lcm_url);
   if (!lcm.good()) return give_up_safely(no_lcm(options.lcm_url));
   LcmBus bus(lcm);
+  const auto commands_in =
+      CommandFeed::open(lcm, options.lcm_url, messages::channel_name(rig.name, messages::Channel::command));
+  if (!commands_in) return give_up_safely(commands_in.error().message);
   const std::int64_t boot_id = random_id();
   MonotonicClock clock;
   LoopQueue queue(rig, publisher_wake);
@@ -203,7 +207,9 @@ int run_worker(const Rig& rig, const Options& options, WorkerPage& page) {
 
   auto journal = Journal::create(options.session, boot_id);
   if (!journal) return give_up_safely(journal.error().message);
+  Rejections rejections(clock, say_on_stderr);
   PublisherSettings settings;
+  settings.rejected = [&rejections] { return rejections.counts(); };
   settings.boot_id = boot_id;
   settings.session = options.session;
   settings.found = earlier;
@@ -212,22 +218,25 @@ int run_worker(const Rig& rig, const Options& options, WorkerPage& page) {
   settings.turned_ns = &page.publisher_turned_ns;
   settings.drill_at_shot = options.drill_at_shot;
   settings.drill = drill(options.drill, loop);
-  settings.on_first_status = [&rig, &page, boot_id] {
-    std::fprintf(stderr, "strobed: ready, rig %s, boot %016llx\n", rig.name.c_str(),
-                 static_cast<unsigned long long>(boot_id));
+  settings.on_first_status = [&rig, &options, &page, boot_id] {
+    std::fprintf(stderr, "strobed: ready, rig %s, boot %016llx, key %s\n", rig.name.c_str(),
+                 static_cast<unsigned long long>(boot_id), options.key_words.c_str());
     page.ready = true;
     page.ring();
   };
   Publisher publisher(rig, settings, queue, mailbox, *journal, bus, clock);
-  Receiver receiver(rig, boot_id, commands, mailbox);
-  bus.listen(messages::channel_name(rig.name, messages::Channel::command),
-             [&receiver](const void* data, int size) { receiver.receive(data, size); });
+  Receiver receiver(rig, boot_id, options.key.value(), commands, mailbox, rejections);
+  const CommandFeed::Handlers on_command{
+      [&receiver](std::span<const std::uint8_t> sealed) { receiver.receive(sealed); },
+      [&rejections] { rejections.note(authentication::Rejection::oversized); },
+      [&rejections] { rejections.turn(); }};
   loop.start(Words("strobed " STROBE_VERSION)
                  .append(settings.real_time ? ", real time" : ", without all real-time rights"));
   // noexcept: an exception ends the process here and now, and the guardian makes the outputs safe.
   std::jthread publishing(
       [&](const std::stop_token& stop) noexcept { publisher.run(stop, publisher_wake.fd()); });
-  std::jthread receiving([&](const std::stop_token& stop) noexcept { bus.run(stop); });
+  std::jthread receiving(
+      [&](const std::stop_token& stop) noexcept { (*commands_in)->run(stop, on_command); });
 
   wait_for_stop_signal();
   const bool well = loop.stop();

@@ -29,7 +29,8 @@ struct Note {
 struct Rig {
   std::string file_name;
   std::string name = "bench";
-  std::string lcm_url;  ///< empty: the default
+  std::string lcm_url;   ///< empty: the default
+  std::string key_file;  ///< of the lab's key; empty: where it is looked for otherwise
   std::string chip = "gpiochip0";
   std::uint32_t chip_file_line = 0;
   std::array<LineConfig, kLineCount> lines;  ///< indexed by Line

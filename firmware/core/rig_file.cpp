@@ -160,6 +160,7 @@ Result<Rig> read_rig(std::string_view text, const std::string& file_name) {
   if (!messages::valid_rig_name(rig.name))
     root.error_at("rig", "must be 1 to 24 characters of [A-Za-z0-9_-]");
   rig.lcm_url = root.string_or("lcm_url", "");
+  rig.key_file = root.table("commands").string_or("key_file", "");
   TomlTable chip = root.table("chip");
   rig.chip = chip.string("name");
   rig.chip_file_line = chip.line_of("name");

@@ -7,9 +7,12 @@
 #include <exception>
 #include <utility>
 
+#include "common/authentication/seal.hpp"
 #include "firmware/core/shot_plan.hpp"
 
 namespace strobe::firmware {
+
+using authentication::Rejection;
 
 std::int64_t random_id() {
   std::int64_t id = 0;
@@ -23,14 +26,14 @@ std::int64_t random_id() {
 bool CommandQueue::push(const Command& command) { return queue_.try_enqueue(command) && loop_.wake(); }
 
 bool RepetitionFilter::is_news(std::int64_t host_id, std::int64_t command_id) {
-  const auto known = hosts_.find(host_id);
-  if (known != hosts_.end() && command_id <= known->second.command_id) return false;
-  if (known == hosts_.end() && hosts_.size() == kMostHosts) {
-    hosts_.erase(std::min_element(hosts_.begin(), hosts_.end(), [](const auto& a, const auto& b) {
-      return a.second.order < b.second.order;
-    }));
+  const auto known = newest_.find(host_id);
+  if (known == newest_.end()) {
+    if (newest_.size() == kMostHosts) return false;
+    newest_[host_id] = command_id;
+    return true;
   }
-  hosts_[host_id] = {command_id, ++order_};
+  if (command_id <= known->second) return false;
+  known->second = command_id;
   return true;
 }
 
@@ -45,29 +48,31 @@ bool good_note(const strobe_msgs::note_t& note) {
 
 }  // namespace
 
-bool well_formed(const std::uint8_t* data, std::size_t size) {
+bool well_formed(std::span<const std::uint8_t> body) {
   // LCM's generated decoder believes every count and length: 2^31 notes are allocated, a length of 0 or below
-  // reads before the buffer. So what varies is walked through first.
+  // reads before the buffer. So what varies is walked through first, even though whoever sealed it has the
+  // key.
   const auto fixed = static_cast<std::size_t>(strobe_msgs::command_t{}.getEncodedSize());
-  if (size < fixed) return false;
-  constexpr std::size_t kCodedFlash = 8 + 1, kAfterCode = 2 * 8 + 4;  // resend_first, resend_last, note_count
+  if (body.size() < fixed) return false;
+  constexpr std::size_t kCodedFlash = 8 + 1, kAfterCode = 3 * 8 + 4;  // what is to be resent, note_count
   std::size_t at = fixed - kAfterCode - 4;
   const auto next_count = [&](std::uint32_t& count) {
-    if (size - at < 4) return false;
-    count = std::uint32_t{data[at]} << 24 | std::uint32_t{data[at + 1]} << 16 |
-            std::uint32_t{data[at + 2]} << 8 | std::uint32_t{data[at + 3]};
+    if (body.size() - at < 4) return false;
+    count = std::uint32_t{body[at]} << 24 | std::uint32_t{body[at + 1]} << 16 |
+            std::uint32_t{body[at + 2]} << 8 | std::uint32_t{body[at + 3]};
     at += 4;
     return true;
   };
   std::uint32_t coded = 0, notes = 0, length = 0;
-  if (!next_count(coded) || coded > kMostCodedFlashes || size - fixed < coded * kCodedFlash) return false;
+  if (!next_count(coded) || coded > kMostCodedFlashes || body.size() - fixed < coded * kCodedFlash)
+    return false;
   at += coded * kCodedFlash + kAfterCode - 4;
   if (!next_count(notes) || notes > kMostNotes) return false;
   for (std::uint32_t text = 0; text < 2 * notes; ++text) {
-    if (!next_count(length) || length == 0 || length > size - at) return false;
+    if (!next_count(length) || length == 0 || length > body.size() - at) return false;
     at += length;
   }
-  return at == size;
+  return at == body.size();
 }
 
 std::string defect_of(const strobe_msgs::command_t& command, const Rig& rig) {
@@ -84,47 +89,54 @@ std::string defect_of(const strobe_msgs::command_t& command, const Rig& rig) {
   return checked ? "" : checked.error().message;
 }
 
-Receiver::Receiver(const Rig& rig, std::int64_t boot_id, CommandQueue& commands, Mailbox& mailbox,
+Receiver::Receiver(const Rig& rig, std::int64_t boot_id, const authentication::Key& key,
+                   CommandQueue& commands, Mailbox& mailbox, Rejections& rejections,
                    std::function<std::int64_t()> draw_token)
     : rig_(rig),
       boot_id_(boot_id),
+      key_(key),
       commands_(commands),
       mailbox_(mailbox),
+      rejections_(rejections),
       draw_token_(std::move(draw_token)) {}
 
-void Receiver::receive(const void* data, int size) noexcept {
+void Receiver::receive(std::span<const std::uint8_t> sealed) noexcept {
   try {
-    strobe_msgs::command_t command{};
-    if (size < 0 || !well_formed(static_cast<const std::uint8_t*>(data), static_cast<std::size_t>(size)))
-      return;
-    if (command.decode(data, 0, size) >= 0) obey(command);
+    open(sealed);
   } catch (const std::exception& error) {
-    // Out of an LCM handler an exception would cross C code.
+    // Out of a message handler an exception would cross C code.
     std::fprintf(stderr, "strobed: a command was dropped: %s\n", error.what());
   }
 }
 
+void Receiver::open(std::span<const std::uint8_t> sealed) {
+  const auto body = authentication::unseal(key_, rig_.name, sealed);
+  if (!body) return rejections_.note(body.error());
+  strobe_msgs::command_t command{};
+  if (!well_formed(*body) || command.decode(body->data(), 0, static_cast<int>(body->size())) < 0)
+    return rejections_.note(Rejection::malformed);
+  obey(command);
+}
+
 void Receiver::obey(const strobe_msgs::command_t& message) {
-  const bool is_resend = message.kind == strobe_msgs::command_t::RESEND;
-  if (message.boot_id != boot_id_ && !is_resend) return;  // another firmware's, or an earlier life's
-  if (message.kind < strobe_msgs::command_t::ARM || message.kind > strobe_msgs::command_t::CLEAR) return;
+  if (message.boot_id != boot_id_) return rejections_.note(Rejection::stale);
+  if (message.kind < strobe_msgs::command_t::ARM || message.kind > strobe_msgs::command_t::CLEAR)
+    return rejections_.note(Rejection::malformed);
+  if (!filter_.is_news(message.host_id, message.command_id)) return rejections_.note(Rejection::replayed);
+  const std::string defect = defect_of(message, rig_);
+  if (message.kind == strobe_msgs::command_t::RESEND) {
+    if (defect.empty()) mailbox_.ask({message.resend_boot_id, {message.resend_first, message.resend_last}});
+    return;
+  }
   Command command;
   command.kind = static_cast<CommandKind>(message.kind);
   command.host_id = message.host_id;
   command.command_id = message.command_id;
   command.token = message.arm_token;
   command.plan = from_message(message.plan);
-  const std::string defect = defect_of(message, rig_);
-  const bool news = filter_.is_news(message.host_id, message.command_id);
-  if (is_resend) {
-    if (news && defect.empty()) {
-      mailbox_.ask({message.boot_id, {message.resend_first, message.resend_last}});
-    }
-    return;
-  }
-  command.defect = Words(news ? std::string_view(defect) : "a repeated command");
+  command.defect = Words(defect);
   if (command.kind == CommandKind::arm) command.fresh_token = draw_token_();
-  if (command.kind == CommandKind::fire && command.defect.empty()) {
+  if (command.kind == CommandKind::fire && defect.empty()) {
     ShotNotes notes{message.host_id, message.command_id, {}};
     for (const auto& note : message.notes) notes.notes.push_back({note.key, note.value});
     mailbox_.keep(std::move(notes));

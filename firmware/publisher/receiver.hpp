@@ -1,15 +1,20 @@
-// Commands from the message bus: addressed to this firmware, not repeated, well-formed; then to the loop or
-// to the publisher. On a thread of its own, without real-time rights.
+// Commands from the message bus: sealed with the lab's key for this rig, addressed to this start of the
+// firmware, not repeated, well-formed; then to the loop or to the publisher. What is not is counted and
+// ignored. On a thread of its own, without real-time rights.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <map>
+#include <span>
 #include <strobe_msgs/command_t.hpp>
 
+#include "common/authentication/key.hpp"
 #include "firmware/core/rig.hpp"
 #include "firmware/ports/command_source.hpp"
 #include "firmware/ports/wake.hpp"
 #include "firmware/publisher/mailbox.hpp"
+#include "firmware/publisher/rejections.hpp"
 #include "firmware/publisher/spsc_queue.hpp"
 
 namespace strobe::firmware {
@@ -28,25 +33,23 @@ class CommandQueue final : public CommandSource {
 };
 
 /// Remembers the last command of each host: what is not newer is a repetition, e.g. a log that is played
-/// back.
+/// back. Nothing is forgotten before the next start, so that nothing old ever becomes news again.
 class RepetitionFilter {
  public:
-  /// False: a command of this host with this id or a later one came before.
+  /// Hosts are processes that have the key; a day of one `strobe fire` each second has more, and then needs
+  /// a new start of the firmware.
+  static constexpr std::size_t kMostHosts = 65'536;
+
+  /// False: a command of this host with this id or a later one came before, or it is one host too many.
   bool is_news(std::int64_t host_id, std::int64_t command_id);
 
  private:
-  static constexpr std::size_t kMostHosts = 4096;
-  struct Seen {
-    std::int64_t command_id = 0;
-    std::uint64_t order = 0;
-  };
-  std::map<std::int64_t, Seen> hosts_;
-  std::uint64_t order_ = 0;
+  std::map<std::int64_t, std::int64_t> newest_;  ///< by host
 };
 
 /// Whether bytes can be given to command_t's decoder: all counts and lengths within the message, at most 64
 /// notes.
-bool well_formed(const std::uint8_t* data, std::size_t size);
+bool well_formed(std::span<const std::uint8_t> body);
 
 /// What is wrong with the form of a command, or with a FIRE's plan; empty: nothing.
 std::string defect_of(const strobe_msgs::command_t& command, const Rig& rig);
@@ -57,19 +60,22 @@ std::int64_t random_id();
 class Receiver {
  public:
   /// draw_token: a fresh arm token; not 0.
-  Receiver(const Rig& rig, std::int64_t boot_id, CommandQueue& commands, Mailbox& mailbox,
-           std::function<std::int64_t()> draw_token = random_id);
+  Receiver(const Rig& rig, std::int64_t boot_id, const authentication::Key& key, CommandQueue& commands,
+           Mailbox& mailbox, Rejections& rejections, std::function<std::int64_t()> draw_token = random_id);
 
   /// One message of the command channel as received. Never throws.
-  void receive(const void* data, int size) noexcept;
+  void receive(std::span<const std::uint8_t> sealed) noexcept;
 
  private:
+  void open(std::span<const std::uint8_t> sealed);
   void obey(const strobe_msgs::command_t& command);
 
   const Rig& rig_;
   std::int64_t boot_id_;
+  authentication::Key key_;
   CommandQueue& commands_;
   Mailbox& mailbox_;
+  Rejections& rejections_;
   std::function<std::int64_t()> draw_token_;
   RepetitionFilter filter_;
 };

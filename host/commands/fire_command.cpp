@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 
+#include "common/authentication/key_file.hpp"
 #include "host/commands/command.hpp"
 #include "host/commands/fire_run.hpp"
 #include "host/config/notes.hpp"
@@ -13,7 +14,7 @@ namespace strobe::host {
 namespace {
 
 struct FireOptions {
-  std::string rig_path, url, session, plan_path, spin;
+  std::string rig_path, url, session, plan_path, spin, key_file;
   std::vector<std::string> notes;
   std::optional<double> angle_deg;
   int shots = 1;
@@ -50,9 +51,11 @@ std::optional<thesis::Condition> condition_of(const FireOptions& options) {
 }
 
 Result<FireOrder> order_of(const FireOptions& options) {
-  FireOrder order;
   auto rig = load_rig(options.rig_path);
   if (!rig) return tl::unexpected(rig.error());
+  const auto key = authentication::find_key({options.key_file, rig->key_file.value_or("")});
+  if (!key) return tl::unexpected(key.error());
+  FireOrder order(key->key);
   order.rig = std::move(*rig);
   order.campaign.plan = order.rig.plan;
   if (!options.plan_path.empty()) {
@@ -116,6 +119,8 @@ void add_fire_command(CLI::App& app, int& exit_status) {
       ->check(CLI::Range(0.1, 1e6));
   add_photograph_options(*command, options->photographs);
   command->add_option("--lcm-url", options->url, "LCM URL (default: the rig file's, else this machine only)");
+  command->add_option("--key-file", options->key_file,
+                      "the lab's key (default: the rig file's, $STROBE_KEY_FILE, ~/.config/strobe/lab.key)");
   command->add_flag("--json", options->json,
                     "one JSON object per readout on standard output, nothing else there");
   command->add_flag("--plain", options->plain, "lines of text instead of a screen");

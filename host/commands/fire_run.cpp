@@ -30,6 +30,7 @@ class FireRun {
   explicit FireRun(const FireOrder& order)
       : order_(order),
         maker_(random_host_id()),
+        sealer_(order.key, order.rig.rig),
         campaign_(order.campaign, maker_),
         follower_(assembly_settings(order.rig), maker_.host_id(),
                   fmt::format("strobe fire   rig {}   session {}", order.rig.rig, order.session)),
@@ -131,13 +132,42 @@ class FireRun {
     now_ns_ = steady_now_ns();
     follower_.time(now_ns_);
     follower_.local_clocks(machine_clocks());
-    for (const SequenceRange& range : follower_.session().ledger().due(now_ns_))
-      link_->publish(maker_.resend(range));
+    ask_for_missing();
     return true;
   }
 
+  void ask_for_missing() {
+    const auto& status = follower_.session().status();
+    if (!status) return;  // nobody to ask yet
+    for (const SequenceRange& range : follower_.session().ledger().due(now_ns_))
+      send(maker_.resend(status->boot_id, range));
+  }
+
+  /// Said once: what the firmware takes for forged just after this host has sent something is this host's.
+  void say_if_key_differs() {
+    const auto& status = follower_.session().status();
+    if (!status || key_differs_said_) return;
+    if (!forged_before_) forged_before_ = status->rejected_forged;
+    if (status->rejected_forged <= *forged_before_ || status->arm_host_id == maker_.host_id()) return;
+    key_differs_said_ = true;
+    terminal_->notice(fmt::format(
+        "strobed ignores commands that are sealed with another key than its own: it tells its key's fingerprint at "
+        "its start, this host's is {} (see strobe key, --key-file)",
+        order_.key.fingerprint()));
+  }
+
+  void send(const strobe_msgs::command_t& command) {
+    if (const auto sealed = sealer_.seal(command)) {
+      link_->publish_command(*sealed);
+      folder_->log(messages::channel_name(order_.rig.rig, messages::Channel::command), sealed->data(),
+                   sealed->size(), wall_now_us());
+    } else {
+      follower_.notice(sealed.error().message);
+    }
+  }
+
   void send_commands() {
-    for (const auto& command : campaign_.take_commands()) link_->publish(command);
+    for (const auto& command : campaign_.take_commands()) send(command);
     for (const std::string& text : campaign_.take_notices()) follower_.notice(text);
   }
 
@@ -159,6 +189,7 @@ class FireRun {
     follower_.model().doing = campaign_.doing();
     follower_.model().lacking = campaign_.lacking();
     say_what_lasts();
+    say_if_key_differs();
     terminal_->show(follower_.shown(now_ns_), now_ns_);
   }
 
@@ -186,6 +217,7 @@ class FireRun {
 
   /// Events that were lost on the way are fetched from the journal before the log is closed.
   void collect_missing() {
+    if (key_differs_said_) return;  // nothing that is asked for would come
     const EventLedger& ledger = follower_.session().ledger();
     Collection collection(steady_now_ns());
     bool said = false;
@@ -215,6 +247,7 @@ class FireRun {
 
   const FireOrder& order_;
   CommandMaker maker_;
+  CommandSealer sealer_;
   Campaign campaign_;
   Follower follower_;
   WatchedPhotographs photographs_;
@@ -223,6 +256,8 @@ class FireRun {
   std::unique_ptr<Link> link_;
   Terminal* terminal_ = nullptr;
   std::int64_t now_ns_ = 0;
+  std::optional<std::int64_t> forged_before_;
+  bool key_differs_said_ = false;
   std::string lasting_;
   std::int64_t lasting_since_ns_ = 0;
   bool said_ = false;

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "common/authentication/key.hpp"
 #include "common/data/thesis_data.hpp"
 #include "host/commands/terminal.hpp"
 #include "host/commands/watched_photographs.hpp"
@@ -14,6 +15,9 @@
 namespace strobe::host {
 
 struct FireOrder {
+  explicit FireOrder(const authentication::Key& lab_key) : key(lab_key) {}
+
+  authentication::Key key;
   RigFile rig;
   CampaignSettings campaign;
   std::string plan_text;

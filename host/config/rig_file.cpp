@@ -56,8 +56,8 @@ reduction::Record read_record(TomlTable table) {
 }
 
 void accept_firmware_tables(TomlTable root) {
-  const std::set<std::string> own{"rig",    "lcm_url", "ball", "analysis",
-                                  "camera", "record",  "plan", "machine"};
+  const std::set<std::string> own{"rig",    "lcm_url", "commands", "ball",   "analysis",
+                                  "camera", "record",  "plan",     "machine"};
   for (const std::string& key : root.keys()) {
     if (!own.contains(key) && root.is_table(key)) root.table(key).accept_all();
   }
@@ -81,6 +81,8 @@ Result<RigFile> read_rig(std::string_view text, const std::string& file_name) {
     root.error_at("rig", "must be 1 to 24 letters, digits, - or _");
   }
   if (root.has("lcm_url")) rig.lcm_url = root.string("lcm_url");
+  TomlTable commands = root.table("commands");
+  if (commands.has("key_file")) rig.key_file = commands.string("key_file");
   rig.ball = read_ball(root.table("ball"));
   rig.analysis = read_analysis(root.table("analysis"));
   rig.camera = read_camera(root.table("camera"));
@@ -104,10 +106,9 @@ Result<RigFile> load_rig(const std::string& path) {
   const auto text = read_file(file);
   if (!text) return tl::unexpected(text.error());
   auto rig = read_rig(*text, file);
-  if (rig && rig->camera.folder) {
-    const std::filesystem::path beside = file == "-" ? "" : std::filesystem::path(file).parent_path();
-    rig->camera.folder = (beside / *rig->camera.folder).string();
-  }
+  const std::filesystem::path beside = file == "-" ? "" : std::filesystem::path(file).parent_path();
+  if (rig && rig->camera.folder) rig->camera.folder = (beside / *rig->camera.folder).string();
+  if (rig && rig->key_file) rig->key_file = (beside / *rig->key_file).string();
   return rig;
 }
 

@@ -1,6 +1,5 @@
-// The host's part of the rig file: rig, lcm_url, [ball], [analysis], [camera], [record], [plan] and the
-// machine's lag.
-// The other tables are strobed's; they are accepted unread. Values; thread-safe.
+// The host's part of the rig file: rig, lcm_url, [commands], [ball], [analysis], [camera], [record], [plan]
+// and the machine's lag. The other tables are strobed's; they are accepted unread. Values; thread-safe.
 #pragma once
 
 #include <optional>
@@ -33,6 +32,7 @@ struct AnalysisSettings {
 struct RigFile {
   std::string rig;
   std::optional<std::string> lcm_url;
+  std::optional<std::string> key_file;  ///< of the lab's key
   BallSettings ball;
   AnalysisSettings analysis;
   CameraTable camera;
@@ -45,8 +45,8 @@ struct RigFile {
 /// Fails with "FILE:LINE: table.key: what".
 Result<RigFile> read_rig(std::string_view text, const std::string& file_name);
 
-/// Reads the file, or the shipped example if the path is empty; a relative camera.folder is then one beside
-/// the file. Fails with the file's name.
+/// Reads the file, or the shipped example if the path is empty; relative camera.folder and key_file are then
+/// beside the file. Fails with the file's name.
 Result<RigFile> load_rig(const std::string& path);
 
 /// The whole file as text, at most 16 MB. "-" is standard input. Fails with the file's name.

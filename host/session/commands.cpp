@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "common/authentication/seal.hpp"
 #include "common/messages/record.hpp"
 
 namespace strobe::host {
@@ -54,11 +55,18 @@ command_t CommandMaker::fire(std::int64_t boot_id, std::int64_t arm_token, const
   return command;
 }
 
-command_t CommandMaker::resend(const SequenceRange& range) {
-  command_t command = make(range.boot_id, command_t::RESEND);
+command_t CommandMaker::resend(std::int64_t boot_id, const SequenceRange& range) {
+  command_t command = make(boot_id, command_t::RESEND);
+  command.resend_boot_id = range.boot_id;
   command.resend_first = range.first;
   command.resend_last = range.last;
   return command;
+}
+
+Result<std::vector<std::uint8_t>> CommandSealer::seal(const command_t& command) const {
+  std::vector<std::uint8_t> body(static_cast<std::size_t>(command.getEncodedSize()));
+  command.encode(body.data(), 0, static_cast<int>(body.size()));
+  return authentication::seal(key_, rig_, body);
 }
 
 }  // namespace strobe::host

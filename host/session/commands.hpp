@@ -1,10 +1,16 @@
-// Command messages of this host: one host id per process, command ids that rise. No I/O; single-threaded.
+// Command messages of this host: one host id per process, command ids that rise; put under seal for one rig.
+// No I/O; single-threaded.
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <strobe_msgs/command_t.hpp>
+#include <utility>
+#include <vector>
 
+#include "common/authentication/key.hpp"
 #include "common/reduction/frame.hpp"
+#include "common/result.hpp"
 #include "host/config/shot_plan.hpp"
 #include "host/session/event_ledger.hpp"
 
@@ -21,13 +27,26 @@ class CommandMaker {
                               const reduction::Record& notes);
   strobe_msgs::command_t disarm(std::int64_t boot_id);
   strobe_msgs::command_t clear(std::int64_t boot_id);
-  strobe_msgs::command_t resend(const SequenceRange& range);
+  /// boot_id: of the firmware that is asked, which may hold the journal of the range's earlier boot.
+  strobe_msgs::command_t resend(std::int64_t boot_id, const SequenceRange& range);
 
  private:
   strobe_msgs::command_t make(std::int64_t boot_id, std::int8_t kind);
 
   std::int64_t host_id_;
   std::int64_t next_id_ = 1;
+};
+
+/// Seals one rig's commands with the lab's key.
+class CommandSealer {
+ public:
+  CommandSealer(const authentication::Key& key, std::string rig) : key_(key), rig_(std::move(rig)) {}
+  /// The encoded sealed_command_t. Fails if the command's notes and plan are too large for one.
+  Result<std::vector<std::uint8_t>> seal(const strobe_msgs::command_t& command) const;
+
+ private:
+  authentication::Key key_;
+  std::string rig_;
 };
 
 strobe_msgs::plan_t plan_message(const ShotPlan& plan, bool dry);

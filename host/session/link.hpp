@@ -1,17 +1,20 @@
-// This host's end of LCM: every message of one rig in, commands and readouts out. One thread's; blocks in
-// wait().
+// This host's end of LCM: every message of one rig but commands in, commands and readouts out. What comes in
+// by UDP multicast does not pass LCM's own receiver (common/wire). One thread's; blocks in wait().
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <lcm/lcm-cpp.hpp>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
-#include <strobe_msgs/command_t.hpp>
 #include <strobe_msgs/frame_t.hpp>
 #include <strobe_msgs/readout_t.hpp>
 
 #include "common/result.hpp"
+#include "common/wire/assembler.hpp"
+#include "common/wire/channel_socket.hpp"
 
 namespace strobe::host {
 
@@ -30,17 +33,23 @@ class Link {
   /// Handles what is there without waiting, at most 10,000 messages.
   bool drain();
 
-  void publish(const strobe_msgs::command_t& command);
+  /// A command under seal (common/authentication/seal.hpp).
+  void publish_command(std::span<const std::uint8_t> sealed);
   void publish(const strobe_msgs::readout_t& readout);
   void publish(const strobe_msgs::frame_t& frame);
 
  private:
   Link(const std::string& url, const std::string& rig, Receiver receiver);
   void handle(const lcm::ReceiveBuffer* buffer, const std::string& channel);
+  /// False: nothing is waiting.
+  bool take_datagram();
+  Result<void> listen(const std::string& url, const std::string& rig);
 
   lcm::LCM lcm_;
+  std::optional<wire::ChannelSocket> socket_;  ///< none where the URL is not one of UDP multicast
+  wire::Assembler assembler_;
   Receiver receiver_;
-  std::string command_channel_, readout_channel_, frame_channel_;
+  std::string rig_channels_, command_channel_, readout_channel_, frame_channel_;
 };
 
 }  // namespace strobe::host

@@ -9,12 +9,13 @@
 namespace {
 
 using AddCommand = void (*)(CLI::App& app, int& exit_status);
-constexpr std::array<AddCommand, 10> kCommands{
+constexpr std::array<AddCommand, 11> kCommands{
     strobe::bench::add_timing_command,     strobe::bench::add_spin_command,
     strobe::bench::add_loop_command,       strobe::bench::add_plan_command,
     strobe::bench::add_efficiency_command, strobe::bench::add_digits_command,
     strobe::bench::add_thesis_command,     strobe::bench::add_trade_command,
-    strobe::bench::add_digitize_command,   strobe::bench::add_clock_command};
+    strobe::bench::add_digitize_command,   strobe::bench::add_clock_command,
+    strobe::bench::add_flood_command};
 
 }  // namespace
 

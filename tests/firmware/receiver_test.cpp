@@ -2,16 +2,31 @@
 
 #include <random>
 #include <string>
+#include <vector>
 
+#include "common/authentication/seal.hpp"
 #include "firmware/linux/event_fd.hpp"
 // CppUTest redefines new; its headers come last.
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe;
 using namespace strobe::firmware;
+using authentication::Key;
+using authentication::Rejection;
 using Type = strobe_msgs::command_t;
+using Bytes = std::vector<std::uint8_t>;
 
 namespace {
+
+class StandingClock final : public Clock {
+ public:
+  MonoTime now() noexcept override { return now_; }
+  MonoTime spin_until(MonoTime instant) noexcept override { return instant; }
+  void pass(Duration time) { now_ = now_ + time; }
+
+ private:
+  MonoTime now_{1};
+};
 
 constexpr std::int64_t kBoot = 4711;
 
@@ -30,7 +45,11 @@ TEST_GROUP(Receiver) {
   EventFd wake;
   CommandQueue commands{wake};
   Mailbox mailbox;
-  Receiver receiver{rig, kBoot, commands, mailbox};
+  StandingClock clock;
+  std::vector<std::string> said;
+  Rejections rejections{clock, [this](const std::string& line) { said.push_back(line); }};
+  Key key = Key::random();
+  Receiver receiver{rig, kBoot, key, commands, mailbox, rejections};
   Type message{};
   Command command;
 
@@ -46,18 +65,29 @@ TEST_GROUP(Receiver) {
     message.arm_token = 99;
     message.plan = to_message(rig.plan);
   }
-  void note(const std::string& key, const std::string& value) {
+  void note(const std::string& key_of_note, const std::string& value) {
     message.notes.emplace_back();
-    message.notes.back().key = key;
+    message.notes.back().key = key_of_note;
     message.notes.back().value = value;
     message.note_count = static_cast<std::int32_t>(message.notes.size());
   }
-  /// Whether the loop got a command.
-  bool deliver() {
-    std::vector<std::uint8_t> bytes(static_cast<std::size_t>(message.getEncodedSize()));
+  Bytes body() const {
+    Bytes bytes(static_cast<std::size_t>(message.getEncodedSize()));
     message.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
-    receiver.receive(bytes.data(), static_cast<int>(bytes.size()));
+    return bytes;
+  }
+  Bytes sealed() const { return authentication::seal(key, rig.name, body()).value(); }
+  /// Whether the loop got a command.
+  bool deliver(const Bytes& bytes) {
+    receiver.receive(bytes);
     return commands.pop(command);
+  }
+  bool deliver() { return deliver(sealed()); }
+  void expect_rejected(Rejection why, const Bytes& bytes) {
+    const std::int64_t before = rejections.count(why);
+    CHECK_FALSE(deliver(bytes));
+    LONGS_EQUAL(before + 1, rejections.count(why));
+    LONGS_EQUAL(0, mailbox.requests().size());
   }
   std::string defect() const { return std::string(command.defect.view()); }
 };
@@ -82,19 +112,53 @@ TEST(Receiver, GivesEachArmATokenOfItsOwn) {
 
 TEST(Receiver, IgnoresCommandsForAnotherBoot) {
   message.boot_id = kBoot + 1;
-  CHECK_FALSE(deliver());
+  expect_rejected(Rejection::stale, sealed());
+  message.kind = Type::RESEND;
+  expect_rejected(Rejection::stale, sealed());
 }
 
-TEST(Receiver, MarksARepeatedCommand) {
+TEST(Receiver, IgnoresARepeatedCommand) {
   CHECK_TRUE(deliver());
-  CHECK_TRUE(deliver());
-  CHECK_EQUAL(std::string("a repeated command"), defect());
+  expect_rejected(Rejection::replayed, sealed());
   message.command_id = 0;
-  CHECK_TRUE(deliver());
-  CHECK_EQUAL(std::string("a repeated command"), defect());
+  expect_rejected(Rejection::replayed, sealed());
   message.host_id = 6;  // each host counts for itself
   CHECK_TRUE(deliver());
-  CHECK_EQUAL(std::string(), defect());
+}
+
+TEST(Receiver, IgnoresAStranger) {
+  expect_rejected(Rejection::forged, authentication::seal(Key::random(), rig.name, body()).value());
+}
+
+TEST(Receiver, IgnoresACommandThatWasAlteredOnItsWay) {
+  Bytes bytes = sealed();
+  bytes[bytes.size() / 2] ^= 1;
+  expect_rejected(Rejection::forged, bytes);
+}
+
+TEST(Receiver, IgnoresACommandForAnotherRigOfTheLab) {
+  expect_rejected(Rejection::other_rig, authentication::seal(key, "pitch", body()).value());
+}
+
+TEST(Receiver, IgnoresABareCommand) { expect_rejected(Rejection::malformed, body()); }
+
+TEST(Receiver, IgnoresWhatIsTooLargeForACommand) {
+  expect_rejected(Rejection::oversized, Bytes(authentication::kMostSealed_bytes + 1));
+}
+
+TEST(Receiver, IgnoresABodyThatIsNoCommand) {
+  Bytes bytes = body();
+  bytes.pop_back();
+  expect_rejected(Rejection::malformed, authentication::seal(key, rig.name, bytes).value());
+  message.kind = Type::CLEAR + 1;
+  expect_rejected(Rejection::malformed, sealed());
+}
+
+TEST(Receiver, IsNotDeafenedByWhatAStrangerClaims) {
+  message.command_id = 1000;  // of this very host
+  expect_rejected(Rejection::forged, authentication::seal(Key::random(), rig.name, body()).value());
+  message.command_id = 1;
+  CHECK_TRUE(deliver());
 }
 
 TEST(Receiver, TakesAPlanAndKeepsItsNotes) {
@@ -116,7 +180,7 @@ TEST(Receiver, FindsWhatIsWrongWithAFire) {
     const char* defect;
   };
   const Row rows[] = {
-      {[](Type& m) { m.schema_version = 2; }, "schema version 2 instead of 1"},
+      {[](Type& m) { m.schema_version = 3; }, "schema version 3 instead of 2"},
       {[](Type& m) { m.host_id = 0; }, "names no host"},
       {[](Type& m) { m.plan.period_ns = 1'000'000; }, "shorter than the lamps'"},
       {[](Type& m) { m.plan.period_ns = INT64_MIN; }, "negative or absurdly large"},
@@ -150,11 +214,12 @@ TEST(Receiver, FindsWhatIsWrongWithAFire) {
 
 TEST(Receiver, PassesAResendToThePublisher) {
   message.kind = Type::RESEND;
+  message.resend_boot_id = kBoot;
   message.resend_first = 3;
   message.resend_last = 8;
   CHECK_FALSE(deliver());
-  CHECK_FALSE(deliver());  // repeated
-  message.boot_id = 1;     // an earlier boot of the session
+  CHECK_FALSE(deliver());      // repeated
+  message.resend_boot_id = 1;  // an earlier boot of the session
   ++message.command_id;
   CHECK_FALSE(deliver());
   const auto requests = mailbox.requests();
@@ -179,22 +244,21 @@ TEST(Receiver, IgnoresAMessageWithMoreThan64Notes) {
   CHECK_EQUAL(std::string(), defect());
   ++message.command_id;
   note("key", "value");
-  CHECK_FALSE(deliver());
+  expect_rejected(Rejection::malformed, sealed());
 }
 
-TEST(Receiver, SurvivesAnyBytes) {
+TEST(Receiver, SurvivesAnyBodyUnderAGoodSeal) {
   const unsigned seed = std::random_device{}();
   std::mt19937 random(seed);
   fill_fire();
   note("operator", "M");
-  std::vector<std::uint8_t> good(static_cast<std::size_t>(message.getEncodedSize()));
-  message.encode(good.data(), 0, static_cast<int>(good.size()));
+  const Bytes good = body();
   for (int trial = 0; trial < 20'000; ++trial) {
-    std::vector<std::uint8_t> bytes = good;
+    Bytes bytes = good;
     bytes.resize(random() % (good.size() + 1));
     for (int k = 0; k < 3 && bytes.size() > 8; ++k)
       bytes[8 + random() % (bytes.size() - 8)] ^= static_cast<std::uint8_t>(random());
-    receiver.receive(bytes.data(), static_cast<int>(bytes.size()));
+    receiver.receive(authentication::seal(key, rig.name, bytes).value());
     while (commands.pop(command)) {
       CHECK_TEXT(command.defect.view().size() <= 160, std::to_string(seed).c_str());
     }
@@ -203,11 +267,40 @@ TEST(Receiver, SurvivesAnyBytes) {
 
 TEST_GROUP(RepetitionFilter){};
 
-TEST(RepetitionFilter, ForgetsTheHostThatWasSilentLongestWhenItIsFull) {
+TEST(RepetitionFilter, ForgetsNoHostAndRefusesOneTooMany) {
   RepetitionFilter filter;
-  for (std::int64_t host = 1; host <= 4096; ++host) CHECK_TRUE(filter.is_news(host, 10));
-  CHECK_TRUE(filter.is_news(1, 11));  // host 2 is now the oldest
-  CHECK_TRUE(filter.is_news(5000, 10));
-  CHECK_FALSE(filter.is_news(1, 11));
-  CHECK_FALSE(filter.is_news(3, 10));
+  constexpr auto kMost = static_cast<std::int64_t>(RepetitionFilter::kMostHosts);
+  for (std::int64_t host = 1; host <= kMost; ++host) CHECK_TRUE(filter.is_news(host, 10));
+  CHECK_FALSE(filter.is_news(kMost + 1, 10));
+  CHECK_FALSE(filter.is_news(1, 10));
+  CHECK_TRUE(filter.is_news(1, 11));
+}
+
+TEST_GROUP(Rejections) {
+  StandingClock clock;
+  std::vector<std::string> said;
+  Rejections rejections{clock, [this](const std::string& line) { said.push_back(line); }};
+};
+
+TEST(Rejections, AreToldAtOnceThenOnceInTenSeconds) {
+  rejections.note(Rejection::malformed);
+  LONGS_EQUAL(1, said.size());
+  STRCMP_EQUAL("commands ignored: 1 malformed", said[0].c_str());
+  for (int i = 0; i < 1'000'000; ++i) {
+    rejections.note(i % 4 == 0 ? Rejection::replayed : Rejection::forged);
+    clock.pass(microseconds(30));
+  }
+  LONGS_EQUAL(3, said.size());  // 30 s, but for a little
+  clock.pass(Rejections::kQuiet);
+  rejections.turn();
+  LONGS_EQUAL(4, said.size());
+  STRCMP_CONTAINS("forged", said[3].c_str());
+  STRCMP_CONTAINS("replayed", said[3].c_str());
+  STRCMP_CONTAINS("(has that host this lab's key?)", said[3].c_str());
+  clock.pass(Rejections::kQuiet);
+  rejections.turn();
+  LONGS_EQUAL(4, said.size());  // nothing new
+  LONGS_EQUAL(1, rejections.count(Rejection::malformed));
+  LONGS_EQUAL(750'000, rejections.count(Rejection::forged));
+  LONGS_EQUAL(250'000, rejections.count(Rejection::replayed));
 }

@@ -1,22 +1,44 @@
-// Commands come from the network: any bytes are either obeyed by the rules or ignored, without much memory.
+// Commands come from the network: any bytes are ignored unless sealed; sealed ones are obeyed by the rules or
+// ignored, without much memory.
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
 #include <strobe_msgs/command_t.hpp>
 
+#include "common/authentication/seal.hpp"
 #include "firmware/core/shot_plan.hpp"
 #include "firmware/publisher/receiver.hpp"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+namespace {
+
+using namespace strobe;
+
+void require(bool holds) {
+  if (!holds) std::abort();
+}
+
+void decode_body(std::span<const std::uint8_t> body) {
   using namespace strobe::firmware;
   static const Rig rig;
-  if (!well_formed(data, size)) return 0;
+  if (!well_formed(body)) return;
   strobe_msgs::command_t command{};
-  if (command.decode(data, 0, static_cast<int>(size)) < 0) return 0;
+  if (command.decode(body.data(), 0, static_cast<int>(body.size())) < 0) return;
   const auto plan = from_message(command.plan);
-  if (defect_of(command, rig).empty() && command.kind == strobe_msgs::command_t::FIRE) {
-    if (flash_count(plan) < 1 || flash_count(plan) > rig.lamps.max_flashes) std::abort();
-    if (plan.period < rig.lamps.min_period || plan.exposure > rig.shutter.max_open) std::abort();
+  if (!defect_of(command, rig).empty() || command.kind != strobe_msgs::command_t::FIRE) return;
+  require(flash_count(plan) >= 1 && flash_count(plan) <= rig.lamps.max_flashes);
+  require(plan.period >= rig.lamps.min_period && plan.exposure <= rig.shutter.max_open);
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  static const auto key = authentication::Key::random();
+  const std::span<const std::uint8_t> bytes(data, size);
+  require(!authentication::unseal(key, "bench", bytes));  // no chance to guess the key
+  decode_body(bytes);
+  if (const auto sealed = authentication::seal(key, "bench", bytes)) {
+    const auto opened = authentication::unseal(key, "bench", *sealed);
+    require(opened && opened->size() == size);
   }
   return 0;
 }

@@ -3,6 +3,8 @@
 #include <random>
 #include <stdexcept>
 
+#include "common/authentication/key_file.hpp"
+#include "common/authentication/seal.hpp"
 #include "common/messages/channels.hpp"
 #include "tests/support/process.hpp"
 
@@ -26,7 +28,7 @@ bool ends_with(const std::string& text, const std::string& end) {
 }  // namespace
 
 RawHost::RawHost(const std::string& lcm_url, const std::string& rig)
-    : lcm_(lcm_url), rig_(rig), host_id_(random_id()) {
+    : lcm_(lcm_url), rig_(rig), key_(authentication::find_key({}).value().key), host_id_(random_id()) {
   if (!lcm_.good()) throw std::runtime_error("no LCM at " + lcm_url);
   const auto all = [](lcm::Subscription* subscription) {
     subscription->setQueueCapacity(messages::kSubscriptionQueueCapacity);
@@ -78,8 +80,21 @@ strobe_msgs::command_t RawHost::command(std::int8_t kind) {
   return command;
 }
 
-void RawHost::send(const strobe_msgs::command_t& command) {
-  lcm_.publish(channel_name(rig_, Channel::command), &command);
+void RawHost::send(const strobe_msgs::command_t& command) { send_bytes(sealed(command, key_)); }
+
+std::vector<std::uint8_t> RawHost::sealed(const strobe_msgs::command_t& command,
+                                          const authentication::Key& key) const {
+  return authentication::seal(key, rig_, body(command)).value();
+}
+
+std::vector<std::uint8_t> RawHost::body(const strobe_msgs::command_t& command) {
+  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(command.getEncodedSize()));
+  command.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+  return bytes;
+}
+
+void RawHost::send_bytes(std::span<const std::uint8_t> bytes) {
+  lcm_.publish(channel_name(rig_, Channel::command), bytes.data(), static_cast<unsigned>(bytes.size()));
 }
 
 std::int64_t RawHost::arm() {

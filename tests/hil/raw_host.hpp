@@ -7,12 +7,15 @@
 #include <cstdint>
 #include <functional>
 #include <lcm/lcm-cpp.hpp>
+#include <span>
 #include <string>
 #include <strobe_msgs/command_t.hpp>
 #include <strobe_msgs/event_t.hpp>
 #include <strobe_msgs/shot_t.hpp>
 #include <strobe_msgs/status_t.hpp>
 #include <vector>
+
+#include "common/authentication/key.hpp"
 
 namespace strobe::hil {
 
@@ -29,7 +32,14 @@ class RawHost {
   /// A dry or live shot of the rig file's kind: 3 ms, 200 ms exposure.
   strobe_msgs::command_t fire_command(std::int64_t token, bool dry);
   strobe_msgs::command_t command(std::int8_t kind);  ///< addressed to the boot last seen, with the next id
-  void send(const strobe_msgs::command_t& command);
+  void send(const strobe_msgs::command_t& command);  ///< under seal
+  /// Bytes as they are, on the command channel.
+  void send_bytes(std::span<const std::uint8_t> bytes);
+  /// As send() puts it on the channel; key: the lab's, or a stranger's.
+  std::vector<std::uint8_t> sealed(const strobe_msgs::command_t& command,
+                                   const authentication::Key& key) const;
+  static std::vector<std::uint8_t> body(const strobe_msgs::command_t& command);
+  const authentication::Key& key() const { return key_; }
 
   const strobe_msgs::status_t& status() const { return status_; }
   const std::vector<strobe_msgs::event_t>& events() const { return events_; }
@@ -43,6 +53,7 @@ class RawHost {
 
   lcm::LCM lcm_;
   std::string rig_;
+  authentication::Key key_;  ///< where strobe looks for it
   std::int64_t host_id_;
   std::int64_t next_command_ = 1;
   bool status_seen_ = false;

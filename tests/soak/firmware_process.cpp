@@ -34,7 +34,8 @@ FirmwareProcess::FirmwareProcess(const firmware::Rig& rig, const FirmwarePorts& 
       sequencer_(rig, {ports.loop_clock, ports.outputs, ports.edges, queue_, commands_}, found.last_shot_id),
       publisher_(rig, publisher_settings(settings, found, ports.publisher_clock), queue_, mailbox_, journal_,
                  ports.bus, ports.publisher_clock),
-      receiver_(rig, settings.boot_id, commands_, mailbox_, settings.draw_token) {}
+      rejections_(ports.publisher_clock, settings.say),
+      receiver_(rig, settings.boot_id, settings.key, commands_, mailbox_, rejections_, settings.draw_token) {}
 
 Result<std::unique_ptr<FirmwareProcess>> FirmwareProcess::start(const firmware::Rig& rig,
                                                                 const FirmwarePorts& ports,

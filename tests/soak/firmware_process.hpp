@@ -26,6 +26,9 @@ struct FirmwarePorts {
 class FirmwareProcess {
  public:
   struct Settings {
+    explicit Settings(const authentication::Key& lab_key) : key(lab_key) {}
+
+    authentication::Key key;
     std::int64_t boot_id = 0;
     std::filesystem::path session;
     std::function<std::int64_t()> draw_token;
@@ -40,9 +43,7 @@ class FirmwareProcess {
   std::int64_t boot_id() const { return boot_id_; }
   firmware::Sequencer& loop() { return sequencer_; }
   firmware::Publisher& publisher() { return publisher_; }
-  void receive(const std::vector<std::uint8_t>& bytes) {
-    receiver_.receive(bytes.data(), static_cast<int>(bytes.size()));
-  }
+  void receive(const std::vector<std::uint8_t>& bytes) { receiver_.receive(bytes); }
   /// Events that the publisher has not taken yet; they are gone.
   int drop_queue();
 
@@ -57,6 +58,7 @@ class FirmwareProcess {
   firmware::Journal journal_;
   firmware::Sequencer sequencer_;
   firmware::Publisher publisher_;
+  firmware::Rejections rejections_;
   firmware::Receiver receiver_;
 };
 

@@ -125,6 +125,8 @@ class Lab final : firmware::Clock, firmware::OutputLines, firmware::EdgeSource, 
   void start_host();
   void host_turn();
   void deliver();
+  /// Of a sealed command; empty if it is none of this lab's.
+  std::vector<std::uint8_t> body_of(const std::vector<std::uint8_t>& sealed) const;
   void desk_turn();
   void note_shot(std::span<const std::uint8_t> bytes);
   void on_outcome(const host::Outcome& outcome);
@@ -149,6 +151,7 @@ class Lab final : firmware::Clock, firmware::OutputLines, firmware::EdgeSource, 
   sim::Rig rig_;
   VirtualDesk desk_;
   Observer observer_;
+  authentication::Key lab_key_ = authentication::Key::random();
   Tally tally_;
   std::uint64_t digest_ = 0;
 

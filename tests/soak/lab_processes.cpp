@@ -5,6 +5,7 @@
 #include <strobe_msgs/command_t.hpp>
 #include <strobe_msgs/shot_t.hpp>
 
+#include "common/authentication/seal.hpp"
 #include "common/messages/channels.hpp"
 #include "host/session/verdict.hpp"
 #include "sim/rig/truth.hpp"
@@ -171,7 +172,7 @@ void Lab::heal() {
 
 void Lab::boot() {
   if (firmware_) return;
-  FirmwareProcess::Settings settings;
+  FirmwareProcess::Settings settings(lab_key_);
   settings.boot_id = random_.id();
   settings.session = disk_.path();
   settings.draw_token = [this] {
@@ -251,8 +252,7 @@ void Lab::start_host() {
   const std::int64_t host_id = random_.id();
   trace("host {:x} starts", host_id);
   const auto send = [this](const strobe_msgs::command_t& command) {
-    std::vector<std::uint8_t> bytes(static_cast<std::size_t>(command.getEncodedSize()));
-    command.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+    std::vector<std::uint8_t> bytes = host::CommandSealer(lab_key_, files_.host.rig).seal(command).value();
     trace("command {} of kind {}", command.command_id, static_cast<int>(command.kind));
     bus_.send(Station::firmware, messages::channel_name(files_.host.rig, messages::Channel::command), bytes,
               time_);
@@ -280,13 +280,18 @@ void Lab::host_turn() {
   if (host_->ended()) finished_ = true;
 }
 
+std::vector<std::uint8_t> Lab::body_of(const std::vector<std::uint8_t>& sealed) const {
+  const auto body = authentication::unseal(lab_key_, files_.host.rig, sealed);
+  return body ? std::vector<std::uint8_t>(body->begin(), body->end()) : std::vector<std::uint8_t>();
+}
+
 void Lab::deliver() {
   const VirtualBus::Delivery delivery = bus_.take();
   const auto& bytes = delivery.packet->bytes;
   switch (delivery.to) {
     case Station::firmware:
       if (dead_) break;
-      observer_.at_firmware(bytes, time_);
+      observer_.at_firmware(body_of(bytes), time_);
       firmware_->receive(bytes);
       break;
     case Station::host:

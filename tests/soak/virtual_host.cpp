@@ -42,8 +42,10 @@ void VirtualHost::receive(const std::string& channel, const std::vector<std::uin
 
 void VirtualHost::turn(std::int64_t now_ns) {
   follower_.time(now_ns);
-  for (const host::SequenceRange& range : follower_.session().ledger().due(now_ns))
-    send_(maker_.resend(range));
+  if (const auto& status = follower_.session().status()) {
+    for (const host::SequenceRange& range : follower_.session().ledger().due(now_ns))
+      send_(maker_.resend(status->boot_id, range));
+  }
   if (!campaign_.finished()) {
     const auto heard = follower_.heard(now_ns);
     if (heard || now_ns - started_ns_ > kSecond_ns) campaign_.step(heard, now_ns);

@@ -1,0 +1,89 @@
+#include "firmware/publisher/command_feed.hpp"
+
+#include <poll.h>
+
+#include <cerrno>
+#include <cstring>
+#include <stdexcept>
+
+#include "common/messages/channels.hpp"
+#include "common/wire/channel_socket.hpp"
+
+namespace strobe::firmware {
+
+namespace {
+
+constexpr int kTurn_ms = 100;
+constexpr int kBatch = 256;  // datagrams between two looks at the clock and at the wish to stop
+
+class UdpFeed final : public CommandFeed {
+ public:
+  UdpFeed(wire::ChannelSocket socket, std::string channel)
+      : socket_(std::move(socket)), channel_(std::move(channel)) {}
+
+  void run(const std::stop_token& stop, const Handlers& handlers) override {
+    while (!stop.stop_requested()) {
+      pollfd readable{socket_.fd(), POLLIN, 0};
+      if (poll(&readable, 1, kTurn_ms) < 0 && errno != EINTR)
+        throw std::runtime_error(std::string("commands cannot be received any more: ") +
+                                 std::strerror(errno));
+      for (int i = 0; i < kBatch && take_one(handlers); ++i) {
+      }
+      handlers.turn();
+    }
+  }
+
+ private:
+  /// False: none is waiting.
+  bool take_one(const Handlers& handlers) {
+    const auto received = socket_.receive();
+    if (!received) return false;
+    const auto datagram = wire::read_datagram(received->bytes);
+    if (!datagram || datagram->channel != channel_) return true;
+    // A command always fits one datagram.
+    if (datagram->parts > 1) {
+      handlers.oversized();
+    } else {
+      handlers.message(datagram->data);
+    }
+    return true;
+  }
+
+  wire::ChannelSocket socket_;
+  std::string channel_;
+};
+
+class LcmFeed final : public CommandFeed {
+ public:
+  LcmFeed(lcm::LCM& lcm, const std::string& channel) : lcm_(lcm) {
+    lcm_.subscribe(channel, &LcmFeed::handle, this)->setQueueCapacity(messages::kSubscriptionQueueCapacity);
+  }
+  void run(const std::stop_token& stop, const Handlers& handlers) override {
+    handlers_ = &handlers;
+    while (!stop.stop_requested()) {
+      if (lcm_.handleTimeout(kTurn_ms) < 0) throw std::runtime_error("LCM cannot receive any more");
+      handlers.turn();
+    }
+  }
+
+ private:
+  void handle(const lcm::ReceiveBuffer* buffer, const std::string&) {
+    handlers_->message({static_cast<const std::uint8_t*>(buffer->data), buffer->data_size});
+  }
+
+  lcm::LCM& lcm_;
+  const Handlers* handlers_ = nullptr;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<CommandFeed>> CommandFeed::open(lcm::LCM& lcm, const std::string& url,
+                                                       const std::string& channel) {
+  const auto group = wire::multicast_group(url);
+  if (!group) return std::make_unique<LcmFeed>(lcm, channel);
+  auto socket = wire::ChannelSocket::open(*group, {channel, true, ""});
+  if (!socket) return tl::unexpected(socket.error());
+  return std::make_unique<UdpFeed>(std::move(*socket), channel);
+}
+
+}  // namespace strobe::firmware

@@ -1,0 +1,46 @@
+// Counts the commands that were ignored, and tells of them at a bounded rate, however many come: the first
+// at once, then at most one line in ten seconds. Counts may be read on any thread; all else is one thread's.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <string>
+
+#include "common/authentication/rejection.hpp"
+#include "firmware/ports/clock.hpp"
+#include "firmware/publisher/rejected_commands.hpp"
+
+namespace strobe::firmware {
+
+class Rejections {
+ public:
+  using Say = std::function<void(const std::string&)>;
+  static constexpr Duration kQuiet = milliseconds(10'000);
+
+  /// say: a line for a person.
+  Rejections(Clock& clock, Say say) : clock_(clock), say_(std::move(say)) {}
+
+  void note(authentication::Rejection why);
+  /// Says what was held back, once it may. Call it now and then.
+  void turn();
+
+  /// Since start.
+  std::int64_t count(authentication::Rejection why) const noexcept {
+    return counts_[static_cast<std::size_t>(why)].load(std::memory_order_relaxed);
+  }
+  RejectedCommands counts() const noexcept;
+
+ private:
+  std::string words() const;
+
+  Clock& clock_;
+  Say say_;
+  std::array<std::atomic<std::int64_t>, authentication::kRejectionCount> counts_{};
+  std::array<std::int64_t, authentication::kRejectionCount> said_{};
+  bool held_back_ = false;
+  MonoTime quiet_until_{0};
+};
+
+}  // namespace strobe::firmware

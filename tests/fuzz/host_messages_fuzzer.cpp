@@ -1,0 +1,80 @@
+// What comes over the bus to a host may be a stranger's: any sequence of messages is shown, or counted as
+// undecodable, without much memory. Input: records of a kind, two bytes of size, and a message behind its
+// fingerprint, which is put before it here.
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <span>
+#include <string>
+#include <strobe_msgs/event_t.hpp>
+#include <strobe_msgs/frame_t.hpp>
+#include <strobe_msgs/frame_v1_t.hpp>
+#include <strobe_msgs/shot_t.hpp>
+#include <strobe_msgs/shot_v1_t.hpp>
+#include <strobe_msgs/status_t.hpp>
+#include <vector>
+
+#include "common/messages/channels.hpp"
+#include "host/assembly/assemble.hpp"
+#include "host/config/rig_file.hpp"
+#include "host/session/follower.hpp"
+#include "host/session/intake.hpp"
+
+namespace {
+
+using namespace strobe;
+using messages::Channel;
+
+struct Kind {
+  Channel channel;
+  std::int64_t fingerprint;
+};
+
+const std::array<Kind, 6>& kinds() {
+  static const std::array<Kind, 6> all{{{Channel::event, strobe_msgs::event_t::getHash()},
+                                        {Channel::status, strobe_msgs::status_t::getHash()},
+                                        {Channel::shot, strobe_msgs::shot_t::getHash()},
+                                        {Channel::frame, strobe_msgs::frame_t::getHash()},
+                                        {Channel::frame, strobe_msgs::frame_v1_t::getHash()},
+                                        {Channel::shot, strobe_msgs::shot_v1_t::getHash()}}};
+  return all;
+}
+
+std::vector<std::uint8_t> with_fingerprint(std::int64_t fingerprint, std::span<const std::uint8_t> body) {
+  std::vector<std::uint8_t> bytes;
+  for (int shift = 56; shift >= 0; shift -= 8)
+    bytes.push_back(static_cast<std::uint8_t>(static_cast<std::uint64_t>(fingerprint) >> shift));
+  bytes.insert(bytes.end(), body.begin(), body.end());
+  return bytes;
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  static const host::RigFile rig = host::read_rig("rig = \"bench\"\n", "rig.toml").value();
+  host::Follower follower(host::assembly_settings(rig), 1, "fuzz");
+  host::Intake intake("bench", follower);
+  std::int64_t now_ns = 1'000'000'000;
+  std::size_t outcomes = 0;
+  follower.on_outcome = [&outcomes](const host::Outcome&) { ++outcomes; };
+  for (std::span<const std::uint8_t> left(data, size); left.size() >= 3;) {
+    const Kind& kind = kinds()[left[0] % kinds().size()];
+    const std::size_t wanted = std::size_t{left[1]} << 8 | left[2];
+    left = left.subspan(3);
+    const auto body = left.first(std::min(wanted, left.size()));
+    left = left.subspan(body.size());
+    const auto bytes = with_fingerprint(kind.fingerprint, body);
+    intake.receive(messages::channel_name("bench", kind.channel), bytes.data(), bytes.size(), now_ns);
+    now_ns += 50'000'000;
+    follower.time(now_ns);
+    follower.session().ledger().due(now_ns);
+  }
+  follower.time(now_ns + 100'000'000'000);
+  follower.shown(now_ns);
+  follower.end();
+  if (!intake.fault().empty()) {
+    std::fprintf(stderr, "a handler threw: %s\n", intake.fault().c_str());
+  }
+  return 0;
+}

@@ -1,0 +1,56 @@
+// A journal is read again after anything may have happened to it: any bytes in its folder are read to their
+// end, mended once, and then found whole.
+#include <unistd.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "firmware/publisher/journal_folder.hpp"
+#include "firmware/publisher/log_reader.hpp"
+
+namespace {
+
+void require(bool holds) {
+  if (!holds) std::abort();
+}
+
+/// In memory, of this process alone.
+std::filesystem::path folder() {
+  const std::filesystem::path path = "/dev/shm/strobe-fuzz-" + std::to_string(getpid());
+  std::filesystem::create_directories(path);
+  return path;
+}
+
+int records_of(const std::filesystem::path& path, std::size_t size) {
+  strobe::firmware::LogReader reader(path);
+  strobe::firmware::LogRecord record;
+  int records = 0;
+  while (reader.next(record)) {
+    ++records;
+    require(record.channel.size() + record.bytes.size() <= size);
+    require(reader.at() > record.offset && reader.at() <= static_cast<std::int64_t>(size));
+  }
+  return records;
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  static const std::filesystem::path dir = folder();
+  const std::filesystem::path path = dir / "journal-0000000000000007.lcmlog";
+  std::ofstream(path, std::ios::binary)
+      .write(reinterpret_cast<const char*>(data), static_cast<std::streamsize>(size));
+  records_of(path, size);
+  const auto first = strobe::firmware::repair_journals(dir);
+  for (const std::string& line : first.repaired) require(!line.empty() && line.size() <= 160);
+  std::error_code error;
+  const auto left = std::filesystem::file_size(path, error);
+  require(error || left <= size);
+  const auto second = strobe::firmware::repair_journals(dir);
+  require(second.last_shot_id == first.last_shot_id && second.earlier == first.earlier);
+  return 0;
+}

@@ -1,0 +1,71 @@
+#include "tests/hil/flooder.hpp"
+
+#include <arpa/inet.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <stdexcept>
+
+#include "common/authentication/seal.hpp"
+#include "common/messages/channels.hpp"
+#include "common/wire/lcm_datagram.hpp"
+
+namespace strobe::hil {
+
+RawSender::RawSender(const std::string& lcm_url) : fd_(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
+  const auto group = wire::multicast_group(lcm_url);
+  if (!group || fd_ < 0) throw std::runtime_error("no multicast group in " + lcm_url);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(group->port);
+  inet_pton(AF_INET, group->address.c_str(), &address.sin_addr);
+  const int ttl = 0;
+  setsockopt(fd_, IPPROTO_IP, IP_MULTICAST_TTL, &ttl, sizeof ttl);
+  if (connect(fd_, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)
+    throw std::runtime_error("no route to " + lcm_url);
+}
+
+RawSender::~RawSender() { close(fd_); }
+
+bool RawSender::send(const Bytes& datagram) const {
+  return ::send(fd_, datagram.data(), datagram.size(), 0) == static_cast<ssize_t>(datagram.size());
+}
+
+Bytes RawSender::whole(std::string_view channel, const Bytes& message) {
+  Bytes datagram{'L', 'C', '0', '2', 0, 0, 0, 1};
+  datagram.insert(datagram.end(), channel.begin(), channel.end());
+  datagram.push_back(0);
+  datagram.insert(datagram.end(), message.begin(), message.end());
+  return datagram;
+}
+
+Flooder::Flooder(const std::string& lcm_url, const std::string& rig, const Bytes& true_command)
+    : sender_(lcm_url) {
+  const std::string channel = messages::channel_name(rig, messages::Channel::command);
+  const Bytes body(true_command.size() - authentication::kSealed_bytes, 1);
+  const auto strangers_key = authentication::Key::random();
+  datagrams_[forged] = RawSender::whole(channel, authentication::seal(strangers_key, rig, body).value());
+  datagrams_[replayed] = RawSender::whole(channel, true_command);
+  datagrams_[garbage] = RawSender::whole(channel, Bytes(true_command.size(), 0x5a));
+  datagrams_[oversized] = RawSender::whole(channel, Bytes(65'000, 0x5a));
+  thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
+}
+
+std::int64_t Flooder::stop() {
+  thread_.request_stop();
+  if (thread_.joinable()) thread_.join();
+  return sent_;
+}
+
+void Flooder::run(const std::stop_token& stop) {
+  constexpr std::int64_t kSmallOnes = 64;  // for each of the largest, which would else be all that fits
+  for (std::int64_t i = 0; !stop.stop_requested(); ++i) {
+    const std::size_t kind =
+        i % kSmallOnes == 0 ? static_cast<std::size_t>(oversized) : static_cast<std::size_t>(i % 3);
+    if (sender_.send(datagrams_[kind])) sent_.fetch_add(1, std::memory_order_relaxed);
+  }
+}
+
+}  // namespace strobe::hil

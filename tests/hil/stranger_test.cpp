@@ -1,0 +1,250 @@
+// Strangers on the bus: nothing that they send is obeyed, answered or harmful, however fast they send it.
+#include <algorithm>
+#include <string>
+#include <thread>
+
+#include "common/authentication/key_file.hpp"
+#include "common/authentication/seal.hpp"
+#include "common/messages/channels.hpp"
+#include "firmware/publisher/command_feed.hpp"
+#include "host/session/link.hpp"
+#include "tests/hil/bench.hpp"
+#include "tests/hil/flooder.hpp"
+#include "tests/hil/raw_host.hpp"
+#include "tests/support/private_network.hpp"
+// CppUTest redefines new; its headers come last.
+#include <CppUTest/TestHarness.h>
+
+using namespace strobe;
+using namespace strobe::hil;
+using namespace std::chrono_literals;
+using strobe::authentication::Key;
+using strobe_msgs::command_t;
+using strobe_msgs::event_t;
+
+namespace {
+
+std::size_t count_of(const std::string& text, const std::string& what) {
+  std::size_t count = 0;
+  for (std::size_t at = text.find(what); at != text.npos; at = text.find(what, at + 1)) ++count;
+  return count;
+}
+
+}  // namespace
+
+TEST_GROUP(Stranger){};
+
+TEST(Stranger, IsNeverObeyedAndAnsweredOnlyInTheCounts) {
+  Bench bench;
+  CHECK_TEXT(bench.ready(), bench.log().c_str());
+  RawHost host(bench.lcm_url(), "bench");
+  CHECK(host.wait_status());
+  const command_t arm = host.command(command_t::ARM);
+  const Key stranger = Key::random();
+
+  Bytes altered = host.sealed(arm, host.key());
+  altered[60] ^= 1;
+  Bytes cut = host.sealed(arm, host.key());
+  cut.pop_back();
+  command_t stale = arm;
+  stale.boot_id ^= 1;
+  const Bytes body = host.body(arm);
+  for (int i = 0; i < 100; ++i) {
+    host.send_bytes(host.sealed(arm, stranger));
+    host.send_bytes(altered);
+    host.send_bytes(cut);
+    host.send_bytes(body);  // bare
+    host.send_bytes(host.sealed(stale, host.key()));
+    host.send_bytes(authentication::seal(host.key(), "pitch", body).value());
+    host.send_bytes(Bytes(65'000, 1));
+    host.send_bytes(Bytes(100'000, 1));
+  }
+  host.listen(700ms);
+  LONGS_EQUAL(0, host.status().arm_token);
+  LONGS_EQUAL(200, host.status().rejected_forged);
+  LONGS_EQUAL(200, host.status().rejected_malformed);
+  LONGS_EQUAL(200, host.status().rejected_oversized);
+  LONGS_EQUAL(100, host.status().rejected_stale);
+  LONGS_EQUAL(100, host.status().rejected_other_rig);
+  LONGS_EQUAL(0, host.status().rejected_replayed);
+  CHECK_FALSE(host.saw(event_t::ARMED));
+  CHECK_FALSE(host.saw(event_t::REFUSED));
+
+  const std::int64_t token = host.arm();  // and the host itself is still heard
+  CHECK(token != 0);
+  const command_t fire = host.fire_command(token, true);
+  host.send(fire);
+  CHECK(host.wait([&] { return host.shots().size() == 1; }, 10s));
+  for (int i = 0; i < 100; ++i) host.send(fire);
+  host.listen(700ms);
+  LONGS_EQUAL(1, host.shots().size());
+  LONGS_EQUAL(100, host.status().rejected_replayed);
+  CHECK_FALSE(host.saw(event_t::REFUSED));
+
+  const auto key = authentication::make_key_file(bench.folder() / "another.key").value();
+  const auto fired =
+      strobe::testing::run_to_end(bench.fire(1, 0, {"--key-file", key.path, "--wait", "2"}), 30s);
+  CHECK_TEXT(fired.status == strobe::testing::ExitStatus({1, 0}), fired.err.c_str());
+  CHECK_TEXT(fired.err.find("another key") != std::string::npos, fired.err.c_str());
+  CHECK_TEXT(fired.err.find(key.key.fingerprint()) != std::string::npos, fired.err.c_str());
+
+  const std::size_t lines = count_of(bench.log(), "commands ignored");
+  CHECK_TEXT(lines >= 1 && lines <= 2, bench.log().c_str());
+  LONGS_EQUAL(0, bench.finish().rises("TRIGGER"));
+}
+
+TEST(Stranger, WhoFloodsTheBusDuringAShotCostsNoEvent) {
+  BenchOptions options;
+  options.rig_edits = {{"shutter_open_ms = 500", "shutter_open_ms = 160"},
+                       {"impact_at_ms = 250", "impact_at_ms = 80"}};
+  Bench bench(options);
+  CHECK_TEXT(bench.ready(), bench.log().c_str());
+  RawHost host(bench.lcm_url(), "bench");
+  CHECK(host.wait_status());
+  const command_t disarm = host.command(command_t::DISARM);
+  host.send(disarm);
+  std::int64_t packets = 0;
+  {
+    Flooder flooder(bench.lcm_url(), "bench", host.sealed(disarm, host.key()));
+    auto fire = bench.start(bench.fire(1, 9));
+    CHECK_TEXT(fire.wait_for_out("vx_td_mps", 60s), fire.err().c_str());
+    packets = flooder.stop();
+    const auto ended = fire.wait(30s);
+    CHECK_TEXT(ended == strobe::testing::ExitStatus({0, 0}), fire.err().c_str());
+    CHECK_TEXT(fire.err().find("still missing") == std::string::npos, fire.err().c_str());
+  }
+  CHECK(packets > 10'000);
+  const auto journalled = read_log(bench.journal()).events;
+  for (std::size_t i = 0; i < journalled.size(); ++i)
+    LONGS_EQUAL(static_cast<std::int64_t>(i) + 1, journalled[i].sequence);
+  bench.finish();
+}
+
+TEST_GROUP(CommandFeed) {
+  const std::string url = strobe::testing::private_lcm_url();
+  const std::string channel = messages::channel_name("bench", messages::Channel::command);
+  lcm::LCM lcm{url};
+  std::unique_ptr<firmware::CommandFeed> feed =
+      std::move(firmware::CommandFeed::open(lcm, url, channel)).value();
+  RawSender sender{url};
+  std::vector<Bytes> messages_in;
+  int oversized = 0;
+
+  /// Takes messages in until the mark comes.
+  void receive() {
+    const Bytes mark{'m', 'a', 'r', 'k'};
+    sender.send(RawSender::whole(channel, mark));
+    std::stop_source stop;
+    const auto end = std::chrono::steady_clock::now() + 10s;
+    feed->run(stop.get_token(), {[&](std::span<const std::uint8_t> message) {
+                                   messages_in.emplace_back(message.begin(), message.end());
+                                   if (messages_in.back() == mark) stop.request_stop();
+                                 },
+                                 [&] { ++oversized; },
+                                 [&] {
+                                   if (std::chrono::steady_clock::now() > end) stop.request_stop();
+                                 }});
+  }
+};
+
+TEST(CommandFeed, TakesInWhatLcmSends) {
+  const Bytes message(300, 7);
+  lcm.publish(channel, message.data(), 300);
+  receive();
+  LONGS_EQUAL(2, messages_in.size());
+  CHECK(messages_in[0] == message);
+}
+
+TEST(CommandFeed, IsReplacedByLcmsOwnWhereTheUrlIsAnother) {
+  lcm::LCM memory("memq://");
+  feed = std::move(firmware::CommandFeed::open(memory, "memq://", channel)).value();
+  std::stop_source stop;
+  const Bytes message(300, 7);
+  memory.publish(channel, message.data(), 300);
+  feed->run(stop.get_token(), {[&](std::span<const std::uint8_t> taken) {
+                                 messages_in.emplace_back(taken.begin(), taken.end());
+                                 stop.request_stop();
+                               },
+                               [] {}, [] {}});
+  CHECK(messages_in == std::vector<Bytes>{message});
+}
+
+TEST(CommandFeed, TakesInNoOtherChannel) {
+  for (const char* other : {"STROBE/bench/EVENT", "STROBE/bench/COMMANDS", "STROBE/rig/COMMAND", "X"})
+    sender.send(RawSender::whole(other, {1, 2, 3}));
+  receive();
+  LONGS_EQUAL(1, messages_in.size());
+}
+
+TEST(CommandFeed, CountsWhatLcmSendsInPartsAsOversized) {
+  const Bytes message(200'000, 7);
+  lcm.publish(channel, message.data(), 200'000);
+  receive();
+  LONGS_EQUAL(1, oversized);
+  LONGS_EQUAL(1, messages_in.size());
+}
+
+TEST(CommandFeed, IsNotHarmedByDatagramsThatHarmLcm) {
+  const auto part = [&](std::vector<std::uint8_t> header) {
+    Bytes datagram{'L', 'C', '0', '3', 0, 0, 0, 9};
+    datagram.insert(datagram.end(), header.begin(), header.end());
+    datagram.insert(datagram.end(), channel.begin(), channel.end());
+    datagram.resize(datagram.size() + 100);
+    return datagram;
+  };
+  sender.send(part({0, 0, 1, 0, 0xff, 0xff, 0xff, 0xf0, 0, 0, 0, 2}));  // an offset that wraps around
+  sender.send(part({0x0f, 0xff, 0xff, 0xff, 0, 0, 0, 0, 0, 0, 0, 2}));  // a quarter of a gigabyte to come
+  sender.send(part({0, 0, 1, 0, 0, 0, 0, 0, 0, 1, 0, 2}));              // a second part without a first
+  Bytes endless{'L', 'C', '0', '2', 0, 0, 0, 1};
+  endless.resize(60'000, 'x');  // a channel without an end
+  sender.send(endless);
+  sender.send({'L', 'C', '0', '2'});
+  sender.send({'L', 'C', '0', '3', 0, 0});
+  sender.send({});
+  sender.send(RawSender::whole(channel, {}));
+  receive();
+  LONGS_EQUAL(2, messages_in.size());
+  LONGS_EQUAL(0, messages_in[0].size());
+  LONGS_EQUAL(2, oversized);  // the two that begin a larger message
+}
+
+TEST_GROUP(Link) {
+  const std::string url = strobe::testing::private_lcm_url();
+  std::vector<std::pair<std::string, Bytes>> received;
+  std::unique_ptr<host::Link> link =
+      host::Link::open(url, "bench", [this](const std::string& channel, const void* data, std::size_t size) {
+        const auto* bytes = static_cast<const std::uint8_t*>(data);
+        received.emplace_back(channel, Bytes(bytes, bytes + size));
+      }).value();
+  lcm::LCM lcm{url};
+
+  void send(const std::string& channel, const Bytes& message) {
+    lcm.publish(channel, message.data(), static_cast<unsigned>(message.size()));
+  }
+  bool receive(std::size_t messages) {
+    for (int i = 0; i < 500 && received.size() < messages; ++i) link->wait(20);
+    return received.size() >= messages;
+  }
+};
+
+TEST(Link, TakesInWhatLcmSendsSmallAndInParts) {
+  Bytes large(200'000);
+  for (std::size_t i = 0; i < large.size(); ++i) large[i] = static_cast<std::uint8_t>(i * i >> 3);
+  send("STROBE/bench/EVENT", {1, 2, 3});
+  send("STROBE/bench/SHOT", large);
+  send("STROBE/bench/STATUS", {});
+  CHECK(receive(3));
+  CHECK(received[0] == std::pair(std::string("STROBE/bench/EVENT"), Bytes({1, 2, 3})));
+  CHECK(received[1] == std::pair(std::string("STROBE/bench/SHOT"), large));
+  CHECK(received[2].second.empty());
+}
+
+TEST(Link, TakesInNeitherCommandsNorOtherRigs) {
+  send("STROBE/bench/COMMAND", {1});
+  send("STROBE/bench2/EVENT", {2});
+  send("STROBE/benc/EVENT", {3});
+  send("STROBE/bench/COMMAND", Bytes(200'000));
+  send("STROBE/bench/EVENT", {4});
+  CHECK(receive(1));
+  CHECK(received[0].second == Bytes{4});
+}
