@@ -3,6 +3,7 @@
 #include <pthread.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <csignal>
 #include <cstdio>
 #include <functional>
@@ -121,8 +122,8 @@ class LoopThread {
   /// Without a guardian nobody would make the outputs safe if this process died.
   const char* guardian_fault() const noexcept {
     if (getppid() != guardian_) return "the guardian died";
-    const MonoTime turned{page_.guardian_turned_ns};
-    return turned.ns != 0 && clock_.now() - turned > kGuardianHangs ? "the guardian hangs" : nullptr;
+    const MonoTime turned = std::max(started_, MonoTime{page_.guardian_turned_ns});
+    return clock_.now() - turned > kGuardianHangs ? "the guardian hangs" : nullptr;
   }
 
   void let_go() noexcept {
@@ -139,6 +140,7 @@ class LoopThread {
   EventFd& wake_;
   mutable MonotonicClock clock_;
   const pid_t guardian_ = getppid();
+  const MonoTime started_ = clock_.now();
   std::atomic<bool> stop_{false};
   std::atomic<bool> hang_{false};
   std::atomic<bool> lose_outputs_{false};

@@ -104,7 +104,7 @@ Press stop_a_shot(RawHost& host, const Bench& bench, const Situation& situation)
   const bool fired = host.wait([&] { return host.shots().size() > shots; }, 5s);
   CHECK_TEXT(fired, (situation.name + (": " + host.events().back().detail)).c_str());
   // Nothing may become active as long as it is pressed, not by a command either.
-  host.send(host.command(strobe_msgs::command_t::ARM));
+  if (due != 0) host.send(host.command(strobe_msgs::command_t::ARM));
   host.listen(20ms);
   press.released = monotonic_now_ns();
   watch.drive("ESTOP", 1);

@@ -5,6 +5,8 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <cerrno>
 #include <stdexcept>
 
@@ -34,10 +36,11 @@ bool RawSender::send(const Bytes& datagram) const {
 }
 
 Bytes RawSender::whole(std::string_view channel, const Bytes& message) {
-  Bytes datagram{'L', 'C', '0', '2', 0, 0, 0, 1};
-  datagram.insert(datagram.end(), channel.begin(), channel.end());
-  datagram.push_back(0);
-  datagram.insert(datagram.end(), message.begin(), message.end());
+  constexpr std::array<std::uint8_t, 8> kHeader{'L', 'C', '0', '2', 0, 0, 0, 1};
+  Bytes datagram(kHeader.size() + channel.size() + 1 + message.size());
+  auto end = std::copy(kHeader.begin(), kHeader.end(), datagram.begin());
+  end = std::copy(channel.begin(), channel.end(), end) + 1;  // a zero ends the channel
+  std::copy(message.begin(), message.end(), end);
   return datagram;
 }
 

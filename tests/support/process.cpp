@@ -30,8 +30,10 @@ namespace {
 }
 
 std::string contents(const std::filesystem::path& path) {
-  std::ifstream stream(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
+  const std::ifstream stream(path, std::ios::binary);
+  std::ostringstream text;
+  text << stream.rdbuf();  // does not throw if a process ends while its file in /proc is read
+  return text.str();
 }
 
 std::vector<std::string> merged_environment(const std::map<std::string, std::string>& added) {
