@@ -4,10 +4,12 @@
 #include <memory>
 #include <optional>
 
+#include "common/authentication/key_file.hpp"
 #include "host/commands/command.hpp"
 #include "host/commands/terminal.hpp"
 #include "host/commands/watched_photographs.hpp"
 #include "host/config/rig_file.hpp"
+#include "host/session/commands.hpp"
 #include "host/session/follower.hpp"
 #include "host/session/intake.hpp"
 #include "host/session/link.hpp"
@@ -22,6 +24,7 @@ constexpr std::int64_t kSilent_ns = 2'000'000'000;
 struct LiveOptions {
   std::string rig_path;
   std::string url;
+  std::string key_file;
   PhotographOptions photographs;
   bool json = false;
   bool plain = false;
@@ -58,12 +61,50 @@ class TimingReport {
   std::int64_t heard_ns_ = 0;  ///< the newest heartbeat when the shot was done with
 };
 
+/// Asks strobed for what did not come, also for what was before this listener joined.
+class Asking {
+ public:
+  Asking(const authentication::Key& key, const std::string& rig, std::int64_t host_id)
+      : maker_(host_id), sealer_(key, rig) {}
+  void turn(Session& session, Link& link, std::int64_t now_ns) {
+    if (!session.status()) return;
+    for (const SequenceRange& range : session.ledger().due(now_ns)) {
+      if (const auto sealed = sealer_.seal(maker_.resend(session.status()->boot_id, range)))
+        link.publish_command(*sealed);
+    }
+  }
+
+ private:
+  CommandMaker maker_;
+  CommandSealer sealer_;
+};
+
+/// Says what is missing once it is no longer on its way.
+class MissingWords {
+ public:
+  std::optional<std::string> turn(std::int64_t missing, std::int64_t now_ns) {
+    constexpr std::int64_t kOnItsWay_ns = 5'000'000'000;
+    if (missing != missing_) since_ns_ = now_ns;
+    missing_ = missing;
+    if (missing <= said_ || now_ns - since_ns_ < kOnItsWay_ns) return std::nullopt;
+    said_ = missing;
+    return fmt::format("{} events did not arrive here", missing);
+  }
+
+ private:
+  std::int64_t missing_ = 0, said_ = 0, since_ns_ = 0;
+};
+
 int run_live(const LiveOptions& options) {
   const auto rig = load_rig(options.rig_path);
   if (!rig) return bad_input(rig.error().message);
   const std::string url = lcm_url(options.url, *rig);
-  Follower follower(assembly_settings(*rig), 0, fmt::format("strobe live   rig {}", rig->rig));
+  const auto key = authentication::find_key({options.key_file, rig->key_file.value_or("")});
   const std::int64_t host_id = random_host_id();
+  Follower follower(assembly_settings(*rig), 0, key.has_value(),
+                    fmt::format("strobe live   rig {}", rig->rig));
+  std::optional<Asking> asking;
+  if (key) asking.emplace(key->key, rig->rig, host_id);
   WatchedPhotographs photographs(*rig, options.photographs, "", host_id, follower);
   if (auto watched = photographs.open(); !watched) return bad_input(watched.error().message);
   Intake intake(rig->rig, photographs.sink());
@@ -84,8 +125,9 @@ int run_live(const LiveOptions& options) {
   };
   follower.on_notice = [&](const std::string& text) { terminal.notice(text); };
   for (const std::string& text : photographs.opening_words()) follower.notice(text);
+  if (!key) follower.notice("what is lost on the way cannot be asked for: " + key.error().message);
   const auto idle_ns = static_cast<std::int64_t>(options.idle_exit_s * 1e9);
-  std::int64_t missing_said = 0;
+  MissingWords missing;
   while (!interrupted()) {
     if (!(*link)->wait(50, photographs.descriptors()) || !(*link)->drain())
       return failed("LCM cannot receive any more");
@@ -100,10 +142,8 @@ int run_live(const LiveOptions& options) {
     const Model& shown = follower.shown(now_ns);
     terminal.show(shown, now_ns);
     if (!terminal.owns_screen()) timing.print_when_told(follower, shown, options.json);
-    if (const std::int64_t missing = follower.model().events_missing; missing > missing_said) {
-      missing_said = missing;
-      terminal.notice(fmt::format("{} events did not arrive here", missing));
-    }
+    if (asking) asking->turn(follower.session(), **link, now_ns);
+    if (const auto words = missing.turn(follower.model().events_missing, now_ns)) terminal.notice(*words);
     const bool silent = now_ns - follower.session().status_heard_ns() > kSilent_ns;
     const bool told = !timing.due() || terminal.owns_screen() || silent;
     if (options.shots > 0 && follower.outcomes() >= options.shots && told) break;
@@ -124,6 +164,8 @@ void add_live_command(CLI::App& app, int& exit_status) {
       app.add_subcommand("live", "Watch a session: each shot's readout, the series, the firmware");
   command->add_option("--rig", options->rig_path, "rig file (default: the example that comes with strobe)");
   command->add_option("--lcm-url", options->url, "LCM URL (default: the rig file's, else this machine only)");
+  command->add_option("--key-file", options->key_file,
+                      "the lab's key, to ask strobed for what did not come (default: as `strobe key` tells)");
   add_photograph_options(*command, options->photographs);
   command->add_flag("--json", options->json,
                     "one JSON object per readout on standard output, nothing else there");
