@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "common/reduction/series.hpp"
@@ -12,14 +13,28 @@ namespace {
 using strobe_msgs::flash_t;
 using strobe_msgs::shot_t;
 
-constexpr std::int64_t kLongestCall_ns = 20'000;
+bool issued(const flash_t& flash) {
+  return flash.issue_start_ns != flash_t::NO_TIME && flash.issue_end_ns != flash_t::NO_TIME;
+}
+
+/// Of a call that was interrupted nobody knows when the line changed: twice the shortest, and a microsecond.
+std::int64_t longest_call_ns(const shot_t& shot) {
+  constexpr std::int64_t kMargin_ns = 1000;
+  std::optional<std::int64_t> shortest;
+  for (const flash_t& flash : shot.flashes) {
+    if (!issued(flash)) continue;
+    const std::int64_t call = flash.issue_end_ns - flash.issue_start_ns;
+    shortest = std::min(shortest.value_or(call), call);
+  }
+  return 2 * shortest.value_or(0) + kMargin_ns;
+}
 
 std::optional<CalibratedDelay> lamp_delay_us(const shot_t& shot, int lamp, std::int64_t flash_t::*observed) {
   reduction::Series series;
+  const std::int64_t longest_ns = longest_call_ns(shot);
   for (const flash_t& flash : shot.flashes) {
-    const bool issued = flash.issue_start_ns != flash_t::NO_TIME && flash.issue_end_ns != flash_t::NO_TIME;
-    if ((flash.lamps & lamp) == 0 || !issued || flash.*observed == flash_t::NO_TIME) continue;
-    if (flash.extra_edges > 0 || flash.issue_end_ns - flash.issue_start_ns > kLongestCall_ns) continue;
+    if ((flash.lamps & lamp) == 0 || !issued(flash) || flash.*observed == flash_t::NO_TIME) continue;
+    if (flash.extra_edges > 0 || flash.issue_end_ns - flash.issue_start_ns > longest_ns) continue;
     series.add(static_cast<double>(flash.*observed - flash.issue_end_ns) * 1e-3);
   }
   if (series.count() < 2) return std::nullopt;
