@@ -118,6 +118,10 @@ void read_timing(TomlTable tolerance, TomlTable arming, TomlTable real_time, Rig
   if (rig.tolerance.abort_late < rig.tolerance.late) {
     tolerance.error_at("abort_late_us", "must not be less than tolerance.late_us");
   }
+  if (rig.tolerance.late + rig.lamps.max_on >= rig.lamps.min_period) {
+    // Else what is tolerated would excuse a flash of a lamp that has not recharged.
+    tolerance.error_at("late_us", "together with lamps.max_on_us must be shorter than lamps.min_period_us");
+  }
   rig.tolerance.spin = rounded(tolerance.number("spin_us", {0, 400}), kNsPerUs);
   if (rig.tolerance.spin + rig.lamps.max_on >= rig.lamps.min_period) {
     // Else the loop would go from spin to spin and never look at the e-stop.
