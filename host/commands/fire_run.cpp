@@ -146,14 +146,22 @@ class FireRun {
   /// Said once: what the firmware takes for forged just after this host has sent something is this host's.
   void say_if_key_differs() {
     const auto& status = follower_.session().status();
-    if (!status || key_differs_said_) return;
+    if (status && status->arm_host_id == maker_.host_id()) key_known_ = true;
+    if (!status || key_known_ || key_differs_said_) return;
     if (!forged_before_) forged_before_ = status->rejected_forged;
-    if (status->rejected_forged <= *forged_before_ || status->arm_host_id == maker_.host_id()) return;
+    if (status->rejected_forged <= *forged_before_) return;
     key_differs_said_ = true;
+    key_differs_since_ns_ = now_ns_;
     terminal_->notice(fmt::format(
         "strobed ignores commands that are sealed with another key than its own: it tells its key's fingerprint at "
         "its start, this host's is {} (see strobe key, --key-file)",
         order_.key.fingerprint()));
+  }
+
+  /// A stranger's forgeries alone do not end a series: it waits for a token as long as for anything else.
+  bool shut_out() const {
+    return key_differs_said_ && !key_known_ &&
+           static_cast<double>(now_ns_ - key_differs_since_ns_) > order_.campaign.patience_s * 1e9;
   }
 
   void send(const strobe_msgs::command_t& command) {
@@ -196,7 +204,7 @@ class FireRun {
   void fire() {
     // The first status may take half a second: nothing is missing before it had time to come.
     const std::int64_t started_ns = steady_now_ns();
-    while (!campaign_.finished() && !interrupted() && turn()) {
+    while (!campaign_.finished() && !interrupted() && !shut_out() && turn()) {
       const auto heard = follower_.heard(now_ns_);
       if (heard || now_ns_ - started_ns > kSecond_ns) campaign_.step(heard, now_ns_);
       send_commands();
@@ -217,7 +225,7 @@ class FireRun {
 
   /// Events that were lost on the way are fetched from the journal before the log is closed.
   void collect_missing() {
-    if (key_differs_said_) return;  // nothing that is asked for would come
+    if (shut_out()) return;  // nothing that is asked for would come
     const EventLedger& ledger = follower_.session().ledger();
     Collection collection(steady_now_ns());
     bool said = false;
@@ -258,6 +266,8 @@ class FireRun {
   std::int64_t now_ns_ = 0;
   std::optional<std::int64_t> forged_before_;
   bool key_differs_said_ = false;
+  bool key_known_ = false;
+  std::int64_t key_differs_since_ns_ = 0;
   std::string lasting_;
   std::int64_t lasting_since_ns_ = 0;
   bool said_ = false;

@@ -49,7 +49,7 @@ TEST(Stranger, IsNeverObeyedAndAnsweredOnlyInTheCounts) {
   command_t stale = arm;
   stale.boot_id ^= 1;
   const Bytes body = host.body(arm);
-  for (int i = 0; i < 100; ++i) {
+  for (int i = 0; i < 10; ++i) {
     host.send_bytes(host.sealed(arm, stranger));
     host.send_bytes(altered);
     host.send_bytes(cut);
@@ -58,14 +58,15 @@ TEST(Stranger, IsNeverObeyedAndAnsweredOnlyInTheCounts) {
     host.send_bytes(authentication::seal(host.key(), "pitch", body).value());
     host.send_bytes(Bytes(65'000, 1));
     host.send_bytes(Bytes(100'000, 1));
+    host.listen(5ms);  // no more than the socket holds
   }
   host.listen(700ms);
   LONGS_EQUAL(0, host.status().arm_token);
-  LONGS_EQUAL(200, host.status().rejected_forged);
-  LONGS_EQUAL(200, host.status().rejected_malformed);
-  LONGS_EQUAL(200, host.status().rejected_oversized);
-  LONGS_EQUAL(100, host.status().rejected_stale);
-  LONGS_EQUAL(100, host.status().rejected_other_rig);
+  LONGS_EQUAL(20, host.status().rejected_forged);
+  LONGS_EQUAL(20, host.status().rejected_malformed);
+  LONGS_EQUAL(20, host.status().rejected_oversized);
+  LONGS_EQUAL(10, host.status().rejected_stale);
+  LONGS_EQUAL(10, host.status().rejected_other_rig);
   LONGS_EQUAL(0, host.status().rejected_replayed);
   CHECK_FALSE(host.saw(event_t::ARMED));
   CHECK_FALSE(host.saw(event_t::REFUSED));
@@ -75,10 +76,10 @@ TEST(Stranger, IsNeverObeyedAndAnsweredOnlyInTheCounts) {
   const command_t fire = host.fire_command(token, true);
   host.send(fire);
   CHECK(host.wait([&] { return host.shots().size() == 1; }, 10s));
-  for (int i = 0; i < 100; ++i) host.send(fire);
+  for (int i = 0; i < 10; ++i) host.send(fire);
   host.listen(700ms);
   LONGS_EQUAL(1, host.shots().size());
-  LONGS_EQUAL(100, host.status().rejected_replayed);
+  LONGS_EQUAL(10, host.status().rejected_replayed);
   CHECK_FALSE(host.saw(event_t::REFUSED));
 
   const auto key = authentication::make_key_file(bench.folder() / "another.key").value();
@@ -205,7 +206,7 @@ TEST(CommandFeed, IsNotHarmedByDatagramsThatHarmLcm) {
   receive();
   LONGS_EQUAL(2, messages_in.size());
   LONGS_EQUAL(0, messages_in[0].size());
-  LONGS_EQUAL(2, oversized);  // the two that begin a larger message
+  LONGS_EQUAL(1, oversized);  // the one that begins a larger message
 }
 
 TEST_GROUP(Link) {
