@@ -7,6 +7,7 @@
 #include "host/commands/command.hpp"
 #include "host/commands/watched_photographs.hpp"
 #include "host/session/collection.hpp"
+#include "host/session/counts.hpp"
 #include "host/session/follower.hpp"
 #include "host/session/intake.hpp"
 #include "host/session/link.hpp"
@@ -79,8 +80,7 @@ class FireRun {
   }
 
   bool own_readout(const void* data, std::size_t size) const {
-    strobe_msgs::readout_t readout;
-    return readout.decode(data, 0, static_cast<int>(size)) >= 0 && readout.host_id == maker_.host_id();
+    return readout_host(data, size) == maker_.host_id();
   }
 
   void done(const Outcome& outcome) {

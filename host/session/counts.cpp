@@ -1,6 +1,7 @@
 #include "host/session/counts.hpp"
 
 #include <cstdint>
+#include <strobe_msgs/readout_t.hpp>
 
 namespace strobe::host {
 namespace {
@@ -30,6 +31,13 @@ class Walk {
     left_ -= bytes;
   }
   void skip_string() { skip(number()); }
+  std::int64_t integer() {
+    if (left_ < kInt64) good_ = false;
+    std::uint64_t value = 0;
+    for (std::size_t i = 0; good_ && i < kInt64; ++i) value = value << 8 | at_[i];
+    skip(kInt64);
+    return static_cast<std::int64_t>(value);
+  }
   /// A big-endian int32 that must not be negative.
   std::size_t number() {
     if (left_ < kInt32) good_ = false;
@@ -114,6 +122,14 @@ bool shot_v1_counts_plausible(const void* data, std::size_t size) {
   walk.skip(5 * kInt64 + kDouble + 2 * kInt8 + kDouble);  // instants, lamp delay, sensors, tolerance
   skip_rest_of_shot(walk, kFlashV1);
   return walk.good();
+}
+
+std::int64_t readout_host(const void* data, std::size_t size) {
+  Walk walk(data, size);
+  const bool is_readout = walk.integer() == strobe_msgs::readout_t::getHash();
+  walk.skip(kInt32);  // schema
+  const std::int64_t host = walk.integer();
+  return is_readout && walk.good() ? host : 0;
 }
 
 }  // namespace strobe::host

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 
 namespace strobe::host {
 
@@ -14,5 +15,8 @@ bool frame_v1_counts_plausible(const void* data, std::size_t size);
 bool status_counts_plausible(const void* data, std::size_t size);
 bool shot_counts_plausible(const void* data, std::size_t size);
 bool shot_v1_counts_plausible(const void* data, std::size_t size);
+
+/// Who computed an encoded readout, from its head alone: its lists are never decoded. 0: not a readout.
+std::int64_t readout_host(const void* data, std::size_t size);
 
 }  // namespace strobe::host

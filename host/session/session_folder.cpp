@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <ctime>
+#include <exception>
 #include <fstream>
 #include <map>
 #include <set>
@@ -111,7 +112,11 @@ void SessionFolder::recall(EventLedger& ledger, const std::string& rig) const {
   const auto enter = [&](const lcm::LogEvent& logged) {
     if (logged.channel == events) {
       strobe_msgs::event_t event;
-      if (event.decode(logged.data, 0, logged.datalen) < 0) return;
+      try {
+        if (event.decode(logged.data, 0, logged.datalen) < 0) return;
+      } catch (const std::exception&) {
+        return;  // a stranger's, kept as it came: LCM's decoder believes its texts' lengths
+      }
       ledger.add(event.boot_id, event.sequence, 0);
       if (event.kind == strobe_msgs::event_t::SHOT_ENDED || event.kind == strobe_msgs::event_t::SHOT_ABORTED)
         ended[{event.boot_id, event.shot_id}] = event.sequence;

@@ -5,12 +5,14 @@
 #include <stdexcept>
 #include <string>
 #include <strobe_msgs/frame_v1_t.hpp>
+#include <strobe_msgs/readout_t.hpp>
 #include <strobe_msgs/shot_v1_t.hpp>
 #include <strobe_msgs/status_v1_t.hpp>
 #include <utility>
 #include <vector>
 
 #include "host/assembly/assemble.hpp"
+#include "host/session/counts.hpp"
 #include "tests/host/synthetic_shot.hpp"
 // CppUTest redefines new; its headers come last.
 #include <CppUTest/TestHarness.h>
@@ -128,6 +130,17 @@ TEST(IntakeOfMessages, AShotOfVersionOneIsTakenInWithTheSameReadout) {
   const auto then = strobe::host::shot_readout(sink.last_shot, made.frame, {}).readout;
   CHECK(now.value == then.value);
   CHECK(now.sd == then.sd);
+}
+
+TEST(IntakeOfMessages, AReadoutTellsItsHostWithoutBeingDecoded) {
+  strobe_msgs::readout_t readout{};
+  readout.host_id = -0x0123456789abcdef;
+  const std::vector<char> bytes = bytes_of(readout);
+  LONGLONGS_EQUAL(readout.host_id, strobe::host::readout_host(bytes.data(), bytes.size()));
+  const std::vector<char> other = bytes_of(status());
+  LONGLONGS_EQUAL(0, strobe::host::readout_host(other.data(), other.size()));
+  for (std::size_t size = 0; size < 20; ++size)
+    LONGLONGS_EQUAL(0, strobe::host::readout_host(bytes.data(), size));
 }
 
 TEST(IntakeOfMessages, OtherRigsAndTypesAreLeft) {

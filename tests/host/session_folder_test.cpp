@@ -1,6 +1,7 @@
 // What is kept of a session, and what a second run in the same folder makes of it.
 #include "host/session/session_folder.hpp"
 
+#include <algorithm>
 #include <string>
 #include <strobe_msgs/event_t.hpp>
 #include <strobe_msgs/shot_t.hpp>
@@ -79,6 +80,9 @@ TEST(FolderOfASession, EventsOfEarlierRunsAreNotAskedForAgain) {
     const auto foreign = event_bytes(3);
     (*first)->log("STROBE/other/EVENT", foreign.data(), foreign.size(), 9);
     (*first)->log("STROBE/bench/EVENT", "garbage", 7, 10);
+    auto hostile = event_bytes(3);  // its last field, an empty text with its end, says that it is -1 bytes long
+    std::fill(hostile.end() - 5, hostile.end() - 1, '\xff');
+    (*first)->log("STROBE/bench/EVENT", hostile.data(), hostile.size(), 11);
   }
   auto second = SessionFolder::open(folder.path(), kUtc, "", "");
   EventLedger ledger(true);
