@@ -24,7 +24,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     for (const char letter : message->channel) sum += static_cast<unsigned char>(letter);
     for (const std::uint8_t byte : message->data) sum += byte;  // every byte can be read
   }
-  static volatile unsigned read_all;
-  read_all = sum;
+  const volatile unsigned read_all = sum;
+  (void)read_all;
   return 0;
 }
