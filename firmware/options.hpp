@@ -18,7 +18,7 @@ inline constexpr std::array<std::string_view, 4> kDrills{"publisher-exception", 
 struct Options {
   std::string config;
   std::filesystem::path session;
-  std::string lcm_url;  ///< resolved: command line, rig file, default
+  std::string lcm_url;                     ///< resolved: command line, rig file, default
   std::string key_file;                    ///< --key-file; empty: not given
   std::optional<authentication::Key> key;  ///< of the lab; there whenever the worker runs
   std::string key_words;                   ///< the key's file and fingerprint

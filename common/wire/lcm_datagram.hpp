@@ -1,9 +1,9 @@
 // LCM's UDP multicast as it is on the wire: the URL, and what a datagram holds. LCM's own receiver is not for
 // bytes of strangers. In version 1.3.1 lcm_udpm.c, _recv_message_fragment(), holds
 // "fragment_offset + frag_size > fbuf->data_size" in 32 bits against the buffer, then copies to
-// fbuf->data + fragment_offset: a part of 32 bytes at offset 0xfffffff0 passes and is written outside, which ends
-// lcm-logger with SIGSEGV; the size in a first part, up to 256 MB, is allocated on its word alone.
-// Pure; thread-safe. Wire format: LCM's documentation, "UDP Multicast Protocol Description".
+// fbuf->data + fragment_offset: a part of 32 bytes at offset 0xfffffff0 passes and is written outside, which
+// ends lcm-logger with SIGSEGV; the size in a first part, up to 256 MB, is allocated on its word alone. Pure;
+// thread-safe. Wire format: LCM's documentation, "UDP Multicast Protocol Description".
 #pragma once
 
 #include <cstdint>

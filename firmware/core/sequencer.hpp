@@ -33,8 +33,8 @@ class Sequencer {
   /// does it.
   bool step(MonoTime latest) noexcept;
 
-  /// Outputs inactive, a running shot aborted and handed over, STOPPED reported. False: an output could not be
-  /// driven.
+  /// Outputs inactive, a running shot aborted and handed over, STOPPED reported. False: an output could not
+  /// be driven.
   bool stop(const Words& why) noexcept;
 
   State state() const noexcept { return interlock_.state(); }

@@ -141,7 +141,8 @@ void build_plan(const PlanRequest& request, const Rig& rig, ShotPlan& plan) noex
   plan.pulses.clear();
   plan.gated = request.train == Train::gated;
   plan.flash_count = flash_count(request);
-  plan.shortest_interval = shortest_interval(request);
+  // A coded train of one flash has none of its own.
+  plan.shortest_interval = std::max(shortest_interval(request), least_interval(rig));
   const Duration trigger_at = rig.shutter.lag + impact_at(request, rig) - rig.machine.lag;
   const Duration shutter_at = request.dry ? Duration{0} : std::max(Duration{0}, -trigger_at);
   plan.exposure_begin = shutter_at + rig.shutter.lag;

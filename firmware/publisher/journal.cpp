@@ -10,8 +10,9 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
-#include <exception>
 #include <strobe_msgs/shot_v1_t.hpp>
+
+#include "common/messages/well_formed.hpp"
 
 namespace strobe::firmware {
 
@@ -55,8 +56,10 @@ bool ends_with(const std::string& text, const std::string& end) {
 }
 
 template <typename Shot>
-bool is_shot(const LogRecord& record, JournalEntry& entry, std::int32_t& shot_id) {
+bool is_shot(const LogRecord& record, bool (*well_formed)(const void*, std::size_t), JournalEntry& entry,
+             std::int32_t& shot_id) {
   Shot shot{};
+  if (!well_formed(record.bytes.data(), record.bytes.size())) return false;
   if (shot.decode(record.bytes.data(), 0, static_cast<int>(record.bytes.size())) < 0) return false;
   entry.kind = Message::Kind::shot;
   entry.sequences = {shot.first_sequence, shot.last_sequence};
@@ -66,10 +69,11 @@ bool is_shot(const LogRecord& record, JournalEntry& entry, std::int32_t& shot_id
 
 }  // namespace
 
-bool entry_of(const LogRecord& record, JournalEntry& entry, std::int32_t& shot_id) try {
+bool entry_of(const LogRecord& record, JournalEntry& entry, std::int32_t& shot_id) {
   entry.offset = record.offset;
   if (ends_with(record.channel, "/EVENT")) {
     strobe_msgs::event_t event{};
+    if (!messages::event_well_formed(record.bytes.data(), record.bytes.size())) return false;
     if (event.decode(record.bytes.data(), 0, static_cast<int>(record.bytes.size())) < 0) return false;
     entry.kind = Message::Kind::event;
     entry.sequences = {event.sequence, event.sequence};
@@ -77,12 +81,10 @@ bool entry_of(const LogRecord& record, JournalEntry& entry, std::int32_t& shot_i
     return true;
   }
   if (ends_with(record.channel, "/SHOT")) {
-    return is_shot<strobe_msgs::shot_t>(record, entry, shot_id) ||
-           is_shot<strobe_msgs::shot_v1_t>(record, entry, shot_id);
+    return is_shot<strobe_msgs::shot_t>(record, messages::shot_well_formed, entry, shot_id) ||
+           is_shot<strobe_msgs::shot_v1_t>(record, messages::shot_v1_well_formed, entry, shot_id);
   }
   return false;
-} catch (const std::exception&) {
-  return false;  // LCM's decoder believes a damaged message's counts and lengths
 }
 
 std::filesystem::path journal_path(const std::filesystem::path& dir, std::int64_t boot_id) {

@@ -4,10 +4,10 @@
 
 #include "common/messages/channels.hpp"
 #include "common/messages/lcm_conversions.hpp"
+#include "common/messages/well_formed.hpp"
 #include "host/commands/command.hpp"
 #include "host/commands/watched_photographs.hpp"
 #include "host/session/collection.hpp"
-#include "host/session/counts.hpp"
 #include "host/session/follower.hpp"
 #include "host/session/intake.hpp"
 #include "host/session/link.hpp"
@@ -80,7 +80,7 @@ class FireRun {
   }
 
   bool own_readout(const void* data, std::size_t size) const {
-    return readout_host(data, size) == maker_.host_id();
+    return messages::readout_host(data, size) == maker_.host_id();
   }
 
   void done(const Outcome& outcome) {
@@ -152,10 +152,11 @@ class FireRun {
     if (status->rejected_forged <= *forged_before_) return;
     key_differs_said_ = true;
     key_differs_since_ns_ = now_ns_;
-    terminal_->notice(fmt::format(
-        "strobed ignores commands that are sealed with another key than its own: it tells its key's fingerprint at "
-        "its start, this host's is {} (see strobe key, --key-file)",
-        order_.key.fingerprint()));
+    terminal_->notice(
+        fmt::format("strobed ignores commands that are sealed with another key than its own: it tells its "
+                    "key's fingerprint at "
+                    "its start, this host's is {} (see strobe key, --key-file)",
+                    order_.key.fingerprint()));
   }
 
   /// A stranger's forgeries alone do not end a series: it waits for a token as long as for anything else.

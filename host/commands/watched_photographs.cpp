@@ -3,9 +3,9 @@
 #include <CLI/CLI.hpp>
 
 #include "common/messages/channels.hpp"
+#include "common/messages/well_formed.hpp"
 #include "host/commands/terminal.hpp"
 #include "host/photographs/measure_photograph.hpp"
-#include "host/session/counts.hpp"
 
 namespace strobe::host {
 namespace {
@@ -67,7 +67,7 @@ MessageSink& WatchedPhotographs::sink() { return relay_; }
 bool WatchedPhotographs::own_frame(const std::string& channel, const void* data, std::size_t size) const {
   if (!desk_ || channel != messages::channel_name(rig_.rig, messages::Channel::frame)) return false;
   strobe_msgs::frame_t frame;
-  return frame_counts_plausible(data, size) && frame.decode(data, 0, static_cast<int>(size)) >= 0 &&
+  return messages::frame_well_formed(data, size) && frame.decode(data, 0, static_cast<int>(size)) >= 0 &&
          frame.host_id == host_id_;
 }
 

@@ -8,7 +8,8 @@
 #include "common/messages/lcm_conversions.hpp"
 #include "common/messages/shot_versions.hpp"
 #include "common/messages/status_from_v1.hpp"
-#include "host/session/counts.hpp"
+#include "common/messages/well_formed.hpp"
+#include "host/session/believable.hpp"
 
 namespace strobe::host {
 namespace {
@@ -31,17 +32,9 @@ Intake::Intake(std::string_view rig, MessageSink& sink)
 
 void Intake::receive(std::string_view channel, const void* data, std::size_t size,
                      std::int64_t now_ns) noexcept {
-  const auto take = [&]<typename Message>(Message message,
-                                          void (MessageSink::*hand_on)(const Message&, std::int64_t)) {
-    if (decode(message, data, size)) {
-      (sink_.*hand_on)(message, now_ns);
-    } else {
-      ++undecodable_;
-    }
-  };
   try {
     if (channel == event_) {
-      take(strobe_msgs::event_t{}, &MessageSink::event);
+      take_event(data, size, now_ns);
     } else if (channel == status_) {
       take_status(data, size, now_ns);
     } else if (channel == shot_) {
@@ -59,28 +52,44 @@ void Intake::receive(std::string_view channel, const void* data, std::size_t siz
   }
 }
 
+void Intake::take_event(const void* data, std::size_t size, std::int64_t now_ns) {
+  strobe_msgs::event_t event;
+  if (messages::event_well_formed(data, size) && decode(event, data, size) && believable(event))
+    return sink_.event(event, now_ns);
+  ++undecodable_;
+}
+
 void Intake::take_shot(const void* data, std::size_t size, std::int64_t now_ns) {
   strobe_msgs::shot_t shot;
-  if (shot_counts_plausible(data, size) && decode(shot, data, size)) return sink_.shot(shot, now_ns);
-  strobe_msgs::shot_v1_t old;  // of a log from before version 2
-  if (shot_v1_counts_plausible(data, size) && decode(old, data, size))
-    return sink_.shot(messages::shot_from_v1(old), now_ns);
+  const auto decoded = [&] {
+    if (messages::shot_well_formed(data, size) && decode(shot, data, size)) return true;
+    strobe_msgs::shot_v1_t old;  // of a log from before version 2
+    if (!messages::shot_v1_well_formed(data, size) || !decode(old, data, size)) return false;
+    shot = messages::shot_from_v1(old);
+    return true;
+  };
+  if (decoded() && believable(shot)) return sink_.shot(shot, now_ns);
   ++undecodable_;
 }
 
 void Intake::take_status(const void* data, std::size_t size, std::int64_t now_ns) {
   strobe_msgs::status_t status;
-  if (status_counts_plausible(data, size) && decode(status, data, size)) return sink_.status(status, now_ns);
-  strobe_msgs::status_v1_t old;  // of a log from before version 2
-  if (decode(old, data, size)) return sink_.status(messages::status_from_v1(old), now_ns);
+  const auto decoded = [&] {
+    if (messages::status_well_formed(data, size) && decode(status, data, size)) return true;
+    strobe_msgs::status_v1_t old;  // of a log from before version 2
+    if (!messages::status_v1_well_formed(data, size) || !decode(old, data, size)) return false;
+    status = messages::status_from_v1(old);
+    return true;
+  };
+  if (decoded() && believable(status)) return sink_.status(status, now_ns);
   ++undecodable_;
 }
 
 void Intake::take_frame(const void* data, std::size_t size, std::int64_t now_ns) {
   strobe_msgs::frame_t frame;
-  if (frame_counts_plausible(data, size) && decode(frame, data, size)) return sink_.frame(frame, now_ns);
+  if (messages::frame_well_formed(data, size) && decode(frame, data, size)) return sink_.frame(frame, now_ns);
   strobe_msgs::frame_v1_t old;  // of a log from before version 2
-  if (frame_v1_counts_plausible(data, size) && decode(old, data, size))
+  if (messages::frame_v1_well_formed(data, size) && decode(old, data, size))
     return sink_.frame(messages::frame_from_v1(old), now_ns);
   ++undecodable_;
 }

@@ -34,6 +34,7 @@ class Intake {
   const std::string& fault() const { return fault_; }
 
  private:
+  void take_event(const void* data, std::size_t size, std::int64_t now_ns);
   void take_shot(const void* data, std::size_t size, std::int64_t now_ns);
   void take_status(const void* data, std::size_t size, std::int64_t now_ns);
   void take_frame(const void* data, std::size_t size, std::int64_t now_ns);

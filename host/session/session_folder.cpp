@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <ctime>
-#include <exception>
 #include <fstream>
 #include <map>
 #include <set>
@@ -12,7 +11,8 @@
 #include <system_error>
 
 #include "common/messages/channels.hpp"
-#include "host/session/counts.hpp"
+#include "common/messages/well_formed.hpp"
+#include "host/session/believable.hpp"
 
 namespace strobe::host {
 namespace {
@@ -112,16 +112,14 @@ void SessionFolder::recall(EventLedger& ledger, const std::string& rig) const {
   const auto enter = [&](const lcm::LogEvent& logged) {
     if (logged.channel == events) {
       strobe_msgs::event_t event;
-      try {
-        if (event.decode(logged.data, 0, logged.datalen) < 0) return;
-      } catch (const std::exception&) {
-        return;  // a stranger's, kept as it came: LCM's decoder believes its texts' lengths
-      }
+      // Strangers' messages are kept as they came.
+      if (!messages::event_well_formed(logged.data, static_cast<std::size_t>(logged.datalen))) return;
+      if (event.decode(logged.data, 0, logged.datalen) < 0 || !believable(event)) return;
       ledger.add(event.boot_id, event.sequence, 0);
       if (event.kind == strobe_msgs::event_t::SHOT_ENDED || event.kind == strobe_msgs::event_t::SHOT_ABORTED)
         ended[{event.boot_id, event.shot_id}] = event.sequence;
     } else if (logged.channel == shots &&
-               shot_counts_plausible(logged.data, static_cast<std::size_t>(logged.datalen))) {
+               messages::shot_well_formed(logged.data, static_cast<std::size_t>(logged.datalen))) {
       strobe_msgs::shot_t shot;
       if (shot.decode(logged.data, 0, logged.datalen) >= 0) summed_up.insert({shot.boot_id, shot.shot_id});
     }

@@ -26,7 +26,8 @@ void decode_body(std::span<const std::uint8_t> body) {
   const auto plan = from_message(command.plan);
   if (!defect_of(command, rig).empty() || command.kind != strobe_msgs::command_t::FIRE) return;
   require(flash_count(plan) >= 1 && flash_count(plan) <= rig.lamps.max_flashes);
-  require(plan.period >= rig.lamps.min_period && plan.exposure <= rig.shutter.max_open);
+  require(!plan.code.empty() || plan.period >= rig.lamps.min_period);
+  require(plan.exposure <= rig.shutter.max_open);
 }
 
 }  // namespace

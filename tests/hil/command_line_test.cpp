@@ -122,28 +122,27 @@ TEST(CommandLine, KeysThatAreNotKeptWellAreNamed) {
   std::filesystem::permissions(loose, std::filesystem::perms(0644));
   const std::string short_one = file("short.key", "abc\n");
   std::filesystem::permissions(short_one, std::filesystem::perms(0600));
-  const std::string rig_with_key =
-      rig("key.toml", "#key_file = \"lab.key\"   ", "key_file = \"loose.key\"");
+  const std::string rig_with_key = rig("key.toml", "#key_file = \"lab.key\"   ", "key_file = \"loose.key\"");
   const auto strobed = [&](const std::vector<std::string>& more) {
     std::vector<std::string> words{program("strobed"), "--session", folder / "session", "--allow-no-rt"};
     words.insert(words.end(), more.begin(), more.end());
     return Command{words, {}, {}, {}};
   };
   STRCMP_EQUAL(
-      "", complaints(
-              {
-                  {"no such key", strobed({"--config", share("rig.toml"), "--key-file", folder / "none"}), 2,
-                   "strobe key --new"},
-                  {"others can read it", strobed({"--config", share("rig.toml"), "--key-file", loose}), 2,
-                   "chmod 600"},
-                  {"the rig file's", strobed({"--config", rig_with_key}), 2, "chmod 600"},
-                  {"not a key", strobed({"--config", share("rig.toml"), "--key-file", short_one}), 2,
-                   "64 hexadecimal digits"},
-                  {"the host's", with_strobe({"fire", "--key-file", loose}), 2, "chmod 600"},
-                  {"the host's rig file's", with_strobe({"fire", "--rig", rig_with_key}), 2, "loose.key"},
-                  {"a new key over an old one", with_strobe({"key", "--new", loose}), 2, "already"},
-              })
-              .c_str());
+      "",
+      complaints({
+                     {"no such key", strobed({"--config", share("rig.toml"), "--key-file", folder / "none"}),
+                      2, "strobe key --new"},
+                     {"others can read it", strobed({"--config", share("rig.toml"), "--key-file", loose}), 2,
+                      "chmod 600"},
+                     {"the rig file's", strobed({"--config", rig_with_key}), 2, "chmod 600"},
+                     {"not a key", strobed({"--config", share("rig.toml"), "--key-file", short_one}), 2,
+                      "64 hexadecimal digits"},
+                     {"the host's", with_strobe({"fire", "--key-file", loose}), 2, "chmod 600"},
+                     {"the host's rig file's", with_strobe({"fire", "--rig", rig_with_key}), 2, "loose.key"},
+                     {"a new key over an old one", with_strobe({"key", "--new", loose}), 2, "already"},
+                 })
+          .c_str());
 }
 
 TEST(CommandLine, LinesThatAnotherProgramHoldsAreNamed) {

@@ -33,8 +33,8 @@ class LineChanges {
   /// output inactive; INT64_MAX if one is active in the end.
   std::int64_t outputs_safe_from(std::int64_t from_ns) const;
 
-  /// The same within [from, to]: the instant from which on no output is active until `to`; INT64_MAX if one is
-  /// at `to`.
+  /// The same within [from, to]: the instant from which on no output is active until `to`; INT64_MAX if one
+  /// is at `to`.
   std::int64_t inactive_from(std::int64_t from_ns, std::int64_t to_ns) const;
 
  private:

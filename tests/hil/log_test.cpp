@@ -26,9 +26,9 @@ Command player(const std::string& lcm_url, const std::filesystem::path& log) {
   return {{"lcm-logplayer", "--lcm-url=" + lcm_url, log}, {}, {}, {}};
 }
 
-/// Readouts in the order of their shots, without the flag events_missing: lcm-logger's queue holds 30 messages
-/// and drops more in silence, so that a recording of its own may lack events of a burst. What was measured may
-/// not change by that.
+/// Readouts in the order of their shots, without the flag events_missing: lcm-logger's queue holds 30
+/// messages and drops more in silence, so that a recording of its own may lack events of a burst. What was
+/// measured may not change by that.
 std::string measured(const std::string& out) {
   std::map<int, std::string> lines;
   for (nlohmann::json readout : readouts(out)) {

@@ -2,6 +2,7 @@
 // through.
 #include "host/session/intake.hpp"
 
+#include <limits>
 #include <stdexcept>
 #include <string>
 #include <strobe_msgs/frame_v1_t.hpp>
@@ -11,8 +12,8 @@
 #include <utility>
 #include <vector>
 
+#include "common/messages/well_formed.hpp"
 #include "host/assembly/assemble.hpp"
-#include "host/session/counts.hpp"
 #include "tests/host/synthetic_shot.hpp"
 // CppUTest redefines new; its headers come last.
 #include <CppUTest/TestHarness.h>
@@ -132,15 +133,47 @@ TEST(IntakeOfMessages, AShotOfVersionOneIsTakenInWithTheSameReadout) {
   CHECK(now.sd == then.sd);
 }
 
+TEST(IntakeOfMessages, AnEventWhoseTextClaimsALengthBelowOneIsCountedAndHarmless) {
+  strobe_msgs::event_t event{};
+  event.schema_version = strobe_msgs::event_t::SCHEMA_VERSION;
+  give("STROBE/bench/EVENT", bytes_of(event));
+  LONGS_EQUAL(1, sink.events);
+  // The text is the last field: its length, then the zero that ends it.
+  for (const std::uint32_t length : {0U, 0xffffffffU, 0x80000000U}) {
+    auto hostile = bytes_of(event);
+    for (std::size_t i = 0; i < 4; ++i)
+      hostile[hostile.size() - 5 + i] = static_cast<char>(length >> (24 - 8 * i));
+    give("STROBE/bench/EVENT", hostile);
+  }
+  LONGS_EQUAL(1, sink.events);
+  LONGS_EQUAL(3, intake.undecodable());
+  STRCMP_EQUAL("", intake.fault().c_str());
+}
+
+TEST(IntakeOfMessages, NumbersThatCannotBeReckonedWithAreLeft) {
+  auto made = strobe::host_test::make_shot({});
+  made.shot.flashes[1].flash_index = 1'000'000;
+  give("STROBE/bench/SHOT", bytes_of(made.shot));
+  made.shot.flashes[1].flash_index = 1;
+  made.shot.flashes[1].observed_a_ns = std::numeric_limits<std::int64_t>::max();
+  give("STROBE/bench/SHOT", bytes_of(made.shot));
+  auto far = status();
+  far.last_sequence = std::numeric_limits<std::int64_t>::max();
+  give("STROBE/bench/STATUS", bytes_of(far));
+  LONGS_EQUAL(0, sink.shots);
+  LONGS_EQUAL(0, sink.statuses);
+  LONGS_EQUAL(3, intake.undecodable());
+}
+
 TEST(IntakeOfMessages, AReadoutTellsItsHostWithoutBeingDecoded) {
   strobe_msgs::readout_t readout{};
   readout.host_id = -0x0123456789abcdef;
   const std::vector<char> bytes = bytes_of(readout);
-  LONGLONGS_EQUAL(readout.host_id, strobe::host::readout_host(bytes.data(), bytes.size()));
+  LONGLONGS_EQUAL(readout.host_id, strobe::messages::readout_host(bytes.data(), bytes.size()));
   const std::vector<char> other = bytes_of(status());
-  LONGLONGS_EQUAL(0, strobe::host::readout_host(other.data(), other.size()));
+  LONGLONGS_EQUAL(0, strobe::messages::readout_host(other.data(), other.size()));
   for (std::size_t size = 0; size < 20; ++size)
-    LONGLONGS_EQUAL(0, strobe::host::readout_host(bytes.data(), size));
+    LONGLONGS_EQUAL(0, strobe::messages::readout_host(bytes.data(), size));
 }
 
 TEST(IntakeOfMessages, OtherRigsAndTypesAreLeft) {

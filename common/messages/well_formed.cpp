@@ -1,9 +1,9 @@
-#include "host/session/counts.hpp"
+#include "common/messages/well_formed.hpp"
 
 #include <cstdint>
 #include <strobe_msgs/readout_t.hpp>
 
-namespace strobe::host {
+namespace strobe::messages {
 namespace {
 
 // Sizes of encoded fields, in the order of the .lcm files.
@@ -15,7 +15,6 @@ constexpr std::size_t kFlashV1 = kInt32 + 5 * kInt64 + kInt32;
 constexpr std::size_t kFlash = kFlashV1 + kInt8;
 constexpr std::size_t kMostHistograms = 64;
 constexpr std::size_t kHistogramHead = kInt8 + kInt64 + 9 * kDouble;
-constexpr std::size_t kShortestNote = 2 * (kInt32 + 1);  // two empty strings with their ends
 constexpr std::size_t kPlan = kInt8 + kInt64 + kInt32 + 3 * kInt64 + kInt8;  // of an even train
 constexpr std::size_t kCodedFlash = kInt64 + kInt8;
 
@@ -30,7 +29,12 @@ class Walk {
     at_ += bytes;
     left_ -= bytes;
   }
-  void skip_string() { skip(number()); }
+  /// Its length counts the zero that ends it.
+  void skip_string() {
+    const std::size_t length = number();
+    if (length < 1) good_ = false;
+    skip(length);
+  }
   std::int64_t integer() {
     if (left_ < kInt64) good_ = false;
     std::uint64_t value = 0;
@@ -49,12 +53,13 @@ class Walk {
     return value;
   }
   /// A count of elements of that size, all of which must be there.
-  void count(std::size_t element, bool skip_them) {
+  void skip_elements(std::size_t element) {
     const std::size_t elements = number();
     if (good_ && elements > left_ / element) good_ = false;
-    if (good_ && skip_them) skip(elements * element);
+    if (good_) skip(elements * element);
   }
   bool good() const { return good_; }
+  bool at_end() const { return good_ && left_ == 0; }
 
  private:
   const unsigned char* at_;
@@ -62,66 +67,88 @@ class Walk {
   bool good_ = true;
 };
 
-bool frame_plausible(const void* data, std::size_t size, std::size_t host, std::size_t image) {
+bool frame_of(const void* data, std::size_t size, std::size_t host, std::size_t image) {
   Walk walk(data, size);
   walk.skip(kFingerprint + kInt32 + kInt64 + kInt32 + host);  // schema, boot, shot, host
   walk.skip_string();                                         // source
   walk.skip_string();                                         // photograph
   walk.skip(6 * kDouble);
-  walk.count(kPoint, true);
-  walk.count(image, true);
-  return walk.good();
+  walk.skip_elements(kPoint);
+  walk.skip_elements(image);
+  return walk.at_end();
 }
 
 void skip_rest_of_shot(Walk& walk, std::size_t flash) {
   walk.skip(2 * kInt64 + kInt8);  // overflows, aborted
   walk.skip_string();             // reason
-  walk.count(flash, true);
-  walk.count(kShortestNote, false);
+  walk.skip_elements(flash);
+  const std::size_t notes = walk.number();
+  for (std::size_t i = 0; i < notes && walk.good(); ++i) {
+    walk.skip_string();
+    walk.skip_string();
+  }
 }
 
 }  // namespace
 
-bool frame_counts_plausible(const void* data, std::size_t size) {
-  return frame_plausible(data, size, kInt64, kBallImage);
+bool event_well_formed(const void* data, std::size_t size) {
+  Walk walk(data, size);
+  walk.skip(kFingerprint + kInt32 + 2 * kInt64 + kInt8 + kInt32);  // schema, boot, sequence, kind, shot
+  walk.skip(4 * kInt64 + kInt32 + 2 * kInt8);                      // instants, flash, line, level
+  walk.skip_string();
+  return walk.at_end();
 }
 
-bool frame_v1_counts_plausible(const void* data, std::size_t size) {
-  return frame_plausible(data, size, 0, kBallImageV1);
+bool frame_well_formed(const void* data, std::size_t size) {
+  return frame_of(data, size, kInt64, kBallImage);
 }
 
-bool status_counts_plausible(const void* data, std::size_t size) {
+bool frame_v1_well_formed(const void* data, std::size_t size) {
+  return frame_of(data, size, 0, kBallImageV1);
+}
+
+bool status_well_formed(const void* data, std::size_t size) {
   Walk walk(data, size);
   walk.skip(kFingerprint + kInt32 + 5 * kInt64 + 3 * kInt8);  // schema, boot, sequence, clocks, state, inputs
   walk.skip(3 * kInt64 + kInt32 + 2 * kInt8 + 8 * kInt64);    // arming, last shot, health, losses, rejected
-  walk.count(2 * kInt64, true);                               // earlier starts
+  walk.skip_elements(2 * kInt64);                             // earlier starts
   const std::size_t histograms = walk.number();
   if (histograms > kMostHistograms) return false;
   for (std::size_t i = 0; i < histograms && walk.good(); ++i) {
     walk.skip(kHistogramHead);
-    walk.count(kInt64, true);
+    walk.skip_elements(kInt64);
   }
-  return walk.good();
+  walk.skip_string();
+  return walk.at_end();
 }
 
-bool shot_counts_plausible(const void* data, std::size_t size) {
+bool status_v1_well_formed(const void* data, std::size_t size) {
+  Walk walk(data, size);
+  walk.skip(kFingerprint + kInt32 + 4 * kInt64 + 3 * kInt8);  // schema, boot, sequence, clocks, state, inputs
+  walk.skip(3 * kInt64 + kInt32 + 2 * kInt8);                 // arming, last shot, health
+  walk.skip(3 * kInt64 + 4 * kDouble);                        // losses, lateness
+  walk.skip_string();
+  return walk.at_end();
+}
+
+bool shot_well_formed(const void* data, std::size_t size) {
   Walk walk(data, size);
   walk.skip(kFingerprint + kInt32 + kInt64 + kInt32 + 3 * kInt64);  // schema, boot, shot, host, sequences
   walk.skip(kPlan);
-  walk.count(kCodedFlash, true);
+  walk.skip_elements(kCodedFlash);
   walk.skip(5 * kInt64 + kInt8 + 2 * kInt64);    // start and shutter, its feedback, trigger and gate
   walk.skip(2 * kDouble + 2 * kInt8 + kDouble);  // lamp delays, sensors, tolerance
   skip_rest_of_shot(walk, kFlash);
-  return walk.good();
+  return walk.at_end();
 }
 
-bool shot_v1_counts_plausible(const void* data, std::size_t size) {
+bool shot_v1_well_formed(const void* data, std::size_t size) {
   Walk walk(data, size);
   walk.skip(kFingerprint + kInt32 + kInt64 + kInt32 + 3 * kInt64);
   walk.skip(kPlan);
   walk.skip(5 * kInt64 + kDouble + 2 * kInt8 + kDouble);  // instants, lamp delay, sensors, tolerance
   skip_rest_of_shot(walk, kFlashV1);
-  return walk.good();
+  return walk.at_end();
 }
 
 std::int64_t readout_host(const void* data, std::size_t size) {
@@ -132,4 +159,4 @@ std::int64_t readout_host(const void* data, std::size_t size) {
   return is_readout && walk.good() ? host : 0;
 }
 
-}  // namespace strobe::host
+}  // namespace strobe::messages
