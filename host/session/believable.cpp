@@ -12,8 +12,9 @@ using strobe_msgs::flash_t;
 using strobe_msgs::shot_t;
 using strobe_msgs::status_t;
 
-// 36 years of nanoseconds, and more events than any bench has.
+// 36 years of nanoseconds since a machine's start, and more events than any bench has.
 constexpr std::int64_t kMost = std::int64_t{1} << 60;
+constexpr std::int64_t kLatestWall_ns = 4'000'000'000'000'000'000;  // in the year 2096
 constexpr double kMost_us = 1e12;
 
 bool within(std::int64_t value) { return -kMost <= value && value <= kMost; }
@@ -38,8 +39,10 @@ bool believable(const event_t& event) {
 bool believable(const status_t& status) {
   const bool earlier = std::all_of(status.earlier.begin(), status.earlier.end(),
                                    [](const auto& boot) { return within(boot.last_sequence); });
-  return earlier && within({status.last_sequence, status.mono_ns, status.wall_ns, status.boot_time_ns,
-                            status.arm_expires_ns, status.queue_overflows, status.kernel_overflows});
+  const bool wall = 0 <= status.wall_ns && status.wall_ns <= kLatestWall_ns;
+  return earlier && wall &&
+         within({status.last_sequence, status.mono_ns, status.boot_time_ns, status.arm_expires_ns,
+                 status.queue_overflows, status.kernel_overflows});
 }
 
 bool believable(const shot_t& shot) {

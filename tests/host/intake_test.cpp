@@ -52,6 +52,7 @@ std::vector<char> bytes_of(const Message& message) {
 strobe_msgs::status_t status() {
   strobe_msgs::status_t message{};
   message.schema_version = strobe_msgs::status_t::SCHEMA_VERSION;
+  message.wall_ns = 1'800'000'000'000'000'000;  // in 2027
   message.histograms.resize(2), message.histogram_count = 2;
   message.histograms[0].bins = {1, 2, 3}, message.histograms[0].bin_count = 3;
   return message;
