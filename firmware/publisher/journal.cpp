@@ -45,12 +45,6 @@ bool write_all(int fd, const std::vector<std::uint8_t>& bytes) {
   return true;
 }
 
-std::string hex(std::int64_t value) {
-  char text[17];
-  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(value));
-  return text;
-}
-
 bool ends_with(const std::string& text, const std::string& end) {
   return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
 }
@@ -87,8 +81,14 @@ bool entry_of(const LogRecord& record, JournalEntry& entry, std::int32_t& shot_i
   return false;
 }
 
+std::string boot_in_hex(std::int64_t boot_id) {
+  char text[17];
+  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(boot_id));
+  return text;
+}
+
 std::filesystem::path journal_path(const std::filesystem::path& dir, std::int64_t boot_id) {
-  return dir / ("journal-" + hex(boot_id) + ".lcmlog");
+  return dir / ("journal-" + boot_in_hex(boot_id) + ".lcmlog");
 }
 
 Result<Journal> Journal::create(const std::filesystem::path& dir, std::int64_t boot_id) {

@@ -30,6 +30,8 @@ struct JournalEntry {
   std::int64_t offset = 0;
 };
 
+/// Sixteen digits, as in the journal's name.
+std::string boot_in_hex(std::int64_t boot_id);
 std::filesystem::path journal_path(const std::filesystem::path& dir, std::int64_t boot_id);
 
 class Journal {

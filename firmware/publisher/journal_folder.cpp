@@ -9,7 +9,6 @@
 #include <array>
 #include <cerrno>
 #include <charconv>
-#include <cstdio>
 #include <cstring>
 #include <fstream>
 #include <optional>
@@ -122,14 +121,8 @@ std::string tail_in_words(const fs::path& path, std::int64_t from) {
   return "a torn record";
 }
 
-std::string hex(std::int64_t value) {
-  std::array<char, 17> text{};
-  std::snprintf(text.data(), text.size(), "%016llx", static_cast<unsigned long long>(value));
-  return text.data();
-}
-
 std::string boot(const Contents& contents) {
-  return std::string("boot ").append(hex(contents.boot_id)).append(": ");
+  return std::string("boot ").append(boot_in_hex(contents.boot_id)).append(": ");
 }
 
 /// Cuts off what follows the last whole record.
