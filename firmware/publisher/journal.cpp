@@ -53,8 +53,7 @@ template <typename Shot>
 bool is_shot(const LogRecord& record, bool (*well_formed)(const void*, std::size_t), JournalEntry& entry,
              std::int32_t& shot_id) {
   Shot shot{};
-  if (!well_formed(record.bytes.data(), record.bytes.size())) return false;
-  if (shot.decode(record.bytes.data(), 0, static_cast<int>(record.bytes.size())) < 0) return false;
+  if (!messages::decode_checked(shot, well_formed, record.bytes.data(), record.bytes.size())) return false;
   entry.kind = Message::Kind::shot;
   entry.sequences = {shot.first_sequence, shot.last_sequence};
   shot_id = shot.shot_id;
@@ -67,8 +66,9 @@ bool entry_of(const LogRecord& record, JournalEntry& entry, std::int32_t& shot_i
   entry.offset = record.offset;
   if (ends_with(record.channel, "/EVENT")) {
     strobe_msgs::event_t event{};
-    if (!messages::event_well_formed(record.bytes.data(), record.bytes.size())) return false;
-    if (event.decode(record.bytes.data(), 0, static_cast<int>(record.bytes.size())) < 0) return false;
+    if (!messages::decode_checked(event, messages::event_well_formed, record.bytes.data(),
+                                  record.bytes.size()))
+      return false;
     entry.kind = Message::Kind::event;
     entry.sequences = {event.sequence, event.sequence};
     shot_id = event.shot_id;

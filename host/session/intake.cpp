@@ -1,7 +1,6 @@
 #include "host/session/intake.hpp"
 
 #include <exception>
-#include <limits>
 #include <strobe_msgs/frame_v1_t.hpp>
 
 #include "common/messages/channels.hpp"
@@ -15,9 +14,9 @@ namespace strobe::host {
 namespace {
 
 template <typename Message>
-bool decode(Message& message, const void* data, std::size_t size) {
-  if (size > static_cast<std::size_t>(std::numeric_limits<int>::max())) return false;
-  return message.decode(data, 0, static_cast<int>(size)) >= 0 &&
+bool decode(Message& message, bool (*well_formed)(const void*, std::size_t), const void* data,
+            std::size_t size) {
+  return messages::decode_checked(message, well_formed, data, size) &&
          message.schema_version == Message::SCHEMA_VERSION;
 }
 
@@ -54,7 +53,7 @@ void Intake::receive(std::string_view channel, const void* data, std::size_t siz
 
 void Intake::take_event(const void* data, std::size_t size, std::int64_t now_ns) {
   strobe_msgs::event_t event;
-  if (messages::event_well_formed(data, size) && decode(event, data, size) && believable(event))
+  if (decode(event, messages::event_well_formed, data, size) && believable(event))
     return sink_.event(event, now_ns);
   ++undecodable_;
 }
@@ -62,9 +61,9 @@ void Intake::take_event(const void* data, std::size_t size, std::int64_t now_ns)
 void Intake::take_shot(const void* data, std::size_t size, std::int64_t now_ns) {
   strobe_msgs::shot_t shot;
   const auto decoded = [&] {
-    if (messages::shot_well_formed(data, size) && decode(shot, data, size)) return true;
+    if (decode(shot, messages::shot_well_formed, data, size)) return true;
     strobe_msgs::shot_v1_t old;  // of a log from before version 2
-    if (!messages::shot_v1_well_formed(data, size) || !decode(old, data, size)) return false;
+    if (!decode(old, messages::shot_v1_well_formed, data, size)) return false;
     shot = messages::shot_from_v1(old);
     return true;
   };
@@ -75,9 +74,9 @@ void Intake::take_shot(const void* data, std::size_t size, std::int64_t now_ns) 
 void Intake::take_status(const void* data, std::size_t size, std::int64_t now_ns) {
   strobe_msgs::status_t status;
   const auto decoded = [&] {
-    if (messages::status_well_formed(data, size) && decode(status, data, size)) return true;
+    if (decode(status, messages::status_well_formed, data, size)) return true;
     strobe_msgs::status_v1_t old;  // of a log from before version 2
-    if (!messages::status_v1_well_formed(data, size) || !decode(old, data, size)) return false;
+    if (!decode(old, messages::status_v1_well_formed, data, size)) return false;
     status = messages::status_from_v1(old);
     return true;
   };
@@ -87,9 +86,9 @@ void Intake::take_status(const void* data, std::size_t size, std::int64_t now_ns
 
 void Intake::take_frame(const void* data, std::size_t size, std::int64_t now_ns) {
   strobe_msgs::frame_t frame;
-  if (messages::frame_well_formed(data, size) && decode(frame, data, size)) return sink_.frame(frame, now_ns);
+  if (decode(frame, messages::frame_well_formed, data, size)) return sink_.frame(frame, now_ns);
   strobe_msgs::frame_v1_t old;  // of a log from before version 2
-  if (messages::frame_v1_well_formed(data, size) && decode(old, data, size))
+  if (decode(old, messages::frame_v1_well_formed, data, size))
     return sink_.frame(messages::frame_from_v1(old), now_ns);
   ++undecodable_;
 }
