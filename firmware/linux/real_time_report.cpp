@@ -5,6 +5,7 @@
 #include <cstdlib>
 
 #include "firmware/linux/interrupts.hpp"
+#include "firmware/linux/preemption.hpp"
 
 namespace strobe::firmware {
 
@@ -163,6 +164,50 @@ CheckItem clock_source(const SystemFiles& files) {
               "current_clocksource, or boot with tsc=reliable"};
 }
 
+std::string how_to_preempt(bool switchable) {
+  return switchable
+             ? "boot with preempt=full, or as root: echo full > /sys/kernel/debug/sched/preempt"
+             : "boot a kernel with PREEMPT, better PREEMPT_RT (Debian: linux-image-rt-amd64 or -arm64)";
+}
+
+CheckItem preemption(const SystemFiles& files) {
+  const char* name = "preemption";
+  const PreemptionModel found = preemption_of(files);
+  const std::string cure = how_to_preempt(found.switchable);
+  switch (found.model) {
+    case Preemption::real_time:
+      return ok(name, "PREEMPT_RT: the loop interrupts nearly all that the kernel does");
+    case Preemption::full:
+      return ok(name, "full: the loop interrupts other programs' system calls, save where locks are held");
+    case Preemption::voluntary:
+      return advice(
+          name,
+          "voluntary: other programs' system calls give way to the loop at chosen places only, under "
+          "memory or disk load up to milliseconds late: " +
+              cure);
+    case Preemption::none:
+      return advice(
+          name,
+          "none: the loop waits for the end of other programs' system calls on its CPU, under memory "
+          "or disk load for milliseconds: " +
+              cure);
+    case Preemption::unknown:
+      break;
+  }
+  if (found.switchable) {
+    return advice(
+        name,
+        "PREEMPT_DYNAMIC, and only root is told the model: look into /sys/kernel/debug/sched/preempt; " +
+            cure);
+  }
+  if (found.told_by.empty()) return ok(name, "not told by the kernel");
+  return advice(
+      name,
+      "none or voluntary: other programs' system calls hold the loop up, under memory or disk load for "
+      "milliseconds: " +
+          cure);
+}
+
 }  // namespace
 
 std::vector<CheckItem> real_time_report(const Rig& rig, const RealTimeTrial& trial, const Tick& tick,
@@ -176,7 +221,8 @@ std::vector<CheckItem> real_time_report(const Rig& rig, const RealTimeTrial& tri
                                tick_item(tick),
                                governor(rig, files),
                                throttling(rig, files),
-                               isolation(rig, files)};
+                               isolation(rig, files),
+                               preemption(files)};
   interrupts(rig, files, items);
   items.push_back(clock_source(files));
   return items;

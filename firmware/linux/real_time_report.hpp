@@ -22,7 +22,7 @@ struct CheckItem {
   std::string words;  ///< one line
 };
 
-/// policy, priority, memory, pinning, latency, tick, governor, throttling, isolation, interrupts,
+/// policy, priority, memory, pinning, latency, tick, governor, throttling, isolation, preemption, interrupts,
 /// fixed_interrupts, clock_source, in this order.
 std::vector<CheckItem> real_time_report(const Rig& rig, const RealTimeTrial& trial, const Tick& tick,
                                         const SystemFiles& files);

@@ -34,7 +34,7 @@ TEST_GROUP(RealTimeReport) {
 
 TEST(RealTimeReport, FindsNothingToDoOnAMachineThatIsWellSetUp) {
   const auto items = real_time_report(rig, trial, tick, tree.files());
-  CHECK_EQUAL(12U, items.size());
+  CHECK_EQUAL(13U, items.size());
   for (const CheckItem& each : items)
     CHECK_TEXT(each.verdict == Verdict::ok, (each.name + ": " + each.words).c_str());
 }
@@ -111,6 +111,33 @@ TEST(RealTimeReport, WarnsOfADaemonThatBringsInterruptsBack) {
   tree.interrupt(25, "net", "0-1");
   tree.put("proc/77/comm", "irqbalance");
   says("interrupts", Verdict::advice, "IRQBALANCE_BANNED_CPULIST=1");
+}
+
+TEST(RealTimeReport, TellsHowFarTheKernelGivesWayToTheLoop) {
+  says("preemption", Verdict::ok, "PREEMPT_RT");
+  tree.put("proc/sys/kernel/version", "#1 SMP PREEMPT Debian 6.1.176-1 (2026-11-02)");
+  says("preemption", Verdict::ok, "full");
+  tree.put("proc/sys/kernel/version", "#1 SMP Debian 6.1.176-1 (2026-11-02)");
+  says("preemption", Verdict::advice, "none or voluntary");
+  says("preemption", Verdict::advice, "a kernel with PREEMPT");
+  tree.put("boot/config-6.1.0-50-amd64", "CONFIG_PREEMPT_VOLUNTARY=y\n# CONFIG_PREEMPT is not set");
+  says("preemption", Verdict::advice, "voluntary: ");
+}
+
+TEST(RealTimeReport, TellsTheModelThatADynamicKernelRunsWith) {
+  tree.put("proc/sys/kernel/version", "#1 SMP PREEMPT_DYNAMIC Debian 6.1.176-1 (2026-11-02)");
+  says("preemption", Verdict::advice, "only root is told");
+  says("preemption", Verdict::advice, "preempt=full");
+  tree.put("boot/config-6.1.0-50-amd64", "CONFIG_PREEMPT_NONE=y\nCONFIG_PREEMPT_DYNAMIC=y");
+  says("preemption", Verdict::advice, "none: ");
+  tree.put("proc/cmdline", "root=/dev/vda preempt=full quiet");
+  says("preemption", Verdict::ok, "full");
+  tree.put("proc/cmdline", "root=/dev/vda preempt=full preempt=voluntary preempt=nonsense");
+  says("preemption", Verdict::advice, "voluntary: ");
+  tree.put("sys/kernel/debug/sched/preempt", "none voluntary full (lazy)");
+  says("preemption", Verdict::ok, "full");
+  tree.put("sys/kernel/debug/sched/preempt", "(none) voluntary full");
+  says("preemption", Verdict::advice, "echo full > /sys/kernel/debug/sched/preempt");
 }
 
 TEST(RealTimeReport, RefusesAClockThatTakesMicrosecondsToRead) {

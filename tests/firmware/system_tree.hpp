@@ -19,6 +19,8 @@ class SystemTree {
     put("sys/devices/system/clocksource/clocksource0/current_clocksource", "tsc");
     put("proc/sys/kernel/sched_rt_runtime_us", "950000");
     put("proc/sys/kernel/sched_rt_period_us", "1000000");
+    put("proc/sys/kernel/version", "#1 SMP PREEMPT_RT Debian 6.1.176-1 (2026-11-02)");
+    put("proc/sys/kernel/osrelease", "6.1.0-50-amd64");
     interrupt(24, "ttyS0", "0");
   }
   void put(const std::string& path, const std::string& text) {

@@ -1,0 +1,29 @@
+// How far the kernel lets a real-time thread interrupt other programs' system calls, which bounds how late a
+// wake-up comes on a busy CPU. Set-up only, not real-time.
+#pragma once
+
+#include <string>
+
+#include "firmware/linux/system_files.hpp"
+
+namespace strobe::firmware {
+
+enum class Preemption {
+  none,       ///< a wake-up waits until a system call on its CPU returns or blocks
+  voluntary,  ///< or until it passes a place that the kernel's writers marked
+  full,  ///< until locks are let go and interrupt handlers end (also: lazy, the same for real-time threads)
+  real_time,  ///< PREEMPT_RT: these give way, too
+  unknown     ///< chosen at boot, and only root is told
+};
+
+struct PreemptionModel {
+  Preemption model = Preemption::unknown;
+  std::string told_by;      ///< the file it was read from
+  bool switchable = false;  ///< preempt=... on the kernel's command line, or root at any time, chooses it
+};
+
+/// From /sys/kernel/realtime, the kernel's version, and for one built with PREEMPT_DYNAMIC: debugfs, the
+/// command line, the kernel's configuration in /boot, in this order. Safe from any thread.
+PreemptionModel preemption_of(const SystemFiles& files);
+
+}  // namespace strobe::firmware
