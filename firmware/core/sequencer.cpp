@@ -12,7 +12,9 @@ Sequencer::Sequencer(const Rig& rig, const Ports& ports, std::int32_t last_shot_
       commands_(ports.commands),
       interlock_(rig.arming_expires, last_shot_id),
       outputs_(rig_, ports.clock, ports.outputs),
-      player_(rig_, ports.clock, ports.edges, ports.sink, interlock_, outputs_) {}
+      player_(rig_, ports.clock, ports.edges, ports.sink, interlock_, outputs_),
+      awake_(rig.tolerance),
+      woken_(ports.clock.now()) {}
 
 void Sequencer::report(EventKind kind, const Words& detail) noexcept {
   Event event;
@@ -50,6 +52,12 @@ void Sequencer::fault(const char* why) noexcept {
   if (news) report(EventKind::fault, why);
 }
 
+void Sequencer::lines_fail(const char* why) noexcept {
+  fault(why);
+  // Tells whether the chip is there at all: outputs that cannot be set are the guardian's.
+  outputs_.all_off();
+}
+
 void Sequencer::level(Input input, bool active, MonoTime stamp) noexcept {
   const bool is_key = input == Input::key;
   if ((is_key ? interlock_.key_active() : interlock_.estop_active()) == active) return;
@@ -69,7 +77,7 @@ void Sequencer::read_levels() noexcept {
   const auto key = edges_.level(Input::key);
   const auto estop = edges_.level(Input::estop);
   levels_read_ = clock_.now();
-  if (!key || !estop) return fault("key or e-stop cannot be read");
+  if (!key || !estop) return lines_fail("key or e-stop cannot be read");
   level(Input::estop, *estop, levels_read_);
   level(Input::key, *key, levels_read_);
 }
@@ -117,14 +125,21 @@ void Sequencer::obey(const Command& command) noexcept {
   }
 }
 
-bool Sequencer::step(MonoTime latest) noexcept {
-  const MonoTime longest = clock_.now() + kLongestSleep;
+std::optional<std::size_t> Sequencer::wait(MonoTime latest) noexcept {
+  const MonoTime begin = clock_.now();
   const MonoTime due = player_.next_due();
-  const MonoTime until =
-      std::min({due == kNoDeadline ? longest : due - rig_.tolerance.spin, longest, latest});
+  const MonoTime wake = due == kNoDeadline ? due : awake_.wake_for(due);
+  awake_.was_awake(begin - woken_);
+  const auto count = edges_.wait(std::min({wake, begin + kLongestSleep, latest}), edge_buffer_);
+  woken_ = clock_.now();
+  wake > begin ? awake_.was_asleep(woken_ - begin) : awake_.was_awake(woken_ - begin);
+  return count;
+}
+
+bool Sequencer::step(MonoTime latest) noexcept {
   sink_.flush();
-  const auto count = edges_.wait(until, edge_buffer_);
-  if (!count) fault("the inputs' edges cannot be read");
+  const auto count = wait(latest);
+  if (!count) lines_fail("the inputs' edges cannot be read");
   for (std::size_t i = 0; i < count.value_or(0); ++i) {
     const Edge& edge = edge_buffer_[i];
     if (edge.input == Input::key || edge.input == Input::estop) {

@@ -6,6 +6,7 @@
 #include <array>
 #include <optional>
 
+#include "firmware/core/awake_budget.hpp"
 #include "firmware/core/shot_player.hpp"
 
 namespace strobe::firmware {
@@ -40,6 +41,7 @@ class Sequencer {
   State state() const noexcept { return interlock_.state(); }
 
  private:
+  std::optional<std::size_t> wait(MonoTime latest) noexcept;
   void read_levels() noexcept;
   void level(Input input, bool active, MonoTime stamp) noexcept;
   void obey(const Command& command) noexcept;
@@ -47,6 +49,7 @@ class Sequencer {
   void fire(const Command& command) noexcept;
   void carry_out(Interlock::Effect effect) noexcept;
   void fault(const char* why) noexcept;
+  void lines_fail(const char* why) noexcept;
   void refuse(const Command& command, std::string_view why) noexcept;
   void report(EventKind kind, const Words& detail) noexcept;
   void report_status() noexcept;
@@ -59,6 +62,8 @@ class Sequencer {
   Interlock interlock_;
   GuardedOutputs outputs_;
   ShotPlayer player_;
+  AwakeBudget awake_;
+  MonoTime woken_;
   std::array<Edge, 64> edge_buffer_;
   std::optional<LoopStatus> reported_;
   MonoTime levels_read_;

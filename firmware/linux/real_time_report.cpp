@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdlib>
 
+#include "firmware/core/awake_budget.hpp"
 #include "firmware/linux/interrupts.hpp"
 #include "firmware/linux/preemption.hpp"
 
@@ -62,10 +63,11 @@ CheckItem governor(const Rig& rig, const SystemFiles& files) {
                                 " frequency-set -g performance");
 }
 
-/// The largest share of time that the loop spins: once before every pulse, and through it.
-double spinning_share(const Rig& rig) {
-  const Duration spun = rig.tolerance.spin + rig.lamps.pulse;
-  return std::min(1.0, static_cast<double>(spun.ns) / static_cast<double>(rig.lamps.min_period.ns));
+/// The largest share of time that the loop is awake: before every pulse, and through it.
+double awake_share(const Rig& rig) {
+  const Duration awake = std::max(rig.tolerance.spin, rig.tolerance.wake_ahead) + rig.lamps.pulse;
+  const double wanted = static_cast<double>(awake.ns) / static_cast<double>(rig.lamps.min_period.ns);
+  return std::min(AwakeBudget::kLargestShare, wanted);
 }
 
 CheckItem throttling(const Rig& rig, const SystemFiles& files) {
@@ -75,7 +77,7 @@ CheckItem throttling(const Rig& rig, const SystemFiles& files) {
   const double runtime_us = std::atof(runtime->c_str());
   const double period_us = std::max(1.0, std::atof(period->c_str()));
   if (runtime_us < 0.0) return ok("throttling", "off");
-  const int needed = static_cast<int>(std::min(100.0, 100.0 * spinning_share(rig) + 10.0));
+  const int needed = static_cast<int>(std::min(100.0, 100.0 * awake_share(rig) + 10.0));
   const std::string allowed = *runtime + " of " + *period + " us";
   if (100.0 * runtime_us / period_us >= needed) {
     return ok("throttling", allowed + " allowed, at most " + std::to_string(needed) + " % needed");

@@ -71,12 +71,12 @@ TEST(RealTimeReport, WantsTheGovernorOfTheLoopsCpuToBePerformance) {
   says("governor", Verdict::advice, "cpupower -c 1 frequency-set -g performance");
 }
 
-TEST(RealTimeReport, ThrottlingMustLeaveTheTimeThatTheSpinTakes) {
+TEST(RealTimeReport, ThrottlingMustLeaveTheTimeThatTheLoopIsAwake) {
   says("throttling", Verdict::ok, "950000 of 1000000 us");
   tree.put("proc/sys/kernel/sched_rt_runtime_us", "-1");
   says("throttling", Verdict::ok, "off");
-  tree.put("proc/sys/kernel/sched_rt_runtime_us", "100000");  // (200 + 50) of 1500 us and a tenth are needed
-  says("throttling", Verdict::fault, "26 % are needed");
+  tree.put("proc/sys/kernel/sched_rt_runtime_us", "100000");  // awake for at most 82.5 % of a second, and a tenth
+  says("throttling", Verdict::fault, "92 % are needed");
   tree.put("proc/sys/kernel/sched_rt_runtime_us", "0");
   says("throttling", Verdict::fault, "sched_rt_runtime_us");
 }

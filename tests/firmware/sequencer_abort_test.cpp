@@ -171,7 +171,7 @@ TEST(SequencerAbort, EndsTheLoopWhenALineCannotBeSwitchedOff) {
   bench.fire();
   rig.set_succeeds = [](Output output, bool active) { return output != Output::trigger || active; };
   bool goes_on = true;
-  for (int turn = 0; goes_on && turn < 1000; ++turn) goes_on = bench.step();
+  for (int turn = 0; goes_on && turn < 1'000'000; ++turn) goes_on = bench.step();
   CHECK_FALSE(goes_on);
   CHECK_EQUAL(1u, rig.count(EventKind::fault));
   CHECK_FALSE(bench.sequencer.stop("an output could not be switched off"));

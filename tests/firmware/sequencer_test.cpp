@@ -210,6 +210,58 @@ TEST(Sequencer, NoticesAKeyWhoseEdgeWasLost) {
   CHECK_EQUAL(1u, rig.count(EventKind::disarmed));
 }
 
+TEST(Sequencer, EndsTheLoopWhenTheChipIsGoneThoughNothingIsFired) {
+  rig.levels_readable = false;
+  rig.set_succeeds = [](Output, bool) { return false; };
+  bool goes_on = true;
+  for (int turn = 0; goes_on && turn < 3; ++turn) goes_on = bench.step();
+  CHECK_FALSE(goes_on);
+  CHECK_EQUAL(1u, rig.count(EventKind::fault));
+}
+
+TEST(Sequencer, EndsTheLoopWhenTheChipGoesAfterAFaultOfAnotherCause) {
+  rig.levels_readable = false;
+  while (bench.sequencer.state() != State::fault) CHECK_TRUE(bench.step());
+  rig.set_succeeds = [](Output, bool) { return false; };
+  bool goes_on = true;
+  for (int turn = 0; goes_on && turn < 3; ++turn) goes_on = bench.step();
+  CHECK_FALSE(goes_on);
+}
+
+TEST(Sequencer, FlashesInTimeThoughWhoeverSleepsIsWokenAMillisecondLate) {
+  // A sleeper would be 800 us late; one that is awake 1.5 ms ahead only sees its own turn, of some 3 us, end.
+  rig.wake_delay = milliseconds(1);
+  bench.fire();
+  bench.play();
+  CHECK_TRUE(bench.shot().abort_reason.empty());
+  const auto flashes = rig.instants(Output::strobes);
+  CHECK_EQUAL(167u, flashes.size());
+  for (std::size_t k = 0; k < flashes.size(); ++k) {
+    const Duration late = flashes[k] - (flashes[0] + microseconds(3000) * static_cast<std::int64_t>(k));
+    CHECK(late < microseconds(1) && late > -microseconds(1));
+  }
+}
+
+TEST(Sequencer, IsNeverAwakeForMoreThanItsShareOfASecondHoweverCloseTheFlashes) {
+  Rig config = bench_rig();
+  config.plan.period = config.lamps.min_period;
+  config.lamps.max_flashes = 2000;
+  config.plan.exposure = milliseconds(1900);
+  SequencerBench close(config);
+  close.start();
+  MonoTime until = close.fire() + milliseconds(310 - 250);  // the train's begin
+  for (int window = 0; window < 2; ++window) {
+    while (close.rig.time < until) close.sequencer.step(until);
+    const Duration slept = close.rig.slept;
+    until = close.rig.time + milliseconds(900);
+    while (close.rig.time < until) close.sequencer.step(until);
+    // awake <= 300 ms + 3 * asleep, of 900 ms; a turn of some 5 us may end beyond it at each of 600 flashes.
+    CHECK((close.rig.slept - slept).ns > (900 - 300) / 4 * 1'000'000 - 600 * 5'000);
+  }
+  close.play();
+  CHECK_TRUE(close.shot().abort_reason.empty());
+}
+
 TEST(Sequencer, LatchesAFaultWhileTheInputsCannotBeRead) {
   rig.levels_readable = false;
   for (int turn = 0; turn < 3; ++turn) bench.step();

@@ -48,6 +48,7 @@ class VirtualRig final : public Clock,
   bool edges_readable = true;
   bool journal = true;
   Duration set_cost = nanoseconds(300);
+  Duration wake_delay{0};  ///< whoever sleeps is woken so late
   Duration lamp_delay = microseconds(12);
   bool sensor_a_works = true;
   bool sensor_b_works = true;
@@ -63,6 +64,7 @@ class VirtualRig final : public Clock,
   std::vector<Event> events;
   std::vector<LoopStatus> statuses;
   std::vector<ShotRecord*> shots;
+  Duration slept{0};
   std::int64_t lost = 0;
   std::int64_t kernel_lost = 0;
 
@@ -128,8 +130,11 @@ class VirtualRig final : public Clock,
     MonoTime wake = until;
     if (!pending_.empty()) wake = std::min(wake, pending_.front().time);
     for (const auto& command : commands_) wake = std::min(wake, command.when);
-    if (wake > time) pass(wake - time);
-    pass(microseconds(3));  // a wake-up takes its time
+    if (wake > time) {
+      slept = slept + (wake - time);
+      pass(wake - time + wake_delay);
+    }
+    pass(microseconds(3));  // a turn takes its time
     if (!edges_readable) return std::nullopt;
     std::size_t count = 0;
     while (count < edges.size() && !pending_.empty() && pending_.front().time <= time) {
