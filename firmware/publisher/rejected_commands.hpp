@@ -2,18 +2,23 @@
 // value.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
+
+#include "common/authentication/rejection.hpp"
 
 namespace strobe::firmware {
 
 struct RejectedCommands {
-  std::int64_t malformed = 0;  ///< not decodable
-  std::int64_t oversized = 0;  ///< longer than any command
-  std::int64_t forged = 0;     ///< not sealed with this lab's key, or altered
-  std::int64_t replayed = 0;   ///< sealed, but not newer than the last one of its host
-  std::int64_t stale = 0;      ///< sealed for another start of this firmware
-  std::int64_t other_rig = 0;  ///< sealed for another rig
+  std::array<std::int64_t, authentication::kRejectionCount> counts{};  ///< in the order of Rejection
 
+  std::int64_t& operator[](authentication::Rejection why) noexcept {
+    return counts[static_cast<std::size_t>(why)];
+  }
+  std::int64_t operator[](authentication::Rejection why) const noexcept {
+    return counts[static_cast<std::size_t>(why)];
+  }
   bool operator==(const RejectedCommands&) const = default;
 };
 

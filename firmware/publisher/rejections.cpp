@@ -18,28 +18,24 @@ void Rejections::turn() {
   quiet_until_ = now + kQuiet;
   held_back_ = false;
   say_("commands ignored: " + words());
-  for (std::size_t i = 0; i < kRejectionCount; ++i) said_[i] = count(static_cast<Rejection>(i));
+  said_ = counts();
 }
 
 RejectedCommands Rejections::counts() const noexcept {
-  return {.malformed = count(Rejection::malformed),
-          .oversized = count(Rejection::oversized),
-          .forged = count(Rejection::forged),
-          .replayed = count(Rejection::replayed),
-          .stale = count(Rejection::stale),
-          .other_rig = count(Rejection::other_rig)};
+  RejectedCommands counts;
+  for (std::size_t i = 0; i < kRejectionCount; ++i) counts.counts[i] = count(static_cast<Rejection>(i));
+  return counts;
 }
 
 std::string Rejections::words() const {
   std::string words;
   for (std::size_t i = 0; i < kRejectionCount; ++i) {
     const auto why = static_cast<Rejection>(i);
-    const std::int64_t fresh = count(why) - said_[i];
+    const std::int64_t fresh = count(why) - said_[why];
     if (fresh == 0) continue;
     words += (words.empty() ? "" : ", ") + std::to_string(fresh) + " " + authentication::name(why);
   }
-  if (count(Rejection::forged) > said_[static_cast<std::size_t>(Rejection::forged)])
-    words += " (has that host this lab's key?)";
+  if (count(Rejection::forged) > said_[Rejection::forged]) words += " (has that host this lab's key?)";
   return words;
 }
 

@@ -38,7 +38,7 @@ class Rejections {
   Clock& clock_;
   Say say_;
   std::array<std::atomic<std::int64_t>, authentication::kRejectionCount> counts_{};
-  std::array<std::int64_t, authentication::kRejectionCount> said_{};
+  RejectedCommands said_;
   bool held_back_ = false;
   MonoTime quiet_until_{0};
 };

@@ -8,6 +8,7 @@ namespace strobe::firmware {
 
 namespace {
 
+using authentication::Rejection;
 using strobe_msgs::histogram_t;
 using strobe_msgs::status_t;
 
@@ -51,12 +52,12 @@ void put_loop(status_t& message, const LoopStatus& loop) {
 }
 
 void put_rejected(status_t& message, const RejectedCommands& rejected) {
-  message.rejected_malformed = rejected.malformed;
-  message.rejected_oversized = rejected.oversized;
-  message.rejected_forged = rejected.forged;
-  message.rejected_replayed = rejected.replayed;
-  message.rejected_stale = rejected.stale;
-  message.rejected_other_rig = rejected.other_rig;
+  message.rejected_malformed = rejected[Rejection::malformed];
+  message.rejected_oversized = rejected[Rejection::oversized];
+  message.rejected_forged = rejected[Rejection::forged];
+  message.rejected_replayed = rejected[Rejection::replayed];
+  message.rejected_stale = rejected[Rejection::stale];
+  message.rejected_other_rig = rejected[Rejection::other_rig];
 }
 
 void put_earlier(status_t& message, const std::vector<EarlierBoot>& earlier) {
