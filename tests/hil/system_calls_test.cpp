@@ -1,0 +1,172 @@
+// No system call of strobed's ways is outside the unit's list: what the list refuses is refused only on a
+// rig.
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <cstdio>
+#include <map>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "tests/hil/bench.hpp"
+#include "tests/hil/raw_host.hpp"
+#include "tests/hil/watch.hpp"
+#include "tests/support/service_manager.hpp"
+// CppUTest redefines new; its headers come last.
+#include <CppUTest/TestHarness.h>
+
+using namespace strobe::hil;
+using namespace std::chrono_literals;
+using strobe::testing::ExitStatus;
+
+namespace {
+
+using Names = std::set<std::string>;
+
+/// systemd's groups of system calls, as `systemd-analyze syscall-filter` prints them; groups in groups by
+/// name.
+std::map<std::string, Names> groups_in(const std::string& text) {
+  std::map<std::string, Names> groups;
+  std::istringstream lines(text);
+  std::string group;
+  for (std::string line; std::getline(lines, line);) {
+    const std::size_t begin = line.find_first_not_of(' ');
+    if (begin == std::string::npos || line[begin] == '#') continue;
+    if (begin == 0) {
+      group = line;
+    } else {
+      groups[group].insert(line.substr(begin));
+    }
+  }
+  return groups;
+}
+
+void add(const std::map<std::string, Names>& groups, const std::string& name, Names& to) {
+  if (name[0] != '@') {
+    to.insert(name);
+    return;
+  }
+  for (const std::string& each : groups.at(name)) add(groups, each, to);
+}
+
+/// What the unit's SystemCallFilter lines leave, one after the other.
+Names allowed_by(const std::string& unit, const std::map<std::string, Names>& groups) {
+  Names allowed;
+  add(groups, "@default", allowed);  // implied
+  const std::string key = "SystemCallFilter=";
+  std::istringstream lines(unit);
+  for (std::string line; std::getline(lines, line);) {
+    if (line.rfind(key, 0) != 0) continue;
+    const bool without = line[key.size()] == '~';
+    std::istringstream words(line.substr(key.size() + (without ? 1 : 0)));
+    for (std::string word; words >> word;) {
+      Names named;
+      add(groups, word, named);
+      for (const std::string& each : named) {
+        if (!without) allowed.insert(each);
+        if (without) allowed.erase(each);
+      }
+    }
+  }
+  return allowed;
+}
+
+/// strace of all but these, at nearly no cost for them; execve is told, so that silence means something.
+std::string tracing_all_but(Names allowed, const std::filesystem::path& to) {
+  allowed.erase("execve");
+  std::string command =
+      "strace -f --seccomp-bpf --quiet=all -e signal=none -A -o " + to.string() + " -e trace='!";
+  for (const std::string& name : allowed) command += (command.back() == '!' ? "?" : ",?") + name;
+  return command + "' ";
+}
+
+}  // namespace
+
+TEST_GROUP(SystemCalls) {
+  strobe::testing::TemporaryFolder folder;
+  const std::filesystem::path traced = folder / "traced";
+
+  /// Empty if they cannot be traced here; why is printed.
+  std::string tracer() const {
+    const auto works = strobe::testing::run_to_end(
+        {{"strace", "-f", "--seccomp-bpf", "-o", "/dev/null", "true"}, {}, {}, {}}, 20s);
+    const auto listed =
+        strobe::testing::run_to_end({{"systemd-analyze", "--no-pager", "syscall-filter"}, {}, {}, {}}, 20s);
+    if (works.status != ExitStatus({0, 0}) || listed.status != ExitStatus({0, 0})) {
+      std::printf("skipped: no strace, no ptrace(2) or no systemd-analyze here ");
+      return "";
+    }
+    const std::string unit = strobe::testing::read_text(STROBE_BUILD_DIR "/firmware/strobed.service");
+    return tracing_all_but(allowed_by(unit, groups_in(listed.out)), traced);
+  }
+
+  static void fire(Bench & bench, RawHost & host, LineWatch & watch) {
+    CHECK(host.wait_status());
+    host.send(host.fire_command(host.arm(), false));
+    CHECK_TEXT(watch.wait_for("STROBE_A", 1, 5s) != 0, bench.log().c_str());
+  }
+
+  /// Every call told: execve of the program, and no other.
+  void nothing_but_starts(std::size_t starts) const {
+    std::istringstream lines(strobe::testing::read_text(traced));
+    std::size_t count = 0;
+    for (std::string line; std::getline(lines, line);) {
+      const bool start = line.find("execve(") != std::string::npos;
+      CHECK_TEXT(start, line.c_str());
+      if (start) ++count;
+    }
+    CHECK_EQUAL(starts, count);
+  }
+};
+
+TEST(SystemCalls, ListOfTheUnitLeavesWhatItNames) {
+  const auto groups = groups_in(
+      "@default\n    # always\n    read\n@a\n    # words\n    one\n    @b\n@b\n    two\n    three\n");
+  const Names left =
+      allowed_by("SystemCallFilter=@a four\nSystemCallFilter=~@b\nSystemCallFilter=two\n", groups);
+  CHECK(left == Names({"read", "one", "four", "two"}));
+}
+
+TEST(SystemCalls, OfAShotAnEmergencyStopAndAllWaysOutAreInTheUnitsList) {
+  const std::string trace = tracer();
+  if (trace.empty()) return;
+  strobe::testing::ServiceManager manager(folder / "notify");
+  BenchOptions options;
+  options.rig_edits = {{"lag_ms = 310", "lag_ms = 70"}};  // shots that begin soon; nobody looks at the ball
+  options.environment = {{"NOTIFY_SOCKET", manager.path()}, {"WATCHDOG_USEC", "20000000"}};
+  // Stopped in order; started again on a journal with a torn end, where its outputs fail; then as after its
+  // death.
+  options.shell = trace + "\"$@\"; for j in \"$5\"/journal-*; do printf torn >>\"$j\"; done; " + trace +
+                  "\"$@\" --drill output-failure@1; " + trace + "\"$1\" --safe --config \"$3\"; " + trace +
+                  "\"$1\" --check --config \"$3\" --session \"$5\" --lcm-url \"$7\"";
+  Bench bench(options);
+  if (!bench.ready()) FAIL(("strobed did not come up:\n" + bench.log()).c_str());
+  LineWatch watch(bench.chip_dir());
+  const pid_t first = bench.guardian();
+  {
+    RawHost host(bench.lcm_url(), "bench");
+    fire(bench, host, watch);
+    watch.drive("ESTOP", 0);
+    host.wait([&host] { return !host.shots().empty(); }, 5s);
+    watch.drive("ESTOP", 1);
+  }
+  kill(first, SIGTERM);
+  CHECK(strobe::testing::wait_until([&] { return bench.guardian() != first && bench.worker() != 0; }, 10s));
+  {
+    RawHost host(bench.lcm_url(), "bench");
+    fire(bench, host, watch);
+  }
+  CHECK_TEXT(bench.sim().wait(20s).has_value(), bench.log().c_str());
+  CHECK(bench.log().find("the guardian made the outputs inactive") != std::string::npos);
+  nothing_but_starts(4);
+}
+
+TEST(SystemCalls, OutsideTheListAreNoticed) {
+  const std::string trace = tracer();
+  if (trace.empty()) return;
+  strobe::testing::run_to_end({{"sh", "-c", trace + "chroot / true"}, {}, {}, {}}, 20s);
+  STRCMP_CONTAINS("chroot(", strobe::testing::read_text(traced).c_str());
+}
