@@ -13,7 +13,6 @@ constexpr double kTukey = 4.685;  // 95 % as good as least squares where delays 
 constexpr double kHuber = 2.5;
 constexpr double kLeastSpread_s = 1e-9;
 constexpr int kMostReweightings = 60;
-constexpr std::size_t kBlocks = 40;
 
 struct Trend {
   double at_centre = 0.0;
@@ -120,20 +119,7 @@ Points by_sending(std::span<const ClockPoint> given) {
   return points;
 }
 
-/// The points without the k-th of `blocks` blocks of neighbours.
-Points without_block(const Points& points, std::size_t block, std::size_t blocks) {
-  Points rest = points;
-  const auto at = [&](std::size_t k) { return static_cast<std::ptrdiff_t>(k * points.size() / blocks); };
-  rest.erase(rest.begin() + at(block), rest.begin() + at(block + 1));
-  return rest;
-}
-
 }  // namespace
-
-double ClockLine::sd_s(double sent_s) const {
-  const double x = sent_s - centre_s;
-  return std::sqrt(std::max(0.0, centre_var_s2 + 2.0 * x * covariance_s + x * x * drift_var));
-}
 
 std::optional<ClockLine> fit_clock(std::span<const ClockPoint> given) {
   if (given.size() < kFewestClockPoints) return std::nullopt;
@@ -149,28 +135,6 @@ std::optional<ClockLine> fit_clock(std::span<const ClockPoint> given) {
   line.spread_s = fit.spread;
   line.used = fit.used;
   return line;
-}
-
-void add_covariance(ClockLine& line, std::span<const ClockPoint> given) {
-  const Points points = by_sending(given);
-  const std::size_t blocks = std::min(kBlocks, points.size() / 3);
-  const ClockFit whole{{line.at_centre_s, line.drift}, line.spread_s, line.used};
-  std::vector<Trend> without;
-  Trend mean;
-  const auto n = static_cast<double>(blocks);
-  for (std::size_t block = 0; block < blocks; ++block) {
-    without.push_back(converged(without_block(points, block, blocks), whole, line.centre_s).line);
-    mean.at_centre += without.back().at_centre / n;
-    mean.drift += without.back().drift / n;
-  }
-  line.centre_var_s2 = line.drift_var = line.covariance_s = 0.0;
-  for (const Trend& one : without) {
-    const double a = one.at_centre - mean.at_centre;
-    const double b = one.drift - mean.drift;
-    line.centre_var_s2 += (n - 1.0) / n * a * a;
-    line.drift_var += (n - 1.0) / n * b * b;
-    line.covariance_s += (n - 1.0) / n * a * b;
-  }
 }
 
 }  // namespace strobe::host

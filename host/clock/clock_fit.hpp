@@ -5,9 +5,7 @@
 // delay can lift (S. B. Moon, P. Skelly, D. Towsley: Estimation and removal of clock skew from network delay
 // measurements, INFOCOM 1999). From there iteratively reweighted least squares: above the line with J. W.
 // Tukey's biweight, to which a message that is much too late is none, below it with P. J. Huber's weights
-// (P. W. Holland, R. E. Welsch: Communications in Statistics A6, 1977). The covariance is the jackknife's
-// over blocks of neighbours, since delays come in bursts (B. Efron: The Jackknife, the Bootstrap and Other
-// Resampling Plans, 1982).
+// (P. W. Holland, R. E. Welsch: Communications in Statistics A6, 1977).
 //
 // What no one-way message can tell is the delay that all of them have: it is part of the offset.
 // Pure functions; thread-safe; they allocate.
@@ -29,24 +27,17 @@ struct ClockPoint {
 struct ClockLine {
   double centre_s = 0.0;
   double at_centre_s = 0.0;
-  double drift = 0.0;  ///< s/s; positive: the own clock is the faster one
-  double centre_var_s2 = 0.0;
-  double drift_var = 0.0;
-  double covariance_s = 0.0;  ///< of at_centre and drift
-  double spread_s = 0.0;      ///< sd of usual delays about the line
-  int used = 0;               ///< points that have weight
+  double drift = 0.0;     ///< s/s; positive: the own clock is the faster one
+  double spread_s = 0.0;  ///< sd of usual delays about the line
+  int used = 0;           ///< points that have weight
 
   double ahead_s(double sent_s) const { return at_centre_s + drift * (sent_s - centre_s); }
-  double sd_s(double sent_s) const;
 };
 
 inline constexpr std::size_t kFewestClockPoints = 40;
 
-/// Without covariance. Nothing: fewer than kFewestClockPoints, or all sent at one instant. 240 points take
+/// Nothing: fewer than kFewestClockPoints, or all sent at one instant. 240 points take
 /// some 0.1 ms.
 std::optional<ClockLine> fit_clock(std::span<const ClockPoint> points);
-
-/// The covariance of a line that was fitted to these points: forty more fits.
-void add_covariance(ClockLine& line, std::span<const ClockPoint> points);
 
 }  // namespace strobe::host

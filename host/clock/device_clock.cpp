@@ -14,13 +14,14 @@ constexpr double kTooEarly_s = 0.005;
 constexpr double kTooLate_s = 0.25;
 constexpr double kAlike_s = 0.05;
 constexpr std::size_t kLateInARow = 8;
-constexpr std::size_t kMostPoints = 400;
+constexpr std::size_t kMostPoints = 400;  // of a line
+constexpr std::size_t kMostHeard = 1300;
 constexpr std::size_t kMostKept = 64;
 constexpr std::int64_t kFitEvery_ns = 5'000'000'000;
+// From so many heartbeats on, one more changes little.
+constexpr std::size_t kSettled = 40;
 // Kernels discipline a clock by 500 ppm at most; two may be disciplined.
 constexpr double kPlausibleDrift = 1.1e-3;
-// What a relation too young for a drift may be wrong by.
-constexpr double kUnknownDrift = 1e-3;
 constexpr double kNs = 1e-9;
 
 double as_seconds(std::int64_t ns) { return static_cast<double>(ns) * kNs; }
@@ -57,16 +58,16 @@ void DeviceClock::on_heartbeat(std::int64_t boot_id, const MachineClocks& device
   const Heartbeat heartbeat{device.mono_ns, heard_ns};
   const bool anew = boot_id != boot_id_;
   boot_id_ = boot_id;
-  const bool older = !window_.empty() && heartbeat.sent_ns <= window_.back().sent_ns;
+  const bool older = !heard_.empty() && heartbeat.sent_ns <= heard_.back().sent_ns;
   if (older && !anew) return;  // overtaken on the way, or doubled
-  const std::int64_t before_ns = window_.empty() ? heartbeat.sent_ns : window_.back().sent_ns;
+  const std::int64_t before_ns = heard_.empty() ? heartbeat.sent_ns : heard_.back().sent_ns;
   if (older) device_watch_.forget();
   const auto change = device_watch_.on_reading(device);
   if (change) notice_changes(*change, "the firmware's machine");
   const bool slept = change && change->slept_ns != 0;
   if (slept) sleeps_.emplace_back(before_ns, heartbeat.sent_ns);
   if (sleeps_.size() > kMostKept) sleeps_.erase(sleeps_.begin());
-  if (window_.empty() || older || slept) return begin(heartbeat);
+  if (heard_.empty() || older || slept) return begin(heartbeat);
   if (broken_by(heartbeat)) {
     notices_.push_back(
         "the firmware's clock and this machine's do not go together any more; their relation "
@@ -79,13 +80,22 @@ void DeviceClock::on_heartbeat(std::int64_t boot_id, const MachineClocks& device
   add(heartbeat);
 }
 
+/// Than the latest heartbeats and any plausible drift allow: of forty some were not late. The line alone
+/// cannot tell: a young one may be of late heartbeats.
+bool DeviceClock::earlier_than_any(const Heartbeat& heartbeat) const {
+  const std::size_t recent = std::min(heard_.size(), kFewestClockPoints);
+  const double allowed_s = recent < kFewestClockPoints ? kTooLate_s : kTooEarly_s;
+  return std::all_of(heard_.end() - static_cast<std::ptrdiff_t>(recent), heard_.end(),
+                     [&](const Heartbeat& before) {
+                       const double passed_s = as_seconds(heartbeat.sent_ns - before.sent_ns);
+                       const double gained_s = as_seconds(heartbeat.heard_ns - before.heard_ns) - passed_s;
+                       return gained_s < -allowed_s - kPlausibleDrift * passed_s;
+                     });
+}
+
 bool DeviceClock::broken_by(const Heartbeat& heartbeat) {
   const double late_s = lateness_s(heartbeat);
-  const double doubt_s =
-      kTooEarly_s + (stretches_.back().line
-                         ? 0.0
-                         : kUnknownDrift * as_seconds(heartbeat.sent_ns - stretches_.back().first_sent_ns));
-  if (late_s < -doubt_s) {
+  if (late_s < -kTooEarly_s && earlier_than_any(heartbeat)) {
     late_.clear();
     return true;
   }
@@ -96,8 +106,10 @@ bool DeviceClock::broken_by(const Heartbeat& heartbeat) {
 }
 
 void DeviceClock::begin(const Heartbeat& heartbeat) {
-  window_.clear();
+  heard_.clear();
   late_.clear();
+  estimate_.reset();
+  estimated_ns_ = 0;
   Stretch stretch;
   stretch.first_sent_ns = heartbeat.sent_ns;
   stretch.origin_ns = heartbeat.heard_ns - heartbeat.sent_ns;
@@ -107,23 +119,26 @@ void DeviceClock::begin(const Heartbeat& heartbeat) {
 }
 
 void DeviceClock::add(const Heartbeat& heartbeat) {
-  window_.push_back(heartbeat);
-  while (window_.size() > kMostPoints || heartbeat.sent_ns - window_.front().sent_ns > kWindow_ns)
-    window_.pop_front();
+  heard_.push_back(heartbeat);
+  while (heard_.size() > kMostHeard || heartbeat.sent_ns - heard_.front().sent_ns > kMemory_ns)
+    heard_.pop_front();
   Stretch& stretch = stretches_.back();
   ++stretch.heartbeats;
   const double ahead_s = as_seconds(heartbeat.heard_ns - heartbeat.sent_ns - stretch.origin_ns);
   stretch.least_ahead_s = std::min(stretch.least_ahead_s, ahead_s);
   if (stretch.line && heartbeat.sent_ns - fitted_ns_ < kFitEvery_ns) return;
-  if (window_.size() < kFewestClockPoints) return;
+  if (heard_.size() < kFewestClockPoints) return;
   fitted_ns_ = heartbeat.sent_ns;
-  if (auto line = fit_clock(points())) stretch.line = *line;
+  std::vector<ClockPoint> recent = points(kWindow_ns);
+  if (recent.size() > kMostPoints) recent.erase(recent.begin(), recent.end() - kMostPoints);
+  if (auto line = fit_clock(recent)) stretch.line = *line;
 }
 
-std::vector<ClockPoint> DeviceClock::points() const {
+std::vector<ClockPoint> DeviceClock::points(std::int64_t last_ns) const {
   const Stretch& stretch = stretches_.back();
   std::vector<ClockPoint> points;
-  for (const Heartbeat& heartbeat : window_) {
+  for (const Heartbeat& heartbeat : heard_) {
+    if (heard_.back().sent_ns - heartbeat.sent_ns > last_ns) continue;
     points.push_back({as_seconds(heartbeat.sent_ns - stretch.first_sent_ns),
                       as_seconds(heartbeat.heard_ns - heartbeat.sent_ns - stretch.origin_ns)});
   }
@@ -145,26 +160,33 @@ std::optional<std::int64_t> DeviceClock::local_ns(std::int64_t device_ns) const 
          static_cast<std::int64_t>(std::llround(ahead_s(stretch, device_ns) / kNs));
 }
 
+void DeviceClock::renew_estimate() {
+  const std::int64_t newest_ns = heard_.back().sent_ns;
+  const bool settled = estimate_ && heard_.size() >= kSettled;
+  if (newest_ns == estimated_ns_ || (settled && newest_ns - estimated_ns_ < kFitEvery_ns)) return;
+  estimated_ns_ = newest_ns;
+  estimate_ = estimate_clock(points(kMemory_ns));
+}
+
 ClockState DeviceClock::state() {
   ClockState state;
   if (stretches_.empty()) return state;
-  Stretch& stretch = stretches_.back();
+  const Stretch& stretch = stretches_.back();
   state.heartbeats = stretch.heartbeats;
-  state.latency_s = lateness_s(window_.back());
-  for (const Heartbeat& heartbeat : window_)
-    state.worst_latency_s = std::max(state.worst_latency_s, lateness_s(heartbeat));
-  if (!stretch.line) return state;
-  if (fitted_ns_ != sds_fitted_ns_) {
-    sds_fitted_ns_ = fitted_ns_;
-    stretch.line = fit_clock(points());
-    add_covariance(*stretch.line, points());
+  state.latency_s = lateness_s(heard_.back());
+  for (const Heartbeat& heartbeat : heard_) {
+    if (heard_.back().sent_ns - heartbeat.sent_ns <= kWindow_ns)
+      state.worst_latency_s = std::max(state.worst_latency_s, lateness_s(heartbeat));
   }
-  const double newest_s = as_seconds(window_.back().sent_ns - stretch.first_sent_ns);
-  state.drift_ppm = stretch.line->drift * 1e6;
-  state.drift_sd_ppm = std::sqrt(stretch.line->drift_var) * 1e6;
-  state.offset_s = as_seconds(stretch.origin_ns) + stretch.line->ahead_s(newest_s);
-  state.offset_sd_s = stretch.line->sd_s(newest_s);
-  state.suspect = std::abs(*state.drift_ppm) - 3.0 * state.drift_sd_ppm > kPlausibleDrift * 1e6;
+  renew_estimate();
+  if (!estimate_) return state;
+  const ClockEstimate now = estimate_->at(as_seconds(heard_.back().sent_ns - stretch.first_sent_ns));
+  state.drift_ppm = now.drift * 1e6;
+  state.drift_sd_ppm = std::sqrt(now.drift_var) * 1e6;
+  state.offset_s = as_seconds(stretch.origin_ns) + now.ahead_s;
+  state.offset_sd_s = std::sqrt(now.ahead_var_s2);
+  state.suspect = heard_.size() >= kFewestClockPoints &&
+                  std::abs(*state.drift_ppm) - 3.0 * state.drift_sd_ppm > kPlausibleDrift * 1e6;
   return state;
 }
 

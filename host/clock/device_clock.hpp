@@ -14,12 +14,13 @@
 #include <utility>
 #include <vector>
 
+#include "host/clock/clock_estimate.hpp"
 #include "host/clock/clock_fit.hpp"
 #include "host/clock/machine_clocks.hpp"
 
 namespace strobe::host {
 
-/// How the clocks stand now. Numbers that are not known yet are absent: they take some 20 s of heartbeats.
+/// How the clocks stand now. Numbers that are not known yet are absent: they take three heartbeats.
 struct ClockState {
   std::int64_t heartbeats = 0;      ///< since the relation began
   std::optional<double> drift_ppm;  ///< this machine's clock against the firmware's; positive: it gains
@@ -33,8 +34,10 @@ struct ClockState {
 
 class DeviceClock {
  public:
-  /// The window that the relation is taken from: longer, and the crystals' wander would count.
+  /// The window that instants are told from: longer, and the crystals' wander would count.
   static constexpr std::int64_t kWindow_ns = 120'000'000'000;
+  /// What the state is taken from, in which the wander has its part: it shows in minutes only.
+  static constexpr std::int64_t kMemory_ns = 600'000'000'000;
 
   /// A heartbeat: the firmware's clocks when it was sent, this machine's CLOCK_MONOTONIC when it was heard.
   void on_heartbeat(std::int64_t boot_id, const MachineClocks& device, std::int64_t heard_ns);
@@ -44,7 +47,7 @@ class DeviceClock {
   /// The firmware's instant on this machine's CLOCK_MONOTONIC; nothing before the first heartbeat. Instants
   /// from before a break are told by the relation of their time.
   std::optional<std::int64_t> local_ns(std::int64_t device_ns) const;
-  /// New sds every five seconds at most: they take some 5 ms.
+  /// New numbers with each of the first forty heartbeats, then every five seconds: they take some 5 to 15 ms.
   ClockState state();
   /// Whether the firmware's machine was suspended between two of its instants, as its own clocks tell.
   bool slept_within(std::int64_t from_device_ns, std::int64_t to_device_ns) const;
@@ -70,17 +73,21 @@ class DeviceClock {
   void notice_changes(const ClockWatch::Change& change, const std::string& whose);
   void begin(const Heartbeat& heartbeat);
   void add(const Heartbeat& heartbeat);
-  std::vector<ClockPoint> points() const;
+  /// Of the last so many nanoseconds.
+  std::vector<ClockPoint> points(std::int64_t last_ns) const;
+  void renew_estimate();
+  bool earlier_than_any(const Heartbeat& heartbeat) const;
   bool broken_by(const Heartbeat& heartbeat);
   const Stretch& of(std::int64_t device_ns) const;
 
   ClockWatch device_watch_, local_watch_;
   std::int64_t boot_id_ = 0;
-  std::deque<Heartbeat> window_;
+  std::deque<Heartbeat> heard_;  ///< within kMemory_ns
   std::vector<Heartbeat> late_;  ///< in a row, by about the same: the relation may have broken
   std::vector<Stretch> stretches_;
-  std::int64_t fitted_ns_ = 0;      ///< heartbeat that the newest line was fitted at
-  std::int64_t sds_fitted_ns_ = 0;  ///< and the one that its sds are of
+  std::int64_t fitted_ns_ = 0;             ///< heartbeat that the newest line was fitted at
+  std::optional<ClockEstimate> estimate_;  ///< what is told; no instant is computed from it
+  std::int64_t estimated_ns_ = 0;          ///< heartbeat that it was made at
   std::vector<std::pair<std::int64_t, std::int64_t>> sleeps_;  ///< device instants around each
   std::vector<std::string> notices_;
 };

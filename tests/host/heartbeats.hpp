@@ -2,6 +2,7 @@
 // in its seed.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <random>
@@ -22,6 +23,10 @@ class Heartbeats {
   double long_share = 0.0;   ///< messages with some milliseconds more
   double burst_share = 0.0;  ///< of messages that begin a burst of ten, 5 to 10 ms late
   double extra_delay_s = 0.0;
+  double wander = 0.0;  ///< what the drift's random walk gains per square root of a second
+
+  static constexpr double kDelay_s = 100e-6;  ///< that all messages have; usual ones vary by kJitter_s
+  static constexpr double kJitter_s = 20e-6;
 
   struct Beat {
     host::MachineClocks device;
@@ -30,6 +35,7 @@ class Heartbeats {
   /// Half a second later: one more heartbeat, unless it is lost.
   std::optional<Beat> next() {
     device_s_ += 0.5;
+    if (wander > 0.0) change_drift(std::normal_distribution<double>(drift, wander * std::sqrt(0.5))(random_));
     const double delay_s = draw_delay_s();
     if (uniform() < lost_share) return std::nullopt;
     return Beat{{device_ns(), device_wall_ns + device_ns() + slept_ns_, device_ns() + slept_ns_},
@@ -64,9 +70,6 @@ class Heartbeats {
   }
 
  private:
-  static constexpr double kDelay_s = 100e-6;
-  static constexpr double kJitter_s = 20e-6;
-
   double uniform() { return std::uniform_real_distribution<double>()(random_); }
   double draw_delay_s() {
     double delay_s = extra_delay_s + std::normal_distribution<double>(kDelay_s, kJitter_s)(random_);

@@ -1,0 +1,42 @@
+// How two machines' clocks stand to each other now, and how well that is known: from the third message on,
+// through bursts of delay, and while a crystal's rate wanders.
+//
+// A sum of Gaussians (D. L. Alspach, H. W. Sorenson: IEEE Trans. Automatic Control 17, 1972) over the stories
+// that the messages allow. Each story is a Kalman filter of offset and drift, which message was late in it
+// and how late; the sds are those of the whole sum, so that they are wide as long as the messages so far may
+// all have been late. The spread of usual delays and the wander of the crystals are found with them; what is
+// assumed of delays, drift and wander before the first message is in clock_estimate.cpp.
+//
+// What no one-way message can tell is the delay that all of them have: it is part of the offset.
+// Pure functions; thread-safe; they allocate.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+
+#include "host/clock/clock_fit.hpp"
+
+namespace strobe::host {
+
+/// At one instant: offset and drift with their covariance.
+struct ClockEstimate {
+  double at_s = 0.0;     ///< instant on the other clock, origin as the points'
+  double ahead_s = 0.0;  ///< the own clock less the other, then
+  double drift = 0.0;    ///< s/s; positive: the own clock is the faster one
+  double ahead_var_s2 = 0.0;
+  double drift_var = 0.0;
+  double covariance_s = 0.0;
+  double wander_per_s = 0.0;  ///< variance that the drift gains in a second, as far as the points tell
+
+  /// The same some time later, or earlier by little.
+  ClockEstimate at(double sent_s) const;
+};
+
+inline constexpr std::size_t kFewestForEstimate = 3;
+
+/// At the last of these points, which are in order of their sending. Nothing: fewer than kFewestForEstimate,
+/// or all sent at one instant. Some 5 ms for 240 points, 15 ms for 1200.
+std::optional<ClockEstimate> estimate_clock(std::span<const ClockPoint> points);
+
+}  // namespace strobe::host
