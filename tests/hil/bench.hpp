@@ -81,7 +81,7 @@ class Bench {
   testing::Process sim_;
 };
 
-/// The readouts among the lines that strobe printed.
+/// The readouts among the whole lines that strobe has printed.
 std::vector<nlohmann::json> readouts(const std::string& out);
 
 /// The lines themselves, for comparisons to the byte.

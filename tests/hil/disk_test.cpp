@@ -49,10 +49,13 @@ Command fire_elsewhere(Bench& bench, const std::string& wait_s) {
                        bench.folder() / "host", "--json"});
 }
 
-/// A refusal cannot be journalled, so that it is not published either; the status has said why.
+/// A refusal cannot be journalled, so that it is not published either; the status has said why. Judged by one
+/// of later than the command, once that of the shot before is no longer on its way.
 void expect_no_token(RawHost& host) {
+  CHECK(host.wait([&] { return host.status().arm_token == 0; }, 10s));
+  const std::int64_t sent_ns = strobe::testing::monotonic_now_ns();
   host.send(host.command(strobe_msgs::command_t::ARM));
-  host.listen(300ms);
+  CHECK(host.wait([&] { return host.status().mono_ns > sent_ns + 100'000'000; }, 10s));
   LONGS_EQUAL(0, host.status().arm_token);
 }
 
@@ -77,7 +80,7 @@ TEST(Disk, FullOrTakenAwayItRefusesShotsWithTheReasonAndARunningOneEndsSafely) {
   STRCMP_CONTAINS("no room for another shot", refused.err.c_str());
 
   enlarge_disk(bench);
-  CHECK(host.wait([&] { return host.status().journal_ok != 0; }, 5s));
+  CHECK(host.wait([&] { return host.status().journal_ok != 0; }, 10s));
   const auto fired = strobe::testing::run_to_end(fire_elsewhere(bench, "20"), 60s);
   CHECK_TEXT(fired.status == ExitStatus({0, 0}), fired.err.c_str());
 
@@ -88,7 +91,7 @@ TEST(Disk, FullOrTakenAwayItRefusesShotsWithTheReasonAndARunningOneEndsSafely) {
   for (const auto& entry : std::filesystem::directory_iterator(seen_by_strobed(bench, bench.session())))
     std::filesystem::remove(entry.path());
   CHECK(watch.wait_for("SHUTTER", 0, 5s) != 0);
-  CHECK(host.wait([&] { return !host.status().journal_ok; }, 5s));
+  CHECK(host.wait([&] { return !host.status().journal_ok; }, 10s));
   STRCMP_CONTAINS("the journal was removed; start strobed anew", host.status().message.c_str());
   expect_no_token(host);
   last.signal(SIGINT);

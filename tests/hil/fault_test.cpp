@@ -179,8 +179,8 @@ TEST(Fault, ABallThatMissesThePlateGivesNoNumbers) {
 
 TEST(Fault, APhotographThatNeverComesIsSaidWithinASecond) {
   // The rig file gives it a second of patience after the shot's end; the readout must be there within a
-  // second more. Dead time of the program beside that: arming, a 0.6 s shot, its start; 2.5 s are ample
-  // outside freezes.
+  // second more. Dead time of the program beside that: arming, a 0.6 s shot, its start; 2.5 s are ample where
+  // the machine is not busy. Once in five is enough: the patience itself is 5 s where the file is not heeded.
   BenchOptions options;
   options.scene_addition = fault("no_photograph", 0);
   options.rig_edits = {{"photograph_timeout_s = 5", "photograph_timeout_s = 1"}};
@@ -192,11 +192,10 @@ TEST(Fault, APhotographThatNeverComesIsSaidWithinASecond) {
     const auto fired = strobe::testing::run_to_end(bench.fire(1, 0), 60s);
     const std::int64_t took = strobe::testing::monotonic_now_ns() - start;
     CHECK(fired.status == strobe::testing::ExitStatus({1, 0}));
-    CHECK(took < 4'500'000'000);
     const std::vector<nlohmann::json> told_readouts = readouts(fired.out);
     LONGS_EQUAL(1, told_readouts.size());
     CHECK(has_no_rebound(told_readouts[0]));
-    told = has_flag(told_readouts[0], "no_photograph");
+    told = has_flag(told_readouts[0], "no_photograph") && took < 4'500'000'000;
   }
   CHECK(told);
 }
