@@ -9,6 +9,7 @@
 #include <ctime>
 
 #include "firmware/linux/gpio_lines.hpp"
+#include "firmware/linux/monotonic_clock.hpp"
 
 namespace strobe::firmware {
 
@@ -278,11 +279,12 @@ Result<OutputTakeover> OutputTakeover::prepare(const Rig& rig) {
 }
 
 Result<void> OutputTakeover::drive_inactive(Duration patience) {
-  timespec pause{0, 100'000};
-  const std::int64_t tries = 1 + patience.ns / pause.tv_nsec;
-  std::string missing;
-  for (std::int64_t i = 0; i < tries; ++i) {
-    missing.clear();
+  const timespec pause{0, 100'000};
+  MonotonicClock clock;
+  const MonoTime end = clock.now() + patience;
+  for (;;) {
+    bool others = false;  // whoever holds a line may let it go yet
+    std::string missing;
     for (Impl::Target& target : impl_->targets) {
       if (!target.taken)
         target.taken = gpiod_line_request_output(target.line, kConsumer, target.inactive) == 0;
@@ -290,13 +292,13 @@ Result<void> OutputTakeover::drive_inactive(Duration patience) {
         const int error = errno;
         missing += (missing.empty() ? "" : "; ") + std::string(line_key(target.which)) + ": " +
                    request_error(target.line, error);
-        if (error != EBUSY) i = tries;
+        others = others || error == EBUSY;
       }
     }
     if (missing.empty()) return {};
+    if (!others || clock.now() > end) return fail(missing);
     clock_nanosleep(CLOCK_MONOTONIC, 0, &pause, nullptr);
   }
-  return fail(missing);
 }
 
 std::vector<LineReport> inspect_lines(const Rig& rig) {

@@ -93,10 +93,17 @@ class Guardian {
   void pass_stops_on(int signals) {
     signalfd_siginfo info{};
     while (read(signals, &info, sizeof info) == sizeof info) {
-      service_.say("STOPPING=1");
+      service_.say(stopping_words());
       kill(worker_, SIGTERM);
       if (!kill_at_.known()) kill_at_ = clock_.now() + kTimeToStop;
     }
+  }
+
+  /// The outputs are safe at once, but the journal may need all of that time: more than a service manager
+  /// grants to one whose guardian is gone.
+  static std::string stopping_words() {
+    const Duration needed = kTimeToStop + kPatience;
+    return "STOPPING=1\nEXTEND_TIMEOUT_USEC=" + std::to_string(needed.ns / 1000);
   }
 
   void answer_bell() {
