@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <optional>
 #include <sstream>
 #include <stdexcept>
 #include <thread>
@@ -45,6 +46,7 @@ Rig rig_for(const LoopSettings& settings) {
   rig->plan.exposure = milliseconds(1000);
   rig->plan.dry = true;
   rig->tolerance.spin = settings.spin;
+  if (settings.wake_ahead) rig->tolerance.wake_ahead = *settings.wake_ahead;
   rig->real_time.priority = settings.priority;
   rig->real_time.cpu = settings.cpu;
   if (settings.quiet_start) rig->real_time.tick = find_tick(rig->real_time);
@@ -209,6 +211,7 @@ void add_loop_command(CLI::App& app, int& exit_status) {
     LoopSettings settings;
     double period_us = 3000;
     double spin_us = 200;
+    std::optional<double> wake_ahead_us;
     bool no_outputs = false;
     bool any_start = false;
   };
@@ -219,12 +222,15 @@ void add_loop_command(CLI::App& app, int& exit_status) {
   command->add_option("--cpu", options->settings.cpu)->check(CLI::Range(-1, 1023));
   command->add_option("--period-us", options->period_us)->check(CLI::Range(1500.0, 1e6));
   command->add_option("--spin-us", options->spin_us)->check(CLI::Range(0.0, 1000.0));
+  command->add_option("--wake-ahead-us", options->wake_ahead_us)->check(CLI::Range(0.0, 20000.0));
   command->add_flag("--no-outputs", options->no_outputs);
   command->add_flag("--any-start", options->any_start);
   command->callback([options, &exit_status] {
     timing::LoopSettings settings = options->settings;
     settings.period = nanoseconds(static_cast<std::int64_t>(options->period_us * 1e3));
     settings.spin = nanoseconds(static_cast<std::int64_t>(options->spin_us * 1e3));
+    if (options->wake_ahead_us)
+      settings.wake_ahead = nanoseconds(static_cast<std::int64_t>(*options->wake_ahead_us * 1e3));
     settings.outputs = options->no_outputs ? timing::Outputs::none : timing::Outputs::chip;
     settings.quiet_start = !options->any_start;
     exit_status = run_loop(settings);

@@ -37,12 +37,9 @@ std::string command_line(const std::filesystem::path& folder, const LoopSettings
          "' '" + program + "' loop --seconds " + std::to_string(settings.seconds) + " --priority " +
          std::to_string(settings.priority) + " --cpu " + std::to_string(settings.cpu) + " --period-us " +
          std::to_string(settings.period.ns / 1000) + " --spin-us " + std::to_string(settings.spin.ns / 1000) +
+         (settings.wake_ahead ? " --wake-ahead-us " + std::to_string(settings.wake_ahead->ns / 1000) : "") +
          (settings.outputs == Outputs::none ? " --no-outputs" : "") +
          (settings.quiet_start ? "" : " --any-start");
-}
-
-Sample sample(MonoTime from, MonoTime to, Duration lateness) {
-  return {from, to, static_cast<double>(lateness.ns) * 1e-3};
 }
 
 }  // namespace
@@ -86,9 +83,9 @@ LoopRun LoopBench::run(const LoopSettings& settings) {
   MonoTime start;
   MonoTime end;
   while (std::fscanf(pipe.get(), "%ld %ld %ld", &commanded.ns, &start.ns, &end.ns) == 3) {
-    run.issue.push_back(sample(commanded, start, start - commanded));
-    run.done.push_back(sample(commanded, end, end - commanded));
-    run.call.push_back(sample(start, end, end - start));
+    run.issue.push_back(sample_of(commanded, start, settings.cpu));
+    run.done.push_back(sample_of(commanded, end, settings.cpu));
+    run.call.push_back(sample_of(start, end, settings.cpu));
   }
   if (run.issue.empty()) throw std::runtime_error("no flash was fired by: " + command);
   run.cpu_percent = 100.0 * cpu_s / (static_cast<double>(run.issue.size()) * settings.period.seconds());

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,7 @@ struct LoopSettings {
   int cpu = -1;  ///< -1: any
   Duration period = milliseconds(3);
   Duration spin = microseconds(200);
+  std::optional<Duration> wake_ahead;  ///< none: the shipped rig file's
   Outputs outputs = Outputs::chip;
   bool quiet_start = true;  ///< false: shots start wherever they fall relative to the kernel's tick
 };

@@ -16,11 +16,7 @@ namespace strobe::bench::timing {
 
 namespace {
 
-Sample sample(std::int64_t from_ns, std::int64_t to_ns) {
-  return {{from_ns}, {to_ns}, static_cast<double>(to_ns - from_ns) * 1e-3};
-}
-
-void add_flashes(const std::string& journal, LoopRun& run) {
+void add_flashes(const std::string& journal, int cpu, LoopRun& run) {
   lcm::LogFile log(journal, "r");
   if (!log.good()) throw std::runtime_error(journal + ": cannot be read");
   while (const lcm::LogEvent* entry = log.readNextEvent()) {
@@ -30,9 +26,9 @@ void add_flashes(const std::string& journal, LoopRun& run) {
     if (event.kind == strobe_msgs::event_t::SHOT_STARTED) ++run.shots;
     if (event.kind == strobe_msgs::event_t::SHOT_ABORTED) ++run.aborted;
     if (event.kind != strobe_msgs::event_t::FLASH) continue;
-    run.issue.push_back(sample(event.commanded_ns, event.issue_start_ns));
-    run.done.push_back(sample(event.commanded_ns, event.issue_end_ns));
-    run.call.push_back(sample(event.issue_start_ns, event.issue_end_ns));
+    run.issue.push_back(sample_of({event.commanded_ns}, {event.issue_start_ns}, cpu));
+    run.done.push_back(sample_of({event.commanded_ns}, {event.issue_end_ns}, cpu));
+    run.call.push_back(sample_of({event.issue_start_ns}, {event.issue_end_ns}, cpu));
   }
 }
 
@@ -77,7 +73,7 @@ LoopRun run_programs(const LoopSettings& like, const std::filesystem::path& fold
   if (status == -1 || !WIFEXITED(status)) throw std::runtime_error("cannot run " + script.string());
   LoopRun run;
   for (const auto& entry : std::filesystem::directory_iterator(session)) {
-    if (entry.path().filename().string().starts_with("journal-")) add_flashes(entry.path(), run);
+    if (entry.path().filename().string().starts_with("journal-")) add_flashes(entry.path(), like.cpu, run);
   }
   if (run.issue.empty()) throw std::runtime_error("no flash was fired: see " + log.string());
   return run;

@@ -5,6 +5,10 @@
 
 namespace strobe::bench::timing {
 
+Sample sample_of(MonoTime due, MonoTime done, int cpu) {
+  return {due, done, static_cast<double>((done - due).ns) * 1e-3, cpu};
+}
+
 Percentiles percentiles(std::vector<double> lateness_us) {
   if (lateness_us.empty()) return {};
   std::sort(lateness_us.begin(), lateness_us.end());
@@ -24,7 +28,7 @@ std::vector<double> latenesses(const std::vector<Sample>& samples) {
 std::vector<double> outside(const std::vector<Sample>& samples, const std::vector<Freeze>& freezes) {
   std::vector<double> values;
   for (const Sample& sample : samples) {
-    if (!within_freeze(freezes, sample.from, sample.to)) values.push_back(sample.lateness_us);
+    if (!within_freeze(freezes, sample.from, sample.to, sample.cpu)) values.push_back(sample.lateness_us);
   }
   return values;
 }

@@ -13,7 +13,11 @@ struct Sample {
   MonoTime from;  ///< a freeze that touches [from, to] ...
   MonoTime to;    ///< ... may have caused this lateness
   double lateness_us = 0.0;
+  int cpu = -1;  ///< where it ran; -1: not known, a freeze of any core may have
 };
+
+/// Due at one instant, done at the other.
+Sample sample_of(MonoTime due, MonoTime done, int cpu);
 
 struct Percentiles {
   std::size_t count = 0;

@@ -1,106 +1,121 @@
-// strobe-bench spin: how long the loop should spin before an instant: lateness against processor time.
-#include <unistd.h>
-
+// strobe-bench spin: how long the loop should be awake and spin before an instant: lateness against processor
+// time.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
-#include <filesystem>
 #include <memory>
 #include <string>
 
 #include "tests/bench/command.hpp"
-#include "tests/bench/timing/exceedance_plot.hpp"
-#include "tests/bench/timing/load.hpp"
-#include "tests/bench/timing/loop_run.hpp"
-#include "tests/bench/timing/table.hpp"
+#include "tests/bench/timing/study.hpp"
 
 namespace strobe::bench::timing {
 
 namespace {
 
-struct Options {
-  int rounds = 3;
-  LoopSettings loop;
-  std::vector<std::string> loads = kLoads;
-  std::vector<int> spins_us{0, 25, 50, 75, 100, 150, 200, 300, 400};
-  bool json = false;
-  std::string csv;
-  std::string plot;
+struct Options : StudyOptions {
+  std::vector<int> spins_us{0, 50, 100, 150, 200, 300, 400};
+  std::vector<int> wake_aheads_us{0, 400, 800, 1500};
 };
 
-struct Point {
+struct Cell {
+  int wake_ahead_us = 0;
   int spin_us = 0;
   std::vector<Sample> samples;
   double cpu_percent_sum = 0.0;
+
+  std::string name() const {
+    return "awake " + std::to_string(wake_ahead_us) + " us, spin " + std::to_string(spin_us) + " us";
+  }
 };
 
 constexpr double kEnoughP99Us = 1.0;
 
-std::vector<Point> measure(const std::string& load_name, const Options& options,
-                           const std::filesystem::path& folder, std::vector<Freeze>& freezes) {
-  std::vector<Point> points;
-  for (const int spin_us : options.spins_us) points.push_back({spin_us, {}, 0.0});
-  Witness witness(options.loop.priority - 10);
-  const Load load(load_name, folder);
-  LoopBench bench(true);
-  for (int round = 1; round <= options.rounds; ++round) {
-    std::fprintf(stderr, "%s, round %d of %d\n", load_name.c_str(), round, options.rounds);
-    for (Point& point : points) {
-      LoopSettings settings = options.loop;
-      settings.spin = microseconds(point.spin_us);
-      const LoopRun run = bench.run(settings);
-      append(point.samples, run.issue);
-      point.cpu_percent_sum += run.cpu_percent;
+/// Every pair of the two, but for those that are the same to the loop: awake no longer than it spins.
+std::vector<Cell> cells_of(const Options& options) {
+  std::vector<Cell> cells;
+  for (const int wake_ahead_us : options.wake_aheads_us) {
+    for (const int spin_us : options.spins_us) {
+      if (wake_ahead_us == 0 || wake_ahead_us > spin_us) cells.push_back({wake_ahead_us, spin_us, {}, 0.0});
     }
   }
-  freezes = witness.stop();
-  return points;
+  return cells;
 }
 
-Panel panel_of(const std::string& load, const std::vector<Row>& rows, const std::vector<int>& spins_us) {
-  Panel panel{
-      load + ", freezes left out", "spin [us]", "lateness [us]; share of a core [%]", false, true, {}};
-  panel.curves = {{"p50", {}, {}}, {"p99", {}, {}}, {"p99.9", {}, {}}, {"core %", {}, {}}};
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    const Percentiles& p = rows[i].lateness;
-    const double values[] = {p.p50_us, p.p99_us, p.p999_us, rows[i].cpu_percent};
-    for (std::size_t k = 0; k < panel.curves.size(); ++k) {
-      panel.curves[k].x.push_back(spins_us[i]);
-      panel.curves[k].y.push_back(std::max(values[k], 1e-3));
+void add_run(const Options& options, LoopBench& bench, Cell& cell) {
+  LoopSettings settings = options.loop;
+  settings.spin = microseconds(cell.spin_us);
+  settings.wake_ahead = microseconds(cell.wake_ahead_us);
+  const LoopRun run = bench.run(settings);
+  append(cell.samples, run.issue);
+  cell.cpu_percent_sum += run.cpu_percent;
+}
+
+/// p99 over the spin, a curve for each wake-ahead, and the share of a core of each.
+Panel panel_of(const std::string& load, const std::vector<Cell>& cells, const std::vector<Row>& rows) {
+  Panel panel{load + ", freezes left out", "spin [us]", "lateness p99 [us]; share of a core [%]", false, true,
+              std::vector<Curve>()};
+  std::vector<Curve> shares;
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    if (i == 0 || cells[i].wake_ahead_us != cells[i - 1].wake_ahead_us) {
+      const std::string awake = "awake " + std::to_string(cells[i].wake_ahead_us) + " us";
+      panel.curves.push_back({awake + ": p99", {}, {}});
+      shares.push_back({awake + ": core %", {}, {}});
     }
+    const auto add = [&](Curve& curve, double y) {
+      curve.x.push_back(cells[i].spin_us);
+      curve.y.push_back(std::max(y, 1e-3));
+    };
+    add(panel.curves.back(), rows[i].lateness.p99_us);
+    add(shares.back(), rows[i].cpu_percent);
   }
+  panel.curves.insert(panel.curves.end(), shares.begin(), shares.end());
   return panel;
 }
 
-int run_spin(const Options& options) {
-  const std::filesystem::path folder =
-      std::filesystem::temp_directory_path() / ("strobe-bench-" + std::to_string(getpid()));
-  std::filesystem::create_directories(folder);
-  std::vector<Row> all;
-  std::vector<Panel> panels;
-  std::vector<bool> enough(options.spins_us.size(), true);
-  for (const std::string& load : options.loads) {
-    std::vector<Freeze> freezes;
-    const std::vector<Point> points = measure(load, options, folder, freezes);
-    std::vector<Row> rows;
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      const Percentiles p = percentiles(outside(points[i].samples, freezes));
-      if (p.p99_us > kEnoughP99Us) enough[i] = false;
-      rows.push_back({load, "spin " + std::to_string(points[i].spin_us) + " us", "left out", p,
-                      points[i].cpu_percent_sum / options.rounds, ""});
+LoadFigures study(const std::string& load, const Options& options, const std::filesystem::path& folder) {
+  std::vector<Cell> cells = cells_of(options);
+  LoopBench bench(true);
+  const Watched watched = under_load(load, options, folder, [&](int) {
+    for (Cell& cell : cells) add_run(options, bench, cell);
+  });
+  std::vector<Row> rows;
+  for (const Cell& cell : cells) {
+    rows.push_back({load, cell.name(), "left out", percentiles(outside(cell.samples, watched.freezes)),
+                    cell.cpu_percent_sum / options.rounds, ""});
+  }
+  Panel panel = panel_of(load, cells, rows);
+  return {std::move(rows), std::move(panel), load + ": " + watched.freezes_in_words};
+}
+
+/// Of those with a p99 as wished under every load, the one that takes the least of a core at its dearest.
+void print_cheapest(const std::vector<Row>& rows, std::size_t cells) {
+  const Row* best = nullptr;
+  double best_percent = 0.0;
+  for (std::size_t cell = 0; cell < cells; ++cell) {
+    double p99_us = 0.0;
+    double percent = 0.0;
+    for (std::size_t i = cell; i < rows.size(); i += cells) {
+      p99_us = std::max(p99_us, rows[i].lateness.p99_us);
+      percent = std::max(percent, rows[i].cpu_percent);
     }
-    panels.push_back(panel_of(load, rows, options.spins_us));
-    all.insert(all.end(), rows.begin(), rows.end());
+    if (p99_us > kEnoughP99Us || (best != nullptr && percent >= best_percent)) continue;
+    best = &rows[cell];
+    best_percent = percent;
   }
-  print_rows(all, options.json);
-  const auto least = std::find(enough.begin(), enough.end(), true);
-  if (!options.json && least != enough.end()) {
-    std::printf("shortest spin with p99 <= %.0f us under every load: %d us\n", kEnoughP99Us,
-                options.spins_us[static_cast<std::size_t>(least - enough.begin())]);
-  }
-  if (!options.csv.empty()) write_csv(options.csv, all);
-  if (!options.plot.empty()) draw(options.plot, panels);
-  std::filesystem::remove_all(folder);
+  if (best == nullptr)
+    std::printf("none has p99 <= %.0f us under every load\n", kEnoughP99Us);
+  else
+    std::printf("cheapest with p99 <= %.0f us under every load: %s (%.1f %% of a core)\n", kEnoughP99Us,
+                best->what.c_str(), best_percent);
+}
+
+int run_spin(const Options& options) {
+  const std::vector<Row> rows =
+      run_study(options, [&](const std::string& load, const std::filesystem::path& folder) {
+        return study(load, options, folder);
+      });
+  if (!options.json) print_cheapest(rows, cells_of(options).size());
   return 0;
 }
 
@@ -113,26 +128,21 @@ namespace strobe::bench {
 void add_spin_command(CLI::App& app, int& exit_status) {
   using namespace timing;  // NOLINT: this command's own
   const auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("spin",
-                                         "how long the loop should spin before an instant: lateness of its "
-                                         "flashes against the share of a core.\n"
-                                         "Example: strobe-bench spin --rounds 3 --seconds 5 --plot spin.png");
-  command->add_option("--rounds", options->rounds, "rounds of all lengths in turn, for each load")
-      ->check(CLI::Range(1, 1000));
-  command->add_option("--seconds", options->loop.seconds, "length of each part")->check(CLI::Range(1, 3600));
-  command->add_option("--priority", options->loop.priority, "real-time priority")->check(CLI::Range(11, 98));
-  command->add_option("--cpu", options->loop.cpu, "CPU of the loop; -1: any")->check(CLI::Range(-1, 1023));
-  command
-      ->add_option("--loads", options->loads,
-                   "idle, cpu (both cores busy), memory (and disk); all by default")
-      ->delimiter(',')
-      ->check(CLI::IsMember(kLoads));
-  command->add_option("--spin-us", options->spins_us, "lengths to try")
+  CLI::App* command = app.add_subcommand(
+      "spin",
+      "how long the loop should be awake, and how long of that spin, before an instant: lateness of its "
+      "flashes against the share of a core in a train.\n"
+      "A second of a cell has some 300 flashes.\n"
+      "Example: strobe-bench spin --wake-ahead 0,1500 --spin 200 --rounds 4 --seconds 10 --plot spin.png");
+  add_study_options(*command, *options);
+  command->add_option("--spin,--spin-us", options->spins_us, "lengths to try, in us")
       ->delimiter(',')
       ->check(CLI::Range(0, 1000));
-  command->add_flag("--json", options->json, "one JSON object per row");
-  command->add_option("--csv", options->csv, "write the rows to this file");
-  command->add_option("--plot", options->plot, "draw lateness and processor time into this PNG (gnuplot)");
+  command
+      ->add_option("--wake-ahead,--wake-ahead-us", options->wake_aheads_us,
+                   "how long before an instant it wakes, in us; 0: when it begins to spin")
+      ->delimiter(',')
+      ->check(CLI::Range(0, 20'000));
   command->callback([options, &exit_status] { exit_status = run_spin(*options); });
 }
 

@@ -1,8 +1,7 @@
 // strobe-bench timing: lateness of the shipped loop's flashes beside cyclictest's, interleaved in one run,
 // under loads.
-#include <unistd.h>
-
 #include <CLI/CLI.hpp>
+#include <array>
 #include <cstdio>
 #include <filesystem>
 #include <map>
@@ -11,25 +10,17 @@
 
 #include "tests/bench/command.hpp"
 #include "tests/bench/timing/cyclictest.hpp"
-#include "tests/bench/timing/exceedance_plot.hpp"
-#include "tests/bench/timing/load.hpp"
 #include "tests/bench/timing/loop_run.hpp"
 #include "tests/bench/timing/programs.hpp"
-#include "tests/bench/timing/table.hpp"
+#include "tests/bench/timing/study.hpp"
 
 namespace strobe::bench::timing {
 
 namespace {
 
-struct Options {
-  int rounds = 3;
-  LoopSettings loop;
-  std::vector<std::string> loads = kLoads;
+struct Options : StudyOptions {
   bool programs = false;
   bool compare = false;
-  bool json = false;
-  std::string csv;
-  std::string plot;
 };
 
 /// What is measured in turns; the first is what the ratios are of, the second what they are to.
@@ -48,20 +39,26 @@ class LoadStudy {
       : load_(std::move(load)), options_(options), folder_(std::move(folder)) {}
 
   void run() {
-    Witness witness(options_.loop.priority - 10);
-    for (int round = 1; round <= options_.rounds; ++round) {
-      const Load load(load_, folder_);
-      std::fprintf(stderr, "%s, round %d of %d\n", load_.c_str(), round, options_.rounds);
-      take(kLoop, loop(true, Outputs::chip, true));
-      append(part(kCyclictest).samples, run_cyclictest(options_.loop));
-      if (options_.compare) {
-        take("loop, starts anywhere", loop(true, Outputs::chip, false));
-        take("loop, no rig on the chip", loop(false, Outputs::chip, true));
-        take("loop, sets nothing", loop(false, Outputs::none, true));
-      }
-      if (options_.programs) take("all programs", run_programs(options_.loop, folder_));
+    watched_ = under_load(load_, options_, folder_, [this](int) { measure(); });
+  }
+
+  LoadFigures figures() const {
+    return {rows(), panel(),
+            load_ + ": " + watched_.freezes_in_words + "; " + std::to_string(shots_) + " shots, " +
+                std::to_string(aborted_) + " aborted by a late flash; left out of cyclictest's wake-ups " +
+                share_left_out(parts_[1]) + ", of the loop's flashes " + share_left_out(parts_[0])};
+  }
+
+ private:
+  void measure() {
+    take(kLoop, loop(true, Outputs::chip, true));
+    append(part(kCyclictest).samples, run_cyclictest(options_.loop));
+    if (options_.compare) {
+      take("loop, starts anywhere", loop(true, Outputs::chip, false));
+      take("loop, no rig on the chip", loop(false, Outputs::chip, true));
+      take("loop, sets nothing", loop(false, Outputs::none, true));
     }
-    freezes_ = witness.stop();
+    if (options_.programs) take("all programs", run_programs(options_.loop, folder_));
   }
 
   std::vector<Row> rows() const {
@@ -80,8 +77,8 @@ class LoadStudy {
       }
       if (left_out && options_.compare) {
         for (const auto& [name, samples] : calls_)
-          rows.push_back(
-              {load_, name + ": the call", "left out", percentiles(outside(samples, freezes_)), -1.0, ""});
+          rows.push_back({load_, name + ": the call", "left out",
+                          percentiles(outside(samples, watched_.freezes)), -1.0, ""});
       }
     }
     return rows;
@@ -94,20 +91,14 @@ class LoadStudy {
     return panel;
   }
 
-  std::string freezes_in_words() const {
-    Duration sum;
-    Duration longest;
-    for (const Freeze& freeze : freezes_) {
-      sum = sum + (freeze.end - freeze.begin);
-      longest = std::max(longest, freeze.end - freeze.begin);
-    }
-    return load_ + ": " + std::to_string(freezes_.size()) + " freezes of a core, " +
-           std::to_string(sum.ns / 1'000'000) + " ms in all, longest " +
-           std::to_string(longest.ns / 1'000'000) + " ms; " + std::to_string(shots_) + " shots, " +
-           std::to_string(aborted_) + " aborted by one";
+  std::string share_left_out(const Part& each) const {
+    const auto all = static_cast<double>(each.samples.size());
+    const auto kept = static_cast<double>(values(each, true).size());
+    std::array<char, 16> text{};
+    std::snprintf(text.data(), text.size(), "%.1f %%", 100.0 * (1.0 - kept / all));
+    return text.data();
   }
 
- private:
   Part& part(const std::string& name) {
     for (Part& each : parts_) {
       if (each.name == name) return each;
@@ -129,7 +120,7 @@ class LoadStudy {
     aborted_ += run.aborted;
   }
   std::vector<double> values(const Part& each, bool left_out) const {
-    return left_out ? outside(each.samples, freezes_) : latenesses(each.samples);
+    return left_out ? outside(each.samples, watched_.freezes) : latenesses(each.samples);
   }
 
   std::string load_;
@@ -137,28 +128,17 @@ class LoadStudy {
   std::filesystem::path folder_;
   std::vector<Part> parts_;
   std::map<std::string, std::vector<Sample>> calls_;
-  std::vector<Freeze> freezes_;
+  Watched watched_;
   int shots_ = 0;
   int aborted_ = 0;
 };
 
 int run_timing(const Options& options) {
-  const std::filesystem::path folder =
-      std::filesystem::temp_directory_path() / ("strobe-bench-" + std::to_string(getpid()));
-  std::filesystem::create_directories(folder);
-  std::vector<Row> rows;
-  std::vector<Panel> panels;
-  for (const std::string& load : options.loads) {
+  run_study(options, [&](const std::string& load, const std::filesystem::path& folder) {
     LoadStudy study(load, options, folder);
     study.run();
-    if (!options.json) std::printf("%s\n", study.freezes_in_words().c_str());
-    for (const Row& row : study.rows()) rows.push_back(row);
-    panels.push_back(study.panel());
-  }
-  print_rows(rows, options.json);
-  if (!options.csv.empty()) write_csv(options.csv, rows);
-  if (!options.plot.empty()) draw(options.plot, panels);
-  std::filesystem::remove_all(folder);
+    return study.figures();
+  });
   return 0;
 }
 
@@ -175,27 +155,14 @@ void add_timing_command(CLI::App& app, int& exit_status) {
       app.add_subcommand("timing",
                          "lateness of the shipped loop's flashes beside cyclictest's: same priority, period, "
                          "CPU and load, in turns.\n"
-                         "A witness sees when the machine itself stands still; figures are given with and "
+                         "A witness sees when a core itself stands still; figures are given with and "
                          "without such freezes.\n"
                          "Example: strobe-bench timing --rounds 3 --seconds 15 --plot timing.png");
-  command->add_option("--rounds", options->rounds, "rounds of everything in turn, for each load")
-      ->check(CLI::Range(1, 1000));
-  command->add_option("--seconds", options->loop.seconds, "length of each part")->check(CLI::Range(1, 3600));
-  command->add_option("--priority", options->loop.priority, "real-time priority of both")
-      ->check(CLI::Range(11, 98));
-  command->add_option("--cpu", options->loop.cpu, "CPU of both; -1: any")->check(CLI::Range(-1, 1023));
-  command
-      ->add_option("--loads", options->loads,
-                   "idle, cpu (both cores busy), memory (and disk); all by default")
-      ->delimiter(',')
-      ->check(CLI::IsMember(kLoads));
+  add_study_options(*command, *options);
   command->add_flag("--programs", options->programs,
                     "also strobed with strobe fire and strobe-sim, from its journal");
   command->add_flag("--compare", options->compare,
                     "also the loop with shots that start anywhere, and without the simulated rig or chip");
-  command->add_flag("--json", options->json, "one JSON object per row");
-  command->add_option("--csv", options->csv, "write the rows to this file");
-  command->add_option("--plot", options->plot, "draw the distributions into this PNG (gnuplot)");
   command->callback([options, &exit_status] { exit_status = run_timing(*options); });
 }
 

@@ -5,12 +5,19 @@
 #include <time.h>
 
 #include <algorithm>
+#include <exception>
+#include <stdexcept>
+#include <utility>
 
 #include "tests/bench/timing/clock.hpp"
 
 namespace strobe::bench::timing {
 
+static_assert(Witness::kPeriod == CoreInterrupts::kPeriod);
+
 namespace {
+
+constexpr Duration kCollected = milliseconds(500);
 
 void sleep_until(MonoTime deadline) {
   const timespec t{deadline.ns / 1'000'000'000, deadline.ns % 1'000'000'000};
@@ -18,15 +25,60 @@ void sleep_until(MonoTime deadline) {
   }
 }
 
+MonoTime next_whole(Duration period) { return {(now().ns / period.ns + 1) * period.ns}; }
+
 }  // namespace
 
-Witness::Witness(int priority) : seen_(std::max(1U, std::thread::hardware_concurrency())) {
+std::vector<Freeze> stops_of(std::span<const MonoTime> interrupts, int cpu) {
+  std::vector<Freeze> stops;
+  for (std::size_t i = 1; i < interrupts.size(); ++i) {
+    if (interrupts[i] - interrupts[i - 1] > Witness::kPeriod + Witness::kLateInterrupt)
+      stops.push_back({interrupts[i - 1], interrupts[i], cpu});
+  }
+  return stops;
+}
+
+Witness::Witness(int priority, By wanted) : seen_(std::max(1U, std::thread::hardware_concurrency())) {
+  if (wanted == By::interrupts && open_interrupts(seen_.size())) {
+    threads_.emplace_back([this] { collect(); });
+    return;
+  }
   for (std::size_t cpu = 0; cpu < seen_.size(); ++cpu) {
     threads_.emplace_back([this, cpu, priority] { watch(static_cast<int>(cpu), priority, seen_[cpu]); });
   }
 }
 
-Witness::~Witness() { stop(); }
+Witness::~Witness() {
+  running_ = false;
+  for (std::thread& thread : threads_) {
+    if (thread.joinable()) thread.join();
+  }
+}
+
+bool Witness::open_interrupts(std::size_t cores) {
+  for (std::size_t cpu = 0; cpu < cores; ++cpu) {
+    auto interrupts = CoreInterrupts::open(static_cast<int>(cpu));
+    if (!interrupts) {
+      interrupts_.clear();
+      return false;
+    }
+    interrupts_.push_back(std::move(*interrupts));
+  }
+  instants_.resize(cores);
+  return true;
+}
+
+void Witness::collect() {
+  try {
+    for (bool last = false; !last;) {
+      last = !running_;
+      for (std::size_t cpu = 0; cpu < interrupts_.size(); ++cpu) interrupts_[cpu].take(instants_[cpu]);
+      if (!last) sleep_until(next_whole(kCollected));
+    }
+  } catch (const std::exception& error) {
+    fault_ = error.what();
+  }
+}
 
 void Witness::watch(int cpu, int priority, std::vector<Freeze>& seen) {
   cpu_set_t set;
@@ -36,10 +88,10 @@ void Witness::watch(int cpu, int priority, std::vector<Freeze>& seen) {
   const sched_param param{.sched_priority = priority};
   pthread_setschedparam(pthread_self(), SCHED_FIFO, &param);
   while (running_.load(std::memory_order_relaxed)) {
-    const MonoTime deadline{(now().ns / kPeriod.ns + 1) * kPeriod.ns};
+    const MonoTime deadline = next_whole(kPeriod);
     sleep_until(deadline);
     const MonoTime woken = now();
-    if (woken - deadline > kThreshold) seen.push_back({deadline - kPeriod, woken});
+    if (woken - deadline > kLateWakeUp) seen.push_back({deadline - kPeriod, woken, cpu});
   }
 }
 
@@ -48,15 +100,33 @@ std::vector<Freeze> Witness::stop() {
   for (std::thread& thread : threads_) {
     if (thread.joinable()) thread.join();
   }
+  if (!fault_.empty()) throw std::runtime_error(fault_);
+  for (std::size_t cpu = 0; cpu < instants_.size(); ++cpu)
+    seen_[cpu] = stops_of(instants_[cpu], static_cast<int>(cpu));
   std::vector<Freeze> all;
   for (const auto& seen : seen_) all.insert(all.end(), seen.begin(), seen.end());
   std::sort(all.begin(), all.end(), [](const Freeze& a, const Freeze& b) { return a.begin < b.begin; });
   return all;
 }
 
-bool within_freeze(const std::vector<Freeze>& freezes, MonoTime from, MonoTime to) {
-  return std::any_of(freezes.begin(), freezes.end(),
-                     [&](const Freeze& freeze) { return freeze.begin <= to && from <= freeze.end; });
+std::string freezes_in_words(const std::vector<Freeze>& freezes, Witness::By by) {
+  Duration sum;
+  Duration longest;
+  for (const Freeze& freeze : freezes) {
+    sum = sum + (freeze.end - freeze.begin);
+    longest = std::max(longest, freeze.end - freeze.begin);
+  }
+  return std::to_string(freezes.size()) +
+         (by == Witness::By::interrupts ? " stops of a core, "
+                                        : " stops of a core or late wake-ups on it, ") +
+         std::to_string(sum.ns / 1'000'000) + " ms in all, longest " +
+         std::to_string(longest.ns / 1'000'000) + " ms";
+}
+
+bool within_freeze(const std::vector<Freeze>& freezes, MonoTime from, MonoTime to, int cpu) {
+  return std::any_of(freezes.begin(), freezes.end(), [&](const Freeze& freeze) {
+    return (cpu < 0 || cpu == freeze.cpu) && freeze.begin <= to && from <= freeze.end;
+  });
 }
 
 }  // namespace strobe::bench::timing

@@ -1,0 +1,41 @@
+// A timer interrupt every millisecond on one core, time-stamped by the kernel within the interrupt itself
+// (perf_event_open(2), the software event cpu-clock; CLOCK_MONOTONIC).
+//
+// It comes at whole milliseconds, where the kernel's tick is too, whatever runs on the core: user code, a
+// real-time thread, or the kernel in a section that lets nobody else run. Only a core that stands still, or
+// the rare section that holds interrupts off, makes one late. One of them costs some 2 us. One thread.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "common/units/time.hpp"
+
+namespace strobe::bench::timing {
+
+class CoreInterrupts {
+ public:
+  /// Nothing where the kernel refuses (needs root or CAP_PERFMON, or perf_event_paranoid below 1). The
+  /// calling thread visits the core, with real-time priority 1, until an interrupt is at its place.
+  static std::optional<CoreInterrupts> open(int cpu);
+  CoreInterrupts(CoreInterrupts&& other) noexcept;
+  CoreInterrupts& operator=(CoreInterrupts&&) = delete;
+  ~CoreInterrupts();
+
+  /// Adds the instants since the last call. To be called at least every 20 s: the kernel keeps no more.
+  /// std::runtime_error if some were lost.
+  void take(std::vector<MonoTime>& instants);
+
+  static constexpr Duration kPeriod = milliseconds(1);
+
+ private:
+  CoreInterrupts(int fd, char* pages) : fd_(fd), pages_(pages) {}
+  bool in_place();
+
+  int fd_ = -1;
+  char* pages_ = nullptr;
+  std::uint64_t read_ = 0;
+};
+
+}  // namespace strobe::bench::timing
