@@ -13,7 +13,7 @@ enum class Preemption {
   voluntary,  ///< or until it passes a place that the kernel's writers marked
   full,  ///< until locks are let go and interrupt handlers end (also: lazy, the same for real-time threads)
   real_time,  ///< PREEMPT_RT: these give way, too
-  unknown     ///< chosen at boot, and only root is told
+  unknown     ///< not told, at least not to this user
 };
 
 struct PreemptionModel {

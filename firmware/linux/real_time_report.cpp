@@ -172,42 +172,38 @@ std::string how_to_preempt(bool switchable) {
              : "boot a kernel with PREEMPT, better PREEMPT_RT (Debian: linux-image-rt-amd64 or -arm64)";
 }
 
-CheckItem preemption(const SystemFiles& files) {
+/// A thread that is awake need not be let in.
+std::string until_then(const Rig& rig) {
+  return rig.tolerance.wake_ahead.ns > 0 ? "; until then the loop is awake before each flash of a train"
+                                         : "; until then set [tolerance] wake_ahead_us";
+}
+
+CheckItem preemption(const Rig& rig, const SystemFiles& files) {
   const char* name = "preemption";
   const PreemptionModel found = preemption_of(files);
-  const std::string cure = how_to_preempt(found.switchable);
+  const std::string cure = how_to_preempt(found.switchable) + until_then(rig);
+  const std::string late = ", under memory or disk load for milliseconds: ";
   switch (found.model) {
     case Preemption::real_time:
       return ok(name, "PREEMPT_RT: the loop interrupts nearly all that the kernel does");
     case Preemption::full:
       return ok(name, "full: the loop interrupts other programs' system calls, save where locks are held");
     case Preemption::voluntary:
-      return advice(
-          name,
-          "voluntary: other programs' system calls give way to the loop at chosen places only, under "
-          "memory or disk load up to milliseconds late: " +
-              cure);
+      return advice(name,
+                    "voluntary: other programs' system calls give way at chosen places only" + late + cure);
     case Preemption::none:
-      return advice(
-          name,
-          "none: the loop waits for the end of other programs' system calls on its CPU, under memory "
-          "or disk load for milliseconds: " +
-              cure);
+      return advice(name, "none: the loop waits for the end of other programs' system calls" + late + cure);
     case Preemption::unknown:
       break;
   }
   if (found.switchable) {
-    return advice(
-        name,
-        "PREEMPT_DYNAMIC, and only root is told the model: look into /sys/kernel/debug/sched/preempt; " +
-            cure);
+    return advice(name,
+                  "PREEMPT_DYNAMIC, and this user is not told the model: as root look into "
+                  "/sys/kernel/debug/sched/preempt; " +
+                      cure);
   }
   if (found.told_by.empty()) return ok(name, "not told by the kernel");
-  return advice(
-      name,
-      "none or voluntary: other programs' system calls hold the loop up, under memory or disk load for "
-      "milliseconds: " +
-          cure);
+  return advice(name, "none or voluntary: the loop waits for other programs' system calls" + late + cure);
 }
 
 }  // namespace
@@ -224,7 +220,7 @@ std::vector<CheckItem> real_time_report(const Rig& rig, const RealTimeTrial& tri
                                governor(rig, files),
                                throttling(rig, files),
                                isolation(rig, files),
-                               preemption(files)};
+                               preemption(rig, files)};
   interrupts(rig, files, items);
   items.push_back(clock_source(files));
   return items;

@@ -75,7 +75,8 @@ TEST(RealTimeReport, ThrottlingMustLeaveTheTimeThatTheLoopIsAwake) {
   says("throttling", Verdict::ok, "950000 of 1000000 us");
   tree.put("proc/sys/kernel/sched_rt_runtime_us", "-1");
   says("throttling", Verdict::ok, "off");
-  tree.put("proc/sys/kernel/sched_rt_runtime_us", "100000");  // awake for at most 82.5 % of a second, and a tenth
+  tree.put("proc/sys/kernel/sched_rt_runtime_us",
+           "100000");  // awake for at most 82.5 % of a second, and a tenth
   says("throttling", Verdict::fault, "92 % are needed");
   tree.put("proc/sys/kernel/sched_rt_runtime_us", "0");
   says("throttling", Verdict::fault, "sched_rt_runtime_us");
@@ -119,14 +120,17 @@ TEST(RealTimeReport, TellsHowFarTheKernelGivesWayToTheLoop) {
   says("preemption", Verdict::ok, "full");
   tree.put("proc/sys/kernel/version", "#1 SMP Debian 6.1.176-1 (2026-11-02)");
   says("preemption", Verdict::advice, "none or voluntary");
+  says("preemption", Verdict::advice, "until then the loop is awake");
   says("preemption", Verdict::advice, "a kernel with PREEMPT");
   tree.put("boot/config-6.1.0-50-amd64", "CONFIG_PREEMPT_VOLUNTARY=y\n# CONFIG_PREEMPT is not set");
   says("preemption", Verdict::advice, "voluntary: ");
+  rig.tolerance.wake_ahead = {};
+  says("preemption", Verdict::advice, "set [tolerance] wake_ahead_us");
 }
 
 TEST(RealTimeReport, TellsTheModelThatADynamicKernelRunsWith) {
   tree.put("proc/sys/kernel/version", "#1 SMP PREEMPT_DYNAMIC Debian 6.1.176-1 (2026-11-02)");
-  says("preemption", Verdict::advice, "only root is told");
+  says("preemption", Verdict::advice, "this user is not told");
   says("preemption", Verdict::advice, "preempt=full");
   tree.put("boot/config-6.1.0-50-amd64", "CONFIG_PREEMPT_NONE=y\nCONFIG_PREEMPT_DYNAMIC=y");
   says("preemption", Verdict::advice, "none: ");
