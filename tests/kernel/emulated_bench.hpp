@@ -33,6 +33,7 @@ struct LineEvent {
 
 class EmulatedBench {
  public:
+  /// `boot` as VirtualMachine wants it; if there is a lab.key, that is the host's.
   explicit EmulatedBench(const std::filesystem::path& boot);
   ~EmulatedBench();
 

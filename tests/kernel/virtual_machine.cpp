@@ -46,6 +46,12 @@ testing::Command qemu_command(const std::filesystem::path& boot, const std::file
           ",remote.type=unix,remote.path=" + VirtualMachine::cable_here(folder).string(),
       "-device",
       "virtio-net-device,netdev=cable"};
+  if (std::filesystem::exists(boot / "disk")) {
+    command.arguments.insert(
+        command.arguments.end(),
+        {"-drive", "if=none,id=disk,format=raw,snapshot=on,file=" + (boot / "disk").string(), "-device",
+         "virtio-blk-device,drive=disk"});
+  }
   return command;
 }
 

@@ -21,7 +21,8 @@ inline constexpr std::chrono::seconds kPatience{120};  ///< for what takes a sec
 
 class VirtualMachine {
  public:
-  /// `boot` has vmlinuz and initrd (tests/kernel/prepare); `folder` is for sockets and logs.
+  /// `boot` has vmlinuz, initrd and maybe a disk, which stays as it is (tests/kernel/prepare, unit/prepare);
+  /// `folder` is for sockets and logs.
   VirtualMachine(const std::filesystem::path& boot, const std::filesystem::path& folder);
   ~VirtualMachine();
 
