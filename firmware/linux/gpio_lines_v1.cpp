@@ -280,9 +280,10 @@ Result<OutputTakeover> OutputTakeover::prepare(const Rig& rig) {
 
 Result<void> OutputTakeover::drive_inactive(Duration patience) {
   const timespec pause{0, 100'000};
+  constexpr int kLeastTries = 100;  // a machine that stands still uses the time up without a try
   MonotonicClock clock;
   const MonoTime end = clock.now() + patience;
-  for (;;) {
+  for (int tries = 1;; ++tries) {
     bool others = false;  // whoever holds a line may let it go yet
     std::string missing;
     for (Impl::Target& target : impl_->targets) {
@@ -296,7 +297,8 @@ Result<void> OutputTakeover::drive_inactive(Duration patience) {
       }
     }
     if (missing.empty()) return {};
-    if (!others || clock.now() > end) return fail(missing);
+    const bool patient = clock.now() < end || tries < kLeastTries;
+    if (!others || !patient) return fail(missing);
     clock_nanosleep(CLOCK_MONOTONIC, 0, &pause, nullptr);
   }
 }

@@ -150,7 +150,11 @@ TEST(CommandLine, LinesThatAnotherProgramHoldsAreNamed) {
   if (!bench.ready()) FAIL(("strobed did not come up:\n" + bench.log()).c_str());
   const Command second = bench.strobed({"--config", bench.rig_file(), "--session", folder / "session",
                                         "--allow-no-rt", "--lcm-url", bench.lcm_url()});
-  STRCMP_EQUAL("", complaints({{"busy chip", second, 2, "busy"}}).c_str());
+  const Command safe = bench.strobed({"--safe", "--config", bench.rig_file()});
+  STRCMP_EQUAL(
+      "", complaints({{"busy chip", second, 2, "busy"},
+                      {"busy outputs", safe, 1, "strobe_a: cannot take line 0: Device or resource busy"}})
+              .c_str());
 }
 
 TEST(CommandLine, WrongFramesAreNamedWithTheirLine) {
