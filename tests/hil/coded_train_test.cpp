@@ -54,11 +54,10 @@ TEST(CodedTrain, IsFiredAsPlannedSeenByItsLampsAndReadOut) {
   strobe::testing::write_text(bench.folder() / "plan.toml", kPlan);
   const std::string plan = bench.folder() / "plan.toml";
 
-  // A freeze of the machine may spoil some.
-  const auto fired = strobe::testing::run_to_end(bench.fire(1, 6, {"--plan", plan}), 60s);
+  const auto fired = strobe::testing::run_to_end(bench.fire(1, kRetries, {"--plan", plan}), 60s);
   CHECK_TEXT(fired.status == ExitStatus({0, 0}), fired.err.c_str());
   CHECK_FALSE(readouts(fired.out).back().at("vx_td_mps").is_null());
-  const auto dry = strobe::testing::run_to_end(bench.fire(1, 6, {"--plan", plan, "--dry"}), 60s);
+  const auto dry = strobe::testing::run_to_end(bench.fire(1, kRetries, {"--plan", plan, "--dry"}), 60s);
   CHECK_TEXT(dry.status == ExitStatus({0, 0}), dry.err.c_str());
 
   const LogContents journal = read_log(bench.journal());

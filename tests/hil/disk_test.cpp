@@ -24,8 +24,7 @@ const char* const kSmallDisk =
 BenchOptions small_disk() {
   BenchOptions options;
   options.shell = kSmallDisk;
-  options.rig_edits = {{"shutter_open_ms = 500", "shutter_open_ms = 160"},
-                       {"impact_at_ms = 250", "impact_at_ms = 80"}};
+  options.rig_edits = kShortExposure;
   return options;
 }
 
@@ -45,8 +44,8 @@ void enlarge_disk(Bench& bench) {
 }
 
 Command fire_elsewhere(Bench& bench, const std::string& wait_s) {
-  return bench.strobe({"fire", "--shots", "1", "--retries", "9", "--wait", wait_s, "--session",
-                       bench.folder() / "host", "--json"});
+  return bench.strobe({"fire", "--shots", "1", "--retries", std::to_string(kRetries), "--wait", wait_s,
+                       "--session", bench.folder() / "host", "--json"});
 }
 
 /// A refusal cannot be journalled, so that it is not published either; the status has said why. Judged by one

@@ -71,11 +71,11 @@ TEST_GROUP(Interlock){};
 TEST(Interlock, FiresTheMachineOnceAShotWhenAllIsWellAndElseRefusesInWords) {
   Bench bench;
   expect_ready(bench);
-  const auto fired = strobe::testing::run_to_end(bench.fire(1, 9), 60s);
+  const auto fired = strobe::testing::run_to_end(bench.fire(1, kRetries), 60s);
   CHECK_TEXT(fired.status == ExitStatus({0, 0}), fired.err.c_str());
   const std::size_t live = shots_fired(bench);
   const std::int64_t dry_from = monotonic_now_ns();
-  const auto dry = strobe::testing::run_to_end(bench.fire(1, 9, {"--dry"}), 60s);
+  const auto dry = strobe::testing::run_to_end(bench.fire(1, kRetries, {"--dry"}), 60s);
   CHECK_TEXT(dry.status == ExitStatus({0, 0}), dry.err.c_str());
   const std::size_t all = shots_fired(bench);
   std::vector<Span> refusals;

@@ -18,6 +18,12 @@ using strobe::testing::Process;
 
 namespace {
 
+BenchOptions short_shots() {
+  BenchOptions options;
+  options.rig_edits = kShortExposure;
+  return options;
+}
+
 Command logger(const Bench& bench, const std::filesystem::path& log) {
   return {{"lcm-logger", "--quiet", "--lcm-url=" + bench.lcm_url(), log}, {}, {}, {}};
 }
@@ -55,14 +61,22 @@ bool hears(const std::filesystem::path& log) {
       10s);
 }
 
+/// Messages of a kind that a recorder has written so far.
+std::size_t recorded(const std::filesystem::path& log, const std::string& kind) {
+  const std::string bytes = strobe::testing::read_text(log);
+  std::size_t count = 0;
+  for (std::size_t at = bytes.find(kind); at != std::string::npos; at = bytes.find(kind, at + 1)) ++count;
+  return count;
+}
+
 /// Fires shots while lcm-logger listens; returns what strobe printed.
 std::string record_session(Bench& bench, int shots, const std::filesystem::path& log) {
   Process recorder = bench.start(logger(bench, log));
-  strobe::testing::sleep_for(300ms);  // it makes its file before it has subscribed
-  const auto fired = strobe::testing::run_to_end(bench.fire(shots, 6), 60s);
+  CHECK(hears(log));  // the firmware's heartbeat
+  const auto fired = strobe::testing::run_to_end(bench.fire(shots, kRetries), 60s);
   CHECK_TEXT(fired.status == ExitStatus({0, 0}), fired.err.c_str());
-  CHECK(hears(log));
-  strobe::testing::sleep_for(300ms);
+  const std::size_t sent = readouts(fired.out).size();
+  CHECK(strobe::testing::wait_until([&] { return recorded(log, "/READOUT") >= sent; }, 10s));
   recorder.signal(SIGINT);
   recorder.wait(5s);
   return fired.out;
@@ -73,7 +87,7 @@ std::string record_session(Bench& bench, int shots, const std::filesystem::path&
 TEST_GROUP(Log){};
 
 TEST(Log, RecordedAndPlayedBackShowsTheSameNumbers) {
-  Bench bench;
+  Bench bench(short_shots());
   expect_ready(bench);
   const std::string fired = record_session(bench, 2, bench.folder() / "recorded.lcmlog");
   bench.finish();
@@ -83,7 +97,7 @@ TEST(Log, RecordedAndPlayedBackShowsTheSameNumbers) {
   STRCMP_EQUAL(measured(fired).c_str(), measured(replayed.out).c_str());
 
   Process live = bench.start(bench.strobe({"live", "--json"}));
-  strobe::testing::sleep_for(1000ms);
+  CHECK(live.wait_for_err("listening to rig", 20s));
   const auto played =
       strobe::testing::run_to_end(player(bench.lcm_url(), bench.folder() / "recorded.lcmlog"), 60s);
   CHECK(played.status == ExitStatus({0, 0}));
@@ -95,10 +109,10 @@ TEST(Log, RecordedAndPlayedBackShowsTheSameNumbers) {
 }
 
 TEST(Log, OfTheSessionsFolderIsRecomputedToTheSameBytes) {
-  Bench bench;
+  Bench bench(short_shots());
   expect_ready(bench);
-  const auto fired = strobe::testing::run_to_end(bench.fire(2, 6), 60s);
-  CHECK(fired.status == ExitStatus({0, 0}));
+  const auto fired = strobe::testing::run_to_end(bench.fire(2, kRetries), 60s);
+  CHECK_TEXT(fired.status == ExitStatus({0, 0}), fired.err.c_str());
   bench.finish();
   std::filesystem::path host_log;
   for (const auto& entry : std::filesystem::directory_iterator(bench.session())) {
@@ -111,7 +125,7 @@ TEST(Log, OfTheSessionsFolderIsRecomputedToTheSameBytes) {
 }
 
 TEST(Log, WithCommandsInItNeverFiresARigAgain) {
-  Bench first;
+  Bench first(short_shots());
   expect_ready(first);
   const std::filesystem::path log = first.folder() / "recorded.lcmlog";
   record_session(first, 1, log);
@@ -128,7 +142,7 @@ TEST(Log, WithCommandsInItNeverFiresARigAgain) {
   for (const std::string& output : kOutputs) LONGS_EQUAL(0, changes.rises(output, before));
 
   // Another daemon, another boot, armed as well.
-  Bench second;
+  Bench second(short_shots());
   expect_ready(second);
   RawHost other(second.lcm_url(), "bench");
   CHECK(other.wait_status());
@@ -140,16 +154,16 @@ TEST(Log, WithCommandsInItNeverFiresARigAgain) {
 }
 
 TEST(Log, OfAListenerThatJoinsLateHoldsTheShotsBeforeItAndThoseToCome) {
-  Bench bench;
+  Bench bench(short_shots());
   expect_ready(bench);
-  const auto before = strobe::testing::run_to_end(bench.fire(1, 6), 60s);
-  CHECK(before.status == ExitStatus({0, 0}));
+  const auto before = strobe::testing::run_to_end(bench.fire(1, kRetries), 60s);
+  CHECK_TEXT(before.status == ExitStatus({0, 0}), before.err.c_str());
   Process live = bench.start(bench.strobe({"live", "--json"}));
   // The journal is asked for what was; whoever measured its photographs sends them again.
   const std::size_t past = readouts(before.out).size();
   CHECK(strobe::testing::wait_until([&] { return readouts(live.out()).size() >= past; }, 8s));
-  const auto fired = strobe::testing::run_to_end(bench.fire(1, 6), 60s);
-  CHECK(fired.status == ExitStatus({0, 0}));
+  const auto fired = strobe::testing::run_to_end(bench.fire(1, kRetries), 60s);
+  CHECK_TEXT(fired.status == ExitStatus({0, 0}), fired.err.c_str());
   const std::vector<nlohmann::json> expected = readouts(fired.out);
   strobe::testing::wait_until([&] { return readouts(live.out()).size() >= past + expected.size(); }, 8s);
   live.signal(SIGINT);

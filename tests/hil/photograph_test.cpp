@@ -20,8 +20,9 @@ namespace {
 BenchOptions small_sensor(const std::filesystem::path& photographs) {
   BenchOptions options;
   options.scene_addition = "[camera]\npx_per_m = 1500\norigin_x_px = 600\norigin_y_px = 150\n";
-  options.rig_edits = {{"photograph_timeout_s = 5", "photograph_timeout_s = 60"},
-                       {"[analysis]", "[analysis]\npx_per_m = 1500\npx_per_m_sd = 0.5"}};
+  options.rig_edits = kShortExposure;
+  options.rig_edits.emplace_back("photograph_timeout_s = 5", "photograph_timeout_s = 60");
+  options.rig_edits.emplace_back("[analysis]", "[analysis]\npx_per_m = 1500\npx_per_m_sd = 0.5");
   options.sim_options = {"--photographs", photographs};
   return options;
 }
@@ -59,7 +60,7 @@ TEST(Photographs, AreReadOutAsTheyArriveAndAJunkFileStopsNothing) {
   strobe::testing::write_text(camera / "old.tif", "of another day");
   Bench bench(small_sensor(camera.path()));
   if (!bench.ready()) FAIL(("strobed did not come up:\n" + bench.log()).c_str());
-  auto fire = bench.start(bench.fire(2, 9, {"--photographs", camera.path(), "--effort", "fast"}));
+  auto fire = bench.start(bench.fire(2, kRetries, {"--photographs", camera.path(), "--effort", "fast"}));
   CHECK(fire.wait_for_err("photographs from", 20s));
   strobe::testing::write_text(camera / "junk.tif", "no photograph");
   const auto status = fire.wait(240s);

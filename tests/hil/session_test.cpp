@@ -17,10 +17,11 @@ TEST_GROUP(Session){};
 TEST(Session, AnOrdinaryUserFiresWithAWarning) {
   BenchOptions options;
   options.rights = strobe::testing::Rights::ordinary;
+  options.rig_edits = kShortExposure;
   Bench bench(options);
   if (!bench.ready()) FAIL(("strobed did not come up:\n" + bench.log()).c_str());
   CHECK_TEXT(bench.log().find("warn") != std::string::npos, bench.log().c_str());
-  strobe::testing::Command fire = bench.fire(1, 9);
+  strobe::testing::Command fire = bench.fire(1, kRetries);
   fire.rights = strobe::testing::Rights::ordinary;
   const auto fired = strobe::testing::run_to_end(fire, 60s);
   CHECK(!readouts(fired.out).empty());
@@ -43,7 +44,8 @@ TEST(Session, WithoutRealTimeRightsStrobedRefusesUnlessToldOtherwise) {
 TEST(Session, FolderHoldsAllThatIsNeededToRecomputeIt) {
   Bench bench;
   if (!bench.ready()) FAIL(("strobed did not come up:\n" + bench.log()).c_str());
-  const auto fired = strobe::testing::run_to_end(bench.fire(2, 6, {"--note", "remarks=two shots"}), 60s);
+  const auto fired =
+      strobe::testing::run_to_end(bench.fire(2, kRetries, {"--note", "remarks=two shots"}), 60s);
   CHECK_TEXT(fired.status == ExitStatus({0, 0}), fired.err.c_str());
   bench.finish();
   CHECK(std::filesystem::exists(bench.session() / "rig.toml"));

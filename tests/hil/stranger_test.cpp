@@ -106,8 +106,7 @@ TEST(Stranger, IsNeverObeyedAndAnsweredOnlyInTheCounts) {
 
 TEST(Stranger, WhoFloodsTheBusDuringAShotCostsNoEvent) {
   BenchOptions options;
-  options.rig_edits = {{"shutter_open_ms = 500", "shutter_open_ms = 160"},
-                       {"impact_at_ms = 250", "impact_at_ms = 80"}};
+  options.rig_edits = kShortExposure;
   Bench bench(options);
   CHECK_TEXT(bench.ready(), bench.log().c_str());
   RawHost host(bench.lcm_url(), "bench");
@@ -117,7 +116,7 @@ TEST(Stranger, WhoFloodsTheBusDuringAShotCostsNoEvent) {
   std::int64_t packets = 0;
   {
     Flooder flooder(bench.lcm_url(), "bench", host.sealed(disarm, host.key()));
-    auto fire = bench.start(bench.fire(1, 9));
+    auto fire = bench.start(bench.fire(1, kRetries));
     CHECK_TEXT(fire.wait_for_out("vx_td_mps", 60s), fire.err().c_str());
     packets = flooder.stop();
     const auto ended = fire.wait(30s);

@@ -33,11 +33,6 @@ const nlohmann::json* truth_of(const std::vector<nlohmann::json>& truths, int sh
   return nullptr;
 }
 
-/// A third of the flashes, among which the ball is in view for a tenth of the time: fewer that a host freeze
-/// can make late.
-const std::vector<std::pair<std::string, std::string>> kShortExposure{
-    {"shutter_open_ms = 500", "shutter_open_ms = 160"}, {"impact_at_ms = 250", "impact_at_ms = 80"}};
-
 struct Tally {
   TruthScore score;
   int spoilt = 0;
