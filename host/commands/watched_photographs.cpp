@@ -67,7 +67,7 @@ MessageSink& WatchedPhotographs::sink() { return relay_; }
 bool WatchedPhotographs::own_frame(const std::string& channel, const void* data, std::size_t size) const {
   if (!desk_ || channel != messages::channel_name(rig_.rig, messages::Channel::frame)) return false;
   strobe_msgs::frame_t frame;
-  return messages::frame_well_formed(data, size) && frame.decode(data, 0, static_cast<int>(size)) >= 0 &&
+  return messages::decode_checked(frame, messages::frame_well_formed, data, size) &&
          frame.host_id == host_id_;
 }
 

@@ -18,6 +18,8 @@ namespace strobe::host {
 namespace {
 
 namespace fs = std::filesystem;
+using strobe_msgs::event_t;
+using strobe_msgs::shot_t;
 
 Result<void> write_text(const fs::path& path, std::string_view text) {
   std::ofstream file(path, std::ios::binary);
@@ -109,19 +111,21 @@ void SessionFolder::recall(EventLedger& ledger, const std::string& rig) const {
   const std::string shots = messages::channel_name(rig, messages::Channel::shot);
   std::map<Key, std::int64_t> ended;
   std::set<Key> summed_up;
+  // Strangers' messages are kept as they came.
   const auto enter = [&](const lcm::LogEvent& logged) {
+    const auto size = static_cast<std::size_t>(logged.datalen);
     if (logged.channel == events) {
-      strobe_msgs::event_t event;
-      // Strangers' messages are kept as they came.
-      if (!messages::event_well_formed(logged.data, static_cast<std::size_t>(logged.datalen))) return;
-      if (event.decode(logged.data, 0, logged.datalen) < 0 || !believable(event)) return;
+      event_t event;
+      if (!messages::decode_checked(event, messages::event_well_formed, logged.data, size) ||
+          !believable(event))
+        return;
       ledger.add(event.boot_id, event.sequence, 0);
-      if (event.kind == strobe_msgs::event_t::SHOT_ENDED || event.kind == strobe_msgs::event_t::SHOT_ABORTED)
+      if (event.kind == event_t::SHOT_ENDED || event.kind == event_t::SHOT_ABORTED)
         ended[{event.boot_id, event.shot_id}] = event.sequence;
-    } else if (logged.channel == shots &&
-               messages::shot_well_formed(logged.data, static_cast<std::size_t>(logged.datalen))) {
-      strobe_msgs::shot_t shot;
-      if (shot.decode(logged.data, 0, logged.datalen) >= 0) summed_up.insert({shot.boot_id, shot.shot_id});
+    } else if (logged.channel == shots) {
+      shot_t shot;
+      if (messages::decode_checked(shot, messages::shot_well_formed, logged.data, size))
+        summed_up.insert({shot.boot_id, shot.shot_id});
     }
   };
   std::error_code error;
