@@ -51,7 +51,7 @@ nlohmann::ordered_json to_json(const DelayCalibration& calibration) {
           {"shutter_closing_lag_ms", number(calibration.closing_lag_ms)}};
 }
 
-std::string words(const MeanSdMax& value) {
+std::string spread_words(const MeanSdMax& value) {
   if (value.count == 0) return "none";
   return fmt::format("{:.2f} ± {:.2f} us, at most {:.2f}", value.mean, value.sd, value.largest);
 }
@@ -104,9 +104,9 @@ std::vector<std::string> describe(const TrainReport& report) {
           report.planned,
           single_lamps ? fmt::format(" (lamp A {}, lamp B {})", report.planned_a, report.planned_b) : "",
           report.issued, seen(report.seen_by_a), seen(report.seen_by_b), report.late, report.doubled),
-      "issue lateness    " + words(report.issue_lateness_us),
-      "lamp delay        " + words(report.lamp_delay_us),
-      "skew A-B          " + words(report.skew_us),
+      "issue lateness    " + spread_words(report.issue_lateness_us),
+      "lamp delay        " + spread_words(report.lamp_delay_us),
+      "skew A-B          " + spread_words(report.skew_us),
   };
   const std::vector<std::string> values = calibration_lines(report.calibration);
   if (!values.empty()) lines.emplace_back("measured, for the rig file:");
