@@ -1,0 +1,222 @@
+// What a readout says of frames that are poor or wrong.
+#include <cmath>
+
+#include "tests/common/reduction/reduced_frames.hpp"
+
+#include <CppUTest/TestHarness.h>
+
+using namespace strobe;
+using namespace strobe::reduction;
+using namespace strobe::test;
+
+TEST_GROUP(ReadoutFlags){};
+
+TEST(ReadoutFlags, ALegWithOneImageHasNoNumbers) {
+  Frame frame = straight_frame();
+  frame.images.erase(frame.images.begin());
+  const Readout r = reduced(frame);
+  CHECK_TRUE(r.flags.has(Flag::too_few_images));
+  for (const Quantity q :
+       {Quantity::vx_td_mps, Quantity::omega_td_radps, Quantity::e, Quantity::mu, Quantity::dwell_time_ms}) {
+    CHECK_FALSE(r.value[q].has_value());
+    CHECK_FALSE(r.sd[q].has_value());
+  }
+  CHECK_TRUE(r.value[Quantity::vx_lo_mps].has_value());
+  CHECK_FALSE(r.regime.has_value());
+}
+
+TEST(ReadoutFlags, NoImagesAtAllIsAReadoutWithoutNumbers) {
+  Frame frame = straight_frame();
+  frame.images.clear();
+  const Readout r = reduced(frame);
+  CHECK_TRUE(r.flags.has(Flag::too_few_images));
+  CHECK_TRUE(r.flags.has(Flag::no_contact_image));
+  for (std::size_t i = 0; i < kQuantityCount; ++i) CHECK_FALSE(r.value[static_cast<Quantity>(i)].has_value());
+}
+
+TEST(ReadoutFlags, WithoutEquatorsOnlyTheSpinIsMissing) {
+  Frame frame = straight_frame();
+  frame.images[3].equator_rad.reset();
+  const Readout r = reduced(frame);
+  CHECK_TRUE(r.flags.has(Flag::too_few_images));
+  CHECK_FALSE(r.value[Quantity::omega_lo_radps].has_value());
+  CHECK_FALSE(r.value[Quantity::slip_lo_mps].has_value());
+  CHECK_TRUE(r.value[Quantity::omega_td_radps].has_value());
+  CHECK_TRUE(r.value[Quantity::e].has_value());
+}
+
+TEST(ReadoutFlags, SurfacePointsThatAreOnePointAreNoSurface) {
+  Frame frame = straight_frame();
+  frame.surface_px = {{10, 100}, {10, 100}};
+  const Readout r = reduced(frame);
+  CHECK_TRUE(r.flags.has(Flag::degenerate_geometry));
+  CHECK_FALSE(r.value[Quantity::vx_td_mps].has_value());
+}
+
+TEST(ReadoutFlags, ALegThatLeavesTheSurfaceInsteadOfMeetingItIsDegenerate) {
+  Frame frame = straight_frame();
+  std::swap(frame.images[0].centre_px, frame.images[1].centre_px);
+  const Readout r = reduced(frame);
+  CHECK_TRUE(r.flags.has(Flag::degenerate_geometry));
+  CHECK_FALSE(r.value[Quantity::vx_td_mps].has_value());
+  CHECK_FALSE(r.value[Quantity::e].has_value());
+}
+
+TEST(ReadoutFlags, APhotographWithYDownIsNotReadAsOneWithYUp) {
+  Frame frame = straight_frame();
+  for (BallImage& i : frame.images) i.centre_px.y = -i.centre_px.y;
+  for (PointPx& p : frame.surface_px) p.y = -p.y;
+  const Readout r = reduced(frame);
+  CHECK_TRUE(r.flags.has(Flag::overlaps_surface));  // the ball is beneath it
+  CHECK_FALSE(r.value[Quantity::e].has_value());
+}
+
+TEST(ReadoutFlags, NoContactImageIsSaid) {
+  Frame frame = straight_frame();
+  frame.images.erase(frame.images.begin() + 2);
+  CHECK_TRUE(reduced(frame).flags.has(Flag::no_contact_image));
+  CHECK_FALSE(reduced(straight_frame()).flags.has(Flag::no_contact_image));
+}
+
+TEST(ReadoutFlags, AnImageLabelledAirborneThatOverlapsTheSurfaceIsLeftOut) {
+  const Readout clean = reduced(noisy());
+  Frame frame = noisy();
+  for (BallImage& i : frame.images) {
+    if (i.leg == Leg::contact) {
+      i.leg = Leg::incoming;
+      break;
+    }
+  }
+  const Readout r = reduced(frame);
+  CHECK_TRUE(r.flags.has(Flag::overlaps_surface));
+  CHECK_FALSE(clean.flags.has(Flag::overlaps_surface));
+  equal(*clean.value[Quantity::vy_td_mps], r.value[Quantity::vy_td_mps]);
+}
+
+TEST(ReadoutFlags, AWrongImageOfFourIsLeftOut) {
+  Setup setup = vacuum();
+  setup.incoming = setup.rebound = 4;
+  for (const std::size_t wrong : {0U, 1U, 2U, 3U}) {
+    Frame frame = noisy(setup);
+    frame.images[wrong].centre_px.x += 60.0;  // thirty sd: an image of another flash
+    const Readout r = reduced(frame);
+    CHECK_TRUE(r.flags.has(Flag::outlier_image));
+    DOUBLES_EQUAL(15.62, *r.value[Quantity::vx_td_mps], 4.0 * *r.sd[Quantity::vx_td_mps]);
+    CHECK_FALSE(reduced(noisy(setup)).flags.has(Flag::outlier_image));
+  }
+}
+
+TEST(ReadoutFlags, AnImageThatDoesNotFitCountsLikeTheOthersWhereOutliersAreKept) {
+  const Frame clean = noisy();
+  const auto vx_with = [&](double displaced_px) {
+    Frame frame = clean;
+    frame.images[1].centre_px.x += displaced_px;
+    const auto r =
+        reduce(frame, Estimator::best, {.effects = flight::Effects{}, .leave_out_outliers = false});
+    CHECK_TRUE(r.has_value());
+    CHECK_FALSE(r->flags.has(Flag::outlier_image));
+    return *r->value[Quantity::vx_td_mps];
+  };
+  // A straight line's slope is linear in its points; the common scale and tilt bend that by the square of the
+  // displacement over the path, (120 px/1800 px)^2.
+  const double one = vx_with(60.0) - vx_with(0.0);
+  const double two = vx_with(120.0) - vx_with(0.0);
+  CHECK_TRUE(std::abs(one) > 1e-3);
+  DOUBLES_EQUAL(2.0 * one, two, 5e-3 * std::abs(two));
+}
+
+TEST(ReadoutFlags, FewerThanFourImagesOfALegAreSaidToHaveNoRedundancy) {
+  for (const int images : {2, 3, 4, 5}) {
+    Setup setup = vacuum();
+    setup.rebound = images;
+    const bool said = reduced(noisy(setup)).flags.has(Flag::no_redundancy);
+    CHECK_EQUAL(images < 4, said);
+  }
+}
+
+TEST(ReadoutFlags, AWrongEquatorOfFiveIsLeftOutAndTheFlightKept) {
+  Frame frame = noisy();
+  const Readout clean = reduced(frame);
+  *frame.images[2].equator_rad += 0.8;
+  const Readout r = reduced(frame);
+  CHECK_TRUE(r.flags.has(Flag::outlier_image));
+  DOUBLES_EQUAL(2.61, *r.value[Quantity::omega_td_radps], 4.0 * *r.sd[Quantity::omega_td_radps]);
+  equal(*clean.value[Quantity::vx_td_mps], r.value[Quantity::vx_td_mps]);
+}
+
+TEST(ReadoutFlags, CleanPhotographsHardlyEverLoseAnImage) {
+  int lost = 0;
+  test::Random random(11);
+  constexpr int kShots = 4000;
+  for (int i = 0; i < kShots; ++i) {
+    const Readout r = reduced(test::photograph(Bounce{}, vacuum(), random));
+    lost += r.flags.has(Flag::outlier_image) ? 1 : 0;
+  }
+  // Meant: one in a thousand, so 4 with a sd of 2.
+  CHECK_TRUE(lost <= 12);
+}
+
+TEST(ReadoutFlags, SpinNearTheLimitOfAQuarterTurnIsFlagged) {
+  Setup setup = vacuum();
+  Bounce b;
+  b.omega_td = 515.0;  // the limit is pi / (2 * 3 ms) = 523.6
+  test::Random random(5);
+  CHECK_TRUE(reduced(test::photograph(b, setup, random)).flags.has(Flag::spin_aliased));
+  b.omega_td = 400.0;
+  CHECK_FALSE(reduced(test::photograph(b, setup, random)).flags.has(Flag::spin_aliased));
+}
+
+TEST(ReadoutFlags, ASpinBeyondAQuarterTurnIsFlaggedByWhatFrictionTookFromTheTravel) {
+  Bounce b;  // 692 rad/s are 2.08 rad in 3 ms, and read as -1.06
+  b.vx_td = 32.0;
+  b.vx_lo = 22.8;
+  b.omega_td = -100.0;
+  b.omega_lo = -692.0;
+  test::Random random(6);
+  const Readout r = reduced(test::photograph(b, vacuum(), random));
+  CHECK_TRUE(*r.value[Quantity::omega_lo_radps] > 0.0);
+  CHECK_TRUE(r.flags.has(Flag::spin_aliased));
+}
+
+TEST(ReadoutFlags, ASpinThatALegWithGapsCannotTellIsFlaggedThoughFrictionAllowsIt) {
+  // Every other image of the leg is lacking: 6 ms tell spins up to 262 rad/s, and -295 reads as 229. Friction
+  // and a strong offset of the normal force make both plausible.
+  Bounce b;
+  b.vx_td = 12.0, b.vx_lo = 5.9, b.vy_td = -10.0, b.vy_lo = 8.5;
+  b.omega_td = -295.0, b.omega_lo = -227.0;
+  test::Random random(8);
+  Frame frame = test::photograph(b, vacuum(), random);
+  frame.images.erase(frame.images.begin() + 3);
+  frame.images.erase(frame.images.begin() + 1);
+  const Readout r = reduced(frame);
+  CHECK_TRUE(*r.value[Quantity::omega_td_radps] > 0.0);
+  CHECK_TRUE(r.flags.has(Flag::spin_aliased));
+}
+
+TEST(ReadoutFlags, NoBounceOfTheThesisBelowTheLimitContradictsFriction) {
+  test::Random random(7);
+  for (const Bounce& b : test::thesis_bounces()) {
+    if (std::max(std::abs(b.omega_td), std::abs(b.omega_lo)) > 450.0) continue;  // near pi / (2 * 3 ms)
+    CHECK_FALSE_TEXT(reduced(test::photograph(b, vacuum(), random)).flags.has(Flag::spin_aliased),
+                     b.label.c_str());
+  }
+}
+
+TEST(ReadoutFlags, NoiseFromResidualsIsSaid) {
+  Setup setup = vacuum();
+  setup.state_noise = false;
+  const Readout r = reduced(noisy(setup));
+  CHECK_TRUE(r.flags.has(Flag::sd_from_residuals));
+  CHECK_TRUE(r.sd[Quantity::e].has_value());
+  CHECK_FALSE(reduced(noisy()).flags.has(Flag::sd_from_residuals));
+}
+
+TEST(ReadoutFlags, NoResidualsMeanNoSd) {
+  Frame frame = straight_frame();
+  frame.equator_sd_rad.reset();  // two equators a leg: no residual to know their noise from
+  const Readout r = reduced(frame);
+  CHECK_TRUE(r.value[Quantity::omega_td_radps].has_value());
+  CHECK_FALSE(r.sd[Quantity::omega_td_radps].has_value());
+  CHECK_FALSE(r.sd[Quantity::slip_lo_mps].has_value());
+  CHECK_TRUE(r.sd[Quantity::vx_td_mps].has_value());
+}
