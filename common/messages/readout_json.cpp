@@ -43,6 +43,12 @@ ordered_json contact_json(const reduction::ContactImage& image) {
   return object;
 }
 
+void put_flashes(ordered_json& object, const std::optional<reduction::ShownFlashes>& flashes) {
+  object["first_flash"] = flashes ? ordered_json(flashes->first) : ordered_json();
+  object["last_flash"] = flashes ? ordered_json(flashes->last) : ordered_json();
+  object["index_doubt"] = flashes ? ordered_json(flashes->index_doubt) : ordered_json();
+}
+
 }  // namespace
 
 std::string readout_to_json(const Readout& readout) {
@@ -59,6 +65,7 @@ std::string readout_to_json(const Readout& readout) {
     object["flight_effects"].push_back(std::string(flight::kEffectNames[i]));
   }
   object["flags"] = flags_json(readout.flags);
+  put_flashes(object, readout.flashes);
   object["sd"] = quantities_json(readout.sd);
   object["sd_systematic"] = quantities_json(readout.sd_systematic);
   if (readout.legacy) {

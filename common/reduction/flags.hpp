@@ -30,18 +30,30 @@ enum class Flag {
   clock_suspect,        // flash times are not plausible: out of order, or not of this shot
   events_missing,       // events of this shot were lost before the journal, or never came to this host
   shutter_suspect,  // the shutter's contact (X-sync) did not tell of opening or closing, or well off its lag
+  flash_index_ambiguous,  // the code of a coded train leaves open which flashes made the images; the numbers
+                          // do not depend on it
 };
 
 inline constexpr std::array kFlagNames{
-    std::string_view{"late_flash"},          std::string_view{"missing_flash"},
-    std::string_view{"double_flash"},        std::string_view{"flash_match_ambiguous"},
-    std::string_view{"spin_aliased"},        std::string_view{"too_few_images"},
-    std::string_view{"outlier_image"},       std::string_view{"no_redundancy"},
-    std::string_view{"no_contact_image"},    std::string_view{"overlaps_surface"},
-    std::string_view{"degenerate_geometry"}, std::string_view{"sd_from_residuals"},
-    std::string_view{"shot_aborted"},        std::string_view{"no_photograph"},
-    std::string_view{"sensor_missing"},      std::string_view{"clock_suspect"},
-    std::string_view{"events_missing"},      std::string_view{"shutter_suspect"},
+    std::string_view{"late_flash"},
+    std::string_view{"missing_flash"},
+    std::string_view{"double_flash"},
+    std::string_view{"flash_match_ambiguous"},
+    std::string_view{"spin_aliased"},
+    std::string_view{"too_few_images"},
+    std::string_view{"outlier_image"},
+    std::string_view{"no_redundancy"},
+    std::string_view{"no_contact_image"},
+    std::string_view{"overlaps_surface"},
+    std::string_view{"degenerate_geometry"},
+    std::string_view{"sd_from_residuals"},
+    std::string_view{"shot_aborted"},
+    std::string_view{"no_photograph"},
+    std::string_view{"sensor_missing"},
+    std::string_view{"clock_suspect"},
+    std::string_view{"events_missing"},
+    std::string_view{"shutter_suspect"},
+    std::string_view{"flash_index_ambiguous"},
 };
 inline constexpr std::size_t kFlagCount = kFlagNames.size();
 

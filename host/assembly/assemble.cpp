@@ -181,10 +181,13 @@ AssembledShot assemble(const shot_t& shot, const frame_t& message, const Assembl
   if (!match) return unmatched(result, Flag::flash_match_ambiguous, "more images than flashes were seen");
   put_times(result.frame, times, *match);
   result.match_doubt = match->doubt;
-  result.index_doubt = match->index_doubt;
   if (match->doubt > kMostDoubt) result.flags.set(Flag::flash_match_ambiguous);
-  result.flags.merge(flash_flags(times, *match, *result.frame.images.front().flash_index,
-                                 *result.frame.images.back().flash_index));
+  const reduction::ShownFlashes flashes{*result.frame.images.front().flash_index,
+                                        *result.frame.images.back().flash_index, match->index_doubt,
+                                        shot.plan.code_count > 0};
+  if (flashes.coded && flashes.index_doubt > kMostIndexDoubt) result.flags.set(Flag::flash_index_ambiguous);
+  result.flags.merge(flash_flags(times, *match, flashes.first, flashes.last));
+  result.flashes = flashes;
   return result;
 }
 
@@ -197,6 +200,7 @@ ShotReadout shot_readout(const shot_t& shot, const frame_t& frame, const Assembl
     return {empty_readout(shot, assembled.flags), readout.error().message};
   }
   readout->flags.merge(assembled.flags);
+  readout->flashes = assembled.flashes;
   return {std::move(*readout), assembled.problem};
 }
 

@@ -28,8 +28,8 @@ struct AssembledShot {
       frame;  ///< images with the times of their flashes, from the first image's; empty if unmatched
   reduction::FlagSet flags;  ///< of the flashes that show the ball, the match, the sensors and the shot
   double match_doubt = 0.0;  ///< FlashMatch::doubt
-  double index_doubt = 0.0;  ///< FlashMatch::index_doubt
-  std::string problem;       ///< words for a person where the frame could not be matched; else empty
+  std::optional<reduction::ShownFlashes> flashes;  ///< nothing if unmatched
+  std::string problem;  ///< words for a person where the frame could not be matched; else empty
 };
 
 /// Never throws for what a message can hold.

@@ -35,6 +35,8 @@ struct FlashMatch {
 /// More doubt than this is an ambiguous match: the stated sd would be 5 % too small, or the odds for numbers
 /// that are off by 3 sd or more better than 1 to 90.
 inline constexpr double kMostDoubt = 0.1;
+/// More index_doubt than this, and a coded train has not told which flashes made the images.
+inline constexpr double kMostIndexDoubt = 0.01;
 
 /// Nothing if there are fewer flashes than images. times_s: seen flashes, ascending, any origin.
 /// An assignment that nothing supports (no steady speed fits) is still given, in order, with doubt 9.

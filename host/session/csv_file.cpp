@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -19,20 +20,25 @@ bool write_all(int fd, const std::string& text) {
   return written == static_cast<ssize_t>(text.size());
 }
 
+std::ptrdiff_t columns(const std::string& header) {
+  return 1 + std::count(header.begin(), header.end(), ',');
+}
+
 }  // namespace
 
-Result<CsvFile> CsvFile::open(const std::filesystem::path& path, const std::string& header) {
+Result<CsvFile> CsvFile::open(const std::filesystem::path& path, const std::string& header,
+                              const std::string& earlier) {
   std::string first;
   {
     std::ifstream existing(path);
     if (existing) std::getline(existing, first);
   }
-  if (!first.empty() && first != header) {
+  if (!first.empty() && first != header && first != earlier) {
     return fail(path.string() + ":1: another version's columns; use another session folder");
   }
   const int fd = ::open(path.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
   if (fd < 0) return tl::unexpected(errno_error(path));
-  CsvFile csv(path, fd);
+  CsvFile csv(path, fd, first.empty() ? 0 : columns(header) - columns(first));
   if (first.empty()) {
     if (!write_all(fd, header + "\n")) return tl::unexpected(errno_error(path));
     return csv;
@@ -47,14 +53,16 @@ Result<CsvFile> CsvFile::open(const std::filesystem::path& path, const std::stri
 }
 
 CsvFile::CsvFile(CsvFile&& other) noexcept
-    : path_(std::move(other.path_)), fd_(std::exchange(other.fd_, -1)) {}
+    : path_(std::move(other.path_)), fd_(std::exchange(other.fd_, -1)), left_out_(other.left_out_) {}
 
 CsvFile::~CsvFile() {
   if (fd_ >= 0) ::close(fd_);
 }
 
 Result<void> CsvFile::append(const std::string& line) {
-  if (!write_all(fd_, line + "\n")) return tl::unexpected(errno_error(path_));
+  std::string kept = line;
+  for (std::ptrdiff_t i = 0; i < left_out_; ++i) kept.resize(kept.rfind(','));
+  if (!write_all(fd_, kept + "\n")) return tl::unexpected(errno_error(path_));
   return {};
 }
 

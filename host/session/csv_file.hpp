@@ -2,6 +2,7 @@
 // thread's.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <string>
 
@@ -12,8 +13,11 @@ namespace strobe::host {
 class CsvFile {
  public:
   /// Opens for appending; writes the header if the file is new. A last line that a killed process left
-  /// without its end is closed first. Fails if the file has another header.
-  static Result<CsvFile> open(const std::filesystem::path& path, const std::string& header);
+  /// without its end is closed first. A file with the header of an earlier version, which lacked the last
+  /// columns, keeps it: they are then left out of each line, and must hold plain numbers. Fails if the file
+  /// has any other header.
+  static Result<CsvFile> open(const std::filesystem::path& path, const std::string& header,
+                              const std::string& earlier = "");
   CsvFile(CsvFile&& other) noexcept;
   CsvFile& operator=(CsvFile&&) = delete;
   ~CsvFile();
@@ -22,10 +26,12 @@ class CsvFile {
   Result<void> append(const std::string& line);
 
  private:
-  CsvFile(std::filesystem::path path, int fd) : path_(std::move(path)), fd_(fd) {}
+  CsvFile(std::filesystem::path path, int fd, std::ptrdiff_t left_out)
+      : path_(std::move(path)), fd_(fd), left_out_(left_out) {}
 
   std::filesystem::path path_;
   int fd_ = -1;
+  std::ptrdiff_t left_out_ = 0;  ///< columns at the end of a line that the file does not have
 };
 
 }  // namespace strobe::host

@@ -54,9 +54,13 @@ void add_notes(std::string& line, reduction::Record record) {
   line += fmt::format(",{}", csv_field(others));
 }
 
+void add_flashes(std::string& line, const std::optional<reduction::ShownFlashes>& flashes) {
+  line += flashes ? fmt::format(",{},{},{}", flashes->first, flashes->last, flashes->index_doubt) : ",,,";
+}
+
 }  // namespace
 
-std::string results_header() {
+std::string earlier_results_header() {
   std::string header = "utc,boot_id,shot_id,spoilt";
   add_names(header, "");
   add_names(header, "sd_");
@@ -65,6 +69,8 @@ std::string results_header() {
   for (const std::string_view key : kNamedNotes) header += fmt::format(",{}", key);
   return header + ",other_notes";
 }
+
+std::string results_header() { return earlier_results_header() + ",first_flash,last_flash,index_doubt"; }
 
 std::string results_line(const Outcome& outcome, const std::string& utc) {
   const reduction::Readout& readout = outcome.readout;
@@ -77,6 +83,7 @@ std::string results_line(const Outcome& outcome, const std::string& utc) {
       fmt::format(",{},{},{},{},{}", readout.regime ? name(*readout.regime) : "",
                   readout.court_pace_conforming, readout.method, readout.mirrored, flag_names(readout.flags));
   add_notes(line, readout.record);
+  add_flashes(line, readout.flashes);
   return line;
 }
 

@@ -76,7 +76,7 @@ Result<std::unique_ptr<SessionFolder>> SessionFolder::open(const fs::path& folde
   for (const auto& [name, text] : {std::pair{"rig", rig_text}, std::pair{"plan", plan_text}}) {
     if (auto kept = keep(folder, name, text, utc); !kept) return tl::unexpected(kept.error());
   }
-  auto results = CsvFile::open(folder / "results.csv", results_header());
+  auto results = CsvFile::open(folder / "results.csv", results_header(), earlier_results_header());
   if (!results) return tl::unexpected(results.error());
   result->results_ = std::make_unique<CsvFile>(std::move(*results));
   auto flashes = FlashesCsv::open(folder / "flashes.csv");

@@ -44,6 +44,8 @@ std::string_view words(Flag flag) {
       return "events of the shot were lost";
     case Flag::shutter_suspect:
       return "the shutter's contact did not tell that it opened and closed as it should";
+    case Flag::flash_index_ambiguous:
+      return "the train's code leaves open which of its flashes made the images";
   }
   return "";
 }

@@ -178,6 +178,12 @@ Lines remarks(const Outcome& outcome) {
     if (outcome.readout.flags.has(flag)) lines.push_back("! " + std::string(words(flag)));
   }
   if (!outcome.problem.empty()) lines.push_back("! " + outcome.problem);
+  const auto& flashes = outcome.readout.flashes;
+  if (flashes && flashes->coded) {
+    lines.push_back(
+        fmt::format("code: flashes {} to {} show the ball; that it was others is {:.2g} % probable",
+                    flashes->first, flashes->last, 100.0 * flashes->index_doubt));
+  }
   std::string notes;
   for (const std::string_view key : kNamedNotes) {
     const auto note = outcome.readout.record.find(std::string(key));

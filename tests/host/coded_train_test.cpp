@@ -3,9 +3,11 @@
 #include <cmath>
 
 #include "host/assembly/assemble.hpp"
+#include "host/assembly/flash_match.hpp"
 #include "host/config/shot_plan.hpp"
 #include "host/session/commands.hpp"
 #include "host/session/train_report.hpp"
+#include "host/session/verdict.hpp"
 #include "tests/host/synthetic_shot.hpp"
 // CppUTest redefines new; its headers come last.
 #include <CppUTest/TestHarness.h>
@@ -127,7 +129,8 @@ TEST(CodedPhotograph, OfAnEvenTrainLeavesOpenWhichFlashesMadeIt) {
     even.seed = seed;
     const auto shot = assembled(make_shot(even));
     // Of 166 flashes a dozen show the ball: some 150 places are alike.
-    CHECK(shot.index_doubt > 0.9);
+    CHECK(shot.flashes->index_doubt > 0.9);
+    CHECK_FALSE(shot.flashes->coded || shot.flags.has(reduction::Flag::flash_index_ambiguous));
     CHECK_FALSE(shot.flags.has(reduction::Flag::flash_match_ambiguous));  // its numbers do not depend on it
   }
 }
@@ -145,8 +148,20 @@ TEST(CodedPhotograph, OfACodedTrainTellsItsFlashes) {
     const SyntheticShot made = make_shot(coded);
     const auto shot = assembled(made);
     CHECK(flashes_of(shot) == made.image_flash);
-    CHECK(shot.index_doubt < 1e-3);
+    CHECK(shot.flashes->index_doubt < 1e-3);
+    CHECK(shot.flashes->first == made.image_flash.front() && shot.flashes->last == made.image_flash.back());
+    CHECK_FALSE(shot.flags.has(reduction::Flag::flash_index_ambiguous));
   }
+}
+
+TEST(CodedPhotograph, OfACodeThatRepeatsWithinThePhotographIsFlaggedAndCounts) {
+  Scenario coded;
+  coded.intervals_s = {3.0e-3, 3.3e-3};  // the same again every 6.3 ms
+  const SyntheticShot made = make_shot(coded);
+  const auto result = host::shot_readout(made.shot, made.frame, settings).readout;
+  CHECK(result.flags.has(reduction::Flag::flash_index_ambiguous));
+  CHECK(result.flashes->coded && result.flashes->index_doubt > host::kMostIndexDoubt);
+  CHECK_FALSE(host::spoilt_by(result).has_value());
 }
 
 TEST(CodedPhotograph, IsToldAlsoWhereTheMachineWasFarOffItsLag) {

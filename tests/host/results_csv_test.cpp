@@ -55,6 +55,7 @@ Outcome example() {
   outcome.readout.flags.set(reduction::Flag::late_flash);
   outcome.readout.flags.set(reduction::Flag::sensor_missing);
   outcome.readout.record = {{"remarks", "wet, \"fast\""}, {"angle_deg", "23"}, {"string_tension", "25"}};
+  outcome.readout.flashes = reduction::ShownFlashes{25, 37, 0.001, true};
   outcome.spoilt = "late";
   return outcome;
 }
@@ -76,6 +77,10 @@ TEST(ResultsTable, ALineHasAFieldForEachColumn) {
   STRCMP_EQUAL("wet, \"fast\"", field(outcome, "remarks").c_str());
   STRCMP_EQUAL("23", field(outcome, "angle_deg").c_str());
   STRCMP_EQUAL("string_tension=25", field(outcome, "other_notes").c_str());
+  STRCMP_EQUAL("25", field(outcome, "first_flash").c_str());
+  STRCMP_EQUAL("37", field(outcome, "last_flash").c_str());
+  STRCMP_EQUAL("0.001", field(outcome, "index_doubt").c_str());
+  STRCMP_EQUAL("", field(Outcome{}, "index_doubt").c_str());
 }
 
 TEST(ResultsTable, ASecondRunAppendsWithoutASecondHeader) {
@@ -95,6 +100,19 @@ TEST(ResultsTable, ALineThatAKilledRunLeftOpenIsClosedFirst) {
   CHECK_TRUE(csv->append("whole").has_value());
   STRCMP_EQUAL((host::results_header() + "\nhalf a li\nwhole\n").c_str(),
                read_text(folder / "results.csv").c_str());
+}
+
+TEST(ResultsTable, ATableOfAnEarlierVersionGoesOnWithItsColumns) {
+  TemporaryFolder folder;
+  const std::string earlier = host::earlier_results_header();
+  write_text(folder / "results.csv", earlier + "\n");
+  auto csv = CsvFile::open(folder / "results.csv", host::results_header(), earlier);
+  CHECK_TRUE(csv.has_value());
+  const std::string line = host::results_line(example(), "2026-01-31T09:30:00.000Z");
+  CHECK_TRUE(csv->append(line).has_value());
+  const std::string without_flashes = line.substr(0, line.size() - std::string(",25,37,0.001").size());
+  STRCMP_EQUAL((earlier + "\n" + without_flashes + "\n").c_str(), read_text(folder / "results.csv").c_str());
+  LONGS_EQUAL(fields(earlier).size(), fields(without_flashes).size());
 }
 
 TEST(ResultsTable, AnotherVersionsColumnsAreNotMixed) {

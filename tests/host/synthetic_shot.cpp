@@ -152,6 +152,16 @@ double flash_offset_s(const Scenario& sc, int k) {
   }
 }
 
+/// The train as it was ordered.
+static void put_code(shot_t& shot) {
+  for (const auto& flash : shot.flashes) {
+    shot.plan.code.emplace_back();
+    shot.plan.code.back().offset_ns = flash.commanded_ns - kFirstFlash_ns;
+    shot.plan.code.back().lamps = strobe_msgs::coded_flash_t::BOTH_LAMPS;
+  }
+  shot.plan.code_count = shot.flash_count;
+}
+
 SyntheticShot make_shot(const Scenario& sc) {
   std::mt19937 random(sc.seed);
   SyntheticShot made{};
@@ -182,6 +192,7 @@ SyntheticShot make_shot(const Scenario& sc) {
     made.image_flash.push_back(k);
   }
   shot.flash_count = sc.flash_count;
+  if (!sc.intervals_s.empty() || !sc.omitted.empty()) put_code(shot);
   describe_frame(sc, made);
   return made;
 }

@@ -170,6 +170,15 @@ TEST(ScreenLines, GiveEveryFlagInWords) {
   }
 }
 
+TEST(ScreenLines, TellWhichFlashesOfACodedTrainShowTheBall) {
+  Model m = model();
+  m.last->readout.flashes = reduction::ShownFlashes{25, 37, 0.99, false};
+  STRCMP_EQUAL("", row(render(m, 120), "code:").c_str());
+  m.last->readout.flashes = reduction::ShownFlashes{25, 37, 0.000123, true};
+  STRCMP_EQUAL("code: flashes 25 to 37 show the ball; that it was others is 0.012 % probable",
+               row(render(m, 120), "code:").c_str());
+}
+
 TEST(ScreenLines, ASpoiltShotWithoutNumbersSaysWhy) {
   Model m = model();
   m.last = Outcome{};

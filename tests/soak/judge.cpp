@@ -42,6 +42,7 @@ bool explains(Flag flag) {
     case Flag::overlaps_surface:
     case Flag::sd_from_residuals:
     case Flag::shutter_suspect:
+    case Flag::flash_index_ambiguous:
       return false;
   }
   return false;

@@ -36,8 +36,9 @@ TEST_GROUP(ReadoutJson){};
 
 TEST(ReadoutJson, HasEveryDocumentedName) {
   const json object = json::parse(readout_to_json(example()));
-  for (const char* key : {"shot_id", "regime", "court_pace_conforming", "method", "mirrored",
-                          "flight_effects", "flags", "record", "sd", "sd_systematic"}) {
+  for (const char* key :
+       {"shot_id", "regime", "court_pace_conforming", "method", "mirrored", "flight_effects", "flags",
+        "record", "sd", "sd_systematic", "first_flash", "last_flash", "index_doubt"}) {
     CHECK_TRUE_TEXT(object.contains(key), key);
   }
   for (const char* key : {"theta_in_deg", "theta_out_deg", "vx_td_mps", "vy_td_mps", "v_td_mps",
@@ -64,6 +65,13 @@ TEST(ReadoutJson, WhatIsAbsentIsNull) {
   without.regime.reset();
   CHECK_TRUE(json::parse(readout_to_json(without))["regime"].is_null());
   CHECK_FALSE(object.contains("far"));
+}
+
+TEST(ReadoutJson, TellsTheFlashesOfAMatchedPhotographAndHowDoubtfulTheyAre) {
+  Readout r = example();
+  CHECK_TRUE(json::parse(readout_to_json(r))["index_doubt"].is_null());
+  r.flashes = reduction::ShownFlashes{25, 37, 0.0625, true};
+  STRCMP_CONTAINS(R"("first_flash":25,"last_flash":37,"index_doubt":0.0625,)", readout_to_json(r).c_str());
 }
 
 TEST(ReadoutJson, ANumberThatIsNotFiniteIsNull) {
