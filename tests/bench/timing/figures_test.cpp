@@ -1,6 +1,7 @@
 #include <numeric>
 
 #include "tests/bench/timing/exceedance_plot.hpp"
+#include "tests/bench/timing/journalled_flash.hpp"
 #include "tests/bench/timing/sample.hpp"
 #include "tests/bench/timing/table.hpp"
 // CppUTest redefines new; its headers come last.
@@ -55,4 +56,26 @@ TEST(TimingFigures, AnExceedanceFallsFromAllToOne) {
     // Of 1, 2, ... 1000 the share above x is (1000 - x) / 1000, to one rank.
     DOUBLES_EQUAL(curve.y[k], (1000.0 - curve.x[k]) / 1000.0, 0.0021);
   }
+}
+
+TEST(TimingFigures, AFlashOfTheJournalIsLateByItsIssue) {
+  strobe_msgs::event_t event{};
+  event.kind = strobe_msgs::event_t::FLASH;
+  event.commanded_ns = 5'000;
+  event.issue_start_ns = 7'000;
+  const auto flash = flash_of(event, 1);
+  CHECK(flash && flash->from == MonoTime{5'000} && flash->to == MonoTime{7'000} && flash->cpu == 1);
+  DOUBLES_EQUAL(2.0, flash->lateness_us, 1e-9);
+}
+
+TEST(TimingFigures, AFlashTooLateToBeIssuedCountsAsIssuedThen) {
+  strobe_msgs::event_t event{};
+  event.kind = strobe_msgs::event_t::SHOT_ABORTED;
+  event.device_time_ns = 9'000'000;
+  event.detail = "flash 12 would have been 1730 us late";
+  const auto flash = flash_of(event, -1);
+  CHECK(flash && flash->to == MonoTime{9'000'000});
+  DOUBLES_EQUAL(1730.0, flash->lateness_us, 1e-9);
+  event.detail = "e-stop";
+  CHECK(!flash_of(event, -1));
 }

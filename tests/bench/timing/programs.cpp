@@ -12,6 +12,8 @@
 #include <string>
 #include <strobe_msgs/event_t.hpp>
 
+#include "tests/bench/timing/journalled_flash.hpp"
+
 namespace strobe::bench::timing {
 
 namespace {
@@ -25,8 +27,8 @@ void add_flashes(const std::string& journal, int cpu, LoopRun& run) {
     if (event.decode(entry->data, 0, entry->datalen) < 0) continue;
     if (event.kind == strobe_msgs::event_t::SHOT_STARTED) ++run.shots;
     if (event.kind == strobe_msgs::event_t::SHOT_ABORTED) ++run.aborted;
+    if (const auto flash = flash_of(event, cpu)) run.issue.push_back(*flash);
     if (event.kind != strobe_msgs::event_t::FLASH) continue;
-    run.issue.push_back(sample_of({event.commanded_ns}, {event.issue_start_ns}, cpu));
     run.done.push_back(sample_of({event.commanded_ns}, {event.issue_end_ns}, cpu));
     run.call.push_back(sample_of({event.issue_start_ns}, {event.issue_end_ns}, cpu));
   }

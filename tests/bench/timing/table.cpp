@@ -16,10 +16,10 @@ std::string ratios(const Percentiles& of, const Percentiles& to) {
   return text.data();
 }
 
-void print_rows(const std::vector<Row>& rows, bool json) {
+void print_rows(const std::vector<Row>& rows, bool json, const std::string& ratio_to) {
   if (!json)
     std::printf("%-7s %-26s %-9s %7s %9s %9s %9s %10s %7s  %s\n", "load", "lateness [us] of", "freezes", "n",
-                "p50", "p99", "p99.9", "max", "core %", "over cyclictest's");
+                "p50", "p99", "p99.9", "max", "core %", ratio_to.c_str());
   for (const Row& row : rows) {
     const Percentiles& p = row.lateness;
     if (json) {
