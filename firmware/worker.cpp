@@ -1,6 +1,7 @@
 #include "firmware/worker.hpp"
 
 #include <pthread.h>
+#include <sched.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -112,6 +113,7 @@ class LoopThread {
 
   /// Null, or why the loop must end.
   const char* turn() noexcept {
+    page_.loop_cpu.store(sched_getcpu(), std::memory_order_relaxed);
     page_.loop_turned_ns.store(clock_.now().ns, std::memory_order_relaxed);
     while (hang_) pause();
     if (lose_outputs_.exchange(false, std::memory_order_relaxed)) lines_.release_outputs();

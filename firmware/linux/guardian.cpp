@@ -1,6 +1,7 @@
 #include "firmware/linux/guardian.hpp"
 
 #include <poll.h>
+#include <sched.h>
 #include <sys/eventfd.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
@@ -27,7 +28,7 @@ namespace strobe::firmware {
 
 namespace {
 
-constexpr int kWatchPeriodMs = 100;
+constexpr int kAnywhere = -1;  // for a CPU
 constexpr Duration kPatience = milliseconds(1000);
 constexpr Duration kTimeToStop = milliseconds(15'000);  // a slow disk may keep the journal's last lines
 constexpr Duration kGrace =
@@ -64,7 +65,8 @@ class Guardian {
     // What is wrong with the chip or the rights is the worker's to tell.
     if (auto prepared = OutputTakeover::prepare(rig_)) takeover_.emplace(std::move(*prepared));
     lock_memory();
-    become_real_time(rig_.real_time.priority + 1);
+    real_time_ = become_real_time(rig_.real_time.priority + 1).empty();
+    sched_getaffinity(0, sizeof anywhere_, &anywhere_);
     prefault_stack();
     watch();
     if (page_.lines_taken && !page_.outputs_safe) make_safe();
@@ -81,7 +83,7 @@ class Guardian {
     const int worker = static_cast<int>(syscall(SYS_pidfd_open, worker_, 0));
     pollfd polled[] = {{worker, POLLIN, 0}, {signals, POLLIN, 0}, {page_.bell_fd, POLLIN, 0}};
     for (;;) {
-      poll(polled, 3, worker >= 0 ? kWatchPeriodMs : 1);
+      poll(polled, 3, worker >= 0 ? static_cast<int>(hangs_.until_next_look().ns / 1'000'000) : 1);
       if (worker >= 0 ? polled[0].revents != 0 : dead_without_pidfd()) return;
       page_.guardian_turned_ns = clock_.now().ns;
       pass_stops_on(signals);
@@ -125,13 +127,23 @@ class Guardian {
     const WorkerMarks marks{MonoTime{page_.loop_turned_ns}, MonoTime{page_.publisher_turned_ns}};
     // A worker that stops, or whose loop had to end, turns no more.
     const bool watched = !page_.outputs_safe && !page_.lines_let_go;
-    const HangJudge::Verdict verdict = watched ? hangs_.look(marks, now) : HangJudge::Verdict::well;
+    const HangJudge::Verdict verdict =
+        watched ? hangs_.look(marks, now, beside_cpu_ >= 0) : HangJudge::Verdict::well;
+    stand_beside_loop(watched && real_time_ && hangs_.doubtful() ? page_.loop_cpu.load() : kAnywhere);
     if (verdict == HangJudge::Verdict::well) return beat(now);
     if (hung_ != HangJudge::Verdict::well) return;
     hung_ = verdict;
     const bool loop = verdict == HangJudge::Verdict::loop_hangs;
     kill_at_ = now + kGrace;
     kill(worker_, loop ? SIGKILL : SIGTERM);
+  }
+
+  /// On the core that the loop ran on last: what keeps the loop from turning there keeps the guardian, too,
+  /// unless it is the loop itself. A core that cannot be had is not looked at.
+  void stand_beside_loop(int cpu) {
+    if (cpu == beside_cpu_) return;
+    beside_cpu_ = cpu != kAnywhere && pin_to_cpu(cpu).empty() ? cpu : kAnywhere;
+    if (beside_cpu_ == kAnywhere) sched_setaffinity(0, sizeof anywhere_, &anywhere_);
   }
 
   /// The service manager's watchdog: only a guardian that comes round and finds all well feeds it.
@@ -197,6 +209,9 @@ class Guardian {
   HangJudge::Verdict hung_ = HangJudge::Verdict::well;
   MonoTime kill_at_ = MonoTime::never();  ///< however well it seems
   MonoTime next_beat_{0};
+  bool real_time_ = false;
+  cpu_set_t anywhere_{};
+  int beside_cpu_ = kAnywhere;
   bool said_ready_ = false;
 };
 

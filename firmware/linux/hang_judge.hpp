@@ -1,4 +1,9 @@
 // Tells from the marks that the worker's threads leave whether one of them hangs. Pure; one thread's.
+//
+// A machine, or one core of a virtual one, may stand still for longer than a hung loop can be left alone, and
+// the clock goes on meanwhile. So time alone is given half a second. But a guardian that looks every 10 ms
+// from the very core that the loop ran on, at a higher priority, and comes round in time each time, has seen
+// that core run: a loop that does not turn in that time hangs.
 #pragma once
 
 #include "common/units/time.hpp"
@@ -13,10 +18,18 @@ struct WorkerMarks {
 
 class HangJudge {
  public:
-  /// The loop turns every 50 ms; a virtual machine may stand still for 200 ms.
+  /// Whatever the guardian has seen of the core. A virtual machine may stand still for 200 ms.
   static constexpr Duration kLoopHangs = milliseconds(500);
+  /// The loop turns every 50 ms: from here on it is looked at closely.
+  static constexpr Duration kLoopDoubtful = milliseconds(100);
+  /// For so long its core must be seen to run, without a turn, from when it is doubtful.
+  static constexpr Duration kSeenToRun = milliseconds(60);
   /// The publisher turns twice a second, but a slow disk may keep it for seconds.
   static constexpr Duration kPublisherHangs = milliseconds(10'000);
+
+  /// By time alone it is said so much after the limit: if the whole machine stood still, the worker is given
+  /// its turn first.
+  static constexpr Duration kTurn = milliseconds(100);
 
   explicit HangJudge(Duration publisher_hangs = kPublisherHangs) : publisher_hangs_(publisher_hangs) {}
 
@@ -25,14 +38,26 @@ class HangJudge {
   static Duration publisher_limit(Duration watchdog);
 
   enum class Verdict { well, loop_hangs, publisher_hangs };
-  /// To be called every 100 ms or so. Twice in a row before it is said: if the whole machine stood still, the
-  /// worker is given its turn first.
-  Verdict look(const WorkerMarks& marks, MonoTime now);
+  /// `beside_loop`: since the look before, the guardian can only have run on the loop's core, and before the
+  /// loop.
+  Verdict look(const WorkerMarks& marks, MonoTime now, bool beside_loop = false);
+  /// The guardian should go to the loop's core.
+  bool doubtful() const { return doubtful_; }
+  /// From the last look to the next: 10 to 100 ms.
+  Duration until_next_look() const;
 
  private:
+  static constexpr Duration kLook = milliseconds(100);
+  static constexpr Duration kCloseLook = milliseconds(10);
+  static constexpr Duration kInTime = milliseconds(15);  ///< between close looks
+
+  void see_core(MonoTime loop, MonoTime now, bool in_time);
+
   Duration publisher_hangs_;
-  int loop_stale_ = 0;
-  int publisher_stale_ = 0;
+  Duration loop_stale_{0}, publisher_stale_{0};  ///< past the limits, as far as it was looked at
+  MonoTime loop_{0}, looked_{0};                 ///< at the last look
+  bool doubtful_ = false;
+  Duration seen_to_run_{0};  ///< the loop's core, since the loop is doubtful
 };
 
 }  // namespace strobe::firmware

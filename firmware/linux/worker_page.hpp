@@ -16,6 +16,7 @@ struct WorkerPage {
   std::atomic<bool> lines_let_go{false};
   std::atomic<bool> ready{false};               ///< its first heartbeat is out
   std::atomic<std::int64_t> loop_turned_ns{0};  ///< when its loop last came round; 0: not running yet
+  std::atomic<int> loop_cpu{-1};                ///< and where
   std::atomic<std::int64_t> publisher_turned_ns{0};
   std::atomic<std::int64_t> guardian_turned_ns{0};
   int bell_fd = -1;  ///< an eventfd; set before the fork
