@@ -44,11 +44,17 @@ std::string joined(const std::vector<std::string>& faults) {
   return all;
 }
 
+#ifdef __SANITIZE_THREAD__
+constexpr std::size_t kStack_bytes = std::size_t{8} << 20;  // the sanitizer keeps its own state there
+#else
+constexpr std::size_t kStack_bytes = std::size_t{512} << 10;
+#endif
+
 void use_small_stacks() {
   // With locked memory every page of every stack is resident; LCM's threads, too, come with the default size.
   pthread_attr_t attributes;
   pthread_attr_init(&attributes);
-  pthread_attr_setstacksize(&attributes, std::size_t{512} << 10);
+  pthread_attr_setstacksize(&attributes, kStack_bytes);
   pthread_setattr_default_np(&attributes);
   pthread_attr_destroy(&attributes);
 }
