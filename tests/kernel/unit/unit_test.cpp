@@ -203,7 +203,7 @@ TEST(Unit, LeavesTheOutputsInactiveWhenItIsStoppedInTheMiddleOfATrain) {
   const auto firing = fire_and_wait_for_the_train();
   shell("systemctl stop strobed");
   outputs_become_inactive();
-  STRCMP_EQUAL("inactive", property("ActiveState").c_str());
+  STRCMP_EQUAL_TEXT("inactive", property("ActiveState").c_str(), journal().c_str());
   STRCMP_EQUAL("success", property("Result").c_str());
   LONGS_EQUAL(0, processes().size());
   firing->signal(15);
