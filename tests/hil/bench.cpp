@@ -1,6 +1,7 @@
 #include "tests/hil/bench.hpp"
 
 #include <csignal>
+#include <cstdlib>
 #include <sstream>
 #include <stdexcept>
 
@@ -13,6 +14,8 @@ using testing::Command;
 using namespace std::chrono_literals;
 
 std::filesystem::path program(const std::string& name) {
+  const char* const firmware = std::getenv("STROBE_HIL_STROBED");
+  if (name == "strobed" && firmware != nullptr) return firmware;
   return std::filesystem::path(STROBE_BUILD_DIR) / "bin" / name;
 }
 

@@ -41,7 +41,8 @@ inline const std::vector<std::pair<std::string, std::string>> kShortExposure{
 /// where others compile beside it, one in two has been seen: a dozen in a row is then one in 4000.
 inline constexpr int kRetries = 12;
 
-std::filesystem::path program(const std::string& name);          ///< a shipped program
+/// A shipped program. $STROBE_HIL_STROBED: another build of strobed, such as one with the thread sanitizer.
+std::filesystem::path program(const std::string& name);
 std::filesystem::path share(const std::filesystem::path& name);  ///< a shipped data file
 
 /// `text` with every `from` replaced; std::runtime_error if there is none.

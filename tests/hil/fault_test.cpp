@@ -84,14 +84,23 @@ Outcome fire_once(const BenchOptions& options, int exposures) {
   return outcome;
 }
 
-/// Fires it all once more, on another bench, where host freezes aborted every faulty exposure.
-Outcome fire_with(const std::string& faults, int exposures) {
+bool has_no_rebound(const nlohmann::json& readout) {
+  return readout.at("vx_td_mps").is_null() && readout.at("vx_lo_mps").is_null() && readout.at("e").is_null();
+}
+
+/// A freeze between the machine's pulse and the ball's arrival may let it pass unseen.
+bool saw_no_ball(const Shot& shot) { return is_spoilt(shot.readout) && has_no_rebound(shot.readout); }
+
+/// Fires it all once more, on another bench, where host freezes left no faulty exposure. unseen: the fault
+/// itself makes the ball unseen; else such exposures say nothing of it either.
+Outcome fire_with(const std::string& faults, int exposures, bool unseen = false) {
   BenchOptions options;
   options.scene_addition = faults;
   options.rig_edits = kShortExposure;  // the faults lie within three flashes of the impact
   Outcome outcome;
   for (options.seed = 7; options.seed < 7 + kRounds && outcome.struck.empty(); ++options.seed) {
     outcome = fire_once(options, exposures);
+    if (!unseen) std::erase_if(outcome.struck, saw_no_ball);
   }
   return outcome;
 }
@@ -122,10 +131,6 @@ void expect_flag(const Outcome& outcome, const std::vector<std::string>& any_of)
 /// Freezes abort one shot in five, more on a busy machine.
 void expect_some(const Outcome& outcome) { CHECK_TEXT(!outcome.struck.empty(), "every shot was aborted"); }
 
-bool has_no_rebound(const nlohmann::json& readout) {
-  return readout.at("vx_td_mps").is_null() && readout.at("vx_lo_mps").is_null() && readout.at("e").is_null();
-}
-
 std::string at(int flash_from_impact, const std::string& more = "lamp = \"both\"") {
   return fmt::format("flash_from_impact = {}\n{}", flash_from_impact, more);
 }
@@ -144,7 +149,8 @@ TEST(Fault, ALateFlashIsFlaggedAndItsMeasuredTimeKeepsTheVelocitiesRight) {
   expect_some(outcome);
   expect_flag(outcome, {"late_flash"});
   expect_no_wrong_number(outcome);
-  for (const Shot& each : outcome.struck) CHECK_TEXT(is_complete(each.readout), each.readout.dump().c_str());
+  for (const Shot& each : outcome.struck)
+    CHECK_TEXT(is_spoilt(each.readout) || is_complete(each.readout), each.readout.dump().c_str());
 }
 
 TEST(Fault, AMissingFlashIsFlaggedAndMakesNoNumberWrong) {
@@ -166,7 +172,7 @@ TEST(Fault, ADoubleFlashIsFlaggedAndMakesNoNumberWrong) {
 }
 
 TEST(Fault, ABallThatMissesThePlateGivesNoNumbers) {
-  const Outcome outcome = fire_with(faults_twice({{"ball_misses", ""}, {"machine_misfire", ""}}), 4);
+  const Outcome outcome = fire_with(faults_twice({{"ball_misses", ""}, {"machine_misfire", ""}}), 4, true);
   expect_some(outcome);
   for (const Shot& each : outcome.struck) {
     CHECK_TEXT(has_no_rebound(each.readout), each.readout.dump().c_str());

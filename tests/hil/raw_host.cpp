@@ -128,10 +128,13 @@ LogContents read_log(const std::string& path) {
   while (const lcm::LogEvent* entry = log.readNextEvent()) {
     strobe_msgs::event_t event;
     strobe_msgs::shot_t shot;
+    strobe_msgs::frame_t frame;
     if (ends_with(entry->channel, "/EVENT") && event.decode(entry->data, 0, entry->datalen) > 0) {
       contents.events.push_back(event);
     } else if (ends_with(entry->channel, "/SHOT") && shot.decode(entry->data, 0, entry->datalen) > 0) {
       contents.shots.push_back(shot);
+    } else if (ends_with(entry->channel, "/FRAME") && frame.decode(entry->data, 0, entry->datalen) > 0) {
+      contents.frames.push_back(frame);
     } else if (ends_with(entry->channel, "/COMMAND")) {
       ++contents.commands;
     } else {

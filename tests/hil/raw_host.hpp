@@ -11,6 +11,7 @@
 #include <string>
 #include <strobe_msgs/command_t.hpp>
 #include <strobe_msgs/event_t.hpp>
+#include <strobe_msgs/frame_t.hpp>
 #include <strobe_msgs/shot_t.hpp>
 #include <strobe_msgs/status_t.hpp>
 #include <vector>
@@ -66,6 +67,7 @@ class RawHost {
 struct LogContents {
   std::vector<strobe_msgs::event_t> events;
   std::vector<strobe_msgs::shot_t> shots;
+  std::vector<strobe_msgs::frame_t> frames;
   int commands = 0;
   int other = 0;
 };
