@@ -13,11 +13,23 @@
 namespace strobe::host {
 namespace {
 
+using WellFormed = bool (*)(const void*, std::size_t);
+
 template <typename Message>
-bool decode(Message& message, bool (*well_formed)(const void*, std::size_t), const void* data,
-            std::size_t size) {
+bool decode(Message& message, WellFormed well_formed, const void* data, std::size_t size) {
   return messages::decode_checked(message, well_formed, data, size) &&
          message.schema_version == Message::SCHEMA_VERSION;
+}
+
+/// A message of this version, or one of a log from before it.
+template <typename Message, typename Old>
+bool decode(Message& message, WellFormed well_formed, Message (*from_old)(const Old&),
+            WellFormed old_well_formed, const void* data, std::size_t size) {
+  if (decode(message, well_formed, data, size)) return true;
+  Old old;
+  if (!decode(old, old_well_formed, data, size)) return false;
+  message = from_old(old);
+  return true;
 }
 
 }  // namespace
@@ -60,36 +72,27 @@ void Intake::take_event(const void* data, std::size_t size, std::int64_t now_ns)
 
 void Intake::take_shot(const void* data, std::size_t size, std::int64_t now_ns) {
   strobe_msgs::shot_t shot;
-  const auto decoded = [&] {
-    if (decode(shot, messages::shot_well_formed, data, size)) return true;
-    strobe_msgs::shot_v1_t old;  // of a log from before version 2
-    if (!decode(old, messages::shot_v1_well_formed, data, size)) return false;
-    shot = messages::shot_from_v1(old);
-    return true;
-  };
-  if (decoded() && believable(shot)) return sink_.shot(shot, now_ns);
+  if (decode(shot, messages::shot_well_formed, messages::shot_from_v1, messages::shot_v1_well_formed, data,
+             size) &&
+      believable(shot))
+    return sink_.shot(shot, now_ns);
   ++undecodable_;
 }
 
 void Intake::take_status(const void* data, std::size_t size, std::int64_t now_ns) {
   strobe_msgs::status_t status;
-  const auto decoded = [&] {
-    if (decode(status, messages::status_well_formed, data, size)) return true;
-    strobe_msgs::status_v1_t old;  // of a log from before version 2
-    if (!decode(old, messages::status_v1_well_formed, data, size)) return false;
-    status = messages::status_from_v1(old);
-    return true;
-  };
-  if (decoded() && believable(status)) return sink_.status(status, now_ns);
+  if (decode(status, messages::status_well_formed, messages::status_from_v1, messages::status_v1_well_formed,
+             data, size) &&
+      believable(status))
+    return sink_.status(status, now_ns);
   ++undecodable_;
 }
 
 void Intake::take_frame(const void* data, std::size_t size, std::int64_t now_ns) {
   strobe_msgs::frame_t frame;
-  if (decode(frame, messages::frame_well_formed, data, size)) return sink_.frame(frame, now_ns);
-  strobe_msgs::frame_v1_t old;  // of a log from before version 2
-  if (decode(old, messages::frame_v1_well_formed, data, size))
-    return sink_.frame(messages::frame_from_v1(old), now_ns);
+  if (decode(frame, messages::frame_well_formed, messages::frame_from_v1, messages::frame_v1_well_formed,
+             data, size))
+    return sink_.frame(frame, now_ns);
   ++undecodable_;
 }
 
