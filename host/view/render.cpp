@@ -8,6 +8,7 @@
 #include "host/config/notes.hpp"
 #include "host/session/verdict.hpp"
 #include "host/view/quantities.hpp"
+#include "host/view/rejected.hpp"
 #include "host/view/text.hpp"
 #include "host/view/timing.hpp"
 
@@ -54,14 +55,10 @@ std::string state_name(const status_t& status) {
 
 std::string rejected_words(const status_t& s) {
   std::string words;
-  for (const auto& [count, what] : {std::pair{s.rejected_malformed, "malformed"},
-                                    {s.rejected_oversized, "oversized"},
-                                    {s.rejected_forged, "forged"},
-                                    {s.rejected_replayed, "replayed"},
-                                    {s.rejected_stale, "stale"},
-                                    {s.rejected_other_rig, "for other rigs"}}) {
-    if (count > 0)
-      words += fmt::format("{}{} {}", words.empty() ? "   commands ignored: " : ", ", count, what);
+  for (const RejectedLabel& label : kRejectedLabels) {
+    if (s.*label.count <= 0) continue;
+    words +=
+        fmt::format("{}{} {}", words.empty() ? "   commands ignored: " : ", ", s.*label.count, label.words);
   }
   return words;
 }

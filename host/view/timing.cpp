@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <string_view>
 
+#include "host/view/rejected.hpp"
 #include "host/view/text.hpp"
 
 namespace strobe::host {
@@ -122,6 +123,8 @@ std::string timing_json(const status_t& status, const ClockState& clock, int aft
   nlohmann::ordered_json timing;
   for (const Label& label : kLabels)
     timing[std::string(label.key)] = histogram_json(histogram_of(status, label.quantity));
+  nlohmann::ordered_json rejected;
+  for (const RejectedLabel& label : kRejectedLabels) rejected[std::string(label.key)] = status.*label.count;
   const nlohmann::ordered_json json{
       {"timing_after_shot", after_shot},
       {"boot_id", fmt::format("{:x}", static_cast<std::uint64_t>(status.boot_id))},
@@ -135,13 +138,7 @@ std::string timing_json(const status_t& status, const ClockState& clock, int aft
         {"latency_s", number_or_null(clock.latency_s)},
         {"worst_latency_s", clock.worst_latency_s},
         {"suspect", clock.suspect}}},
-      {"rejected",
-       {{"malformed", status.rejected_malformed},
-        {"oversized", status.rejected_oversized},
-        {"forged", status.rejected_forged},
-        {"replayed", status.rejected_replayed},
-        {"stale", status.rejected_stale},
-        {"other_rig", status.rejected_other_rig}}}};
+      {"rejected", rejected}};
   return json.dump();
 }
 

@@ -137,12 +137,17 @@ TEST(ScreenLines, SayWhichCommandsWereIgnored) {
 TEST(ScreenLines, TellAProgramTheSame) {
   Model m = model();
   m.status->boot_id = 0x2a;
+  m.status->rejected_forged = 3, m.status->rejected_other_rig = 1;
   const std::string line = timing_json(*m.status, m.clock, 4);
   STRCMP_CONTAINS("{\"timing_after_shot\":4,\"boot_id\":\"2a\",\"timing\":{\"lateness_us\":{\"n\":166,",
                   line.c_str());
   STRCMP_CONTAINS("\"max\":null,\"bin_first\":-0.1,\"bin_width\":0.1,\"bins\":[0,128,1,11]}", line.c_str());
   STRCMP_CONTAINS("\"skew_us\":null", line.c_str());
   STRCMP_CONTAINS("\"drift_ppm\":null,\"drift_sd_ppm\":null", line.c_str());
+  STRCMP_CONTAINS(
+      "\"rejected\":{\"malformed\":0,\"oversized\":0,\"forged\":3,\"replayed\":0,\"stale\":0,"
+      "\"other_rig\":1}}",
+      line.c_str());
   CHECK(line.find('\n') == std::string::npos);
 }
 
