@@ -26,7 +26,7 @@ struct Options {
   bool verbose = false;
   bool json = false;
   std::string drill;      ///< one of kDrills; empty: none
-  int drill_at_shot = 0;  ///< of this start, from 1; 0: none
+  int drill_at_shot = 0;  ///< of this start, from 1, or the first later one that flashes; 0: none
 };
 
 }  // namespace strobe::firmware

@@ -101,7 +101,7 @@ void Publisher::take(const Event& event) {
   }
   if (event.kind == EventKind::flash) {
     timing_.issued(event.commanded, event.issue_start, event.issue_end);
-    if (shots_started_ == settings_.drill_at_shot) settings_.drill();
+    if (settings_.drill_at_shot > 0 && shots_started_ >= settings_.drill_at_shot) settings_.drill();
   }
   ++sequence_;
   if (settings_.verbose) {

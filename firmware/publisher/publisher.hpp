@@ -34,7 +34,7 @@ struct PublisherSettings {
   std::function<RejectedCommands()> rejected = [] { return RejectedCommands{}; };  ///< so far
   std::function<void(const std::string&)> say = say_on_stderr;
   std::atomic<std::int64_t>* turned_ns = nullptr;  ///< gets the time of each turn, for whoever watches
-  int drill_at_shot = 0;                           ///< at the flashes of the n-th shot of this boot; 0: none
+  int drill_at_shot = 0;                           ///< at flashes from the n-th shot of this boot on; 0: none
   std::function<void()> drill;
   FolderFindings found;  ///< told by events after STARTED, and in the status
 };

@@ -91,20 +91,23 @@ TEST_GROUP(RealKernel) {
                          "--json", "--session", (bench.folder() / "session").string()});
   }
 
-  /// Fires a train of 4 s, and waits until it is under way.
+  /// Fires a train of 4 s, and waits until it is under way; again, if a machine that stood still ended it.
   std::unique_ptr<testing::Process> fire_and_wait_for_the_train() {
     testing::Command command = fire(1);
     const std::filesystem::path plan = bench.folder() / "plan.toml";
     testing::write_text(plan,
                         "train = \"free\"\nperiod_us = 40000\nshutter_open_ms = 4000\nimpact_at_ms = 600\n");
     command.arguments.insert(command.arguments.end(), {"--plan", plan.string()});
-    auto firing = std::make_unique<testing::Process>(command, bench.folder());
-    CHECK_TRUE_TEXT(
-        testing::wait_until([&] { return bench.rises(Pin::strobe_a) >= kMidTrain || !firing->running(); },
-                            kPatience),
-        "no train");
-    return firing;
+    for (int attempt = 0; attempt < 3; ++attempt) {
+      auto firing = std::make_unique<testing::Process>(command, bench.folder());
+      testing::wait_until([&] { return under_way() || !firing->running(); }, kPatience);
+      if (under_way()) return firing;
+    }
+    FAIL(("no train: " + bench.strobed_log()).c_str());
+    return nullptr;
   }
+
+  bool under_way() const { return bench.rises(Pin::strobe_a) >= kMidTrain; }
 
   /// Edges that come faster than the processor takes interrupts are one edge.
   void drive_and_let_it_see(Pin pin, int level) {
@@ -115,6 +118,13 @@ TEST_GROUP(RealKernel) {
 
   void take_the_driver_away() {
     bench.machine().run("cd /sys/bus/amba/drivers/pl061_gpio && echo *.pl061 >unbind; cd /");
+  }
+
+  /// Whatever strobed was doing: of a shot that a standing machine has ended early nothing is left to fail.
+  void strobed_ends() {
+    CHECK_TRUE_TEXT(
+        testing::wait_until([this] { return bench.machine().run("pidof strobed").empty(); }, kPatience),
+        (bench.strobed_log() + bench.machine().log()).c_str());
   }
 
   void outputs_become_inactive() {
@@ -203,7 +213,7 @@ TEST(RealKernel, OutputsAreInactiveAfterTheWorkerWasKilledInTheMiddleOfATrain) {
   bench.machine().run("for p in $(pidof strobed); do [ $p = $(cat /tmp/pid) ] || kill -9 $p; done");
   outputs_become_inactive();
   const std::size_t safe = bench.events().size();
-  CHECK_TRUE(testing::wait_until([this] { return bench.machine().run("pidof strobed").empty(); }, kPatience));
+  strobed_ends();
   STRCMP_CONTAINS("the guardian made the outputs inactive", bench.strobed_log().c_str());
   const auto events = bench.events();
   LONGS_EQUAL(0, rises_after(events, safe));
@@ -228,8 +238,15 @@ TEST(RealKernel, EndsAsFailedWhenTheDriverIsTakenAwayInTheMiddleOfATrain) {
   start();
   const auto firing = fire_and_wait_for_the_train();
   take_the_driver_away();
-  CHECK_TRUE(testing::wait_until([this] { return bench.machine().run("pidof strobed").empty(); }, kPatience));
+  strobed_ends();
   const int flashes = bench.rises(Pin::strobe_a);
   CHECK_TRUE(flashes < kLongTrain);
   firing->signal(SIGTERM);
+}
+
+TEST(RealKernel, EndsAsFailedWhenTheDriverIsTakenAwayThoughNothingIsFired) {
+  start();
+  take_the_driver_away();
+  strobed_ends();
+  STRCMP_CONTAINS("THE OUTPUTS MAY BE ACTIVE", bench.strobed_log().c_str());
 }
