@@ -167,18 +167,14 @@ Run measure(const Options& options, const Layout& layout) {
   hil::RawHost host(bench.lcm_url(), "bench");
   if (!host.wait_status()) throw std::runtime_error("strobed is not heard");
   Run run;
-  {
-    const Placed anywhere(cpus());
-    Witness witness(options.priority - 10, Witness::By::interrupts);
-    const Placed again(layout.other_cpus);
-    for (int round = 1; round <= options.rounds; ++round) {
-      std::fprintf(stderr, "%s, round %d of %d\n", layout.name.c_str(), round, options.rounds);
-      run.quiet.push_back(shoot(host, bench.lcm_url(), 0, layout, run));
-      run.flooded.push_back(shoot(host, bench.lcm_url(), options.senders, layout, run));
-    }
-    run.freezes = witness.stop();
-    run.by = witness.by();
+  Witness witness(options.priority - 10, Witness::By::interrupts);
+  for (int round = 1; round <= options.rounds; ++round) {
+    std::fprintf(stderr, "%s, round %d of %d\n", layout.name.c_str(), round, options.rounds);
+    run.quiet.push_back(shoot(host, bench.lcm_url(), 0, layout, run));
+    run.flooded.push_back(shoot(host, bench.lcm_url(), options.senders, layout, run));
   }
+  run.freezes = witness.stop();
+  run.by = witness.by();
   const std::string journal = bench.journal();
   bench.finish();
   read_journal(journal, layout.loop_cpu, run);

@@ -105,7 +105,7 @@ CoreInterrupts::~CoreInterrupts() {
   if (fd_ >= 0) close(fd_);
 }
 
-void CoreInterrupts::take(std::vector<MonoTime>& instants) {
+void CoreInterrupts::take(std::vector<CoreInterrupt>& interrupts) {
   auto* page = reinterpret_cast<perf_event_mmap_page*>(pages_);
   const std::uint64_t written = __atomic_load_n(&page->data_head, __ATOMIC_ACQUIRE);
   bool lost = false;
@@ -113,9 +113,10 @@ void CoreInterrupts::take(std::vector<MonoTime>& instants) {
     perf_event_header header{};
     copy_from_ring(pages_ + kPage, read_, &header, sizeof header);
     if (header.type == PERF_RECORD_SAMPLE) {
-      MonoTime instant;
-      copy_from_ring(pages_ + kPage, read_ + sizeof header, &instant.ns, sizeof instant.ns);
-      instants.push_back(instant);
+      CoreInterrupt interrupt;
+      copy_from_ring(pages_ + kPage, read_ + sizeof header, &interrupt.at.ns, sizeof interrupt.at.ns);
+      interrupt.in_kernel = (header.misc & PERF_RECORD_MISC_CPUMODE_MASK) == PERF_RECORD_MISC_KERNEL;
+      interrupts.push_back(interrupt);
     }
     lost |= header.type == PERF_RECORD_LOST || header.type == PERF_RECORD_THROTTLE;
     read_ += header.size;

@@ -14,6 +14,11 @@
 
 namespace strobe::bench::timing {
 
+struct CoreInterrupt {
+  MonoTime at;
+  bool in_kernel = false;  ///< what it interrupted
+};
+
 class CoreInterrupts {
  public:
   /// Nothing where the kernel refuses (needs root or CAP_PERFMON, or perf_event_paranoid below 1). The
@@ -23,9 +28,9 @@ class CoreInterrupts {
   CoreInterrupts& operator=(CoreInterrupts&&) = delete;
   ~CoreInterrupts();
 
-  /// Adds the instants since the last call. To be called at least every 20 s: the kernel keeps no more.
+  /// Adds those since the last call. To be called at least every 20 s: the kernel keeps no more.
   /// std::runtime_error if some were lost.
-  void take(std::vector<MonoTime>& instants);
+  void take(std::vector<CoreInterrupt>& interrupts);
 
   static constexpr Duration kPeriod = milliseconds(1);
 

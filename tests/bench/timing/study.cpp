@@ -34,7 +34,7 @@ Watched under_load(const std::string& load, const StudyOptions& options, const s
   }
   std::vector<Freeze> freezes = witness.stop();
   std::string words = freezes_in_words(freezes, witness.by());
-  return {std::move(freezes), std::move(words)};
+  return {std::move(freezes), std::move(words), witness.interrupts()};
 }
 
 std::vector<Row> run_study(

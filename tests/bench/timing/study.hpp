@@ -35,6 +35,7 @@ void add_study_options(CLI::App& command, StudyOptions& options);
 struct Watched {
   std::vector<Freeze> freezes;
   std::string freezes_in_words;
+  std::vector<std::vector<CoreInterrupt>> interrupts;  ///< of each core
 };
 Watched under_load(const std::string& load, const StudyOptions& options, const std::filesystem::path& folder,
                    const std::function<void(int round)>& once);

@@ -10,6 +10,7 @@
 
 #include "tests/bench/command.hpp"
 #include "tests/bench/timing/cyclictest.hpp"
+#include "tests/bench/timing/held_up.hpp"
 #include "tests/bench/timing/loop_run.hpp"
 #include "tests/bench/timing/programs.hpp"
 #include "tests/bench/timing/study.hpp"
@@ -31,6 +32,7 @@ struct Part {
 };
 
 constexpr const char* kLoop = "loop";
+constexpr Duration kLate = microseconds(100);  ///< as the rig file's
 constexpr const char* kCyclictest = "cyclictest";
 
 class LoadStudy {
@@ -46,7 +48,8 @@ class LoadStudy {
     return {rows(), panel(),
             load_ + ": " + watched_.freezes_in_words + "; " + std::to_string(shots_) + " shots, " +
                 std::to_string(aborted_) + " aborted by a late flash; left out of cyclictest's wake-ups " +
-                share_left_out(parts_[1]) + ", of the loop's flashes " + share_left_out(parts_[0])};
+                share_left_out(parts_[1]) + ", of the loop's flashes " + share_left_out(parts_[0]) +
+                why_late()};
   }
 
  private:
@@ -91,6 +94,16 @@ class LoadStudy {
     return panel;
   }
 
+  /// Only where the core of each is known.
+  std::string why_late() const {
+    if (options_.loop.cpu < 0) return "";
+    std::string words;
+    for (const Part& each : parts_) {
+      const HeldUp held = held_up(each.samples, watched_.freezes, watched_.interrupts, kLate);
+      words += "\n  " + each.name + ": " + in_words(held, kLate);
+    }
+    return words;
+  }
   std::string share_left_out(const Part& each) const {
     const auto all = static_cast<double>(each.samples.size());
     const auto kept = static_cast<double>(values(each, true).size());

@@ -29,11 +29,12 @@ MonoTime next_whole(Duration period) { return {(now().ns / period.ns + 1) * peri
 
 }  // namespace
 
-std::vector<Freeze> stops_of(std::span<const MonoTime> interrupts, int cpu) {
+std::vector<Freeze> stops_of(std::span<const CoreInterrupt> interrupts, int cpu) {
   std::vector<Freeze> stops;
   for (std::size_t i = 1; i < interrupts.size(); ++i) {
-    if (interrupts[i] - interrupts[i - 1] > Witness::kPeriod + Witness::kLateInterrupt)
-      stops.push_back({interrupts[i - 1], interrupts[i], cpu});
+    const MonoTime before = interrupts[i - 1].at;
+    if (interrupts[i].at - before > Witness::kPeriod + Witness::kLateInterrupt)
+      stops.push_back({before, interrupts[i].at, cpu});
   }
   return stops;
 }
@@ -64,7 +65,7 @@ bool Witness::open_interrupts(std::size_t cores) {
     }
     interrupts_.push_back(std::move(*interrupts));
   }
-  instants_.resize(cores);
+  taken_.resize(cores);
   return true;
 }
 
@@ -72,7 +73,7 @@ void Witness::collect() {
   try {
     for (bool last = false; !last;) {
       last = !running_;
-      for (std::size_t cpu = 0; cpu < interrupts_.size(); ++cpu) interrupts_[cpu].take(instants_[cpu]);
+      for (std::size_t cpu = 0; cpu < interrupts_.size(); ++cpu) interrupts_[cpu].take(taken_[cpu]);
       if (!last) sleep_until(next_whole(kCollected));
     }
   } catch (const std::exception& error) {
@@ -101,8 +102,8 @@ std::vector<Freeze> Witness::stop() {
     if (thread.joinable()) thread.join();
   }
   if (!fault_.empty()) throw std::runtime_error(fault_);
-  for (std::size_t cpu = 0; cpu < instants_.size(); ++cpu)
-    seen_[cpu] = stops_of(instants_[cpu], static_cast<int>(cpu));
+  for (std::size_t cpu = 0; cpu < taken_.size(); ++cpu)
+    seen_[cpu] = stops_of(taken_[cpu], static_cast<int>(cpu));
   std::vector<Freeze> all;
   for (const auto& seen : seen_) all.insert(all.end(), seen.begin(), seen.end());
   std::sort(all.begin(), all.end(), [](const Freeze& a, const Freeze& b) { return a.begin < b.begin; });

@@ -39,7 +39,7 @@ struct Freeze {
 };
 
 /// The stops among a core's interrupts, in their order.
-std::vector<Freeze> stops_of(std::span<const MonoTime> interrupts, int cpu);
+std::vector<Freeze> stops_of(std::span<const CoreInterrupt> interrupts, int cpu);
 
 class Witness {
  public:
@@ -57,6 +57,8 @@ class Witness {
   /// Ends the watch and gives the freezes of all cores, sorted by their begin. std::runtime_error if the
   /// kernel dropped interrupts.
   std::vector<Freeze> stop();
+  /// Of each core, after stop(); empty by wake-ups.
+  const std::vector<std::vector<CoreInterrupt>>& interrupts() const { return taken_; }
 
   static constexpr Duration kPeriod = milliseconds(1);
   static constexpr Duration kLateInterrupt = microseconds(300);
@@ -69,7 +71,7 @@ class Witness {
 
   std::atomic<bool> running_{true};
   std::vector<CoreInterrupts> interrupts_;
-  std::vector<std::vector<MonoTime>> instants_;
+  std::vector<std::vector<CoreInterrupt>> taken_;
   std::string fault_;
   std::vector<std::vector<Freeze>> seen_;
   std::vector<std::thread> threads_;

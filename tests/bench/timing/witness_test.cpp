@@ -2,6 +2,7 @@
 
 #include "tests/bench/timing/clock.hpp"
 #include "tests/bench/timing/cyclictest.hpp"
+#include "tests/bench/timing/held_up.hpp"
 // CppUTest redefines new; its headers come last.
 #include <CppUTest/TestHarness.h>
 
@@ -12,19 +13,24 @@ namespace {
 
 MonoTime at_us(std::int64_t us) { return MonoTime{} + microseconds(us); }
 
+std::vector<CoreInterrupt> at_each_us(const std::vector<std::int64_t>& instants, bool in_kernel = false) {
+  std::vector<CoreInterrupt> interrupts;
+  for (const std::int64_t us : instants) interrupts.push_back({at_us(us), in_kernel});
+  return interrupts;
+}
+
 }  // namespace
 
 TEST_GROUP(Stops){};
 
 TEST(Stops, AnInterruptOnTimeIsNone) {
-  const std::vector<MonoTime> interrupts{at_us(0), at_us(1000), at_us(2299), at_us(3000), at_us(4000)};
+  const auto interrupts = at_each_us({0, 1000, 2299, 3000, 4000});
   CHECK(stops_of(interrupts, 0).empty());
   CHECK(stops_of({}, 0).empty());
 }
 
 TEST(Stops, ALateOneIsAStopSinceTheOneBefore) {
-  const std::vector<MonoTime> interrupts{at_us(0),    at_us(1000),  at_us(2301),
-                                         at_us(3000), at_us(17400), at_us(18000)};
+  const auto interrupts = at_each_us({0, 1000, 2301, 3000, 17400, 18000});
   const auto stops = stops_of(interrupts, 1);
   CHECK_EQUAL(2U, stops.size());
   CHECK(stops[0].begin == at_us(1000) && stops[0].end == at_us(2301) && stops[0].cpu == 1);
@@ -46,6 +52,29 @@ TEST(Stops, AreToldInWords) {
               freezes_in_words(freezes, Witness::By::wake_ups));
 }
 
+TEST_GROUP(HeldUp){};
+
+TEST(HeldUp, CountsLooksAtTheCoreOfWhatWasLateOutsideFreezes) {
+  const std::vector<std::vector<CoreInterrupt>> interrupts{at_each_us({1000, 2000, 3000}),
+                                                           at_each_us({1000, 2000, 3000, 9000}, true)};
+  const std::vector<Freeze> freezes{{at_us(8000), at_us(9500), 1}};
+  const std::vector<Sample> samples{sample_of(at_us(1500), at_us(3000), 1),   // one look, in the kernel
+                                    sample_of(at_us(1500), at_us(3500), 0),   // two looks, in user code
+                                    sample_of(at_us(1990), at_us(2010), 1),   // not late
+                                    sample_of(at_us(8500), at_us(9200), 1),   // in a freeze
+                                    sample_of(at_us(1500), at_us(3000), -1),  // where it ran is not known
+                                    sample_of(at_us(1500), at_us(3000), 2)};  // a core that nobody watched
+  const HeldUp held = held_up(samples, freezes, interrupts, microseconds(100));
+  CHECK_EQUAL(2U, held.late);
+  CHECK_EQUAL(3U, held.interrupts);
+  CHECK_EQUAL(1U, held.in_kernel);
+  CHECK_EQUAL(
+      std::string(
+          "2 later than 100 us outside freezes, meanwhile their core was in the kernel at 1 of 3 looks"),
+      in_words(held, microseconds(100)));
+  CHECK_EQUAL(0U, held_up(samples, freezes, {}, microseconds(100)).late);
+}
+
 TEST_GROUP(CoreInterrupts){};
 
 TEST(CoreInterrupts, ComeAtWholeMillisecondsWhereTheKernelGivesThem) {
@@ -54,18 +83,18 @@ TEST(CoreInterrupts, ComeAtWholeMillisecondsWhereTheKernelGivesThem) {
   const MonoTime begin = now();
   while (now() - begin < milliseconds(60)) {
   }
-  std::vector<MonoTime> instants;
-  interrupts->take(instants);
+  std::vector<CoreInterrupt> taken;
+  interrupts->take(taken);
   const MonoTime end = now();
   // A stop of the machine may have left some out.
-  CHECK(!instants.empty() && instants.size() <= static_cast<std::size_t>((end - begin).ns / 1'000'000 + 1));
+  CHECK(!taken.empty() && taken.size() <= static_cast<std::size_t>((end - begin).ns / 1'000'000 + 1));
   std::size_t in_place = 0;
-  for (const MonoTime instant : instants) {
-    CHECK(instant > begin - milliseconds(1) && instant <= end);
-    if (instant.ns % 1'000'000 < 300'000) ++in_place;
+  for (const CoreInterrupt& each : taken) {
+    CHECK(each.at > begin - milliseconds(1) && each.at <= end);
+    if (each.at.ns % 1'000'000 < 300'000) ++in_place;
   }
-  CHECK(2 * in_place >= instants.size());  // others were held up
-  for (std::size_t i = 1; i < instants.size(); ++i) CHECK(instants[i] > instants[i - 1]);
+  CHECK(2 * in_place >= taken.size());  // others were held up
+  for (std::size_t i = 1; i < taken.size(); ++i) CHECK(taken[i].at > taken[i - 1].at);
 }
 
 TEST_GROUP(CyclictestsWakeUps){};
