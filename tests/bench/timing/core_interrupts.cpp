@@ -9,7 +9,6 @@
 #include <unistd.h>
 
 #include <stdexcept>
-#include <string>
 #include <utility>
 
 #include "tests/bench/timing/clock.hpp"
@@ -84,7 +83,7 @@ std::optional<CoreInterrupts> CoreInterrupts::open(int cpu) {
   for (int trial = 0; trial < kTrials; ++trial) {
     if (interrupts.in_place()) return interrupts;
   }
-  throw std::runtime_error("core " + std::to_string(cpu) + " is never still enough to be watched");
+  return std::nullopt;
 }
 
 bool CoreInterrupts::in_place() {

@@ -21,8 +21,8 @@ struct CoreInterrupt {
 
 class CoreInterrupts {
  public:
-  /// Nothing where the kernel refuses (needs root or CAP_PERFMON, or perf_event_paranoid below 1). The
-  /// calling thread visits the core, with real-time priority 1, until an interrupt is at its place.
+  /// Nothing where the kernel refuses (needs root or CAP_PERFMON, or perf_event_paranoid below 1), or never
+  /// starts them within 30 us of their place. The calling thread visits the core, with real-time priority 1.
   static std::optional<CoreInterrupts> open(int cpu);
   CoreInterrupts(CoreInterrupts&& other) noexcept;
   CoreInterrupts& operator=(CoreInterrupts&&) = delete;
