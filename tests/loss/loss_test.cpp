@@ -21,6 +21,16 @@ void expect_nothing_lost(const Result& result) {
   LONGS_EQUAL(0, result.audit.missing);
 }
 
+Result expect_kills_survived(Victim victim) {
+  KillTrial trial;
+  trial.victim = victim;
+  trial.kills = 2;
+  const Result result = carry_out(trial);
+  LONGS_EQUAL(trial.kills, result.kills);
+  expect_nothing_lost(result);
+  return result;
+}
+
 }  // namespace
 
 TEST_GROUP(Loss){};
@@ -42,20 +52,10 @@ TEST(Loss, OfTheWholeLinkForAWhileInTheMiddleOfAShotLeavesNothingMissingInTheEnd
 }
 
 TEST(Loss, OfTheHostInTheMiddleOfShotsLeavesNothingMissingInItsFolder) {
-  KillTrial trial;
-  trial.victim = Victim::host;
-  trial.kills = 2;
-  const Result result = carry_out(trial);
-  LONGS_EQUAL(2, result.kills);
-  expect_nothing_lost(result);
+  expect_kills_survived(Victim::host);
 }
 
 TEST(Loss, OfTheFirmwareInTheMiddleOfShotsLeavesNothingMissingAndTheShotsNamed) {
-  KillTrial trial;
-  trial.victim = Victim::firmware;
-  trial.kills = 2;
-  const Result result = carry_out(trial);
-  LONGS_EQUAL(2, result.kills);
+  const Result result = expect_kills_survived(Victim::firmware);
   CHECK(result.audit.boots >= 3);
-  expect_nothing_lost(result);
 }

@@ -25,10 +25,7 @@ constexpr auto kSeriesEnds = 240s;
 BenchOptions bench_options(bool short_exposure, std::uint64_t seed) {
   BenchOptions options;
   options.seed = seed;
-  if (short_exposure) {
-    options.rig_edits = {{"shutter_open_ms = 500", "shutter_open_ms = 160"},
-                         {"impact_at_ms = 250", "impact_at_ms = 80"}};
-  }
+  if (short_exposure) options.rig_edits = hil::kShortExposure;
   return options;
 }
 
@@ -145,50 +142,52 @@ class Killing {
   LineWatch watch_;
 };
 
-}  // namespace
-
-Result carry_out(const LinkTrial& trial) {
+/// What happens in a lab whose firmware is up.
+Result carry_out(const BenchOptions& options, const LinkFaults& faults, std::uint64_t seed,
+                 const std::function<void(Lab&, Result&)>& happen) {
   Result result;
   const std::int64_t start_ns = testing::monotonic_now_ns();
-  Lab lab(bench_options(trial.short_exposure, trial.seed), trial.faults, trial.seed);
+  Lab lab(options, faults, seed);
   if (!lab.ready()) {
     result.words = lab.bench().log();
     return result;
   }
-  LineWatch watch(lab.bench().chip_dir());
-  Process host = lab.fire(trial.shots, 1000);
-  if (trial.cut_s > 0.0 && watch.wait_for("SHUTTER", 1, kShotComes) != 0) {
-    std::mt19937_64 random(trial.seed);
-    testing::sleep_for(std::chrono::milliseconds(std::uniform_int_distribution<int>(0, 300)(random)));
-    lab.relay().cut(true);
-    testing::sleep_for(std::chrono::milliseconds(static_cast<int>(trial.cut_s * 1e3)));
-    lab.relay().cut(false);
-  }
-  end_series(host, result);
-  lab.audit_into(result);
+  happen(lab, result);
   result.took_s = seconds_since(start_ns);
   return result;
 }
 
+}  // namespace
+
+Result carry_out(const LinkTrial& trial) {
+  const BenchOptions options = bench_options(trial.short_exposure, trial.seed);
+  return carry_out(options, trial.faults, trial.seed, [&trial](Lab& lab, Result& result) {
+    LineWatch watch(lab.bench().chip_dir());
+    Process host = lab.fire(trial.shots, 1000);
+    if (trial.cut_s > 0.0 && watch.wait_for("SHUTTER", 1, kShotComes) != 0) {
+      std::mt19937_64 random(trial.seed);
+      testing::sleep_for(std::chrono::milliseconds(std::uniform_int_distribution<int>(0, 300)(random)));
+      lab.relay().cut(true);
+      testing::sleep_for(std::chrono::milliseconds(static_cast<int>(trial.cut_s * 1e3)));
+      lab.relay().cut(false);
+    }
+    end_series(host, result);
+    lab.audit_into(result);
+  });
+}
+
 Result carry_out(const KillTrial& trial) {
-  Result result;
-  const std::int64_t start_ns = testing::monotonic_now_ns();
   BenchOptions options = bench_options(trial.short_exposure, trial.seed);
   options.shell = kAgain;
   LinkFaults faults;
   faults.loss = trial.loss;
-  Lab lab(options, faults, trial.seed);
-  if (!lab.ready()) {
-    result.words = lab.bench().log();
-    return result;
-  }
-  Killing killing(trial, lab, result);
-  trial.victim == Victim::host ? killing.hosts() : killing.firmwares();
-  lab.audit_into(result);  // what follows no host hears
-  take_down(lab.bench());
-  result.words += lab.bench().log();
-  result.took_s = seconds_since(start_ns);
-  return result;
+  return carry_out(options, faults, trial.seed, [&trial](Lab& lab, Result& result) {
+    Killing killing(trial, lab, result);
+    trial.victim == Victim::host ? killing.hosts() : killing.firmwares();
+    lab.audit_into(result);  // what follows no host hears
+    take_down(lab.bench());
+    result.words += lab.bench().log();
+  });
 }
 
 }  // namespace strobe::loss
