@@ -56,7 +56,13 @@ TEST(CodedTrain, IsFiredAsPlannedSeenByItsLampsAndReadOut) {
 
   const auto fired = strobe::testing::run_to_end(bench.fire(1, kRetries, {"--plan", plan}), 60s);
   CHECK_TEXT(fired.status == ExitStatus({0, 0}), fired.err.c_str());
-  CHECK_FALSE(readouts(fired.out).back().at("vx_td_mps").is_null());
+  const nlohmann::json readout = readouts(fired.out).back();
+  CHECK_FALSE(readout.at("vx_td_mps").is_null());
+  CHECK(readout.at("first_flash").get<int>() >= 0);
+  CHECK(readout.at("last_flash").get<int>() > readout.at("first_flash").get<int>());
+  CHECK(readout.at("last_flash").get<int>() < kFlashes);
+  const double doubt = readout.at("index_doubt").get<double>();
+  CHECK_EQUAL(doubt > 0.01, has_flag(readout, "flash_index_ambiguous"));
   const auto dry = strobe::testing::run_to_end(bench.fire(1, kRetries, {"--plan", plan, "--dry"}), 60s);
   CHECK_TEXT(dry.status == ExitStatus({0, 0}), dry.err.c_str());
 
