@@ -175,6 +175,8 @@ std::function<void()> drill(const std::string& name, LoopThread& loop) {
 int run_worker(const Rig& rig, const Options& options, WorkerPage& page) {
   use_small_stacks();
   keep_memory();
+  // What the journal's disk and the network complete in the kernel would come to the CPU that asked for it.
+  keep_off_cpu(rig.real_time.cpu);
   EventFd loop_wake;
   EventFd publisher_wake;
   auto lines = GpioLines::open(rig, loop_wake.fd());

@@ -129,10 +129,10 @@ std::optional<std::size_t> Sequencer::wait(MonoTime latest) noexcept {
   const MonoTime begin = clock_.now();
   const MonoTime due = player_.next_due();
   const MonoTime wake = due == kNoDeadline ? due : awake_.wake_for(due);
-  awake_.was_awake(begin - woken_);
+  awake_.note(begin, begin - woken_);
   const auto count = edges_.wait(std::min({wake, begin + kLongestSleep, latest}), edge_buffer_);
   woken_ = clock_.now();
-  wake > begin ? awake_.was_asleep(woken_ - begin) : awake_.was_awake(woken_ - begin);
+  awake_.note(woken_, wake > begin ? Duration{0} : woken_ - begin);
   return count;
 }
 

@@ -72,6 +72,13 @@ std::string pin_to_cpu(int cpu) {
   return "real_time.cpu: CPU " + std::to_string(cpu) + " cannot be had (" + std::strerror(error) + ")";
 }
 
+void keep_off_cpu(int cpu) {
+  cpu_set_t set;
+  if (cpu < 0 || sched_getaffinity(0, sizeof set, &set) != 0) return;
+  CPU_CLR(static_cast<std::size_t>(cpu), &set);
+  if (CPU_COUNT(&set) > 0) sched_setaffinity(0, sizeof set, &set);
+}
+
 namespace {
 
 /// Runs in the child: one line for each right, empty if it was granted.

@@ -26,6 +26,8 @@ class LatencyRequest {
 std::string lock_memory();
 std::string become_real_time(int priority);  ///< the calling thread, SCHED_FIFO
 std::string pin_to_cpu(int cpu);             ///< the calling thread; -1: nothing to do
+/// The calling thread and those it starts, where there is another CPU to run on; -1: nothing to do.
+void keep_off_cpu(int cpu);
 
 /// What is wrong with each right, as above; empty: it can be had.
 struct RealTimeTrial {

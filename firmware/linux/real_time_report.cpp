@@ -77,7 +77,7 @@ CheckItem throttling(const Rig& rig, const SystemFiles& files) {
   const double runtime_us = std::atof(runtime->c_str());
   const double period_us = std::max(1.0, std::atof(period->c_str()));
   if (runtime_us < 0.0) return ok("throttling", "off");
-  const int needed = static_cast<int>(std::min(100.0, 100.0 * awake_share(rig) + 10.0));
+  const int needed = static_cast<int>(std::min(100.0, 100.0 * awake_share(rig) + 2.0));
   const std::string allowed = *runtime + " of " + *period + " us";
   if (100.0 * runtime_us / period_us >= needed) {
     return ok("throttling", allowed + " allowed, at most " + std::to_string(needed) + " % needed");

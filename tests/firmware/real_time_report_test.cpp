@@ -76,8 +76,8 @@ TEST(RealTimeReport, ThrottlingMustLeaveTheTimeThatTheLoopIsAwake) {
   tree.put("proc/sys/kernel/sched_rt_runtime_us", "-1");
   says("throttling", Verdict::ok, "off");
   tree.put("proc/sys/kernel/sched_rt_runtime_us",
-           "100000");  // awake for at most 82.5 % of a second, and a tenth
-  says("throttling", Verdict::fault, "92 % are needed");
+           "100000");  // awake for at most 93 % of a second, and others
+  says("throttling", Verdict::fault, "95 % are needed");
   tree.put("proc/sys/kernel/sched_rt_runtime_us", "0");
   says("throttling", Verdict::fault, "sched_rt_runtime_us");
 }

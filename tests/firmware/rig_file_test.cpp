@@ -162,7 +162,7 @@ TEST(RigFile, NamesFileLineAndKeyOfEveryMistake) {
       {"abort_late_us = 1500", "abort_late_us = 99",
        "tolerance.abort_late_us: must not be less than tolerance.late_us"},
       {"spin_us = 200", "spin_us = 401", "tolerance.spin_us: must be at most 400, is 401"},
-      {"wake_ahead_us = 1500", "wake_ahead_us = -1", "tolerance.wake_ahead_us: must be at least 0, is -1"},
+      {"wake_ahead_us = 4000", "wake_ahead_us = -1", "tolerance.wake_ahead_us: must be at least 0, is -1"},
       {"expires_s = 30", "expires_s = 0", "arming.expires_s: must be at least 1, is 0"},
       {"priority = 80", "priority = 99", "real_time.priority: must be at most 98, is 99"},
       {"priority = 80", "priority = 80.5", "real_time.priority: must be a whole number"},

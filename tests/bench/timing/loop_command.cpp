@@ -33,6 +33,7 @@ using bench::timing::LoopSettings;
 
 constexpr std::int64_t kHost = 1;
 constexpr int kPatientTurns = 20;
+constexpr Duration kRest = milliseconds(350);  // between shots, which no lab fires one upon the other
 
 Rig rig_for(const LoopSettings& settings) {
   const auto bin = std::filesystem::canonical("/proc/self/exe").parent_path();
@@ -43,7 +44,6 @@ Rig rig_for(const LoopSettings& settings) {
   auto rig = read_rig(text.str(), path);
   if (!rig) throw std::runtime_error(rig.error().message);
   rig->plan.period = settings.period;
-  rig->plan.exposure = milliseconds(1000);
   rig->plan.dry = true;
   rig->tolerance.spin = settings.spin;
   if (settings.wake_ahead) rig->tolerance.wake_ahead = *settings.wake_ahead;
@@ -177,14 +177,16 @@ int run_loop(const LoopSettings& settings) {
     const double before_s = thread_cpu_s();
     const MonoTime end = clock.now() + milliseconds(1000) * settings.seconds;
     State last = State::fault;
+    MonoTime rested = clock.now();
     for (int turns_as_is = 0; clock.now() < end; ++turns_as_is) {
       // Asked again where the answer was no, e.g. because the last shot is still being collected.
       if (sequencer.state() != last || turns_as_is == kPatientTurns) {
         commands.forget();
         turns_as_is = 0;
       }
+      if (sequencer.state() != State::firing && last == State::firing) rested = clock.now() + kRest;
       last = sequencer.state();
-      commands.see(last);
+      commands.see(clock.now() < rested ? State::firing : last);
       if (!sequencer.step(last == State::firing ? kNoDeadline : clock.now() + milliseconds(1))) break;
     }
     cpu_s = thread_cpu_s() - before_s;

@@ -25,6 +25,13 @@ void sleep_until(MonoTime deadline) {
   }
 }
 
+void stay_on(int cpu) {
+  cpu_set_t set;
+  CPU_ZERO(&set);
+  CPU_SET(static_cast<unsigned>(cpu), &set);
+  pthread_setaffinity_np(pthread_self(), sizeof set, &set);
+}
+
 MonoTime next_whole(Duration period) { return {(now().ns / period.ns + 1) * period.ns}; }
 
 }  // namespace
@@ -42,6 +49,8 @@ std::vector<Freeze> stops_of(std::span<const CoreInterrupt> interrupts, int cpu)
 Witness::Witness(int priority, By wanted) : seen_(std::max(1U, std::thread::hardware_concurrency())) {
   if (wanted == By::interrupts && open_interrupts(seen_.size())) {
     threads_.emplace_back([this] { collect(); });
+    for (std::size_t cpu = 0; cpu < seen_.size(); ++cpu)
+      threads_.emplace_back([this, cpu] { keep_ticking(static_cast<int>(cpu)); });
     return;
   }
   for (std::size_t cpu = 0; cpu < seen_.size(); ++cpu) {
@@ -81,11 +90,16 @@ void Witness::collect() {
   }
 }
 
+void Witness::keep_ticking(int cpu) {
+  stay_on(cpu);
+  const sched_param param{};
+  pthread_setschedparam(pthread_self(), SCHED_IDLE, &param);
+  while (running_.load(std::memory_order_relaxed)) {
+  }
+}
+
 void Witness::watch(int cpu, int priority, std::vector<Freeze>& seen) {
-  cpu_set_t set;
-  CPU_ZERO(&set);
-  CPU_SET(static_cast<unsigned>(cpu), &set);
-  pthread_setaffinity_np(pthread_self(), sizeof set, &set);
+  stay_on(cpu);
   const sched_param param{.sched_priority = priority};
   pthread_setschedparam(pthread_self(), SCHED_FIFO, &param);
   while (running_.load(std::memory_order_relaxed)) {

@@ -12,6 +12,10 @@
 // hardly fell (43, 41 of 20,000): what is above is of another kind. A stop longer than 1.3 ms is always seen,
 // a shorter one if it meets one of the interrupts: what goes unseen counts against what is measured.
 //
+// The kernel withholds such interrupts from a core without a tick, which an idle one has none of: so a thread
+// of the lowest policy (SCHED_IDLE) spins on each core. Whoever asks for no wake-up latency, as the loop and
+// cyclictest do, has the idle core spin anyhow, instead of halting.
+//
 // By wake-ups, where the kernel gives no such interrupts: a thread a core wakes every millisecond and records
 // where it was late by 0.6 ms or more; this cannot tell a stop from the kernel's not letting it run. The
 // threads run below the priority of what is measured; a spin of 200 us on their core stays below the limit.
@@ -67,6 +71,7 @@ class Witness {
  private:
   bool open_interrupts(std::size_t cores);
   void collect();
+  void keep_ticking(int cpu);
   void watch(int cpu, int priority, std::vector<Freeze>& seen);
 
   std::atomic<bool> running_{true};
