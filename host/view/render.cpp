@@ -177,9 +177,11 @@ Lines remarks(const Outcome& outcome) {
   if (!outcome.problem.empty()) lines.push_back("! " + outcome.problem);
   const auto& flashes = outcome.readout.flashes;
   if (flashes && flashes->coded) {
-    lines.push_back(
-        fmt::format("code: flashes {} to {} show the ball; that it was others is {:.2g} % probable",
-                    flashes->first, flashes->last, 100.0 * flashes->index_doubt));
+    // Rivals that are hopeless are left out of the sum, so that 0 is not to be taken at its word.
+    const double doubt = 100.0 * flashes->index_doubt;
+    const std::string others = doubt < 0.01 ? "less than 0.01" : fmt::format("{:.2g}", doubt);
+    lines.push_back(fmt::format("code: flashes {} to {} show the ball; that it was others is {} % probable",
+                                flashes->first, flashes->last, others));
   }
   std::string notes;
   for (const std::string_view key : kNamedNotes) {

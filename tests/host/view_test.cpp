@@ -182,6 +182,8 @@ TEST(ScreenLines, TellWhichFlashesOfACodedTrainShowTheBall) {
   m.last->readout.flashes = reduction::ShownFlashes{25, 37, 0.000123, true};
   STRCMP_EQUAL("code: flashes 25 to 37 show the ball; that it was others is 0.012 % probable",
                row(render(m, 120), "code:").c_str());
+  m.last->readout.flashes->index_doubt = 0.0;
+  STRCMP_CONTAINS("is less than 0.01 % probable", row(render(m, 120), "code:").c_str());
 }
 
 TEST(ScreenLines, ASpoiltShotWithoutNumbersSaysWhy) {
