@@ -18,7 +18,7 @@ class AwakeBudget {
   static constexpr std::size_t kSlots = 20;
   /// Of the slots of the last second; a second that begins within a slot holds at most one slot more.
   static constexpr Duration kMost = milliseconds(880);
-  static constexpr double kLargestShare = 0.93;
+  static constexpr double kLargestShare = static_cast<double>(kMost.ns + kSlot.ns) / 1e9;
 
   explicit AwakeBudget(const Rig::Tolerance& tolerance) noexcept
       : spin_(tolerance.spin), ahead_(std::max(tolerance.spin, tolerance.wake_ahead)) {}

@@ -32,13 +32,13 @@ CheckItem pinning(const Rig& rig, const RealTimeTrial& trial, const SystemFiles&
   const int cpu = rig.real_time.cpu;
   if (cpu >= 0) return tried("pinning", trial.pinning, "CPU " + std::to_string(cpu));
   const std::set<int> online = loop_cpus(rig, files);
-  if (online.size() < 2 && rig.tolerance.wake_ahead > rig.tolerance.spin) {
-    return advice(
-        "pinning",
-        "there is one CPU only: with [tolerance] wake_ahead_us above 0 journal and network wait until "
-        "a train is over");
+  if (online.size() < 2) {
+    const std::string one = "there is one CPU only";
+    if (rig.tolerance.wake_ahead <= rig.tolerance.spin) return ok("pinning", one);
+    return advice("pinning", one +
+                                 ": with [tolerance] wake_ahead_us above 0 journal and network wait until "
+                                 "a train is over");
   }
-  if (online.size() < 2) return ok("pinning", "there is one CPU only");
   return advice("pinning", "the loop may run on any CPU: set [real_time] cpu, e.g. to " +
                                std::to_string(*online.rbegin()) + ", and keep other work off it");
 }
