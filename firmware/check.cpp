@@ -62,8 +62,8 @@ std::string session_fault(const std::filesystem::path& session) {
   if (access(existing.c_str(), W_OK | X_OK) != 0)
     return existing.string() + " cannot be written by this user";
   const auto space = std::filesystem::space(existing, error);
-  constexpr std::uintmax_t kLeast = std::uintmax_t{100} << 20;  // some 500 shots
-  if (!error && space.available < kLeast) {
+  constexpr std::uintmax_t kMin = std::uintmax_t{100} << 20;  // some 500 shots
+  if (!error && space.available < kMin) {
     return existing.string() + " has only " + std::to_string(space.available >> 20) + " MiB left";
   }
   return "";
@@ -75,7 +75,7 @@ int check_rig(const Rig& rig, const Options& options) {
   Report report(options.json);
   report.item("rig file", "");
   for (const LineReport& line : inspect_lines(rig)) report.item(line.key, line.fault);
-  const RealTimeTrial trial = try_real_time(rig.real_time);
+  const RealTimeRights trial = probe_real_time(rig.real_time);
   for (const CheckItem& item : real_time_report(rig, trial, find_tick(rig.real_time), SystemFiles()))
     report.item(item, options.allow_no_rt);
   report.item("session", session_fault(options.session));
@@ -96,7 +96,7 @@ int move_interrupts(const Rig& rig) {
                  "strobed: --move-interrupts: the rig file names no CPU for the loop ([real_time] cpu)\n");
     return kExitBadInput;
   }
-  const Moved moved = keep_interrupts_off(rig.real_time.cpu, SystemFiles());
+  const InterruptMoves moved = move_interrupts_off(rig.real_time.cpu, SystemFiles());
   const auto print = [](const char* what, const std::vector<Interrupt>& interrupts) {
     for (const Interrupt& interrupt : interrupts)
       std::printf("%-9s %d %s\n", what, interrupt.number, interrupt.name.c_str());

@@ -119,7 +119,7 @@ int run(int argc, char** argv) {
   if (move) return move_interrupts(*rig);
   if (options.session.empty()) return bad_input("--session is required: the folder for the journal");
   if (auto key = take_key(*rig, options); !key) return bad_input(key.error().message);
-  return guard(*rig, [&](WorkerPage& page) { return run_worker(*rig, options, page); });
+  return run_guardian(*rig, [&](SharedStatus& page) { return run_worker(*rig, options, page); });
 }
 
 }  // namespace

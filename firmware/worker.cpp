@@ -16,8 +16,8 @@
 #include "firmware/core/sequencer.hpp"
 #include "firmware/linux/event_fd.hpp"
 #include "firmware/linux/gpio_lines.hpp"
-#include "firmware/linux/monotonic_clock.hpp"
 #include "firmware/linux/real_time.hpp"
+#include "firmware/linux/system_clock.hpp"
 #include "firmware/linux/tick_finder.hpp"
 #include "firmware/publisher/command_feed.hpp"
 #include "firmware/publisher/journal_folder.hpp"
@@ -71,7 +71,7 @@ void wait_for_stop_signal() {
 /// keep the outputs safe: then the process gets the stop signal.
 class LoopThread {
  public:
-  LoopThread(Sequencer& sequencer, GpioLines& lines, const Rig::RealTime& wanted, WorkerPage& page,
+  LoopThread(Sequencer& sequencer, GpioLines& lines, const Rig::RealTime& wanted, SharedStatus& page,
              EventFd& wake)
       : sequencer_(sequencer), lines_(lines), page_(page), wake_(wake) {
     thread_ = std::thread([this, wanted] { run(wanted); });
@@ -79,12 +79,12 @@ class LoopThread {
   /// Never started: ends without having touched an output.
   ~LoopThread() {
     if (!thread_.joinable()) return;
-    go_.set_value(Words());
+    go_.set_value(ShortText());
     thread_.join();
   }
   /// What could not be had of the thread's real-time rights.
   std::vector<std::string> set_up() { return set_up_.get_future().get(); }
-  void start(const Words& detail) { go_.set_value(detail); }
+  void start(const ShortText& detail) { go_.set_value(detail); }
   void hang() { hang_ = true; }                  ///< drill
   void lose_outputs() { lose_outputs_ = true; }  ///< drill: they can no longer be set
   /// False: it had not stopped in good order.
@@ -103,7 +103,7 @@ class LoopThread {
     }
     prefault_stack();
     set_up_.set_value(std::move(faults));
-    const Words detail = go_.get_future().get();
+    const ShortText detail = go_.get_future().get();
     if (detail.empty()) return;
     const char* failure = sequencer_.start(detail) ? nullptr : kNoSwitchingOff;
     while (failure == nullptr && !stop_) failure = turn();
@@ -111,7 +111,7 @@ class LoopThread {
     if (failure == nullptr) failure = guardian_fault();
     well_ = failure == nullptr;
     if (failure == kNoSwitchingOff) let_go();
-    page_.outputs_safe = sequencer_.stop(well_ ? "stopped by a signal" : failure) && !page_.lines_let_go;
+    page_.outputs_safe = sequencer_.stop(well_ ? "stopped by a signal" : failure) && !page_.lines_released;
     if (well_) return;
     std::fprintf(stderr, "strobed: stopped: %s\n", failure);
     kill(getpid(), SIGTERM);
@@ -120,7 +120,7 @@ class LoopThread {
   /// Null, or why the loop must end.
   const char* turn() noexcept {
     page_.loop_cpu.store(sched_getcpu(), std::memory_order_relaxed);
-    page_.loop_turned_ns.store(clock_.now().ns, std::memory_order_relaxed);
+    page_.loop_heartbeat_ns.store(clock_.now().ns, std::memory_order_relaxed);
     while (hang_) pause();
     if (lose_outputs_.exchange(false, std::memory_order_relaxed)) lines_.release_outputs();
     if (const char* fault = guardian_fault()) return fault;
@@ -130,23 +130,23 @@ class LoopThread {
   /// Without a guardian nobody would make the outputs safe if this process died.
   const char* guardian_fault() const noexcept {
     if (getppid() != guardian_) return "the guardian died";
-    const MonoTime turned = std::max(started_, MonoTime{page_.guardian_turned_ns});
-    return clock_.now() - turned > kGuardianHangs ? "the guardian hangs" : nullptr;
+    const MonoTime turned = std::max(started_, MonoTime{page_.guardian_heartbeat_ns});
+    return clock_.now() - turned > kGuardianTimeout ? "the guardian hangs" : nullptr;
   }
 
   void let_go() noexcept {
     lines_.release_outputs();
-    page_.lines_let_go = true;
-    page_.ring();
+    page_.lines_released = true;
+    page_.notify();
   }
 
   static constexpr const char* kNoSwitchingOff = "an output could not be switched off";
 
   Sequencer& sequencer_;
   GpioLines& lines_;
-  WorkerPage& page_;
+  SharedStatus& page_;
   EventFd& wake_;
-  mutable MonotonicClock clock_;
+  mutable SystemClock clock_;
   const pid_t guardian_ = getppid();
   const MonoTime started_ = clock_.now();
   std::atomic<bool> stop_{false};
@@ -154,7 +154,7 @@ class LoopThread {
   std::atomic<bool> lose_outputs_{false};
   bool well_ = true;
   std::promise<std::vector<std::string>> set_up_;
-  std::promise<Words> go_;
+  std::promise<ShortText> go_;
   std::thread thread_;
 };
 
@@ -172,11 +172,11 @@ std::function<void()> drill(const std::string& name, LoopThread& loop) {
 
 }  // namespace
 
-int run_worker(const Rig& rig, const Options& options, WorkerPage& page) {
+int run_worker(const Rig& rig, const Options& options, SharedStatus& page) {
   use_small_stacks();
   keep_memory();
   // What the journal's disk and the network complete in the kernel would come to the CPU that asked for it.
-  keep_off_cpu(rig.real_time.cpu);
+  exclude_cpu(rig.real_time.cpu);
   EventFd loop_wake;
   EventFd publisher_wake;
   auto lines = GpioLines::open(rig, loop_wake.fd());
@@ -195,7 +195,7 @@ int run_worker(const Rig& rig, const Options& options, WorkerPage& page) {
       CommandFeed::open(lcm, options.lcm_url, messages::channel_name(rig.name, messages::Channel::command));
   if (!commands_in) return give_up_safely(commands_in.error().message);
   const std::int64_t boot_id = random_id();
-  MonotonicClock clock;
+  SystemClock clock;
   LoopQueue queue(rig, publisher_wake);
   CommandQueue commands(loop_wake);
   Mailbox mailbox;
@@ -219,7 +219,7 @@ int run_worker(const Rig& rig, const Options& options, WorkerPage& page) {
 
   auto journal = Journal::create(options.session, boot_id);
   if (!journal) return give_up_safely(journal.error().message);
-  Rejections rejections(clock, say_on_stderr);
+  Rejections rejections(clock, log_to_stderr);
   PublisherSettings settings;
   settings.rejected = [&rejections] { return rejections.counts(); };
   settings.boot_id = boot_id;
@@ -227,14 +227,14 @@ int run_worker(const Rig& rig, const Options& options, WorkerPage& page) {
   settings.found = earlier;
   settings.real_time = faults.empty();
   settings.verbose = options.verbose;
-  settings.turned_ns = &page.publisher_turned_ns;
+  settings.heartbeat_ns = &page.publisher_heartbeat_ns;
   settings.drill_at_shot = options.drill_at_shot;
   settings.drill = drill(options.drill, loop);
   settings.on_first_status = [&rig, &options, &page, boot_id] {
     std::fprintf(stderr, "strobed: ready, rig %s, boot %016llx, key %s\n", rig.name.c_str(),
                  static_cast<unsigned long long>(boot_id), options.key_words.c_str());
     page.ready = true;
-    page.ring();
+    page.notify();
   };
   Publisher publisher(rig, settings, queue, mailbox, *journal, bus, clock);
   Receiver receiver(rig, boot_id, options.key.value(), commands, mailbox, rejections);
@@ -242,7 +242,7 @@ int run_worker(const Rig& rig, const Options& options, WorkerPage& page) {
       [&receiver](std::span<const std::uint8_t> sealed) { receiver.receive(sealed); },
       [&rejections] { rejections.note(authentication::Rejection::oversized); },
       [&rejections] { rejections.turn(); }};
-  loop.start(Words("strobed " STROBE_VERSION)
+  loop.start(ShortText("strobed " STROBE_VERSION)
                  .append(settings.real_time ? ", real time" : ", without all real-time rights"));
   // noexcept: an exception ends the process here and now, and the guardian makes the outputs safe.
   std::jthread publishing(

@@ -9,6 +9,6 @@ namespace strobe::firmware {
 
 /// Returns the exit status once a stop signal came (0), or at once if something is missing (2, one line on
 /// stderr).
-int run_worker(const Rig& rig, const Options& options, WorkerPage& page);
+int run_worker(const Rig& rig, const Options& options, SharedStatus& page);
 
 }  // namespace strobe::firmware

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "common/messages/channels.hpp"
-#include "sim/commands.hpp"
+#include "sim/commands/commands.hpp"
 
 namespace {
 
@@ -72,7 +72,8 @@ void add_shoot(CLI::App& app, ShootOptions& options, bool& json) {
 void add_photograph(CLI::App& app, PhotographOptions& options) {
   CLI::App* photograph = app.add_subcommand("photograph", "Render photographs of simulated shots");
   photograph->footer(
-      "Writes shot_0001.tif ... into the folder, as the scene's [photograph], [ball_look] and [background] "
+      "Writes shot_0001.tif ... into the folder, as the scene's [photograph], [ball_appearance] and "
+      "[background] "
       "say,\n"
       "and truth.jsonl: one JSON object per photograph with what a perfect measurement would read. The same\n"
       "scene, seed and settings write the same photographs.\n\n"

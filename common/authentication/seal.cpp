@@ -52,9 +52,9 @@ bool shaped(std::span<const std::uint8_t> sealed) {
 
 Result<std::vector<std::uint8_t>> seal(const Key& key, std::string_view rig,
                                        std::span<const std::uint8_t> body) {
-  if (body.size() > kMostBody_bytes) {
+  if (body.size() > kMaxBody_bytes) {
     return fail("a command of " + std::to_string(body.size()) + " bytes is too large: at most " +
-                std::to_string(kMostBody_bytes));
+                std::to_string(kMaxBody_bytes));
   }
   sealed_command_t message{};
   message.schema_version = sealed_command_t::SCHEMA_VERSION;
@@ -70,7 +70,7 @@ Result<std::vector<std::uint8_t>> seal(const Key& key, std::string_view rig,
 
 tl::expected<std::span<const std::uint8_t>, Rejection> unseal(const Key& key, std::string_view rig,
                                                               std::span<const std::uint8_t> sealed) {
-  if (sealed.size() > kMostSealed_bytes) return tl::unexpected(Rejection::oversized);
+  if (sealed.size() > kMaxSealed_bytes) return tl::unexpected(Rejection::oversized);
   if (!shaped(sealed)) return tl::unexpected(Rejection::malformed);
   const Mac mac = mac_of(key, sealed.first(sealed.size() - kMac_bytes));
   if (sodium_memcmp(mac.data(), sealed.last(kMac_bytes).data(), kMac_bytes) != 0)

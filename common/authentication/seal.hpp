@@ -14,13 +14,13 @@
 namespace strobe::authentication {
 
 /// Of the sealed command's body. A datagram holds 65,507 bytes.
-inline constexpr std::size_t kMostBody_bytes = 60'000;
+inline constexpr std::size_t kMaxBody_bytes = 60'000;
 /// Of a sealed command without its body: fingerprint, version, rig, body's size, proof.
 inline constexpr std::size_t kSealed_bytes = 8 + 4 + 24 + 4 + 32;
-inline constexpr std::size_t kMostSealed_bytes = kSealed_bytes + kMostBody_bytes;
+inline constexpr std::size_t kMaxSealed_bytes = kSealed_bytes + kMaxBody_bytes;
 
 /// The encoded sealed_command_t. rig: a valid name (messages::valid_rig_name). Fails if the body is larger
-/// than kMostBody_bytes.
+/// than kMaxBody_bytes.
 Result<std::vector<std::uint8_t>> seal(const Key& key, std::string_view rig,
                                        std::span<const std::uint8_t> body);
 

@@ -22,8 +22,8 @@ inline constexpr double kShellInnerRadius_m = 0.0268;
 inline constexpr double kShellMeanRadius_m = 0.0284;
 
 /// Sizes and masses beyond these are refused: no power of them that the models form overflows.
-inline constexpr double kSmallestSize = 1e-30;
-inline constexpr double kLargestSize = 1e30;
+inline constexpr double kMinSize = 1e-30;
+inline constexpr double kMaxSize = 1e30;
 
 /// One ball. `alpha` is the moment of inertia over m·R², R being half of `diameter_m`.
 /// Valid: diameter_m > 0, mass_kg > 0, 0 < alpha <= 2/3 (no mass lies outside the surface); see check().

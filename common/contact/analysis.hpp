@@ -5,9 +5,9 @@
 
 #include <optional>
 
-#include "common/contact/contact_set.hpp"
-#include "common/contact/cubic_fit.hpp"
-#include "common/impact/sine_pulse.hpp"
+#include "common/contact/differentiation/cubic_fit.hpp"
+#include "common/data/contact_set.hpp"
+#include "common/impact/closed_form/sine_pulse.hpp"
 
 namespace strobe::contact {
 

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "common/contact/constrained_motion.hpp"
-#include "common/contact/integration.hpp"
+#include "common/contact/differentiation/constrained_motion.hpp"
+#include "common/contact/integration/integration.hpp"
 #include "common/data/thesis_data.hpp"
 
 namespace strobe::contact {

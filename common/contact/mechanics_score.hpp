@@ -2,7 +2,7 @@
 // allocates.
 #pragma once
 
-#include "common/contact/integration.hpp"
+#include "common/contact/integration/integration.hpp"
 #include "common/impact/ode/contact_trajectory.hpp"
 
 namespace strobe::contact {

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <vector>
 
-#include "common/contact/integration.hpp"
+#include "common/contact/integration/integration.hpp"
 
 namespace strobe::contact {
 

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "common/contact/contact_set.hpp"
+#include "common/data/contact_set.hpp"
 #include "common/result.hpp"
 
 namespace strobe::thesis {

@@ -11,30 +11,28 @@ enum class InputError {
   not_approaching,           ///< vy at touchdown is not negative: the ball does not move towards the surface
   restitution_out_of_range,  ///< e outside 0…1
   friction_negative,         ///< mu below 0
-  tangential_out_of_range,   ///< e_x outside -1…1 (outside of it a grip would feed energy)
-  offset_out_of_range,       ///< offset below 0, not below the radius, or its reference speed not positive
-  ball_out_of_range,         ///< diameter, mass or alpha outside ball::check
-  dwell_not_positive,        ///< dwell time of 0 or less
-  damping_undefined,         ///< e = 0 in the simplified pulse, whose damping would be infinite
-  phase_out_of_range,        ///< damping outside 0…10 or an angle of the pulse outside 0…pi
-  magnitude_out_of_range,    ///< a finite number, but too large or too small for the model's arithmetic
-  spring_out_of_range,       ///< a contact spring's or dashpot's ratio outside the range its model states
-  tolerance_out_of_range,    ///< an integrator's tolerance or number of steps outside its range
-  contact_without_end,       ///< the ball does not leave the surface: its weight holds it there
-  contact_unresolved,        ///< more steps or events than an integration allows
+  tangential_restitution_out_of_range,  ///< e_x outside -1…1 (outside of it a grip would feed energy)
+  offset_out_of_range,     ///< offset below 0, not below the radius, or its reference speed not positive
+  ball_out_of_range,       ///< diameter, mass or alpha outside ball::check
+  dwell_not_positive,      ///< dwell time of 0 or less
+  damping_undefined,       ///< e = 0 in the simplified pulse, whose damping would be infinite
+  phase_out_of_range,      ///< damping outside 0…10 or an angle of the pulse outside 0…pi
+  magnitude_out_of_range,  ///< a finite number, but too large or too small for the model's arithmetic
+  spring_out_of_range,     ///< a contact spring's or dashpot's ratio outside the range its model states
+  tolerance_out_of_range,  ///< an integrator's tolerance or number of steps outside its range
+  no_release,              ///< the ball does not leave the surface: its weight holds it there
+  too_many_steps,          ///< more steps or events than an integration allows
 };
 
 /// Largest and smallest magnitude of the numbers that the closed forms take: no product or quotient of theirs
 /// overflows within it. Beyond it: magnitude_out_of_range. What is divided by (vy, diameter, mass, alpha,
 /// dwell time, reference speed) may not be smaller either; all others may be as small as they like, or 0.
-inline constexpr double kLargestMagnitude = 1e30;
-inline constexpr double kSmallestMagnitude = 1e-30;
+inline constexpr double kMaxMagnitude = 1e30;
+inline constexpr double kMinMagnitude = 1e-30;
 
 /// Of no number (NaN) both are true.
-constexpr bool too_large(double value) {
-  return !(value <= kLargestMagnitude && value >= -kLargestMagnitude);
-}
-constexpr bool too_small(double value) { return !(value >= kSmallestMagnitude); }
+constexpr bool too_large(double value) { return !(value <= kMaxMagnitude && value >= -kMaxMagnitude); }
+constexpr bool too_small(double value) { return !(value >= kMinMagnitude); }
 
 constexpr std::string_view message(InputError error) {
   switch (error) {
@@ -46,7 +44,7 @@ constexpr std::string_view message(InputError error) {
       return "e must be from 0 to 1";
     case InputError::friction_negative:
       return "mu must not be negative";
-    case InputError::tangential_out_of_range:
+    case InputError::tangential_restitution_out_of_range:
       return "ex must be from -1 to 1";
     case InputError::offset_out_of_range:
       return "offset must be at least 0 and less than the radius";
@@ -64,9 +62,9 @@ constexpr std::string_view message(InputError error) {
       return "e is below 0.001, or a spring or damping ratio is out of its range";
     case InputError::tolerance_out_of_range:
       return "tolerance or number of steps is out of its range";
-    case InputError::contact_without_end:
+    case InputError::no_release:
       return "the ball does not leave the surface: its weight holds it there";
-    case InputError::contact_unresolved:
+    case InputError::too_many_steps:
       return "the contact takes more steps or events than the integration allows";
   }
   return "invalid input";

@@ -19,8 +19,8 @@ using strobe_msgs::ball_image_t;
 using strobe_msgs::frame_t;
 
 constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
-constexpr std::int32_t kMostImages = 512;
-constexpr std::int32_t kMostSurfacePoints = 10000;
+constexpr std::int32_t kMaxImages = 512;
+constexpr std::int32_t kMaxSurfacePoints = 10000;
 
 bool finite(double x, double y) { return std::isfinite(x) && std::isfinite(y); }
 
@@ -137,9 +137,9 @@ std::optional<Error> counts_from(const frame_t& m) {
   const bool counts_fit = m.surface.size() == static_cast<std::size_t>(std::max(m.surface_count, 0)) &&
                           m.images.size() == static_cast<std::size_t>(std::max(m.image_count, 0));
   if (!counts_fit) return Error{"surface_count, image_count: do not fit the arrays"};
-  if (m.surface_count == 1 || m.surface_count > kMostSurfacePoints)
+  if (m.surface_count == 1 || m.surface_count > kMaxSurfacePoints)
     return Error{"surface: needs at least two points, or none"};
-  if (m.image_count > kMostImages) return Error{"images: at most 512 are allowed"};
+  if (m.image_count > kMaxImages) return Error{"images: at most 512 are allowed"};
   return std::nullopt;
 }
 

@@ -43,10 +43,11 @@ ordered_json contact_json(const reduction::ContactImage& image) {
   return object;
 }
 
-void put_flashes(ordered_json& object, const std::optional<reduction::ShownFlashes>& flashes) {
+void put_flashes(ordered_json& object, const std::optional<reduction::ImagedFlashes>& flashes) {
   object["first_flash"] = flashes ? ordered_json(flashes->first) : ordered_json();
   object["last_flash"] = flashes ? ordered_json(flashes->last) : ordered_json();
-  object["index_doubt"] = flashes ? ordered_json(flashes->index_doubt) : ordered_json();
+  object["misassignment_probability"] =
+      flashes ? ordered_json(flashes->misassignment_probability) : ordered_json();
 }
 
 }  // namespace

@@ -25,7 +25,7 @@ std::vector<strobe_msgs::note_t> notes_from_record(const reduction::Record& reco
 }
 
 Result<reduction::Record> record_from_notes(const std::vector<strobe_msgs::note_t>& notes) {
-  if (notes.size() > kMostNotes) return fail("notes: at most " + std::to_string(kMostNotes) + " are allowed");
+  if (notes.size() > kMaxNotes) return fail("notes: at most " + std::to_string(kMaxNotes) + " are allowed");
   reduction::Record record;
   for (std::size_t i = 0; i < notes.size(); ++i) {
     const std::string place = "notes[" + std::to_string(i) + "].";

@@ -23,7 +23,7 @@ class note_t;
 
 namespace strobe::messages {
 
-inline constexpr std::size_t kMostNotes = 64;
+inline constexpr std::size_t kMaxNotes = 64;
 inline constexpr std::size_t kLongestNoteKey = 64;
 inline constexpr std::size_t kLongestNoteValue = 1024;
 

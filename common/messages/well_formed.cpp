@@ -13,7 +13,7 @@ constexpr std::size_t kBallImage = 2 * kInt8 + 12 * kDouble;
 constexpr std::size_t kBallImageV1 = kInt8 + 6 * kDouble;
 constexpr std::size_t kFlashV1 = kInt32 + 5 * kInt64 + kInt32;
 constexpr std::size_t kFlash = kFlashV1 + kInt8;
-constexpr std::size_t kMostHistograms = 64;
+constexpr std::size_t kMaxHistograms = 64;
 constexpr std::size_t kHistogramHead = kInt8 + kInt64 + 9 * kDouble;
 constexpr std::size_t kPlan = kInt8 + kInt64 + kInt32 + 3 * kInt64 + kInt8;  // of an even train
 constexpr std::size_t kCodedFlash = kInt64 + kInt8;
@@ -113,7 +113,7 @@ bool status_well_formed(const void* data, std::size_t size) {
   walk.skip(3 * kInt64 + kInt32 + 2 * kInt8 + 8 * kInt64);    // arming, last shot, health, losses, rejected
   walk.skip_elements(2 * kInt64);                             // earlier starts
   const std::size_t histograms = walk.number();
-  if (histograms > kMostHistograms) return false;
+  if (histograms > kMaxHistograms) return false;
   for (std::size_t i = 0; i < histograms && walk.good(); ++i) {
     walk.skip(kHistogramHead);
     walk.skip_elements(kInt64);

@@ -22,7 +22,7 @@ T court_pace_rating(const T& e, const T& mu, double temperature_c) {
 
 /// The limits of the method: 30 +- 2 m/s, 16 +- 2 degrees, at most 3 revolutions a second. A rating of any
 /// other shot is indicative only.
-inline bool court_pace_limits_kept(double speed_mps, double theta_in_deg, double omega_radps) {
+inline bool meets_court_pace_limits(double speed_mps, double theta_in_deg, double omega_radps) {
   return std::abs(speed_mps - 30.0) <= 2.0 && std::abs(theta_in_deg + 16.0) <= 2.0 &&
          std::abs(omega_radps) <= 3.0 * 2.0 * kPi;
 }

@@ -23,15 +23,15 @@ bool matters(const Readout& readout, const Quantities& change) {
   for (std::size_t i = 0; i < kQuantityCount; ++i) {
     const auto q = static_cast<Quantity>(i);
     if (!change[q] || *change[q] == 0.0) continue;
-    if (!readout.sd[q] || *change[q] > kShareThatMatters * *readout.sd[q]) return true;
+    if (!readout.sd[q] || *change[q] > kNegligibleShareOfSd * *readout.sd[q]) return true;
   }
   return false;
 }
 
 }  // namespace
 
-Quantities bound_of_change(const Readout& readout, const ShotFit& fit, const Crossings& crossings,
-                           const std::array<double, 2>& acceleration_mps2) {
+Quantities change_bound(const Readout& readout, const ShotFit& fit, const Crossings& crossings,
+                        const std::array<double, 2>& acceleration_mps2) {
   Quantities bound;
   LegChange legs[2];
   const auto leg = [&](std::size_t i, Quantity theta, Quantity vx, Quantity vy, Quantity v) {
@@ -64,7 +64,7 @@ Quantities bound_of_change(const Readout& readout, const ShotFit& fit, const Cro
   return bound;
 }
 
-flight::Effects effects_that_matter(const Readout& readout, const ShotFit& fit, const Crossings& crossings,
+flight::Effects significant_effects(const Readout& readout, const ShotFit& fit, const Crossings& crossings,
                                     flight::Effects candidates) {
   std::array<double, 2> drag{};
   std::array<double, 2> lift{};
@@ -77,9 +77,9 @@ flight::Effects effects_that_matter(const Readout& readout, const ShotFit& fit, 
   }
   flight::Effects kept = candidates;
   kept.drag =
-      kept.drag && fit.joint.air_used && matters(readout, bound_of_change(readout, fit, crossings, drag));
+      kept.drag && fit.joint.air_used && matters(readout, change_bound(readout, fit, crossings, drag));
   kept.magnus =
-      kept.magnus && fit.joint.air_used && matters(readout, bound_of_change(readout, fit, crossings, lift));
+      kept.magnus && fit.joint.air_used && matters(readout, change_bound(readout, fit, crossings, lift));
   return kept;
 }
 

@@ -13,15 +13,15 @@ namespace strobe::reduction {
 /// orthogonal to 1 and tau), so it is the chord through two instants tau1, tau2 <= T: its slope at the
 /// crossing is wrong by a (tau1 + tau2) / 2 <= a T, its place by a tau1 tau2 / 2 <= a T^2 / 2. The rest is
 /// how each number follows from velocities and places.
-Quantities bound_of_change(const Readout& readout, const ShotFit& fit, const Crossings& crossings,
-                           const std::array<double, 2>& acceleration_mps2);
+Quantities change_bound(const Readout& readout, const ShotFit& fit, const Crossings& crossings,
+                        const std::array<double, 2>& acceleration_mps2);
 
 /// `candidates` less those of drag and Magnus whose bound is below a share of the statistical sd of every
 /// number. An effect stays where no sd can be had.
-flight::Effects effects_that_matter(const Readout& readout, const ShotFit& fit, const Crossings& crossings,
+flight::Effects significant_effects(const Readout& readout, const ShotFit& fit, const Crossings& crossings,
                                     flight::Effects candidates);
 
 /// A twentieth of an sd in the value moves an interval of one sd by an eight-hundredth of its coverage.
-inline constexpr double kShareThatMatters = 0.05;
+inline constexpr double kNegligibleShareOfSd = 0.05;
 
 }  // namespace strobe::reduction

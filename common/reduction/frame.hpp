@@ -38,8 +38,8 @@ struct BallImage {
 /// The session's record: free key-value notes (frame number, ball, surface, operator, remarks ...).
 using Record = std::map<std::string, std::string>;
 
-inline constexpr double kColdest_degC = -60.0;
-inline constexpr double kHottest_degC = 100.0;
+inline constexpr double kMinTemperature_degC = -60.0;
+inline constexpr double kMaxTemperature_degC = 100.0;
 
 /// A digitized photograph. Images are in order of time, a nanosecond apart or more, times within 1e9 s. What
 /// is absent was not known. Coordinates and lengths in pixels are within 1e12 either way, diameters and

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/reduction/row_reduction.hpp"
+#include "common/reduction/householder_qr.hpp"
 
 namespace strobe::reduction {
 namespace {
@@ -31,7 +31,7 @@ struct Whitening {
 /// sum of squares, of which none can cancel another, however long the shift.
 Whitening whitening(const Observations& all, const Observation& o, Vec2 shift) {
   const double level = all.levels[Noise::centre];
-  const Root l = o.centre_noise == Noise::stated ? o.centre_root_m : Root{level, 0.0, level};
+  const Root l = o.centre_noise == Noise::stated ? o.centre_cholesky_m : Root{level, 0.0, level};
   if (shift.x == 0.0 && shift.y == 0.0) return {1.0 / l.xx, -l.yx / l.xx / l.yy, 1.0 / l.yy};
   const double xx = std::hypot(l.xx, shift.x);
   const double yx = (l.xx * l.yx + shift.x * shift.y) / xx;
@@ -92,7 +92,7 @@ class Problem {
   }
 
   /// Fills the factor; returns the whitened right side.
-  JointVector factor(JointFactor& f) const {
+  JointVector factor(SquareRootInformation& f) const {
     JointVector right{};
     for (int i = 0; i < 3; ++i) {
       for (int k = i; k < 3; ++k) f.r[i][k] = shared_.triangle(i, k);
@@ -153,8 +153,8 @@ class Problem {
   const Observations& all_;
   const JointFit& fit_;
   Turn turn_;
-  RowReduction<4, 7> legs_[2];
-  RowReduction<3, 4> shared_;
+  HouseholderQr<4, 7> legs_[2];
+  HouseholderQr<3, 4> shared_;
 };
 
 /// Times of both legs, and a first guess from their outermost images.
@@ -239,11 +239,11 @@ JointFit fit_joint(const Observations& all, const Motion& motion) {
   start(all, fit);
   const bool time_noise = std::any_of(all.images.begin(), all.images.end(),
                                       [](const Observation& o) { return o.time_sd_s > 0.0; });
-  constexpr int kMostSteps = 12;
+  constexpr int kMaxSteps = 12;
   // Squares of what is left, in sd: at worst each step shrinks it as the one before did.
   constexpr double kConverged = 1e-12;
   double before = 1.0;
-  for (int step = 0; step < kMostSteps; ++step) {
+  for (int step = 0; step < kMaxSteps; ++step) {
     bend(motion, fit);
     const JointVector right = Problem(all, fit).factor(fit.factor);
     const JointVector change = fit.factor.unknowns(right);

@@ -8,8 +8,8 @@
 #include <array>
 
 #include "common/flight/aerodynamics.hpp"
-#include "common/reduction/joint_factor.hpp"
 #include "common/reduction/observations.hpp"
+#include "common/reduction/square_root_information.hpp"
 
 namespace strobe::reduction {
 
@@ -32,7 +32,7 @@ struct Motion {
 
 struct JointFit {
   JointVector unknowns{};
-  JointFactor factor;  ///< the covariance's; zero rows for a leg that is not fitted
+  SquareRootInformation factor;  ///< the covariance's; zero rows for a leg that is not fitted
   std::array<LegTime, 2> legs;
   /// In the surface's axes at the leg's origin of time, as used.
   std::array<flight::Forcing, 2> forcing;

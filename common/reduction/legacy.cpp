@@ -180,7 +180,7 @@ Readout reduce_legacy(const LegacyFrame& frame, double ball_diameter_m) {
 Frame frame_from_legacy(const LegacyFrame& legacy) {
   Frame frame;
   frame.shot_id = legacy.frame_number;
-  frame.ball_diameter_m = kLegacyDiameterM;
+  frame.ball_diameter_m = kLegacyDiameter_m;
   frame.record["frame_number"] = std::to_string(legacy.frame_number);
   frame.surface_px.assign(legacy.surface.begin(), legacy.surface.end());
   const auto add = [&](const LegacyImage& image, int flash, Leg leg) {

@@ -31,11 +31,11 @@ struct LegacyFrame {
 };
 
 /// Working diameter of the thesis. [m]
-inline constexpr double kLegacyDiameterM = 0.0651;
+inline constexpr double kLegacyDiameter_m = 0.0651;
 
 /// The program's numbers: `value` from images 2, 3 and 4, 5 ("near"), `legacy->far` from 1, 2 and 5, 6, and
 /// the contact images. No standard deviations. Numbers that come out infinite or undefined are absent.
-Readout reduce_legacy(const LegacyFrame& frame, double ball_diameter_m = kLegacyDiameterM);
+Readout reduce_legacy(const LegacyFrame& frame, double ball_diameter_m = kLegacyDiameter_m);
 
 /// The same for a digitized frame: the three airborne images next to the impact on each side, the first two
 /// contact images, surface points sorted from the touchdown side, and the median interval between images as

@@ -9,7 +9,7 @@ namespace strobe::reduction {
 namespace {
 
 constexpr double kLongestPeriodS = 1.0;
-constexpr int kMostContact = 1000;
+constexpr int kMaxContact = 1000;
 
 struct Line {
   std::size_t number = 0;
@@ -105,7 +105,7 @@ class FrameReader {
     const auto number = count ? take<int>(rest) : std::nullopt;
     if (!count || !number || !rest.empty())
       return wrong(l->number, "must be two whole numbers: contact count, frame number");
-    if (*count < 1 || *count > kMostContact)
+    if (*count < 1 || *count > kMaxContact)
       return wrong(l->number, "the contact count must be within 1 and 1000");
     frame.contact_count = *count;
     frame.frame_number = *number;

@@ -53,12 +53,12 @@ class Finder {
   Finder(const std::vector<Height>& images, double gravity, double reference_variance)
       : images_(images), gravity_(gravity), reference_variance_(reference_variance), legs_(images.size()) {}
 
-  LegsFound find() {
+  LegAssignment find() {
     for (std::size_t i = 0; i < images_.size(); ++i) legs_[i] = images_[i].leg;
     assign_safe();
     extend(Leg::incoming);
     extend(Leg::rebound);
-    LegsFound found;
+    LegAssignment found;
     for (const auto& leg : legs_) found.legs.push_back(leg.value_or(Leg::contact));
     drop_overlaps(Leg::incoming, found);
     drop_overlaps(Leg::rebound, found);
@@ -113,8 +113,8 @@ class Finder {
       const std::vector<std::size_t> indices = of(leg);
       if (indices.empty()) return;
       const bool incoming = leg == Leg::incoming;
-      const std::size_t next =
-          incoming ? indices.back() + 1 : indices.front() - 1;  // wraps below 0: beyond size
+      // wraps below 0: beyond size
+      const std::size_t next = incoming ? indices.back() + 1 : indices.front() - 1;
       if (next >= images_.size() || legs_[next]) return;
       const auto cross = predict(indices, leg);
       const bool above =
@@ -125,7 +125,7 @@ class Finder {
   }
 
   /// Leaves out images next to the impact that come after the touchdown which the others predict.
-  void drop_overlaps(Leg leg, LegsFound& found) {
+  void drop_overlaps(Leg leg, LegAssignment& found) {
     for (;;) {
       std::vector<std::size_t> others = of(leg);
       if (others.size() < 2) return;
@@ -149,7 +149,8 @@ class Finder {
 
 }  // namespace
 
-LegsFound find_legs(const std::vector<Height>& images, double gravity_y_mps2, double reference_variance_m2) {
+LegAssignment classify_legs(const std::vector<Height>& images, double gravity_y_mps2,
+                            double reference_variance_m2) {
   return Finder(images, gravity_y_mps2, reference_variance_m2).find();
 }
 

@@ -17,10 +17,10 @@ struct Height {
   std::optional<Leg> leg;    ///< as labelled
 };
 
-struct LegsFound {
+struct LegAssignment {
   std::vector<Leg> legs;  ///< one per image
-  std::vector<std::size_t>
-      overlaps;  ///< images labelled airborne that are in contact; their leg is `contact`
+  /// Images labelled airborne that are in contact; their leg is `contact`.
+  std::vector<std::size_t> overlaps;
 };
 
 /// Labels are kept, but for airborne images whose leg touches the surface before them; images without a label
@@ -28,6 +28,7 @@ struct LegsFound {
 /// other images, touches down or lifts off, never by its own noisy height: choosing by height would keep the
 /// images whose error points up, and the stated errors would be untrue. reference_variance_m2 is that of the
 /// surface's height and the ball's radius together.
-LegsFound find_legs(const std::vector<Height>& images, double gravity_y_mps2, double reference_variance_m2);
+LegAssignment classify_legs(const std::vector<Height>& images, double gravity_y_mps2,
+                            double reference_variance_m2);
 
 }  // namespace strobe::reduction

@@ -7,9 +7,9 @@ namespace strobe::reduction {
 namespace {
 
 /// Residuals of exact data are rounding; a level of zero would be an infinite weight.
-constexpr double kLeastRelativeLevel = 1e-12;
+constexpr double kMinRelativeLevel = 1e-12;
 /// Fewer degrees of freedom than this are rounding of the trace.
-constexpr double kLeastFreedom = 0.5;
+constexpr double kMinFreedom = 0.5;
 
 struct Scatter {
   double sum_of_squares = 0.0;
@@ -85,10 +85,10 @@ double update_levels(ShotFit& fit) {
     EstimatedLevel& level = fit.levels[static_cast<std::size_t>(noise)];
     level = {s.count > 0.0, s.count - s.taken};
     // Absurd coordinates overflow to NaN, which is no freedom either.
-    const bool known = level.degrees_of_freedom >= kLeastFreedom && std::isfinite(s.sum_of_squares);
+    const bool known = level.degrees_of_freedom >= kMinFreedom && std::isfinite(s.sum_of_squares);
     if (!known) level.degrees_of_freedom = 0.0;
     if (!level.used || !known) continue;
-    const double floor = kLeastRelativeLevel * (equator ? 1.0 : fit.observations.ball_diameter_m);
+    const double floor = kMinRelativeLevel * (equator ? 1.0 : fit.observations.ball_diameter_m);
     const double sd = std::max(std::sqrt(s.sum_of_squares / level.degrees_of_freedom), floor);
     double& now = fit.observations.levels[noise];
     largest = std::max(largest, std::abs(sd - now) / now);

@@ -51,9 +51,9 @@ Root levelled(const Root& l, const Levelling& levelling) {
 void set_centre_noise(const BallImage& image, const Frame& frame, const Levelling& levelling,
                       Observation& o) {
   if (image.centre_cov_px2) {
-    o.centre_root_m = levelled(root_of(*image.centre_cov_px2), levelling);
+    o.centre_cholesky_m = levelled(root_of(*image.centre_cov_px2), levelling);
   } else if (frame.centre_sd_px) {
-    o.centre_root_m.xx = o.centre_root_m.yy = *frame.centre_sd_px / levelling.px_per_m;
+    o.centre_cholesky_m.xx = o.centre_cholesky_m.yy = *frame.centre_sd_px / levelling.px_per_m;
   } else {
     o.centre_noise = Noise::centre;
   }
@@ -122,7 +122,7 @@ void assign_legs(const Frame& frame, Observations& all, FlagSet& flags) {
   const double surface_variance =
       all.surface_sd() * all.surface_sd() / static_cast<double>(all.surface_m.size());
   const double reference = surface_variance + 0.25 * mean_diameter_variance(all);
-  const LegsFound found = find_legs(heights, all.gravity_mps2.y, reference);
+  const LegAssignment found = classify_legs(heights, all.gravity_mps2.y, reference);
   if (!found.overlaps.empty()) flags.set(Flag::overlaps_surface);
   const bool scale_from_diameters = diameters_tell_scale(all);
   bool contact = false;
@@ -158,7 +158,7 @@ void mirror(Observations& all) {
   for (Vec2& p : all.surface_m) p.x = -p.x;
   for (Observation& o : all.images) {
     o.centre_m.x = -o.centre_m.x;
-    o.centre_root_m.yx = -o.centre_root_m.yx;
+    o.centre_cholesky_m.yx = -o.centre_cholesky_m.yx;
     o.equator_rad = -o.equator_rad;
   }
 }
@@ -173,7 +173,7 @@ std::optional<double> temperature_c(const Frame& frame) {
   double value = 0.0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return value >= kColdest_degC && value <= kHottest_degC ? std::optional(value) : std::nullopt;
+  return value >= kMinTemperature_degC && value <= kMaxTemperature_degC ? std::optional(value) : std::nullopt;
 }
 
 std::optional<Observations> observe(const Frame& frame, FlagSet& flags) {

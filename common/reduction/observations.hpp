@@ -39,7 +39,7 @@ struct Observation {
   Vec2 centre_m;
   double diameter_m = 0.0;
   double equator_rad = 0.0;
-  Root centre_root_m;           ///< if stated
+  Root centre_cholesky_m;       ///< if stated
   double diameter_sd_m = 0.0;   ///< if stated
   double equator_sd_rad = 0.0;  ///< if stated
   double time_sd_s = 0.0;
@@ -69,7 +69,7 @@ struct Observations {
 
   bool scale_exact() const { return scale && scale_sd == 0.0; }
   double centre_variance(const Observation& o) const {
-    const Root& l = o.centre_root_m;
+    const Root& l = o.centre_cholesky_m;
     return o.centre_noise == Noise::stated ? 0.5 * (l.xx * l.xx + l.yx * l.yx + l.yy * l.yy)
                                            : levels[Noise::centre] * levels[Noise::centre];
   }

@@ -9,7 +9,7 @@ namespace strobe::reduction {
 namespace {
 
 constexpr double kFalseAlarms = 1e-3;  // of a photograph
-constexpr int kLeastImages = 4;
+constexpr int kMinImages = 4;
 /// What is left of a variance beside this share of it is rounding: the fit must pass through the measurement,
 /// which has nothing to be held against.
 constexpr double kRounding = 1e-9;
@@ -67,7 +67,7 @@ void suspect_centres(const ShotFit& fit, Suspect& worst) {
   }
   for (std::size_t i = 0; i < fit.observations.images.size(); ++i) {
     const Observation& o = fit.observations.images[i];
-    if (!o.use_centre || count[leg_index(*o.leg)] < kLeastImages) continue;
+    if (!o.use_centre || count[leg_index(*o.leg)] < kMinImages) continue;
     const double square = deleted_square(fit, o);
     if (square < 9.0) continue;  // cannot be beyond chance
     consider(worst, chance_of_square(square, freedom(fit, o.centre_noise), 2), count[0] + count[1], i,
@@ -78,7 +78,7 @@ void suspect_centres(const ShotFit& fit, Suspect& worst) {
 void suspect_diameters(const ShotFit& fit, Suspect& worst) {
   int count = 0;
   for (const Observation& o : fit.observations.images) count += o.use_diameter ? 1 : 0;
-  if (count < kLeastImages) return;
+  if (count < kMinImages) return;
   const auto scale = fit.joint.factor.shared(0.0, 0.0, fit.observations.ball_diameter_m);
   const double own = dot(scale, scale);
   for (std::size_t i = 0; i < fit.observations.images.size(); ++i) {
@@ -98,7 +98,7 @@ void suspect_equators(const ShotFit& fit, Suspect& worst) {
   const double chances = static_cast<double>(fit.equators[0].size() + fit.equators[1].size());
   for (std::size_t leg = 0; leg < 2; ++leg) {
     const auto& readings = fit.equators[leg];
-    if (!fit.spin[leg] || readings.size() < static_cast<std::size_t>(kLeastImages)) continue;
+    if (!fit.spin[leg] || readings.size() < static_cast<std::size_t>(kMinImages)) continue;
     for (std::size_t i = 0; i < readings.size(); ++i) {
       const double by_time = fit.spin[leg]->omega_radps * readings[i].time_sd_s;
       const double noise = readings[i].sd_rad * readings[i].sd_rad + by_time * by_time;
@@ -115,7 +115,7 @@ void suspect_equators(const ShotFit& fit, Suspect& worst) {
 
 }  // namespace
 
-bool leave_out_worst(ShotFit& fit) {
+bool reject_worst_outlier(ShotFit& fit) {
   Suspect worst;
   worst.probability = kFalseAlarms / 3.0;  // three kinds of measurement share the false alarms
   const double threshold = worst.probability;

@@ -10,6 +10,6 @@ namespace strobe::reduction {
 /// The test is leave-one-out: chi squared where the noise is stated, F or t where it was estimated. Only
 /// where at least `four` like measurements remain to be judged against each other, since of three none can be
 /// singled out. Returns whether one was marked; the caller fits again.
-bool leave_out_worst(ShotFit& fit);
+bool reject_worst_outlier(ShotFit& fit);
 
 }  // namespace strobe::reduction

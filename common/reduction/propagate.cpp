@@ -262,8 +262,8 @@ class Propagation {
     if (omega_[0]) regime(lost, td.vx_mps + radius(fit_) * *omega_[0]);
     readout_.court_pace_conforming =
         temperature_c && omega_[0] &&
-        court_pace_limits_kept(*readout_.value[Quantity::v_td_mps], *readout_.value[Quantity::theta_in_deg],
-                               omega_[0]->value);
+        meets_court_pace_limits(*readout_.value[Quantity::v_td_mps], *readout_.value[Quantity::theta_in_deg],
+                                omega_[0]->value);
   }
 
   /// Of the numbers that the others follow from, if all of them are there.
@@ -349,7 +349,7 @@ class Propagation {
 
 }  // namespace
 
-Crossings propagate(const ShotFit& fit, const Propagate& options, Readout& readout) {
+Crossings propagate(const ShotFit& fit, const PropagationOptions& options, Readout& readout) {
   Propagation propagation(fit, readout);
   propagation.legs();
   propagation.impact(options.temperature_c);

@@ -10,7 +10,7 @@
 
 namespace strobe::reduction {
 
-struct Propagate {
+struct PropagationOptions {
   std::optional<double> temperature_c;  ///< for the court pace
   bool covariance = false;              ///< fill Readout::covariance
 };
@@ -22,6 +22,6 @@ using Crossings = std::array<std::optional<double>, 2>;
 /// Touchdown and lift-off are where the fitted flight has its centre one radius above the fitted line. Every
 /// sd is first order (delta method) with exact derivatives, through the full covariance, which is held as a
 /// triangular factor R: the variance of a number with gradient g is |R^-T g|^2.
-Crossings propagate(const ShotFit& fit, const Propagate& options, Readout& readout);
+Crossings propagate(const ShotFit& fit, const PropagationOptions& options, Readout& readout);
 
 }  // namespace strobe::reduction

@@ -92,15 +92,15 @@ inline constexpr std::size_t kPrimaryCount = 8;
 using PrimaryCovariance = std::array<std::array<double, kPrimaryCount>, kPrimaryCount>;
 
 /// Which flashes of the train, numbered as fired from 0, made the first and the last image of the ball.
-struct ShownFlashes {
+struct ImagedFlashes {
   int first = 0;
   int last = 0;
   /// How probable it is that it was others, 0 to 1: close to 1 in an even train, where one flash is like the
   /// next and no number depends on which it was; the code of a coded one tells.
-  double index_doubt = 0.0;
+  double misassignment_probability = 0.0;
   bool coded = false;  ///< the train has a code
 
-  bool operator==(const ShownFlashes&) const = default;
+  bool operator==(const ImagedFlashes&) const = default;
 };
 
 struct Readout {
@@ -114,7 +114,7 @@ struct Readout {
   bool mirrored = false;
   FlagSet flags;
   Record record;
-  std::optional<ShownFlashes> flashes;  ///< only of a photograph that a host matched with its shot
+  std::optional<ImagedFlashes> flashes;  ///< only of a photograph that a host matched with its shot
   flight::Effects flight_effects = flight::kNoEffects;  ///< what the paths were fitted with
   std::optional<PrimaryCovariance> covariance;          ///< only if asked for
   std::optional<LegacyDetail> legacy;                   ///< only with method "legacy"

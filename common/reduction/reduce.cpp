@@ -45,7 +45,7 @@ Readout empty_readout(const Frame& frame, Estimator estimator) {
   return readout;
 }
 
-Readout two_point_readout(const Frame& frame, const Propagate& propagation) {
+Readout two_point_readout(const Frame& frame, const PropagationOptions& propagation) {
   Readout readout = empty_readout(frame, Estimator::two_point);
   std::optional<Observations> observations = observe(frame, readout.flags);
   if (!observations) return readout;
@@ -53,20 +53,21 @@ Readout two_point_readout(const Frame& frame, const Propagate& propagation) {
   flag_redundancy(*observations, readout.flags);
   keep_nearest(*observations);
   const ShotFit fit = fit_shot(std::move(*observations),
-                               {.effects = flight::kNoEffects, .leave_out_outliers = false}, readout.flags);
+                               {.effects = flight::kNoEffects, .reject_outliers = false}, readout.flags);
   propagate(fit, propagation, readout);
   if (spins_contradict_friction(readout, fit)) readout.flags.set(Flag::spin_aliased);
   return readout;
 }
 
 /// Air is fitted first and left out again where it does not matter: it nearly always does, and costs nothing.
-Readout best_readout(const Frame& frame, const Propagate& propagation, const ReduceOptions& options) {
+Readout best_readout(const Frame& frame, const PropagationOptions& propagation,
+                     const ReduceOptions& options) {
   Readout readout = empty_readout(frame, Estimator::best);
   std::optional<Observations> observations = observe(frame, readout.flags);
   if (!observations) return readout;
   readout.mirrored = observations->levelling.mirrored;
   const FitOptions fitting{.effects = options.effects.value_or(flight::Effects{}),
-                           .leave_out_outliers = options.leave_out_outliers};
+                           .reject_outliers = options.reject_outliers};
   ShotFit fit = fit_shot(std::move(*observations), fitting, readout.flags);
   flag_redundancy(fit.observations, readout.flags);
   Readout reduced = readout;
@@ -77,7 +78,7 @@ Readout best_readout(const Frame& frame, const Propagate& propagation, const Red
   }
   reduced.flight_effects = fit.effects;
   if (options.effects) return reduced;
-  const flight::Effects kept = effects_that_matter(reduced, fit, crossings, fit.effects);
+  const flight::Effects kept = significant_effects(reduced, fit, crossings, fit.effects);
   if (kept == fit.effects) return reduced;
   refit(fit, kept);
   propagate(fit, propagation, readout);
@@ -90,7 +91,7 @@ Readout best_readout(const Frame& frame, const Propagate& propagation, const Red
 Result<Readout> reduce(const Frame& frame, Estimator estimator, const ReduceOptions& options) {
   if (const auto complaint = invalid(frame)) return fail(*complaint);
   if (estimator == Estimator::legacy) return reduce_legacy(frame);
-  const Propagate propagation{temperature_c(frame), options.covariance};
+  const PropagationOptions propagation{temperature_c(frame), options.covariance};
   if (estimator == Estimator::two_point) return two_point_readout(frame, propagation);
   return best_readout(frame, propagation, options);
 }

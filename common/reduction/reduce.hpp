@@ -33,7 +33,7 @@ struct ReduceOptions {
   std::optional<flight::Effects> effects{};
   /// Leave out images that do not fit and say so (outlier_image), best estimator only. Without it every image
   /// counts and the readout is a smooth function of the measurements, as studies of small displacements need.
-  bool leave_out_outliers = true;
+  bool reject_outliers = true;
   /// Give Readout::covariance as well.
   bool covariance = false;
 };

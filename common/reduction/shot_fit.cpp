@@ -33,10 +33,10 @@ bool any_estimated(const Observations& all) {
 
 void fit_once(ShotFit& fit) {
   // The levels hardly move the fit, and the fit hardly the levels: three rounds reach rounding.
-  constexpr int kMostRounds = 6;
+  constexpr int kMaxRounds = 6;
   const bool estimated = any_estimated(fit.observations);
   Motion motion{fit.effects.gravity ? fit.observations.gravity_mps2 : Vec2{}, fit.air, {}};
-  for (int round = 0; round < kMostRounds; ++round) {
+  for (int round = 0; round < kMaxRounds; ++round) {
     fit_spins(fit);
     for (std::size_t leg = 0; leg < 2; ++leg) {
       motion.omega_radps[leg] = fit.spin[leg] ? fit.spin[leg]->omega_radps : 0.0;
@@ -63,7 +63,7 @@ ShotFit fit_shot(Observations observations, FitOptions options, FlagSet& flags) 
         flight::kSpinDecay_per_m * fit.observations.air_density_kgpm3 / flight::kAirDensity_kgpm3;
   }
   refit(fit, options.effects);
-  while (options.leave_out_outliers && leave_out_worst(fit)) {
+  while (options.reject_outliers && reject_worst_outlier(fit)) {
     flags.set(Flag::outlier_image);
     fit_once(fit);
   }

@@ -34,7 +34,7 @@ struct ShotFit {
 
 struct FitOptions {
   flight::Effects effects;
-  bool leave_out_outliers = true;
+  bool reject_outliers = true;
 };
 
 /// Sets the flags outlier_image, sd_from_residuals and spin_aliased.

@@ -19,7 +19,7 @@ double shortest_interval_s(const std::vector<EquatorReading>& readings) {
 }  // namespace
 
 bool spins_contradict_friction(const Readout& readout, const ShotFit& fit) {
-  constexpr double kMostInterval_s = 7e-3;
+  constexpr double kMaxInterval_s = 7e-3;
   constexpr double kGap = 1.5;
   constexpr double kLargestOffset = 0.5;  // of the radius
   const Quantities& value = readout.value;
@@ -32,7 +32,7 @@ bool spins_contradict_friction(const Readout& readout, const ShotFit& fit) {
   if (!before || !after || !vx_before || !vx_after || !vy_before || !vy_after) return false;
   const auto [shorter_s, interval_s] =
       std::minmax({shortest_interval_s(fit.equators[0]), shortest_interval_s(fit.equators[1])});
-  if (!(interval_s > 0.0) || interval_s > kMostInterval_s) return false;
+  if (!(interval_s > 0.0) || interval_s > kMaxInterval_s) return false;
   const ball::Ball& ball = fit.observations.ball;
   // As speeds of the rim, times alpha: no quotient of a ball's size overflows.
   const double lever_m = ball.alpha * ball.radius_m();

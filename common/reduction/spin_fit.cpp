@@ -14,7 +14,7 @@ constexpr double kCostLimit = 16.0;
 /// Spins whose chi squared differs by less than 3 sd cannot be told apart.
 constexpr double kComparable = 9.0;
 /// Half turns tried between two readings far apart; more would be beyond any flash train.
-constexpr int kMostBranches = 1000;
+constexpr int kMaxBranches = 1000;
 /// Share of the window's width next to its limit where a turn more is as believable as the spin itself.
 constexpr double kNearLimit = 0.05;
 
@@ -127,7 +127,7 @@ std::vector<Proposal> propose(const std::vector<EquatorReading>& readings,
     const double branch = kPi / interval;
     if (!std::isfinite(base)) continue;
     const double branches = std::ceil((limit + std::abs(base)) / branch);
-    const int most = branches < kMostBranches ? static_cast<int>(branches) : kMostBranches;
+    const int most = branches < kMaxBranches ? static_cast<int>(branches) : kMaxBranches;
     for (int k = -most; k <= most; ++k) {
       const double omega = base + k * branch;
       if (std::abs(omega) > limit * (1.0 + 1e-12)) continue;

@@ -32,16 +32,16 @@ constexpr const char* kLengthNeeded = "must be a positive number within 1e-9 and
 constexpr const char* kAngleSdNeeded = "must be positive, within 1e-9 and 1e6";
 
 Complaint invalid_covariance(const std::array<double, 4>& c) {
-  constexpr double kLeast = kSmallest * kSmallest;
-  constexpr double kMost = kLargestPx * kLargestPx;
+  constexpr double kMin = kSmallest * kSmallest;
+  constexpr double kMax = kLargestPx * kLargestPx;
   const double mean = 0.5 * (c[1] + c[2]);
-  if (!within(c[0], kLeast, kMost) || !within(c[3], kLeast, kMost) || !within(mean, -kMost, kMost)) {
+  if (!within(c[0], kMin, kMax) || !within(c[3], kMin, kMax) || !within(mean, -kMax, kMax)) {
     return "must be positive definite, variances within 1e-18 and 1e24";
   }
   const double largest = std::sqrt(c[0]) * std::sqrt(c[3]);
   // Closer to one, the correlation is all rounding.
-  constexpr double kMostCorrelation = 1.0 - 1e-12;
-  if (!(std::abs(mean) <= kMostCorrelation * largest)) return "must be positive definite";
+  constexpr double kMaxCorrelation = 1.0 - 1e-12;
+  if (!(std::abs(mean) <= kMaxCorrelation * largest)) return "must be positive definite";
   if (!(std::abs(c[1] - c[2]) <= 1e-6 * largest)) return "must be symmetric";
   return std::nullopt;
 }
@@ -88,7 +88,7 @@ Complaint invalid_constants(const Frame& frame) {
   }
   if (bad(frame.air_density_kgpm3, 0.0, 100.0)) return "air_density_kgpm3: must be within 0 and 100";
   if (!within(frame.surface_angle_deg, -90.0, 90.0)) return "surface_angle_deg: must be within -90 and 90";
-  if (bad(frame.temperature_c, kColdest_degC, kHottest_degC)) {
+  if (bad(frame.temperature_c, kMinTemperature_degC, kMaxTemperature_degC)) {
     return "temperature_c: must be within -60 and 100";
   }
   return invalid_noise(frame);

@@ -8,7 +8,7 @@ std::optional<Message> Assembler::take(std::uint64_t sender, std::span<const std
   const auto datagram = read_datagram(bytes);
   if (!datagram) return std::nullopt;
   if (datagram->parts == 1) return Message{datagram->channel, datagram->data};
-  return datagram->message_bytes <= kMostMessage_bytes ? add(sender, *datagram) : std::nullopt;
+  return datagram->message_bytes <= kMaxMessage_bytes ? add(sender, *datagram) : std::nullopt;
 }
 
 std::vector<Assembler::Unfinished>::iterator Assembler::find(std::uint64_t sender, const Datagram& part) {
@@ -17,7 +17,7 @@ std::vector<Assembler::Unfinished>::iterator Assembler::find(std::uint64_t sende
            each.data.size() == part.message_bytes;
   });
   if (known != unfinished_.end()) return known;
-  if (unfinished_.size() == kMostUnfinished) unfinished_.erase(unfinished_.begin());
+  if (unfinished_.size() == kMaxUnfinished) unfinished_.erase(unfinished_.begin());
   Unfinished fresh;
   fresh.sender = sender;
   fresh.number = part.number;

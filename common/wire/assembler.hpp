@@ -19,8 +19,8 @@ struct Message {
 
 class Assembler {
  public:
-  static constexpr std::uint32_t kMostMessage_bytes = 1 << 20;
-  static constexpr std::size_t kMostUnfinished = 8;  ///< the oldest gives way
+  static constexpr std::uint32_t kMaxMessage_bytes = 1 << 20;
+  static constexpr std::size_t kMaxUnfinished = 8;  ///< the oldest gives way
 
   /// The message that this datagram is, or completes; valid until the next call and while the datagram's
   /// bytes are. sender: tells senders apart.

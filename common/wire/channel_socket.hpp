@@ -35,8 +35,8 @@ class ChannelSocket {
 
   struct Received {
     std::uint64_t sender = 0;  ///< its address and port
-    std::span<const std::uint8_t>
-        bytes;  ///< valid until the next call; empty if the network reported an error
+    /// Valid until the next call; empty if the network reported an error.
+    std::span<const std::uint8_t> bytes;
   };
   /// The next datagram; nothing: none is waiting. May be of another channel where the kernel has no filters.
   std::optional<Received> receive();

@@ -42,8 +42,8 @@ inline constexpr std::size_t kLargestDatagram_bytes = 65'507;
 
 // The layout, for the kernel's filter as well; numbers are big-endian.
 inline constexpr std::uint32_t kWholeMark = 0x4c433032;  ///< "LC02", then the number, then the channel
-inline constexpr std::uint32_t kPartMark =
-    0x4c433033;  ///< "LC03", number, message's size, place, part, parts
+/// "LC03", number, message's size, place, part, parts.
+inline constexpr std::uint32_t kPartMark = 0x4c433033;
 inline constexpr std::size_t kWholeHeader_bytes = 8;
 inline constexpr std::size_t kPartHeader_bytes = 20;
 inline constexpr std::size_t kPartAt = 16;

@@ -37,7 +37,7 @@ class GuardedOutputs {
   bool active(Output output) const noexcept { return pulses_[index_of(output)].active; }
   /// How long it was on when last switched off.
   Duration last_on_time(Output output) const noexcept { return pulses_[index_of(output)].last_on_time; }
-  Duration longest_on(Output output) const noexcept { return pulses_[index_of(output)].longest; }
+  Duration max_on_time(Output output) const noexcept { return pulses_[index_of(output)].longest; }
   bool any_active() const noexcept;
   MonoTime next_off() const noexcept;               ///< kNoDeadline: all are inactive
   Output next_off_output() const noexcept;          ///< the one that next_off() is of

@@ -3,11 +3,9 @@
 //
 // What follows from it, and is proved in tests/firmware over all reachable states:
 //  1. The trigger is released only in `firing`, once a shot, for the shot that was granted, while the key is
-//  on,
-//     the e-stop released and no fault latched; never in a dry or aborted shot.
+//     on, the e-stop released and no fault latched; never in a dry or aborted shot.
 //  2. A shot is granted only to the host that armed, with the token it got last, before that expired, and
-//  only
-//     under a number that no shot had before. The token goes with it: a fired or aborted shot is spent.
+//     only under a number that no shot had before. The token goes with it: a fired or aborted shot is spent.
 //  3. Key off, e-stop, disarm and fault end an arming and abort a shot, from whatever state, in that very
 //  call.
 //  4. A fault stays until CLEAR; nothing is armed, granted or released while it lasts.
@@ -23,7 +21,7 @@
 
 namespace strobe::firmware {
 
-enum class LockInput : std::uint8_t {
+enum class InterlockEvent : std::uint8_t {
   arm,
   fire,
   disarm,
@@ -38,59 +36,59 @@ enum class LockInput : std::uint8_t {
   aborted,  ///< the shot was aborted for a reason of its own (late, a failed line)
   shot_over
 };
-inline constexpr std::size_t kLockInputs = 13;
-inline constexpr std::size_t kLockStates = 5;
+inline constexpr std::size_t kInterlockEventCount = 13;
+inline constexpr std::size_t kStateCount = 5;
 
 enum class Answer : std::uint8_t { nothing, grant, refuse, disarm, abort };
 
 /// What must hold for a grant, beside the state.
-namespace need {
+namespace guard {
 inline constexpr std::uint32_t no_fault = 1U << 0;
 inline constexpr std::uint32_t estop_off = 1U << 1;
 inline constexpr std::uint32_t key_on = 1U << 2;
 inline constexpr std::uint32_t permission = no_fault | estop_off | key_on;
-inline constexpr std::uint32_t named_host = 1U << 3;    ///< host and fresh token are not 0
-inline constexpr std::uint32_t own_arming = 1U << 4;    ///< not armed by another host
-inline constexpr std::uint32_t in_time = 1U << 5;       ///< the arming has not expired
-inline constexpr std::uint32_t token = 1U << 6;         ///< the arming's host and token
-inline constexpr std::uint32_t new_shot = 1U << 7;      ///< a number above every shot before
-inline constexpr std::uint32_t this_shot = 1U << 8;     ///< the number of the shot that is being fired
-inline constexpr std::uint32_t trigger_left = 1U << 9;  ///< live, not aborted, not yet released
-}  // namespace need
+inline constexpr std::uint32_t named_host = 1U << 3;       ///< host and fresh token are not 0
+inline constexpr std::uint32_t own_arming = 1U << 4;       ///< not armed by another host
+inline constexpr std::uint32_t in_time = 1U << 5;          ///< the arming has not expired
+inline constexpr std::uint32_t token = 1U << 6;            ///< the arming's host and token
+inline constexpr std::uint32_t new_shot = 1U << 7;         ///< a number above every shot before
+inline constexpr std::uint32_t this_shot = 1U << 8;        ///< the number of the shot that is being fired
+inline constexpr std::uint32_t trigger_pending = 1U << 9;  ///< live, not aborted, not yet released
+}  // namespace guard
 
 /// What happens unless it is refused, beside the change of state. An Answer::disarm drops the token, an
 /// Answer::abort withholds the trigger.
-namespace deed {
+namespace action {
 inline constexpr std::uint32_t take_token = 1U << 0;
 inline constexpr std::uint32_t drop_token = 1U << 1;
 inline constexpr std::uint32_t begin_shot = 1U << 2;  ///< its number is used up, its trigger ready unless dry
-inline constexpr std::uint32_t withhold_trigger = 1U << 3;
+inline constexpr std::uint32_t cancel_trigger = 1U << 3;
 inline constexpr std::uint32_t latch_fault = 1U << 4;
 inline constexpr std::uint32_t unlatch_fault = 1U << 5;
-}  // namespace deed
+}  // namespace action
 
-struct LockCell {
+struct Transition {
   Answer answer;
   State next;
 };
 
-struct LockRow {
-  std::uint32_t needs = 0;                 ///< bits of need: for an Answer::grant
-  std::uint32_t deeds = 0;                 ///< bits of deed
-  std::array<LockCell, kLockStates> in{};  ///< indexed by State
+struct TransitionRow {
+  std::uint32_t guards = 0;                  ///< bits of guard: for an Answer::grant
+  std::uint32_t actions = 0;                 ///< bits of action
+  std::array<Transition, kStateCount> in{};  ///< indexed by State
 };
 
-using LockTable = std::array<LockRow, kLockInputs>;  ///< indexed by LockInput
+using TransitionTable = std::array<TransitionRow, kInterlockEventCount>;  ///< indexed by InterlockEvent
 
 // clang-format off
 /// `next` of a shot that is over, and of a CLEAR, is `fault` as long as one is latched.
-inline constexpr LockTable kLockTable = [] {
+inline constexpr TransitionTable kTransitionTable = [] {
   using enum Answer;
   constexpr State idle = State::idle, armed = State::armed, firing = State::firing, broken = State::fault,
                   spent = State::spent;
-  namespace n = need;
-  namespace d = deed;
-  return LockTable{{
+  namespace n = guard;
+  namespace d = action;
+  return TransitionTable{{
   //                                                                           in idle           armed             firing           fault             spent
   /* arm       */ {n::permission | n::named_host | n::own_arming,
                    d::take_token,                                         {{{grant, armed},   {grant, armed},   {refuse, firing},  {refuse, broken},  {grant, armed}}}},
@@ -104,10 +102,10 @@ inline constexpr LockTable kLockTable = [] {
   /* estop_off */ {0, 0,                                                  {{{nothing, idle},  {nothing, armed}, {nothing, firing}, {nothing, broken}, {nothing, spent}}}},
   /* fault     */ {0, d::latch_fault,                                     {{{nothing, broken},{disarm, broken}, {abort, firing},   {nothing, broken}, {nothing, broken}}}},
   /* clear     */ {0, d::unlatch_fault,                                   {{{refuse, idle},   {refuse, armed},  {refuse, firing},  {grant, idle},     {refuse, spent}}}},
-  /* trigger   */ {n::permission | n::this_shot | n::trigger_left,
-                   d::withhold_trigger,                                   {{{refuse, idle},   {refuse, armed},  {grant, firing},   {refuse, broken},  {refuse, spent}}}},
-  /* aborted   */ {0, d::withhold_trigger,                                {{{nothing, idle},  {nothing, armed}, {nothing, firing}, {nothing, broken}, {nothing, spent}}}},
-  /* shot_over */ {0, d::withhold_trigger,                                {{{nothing, idle},  {nothing, armed}, {nothing, spent},  {nothing, broken}, {nothing, spent}}}},
+  /* trigger   */ {n::permission | n::this_shot | n::trigger_pending,
+                   d::cancel_trigger,                                   {{{refuse, idle},   {refuse, armed},  {grant, firing},   {refuse, broken},  {refuse, spent}}}},
+  /* aborted   */ {0, d::cancel_trigger,                                {{{nothing, idle},  {nothing, armed}, {nothing, firing}, {nothing, broken}, {nothing, spent}}}},
+  /* shot_over */ {0, d::cancel_trigger,                                {{{nothing, idle},  {nothing, armed}, {nothing, spent},  {nothing, broken}, {nothing, spent}}}},
   }};
 }();
 // clang-format on
@@ -117,7 +115,7 @@ class Interlock {
   /// last_shot_id: the highest number any shot had. table: must outlive this; another than the shipped one is
   /// for proofs that a wrong one would be noticed.
   explicit Interlock(Duration arming_expires, std::int32_t last_shot_id = 0,
-                     const LockTable& table = kLockTable)
+                     const TransitionTable& table = kTransitionTable)
       : table_(&table), expires_after_(arming_expires), shot_id_(last_shot_id) {}
 
   /// What the caller has to do after an input: at most one of them, with the reason in words.
@@ -136,8 +134,8 @@ class Interlock {
   Effect estop(bool active) noexcept;
   Effect fault(const char* why) noexcept;  ///< latches the first; `why` in static storage
   const char* clear() noexcept;
-  void aborted() noexcept { obey(LockInput::aborted, ""); }
-  void shot_over() noexcept { obey(LockInput::shot_over, ""); }
+  void aborted() noexcept { dispatch(InterlockEvent::aborted, ""); }
+  void shot_over() noexcept { dispatch(InterlockEvent::shot_over, ""); }
 
   /// True once per shot at most; then the trigger's pulse may be issued, now.
   bool release_trigger(std::int32_t shot_id) noexcept;
@@ -149,8 +147,8 @@ class Interlock {
   std::int64_t arm_token() const noexcept { return token_; }
   MonoTime arm_expires() const noexcept { return expires_; }
   std::int32_t shot_id() const noexcept { return shot_id_; }  ///< newest number used
-  bool trigger_left() const noexcept { return trigger_left_; }
-  const char* fault_words() const noexcept { return fault_; }  ///< "": none
+  bool trigger_pending() const noexcept { return trigger_pending_; }
+  const char* fault_text() const noexcept { return fault_; }  ///< "": none
 
  private:
   struct Request {
@@ -160,24 +158,26 @@ class Interlock {
     bool dry = false;
     MonoTime now;
   };
-  const LockRow& row(LockInput input) const noexcept { return (*table_)[static_cast<std::size_t>(input)]; }
-  const LockCell& cell(LockInput input) const noexcept {
+  const TransitionRow& row(InterlockEvent input) const noexcept {
+    return (*table_)[static_cast<std::size_t>(input)];
+  }
+  const Transition& transition(InterlockEvent input) const noexcept {
     return row(input).in[static_cast<std::size_t>(state_)];
   }
-  const char* ask(LockInput input, const Request& request) noexcept;
-  Effect obey(LockInput input, const char* why) noexcept;
-  const char* forbidden(std::uint32_t needs) const noexcept;
-  const char* missing(std::uint32_t needs, const Request& request) const noexcept;
-  void perform(std::uint32_t deeds, const Request& request, const char* why) noexcept;
+  const char* try_transition(InterlockEvent input, const Request& request) noexcept;
+  Effect dispatch(InterlockEvent input, const char* why) noexcept;
+  const char* forbidden(std::uint32_t guards) const noexcept;
+  const char* missing(std::uint32_t guards, const Request& request) const noexcept;
+  void perform(std::uint32_t actions, const Request& request, const char* why) noexcept;
   void enter(State next) noexcept;
   void drop_token() noexcept;
 
-  const LockTable* table_;
+  const TransitionTable* table_;
   Duration expires_after_;
   State state_ = State::idle;
   bool key_ = false;
   bool estop_ = true;
-  bool trigger_left_ = false;
+  bool trigger_pending_ = false;
   std::int64_t host_ = 0;
   std::int64_t token_ = 0;
   MonoTime expires_{0};

@@ -62,7 +62,8 @@ struct Rig {
     Duration late = microseconds(100);
     Duration abort_late = microseconds(1500);
     Duration spin = microseconds(200);
-    Duration wake_ahead = microseconds(4000);  ///< not asleep so long before a pulse, if it is longer than spin
+    Duration wake_ahead =
+        microseconds(4000);  ///< not asleep so long before a pulse, if it is longer than spin
   } tolerance;
   Duration arming_expires = milliseconds(30'000);
   struct RealTime {

@@ -77,7 +77,7 @@ void read_lamps(TomlTable table, Rig& rig) {
   lamps.min_period = rounded(table.number("min_period_us", {100, 1e6}), kNsPerUs);
   if (lamps.max_on >= lamps.min_period)
     table.error_at("max_on_us", "must be shorter than lamps.min_period_us");
-  lamps.max_flashes = static_cast<std::int32_t>(table.integer("max_flashes_per_shot", {1, kMostFlashes}));
+  lamps.max_flashes = static_cast<std::int32_t>(table.integer("max_flashes_per_shot", {1, kMaxFlashes}));
 }
 
 void read_sensors(TomlTable table, Rig& rig) {
@@ -105,7 +105,7 @@ void read_plan(TomlTable& root, Rig& rig) {
   plan.period = rounded(table.number("period_us", {1, 1e7}), kNsPerUs);
   plan.exposure = rounded(table.number("shutter_open_ms", {0.001, 60'000}), kNsPerMs);
   plan.gate_delay = rounded(table.number_or("gate_delay_ms", 0.0, {0, 60'000}), kNsPerMs);
-  plan.flash_count = static_cast<std::int32_t>(table.integer_or("flash_count", 0, {0, kMostFlashes}));
+  plan.flash_count = static_cast<std::int32_t>(table.integer_or("flash_count", 0, {0, kMaxFlashes}));
   // A coded train is the host's to make; what comes with a FIRE is checked like any plan.
   for (const char* key : {"intervals_us", "omit", "only_a", "only_b"}) table.numbers_or(key, {});
   plan.impact_at = rounded(table.number("impact_at_ms", {0.001, 60'000}), kNsPerMs);
@@ -137,7 +137,7 @@ void read_timing(TomlTable tolerance, TomlTable arming, TomlTable real_time, Rig
 
 void read_record(TomlTable& root, Rig& rig) {
   TomlTable table = root.table("record");
-  constexpr std::size_t kMostNotes = 64;
+  constexpr std::size_t kMaxNotes = 64;
   for (const std::string& key : table.keys()) {
     const bool well_formed = !key.empty() && key.size() <= 64 &&
                              key.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_") == key.npos;
@@ -146,7 +146,7 @@ void read_record(TomlTable& root, Rig& rig) {
     if (note.value.size() > 1024) table.error_at(key, "must be at most 1024 bytes");
     rig.record.push_back(std::move(note));
   }
-  if (rig.record.size() > kMostNotes) root.error_at("record", "must have at most 64 entries");
+  if (rig.record.size() > kMaxNotes) root.error_at("record", "must have at most 64 entries");
 }
 
 }  // namespace

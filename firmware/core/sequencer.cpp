@@ -16,7 +16,7 @@ Sequencer::Sequencer(const Rig& rig, const Ports& ports, std::int32_t last_shot_
       awake_(rig.tolerance),
       woken_(ports.clock.now()) {}
 
-void Sequencer::report(EventKind kind, const Words& detail) noexcept {
+void Sequencer::report(EventKind kind, const ShortText& detail) noexcept {
   Event event;
   event.kind = kind;
   event.shot_id = player_.shot_id();
@@ -27,11 +27,11 @@ void Sequencer::report(EventKind kind, const Words& detail) noexcept {
 
 void Sequencer::refuse(const Command& command, std::string_view why) noexcept {
   constexpr std::array<std::string_view, 6> kNames{"", "ARM", "FIRE", "DISARM", "RESEND", "CLEAR"};
-  Words words(kNames[static_cast<std::size_t>(command.kind)]);
+  ShortText words(kNames[static_cast<std::size_t>(command.kind)]);
   report(EventKind::refused, words.append(": ").append(why));
 }
 
-bool Sequencer::start(const Words& detail) noexcept {
+bool Sequencer::start(const ShortText& detail) noexcept {
   const bool safe = outputs_.all_off();
   report(EventKind::started, detail);
   read_levels();
@@ -40,15 +40,15 @@ bool Sequencer::start(const Words& detail) noexcept {
   return safe;
 }
 
-void Sequencer::carry_out(Interlock::Effect effect) noexcept {
+void Sequencer::apply(Interlock::Effect effect) noexcept {
   using Kind = Interlock::Effect::Kind;
   if (effect.kind == Kind::abort) player_.abort(effect.why);
   if (effect.kind == Kind::disarmed) report(EventKind::disarmed, effect.why);
 }
 
 void Sequencer::fault(const char* why) noexcept {
-  const bool news = interlock_.fault_words()[0] == '\0';
-  carry_out(interlock_.fault(why));
+  const bool news = interlock_.fault_text()[0] == '\0';
+  apply(interlock_.fault(why));
   if (news) report(EventKind::fault, why);
 }
 
@@ -69,7 +69,7 @@ void Sequencer::level(Input input, bool active, MonoTime stamp) noexcept {
   event.level = active ? 1 : 0;
   event.shot_id = player_.shot_id();
   event.device_time = stamp;
-  carry_out(effect);
+  apply(effect);
   sink_.event(event);
 }
 
@@ -88,7 +88,7 @@ void Sequencer::arm(const Command& command) noexcept {
   if (const char* why = interlock_.arm(command.host_id, command.fresh_token, clock_.now())) {
     return refuse(command, why);
   }
-  Words host;
+  ShortText host;
   report(EventKind::armed, host.append(command.host_id, 16));
 }
 
@@ -105,7 +105,7 @@ void Sequencer::fire(const Command& command) noexcept {
   player_.begin(command, shot_id, *record);
 }
 
-void Sequencer::obey(const Command& command) noexcept {
+void Sequencer::dispatch(const Command& command) noexcept {
   if (!command.defect.empty()) return refuse(command, command.defect.view());
   switch (command.kind) {
     case CommandKind::arm:
@@ -113,7 +113,7 @@ void Sequencer::obey(const Command& command) noexcept {
     case CommandKind::fire:
       return fire(command);
     case CommandKind::disarm:
-      return carry_out(interlock_.disarm());
+      return apply(interlock_.disarm());
     case CommandKind::clear: {
       const char* why = interlock_.clear();
       if (why != nullptr) return refuse(command, why);
@@ -128,7 +128,7 @@ void Sequencer::obey(const Command& command) noexcept {
 std::optional<std::size_t> Sequencer::wait(MonoTime latest) noexcept {
   const MonoTime begin = clock_.now();
   const MonoTime due = player_.next_due();
-  const MonoTime wake = due == kNoDeadline ? due : awake_.wake_for(due);
+  const MonoTime wake = due == kNoDeadline ? due : awake_.wake_time(due);
   awake_.note(begin, begin - woken_);
   const auto count = edges_.wait(std::min({wake, begin + kLongestSleep, latest}), edge_buffer_);
   woken_ = clock_.now();
@@ -149,16 +149,16 @@ bool Sequencer::step(MonoTime latest) noexcept {
     }
   }
   Command command;
-  while (commands_.pop(command)) obey(command);
+  while (commands_.pop(command)) dispatch(command);
   if (clock_.now() - levels_read_ >= kLongestSleep) read_levels();
-  carry_out(interlock_.tick(clock_.now()));
+  apply(interlock_.tick(clock_.now()));
   player_.run_due();
   if (outputs_.take_failure()) fault("an output line could not be set");
   report_status();
   return !outputs_.broken();
 }
 
-bool Sequencer::stop(const Words& why) noexcept {
+bool Sequencer::stop(const ShortText& why) noexcept {
   player_.abort(why);
   const bool safe = outputs_.all_off();
   for (int turn = 0; turn < 1000 && player_.busy(); ++turn) {
@@ -181,7 +181,7 @@ void Sequencer::report_status() noexcept {
   status.arm_expires = interlock_.arm_expires();
   status.last_shot_id = interlock_.shot_id();
   status.kernel_overflows = edges_.overflows();
-  status.fault = interlock_.fault_words();
+  status.fault = interlock_.fault_text();
   if (reported_ == status) return;
   reported_ = status;
   sink_.status(status);

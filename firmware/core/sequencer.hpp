@@ -1,4 +1,4 @@
-// The real-time loop, one turn at a time: wait for the next instant, an edge or a command; obey the
+// The real-time loop, one turn at a time: wait for the next instant, an edge or a command; dispatch the
 // interlock; play the shot. Knows no Linux: it runs on the ports, on a real clock or a virtual one. After
 // start() no call allocates, locks or logs. One thread's.
 #pragma once
@@ -6,7 +6,7 @@
 #include <array>
 #include <optional>
 
-#include "firmware/core/awake_budget.hpp"
+#include "firmware/core/cpu_budget.hpp"
 #include "firmware/core/shot_player.hpp"
 
 namespace strobe::firmware {
@@ -27,7 +27,7 @@ class Sequencer {
   Sequencer(const Rig& rig, const Ports& ports, std::int32_t last_shot_id);
 
   /// Outputs inactive, inputs read, STARTED reported. False: an output could not be driven.
-  bool start(const Words& detail) noexcept;
+  bool start(const ShortText& detail) noexcept;
 
   /// One turn; returns no later than kLongestSleep or `latest` from now.
   /// False: an output can no longer be made inactive. The caller must end the process, so that the guardian
@@ -36,7 +36,7 @@ class Sequencer {
 
   /// Outputs inactive, a running shot aborted and handed over, STOPPED reported. False: an output could not
   /// be driven.
-  bool stop(const Words& why) noexcept;
+  bool stop(const ShortText& why) noexcept;
 
   State state() const noexcept { return interlock_.state(); }
 
@@ -44,14 +44,14 @@ class Sequencer {
   std::optional<std::size_t> wait(MonoTime latest) noexcept;
   void read_levels() noexcept;
   void level(Input input, bool active, MonoTime stamp) noexcept;
-  void obey(const Command& command) noexcept;
+  void dispatch(const Command& command) noexcept;
   void arm(const Command& command) noexcept;
   void fire(const Command& command) noexcept;
-  void carry_out(Interlock::Effect effect) noexcept;
+  void apply(Interlock::Effect effect) noexcept;
   void fault(const char* why) noexcept;
   void lines_fail(const char* why) noexcept;
   void refuse(const Command& command, std::string_view why) noexcept;
-  void report(EventKind kind, const Words& detail) noexcept;
+  void report(EventKind kind, const ShortText& detail) noexcept;
   void report_status() noexcept;
 
   Rig rig_;
@@ -62,7 +62,7 @@ class Sequencer {
   Interlock interlock_;
   GuardedOutputs outputs_;
   ShotPlayer player_;
-  AwakeBudget awake_;
+  CpuBudget awake_;
   MonoTime woken_;
   std::array<Edge, 64> edge_buffer_;
   std::optional<LoopStatus> reported_;

@@ -24,16 +24,16 @@ Duration length_of(const PlanRequest& request, std::int32_t flashes) {
 
 std::string flash_of_code(std::size_t i) { return "flash " + std::to_string(i) + " of the coded train "; }
 
-Result<void> check_code(const TrainCode& code, const Rig& rig) {
+Result<void> check_code(const CodedTrain& code, const Rig& rig) {
   std::array<Duration, 2> last{-kLongest, -kLongest};
   for (std::size_t i = 0; i < code.size(); ++i) {
     const CodedFlash flash = code[i];
     if (flash.lamps < Lamps::a || flash.lamps > Lamps::both) return fail(flash_of_code(i) + "names no lamp");
     if (!sane(flash.offset))
       return fail(flash_of_code(i) + "has an instant that is negative or absurdly large");
-    if (i > 0 && flash.offset - code[i - 1].offset <= least_interval(rig)) {
+    if (i > 0 && flash.offset - code[i - 1].offset <= min_flash_interval(rig)) {
       return fail(flash_of_code(i) + "comes " + us(flash.offset - code[i - 1].offset) +
-                  " after the one before, where more than " + us(least_interval(rig)) + " are needed");
+                  " after the one before, where more than " + us(min_flash_interval(rig)) + " are needed");
     }
     for (const std::size_t lamp : {0u, 1u}) {
       if (lamp == 0 ? !has_a(flash.lamps) : !has_b(flash.lamps)) continue;
@@ -86,7 +86,7 @@ Result<void> check_free(const PlanRequest& request) {
 Result<void> check_plan(const PlanRequest& request, const Rig& rig) {
   if (request.train != Train::free && request.train != Train::gated) return fail("unknown kind of train");
   if (!sane(request.period) || !sane(request.exposure) || !sane(request.gate_delay) ||
-      !sane(request.impact_at) || request.flash_count < 0 || request.flash_count > kMostFlashes) {
+      !sane(request.impact_at) || request.flash_count < 0 || request.flash_count > kMaxFlashes) {
     return fail("a number of the plan is negative or absurdly large");
   }
   if (auto interval = check_interval(request, rig); !interval) return interval;
@@ -108,13 +108,13 @@ Result<void> check_plan(const PlanRequest& request, const Rig& rig) {
   return {};
 }
 
-Duration least_interval(const Rig& rig) { return rig.lamps.max_on + rig.tolerance.spin; }
+Duration min_flash_interval(const Rig& rig) { return rig.lamps.max_on + rig.tolerance.spin; }
 
 std::int32_t flash_count(const PlanRequest& request) {
   if (!request.code.empty()) return static_cast<std::int32_t>(request.code.size());
   if (request.train == Train::gated) return request.flash_count;
   const std::int64_t count = (request.exposure.ns + request.period.ns - 1) / request.period.ns;
-  return static_cast<std::int32_t>(std::min<std::int64_t>(count, std::int64_t{kMostFlashes} + 1));
+  return static_cast<std::int32_t>(std::min<std::int64_t>(count, std::int64_t{kMaxFlashes} + 1));
 }
 
 namespace {
@@ -142,7 +142,7 @@ void build_plan(const PlanRequest& request, const Rig& rig, ShotPlan& plan) noex
   plan.gated = request.train == Train::gated;
   plan.flash_count = flash_count(request);
   // A coded train of one flash has none of its own.
-  plan.shortest_interval = std::max(shortest_interval(request), least_interval(rig));
+  plan.shortest_interval = std::max(shortest_interval(request), min_flash_interval(rig));
   const Duration trigger_at = rig.shutter.lag + impact_at(request, rig) - rig.machine.lag;
   const Duration shutter_at = request.dry ? Duration{0} : std::max(Duration{0}, -trigger_at);
   plan.exposure_begin = shutter_at + rig.shutter.lag;

@@ -10,7 +10,7 @@
 
 namespace strobe::firmware {
 
-inline constexpr std::int32_t kMostFlashes = 4000;  ///< of any rig; sizes what is allocated at the start
+inline constexpr std::int32_t kMaxFlashes = 4000;  ///< of any rig; sizes what is allocated at the start
 
 /// One pulse of an output. Its end is `width` after it was really issued, so that a late one is never cut
 /// short.
@@ -35,7 +35,7 @@ struct ShotPlan {
 
 /// Two flashes of whichever lamps must be further apart than this, so that a pulse is over before the next
 /// one, and the loop looks at the e-stop in between.
-Duration least_interval(const Rig& rig);
+Duration min_flash_interval(const Rig& rig);
 
 /// Refuses, in words that name the limit, what exceeds the rig's limits or contradicts itself. Allocates.
 Result<void> check_plan(const PlanRequest& request, const Rig& rig);

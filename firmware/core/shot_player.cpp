@@ -20,7 +20,7 @@ ShotPlayer::ShotPlayer(const Rig& rig, Clock& clock, EdgeSource& edges, EventSin
       sink_(sink),
       interlock_(interlock),
       outputs_(outputs),
-      quiet_start_(rig.real_time.tick) {
+      tick_avoidance_(rig.real_time.tick) {
   plan_.reserve(rig.lamps.max_flashes);
 }
 
@@ -39,7 +39,7 @@ void ShotPlayer::report(EventKind kind, Line line, int level, const Issue& issue
   sink_.event(event);
 }
 
-void ShotPlayer::report(EventKind kind, MonoTime time, const Words& detail) noexcept {
+void ShotPlayer::report(EventKind kind, MonoTime time, const ShortText& detail) noexcept {
   Event event;
   event.kind = kind;
   event.shot_id = record_->shot_id;
@@ -60,14 +60,14 @@ void ShotPlayer::begin(const Command& fire, std::int32_t shot_id, ShotRecord& re
   record.shutter_on = record.shutter_off = record.shutter_open = record.shutter_close = MonoTime::never();
   record.trigger = record.gate = MonoTime::never();
   record.shutter_feedback = ShutterFeedback::none;
-  record.abort_reason = Words();
+  record.abort_reason = ShortText();
   overflows_before_ = sink_.overflows();
   kernel_overflows_before_ = edges_.overflows();
   build_plan(record.plan, rig_, plan_);
-  record.start = record.start + quiet_start_.delay(record.start, plan_);
-  book_.open(record, plan_.shortest_interval);
+  record.start = record.start + tick_avoidance_.delay(record.start, plan_);
+  edge_assignment_.open(record, plan_.shortest_interval);
   for (const PlannedPulse& pulse : plan_.pulses) {
-    if (pulse.output == Output::strobes) book_.plan(at(pulse.at), pulse.lamps);
+    if (pulse.output == Output::strobes) edge_assignment_.plan(at(pulse.at), pulse.lamps);
   }
   next_pulse_ = 0;
   last_flash_ = {MonoTime::never(), MonoTime::never()};
@@ -119,9 +119,9 @@ void ShotPlayer::issue_next(MonoTime due, MonoTime now) noexcept {
 void ShotPlayer::issue(const PlannedPulse& pulse, MonoTime now) noexcept {
   const Duration lateness = now - at(pulse.at);
   if (lateness > rig_.tolerance.abort_late) {
-    Words why(pulse.output == Output::strobes   ? "flash "
-              : pulse.output == Output::trigger ? "trigger"
-                                                : "shutter");
+    ShortText why(pulse.output == Output::strobes   ? "flash "
+                  : pulse.output == Output::trigger ? "trigger"
+                                                    : "shutter");
     if (pulse.output == Output::strobes) why.append(pulse.flash_index);
     abort(why.append(" would have been ").append(lateness.ns / 1000).append(" us late"));
     return;
@@ -143,11 +143,11 @@ bool ShotPlayer::lamps_recharged(const PlannedPulse& pulse, MonoTime now) noexce
   for (std::size_t lamp = 0; lamp < last_flash_.size(); ++lamp) {
     if (!last_flash_[lamp].known()) continue;
     const bool flashes = lamp == 0 ? has_a(pulse.lamps) : has_b(pulse.lamps);
-    const Duration least = flashes ? rig_.lamps.min_period : least_interval(rig_);
+    const Duration least = flashes ? rig_.lamps.min_period : min_flash_interval(rig_);
     const Duration gap = now - last_flash_[lamp];
     // A plan at the lamps' shortest period must survive the jitter that is tolerated in each flash.
     if (gap + rig_.tolerance.late >= least) continue;
-    Words why("flash ");
+    ShortText why("flash ");
     why.append(pulse.flash_index)
         .append(" would have come ")
         .append(gap.ns / 1000)
@@ -164,7 +164,7 @@ void ShotPlayer::flash(const PlannedPulse& pulse, MonoTime now) noexcept {
   // Wherever in the call the line changed, the lamp has not flashed after it.
   if (has_a(pulse.lamps)) last_flash_[0] = issue.end;
   if (has_b(pulse.lamps)) last_flash_[1] = issue.end;
-  book_.issued(pulse.flash_index, issue.start, issue.end);
+  edge_assignment_.issued(pulse.flash_index, issue.start, issue.end);
   report(EventKind::flash, line_of(pulse.lamps), 1, issue, pulse.flash_index);
   if (!issue.done) abort("the lamps' lines could not be set");
 }
@@ -203,10 +203,10 @@ void ShotPlayer::switch_off(Output output, MonoTime now) noexcept {
   }
   if (!issue.done) return abort("an output could not be switched off");
   const Duration on_time = outputs_.last_on_time(output);
-  if (on_time <= outputs_.longest_on(output) + rig_.tolerance.late) return;
-  Words why(output == Output::strobes   ? "the lamps' lines were"
-            : output == Output::trigger ? "the trigger was"
-                                        : "the shutter was");
+  if (on_time <= outputs_.max_on_time(output) + rig_.tolerance.late) return;
+  ShortText why(output == Output::strobes   ? "the lamps' lines were"
+                : output == Output::trigger ? "the trigger was"
+                                            : "the shutter was");
   abort(why.append(" on for ").append(on_time.ns / 1000).append(" us"));
 }
 
@@ -228,7 +228,7 @@ void ShotPlayer::edge(const Edge& edge) noexcept {
   event.line = edge.input == Input::sensor_a ? Line::sensor_a : Line::sensor_b;
   sink_.event(event);
   const bool is_a = edge.input == Input::sensor_a;
-  book_.edge(edge.input, edge.time - (is_a ? rig_.sensors.delay_a : rig_.sensors.delay_b));
+  edge_assignment_.edge(edge.input, edge.time - (is_a ? rig_.sensors.delay_a : rig_.sensors.delay_b));
 }
 
 void ShotPlayer::xsync(const Edge& edge) noexcept {
@@ -247,7 +247,7 @@ void ShotPlayer::xsync(const Edge& edge) noexcept {
   } else if (!edge.active && shutter_seen_open_ && !shutter_seen_closed_ && after(record_->shutter_off)) {
     shutter_seen_closed_ = true;
     record_->shutter_close = edge.time;
-    if (phase_ == Phase::closing) closes_at_ = std::min(closes_at_, clock_.now() + kLateEdges);
+    if (phase_ == Phase::closing) closes_at_ = std::min(closes_at_, clock_.now() + kEdgeTimeout);
   }
 }
 
@@ -265,7 +265,7 @@ ShutterFeedback ShotPlayer::shutter_feedback() const noexcept {
 
 void ShotPlayer::close() noexcept {
   phase_ = Phase::closing;
-  closes_at_ = clock_.now() + kLateEdges;
+  closes_at_ = clock_.now() + kEdgeTimeout;
   if (rig_.line(Line::xsync).fitted && shutter_seen_open_ && !shutter_seen_closed_)
     closes_at_ = std::max(closes_at_, record_->shutter_close + rig_.shutter.late);
 }
@@ -281,11 +281,12 @@ void ShotPlayer::gate(MonoTime stamp) noexcept {
     return abort("the gate was interrupted too late for the burst to end within the exposure");
   }
   for (std::size_t k = next_pulse_; k < plan_.pulses.size(); ++k) {
-    if (plan_.pulses[k].output == Output::strobes) book_.plan(at(plan_.pulses[k].at), plan_.pulses[k].lamps);
+    if (plan_.pulses[k].output == Output::strobes)
+      edge_assignment_.plan(at(plan_.pulses[k].at), plan_.pulses[k].lamps);
   }
 }
 
-void ShotPlayer::abort(const Words& why) noexcept {
+void ShotPlayer::abort(const ShortText& why) noexcept {
   if (phase_ != Phase::playing) return;
   const bool shutter_was_open = outputs_.active(Output::shutter);
   outputs_.all_off();  // a failure is the sequencer's to act on

@@ -3,11 +3,11 @@
 // with. Real-time safe; one thread's. Driven by Sequencer.
 #pragma once
 
-#include "firmware/core/flash_book.hpp"
+#include "firmware/core/edge_assignment.hpp"
 #include "firmware/core/guarded_outputs.hpp"
 #include "firmware/core/interlock.hpp"
-#include "firmware/core/quiet_start.hpp"
 #include "firmware/core/shot_plan.hpp"
+#include "firmware/core/tick_avoidance.hpp"
 #include "firmware/ports/command_source.hpp"
 #include "firmware/ports/edge_source.hpp"
 
@@ -19,7 +19,7 @@ class ShotPlayer {
   /// journalled.
   static constexpr Duration kLead = milliseconds(20);
   /// After the plan's end the sensors' last edges are waited for.
-  static constexpr Duration kLateEdges = milliseconds(2);
+  static constexpr Duration kEdgeTimeout = milliseconds(2);
 
   ShotPlayer(const Rig& rig, Clock& clock, EdgeSource& edges, EventSink& sink, Interlock& interlock,
              GuardedOutputs& outputs);
@@ -30,7 +30,7 @@ class ShotPlayer {
   std::int32_t shot_id() const noexcept { return busy() ? record_->shot_id : 0; }
   MonoTime next_due() const noexcept;    ///< kNoDeadline: nothing to do
   void edge(const Edge& edge) noexcept;  ///< of a sensor, the gate or the shutter's contact
-  void abort(const Words& why) noexcept;
+  void abort(const ShortText& why) noexcept;
   /// Issues what is due within the spinning stretch, and ends the shot when its time has come.
   void run_due() noexcept;
 
@@ -54,7 +54,7 @@ class ShotPlayer {
   void end_if_over() noexcept;
   void report(EventKind kind, Line line, int level, const Issue& issue,
               std::int32_t flash_index = -1) noexcept;
-  void report(EventKind kind, MonoTime time, const Words& detail) noexcept;
+  void report(EventKind kind, MonoTime time, const ShortText& detail) noexcept;
 
   const Rig& rig_;
   Clock& clock_;
@@ -62,8 +62,8 @@ class ShotPlayer {
   EventSink& sink_;
   Interlock& interlock_;
   GuardedOutputs& outputs_;
-  QuietStart quiet_start_;
-  FlashBook book_;
+  TickAvoidance tick_avoidance_;
+  EdgeAssignment edge_assignment_;
   ShotPlan plan_;
   std::size_t next_pulse_ = 0;
   Phase phase_ = Phase::idle;

@@ -27,7 +27,7 @@ std::size_t periods_hit(const std::vector<Gap>& group, Duration period, std::int
 
 }  // namespace
 
-Tick tick_of(std::span<const Gap> gaps, Duration period, int periods) {
+Tick detect_tick(std::span<const Gap> gaps, Duration period, int periods) {
   std::vector<Gap> best;
   std::size_t most = 0;
   std::int64_t phase_ns = 0;

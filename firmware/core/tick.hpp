@@ -29,6 +29,6 @@ struct Gap {
 
 /// The tick of a given period in a spin over so many periods; unknown if fewer than three in five of them
 /// were interrupted at one phase (within 40 us). Allocates.
-Tick tick_of(std::span<const Gap> gaps, Duration period, int periods);
+Tick detect_tick(std::span<const Gap> gaps, Duration period, int periods);
 
 }  // namespace strobe::firmware

@@ -95,12 +95,12 @@ TimingHistogram::Coarse TimingHistogram::coarse() const noexcept {
   // A bin no wider than a step of the table would show the table.
   const std::int64_t step = last_of(bin_of(static_cast<std::uint64_t>(largest))) -
                             first_of(bin_of(static_cast<std::uint64_t>(largest))) + 1;
-  constexpr auto kInner = static_cast<std::int64_t>(Coarse::kMost - 2);
+  constexpr auto kInner = static_cast<std::int64_t>(Coarse::kMax - 2);
   const std::int64_t width = round_up(std::max((high - low + kInner - 1) / kInner, step == 1 ? 1 : 4 * step));
   result.width = nanoseconds(width);
   result.first = nanoseconds(floor_to(low, width));
   result.count = static_cast<std::size_t>(
-      std::min<std::int64_t>((high - result.first.ns) / width + 1, static_cast<std::int64_t>(Coarse::kMost)));
+      std::min<std::int64_t>((high - result.first.ns) / width + 1, static_cast<std::int64_t>(Coarse::kMax)));
   visit_in_order([&](std::int64_t first, std::int64_t last, std::uint32_t n) {
     const std::int64_t middle = first + (last - first) / 2;
     const std::int64_t bin = (floor_to(middle, width) - result.first.ns) / width;

@@ -15,11 +15,11 @@ class TimingHistogram {
   /// Some 20 equal bins over the middle 99 %, of a width that is 1, 2 or 5 times a power of ten [ns]. The
   /// first and the last hold what lies beyond them, too.
   struct Coarse {
-    static constexpr std::size_t kMost = 24;
+    static constexpr std::size_t kMax = 24;
     Duration first;  ///< lower edge of the first bin
     Duration width;
     std::size_t count = 0;  ///< of bins; 0: there are no values
-    std::array<std::int64_t, kMost> bins{};
+    std::array<std::int64_t, kMax> bins{};
   };
 
   void add(Duration value) noexcept;

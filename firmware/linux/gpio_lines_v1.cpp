@@ -9,7 +9,7 @@
 #include <ctime>
 
 #include "firmware/linux/gpio_lines.hpp"
-#include "firmware/linux/monotonic_clock.hpp"
+#include "firmware/linux/system_clock.hpp"
 
 namespace strobe::firmware {
 
@@ -280,8 +280,8 @@ Result<OutputTakeover> OutputTakeover::prepare(const Rig& rig) {
 
 Result<void> OutputTakeover::drive_inactive(Duration patience) {
   const timespec pause{0, 100'000};
-  constexpr int kLeastTries = 100;  // a machine that stands still uses the time up without a try
-  MonotonicClock clock;
+  constexpr int kMinTries = 100;  // a machine that stands still uses the time up without a try
+  SystemClock clock;
   const MonoTime end = clock.now() + patience;
   for (int tries = 1;; ++tries) {
     bool others = false;  // whoever holds a line may let it go yet
@@ -297,7 +297,7 @@ Result<void> OutputTakeover::drive_inactive(Duration patience) {
       }
     }
     if (missing.empty()) return {};
-    const bool patient = clock.now() < end || tries < kLeastTries;
+    const bool patient = clock.now() < end || tries < kMinTries;
     if (!others || !patient) return fail(missing);
     clock_nanosleep(CLOCK_MONOTONIC, 0, &pause, nullptr);
   }

@@ -19,10 +19,10 @@
 #include <string>
 
 #include "firmware/linux/gpio_lines.hpp"
-#include "firmware/linux/hang_judge.hpp"
-#include "firmware/linux/monotonic_clock.hpp"
 #include "firmware/linux/real_time.hpp"
 #include "firmware/linux/service_notify.hpp"
+#include "firmware/linux/system_clock.hpp"
+#include "firmware/linux/watchdog.hpp"
 
 namespace strobe::firmware {
 
@@ -31,8 +31,8 @@ namespace {
 constexpr int kAnywhere = -1;  // for a CPU
 constexpr Duration kPatience = milliseconds(1000);
 constexpr Duration kTimeToStop = milliseconds(15'000);  // a slow disk may keep the journal's last lines
-constexpr Duration kGrace =
-    milliseconds(1000);  // for a worker that was asked to stop since its publisher hangs
+// for a worker that was asked to stop since its publisher hangs
+constexpr Duration kGrace = milliseconds(1000);
 
 sigset_t stop_signals() {
   sigset_t set;
@@ -41,8 +41,8 @@ sigset_t stop_signals() {
   return set;
 }
 
-[[noreturn]] void become_worker(pid_t guardian, const std::function<int(WorkerPage&)>& work,
-                                WorkerPage& page) {
+[[noreturn]] void become_worker(pid_t guardian, const std::function<int(SharedStatus&)>& work,
+                                SharedStatus& page) {
   prctl(PR_SET_PDEATHSIG, SIGTERM);
   if (getppid() != guardian) _exit(kExitFailed);
   // A core dump of locked memory would take seconds, with the outputs as they are.
@@ -54,12 +54,12 @@ sigset_t stop_signals() {
 
 class Guardian {
  public:
-  Guardian(const Rig& rig, pid_t worker, WorkerPage& page)
+  Guardian(const Rig& rig, pid_t worker, SharedStatus& page)
       : rig_(rig),
         worker_(worker),
         page_(page),
         service_(ServiceNotify::from_environment()),
-        hangs_(HangJudge::publisher_limit(service_.watchdog())) {}
+        watchdog_(Watchdog::publisher_timeout_for(service_.watchdog())) {}
 
   int run() {
     // What is wrong with the chip or the rights is the worker's to tell.
@@ -81,13 +81,13 @@ class Guardian {
     const sigset_t stops = stop_signals();
     const int signals = signalfd(-1, &stops, SFD_CLOEXEC | SFD_NONBLOCK);
     const int worker = static_cast<int>(syscall(SYS_pidfd_open, worker_, 0));
-    pollfd polled[] = {{worker, POLLIN, 0}, {signals, POLLIN, 0}, {page_.bell_fd, POLLIN, 0}};
+    pollfd polled[] = {{worker, POLLIN, 0}, {signals, POLLIN, 0}, {page_.event_fd, POLLIN, 0}};
     for (;;) {
-      poll(polled, 3, worker >= 0 ? static_cast<int>(hangs_.until_next_look().ns / 1'000'000) : 1);
+      poll(polled, 3, worker >= 0 ? static_cast<int>(watchdog_.until_next_look().ns / 1'000'000) : 1);
       if (worker >= 0 ? polled[0].revents != 0 : dead_without_pidfd()) return;
-      page_.guardian_turned_ns = clock_.now().ns;
+      page_.guardian_heartbeat_ns = clock_.now().ns;
       pass_stops_on(signals);
-      if (polled[2].revents != 0) answer_bell();
+      if (polled[2].revents != 0) handle_notification();
       watch_for_hangs();
     }
   }
@@ -108,10 +108,10 @@ class Guardian {
     return "STOPPING=1\nEXTEND_TIMEOUT_USEC=" + std::to_string(needed.ns / 1000);
   }
 
-  void answer_bell() {
+  void handle_notification() {
     std::uint64_t rings = 0;
-    if (read(page_.bell_fd, &rings, sizeof rings) < 0) return;
-    if (page_.lines_let_go && !safe_) {
+    if (read(page_.event_fd, &rings, sizeof rings) < 0) return;
+    if (page_.lines_released && !safe_) {
       make_safe();
       if (!kill_at_.known()) kill_at_ = clock_.now() + kTimeToStop;
     }
@@ -124,26 +124,26 @@ class Guardian {
   void watch_for_hangs() {
     const MonoTime now = clock_.now();
     if (kill_at_.known() && now > kill_at_) kill(worker_, SIGKILL);
-    const WorkerMarks marks{MonoTime{page_.loop_turned_ns}, MonoTime{page_.publisher_turned_ns}};
+    const Heartbeats marks{MonoTime{page_.loop_heartbeat_ns}, MonoTime{page_.publisher_heartbeat_ns}};
     // A worker that stops, or whose loop had to end, turns no more.
-    const bool watched = !page_.outputs_safe && !page_.lines_let_go;
-    const HangJudge::Verdict verdict =
-        watched ? hangs_.look(marks, now, beside_cpu_ >= 0) : HangJudge::Verdict::well;
-    stand_beside_loop(watched && real_time_ && hangs_.doubtful() ? page_.loop_cpu.load() : kAnywhere);
-    if (verdict == HangJudge::Verdict::well) return beat(now);
-    if (hung_ != HangJudge::Verdict::well) return;
+    const bool watched = !page_.outputs_safe && !page_.lines_released;
+    const Watchdog::Verdict verdict =
+        watched ? watchdog_.look(marks, now, current_core_ >= 0) : Watchdog::Verdict::well;
+    move_to_loop_core(watched && real_time_ && watchdog_.suspect() ? page_.loop_cpu.load() : kAnywhere);
+    if (verdict == Watchdog::Verdict::well) return beat(now);
+    if (hung_ != Watchdog::Verdict::well) return;
     hung_ = verdict;
-    const bool loop = verdict == HangJudge::Verdict::loop_hangs;
+    const bool loop = verdict == Watchdog::Verdict::loop_hung;
     kill_at_ = now + kGrace;
     kill(worker_, loop ? SIGKILL : SIGTERM);
   }
 
   /// On the core that the loop ran on last: what keeps the loop from turning there keeps the guardian, too,
   /// unless it is the loop itself. A core that cannot be had is not looked at.
-  void stand_beside_loop(int cpu) {
-    if (cpu == beside_cpu_) return;
-    beside_cpu_ = cpu != kAnywhere && pin_to_cpu(cpu).empty() ? cpu : kAnywhere;
-    if (beside_cpu_ == kAnywhere) sched_setaffinity(0, sizeof anywhere_, &anywhere_);
+  void move_to_loop_core(int cpu) {
+    if (cpu == current_core_) return;
+    current_core_ = cpu != kAnywhere && pin_to_cpu(cpu).empty() ? cpu : kAnywhere;
+    if (current_core_ == kAnywhere) sched_setaffinity(0, sizeof anywhere_, &anywhere_);
   }
 
   /// The service manager's watchdog: only a guardian that comes round and finds all well feeds it.
@@ -174,16 +174,16 @@ class Guardian {
   }
 
   std::string cause(int status) const {
-    if (page_.lines_let_go) return "an output could not be switched off";
-    if (hung_ == HangJudge::Verdict::loop_hangs) return "the loop hung and the worker was killed";
-    if (hung_ == HangJudge::Verdict::publisher_hangs) return "the publisher hung and the worker was stopped";
+    if (page_.lines_released) return "an output could not be switched off";
+    if (hung_ == Watchdog::Verdict::loop_hung) return "the loop hung and the worker was killed";
+    if (hung_ == Watchdog::Verdict::publisher_hung) return "the publisher hung and the worker was stopped";
     if (WIFEXITED(status)) return "the worker ended with status " + std::to_string(WEXITSTATUS(status));
     return "the worker died of signal " + std::to_string(WTERMSIG(status)) + " (" +
            strsignal(WTERMSIG(status)) + ")";
   }
 
   int report(int status) const {
-    if (WIFEXITED(status) && !safe_ && hung_ == HangJudge::Verdict::well) return WEXITSTATUS(status);
+    if (WIFEXITED(status) && !safe_ && hung_ == Watchdog::Verdict::well) return WEXITSTATUS(status);
     std::string words = cause(status) + "; ";
     if (!safe_) {
       words += page_.outputs_safe ? "it had made the outputs inactive" : "it had no outputs";
@@ -199,32 +199,33 @@ class Guardian {
 
   const Rig& rig_;
   pid_t worker_;
-  WorkerPage& page_;
-  MonotonicClock clock_;
+  SharedStatus& page_;
+  SystemClock clock_;
   ServiceNotify service_;
-  HangJudge hangs_;
+  Watchdog watchdog_;
   std::optional<OutputTakeover> takeover_;
   std::optional<Result<void>> safe_;  ///< once it was tried to make the outputs safe
   Duration took_{0};
-  HangJudge::Verdict hung_ = HangJudge::Verdict::well;
+  Watchdog::Verdict hung_ = Watchdog::Verdict::well;
   MonoTime kill_at_ = MonoTime::never();  ///< however well it seems
   MonoTime next_beat_{0};
   bool real_time_ = false;
   cpu_set_t anywhere_{};
-  int beside_cpu_ = kAnywhere;
+  int current_core_ = kAnywhere;
   bool said_ready_ = false;
 };
 
 }  // namespace
 
-int guard(const Rig& rig, const std::function<int(WorkerPage&)>& work) {
-  void* memory = mmap(nullptr, sizeof(WorkerPage), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+int run_guardian(const Rig& rig, const std::function<int(SharedStatus&)>& work) {
+  void* memory =
+      mmap(nullptr, sizeof(SharedStatus), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
   if (memory == MAP_FAILED) {
     std::fprintf(stderr, "strobed: mmap: %s\n", std::strerror(errno));
     return kExitFailed;
   }
-  auto* page = new (memory) WorkerPage;
-  page->bell_fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+  auto* page = new (memory) SharedStatus;
+  page->event_fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
   // A terminal that is closed and a limit on file sizes are no reasons to die in the middle of a shot.
   for (const int signal : {SIGPIPE, SIGXFSZ}) std::signal(signal, SIG_IGN);
   const sigset_t stops = stop_signals();

@@ -12,7 +12,7 @@
 #include <functional>
 
 #include "firmware/core/rig.hpp"
-#include "firmware/linux/worker_page.hpp"
+#include "firmware/linux/shared_status.hpp"
 
 namespace strobe::firmware {
 
@@ -21,12 +21,12 @@ inline constexpr int kExitFailed = 1;
 inline constexpr int kExitBadInput = 2;
 
 /// A guardian that has not come round for so long watches no more: the worker is to stop.
-inline constexpr Duration kGuardianHangs = milliseconds(5'000);
+inline constexpr Duration kGuardianTimeout = milliseconds(5'000);
 
 /// Runs `work` in a child whose SIGTERM, SIGINT and SIGHUP are blocked (it waits for them) and that gets
 /// SIGTERM if the guardian dies. Returns the exit status of strobed: 0 orderly stop, 2 as the worker gives it
 /// before it had the lines, 1 all else. Call it while the process has one thread and no descriptors of its
 /// own.
-int guard(const Rig& rig, const std::function<int(WorkerPage&)>& work);
+int run_guardian(const Rig& rig, const std::function<int(SharedStatus&)>& work);
 
 }  // namespace strobe::firmware

@@ -29,7 +29,7 @@ std::string users_of(int number, const SystemFiles& files) {
 
 }  // namespace
 
-std::vector<Interrupt> interrupts_of(const SystemFiles& files) {
+std::vector<Interrupt> read_interrupts(const SystemFiles& files) {
   std::vector<Interrupt> all;
   for (const std::string& entry : files.list("proc/irq")) {
     if (!is_number(entry)) continue;
@@ -37,7 +37,7 @@ std::vector<Interrupt> interrupts_of(const SystemFiles& files) {
     interrupt.number = std::atoi(entry.c_str());
     const auto list = files.read(affinity_file(interrupt.number));
     if (!list) continue;
-    interrupt.cpus = cpus_of_list(*list);
+    interrupt.cpus = parse_cpu_list(*list);
     interrupt.name = users_of(interrupt.number, files);
     // Since Linux 6.4 the mode says it; before, only an attempt does.
     interrupt.movable = files.owner_may_write(affinity_file(interrupt.number));
@@ -46,10 +46,10 @@ std::vector<Interrupt> interrupts_of(const SystemFiles& files) {
   return all;
 }
 
-Moved keep_interrupts_off(int cpu, const SystemFiles& files) {
-  Moved moved;
-  const std::set<int> online = cpus_of_list(files.read("sys/devices/system/cpu/online").value_or("0"));
-  for (Interrupt& interrupt : interrupts_of(files)) {
+InterruptMoves move_interrupts_off(int cpu, const SystemFiles& files) {
+  InterruptMoves moved;
+  const std::set<int> online = parse_cpu_list(files.read("sys/devices/system/cpu/online").value_or("0"));
+  for (Interrupt& interrupt : read_interrupts(files)) {
     if (!interrupt.cpus.contains(cpu)) continue;
     std::set<int> rest = interrupt.cpus;
     rest.erase(cpu);
@@ -58,8 +58,8 @@ Moved keep_interrupts_off(int cpu, const SystemFiles& files) {
     const std::string file = affinity_file(interrupt.number);
     if (!interrupt.movable) {
       moved.fixed.push_back(std::move(interrupt));
-    } else if (!rest.empty() && files.write(file, list_of_cpus(rest)) &&
-               !cpus_of_list(files.read(file).value_or("")).contains(cpu)) {
+    } else if (!rest.empty() && files.write(file, format_cpu_list(rest)) &&
+               !parse_cpu_list(files.read(file).value_or("")).contains(cpu)) {
       moved.away.push_back(std::move(interrupt));
     } else {
       moved.refused.push_back(std::move(interrupt));

@@ -17,14 +17,14 @@ struct Interrupt {
 };
 
 /// Every interrupt with a number and a list of CPUs. The timer's and the others of a CPU itself have none.
-std::vector<Interrupt> interrupts_of(const SystemFiles& files);
+std::vector<Interrupt> read_interrupts(const SystemFiles& files);
 
-struct Moved {
+struct InterruptMoves {
   std::vector<Interrupt> away;     ///< moved off the CPU
   std::vector<Interrupt> refused;  ///< movable, but not by this user, or there is no other CPU
   std::vector<Interrupt> fixed;
 };
 /// Takes the CPU out of the list of every interrupt that may run there. Needs root.
-Moved keep_interrupts_off(int cpu, const SystemFiles& files);
+InterruptMoves move_interrupts_off(int cpu, const SystemFiles& files);
 
 }  // namespace strobe::firmware

@@ -58,7 +58,7 @@ std::optional<Preemption> in_configuration(const std::string& text) {
 
 }  // namespace
 
-PreemptionModel preemption_of(const SystemFiles& files) {
+PreemptionModel read_preemption(const SystemFiles& files) {
   const std::string realtime = "sys/kernel/realtime";
   const std::string version = "proc/sys/kernel/version";
   const std::string flags = files.read(version).value_or("");

@@ -18,12 +18,12 @@ enum class Preemption {
 
 struct PreemptionModel {
   Preemption model = Preemption::unknown;
-  std::string told_by;      ///< the file it was read from
+  std::string source;       ///< the file it was read from
   bool switchable = false;  ///< preempt=... on the kernel's command line, or root at any time, chooses it
 };
 
 /// From /sys/kernel/realtime, the kernel's version, and for one built with PREEMPT_DYNAMIC: debugfs, the
 /// command line, the kernel's configuration in /boot, in this order. Safe from any thread.
-PreemptionModel preemption_of(const SystemFiles& files);
+PreemptionModel read_preemption(const SystemFiles& files);
 
 }  // namespace strobe::firmware

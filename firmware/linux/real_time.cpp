@@ -72,7 +72,7 @@ std::string pin_to_cpu(int cpu) {
   return "real_time.cpu: CPU " + std::to_string(cpu) + " cannot be had (" + std::strerror(error) + ")";
 }
 
-void keep_off_cpu(int cpu) {
+void exclude_cpu(int cpu) {
   cpu_set_t set;
   if (cpu < 0 || sched_getaffinity(0, sizeof set, &set) != 0) return;
   CPU_CLR(static_cast<std::size_t>(cpu), &set);
@@ -95,9 +95,9 @@ std::string trial_lines(const Rig::RealTime& wanted) {
 
 }  // namespace
 
-RealTimeTrial try_real_time(const Rig::RealTime& wanted) {
+RealTimeRights probe_real_time(const Rig::RealTime& wanted) {
   int result[2];
-  RealTimeTrial trial;
+  RealTimeRights trial;
   if (pipe(result) != 0) {
     trial.policy = std::string("pipe: ") + std::strerror(errno);
     return trial;

@@ -27,10 +27,10 @@ std::string lock_memory();
 std::string become_real_time(int priority);  ///< the calling thread, SCHED_FIFO
 std::string pin_to_cpu(int cpu);             ///< the calling thread; -1: nothing to do
 /// The calling thread and those it starts, where there is another CPU to run on; -1: nothing to do.
-void keep_off_cpu(int cpu);
+void exclude_cpu(int cpu);
 
 /// What is wrong with each right, as above; empty: it can be had.
-struct RealTimeTrial {
+struct RealTimeRights {
   std::string policy;
   std::string priority;
   std::string memory;
@@ -39,7 +39,7 @@ struct RealTimeTrial {
   bool granted() const { return policy.empty() && priority.empty() && memory.empty() && pinning.empty(); }
 };
 /// Tries all of the above without keeping any (in a child process).
-RealTimeTrial try_real_time(const Rig::RealTime& wanted);
+RealTimeRights probe_real_time(const Rig::RealTime& wanted);
 
 /// Touches the calling thread's stack so that no page of it faults later.
 void prefault_stack();

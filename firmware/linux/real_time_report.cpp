@@ -4,7 +4,7 @@
 #include <array>
 #include <cstdlib>
 
-#include "firmware/core/awake_budget.hpp"
+#include "firmware/core/cpu_budget.hpp"
 #include "firmware/linux/interrupts.hpp"
 #include "firmware/linux/preemption.hpp"
 
@@ -25,10 +25,10 @@ CheckItem tried(const char* name, const std::string& fault, std::string found) {
 /// Where the loop may run.
 std::set<int> loop_cpus(const Rig& rig, const SystemFiles& files) {
   if (rig.real_time.cpu >= 0) return {rig.real_time.cpu};
-  return cpus_of_list(files.read(kCpuFolder + "online").value_or("0"));
+  return parse_cpu_list(files.read(kCpuFolder + "online").value_or("0"));
 }
 
-CheckItem pinning(const Rig& rig, const RealTimeTrial& trial, const SystemFiles& files) {
+CheckItem pinning(const Rig& rig, const RealTimeRights& trial, const SystemFiles& files) {
   const int cpu = rig.real_time.cpu;
   if (cpu >= 0) return tried("pinning", trial.pinning, "CPU " + std::to_string(cpu));
   const std::set<int> online = loop_cpus(rig, files);
@@ -64,8 +64,8 @@ CheckItem governor(const Rig& rig, const SystemFiles& files) {
   }
   if (!scaled) return ok("governor", "the CPU's frequency is not the kernel's to change");
   if (slow.empty()) return ok("governor", "performance");
-  return advice("governor", "\"" + name + "\" slows CPU " + list_of_cpus(slow) +
-                                " down between flashes: cpupower -c " + list_of_cpus(slow) +
+  return advice("governor", "\"" + name + "\" slows CPU " + format_cpu_list(slow) +
+                                " down between flashes: cpupower -c " + format_cpu_list(slow) +
                                 " frequency-set -g performance");
 }
 
@@ -73,7 +73,7 @@ CheckItem governor(const Rig& rig, const SystemFiles& files) {
 double awake_share(const Rig& rig) {
   const Duration awake = std::max(rig.tolerance.spin, rig.tolerance.wake_ahead) + rig.lamps.pulse;
   const double wanted = static_cast<double>(awake.ns) / static_cast<double>(rig.lamps.min_period.ns);
-  return std::min(AwakeBudget::kLargestShare, wanted);
+  return std::min(CpuBudget::kMaxShare, wanted);
 }
 
 CheckItem throttling(const Rig& rig, const SystemFiles& files) {
@@ -98,9 +98,9 @@ CheckItem isolation(const Rig& rig, const SystemFiles& files) {
   if (cpu < 0) return advice("isolation", "no CPU is the loop's own: set [real_time] cpu first");
   const std::string number = std::to_string(cpu);
   std::string missing;
-  if (!cpus_of_list(files.read(kCpuFolder + "isolated").value_or("")).contains(cpu))
+  if (!parse_cpu_list(files.read(kCpuFolder + "isolated").value_or("")).contains(cpu))
     missing += " isolcpus=" + number;
-  if (!cpus_of_list(files.read(kCpuFolder + "nohz_full").value_or("")).contains(cpu))
+  if (!parse_cpu_list(files.read(kCpuFolder + "nohz_full").value_or("")).contains(cpu))
     missing += " nohz_full=" + number;
   if (missing.empty()) return ok("isolation", "isolcpus and nohz_full hold CPU " + number);
   return advice("isolation", "other work and the timer's tick run on CPU " + number +
@@ -108,14 +108,14 @@ CheckItem isolation(const Rig& rig, const SystemFiles& files) {
 }
 
 std::string named(const std::vector<Interrupt>& interrupts) {
-  constexpr std::size_t kMostNamed = 6;
+  constexpr std::size_t kMaxNamed = 6;
   std::string text;
-  for (std::size_t i = 0; i < std::min(kMostNamed, interrupts.size()); ++i) {
+  for (std::size_t i = 0; i < std::min(kMaxNamed, interrupts.size()); ++i) {
     text += (i == 0 ? "" : ", ") + std::to_string(interrupts[i].number);
     if (!interrupts[i].name.empty()) text += " (" + interrupts[i].name + ")";
   }
-  if (interrupts.size() > kMostNamed)
-    text += " and " + std::to_string(interrupts.size() - kMostNamed) + " more";
+  if (interrupts.size() > kMaxNamed)
+    text += " and " + std::to_string(interrupts.size() - kMaxNamed) + " more";
   return text;
 }
 
@@ -131,7 +131,7 @@ void interrupts(const Rig& rig, const SystemFiles& files, std::vector<CheckItem>
   const int cpu = rig.real_time.cpu;
   std::vector<Interrupt> movable;
   std::vector<Interrupt> fixed;
-  for (Interrupt& interrupt : interrupts_of(files)) {
+  for (Interrupt& interrupt : read_interrupts(files)) {
     if (cpu >= 0 && interrupt.cpus.contains(cpu)) (interrupt.movable ? movable : fixed).push_back(interrupt);
   }
   const std::string where = "CPU " + std::to_string(cpu);
@@ -186,7 +186,7 @@ std::string until_then(const Rig& rig) {
 
 CheckItem preemption(const Rig& rig, const SystemFiles& files) {
   const char* name = "preemption";
-  const PreemptionModel found = preemption_of(files);
+  const PreemptionModel found = read_preemption(files);
   const std::string cure = how_to_preempt(found.switchable) + until_then(rig);
   const std::string late = ", under memory or disk load for milliseconds: ";
   switch (found.model) {
@@ -208,13 +208,13 @@ CheckItem preemption(const Rig& rig, const SystemFiles& files) {
                   "/sys/kernel/debug/sched/preempt; " +
                       cure);
   }
-  if (found.told_by.empty()) return ok(name, "not told by the kernel");
+  if (found.source.empty()) return ok(name, "not told by the kernel");
   return advice(name, "none or voluntary: the loop waits for other programs' system calls" + late + cure);
 }
 
 }  // namespace
 
-std::vector<CheckItem> real_time_report(const Rig& rig, const RealTimeTrial& trial, const Tick& tick,
+std::vector<CheckItem> real_time_report(const Rig& rig, const RealTimeRights& trial, const Tick& tick,
                                         const SystemFiles& files) {
   std::vector<CheckItem> items{tried("policy", trial.policy, "SCHED_FIFO"),
                                tried("priority", trial.priority, std::to_string(rig.real_time.priority)),

@@ -24,7 +24,7 @@ struct CheckItem {
 
 /// policy, priority, memory, pinning, latency, tick, governor, throttling, isolation, preemption, interrupts,
 /// fixed_interrupts, clock_source, in this order.
-std::vector<CheckItem> real_time_report(const Rig& rig, const RealTimeTrial& trial, const Tick& tick,
+std::vector<CheckItem> real_time_report(const Rig& rig, const RealTimeRights& trial, const Tick& tick,
                                         const SystemFiles& files);
 
 }  // namespace strobe::firmware

@@ -49,8 +49,8 @@ bool SystemFiles::owner_may_write(const std::string& path) const {
          (status.permissions() & std::filesystem::perms::owner_write) != std::filesystem::perms::none;
 }
 
-std::set<int> cpus_of_list(const std::string& list) {
-  constexpr int kMostCpus = 8192;
+std::set<int> parse_cpu_list(const std::string& list) {
+  constexpr int kMaxCpus = 8192;
   std::set<int> cpus;
   std::istringstream parts(list);
   for (std::string part; std::getline(parts, part, ',');) {
@@ -59,12 +59,12 @@ std::set<int> cpus_of_list(const std::string& list) {
     const int read = std::sscanf(part.c_str(), "%d-%d", &first, &last);
     if (read < 1 || first < 0) continue;
     if (read == 1) last = first;
-    for (int cpu = first; cpu <= std::min(last, kMostCpus); ++cpu) cpus.insert(cpu);
+    for (int cpu = first; cpu <= std::min(last, kMaxCpus); ++cpu) cpus.insert(cpu);
   }
   return cpus;
 }
 
-std::string list_of_cpus(const std::set<int>& cpus) {
+std::string format_cpu_list(const std::set<int>& cpus) {
   std::string list;
   for (auto at = cpus.begin(); at != cpus.end();) {
     const int first = *at;

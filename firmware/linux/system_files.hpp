@@ -29,8 +29,8 @@ class SystemFiles {
 };
 
 /// "0-2,5" as {0, 1, 2, 5}, as the kernel writes lists of CPUs; what is not well formed is left out.
-std::set<int> cpus_of_list(const std::string& list);
+std::set<int> parse_cpu_list(const std::string& list);
 /// The reverse: {0, 1, 2, 5} as "0-2,5".
-std::string list_of_cpus(const std::set<int>& cpus);
+std::string format_cpu_list(const std::set<int>& cpus);
 
 }  // namespace strobe::firmware

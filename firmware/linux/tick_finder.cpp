@@ -5,23 +5,23 @@
 #include <thread>
 #include <vector>
 
-#include "firmware/linux/monotonic_clock.hpp"
 #include "firmware/linux/real_time.hpp"
+#include "firmware/linux/system_clock.hpp"
 
 namespace strobe::firmware {
 
 namespace {
 
 constexpr Duration kShortest = microseconds(1);
-constexpr std::size_t kMostGaps = 4096;
+constexpr std::size_t kMaxGaps = 4096;
 
 std::vector<Gap> gaps_of_spin(Duration length) {
-  MonotonicClock clock;
+  SystemClock clock;
   std::vector<Gap> gaps;
-  gaps.reserve(kMostGaps);
+  gaps.reserve(kMaxGaps);
   MonoTime last = clock.now();
   const MonoTime end = last + length;
-  while (last < end && gaps.size() < kMostGaps) {
+  while (last < end && gaps.size() < kMaxGaps) {
     const MonoTime now = clock.now();
     if (now - last > kShortest) gaps.push_back({last, now - last});
     last = now;
@@ -42,7 +42,7 @@ Tick find_tick(const Rig::RealTime& wanted) {
   std::thread([&] {
     pin_to_cpu(wanted.cpu);
     become_real_time(wanted.priority);
-    tick = tick_of(gaps_of_spin(nanoseconds(period.ns * periods)), period, periods);
+    tick = detect_tick(gaps_of_spin(nanoseconds(period.ns * periods)), period, periods);
   }).join();
   return tick;
 }

@@ -22,7 +22,7 @@ struct Command {
   std::int64_t token = 0;        ///< FIRE: the token it carries
   std::int64_t fresh_token = 0;  ///< ARM: random, drawn by the receiver; what the host gets if it is armed
   PlanRequest plan;              ///< FIRE
-  Words defect;                  ///< why it must be refused whatever the interlock says; empty: well-formed
+  ShortText defect;              ///< why it must be refused whatever the interlock says; empty: well-formed
 };
 
 class CommandSource {

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "common/shot/coded_train.hpp"
 #include "common/units/time.hpp"
 #include "firmware/ports/fixed_text.hpp"
-#include "firmware/ports/train_code.hpp"
 
 namespace strobe::firmware {
 
@@ -57,7 +57,7 @@ struct Event {
   MonoTime commanded = MonoTime::never();
   MonoTime issue_start = MonoTime::never();
   MonoTime issue_end = MonoTime::never();
-  Words detail;
+  ShortText detail;
 };
 
 /// Values are those of status_t. Spent: the last shot was fired or aborted and can never be fired again.
@@ -73,7 +73,7 @@ struct LoopStatus {
   MonoTime arm_expires{0};
   std::int32_t last_shot_id = 0;
   std::int64_t kernel_overflows = 0;
-  Words fault;  ///< the latched fault; empty: none
+  ShortText fault;  ///< the latched fault; empty: none
 
   bool operator==(const LoopStatus&) const = default;
 };
@@ -89,7 +89,7 @@ struct PlanRequest {
   Duration gate_delay{};
   Duration impact_at{};
   bool dry = false;
-  TrainCode code;  ///< empty: an even train
+  CodedTrain code;  ///< empty: an even train
 };
 
 /// What the shutter's own contact told; values are those of shot_t.
@@ -122,7 +122,7 @@ struct ShotRecord {
   ShutterFeedback shutter_feedback = ShutterFeedback::none;
   std::int64_t queue_overflows = 0;  ///< during the shot
   std::int64_t kernel_overflows = 0;
-  Words abort_reason;  ///< empty: not aborted
+  ShortText abort_reason;  ///< empty: not aborted
   std::vector<FlashRecord> flashes;
 };
 

@@ -5,7 +5,7 @@
 #include <array>
 #include <cstddef>
 
-#include "firmware/ports/lamps.hpp"
+#include "common/shot/lamps.hpp"
 
 namespace strobe::firmware {
 

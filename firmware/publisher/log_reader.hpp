@@ -40,7 +40,7 @@ class LogReader {
 };
 
 inline constexpr std::uint32_t kLogSyncWord = 0xEDA1DA01;
-inline constexpr std::size_t kLogHeaderSize =
-    28;  ///< sync word, number, time, channel's length, data's length
+/// Sync word, number, time, channel's length, data's length.
+inline constexpr std::size_t kLogHeaderSize = 28;
 
 }  // namespace strobe::firmware

@@ -26,7 +26,7 @@ class Mailbox {
  public:
   void ask(const ResendRequest& request) {
     const std::lock_guard lock(mutex_);
-    if (requests_.size() < kMostRequests) requests_.push_back(request);
+    if (requests_.size() < kMaxRequests) requests_.push_back(request);
   }
   std::vector<ResendRequest> requests() {
     const std::lock_guard lock(mutex_);
@@ -34,7 +34,7 @@ class Mailbox {
   }
   void keep(ShotNotes notes) {
     const std::lock_guard lock(mutex_);
-    if (notes_.size() == kMostNotes) notes_.erase(notes_.begin());  // of commands that were refused
+    if (notes_.size() == kMaxNotes) notes_.erase(notes_.begin());  // of commands that were refused
     notes_.push_back(std::move(notes));
   }
   std::vector<Note> take(std::int64_t host_id, std::int64_t command_id) {
@@ -49,8 +49,8 @@ class Mailbox {
   }
 
  private:
-  static constexpr std::size_t kMostRequests = 256;
-  static constexpr std::size_t kMostNotes = 64;
+  static constexpr std::size_t kMaxRequests = 256;
+  static constexpr std::size_t kMaxNotes = 64;
   std::mutex mutex_;
   std::vector<ResendRequest> requests_;
   std::vector<ShotNotes> notes_;

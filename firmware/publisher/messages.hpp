@@ -14,7 +14,7 @@ namespace strobe::firmware {
 
 strobe_msgs::event_t to_message(const Event& event, std::int64_t boot_id, std::int64_t sequence);
 strobe_msgs::plan_t to_message(const PlanRequest& plan);
-/// Of a code that is longer than TrainCode can be, only the first part: to be refused before.
+/// Of a code that is longer than CodedTrain can be, only the first part: to be refused before.
 PlanRequest from_message(const strobe_msgs::plan_t& plan);
 
 struct SequenceRange {

@@ -17,7 +17,7 @@ namespace {
 constexpr Duration kHeartbeat = milliseconds(500);
 constexpr std::size_t kBatch = 512;        // so that a burst is published while it goes on
 constexpr std::size_t kResendBatch = 128;  // so that new events do not wait for a long resend
-constexpr std::size_t kMostUnwritten = 100'000;
+constexpr std::size_t kMaxUnwritten = 100'000;
 constexpr Duration kResendPause = milliseconds(2);  // leaves the receiver's socket time to empty
 
 template <typename T>
@@ -29,7 +29,7 @@ std::vector<std::uint8_t> encoded(const T& message) {
 
 }  // namespace
 
-void say_on_stderr(const std::string& line) { std::fprintf(stderr, "strobed: %s\n", line.c_str()); }
+void log_to_stderr(const std::string& line) { std::fprintf(stderr, "strobed: %s\n", line.c_str()); }
 
 Publisher::Publisher(const Rig& rig, PublisherSettings settings, LoopQueue& queue, Mailbox& mailbox,
                      Journal& journal, MessageBus& bus, Clock& clock)
@@ -114,15 +114,15 @@ void Publisher::take(const Event& event) {
                      {sequence_, sequence_},
                      event_channel_,
                      encoded(to_message(event, settings_.boot_id, sequence_))});
-  if (event.kind == EventKind::started) tell_of_earlier_starts(event.device_time);
+  if (event.kind == EventKind::started) report_earlier_boots(event.device_time);
 }
 
-void Publisher::tell_of_earlier_starts(MonoTime now) {
+void Publisher::report_earlier_boots(MonoTime now) {
   for (const std::string& line : std::exchange(settings_.found.repaired, {})) {
     Event event;
     event.kind = EventKind::repaired;
     event.device_time = now;
-    event.detail = Words(std::string_view(line));
+    event.detail = ShortText(std::string_view(line));
     take(event);
   }
 }
@@ -143,7 +143,7 @@ void Publisher::take(ShotRecord* record) {
 }
 
 void Publisher::write_and_publish() {
-  if (settings_.turned_ns != nullptr) *settings_.turned_ns = clock_.now().ns;
+  if (settings_.heartbeat_ns != nullptr) *settings_.heartbeat_ns = clock_.now().ns;
   auto done = journal_.check();
   if (done) done = journal_.append(outbox_, settings_.wall_ns() / 1000);
   if (done) publish_outbox();
@@ -158,7 +158,7 @@ void Publisher::write_and_publish() {
   journal_fault_ = fault;
   queue_.set_journal_ok(fault.empty());
   // What is left is tried again with the next batch or heartbeat.
-  if (outbox_.size() > kMostUnwritten) throw std::runtime_error("too many events wait for the journal");
+  if (outbox_.size() > kMaxUnwritten) throw std::runtime_error("too many events wait for the journal");
 }
 
 void Publisher::publish_outbox() {

@@ -21,7 +21,7 @@
 namespace strobe::firmware {
 
 /// A line on standard error, after the program's name.
-void say_on_stderr(const std::string& line);
+void log_to_stderr(const std::string& line);
 
 struct PublisherSettings {
   std::int64_t boot_id = 0;
@@ -32,9 +32,9 @@ struct PublisherSettings {
   std::function<std::int64_t()> wall_ns = system_wall_ns;
   std::function<std::int64_t()> boot_time_ns = system_boot_time_ns;
   std::function<RejectedCommands()> rejected = [] { return RejectedCommands{}; };  ///< so far
-  std::function<void(const std::string&)> say = say_on_stderr;
-  std::atomic<std::int64_t>* turned_ns = nullptr;  ///< gets the time of each turn, for whoever watches
-  int drill_at_shot = 0;                           ///< at flashes from the n-th shot of this boot on; 0: none
+  std::function<void(const std::string&)> say = log_to_stderr;
+  std::atomic<std::int64_t>* heartbeat_ns = nullptr;  ///< gets the time of each turn, for whoever watches
+  int drill_at_shot = 0;  ///< at flashes from the n-th shot of this boot on; 0: none
   std::function<void()> drill;
   FolderFindings found;  ///< told by events after STARTED, and in the status
 };
@@ -57,7 +57,7 @@ class Publisher {
   void empty_queue();
   bool collect();
   void take(const Event& event);
-  void tell_of_earlier_starts(MonoTime now);
+  void report_earlier_boots(MonoTime now);
   void take(const LoopStatus& status);
   void take(ShotRecord* record);
   void write_and_publish();

@@ -25,10 +25,10 @@ std::int64_t random_id() {
 
 bool CommandQueue::push(const Command& command) { return queue_.try_enqueue(command) && loop_.wake(); }
 
-bool RepetitionFilter::is_news(std::int64_t host_id, std::int64_t command_id) {
+bool RepetitionFilter::is_new(std::int64_t host_id, std::int64_t command_id) {
   const auto known = newest_.find(host_id);
   if (known == newest_.end()) {
-    if (newest_.size() == kMostHosts) return false;
+    if (newest_.size() == kMaxHosts) return false;
     newest_[host_id] = command_id;
     return true;
   }
@@ -39,7 +39,7 @@ bool RepetitionFilter::is_news(std::int64_t host_id, std::int64_t command_id) {
 
 namespace {
 
-constexpr std::uint32_t kMostNotes = 64;
+constexpr std::uint32_t kMaxNotes = 64;
 
 bool good_note(const strobe_msgs::note_t& note) {
   return !note.key.empty() && note.key.size() <= 64 && note.value.size() <= 1024 &&
@@ -64,10 +64,10 @@ bool well_formed(std::span<const std::uint8_t> body) {
     return true;
   };
   std::uint32_t coded = 0, notes = 0, length = 0;
-  if (!next_count(coded) || coded > kMostCodedFlashes || body.size() - fixed < coded * kCodedFlash)
+  if (!next_count(coded) || coded > kMaxCodedFlashes || body.size() - fixed < coded * kCodedFlash)
     return false;
   at += coded * kCodedFlash + kAfterCode - 4;
-  if (!next_count(notes) || notes > kMostNotes) return false;
+  if (!next_count(notes) || notes > kMaxNotes) return false;
   for (std::uint32_t text = 0; text < 2 * notes; ++text) {
     if (!next_count(length) || length == 0 || length > body.size() - at) return false;
     at += length;
@@ -75,7 +75,7 @@ bool well_formed(std::span<const std::uint8_t> body) {
   return at == body.size();
 }
 
-std::string defect_of(const strobe_msgs::command_t& command, const Rig& rig) {
+std::string find_defect(const strobe_msgs::command_t& command, const Rig& rig) {
   using Type = strobe_msgs::command_t;
   if (command.schema_version != Type::SCHEMA_VERSION) {
     return "schema version " + std::to_string(command.schema_version) + " instead of " +
@@ -115,15 +115,15 @@ void Receiver::open(std::span<const std::uint8_t> sealed) {
   strobe_msgs::command_t command{};
   if (!well_formed(*body) || command.decode(body->data(), 0, static_cast<int>(body->size())) < 0)
     return rejections_.note(Rejection::malformed);
-  obey(command);
+  dispatch(command);
 }
 
-void Receiver::obey(const strobe_msgs::command_t& message) {
+void Receiver::dispatch(const strobe_msgs::command_t& message) {
   if (message.boot_id != boot_id_) return rejections_.note(Rejection::stale);
   if (message.kind < strobe_msgs::command_t::ARM || message.kind > strobe_msgs::command_t::CLEAR)
     return rejections_.note(Rejection::malformed);
-  if (!filter_.is_news(message.host_id, message.command_id)) return rejections_.note(Rejection::replayed);
-  const std::string defect = defect_of(message, rig_);
+  if (!filter_.is_new(message.host_id, message.command_id)) return rejections_.note(Rejection::replayed);
+  const std::string defect = find_defect(message, rig_);
   if (message.kind == strobe_msgs::command_t::RESEND) {
     if (defect.empty()) mailbox_.ask({message.resend_boot_id, {message.resend_first, message.resend_last}});
     return;
@@ -134,7 +134,7 @@ void Receiver::obey(const strobe_msgs::command_t& message) {
   command.command_id = message.command_id;
   command.token = message.arm_token;
   command.plan = from_message(message.plan);
-  command.defect = Words(defect);
+  command.defect = ShortText(defect);
   if (command.kind == CommandKind::arm) command.fresh_token = draw_token_();
   if (command.kind == CommandKind::fire && defect.empty()) {
     ShotNotes notes{message.host_id, message.command_id, {}};

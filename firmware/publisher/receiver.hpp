@@ -38,10 +38,10 @@ class RepetitionFilter {
  public:
   /// Hosts are processes that have the key; a day of one `strobe fire` each second has more, and then needs
   /// a new start of the firmware.
-  static constexpr std::size_t kMostHosts = 65'536;
+  static constexpr std::size_t kMaxHosts = 65'536;
 
   /// False: a command of this host with this id or a later one came before, or it is one host too many.
-  bool is_news(std::int64_t host_id, std::int64_t command_id);
+  bool is_new(std::int64_t host_id, std::int64_t command_id);
 
  private:
   std::map<std::int64_t, std::int64_t> newest_;  ///< by host
@@ -52,7 +52,7 @@ class RepetitionFilter {
 bool well_formed(std::span<const std::uint8_t> body);
 
 /// What is wrong with the form of a command, or with a FIRE's plan; empty: nothing.
-std::string defect_of(const strobe_msgs::command_t& command, const Rig& rig);
+std::string find_defect(const strobe_msgs::command_t& command, const Rig& rig);
 
 /// A random number that is not 0, from the kernel's generator.
 std::int64_t random_id();
@@ -68,7 +68,7 @@ class Receiver {
 
  private:
   void open(std::span<const std::uint8_t> sealed);
-  void obey(const strobe_msgs::command_t& command);
+  void dispatch(const strobe_msgs::command_t& command);
 
   const Rig& rig_;
   std::int64_t boot_id_;

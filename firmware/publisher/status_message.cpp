@@ -61,8 +61,8 @@ void put_rejected(status_t& message, const RejectedCommands& rejected) {
 }
 
 void put_earlier(status_t& message, const std::vector<EarlierBoot>& earlier) {
-  constexpr std::size_t kMost = 16;
-  for (std::size_t i = 0; i < std::min(kMost, earlier.size()); ++i) {
+  constexpr std::size_t kMax = 16;
+  for (std::size_t i = 0; i < std::min(kMax, earlier.size()); ++i) {
     message.earlier.emplace_back();
     message.earlier.back().boot_id = earlier[i].boot_id;
     message.earlier.back().last_sequence = earlier[i].last_sequence;

@@ -51,8 +51,8 @@ double since_s(std::int64_t time_ns, std::int64_t origin_ns) {
 /// Speed along the path from the first two airborne images, for the time from gate to plate.
 std::optional<double> incoming_speed_mps(const Track& track, const FlashTimes& times) {
   if (track.images.size() < 2 || times.seen.size() < 2) return std::nullopt;
-  const TrackImage& a = track.images[0];
-  const TrackImage& b = track.images[1];
+  const TrackPoint& a = track.images[0];
+  const TrackPoint& b = track.images[1];
   if (b.leg != reduction::Leg::incoming) return std::nullopt;
   const double step_m = std::hypot(b.along_px - a.along_px, b.up_px - a.up_px) / track.px_per_m;
   const double interval_s = since_s(times.seen[1].time_ns, times.seen[0].time_ns);
@@ -85,7 +85,7 @@ FlagSet flash_flags(const FlashTimes& times, const FlashMatch& match, int first,
   const auto next_to = [first, last](int index) { return index >= first - 1 && index <= last + 1; };
   std::int64_t previous_ns = shot_t::NO_TIME;
   for (std::size_t i = 0; i < times.seen.size(); ++i) {
-    const SeenFlash& flash = times.seen[i];
+    const ObservedFlash& flash = times.seen[i];
     const bool shows = flash.index >= first && flash.index <= last;
     // A second light leaves the intervals as they are: only the images could tell which flash it was.
     const bool may_show = i < match.may_show.size() && match.may_show[i] != 0;
@@ -103,7 +103,7 @@ FlagSet flash_flags(const FlashTimes& times, const FlashMatch& match, int first,
 }
 
 void put_times(Frame& frame, const FlashTimes& times, const FlashMatch& match) {
-  const auto seen = [&](std::size_t image) -> const SeenFlash& {
+  const auto seen = [&](std::size_t image) -> const ObservedFlash& {
     return times.seen[static_cast<std::size_t>(match.flash[image])];
   };
   for (std::size_t i = 0; i < frame.images.size(); ++i) {
@@ -175,17 +175,18 @@ AssembledShot assemble(const shot_t& shot, const frame_t& message, const Assembl
   }
   std::vector<double> times_s;
   times_s.reserve(times.seen.size());
-  for (const SeenFlash& flash : times.seen)
+  for (const ObservedFlash& flash : times.seen)
     times_s.push_back(since_s(flash.time_ns, times.seen.front().time_ns));
   const auto match = match_flashes(times_s, *track, arrival_prior(shot, *track, times, settings));
   if (!match) return unmatched(result, Flag::flash_match_ambiguous, "more images than flashes were seen");
   put_times(result.frame, times, *match);
-  result.match_doubt = match->doubt;
-  if (match->doubt > kMostDoubt) result.flags.set(Flag::flash_match_ambiguous);
-  const reduction::ShownFlashes flashes{*result.frame.images.front().flash_index,
-                                        *result.frame.images.back().flash_index, match->index_doubt,
-                                        shot.plan.code_count > 0};
-  if (flashes.coded && flashes.index_doubt > kMostIndexDoubt) result.flags.set(Flag::flash_index_ambiguous);
+  result.match_ambiguity = match->ambiguity;
+  if (match->ambiguity > kMaxDoubt) result.flags.set(Flag::flash_match_ambiguous);
+  const reduction::ImagedFlashes flashes{*result.frame.images.front().flash_index,
+                                         *result.frame.images.back().flash_index,
+                                         match->misassignment_probability, shot.plan.code_count > 0};
+  if (flashes.coded && flashes.misassignment_probability > kMaxIndexDoubt)
+    result.flags.set(Flag::flash_index_ambiguous);
   result.flags.merge(flash_flags(times, *match, flashes.first, flashes.last));
   result.flashes = flashes;
   return result;

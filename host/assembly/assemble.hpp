@@ -26,9 +26,9 @@ AssemblySettings assembly_settings(const RigFile& rig);
 struct AssembledShot {
   reduction::Frame
       frame;  ///< images with the times of their flashes, from the first image's; empty if unmatched
-  reduction::FlagSet flags;  ///< of the flashes that show the ball, the match, the sensors and the shot
-  double match_doubt = 0.0;  ///< FlashMatch::doubt
-  std::optional<reduction::ShownFlashes> flashes;  ///< nothing if unmatched
+  reduction::FlagSet flags;      ///< of the flashes that show the ball, the match, the sensors and the shot
+  double match_ambiguity = 0.0;  ///< FlashMatch::doubt
+  std::optional<reduction::ImagedFlashes> flashes;  ///< nothing if unmatched
   std::string problem;  ///< words for a person where the frame could not be matched; else empty
 };
 

@@ -15,8 +15,8 @@ constexpr double kContactModelSd_m = 3e-3;
 constexpr double kDepthModelShare = 0.15;
 // Distance over dwell lies between the two velocities; this part of their difference is allowed beyond.
 constexpr double kMeanMargin = 0.1;
-constexpr double kLeastRestitution = 0.2;
-constexpr double kMostRestitution = 1.0;
+constexpr double kMinRestitution = 0.2;
+constexpr double kMaxRestitution = 1.0;
 
 double outside(double value, double least, double most) {
   if (value < least) return least - value;
@@ -87,7 +87,7 @@ double contact_penalty(const Rebound& r) {
   double penalty = squared(outside(dwell, kShortestDwell_s, kLongestDwell_s) / r.sd[4]);
   const double restitution = -vy_lo / vy_td;
   const double restitution_sd = std::hypot(r.sd[3], restitution * r.sd[1]) / std::abs(vy_td);
-  penalty += squared(outside(restitution, kLeastRestitution, kMostRestitution) / restitution_sd);
+  penalty += squared(outside(restitution, kMinRestitution, kMaxRestitution) / restitution_sd);
   // Judged as a distance: a dwell near zero would make distance over dwell meaningless.
   const double margin = kMeanMargin * std::abs(vx_td - vx_lo);
   const double slow = std::min(vx_td, vx_lo) - margin;
@@ -98,7 +98,7 @@ double contact_penalty(const Rebound& r) {
   return penalty + squared(outside(distance, slow * positive_dwell, fast * positive_dwell) / sd);
 }
 
-ContactFlashes contact_flashes(std::span<const TrackImage> images, const LegCandidate& in,
+ContactFlashes contact_flashes(std::span<const TrackPoint> images, const LegCandidate& in,
                                const LegCandidate& out, std::span<const double> times_s, const Track& track) {
   ContactFlashes best;
   if (images.empty()) return best;

@@ -15,11 +15,11 @@ inline constexpr double kLongestDwell_s = 9e-3;
 /// The six numbers that follow from two legs with velocities, and their standard deviations for unit noise
 /// scale.
 struct Rebound {
-  std::array<double, 6>
-      value{};  ///< v along and up at touchdown, at lift-off [px/s], dwell [s], distance [px]
+  /// v along and up at touchdown, at lift-off [px/s], dwell [s], distance [px].
+  std::array<double, 6> value{};
   std::array<double, 6> sd{};
-  double contact_model_sd_px =
-      0.0;  ///< of the distance: friction may drive the ball on beyond both velocities
+  /// Of the distance: friction may drive the ball on beyond both velocities.
+  double contact_model_sd_px = 0.0;
 };
 Rebound rebound_of(const LegCandidate& in, const LegCandidate& out, const Track& track);
 
@@ -33,7 +33,7 @@ struct ContactFlashes {
   std::vector<int> flash;
   double chi_squared = 0.0;
 };
-ContactFlashes contact_flashes(std::span<const TrackImage> images, const LegCandidate& in,
+ContactFlashes contact_flashes(std::span<const TrackPoint> images, const LegCandidate& in,
                                const LegCandidate& out, std::span<const double> times_s, const Track& track);
 
 }  // namespace strobe::host

@@ -16,22 +16,22 @@ using reduction::Leg;
 // -2 ln of 0.5 %: how rarely a flash that showed the ball is left out of the digitized frame.
 constexpr double kUnseenPenalty = 10.6;
 // An error of 3 sd is a wrong number; a larger one is no worse.
-constexpr double kMostSquaredError = 9.0;
+constexpr double kMaxSquaredError = 9.0;
 // Contact images and penalties need not be looked at where the flight alone is this much worse than the best.
 constexpr double kHopeless = 60.0;
 // -2 ln of 1/10: an assignment ten times less likely than the best is not to be reckoned with.
 constexpr double kImplausible = 4.6;
 
 struct Legs {
-  std::span<const TrackImage> in, contact, out;
+  std::span<const TrackPoint> in, contact, out;
 };
 
 Legs split(const Track& track) {
-  const auto is = [](Leg leg) { return [leg](const TrackImage& image) { return image.leg == leg; }; };
+  const auto is = [](Leg leg) { return [leg](const TrackPoint& image) { return image.leg == leg; }; };
   const auto& images = track.images;
   const auto n_in = static_cast<std::size_t>(std::count_if(images.begin(), images.end(), is(Leg::incoming)));
   const auto n_out = static_cast<std::size_t>(std::count_if(images.begin(), images.end(), is(Leg::rebound)));
-  const std::span<const TrackImage> all(images);
+  const std::span<const TrackPoint> all(images);
   return {all.first(n_in), all.subspan(n_in, all.size() - n_in - n_out), all.last(n_out)};
 }
 
@@ -88,7 +88,7 @@ class Matcher {
         return !c.empty() && c.first() < first;
       });
       for (; out != outs.end(); ++out) {
-        if (!in.empty() && !out->empty() && out->first() > least + kMostUnseen) break;
+        if (!in.empty() && !out->empty() && out->first() > least + kMaxUnseen) break;
         consider(in, *out);
       }
     }
@@ -142,8 +142,8 @@ class Matcher {
     match.flash.insert(match.flash.end(), contact.begin(), contact.end());
     match.flash.insert(match.flash.end(), chosen.out->flash.begin(), chosen.out->flash.end());
     match.chi_squared = chosen.chi_squared;
-    match.doubt = doubt(chosen, scale);
-    match.index_doubt = index_doubt(chosen, scale);
+    match.ambiguity = ambiguity(chosen, scale);
+    match.misassignment_probability = misassignment_probability(chosen, scale);
     match.may_show = may_show(chosen, scale);
     return match;
   }
@@ -161,19 +161,19 @@ class Matcher {
     return marked;
   }
 
-  double doubt(const Pair& chosen, double scale) const {
+  double ambiguity(const Pair& chosen, double scale) const {
     double error = 0.0, all = 0.0;
     for (const Pair& pair : pairs_) {
       const double delta = pair.score(scale) - chosen.score(scale);
       if (delta > kHopeless) continue;
       const double weight = std::exp(-0.5 * delta);
       all += weight;
-      error += weight * std::min(squared_error(pair, chosen) / scale, kMostSquaredError);
+      error += weight * std::min(squared_error(pair, chosen) / scale, kMaxSquaredError);
     }
     return error / all;
   }
 
-  double index_doubt(const Pair& chosen, double scale) const {
+  double misassignment_probability(const Pair& chosen, double scale) const {
     double all = 0.0;
     for (const Pair& pair : pairs_) all += std::exp(-0.5 * (pair.score(scale) - chosen.score(scale)));
     return 1.0 - 1.0 / all;
@@ -211,8 +211,8 @@ class Matcher {
     match.flash.resize(track_.images.size());
     std::iota(match.flash.begin(), match.flash.end(),
               std::clamp(middle - count / 2, 0, flash_count() - count));
-    match.doubt = kMostSquaredError;
-    match.index_doubt = 1.0;
+    match.ambiguity = kMaxSquaredError;
+    match.misassignment_probability = 1.0;
     return match;
   }
 

@@ -48,8 +48,8 @@ bool any_observed(const shot_t& shot) {
   return false;
 }
 
-SeenFlash seen_flash(const shot_t& shot, const flash_t& flash, std::int64_t time_ns, bool measured) {
-  SeenFlash seen;
+ObservedFlash seen_flash(const shot_t& shot, const flash_t& flash, std::int64_t time_ns, bool measured) {
+  ObservedFlash seen;
   seen.index = flash.flash_index;
   seen.time_ns = time_ns;
   seen.time_sd_s = measured ? kSensorTimeSd_s : kIssuedTimeSd_s;

@@ -10,7 +10,7 @@ namespace strobe::host {
 /// A flash that gave light. time_ns is CLOCK_MONOTONIC: the mean of both sensors' stamps, or the one's that
 /// fired (of a flash of one lamp: its own sensor's). Where one sensor stands for both lamps, the difference
 /// of their delays is allowed for.
-struct SeenFlash {
+struct ObservedFlash {
   int index = 0;  ///< flash_t.flash_index
   std::int64_t time_ns = 0;
   double time_sd_s = 0.0;
@@ -22,10 +22,10 @@ struct SeenFlash {
 
 /// The flashes of a shot that can have made an image, in order of time.
 struct FlashTimes {
-  std::vector<SeenFlash> seen;
+  std::vector<ObservedFlash> seen;
   std::vector<int> missing;  ///< indices of planned flashes that no sensor saw, ascending
-  bool measured =
-      false;             ///< false: no sensor saw anything; times are issued times plus the lamps' mean delay
+  /// false: no sensor saw anything; times are issued times plus the lamps' mean delay.
+  bool measured = false;
   bool in_order = true;  ///< times rise with the index
 };
 

@@ -84,7 +84,7 @@ std::optional<double> stated_sd_px(const frame_t& frame) {
   return std::nullopt;
 }
 
-double distance_to_line(const TrackImage& p, const TrackImage& a, const TrackImage& b) {
+double distance_to_line(const TrackPoint& p, const TrackPoint& a, const TrackPoint& b) {
   const double dx = b.along_px - a.along_px;
   const double dy = b.up_px - a.up_px;
   const double length = std::hypot(dx, dy);
@@ -94,7 +94,7 @@ double distance_to_line(const TrackImage& p, const TrackImage& a, const TrackIma
 
 /// Whether the lowest image, which does not touch, comes before the impact: it lies on the line of its own
 /// leg.
-bool lowest_is_incoming(const std::vector<TrackImage>& images, std::size_t lowest) {
+bool lowest_is_incoming(const std::vector<TrackPoint>& images, std::size_t lowest) {
   const bool two_before = lowest >= 2;
   const bool two_after = lowest + 2 < images.size();
   if (two_before != two_after) return two_before;
@@ -104,11 +104,11 @@ bool lowest_is_incoming(const std::vector<TrackImage>& images, std::size_t lowes
 }
 
 void find_legs(const frame_t& frame, Track& track) {
-  std::vector<TrackImage>& images = track.images;
+  std::vector<TrackPoint>& images = track.images;
   if (images.empty()) return;
   const auto low =
       std::min_element(images.begin(), images.end(),
-                       [](const TrackImage& a, const TrackImage& b) { return a.up_px < b.up_px; });
+                       [](const TrackPoint& a, const TrackPoint& b) { return a.up_px < b.up_px; });
   const auto lowest = static_cast<std::size_t>(low - images.begin());
   const double touching = track.radius_px - std::max(3.0 * track.sd_px, kTouchingOfRadius * track.radius_px);
   const bool lowest_before = lowest_is_incoming(images, lowest);
@@ -127,7 +127,7 @@ void find_legs(const frame_t& frame, Track& track) {
 }
 
 /// Legs must follow each other; one image named out of order would break the matching of all others.
-void mend_order(std::vector<TrackImage>& images) {
+void mend_order(std::vector<TrackPoint>& images) {
   std::size_t first_rebound = images.size();
   while (first_rebound > 0 && images[first_rebound - 1].leg == Leg::rebound) --first_rebound;
   std::size_t last_incoming = 0;
@@ -155,7 +155,7 @@ std::optional<Track> image_track(const frame_t& frame, double ball_diameter_m, d
   const bool leftwards =
       !track.images.empty() && track.images.back().along_px < track.images.front().along_px;
   const double towards = leftwards ? -1.0 : 1.0;
-  for (TrackImage& image : track.images) image.along_px *= towards;
+  for (TrackPoint& image : track.images) image.along_px *= towards;
   const double slope = surface_angle_deg * std::numbers::pi / 180.0;
   track.gravity_along_px = -towards * kGravity_mps2 * std::sin(slope) * track.px_per_m;
   track.gravity_up_px = -kGravity_mps2 * std::cos(slope) * track.px_per_m;

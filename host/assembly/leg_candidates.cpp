@@ -10,7 +10,7 @@ namespace {
 // period off its neighbours' mean would be nearer to another image.
 constexpr double kStepTolerance = 0.45;
 
-double distance(const TrackImage& a, const TrackImage& b) {
+double distance(const TrackPoint& a, const TrackPoint& b) {
   return std::hypot(a.along_px - b.along_px, a.up_px - b.up_px);
 }
 
@@ -25,7 +25,7 @@ std::optional<int> nearest_after(std::span<const double> times_s, int after, dou
 
 /// The flashes that follow when the leg starts with these two; empty if steady speed does not lead to
 /// flashes.
-std::vector<int> follow(std::span<const TrackImage> images, std::span<const double> times_s, int first,
+std::vector<int> follow(std::span<const TrackPoint> images, std::span<const double> times_s, int first,
                         int second) {
   const auto at = [&](int k) { return times_s[static_cast<std::size_t>(k)]; };
   std::vector<int> flash;
@@ -41,14 +41,14 @@ std::vector<int> follow(std::span<const TrackImage> images, std::span<const doub
     if (!next || !std::isfinite(predicted)) return {};
     if (std::abs(at(*next) - at(flash.back()) - predicted) > kStepTolerance * predicted) return {};
     unseen += *next - flash.back() - 1;
-    if (unseen > kMostUnseen) return {};
+    if (unseen > kMaxUnseen) return {};
     flash.push_back(*next);
     path += step;
   }
   return flash;
 }
 
-LegCandidate candidate(std::span<const TrackImage> images, std::span<const double> times_s,
+LegCandidate candidate(std::span<const TrackPoint> images, std::span<const double> times_s,
                        const Track& track, std::vector<int> flash, std::vector<double>& scratch) {
   LegCandidate result;
   scratch.clear();
@@ -62,7 +62,7 @@ LegCandidate candidate(std::span<const TrackImage> images, std::span<const doubl
 
 }  // namespace
 
-std::vector<LegCandidate> leg_candidates(std::span<const TrackImage> images, std::span<const double> times_s,
+std::vector<LegCandidate> leg_candidates(std::span<const TrackPoint> images, std::span<const double> times_s,
                                          const Track& track) {
   if (images.empty()) return {LegCandidate{}};
   std::vector<LegCandidate> candidates;
@@ -74,7 +74,7 @@ std::vector<LegCandidate> leg_candidates(std::span<const TrackImage> images, std
       candidates.push_back(candidate(images, times_s, track, {first}, scratch));
       continue;
     }
-    for (int second = first + 1; second <= first + 1 + kMostUnseen && second < count; ++second) {
+    for (int second = first + 1; second <= first + 1 + kMaxUnseen && second < count; ++second) {
       std::vector<int> flash = follow(images, times_s, first, second);
       if (!flash.empty()) candidates.push_back(candidate(images, times_s, track, std::move(flash), scratch));
     }

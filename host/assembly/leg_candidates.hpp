@@ -12,11 +12,11 @@ namespace strobe::host {
 
 /// A flash between two images that made none (nobody saw it on the photograph) happens; three in a leg do
 /// not.
-inline constexpr int kMostUnseen = 2;
+inline constexpr int kMaxUnseen = 2;
 
 struct LegCandidate {
-  std::vector<int>
-      flash;       ///< for each image of the leg the number of its flash among the seen ones, ascending
+  /// For each image of the leg the number of its flash among the seen ones, ascending.
+  std::vector<int> flash;
   int unseen = 0;  ///< flashes between the first and the last that made no image
   LegFit fit;
   std::optional<Crossing> cross;
@@ -28,7 +28,7 @@ struct LegCandidate {
 
 /// Candidates in ascending order of their first flash. times_s: seen flashes, ascending. A leg without images
 /// has one empty candidate; a leg of one image may have been made by any flash.
-std::vector<LegCandidate> leg_candidates(std::span<const TrackImage> images, std::span<const double> times_s,
+std::vector<LegCandidate> leg_candidates(std::span<const TrackPoint> images, std::span<const double> times_s,
                                          const Track& track);
 
 }  // namespace strobe::host

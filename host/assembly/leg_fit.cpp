@@ -11,7 +11,7 @@ double LegFit::position_factor(double time_s) const {
   return std::sqrt(1.0 / count + dt * dt / spread_s2);
 }
 
-LegFit fit_leg(std::span<const TrackImage> images, std::span<const double> times_s, const Track& track) {
+LegFit fit_leg(std::span<const TrackPoint> images, std::span<const double> times_s, const Track& track) {
   LegFit fit;
   fit.count = static_cast<int>(images.size());
   if (images.empty()) return fit;

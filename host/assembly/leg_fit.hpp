@@ -26,7 +26,7 @@ struct LegFit {
 };
 
 /// Fits images[i] at times_s[i]. sd_px > 0 is the noise of each coordinate.
-LegFit fit_leg(std::span<const TrackImage> images, std::span<const double> times_s, const Track& track);
+LegFit fit_leg(std::span<const TrackPoint> images, std::span<const double> times_s, const Track& track);
 
 /// When the centre crosses the height of one radius on the fitted path, and where; only with a velocity that
 /// goes towards (incoming) or away from (rebound) the surface.

@@ -9,14 +9,14 @@
 namespace strobe::host {
 
 /// An image's centre in the surface's axes. [px of the photograph]
-struct TrackImage {
+struct TrackPoint {
   reduction::Leg leg = reduction::Leg::contact;
   double along_px = 0.0;  ///< along the surface, positive in the direction of travel
   double up_px = 0.0;     ///< above the surface line
 };
 
 struct Track {
-  std::vector<TrackImage> images;  ///< in the frame's order: incoming, contact, rebound
+  std::vector<TrackPoint> images;  ///< in the frame's order: incoming, contact, rebound
   double radius_px = 0.0;          ///< of the undeformed ball
   double px_per_m = 0.0;
   double sd_px = 0.0;  ///< of each coordinate; stated, or 0.8 % of the diameter if the frame says nothing

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "common/result.hpp"
-#include "host/digitize/photograph.hpp"
+#include "host/digitize/image/photograph.hpp"
 
 namespace strobe::camera {
 
@@ -17,8 +17,8 @@ struct BoardPattern {
   BoardKind kind = BoardKind::chessboard;
   int columns = 9;  ///< of inner corners, or of discs; 3 to 100
   int rows = 6;     ///< 3 to 100
-  double spacing_m =
-      0.02;  ///< side of a square; of discs, their distance. Staggered: half of that along a row
+  /// Side of a square; of discs, their distance. Staggered: half of that along a row.
+  double spacing_m = 0.02;
 };
 
 /// "chessboard 9 x 6, 20 mm"

@@ -111,9 +111,9 @@ Solution solve(const Problem& problem, const cv::Mat& homographies) {
   Solution solution;
   solution.x = cv::Mat::zeros(problem.parameters(), 1, CV_64F);
   homographies.copyTo(solution.x.rowRange(0, homographies.rows));
-  constexpr int kMostSteps = 100;
+  constexpr int kMaxSteps = 100;
   const cv::Ptr<Equations> equations_of = cv::makePtr<Equations>(problem);
-  cv::LMSolver::create(equations_of, kMostSteps)->run(solution.x);
+  cv::LMSolver::create(equations_of, kMaxSteps)->run(solution.x);
   solution.squares = sum_of_squares(problem, solution.x);
   return solution;
 }

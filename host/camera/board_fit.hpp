@@ -9,7 +9,7 @@
 
 #include "common/result.hpp"
 #include "host/camera/board.hpp"
-#include "host/digitize/plane_map.hpp"
+#include "host/digitize/core/plane_map.hpp"
 
 namespace strobe::camera {
 

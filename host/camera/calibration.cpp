@@ -6,7 +6,7 @@
 #include <numbers>
 #include <opencv2/imgproc.hpp>
 
-#include "host/camera/lens_place.hpp"
+#include "host/camera/lens_pose.hpp"
 
 namespace strobe::camera {
 namespace {
@@ -102,7 +102,7 @@ void locate(const CalibrationSettings& settings, const cv::Matx33d& to_plane, Ca
   const double sd = settings.lens_distance_sd_m.value_or(0.01 * settings.lens_distance_m.value_or(1.0));
   const auto pose = locate_lens(calibration.fit, settings.lens_distance_m, sd);
   if (!pose) return;
-  LensPlace place;
+  LensPosition place;
   place.viewpoint = {transform(to_plane, pose->foot_m), pose->distance_m * calibration.px_per_m};
   place.distance_sd_px = pose->distance_sd_m * calibration.px_per_m;
   place.focal_px = pose->focal * calibration.lens.focal_px;

@@ -12,7 +12,7 @@
 #include "common/result.hpp"
 #include "host/camera/board.hpp"
 #include "host/camera/board_fit.hpp"
-#include "host/digitize/plane_map.hpp"
+#include "host/digitize/core/plane_map.hpp"
 
 namespace strobe::camera {
 
@@ -34,7 +34,7 @@ struct ScaleErrors {
 };
 
 /// Where the lens is, as far as the photographs or a tape tell.
-struct LensPlace {
+struct LensPosition {
   digitize::Viewpoint viewpoint;
   double distance_sd_px = 0.0;
   double focal_px = 0.0;
@@ -47,7 +47,7 @@ struct Calibration {
       rectify;  ///< undistorted image px to plane px; near the photograph's centre plane px are image px
   double px_per_m = 0.0;  ///< of plane px
   ScaleErrors scale_errors;
-  std::optional<LensPlace> place;  ///< absent: the distance would be uncertain by more than a quarter
+  std::optional<LensPosition> place;  ///< absent: the distance would be uncertain by more than a quarter
   BoardFit fit;
   double covered_share = 0.0;        ///< of the photograph by the board in the plane
   double largest_shift_px = 0.0;     ///< by the lens, at the photograph's corners

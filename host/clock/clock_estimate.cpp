@@ -51,7 +51,7 @@ constexpr double kLatenessDoubt = 0.35;  // sd of each of these, of its mean
 constexpr double kStrange_per_s = 1e-5;  // density of messages that fit nothing, also of early ones
 
 constexpr double kCredible = 0.01;  // share from which a slew is told
-constexpr std::size_t kMostStories = 40;
+constexpr std::size_t kMaxStories = 40;
 constexpr double kHopeless_per_s = 1e-9;
 constexpr double kForgotten = 1e-6;  // share of a story that is dropped
 constexpr double kBeaten = 1e-6;     // of a filter that is given up
@@ -132,12 +132,12 @@ class StorySum {
     }
   }
 
-  void hear(const ClockPoint& point, double passed_s) {
+  void hear(const ClockSample& point, double passed_s) {
     told_.clear();
     for (Story& story : stories_) {
       story.pass(passed_s, wander_per_s_);
       passed_s_ = passed_s;
-      tell_on(story, point.ahead_s - story.a);
+      tell_on(story, point.offset_s - story.a);
     }
     std::swap(stories_, told_);
     normalize();
@@ -237,7 +237,7 @@ class StorySum {
       });
       if (same != told_.end()) {
         same->take(story);
-      } else if (told_.size() < kMostStories) {
+      } else if (told_.size() < kMaxStories) {
         told_.push_back(story);
       }
     }
@@ -259,7 +259,7 @@ double best_evidence(const Filters& filters) {
   return best;
 }
 
-void hear_all(Filters& filters, std::span<const ClockPoint> points) {
+void hear_all(Filters& filters, std::span<const ClockSample> points) {
   for (std::size_t i = 0; i < points.size(); ++i) {
     const double passed_s = i == 0 ? 0.0 : points[i].sent_s - points[i - 1].sent_s;
     for (StorySum& filter : filters) filter.hear(points[i], passed_s);
@@ -315,19 +315,20 @@ ClockEstimate ClockEstimate::at(double sent_s) const {
   const double wandered = wander_per_s * std::abs(s);
   ClockEstimate then = *this;
   then.at_s = sent_s;
-  then.ahead_s += drift * s;
-  then.ahead_var_s2 += 2.0 * s * covariance_s + s * s * drift_var + wandered * s * s / 3.0;
+  then.offset_s += drift * s;
+  then.offset_var_s2 += 2.0 * s * covariance_s + s * s * drift_var + wandered * s * s / 3.0;
   then.covariance_s += s * drift_var + wandered * s / 2.0;
   then.drift_var += wandered;
   return then;
 }
 
-std::optional<ClockEstimate> estimate_clock(std::span<const ClockPoint> given) {
-  if (given.size() < kFewestForEstimate || !(given.front().sent_s < given.back().sent_s)) return std::nullopt;
+std::optional<ClockEstimate> estimate_clock(std::span<const ClockSample> given) {
+  if (given.size() < kMinSamplesForEstimate || !(given.front().sent_s < given.back().sent_s))
+    return std::nullopt;
   // The first message's offset is near zero, as its prior has it: a second wide.
-  std::vector<ClockPoint> points(given.begin(), given.end());
-  const double origin_s = points.front().ahead_s;
-  for (ClockPoint& point : points) point.ahead_s -= origin_s;
+  std::vector<ClockSample> points(given.begin(), given.end());
+  const double origin_s = points.front().offset_s;
+  for (ClockSample& point : points) point.offset_s -= origin_s;
   Filters filters = of_any_spread();
   hear_all(filters, points);
   if (filters.empty()) return std::nullopt;
@@ -341,7 +342,7 @@ std::optional<ClockEstimate> estimate_clock(std::span<const ClockPoint> given) {
     if (filters.empty()) return std::nullopt;
   }
   ClockEstimate now = summary(filters, points.back().sent_s);
-  now.ahead_s += origin_s;
+  now.offset_s += origin_s;
   return now;
 }
 

@@ -21,10 +21,10 @@ namespace strobe::host {
 
 /// At one instant: offset and drift with their covariance.
 struct ClockEstimate {
-  double at_s = 0.0;     ///< instant on the other clock, origin as the points'
-  double ahead_s = 0.0;  ///< the own clock less the other, then
-  double drift = 0.0;    ///< s/s; positive: the own clock is the faster one
-  double ahead_var_s2 = 0.0;
+  double at_s = 0.0;      ///< instant on the other clock, origin as the points'
+  double offset_s = 0.0;  ///< the own clock less the other, then
+  double drift = 0.0;     ///< s/s; positive: the own clock is the faster one
+  double offset_var_s2 = 0.0;
   double drift_var = 0.0;
   double covariance_s = 0.0;
   double wander_per_s = 0.0;  ///< variance that the drift gains in a second, as far as the points tell
@@ -33,10 +33,10 @@ struct ClockEstimate {
   ClockEstimate at(double sent_s) const;
 };
 
-inline constexpr std::size_t kFewestForEstimate = 3;
+inline constexpr std::size_t kMinSamplesForEstimate = 3;
 
-/// At the last of these points, which are in order of their sending. Nothing: fewer than kFewestForEstimate,
+/// At the last of these points, which are in order of their sending. Nothing: fewer than kMinSamplesForEstimate,
 /// or all sent at one instant. Some 5 ms for 240 points, 15 ms for 1200.
-std::optional<ClockEstimate> estimate_clock(std::span<const ClockPoint> points);
+std::optional<ClockEstimate> estimate_clock(std::span<const ClockSample> points);
 
 }  // namespace strobe::host

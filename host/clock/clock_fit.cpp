@@ -7,27 +7,28 @@
 namespace strobe::host {
 namespace {
 
-using Points = std::vector<ClockPoint>;
+using Points = std::vector<ClockSample>;
 
 constexpr double kTukey = 4.685;  // 95 % as good as least squares where delays are normal
 constexpr double kHuber = 2.5;
-constexpr double kLeastSpread_s = 1e-9;
-constexpr int kMostReweightings = 60;
+constexpr double kMinSpread_s = 1e-9;
+constexpr int kMaxReweightings = 60;
 
 struct Trend {
   double at_centre = 0.0;
   double drift = 0.0;
 };
 
-double left_turn(const ClockPoint& a, const ClockPoint& b, const ClockPoint& c) {
-  return (b.sent_s - a.sent_s) * (c.ahead_s - a.ahead_s) - (b.ahead_s - a.ahead_s) * (c.sent_s - a.sent_s);
+double left_turn(const ClockSample& a, const ClockSample& b, const ClockSample& c) {
+  return (b.sent_s - a.sent_s) * (c.offset_s - a.offset_s) -
+         (b.offset_s - a.offset_s) * (c.sent_s - a.sent_s);
 }
 
 /// The edge of the lower convex hull over the points' mean. Points in order of their sending.
 Trend envelope(const Points& points, double centre) {
   Points hull;
-  for (const ClockPoint& point : points) {
-    while (!hull.empty() && hull.back().sent_s == point.sent_s && hull.back().ahead_s >= point.ahead_s)
+  for (const ClockSample& point : points) {
+    while (!hull.empty() && hull.back().sent_s == point.sent_s && hull.back().offset_s >= point.offset_s)
       hull.pop_back();
     if (!hull.empty() && hull.back().sent_s == point.sent_s) continue;
     while (hull.size() >= 2 && left_turn(hull[hull.size() - 2], hull.back(), point) <= 0.0) hull.pop_back();
@@ -35,27 +36,27 @@ Trend envelope(const Points& points, double centre) {
   }
   std::size_t right = 1;
   while (right + 1 < hull.size() && hull[right].sent_s < centre) ++right;
-  const ClockPoint& a = hull[right - 1];
-  const ClockPoint& b = hull[right];
-  const double drift = (b.ahead_s - a.ahead_s) / (b.sent_s - a.sent_s);
-  return {a.ahead_s + drift * (centre - a.sent_s), drift};
+  const ClockSample& a = hull[right - 1];
+  const ClockSample& b = hull[right];
+  const double drift = (b.offset_s - a.offset_s) / (b.sent_s - a.sent_s);
+  return {a.offset_s + drift * (centre - a.sent_s), drift};
 }
 
-double above(const ClockPoint& point, const Trend& line, double centre) {
-  return point.ahead_s - line.at_centre - line.drift * (point.sent_s - centre);
+double above(const ClockSample& point, const Trend& line, double centre) {
+  return point.offset_s - line.at_centre - line.drift * (point.sent_s - centre);
 }
 
 /// From those on the early side alone: the others are late by any amount.
 double spread_below(const Points& points, const Trend& line, double centre) {
   double squares = 0.0;
   int early = 0;
-  for (const ClockPoint& point : points) {
+  for (const ClockSample& point : points) {
     const double r = above(point, line, centre);
     if (r > 0.0) continue;
     squares += r * r;
     ++early;
   }
-  return early == 0 ? kLeastSpread_s : std::max(kLeastSpread_s, std::sqrt(squares / early));
+  return early == 0 ? kMinSpread_s : std::max(kMinSpread_s, std::sqrt(squares / early));
 }
 
 double weight_of(double in_spreads) {
@@ -76,12 +77,12 @@ ClockFit improved(const Points& points, const ClockFit& before, double centre) {
   double w0 = 0.0, wx = 0.0, wy = 0.0, wxx = 0.0, wxy = 0.0;
   ClockFit fit = before;
   fit.used = 0;
-  for (const ClockPoint& point : points) {
+  for (const ClockSample& point : points) {
     const double w = weight_of(above(point, before.line, centre) / before.spread);
     if (w <= 0.0) continue;
     ++fit.used;
     const double x = point.sent_s - centre;
-    w0 += w, wx += w * x, wy += w * point.ahead_s, wxx += w * x * x, wxy += w * x * point.ahead_s;
+    w0 += w, wx += w * x, wy += w * point.offset_s, wxx += w * x * x, wxy += w * x * point.offset_s;
   }
   const double determinant = w0 * wxx - wx * wx;
   if (!(determinant > 0.0)) return fit;
@@ -95,7 +96,7 @@ ClockFit improved(const Points& points, const ClockFit& before, double centre) {
 ClockFit start_of(const Points& points, double centre) {
   Trend line = envelope(points, centre);
   std::vector<double> heights;
-  for (const ClockPoint& point : points) heights.push_back(above(point, line, centre));
+  for (const ClockSample& point : points) heights.push_back(above(point, line, centre));
   const auto third = heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 3);
   std::nth_element(heights.begin(), third, heights.end());
   line.at_centre += *third;
@@ -103,7 +104,7 @@ ClockFit start_of(const Points& points, double centre) {
 }
 
 ClockFit converged(const Points& points, ClockFit fit, double centre) {
-  for (int i = 0; i < kMostReweightings; ++i) {
+  for (int i = 0; i < kMaxReweightings; ++i) {
     const ClockFit next = improved(points, fit, centre);
     const double moved = std::abs(next.line.at_centre - fit.line.at_centre);
     fit = next;
@@ -112,25 +113,25 @@ ClockFit converged(const Points& points, ClockFit fit, double centre) {
   return fit;
 }
 
-Points by_sending(std::span<const ClockPoint> given) {
+Points by_sending(std::span<const ClockSample> given) {
   Points points(given.begin(), given.end());
   std::sort(points.begin(), points.end(),
-            [](const ClockPoint& a, const ClockPoint& b) { return a.sent_s < b.sent_s; });
+            [](const ClockSample& a, const ClockSample& b) { return a.sent_s < b.sent_s; });
   return points;
 }
 
 }  // namespace
 
-std::optional<ClockLine> fit_clock(std::span<const ClockPoint> given) {
-  if (given.size() < kFewestClockPoints) return std::nullopt;
+std::optional<ClockLine> fit_clock(std::span<const ClockSample> given) {
+  if (given.size() < kMinSamplesForLine) return std::nullopt;
   const Points points = by_sending(given);
   if (!(points.front().sent_s < points.back().sent_s)) return std::nullopt;
   double centre = 0.0;
-  for (const ClockPoint& point : points) centre += point.sent_s / static_cast<double>(points.size());
+  for (const ClockSample& point : points) centre += point.sent_s / static_cast<double>(points.size());
   const ClockFit fit = converged(points, start_of(points, centre), centre);
   ClockLine line;
   line.centre_s = centre;
-  line.at_centre_s = fit.line.at_centre;
+  line.offset_at_centre_s = fit.line.at_centre;
   line.drift = fit.line.drift;
   line.spread_s = fit.spread;
   line.used = fit.used;

@@ -18,26 +18,26 @@ namespace strobe::host {
 
 /// A message: when it was sent on the other clock, and by how much the own clock was ahead of that when it
 /// was heard; seconds, of any origin near the points.
-struct ClockPoint {
+struct ClockSample {
   double sent_s = 0.0;
-  double ahead_s = 0.0;
+  double offset_s = 0.0;
 };
 
 /// ahead = at_centre + drift * (sent - centre)
 struct ClockLine {
   double centre_s = 0.0;
-  double at_centre_s = 0.0;
+  double offset_at_centre_s = 0.0;
   double drift = 0.0;     ///< s/s; positive: the own clock is the faster one
   double spread_s = 0.0;  ///< sd of usual delays about the line
   int used = 0;           ///< points that have weight
 
-  double ahead_s(double sent_s) const { return at_centre_s + drift * (sent_s - centre_s); }
+  double offset_s(double sent_s) const { return offset_at_centre_s + drift * (sent_s - centre_s); }
 };
 
-inline constexpr std::size_t kFewestClockPoints = 40;
+inline constexpr std::size_t kMinSamplesForLine = 40;
 
-/// Nothing: fewer than kFewestClockPoints, or all sent at one instant. 240 points take
+/// Nothing: fewer than kMinSamplesForLine, or all sent at one instant. 240 points take
 /// some 0.1 ms.
-std::optional<ClockLine> fit_clock(std::span<const ClockPoint> points);
+std::optional<ClockLine> fit_clock(std::span<const ClockSample> points);
 
 }  // namespace strobe::host

@@ -16,7 +16,7 @@
 
 #include "host/clock/clock_estimate.hpp"
 #include "host/clock/clock_fit.hpp"
-#include "host/clock/machine_clocks.hpp"
+#include "host/clock/clock_reading.hpp"
 
 namespace strobe::host {
 
@@ -40,9 +40,9 @@ class DeviceClock {
   static constexpr std::int64_t kMemory_ns = 600'000'000'000;
 
   /// A heartbeat: the firmware's clocks when it was sent, this machine's CLOCK_MONOTONIC when it was heard.
-  void on_heartbeat(std::int64_t boot_id, const MachineClocks& device, std::int64_t heard_ns);
+  void on_heartbeat(std::int64_t boot_id, const ClockReading& device, std::int64_t heard_ns);
   /// This machine's clocks, now and then.
-  void on_local(const MachineClocks& local);
+  void on_local(const ClockReading& local);
 
   /// The firmware's instant on this machine's CLOCK_MONOTONIC; nothing before the first heartbeat. Instants
   /// from before a break are told by the relation of their time.
@@ -50,9 +50,9 @@ class DeviceClock {
   /// New numbers with each of the first forty heartbeats, then every five seconds: they take some 5 to 15 ms.
   ClockState state();
   /// Whether the firmware's machine was suspended between two of its instants, as its own clocks tell.
-  bool slept_within(std::int64_t from_device_ns, std::int64_t to_device_ns) const;
+  bool suspended_within(std::int64_t from_device_ns, std::int64_t to_device_ns) const;
 
-  std::vector<std::string> take_notices() { return std::exchange(notices_, {}); }
+  std::vector<std::string> take_notifications() { return std::exchange(notifications_, {}); }
 
  private:
   struct Heartbeat {
@@ -60,36 +60,36 @@ class DeviceClock {
     std::int64_t heard_ns = 0;
   };
   /// One relation, as long as it holds.
-  struct Stretch {
+  struct Segment {
     std::int64_t first_sent_ns = 0;
     std::int64_t origin_ns = 0;  ///< heard - sent of the first: numbers are kept relative to it
     std::int64_t heartbeats = 0;
-    double least_ahead_s = 0.0;  ///< stands in for the line
+    double min_offset_s = 0.0;  ///< stands in for the line
     std::optional<ClockLine> line;
   };
 
-  double ahead_s(const Stretch& stretch, std::int64_t sent_ns) const;
+  double offset_s(const Segment& segment, std::int64_t sent_ns) const;
   double lateness_s(const Heartbeat& heartbeat) const;
-  void notice_changes(const ClockWatch::Change& change, const std::string& whose);
+  void notify_changes(const ClockStepDetector::Change& change, const std::string& whose);
   void begin(const Heartbeat& heartbeat);
   void add(const Heartbeat& heartbeat);
   /// Of the last so many nanoseconds.
-  std::vector<ClockPoint> points(std::int64_t last_ns) const;
+  std::vector<ClockSample> points(std::int64_t last_ns) const;
   void renew_estimate();
   bool earlier_than_any(const Heartbeat& heartbeat) const;
   bool broken_by(const Heartbeat& heartbeat);
-  const Stretch& of(std::int64_t device_ns) const;
+  const Segment& of(std::int64_t device_ns) const;
 
-  ClockWatch device_watch_, local_watch_;
+  ClockStepDetector device_watch_, local_watch_;
   std::int64_t boot_id_ = 0;
-  std::deque<Heartbeat> heard_;  ///< within kMemory_ns
-  std::vector<Heartbeat> late_;  ///< in a row, by about the same: the relation may have broken
-  std::vector<Stretch> stretches_;
+  std::deque<Heartbeat> heartbeats_;  ///< within kMemory_ns
+  std::vector<Heartbeat> late_;       ///< in a row, by about the same: the relation may have broken
+  std::vector<Segment> segments_;
   std::int64_t fitted_ns_ = 0;             ///< heartbeat that the newest line was fitted at
   std::optional<ClockEstimate> estimate_;  ///< what is told; no instant is computed from it
   std::int64_t estimated_ns_ = 0;          ///< heartbeat that it was made at
   std::vector<std::pair<std::int64_t, std::int64_t>> sleeps_;  ///< device instants around each
-  std::vector<std::string> notices_;
+  std::vector<std::string> notifications_;
 };
 
 }  // namespace strobe::host

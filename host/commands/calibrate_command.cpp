@@ -15,7 +15,7 @@
 #include "host/commands/command.hpp"
 #include "host/config/camera_writer.hpp"
 #include "host/config/rig_file.hpp"
-#include "host/digitize/photograph.hpp"
+#include "host/digitize/image/photograph.hpp"
 
 namespace strobe::host {
 namespace {

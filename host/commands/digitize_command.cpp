@@ -15,8 +15,8 @@
 #include "host/commands/digitize_times.hpp"
 #include "host/commands/terminal.hpp"
 #include "host/config/digitize_settings.hpp"
-#include "host/digitize/corrections.hpp"
-#include "host/digitize/overlay.hpp"
+#include "host/digitize/corrections/corrections.hpp"
+#include "host/digitize/overlay/overlay.hpp"
 
 namespace strobe::host {
 namespace {

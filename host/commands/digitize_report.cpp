@@ -32,7 +32,7 @@ ordered_json inputs_json(const DigitizeSettings& settings) {
   inputs["ball_diameter_m"] = settings.ball_diameter_m;
   inputs["ball_diameter_sd_m"] = or_null(settings.ball_diameter_sd_m);
   inputs["size_tolerance_percent"] = 100.0 * settings.size_tolerance;
-  inputs["calibrated"] = !settings.map.is_plain();
+  inputs["calibrated"] = !settings.map.is_uncalibrated();
   inputs["flashes"] =
       settings.flash_times_s ? ordered_json(settings.flash_times_s->size()) : ordered_json(nullptr);
   inputs["effort"] = name(settings.effort);

@@ -10,7 +10,7 @@ namespace strobe::host {
 
 namespace {
 
-constexpr std::size_t kMostFlashes = 100'000;
+constexpr std::size_t kMaxFlashes = 100'000;
 constexpr double kLongest_s = 1e9;
 constexpr double kShortestInterval_s = 1e-9;
 
@@ -23,7 +23,7 @@ std::string read_times(const nlohmann::json& line, std::vector<double>& times_s)
     list = &*found;
   }
   if (!list->is_array()) return "must be an array of seconds, or an object with flash_times_s";
-  if (list->empty() || list->size() > kMostFlashes) return "must be 1 to 100000 flashes";
+  if (list->empty() || list->size() > kMaxFlashes) return "must be 1 to 100000 flashes";
   for (std::size_t i = 0; i < list->size(); ++i) {
     const auto& time = (*list)[i];
     if (time.is_null()) continue;  // a flash that no sensor saw

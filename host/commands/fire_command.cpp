@@ -57,26 +57,26 @@ Result<FireOrder> order_of(const FireOptions& options) {
   if (!key) return tl::unexpected(key.error());
   FireOrder order(key->key);
   order.rig = std::move(*rig);
-  order.campaign.plan = order.rig.plan;
+  order.series.plan = order.rig.plan;
   if (!options.plan_path.empty()) {
     const auto text = read_file(options.plan_path);
     if (!text) return tl::unexpected(text.error());
     const auto plan = read_plan(*text, options.plan_path, order.rig.plan);
     if (!plan) return tl::unexpected(plan.error());
-    order.campaign.plan = *plan;
+    order.series.plan = *plan;
     order.plan_text = *text;
   } else {
     order.plan_text = plan_to_toml(order.rig.plan);
   }
   auto notes = notes_of(options);
   if (!notes) return tl::unexpected(notes.error());
-  order.campaign.notes = std::move(*notes);
-  order.campaign.shots = options.shots;
-  order.campaign.retries = options.retries.value_or(options.shots);
-  order.campaign.dry = options.dry;
-  order.campaign.patience_s = options.wait_s;
-  order.campaign.photograph_timeout_s = order.rig.analysis.photograph_timeout_s;
-  order.campaign.clear_fault = options.clear_fault;
+  order.series.notes = std::move(*notes);
+  order.series.shots = options.shots;
+  order.series.retries = options.retries.value_or(options.shots);
+  order.series.dry = options.dry;
+  order.series.blocked_timeout_s = options.wait_s;
+  order.series.photograph_timeout_s = order.rig.analysis.photograph_timeout_s;
+  order.series.clear_fault = options.clear_fault;
   order.url = lcm_url(options.url, order.rig);
   order.session = options.session.empty() ? "session-" + utc_for_file(wall_now_us()) : options.session;
   order.photographs = options.photographs;
@@ -97,7 +97,7 @@ int run(const FireOptions& options) {
 void add_fire_command(CLI::App& app, int& exit_status) {
   auto options = std::make_shared<FireOptions>();
   CLI::App* command =
-      app.add_subcommand("fire", "Fire shots and show the rebound of each; spoilt shots are fired again");
+      app.add_subcommand("fire", "Fire shots and show the rebound of each; rejected shots are fired again");
   command->add_option("--shots", options->shots, "shots that must count (default 1)")
       ->check(CLI::Range(1, 100000));
   command

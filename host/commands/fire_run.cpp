@@ -7,10 +7,10 @@
 #include "common/messages/well_formed.hpp"
 #include "host/commands/command.hpp"
 #include "host/commands/watched_photographs.hpp"
-#include "host/session/collection.hpp"
-#include "host/session/follower.hpp"
-#include "host/session/intake.hpp"
-#include "host/session/link.hpp"
+#include "host/loop/session_monitor.hpp"
+#include "host/messages/lcm_link.hpp"
+#include "host/messages/message_decoder.hpp"
+#include "host/session/gap_recovery.hpp"
 
 namespace strobe::host {
 namespace {
@@ -30,35 +30,36 @@ class FireRun {
  public:
   explicit FireRun(const FireOrder& order)
       : order_(order),
-        maker_(random_host_id()),
+        factory_(random_host_id()),
         sealer_(order.key, order.rig.rig),
-        campaign_(order.campaign, maker_),
-        follower_(assembly_settings(order.rig), maker_.host_id(),
-                  fmt::format("strobe fire   rig {}   session {}", order.rig.rig, order.session)),
-        photographs_(order.rig, order.photographs, order.session, maker_.host_id(), follower_),
-        intake_(order.rig.rig, photographs_.sink()) {}
+        series_(order.series, factory_),
+        monitor_(assembly_settings(order.rig), factory_.host_id(),
+                 fmt::format("strobe fire   rig {}   session {}", order.rig.rig, order.session)),
+        photographs_(order.rig, order.photographs, order.session, factory_.host_id(), monitor_),
+        decoder_(order.rig.rig, photographs_.sink()) {}
 
   int run() {
     auto folder =
         SessionFolder::open(order_.session, utc_for_file(wall_now_us()), order_.rig.text, order_.plan_text);
     if (!folder) return bad_input(folder.error().message);
     folder_ = std::move(*folder);
-    folder_->recall(follower_.session().ledger(), order_.rig.rig);
+    folder_->recall(monitor_.session().ledger(), order_.rig.rig);
     if (auto watched = photographs_.open(); !watched) return bad_input(watched.error().message);
-    auto link = Link::open(order_.url, order_.rig.rig,
-                           [this](const std::string& c, const void* d, std::size_t n) { receive(c, d, n); });
+    auto link =
+        LcmLink::open(order_.url, order_.rig.rig,
+                      [this](const std::string& c, const void* d, std::size_t n) { receive(c, d, n); });
     if (!link) return failed(link.error().message);
     link_ = std::move(*link);
     catch_signals();
     Terminal terminal(order_.style);
     terminal_ = &terminal;
-    follower_.model().thesis = order_.condition;
-    follower_.on_outcome = [this](const Outcome& outcome) { done(outcome); };
-    follower_.on_event = [this](const strobe_msgs::event_t& event) { campaign_.on_event(event); };
-    follower_.on_shot = [this](const strobe_msgs::shot_t& shot) { keep_flashes(shot); };
-    follower_.on_notice = [this](const std::string& text) { terminal_->notice(text); };
-    terminal.notice(fmt::format("session {}, rig {} on {}", order_.session, order_.rig.rig, order_.url));
-    for (const std::string& text : photographs_.opening_words()) follower_.notice(text);
+    monitor_.model().thesis = order_.condition;
+    monitor_.on_shot_result = [this](const ShotResult& shot_result) { done(shot_result); };
+    monitor_.on_event = [this](const strobe_msgs::event_t& event) { series_.on_event(event); };
+    monitor_.on_shot = [this](const strobe_msgs::shot_t& shot) { keep_flashes(shot); };
+    monitor_.on_notification = [this](const std::string& text) { terminal_->notify(text); };
+    terminal.notify(fmt::format("session {}, rig {} on {}", order_.session, order_.rig.rig, order_.url));
+    for (const std::string& text : photographs_.opening_words()) monitor_.notify(text);
     fire();
     if (interrupted()) disarm();
     collect_missing();
@@ -76,28 +77,29 @@ class FireRun {
     if (photographs_.own_frame(channel, data, size)) return;
     folder_->log(channel, data, size,
                  wall_now_us());  // first, so that the record holds what a result came from
-    intake_.receive(channel, data, size, steady_now_ns());
+    decoder_.receive(channel, data, size, steady_now_ns());
   }
 
   bool own_readout(const void* data, std::size_t size) const {
-    return messages::readout_host(data, size) == maker_.host_id();
+    return messages::readout_host(data, size) == factory_.host_id();
   }
 
-  void done(const Outcome& outcome) {
+  void done(const ShotResult& shot_result) {
     const std::int64_t wall_us = wall_now_us();
-    if (outcome.host_id == maker_.host_id() && !outcome.dry) {
-      const auto message = messages::readout_to_lcm(outcome.readout, maker_.host_id(), outcome.boot_id);
+    if (shot_result.host_id == factory_.host_id() && !shot_result.dry) {
+      const auto message =
+          messages::readout_to_lcm(shot_result.readout, factory_.host_id(), shot_result.boot_id);
       link_->publish(message);
       log_readout(message, wall_us);
-      if (auto added = folder_->add(outcome, utc_for_table(wall_us)); !added)
-        follower_.notice(added.error().message);
+      if (auto added = folder_->add(shot_result, utc_for_table(wall_us)); !added)
+        monitor_.notify(added.error().message);
     }
-    campaign_.on_outcome(outcome);
-    terminal_->outcome(outcome);
+    series_.on_shot_result(shot_result);
+    terminal_->shot_result(shot_result);
   }
 
   void keep_flashes(const strobe_msgs::shot_t& shot) {
-    if (auto added = folder_->add(shot); !added) follower_.notice(added.error().message);
+    if (auto added = folder_->add(shot); !added) monitor_.notify(added.error().message);
   }
 
   void log_readout(const strobe_msgs::readout_t& message, std::int64_t wall_us) {
@@ -113,46 +115,46 @@ class FireRun {
       receive_frame(bytes);
       link_->publish(frame);
     }
-    for (const std::string& text : photographs_.take_notices()) follower_.notice(text);
+    for (const std::string& text : photographs_.take_notifications()) monitor_.notify(text);
   }
 
   void receive_frame(const std::string& bytes) {
     const std::string channel = messages::channel_name(order_.rig.rig, messages::Channel::frame);
     folder_->log(channel, bytes.data(), bytes.size(), wall_now_us());
-    intake_.receive(channel, bytes.data(), bytes.size(), steady_now_ns());
+    decoder_.receive(channel, bytes.data(), bytes.size(), steady_now_ns());
   }
 
   /// One turn: what has come, what is due, the screen.
   bool turn() {
     if (!link_->wait(kTurn_ms, photographs_.descriptors()) || !link_->drain()) {
-      follower_.notice("LCM cannot receive any more");
+      monitor_.notify("LCM cannot receive any more");
       return false;
     }
     take_photographs(false);
     now_ns_ = steady_now_ns();
-    follower_.time(now_ns_);
-    follower_.local_clocks(machine_clocks());
+    monitor_.time(now_ns_);
+    monitor_.local_clocks(read_clocks());
     ask_for_missing();
     return true;
   }
 
   void ask_for_missing() {
-    const auto& status = follower_.session().status();
+    const auto& status = monitor_.session().status();
     if (!status) return;  // nobody to ask yet
-    for (const SequenceRange& range : follower_.session().ledger().due(now_ns_))
-      send(maker_.resend(status->boot_id, range));
+    for (const SequenceRange& range : monitor_.session().ledger().due(now_ns_))
+      send(factory_.resend(status->boot_id, range));
   }
 
   /// Said once: what the firmware takes for forged just after this host has sent something is this host's.
   void say_if_key_differs() {
-    const auto& status = follower_.session().status();
-    if (status && status->arm_host_id == maker_.host_id()) key_known_ = true;
+    const auto& status = monitor_.session().status();
+    if (status && status->arm_host_id == factory_.host_id()) key_known_ = true;
     if (!status || key_known_ || key_differs_said_) return;
     if (!forged_before_) forged_before_ = status->rejected_forged;
     if (status->rejected_forged <= *forged_before_) return;
     key_differs_said_ = true;
     key_differs_since_ns_ = now_ns_;
-    terminal_->notice(
+    terminal_->notify(
         fmt::format("strobed ignores commands that are sealed with another key than its own: it tells its "
                     "key's fingerprint at "
                     "its start, this host's is {} (see strobe key, --key-file)",
@@ -162,7 +164,7 @@ class FireRun {
   /// A stranger's forgeries alone do not end a series: it waits for a token as long as for anything else.
   bool shut_out() const {
     return key_differs_said_ && !key_known_ &&
-           static_cast<double>(now_ns_ - key_differs_since_ns_) > order_.campaign.patience_s * 1e9;
+           static_cast<double>(now_ns_ - key_differs_since_ns_) > order_.series.blocked_timeout_s * 1e9;
   }
 
   void send(const strobe_msgs::command_t& command) {
@@ -171,55 +173,55 @@ class FireRun {
       folder_->log(messages::channel_name(order_.rig.rig, messages::Channel::command), sealed->data(),
                    sealed->size(), wall_now_us());
     } else {
-      follower_.notice(sealed.error().message);
+      monitor_.notify(sealed.error().message);
     }
   }
 
   void send_commands() {
-    for (const auto& command : campaign_.take_commands()) send(command);
-    for (const std::string& text : campaign_.take_notices()) follower_.notice(text);
+    for (const auto& command : series_.take_commands()) send(command);
+    for (const std::string& text : series_.take_notifications()) monitor_.notify(text);
   }
 
   /// What a person who sees no screen should know: what has been lasting for two seconds.
   void say_what_lasts() {
     const std::string now =
-        campaign_.lacking().empty() ? campaign_.doing() : "waiting: " + campaign_.lacking();
+        series_.blocking_reason().empty() ? series_.activity() : "waiting: " + series_.blocking_reason();
     if (now != lasting_) {
       lasting_ = now;
       lasting_since_ns_ = now_ns_;
       said_ = false;
     }
-    if (said_ || campaign_.finished() || now_ns_ - lasting_since_ns_ < 2 * kSecond_ns) return;
+    if (said_ || series_.finished() || now_ns_ - lasting_since_ns_ < 2 * kSecond_ns) return;
     said_ = true;
-    terminal_->notice(lasting_);
+    terminal_->notify(lasting_);
   }
 
   void show() {
-    follower_.model().doing = campaign_.doing();
-    follower_.model().lacking = campaign_.lacking();
+    monitor_.model().activity = series_.activity();
+    monitor_.model().blocking_reason = series_.blocking_reason();
     say_what_lasts();
     say_if_key_differs();
-    terminal_->show(follower_.shown(now_ns_), now_ns_);
+    terminal_->show(monitor_.shown(now_ns_), now_ns_);
   }
 
   void fire() {
     // The first status may take half a second: nothing is missing before it had time to come.
     const std::int64_t started_ns = steady_now_ns();
-    while (!campaign_.finished() && !interrupted() && !shut_out() && turn()) {
-      const auto heard = follower_.heard(now_ns_);
-      if (heard || now_ns_ - started_ns > kSecond_ns) campaign_.step(heard, now_ns_);
+    while (!series_.finished() && !interrupted() && !shut_out() && turn()) {
+      const auto heard = monitor_.heard(now_ns_);
+      if (heard || now_ns_ - started_ns > kSecond_ns) series_.step(heard, now_ns_);
       send_commands();
       show();
     }
   }
 
   void disarm() {
-    campaign_.stop(follower_.heard(now_ns_));
+    series_.stop(monitor_.heard(now_ns_));
     send_commands();
-    follower_.notice("interrupted: disarming");
+    monitor_.notify("interrupted: disarming");
     const std::int64_t until_ns = steady_now_ns() + kDisarm_ns;
     while (turn() && now_ns_ < until_ns) {
-      const auto& status = follower_.session().status();
+      const auto& status = monitor_.session().status();
       if (!status || (status->arm_token == 0 && status->state != strobe_msgs::status_t::FIRING)) break;
     }
   }
@@ -227,42 +229,42 @@ class FireRun {
   /// Events that were lost on the way are fetched from the journal before the log is closed.
   void collect_missing() {
     if (shut_out()) return;  // nothing that is asked for would come
-    const EventLedger& ledger = follower_.session().ledger();
-    Collection collection(steady_now_ns());
+    const EventLedger& ledger = monitor_.session().ledger();
+    GapRecovery collection(steady_now_ns());
     bool said = false;
-    while (turn() && !collection.over(follower_.session(), follower_.heard(now_ns_).has_value(), now_ns_)) {
+    while (turn() && !collection.over(monitor_.session(), monitor_.heard(now_ns_).has_value(), now_ns_)) {
       if (!said && now_ns_ - collection.started_ns() > 2 * kSecond_ns) {
         said = true;
-        terminal_->notice(fmt::format("fetching {} events that were lost on the way", ledger.missing()));
+        terminal_->notify(fmt::format("fetching {} events that were lost on the way", ledger.missing()));
       }
       show();
     }
     if (ledger.missing() > 0)
-      terminal_->notice(fmt::format("{} events are still missing here", ledger.missing()));
+      terminal_->notify(fmt::format("{} events are still missing here", ledger.missing()));
   }
 
   int conclude() {
-    if (order_.style != Terminal::Style::json && !order_.campaign.dry) {
-      print(render_series(follower_.model().series, order_.condition, kPlainWidth));
+    if (order_.style != Terminal::Style::json && !order_.series.dry) {
+      print(render_series(monitor_.model().series, order_.condition, kPlainWidth));
     }
     const std::string summary =
-        fmt::format("{} of {} shots came, {} fired again; session in {}", campaign_.good(),
-                    order_.campaign.shots, campaign_.refired(), order_.session);
-    if (!campaign_.succeeded())
-      return failed(summary + (campaign_.lacking().empty() ? "" : ": " + campaign_.lacking()));
+        fmt::format("{} of {} shots came, {} fired again; session in {}", series_.good(), order_.series.shots,
+                    series_.refired(), order_.session);
+    if (!series_.succeeded())
+      return failed(summary + (series_.blocking_reason().empty() ? "" : ": " + series_.blocking_reason()));
     std::fprintf(stderr, "strobe: %s\n", summary.c_str());
     return kDone;
   }
 
   const FireOrder& order_;
-  CommandMaker maker_;
+  CommandFactory factory_;
   CommandSealer sealer_;
-  Campaign campaign_;
-  Follower follower_;
+  ShotSeries series_;
+  SessionMonitor monitor_;
   WatchedPhotographs photographs_;
-  Intake intake_;
+  MessageDecoder decoder_;
   std::unique_ptr<SessionFolder> folder_;
-  std::unique_ptr<Link> link_;
+  std::unique_ptr<LcmLink> link_;
   Terminal* terminal_ = nullptr;
   std::int64_t now_ns_ = 0;
   std::optional<std::int64_t> forged_before_;

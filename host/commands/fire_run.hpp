@@ -9,8 +9,8 @@
 #include "host/commands/terminal.hpp"
 #include "host/commands/watched_photographs.hpp"
 #include "host/config/rig_file.hpp"
-#include "host/session/campaign.hpp"
 #include "host/session/session_folder.hpp"
+#include "host/session/shot_series.hpp"
 
 namespace strobe::host {
 
@@ -19,7 +19,7 @@ struct FireOrder {
 
   authentication::Key key;
   RigFile rig;
-  CampaignSettings campaign;
+  ShotSeriesSettings series;
   std::string plan_text;
   std::string url;
   std::string session;

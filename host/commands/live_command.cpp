@@ -9,10 +9,10 @@
 #include "host/commands/terminal.hpp"
 #include "host/commands/watched_photographs.hpp"
 #include "host/config/rig_file.hpp"
-#include "host/session/commands.hpp"
-#include "host/session/follower.hpp"
-#include "host/session/intake.hpp"
-#include "host/session/link.hpp"
+#include "host/loop/session_monitor.hpp"
+#include "host/messages/command_factory.hpp"
+#include "host/messages/lcm_link.hpp"
+#include "host/messages/message_decoder.hpp"
 #include "host/view/timing.hpp"
 
 namespace strobe::host {
@@ -46,8 +46,8 @@ class TimingReport {
     heard_ns_ = heard_ns;
   }
   bool due() const { return after_shot_.has_value(); }
-  void print_when_told(Follower& follower, const Model& model, bool json) {
-    if (!due() || !model.status || follower.session().status_heard_ns() <= heard_ns_) return;
+  void print_when_told(SessionMonitor& monitor, const Model& model, bool json) {
+    if (!due() || !model.status || monitor.session().status_heard_ns() <= heard_ns_) return;
     if (json) {
       print({timing_json(*model.status, model.clock, *after_shot_)});
     } else {
@@ -65,17 +65,17 @@ class TimingReport {
 class Asking {
  public:
   Asking(const authentication::Key& key, const std::string& rig, std::int64_t host_id)
-      : maker_(host_id), sealer_(key, rig) {}
-  void turn(Session& session, Link& link, std::int64_t now_ns) {
+      : factory_(host_id), sealer_(key, rig) {}
+  void turn(Session& session, LcmLink& link, std::int64_t now_ns) {
     if (!session.status()) return;
     for (const SequenceRange& range : session.ledger().due(now_ns)) {
-      if (const auto sealed = sealer_.seal(maker_.resend(session.status()->boot_id, range)))
+      if (const auto sealed = sealer_.seal(factory_.resend(session.status()->boot_id, range)))
         link.publish_command(*sealed);
     }
   }
 
  private:
-  CommandMaker maker_;
+  CommandFactory factory_;
   CommandSealer sealer_;
 };
 
@@ -101,31 +101,32 @@ int run_live(const LiveOptions& options) {
   const std::string url = lcm_url(options.url, *rig);
   const auto key = authentication::find_key({options.key_file, rig->key_file.value_or("")});
   const std::int64_t host_id = random_host_id();
-  Follower follower(assembly_settings(*rig), 0, key.has_value(),
-                    fmt::format("strobe live   rig {}", rig->rig));
+  SessionMonitor monitor(assembly_settings(*rig), 0, key.has_value(),
+                         fmt::format("strobe live   rig {}", rig->rig));
   std::optional<Asking> asking;
   if (key) asking.emplace(key->key, rig->rig, host_id);
-  WatchedPhotographs photographs(*rig, options.photographs, "", host_id, follower);
+  WatchedPhotographs photographs(*rig, options.photographs, "", host_id, monitor);
   if (auto watched = photographs.open(); !watched) return bad_input(watched.error().message);
-  Intake intake(rig->rig, photographs.sink());
+  MessageDecoder decoder(rig->rig, photographs.sink());
   std::int64_t last_message_ns = steady_now_ns();
-  auto link = Link::open(url, rig->rig, [&](const std::string& channel, const void* data, std::size_t size) {
-    if (photographs.own_frame(channel, data, size)) return;
-    last_message_ns = steady_now_ns();
-    intake.receive(channel, data, size, last_message_ns);
-  });
+  auto link =
+      LcmLink::open(url, rig->rig, [&](const std::string& channel, const void* data, std::size_t size) {
+        if (photographs.own_frame(channel, data, size)) return;
+        last_message_ns = steady_now_ns();
+        decoder.receive(channel, data, size, last_message_ns);
+      });
   if (!link) return failed(link.error().message);
   catch_signals();
   Terminal terminal(style_of(options));
-  terminal.notice(fmt::format("listening to rig {} on {}", rig->rig, url));
+  terminal.notify(fmt::format("listening to rig {} on {}", rig->rig, url));
   TimingReport timing;
-  follower.on_outcome = [&](const Outcome& outcome) {
-    if (options.shots == 0 || follower.outcomes() <= options.shots) terminal.outcome(outcome);
-    if (options.timing) timing.shot_done(outcome.shot_id, follower.session().status_heard_ns());
+  monitor.on_shot_result = [&](const ShotResult& shot_result) {
+    if (options.shots == 0 || monitor.shot_results() <= options.shots) terminal.shot_result(shot_result);
+    if (options.timing) timing.shot_done(shot_result.shot_id, monitor.session().status_heard_ns());
   };
-  follower.on_notice = [&](const std::string& text) { terminal.notice(text); };
-  for (const std::string& text : photographs.opening_words()) follower.notice(text);
-  if (!key) follower.notice("what is lost on the way cannot be asked for: " + key.error().message);
+  monitor.on_notification = [&](const std::string& text) { terminal.notify(text); };
+  for (const std::string& text : photographs.opening_words()) monitor.notify(text);
+  if (!key) monitor.notify("what is lost on the way cannot be asked for: " + key.error().message);
   const auto idle_ns = static_cast<std::int64_t>(options.idle_exit_s * 1e9);
   MissingWords missing;
   while (!interrupted()) {
@@ -135,25 +136,25 @@ int run_live(const LiveOptions& options) {
       photographs.sink().frame(frame, steady_now_ns());
       (*link)->publish(frame);
     }
-    for (const std::string& text : photographs.take_notices()) follower.notice(text);
+    for (const std::string& text : photographs.take_notifications()) monitor.notify(text);
     const std::int64_t now_ns = steady_now_ns();
-    follower.time(now_ns);
-    follower.local_clocks(machine_clocks());
-    const Model& shown = follower.shown(now_ns);
+    monitor.time(now_ns);
+    monitor.local_clocks(read_clocks());
+    const Model& shown = monitor.shown(now_ns);
     terminal.show(shown, now_ns);
-    if (!terminal.owns_screen()) timing.print_when_told(follower, shown, options.json);
-    if (asking) asking->turn(follower.session(), **link, now_ns);
-    if (const auto words = missing.turn(follower.model().events_missing, now_ns)) terminal.notice(*words);
-    const bool silent = now_ns - follower.session().status_heard_ns() > kSilent_ns;
+    if (!terminal.owns_screen()) timing.print_when_told(monitor, shown, options.json);
+    if (asking) asking->turn(monitor.session(), **link, now_ns);
+    if (const auto words = missing.turn(monitor.model().events_missing, now_ns)) terminal.notify(*words);
+    const bool silent = now_ns - monitor.session().status_heard_ns() > kSilent_ns;
     const bool told = !timing.due() || terminal.owns_screen() || silent;
-    if (options.shots > 0 && follower.outcomes() >= options.shots && told) break;
+    if (options.shots > 0 && monitor.shot_results() >= options.shots && told) break;
     if (idle_ns > 0 && now_ns - last_message_ns > idle_ns) break;
   }
   terminal.close();
-  if (!options.json && follower.model().series.shots() > 0) {
-    print(render_series(follower.model().series, std::nullopt, kPlainWidth));
+  if (!options.json && monitor.model().series.shots() > 0) {
+    print(render_series(monitor.model().series, std::nullopt, kPlainWidth));
   }
-  return options.shots > 0 && follower.outcomes() < options.shots ? kFailed : kDone;
+  return options.shots > 0 && monitor.shot_results() < options.shots ? kFailed : kDone;
 }
 
 }  // namespace

@@ -17,8 +17,8 @@
 #include "common/reduction/legacy_file.hpp"
 #include "common/reduction/reduce.hpp"
 #include "host/commands/command.hpp"
-#include "host/commands/frontier_files.hpp"
-#include "host/commands/reduce_choice.hpp"
+#include "host/commands/frontier/frontier_files.hpp"
+#include "host/commands/reduce/reduce_choice.hpp"
 #include "host/commands/terminal.hpp"
 #include "host/config/rig_file.hpp"
 #include "host/view/quantities.hpp"
@@ -126,10 +126,10 @@ class Reducer {
     series_.add(*readout);
     show_progress();
     if (json_) return put_json(*readout, choice);
-    Outcome outcome;
-    outcome.shot_id = readout->shot_id;
-    outcome.readout = *readout;
-    print(render_shot(outcome, kPlainWidth));
+    ShotResult shot_result;
+    shot_result.shot_id = readout->shot_id;
+    shot_result.readout = *readout;
+    print(render_shot(shot_result, kPlainWidth));
     if (readout->method == "best") print({flight_line(readout->flight_effects)});
     if (readout->legacy) print(legacy_lines(*readout->legacy));
     if (choice != nullptr) print(choice_lines(*choice));
@@ -204,7 +204,7 @@ class Reducer {
   int late_ = 0;
   double took_us_ = 0.0;
   double longest_us_ = 0.0;
-  SeriesTable series_;
+  SeriesStatistics series_;
   int bad_ = 0;
   std::int64_t progress_ns_ = steady_now_ns();
 };

@@ -9,8 +9,8 @@
 #include "host/commands/command.hpp"
 #include "host/commands/terminal.hpp"
 #include "host/config/rig_file.hpp"
-#include "host/session/follower.hpp"
-#include "host/session/intake.hpp"
+#include "host/loop/session_monitor.hpp"
+#include "host/messages/message_decoder.hpp"
 
 namespace strobe::host {
 namespace {
@@ -36,22 +36,22 @@ int run_replay(const ReplayOptions& options) {
   if (!std::filesystem::is_regular_file(options.log, error)) return bad_input(options.log + ": no such file");
   lcm::LogFile log(options.log, "r");
   if (!log.good()) return bad_input(options.log + ": cannot be read");
-  Follower follower(assembly_settings(*rig), 0, "");
-  Intake intake(rig->rig, follower);
+  SessionMonitor monitor(assembly_settings(*rig), 0, "");
+  MessageDecoder decoder(rig->rig, monitor);
   Terminal terminal(options.json ? Terminal::Style::json : Terminal::Style::plain);
-  follower.on_outcome = [&](const Outcome& outcome) { terminal.outcome(outcome); };
-  follower.on_notice = [&](const std::string& text) { terminal.notice(text); };
+  monitor.on_shot_result = [&](const ShotResult& shot_result) { terminal.shot_result(shot_result); };
+  monitor.on_notification = [&](const std::string& text) { terminal.notify(text); };
   std::int64_t messages = 0;
   while (const lcm::LogEvent* event = log.readNextEvent()) {
     ++messages;
     const std::int64_t now_ns = event->timestamp * 1000;
-    follower.time(now_ns);
-    intake.receive(event->channel, event->data, static_cast<std::size_t>(event->datalen), now_ns);
+    monitor.time(now_ns);
+    decoder.receive(event->channel, event->data, static_cast<std::size_t>(event->datalen), now_ns);
   }
-  follower.end();
+  monitor.end();
   if (messages == 0) return bad_input(options.log + ": not an LCM log, or an empty one");
-  if (!options.json) print(render_series(follower.model().series, std::nullopt, kPlainWidth));
-  if (follower.outcomes() == 0) {
+  if (!options.json) print(render_series(monitor.model().series, std::nullopt, kPlainWidth));
+  if (monitor.shot_results() == 0) {
     return failed(fmt::format("{}: no shot of rig {} in {} messages", options.log, rig->rig, messages));
   }
   return kDone;

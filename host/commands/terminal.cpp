@@ -26,7 +26,7 @@ std::int64_t now_ns(clockid_t clock) {
 }  // namespace
 
 std::int64_t steady_now_ns() { return now_ns(CLOCK_MONOTONIC); }
-MachineClocks machine_clocks() {
+ClockReading read_clocks() {
   return {now_ns(CLOCK_MONOTONIC), now_ns(CLOCK_REALTIME), now_ns(CLOCK_BOOTTIME)};
 }
 std::int64_t wall_now_us() { return now_ns(CLOCK_REALTIME) / 1000; }
@@ -51,16 +51,16 @@ Terminal::Terminal(Style style) : style_(style) {
   if (style_ == Style::screen) screen_ = std::make_unique<Screen>();
 }
 
-void Terminal::outcome(const Outcome& outcome) {
+void Terminal::shot_result(const ShotResult& shot_result) {
   if (style_ == Style::json) {
-    std::puts(outcome_json(outcome).c_str());
+    std::puts(shot_result_json(shot_result).c_str());
   } else if (style_ == Style::plain) {
-    print(render_shot(outcome, kPlainWidth));
+    print(render_shot(shot_result, kPlainWidth));
   }
   std::fflush(stdout);
 }
 
-void Terminal::notice(const std::string& text) {
+void Terminal::notify(const std::string& text) {
   if (!screen_) std::fprintf(stderr, "strobe: %s\n", text.c_str());
 }
 
@@ -75,9 +75,9 @@ void print(const std::vector<std::string>& lines) {
   std::fflush(stdout);
 }
 
-std::string outcome_json(const Outcome& outcome) {
-  if (outcome.dry) return train_report_json(outcome.train, outcome.shot_id);
-  return messages::readout_to_json(outcome.readout);
+std::string shot_result_json(const ShotResult& shot_result) {
+  if (shot_result.dry) return train_report_json(shot_result.train, shot_result.shot_id);
+  return messages::readout_to_json(shot_result.readout);
 }
 
 std::string lcm_url(const std::string& given, const RigFile& rig) {

@@ -15,7 +15,7 @@ namespace strobe::host {
 std::int64_t steady_now_ns();
 std::int64_t wall_now_us();
 /// All three clocks, read one after the other.
-MachineClocks machine_clocks();
+ClockReading read_clocks();
 /// Random, positive.
 std::int64_t random_host_id();
 
@@ -34,9 +34,9 @@ class Terminal {
   Style style() const { return style_; }
   bool owns_screen() const { return screen_ != nullptr; }
   /// Standard output in json and plain style, flushed; nothing on a screen (the model shows it).
-  void outcome(const Outcome& outcome);
+  void shot_result(const ShotResult& shot_result);
   /// Standard error; nothing on a screen.
-  void notice(const std::string& text);
+  void notify(const std::string& text);
   /// The screen, at most ten times a second.
   void show(const Model& model, std::int64_t now_ns);
   /// Gives the screen back.
@@ -51,8 +51,8 @@ class Terminal {
 /// Lines on standard output.
 void print(const std::vector<std::string>& lines);
 
-/// The one JSON line of an outcome: the readout, or the train report of a dry shot.
-std::string outcome_json(const Outcome& outcome);
+/// The one JSON line of an shot_result: the readout, or the train report of a dry shot.
+std::string shot_result_json(const ShotResult& shot_result);
 
 /// --lcm-url, else the rig file's, else the default.
 std::string lcm_url(const std::string& given, const RigFile& rig);

@@ -26,7 +26,7 @@ void add_photograph_options(CLI::App& command, PhotographOptions& options) {
 }
 
 WatchedPhotographs::WatchedPhotographs(const RigFile& rig, PhotographOptions options, std::string session,
-                                       std::int64_t host_id, MessageSink& next)
+                                       std::int64_t host_id, MessageHandler& next)
     : rig_(rig),
       options_(std::move(options)),
       session_(std::move(session)),
@@ -47,45 +47,45 @@ Result<void> WatchedPhotographs::open() {
   settings.timeout_s = rig_.analysis.photograph_timeout_s;
   settings.host_id = host_id_;
   settings.keep_folder = session_;
-  desk_ = std::make_unique<PhotographDesk>(
+  pipeline_ = std::make_unique<PhotographPipeline>(
       next_, std::move(*watched),
       photograph_measurer(rig_, digitize::effort_from_name(options_.effort).value()), settings);
-  relay_.to = desk_.get();
+  relay_.to = pipeline_.get();
   return {};
 }
 
 std::vector<std::string> WatchedPhotographs::opening_words() const {
   std::vector<std::string> words;
-  if (!desk_) return words;
+  if (!pipeline_) return words;
   words.push_back("photographs from " + folder_of(options_, rig_));
   if (auto warning = calibration_warning(rig_.camera, wall_now_us() / 1'000'000)) words.push_back(*warning);
   return words;
 }
 
-MessageSink& WatchedPhotographs::sink() { return relay_; }
+MessageHandler& WatchedPhotographs::sink() { return relay_; }
 
 bool WatchedPhotographs::own_frame(const std::string& channel, const void* data, std::size_t size) const {
-  if (!desk_ || channel != messages::channel_name(rig_.rig, messages::Channel::frame)) return false;
+  if (!pipeline_ || channel != messages::channel_name(rig_.rig, messages::Channel::frame)) return false;
   strobe_msgs::frame_t frame;
   return messages::decode_checked(frame, messages::frame_well_formed, data, size) &&
          frame.host_id == host_id_;
 }
 
 std::vector<strobe_msgs::frame_t> WatchedPhotographs::turn(std::int64_t now_ns) {
-  if (!desk_) return {};
-  desk_->turn(now_ns);
+  if (!pipeline_) return {};
+  pipeline_->turn(now_ns);
   return measured();
 }
 
 std::vector<strobe_msgs::frame_t> WatchedPhotographs::end(std::int64_t now_ns) {
-  if (!desk_) return {};
-  desk_->end(now_ns);
+  if (!pipeline_) return {};
+  pipeline_->end(now_ns);
   return measured();
 }
 
 std::vector<strobe_msgs::frame_t> WatchedPhotographs::measured() {
   std::vector<strobe_msgs::frame_t> frames = std::exchange(again_, {});
-  for (strobe_msgs::frame_t& frame : desk_->take_frames()) {
+  for (strobe_msgs::frame_t& frame : pipeline_->take_frames()) {
     measured_.insert_or_assign({frame.boot_id, frame.shot_id}, frame);
     frames.push_back(std::move(frame));
   }
@@ -97,12 +97,12 @@ void WatchedPhotographs::send_again(const strobe_msgs::shot_t& shot) {
   if (frame != measured_.end()) again_.push_back(frame->second);
 }
 
-std::vector<std::string> WatchedPhotographs::take_notices() {
-  return desk_ ? desk_->take_notices() : std::vector<std::string>();
+std::vector<std::string> WatchedPhotographs::take_notifications() {
+  return pipeline_ ? pipeline_->take_notifications() : std::vector<std::string>();
 }
 
 std::vector<int> WatchedPhotographs::descriptors() const {
-  return desk_ ? desk_->descriptors() : std::vector<int>();
+  return pipeline_ ? pipeline_->descriptors() : std::vector<int>();
 }
 
 }  // namespace strobe::host

@@ -11,7 +11,7 @@
 
 #include "common/result.hpp"
 #include "host/config/rig_file.hpp"
-#include "host/photographs/photograph_desk.hpp"
+#include "host/photographs/photograph_pipeline.hpp"
 
 namespace CLI {
 class App;
@@ -31,7 +31,7 @@ class WatchedPhotographs {
  public:
   /// `session`: the folder that keeps photographs; empty: none does. `next` gets all messages.
   WatchedPhotographs(const RigFile& rig, PhotographOptions options, std::string session, std::int64_t host_id,
-                     MessageSink& next);
+                     MessageHandler& next);
 
   /// Without a folder nothing is watched and all else does nothing. Fails with one line for a folder that
   /// cannot be watched, or if the rig file says nothing of the scale.
@@ -40,7 +40,7 @@ class WatchedPhotographs {
   std::vector<std::string> opening_words() const;
 
   /// Who is to get the messages.
-  MessageSink& sink();
+  MessageHandler& sink();
   bool own_frame(const std::string& channel, const void* data, std::size_t size) const;
 
   /// Frames measured since, and those of shots that came again: then somebody asked for them, from whom the
@@ -48,13 +48,13 @@ class WatchedPhotographs {
   std::vector<strobe_msgs::frame_t> turn(std::int64_t now_ns);
   /// The same when no shot will come any more.
   std::vector<strobe_msgs::frame_t> end(std::int64_t now_ns);
-  std::vector<std::string> take_notices();
+  std::vector<std::string> take_notifications();
   std::vector<int> descriptors() const;
 
  private:
   /// Stands in the place of the desk, which comes later if at all.
-  struct Relay : MessageSink {
-    Relay(MessageSink& sink, WatchedPhotographs& photographs) : to(&sink), owner(photographs) {}
+  struct Relay : MessageHandler {
+    Relay(MessageHandler& sink, WatchedPhotographs& photographs) : to(&sink), owner(photographs) {}
     void status(const strobe_msgs::status_t& m, std::int64_t now_ns) override { to->status(m, now_ns); }
     void event(const strobe_msgs::event_t& m, std::int64_t now_ns) override { to->event(m, now_ns); }
     void shot(const strobe_msgs::shot_t& m, std::int64_t now_ns) override {
@@ -62,7 +62,7 @@ class WatchedPhotographs {
       owner.send_again(m);
     }
     void frame(const strobe_msgs::frame_t& m, std::int64_t now_ns) override { to->frame(m, now_ns); }
-    MessageSink* to;
+    MessageHandler* to;
     WatchedPhotographs& owner;
   };
 
@@ -73,9 +73,9 @@ class WatchedPhotographs {
   PhotographOptions options_;
   std::string session_;
   std::int64_t host_id_;
-  MessageSink& next_;
+  MessageHandler& next_;
   Relay relay_;
-  std::unique_ptr<PhotographDesk> desk_;
+  std::unique_ptr<PhotographPipeline> pipeline_;
   std::map<std::pair<std::int64_t, std::int32_t>, strobe_msgs::frame_t> measured_;  ///< by boot and shot
   std::vector<strobe_msgs::frame_t> again_;
 };

@@ -1,6 +1,6 @@
 // The rig file's [camera]: where its photographs arrive, and what `strobe calibrate` has measured of it. Each
 // field is a key of that name. Coordinates: image px, x the column, y the row from the top, and plane px, x
-// to the right, y up, one scale everywhere (host/digitize/plane_map.hpp). Values; thread-safe.
+// to the right, y up, one scale everywhere (host/digitize/core/plane_map.hpp). Values; thread-safe.
 #pragma once
 
 #include <array>

@@ -63,7 +63,7 @@ Result<void> add_note(reduction::Record& record, std::string_view text) {
   const std::string key(trimmed(text.substr(0, equals)));
   const std::string value(trimmed(text.substr(equals + 1)));
   if (const auto problem = note_problem(key, value)) return fail(*problem);
-  if (!record.contains(key) && record.size() >= messages::kMostNotes)
+  if (!record.contains(key) && record.size() >= messages::kMaxNotes)
     return fail("note " + key + ": more than 64 notes");
   record[key] = value;
   return {};

@@ -51,7 +51,7 @@ reduction::Record read_record(TomlTable table) {
     if (const auto problem = note_problem(key, value)) table.error_at(key, *problem);
     record[key] = value;
   }
-  if (record.size() > messages::kMostNotes) table.error_at("", "more than 64 notes");
+  if (record.size() > messages::kMaxNotes) table.error_at("", "more than 64 notes");
   return record;
 }
 
@@ -113,14 +113,14 @@ Result<RigFile> load_rig(const std::string& path) {
 }
 
 Result<std::string> read_file(const std::string& path) {
-  constexpr std::size_t kMostBytes = 16u << 20;
+  constexpr std::size_t kMaxBytes = 16u << 20;
   const std::unique_ptr<std::FILE, FileCloser> file(path == "-" ? stdin : std::fopen(path.c_str(), "rb"));
   if (!file) return fail(path + ": " + std::strerror(errno));
   std::string text;
   std::array<char, 65536> block{};
   while (const std::size_t n = std::fread(block.data(), 1, block.size(), file.get())) {
     text.append(block.data(), n);
-    if (text.size() > kMostBytes) return fail(path + ": larger than 16 MB");
+    if (text.size() > kMaxBytes) return fail(path + ": larger than 16 MB");
   }
   if (std::ferror(file.get())) return fail(path + ": " + std::strerror(errno));
   return text;

@@ -13,7 +13,7 @@ namespace {
 std::vector<double> offsets_us(const ShotPlan& plan) {
   std::vector<double> offsets;
   double offset_us = 0.0;
-  while (offsets.size() <= kMostCodedFlashes) {
+  while (offsets.size() <= kMaxCodedFlashes) {
     const bool over = plan.train == Train::gated
                           ? offsets.size() == static_cast<std::size_t>(plan.flash_count)
                           : offset_us >= 1000.0 * plan.shutter_open_ms;
@@ -33,7 +33,7 @@ bool has(const std::vector<int>& numbers, std::size_t number) {
 std::vector<int> read_numbers(config::TomlTable& table, const char* key, const std::vector<int>& fallback) {
   if (!table.has(key)) return fallback;
   std::vector<int> numbers;
-  for (const double number : table.numbers_or(key, {}, {0.0, static_cast<double>(kMostCodedFlashes - 1)})) {
+  for (const double number : table.numbers_or(key, {}, {0.0, static_cast<double>(kMaxCodedFlashes - 1)})) {
     if (number != std::floor(number)) table.error_at(key, "flashes have whole numbers, from 0");
     numbers.push_back(static_cast<int>(number));
   }
@@ -64,8 +64,8 @@ void read_code(config::TomlTable& table, ShotPlan& plan) {
   if (table.has("intervals_us")) {
     if (table.has("period_us")) table.error_at("intervals_us", "instead of period_us, not beside it");
     plan.intervals_us = table.numbers_or("intervals_us", {}, {100.0, 1e6});
-    if (plan.intervals_us.size() > kMostCodedFlashes)
-      table.error_at("intervals_us", fmt::format("more than {}", kMostCodedFlashes));
+    if (plan.intervals_us.size() > kMaxCodedFlashes)
+      table.error_at("intervals_us", fmt::format("more than {}", kMaxCodedFlashes));
   }
   if (!plan.intervals_us.empty())
     plan.period_us = *std::min_element(plan.intervals_us.begin(), plan.intervals_us.end());
@@ -77,9 +77,9 @@ void read_code(config::TomlTable& table, ShotPlan& plan) {
 void check_code(config::TomlTable& table, const ShotPlan& plan) {
   if (!plan.coded()) return;
   const std::size_t flashes = offsets_us(plan).size();
-  if (flashes > kMostCodedFlashes) {
+  if (flashes > kMaxCodedFlashes) {
     table.error_at(plan.intervals_us.empty() ? "period_us" : "intervals_us",
-                   fmt::format("a coded train has at most {} flashes", kMostCodedFlashes));
+                   fmt::format("a coded train has at most {} flashes", kMaxCodedFlashes));
   }
   check_names(table, plan, flashes);
 }

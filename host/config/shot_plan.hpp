@@ -23,7 +23,7 @@ struct CodedFlash {
 
   bool operator==(const CodedFlash&) const = default;
 };
-inline constexpr std::size_t kMostCodedFlashes = 1024;
+inline constexpr std::size_t kMaxCodedFlashes = 1024;
 
 struct ShotPlan {
   Train train = Train::free;

@@ -6,15 +6,15 @@
 #include <chrono>
 #include <cmath>
 
-#include "host/digitize/arrange.hpp"
-#include "host/digitize/ball_size.hpp"
-#include "host/digitize/candidates.hpp"
-#include "host/digitize/contact_image.hpp"
-#include "host/digitize/crowding.hpp"
-#include "host/digitize/equator.hpp"
-#include "host/digitize/limb_light.hpp"
-#include "host/digitize/outlines.hpp"
-#include "host/digitize/surface_frame.hpp"
+#include "host/digitize/candidates/candidates.hpp"
+#include "host/digitize/equator/equator.hpp"
+#include "host/digitize/image_order.hpp"
+#include "host/digitize/outliers/ball_size.hpp"
+#include "host/digitize/outliers/limb_agreement.hpp"
+#include "host/digitize/outliers/spacing.hpp"
+#include "host/digitize/outline/outlines.hpp"
+#include "host/digitize/surface/contact_image.hpp"
+#include "host/digitize/surface/surface_frame.hpp"
 
 namespace strobe::digitize {
 namespace {
@@ -60,29 +60,32 @@ class Stopwatch {
 // From so many balls on the size is agreed well enough to doubt one.
 constexpr std::size_t kAgreeingBalls = 4;
 // A centre less well known is that of a sliver at the border, or of arcs that belong to several things.
-constexpr double kMostSdOfDiameter = 0.004;
+constexpr double kMaxSdOfDiameter = 0.004;
 // Among the balls near the bounce stray arcs are likelier to pass for one that touches.
-constexpr double kMostContactSdOfDiameter = 0.002;
+constexpr double kMaxContactSdOfDiameter = 0.002;
 constexpr double kDoubtful_sd = 4.0;
 // An outline of borrowed arcs shows its own light on those and, by chance, on a third of the rest; a ball's
 // on nearly all. Between the two, and nothing is said where hardly any of it can be told.
-constexpr double kLeastLimbShare = 0.55;
+constexpr double kMinLimbShare = 0.55;
 constexpr double kTellingShare = 0.15;
 // Where that light is all there, an outline is a ball's however badly it is known.
 constexpr double kSureLimbShare = 0.75;
 constexpr double kSureTellingShare = 0.3;
 
-bool surely_a_ball(const LimbLight& limb) {
+bool is_certain_ball(const LimbAgreement& limb) {
   return limb.told >= kSureTellingShare && limb.share >= kSureLimbShare;
 }
 
-bool surely_none(const LimbLight& limb) { return limb.told >= kTellingShare && limb.share < kLeastLimbShare; }
+bool is_certain_non_ball(const LimbAgreement& limb) {
+  return limb.told >= kTellingShare && limb.share < kMinLimbShare;
+}
 
 /// Those that are balls beyond doubt; all, where these are few.
-std::vector<Outline> sure_ones(const std::vector<Outline>& outlines, const std::vector<LimbLight>& limbs) {
+std::vector<Outline> certain_balls(const std::vector<Outline>& outlines,
+                                   const std::vector<LimbAgreement>& limbs) {
   std::vector<Outline> sure;
   for (std::size_t i = 0; i < outlines.size(); ++i)
-    if (surely_a_ball(limbs[i])) sure.push_back(outlines[i]);
+    if (is_certain_ball(limbs[i])) sure.push_back(outlines[i]);
   return sure.size() < kAgreeingBalls ? outlines : sure;
 }
 
@@ -91,7 +94,7 @@ class Run {
   Run(const Photograph& photograph, const DigitizeSettings& settings)
       : photograph_(photograph),
         settings_(settings),
-        map_(settings.map.is_plain() ? PlaneMap::plain(photograph.height()) : settings.map),
+        map_(settings.map.is_uncalibrated() ? PlaneMap::plain(photograph.height()) : settings.map),
         expected_(settings.px_per_m * settings.ball_diameter_m) {}
 
   Digitization run() {
@@ -99,14 +102,14 @@ class Run {
     candidates_ = find_candidates(photograph_, search_range(), settings_.effort);
     watch.lap("candidates");
     std::vector<Outline> outlines = keep_sizes(measure(candidates_));
-    if (settings_.effort != Effort::fast) outlines = mend_doubtful(std::move(outlines));
+    if (settings_.effort != Effort::fast) outlines = refit_inconsistent(std::move(outlines));
     watch.lap("outlines");
     find_surface(outlines);
     watch.lap("surface");
     choose(keep_lit(std::move(outlines)));
     watch.lap("path");
     fill_frame();
-    arrange(result_.frame, result_.outlines, settings_, result_.remarks);
+    order_images(result_.frame, result_.outlines, settings_, result_.remarks);
     watch.lap("order");
     put_contacts();
     watch.lap("contacts");
@@ -162,12 +165,12 @@ class Run {
   std::vector<Outline> keep_sizes(std::vector<Outline> outlines) {
     if (outlines.empty()) return outlines;
     const auto limbs = compare_limbs(photograph_, map_, outlines, settings_.surface);
-    const BallSize size = agreed_size(sure_ones(outlines, limbs));
+    const SizeModel size = fit_size_model(certain_balls(outlines, limbs));
     std::vector<Outline> kept;
     for (std::size_t i = 0; i < outlines.size(); ++i) {
       Outline& o = outlines[i];
       const double sd = o.centre_sd();
-      if (sd > kMostSdOfDiameter * o.diameter && !surely_a_ball(limbs[i])) {
+      if (sd > kMaxSdOfDiameter * o.diameter && !is_certain_ball(limbs[i])) {
         reject(o.centre, o.diameter, "image", Reason::imprecise,
                fmt::format("its centre would be known to {:.1f} px only", sd));
         continue;
@@ -186,14 +189,14 @@ class Run {
   static Candidate candidate_at(const PlaneMap& map, const Outline& o) {
     const cv::Point2d centre = map.to_image(o.centre);
     const cv::Point2d side = map.to_image(o.centre + cv::Point2d(0.5 * o.diameter, 0.0));
-    return {centre, cv::norm(side - centre), o.seen_share};
+    return {centre, cv::norm(side - centre), o.visible_fraction};
   }
 
   /// An outline that the others' diameter does not suit has taken some edge for its own that is not: those
   /// are measured again, with the diameter known, and their neighbours with them, whose edges they share.
-  std::vector<Outline> mend_doubtful(std::vector<Outline> outlines) {
+  std::vector<Outline> refit_inconsistent(std::vector<Outline> outlines) {
     if (outlines.size() < kAgreeingBalls) return outlines;
-    const BallSize size = agreed_size(outlines);
+    const SizeModel size = fit_size_model(outlines);
     const auto doubtful = [&](const Outline& o) {
       const double sd = std::hypot(o.diameter_sd(), size.sd);
       return std::abs(o.diameter - size.at(o.centre.x)) > kDoubtful_sd * sd;
@@ -227,11 +230,11 @@ class Run {
     const auto found = find_surface_line(photograph_, map_, outlines);
     if (found) {
       surface_ = *found;
-      if (found->between_px > 0.0)
+      if (found->edge_separation_px > 0.0)
         result_.remarks.push_back(
             fmt::format("the plate shows two edges {:.1f} px apart: the surface is taken "
                         "to be half-way, give or take {:.1f} px; calibrate it",
-                        found->between_px, 0.5 * found->sd_px));
+                        found->edge_separation_px, 0.5 * found->sd_px));
     } else {
       result_.no_surface = found.error();
     }
@@ -243,7 +246,7 @@ class Run {
     std::vector<Outline> kept;
     for (std::size_t i = 0; i < outlines.size(); ++i) {
       Outline& o = outlines[i];
-      if (!surely_none(limbs[i])) {
+      if (!is_certain_non_ball(limbs[i])) {
         limbs_.push_back(limbs[i]);
         kept.push_back(std::move(o));
         continue;
@@ -257,8 +260,8 @@ class Run {
 
   void choose(const std::vector<Outline>& outlines) {
     if (outlines.empty()) return;
-    PathScene scene{median_diameter(outlines), surface_.has_value(),
-                    surface_ ? surface_frame(*surface_).sd_px : 0.0};
+    PathContext scene{median_diameter(outlines), surface_.has_value(),
+                      surface_ ? surface_frame(*surface_).sd_px : 0.0};
     const auto points = path_points(outlines, surface_);
     const Path path = find_path(points, scene);
     std::vector<char> left(outlines.size(), 0);
@@ -273,10 +276,10 @@ class Run {
                                        : std::string("no path leads to it"));
       }
     }
-    std::vector<double> merit;
-    for (const LimbLight& limb : limbs_) merit.push_back(limb.share);
+    std::vector<double> quality;
+    for (const LimbAgreement& limb : limbs_) quality.push_back(limb.share);
     const std::vector<double> none;
-    for (const Crowded& c : find_crowded(path, points, merit, settings_.flash_times_s.value_or(none))) {
+    for (const TooClose& c : find_too_close(path, points, quality, settings_.flash_times_s.value_or(none))) {
       const Outline& o = outlines[static_cast<std::size_t>(c.index)];
       left[static_cast<std::size_t>(c.index)] = 1;
       reject(o.centre, o.diameter, "image", Reason::duplicate,
@@ -285,8 +288,8 @@ class Run {
     for (const int i : path.contact) {
       const Outline& o = outlines[static_cast<std::size_t>(i)];
       const double sd = points[static_cast<std::size_t>(i)].sd_px;
-      if (sd <= std::max(0.5, kMostContactSdOfDiameter * o.diameter)) continue;
-      if (surely_a_ball(limbs_[static_cast<std::size_t>(i)])) continue;
+      if (sd <= std::max(0.5, kMaxContactSdOfDiameter * o.diameter)) continue;
+      if (is_certain_ball(limbs_[static_cast<std::size_t>(i)])) continue;
       left[static_cast<std::size_t>(i)] = 1;
       reject(o.centre, o.diameter, "image", Reason::imprecise,
              fmt::format("arcs near the surface that fix a centre to {:.1f} px only", sd));
@@ -364,7 +367,7 @@ class Run {
   double expected_;
   std::vector<Candidate> candidates_;
   std::optional<SurfaceLine> surface_;
-  std::vector<LimbLight> limbs_;  ///< of the outlines that a path is looked for through
+  std::vector<LimbAgreement> limbs_;  ///< of the outlines that a path is looked for through
   Digitization result_;
 };
 

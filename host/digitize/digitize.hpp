@@ -10,10 +10,10 @@
 
 #include "common/reduction/frame.hpp"
 #include "common/result.hpp"
-#include "host/digitize/photograph.hpp"
-#include "host/digitize/plane_map.hpp"
-#include "host/digitize/surface_line.hpp"
-#include "host/digitize/types.hpp"
+#include "host/digitize/core/plane_map.hpp"
+#include "host/digitize/core/types.hpp"
+#include "host/digitize/image/photograph.hpp"
+#include "host/digitize/surface/surface_line.hpp"
 
 namespace strobe::digitize {
 

@@ -82,7 +82,8 @@ bool CameraFolder::wanted(const std::string& name) {
   if (std::any_of(kUnfinished.begin(), kUnfinished.end(), ends)) return false;
   if (std::any_of(kKinds.begin(), kKinds.end(), ends)) return true;
   if (said_kinds_.insert(fs::path(lower).extension().string()).second) {
-    notices_.push_back(name + ": not a kind of photograph that can be read (TIFF, PNG, JPEG, BMP, PNM)");
+    notifications_.push_back(name +
+                             ": not a kind of photograph that can be read (TIFF, PNG, JPEG, BMP, PNM)");
   }
   return false;
 }
@@ -149,11 +150,13 @@ std::vector<Arrival> CameraFolder::look(std::int64_t now_ns) {
   std::vector<Arrival> arrivals;
   const bool watched = watch_ >= 0;
   take_events(now_ns, arrivals);
-  if (watched && watch_ < 0) notices_.push_back(folder_.string() + ": the folder of photographs is gone");
+  if (watched && watch_ < 0)
+    notifications_.push_back(folder_.string() + ": the folder of photographs is gone");
   if (now_ns - scanned_ns_ >= kScanEvery_ns || rescan_) {
     scanned_ns_ = now_ns;
     rescan_ = false;
-    if (watch_ < 0 && watch()) notices_.push_back(folder_.string() + ": the folder of photographs is back");
+    if (watch_ < 0 && watch())
+      notifications_.push_back(folder_.string() + ": the folder of photographs is back");
     scan(now_ns, arrivals);
   }
   return arrivals;

@@ -37,7 +37,7 @@ class CameraFolder {
   /// are not photographs yet.
   std::vector<Arrival> look(std::int64_t now_ns);
   /// For a person: files of a kind that cannot be read, a folder that went away and came back.
-  std::vector<std::string> take_notices() { return std::exchange(notices_, {}); }
+  std::vector<std::string> take_notifications() { return std::exchange(notifications_, {}); }
 
   /// Readable when look() may find something at once.
   int descriptor() const { return inotify_; }
@@ -67,7 +67,7 @@ class CameraFolder {
   std::map<std::string, Identity> known_;
   std::map<std::string, Identity> changing_;  ///< seen by looking; arrived once it stays the same
   std::set<std::string> said_kinds_;
-  std::vector<std::string> notices_;
+  std::vector<std::string> notifications_;
 };
 
 }  // namespace strobe::host

@@ -2,7 +2,7 @@
 
 #include "host/config/digitize_settings.hpp"
 #include "host/digitize/digitize.hpp"
-#include "host/digitize/photograph.hpp"
+#include "host/digitize/image/photograph.hpp"
 
 namespace strobe::host {
 namespace {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "host/config/rig_file.hpp"
-#include "host/digitize/types.hpp"
+#include "host/digitize/core/types.hpp"
 #include "host/photographs/photograph_reader.hpp"
 
 namespace strobe::host {

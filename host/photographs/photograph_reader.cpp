@@ -43,9 +43,9 @@ std::string keep(const PhotographJob& job) {
 
 }  // namespace
 
-PhotographReader::PhotographReader(MeasurePhotograph measure, double patience_s)
+PhotographReader::PhotographReader(MeasurePhotograph measure, double retry_timeout_s)
     : measure_(std::move(measure)),
-      patience_s_(patience_s),
+      retry_timeout_s_(retry_timeout_s),
       event_(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)),
       thread_([this] { run(); }) {}
 
@@ -107,7 +107,7 @@ tl::expected<PhotographReading, UnreadPhotograph> PhotographReader::read_when_wh
       if (fresh && now == state) break;
       if (now != state) fresh = true, changed = Clock::now();
       state = now;
-      if (std::chrono::duration<double>(Clock::now() - changed).count() > patience_s_) return reading;
+      if (std::chrono::duration<double>(Clock::now() - changed).count() > retry_timeout_s_) return reading;
     }
   }
 }

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "common/reduction/frame.hpp"
-#include "host/photographs/photograph_match.hpp"
+#include "host/photographs/photograph_matcher.hpp"
 
 namespace strobe::host {
 
@@ -51,7 +51,7 @@ struct PhotographResult {
 class PhotographReader {
  public:
   /// patience: how long a file that cannot be read may stay unchanged until that is final.
-  PhotographReader(MeasurePhotograph measure, double patience_s);
+  PhotographReader(MeasurePhotograph measure, double retry_timeout_s);
   /// Waits for the photograph under way.
   ~PhotographReader();
   PhotographReader(const PhotographReader&) = delete;
@@ -71,7 +71,7 @@ class PhotographReader {
   tl::expected<PhotographReading, UnreadPhotograph> read_when_whole(const PhotographJob& job);
 
   MeasurePhotograph measure_;
-  double patience_s_;
+  double retry_timeout_s_;
   int event_ = -1;
   mutable std::mutex mutex_;
   std::condition_variable changed_;

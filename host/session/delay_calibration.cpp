@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/reduction/series.hpp"
+#include "common/reduction/running_statistics.hpp"
 
 namespace strobe::host {
 namespace {
@@ -30,7 +30,7 @@ std::int64_t longest_call_ns(const shot_t& shot) {
 }
 
 std::optional<CalibratedDelay> lamp_delay_us(const shot_t& shot, int lamp, std::int64_t flash_t::*observed) {
-  reduction::Series series;
+  reduction::RunningStatistics series;
   const std::int64_t longest_ns = longest_call_ns(shot);
   for (const flash_t& flash : shot.flashes) {
     if ((flash.lamps & lamp) == 0 || !issued(flash) || flash.*observed == flash_t::NO_TIME) continue;

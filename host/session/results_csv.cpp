@@ -54,14 +54,16 @@ void add_notes(std::string& line, reduction::Record record) {
   line += fmt::format(",{}", csv_field(others));
 }
 
-void add_flashes(std::string& line, const std::optional<reduction::ShownFlashes>& flashes) {
-  line += flashes ? fmt::format(",{},{},{}", flashes->first, flashes->last, flashes->index_doubt) : ",,,";
+void add_flashes(std::string& line, const std::optional<reduction::ImagedFlashes>& flashes) {
+  line += flashes
+              ? fmt::format(",{},{},{}", flashes->first, flashes->last, flashes->misassignment_probability)
+              : ",,,";
 }
 
 }  // namespace
 
 std::string earlier_results_header() {
-  std::string header = "utc,boot_id,shot_id,spoilt";
+  std::string header = "utc,boot_id,shot_id,rejected";
   add_names(header, "");
   add_names(header, "sd_");
   add_names(header, "sd_systematic_");
@@ -70,12 +72,14 @@ std::string earlier_results_header() {
   return header + ",other_notes";
 }
 
-std::string results_header() { return earlier_results_header() + ",first_flash,last_flash,index_doubt"; }
+std::string results_header() {
+  return earlier_results_header() + ",first_flash,last_flash,misassignment_probability";
+}
 
-std::string results_line(const Outcome& outcome, const std::string& utc) {
-  const reduction::Readout& readout = outcome.readout;
-  std::string line = fmt::format("{},{:x},{},{}", utc, static_cast<std::uint64_t>(outcome.boot_id),
-                                 outcome.shot_id, csv_field(outcome.spoilt.value_or("")));
+std::string results_line(const ShotResult& shot_result, const std::string& utc) {
+  const reduction::Readout& readout = shot_result.readout;
+  std::string line = fmt::format("{},{:x},{},{}", utc, static_cast<std::uint64_t>(shot_result.boot_id),
+                                 shot_result.shot_id, csv_field(shot_result.rejected.value_or("")));
   add_values(line, readout.value);
   add_values(line, readout.sd);
   add_values(line, readout.sd_systematic);

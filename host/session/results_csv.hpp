@@ -7,13 +7,13 @@
 
 namespace strobe::host {
 
-/// Columns: utc, boot_id (hex), shot_id, spoilt (why, else empty), each quantity, sd_<quantity>,
+/// Columns: utc, boot_id (hex), shot_id, rejected (why, else empty), each quantity, sd_<quantity>,
 /// sd_systematic_<quantity>, regime, court_pace_conforming, method, mirrored, flags (separated by ;), the
-/// named notes of notes.hpp, other_notes (key=value separated by ;), first_flash, last_flash, index_doubt
-/// (ShownFlashes). What could not be had is empty. New columns come last and hold plain numbers.
+/// named notes of notes.hpp, other_notes (key=value separated by ;), first_flash, last_flash, misassignment_probability
+/// (ImagedFlashes). What could not be had is empty. New columns come last and hold plain numbers.
 std::string results_header();
 /// As it was before first_flash.
 std::string earlier_results_header();
-std::string results_line(const Outcome& outcome, const std::string& utc);
+std::string results_line(const ShotResult& shot_result, const std::string& utc);
 
 }  // namespace strobe::host

@@ -6,7 +6,7 @@
 #include <charconv>
 #include <string_view>
 
-#include "host/session/verdict.hpp"
+#include "host/session/rejection.hpp"
 
 namespace strobe::host {
 namespace {
@@ -23,11 +23,11 @@ constexpr std::int64_t kSilent_ns = 5 * kSecond_ns / 2;
 constexpr std::int64_t kCutOff_ns = 10 * kSecond_ns;
 constexpr std::int64_t kSummaryGrace_ns = 300'000'000;
 // An ask and its answer each pass a lossy link: at 50 % loss 24 in vain have a chance of 0.1 %.
-constexpr int kSummaryAsks = 24;
+constexpr int kSummaryRequests = 24;
 // A photograph takes its time; who asks for its shot again gets it, too, if it was lost on the way.
 constexpr std::int64_t kPhotographGrace_ns = kSecond_ns;
-constexpr std::size_t kMostArmed = 4096;
-constexpr std::size_t kMostHeldFrames = 64;
+constexpr std::size_t kMaxArmed = 4096;
+constexpr std::size_t kMaxHeldFrames = 64;
 // A machine that is this much early still meets the plate before the abort.
 constexpr double kMachineLagDoubt_s = 0.1;
 
@@ -46,7 +46,7 @@ std::int64_t end_of(const shot_t& shot, std::int64_t now_ns) {
   return end != shot_t::NO_TIME && end != 0 ? end : now_ns;
 }
 
-std::int64_t host_in(const std::string& hex) {
+std::int64_t host_id_in(const std::string& hex) {
   std::int64_t host = 0;
   std::from_chars(hex.data(), hex.data() + hex.size(), host, 16);
   return host;
@@ -56,11 +56,11 @@ std::int64_t host_in(const std::string& hex) {
 
 void Session::on_status(const strobe_msgs::status_t& status, std::int64_t now_ns) {
   if (status_ && status_->boot_id != status.boot_id) {
-    notice(fmt::format("the firmware was started anew (boot {:x})", status.boot_id));
+    notify(fmt::format("the firmware was started anew (boot {:x})", status.boot_id));
   }
-  forgive_silence(status.mono_ns);
+  extend_deadlines_by_outage(status.mono_ns);
   clock_.on_heartbeat(status.boot_id, {status.mono_ns, status.wall_ns, status.boot_time_ns}, now_ns);
-  for (std::string& text : clock_.take_notices()) notice(std::move(text));
+  for (std::string& text : clock_.take_notifications()) notify(std::move(text));
   status_ = status;
   status_heard_ns_ = now_ns;
   device_now_ns_ = std::max(device_now_ns_, status.mono_ns);
@@ -68,25 +68,25 @@ void Session::on_status(const strobe_msgs::status_t& status, std::int64_t now_ns
   std::vector<EndedBoot> earlier;
   for (const auto& boot : status.earlier) earlier.push_back({boot.boot_id, boot.last_sequence});
   ledger_.earlier(earlier, now_ns);
-  finish_what_was_cut_off();
+  finish_interrupted_shots();
   expire(now_ns);
 }
 
-void Session::forgive_silence(std::int64_t mono_ns) {
+void Session::extend_deadlines_by_outage(std::int64_t mono_ns) {
   const bool heard_before = device_now_ns_ != shot_t::NO_TIME;
   if (!heard_before || mono_ns - device_now_ns_ <= kSilent_ns) return;
-  for (auto& [key, waiting] : waiting_) waiting.device_deadline_ns += mono_ns - device_now_ns_;
+  for (auto& [key, waiting] : pending_) waiting.device_deadline_ns += mono_ns - device_now_ns_;
 }
 
 void Session::on_event(const event_t& event, std::int64_t now_ns) {
   if (!ledger_.add(event.boot_id, event.sequence, now_ns)) return;
   const Key key{event.boot_id, event.shot_id};
   if (event.kind == event_t::ARMED) {
-    armed_[{event.boot_id, event.sequence}] = host_in(event.detail);
-    if (armed_.size() > kMostArmed) armed_.erase(armed_.begin());
+    armed_[{event.boot_id, event.sequence}] = host_id_in(event.detail);
+    if (armed_.size() > kMaxArmed) armed_.erase(armed_.begin());
   }
-  if (event.kind == event_t::REPAIRED) notice("strobed found when it started: " + event.detail);
-  const bool of_open_shot = event.shot_id > 0 && !done_.contains(key) && !waiting_.contains(key);
+  if (event.kind == event_t::REPAIRED) notify("strobed found when it started: " + event.detail);
+  const bool of_open_shot = event.shot_id > 0 && !done_.contains(key) && !pending_.contains(key);
   if (of_open_shot && event.kind == event_t::SHOT_STARTED) {
     open_[key].started = event.sequence;
     open_[key].dry = event.detail == "dry";
@@ -95,8 +95,8 @@ void Session::on_event(const event_t& event, std::int64_t now_ns) {
     open_[key].ended = event.sequence;
     open_[key].since_ns = now_ns;
   }
-  finish_what_is_whole();
-  finish_what_was_cut_off();
+  finish_complete_shots();
+  finish_interrupted_shots();
 }
 
 bool Session::whole(const shot_t& shot) const {
@@ -106,15 +106,15 @@ bool Session::whole(const shot_t& shot) const {
 void Session::on_shot(const shot_t& shot, std::int64_t now_ns) {
   const Key key{shot.boot_id, shot.shot_id};
   open_.erase(key);
-  if (done_.contains(key) || waiting_.contains(key)) return;
+  if (done_.contains(key) || pending_.contains(key)) return;
   if (shot.plan.dry) return finish_dry(shot);
-  auto frame = take_held(key);
+  auto frame = take_early_frame(key);
   if (frame && whole(shot)) return finish(shot, *frame);
   if (!frame && shot.aborted && ball_came_after_abort(shot)) {
     return finish_without_photograph(shot, Flag::too_few_images,
                                      "aborted before the ball came: " + shot.abort_reason);
   }
-  Waiting waiting;
+  PendingShot waiting;
   waiting.shot = shot;
   waiting.frame = std::move(frame);
   const auto timeout_ns = static_cast<std::int64_t>(settings_.analysis.photograph_timeout_s * 1e9);
@@ -126,59 +126,59 @@ void Session::on_shot(const shot_t& shot, std::int64_t now_ns) {
     waiting.past = !own(shot);
     waiting.device_deadline_ns = device_now_ns_ + timeout_ns;
   }
-  waiting_[key] = std::move(waiting);
+  pending_[key] = std::move(waiting);
 }
 
 void Session::on_frame(const frame_t& frame, std::int64_t /*now_ns*/) {
   const auto found = waiting_for(frame);
-  if (found == waiting_.end()) return keep_or_report(frame);
+  if (found == pending_.end()) return keep_or_report_frame(frame);
   if (!whole(found->second.shot)) {
     if (!found->second.frame) found->second.frame = frame;
     return;
   }
   const shot_t shot = std::move(found->second.shot);
-  waiting_.erase(found);
+  pending_.erase(found);
   finish(shot, frame);
 }
 
 /// A frame that does not know its firmware belongs to the newest shot of that number.
-std::map<Session::Key, Session::Waiting>::iterator Session::waiting_for(const frame_t& frame) {
-  if (frame.boot_id != 0) return waiting_.find({frame.boot_id, frame.shot_id});
-  auto newest = waiting_.end();
-  for (auto it = waiting_.begin(); it != waiting_.end(); ++it) {
+std::map<Session::Key, Session::PendingShot>::iterator Session::waiting_for(const frame_t& frame) {
+  if (frame.boot_id != 0) return pending_.find({frame.boot_id, frame.shot_id});
+  auto newest = pending_.end();
+  for (auto it = pending_.begin(); it != pending_.end(); ++it) {
     if (it->first.second != frame.shot_id) continue;
-    if (newest == waiting_.end() || it->second.shot.start_ns > newest->second.shot.start_ns) newest = it;
+    if (newest == pending_.end() || it->second.shot.start_ns > newest->second.shot.start_ns) newest = it;
   }
   return newest;
 }
 
-void Session::keep_or_report(const frame_t& frame) {
+void Session::keep_or_report_frame(const frame_t& frame) {
   const auto same = [&frame](const auto& entry) {
     return entry.first.second == frame.shot_id && (frame.boot_id == 0 || entry.first.first == frame.boot_id);
   };
   const auto done = std::find_if(done_.begin(), done_.end(), same);
   if (done == done_.end()) {
-    if (held_.size() >= kMostHeldFrames) held_.erase(held_.begin());
-    held_[{frame.boot_id, frame.shot_id}] = frame;
+    if (early_frames_.size() >= kMaxHeldFrames) early_frames_.erase(early_frames_.begin());
+    early_frames_[{frame.boot_id, frame.shot_id}] = frame;
     return;
   }
   const std::uint64_t hash = hash_of(frame);
   const std::optional<std::uint64_t> before = std::exchange(done->second.frame_hash, hash);
   if (!before && done->second.photograph_missed) {
-    notice(fmt::format("the photograph of shot {} came too late; it is kept in the log, the readout stands",
+    notify(fmt::format("the photograph of shot {} came too late; it is kept in the log, the readout stands",
                        frame.shot_id));
   } else if (before && *before != hash) {
-    notice(fmt::format("a second, different frame of shot {} came; it is kept in the log, the readout stands",
+    notify(fmt::format("a second, different frame of shot {} came; it is kept in the log, the readout stands",
                        frame.shot_id));
   }
 }
 
-std::optional<frame_t> Session::take_held(const Key& key) {
-  auto held = held_.find(key);
-  if (held == held_.end()) held = held_.find({0, key.second});
-  if (held == held_.end()) return std::nullopt;
+std::optional<frame_t> Session::take_early_frame(const Key& key) {
+  auto held = early_frames_.find(key);
+  if (held == early_frames_.end()) held = early_frames_.find({0, key.second});
+  if (held == early_frames_.end()) return std::nullopt;
   frame_t frame = std::move(held->second);
-  held_.erase(held);
+  early_frames_.erase(held);
   return frame;
 }
 
@@ -190,32 +190,32 @@ bool Session::ball_came_after_abort(const shot_t& shot) const {
   return end_of(shot, shot.trigger_ns) < shot.trigger_ns + earliest;
 }
 
-void Session::push(Outcome outcome, const shot_t& shot) {
-  outcome.boot_id = shot.boot_id;
-  outcome.host_id = shot.host_id;
-  outcome.shot_id = shot.shot_id;
-  outcome.dry = shot.plan.dry;
-  outcome.train = train_report(shot);
-  outcomes_.push_back(std::move(outcome));
+void Session::push(ShotResult shot_result, const shot_t& shot) {
+  shot_result.boot_id = shot.boot_id;
+  shot_result.host_id = shot.host_id;
+  shot_result.shot_id = shot.shot_id;
+  shot_result.dry = shot.plan.dry;
+  shot_result.train = train_report(shot);
+  shot_results_.push_back(std::move(shot_result));
 }
 
 /// What the shot itself does not tell. The clock is judged by the firmware's own clocks alone, so that a log
 /// gives the same flags wherever it is played.
 void Session::add_flags(const shot_t& shot, reduction::FlagSet& flags) const {
   if (!whole(shot)) flags.set(Flag::events_missing);
-  if (clock_.slept_within(shot.start_ns, end_of(shot, shot.start_ns))) flags.set(Flag::clock_suspect);
+  if (clock_.suspended_within(shot.start_ns, end_of(shot, shot.start_ns))) flags.set(Flag::clock_suspect);
 }
 
 void Session::finish(const shot_t& shot, const frame_t& frame) {
   done_[{shot.boot_id, shot.shot_id}] = {hash_of(frame), false};
   ShotReadout result = shot_readout(shot, frame, settings_);
-  Outcome outcome;
+  ShotResult shot_result;
   add_flags(shot, result.readout.flags);
-  outcome.spoilt = spoilt_by(result.readout);
-  outcome.readout = std::move(result.readout);
-  outcome.problem = std::move(result.problem);
-  if (shot.aborted) outcome.problem = shot.abort_reason;
-  push(std::move(outcome), shot);
+  shot_result.rejected = rejection_reason(result.readout);
+  shot_result.readout = std::move(result.readout);
+  shot_result.problem = std::move(result.problem);
+  if (shot.aborted) shot_result.problem = shot.abort_reason;
+  push(std::move(shot_result), shot);
 }
 
 void Session::finish_without_photograph(const shot_t& shot, Flag why, std::string problem) {
@@ -223,31 +223,31 @@ void Session::finish_without_photograph(const shot_t& shot, Flag why, std::strin
   reduction::FlagSet flags = shot_flags(shot);
   flags.set(why);
   add_flags(shot, flags);
-  Outcome outcome;
-  outcome.readout = empty_readout(shot, flags);
-  outcome.spoilt = spoilt_by(outcome.readout);
-  outcome.problem = std::move(problem);
-  push(std::move(outcome), shot);
+  ShotResult shot_result;
+  shot_result.readout = empty_readout(shot, flags);
+  shot_result.rejected = rejection_reason(shot_result.readout);
+  shot_result.problem = std::move(problem);
+  push(std::move(shot_result), shot);
 }
 
 void Session::finish_dry(const shot_t& shot) {
   done_[{shot.boot_id, shot.shot_id}] = {};
-  Outcome outcome;
-  outcome.readout = empty_readout(shot, shot_flags(shot));
-  outcome.problem = shot.abort_reason;
-  if (shot.aborted) outcome.spoilt = std::string(words(Flag::shot_aborted));
-  push(std::move(outcome), shot);
+  ShotResult shot_result;
+  shot_result.readout = empty_readout(shot, shot_flags(shot));
+  shot_result.problem = shot.abort_reason;
+  if (shot.aborted) shot_result.rejected = std::string(words(Flag::shot_aborted));
+  push(std::move(shot_result), shot);
 }
 
 /// Who armed for it: the last one before its start.
-std::int64_t Session::host_of(const Key& key, const Open& open) const {
+std::int64_t Session::host_of(const Key& key, const OpenShot& open) const {
   const auto after = armed_.lower_bound({key.first, open.started});
   if (open.started < 1 || after == armed_.begin() || std::prev(after)->first.first != key.first) return 0;
   return std::prev(after)->second;
 }
 
 /// The firmware died before it had written the shot's summary.
-void Session::finish_cut_off(const Key& key, const Open& open) {
+void Session::finish_interrupted(const Key& key, const OpenShot& open) {
   shot_t shot{};
   shot.boot_id = key.first;
   shot.shot_id = key.second;
@@ -258,98 +258,98 @@ void Session::finish_cut_off(const Key& key, const Open& open) {
   done_[key] = {};
   reduction::FlagSet flags = shot_flags(shot);
   flags.set(Flag::events_missing);
-  Outcome outcome;
-  outcome.readout = empty_readout(shot, flags);
-  outcome.spoilt = spoilt_by(outcome.readout);
-  outcome.problem = shot.abort_reason;
-  push(std::move(outcome), shot);
+  ShotResult shot_result;
+  shot_result.readout = empty_readout(shot, flags);
+  shot_result.rejected = rejection_reason(shot_result.readout);
+  shot_result.problem = shot.abort_reason;
+  push(std::move(shot_result), shot);
 }
 
-void Session::finish_what_was_cut_off() {
+void Session::finish_interrupted_shots() {
   for (auto it = open_.begin(); it != open_.end();) {
     const auto& [key, open] = *it;
-    const bool asked_enough = open.ended == 0 || open.asked >= kSummaryAsks;
-    if (open.started == 0 || !asked_enough || !ledger_.ended_and_here(key.first)) {
+    const bool asked_enough = open.ended == 0 || open.asked >= kSummaryRequests;
+    if (open.started == 0 || !asked_enough || !ledger_.ended_and_complete(key.first)) {
       ++it;
       continue;
     }
-    if (open.ended != 0) ledger_.give_up_again(key.first, open.ended);
-    finish_cut_off(key, open);
+    if (open.ended != 0) ledger_.cancel_request(key.first, open.ended);
+    finish_interrupted(key, open);
     it = open_.erase(it);
   }
 }
 
 /// Shots whose photograph is here, and now their last event.
-void Session::finish_what_is_whole() {
-  for (auto it = waiting_.begin(); it != waiting_.end();) {
+void Session::finish_complete_shots() {
+  for (auto it = pending_.begin(); it != pending_.end();) {
     if (!it->second.frame || !whole(it->second.shot)) {
       ++it;
       continue;
     }
-    const Waiting waiting = std::move(it->second);
-    it = waiting_.erase(it);
+    const PendingShot waiting = std::move(it->second);
+    it = pending_.erase(it);
     finish(waiting.shot, *waiting.frame);
   }
 }
 
-bool Session::over(const Waiting& waiting, bool silent, std::int64_t now_ns) const {
+bool Session::over(const PendingShot& waiting, bool silent, std::int64_t now_ns) const {
   return device_now_ns_ > waiting.device_deadline_ns || (silent && now_ns > waiting.local_deadline_ns);
 }
 
 void Session::expire(std::int64_t now_ns) {
   const bool silent = !status_ || now_ns - status_heard_ns_ > kSilent_ns;
-  for (auto it = waiting_.begin(); it != waiting_.end();) {
+  for (auto it = pending_.begin(); it != pending_.end();) {
     if (!over(it->second, silent, now_ns)) {
       ++it;
       continue;
     }
-    const Waiting waiting = std::move(it->second);
-    it = waiting_.erase(it);
+    const PendingShot waiting = std::move(it->second);
+    it = pending_.erase(it);
     finish_late(waiting, fmt::format("no photograph within {} s", settings_.analysis.photograph_timeout_s));
   }
 }
 
-void Session::finish_late(const Waiting& waiting, const std::string& problem) {
+void Session::finish_late(const PendingShot& waiting, const std::string& problem) {
   if (waiting.frame) return finish(waiting.shot, *waiting.frame);
   if (!waiting.past) return finish_without_photograph(waiting.shot, Flag::no_photograph, problem);
   done_[{waiting.shot.boot_id, waiting.shot.shot_id}] = {};
-  notice(fmt::format("shot {} was over before this session was joined, and its photograph did not come again",
+  notify(fmt::format("shot {} was over before this session was joined, and its photograph did not come again",
                      waiting.shot.shot_id));
 }
 
-void Session::ask_for_lost_summaries(std::int64_t now_ns) {
+void Session::request_lost_summaries(std::int64_t now_ns) {
   for (auto& [key, open] : open_) {
     if (open.ended == 0 || now_ns - open.since_ns < kSummaryGrace_ns) continue;
-    ledger_.want_again(key.first, open.ended);
+    ledger_.request_again(key.first, open.ended);
     open.since_ns = now_ns;
     ++open.asked;
   }
 }
 
-void Session::ask_for_lost_photographs(std::int64_t now_ns) {
-  for (auto& [key, waiting] : waiting_) {
+void Session::request_lost_photographs(std::int64_t now_ns) {
+  for (auto& [key, waiting] : pending_) {
     if (waiting.frame || !own(waiting.shot) || now_ns - waiting.asked_ns < kPhotographGrace_ns) continue;
-    ledger_.want_again(key.first, waiting.shot.last_sequence);
+    ledger_.request_again(key.first, waiting.shot.last_sequence);
     waiting.asked_ns = now_ns;
   }
 }
 
 void Session::on_time(std::int64_t now_ns) {
   expire(now_ns);
-  ask_for_lost_summaries(now_ns);
-  ask_for_lost_photographs(now_ns);
-  finish_what_was_cut_off();
+  request_lost_summaries(now_ns);
+  request_lost_photographs(now_ns);
+  finish_interrupted_shots();
 }
 
 std::size_t Session::waiting_for_photograph() const {
   return static_cast<std::size_t>(
-      std::count_if(waiting_.begin(), waiting_.end(), [](const auto& entry) { return !entry.second.past; }));
+      std::count_if(pending_.begin(), pending_.end(), [](const auto& entry) { return !entry.second.past; }));
 }
 
 void Session::on_end() {
-  while (!waiting_.empty()) {
-    const Waiting waiting = std::move(waiting_.begin()->second);
-    waiting_.erase(waiting_.begin());
+  while (!pending_.empty()) {
+    const PendingShot waiting = std::move(pending_.begin()->second);
+    pending_.erase(pending_.begin());
     finish_late(waiting, "no photograph in the log");
   }
 }

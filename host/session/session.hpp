@@ -23,22 +23,22 @@
 
 #include "host/assembly/assemble.hpp"
 #include "host/clock/device_clock.hpp"
-#include "host/session/event_ledger.hpp"
-#include "host/session/series_table.hpp"
+#include "host/messages/event_ledger.hpp"
+#include "host/session/series_statistics.hpp"
 #include "host/session/train_report.hpp"
 
 namespace strobe::host {
 
 /// One shot, done with.
-struct Outcome {
+struct ShotResult {
   std::int64_t boot_id = 0;
   std::int64_t host_id = 0;  ///< who fired it
   int shot_id = 0;
   bool dry = false;
   reduction::Readout readout;  ///< without numbers for a dry shot
   TrainReport train;
-  std::optional<std::string> spoilt;  ///< why it does not count; nothing: it counts
-  std::string problem;                ///< more words for a person; may be empty
+  std::optional<std::string> rejected;  ///< why it does not count; nothing: it counts
+  std::string problem;                  ///< more words for a person; may be empty
 };
 
 class Session {
@@ -59,8 +59,8 @@ class Session {
   /// No message will come any more: shots that still wait end without a photograph.
   void on_end();
 
-  std::vector<Outcome> take_outcomes() { return std::exchange(outcomes_, {}); }
-  std::vector<std::string> take_notices() { return std::exchange(notices_, {}); }
+  std::vector<ShotResult> take_shot_results() { return std::exchange(shot_results_, {}); }
+  std::vector<std::string> take_notifications() { return std::exchange(notifications_, {}); }
 
   EventLedger& ledger() { return ledger_; }
   const EventLedger& ledger() const { return ledger_; }
@@ -72,7 +72,7 @@ class Session {
 
  private:
   using Key = std::pair<std::int64_t, std::int32_t>;  ///< boot, shot
-  struct Waiting {
+  struct PendingShot {
     strobe_msgs::shot_t shot;
     std::optional<strobe_msgs::frame_t> frame;  ///< is here; events of the shot are not
     std::int64_t device_deadline_ns = 0;
@@ -81,7 +81,7 @@ class Session {
     bool past = false;  ///< over before this session was joined: nobody promised a readout
   };
   /// A shot whose start was heard, and not its summary.
-  struct Open {
+  struct OpenShot {
     std::int64_t started = 0;  ///< sequences; 0: not heard
     std::int64_t ended = 0;
     std::int64_t since_ns = 0;  ///< of the end, or of the last time that the summary was asked for
@@ -89,33 +89,33 @@ class Session {
     bool dry = false;
   };
 
-  struct Done {
+  struct FinishedShot {
     std::optional<std::uint64_t> frame_hash;  ///< of the newest frame that came; nothing: none yet
     bool photograph_missed = false;           ///< it was waited for in vain
   };
 
   void finish(const strobe_msgs::shot_t& shot, const strobe_msgs::frame_t& frame);
   void finish_without_photograph(const strobe_msgs::shot_t& shot, reduction::Flag why, std::string problem);
-  void finish_late(const Waiting& waiting, const std::string& problem);
+  void finish_late(const PendingShot& waiting, const std::string& problem);
   void finish_dry(const strobe_msgs::shot_t& shot);
-  void finish_cut_off(const Key& key, const Open& open);
-  void finish_what_is_whole();
-  void finish_what_was_cut_off();
+  void finish_interrupted(const Key& key, const OpenShot& open);
+  void finish_complete_shots();
+  void finish_interrupted_shots();
   bool whole(const strobe_msgs::shot_t& shot) const;
   void add_flags(const strobe_msgs::shot_t& shot, reduction::FlagSet& flags) const;
   bool own(const strobe_msgs::shot_t& shot) const { return host_id_ != 0 && shot.host_id == host_id_; }
-  std::int64_t host_of(const Key& key, const Open& open) const;
-  void forgive_silence(std::int64_t mono_ns);
-  void push(Outcome outcome, const strobe_msgs::shot_t& shot);
+  std::int64_t host_of(const Key& key, const OpenShot& open) const;
+  void extend_deadlines_by_outage(std::int64_t mono_ns);
+  void push(ShotResult shot_result, const strobe_msgs::shot_t& shot);
   bool ball_came_after_abort(const strobe_msgs::shot_t& shot) const;
-  std::optional<strobe_msgs::frame_t> take_held(const Key& key);
-  std::map<Key, Waiting>::iterator waiting_for(const strobe_msgs::frame_t& frame);
-  void keep_or_report(const strobe_msgs::frame_t& frame);
+  std::optional<strobe_msgs::frame_t> take_early_frame(const Key& key);
+  std::map<Key, PendingShot>::iterator waiting_for(const strobe_msgs::frame_t& frame);
+  void keep_or_report_frame(const strobe_msgs::frame_t& frame);
   void expire(std::int64_t now_ns);
-  bool over(const Waiting& waiting, bool silent, std::int64_t now_ns) const;
-  void ask_for_lost_summaries(std::int64_t now_ns);
-  void ask_for_lost_photographs(std::int64_t now_ns);
-  void notice(std::string text) { notices_.push_back(std::move(text)); }
+  bool over(const PendingShot& waiting, bool silent, std::int64_t now_ns) const;
+  void request_lost_summaries(std::int64_t now_ns);
+  void request_lost_photographs(std::int64_t now_ns);
+  void notify(std::string text) { notifications_.push_back(std::move(text)); }
 
   AssemblySettings settings_;
   std::int64_t host_id_;
@@ -124,13 +124,13 @@ class Session {
   DeviceClock clock_;
   std::int64_t status_heard_ns_ = 0;
   std::int64_t device_now_ns_ = strobe_msgs::shot_t::NO_TIME;
-  std::map<Key, Waiting> waiting_;
-  std::map<Key, strobe_msgs::frame_t> held_;  ///< frames that came before their shot
-  std::map<Key, Done> done_;
-  std::map<Key, Open> open_;
+  std::map<Key, PendingShot> pending_;
+  std::map<Key, strobe_msgs::frame_t> early_frames_;  ///< frames that came before their shot
+  std::map<Key, FinishedShot> done_;
+  std::map<Key, OpenShot> open_;
   std::map<std::pair<std::int64_t, std::int64_t>, std::int64_t> armed_;  ///< boot, sequence: by which host
-  std::vector<Outcome> outcomes_;
-  std::vector<std::string> notices_;
+  std::vector<ShotResult> shot_results_;
+  std::vector<std::string> notifications_;
 };
 
 }  // namespace strobe::host

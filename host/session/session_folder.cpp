@@ -12,7 +12,7 @@
 
 #include "common/messages/channels.hpp"
 #include "common/messages/well_formed.hpp"
-#include "host/session/believable.hpp"
+#include "host/messages/in_range.hpp"
 
 namespace strobe::host {
 namespace {
@@ -99,8 +99,8 @@ void SessionFolder::log(const std::string& channel, const void* data, std::size_
   std::fflush(log_->getFilePtr());
 }
 
-Result<void> SessionFolder::add(const Outcome& outcome, const std::string& utc) {
-  return results_->append(results_line(outcome, utc));
+Result<void> SessionFolder::add(const ShotResult& shot_result, const std::string& utc) {
+  return results_->append(results_line(shot_result, utc));
 }
 
 Result<void> SessionFolder::add(const strobe_msgs::shot_t& shot) { return flashes_->add(shot); }
@@ -117,7 +117,7 @@ void SessionFolder::recall(EventLedger& ledger, const std::string& rig) const {
     if (logged.channel == events) {
       event_t event;
       if (!messages::decode_checked(event, messages::event_well_formed, logged.data, size) ||
-          !believable(event))
+          !in_range(event))
         return;
       ledger.add(event.boot_id, event.sequence, 0);
       if (event.kind == event_t::SHOT_ENDED || event.kind == event_t::SHOT_ABORTED)
@@ -137,7 +137,7 @@ void SessionFolder::recall(EventLedger& ledger, const std::string& rig) const {
     while (const lcm::LogEvent* logged = log.readNextEvent()) enter(*logged);
   }
   for (const auto& [key, sequence] : ended) {
-    if (!summed_up.contains(key)) ledger.want_again(key.first, sequence);
+    if (!summed_up.contains(key)) ledger.request_again(key.first, sequence);
   }
 }
 

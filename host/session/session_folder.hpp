@@ -10,8 +10,8 @@
 #include <strobe_msgs/readout_t.hpp>
 
 #include "common/result.hpp"
+#include "host/messages/event_ledger.hpp"
 #include "host/session/csv_file.hpp"
-#include "host/session/event_ledger.hpp"
 #include "host/session/flashes_csv.hpp"
 #include "host/session/results_csv.hpp"
 #include "host/session/session.hpp"
@@ -30,7 +30,7 @@ class SessionFolder {
   /// that a killed host loses none.
   void log(const std::string& channel, const void* data, std::size_t size, std::int64_t wall_us);
   /// Appends a line to results.csv.
-  Result<void> add(const Outcome& outcome, const std::string& utc);
+  Result<void> add(const ShotResult& shot_result, const std::string& utc);
   /// Appends a shot's flashes to flashes.csv, once.
   Result<void> add(const strobe_msgs::shot_t& shot);
 

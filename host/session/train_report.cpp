@@ -6,7 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "common/reduction/series.hpp"
+#include "common/reduction/running_statistics.hpp"
 #include "host/assembly/flash_times.hpp"
 
 namespace strobe::host {
@@ -27,7 +27,7 @@ class Spread {
   }
 
  private:
-  reduction::Series series_;
+  reduction::RunningStatistics series_;
   double largest_ = 0.0;
 };
 
@@ -79,7 +79,7 @@ TrainReport train_report(const strobe_msgs::shot_t& shot) {
     if (a && b && lamp_a && lamp_b) skew.add_ns(flash.observed_a_ns - flash.observed_b_ns);
   }
   const FlashTimes times = flash_times(shot);
-  for (const SeenFlash& flash : times.seen) {
+  for (const ObservedFlash& flash : times.seen) {
     report.late += flash.late;
     report.doubled += flash.doubled;
     const std::int64_t issued_ns = shot.flashes[static_cast<std::size_t>(flash.index)].issue_end_ns;

@@ -6,9 +6,9 @@
 #include <utility>
 
 #include "host/config/notes.hpp"
-#include "host/session/verdict.hpp"
+#include "host/session/rejection.hpp"
 #include "host/view/quantities.hpp"
-#include "host/view/rejected.hpp"
+#include "host/view/rejected_commands.hpp"
 #include "host/view/text.hpp"
 #include "host/view/timing.hpp"
 
@@ -24,7 +24,7 @@ constexpr std::size_t kNameWidth = 17;
 constexpr std::size_t kUnitWidth = 6;
 constexpr std::size_t kNumberWidth = 10;
 constexpr double kSilent_s = 2.0;
-constexpr std::size_t kNoticesShown = 5;
+constexpr std::size_t kNotificationsShown = 5;
 
 Lines fitted(Lines lines, std::size_t width) {
   for (std::string& line : lines) {
@@ -53,9 +53,9 @@ std::string state_name(const status_t& status) {
   }
 }
 
-std::string rejected_words(const status_t& s) {
+std::string rejected_commands_text(const status_t& s) {
   std::string words;
-  for (const RejectedLabel& label : kRejectedLabels) {
+  for (const RejectedCommandLabel& label : kRejectedCommandLabels) {
     if (s.*label.count <= 0) continue;
     words +=
         fmt::format("{}{} {}", words.empty() ? "   commands ignored: " : ", ", s.*label.count, label.words);
@@ -64,8 +64,8 @@ std::string rejected_words(const status_t& s) {
 }
 
 /// Why nothing can be fired, if it cannot: the caller's words, else the firmware's.
-std::string lacking_words(const Model& model) {
-  if (!model.lacking.empty()) return model.lacking;
+std::string blocking_reason_of(const Model& model) {
+  if (!model.blocking_reason.empty()) return model.blocking_reason;
   if (!model.status) return "no firmware heard";
   if (model.status_age_s > kSilent_s)
     return fmt::format("the firmware has been silent for {:.0f} s", model.status_age_s);
@@ -92,7 +92,7 @@ std::string shot_row(const reduction::Readout& readout, Quantity q) {
          left(label.unit, kUnitWidth);
 }
 
-std::string series_cells(const reduction::Series& series) {
+std::string series_cells(const reduction::RunningStatistics& series) {
   if (series.count() == 0) return right("-", kNumberWidth) + right("", kNumberWidth + 9 + 5);
   const double sd = series.population_sd();
   const std::string variation = series.count() > 1 && std::isfinite(series.coefficient_of_variation())
@@ -144,7 +144,8 @@ const thesis::MeanSd* thesis_value(const thesis::Condition& c, Quantity q) {
 /// spin.
 int first_table(const thesis::Condition& c) { return c.spin == "top" ? 3 : c.spin == "back" ? 4 : 2; }
 
-std::string thesis_cells(const thesis::Condition& condition, Quantity q, const reduction::Series& series) {
+std::string thesis_cells(const thesis::Condition& condition, Quantity q,
+                         const reduction::RunningStatistics& series) {
   const thesis::MeanSd* printed = thesis_value(condition, q);
   if (!printed) return "";
   std::string cells = right(fmt::format("{:.2f}", printed->mean), kNumberWidth) +
@@ -157,45 +158,45 @@ std::string thesis_cells(const thesis::Condition& condition, Quantity q, const r
 
 void append(Lines& lines, const Lines& more) { lines.insert(lines.end(), more.begin(), more.end()); }
 
-std::string headline(const Outcome& outcome) {
-  std::string text = fmt::format("shot {}", outcome.shot_id);
-  if (outcome.dry) text += "   dry";
-  if (outcome.readout.regime) text += "   " + std::string(name(*outcome.readout.regime));
-  if (outcome.readout.value[Quantity::court_pace] && !outcome.readout.court_pace_conforming) {
+std::string headline(const ShotResult& shot_result) {
+  std::string text = fmt::format("shot {}", shot_result.shot_id);
+  if (shot_result.dry) text += "   dry";
+  if (shot_result.readout.regime) text += "   " + std::string(name(*shot_result.readout.regime));
+  if (shot_result.readout.value[Quantity::court_pace] && !shot_result.readout.court_pace_conforming) {
     text += "   court pace indicative";
   }
-  if (outcome.spoilt) text += "   SPOILT";
+  if (shot_result.rejected) text += "   REJECTED";
   return text;
 }
 
-Lines remarks(const Outcome& outcome) {
+Lines remarks(const ShotResult& shot_result) {
   Lines lines;
   for (std::size_t i = 0; i < reduction::kFlagCount; ++i) {
     const auto flag = static_cast<reduction::Flag>(i);
-    if (outcome.readout.flags.has(flag)) lines.push_back("! " + std::string(words(flag)));
+    if (shot_result.readout.flags.has(flag)) lines.push_back("! " + std::string(words(flag)));
   }
-  if (!outcome.problem.empty()) lines.push_back("! " + outcome.problem);
-  const auto& flashes = outcome.readout.flashes;
+  if (!shot_result.problem.empty()) lines.push_back("! " + shot_result.problem);
+  const auto& flashes = shot_result.readout.flashes;
   if (flashes && flashes->coded) {
     // Rivals that are hopeless are left out of the sum, so that 0 is not to be taken at its word.
-    const double doubt = 100.0 * flashes->index_doubt;
+    const double doubt = 100.0 * flashes->misassignment_probability;
     const std::string others = doubt < 0.01 ? "less than 0.01" : fmt::format("{:.2g}", doubt);
     lines.push_back(fmt::format("code: flashes {} to {} show the ball; that it was others is {} % probable",
                                 flashes->first, flashes->last, others));
   }
   std::string notes;
   for (const std::string_view key : kNamedNotes) {
-    const auto note = outcome.readout.record.find(std::string(key));
-    if (note == outcome.readout.record.end() || note->second.empty()) continue;
+    const auto note = shot_result.readout.record.find(std::string(key));
+    if (note == shot_result.readout.record.end() || note->second.empty()) continue;
     notes += fmt::format("{}{} {}", notes.empty() ? "" : ", ", key, note->second);
   }
   if (!notes.empty()) lines.push_back("record: " + notes);
   return lines;
 }
 
-bool has_numbers(const Outcome& outcome) {
+bool has_numbers(const ShotResult& shot_result) {
   for (std::size_t i = 0; i < reduction::kQuantityCount; ++i) {
-    if (outcome.readout.value[static_cast<Quantity>(i)]) return true;
+    if (shot_result.readout.value[static_cast<Quantity>(i)]) return true;
   }
   return false;
 }
@@ -226,30 +227,30 @@ Lines render_firmware(const Model& model, std::size_t width) {
                                 s.key_active ? "on" : "OFF", s.estop_active ? "PRESSED" : "released",
                                 s.real_time ? "yes" : "NO"));
     lines.push_back(fmt::format("lost: queue {}, kernel {}, link {}{}", s.queue_overflows, s.kernel_overflows,
-                                model.events_missing, rejected_words(s)));
+                                model.events_missing, rejected_commands_text(s)));
     lines.push_back(clock_line(model.clock, model.status_age_s));
     append(lines, render_timing(s));
   }
-  if (const std::string lacking = lacking_words(model); !lacking.empty())
-    lines.push_back("MISSING: " + lacking);
-  if (!model.doing.empty()) lines.push_back(model.doing);
+  if (const std::string blocking_reason = blocking_reason_of(model); !blocking_reason.empty())
+    lines.push_back("MISSING: " + blocking_reason);
+  if (!model.activity.empty()) lines.push_back(model.activity);
   return fitted(std::move(lines), width);
 }
 
-Lines render_shot(const Outcome& outcome, std::size_t width) {
-  Lines lines{headline(outcome)};
-  if (outcome.dry) append(lines, describe(outcome.train));
-  if (has_numbers(outcome)) {
+Lines render_shot(const ShotResult& shot_result, std::size_t width) {
+  Lines lines{headline(shot_result)};
+  if (shot_result.dry) append(lines, describe(shot_result.train));
+  if (has_numbers(shot_result)) {
     lines.push_back(shot_header());
     for (std::size_t i = 0; i < reduction::kQuantityCount; ++i) {
-      lines.push_back(shot_row(outcome.readout, static_cast<Quantity>(i)));
+      lines.push_back(shot_row(shot_result.readout, static_cast<Quantity>(i)));
     }
   }
-  append(lines, remarks(outcome));
+  append(lines, remarks(shot_result));
   return fitted(std::move(lines), width);
 }
 
-Lines render_series(const SeriesTable& series, const std::optional<thesis::Condition>& condition,
+Lines render_series(const SeriesStatistics& series, const std::optional<thesis::Condition>& condition,
                     std::size_t width) {
   Lines lines{fmt::format("series of {} shots", series.shots())};
   std::string header = left("", kNameWidth) + left("unit", kUnitWidth) + std::string(kSeriesHeader);
@@ -285,8 +286,10 @@ Lines render(const Model& model, std::size_t width) {
     append(lines, render_shot(*model.last, width));
   }
   lines.emplace_back();
-  const std::size_t first = model.notices.size() > kNoticesShown ? model.notices.size() - kNoticesShown : 0;
-  for (std::size_t i = first; i < model.notices.size(); ++i) lines.push_back("· " + model.notices[i]);
+  const std::size_t first =
+      model.notifications.size() > kNotificationsShown ? model.notifications.size() - kNotificationsShown : 0;
+  for (std::size_t i = first; i < model.notifications.size(); ++i)
+    lines.push_back("· " + model.notifications[i]);
   return fitted(std::move(lines), width);
 }
 

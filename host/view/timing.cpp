@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <string_view>
 
-#include "host/view/rejected.hpp"
+#include "host/view/rejected_commands.hpp"
 #include "host/view/text.hpp"
 
 namespace strobe::host {
@@ -124,7 +124,8 @@ std::string timing_json(const status_t& status, const ClockState& clock, int aft
   for (const Label& label : kLabels)
     timing[std::string(label.key)] = histogram_json(histogram_of(status, label.quantity));
   nlohmann::ordered_json rejected;
-  for (const RejectedLabel& label : kRejectedLabels) rejected[std::string(label.key)] = status.*label.count;
+  for (const RejectedCommandLabel& label : kRejectedCommandLabels)
+    rejected[std::string(label.key)] = status.*label.count;
   const nlohmann::ordered_json json{
       {"timing_after_shot", after_shot},
       {"boot_id", fmt::format("{:x}", static_cast<std::uint64_t>(status.boot_id))},

@@ -41,7 +41,7 @@ Change unpack(const gpio::State& state, std::uint64_t word) {
 }  // namespace
 
 struct Chip::Impl {
-  gpio::Folder folder;
+  gpio::ChipFolder folder;
   std::int64_t swept_ns = 0;
 
   gpio::State& state() const { return *folder.state; }
@@ -106,13 +106,13 @@ Chip& Chip::operator=(Chip&&) noexcept = default;
 Chip::~Chip() = default;
 
 Result<Chip> Chip::create(const std::filesystem::path& dir, const ChipSpec& spec) {
-  auto folder = gpio::Folder::create(dir, spec);
+  auto folder = gpio::ChipFolder::create(dir, spec);
   if (!folder) return tl::unexpected(folder.error());
   return Chip(std::make_unique<Impl>(Impl{std::move(*folder)}));
 }
 
 Result<Chip> Chip::attach(const std::filesystem::path& dir) {
-  auto folder = gpio::Folder::attach(dir);
+  auto folder = gpio::ChipFolder::attach(dir);
   if (!folder) return tl::unexpected(folder.error());
   return Chip(std::make_unique<Impl>(Impl{std::move(*folder)}));
 }

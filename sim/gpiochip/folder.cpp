@@ -125,9 +125,9 @@ void remove_chip_files(const std::filesystem::path& folder) {
 
 }  // namespace
 
-Folder::Folder(Folder&& other) noexcept { *this = std::move(other); }
+ChipFolder::ChipFolder(ChipFolder&& other) noexcept { *this = std::move(other); }
 
-Folder& Folder::operator=(Folder&& other) noexcept {
+ChipFolder& ChipFolder::operator=(ChipFolder&& other) noexcept {
   if (this == &other) return *this;
   reset();
   path = std::move(other.path);
@@ -140,9 +140,9 @@ Folder& Folder::operator=(Folder&& other) noexcept {
   return *this;
 }
 
-Folder::~Folder() { reset(); }
+ChipFolder::~ChipFolder() { reset(); }
 
-Result<void> Folder::make_files(std::size_t lines) {
+Result<void> ChipFolder::make_files(std::size_t lines) {
   std::error_code error;
   made_folder_ = std::filesystem::create_directories(path, error);
   if (error) return fail("cannot create " + path.string() + ": " + error.message());
@@ -160,7 +160,7 @@ Result<void> Folder::make_files(std::size_t lines) {
   return {};
 }
 
-Result<void> Folder::publish(const ChipSpec& spec) {
+Result<void> ChipFolder::publish(const ChipSpec& spec) {
   const std::filesystem::path draft = path / "state.new";
   const int failed = make_file(draft, "");
   if (failed != 0) return system_failure(draft.string(), failed);
@@ -172,7 +172,7 @@ Result<void> Folder::publish(const ChipSpec& spec) {
   return {};
 }
 
-Result<void> Folder::open_common(std::size_t lines) {
+Result<void> ChipFolder::open_common(std::size_t lines) {
   lock_fd = ::open((path / kLockFile).c_str(), O_RDWR | O_CLOEXEC);
   if (lock_fd < 0) return system_failure((path / kLockFile).string(), errno);
   device_fd_ = ::open((path / kDeviceFile).c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);
@@ -185,9 +185,9 @@ Result<void> Folder::open_common(std::size_t lines) {
   return {};
 }
 
-Result<Folder> Folder::create(const std::filesystem::path& dir, const ChipSpec& spec) {
+Result<ChipFolder> ChipFolder::create(const std::filesystem::path& dir, const ChipSpec& spec) {
   if (const auto valid = check(spec); !valid) return tl::unexpected(valid.error());
-  Folder folder;
+  ChipFolder folder;
   folder.path = std::filesystem::absolute(dir);
   if (const auto made = folder.make_files(spec.lines.size()); !made) return tl::unexpected(made.error());
   if (const auto opened = folder.open_common(spec.lines.size()); !opened)
@@ -199,8 +199,8 @@ Result<Folder> Folder::create(const std::filesystem::path& dir, const ChipSpec& 
   return folder;
 }
 
-Result<Folder> Folder::attach(const std::filesystem::path& dir) {
-  Folder folder;
+Result<ChipFolder> ChipFolder::attach(const std::filesystem::path& dir) {
+  ChipFolder folder;
   folder.path = std::filesystem::absolute(dir);
   folder.state = map(folder.path / kStateFile);
   if (folder.state == nullptr) return fail("there is no simulated chip in " + folder.path.string());
@@ -213,7 +213,7 @@ Result<Folder> Folder::attach(const std::filesystem::path& dir) {
   return folder;
 }
 
-void Folder::close_events() {
+void ChipFolder::close_events() {
   for (int& fifo : events) {
     if (fifo >= 0) ::close(fifo);
     fifo = -1;
@@ -221,7 +221,7 @@ void Folder::close_events() {
   if (device_fd_ >= 0) ::close(std::exchange(device_fd_, -1));
 }
 
-void Folder::reset() {
+void ChipFolder::reset() {
   if (made_chip_) {
     if (state != nullptr) {
       state->unplugged.store(1);

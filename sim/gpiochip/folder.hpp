@@ -12,14 +12,14 @@ namespace strobe::sim::gpio {
 
 /// Move-only. The creator holds both ends of every FIFO, so that readers never see an end while it
 /// lives.
-class Folder {
+class ChipFolder {
  public:
-  static Result<Folder> create(const std::filesystem::path& dir, const ChipSpec& spec);
-  static Result<Folder> attach(const std::filesystem::path& dir);
-  Folder() = default;
-  Folder(Folder&& other) noexcept;
-  Folder& operator=(Folder&& other) noexcept;
-  ~Folder();
+  static Result<ChipFolder> create(const std::filesystem::path& dir, const ChipSpec& spec);
+  static Result<ChipFolder> attach(const std::filesystem::path& dir);
+  ChipFolder() = default;
+  ChipFolder(ChipFolder&& other) noexcept;
+  ChipFolder& operator=(ChipFolder&& other) noexcept;
+  ~ChipFolder();
 
   void close_events();
 

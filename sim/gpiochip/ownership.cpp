@@ -31,7 +31,7 @@ bool event_path(const char* folder, std::uint32_t line, char (&path)[kPathSize])
   return length > 0 && static_cast<std::size_t>(length) < sizeof(path);
 }
 
-Gate::Gate(const char* folder) {
+ChipLock::ChipLock(const char* folder) {
   char path[kPathSize];
   if (!path_in(folder, kLockFile, path)) {
     error_ = -ENAMETOOLONG;
@@ -44,16 +44,16 @@ Gate::Gate(const char* folder) {
   }
   const std::int64_t give_up = sys::now_ns() + kGatePatience_ns;
   std::int64_t pause = 20'000;
-  while ((error_ = sys::try_lock(fd_, kGateByte, true)) == -EAGAIN && sys::now_ns() < give_up) {
+  while ((error_ = sys::try_lock(fd_, kChipLockByte, true)) == -EAGAIN && sys::now_ns() < give_up) {
     sys::sleep_ns(pause);
     if (pause < 1'000'000) pause *= 2;
   }
 }
 
-Gate::~Gate() {
+ChipLock::~ChipLock() {
   if (fd_ < 0) return;
   // Unlocked by hand: a child forked meanwhile by another thread shares the description.
-  if (error_ == 0) sys::unlock(fd_, kGateByte);
+  if (error_ == 0) sys::unlock(fd_, kChipLockByte);
   sys::close(fd_);
 }
 
@@ -80,15 +80,15 @@ void release_line(State& state, std::uint32_t line) {
   notify(state);
 }
 
-void reap_line_gated(State& state, const char* folder, const Gate& gate, std::uint32_t line) {
+void reap_line_locked(State& state, const char* folder, const ChipLock& gate, std::uint32_t line) {
   if (is_orphan(state, folder, gate.lock_fd(), line)) release_line(state, line);
 }
 
 void reap_line(State& state, const char* folder, int lock_fd, std::uint32_t line) {
   if (!is_orphan(state, folder, lock_fd, line)) return;
   const sys::NoSignals quiet;
-  const Gate gate(folder);
-  if (gate.error() == 0) reap_line_gated(state, folder, gate, line);
+  const ChipLock gate(folder);
+  if (gate.error() == 0) reap_line_locked(state, folder, gate, line);
 }
 
 void reap_handles(State& state, const char* folder, int lock_fd) {

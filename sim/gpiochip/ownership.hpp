@@ -21,12 +21,12 @@ bool event_path(const char* folder, std::uint32_t line, char (&path)[kPathSize])
 
 /// Serialises requests, releases and configuration between all processes. Held by a lock that the kernel
 /// drops at death; a holder that is stopped (not dead) makes others give up after two seconds.
-class Gate {
+class ChipLock {
  public:
-  explicit Gate(const char* folder);
-  ~Gate();
-  Gate(const Gate&) = delete;
-  Gate& operator=(const Gate&) = delete;
+  explicit ChipLock(const char* folder);
+  ~ChipLock();
+  ChipLock(const ChipLock&) = delete;
+  ChipLock& operator=(const ChipLock&) = delete;
 
   int error() const { return error_; }  ///< 0 or a negated errno: not held
   int lock_fd() const { return fd_; }
@@ -39,7 +39,7 @@ class Gate {
 /// Whether the line's owner still lives. `lock_fd`: any description of the lock file that owns nothing.
 bool owner_lives(const char* folder, int lock_fd, std::uint32_t line, std::uint32_t config);
 
-/// Puts a released line back: unrequested, flags cleared, and, on chips of that kind, an input again. Gate
+/// Puts a released line back: unrequested, flags cleared, and, on chips of that kind, an input again. ChipLock
 /// held.
 void release_line(State& state, std::uint32_t line);
 
@@ -49,7 +49,7 @@ void reap_line(State& state, const char* folder, int lock_fd, std::uint32_t line
 /// line.
 void reap_handles(State& state, const char* folder, int lock_fd);
 /// The same for one line with the gate held.
-void reap_line_gated(State& state, const char* folder, const Gate& gate, std::uint32_t line);
+void reap_line_locked(State& state, const char* folder, const ChipLock& gate, std::uint32_t line);
 
 bool any_requested(const State& state);
 

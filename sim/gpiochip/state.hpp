@@ -28,7 +28,7 @@ inline constexpr const char* kSysfsFile = "dev";      ///< what /sys/bus/gpio/de
 inline constexpr const char* kEventPrefix = "event-";
 
 /// Bytes of the lock file: one per line (its owner), and a few of the chip's own.
-inline constexpr std::int64_t kGateByte = 1000;
+inline constexpr std::int64_t kChipLockByte = 1000;
 inline constexpr std::int64_t kCreatorByte = 1001;
 inline constexpr std::int64_t kDriveByte = 2000;
 

@@ -16,7 +16,7 @@ Result<std::unique_ptr<TruthFile>> TruthFile::create(const std::filesystem::path
 
 std::string TruthFile::line(const Exposure& exposure, int shot_id) const {
   if (!photograph_seed_) return truth_line(scene_, exposure, shot_id);
-  const Look look = draw_look(scene_, *photograph_seed_, exposure.shot);
+  const Appearance look = draw_appearance(scene_, *photograph_seed_, exposure.shot);
   const PhotographTruth truth = photograph_truth(scene_, exposure, look, lit_balls(scene_, exposure, look));
   return photograph_line(scene_, exposure, shot_id, look, truth, "");
 }

@@ -20,7 +20,7 @@ class TruthFile {
   static Result<std::unique_ptr<TruthFile>> create(const std::filesystem::path& path, const Scene& scene);
 
   /// From now on lines also tell of the photographs that the camera takes (sim/photograph).
-  void tell_photographs(std::uint64_t seed) { photograph_seed_ = seed; }
+  void include_photographs(std::uint64_t seed) { photograph_seed_ = seed; }
 
   /// Writes the exposure's line unless it was written before. shot_id 0: unknown.
   void write(const Exposure& exposure, int shot_id);

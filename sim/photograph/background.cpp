@@ -5,8 +5,8 @@
 #include <numbers>
 #include <opencv2/imgproc.hpp>
 
-#include "sim/photograph/noise.hpp"
-#include "sim/rig/draws.hpp"
+#include "sim/random/draws.hpp"
+#include "sim/random/noise.hpp"
 
 namespace strobe::sim {
 
@@ -121,9 +121,9 @@ std::vector<Vec2> rectangle(double left, double right, double bottom, double top
 
 class Set {
  public:
-  Set(const Scene& scene, const Look& look)
+  Set(const Scene& scene, const Appearance& look)
       : scene_(scene),
-        look_(look),
+        appearance_(look),
         optics_(scene),
         draws_(look.background.clutter, Purpose::look, 1),
         half_width_m_(scene.camera.half_width_m),
@@ -132,15 +132,15 @@ class Set {
   const Optics& optics() const { return optics_; }
 
   void wall(Stage& stage) {
-    const ValueNoise noise(look_.background.clutter);
+    const ValueNoise noise(appearance_.background.clutter);
     for (int row = 0; row < stage.light().rows; ++row) {
       float* l = stage.light().ptr<float>(row);
       for (int column = 0; column < stage.light().cols; ++column) {
         const Vec2 p = stage.at(column, row);
-        const double ramp = 1.0 + look_.background.wall_ramp * p.x / half_width_m_;
+        const double ramp = 1.0 + appearance_.background.wall_ramp * p.x / half_width_m_;
         const double stains =
             1.0 + 0.25 * noise.at(6.0 * p.x, 6.0 * p.y) + 0.08 * noise.at(40.0 * p.x, 40.0 * p.y);
-        l[column] = static_cast<float>(look_.background.wall * std::max(0.1, ramp) * stains);
+        l[column] = static_cast<float>(appearance_.background.wall * std::max(0.1, ramp) * stains);
       }
     }
     const double z = -scene_.background.wall_distance_m;
@@ -154,7 +154,7 @@ class Set {
     for (const BallImageOnSensor& image : images) {
       for (std::size_t lamp = 0; lamp < 2; ++lamp) {
         const double share = image.middle.light[lamp] / (all[0] + all[1]);
-        if (share > 0.0) shadow(stage, image.middle.centre, look_.lamps[lamp], share);
+        if (share > 0.0) shadow(stage, image.middle.centre, appearance_.lamps[lamp], share);
       }
     }
   }
@@ -162,9 +162,9 @@ class Set {
   void plate(Stage& stage) {
     if (!scene_.background.plate) return;
     const double y = optics_.surface_y();
-    const double x = look_.background.plate_half_length_m;
-    const double thick = look_.background.plate_thickness_m;
-    const double light = look_.background.plate_brightness;
+    const double x = appearance_.background.plate_half_length_m;
+    const double thick = appearance_.background.plate_thickness_m;
+    const double light = appearance_.background.plate_brightness;
     const double near = 0.5 * scene_.background.plate_depth_m;
     const double front = optics_.perspective() ? std::min(near, 0.5 * optics_.distance_m()) : 0.0;
     for (int i = count(4.0); i > 0; --i) block(stage, y - thick);
@@ -208,7 +208,7 @@ class Set {
   void panel(Stage& stage, double z) {
     const Vec2 c = somewhere();
     const double w = 0.02 + 0.15 * draws_.uniform(), h = 0.05 + 0.4 * draws_.uniform();
-    const double brightness = look_.background.wall * 3.0 * draws_.uniform();
+    const double brightness = appearance_.background.wall * 3.0 * draws_.uniform();
     stage.polygon(rectangle(c.x - w, c.x + w, c.y - h, c.y + h), z, brightness, 1.0, 0.5 + draws_.uniform());
   }
 
@@ -221,10 +221,10 @@ class Set {
       way.push_back({a.x + t * (b.x - a.x), a.y + t * (b.y - a.y) - 4.0 * sag * t * (1.0 - t)});
     }
     const double width = 0.002 + 0.006 * draws_.uniform();
-    stage.stroke(way, z, width, look_.background.wall * (draws_.uniform() < 0.5 ? 0.1 : 4.0));
+    stage.stroke(way, z, width, appearance_.background.wall * (draws_.uniform() < 0.5 ? 0.1 : 4.0));
   }
 
-  void shadow(Stage& stage, const Vec3& ball, const LampLook& lamp, double share) {
+  void shadow(Stage& stage, const Vec3& ball, const LampAppearance& lamp, double share) {
     const double depth = ball.z + scene_.background.wall_distance_m;
     const double t = depth / (lamp.place.z - ball.z);
     if (t <= 0.0) return;
@@ -253,7 +253,7 @@ class Set {
   void block(Stage& stage, double top) {
     const double x = half_width_m_ * (2.0 * draws_.uniform() - 1.0);
     const double w = 0.02 + 0.05 * draws_.uniform();
-    const double brightness = look_.background.plate_brightness * 0.4 * draws_.uniform();
+    const double brightness = appearance_.background.plate_brightness * 0.4 * draws_.uniform();
     stage.polygon(rectangle(x - w, x + w, top - 0.2, top + 0.002), 0.0, brightness, 1.0, 0.6);
   }
 
@@ -262,7 +262,7 @@ class Set {
     for (int i = count(12.0); i > 0; --i) {
       const double left = x * (2.0 * draws_.uniform() - 1.0);
       const double right = std::min(x, left + 0.001 + 0.04 * draws_.uniform());
-      const double brightness = look_.background.plate_brightness * (0.6 + 0.8 * draws_.uniform());
+      const double brightness = appearance_.background.plate_brightness * (0.6 + 0.8 * draws_.uniform());
       const double low = y - thick * (0.1 + 0.9 * draws_.uniform());
       stage.polygon(rectangle(left, right, low, y - 0.05 * thick), z, brightness, 0.7, 0.8);
     }
@@ -306,7 +306,7 @@ class Set {
   }
 
   const Scene& scene_;
-  const Look& look_;
+  const Appearance& appearance_;
   Optics optics_;
   Draws draws_;
   double half_width_m_;
@@ -315,7 +315,8 @@ class Set {
 
 }  // namespace
 
-cv::Mat render_background(const Scene& scene, const Look& look, const std::vector<BallImageOnSensor>& images,
+cv::Mat render_background(const Scene& scene, const Appearance& look,
+                          const std::vector<BallImageOnSensor>& images,
                           const std::array<double, 2>& light_of_all) {
   Set set(scene, look);
   const SensorSize size = set.optics().sensor();

@@ -10,7 +10,8 @@
 namespace strobe::sim {
 
 /// The light of all flashes together, CV_32FC1 of the sensor's size. `light_of_all`: of each lamp.
-cv::Mat render_background(const Scene& scene, const Look& look, const std::vector<BallImageOnSensor>& images,
+cv::Mat render_background(const Scene& scene, const Appearance& look,
+                          const std::vector<BallImageOnSensor>& images,
                           const std::array<double, 2>& light_of_all);
 
 }  // namespace strobe::sim

@@ -47,8 +47,8 @@ struct BallLight::Placed {
   bool flat = false;
 };
 
-BallLight::BallLight(const Scene& scene, const Look& look)
-    : optics_(scene), look_(look), skin_(look.ball), radius_m_(scene.ball.radius_m()) {
+BallLight::BallLight(const Scene& scene, const Appearance& look)
+    : optics_(scene), appearance_(look), texture_(look.ball), radius_m_(scene.ball.radius_m()) {
   // The lightest place of a ball in the middle of the view under two lamps of the usual power.
   Placed ball = place({{0.0, 0.0, 0.0}, 0.0, {1.0, 1.0}});
   constexpr int kSteps = 40;
@@ -61,7 +61,7 @@ BallLight::BallLight(const Scene& scene, const Look& look)
       double sum = 0.0;
       for (std::size_t lamp = 0; lamp < 2; ++lamp) {
         const double mu = dot(n, ball.to_lamp[lamp]);
-        if (mu > 0.0) sum += std::pow(mu, look_.ball.falloff);
+        if (mu > 0.0) sum += std::pow(mu, appearance_.ball.falloff);
       }
       most = std::max(most, sum);
     }
@@ -75,8 +75,8 @@ BallLight::Placed BallLight::place(const LitBall& ball) const {
   p.cos = std::cos(ball.angle_rad);
   p.sin = std::sin(ball.angle_rad);
   for (std::size_t lamp = 0; lamp < 2; ++lamp) {
-    const Vec3 way = look_.lamps[lamp].place - ball.centre;
-    const double usual = dot(look_.lamps[lamp].place, look_.lamps[lamp].place);
+    const Vec3 way = appearance_.lamps[lamp].place - ball.centre;
+    const double usual = dot(appearance_.lamps[lamp].place, appearance_.lamps[lamp].place);
     p.to_lamp[lamp] = unit(way);
     p.strength[lamp] = ball.light[lamp] * usual / dot(way, way);
   }
@@ -89,12 +89,12 @@ BallLight::Placed BallLight::place(const LitBall& ball) const {
 }
 
 double BallLight::line_darkness(const Vec3& on_ball) const {
-  if (!look_.ball.line) return 0.0;
-  const double tilt = look_.ball.line_tilt_rad;
+  if (!appearance_.ball.line) return 0.0;
+  const double tilt = appearance_.ball.line_tilt_rad;
   const double off_m = radius_m_ * std::abs(std::cos(tilt) * on_ball.y + std::sin(tilt) * on_ball.z);
-  const double share = 2.0 * off_m / look_.ball.line_width_m;
+  const double share = 2.0 * off_m / appearance_.ball.line_width_m;
   if (share > 6.0) return 0.0;
-  return look_.ball.line_contrast * std::exp2(-std::pow(share, look_.ball.line_steepness));
+  return appearance_.ball.line_contrast * std::exp2(-std::pow(share, appearance_.ball.line_steepness));
 }
 
 double BallLight::lamp_light(const Vec3& normal, const Vec3& to_lamp, double towards_lens,
@@ -102,10 +102,11 @@ double BallLight::lamp_light(const Vec3& normal, const Vec3& to_lamp, double tow
   const double mu = dot(normal, to_lamp);
   if (mu <= 0.0) return 0.0;
   const double away = 1.0 - towards_lens;
-  double light = std::pow(mu, look_.ball.falloff) + look_.ball.sheen * away * away * std::sqrt(mu);
-  if (look_.ball.shine > 0.0) {
+  double light =
+      std::pow(mu, appearance_.ball.falloff) + appearance_.ball.sheen * away * away * std::sqrt(mu);
+  if (appearance_.ball.shine > 0.0) {
     const Vec3 between = unit(to_lamp + to_lens);
-    light += look_.ball.shine * std::pow(std::max(0.0, dot(normal, between)), kShineExponent);
+    light += appearance_.ball.shine * std::pow(std::max(0.0, dot(normal, between)), kShineExponent);
   }
   return light;
 }
@@ -114,10 +115,10 @@ double BallLight::shade(const Placed& ball, const Vec3& normal, const Vec3& to_l
   const Vec3 own{ball.cos * normal.x + ball.sin * normal.y, ball.cos * normal.y - ball.sin * normal.x,
                  normal.z};
   Vec3 lit = normal;
-  if (skin_.leans()) {
-    const Vec2 lean = skin_.lean(own.x, own.y);
-    lit = unit({normal.x + ball.cos * lean.x - ball.sin * lean.y,
-                normal.y + ball.sin * lean.x + ball.cos * lean.y, normal.z});
+  if (texture_.has_relief()) {
+    const Vec2 normal_tilt = texture_.normal_tilt(own.x, own.y);
+    lit = unit({normal.x + ball.cos * normal_tilt.x - ball.sin * normal_tilt.y,
+                normal.y + ball.sin * normal_tilt.x + ball.cos * normal_tilt.y, normal.z});
   }
   const double towards_lens = std::max(0.0, dot(normal, to_lens));
   double light = 0.0;
@@ -125,7 +126,7 @@ double BallLight::shade(const Placed& ball, const Vec3& normal, const Vec3& to_l
     if (ball.strength[lamp] > 0.0)
       light += ball.strength[lamp] * lamp_light(lit, ball.to_lamp[lamp], towards_lens, to_lens);
   }
-  return level_ * light * skin_.albedo(own.x, own.y) * (1.0 - line_darkness(own));
+  return level_ * light * texture_.albedo(own.x, own.y) * (1.0 - line_darkness(own));
 }
 
 /// `width_px`: over which a sample's own coverage falls at an edge.
@@ -138,10 +139,10 @@ BallLight::Sample BallLight::sample(const Placed& ball, double column, double ro
   const Vec3 aside = way - dot(way, to_lens) * to_lens;
   const double share = std::sqrt(dot(aside, aside)) / radius_m_;
   double hair = 0.0;
-  if (look_.ball.hair_px > 0.0)
-    hair = skin_.hair_px(std::atan2(aside.y, aside.x) - std::atan2(ball.sin, ball.cos));
+  if (appearance_.ball.hair_px > 0.0)
+    hair = texture_.hair_px(std::atan2(aside.y, aside.x) - std::atan2(ball.sin, ball.cos));
   const double outside_px = (share - 1.0) * ball.radius_px - hair;
-  const double fade_px = std::max(width_px, 2.0 * look_.ball.fuzz_px);
+  const double fade_px = std::max(width_px, 2.0 * appearance_.ball.fuzz_px);
   double coverage = std::clamp(0.5 - outside_px / fade_px, 0.0, 1.0);
   if (coverage <= 0.0) return {};
   const double depth = share < 1.0 ? std::sqrt(1.0 - share * share) : 0.0;
@@ -171,7 +172,7 @@ BallLight::Sample BallLight::pixel(const Placed& ball, int column, int row) cons
 void BallLight::add(const LitBall& lit, const cv::Mat& behind, double hidden, int first, int end,
                     cv::Mat& light) const {
   const Placed ball = place(lit);
-  const double rim_px = 1.5 + look_.ball.fuzz_px + 5.0 * look_.ball.hair_px;
+  const double rim_px = 1.5 + appearance_.ball.fuzz_px + 5.0 * appearance_.ball.hair_px;
   const Box box =
       box_of(outline_on_sensor(optics_, ball.centre, radius_m_, 64), rim_px + 1.0, optics_.sensor());
   for (int row = std::max(first, box.top); row < std::min(end, box.bottom + 1); ++row) {

@@ -11,16 +11,16 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
+#include "sim/photograph/appearance.hpp"
+#include "sim/photograph/ball_texture.hpp"
 #include "sim/photograph/lit_balls.hpp"
-#include "sim/photograph/look.hpp"
 #include "sim/photograph/optics.hpp"
-#include "sim/photograph/skin.hpp"
 
 namespace strobe::sim {
 
 class BallLight {
  public:
-  BallLight(const Scene& scene, const Look& look);
+  BallLight(const Scene& scene, const Appearance& look);
 
   /// Adds the ball to the rows [first, end) of `light` (CV_32FC1) and takes from it the background that the
   /// ball hid: the share `hidden` of `behind`, of the same size as `light`. The lightest felt under both
@@ -43,8 +43,8 @@ class BallLight {
   double lamp_light(const Vec3& normal, const Vec3& to_lamp, double towards_lens, const Vec3& to_lens) const;
 
   Optics optics_;
-  Look look_;
-  Skin skin_;
+  Appearance appearance_;
+  BallTexture texture_;
   double radius_m_;
   double level_ = 1.0;  ///< over the light of the lightest felt
 };

@@ -4,17 +4,18 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/rig/draws.hpp"
+#include "sim/random/draws.hpp"
 
 namespace strobe::sim {
 
 namespace {
 
 constexpr double kSpacing_px = 0.25;  // of the balls that a smeared one is the mean of
-constexpr int kMostInstants = 64;
+constexpr int kMaxInstants = 64;
 constexpr int kOutlinePoints = 64;
 
-std::array<double, 2> light_of(const Pulse& pulse, std::uint64_t index, const Look& look, double power_sd) {
+std::array<double, 2> light_of(const Pulse& pulse, std::uint64_t index, const Appearance& look,
+                               double power_sd) {
   Draws draws(look.noise, Purpose::flash_power, index + 1);
   std::array<double, 2> light{};
   const bool unknown = pulse.lamps[0] + pulse.lamps[1] == 0;
@@ -48,8 +49,8 @@ bool on_sensor(const Optics& optics, const Vec3& centre, double radius_m) {
 
 class Flashes {
  public:
-  Flashes(const Scene& scene, const Exposure& exposure, const Look& look)
-      : scene_(scene), exposure_(exposure), look_(look), optics_(scene) {}
+  Flashes(const Scene& scene, const Exposure& exposure, const Appearance& look)
+      : scene_(scene), exposure_(exposure), appearance_(look), optics_(scene) {}
 
   LitBall ball(const BallState& s, const std::array<double, 2>& light) const {
     const BallPath& path = exposure_.ball->path;
@@ -62,7 +63,7 @@ class Flashes {
   BallImageOnSensor image(const FilmImage& film, double share) const {
     const auto pulse = static_cast<std::size_t>(film.pulse);
     std::array<double, 2> light =
-        light_of(exposure_.pulses[pulse], pulse, look_, scene_.photograph.flash_power_sd);
+        light_of(exposure_.pulses[pulse], pulse, appearance_, scene_.photograph.flash_power_sd);
     for (double& l : light) l *= share;
     BallImageOnSensor image{film, ball(film.state, light), {}};
     const int instants = instants_of(film.state);
@@ -75,7 +76,7 @@ class Flashes {
  private:
   int instants_of(const BallState& s) const {
     const double way_px = std::hypot(s.vx_mps, s.vy_mps) * scene_.lamps.flash_s * scene_.camera.px_per_m;
-    return std::clamp(static_cast<int>(std::ceil(way_px / kSpacing_px)), 1, kMostInstants);
+    return std::clamp(static_cast<int>(std::ceil(way_px / kSpacing_px)), 1, kMaxInstants);
   }
 
   LitBall at_instant(const FilmImage& film, std::array<double, 2> light, int i, int instants) const {
@@ -87,7 +88,7 @@ class Flashes {
 
   const Scene& scene_;
   const Exposure& exposure_;
-  const Look& look_;
+  const Appearance& appearance_;
   Optics optics_;
 };
 
@@ -118,7 +119,8 @@ std::vector<Vec2> outline_on_sensor(const Optics& optics, const Vec3& centre, do
   return outline;
 }
 
-std::vector<BallImageOnSensor> lit_balls(const Scene& scene, const Exposure& exposure, const Look& look) {
+std::vector<BallImageOnSensor> lit_balls(const Scene& scene, const Exposure& exposure,
+                                         const Appearance& look) {
   const std::vector<FilmImage> films = film_images(with_all_in_view(scene), exposure);
   const Flashes flashes(scene, exposure, look);
   std::vector<BallImageOnSensor> images;
@@ -132,7 +134,7 @@ std::vector<BallImageOnSensor> lit_balls(const Scene& scene, const Exposure& exp
   return images;
 }
 
-std::array<double, 2> light_of_all(const Exposure& exposure, const Look& look, double power_sd) {
+std::array<double, 2> light_of_all(const Exposure& exposure, const Appearance& look, double power_sd) {
   std::array<double, 2> sum{};
   if (!exposure.opened.known()) return sum;
   for (std::size_t i = 0; i < exposure.pulses.size(); ++i) {

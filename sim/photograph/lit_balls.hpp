@@ -5,7 +5,7 @@
 #include <array>
 #include <vector>
 
-#include "sim/photograph/look.hpp"
+#include "sim/photograph/appearance.hpp"
 #include "sim/photograph/optics.hpp"
 #include "sim/rig/exposure.hpp"
 
@@ -26,10 +26,11 @@ struct BallImageOnSensor {
 };
 
 /// In order of time.
-std::vector<BallImageOnSensor> lit_balls(const Scene& scene, const Exposure& exposure, const Look& look);
+std::vector<BallImageOnSensor> lit_balls(const Scene& scene, const Exposure& exposure,
+                                         const Appearance& look);
 
 /// Light of each lamp in all flashes of the exposure while the shutter was open.
-std::array<double, 2> light_of_all(const Exposure& exposure, const Look& look, double power_sd);
+std::array<double, 2> light_of_all(const Exposure& exposure, const Appearance& look, double power_sd);
 
 /// The outline of a ball as seen on the photograph, lens included: points around it, counter-clockwise. Not
 /// cut off by the surface.

@@ -6,7 +6,7 @@
 // the surface, y up, z towards the lens; the surface is at y = -height_m/2.
 #pragma once
 
-#include "sim/rig/scene.hpp"
+#include "sim/scene/scene.hpp"
 
 namespace strobe::sim {
 

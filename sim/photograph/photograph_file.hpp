@@ -7,7 +7,7 @@
 #include <string>
 
 #include "common/result.hpp"
-#include "sim/rig/photograph_settings.hpp"
+#include "sim/scene/photograph_settings.hpp"
 
 namespace strobe::sim {
 

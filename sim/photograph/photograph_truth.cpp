@@ -29,8 +29,12 @@ double modulo_pi(double angle_rad) {
 
 class Truth {
  public:
-  Truth(const Scene& scene, const Look& look)
-      : scene_(without_distortion(scene)), look_(look), camera_(scene_), straight_(scene_), optics_(scene) {}
+  Truth(const Scene& scene, const Appearance& look)
+      : scene_(without_distortion(scene)),
+        appearance_(look),
+        camera_(scene_),
+        straight_(scene_),
+        optics_(scene) {}
 
   ImageTruth image(const BallImageOnSensor& on_sensor, const Exposure& exposure) const {
     const FilmImage& film = on_sensor.film;
@@ -74,7 +78,7 @@ class Truth {
   /// Through the images of the two points where the line, a great circle that may be tilted against the line
   /// of sight, leaves the outline: n = cos(psi)·e + sin(psi)·f with (C - lens)·n = -R.
   double line_seen(const LitBall& ball) const {
-    const double tilt = look_.ball.line_tilt_rad;
+    const double tilt = appearance_.ball.line_tilt_rad;
     const double c = std::cos(ball.angle_rad), s = std::sin(ball.angle_rad);
     const Vec3 e{c, s, 0.0};
     const Vec3 f{std::sin(tilt) * s, -std::sin(tilt) * c, std::cos(tilt)};
@@ -118,7 +122,7 @@ class Truth {
   }
 
   Scene scene_;
-  const Look& look_;
+  const Appearance& appearance_;
   Camera camera_;
   Optics straight_;
   Optics optics_;
@@ -153,7 +157,7 @@ json image_json(const ImageTruth& i) {
   return object;
 }
 
-json look_json(const Scene& scene, const Look& look) {
+json look_json(const Scene& scene, const Appearance& look) {
   return {{"blur_px", look.blur_px},
           {"defocus_px", scene.photograph.defocus_px},
           {"exposure", scene.photograph.exposure},
@@ -171,7 +175,7 @@ json look_json(const Scene& scene, const Look& look) {
 
 }  // namespace
 
-PhotographTruth photograph_truth(const Scene& scene, const Exposure& exposure, const Look& look,
+PhotographTruth photograph_truth(const Scene& scene, const Exposure& exposure, const Appearance& look,
                                  const std::vector<BallImageOnSensor>& images) {
   const Truth truth(scene, look);
   PhotographTruth result;
@@ -187,7 +191,7 @@ PhotographTruth photograph_truth(const Scene& scene, const Exposure& exposure, c
   return result;
 }
 
-std::string photograph_line(const Scene& scene, const Exposure& exposure, int shot_id, const Look& look,
+std::string photograph_line(const Scene& scene, const Exposure& exposure, int shot_id, const Appearance& look,
                             const PhotographTruth& truth, const std::string& file) {
   json line = json::parse(truth_line(scene, exposure, shot_id));
   line["file"] = file.empty() ? json(nullptr) : json(file);

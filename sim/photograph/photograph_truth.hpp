@@ -38,13 +38,13 @@ struct PhotographTruth {
   std::vector<ImageTruth> images;  ///< in order of time
 };
 
-PhotographTruth photograph_truth(const Scene& scene, const Exposure& exposure, const Look& look,
+PhotographTruth photograph_truth(const Scene& scene, const Exposure& exposure, const Appearance& look,
                                  const std::vector<BallImageOnSensor>& images);
 
 /// One JSON object on one line, without the newline: all of truth_line() (sim/rig/truth.hpp), and `file`
 /// (null where it is not known), the truth's names as above (null for what is absent), `ball_diameter_m` and
 /// `look`.
-std::string photograph_line(const Scene& scene, const Exposure& exposure, int shot_id, const Look& look,
+std::string photograph_line(const Scene& scene, const Exposure& exposure, int shot_id, const Appearance& look,
                             const PhotographTruth& truth, const std::string& file);
 
 }  // namespace strobe::sim

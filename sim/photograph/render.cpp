@@ -14,7 +14,7 @@ namespace {
 /// Light of the lightest felt in one image, at an exposure of 1, over what saturates.
 constexpr double kUsualLight = 0.45;
 
-void add_balls(const Scene& scene, const Look& look, const std::vector<BallImageOnSensor>& images,
+void add_balls(const Scene& scene, const Appearance& look, const std::vector<BallImageOnSensor>& images,
                const std::array<double, 2>& light_of_all, const cv::Mat& behind, cv::Mat& light) {
   const BallLight painter(scene, look);
   const double all = light_of_all[0] + light_of_all[1];
@@ -28,13 +28,13 @@ void add_balls(const Scene& scene, const Look& look, const std::vector<BallImage
 
 }  // namespace
 
-Result<Photograph> render(const Scene& scene, const Exposure& exposure, const Look& look) {
+Result<Photograph> render(const Scene& scene, const Exposure& exposure, const Appearance& look) {
   const SensorSize size = sensor_size(scene);
-  if (static_cast<double>(size.width) * size.height > kMostPixels)
+  if (static_cast<double>(size.width) * size.height > kMaxPixels)
     return fail(
         fmt::format("photograph: {} x {} px are more than {:.0f} megapixels; width_px and height_px "
                     "of [photograph] make it smaller",
-                    size.width, size.height, 1e-6 * kMostPixels));
+                    size.width, size.height, 1e-6 * kMaxPixels));
   const std::vector<BallImageOnSensor> images = lit_balls(scene, exposure, look);
   const std::array<double, 2> all = light_of_all(exposure, look, scene.photograph.flash_power_sd);
   cv::Mat light(size.height, size.width, CV_32FC1, cv::Scalar(0.0));
@@ -52,7 +52,7 @@ Result<Photograph> render(const Scene& scene, const Exposure& exposure, const Lo
 }
 
 Result<Photograph> render(const Scene& scene, std::uint64_t seed, const Exposure& exposure) {
-  return render(scene, exposure, draw_look(scene, seed, exposure.shot));
+  return render(scene, exposure, draw_appearance(scene, seed, exposure.shot));
 }
 
 }  // namespace strobe::sim

@@ -11,22 +11,22 @@
 #include <opencv2/core.hpp>
 
 #include "common/result.hpp"
-#include "sim/photograph/look.hpp"
+#include "sim/photograph/appearance.hpp"
 #include "sim/photograph/photograph_truth.hpp"
 #include "sim/rig/exposure.hpp"
 
 namespace strobe::sim {
 
 /// Photographs have at most this many pixels.
-inline constexpr double kMostPixels = 120e6;
+inline constexpr double kMaxPixels = 120e6;
 
 struct Photograph {
   cv::Mat pixels;  ///< rows from the top; CV_8UC1 for 8 bits, CV_16UC1 for 12 and 16
   PhotographTruth truth;
 };
 
-/// Fails for a sensor that is too large. `look`: of draw_look(), changed at will.
-Result<Photograph> render(const Scene& scene, const Exposure& exposure, const Look& look);
+/// Fails for a sensor that is too large. `look`: of draw_appearance(), changed at will.
+Result<Photograph> render(const Scene& scene, const Exposure& exposure, const Appearance& look);
 
 /// With the look of that shot.
 Result<Photograph> render(const Scene& scene, std::uint64_t seed, const Exposure& exposure);

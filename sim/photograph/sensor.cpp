@@ -6,7 +6,7 @@
 #include <numbers>
 #include <opencv2/imgproc.hpp>
 
-#include "sim/photograph/noise.hpp"
+#include "sim/random/noise.hpp"
 
 namespace strobe::sim {
 
@@ -54,7 +54,7 @@ cv::Mat disc(double radius_px) {
 /// Numbers of one row.
 template <typename Number>
 void develop_row(const float* light, Number* numbers, int row, int width, int height,
-                 const PhotographSettings& s, const Look& look) {
+                 const PhotographSettings& s, const Appearance& look) {
   static const NormalTable normal;
   const float top = s.bits == 8 ? 255.0F : s.bits == 12 ? 4095.0F : 65535.0F;
   const auto per_electron = static_cast<float>(1.0 / s.full_well_e);
@@ -85,7 +85,7 @@ void blur(cv::Mat& light, double blur_px, double defocus_px) {
   cv::GaussianBlur(light, light, {side, side}, blur_px, blur_px, cv::BORDER_REPLICATE);
 }
 
-cv::Mat develop(const cv::Mat& light, const PhotographSettings& settings, const Look& look) {
+cv::Mat develop(const cv::Mat& light, const PhotographSettings& settings, const Appearance& look) {
   cv::Mat numbers(light.size(), settings.bits == 8 ? CV_8UC1 : CV_16UC1);
   cv::parallel_for_({0, light.rows}, [&](const cv::Range& rows) {
     for (int row = rows.start; row < rows.end; ++row) {

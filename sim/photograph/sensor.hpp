@@ -4,7 +4,7 @@
 
 #include <opencv2/core.hpp>
 
-#include "sim/photograph/look.hpp"
+#include "sim/photograph/appearance.hpp"
 
 namespace strobe::sim {
 
@@ -12,6 +12,6 @@ namespace strobe::sim {
 void blur(cv::Mat& light, double blur_px, double defocus_px);
 
 /// Numbers of light (1 saturates): CV_8UC1 for 8 bits, else CV_16UC1.
-cv::Mat develop(const cv::Mat& light, const PhotographSettings& settings, const Look& look);
+cv::Mat develop(const cv::Mat& light, const PhotographSettings& settings, const Appearance& look);
 
 }  // namespace strobe::sim

@@ -6,7 +6,7 @@
 
 #include "sim/plan/displacement.hpp"
 #include "sim/rig/pixels.hpp"
-#include "sim/rig/reduced_scene.hpp"
+#include "sim/scene/reduced_scene.hpp"
 
 namespace strobe::sim {
 
@@ -53,7 +53,7 @@ double CameraBounds::product_of_shares(double x_m, double y_m, double off_plane_
   return 2.0 * perspective * 3.0 * std::abs(c.distortion) * square / half_diagonal_square;
 }
 
-double CameraBounds::turned_rad(Effect effect, double x_m, double y_m, double off_plane_m) const {
+double CameraBounds::rotation_rad(Effect effect, double x_m, double y_m, double off_plane_m) const {
   const CameraSettings& c = scene_.camera;
   const double y = y_m - 0.5 * c.height_m;
   const double square = x_m * x_m + y * y;
@@ -67,35 +67,35 @@ double CameraBounds::turned_rad(Effect effect, double x_m, double y_m, double of
   return share / std::max(0.1, 1.0 - 2.0 * share);
 }
 
-Displaced CameraBounds::of_ball(Effect effect, double x_m, double y_m, double off_plane_m,
-                                double equator_rad) const {
+BoundedDisplacement CameraBounds::of_ball(Effect effect, double x_m, double y_m, double off_plane_m,
+                                          double equator_rad) const {
   if (effect == Effect::pixels && scene_.camera.pixels)
     return of_pixels(full_.view(x_m, y_m, off_plane_m, equator_rad).diameter_px());
   const Camera* other = without(effect);
   if (!other) return {};
   const BallView with = full_.view(x_m, y_m, off_plane_m, equator_rad);
   const BallView less = other->view(x_m, y_m, off_plane_m, equator_rad);
-  Displaced d;
+  BoundedDisplacement d;
   d.by = on_object(with.centre_px.x - less.centre_px.x, with.centre_px.y - less.centre_px.y);
   d.by.diameter_m = (with.diameter_px() - less.diameter_px()) / scene_.camera.px_per_m;
   const double shares = product_of_shares(x_m, y_m, off_plane_m);
   const double far_m = std::hypot(x_m, y_m - 0.5 * scene_.camera.height_m) + scene_.ball.radius_m();
   d.within = {shares * far_m, shares * far_m, shares * scene_.ball.diameter_m,
-              shares + turned_rad(effect, x_m, y_m, off_plane_m), 0.0};
+              shares + rotation_rad(effect, x_m, y_m, off_plane_m), 0.0};
   return d;
 }
 
-Displaced CameraBounds::of_surface(Effect effect, double x_m, double dx_px, double dy_px) const {
+BoundedDisplacement CameraBounds::of_surface(Effect effect, double x_m, double dx_px, double dy_px) const {
   if (!without(effect)) return {};
-  Displaced d;
+  BoundedDisplacement d;
   d.by = on_object(dx_px, dy_px);
   const double far_m = std::hypot(x_m, 0.5 * scene_.camera.height_m);
   d.within.x_m = d.within.y_m = product_of_shares(x_m, 0.0, 0.0) * far_m;
   return d;
 }
 
-Displaced CameraBounds::of_pixels(double diameter_px) const {
-  Displaced d;
+BoundedDisplacement CameraBounds::of_pixels(double diameter_px) const {
+  BoundedDisplacement d;
   // A little less and a little more than drawn: what else is left out may change the size.
   if (1.1 * diameter_px < PixelGrid::kSmallest_px || 0.9 * diameter_px > PixelGrid::kLargest_px) return d;
   const double r = 0.5 * diameter_px;
@@ -109,10 +109,11 @@ Displaced CameraBounds::of_pixels(double diameter_px) const {
   return d;
 }
 
-double CameraBounds::smear_rad(double speed_mps) const {
+double CameraBounds::motion_blur_rad(double speed_mps) const {
   if (!scene_.camera.pixels) return 0.0;
-  const double way_m = speed_mps * scene_.lamps.flash_s;
-  const double share = way_m * way_m / 12.0 / (0.119 * scene_.ball.radius_m() * scene_.ball.radius_m());
+  const double displacement_m = speed_mps * scene_.lamps.flash_s;
+  const double share =
+      displacement_m * displacement_m / 12.0 / (0.119 * scene_.ball.radius_m() * scene_.ball.radius_m());
   return share < 0.5 ? 0.5 * share / (1.0 - share) : std::numbers::pi / 2.0;
 }
 

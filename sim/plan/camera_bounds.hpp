@@ -30,11 +30,11 @@
 // seen: no bound. Below 4 and beyond 4000 px nothing is drawn.
 #pragma once
 
+#include "sim/motion/ball_path.hpp"
 #include "sim/plan/displacement.hpp"
-#include "sim/rig/ball_path.hpp"
 #include "sim/rig/camera.hpp"
-#include "sim/rig/model.hpp"
-#include "sim/rig/scene.hpp"
+#include "sim/scene/model.hpp"
+#include "sim/scene/scene.hpp"
 
 namespace strobe::sim {
 
@@ -44,20 +44,21 @@ class CameraBounds {
 
   /// Of the image of a ball, x_m from the camera's origin; for perspective, lens_distortion and pixels
   /// (the smear apart), nothing for other effects.
-  Displaced of_ball(Effect effect, double x_m, double y_m, double off_plane_m, double equator_rad) const;
+  BoundedDisplacement of_ball(Effect effect, double x_m, double y_m, double off_plane_m,
+                              double equator_rad) const;
 
   /// Of a point of the surface that the effect moves so far on the photograph. [px]
-  Displaced of_surface(Effect effect, double x_m, double dx_px, double dy_px) const;
+  BoundedDisplacement of_surface(Effect effect, double x_m, double dx_px, double dy_px) const;
 
   /// By how much the flash's length turns the equator that pixels show, of a ball of that speed. [rad]
-  double smear_rad(double speed_mps) const;
+  double motion_blur_rad(double speed_mps) const;
 
  private:
   const Camera* without(Effect effect) const;
   double product_of_shares(double x_m, double y_m, double off_plane_m) const;
-  double turned_rad(Effect effect, double x_m, double y_m, double off_plane_m) const;
+  double rotation_rad(Effect effect, double x_m, double y_m, double off_plane_m) const;
   Displacement on_object(double dx_px, double dy_px) const;
-  Displaced of_pixels(double diameter_px) const;
+  BoundedDisplacement of_pixels(double diameter_px) const;
 
   Scene scene_;
   Camera full_;

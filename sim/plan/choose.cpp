@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "common/units/tolerance.hpp"
-#include "sim/plan/price.hpp"
+#include "sim/plan/cost.hpp"
 
 namespace strobe::sim {
 
@@ -52,7 +52,7 @@ const Rung* reached_in(const Ladder& ladder, double deadline_us) {
   return nullptr;
 }
 
-std::string refusal(const Ladder& ladder, const Demand& demand, const Rung* reached) {
+std::string refusal(const Ladder& ladder, const PlanRequirement& demand, const Rung* reached) {
   const double fastest = *std::ranges::min_element(ladder.costs_us);
   std::string text =
       fmt::format("--deadline-us: no model of this scene takes {:.4g} us", *demand.deadline_us);
@@ -64,17 +64,17 @@ std::string refusal(const Ladder& ladder, const Demand& demand, const Rung* reac
   return text;
 }
 
-double percent(const PerReadout& bound, const PerReadout& scale, reduction::Quantity q) {
+double percent(const PerQuantity& bound, const PerQuantity& scale, reduction::Quantity q) {
   return 100.0 * bound[q] / scale[q];
 }
 
 }  // namespace
 
-Result<Chosen> choose(const Scene& scene, const Demand& demand, const ShootSettings& settings) {
+Result<ChosenPlan> choose(const Scene& scene, const PlanRequirement& demand, const ShootSettings& settings) {
   SceneBounds bounds(scene, settings);
   if (!demand.deadline_us) {
     const double tolerance = demand.tolerance.value_or(kLadder.front());
-    return Chosen{plan(bounds, tolerance), tolerance, {}};
+    return ChosenPlan{plan(bounds, tolerance), tolerance, {}};
   }
   const auto ladder = climb(bounds, demand.tolerance, settings);
   if (!ladder) return tl::unexpected(ladder.error());
@@ -82,10 +82,10 @@ Result<Chosen> choose(const Scene& scene, const Demand& demand, const ShootSetti
   const Rung* wanted = demand.tolerance ? &ladder->rungs.back() : reached;
   if (!wanted || ladder->cost_us(*wanted) > *demand.deadline_us)
     return fail(refusal(*ladder, demand, reached));
-  return Chosen{wanted->plan, wanted->tolerance, ladder->cost_us(*wanted)};
+  return ChosenPlan{wanted->plan, wanted->tolerance, ladder->cost_us(*wanted)};
 }
 
-std::string explanation(const Chosen& chosen) {
+std::string explanation(const ChosenPlan& chosen) {
   const Plan& plan = chosen.plan;
   std::string left_out;
   std::string without_effect;
@@ -107,7 +107,7 @@ std::string explanation(const Chosen& chosen) {
     text += fmt::format("; all together change {} by at most {:.2g}%", reduction::name(most),
                         percent(plan.left_out, plan.scale, most));
   }
-  if (!plan.caution.empty()) text += "; " + plan.caution;
+  if (!plan.warning.empty()) text += "; " + plan.warning;
   return text;
 }
 

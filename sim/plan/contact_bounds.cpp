@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "sim/rig/draws.hpp"
+#include "sim/random/draws.hpp"
 
 namespace strobe::sim {
 
@@ -32,8 +32,8 @@ std::size_t rebounds(const NominalFrame& frame) {
       std::ranges::count(frame.frame.images, reduction::Leg::rebound, &reduction::BallImage::leg));
 }
 
-PerReadout everything_infinite() {
-  PerReadout all;
+PerQuantity everything_infinite() {
+  PerQuantity all;
   for (std::size_t i = 0; i < reduction::kQuantityCount; ++i)
     all[i] = std::numeric_limits<double>::infinity();
   return all;
@@ -85,7 +85,7 @@ ContactBounds::Measured ContactBounds::measure(const Model& model) const {
     if (!shot) continue;
     for (std::size_t p = 0; p < kContactPhases; ++p) {
       const NominalFrame frame = shot->photograph(sample.flashes[p]);
-      result.bound.raise_to(difference(readout_of(frame.frame), sample.readouts[p]));
+      result.bound.max_with(difference(readout_of(frame.frame), sample.readouts[p]));
       const double more = static_cast<double>(rebounds(frame)) - static_cast<double>(sample.rebounds[p]);
       result.images_passing = std::max(result.images_passing, std::abs(more));
     }

@@ -41,7 +41,7 @@ class ContactBounds {
   ContactBounds(const Scene& scene, const ShootSettings& settings);
 
   /// Of leaving out those of the effects above that the model lacks.
-  const PerReadout& of(const Model& model) { return known(model).bound; }
+  const PerQuantity& of(const Model& model) { return known(model).bound; }
 
   /// By how many images the frames differ at most.
   double images_passing(const Model& model) { return known(model).images_passing; }
@@ -55,7 +55,7 @@ class ContactBounds {
     std::array<std::size_t, kContactPhases> rebounds{};          ///< images of the rebound
   };
   struct Measured {
-    PerReadout bound;
+    PerQuantity bound;
     double images_passing = 0.0;
   };
   const Measured& known(const Model& model);

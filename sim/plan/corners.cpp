@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/rig/draws.hpp"
+#include "sim/random/draws.hpp"
 
 namespace strobe::sim {
 
@@ -85,7 +85,7 @@ std::vector<Corner> inside(const Scene& scene, int count) {
   return all;
 }
 
-Throw throw_at(const Scene& scene, const Corner& corner) {
+ShotConditions shot_conditions_at(const Scene& scene, const Corner& corner) {
   // The means take the draws' place: what a shot makes of its draws stays in one function.
   Scene moved = without_spread(scene);
   const MachineSettings& m = scene.machine;
@@ -103,7 +103,7 @@ Throw throw_at(const Scene& scene, const Corner& corner) {
   moved.bounce.offset_share += b.offset_share_sd * offset;
   moved.bounce.dwell_s =
       std::clamp(b.dwell_s + b.dwell_sd_s * corner[Spread::dwell], 0.5 * b.dwell_s, 1.5 * b.dwell_s);
-  Throw thrown = draw_throw(moved, 1, 1);
+  ShotConditions thrown = draw_shot_conditions(moved, 1, 1);
   // Any angle will do; a different one at each corner.
   double turns = 0.0;
   for (std::size_t s = 0; s < kSpreadCount; ++s) turns += corner.z[s] * 0.1 * static_cast<double>(kPrimes[s]);

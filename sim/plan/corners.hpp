@@ -6,8 +6,8 @@
 #include <array>
 #include <vector>
 
-#include "sim/rig/ball_path.hpp"
-#include "sim/rig/scene.hpp"
+#include "sim/motion/ball_path.hpp"
+#include "sim/scene/scene.hpp"
 
 namespace strobe::sim {
 
@@ -30,6 +30,6 @@ std::vector<Corner> corners(const Scene& scene);
 std::vector<Corner> inside(const Scene& scene, int count);
 
 /// The shot that these draws make.
-Throw throw_at(const Scene& scene, const Corner& corner);
+ShotConditions shot_conditions_at(const Scene& scene, const Corner& corner);
 
 }  // namespace strobe::sim

@@ -19,7 +19,7 @@ struct Displacement {
 };
 
 /// With the effect less without it: `by`, give or take `within` (all >= 0).
-struct Displaced {
+struct BoundedDisplacement {
   Displacement by;
   Displacement within;
 };
@@ -28,7 +28,7 @@ constexpr Displacement operator+(const Displacement& a, const Displacement& b) {
   return {a.x_m + b.x_m, a.y_m + b.y_m, a.diameter_m + b.diameter_m, a.equator_rad + b.equator_rad,
           a.time_s + b.time_s};
 }
-constexpr Displaced operator+(const Displaced& a, const Displaced& b) {
+constexpr BoundedDisplacement operator+(const BoundedDisplacement& a, const BoundedDisplacement& b) {
   return {a.by + b.by, a.within + b.within};
 }
 

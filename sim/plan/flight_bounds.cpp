@@ -52,12 +52,12 @@ FlightBounds::Leg FlightBounds::leg_of(const LegMotion& motion, double t) const 
   return leg;
 }
 
-Displaced FlightBounds::displaced(const Leg& leg, double ax, double ay, double lipschitz) const {
+BoundedDisplacement FlightBounds::displaced(const Leg& leg, double ax, double ay, double lipschitz) const {
   const double t = leg.t;
   const double changes = lipschitz * leg.pull;
   const double largest = std::hypot(ax, ay) + changes * t;
   const double off = (changes + leg.lipschitz * largest * std::exp(leg.lipschitz * t)) * t * t * t / 6.0;
-  Displaced d;
+  BoundedDisplacement d;
   d.by.x_m = 0.5 * ax * t * t;
   d.by.y_m = 0.5 * ay * t * t;
   d.within.x_m = d.within.y_m = off;
@@ -66,11 +66,11 @@ Displaced FlightBounds::displaced(const Leg& leg, double ax, double ay, double l
   return d;
 }
 
-Displaced FlightBounds::by_spin_decay(const Leg& leg) const {
+BoundedDisplacement FlightBounds::by_spin_decay(const Leg& leg) const {
   const double t = leg.t;
   const double omega = leg.start.omega_radps;
   const double first_order = decay_pm_ * leg.v * t;
-  Displaced d;
+  BoundedDisplacement d;
   d.by.equator_rad = -0.5 * omega * decay_pm_ * leg.v0 * t * t;
   d.within.equator_rad =
       std::abs(omega) * (leg.decayed - first_order + 0.5 * decay_pm_ * leg.pull * t * t) * t / 3.0;
@@ -79,7 +79,7 @@ Displaced FlightBounds::by_spin_decay(const Leg& leg) const {
   return d;
 }
 
-Displaced FlightBounds::of(Effect effect, const LegMotion& motion, double time_s) const {
+BoundedDisplacement FlightBounds::of(Effect effect, const LegMotion& motion, double time_s) const {
   const bool absent = (effect == Effect::drag && drag_pm_ == 0.0) ||
                       (effect == Effect::magnus && (lift_pm_ == 0.0 || motion.omega_radps == 0.0)) ||
                       (effect == Effect::spin_decay && (decay_pm_ == 0.0 || motion.omega_radps == 0.0));
@@ -96,7 +96,7 @@ Displaced FlightBounds::of(Effect effect, const LegMotion& motion, double time_s
   }
   const double rim = radius_m_ * motion.omega_radps;
   const double k = lift_pm_ * rim * leg.v0 / (2.0 * std::abs(rim) + leg.v0);
-  Displaced d = displaced(leg, -k * motion.vy_mps, k * motion.vx_mps, lift_pm_ * leg.v);
+  BoundedDisplacement d = displaced(leg, -k * motion.vy_mps, k * motion.vx_mps, lift_pm_ * leg.v);
   d.within.x_m += leg.lift_change * (1.0 + leg.decayed) * time_s * time_s / 6.0;
   d.within.y_m = d.within.x_m;
   return d;

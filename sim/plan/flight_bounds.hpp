@@ -1,6 +1,6 @@
 // How gravity, drag, Magnus lift and spin decay displace an image of a ball that is t from the surface
 // (before touchdown or after lift-off, where a simulation with the effect and one without it agree). Pure,
-// thread-safe, no allocation. Source: the equation of motion of sim/rig/flight.hpp and Groenwall's
+// thread-safe, no allocation. Source: the equation of motion of sim/motion/flight.hpp and Groenwall's
 // inequality.
 //
 // Speeds. |dv/dt| <= g + kappa·|v|², kappa = hypot(q·C_D, q/2), since C_L <= 1/2. The solution of dV/dt =
@@ -29,8 +29,8 @@
 #pragma once
 
 #include "sim/plan/displacement.hpp"
-#include "sim/rig/model.hpp"
-#include "sim/rig/scene.hpp"
+#include "sim/scene/model.hpp"
+#include "sim/scene/scene.hpp"
 
 namespace strobe::sim {
 
@@ -47,7 +47,7 @@ class FlightBounds {
 
   /// For gravity, drag, magnus and spin_decay; nothing for other effects. `time_s` >= 0: how far from
   /// touchdown or lift-off. `within` is infinite where no bound exists.
-  Displaced of(Effect effect, const LegMotion& leg, double time_s) const;
+  BoundedDisplacement of(Effect effect, const LegMotion& leg, double time_s) const;
 
   /// The larger of drag's and lift's share of the velocity lost or turned in a metre.
   double largest_coefficient_pm() const { return drag_pm_ > lift_pm_ ? drag_pm_ : lift_pm_; }
@@ -55,8 +55,8 @@ class FlightBounds {
  private:
   struct Leg;
   Leg leg_of(const LegMotion& motion, double time_s) const;
-  Displaced displaced(const Leg& leg, double ax_mps2, double ay_mps2, double lipschitz_ps) const;
-  Displaced by_spin_decay(const Leg& leg) const;
+  BoundedDisplacement displaced(const Leg& leg, double ax_mps2, double ay_mps2, double lipschitz_ps) const;
+  BoundedDisplacement by_spin_decay(const Leg& leg) const;
 
   double gravity_x_mps2_;
   double gravity_y_mps2_;

@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "sim/rig/camera.hpp"
-#include "sim/rig/reduced_scene.hpp"
 #include "sim/rig/tablet.hpp"
+#include "sim/scene/reduced_scene.hpp"
 #include "sim/shoot/window.hpp"
 
 namespace strobe::sim {
@@ -42,7 +42,7 @@ NominalShot::NominalShot(const Scene& scene, BallPath path)
 
 std::optional<NominalShot> NominalShot::make(const ModelledScene& scene, const Corner& corner) {
   const ReducedContact* reduced = scene.reduced ? &*scene.reduced : nullptr;
-  auto path = BallPath::make(scene.left, throw_at(scene.whole, corner), scene.model, reduced);
+  auto path = BallPath::make(scene.left, shot_conditions_at(scene.whole, corner), scene.model, reduced);
   if (!path) return std::nullopt;
   return NominalShot(scene.left, std::move(*path));
 }

@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "common/reduction/frame.hpp"
+#include "sim/motion/ball_path.hpp"
 #include "sim/plan/corners.hpp"
 #include "sim/plan/flight_bounds.hpp"
-#include "sim/rig/ball_path.hpp"
-#include "sim/rig/model.hpp"
+#include "sim/scene/model.hpp"
 #include "sim/shoot/shoot.hpp"
 
 namespace strobe::sim {

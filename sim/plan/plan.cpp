@@ -6,7 +6,7 @@ namespace strobe::sim {
 
 namespace {
 
-bool within(const PerReadout& bound, const PerReadout& tolerance) {
+bool within(const PerQuantity& bound, const PerQuantity& tolerance) {
   for (std::size_t q = 0; q < reduction::kQuantityCount; ++q) {
     if (!(bound[q] <= tolerance[q])) return false;
   }
@@ -15,7 +15,7 @@ bool within(const PerReadout& bound, const PerReadout& tolerance) {
 
 }  // namespace
 
-reduction::Quantity worst(const PerReadout& bound, const PerReadout& tolerance) {
+reduction::Quantity worst(const PerQuantity& bound, const PerQuantity& tolerance) {
   std::size_t result = 0;
   double largest = -1.0;
   for (std::size_t q = 0; q < reduction::kQuantityCount; ++q) {
@@ -27,12 +27,12 @@ reduction::Quantity worst(const PerReadout& bound, const PerReadout& tolerance) 
   return static_cast<reduction::Quantity>(result);
 }
 
-Plan plan(SceneBounds& bounds, const PerReadout& tolerance) {
+Plan plan(SceneBounds& bounds, const PerQuantity& tolerance) {
   Plan result;
   result.tolerance = tolerance;
   result.scale = readout_scales(bounds.scene());
-  result.flips = bounds.flips();
-  result.caution = bounds.caution();
+  result.threshold_steps = bounds.threshold_steps();
+  result.warning = bounds.warning();
   for (std::size_t i = 0; i < kEffectCount; ++i) {
     PlannedEffect& planned = result.effects[i];
     planned.effect = static_cast<Effect>(i);
@@ -41,7 +41,7 @@ Plan plan(SceneBounds& bounds, const PerReadout& tolerance) {
     planned.worst = worst(planned.bound, tolerance);
     if (planned.bound.all_zero()) result.model = result.model.without(planned.effect);
   }
-  for (const Effect effect : kByPrice) {
+  for (const Effect effect : kByCost) {
     if (!result.model.has(effect)) continue;
     const Model without = result.model.without(effect);
     if (within(bounds.of(without), tolerance)) result.model = without;

@@ -26,21 +26,21 @@ double px_per_m(const reduction::Frame& frame) {
 
 }  // namespace
 
-PerReadout& PerReadout::operator+=(const PerReadout& other) {
+PerQuantity& PerQuantity::operator+=(const PerQuantity& other) {
   for (std::size_t i = 0; i < values_.size(); ++i) values_[i] += other.values_[i];
   return *this;
 }
 
-void PerReadout::raise_to(const PerReadout& other) {
+void PerQuantity::max_with(const PerQuantity& other) {
   for (std::size_t i = 0; i < values_.size(); ++i) values_[i] = std::max(values_[i], other.values_[i]);
 }
 
-bool PerReadout::all_zero() const {
+bool PerQuantity::all_zero() const {
   return std::ranges::all_of(values_, [](double value) { return value == 0.0; });
 }
 
-PerReadout difference(const reduction::Quantities& a, const reduction::Quantities& b) {
-  PerReadout result;
+PerQuantity difference(const reduction::Quantities& a, const reduction::Quantities& b) {
+  PerQuantity result;
   for (std::size_t i = 0; i < reduction::kQuantityCount; ++i) {
     const auto q = static_cast<Quantity>(i);
     if (a[q] && b[q]) result[i] = std::abs(*a[q] - *b[q]);
@@ -56,14 +56,14 @@ reduction::Quantities readout_of(reduction::Frame frame) {
   if (!frame.diameter_sd_px) frame.diameter_sd_px = 2.0 * *frame.centre_sd_px;
   if (!frame.equator_sd_rad) frame.equator_sd_rad = kUnstatedEquator_rad;
   const auto readout = reduction::reduce(frame, reduction::Estimator::best,
-                                         {.effects = flight::Effects{}, .leave_out_outliers = false});
+                                         {.effects = flight::Effects{}, .reject_outliers = false});
   return readout ? readout->value : reduction::Quantities{};
 }
 
-PerReadout readout_scales(const Scene& scene) {
+PerQuantity readout_scales(const Scene& scene) {
   const double v = scene.machine.speed_mps;
   constexpr double kRadian_deg = 180.0 / std::numbers::pi;
-  PerReadout scale;
+  PerQuantity scale;
   for (const Quantity q : {Quantity::vx_td_mps, Quantity::vy_td_mps, Quantity::v_td_mps, Quantity::vx_lo_mps,
                            Quantity::vy_lo_mps, Quantity::v_lo_mps, Quantity::slip_lo_mps})
     scale[q] = v;
@@ -77,8 +77,8 @@ PerReadout readout_scales(const Scene& scene) {
   return scale;
 }
 
-PerReadout tolerances(const Scene& scene, double relative) {
-  PerReadout result = readout_scales(scene);
+PerQuantity tolerances(const Scene& scene, double relative) {
+  PerQuantity result = readout_scales(scene);
   for (std::size_t i = 0; i < reduction::kQuantityCount; ++i) result[i] *= relative;
   for (const auto& [quantity, absolute] : scene.readout.absolute)
     result[quantity] = absolute < 0.0 ? kNoBound : absolute;

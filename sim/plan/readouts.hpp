@@ -6,30 +6,30 @@
 
 #include "common/reduction/frame.hpp"
 #include "common/reduction/readout.hpp"
-#include "sim/rig/scene.hpp"
+#include "sim/scene/scene.hpp"
 
 namespace strobe::sim {
 
 /// One number >= 0 for each quantity of a readout, in its unit; infinite: no bound, or anything will do.
-class PerReadout {
+class PerQuantity {
  public:
   double& operator[](reduction::Quantity q) { return values_[static_cast<std::size_t>(q)]; }
   double operator[](reduction::Quantity q) const { return values_[static_cast<std::size_t>(q)]; }
   double& operator[](std::size_t i) { return values_[i]; }
   double operator[](std::size_t i) const { return values_[i]; }
 
-  PerReadout& operator+=(const PerReadout& other);
+  PerQuantity& operator+=(const PerQuantity& other);
   /// Each quantity's larger one.
-  void raise_to(const PerReadout& other);
+  void max_with(const PerQuantity& other);
   bool all_zero() const;
-  bool operator==(const PerReadout&) const = default;
+  bool operator==(const PerQuantity&) const = default;
 
  private:
   std::array<double, reduction::kQuantityCount> values_{};
 };
 
 /// |a - b|; infinite where one is absent and the other is not.
-PerReadout difference(const reduction::Quantities& a, const reduction::Quantities& b);
+PerQuantity difference(const reduction::Quantities& a, const reduction::Quantities& b);
 
 /// The readout of a shot's frame: the best estimator with gravity, drag (the spin's decay with it) and Magnus
 /// and every image kept, so that it is a smooth function of the frame. A noise that the frame does not state
@@ -40,10 +40,10 @@ reduction::Quantities readout_of(reduction::Frame frame);
 /// What a relative tolerance of 1 means for each quantity: the mean speed at touchdown v for velocities and
 /// the slip, v/R for spins, 1 radian (in degrees) for angles, 1 for e and mu, the mean dwell time for the
 /// dwell time, v times that for the dwell distance, 100 for the court pace.
-PerReadout readout_scales(const Scene& scene);
+PerQuantity readout_scales(const Scene& scene);
 
 /// relative · scale, but for the quantities for which the scene's [readout] has a tolerance of its own.
-PerReadout tolerances(const Scene& scene, double relative);
+PerQuantity tolerances(const Scene& scene, double relative);
 
 /// Unit for people: "m/s", "rad/s", "deg", "ms", "cm" or "".
 std::string_view unit(reduction::Quantity quantity);

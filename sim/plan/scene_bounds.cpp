@@ -9,7 +9,7 @@
 #include "sim/plan/displacement.hpp"
 #include "sim/plan/sensitivity.hpp"
 #include "sim/plan/timing_bounds.hpp"
-#include "sim/rig/draws.hpp"
+#include "sim/random/draws.hpp"
 
 namespace strobe::sim {
 
@@ -22,7 +22,7 @@ constexpr std::array kImageEffects{
     Effect::lamp_delay,     Effect::lamp_jitter, Effect::sensor_delay,    Effect::shutter_lag,
     Effect::flash_duration, Effect::perspective, Effect::lens_distortion, Effect::pixels};
 
-PerReadout times(PerReadout bound, double factor) {
+PerQuantity times(PerQuantity bound, double factor) {
   for (std::size_t q = 0; q < reduction::kQuantityCount; ++q) {
     if (bound[q] != 0.0) bound[q] *= factor;
   }
@@ -32,8 +32,8 @@ PerReadout times(PerReadout bound, double factor) {
 /// Pixels are left to the camera's bounds; the flash's length triples the cost and changes nothing else.
 const Model kStudied = Model::full().without(Effect::pixels).without(Effect::flash_duration);
 
-PerReadout all_infinite() {
-  PerReadout bound;
+PerQuantity all_infinite() {
+  PerQuantity bound;
   for (std::size_t q = 0; q < reduction::kQuantityCount; ++q) bound[q] = kNoBound;
   return bound;
 }
@@ -84,50 +84,50 @@ class CornerStudy {
 
   /// Steps between neighbouring phases: the sum of each quantity's kThresholds largest, which images that
   /// come and go may have caused, and the largest of the others.
-  void steps(PerReadout& flips, PerReadout& drift) const {
+  void steps(PerQuantity& threshold_steps, PerQuantity& drift) const {
     const std::size_t count = phases_.size();
     std::array<std::vector<double>, reduction::kQuantityCount> all;
     for (auto& steps : all) steps.resize(count);
     for (std::size_t k = 0; k < count; ++k) {
-      const PerReadout step = difference(phases_[k].readout, phases_[(k + 1) % count].readout);
+      const PerQuantity step = difference(phases_[k].readout, phases_[(k + 1) % count].readout);
       for (std::size_t q = 0; q < reduction::kQuantityCount; ++q) all[q][k] = step[q];
     }
     for (std::size_t q = 0; q < reduction::kQuantityCount; ++q) {
       std::ranges::sort(all[q], std::greater<>());
-      flips[q] = 0.0;
-      for (std::size_t k = 0; k < kThresholds; ++k) flips[q] += all[q][k];
+      threshold_steps[q] = 0.0;
+      for (std::size_t k = 0; k < kThresholds; ++k) threshold_steps[q] += all[q][k];
       drift[q] = all[q][kThresholds];
     }
   }
 
   /// Adds what each image effect does at one phase, where it is larger than before; and how many images it
   /// may carry past a threshold.
-  void measure(std::size_t phase, std::array<PerReadout, kEffectCount>& bounds,
+  void measure(std::size_t phase, std::array<PerQuantity, kEffectCount>& bounds,
                std::array<double, kEffectCount>& passing) const {
     const Exposed& e = phases_[phase];
     const Sensitivity sensitivity(e.photograph.frame, scene_.camera.mirrored, wanted());
     for (const Effect effect : kImageEffects) {
       if (!present_[static_cast<std::size_t>(effect)]) continue;
-      const std::vector<Displaced> displaced = images(e, effect);
-      PerReadout bound = sensitivity.carried(displaced, surface(e, effect));
+      const std::vector<BoundedDisplacement> displaced = images(e, effect);
+      PerQuantity bound = sensitivity.propagated(displaced, surface(e, effect));
       double& most = passing[static_cast<std::size_t>(effect)];
       most = std::max(most, images_passing(e, displaced));
       if (timing_.shift_s(effect) > 0.0) bound += of_shifted_flashes(e, timing_.shift_s(effect));
-      bounds[static_cast<std::size_t>(effect)].raise_to(bound);
+      bounds[static_cast<std::size_t>(effect)].max_with(bound);
     }
   }
 
   /// What the jitter of one image's time can do, the largest over the images.
-  PerReadout of_one_stamp(std::size_t phase) const {
+  PerQuantity of_one_stamp(std::size_t phase) const {
     const Exposed& e = phases_[phase];
     const Sensitivity sensitivity(e.photograph.frame, scene_.camera.mirrored,
                                   {false, false, false, false, true});
-    const std::vector<Displaced> all = images(e, Effect::sensor_delay);
-    PerReadout largest;
+    const std::vector<BoundedDisplacement> all = images(e, Effect::sensor_delay);
+    PerQuantity largest;
     for (std::size_t i = 0; i < all.size(); ++i) {
-      std::vector<Displaced> one(all.size());
+      std::vector<BoundedDisplacement> one(all.size());
       one[i] = all[i];
-      largest.raise_to(sensitivity.carried(one));
+      largest.max_with(sensitivity.propagated(one));
     }
     return largest;
   }
@@ -166,8 +166,8 @@ class CornerStudy {
     return {true, true, lens, lens || has(Effect::spin_decay), has(Effect::sensor_delay)};
   }
 
-  std::vector<Displaced> images(const Exposed& e, Effect effect) const {
-    std::vector<Displaced> all;
+  std::vector<BoundedDisplacement> images(const Exposed& e, Effect effect) const {
+    std::vector<BoundedDisplacement> all;
     for (std::size_t i = 0; i < e.photograph.frame.images.size(); ++i) {
       const double time_s = e.flashes[e.photograph.flash[i]].time_s;
       const bool rebounding = e.photograph.frame.images[i].leg == reduction::Leg::rebound;
@@ -179,17 +179,17 @@ class CornerStudy {
                                     shot_.path().off_plane_m(), state.equator_rad));
       // What the flash's length does to a picture of pixels goes with either of the two.
       if (effect == Effect::flash_duration || effect == Effect::pixels)
-        all.back().within.equator_rad += camera_.smear_rad(std::hypot(state.vx_mps, state.vy_mps));
+        all.back().within.equator_rad += camera_.motion_blur_rad(std::hypot(state.vx_mps, state.vy_mps));
     }
     return all;
   }
 
   /// Displacement over the spacing of the images, along and across the surface.
-  double images_passing(const Exposed& e, const std::vector<Displaced>& displaced) const {
+  double images_passing(const Exposed& e, const std::vector<BoundedDisplacement>& displaced) const {
     double most = 0.0;
     for (std::size_t i = 0; i < displaced.size(); ++i) {
       const BallState state = shot_.path().at(e.flashes[e.photograph.flash[i]].time_s);
-      const Displaced& d = displaced[i];
+      const BoundedDisplacement& d = displaced[i];
       const double x = (std::abs(d.by.x_m) + d.within.x_m) / (std::abs(state.vx_mps) * train_.period_s);
       const double y = (std::abs(d.by.y_m) + d.within.y_m) / (std::abs(state.vy_mps) * train_.period_s);
       most = std::max(most, std::isnan(x + y) ? 0.0 : x + y);
@@ -197,9 +197,9 @@ class CornerStudy {
     return std::min(most, static_cast<double>(displaced.size()));
   }
 
-  std::vector<Displaced> surface(const Exposed& e, Effect effect) const {
+  std::vector<BoundedDisplacement> surface(const Exposed& e, Effect effect) const {
     const auto& points = e.photograph.frame.surface_px;
-    std::vector<Displaced> all(points.size());
+    std::vector<BoundedDisplacement> all(points.size());
     const auto& without = surface_without_[static_cast<std::size_t>(effect)];
     for (std::size_t i = 0; i < without.size(); ++i)
       all[i] = camera_.of_surface(effect, scene_.camera.half_width_m, points[i].x - without[i].x,
@@ -208,15 +208,15 @@ class CornerStudy {
   }
 
   /// Each image in turn with its flash, moved on its path and stamped there.
-  PerReadout of_shifted_flashes(const Exposed& e, double shift_s) const {
-    PerReadout sum;
+  PerQuantity of_shifted_flashes(const Exposed& e, double shift_s) const {
+    PerQuantity sum;
     reduction::Frame moved = e.photograph.frame;
     for (std::size_t i = 0; i < moved.images.size(); ++i) {
       if (moved.images[i].leg == reduction::Leg::contact) continue;
       NominalFlash flash = e.flashes[e.photograph.flash[i]];
       flash.time_s += shift_s;
       const NominalFrame alone = shot_.photograph(std::span(&flash, 1));
-      // A threshold passed meanwhile is not this image's change but one of the flips.
+      // A threshold passed meanwhile is not this image's change but one of the threshold_steps.
       if (alone.frame.images.size() != 1 || alone.frame.images[0].leg != moved.images[i].leg) continue;
       reduction::BallImage& image = moved.images[i];
       image = alone.frame.images[0];
@@ -244,14 +244,14 @@ SceneBounds::SceneBounds(const Scene& scene, const ShootSettings& settings)
     : scene_(scene), contact_(scene, settings) {
   for (std::size_t i = 0; i < kEffectCount; ++i) present_[i] = scene_has(scene, static_cast<Effect>(i));
   measure(settings);
-  look_for_cautions(settings);
+  look_for_warnings(settings);
 }
 
 void SceneBounds::measure(const ShootSettings& settings) {
   const Train train = train_of(scene_, settings);
   const TimingBounds timing(scene_);
   const std::vector<Corner> points = corners(scene_);
-  PerReadout largest_drift;
+  PerQuantity largest_drift;
   std::array<bool, reduction::kQuantityCount> lost{};
   const ModelledScene modelled(scene_, kStudied);
   const SurfacePoints surface_without = surface_without_lens(scene_);
@@ -266,19 +266,19 @@ void SceneBounds::measure(const ShootSettings& settings) {
       if (const auto dwell = e.readout[Quantity::dwell_time_ms])
         least_dwell_ms_ = std::min(least_dwell_ms_, *dwell);
     }
-    PerReadout flips;
-    PerReadout drift;
-    study.steps(flips, drift);
-    flips_.raise_to(flips);
-    largest_drift.raise_to(drift);
+    PerQuantity threshold_steps;
+    PerQuantity drift;
+    study.steps(threshold_steps, drift);
+    threshold_steps_.max_with(threshold_steps);
+    largest_drift.max_with(drift);
     study.measure(study.fewest_images(), images_, passing_);
-    if (present(Effect::sensor_delay)) one_stamp_.raise_to(study.of_one_stamp(study.fewest_images()));
+    if (present(Effect::sensor_delay)) one_stamp_.max_with(study.of_one_stamp(study.fewest_images()));
     study.measure(study.another(i), images_, passing_);
   }
   for (std::size_t q = 0; q < reduction::kQuantityCount; ++q) {
-    if (lost[q]) flips_[q] = kNoBound;
+    if (lost[q]) threshold_steps_[q] = kNoBound;
   }
-  for (PerReadout& bound : images_) bound = times(bound, kImageMargin);
+  for (PerQuantity& bound : images_) bound = times(bound, kImageMargin);
   // All flashes together: the train's phase moves, and readouts drift with it.
   for (const Effect effect : {Effect::lamp_delay, Effect::flash_duration}) {
     const double steps = timing.common_shift_s(effect) * kPhases / train.period_s;
@@ -286,12 +286,12 @@ void SceneBounds::measure(const ShootSettings& settings) {
   }
 }
 
-void SceneBounds::look_for_cautions(const ShootSettings& settings) {
+void SceneBounds::look_for_warnings(const ShootSettings& settings) {
   const double period_s = settings.period.seconds();
   const double jitter_s = 2.0 * kLargestNormal * scene_.lamps.jitter_s;
-  if (!scene_.faults.empty()) caution_ = "the scene has faults: which images there are is theirs to decide";
+  if (!scene_.faults.empty()) warning_ = "the scene has faults: which images there are is theirs to decide";
   if (period_s - jitter_s < scene_.lamps.recharge_s)
-    caution_ = "a lamp may not have recharged by the next flash";
+    warning_ = "a lamp may not have recharged by the next flash";
   double fastest_spin = 0.0;
   double longest_m = 0.0;
   bool steep = false;
@@ -308,23 +308,23 @@ void SceneBounds::look_for_cautions(const ShootSettings& settings) {
   }
   // The reduction reads spins within a quarter turn a period, and a ball that falls straight as going right.
   if (1.05 * fastest_spin * 2.0 * (period_s + jitter_s) > std::numbers::pi)
-    caution_ = "a spin may turn the equator by more than a quarter turn between flashes";
+    warning_ = "a spin may turn the equator by more than a quarter turn between flashes";
   if (scene_.camera.mirrored && steep)
-    caution_ = "a ball may fall too straight to tell the side it is seen from";
+    warning_ = "a ball may fall too straight to tell the side it is seen from";
   const FlightBounds flight(scene_);
   if (longest_m * flight.largest_coefficient_pm() > 0.09)
-    caution_ = "the air bends a leg by more than the reduction's series holds for";
-  if (!caution_.empty()) flips_ = all_infinite();
+    warning_ = "the air bends a leg by more than the reduction's series holds for";
+  if (!warning_.empty()) threshold_steps_ = all_infinite();
 }
 
-PerReadout SceneBounds::of(Effect effect) {
+PerQuantity SceneBounds::of(Effect effect) {
   if (!present(effect)) return {};
   return of_contact(effect) ? contact_.of(Model::full().without(effect))
                             : images_[static_cast<std::size_t>(effect)];
 }
 
-PerReadout SceneBounds::of(const Model& model) {
-  PerReadout sum;
+PerQuantity SceneBounds::of(const Model& model) {
+  PerQuantity sum;
   double passing = contact_.images_passing(model);
   for (const Effect effect : kImageEffects) {
     if (model.has(effect) || !present(effect)) continue;
@@ -333,7 +333,7 @@ PerReadout SceneBounds::of(const Model& model) {
   }
   sum += contact_.of(model);
   if (sum.all_zero()) return sum;
-  sum += times(flips_, 1.0 + passing);
+  sum += times(threshold_steps_, 1.0 + passing);
   // An image that comes or goes brings its time's jitter, or takes it away.
   if (present(Effect::sensor_delay) && model.has(Effect::sensor_delay))
     sum += times(one_stamp_, 2.0 * kImageMargin * (1.0 + passing));
@@ -344,8 +344,8 @@ PerReadout SceneBounds::of(const Model& model) {
   return sum;
 }
 
-void SceneBounds::no_bound_where_large(PerReadout& sum) const {
-  const PerReadout scale = readout_scales(scene_);
+void SceneBounds::no_bound_where_large(PerQuantity& sum) const {
+  const PerQuantity scale = readout_scales(scene_);
   bool bent = false;
   for (const Quantity q :
        {Quantity::theta_in_deg, Quantity::theta_out_deg, Quantity::v_td_mps, Quantity::v_lo_mps,

@@ -13,10 +13,10 @@
 // image that overlaps the surface. A displaced image may pass one. What that can do is measured: with all
 // effects the readout at neighbouring ones of kPhases phases of the train (and some more, where
 // an image in contact passes for one in the air) differs by what images that come and go do to it (and by a
-// smooth part, which only adds). flips() is the sum of the kThresholds largest such
+// smooth part, which only adds). threshold_steps() is the sum of the kThresholds largest such
 // steps, the largest over the corners: a shot that passes several thresholds at once changes by no more. It
 // counts as soon as anything that displaces images is left out: once, and once more for every image that may
-// be carried past a threshold (the displacement over the spacing of images, or in contact by how many the
+// be propagated past a threshold (the displacement over the spacing of images, or in contact by how many the
 // images counted differ); and with it, where the sensors' jitter is kept, twice what one image's can do.
 // Where pixels are kept, what they do to all images counts twice besides: at another place it is another. A
 // number that some phase or corner has not gets an infinite one: nothing that displaces may then be left out.
@@ -35,8 +35,8 @@
 
 #include "sim/plan/contact_bounds.hpp"
 #include "sim/plan/readouts.hpp"
-#include "sim/rig/model.hpp"
-#include "sim/rig/scene.hpp"
+#include "sim/scene/model.hpp"
+#include "sim/scene/scene.hpp"
 #include "sim/shoot/shoot.hpp"
 
 namespace strobe::sim {
@@ -54,33 +54,33 @@ class SceneBounds {
   bool present(Effect effect) const { return present_[static_cast<std::size_t>(effect)]; }
 
   /// Of leaving out this effect alone, thresholds apart.
-  PerReadout of(Effect effect);
+  PerQuantity of(Effect effect);
 
   /// Of leaving out all that the model lacks, thresholds included: what plans hold against the tolerance.
-  PerReadout of(const Model& model);
+  PerQuantity of(const Model& model);
 
   /// Of images that come and go.
-  const PerReadout& flips() const { return flips_; }
+  const PerQuantity& threshold_steps() const { return threshold_steps_; }
 
-  /// Why flips() is infinite, for people; empty where it is not for a reason that holds for all numbers.
-  const std::string& caution() const { return caution_; }
+  /// Why threshold_steps() is infinite, for people; empty where it is not for a reason that holds for all numbers.
+  const std::string& warning() const { return warning_; }
 
   const Scene& scene() const { return scene_; }
 
  private:
   void measure(const ShootSettings& settings);
-  void no_bound_where_large(PerReadout& sum) const;
-  void look_for_cautions(const ShootSettings& settings);
+  void no_bound_where_large(PerQuantity& sum) const;
+  void look_for_warnings(const ShootSettings& settings);
 
   Scene scene_;
   std::array<bool, kEffectCount> present_{};
-  std::array<PerReadout, kEffectCount> images_{};
+  std::array<PerQuantity, kEffectCount> images_{};
   std::array<double, kEffectCount> passing_{};  ///< how many images each may carry past a threshold
   ContactBounds contact_;
-  PerReadout flips_;
+  PerQuantity threshold_steps_;
   double least_dwell_ms_ = std::numeric_limits<double>::infinity();
-  PerReadout one_stamp_;  ///< of one image's time by the sensors' jitter
-  std::string caution_;
+  PerQuantity one_stamp_;  ///< of one image's time by the sensors' jitter
+  std::string warning_;
 };
 
 /// Whether the scene has the effect: its parameters are not those at which it does nothing.

@@ -54,11 +54,11 @@ void displace(reduction::BallImage& image, Coordinate coordinate, const Axes& ax
   }
 }
 
-using Slopes = std::array<double, reduction::kQuantityCount>;
+using Derivatives = std::array<double, reduction::kQuantityCount>;
 
-Slopes slopes(const reduction::Frame& moved, const reduction::Quantities& from, double step) {
+Derivatives slopes(const reduction::Frame& moved, const reduction::Quantities& from, double step) {
   const reduction::Quantities to = readout_of(moved);
-  Slopes result{};
+  Derivatives result{};
   for (std::size_t i = 0; i < result.size(); ++i) {
     const auto q = static_cast<reduction::Quantity>(i);
     if (to[q] && from[q]) result[i] = (*to[q] - *from[q]) / step;
@@ -69,10 +69,10 @@ Slopes slopes(const reduction::Frame& moved, const reduction::Quantities& from, 
 
 /// What is known of one coordinate's displacement adds up with the others', the rest at its worst.
 struct Sum {
-  Slopes known{};
-  Slopes rest{};
+  Derivatives known{};
+  Derivatives rest{};
 
-  void add(const Slopes& slopes, double by, double within) {
+  void add(const Derivatives& slopes, double by, double within) {
     if (by == 0.0 && within == 0.0) return;
     for (std::size_t q = 0; q < slopes.size(); ++q) {
       if (slopes[q] == 0.0) continue;
@@ -81,8 +81,8 @@ struct Sum {
     }
   }
 
-  PerReadout total() const {
-    PerReadout result;
+  PerQuantity total() const {
+    PerQuantity result;
     for (std::size_t q = 0; q < known.size(); ++q) {
       const double size = std::abs(known[q]) + rest[q];
       result[q] = std::isnan(size) ? std::numeric_limits<double>::infinity() : size;
@@ -116,7 +116,8 @@ Sensitivity::Sensitivity(const reduction::Frame& frame, bool mirrored, const Coo
   }
 }
 
-PerReadout Sensitivity::carried(std::span<const Displaced> images, std::span<const Displaced> surface) const {
+PerQuantity Sensitivity::propagated(std::span<const BoundedDisplacement> images,
+                                    std::span<const BoundedDisplacement> surface) const {
   Sum sum;
   for (std::size_t i = 0; i < images_.size(); ++i) {
     const auto by = members(images[i].by);

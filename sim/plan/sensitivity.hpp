@@ -31,13 +31,14 @@ class Sensitivity {
   /// each surface point as `surface` (its place only): what the known part does together, and for the unknown
   /// part the sum over all coordinates of |dR/dc|·within, as if every one of them were displaced against the
   /// number. As many as the frame has; no surface: the points stay.
-  PerReadout carried(std::span<const Displaced> images, std::span<const Displaced> surface = {}) const;
+  PerQuantity propagated(std::span<const BoundedDisplacement> images,
+                         std::span<const BoundedDisplacement> surface = {}) const;
 
  private:
-  using Slopes = std::array<double, reduction::kQuantityCount>;  ///< per m, rad or s; NaN: number lost
+  using Derivatives = std::array<double, reduction::kQuantityCount>;  ///< per m, rad or s; NaN: number lost
   reduction::Quantities readout_;
-  std::vector<std::array<Slopes, kCoordinateCount>> images_;  ///< all zero for contact images
-  std::vector<std::array<Slopes, 2>> surface_;
+  std::vector<std::array<Derivatives, kCoordinateCount>> images_;  ///< all zero for contact images
+  std::vector<std::array<Derivatives, 2>> surface_;
 };
 
 }  // namespace strobe::sim

@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "common/flight/aerodynamics.hpp"
-#include "sim/rig/draws.hpp"
+#include "sim/random/draws.hpp"
 
 namespace strobe::sim {
 
@@ -45,8 +45,8 @@ double TimingBounds::shift_s(Effect effect) const {
   return 0.0;
 }
 
-Displaced TimingBounds::of(Effect effect, const LegMotion& leg, double time_s) const {
-  Displaced d;
+BoundedDisplacement TimingBounds::of(Effect effect, const LegMotion& leg, double time_s) const {
+  BoundedDisplacement d;
   if (effect == Effect::sensor_delay && sensor_jitter_s_ > 0.0)
     d.within.time_s = sensor_jitter_s_ + kClockTick_s;
   if (effect == Effect::flash_duration && flash_s_ > 0.0) {

@@ -21,8 +21,8 @@
 #pragma once
 
 #include "sim/plan/flight_bounds.hpp"
-#include "sim/rig/model.hpp"
-#include "sim/rig/scene.hpp"
+#include "sim/scene/model.hpp"
+#include "sim/scene/scene.hpp"
 
 namespace strobe::sim {
 
@@ -37,7 +37,7 @@ class TimingBounds {
   double shift_s(Effect effect) const;
 
   /// Of an image `time_s` >= 0 from the surface: for flash_duration and sensor_delay.
-  Displaced of(Effect effect, const LegMotion& leg, double time_s) const;
+  BoundedDisplacement of(Effect effect, const LegMotion& leg, double time_s) const;
 
  private:
   double delay_s_;

@@ -30,7 +30,7 @@
 #include <numbers>
 
 #include "common/reduction/frame.hpp"
-#include "sim/rig/scene.hpp"
+#include "sim/scene/scene.hpp"
 
 namespace strobe::sim {
 

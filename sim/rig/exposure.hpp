@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "common/units/time.hpp"
-#include "sim/rig/ball_path.hpp"
+#include "sim/motion/ball_path.hpp"
 #include "sim/rig/instants.hpp"
 
 namespace strobe::sim {

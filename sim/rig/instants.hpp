@@ -12,13 +12,13 @@ namespace strobe::sim {
 class Instants {
  public:
   /// Two lamps, each of which may by a fault flash twice.
-  static constexpr std::size_t kMost = 4;
+  static constexpr std::size_t kMax = 4;
 
   Instants() = default;
   explicit Instants(MonoTime only) { push_back(only); }
 
   void push_back(MonoTime time) {
-    assert(size_ < kMost);
+    assert(size_ < kMax);
     times_[size_++] = time;
   }
   std::size_t size() const { return size_; }
@@ -33,7 +33,7 @@ class Instants {
   bool operator==(const Instants&) const = default;
 
  private:
-  std::array<MonoTime, kMost> times_{};
+  std::array<MonoTime, kMax> times_{};
   std::size_t size_ = 0;
 };
 

@@ -1,14 +1,14 @@
 // One strobe lamp: a delay, some jitter, a capacitor that must recharge, and what can go wrong.
-// Virtual time, no clock; one object per lamp, not thread-safe; allocates only where a fault strikes.
+// Virtual time, no clock; one object per lamp, not thread-safe; allocates only where a fault concerns.
 #pragma once
 
 #include <optional>
 #include <vector>
 
-#include "sim/faults.hpp"
-#include "sim/rig/draws.hpp"
+#include "sim/random/draws.hpp"
 #include "sim/rig/instants.hpp"
-#include "sim/rig/scene.hpp"
+#include "sim/scene/faults.hpp"
+#include "sim/scene/scene.hpp"
 
 namespace strobe::sim {
 

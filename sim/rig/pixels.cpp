@@ -13,7 +13,7 @@ constexpr double kBarWidth = 0.06;
 constexpr double kBarReach = 0.61;    // of its corners: hypot(.6, .06) = .603
 constexpr double kInside = 0.8;       // of the half diameter: what is not brightest in there is the bar
 constexpr double kSpacing_px = 0.25;  // of the balls that a smeared one is the mean of
-constexpr double kMostInstants = 64.0;
+constexpr double kMaxInstants = 64.0;
 
 struct Span {
   double from = 0.0;
@@ -72,10 +72,10 @@ std::uint8_t grey(double ball, double bar) {
       std::max(0.0, PixelGrid::kBall * ball - (PixelGrid::kBall - PixelGrid::kBar) * bar) + 0.5);
 }
 
-int instants_of(const Smear& smear, double half_diameter_px) {
+int instants_of(const MotionBlur& smear, double half_diameter_px) {
   const double way =
       std::hypot(smear.x_px, smear.y_px) + kBarLength * half_diameter_px * std::abs(smear.turn_rad);
-  return static_cast<int>(std::clamp(std::ceil(way / kSpacing_px), 1.0, kMostInstants));
+  return static_cast<int>(std::clamp(std::ceil(way / kSpacing_px), 1.0, kMaxInstants));
 }
 
 }  // namespace
@@ -86,7 +86,7 @@ double PixelGrid::error_px(double r) {
   return (rounding + lines) * (r + 2.0) / (std::numbers::pi * r * r);
 }
 
-void PixelGrid::lay_out(const BallView& view, const Smear& smear) {
+void PixelGrid::lay_out(const BallView& view, const MotionBlur& smear) {
   const double reach_px = std::max(view.along_px, view.across_px);
   const double x = reach_px + 0.5 * std::abs(smear.x_px) + 3.0;
   const double y = reach_px + 0.5 * std::abs(smear.y_px) + 3.0;
@@ -97,7 +97,7 @@ void PixelGrid::lay_out(const BallView& view, const Smear& smear) {
   pixels_.assign(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_), 0);
 }
 
-void PixelGrid::draw(const BallView& view, const Smear& smear) {
+void PixelGrid::draw(const BallView& view, const MotionBlur& smear) {
   const double r = 0.5 * view.diameter_px();
   const EllipseCut ellipse(view);
   std::vector<BarCut> bars;
@@ -207,7 +207,7 @@ PixelMeasurement PixelGrid::read(double half_diameter_px) const {
   return out;
 }
 
-PixelMeasurement PixelGrid::measure(const BallView& view, const Smear& smear) {
+PixelMeasurement PixelGrid::measure(const BallView& view, const MotionBlur& smear) {
   const double diameter = view.diameter_px();
   if (!(diameter >= kSmallest_px && diameter <= kLargest_px))
     return {view.centre_px, diameter, view.equator_rad};

@@ -37,7 +37,7 @@
 namespace strobe::sim {
 
 /// How the ball moves on the photograph while it is lit, in all.
-struct Smear {
+struct MotionBlur {
   double x_px = 0.0;
   double y_px = 0.0;
   double turn_rad = 0.0;
@@ -65,7 +65,7 @@ class PixelGrid {
   static double error_rad(double half_diameter_px) { return 0.1 / half_diameter_px; }
 
   /// `view` is the ball in the middle of the flash.
-  PixelMeasurement measure(const BallView& view, const Smear& smear);
+  PixelMeasurement measure(const BallView& view, const MotionBlur& smear);
 
   /// The picture of the last measure(): rows from below, x from left.
   const std::vector<std::uint8_t>& picture() const { return pixels_; }
@@ -73,8 +73,8 @@ class PixelGrid {
   int height() const { return height_; }
 
  private:
-  void lay_out(const BallView& view, const Smear& smear);
-  void draw(const BallView& view, const Smear& smear);
+  void lay_out(const BallView& view, const MotionBlur& smear);
+  void draw(const BallView& view, const MotionBlur& smear);
   void paint(std::uint8_t* row) const;
   PixelMeasurement read(double half_diameter_px) const;
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <iterator>
 
-#include "sim/rig/reduced_scene.hpp"
+#include "sim/scene/reduced_scene.hpp"
 
 namespace strobe::sim {
 
@@ -212,7 +212,7 @@ void Rig::on_trigger(MonoTime at) {
     struck.push_back(FaultKind::machine_misfire);
   } else {
     throws = 1;
-    const Throw thrown = draw_throw(scene_, seed_, shot);
+    const ShotConditions thrown = draw_shot_conditions(scene_, seed_, shot);
     const MonoTime touchdown = at + from_seconds(thrown.lag_s);
     if (shot_fault(scene_.faults, FaultKind::gate_chatter, shot)) struck.push_back(FaultKind::gate_chatter);
     if (auto path = BallPath::make(scene_, thrown, model_, reduced_ ? &*reduced_ : nullptr)) {

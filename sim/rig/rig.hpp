@@ -14,9 +14,9 @@
 
 #include "sim/rig/exposure.hpp"
 #include "sim/rig/lamp.hpp"
-#include "sim/rig/lines.hpp"
-#include "sim/rig/model.hpp"
-#include "sim/rig/scene.hpp"
+#include "sim/scene/lines.hpp"
+#include "sim/scene/model.hpp"
+#include "sim/scene/scene.hpp"
 
 namespace strobe::sim {
 
@@ -55,7 +55,7 @@ class Rig {
   void finish(MonoTime now, std::vector<Exposure>& exposures);
 
   /// The simulation fell behind: the exposure under way is no fair test of the program.
-  void mark_spoilt() {
+  void mark_overrun() {
     if (current_) current_->spoilt = true;
   }
 

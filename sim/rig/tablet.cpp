@@ -4,8 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "sim/random/draws.hpp"
 #include "sim/rig/camera.hpp"
-#include "sim/rig/draws.hpp"
 #include "sim/rig/pixels.hpp"
 
 namespace strobe::sim {

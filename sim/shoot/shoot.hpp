@@ -19,8 +19,8 @@
 #include "common/reduction/readout.hpp"
 #include "common/result.hpp"
 #include "sim/rig/exposure.hpp"
-#include "sim/rig/model.hpp"
 #include "sim/rig/rig.hpp"
+#include "sim/scene/model.hpp"
 
 namespace strobe::sim {
 

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/rig/ball_path.hpp"
+#include "sim/motion/ball_path.hpp"
+#include "sim/random/draws.hpp"
 #include "sim/rig/camera.hpp"
-#include "sim/rig/draws.hpp"
 
 namespace strobe::sim {
 
@@ -18,7 +18,7 @@ double seen_for_s(const Camera& camera, const BallPath& path, double step_s) {
   double t = 0.0;
   while (std::abs(t) < kLongest_s) {
     const BallState s = path.at(t);
-    if (path.beyond_knowledge(t, s) || !camera.sees(s.x_m, s.y_m)) break;
+    if (path.after_second_contact(t, s) || !camera.sees(s.x_m, s.y_m)) break;
     t += step_s;
   }
   return std::abs(t);
@@ -28,7 +28,7 @@ double seen_for_s(const Camera& camera, const BallPath& path, double step_s) {
 
 Window crossing_window(const Scene& scene, double period_s) {
   const Scene mean = without_spread(scene);
-  const auto path = BallPath::make(mean, draw_throw(mean, 1, 1));
+  const auto path = BallPath::make(mean, draw_shot_conditions(mean, 1, 1));
   const Camera camera(mean);
   const double before = path ? seen_for_s(camera, *path, -kStep_s) : kLongest_s;
   const double after = path ? seen_for_s(camera, *path, kStep_s) : kLongest_s;

@@ -1,7 +1,7 @@
 // How long the balls of a scene are in the camera's view. Pure; thread-safe.
 #pragma once
 
-#include "sim/rig/scene.hpp"
+#include "sim/scene/scene.hpp"
 
 namespace strobe::sim {
 

@@ -5,21 +5,21 @@
 #include <string>
 #include <vector>
 
-#include "tests/support/sequencer_bench.hpp"
-// CppUTest redefines new; its headers come last.
+#include "tests/support/sequencer_fixture.hpp"
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe;
 using namespace strobe::firmware;
-using strobe::testing::bench_rig;
 using strobe::testing::kFirstFlashAt;
-using strobe::testing::SequencerBench;
+using strobe::testing::SequencerFixture;
+using strobe::testing::shipped_rig;
 
 namespace {
 
 /// 0, 3, 6.4 ms ... with flash 2 of lamp A alone, flash 5 of lamp B alone, and a gap after flash 7.
-TrainCode some_code() {
-  TrainCode code;
+CodedTrain some_code() {
+  CodedTrain code;
   Duration at{};
   for (int k = 0; k < 12; ++k) {
     code.push_back({at, k == 2 ? Lamps::a : k == 5 ? Lamps::b : Lamps::both});
@@ -35,22 +35,22 @@ std::string refusal(const PlanRequest& request, const Rig& rig) {
 
 }  // namespace
 
-TEST_GROUP(TrainCode){};
+TEST_GROUP(CodedTrainOfAPlan){};
 
-TEST(TrainCode, HoldsWhatWasPutInAndNoMoreThanItsRoom) {
-  TrainCode code;
+TEST(CodedTrainOfAPlan, HoldsWhatWasPutInAndNoMoreThanItsRoom) {
+  CodedTrain code;
   CHECK(code.empty());
-  for (std::size_t i = 0; i < kMostCodedFlashes; ++i)
+  for (std::size_t i = 0; i < kMaxCodedFlashes; ++i)
     CHECK(code.push_back({milliseconds(static_cast<std::int64_t>(i)), i % 2 == 0 ? Lamps::a : Lamps::b}));
   CHECK_FALSE(code.push_back({milliseconds(5000), Lamps::both}));
-  CHECK_EQUAL(kMostCodedFlashes, code.size());
-  const TrainCode copy = code;
+  CHECK_EQUAL(kMaxCodedFlashes, code.size());
+  const CodedTrain copy = code;
   CHECK(copy[7] == (CodedFlash{milliseconds(7), Lamps::b}));
   CHECK(copy.back() == code.back());
 }
 
 TEST_GROUP(CodedPlan) {
-  Rig rig = bench_rig();
+  Rig rig = shipped_rig();
   PlanRequest request = rig.plan;
 
   void add(std::int64_t us, Lamps lamps = Lamps::both) { request.code.push_back({microseconds(us), lamps}); }
@@ -155,7 +155,7 @@ TEST(CodedPlan, OfAGatedTrainHasTheFlashesThatItCounts) {
   STRCMP_CONTAINS("longer than the exposure", refusal(request, rig).c_str());
 }
 
-TEST_GROUP(CodedTrain){static Rig coded(const TrainCode& code){Rig rig = bench_rig();
+TEST_GROUP(CodedTrain){static Rig coded(const CodedTrain& code){Rig rig = shipped_rig();
 rig.plan.code = code;
 return rig;
 }
@@ -163,13 +163,13 @@ return rig;
 ;
 
 TEST(CodedTrain, IsPlayedAsPlannedAndTellsItsLamps) {
-  SequencerBench bench(coded(some_code()));
+  SequencerFixture bench(coded(some_code()));
   bench.start();
   const MonoTime start = bench.fire();
   bench.play();
   const ShotRecord& shot = bench.shot();
   CHECK(shot.abort_reason.empty());
-  const TrainCode code = some_code();
+  const CodedTrain code = some_code();
   CHECK_EQUAL(code.size(), shot.flashes.size());
   for (std::size_t k = 0; k < code.size(); ++k) {
     const FlashRecord& flash = shot.flashes[k];
@@ -185,7 +185,7 @@ TEST(CodedTrain, IsPlayedAsPlannedAndTellsItsLamps) {
 }
 
 TEST(CodedTrain, DrivesTheLinesOfTheNamedLampsOnly) {
-  SequencerBench bench(coded(some_code()));
+  SequencerFixture bench(coded(some_code()));
   bench.start();
   bench.fire();
   bench.play();
@@ -198,7 +198,7 @@ TEST(CodedTrain, DrivesTheLinesOfTheNamedLampsOnly) {
 }
 
 TEST(CodedTrain, CountsLightInTheGapOfAnOmittedFlash) {
-  SequencerBench bench(coded(some_code()));
+  SequencerFixture bench(coded(some_code()));
   bench.start();
   const MonoTime start = bench.fire();
   const MonoTime omitted = start + kFirstFlashAt + some_code()[7].offset + milliseconds(3);
@@ -209,7 +209,7 @@ TEST(CodedTrain, CountsLightInTheGapOfAnOmittedFlash) {
 }
 
 TEST(CodedTrain, IsStoppedByAFlashThatIsLateBeyondTheLimitAndTheShotIsSpent) {
-  SequencerBench bench(coded(some_code()));
+  SequencerFixture bench(coded(some_code()));
   bench.start();
   const MonoTime start = bench.fire();
   const MonoTime sixth = start + kFirstFlashAt + some_code()[6].offset;
@@ -229,9 +229,9 @@ TEST(CodedTrain, IsStoppedByAFlashThatIsLateBeyondTheLimitAndTheShotIsSpent) {
 TEST(CodedTrain, IsStoppedRatherThanCaughtUpWith) {
   // Lamps in turn, so that neither lamp's recharge time forbids the next flash: its neighbour's lateness
   // does.
-  TrainCode code;
+  CodedTrain code;
   for (int k = 0; k < 20; ++k) code.push_back({microseconds(800) * k, k % 2 == 0 ? Lamps::a : Lamps::b});
-  SequencerBench bench(coded(code));
+  SequencerFixture bench(coded(code));
   bench.start();
   const MonoTime start = bench.fire();
   const MonoTime tenth = start + kFirstFlashAt + code[10].offset;
@@ -247,7 +247,7 @@ TEST(CodedTrain, OfTheGateStartsWhenTheGateSaysSo) {
   Rig rig = coded(some_code());
   rig.plan.train = Train::gated;
   rig.plan.flash_count = 12;
-  SequencerBench bench(rig);
+  SequencerFixture bench(rig);
   bench.start();
   const MonoTime start = bench.fire();
   const MonoTime ball = start + kFirstFlashAt + milliseconds(200);
@@ -274,7 +274,7 @@ rc::Gen<std::vector<Step>> steps() {
 }
 
 /// Flashes of a lamp (1 or 2; 3: of either) that come too soon after one before, by comparing every two.
-bool any_too_soon(const TrainCode& code, int lamps, Duration least) {
+bool any_too_soon(const CodedTrain& code, int lamps, Duration least) {
   for (std::size_t i = 0; i < code.size(); ++i) {
     for (std::size_t k = 0; k < i; ++k) {
       const int shared = static_cast<int>(code[i].lamps) & static_cast<int>(code[k].lamps) & lamps;
@@ -288,7 +288,7 @@ bool any_too_soon(const TrainCode& code, int lamps, Duration least) {
 
 TEST(CodedTrain, IsGrantedExactlyWhereTheLampsAndTheLoopCanFollow) {
   const bool holds = rc::check("granted where two flashes are far enough apart", [] {
-    const Rig rig = bench_rig();
+    const Rig rig = shipped_rig();
     PlanRequest request = rig.plan;
     Duration at{};
     for (const Step& step : *steps()) {
@@ -297,7 +297,7 @@ TEST(CodedTrain, IsGrantedExactlyWhereTheLampsAndTheLoopCanFollow) {
     }
     const bool too_soon = any_too_soon(request.code, 1, rig.lamps.min_period) ||
                           any_too_soon(request.code, 2, rig.lamps.min_period) ||
-                          any_too_soon(request.code, 3, least_interval(rig) + nanoseconds(1));
+                          any_too_soon(request.code, 3, min_flash_interval(rig) + nanoseconds(1));
     RC_ASSERT(refusal(request, rig).empty() != too_soon);
     RC_CLASSIFY(!too_soon, "granted");
   });
@@ -306,7 +306,7 @@ TEST(CodedTrain, IsGrantedExactlyWhereTheLampsAndTheLoopCanFollow) {
 
 TEST(CodedTrain, KeepsEveryLampsLimitsThroughFreezes) {
   const bool holds = rc::check("each lamp recharges, no pulse is too long, no burst catches up", [] {
-    Rig config = bench_rig();
+    Rig config = shipped_rig();
     config.plan.exposure = milliseconds(100);
     config.plan.impact_at = milliseconds(50);
     std::array<Duration, 2> ready{};
@@ -323,7 +323,7 @@ TEST(CodedTrain, KeepsEveryLampsLimitsThroughFreezes) {
     }
     if (config.plan.code.empty()) config.plan.code.push_back({Duration{}, Lamps::both});
     RC_ASSERT(refusal(config.plan, config) == "");
-    SequencerBench bench(config);
+    SequencerFixture bench(config);
     bench.start();
     const MonoTime start = bench.fire();
     const auto freezes = *rc::gen::inRange(0, 3);
@@ -341,7 +341,7 @@ TEST(CodedTrain, KeepsEveryLampsLimitsThroughFreezes) {
         if (!last[lamp].known()) continue;
         const bool flashes = lamp == 0 ? has_a(set.lamps) : has_b(set.lamps);
         RC_ASSERT(set.time - last[lamp] >=
-                  (flashes ? config.lamps.min_period : least_interval(config)) - late);
+                  (flashes ? config.lamps.min_period : min_flash_interval(config)) - late);
       }
       if (has_a(set.lamps)) last[0] = set.time;
       if (has_b(set.lamps)) last[1] = set.time;
@@ -359,13 +359,13 @@ TEST(CodedTrain, KeepsEveryLampsLimitsThroughFreezes) {
 
 TEST_GROUP(ShutterContact) {
   static Rig fitted() {
-    Rig rig = bench_rig();
+    Rig rig = shipped_rig();
     rig.plan.exposure = milliseconds(100);
     rig.plan.impact_at = milliseconds(50);
     rig.line(Line::xsync).fitted = true;
     return rig;
   }
-  SequencerBench bench{fitted()};
+  SequencerFixture bench{fitted()};
   void shoot() {
     bench.start();
     bench.fire();
@@ -431,7 +431,7 @@ TEST(ShutterContact, MayBounce) {
 }
 
 TEST(ShutterContact, ThatIsNotFittedIsNotMissed) {
-  SequencerBench without;
+  SequencerFixture without;
   without.start();
   without.fire();
   without.play();

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "firmware/core/interlock.hpp"
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe;
@@ -220,7 +220,7 @@ Complaint inspect(const Walk& walk) {
   const Judge& judge = walk.judge;
   if (lock.state() != judge.state()) return "another state than the history says";
   if (lock.key_active() != judge.key || lock.estop_active() != judge.estop) return "key or e-stop forgotten";
-  if ((lock.fault_words()[0] != '\0') != judge.latched) return "a fault was forgotten, or made up";
+  if ((lock.fault_text()[0] != '\0') != judge.latched) return "a fault was forgotten, or made up";
   if (lock.arm_host() != judge.host) return "a token that nobody should have, or the reverse";
   if (judge.host != 0 && lock.arm_token() != judge.token) return "another token than the last";
   if (judge.host == 0 && lock.arm_token() != 0) return "a token without a host";
@@ -243,8 +243,8 @@ Key key_of(const Walk& walk) {
   return {static_cast<int>(lock.state()),
           lock.key_active(),
           lock.estop_active(),
-          lock.fault_words()[0] != '\0',
-          lock.trigger_left(),
+          lock.fault_text()[0] != '\0',
+          lock.trigger_pending(),
           lock.arm_host(),
           lock.arm_token() == judge.token,
           walk.now >= lock.arm_expires(),
@@ -259,7 +259,7 @@ struct Found {
   std::size_t transitions = 0;
   std::size_t depth = 0;  ///< of the state that takes the longest sequence
   std::size_t released = 0;
-  std::array<std::size_t, kLockStates> of_state{};
+  std::array<std::size_t, kStateCount> of_state{};
   std::string complaint;  ///< with the shortest sequence that leads to it; empty: none
 };
 
@@ -276,7 +276,7 @@ std::string told(const std::string& complaint, const std::vector<In>& path, In l
 
 enum class Severity { all, trigger_without_permission };
 
-Found search(const LockTable& table, Severity severity = Severity::all) {
+Found search(const TransitionTable& table, Severity severity = Severity::all) {
   Found found;
   std::map<Key, bool> known;
   std::deque<Place> open;
@@ -292,11 +292,11 @@ Found search(const LockTable& table, Severity severity = Severity::all) {
     for (int i = 0; i < kInputs; ++i) {
       Place next = place;
       const In input = static_cast<In>(i);
-      const bool left = next.walk.lock.trigger_left();
+      const bool left = next.walk.lock.trigger_pending();
       Complaint complaint = put_in(next.walk, input);
       if (!complaint) complaint = inspect(next.walk);
       ++found.transitions;
-      const bool released = left && input == In::trigger && !next.walk.lock.trigger_left();
+      const bool released = left && input == In::trigger && !next.walk.lock.trigger_pending();
       if (severity == Severity::trigger_without_permission) {
         complaint = expect(!released || next.walk.judge.permitted(), "RELEASED WITHOUT PERMISSION");
       }
@@ -331,7 +331,7 @@ struct Mutants {
   int made = 0;
   int noticed = 0;
 
-  void judge(const LockTable& table) {
+  void judge(const TransitionTable& table) {
     ++made;
     if (!search(table).complaint.empty()) ++noticed;
   }
@@ -339,14 +339,14 @@ struct Mutants {
 
 /// Inputs that may be refused; all others are facts.
 bool is_asked(std::size_t input) {
-  const auto which = static_cast<LockInput>(input);
-  return which == LockInput::arm || which == LockInput::fire || which == LockInput::clear ||
-         which == LockInput::trigger;
+  const auto which = static_cast<InterlockEvent>(input);
+  return which == InterlockEvent::arm || which == InterlockEvent::fire || which == InterlockEvent::clear ||
+         which == InterlockEvent::trigger;
 }
 
-bool notices_without(LockInput input, std::uint32_t needs) {
-  LockTable table = kLockTable;
-  table[static_cast<std::size_t>(input)].needs &= ~needs;
+bool notices_without(InterlockEvent input, std::uint32_t guards) {
+  TransitionTable table = kTransitionTable;
+  table[static_cast<std::size_t>(input)].guards &= ~guards;
   return !search(table).complaint.empty();
 }
 
@@ -355,7 +355,7 @@ bool notices_without(LockInput input, std::uint32_t needs) {
 TEST_GROUP(InterlockSpace){};
 
 TEST(InterlockSpace, KeepsEveryRuleInEveryStateThatCanBeReached) {
-  const Found found = search(kLockTable);
+  const Found found = search(kTransitionTable);
   std::printf(
       "interlock: %zu states (idle %zu, armed %zu, firing %zu, fault %zu, spent %zu), %zu transitions, "
       "closed "
@@ -383,11 +383,11 @@ TEST(InterlockSpace, KeepsThemInEverySequenceOfFourInputsToo) {
 // alone there is one left; CLEAR with nothing latched, where only its answer matters.
 TEST(InterlockSpace, WouldNoticeAWrongCellOfTheTable) {
   Mutants states, answers;
-  for (std::size_t input = 0; input < kLockInputs; ++input) {
-    for (std::size_t state = 0; state < kLockStates; ++state) {
-      const LockCell& good = kLockTable[input].in[state];
-      LockTable table = kLockTable;
-      for (std::size_t other = 0; other < kLockStates; ++other) {
+  for (std::size_t input = 0; input < kInterlockEventCount; ++input) {
+    for (std::size_t state = 0; state < kStateCount; ++state) {
+      const Transition& good = kTransitionTable[input].in[state];
+      TransitionTable table = kTransitionTable;
+      for (std::size_t other = 0; other < kStateCount; ++other) {
         // What is refused changes no state.
         if (static_cast<State>(other) == good.next || good.answer == Answer::refuse) continue;
         table[input].in[state] = {good.answer, static_cast<State>(other)};
@@ -409,24 +409,24 @@ TEST(InterlockSpace, WouldNoticeAWrongCellOfTheTable) {
 }
 
 TEST(InterlockSpace, WouldNoticeAMissingNeed) {
-  for (const std::uint32_t needed : {need::estop_off, need::key_on, need::named_host, need::own_arming})
-    CHECK_TRUE(notices_without(LockInput::arm, needed));
-  for (const std::uint32_t needed : {need::in_time, need::token, need::new_shot})
-    CHECK_TRUE(notices_without(LockInput::fire, needed));
-  for (const std::uint32_t needed : {need::this_shot, need::trigger_left})
-    CHECK_TRUE(notices_without(LockInput::trigger, needed));
+  for (const std::uint32_t needed : {guard::estop_off, guard::key_on, guard::named_host, guard::own_arming})
+    CHECK_TRUE(notices_without(InterlockEvent::arm, needed));
+  for (const std::uint32_t needed : {guard::in_time, guard::token, guard::new_shot})
+    CHECK_TRUE(notices_without(InterlockEvent::fire, needed));
+  for (const std::uint32_t needed : {guard::this_shot, guard::trigger_pending})
+    CHECK_TRUE(notices_without(InterlockEvent::trigger, needed));
   // A stop has already ended the arming, or withheld the trigger: the second barrier behind the first.
-  CHECK_FALSE(notices_without(LockInput::fire, need::permission));
-  CHECK_FALSE(notices_without(LockInput::trigger, need::permission));
+  CHECK_FALSE(notices_without(InterlockEvent::fire, guard::permission));
+  CHECK_FALSE(notices_without(InterlockEvent::trigger, guard::permission));
 }
 
 TEST(InterlockSpace, WouldNoticeAMissingDeed) {
   Mutants mutants;
-  for (std::size_t input = 0; input < kLockInputs; ++input) {
-    for (std::uint32_t bit = deed::take_token; bit <= deed::unlatch_fault; bit <<= 1) {
-      LockTable table = kLockTable;
-      if ((table[input].deeds & bit) == 0) continue;
-      table[input].deeds &= ~bit;
+  for (std::size_t input = 0; input < kInterlockEventCount; ++input) {
+    for (std::uint32_t bit = action::take_token; bit <= action::unlatch_fault; bit <<= 1) {
+      TransitionTable table = kTransitionTable;
+      if ((table[input].actions & bit) == 0) continue;
+      table[input].actions &= ~bit;
       mutants.judge(table);
     }
   }
@@ -436,14 +436,15 @@ TEST(InterlockSpace, WouldNoticeAMissingDeed) {
 }
 
 TEST(InterlockSpace, WithholdsTheTriggerByASecondBarrierIfStopsWereForgotten) {
-  LockTable deaf = kLockTable;
-  for (const LockInput input : {LockInput::key_off, LockInput::estop_on, LockInput::fault}) {
-    for (LockCell& cell : deaf[static_cast<std::size_t>(input)].in) cell.answer = Answer::nothing;
+  TransitionTable deaf = kTransitionTable;
+  for (const InterlockEvent input :
+       {InterlockEvent::key_off, InterlockEvent::estop_on, InterlockEvent::fault}) {
+    for (Transition& cell : deaf[static_cast<std::size_t>(input)].in) cell.answer = Answer::nothing;
   }
   CHECK_TRUE(search(deaf).complaint.find("withdrawn") != std::string::npos);
   // With every other complaint put aside, none is of the trigger: it asks for the permission itself.
   STRCMP_EQUAL("", search(deaf, Severity::trigger_without_permission).complaint.c_str());
-  deaf[static_cast<std::size_t>(LockInput::trigger)].needs &= ~need::permission;
+  deaf[static_cast<std::size_t>(InterlockEvent::trigger)].guards &= ~guard::permission;
   CHECK_TRUE(search(deaf, Severity::trigger_without_permission).complaint.find("PERMISSION") !=
              std::string::npos);
 }

@@ -2,7 +2,7 @@
 
 #include <array>
 #include <string>
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe;
@@ -147,7 +147,7 @@ TEST(Interlock, ReleasesNoTriggerAfterAnAbort) {
 TEST(Interlock, LatchesTheFirstFaultUntilItIsCleared) {
   lock.fault("first");
   lock.fault("second");
-  STRCMP_EQUAL("first", lock.fault_words());
+  STRCMP_EQUAL("first", lock.fault_text());
   STRCMP_EQUAL("first", lock.arm(kHost, kToken, kNow));
   POINTERS_EQUAL(nullptr, lock.clear());
   arm();
@@ -166,7 +166,7 @@ namespace {
 constexpr std::array kInputNames{"arm",     "fire",      "disarm",     "expiry", "key off",
                                  "key on",  "e-stop on", "e-stop off", "fault",  "clear",
                                  "trigger", "aborted",   "shot over"};
-static_assert(kInputNames.size() == kLockInputs);
+static_assert(kInputNames.size() == kInterlockEventCount);
 
 struct Outcome {
   Answer answer = Answer::nothing;
@@ -181,42 +181,42 @@ Answer answer_of(Interlock::Effect effect) {
 }
 
 /// The input, with all that a grant needs.
-Outcome given(Interlock lock, LockInput input) {
+Outcome given(Interlock lock, InterlockEvent input) {
   Answer answer = Answer::nothing;
   switch (input) {
-    case LockInput::arm:
+    case InterlockEvent::arm:
       answer = answer_of(lock.arm(kHost, kToken + 1, kNow));
       break;
-    case LockInput::fire:
+    case InterlockEvent::fire:
       answer = answer_of(lock.fire(kHost, kToken, kShot + 1, false, kNow));
       break;
-    case LockInput::disarm:
+    case InterlockEvent::disarm:
       answer = answer_of(lock.disarm());
       break;
-    case LockInput::expiry:
+    case InterlockEvent::expiry:
       answer = answer_of(lock.tick(kNow + kExpires));
       break;
-    case LockInput::key_off:
-    case LockInput::key_on:
-      answer = answer_of(lock.key(input == LockInput::key_on));
+    case InterlockEvent::key_off:
+    case InterlockEvent::key_on:
+      answer = answer_of(lock.key(input == InterlockEvent::key_on));
       break;
-    case LockInput::estop_on:
-    case LockInput::estop_off:
-      answer = answer_of(lock.estop(input == LockInput::estop_on));
+    case InterlockEvent::estop_on:
+    case InterlockEvent::estop_off:
+      answer = answer_of(lock.estop(input == InterlockEvent::estop_on));
       break;
-    case LockInput::fault:
+    case InterlockEvent::fault:
       answer = answer_of(lock.fault("broken"));
       break;
-    case LockInput::clear:
+    case InterlockEvent::clear:
       answer = answer_of(lock.clear());
       break;
-    case LockInput::trigger:
+    case InterlockEvent::trigger:
       answer = lock.release_trigger(kShot) ? Answer::grant : Answer::refuse;
       break;
-    case LockInput::aborted:
+    case InterlockEvent::aborted:
       lock.aborted();
       break;
-    case LockInput::shot_over:
+    case InterlockEvent::shot_over:
       lock.shot_over();
       break;
   }
@@ -226,13 +226,13 @@ Outcome given(Interlock lock, LockInput input) {
 }  // namespace
 
 TEST(Interlock, AnswersEveryInputInEveryStateAsItsTableSays) {
-  for (std::size_t state = 0; state < kLockStates; ++state) {
-    for (std::size_t input = 0; input < kLockInputs; ++input) {
+  for (std::size_t state = 0; state < kStateCount; ++state) {
+    for (std::size_t input = 0; input < kInterlockEventCount; ++input) {
       lock = Interlock{kExpires};
       setup();
       put_in(static_cast<State>(state));
-      const Outcome seen = given(lock, static_cast<LockInput>(input));
-      const LockCell& cell = kLockTable[input].in[state];
+      const Outcome seen = given(lock, static_cast<InterlockEvent>(input));
+      const Transition& cell = kTransitionTable[input].in[state];
       const std::string place = std::string(kInputNames[input]) + " in state " + std::to_string(state);
       CHECK_EQUAL_TEXT(static_cast<int>(cell.answer), static_cast<int>(seen.answer), place.c_str());
       CHECK_EQUAL_TEXT(static_cast<int>(cell.next), static_cast<int>(seen.state), place.c_str());

@@ -1,7 +1,7 @@
 #include "firmware/linux/interrupts.hpp"
 
 #include "tests/firmware/system_tree.hpp"
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe::firmware;
@@ -14,7 +14,7 @@ TEST_GROUP(Interrupts) {
 TEST(Interrupts, AreReadWithTheirDevicesAndCpus) {
   tree.put("proc/irq/default_smp_affinity", "3");
   tree.fixed_interrupt(36, "virtio1-req.0", "0-1");
-  const auto all = interrupts_of(files);
+  const auto all = read_interrupts(files);
   CHECK_EQUAL(2U, all.size());
   CHECK_EQUAL(24, all[0].number);
   CHECK_EQUAL(std::string("ttyS0"), all[0].name);
@@ -26,13 +26,13 @@ TEST(Interrupts, AreReadWithTheirDevicesAndCpus) {
 
 TEST(Interrupts, AreNamedByTheKernelsListOfUsersIfThereIsOne) {
   tree.put("sys/kernel/irq/24/actions", "serial,modem");
-  CHECK_EQUAL(std::string("serial,modem"), interrupts_of(files)[0].name);
+  CHECK_EQUAL(std::string("serial,modem"), read_interrupts(files)[0].name);
 }
 
 TEST(Interrupts, AreKeptOffACpuAndStayWhereElseTheyMayRun) {
   tree.interrupt(25, "net", "0-1");
   tree.interrupt(26, "usb", "1");
-  const Moved moved = keep_interrupts_off(1, files);
+  const InterruptMoves moved = move_interrupts_off(1, files);
   CHECK_EQUAL(2U, moved.away.size());
   CHECK_TRUE(moved.refused.empty());
   CHECK_EQUAL(std::string("0"), files.read("proc/irq/25/smp_affinity_list").value());
@@ -42,7 +42,7 @@ TEST(Interrupts, AreKeptOffACpuAndStayWhereElseTheyMayRun) {
 
 TEST(Interrupts, ThatCannotBeMovedAreLeftAndNamed) {
   tree.fixed_interrupt(36, "virtio1-req.0", "0-1");
-  const Moved moved = keep_interrupts_off(1, files);
+  const InterruptMoves moved = move_interrupts_off(1, files);
   CHECK_EQUAL(1U, moved.fixed.size());
   CHECK_EQUAL(36, moved.fixed[0].number);
   CHECK_EQUAL(std::string("0-1"), files.read("proc/irq/36/smp_affinity_list").value());
@@ -50,5 +50,5 @@ TEST(Interrupts, ThatCannotBeMovedAreLeftAndNamed) {
 
 TEST(Interrupts, OfTheOnlyCpuAreRefused) {
   tree.put("sys/devices/system/cpu/online", "0");
-  CHECK_EQUAL(1U, keep_interrupts_off(0, files).refused.size());
+  CHECK_EQUAL(1U, move_interrupts_off(0, files).refused.size());
 }

@@ -11,7 +11,7 @@
 
 #include "tests/firmware/journal_messages.hpp"
 #include "tests/support/temporary_folder.hpp"
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe;

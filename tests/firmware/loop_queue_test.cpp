@@ -3,7 +3,7 @@
 #include <thread>
 
 #include "firmware/linux/event_fd.hpp"
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe;

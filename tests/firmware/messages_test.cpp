@@ -1,6 +1,5 @@
 #include "firmware/publisher/messages.hpp"
 
-// CppUTest redefines new; its headers come last.
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe;

@@ -10,10 +10,10 @@
 #include <thread>
 
 #include "firmware/linux/event_fd.hpp"
-#include "firmware/linux/monotonic_clock.hpp"
+#include "firmware/linux/system_clock.hpp"
 #include "firmware/publisher/lcm_bus.hpp"
 #include "tests/support/temporary_folder.hpp"
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe;
@@ -47,7 +47,7 @@ TEST_GROUP(Publisher) {
   Rig rig;
   EventFd wake_up;
   lcm::LCM lcm{"memq://"};
-  MonotonicClock clock;
+  SystemClock clock;
   LcmBus bus{lcm};
   LoopQueue queue{rig, wake_up};
   Mailbox mailbox;

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "tests/firmware/system_tree.hpp"
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe::firmware;
@@ -12,7 +12,7 @@ using Verdict = CheckItem::Verdict;
 TEST_GROUP(RealTimeReport) {
   strobe::testing::SystemTree tree;
   Rig rig;
-  RealTimeTrial trial;
+  RealTimeRights trial;
   Tick tick;
 
   void setup() override { rig.real_time.cpu = 1; }

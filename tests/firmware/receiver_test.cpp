@@ -6,7 +6,7 @@
 
 #include "common/authentication/seal.hpp"
 #include "firmware/linux/event_fd.hpp"
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe;
@@ -143,7 +143,7 @@ TEST(Receiver, IgnoresACommandForAnotherRigOfTheLab) {
 TEST(Receiver, IgnoresABareCommand) { expect_rejected(Rejection::malformed, body()); }
 
 TEST(Receiver, IgnoresWhatIsTooLargeForACommand) {
-  expect_rejected(Rejection::oversized, Bytes(authentication::kMostSealed_bytes + 1));
+  expect_rejected(Rejection::oversized, Bytes(authentication::kMaxSealed_bytes + 1));
 }
 
 TEST(Receiver, IgnoresABodyThatIsNoCommand) {
@@ -269,11 +269,11 @@ TEST_GROUP(RepetitionFilter){};
 
 TEST(RepetitionFilter, ForgetsNoHostAndRefusesOneTooMany) {
   RepetitionFilter filter;
-  constexpr auto kMost = static_cast<std::int64_t>(RepetitionFilter::kMostHosts);
-  for (std::int64_t host = 1; host <= kMost; ++host) CHECK_TRUE(filter.is_news(host, 10));
-  CHECK_FALSE(filter.is_news(kMost + 1, 10));
-  CHECK_FALSE(filter.is_news(1, 10));
-  CHECK_TRUE(filter.is_news(1, 11));
+  constexpr auto kMax = static_cast<std::int64_t>(RepetitionFilter::kMaxHosts);
+  for (std::int64_t host = 1; host <= kMax; ++host) CHECK_TRUE(filter.is_new(host, 10));
+  CHECK_FALSE(filter.is_new(kMax + 1, 10));
+  CHECK_FALSE(filter.is_new(1, 10));
+  CHECK_TRUE(filter.is_new(1, 11));
 }
 
 TEST_GROUP(Rejections) {

@@ -4,7 +4,7 @@
 #include <fstream>
 #include <sstream>
 #include <string>
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe;

@@ -1,15 +1,15 @@
 // Shots that must not go on: late, stopped, or with lines that fail.
 #include <string>
 
-#include "tests/support/sequencer_bench.hpp"
-// CppUTest redefines new; its headers come last.
+#include "tests/support/sequencer_fixture.hpp"
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe;
 using namespace strobe::testing;
 
 TEST_GROUP(SequencerAbort) {
-  SequencerBench bench;
+  SequencerFixture bench;
   VirtualRig& rig = bench.rig;
   void setup() override { bench.start(); }
   void expect_aborted(const char* why) {
@@ -34,8 +34,8 @@ TEST(SequencerAbort, FollowsAFreezeWithoutABurst) {
 }
 
 TEST(SequencerAbort, CountsTheLampsPauseFromTheEndOfTheCallThatFlashed) {
-  SequencerBench tight([] {
-    Rig config = bench_rig();
+  SequencerFixture tight([] {
+    Rig config = shipped_rig();
     config.plan.period = config.lamps.min_period;
     config.plan.exposure = milliseconds(400);
     return config;
@@ -77,9 +77,9 @@ TEST(SequencerAbort, FollowsLampLinesThatAFreezeKeptOn) {
 }
 
 TEST(SequencerAbort, ComesBeforeALampThatHasNotRecharged) {
-  Rig config = bench_rig();
+  Rig config = shipped_rig();
   config.plan.period = microseconds(1600);
-  SequencerBench fast(config);
+  SequencerFixture fast(config);
   fast.start();
   const MonoTime start = fast.fire();
   // 1.4 ms late is within the limit, but the next flash is then due after 0.2 ms.
@@ -92,7 +92,7 @@ TEST(SequencerAbort, ComesBeforeALampThatHasNotRecharged) {
 TEST(SequencerAbort, FollowsTheEStopWithinAMillisecondAtAnyInstant) {
   // Across the whole shot, in steps that are no divisor of the period, so that spins and pulses are hit too.
   for (int i = 0; i < 97; ++i) {
-    SequencerBench trial;
+    SequencerFixture trial;
     trial.start();
     const MonoTime start = trial.fire();
     const MonoTime pressed = start + microseconds(5791) * i + nanoseconds(13) * i;
@@ -115,7 +115,7 @@ TEST(SequencerAbort, FollowsTheKeyAndTheDisarmCommand) {
   bench.play();
   expect_aborted("the key is off");
 
-  SequencerBench other;
+  SequencerFixture other;
   other.start();
   start = other.fire();
   other.rig.schedule_command(start + milliseconds(100), other.plain_command(CommandKind::disarm));
@@ -180,14 +180,14 @@ TEST(SequencerAbort, EndsTheLoopWhenALineCannotBeSwitchedOff) {
 
 TEST(SequencerAbort, FollowsTheEStopWithinAMillisecondAtAnyInstantOfACodedTrain) {
   // The two lamps in turn, as close to one another as a plan may have them: the loop spins most of the time.
-  Rig config = bench_rig();
+  Rig config = shipped_rig();
   const Duration gap = config.tolerance.spin + config.lamps.max_on + microseconds(1);
   config.lamps.min_period = gap * 2;
   config.plan.exposure = milliseconds(60);
   config.plan.impact_at = milliseconds(30);
   for (int k = 0; k < 100; ++k) config.plan.code.push_back({gap * k, k % 2 == 0 ? Lamps::a : Lamps::b});
   for (int i = 0; i < 97; ++i) {
-    SequencerBench trial(config);
+    SequencerFixture trial(config);
     trial.start();
     const MonoTime start = trial.fire();
     const MonoTime pressed = start + milliseconds(310 - 30) + microseconds(431) * i + nanoseconds(13) * i;
@@ -214,11 +214,11 @@ TEST(SequencerAbort, LatchesAFaultWhenTheInputsAreGone) {
 
 TEST(SequencerAbort, LimitsEveryOutputsOnTimeWhateverThePlanSays) {
   // A rig and a plan that the checks would have refused: the outputs' own limits hold all the same.
-  Rig config = bench_rig();
+  Rig config = shipped_rig();
   config.lamps.pulse = milliseconds(2);
   config.machine.pulse = milliseconds(5000);
   config.shutter.max_open = milliseconds(100);
-  SequencerBench wild(config);
+  SequencerFixture wild(config);
   wild.start();
   wild.fire();
   wild.play();

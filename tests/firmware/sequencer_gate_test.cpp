@@ -1,8 +1,8 @@
 // Gated trains: the ball in the light gate starts the burst. And what the sensors saw of a free one.
 #include <string>
 
-#include "tests/support/sequencer_bench.hpp"
-// CppUTest redefines new; its headers come last.
+#include "tests/support/sequencer_fixture.hpp"
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe;
@@ -11,7 +11,7 @@ using namespace strobe::testing;
 namespace {
 
 Rig gated_rig() {
-  Rig rig = bench_rig();
+  Rig rig = shipped_rig();
   rig.plan.train = Train::gated;
   rig.plan.flash_count = 12;
   rig.plan.gate_delay = milliseconds(4);
@@ -21,7 +21,7 @@ Rig gated_rig() {
 }  // namespace
 
 TEST_GROUP(SequencerGate) {
-  SequencerBench bench{gated_rig()};
+  SequencerFixture bench{gated_rig()};
   VirtualRig& rig = bench.rig;
   void setup() override { bench.start(); }
   void gate(MonoTime when) { rig.schedule({Input::gate, when, true}); }
@@ -105,7 +105,7 @@ TEST(SequencerGate, TakesAHandForTheBallInADryShot) {
 }
 
 TEST_GROUP(SequencerSensors) {
-  SequencerBench bench;
+  SequencerFixture bench;
   VirtualRig& rig = bench.rig;
   void setup() override { bench.start(); }
 };

@@ -2,8 +2,8 @@
 // seed that repeats it (RC_PARAMS).
 #include <rapidcheck.h>
 
-#include "tests/support/sequencer_bench.hpp"
-// CppUTest redefines new; its headers come last.
+#include "tests/support/sequencer_fixture.hpp"
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe;
@@ -60,7 +60,7 @@ struct Driven {
 };
 
 struct Story {
-  SequencerBench bench;
+  SequencerFixture bench;
   std::vector<Driven> driven;
   std::vector<std::pair<MonoTime, Duration>> freezes;
   std::int64_t stale_token = 1;
@@ -194,10 +194,10 @@ TEST_GROUP(SequencerProperty){};
 TEST(SequencerProperty, HoldsTheRigsLimitsWhateverHappens) {
   const bool holds = rc::check("limits hold", [] {
     const auto acts = *rc::gen::container<std::vector<Act>>(20, act());
-    Rig config = bench_rig();
+    Rig config = shipped_rig();
     config.plan.exposure = milliseconds(120);
     config.plan.impact_at = milliseconds(60);
-    Story story{SequencerBench(config), {}, {}, 1};
+    Story story{SequencerFixture(config), {}, {}, 1};
     story.bench.start();
     for (const Act& deed : acts) story.perform(deed);
     story.run_until(story.bench.rig.time + milliseconds(1500));

@@ -9,8 +9,8 @@
 #include <tuple>
 #include <vector>
 
-#include "tests/support/sequencer_bench.hpp"
-// CppUTest redefines new; its headers come last.
+#include "tests/support/sequencer_fixture.hpp"
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe;
@@ -47,7 +47,7 @@ enum class In {
 constexpr int kInputs = static_cast<int>(In::count);
 
 Rig short_shots() {
-  Rig rig = bench_rig();
+  Rig rig = shipped_rig();
   rig.machine.lag = milliseconds(30);
   rig.shutter.lag = milliseconds(5);
   rig.machine.pulse = milliseconds(4);
@@ -279,7 +279,7 @@ class Story {
     return wrong;
   }
 
-  SequencerBench bench_;
+  SequencerFixture bench_;
   std::int64_t used_token_ = 0;
   std::vector<Granted> granted_;
   std::vector<Press> presses_;

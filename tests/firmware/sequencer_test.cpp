@@ -4,8 +4,8 @@
 #include <string>
 
 #include "tests/support/allocations.hpp"
-#include "tests/support/sequencer_bench.hpp"
-// CppUTest redefines new; its headers come last.
+#include "tests/support/sequencer_fixture.hpp"
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe;
@@ -17,7 +17,7 @@ constexpr Duration kIssueCost = nanoseconds(100);
 }  // namespace
 
 TEST_GROUP(Sequencer) {
-  SequencerBench bench;
+  SequencerFixture bench;
   VirtualRig& rig = bench.rig;
   void setup() override { bench.start(); }
   std::string refusal() {
@@ -82,9 +82,9 @@ TEST(Sequencer, HandsOverAWholeRecord) {
 }
 
 TEST(Sequencer, SubtractsTheSensorsDelay) {
-  Rig config = bench_rig();
+  Rig config = shipped_rig();
   config.sensors.delay_a = config.sensors.delay_b = microseconds(5);
-  SequencerBench slow(config);
+  SequencerFixture slow(config);
   slow.start();
   slow.fire();
   slow.play();
@@ -133,7 +133,7 @@ TEST(Sequencer, AllocatesNothingWhileItPlaysAShot) {
 }
 
 TEST(Sequencer, NumbersShotsFromTheLastOneOfTheSession) {
-  SequencerBench later;
+  SequencerFixture later;
   Sequencer sequencer(later.config, later.rig.ports(), 41);
   sequencer.start("test");
   later.rig.schedule_command(later.rig.time, later.arm_command());
@@ -243,11 +243,11 @@ TEST(Sequencer, FlashesInTimeThoughWhoeverSleepsIsWokenAMillisecondLate) {
 }
 
 TEST(Sequencer, IsNeverAwakeForMoreThanItsShareOfASecondHoweverCloseTheFlashes) {
-  Rig config = bench_rig();
+  Rig config = shipped_rig();
   config.plan.period = config.lamps.min_period;
   config.lamps.max_flashes = 2000;
   config.plan.exposure = milliseconds(1990);
-  SequencerBench close(config);
+  SequencerFixture close(config);
   close.start();
   MonoTime until = close.fire() + milliseconds(310 - 250);  // the train's begin
   while (close.rig.time < until) close.sequencer.step(until);

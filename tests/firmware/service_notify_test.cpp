@@ -5,14 +5,14 @@
 #include <cstdlib>
 #include <string>
 
-#include "tests/support/service_manager.hpp"
+#include "tests/support/fake_service_manager.hpp"
 #include "tests/support/temporary_folder.hpp"
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe;
 using strobe::firmware::ServiceNotify;
-using strobe::testing::ServiceManager;
+using strobe::testing::FakeServiceManager;
 
 TEST_GROUP(ServiceNotify) {
   strobe::testing::TemporaryFolder folder;
@@ -22,7 +22,7 @@ TEST_GROUP(ServiceNotify) {
 };
 
 TEST(ServiceNotify, SpeaksToTheManagerThatTheEnvironmentNames) {
-  ServiceManager manager((folder / "notify").string());
+  FakeServiceManager manager((folder / "notify").string());
   setenv("NOTIFY_SOCKET", manager.path().c_str(), 1);
   setenv("WATCHDOG_USEC", "4000000", 1);
   setenv("WATCHDOG_PID", std::to_string(getpid()).c_str(), 1);
@@ -50,7 +50,7 @@ TEST(ServiceNotify, LeavesAWatchdogOfAnotherProcessAlone) {
 }
 
 TEST(ServiceNotify, DoesNotWaitForAManagerThatDoesNotRead) {
-  ServiceManager manager((folder / "notify").string());
+  FakeServiceManager manager((folder / "notify").string());
   const ServiceNotify service(manager.path(), milliseconds(0));
   for (int i = 0; i < 10'000; ++i) service.say("WATCHDOG=1");  // would block for good once the socket is full
   CHECK(manager.count("WATCHDOG") > 0);

@@ -3,14 +3,14 @@
 #include <string>
 
 #include "tests/support/virtual_rig.hpp"
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe;
 using namespace strobe::firmware;
 
 TEST_GROUP(ShotPlan) {
-  Rig rig = strobe::testing::bench_rig();
+  Rig rig = strobe::testing::shipped_rig();
   PlanRequest request = rig.plan;
   ShotPlan plan;
 

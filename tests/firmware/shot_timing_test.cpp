@@ -1,5 +1,5 @@
 #include "firmware/core/shot_timing.hpp"
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe;

@@ -2,7 +2,7 @@
 
 #include <cmath>
 #include <memory>
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe;

@@ -1,7 +1,7 @@
 #include "firmware/linux/system_files.hpp"
 
 #include "tests/firmware/system_tree.hpp"
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe::firmware;
@@ -42,16 +42,16 @@ TEST(SystemFiles, WritesWhatCanBeReadBack) {
 TEST_GROUP(CpuList){};
 
 TEST(CpuList, ReadsNumbersAndRanges) {
-  CHECK((cpus_of_list("0-2,5\n") == std::set<int>{0, 1, 2, 5}));
-  CHECK(cpus_of_list("").empty());
+  CHECK((parse_cpu_list("0-2,5\n") == std::set<int>{0, 1, 2, 5}));
+  CHECK(parse_cpu_list("").empty());
 }
 
 TEST(CpuList, LeavesOutWhatIsNotWellFormed) {
-  CHECK((cpus_of_list("x,3,-4,7-6") == std::set<int>{3}));
-  CHECK_EQUAL(8193U, cpus_of_list("0-999999999").size());
+  CHECK((parse_cpu_list("x,3,-4,7-6") == std::set<int>{3}));
+  CHECK_EQUAL(8193U, parse_cpu_list("0-999999999").size());
 }
 
 TEST(CpuList, WritesTheShortestList) {
-  CHECK_EQUAL(std::string("0-2,5,7-8"), list_of_cpus({0, 1, 2, 5, 7, 8}));
-  CHECK_EQUAL(std::string(), list_of_cpus({}));
+  CHECK_EQUAL(std::string("0-2,5,7-8"), format_cpu_list({0, 1, 2, 5, 7, 8}));
+  CHECK_EQUAL(std::string(), format_cpu_list({}));
 }

@@ -1,7 +1,7 @@
 #include "firmware/core/tick.hpp"
 
 #include <vector>
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe;
@@ -19,7 +19,7 @@ TEST_GROUP(Tick) {
       gaps.push_back({MonoTime{1'000'000'000'000} + kPeriod * k + phase + jitter, length + jitter});
     }
   }
-  Tick found() const { return tick_of(gaps, kPeriod, kPeriods); }
+  Tick found() const { return detect_tick(gaps, kPeriod, kPeriods); }
 };
 
 TEST(Tick, IsUnknownWhereNothingInterrupts) { CHECK_FALSE(found().known()); }

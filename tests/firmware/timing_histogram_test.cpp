@@ -6,7 +6,7 @@
 #include <numeric>
 #include <random>
 #include <vector>
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe;

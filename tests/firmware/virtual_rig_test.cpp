@@ -4,7 +4,7 @@
 
 #include "tests/support/allocations.hpp"
 #include "tests/support/virtual_rig.hpp"
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe;

@@ -24,7 +24,7 @@ void decode_body(std::span<const std::uint8_t> body) {
   strobe_msgs::command_t command{};
   if (command.decode(body.data(), 0, static_cast<int>(body.size())) < 0) return;
   const auto plan = from_message(command.plan);
-  if (!defect_of(command, rig).empty() || command.kind != strobe_msgs::command_t::FIRE) return;
+  if (!find_defect(command, rig).empty() || command.kind != strobe_msgs::command_t::FIRE) return;
   require(flash_count(plan) >= 1 && flash_count(plan) <= rig.lamps.max_flashes);
   require(!plan.code.empty() || plan.period >= rig.lamps.min_period);
   require(plan.exposure <= rig.shutter.max_open);

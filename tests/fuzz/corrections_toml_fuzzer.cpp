@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "host/digitize/corrections.hpp"
+#include "host/digitize/corrections/corrections.hpp"
 
 namespace {
 

@@ -19,7 +19,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     left = left.subspan(datagram.size());
     const auto message = assembler.take(sender, datagram);
     if (!message) continue;
-    if (message->channel.size() > kLongestChannel || message->data.size() > Assembler::kMostMessage_bytes)
+    if (message->channel.size() > kLongestChannel || message->data.size() > Assembler::kMaxMessage_bytes)
       std::abort();
     for (const char letter : message->channel) sum += static_cast<unsigned char>(letter);
     for (const std::uint8_t byte : message->data) sum += byte;  // every byte can be read

@@ -18,8 +18,8 @@
 #include "common/messages/channels.hpp"
 #include "host/assembly/assemble.hpp"
 #include "host/config/rig_file.hpp"
-#include "host/session/follower.hpp"
-#include "host/session/intake.hpp"
+#include "host/loop/session_monitor.hpp"
+#include "host/messages/message_decoder.hpp"
 
 namespace {
 
@@ -53,11 +53,11 @@ std::vector<std::uint8_t> with_fingerprint(std::int64_t fingerprint, std::span<c
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static const host::RigFile rig = host::read_rig("rig = \"bench\"\n", "rig.toml").value();
-  host::Follower follower(host::assembly_settings(rig), 1, "fuzz");
-  host::Intake intake("bench", follower);
+  host::SessionMonitor monitor(host::assembly_settings(rig), 1, "fuzz");
+  host::MessageDecoder decoder("bench", monitor);
   std::int64_t now_ns = 1'000'000'000;
-  std::size_t outcomes = 0;
-  follower.on_outcome = [&outcomes](const host::Outcome&) { ++outcomes; };
+  std::size_t shot_results = 0;
+  monitor.on_shot_result = [&shot_results](const host::ShotResult&) { ++shot_results; };
   for (std::span<const std::uint8_t> left(data, size); left.size() >= 3;) {
     const Kind& kind = kinds()[left[0] % kinds().size()];
     const std::size_t wanted = std::size_t{left[1]} << 8 | left[2];
@@ -65,16 +65,16 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const auto body = left.first(std::min(wanted, left.size()));
     left = left.subspan(body.size());
     const auto bytes = with_fingerprint(kind.fingerprint, body);
-    intake.receive(messages::channel_name("bench", kind.channel), bytes.data(), bytes.size(), now_ns);
+    decoder.receive(messages::channel_name("bench", kind.channel), bytes.data(), bytes.size(), now_ns);
     now_ns += 50'000'000;
-    follower.time(now_ns);
-    follower.session().ledger().due(now_ns);
+    monitor.time(now_ns);
+    monitor.session().ledger().due(now_ns);
   }
-  follower.time(now_ns + 100'000'000'000);
-  follower.shown(now_ns);
-  follower.end();
-  if (!intake.fault().empty()) {
-    std::fprintf(stderr, "a handler threw: %s\n", intake.fault().c_str());
+  monitor.time(now_ns + 100'000'000'000);
+  monitor.shown(now_ns);
+  monitor.end();
+  if (!decoder.fault().empty()) {
+    std::fprintf(stderr, "a handler threw: %s\n", decoder.fault().c_str());
   }
   return 0;
 }

@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-// CppUTest redefines new; its headers come last.
 #include <CppUTest/TestHarness.h>
 
 using strobe::fuzz::mutated;

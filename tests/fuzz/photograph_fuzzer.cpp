@@ -5,8 +5,8 @@
 #include <cstdlib>
 #include <opencv2/core.hpp>
 
-#include "host/digitize/candidates.hpp"
-#include "host/digitize/photograph.hpp"
+#include "host/digitize/candidates/candidates.hpp"
+#include "host/digitize/image/photograph.hpp"
 
 namespace {
 
@@ -19,7 +19,7 @@ void require(bool holds) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace strobe::digitize;
   // Large pictures are for a test: here they only cost rounds.
-  constexpr std::int64_t kMostSearched = 100'000;
+  constexpr std::int64_t kMaxSearched = 100'000;
   const auto photograph = decode_photograph({data, size}, "fuzz.tif");
   if (!photograph) {
     require(photograph.error().message.starts_with("fuzz.tif: "));
@@ -31,7 +31,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   require(photograph->saturation > 0.0F && photograph->saturation <= 1.0F);
   require(photograph->light.type() == CV_32FC1);
   require(cv::checkRange(photograph->light, true, nullptr, 0.0, 1.0001));
-  if (std::int64_t{photograph->width()} * photograph->height() > kMostSearched) return 0;
+  if (std::int64_t{photograph->width()} * photograph->height() > kMaxSearched) return 0;
   for (const auto& candidate : find_candidates(*photograph, {6.0, 9.0}, Effort::fast)) {
     require(candidate.radius_image_px >= 6.0 && candidate.radius_image_px <= 9.0);
     require(candidate.score >= 0.0 && candidate.score <= 1.0);

@@ -9,8 +9,8 @@
 #include <string>
 #include <string_view>
 
-#include "sim/rig/ball_path.hpp"
-#include "sim/rig/scene.hpp"
+#include "sim/motion/ball_path.hpp"
+#include "sim/scene/scene.hpp"
 
 namespace {
 
@@ -63,7 +63,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     return 0;
   }
   for (int shot = 1; shot <= 3; ++shot) {
-    const auto path = BallPath::make(*scene, draw_throw(*scene, 1, shot));
+    const auto path = BallPath::make(*scene, draw_shot_conditions(*scene, 1, shot));
     if (path ? !std::isfinite(path->rebound().lift_off.vx_mps) : path.error().message.empty()) std::abort();
   }
   return 0;

@@ -3,10 +3,10 @@
 #include <string>
 #include <vector>
 
-#include "tests/hil/bench.hpp"
+#include "tests/hil/rig_fixture.hpp"
 #include "tests/support/json_lines.hpp"
 #include "tests/support/private_network.hpp"
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe::hil;
@@ -14,8 +14,8 @@ using namespace std::chrono_literals;
 
 namespace {
 
-BenchOptions chip_with_nobody_on_it() {
-  BenchOptions options;
+RigFixtureOptions chip_with_nobody_on_it() {
+  RigFixtureOptions options;
   options.shell = "sleep 100";
   options.rig_edits = {{"cpu = -1", "cpu = 0"}};
   return options;
@@ -25,14 +25,14 @@ BenchOptions chip_with_nobody_on_it() {
 
 TEST_GROUP(Check) {
   strobe::testing::TemporaryFolder folder;
-  Bench bench{chip_with_nobody_on_it()};
+  RigFixture bench{chip_with_nobody_on_it()};
 
   void setup() override { CHECK(bench.sim().wait_for_err("strobe-sim: scene", 20s)); }
-  strobe::testing::Finished check(const std::vector<std::string>& more) const {
+  strobe::testing::CompletedProcess check(const std::vector<std::string>& more) const {
     std::vector<std::string> words{"--check",        "--allow-no-rt", "--config",
                                    bench.rig_file(), "--lcm-url",     bench.lcm_url()};
     words.insert(words.end(), more.begin(), more.end());
-    return strobe::testing::run_to_end(bench.strobed(words), 20s);
+    return strobe::testing::run_process(bench.strobed(words), 20s);
   }
 };
 

@@ -2,10 +2,10 @@
 #include <algorithm>
 #include <string>
 
-#include "tests/hil/bench.hpp"
 #include "tests/hil/raw_host.hpp"
+#include "tests/hil/rig_fixture.hpp"
 #include "tests/support/json_lines.hpp"
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe::hil;
@@ -47,23 +47,23 @@ double shortest_call_us(const shot_t& shot) {
 TEST_GROUP(CodedTrain){};
 
 TEST(CodedTrain, IsFiredAsPlannedSeenByItsLampsAndReadOut) {
-  BenchOptions options;
+  RigFixtureOptions options;
   options.rig_edits = {{"#xsync = ", "xsync = "}};
-  Bench bench(options);
+  RigFixture bench(options);
   if (!bench.ready()) FAIL(("strobed did not come up:\n" + bench.log()).c_str());
   strobe::testing::write_text(bench.folder() / "plan.toml", kPlan);
   const std::string plan = bench.folder() / "plan.toml";
 
-  const auto fired = strobe::testing::run_to_end(bench.fire(1, kRetries, {"--plan", plan}), 60s);
+  const auto fired = strobe::testing::run_process(bench.fire(1, kRetries, {"--plan", plan}), 60s);
   CHECK_TEXT(fired.status == ExitStatus({0, 0}), fired.err.c_str());
   const nlohmann::json readout = readouts(fired.out).back();
   CHECK_FALSE(readout.at("vx_td_mps").is_null());
   CHECK(readout.at("first_flash").get<int>() >= 0);
   CHECK(readout.at("last_flash").get<int>() > readout.at("first_flash").get<int>());
   CHECK(readout.at("last_flash").get<int>() < kFlashes);
-  const double doubt = readout.at("index_doubt").get<double>();
+  const double doubt = readout.at("misassignment_probability").get<double>();
   CHECK_EQUAL(doubt > 0.01, has_flag(readout, "flash_index_ambiguous"));
-  const auto dry = strobe::testing::run_to_end(bench.fire(1, kRetries, {"--plan", plan, "--dry"}), 60s);
+  const auto dry = strobe::testing::run_process(bench.fire(1, kRetries, {"--plan", plan, "--dry"}), 60s);
   CHECK_TEXT(dry.status == ExitStatus({0, 0}), dry.err.c_str());
 
   const LogContents journal = read_log(bench.journal());

@@ -5,15 +5,15 @@
 #include <string>
 #include <vector>
 
-#include "tests/hil/bench.hpp"
+#include "tests/hil/rig_fixture.hpp"
 #include "tests/support/private_network.hpp"
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe::hil;
 using namespace std::chrono_literals;
 using strobe::testing::Command;
-using strobe::testing::Finished;
+using strobe::testing::CompletedProcess;
 
 namespace {
 
@@ -27,7 +27,7 @@ struct Case {
 std::string complaints(const std::vector<Case>& cases) {
   std::string wrong;
   for (const Case& each : cases) {
-    const Finished finished = strobe::testing::run_to_end(each.command, 20s);
+    const CompletedProcess finished = strobe::testing::run_process(each.command, 20s);
     const auto lines = std::count(finished.err.begin(), finished.err.end(), '\n');
     const int code = finished.status ? finished.status->code : -1;
     if (code == each.code && lines == 1 && finished.err.find(each.word) != std::string::npos) continue;
@@ -94,9 +94,9 @@ TEST(CommandLine, WrongRigFilesAreNamedWithTheirLine) {
 }
 
 TEST(CommandLine, ChipsAndLinesThatCannotBeHadAreNamed) {
-  BenchOptions options;
+  RigFixtureOptions options;
   options.shell = "sleep 100";  // a chip with nobody on it
-  Bench bench(options);
+  RigFixture bench(options);
   CHECK(bench.sim().wait_for_err("strobe-sim: scene", 20s));
   const std::string session = folder / "session";
   const auto strobed = [&](const std::string& config) {
@@ -146,7 +146,7 @@ TEST(CommandLine, KeysThatAreNotKeptWellAreNamed) {
 }
 
 TEST(CommandLine, LinesThatAnotherProgramHoldsAreNamed) {
-  Bench bench;
+  RigFixture bench;
   if (!bench.ready()) FAIL(("strobed did not come up:\n" + bench.log()).c_str());
   const Command second = bench.strobed({"--config", bench.rig_file(), "--session", folder / "session",
                                         "--allow-no-rt", "--lcm-url", bench.lcm_url()});
@@ -185,7 +185,7 @@ TEST(CommandLine, WrongFramesAreNamedWithTheirLine) {
                "card"},
           })
           .c_str());
-  CHECK(strobe::testing::run_to_end(reduce(file("good.jsonl", good)), 20s).status ==
+  CHECK(strobe::testing::run_process(reduce(file("good.jsonl", good)), 20s).status ==
         strobe::testing::ExitStatus({0, 0}));
 }
 
@@ -240,7 +240,7 @@ TEST(CommandLine, WrongOptionsOfStrobeAreNamed) {
 
 TEST(CommandLine, FiringWithoutAStrobedEndsWithAClearMessage) {
   const std::string url = strobe::testing::private_lcm_url();
-  const Finished finished = strobe::testing::run_to_end(
+  const CompletedProcess finished = strobe::testing::run_process(
       with_strobe({"fire", "--shots", "1", "--session", folder / "session", "--lcm-url", url, "--wait", "1"}),
       30s);
   CHECK_TEXT(finished.status == strobe::testing::ExitStatus({1, 0}), finished.err.c_str());

@@ -13,11 +13,11 @@
 #include <thread>
 #include <vector>
 
-#include "tests/hil/bench.hpp"
+#include "tests/hil/line_watcher.hpp"
 #include "tests/hil/raw_host.hpp"
-#include "tests/hil/watch.hpp"
-#include "tests/support/service_manager.hpp"
-// CppUTest redefines new; its headers come last.
+#include "tests/hil/rig_fixture.hpp"
+#include "tests/support/fake_service_manager.hpp"
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe::hil;
@@ -42,15 +42,15 @@ enum class Chip { keeps, lets_go };
 struct Way {
   const char* name;
   Chip chip;
-  std::function<std::int64_t(const Bench&, LineWatch&)> deed;  ///< gives the instant of the end
-  const char* said;                                            ///< in its last words
+  std::function<std::int64_t(const RigFixture&, LineWatcher&)> deed;  ///< gives the instant of the end
+  const char* said;                                                   ///< in its last words
   std::int64_t safe_within_ns = kAtOnce;
   const char* drill = "";
   bool stays_active = false;  ///< on a chip that keeps its lines and can no longer be reached
 };
 
 auto to_worker(int signal) {
-  return [signal](const Bench& bench, LineWatch&) {
+  return [signal](const RigFixture& bench, LineWatcher&) {
     const pid_t worker = bench.worker();
     const std::int64_t now = monotonic_now_ns();
     kill(worker, signal);
@@ -58,14 +58,14 @@ auto to_worker(int signal) {
   };
 }
 auto to_guardian(int signal) {
-  return [signal](const Bench& bench, LineWatch&) {
+  return [signal](const RigFixture& bench, LineWatcher&) {
     const pid_t guardian = bench.guardian();
     const std::int64_t now = monotonic_now_ns();
     kill(guardian, signal);
     return now;
   };
 }
-std::int64_t to_both(const Bench& bench, LineWatch&) {
+std::int64_t to_both(const RigFixture& bench, LineWatcher&) {
   const pid_t guardian = bench.guardian(), worker = bench.worker();
   const std::int64_t now = monotonic_now_ns();
   kill(guardian, SIGSTOP);  // so that it does not do its work in between
@@ -74,13 +74,13 @@ std::int64_t to_both(const Bench& bench, LineWatch&) {
   return now;
 }
 /// Seen from outside: the worker is a zombie or gone.
-std::int64_t dies(const Bench& bench, LineWatch&) {
+std::int64_t dies(const RigFixture& bench, LineWatcher&) {
   const pid_t worker = bench.worker();
   CHECK(strobe::testing::wait_until([&] { return strobe::testing::program_of(worker).empty(); }, 20s));
   return monotonic_now_ns();
 }
-std::int64_t hangs(const Bench&, LineWatch&) { return monotonic_now_ns(); }
-std::int64_t unplug(const Bench&, LineWatch& watch) {
+std::int64_t hangs(const RigFixture&, LineWatcher&) { return monotonic_now_ns(); }
+std::int64_t unplug(const RigFixture&, LineWatcher& watch) {
   const std::int64_t now = monotonic_now_ns();
   watch.unplug();
   return now;
@@ -130,7 +130,7 @@ const std::vector<Way>& ways() {
   return all;
 }
 
-void expect_whole_journal(const Bench& bench, const char* way) {
+void expect_whole_journal(const RigFixture& bench, const char* way) {
   const LogContents journal = read_log(bench.journal());
   CHECK_TEXT(!journal.events.empty(), way);
   std::int64_t expected = 1;
@@ -140,8 +140,8 @@ void expect_whole_journal(const Bench& bench, const char* way) {
   }
 }
 
-BenchOptions options_of(const Way& way) {
-  BenchOptions options;
+RigFixtureOptions options_of(const Way& way) {
+  RigFixtureOptions options;
   options.rig_edits = {{"lag_ms = 310", "lag_ms = 70"}};  // shots that begin soon; nobody looks at the ball
   if (way.chip == Chip::lets_go) options.scene_addition = "[chip]\non_release = \"input\"\n";
   if (*way.drill != '\0') options.strobed_options = {"--drill", way.drill};
@@ -152,8 +152,8 @@ BenchOptions options_of(const Way& way) {
 
 /// Fires a shot and lets the deed be done after its first flash; the instant of it, or 0 if a freeze aborted
 /// the shot before that.
-std::int64_t do_in_mid_train(const Bench& bench, RawHost& host, const Way& way) {
-  LineWatch watch(bench.chip_dir());
+std::int64_t do_in_mid_train(const RigFixture& bench, RawHost& host, const Way& way) {
+  LineWatcher watch(bench.chip_dir());
   CHECK_TEXT(host.wait_status(), way.name);
   strobe_msgs::command_t fire = host.fire_command(host.arm(), false);
   fire.plan.shutter_open_ns = 1'500 * kMs;  // longer than a hang is tolerated
@@ -165,7 +165,7 @@ std::int64_t do_in_mid_train(const Bench& bench, RawHost& host, const Way& way) 
 }
 
 /// Whether the outputs were inactive in time.
-bool ended_well(Bench& bench, const Way& way, std::int64_t death) {
+bool ended_well(RigFixture& bench, const Way& way, std::int64_t death) {
   const LineChanges changes = bench.changes();
   CHECK_TEXT(changes.rises("SHUTTER") == 1, way.name);
   CHECK_TEXT(bench.log().find(way.said) != std::string::npos, (way.name + (":\n" + bench.log())).c_str());
@@ -183,7 +183,7 @@ bool ended_well(Bench& bench, const Way& way, std::int64_t death) {
 
 struct Trial {
   const Way* way;
-  std::unique_ptr<Bench> bench;
+  std::unique_ptr<RigFixture> bench;
   std::unique_ptr<RawHost> host;
   std::int64_t death = 0;
 };
@@ -192,7 +192,7 @@ struct Trial {
 std::vector<const Way*> try_together(const std::vector<const Way*>& tried) {
   std::vector<Trial> trials;
   for (const Way* way : tried) {
-    auto bench = std::make_unique<Bench>(options_of(*way));
+    auto bench = std::make_unique<RigFixture>(options_of(*way));
     auto host = std::make_unique<RawHost>(bench->lcm_url(), "bench");
     trials.push_back({way, std::move(bench), std::move(host)});
   }
@@ -226,7 +226,7 @@ class StandingGuardian {
   }
 
  private:
-  Bench bench_;
+  RigFixture bench_;
   pid_t guardian_ = 0, worker_ = 0;
 };
 
@@ -254,10 +254,10 @@ TEST(Death, LeavesTheOutputsInactiveHoweverItComes) {
 }
 
 TEST(Death, FollowsTheLossOfTheChipThoughNothingIsFired) {
-  Bench bench;
+  RigFixture bench;
   if (!bench.ready()) FAIL(("strobed did not come up:\n" + bench.log()).c_str());
   const pid_t worker = bench.worker();
-  LineWatch(bench.chip_dir()).unplug();
+  LineWatcher(bench.chip_dir()).unplug();
   CHECK(strobe::testing::wait_until([&] { return strobe::testing::program_of(worker).empty(); }, 20s));
   bench.changes();
   CHECK_TEXT(bench.log().find("stopped: an output could not be switched off") != std::string::npos,
@@ -267,11 +267,11 @@ TEST(Death, FollowsTheLossOfTheChipThoughNothingIsFired) {
 
 TEST(Death, OfAPublisherThatHangsIsOrderlyAndTheServiceManagerHearsOfIt) {
   strobe::testing::TemporaryFolder folder;
-  strobe::testing::ServiceManager manager((folder / "notify").string());
-  BenchOptions options;
+  strobe::testing::FakeServiceManager manager((folder / "notify").string());
+  RigFixtureOptions options;
   options.environment = {{"NOTIFY_SOCKET", manager.path()}, {"WATCHDOG_USEC", "2000000"}};
   options.strobed_options = {"--drill", "publisher-hang@1"};
-  Bench bench(options);
+  RigFixture bench(options);
   if (!bench.ready()) FAIL(("strobed did not come up:\n" + bench.log()).c_str());
   CHECK(strobe::testing::wait_until([&] { return manager.count("READY=1") == 1; }, 5s));
   RawHost host(bench.lcm_url(), "bench");
@@ -288,12 +288,12 @@ TEST(Death, OfAPublisherThatHangsIsOrderlyAndTheServiceManagerHearsOfIt) {
 
 TEST(Death, OfNobodyIsTheEndOfStandardErrorOrOfTheNetwork) {
   // head ends after strobed's first lines, so that the next one finds nobody; the route takes LCM away.
-  BenchOptions options;
+  RigFixtureOptions options;
   options.shell = "\"$@\" 2>&1 | head -n 1 >&2";
-  Bench bench(options);
+  RigFixture bench(options);
   RawHost host(bench.lcm_url(), "bench");
   CHECK(host.wait_status());
-  LineWatch watch(bench.chip_dir());
+  LineWatcher watch(bench.chip_dir());
   int shot = 0;
   do {
     CHECK(shot < kAttempts);
@@ -302,9 +302,9 @@ TEST(Death, OfNobodyIsTheEndOfStandardErrorOrOfTheNetwork) {
   } while (watch.wait_for("STROBE_A", 1, 3s) == 0);
   const strobe::testing::Command no_route{{"ip", "route", "del", "224.0.0.0/4", "dev", "lo"}, {}, {}, {}};
   const strobe::testing::Command route{{"ip", "route", "add", "224.0.0.0/4", "dev", "lo"}, {}, {}, {}};
-  const bool cut = strobe::testing::run_to_end(no_route, 5s).status == strobe::testing::ExitStatus({0, 0});
+  const bool cut = strobe::testing::run_process(no_route, 5s).status == strobe::testing::ExitStatus({0, 0});
   CHECK(watch.wait_for("SHUTTER", 0, 5s) != 0);
-  if (cut) strobe::testing::run_to_end(route, 5s);
+  if (cut) strobe::testing::run_process(route, 5s);
   CHECK(host.wait([&] { return host.status().state == strobe_msgs::status_t::SPENT; }, 5s));
   const std::int64_t token = host.arm();
   CHECK(token != 0);

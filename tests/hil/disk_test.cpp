@@ -4,10 +4,10 @@
 #include <csignal>
 #include <string>
 
-#include "tests/hil/bench.hpp"
+#include "tests/hil/line_watcher.hpp"
 #include "tests/hil/raw_host.hpp"
-#include "tests/hil/watch.hpp"
-// CppUTest redefines new; its headers come last.
+#include "tests/hil/rig_fixture.hpp"
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe::hil;
@@ -21,29 +21,29 @@ namespace {
 const char* const kSmallDisk =
     "exec unshare -m sh -c 'mount -t tmpfs -o size=300k none \"$5\" || exit 77; exec \"$@\"' sh \"$@\"";
 
-BenchOptions small_disk() {
-  BenchOptions options;
+RigFixtureOptions small_disk() {
+  RigFixtureOptions options;
   options.shell = kSmallDisk;
   options.rig_edits = kShortExposure;
   return options;
 }
 
 /// A folder as strobed sees it.
-std::filesystem::path seen_by_strobed(Bench& bench, const std::filesystem::path& path) {
+std::filesystem::path seen_by_strobed(RigFixture& bench, const std::filesystem::path& path) {
   return "/proc/" + std::to_string(bench.worker()) + "/root" + path.string();
 }
 
-void enlarge_disk(Bench& bench) {
-  const auto done = strobe::testing::run_to_end({{"nsenter", "-t", std::to_string(bench.worker()), "-m",
-                                                  "mount", "-o", "remount,size=16m", bench.session()},
-                                                 {},
-                                                 {},
-                                                 {}},
-                                                5s);
+void enlarge_disk(RigFixture& bench) {
+  const auto done = strobe::testing::run_process({{"nsenter", "-t", std::to_string(bench.worker()), "-m",
+                                                   "mount", "-o", "remount,size=16m", bench.session()},
+                                                  {},
+                                                  {},
+                                                  {}},
+                                                 5s);
   CHECK_TEXT(done.status == ExitStatus({0, 0}), done.err.c_str());
 }
 
-Command fire_elsewhere(Bench& bench, const std::string& wait_s) {
+Command fire_elsewhere(RigFixture& bench, const std::string& wait_s) {
   return bench.strobe({"fire", "--shots", "1", "--retries", std::to_string(kRetries), "--wait", wait_s,
                        "--session", bench.folder() / "host", "--json"});
 }
@@ -63,7 +63,7 @@ void expect_no_token(RawHost& host) {
 TEST_GROUP(Disk){};
 
 TEST(Disk, FullOrTakenAwayItRefusesShotsWithTheReasonAndARunningOneEndsSafely) {
-  Bench bench(small_disk());
+  RigFixture bench(small_disk());
   if (!bench.ready()) {
     // Without the right to mount there is no disk of its own to fill.
     if (bench.sim().wait(0ms) == ExitStatus({77, 0})) return;
@@ -74,16 +74,16 @@ TEST(Disk, FullOrTakenAwayItRefusesShotsWithTheReasonAndARunningOneEndsSafely) {
   CHECK_FALSE(host.status().journal_ok);
   STRCMP_CONTAINS("no room for another shot: No space left on device", host.status().message.c_str());
   expect_no_token(host);
-  const auto refused = strobe::testing::run_to_end(fire_elsewhere(bench, "0.7"), 20s);
+  const auto refused = strobe::testing::run_process(fire_elsewhere(bench, "0.7"), 20s);
   CHECK(refused.status == ExitStatus({1, 0}));
   STRCMP_CONTAINS("no room for another shot", refused.err.c_str());
 
   enlarge_disk(bench);
   CHECK(host.wait([&] { return host.status().journal_ok != 0; }, 10s));
-  const auto fired = strobe::testing::run_to_end(fire_elsewhere(bench, "20"), 60s);
+  const auto fired = strobe::testing::run_process(fire_elsewhere(bench, "20"), 60s);
   CHECK_TEXT(fired.status == ExitStatus({0, 0}), fired.err.c_str());
 
-  LineWatch watch(bench.chip_dir());
+  LineWatcher watch(bench.chip_dir());
   Process last = bench.start(fire_elsewhere(bench, "20"));
   const std::int64_t opened = watch.wait_for("SHUTTER", 1, 20s);
   CHECK(opened != 0);

@@ -8,11 +8,11 @@
 #include <string>
 #include <vector>
 
-#include "tests/bench/timing/witness.hpp"
-#include "tests/hil/bench.hpp"
+#include "tests/benchmarks/timing/freeze_detector.hpp"
+#include "tests/hil/line_watcher.hpp"
 #include "tests/hil/raw_host.hpp"
-#include "tests/hil/watch.hpp"
-// CppUTest redefines new; its headers come last.
+#include "tests/hil/rig_fixture.hpp"
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe::hil;
@@ -24,11 +24,11 @@ namespace {
 constexpr std::int64_t kUs = 1'000, kMs = 1'000'000;
 constexpr std::int64_t kLimitNs = kMs;
 /// Presses of each situation on one bench. Those in a freeze that the witness saw do not count, nor do shots
-/// that one spoilt before. One in time must be left, and none may be late: else all is tried on another
+/// that one rejected before. One in time must be left, and none may be late: else all is tried on another
 /// bench, since a freeze of less than the witness notices may have come between; so often at most.
 constexpr int kPresses = 3;
 constexpr int kAttempts = 4;
-constexpr int kWitnessPriority = 70;  // below the loop's
+constexpr int kDetectorPriority = 70;  // below the loop's
 
 void busy_wait(std::int64_t until_ns) {
   while (monotonic_now_ns() < until_ns) continue;
@@ -38,10 +38,10 @@ struct Situation {
   const char* name;
   bool fast_train;
   /// Gives the instant at which to press, having waited for what comes before it; 0: it never came.
-  std::function<std::int64_t(LineWatch&)> instant;
+  std::function<std::int64_t(LineWatcher&)> instant;
 };
 
-std::int64_t flash(LineWatch& watch, int n) { return watch.wait_for_nth("STROBE_A", 1, n, 3s); }
+std::int64_t flash(LineWatcher& watch, int n) { return watch.wait_for_nth("STROBE_A", 1, n, 3s); }
 std::int64_t after(std::int64_t event_ns, std::int64_t later_ns) {
   return event_ns == 0 ? 0 : event_ns + later_ns;
 }
@@ -50,18 +50,19 @@ std::int64_t after(std::int64_t event_ns, std::int64_t later_ns) {
 const std::vector<Situation>& situations() {
   static const std::vector<Situation> all{
       {"asleep, shutter open, before the first flash", false,
-       [](LineWatch& watch) { return after(watch.wait_for("SHUTTER", 1, 3s), 5 * kMs); }},
+       [](LineWatcher& watch) { return after(watch.wait_for("SHUTTER", 1, 3s), 5 * kMs); }},
       {"asleep between two flashes", false,
-       [](LineWatch& watch) { return after(flash(watch, 5), 1500 * kUs); }},
-      {"spinning before a flash", false, [](LineWatch& watch) { return after(flash(watch, 5), 2900 * kUs); }},
-      {"just before a flash", false, [](LineWatch& watch) { return after(flash(watch, 5), 2995 * kUs); }},
-      {"within a lamp's pulse", false, [](LineWatch& watch) { return after(flash(watch, 5), 3020 * kUs); }},
+       [](LineWatcher& watch) { return after(flash(watch, 5), 1500 * kUs); }},
+      {"spinning before a flash", false,
+       [](LineWatcher& watch) { return after(flash(watch, 5), 2900 * kUs); }},
+      {"just before a flash", false, [](LineWatcher& watch) { return after(flash(watch, 5), 2995 * kUs); }},
+      {"within a lamp's pulse", false, [](LineWatcher& watch) { return after(flash(watch, 5), 3020 * kUs); }},
       {"within the machine's pulse", false,
-       [](LineWatch& watch) { return after(watch.wait_for("TRIGGER", 1, 3s), 8 * kMs); }},
+       [](LineWatcher& watch) { return after(watch.wait_for("TRIGGER", 1, 3s), 8 * kMs); }},
       {"in a fast train of single lamps", true,
-       [](LineWatch& watch) { return after(flash(watch, 20), 777 * kUs); }},
+       [](LineWatcher& watch) { return after(flash(watch, 20), 777 * kUs); }},
       {"closing, after the last flash", false,
-       [](LineWatch& watch) { return after(watch.wait_for("SHUTTER", 0, 3s), 500 * kUs); }},
+       [](LineWatcher& watch) { return after(watch.wait_for("SHUTTER", 0, 3s), 500 * kUs); }},
   };
   return all;
 }
@@ -88,12 +89,12 @@ struct Press {
 };
 
 /// One shot that is stopped; nothing if a freeze had aborted it before.
-Press stop_a_shot(RawHost& host, const Bench& bench, const Situation& situation) {
+Press stop_a_shot(RawHost& host, const RigFixture& bench, const Situation& situation) {
   Press press{&situation};
   const std::int64_t token = host.arm();
   CHECK_TEXT(token != 0, host.status().message.c_str());
   const std::size_t shots = host.shots().size();
-  LineWatch watch(bench.chip_dir());  // sees nothing of the shot before
+  LineWatcher watch(bench.chip_dir());  // sees nothing of the shot before
   host.send(shot(host, token, situation.fast_train));
   const std::int64_t due = situation.instant(watch);
   if (due != 0) {
@@ -119,13 +120,13 @@ struct Session {
 };
 
 Session press_in_all_situations() {
-  BenchOptions options;
+  RigFixtureOptions options;
   options.rig_edits = {{"lag_ms = 310", "lag_ms = 70"}};  // shots that begin soon; nobody looks at the ball
-  Bench bench(options);
+  RigFixture bench(options);
   if (!bench.ready()) FAIL(("strobed did not come up:\n" + bench.log()).c_str());
   RawHost host(bench.lcm_url(), "bench");
   CHECK(host.wait_status());
-  strobe::bench::timing::Witness witness(kWitnessPriority);
+  strobe::bench::timing::FreezeDetector witness(kDetectorPriority);
   std::vector<Press> presses;
   for (int round = 0; round < kPresses; ++round) {
     for (const Situation& situation : situations()) presses.push_back(stop_a_shot(host, bench, situation));

@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "tests/hil/bench.hpp"
+#include "tests/hil/line_watcher.hpp"
+#include "tests/hil/rig_fixture.hpp"
 #include "tests/hil/truth_score.hpp"
-#include "tests/hil/watch.hpp"
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe::hil;
@@ -25,13 +25,13 @@ struct Shot {
 };
 
 struct Outcome {
-  std::vector<Shot>
-      struck;  ///< shots with a fault, but those that a host freeze aborted: they say nothing of it
+  /// Shots with a fault, but those that a host freeze aborted: they say nothing of it.
+  std::vector<Shot> struck;
   int aborted = 0;
 };
 
 /// Faulty exposures come first; a few more in case a host freeze aborts one.
-constexpr int kSpare = 3;
+constexpr int kSpareShots = 3;
 /// On a machine that freezes every second all exposures of a round may be aborted; four rounds are not.
 constexpr std::uint64_t kRounds = 4;
 
@@ -51,9 +51,9 @@ std::string faults_twice(const std::vector<std::pair<std::string, std::string>>&
 }
 
 /// Fires until every faulty exposure, which are the first ones, is through; returns what was read.
-std::vector<nlohmann::json> fire_exposures(Bench& bench, int exposures) {
+std::vector<nlohmann::json> fire_exposures(RigFixture& bench, int exposures) {
   if (!bench.ready()) FAIL(("strobed did not come up:\n" + bench.log()).c_str());
-  strobe::testing::Process fire = bench.start(bench.fire(exposures, exposures + kSpare));
+  strobe::testing::Process fire = bench.start(bench.fire(exposures, exposures + kSpareShots));
   const auto through = [&] {
     return fire.wait(0s) || readouts(fire.out()).size() >= static_cast<std::size_t>(exposures);
   };
@@ -64,8 +64,8 @@ std::vector<nlohmann::json> fire_exposures(Bench& bench, int exposures) {
 }
 
 /// Pairs what was read of every faulty exposure with what was true.
-Outcome fire_once(const BenchOptions& options, int exposures) {
-  Bench bench(options);
+Outcome fire_once(const RigFixtureOptions& options, int exposures) {
+  RigFixture bench(options);
   Outcome outcome;
   std::vector<nlohmann::json> fired = fire_exposures(bench, exposures);
   const std::vector<nlohmann::json> truths = bench.truths();
@@ -89,12 +89,12 @@ bool has_no_rebound(const nlohmann::json& readout) {
 }
 
 /// A freeze between the machine's pulse and the ball's arrival may let it pass unseen.
-bool saw_no_ball(const Shot& shot) { return is_spoilt(shot.readout) && has_no_rebound(shot.readout); }
+bool saw_no_ball(const Shot& shot) { return is_rejected(shot.readout) && has_no_rebound(shot.readout); }
 
 /// Fires it all once more, on another bench, where host freezes left no faulty exposure. unseen: the fault
 /// itself makes the ball unseen; else such exposures say nothing of it either.
 Outcome fire_with(const std::string& faults, int exposures, bool unseen = false) {
-  BenchOptions options;
+  RigFixtureOptions options;
   options.scene_addition = faults;
   options.rig_edits = kShortExposure;  // the faults lie within three flashes of the impact
   Outcome outcome;
@@ -150,7 +150,7 @@ TEST(Fault, ALateFlashIsFlaggedAndItsMeasuredTimeKeepsTheVelocitiesRight) {
   expect_flag(outcome, {"late_flash"});
   expect_no_wrong_number(outcome);
   for (const Shot& each : outcome.struck)
-    CHECK_TEXT(is_spoilt(each.readout) || is_complete(each.readout), each.readout.dump().c_str());
+    CHECK_TEXT(is_rejected(each.readout) || is_complete(each.readout), each.readout.dump().c_str());
 }
 
 TEST(Fault, AMissingFlashIsFlaggedAndMakesNoNumberWrong) {
@@ -185,14 +185,14 @@ TEST(Fault, APhotographThatNeverComesIsSaidWithinASecond) {
   // second more. A busy machine may be late with that: once in five is enough, since the patience itself is
   // 5 s where the file is not heeded.
   constexpr std::int64_t kSaidWithin_ns = 2'000'000'000;
-  BenchOptions options;
+  RigFixtureOptions options;
   options.scene_addition = fault("no_photograph", 0);
   options.rig_edits = {{"photograph_timeout_s = 5", "photograph_timeout_s = 1"}};
-  Bench bench(options);
+  RigFixture bench(options);
   if (!bench.ready()) FAIL(("strobed did not come up:\n" + bench.log()).c_str());
   bool told = false;
   for (int attempt = 0; attempt < 5 && !told; ++attempt) {  // an aborted shot is not waited for
-    LineWatch watch(bench.chip_dir());
+    LineWatcher watch(bench.chip_dir());
     strobe::testing::Process fire = bench.start(bench.fire(1, 0));
     const std::int64_t closed = watch.wait_for("SHUTTER", 0, fire);
     CHECK(fire.wait_for_out("vx_td_mps", 30s));
@@ -212,7 +212,7 @@ TEST(Fault, AFrameThatComesAfterAllIsStillRead) {
   expect_some(outcome);
   expect_no_wrong_number(outcome);
   for (const Shot& each : outcome.struck)
-    CHECK_TEXT(is_spoilt(each.readout) || is_complete(each.readout), each.readout.dump().c_str());
+    CHECK_TEXT(is_rejected(each.readout) || is_complete(each.readout), each.readout.dump().c_str());
 }
 
 TEST(Fault, ADeadSensorOrLampIsFlaggedAndMakesNoNumberWrong) {

@@ -2,16 +2,16 @@
 #include <string>
 #include <vector>
 
-#include "tests/hil/bench.hpp"
+#include "tests/hil/rig_fixture.hpp"
 #include "tests/support/private_network.hpp"
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe::hil;
 using namespace std::chrono_literals;
 using strobe::testing::Command;
 using strobe::testing::ExitStatus;
-using strobe::testing::run_to_end;
+using strobe::testing::run_process;
 
 TEST_GROUP(Install) {
   strobe::testing::TemporaryFolder folder;
@@ -20,7 +20,7 @@ TEST_GROUP(Install) {
 
   void setup() override {
     const auto installed =
-        run_to_end({{STROBE_CMAKE, "--install", STROBE_BUILD_DIR, "--prefix", first}, {}, {}, {}}, 60s);
+        run_process({{STROBE_CMAKE, "--install", STROBE_BUILD_DIR, "--prefix", first}, {}, {}, {}}, 60s);
     CHECK_TEXT(installed.status == ExitStatus({0, 0}), installed.err.c_str());
     std::filesystem::rename(first, moved);
   }
@@ -48,10 +48,10 @@ TEST(Install, HasProgramsLibraryMessagesUnitRigScenesAndData) {
 }
 
 TEST(Install, RunsFromWhereItWasMoved) {
-  const auto scenes = run_to_end({{bin("strobe-sim"), "scenes"}, {}, {}, {}}, 10s);
+  const auto scenes = run_process({{bin("strobe-sim"), "scenes"}, {}, {}, {}}, 10s);
   CHECK_TEXT(scenes.status == ExitStatus({0, 0}), scenes.err.c_str());
   CHECK(scenes.out.find("zero_23") != std::string::npos);
-  const auto predicted = run_to_end(
+  const auto predicted = run_process(
       {{bin("strobe"), "predict", "--vx", "15", "--vy", "-6", "--omega", "0", "--json"}, {}, {}, {}}, 30s);
   CHECK_TEXT(predicted.status == ExitStatus({0, 0}), predicted.err.c_str());
 }
@@ -68,12 +68,12 @@ TEST(Install, FiresAShotFromWhereItWasMoved) {
        {}},
       folder.path());
   CHECK_TEXT(sim.wait_for_err("strobed: ready", 20s), sim.err().c_str());
-  const auto fired = run_to_end({{bin("strobe"), "fire", "--shots", "1", "--retries", "9", "--session",
-                                  session, "--lcm-url", url, "--json"},
-                                 {},
-                                 {},
-                                 {}},
-                                60s);
+  const auto fired = run_process({{bin("strobe"), "fire", "--shots", "1", "--retries", "9", "--session",
+                                   session, "--lcm-url", url, "--json"},
+                                  {},
+                                  {},
+                                  {}},
+                                 60s);
   CHECK_TEXT(fired.status == ExitStatus({0, 0}), fired.err.c_str());
   CHECK(!readouts(fired.out).empty());
 }

@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "tests/hil/bench.hpp"
+#include "tests/hil/line_watcher.hpp"
 #include "tests/hil/raw_host.hpp"
-#include "tests/hil/watch.hpp"
-// CppUTest redefines new; its headers come last.
+#include "tests/hil/rig_fixture.hpp"
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe::hil;
@@ -20,11 +20,11 @@ namespace {
 constexpr std::int64_t kMs = 1'000'000;
 constexpr auto kNothingHappens = 600ms;  ///< a refused shot's trigger would have come after 0.3 s
 
-void expect_ready(Bench& bench) {
+void expect_ready(RigFixture& bench) {
   if (!bench.ready()) FAIL(("strobed did not come up:\n" + bench.log()).c_str());
 }
 
-std::size_t shots_fired(const Bench& bench) { return read_log(bench.journal()).shots.size(); }
+std::size_t shots_fired(const RigFixture& bench) { return read_log(bench.journal()).shots.size(); }
 
 /// A shot whose trigger lies 335 ms after the shutter's line, in the middle of the train.
 strobe_msgs::command_t late_trigger(RawHost& host) {
@@ -38,8 +38,8 @@ strobe_msgs::command_t late_trigger(RawHost& host) {
 
 /// Stops a shot before its trigger's instant; it must end aborted. Where the machine itself stood still
 /// before the first flash, another is fired.
-void stop_in_mid_train(Bench& bench, RawHost& host, const std::function<void(LineWatch&)>& stop) {
-  LineWatch watch(bench.chip_dir());
+void stop_in_mid_train(RigFixture& bench, RawHost& host, const std::function<void(LineWatcher&)>& stop) {
+  LineWatcher watch(bench.chip_dir());
   bool flashed = false;
   for (int attempt = 0; attempt < 5 && !flashed; ++attempt) {
     const std::size_t shots = host.shots().size();
@@ -69,20 +69,20 @@ void expect_untouched(const LineChanges& changes, const Span& span, const std::v
 TEST_GROUP(Interlock){};
 
 TEST(Interlock, FiresTheMachineOnceAShotWhenAllIsWellAndElseRefusesInWords) {
-  Bench bench;
+  RigFixture bench;
   expect_ready(bench);
-  const auto fired = strobe::testing::run_to_end(bench.fire(1, kRetries), 60s);
+  const auto fired = strobe::testing::run_process(bench.fire(1, kRetries), 60s);
   CHECK_TEXT(fired.status == ExitStatus({0, 0}), fired.err.c_str());
   const std::size_t live = shots_fired(bench);
   const std::int64_t dry_from = monotonic_now_ns();
-  const auto dry = strobe::testing::run_to_end(bench.fire(1, kRetries, {"--dry"}), 60s);
+  const auto dry = strobe::testing::run_process(bench.fire(1, kRetries, {"--dry"}), 60s);
   CHECK_TEXT(dry.status == ExitStatus({0, 0}), dry.err.c_str());
   const std::size_t all = shots_fired(bench);
   std::vector<Span> refusals;
   for (const auto& [line, word] : {std::pair{"KEY", "key"}, std::pair{"ESTOP", "stop"}}) {
     Span refused{line};
     bench.drive(std::string(line) + "=0");
-    const auto tried = strobe::testing::run_to_end(bench.fire(1, 0, {"--wait", "1"}), 30s);
+    const auto tried = strobe::testing::run_process(bench.fire(1, 0, {"--wait", "1"}), 30s);
     CHECK_TEXT(tried.status == ExitStatus({1, 0}), tried.err.c_str());
     CHECK_TEXT(tried.err.find(word) != std::string::npos, tried.err.c_str());
     refused.to_ns = monotonic_now_ns();
@@ -98,9 +98,9 @@ TEST(Interlock, FiresTheMachineOnceAShotWhenAllIsWellAndElseRefusesInWords) {
 }
 
 TEST(Interlock, FiresNoShotWithoutItsTokenNorTwice) {
-  BenchOptions options;
+  RigFixtureOptions options;
   options.rig_edits = {{"expires_s = 30", "expires_s = 1"}};
-  Bench bench(options);
+  RigFixture bench(options);
   expect_ready(bench);
   RawHost host(bench.lcm_url(), "bench");
   CHECK(host.wait_status());
@@ -137,17 +137,17 @@ TEST(Interlock, FiresNoShotWithoutItsTokenNorTwice) {
 }
 
 TEST(Interlock, StopsAShotByKeyEStopAndDisarm) {
-  Bench bench;
+  RigFixture bench;
   expect_ready(bench);
   RawHost host(bench.lcm_url(), "bench");
   CHECK(host.wait_status());
   for (const std::string line : {"KEY", "ESTOP"}) {
-    stop_in_mid_train(bench, host, [&](LineWatch& watch) { watch.drive(line, 0); });
+    stop_in_mid_train(bench, host, [&](LineWatcher& watch) { watch.drive(line, 0); });
     bench.drive(line + "=1");
     CHECK(host.wait([&] { return host.status().key_active && !host.status().estop_active; }, 5s));
   }
   stop_in_mid_train(bench, host,
-                    [&](LineWatch&) { host.send(host.command(strobe_msgs::command_t::DISARM)); });
+                    [&](LineWatcher&) { host.send(host.command(strobe_msgs::command_t::DISARM)); });
   const LineChanges changes = bench.finish();
   LONGS_EQUAL(0, changes.rises("TRIGGER"));
   CHECK(changes.rises("SHUTTER") >= 3 && changes.rises("SHUTTER") <= static_cast<int>(host.shots().size()));

@@ -1,7 +1,7 @@
 #include "tests/hil/line_changes.hpp"
 
 #include "tests/support/temporary_folder.hpp"
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe::hil;

@@ -6,9 +6,9 @@
 #include <set>
 #include <string>
 
-#include "tests/hil/bench.hpp"
 #include "tests/hil/raw_host.hpp"
-// CppUTest redefines new; its headers come last.
+#include "tests/hil/rig_fixture.hpp"
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe::hil;
@@ -19,13 +19,13 @@ using strobe::testing::Process;
 
 namespace {
 
-BenchOptions short_shots() {
-  BenchOptions options;
+RigFixtureOptions short_shots() {
+  RigFixtureOptions options;
   options.rig_edits = kShortExposure;
   return options;
 }
 
-Command logger(const Bench& bench, const std::filesystem::path& log) {
+Command logger(const RigFixture& bench, const std::filesystem::path& log) {
   return {{"lcm-logger", "--quiet", "--lcm-url=" + bench.lcm_url(), log}, {}, {}, {}};
 }
 
@@ -61,7 +61,7 @@ std::string measured(const std::string& out, const std::set<int>& shots) {
   return all;
 }
 
-void expect_ready(Bench& bench) {
+void expect_ready(RigFixture& bench) {
   if (!bench.ready()) FAIL(("strobed did not come up:\n" + bench.log()).c_str());
 }
 
@@ -84,10 +84,10 @@ std::size_t recorded(const std::filesystem::path& log, const std::string& kind) 
 }
 
 /// Fires shots while lcm-logger listens; returns what strobe printed.
-std::string record_session(Bench& bench, int shots, const std::filesystem::path& log) {
+std::string record_session(RigFixture& bench, int shots, const std::filesystem::path& log) {
   Process recorder = bench.start(logger(bench, log));
   CHECK(hears(log));  // the firmware's heartbeat
-  const auto fired = strobe::testing::run_to_end(bench.fire(shots, kRetries), 60s);
+  const auto fired = strobe::testing::run_process(bench.fire(shots, kRetries), 60s);
   CHECK_TEXT(fired.status == ExitStatus({0, 0}), fired.err.c_str());
   const std::size_t sent = readouts(fired.out).size();
   // What its queue has dropped it never writes.
@@ -102,14 +102,14 @@ std::string record_session(Bench& bench, int shots, const std::filesystem::path&
 TEST_GROUP(Log){};
 
 TEST(Log, RecordedAndPlayedBackShowsTheSameNumbers) {
-  Bench bench(short_shots());
+  RigFixture bench(short_shots());
   expect_ready(bench);
   const std::string fired = record_session(bench, 2, bench.folder() / "recorded.lcmlog");
   bench.finish();
   const std::set<int> whole = whole_shots(bench.folder() / "recorded.lcmlog");
   const std::string expected = measured(fired, whole);
   CHECK(!expected.empty());
-  const auto replayed = strobe::testing::run_to_end(
+  const auto replayed = strobe::testing::run_process(
       bench.strobe({"replay", bench.folder() / "recorded.lcmlog", "--json"}), 30s);
   CHECK_TEXT(replayed.status == ExitStatus({0, 0}), replayed.err.c_str());
   STRCMP_EQUAL(expected.c_str(), measured(replayed.out, whole).c_str());
@@ -117,7 +117,7 @@ TEST(Log, RecordedAndPlayedBackShowsTheSameNumbers) {
   Process live = bench.start(bench.strobe({"live", "--json"}));
   CHECK(live.wait_for_err("listening to rig", 20s));
   const auto played =
-      strobe::testing::run_to_end(player(bench.lcm_url(), bench.folder() / "recorded.lcmlog"), 60s);
+      strobe::testing::run_process(player(bench.lcm_url(), bench.folder() / "recorded.lcmlog"), 60s);
   CHECK(played.status == ExitStatus({0, 0}));
   strobe::testing::wait_until([&] { return measured(live.out(), whole).size() >= expected.size(); }, 20s);
   live.signal(SIGINT);
@@ -126,9 +126,9 @@ TEST(Log, RecordedAndPlayedBackShowsTheSameNumbers) {
 }
 
 TEST(Log, OfTheSessionsFolderIsRecomputedToTheSameBytes) {
-  Bench bench(short_shots());
+  RigFixture bench(short_shots());
   expect_ready(bench);
-  const auto fired = strobe::testing::run_to_end(bench.fire(2, kRetries), 60s);
+  const auto fired = strobe::testing::run_process(bench.fire(2, kRetries), 60s);
   CHECK_TEXT(fired.status == ExitStatus({0, 0}), fired.err.c_str());
   bench.finish();
   std::filesystem::path host_log;
@@ -136,13 +136,13 @@ TEST(Log, OfTheSessionsFolderIsRecomputedToTheSameBytes) {
     if (entry.path().filename().string().rfind("host-", 0) == 0) host_log = entry.path();
   }
   CHECK(!host_log.empty());
-  const auto replayed = strobe::testing::run_to_end(bench.strobe({"replay", host_log, "--json"}), 30s);
+  const auto replayed = strobe::testing::run_process(bench.strobe({"replay", host_log, "--json"}), 30s);
   CHECK(replayed.status == ExitStatus({0, 0}));
   STRCMP_EQUAL(readout_lines(fired.out).c_str(), readout_lines(replayed.out).c_str());
 }
 
 TEST(Log, WithCommandsInItNeverFiresARigAgain) {
-  Bench first(short_shots());
+  RigFixture first(short_shots());
   expect_ready(first);
   const std::filesystem::path log = first.folder() / "recorded.lcmlog";
   record_session(first, 1, log);
@@ -153,33 +153,33 @@ TEST(Log, WithCommandsInItNeverFiresARigAgain) {
   CHECK(host.wait_status());
   CHECK(host.arm() != 0);
   const std::int64_t before = strobe::testing::monotonic_now_ns();
-  strobe::testing::run_to_end(player(first.lcm_url(), log), 60s);
+  strobe::testing::run_process(player(first.lcm_url(), log), 60s);
   host.listen(1s);
   const LineChanges changes = first.finish();
   for (const std::string& output : kOutputs) LONGS_EQUAL(0, changes.rises(output, before));
 
   // Another daemon, another boot, armed as well.
-  Bench second(short_shots());
+  RigFixture second(short_shots());
   expect_ready(second);
   RawHost other(second.lcm_url(), "bench");
   CHECK(other.wait_status());
   CHECK(other.arm() != 0);
-  strobe::testing::run_to_end(player(second.lcm_url(), log), 60s);
+  strobe::testing::run_process(player(second.lcm_url(), log), 60s);
   other.listen(1s);
   const LineChanges untouched = second.finish();
   for (const std::string& output : kOutputs) LONGS_EQUAL(0, untouched.rises(output));
 }
 
 TEST(Log, OfAListenerThatJoinsLateHoldsTheShotsBeforeItAndThoseToCome) {
-  Bench bench(short_shots());
+  RigFixture bench(short_shots());
   expect_ready(bench);
-  const auto before = strobe::testing::run_to_end(bench.fire(1, kRetries), 60s);
+  const auto before = strobe::testing::run_process(bench.fire(1, kRetries), 60s);
   CHECK_TEXT(before.status == ExitStatus({0, 0}), before.err.c_str());
   Process live = bench.start(bench.strobe({"live", "--json"}));
   // The journal is asked for what was; whoever measured its photographs sends them again.
   const std::size_t past = readouts(before.out).size();
   CHECK(strobe::testing::wait_until([&] { return readouts(live.out()).size() >= past; }, 8s));
-  const auto fired = strobe::testing::run_to_end(bench.fire(1, kRetries), 60s);
+  const auto fired = strobe::testing::run_process(bench.fire(1, kRetries), 60s);
   CHECK_TEXT(fired.status == ExitStatus({0, 0}), fired.err.c_str());
   const std::vector<nlohmann::json> expected = readouts(fired.out);
   strobe::testing::wait_until([&] { return readouts(live.out()).size() >= past + expected.size(); }, 8s);

@@ -5,7 +5,7 @@
 
 #include "tests/support/private_network.hpp"
 #include "tests/support/temporary_folder.hpp"
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/CommandLineTestRunner.h>
 
 #include <CppUTest/TestHarness.h>

@@ -4,10 +4,10 @@
 #include <filesystem>
 #include <string>
 
-#include "tests/hil/bench.hpp"
+#include "tests/hil/rig_fixture.hpp"
 #include "tests/hil/truth_score.hpp"
 #include "tests/support/json_lines.hpp"
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe::hil;
@@ -17,8 +17,8 @@ using strobe::testing::ExitStatus;
 namespace {
 
 /// A ball of 98 px: quick to render and to measure on a busy machine.
-BenchOptions small_sensor(const std::filesystem::path& photographs) {
-  BenchOptions options;
+RigFixtureOptions small_sensor(const std::filesystem::path& photographs) {
+  RigFixtureOptions options;
   options.scene_addition = "[camera]\npx_per_m = 1500\norigin_x_px = 600\norigin_y_px = 150\n";
   options.rig_edits = kShortExposure;
   options.rig_edits.emplace_back("photograph_timeout_s = 5", "photograph_timeout_s = 60");
@@ -27,7 +27,7 @@ BenchOptions small_sensor(const std::filesystem::path& photographs) {
   return options;
 }
 
-std::filesystem::path host_log(const Bench& bench) {
+std::filesystem::path host_log(const RigFixture& bench) {
   for (const auto& entry : std::filesystem::directory_iterator(bench.session())) {
     if (entry.path().filename().string().rfind("host-", 0) == 0) return entry.path();
   }
@@ -58,7 +58,7 @@ TEST_GROUP(Photographs){};
 TEST(Photographs, AreReadOutAsTheyArriveAndAJunkFileStopsNothing) {
   const strobe::testing::TemporaryFolder camera;
   strobe::testing::write_text(camera / "old.tif", "of another day");
-  Bench bench(small_sensor(camera.path()));
+  RigFixture bench(small_sensor(camera.path()));
   if (!bench.ready()) FAIL(("strobed did not come up:\n" + bench.log()).c_str());
   auto fire = bench.start(bench.fire(2, kRetries, {"--photographs", camera.path(), "--effort", "fast"}));
   CHECK(fire.wait_for_err("photographs from", 20s));
@@ -72,7 +72,7 @@ TEST(Photographs, AreReadOutAsTheyArriveAndAJunkFileStopsNothing) {
 
   int good = 0;
   for (const auto& readout : readouts(printed)) {
-    if (is_spoilt(readout) || !is_complete(readout)) continue;
+    if (is_rejected(readout) || !is_complete(readout)) continue;
     for (const auto& truth : bench.truths()) {
       if (truth.at("shot_id") != readout.at("shot_id")) continue;
       ++good;
@@ -83,7 +83,8 @@ TEST(Photographs, AreReadOutAsTheyArriveAndAJunkFileStopsNothing) {
   CHECK(files_in(bench.session() / "photographs") >= 2);
 
   std::filesystem::remove_all(bench.session() / "photographs");
-  const auto replayed = strobe::testing::run_to_end(bench.strobe({"replay", host_log(bench), "--json"}), 30s);
+  const auto replayed =
+      strobe::testing::run_process(bench.strobe({"replay", host_log(bench), "--json"}), 30s);
   CHECK_TEXT(replayed.status == ExitStatus({0, 0}), replayed.err.c_str());
   STRCMP_EQUAL(readout_lines(printed).c_str(), readout_lines(replayed.out).c_str());
 }

@@ -2,10 +2,10 @@
 #include <csignal>
 #include <string>
 
-#include "tests/hil/bench.hpp"
 #include "tests/hil/raw_host.hpp"
+#include "tests/hil/rig_fixture.hpp"
 #include "tests/support/json_lines.hpp"
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe::hil;
@@ -15,15 +15,15 @@ using strobe::testing::ExitStatus;
 TEST_GROUP(Session){};
 
 TEST(Session, AnOrdinaryUserFiresWithAWarning) {
-  BenchOptions options;
-  options.rights = strobe::testing::Rights::ordinary;
+  RigFixtureOptions options;
+  options.rights = strobe::testing::Privileges::ordinary;
   options.rig_edits = kShortExposure;
-  Bench bench(options);
+  RigFixture bench(options);
   if (!bench.ready()) FAIL(("strobed did not come up:\n" + bench.log()).c_str());
   CHECK_TEXT(bench.log().find("warn") != std::string::npos, bench.log().c_str());
   strobe::testing::Command fire = bench.fire(1, kRetries);
-  fire.rights = strobe::testing::Rights::ordinary;
-  const auto fired = strobe::testing::run_to_end(fire, 60s);
+  fire.rights = strobe::testing::Privileges::ordinary;
+  const auto fired = strobe::testing::run_process(fire, 60s);
   CHECK(!readouts(fired.out).empty());
   if (fired.status == ExitStatus({0, 0})) return;
   // Without its rights a busy machine spoils shots: then each must say so.
@@ -32,19 +32,19 @@ TEST(Session, AnOrdinaryUserFiresWithAWarning) {
 }
 
 TEST(Session, WithoutRealTimeRightsStrobedRefusesUnlessToldOtherwise) {
-  BenchOptions options;
-  options.rights = strobe::testing::Rights::ordinary;
+  RigFixtureOptions options;
+  options.rights = strobe::testing::Privileges::ordinary;
   options.shell = "\"$1\" --config \"$3\" --session \"$5\" --lcm-url \"$7\"";
-  Bench bench(options);
+  RigFixture bench(options);
   CHECK(bench.sim().wait(20s) == ExitStatus({2, 0}));
   CHECK_TEXT(bench.log().find("--allow-no-rt") != std::string::npos, bench.log().c_str());
 }
 
 TEST(Session, FolderHoldsAllThatIsNeededToRecomputeIt) {
-  Bench bench;
+  RigFixture bench;
   if (!bench.ready()) FAIL(("strobed did not come up:\n" + bench.log()).c_str());
   const auto fired =
-      strobe::testing::run_to_end(bench.fire(2, kRetries, {"--note", "remarks=two shots"}), 60s);
+      strobe::testing::run_process(bench.fire(2, kRetries, {"--note", "remarks=two shots"}), 60s);
   CHECK_TEXT(fired.status == ExitStatus({0, 0}), fired.err.c_str());
   bench.finish();
   CHECK(std::filesystem::exists(bench.session() / "rig.toml"));
@@ -63,10 +63,10 @@ TEST(Session, FolderHoldsAllThatIsNeededToRecomputeIt) {
 }
 
 TEST(Session, ShotNumbersGoOnInTheSameFolder) {
-  Bench bench;
+  RigFixture bench;
   if (!bench.ready()) FAIL(("strobed did not come up:\n" + bench.log()).c_str());
-  strobe::testing::run_to_end(bench.fire(1, 0), 60s);
-  strobe::testing::run_to_end(bench.fire(1, 0), 60s);
+  strobe::testing::run_process(bench.fire(1, 0), 60s);
+  strobe::testing::run_process(bench.fire(1, 0), 60s);
   const LogContents journal = read_log(bench.journal());
   LONGS_EQUAL(2, journal.shots.size());
   LONGS_EQUAL(1, journal.shots[0].shot_id);
@@ -74,18 +74,18 @@ TEST(Session, ShotNumbersGoOnInTheSameFolder) {
 }
 
 TEST(Session, StartsAgainBesideTheOldJournalAndGoesOnCounting) {
-  BenchOptions options;
+  RigFixtureOptions options;
   options.shell = "\"$@\"; \"$@\"";  // strobed again once it was ended
-  Bench bench(options);
+  RigFixture bench(options);
   if (!bench.ready()) FAIL(("strobed did not come up:\n" + bench.log()).c_str());
-  strobe::testing::run_to_end(bench.fire(1, 0), 60s);
+  strobe::testing::run_process(bench.fire(1, 0), 60s);
   const std::filesystem::path old_journal = bench.journal();
   const pid_t guardian = bench.guardian();
   kill(guardian, SIGTERM);
   CHECK(
       strobe::testing::wait_until([&] { return bench.guardian() != guardian && bench.worker() != 0; }, 10s));
   CHECK(strobe::testing::wait_until([&] { return bench.journal() != old_journal; }, 10s));
-  strobe::testing::run_to_end(bench.fire(1, 0), 60s);
+  strobe::testing::run_process(bench.fire(1, 0), 60s);
   const LogContents journal = read_log(bench.journal());
   LONGS_EQUAL(1, journal.shots.size());
   LONGS_EQUAL(2, journal.shots[0].shot_id);

@@ -7,12 +7,12 @@
 #include "common/authentication/seal.hpp"
 #include "common/messages/channels.hpp"
 #include "firmware/publisher/command_feed.hpp"
-#include "host/session/link.hpp"
-#include "tests/hil/bench.hpp"
+#include "host/messages/lcm_link.hpp"
 #include "tests/hil/flooder.hpp"
 #include "tests/hil/raw_host.hpp"
+#include "tests/hil/rig_fixture.hpp"
 #include "tests/support/private_network.hpp"
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe;
@@ -42,7 +42,7 @@ std::int64_t rejected_by(const strobe_msgs::status_t& status) {
 TEST_GROUP(Stranger){};
 
 TEST(Stranger, IsNeverObeyedAndAnsweredOnlyInTheCounts) {
-  Bench bench;
+  RigFixture bench;
   CHECK_TEXT(bench.ready(), bench.log().c_str());
   RawHost host(bench.lcm_url(), "bench");
   CHECK(host.wait_status());
@@ -92,7 +92,7 @@ TEST(Stranger, IsNeverObeyedAndAnsweredOnlyInTheCounts) {
 
   const auto key = authentication::make_key_file(bench.folder() / "another.key").value();
   const auto fired =
-      strobe::testing::run_to_end(bench.fire(1, 0, {"--key-file", key.path, "--wait", "2"}), 30s);
+      strobe::testing::run_process(bench.fire(1, 0, {"--key-file", key.path, "--wait", "2"}), 30s);
   CHECK_TEXT(fired.status == strobe::testing::ExitStatus({1, 0}), fired.err.c_str());
   CHECK_TEXT(fired.err.find("another key") != std::string::npos, fired.err.c_str());
   CHECK_TEXT(fired.err.find(key.key.fingerprint()) != std::string::npos, fired.err.c_str());
@@ -105,9 +105,9 @@ TEST(Stranger, IsNeverObeyedAndAnsweredOnlyInTheCounts) {
 }
 
 TEST(Stranger, WhoFloodsTheBusDuringAShotCostsNoEvent) {
-  BenchOptions options;
+  RigFixtureOptions options;
   options.rig_edits = kShortExposure;
-  Bench bench(options);
+  RigFixture bench(options);
   CHECK_TEXT(bench.ready(), bench.log().c_str());
   RawHost host(bench.lcm_url(), "bench");
   CHECK(host.wait_status());
@@ -218,14 +218,16 @@ TEST(CommandFeed, IsNotHarmedByDatagramsThatHarmLcm) {
   LONGS_EQUAL(1, oversized);  // the one that begins a larger message
 }
 
-TEST_GROUP(Link) {
+TEST_GROUP(LcmLink) {
   const std::string url = strobe::testing::private_lcm_url();
   std::vector<std::pair<std::string, Bytes>> received;
-  std::unique_ptr<host::Link> link =
-      host::Link::open(url, "bench", [this](const std::string& channel, const void* data, std::size_t size) {
-        const auto* bytes = static_cast<const std::uint8_t*>(data);
-        received.emplace_back(channel, Bytes(bytes, bytes + size));
-      }).value();
+  std::unique_ptr<host::LcmLink> link =
+      host::LcmLink::open(url, "bench",
+                          [this](const std::string& channel, const void* data, std::size_t size) {
+                            const auto* bytes = static_cast<const std::uint8_t*>(data);
+                            received.emplace_back(channel, Bytes(bytes, bytes + size));
+                          })
+          .value();
   lcm::LCM lcm{url};
 
   void send(const std::string& channel, const Bytes& message) {
@@ -237,7 +239,7 @@ TEST_GROUP(Link) {
   }
 };
 
-TEST(Link, TakesInWhatLcmSendsSmallAndInParts) {
+TEST(LcmLink, TakesInWhatLcmSendsSmallAndInParts) {
   Bytes large(200'000);
   for (std::size_t i = 0; i < large.size(); ++i) large[i] = static_cast<std::uint8_t>(i * i >> 3);
   send("STROBE/bench/EVENT", {1, 2, 3});
@@ -249,7 +251,7 @@ TEST(Link, TakesInWhatLcmSendsSmallAndInParts) {
   CHECK(received[2].second.empty());
 }
 
-TEST(Link, TakesInNeitherCommandsNorOtherRigs) {
+TEST(LcmLink, TakesInNeitherCommandsNorOtherRigs) {
   send("STROBE/bench/COMMAND", {1});
   send("STROBE/bench2/EVENT", {2});
   send("STROBE/benc/EVENT", {3});

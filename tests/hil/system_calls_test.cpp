@@ -11,11 +11,11 @@
 #include <string>
 #include <vector>
 
-#include "tests/hil/bench.hpp"
+#include "tests/hil/line_watcher.hpp"
 #include "tests/hil/raw_host.hpp"
-#include "tests/hil/watch.hpp"
-#include "tests/support/service_manager.hpp"
-// CppUTest redefines new; its headers come last.
+#include "tests/hil/rig_fixture.hpp"
+#include "tests/support/fake_service_manager.hpp"
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe::hil;
@@ -93,10 +93,10 @@ TEST_GROUP(SystemCalls) {
 
   /// Empty if they cannot be traced here; why is printed.
   std::string tracer() const {
-    const auto works = strobe::testing::run_to_end(
+    const auto works = strobe::testing::run_process(
         {{"strace", "-f", "--seccomp-bpf", "-o", "/dev/null", "true"}, {}, {}, {}}, 20s);
     const auto listed =
-        strobe::testing::run_to_end({{"systemd-analyze", "--no-pager", "syscall-filter"}, {}, {}, {}}, 20s);
+        strobe::testing::run_process({{"systemd-analyze", "--no-pager", "syscall-filter"}, {}, {}, {}}, 20s);
     if (works.status != ExitStatus({0, 0}) || listed.status != ExitStatus({0, 0})) {
       std::printf("skipped: no strace, no ptrace(2) or no systemd-analyze here ");
       return "";
@@ -105,7 +105,7 @@ TEST_GROUP(SystemCalls) {
     return tracing_all_but(allowed_by(unit, groups_in(listed.out)), traced);
   }
 
-  static void fire(Bench & bench, RawHost & host, LineWatch & watch) {
+  static void fire(RigFixture & bench, RawHost & host, LineWatcher & watch) {
     CHECK(host.wait_status());
     // A freeze may end a shot before its first flash.
     for (int attempt = 0; attempt < kAttempts; ++attempt) {
@@ -139,8 +139,8 @@ TEST(SystemCalls, ListOfTheUnitLeavesWhatItNames) {
 TEST(SystemCalls, OfAShotAnEmergencyStopAndAllWaysOutAreInTheUnitsList) {
   const std::string trace = tracer();
   if (trace.empty()) return;
-  strobe::testing::ServiceManager manager(folder / "notify");
-  BenchOptions options;
+  strobe::testing::FakeServiceManager manager(folder / "notify");
+  RigFixtureOptions options;
   options.rig_edits = {{"lag_ms = 310", "lag_ms = 70"}};  // shots that begin soon; nobody looks at the ball
   options.environment = {{"NOTIFY_SOCKET", manager.path()}, {"WATCHDOG_USEC", "20000000"}};
   // Stopped in order; started again on a journal with a torn end, where its outputs fail; then as after its
@@ -148,9 +148,9 @@ TEST(SystemCalls, OfAShotAnEmergencyStopAndAllWaysOutAreInTheUnitsList) {
   options.shell = trace + "\"$@\"; for j in \"$5\"/journal-*; do printf torn >>\"$j\"; done; " + trace +
                   "\"$@\" --drill output-failure@1; " + trace + "\"$1\" --safe --config \"$3\"; " + trace +
                   "\"$1\" --check --config \"$3\" --session \"$5\" --lcm-url \"$7\"";
-  Bench bench(options);
+  RigFixture bench(options);
   if (!bench.ready()) FAIL(("strobed did not come up:\n" + bench.log()).c_str());
-  LineWatch watch(bench.chip_dir());
+  LineWatcher watch(bench.chip_dir());
   const pid_t first = bench.guardian();
   {
     RawHost host(bench.lcm_url(), "bench");
@@ -179,6 +179,6 @@ TEST(SystemCalls, OfAShotAnEmergencyStopAndAllWaysOutAreInTheUnitsList) {
 TEST(SystemCalls, OutsideTheListAreNoticed) {
   const std::string trace = tracer();
   if (trace.empty()) return;
-  strobe::testing::run_to_end({{"sh", "-c", trace + "chroot / true"}, {}, {}, {}}, 20s);
+  strobe::testing::run_process({{"sh", "-c", trace + "chroot / true"}, {}, {}, {}}, 20s);
   STRCMP_CONTAINS("chroot(", strobe::testing::read_text(traced).c_str());
 }

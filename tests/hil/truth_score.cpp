@@ -29,7 +29,7 @@ double number_or_nan(const nlohmann::json& object, const std::string& key) {
 
 }  // namespace
 
-bool is_spoilt(const nlohmann::json& readout) {
+bool is_rejected(const nlohmann::json& readout) {
   for (const auto& flag : readout.at("flags")) {
     const std::string name = flag.get<std::string>();
     if (std::find(kSpoiltFlags.begin(), kSpoiltFlags.end(), name) != kSpoiltFlags.end()) return true;

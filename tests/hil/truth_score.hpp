@@ -10,7 +10,7 @@ namespace strobe::hil {
 
 /// Shots that nobody should believe are told by their flags: their numbers are not judged, but they are
 /// counted.
-bool is_spoilt(const nlohmann::json& readout);
+bool is_rejected(const nlohmann::json& readout);
 
 /// Whether every quantity that a rebound always has (all but the court pace) is a number.
 bool is_complete(const nlohmann::json& readout);

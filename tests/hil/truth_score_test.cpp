@@ -3,7 +3,6 @@
 #include <random>
 #include <string>
 
-// CppUTest redefines new; its headers come last.
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe::hil;

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "tests/hil/bench.hpp"
+#include "tests/hil/rig_fixture.hpp"
 #include "tests/hil/truth_score.hpp"
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe::hil;
@@ -17,7 +17,7 @@ namespace {
 
 constexpr int kGoodShots = 2;
 /// The machine's host freezes its cores 1-2 % of the time for 10-170 ms; a shot of 0.6 s in which flashes
-/// come 1.5 ms late is aborted and fired again. One spoilt shot in five is the rule, six in a row is beyond
+/// come 1.5 ms late is aborted and fired again. One rejected shot in five is the rule, six in a row is beyond
 /// one in 10,000.
 constexpr int kSpareShots = 9;
 
@@ -35,21 +35,21 @@ const nlohmann::json* truth_of(const std::vector<nlohmann::json>& truths, int sh
 
 struct Tally {
   TruthScore score;
-  int spoilt = 0;
+  int rejected = 0;
   std::string trouble;
 };
 
 void score_condition(const std::string& condition, std::uint64_t seed, Tally& tally) {
-  BenchOptions options;
+  RigFixtureOptions options;
   options.scene = condition;
   options.seed = seed;
   options.rig_edits = kShortExposure;
-  Bench bench(options);
+  RigFixture bench(options);
   if (!bench.ready()) {
     tally.trouble += fmt::format("\n  {}: strobed did not come up:\n{}", condition, bench.log());
     return;
   }
-  const auto fired = strobe::testing::run_to_end(bench.fire(kGoodShots, kSpareShots), 60s);
+  const auto fired = strobe::testing::run_process(bench.fire(kGoodShots, kSpareShots), 60s);
   if (fired.status != strobe::testing::ExitStatus({0, 0})) {
     tally.trouble += fmt::format("\n  {}: strobe fire did not end well: {}", condition, fired.err);
   }
@@ -58,9 +58,9 @@ void score_condition(const std::string& condition, std::uint64_t seed, Tally& ta
     const int shot_id = readout.at("shot_id").get<int>();
     const std::vector<nlohmann::json> truths = bench.truths();
     const nlohmann::json* truth = truth_of(truths, shot_id);
-    if (is_spoilt(readout) || !is_complete(readout) || truth == nullptr) {
-      ++tally.spoilt;
-      std::printf("%s shot %d is spoilt: %s\n", condition.c_str(), shot_id,
+    if (is_rejected(readout) || !is_complete(readout) || truth == nullptr) {
+      ++tally.rejected;
+      std::printf("%s shot %d is rejected: %s\n", condition.c_str(), shot_id,
                   readout.at("flags").dump().c_str());
       continue;
     }
@@ -78,7 +78,7 @@ TEST(Truth, EveryNumberOfEveryConditionIsRightWithinItsStatedUncertainty) {
   Tally tally;
   std::uint64_t seed = 100;
   for (const std::string& condition : kConditions) score_condition(condition, ++seed, tally);
-  std::printf("%sshots %zu, spoilt %d\n", tally.score.table().c_str(), tally.score.shots(), tally.spoilt);
+  std::printf("%sshots %zu, rejected %d\n", tally.score.table().c_str(), tally.score.shots(), tally.rejected);
   STRCMP_EQUAL("", tally.trouble.c_str());
   // 670 numbers of 16 kinds: the chance of any normal error beyond 4.5 is 0.5 %.
   STRCMP_EQUAL("", tally.score.beyond(4.5).c_str());

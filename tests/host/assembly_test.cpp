@@ -9,9 +9,9 @@
 #include <string>
 
 #include "host/assembly/assemble.hpp"
-#include "host/session/verdict.hpp"
+#include "host/session/rejection.hpp"
 #include "tests/host/synthetic_shot.hpp"
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 namespace {
@@ -67,7 +67,7 @@ double worst_z(const Readout& r, const Bounce& b) {
 }
 
 // Of 8 numbers in some 1,000 shots one beyond 5 sd is expected once in 200 runs; seeds are fixed.
-constexpr double kMostZ = 5.0;
+constexpr double kMaxZ = 5.0;
 
 std::vector<int> flashes_of(const AssembledShot& shot) {
   std::vector<int> flashes;
@@ -98,7 +98,7 @@ TEST(Assembly, ACleanShotGetsItsFlashesAndNoFlag) {
     STRCMP_EQUAL(text_of(made.image_flash).c_str(), text_of(flashes_of(shot)).c_str());
     DOUBLES_EQUAL(0.0, shot.frame.images.front().time_s, 0.0);
     const double z = worst_z(readout(made), bounce);
-    CHECK_TEXT(z < kMostZ, fmt::format("z {}", z).c_str());
+    CHECK_TEXT(z < kMaxZ, fmt::format("z {}", z).c_str());
   }
 }
 
@@ -120,7 +120,7 @@ TEST(Assembly, AnOffsetThatCannotBeToldApartDoesNotMatter) {
   const SyntheticShot made = make_shot(sc);
   const AssembledShot shot = assembled(made);
   STRCMP_EQUAL("", flags_of(shot.flags).c_str());
-  CHECK(worst_z(readout(made), sc.bounce) < kMostZ);
+  CHECK(worst_z(readout(made), sc.bounce) < kMaxZ);
 }
 
 TEST(Assembly, ABallToTheLeftIsMatchedAsWell) {
@@ -130,7 +130,7 @@ TEST(Assembly, ABallToTheLeftIsMatchedAsWell) {
   STRCMP_EQUAL(text_of(made.image_flash).c_str(), text_of(flashes_of(assembled(made))).c_str());
   const Readout r = readout(made);
   CHECK_TRUE(r.mirrored);
-  CHECK(worst_z(r, sc.bounce) < kMostZ);
+  CHECK(worst_z(r, sc.bounce) < kMaxZ);
 }
 
 TEST(Assembly, LegsThatNobodyNamedAreFound) {
@@ -159,7 +159,7 @@ TEST(Assembly, ALateFlashAtAnyPlaceGivesRightNumbersAndIsFlagged) {
       const double z = worst_z(r, sc.bounce);
       const bool told = r.flags.has(Flag::flash_match_ambiguous);
       ambiguous += told;
-      CHECK_TEXT(z < kMostZ || told, fmt::format("{} z {}", place, z).c_str());
+      CHECK_TEXT(z < kMaxZ || told, fmt::format("{} z {}", place, z).c_str());
       CHECK_TEXT(r.flags.has(Flag::late_flash) || told, place.c_str());
     }
   }
@@ -192,7 +192,7 @@ TEST(Assembly, AMissingFlashAtAnyPlaceMakesNoImageAndIsFlagged) {
           fmt::format("flash {} from touchdown, seed {}: {}", offset, seed, flags_of(r.flags));
       CHECK_TEXT(r.flags.has(Flag::missing_flash) || r.flags.has(Flag::flash_match_ambiguous), place.c_str());
       const double z = worst_z(r, sc.bounce);
-      CHECK_TEXT(z < kMostZ || r.flags.has(Flag::flash_match_ambiguous),
+      CHECK_TEXT(z < kMaxZ || r.flags.has(Flag::flash_match_ambiguous),
                  fmt::format("{} z {}", place, z).c_str());
     }
   }
@@ -225,7 +225,7 @@ TEST(Assembly, AnImageThatNobodySawIsADoubleStepNotAMissingFlash) {
       const std::string place =
           fmt::format("flash {} from touchdown, seed {}: {}", offset, seed, flags_of(r.flags));
       const double z = worst_z(r, sc.bounce);
-      CHECK_TEXT(z < kMostZ || r.flags.has(Flag::flash_match_ambiguous),
+      CHECK_TEXT(z < kMaxZ || r.flags.has(Flag::flash_match_ambiguous),
                  fmt::format("{} z {}", place, z).c_str());
       CHECK_FALSE_TEXT(r.flags.has(Flag::missing_flash), place.c_str());
     }
@@ -242,7 +242,7 @@ TEST(Assembly, UnequalIntervalsPinTheOffsetWhateverTheMachineDid) {
     for (int k = 0; k < sc.flash_count; ++k) sc.late_us[k] = lateness_us(generator);
     const SyntheticShot made = make_shot(sc);
     STRCMP_EQUAL(text_of(made.image_flash).c_str(), text_of(flashes_of(assembled(made))).c_str());
-    CHECK(worst_z(readout(made), sc.bounce) < kMostZ);
+    CHECK(worst_z(readout(made), sc.bounce) < kMaxZ);
   }
 }
 
@@ -256,7 +256,7 @@ TEST(Assembly, AGapThatContactDoesNotDecideIsAmbiguous) {
   sc.bounce.dwell_s = 2.4e-3;
   const SyntheticShot made = make_shot(sc);
   const Readout r = readout(made);
-  const bool right = worst_z(r, sc.bounce) < kMostZ;
+  const bool right = worst_z(r, sc.bounce) < kMaxZ;
   CHECK_TRUE(r.flags.has(Flag::flash_match_ambiguous) || right);
 }
 
@@ -265,7 +265,7 @@ TEST(Assembly, ADeadSensorLeavesTheOthersTimes) {
   sc.sensor_a = false;
   const Readout r = readout(make_shot(sc));
   STRCMP_EQUAL("sensor_missing ", flags_of(r.flags).c_str());
-  CHECK(worst_z(r, sc.bounce) < kMostZ);
+  CHECK(worst_z(r, sc.bounce) < kMaxZ);
 }
 
 TEST(Assembly, WithoutAnySensorTheTimesAreSaidToBeUncertain) {
@@ -275,7 +275,7 @@ TEST(Assembly, WithoutAnySensorTheTimesAreSaidToBeUncertain) {
   const AssembledShot shot = assembled(made);
   CHECK_TRUE(shot.flags.has(Flag::sensor_missing));
   DOUBLES_EQUAL(20e-6, *shot.frame.images[2].time_sd_s, 1e-12);
-  CHECK(worst_z(readout(made), sc.bounce) < kMostZ);
+  CHECK(worst_z(readout(made), sc.bounce) < kMaxZ);
 }
 
 TEST(Assembly, NoiseThatIsNotStatedIsFoundFromTheImages) {
@@ -325,7 +325,7 @@ TEST(Assembly, AnAbortedShotThatStillShowsTheBallIsComputedAndFlagged) {
   made.shot.abort_reason = "the e-stop was pressed";
   const Readout r = readout(made);
   CHECK_TRUE(r.flags.has(Flag::shot_aborted));
-  CHECK(worst_z(r, sc.bounce) < kMostZ);
+  CHECK(worst_z(r, sc.bounce) < kMaxZ);
 }
 
 TEST(Assembly, EventsLostBeforeTheJournalAreFlagged) {
@@ -374,7 +374,7 @@ TEST(AssemblyOverManyShots, RandomFaultsNeverGiveAWrongNumberThatNoFlagTellsOf) 
       continue;
     }
     const double z = worst_z(r, sc.bounce);
-    CHECK_TEXT(z < kMostZ || r.flags.has(Flag::too_few_images) || r.flags.has(Flag::outlier_image),
+    CHECK_TEXT(z < kMaxZ || r.flags.has(Flag::too_few_images) || r.flags.has(Flag::outlier_image),
                fmt::format("shot {} (noise {} mm): z {}, {}", i, sc.noise_mm, z, flags_of(r.flags)).c_str());
   }
   // The flag must stay the exception, or every shot would be fired again.

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "tests/host/heartbeats.hpp"
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe::host;
@@ -16,8 +16,8 @@ using strobe::host_test::Heartbeats;
 
 namespace {
 
-std::vector<ClockPoint> points_of(Heartbeats& beats, int heard) {
-  std::vector<ClockPoint> points;
+std::vector<ClockSample> points_of(Heartbeats& beats, int heard) {
+  std::vector<ClockSample> points;
   const std::int64_t origin_ns = beats.device_ns(), ahead_ns = beats.local_offset_ns;
   while (static_cast<int>(points.size()) < heard) {
     if (const auto beat = beats.next())
@@ -38,8 +38,8 @@ Heartbeats any_heartbeats() {
 }
 
 bool is_covariance(const ClockEstimate& e) {
-  return std::isfinite(e.ahead_s) && std::isfinite(e.drift) && e.ahead_var_s2 > 0.0 && e.drift_var > 0.0 &&
-         e.covariance_s * e.covariance_s <= e.ahead_var_s2 * e.drift_var * (1.0 + 1e-9);
+  return std::isfinite(e.offset_s) && std::isfinite(e.drift) && e.offset_var_s2 > 0.0 && e.drift_var > 0.0 &&
+         e.covariance_s * e.covariance_s <= e.offset_var_s2 * e.drift_var * (1.0 + 1e-9);
 }
 
 }  // namespace
@@ -47,15 +47,15 @@ bool is_covariance(const ClockEstimate& e) {
 TEST_GROUP(ClockEstimate){};
 
 TEST(ClockEstimate, NeedsThreeMessagesOfTwoInstants) {
-  const std::vector<ClockPoint> points{{0.0, 1e-4}, {0.5, 1e-4}, {1.0, 1e-4}};
+  const std::vector<ClockSample> points{{0.0, 1e-4}, {0.5, 1e-4}, {1.0, 1e-4}};
   CHECK_FALSE(estimate_clock(std::span(points).first(2)).has_value());
   CHECK(estimate_clock(points).has_value());
-  const std::vector<ClockPoint> together(5, ClockPoint{2.0, 1e-4});
+  const std::vector<ClockSample> together(5, ClockSample{2.0, 1e-4});
   CHECK_FALSE(estimate_clock(together).has_value());
 }
 
 TEST(ClockEstimate, IsFiniteForNumbersThatNoClockGives) {
-  std::vector<ClockPoint> points{{0.0, 0.0}, {0.5, 1e3}, {1.0, -1e3}, {1e6, 5.0}, {1e6 + 1e-9, -1e9}};
+  std::vector<ClockSample> points{{0.0, 0.0}, {0.5, 1e3}, {1.0, -1e3}, {1e6, 5.0}, {1e6 + 1e-9, -1e9}};
   for (std::size_t n = 3; n <= points.size(); ++n) {
     const auto estimate = estimate_clock(std::span(points).first(n));
     CHECK(!estimate || is_covariance(*estimate));
@@ -68,8 +68,8 @@ TEST(ClockEstimate, KnowsLessTheLongerAgoTheLastMessageIs) {
   CHECK(now.has_value());
   const ClockEstimate later = now->at(now->at_s + 60.0);
   CHECK(is_covariance(later));
-  CHECK(later.ahead_var_s2 > now->ahead_var_s2 && later.drift_var > now->drift_var);
-  DOUBLES_EQUAL(now->ahead_s + 60.0 * now->drift, later.ahead_s, 1e-12);
+  CHECK(later.offset_var_s2 > now->offset_var_s2 && later.drift_var > now->drift_var);
+  DOUBLES_EQUAL(now->offset_s + 60.0 * now->drift, later.offset_s, 1e-12);
 }
 
 TEST(ClockEstimate, HoldsTheTruthWithinItsSdsForAnyDelays) {
@@ -79,10 +79,10 @@ TEST(ClockEstimate, HoldsTheTruthWithinItsSdsForAnyDelays) {
     const auto estimate = estimate_clock(points_of(beats, *rc::gen::inRange(3, 80)));
     RC_ASSERT(estimate.has_value());
     RC_ASSERT(is_covariance(*estimate));
-    const double ahead_s = beats.offset_s() - 1e-9 * static_cast<double>(from_ns) + Heartbeats::kDelay_s;
+    const double offset_s = beats.offset_s() - 1e-9 * static_cast<double>(from_ns) + Heartbeats::kDelay_s;
     // Tails are wider than normal ones while few messages tell the spread of delays: of 6000 errors at up to
     // 80 messages the largest were some 9 sds.
-    RC_ASSERT(std::abs(estimate->ahead_s - ahead_s) < 15.0 * std::sqrt(estimate->ahead_var_s2));
+    RC_ASSERT(std::abs(estimate->offset_s - offset_s) < 15.0 * std::sqrt(estimate->offset_var_s2));
     RC_ASSERT(std::abs(estimate->drift - beats.drift) < 15.0 * std::sqrt(estimate->drift_var));
   }));
 }
@@ -90,16 +90,16 @@ TEST(ClockEstimate, HoldsTheTruthWithinItsSdsForAnyDelays) {
 TEST(ClockEstimate, DoesNotDependOnTheOriginOfTimesAndOffsets) {
   CHECK(rc::check("moved origins move the estimate by as much", [] {
     Heartbeats beats = any_heartbeats();
-    const std::vector<ClockPoint> points = points_of(beats, *rc::gen::inRange(3, 40));
-    const double later_s = *rc::gen::inRange(-1000, 1000), ahead_s = *rc::gen::inRange(-1000, 1000);
-    std::vector<ClockPoint> moved = points;
-    for (ClockPoint& point : moved) point.sent_s += later_s, point.ahead_s += ahead_s;
+    const std::vector<ClockSample> points = points_of(beats, *rc::gen::inRange(3, 40));
+    const double later_s = *rc::gen::inRange(-1000, 1000), offset_s = *rc::gen::inRange(-1000, 1000);
+    std::vector<ClockSample> moved = points;
+    for (ClockSample& point : moved) point.sent_s += later_s, point.offset_s += offset_s;
     const auto here = estimate_clock(points), there = estimate_clock(moved);
     RC_ASSERT(here.has_value() && there.has_value());
     // Moved by 1000 s, instants are rounded to 1e-13 s; stories at the edge of being dropped may differ.
-    const double sd_s = std::sqrt(here->ahead_var_s2);
-    RC_ASSERT(std::abs(there->ahead_s - ahead_s - here->ahead_s) < 0.01 * sd_s);
-    RC_ASSERT(std::abs(std::sqrt(there->ahead_var_s2) - sd_s) < 0.01 * sd_s);
+    const double sd_s = std::sqrt(here->offset_var_s2);
+    RC_ASSERT(std::abs(there->offset_s - offset_s - here->offset_s) < 0.01 * sd_s);
+    RC_ASSERT(std::abs(std::sqrt(there->offset_var_s2) - sd_s) < 0.01 * sd_s);
     RC_ASSERT(std::abs(there->drift - here->drift) < 0.01 * std::sqrt(here->drift_var));
   }));
 }

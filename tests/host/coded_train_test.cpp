@@ -5,11 +5,11 @@
 #include "host/assembly/assemble.hpp"
 #include "host/assembly/flash_match.hpp"
 #include "host/config/shot_plan.hpp"
-#include "host/session/commands.hpp"
+#include "host/messages/command_factory.hpp"
+#include "host/session/rejection.hpp"
 #include "host/session/train_report.hpp"
-#include "host/session/verdict.hpp"
 #include "tests/host/synthetic_shot.hpp"
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 namespace {
@@ -129,7 +129,7 @@ TEST(CodedPhotograph, OfAnEvenTrainLeavesOpenWhichFlashesMadeIt) {
     even.seed = seed;
     const auto shot = assembled(make_shot(even));
     // Of 166 flashes a dozen show the ball: some 150 places are alike.
-    CHECK(shot.flashes->index_doubt > 0.9);
+    CHECK(shot.flashes->misassignment_probability > 0.9);
     CHECK_FALSE(shot.flashes->coded || shot.flags.has(reduction::Flag::flash_index_ambiguous));
     CHECK_FALSE(shot.flags.has(reduction::Flag::flash_match_ambiguous));  // its numbers do not depend on it
   }
@@ -148,7 +148,7 @@ TEST(CodedPhotograph, OfACodedTrainTellsItsFlashes) {
     const SyntheticShot made = make_shot(coded);
     const auto shot = assembled(made);
     CHECK(flashes_of(shot) == made.image_flash);
-    CHECK(shot.flashes->index_doubt < 1e-3);
+    CHECK(shot.flashes->misassignment_probability < 1e-3);
     CHECK(shot.flashes->first == made.image_flash.front() && shot.flashes->last == made.image_flash.back());
     CHECK_FALSE(shot.flags.has(reduction::Flag::flash_index_ambiguous));
   }
@@ -160,8 +160,8 @@ TEST(CodedPhotograph, OfACodeThatRepeatsWithinThePhotographIsFlaggedAndCounts) {
   const SyntheticShot made = make_shot(coded);
   const auto result = host::shot_readout(made.shot, made.frame, settings).readout;
   CHECK(result.flags.has(reduction::Flag::flash_index_ambiguous));
-  CHECK(result.flashes->coded && result.flashes->index_doubt > host::kMostIndexDoubt);
-  CHECK_FALSE(host::spoilt_by(result).has_value());
+  CHECK(result.flashes->coded && result.flashes->misassignment_probability > host::kMaxIndexDoubt);
+  CHECK_FALSE(host::rejection_reason(result).has_value());
 }
 
 TEST(CodedPhotograph, IsToldAlsoWhereTheMachineWasFarOffItsLag) {

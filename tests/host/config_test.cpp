@@ -5,7 +5,7 @@
 #include "host/config/notes.hpp"
 #include "host/config/rig_file.hpp"
 #include "host/config/shot_plan.hpp"
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe;
@@ -179,7 +179,7 @@ TEST(CameraTable, AScaleAloneLeavesThePhotographAsItIs) {
   const auto settings = host::digitize_settings(
       *read_rig("rig = \"b\"\n[analysis]\npx_per_m = 500\n[camera]\npx_per_m = 1000\n", "rig.toml"), 64, 48);
   DOUBLES_EQUAL(1000, settings->px_per_m, 0);
-  CHECK_TRUE(settings->map.is_plain());
+  CHECK_TRUE(settings->map.is_uncalibrated());
   DOUBLES_EQUAL(47, settings->map.to_plane({0, 0}).y, 0);
 }
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "tests/host/heartbeats.hpp"
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe::host;
@@ -102,13 +102,13 @@ TEST(DeviceClock, StandsOnTheFastestMessageUntilThereAreEnough) {
 // The rms of n standard normal numbers is 1 ± 1/sqrt(2n): with 100 pairs of clocks ± 0.071. Sds that are true
 // within 15 % then give at most 1.15 + 2.5 * 0.071 = 1.33; errors, which have wider tails than normal ones
 // while the spread of delays is not known well, need no more. The seeds are fixed.
-constexpr double kMostRms = 1.33;
+constexpr double kMaxRms = 1.33;
 constexpr int kPairs = 100;
 
 TEST(DeviceClock, TellsTrueSdsFromTheThirdHeartbeatOnThroughBurstsOfDelay) {
   for (const int heard : {3, 5, 10, 20, 60}) {
     const Asked asked(bursts(0.0), heard, 1000, kPairs);
-    CHECK(asked.drift.rms() < kMostRms && asked.offset.rms() < kMostRms);
+    CHECK(asked.drift.rms() < kMaxRms && asked.offset.rms() < kMaxRms);
     CHECK(asked.drift.rms() > 0.6);
     if (heard >= 10) CHECK(asked.offset.rms() > 0.8);  // before, all may have been late
   }
@@ -117,7 +117,7 @@ TEST(DeviceClock, TellsTrueSdsFromTheThirdHeartbeatOnThroughBurstsOfDelay) {
 TEST(DeviceClock, TellsTrueSdsOfCrystalsThatWander) {
   for (const int heard : {60, 240}) {
     const Asked asked(bursts(0.05e-6), heard, 2000, heard == 60 ? kPairs : kPairs / 2);
-    CHECK(asked.drift.rms() < kMostRms && asked.offset.rms() < kMostRms);
+    CHECK(asked.drift.rms() < kMaxRms && asked.offset.rms() < kMaxRms);
     CHECK(asked.drift.rms() > 0.7 && asked.offset.rms() > 0.8);
   }
 }
@@ -138,7 +138,7 @@ TEST(DeviceClock, IsNotBrokenByALateFirstMessage) {
   beats.extra_delay_s = 0.0;
   play(beats, 60);
   LONGS_EQUAL(62, clock.state().heartbeats);
-  CHECK_EQUAL(0u, clock.take_notices().size());
+  CHECK_EQUAL(0u, clock.take_notifications().size());
   CHECK(std::abs(*clock.state().offset_s - beats.offset_s() - Heartbeats::kDelay_s) < 50e-6);
 }
 
@@ -164,7 +164,7 @@ TEST(DeviceClock, IsNotMovedByABurstOfDelay) {
   DOUBLES_EQUAL(before_s, *clock.state().offset_s, 100e-6);
   CHECK(clock.state().worst_latency_s > 0.19);
   CHECK(std::abs(*clock.state().latency_s) < 0.001);
-  CHECK_EQUAL(0u, clock.take_notices().size());
+  CHECK_EQUAL(0u, clock.take_notifications().size());
 }
 
 TEST(DeviceClock, PassesOverMessagesThatWereOvertaken) {
@@ -184,12 +184,13 @@ TEST(DeviceClock, TellsThatAWallClockWasSetAndGoesOnUnmoved) {
   beats.device_wall_ns += 3600 * kSecond;
   play(beats, 9);
   STRCMP_CONTAINS("the wall clock of the firmware's machine was set by +3600.0 s",
-                  joined(clock.take_notices()).c_str());
+                  joined(clock.take_notifications()).c_str());
   LONGS_EQUAL(109, clock.state().heartbeats);
   CHECK(std::abs(*clock.local_ns(probe_ns) - before_ns) < 100'000);
   clock.on_local({0, 0, 0});
   clock.on_local({kSecond, -7 * kSecond, kSecond});
-  STRCMP_CONTAINS("the wall clock of this machine was set by -8.0 s", joined(clock.take_notices()).c_str());
+  STRCMP_CONTAINS("the wall clock of this machine was set by -8.0 s",
+                  joined(clock.take_notifications()).c_str());
 }
 
 TEST(DeviceClock, BeginsAnewWhenTheFirmwaresMachineWasSuspended) {
@@ -199,10 +200,11 @@ TEST(DeviceClock, BeginsAnewWhenTheFirmwaresMachineWasSuspended) {
   const std::int64_t before_local_ns = *clock.local_ns(before_ns);
   beats.suspend(60.0);
   play(beats, 1);
-  STRCMP_CONTAINS("the firmware's machine was suspended for 60.0 s", joined(clock.take_notices()).c_str());
+  STRCMP_CONTAINS("the firmware's machine was suspended for 60.0 s",
+                  joined(clock.take_notifications()).c_str());
   LONGS_EQUAL(1, clock.state().heartbeats);
-  CHECK(clock.slept_within(before_ns - kSecond, beats.device_ns()));
-  CHECK_FALSE(clock.slept_within(before_ns - 2 * kSecond, before_ns - kSecond));
+  CHECK(clock.suspended_within(before_ns - kSecond, beats.device_ns()));
+  CHECK_FALSE(clock.suspended_within(before_ns - 2 * kSecond, before_ns - kSecond));
   CHECK_EQUAL(before_local_ns, *clock.local_ns(before_ns));  // instants from before are told as before
   CHECK(std::abs(*clock.local_ns(beats.device_ns()) - beats.local_ns()) < 5'000'000);
 }
@@ -212,7 +214,7 @@ TEST(DeviceClock, BeginsAnewWhenThisMachineWasSuspended) {
   play(beats, 100);
   beats.local_offset_ns -= 60 * kSecond;  // its clock stood still: messages come a minute too early
   play(beats, 1);
-  STRCMP_CONTAINS("do not go together any more", joined(clock.take_notices()).c_str());
+  STRCMP_CONTAINS("do not go together any more", joined(clock.take_notifications()).c_str());
   CHECK(std::abs(*clock.local_ns(beats.device_ns()) - beats.local_ns()) < 5'000'000);
 }
 
@@ -221,9 +223,9 @@ TEST(DeviceClock, BeginsAnewWhenAllMessagesComeLateByTheSame) {
   play(beats, 100);
   beats.local_offset_ns += 3 * kSecond;
   play(beats, 7);
-  CHECK_EQUAL(0u, clock.take_notices().size());
+  CHECK_EQUAL(0u, clock.take_notifications().size());
   play(beats, 1);
-  STRCMP_CONTAINS("do not go together any more", joined(clock.take_notices()).c_str());
+  STRCMP_CONTAINS("do not go together any more", joined(clock.take_notifications()).c_str());
   LONGS_EQUAL(8, clock.state().heartbeats);
 }
 
@@ -233,7 +235,7 @@ TEST(DeviceClock, GoesOnWhenTheFirmwareIsStartedAnew) {
   beats.boot_id = 77;
   play(beats, 10);
   LONGS_EQUAL(110, clock.state().heartbeats);
-  CHECK_EQUAL(0u, clock.take_notices().size());
+  CHECK_EQUAL(0u, clock.take_notifications().size());
 }
 
 TEST(DeviceClock, BeginsAnewWhenTheFirmwaresMachineIsStartedAnew) {

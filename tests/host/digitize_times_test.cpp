@@ -1,7 +1,6 @@
 // The flashes' times as the digitizing command reads them.
 #include "host/commands/digitize_times.hpp"
 
-// CppUTest redefines new; its headers come last.
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe::host;

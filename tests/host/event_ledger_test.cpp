@@ -1,11 +1,11 @@
 // Which events are missing, and what is asked for when. Time is virtual.
-#include "host/session/event_ledger.hpp"
+#include "host/messages/event_ledger.hpp"
 
 #include <algorithm>
 #include <array>
 #include <random>
 #include <set>
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 namespace {
@@ -126,7 +126,7 @@ TEST(EventLedgerOfAHost, ALostSummaryIsAskedForFirst) {
   ledger.status(kBoot, 1, 0);
   add(ledger, 1, 5, 0);
   add(ledger, 9, 9, 0);
-  ledger.want_again(kBoot, 9);
+  ledger.request_again(kBoot, 9);
   const auto asks = ledger.due(1000 * kMs);
   LONGS_EQUAL(2, asks.size());
   CHECK_TRUE((asks[0] == SequenceRange{kBoot, 9, 9}));
@@ -162,12 +162,12 @@ TEST(EventLedgerOfAHost, WhatAnEndedBootHoldsIsAskedForToItsEndAndNoFurther) {
   ledger.status(kBoot + 1, 0, 100 * kMs);
   const EndedBoot ended{kBoot, 5};
   ledger.earlier({&ended, 1}, 100 * kMs);
-  CHECK_FALSE(ledger.ended_and_here(kBoot));
+  CHECK_FALSE(ledger.ended_and_complete(kBoot));
   const auto asks = ledger.due(1000 * kMs);
   LONGS_EQUAL(1, asks.size());
   CHECK_TRUE((asks[0] == SequenceRange{kBoot, 4, 5}));
   add(ledger, 4, 5, 1100 * kMs);
-  CHECK_TRUE(ledger.ended_and_here(kBoot));
+  CHECK_TRUE(ledger.ended_and_complete(kBoot));
   CHECK_TRUE(ledger.complete());
   CHECK_TRUE(ledger.due(2000 * kMs).empty());
 }
@@ -202,11 +202,11 @@ TEST(EventLedgerOfAHost, EveryLostSummaryIsRemembered) {
   EventLedger ledger(true);
   ledger.status(kBoot, 9, 0);
   add(ledger, 1, 9, 0);
-  ledger.want_again(kBoot, 4);
-  ledger.want_again(kBoot, 9);
+  ledger.request_again(kBoot, 4);
+  ledger.request_again(kBoot, 9);
   LONGS_EQUAL(2, ledger.due(1000 * kMs).size());
   CHECK_FALSE(ledger.complete());
-  ledger.give_up_again(kBoot, 9);
+  ledger.cancel_request(kBoot, 9);
   ledger.add(kBoot, 4, 1100 * kMs);
   CHECK_TRUE(ledger.complete());
 }
@@ -217,7 +217,7 @@ TEST(EventLedgerOfAHost, ASummaryThatAnEndedBootNeverWroteIsNotAskedForForEver) 
   const EndedBoot ended{kBoot, 1};
   ledger.status(kBoot + 1, 0, 0);
   ledger.earlier({&ended, 1}, 0);
-  ledger.want_again(kBoot, 1);
+  ledger.request_again(kBoot, 1);
   int asks = 0;
   for (std::int64_t now_ns = 1000 * kMs; asks < 100 && !ledger.complete(); now_ns += 300 * kMs)
     asks += static_cast<int>(ledger.due(now_ns).size());

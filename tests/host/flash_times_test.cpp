@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "tests/host/synthetic_shot.hpp"
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 namespace {

@@ -29,7 +29,7 @@ class Heartbeats {
   static constexpr double kJitter_s = 20e-6;
 
   struct Beat {
-    host::MachineClocks device;
+    host::ClockReading device;
     std::int64_t heard_ns = 0;
   };
   /// Half a second later: one more heartbeat, unless it is lost.

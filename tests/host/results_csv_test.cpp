@@ -6,14 +6,14 @@
 
 #include "host/session/csv_file.hpp"
 #include "tests/support/temporary_folder.hpp"
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 namespace {
 
 using namespace strobe;
 using host::CsvFile;
-using host::Outcome;
+using host::ShotResult;
 using testing::read_text;
 using testing::TemporaryFolder;
 using testing::write_text;
@@ -36,28 +36,28 @@ std::vector<std::string> fields(const std::string& line) {
   return result;
 }
 
-std::string field(const Outcome& outcome, const std::string& column) {
+std::string field(const ShotResult& shot_result, const std::string& column) {
   const auto names = fields(host::results_header());
-  const auto values = fields(host::results_line(outcome, "2026-01-31T09:30:00.000Z"));
+  const auto values = fields(host::results_line(shot_result, "2026-01-31T09:30:00.000Z"));
   LONGS_EQUAL(names.size(), values.size());
   const auto at = std::find(names.begin(), names.end(), column);
   CHECK_TRUE_TEXT(at != names.end(), column.c_str());
   return values[static_cast<std::size_t>(at - names.begin())];
 }
 
-Outcome example() {
-  Outcome outcome;
-  outcome.boot_id = 0x2a;
-  outcome.shot_id = 3;
-  outcome.readout.value[reduction::Quantity::e] = 0.1;
-  outcome.readout.sd[reduction::Quantity::e] = 0.002;
-  outcome.readout.method = "best";
-  outcome.readout.flags.set(reduction::Flag::late_flash);
-  outcome.readout.flags.set(reduction::Flag::sensor_missing);
-  outcome.readout.record = {{"remarks", "wet, \"fast\""}, {"angle_deg", "23"}, {"string_tension", "25"}};
-  outcome.readout.flashes = reduction::ShownFlashes{25, 37, 0.001, true};
-  outcome.spoilt = "late";
-  return outcome;
+ShotResult example() {
+  ShotResult shot_result;
+  shot_result.boot_id = 0x2a;
+  shot_result.shot_id = 3;
+  shot_result.readout.value[reduction::Quantity::e] = 0.1;
+  shot_result.readout.sd[reduction::Quantity::e] = 0.002;
+  shot_result.readout.method = "best";
+  shot_result.readout.flags.set(reduction::Flag::late_flash);
+  shot_result.readout.flags.set(reduction::Flag::sensor_missing);
+  shot_result.readout.record = {{"remarks", "wet, \"fast\""}, {"angle_deg", "23"}, {"string_tension", "25"}};
+  shot_result.readout.flashes = reduction::ImagedFlashes{25, 37, 0.001, true};
+  shot_result.rejected = "late";
+  return shot_result;
 }
 
 }  // namespace
@@ -65,22 +65,22 @@ Outcome example() {
 TEST_GROUP(ResultsTable){};
 
 TEST(ResultsTable, ALineHasAFieldForEachColumn) {
-  const Outcome outcome = example();
-  STRCMP_EQUAL("2a", field(outcome, "boot_id").c_str());
-  STRCMP_EQUAL("3", field(outcome, "shot_id").c_str());
-  STRCMP_EQUAL("late", field(outcome, "spoilt").c_str());
-  STRCMP_EQUAL("0.1", field(outcome, "e").c_str());
-  STRCMP_EQUAL("0.002", field(outcome, "sd_e").c_str());
-  STRCMP_EQUAL("", field(outcome, "sd_systematic_e").c_str());
-  STRCMP_EQUAL("", field(outcome, "mu").c_str());
-  STRCMP_EQUAL("late_flash;sensor_missing", field(outcome, "flags").c_str());
-  STRCMP_EQUAL("wet, \"fast\"", field(outcome, "remarks").c_str());
-  STRCMP_EQUAL("23", field(outcome, "angle_deg").c_str());
-  STRCMP_EQUAL("string_tension=25", field(outcome, "other_notes").c_str());
-  STRCMP_EQUAL("25", field(outcome, "first_flash").c_str());
-  STRCMP_EQUAL("37", field(outcome, "last_flash").c_str());
-  STRCMP_EQUAL("0.001", field(outcome, "index_doubt").c_str());
-  STRCMP_EQUAL("", field(Outcome{}, "index_doubt").c_str());
+  const ShotResult shot_result = example();
+  STRCMP_EQUAL("2a", field(shot_result, "boot_id").c_str());
+  STRCMP_EQUAL("3", field(shot_result, "shot_id").c_str());
+  STRCMP_EQUAL("late", field(shot_result, "rejected").c_str());
+  STRCMP_EQUAL("0.1", field(shot_result, "e").c_str());
+  STRCMP_EQUAL("0.002", field(shot_result, "sd_e").c_str());
+  STRCMP_EQUAL("", field(shot_result, "sd_systematic_e").c_str());
+  STRCMP_EQUAL("", field(shot_result, "mu").c_str());
+  STRCMP_EQUAL("late_flash;sensor_missing", field(shot_result, "flags").c_str());
+  STRCMP_EQUAL("wet, \"fast\"", field(shot_result, "remarks").c_str());
+  STRCMP_EQUAL("23", field(shot_result, "angle_deg").c_str());
+  STRCMP_EQUAL("string_tension=25", field(shot_result, "other_notes").c_str());
+  STRCMP_EQUAL("25", field(shot_result, "first_flash").c_str());
+  STRCMP_EQUAL("37", field(shot_result, "last_flash").c_str());
+  STRCMP_EQUAL("0.001", field(shot_result, "misassignment_probability").c_str());
+  STRCMP_EQUAL("", field(ShotResult{}, "misassignment_probability").c_str());
 }
 
 TEST(ResultsTable, ASecondRunAppendsWithoutASecondHeader) {

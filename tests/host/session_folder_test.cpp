@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "tests/support/temporary_folder.hpp"
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 namespace {
@@ -80,8 +80,8 @@ TEST(FolderOfASession, EventsOfEarlierRunsAreNotAskedForAgain) {
     const auto foreign = event_bytes(3);
     (*first)->log("STROBE/other/EVENT", foreign.data(), foreign.size(), 9);
     (*first)->log("STROBE/bench/EVENT", "garbage", 7, 10);
-    auto hostile =
-        event_bytes(3);  // its last field, an empty text with its end, says that it is -1 bytes long
+    // its last field, an empty text with its end, says that it is -1 bytes long
+    auto hostile = event_bytes(3);
     std::fill(hostile.end() - 5, hostile.end() - 1, '\xff');
     (*first)->log("STROBE/bench/EVENT", hostile.data(), hostile.size(), 11);
   }

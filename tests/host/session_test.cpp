@@ -5,14 +5,14 @@
 
 #include "common/messages/json_conversions.hpp"
 #include "tests/host/synthetic_shot.hpp"
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 namespace {
 
 using namespace strobe;
-using host::Outcome;
 using host::Session;
+using host::ShotResult;
 using host_test::make_shot;
 using host_test::SyntheticShot;
 using reduction::Flag;
@@ -53,7 +53,7 @@ struct Bench {
   }
   void shot() { session.on_shot(made.shot, local_ns); }
   void frame() { session.on_frame(made.frame, local_ns); }
-  std::vector<Outcome> outcomes() { return session.take_outcomes(); }
+  std::vector<ShotResult> shot_results() { return session.take_shot_results(); }
 };
 
 event_t ended(std::int32_t shot_id, std::int64_t sequence) {
@@ -66,8 +66,8 @@ event_t ended(std::int32_t shot_id, std::int64_t sequence) {
 }
 
 std::string first_notice(Session& session) {
-  const auto notices = session.take_notices();
-  return notices.empty() ? "" : notices.front();
+  const auto notifications = session.take_notifications();
+  return notifications.empty() ? "" : notifications.front();
 }
 
 }  // namespace
@@ -77,15 +77,15 @@ TEST_GROUP(SessionOfMessages){};
 TEST(SessionOfMessages, ShotAndFrameMakeOneReadout) {
   Bench bench;
   bench.shot();
-  CHECK_TRUE(bench.outcomes().empty());
+  CHECK_TRUE(bench.shot_results().empty());
   LONGS_EQUAL(1, bench.session.waiting_for_photograph());
   bench.frame();
-  const auto outcomes = bench.outcomes();
-  LONGS_EQUAL(1, outcomes.size());
-  CHECK_FALSE(outcomes[0].spoilt.has_value());
-  LONGS_EQUAL(77, outcomes[0].boot_id);
-  LONGS_EQUAL(5, outcomes[0].host_id);
-  CHECK_TRUE(outcomes[0].readout.value[reduction::Quantity::e].has_value());
+  const auto shot_results = bench.shot_results();
+  LONGS_EQUAL(1, shot_results.size());
+  CHECK_FALSE(shot_results[0].rejected.has_value());
+  LONGS_EQUAL(77, shot_results[0].boot_id);
+  LONGS_EQUAL(5, shot_results[0].host_id);
+  CHECK_TRUE(shot_results[0].readout.value[reduction::Quantity::e].has_value());
 }
 
 TEST(SessionOfMessages, TheFrameMayComeBeforeTheShot) {
@@ -93,10 +93,10 @@ TEST(SessionOfMessages, TheFrameMayComeBeforeTheShot) {
   usual.shot();
   usual.frame();
   reversed.frame();
-  CHECK_TRUE(reversed.outcomes().empty());
+  CHECK_TRUE(reversed.shot_results().empty());
   reversed.shot();
-  STRCMP_EQUAL(messages::readout_to_json(usual.outcomes().at(0).readout).c_str(),
-               messages::readout_to_json(reversed.outcomes().at(0).readout).c_str());
+  STRCMP_EQUAL(messages::readout_to_json(usual.shot_results().at(0).readout).c_str(),
+               messages::readout_to_json(reversed.shot_results().at(0).readout).c_str());
 }
 
 TEST(SessionOfMessages, DuplicatesChangeNothing) {
@@ -107,8 +107,8 @@ TEST(SessionOfMessages, DuplicatesChangeNothing) {
   bench.frame();
   bench.shot();
   bench.frame();
-  LONGS_EQUAL(1, bench.outcomes().size());
-  CHECK_TRUE(bench.session.take_notices().empty());
+  LONGS_EQUAL(1, bench.shot_results().size());
+  CHECK_TRUE(bench.session.take_notifications().empty());
 }
 
 TEST(SessionOfMessages, ASecondFrameThatDiffersIsSaidAndDoesNotChangeTheReadout) {
@@ -117,7 +117,7 @@ TEST(SessionOfMessages, ASecondFrameThatDiffersIsSaidAndDoesNotChangeTheReadout)
   bench.frame();
   bench.made.frame.images[0].centre_x_px += 5;
   bench.frame();
-  LONGS_EQUAL(1, bench.outcomes().size());
+  LONGS_EQUAL(1, bench.shot_results().size());
   STRCMP_CONTAINS("second, different frame of shot 1", first_notice(bench.session).c_str());
 }
 
@@ -130,7 +130,7 @@ TEST(SessionOfMessages, AFrameThatDoesNotKnowItsFirmwareGoesToTheNewestShotOfIts
   bench.session.on_shot(other.shot, bench.local_ns);
   bench.made.frame.boot_id = 0;
   bench.frame();
-  LONGS_EQUAL(78, bench.outcomes().at(0).boot_id);
+  LONGS_EQUAL(78, bench.shot_results().at(0).boot_id);
 }
 
 TEST(SessionOfMessages, TheWaitForThePhotographEndsByTheFirmwaresClock) {
@@ -139,31 +139,31 @@ TEST(SessionOfMessages, TheWaitForThePhotographEndsByTheFirmwaresClock) {
   bench.local_ns += 100 * kSecond;  // whatever the host's own clock says, while the firmware is heard
   bench.beat_until(bench.end_ns + 5 * kSecond);
   bench.session.on_time(bench.local_ns);
-  CHECK_TRUE(bench.outcomes().empty());
+  CHECK_TRUE(bench.shot_results().empty());
   bench.status(bench.end_ns + 5 * kSecond + 1);
-  const auto outcomes = bench.outcomes();
-  LONGS_EQUAL(1, outcomes.size());
-  CHECK_TRUE(outcomes[0].readout.flags.has(Flag::no_photograph));
-  CHECK_FALSE(outcomes[0].readout.value[reduction::Quantity::e].has_value());
-  CHECK_TRUE(outcomes[0].spoilt.has_value());
+  const auto shot_results = bench.shot_results();
+  LONGS_EQUAL(1, shot_results.size());
+  CHECK_TRUE(shot_results[0].readout.flags.has(Flag::no_photograph));
+  CHECK_FALSE(shot_results[0].readout.value[reduction::Quantity::e].has_value());
+  CHECK_TRUE(shot_results[0].rejected.has_value());
 }
 
 TEST(SessionOfMessages, ASilentFirmwareDoesNotMakeItWaitForEver) {
   Bench bench;
   bench.shot();
   bench.session.on_time(bench.local_ns + 14 * kSecond);
-  CHECK_TRUE(bench.outcomes().empty());  // 5 s, and the network may have been cut for ten
+  CHECK_TRUE(bench.shot_results().empty());  // 5 s, and the network may have been cut for ten
   bench.session.on_time(bench.local_ns + 16 * kSecond);
-  LONGS_EQUAL(1, bench.outcomes().size());
+  LONGS_EQUAL(1, bench.shot_results().size());
 }
 
 TEST(SessionOfMessages, ALatePhotographIsSaidAndTheReadoutStands) {
   Bench bench;
   bench.shot();
   bench.beat_until(bench.end_ns + 6 * kSecond);
-  LONGS_EQUAL(1, bench.outcomes().size());
+  LONGS_EQUAL(1, bench.shot_results().size());
   bench.frame();
-  CHECK_TRUE(bench.outcomes().empty());
+  CHECK_TRUE(bench.shot_results().empty());
   STRCMP_CONTAINS("photograph of shot 1 came too late", first_notice(bench.session).c_str());
 }
 
@@ -173,35 +173,35 @@ TEST(SessionOfMessages, AShotAbortedBeforeTheTriggerIsDoneAtOnce) {
   bench.made.shot.abort_reason = "key off";
   bench.made.shot.trigger_ns = strobe_msgs::shot_t::NO_TIME;
   bench.shot();
-  const auto outcomes = bench.outcomes();
-  LONGS_EQUAL(1, outcomes.size());
-  CHECK_TRUE(outcomes[0].readout.flags.has(Flag::shot_aborted));
-  STRCMP_CONTAINS("key off", outcomes[0].problem.c_str());
+  const auto shot_results = bench.shot_results();
+  LONGS_EQUAL(1, shot_results.size());
+  CHECK_TRUE(shot_results[0].readout.flags.has(Flag::shot_aborted));
+  STRCMP_CONTAINS("key off", shot_results[0].problem.c_str());
   bench.frame();  // of an empty plate; nothing to say of it
-  CHECK_TRUE(bench.session.take_notices().empty());
+  CHECK_TRUE(bench.session.take_notifications().empty());
 }
 
 TEST(SessionOfMessages, AShotAbortedAfterTheBallWaitsForItsPhotograph) {
   Bench bench;
   bench.made.shot.aborted = true;
   bench.shot();
-  CHECK_TRUE(bench.outcomes().empty());
+  CHECK_TRUE(bench.shot_results().empty());
   bench.frame();
-  const auto outcomes = bench.outcomes();
-  CHECK_TRUE(outcomes[0].readout.flags.has(Flag::shot_aborted));
-  CHECK_TRUE(outcomes[0].readout.value[reduction::Quantity::e].has_value());
-  CHECK_TRUE(outcomes[0].spoilt.has_value());
+  const auto shot_results = bench.shot_results();
+  CHECK_TRUE(shot_results[0].readout.flags.has(Flag::shot_aborted));
+  CHECK_TRUE(shot_results[0].readout.value[reduction::Quantity::e].has_value());
+  CHECK_TRUE(shot_results[0].rejected.has_value());
 }
 
 TEST(SessionOfMessages, ADryShotIsDoneWithoutAPhotograph) {
   Bench bench;
   bench.made.shot.plan.dry = true;
   bench.shot();
-  const auto outcomes = bench.outcomes();
-  LONGS_EQUAL(1, outcomes.size());
-  CHECK_TRUE(outcomes[0].dry);
-  CHECK_FALSE(outcomes[0].spoilt.has_value());
-  LONGS_EQUAL(166, *outcomes[0].train.seen_by_a);
+  const auto shot_results = bench.shot_results();
+  LONGS_EQUAL(1, shot_results.size());
+  CHECK_TRUE(shot_results[0].dry);
+  CHECK_FALSE(shot_results[0].rejected.has_value());
+  LONGS_EQUAL(166, *shot_results[0].train.seen_by_a);
 }
 
 TEST(SessionOfMessages, AShotThatWasOverLongAgoIsNotWaitedForByAPassiveHost) {
@@ -210,7 +210,7 @@ TEST(SessionOfMessages, AShotThatWasOverLongAgoIsNotWaitedForByAPassiveHost) {
   bench.shot();
   LONGS_EQUAL(0, bench.session.waiting_for_photograph());
   bench.beat_until(bench.end_ns + 70 * kSecond);
-  CHECK_TRUE(bench.outcomes().empty());
+  CHECK_TRUE(bench.shot_results().empty());
   STRCMP_CONTAINS("before this session was joined", first_notice(bench.session).c_str());
 }
 
@@ -219,16 +219,16 @@ TEST(SessionOfMessages, AShotThatWasOverLongAgoIsReadOutIfItsPhotographComesAfte
   bench.status(bench.end_ns + 60 * kSecond);
   bench.shot();
   bench.frame();
-  LONGS_EQUAL(1, bench.outcomes().size());
+  LONGS_EQUAL(1, bench.shot_results().size());
 }
 
 TEST(SessionOfMessages, TimeInWhichTheFirmwareWasNotHeardDoesNotCountAsWaiting) {
   Bench bench(5);
   bench.shot();
   bench.status(bench.end_ns + 11 * kSecond);  // after ten seconds of a cut network
-  CHECK_TRUE(bench.outcomes().empty());
+  CHECK_TRUE(bench.shot_results().empty());
   bench.frame();
-  CHECK_FALSE(bench.outcomes().at(0).spoilt.has_value());
+  CHECK_FALSE(bench.shot_results().at(0).rejected.has_value());
 }
 
 TEST(SessionOfMessages, NoNumberIsGivenBeforeAllEventsOfItsShotAreHere) {
@@ -239,11 +239,11 @@ TEST(SessionOfMessages, NoNumberIsGivenBeforeAllEventsOfItsShotAreHere) {
   bench.session.on_event(ended(0, 5), bench.local_ns);
   bench.shot();
   bench.frame();
-  CHECK_TRUE(bench.outcomes().empty());
+  CHECK_TRUE(bench.shot_results().empty());
   bench.session.on_event(ended(0, 4), bench.local_ns);
-  const auto outcomes = bench.outcomes();
-  LONGS_EQUAL(1, outcomes.size());
-  CHECK_FALSE(outcomes[0].readout.flags.has(Flag::events_missing));
+  const auto shot_results = bench.shot_results();
+  LONGS_EQUAL(1, shot_results.size());
+  CHECK_FALSE(shot_results[0].readout.flags.has(Flag::events_missing));
 }
 
 TEST(SessionOfMessages, NumbersOfAShotWhoseEventsNeverComeAreFlagged) {
@@ -253,10 +253,10 @@ TEST(SessionOfMessages, NumbersOfAShotWhoseEventsNeverComeAreFlagged) {
   bench.shot();
   bench.frame();
   bench.beat_until(bench.end_ns + 6 * kSecond);
-  const auto outcomes = bench.outcomes();
-  LONGS_EQUAL(1, outcomes.size());
-  CHECK_TRUE(outcomes[0].readout.flags.has(Flag::events_missing));
-  CHECK_TRUE(outcomes[0].readout.value[reduction::Quantity::e].has_value());
+  const auto shot_results = bench.shot_results();
+  LONGS_EQUAL(1, shot_results.size());
+  CHECK_TRUE(shot_results[0].readout.flags.has(Flag::events_missing));
+  CHECK_TRUE(shot_results[0].readout.value[reduction::Quantity::e].has_value());
 }
 
 TEST(SessionOfMessages, APhotographThatIsLateIsAskedForByItsShot) {
@@ -292,26 +292,26 @@ struct CutOff : Bench {
 TEST(SessionOfMessages, AShotInWhichTheFirmwareDiedIsReportedOnceAllThatWasWrittenIsHere) {
   CutOff bench(5);
   bench.status(bench.end_ns, 78);
-  CHECK_TRUE(bench.outcomes().empty());  // more of it may be in the journal
+  CHECK_TRUE(bench.shot_results().empty());  // more of it may be in the journal
   const host::EndedBoot dead{77, 5};
   bench.session.ledger().earlier({&dead, 1}, bench.local_ns);
   bench.session.on_time(bench.local_ns);
-  CHECK_TRUE(bench.outcomes().empty());
+  CHECK_TRUE(bench.shot_results().empty());
   bench.session.on_event(bench.of_kind(event_t::FLASH, 6, 5, ""), bench.local_ns);
-  const auto outcomes = bench.outcomes();
-  LONGS_EQUAL(1, outcomes.size());
-  LONGS_EQUAL(77, outcomes[0].boot_id);
-  LONGS_EQUAL(6, outcomes[0].shot_id);
-  LONGS_EQUAL(5, outcomes[0].host_id);
-  CHECK_TRUE(outcomes[0].readout.flags.has(Flag::events_missing));
-  CHECK_TRUE(outcomes[0].readout.flags.has(Flag::shot_aborted));
-  CHECK_TRUE(outcomes[0].spoilt.has_value());
-  CHECK_FALSE(outcomes[0].readout.value[reduction::Quantity::e].has_value());
+  const auto shot_results = bench.shot_results();
+  LONGS_EQUAL(1, shot_results.size());
+  LONGS_EQUAL(77, shot_results[0].boot_id);
+  LONGS_EQUAL(6, shot_results[0].shot_id);
+  LONGS_EQUAL(5, shot_results[0].host_id);
+  CHECK_TRUE(shot_results[0].readout.flags.has(Flag::events_missing));
+  CHECK_TRUE(shot_results[0].readout.flags.has(Flag::shot_aborted));
+  CHECK_TRUE(shot_results[0].rejected.has_value());
+  CHECK_FALSE(shot_results[0].readout.value[reduction::Quantity::e].has_value());
   bench.made.frame.boot_id = 77;
   bench.made.frame.shot_id = 6;
   bench.frame();
   bench.session.on_time(bench.local_ns + kSecond);
-  CHECK_TRUE(bench.outcomes().empty());
+  CHECK_TRUE(bench.shot_results().empty());
 }
 
 TEST(SessionOfMessages, ASummaryThatNeverWasWrittenIsGivenUp) {
@@ -325,9 +325,9 @@ TEST(SessionOfMessages, ASummaryThatNeverWasWrittenIsGivenUp) {
     bench.status(bench.end_ns + beat * kSecond / 2, 78);
     bench.session.on_time(bench.local_ns);
   }
-  const auto outcomes = bench.outcomes();
-  LONGS_EQUAL(1, outcomes.size());
-  CHECK_TRUE(outcomes[0].readout.flags.has(Flag::events_missing));
+  const auto shot_results = bench.shot_results();
+  LONGS_EQUAL(1, shot_results.size());
+  CHECK_TRUE(shot_results[0].readout.flags.has(Flag::events_missing));
   CHECK_TRUE(bench.session.ledger().complete());
 }
 
@@ -336,9 +336,9 @@ TEST(SessionOfMessages, TheHostThatFiredItGetsAReadoutHoweverLateTheShotIsHeardO
   bench.status(bench.end_ns + 60 * kSecond);
   bench.shot();
   bench.beat_until(bench.end_ns + 64 * kSecond);
-  CHECK_TRUE(bench.outcomes().empty());  // whoever sends the shot again may send its photograph again
+  CHECK_TRUE(bench.shot_results().empty());  // whoever sends the shot again may send its photograph again
   bench.beat_until(bench.end_ns + 66 * kSecond);
-  LONGS_EQUAL(1, bench.outcomes().size());
+  LONGS_EQUAL(1, bench.shot_results().size());
 }
 
 TEST(SessionOfMessages, TheSummaryOfAShotThatEndedIsAskedForWhenItIsLost) {
@@ -366,10 +366,10 @@ TEST(SessionOfMessages, AShotDuringWhichTheFirmwaresMachineWasSuspendedHasNoTime
   woken.boot_time_ns = woken.mono_ns + 30 * kSecond;  // the heartbeat before had both at the same
   bench.session.on_status(woken, bench.local_ns + 30 * kSecond);
   bench.frame();
-  const auto outcomes = bench.outcomes();
-  LONGS_EQUAL(1, outcomes.size());
-  CHECK_TRUE(outcomes[0].readout.flags.has(Flag::clock_suspect));
-  CHECK_TRUE(outcomes[0].spoilt.has_value());
+  const auto shot_results = bench.shot_results();
+  LONGS_EQUAL(1, shot_results.size());
+  CHECK_TRUE(shot_results[0].readout.flags.has(Flag::clock_suspect));
+  CHECK_TRUE(shot_results[0].rejected.has_value());
 }
 
 TEST(SessionOfMessages, AnotherBootIsSaid) {
@@ -382,5 +382,5 @@ TEST(SessionOfMessages, AtTheEndOfALogWaitingShotsEndWithoutAPhotograph) {
   Bench bench;
   bench.shot();
   bench.session.on_end();
-  CHECK_TRUE(bench.outcomes().at(0).readout.flags.has(Flag::no_photograph));
+  CHECK_TRUE(bench.shot_results().at(0).readout.flags.has(Flag::no_photograph));
 }

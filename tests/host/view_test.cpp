@@ -3,19 +3,19 @@
 #include <limits>
 #include <string>
 
-#include "host/session/verdict.hpp"
+#include "host/session/rejection.hpp"
 #include "host/view/render.hpp"
 #include "host/view/text.hpp"
 #include "host/view/timing.hpp"
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 namespace {
 
 using namespace strobe;
 using host::Model;
-using host::Outcome;
 using host::render;
+using host::ShotResult;
 using reduction::Flag;
 using reduction::Quantity;
 
@@ -38,17 +38,17 @@ std::string row(const std::vector<std::string>& lines, const std::string& words)
   return "";
 }
 
-Outcome example(int id = 4, double vx = 15.6234) {
-  Outcome outcome;
-  outcome.shot_id = id;
-  outcome.readout.shot_id = id;
-  outcome.readout.value[Quantity::vx_td_mps] = vx;
-  outcome.readout.sd[Quantity::vx_td_mps] = 0.0367;
-  outcome.readout.sd_systematic[Quantity::vx_td_mps] = 0.189;
-  outcome.readout.value[Quantity::e] = 0.8359;
-  outcome.readout.sd[Quantity::e] = 0.0024;
-  outcome.readout.regime = reduction::Regime::grips;
-  return outcome;
+ShotResult example(int id = 4, double vx = 15.6234) {
+  ShotResult shot_result;
+  shot_result.shot_id = id;
+  shot_result.readout.shot_id = id;
+  shot_result.readout.value[Quantity::vx_td_mps] = vx;
+  shot_result.readout.sd[Quantity::vx_td_mps] = 0.0367;
+  shot_result.readout.sd_systematic[Quantity::vx_td_mps] = 0.189;
+  shot_result.readout.value[Quantity::e] = 0.8359;
+  shot_result.readout.sd[Quantity::e] = 0.0024;
+  shot_result.readout.regime = reduction::Regime::grips;
+  return shot_result;
 }
 
 strobe_msgs::status_t idle() {
@@ -156,9 +156,9 @@ TEST(ScreenLines, SayWhatIsMissing) {
   STRCMP_EQUAL("", row(render(m, 120), "MISSING").c_str());
   m.status->message = "the key is off";
   STRCMP_EQUAL("MISSING: the key is off", row(render(m, 120), "MISSING").c_str());
-  m.lacking = "another host has armed the rig";
+  m.blocking_reason = "another host has armed the rig";
   STRCMP_EQUAL("MISSING: another host has armed the rig", row(render(m, 120), "MISSING").c_str());
-  m.lacking.clear();
+  m.blocking_reason.clear();
   m.status_age_s = 7;
   STRCMP_CONTAINS("silent for 7 s", row(render(m, 120), "MISSING").c_str());
   m.status.reset();
@@ -177,31 +177,32 @@ TEST(ScreenLines, GiveEveryFlagInWords) {
 
 TEST(ScreenLines, TellWhichFlashesOfACodedTrainShowTheBall) {
   Model m = model();
-  m.last->readout.flashes = reduction::ShownFlashes{25, 37, 0.99, false};
+  m.last->readout.flashes = reduction::ImagedFlashes{25, 37, 0.99, false};
   STRCMP_EQUAL("", row(render(m, 120), "code:").c_str());
-  m.last->readout.flashes = reduction::ShownFlashes{25, 37, 0.000123, true};
+  m.last->readout.flashes = reduction::ImagedFlashes{25, 37, 0.000123, true};
   STRCMP_EQUAL("code: flashes 25 to 37 show the ball; that it was others is 0.012 % probable",
                row(render(m, 120), "code:").c_str());
-  m.last->readout.flashes->index_doubt = 0.0;
+  m.last->readout.flashes->misassignment_probability = 0.0;
   STRCMP_CONTAINS("is less than 0.01 % probable", row(render(m, 120), "code:").c_str());
 }
 
 TEST(ScreenLines, ASpoiltShotWithoutNumbersSaysWhy) {
   Model m = model();
-  m.last = Outcome{};
+  m.last = ShotResult{};
   m.last->shot_id = 9;
   m.last->readout.flags.set(Flag::no_photograph);
-  m.last->spoilt = "the photograph did not come in time";
+  m.last->rejected = "the photograph did not come in time";
   m.last->problem = "no photograph within 5 s";
   const std::string text = joined(render(m, 120));
-  STRCMP_CONTAINS("shot 9   SPOILT", text.c_str());
+  STRCMP_CONTAINS("shot 9   REJECTED", text.c_str());
   STRCMP_CONTAINS("no photograph within 5 s", text.c_str());
   CHECK_TRUE(text.find("vx touchdown") == std::string::npos);
 }
 
 TEST(ScreenLines, FitAnyWidthAndHoldNoEscapeCodes) {
   Model m = model();
-  m.notices = {"a notice with an umlaut ü and much too long a text for a narrow window, cut at its end"};
+  m.notifications = {
+      "a notify with an umlaut ü and much too long a text for a narrow window, cut at its end"};
   m.last->readout.record["remarks"] = "\x1b[31mred";
   for (std::size_t width = 1; width <= 160; ++width) {
     for (const std::string& line : render(m, width)) {
@@ -213,7 +214,7 @@ TEST(ScreenLines, FitAnyWidthAndHoldNoEscapeCodes) {
 }
 
 TEST(ScreenLines, ThesisRowsStandBesideTheSeries) {
-  host::SeriesTable series;
+  host::SeriesStatistics series;
   for (const double vx : {15.0, 16.0}) series.add(example(1, vx).readout);
   thesis::Condition condition;
   condition.spin = "top";
@@ -228,7 +229,7 @@ TEST(ScreenLines, ThesisRowsStandBesideTheSeries) {
 
 TEST(ScreenLines, ADryShotShowsItsTrain) {
   Model m = model();
-  m.last = Outcome{};
+  m.last = ShotResult{};
   m.last->shot_id = 2;
   m.last->dry = true;
   m.last->train.planned = m.last->train.issued = 166;
@@ -260,7 +261,7 @@ TEST(TextForATerminal, NumbersHaveTwoDigitsOfTheirUncertainty) {
 TEST_GROUP(SeriesStatistics){};
 
 TEST(SeriesStatistics, AreMeanAndPopulationSdOverTheShotsThatHaveTheNumber) {
-  host::SeriesTable table;
+  host::SeriesStatistics table;
   // By hand: 2, 4, 4, 4, 5, 5, 7, 9 have mean 5 and population sd 2.
   for (const double vx : {2.0, 4.0, 4.0, 4.0, 5.0, 5.0, 7.0, 9.0}) table.add(example(1, vx).readout);
   table.add(reduction::Readout{});  // a readout without numbers
@@ -279,13 +280,13 @@ TEST(Verdict, OnlyWhatSpoilsTheNumbersIsFiredAgain) {
                           Flag::missing_flash, Flag::double_flash, Flag::flash_match_ambiguous}) {
     reduction::Readout readout;
     readout.flags.set(flag);
-    CHECK_TRUE(host::spoilt_by(readout).has_value());
+    CHECK_TRUE(host::rejection_reason(readout).has_value());
   }
   for (const Flag flag :
        {Flag::sensor_missing, Flag::outlier_image, Flag::no_contact_image, Flag::sd_from_residuals,
         Flag::spin_aliased, Flag::events_missing, Flag::no_redundancy, Flag::overlaps_surface}) {
     reduction::Readout readout;
     readout.flags.set(flag);
-    CHECK_FALSE(host::spoilt_by(readout).has_value());
+    CHECK_FALSE(host::rejection_reason(readout).has_value());
   }
 }

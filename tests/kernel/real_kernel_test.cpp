@@ -6,16 +6,16 @@
 #include <string>
 #include <vector>
 
-#include "tests/kernel/emulated_bench.hpp"
+#include "tests/kernel/kernel_fixture.hpp"
 #include "tests/sim/gpiochip/conformance/requests.hpp"
 #include "tests/support/json_lines.hpp"
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe;
 using namespace strobe::kernel;
+using testing::CompletedProcess;
 using testing::ExitStatus;
-using testing::Finished;
 
 namespace {
 
@@ -80,7 +80,7 @@ std::size_t place_of(const std::vector<LineEvent>& events, Pin pin, int level) {
 }  // namespace
 
 TEST_GROUP(RealKernel) {
-  EmulatedBench bench{STROBE_KERNEL_BOOT};
+  KernelFixture bench{STROBE_KERNEL_BOOT};
 
   void start() {
     if (!bench.start_strobed()) FAIL(("strobed is not ready: " + bench.strobed_log()).c_str());
@@ -100,7 +100,7 @@ TEST_GROUP(RealKernel) {
     command.arguments.insert(command.arguments.end(), {"--plan", plan.string()});
     for (int attempt = 0; attempt < 3; ++attempt) {
       auto firing = std::make_unique<testing::Process>(command, bench.folder());
-      testing::wait_until([&] { return under_way() || !firing->running(); }, kPatience);
+      testing::wait_until([&] { return under_way() || !firing->running(); }, kTimeout);
       if (under_way()) return firing;
     }
     FAIL(("no train: " + bench.strobed_log()).c_str());
@@ -112,7 +112,7 @@ TEST_GROUP(RealKernel) {
   /// Edges that come faster than the processor takes interrupts are one edge.
   void drive_and_let_it_see(Pin pin, int level) {
     bench.drive(pin, level);
-    testing::wait_until([this] { return bench.orders_left() == 0; }, kPatience);
+    testing::wait_until([this] { return bench.scheduled_drives() == 0; }, kTimeout);
     bench.machine().run(":");
   }
 
@@ -123,12 +123,12 @@ TEST_GROUP(RealKernel) {
   /// Whatever strobed was doing: of a shot that a standing machine has ended early nothing is left to fail.
   void strobed_ends() {
     CHECK_TRUE_TEXT(
-        testing::wait_until([this] { return bench.machine().run("pidof strobed").empty(); }, kPatience),
+        testing::wait_until([this] { return bench.machine().run("pidof strobed").empty(); }, kTimeout),
         (bench.strobed_log() + bench.machine().log()).c_str());
   }
 
   void outputs_become_inactive() {
-    CHECK_TRUE_TEXT(testing::wait_until([this] { return outputs_inactive(bench.events()); }, kPatience),
+    CHECK_TRUE_TEXT(testing::wait_until([this] { return outputs_inactive(bench.events()); }, kTimeout),
                     (bench.strobed_log() + bench.machine().log()).c_str());
   }
 };
@@ -155,7 +155,7 @@ TEST(RealKernel, LibgpiodIsAnsweredAsOnTheSimulatedChip) {
         }
         return machine.run("pidof gpio_library_calls").empty();
       },
-      kPatience));
+      kTimeout));
   out = machine.run("cat /tmp/out");
   STRCMP_EQUAL(testing::read_text(STROBE_TEST_DATA "/gpio_library_calls.txt").c_str(), out.c_str());
 }
@@ -164,7 +164,7 @@ TEST(RealKernel, WholeShotsAreFiredAndReadOutByTheHostOutside) {
   // A machine that stands still for long ends a shot as flagged, and stamps that are some milliseconds off
   // against the ball's flight leave numbers in doubt: such a shot is fired again.
   start();
-  const Finished fired = testing::run_to_end(fire(2, 4), kPatience);
+  const CompletedProcess fired = testing::run_process(fire(2, 4), kTimeout);
   const auto readouts = readouts_in(fired.out);
   const std::string said = fired.out + fired.err + bench.strobed_log();
   CHECK_TRUE_TEXT(readouts.size() >= 2, said.c_str());
@@ -198,7 +198,7 @@ TEST(RealKernel, OutputsAreInactiveAfterAnEmergencyStopInTheMiddleOfATrain) {
   bench.drive_at_flash(kMidTrain, Pin::estop, 0);
   const auto firing = fire_and_wait_for_the_train();
   outputs_become_inactive();
-  firing->wait(kPatience);
+  firing->wait(kTimeout);
   const auto events = bench.events();
   const std::size_t pressed = place_of(events, Pin::estop, 0);
   // An edge that was on its way when the line fell, and no more.

@@ -64,9 +64,9 @@ VirtualMachine::VirtualMachine(const std::filesystem::path& boot, const std::fil
       monitor_(folder / "monitor"),
       qemu_(std::make_unique<testing::Process>(qemu_command(boot, folder), folder)) {
   try {
-    monitor_.accept(kPatience);
-    test_.accept(kPatience);
-    serial_.accept(kPatience);
+    monitor_.accept(kTimeout);
+    test_.accept(kTimeout);
+    serial_.accept(kTimeout);
     chip_ = find_chip();
     if (ask_lines("irq_intercept_out " + chip_) != "OK") throw std::runtime_error("lines cannot be watched");
     while (wait_for_line() != "<ready>") continue;
@@ -79,7 +79,7 @@ VirtualMachine::VirtualMachine(const std::filesystem::path& boot, const std::fil
 VirtualMachine::~VirtualMachine() { qemu_->signal(9); }  // nothing in it is to be kept
 
 std::string VirtualMachine::wait_for_line() {
-  const auto line = serial_.receive(kPatience);
+  const auto line = serial_.receive(kTimeout);
   if (!line) throw std::runtime_error("it says no more");
   log_ += *line + "\n";
   return *line;
@@ -89,7 +89,7 @@ std::string VirtualMachine::find_chip() {
   const auto ask = [this](const nlohmann::json& question) {
     monitor_.send(question.dump() + "\n");
     for (;;) {
-      const auto line = monitor_.receive(kPatience);
+      const auto line = monitor_.receive(kTimeout);
       if (!line) throw std::runtime_error("the monitor is silent");
       const auto answer = nlohmann::json::parse(*line);
       if (answer.contains("return")) return answer["return"];
@@ -115,7 +115,7 @@ void VirtualMachine::keep_change(const std::string& line) {
 std::string VirtualMachine::ask_lines(const std::string& command) {
   test_.send(command + "\n");
   for (;;) {
-    const auto line = test_.receive(kPatience);
+    const auto line = test_.receive(kTimeout);
     if (!line) throw std::runtime_error("no answer to: " + command);
     if (line->rfind("IRQ", 0) != 0) return *line;
     keep_change(*line);

@@ -17,7 +17,7 @@
 namespace strobe::kernel {
 
 inline constexpr unsigned kPins = 8;
-inline constexpr std::chrono::seconds kPatience{120};  ///< for what takes a second: the machine is emulated
+inline constexpr std::chrono::seconds kTimeout{120};  ///< for what takes a second: the machine is emulated
 
 class VirtualMachine {
  public:
@@ -35,7 +35,7 @@ class VirtualMachine {
   }
 
   /// Runs a line of shell to its end and returns what it printed, its lines ended by "\n".
-  std::string run(const std::string& line, std::chrono::milliseconds limit = kPatience);
+  std::string run(const std::string& line, std::chrono::milliseconds limit = kTimeout);
 
   struct PinChange {
     unsigned pin = 0;

@@ -7,7 +7,7 @@
 
 #include "firmware/publisher/journal.hpp"
 #include "tests/support/temporary_folder.hpp"
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe;

@@ -4,14 +4,14 @@
 #include <string>
 
 #include "tests/loss/trials.hpp"
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe::loss;
 
 namespace {
 
-void expect_nothing_lost(const Result& result) {
+void expect_nothing_lost(const TrialResult& result) {
   std::string violations;
   for (const std::string& violation : result.audit.violations) violations += violation + "\n";
   const std::string words = violations + result.words;
@@ -21,11 +21,11 @@ void expect_nothing_lost(const Result& result) {
   LONGS_EQUAL(0, result.audit.missing);
 }
 
-Result expect_kills_survived(Victim victim) {
+TrialResult expect_kills_survived(Victim victim) {
   KillTrial trial;
   trial.victim = victim;
   trial.kills = 2;
-  const Result result = carry_out(trial);
+  const TrialResult result = run(trial);
   LONGS_EQUAL(trial.kills, result.kills);
   expect_nothing_lost(result);
   return result;
@@ -38,7 +38,7 @@ TEST_GROUP(Loss){};
 TEST(Loss, OfAFifthWithDoublesAndLatecomersLeavesNothingMissingInTheEnd) {
   LinkTrial trial;
   trial.faults = {0.2, 0.1, 0.2, 60};
-  const Result result = carry_out(trial);
+  const TrialResult result = run(trial);
   CHECK(result.link.lost > 10 && result.link.doubled > 5 && result.link.delayed > 10);
   expect_nothing_lost(result);
 }
@@ -46,7 +46,7 @@ TEST(Loss, OfAFifthWithDoublesAndLatecomersLeavesNothingMissingInTheEnd) {
 TEST(Loss, OfTheWholeLinkForAWhileInTheMiddleOfAShotLeavesNothingMissingInTheEnd) {
   LinkTrial trial;
   trial.cut_s = 1.5;
-  const Result result = carry_out(trial);
+  const TrialResult result = run(trial);
   CHECK(result.link.cut > 0);
   expect_nothing_lost(result);
 }
@@ -56,6 +56,6 @@ TEST(Loss, OfTheHostInTheMiddleOfShotsLeavesNothingMissingInItsFolder) {
 }
 
 TEST(Loss, OfTheFirmwareInTheMiddleOfShotsLeavesNothingMissingAndTheShotsNamed) {
-  const Result result = expect_kills_survived(Victim::firmware);
+  const TrialResult result = expect_kills_survived(Victim::firmware);
   CHECK(result.audit.boots >= 3);
 }

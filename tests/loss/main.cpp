@@ -39,13 +39,13 @@ const std::vector<Row>& link_rows() {
   return rows;
 }
 
-int say(const std::string& name, const Result& result) {
+int say(const std::string& name, const TrialResult& result) {
   const Audit& a = result.audit;
   fmt::print("| {} | {} | {} | {} | {} | {} | {}/{} | {} | {} | {} | {} | {:.0f} |\n", name, result.kills,
              a.boots, result.link.came, result.link.lost + result.link.cut, a.journalled, a.missing,
              a.shots_missing, fmt::format("{}/{}", a.cut_off_reported, a.cut_off),
              fmt::format("{} ({} flagged)", a.readouts, a.flagged), a.twice, a.incomplete_unflagged,
-             result.took_s);
+             result.duration_s);
   std::fflush(stdout);
   for (const std::string& violation : a.violations) fmt::print(stderr, "VIOLATION: {}\n", violation);
   if (!result.fired) fmt::print(stderr, "the series did not end as ordered:\n{}\n", result.words);
@@ -85,7 +85,7 @@ int main(int argc, char** argv) {
   int status = kDone;
   if (links) {
     for (const Row& row : link_rows())
-      status |= say(row.name, carry_out(LinkTrial{row.faults, row.cut_s, shots, seed++, !full}));
+      status |= say(row.name, run(LinkTrial{row.faults, row.cut_s, shots, seed++, !full}));
   }
   if (kills > 0) {
     for (const Victim victim : {Victim::host, Victim::firmware}) {
@@ -95,8 +95,8 @@ int main(int argc, char** argv) {
         if (isatty(STDERR_FILENO) != 0 || done % 10 == 0)
           fmt::print(stderr, "{}: {} of {}\n", name, done, kills);
       };
-      status |= say(kill_loss > 0 ? fmt::format("{}, {:.0f} % loss", name, kill_loss * 100) : name,
-                    carry_out(trial));
+      status |=
+          say(kill_loss > 0 ? fmt::format("{}, {:.0f} % loss", name, kill_loss * 100) : name, run(trial));
     }
   }
   return status;

@@ -3,8 +3,8 @@
 #include <csignal>
 #include <random>
 
-#include "tests/hil/bench.hpp"
-#include "tests/hil/watch.hpp"
+#include "tests/hil/line_watcher.hpp"
+#include "tests/hil/rig_fixture.hpp"
 #include "tests/support/private_network.hpp"
 
 namespace strobe::loss {
@@ -12,9 +12,9 @@ namespace strobe::loss {
 namespace {
 
 using namespace std::chrono_literals;
-using hil::Bench;
-using hil::BenchOptions;
-using hil::LineWatch;
+using hil::LineWatcher;
+using hil::RigFixture;
+using hil::RigFixtureOptions;
 using testing::Command;
 using testing::ExitStatus;
 using testing::Process;
@@ -22,8 +22,8 @@ using testing::Process;
 constexpr auto kShotComes = 40s;  // a host waits for lost answers, a machine stands still
 constexpr auto kSeriesEnds = 240s;
 
-BenchOptions bench_options(bool short_exposure, std::uint64_t seed) {
-  BenchOptions options;
+RigFixtureOptions rig_options(bool short_exposure, std::uint64_t seed) {
+  RigFixtureOptions options;
   options.seed = seed;
   if (short_exposure) options.rig_edits = hil::kShortExposure;
   // Beside another bench: two loops that are awake leave no core to the simulated rigs.
@@ -32,17 +32,17 @@ BenchOptions bench_options(bool short_exposure, std::uint64_t seed) {
 }
 
 /// A bench, and a host on another network that is joined with it by a relay.
-class Lab {
+class LossFixture {
  public:
-  Lab(const BenchOptions& options, const LinkFaults& faults, std::uint64_t seed)
+  LossFixture(const RigFixtureOptions& options, const LinkFaults& faults, std::uint64_t seed)
       : bench_(options),
         host_url_(testing::private_lcm_url()),
         relay_(bench_.lcm_url(), host_url_, faults, seed) {
     ready_ = bench_.ready();
   }
   bool ready() const { return ready_; }
-  Bench& bench() { return bench_; }
-  Relay& relay() { return relay_; }
+  RigFixture& bench() { return bench_; }
+  LossyLink& relay() { return relay_; }
   std::filesystem::path host_folder() const { return bench_.folder() / "host"; }
 
   Process fire(int shots, int retries) {
@@ -52,15 +52,15 @@ class Lab {
     return bench_.start(command);
   }
 
-  void audit_into(Result& result) {
+  void audit_into(TrialResult& result) {
     result.audit.add(audit(bench_.session(), host_folder()));
     result.link = relay_.counts();
   }
 
  private:
-  Bench bench_;
+  RigFixture bench_;
   std::string host_url_;
-  Relay relay_;
+  LossyLink relay_;
   bool ready_ = false;
 };
 
@@ -68,7 +68,7 @@ double seconds_since(std::int64_t start_ns) {
   return static_cast<double>(testing::monotonic_now_ns() - start_ns) * 1e-9;
 }
 
-void end_series(Process& host, Result& result) {
+void end_series(Process& host, TrialResult& result) {
   const auto status = host.wait(kSeriesEnds);
   result.fired = status == ExitStatus({0, 0});
   result.words += host.err();
@@ -77,15 +77,15 @@ void end_series(Process& host, Result& result) {
 /// strobed again whenever it has ended, until the bench is taken down.
 const char* const kAgain = "until [ -e \"$5/stop\" ]; do \"$@\"; done";
 
-void take_down(Bench& bench) {
+void take_down(RigFixture& bench) {
   testing::write_text(bench.session() / "stop", "");
   if (const pid_t guardian = bench.guardian(); guardian != 0) kill(guardian, SIGTERM);
   bench.sim().wait(10s);
 }
 
-class Killing {
+class KillSequence {
  public:
-  Killing(const KillTrial& trial, Lab& lab, Result& result)
+  KillSequence(const KillTrial& trial, LossFixture& lab, TrialResult& result)
       : trial_(trial), lab_(lab), result_(result), random_(trial.seed), watch_(lab.bench().chip_dir()) {}
 
   /// Each host fires one shot and dies in it; the next one takes over its folder.
@@ -138,33 +138,33 @@ class Killing {
   }
 
   const KillTrial& trial_;
-  Lab& lab_;
-  Result& result_;
+  LossFixture& lab_;
+  TrialResult& result_;
   std::mt19937_64 random_;
-  LineWatch watch_;
+  LineWatcher watch_;
 };
 
 /// What happens in a lab whose firmware is up.
-Result carry_out(const BenchOptions& options, const LinkFaults& faults, std::uint64_t seed,
-                 const std::function<void(Lab&, Result&)>& happen) {
-  Result result;
+TrialResult run(const RigFixtureOptions& options, const LinkFaults& faults, std::uint64_t seed,
+                const std::function<void(LossFixture&, TrialResult&)>& happen) {
+  TrialResult result;
   const std::int64_t start_ns = testing::monotonic_now_ns();
-  Lab lab(options, faults, seed);
+  LossFixture lab(options, faults, seed);
   if (!lab.ready()) {
     result.words = lab.bench().log();
     return result;
   }
   happen(lab, result);
-  result.took_s = seconds_since(start_ns);
+  result.duration_s = seconds_since(start_ns);
   return result;
 }
 
 }  // namespace
 
-Result carry_out(const LinkTrial& trial) {
-  const BenchOptions options = bench_options(trial.short_exposure, trial.seed);
-  return carry_out(options, trial.faults, trial.seed, [&trial](Lab& lab, Result& result) {
-    LineWatch watch(lab.bench().chip_dir());
+TrialResult run(const LinkTrial& trial) {
+  const RigFixtureOptions options = rig_options(trial.short_exposure, trial.seed);
+  return run(options, trial.faults, trial.seed, [&trial](LossFixture& lab, TrialResult& result) {
+    LineWatcher watch(lab.bench().chip_dir());
     Process host = lab.fire(trial.shots, 1000);
     if (trial.cut_s > 0.0 && watch.wait_for("SHUTTER", 1, kShotComes) != 0) {
       std::mt19937_64 random(trial.seed);
@@ -178,13 +178,13 @@ Result carry_out(const LinkTrial& trial) {
   });
 }
 
-Result carry_out(const KillTrial& trial) {
-  BenchOptions options = bench_options(trial.short_exposure, trial.seed);
+TrialResult run(const KillTrial& trial) {
+  RigFixtureOptions options = rig_options(trial.short_exposure, trial.seed);
   options.shell = kAgain;
   LinkFaults faults;
   faults.loss = trial.loss;
-  return carry_out(options, faults, trial.seed, [&trial](Lab& lab, Result& result) {
-    Killing killing(trial, lab, result);
+  return run(options, faults, trial.seed, [&trial](LossFixture& lab, TrialResult& result) {
+    KillSequence killing(trial, lab, result);
     trial.victim == Victim::host ? killing.hosts() : killing.firmwares();
     lab.audit_into(result);  // what follows no host hears
     take_down(lab.bench());

@@ -7,14 +7,14 @@
 #include <string>
 
 #include "tests/loss/audit.hpp"
-#include "tests/loss/relay.hpp"
+#include "tests/loss/lossy_link.hpp"
 
 namespace strobe::loss {
 
-struct Result {
+struct TrialResult {
   Audit audit;
   LinkCounts link;
-  double took_s = 0.0;
+  double duration_s = 0.0;
   bool fired = false;  ///< the series came to its end as ordered
   int kills = 0;
   std::string words;  ///< what the programs said, for a person who looks for the cause
@@ -27,7 +27,7 @@ struct LinkTrial {
   std::uint64_t seed = 1;
   bool short_exposure = true;  ///< a third of the flashes
 };
-Result carry_out(const LinkTrial& trial);
+TrialResult run(const LinkTrial& trial);
 
 enum class Victim { host, firmware };
 
@@ -39,6 +39,6 @@ struct KillTrial {
   bool short_exposure = true;
   std::function<void(int kills)> progress = [](int) {};
 };
-Result carry_out(const KillTrial& trial);
+TrialResult run(const KillTrial& trial);
 
 }  // namespace strobe::loss

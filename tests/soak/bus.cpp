@@ -6,9 +6,9 @@ namespace strobe::soak {
 
 namespace {
 
-constexpr Duration kLeast = microseconds(40);
-constexpr Duration kMost = microseconds(120);
-constexpr Duration kMostReordered = milliseconds(60);
+constexpr Duration kMin = microseconds(40);
+constexpr Duration kMax = microseconds(120);
+constexpr Duration kMaxReordered = milliseconds(60);
 
 }  // namespace
 
@@ -41,10 +41,10 @@ void VirtualBus::send(Station to, const std::string& channel, std::span<const st
 }
 
 void VirtualBus::fly(Station to, std::uint32_t packet, MonoTime now) {
-  MonoTime at = now + random_.between(kLeast, kMost);
+  MonoTime at = now + random_.between(kMin, kMax);
   if (faults_.reordering > 0.0 && random_.chance(faults_.reordering)) {
     ++counts_.reordered;
-    at = at + random_.between(Duration{}, kMostReordered);
+    at = at + random_.between(Duration{}, kMaxReordered);
   } else {
     MonoTime& newest = newest_[static_cast<std::size_t>(to)];
     at = std::max(at, newest);

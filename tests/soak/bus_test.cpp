@@ -3,7 +3,6 @@
 #include <map>
 #include <vector>
 
-// CppUTest redefines new; its headers come last.
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe;

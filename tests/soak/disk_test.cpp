@@ -3,7 +3,7 @@
 #include <strobe_msgs/event_t.hpp>
 
 #include "firmware/publisher/journal.hpp"
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe;

@@ -7,12 +7,12 @@
 #include <vector>
 
 #include "common/result.hpp"
-#include "sim/faults.hpp"
+#include "sim/scene/faults.hpp"
 #include "tests/soak/random.hpp"
 
 namespace strobe::soak {
 
-/// What strikes the processes and the people, beside the bench's own faults (sim/faults.hpp).
+/// What strikes the processes and the people, beside the bench's own faults (sim/scene/faults.hpp).
 enum class Hazard {
   key_off,         ///< the key is turned off, and on again up to 2 s later
   estop,           ///< the e-stop is pressed, and released up to 2 s later
@@ -51,7 +51,7 @@ FaultPlan mild_faults();
 /// Every other shot is struck by something, often by several things; one packet in ten is lost.
 FaultPlan wild_faults();
 
-/// A file with keys of the names above at its top level: the kinds of sim/faults.hpp, of Hazard, and
+/// A file with keys of the names above at its top level: the kinds of sim/scene/faults.hpp, of Hazard, and
 /// packet_loss, packet_duplication, packet_reordering; 0 to 1, 0 where absent. Error: "FILE:LINE: key: what".
 Result<FaultPlan> read_fault_plan(std::string_view text, const std::string& file_name);
 

@@ -32,28 +32,28 @@ std::string text_of(const std::string& path) {
   return text.str();
 }
 
-std::uint64_t seed_of(const CampaignOrder& order) {
+std::uint64_t seed_of(const RunSettings& order) {
   return mixed(order.seed, static_cast<std::uint64_t>(order.campaign) + 1);
 }
 
-Scenery scenery_of(const CampaignOrder& order, const host::ShotPlan& shipped, Random& random) {
-  Scenery scenery = draw_scenery(order.plan, shipped, random);
+LabSetup lab_setup_of(const RunSettings& order, const host::ShotPlan& shipped, Random& random) {
+  LabSetup lab_setup = draw_lab_setup(order.plan, shipped, random);
   // Spoilt shots are fired again; a campaign never has more exposures than this.
-  scenery.scene.faults = draw_bench_faults(order.faults, 4 * order.shots + 20, random);
-  return scenery;
+  lab_setup.scene.faults = draw_bench_faults(order.faults, 4 * order.shots + 20, random);
+  return lab_setup;
 }
 
-HostOrder host_order_of(const RigFiles& files, const CampaignOrder& order, const Scenery& scenery) {
-  HostOrder host;
+HostSettings host_settings_of(const RigFiles& files, const RunSettings& order, const LabSetup& lab_setup) {
+  HostSettings host;
   host.rig = files.host.rig;
   host.assembly = host::assembly_settings(files.host);
-  const bool mirrored = scenery.scene.camera.mirrored;
+  const bool mirrored = lab_setup.scene.camera.mirrored;
   host.assembly.analysis.surface_angle_deg =
-      scenery.scene.surface_angle_rad * (mirrored ? -1.0 : 1.0) * 180.0 / std::numbers::pi;
+      lab_setup.scene.surface_angle_rad * (mirrored ? -1.0 : 1.0) * 180.0 / std::numbers::pi;
   host.campaign.shots = order.shots;
   host.campaign.retries = 2 * order.shots;
-  host.campaign.plan = scenery.plan;
-  host.campaign.notes = scenery.notes;
+  host.campaign.plan = lab_setup.plan;
+  host.campaign.notes = lab_setup.notes;
   host.campaign.clear_fault = true;
   host.campaign.photograph_timeout_s = host.assembly.analysis.photograph_timeout_s;
   return host;
@@ -70,17 +70,17 @@ Result<RigFiles> read_rig_files(const std::string& path) {
   return RigFiles{std::move(*rig), std::move(*host)};
 }
 
-Lab::Lab(const RigFiles& files, const CampaignOrder& order)
+Lab::Lab(const RigFiles& files, const RunSettings& order)
     : files_(files),
       order_(order),
       random_(seed_of(order)),
-      scenery_(scenery_of(order, files.host.plan, random_)),
-      host_order_(host_order_of(files, order, scenery_)),
+      lab_setup_(lab_setup_of(order, files.host.plan, random_)),
+      host_settings_(host_settings_of(files, order, lab_setup_)),
       time_{1'000'000'000'000},
       bus_(random_.bits()),
-      rig_(scenery_.scene, random_.bits() >> 1, time_),
-      desk_(scenery_.scene, rig_.seed()),
-      observer_(files.firmware),
+      rig_(lab_setup_.scene, random_.bits() >> 1, time_),
+      tablet_operator_(lab_setup_.scene, rig_.seed()),
+      checker_(files.firmware),
       publisher_clock_(std::make_unique<PublisherClock>(*this)),
       publisher_wake_(std::make_unique<PublisherWake>(*this)),
       loop_wake_(std::make_unique<LoopWake>(*this)) {
@@ -96,8 +96,8 @@ Lab::~Lab() = default;
 // Time ------------------------------------------------------------------------------------------------------
 
 MonoTime Lab::next() const {
-  return std::min(
-      {timeline_.next(), bus_.next_due(), rig_.next_due(), desk_.next_due(), publisher_due_, host_due_});
+  return std::min({timeline_.next(), bus_.next_due(), rig_.next_due(), tablet_operator_.next_due(),
+                   publisher_due_, host_due_});
 }
 
 void Lab::happen() {
@@ -107,7 +107,7 @@ void Lab::happen() {
   if (bus_.next_due() <= at) return deliver();
   if (publisher_due_ <= at) return publisher_turn();
   if (host_due_ <= at) return host_turn();
-  if (desk_.next_due() <= at) return desk_turn();
+  if (tablet_operator_.next_due() <= at) return tablet_operator_turn();
   happen(timeline_.take().what);
 }
 
@@ -140,7 +140,7 @@ MonoTime Lab::spin_until(MonoTime instant) noexcept {
 }
 
 bool Lab::set(Output output, bool active) noexcept {
-  ambush();
+  count_down_call_hazards();
   pass(kHalfASet);
   if (dead_) return true;
   drive(output, active);
@@ -149,7 +149,7 @@ bool Lab::set(Output output, bool active) noexcept {
 }
 
 bool Lab::set_lamps(firmware::Lamps lamps) noexcept {
-  ambush();
+  count_down_call_hazards();
   pass(kHalfASet);
   if (dead_) return true;
   drive(Output::strobes, true, lamps);
@@ -208,7 +208,7 @@ void Lab::drive(Output output, bool active, firmware::Lamps lamps) {
         : output == Output::strobes ? "lamps"
                                     : "shutter",
         active ? "on" : "off");
-  observer_.output(output, active, time_, lamps);
+  checker_.output(output, active, time_, lamps);
   const int level = active ? 1 : 0;
   switch (output) {
     case Output::trigger:
@@ -234,7 +234,7 @@ void Lab::set_key(bool on) {
   if (key_ == on) return;
   key_ = on;
   trace("key {}", on ? "on" : "off");
-  observer_.key(on, time_);
+  checker_.key(on, time_);
   edge(Input::key, on, time_);
 }
 
@@ -242,7 +242,7 @@ void Lab::set_estop(bool pressed) {
   if (estop_ == pressed) return;
   estop_ = pressed;
   trace("e-stop {}", pressed ? "pressed" : "released");
-  observer_.estop(pressed, time_);
+  checker_.estop(pressed, time_);
   edge(Input::estop, pressed, time_);
 }
 
@@ -257,11 +257,11 @@ void Lab::collect_rig() {
     if (drive.line == sim::RigLine::gate) edge(Input::gate, true, drive.at);
   }
   for (sim::Exposure& exposure : exposures_) {
-    for (const sim::FaultKind kind : exposure.faults) ++tally_.bench_faults[static_cast<std::size_t>(kind)];
+    for (const sim::FaultKind kind : exposure.faults) ++counts_.bench_faults[static_cast<std::size_t>(kind)];
     for (const auto kind :
          {sim::FaultKind::no_photograph, sim::FaultKind::frame_late, sim::FaultKind::image_unseen}) {
-      if (shot_fault(scenery_.scene.faults, kind, exposure.shot))
-        ++tally_.bench_faults[static_cast<std::size_t>(kind)];
+      if (shot_fault(lab_setup_.scene.faults, kind, exposure.shot))
+        ++counts_.bench_faults[static_cast<std::size_t>(kind)];
     }
     if (order_.trace != nullptr) {
       std::string faults;
@@ -269,7 +269,7 @@ void Lab::collect_rig() {
       trace("exposure {} of {} pulses{}{}", exposure.shot, exposure.pulses.size(),
             shows_impact(exposure) ? "" : " without a ball", faults);
     }
-    desk_.add(std::move(exposure));
+    tablet_operator_.add(std::move(exposure));
   }
 }
 

@@ -15,13 +15,13 @@
 #include "firmware/core/sequencer.hpp"
 #include "sim/rig/rig.hpp"
 #include "tests/soak/bus.hpp"
-#include "tests/soak/desk.hpp"
+#include "tests/soak/counts.hpp"
 #include "tests/soak/disk.hpp"
 #include "tests/soak/fault_plan.hpp"
 #include "tests/soak/firmware_process.hpp"
-#include "tests/soak/observer.hpp"
-#include "tests/soak/scenery.hpp"
-#include "tests/soak/tally.hpp"
+#include "tests/soak/invariant_checker.hpp"
+#include "tests/soak/lab_setup.hpp"
+#include "tests/soak/tablet_operator.hpp"
 #include "tests/soak/virtual_host.hpp"
 
 namespace strobe::soak {
@@ -33,7 +33,7 @@ struct RigFiles {
 };
 Result<RigFiles> read_rig_files(const std::string& path);
 
-struct CampaignOrder {
+struct RunSettings {
   std::uint64_t seed = 1;     ///< of the whole soak
   std::int64_t campaign = 0;  ///< which of its campaigns
   int shots = 10;             ///< that must count
@@ -45,13 +45,13 @@ struct CampaignOrder {
 class Lab final : firmware::Clock, firmware::OutputLines, firmware::EdgeSource, firmware::MessageBus {
  public:
   /// `files` must outlive the lab.
-  Lab(const RigFiles& files, const CampaignOrder& order);
+  Lab(const RigFiles& files, const RunSettings& order);
   ~Lab() override;
 
   /// Runs the campaign to its end.
-  Tally run();
+  SoakCounts run();
 
-  Observer& observer() { return observer_; }
+  InvariantChecker& invariant_checker() { return checker_; }
 
  private:
   enum class What {
@@ -69,7 +69,7 @@ class Lab final : firmware::Clock, firmware::OutputLines, firmware::EdgeSource, 
     What what = What::fates;
     Hazard hazard = Hazard::key_off;
   };
-  struct Ambush {
+  struct CallHazard {
     int calls_left;
     Hazard hazard;
   };
@@ -110,11 +110,11 @@ class Lab final : firmware::Clock, firmware::OutputLines, firmware::EdgeSource, 
   std::size_t drain(std::span<firmware::Edge> edges);
 
   // Fates
-  void draw_fates();
-  void strike(Hazard hazard);
-  void ambush();
+  void draw_hazards();
+  void inject(Hazard hazard);
+  void count_down_call_hazards();
   void stand_still(Duration duration, bool whole_machine);
-  void heal();
+  void stop_hazards();
 
   // Processes
   void boot();
@@ -127,11 +127,11 @@ class Lab final : firmware::Clock, firmware::OutputLines, firmware::EdgeSource, 
   void deliver();
   /// Of a sealed command; empty if it is none of this lab's.
   std::vector<std::uint8_t> body_of(const std::vector<std::uint8_t>& sealed) const;
-  void desk_turn();
+  void tablet_operator_turn();
   void note_shot(std::span<const std::uint8_t> bytes);
-  void on_outcome(const host::Outcome& outcome);
+  void on_shot_result(const host::ShotResult& shot_result);
   bool over();
-  void trace_scenery();
+  void trace_lab_setup();
   void settle();
   std::int64_t host_now() const;
   std::string trace_time() const;
@@ -140,19 +140,19 @@ class Lab final : firmware::Clock, firmware::OutputLines, firmware::EdgeSource, 
   void mix(std::uint64_t value) { digest_ = mixed(digest_ ^ value, 1); }
 
   const RigFiles& files_;
-  CampaignOrder order_;
+  RunSettings order_;
   Random random_;
-  Scenery scenery_;
-  HostOrder host_order_;
+  LabSetup lab_setup_;
+  HostSettings host_settings_;
   MonoTime time_;
   Timeline<Happening> timeline_;
   VirtualBus bus_;
   VirtualDisk disk_;
   sim::Rig rig_;
-  VirtualDesk desk_;
-  Observer observer_;
+  VirtualTabletOperator tablet_operator_;
+  InvariantChecker checker_;
   authentication::Key lab_key_ = authentication::Key::random();
-  Tally tally_;
+  SoakCounts counts_;
   std::uint64_t digest_ = 0;
 
   bool key_ = true;
@@ -162,7 +162,7 @@ class Lab final : firmware::Clock, firmware::OutputLines, firmware::EdgeSource, 
   std::int64_t overflows_ = 0;
   std::vector<sim::Drive> drives_;
   std::vector<sim::Exposure> exposures_;
-  std::vector<Ambush> ambushes_;
+  std::vector<CallHazard> call_hazards_;
   MonoTime still_until_;          ///< the loop
   MonoTime machine_still_until_;  ///< every process of the firmware's machine
 
@@ -184,9 +184,9 @@ class Lab final : firmware::Clock, firmware::OutputLines, firmware::EdgeSource, 
   double host_rate_ = 1.0;
   std::int64_t host_origin_ns_ = 0;
   int good_ = 0;
-  bool healed_ = false;
+  bool hazards_stopped_ = false;
   bool finished_ = false;
-  std::map<Observer::ShotKey, Shot> shots_;
+  std::map<InvariantChecker::ShotKey, Shot> shots_;
   std::deque<std::vector<std::uint8_t>> old_commands_;
   std::size_t violations_traced_ = 0;
 };

@@ -7,7 +7,7 @@
 
 #include "common/authentication/seal.hpp"
 #include "common/messages/channels.hpp"
-#include "host/session/verdict.hpp"
+#include "host/session/rejection.hpp"
 #include "sim/rig/truth.hpp"
 #include "tests/soak/lab_parts.hpp"
 
@@ -17,7 +17,7 @@ using firmware::Output;
 
 namespace {
 
-constexpr Duration kFates = milliseconds(500);
+constexpr Duration kHazardInterval = milliseconds(500);
 constexpr Duration kHostTurn = milliseconds(20);
 constexpr Duration kHostBatch = milliseconds(1);
 constexpr Duration kLongestCampaign = milliseconds(1'800'000);
@@ -54,28 +54,28 @@ std::int64_t Lab::host_now() const {
 
 // Fates -----------------------------------------------------------------------------------------------------
 
-void Lab::draw_fates() {
-  in(kFates, What::fates);
-  if (healed_) return;
+void Lab::draw_hazards() {
+  in(kHazardInterval, What::fates);
+  if (hazards_stopped_) return;
   for (std::size_t i = 0; i < kHazardCount; ++i) {
     const auto hazard = static_cast<Hazard>(i);
-    if (!random_.chance(order_.faults[hazard] * kFates.seconds())) continue;
+    if (!random_.chance(order_.faults[hazard] * kHazardInterval.seconds())) continue;
     if (random_.chance(0.5)) {
-      timeline_.schedule(time_ + random_.between(Duration{}, kFates), {What::hazard, hazard});
+      timeline_.schedule(time_ + random_.between(Duration{}, kHazardInterval), {What::hazard, hazard});
     } else {
-      ambushes_.push_back({random_.integer(1, 100), hazard});  // at an instant at which an output changes
+      call_hazards_.push_back({random_.integer(1, 100), hazard});  // at an instant at which an output changes
     }
   }
 }
 
-void Lab::ambush() {
-  for (std::size_t i = 0; i < ambushes_.size();) {
-    if (--ambushes_[i].calls_left > 0) {
+void Lab::count_down_call_hazards() {
+  for (std::size_t i = 0; i < call_hazards_.size();) {
+    if (--call_hazards_[i].calls_left > 0) {
       ++i;
       continue;
     }
-    const Hazard hazard = ambushes_[i].hazard;
-    ambushes_.erase(ambushes_.begin() + static_cast<std::ptrdiff_t>(i));
+    const Hazard hazard = call_hazards_[i].hazard;
+    call_hazards_.erase(call_hazards_.begin() + static_cast<std::ptrdiff_t>(i));
     const Duration delay = random_.chance(0.5) ? Duration{} : random_.between(Duration{}, microseconds(60));
     timeline_.schedule(time_ + delay, {What::hazard, hazard});
   }
@@ -83,14 +83,14 @@ void Lab::ambush() {
 
 void Lab::stand_still(Duration duration, bool whole_machine) {
   if (dead_) return;
-  observer_.stands_still(time_, time_ + duration);
+  checker_.stands_still(time_, time_ + duration);
   still_until_ = std::max(still_until_, time_ + duration);
   if (whole_machine) machine_still_until_ = std::max(machine_still_until_, time_ + duration);
 }
 
-void Lab::strike(Hazard hazard) {
-  if (healed_) return;
-  ++tally_.hazards[static_cast<std::size_t>(hazard)];
+void Lab::inject(Hazard hazard) {
+  if (hazards_stopped_) return;
+  ++counts_.hazards[static_cast<std::size_t>(hazard)];
   trace("hazard: {}", name(hazard));
   const auto soon = [this](double least_s, double most_s) {
     return nanoseconds(std::llround(random_.log_uniform(least_s, most_s) * 1e9));
@@ -137,9 +137,9 @@ void Lab::strike(Hazard hazard) {
 void Lab::happen(const Happening& happening) {
   switch (happening.what) {
     case What::fates:
-      return draw_fates();
+      return draw_hazards();
     case What::hazard:
-      return strike(happening.hazard);
+      return inject(happening.hazard);
     case What::key_on:
       return set_key(true);
     case What::estop_off:
@@ -158,10 +158,10 @@ void Lab::happen(const Happening& happening) {
 }
 
 /// The campaign is over: nothing strikes any more, so that what was lost can be fetched.
-void Lab::heal() {
-  healed_ = true;
+void Lab::stop_hazards() {
+  hazards_stopped_ = true;
   trace("healed");
-  ambushes_.clear();
+  call_hazards_.clear();
   bus_.set_faults({});
   disk_.make_room();
   set_key(true);
@@ -177,7 +177,7 @@ void Lab::boot() {
   settings.session = disk_.path();
   settings.draw_token = [this] {
     const std::int64_t token = random_.id();
-    observer_.token_drawn(token, time_);
+    checker_.token_drawn(token, time_);
     return token;
   };
   settings.wall_ns = [this] { return 1'770'000'000'000'000'000 + time_.ns + wall_offset_.ns; };
@@ -189,9 +189,9 @@ void Lab::boot() {
     if (process) firmware_ = std::move(*process);
   });
   if (!firmware_) return in(milliseconds(500), What::boot);
-  ++tally_.boots;
+  ++counts_.boots;
   trace("boot {:x}", settings.boot_id);
-  observer_.booted(settings.boot_id);
+  checker_.booted(settings.boot_id);
   for (auto& buffer : kernel_) buffer.clear();
   waiting_edges_ = 0;
   overflows_ = 0;
@@ -204,9 +204,9 @@ void Lab::die() {
   if (dead_) return;
   dead_ = true;
   const int lost = firmware_->drop_queue();
-  tally_.events_lost_dying += lost;
+  counts_.events_lost_dying += lost;
   trace("the firmware's process ends, {} events in its queue", lost);
-  observer_.died(time_);
+  checker_.died(time_);
   publisher_due_ = kFarFuture;
   in(random_.between(microseconds(300), milliseconds(5)), What::guardian);
 }
@@ -246,9 +246,9 @@ void Lab::publisher_turn() {
 // Host and desk ---------------------------------------------------------------------------------------------
 
 void Lab::start_host() {
-  HostOrder& order = host_order_;
+  HostSettings& order = host_settings_;
   order.campaign.shots = std::max(1, order_.shots - good_);  // whoever starts it anew wants one shot at least
-  ++tally_.hosts;
+  ++counts_.hosts;
   const std::int64_t host_id = random_.id();
   trace("host {:x} starts", host_id);
   const auto send = [this](const strobe_msgs::command_t& command) {
@@ -260,21 +260,21 @@ void Lab::start_host() {
     if (old_commands_.size() > kOldCommands) old_commands_.pop_front();
   };
   host_ = std::make_unique<VirtualHost>(
-      order, host_id, host_log_, send, [this](const host::Outcome& outcome) { on_outcome(outcome); },
-      host_now());
+      order, host_id, host_log_, send,
+      [this](const host::ShotResult& shot_result) { on_shot_result(shot_result); }, host_now());
   host_due_ = time_;
 }
 
 void Lab::host_turn() {
   host_due_ = time_ + kHostTurn;
   host_->turn(host_now());
-  for (const std::string& text : host_->take_notices()) trace("host: {}", text);
-  if (!host_->firing() && !healed_) {
-    if (!host_->campaign().succeeded()) ++tally_.unfinished;
-    heal();
+  for (const std::string& text : host_->take_notifications()) trace("host: {}", text);
+  if (!host_->firing() && !hazards_stopped_) {
+    if (!host_->campaign().succeeded()) ++counts_.unfinished;
+    stop_hazards();
   }
   if (!host_->fault().empty()) {
-    observer_.violate("the host threw on a message: " + host_->fault());
+    checker_.violate("the host threw on a message: " + host_->fault());
     finished_ = true;
   }
   if (host_->ended()) finished_ = true;
@@ -291,27 +291,27 @@ void Lab::deliver() {
   switch (delivery.to) {
     case Station::firmware:
       if (dead_) break;
-      observer_.at_firmware(body_of(bytes), time_);
+      checker_.at_firmware(body_of(bytes), time_);
       firmware_->receive(bytes);
       break;
     case Station::host:
       if (!host_) break;
-      observer_.at_host(delivery.packet->channel, bytes);
+      checker_.at_host(delivery.packet->channel, bytes);
       host_->receive(delivery.packet->channel, bytes, host_now());
       host_due_ = std::min(host_due_, time_ + kHostBatch);
       break;
     case Station::desk: {
       strobe_msgs::shot_t shot;
       if (shot.decode(bytes.data(), 0, static_cast<int>(bytes.size())) >= 0)
-        desk_.announce({shot.boot_id, shot.shot_id}, MonoTime{shot.start_ns}, time_);
+        tablet_operator_.announce({shot.boot_id, shot.shot_id}, MonoTime{shot.start_ns}, time_);
       break;
     }
   }
   bus_.done(delivery);
 }
 
-void Lab::desk_turn() {
-  const std::vector<std::uint8_t> frame = desk_.take(time_);
+void Lab::tablet_operator_turn() {
+  const std::vector<std::uint8_t> frame = tablet_operator_.take(time_);
   if (frame.empty()) return;
   trace("frame sent");
   bus_.send(Station::host, messages::channel_name(files_.host.rig, messages::Channel::frame), frame, time_);
@@ -321,66 +321,66 @@ void Lab::note_shot(std::span<const std::uint8_t> bytes) {
   strobe_msgs::shot_t shot;
   if (shot.decode(bytes.data(), 0, static_cast<int>(bytes.size())) < 0) return;
   const bool news = shots_
-                        .emplace(Observer::ShotKey{shot.boot_id, shot.shot_id},
+                        .emplace(InvariantChecker::ShotKey{shot.boot_id, shot.shot_id},
                                  Shot{MonoTime{shot.start_ns}, time_, shot.plan.dry != 0})
                         .second;
   if (!news) return;
-  ++tally_.shots;
+  ++counts_.shots;
   trace("shot {} is published{}{}", shot.shot_id, shot.aborted ? ", aborted: " : "", shot.abort_reason);
 }
 
-void Lab::on_outcome(const host::Outcome& outcome) {
-  if (outcome.host_id == host_->id() && !outcome.spoilt) ++good_;
-  const Observer::ShotKey key{outcome.boot_id, outcome.shot_id};
+void Lab::on_shot_result(const host::ShotResult& shot_result) {
+  if (shot_result.host_id == host_->id() && !shot_result.rejected) ++good_;
+  const InvariantChecker::ShotKey key{shot_result.boot_id, shot_result.shot_id};
   const auto shot = shots_.find(key);
   const sim::Exposure* taken =
-      shot == shots_.end() ? nullptr : desk_.exposure_of(shot->second.start, shot->second.end);
+      shot == shots_.end() ? nullptr : tablet_operator_.exposure_of(shot->second.start, shot->second.end);
   Truth truth;
   if (taken != nullptr && shows_impact(*taken)) {
     truth.value = sim::true_readout(rig_.scene(), taken->ball->path);
   }
-  truth.images_do_not_tell = taken != nullptr && images_mislead(scenery_.scene, *taken);
-  const reduction::Readout& readout = outcome.readout;
-  observer_.readout(host_->id(), key, readout, truth, outcome.dry);
+  truth.images_do_not_tell = taken != nullptr && images_mislead(lab_setup_.scene, *taken);
+  const reduction::Readout& readout = shot_result.readout;
+  checker_.readout(host_->id(), key, readout, truth, shot_result.dry);
   const bool numbers = has_numbers(readout);
-  ++(numbers ? (outcome.spoilt ? tally_.flagged : tally_.good) : tally_.withheld);
+  ++(numbers ? (shot_result.rejected ? counts_.flagged : counts_.good) : counts_.withheld);
   std::string flags;
   for (std::size_t i = 0; i < reduction::kFlagCount; ++i) {
     if (!readout.flags.has(static_cast<reduction::Flag>(i))) continue;
-    ++tally_.flags[i];
+    ++counts_.flags[i];
     flags.append(" ").append(reduction::kFlagNames[i]);
   }
-  trace("readout of shot {}: {}{}", outcome.shot_id, numbers ? "numbers" : "no numbers", flags);
-  mix(static_cast<std::uint64_t>(outcome.shot_id));
+  trace("readout of shot {}: {}{}", shot_result.shot_id, numbers ? "numbers" : "no numbers", flags);
+  mix(static_cast<std::uint64_t>(shot_result.shot_id));
   for (std::size_t i = 0; i < reduction::kQuantityCount; ++i) {
     const auto& value = readout.value[static_cast<reduction::Quantity>(i)];
     mix(value ? std::bit_cast<std::uint64_t>(*value) : 0);
   }
-  const auto& judgement = observer_.last_judgement();
-  if (!judgement) return;
-  tally_.compared += judgement->compared;
-  tally_.explained += judgement->explained;
-  tally_.mismatched += judgement->mismatched;
-  for (std::size_t f = 0; f < reduction::kFlagCount; ++f) tally_.explained_by[f] += judgement->by_flag[f];
+  const auto& comparison = checker_.last_comparison();
+  if (!comparison) return;
+  counts_.compared += comparison->compared;
+  counts_.explained += comparison->explained;
+  counts_.mismatched += comparison->mismatched;
+  for (std::size_t f = 0; f < reduction::kFlagCount; ++f) counts_.explained_by[f] += comparison->by_flag[f];
   for (std::size_t i = 0; i < reduction::kQuantityCount; ++i) {
     bool explained = false;
     for (std::size_t f = 0; f < reduction::kFlagCount; ++f) {
       const auto flag = static_cast<reduction::Flag>(f);
       explained = explained || (readout.flags.has(flag) && explains(flag));
     }
-    if (!explained && !(truth.images_do_not_tell && judgement->z[i] > soak_limit()))
-      tally_.largest_z[i] = std::max(tally_.largest_z[i], judgement->z[i]);
+    if (!explained && !(truth.images_do_not_tell && comparison->z[i] > soak_sigma_limit()))
+      counts_.largest_z[i] = std::max(counts_.largest_z[i], comparison->z[i]);
   }
 }
 
 // The campaign ----------------------------------------------------------------------------------------------
 
 bool Lab::over() {
-  const auto& violations = observer_.violations();
+  const auto& violations = checker_.violations();
   for (; violations_traced_ < violations.size(); ++violations_traced_)
     trace("VIOLATION: {}", violations[violations_traced_]);
   if (time_ > MonoTime{1'000'000'000'000} + kLongestCampaign) {
-    observer_.violate("the campaign does not end");
+    checker_.violate("the campaign does not end");
     return true;
   }
   return finished_ && std::none_of(driven_.begin(), driven_.end(), [](bool driven) { return driven; });
@@ -390,13 +390,13 @@ bool Lab::over() {
 void Lab::settle() {
   while (bus_.next_due() != kFarFuture) {
     const VirtualBus::Delivery delivery = bus_.take();
-    if (delivery.to == Station::host) observer_.at_host(delivery.packet->channel, delivery.packet->bytes);
+    if (delivery.to == Station::host) checker_.at_host(delivery.packet->channel, delivery.packet->bytes);
     bus_.done(delivery);
   }
 }
 
-void Lab::trace_scenery() {
-  const sim::Scene& scene = scenery_.scene;
+void Lab::trace_lab_setup() {
+  const sim::Scene& scene = lab_setup_.scene;
   const auto degrees = [](double rad) { return rad * 180.0 / std::numbers::pi; };
   trace(
       "scene: {:.2f} m/s at {:.1f} degrees, {:.0f} rad/s, e {:.2f}, mu {:.2f}, dwell {:.2f} ms, tilt {:.1f} "
@@ -405,14 +405,15 @@ void Lab::trace_scenery() {
       scene.bounce.mu, scene.bounce.dwell_s * 1e3, degrees(scene.surface_angle_rad),
       scene.camera.mirrored ? ", mirrored" : "");
   trace("plan: {} train, every {:.0f} us, {:.0f} ms; centres to {:.2f} mm, equators to {:.2f} degrees",
-        scenery_.plan.train == host::Train::gated ? "gated" : "free", scenery_.plan.period_us,
-        scenery_.plan.shutter_open_ms, scene.tablet.centre_sd_m * 1e3, degrees(scene.tablet.equator_sd_rad));
+        lab_setup_.plan.train == host::Train::gated ? "gated" : "free", lab_setup_.plan.period_us,
+        lab_setup_.plan.shutter_open_ms, scene.tablet.centre_sd_m * 1e3,
+        degrees(scene.tablet.equator_sd_rad));
 }
 
-Tally Lab::run() {
-  tally_.campaigns = 1;
-  tally_.planned = order_.shots;
-  trace_scenery();
+SoakCounts Lab::run() {
+  counts_.campaigns = 1;
+  counts_.planned = order_.shots;
+  trace_lab_setup();
   boot();
   bool started = false;
   in(Duration{}, What::host_start);
@@ -434,20 +435,20 @@ Tally Lab::run() {
     if (dead_) firmware_.reset();
   }
   settle();
-  observer_.end(disk_.path());
+  checker_.end(disk_.path());
   over();
-  tally_.triggers = observer_.triggers();
-  tally_.events_journalled = observer_.events_journalled();
-  tally_.events_missing = observer_.events_missing();
-  tally_.events_unheard = observer_.events_unheard();
-  tally_.violations = static_cast<std::int64_t>(observer_.violations().size());
-  tally_.packets = bus_.counts().sent;
-  tally_.packets_lost = bus_.counts().lost;
-  tally_.packets_doubled = bus_.counts().doubled;
-  tally_.packets_reordered = bus_.counts().reordered;
-  tally_.virtual_s = (time_ - MonoTime{1'000'000'000'000}).seconds();
-  tally_.digest = digest_;
-  return tally_;
+  counts_.triggers = checker_.triggers();
+  counts_.events_journalled = checker_.events_journalled();
+  counts_.events_missing = checker_.events_missing();
+  counts_.events_never_received = checker_.events_never_received();
+  counts_.violations = static_cast<std::int64_t>(checker_.violations().size());
+  counts_.packets = bus_.counts().sent;
+  counts_.packets_lost = bus_.counts().lost;
+  counts_.packets_doubled = bus_.counts().doubled;
+  counts_.packets_reordered = bus_.counts().reordered;
+  counts_.virtual_s = (time_ - MonoTime{1'000'000'000'000}).seconds();
+  counts_.digest = digest_;
+  return counts_;
 }
 
 }  // namespace strobe::soak

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <string>
 
-// CppUTest redefines new; its headers come last.
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe;
@@ -14,11 +13,11 @@ TEST_GROUP(VirtualLab) {
   RigFiles files = *read_rig_files(STROBE_SHIPPED_RIG);
   std::string violations;
 
-  Tally run(const FaultPlan& faults, PlanKind plan, int campaigns, int shots = 10,
-            std::uint64_t seed = 2026) {
-    Tally sum;
+  SoakCounts run(const FaultPlan& faults, PlanKind plan, int campaigns, int shots = 10,
+                 std::uint64_t seed = 2026) {
+    SoakCounts sum;
     for (int campaign = 0; campaign < campaigns; ++campaign) {
-      CampaignOrder order;
+      RunSettings order;
       order.seed = seed;
       order.campaign = campaign;
       order.shots = shots;
@@ -26,7 +25,7 @@ TEST_GROUP(VirtualLab) {
       order.plan = plan;
       Lab lab(files, order);
       sum.add(lab.run());
-      for (const std::string& violation : lab.observer().violations())
+      for (const std::string& violation : lab.invariant_checker().violations())
         violations +=
             "\nseed " + std::to_string(seed) + ", campaign " + std::to_string(campaign) + ": " + violation;
     }
@@ -40,12 +39,12 @@ TEST_GROUP(VirtualLab) {
 };
 
 TEST(VirtualLab, ReadsEveryShotOutWhenNothingGoesWrong) {
-  const Tally tally = run(no_faults(), PlanKind::brief, 60);
-  LONGS_EQUAL(600, tally.good);
-  LONGS_EQUAL(tally.shots, tally.triggers);
-  LONGS_EQUAL(0, tally.unfinished);
+  const SoakCounts counts = run(no_faults(), PlanKind::brief, 60);
+  LONGS_EQUAL(600, counts.good);
+  LONGS_EQUAL(counts.shots, counts.triggers);
+  LONGS_EQUAL(0, counts.unfinished);
   // Two chance errors of a hundred thousand are beyond 4.3 sd.
-  for (const double z : tally.largest_z) CHECK(z > 1.0 && z < 6.0);
+  for (const double z : counts.largest_z) CHECK(z > 1.0 && z < 6.0);
 }
 
 TEST(VirtualLab, PlaysTheShippedPlanAndBurstsAfterTheGate) {
@@ -55,17 +54,17 @@ TEST(VirtualLab, PlaysTheShippedPlanAndBurstsAfterTheGate) {
 }
 
 TEST(VirtualLab, HoldsWhatMustHoldThroughEveryKindOfFault) {
-  const Tally tally = run(wild_faults(), PlanKind::brief, 60);
-  CHECK_TRUE(all_struck(tally.bench_faults));
-  CHECK_TRUE(all_struck(tally.hazards));
-  CHECK(tally.packets_lost > 0 && tally.packets_doubled > 0 && tally.packets_reordered > 0);
-  CHECK(tally.events_journalled > 10'000);
-  LONGS_EQUAL(0, tally.events_missing);
+  const SoakCounts counts = run(wild_faults(), PlanKind::brief, 60);
+  CHECK_TRUE(all_struck(counts.bench_faults));
+  CHECK_TRUE(all_struck(counts.hazards));
+  CHECK(counts.packets_lost > 0 && counts.packets_doubled > 0 && counts.packets_reordered > 0);
+  CHECK(counts.events_journalled > 10'000);
+  LONGS_EQUAL(0, counts.events_missing);
 }
 
 TEST(VirtualLab, IsRightOrSaysThatItIsNotAtTheExtremes) {
-  const Tally tally = run(no_faults(), PlanKind::extremes, 40);
-  CHECK(tally.compared > 1'000);
+  const SoakCounts counts = run(no_faults(), PlanKind::extremes, 40);
+  CHECK(counts.compared > 1'000);
 }
 
 TEST(VirtualLab, RepeatsItselfToTheLastBitFromItsSeed) {

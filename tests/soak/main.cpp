@@ -48,8 +48,8 @@ std::string repetition(const Options& options, std::int64_t campaign) {
                      kShotsPerCampaign, rig);
 }
 
-Tally run_campaign(const Options& options, const Work& work, std::int64_t campaign) {
-  CampaignOrder order;
+SoakCounts run_campaign(const Options& options, const Work& work, std::int64_t campaign) {
+  RunSettings order;
   order.seed = options.seed;
   order.campaign = campaign;
   order.shots = kShotsPerCampaign;
@@ -57,11 +57,11 @@ Tally run_campaign(const Options& options, const Work& work, std::int64_t campai
   order.plan = work.plan;
   order.trace = options.trace ? stdout : nullptr;
   Lab lab(work.files, order);
-  const Tally tally = lab.run();
-  for (const std::string& violation : lab.observer().violations()) {
+  const SoakCounts counts = lab.run();
+  for (const std::string& violation : lab.invariant_checker().violations()) {
     fmt::print(stderr, "VIOLATION: {}\n  repeat it: {}\n", violation, repetition(options, campaign));
   }
-  return tally;
+  return counts;
 }
 
 std::pair<std::int64_t, std::int64_t> campaigns_of(const Options& options) {
@@ -73,7 +73,7 @@ std::pair<std::int64_t, std::int64_t> campaigns_of(const Options& options) {
 void run_share(const Options& options, const Work& work, int job, int pipe_end) {
   using Clock = std::chrono::steady_clock;
   const auto [first, end] = campaigns_of(options);
-  Tally fresh;
+  SoakCounts fresh;
   auto told = Clock::now();
   const auto tell = [&] {
     if (write(pipe_end, &fresh, sizeof fresh) != sizeof fresh) _exit(kFailed);
@@ -93,13 +93,13 @@ class Progress {
   double elapsed_s() const {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
   }
-  void show(const Tally& tally) {
+  void show(const SoakCounts& counts) {
     const double now_s = elapsed_s();
     if (options_.quiet || options_.trace || now_s < shown_s_ + 2.0) return;
     shown_s_ = now_s;
     fmt::print(stderr, "strobe-soak: {} of {} shots wanted, {} fired, {:.0f} a second, {} violations\n",
-               tally.planned, options_.shots, tally.shots, static_cast<double>(tally.shots) / now_s,
-               tally.violations);
+               counts.planned, options_.shots, counts.shots, static_cast<double>(counts.shots) / now_s,
+               counts.violations);
   }
 
  private:
@@ -109,8 +109,8 @@ class Progress {
 };
 
 /// The jobs' tallies, summed as they come. False: a job died.
-bool collect(int pipe_end, const Options& options, Progress& progress, Tally& sum) {
-  for (Tally part;;) {
+bool collect(int pipe_end, const Options& options, Progress& progress, SoakCounts& sum) {
+  for (SoakCounts part;;) {
     const ssize_t got = read(pipe_end, &part, sizeof part);  // a write this short is not torn
     if (got != sizeof part) break;
     sum.add(part);
@@ -127,7 +127,7 @@ bool collect(int pipe_end, const Options& options, Progress& progress, Tally& su
 int run(const Options& options, const Work& work) {
   int ends[2] = {-1, -1};
   if (pipe(ends) != 0) return bad_input("no pipe can be had");
-  static_assert(sizeof(Tally) <= 4096, "PIPE_BUF: longer writes of several processes mix");
+  static_assert(sizeof(SoakCounts) <= 4096, "PIPE_BUF: longer writes of several processes mix");
   std::fflush(nullptr);
   Progress progress(options);
   for (int job = 0; job < options.jobs; ++job) {
@@ -138,7 +138,7 @@ int run(const Options& options, const Work& work) {
     _exit(kDone);
   }
   close(ends[1]);
-  Tally sum;
+  SoakCounts sum;
   const bool well = collect(ends[0], options, progress, sum);
   const double seconds = progress.elapsed_s();
   fmt::print("{}{:<44} {:>14.1f}\n{:<44} {:>14.0f}\n", table_of(sum), "seconds", seconds,

@@ -3,7 +3,7 @@
 
 #include "tests/soak/fault_plan.hpp"
 #include "tests/soak/timeline.hpp"
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe;

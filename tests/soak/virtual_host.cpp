@@ -8,57 +8,57 @@ namespace strobe::soak {
 
 namespace {
 
-constexpr std::int64_t kSecond_ns =
-    1'000'000'000;  // as in `strobe fire`: the first status may take half of it
+// as in `strobe fire`: the first status may take half of it
+constexpr std::int64_t kSecond_ns = 1'000'000'000;
 
 }  // namespace
 
-VirtualHost::VirtualHost(const HostOrder& order, std::int64_t host_id, HostLog& log, Send send, Done done,
+VirtualHost::VirtualHost(const HostSettings& order, std::int64_t host_id, HostLog& log, Send send, Done done,
                          std::int64_t now_ns)
     : order_(order),
       log_(log),
       send_(std::move(send)),
-      maker_(host_id),
-      campaign_(order.campaign, maker_),
-      follower_(order.assembly, host_id, "soak"),
-      intake_(order.rig, follower_),
+      factory_(host_id),
+      series_(order.campaign, factory_),
+      monitor_(order.assembly, host_id, "soak"),
+      decoder_(order.rig, monitor_),
       started_ns_(now_ns) {
-  for (const auto& [boot_id, sequence] : log_) follower_.session().ledger().add(boot_id, sequence, 0);
-  follower_.on_outcome = [this, done = std::move(done)](const host::Outcome& outcome) {
-    done(outcome);
-    campaign_.on_outcome(outcome);
+  for (const auto& [boot_id, sequence] : log_) monitor_.session().ledger().add(boot_id, sequence, 0);
+  monitor_.on_shot_result = [this, done = std::move(done)](const host::ShotResult& shot_result) {
+    done(shot_result);
+    series_.on_shot_result(shot_result);
   };
-  follower_.on_event = [this](const strobe_msgs::event_t& event) {
+  monitor_.on_event = [this](const strobe_msgs::event_t& event) {
     log_.emplace_back(event.boot_id, event.sequence);
-    campaign_.on_event(event);
+    series_.on_event(event);
   };
-  follower_.on_notice = [this](const std::string& text) { notices_.push_back(text); };
+  monitor_.on_notification = [this](const std::string& text) { notifications_.push_back(text); };
 }
 
 void VirtualHost::receive(const std::string& channel, const std::vector<std::uint8_t>& bytes,
                           std::int64_t now_ns) {
-  intake_.receive(channel, bytes.data(), bytes.size(), now_ns);
+  decoder_.receive(channel, bytes.data(), bytes.size(), now_ns);
 }
 
 void VirtualHost::turn(std::int64_t now_ns) {
-  follower_.time(now_ns);
-  if (const auto& status = follower_.session().status()) {
-    for (const host::SequenceRange& range : follower_.session().ledger().due(now_ns))
-      send_(maker_.resend(status->boot_id, range));
+  monitor_.time(now_ns);
+  if (const auto& status = monitor_.session().status()) {
+    for (const host::SequenceRange& range : monitor_.session().ledger().due(now_ns))
+      send_(factory_.resend(status->boot_id, range));
   }
-  if (!campaign_.finished()) {
-    const auto heard = follower_.heard(now_ns);
-    if (heard || now_ns - started_ns_ > kSecond_ns) campaign_.step(heard, now_ns);
+  if (!series_.finished()) {
+    const auto heard = monitor_.heard(now_ns);
+    if (heard || now_ns - started_ns_ > kSecond_ns) series_.step(heard, now_ns);
   } else {
     collect(now_ns);
   }
-  for (const auto& command : campaign_.take_commands()) send_(command);
-  for (std::string& text : campaign_.take_notices()) notices_.push_back(std::move(text));
+  for (const auto& command : series_.take_commands()) send_(command);
+  for (std::string& text : series_.take_notifications()) notifications_.push_back(std::move(text));
 }
 
 void VirtualHost::collect(std::int64_t now_ns) {
-  if (!collection_) collection_.emplace(now_ns);
-  ended_ = collection_->over(follower_.session(), follower_.heard(now_ns).has_value(), now_ns);
+  if (!recovery_) recovery_.emplace(now_ns);
+  ended_ = recovery_->over(monitor_.session(), monitor_.heard(now_ns).has_value(), now_ns);
 }
 
 }  // namespace strobe::soak

@@ -1,5 +1,5 @@
 // The host that fires a series, as `strobe fire` is, on a virtual clock: the shipped campaign, session and
-// intake between a bus and nothing. One object for each life of the process. One thread's; allocates.
+// decoder between a bus and nothing. One object for each life of the process. One thread's; allocates.
 #pragma once
 
 #include <cstdint>
@@ -9,17 +9,17 @@
 #include <utility>
 #include <vector>
 
-#include "host/session/campaign.hpp"
-#include "host/session/collection.hpp"
-#include "host/session/follower.hpp"
-#include "host/session/intake.hpp"
+#include "host/loop/session_monitor.hpp"
+#include "host/messages/message_decoder.hpp"
+#include "host/session/gap_recovery.hpp"
+#include "host/session/shot_series.hpp"
 
 namespace strobe::soak {
 
-struct HostOrder {
+struct HostSettings {
   std::string rig;
   host::AssemblySettings assembly;
-  host::CampaignSettings campaign;
+  host::ShotSeriesSettings campaign;
 };
 
 /// The session folder's log of a host, of which events are known when another host starts there.
@@ -28,10 +28,10 @@ using HostLog = std::vector<std::pair<std::int64_t, std::int64_t>>;  ///< boot, 
 class VirtualHost {
  public:
   using Send = std::function<void(const strobe_msgs::command_t&)>;
-  using Done = std::function<void(const host::Outcome&)>;
+  using Done = std::function<void(const host::ShotResult&)>;
 
   /// now_ns: of the host's own steady clock.
-  VirtualHost(const HostOrder& order, std::int64_t host_id, HostLog& log, Send send, Done done,
+  VirtualHost(const HostSettings& order, std::int64_t host_id, HostLog& log, Send send, Done done,
               std::int64_t now_ns);
 
   void receive(const std::string& channel, const std::vector<std::uint8_t>& bytes, std::int64_t now_ns);
@@ -40,27 +40,27 @@ class VirtualHost {
 
   /// The series is over, and what was lost on the way has been fetched or given up.
   bool ended() const { return ended_; }
-  bool firing() const { return !campaign_.finished(); }
-  const host::Campaign& campaign() const { return campaign_; }
-  std::int64_t id() const { return maker_.host_id(); }
+  bool firing() const { return !series_.finished(); }
+  const host::ShotSeries& campaign() const { return series_; }
+  std::int64_t id() const { return factory_.host_id(); }
   /// What an exception on a message said; empty: there was none.
-  const std::string& fault() const { return intake_.fault(); }
-  std::vector<std::string> take_notices() { return std::exchange(notices_, {}); }
+  const std::string& fault() const { return decoder_.fault(); }
+  std::vector<std::string> take_notifications() { return std::exchange(notifications_, {}); }
 
  private:
   void collect(std::int64_t now_ns);
 
-  const HostOrder& order_;
+  const HostSettings& order_;
   HostLog& log_;
   Send send_;
-  host::CommandMaker maker_;
-  host::Campaign campaign_;
-  host::Follower follower_;
-  host::Intake intake_;
+  host::CommandFactory factory_;
+  host::ShotSeries series_;
+  host::SessionMonitor monitor_;
+  host::MessageDecoder decoder_;
   std::int64_t started_ns_;
-  std::optional<host::Collection> collection_;
+  std::optional<host::GapRecovery> recovery_;
   bool ended_ = false;
-  std::vector<std::string> notices_;
+  std::vector<std::string> notifications_;
 };
 
 }  // namespace strobe::soak

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "tests/structure/source_tree.hpp"
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 namespace {

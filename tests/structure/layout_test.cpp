@@ -4,7 +4,7 @@
 #include <string>
 
 #include "tests/structure/source_tree.hpp"
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe::structure;

@@ -1,7 +1,7 @@
 #include "tests/support/allocations.hpp"
 
 #include <cstdlib>
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/PlatformSpecificFunctions.h>
 
 namespace strobe::testing {

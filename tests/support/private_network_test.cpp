@@ -8,7 +8,6 @@
 
 #include <string>
 
-// CppUTest redefines new; its headers come last.
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe::testing;

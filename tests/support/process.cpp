@@ -76,7 +76,7 @@ struct Prepared {
   int null = -1;
 };
 
-[[noreturn]] void become(Prepared& prepared, Rights rights) {
+[[noreturn]] void become(Prepared& prepared, Privileges rights) {
   setpgid(0, 0);
   prctl(PR_SET_PDEATHSIG, SIGKILL);  // a test killed by its time limit leaves nothing running
   dup2(prepared.null, STDIN_FILENO);
@@ -86,7 +86,7 @@ struct Prepared {
   sigemptyset(&nothing);
   sigprocmask(SIG_SETMASK, &nothing, nullptr);
   if (!prepared.folder.empty() && chdir(prepared.folder.c_str()) != 0) _exit(126);
-  if (rights == Rights::ordinary && !drop_rights()) _exit(126);
+  if (rights == Privileges::ordinary && !drop_rights()) _exit(126);
   std::vector<char*> arguments = pointers(prepared.arguments);
   std::vector<char*> environment = pointers(prepared.environment);
   execvpe(arguments[0], arguments.data(), environment.data());
@@ -168,8 +168,8 @@ Process::Process(const Command& command, const std::filesystem::path& log_folder
   if (pid < 0) give_up("cannot fork");
   setpgid(pid, pid);  // here as well: the group exists before anybody signals it
   state_->pid = pid;
-  state_->descriptor =
-      static_cast<int>(syscall(SYS_pidfd_open, pid, 0));  // glibc 2.36 declares it for C only
+  // glibc 2.36 declares it for C only
+  state_->descriptor = static_cast<int>(syscall(SYS_pidfd_open, pid, 0));
   if (state_->descriptor < 0) give_up("pidfd_open");
 }
 
@@ -218,7 +218,7 @@ bool Process::wait_for_err(const std::string& text, std::chrono::milliseconds li
   return there();
 }
 
-Finished run_to_end(const Command& command, std::chrono::milliseconds limit) {
+CompletedProcess run_process(const Command& command, std::chrono::milliseconds limit) {
   const TemporaryFolder logs;
   Process process(command, logs.path());
   const std::optional<ExitStatus> status = process.wait(limit);

@@ -23,18 +23,18 @@ struct ExitStatus {
 };
 
 /// What a process may do.
-enum class Rights {
-  as_test,   ///< the same as the test program
-  ordinary,  ///< an ordinary user's: without capabilities, real-time priority and more than 64 KiB of locked
-             ///< memory
+enum class Privileges {
+  inherited,  ///< the same as the test program
+  ordinary,   ///< an ordinary user's: without capabilities, real-time priority and more than 64 KiB of locked
+              ///< memory
 };
 
 struct Command {
-  std::vector<std::string>
-      arguments;  ///< the program, then its arguments; not searched in PATH if it has a slash
+  /// The program, then its arguments; not searched in PATH if it has a slash.
+  std::vector<std::string> arguments;
   std::map<std::string, std::string> environment;  ///< added to, or replacing, the test's own
   std::filesystem::path folder;                    ///< working folder; empty: the test's
-  Rights rights = Rights::as_test;
+  Privileges rights = Privileges::inherited;
 };
 
 class Process {
@@ -69,14 +69,14 @@ class Process {
   std::unique_ptr<State> state_;
 };
 
-struct Finished {
+struct CompletedProcess {
   std::optional<ExitStatus> status;  ///< nothing: it did not end in time and was killed
   std::string out;
   std::string err;
 };
 
 /// Runs a command to its end.
-Finished run_to_end(const Command& command, std::chrono::milliseconds limit);
+CompletedProcess run_process(const Command& command, std::chrono::milliseconds limit);
 
 /// Processes whose parent is `pid`, oldest first.
 std::vector<pid_t> children_of(pid_t pid);

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "tests/support/temporary_folder.hpp"
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe::testing;
@@ -16,37 +16,39 @@ using namespace std::chrono_literals;
 
 TEST_GROUP(Process) {
   TemporaryFolder logs;
-  static Command shell(const std::string& script) { return {{"sh", "-c", script}, {}, {}, Rights::as_test}; }
+  static Command shell(const std::string& script) {
+    return {{"sh", "-c", script}, {}, {}, Privileges::inherited};
+  }
 };
 
 TEST(Process, TellsOutputErrorsAndExitStatus) {
-  const Finished finished = run_to_end(shell("echo out; echo err >&2; exit 3"), 10s);
+  const CompletedProcess finished = run_process(shell("echo out; echo err >&2; exit 3"), 10s);
   CHECK(finished.status == ExitStatus({3, 0}));
   STRCMP_EQUAL("out\n", finished.out.c_str());
   STRCMP_EQUAL("err\n", finished.err.c_str());
 }
 
 TEST(Process, TellsTheSignalThatEndedIt) {
-  const Finished finished = run_to_end(shell("kill -TERM $$"), 10s);
+  const CompletedProcess finished = run_process(shell("kill -TERM $$"), 10s);
   CHECK(finished.status == ExitStatus({-1, SIGTERM}));
 }
 
 TEST(Process, HasNoStandardInput) {
-  const Finished finished = run_to_end({{"cat"}, {}, {}, Rights::as_test}, 10s);
+  const CompletedProcess finished = run_process({{"cat"}, {}, {}, Privileges::inherited}, 10s);
   CHECK(finished.status == ExitStatus({0, 0}));
 }
 
 TEST(Process, AddsToTheEnvironmentAndReplacesInIt) {
   Command command = shell("echo $STROBE_A; echo ${HOME}");
   command.environment = {{"STROBE_A", "1"}, {"HOME", "/elsewhere"}};
-  STRCMP_EQUAL("1\n/elsewhere\n", run_to_end(command, 10s).out.c_str());
+  STRCMP_EQUAL("1\n/elsewhere\n", run_process(command, 10s).out.c_str());
 }
 
 TEST(Process, StartsInTheFolderGiven) {
   Command command = shell("pwd");
   command.folder = logs.path();
   STRCMP_EQUAL((std::filesystem::canonical(logs.path()).string() + "\n").c_str(),
-               run_to_end(command, 10s).out.c_str());
+               run_process(command, 10s).out.c_str());
 }
 
 TEST(Process, IsNotWaitedForBeyondTheLimit) {
@@ -89,13 +91,13 @@ TEST(Process, GivesUpOnATextOnceTheProcessEnded) {
 }
 
 TEST(Process, OfAProgramThatIsNotThereExitsAsAShellSays) {
-  const Finished finished = run_to_end({{"/nowhere/at-all"}, {}, {}, Rights::as_test}, 10s);
+  const CompletedProcess finished = run_process({{"/nowhere/at-all"}, {}, {}, Privileges::inherited}, 10s);
   CHECK(finished.status == ExitStatus({127, 0}));
 }
 
 TEST(Process, WithAnOrdinaryUsersRightsHasNeitherCapabilitiesNorRealTime) {
   Command command = shell("grep CapEff /proc/self/status; ulimit -r; ulimit -l");
   command.arguments[0] = "bash";
-  command.rights = Rights::ordinary;
-  STRCMP_EQUAL("CapEff:\t0000000000000000\n0\n64\n", run_to_end(command, 10s).out.c_str());
+  command.rights = Privileges::ordinary;
+  STRCMP_EQUAL("CapEff:\t0000000000000000\n0\n64\n", run_process(command, 10s).out.c_str());
 }

@@ -5,7 +5,6 @@
 #include <stdexcept>
 #include <string>
 
-// CppUTest redefines new; its headers come last.
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe::testing;

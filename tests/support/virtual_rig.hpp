@@ -225,7 +225,7 @@ class VirtualRig final : public Clock,
 };
 
 /// The rig as shipped, without a file: every line but the X-sync fitted, the numbers of firmware/rig.toml.
-inline Rig bench_rig() {
+inline Rig shipped_rig() {
   Rig rig;
   rig.file_name = "rig.toml";
   for (LineConfig& line : rig.lines) line.fitted = true;

@@ -13,7 +13,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr int kMostIterations = 200;
+constexpr int kMaxIterations = 200;
 constexpr double kLargestDamping = 1e16;
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 
@@ -69,7 +69,7 @@ VectorXd damped_step(const MatrixXd& jac, const VectorXd& r, const std::vector<I
 }
 
 /// One accepted step, or false if none lessens the sum by more than `least_gain`.
-bool improve(const LeastSquaresProblem& problem, Minimum& now, double& damping) {
+bool improve(const LeastSquaresProblem& problem, LeastSquaresResult& now, double& damping) {
   const VectorXd r = problem.residuals(now.at);
   const MatrixXd jac = jacobian(problem, now.at);
   const std::vector<Index> free = movable(problem, now.at, jac.transpose() * r);
@@ -96,7 +96,7 @@ bool improve(const LeastSquaresProblem& problem, Minimum& now, double& damping) 
 }
 
 /// Steps along the axes, halved when none helps.
-Minimum searched(const LeastSquaresProblem& problem, Minimum now) {
+LeastSquaresResult searched(const LeastSquaresProblem& problem, LeastSquaresResult now) {
   for (double size = 0.05; size > 1e-9;) {
     bool better = false;
     for (Index i = 0; i < now.at.size(); ++i) {
@@ -133,26 +133,26 @@ MatrixXd jacobian(const LeastSquaresProblem& problem, const VectorXd& at) {
   return out;
 }
 
-Minimum descend(const LeastSquaresProblem& problem, const VectorXd& start) {
-  Minimum now{.at = clamped(problem, start)};
+LeastSquaresResult levenberg_marquardt(const LeastSquaresProblem& problem, const VectorXd& start) {
+  LeastSquaresResult now{.at = clamped(problem, start)};
   now.sum_of_squares = problem.residuals(now.at).squaredNorm();
   double damping = 1e-3;
-  for (; now.iterations < kMostIterations && !now.converged; ++now.iterations)
+  for (; now.iterations < kMaxIterations && !now.converged; ++now.iterations)
     now.converged = !improve(problem, now, damping);
   return now;
 }
 
-Minimum minimize(const LeastSquaresProblem& problem, const VectorXd& first,
-                 const std::vector<VectorXd>& candidates, std::size_t tries) {
-  Minimum best = descend(problem, first);
+LeastSquaresResult minimize(const LeastSquaresProblem& problem, const VectorXd& first,
+                            const std::vector<VectorXd>& candidates, std::size_t tries) {
+  LeastSquaresResult best = levenberg_marquardt(problem, first);
   const std::vector<std::size_t> order = ranked(problem, candidates);
   for (std::size_t k = 0; k < std::min(tries, order.size()); ++k) {
-    const Minimum other = descend(problem, candidates[order[k]]);
+    const LeastSquaresResult other = levenberg_marquardt(problem, candidates[order[k]]);
     if (other.sum_of_squares < best.sum_of_squares) best = other;
   }
-  const Minimum found = searched(problem, best);
+  const LeastSquaresResult found = searched(problem, best);
   if (!(found.sum_of_squares < best.sum_of_squares)) return best;
-  return descend(problem, found.at);
+  return levenberg_marquardt(problem, found.at);
 }
 
 std::optional<MatrixXd> inverse_gram(const MatrixXd& jac, double dependence) {

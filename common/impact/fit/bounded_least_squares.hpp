@@ -15,8 +15,8 @@ struct LeastSquaresProblem {
   std::function<Eigen::VectorXd(const Eigen::VectorXd&)> residuals;
   Eigen::VectorXd lower;  ///< finite, below `upper`
   Eigen::VectorXd upper;
-  Eigen::VectorXd
-      scale;  ///< > 0: a step of this much in each parameter matters; for differences and searches
+  /// > 0: a step of this much in each parameter matters; for differences and searches.
+  Eigen::VectorXd scale;
   /// Step of the differences over the larger of |parameter| and scale. The default, the cube root of the
   /// rounding, is for residuals in full double precision; coarser ones need wider steps.
   double difference = 6.0554544523933395e-6;
@@ -29,7 +29,7 @@ struct LeastSquaresProblem {
 /// About 1e-10 relative where the residuals are smooth and in full double precision.
 Eigen::MatrixXd jacobian(const LeastSquaresProblem& problem, const Eigen::VectorXd& at);
 
-struct Minimum {
+struct LeastSquaresResult {
   Eigen::VectorXd at;
   double sum_of_squares = 0.0;
   bool converged = false;  ///< false: stopped at the limit of 200 iterations
@@ -38,12 +38,12 @@ struct Minimum {
 
 /// Local minimum from one start (moved into the bounds). Residuals that are infinite at some other point keep
 /// the descent away from it.
-Minimum descend(const LeastSquaresProblem& problem, const Eigen::VectorXd& start);
+LeastSquaresResult levenberg_marquardt(const LeastSquaresProblem& problem, const Eigen::VectorXd& start);
 
 /// Best of the descents from `first` and from those `tries` of the `candidates` that have the smallest sums,
 /// then a search along the axes, which passes kinks where derivatives mislead. Ties go to the earlier start.
-Minimum minimize(const LeastSquaresProblem& problem, const Eigen::VectorXd& first,
-                 const std::vector<Eigen::VectorXd>& candidates, std::size_t tries);
+LeastSquaresResult minimize(const LeastSquaresProblem& problem, const Eigen::VectorXd& first,
+                            const std::vector<Eigen::VectorXd>& candidates, std::size_t tries);
 
 /// Inverse of JᵀJ by QR of J with its columns scaled to unit length. Nothing if a column is zero or, but for
 /// `dependence` of its length, a combination of others; 1e-13 tells condition numbers up to about 1e12 (of

@@ -11,7 +11,7 @@ std::optional<double> in_sd(double residual, double sd) {
   return std::nullopt;
 }
 
-Comparison compare_one(const Observation& o, InOutModel model, const ParameterValues& parameters,
+Comparison compare_one(const Observation& o, ReboundModel model, const ParameterValues& parameters,
                        double diameter_m) {
   const double radius = 0.5 * diameter_m;
   const InputCovariance inputs = input_covariance(model, parameters, diameter_m, o);
@@ -44,7 +44,7 @@ struct Scores {
 
 }  // namespace
 
-std::vector<Comparison> compare(std::span<const Observation> observations, InOutModel model,
+std::vector<Comparison> compare(std::span<const Observation> observations, ReboundModel model,
                                 const ParameterValues& parameters, double diameter_m) {
   std::vector<Comparison> out;
   out.reserve(observations.size());
@@ -73,12 +73,12 @@ Agreement agreement_of(std::span<const Comparison> comparisons) {
   return out;
 }
 
-FitOptions default_options(InOutModel model) {
+FitOptions default_options(ReboundModel model) {
   FitOptions out{.model = model, .start = default_values(model), .free = {}};
   out.free[index(Parameter::mu)] = true;
-  out.free[index(Parameter::e_x)] = model != InOutModel::slide_roll;
-  out.free[index(Parameter::offset_m)] = model == InOutModel::grip_offset;
-  out.free[index(Parameter::offset_reference_mps)] = model == InOutModel::grip_offset;
+  out.free[index(Parameter::e_x)] = model != ReboundModel::slide_roll;
+  out.free[index(Parameter::offset_m)] = model == ReboundModel::grip_offset;
+  out.free[index(Parameter::offset_reference_mps)] = model == ReboundModel::grip_offset;
   return out;
 }
 

@@ -73,7 +73,7 @@ Result<Optimum> optimum(std::span<const ContactObservation> observations, const 
                                      std::numeric_limits<double>::infinity());
   });
   if (problem.residuals(kStart); refusal) return tl::unexpected(*refusal);
-  const Minimum found = descend(problem, kStart);
+  const LeastSquaresResult found = levenberg_marquardt(problem, kStart);
   Eigen::MatrixXd at_minimum = jacobian(problem, found.at);
   if (refusal) return tl::unexpected(*refusal);
   if (!found.converged) return fail("the contact's fit does not converge");

@@ -7,10 +7,10 @@ namespace strobe::impact {
 
 namespace {
 
-bool positive(double x) { return x >= kSmallestMagnitude && x <= kLargestMagnitude; }
+bool positive(double x) { return x >= kMinMagnitude && x <= kMaxMagnitude; }
 /// An sd of 0 is one that is not known.
 bool not_negative(double x) { return x == 0.0 || positive(x); }
-bool measurable(double x) { return std::abs(x) <= kLargestMagnitude; }
+bool measurable(double x) { return std::abs(x) <= kMaxMagnitude; }
 
 bool usable(const Motion& sd) {
   return not_negative(sd.vx_mps) && not_negative(sd.vy_mps) && not_negative(sd.omega_radps);

@@ -18,7 +18,7 @@ using Eigen::Vector2d;
 using Eigen::VectorXd;
 
 constexpr std::size_t kStartsTried = 6;
-constexpr int kMostReweightings = 12;
+constexpr int kMaxReweightings = 12;
 constexpr double kDependence = 1e-8;               // derivatives by differences are good to about 1e-10
 constexpr double kOneSidedZ = 1.6448536269514722;  // normal quantile of kLimitLevel
 
@@ -118,7 +118,7 @@ class Work {
       converged_ = true;
       return;
     }
-    const Minimum found = minimize(problem(), free_values(), candidates(tries), tries);
+    const LeastSquaresResult found = minimize(problem(), free_values(), candidates(tries), tries);
     values_ = with(found.at);
     converged_ = found.converged;
   }
@@ -126,7 +126,7 @@ class Work {
   /// The inputs' share of the weights depends on the parameters: alternate until they stand still.
   void settle_weights() {
     const VectorXd scale = problem().scale;
-    for (int i = 0; i < kMostReweightings; ++i) {
+    for (int i = 0; i < kMaxReweightings; ++i) {
       const VectorXd before = free_values();
       reweight(true);
       fit_once(i == 0 ? kStartsTried : 0);

@@ -11,7 +11,7 @@
 #include <tl/expected.hpp>
 #include <vector>
 
-#include "common/impact/fit/in_out_model.hpp"
+#include "common/impact/fit/rebound_model.hpp"
 
 namespace strobe::impact {
 
@@ -32,9 +32,9 @@ enum class CovarianceScale {
 using FreeParameters = std::array<bool, kParameterCount>;
 
 struct FitOptions {
-  InOutModel model = InOutModel::grip_offset;
+  ReboundModel model = ReboundModel::grip_offset;
   double diameter_m = ball::kThesisDiameter_m;
-  ParameterValues start = default_values(InOutModel::grip_offset);  ///< value of what is not free
+  ParameterValues start = default_values(ReboundModel::grip_offset);  ///< value of what is not free
   FreeParameters free{true, true, true, true, false};  ///< none: the model as it stands is judged
   Weighting weighting = Weighting::equal;
   CovarianceScale scale = CovarianceScale::residuals;
@@ -44,7 +44,7 @@ struct FitOptions {
 
 /// The model with its default values and what is fitted of it by default: mu of slide_roll; mu, e_x of grip;
 /// mu, e_x, d, u0 of grip_offset.
-FitOptions default_options(InOutModel model);
+FitOptions default_options(ReboundModel model);
 
 enum class ParameterStatus {
   fixed,   ///< not asked for
@@ -139,7 +139,7 @@ std::string message(const FitFailure& failure, std::span<const Observation> obse
 tl::expected<ModelFit, FitFailure> fit(std::span<const Observation> observations, const FitOptions& options);
 
 /// The observations against a model with given parameters. Preconditions: those that fit() checks.
-std::vector<Comparison> compare(std::span<const Observation> observations, InOutModel model,
+std::vector<Comparison> compare(std::span<const Observation> observations, ReboundModel model,
                                 const ParameterValues& parameters, double diameter_m);
 
 }  // namespace strobe::impact

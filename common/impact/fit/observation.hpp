@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "common/data/thesis_data.hpp"
-#include "common/impact/rebound.hpp"
+#include "common/impact/closed_form/rebound.hpp"
 
 namespace strobe::impact {
 

@@ -21,7 +21,7 @@ struct Said {
   double margin() const { return needed - available; }
 };
 
-Said say(InOutModel model, const ParameterValues& parameters, double diameter_m, const ModelInputs& in) {
+Said say(ReboundModel model, const ParameterValues& parameters, double diameter_m, const ModelInputs& in) {
   ParameterValues rough = parameters;
   rough[index(Parameter::mu)] = kAnyFriction;
   const auto gripping = rebound_of(model, rough, diameter_m, in.touchdown, in.e);
@@ -37,7 +37,7 @@ struct Variances {
   double slip_lo = 0.0;
 };
 
-void add_inputs(const Observation& o, InOutModel model, const ParameterValues& values, double diameter_m,
+void add_inputs(const Observation& o, ReboundModel model, const ParameterValues& values, double diameter_m,
                 Variances& sum) {
   for (std::size_t which = 0; which < kInputCount; ++which) {
     const Said more = say(model, values, diameter_m, moved_inputs(o, which, 1.0));
@@ -49,7 +49,7 @@ void add_inputs(const Observation& o, InOutModel model, const ParameterValues& v
 
 /// Parameters move together along the axes of their covariance, one standard deviation each way, kept in
 /// their bounds.
-void add_parameters(const ModelInputs& in, InOutModel model, const ModelFit& fit, double diameter_m,
+void add_parameters(const ModelInputs& in, ReboundModel model, const ModelFit& fit, double diameter_m,
                     Variances& sum) {
   using Square = Eigen::Matrix<double, kParameterCount, kParameterCount>;
   using Vector = Eigen::Matrix<double, kParameterCount, 1>;
@@ -95,7 +95,7 @@ void add_measured(const Observation& o, double alpha, double radius, RegimeJudge
 
 }  // namespace
 
-tl::expected<RegimeJudgement, InputError> judge_regime(const Observation& observation, InOutModel model,
+tl::expected<RegimeJudgement, InputError> judge_regime(const Observation& observation, ReboundModel model,
                                                        const ModelFit& fit, double diameter_m) {
   const ParameterValues values = fit.values();
   const ModelInputs in{observation.touchdown, observation.e};

@@ -40,7 +40,7 @@ struct RegimeJudgement {
 };
 
 /// Errors as for rebound_of(). `fit.covariance` is zero for parameters taken as known.
-tl::expected<RegimeJudgement, InputError> judge_regime(const Observation& observation, InOutModel model,
+tl::expected<RegimeJudgement, InputError> judge_regime(const Observation& observation, ReboundModel model,
                                                        const ModelFit& fit, double diameter_m);
 
 }  // namespace strobe::impact

@@ -9,7 +9,7 @@ namespace strobe::impact {
 
 namespace {
 
-bool usable_sd(double sd) { return sd >= 0.0 && sd <= kLargestMagnitude; }
+bool usable_sd(double sd) { return sd >= 0.0 && sd <= kMaxMagnitude; }
 
 bool usable_sd(const Motion& sd) {
   return usable_sd(sd.vx_mps) && usable_sd(sd.vy_mps) && usable_sd(sd.omega_radps);
@@ -23,7 +23,7 @@ std::optional<InputError> find_error(const Observation& o, const ball::Ball& bal
   const bool spreads = usable_sd(o.touchdown_sd) && usable_sd(o.lift_off_sd) && usable_sd(o.e_sd);
   if (!finite || !spreads || !usable_sd(alpha_sd)) return InputError::not_finite;
   const double largest = std::max(std::abs(o.lift_off.vx_mps), std::abs(o.lift_off.omega_radps));
-  if (largest > kLargestMagnitude) return InputError::magnitude_out_of_range;
+  if (largest > kMaxMagnitude) return InputError::magnitude_out_of_range;
   return std::nullopt;
 }
 

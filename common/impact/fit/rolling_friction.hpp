@@ -38,7 +38,7 @@ struct RollingFriction {
   double z_from_symmetry = 0.0;
 };
 
-/// alpha_sd >= 0, finite. Errors: not_finite (also an sd that is negative or beyond kLargestMagnitude),
+/// alpha_sd >= 0, finite. Errors: not_finite (also an sd that is negative or beyond kMaxMagnitude),
 /// magnitude_out_of_range, not_approaching, restitution_out_of_range, ball_out_of_range.
 tl::expected<RollingFriction, InputError> rolling_friction(const Observation& observation,
                                                            const ball::Ball& ball,

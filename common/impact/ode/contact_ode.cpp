@@ -1,6 +1,6 @@
 #include "common/impact/ode/contact_ode.hpp"
 
-#include "common/impact/ode/contact_run.hpp"
+#include "common/impact/ode/contact_integrator.hpp"
 
 namespace strobe::impact {
 

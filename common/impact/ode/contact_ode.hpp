@@ -37,7 +37,7 @@
 #include <string_view>
 #include <tl/expected.hpp>
 
-#include "common/impact/rebound.hpp"
+#include "common/impact/closed_form/rebound.hpp"
 
 namespace strobe::impact {
 
@@ -168,8 +168,8 @@ enum class ContactMethod { dormand_prince, rk4, semi_implicit_euler };
 
 struct ContactOptions {
   ContactMethod method = ContactMethod::dormand_prince;
-  double tolerance =
-      1e-9;         ///< dormand_prince: error at release relative to the scale of each motion, 1e-12…1e-3
+  /// dormand_prince: error at release relative to the scale of each motion, 1e-12…1e-3.
+  double tolerance = 1e-9;
   int steps = 200;  ///< fixed-step methods: steps from touchdown to release without gravity, 4…1e7
 };
 
@@ -177,8 +177,8 @@ struct ContactOptions {
 /// restitution_out_of_range, friction_negative, spring_out_of_range, offset_out_of_range,
 /// dwell_not_positive, tolerance_out_of_range; magnitude_out_of_range (|vx|, |vy| above 1e9 m/s, |vy| below
 /// 1e-15 m/s, |omega| above 1e9 rad/s, |R·omega| or |vx| above 1e15·|vy|, diameter or mass outside
-/// 1e-9…1e9, alpha below 1e-6, mu, dwell time or gravity beyond the ranges above); contact_without_end
-/// (gravity); contact_unresolved beyond 64 events or 200,000 adaptive steps. A reference speed below
+/// 1e-9…1e9, alpha below 1e-6, mu, dwell time or gravity beyond the ranges above); no_release
+/// (gravity); too_many_steps beyond 64 events or 200,000 adaptive steps. A reference speed below
 /// |vy|/10,000 makes the offset a dry friction of its own and may need that many; with 1 m/s and more no
 /// contact drawn over the whole range of speeds did.
 tl::expected<ContactSummary, InputError> simulate(const ball::Ball& ball, const Motion& touchdown,

@@ -35,7 +35,7 @@ std::optional<InputError> find_coefficient_error(const ContactCoefficients& c) {
   if (!within(c.e, 0.0, 1.0)) return InputError::restitution_out_of_range;
   if (c.dwell_s <= 0.0) return InputError::dwell_not_positive;
   if (c.mu < 0.0) return InputError::friction_negative;
-  if (c.e < kLeastSpringRestitution || !within(c.stiffness_ratio, 1e-3, 1e3) ||
+  if (c.e < kMinSpringRestitution || !within(c.stiffness_ratio, 1e-3, 1e3) ||
       (c.damping_ratio != 0.0 && !within(c.damping_ratio, 0.01, 10.0)))
     return InputError::spring_out_of_range;
   if (!within(c.offset_share, 0.0, 1.0) || !within(c.offset_reference_mps, 1e-9, 1e9))

@@ -6,8 +6,8 @@
 
 #include <vector>
 
+#include "common/impact/ode/contact_integrator.hpp"
 #include "common/impact/ode/contact_ode.hpp"
-#include "common/impact/ode/contact_run.hpp"
 
 namespace strobe::impact {
 

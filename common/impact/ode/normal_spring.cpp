@@ -80,7 +80,7 @@ double restitution_of_damping_ratio(double zeta) { return std::exp(-zeta * relea
 tl::expected<double, InputError> damping_ratio_from_restitution(double e) {
   if (!std::isfinite(e)) return tl::unexpected(InputError::not_finite);
   if (e < 0.0 || e > 1.0) return tl::unexpected(InputError::restitution_out_of_range);
-  if (e < kLeastSpringRestitution) return tl::unexpected(InputError::spring_out_of_range);
+  if (e < kMinSpringRestitution) return tl::unexpected(InputError::spring_out_of_range);
   const double half_log = -0.5 * std::log(e);
   if (half_log == 0.0) return 0.0;
   return half_log < 0.5 ? light_damping(half_log) : heavy_damping(half_log);

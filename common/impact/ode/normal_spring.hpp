@@ -17,7 +17,7 @@
 namespace strobe::impact {
 
 /// Least restitution for which a spring is computed; its damping ratio is 15.9.
-inline constexpr double kLeastSpringRestitution = 1e-3;
+inline constexpr double kMinSpringRestitution = 1e-3;
 
 /// Restitution of the damping ratio zeta >= 0; 1 at zeta = 0.
 double restitution_of_damping_ratio(double zeta);
@@ -25,7 +25,7 @@ double restitution_of_damping_ratio(double zeta);
 /// Time from touchdown to release times sqrt(k/m): pi at zeta = 0, 2 at zeta = 1.
 double release_phase(double zeta);
 
-/// Inverse of restitution_of_damping_ratio. Valid: kLeastSpringRestitution <= e <= 1 (below it, down to 0:
+/// Inverse of restitution_of_damping_ratio. Valid: kMinSpringRestitution <= e <= 1 (below it, down to 0:
 /// spring_out_of_range).
 tl::expected<double, InputError> damping_ratio_from_restitution(double e);
 

@@ -64,9 +64,9 @@ void configure_line(State& state, std::uint32_t line, std::uint32_t flags, unsig
 }
 
 /// The line's owner is `fd` from now on. -EBUSY if it has another.
-int take_line(State& state, const Gate& gate, std::uint32_t line, int fd, std::int64_t byte,
+int take_line(State& state, const ChipLock& gate, std::uint32_t line, int fd, std::int64_t byte,
               const char* label) {
-  reap_line_gated(state, device().folder, gate, line);
+  reap_line_locked(state, device().folder, gate, line);
   Line& entry = state.lines[line];
   if ((entry.config.load() & (ConfigWord::kRequested | ConfigWord::kKernelUsed)) != 0) return -EBUSY;
   const int locked = sys::try_lock(fd, byte, false);
@@ -111,7 +111,7 @@ int open_handle(const HandleName& name) {
   return -EIO;
 }
 
-int take_handle_lines(State& state, const Gate& gate, const gpiohandle_request& request,
+int take_handle_lines(State& state, const ChipLock& gate, const gpiohandle_request& request,
                       const HandleName& name, int fd) {
   const std::uint32_t owner = ConfigWord::kRequested | name.slot << ConfigWord::kSlotShift;
   const std::int64_t now = sys::now_ns();
@@ -141,7 +141,7 @@ void drain(int fd) {
   }
 }
 
-int take_event_line(State& state, const Gate& gate, const gpioevent_request& request, int fd) {
+int take_event_line(State& state, const ChipLock& gate, const gpioevent_request& request, int fd) {
   const std::uint32_t line = request.lineoffset;
   const int result = take_line(state, gate, line, fd, 0, request.consumer_label);
   if (result != 0) return result;
@@ -162,7 +162,7 @@ int request_handle(gpiohandle_request& request) {
   request.consumer_label[sizeof(request.consumer_label) - 1] = '\0';
 
   const sys::NoSignals quiet;
-  const Gate gate(device().folder);
+  const ChipLock gate(device().folder);
   if (gate.error() != 0) return gate.error();
   HandleName name;
   int result = new_handle(state, request, name);
@@ -186,7 +186,7 @@ int request_event(gpioevent_request& request) {
   request.consumer_label[sizeof(request.consumer_label) - 1] = '\0';
 
   const sys::NoSignals quiet;
-  const Gate gate(device().folder);
+  const ChipLock gate(device().folder);
   if (gate.error() != 0) return gate.error();
   const int fd = open_event(request.lineoffset);
   if (fd < 0) return fd;
@@ -204,7 +204,7 @@ int configure_handle(std::uint32_t slot, const gpiohandle_config& config) {
   State& state = *device().state;
   if (!handle_flags_valid(config.flags)) return -EINVAL;
   const sys::NoSignals quiet;
-  const Gate gate(device().folder);
+  const ChipLock gate(device().folder);
   if (gate.error() != 0) return gate.error();
   const Handle& handle = state.handles[slot];
   const std::uint32_t owner = ConfigWord::kRequested | slot << ConfigWord::kSlotShift;

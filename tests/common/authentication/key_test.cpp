@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <string>
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 using strobe::authentication::Key;

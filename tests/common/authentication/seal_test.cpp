@@ -5,7 +5,7 @@
 #include <string>
 #include <strobe_msgs/sealed_command_t.hpp>
 #include <vector>
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe::authentication;
@@ -83,7 +83,7 @@ TEST(Seal, IsBrokenByEveryCutAndEveryAddition) {
 }
 
 TEST(Seal, HoldsABodyOfAnyAllowedSize) {
-  for (const std::size_t size : {std::size_t{0}, std::size_t{1}, kMostBody_bytes}) {
+  for (const std::size_t size : {std::size_t{0}, std::size_t{1}, kMaxBody_bytes}) {
     const Bytes body(size, 7);
     const Bytes bytes = seal(kKey, "bench", body).value();
     LONGS_EQUAL(kSealed_bytes + size, bytes.size());
@@ -94,9 +94,9 @@ TEST(Seal, HoldsABodyOfAnyAllowedSize) {
 }
 
 TEST(Seal, HoldsNothingLarger) {
-  const Bytes body(kMostBody_bytes + 1, 7);
+  const Bytes body(kMaxBody_bytes + 1, 7);
   STRCMP_CONTAINS("too large", seal(kKey, "bench", body).error().message.c_str());
-  STRCMP_EQUAL("oversized", answer(Bytes(kMostSealed_bytes + 1, 7)).c_str());
+  STRCMP_EQUAL("oversized", answer(Bytes(kMaxSealed_bytes + 1, 7)).c_str());
 }
 
 TEST(Seal, LooksAtNothingBeyondTheBytes) {

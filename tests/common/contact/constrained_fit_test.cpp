@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "common/contact/condition_inputs.hpp"
-#include "common/contact/constrained_motion.hpp"
-#include "common/contact/uniform_spline.hpp"
+#include "common/contact/differentiation/constrained_motion.hpp"
+#include "common/contact/differentiation/uniform_spline.hpp"
 #include "tests/common/physics/thesis_folder.hpp"
 
 #include <CppUTest/TestHarness.h>
@@ -147,8 +147,8 @@ TEST(ConstrainedFits, OfImagesOnAParabolaAreThatParabolaWhateverTheWeight) {
 TEST(ConstrainedFits, AreLeastAmongTheirNeighbours) {
   ConstrainedFitOptions options;
   options.smoothing = 1e-5;
-  options.intervals =
-      1;  // then the space is that of quintics and the neighbours are (t(1-t))² and t·(t(1-t))²
+  // then the space is that of quintics and the neighbours are (t(1-t))² and t·(t(1-t))²
+  options.intervals = 1;
   auto values = at_times(dent);
   for (std::size_t i = 0; i < values.size(); ++i) values[i] += i % 2 == 0 ? 0.5 : -0.5;
   const auto fit = fit_constrained(kTimes, values, ends(0, 0, dent_slope(0), dent_slope(1)), options);

@@ -6,20 +6,19 @@
 #include "tests/support/json_lines.hpp"
 #include "tests/support/process.hpp"
 
-// CppUTest redefines new; its headers come last.
 #include <CppUTest/TestHarness.h>
 
-using strobe::testing::Finished;
+using strobe::testing::CompletedProcess;
 
 namespace {
 
 const std::string kZero23 = std::string(STROBE_THESIS_FOLDER) + "/contact/zero_23.csv";
 
-Finished contact(std::vector<std::string> more) {
+CompletedProcess contact(std::vector<std::string> more) {
   std::vector<std::string> arguments{STROBE_PROGRAM, "contact"};
   arguments.insert(arguments.end(), more.begin(), more.end());
-  return strobe::testing::run_to_end({.arguments = std::move(arguments), .environment = {}, .folder = {}},
-                                     std::chrono::seconds(30));
+  return strobe::testing::run_process({.arguments = std::move(arguments), .environment = {}, .folder = {}},
+                                      std::chrono::seconds(30));
 }
 
 std::vector<std::string> file_with(std::vector<std::string> more) {
@@ -31,7 +30,7 @@ std::vector<std::string> file_with(std::vector<std::string> more) {
   return arguments;
 }
 
-nlohmann::json json_of(const Finished& run) {
+nlohmann::json json_of(const CompletedProcess& run) {
   LONGS_EQUAL(0, run.status->code);
   STRCMP_EQUAL("", run.err.c_str());
   return strobe::testing::parse_json_lines(run.out).at(0);
@@ -74,14 +73,14 @@ TEST(ContactCommand, TakesSpinsInertiaAndTotalRotationAsGiven) {
 }
 
 TEST(ContactCommand, RefusesABallThatCannotBe) {
-  const Finished run = contact(file_with({"--alpha", "0.8"}));
+  const CompletedProcess run = contact(file_with({"--alpha", "0.8"}));
   LONGS_EQUAL(2, run.status->code);
   STRCMP_EQUAL("", run.out.c_str());
   CHECK(run.err.find("alpha") != std::string::npos);
 }
 
 TEST(ContactCommand, PrintsAPageForPeople) {
-  const Finished run = contact({"top_23"});
+  const CompletedProcess run = contact({"top_23"});
   LONGS_EQUAL(0, run.status->code);
   for (const char* words :
        {"largest normal force", "stops skidding after", "Error of an image that was left out"})

@@ -1,6 +1,6 @@
 #include <string>
 
-#include "common/contact/contact_set.hpp"
+#include "common/data/contact_set.hpp"
 
 #include <CppUTest/TestHarness.h>
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "common/contact/differentiation.hpp"
+#include "common/contact/differentiation/differentiation.hpp"
 #include "common/data/csv.hpp"
 #include "tests/common/physics/thesis_folder.hpp"
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "common/contact/condition_inputs.hpp"
-#include "common/contact/differentiation.hpp"
+#include "common/contact/differentiation/differentiation.hpp"
 #include "tests/common/physics/thesis_folder.hpp"
 
 #include <CppUTest/TestHarness.h>

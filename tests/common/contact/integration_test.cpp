@@ -7,7 +7,7 @@
 #include <string>
 
 #include "common/contact/condition_inputs.hpp"
-#include "common/contact/integration.hpp"
+#include "common/contact/integration/integration.hpp"
 #include "common/contact/mechanics_score.hpp"
 #include "tests/common/physics/thesis_folder.hpp"
 

@@ -9,7 +9,7 @@
 #include <random>
 #include <string>
 
-#include "common/contact/spin_pulse.hpp"
+#include "common/contact/integration/spin_pulse.hpp"
 
 #include <CppUTest/TestHarness.h>
 

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "common/contact/condition_inputs.hpp"
-#include "common/contact/spin_pulse.hpp"
+#include "common/contact/integration/spin_pulse.hpp"
 #include "tests/common/physics/thesis_folder.hpp"
 
 #include <CppUTest/TestHarness.h>

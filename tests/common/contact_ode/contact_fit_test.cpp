@@ -6,9 +6,9 @@
 #include <set>
 #include <vector>
 
-#include "common/impact/fit/contact_summary.hpp"
+#include "common/impact/fit/skid_and_energy.hpp"
 #include "tests/support/repetitions.hpp"
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe;

@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "common/impact/ode/contact_trajectory.hpp"
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe;

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "tests/common/contact_ode/reference.hpp"
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe::impact;
@@ -45,7 +45,7 @@ TEST(NormalSpring, DampingRatioOfARestitutionHoldsThirteenDigits) {
 }
 
 TEST(NormalSpring, TheInverseReturnsToItsRestitutionOnBothSidesOfCriticalDamping) {
-  for (double e = kLeastSpringRestitution; e <= 1.0; e += 0.00311) {
+  for (double e = kMinSpringRestitution; e <= 1.0; e += 0.00311) {
     const double zeta = *damping_ratio_from_restitution(e);
     DOUBLES_EQUAL(1.0, restitution_of_damping_ratio(zeta) / e, 2e-14);
   }

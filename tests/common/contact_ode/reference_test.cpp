@@ -8,7 +8,7 @@
 
 #include "tests/common/contact_ode/reference.hpp"
 #include "tests/support/repetitions.hpp"
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe;

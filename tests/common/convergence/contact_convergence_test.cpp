@@ -13,7 +13,7 @@
 #include "common/impact/ode/contact_trajectory.hpp"
 #include "common/impact/ode/normal_spring.hpp"
 #include "tests/common/convergence/orders.hpp"
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe;

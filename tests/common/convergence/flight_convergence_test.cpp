@@ -6,9 +6,9 @@
 #include <limits>
 
 #include "common/flight/aerodynamics.hpp"
-#include "sim/rig/flight.hpp"
+#include "sim/motion/flight.hpp"
 #include "tests/common/convergence/orders.hpp"
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe;

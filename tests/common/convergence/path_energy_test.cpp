@@ -3,8 +3,8 @@
 #include <cstdio>
 #include <random>
 
-#include "sim/rig/ball_path.hpp"
-// CppUTest redefines new; its headers come last.
+#include "sim/motion/ball_path.hpp"
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe;
@@ -51,7 +51,7 @@ TEST(PathEnergy, NeverGrowsFromTouchdownToLiftOffAndBeyond) {
   int bounced = 0;
   for (int i = 0; i < 300; ++i) {
     const Scene scene = any_scene(random);
-    const auto path = BallPath::make(scene, draw_throw(scene, 1, 1));
+    const auto path = BallPath::make(scene, draw_shot_conditions(scene, 1, 1));
     char text[80];
     std::snprintf(text, sizeof text, "seed %u, scene %d", seed, i);
     if (!path) continue;  // the weight holds a slow ball

@@ -7,7 +7,6 @@
 #include "common/frontier/frontier.hpp"
 #include "common/units/tolerance.hpp"
 
-// CppUTest redefines new; its headers come last.
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe::frontier;

@@ -5,7 +5,6 @@
 
 #include "common/frontier/frontier.hpp"
 
-// CppUTest redefines new; its headers come last.
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe::frontier;

@@ -69,7 +69,7 @@ TEST(BoundedLeastSquares, ColumnsThatDependOnEachOtherHaveNoInverse) {
 
 TEST(BoundedLeastSquares, FindsTheEndOfRosenbrocksValley) {
   const auto problem = plane(rosenbrock, {-5, -5}, {5, 5});
-  const Minimum found = descend(problem, Vector2d(-1.2, 1.0));
+  const LeastSquaresResult found = levenberg_marquardt(problem, Vector2d(-1.2, 1.0));
   CHECK(found.converged);
   DOUBLES_EQUAL(1.0, found.at[0], 1e-12);
   DOUBLES_EQUAL(1.0, found.at[1], 1e-12);
@@ -78,14 +78,16 @@ TEST(BoundedLeastSquares, FindsTheEndOfRosenbrocksValley) {
 // On x = 1/2 the least of 100(y - x²)² + (1 - x)² is at y = 1/4. Its value of 1/4 hides departures of y of up
 // to sqrt(4 eps/400) behind rounding.
 TEST(BoundedLeastSquares, StopsAtABoundAndMovesAlongIt) {
-  const Minimum found = descend(plane(rosenbrock, {-5, -5}, {0.5, 5}), Vector2d(-1.2, 1.0));
+  const LeastSquaresResult found =
+      levenberg_marquardt(plane(rosenbrock, {-5, -5}, {0.5, 5}), Vector2d(-1.2, 1.0));
   CHECK(found.converged);
   DOUBLES_EQUAL(0.5, found.at[0], 0.0);
   DOUBLES_EQUAL(0.25, found.at[1], 1e-8);
 }
 
 TEST(BoundedLeastSquares, LeavesABoundThatItWasStartedOn) {
-  const Minimum found = descend(plane(rosenbrock, {-5, 0}, {5, 5}), Vector2d(0.0, 0.0));
+  const LeastSquaresResult found =
+      levenberg_marquardt(plane(rosenbrock, {-5, 0}, {5, 5}), Vector2d(0.0, 0.0));
   DOUBLES_EQUAL(1.0, found.at[0], 1e-12);
 }
 
@@ -94,7 +96,7 @@ TEST(BoundedLeastSquares, FindsAMinimumOnAKink) {
   const auto residuals = [](const VectorXd& x) -> VectorXd {
     return Vector2d(1.0 + 3.0 * std::abs(x[0] - 0.3), x[1] - x[0]);
   };
-  const Minimum found = minimize(plane(residuals, {-2, -2}, {2, 2}), Vector2d(-1.0, 1.5), {}, 0);
+  const LeastSquaresResult found = minimize(plane(residuals, {-2, -2}, {2, 2}), Vector2d(-1.0, 1.5), {}, 0);
   DOUBLES_EQUAL(0.3, found.at[0], 1e-7);
   DOUBLES_EQUAL(1.0, found.sum_of_squares, 1e-6);
 }
@@ -104,13 +106,15 @@ TEST(BoundedLeastSquares, TakesTheBestOfSeveralValleys) {
     return Vector2d(std::min(std::abs(x[0] + 1.0) + 0.5, std::abs(x[0] - 1.0)), x[1]);
   };
   const auto problem = plane(residuals, {-2, -2}, {2, 2});
-  const Minimum found = minimize(problem, Vector2d(-1.1, 0.0), {Vector2d(-0.8, 1.0), Vector2d(0.7, 1.0)}, 1);
+  const LeastSquaresResult found =
+      minimize(problem, Vector2d(-1.1, 0.0), {Vector2d(-0.8, 1.0), Vector2d(0.7, 1.0)}, 1);
   DOUBLES_EQUAL(1.0, found.at[0], 1e-9);
 }
 
 TEST(BoundedLeastSquares, AParameterWithoutEffectStaysWhereItWas) {
   const auto residuals = [](const VectorXd& x) -> VectorXd { return Vector2d(x[0] - 0.5, 2.0 * x[0]); };
-  const Minimum found = descend(plane(residuals, {-2, -2}, {2, 2}), Vector2d(1.0, 0.75));
+  const LeastSquaresResult found =
+      levenberg_marquardt(plane(residuals, {-2, -2}, {2, 2}), Vector2d(1.0, 0.75));
   DOUBLES_EQUAL(0.1, found.at[0], 1e-14);
   DOUBLES_EQUAL(0.75, found.at[1], 0.0);
 }
@@ -121,7 +125,7 @@ TEST(BoundedLeastSquares, KeepsAwayFromWhereResidualsAreInfinite) {
     if (x[0] > 1.5) return Vector2d::Constant(INFINITY);
     return Vector2d(x[0] * x[0] - 2.0, 0.1 * x[1]);
   };
-  const Minimum found = descend(plane(residuals, {0, -2}, {9, 2}), Vector2d(0.1, 1.0));
+  const LeastSquaresResult found = levenberg_marquardt(plane(residuals, {0, -2}, {9, 2}), Vector2d(0.1, 1.0));
   CHECK(found.converged);
   CHECK(found.iterations > 1);
   DOUBLES_EQUAL(std::sqrt(2.0), found.at[0], 1e-12);
@@ -134,9 +138,9 @@ TEST(BoundedLeastSquares, StopsWhereTheGainAskedForIsNotToBeHad) {
     return Eigen::Vector3d(std::exp(x[0]) - 2.0, x[1] - 0.5, 1.0);
   };
   auto problem = plane(residuals, {-5, -5}, {5, 5});
-  const Minimum whole = descend(problem, Vector2d(1.0, 1.0));
+  const LeastSquaresResult whole = levenberg_marquardt(problem, Vector2d(1.0, 1.0));
   problem.least_gain = 0.01;
-  const Minimum early = descend(problem, Vector2d(1.0, 1.0));
+  const LeastSquaresResult early = levenberg_marquardt(problem, Vector2d(1.0, 1.0));
   CHECK(whole.converged && early.converged);
   CHECK(early.iterations < whole.iterations);
   DOUBLES_EQUAL(1.0, whole.sum_of_squares, 1e-14);

@@ -1,4 +1,4 @@
-#include "common/impact/brody.hpp"
+#include "common/impact/closed_form/brody.hpp"
 
 #include <rapidcheck.h>
 

@@ -9,7 +9,7 @@
 #include <random>
 #include <vector>
 
-#include "common/impact/fit/in_out_model.hpp"
+#include "common/impact/fit/rebound_model.hpp"
 #include "tests/common/impact_fit/impulse_balance.hpp"
 #include "tests/common/physics/thesis_folder.hpp"
 

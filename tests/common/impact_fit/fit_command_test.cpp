@@ -7,21 +7,20 @@
 #include "tests/support/process.hpp"
 #include "tests/support/temporary_folder.hpp"
 
-// CppUTest redefines new; its headers come last.
 #include <CppUTest/TestHarness.h>
 
-using strobe::testing::Finished;
+using strobe::testing::CompletedProcess;
 using strobe::testing::parse_json_lines;
 using strobe::testing::TemporaryFolder;
 
 namespace {
 
 const std::string kHeader =
-    "utc,shot_id,spoilt,vx_td_mps,vy_td_mps,omega_td_radps,vx_lo_mps,omega_lo_radps,e,sd_vx_td_mps,"
+    "utc,shot_id,rejected,vx_td_mps,vy_td_mps,omega_td_radps,vx_lo_mps,omega_lo_radps,e,sd_vx_td_mps,"
     "sd_vy_td_mps,sd_omega_td_radps,sd_vx_lo_mps,sd_omega_lo_radps,sd_e,flags,spin,angle_deg,remarks\n";
 
 /// Gripping shots with an offset (alpha .55, e_x .1, d 2 mm at full rolling), one with a comma in its
-/// remarks, one spoilt, one whose spin could not be had, one that may be aliased.
+/// remarks, one rejected, one whose spin could not be had, one that may be aliased.
 const std::string kShots =
     "t,1,,15.62,-6.71,2.6,8.8,-300,0.86,.05,.05,1,.05,2,.01,,zero,23,\n"
     "t,2,,14.49,-9.95,-1.1,8.1,-283,0.77,.05,.05,1,.05,2,.01,,zero,34,\"wet, slow\"\n"
@@ -31,13 +30,13 @@ const std::string kShots =
     "t,6,,13.46,-11.74,23.5,7.1,250,0.75,.05,.05,1,.05,2,.01,late_flash;spin_aliased,zero,41,\n"
     "t,7,,11.70,-13.25,5.6,6.2,-215,0.71,.05,.05,1,.05,2,.01,,zero,49,\n";
 
-Finished run_fit(std::vector<std::string> arguments) {
+CompletedProcess run_fit(std::vector<std::string> arguments) {
   arguments.insert(arguments.begin(), {STROBE_PROGRAM, "fit"});
-  return strobe::testing::run_to_end({.arguments = std::move(arguments), .environment = {}, .folder = {}},
-                                     std::chrono::seconds(60));
+  return strobe::testing::run_process({.arguments = std::move(arguments), .environment = {}, .folder = {}},
+                                      std::chrono::seconds(60));
 }
 
-void check_complaint(const Finished& run, const std::string& expected) {
+void check_complaint(const CompletedProcess& run, const std::string& expected) {
   LONGS_EQUAL(2, run.status->code);
   STRCMP_EQUAL("", run.out.c_str());
   STRCMP_EQUAL(("strobe: " + expected + "\n").c_str(), run.err.c_str());
@@ -56,7 +55,7 @@ TEST_GROUP(FitCommand) {
 };
 
 TEST(FitCommand, FitsTheThesissConditionsByDefault) {
-  const Finished run = run_fit({"--json"});
+  const CompletedProcess run = run_fit({"--json"});
   LONGS_EQUAL(0, run.status->code);
   const auto lines = parse_json_lines(run.out);
   LONGS_EQUAL(22, lines.size());
@@ -83,12 +82,12 @@ TEST(FitCommand, LeavesSpinsOutInTurn) {
 
 TEST(FitCommand, FitsShotsOfASessionAndSaysWhatItLeftOut) {
   const std::string path = file(kHeader + kShots);
-  const Finished run = run_fit({path, "--json", "--free", "ex,d", "--weights", "sd"});
+  const CompletedProcess run = run_fit({path, "--json", "--free", "ex,d", "--weights", "sd"});
   STRCMP_EQUAL("", run.err.c_str());
   LONGS_EQUAL(0, run.status->code);
   const auto lines = parse_json_lines(run.out);
   LONGS_EQUAL(1 + 4, lines.size());
-  LONGS_EQUAL(1, lines[0]["inputs"]["spoilt"].get<int>());
+  LONGS_EQUAL(1, lines[0]["inputs"]["rejected"].get<int>());
   LONGS_EQUAL(2, lines[0]["inputs"]["incomplete"].get<int>());
   STRCMP_EQUAL("fixed", lines[0]["parameters"]["mu"]["status"].get<std::string>().c_str());
   STRCMP_EQUAL((path + ":3").c_str(), lines[2]["name"].get<std::string>().c_str());
@@ -96,7 +95,7 @@ TEST(FitCommand, FitsShotsOfASessionAndSaysWhatItLeftOut) {
 }
 
 TEST(FitCommand, TextNamesEachParameterWithItsUncertainty) {
-  const Finished run = run_fit({"--model", "grip", "--free", "mu,ex,alpha"});
+  const CompletedProcess run = run_fit({"--model", "grip", "--free", "mu,ex,alpha"});
   LONGS_EQUAL(0, run.status->code);
   CHECK(run.out.find("mu     0.580 +- 0.026") != std::string::npos);
   CHECK(run.out.find("at upper bound; at least 0.645") != std::string::npos);
@@ -150,7 +149,7 @@ TEST(FitCommand, RefusesMoreParametersThanTheShotsGiveNumbers) {
 
 TEST(FitCommand, FailsWhereParametersCannotBeToldApart) {
   const std::string row = "t,1,,11.70,-13.25,5.6,6.2,-215,0.71,.05,.05,1,.05,2,.01,,zero,49,\n";
-  const Finished run = run_fit({file(kHeader + row + row + row + row)});
+  const CompletedProcess run = run_fit({file(kHeader + row + row + row + row)});
   LONGS_EQUAL(1, run.status->code);
   CHECK(run.err.find("cannot be told apart") != std::string::npos);
 }

@@ -33,7 +33,7 @@ struct Outcome {
 };
 
 FitOptions three_free() {
-  FitOptions out = default_options(InOutModel::grip_offset);
+  FitOptions out = default_options(ReboundModel::grip_offset);
   out.start = kTruth;
   out.free = {true, true, true, false, false};
   return out;

@@ -27,7 +27,7 @@ void check_recovered(const FitOptions& options, const ParameterValues& truth) {
   CHECK_COMPARE(fitted->agreement.rms_vx_mps, <, 1e-7);
 }
 
-FitOptions all_free(InOutModel model) {
+FitOptions all_free(ReboundModel model) {
   FitOptions out = default_options(model);
   for (std::size_t i = 0; i < kParameterCount; ++i)
     out.free[i] = has_parameter(model, static_cast<Parameter>(i));
@@ -46,13 +46,13 @@ FitError error_of(std::vector<Observation> observations, const FitOptions& optio
 TEST_GROUP(ModelFit){};
 
 TEST(ModelFit, FindsTheParametersThatMadeTheRebounds) {
-  check_recovered(all_free(InOutModel::slide_roll), {0.5, 0.0, 0.0, 2.5, 0.6});
-  check_recovered(all_free(InOutModel::grip), {0.5, 0.12, 0.0, 2.5, 0.6});
-  check_recovered(all_free(InOutModel::grip_offset), kSearched);
+  check_recovered(all_free(ReboundModel::slide_roll), {0.5, 0.0, 0.0, 2.5, 0.6});
+  check_recovered(all_free(ReboundModel::grip), {0.5, 0.12, 0.0, 2.5, 0.6});
+  check_recovered(all_free(ReboundModel::grip_offset), kSearched);
 }
 
 TEST(ModelFit, FindsTheParametersByTheStatedSdToo) {
-  FitOptions options = all_free(InOutModel::grip_offset);
+  FitOptions options = all_free(ReboundModel::grip_offset);
   options.weighting = Weighting::stated_sd;
   check_recovered(options, kSearched);
 }
@@ -60,7 +60,7 @@ TEST(ModelFit, FindsTheParametersByTheStatedSdToo) {
 // The truth does not depend on where the fit starts.
 TEST(ModelFit, StartsFarOffLeadToTheSameFit) {
   const auto observations = conditions();
-  const FitOptions options = default_options(InOutModel::grip_offset);
+  const FitOptions options = default_options(ReboundModel::grip_offset);
   const auto usual = fit(observations, options);
   FitOptions far = options;
   far.start = {3.0, -0.9, 0.03, 90.0, 0.55};
@@ -73,7 +73,7 @@ TEST(ModelFit, StartsFarOffLeadToTheSameFit) {
 // Sums of squares near the least are flat: no neighbour, along any axis, is better.
 TEST(ModelFit, NoNeighbourOfTheFitIsBetter) {
   const auto observations = conditions();
-  const FitOptions options = default_options(InOutModel::grip_offset);
+  const FitOptions options = default_options(ReboundModel::grip_offset);
   const auto fitted = fit(observations, options);
   for (std::size_t i = 0; i < 4; ++i) {
     for (const double step : {-1e-3, 1e-3, -0.1, 0.1}) {
@@ -87,7 +87,7 @@ TEST(ModelFit, NoNeighbourOfTheFitIsBetter) {
 }
 
 TEST(ModelFit, NothingFreeJudgesTheModelAsItStands) {
-  FitOptions options = default_options(InOutModel::slide_roll);
+  FitOptions options = default_options(ReboundModel::slide_roll);
   options.free = {};
   const auto fitted = fit(conditions(thesis::Version::as_printed), options);
   LONGS_EQUAL(42, fitted->dof);
@@ -99,7 +99,7 @@ TEST(ModelFit, NothingFreeJudgesTheModelAsItStands) {
 // Published: rms .67 m/s and 27 rad/s with e_x .081 at alpha .70. No ball has that much inertia: at the
 // bound of 2/3 the fit is .02 m/s and .6 rad/s worse.
 TEST(ModelFit, TheGripsInertiaPressesAgainstTheThinShells) {
-  const auto fitted = fit(conditions(thesis::Version::as_printed), all_free(InOutModel::grip));
+  const auto fitted = fit(conditions(thesis::Version::as_printed), all_free(ReboundModel::grip));
   const FittedParameter& alpha = fitted->parameters[index(Parameter::alpha)];
   CHECK(alpha.status == ParameterStatus::at_upper_bound);
   DOUBLES_EQUAL(2.0 / 3.0, alpha.value, 0.0);
@@ -114,7 +114,7 @@ TEST(ModelFit, TheGripsInertiaPressesAgainstTheThinShells) {
 // Published: mu .567, e_x .089, d 2.5 mm: .495 m/s and 15.4 rad/s, 8 and 11 of 21 within one sd. That was
 // another weighting of the two; the sum of squares of this one cannot be more than there.
 TEST(ModelFit, AConstantOffsetFitsAsPublished) {
-  FitOptions options = default_options(InOutModel::grip_offset);
+  FitOptions options = default_options(ReboundModel::grip_offset);
   options.free[index(Parameter::offset_reference_mps)] = false;
   options.start[index(Parameter::offset_reference_mps)] = 1e-9;  // all of the 21 roll along +x
   const auto fitted = fit(conditions(thesis::Version::as_printed), options);
@@ -130,7 +130,8 @@ TEST(ModelFit, AConstantOffsetFitsAsPublished) {
 }
 
 TEST(ModelFit, AnOffsetOddInTheRollingFitsBetterThanAConstantOne) {
-  const auto fitted = fit(conditions(thesis::Version::as_printed), default_options(InOutModel::grip_offset));
+  const auto fitted =
+      fit(conditions(thesis::Version::as_printed), default_options(ReboundModel::grip_offset));
   CHECK(fitted->converged);
   DOUBLES_EQUAL(kFittedToThesis.mu, fitted->parameters[0].value, 0.001);
   DOUBLES_EQUAL(kFittedToThesis.e_x, fitted->parameters[1].value, 0.001);
@@ -144,7 +145,7 @@ TEST(ModelFit, AnOffsetOddInTheRollingFitsBetterThanAConstantOne) {
 
 TEST(ModelFit, BoundsAreKeptWhereTheTruthLiesBeyondThem) {
   auto observations = true_rebounds(conditions(), {0.5, 0.0, -0.002, 2.5, 0.55});
-  const auto fitted = fit(observations, default_options(InOutModel::grip_offset));
+  const auto fitted = fit(observations, default_options(ReboundModel::grip_offset));
   const FittedParameter& offset = fitted->parameters[index(Parameter::offset_m)];
   CHECK(offset.status == ParameterStatus::at_lower_bound);
   DOUBLES_EQUAL(0.0, offset.value, 0.0);
@@ -155,7 +156,7 @@ TEST(ModelFit, FrictionIsUndeterminedWhereAllGripButNotLessThanTheyNeed) {
   auto observations = conditions();
   std::erase_if(observations, [](const Observation& o) { return o.spin != "top"; });
   observations = true_rebounds(observations, {5.0, 0.1, 0.003, 2.5, 0.55});
-  FitOptions options = default_options(InOutModel::grip_offset);
+  FitOptions options = default_options(ReboundModel::grip_offset);
   options.free[index(Parameter::offset_reference_mps)] = false;
   const auto fitted = fit(observations, options);
   const FittedParameter& mu = fitted->parameters[index(Parameter::mu)];
@@ -171,9 +172,9 @@ TEST(ModelFit, FrictionIsUndeterminedWhereAllGripButNotLessThanTheyNeed) {
 
 // A shot repeated to the last digit: nothing is spread, so that nothing is uncertain.
 TEST(ModelFit, IdenticalShotsGiveAnSdOfZero) {
-  auto observations = true_rebounds({conditions()[3]}, default_values(InOutModel::grip_offset));
+  auto observations = true_rebounds({conditions()[3]}, default_values(ReboundModel::grip_offset));
   observations.resize(10, observations.front());
-  FitOptions options = default_options(InOutModel::grip_offset);
+  FitOptions options = default_options(ReboundModel::grip_offset);
   options.free = {false, true, true, false, false};
   const auto fitted = fit(observations, options);
   CHECK(fitted.has_value());
@@ -183,8 +184,8 @@ TEST(ModelFit, IdenticalShotsGiveAnSdOfZero) {
 
 TEST(ModelFit, RefusesMoreParametersThanNumbers) {
   const std::vector<Observation> one{conditions()[0]};
-  CHECK(error_of(one, default_options(InOutModel::grip_offset)) == FitError::too_few_numbers);
-  FitOptions two = default_options(InOutModel::grip);
+  CHECK(error_of(one, default_options(ReboundModel::grip_offset)) == FitError::too_few_numbers);
+  FitOptions two = default_options(ReboundModel::grip);
   CHECK(error_of(one, two) == FitError::too_few_numbers);  // none to spare for the level of the sd
   two.scale = CovarianceScale::stated;
   two.free[index(Parameter::alpha)] = true;
@@ -195,7 +196,7 @@ TEST(ModelFit, RefusesMoreParametersThanNumbers) {
 TEST(ModelFit, SaysWhichParametersCannotBeToldApart) {
   // Gripping without spin at one angle: two numbers tell of two parameters only.
   std::vector<Observation> observations(6, conditions()[4]);
-  const FitOptions options = default_options(InOutModel::grip_offset);
+  const FitOptions options = default_options(ReboundModel::grip_offset);
   const auto fitted = fit(observations, options);
   CHECK(!fitted.has_value());
   CHECK(fitted.error().error == FitError::not_identifiable);
@@ -203,7 +204,7 @@ TEST(ModelFit, SaysWhichParametersCannotBeToldApart) {
 }
 
 TEST(ModelFit, RefusesWhatIsNotANumberOrOutOfRange) {
-  const FitOptions options = default_options(InOutModel::grip_offset);
+  const FitOptions options = default_options(ReboundModel::grip_offset);
   const auto with = [](const std::function<void(Observation&)>& change) {
     auto observations = conditions();
     change(observations[5]);
@@ -228,7 +229,7 @@ TEST(ModelFit, RefusesWhatIsNotANumberOrOutOfRange) {
   wrong = options;
   wrong.start[index(Parameter::mu)] = nan;
   CHECK(error_of(conditions(), wrong) == FitError::value_out_of_bounds);
-  wrong = default_options(InOutModel::slide_roll);
+  wrong = default_options(ReboundModel::slide_roll);
   wrong.free[index(Parameter::e_x)] = true;
   CHECK(error_of(conditions(), wrong) == FitError::parameter_not_in_model);
   wrong = options;
@@ -252,7 +253,7 @@ TEST(ModelFit, HugeAndSubnormalInputsAreRefusedOrGiveNumbers) {
       for (const Weighting weighting : {Weighting::equal, Weighting::stated_sd}) {
         auto observations = conditions();
         field(observations[7]) = value;
-        FitOptions options = default_options(InOutModel::grip_offset);
+        FitOptions options = default_options(ReboundModel::grip_offset);
         options.weighting = weighting;
         const auto fitted = fit(observations, options);
         if (!fitted) continue;
@@ -266,7 +267,7 @@ TEST(ModelFit, HugeAndSubnormalInputsAreRefusedOrGiveNumbers) {
 TEST(ModelFit, NamesTheObservationThatIsWrong) {
   auto observations = conditions();
   observations[5].e = 1.1;
-  const auto fitted = fit(observations, default_options(InOutModel::grip));
+  const auto fitted = fit(observations, default_options(ReboundModel::grip));
   STRCMP_EQUAL("zero_60: e must be from 0 to 1", message(fitted.error(), observations).c_str());
 }
 
@@ -275,7 +276,7 @@ TEST(ModelFit, ScoresLeaveOutWhatHasNoSd) {
   observations[0].lift_off_sd = {};
   observations[0].touchdown_sd = {};
   observations[0].e_sd = 0.0;
-  const auto fitted = fit(observations, default_options(InOutModel::grip_offset));
+  const auto fitted = fit(observations, default_options(ReboundModel::grip_offset));
   CHECK(!fitted->comparisons[0].z_vx.has_value());
   CHECK(!fitted->comparisons[0].z_omega_with_inputs.has_value());
   CHECK(std::isfinite(fitted->agreement.rms_z_vx));

@@ -52,18 +52,18 @@ ModelFit known(const ParameterValues& values, Parameter uncertain, double sd) {
 TEST_GROUP(Regimes){};
 
 TEST(Regimes, All21ConditionsArePredictedAsMeasured) {
-  for (const InOutModel model : {InOutModel::slide_roll, InOutModel::grip, InOutModel::grip_offset}) {
+  for (const ReboundModel model : {ReboundModel::slide_roll, ReboundModel::grip, ReboundModel::grip_offset}) {
     for (const Spread spread : {Spread::replicate, Spread::mean}) {
       const Sets sets = judge_all(default_options(model), spread);
       CHECK(sets.measured == kSlide);
-      if (model != InOutModel::grip) CHECK(sets.predicted == kSlide);
+      if (model != ReboundModel::grip) CHECK(sets.predicted == kSlide);
     }
   }
 }
 
 // The border is nearest at zero -23: the mean grips, one shot in nine of its spread would slide.
 TEST(Regimes, OnlyTheConditionNextToTheBorderIsInDoubt) {
-  const Sets sets = judge_all(default_options(InOutModel::grip_offset), Spread::replicate);
+  const Sets sets = judge_all(default_options(ReboundModel::grip_offset), Spread::replicate);
   CHECK(sets.predicted == kSlide);
   DOUBLES_EQUAL(0.89, sets.least_sure, 0.02);
 }
@@ -79,7 +79,7 @@ TEST(Regimes, TheUncertaintiesAddUpAsTheFormulaSays) {
   o.e_sd = 0.02;
   const ParameterValues values{0.5, 0.1, 0.0, 2.5, 0.5};
   const ModelFit fitted = known(values, Parameter::mu, 0.03);
-  const auto j = judge_regime(o, InOutModel::grip_offset, fitted, 0.0651);
+  const auto j = judge_regime(o, ReboundModel::grip_offset, fitted, 0.0651);
   DOUBLES_EQUAL(1.1 * 15.0 / 3.0, j->friction_needed_mps, 1e-12);
   DOUBLES_EQUAL(0.5 * 1.8 * 6.0, j->friction_available_mps, 1e-12);
   const double sd = std::sqrt(std::pow(1.1 / 3.0 * 0.3, 2) + std::pow(0.5 * 1.8 * 0.1, 2) +
@@ -99,7 +99,7 @@ TEST(Regimes, TheProbabilityIsTheShareOfDraws) {
   o.e = 0.8;
   o.e_sd = 0.03;
   const ParameterValues values{0.55, 0.1, 0.003, 2.5, 0.55};
-  const auto j = judge_regime(o, InOutModel::grip_offset, known(values, Parameter::e_x, 0.03), 0.0651);
+  const auto j = judge_regime(o, ReboundModel::grip_offset, known(values, Parameter::e_x, 0.03), 0.0651);
   int slides = 0;
   constexpr int kDraws = 20000;
   for (int i = 0; i < kDraws; ++i) {
@@ -107,7 +107,7 @@ TEST(Regimes, TheProbabilityIsTheShareOfDraws) {
     drawn[1] += 0.03 * normal(source);
     const Motion td{o.touchdown.vx_mps + 0.4 * normal(source), o.touchdown.vy_mps + 0.2 * normal(source),
                     o.touchdown.omega_radps + 8.0 * normal(source)};
-    const auto r = rebound_of(InOutModel::grip_offset, drawn, 0.0651, td, o.e + 0.03 * normal(source));
+    const auto r = rebound_of(ReboundModel::grip_offset, drawn, 0.0651, td, o.e + 0.03 * normal(source));
     slides += r->regime == Regime::slides ? 1 : 0;
   }
   // Sampling is worth .0035; products of the inputs' errors, a few hundredths of an sd, bend the normal.
@@ -119,7 +119,7 @@ TEST(Regimes, WithoutAnyUncertaintyTheAnswerIsSure) {
   o.touchdown = {15.0, -2.0, 0.0};
   o.e = 0.8;
   const auto j =
-      judge_regime(o, InOutModel::grip, known({0.5, 0.1, 0.0, 2.5, 0.5}, Parameter::mu, 0.0), 0.0651);
+      judge_regime(o, ReboundModel::grip, known({0.5, 0.1, 0.0, 2.5, 0.5}, Parameter::mu, 0.0), 0.0651);
   CHECK(std::isinf(j->z) && j->z > 0.0);
   DOUBLES_EQUAL(1.0, j->probability_slides, 0.0);
 }
@@ -128,5 +128,5 @@ TEST(Regimes, RefusesWhatTheModelRefuses) {
   Observation o;
   o.touchdown = {15.0, 2.0, 0.0};
   const ModelFit fitted = known({0.5, 0.1, 0.0, 2.5, 0.5}, Parameter::mu, 0.0);
-  CHECK(judge_regime(o, InOutModel::grip, fitted, 0.0651).error() == InputError::not_approaching);
+  CHECK(judge_regime(o, ReboundModel::grip, fitted, 0.0651).error() == InputError::not_approaching);
 }

@@ -38,7 +38,7 @@ TEST(ReadoutJson, HasEveryDocumentedName) {
   const json object = json::parse(readout_to_json(example()));
   for (const char* key :
        {"shot_id", "regime", "court_pace_conforming", "method", "mirrored", "flight_effects", "flags",
-        "record", "sd", "sd_systematic", "first_flash", "last_flash", "index_doubt"}) {
+        "record", "sd", "sd_systematic", "first_flash", "last_flash", "misassignment_probability"}) {
     CHECK_TRUE_TEXT(object.contains(key), key);
   }
   for (const char* key : {"theta_in_deg", "theta_out_deg", "vx_td_mps", "vy_td_mps", "v_td_mps",
@@ -69,9 +69,10 @@ TEST(ReadoutJson, WhatIsAbsentIsNull) {
 
 TEST(ReadoutJson, TellsTheFlashesOfAMatchedPhotographAndHowDoubtfulTheyAre) {
   Readout r = example();
-  CHECK_TRUE(json::parse(readout_to_json(r))["index_doubt"].is_null());
-  r.flashes = reduction::ShownFlashes{25, 37, 0.0625, true};
-  STRCMP_CONTAINS(R"("first_flash":25,"last_flash":37,"index_doubt":0.0625,)", readout_to_json(r).c_str());
+  CHECK_TRUE(json::parse(readout_to_json(r))["misassignment_probability"].is_null());
+  r.flashes = reduction::ImagedFlashes{25, 37, 0.0625, true};
+  STRCMP_CONTAINS(R"("first_flash":25,"last_flash":37,"misassignment_probability":0.0625,)",
+                  readout_to_json(r).c_str());
 }
 
 TEST(ReadoutJson, ANumberThatIsNotFiniteIsNull) {

@@ -7,7 +7,6 @@
 
 #include "tests/common/numerics/wide_pulse.hpp"
 
-// CppUTest redefines new; its headers come last.
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe::numerics;

@@ -4,14 +4,13 @@
 
 #include "common/ball/ball.hpp"
 #include "common/contact/analysis.hpp"
-#include "common/contact/spin_pulse.hpp"
+#include "common/contact/integration/spin_pulse.hpp"
 #include "common/flight/aerodynamics.hpp"
 #include "common/flight/parabola.hpp"
 #include "common/units/angles.hpp"
 #include "tests/common/numerics/any_number.hpp"
-#include "tests/support/ieee_traps.hpp"
+#include "tests/support/floating_point_traps.hpp"
 
-// CppUTest redefines new; its headers come last.
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe;
@@ -26,7 +25,7 @@ namespace {
 template <typename Call>
 void check_finite(Call&& call) {
   RC_ASSERT_FALSE(raises_exception([&] { static_cast<void>(call()); }));
-  const strobe::testing::IeeeTraps traps;
+  const strobe::testing::FloatingPointTraps traps;
   RC_ASSERT(call());
 }
 

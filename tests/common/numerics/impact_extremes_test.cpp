@@ -1,15 +1,14 @@
 // Whatever the inputs: a typed error or finite numbers, and no floating-point exception on the way. A failure
 // prints the seed that repeats it (RC_PARAMS).
-#include "common/impact/brody.hpp"
-#include "common/impact/fit/in_out_model.hpp"
+#include "common/impact/closed_form/brody.hpp"
+#include "common/impact/closed_form/pulse_integrals.hpp"
+#include "common/impact/closed_form/sine_pulse.hpp"
+#include "common/impact/fit/rebound_model.hpp"
 #include "common/impact/ode/contact_ode.hpp"
 #include "common/impact/ode/normal_spring.hpp"
-#include "common/impact/pulse_integrals.hpp"
-#include "common/impact/sine_pulse.hpp"
 #include "tests/common/numerics/any_number.hpp"
-#include "tests/support/ieee_traps.hpp"
+#include "tests/support/floating_point_traps.hpp"
 
-// CppUTest redefines new; its headers come last.
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe;
@@ -44,7 +43,7 @@ void check(Call&& call, IsFinite&& all_finite) {
     const auto result = call();
     static_cast<void>(result);
   }));
-  const strobe::testing::IeeeTraps traps;
+  const strobe::testing::FloatingPointTraps traps;
   const auto result = call();
   RC_ASSERT(!result || all_finite(*result));
 }
@@ -70,7 +69,8 @@ TEST(ImpactExtremes, InOutModels) {
 
 TEST(ImpactExtremes, ModelsByTheirParameters) {
   CHECK(rc::check("rebound_of", [] {
-    const auto model = *rc::gen::element(InOutModel::slide_roll, InOutModel::grip, InOutModel::grip_offset);
+    const auto model =
+        *rc::gen::element(ReboundModel::slide_roll, ReboundModel::grip, ReboundModel::grip_offset);
     const Coefficients c = any_coefficients();
     const ParameterValues p{c.mu, c.e_x, c.offset_m, c.offset_reference_mps, hostile(0.1, 0.66, 20)};
     const double diameter = hostile(0.02, 0.2, 20);

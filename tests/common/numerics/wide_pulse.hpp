@@ -3,7 +3,7 @@
 // thesis's formulas as printed (simplified form).
 #pragma once
 
-#include "common/impact/sine_pulse.hpp"
+#include "common/impact/closed_form/sine_pulse.hpp"
 #include "tests/common/numerics/wide.hpp"
 
 namespace strobe::numerics {

@@ -8,10 +8,9 @@
 #include "tests/support/process.hpp"
 #include "tests/support/temporary_folder.hpp"
 
-// CppUTest redefines new; its headers come last.
 #include <CppUTest/TestHarness.h>
 
-using strobe::testing::Finished;
+using strobe::testing::CompletedProcess;
 
 namespace {
 
@@ -30,20 +29,20 @@ const std::vector<std::string> kZero23Inputs{"--vx-td",
                                              "--dwell-distance-cm",
                                              "6.29"};
 
-Finished run_strobe(std::vector<std::string> arguments) {
+CompletedProcess run_strobe(std::vector<std::string> arguments) {
   arguments.insert(arguments.begin(), STROBE_PROGRAM);
-  return strobe::testing::run_to_end({.arguments = std::move(arguments), .environment = {}, .folder = {}},
-                                     std::chrono::seconds(30));
+  return strobe::testing::run_process({.arguments = std::move(arguments), .environment = {}, .folder = {}},
+                                      std::chrono::seconds(30));
 }
 
-Finished contact(const std::string& set, std::vector<std::string> more) {
+CompletedProcess contact(const std::string& set, std::vector<std::string> more) {
   std::vector<std::string> arguments{"contact", set};
   arguments.insert(arguments.end(), kZero23Inputs.begin(), kZero23Inputs.end());
   arguments.insert(arguments.end(), more.begin(), more.end());
   return run_strobe(arguments);
 }
 
-void check_one_complaint(const Finished& run, const std::string& expected) {
+void check_one_complaint(const CompletedProcess& run, const std::string& expected) {
   LONGS_EQUAL(2, run.status->code);
   STRCMP_EQUAL("", run.out.c_str());
   STRCMP_EQUAL(expected.c_str(), run.err.c_str());
@@ -54,7 +53,7 @@ void check_one_complaint(const Finished& run, const std::string& expected) {
 TEST_GROUP(PhysicsCommands){};
 
 TEST(PhysicsCommands, ContactPrintsOneJsonObjectWithItsInputs) {
-  const Finished run = contact(kZero23, {"--form", "simplified", "--json"});
+  const CompletedProcess run = contact(kZero23, {"--form", "simplified", "--json"});
   LONGS_EQUAL(0, run.status->code);
   const auto lines = strobe::testing::parse_json_lines(run.out);
   LONGS_EQUAL(1, lines.size());
@@ -80,7 +79,7 @@ TEST(PhysicsCommands, ContactRefusesAFileWithLettersNamingLineAndColumn) {
 // Back -45 has eight images in print, one of which its correction leaves out.
 TEST(PhysicsCommands, ContactTakesAProjectsSetWithItsMeansCorrectedOrAsPrinted) {
   const auto images = [](std::vector<std::string> arguments) {
-    const Finished run = run_strobe(std::move(arguments));
+    const CompletedProcess run = run_strobe(std::move(arguments));
     LONGS_EQUAL(0, run.status->code);
     const auto json = strobe::testing::parse_json_lines(run.out).at(0);
     DOUBLES_EQUAL(12.02, json["inputs"]["vx_td_mps"].get<double>(), 0.0);
@@ -103,7 +102,8 @@ TEST(PhysicsCommands, ContactRefusesARestitutionAboveOne) {
 }
 
 TEST(PhysicsCommands, PredictRollsOffAsTheThesisSays) {
-  const Finished run = run_strobe({"predict", "--vx", "10", "--vy", "-12", "--model", "rigid", "--json"});
+  const CompletedProcess run =
+      run_strobe({"predict", "--vx", "10", "--vy", "-12", "--model", "rigid", "--json"});
   LONGS_EQUAL(0, run.status->code);
   const auto json = strobe::testing::parse_json_lines(run.out).at(0);
   DOUBLES_EQUAL(6.0, json["vx_lo_mps"].get<double>(), 1e-12);
@@ -116,8 +116,9 @@ TEST(PhysicsCommands, PredictRefusesABallThatMovesAway) {
 }
 
 TEST(PhysicsCommands, PredictOdeTellsTheContactsCourseEventsAndEnergy) {
-  const Finished run = run_strobe({"predict", "--vx", "14.49", "--vy", "-9.95", "--model", "ode", "--e",
-                                   "0.77", "--dwell-time-ms", "4.84", "--samples", "11", "--json"});
+  const CompletedProcess run =
+      run_strobe({"predict", "--vx", "14.49", "--vy", "-9.95", "--model", "ode", "--e", "0.77",
+                  "--dwell-time-ms", "4.84", "--samples", "11", "--json"});
   LONGS_EQUAL(0, run.status->code);
   const auto json = strobe::testing::parse_json_lines(run.out).at(0);
   STRCMP_EQUAL("grips", json["regime"].get<std::string>().c_str());
@@ -137,8 +138,8 @@ TEST(PhysicsCommands, PredictOdeTellsTheContactsCourseEventsAndEnergy) {
 TEST(PhysicsCommands, PredictOdeWritesTheCourseAsCsv) {
   const strobe::testing::TemporaryFolder folder;
   const std::string path = (folder.path() / "contact.csv").string();
-  const Finished run = run_strobe({"predict", "--vx", "10", "--vy", "-12", "--model", "ode", "--trajectory",
-                                   path, "--samples", "5", "--json"});
+  const CompletedProcess run = run_strobe({"predict", "--vx", "10", "--vy", "-12", "--model", "ode",
+                                           "--trajectory", path, "--samples", "5", "--json"});
   LONGS_EQUAL(0, run.status->code);
   LONGS_EQUAL(1, strobe::testing::parse_json_lines(run.out).size());
   std::ifstream file(path);
@@ -167,7 +168,7 @@ TEST(PhysicsCommands, PredictNamesWhatIsWrongWithAContact) {
 
 TEST(PhysicsCommands, BothExplainThemselves) {
   for (const char* command : {"contact", "predict"}) {
-    const Finished run = run_strobe({command, "--help"});
+    const CompletedProcess run = run_strobe({command, "--help"});
     LONGS_EQUAL(0, run.status->code);
     CHECK(run.out.find("Example") != std::string::npos);
   }

@@ -5,9 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/impact/rebound.hpp"
+#include "common/impact/closed_form/rebound.hpp"
 
-// CppUTest redefines new; its headers come last.
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe::impact;

@@ -5,7 +5,7 @@
 #include <string>
 #include <utility>
 
-#include "common/impact/rebound.hpp"
+#include "common/impact/closed_form/rebound.hpp"
 #include "tests/common/physics/thesis_folder.hpp"
 
 #include <CppUTest/TestHarness.h>
@@ -184,7 +184,7 @@ TEST(Rebound, RefusesInputsOutOfRange) {
   CHECK(error_of([](B, M, C c) { c.e = 1.0001; }) == InputError::restitution_out_of_range);
   CHECK(error_of([](B, M, C c) { c.e = -0.0001; }) == InputError::restitution_out_of_range);
   CHECK(error_of([](B, M, C c) { c.mu = -0.1; }) == InputError::friction_negative);
-  CHECK(error_of([](B, M, C c) { c.e_x = 1.5; }) == InputError::tangential_out_of_range);
+  CHECK(error_of([](B, M, C c) { c.e_x = 1.5; }) == InputError::tangential_restitution_out_of_range);
   CHECK(error_of([](B, M, C c) { c.offset_m = -0.001; }) == InputError::offset_out_of_range);
   CHECK(error_of([](B, M, C c) { c.offset_m = 0.04; }) == InputError::offset_out_of_range);
   CHECK(error_of([](B, M, C c) { c.offset_reference_mps = 0.0; }) == InputError::offset_out_of_range);

@@ -6,7 +6,7 @@
 #include <random>
 #include <string>
 
-#include "common/impact/sine_pulse.hpp"
+#include "common/impact/closed_form/sine_pulse.hpp"
 
 #include <CppUTest/TestHarness.h>
 

@@ -2,7 +2,7 @@
 #include <limits>
 #include <numbers>
 
-#include "common/impact/sine_pulse.hpp"
+#include "common/impact/closed_form/sine_pulse.hpp"
 
 #include <CppUTest/TestHarness.h>
 

@@ -65,7 +65,7 @@ TEST(FlightEffects, LeavingThemOutChangesNoNumberByMoreThanItsBound) {
         acceleration[leg] =
             drag ? fit.air.drag_mps2(speed) : std::abs(fit.air.lift_mps2(speed, fit.spin[leg]->omega_radps));
       }
-      const Quantities bound = bound_of_change(all, fit, crossings, acceleration);
+      const Quantities bound = change_bound(all, fit, crossings, acceleration);
       const Readout without = reduced(frame, {.effects = flight::Effects{true, !drag, drag}});
       for (std::size_t i = 0; i < kQuantityCount; ++i) {
         const auto q = static_cast<Quantity>(i);

@@ -6,9 +6,9 @@
 #include <limits>
 #include <vector>
 
+#include "common/reduction/householder_qr.hpp"
 #include "common/reduction/joint_fit.hpp"
 #include "common/reduction/reduce.hpp"
-#include "common/reduction/row_reduction.hpp"
 
 #include <CppUTest/TestHarness.h>
 
@@ -45,8 +45,8 @@ BigVector solved(BigMatrix m, BigVector b) {
 struct Reference {
   BigVector unknowns;
   BigVector variances;
-  double condition =
-      0.0;  ///< of the whitened matrix with columns of length 1, from both ends of its spectrum
+  /// Of the whitened matrix with columns of length 1, from both ends of its spectrum.
+  double condition = 0.0;
 };
 
 struct BigRows {
@@ -71,9 +71,9 @@ BigRows rows_about(const Observations& all, const JointFit& layout, const BigVec
     const Big s = (Big(o.time_s) - layout.legs[leg].origin_s) / layout.legs[leg].span_s;
     const Big rx = Big(o.centre_m.x) - z[k] - z[k + 2] * s;
     const Big ry = Big(o.centre_m.y) - z[k + 1] - z[k + 3] * s;
-    const Big lxx = o.centre_root_m.xx;
-    const Big lyx = o.centre_root_m.yx;
-    const Big lyy = o.centre_root_m.yy;
+    const Big lxx = o.centre_cholesky_m.xx;
+    const Big lyx = o.centre_cholesky_m.yx;
+    const Big lyy = o.centre_cholesky_m.yy;
     BigVector x = zeros();
     BigVector y = zeros();
     x[k] = y[k + 1] = 1;
@@ -177,7 +177,7 @@ Observations scene() {
     o.centre_m =
         in ? Vec2{15.6 * t + zigzag, 0.0325 - 6.7 * t - zigzag} : Vec2{8.8 * t - zigzag, 0.0325 + 5.8 * t};
     o.diameter_m = 0.0651 + 0.3e-3 * (i % 3 - 1);
-    o.centre_root_m = {0.5e-3, 0.0, 0.5e-3};
+    o.centre_cholesky_m = {0.5e-3, 0.0, 0.5e-3};
     o.diameter_sd_m = 0.5e-3;
     o.use_centre = o.use_diameter = true;
     all.images.push_back(o);
@@ -235,7 +235,7 @@ TEST(LeastSquares, AgreesWhereOneImageOutweighsTheOthers) {
   for (int k = 2; k <= 12; k += 2) {
     Observations all = scene();
     const double sd = 0.5e-3 * std::pow(10.0, -k);
-    for (const std::size_t i : {0U, 7U}) all.images[i].centre_root_m = {sd, 0.0, sd};
+    for (const std::size_t i : {0U, 7U}) all.images[i].centre_cholesky_m = {sd, 0.0, sd};
     agrees(all, 0.3 * std::pow(10.0, k));
   }
 }
@@ -270,7 +270,8 @@ TEST(LeastSquares, AgreesWhereCentresAreKnownOnlyAcrossALine) {
   for (const double correlation : {0.99, 0.999999, 1.0 - 1e-9}) {
     Observations all = scene();
     for (Observation& o : all.images) {
-      o.centre_root_m = {0.5e-3, correlation * 0.5e-3, std::sqrt(1.0 - correlation * correlation) * 0.5e-3};
+      o.centre_cholesky_m = {0.5e-3, correlation * 0.5e-3,
+                             std::sqrt(1.0 - correlation * correlation) * 0.5e-3};
     }
     agrees(all, 1.0);
   }
@@ -281,7 +282,7 @@ TEST_GROUP(RowReductions){};
 TEST(RowReductions, ManyRowsMakeTheTriangleOfTheirProducts) {
   // R^T R = A^T A, whatever the number of rows that are reflected together.
   for (const int count : {1, 2, 3, 15, 16, 17, 40, 200}) {
-    RowReduction<3, 4> reduction;
+    HouseholderQr<3, 4> reduction;
     double products[4][4] = {};
     double rest = 0.0;
     const auto next = [&](const std::array<double, 1>& r) { rest += r[0] * r[0]; };

@@ -7,7 +7,7 @@
 #include "common/reduction/legacy.hpp"
 #include "common/reduction/legacy_file.hpp"
 #include "common/reduction/reduce.hpp"
-#include "common/reduction/series.hpp"
+#include "common/reduction/running_statistics.hpp"
 
 #include <CppUTest/TestHarness.h>
 
@@ -282,7 +282,7 @@ TEST(LegacyFile, ATruncatedFrameSaysWhereItEnds) {
 TEST_GROUP(SeriesStatistics){};
 
 TEST(SeriesStatistics, AreThoseOfTheThesis) {
-  Series s;
+  RunningStatistics s;
   for (const double v : {2.0, 4.0, 4.0, 4.0, 5.0, 5.0, 7.0, 9.0}) s.add(v);
   DOUBLES_EQUAL(5.0, s.mean(), 1e-15);
   DOUBLES_EQUAL(2.0, s.population_sd(), 1e-15);  // squares 9 1 1 1 0 0 4 16 = 32, over 8
@@ -291,10 +291,10 @@ TEST(SeriesStatistics, AreThoseOfTheThesis) {
 }
 
 TEST(SeriesStatistics, IdenticalValuesHaveNoSpreadRatherThanAnImaginaryOne) {
-  Series s;
+  RunningStatistics s;
   for (int i = 0; i < 1000; ++i) s.add(0.1);
   CHECK_TRUE(s.population_sd() >= 0.0 && s.population_sd() < 1e-15);
-  Series large;
+  RunningStatistics large;
   for (const double v : {1e9 + 1.0, 1e9 + 2.0, 1e9 + 3.0}) large.add(v);
   DOUBLES_EQUAL(std::sqrt(2.0 / 3.0), large.population_sd(), 1e-9);
 }

@@ -31,7 +31,7 @@ std::vector<Height> bounce(double first_flash_s, int flashes) {
   return heights;
 }
 
-LegsFound find(const std::vector<Height>& heights) { return find_legs(heights, kGravity, kVariance); }
+LegAssignment find(const std::vector<Height>& heights) { return classify_legs(heights, kGravity, kVariance); }
 
 }  // namespace
 
@@ -69,7 +69,7 @@ TEST(LegFinder, KeepsLabels) {
 TEST(LegFinder, LeavesOutAnOverlappingImageThatIsLabelledAirborne) {
   std::vector<Height> heights = bounce(-10e-3, 8);
   for (std::size_t i = 0; i < heights.size(); ++i) heights[i].leg = i < 5 ? Leg::incoming : Leg::rebound;
-  const LegsFound found = find(heights);
+  const LegAssignment found = find(heights);
   STRCMP_EQUAL("iiiicrrr", word(found.legs).c_str());
   LONGS_EQUAL(1, found.overlaps.size());
   LONGS_EQUAL(4, found.overlaps[0]);

@@ -94,8 +94,8 @@ TEST(ReductionProperties, TurningShiftingAndScalingThePhotographChangesNothing) 
   check("similarity", [] {
     Frame frame = photograph();
     const Readout before = reduced(frame);
-    const double turn =
-        real(-1.0, 1.0);  // with the roll: less than the quarter turn at which up becomes down
+    // with the roll: less than the quarter turn at which up becomes down
+    const double turn = real(-1.0, 1.0);
     const double scale = std::pow(10.0, real(-3.0, 3.0));
     const double dx = real(-1e4, 1e4) * scale;
     const double dy = real(-1e4, 1e4) * scale;

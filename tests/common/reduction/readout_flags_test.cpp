@@ -111,8 +111,7 @@ TEST(ReadoutFlags, AnImageThatDoesNotFitCountsLikeTheOthersWhereOutliersAreKept)
   const auto vx_with = [&](double displaced_px) {
     Frame frame = clean;
     frame.images[1].centre_px.x += displaced_px;
-    const auto r =
-        reduce(frame, Estimator::best, {.effects = flight::Effects{}, .leave_out_outliers = false});
+    const auto r = reduce(frame, Estimator::best, {.effects = flight::Effects{}, .reject_outliers = false});
     CHECK_TRUE(r.has_value());
     CHECK_FALSE(r->flags.has(Flag::outlier_image));
     return *r->value[Quantity::vx_td_mps];

@@ -3,7 +3,7 @@
 
 #include "common/reduction/court_pace.hpp"
 #include "common/reduction/dual.hpp"
-#include "common/reduction/series.hpp"
+#include "common/reduction/running_statistics.hpp"
 #include "common/reduction/student_t.hpp"
 
 #include <CppUTest/TestHarness.h>
@@ -15,7 +15,7 @@ TEST_GROUP(SeriesRounding){};
 
 TEST(SeriesRounding, IdenticalValuesHaveNoSpread) {
   for (const double value : {0.1, 15.62, -1e15, 1e-300, 0.0}) {
-    Series series;
+    RunningStatistics series;
     for (int i = 0; i < 1000; ++i) series.add(value);
     DOUBLES_EQUAL(value, series.mean(), 0.0);
     DOUBLES_EQUAL(0.0, series.population_sd(), 0.0);
@@ -26,7 +26,7 @@ TEST(SeriesRounding, IdenticalValuesHaveNoSpread) {
 TEST(SeriesRounding, ALargeOffsetCostsOnlyItsOwnRounding) {
   // 1, 2, 3 ... 9 on top of 1e9: sd sqrt(60 / 9). The sum of squares less the square of the sum would keep
   // no digit. Values at 1e9 are rounded to 1e-7, here not at all.
-  Series series;
+  RunningStatistics series;
   for (int i = 1; i <= 9; ++i) series.add(1e9 + i);
   DOUBLES_EQUAL(1e9 + 5, series.mean(), 0.0);
   DOUBLES_EQUAL(std::sqrt(60.0 / 9.0), series.population_sd(), 1e-7);
@@ -60,11 +60,11 @@ TEST(CourtPace, GivesTheRatingsOfTheWorkedExamples) {
 }
 
 TEST(CourtPace, KeepsTheMethodsLimits) {
-  CHECK_TRUE(court_pace_limits_kept(31.9, -17.9, 18.8));
-  CHECK_FALSE(court_pace_limits_kept(32.1, -16.0, 0.0));
-  CHECK_FALSE(court_pace_limits_kept(30.0, -18.1, 0.0));
-  CHECK_FALSE(court_pace_limits_kept(30.0, 16.0, 0.0));
-  CHECK_FALSE(court_pace_limits_kept(30.0, -16.0, 18.9));
+  CHECK_TRUE(meets_court_pace_limits(31.9, -17.9, 18.8));
+  CHECK_FALSE(meets_court_pace_limits(32.1, -16.0, 0.0));
+  CHECK_FALSE(meets_court_pace_limits(30.0, -18.1, 0.0));
+  CHECK_FALSE(meets_court_pace_limits(30.0, 16.0, 0.0));
+  CHECK_FALSE(meets_court_pace_limits(30.0, -16.0, 18.9));
 }
 
 TEST_GROUP(Derivatives){};

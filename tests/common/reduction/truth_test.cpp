@@ -6,7 +6,7 @@
 #include <string>
 
 #include "common/reduction/reduce.hpp"
-#include "common/reduction/series.hpp"
+#include "common/reduction/running_statistics.hpp"
 #include "tests/common/reduction/intervals.hpp"
 #include "tests/common/reduction/simulated_shot.hpp"
 #include "tests/support/repetitions.hpp"

@@ -5,7 +5,6 @@
 #include <random>
 #include <string>
 
-// CppUTest redefines new; its headers come last.
 #include <CppUTest/TestHarness.h>
 
 using strobe::parse_tolerance;

@@ -4,7 +4,7 @@
 #include <random>
 #include <string>
 #include <vector>
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe::wire;
@@ -87,14 +87,14 @@ TEST(Assembler, KeepsSendersAndMessagesApart) {
 TEST(Assembler, HoldsOnlyTheNewestUnfinishedMessages) {
   const auto parts = parts_of(message, "X", 0, 500);
   CHECK_FALSE(completes(1, parts[0]));
-  for (std::uint32_t number = 1; number <= Assembler::kMostUnfinished; ++number)
+  for (std::uint32_t number = 1; number <= Assembler::kMaxUnfinished; ++number)
     CHECK_FALSE(completes(1, parts_of(message, "X", number, 500)[0]));
   CHECK_FALSE(completes(1, parts[1]));  // the first one was given up
-  CHECK_TRUE(completes(1, parts_of(message, "X", Assembler::kMostUnfinished, 500)[1]));
+  CHECK_TRUE(completes(1, parts_of(message, "X", Assembler::kMaxUnfinished, 500)[1]));
 }
 
 TEST(Assembler, MakesNoRoomForHugeMessages) {
-  message.resize(Assembler::kMostMessage_bytes + 1);
+  message.resize(Assembler::kMaxMessage_bytes + 1);
   for (const Bytes& part : parts_of(message, "X", 1, 60'000)) CHECK_FALSE(completes(1, part));
 }
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <string>
 #include <vector>
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe::wire;

@@ -11,7 +11,7 @@
 #include "host/config/camera_writer.hpp"
 #include "host/config/digitize_settings.hpp"
 #include "tests/host/camera/pinhole.hpp"
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe;

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "tests/host/camera/pinhole.hpp"
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe;

@@ -7,10 +7,9 @@
 #include "tests/support/process.hpp"
 #include "tests/support/temporary_folder.hpp"
 
-// CppUTest redefines new; its headers come last.
 #include <CppUTest/TestHarness.h>
 
-using strobe::testing::Finished;
+using strobe::testing::CompletedProcess;
 
 namespace {
 
@@ -37,19 +36,19 @@ TEST_GROUP(ChoiceCommands) {
     strobe::testing::write_text(frontier, kFrontier);
   }
 
-  Finished run(std::vector<std::string> arguments, bool chooses = true) const {
+  CompletedProcess run(std::vector<std::string> arguments, bool chooses = true) const {
     arguments.insert(arguments.begin(), STROBE_PROGRAM);
     if (chooses) arguments.insert(arguments.end(), {"--frontier", frontier});
-    return strobe::testing::run_to_end({.arguments = std::move(arguments), .environment = {}, .folder = {}},
-                                       std::chrono::seconds(30));
+    return strobe::testing::run_process({.arguments = std::move(arguments), .environment = {}, .folder = {}},
+                                        std::chrono::seconds(30));
   }
 
-  Finished predict(std::vector<std::string> more, bool chooses = true) const {
+  CompletedProcess predict(std::vector<std::string> more, bool chooses = true) const {
     more.insert(more.begin(), {"predict", "--vx", "15.62", "--vy", "-6.71", "--e", "0.86"});
     return run(std::move(more), chooses);
   }
 
-  void check_refused(const Finished& run, const std::string& complaint) const {
+  void check_refused(const CompletedProcess& run, const std::string& complaint) const {
     LONGS_EQUAL(2, run.status->code);
     STRCMP_EQUAL("", run.out.c_str());
     STRCMP_EQUAL(("strobe: " + complaint + "\n").c_str(), run.err.c_str());
@@ -57,7 +56,7 @@ TEST_GROUP(ChoiceCommands) {
 };
 
 TEST(ChoiceCommands, PredictSaysWhatItTookAndWhy) {
-  const Finished run = predict({"--tolerance", "0.1%", "--deadline-us", "50", "--json"});
+  const CompletedProcess run = predict({"--tolerance", "0.1%", "--deadline-us", "50", "--json"});
   LONGS_EQUAL(0, run.status->code);
   const auto json = strobe::testing::parse_json_lines(run.out).at(0);
   STRCMP_EQUAL("ode", json["inputs"]["model"].get<std::string>().c_str());
@@ -75,14 +74,14 @@ TEST(ChoiceCommands, PredictSaysWhatItTookAndWhy) {
 }
 
 TEST(ChoiceCommands, PredictGivesTheSameBytesEachTime) {
-  const Finished once = predict({"--tolerance", "1e-6", "--json"});
-  const Finished again = predict({"--tolerance", "1e-6", "--json"});
+  const CompletedProcess once = predict({"--tolerance", "1e-6", "--json"});
+  const CompletedProcess again = predict({"--tolerance", "1e-6", "--json"});
   CHECK(!once.out.empty());
   STRCMP_EQUAL(once.out.c_str(), again.out.c_str());
 }
 
 TEST(ChoiceCommands, PredictTellsItsChoiceInWords) {
-  const Finished run = predict({"--deadline-us", "10"});
+  const CompletedProcess run = predict({"--deadline-us", "10"});
   LONGS_EQUAL(0, run.status->code);
   CHECK(
       run.out.find("chosen ode tolerance=0.001: the most exact of 5 methods that meets 10 us; at most 1% of "
@@ -94,7 +93,7 @@ TEST(ChoiceCommands, PredictSaysWithHowManyStepsItIntegrated) {
   strobe::testing::write_text(frontier,
                               "study,method,parameter,cost_us,error,error_unit,note\n"
                               "lift_off,ode_rk4,steps=50,12,0.001,of v_td,\n");
-  const Finished run = predict({"--tolerance", "1%", "--json"});
+  const CompletedProcess run = predict({"--tolerance", "1%", "--json"});
   const auto inputs = strobe::testing::parse_json_lines(run.out).at(0)["inputs"];
   STRCMP_EQUAL("rk4", inputs["integrator"].get<std::string>().c_str());
   LONGS_EQUAL(50, inputs["steps"].get<int>());
@@ -139,12 +138,12 @@ TEST(ChoiceCommands, PredictFailsWhereTheModelAskedForMissesTheToleranceOnThisIm
                               "study,method,parameter,cost_us,error,error_unit,note\n"
                               "lift_off,rigid,,0.01,0.001,of v_td,\n"
                               "lift_off,ode,tolerance=1e-06,14,1e-5,of v_td,\n");
-  const Finished run = predict({"--tolerance", "1%", "--model", "rigid", "--json"});
+  const CompletedProcess run = predict({"--tolerance", "1%", "--model", "rigid", "--json"});
   LONGS_EQUAL(1, run.status->code);
   const auto json = strobe::testing::parse_json_lines(run.out).at(0);
   CHECK(!json["choice"]["within_tolerance"].get<bool>());
   CHECK(run.err.find("strobe: predict: rigid misses the tolerance on this impact\n") != std::string::npos);
-  const Finished free = predict({"--tolerance", "1%", "--json"});
+  const CompletedProcess free = predict({"--tolerance", "1%", "--json"});
   LONGS_EQUAL(0, free.status->code);
   const auto instead = strobe::testing::parse_json_lines(free.out).at(0);
   STRCMP_EQUAL("ode", instead["choice"]["method"].get<std::string>().c_str());
@@ -152,7 +151,7 @@ TEST(ChoiceCommands, PredictFailsWhereTheModelAskedForMissesTheToleranceOnThisIm
 }
 
 TEST(ChoiceCommands, ReduceSaysWhatItTookAndWhatNoiseIsLeft) {
-  const Finished run = this->run({"reduce", STROBE_FRAME, "--tolerance", "0.5%", "--json"});
+  const CompletedProcess run = this->run({"reduce", STROBE_FRAME, "--tolerance", "0.5%", "--json"});
   LONGS_EQUAL(0, run.status->code);
   const auto json = strobe::testing::parse_json_lines(run.out).at(0);
   STRCMP_EQUAL("best", json["method"].get<std::string>().c_str());
@@ -160,15 +159,15 @@ TEST(ChoiceCommands, ReduceSaysWhatItTookAndWhatNoiseIsLeft) {
   DOUBLES_EQUAL(0.0, json["choice"]["expected_error"].get<double>(), 0.0);
   CHECK(json["choice"]["noise_beyond_tolerance"].get<bool>());
   CHECK(run.err.starts_with("strobe: reduce: took "));
-  const Finished words = this->run({"reduce", STROBE_FRAME, "--tolerance", "0.5%"});
+  const CompletedProcess words = this->run({"reduce", STROBE_FRAME, "--tolerance", "0.5%"});
   CHECK(words.out.find("chosen best effects=auto: the cheapest of 2 methods that meets 0.5%; adds 0% of the "
                        "readouts' scales in 8 us as measured\n") != std::string::npos);
   CHECK(words.out.find("the photograph's own noise is beyond the tolerance: sd of ") != std::string::npos);
 }
 
 TEST(ChoiceCommands, ReduceAddsNothingButTheChoice) {
-  const Finished plain = run({"reduce", STROBE_FRAME, "--json"}, false);
-  const Finished chosen = run({"reduce", STROBE_FRAME, "--deadline-us", "10", "--json"});
+  const CompletedProcess plain = run({"reduce", STROBE_FRAME, "--json"}, false);
+  const CompletedProcess chosen = run({"reduce", STROBE_FRAME, "--deadline-us", "10", "--json"});
   const auto end = chosen.out.find(",\"choice\":");
   CHECK(end != std::string::npos);
   STRCMP_EQUAL(plain.out.c_str(), (chosen.out.substr(0, end) + "}\n").c_str());

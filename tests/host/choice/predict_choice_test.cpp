@@ -1,4 +1,4 @@
-#include "host/commands/predict_choice.hpp"
+#include "host/commands/predict/predict_choice.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,6 @@
 #include <random>
 #include <string>
 
-// CppUTest redefines new; its headers come last.
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe;

@@ -1,10 +1,9 @@
-#include "host/commands/reduce_choice.hpp"
+#include "host/commands/reduce/reduce_choice.hpp"
 
 #include <string>
 
 #include "tests/common/reduction/simulated_shot.hpp"
 
-// CppUTest redefines new; its headers come last.
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe;

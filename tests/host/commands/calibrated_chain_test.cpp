@@ -7,10 +7,10 @@
 #include <opencv2/imgproc.hpp>
 
 #include "sim/photograph/optics.hpp"
-#include "sim/rig/scene.hpp"
+#include "sim/scene/scene.hpp"
 #include "tests/host/commands/shipped_programs.hpp"
 #include "tests/support/json_lines.hpp"
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe;

@@ -8,7 +8,7 @@
 
 #include "tests/host/commands/shipped_programs.hpp"
 #include "tests/support/json_lines.hpp"
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe;

@@ -5,7 +5,7 @@
 #include <filesystem>
 
 #include "tests/support/json_lines.hpp"
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 namespace strobe::chain {
@@ -16,7 +16,7 @@ Run run_program(const std::string& program, std::vector<std::string> arguments) 
   arguments.insert(arguments.begin(), std::string(STROBE_BUILD_DIR) + "/bin/" + program);
   testing::Command command;
   command.arguments = std::move(arguments);
-  const testing::Finished finished = testing::run_to_end(command, std::chrono::seconds(60));
+  const testing::CompletedProcess finished = testing::run_process(command, std::chrono::seconds(60));
   return {finished.status ? finished.status->code : -1, finished.out, finished.err};
 }
 

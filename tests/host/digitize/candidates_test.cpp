@@ -1,4 +1,4 @@
-#include "host/digitize/candidates.hpp"
+#include "host/digitize/candidates/candidates.hpp"
 
 #include <cstdio>
 #include <optional>

@@ -1,12 +1,11 @@
 // A person's corrections: the file, and what becomes of the images.
-#include "host/digitize/corrections.hpp"
+#include "host/digitize/corrections/corrections.hpp"
 
 #include <fmt/format.h>
 
 #include <cmath>
 #include <numbers>
 
-// CppUTest redefines new; its headers come last.
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe::digitize;
@@ -68,7 +67,7 @@ Digitization digitized() {
     outline.centre = centre_of(i);
     outline.diameter = kDiameter_px;
     outline.covariance = cv::Matx33d::eye() * 0.01;
-    outline.seen_share = 1.0;
+    outline.visible_fraction = 1.0;
     made.outlines.push_back(outline);
   }
   return made;

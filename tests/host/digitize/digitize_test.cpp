@@ -6,7 +6,7 @@
 
 #include "common/reduction/reduce.hpp"
 #include "tests/host/digitize/painter.hpp"
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 namespace {

@@ -1,4 +1,4 @@
-#include "host/digitize/equator.hpp"
+#include "host/digitize/equator/equator.hpp"
 
 #include <numbers>
 #include <random>

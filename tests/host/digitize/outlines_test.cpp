@@ -1,4 +1,4 @@
-#include "host/digitize/outlines.hpp"
+#include "host/digitize/outline/outlines.hpp"
 
 #include <cmath>
 
@@ -114,7 +114,7 @@ TEST(Outlines, OfABallCutOffByTheBorderAreFittedToWhatIsThere) {
   const double off = cv::norm(outlines[0]->centre - map.to_plane(painting.balls[0].centre));
   const double sd = std::sqrt(outlines[0]->covariance(0, 0) + outlines[0]->covariance(1, 1));
   CHECK(off < 4.0 * sd);
-  CHECK(outlines[0]->seen_share < 0.7);
+  CHECK(outlines[0]->visible_fraction < 0.7);
 }
 
 TEST(Outlines, OfBallsThatOneLampLightsAreNotDrawnToTheirShadows) {
@@ -133,6 +133,6 @@ TEST(Outlines, OfBallsThatOneLampLightsAreNotDrawnToTheirShadows) {
     // Of three normal numbers' squares one in ten thousand is more than 21.
     CHECK(error.dot(outlines[0]->covariance.inv() * error) < 21.0);
     // Half of the outline is in the dark.
-    CHECK(outlines[0]->seen_share < 0.75);
+    CHECK(outlines[0]->visible_fraction < 0.75);
   }
 }

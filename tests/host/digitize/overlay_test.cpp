@@ -1,11 +1,10 @@
 // What was found, drawn on the photograph.
-#include "host/digitize/overlay.hpp"
+#include "host/digitize/overlay/overlay.hpp"
 
 #include <opencv2/imgcodecs.hpp>
 
 #include "tests/support/temporary_folder.hpp"
 
-// CppUTest redefines new; its headers come last.
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe::digitize;

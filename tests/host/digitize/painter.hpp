@@ -9,7 +9,7 @@
 #include <random>
 #include <vector>
 
-#include "host/digitize/photograph.hpp"
+#include "host/digitize/image/photograph.hpp"
 
 namespace strobe::testing {
 

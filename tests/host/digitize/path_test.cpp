@@ -4,10 +4,10 @@
 #include <random>
 #include <vector>
 
-#include "host/digitize/arrange.hpp"
-#include "host/digitize/path.hpp"
-#include "host/digitize/time_order.hpp"
-// CppUTest redefines new; its headers come last.
+#include "host/digitize/image_order.hpp"
+#include "host/digitize/path/path.hpp"
+#include "host/digitize/path/time_order.hpp"
+
 #include <CppUTest/TestHarness.h>
 
 namespace {
@@ -86,8 +86,8 @@ std::vector<double> flashes() {
   return times;
 }
 
-TimeScene scene(bool surface, std::span<const double> times = {}) {
-  TimeScene s;
+TimeContext scene(bool surface, std::span<const double> times = {}) {
+  TimeContext s;
   s.path = {kDiameter_px, surface, 0.1};
   s.px_per_m = kScale_px;
   s.flash_times_s = times;
@@ -95,7 +95,7 @@ TimeScene scene(bool surface, std::span<const double> times = {}) {
 }
 
 /// Legs and order are the shot's own.
-void check_order(const Shot& shot, const TimeScene& s, bool contacts = true) {
+void check_order(const Shot& shot, const TimeContext& s, bool contacts = true) {
   std::vector<Shot::Image> images = shot.images();
   if (!contacts) std::erase_if(images, [](const Shot::Image& i) { return i.leg == Leg::contact; });
   std::vector<int> order;
@@ -160,7 +160,7 @@ TEST(BallPath, TakesTheTimesOfItsFlashesWithOneMissing) {
   std::erase_if(moved, [gone](double t) { return std::abs(t - gone) < 1e-9; });
   std::vector<int> order;
   const auto points = shuffled(images, order, 5);
-  const TimeScene s = scene(true, moved);
+  const TimeContext s = scene(true, moved);
   const TimeOrder result = order_in_time(points, find_path(points, s.path), s);
   LONGS_EQUAL(images.size(), result.flash.size());
   for (std::size_t k = 0; k < images.size(); ++k) {
@@ -178,7 +178,7 @@ TEST(BallPath, OfOneLegGoesTheWayTheFlashesSay) {
       const double x = 60000.0 * t * (leftwards ? -1.0 : 1.0);
       points.push_back({{x, 300.0 - 10000.0 * t}, 0.1, 1.0});
     }
-    const TimeScene s = scene(false, times);
+    const TimeContext s = scene(false, times);
     const TimeOrder result = order_in_time(points, find_path(points, s.path), s);
     CHECK_TRUE(result.leftwards == leftwards);
     for (std::size_t k = 0; k < times.size(); ++k) LONGS_EQUAL(k, result.sequence[k]);
@@ -192,7 +192,7 @@ TEST(BallPath, OfTwoFlightsOverEachOtherGetsNoTimes) {
   for (int k = 0; k < 9; ++k) points.push_back({{0.0, 300.0 + 160.0 * k}, 0.2, 1.0});
   for (int k = 0; k < 9; ++k) points.push_back({{1.0, 345.0 + 117.0 * k}, 0.2, 1.0});
   const auto times = flashes();
-  const TimeScene s = scene(true, times);
+  const TimeContext s = scene(true, times);
   const TimeOrder result = order_in_time(points, find_path(points, s.path), s);
   CHECK_TRUE(result.flash.empty());
   STRCMP_CONTAINS("no steady flight", result.remarks.back().c_str());

@@ -1,4 +1,4 @@
-#include "host/digitize/photograph.hpp"
+#include "host/digitize/image/photograph.hpp"
 
 #include <cstdio>
 #include <filesystem>
@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "host/digitize/image_header.hpp"
-#include "host/digitize/saturation.hpp"
+#include "host/digitize/image/image_header.hpp"
+#include "host/digitize/image/saturation.hpp"
 
 #include <CppUTest/TestHarness.h>
 
@@ -173,8 +173,8 @@ TEST(Photograph, OfPlainTiffIsReadAsThePackedOne) {
     const Bytes plain = encoded(pixels, ".tif", {cv::IMWRITE_TIFF_COMPRESSION, 1, 278, 7});
     const Bytes packed = encoded(pixels, ".tif", {cv::IMWRITE_TIFF_COMPRESSION, 5});
     const auto header = strobe::digitize::read_image_header(plain);
-    CHECK_TRUE(header.has_value() && header->plain_from.has_value());
-    CHECK_FALSE(strobe::digitize::read_image_header(packed)->plain_from.has_value());
+    CHECK_TRUE(header.has_value() && header->raw_offset.has_value());
+    CHECK_FALSE(strobe::digitize::read_image_header(packed)->raw_offset.has_value());
     const auto a = decode_photograph(plain, "plain"), b = decode_photograph(packed, "packed");
     CHECK_TRUE(a.has_value() && b.has_value());
     DOUBLES_EQUAL(0.0, cv::norm(a->light, b->light, cv::NORM_INF), 0.0);

@@ -1,10 +1,10 @@
 // Between photograph and plane: there and back, slopes, and the outline of a sphere against rays.
-#include "host/digitize/plane_map.hpp"
+#include "host/digitize/core/plane_map.hpp"
 
 #include <cmath>
 #include <random>
 #include <vector>
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe::digitize;
@@ -40,7 +40,7 @@ TEST_GROUP(PlaneMap){};
 
 TEST(PlaneMap, WithoutACalibrationTurnsRowsUpsideDown) {
   const PlaneMap map = PlaneMap::plain(1840);
-  CHECK_TRUE(map.is_plain());
+  CHECK_TRUE(map.is_uncalibrated());
   const cv::Point2d p = map.to_plane({12.5, 1839.0});
   DOUBLES_EQUAL(12.5, p.x, 0);
   DOUBLES_EQUAL(0.0, p.y, 0);

@@ -1,12 +1,12 @@
 // The surface's line on small pictures of plates.
-#include "host/digitize/surface_line.hpp"
+#include "host/digitize/surface/surface_line.hpp"
 
 #include <cmath>
 #include <numbers>
 #include <opencv2/core.hpp>
 
-#include "host/digitize/surface_frame.hpp"
-// CppUTest redefines new; its headers come last.
+#include "host/digitize/surface/surface_frame.hpp"
+
 #include <CppUTest/TestHarness.h>
 
 namespace {
@@ -54,7 +54,7 @@ TEST_GROUP(SurfaceLine){};
 TEST(SurfaceLine, OfAPlateSeenEdgeOnIsItsEdge) {
   const auto line = found(stepped({220.3}, 0.01));
   CHECK_TRUE(line.has_value());
-  DOUBLES_EQUAL(0.0, line->between_px, 0.0);
+  DOUBLES_EQUAL(0.0, line->edge_separation_px, 0.0);
   const SurfaceFrame axes = surface_frame(*line);
   DOUBLES_EQUAL(0.0, axes.from_plane({300.0, kHeight - 1 - 220.3}).y, 0.1);
   CHECK_TRUE(axes.sd_px < 0.15);
@@ -63,7 +63,7 @@ TEST(SurfaceLine, OfAPlateSeenEdgeOnIsItsEdge) {
 TEST(SurfaceLine, OfAPlateSeenFromAboveLiesBetweenItsEdgesAndSaysSo) {
   const auto line = found(stepped({212.0, 236.0}));
   CHECK_TRUE(line.has_value());
-  DOUBLES_EQUAL(24.0, line->between_px, 0.2);
+  DOUBLES_EQUAL(24.0, line->edge_separation_px, 0.2);
   const SurfaceFrame axes = surface_frame(*line);
   DOUBLES_EQUAL(0.0, axes.from_plane({300.0, kHeight - 1 - 224.0}).y, 0.2);
   // Anywhere between them alike: 24 px/sqrt(12) = 6.9; of four points as if of three: 8.
@@ -73,7 +73,7 @@ TEST(SurfaceLine, OfAPlateSeenFromAboveLiesBetweenItsEdgesAndSaysSo) {
 TEST(SurfaceLine, OfAPlateIsNotDrawnToAFaintEdgeOfTheBackground) {
   const auto line = found(stepped({190.0, 220.3}, 0.0, 0.03));
   CHECK_TRUE(line.has_value());
-  DOUBLES_EQUAL(0.0, line->between_px, 0.0);
+  DOUBLES_EQUAL(0.0, line->edge_separation_px, 0.0);
   DOUBLES_EQUAL(0.0, surface_frame(*line).from_plane({300.0, kHeight - 1 - 220.3}).y, 0.1);
 }
 
@@ -83,14 +83,14 @@ TEST(SurfaceLine, IsNotDrawnToTheTopOfAClampThatBallsReachBelow) {
   for (Outline& ball : balls) ball.seen = {{0.0, 2.0 * std::numbers::pi}};
   const auto line = find_surface_line(stepped({176.3, 220.3}), PlaneMap::plain(kHeight), balls);
   CHECK_TRUE(line.has_value());
-  DOUBLES_EQUAL(0.0, line->between_px, 0.0);
+  DOUBLES_EQUAL(0.0, line->edge_separation_px, 0.0);
   DOUBLES_EQUAL(0.0, surface_frame(*line).from_plane({300.0, kHeight - 1 - 220.3}).y, 0.1);
 }
 
 TEST(SurfaceLine, OfABarFarBelowThePlateIsNotItsOtherEdge) {
   const auto line = found(stepped({212.0, 280.0}));
   CHECK_TRUE(line.has_value());
-  DOUBLES_EQUAL(0.0, line->between_px, 0.0);
+  DOUBLES_EQUAL(0.0, line->edge_separation_px, 0.0);
 }
 
 TEST(SurfaceLine, IsNotOneThatBallsAreSeenBelow) {

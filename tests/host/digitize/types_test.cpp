@@ -1,4 +1,4 @@
-#include "host/digitize/types.hpp"
+#include "host/digitize/core/types.hpp"
 
 #include <set>
 
@@ -7,7 +7,7 @@
 using strobe::digitize::name;
 using strobe::digitize::Reason;
 
-TEST_GROUP(Reason) {};
+TEST_GROUP(Reason){};
 
 TEST(Reason, HasANameOfItsOwn) {
   std::set<std::string_view> names;

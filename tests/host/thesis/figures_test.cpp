@@ -4,11 +4,11 @@
 #include <set>
 #include <string>
 
-#include "host/thesis/figures.hpp"
-#include "host/thesis/gnuplot.hpp"
-#include "tests/host/thesis/thesis_material.hpp"
+#include "host/thesis/figures/figures.hpp"
+#include "host/thesis/figures/gnuplot.hpp"
+#include "tests/host/thesis/loaded_thesis.hpp"
 #include "tests/support/temporary_folder.hpp"
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe;

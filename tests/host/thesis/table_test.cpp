@@ -2,9 +2,9 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "host/thesis/render.hpp"
-#include "host/thesis/table.hpp"
-// CppUTest redefines new; its headers come last.
+#include "host/thesis/tables/render.hpp"
+#include "host/thesis/tables/table.hpp"
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe::report;

@@ -6,13 +6,13 @@
 
 #include "common/contact/condition_inputs.hpp"
 #include "common/data/csv.hpp"
-#include "host/thesis/render.hpp"
-#include "host/thesis/rotation_scale.hpp"
-#include "host/thesis/tables.hpp"
-#include "tests/host/thesis/thesis_material.hpp"
+#include "host/thesis/contact_scale.hpp"
+#include "host/thesis/tables/render.hpp"
+#include "host/thesis/tables/tables.hpp"
+#include "tests/host/thesis/loaded_thesis.hpp"
 #include "tests/support/json_lines.hpp"
 #include "tests/support/temporary_folder.hpp"
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe;

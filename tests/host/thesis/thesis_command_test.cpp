@@ -7,19 +7,19 @@
 #include "tests/support/json_lines.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/temporary_folder.hpp"
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
-using strobe::testing::Finished;
+using strobe::testing::CompletedProcess;
 using strobe::testing::TemporaryFolder;
 namespace fs = std::filesystem;
 
 namespace {
 
-Finished thesis(std::vector<std::string> arguments,
-                const std::map<std::string, std::string>& environment = {}) {
+CompletedProcess thesis(std::vector<std::string> arguments,
+                        const std::map<std::string, std::string>& environment = {}) {
   arguments.insert(arguments.begin(), {STROBE_PROGRAM, "thesis"});
-  return strobe::testing::run_to_end(
+  return strobe::testing::run_process(
       {.arguments = std::move(arguments), .environment = environment, .folder = {}},
       std::chrono::seconds(100));
 }
@@ -28,7 +28,7 @@ bool contains(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
 }
 
-void check_complaint(int status, const Finished& run, const std::string& expected) {
+void check_complaint(int status, const CompletedProcess& run, const std::string& expected) {
   LONGS_EQUAL(status, run.status->code);
   STRCMP_EQUAL("", run.out.c_str());
   STRCMP_EQUAL(expected.c_str(), run.err.c_str());
@@ -60,7 +60,7 @@ void check_drawn(const fs::path& folder) {
 TEST_GROUP(ThesisCommand){};
 
 TEST(ThesisCommand, PrintsAllTables) {
-  const Finished run = thesis({});
+  const CompletedProcess run = thesis({});
   LONGS_EQUAL(0, run.status->code);
   STRCMP_EQUAL("", run.err.c_str());
   for (int table = 2; table <= 17; ++table)
@@ -68,7 +68,7 @@ TEST(ThesisCommand, PrintsAllTables) {
 }
 
 TEST(ThesisCommand, PrintsOneTableOfOneSetAsOneJsonObject) {
-  const Finished run = thesis({"--table", "8", "--set", "zero_68", "--json"});
+  const CompletedProcess run = thesis({"--table", "8", "--set", "zero_68", "--json"});
   LONGS_EQUAL(0, run.status->code);
   const auto lines = strobe::testing::parse_json_lines(run.out);
   LONGS_EQUAL(1, lines.size());
@@ -79,14 +79,14 @@ TEST(ThesisCommand, PrintsOneTableOfOneSetAsOneJsonObject) {
 }
 
 TEST(ThesisCommand, PrintsOneJsonObjectForEachTable) {
-  const Finished run = thesis({"--json"});
+  const CompletedProcess run = thesis({"--json"});
   const auto lines = strobe::testing::parse_json_lines(run.out);
   CHECK(lines.size() >= 16);
   for (const auto& line : lines) CHECK(line.contains("table") && line.contains("rows"));
 }
 
 TEST(ThesisCommand, NamesTheTablesAndSetsThatThereAre) {
-  const Finished run = thesis({"--table", "99"});
+  const CompletedProcess run = thesis({"--table", "99"});
   LONGS_EQUAL(2, run.status->code);
   CHECK(contains(run.err, "strobe: thesis: no table 99; there are 2, 3, 4"));
   check_complaint(2, thesis({"--set", "zero_24"}),
@@ -99,7 +99,7 @@ TEST(ThesisCommand, RefusesATableThatHasNothingOfTheSet) {
   for (const char* form : {"--as-printed", "--json"})
     check_complaint(2, thesis({"--table", "3", "--set", "zero_23", form}),
                     "strobe: thesis: table 3 has nothing of set zero_23\n");
-  const Finished all = thesis({"--set", "zero_23"});
+  const CompletedProcess all = thesis({"--set", "zero_23"});
   LONGS_EQUAL(0, all.status->code);
   CHECK(contains(all.out, "Table 2. ") && !contains(all.out, "Table 3. "));
 }
@@ -113,7 +113,7 @@ TEST(ThesisCommand, RefusesAnOptionLeftEmpty) {
 
 TEST(ThesisCommand, DrawsFourteenFiguresOfTheThreeSpins) {
   const TemporaryFolder folder;
-  const Finished run = thesis({"--figures", (folder / "figures").string()});
+  const CompletedProcess run = thesis({"--figures", (folder / "figures").string()});
   LONGS_EQUAL_TEXT(0, run.status->code, run.err.c_str());
   CHECK(contains(run.out, "14 figures in "));
   CHECK(contains(run.err, "figure 14 of 14"));
@@ -122,7 +122,7 @@ TEST(ThesisCommand, DrawsFourteenFiguresOfTheThreeSpins) {
 
 TEST(ThesisCommand, DrawsOneSetIntoItsOwnFolderAndTellsTheFiles) {
   const TemporaryFolder folder;
-  const Finished run = thesis({"--figures", folder.path().string(), "--set", "back_59", "--json"});
+  const CompletedProcess run = thesis({"--figures", folder.path().string(), "--set", "back_59", "--json"});
   LONGS_EQUAL_TEXT(0, run.status->code, run.err.c_str());
   const auto lines = strobe::testing::parse_json_lines(run.out);
   LONGS_EQUAL(14, lines.size());
@@ -145,7 +145,7 @@ TEST(ThesisCommand, NamesThePackageWhereGnuplotIsMissing) {
 }
 
 TEST(ThesisCommand, ExplainsItself) {
-  const Finished run = thesis({"--help"});
+  const CompletedProcess run = thesis({"--help"});
   LONGS_EQUAL(0, run.status->code);
   CHECK(contains(run.out, "Examples:"));
 }

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "tests/kernel/emulated_bench.hpp"
+#include "tests/kernel/kernel_fixture.hpp"
 #include "tests/support/json_lines.hpp"
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe;
@@ -20,11 +20,11 @@ namespace {
 constexpr int kFlashes = 30;  // of rig.toml's plan: 1200 ms, one each 40 ms
 constexpr int kMidTrain = 10;
 constexpr int kLongTrain = 100;
-constexpr int kMostAttempts = 5;
+constexpr int kMaxAttempts = 5;
 constexpr int kFifo = 1;  // SCHED_FIFO as /proc tells it
 
-EmulatedBench& bench() {
-  static EmulatedBench machine(STROBE_KERNEL_BOOT "/unit");
+KernelFixture& bench() {
+  static KernelFixture machine(STROBE_KERNEL_BOOT "/unit");
   return machine;
 }
 
@@ -73,7 +73,7 @@ Scheduling highest_of(const std::string& process) {
 }
 
 bool becomes(const std::string& state) {
-  return testing::wait_until([&] { return property("ActiveState") == state; }, kPatience);
+  return testing::wait_until([&] { return property("ActiveState") == state; }, kTimeout);
 }
 
 std::string journal() { return shell("journalctl -b -u strobed -o cat --no-pager | tail -n 60"); }
@@ -123,12 +123,12 @@ TEST_GROUP(Unit) {
       return !counts.empty() && counts.back() >= kMidTrain;
     };
     std::string said;
-    for (int attempt = 0; attempt < kMostAttempts; ++attempt) {
+    for (int attempt = 0; attempt < kMaxAttempts; ++attempt) {
       auto firing = std::make_unique<testing::Process>(
           bench().strobe({"fire", "--shots", "1", "--retries", "0", "--json", "--session",
                           (bench().folder() / "killed").string(), "--plan", plan.string()}),
           bench().folder());
-      testing::wait_until([&] { return under_way() || !firing->running(); }, kPatience);
+      testing::wait_until([&] { return under_way() || !firing->running(); }, kTimeout);
       if (firing->running() && under_way()) return firing;
       said += firing->err();
     }
@@ -138,7 +138,7 @@ TEST_GROUP(Unit) {
 
   void outputs_become_inactive() const {
     const std::int64_t from_ns = testing::monotonic_now_ns();
-    CHECK_TRUE_TEXT(testing::wait_until([] { return outputs_inactive(bench().events()); }, kPatience),
+    CHECK_TRUE_TEXT(testing::wait_until([] { return outputs_inactive(bench().events()); }, kTimeout),
                     journal().c_str());
     std::printf("outputs inactive after %.1f s ",
                 1e-9 * static_cast<double>(testing::monotonic_now_ns() - from_ns));
@@ -147,7 +147,7 @@ TEST_GROUP(Unit) {
 
   void is_started_again() const {
     CHECK_TRUE_TEXT(
-        testing::wait_until([this] { return std::stoi(property("NRestarts")) > restarts; }, kPatience),
+        testing::wait_until([this] { return std::stoi(property("NRestarts")) > restarts; }, kTimeout),
         journal().c_str());
     CHECK_TRUE_TEXT(becomes("active"), journal().c_str());
     LONGS_EQUAL(2, processes().size());
@@ -186,17 +186,16 @@ TEST(Unit, IsActiveOnceTheGuardianSaysSoAndKeepsItsRealTimeRights) {
 
 TEST(Unit, FiresAWholeShotForTheHostOutside) {
   // A machine that stands still for long ends a shot as flagged: such a one is fired again.
-  const testing::Finished fired =
-      testing::run_to_end(bench().strobe({"fire", "--shots", "1", "--retries", "9", "--json", "--session",
-                                          (bench().folder() / "session").string()}),
-                          kPatience);
+  const testing::CompletedProcess fired =
+      testing::run_process(bench().strobe({"fire", "--shots", "1", "--retries", "9", "--json", "--session",
+                                           (bench().folder() / "session").string()}),
+                           kTimeout);
   const auto counts = flashes_of_each_shot();
   for (const int count : counts) std::printf("%d flashes ", count);
   CHECK_TRUE_TEXT(std::find(counts.begin(), counts.end(), kFlashes) != counts.end(),
                   (fired.out + fired.err + journal()).c_str());
   STRCMP_CONTAINS("vx_td_mps", fired.out.c_str());
-  CHECK_TRUE_TEXT(testing::wait_until([] { return outputs_inactive(bench().events()); }, kPatience),
-                  "active");
+  CHECK_TRUE_TEXT(testing::wait_until([] { return outputs_inactive(bench().events()); }, kTimeout), "active");
 }
 
 TEST(Unit, LeavesTheOutputsInactiveWhenItIsStoppedInTheMiddleOfATrain) {
@@ -254,10 +253,10 @@ TEST(Unit, WaitsForAChipAndANetworkThatComeLate) {
   shell(
       "chmod 600 /dev/gpiochip0; ip route del 224.0.0.0/4; systemctl stop strobed; systemctl start "
       "--no-block strobed");
-  CHECK_TRUE(testing::wait_until([] { return std::stoi(property("NRestarts")) >= 2; }, kPatience));
+  CHECK_TRUE(testing::wait_until([] { return std::stoi(property("NRestarts")) >= 2; }, kTimeout));
   shell("chmod 660 /dev/gpiochip0");
   const int tried = std::stoi(property("NRestarts"));
-  CHECK_TRUE(testing::wait_until([&] { return std::stoi(property("NRestarts")) > tried; }, kPatience));
+  CHECK_TRUE(testing::wait_until([&] { return std::stoi(property("NRestarts")) > tried; }, kTimeout));
   shell("ip route add 224.0.0.0/4 dev eth0");
   CHECK_TRUE_TEXT(becomes("active"), journal().c_str());
 }

@@ -22,7 +22,7 @@ TEST_GROUP(Conformance) {
 };
 
 TEST(Conformance, SystemCallsAreAnsweredAsByTheKernel) {
-  const testing::Finished finished =
+  const testing::CompletedProcess finished =
       fixture.run({built_program("gpio_kernel_calls").string(), "/dev/gpiochip0", "10", "11"});
   LONGS_EQUAL(0, finished.status.value().code);
   STRCMP_EQUAL(testing::read_text(STROBE_TEST_DATA "/gpio_kernel_calls.txt").c_str(), finished.out.c_str());

@@ -42,8 +42,8 @@ testing::Process ChipFixture::actor(std::vector<std::string> role, const std::st
   return process;
 }
 
-testing::Finished ChipFixture::run(std::vector<std::string> arguments) const {
-  return testing::run_to_end(preloaded(std::move(arguments)), kLimit);
+testing::CompletedProcess ChipFixture::run(std::vector<std::string> arguments) const {
+  return testing::run_process(preloaded(std::move(arguments)), kLimit);
 }
 
 std::vector<Change> ChipFixture::changes(std::size_t count) {

@@ -32,7 +32,7 @@ class ChipFixture {
   /// tests' actor in a role, started; failed unless it says "ready" or what `until` names.
   testing::Process actor(std::vector<std::string> role, const std::string& until = "ready",
                          const std::string& program = "gpio_actor") const;
-  testing::Finished run(std::vector<std::string> arguments) const;
+  testing::CompletedProcess run(std::vector<std::string> arguments) const;
 
   /// Changes that came since the last call, waiting until there are `count` at least (or the limit passed).
   std::vector<Change> changes(std::size_t count);

@@ -73,7 +73,7 @@ TEST(LineOwnership, EndsWhenItsProcessIsKilledAndTheLevelStays) {
   LONGS_EQUAL(1, state.level);
   fixture.changes(2);
   CHECK_TRUE(
-      testing::run_to_end(fixture.preloaded({"gpioset", "gpiochip0", "2=0"}), kLimit).status.value().code ==
+      testing::run_process(fixture.preloaded({"gpioset", "gpiochip0", "2=0"}), kLimit).status.value().code ==
       0);
   CHECK_TRUE(fixture.levels(fixture.changes(1), 2) == std::vector<int>{0});
 }

@@ -51,8 +51,8 @@ TEST_GROUP(ChipUnderStress) {
 };
 
 TEST(ChipUnderStress, LosesNoChangeOfTwoProcesses) {
-  constexpr std::size_t kChanges =
-      20'000;  // all four lines' fit into the ring, should this reader be held up
+  // all four lines' fit into the ring, should this reader be held up
+  constexpr std::size_t kChanges = 20'000;
   auto first = fixture.actor({"toggle", "0,1", std::to_string(kChanges / 2), "0"}, "");
   auto second = fixture.actor({"toggle", "2,3", std::to_string(kChanges / 2), "0"}, "");
   while (first.running() || second.running()) reader.read(milliseconds(1));

@@ -10,7 +10,7 @@
 
 using namespace strobe;
 using namespace strobe::sim;
-using testing::Finished;
+using testing::CompletedProcess;
 
 TEST_GROUP(GpioTools) {
   ChipFixture fixture;
@@ -18,7 +18,7 @@ TEST_GROUP(GpioTools) {
   /// Fails the test with the reason if the tool is missing or failed.
   std::string output_of(std::vector<std::string> arguments) {
     const std::string tool = arguments[0];
-    const Finished finished = fixture.run(std::move(arguments));
+    const CompletedProcess finished = fixture.run(std::move(arguments));
     const std::string problem = tool + " failed (is the package gpiod installed?): " + finished.err;
     CHECK_TRUE_TEXT(finished.status.has_value() && finished.status->code == 0, problem.c_str());
     return finished.out;
@@ -96,7 +96,7 @@ TEST(PreloadedLibrary, DoesNothingWithoutItsVariable) {
   testing::Command command = fixture.preloaded({"gpiodetect"});
   command.environment.erase(kChipDirVariable);
   command.arguments = {"env", "-u", kChipDirVariable, "gpiodetect"};
-  const Finished finished = testing::run_to_end(command, kLimit);
+  const CompletedProcess finished = testing::run_process(command, kLimit);
   STRCMP_EQUAL("", finished.err.c_str());
   CHECK_TRUE(finished.out.find("strobe-sim-rig") == std::string::npos);
 }
@@ -104,7 +104,7 @@ TEST(PreloadedLibrary, DoesNothingWithoutItsVariable) {
 TEST(PreloadedLibrary, ComplainsInOneLineWhenItsVariableIsWrong) {
   testing::Command command = fixture.preloaded({"gpioget", "gpiochip0", "0"});
   command.environment[kChipDirVariable] = "/nonexistent";
-  const Finished finished = testing::run_to_end(command, kLimit);
+  const CompletedProcess finished = testing::run_process(command, kLimit);
   LONGS_EQUAL(1, finished.status.value().code);
   STRCMP_CONTAINS("strobe-gpiochip: STROBE_GPIOCHIP_DIR=/nonexistent: ", finished.err.c_str());
   STRCMP_CONTAINS("No such device", finished.err.c_str());  // never the machine's own chip
@@ -117,7 +117,7 @@ TEST(PreloadedLibrary, RunsBesideThreadSanitizer) {
 }
 
 TEST(PreloadedLibrary, RunsBesideAddressSanitizer) {
-  const Finished finished = testing::run_to_end(
+  const CompletedProcess finished = testing::run_process(
       fixture.preloaded({built_program("gpio_actor_asan").string(), "toggle", "0,1", "1000", "0"},
                         STROBE_ASAN_LIBRARY),
       kLimit);

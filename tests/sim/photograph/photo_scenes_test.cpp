@@ -9,7 +9,7 @@
 
 #include "sim/photograph/render.hpp"
 #include "sim/shoot/shoot.hpp"
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 namespace {
@@ -154,11 +154,11 @@ TEST(PhotographScenes, ShowBallsLargerAwayFromTheAxisOfACloseLens) {
 }
 
 TEST(PhotographScenes, HaveTheBallsThatTheyTellOf) {
-  const Look tilted = draw_look(load("photo_tilted"), 3, 2);
+  const Appearance tilted = draw_appearance(load("photo_tilted"), 3, 2);
   DOUBLES_EQUAL(5.0 * M_PI / 180.0, tilted.ball.line_tilt_rad, 1e-12);
-  DOUBLES_EQUAL(0.1, draw_look(load("photo_faint_line"), 3, 2).ball.line_contrast, 0.0);
+  DOUBLES_EQUAL(0.1, draw_appearance(load("photo_faint_line"), 3, 2).ball.line_contrast, 0.0);
   DOUBLES_EQUAL(0.45, load("photo_screen").photograph.gamma, 0.0);
-  CHECK_FALSE(draw_look(load("photo_shiny"), 3, 2).ball.line);
+  CHECK_FALSE(draw_appearance(load("photo_shiny"), 3, 2).ball.line);
   DOUBLES_EQUAL(0.0427 * 4000.0 * kSmaller, rendered("photo_shiny").truth.images.at(3).diameter_px, 1e-9);
   // Of the usual scale a quarter.
   DOUBLES_EQUAL(0.0651 * 1000.0 * kSmaller, rendered("photo_small").truth.images.at(3).diameter_px, 1e-9);

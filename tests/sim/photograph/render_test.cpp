@@ -6,7 +6,7 @@
 #include "sim/photograph/render.hpp"
 #include "sim/rig/camera.hpp"
 #include "sim/shoot/shoot.hpp"
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 namespace {
@@ -20,7 +20,7 @@ Scene clean_scene(const std::string& camera = "") {
       "[machine]\nspeed_mps = 17\nangle_deg = -23\nspin_radps = 100\n"
       "[bounce]\ne = 0.8\nmu = 0.6\ndwell_ms = 5\n"
       "[photograph]\nbits = 16\nread_noise_e = 0\nvignetting = 0\nflash_power_sd = 0\n"
-      "[ball_look]\nsurface = \"plain\"\nline_tilt_deg = 0\n"
+      "[ball_appearance]\nsurface = \"plain\"\nline_tilt_deg = 0\n"
       "[background]\nwall = 0.5\nwall_distance_m = 20\nclutter = 0\nplate = false\n"
       "[camera]\npx_per_m = 1000\norigin_x_px = 375\norigin_y_px = 75\n" +
           camera,
@@ -44,7 +44,7 @@ Exposure rendered_shot(const Scene& scene) {
   return shot->exposure;
 }
 
-Photograph rendered(const Scene& scene, const Exposure& exposure, const Look& look) {
+Photograph rendered(const Scene& scene, const Exposure& exposure, const Appearance& look) {
   auto photograph = render(scene, exposure, look);
   if (!photograph) FAIL(photograph.error().message.c_str());
   return *photograph;
@@ -70,8 +70,8 @@ Moments moments(int width, int height, Weight weight) {
 }
 
 /// How much of each pixel the ball covers: a lighter wall shows everywhere but there.
-Moments coverage(const Scene& scene, const Exposure& exposure, const Look& look) {
-  Look light = look;
+Moments coverage(const Scene& scene, const Exposure& exposure, const Appearance& look) {
+  Appearance light = look;
   light.background.wall = 0.1;
   const cv::Mat dark_wall = rendered(scene, exposure, light).pixels;
   light.background.wall = 0.9;
@@ -92,7 +92,7 @@ Moments coverage(const Scene& scene, const Exposure& exposure, const Look& look)
 /// Looks at one image in the air, whole on the sensor.
 void check_coverage(const Scene& scene) {
   const Exposure all = rendered_shot(scene);
-  const Look look = draw_look(scene, 1, 1);
+  const Appearance look = draw_appearance(scene, 1, 1);
   const PhotographTruth truth = rendered(scene, all, look).truth;
   int looked_at = 0;
   for (const ImageTruth& image : truth.images) {
@@ -124,7 +124,7 @@ TEST(Render, TurnsTheLineAsTheTruthTells) {
   for (const double tilt_rad : {0.0, 0.08}) {
     const Scene scene = clean_scene();
     const Exposure all = rendered_shot(scene);
-    Look look = draw_look(scene, 1, 1);
+    Appearance look = draw_appearance(scene, 1, 1);
     look.ball.line_tilt_rad = tilt_rad;
     look.ball.falloff = 1e-9;  // even light
     const PhotographTruth truth = rendered(scene, all, look).truth;
@@ -146,7 +146,7 @@ TEST(Render, TurnsTheLineAsTheTruthTells) {
 TEST(Render, CutsABallInContactOffAtTheSurface) {
   Scene scene = clean_scene("roll_deg = 0\n");
   const Exposure all = rendered_shot(scene);
-  const Look look = draw_look(scene, 1, 1);
+  const Appearance look = draw_appearance(scene, 1, 1);
   const PhotographTruth truth = rendered(scene, all, look).truth;
   int contacts = 0;
   for (const ImageTruth& image : truth.images) {
@@ -169,7 +169,7 @@ TEST(Render, AddsUpTheLightOfItsFlashes) {
   Scene scene = clean_scene();
   scene.photograph.black_level = 0.0;
   scene.photograph.exposure = 0.5;
-  Look look = draw_look(scene, 1, 1);
+  Appearance look = draw_appearance(scene, 1, 1);
   look.background.wall = 0.0;
   const Exposure all = rendered_shot(scene);
   const Photograph together = rendered(scene, all, look);
@@ -195,7 +195,7 @@ TEST(Render, HasTheNoiseThatTheSceneSays) {
   scene.photograph.ambient = 0.2;
   Exposure dark = rendered_shot(scene);
   for (Pulse& pulse : dark.pulses) pulse.flashes = {};
-  const cv::Mat pixels = rendered(scene, dark, draw_look(scene, 1, 1)).pixels;
+  const cv::Mat pixels = rendered(scene, dark, draw_appearance(scene, 1, 1)).pixels;
   cv::Scalar mean, sd;
   cv::meanStdDev(pixels, mean, sd);
   // 330000 pixels: the sd's own sd is .12 %, five of which and what the normal's table leaves out.
@@ -209,10 +209,10 @@ TEST(Render, IsRepeatedBySeedAndDiffersByShot) {
   scene.photograph.bits = 8;
   scene.photograph.full_well_e = 5000.0;
   const Exposure exposure = rendered_shot(scene);
-  const cv::Mat first = rendered(scene, exposure, draw_look(scene, 5, 1)).pixels;
+  const cv::Mat first = rendered(scene, exposure, draw_appearance(scene, 5, 1)).pixels;
   LONGS_EQUAL(CV_8UC1, first.type());
-  CHECK(cv::norm(first, rendered(scene, exposure, draw_look(scene, 5, 1)).pixels, cv::NORM_INF) == 0.0);
-  CHECK(cv::norm(first, rendered(scene, exposure, draw_look(scene, 5, 2)).pixels, cv::NORM_INF) > 0.0);
+  CHECK(cv::norm(first, rendered(scene, exposure, draw_appearance(scene, 5, 1)).pixels, cv::NORM_INF) == 0.0);
+  CHECK(cv::norm(first, rendered(scene, exposure, draw_appearance(scene, 5, 2)).pixels, cv::NORM_INF) > 0.0);
 }
 
 TEST_GROUP(Optics){};

@@ -7,7 +7,6 @@
 #include "sim/plan/nominal_shot.hpp"
 #include "sim/rig/pixels.hpp"
 
-// Last: it redefines new.
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe::sim;
@@ -53,7 +52,7 @@ TEST(CameraBounds, OfTheLensHoldForViewsWithAndWithoutTheOtherEffect) {
                 camera(scene, perspective || other, !perspective || other).view(x, 0.3, z, angle);
             const BallView less =
                 camera(scene, !perspective && other, perspective && other).view(x, 0.3, z, angle);
-            const Displaced d = bounds.of_ball(effect, x, 0.3, z, angle);
+            const BoundedDisplacement d = bounds.of_ball(effect, x, 0.3, z, angle);
             const double moved = length_m(scene, with.centre_px, less.centre_px);
             const double room = std::hypot(d.by.x_m, d.by.y_m) + std::hypot(d.within.x_m, d.within.y_m);
             CHECK_TRUE(moved <= room);
@@ -73,7 +72,7 @@ TEST(CameraBounds, AreInTheDirectionOfTravel) {
   scene.camera.distance_m = 0.0;
   const CameraBounds bounds(scene);
   // Outwards, above the axis and after the impact: on along the ball's way, and up.
-  const Displaced d = bounds.of_ball(Effect::lens_distortion, 0.2, 0.3, 0.0, 0.0);
+  const BoundedDisplacement d = bounds.of_ball(Effect::lens_distortion, 0.2, 0.3, 0.0, 0.0);
   CHECK_TRUE(d.by.x_m > 0.0);
   CHECK_TRUE(d.by.y_m > 0.0);
 }
@@ -91,7 +90,7 @@ TEST(CameraBounds, OfPixelsHoldForPicturesMeasured) {
       const double angle = 0.11 * k;
       const BallView view = points.view(x, 0.1 + 0.0007 * k, 0.0, angle);
       const PixelMeasurement seen = grid.measure(view, {});
-      const Displaced d = bounds.of_ball(Effect::pixels, x, 0.1, 0.0, angle);
+      const BoundedDisplacement d = bounds.of_ball(Effect::pixels, x, 0.1, 0.0, angle);
       CHECK_TRUE(length_m(scene, seen.centre_px, view.centre_px) <= std::hypot(d.within.x_m, d.within.y_m));
       CHECK_TRUE(std::abs(seen.diameter_px - view.diameter_px()) <= d.within.diameter_m * px_per_m);
       CHECK_TRUE(std::abs(std::remainder(*seen.equator_rad - view.equator_rad, std::numbers::pi)) <=
@@ -114,8 +113,8 @@ TEST(CameraBounds, OfASmearHoldForPicturesOfABallInMotion) {
     const auto moving = grid.measure(view, {0.8 * way_px, -0.6 * way_px, 0.0});
     const double turned =
         std::abs(std::remainder(*moving.equator_rad - *still.equator_rad, std::numbers::pi));
-    const Displaced pixels = bounds.of_ball(Effect::pixels, 0.01, 0.1, 0.0, 0.0);
-    CHECK_TRUE(turned <= bounds.smear_rad(30.0) + 2.0 * pixels.within.equator_rad);
+    const BoundedDisplacement pixels = bounds.of_ball(Effect::pixels, 0.01, 0.1, 0.0, 0.0);
+    CHECK_TRUE(turned <= bounds.motion_blur_rad(30.0) + 2.0 * pixels.within.equator_rad);
   }
 }
 

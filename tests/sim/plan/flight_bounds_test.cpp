@@ -7,7 +7,6 @@
 #include "sim/plan/nominal_shot.hpp"
 #include "tests/sim/plan/random_scene.hpp"
 
-// Last: it redefines new.
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe::sim;
@@ -67,7 +66,7 @@ void check_bound(const Extreme& extreme, Effect effect, const Model& others) {
   for (const double t : extreme.times_s) {
     for (const bool rebounding : {false, true}) {
       const double at = rebounding ? a->dwell_s() + t : -t;
-      const Displaced d = bounds.of(effect, rebounding ? a->rebound() : a->incoming(), t);
+      const BoundedDisplacement d = bounds.of(effect, rebounding ? a->rebound() : a->incoming(), t);
       const Rest r = rest(a->path().at(at), b->path().at(at), d.by);
       CHECK_TRUE(r.x_m <= d.within.x_m + kRounding);
       CHECK_TRUE(r.y_m <= d.within.y_m + kRounding);
@@ -100,7 +99,7 @@ TEST(FlightBounds, AreNearlyAllKnownOverAnEverydayLeg) {
   // 17 m/s, 15 ms: what gravity and drag do is known but for a few percent (q·v·t is .5 %).
   const FlightBounds bounds(base());
   for (const Effect effect : {Effect::gravity, Effect::drag}) {
-    const Displaced d = bounds.of(effect, {15.6, -6.7, 0.0}, 0.015);
+    const BoundedDisplacement d = bounds.of(effect, {15.6, -6.7, 0.0}, 0.015);
     CHECK_TRUE(d.within.y_m < 0.05 * std::hypot(d.by.x_m, d.by.y_m));
   }
 }
@@ -112,7 +111,7 @@ TEST(FlightBounds, AreNothingWhereTheSceneHasNotTheEffect) {
   scene.air.spin_decay_per_m = 0.0;
   const FlightBounds bounds(scene);
   for (const Effect effect : {Effect::drag, Effect::magnus, Effect::spin_decay, Effect::pixels}) {
-    const Displaced d = bounds.of(effect, {15.0, -6.0, 300.0}, 0.02);
+    const BoundedDisplacement d = bounds.of(effect, {15.0, -6.0, 300.0}, 0.02);
     DOUBLES_EQUAL(0.0, std::abs(d.by.x_m) + std::abs(d.by.y_m) + d.within.x_m + d.within.equator_rad, 0.0);
   }
 }

@@ -3,13 +3,12 @@
 #include <cmath>
 #include <limits>
 
-#include "sim/live/scene_files.hpp"
+#include "sim/motion/shot_conditions.hpp"
 #include "sim/plan/choose.hpp"
 #include "sim/plan/corners.hpp"
-#include "sim/rig/draws.hpp"
-#include "sim/rig/throw.hpp"
+#include "sim/random/draws.hpp"
+#include "sim/scene/scene_files.hpp"
 
-// Last: it redefines new.
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe;
@@ -45,7 +44,7 @@ TEST(Plan, LeavesOutNoMoreThanTheToleranceAllowsAltogether) {
     // Nothing more could go: each effect that is kept would by itself take the sum beyond.
     for (const PlannedEffect& e : p.effects) {
       if (!e.needed) continue;
-      const PerReadout more = bounds.of(p.model.without(e.effect));
+      const PerQuantity more = bounds.of(p.model.without(e.effect));
       bool beyond = false;
       for (std::size_t q = 0; q < reduction::kQuantityCount; ++q) beyond = beyond || more[q] > p.tolerance[q];
       CHECK_TRUE(beyond);
@@ -107,13 +106,13 @@ TEST(Plan, KeepsAllThatDisplacesImagesWhereFaultsDecideWhichThereAre) {
   scene.faults.push_back({.kind = FaultKind::flash_missing, .flash_index = 3});
   SceneBounds bounds(scene);
   const Plan p = plan(bounds, 0.05);
-  CHECK_FALSE(p.caution.empty());
+  CHECK_FALSE(p.warning.empty());
   for (const PlannedEffect& e : p.effects) CHECK_TRUE(e.needed == !e.bound.all_zero());
 }
 
 TEST(Plan, KnowsAScalesMeaning) {
   const Scene scene = top_23();
-  const PerReadout t = tolerances(scene, 0.01);
+  const PerQuantity t = tolerances(scene, 0.01);
   DOUBLES_EQUAL(0.01 * scene.machine.speed_mps, t[Quantity::slip_lo_mps], 1e-15);
   DOUBLES_EQUAL(0.01 * scene.machine.speed_mps / scene.ball.radius_m(), t[Quantity::omega_td_radps], 1e-12);
   DOUBLES_EQUAL(0.01, t[Quantity::e], 0.0);
@@ -164,9 +163,9 @@ TEST(Corners, EncloseTheShotsThatAreDrawn) {
   scene.machine.speed_sd_mps = 0.5;
   Corner fast;
   fast.z[static_cast<std::size_t>(Spread::speed)] = kLargestNormal;
-  const Throw fastest = throw_at(scene, fast);
+  const ShotConditions fastest = shot_conditions_at(scene, fast);
   DOUBLES_EQUAL(scene.machine.speed_mps + kLargestNormal * 0.5,
                 std::hypot(fastest.touchdown.vx_mps, fastest.touchdown.vy_mps), 1e-9);
-  const Throw mean = throw_at(scene, {});
+  const ShotConditions mean = shot_conditions_at(scene, {});
   CHECK_TRUE(same(scene.machine.spin_radps, mean.touchdown.omega_radps));
 }

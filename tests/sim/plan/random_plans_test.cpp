@@ -4,7 +4,6 @@
 
 #include "tests/sim/plan/trial.hpp"
 
-// Last: it redefines new.
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe;
@@ -32,7 +31,7 @@ TEST(RandomPlans, DifferFromTheFullModelByNoMoreThanTheTolerance) {
   constexpr std::array kTolerances{1e-4, 1e-3, 1e-2, 5e-2};
   for (int number = 0; number < scenes(); ++number) {
     const test::RandomScene random = test::random_scene(static_cast<std::uint64_t>(number));
-    const test::Trial trial = test::try_plans(random, kTolerances, 3, false);
+    const test::Trial trial = test::check_plans(random, kTolerances, 3, false);
     for (const test::Violation& v : trial.violations) {
       const std::string text = "scene " + std::to_string(number) + ", tolerance " +
                                std::to_string(v.tolerance) + ", " + std::string(reduction::name(v.quantity)) +

@@ -61,7 +61,7 @@ void draw_camera(Dice& dice, Scene& scene) {
   if (c.pixels) c.px_per_m = std::min(c.px_per_m, 4000.0);
 }
 
-void draw_throw(Dice& dice, Scene& scene) {
+void draw_shot_conditions(Dice& dice, Scene& scene) {
   scene.ball.diameter_m = dice.between(0.04, 0.09);
   scene.ball.mass_kg = dice.factor(0.02, 0.2);
   scene.ball.alpha = dice.between(0.4, 2.0 / 3.0);
@@ -117,7 +117,7 @@ RandomScene random_scene(std::uint64_t number) {
   Scene& scene = random.scene;
   scene.name = fmt::format("random_{}", number);
   scene.title = scene.name;
-  draw_throw(dice, scene);
+  draw_shot_conditions(dice, scene);
   draw_bounce(dice, scene);
   draw_air(dice, scene.air);
   draw_bench(dice, scene);

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include "sim/rig/scene.hpp"
+#include "sim/scene/scene.hpp"
 #include "sim/shoot/shoot.hpp"
 
 namespace strobe::sim::test {

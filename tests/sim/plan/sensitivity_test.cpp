@@ -5,7 +5,6 @@
 
 #include "sim/plan/nominal_shot.hpp"
 
-// Last: it redefines new.
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe;
@@ -37,9 +36,9 @@ TEST(Sensitivity, KnowsWhatTheSameSpeedMoreForAllImagesDoes) {
   for (const bool mirrored : {false, true}) {
     const reduction::Frame frame = frame_of(mirrored);
     const Sensitivity sensitivity(frame, mirrored, kAll);
-    std::vector<Displaced> displaced(frame.images.size());
+    std::vector<BoundedDisplacement> displaced(frame.images.size());
     for (std::size_t i = 0; i < displaced.size(); ++i) displaced[i].by.x_m = 0.17 * frame.images[i].time_s;
-    const PerReadout change = sensitivity.carried(displaced);
+    const PerQuantity change = sensitivity.propagated(displaced);
     // To first order: .17 m/s but for the tilt, which these images do not touch.
     DOUBLES_EQUAL(0.17, change[Quantity::vx_td_mps], 2e-3);
     DOUBLES_EQUAL(0.17, change[Quantity::vx_lo_mps], 2e-3);
@@ -50,10 +49,10 @@ TEST(Sensitivity, KnowsWhatTheSameSpeedMoreForAllImagesDoes) {
 TEST(Sensitivity, BoundsWhatRandomDisplacementsDo) {
   const reduction::Frame frame = frame_of(false);
   const Sensitivity sensitivity(frame, false, kAll);
-  std::vector<Displaced> displaced(frame.images.size());
+  std::vector<BoundedDisplacement> displaced(frame.images.size());
   // On the scale of the sensitivity's own steps: smaller ones, so that second order is below a percent.
-  for (Displaced& d : displaced) d.within = {2e-5, 2e-5, 2e-5, 1e-4, 1e-6};
-  const PerReadout bound = sensitivity.carried(displaced);
+  for (BoundedDisplacement& d : displaced) d.within = {2e-5, 2e-5, 2e-5, 1e-4, 1e-6};
+  const PerQuantity bound = sensitivity.propagated(displaced);
   std::mt19937_64 random(1);
   const auto draw = [&](double size) {
     return size * (2.0 * (static_cast<double>(random() >> 11) * 0x1p-53) - 1.0);
@@ -69,7 +68,7 @@ TEST(Sensitivity, BoundsWhatRandomDisplacementsDo) {
       *image.equator_rad += draw(1e-4);
       image.time_s += draw(1e-6);
     }
-    const PerReadout change = difference(readout_of(moved), sensitivity.readout());
+    const PerQuantity change = difference(readout_of(moved), sensitivity.readout());
     for (std::size_t q = 0; q < reduction::kQuantityCount; ++q) CHECK_TRUE(change[q] <= 1.01 * bound[q]);
   }
 }
@@ -77,7 +76,7 @@ TEST(Sensitivity, BoundsWhatRandomDisplacementsDo) {
 TEST(Sensitivity, MovesNothingForContactImages) {
   const reduction::Frame frame = frame_of(false);
   const Sensitivity sensitivity(frame, false, kAll);
-  std::vector<Displaced> displaced(frame.images.size());
+  std::vector<BoundedDisplacement> displaced(frame.images.size());
   bool any = false;
   for (std::size_t i = 0; i < displaced.size(); ++i) {
     if (frame.images[i].leg != reduction::Leg::contact) continue;
@@ -85,5 +84,5 @@ TEST(Sensitivity, MovesNothingForContactImages) {
     displaced[i].within.x_m = 1.0;
   }
   CHECK_TRUE(any);
-  CHECK_TRUE(sensitivity.carried(displaced).all_zero());
+  CHECK_TRUE(sensitivity.propagated(displaced).all_zero());
 }

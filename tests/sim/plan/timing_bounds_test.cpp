@@ -3,9 +3,8 @@
 #include <cmath>
 
 #include "sim/plan/nominal_shot.hpp"
-#include "sim/rig/draws.hpp"
+#include "sim/random/draws.hpp"
 
-// Last: it redefines new.
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe::sim;
@@ -37,7 +36,7 @@ TEST(TimingBounds, OfAFlashHoldForTheMeanOfTheSimulatedPathOverIt) {
       const bool rebounding = t > 0.5 * shot->dwell_s();
       const double from_surface = std::max(0.0, rebounding ? t - shot->dwell_s() : -t - flash_s);
       const LegMotion leg = rebounding ? shot->rebound() : shot->incoming();
-      const Displaced d = bounds.of(Effect::flash_duration, leg, from_surface);
+      const BoundedDisplacement d = bounds.of(Effect::flash_duration, leg, from_surface);
       const BallState mean = shot->path().mean_over(t, flash_s);
       const BallState middle = shot->path().at(t + bounds.common_shift_s(Effect::flash_duration));
       CHECK_TRUE(std::abs(mean.x_m - middle.x_m) <= d.within.x_m + 1e-12);

@@ -23,17 +23,18 @@ double share(double difference, double allowed) {
 
 }  // namespace
 
-Trial try_plans(const RandomScene& random, std::span<const double> tolerances, int shots, bool each_effect) {
+Trial check_plans(const RandomScene& random, std::span<const double> tolerances, int shots,
+                  bool each_effect) {
   Trial trial;
   SceneBounds bounds(random.scene, random.settings);
-  trial.caution = bounds.caution();
+  trial.warning = bounds.warning();
   const auto full = readouts(random, Model::full(), shots);
   for (const double tolerance : tolerances) {
     const Plan planned = plan(bounds, tolerance);
     ToleranceOutcome outcome{tolerance, planned.model, 0.0};
     const auto less = readouts(random, planned.model, shots);
     for (std::size_t i = 0; i < full.size(); ++i) {
-      const PerReadout change = difference(less[i], full[i]);
+      const PerQuantity change = difference(less[i], full[i]);
       for (std::size_t q = 0; q < reduction::kQuantityCount; ++q) {
         outcome.largest_share = std::max(outcome.largest_share, share(change[q], planned.tolerance[q]));
         if (change[q] <= planned.tolerance[q]) continue;
@@ -47,11 +48,11 @@ Trial try_plans(const RandomScene& random, std::span<const double> tolerances, i
     const auto effect = static_cast<Effect>(e);
     if (!bounds.present(effect)) continue;
     const Model without = Model::full().without(effect);
-    const PerReadout bound = bounds.of(without);
+    const PerQuantity bound = bounds.of(without);
     trial.effects[e].present = true;
     const auto less = readouts(random, without, shots);
     for (std::size_t i = 0; i < full.size(); ++i) {
-      const PerReadout change = difference(less[i], full[i]);
+      const PerQuantity change = difference(less[i], full[i]);
       for (std::size_t q = 0; q < reduction::kQuantityCount; ++q) {
         if (std::isinf(bound[q])) continue;
         trial.effects[e].bounded = trial.effects[e].bounded || bound[q] > 0.0;

@@ -37,10 +37,10 @@ struct Trial {
   std::vector<ToleranceOutcome> tolerances;
   std::array<EffectOutcome, kEffectCount> effects{};
   std::vector<Violation> violations;
-  std::string caution;
+  std::string warning;
 };
 
 /// `shots` shots of the scene for each tolerance; of each effect alone as well if `each_effect`.
-Trial try_plans(const RandomScene& random, std::span<const double> tolerances, int shots, bool each_effect);
+Trial check_plans(const RandomScene& random, std::span<const double> tolerances, int shots, bool each_effect);
 
 }  // namespace strobe::sim::test

@@ -1,12 +1,12 @@
-#include "sim/rig/ball_path.hpp"
+#include "sim/motion/ball_path.hpp"
 
 #include <fmt/format.h>
 
 #include <cmath>
 
 #include "sim/rig/truth.hpp"
-#include "tests/sim/rig/bench.hpp"
-// CppUTest redefines new; its headers come last.
+#include "tests/sim/rig/virtual_rig_fixture.hpp"
+
 #include <CppUTest/TestHarness.h>
 
 namespace {
@@ -43,7 +43,7 @@ void for_many_balls(Check check) {
   for (int kind = 0; kind < 2 * kKinds; ++kind) {
     const Scene scene = spread_scene(kind);
     for (int shot = 1; shot <= kShots; ++shot) {
-      const Throw thrown = draw_throw(scene, 99, shot);
+      const ShotConditions thrown = draw_shot_conditions(scene, 99, shot);
       const auto path = BallPath::make(scene, thrown);
       CHECK_TEXT(path.has_value(), fmt::format("kind {} shot {}", kind, shot).c_str());
       check(scene, thrown, *path);
@@ -61,7 +61,7 @@ double tangential_energy(const Scene& scene, const impact::Motion& m) {
 TEST_GROUP(BallPath){};
 
 TEST(BallPath, TouchesDownAndLiftsOffWithItsCentreOneRadiusUp) {
-  for_many_balls([](const Scene& scene, const Throw&, const BallPath& path) {
+  for_many_balls([](const Scene& scene, const ShotConditions&, const BallPath& path) {
     DOUBLES_EQUAL(scene.ball.radius_m(), path.at(0.0).y_m, 1e-15);
     DOUBLES_EQUAL(scene.ball.radius_m(), path.at(path.dwell_s()).y_m, 1e-12);
     DOUBLES_EQUAL(0.0, path.at(0.0).x_m, 1e-15);
@@ -70,7 +70,7 @@ TEST(BallPath, TouchesDownAndLiftsOffWithItsCentreOneRadiusUp) {
 }
 
 TEST(BallPath, IsBelowItsRadiusThroughoutTheDwellTimeAndOnlyThen) {
-  for_many_balls([](const Scene& scene, const Throw&, const BallPath& path) {
+  for_many_balls([](const Scene& scene, const ShotConditions&, const BallPath& path) {
     for (int i = 1; i < 100; ++i) {
       const BallState s = path.at(path.dwell_s() * i / 100.0);
       CHECK(s.y_m < scene.ball.radius_m());
@@ -86,7 +86,7 @@ TEST(BallPath, MovesAsItsVelocitiesSay) {
   // Central differences: the third derivative is at most v·(pi/dwell)² (damping adds less than as much
   // again), the error h²/6 of it: 60·2·(pi/3e-3)²·1e-12/6 < 3e-5 m/s; for the spin likewise with 400 rad/s.
   constexpr double h = 1e-6;
-  for_many_balls([](const Scene&, const Throw&, const BallPath& path) {
+  for_many_balls([](const Scene&, const ShotConditions&, const BallPath& path) {
     for (int i = -10; i <= 20; ++i) {
       const double t = path.dwell_s() * (i + 0.37) / 10.0;
       const BallState a = path.at(t - h);
@@ -100,7 +100,7 @@ TEST(BallPath, MovesAsItsVelocitiesSay) {
 }
 
 TEST(BallPath, HasNoJumpInPlaceVelocityOrSpin) {
-  for_many_balls([](const Scene&, const Throw&, const BallPath& path) {
+  for_many_balls([](const Scene&, const ShotConditions&, const BallPath& path) {
     for (const double t : {0.0, path.dwell_s()}) {
       const BallState a = path.at(t - 1e-9);
       const BallState b = path.at(t + 1e-9);
@@ -116,7 +116,7 @@ TEST(BallPath, HasNoJumpInPlaceVelocityOrSpin) {
 
 TEST(BallPath, TurnsFrictionIntoSpinByTheMomentEquation) {
   // alpha·R²·Δomega = R·Δvx + d·J with the offset that acted.
-  for_many_balls([](const Scene& scene, const Throw& thrown, const BallPath& path) {
+  for_many_balls([](const Scene& scene, const ShotConditions& thrown, const BallPath& path) {
     const impact::Motion& td = thrown.touchdown;
     const impact::Motion& lo = path.rebound().lift_off;
     const double r = scene.ball.radius_m();
@@ -130,7 +130,7 @@ TEST(BallPath, TurnsFrictionIntoSpinByTheMomentEquation) {
 }
 
 TEST(BallPath, NeverGainsEnergyInTheImpact) {
-  for_many_balls([](const Scene& scene, const Throw& thrown, const BallPath& path) {
+  for_many_balls([](const Scene& scene, const ShotConditions& thrown, const BallPath& path) {
     const double before = tangential_energy(scene, thrown.touchdown);
     CHECK(tangential_energy(scene, path.rebound().lift_off) <= before * (1.0 + 1e-12));
     CHECK(std::abs(path.rebound().lift_off.vy_mps) < std::abs(thrown.touchdown.vy_mps));
@@ -138,7 +138,7 @@ TEST(BallPath, NeverGainsEnergyInTheImpact) {
 }
 
 TEST(BallPath, PassesTheGateWhereTheGateStands) {
-  for_many_balls([](const Scene&, const Throw&, const BallPath& path) {
+  for_many_balls([](const Scene&, const ShotConditions&, const BallPath& path) {
     for (const double distance_m : {0.2, 1.0, 3.0}) {
       const auto t = path.time_at_distance_s(distance_m);
       CHECK(t && *t < 0.0);
@@ -152,12 +152,12 @@ TEST(BallPath, NeverPassesAGateThatItsFlightCannotHaveComeFrom) {
   Scene scene = test::plain_scene();
   scene.surface_angle_rad = -1.0;
   scene.machine.speed_mps = 1.3;
-  const auto path = BallPath::make(scene, draw_throw(scene, 1, 1));
+  const auto path = BallPath::make(scene, draw_shot_conditions(scene, 1, 1));
   CHECK(!path->time_at_distance_s(3.0));
 }
 
 TEST(BallPath, TellsTheTruthThatItsOwnStatesShow) {
-  for_many_balls([](const Scene& scene, const Throw&, const BallPath& path) {
+  for_many_balls([](const Scene& scene, const ShotConditions&, const BallPath& path) {
     const reduction::Quantities q = true_readout(scene, path);
     const BallState td = path.at(0.0);
     const BallState lo = path.at(path.dwell_s());
@@ -175,17 +175,17 @@ TEST(BallPath, TellsTheTruthThatItsOwnStatesShow) {
 
 TEST(BallPath, DoesNotDependOnEarlierShots) {
   const Scene scene = spread_scene(3);
-  const Throw direct = draw_throw(scene, 5, 40);
-  for (int shot = 1; shot < 40; ++shot) draw_throw(scene, 5, shot);
-  DOUBLES_EQUAL(direct.touchdown.vx_mps, draw_throw(scene, 5, 40).touchdown.vx_mps, 0.0);
+  const ShotConditions direct = draw_shot_conditions(scene, 5, 40);
+  for (int shot = 1; shot < 40; ++shot) draw_shot_conditions(scene, 5, shot);
+  DOUBLES_EQUAL(direct.touchdown.vx_mps, draw_shot_conditions(scene, 5, 40).touchdown.vx_mps, 0.0);
 }
 
 TEST(BallPath, LosesRestitutionWithSpeedAsTheSceneSays) {
   Scene scene = test::plain_scene();
-  const double e0 = draw_throw(scene, 1, 1).coefficients.e;
+  const double e0 = draw_shot_conditions(scene, 1, 1).coefficients.e;
   scene.machine.speed_mps = 27.0;
   const double more = (27.0 - 17.0) * std::sin(23.0 * std::numbers::pi / 180.0);
-  DOUBLES_EQUAL(e0 - 0.017 * more, draw_throw(scene, 1, 1).coefficients.e, 1e-12);
+  DOUBLES_EQUAL(e0 - 0.017 * more, draw_shot_conditions(scene, 1, 1).coefficients.e, 1e-12);
 }
 
 TEST(BallPath, GivesTheCourtPaceOfTheStandardsExamples) {
@@ -200,7 +200,8 @@ TEST(BallPath, GivesTheCourtPaceOfTheStandardsExamples) {
   const auto pace = [&](double mu, double e) {
     scene.bounce.mu = mu;
     scene.bounce.e = e;
-    return *true_readout(scene, *BallPath::make(scene, draw_throw(scene, 1, 1)))[Quantity::court_pace];
+    return *true_readout(scene,
+                         *BallPath::make(scene, draw_shot_conditions(scene, 1, 1)))[Quantity::court_pace];
   };
   DOUBLES_EQUAL(37.0, pace(0.63, 0.81), 1e-9);
   DOUBLES_EQUAL(56.0, pace(0.53, 0.75), 1e-9);

@@ -1,10 +1,10 @@
-#include "sim/rig/contact_course.hpp"
+#include "sim/motion/contact_path.hpp"
 
 #include <array>
 #include <cmath>
 
-#include "tests/sim/rig/bench.hpp"
-// CppUTest redefines new; its headers come last.
+#include "tests/sim/rig/virtual_rig_fixture.hpp"
+
 #include <CppUTest/TestHarness.h>
 
 namespace {
@@ -37,8 +37,8 @@ const Model kSliding = kReduced.without(Effect::grip);
 const std::array kModels{Model::full(), kNoOde, kReduced, kSliding,
                          Model::full().without(Effect::offset).without(Effect::contact_gravity)};
 
-ContactCourse course_of(const Scene& scene, int shot, const Model& model) {
-  const auto course = ContactCourse::make(scene, draw_throw(scene, 4, shot), model, nullptr);
+ContactPath course_of(const Scene& scene, int shot, const Model& model) {
+  const auto course = ContactPath::make(scene, draw_shot_conditions(scene, 4, shot), model, nullptr);
   CHECK(course.has_value());
   return *course;
 }
@@ -48,7 +48,7 @@ void for_all(Check check) {
   for (const Scene& scene : kScenes) {
     for (const Model& model : kModels) {
       for (int shot = 1; shot <= 5; ++shot)
-        check(scene, draw_throw(scene, 4, shot), course_of(scene, shot, model));
+        check(scene, draw_shot_conditions(scene, 4, shot), course_of(scene, shot, model));
     }
   }
 }
@@ -58,53 +58,53 @@ void equal(const LiftOff& a, const LiftOff& b, double share) {
   DOUBLES_EQUAL(a.rebound.lift_off.vy_mps, b.rebound.lift_off.vy_mps, 17.0 * share);
   DOUBLES_EQUAL(a.rebound.lift_off.omega_radps, b.rebound.lift_off.omega_radps, 500.0 * share);
   DOUBLES_EQUAL(a.dwell_s, b.dwell_s, 5e-3 * share);
-  DOUBLES_EQUAL(a.way_m, b.way_m, 0.08 * share);
-  DOUBLES_EQUAL(a.turned_rad, b.turned_rad, 2.0 * share);
+  DOUBLES_EQUAL(a.displacement_m, b.displacement_m, 0.08 * share);
+  DOUBLES_EQUAL(a.rotation_rad, b.rotation_rad, 2.0 * share);
 }
 
 }  // namespace
 
-TEST_GROUP(ContactCourse){};
+TEST_GROUP(ContactPath){};
 
-TEST(ContactCourse, BeginsAtTouchdownAndEndsAtLiftOff) {
-  for_all([](const Scene&, const Throw& thrown, const ContactCourse& course) {
+TEST(ContactPath, BeginsAtTouchdownAndEndsAtLiftOff) {
+  for_all([](const Scene&, const ShotConditions& thrown, const ContactPath& course) {
     const auto begin = course.at(0.0);
     DOUBLES_EQUAL(0.0, begin.drop_m, 1e-15);
-    DOUBLES_EQUAL(0.0, begin.way_m, 1e-15);
+    DOUBLES_EQUAL(0.0, begin.displacement_m, 1e-15);
     DOUBLES_EQUAL(thrown.touchdown.vx_mps, begin.vx_mps, 1e-12);
     DOUBLES_EQUAL(thrown.touchdown.vy_mps, begin.vy_mps, 1e-12);
     DOUBLES_EQUAL(thrown.touchdown.omega_radps, begin.omega_radps, 1e-10);
     const LiftOff& lift_off = course.lift_off();
     const auto end = course.at(lift_off.dwell_s);
     DOUBLES_EQUAL(0.0, end.drop_m, 1e-12);
-    DOUBLES_EQUAL(lift_off.way_m, end.way_m, 1e-12);
-    DOUBLES_EQUAL(lift_off.turned_rad, end.turned_rad, 1e-11);
+    DOUBLES_EQUAL(lift_off.displacement_m, end.displacement_m, 1e-12);
+    DOUBLES_EQUAL(lift_off.rotation_rad, end.rotation_rad, 1e-11);
     DOUBLES_EQUAL(lift_off.rebound.lift_off.vx_mps, end.vx_mps, 1e-11);
     DOUBLES_EQUAL(lift_off.rebound.lift_off.vy_mps, end.vy_mps, 1e-11);
     DOUBLES_EQUAL(lift_off.rebound.lift_off.omega_radps, end.omega_radps, 1e-9);
   });
 }
 
-TEST(ContactCourse, MovesAsItsVelocitiesSayWithoutAJump) {
+TEST(ContactPath, MovesAsItsVelocitiesSayWithoutAJump) {
   // Central differences over 2 µs: h²/6 of the third derivatives, of order v·(pi/dwell)², and half of h times
   // the jump of an acceleration (friction that changes sign: 1e4 m/s², times 20/m for the spin).
   constexpr double h = 1e-6;
-  for_all([](const Scene&, const Throw&, const ContactCourse& course) {
+  for_all([](const Scene&, const ShotConditions&, const ContactPath& course) {
     for (int i = 1; i < 60; ++i) {
       const double t = course.lift_off().dwell_s * i / 60.0;
       const auto a = course.at(t - h), b = course.at(t + h), s = course.at(t);
-      DOUBLES_EQUAL(s.vx_mps, (b.way_m - a.way_m) / (2 * h), 5e-3);
+      DOUBLES_EQUAL(s.vx_mps, (b.displacement_m - a.displacement_m) / (2 * h), 5e-3);
       DOUBLES_EQUAL(s.vy_mps, (a.drop_m - b.drop_m) / (2 * h), 5e-3);
-      DOUBLES_EQUAL(s.omega_radps, (b.turned_rad - a.turned_rad) / (2 * h), 0.3);
+      DOUBLES_EQUAL(s.omega_radps, (b.rotation_rad - a.rotation_rad) / (2 * h), 0.3);
     }
   });
 }
 
-TEST(ContactCourse, TakesTheScenesDwellTimeAndRestitutionWithoutTheWeight) {
+TEST(ContactPath, TakesTheScenesDwellTimeAndRestitutionWithoutTheWeight) {
   const Model weightless = Model::full().without(Effect::contact_gravity);
   for (const Scene& scene : kScenes) {
     for (int shot = 1; shot <= 5; ++shot) {
-      const Throw thrown = draw_throw(scene, 4, shot);
+      const ShotConditions thrown = draw_shot_conditions(scene, 4, shot);
       const LiftOff end = course_of(scene, shot, weightless).lift_off();
       DOUBLES_EQUAL(thrown.dwell_s, end.dwell_s, 1e-9 * thrown.dwell_s);
       DOUBLES_EQUAL(-thrown.coefficients.e * thrown.touchdown.vy_mps, end.rebound.lift_off.vy_mps, 1e-7);
@@ -119,7 +119,7 @@ TEST(ContactCourse, TakesTheScenesDwellTimeAndRestitutionWithoutTheWeight) {
   }
 }
 
-TEST(ContactCourse, IsTheOdeAtTheMeanBallWhenCalibrated) {
+TEST(ContactPath, IsTheOdeAtTheMeanBallWhenCalibrated) {
   for (const Scene& scene : kScenes) {
     const Scene mean = without_spread(scene);
     const LiftOff ode = course_of(mean, 1, Model::full()).lift_off();
@@ -128,22 +128,22 @@ TEST(ContactCourse, IsTheOdeAtTheMeanBallWhenCalibrated) {
   }
 }
 
-TEST(ContactCourse, StaysNearTheOdeOverTheScenesSpreadWhenCalibrated) {
+TEST(ContactPath, StaysNearTheOdeOverTheScenesSpreadWhenCalibrated) {
   for (const Scene& scene : kScenes) {
     const auto reduced = calibrate(scene, kReduced);
     CHECK(reduced.has_value());
     for (int shot = 1; shot <= 40; ++shot) {
-      const Throw thrown = draw_throw(scene, 9, shot);
-      const auto cheap = ContactCourse::make(scene, thrown, kReduced, &*reduced);
+      const ShotConditions thrown = draw_shot_conditions(scene, 9, shot);
+      const auto cheap = ContactPath::make(scene, thrown, kReduced, &*reduced);
       // The spreads are 2 to 4 %: what was calibrated at the mean is as far off as its own change with them.
-      equal(ContactCourse::make(scene, thrown, Model::full(), nullptr)->lift_off(), cheap->lift_off(), 0.05);
+      equal(ContactPath::make(scene, thrown, Model::full(), nullptr)->lift_off(), cheap->lift_off(), 0.05);
     }
   }
 }
 
-TEST(ContactCourse, SlidesThroughoutWithoutGrip) {
+TEST(ContactPath, SlidesThroughoutWithoutGrip) {
   for (const Scene& scene : kScenes) {
-    const Throw thrown = draw_throw(scene, 4, 2);
+    const ShotConditions thrown = draw_shot_conditions(scene, 4, 2);
     const Model sliding = kSliding.without(Effect::contact_gravity);
     const impact::Rebound rebound = course_of(scene, 2, sliding).lift_off().rebound;
     const double slip = thrown.touchdown.vx_mps + scene.ball.radius_m() * thrown.touchdown.omega_radps;
@@ -154,10 +154,10 @@ TEST(ContactCourse, SlidesThroughoutWithoutGrip) {
   }
 }
 
-TEST(ContactCourse, TurnsNothingButFrictionIntoSpinWithoutOffset) {
+TEST(ContactPath, TurnsNothingButFrictionIntoSpinWithoutOffset) {
   for (const Model& model : kModels) {
     for (const Scene& scene : kScenes) {
-      const Throw thrown = draw_throw(scene, 4, 3);
+      const ShotConditions thrown = draw_shot_conditions(scene, 4, 3);
       const impact::Motion lo =
           course_of(scene, 3, model.without(Effect::offset)).lift_off().rebound.lift_off;
       DOUBLES_EQUAL(
@@ -167,46 +167,46 @@ TEST(ContactCourse, TurnsNothingButFrictionIntoSpinWithoutOffset) {
   }
 }
 
-TEST(ContactCourse, OfAMirroredBallIsTheMirrorImage) {
+TEST(ContactPath, OfAMirroredBallIsTheMirrorImage) {
   for (const Scene& scene : kScenes) {
     for (const Model& model : {Model::full(), kNoOde}) {
-      Throw thrown = draw_throw(scene, 4, 1);
-      const auto course = ContactCourse::make(scene, thrown, model, nullptr);
+      ShotConditions thrown = draw_shot_conditions(scene, 4, 1);
+      const auto course = ContactPath::make(scene, thrown, model, nullptr);
       thrown.touchdown.vx_mps *= -1.0;
       thrown.touchdown.omega_radps *= -1.0;
-      const auto mirrored = ContactCourse::make(scene, thrown, model, nullptr);
+      const auto mirrored = ContactPath::make(scene, thrown, model, nullptr);
       for (int i = 0; i <= 10; ++i) {
         const auto a = course->at(course->lift_off().dwell_s * i / 10.0);
         const auto b = mirrored->at(course->lift_off().dwell_s * i / 10.0);
         DOUBLES_EQUAL(a.vx_mps, -b.vx_mps, 1e-15);
-        DOUBLES_EQUAL(a.way_m, -b.way_m, 1e-15);
-        DOUBLES_EQUAL(a.turned_rad, -b.turned_rad, 1e-14);
+        DOUBLES_EQUAL(a.displacement_m, -b.displacement_m, 1e-15);
+        DOUBLES_EQUAL(a.rotation_rad, -b.rotation_rad, 1e-14);
         DOUBLES_EQUAL(a.drop_m, b.drop_m, 1e-16);
       }
     }
   }
 }
 
-TEST(ContactCourse, HasNoLiftOffWhereTheWeightHoldsTheBall) {
+TEST(ContactPath, HasNoLiftOffWhereTheWeightHoldsTheBall) {
   // .05 m/s down, a tenth of it back: less than the weight takes in the contact's 5 ms.
   Scene scene = test::plain_scene();
-  Throw thrown = draw_throw(scene, 1, 1);
+  ShotConditions thrown = draw_shot_conditions(scene, 1, 1);
   thrown.touchdown = {0.6, -0.05, 0.0};
   thrown.coefficients.e = 0.1;
-  const auto course = ContactCourse::make(scene, thrown, Model::full(), nullptr);
+  const auto course = ContactPath::make(scene, thrown, Model::full(), nullptr);
   CHECK(!course.has_value());
   const Model weightless = Model::full().without(Effect::contact_gravity);
-  CHECK(ContactCourse::make(scene, thrown, weightless, nullptr).has_value());
+  CHECK(ContactPath::make(scene, thrown, weightless, nullptr).has_value());
 }
 
-TEST(ContactCourse, LeavesTheGripLawAloneButForGripAndOffset) {
+TEST(ContactPath, LeavesTheGripLawAloneButForGripAndOffset) {
   Scene scene = kScenes[1];
   scene.bounce.contact = ContactLaw::grip;
   const Model none = Model::none().with(Effect::grip).with(Effect::offset);
   equal(course_of(scene, 2, Model::full()).lift_off(), course_of(scene, 2, none).lift_off(), 0.0);
   const impact::Rebound bare = course_of(scene, 2, none.without(Effect::offset)).lift_off().rebound;
   DOUBLES_EQUAL(0.0, bare.offset_m, 0.0);
-  const Throw thrown = draw_throw(scene, 4, 2);
+  const ShotConditions thrown = draw_shot_conditions(scene, 4, 2);
   DOUBLES_EQUAL(thrown.coefficients.mu,
                 course_of(scene, 2, none.without(Effect::grip)).lift_off().rebound.impulse_ratio, 1e-12);
 }

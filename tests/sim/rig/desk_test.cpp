@@ -1,15 +1,15 @@
 // The person at the tablet, over LCM.
-#include "sim/live/desk.hpp"
+#include "sim/live/tablet_operator.hpp"
 
 #include <nlohmann/json.hpp>
 
 #include "common/messages/channels.hpp"
-#include "sim/live/runner.hpp"
-#include "tests/sim/rig/bench.hpp"
+#include "sim/live/rig_runner.hpp"
+#include "tests/sim/rig/virtual_rig_fixture.hpp"
 #include "tests/support/json_lines.hpp"
 #include "tests/support/private_network.hpp"
 #include "tests/support/temporary_folder.hpp"
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 namespace {
@@ -53,7 +53,7 @@ class Listener {
 
 /// The exposure of a shot that ended just now, so that its times are those of the clock.
 Exposure exposure_now(const Scene& scene, bool opened = true, bool ball = true) {
-  test::VirtualBench bench(scene);
+  test::VirtualRigFixture bench(scene);
   Exposure exposure = bench.shoot({.throw_ball = ball});
   const Duration shift = monotonic_now() - exposure.closed - milliseconds(20);
   exposure.line_on = exposure.line_on + shift;
@@ -69,19 +69,19 @@ Exposure exposure_now(const Scene& scene, bool opened = true, bool ball = true) 
 
 }  // namespace
 
-TEST_GROUP(Desk) {
+TEST_GROUP(TabletOperator) {
   Scene scene = test::plain_scene();
   strobe::testing::TemporaryFolder folder;
   std::string url = strobe::testing::private_lcm_url();
-  Darkroom darkroom;
+  ExposureStore exposure_store;
   std::unique_ptr<TruthFile> truth;
-  std::unique_ptr<Desk> desk;
+  std::unique_ptr<TabletOperator> desk;
   std::unique_ptr<Listener> listener;
 
   void sit_down() {
     scene.tablet.digitize_delay_s = 0.05;
     truth = *TruthFile::create(folder / "truth.jsonl", scene);
-    auto made = Desk::create(url, "bench", scene, 1, darkroom, *truth);
+    auto made = TabletOperator::create(url, "bench", scene, 1, exposure_store, *truth);
     CHECK_TEXT(made.has_value(), made ? "" : made.error().message.c_str());
     desk = std::move(*made);
     desk->start();
@@ -92,10 +92,10 @@ TEST_GROUP(Desk) {
   }
 };
 
-TEST(Desk, SendsTheFrameOfTheShotThatWasAnnounced) {
+TEST(TabletOperator, SendsTheFrameOfTheShotThatWasAnnounced) {
   sit_down();
   const Exposure exposure = exposure_now(scene);
-  darkroom.add(exposure);
+  exposure_store.add(exposure);
   listener->announce(7, exposure.line_on - milliseconds(20));
   CHECK(listener->hear(1, kFrameLimit_ms));
   const strobe_msgs::frame_t& frame = listener->frames()[0];
@@ -108,11 +108,11 @@ TEST(Desk, SendsTheFrameOfTheShotThatWasAnnounced) {
   LONGS_EQUAL(7, truths()[0]["shot_id"].get<int>());
 }
 
-TEST(Desk, SendsTheSameFrameAgainWhenTheShotIsAnnouncedAgain) {
+TEST(TabletOperator, SendsTheSameFrameAgainWhenTheShotIsAnnouncedAgain) {
   scene.tablet.centre_sd_m = 0.3e-3;
   sit_down();
   const Exposure exposure = exposure_now(scene);
-  darkroom.add(exposure);
+  exposure_store.add(exposure);
   listener->announce(1, exposure.line_on);
   CHECK(listener->hear(1, kFrameLimit_ms));
   listener->announce(1, exposure.line_on);
@@ -122,31 +122,31 @@ TEST(Desk, SendsTheSameFrameAgainWhenTheShotIsAnnouncedAgain) {
   LONGS_EQUAL(1, truths().size());
 }
 
-TEST(Desk, WaitsForAnExposureThatIsStillUnderWay) {
+TEST(TabletOperator, WaitsForAnExposureThatIsStillUnderWay) {
   sit_down();
   const Exposure exposure = exposure_now(scene);
-  darkroom.set_exposing(exposure.line_on);
+  exposure_store.set_exposing(exposure.line_on);
   listener->announce(1, exposure.line_on);
   CHECK(!listener->hear(1, kSilence_ms));
-  darkroom.add(exposure);
-  darkroom.set_exposing(std::nullopt);
+  exposure_store.add(exposure);
+  exposure_store.set_exposing(std::nullopt);
   CHECK(listener->hear(1, kFrameLimit_ms));
 }
 
-TEST(Desk, HasNoPhotographWhenTheShutterDidNotOpen) {
+TEST(TabletOperator, HasNoPhotographWhenTheShutterDidNotOpen) {
   sit_down();
   const Exposure exposure = exposure_now(scene, false);
-  darkroom.add(exposure);
+  exposure_store.add(exposure);
   listener->announce(1, exposure.line_on);
   CHECK(!listener->hear(1, kSilence_ms));
   LONGS_EQUAL(1, truths().size());
   CHECK(truths()[0]["opened_ns"].is_null());
 }
 
-TEST(Desk, TakesNoOtherShotsPhotograph) {
+TEST(TabletOperator, TakesNoOtherShotsPhotograph) {
   sit_down();
   const Exposure earlier = exposure_now(scene);
-  darkroom.add(earlier);
+  exposure_store.add(earlier);
   listener->announce(2, earlier.closed);
   CHECK(!listener->hear(1, kSilence_ms));
   LONGS_EQUAL(1, truths().size());
@@ -154,45 +154,45 @@ TEST(Desk, TakesNoOtherShotsPhotograph) {
   LONGS_EQUAL(2, truths()[0]["shot_id"].get<int>());
 }
 
-TEST(Desk, ReportsAnEmptyPhotograph) {
+TEST(TabletOperator, ReportsAnEmptyPhotograph) {
   sit_down();
   const Exposure exposure = exposure_now(scene, true, false);
-  darkroom.add(exposure);
+  exposure_store.add(exposure);
   listener->announce(1, exposure.line_on);
   CHECK(listener->hear(1, kFrameLimit_ms));
   LONGS_EQUAL(0, listener->frames()[0].image_count);
   LONGS_EQUAL(4, listener->frames()[0].surface_count);
 }
 
-TEST(Desk, LeavesAPhotographLyingOrTakesItsTimeWhenTheSceneSaysSo) {
+TEST(TabletOperator, LeavesAPhotographLyingOrTakesItsTimeWhenTheSceneSaysSo) {
   scene.faults = {{.kind = FaultKind::no_photograph, .shot = 1}};
   sit_down();
   const Exposure exposure = exposure_now(scene);
-  darkroom.add(exposure);
+  exposure_store.add(exposure);
   listener->announce(1, exposure.line_on);
   CHECK(!listener->hear(1, kSilence_ms));
   STRCMP_EQUAL("[\"no_photograph\"]", truths()[0]["faults"].dump().c_str());
 }
 
-TEST(Desk, SendsALateFrameLate) {
+TEST(TabletOperator, SendsALateFrameLate) {
   scene.faults = {{.kind = FaultKind::frame_late, .shot = 1, .delay = milliseconds(600)}};
   sit_down();
   const Exposure exposure = exposure_now(scene);
-  darkroom.add(exposure);
+  exposure_store.add(exposure);
   const MonoTime announced = monotonic_now();
   listener->announce(1, exposure.line_on);
   CHECK(listener->hear(1, kFrameLimit_ms));
   CHECK(monotonic_now() - announced >= milliseconds(650));
 }
 
-TEST(Desk, WritesTheTruthOfAnnouncedShotsWhenItLeaves) {
+TEST(TabletOperator, WritesTheTruthOfAnnouncedShotsWhenItLeaves) {
   scene.faults = {{.kind = FaultKind::frame_late, .delay = milliseconds(60000)}};
   sit_down();
   const Exposure exposure = exposure_now(scene);
-  darkroom.set_exposing(exposure.line_on);
+  exposure_store.set_exposing(exposure.line_on);
   listener->announce(3, exposure.line_on);
   listener->hear(1, kSilence_ms);
-  darkroom.add(exposure);
+  exposure_store.add(exposure);
   desk->stop();
   LONGS_EQUAL(1, truths().size());
   LONGS_EQUAL(3, truths()[0]["shot_id"].get<int>());

@@ -1,8 +1,8 @@
-#include "sim/rig/draws.hpp"
+#include "sim/random/draws.hpp"
 
 #include <cmath>
 #include <vector>
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe::sim;

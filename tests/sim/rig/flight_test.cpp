@@ -1,11 +1,11 @@
 // The rig's flight against closed forms of each effect alone, and against the balance of power of all.
-#include "sim/rig/flight.hpp"
+#include "sim/motion/flight.hpp"
 
 #include <cmath>
 #include <numbers>
 
-#include "tests/sim/rig/bench.hpp"
-// CppUTest redefines new; its headers come last.
+#include "tests/sim/rig/virtual_rig_fixture.hpp"
+
 #include <CppUTest/TestHarness.h>
 
 namespace {
@@ -152,7 +152,7 @@ TEST(RigFlight, LosesSpinByTheWayFlown) {
   const double rate = 0.05 * kSpeed_mps;
   for (const double t : {-0.3, -0.01, 0.0, 0.02, 0.5}) {
     DOUBLES_EQUAL(200.0 * std::exp(-rate * t), flight.at(t).omega_radps, 1e-9);
-    DOUBLES_EQUAL(-200.0 / rate * std::expm1(-rate * t), flight.at(t).turned_rad, 1e-9);
+    DOUBLES_EQUAL(-200.0 / rate * std::expm1(-rate * t), flight.at(t).rotation_rad, 1e-9);
   }
 }
 
@@ -161,13 +161,13 @@ TEST(RigFlight, HasOnlyWhatTheModelHas) {
   const FlightState bare = Flight(scene, kStart, 200.0, Model::none()).at(0.1);
   DOUBLES_EQUAL(kStart.x_m + 1.5, bare.x_m, 1e-14);
   DOUBLES_EQUAL(kStart.y_m - 0.6, bare.y_m, 1e-14);
-  DOUBLES_EQUAL(20.0, bare.turned_rad, 1e-13);
+  DOUBLES_EQUAL(20.0, bare.rotation_rad, 1e-13);
   const auto with = [&](Effect effect) {
     return Flight(scene, kStart, 200.0, Model::none().with(effect)).at(0.1);
   };
   DOUBLES_EQUAL(bare.y_m - 0.005 * kGravity_mps2, with(Effect::gravity).y_m, 1e-14);
   CHECK(with(Effect::drag).x_m < bare.x_m - 1e-3);
   CHECK(with(Effect::magnus).y_m > bare.y_m + 1e-3);
-  CHECK(with(Effect::spin_decay).turned_rad < bare.turned_rad - 1e-3);
+  CHECK(with(Effect::spin_decay).rotation_rad < bare.rotation_rad - 1e-3);
   DOUBLES_EQUAL(bare.x_m, with(Effect::spin_decay).x_m, 1e-14);
 }

@@ -1,7 +1,7 @@
 #include "sim/rig/lamp.hpp"
 
-#include "tests/sim/rig/bench.hpp"
-// CppUTest redefines new; its headers come last.
+#include "tests/sim/rig/virtual_rig_fixture.hpp"
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe;

@@ -2,8 +2,8 @@
 #include <algorithm>
 
 #include "sim/rig/exposure.hpp"
-#include "tests/sim/rig/bench.hpp"
-// CppUTest redefines new; its headers come last.
+#include "tests/sim/rig/virtual_rig_fixture.hpp"
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe;
@@ -18,10 +18,10 @@ TEST_GROUP(LineFault) {
 };
 
 TEST(LineFault, ADimFlashIsSeenByItsSensorAndNotOnTheFilm) {
-  test::VirtualBench sound(scene);
+  test::VirtualRigFixture sound(scene);
   const auto all = film_images(scene, sound.shoot());
   scene.faults = {{.kind = FaultKind::flash_dim, .flash_from_impact = -1}};
-  test::VirtualBench bench(scene);
+  test::VirtualRigFixture bench(scene);
   const Exposure exposure = bench.shoot();
   LONGS_EQUAL(all.size() - 1, film_images(scene, exposure).size());
   LONGS_EQUAL(sound.drives_of(RigLine::sensor_a, 1).size(), bench.drives_of(RigLine::sensor_a, 1).size());
@@ -29,10 +29,10 @@ TEST(LineFault, ADimFlashIsSeenByItsSensorAndNotOnTheFilm) {
 }
 
 TEST(LineFault, ASensorThatDropsOutLeavesTheFilmAsItIs) {
-  test::VirtualBench sound(scene);
+  test::VirtualRigFixture sound(scene);
   const auto all = film_images(scene, sound.shoot());
   scene.faults = {{.kind = FaultKind::sensor_dropout, .flash_index = 5, .lamp_b = false}};
-  test::VirtualBench bench(scene);
+  test::VirtualRigFixture bench(scene);
   const Exposure exposure = bench.shoot();
   LONGS_EQUAL(all.size(), film_images(scene, exposure).size());
   LONGS_EQUAL(sound.drives_of(RigLine::sensor_a, 1).size() - 1, bench.drives_of(RigLine::sensor_a, 1).size());
@@ -43,7 +43,7 @@ TEST(LineFault, ASensorThatDropsOutLeavesTheFilmAsItIs) {
 TEST(LineFault, ABouncingSensorRisesTwiceForOneFlash) {
   for (const Duration delay : {microseconds(30), microseconds(400)}) {  // within its pulse and after it
     scene.faults = {{.kind = FaultKind::sensor_bounce, .flash_index = 5, .lamp_b = false, .delay = delay}};
-    test::VirtualBench bench(scene);
+    test::VirtualRigFixture bench(scene);
     bench.shoot();
     const auto rises = bench.drives_of(RigLine::sensor_a, 1);
     LONGS_EQUAL(bench.drives_of(RigLine::sensor_b, 1).size() + 1, rises.size());
@@ -53,10 +53,10 @@ TEST(LineFault, ABouncingSensorRisesTwiceForOneFlash) {
 }
 
 TEST(LineFault, AChatteringGateIsInterruptedBeforeTheBallComes) {
-  test::VirtualBench sound(scene);
+  test::VirtualRigFixture sound(scene);
   sound.shoot();
   scene.faults = {{.kind = FaultKind::gate_chatter, .delay = microseconds(700)}};
-  test::VirtualBench bench(scene);
+  test::VirtualRigFixture bench(scene);
   CHECK(struck(bench.shoot(), FaultKind::gate_chatter));
   const auto rises = bench.drives_of(RigLine::gate, 1);
   LONGS_EQUAL(4, rises.size());
@@ -66,7 +66,7 @@ TEST(LineFault, AChatteringGateIsInterruptedBeforeTheBallComes) {
 
 TEST(LineFault, AStuckShutterShowsNothing) {
   scene.faults = {{.kind = FaultKind::shutter_stuck}};
-  test::VirtualBench bench(scene);
+  test::VirtualRigFixture bench(scene);
   const Exposure exposure = bench.shoot();
   CHECK_FALSE(exposure.opened.known());
   CHECK(film_images(scene, exposure).empty());

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/rig/draws.hpp"
-// CppUTest redefines new; its headers come last.
+#include "sim/random/draws.hpp"
+
 #include <CppUTest/TestHarness.h>
 
 namespace {

@@ -8,15 +8,15 @@
 #include "tests/support/json_lines.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/temporary_folder.hpp"
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 namespace {
 
 using namespace std::chrono_literals;
 using strobe::testing::Command;
+using strobe::testing::CompletedProcess;
 using strobe::testing::ExitStatus;
-using strobe::testing::Finished;
 using strobe::testing::Process;
 
 const std::string kSim = std::string(STROBE_BUILD_DIR) + "/bin/strobe-sim";
@@ -44,7 +44,7 @@ TEST_GROUP(SimProgram) {
 
   /// Exit status 2 and one line on standard error with that word.
   void check_refused(const Command& command, const char* word) {
-    const Finished finished = strobe::testing::run_to_end(command, kLimit);
+    const CompletedProcess finished = strobe::testing::run_process(command, kLimit);
     CHECK_TEXT(finished.status == ExitStatus({2, 0}), finished.err.c_str());
     LONGS_EQUAL(1, std::count(finished.err.begin(), finished.err.end(), '\n'));
     STRCMP_CONTAINS(word, finished.err.c_str());
@@ -52,14 +52,15 @@ TEST_GROUP(SimProgram) {
 };
 
 TEST(SimProgram, PassesTheCommandsExitStatusOn) {
-  const Finished finished = strobe::testing::run_to_end(on_rig({}, {"sh", "-c", "exit 7"}), kLimit);
+  const CompletedProcess finished = strobe::testing::run_process(on_rig({}, {"sh", "-c", "exit 7"}), kLimit);
   CHECK(finished.status == ExitStatus({7, 0}));
   STRCMP_CONTAINS("strobe-sim: scene zero_23, seed 42 (repeat with --seed 42), chip /dev/gpiochip0 in ",
                   finished.err.c_str());
 }
 
 TEST(SimProgram, AddsTheSignalTo128) {
-  const Finished finished = strobe::testing::run_to_end(on_rig({}, {"sh", "-c", "kill -KILL $$"}), kLimit);
+  const CompletedProcess finished =
+      strobe::testing::run_process(on_rig({}, {"sh", "-c", "kill -KILL $$"}), kLimit);
   CHECK(finished.status == ExitStatus({128 + SIGKILL, 0}));
 }
 
@@ -77,14 +78,14 @@ TEST(SimProgram, ForwardsSignalsAndWaitsForTheCommandsOwnEnd) {
 TEST(SimProgram, PutsItsLibraryFirstAndKeepsTheRestOfTheEnvironment) {
   Command command = on_rig({}, {"sh", "-c", "echo $LD_PRELOAD $STROBE_GPIOCHIP_DIR $KEPT"});
   command.environment = {{"LD_PRELOAD", "libm.so.6"}, {"KEPT", "kept"}};
-  const Finished finished = strobe::testing::run_to_end(command, kLimit);
+  const CompletedProcess finished = strobe::testing::run_process(command, kLimit);
   STRCMP_CONTAINS("/libstrobe-gpiochip.so:libm.so.6 /", finished.out.c_str());
   STRCMP_CONTAINS(" kept\n", finished.out.c_str());
 }
 
 TEST(SimProgram, LeavesNoFolderBehind) {
-  const Finished finished =
-      strobe::testing::run_to_end(on_rig({}, {"sh", "-c", "printf %s $STROBE_GPIOCHIP_DIR"}), kLimit);
+  const CompletedProcess finished =
+      strobe::testing::run_process(on_rig({}, {"sh", "-c", "printf %s $STROBE_GPIOCHIP_DIR"}), kLimit);
   CHECK(!finished.out.empty());
   CHECK(!std::filesystem::exists(finished.out));
 }
@@ -105,7 +106,7 @@ TEST(SimProgram, RefusesWhatItCannotDoInOneLine) {
 }
 
 TEST(SimProgram, NamesACommandThatIsNotThere) {
-  const Finished finished = strobe::testing::run_to_end(on_rig({}, {"/nowhere/strobed"}), kLimit);
+  const CompletedProcess finished = strobe::testing::run_process(on_rig({}, {"/nowhere/strobed"}), kLimit);
   CHECK(finished.status == ExitStatus({2, 0}));
   STRCMP_CONTAINS("/nowhere/strobed: No such file", finished.err.c_str());
 }
@@ -114,7 +115,7 @@ TEST(SimProgram, ShowsAndDrivesLinesOfARunningChip) {
   const std::string chip = folder / "chip";
   const std::string script = kSim + " lines --json --chip-dir " + chip + "; " + kSim + " drive --chip-dir " +
                              chip + " KEY=0 8=0; " + kSim + " lines --json --chip-dir " + chip;
-  const Finished finished = strobe::testing::run_to_end(
+  const CompletedProcess finished = strobe::testing::run_process(
       on_rig({"--chip-dir", chip, "--changes", folder / "changes.csv"}, {"sh", "-c", script}), kLimit);
   CHECK_TEXT(finished.status == ExitStatus({0, 0}), finished.err.c_str());
   const auto lines = strobe::testing::parse_json_lines(finished.out);
@@ -142,7 +143,7 @@ TEST(SimProgram, UnplugsTheChipInTheMiddleOfATrain) {
                              " | grep -q gpiomon; do :; done; for i in 1 2 3 4 5 6; do gpioset gpiochip0 "
                              "0=1; gpioset gpiochip0 0=0; "
                              "sleep 0.2; done; wait";
-  const Finished finished = strobe::testing::run_to_end(
+  const CompletedProcess finished = strobe::testing::run_process(
       on_rig({"--chip-dir", chip, "--changes", folder / "changes.csv"}, {"sh", "-c", script}), kLimit);
   CHECK_TRUE(finished.status.has_value());
   STRCMP_CONTAINS("gpiomon: error waiting for events: No such device", finished.err.c_str());
@@ -153,7 +154,7 @@ TEST(SimProgram, RefusesToUnplugWhatIsNoChipOrAfterWhatIsNoLine) {
   check_refused(sim({"unplug", "--chip-dir", folder / "none"}), "none");
   const std::string chip = folder / "chip";
   for (const char* after : {"STROBE=2", "STROBE_A", "STROBE_A=0", "99=1"}) {
-    const Finished finished = strobe::testing::run_to_end(
+    const CompletedProcess finished = strobe::testing::run_process(
         on_rig({"--chip-dir", chip}, {kSim, "unplug", "--chip-dir", chip, "--after", after}), kLimit);
     LONGS_EQUAL(2, finished.status.value().code);
     STRCMP_CONTAINS(after, finished.err.c_str());
@@ -163,7 +164,7 @@ TEST(SimProgram, RefusesToUnplugWhatIsNoChipOrAfterWhatIsNoLine) {
 TEST(SimProgram, RefusesToDriveWhatIsNoLine) {
   const std::string chip = folder / "chip";
   for (const char* drive : {"KEYS=0", "KEY", "KEY=2", "99=1", "=1"}) {
-    const Finished finished = strobe::testing::run_to_end(
+    const CompletedProcess finished = strobe::testing::run_process(
         on_rig({"--chip-dir", chip}, {kSim, "drive", "--chip-dir", chip, drive}), kLimit);
     CHECK_TEXT(finished.status == ExitStatus({2, 0}), drive);
     STRCMP_CONTAINS(drive, finished.err.c_str());
@@ -174,10 +175,10 @@ TEST(SimProgram, PlaysTheOperatorInRealTime) {
   std::string scene = strobe::testing::read_text(std::string(STROBE_SCENES_FOLDER) + "/zero_23.toml");
   scene += "\n[[operator]]\nat_s = 0.3\nline = \"ESTOP\"\nlevel = 0\n";
   strobe::testing::write_text(folder / "stop.toml", scene);
-  const Finished finished =
-      strobe::testing::run_to_end(sim({"run", "--scene", folder / "stop.toml", "--no-digitizer", "--changes",
-                                       folder / "changes.csv", "--", "sleep", "0.6"}),
-                                  kLimit);
+  const CompletedProcess finished =
+      strobe::testing::run_process(sim({"run", "--scene", folder / "stop.toml", "--no-digitizer", "--changes",
+                                        folder / "changes.csv", "--", "sleep", "0.6"}),
+                                   kLimit);
   CHECK(finished.status == ExitStatus({0, 0}));
   const auto changes = strobe::testing::read_csv(folder / "changes.csv");
   LONGS_EQUAL(1, changes.rows.size());
@@ -185,7 +186,7 @@ TEST(SimProgram, PlaysTheOperatorInRealTime) {
 }
 
 TEST(SimProgram, ListsTheScenes) {
-  const Finished finished = strobe::testing::run_to_end(sim({"scenes", "--json"}), kLimit);
+  const CompletedProcess finished = strobe::testing::run_process(sim({"scenes", "--json"}), kLimit);
   CHECK(finished.status == ExitStatus({0, 0}));
   const auto scenes = strobe::testing::parse_json_lines(finished.out);
   STRCMP_EQUAL("back_17", scenes[0]["scene"].get<std::string>().c_str());
@@ -208,7 +209,7 @@ TEST(SimProgram, TellsBrokenScenesAndListsTheOthers) {
   strobe::testing::write_text(folder / "scenes" / "bad.toml", "inherits = \"good\"\n[bounce]\nex = 0.1\n");
   Command command = sim({"scenes"});
   command.environment["STROBE_SHARE"] = folder / "";
-  const Finished finished = strobe::testing::run_to_end(command, kLimit);
+  const CompletedProcess finished = strobe::testing::run_process(command, kLimit);
   CHECK(finished.status == ExitStatus({1, 0}));
   STRCMP_CONTAINS("bad                    broken", finished.out.c_str());
   STRCMP_CONTAINS("good ", finished.out.c_str());
@@ -229,7 +230,7 @@ TEST(SimProgram, ReadsAParentByPathOrByName) {
 
 TEST(SimProgram, HelpsWithAnExample) {
   for (const char* command : {"run", "scenes", "lines", "drive", "fit"}) {
-    const Finished finished = strobe::testing::run_to_end(sim({command, "--help"}), kLimit);
+    const CompletedProcess finished = strobe::testing::run_process(sim({command, "--help"}), kLimit);
     CHECK(finished.status == ExitStatus({0, 0}));
     STRCMP_CONTAINS("Example: strobe-sim ", finished.out.c_str());
   }

@@ -11,8 +11,8 @@
 #include "common/reduction/reduce.hpp"
 #include "sim/rig/tablet.hpp"
 #include "sim/rig/truth.hpp"
-#include "tests/sim/rig/bench.hpp"
-// CppUTest redefines new; its headers come last.
+#include "tests/sim/rig/virtual_rig_fixture.hpp"
+
 #include <CppUTest/TestHarness.h>
 
 namespace {
@@ -38,7 +38,7 @@ reduction::Frame timed_frame(const Scene& scene, const Exposure& exposure) {
 }
 
 void score(const Scene& scene, std::array<Scores, reduction::kQuantityCount>& scores) {
-  test::VirtualBench bench(scene, kSeed);
+  test::VirtualRigFixture bench(scene, kSeed);
   for (int shot = 0; shot < kShotsOfEach; ++shot) {
     const Exposure exposure = bench.shoot({.exposure = milliseconds(100), .impact_after = milliseconds(50)});
     const auto readout = reduction::reduce(timed_frame(scene, exposure), reduction::Estimator::best);
@@ -71,7 +71,7 @@ TEST(Readings, FollowTheAirAndTheBallThatTheFrameTellsOf) {
   Scene scene = test::plain_scene();
   scene.ball.mass_kg = 0.030;
   scene.air.density_kgpm3 = 3.0;
-  test::VirtualBench bench(scene, kSeed);
+  test::VirtualRigFixture bench(scene, kSeed);
   const Exposure exposure = bench.shoot({.exposure = milliseconds(100), .impact_after = milliseconds(50)});
   const auto readout = reduction::reduce(timed_frame(scene, exposure), reduction::Estimator::best);
   const reduction::Quantities truth = true_readout(scene, exposure.ball->path);
@@ -84,7 +84,7 @@ TEST(Readings, AreOfTheSpinAtTheSurfaceThoughItDecaysInFlight) {
   // The usual decay is .17 % in 10 ms and would show. What is left of it is of second order: a leg of 0.25 m
   // at .01 per metre, squared.
   const Scene scene = test::plain_scene();
-  test::VirtualBench bench(scene, kSeed);
+  test::VirtualRigFixture bench(scene, kSeed);
   const Exposure exposure = bench.shoot({.exposure = milliseconds(100), .impact_after = milliseconds(50)});
   const auto readout = reduction::reduce(timed_frame(scene, exposure), reduction::Estimator::best);
   const reduction::Quantities truth = true_readout(scene, exposure.ball->path);

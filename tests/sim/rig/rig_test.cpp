@@ -5,8 +5,8 @@
 
 #include "sim/rig/tablet.hpp"
 #include "sim/rig/truth.hpp"
-#include "tests/sim/rig/bench.hpp"
-// CppUTest redefines new; its headers come last.
+#include "tests/sim/rig/virtual_rig_fixture.hpp"
+
 #include <CppUTest/TestHarness.h>
 
 namespace {
@@ -34,7 +34,7 @@ TEST_GROUP(Rig) { Scene scene = test::plain_scene(); };
 TEST(Rig, AnswersEveryPulseWithBothSensorsAtTheTrueFlashes) {
   scene.lamps.jitter_s = 1e-6;
   scene.sensors.delay_s = 2e-6;
-  test::VirtualBench bench(scene);
+  test::VirtualRigFixture bench(scene);
   const Exposure exposure = bench.shoot();
   LONGS_EQUAL(167, exposure.pulses.size());  // 500 ms at 3 ms
   for (const RigLine line : {RigLine::sensor_a, RigLine::sensor_b}) {
@@ -66,7 +66,7 @@ TEST(Rig, GivesNothingBeforeItsInstant) {
 TEST(Rig, OpensAndClosesTheShutterItsLagsAfterTheLine) {
   scene.shutter.open_lag_s = 0.045;
   scene.shutter.close_lag_s = 0.030;
-  test::VirtualBench bench(scene);
+  test::VirtualRigFixture bench(scene);
   const Exposure exposure = bench.shoot();
   CHECK(exposure.opened - exposure.line_on == milliseconds(45));
   CHECK(exposure.closed - exposure.line_on == milliseconds(530));
@@ -85,7 +85,7 @@ TEST(Rig, TakesNoPhotographWhenTheLineIsReleasedBeforeTheShutterMoved) {
 }
 
 TEST(Rig, MeetsThePlateTheMachinesLagAfterTheTrigger) {
-  test::VirtualBench bench(scene);
+  test::VirtualRigFixture bench(scene);
   const Exposure exposure = bench.shoot();
   CHECK(exposure.ball.has_value());
   LONGS_EQUAL(1, exposure.throws);
@@ -95,7 +95,7 @@ TEST(Rig, MeetsThePlateTheMachinesLagAfterTheTrigger) {
 
 TEST(Rig, SpreadsTheMachinesLagFromShotToShot) {
   scene.machine.lag_sd_s = 0.003;
-  test::VirtualBench bench(scene);
+  test::VirtualRigFixture bench(scene);
   double sum = 0.0, square = 0.0;
   constexpr int n = 500;
   for (int i = 0; i < n; ++i) {
@@ -111,7 +111,7 @@ TEST(Rig, SpreadsTheMachinesLagFromShotToShot) {
 TEST(Rig, ClosesTheGateWhileTheBallIsInItsBeam) {
   // Beam 1 m ahead of the plate; the ball's edge meets it a radius earlier. In a vacuum vx does not change.
   scene.air.density_kgpm3 = 0.0;
-  test::VirtualBench bench(scene);
+  test::VirtualRigFixture bench(scene);
   const Exposure exposure = bench.shoot();
   const double vx = 17.0 * std::cos(23.0 * std::numbers::pi / 180.0);
   const auto rise = bench.drives_of(RigLine::gate, 1);
@@ -123,7 +123,7 @@ TEST(Rig, ClosesTheGateWhileTheBallIsInItsBeam) {
 }
 
 TEST(Rig, PhotographsTheBallOnlyWhileTheShutterIsOpen) {
-  test::VirtualBench bench(scene);
+  test::VirtualRigFixture bench(scene);
   const Exposure early = bench.shoot({.impact_after = milliseconds(700)});
   CHECK(early.ball.has_value());
   CHECK(!shows_impact(early));
@@ -133,7 +133,7 @@ TEST(Rig, PhotographsTheBallOnlyWhileTheShutterIsOpen) {
 
 TEST(Rig, MakesAnImageWithOneLampAlone) {
   scene.faults = {{.kind = FaultKind::lamp_dead, .lamp_b = false}};
-  test::VirtualBench bench(scene);
+  test::VirtualRigFixture bench(scene);
   const Exposure exposure = bench.shoot();
   CHECK(film_images(scene, exposure).size() >= 10);
   CHECK(bench.drives_of(RigLine::sensor_a, 1).empty());
@@ -142,10 +142,10 @@ TEST(Rig, MakesAnImageWithOneLampAlone) {
 }
 
 TEST(Rig, MakesNoImageWhereBothLampsMiss) {
-  test::VirtualBench sound(scene);
+  test::VirtualRigFixture sound(scene);
   const std::size_t whole = film_images(scene, sound.shoot()).size();
   scene.faults = {{.kind = FaultKind::flash_missing, .flash_from_impact = 2}};
-  test::VirtualBench bench(scene);
+  test::VirtualRigFixture bench(scene);
   const Exposure exposure = bench.shoot();
   LONGS_EQUAL(whole - 1, film_images(scene, exposure).size());
   CHECK(exposure.pulses[pulse_at(exposure, 2)].flashes.empty());
@@ -157,7 +157,7 @@ TEST(Rig, StrikesTheFlashThatTheFaultCountsFromTheImpact) {
     scene.faults = {
         {.kind = FaultKind::flash_late, .shot = 2, .flash_from_impact = k, .delay = microseconds(160)}};
     scene.machine.lag_sd_s = 0.003;
-    test::VirtualBench bench(scene);
+    test::VirtualRigFixture bench(scene);
     for (int shot = 1; shot <= 3; ++shot) {
       const Exposure exposure = bench.shoot();
       CHECK(struck(exposure, FaultKind::flash_late) == (shot == 2));
@@ -172,7 +172,7 @@ TEST(Rig, StrikesTheFlashThatTheFaultCountsFromTheImpact) {
 TEST(Rig, BlendsTheTwoLampsOfAPulseIntoOneImageBetweenThem) {
   scene.faults = {
       {.kind = FaultKind::flash_late, .flash_from_impact = -2, .lamp_b = false, .delay = microseconds(160)}};
-  test::VirtualBench bench(scene);
+  test::VirtualRigFixture bench(scene);
   const Exposure exposure = bench.shoot();
   const auto late = static_cast<int>(pulse_at(exposure, -2));
   int seen = 0;
@@ -186,7 +186,7 @@ TEST(Rig, BlendsTheTwoLampsOfAPulseIntoOneImageBetweenThem) {
 
 TEST(Rig, ShowsADoubleFlashFarApartAsTwoImagesAndTwoEdges) {
   scene.faults = {{.kind = FaultKind::flash_double, .flash_from_impact = -2, .delay = microseconds(900)}};
-  test::VirtualBench bench(scene);
+  test::VirtualRigFixture bench(scene);
   const Exposure exposure = bench.shoot();
   LONGS_EQUAL(exposure.pulses.size() + 1, bench.drives_of(RigLine::sensor_a, 1).size());
   const auto images = film_images(scene, exposure);
@@ -197,7 +197,7 @@ TEST(Rig, ShowsADoubleFlashFarApartAsTwoImagesAndTwoEdges) {
 
 TEST(Rig, LengthensASensorsPulseByLightThatComesDuringIt) {
   scene.faults = {{.kind = FaultKind::flash_double, .flash_index = 5, .delay = microseconds(60)}};
-  test::VirtualBench bench(scene);
+  test::VirtualRigFixture bench(scene);
   const Exposure exposure = bench.shoot();
   const auto rises = bench.drives_of(RigLine::sensor_a, 1);
   const auto falls = bench.drives_of(RigLine::sensor_a, 0);
@@ -208,7 +208,7 @@ TEST(Rig, LengthensASensorsPulseByLightThatComesDuringIt) {
 
 TEST(Rig, SilencesADeadSensorButNotItsLamp) {
   scene.faults = {{.kind = FaultKind::sensor_dead, .lamp_a = false}};
-  test::VirtualBench bench(scene);
+  test::VirtualRigFixture bench(scene);
   const Exposure exposure = bench.shoot();
   CHECK(bench.drives_of(RigLine::sensor_b, 1).empty());
   for (const Pulse& pulse : exposure.pulses) LONGS_EQUAL(2, pulse.flashes.size());
@@ -216,7 +216,7 @@ TEST(Rig, SilencesADeadSensorButNotItsLamp) {
 
 TEST(Rig, CrossesTheGateWithABallThatMissesThePlate) {
   scene.faults = {{.kind = FaultKind::ball_misses, .shot = 1}};
-  test::VirtualBench bench(scene);
+  test::VirtualRigFixture bench(scene);
   const Exposure exposure = bench.shoot();
   LONGS_EQUAL(1, bench.drives_of(RigLine::gate, 1).size());
   LONGS_EQUAL(1, exposure.throws);
@@ -227,7 +227,7 @@ TEST(Rig, CrossesTheGateWithABallThatMissesThePlate) {
 
 TEST(Rig, ThrowsNothingWhenTheMachineMisfires) {
   scene.faults = {{.kind = FaultKind::machine_misfire, .shot = 1}};
-  test::VirtualBench bench(scene);
+  test::VirtualRigFixture bench(scene);
   const Exposure exposure = bench.shoot();
   LONGS_EQUAL(0, exposure.throws);
   CHECK(bench.drives_of(RigLine::gate, 1).empty());
@@ -250,7 +250,7 @@ TEST(Rig, CountsEveryThrowOfAShot) {
 
 TEST(Rig, TellsWhenTheShutterIsOpenByItsContact) {
   scene.shutter.lag_sd_s = 1e-3;
-  test::VirtualBench bench(scene);
+  test::VirtualRigFixture bench(scene);
   const Exposure exposure = bench.shoot();
   const auto opened = bench.drives_of(RigLine::xsync, 1), closed = bench.drives_of(RigLine::xsync, 0);
   LONGS_EQUAL(1, opened.size());
@@ -261,7 +261,7 @@ TEST(Rig, TellsWhenTheShutterIsOpenByItsContact) {
 
 TEST(Rig, TellsNothingOfAShutterThatDoesNotMove) {
   scene.faults = {{.kind = FaultKind::shutter_stuck}};
-  test::VirtualBench stuck(scene);
+  test::VirtualRigFixture stuck(scene);
   stuck.shoot();
   CHECK(stuck.drives_of(RigLine::xsync, 1).empty());
   scene.faults.clear();
@@ -334,9 +334,9 @@ TEST(Rig, RepeatsARunFromItsSeed) {
   scene.machine.speed_sd_mps = 0.5;
   scene.tablet.centre_sd_m = 0.3e-3;
   scene.lamps.jitter_s = 1e-6;
-  test::VirtualBench a(scene, 11);
-  test::VirtualBench b(scene, 11);
-  test::VirtualBench other(scene, 12);
+  test::VirtualRigFixture a(scene, 11);
+  test::VirtualRigFixture b(scene, 11);
+  test::VirtualRigFixture other(scene, 12);
   for (int shot = 1; shot <= 3; ++shot) {
     const std::string line = truth_line(scene, a.shoot(), shot);
     STRCMP_EQUAL(line.c_str(), truth_line(scene, b.shoot(), shot).c_str());
@@ -347,8 +347,8 @@ TEST(Rig, RepeatsARunFromItsSeed) {
 TEST(Rig, ThrowsTheSameBallHoweverManyFlashesCameBefore) {
   scene.machine.speed_sd_mps = 0.5;
   scene.lamps.jitter_s = 1e-6;
-  test::VirtualBench few(scene, 11);
-  test::VirtualBench many(scene, 11);
+  test::VirtualRigFixture few(scene, 11);
+  test::VirtualRigFixture many(scene, 11);
   few.shoot({.period = milliseconds(10)});
   many.shoot({.period = milliseconds(2)});
   const Exposure a = few.shoot();

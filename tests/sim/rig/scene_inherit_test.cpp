@@ -2,8 +2,8 @@
 #include <map>
 #include <string>
 
-#include "sim/rig/scene.hpp"
-// CppUTest redefines new; its headers come last.
+#include "sim/scene/scene.hpp"
+
 #include <CppUTest/TestHarness.h>
 
 namespace {
@@ -146,7 +146,7 @@ TEST(SceneInheritance, RefusesAChainThatIsTooLong) {
     for (std::size_t i = 1; i < parents; ++i) files[name(i)] = heir_of(name(i - 1));
     return error_of(heir_of(name(parents - 1)));
   };
-  STRCMP_EQUAL("", chain_of(kMostAncestors).c_str());
+  STRCMP_EQUAL("", chain_of(kMaxAncestors).c_str());
   STRCMP_EQUAL("p1.toml:1: inherits: more than 16 scenes inherit from each other",
-               chain_of(kMostAncestors + 1).c_str());
+               chain_of(kMaxAncestors + 1).c_str());
 }

@@ -2,10 +2,10 @@
 #include <cmath>
 #include <string>
 
-#include "sim/rig/contact_course.hpp"
-#include "sim/rig/scene.hpp"
-#include "sim/rig/scene_spring.hpp"
-// CppUTest redefines new; its headers come last.
+#include "sim/motion/contact_path.hpp"
+#include "sim/scene/scene.hpp"
+#include "sim/scene/spring.hpp"
+
 #include <CppUTest/TestHarness.h>
 
 namespace {
@@ -93,7 +93,7 @@ TEST(SceneKeys, GiveTheReboundByRestitutionAndDwellOrBySprings) {
   DOUBLES_EQUAL(5e-3, scene.bounce.dwell_s, 1e-8);
   // Without weight the ball is at its radius again after that time, and nothing was lost between keys and
   // ball.
-  const Throw thrown = draw_throw(scene, 1, 1);
+  const ShotConditions thrown = draw_shot_conditions(scene, 1, 1);
   const auto end = ode_lift_off(scene, thrown, Model::full().without(Effect::contact_gravity));
   DOUBLES_EQUAL(5e-3, end->dwell_s, 1e-8);
   DOUBLES_EQUAL(-0.8 * thrown.touchdown.vy_mps, end->rebound.lift_off.vy_mps, 1e-5);

@@ -1,7 +1,7 @@
-#include "sim/rig/scene.hpp"
+#include "sim/scene/scene.hpp"
 
 #include <string>
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 namespace {
@@ -9,7 +9,7 @@ namespace {
 using namespace strobe;
 using namespace strobe::sim;
 
-const std::string kLeast =
+const std::string kMin =
     "[machine]\nspeed_mps = 17\nangle_deg = -23\nspin_radps = 0\n"
     "[bounce]\ncontact = \"grip\"\ne = 0.8\nmu = 0.6\nex = 0.1\noffset_mm = 2.5\ndwell_ms = 5\n";
 
@@ -23,7 +23,7 @@ std::string error_of(const std::string& text) {
 TEST_GROUP(SceneFile){};
 
 TEST(SceneFile, NeedsOnlyMachineAndBounce) {
-  const auto scene = parse_scene(kLeast, "scenes/some.toml");
+  const auto scene = parse_scene(kMin, "scenes/some.toml");
   CHECK(scene.has_value());
   STRCMP_EQUAL("some", scene->name.c_str());
   DOUBLES_EQUAL(0.0025, scene->bounce.offset_m, 1e-15);
@@ -35,7 +35,7 @@ TEST(SceneFile, NeedsOnlyMachineAndBounce) {
 
 TEST(SceneFile, RefusesAnUnknownKeyWithItsLine) {
   STRCMP_EQUAL("scenes/some.toml:13: lamps.dealy_us: unknown key",
-               error_of(kLeast + "[lamps]\ndealy_us = 3\n").c_str());
+               error_of(kMin + "[lamps]\ndealy_us = 3\n").c_str());
 }
 
 TEST(SceneFile, NamesWhatIsMissing) {
@@ -44,14 +44,14 @@ TEST(SceneFile, NamesWhatIsMissing) {
 
 TEST(SceneFile, RefusesAValueOutOfItsRange) {
   STRCMP_CONTAINS("some.toml:13: lamps.delay_us: must be at least 0",
-                  error_of(kLeast + "[lamps]\ndelay_us = -3\n").c_str());
+                  error_of(kMin + "[lamps]\ndelay_us = -3\n").c_str());
 }
 
 TEST(SceneFile, ReadsTheAir) {
-  const auto still = parse_scene(kLeast, "some.toml");
+  const auto still = parse_scene(kMin, "some.toml");
   DOUBLES_EQUAL(0.55, still->air.drag_coefficient, 0.0);
   CHECK(still->air.lift && still->air.density_kgpm3 < 0.0);
-  const auto thin = parse_scene(kLeast +
+  const auto thin = parse_scene(kMin +
                                     "[air]\ntemperature_c = 30\ndensity_kgpm3 = 0.9\ndrag_coefficient = 0\n"
                                     "lift_law = \"none\"\n",
                                 "some.toml");
@@ -62,11 +62,11 @@ TEST(SceneFile, ReadsTheAir) {
 
 TEST(SceneFile, RefusesAirThatCannotBe) {
   STRCMP_CONTAINS("some.toml:13: air.drag_coefficient: must be at least 0",
-                  error_of(kLeast + "[air]\ndrag_coefficient = -0.1\n").c_str());
+                  error_of(kMin + "[air]\ndrag_coefficient = -0.1\n").c_str());
   STRCMP_CONTAINS("some.toml:13: air.density_kgpm3: must be at least 0",
-                  error_of(kLeast + "[air]\ndensity_kgpm3 = -1\n").c_str());
+                  error_of(kMin + "[air]\ndensity_kgpm3 = -1\n").c_str());
   STRCMP_CONTAINS("some.toml:13: air.lift_law: must be one of",
-                  error_of(kLeast + "[air]\nlift_law = \"magnus\"\n").c_str());
+                  error_of(kMin + "[air]\nlift_law = \"magnus\"\n").c_str());
 }
 
 TEST(SceneFile, RefusesWhatIsNoToml) {
@@ -75,18 +75,18 @@ TEST(SceneFile, RefusesWhatIsNoToml) {
 
 TEST(SceneFile, ReadsWhatTheOperatorDoes) {
   const auto scene =
-      parse_scene(kLeast + "[[operator]]\nat_s = 1.5\nline = \"ESTOP\"\nlevel = 0\n", "some.toml");
+      parse_scene(kMin + "[[operator]]\nat_s = 1.5\nline = \"ESTOP\"\nlevel = 0\n", "some.toml");
   LONGS_EQUAL(1, scene->operator_actions.size());
   CHECK(scene->operator_actions[0].line == RigLine::estop);
 }
 
 TEST(SceneFile, LetsTheOperatorTouchInputsOnly) {
   STRCMP_CONTAINS("operator[1].line: must be one of",
-                  error_of(kLeast + "[[operator]]\nat_s = 1\nline = \"TRIGGER\"\nlevel = 1\n").c_str());
+                  error_of(kMin + "[[operator]]\nat_s = 1\nline = \"TRIGGER\"\nlevel = 1\n").c_str());
 }
 
 TEST(SceneFile, ReadsFaults) {
-  const auto scene = parse_scene(kLeast +
+  const auto scene = parse_scene(kMin +
                                      "[[fault]]\nkind = \"flash_late\"\nshot = 2\nflash_from_impact = -2\n"
                                      "delay_us = 160\nlamp = \"b\"\n"
                                      "[[fault]]\nkind = \"frame_late\"\ndelay_s = 0.5\n",
@@ -100,13 +100,12 @@ TEST(SceneFile, ReadsFaults) {
 }
 
 TEST(SceneFile, RefusesAFaultThatCannotBe) {
-  STRCMP_CONTAINS("fault[1].kind: must be one of",
-                  error_of(kLeast + "[[fault]]\nkind = \"flood\"\n").c_str());
-  STRCMP_CONTAINS("fault[1].kind: is missing", error_of(kLeast + "[[fault]]\nshot = 1\n").c_str());
+  STRCMP_CONTAINS("fault[1].kind: must be one of", error_of(kMin + "[[fault]]\nkind = \"flood\"\n").c_str());
+  STRCMP_CONTAINS("fault[1].kind: is missing", error_of(kMin + "[[fault]]\nshot = 1\n").c_str());
   STRCMP_CONTAINS("fault[1].delay_us: is missing",
-                  error_of(kLeast + "[[fault]]\nkind = \"flash_late\"\n").c_str());
+                  error_of(kMin + "[[fault]]\nkind = \"flash_late\"\n").c_str());
   STRCMP_CONTAINS("must not be 0",
-                  error_of(kLeast + "[[fault]]\nkind = \"flash_missing\"\nflash_from_impact = 0\n").c_str());
+                  error_of(kMin + "[[fault]]\nkind = \"flash_missing\"\nflash_from_impact = 0\n").c_str());
   STRCMP_CONTAINS("fault[1].lamp: unknown key",
-                  error_of(kLeast + "[[fault]]\nkind = \"ball_misses\"\nlamp = \"a\"\n").c_str());
+                  error_of(kMin + "[[fault]]\nkind = \"ball_misses\"\nlamp = \"a\"\n").c_str());
 }

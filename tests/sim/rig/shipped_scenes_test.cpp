@@ -12,9 +12,9 @@
 #include <string>
 #include <vector>
 
-#include "sim/rig/ball_path.hpp"
+#include "sim/motion/ball_path.hpp"
 #include "sim/rig/truth.hpp"
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 namespace {
@@ -52,7 +52,7 @@ std::vector<Scene> all_scenes() {
 
 BallPath mean_path(const Scene& scene) {
   const Scene still = without_spread(scene);
-  auto path = BallPath::make(still, draw_throw(still, 1, 1));
+  auto path = BallPath::make(still, draw_shot_conditions(still, 1, 1));
   if (!path) FAIL(path.error().message.c_str());
   return *path;
 }
@@ -87,7 +87,7 @@ TEST(ShippedScenes, HaveTitlesOfTheirOwn) {
 TEST(ShippedScenes, CanAllBeThrown) {
   for (const Scene& scene : all_scenes()) {
     for (int shot = 1; shot <= 50; ++shot) {
-      const auto path = BallPath::make(scene, draw_throw(scene, 3, shot));
+      const auto path = BallPath::make(scene, draw_shot_conditions(scene, 3, shot));
       CHECK_TEXT(path.has_value(), fmt::format("{}, seed 3, shot {}", scene.name, shot).c_str());
       const impact::Motion& out = path->rebound().lift_off;
       CHECK_TEXT(std::isfinite(out.vx_mps) && out.vy_mps > 0.0 && std::isfinite(out.omega_radps),

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "sim/rig/camera.hpp"
-#include "tests/sim/rig/bench.hpp"
-// CppUTest redefines new; its headers come last.
+#include "tests/sim/rig/virtual_rig_fixture.hpp"
+
 #include <CppUTest/TestHarness.h>
 
 namespace {
@@ -15,7 +15,7 @@ using namespace strobe::sim;
 using reduction::Leg;
 
 Digitized digitized(const Scene& scene, int shots = 1) {
-  test::VirtualBench bench(scene);
+  test::VirtualRigFixture bench(scene);
   Exposure exposure;
   for (int i = 0; i < shots; ++i) exposure = bench.shoot();
   return digitize(scene, 1, exposure);
@@ -49,7 +49,7 @@ TEST(Tablet, PutsThePhotographWhereAnIndependentProjectionPutsIt) {
   // scale by hand and compare with free fall in a vacuum from the truth at touchdown.
   scene.air.density_kgpm3 = 0.0;
   scene.lamps.flash_s = 0.0;
-  test::VirtualBench bench(scene);
+  test::VirtualRigFixture bench(scene);
   const Exposure exposure = bench.shoot();
   const Digitized d = digitize(scene, 1, exposure);
   const double roll = 0.3 * std::numbers::pi / 180.0;
@@ -98,7 +98,7 @@ TEST(Tablet, StatesTheNoiseThatItMakes) {
   scene.tablet.equator_sd_rad = 0.01;
   Scene still = scene;
   still.tablet.centre_sd_m = still.tablet.equator_sd_rad = 0.0;
-  test::VirtualBench bench(scene);
+  test::VirtualRigFixture bench(scene);
   double centre = 0.0, diameter = 0.0, equator = 0.0, surface = 0.0;
   double n = 0.0, n_surface = 0.0;
   Digitized noisy;
@@ -137,7 +137,7 @@ TEST(Tablet, HandsOverACalibrationOnlyIfTheSceneHasOne) {
 }
 
 TEST(Tablet, FindsNoBallOnAPhotographWithoutOne) {
-  test::VirtualBench bench(scene);
+  test::VirtualRigFixture bench(scene);
   const Exposure dry = bench.shoot({.throw_ball = false});
   CHECK(dry.opened.known());
   CHECK(!shows_impact(dry));
@@ -153,7 +153,7 @@ TEST(Tablet, OverlooksTheImageThatTheFaultNames) {
   LONGS_EQUAL(whole.image_pulse.size() - 1, less.image_pulse.size());
   for (const int pulse : whole.image_pulse) {
     const bool kept = std::ranges::find(less.image_pulse, pulse) != less.image_pulse.end();
-    test::VirtualBench bench(scene);
+    test::VirtualRigFixture bench(scene);
     const auto place = place_from_impact(bench.shoot(), static_cast<std::size_t>(pulse));
     CHECK(kept == (*place != -1));
   }
@@ -161,7 +161,7 @@ TEST(Tablet, OverlooksTheImageThatTheFaultNames) {
 
 TEST(Tablet, GivesTheSameFrameAgain) {
   scene.tablet.centre_sd_m = 0.4e-3;
-  test::VirtualBench bench(scene);
+  test::VirtualRigFixture bench(scene);
   const Exposure exposure = bench.shoot();
   const Digitized a = digitize(scene, 7, exposure);
   const Digitized b = digitize(scene, 7, exposure);

@@ -10,11 +10,11 @@
 #include <vector>
 
 #include "common/data/thesis_data.hpp"
-#include "sim/rig/fit.hpp"
+#include "sim/fit/fit.hpp"
 #include "sim/rig/tablet.hpp"
 #include "sim/rig/truth.hpp"
-#include "tests/sim/rig/bench.hpp"
-// CppUTest redefines new; its headers come last.
+#include "tests/sim/rig/virtual_rig_fixture.hpp"
+
 #include <CppUTest/TestHarness.h>
 
 namespace {
@@ -147,7 +147,7 @@ const Series& series_of(const thesis::Condition& condition) {
   const auto [place, is_new] = all.try_emplace(condition.name());
   if (!is_new) return place->second;
   const Scene scene = scene_of(condition);
-  test::VirtualBench bench(scene, kThesisSeed);
+  test::VirtualRigFixture bench(scene, kThesisSeed);
   for (int i = 0; i < kShots; ++i) {
     const Exposure exposure = bench.shoot({.exposure = milliseconds(100), .impact_after = milliseconds(50)});
     Measured measured;
@@ -202,7 +202,7 @@ const FittedScene& fitted_of(const thesis::Condition& condition) {
 
 reduction::Quantities exact_truth(Scene scene) {
   test::make_exact(scene);
-  const auto path = BallPath::make(scene, draw_throw(scene, 1, 1));
+  const auto path = BallPath::make(scene, draw_shot_conditions(scene, 1, 1));
   CHECK(path.has_value());
   return true_readout(scene, *path);
 }
@@ -275,7 +275,7 @@ TEST(ThesisScenes, SlideThroughoutOnlyWhereTheThesisBallsDid) {
     const bool slides = c.name() == "zero_17" || c.name() == "back_17" || c.name() == "back_22";
     Scene scene = scene_of(c);
     test::make_exact(scene);
-    const auto path = BallPath::make(scene, draw_throw(scene, 1, 1));
+    const auto path = BallPath::make(scene, draw_shot_conditions(scene, 1, 1));
     CHECK_TEXT((path->rebound().regime == impact::Regime::slides) == slides, c.name().c_str());
   }
 }

@@ -3,8 +3,8 @@
 #include <nlohmann/json.hpp>
 
 #include "sim/rig/tablet.hpp"
-#include "tests/sim/rig/bench.hpp"
-// CppUTest redefines new; its headers come last.
+#include "tests/sim/rig/virtual_rig_fixture.hpp"
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe;
@@ -21,7 +21,7 @@ TEST_GROUP(TruthLine) {
 };
 
 TEST(TruthLine, NamesEveryQuantityOfAReadout) {
-  test::VirtualBench bench(scene);
+  test::VirtualRigFixture bench(scene);
   const auto line = line_of(bench.shoot(), 7);
   LONGS_EQUAL(1, line["shot"].get<int>());
   LONGS_EQUAL(7, line["shot_id"].get<int>());
@@ -31,7 +31,7 @@ TEST(TruthLine, NamesEveryQuantityOfAReadout) {
 }
 
 TEST(TruthLine, PlacesLiftOffTheDwellTimeAfterTouchdown) {
-  test::VirtualBench bench(scene);
+  test::VirtualRigFixture bench(scene);
   const auto line = line_of(bench.shoot(), 7);
   // 5 ms, and by the ball's weight up to .2 % more (contact_course.hpp).
   const auto dwell_ns = line["liftoff_ns"].get<std::int64_t>() - line["touchdown_ns"].get<std::int64_t>();
@@ -39,7 +39,7 @@ TEST(TruthLine, PlacesLiftOffTheDwellTimeAfterTouchdown) {
 }
 
 TEST(TruthLine, SaysWhichFlashMadeEachImageAndWhen) {
-  test::VirtualBench bench(scene);
+  test::VirtualRigFixture bench(scene);
   const Exposure exposure = bench.shoot();
   const auto line = line_of(exposure, 7);
   LONGS_EQUAL(exposure.pulses.size(), line["flash_true_ns"].size());
@@ -53,7 +53,7 @@ TEST(TruthLine, SaysWhichFlashMadeEachImageAndWhen) {
 }
 
 TEST(TruthLine, HasNoReadoutWithoutABall) {
-  test::VirtualBench bench(scene);
+  test::VirtualRigFixture bench(scene);
   const auto line = line_of(bench.shoot({.throw_ball = false}), 7);
   CHECK(!line["ball"].get<bool>());
   CHECK(line["readout"].is_null());
@@ -63,7 +63,7 @@ TEST(TruthLine, HasNoReadoutWithoutABall) {
 
 TEST(TruthLine, TellsAFlashThatWasNone) {
   scene.faults = {{.kind = FaultKind::flash_missing, .flash_index = 3}};
-  test::VirtualBench bench(scene);
+  test::VirtualRigFixture bench(scene);
   const auto line = line_of(bench.shoot(), 7);
   CHECK(line["flash_true_ns"][3].is_null());
   CHECK(line["flash_true_ns"][4].is_number());

@@ -3,7 +3,7 @@
 #include <numbers>
 
 #include "sim/shoot/shoot.hpp"
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 namespace {

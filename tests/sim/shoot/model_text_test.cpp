@@ -1,6 +1,5 @@
-#include "sim/shoot/model_text.hpp"
+#include "sim/scene/model_text.hpp"
 
-// CppUTest redefines new; its headers come last.
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe::sim;

@@ -8,7 +8,7 @@
 #include "common/reduction/reduce.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/temporary_folder.hpp"
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe;

@@ -6,7 +6,7 @@
 #include "common/messages/json_conversions.hpp"
 #include "sim/rig/truth.hpp"
 #include "sim/shoot/shoot.hpp"
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 namespace {

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "common/reduction/reduce.hpp"
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 namespace {

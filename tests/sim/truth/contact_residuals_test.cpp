@@ -6,11 +6,11 @@
 #include <cstdio>
 #include <vector>
 
-#include "common/contact/integration.hpp"
+#include "common/contact/integration/integration.hpp"
 #include "sim/rig/truth.hpp"
 #include "sim/shoot/shoot.hpp"
 #include "tests/sim/truth/independent_contact.hpp"
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 namespace {

@@ -8,7 +8,7 @@
 
 #include "common/reduction/reduce.hpp"
 #include "sim/shoot/shoot.hpp"
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 namespace {

@@ -13,7 +13,7 @@
 
 #include "common/reduction/reduce.hpp"
 #include "sim/shoot/shoot.hpp"
-// CppUTest redefines new; its headers come last.
+
 #include <CppUTest/TestHarness.h>
 
 namespace {
@@ -137,7 +137,7 @@ struct Judged {
     return k * 96.2 * std::pow(longest_s(), 3) / 3.0 + speed * std::pow(k * speed * longest_s(), 3);
   }
 
-  /// The same carried to a quantity.
+  /// The same propagated to a quantity.
   double series_error(Quantity q) const {
     const double speed = -*shot.truth[Quantity::vy_td_mps];
     switch (q) {
@@ -161,10 +161,10 @@ struct Judged {
     if (beyond_images()) {
       if (!is_spin(q)) return std::nullopt;
       const double turns = error - std::remainder(error, turn_radps());
-      // What is taken for the spin is carried to the surface by the decay, whole turns with it.
-      const double carried =
+      // What is taken for the spin is propagated to the surface by the decay, whole turns with it.
+      const double propagated =
           std::abs(turns) * std::expm1(extreme.scene.air.spin_decay_per_m * longest_way_m());
-      error = std::max(0.0, std::abs(error - turns) - carried);
+      error = std::max(0.0, std::abs(error - turns) - propagated);
     }
     return std::max(0.0, std::abs(error) - series_error(q)) / *readout.sd[q];
   }

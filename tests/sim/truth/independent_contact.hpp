@@ -16,7 +16,7 @@ struct ContactInput {
 
 struct ContactPoint {
   double x_m = 0.0, y_m = 0.0;  ///< of the centre since touchdown; y <= 0
-  double turned_rad = 0.0;
+  double rotation_rad = 0.0;
   double vx_mps = 0.0, omega_radps = 0.0;
 };
 

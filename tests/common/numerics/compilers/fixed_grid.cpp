@@ -4,12 +4,12 @@
 #include <cmath>
 
 #include "common/ball/ball.hpp"
-#include "common/contact/cubic_fit.hpp"
+#include "common/contact/differentiation/cubic_fit.hpp"
 #include "common/flight/aerodynamics.hpp"
+#include "common/impact/closed_form/pulse_integrals.hpp"
+#include "common/impact/closed_form/sine_pulse.hpp"
 #include "common/impact/ode/contact_ode.hpp"
 #include "common/impact/ode/normal_spring.hpp"
-#include "common/impact/pulse_integrals.hpp"
-#include "common/impact/sine_pulse.hpp"
 #include "common/reduction/reduce.hpp"
 #include "common/units/angles.hpp"
 

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <array>
 
-#include "common/impact/rebound.hpp"
+#include "common/impact/closed_form/rebound.hpp"
 #include "tests/common/numerics/forms/forms.hpp"
 #include "tests/common/numerics/wide.hpp"
 

@@ -1,0 +1,147 @@
+#include "common/contact/differentiation/differentiation.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace strobe::contact {
+
+namespace {
+
+std::optional<ValueSd> scaled(const std::optional<CubicFit>& fit, double t, int order, double factor) {
+  if (!fit) return std::nullopt;
+  const ValueSd v = fit->derivative_with_sd(t, order);
+  return ValueSd{v.value * factor, v.sd * std::abs(factor)};
+}
+
+std::optional<std::array<double, 3>> slope_of(const std::optional<CubicFit>& fit, double factor) {
+  if (!fit) return std::nullopt;
+  const auto& c = fit->coefficients;
+  return std::array{factor * c[1], factor * 2.0 * c[2], factor * 3.0 * c[3]};
+}
+
+std::optional<std::array<double, 2>> curvature_of(const std::optional<CubicFit>& fit, double factor) {
+  if (!fit) return std::nullopt;
+  const auto& c = fit->coefficients;
+  return std::array{factor * 2.0 * c[2], factor * 6.0 * c[3]};
+}
+
+DerivedPolynomials polynomials(const FractionFits& f, double x, double y, double turn, double rate,
+                               double mass, double inertia) {
+  const double rate2 = rate * rate;
+  return {.vx_mps = slope_of(f.x, x * rate),
+          .vy_mps = slope_of(f.y, y * rate),
+          .omega_radps = slope_of(f.rotation, turn * rate),
+          .fx_n = curvature_of(f.x, mass * x * rate2),
+          .fy_n = curvature_of(f.y, mass * y * rate2),
+          .torque_nm = curvature_of(f.rotation, inertia * turn * rate2)};
+}
+
+/// The cubic's sign changes between its turning points, by bisection: to the last bit, without cancellation.
+std::vector<double> sign_changes(const CubicFit& fit, double low, double high) {
+  const auto& c = fit.coefficients;
+  std::vector<double> knots{low};
+  for (const double t : quadratic_roots({c[1], 2.0 * c[2], 3.0 * c[3]}, low, high)) knots.push_back(t);
+  knots.push_back(high);
+  std::vector<double> roots;
+  for (std::size_t i = 0; i + 1 < knots.size(); ++i) {
+    double a = knots[i], b = knots[i + 1];
+    const bool rising = fit.value(b) > fit.value(a);
+    if ((fit.value(a) > 0.0) == (fit.value(b) > 0.0)) continue;
+    for (int k = 0; k < 200 && a < b; ++k) {
+      const double middle = 0.5 * (a + b);
+      if (middle <= a || middle >= b) break;
+      ((fit.value(middle) > 0.0) == rising ? b : a) = middle;
+    }
+    roots.push_back(0.5 * (a + b));
+  }
+  return roots;
+}
+
+}  // namespace
+
+std::optional<ValueSd> slip_of(const DerivedState& state, double radius_m) {
+  if (!state.vx_mps || !state.omega_radps) return std::nullopt;
+  return ValueSd{state.vx_mps->value + radius_m * state.omega_radps->value,
+                 std::hypot(state.vx_mps->sd, radius_m * state.omega_radps->sd)};
+}
+
+DerivedState derive(const FractionFits& fits, const Scale& s, double t) {
+  const double rate = 1.0 / s.dwell_time_s, rate2 = rate * rate;
+  const double x = s.dwell_distance_m, y = s.diameter_m, turn = s.total_rotation_rad;
+  DerivedState out{.x_m = scaled(fits.x, t, 0, x),
+                   .y_m = scaled(fits.y, t, 0, y),
+                   .rotation_rad = scaled(fits.rotation, t, 0, turn),
+                   .vx_mps = scaled(fits.x, t, 1, x * rate),
+                   .vy_mps = scaled(fits.y, t, 1, y * rate),
+                   .omega_radps = scaled(fits.rotation, t, 1, turn * rate),
+                   .fx_n = scaled(fits.x, t, 2, s.mass_kg * x * rate2),
+                   .fy_n = scaled(fits.y, t, 2, s.mass_kg * y * rate2),
+                   .torque_nm = scaled(fits.rotation, t, 2, s.inertia_kgm2() * turn * rate2),
+                   .slip_mps = std::nullopt};
+  out.slip_mps = slip_of(out, 0.5 * s.diameter_m);
+  return out;
+}
+
+DerivedPolynomials derived_polynomials(const FractionFits& fits, const Scale& s) {
+  return polynomials(fits, s.dwell_distance_m, s.diameter_m, s.total_rotation_rad, 1.0 / s.dwell_time_s,
+                     s.mass_kg, s.inertia_kgm2());
+}
+
+DerivedPolynomials fraction_polynomials(const FractionFits& fits) {
+  return polynomials(fits, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0);
+}
+
+std::vector<double> quadratic_roots(const std::array<double, 3>& c, double low, double high) {
+  std::vector<double> roots;
+  const auto keep = [&](double t) {
+    if (std::isfinite(t) && t >= low && t <= high) roots.push_back(t);
+  };
+  const double half = -0.5 * c[1];
+  const double discriminant = half * half - c[0] * c[2];
+  if (discriminant < 0.0) return roots;
+  // The root of larger magnitude first; the other from the product: no difference of near equals.
+  const double q = half + std::copysign(std::sqrt(discriminant), half);
+  if (c[2] != 0.0) keep(q / c[2]);
+  if (q != 0.0 && discriminant > 0.0) keep(c[0] / q);
+  std::sort(roots.begin(), roots.end());
+  return roots;
+}
+
+ZeroCrossings zero_crossings(const FractionFits& fits, const Scale& scale) {
+  ZeroCrossings out;
+  const DerivedPolynomials p = derived_polynomials(fits, scale);
+  if (fits.rotation) {
+    // The fit's constant is not quite zero: its crossing beside touchdown is that of an end point.
+    constexpr double kBesideTouchdown = 0.02;
+    out.rotation = sign_changes(*fits.rotation, kBesideTouchdown, 1.0);
+  }
+  if (p.omega_radps) out.omega = quadratic_roots(*p.omega_radps, 0.0, 1.0);
+  if (p.omega_radps && p.vx_mps) {
+    std::array<double, 3> slip{};
+    for (std::size_t i = 0; i < 3; ++i)
+      slip[i] = (*p.vx_mps)[i] + 0.5 * scale.diameter_m * (*p.omega_radps)[i];
+    out.slip = quadratic_roots(slip, 0.0, 1.0);
+  }
+  return out;
+}
+
+std::optional<ErrorGrowth> error_growth(const CubicFit& fit) {
+  if (!fit.residual_sd) return std::nullopt;
+  constexpr int kSteps = 200;
+  std::array<double, 3> value{}, sd{};
+  for (int i = 0; i <= kSteps; ++i) {
+    for (int order = 0; order < 3; ++order) {
+      const ValueSd v = fit.derivative_with_sd(static_cast<double>(i) / kSteps, order);
+      value[static_cast<std::size_t>(order)] += v.value * v.value;
+      sd[static_cast<std::size_t>(order)] += v.sd * v.sd;
+    }
+  }
+  if (!(value[0] > 0.0 && value[1] > 0.0 && value[2] > 0.0)) return std::nullopt;
+  const double ends = std::max(fit.derivative_with_sd(0.0, 2).sd, fit.derivative_with_sd(1.0, 2).sd);
+  return ErrorGrowth{.position = std::sqrt(sd[0] / value[0]),
+                     .velocity = std::sqrt(sd[1] / value[1]),
+                     .force = std::sqrt(sd[2] / value[2]),
+                     .force_at_ends = ends / std::sqrt(value[2] / (kSteps + 1))};
+}
+
+}  // namespace strobe::contact

@@ -1,0 +1,205 @@
+#include "common/impact/closed_form/sine_pulse.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "common/impact/closed_form/pulse_integrals.hpp"
+
+namespace strobe::impact {
+
+namespace {
+
+using std::numbers::pi;
+
+/// f/(1 - e) of the exact pulse within 1.4e-5, as a polynomial in 1 - e.
+constexpr std::array<double, 6> kDampingStart{0.3183063,  0.09490573,  0.03262894,
+                                              0.02596873, -0.01288575, 0.01561028};
+
+/// Root of expm1(-pi·f) + (1 - e) - (1 + e)·f² = 0, which is e = (1 + exp(-pi·f))/(1 + f²) - 1 free of
+/// cancellation near e = 1. Newton doubles the start's digits each time.
+double exact_damping(double e) {
+  const double loss = 1.0 - e;
+  double ratio = kDampingStart.back();
+  for (std::size_t i = kDampingStart.size() - 1; i-- > 0;) ratio = ratio * loss + kDampingStart[i];
+  double f = loss * ratio;
+  for (int i = 0; i < 2; ++i) {
+    const double fallen = std::expm1(-pi * f);
+    f += (fallen + loss - (1.0 + e) * f * f) / (pi * (1.0 + fallen) + 2.0 * (1.0 + e) * f);
+  }
+  return f;
+}
+
+std::optional<InputError> find_error(const PulseInput& in) {
+  if (!std::isfinite(in.vx_td_mps) || !std::isfinite(in.vy_td_mps) || !std::isfinite(in.impulse_ratio) ||
+      !std::isfinite(in.dwell_s) || !std::isfinite(in.mass_kg))
+    return InputError::not_finite;
+  if (in.vy_td_mps >= 0.0) return InputError::not_approaching;
+  if (in.dwell_s <= 0.0) return InputError::dwell_not_positive;
+  if (in.mass_kg <= 0.0) return InputError::ball_out_of_range;
+  if (too_large(in.vx_td_mps) || too_large(in.vy_td_mps) || too_large(in.impulse_ratio) ||
+      too_large(in.dwell_s) || too_large(in.mass_kg) || too_small(-in.vy_td_mps) || too_small(in.dwell_s) ||
+      too_small(in.mass_kg))
+    return InputError::magnitude_out_of_range;
+  return std::nullopt;
+}
+
+/// Normal impulse over m·|vy_TD|, with its first two derivatives by theta.
+struct Impulse {
+  double value;
+  double slope;
+  double bend;
+};
+
+Impulse impulse_at(PulseForm form, double f, const PulsePhase& p) {
+  if (form == PulseForm::exact)
+    return {impulse_integral(f, p), p.decay * p.sine, p.decay * (p.cosine - f * p.sine)};
+  return {simplified_impulse(f, p), p.decay * (p.sine + f * p.cosine),
+          p.decay * ((1.0 - f * f) * p.cosine - 2.0 * f * p.sine)};
+}
+
+/// Where the undamped pulse has given this share, moved by what small damping changes (first order in f).
+double start_exact(double f, double share) {
+  const double angle = 2.0 * std::asin(std::sqrt(share));
+  if (share < 1e-6) return angle * (1.0 - 0.25 * pi * f);
+  if (share > 1.0 - 1e-6) return angle - 0.25 * pi * f * (pi - angle);
+  const double sine = 2.0 * std::sqrt(share * (1.0 - share));
+  return angle + f * (1.0 - (angle * (1.0 - 2.0 * share) + pi * share) / sine);
+}
+
+double start_simplified(double f, double target) {
+  const double angle =
+      target < 0.5 ? 2.0 * std::asin(std::sqrt(0.5 * target)) : std::acos(std::max(1.0 - target, -1.0));
+  return std::acos(std::clamp((1.0 - target) * std::exp(f * angle), -1.0, 1.0));
+}
+
+/// Time fraction in 0…high at which the impulse first reaches `target`, which lies below its largest value.
+/// Halley's steps; bisection wherever one leaves the bracket.
+double fraction_reaching(PulseForm form, double f, double target, double start, double high) {
+  double low = 0.0;
+  double tau = start;
+  for (int i = 0; i < 100; ++i) {
+    if (!(tau > low && tau < high)) tau = 0.5 * (low + high);
+    const Impulse impulse = impulse_at(form, f, PulsePhase::at_fraction(f, tau));
+    const double miss = impulse.value - target;
+    if (miss == 0.0) return tau;
+    const double room = std::min(tau, high - tau);
+    (miss < 0.0 ? low : high) = tau;
+    double step = 0.5 * (low + high) - tau;
+    if (impulse.slope > 0.0) {
+      const double newton = miss / impulse.slope;
+      const double bent = 1.0 - 0.5 * newton * (impulse.bend / impulse.slope);
+      step = -newton / (bent > 0.5 ? bent : 1.0) / pi;
+    }
+    const double next = tau + step;
+    // The error that is left is of the step's third order.
+    if (std::abs(step) <= 1e-6 * room || next == tau) return std::clamp(next, low, high);
+    tau = next;
+  }
+  return tau;
+}
+
+/// The simplified impulse rises up to tan(theta) = -f only.
+double end_of_rise(PulseForm form, double f) {
+  return form == PulseForm::exact ? 1.0 : 1.0 - std::atan(f) / pi;
+}
+
+/// As SinePulse::fraction_at_impulse, for an impulse over m·|vy_TD|.
+double fraction_at(PulseForm form, double f, double e, double target) {
+  if (!(target > 0.0)) return 0.0;
+  const double high = end_of_rise(form, f);
+  if (impulse_at(form, f, PulsePhase::at_fraction(f, high)).value <= target) return high;
+  const double start = form == PulseForm::exact ? start_exact(f, std::min(target / (1.0 + e), 1.0))
+                                                : start_simplified(f, target);
+  return fraction_reaching(form, f, target, start / pi, high);
+}
+
+double path_at(PulseForm form, double f, const PulsePhase& p) {
+  return form == PulseForm::exact ? path_integral(f, p) : simplified_path(f, p);
+}
+
+}  // namespace
+
+tl::expected<double, InputError> damping_from_restitution(PulseForm form, double e) {
+  if (!std::isfinite(e)) return tl::unexpected(InputError::not_finite);
+  if (e < 0.0 || e > 1.0) return tl::unexpected(InputError::restitution_out_of_range);
+  if (form == PulseForm::exact) return exact_damping(e);
+  if (e == 0.0) return tl::unexpected(InputError::damping_undefined);
+  return std::abs(std::log(e)) / pi;
+}
+
+tl::expected<SinePulse, InputError> SinePulse::make(PulseForm form, const PulseInput& input) {
+  if (const auto error = find_error(input)) return tl::unexpected(*error);
+  const auto damping = damping_from_restitution(form, input.e);
+  if (!damping) return tl::unexpected(damping.error());
+  return SinePulse(form, input, *damping);
+}
+
+double SinePulse::max_force_n() const { return -input_.mass_kg * input_.vy_td_mps * pi / input_.dwell_s; }
+
+PulseState SinePulse::at_fraction(double time_fraction) const {
+  const double tau = std::clamp(time_fraction, kEarliestFraction, kLatestFraction);
+  const PulsePhase p = PulsePhase::at_fraction(damping_, tau);
+  const double speed = -input_.vy_td_mps;
+  const double length = speed * input_.dwell_s / pi;  // |vy|/w
+  const bool exact = form_ == PulseForm::exact;
+  const double impulse = exact ? impulse_integral(damping_, p) : simplified_impulse(damping_, p);
+  const double depth = exact ? depth_integral(damping_, p) : p.decay * p.sine;
+
+  PulseState s;
+  s.vx_mps = input_.vx_td_mps - input_.impulse_ratio * speed * impulse;
+  s.vy_mps = exact ? speed * (impulse - 1.0) : -speed * p.decay * p.cosine;
+  s.x_m =
+      input_.vx_td_mps * (tau * input_.dwell_s) - input_.impulse_ratio * length * path_at(form_, damping_, p);
+  s.y_m = 0.0 - length * depth;  // not a negative zero
+  s.fy_n = max_force_n() * p.decay * p.sine;
+  s.fx_n = 0.0 - input_.impulse_ratio * s.fy_n;
+  s.impulse_fraction = impulse / (1.0 + input_.e);
+  return s;
+}
+
+double SinePulse::fraction_at_impulse(double fraction) const {
+  return fraction_at(form_, damping_, input_.e, fraction * (1.0 + input_.e));
+}
+
+tl::expected<PulseRebound, InputError> pulse_rebound(PulseForm form, const ball::Ball& ball,
+                                                     const Motion& touchdown, double e, double mu,
+                                                     double dwell_s) {
+  const auto rebound = rigid(ball, touchdown, e, mu);
+  if (!rebound) return tl::unexpected(rebound.error());
+  const double slip = std::fma(ball.radius_m(), touchdown.omega_radps, touchdown.vx_mps);
+  const auto pulse = SinePulse::make(form, {.vx_td_mps = touchdown.vx_mps,
+                                            .vy_td_mps = touchdown.vy_mps,
+                                            .e = e,
+                                            .impulse_ratio = slip == 0.0 ? 0.0 : std::copysign(mu, slip),
+                                            .dwell_s = dwell_s,
+                                            .mass_kg = ball.mass_kg});
+  if (!pulse) return tl::unexpected(pulse.error());
+
+  const double f = pulse->damping();
+  PulseRebound out{.rebound = *rebound, .damping_f = f};
+  // exp(-f·theta)·sin(theta) is largest where tan(theta) = 1/f.
+  const double peak = std::atan2(1.0, f);
+  out.max_force_n = pulse->max_force_n() * std::exp(-f * peak) / std::sqrt(1.0 + f * f);
+  const double length = -touchdown.vy_mps * dwell_s / pi;
+  if (form == PulseForm::exact) {
+    const double lowest = fraction_at(form, f, e, 1.0);  // where vy has been used up
+    out.depth_m = length * depth_integral(f, PulsePhase::at_fraction(f, lowest));
+  } else {
+    out.depth_m = length * std::exp(-f * peak) / std::sqrt(1.0 + f * f);
+  }
+  if (rebound->regime == Regime::grips) {
+    // Without friction a grip means that there is no slip to speak of.
+    const double share = slip == 0.0 || mu == 0.0 ? 0.0 : std::abs(rebound->impulse_ratio) / mu;
+    out.grip_fraction = fraction_at(form, f, e, share * (1.0 + e));
+  }
+  const double held_back = path_at(form, f, PulsePhase::at_fraction(f, out.grip_fraction));
+  out.dwell_distance_m = touchdown.vx_mps * (out.grip_fraction * dwell_s) -
+                         pulse->input().impulse_ratio * length * held_back +
+                         rebound->lift_off.vx_mps * ((1.0 - out.grip_fraction) * dwell_s);
+  return out;
+}
+
+}  // namespace strobe::impact

@@ -1,0 +1,70 @@
+#include "common/impact/fit/cross_validation.hpp"
+
+#include <algorithm>
+
+namespace strobe::impact {
+
+namespace {
+
+const std::string& group_of(const Observation& o, LeaveOut by) {
+  return by == LeaveOut::spin ? o.spin : o.series;
+}
+
+std::vector<std::string> groups_of(std::span<const Observation> observations, LeaveOut by) {
+  std::vector<std::string> out;
+  for (const Observation& o : observations)
+    if (std::find(out.begin(), out.end(), group_of(o, by)) == out.end()) out.push_back(group_of(o, by));
+  return out;
+}
+
+tl::expected<LeftOut, FitFailure> without(const std::string& group, std::span<const Observation> observations,
+                                          const FitOptions& options, LeaveOut by) {
+  LeftOut out;
+  out.group = group;
+  std::vector<Observation> kept, left;
+  std::vector<std::size_t> kept_from;
+  for (std::size_t i = 0; i < observations.size(); ++i) {
+    const bool leave = group_of(observations[i], by) == group;
+    (leave ? left : kept).push_back(observations[i]);
+    (leave ? out.observations : kept_from).push_back(i);
+  }
+  auto fitted = fit(kept, options);
+  if (!fitted) {
+    FitFailure failure = fitted.error();
+    if (failure.observation < kept_from.size()) failure.observation = kept_from[failure.observation];
+    return tl::unexpected(failure);
+  }
+  out.predicted = compare(left, options.model, fitted->values(), options.diameter_m);
+  out.agreement = agreement_of(out.predicted);
+  out.fit = *std::move(fitted);
+  return out;
+}
+
+}  // namespace
+
+tl::expected<Validation, FitFailure> leave_out(std::span<const Observation> observations,
+                                               const FitOptions& options, LeaveOut by) {
+  // What is wrong with the observations themselves is said of all of them, also those that are left out.
+  if (const auto whole = fit(observations, options); !whole) return tl::unexpected(whole.error());
+  const std::vector<std::string> groups = groups_of(observations, by);
+  if (groups.size() < 2) return tl::unexpected(FitFailure{.error = FitError::too_few_numbers});
+  Validation out;
+  std::vector<Comparison> all;
+  for (const std::string& group : groups) {
+    auto left = without(group, observations, options, by);
+    if (!left) return tl::unexpected(left.error());
+    all.insert(all.end(), left->predicted.begin(), left->predicted.end());
+    out.groups.push_back(*std::move(left));
+  }
+  out.agreement = agreement_of(all);
+  return out;
+}
+
+std::vector<Observation> of_spin(std::span<const Observation> observations, std::string_view spin) {
+  std::vector<Observation> out;
+  for (const Observation& o : observations)
+    if (o.spin == spin) out.push_back(o);
+  return out;
+}
+
+}  // namespace strobe::impact

@@ -1,0 +1,37 @@
+// Statistics of a series of shots. Plain values, not thread-safe; real-time safe.
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+
+namespace strobe::reduction {
+
+/// Mean and spread in one pass (Welford): never the root of a negative number, however alike the values are.
+class RunningStatistics {
+ public:
+  void add(double value) {
+    ++count_;
+    const double from_mean = value - mean_;
+    mean_ += from_mean / static_cast<double>(count_);
+    squares_ += from_mean * (value - mean_);
+  }
+  std::size_t count() const { return count_; }
+  double mean() const { return mean_; }  ///< 0 if there is none
+  /// Root mean square deviation from the mean, dividing by n as the thesis does.
+  double population_sd() const {
+    return count_ > 0 ? std::sqrt(squares_ / static_cast<double>(count_)) : 0.0;
+  }
+  /// Dividing by n - 1; NaN for fewer than two values.
+  double sample_sd() const {
+    return count_ > 1 ? std::sqrt(squares_ / static_cast<double>(count_ - 1)) : std::nan("");
+  }
+  /// Population sd over |mean|; infinite or NaN at mean 0.
+  double coefficient_of_variation() const { return population_sd() / std::abs(mean_); }
+
+ private:
+  std::size_t count_ = 0;
+  double mean_ = 0.0;
+  double squares_ = 0.0;
+};
+
+}  // namespace strobe::reduction

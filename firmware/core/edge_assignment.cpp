@@ -1,0 +1,62 @@
+#include "firmware/core/edge_assignment.hpp"
+
+#include <algorithm>
+#include <iterator>
+
+namespace strobe::firmware {
+
+namespace {
+
+MonoTime begin_of(const FlashRecord& flash) {
+  return (flash.issue_start.known() ? flash.issue_start : flash.commanded) - EdgeAssignment::kEarly;
+}
+
+}  // namespace
+
+void EdgeAssignment::open(ShotRecord& record, Duration shortest) noexcept {
+  record_ = &record;
+  record_->flashes.clear();
+  shortest_ = shortest;
+}
+
+void EdgeAssignment::plan(MonoTime commanded, Lamps lamps) noexcept {
+  if (record_->flashes.size() == record_->flashes.capacity()) return;
+  FlashRecord flash;
+  flash.lamps = lamps;
+  flash.commanded = commanded;
+  record_->flashes.push_back(flash);
+}
+
+void EdgeAssignment::issued(std::int32_t flash_index, MonoTime start, MonoTime end) noexcept {
+  FlashRecord& flash = record_->flashes[static_cast<std::size_t>(flash_index)];
+  flash.issue_start = start;
+  flash.issue_end = end;
+}
+
+FlashRecord* EdgeAssignment::latest_begun_by(MonoTime seen) noexcept {
+  auto& flashes = record_->flashes;
+  const auto after =
+      std::upper_bound(flashes.begin(), flashes.end(), seen,
+                       [](MonoTime t, const FlashRecord& flash) { return t < begin_of(flash); });
+  return after == flashes.begin() ? nullptr : &*std::prev(after);
+}
+
+Duration EdgeAssignment::until_next(const FlashRecord& flash) const noexcept {
+  return &flash == &record_->flashes.back() ? shortest_ : (&flash + 1)->commanded - flash.commanded;
+}
+
+void EdgeAssignment::edge(Input sensor, MonoTime seen) noexcept {
+  if (record_ == nullptr) return;
+  FlashRecord* flash = latest_begun_by(seen);
+  if (flash == nullptr) return;
+  const Duration since_begin = seen - (begin_of(*flash) + kEarly);
+  if (since_begin >= until_next(*flash)) return;
+  MonoTime& observed = sensor == Input::sensor_a ? flash->observed_a : flash->observed_b;
+  if (observed.known() || since_begin.ns >= shortest_.ns / 2) {
+    ++flash->extra_edges;
+  } else {
+    observed = seen;
+  }
+}
+
+}  // namespace strobe::firmware

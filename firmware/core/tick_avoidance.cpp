@@ -1,0 +1,54 @@
+#include "firmware/core/tick_avoidance.hpp"
+
+#include <algorithm>
+
+namespace strobe::firmware {
+
+namespace {
+
+/// One flash within the tick weighs more than all of a shot that are near it.
+constexpr std::int64_t kHit = 100'000'000;
+constexpr std::int64_t kNear = 10'000;
+/// The tick begins early or late by this, and now and then takes twice as long.
+constexpr Duration kMargin = microseconds(10);
+
+}  // namespace
+
+TickAvoidance::TickAvoidance(const Tick& tick) noexcept : tick_(tick) {
+  if (!tick_.known()) return;
+  const std::int64_t step_ns = std::max<std::int64_t>(1, tick_.period.ns / static_cast<std::int64_t>(kSteps));
+  const auto steps = static_cast<std::int64_t>(kSteps);
+  const std::int64_t after = std::min(steps, (2 * tick_.length.ns + kMargin.ns) / step_ns);
+  const std::int64_t before = std::min(steps, 1 + kMargin.ns / step_ns);
+  for (std::int64_t k = 0; k < steps; ++k) {
+    const std::int64_t distance = std::min(k - after, steps - before - k);
+    cost_[static_cast<std::size_t>(k)] = distance <= 0 ? kHit : kNear / distance;
+  }
+}
+
+std::size_t TickAvoidance::step_of(Duration after_tick) const noexcept {
+  const std::int64_t phase_ns = (after_tick.ns % tick_.period.ns + tick_.period.ns) % tick_.period.ns;
+  return static_cast<std::size_t>(phase_ns * static_cast<std::int64_t>(kSteps) / tick_.period.ns) % kSteps;
+}
+
+Duration TickAvoidance::delay(MonoTime earliest, const ShotPlan& plan) const noexcept {
+  if (!tick_.known()) return {};
+  std::array<std::int64_t, kSteps> flashes{};
+  for (const PlannedPulse& pulse : plan.pulses) {
+    if (pulse.output == Output::strobes)
+      ++flashes[step_of(earliest + pulse.at - (MonoTime{0} + tick_.phase))];
+  }
+  std::size_t best = 0;
+  std::int64_t least = 0;
+  for (std::size_t shift = 0; shift < kSteps; ++shift) {
+    std::int64_t cost = 0;
+    for (std::size_t k = 0; k < kSteps; ++k) cost += flashes[k] * cost_[(k + shift) % kSteps];
+    if (shift == 0 || cost < least) {
+      best = shift;
+      least = cost;
+    }
+  }
+  return nanoseconds(static_cast<std::int64_t>(best) * tick_.period.ns / static_cast<std::int64_t>(kSteps));
+}
+
+}  // namespace strobe::firmware

@@ -1,0 +1,216 @@
+// strobe fit: friction, restitution and rolling friction from measured rebounds.
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <iterator>
+#include <memory>
+
+#include "host/commands/command.hpp"
+#include "host/commands/fit/fit_report.hpp"
+
+namespace strobe::host {
+
+namespace {
+
+using impact::FitError;
+using impact::FitFailure;
+using impact::kParameterCount;
+using impact::Parameter;
+using impact::ReboundModel;
+
+struct Arguments {
+  std::vector<std::string> files;
+  std::string model = "grip-offset";
+  std::vector<std::string> free;
+  std::vector<std::string> fix;
+  std::string leave_out = "none";
+  std::string weights = "equal";
+  std::string covariance = "residuals";
+  std::string spread = "replicate";
+  std::string spin;
+  double diameter_m = ball::kThesisDiameter_m;
+  bool as_printed = false;
+  bool json = false;
+};
+
+ReboundModel model_of(const std::string& text) {
+  for (const ReboundModel m : {ReboundModel::slide_roll, ReboundModel::grip})
+    if (text == impact::name(m)) return m;
+  return ReboundModel::grip_offset;
+}
+
+Result<Parameter> parameter_of(const std::string& text) {
+  for (std::size_t i = 0; i < kParameterCount; ++i) {
+    const auto p = static_cast<Parameter>(i);
+    if (text == impact::name(p)) return p;
+  }
+  return fail("fit: no parameter \"" + text + "\": mu, ex, d, u0 or alpha");
+}
+
+/// "name=value" with d in mm.
+Result<std::pair<Parameter, double>> fixed_value(const std::string& text) {
+  const std::size_t equals = text.find('=');
+  if (equals == std::string::npos) return fail("fit: --fix " + text + ": must be name=value");
+  const auto p = parameter_of(text.substr(0, equals));
+  if (!p) return tl::unexpected(p.error());
+  double value = 0.0;
+  const char* begin = text.data() + equals + 1;
+  const char* end = text.data() + text.size();
+  const auto read = std::from_chars(begin, end, value);
+  if (read.ec != std::errc{} || read.ptr != end || !std::isfinite(value))
+    return fail("fit: --fix " + text + ": the value is not a number");
+  return std::pair(*p, from_the_edge(*p, value));
+}
+
+Result<impact::FitOptions> options_of(const Arguments& a) {
+  impact::FitOptions out = impact::default_options(model_of(a.model));
+  out.diameter_m = a.diameter_m;
+  if (a.weights == "sd") out.weighting = impact::Weighting::stated_sd;
+  if (a.covariance == "stated") out.scale = impact::CovarianceScale::stated;
+  impact::FreeParameters asked{};
+  for (const std::string& text : a.free) {
+    const auto p = parameter_of(text);
+    if (!p) return tl::unexpected(p.error());
+    asked[impact::index(*p)] = true;
+  }
+  if (!a.free.empty()) out.free = asked;
+  for (const std::string& text : a.fix) {
+    const auto fixed = fixed_value(text);
+    if (!fixed) return tl::unexpected(fixed.error());
+    const std::size_t i = impact::index(fixed->first);
+    if (asked[i]) return fail("fit: " + std::string(impact::name(fixed->first)) + " is both free and fixed");
+    if (!impact::has_parameter(out.model, fixed->first))
+      return fail("fit: " + std::string(impact::name(fixed->first)) +
+                  ": the model does not have this parameter");
+    const double lowest = at_the_edge(fixed->first, impact::lower_bound(fixed->first));
+    const double highest = at_the_edge(fixed->first, impact::upper_bound(fixed->first, 0.5 * a.diameter_m));
+    const double given = at_the_edge(fixed->first, fixed->second);
+    if (given < lowest || given > highest)
+      return fail(fmt::format("fit: --fix {}: must be from {} to {:.4g}{}", text, lowest, highest,
+                              unit_at_the_edge(fixed->first)));
+    out.start[i] = fixed->second;
+    out.free[i] = false;
+  }
+  return out;
+}
+
+Result<FitData> data_of(const Arguments& a) {
+  if (a.files.empty())
+    return conditions_to_fit(a.as_printed ? thesis::Version::as_printed : thesis::Version::corrected,
+                             a.spread == "mean" ? impact::Spread::mean : impact::Spread::replicate);
+  FitData out;
+  for (const std::string& file : a.files) {
+    auto data = read_results(file);
+    if (!data) return tl::unexpected(data.error());
+    if (data->observations.empty())
+      return fail(file + ": no shot with vx, vy, omega at touchdown, vx, omega at lift-off and e");
+    out.rejected += data->rejected;
+    out.incomplete += data->incomplete;
+    std::move(data->observations.begin(), data->observations.end(), std::back_inserter(out.observations));
+  }
+  return out;
+}
+
+int explain(const FitFailure& failure, const FitData& data) {
+  const std::string what = "fit: " + impact::message(failure, data.observations);
+  return failure.error == FitError::not_identifiable ? failed(what) : bad_input(what);
+}
+
+/// Regimes and rolling friction of each observation; the fit has checked the observations.
+void judge(FitReport& report) {
+  const double alpha = report.fit.parameters[impact::index(Parameter::alpha)].value;
+  const ball::Ball ball{.diameter_m = report.options.diameter_m, .alpha = alpha};
+  for (const impact::Observation& o : report.data.observations) {
+    report.regimes.push_back(
+        impact::judge_regime(o, report.options.model, report.fit, report.options.diameter_m).value());
+    report.rolling_friction.push_back(impact::rolling_friction(o, ball).value());
+  }
+}
+
+int run_fit(const Arguments& a) {
+  const auto options = options_of(a);
+  if (!options) return bad_input(options.error().message);
+  auto data = data_of(a);
+  if (!data) return bad_input(data.error().message);
+  if (!a.spin.empty()) data->observations = impact::of_spin(data->observations, a.spin);
+  if (data->observations.empty()) return bad_input("fit: no observations of " + a.spin + " spin");
+
+  FitReport report;
+  report.data = *std::move(data);
+  report.options = *options;
+  auto fit = impact::fit(report.data.observations, report.options);
+  if (!fit) return explain(fit.error(), report.data);
+  report.fit = *std::move(fit);
+  judge(report);
+  if (a.leave_out != "none") {
+    report.left_out_by = a.leave_out == "spin" ? impact::LeaveOut::spin : impact::LeaveOut::series;
+    auto validation = impact::leave_out(report.data.observations, report.options, report.left_out_by);
+    if (!validation) return explain(validation.error(), report.data);
+    report.validation = *std::move(validation);
+  }
+  a.json ? print_fit_json(report) : print_fit_text(report);
+  return report.fit.converged ? kDone : kFailed;
+}
+
+void add_model_options(CLI::App& command, Arguments& a) {
+  command
+      .add_option("--model", a.model,
+                  "slide-roll: slides or rolls off (mu, alpha); grip: tangential restitution (and ex); "
+                  "grip-offset: normal force ahead of the centre (and d, u0)")
+      ->check(CLI::IsMember({"slide-roll", "grip", "grip-offset"}))
+      ->capture_default_str();
+  command
+      .add_option("--free", a.free, "Parameters to fit, e.g. mu,ex,d,u0,alpha [all of the model but alpha]")
+      ->delimiter(',');
+  command
+      .add_option("--fix", a.fix,
+                  "name=value of parameters that are not fitted, e.g. mu=0.55,d=3; d in mm, u0 in m/s")
+      ->delimiter(',')
+      ->allow_extra_args(false);
+  command
+      .add_option("--weights", a.weights,
+                  "equal: 1 m/s of vx counts like 1 m/s of R omega; sd: by each observation's sd")
+      ->check(CLI::IsMember({"equal", "sd"}))
+      ->capture_default_str();
+  command
+      .add_option("--covariance", a.covariance,
+                  "Level of the sd: residuals (times chi2/dof), or stated (from the weights alone)")
+      ->check(CLI::IsMember({"residuals", "stated"}))
+      ->capture_default_str();
+  command.add_option("--diameter-m", a.diameter_m, "Diameter of the ball, m")->capture_default_str();
+}
+
+void add_data_options(CLI::App& command, Arguments& a) {
+  command.add_option("FILE", a.files, "results.csv of sessions [the 21 conditions of the thesis]");
+  command.add_option("--spread", a.spread, "The conditions' sd: of a replicate, as printed, or of the mean")
+      ->check(CLI::IsMember({"replicate", "mean"}))
+      ->capture_default_str();
+  command.add_option("--spin", a.spin, "Only these: zero, top or back")
+      ->check(CLI::IsMember({"zero", "top", "back"}));
+  command.add_flag("--as-printed", a.as_printed, "The conditions without their corrections");
+  command
+      .add_option("--leave-out", a.leave_out,
+                  "Fit without each spin or condition in turn and predict it: spin, condition or none")
+      ->check(CLI::IsMember({"spin", "condition", "none"}))
+      ->capture_default_str();
+}
+
+}  // namespace
+
+void add_fit_command(CLI::App& app, int& exit_status) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = app.add_subcommand("fit", "Fit friction and restitution to measured rebounds.");
+  add_data_options(*command, *arguments);
+  add_model_options(*command, *arguments);
+  command->add_flag("--json", arguments->json,
+                    "JSON objects on stdout: fit, observations, then those left out");
+  command->footer(
+      "Example: strobe fit --model grip-offset --leave-out spin\n"
+      "         strobe fit session/results.csv --free mu,ex --fix d=3 --weights sd --json");
+  command->callback([arguments, &exit_status] { exit_status = run_fit(*arguments); });
+}
+
+}  // namespace strobe::host

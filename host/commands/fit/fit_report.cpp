@@ -1,0 +1,164 @@
+#include "host/commands/fit/fit_report.hpp"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+namespace strobe::host {
+
+namespace {
+
+using impact::Agreement;
+using impact::FittedParameter;
+using impact::kParameterCount;
+using impact::Parameter;
+using impact::ParameterStatus;
+using nlohmann::ordered_json;
+
+void print_line(const ordered_json& object) {
+  std::printf("%s\n", object.dump(-1, ' ', false, ordered_json::error_handler_t::replace).c_str());
+}
+
+ordered_json number(const std::optional<double>& value) {
+  return value ? ordered_json(*value) : ordered_json();
+}
+
+ordered_json edge_number(Parameter p, const std::optional<double>& value) {
+  return value ? ordered_json(at_the_edge(p, *value)) : ordered_json();
+}
+
+std::string key(Parameter p) {
+  constexpr std::array<const char*, kParameterCount> keys{"mu", "ex", "d_mm", "u0_mps", "alpha"};
+  return keys[impact::index(p)];
+}
+
+ordered_json parameters_json(const impact::ModelFit& fit, impact::ReboundModel model) {
+  ordered_json out;
+  for (std::size_t i = 0; i < kParameterCount; ++i) {
+    const auto p = static_cast<Parameter>(i);
+    if (!impact::has_parameter(model, p)) continue;
+    const FittedParameter& f = fit.parameters[i];
+    out[key(p)] = {{"value", at_the_edge(p, f.value)},
+                   {"sd", edge_number(p, f.sd)},
+                   {"limit", edge_number(p, f.limit)},
+                   {"status", impact::name(f.status)}};
+  }
+  return out;
+}
+
+bool fitted(const impact::ModelFit& fit, std::size_t i) {
+  return fit.parameters[i].status == ParameterStatus::fitted;
+}
+
+ordered_json correlations_json(const impact::ModelFit& fit) {
+  ordered_json out = ordered_json::object();
+  for (std::size_t i = 0; i < kParameterCount; ++i) {
+    for (std::size_t j = i + 1; j < kParameterCount; ++j) {
+      const auto a = static_cast<Parameter>(i);
+      const auto b = static_cast<Parameter>(j);
+      if (!fitted(fit, i) || !fitted(fit, j)) continue;
+      out[fmt::format("{},{}", impact::name(a), impact::name(b))] = fit.correlation(a, b);
+    }
+  }
+  return out;
+}
+
+ordered_json agreement_json(const Agreement& a) {
+  return {{"count", a.count},
+          {"rms_vx_mps", a.rms_vx_mps},
+          {"rms_omega_radps", a.rms_omega_radps},
+          {"rms_z_vx", a.rms_z_vx},
+          {"rms_z_omega", a.rms_z_omega},
+          {"within_sd_vx", a.within_sd_vx},
+          {"within_sd_omega", a.within_sd_omega}};
+}
+
+ordered_json comparison_json(const impact::Observation& o, const impact::Comparison& c) {
+  return {{"name", o.name},
+          {"spin", o.spin},
+          {"series", o.series},
+          {"vx_lo_mps", o.lift_off.vx_mps},
+          {"vx_lo_predicted_mps", c.predicted.lift_off.vx_mps},
+          {"sd_vx_lo_mps", o.lift_off_sd.vx_mps},
+          {"z_vx", number(c.z_vx)},
+          {"z_vx_with_inputs", number(c.z_vx_with_inputs)},
+          {"omega_lo_radps", o.lift_off.omega_radps},
+          {"omega_lo_predicted_radps", c.predicted.lift_off.omega_radps},
+          {"sd_omega_lo_radps", o.lift_off_sd.omega_radps},
+          {"z_omega", number(c.z_omega)},
+          {"z_omega_with_inputs", number(c.z_omega_with_inputs)}};
+}
+
+void add_regime(const impact::RegimeJudgement& r, ordered_json& out) {
+  out["regime"] = impact::name(r.predicted);
+  out["probability_slides"] = r.probability_slides;
+  out["friction_needed_mps"] = r.friction_needed_mps;
+  out["friction_available_mps"] = r.friction_available_mps;
+  out["sd_friction_margin_mps"] = r.margin_sd_mps;
+  out["slip_lo_mps"] = r.slip_lo_mps;
+  out["sd_slip_lo_mps"] = r.slip_lo_sd_mps;
+  out["slip_lo_predicted_mps"] = r.slip_lo_predicted_mps;
+  out["sd_slip_lo_predicted_mps"] = r.slip_lo_predicted_sd_mps;
+  out["regime_measured"] = impact::name(r.measured);
+}
+
+void add_rolling_friction(const impact::RollingFriction& r, ordered_json& out) {
+  out["d_mm"] = 1e3 * r.offset_m;
+  out["sd_d_mm"] = 1e3 * r.offset_sd_m;
+  out["sd_systematic_d_mm"] = 1e3 * r.offset_sd_alpha_m;
+  out["rolling_friction"] = r.coefficient;
+  out["sd_rolling_friction"] = r.coefficient_sd;
+}
+
+ordered_json fit_json(const FitReport& r) {
+  const bool by_sd = r.options.weighting == impact::Weighting::stated_sd;
+  const bool scaled = r.options.scale == impact::CovarianceScale::residuals;
+  ordered_json out{{"type", "fit"}, {"model", impact::name(r.options.model)}};
+  out["parameters"] = parameters_json(r.fit, r.options.model);
+  out["correlation"] = correlations_json(r.fit);
+  out["chi2"] = r.fit.chi2;
+  out["dof"] = r.fit.dof;
+  out["variance_scale"] = r.fit.variance_scale;
+  out["converged"] = r.fit.converged;
+  out.update(agreement_json(r.fit.agreement));
+  out["inputs"] = {{"weights", by_sd ? "sd" : "equal"},
+                   {"covariance", scaled ? "residuals" : "stated"},
+                   {"diameter_m", r.options.diameter_m},
+                   {"rejected", r.data.rejected},
+                   {"incomplete", r.data.incomplete}};
+  return out;
+}
+
+}  // namespace
+
+double at_the_edge(Parameter p, double value) { return p == Parameter::offset_m ? 1e3 * value : value; }
+double from_the_edge(Parameter p, double value) { return p == Parameter::offset_m ? value / 1e3 : value; }
+
+const char* unit_at_the_edge(Parameter p) {
+  return p == Parameter::offset_m ? " mm" : p == Parameter::offset_reference_mps ? " m/s" : "";
+}
+
+void print_fit_json(const FitReport& r) {
+  print_line(fit_json(r));
+  for (std::size_t i = 0; i < r.data.observations.size(); ++i) {
+    ordered_json out{{"type", "observation"}};
+    out.update(comparison_json(r.data.observations[i], r.fit.comparisons[i]));
+    add_regime(r.regimes[i], out);
+    add_rolling_friction(r.rolling_friction[i], out);
+    print_line(out);
+  }
+  if (!r.validation) return;
+  for (const impact::LeftOut& group : r.validation->groups) {
+    ordered_json out{{"type", "left_out"}, {"group", group.group}};
+    out["parameters"] = parameters_json(group.fit, r.options.model);
+    out.update(agreement_json(group.agreement));
+    print_line(out);
+  }
+  ordered_json out{{"type", "validation"},
+                   {"left_out", r.left_out_by == impact::LeaveOut::spin ? "spin" : "condition"}};
+  out.update(agreement_json(r.validation->agreement));
+  print_line(out);
+}
+
+}  // namespace strobe::host

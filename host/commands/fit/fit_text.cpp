@@ -1,0 +1,146 @@
+// The report of `strobe fit` for reading.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "host/commands/fit/fit_report.hpp"
+
+namespace strobe::host {
+
+namespace {
+
+using impact::FittedParameter;
+using impact::kParameterCount;
+using impact::Parameter;
+using impact::ParameterStatus;
+
+void say(const std::string& text) { std::fputs(text.c_str(), stdout); }
+
+/// With as many digits as the sd bears: two of the sd's.
+std::string with_sd(double value, double sd) {
+  if (!(sd > 0.0)) return fmt::format("{:.6g} +- {:g}", value, sd);
+  const int decimals = std::clamp(1 - static_cast<int>(std::floor(std::log10(sd))), 0, 12);
+  return fmt::format("{:.{}f} +- {:.{}f}", value, decimals, sd, decimals);
+}
+
+std::string limit_text(Parameter p, const FittedParameter& f) {
+  if (!f.limit) return {};
+  const bool upper = f.status == ParameterStatus::at_lower_bound;
+  if (f.status == ParameterStatus::undetermined)
+    return fmt::format("; at least {:.4g} lets all grip", at_the_edge(p, *f.limit));
+  return fmt::format("; {} {:.4g} ({:.0f} % one-sided)", upper ? "at most" : "at least",
+                     at_the_edge(p, *f.limit), 100.0 * impact::kLimitLevel);
+}
+
+std::string value_text(Parameter p, const FittedParameter& f) {
+  const double value = at_the_edge(p, f.value);
+  if (f.sd) return with_sd(value, at_the_edge(p, *f.sd)) + unit_at_the_edge(p);
+  return fmt::format("{:.5g}{}  {}{}", value, unit_at_the_edge(p), impact::name(f.status), limit_text(p, f));
+}
+
+void print_parameters(const FitReport& r) {
+  say(fmt::format("model {}: {} observations", impact::name(r.options.model), r.data.observations.size()));
+  if (r.data.rejected + r.data.incomplete > 0)
+    say(fmt::format(" ({} rejected and {} incomplete left out)", r.data.rejected, r.data.incomplete));
+  say("\n");
+  for (std::size_t i = 0; i < kParameterCount; ++i) {
+    const auto p = static_cast<Parameter>(i);
+    if (!impact::has_parameter(r.options.model, p)) continue;
+    say(fmt::format("  {:<6} {}\n", impact::name(p), value_text(p, r.fit.parameters[i])));
+  }
+}
+
+void print_correlations(const impact::ModelFit& fit) {
+  std::string line;
+  for (std::size_t i = 0; i < kParameterCount; ++i) {
+    for (std::size_t j = i + 1; j < kParameterCount; ++j) {
+      const auto a = static_cast<Parameter>(i);
+      const auto b = static_cast<Parameter>(j);
+      if (!fit.parameters[i].sd || !fit.parameters[j].sd) continue;
+      line += fmt::format("  {},{} {:+.2f}", impact::name(a), impact::name(b), fit.correlation(a, b));
+    }
+  }
+  if (!line.empty()) say("correlations:" + line + "\n");
+}
+
+std::string agreement_text(const impact::Agreement& a) {
+  return fmt::format("rms {:.3f} m/s, {:.2f} rad/s; rms z {:.2f}, {:.2f}; within one sd {}, {} of {}",
+                     a.rms_vx_mps, a.rms_omega_radps, a.rms_z_vx, a.rms_z_omega, a.within_sd_vx,
+                     a.within_sd_omega, a.count);
+}
+
+void print_quality(const FitReport& r) {
+  const bool by_sd = r.options.weighting == impact::Weighting::stated_sd;
+  const bool scaled = r.options.scale == impact::CovarianceScale::residuals;
+  say(fmt::format("chi2 {:.4g} for {} degrees of freedom, weights {}; sd {}\n", r.fit.chi2, r.fit.dof,
+                  by_sd ? "by the stated sd" : "1 per (m/s)^2 of vx and of R omega",
+                  scaled ? "scaled to the residuals (chi2/dof)" : "from the weights alone"));
+  say("vx, omega at lift-off: " + agreement_text(r.fit.agreement) + "\n");
+  if (!r.fit.converged) say("the search stopped at its limit of steps: the minimum may not be reached\n");
+}
+
+std::string z_text(const std::optional<double>& z) { return z ? fmt::format("{:+.1f}", *z) : "-"; }
+
+void print_observations(const FitReport& r) {
+  std::size_t width = 10;
+  for (const impact::Observation& o : r.data.observations) width = std::max(width, o.name.size());
+  say(
+      fmt::format("\n{:<{}}   vx m/s  model     z   omega  model     z  regime  P(slides)  measured"
+                  "   slip m/s     d mm (+- alpha)\n",
+                  "", width));
+  for (std::size_t i = 0; i < r.data.observations.size(); ++i) {
+    const impact::Observation& o = r.data.observations[i];
+    const impact::Comparison& c = r.fit.comparisons[i];
+    const impact::RegimeJudgement& g = r.regimes[i];
+    const impact::RollingFriction& f = r.rolling_friction[i];
+    say(
+        fmt::format("{:<{}}  {:7.2f} {:6.2f} {:>5}  {:6.1f} {:6.1f} {:>5}  {:<6}  {:9.3f}  {:<8} "
+                    "{:5.2f} +- {:4.2f} {:5.1f} +- {:3.1f} ({:3.1f})\n",
+                    o.name, width, o.lift_off.vx_mps, c.predicted.lift_off.vx_mps, z_text(c.z_vx),
+                    o.lift_off.omega_radps, c.predicted.lift_off.omega_radps, z_text(c.z_omega),
+                    impact::name(g.predicted), g.probability_slides, impact::name(g.measured), g.slip_lo_mps,
+                    g.slip_lo_sd_mps, 1e3 * f.offset_m, 1e3 * f.offset_sd_m, 1e3 * f.offset_sd_alpha_m));
+  }
+}
+
+void print_rolling_friction(const FitReport& r) {
+  const double alpha = r.fit.parameters[impact::index(Parameter::alpha)].value;
+  const auto s = impact::summarize(r.rolling_friction, alpha);
+  say(
+      fmt::format("\nrolling friction from angular momentum (alpha {:.3g}): d {:.2f} mm, {:.2f} between "
+                  "observations, positive in {} of {}; systematic {:.2f} mm from alpha +- {:g}\n",
+                  alpha, 1e3 * s.mean_m, 1e3 * s.scatter_m, s.positive, s.count, 1e3 * s.mean_sd_alpha_m,
+                  impact::kAlphaSd));
+}
+
+void print_validation(const FitReport& r) {
+  if (!r.validation) return;
+  say(fmt::format("\nleft out in turn, by {}:\n",
+                  r.left_out_by == impact::LeaveOut::spin ? "spin" : "condition"));
+  for (const impact::LeftOut& group : r.validation->groups) {
+    std::string values;
+    for (std::size_t i = 0; i < kParameterCount; ++i) {
+      const auto p = static_cast<Parameter>(i);
+      if (r.options.free[i])
+        values += fmt::format(" {} {:.4g}{}", impact::name(p), at_the_edge(p, group.fit.parameters[i].value),
+                              unit_at_the_edge(p));
+    }
+    say(fmt::format("  {:<10} {}  with{}\n", group.group, agreement_text(group.agreement), values));
+  }
+  say("  all        " + agreement_text(r.validation->agreement) + "\n");
+}
+
+}  // namespace
+
+void print_fit_text(const FitReport& r) {
+  print_parameters(r);
+  print_correlations(r.fit);
+  print_quality(r);
+  print_observations(r);
+  print_rolling_friction(r);
+  print_validation(r);
+}
+
+}  // namespace strobe::host

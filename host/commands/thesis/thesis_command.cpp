@@ -1,0 +1,172 @@
+// strobe thesis: every table of the thesis computed anew beside the printed values, and its figures.
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "host/commands/command.hpp"
+#include "host/commands/terminal.hpp"
+#include "host/share.hpp"
+#include "host/thesis/figures/figures.hpp"
+#include "host/thesis/figures/gnuplot.hpp"
+#include "host/thesis/tables/render.hpp"
+#include "host/thesis/tables/tables.hpp"
+
+namespace strobe::host {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct ThesisOptions {
+  std::string table;
+  std::string set;
+  std::string figures;
+  bool all_sets = false;
+  bool as_printed = false;
+  bool json = false;
+};
+
+std::string ids() {
+  std::string text;
+  for (const report::TableEntry& entry : report::catalogue()) text += (text.empty() ? "" : ", ") + entry.id;
+  return text;
+}
+
+std::string not_empty(const std::string& text) { return text.empty() ? "must not be empty" : ""; }
+
+std::string contents() {
+  std::string text;
+  for (const report::TableEntry& entry : report::catalogue())
+    text += "  " + entry.id + std::string(entry.id.size() < 13 ? 13 - entry.id.size() : 1, ' ') +
+            entry.title + "\n";
+  return text;
+}
+
+/// A table that has nothing of the set asked for is left out.
+int print_tables(const report::Material& material, const ThesisOptions& options) {
+  bool first = true;
+  for (const report::TableEntry& entry : report::catalogue()) {
+    if (!options.table.empty() && entry.id != options.table) continue;
+    const report::Table table = entry.make(material);
+    if (table.rows.empty() && !options.set.empty()) continue;
+    if (options.json) {
+      std::printf("%s\n", report::json(table).c_str());
+    } else {
+      std::printf("%s%s", first ? "" : "\n", report::text(table).c_str());
+    }
+    first = false;
+  }
+  return first ? bad_input("thesis: table " + options.table + " has nothing of set " + options.set) : kDone;
+}
+
+/// What goes into one folder.
+struct Sheet {
+  fs::path folder;
+  std::vector<std::string> sets;
+};
+
+std::vector<Sheet> sheets(const report::Material& material, const ThesisOptions& options) {
+  const fs::path folder(options.figures);
+  if (!options.set.empty()) return {{folder / options.set, {options.set}}};
+  std::vector<Sheet> out{{folder, {std::begin(report::kMainSets), std::end(report::kMainSets)}}};
+  if (!options.all_sets) return out;
+  for (const thesis::Condition* c : material.conditions()) out.push_back({folder / c->name(), {c->name()}});
+  return out;
+}
+
+void tell_progress(std::size_t done, std::size_t of, const fs::path& file) {
+  const bool terminal = isatty(STDERR_FILENO) != 0;
+  std::fprintf(stderr, "%sfigure %zu of %zu: %s%s", terminal ? "\r\033[K" : "", done, of, file.c_str(),
+               terminal && done < of ? "" : "\n");
+}
+
+void tell_figure(const report::Figure& figure, const fs::path& base, bool json) {
+  if (!json) return;
+  nlohmann::ordered_json files = nlohmann::ordered_json::array();
+  for (const char* kind : {".svg", ".png", ".gp", ".csv"}) files.push_back(base.string() + kind);
+  const nlohmann::ordered_json out{{"figure", figure.number}, {"title", figure.title}, {"files", files}};
+  std::printf("%s\n", out.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace).c_str());
+}
+
+/// A folder that cannot be made or written is bad input; found out before anything is drawn.
+Result<void> check_folder(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) return fail(folder.string() + ": cannot be made: " + error.message());
+  if (access(folder.c_str(), W_OK | X_OK) != 0) return fail(folder.string() + ": cannot be written");
+  return {};
+}
+
+int draw_figures(const report::Material& material, const ThesisOptions& options) {
+  if (const auto usable = check_folder(options.figures); !usable) return bad_input(usable.error().message);
+  const auto gnuplot = report::find_gnuplot();
+  if (!gnuplot) return failed(gnuplot.error().message);
+  catch_signals();
+  const std::vector<Sheet> all = sheets(material, options);
+  const std::size_t of = all.size() * (report::kLastFigure - report::kFirstFigure + 1);
+  std::size_t done = 0;
+  for (const Sheet& sheet : all) {
+    const auto figures = report::figures(material, sheet.sets);
+    if (!figures) return failed("thesis: " + figures.error().message);
+    for (const report::Figure& figure : *figures) {
+      if (interrupted()) return failed("thesis: interrupted; the figures drawn so far are whole");
+      const fs::path base = sheet.folder / report::file_stem(figure);
+      tell_progress(++done, of, base);
+      if (const auto drawn = report::draw(figure, sheet.folder, *gnuplot); !drawn)
+        return failed("thesis: " + drawn.error().message);
+      tell_figure(figure, base, options.json);
+    }
+  }
+  if (!options.json) std::printf("%zu figures in %s\n", done, options.figures.c_str());
+  return kDone;
+}
+
+int run_thesis(const ThesisOptions& options) {
+  if (!options.table.empty() && !report::find_table(options.table))
+    return bad_input("thesis: no table " + options.table + "; there are " + ids());
+  if (options.all_sets && options.figures.empty())
+    return bad_input("thesis: --all-sets is for --figures; tables show all sets anyway");
+  const auto share = share_folder();
+  if (!share) return bad_input(share.error().message);
+  const auto version = options.as_printed ? thesis::Version::as_printed : thesis::Version::corrected;
+  const auto material = report::load_material(*share / "thesis", version, options.set);
+  if (!material) return bad_input("thesis: " + material.error().message);
+  return options.figures.empty() ? print_tables(*material, options) : draw_figures(*material, options);
+}
+
+}  // namespace
+
+void add_thesis_command(CLI::App& app, int& exit_status) {
+  auto options = std::make_shared<ThesisOptions>();
+  CLI::App* command = app.add_subcommand(
+      "thesis", "Compute every table of the thesis anew beside the printed values, or draw its figures.");
+  CLI::Option* table = command->add_option("--table", options->table, "Only this table (see below)");
+  CLI::Option* set =
+      command->add_option("--set", options->set, "Only this set, zero_17 to back_68; figures go to DIR/SET");
+  CLI::Option* figures = command->add_option(
+      "--figures", options->figures,
+      "Draw Figures 4 to 17 into DIR instead, each as .svg and .png with its data (.csv) and gnuplot script "
+      "(.gp): the three spins at 23 degrees");
+  CLI::Option* all = command->add_flag("--all-sets", options->all_sets,
+                                       "With --figures: besides, each of the 21 sets by itself, in DIR/SET");
+  figures->excludes(table);
+  all->excludes(set);
+  figures->type_name("DIR");
+  for (CLI::Option* option : {table, set, figures}) option->check(not_empty);
+  command->add_flag("--as-printed", options->as_printed, "The thesis's data without its corrections");
+  command->add_flag("--json", options->json, "One JSON object for each table, or figure, on stdout");
+  command->footer(
+      "Tables 2 to 17 are the thesis's, the others go beyond it:\n" + contents() +
+      "Figures are numbered in the thesis's order of topics: 4-9 differentiation (distance, drop, "
+      "rotation, velocities, spin and slip, forces), 10-14 integration (the same), 15 and 16 both "
+      "approaches, 17 touchdown to lift-off.\n"
+      "Examples: strobe thesis --table 8\n"
+      "          strobe thesis --set zero_23 --json\n"
+      "          strobe thesis --figures figures --all-sets");
+  command->callback([options, &exit_status] { exit_status = run_thesis(*options); });
+}
+
+}  // namespace strobe::host

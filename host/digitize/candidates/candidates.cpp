@@ -1,0 +1,182 @@
+#include "host/digitize/candidates/candidates.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/core/utility.hpp>
+#include <opencv2/imgproc.hpp>
+#include <queue>
+
+#include "host/digitize/candidates/circle_support.hpp"
+#include "host/digitize/candidates/edge_points.hpp"
+
+namespace strobe::digitize {
+
+namespace {
+
+/// The photograph made smaller by a whole number, so that the ball's radius is what the search needs.
+struct Reduced {
+  cv::Mat light;
+  int factor = 1;
+  double to_full(double at) const { return (at + 0.5) * factor - 0.5; }
+};
+
+Reduced made_smaller(const cv::Mat& light, double radius_px, Effort effort) {
+  const double wanted = effort == Effort::fast ? 25.0 : 32.0;
+  Reduced reduced;
+  reduced.factor = std::max(1, static_cast<int>(radius_px / wanted));
+  reduced.factor = std::min(reduced.factor, std::min(light.cols, light.rows));
+  if (reduced.factor == 1) {
+    reduced.light = light;
+    return reduced;
+  }
+  const int f = reduced.factor;
+  const cv::Size size(light.cols / f, light.rows / f);
+  cv::resize(light(cv::Rect(0, 0, size.width * f, size.height * f)), reduced.light, size, 0, 0,
+             cv::INTER_AREA);
+  return reduced;
+}
+
+/// Each edge votes for all centres that it may belong to: a stretch along its normal direction. Votes lie on
+/// a grid wider than the picture, as a ball's centre may be off it.
+struct Votes {
+  cv::Mat count;   // CV_32FC1
+  int margin = 0;  // of the grid around the picture
+};
+
+Votes vote(const std::vector<EdgePoint>& edges, cv::Size size, double radius_min, double radius_max) {
+  Votes votes;
+  votes.margin = static_cast<int>(radius_max);
+  votes.count = cv::Mat::zeros(size.height + 2 * votes.margin, size.width + 2 * votes.margin, CV_32FC1);
+  const int steps = std::max(1, static_cast<int>(std::ceil(radius_max - radius_min)));
+  const auto from = static_cast<float>(radius_min);
+  const auto step = static_cast<float>((radius_max - radius_min) / steps);
+  const float shift = static_cast<float>(votes.margin) + 0.5F;
+  for (const auto& edge : edges) {
+    for (int i = 0; i <= steps; ++i) {
+      const float r = from + static_cast<float>(i) * step;
+      const int x = static_cast<int>(edge.at.x + r * edge.normal.x + shift);
+      const int y = static_cast<int>(edge.at.y + r * edge.normal.y + shift);
+      if (x >= 0 && y >= 0 && x < votes.count.cols && y < votes.count.rows)
+        votes.count.at<float>(y, x) += 1.0F;
+    }
+  }
+  const double spread = 0.05 * radius_max;
+  cv::GaussianBlur(votes.count, votes.count, {}, spread, spread, cv::BORDER_CONSTANT);
+  return votes;
+}
+
+struct Peak {
+  cv::Point2d at;
+  float height = 0.0F;
+};
+
+/// Local maxima, highest first.
+std::vector<Peak> peaks_of(const Votes& votes, double radius, std::size_t most) {
+  cv::Mat around;
+  const int side = 2 * std::max(1, static_cast<int>(0.05 * radius)) + 1;
+  cv::dilate(votes.count, around, cv::getStructuringElement(cv::MORPH_RECT, {side, side}));
+  std::vector<Peak> peaks;
+  for (int y = 0; y < votes.count.rows; ++y) {
+    const auto* count = votes.count.ptr<float>(y);
+    const auto* top = around.ptr<float>(y);
+    for (int x = 0; x < votes.count.cols; ++x)
+      if (count[x] > 0.0F && count[x] == top[x])
+        peaks.push_back({cv::Point2d(x - votes.margin, y - votes.margin), count[x]});
+  }
+  std::stable_sort(peaks.begin(), peaks.end(),
+                   [](const Peak& a, const Peak& b) { return a.height > b.height; });
+  if (peaks.size() > most) peaks.resize(most);
+  return peaks;
+}
+
+struct Scored {
+  SupportedCircle supported;
+  std::size_t round = 0;  ///< how many circles had claimed their edges when it was fitted
+  std::size_t peak = 0;
+  bool operator<(const Scored& other) const {
+    if (supported.share != other.supported.share) return supported.share < other.supported.share;
+    return peak > other.peak;
+  }
+};
+
+/// Edges that far off a circle, and a fit's shift, may make a difference to it. [px]
+constexpr double kBandsReach = 16.0;
+
+/// The circle with the largest share of its outline seen first; then the next by what edges that one leaves.
+std::vector<SupportedCircle> best_first(CircleSupport& edges, const std::vector<Peak>& peaks,
+                                        double radius_min, double radius_max, double min_coverage) {
+  const double middle = 0.5 * (radius_min + radius_max);
+  std::vector<SupportedCircle> fitted(peaks.size());
+  cv::parallel_for_(cv::Range(0, static_cast<int>(peaks.size())), [&](const cv::Range& range) {
+    for (auto i = static_cast<std::size_t>(range.start); i < static_cast<std::size_t>(range.end); ++i)
+      fitted[i] = edges.fit({peaks[i].at, middle}, radius_min, radius_max);
+  });
+  std::priority_queue<Scored> queue;
+  for (std::size_t i = 0; i < peaks.size(); ++i)
+    if (fitted[i].share >= min_coverage) queue.push({fitted[i], 0, i});
+  std::vector<SupportedCircle> found;
+  // Whether a circle found since then may have claimed edges of this one.
+  const auto robbed = [&](const Scored& scored) {
+    return std::any_of(found.begin() + static_cast<std::ptrdiff_t>(scored.round), found.end(),
+                       [&](const SupportedCircle& other) {
+                         return cv::norm(other.circle.centre - scored.supported.circle.centre) <
+                                2.0 * radius_max + kBandsReach;
+                       });
+  };
+  while (!queue.empty()) {
+    Scored best = queue.top();
+    queue.pop();
+    if (robbed(best)) {
+      best.supported = edges.fit(best.supported.circle, radius_min, radius_max);
+      best.round = found.size();
+      if (best.supported.share >= min_coverage) queue.push(best);
+      continue;
+    }
+    const Circle& circle = best.supported.circle;
+    const bool near = std::any_of(found.begin(), found.end(), [&](const SupportedCircle& other) {
+      return cv::norm(other.circle.centre - circle.centre) < 0.1 * middle;
+    });
+    if (near) continue;
+    edges.claim(circle);
+    found.push_back(best.supported);
+  }
+  return found;
+}
+
+}  // namespace
+
+std::vector<Candidate> find_candidates(const Photograph& photograph, const SearchRange& range,
+                                       Effort effort) {
+  const double largest = std::max(photograph.width(), photograph.height());
+  if (!(range.radius_min_px > 3.0 && range.radius_max_px >= range.radius_min_px) ||
+      range.radius_max_px > largest)
+    return {};
+  const double middle = 0.5 * (range.radius_min_px + range.radius_max_px);
+  const Reduced reduced = made_smaller(photograph.light, middle, effort);
+  if (std::min(reduced.light.cols, reduced.light.rows) < 3) return {};
+  const double radius_min = range.radius_min_px / reduced.factor,
+               radius_max = range.radius_max_px / reduced.factor;
+  const double radius = middle / reduced.factor;
+
+  EdgeDetection search;
+  search.neighbourhood_px = radius;
+  // A sixteenth of an 8-bit number per px: less is rounding.
+  search.floor = 0.0625 / 255.0;
+  auto edges = find_edge_points(reduced.light, search);
+  const Votes votes = vote(edges, reduced.light.size(), radius_min, radius_max);
+  const auto peaks = peaks_of(votes, radius, 250);
+  CircleSupport support(std::move(edges), reduced.light.size());
+  const auto circles = best_first(support, peaks, radius_min, radius_max, range.min_coverage);
+
+  std::vector<Candidate> candidates;
+  for (const auto& [circle, share, deviation] : circles)
+    candidates.push_back({{reduced.to_full(circle.centre.x), reduced.to_full(circle.centre.y)},
+                          circle.radius * reduced.factor,
+                          share});
+  // A circle refitted to what others left may have gained.
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const Candidate& a, const Candidate& b) { return a.score > b.score; });
+  return candidates;
+}
+
+}  // namespace strobe::digitize

@@ -1,0 +1,185 @@
+#include "host/digitize/corrections/corrections.hpp"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "host/digitize/image_order.hpp"
+
+namespace strobe::digitize {
+
+namespace {
+
+using reduction::BallImage;
+using Kind = Correction::Kind;
+
+constexpr std::string_view kHand = "hand";
+
+class Editor {
+ public:
+  Editor(const Digitization& found, const DigitizeSettings& settings) : result_(found), settings_(settings) {
+    touched_.assign(found.frame.images.size(), nullptr);
+  }
+
+  Result<void> apply(const Correction& correction) {
+    if (correction.kind == Kind::add) return add(correction);
+    const auto index = image_at(correction);
+    if (!index) return tl::unexpected(index.error());
+    touched_[*index] = &correction;
+    if (correction.kind == Kind::move) change(*index, correction.measured);
+    return {};
+  }
+
+  Digitization conclude() {
+    for (std::size_t i = touched_.size(); i-- > 0;) {
+      if (touched_[i] != nullptr && touched_[i]->kind == Kind::remove) remove(i);
+    }
+    auto& images = result_.frame.images;
+    images.insert(images.end(), added_.begin(), added_.end());
+    result_.outlines.insert(result_.outlines.end(), added_outlines_.begin(), added_outlines_.end());
+    order_images(result_.frame, result_.outlines, settings_, result_.remarks);
+    return std::move(result_);
+  }
+
+ private:
+  cv::Point2d plane(const ManualPoint& p) const {
+    return p.of_photograph ? settings_.map.to_plane(p.point) : p.point;
+  }
+
+  Result<std::size_t> image_at(const Correction& correction) const {
+    const cv::Point2d at = plane(correction.at);
+    const auto& images = result_.frame.images;
+    std::optional<std::size_t> nearest;
+    double least_px = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < images.size(); ++i) {
+      const double distance_px = std::hypot(images[i].centre_px.x - at.x, images[i].centre_px.y - at.y);
+      if (distance_px < least_px) least_px = distance_px, nearest = i;
+    }
+    const double reach_px = 0.5 * settings_.px_per_m * settings_.ball_diameter_m;
+    if (!nearest || least_px > reach_px)
+      return fail(fmt::format("{}: no image within {:.0f} px of ({:.1f}, {:.1f})", correction.place, reach_px,
+                              at.x, at.y));
+    if (touched_[*nearest] != nullptr)
+      return fail(fmt::format("{}: means the same image as {}", correction.place, touched_[*nearest]->place));
+    return *nearest;
+  }
+
+  double hand_sd_px(const std::optional<double>& stated) const {
+    return stated.value_or(kManualCentre_sd_m * settings_.px_per_m);
+  }
+
+  /// Two points of an outline make a diameter.
+  double hand_diameter_sd_px(const std::optional<double>& stated) const {
+    return stated.value_or(std::sqrt(2.0) * kManualCentre_sd_m * settings_.px_per_m);
+  }
+
+  void set_centre(BallImage& image, Outline& outline, const ManualMeasurement& m) const {
+    outline.centre = plane(*m.centre);
+    image.centre_px = {outline.centre.x, outline.centre.y};
+    const double variance = std::pow(hand_sd_px(m.centre_sd_px), 2);
+    image.centre_cov_px2 = {variance, 0.0, 0.0, variance};
+  }
+
+  void set_rest(BallImage& image, const ManualMeasurement& m) const {
+    image.source = kHand;
+    if (m.equator_rad) {
+      image.equator_rad = m.equator_rad;
+      image.equator_sd_rad = m.equator_sd_rad.value_or(kManualEquator_sd_rad);
+    }
+    if (m.no_equator) image.equator_rad.reset(), image.equator_sd_rad.reset();
+    if (m.leg) image.leg = m.leg;
+    if (m.top) {
+      const cv::Point2d top = plane(*m.top);
+      image.top_px = {top.x, top.y};
+    }
+    if (m.contact_width_px) image.contact_width_px = m.contact_width_px;
+    if (m.time_s) image.time_s = *m.time_s;
+  }
+
+  void set_diameter(BallImage& image, Outline& outline, double diameter_px, double sd_px) const {
+    outline.diameter = image.diameter_px = diameter_px;
+    image.diameter_sd_px = sd_px;
+  }
+
+  /// What was fitted to the photograph no longer is once a person has moved it.
+  static void by_hand_alone(Outline& outline, const BallImage& image) {
+    outline.seen.clear();
+    outline.visible_fraction = 0.0;
+    const auto& c = *image.centre_cov_px2;
+    const double d = image.diameter_sd_px.value_or(0.0);
+    outline.covariance = cv::Matx33d(c[0], c[1], 0.0, c[2], c[3], 0.0, 0.0, 0.0, d * d);
+  }
+
+  void change(std::size_t index, const ManualMeasurement& m) {
+    BallImage& image = result_.frame.images[index];
+    Outline& outline = result_.outlines[index];
+    if (m.centre) set_centre(image, outline, m);
+    if (m.diameter_px) set_diameter(image, outline, *m.diameter_px, hand_diameter_sd_px(m.diameter_sd_px));
+    if ((m.centre || m.diameter_px) && image.centre_cov_px2) by_hand_alone(outline, image);
+    set_rest(image, m);
+  }
+
+  Result<void> add(const Correction& correction) {
+    const ManualMeasurement& m = correction.measured;
+    BallImage image;
+    Outline outline;
+    image.time_s = std::numeric_limits<double>::quiet_NaN();
+    set_centre(image, outline, m);
+    if (m.diameter_px)
+      set_diameter(image, outline, *m.diameter_px, hand_diameter_sd_px(m.diameter_sd_px));
+    else if (const auto [median, sd] = typical_diameter(); median > 0.0)
+      set_diameter(image, outline, median, sd);
+    else if (m.leg != reduction::Leg::contact)
+      return fail(correction.place + ": add.diameter_px: is missing, and there is no image to take it from");
+    by_hand_alone(outline, image);
+    set_rest(image, m);
+    added_.push_back(image);
+    added_outlines_.push_back(outline);
+    return {};
+  }
+
+  /// Of the airborne images, with what one image's diameter may differ from it.
+  std::pair<double, double> typical_diameter() const {
+    std::vector<double> diameters;
+    for (const BallImage& image : result_.frame.images) {
+      if (image.leg != reduction::Leg::contact && image.diameter_px > 0.0)
+        diameters.push_back(image.diameter_px);
+    }
+    if (diameters.empty()) return {0.0, 0.0};
+    std::ranges::sort(diameters);
+    const double spread = 0.5 * (diameters.back() - diameters.front());
+    return {diameters[diameters.size() / 2], std::max(spread, hand_diameter_sd_px({}))};
+  }
+
+  void remove(std::size_t index) {
+    auto& images = result_.frame.images;
+    const BallImage& image = images[index];
+    result_.unmeasured.push_back({{image.centre_px.x, image.centre_px.y},
+                                  image.diameter_px,
+                                  "image",
+                                  {Reason::by_hand, "removed by " + touched_[index]->place}});
+    images.erase(images.begin() + static_cast<std::ptrdiff_t>(index));
+    result_.outlines.erase(result_.outlines.begin() + static_cast<std::ptrdiff_t>(index));
+  }
+
+  Digitization result_;
+  const DigitizeSettings& settings_;
+  std::vector<const Correction*> touched_;
+  std::vector<BallImage> added_;
+  std::vector<Outline> added_outlines_;
+};
+
+}  // namespace
+
+Result<void> apply_corrections(Digitization& digitization, const std::vector<Correction>& corrections,
+                               const DigitizeSettings& settings) {
+  Editor editor(digitization, settings);
+  for (const Correction& correction : corrections) {
+    if (auto applied = editor.apply(correction); !applied) return applied;
+  }
+  digitization = editor.conclude();
+  return {};
+}
+
+}  // namespace strobe::digitize

@@ -1,0 +1,129 @@
+#include "host/digitize/equator/ball_pixels.hpp"
+
+#include <algorithm>
+
+namespace strobe::digitize {
+namespace {
+
+/// Where a + b·i lies within -limit to limit.
+std::pair<double, double> interval(double a, double b, double limit) {
+  constexpr double kFar = 1e9;
+  if (std::abs(b) < 1e-12) return std::abs(a) <= limit ? std::pair(-kFar, kFar) : std::pair(kFar, -kFar);
+  const double one = (-limit - a) / b, two = (limit - a) / b;
+  return {std::min(one, two), std::max(one, two)};
+}
+
+/// Where a row cuts the disc of `radii`: |first + i·step| <= radii.
+std::pair<double, double> chord(cv::Point2d first, cv::Point2d step, double radii) {
+  const double square = step.dot(step), middle = -first.dot(step) / square;
+  const cv::Point2d nearest = first + middle * step;
+  const double rest = radii * radii - nearest.dot(nearest);
+  if (rest < 0.0) return {1.0, -1.0};
+  const double half = std::sqrt(rest / square);
+  return {middle - half, middle + half};
+}
+
+/// Of a disc, the unit coordinates of a row's first block and the step from one block to the next.
+struct RowPlace {
+  cv::Point2d first, step;
+
+  RowPlace(const BinnedImage& blocks, const Disc& disc, int j)
+      : first(disc.unit(blocks.column(0), blocks.row(j))),
+        step(disc.unit_from_image(0, 0) * blocks.stride, disc.unit_from_image(1, 0) * blocks.stride) {}
+};
+
+}  // namespace
+
+BallPixels::BallPixels(const BinnedImage& blocks, std::span<const Disc> discs,
+                       std::span<const Shading> shadings, std::size_t ball,
+                       std::span<const Neighbour> neighbours)
+    : blocks_(&blocks),
+      disc_(&discs[ball]),
+      shading_(&shadings[ball]),
+      floor_(0.05F * std::max(1e-6F, shadings[ball].at(0.0F, 0.0F, 1.0F))) {
+  for (const Neighbour& neighbour : neighbours) {
+    Other& other = others_.emplace_back(Other{&discs[neighbour.ball], &shadings[neighbour.ball], {}, {}});
+    if (!neighbour.line) continue;
+    other.place.emplace(*neighbour.line);
+    other.shape.emplace(neighbour.line->shape);
+    other.contrast = neighbour.line->contrast;
+  }
+}
+
+cv::Range BallPixels::rows(double radii) const {
+  const cv::Rect box = blocks_->around(*disc_, radii);
+  return {box.y, box.y + box.height};
+}
+
+std::span<const BallPixels::Block> BallPixels::row(int j, double radii, const std::optional<Band>& band) {
+  const RowPlace place(*blocks_, *disc_, j);
+  auto [from, to] = chord(place.first, place.step, radii);
+  if (band) {
+    const double c = std::cos(band->angle_rad), s = std::sin(band->angle_rad);
+    const auto [low, high] =
+        interval(c * place.first.y - s * place.first.x, c * place.step.y - s * place.step.x, band->within);
+    from = std::max(from, low);
+    to = std::min(to, high);
+  }
+  from = std::max(0.0, std::ceil(from));
+  to = std::min(blocks_->light.cols - 1.0, std::floor(to));
+  row_.clear();
+  if (to < from) return row_;
+  const int start = static_cast<int>(from);
+  const auto count = static_cast<std::size_t>(static_cast<int>(to) - start + 1);
+  row_.resize(count);
+  background_.assign(count, shading_->background);
+  count_.assign(count, 1.0F);
+  const float* light = blocks_->light.ptr<float>(j) + start;
+  const auto inner = static_cast<float>((1.0 - disc_->rim) * (1.0 - disc_->rim));
+  const cv::Point2f first(place.first + start * place.step), step(place.step);
+  for (std::size_t i = 0; i < count; ++i) {
+    Block& block = row_[i];
+    block.u = first.x + static_cast<float>(i) * step.x;
+    block.v = first.y + static_cast<float>(i) * step.y;
+    const float r = block.u * block.u + block.v * block.v;
+    block.z = std::sqrt(std::max(0.0F, 1.0F - r));
+    block.own = shading_->at(block.u, block.v, block.z);
+    block.left = light[i] - block.own;
+    block.noise = block.own * block.own;
+    block.full = light[i] >= blocks_->saturation;
+    block.use = !block.full && r <= inner;
+  }
+  for (const Other& other : others_) subtract(other, j, start);
+  for (std::size_t i = 0; i < count; ++i) row_[i].left -= background_[i] / count_[i];
+  return row_;
+}
+
+void BallPixels::subtract(const Other& other, int j, int start) {
+  const RowPlace place(*blocks_, *other.disc, j);
+  const double reach = 1.0 + other.disc->rim;
+  const auto [from, to] = chord(place.first, place.step, reach);
+  const int first = std::max(0, static_cast<int>(std::ceil(std::max(from, -1.0))) - start);
+  const int last =
+      std::min(static_cast<int>(row_.size()) - 1, static_cast<int>(std::floor(std::min(to, 1e6))) - start);
+  const auto inner = static_cast<float>((1.0 - other.disc->rim) * (1.0 - other.disc->rim));
+  for (int i = first; i <= last; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    Block& block = row_[at];
+    const auto u = static_cast<float>(place.first.x + (start + i) * place.step.x);
+    const auto v = static_cast<float>(place.first.y + (start + i) * place.step.y);
+    const float r = u * u + v * v;
+    if (r > inner) {
+      block.use = false;
+      continue;
+    }
+    const float z = std::sqrt(std::max(0.0F, 1.0F - r));
+    float light = other.shading->at(u, v, z);
+    block.noise += light * light;
+    background_[at] += other.shading->background;
+    count_[at] += 1.0F;
+    if (other.place) {
+      const double f = other.place->across(u, v, z);
+      if (std::abs(f) < other.shape->reach())
+        light *= static_cast<float>(1.0 - other.contrast * other.shape->at(f).first);
+    }
+    block.left -= light;
+  }
+}
+
+}  // namespace strobe::digitize

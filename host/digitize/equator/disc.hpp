@@ -1,0 +1,113 @@
+// One ball's image as a unit disc, and the line on it. Unit coordinates: u to the right and v up, both in
+// radii of the ball from the middle of its image, so that the outline is u² + v² = 1 also where perspective
+// shows it as an ellipse; z = sqrt(1 - u² - v²) towards the lens. Plain values; thread-safe; no allocation.
+//
+// A band on the sphere about a great circle whose plane is tilted by t out of the line of sight is where
+// f = v'·cos(t) - z·sin(t) - offset is small, (u', v') being turned by the line's angle: half an ellipse of
+// half axes 1 and sin(t), that begins and ends at the outline, on a diameter.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <opencv2/core.hpp>
+#include <utility>
+
+#include "host/digitize/core/plane_map.hpp"
+#include "host/digitize/core/types.hpp"
+
+namespace strobe::digitize {
+
+/// Darkness across a line, 0 to 1: a bar of `half_width` whose edges are blurred by a Gaussian of sd `soft`.
+/// Both in radii.
+struct LineShape {
+  double half_width = 0.05;
+  double soft = 0.02;
+
+  double darkness(double f) const;
+  /// d darkness/d f
+  double slope(double f) const;
+  /// Sd of where the darkness is: how wide the line is, whatever part of it is blur.
+  double spread() const { return std::sqrt(half_width * half_width / 3.0 + soft * soft); }
+  /// Beyond this |f| there is nothing of the line.
+  double reach() const { return half_width + 3.0 * soft; }
+};
+
+/// The darkness of a shape and its slope, looked up.
+class ShapeTable {
+ public:
+  explicit ShapeTable(const LineShape& shape);
+  double reach() const { return reach_; }
+  /// Darkness and slope.
+  std::pair<double, double> at(double f) const {
+    const double place = std::abs(f) * per_radius_;
+    if (!(place < kSteps)) return {0.0, 0.0};
+    const auto k = static_cast<std::size_t>(place);
+    const double part = place - static_cast<double>(k);
+    const double dark = dark_[k] + part * (dark_[k + 1] - dark_[k]);
+    const double slope = slope_[k] + part * (slope_[k + 1] - slope_[k]);
+    return {dark, f < 0.0 ? -slope : slope};
+  }
+
+ private:
+  static constexpr int kSteps = 64;
+  double reach_;
+  double per_radius_;  ///< steps
+  std::array<double, kSteps + 1> dark_{};
+  std::array<double, kSteps + 1> slope_{};
+};
+
+/// A line in unit coordinates.
+struct EquatorLine {
+  double angle_rad = 0.0;
+  double tilt_rad = 0.0;
+  double offset = 0.0;    ///< of its middle, radii
+  double contrast = 0.0;  ///< darkness at its middle over the ball's brightness
+  LineShape shape;
+};
+
+/// A line's angle and tilt as sines and cosines, to place many points.
+class LineCoordinates {
+ public:
+  explicit LineCoordinates(const EquatorLine& line)
+      : cos_(std::cos(line.angle_rad)),
+        sin_(std::sin(line.angle_rad)),
+        cos_tilt_(std::cos(line.tilt_rad)),
+        sin_tilt_(std::sin(line.tilt_rad)),
+        offset_(line.offset) {}
+
+  double along(double u, double v) const { return cos_ * u + sin_ * v; }
+  double across(double u, double v) const {
+    return across(u, v, std::sqrt(std::max(0.0, 1.0 - u * u - v * v)));
+  }
+  double across(double u, double v, double z) const {
+    return (cos_ * v - sin_ * u) * cos_tilt_ - z * sin_tilt_ - offset_;
+  }
+
+ private:
+  double cos_, sin_, cos_tilt_, sin_tilt_, offset_;
+};
+
+struct Disc {
+  cv::Point2d centre_image;
+  cv::Matx22d unit_from_image;
+  cv::Matx22d image_from_unit;
+  cv::Matx22d plane_from_unit;
+  double radius_image_px = 0.0;
+  double rim = 0.0;        ///< half width of the ring about the outline where its edge spoils what lies below
+  double centre_sd = 0.0;  ///< radii
+
+  cv::Point2d unit(double column, double row) const {
+    const double x = column - centre_image.x, y = row - centre_image.y;
+    return {unit_from_image(0, 0) * x + unit_from_image(0, 1) * y,
+            unit_from_image(1, 0) * x + unit_from_image(1, 1) * y};
+  }
+  /// Half the height and width of the disc of `radii` on the photograph.
+  cv::Point2d half_extent_px(double radii) const;
+};
+
+/// The lens and the perspective are taken as linear over one ball. Not ok(): no finite disc of a pixel or
+/// more.
+Disc make_disc(const PlaneMap& map, const Outline& outline);
+bool ok(const Disc& disc);
+
+}  // namespace strobe::digitize

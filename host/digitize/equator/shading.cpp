@@ -1,0 +1,299 @@
+#include "host/digitize/equator/shading.hpp"
+
+#include <algorithm>
+#include <opencv2/imgproc.hpp>
+#include <optional>
+
+namespace strobe::digitize {
+namespace {
+
+/// Nearer to the outline the sphere is too steep for low orders.
+constexpr double kShadingInner = 0.96;
+constexpr int kSweeps = 4;
+
+/// One block under one disc.
+struct Sample {
+  int point = 0;  ///< which block
+  std::array<float, Shading::kTerms> basis{};
+};
+
+struct Samples {
+  std::vector<float> value;  ///< of each block: light less background
+  std::vector<std::vector<Sample>> of_disc;
+};
+
+/// Median of the light around a disc and outside of all; absent: nothing is seen of it.
+std::optional<float> background_about(const BinnedImage& blocks, std::span<const Disc> discs,
+                                      const Disc& disc) {
+  std::vector<float> values;
+  constexpr int kDirections = 72;
+  for (const double radii : {1.1, 1.2, 1.3}) {
+    for (int k = 0; k < kDirections; ++k) {
+      const double angle = 2.0 * CV_PI * k / kDirections;
+      const cv::Vec2d away =
+          disc.image_from_unit * cv::Vec2d(radii * std::cos(angle), radii * std::sin(angle));
+      const cv::Point2d at = disc.centre_image + cv::Point2d(away[0], away[1]);
+      const int i = static_cast<int>(std::lround((at.x + 0.5 - blocks.origin.x) / blocks.stride - 0.5));
+      const int j = static_cast<int>(std::lround((at.y + 0.5 - blocks.origin.y) / blocks.stride - 0.5));
+      if (i < 0 || j < 0 || i >= blocks.light.cols || j >= blocks.light.rows) continue;
+      const bool covered = std::ranges::any_of(discs, [&](const Disc& other) {
+        const cv::Point2d unit = other.unit(at.x, at.y);
+        return unit.dot(unit) < (1.0 + other.rim) * (1.0 + other.rim);
+      });
+      if (!covered) values.push_back(blocks.light.at<float>(j, i));
+    }
+  }
+  if (values.size() < kDirections / 8) return std::nullopt;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::ranges::nth_element(values, middle);
+  return *middle;
+}
+
+std::vector<float> backgrounds(const BinnedImage& blocks, std::span<const Disc> discs) {
+  std::vector<std::optional<float>> seen;
+  std::vector<float> known;
+  for (const Disc& disc : discs) {
+    seen.push_back(background_about(blocks, discs, disc));
+    if (seen.back()) known.push_back(*seen.back());
+  }
+  std::ranges::sort(known);
+  const float usual = known.empty() ? 0.0F : known[known.size() / 2];
+  std::vector<float> result;
+  for (const auto& one : seen) result.push_back(one.value_or(usual));
+  return result;
+}
+
+/// Discs whose rows are near a row.
+std::vector<std::size_t> near_row(std::span<const Disc> discs, double row, double radii) {
+  std::vector<std::size_t> near;
+  for (std::size_t k = 0; k < discs.size(); ++k)
+    if (std::abs(row - discs[k].centre_image.y) <= discs[k].half_extent_px(radii).y) near.push_back(k);
+  return near;
+}
+
+Samples take_samples(const BinnedImage& blocks, std::span<const Disc> discs,
+                     std::span<const Shading> shadings, int across) {
+  double radius = 0.0;
+  for (const Disc& disc : discs) radius = std::max(radius, disc.radius_image_px);
+  const int step = std::max(1, static_cast<int>(2.0 * radius / blocks.stride / across));
+  Samples samples;
+  samples.of_disc.resize(discs.size());
+  std::vector<std::pair<std::size_t, cv::Point2d>> over;
+  for (int j = 0; j < blocks.light.rows; j += step) {
+    const auto near = near_row(discs, blocks.row(j), 1.1);
+    if (near.empty()) continue;
+    const float* light = blocks.light.ptr<float>(j);
+    for (int i = 0; i < blocks.light.cols; i += step) {
+      if (light[i] >= blocks.saturation) continue;
+      over.clear();
+      bool use = true;
+      for (const std::size_t k : near) {
+        const cv::Point2d unit = discs[k].unit(blocks.column(i), blocks.row(j));
+        const double r = unit.dot(unit);
+        if (r > (1.0 + discs[k].rim) * (1.0 + discs[k].rim)) continue;
+        use = use && r < kShadingInner * kShadingInner && r < (1.0 - discs[k].rim) * (1.0 - discs[k].rim);
+        over.emplace_back(k, unit);
+      }
+      if (!use || over.empty()) continue;
+      float background = 0.0F;
+      for (const auto& [k, unit] : over) {
+        Sample& sample = samples.of_disc[k].emplace_back();
+        sample.point = static_cast<int>(samples.value.size());
+        const auto u = static_cast<float>(unit.x), v = static_cast<float>(unit.y);
+        Shading::basis(u, v, std::sqrt(std::max(0.0F, 1.0F - u * u - v * v)), sample.basis.data());
+        background += shadings[k].background;
+      }
+      samples.value.push_back(light[i] - background / static_cast<float>(over.size()));
+    }
+  }
+  return samples;
+}
+
+using Normal = cv::Matx<double, Shading::kTerms, Shading::kTerms>;
+using Terms = cv::Vec<double, Shading::kTerms>;
+
+/// The lower half.
+void add(Normal& normal, const float* basis, double weight) {
+  for (int a = 0; a < Shading::kTerms; ++a) {
+    const double scaled = weight * basis[a];
+    for (int b = 0; b <= a; ++b) normal(a, b) += scaled * basis[b];
+  }
+}
+
+std::optional<Terms> solved(Normal normal, const Terms& right) {
+  for (int a = 0; a < Shading::kTerms; ++a)
+    for (int b = 0; b < a; ++b) normal(b, a) = normal(a, b);
+  Terms x;
+  if (!cv::solve(normal, right, x, cv::DECOMP_CHOLESKY)) return std::nullopt;
+  return x;
+}
+
+double dot(const Sample& sample, const Terms& terms) {
+  double sum = 0.0;
+  for (int a = 0; a < Shading::kTerms; ++a) sum += sample.basis[static_cast<std::size_t>(a)] * terms[a];
+  return sum;
+}
+
+/// One shading for all discs: where each alone would not tell its own from its neighbours'.
+Terms common_terms(const Samples& samples) {
+  std::vector<std::array<float, Shading::kTerms>> sums(samples.value.size());
+  for (const auto& disc : samples.of_disc)
+    for (const Sample& sample : disc)
+      for (std::size_t a = 0; a < Shading::kTerms; ++a)
+        sums[static_cast<std::size_t>(sample.point)][a] += sample.basis[a];
+  Normal normal = Normal::eye() * 1e-3;
+  Terms right;
+  for (std::size_t p = 0; p < sums.size(); ++p) {
+    add(normal, sums[p].data(), 1.0);
+    for (int a = 0; a < Shading::kTerms; ++a)
+      right[a] += samples.value[p] * sums[p][static_cast<std::size_t>(a)];
+  }
+  return solved(normal, right).value_or(Terms());
+}
+
+/// Huber's limit: 1.5 robust sd. Lines are dark, so that the sd is taken from the bright side alone.
+double huber_limit(const std::vector<double>& left) {
+  std::vector<double> bright;
+  for (const double x : left)
+    if (x > 0.0) bright.push_back(x);
+  if (bright.size() <= 10) return 1e30;
+  const auto middle = bright.begin() + static_cast<std::ptrdiff_t>(bright.size() / 2);
+  std::ranges::nth_element(bright, middle);
+  return 1.5 * 1.4826 * *middle + 1e-9;
+}
+
+/// Of each disc's samples, all of weight one.
+std::vector<Normal> plain_normals(const Samples& samples) {
+  std::vector<Normal> normals(samples.of_disc.size());
+  cv::parallel_for_(cv::Range(0, static_cast<int>(normals.size())), [&](const cv::Range& range) {
+    for (int k = range.start; k < range.end; ++k) {
+      Normal& normal = normals[static_cast<std::size_t>(k)];
+      for (const Sample& sample : samples.of_disc[static_cast<std::size_t>(k)])
+        add(normal, sample.basis.data(), 1.0);
+    }
+  });
+  return normals;
+}
+
+/// Of the shading that is common, what comes nearest to a ball's.
+double scale_of(const Normal& lower, const Terms& common, const Terms& terms) {
+  double both = 0.0, square = 0.0;
+  for (int a = 0; a < Shading::kTerms; ++a) {
+    for (int b = 0; b <= a; ++b) {
+      const double n = lower(a, b);
+      both += n * (common[a] * terms[b] + (a == b ? 0.0 : common[b] * terms[a]));
+      square += n * common[a] * common[b] * (a == b ? 1.0 : 2.0);
+    }
+  }
+  return square > 0.0 ? both / square : 1.0;
+}
+
+/// Balls in turn, each to what the others leave (backfitting), drawn towards the common shading as far as
+/// lamps' light varies from flash to flash and ball to ball. Huber's weights from the second sweep on.
+std::vector<Terms> own_terms(const Samples& samples, const Terms& common) {
+  constexpr double kDraw = 64.0;  // samples' worth
+  std::vector<Terms> terms(samples.of_disc.size(), common);
+  const std::vector<Normal> plain = plain_normals(samples);
+  std::vector<double> left(samples.value.begin(), samples.value.end());
+  for (const auto& disc : samples.of_disc)
+    for (const Sample& sample : disc) left[static_cast<std::size_t>(sample.point)] -= dot(sample, common);
+  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+    const double limit = sweep > 0 ? huber_limit(left) : 1e30;
+    for (std::size_t k = 0; k < terms.size(); ++k) {
+      // For the change of the terms; what weighs less than one is taken from the normal equations of all.
+      Normal normal = plain[k];
+      Terms right = (common * scale_of(plain[k], common, terms[k]) - terms[k]) * kDraw;
+      for (const Sample& sample : samples.of_disc[k]) {
+        double residual = left[static_cast<std::size_t>(sample.point)];
+        const double size = std::abs(residual);
+        if (size > limit) {
+          add(normal, sample.basis.data(), limit / size - 1.0);
+          residual *= limit / size;
+        }
+        for (int a = 0; a < Shading::kTerms; ++a)
+          right[a] += residual * sample.basis[static_cast<std::size_t>(a)];
+      }
+      for (int a = 0; a < Shading::kTerms; ++a) normal(a, a) += kDraw;
+      const auto change = solved(normal, right);
+      if (!change) continue;
+      for (const Sample& sample : samples.of_disc[k])
+        left[static_cast<std::size_t>(sample.point)] -= dot(sample, *change);
+      terms[k] += *change;
+    }
+  }
+  return terms;
+}
+
+}  // namespace
+
+cv::Rect BinnedImage::around(const Disc& disc, double radii) const {
+  const cv::Point2d half = disc.half_extent_px(radii);
+  const auto index = [&](double px, int start) { return (px + 0.5 - start) / stride - 0.5; };
+  const int left = static_cast<int>(
+      std::ceil(std::clamp(index(disc.centre_image.x - half.x, origin.x), 0.0, light.cols * 1.0)));
+  const int right = static_cast<int>(
+      std::floor(std::clamp(index(disc.centre_image.x + half.x, origin.x), -1.0, light.cols - 1.0)));
+  const int top = static_cast<int>(
+      std::ceil(std::clamp(index(disc.centre_image.y - half.y, origin.y), 0.0, light.rows * 1.0)));
+  const int bottom = static_cast<int>(
+      std::floor(std::clamp(index(disc.centre_image.y + half.y, origin.y), -1.0, light.rows - 1.0)));
+  if (right < left || bottom < top) return {};
+  return {left, top, right - left + 1, bottom - top + 1};
+}
+
+BinnedImage bin_image(const Photograph& photograph, std::span<const Disc> discs, int stride) {
+  constexpr double kAround = 1.35;  // holds the background about the outermost discs
+  double left = photograph.width(), right = -1.0, top = photograph.height(), bottom = -1.0;
+  for (const Disc& disc : discs) {
+    const cv::Point2d half = disc.half_extent_px(kAround);
+    left = std::min(left, disc.centre_image.x - half.x);
+    right = std::max(right, disc.centre_image.x + half.x);
+    top = std::min(top, disc.centre_image.y - half.y);
+    bottom = std::max(bottom, disc.centre_image.y + half.y);
+  }
+  BinnedImage blocks;
+  blocks.stride = stride;
+  blocks.saturation = photograph.saturation;
+  const int x0 = static_cast<int>(std::max(0.0, std::floor(left)));
+  const int y0 = static_cast<int>(std::max(0.0, std::floor(top)));
+  const int columns = (static_cast<int>(std::min(right + 1.0, photograph.width() * 1.0)) - x0) / stride;
+  const int rows = (static_cast<int>(std::min(bottom + 1.0, photograph.height() * 1.0)) - y0) / stride;
+  blocks.origin = {x0, y0};
+  if (columns <= 0 || rows <= 0) return blocks;
+  const cv::Mat part = photograph.light(cv::Rect(x0, y0, columns * stride, rows * stride));
+  if (stride == 1) {
+    blocks.light = part;
+  } else {
+    cv::resize(part, blocks.light, cv::Size(columns, rows), 0, 0, cv::INTER_AREA);
+  }
+  return blocks;
+}
+
+void Shading::basis(float u, float v, float z, float* t) {
+  t[0] = 1.0F;
+  t[1] = u;
+  t[2] = v;
+  t[3] = u * u;
+  t[4] = u * v;
+  t[5] = v * v;
+  t[6] = u * t[3];
+  t[7] = u * t[4];
+  t[8] = u * t[5];
+  t[9] = v * t[5];
+  for (int k = 0; k < 6; ++k) t[10 + k] = z * t[k];
+}
+
+std::vector<Shading> fit_shadings(const BinnedImage& blocks, std::span<const Disc> discs, int across) {
+  std::vector<Shading> shadings(discs.size());
+  if (blocks.light.empty()) return shadings;
+  const auto background = backgrounds(blocks, discs);
+  for (std::size_t k = 0; k < discs.size(); ++k) shadings[k].background = background[k];
+  const Samples samples = take_samples(blocks, discs, shadings, across);
+  const std::vector<Terms> terms = own_terms(samples, common_terms(samples));
+  for (std::size_t k = 0; k < discs.size(); ++k)
+    for (int a = 0; a < Shading::kTerms; ++a)
+      shadings[k].terms[static_cast<std::size_t>(a)] = static_cast<float>(terms[k][a]);
+  return shadings;
+}
+
+}  // namespace strobe::digitize

@@ -1,0 +1,143 @@
+#include "host/digitize/outliers/limb_agreement.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <opencv2/core/utility.hpp>
+
+#include "host/digitize/core/median.hpp"
+#include "host/digitize/surface/surface_frame.hpp"
+
+namespace strobe::digitize {
+namespace {
+
+constexpr std::size_t kDirections = 72;
+constexpr int kAcross = 3;  // samples along the outline, for one direction
+constexpr std::size_t kFewest = 3;
+constexpr float kMinGain = 0.7F;
+constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+
+using Limb = std::array<float, kDirections>;
+
+struct Place {
+  cv::Point2d centre;
+  EllipsePx ellipse;
+  double reach(double angle_rad) const {
+    const double a = angle_rad - ellipse.axis_rad;
+    return 1.0 / std::hypot(std::cos(a) / ellipse.along, std::sin(a) / ellipse.across);
+  }
+};
+
+class Reader {
+ public:
+  Reader(const Photograph& photograph, const PlaneMap& map, const std::optional<SurfaceLine>& surface)
+      : photograph_(photograph), map_(map) {
+    if (surface) axes_ = surface_frame(*surface);
+  }
+
+  /// Rise of light from outside to inside in each direction; not-a-number where it cannot be told.
+  Limb limb(const Outline& outline) const {
+    const Place place{outline.centre, map_.outline(outline.centre, outline.diameter)};
+    // Beyond most of the blur, and near enough that what lies under the ball is the same.
+    const double off = 1.5 * std::max(outline.blur_px, 0.7) + 0.5;
+    Limb limb{};
+    for (std::size_t k = 0; k < kDirections; ++k) {
+      float inside = 0.0F, outside = 0.0F;
+      for (int j = 0; j < kAcross; ++j) {
+        const double turn = (static_cast<double>(k) + (j + 0.5) / kAcross) / kDirections;
+        inside += light(place, 2.0 * std::numbers::pi * turn, -off) +
+                  light(place, 2.0 * std::numbers::pi * turn, -off - 1.5);
+        outside += light(place, 2.0 * std::numbers::pi * turn, off) +
+                   light(place, 2.0 * std::numbers::pi * turn, off + 1.5);
+      }
+      limb[k] = (inside - outside) / (2.0F * kAcross);
+    }
+    return limb;
+  }
+
+ private:
+  float light(const Place& place, double angle_rad, double beyond) const {
+    const double r = place.reach(angle_rad) + beyond;
+    const cv::Point2d at = place.ellipse.centre + r * cv::Point2d(std::cos(angle_rad), std::sin(angle_rad));
+    if (axes_ && axes_->from_plane(at).y < 0.0) return kNone;
+    const cv::Point2d image = map_.to_image(at);
+    const int column = cvRound(image.x), row = cvRound(image.y);
+    if (column < 0 || row < 0 || column >= photograph_.width() || row >= photograph_.height()) return kNone;
+    const float light = photograph_.light.at<float>(row, column);
+    return light >= 0.985F * photograph_.saturation ? kNone : light;
+  }
+
+  const Photograph& photograph_;
+  const PlaneMap& map_;
+  std::optional<SurfaceFrame> axes_;
+};
+
+/// Of the directions, or of the outlines, that can be told.
+float usual(std::vector<double> rises) {
+  std::erase_if(rises, [](double r) { return std::isnan(r); });
+  return rises.empty() ? kNone : static_cast<float>(median(std::move(rises)));
+}
+
+Limb usual_limb(const std::vector<Limb>& limbs) {
+  Limb usually{};
+  for (std::size_t k = 0; k < kDirections; ++k) {
+    std::vector<double> rises;
+    for (const Limb& limb : limbs) rises.push_back(limb[k]);
+    usually[k] = usual(std::move(rises));
+  }
+  return usually;
+}
+
+/// How much darker this image is than the others, by the quarter of its directions that are brightest: lamps
+/// flash unevenly and light the middle more than the sides, but not by any factor.
+float gain_of(const Limb& limb, const Limb& usually) {
+  std::vector<float> ratios;
+  for (std::size_t k = 0; k < kDirections; ++k) {
+    if (std::isnan(limb[k]) || !(usually[k] > 0.0F)) continue;
+    ratios.push_back(limb[k] / usually[k]);
+  }
+  if (ratios.empty()) return 1.0F;
+  const auto quarter = ratios.begin() + static_cast<std::ptrdiff_t>(3 * ratios.size() / 4);
+  std::nth_element(ratios.begin(), quarter, ratios.end());
+  return std::clamp(*quarter, kMinGain, 1.0F);
+}
+
+LimbAgreement compared(const Limb& limb, const Limb& usually) {
+  LimbAgreement result;
+  const float gain = gain_of(limb, usually);
+  double there = 0.0, expected = 0.0;
+  for (std::size_t k = 0; k < kDirections; ++k) {
+    if (std::isnan(limb[k])) continue;
+    result.told += 1.0 / kDirections;
+    if (std::isnan(usually[k]) || usually[k] <= 0.0F) continue;
+    expected += usually[k];
+    there += limb[k] > 0.5F * gain * usually[k] ? usually[k] : 0.0F;
+  }
+  result.share = expected > 0.0 ? there / expected : 0.0;
+  return result;
+}
+
+}  // namespace
+
+std::vector<LimbAgreement> compare_limbs(const Photograph& photograph, const PlaneMap& map,
+                                         std::span<const Outline> outlines,
+                                         const std::optional<SurfaceLine>& surface) {
+  const Reader reader(photograph, map, surface);
+  std::vector<Limb> limbs(outlines.size());
+  cv::parallel_for_(cv::Range(0, static_cast<int>(outlines.size())), [&](const cv::Range& range) {
+    for (auto i = static_cast<std::size_t>(range.start); i < static_cast<std::size_t>(range.end); ++i)
+      limbs[i] = reader.limb(outlines[i]);
+  });
+  Limb usually{};
+  if (limbs.size() >= kFewest) usually = usual_limb(limbs);
+  std::vector<LimbAgreement> result;
+  for (const Limb& limb : limbs) {
+    if (limbs.size() < kFewest) usually.fill(usual({limb.begin(), limb.end()}));
+    result.push_back(compared(limb, usually));
+  }
+  return result;
+}
+
+}  // namespace strobe::digitize

@@ -1,0 +1,264 @@
+#include "host/digitize/outline/outlines.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/core/utility.hpp>
+
+#include "host/digitize/outline/bagged_fit.hpp"
+#include "host/digitize/outline/circle_ransac.hpp"
+#include "host/digitize/outline/outline_fit.hpp"
+#include "host/digitize/outline/oval_model.hpp"
+
+namespace strobe::digitize {
+
+namespace {
+
+constexpr double kMuchBlur = 1.3;
+
+/// A circle in plane px.
+struct Disc {
+  cv::Point2d centre;
+  double radius = 0.0;
+  double oval_cos = 0.0, oval_sin = 0.0;
+};
+
+/// One candidate on its way.
+struct Work {
+  std::optional<LocalFrame> frame;
+  std::optional<CoarseCircle> rough;
+  std::optional<FittedOutline> fitted;
+  std::optional<Disc> disc;  ///< as well as it is known so far; absent: no outline
+  std::optional<Rejection> rejection;
+};
+
+/// The shape of a ball at that place, in a frame.
+OutlineShape shape_of(const PlaneMap& map, const LocalFrame& frame, const Disc& disc) {
+  const EllipsePx ellipse = map.outline(disc.centre, 2.0 * disc.radius);
+  OutlineShape shape;
+  shape.centre = frame.from_plane(ellipse.centre);
+  shape.radius = std::sqrt(ellipse.along * ellipse.across) * frame.scale();
+  shape.oval_cos = disc.oval_cos * frame.scale();
+  shape.oval_sin = disc.oval_sin * frame.scale();
+  shape.along = std::sqrt(ellipse.along / ellipse.across);
+  shape.across = 1.0 / shape.along;
+  shape.axis = {std::cos(ellipse.axis_rad), std::sin(ellipse.axis_rad)};
+  return shape;
+}
+
+/// The ball whose outline that shape is: perspective moves and grows it by an amount that hardly changes.
+Disc disc_of(const PlaneMap& map, const LocalFrame& frame, const OutlineShape& shape) {
+  Disc disc{frame.to_plane(shape.centre), shape.radius / frame.scale(), shape.oval_cos / frame.scale(),
+            shape.oval_sin / frame.scale()};
+  for (int i = 0; i < 3; ++i) {
+    const EllipsePx ellipse = map.outline(disc.centre, 2.0 * disc.radius);
+    disc.centre += frame.to_plane(shape.centre) - ellipse.centre;
+    disc.radius *= shape.radius / frame.scale() / std::sqrt(ellipse.along * ellipse.across);
+  }
+  return disc;
+}
+
+class Outliner {
+ public:
+  Outliner(const Photograph& photograph, const PlaneMap& map, std::span<const Candidate> candidates,
+           const OutlineSettings& settings)
+      : photograph_(photograph),
+        map_(map),
+        candidates_(candidates),
+        settings_(settings),
+        works_(candidates.size()) {}
+
+  std::vector<Measured<Outline>> run() {
+    each([this](std::size_t i) { search(i); });
+    const int sweeps = settings_.effort == Effort::fast ? 1 : 2;
+    for (int sweep = 0; sweep < sweeps; ++sweep) {
+      const std::vector<Work> before = works_;
+      each([this, &before, sweep](std::size_t i) { fit(i, before, sweep); });
+      for (std::size_t i = 0; i < works_.size(); ++i) judge(i);
+      drop_duplicates();
+      if (sweep == 0) agree_on_ovals();
+    }
+    std::vector<Measured<Outline>> results;
+    for (std::size_t i = 0; i < works_.size(); ++i) results.push_back(result(i));
+    return results;
+  }
+
+ private:
+  template <typename Do>
+  void each(const Do& one) {
+    cv::parallel_for_(cv::Range(0, static_cast<int>(works_.size())), [&](const cv::Range& range) {
+      for (int i = range.start; i < range.end; ++i) one(static_cast<std::size_t>(i));
+    });
+  }
+
+  static void reject(Work& work, Reason reason, std::string detail) {
+    work.disc.reset();
+    work.rejection = Rejection{reason, std::move(detail)};
+  }
+
+  void search(std::size_t i) {
+    Work& work = works_[i];
+    const Candidate& candidate = candidates_[i];
+    work.frame.emplace(map_, candidate.centre_image, 1.3 * candidate.radius_image_px + 10.0);
+    CoarseSearch search;
+    search.radius_px = candidate.radius_image_px;
+    search.radius_min_px = 0.48 * settings_.diameter_min_px * work.frame->scale();
+    search.radius_max_px = 0.52 * settings_.diameter_max_px * work.frame->scale();
+    search.reach_px = std::max(5.0, 0.09 * candidate.radius_image_px);
+    work.rough = find_circle_ransac(photograph_, *work.frame, search);
+    if (!work.rough || work.rough->share < 0.06) {
+      reject(work, Reason::few_edges, "hardly an edge where the outline should be");
+      return;
+    }
+    work.disc = Disc{work.frame->to_plane(work.rough->centre), work.rough->radius / work.frame->scale()};
+  }
+
+  std::vector<OutlineShape> neighbours(std::size_t i, const std::vector<Work>& all) const {
+    std::vector<OutlineShape> shapes;
+    for (std::size_t j = 0; j < all.size(); ++j) {
+      if (j == i || !all[j].disc) continue;
+      const double apart = cv::norm(all[j].disc->centre - all[i].disc->centre);
+      if (apart < 1.2 * (all[i].disc->radius + all[j].disc->radius))
+        shapes.push_back(shape_of(map_, *works_[i].frame, *all[j].disc));
+    }
+    return shapes;
+  }
+
+  void fit(std::size_t i, const std::vector<Work>& before, int sweep) {
+    Work& work = works_[i];
+    if (!before[i].disc) return;
+    OutlineFitSettings settings;
+    settings.steps = settings_.effort == Effort::fast ? 4 : sweep == 0 ? 3 : 2;
+    settings.rough_steps = sweep == 0 ? 2 : 0;
+    settings.sectors_px = settings_.effort == Effort::fast ? 12.0 : 8.0;
+    settings.rays_px = settings_.effort == Effort::fast || sweep == 0 ? 2.0 : 1.0;
+    settings.oval_sd = oval_sd();
+    if (agreed_ && sweep > 0) {
+      settings.oval = agreed_->at(before[i].disc->centre);
+      settings.oval_sd = agreed_->sd();
+    }
+    if (settings_.diameter_px && settings_.diameter_sd_px) {
+      settings.radius_px = 0.5 * *settings_.diameter_px * work.frame->scale();
+      settings.radius_sd_px = 0.5 * *settings_.diameter_sd_px * work.frame->scale();
+    }
+    const double sigma = sweep == 0 ? 1.5 : before[i].fitted->sigma_px;
+    const OutlineShape start = shape_of(map_, *work.frame, *before[i].disc);
+    const std::vector<OutlineShape> others = neighbours(i, before);
+    const auto fit_once =
+        settings_.effort == Effort::thorough && sweep > 0 ? fit_outline_bagged : fit_outline;
+    work.fitted = fit_once(photograph_, *work.frame, start, sigma, others, settings);
+    if (work.fitted && settings_.effort == Effort::fast && work.fitted->sigma_px > kMuchBlur * sigma) {
+      // The light was sampled too near to the outline to tell the blur's end.
+      settings.steps = 2, settings.rough_steps = 0;
+      work.fitted =
+          fit_outline(photograph_, *work.frame, work.fitted->shape, work.fitted->sigma_px, others, settings);
+    }
+    if (!work.fitted) {
+      reject(work, Reason::few_edges, "no stretch of an outline is clear enough to measure");
+      return;
+    }
+    work.disc = disc_of(map_, *work.frame, work.fitted->shape);
+  }
+
+  /// Of an outline, over its radius, before anything is seen.
+  double oval_sd() const { return map_.viewpoint() ? 0.002 : 0.005; }
+
+  void agree_on_ovals() {
+    std::vector<OvalSample> samples;
+    for (const Work& work : works_) {
+      if (!work.disc) continue;
+      const OutlineShape& shape = work.fitted->shape;
+      const double unit = 1.0 / shape.radius;
+      const auto c = work.fitted->covariance.get_minor<2, 2>(3, 3) * (unit * unit);
+      samples.push_back({work.disc->centre, cv::Vec2d(shape.oval_cos, shape.oval_sin) * unit, c});
+    }
+    const cv::Point2d corner = map_.to_plane({0.0, 0.0});
+    const cv::Point2d middle = map_.to_plane({0.5 * photograph_.width(), 0.5 * photograph_.height()});
+    agreed_ = fit_oval_model(samples, middle, cv::norm(corner - middle));
+    if (agreed_ && agreed_->sd() >= oval_sd()) agreed_.reset();
+    if (!agreed_) return;
+    for (Work& work : works_) {
+      if (!work.disc) continue;
+      apply_oval_prior(*work.fitted, agreed_->at(work.disc->centre), agreed_->sd(), oval_sd());
+      work.disc = disc_of(map_, *work.frame, work.fitted->shape);
+    }
+  }
+
+  void judge(std::size_t i) {
+    Work& work = works_[i];
+    if (!work.disc) return;
+    const FittedOutline& fitted = *work.fitted;
+    const double diameter = 2.0 * work.disc->radius;
+    const double degrees = 360.0 * fitted.visible_fraction;
+    const double sd =
+        std::sqrt(std::max(fitted.covariance(0, 0), fitted.covariance(1, 1))) / work.frame->scale();
+    if (fitted.visible_fraction < 0.15) {
+      const Reason reason = fitted.outside_fraction > 0.4     ? Reason::at_border
+                            : fitted.saturated_fraction > 0.4 ? Reason::saturated
+                                                              : Reason::few_edges;
+      reject(work, reason, fmt::format("outline seen over {:.0f} of 360 degrees", degrees));
+    } else if (diameter < settings_.diameter_min_px || diameter > settings_.diameter_max_px) {
+      reject(work, Reason::wrong_size,
+             fmt::format("diameter {:.1f} px is not between {:.1f} and {:.1f}", diameter,
+                         settings_.diameter_min_px, settings_.diameter_max_px));
+    } else if (fitted.rms_px > std::max(1.0, 0.01 * fitted.shape.radius) ||
+               std::hypot(fitted.shape.oval_cos, fitted.shape.oval_sin) > 0.03 * fitted.shape.radius) {
+      reject(work, Reason::not_round,
+             fmt::format("edges are {:.2f} px rms from an ellipse that a ball can have", fitted.rms_px));
+    } else if (sd > 0.02 * diameter) {
+      reject(work, Reason::imprecise, fmt::format("centre known to {:.1f} px only", sd));
+    }
+  }
+
+  double quality(std::size_t i) const { return works_[i].fitted->visible_fraction; }
+
+  void drop_duplicates() {
+    for (std::size_t i = 0; i < works_.size(); ++i) {
+      for (std::size_t j = 0; j < works_.size(); ++j) {
+        if (i == j || !works_[i].disc || !works_[j].disc) continue;
+        const double apart = cv::norm(works_[i].disc->centre - works_[j].disc->centre);
+        if (apart > 0.02 * (works_[i].disc->radius + works_[j].disc->radius)) continue;
+        if (quality(j) > quality(i) || (quality(j) == quality(i) && j < i))
+          reject(works_[i], Reason::duplicate,
+                 fmt::format("{:.1f} px from an outline that fits better", apart));
+      }
+    }
+  }
+
+  Measured<Outline> result(std::size_t i) const {
+    const Work& work = works_[i];
+    if (!work.disc)
+      return tl::unexpected<Rejection>(work.rejection.value_or(Rejection{Reason::few_edges, "no outline"}));
+    const FittedOutline& fitted = *work.fitted;
+    const double scale = work.frame->scale();
+    Outline outline;
+    outline.centre = work.disc->centre;
+    outline.diameter = 2.0 * work.disc->radius;
+    const cv::Vec3d unit(1.0 / scale, 1.0 / scale, 2.0 / scale);
+    for (int a = 0; a < 3; ++a)
+      for (int b = 0; b < 3; ++b) outline.covariance(a, b) = fitted.covariance(a, b) * unit[a] * unit[b];
+    outline.seen = fitted.seen;
+    outline.visible_fraction = fitted.visible_fraction;
+    outline.rms_px = fitted.rms_px / scale;
+    outline.blur_px = fitted.sigma_px / scale;
+    return outline;
+  }
+
+  const Photograph& photograph_;
+  const PlaneMap& map_;
+  std::span<const Candidate> candidates_;
+  OutlineSettings settings_;
+  std::vector<Work> works_;
+  std::optional<OvalModel> agreed_;
+};
+
+}  // namespace
+
+std::vector<Measured<Outline>> fit_outlines(const Photograph& photograph, const PlaneMap& map,
+                                            std::span<const Candidate> candidates,
+                                            const OutlineSettings& settings) {
+  return Outliner(photograph, map, candidates, settings).run();
+}
+
+}  // namespace strobe::digitize

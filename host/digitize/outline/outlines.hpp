@@ -1,0 +1,31 @@
+// From candidates to outlines: sub-pixel edges along the normals, mapped to the plane, and an ellipse of the
+// shape that a ball has there fitted to those that are its own. Deterministic for any number of threads;
+// thread-safe; allocates.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "host/digitize/core/plane_map.hpp"
+#include "host/digitize/core/types.hpp"
+#include "host/digitize/image/photograph.hpp"
+
+namespace strobe::digitize {
+
+struct OutlineSettings {
+  double diameter_min_px = 0.0;  ///< plane px
+  double diameter_max_px = 0.0;
+  /// The ball's own diameter and its sd, if calibrated well enough to help where arcs are short.
+  std::optional<double> diameter_px;
+  std::optional<double> diameter_sd_px;
+  Effort effort = Effort::standard;
+};
+
+/// One result for each candidate, in their order. All candidates are looked at together: edges that belong to
+/// another outline are left to it. A contact image is fitted by what is round of it. The covariance is meant
+/// to be true: error/sd has rms one over many photographs, whatever texture, shading and noise.
+std::vector<Measured<Outline>> fit_outlines(const Photograph& photograph, const PlaneMap& map,
+                                            std::span<const Candidate> candidates,
+                                            const OutlineSettings& settings);
+
+}  // namespace strobe::digitize

@@ -1,0 +1,162 @@
+#include "host/digitize/path/leg_line.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+namespace strobe::digitize {
+namespace {
+
+// The bend of a leg at 5 m/s, g/(2 v²) = 0.2 per metre, for a ball of 65 mm; and some more.
+constexpr double kMaxBendOfDiameter = 0.02;
+constexpr double kLooseOfDiameter = 0.12;
+constexpr double kTightOfDiameter = 0.02;
+// Closer than this two centres give no direction.
+constexpr double kMinStepOfDiameter = 0.1;
+
+struct Straight {
+  cv::Point2d origin, along;
+};
+
+Straight straight(std::span<const PathPoint> points, const std::vector<int>& members) {
+  Straight line;
+  double sum = 0.0;
+  for (const int i : members) {
+    const PathPoint& p = points[static_cast<std::size_t>(i)];
+    line.origin += p.weight * p.at;
+    sum += p.weight;
+  }
+  line.origin *= 1.0 / sum;
+  double sxx = 0.0, sxy = 0.0, syy = 0.0;
+  for (const int i : members) {
+    const PathPoint& p = points[static_cast<std::size_t>(i)];
+    const cv::Point2d d = p.at - line.origin;
+    sxx += p.weight * d.x * d.x;
+    sxy += p.weight * d.x * d.y;
+    syy += p.weight * d.y * d.y;
+  }
+  const double angle = 0.5 * std::atan2(2.0 * sxy, sxx - syy);
+  line.along = {std::cos(angle), std::sin(angle)};
+  return line;
+}
+
+/// off = a + b place + c place² by least squares; c.
+double curvature(std::span<const PathPoint> points, const std::vector<int>& members, const Straight& line,
+                 cv::Vec3d& coefficients) {
+  cv::Matx33d normal = cv::Matx33d::zeros();
+  cv::Vec3d right(0, 0, 0);
+  double scale = 1.0;
+  for (const int i : members)
+    scale = std::max(scale, std::abs((points[static_cast<std::size_t>(i)].at - line.origin).dot(line.along)));
+  for (const int i : members) {
+    const PathPoint& p = points[static_cast<std::size_t>(i)];
+    const cv::Point2d d = p.at - line.origin;
+    const double s = d.dot(line.along) / scale;
+    const cv::Vec3d row(1.0, s, s * s);
+    normal += p.weight * (row * row.t());
+    right += p.weight * line.along.cross(d) * row;
+  }
+  coefficients = normal.solve(right, cv::DECOMP_SVD);
+  coefficients[1] /= scale;
+  coefficients[2] /= scale * scale;
+  return coefficients[2];
+}
+
+std::vector<int> near_line(std::span<const PathPoint> points, std::span<const int> eligible,
+                           const LegLine& line, double diameter_px) {
+  std::vector<int> members;
+  for (const int i : eligible) {
+    const PathPoint& p = points[static_cast<std::size_t>(i)];
+    if (std::abs(line.off(p.at)) <= leg_tolerance(p, diameter_px)) members.push_back(i);
+  }
+  return members;
+}
+
+LegLine through(const PathPoint& a, const PathPoint& b) {
+  LegLine line;
+  line.origin = 0.5 * (a.at + b.at);
+  line.along = (b.at - a.at) / cv::norm(b.at - a.at);
+  return line;
+}
+
+std::vector<int> loosely_near(std::span<const PathPoint> points, std::span<const int> eligible,
+                              const LegLine& line, double diameter_px) {
+  std::vector<int> members;
+  for (const int i : eligible) {
+    if (std::abs(line.off(points[static_cast<std::size_t>(i)].at)) <= kLooseOfDiameter * diameter_px)
+      members.push_back(i);
+  }
+  return members;
+}
+
+double spread(std::span<const PathPoint> points, const std::vector<int>& members) {
+  double most = 0.0;
+  for (const int i : members)
+    most = std::max(most, cv::norm(points[static_cast<std::size_t>(i)].at -
+                                   points[static_cast<std::size_t>(members.front())].at));
+  return most;
+}
+
+}  // namespace
+
+double LegLine::off(cv::Point2d p) const {
+  const double s = place(p);
+  return along.cross(p - origin) - bend_per_px * s * s;
+}
+
+double leg_tolerance(const PathPoint& point, double diameter_px) {
+  return std::max(kTightOfDiameter * diameter_px, 4.0 * point.sd_px);
+}
+
+LegLine fit_leg_line(std::span<const PathPoint> points, std::vector<int> members, double diameter_px) {
+  LegLine line;
+  const Straight first = straight(points, members);
+  line.origin = first.origin;
+  line.along = first.along;
+  if (members.size() >= 4) {
+    cv::Vec3d c;
+    const double most = kMaxBendOfDiameter / diameter_px;
+    line.bend_per_px = std::clamp(curvature(points, members, first, c), -most, most);
+    if (line.bend_per_px == c[2]) {  // the offset and the tilt that go with the bend
+      line.origin += c[0] * cv::Point2d(-first.along.y, first.along.x);
+      const double angle = std::atan(c[1]);
+      line.along = {first.along.x * std::cos(angle) - first.along.y * std::sin(angle),
+                    first.along.y * std::cos(angle) + first.along.x * std::sin(angle)};
+    } else {
+      line.bend_per_px = 0.0;
+    }
+  }
+  for (const int i : members) line.weight += points[static_cast<std::size_t>(i)].weight;
+  line.members = std::move(members);
+  return line;
+}
+
+std::vector<LegLine> leg_lines(std::span<const PathPoint> points, std::span<const int> eligible,
+                               double diameter_px, std::size_t most) {
+  std::vector<LegLine> lines;
+  std::set<std::vector<int>> known;
+  const auto offer = [&](std::vector<int> members) {
+    if (members.size() < 2 || spread(points, members) < kMinStepOfDiameter * diameter_px) return;
+    if (!known.insert(members).second) return;
+    lines.push_back(fit_leg_line(points, std::move(members), diameter_px));
+  };
+  for (std::size_t a = 0; a < eligible.size(); ++a) {
+    for (std::size_t b = a + 1; b < eligible.size(); ++b) {
+      const PathPoint& pa = points[static_cast<std::size_t>(eligible[a])];
+      const PathPoint& pb = points[static_cast<std::size_t>(eligible[b])];
+      if (cv::norm(pa.at - pb.at) < kMinStepOfDiameter * diameter_px) continue;
+      const LegLine pair = through(pa, pb);
+      offer(near_line(points, eligible, pair, diameter_px));
+      std::vector<int> members = loosely_near(points, eligible, pair, diameter_px);
+      for (int round = 0; round < 3 && members.size() >= 4; ++round)
+        members = near_line(points, eligible, fit_leg_line(points, members, diameter_px), diameter_px);
+      offer(std::move(members));
+    }
+  }
+  std::stable_sort(lines.begin(), lines.end(),
+                   [](const LegLine& x, const LegLine& y) { return x.weight > y.weight; });
+  if (lines.size() > most) lines.resize(most);
+  return lines;
+}
+
+}  // namespace strobe::digitize

@@ -1,0 +1,265 @@
+#include "host/digitize/path/path.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "host/digitize/path/leg_line.hpp"
+
+namespace strobe::digitize {
+namespace {
+
+// In diameters: how far apart the ball may touch down and lift off (9 ms at 20 m/s), and how far the order of
+// the two may be wrong where it goes straight down and up.
+constexpr double kLongestContact = 2.8;
+constexpr double kCrossingNoise = 0.4;
+constexpr double kContactMargin = 0.2;  ///< beyond where the legs meet the surface
+constexpr double kNearApex = 3.0;
+// A second leg must explain at least this much weight of images.
+constexpr double kLegCost = 0.5;
+constexpr double kLegCostBlind = 1.2;
+constexpr double kLoneWeight = 0.6;  ///< of an image that is to be a leg by itself
+constexpr double kMinSlope = 0.03;
+constexpr std::size_t kMaxLines = 80;
+// The fastest shots press a ball together by .7 of its radius; a touch shows from a hundredth on.
+constexpr double kMaxPressedOfRadius = 0.85;
+constexpr double kTouchOfRadius = 0.01;
+
+const PathPoint& at(std::span<const PathPoint> points, int i) { return points[static_cast<std::size_t>(i)]; }
+
+class Finder {
+ public:
+  Finder(std::span<const PathPoint> points, const PathContext& scene)
+      : points_(points), scene_(scene), d_(scene.diameter_px) {}
+
+  Path run() {
+    sort_by_height();
+    const std::vector<LegLine> lines = leg_lines(points_, airborne_, d_, kMaxLines);
+    choose(lines);
+    place_contacts();
+    if (!path_.bounces()) lone_leg();
+    order_legs();
+    list_outliers();
+    return std::move(path_);
+  }
+
+ private:
+  struct Crossing {
+    double x = 0.0;
+    double side = 0.0;  ///< where the leg is seen from there: -1 left, +1 right, 0 straight above
+  };
+
+  void sort_by_height() {
+    for (int i = 0; i < static_cast<int>(points_.size()); ++i) {
+      const PathPoint& p = at(points_, i);
+      if (!scene_.surface_known) {
+        airborne_.push_back(i);
+      } else if (p.at.y < 0.5 * d_ * (1.0 - kMaxPressedOfRadius) - 4.0 * scene_.surface_sd_px) {
+        path_.left.push_back({i, true, 0.0});
+      } else if (touches(p.at.y, p.sd_px, scene_)) {
+        low_.push_back(i);
+      } else {
+        airborne_.push_back(i);
+      }
+    }
+  }
+
+  /// Where the leg is a radius above the surface; nothing if it runs along the surface.
+  std::optional<Crossing> crossing(const LegLine& line) const {
+    if (std::abs(line.along.y) < kMinSlope) return std::nullopt;
+    const double s = (0.5 * d_ - line.origin.y) / line.along.y;
+    const cv::Point2d up = line.along.y > 0 ? line.along : -line.along;
+    return Crossing{line.origin.x + s * line.along.x, up.x > 0.03 ? 1.0 : up.x < -0.03 ? -1.0 : 0.0};
+  }
+
+  bool meet_at_surface(const LegLine& a, const LegLine& b) const {
+    auto ca = crossing(a), cb = crossing(b);
+    if (!ca || !cb) return false;
+    const double apart = std::abs(ca->x - cb->x);
+    if (ca->side * cb->side > 0) return apart <= d_;
+    if (ca->side > cb->side) std::swap(ca, cb);  // the left one first
+    return cb->x - ca->x >= -kCrossingNoise * d_ && apart <= kLongestContact * d_;
+  }
+
+  /// Both legs go up from where their lines meet, and start near it.
+  bool meet_somewhere(const LegLine& a, const LegLine& b) const {
+    const double sine = a.along.cross(b.along);
+    if (std::abs(sine) < 0.08) return false;
+    const double s = (b.origin - a.origin).cross(b.along) / sine;
+    const cv::Point2d apex = a.origin + s * a.along;
+    for (const LegLine* leg : {&a, &b}) {
+      const cv::Point2d far = far_end(*leg, apex) - apex;
+      if (far.y < kMinSlope * cv::norm(far)) return false;
+      double nearest = std::numeric_limits<double>::infinity();
+      for (const int i : leg->members) {
+        const double place = (at(points_, i).at - apex).dot(far) / cv::norm(far);
+        if (place < -0.3 * d_) return false;
+        nearest = std::min(nearest, place);
+      }
+      if (nearest > kNearApex * d_) return false;
+    }
+    return true;
+  }
+
+  cv::Point2d far_end(const LegLine& leg, cv::Point2d from) const {
+    cv::Point2d far = at(points_, leg.members.front()).at;
+    for (const int i : leg.members) {
+      if (cv::norm(at(points_, i).at - from) > cv::norm(far - from)) far = at(points_, i).at;
+    }
+    return far;
+  }
+
+  double union_weight(const LegLine& a, const LegLine& b) const {
+    double weight = a.weight;
+    for (const int i : b.members) {
+      if (!std::binary_search(a.members.begin(), a.members.end(), i)) weight += at(points_, i).weight;
+    }
+    return weight;
+  }
+
+  void choose(const std::vector<LegLine>& lines) {
+    if (lines.empty()) {
+      if (!airborne_.empty()) take_best_alone();
+      return;
+    }
+    double best = lines.front().weight;
+    const LegLine* one = &lines.front();
+    const LegLine* two = nullptr;
+    const double cost = scene_.surface_known ? kLegCost : kLegCostBlind;
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+      for (std::size_t j = i + 1; j < lines.size(); ++j) {
+        if (lines[i].weight + lines[j].weight - cost <= best) break;
+        const double weight = union_weight(lines[i], lines[j]) - cost;
+        if (weight <= best) continue;
+        if (!(scene_.surface_known ? meet_at_surface(lines[i], lines[j])
+                                   : meet_somewhere(lines[i], lines[j])))
+          continue;
+        best = weight;
+        one = &lines[i];
+        two = &lines[j];
+      }
+    }
+    keep(*one, two);
+  }
+
+  void take_best_alone() {
+    path_.legs[0] = {*std::max_element(airborne_.begin(), airborne_.end(), [this](int a, int b) {
+      return at(points_, a).weight < at(points_, b).weight;
+    })};
+  }
+
+  void keep(const LegLine& one, const LegLine* two) {
+    kept_.push_back(one);
+    if (two == nullptr) {
+      path_.legs[0] = one.members;
+      return;
+    }
+    kept_.push_back(*two);
+    for (const int i : one.members) {
+      const bool both = std::binary_search(two->members.begin(), two->members.end(), i);
+      const bool second =
+          both && std::abs(two->off(at(points_, i).at)) < std::abs(one.off(at(points_, i).at));
+      path_.legs[second ? 1 : 0].push_back(i);
+    }
+    for (const int i : two->members) {
+      if (!std::binary_search(one.members.begin(), one.members.end(), i)) path_.legs[1].push_back(i);
+    }
+  }
+
+  /// Low images between the two crossings, or near the one.
+  void place_contacts() {
+    std::optional<double> from, to;
+    for (const LegLine& line : kept_) {
+      if (const auto c = crossing(line)) {
+        from = std::min(from.value_or(c->x), c->x);
+        to = std::max(to.value_or(c->x), c->x);
+      }
+    }
+    const double margin = kept_.size() == 2 ? kContactMargin * d_ : kLongestContact * d_;
+    for (const int i : low_) {
+      const double x = at(points_, i).at.x;
+      if (!from || (x >= *from - margin && x <= *to + margin)) path_.contact.push_back(i);
+    }
+    std::sort(path_.contact.begin(), path_.contact.end(),
+              [this](int a, int b) { return at(points_, a).at.x < at(points_, b).at.x; });
+  }
+
+  /// A leg of one image: beyond where the other leg meets the surface, or beyond the images in contact.
+  void lone_leg() {
+    if (!scene_.surface_known || path_.legs[0].empty()) return;
+    if (!path_.contact.empty() && path_.legs[0].size() == 2 && split_at_contact()) return;
+    if (kept_.empty()) return;
+    const auto c = crossing(kept_.front());
+    if (!c) return;
+    const cv::Point2d touch(c->x, 0.5 * d_);
+    double longest = 0.0;
+    const cv::Point2d end = far_end(kept_.front(), touch);
+    longest = cv::norm(end - touch) / static_cast<double>(path_.legs[0].size());
+    std::vector<int> found;
+    for (const int i : airborne_) {
+      if (member(i) || at(points_, i).weight < kLoneWeight) continue;
+      const cv::Point2d from = at(points_, i).at - touch;
+      if (cv::norm(from) <= kLongestContact * d_ + longest && from.x * c->side <= 0.0) found.push_back(i);
+    }
+    if (found.size() == 1) path_.legs[1] = found;
+  }
+
+  bool split_at_contact() {
+    const int a = path_.legs[0][0], b = path_.legs[0][1];
+    const double x = at(points_, path_.contact.front()).at.x;
+    if ((at(points_, a).at.x - x) * (at(points_, b).at.x - x) >= 0.0) return false;
+    path_.legs = {std::vector<int>{a}, std::vector<int>{b}};
+    return true;
+  }
+
+  bool member(int i) const {
+    for (const auto& leg : path_.legs) {
+      if (std::find(leg.begin(), leg.end(), i) != leg.end()) return true;
+    }
+    return std::find(path_.contact.begin(), path_.contact.end(), i) != path_.contact.end();
+  }
+
+  void order_legs() {
+    for (std::size_t k = 0; k < 2; ++k) {
+      std::vector<int>& leg = path_.legs[k];
+      if (leg.size() < 2) continue;
+      cv::Point2d down(0.0, -1.0);
+      if (k < kept_.size()) down = kept_[k].along.y < 0 ? kept_[k].along : -kept_[k].along;
+      std::sort(leg.begin(), leg.end(),
+                [&](int a, int b) { return at(points_, a).at.dot(down) < at(points_, b).at.dot(down); });
+    }
+  }
+
+  void list_outliers() {
+    for (int i = 0; i < static_cast<int>(points_.size()); ++i) {
+      const bool below = std::any_of(path_.left.begin(), path_.left.end(),
+                                     [i](const Path::Left& left) { return left.index == i; });
+      if (below || member(i)) continue;
+      double off = std::numeric_limits<double>::infinity();
+      for (const LegLine& line : kept_) off = std::min(off, std::abs(line.off(at(points_, i).at)));
+      path_.left.push_back({i, false, off});
+    }
+  }
+
+  std::span<const PathPoint> points_;
+  const PathContext& scene_;
+  double d_;
+  std::vector<int> airborne_, low_;
+  std::vector<LegLine> kept_;
+  Path path_;
+};
+
+}  // namespace
+
+bool touches(double height_px, double sd_px, const PathContext& scene) {
+  if (!scene.surface_known) return false;
+  const double radius = 0.5 * scene.diameter_px;
+  return height_px < radius - std::max(4.0 * std::hypot(sd_px, scene.surface_sd_px), kTouchOfRadius * radius);
+}
+
+Path find_path(std::span<const PathPoint> points, const PathContext& scene) {
+  return Finder(points, scene).run();
+}
+
+}  // namespace strobe::digitize

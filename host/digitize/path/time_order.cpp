@@ -1,0 +1,258 @@
+#include "host/digitize/path/time_order.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/assembly/flash_match.hpp"
+#include "host/assembly/leg_fit.hpp"
+#include "host/digitize/core/median.hpp"
+
+namespace strobe::digitize {
+namespace {
+
+using reduction::Leg;
+
+// A match that is worse by this much in chi-squared per degree of freedom has the wrong direction.
+constexpr double kClearlyWorse = 12.0;
+// Legs whose speeds along the normal differ by less than this share do not tell the direction.
+constexpr double kSameSpeed = 0.04;
+// FlashMatch::ambiguity of an assignment that nothing supports.
+constexpr double kNoSupport = 9.0;
+constexpr double kMinNoise_px = 0.1;
+// Images at any place between their neighbours are .29 of a step off steady flight; a lens that no
+// calibration undoes bends it by hundredths.
+constexpr double kUnsteadyOfStep = 0.12;
+
+const PathPoint& at(std::span<const PathPoint> points, int i) { return points[static_cast<std::size_t>(i)]; }
+
+double mean_x(std::span<const PathPoint> points, const std::vector<int>& leg) {
+  double sum = 0.0;
+  for (const int i : leg) sum += at(points, i).at.x;
+  return sum / static_cast<double>(leg.size());
+}
+
+/// Median of the steps in height from image to image.
+double step_up(std::span<const PathPoint> points, const std::vector<int>& leg) {
+  std::vector<double> steps;
+  for (std::size_t k = 1; k < leg.size(); ++k)
+    steps.push_back(std::abs(at(points, leg[k]).at.y - at(points, leg[k - 1]).at.y));
+  if (steps.empty()) return 0.0;
+  std::sort(steps.begin(), steps.end());
+  const std::size_t n = steps.size();
+  return 0.5 * (steps[(n - 1) / 2] + steps[n / 2]);
+}
+
+/// One possible order of the images.
+struct Order {
+  std::vector<int> sequence;
+  std::vector<Leg> leg;
+  double towards = 1.0;  ///< +1: travels to greater x
+};
+
+void append(Order& order, std::vector<int> indices, Leg leg, bool reversed) {
+  if (reversed) std::reverse(indices.begin(), indices.end());
+  order.leg.insert(order.leg.end(), indices.size(), leg);
+  order.sequence.insert(order.sequence.end(), indices.begin(), indices.end());
+}
+
+/// Legs are listed from far to the surface; contacts by x.
+Order bounce(const std::vector<int>& in, const std::vector<int>& contact, const std::vector<int>& out,
+             double towards) {
+  Order order;
+  order.towards = towards;
+  append(order, in, Leg::incoming, false);
+  append(order, contact, Leg::contact, towards < 0.0);
+  append(order, out, Leg::rebound, true);
+  return order;
+}
+
+struct Timed {
+  std::vector<int> flash;
+  double chi_squared = 0.0;
+  double ambiguity = 0.0;
+  double speed_in = 0.0;  ///< along the normal, px/s, > 0; 0: not known
+  double speed_out = 0.0;
+  bool supported = true;  ///< some steady speed fits
+};
+
+class Orderer {
+ public:
+  Orderer(std::span<const PathPoint> points, const Path& path, const TimeContext& scene)
+      : points_(points), path_(path), scene_(scene) {}
+
+  TimeOrder run() {
+    if (path_.bounces()) {
+      order_bounce();
+    } else {
+      order_one_leg();
+    }
+    return std::move(result_);
+  }
+
+ private:
+  host::Track track(const Order& order) const {
+    host::Track track;
+    track.radius_px = 0.5 * scene_.path.diameter_px;
+    track.px_per_m = scene_.px_per_m;
+    track.gravity_along_px = order.towards * scene_.gravity_mps2.x * scene_.px_per_m;
+    track.gravity_up_px = scene_.gravity_mps2.y * scene_.px_per_m;
+    double variance = 0.0;
+    for (std::size_t k = 0; k < order.sequence.size(); ++k) {
+      const PathPoint& p = at(points_, order.sequence[k]);
+      track.images.push_back({order.leg[k], order.towards * p.at.x, p.at.y});
+      variance += p.sd_px * p.sd_px / static_cast<double>(order.sequence.size());
+    }
+    track.sd_px = std::max(kMinNoise_px, std::sqrt(variance));
+    return track;
+  }
+
+  std::optional<Timed> timed(const Order& order) const {
+    if (scene_.flash_times_s.empty()) return std::nullopt;
+    const host::Track path = track(order);
+    const auto match = host::match_flashes(scene_.flash_times_s, path, std::nullopt);
+    if (!match) return std::nullopt;
+    Timed timed{match->flash, match->chi_squared, match->ambiguity, 0.0, 0.0, true};
+    timed.supported = match->chi_squared > 0.0 || match->ambiguity < kNoSupport;
+    timed.speed_in = speed(path, match->flash, Leg::incoming);
+    timed.speed_out = speed(path, match->flash, Leg::rebound);
+    return timed;
+  }
+
+  double speed(const host::Track& path, const std::vector<int>& flash, Leg leg) const {
+    std::vector<host::TrackPoint> images;
+    std::vector<double> times;
+    for (std::size_t k = 0; k < path.images.size(); ++k) {
+      if (path.images[k].leg != leg) continue;
+      images.push_back(path.images[k]);
+      times.push_back(scene_.flash_times_s[static_cast<std::size_t>(flash[k])]);
+    }
+    const host::LegFit fit = host::fit_leg(images, times, path);
+    if (!fit.has_velocity()) return 0.0;
+    const auto cross = host::crossing(fit, path);
+    return std::abs(cross ? cross->v_up_px : fit.v_up_px);
+  }
+
+  double freedom() const {
+    double dof = 1.0;
+    for (const auto& leg : path_.legs) dof += std::max(0.0, 2.0 * static_cast<double>(leg.size()) - 4.0);
+    return dof;
+  }
+
+  /// +1 where a is more likely than b, -1 the other way round, 0 where the flashes do not tell.
+  int likelier(const Timed& a, const Timed& b) const {
+    if (a.supported != b.supported) return a.supported ? 1 : -1;
+    const double scale = std::max(1.0, std::min(a.chi_squared, b.chi_squared) / freedom());
+    const double difference = (a.chi_squared - b.chi_squared) / scale;
+    if (std::abs(difference) > kClearlyWorse) return difference < 0.0 ? 1 : -1;
+    return 0;
+  }
+
+  void order_bounce() {
+    const double xa = mean_x(points_, path_.legs[0]), xb = mean_x(points_, path_.legs[1]);
+    const int left = xa <= xb ? 0 : 1;
+    const auto& l = path_.legs[static_cast<std::size_t>(left)];
+    const auto& r = path_.legs[static_cast<std::size_t>(1 - left)];
+    const Order rightwards = bounce(l, path_.contact, r, 1.0);
+    const Order leftwards = bounce(r, path_.contact, l, -1.0);
+    if (scene_.leftwards) return take(*scene_.leftwards ? leftwards : rightwards);
+    const auto tr = timed(rightwards), tl = timed(leftwards);
+    double in_right = step_up(points_, l), in_left = step_up(points_, r);
+    if (tr && tl) {
+      if (const int sign = likelier(*tr, *tl)) return take(sign > 0 ? rightwards : leftwards);
+      if (tr->speed_in > 0.0 && tl->speed_in > 0.0) {
+        in_right = tr->speed_in;
+        in_left = tl->speed_in;
+      }
+    }
+    const double difference = in_right - in_left;
+    if (in_right <= 0.0 || in_left <= 0.0 ||
+        std::abs(difference) < kSameSpeed * std::max(in_right, in_left)) {
+      result_.remarks.push_back("the two legs do not tell the direction of travel: taken to be to the right");
+      return take(rightwards);
+    }
+    take(difference > 0.0 ? rightwards : leftwards);
+  }
+
+  /// The leg listed from far to the surface, beside it the contact images.
+  Order one_leg(bool towards_right) const {
+    std::vector<int> leg = path_.legs[0];
+    const bool by_x = leg.size() >= 2;
+    bool lower_first = false;
+    if (by_x) {
+      const bool falls_right = at(points_, leg.back()).at.x >= at(points_, leg.front()).at.x;
+      lower_first = falls_right != towards_right;
+    } else if (!leg.empty() && !path_.contact.empty()) {
+      const bool left_of = at(points_, leg.front()).at.x <= mean_x(points_, path_.contact);
+      lower_first = left_of != towards_right;
+    }
+    const double towards = towards_right ? 1.0 : -1.0;
+    return lower_first ? bounce({}, path_.contact, leg, towards) : bounce(leg, path_.contact, {}, towards);
+  }
+
+  void order_one_leg() {
+    const Order right = one_leg(true), left = one_leg(false);
+    if (scene_.leftwards) return take(*scene_.leftwards ? left : right);
+    const auto tr = timed(right), tl = timed(left);
+    if (tr && tl) {
+      if (const int sign = likelier(*tr, *tl)) return take(sign > 0 ? right : left);
+    }
+    if (right.sequence.size() > 1)
+      result_.remarks.push_back("one leg does not tell the direction of travel: taken to be to the right");
+    take(right);
+  }
+
+  /// How far the images are from steady flight at the times of their flashes, rms of a coordinate.
+  double off_steady_px(const Order& order, const Timed& match) const {
+    const double dof = freedom() - 1.0;
+    if (dof <= 0.0) return 0.0;
+    return match.supported ? track(order).sd_px * std::sqrt(match.chi_squared / dof) : usual_step(order);
+  }
+
+  /// From an airborne image to the next.
+  double usual_step(const Order& order) const {
+    std::vector<double> steps;
+    for (std::size_t k = 1; k < order.sequence.size(); ++k) {
+      if (order.leg[k] == Leg::contact || order.leg[k] != order.leg[k - 1]) continue;
+      steps.push_back(cv::norm(at(points_, order.sequence[k]).at - at(points_, order.sequence[k - 1]).at));
+    }
+    return median(std::move(steps));
+  }
+
+  void take(const Order& order) {
+    result_.sequence = order.sequence;
+    result_.leftwards = order.towards < 0.0;
+    const bool said = scene_.path.surface_known || path_.bounces();
+    for (const Leg leg : order.leg) result_.leg.push_back(said ? std::optional(leg) : std::nullopt);
+    if (scene_.flash_times_s.empty()) return;
+    const auto match = timed(order);
+    if (!match) {
+      result_.remarks.push_back(fmt::format("{} images, but only {} flashes: no image has a time",
+                                            order.sequence.size(), scene_.flash_times_s.size()));
+      return;
+    }
+    const double off = off_steady_px(order, *match);
+    if (off > kUnsteadyOfStep * usual_step(order)) {
+      result_.remarks.push_back(fmt::format(
+          "no steady flight passes through the images (they are {:.0f} px off): no image has a time", off));
+      return;
+    }
+    result_.flash = match->flash;
+    if (match->ambiguity > host::kMaxDoubt)
+      result_.remarks.push_back("which flash made which image is ambiguous");
+  }
+
+  std::span<const PathPoint> points_;
+  const Path& path_;
+  const TimeContext& scene_;
+  TimeOrder result_;
+};
+
+}  // namespace
+
+TimeOrder order_in_time(std::span<const PathPoint> points, const Path& path, const TimeContext& scene) {
+  return Orderer(points, path, scene).run();
+}
+
+}  // namespace strobe::digitize

@@ -1,0 +1,35 @@
+// Which image came first: the legs of a path put in order of time, and the flashes that made its images.
+// The incoming leg is the faster one along the surface's normal, as no bounce gives energy. Deterministic;
+// no I/O; thread-safe; allocates.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/reduction/frame.hpp"
+#include "host/digitize/path/path.hpp"
+
+namespace strobe::digitize {
+
+struct TimeContext {
+  PathContext path;
+  double px_per_m = 0.0;
+  cv::Point2d gravity_mps2;               ///< in the axes of the points
+  std::optional<bool> leftwards;          ///< known direction of travel
+  std::span<const double> flash_times_s;  ///< ascending; empty: not known
+};
+
+struct TimeOrder {
+  std::vector<int> sequence;                       ///< indices of the points, in order of time
+  std::vector<std::optional<reduction::Leg>> leg;  ///< of the sequence; absent where nothing tells
+  std::vector<int> flash;  ///< of the sequence: numbers into flash_times_s; empty: not known, or
+                           ///< no steady flight passes through the images
+  bool leftwards = false;
+  std::vector<std::string> remarks;  ///< what was assumed or may be doubted
+};
+
+TimeOrder order_in_time(std::span<const PathPoint> points, const Path& path, const TimeContext& scene);
+
+}  // namespace strobe::digitize

@@ -1,0 +1,189 @@
+#include "host/digitize/surface/surface_line.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <opencv2/core/utility.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "host/digitize/surface/edge_line.hpp"
+#include "host/digitize/surface/hough_lines.hpp"
+
+namespace strobe::digitize {
+namespace {
+
+constexpr std::size_t kMaxLines = 12;
+constexpr double kMinShare = 0.35;  // of what is not hidden
+constexpr double kMaxRms_px = 0.8;
+constexpr double kMaxSd_px = 3.0;
+// Nearer than this, two edges are the two sides of a rounded one.
+constexpr double kMinApart_px = 3.0;
+// How much the distance of a plate's two edges changes towards its ends, by perspective; how much of the
+// longer one's length the shorter has.
+constexpr double kParallel = 0.25;
+constexpr double kAsLong = 0.6;
+// Of the clearer edge's contrast: fainter ones are the background's.
+constexpr double kAsClear = 0.05;
+constexpr double kMaxReach = 3.0;  ///< of the half length seen
+// The fastest shots press a ball together until its centre is .3 of its radius above the surface.
+constexpr double kLowestOfRadius = 0.15;
+constexpr double kCoveredRadii = 1.08;
+// What of an outline is seen so far below a line, in radii and px, is not just pressed flat there.
+constexpr double kBelowOfRadius = 0.06;
+constexpr double kBelow_px = 4.0;
+constexpr double kMaxTurnsBelow = 0.5;
+
+/// Where balls cover the edge.
+OcclusionMask covered(const Photograph& photograph, const PlaneMap& map, std::span<const Outline> outlines) {
+  OcclusionMask hidden;
+  hidden.mask = cv::Mat::zeros(hough_image_size(photograph.light.size()), CV_8UC1);
+  hidden.scale = static_cast<double>(photograph.width()) / hidden.mask.cols;
+  for (const Outline& o : outlines) {
+    const cv::Point2d centre = map.to_image(o.centre);
+    const cv::Point2d side = map.to_image(o.centre + cv::Point2d(0.5 * o.diameter, 0.0));
+    const double radius = kCoveredRadii * cv::norm(side - centre);
+    if (!(std::abs(centre.x) < 1e6 && std::abs(centre.y) < 1e6 && radius < 1e5)) continue;
+    const auto coarse = [&](double at) { return cvRound((at + 0.5) / hidden.scale - 0.5); };
+    cv::circle(hidden.mask, cv::Point(coarse(centre.x), coarse(centre.y)),
+               static_cast<int>(std::ceil(radius / hidden.scale)), cv::Scalar(255), -1);
+  }
+  return hidden;
+}
+
+/// No ball is pressed together by more than a ball can be.
+bool below_balls(const EdgeLine& edge, std::span<const Outline> outlines) {
+  return std::all_of(outlines.begin(), outlines.end(), [&](const Outline& o) {
+    return o.centre.y - edge.at(o.centre.x) > kLowestOfRadius * 0.5 * o.diameter;
+  });
+}
+
+/// How much of the outlines is seen below the line, in whole turns: nothing of a ball that the surface
+/// presses flat, but much of balls in front of a line above the surface, through the tops of two clamps for
+/// instance.
+double turns_below(const EdgeLine& edge, std::span<const Outline> outlines) {
+  constexpr int kSteps = 180;
+  double turns = 0.0;
+  for (const Outline& o : outlines) {
+    const double radius = 0.5 * o.diameter;
+    const double allowed = std::max(kBelowOfRadius * radius, kBelow_px);
+    for (const Arc& arc : o.seen) {
+      const int steps = std::max(1, cvRound(arc.extent_rad / (2.0 * std::numbers::pi) * kSteps));
+      for (int k = 0; k < steps; ++k) {
+        const double angle = arc.from_rad + (k + 0.5) / steps * arc.extent_rad;
+        const cv::Point2d at = o.centre + radius * cv::Point2d(std::cos(angle), std::sin(angle));
+        if (edge.at(at.x) - at.y > allowed) turns += 1.0 / kSteps;
+      }
+    }
+  }
+  return turns;
+}
+
+bool possible(const EdgeLine& edge, std::span<const Outline> outlines) {
+  return below_balls(edge, outlines) && turns_below(edge, outlines) <= kMaxTurnsBelow;
+}
+
+/// Height of the lowest centre over the line, in radii.
+double lowest(const EdgeLine& edge, std::span<const Outline> outlines) {
+  double least = 1e300;
+  for (const Outline& o : outlines)
+    least = std::min(least, (o.centre.y - edge.at(o.centre.x)) / (0.5 * o.diameter));
+  return least;
+}
+
+/// Long, clear and just below the lowest ball.
+double quality(const EdgeLine& edge, std::span<const Outline> outlines) {
+  double value = edge.visible_fraction * std::min(1.0, edge.contrast / 0.05);
+  value /= 1.0 + 10.0 * turns_below(edge, outlines);
+  if (!outlines.empty()) value /= 1.0 + 0.1 * std::max(0.0, lowest(edge, outlines) - 1.0);
+  return value;
+}
+
+/// The other edge of a plate that is seen from above: parallel to it, as long, and less than a ball away.
+const EdgeLine* other_edge(const EdgeLine& edge, std::span<const EdgeLine> edges,
+                           std::span<const Outline> outlines) {
+  double diameter = 0.0;
+  for (const Outline& o : outlines) diameter = std::max(diameter, o.diameter);
+  const EdgeLine* other = nullptr;
+  for (const EdgeLine& e : edges) {
+    const double apart = std::abs(e.at(edge.middle.x) - edge.middle.y);
+    if (apart < kMinApart_px || apart > diameter) continue;
+    const double ends = std::abs(e.slope - edge.slope) * edge.half_span;
+    if (ends > kParallel * apart || e.half_span < kAsLong * edge.half_span) continue;
+    if (e.contrast < kAsClear * edge.contrast) continue;
+    if (other == nullptr || e.seen_px > other->seen_px) other = &e;
+  }
+  return other;
+}
+
+/// Half-way between the two, as uncertain as any place between them is likely.
+EdgeLine between(const EdgeLine& a, const EdgeLine& b) {
+  EdgeLine line = a;
+  const double apart = std::abs(b.at(a.middle.x) - a.middle.y);
+  line.middle.y = 0.5 * (a.middle.y + b.at(a.middle.x));
+  line.slope = 0.5 * (a.slope + b.slope);
+  line.sd_px = std::hypot(apart / std::sqrt(12.0), std::max(a.sd_px, b.sd_px));
+  line.slope_sd = std::hypot(std::max(a.slope_sd, b.slope_sd), (a.slope - b.slope) / std::sqrt(12.0));
+  return line;
+}
+
+/// Four points with the line's own height and slope as their mean and trend: with an independent error of
+/// sd_px each they are as uncertain as the line.
+SurfaceLine four_points(const EdgeLine& edge) {
+  SurfaceLine line;
+  const double reach = edge.sd_px / std::max(edge.slope_sd, 1e-12) * std::sqrt(1.8);
+  const double a = std::min(std::max(reach, 1.0), std::max(1.0, kMaxReach * edge.half_span));
+  for (const double share : {-1.0, -1.0 / 3.0, 1.0 / 3.0, 1.0}) {
+    const double x = edge.middle.x + share * a;
+    line.points.emplace_back(x, edge.at(x));
+  }
+  line.sd_px = 2.0 * edge.sd_px;
+  return line;
+}
+
+}  // namespace
+
+Measured<SurfaceLine> find_surface_line(const Photograph& photograph, const PlaneMap& map,
+                                        std::span<const Outline> outlines) {
+  const OcclusionMask hidden = covered(photograph, map, outlines);
+  const std::vector<HoughLine> rough = hough_lines(photograph, hidden, kMaxLines);
+  std::vector<std::optional<EdgeLine>> measured(rough.size());
+  cv::parallel_for_(cv::Range(0, static_cast<int>(rough.size())), [&](const cv::Range& range) {
+    for (auto i = static_cast<std::size_t>(range.start); i < static_cast<std::size_t>(range.end); ++i)
+      measured[i] = fit_edge_line(photograph, map, hidden, rough[i]);
+  });
+  std::vector<EdgeLine> edges;
+  double longest = 0.0;
+  for (const auto& edge : measured) {
+    if (!edge) continue;
+    if (below_balls(*edge, outlines)) longest = std::max(longest, edge->visible_fraction);
+    if (edge->visible_fraction < kMinShare || edge->rms_px > kMaxRms_px) continue;
+    edges.push_back(*edge);
+  }
+  const EdgeLine* best = nullptr;
+  for (const EdgeLine& edge : edges) {
+    if (!possible(edge, outlines)) continue;
+    if (best == nullptr || quality(edge, outlines) > quality(*best, outlines)) best = &edge;
+  }
+  if (best == nullptr) {
+    return tl::unexpected(Rejection{
+        Reason::no_plate,
+        fmt::format("no straight edge with light below it: the best is seen over {:.0f} % of the width",
+                    100.0 * longest)});
+  }
+  if (best->sd_px > kMaxSd_px) {
+    return tl::unexpected(Rejection{Reason::imprecise,
+                                    fmt::format("the surface line is known to {:.1f} px only", best->sd_px)});
+  }
+  const EdgeLine* other = other_edge(*best, edges, outlines);
+  if (other == nullptr) return four_points(*best);
+  const EdgeLine middle = between(*best, *other);
+  // The top of a clamp beside the plate: balls reach below what would be half-way.
+  if (!possible(middle, outlines)) return four_points(*best);
+  SurfaceLine line = four_points(middle);
+  line.edge_separation_px = std::abs(other->at(best->middle.x) - best->middle.y);
+  return line;
+}
+
+}  // namespace strobe::digitize

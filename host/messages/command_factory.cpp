@@ -1,0 +1,72 @@
+#include "host/messages/command_factory.hpp"
+
+#include <cmath>
+
+#include "common/authentication/seal.hpp"
+#include "common/messages/record.hpp"
+
+namespace strobe::host {
+
+using strobe_msgs::command_t;
+using strobe_msgs::plan_t;
+
+plan_t plan_message(const ShotPlan& plan, bool dry) {
+  const auto ns = [](double value, double ns_per_unit) { return std::llround(value * ns_per_unit); };
+  const bool gated = plan.train == Train::gated;
+  plan_t message{};
+  message.train = gated ? plan_t::TRAIN_GATED : plan_t::TRAIN_FREE;
+  message.period_ns = ns(plan.period_us, 1e3);
+  message.flash_count = gated ? plan.flash_count : 0;
+  message.shutter_open_ns = ns(plan.shutter_open_ms, 1e6);
+  message.gate_delay_ns = gated ? ns(plan.gate_delay_ms, 1e6) : 0;
+  message.impact_at_ns = ns(plan.impact_at_ms.value_or(0.0), 1e6);
+  message.dry = dry;
+  for (const CodedFlash& flash : train_code(plan)) {
+    message.code.emplace_back();
+    message.code.back().offset_ns = ns(flash.offset_us, 1e3);
+    message.code.back().lamps = static_cast<std::int8_t>(flash.lamps);
+  }
+  message.code_count = static_cast<std::int32_t>(message.code.size());
+  if (gated && plan.coded()) message.flash_count = message.code_count;
+  return message;
+}
+
+command_t CommandFactory::make(std::int64_t boot_id, std::int8_t kind) {
+  command_t command{};
+  command.schema_version = command_t::SCHEMA_VERSION;
+  command.host_id = host_id_;
+  command.command_id = next_id_++;
+  command.boot_id = boot_id;
+  command.kind = kind;
+  return command;
+}
+
+command_t CommandFactory::arm(std::int64_t boot_id) { return make(boot_id, command_t::ARM); }
+command_t CommandFactory::disarm(std::int64_t boot_id) { return make(boot_id, command_t::DISARM); }
+command_t CommandFactory::clear(std::int64_t boot_id) { return make(boot_id, command_t::CLEAR); }
+
+command_t CommandFactory::fire(std::int64_t boot_id, std::int64_t arm_token, const ShotPlan& plan, bool dry,
+                               const reduction::Record& notes) {
+  command_t command = make(boot_id, command_t::FIRE);
+  command.arm_token = arm_token;
+  command.plan = plan_message(plan, dry);
+  command.notes = messages::notes_from_record(notes);
+  command.note_count = static_cast<std::int32_t>(command.notes.size());
+  return command;
+}
+
+command_t CommandFactory::resend(std::int64_t boot_id, const SequenceRange& range) {
+  command_t command = make(boot_id, command_t::RESEND);
+  command.resend_boot_id = range.boot_id;
+  command.resend_first = range.first;
+  command.resend_last = range.last;
+  return command;
+}
+
+Result<std::vector<std::uint8_t>> CommandSealer::seal(const command_t& command) const {
+  std::vector<std::uint8_t> body(static_cast<std::size_t>(command.getEncodedSize()));
+  command.encode(body.data(), 0, static_cast<int>(body.size()));
+  return authentication::seal(key_, rig_, body);
+}
+
+}  // namespace strobe::host

@@ -1,0 +1,54 @@
+// Command messages of this host: one host id per process, command ids that rise; put under seal for one rig.
+// No I/O; single-threaded.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <strobe_msgs/command_t.hpp>
+#include <utility>
+#include <vector>
+
+#include "common/authentication/key.hpp"
+#include "common/reduction/frame.hpp"
+#include "common/result.hpp"
+#include "host/config/shot_plan.hpp"
+#include "host/messages/event_ledger.hpp"
+
+namespace strobe::host {
+
+class CommandFactory {
+ public:
+  /// host_id: random, not 0.
+  explicit CommandFactory(std::int64_t host_id) : host_id_(host_id) {}
+
+  std::int64_t host_id() const { return host_id_; }
+  strobe_msgs::command_t arm(std::int64_t boot_id);
+  strobe_msgs::command_t fire(std::int64_t boot_id, std::int64_t arm_token, const ShotPlan& plan, bool dry,
+                              const reduction::Record& notes);
+  strobe_msgs::command_t disarm(std::int64_t boot_id);
+  strobe_msgs::command_t clear(std::int64_t boot_id);
+  /// boot_id: of the firmware that is asked, which may hold the journal of the range's earlier boot.
+  strobe_msgs::command_t resend(std::int64_t boot_id, const SequenceRange& range);
+
+ private:
+  strobe_msgs::command_t make(std::int64_t boot_id, std::int8_t kind);
+
+  std::int64_t host_id_;
+  std::int64_t next_id_ = 1;
+};
+
+/// Seals one rig's commands with the lab's key.
+class CommandSealer {
+ public:
+  CommandSealer(const authentication::Key& key, std::string rig) : key_(key), rig_(std::move(rig)) {}
+  /// The encoded sealed_command_t. Fails if the command's notes and plan are too large for one.
+  Result<std::vector<std::uint8_t>> seal(const strobe_msgs::command_t& command) const;
+
+ private:
+  authentication::Key key_;
+  std::string rig_;
+};
+
+strobe_msgs::plan_t plan_message(const ShotPlan& plan, bool dry);
+
+}  // namespace strobe::host

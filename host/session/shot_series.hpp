@@ -1,0 +1,90 @@
+// Firing a series: arm, fire, wait for the readout, fire rejected shots again, until all have come or the
+// retries are used up. A state machine on messages and the caller's steady clock [ns]; no I/O;
+// single-threaded.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <strobe_msgs/command_t.hpp>
+#include <strobe_msgs/event_t.hpp>
+#include <strobe_msgs/status_t.hpp>
+#include <utility>
+#include <vector>
+
+#include "host/messages/command_factory.hpp"
+#include "host/session/session.hpp"
+
+namespace strobe::host {
+
+struct ShotSeriesSettings {
+  int shots = 1;
+  int retries = 0;  ///< further shots that may be fired for rejected ones, in all
+  bool dry = false;
+  ShotPlan plan;
+  reduction::Record notes;
+  double blocked_timeout_s =
+      60.0;  ///< how long nothing may be possible (no firmware, key off ...) before giving up
+  double photograph_timeout_s = 5.0;
+  bool clear_fault = false;
+};
+
+class ShotSeries {
+ public:
+  ShotSeries(ShotSeriesSettings settings, CommandFactory& factory)
+      : settings_(std::move(settings)), factory_(factory) {}
+
+  void on_event(const strobe_msgs::event_t& event);
+  /// A shot that is done; those of other hosts are ignored.
+  void on_shot_result(const ShotResult& shot_result);
+  /// What to do now. heard: the newest status, absent if none was heard within two seconds.
+  void step(const std::optional<strobe_msgs::status_t>& heard, std::int64_t now_ns);
+  /// Gives up: the token is given back, a running shot is aborted.
+  void stop(const std::optional<strobe_msgs::status_t>& heard);
+
+  std::vector<strobe_msgs::command_t> take_commands() { return std::exchange(commands_, {}); }
+  std::vector<std::string> take_notifications() { return std::exchange(notifications_, {}); }
+
+  bool finished() const { return state_ == State::finished; }
+  bool succeeded() const { return good_ >= settings_.shots; }
+  int good() const { return good_; }
+  int refired() const { return refired_; }
+  /// "arming", "shot fired, waiting for the photograph" ...
+  std::string activity() const;
+  /// What is missing, for a person; empty if nothing is.
+  const std::string& blocking_reason() const { return blocking_reason_; }
+
+ private:
+  enum class State { waiting, arming, firing, shooting, finished };
+
+  void wait_for_readiness(const strobe_msgs::status_t& status, std::int64_t now_ns);
+  void arm(const strobe_msgs::status_t& status, std::int64_t now_ns);
+  void fire(const strobe_msgs::status_t& status, std::int64_t now_ns);
+  void shoot(const strobe_msgs::status_t& status, std::int64_t now_ns);
+  void enter(State state, std::int64_t now_ns);
+  void rejected(const std::string& why, std::int64_t shot_id);
+  void give_up(const std::string& why);
+  void send_fire(const strobe_msgs::status_t& status, std::int64_t now_ns);
+  double longest_shot_s() const;
+  bool ours(const strobe_msgs::status_t& status) const;
+
+  ShotSeriesSettings settings_;
+  CommandFactory& factory_;
+  State state_ = State::waiting;
+  std::int64_t entered_ns_ = 0;
+  std::int64_t sent_ns_ = 0;
+  std::optional<std::int64_t> blocked_since_ns_;
+  std::int64_t boot_id_ = 0;       ///< firmware of the shot that is under way
+  std::int32_t shots_before_ = 0;  ///< its last_shot_id before the shot
+  std::int64_t now_ns_ = 0;
+  int good_ = 0;
+  int refired_ = 0;
+  int refusals_ = 0;
+  std::string blocking_reason_;
+  std::string refusal_;
+  std::vector<strobe_msgs::command_t> commands_;
+  std::vector<std::string> notifications_;
+};
+
+}  // namespace strobe::host

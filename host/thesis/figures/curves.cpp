@@ -1,0 +1,338 @@
+#include "host/thesis/figures/curves.hpp"
+
+#include <cmath>
+
+#include "common/units/angles.hpp"
+#include "host/thesis/contact_scale.hpp"
+
+namespace strobe::report {
+
+namespace {
+
+using contact::ContactRow;
+using contact::SpinPulse;
+using contact::SpinPulseInput;
+
+double state_value(const contact::ContactState& s, Quantity quantity) {
+  switch (quantity) {
+    case Quantity::x_cm:
+      return 1e2 * s.x_m;
+    case Quantity::y_mm:
+      return 1e3 * s.y_m;
+    case Quantity::rotation_deg:
+      return degrees(s.rotation_rad);
+    case Quantity::vx_mps:
+      return s.vx_mps;
+    case Quantity::vy_mps:
+      return s.vy_mps;
+    case Quantity::omega_radps:
+      return s.omega_radps;
+    case Quantity::slip_mps:
+      return s.slip_mps;
+    case Quantity::fx_n:
+      return s.fx_n;
+    case Quantity::fy_n:
+      return s.fy_n;
+  }
+  return kNoValue;
+}
+
+/// A fraction of the images in the figures' units; nothing for what images do not show.
+std::optional<double> image_value(const SetCurves& c, const ContactRow& row, Quantity quantity) {
+  if (quantity == Quantity::x_cm) return row.x_fraction * c.condition->dwell_distance_cm.mean;
+  if (quantity == Quantity::y_mm) return 1e3 * row.y_fraction * c.scale.diameter_m;
+  if (quantity == Quantity::rotation_deg && row.rotation_fraction)
+    return degrees(*row.rotation_fraction * c.scale.total_rotation_rad);
+  return std::nullopt;
+}
+
+const std::optional<contact::CubicFit>& fit_of(const SetCurves& c, Quantity quantity) {
+  if (quantity == Quantity::x_cm) return c.fits.x;
+  return quantity == Quantity::y_mm ? c.fits.y : c.fits.rotation;
+}
+
+double cubic_value(const SetCurves& c, double t, Quantity quantity) {
+  const auto& fit = fit_of(c, quantity);
+  if (!fit) return kNoValue;
+  const double value = fit->value(t);
+  return image_value(c, ContactRow{t, value, value, value}, quantity).value_or(kNoValue);
+}
+
+/// Value and sd of differentiation in the figures' units.
+PlotPoint derived_point(const contact::DerivedState& state, Quantity quantity, bool band) {
+  const auto point = [band](const std::optional<contact::ValueSd>& v, double unit) {
+    if (!v) return PlotPoint{0.0, kNoValue};
+    const double y = unit * v->value;
+    const double sd = band ? std::abs(unit) * v->sd : kNoValue;
+    return PlotPoint{0.0, y, y - sd, y + sd};
+  };
+  switch (quantity) {
+    case Quantity::x_cm:
+      return point(state.x_m, 1e2);
+    case Quantity::y_mm:
+      return point(state.y_m, 1e3);
+    case Quantity::rotation_deg:
+      return point(state.rotation_rad, degrees(1.0));
+    case Quantity::vx_mps:
+      return point(state.vx_mps, 1.0);
+    case Quantity::vy_mps:
+      return point(state.vy_mps, 1.0);
+    case Quantity::omega_radps:
+      return point(state.omega_radps, 1.0);
+    case Quantity::slip_mps:
+      return point(state.slip_mps, 1.0);
+    case Quantity::fx_n:
+      return point(state.fx_n, 1.0);
+    case Quantity::fy_n:
+      return point(state.fy_n, 1.0);
+  }
+  return {};
+}
+
+using Motion = std::function<contact::ContactState(double)>;
+
+/// Integration as a function of the time fraction; nothing for inputs out of range.
+std::optional<Motion> motion_of(const SpinPulseInput& input, bool grips) {
+  if (grips) {
+    const auto pulse = SpinPulse::make(input);
+    if (!pulse) return std::nullopt;
+    return [p = *pulse](double t) { return p.at_fraction(t); };
+  }
+  const auto pulse = impact::SinePulse::make(input.form, {.vx_td_mps = input.touchdown.vx_mps,
+                                                          .vy_td_mps = input.touchdown.vy_mps,
+                                                          .e = input.e,
+                                                          .impulse_ratio = input.mu,
+                                                          .dwell_s = input.dwell_s,
+                                                          .mass_kg = input.ball.mass_kg});
+  if (!pulse) return std::nullopt;
+  return [p = *pulse](double t) {
+    const impact::PulseState s = p.at_fraction(t);
+    contact::ContactState out;
+    out.x_m = s.x_m;
+    out.y_m = s.y_m;
+    out.vx_mps = s.vx_mps;
+    out.vy_mps = s.vy_mps;
+    out.fx_n = s.fx_n;
+    out.fy_n = s.fy_n;
+    return out;
+  };
+}
+
+/// Sd of a quantity at each step from the printed sds, as independent: a central difference over each.
+class Propagation {
+ public:
+  Propagation(const SetCurves& c, const SpinPulseInput& input, bool grips) {
+    const contact::SpinPulseSd sd = contact::spin_pulse_sd(*c.condition);
+    const auto add = [this, &input, grips](auto change, double size) {
+      SpinPulseInput up = input;
+      SpinPulseInput down = input;
+      change(up, size);
+      change(down, -size);
+      up.e = std::min(up.e, 1.0);
+      up.mu = std::max(up.mu, 0.0);
+      down.mu = std::max(down.mu, 0.0);
+      auto a = motion_of(up, grips);
+      auto b = motion_of(down, grips);
+      if (a && b) pairs_.emplace_back(*std::move(a), *std::move(b));
+    };
+    add([](SpinPulseInput& in, double d) { in.touchdown.vx_mps += d; }, sd.vx_mps);
+    add([](SpinPulseInput& in, double d) { in.touchdown.vy_mps += d; }, sd.vy_mps);
+    add([](SpinPulseInput& in, double d) { in.touchdown.omega_radps += d; }, sd.omega_radps);
+    add([](SpinPulseInput& in, double d) { in.e += d; }, sd.e);
+    add([](SpinPulseInput& in, double d) { in.mu += d; }, sd.mu);
+    add([](SpinPulseInput& in, double d) { in.dwell_s += d; }, sd.dwell_s);
+  }
+
+  double sd(double t, Quantity quantity) const {
+    double variance = 0.0;
+    for (const auto& [up, down] : pairs_) {
+      const double half = (state_value(up(t), quantity) - state_value(down(t), quantity)) / 2.0;
+      variance += half * half;
+    }
+    return std::sqrt(variance);
+  }
+
+ private:
+  std::vector<std::pair<Motion, Motion>> pairs_;
+};
+
+double residual_sd(const SetCurves& c, Quantity quantity) {
+  double squares = 0.0;
+  int n = 0;
+  for (const ContactRow& row : c.set->rows) {
+    const auto value = image_value(c, row, quantity);
+    if (!value) continue;
+    squares += std::pow(*value - cubic_value(c, row.time_fraction, quantity), 2);
+    ++n;
+  }
+  return n > 4 ? std::sqrt(squares / (n - 4)) : kNoValue;
+}
+
+}  // namespace
+
+const char* axis_label(Quantity quantity) {
+  switch (quantity) {
+    case Quantity::x_cm:
+      return "distance along the surface x, cm";
+    case Quantity::y_mm:
+      return "height of the top less that at touchdown y, mm";
+    case Quantity::rotation_deg:
+      return "rotation since touchdown, degrees";
+    case Quantity::vx_mps:
+      return "velocity along the surface vx, m/s";
+    case Quantity::vy_mps:
+      return "velocity normal to it vy, m/s";
+    case Quantity::omega_radps:
+      return "spin omega, rad/s";
+    case Quantity::slip_mps:
+      return "slip vx + R omega, m/s";
+    case Quantity::fx_n:
+      return "friction force Fx, N";
+    case Quantity::fy_n:
+      return "normal force Fy, N";
+  }
+  return "";
+}
+
+bool turns(Quantity quantity) {
+  return quantity == Quantity::rotation_deg || quantity == Quantity::omega_radps ||
+         quantity == Quantity::slip_mps;
+}
+
+const char* short_label(Quantity quantity) {
+  switch (quantity) {
+    case Quantity::vx_mps:
+      return "vx, m/s";
+    case Quantity::vy_mps:
+      return "vy, m/s";
+    case Quantity::omega_radps:
+      return "spin, rad/s";
+    case Quantity::fx_n:
+      return "Fx, N";
+    case Quantity::fy_n:
+      return "Fy, N";
+    default:
+      return axis_label(quantity);
+  }
+}
+
+Result<SetCurves> set_curves(const Material& material, const std::string& set) {
+  SetCurves c;
+  c.condition = material.used.condition(set);
+  if (!c.condition) return fail("no set " + set);
+  c.set = &material.used.contact.at(set);
+  c.dwell_ms = c.condition->dwell_time_ms.mean;
+  c.fits = contact::fit_fractions(*c.set);
+  c.scale = scale_of(material, *c.condition);
+  if (auto spline = contact::fit_constrained_motion(*c.set, c.scale, contact::end_velocities(*c.condition)))
+    c.spline = *std::move(spline);
+  c.mechanics = course_of(material, *c.condition);
+  return c;
+}
+
+std::vector<PlotPoint> measured(const SetCurves& c, Quantity quantity) {
+  const double sd = residual_sd(c, quantity);
+  std::vector<PlotPoint> points;
+  for (const ContactRow& row : c.set->rows) {
+    const auto value = image_value(c, row, quantity);
+    if (!value || contact::is_end_point(row)) continue;
+    points.push_back({row.time_fraction * c.dwell_ms, *value, *value - sd, *value + sd});
+  }
+  return points;
+}
+
+std::vector<PlotPoint> measured_ends(const SetCurves& c, Quantity quantity) {
+  const thesis::Condition& m = *c.condition;
+  const double radius_m = c.scale.diameter_m / 2.0;
+  const auto slip = [radius_m](const thesis::MeanSd& vx, const thesis::MeanSd& omega) {
+    return thesis::MeanSd{vx.mean + radius_m * omega.mean, std::hypot(vx.sd, radius_m * omega.sd)};
+  };
+  thesis::MeanSd td;
+  thesis::MeanSd lo;
+  switch (quantity) {
+    case Quantity::vx_mps:
+      td = m.vx_td_mps;
+      lo = m.vx_lo_mps;
+      break;
+    case Quantity::vy_mps:
+      td = m.vy_td_mps;
+      lo = m.vy_lo_mps;
+      break;
+    case Quantity::omega_radps:
+      td = m.omega_td_radps;
+      lo = m.omega_lo_radps;
+      break;
+    case Quantity::slip_mps:
+      td = slip(m.vx_td_mps, m.omega_td_radps);
+      lo = slip(m.vx_lo_mps, m.omega_lo_radps);
+      break;
+    default:
+      return {};
+  }
+  return {{0.0, td.mean, td.mean - td.sd, td.mean + td.sd},
+          {c.dwell_ms, lo.mean, lo.mean - lo.sd, lo.mean + lo.sd}};
+}
+
+namespace {
+
+std::vector<PlotPoint> differentiated(const SetCurves& c, Approach approach, Quantity quantity, bool band) {
+  if (approach == Approach::spline && !c.spline) return {};
+  std::vector<PlotPoint> points;
+  for (int i = 0; i <= kCurveSteps; ++i) {
+    const double t = static_cast<double>(i) / kCurveSteps;
+    const contact::DerivedState state =
+        approach == Approach::spline ? contact::derive(*c.spline, t) : contact::derive(c.fits, c.scale, t);
+    PlotPoint p = derived_point(state, quantity, band);
+    p.x = t * c.dwell_ms;
+    points.push_back(p);
+  }
+  return points;
+}
+
+/// Up to the release, which is the dwell time that the spring was made for.
+std::vector<PlotPoint> by_mechanics(const SetCurves& c, Quantity quantity) {
+  if (!c.mechanics) return {};
+  std::vector<PlotPoint> points;
+  for (int i = 0; i <= kCurveSteps; ++i) {
+    const double time_s = c.mechanics->summary().dwell_s * i / kCurveSteps;
+    const impact::ContactState s = c.mechanics->at(time_s);
+    const contact::ContactState state{s.x_m,         s.y_m,      s.angle_rad, s.vx_mps, s.vy_mps,
+                                      s.omega_radps, s.slip_mps, s.fx_n,      s.fy_n};
+    points.push_back({1e3 * time_s, state_value(state, quantity)});
+  }
+  return points;
+}
+
+std::vector<PlotPoint> integrated(const SetCurves& c, Approach approach, Quantity quantity, bool band) {
+  const bool grips = approach == Approach::pulse_grip;
+  if (turns(quantity) && !grips) return {};
+  const SpinPulseInput input = contact::spin_pulse_input(*c.condition, approach == Approach::pulse_simplified
+                                                                           ? impact::PulseForm::simplified
+                                                                           : impact::PulseForm::exact);
+  const auto motion = motion_of(input, grips);
+  if (!motion) return {};
+  const Propagation spread(c, input, grips);
+  std::vector<PlotPoint> points;
+  for (int i = 0; i <= kCurveSteps; ++i) {
+    const double t = static_cast<double>(i) / kCurveSteps;
+    PlotPoint p{t * c.dwell_ms, state_value((*motion)(t), quantity)};
+    if (band) {
+      const double sd = spread.sd(t, quantity);
+      p.low = p.y - sd;
+      p.high = p.y + sd;
+    }
+    points.push_back(p);
+  }
+  return points;
+}
+
+}  // namespace
+
+std::vector<PlotPoint> curve(const SetCurves& c, Approach approach, Quantity quantity, bool band) {
+  if (approach == Approach::cubic || approach == Approach::spline)
+    return differentiated(c, approach, quantity, band);
+  if (approach == Approach::mechanics) return by_mechanics(c, quantity);
+  return integrated(c, approach, quantity, band);
+}
+
+}  // namespace strobe::report

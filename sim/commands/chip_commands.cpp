@@ -1,0 +1,115 @@
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "sim/commands/command_line.hpp"
+#include "sim/commands/commands.hpp"
+#include "sim/gpiochip/chip.hpp"
+#include "sim/live/rig_runner.hpp"
+
+namespace strobe::sim {
+
+namespace {
+
+constexpr Duration kLook = milliseconds(50);  // how soon the chip's end is noticed
+
+/// LINE=NUMBER, LINE a name or an offset.
+struct LineNumber {
+  std::uint32_t line = 0;
+  int number = 0;
+};
+
+bool whole_number(const std::string& text, auto& number) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  return error == std::errc{} && end == text.data() + text.size();
+}
+
+Result<LineNumber> parse(const Chip& chip, const std::string& text, int least, int most, const char* wanted) {
+  const std::size_t equals = text.find('=');
+  LineNumber parsed;
+  if (equals == std::string::npos || !whole_number(text.substr(equals + 1), parsed.number) ||
+      parsed.number < least || parsed.number > most) {
+    return fail("\"" + text + "\": " + wanted + " is wanted");
+  }
+  const std::string line = text.substr(0, equals);
+  if (whole_number(line, parsed.line)) {
+    if (parsed.line >= chip.line_count()) return fail("\"" + text + "\": the chip has no line " + line);
+  } else {
+    const auto named = chip.line_named(line);
+    if (!named) return fail("\"" + text + "\": " + named.error().message);
+    parsed.line = *named;
+  }
+  return parsed;
+}
+
+/// False if the chip ended before the line had risen so often.
+bool wait_for_rises(Chip& chip, const LineNumber& rises) {
+  ChangeCursor cursor = chip.cursor_now();
+  std::vector<Change> changes;
+  for (int left = rises.number; left > 0 && !chip.unplugged();) {
+    changes.clear();
+    chip.wait_changes(cursor, monotonic_now() + kLook, changes);
+    for (const Change& change : changes) left -= change.line == rises.line && change.level == 1 ? 1 : 0;
+  }
+  return !chip.unplugged();
+}
+
+std::string name_of(std::size_t line) {
+  return line < kLineNames.size() ? std::string(kLineNames[line]) : std::string();
+}
+
+}  // namespace
+
+int drive_command(const std::string& chip_dir, const std::vector<std::string>& drives) {
+  auto chip = Chip::attach(chip_dir);
+  if (!chip) return report_error(chip.error().message, 2);
+  std::vector<LineNumber> wanted;
+  for (const std::string& text : drives) {
+    const auto drive = parse(*chip, text, 0, 1, "LINE=0 or LINE=1");
+    if (!drive) return report_error(drive.error().message, 2);
+    if (chip->state(drive->line).is_output)
+      return report_error("\"" + text + "\": the line is an output of " + chip->state(drive->line).consumer,
+                          1);
+    wanted.push_back(*drive);
+  }
+  for (const LineNumber& drive : wanted) chip->drive(drive.line, drive.number, monotonic_now());
+  return 0;
+}
+
+int unplug_command(const std::string& chip_dir, const std::string& after) {
+  auto chip = Chip::attach(chip_dir);
+  if (!chip) return report_error(chip.error().message, 2);
+  if (!after.empty()) {
+    const auto rises = parse(*chip, after, 1, 1'000'000, "LINE=1 or more");
+    if (!rises) return report_error(rises.error().message, 2);
+    if (!wait_for_rises(*chip, *rises)) return report_error("the rig ended before that", 1);
+  }
+  chip->unplug();
+  return 0;
+}
+
+int lines_command(const std::string& chip_dir, bool json) {
+  const auto chip = Chip::attach(chip_dir);
+  if (!chip) return report_error(chip.error().message, 2);
+  for (std::uint32_t i = 0; i < chip->line_count(); ++i) {
+    const LineState state = chip->state(i);
+    const char* direction = state.is_output ? "output" : "input";
+    if (json) {
+      const nlohmann::json line = {{"line", i},
+                                   {"name", name_of(i)},
+                                   {"direction", direction},
+                                   {"level", state.level},
+                                   {"requested", state.requested},
+                                   {"consumer", state.consumer}};
+      fmt::print("{}\n", line.dump());
+    } else {
+      fmt::print("{:>3}  {:<9} {:<6} {}  {}\n", i, name_of(i), direction, state.level,
+                 state.requested ? state.consumer : "-");
+    }
+  }
+  return 0;
+}
+
+}  // namespace strobe::sim

@@ -1,0 +1,85 @@
+// The subcommands of strobe-sim. Each prints its own errors, one line on stderr, and returns the exit status:
+// 0 done, 1 ran but failed, 2 bad usage or input.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sim/plan/choose.hpp"
+
+namespace strobe::sim {
+
+struct RunOptions {
+  std::string scene;
+  std::optional<std::uint64_t> seed;  ///< absent: a fresh one, printed
+  std::string lcm_url;
+  std::string rig_name = "bench";
+  std::string chip_dir;      ///< empty: a temporary folder
+  std::string truth_file;    ///< empty: none
+  std::string changes_file;  ///< empty: none
+  std::string photographs;   ///< folder for the camera's files; empty: none are made
+  bool digitizer = true;
+  std::string tolerance;              ///< empty: none
+  std::optional<double> deadline_us;  ///< of computing a shot
+  std::vector<std::string> command;
+};
+/// Exit status of the command; 128 plus the signal that ended it.
+int run_command(const RunOptions& options);
+
+struct ShootOptions {
+  std::string scene;
+  int shots = 1;
+  std::uint64_t seed = 1;
+  std::string model = "full";
+  std::string tolerance;              ///< empty: none
+  std::optional<double> deadline_us;  ///< of computing a shot
+  double period_ms = 3.0;
+  double exposure_ms = 0.0;  ///< 0: as long as the balls take to cross the view
+  bool perfect_digitizer = false;
+  std::string truth_file;  ///< empty: none
+};
+/// Prints the frames of simulated shots, one per line.
+int shoot_command(const ShootOptions& options);
+
+struct PlanOptions {
+  std::string scene;
+  std::string tolerance;  ///< empty: the scene's own
+  double period_ms = 3.0;
+  double exposure_ms = 0.0;
+  bool all = false;
+  bool json = false;
+};
+/// Prints which effects a scene requires at a tolerance, and what they cost.
+int plan_command(const PlanOptions& options);
+
+struct PhotographOptions {
+  std::string scene;
+  int shots = 1;
+  std::uint64_t seed = 1;
+  std::string folder;
+  double period_ms = 3.0;
+  double exposure_ms = 0.0;  ///< 0: as long as the balls take to cross the view
+  bool json = false;
+};
+/// Writes photographs of simulated shots, and the truth about them.
+int photograph_command(const PhotographOptions& options);
+
+/// A tolerance as typed (empty: the scene's own, if it has one) and a deadline. The error names the option.
+Result<PlanRequirement> parse_requirement(const std::string& tolerance,
+                                          const std::optional<double>& deadline_us, const Scene& scene);
+
+int scenes_command(bool json);
+
+/// `drives`: LINE=LEVEL, LINE a name or an offset.
+int drive_command(const std::string& chip_dir, const std::vector<std::string>& drives);
+int lines_command(const std::string& chip_dir, bool json);
+
+/// Unplugs the chip: at once, or after a line rose as often as `after` says (LINE=N).
+int unplug_command(const std::string& chip_dir, const std::string& after);
+
+/// Derives the scenes of the thesis's conditions from its tables and writes them to a folder.
+int fit_command(const std::string& tables, const std::string& folder, bool json);
+
+}  // namespace strobe::sim

@@ -1,0 +1,60 @@
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "sim/commands/command_line.hpp"
+#include "sim/commands/commands.hpp"
+#include "sim/fit/fit.hpp"
+
+namespace strobe::sim {
+
+namespace {
+
+void print_json(const FittedScene& fitted, const thesis::Condition& condition) {
+  nlohmann::json missed = nlohmann::json::object();
+  for (const MissedSpread& miss : fitted.missed)
+    missed[std::string(reduction::name(miss.quantity))] = {{"published_sd", miss.published_sd},
+                                                           {"here", miss.expected_sd}};
+  const nlohmann::json line = {{"scene", condition.name()},
+                               {"slides", fitted.slides},
+                               {"left_vx_lo_mps", fitted.left_vx_mps},
+                               {"left_omega_lo_radps", fitted.left_omega_radps},
+                               {"left_vx_lo_in_sd", fitted.left_vx_mps / condition.vx_lo_mps.sd},
+                               {"left_omega_lo_in_sd", fitted.left_omega_radps / condition.omega_lo_radps.sd},
+                               {"missed_spreads", missed}};
+  fmt::print("{}\n", line.dump());
+}
+
+void print_text(const FittedScene& fitted, const thesis::Condition& condition) {
+  fmt::print("{:<8} left of the lift-off: vx {:6.3f} m/s ({:5.2f} sd), spin {:6.2f} rad/s ({:5.2f} sd)\n",
+             condition.name(), fitted.left_vx_mps, fitted.left_vx_mps / condition.vx_lo_mps.sd,
+             fitted.left_omega_radps, fitted.left_omega_radps / condition.omega_lo_radps.sd);
+  for (const MissedSpread& miss : fitted.missed)
+    fmt::print("{:<8} {}: published sd {:.3g}, here {:.3g}\n", "", reduction::name(miss.quantity),
+               miss.published_sd, miss.expected_sd);
+}
+
+}  // namespace
+
+int fit_command(const std::string& tables, const std::string& folder, bool json) {
+  const auto data = thesis::load(tables, thesis::Version::corrected);
+  if (!data) return report_error(data.error().message, 2);
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  for (const thesis::Condition& condition : data->conditions) {
+    const auto fitted = fit_scene(condition);
+    if (!fitted) return report_error(fitted.error().message, 1);
+    const std::filesystem::path path = std::filesystem::path(folder) / (condition.name() + ".toml");
+    std::ofstream file(path);
+    file << to_toml(*fitted, condition);
+    file.flush();
+    if (!file) return report_error(path.string() + ": cannot be written", 2);
+    json ? print_json(*fitted, condition) : print_text(*fitted, condition);
+  }
+  return 0;
+}
+
+}  // namespace strobe::sim

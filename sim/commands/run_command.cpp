@@ -1,0 +1,221 @@
+#include <fmt/format.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <random>
+#include <thread>
+
+#include "common/messages/channels.hpp"
+#include "sim/commands/command_line.hpp"
+#include "sim/commands/commands.hpp"
+#include "sim/gpiochip/chip.hpp"
+#include "sim/live/child_process.hpp"
+#include "sim/live/rig_runner.hpp"
+#include "sim/live/tablet_operator.hpp"
+#include "sim/live/tethered_camera.hpp"
+#include "sim/scene/reduced_scene.hpp"
+#include "sim/scene/scene_files.hpp"
+
+namespace strobe::sim {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::chrono::milliseconds kWatchAfterDeath{100};
+
+/// A folder of its own in memory (a page of a disk's file may stall the lines), gone with this object.
+class TemporaryFolder {
+ public:
+  TemporaryFolder() {
+    std::error_code error;
+    const fs::path base =
+        access("/dev/shm", W_OK) == 0 ? fs::path("/dev/shm") : fs::temp_directory_path(error);
+    std::string name = (base / "strobe-sim-XXXXXX").string();
+    if (mkdtemp(name.data()) != nullptr) path_ = name;
+  }
+  ~TemporaryFolder() {
+    std::error_code error;
+    if (!path_.empty()) fs::remove_all(path_, error);
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+ChipSpec chip_of(const Scene& scene) {
+  ChipSpec spec;
+  spec.name = scene.chip.name;
+  spec.label = scene.chip.label;
+  spec.on_release = scene.chip.keep_on_release ? OnRelease::keep : OnRelease::input;
+  for (std::size_t i = 0; i < kLineNames.size(); ++i) {
+    LineSpec line;
+    line.name = std::string(kLineNames[i]);
+    if (rig_line(static_cast<std::uint32_t>(i)) == RigLine::key) line.idle_level = scene.chip.key_level;
+    if (rig_line(static_cast<std::uint32_t>(i)) == RigLine::estop) line.idle_level = scene.chip.estop_level;
+    spec.lines.push_back(line);
+  }
+  return spec;
+}
+
+const char* cause_name(Cause cause) {
+  switch (cause) {
+    case Cause::set:
+      return "set";
+    case Cause::request:
+      return "request";
+    case Cause::release:
+      return "release";
+    case Cause::drive:
+      return "drive";
+  }
+  return "unknown";
+}
+
+bool write_changes(const std::string& path, const std::vector<Change>& changes) {
+  std::ofstream file(path);
+  file << "time_ns,line,name,level,cause\n";
+  for (const Change& c : changes) {
+    const std::string_view line = c.line < kLineNames.size() ? kLineNames[c.line] : std::string_view{};
+    file << fmt::format("{},{},{},{},{}\n", c.time.ns, c.line, line, c.level, cause_name(c.cause));
+  }
+  file.flush();
+  return file.good();
+}
+
+std::uint64_t fresh_seed() {
+  std::random_device device;
+  return device() % 1'000'000;  // short enough to type again
+}
+
+/// LD_PRELOAD is split at blanks and colons: a library whose path has some is reached by a link in
+/// `link_folder`.
+fs::path preloadable(const fs::path& library, std::optional<TemporaryFolder>& link_folder) {
+  if (library.string().find_first_of(" :") == std::string::npos) return library;
+  link_folder.emplace();
+  const fs::path link = link_folder->path() / library.filename();
+  std::error_code error;
+  fs::create_symlink(library, link, error);
+  return error ? library : link;
+}
+
+std::string preload_with(const fs::path& library) {
+  const char* before = std::getenv("LD_PRELOAD");
+  return before && *before ? library.string() + ":" + before : library.string();
+}
+
+/// The rig around a chip, from its start to the last line of its files.
+class Session {
+ public:
+  static Result<std::unique_ptr<Session>> open(const RunOptions& options, const Scene& scene,
+                                               const Model& model, std::uint64_t seed,
+                                               const fs::path& folder) {
+    std::unique_ptr<Session> session(new Session(options));
+    auto chip = Chip::create(folder, chip_of(scene));
+    if (!chip) return tl::unexpected(chip.error());
+    auto truth = TruthFile::create(options.truth_file, scene);
+    if (!truth) return tl::unexpected(truth.error());
+    session->truth_ = std::move(*truth);
+    if (!options.photographs.empty()) {
+      auto tethered_camera =
+          TetheredCamera::create(options.photographs, scene, seed, session->exposure_store_);
+      if (!tethered_camera) return tl::unexpected(tethered_camera.error());
+      session->photographer_ = std::move(*tethered_camera);
+      session->truth_->include_photographs(seed);
+    }
+    if (!options.changes_file.empty() && !write_changes(options.changes_file, {}))
+      return fail(options.changes_file + ": cannot be written");
+    session->runner_ = std::make_unique<RigRunner>(std::move(*chip), scene, seed, session->exposure_store_,
+                                                   !options.changes_file.empty(), model);
+    if (options.digitizer) {
+      auto desk = TabletOperator::create(options.lcm_url, options.rig_name, scene, seed,
+                                         session->exposure_store_, *session->truth_);
+      if (!desk) return tl::unexpected(desk.error());
+      session->tablet_operator_ = std::move(*desk);
+      if (!options.photographs.empty()) session->tablet_operator_->listen_only();
+      session->tablet_operator_->start();
+    }
+    session->runner_->start();
+    if (session->photographer_) session->photographer_->start();
+    return session;
+  }
+
+  /// Fails if not all could be written.
+  Result<void> close() {
+    std::this_thread::sleep_for(kWatchAfterDeath);
+    runner_->stop();
+    if (tablet_operator_) tablet_operator_->stop();
+    for (const auto& exposure : exposure_store_.all()) truth_->write(*exposure, 0);
+    if (!options_.changes_file.empty() && !write_changes(options_.changes_file, runner_->changes()))
+      return fail(options_.changes_file + ": could not be written");
+    return photographer_ ? photographer_->stop() : Result<void>{};
+  }
+
+ private:
+  explicit Session(const RunOptions& options) : options_(options) {}
+
+  const RunOptions& options_;
+  ExposureStore exposure_store_;
+  std::unique_ptr<TruthFile> truth_;
+  std::unique_ptr<RigRunner> runner_;
+  std::unique_ptr<TabletOperator> tablet_operator_;
+  std::unique_ptr<TetheredCamera> photographer_;
+};
+
+/// The firmware's train is not known beforehand: planned for the usual one. The shutter's lag is in what the
+/// firmware was told about its rig and cannot be left out of it.
+constexpr ShootSettings kUsualTrain{.period = milliseconds(3), .exposure = milliseconds(500)};
+
+/// 0, or the exit status after the complaint.
+int choose_model(const RunOptions& options, const Scene& scene, Model& model) {
+  if (options.tolerance.empty() && !options.deadline_us) return 0;
+  const auto demand = parse_requirement(options.tolerance, options.deadline_us, scene);
+  if (!demand) return report_error(demand.error().message, 2);
+  const auto chosen = choose(scene, *demand, kUsualTrain);
+  if (!chosen) return report_error(chosen.error().message, 1);
+  fmt::print(stderr, "strobe-sim: {}\n", explanation(*chosen));
+  model = chosen->plan.model.with(Effect::shutter_lag);
+  return 0;
+}
+
+}  // namespace
+
+int run_command(const RunOptions& options) {
+  if (!messages::valid_rig_name(options.rig_name))
+    return report_error("--rig: 1 to 24 letters, digits, _ or -, not \"" + options.rig_name + "\"", 2);
+  const auto scene = load_scene(options.scene);
+  if (!scene) return report_error(scene.error().message, 2);
+  Model model = Model::full();
+  if (const int status = choose_model(options, *scene, model); status != 0) return status;
+  const auto library = preload_path();
+  if (!library) return report_error(library.error().message, 1);
+
+  const std::uint64_t seed = options.seed.value_or(fresh_seed());
+  block_child_signals();
+  std::optional<TemporaryFolder> link_folder;
+  const fs::path preloaded = preloadable(*library, link_folder);
+  std::optional<TemporaryFolder> temporary;
+  if (options.chip_dir.empty()) temporary.emplace();
+  const fs::path folder = temporary ? temporary->path() : fs::absolute(options.chip_dir);
+  if (folder.empty()) return report_error("no folder for the chip can be made", 1);
+  auto session = Session::open(options, reduced_scene(*scene, model), model, seed, folder);
+  if (!session) return report_error(session.error().message, 2);
+  fmt::print(stderr, "strobe-sim: scene {}, seed {} (repeat with --seed {}), chip /dev/{} in {}\n",
+             scene->name, seed, seed, scene->chip.name, folder.string());
+
+  const auto child = start_child(
+      options.command, {{"LD_PRELOAD", preload_with(preloaded)}, {kChipDirVariable, folder.string()}});
+  if (!child) return report_error(child.error().message, 2);
+  const int status = wait_for_child(*child);
+  if (const auto closed = (*session)->close(); !closed) return report_error(closed.error().message, 1);
+  return status;
+}
+
+}  // namespace strobe::sim

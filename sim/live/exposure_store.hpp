@@ -1,0 +1,37 @@
+// Where finished exposures wait for whoever asks for them by time: the seam between the thread that plays the
+// rig and the one that plays the person at the tablet. Thread-safe; not for the real-time path (locks,
+// allocates).
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+#include "sim/rig/exposure.hpp"
+
+namespace strobe::sim {
+
+class ExposureStore {
+ public:
+  void add(Exposure exposure);
+
+  /// Says which exposure is under way: the instant of the line's change that began it.
+  void set_exposing(std::optional<MonoTime> since);
+
+  struct Found {
+    std::shared_ptr<const Exposure> exposure;  ///< null: none
+    bool wait = false;                         ///< one is under way that may be it
+  };
+  /// The first exposure begun within the two instants.
+  Found begun_within(MonoTime earliest, MonoTime latest) const;
+
+  std::vector<std::shared_ptr<const Exposure>> all() const;
+
+ private:
+  mutable std::mutex mutex_;
+  std::vector<std::shared_ptr<const Exposure>> exposures_;
+  std::optional<MonoTime> exposing_since_;
+};
+
+}  // namespace strobe::sim

@@ -1,0 +1,80 @@
+// The person at the tablet, connected: reads a shot's number when it is announced (SHOT), takes the
+// photograph of that time out of the exposure_store, measures it and sends the frame (FRAME). A shot announced
+// again is sent again. A thread of its own; start and stop from one thread.
+#pragma once
+
+#include <atomic>
+#include <lcm/lcm-cpp.hpp>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <strobe_msgs/frame_t.hpp>
+#include <strobe_msgs/shot_t.hpp>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "sim/live/exposure_store.hpp"
+#include "sim/live/truth_file.hpp"
+#include "sim/rig/tablet.hpp"
+
+namespace strobe::sim {
+
+/// The message for a digitized photograph of that shot.
+strobe_msgs::frame_t to_message(const reduction::Frame& frame, std::int64_t boot_id, int shot_id);
+
+class TabletOperator {
+ public:
+  /// Fails if LCM cannot be joined. `exposure_store` and `truth` must outlive the desk.
+  static Result<std::unique_ptr<TabletOperator>> create(const std::string& lcm_url,
+                                                        const std::string& rig_name, const Scene& scene,
+                                                        std::uint64_t seed, ExposureStore& exposure_store,
+                                                        TruthFile& truth);
+  ~TabletOperator();
+  TabletOperator(const TabletOperator&) = delete;
+  TabletOperator& operator=(const TabletOperator&) = delete;
+
+  /// Nobody measures: shots' numbers are read for the truth's lines, no frame is sent. Before start().
+  void listen_only() { sends_ = false; }
+
+  void start();
+  /// Ends the thread; shots that were announced but not dealt with get their lines of truth.
+  void stop();
+
+ private:
+  using ShotKey = std::pair<std::int64_t, std::int32_t>;  ///< boot id and shot id
+
+  struct Task {
+    ShotKey key;
+    MonoTime shot_start;
+    MonoTime announced;
+    std::shared_ptr<const Exposure> exposure;
+    MonoTime due = MonoTime::never();  ///< to send; known once the exposure is
+  };
+
+  TabletOperator(const Scene& scene, std::uint64_t seed, ExposureStore& exposure_store, TruthFile& truth,
+                 std::string rig_name);
+  void run();
+  void on_shot(const lcm::ReceiveBuffer* buffer, const std::string& channel, const strobe_msgs::shot_t* shot);
+  /// Whether the task is done with.
+  bool process(Task& task, MonoTime now);
+  bool find_exposure(Task& task, MonoTime now);
+  void send(const Task& task);
+
+  const Scene scene_;
+  std::uint64_t seed_;
+  ExposureStore& exposure_store_;
+  TruthFile& truth_;
+  std::string rig_name_;
+  bool sends_ = true;
+  std::unique_ptr<lcm::LCM> lcm_;
+  std::vector<Task> tasks_;
+  std::set<ShotKey> announced_;
+  std::map<ShotKey, strobe_msgs::frame_t> sent_;
+  std::atomic<bool> stopping_{false};
+  std::thread thread_;
+};
+
+}  // namespace strobe::sim

@@ -1,0 +1,54 @@
+// The rig's camera as a tethered one: when an exposure is over its photograph appears in a folder, whole,
+// under a name of its own (exposure-0001.tif, never over an older file: names go on counting). A thread of
+// its own at the lowest niceness, so that rendering takes only what the rig and the program under test leave.
+// Start and stop from one thread.
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <memory>
+#include <thread>
+#include <vector>
+
+#include "common/result.hpp"
+#include "sim/live/exposure_store.hpp"
+
+namespace strobe::sim {
+
+class TetheredCamera {
+ public:
+  /// Makes the folder if it is missing; fails if that cannot be, or if the scene's photographs are too large.
+  /// `exposure_store` must outlive the tethered_camera.
+  static Result<std::unique_ptr<TetheredCamera>> create(const std::filesystem::path& folder,
+                                                        const Scene& scene, std::uint64_t seed,
+                                                        const ExposureStore& exposure_store);
+  ~TetheredCamera();
+  TetheredCamera(const TetheredCamera&) = delete;
+  TetheredCamera& operator=(const TetheredCamera&) = delete;
+
+  void start();
+  /// Writes what is still to be written, and ends the thread. The first thing that could not be written.
+  Result<void> stop();
+
+ private:
+  TetheredCamera(const std::filesystem::path& folder, const Scene& scene, std::uint64_t seed,
+                 const ExposureStore& exposure_store);
+  void run();
+  /// All exposures that are due; all of them whether due or not where `at_once`.
+  void take(bool at_once);
+  void photograph(const Exposure& exposure);
+  std::filesystem::path next_path();
+
+  std::filesystem::path folder_;
+  const Scene scene_;
+  std::uint64_t seed_;
+  const ExposureStore& exposure_store_;
+  std::vector<std::shared_ptr<const Exposure>> waiting_;
+  std::size_t seen_ = 0;  ///< exposures of the exposure_store
+  int last_number_ = 0;   ///< in a file's name
+  Result<void> outcome_;
+  std::atomic<bool> stopping_{false};
+  std::thread thread_;
+};
+
+}  // namespace strobe::sim

@@ -1,0 +1,80 @@
+#include "sim/motion/ball_path.hpp"
+
+#include <array>
+#include <cmath>
+
+namespace strobe::sim {
+
+namespace {
+
+void add(BallState& sum, const BallState& s, double weight) {
+  sum.x_m += weight * s.x_m;
+  sum.y_m += weight * s.y_m;
+  sum.equator_rad += weight * s.equator_rad;
+  sum.top_drop_m += weight * s.top_drop_m;
+}
+
+}  // namespace
+
+BallPath::BallPath(const Scene& scene, const ShotConditions& thrown, const Model& model, ContactPath contact)
+    : conditions_(thrown),
+      contact_(std::move(contact)),
+      radius_m_(scene.ball.radius_m()),
+      top_drop_ratio_(scene.bounce.top_drop_ratio),
+      approach_(scene, {0.0, radius_m_, thrown.touchdown.vx_mps, thrown.touchdown.vy_mps},
+                thrown.touchdown.omega_radps, model),
+      departure_(scene, {dwell_distance_m(), radius_m_, rebound().lift_off.vx_mps, rebound().lift_off.vy_mps},
+                 rebound().lift_off.omega_radps, model) {}
+
+Result<BallPath> BallPath::make(const Scene& scene, const ShotConditions& thrown, const Model& model,
+                                const ReducedContact* reduced) {
+  auto contact = ContactPath::make(scene, thrown, model, reduced);
+  if (!contact) return tl::unexpected(contact.error());
+  return BallPath(scene, thrown, model, std::move(*contact));
+}
+
+BallState BallPath::contact_at(double time_s) const {
+  const ContactPath::State c = contact_.at(time_s);
+  return {.x_m = c.displacement_m,
+          .y_m = radius_m_ - c.drop_m,
+          .vx_mps = c.vx_mps,
+          .vy_mps = c.vy_mps,
+          .omega_radps = c.omega_radps,
+          .equator_rad = conditions_.equator_rad + c.rotation_rad,
+          .top_drop_m = top_drop_ratio_ * c.drop_m};
+}
+
+BallState BallPath::at(double time_s) const {
+  const LiftOff& end = contact_.lift_off();
+  if (time_s > 0.0 && time_s < end.dwell_s) return contact_at(time_s);
+  const bool rebounding = time_s > 0.0;
+  const FlightState s = rebounding ? departure_.at(time_s - end.dwell_s) : approach_.at(time_s);
+  return {.x_m = s.x_m,
+          .y_m = s.y_m,
+          .vx_mps = s.vx_mps,
+          .vy_mps = s.vy_mps,
+          .omega_radps = s.omega_radps,
+          .equator_rad = conditions_.equator_rad + (rebounding ? end.rotation_rad : 0.0) + s.rotation_rad};
+}
+
+BallState BallPath::mean_over(double from_s, double duration_s) const {
+  if (duration_s == 0.0) return at(from_s);
+  const double half_s = 0.5 * duration_s;
+  const double aside_s = half_s * std::sqrt(0.6);
+  const double middle_s = from_s + half_s;
+  const BallState middle = at(middle_s);
+  BallState mean;
+  add(mean, at(middle_s - aside_s), 5.0 / 18.0);
+  add(mean, middle, 8.0 / 18.0);
+  add(mean, at(middle_s + aside_s), 5.0 / 18.0);
+  mean.vx_mps = middle.vx_mps;
+  mean.vy_mps = middle.vy_mps;
+  mean.omega_radps = middle.omega_radps;
+  return mean;
+}
+
+std::optional<double> BallPath::time_at_distance_s(double distance_m) const {
+  return approach_.time_back_at_x_s(-distance_m);
+}
+
+}  // namespace strobe::sim

@@ -1,0 +1,72 @@
+// The true path of one ball: flight through the air, the rebound, and what happens in between. This is the
+// truth that readouts are held against; it shares no code with the reduction. Axes of the surface: x along it
+// in the direction of travel, y up from it, origin under the centre at touchdown; spin counter-clockwise
+// (backspin) positive. Touchdown and lift-off: the centre is one radius above the surface. Plain values,
+// thread-safe.
+#pragma once
+
+#include <optional>
+
+#include "common/result.hpp"
+#include "sim/motion/contact_path.hpp"
+#include "sim/motion/flight.hpp"
+#include "sim/motion/shot_conditions.hpp"
+#include "sim/scene/model.hpp"
+#include "sim/scene/scene.hpp"
+
+namespace strobe::sim {
+
+struct BallState {
+  double x_m = 0.0;
+  double y_m = 0.0;  ///< of the centre of mass, above the surface
+  double vx_mps = 0.0;
+  double vy_mps = 0.0;
+  double omega_radps = 0.0;
+  double equator_rad = 0.0;
+  double top_drop_m = 0.0;  ///< by how much the ball's top is nearer to the surface than one diameter, >= 0
+};
+
+class BallPath {
+ public:
+  /// Fails if the throw is outside the impact models' ranges or the ball's weight keeps it on the surface.
+  /// `reduced`: of calibrate(), for a model that needs it (contact_course.hpp); nullptr: calibrated here.
+  static Result<BallPath> make(const Scene& scene, const ShotConditions& thrown,
+                               const Model& model = Model::full(), const ReducedContact* reduced = nullptr);
+
+  /// The state `time_s` after touchdown (negative: before): flight, contact (contact_course.hpp), flight.
+  BallState at(double time_s) const;
+
+  /// Mean of the states over the `duration_s` (0: none) from `from_s` on, but for speeds and spin, which are
+  /// those of its middle. By Gauss's rule of three points, exact for the fifth power of time.
+  BallState mean_over(double from_s, double duration_s) const;
+
+  /// Whether the ball is in the air there with its centre lower than at touchdown: it would have met the
+  /// surface once more, of which nothing is known.
+  bool after_second_contact(double time_s, const BallState& state) const {
+    return (time_s < 0.0 || time_s > dwell_s()) && state.y_m < radius_m_;
+  }
+
+  const impact::Motion& touchdown() const { return conditions_.touchdown; }
+  const impact::Rebound& rebound() const { return contact_.lift_off().rebound; }
+  double dwell_s() const { return contact_.lift_off().dwell_s; }
+  double dwell_distance_m() const { return contact_.lift_off().displacement_m; }
+  double spot_m() const { return conditions_.spot_m; }
+  double off_plane_m() const { return conditions_.off_plane_m; }
+
+  /// When (before touchdown, hence negative) the centre passes a point `distance_m` ahead of that of
+  /// touchdown; nothing if it never does.
+  std::optional<double> time_at_distance_s(double distance_m) const;
+
+ private:
+  BallPath(const Scene& scene, const ShotConditions& thrown, const Model& model, ContactPath contact);
+  BallState contact_at(double time_s) const;
+
+  ShotConditions conditions_;
+  ContactPath contact_;
+  double radius_m_;
+  double top_drop_ratio_;
+  Flight approach_;   ///< backwards from touchdown
+  Flight departure_;  ///< from lift-off on
+};
+
+}  // namespace strobe::sim

@@ -1,0 +1,313 @@
+#include "sim/motion/contact_path.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/impact/ode/normal_spring.hpp"
+
+namespace strobe::sim {
+
+namespace {
+
+constexpr double kStandardGravity_mps2 = 9.80665;
+
+tl::unexpected<Error> refused(impact::InputError error) { return fail(std::string(impact::message(error))); }
+
+/// Length of a pulse from which the ball, released while still flattened by y(1), reaches its radius again
+/// after `dwell_s` in all: every length of the pulse scales with its duration.
+Result<double> pulse_length_s(impact::PulseInput input, double vy_lo_mps, double dwell_s) {
+  input.dwell_s = 1.0;
+  const auto unit = impact::SinePulse::make(impact::PulseForm::exact, input);
+  if (!unit) return refused(unit.error());
+  const double still_flattened_mps = -unit->at_fraction(1.0).y_m;
+  return dwell_s / (1.0 + still_flattened_mps / vy_lo_mps);
+}
+
+impact::ContactCoefficients ode_coefficients(const Scene& scene, const ShotConditions& thrown,
+                                             const Model& model, const impact::NormalSpring& unit) {
+  impact::ContactCoefficients c;
+  c.e = thrown.coefficients.e;
+  // Of the spring that takes one second from touchdown to release.
+  c.dwell_s = thrown.dwell_s / (1.0 + 2.0 * unit.damping_ratio / unit.frequency_radps);
+  c.mu = thrown.coefficients.mu;
+  c.stiffness_ratio = thrown.stiffness_ratio;
+  c.damping_ratio = scene.bounce.damping_ratio;
+  c.offset_share = model.has(Effect::offset) ? thrown.offset_share : 0.0;
+  c.gravity_mps2 = model.has(Effect::contact_gravity)
+                       ? std::max(0.0, kStandardGravity_mps2 * std::cos(scene.surface_angle_rad))
+                       : 0.0;
+  return c;
+}
+
+struct OdeInput {
+  impact::ContactCoefficients coefficients;
+  double still_compressed_s = 0.0;  ///< depth at release over the release speed
+};
+
+Result<OdeInput> ode_input(const Scene& scene, const ShotConditions& thrown, const Model& model) {
+  const auto unit = impact::normal_spring(scene.ball.mass_kg, thrown.coefficients.e, 1.0);
+  if (!unit) return refused(unit.error());
+  const auto c = ode_coefficients(scene, thrown, model, *unit);
+  return OdeInput{c, 2.0 * unit->damping_ratio / unit->frequency_radps * c.dwell_s};
+}
+
+/// From release, moving freely, to the centre at R.
+Result<LiftOff> rise(const Scene& scene, const impact::Motion& td, const impact::ContactSummary& summary,
+                     double depth_m, double gravity_mps2) {
+  LiftOff end;
+  impact::Motion& lo = end.rebound.lift_off;
+  lo = summary.lift_off;
+  const double left = lo.vy_mps * lo.vy_mps - 2.0 * gravity_mps2 * depth_m;
+  if (!(lo.vy_mps > 0.0) || left <= 0.0) return fail("the ball's weight keeps it on the surface");
+  const double free_s = 2.0 * depth_m / (lo.vy_mps + std::sqrt(left));
+  lo.vy_mps = std::sqrt(left);
+  const double release_mps = summary.lift_off.vy_mps;
+  end.impulse_factor = (release_mps - td.vy_mps + gravity_mps2 * summary.dwell_s) / (lo.vy_mps - td.vy_mps);
+  end.dwell_s = summary.dwell_s + free_s;
+  end.displacement_m = summary.dwell_distance_m + lo.vx_mps * free_s;
+  end.rotation_rad = summary.rotation_rad + lo.omega_radps * free_s;
+  const double radius = scene.ball.radius_m();
+  const double impulse = lo.vy_mps - td.vy_mps;
+  end.rebound.regime = summary.regime;
+  end.rebound.slip_lo_mps = summary.slip_lo_mps;
+  end.rebound.impulse_ratio = (td.vx_mps - lo.vx_mps) / impulse;
+  end.rebound.offset_m = (scene.ball.alpha * radius * radius * (lo.omega_radps - td.omega_radps) -
+                          radius * (lo.vx_mps - td.vx_mps)) /
+                         impulse;
+  return end;
+}
+
+/// Friction against the slip as far as `mu` allows, up to what leaves -ex times the slip; a normal force
+/// `offset_m` ahead of the centre.
+impact::Rebound algebraic(const ball::Ball& ball, const impact::Motion& td, double e, double mu,
+                          double offset_m, std::optional<double> ex) {
+  const double radius = ball.radius_m();
+  const double impulse = (1.0 + e) * std::abs(td.vy_mps);
+  const double slip = td.vx_mps + radius * td.omega_radps;
+  const double couple = offset_m / radius * impulse / ball.alpha;
+  impact::Rebound out;
+  double dvx = slip == 0.0 ? 0.0 : -std::copysign(mu * impulse, slip);
+  if (ex) {
+    const double gripping = -((1.0 + *ex) * slip + couple) / (1.0 + 1.0 / ball.alpha);
+    out.regime = std::abs(gripping) <= mu * impulse ? impact::Regime::grips : impact::Regime::slides;
+    dvx = std::clamp(gripping, -mu * impulse, mu * impulse);
+  }
+  out.lift_off = {td.vx_mps + dvx, e * std::abs(td.vy_mps),
+                  td.omega_radps + (dvx / ball.alpha + couple) / radius};
+  out.slip_lo_mps = out.lift_off.vx_mps + radius * out.lift_off.omega_radps;
+  out.impulse_ratio = -dvx / impulse;
+  out.offset_m = offset_m;
+  return out;
+}
+
+Result<LiftOff> reduced_lift_off(const Scene& scene, const ShotConditions& thrown, const Model& model,
+                                 const ReducedContact& c) {
+  const double mean_share = scene.bounce.offset_share;
+  const double offset = mean_share > 0.0 ? c.offset_m * thrown.offset_share / mean_share : c.offset_m;
+  const double e = std::min(1.0, c.e_factor * thrown.coefficients.e);
+  LiftOff end;
+  end.rebound = algebraic(scene.ball, thrown.touchdown, e, c.impulse_factor * thrown.coefficients.mu, offset,
+                          model.has(Effect::grip) ? std::optional(c.ex) : std::nullopt);
+  end.dwell_s = c.dwell_factor * thrown.dwell_s;
+  const auto plain = SinePath::make(scene, thrown.touchdown, end);
+  if (!plain) return tl::unexpected(plain.error());
+  const LiftOff sine = plain->plain_end();
+  const double scale_m = (end.rebound.lift_off.vy_mps - thrown.touchdown.vy_mps) * end.dwell_s;
+  end.displacement_m = sine.displacement_m + c.displacement_shift * scale_m;
+  end.rotation_rad = sine.rotation_rad + c.rotation_shift * scale_m / scene.ball.radius_m();
+  return end;
+}
+
+/// contact = "grip".
+Result<LiftOff> grip_lift_off(const Scene& scene, const ShotConditions& thrown, const Model& model) {
+  impact::Coefficients c = thrown.coefficients;
+  if (!model.has(Effect::offset)) c.offset_m = 0.0;
+  const auto rebound = impact::grip(scene.ball, thrown.touchdown, c);
+  if (!rebound) return refused(rebound.error());
+  LiftOff end;
+  end.rebound = model.has(Effect::grip)
+                    ? *rebound
+                    : algebraic(scene.ball, thrown.touchdown, c.e, c.mu, rebound->offset_m, std::nullopt);
+  end.dwell_s = thrown.dwell_s;
+  const auto plain = SinePath::make(scene, thrown.touchdown, end);
+  if (!plain) return tl::unexpected(plain.error());
+  const LiftOff sine = plain->plain_end();
+  end.displacement_m = sine.displacement_m;
+  end.rotation_rad = sine.rotation_rad;
+  return end;
+}
+
+bool ode_is_asked(const Scene& scene, const Model& model) {
+  return scene.bounce.contact == ContactLaw::ode && model.has(Effect::grip) &&
+         model.has(Effect::tangential_compliance);
+}
+
+}  // namespace
+
+bool needs_calibration(const Scene& scene, const Model& model) {
+  return scene.bounce.contact == ContactLaw::ode && !ode_is_asked(scene, model);
+}
+
+Result<LiftOff> ode_lift_off(const Scene& scene, const ShotConditions& thrown, const Model& model) {
+  const auto input = ode_input(scene, thrown, model);
+  if (!input) return tl::unexpected(input.error());
+  const auto summary = impact::simulate(scene.ball, thrown.touchdown, input->coefficients);
+  if (!summary) return refused(summary.error());
+  return rise(scene, thrown.touchdown, *summary, input->still_compressed_s * summary->lift_off.vy_mps,
+              input->coefficients.gravity_mps2);
+}
+
+Result<ReducedContact> calibrate(const Scene& scene, const Model& model) {
+  const ShotConditions mean = draw_shot_conditions(without_spread(scene), 1, 1);
+  const auto end = ode_lift_off(scene, mean, model);
+  if (!end) return tl::unexpected(end.error());
+  const impact::Motion& td = mean.touchdown;
+  const impact::Motion& lo = end->rebound.lift_off;
+  const double slip_td = td.vx_mps + scene.ball.radius_m() * td.omega_radps;
+  ReducedContact c;
+  // Where the mean ball slides, or has no slip to speak of, no e_x follows from it.
+  c.ex = scene.bounce.ex;
+  if (end->rebound.regime == impact::Regime::grips && std::abs(slip_td) > std::abs(end->rebound.slip_lo_mps))
+    c.ex = -end->rebound.slip_lo_mps / slip_td;
+  c.offset_m = end->rebound.offset_m;
+  c.e_factor = -lo.vy_mps / td.vy_mps / mean.coefficients.e;
+  c.impulse_factor = end->impulse_factor;
+  c.dwell_factor = end->dwell_s / mean.dwell_s;
+  const auto sine = SinePath::make(scene, td, *end);
+  if (!sine) return tl::unexpected(sine.error());
+  const LiftOff plain = sine->plain_end();
+  const double scale_m = (lo.vy_mps - td.vy_mps) * end->dwell_s;
+  c.displacement_shift = (end->displacement_m - plain.displacement_m) / scale_m;
+  c.rotation_shift = (end->rotation_rad - plain.rotation_rad) * scene.ball.radius_m() / scale_m;
+  return c;
+}
+
+Result<SinePath> SinePath::make(const Scene& scene, const impact::Motion& touchdown, const LiftOff& end) {
+  impact::PulseInput input{.vx_td_mps = touchdown.vx_mps,
+                           .vy_td_mps = touchdown.vy_mps,
+                           .e = std::min(1.0, -end.rebound.lift_off.vy_mps / touchdown.vy_mps),
+                           .impulse_ratio = end.rebound.impulse_ratio,
+                           .dwell_s = end.dwell_s,
+                           .mass_kg = scene.ball.mass_kg};
+  const auto length_s = pulse_length_s(input, end.rebound.lift_off.vy_mps, end.dwell_s);
+  if (!length_s) return tl::unexpected(length_s.error());
+  input.dwell_s = *length_s;
+  const auto pulse = impact::SinePulse::make(impact::PulseForm::exact, input);
+  if (!pulse) return refused(pulse.error());
+  return SinePath(touchdown, end, *pulse);
+}
+
+SinePath::Plain SinePath::plain_at(double time_s) const {
+  const double length_s = pulse_.input().dwell_s;
+  const double pushed_s = std::min(time_s, length_s);
+  const impact::Motion& lo = end_.rebound.lift_off;
+  Plain out{.pulse = pulse_.at_time(pushed_s), .free_s = std::max(0.0, time_s - length_s)};
+  const double spin_change = lo.omega_radps - touchdown_.omega_radps;
+  // The integral of the impulse's share over time, read off the vertical motion: vy = vy_TD + share·(vy_LO -
+  // vy_TD).
+  const double vy_td = touchdown_.vy_mps;
+  const double share_s = (out.pulse.y_m - vy_td * pushed_s) / (lo.vy_mps - vy_td);
+  out.displacement_m = out.pulse.x_m + lo.vx_mps * out.free_s;
+  out.rotation_rad = touchdown_.omega_radps * time_s + spin_change * (share_s + out.free_s);
+  return out;
+}
+
+LiftOff SinePath::plain_end() const {
+  const Plain plain = plain_at(end_.dwell_s);
+  LiftOff end = end_;
+  end.displacement_m = plain.displacement_m;
+  end.rotation_rad = plain.rotation_rad;
+  return end;
+}
+
+Result<ContactPath> ContactPath::make(const Scene& scene, const ShotConditions& thrown, const Model& model,
+                                      const ReducedContact* reduced) {
+  if (scene.bounce.contact == ContactLaw::grip) {
+    const auto end = grip_lift_off(scene, thrown, model);
+    return end ? by_sine(scene, thrown, *end) : tl::unexpected(end.error());
+  }
+  if (ode_is_asked(scene, model)) {
+    if (model.has(Effect::contact_ode)) return by_ode(scene, thrown, model);
+    const auto end = ode_lift_off(scene, thrown, model);
+    return end ? by_sine(scene, thrown, *end) : tl::unexpected(end.error());
+  }
+  std::optional<ReducedContact> own;
+  if (!reduced) {
+    const auto calibrated = calibrate(scene, model);
+    if (!calibrated) return tl::unexpected(calibrated.error());
+    own = *calibrated;
+    reduced = &*own;
+  }
+  const auto end = reduced_lift_off(scene, thrown, model, *reduced);
+  return end ? by_sine(scene, thrown, *end) : tl::unexpected(end.error());
+}
+
+Result<ContactPath> ContactPath::by_ode(const Scene& scene, const ShotConditions& thrown,
+                                        const Model& model) {
+  const auto input = ode_input(scene, thrown, model);
+  if (!input) return tl::unexpected(input.error());
+  auto ode = impact::ContactTrajectory::make(scene.ball, thrown.touchdown, input->coefficients);
+  if (!ode) return refused(ode.error());
+  const impact::ContactSummary& summary = ode->summary();
+  ContactPath course;
+  course.release_ = {summary.dwell_s, summary.lift_off.vy_mps,
+                     input->still_compressed_s * summary.lift_off.vy_mps, input->coefficients.gravity_mps2};
+  const auto end =
+      rise(scene, thrown.touchdown, summary, course.release_.depth_m, course.release_.gravity_mps2);
+  if (!end) return tl::unexpected(end.error());
+  course.end_ = *end;
+  course.ode_ = std::move(*ode);
+  return course;
+}
+
+Result<ContactPath> ContactPath::by_sine(const Scene& scene, const ShotConditions& thrown,
+                                         const LiftOff& end) {
+  auto sine = SinePath::make(scene, thrown.touchdown, end);
+  if (!sine) return tl::unexpected(sine.error());
+  const LiftOff plain = sine->plain_end();
+  sine->displacement_correction_m_ = end.displacement_m - plain.displacement_m;
+  sine->rotation_correction_rad_ = end.rotation_rad - plain.rotation_rad;
+  ContactPath course;
+  course.end_ = end;
+  course.sine_ = *sine;
+  return course;
+}
+
+ContactPath::State ContactPath::at(double time_s) const { return ode_ ? ode_at(time_s) : sine_at(time_s); }
+
+ContactPath::State ContactPath::ode_at(double time_s) const {
+  if (time_s <= release_.time_s) {
+    const impact::ContactState s = ode_->at(time_s);
+    return {s.x_m, std::max(0.0, -s.y_m), s.vx_mps, s.vy_mps, s.omega_radps, s.angle_rad};
+  }
+  const impact::Motion& lo = end_.rebound.lift_off;
+  const double left_s = end_.dwell_s - time_s;
+  const double free_s = time_s - release_.time_s;
+  const double drop = release_.depth_m - free_s * (release_.vy_mps - 0.5 * release_.gravity_mps2 * free_s);
+  return {end_.displacement_m - lo.vx_mps * left_s,
+          std::max(0.0, drop),
+          lo.vx_mps,
+          release_.vy_mps - release_.gravity_mps2 * free_s,
+          lo.omega_radps,
+          end_.rotation_rad - lo.omega_radps * left_s};
+}
+
+ContactPath::State ContactPath::sine_at(double time_s) const {
+  const SinePath& course = *sine_;
+  const SinePath::Plain plain = course.plain_at(time_s);
+  const impact::Motion& td = course.touchdown_;
+  const impact::Motion& lo = end_.rebound.lift_off;
+  // A bend that begins and ends without a change of velocity.
+  const double part = time_s / end_.dwell_s;
+  const double bend = part * part * (3.0 - 2.0 * part);
+  const double bend_rate = 6.0 * part * (1.0 - part) / end_.dwell_s;
+  return {plain.displacement_m + bend * course.displacement_correction_m_,
+          std::max(0.0, -(plain.pulse.y_m + lo.vy_mps * plain.free_s)),
+          plain.pulse.vx_mps + bend_rate * course.displacement_correction_m_,
+          plain.pulse.vy_mps,
+          td.omega_radps + (lo.omega_radps - td.omega_radps) * plain.pulse.impulse_fraction +
+              bend_rate * course.rotation_correction_rad_,
+          plain.rotation_rad + bend * course.rotation_correction_rad_};
+}
+
+}  // namespace strobe::sim

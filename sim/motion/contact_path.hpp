@@ -1,0 +1,144 @@
+// What happens to one ball between touchdown and lift-off (both: its centre one radius above the surface), by
+// the law of the scene and as far as a model has it. Axes as in ball_path.hpp.
+//
+// A scene's e and dwell time are those of the contact without the ball's weight. A scene whose law is `ode`:
+//
+//   grip  tangential_compliance  contact_ode
+//   on    on                     on           the ODE of common/impact/ode, lift-off and course (full model)
+//   on    on                     off          the ODE's lift-off; in between the damped sine that meets it
+//   on    off                    (nothing)    one number e_x for the grip: s_LO = -e_x·s_TD unless that needs
+//                                             more friction than mu allows; the damped sine in between
+//   off   (nothing)              (nothing)    friction at its limit throughout; the damped sine in between
+//
+// Each further effect needs the ones before it, so that those marked (nothing) are without one.
+//   offset           off: the normal force stands under the centre
+//   contact_gravity  off: no weight in contact. On: the weight's part along the normal only. (The part along
+//                    an inclined plate, at most g·dwell = .05 m/s, is in no model of the contact.)
+//
+// The ODE's ball is released where its normal force is zero, the spring still compressed by
+// y = 2·zeta·v/w (v: release speed, w = sqrt(k/m)), and then moves freely until its centre is at R: without
+// weight 2·zeta/w later. The ODE's own dwell time (touchdown to release, (phase of release)/w) is therefore
+// the scene's over 1 + 2·zeta/phase: touchdown to lift-off takes exactly the scene's dwell time without
+// weight, and a few tenths of a percent more with it (2·g·dwell/(pi²·|vy|), .15 % at 6.7 m/s).
+//
+// Without the ODE, its numbers are calibrated (ReducedContact): from one run of the ODE at the scene's mean
+// e_x, the offset, and the factors by which e, dwell time, the normal force's impulse and the ways gone in
+// contact differ from those of the weightless sine; at the mean ball the reduced model is then the ODE, and
+// differs from it as balls differ.
+//
+// A scene whose law is `grip`: common/impact's grip() and the damped sine; only grip and offset can be left
+// out of it. (The sine's net force has the weight in it, and nothing of the ODE is there to leave out.)
+//
+// Plain values, thread-safe. Only the ODE's course allocates.
+#pragma once
+
+#include <optional>
+
+#include "common/impact/closed_form/rebound.hpp"
+#include "common/impact/closed_form/sine_pulse.hpp"
+#include "common/impact/ode/contact_trajectory.hpp"
+#include "common/result.hpp"
+#include "sim/motion/shot_conditions.hpp"
+#include "sim/scene/model.hpp"
+#include "sim/scene/scene.hpp"
+
+namespace strobe::sim {
+
+/// A ball at its lift-off, and how it came there.
+struct LiftOff {
+  impact::Rebound rebound;
+  double dwell_s = 0.0;         ///< since touchdown
+  double displacement_m = 0.0;  ///< along the surface
+  double rotation_rad = 0.0;    ///< counter-clockwise
+  double impulse_factor = 1.0;  ///< the normal force's impulse over m·(vy_LO - vy_TD): more, by the weight's
+};
+
+/// Constants of the contact without the ODE.
+struct ReducedContact {
+  double ex = 0.0;
+  double offset_m = 0.0;            ///< impulse-weighted, along +x, of a ball with the mean offset_share
+  double e_factor = 1.0;            ///< restitution over the coefficient e
+  double impulse_factor = 1.0;      ///< as in LiftOff
+  double dwell_factor = 1.0;        ///< touchdown to lift-off, over the scene's
+  double displacement_shift = 0.0;  ///< way beyond the sine's, over (1 + e)·|vy|·dwell
+  double rotation_shift = 0.0;      ///< likewise R times the angle
+};
+
+/// From the scene's mean ball. Fails where the mean ball does not leave the surface.
+Result<ReducedContact> calibrate(const Scene& scene, const Model& model);
+
+/// Whether a shot of the scene in this model needs constants from calibrate().
+bool needs_calibration(const Scene& scene, const Model& model);
+
+/// Lift-off by the ODE, offset and weight as the model has them. Fails where the weight holds the ball.
+Result<LiftOff> ode_lift_off(const Scene& scene, const ShotConditions& thrown, const Model& model);
+
+/// The damped sine that ends with a given lift-off: net force the sine's, ways along and around bent smoothly
+/// so that they end where they are to end.
+class SinePath {
+ public:
+  static Result<SinePath> make(const Scene& scene, const impact::Motion& touchdown, const LiftOff& end);
+
+  /// Ways of the plain sine with that rebound and dwell time: lift_off.displacement_m, rotation_rad are ignored.
+  LiftOff plain_end() const;
+
+ private:
+  friend class ContactPath;
+  SinePath(const impact::Motion& touchdown, const LiftOff& end, const impact::SinePulse& pulse)
+      : touchdown_(touchdown), end_(end), pulse_(pulse) {}
+
+  struct Plain {
+    impact::PulseState pulse;
+    double free_s = 0.0;
+    double displacement_m = 0.0;
+    double rotation_rad = 0.0;
+  };
+  Plain plain_at(double time_s) const;
+
+  impact::Motion touchdown_;
+  LiftOff end_;
+  impact::SinePulse pulse_;
+  double displacement_correction_m_ = 0.0;
+  double rotation_correction_rad_ = 0.0;
+};
+
+class ContactPath {
+ public:
+  struct State {
+    double displacement_m = 0.0;
+    double drop_m = 0.0;  ///< of the centre below its height at touchdown, >= 0
+    double vx_mps = 0.0;
+    double vy_mps = 0.0;
+    double omega_radps = 0.0;
+    double rotation_rad = 0.0;
+  };
+
+  /// `reduced`: of calibrate(), where the model needs it; nullptr: calibrated here.
+  static Result<ContactPath> make(const Scene& scene, const ShotConditions& thrown, const Model& model,
+                                  const ReducedContact* reduced);
+
+  /// From touchdown (0) to lift-off.
+  State at(double time_s) const;
+  const LiftOff& lift_off() const { return end_; }
+
+ private:
+  struct Release {
+    double time_s = 0.0;
+    double vy_mps = 0.0;
+    double depth_m = 0.0;
+    double gravity_mps2 = 0.0;
+  };
+
+  ContactPath() = default;
+  static Result<ContactPath> by_ode(const Scene& scene, const ShotConditions& thrown, const Model& model);
+  static Result<ContactPath> by_sine(const Scene& scene, const ShotConditions& thrown, const LiftOff& end);
+  State ode_at(double time_s) const;
+  State sine_at(double time_s) const;
+
+  LiftOff end_;
+  std::optional<impact::ContactTrajectory> ode_;
+  Release release_;  ///< of the ODE
+  std::optional<SinePath> sine_;
+};
+
+}  // namespace strobe::sim

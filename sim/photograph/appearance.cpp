@@ -1,0 +1,100 @@
+#include "sim/photograph/appearance.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "sim/random/draws.hpp"
+
+namespace strobe::sim {
+
+namespace {
+
+constexpr double kMilli = 1e-3;
+constexpr double kTiltSd_rad = 1.5 * std::numbers::pi / 180.0;
+constexpr double kMaxTilt_rad = 5.0 * std::numbers::pi / 180.0;
+
+/// Draws in a fixed order; `given` overrides what was drawn.
+class Artist {
+ public:
+  explicit Artist(Draws draws) : draws_(draws) {}
+  double between(double least, double most, const std::optional<double>& given = {}) {
+    return given.value_or(least + (most - least) * draws_.uniform());
+  }
+  /// Of evenly spread logarithm.
+  double scaled(double least, double most, const std::optional<double>& given = {}) {
+    const double drawn = least * std::pow(most / least, draws_.uniform());
+    return given.value_or(drawn);
+  }
+  double normal(double sd, double most, const std::optional<double>& given = {}) {
+    const double drawn = std::clamp(sd * draws_.normal(), -most, most);
+    return given.value_or(drawn);
+  }
+  std::uint64_t seed() { return static_cast<std::uint64_t>(draws_.uniform() * 0x1p53); }
+
+ private:
+  Draws draws_;
+};
+
+BallAppearance draw_ball(Artist& artist, const BallAppearanceSettings& s) {
+  BallAppearance b;
+  b.surface = s.surface;
+  b.line = s.line;
+  b.line_width_m = artist.between(1.5 * kMilli, 4.0 * kMilli, s.line_width_m);
+  b.line_contrast = artist.between(0.5, 0.95, s.line_contrast);
+  b.line_steepness = artist.scaled(2.0, 10.0);
+  b.line_tilt_rad = artist.normal(kTiltSd_rad, kMaxTilt_rad, s.line_tilt_rad);
+  b.grain = artist.between(0.02, 0.1, s.grain);
+  b.seam_contrast = artist.between(-0.3, 0.4, s.seam_contrast);
+  b.logo_contrast = artist.between(0.0, 0.8, s.logo_contrast);
+  b.fuzz_px = artist.between(0.0, 0.5, s.fuzz_px);
+  b.hair_px = artist.between(0.0, 0.2);
+  b.falloff = artist.between(0.55, 1.1);
+  b.sheen = artist.between(0.0, 0.35);
+  b.shine = artist.between(0.1, 0.6);
+  b.texture = artist.seed();
+  if (b.surface != BallSurface::felt) {
+    b.fuzz_px = s.fuzz_px.value_or(0.0);
+    b.hair_px = 0.0;
+    b.sheen = 0.0;
+    b.grain = s.grain.value_or(0.0);
+    b.seam_contrast = 0.0;
+  }
+  if (b.surface == BallSurface::plain) b.logo_contrast = s.logo_contrast.value_or(0.0);
+  if (b.surface != BallSurface::dimples) b.shine = 0.0;
+  return b;
+}
+
+LampAppearance draw_lamp(Artist& artist, const BallAppearanceSettings& s, double side, double power) {
+  LampAppearance lamp;
+  lamp.place.x = side * artist.between(0.5, 1.6, s.lamp_aside_m);
+  lamp.place.y = artist.between(-0.2, 0.8, s.lamp_height_m);
+  lamp.place.z = artist.between(0.5, 2.0, s.lamp_forward_m);
+  lamp.power = power * artist.between(0.8, 1.2);
+  lamp.radius_m = artist.between(0.02, 0.1);
+  return lamp;
+}
+
+}  // namespace
+
+Appearance draw_appearance(const Scene& scene, std::uint64_t seed, int shot) {
+  Artist artist(Draws(seed, Purpose::look, static_cast<std::uint64_t>(shot)));
+  Appearance look;
+  look.ball = draw_ball(artist, scene.ball_appearance);
+  look.lamps[0] = draw_lamp(artist, scene.ball_appearance, -1.0, scene.photograph.lamp_a_power);
+  look.lamps[1] = draw_lamp(artist, scene.ball_appearance, 1.0, scene.photograph.lamp_b_power);
+  const BackgroundSettings& b = scene.background;
+  look.background.wall = artist.scaled(0.01, 0.1, b.wall);
+  look.background.wall_ramp = artist.between(-0.5, 0.5);
+  look.background.plate_brightness = artist.scaled(0.4, 4.0, b.plate_brightness);
+  look.background.plate_thickness_m = artist.between(8.0 * kMilli, 25.0 * kMilli, b.plate_thickness_m);
+  look.background.plate_half_length_m = artist.between(
+      1.05 * scene.camera.half_width_m, 1.3 * scene.camera.half_width_m, b.plate_half_length_m);
+  look.background.clutter = artist.seed();
+  look.blur_px = artist.between(0.5, 1.1, scene.photograph.blur_px);
+  look.vignetting = artist.between(0.05, 0.3, scene.photograph.vignetting);
+  look.noise = artist.seed();
+  return look;
+}
+
+}  // namespace strobe::sim

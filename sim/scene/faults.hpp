@@ -1,0 +1,72 @@
+// What goes wrong on the simulated bench, shot by shot, as a scene's [[fault]] tables say.
+// Plain values and pure functions: thread-safe.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "common/config/toml_reader.hpp"
+#include "common/units/time.hpp"
+
+namespace strobe::sim {
+
+enum class FaultKind {
+  flash_late,       ///< the lamp flashes delay_us later than it should
+  flash_missing,    ///< the lamp does not flash
+  flash_double,     ///< the lamp flashes once more, delay_us after its flash
+  flash_dim,        ///< the lamp's flash is too weak for the film, not for its sensor
+  lamp_dead,        ///< no flash in the whole shot
+  sensor_dead,      ///< no edge of the sensor in the whole shot
+  sensor_dropout,   ///< the sensor does not see this flash
+  sensor_bounce,    ///< the sensor's line drops for a moment, so that its edge comes again delay_us later
+  gate_chatter,     ///< the gate is interrupted three times more, delay_us apart, before the ball
+  shutter_stuck,    ///< the shutter does not open
+  ball_misses,      ///< the ball passes the gate but neither the plate nor the camera's view
+  machine_misfire,  ///< the machine does not throw
+  no_photograph,    ///< nobody digitizes the photograph
+  frame_late,       ///< the frame comes delay_s later
+  image_unseen,     ///< whoever digitizes overlooks this flash's image
+};
+
+inline constexpr std::array<std::string_view, 15> kFaultNames{
+    "flash_late",  "flash_missing",   "flash_double",  "flash_dim",    "lamp_dead",
+    "sensor_dead", "sensor_dropout",  "sensor_bounce", "gate_chatter", "shutter_stuck",
+    "ball_misses", "machine_misfire", "no_photograph", "frame_late",   "image_unseen"};
+
+constexpr std::string_view name(FaultKind kind) { return kFaultNames[static_cast<std::size_t>(kind)]; }
+
+enum class Lamp { a, b };
+
+struct Fault {
+  FaultKind kind = FaultKind::flash_late;
+  int shot = 0;                            ///< exposure it concerns, 1-based; 0: every one
+  std::optional<int> flash_from_impact{};  ///< -1: last flash before touchdown, 1: first one after; never 0
+  std::optional<int> flash_index{};        ///< instead: the flash's number within the exposure, 0-based
+  bool lamp_a = true;                      ///< lamp or sensor concerned
+  bool lamp_b = true;
+  Duration delay{};  ///< flash_late, flash_double, sensor_bounce, gate_chatter, frame_late
+
+  bool concerns(Lamp lamp) const { return lamp == Lamp::a ? lamp_a : lamp_b; }
+};
+
+/// The [[fault]] tables of a scene; what is wrong with them is reported to the tables' reader.
+std::vector<Fault> read_faults(config::TomlTable& scene);
+
+/// One flash as the faults see it. `from_impact` is absent where no ball is on its way.
+struct FlashPlace {
+  int shot = 0;
+  int index = 0;
+  std::optional<int> from_impact{};
+};
+
+/// First fault of that kind for this flash of this lamp: the kinds that concern one flash.
+const Fault* flash_fault(const std::vector<Fault>& faults, FaultKind kind, const FlashPlace& place,
+                         Lamp lamp);
+
+/// First fault of that kind in this shot (and for this lamp or sensor): the kinds that concern a whole shot.
+const Fault* shot_fault(const std::vector<Fault>& faults, FaultKind kind, int shot);
+const Fault* shot_fault(const std::vector<Fault>& faults, FaultKind kind, int shot, Lamp lamp);
+
+}  // namespace strobe::sim

@@ -1,0 +1,85 @@
+#include <string>
+
+#include "sim/scene/tables.hpp"
+
+namespace strobe::sim::tables {
+
+namespace {
+
+using config::Range;
+using config::TomlTable;
+
+/// `key` in units of `unit`.
+std::optional<double> scaled(TomlTable& table, std::string_view key, Range range, double unit) {
+  const auto number = table.optional_number(key, range);
+  return number ? std::optional(*number * unit) : std::nullopt;
+}
+
+int side(TomlTable& table, std::string_view key) {
+  return table.has(key) ? static_cast<int>(table.integer(key, {16, 20000})) : 0;
+}
+
+int bits(TomlTable& table, int fallback) {
+  const auto number = static_cast<int>(table.integer_or("bits", fallback, {8, 16}));
+  if (number != 8 && number != 12 && number != 16) table.error_at("bits", "must be 8, 12 or 16");
+  return number;
+}
+
+}  // namespace
+
+PhotographSettings read_photograph(TomlTable table) {
+  PhotographSettings p;
+  p.width_px = side(table, "width_px");
+  p.height_px = side(table, "height_px");
+  p.format = table.choice_or("format", "tiff", {"tiff", "png"}) == "png" ? PhotographFormat::png
+                                                                         : PhotographFormat::tiff;
+  p.bits = bits(table, p.bits);
+  p.exposure = table.number_or("exposure", p.exposure, {0.01, 100.0});
+  p.gamma = table.number_or("gamma", p.gamma, {0.3, 3.0});
+  p.full_well_e = table.number_or("full_well_e", p.full_well_e, {100.0, 1e6});
+  p.read_noise_e = table.number_or("read_noise_e", p.read_noise_e, {0.0, 1000.0});
+  p.black_level = table.number_or("black_level", p.black_level, {0.0, 0.2});
+  p.blur_px = table.optional_number("blur_px", {0.0, 10.0});
+  p.defocus_px = table.number_or("defocus_px", p.defocus_px, {0.0, 10.0});
+  p.vignetting = table.optional_number("vignetting", {0.0, 0.9});
+  p.lamp_a_power = table.number_or("lamp_a_power", p.lamp_a_power, {0.0, 10.0});
+  p.lamp_b_power = table.number_or("lamp_b_power", p.lamp_b_power, {0.0, 10.0});
+  p.flash_power_sd = table.number_or("flash_power_sd", p.flash_power_sd, {0.0, 0.3});
+  p.ambient = table.number_or("ambient", p.ambient, {0.0, 0.9});
+  return p;
+}
+
+BallAppearanceSettings read_ball_appearance(TomlTable table) {
+  BallAppearanceSettings b;
+  const std::string surface = table.choice_or("surface", "felt", {"felt", "plain", "dimples"});
+  if (surface == "plain") b.surface = BallSurface::plain;
+  if (surface == "dimples") b.surface = BallSurface::dimples;
+  b.line = table.boolean_or("line", b.line);
+  b.line_width_m = scaled(table, "line_width_mm", {0.3, 15.0}, kMilli);
+  b.line_contrast = table.optional_number("line_contrast", {0.0, 1.0});
+  b.line_tilt_rad = scaled(table, "line_tilt_deg", {-30.0, 30.0}, kDegree);
+  b.grain = table.optional_number("grain", {0.0, 0.5});
+  b.seam_contrast = table.optional_number("seam_contrast", {-1.0, 1.0});
+  b.logo_contrast = table.optional_number("logo_contrast", {0.0, 1.0});
+  b.fuzz_px = table.optional_number("fuzz_px", {0.0, 5.0});
+  b.lamp_height_m = table.optional_number("lamp_height_m", {-5.0, 5.0});
+  b.lamp_aside_m = table.optional_number("lamp_aside_m", {0.05, 10.0});
+  b.lamp_forward_m = table.optional_number("lamp_forward_m", {0.1, 20.0});
+  return b;
+}
+
+BackgroundSettings read_background(TomlTable table) {
+  BackgroundSettings b;
+  b.wall = table.optional_number("wall", {0.0, 2.0});
+  b.wall_distance_m = table.number_or("wall_distance_m", b.wall_distance_m, {0.1, 20.0});
+  b.plate = table.boolean_or("plate", b.plate);
+  b.plate_brightness = table.optional_number("plate_brightness", {0.0, 20.0});
+  b.plate_thickness_m = scaled(table, "plate_thickness_mm", {1.0, 200.0}, kMilli);
+  b.plate_depth_m = table.number_or("plate_depth_mm", b.plate_depth_m / kMilli, {0.0, 2000.0}) * kMilli;
+  b.plate_half_length_m = table.optional_number("plate_half_length_m", {0.05, 5.0});
+  b.clutter = table.number_or("clutter", b.clutter, {0.0, 3.0});
+  b.blobs = static_cast<int>(table.integer_or("blobs", b.blobs, {0, 20}));
+  return b;
+}
+
+}  // namespace strobe::sim::tables

@@ -1,0 +1,214 @@
+// A scene: everything that the simulated bench is and does, read from a TOML file. Each field below is a key
+// of the table of its struct's name; a key's unit is in its name (…_ms, _us, _mm, _deg), fields here are SI.
+// What a file leaves out takes the default given here; an unknown key is an error. Plain values; parsing
+// allocates.
+#pragma once
+
+#include <functional>
+#include <numbers>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "common/ball/ball.hpp"
+#include "common/impact/ode/contact_ode.hpp"
+#include "common/reduction/readout.hpp"
+#include "common/result.hpp"
+#include "common/units/time.hpp"
+#include "sim/scene/faults.hpp"
+#include "sim/scene/lines.hpp"
+#include "sim/scene/photograph_settings.hpp"
+
+namespace strobe::sim {
+
+/// [machine] The pitching machine. What the ball does is what it does at touchdown.
+struct MachineSettings {
+  double speed_mps = 17.0;  ///< required; 1…60
+  double speed_sd_mps = 0.0;
+  double angle_rad = -0.4;  ///< required; angle_deg -90…-5, against the surface
+  double angle_sd_rad = 0.0;
+  double spin_radps = 0.0;  ///< required; backspin positive
+  double spin_sd_radps = 0.0;
+  double lag_s = 0.310;  ///< trigger to ball at the plate
+  double lag_sd_s = 0.003;
+  double spot_sd_m = 0.010;  ///< key spot_sd_mm: where along the surface the ball touches down
+};
+
+/// How the rig's ball and surface meet.
+enum class ContactLaw {
+  ode,   ///< common/impact/ode: spring, dashpot, Coulomb friction, tangential spring, offset; the default
+  grip,  ///< common/impact's grip() between touchdown and lift-off, and the exact damped sine in between
+};
+
+/// [bounce] How ball and surface rebound, spread from shot to shot. One draw moves mu and what goes with it
+/// (ode: stiffness_ratio, grip: e_x) together: a shot that finds more grip. A key of the other law is an
+/// error. Other ways to say the same, one at a time:
+///  - for e and dwell_ms: [ball] stiffness_npm and damping_nspm (common/impact/ode/normal_spring.hpp); a
+///    spring's e does not change with the speed, so that e_slope_s_per_m then defaults to 0;
+///  - for mu: [surface] friction, court_pace (the ITF's rating: mu from it and e at 30 m/s, 16 degrees), or
+///    pace_grade = "slow" | "medium_slow" | "medium" | "medium_fast" | "fast" (27, 32, 37, 42, 47).
+struct BounceSettings {
+  ContactLaw contact = ContactLaw::ode;  ///< key contact = "ode" | "grip"
+  double e = 0.75;                       ///< required; at e_speed_mps
+  double e_speed_mps = 0.0;              ///< |vy| at which e holds; default: the machine's mean
+  double e_slope_spm = -0.017;           ///< de/d|vy|; key e_slope_s_per_m
+  double e_sd = 0.0;
+  double mu = 0.57;  ///< required
+  double mu_sd = 0.0;
+  double dwell_s = 0.005;  ///< required, key dwell_ms; touchdown to lift-off
+  double dwell_sd_s = 0.0;
+  // contact = "ode"
+  double stiffness_ratio = impact::ContactCoefficients{}.stiffness_ratio;  ///< tangential over normal
+  double stiffness_ratio_sd = 0.0;                                     ///< moved by the draw that moves mu
+  double damping_ratio = impact::ContactCoefficients{}.damping_ratio;  ///< c_t/sqrt(k_t·m)
+  double offset_share = impact::ContactCoefficients{}.offset_share;    ///< of the footprint's radius
+  double offset_share_sd = 0.0;
+  // contact = "grip"
+  double ex = 0.087;  ///< required; -1…1
+  double ex_sd = 0.0;
+  double offset_m = 0.003;  ///< required, key offset_mm; of the normal force at full rolling speed
+  double offset_sd_m = 0.0;
+  // either
+  /// -1…1, between one shot's offset (or its share) and its draw of mu.
+  double offset_grip_correlation = 0.0;
+  double top_drop_ratio = 1.27;  ///< drop of the ball's top over that of its centre (measured at 23 degrees)
+};
+
+/// [air] What slows and lifts the ball in flight.
+struct AirSettings {
+  double temperature_c = 21.0;     ///< -50…80; of the air's density and the court pace's correction
+  double density_kgpm3 = -1.0;     ///< < 0 (key absent): dry air of that temperature at 101.325 kPa
+  double drag_coefficient = 0.55;  ///< of the area pi·R²; 0: no drag
+  bool lift = true;                ///< key lift_law = "spin_ratio" (sim/motion/flight.hpp) | "none"
+  /// domega/dt = -spin_decay_per_m·|v|·omega; .05 % in 3 ms at 17 m/s. Key absent: in proportion to
+  /// density_kgpm3, and .01 where that is absent too.
+  double spin_decay_per_m = 0.01;
+};
+
+/// [lamps] Both alike.
+struct LampSettings {
+  double delay_s = 12e-6;  ///< rising edge of the line to flash
+  double jitter_s = 1e-6;
+  double recharge_s = 1.4e-3;  ///< a pulse sooner after a flash makes none
+  double flash_s = 1e-6;       ///< key flash_us: how long it gives light; the image is that time's mean
+};
+
+/// [sensors] Both alike.
+struct SensorSettings {
+  double delay_s = 0.0;  ///< flash to edge
+  double jitter_s = 0.2e-6;
+  double pulse_s = 100e-6;
+};
+
+/// [shutter]
+struct ShutterSettings {
+  double open_lag_s = 0.045;   ///< line active to open
+  double close_lag_s = 0.045;  ///< line inactive to closed
+  double lag_sd_s = 0.1e-3;
+};
+
+/// [gate]
+struct GateSettings {
+  double distance_m = 1.0;  ///< light beam ahead of the point of touchdown, along the surface
+};
+
+/// [camera] A side view. The photograph's x is to the right, y up. Without distance_m a true (orthographic)
+/// one.
+struct CameraSettings {
+  double px_per_m = 4000.0;  ///< in the plane that the ball is to fly in
+  double roll_rad = 0.3 * std::numbers::pi / 180.0;
+  double origin_x_px = 1500.0;  ///< where the point of touchdown is on the photograph
+  double origin_y_px = 300.0;
+  double half_width_m = 0.30;   ///< centres within ±half_width_m of the point of touchdown are seen ...
+  double height_m = 0.35;       ///< ... up to this height over the surface
+  bool mirrored = false;        ///< seen from the other side: the ball travels to the left
+  double distance_m = 0.0;      ///< lens to that plane; 0 (key absent): infinitely far
+  double off_plane_sd_m = 0.0;  ///< key off_plane_sd_mm: how far from that plane balls fly, towards the lens
+  double distortion = 0.0;  ///< radial: displaced by distortion·(r/half diagonal of the view)²·r, outwards
+  bool pixels = false;      ///< key rendering = "pixels" | "points": images are rendered and measured there
+};
+
+/// [tablet] Hand measurement of the photograph. Standard deviations of one coordinate on the object's scale.
+struct TabletSettings {
+  double centre_sd_m = 0.0003;
+  double equator_sd_rad = 0.5 * std::numbers::pi / 180.0;
+  double digitize_delay_s = 0.1;        ///< shot announced to frame published
+  double visible_flattening_m = 0.001;  ///< a drop of the ball's top from which an image is called "contact"
+  /// Relative sd of a scale handed over with the frame; < 0: none (key absent).
+  double calibration_sd = -1.0;
+};
+
+/// [readout] What the scene is to be read out for, and how well.
+struct ReadoutSettings {
+  double tolerance = 0.0;  ///< key tolerance_percent; relative, see sim/plan; 0 (key absent): none stated
+  /// Absolute ones by a quantity's name, in its unit; < 0: not wanted (key = "any"), absent: the relative
+  /// one.
+  std::vector<std::pair<reduction::Quantity, double>> absolute;
+};
+
+/// [chip]
+struct ChipSettings {
+  std::string name = "gpiochip0";
+  std::string label = "strobe-sim-rig";
+  bool keep_on_release = true;  ///< key on_release = "keep" | "input"
+  int key_level = 1;            ///< 1: on
+  int estop_level = 1;          ///< 1: not pressed
+};
+
+/// [[operator]] Somebody turns the key, presses the e-stop, walks through the gate.
+struct OperatorAction {
+  double at_s = 0.0;  ///< after the rig's start
+  RigLine line = RigLine::key;
+  int level = 0;
+};
+
+struct Scene {
+  std::string name;    ///< the file's, without its extension
+  std::string title;   ///< one line for people
+  std::string parent;  ///< key inherits: the scene it inherits from; empty: none
+  /// Inclination of the plate, counter-clockwise positive: key surface_angle_deg or [surface] tilt_deg.
+  double surface_angle_rad = 0.0;
+  /// [ball] diameter_m, mass_kg, and alpha or inertia = "thin_shell" | "rubber_shell_mean_radius" |
+  /// "thick_shell" | "solid" | "measured" (common/ball).
+  ball::Ball ball;
+  MachineSettings machine;
+  BounceSettings bounce;
+  AirSettings air;
+  LampSettings lamps;
+  SensorSettings sensors;
+  ShutterSettings shutter;
+  GateSettings gate;
+  CameraSettings camera;
+  TabletSettings tablet;
+  PhotographSettings photograph;  ///< sim/scene/photograph_settings.hpp, as the next two
+  BallAppearanceSettings ball_appearance;
+  BackgroundSettings background;
+  ReadoutSettings readout;
+  ChipSettings chip;
+  std::vector<OperatorAction> operator_actions;
+  std::vector<Fault> faults;
+};
+
+/// The text of a scene's file; file_name tells files apart and is what errors name.
+struct SceneText {
+  std::string text;
+  std::string file_name;
+};
+
+/// Finds the scene that `from_file` inherits from under that name. Its error is put behind FILE:LINE:
+/// inherits.
+using SceneResolver = std::function<Result<SceneText>(const std::string& name, const std::string& from_file)>;
+
+/// The longest chain of parents.
+inline constexpr std::size_t kMaxAncestors = 16;
+
+/// A scene from its text. With `inherits = "NAME"` it has all that the scene of that name has, except for
+/// what its own text says: tables are merged key by key, arrays of tables ([[fault]], [[operator]]) replaced,
+/// and of alternatives (the contact's law, e and dwell_ms or springs, the friction's source, alpha or
+/// inertia, the tilt) the parent's are dropped where the child has its own. No I/O but what `resolve` does.
+/// The error reads "FILE:LINE: table.key: what is wrong", FILE being that in which the key stands.
+Result<Scene> parse_scene(std::string_view text, const std::string& file_name,
+                          const SceneResolver& resolve = {});
+
+}  // namespace strobe::sim

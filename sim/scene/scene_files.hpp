@@ -1,0 +1,39 @@
+// Scenes by name or by file. Reads files; call it at start.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "common/result.hpp"
+#include "sim/scene/scene.hpp"
+
+namespace strobe::sim {
+
+/// Folder of the data that come with the program: $STROBE_SHARE, else ../share/strobe beside the executable's
+/// folder.
+Result<std::filesystem::path> share_folder();
+
+/// A scene of the scenes' folder by its name (zero_23), or any file (with a slash or ending in .toml) by its
+/// path.
+Result<Scene> load_scene(const std::string& name_or_path);
+
+/// The scene that `from_file` inherits from: by a path relative to its folder, or by name from that folder or
+/// from the scenes' folder.
+Result<SceneText> resolve_scene(const std::string& name, const std::string& from_file);
+
+/// A file of the scenes' folder: its scene, or why there is none.
+struct SceneFile {
+  std::string name;
+  Result<Scene> scene;
+};
+
+/// By the name's first word and then by name. Fails if the folder cannot be read.
+Result<std::vector<SceneFile>> shipped_scene_files();
+
+/// The scenes of these files. Fails at the first that is broken.
+Result<std::vector<Scene>> shipped_scenes();
+
+Result<std::string> read_text_file(const std::filesystem::path& path);
+
+}  // namespace strobe::sim

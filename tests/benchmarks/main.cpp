@@ -1,0 +1,40 @@
+// strobe-bench: measurements whose figures are taken by hand, too long or too noisy for tests.
+#include <CLI/CLI.hpp>
+#include <array>
+#include <cstdio>
+#include <exception>
+
+#include "tests/benchmarks/command.hpp"
+
+namespace {
+
+using AddCommand = void (*)(CLI::App& app, int& exit_status);
+constexpr std::array<AddCommand, 11> kCommands{
+    strobe::bench::add_timing_command,     strobe::bench::add_spin_command,
+    strobe::bench::add_loop_command,       strobe::bench::add_plan_command,
+    strobe::bench::add_efficiency_command, strobe::bench::add_digits_command,
+    strobe::bench::add_thesis_command,     strobe::bench::add_trade_command,
+    strobe::bench::add_digitize_command,   strobe::bench::add_clock_command,
+    strobe::bench::add_flood_command};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{"Measurements of the whole product.\nExample: strobe-bench timing --rounds 3 --seconds 15"};
+  app.name("strobe-bench");
+  app.require_subcommand(1);
+  int exit_status = 0;
+  for (const AddCommand add : kCommands) add(app, exit_status);
+  try {
+    app.parse(argc, argv);
+    return exit_status;
+  } catch (const CLI::CallForHelp& help) {
+    return app.exit(help);
+  } catch (const CLI::ParseError& error) {
+    std::fprintf(stderr, "strobe-bench: %s (--help lists commands and options)\n", error.what());
+    return 2;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "strobe-bench: %s\n", error.what());
+    return 1;
+  }
+}

@@ -1,0 +1,91 @@
+// Sees when the machine itself stands still, on every core.
+//
+// A virtual machine's host stops its cores for tens of milliseconds now and then, without telling.
+// Percentiles of a real-time loop mean something only outside such freezes, so they are taken with and
+// without them.
+//
+// By interrupts: each core takes a timer interrupt every millisecond, stamped within it
+// (core_interrupts.hpp). One that comes 0.3 ms late or more is a stop of the core: this long nothing on it
+// can run, measured or not. A thread whose wake-up is late because the kernel does not let it run is no such
+// thing: interrupts go on then. The limit: on a loaded machine (two cores copying memory and writing the
+// disk) one interrupt in 60 was 20 us late, one in 500 0.2 ms, and from 0.3 to 0.6 ms late their number
+// hardly fell (43, 41 of 20,000): what is above is of another kind. A stop longer than 1.3 ms is always seen,
+// a shorter one if it meets one of the interrupts: what goes unseen counts against what is measured.
+//
+// The kernel withholds such interrupts from a core without a tick, which an idle one has none of: so a thread
+// of the lowest policy (SCHED_IDLE) spins on each core. Whoever asks for no wake-up latency, as the loop and
+// cyclictest do, has the idle core spin anyhow, instead of halting.
+//
+// By wake-ups, where the kernel gives no such interrupts: a thread a core wakes every millisecond and records
+// where it was late by 0.6 ms or more; this cannot tell a stop from the kernel's not letting it run. The
+// threads run below the priority of what is measured; a spin of 200 us on their core stays below the limit.
+//
+// Both come at whole milliseconds of the clock, where the kernel's tick is too, so that what is measured can
+// keep out of their way.
+#pragma once
+
+#include <atomic>
+#include <optional>
+#include <span>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "common/units/time.hpp"
+#include "tests/benchmarks/timing/core_interrupts.hpp"
+
+namespace strobe::bench::timing {
+
+struct Freeze {
+  MonoTime begin;  ///< it was still awake then: up to a period too early
+  MonoTime end;
+  int cpu = 0;
+};
+
+/// The stops among a core's interrupts, in their order.
+std::vector<Freeze> stops_of(std::span<const CoreInterrupt> interrupts, int cpu);
+
+class FreezeDetector {
+ public:
+  enum class By { interrupts, wake_ups };
+
+  /// `priority`: SCHED_FIFO, of the threads that wake; ordinary scheduling where that is refused. By
+  /// interrupts only where the kernel gives them: by() tells.
+  explicit FreezeDetector(int priority, By wanted = By::wake_ups);
+  ~FreezeDetector();
+  FreezeDetector(const FreezeDetector&) = delete;
+  FreezeDetector& operator=(const FreezeDetector&) = delete;
+
+  By by() const { return interrupts_.empty() ? By::wake_ups : By::interrupts; }
+
+  /// Ends the watch and gives the freezes of all cores, sorted by their begin. std::runtime_error if the
+  /// kernel dropped interrupts.
+  std::vector<Freeze> stop();
+  /// Of each core, after stop(); empty by wake-ups.
+  const std::vector<std::vector<CoreInterrupt>>& interrupts() const { return taken_; }
+
+  static constexpr Duration kPeriod = milliseconds(1);
+  static constexpr Duration kLateInterrupt = microseconds(300);
+  static constexpr Duration kLateWakeUp = microseconds(600);
+
+ private:
+  bool open_interrupts(std::size_t cores);
+  void collect();
+  void keep_ticking(int cpu);
+  void watch(int cpu, int priority, std::vector<Freeze>& seen);
+
+  std::atomic<bool> running_{true};
+  std::vector<CoreInterrupts> interrupts_;
+  std::vector<std::vector<CoreInterrupt>> taken_;
+  std::string fault_;
+  std::vector<std::vector<Freeze>> seen_;
+  std::vector<std::thread> threads_;
+};
+
+/// "120 stops of a core, 793 ms in all, longest 40 ms": `by` tells what they were seen by.
+std::string freezes_in_words(const std::vector<Freeze>& freezes, FreezeDetector::By by);
+
+/// Whether the span [from, to] touches a freeze of that core; cpu -1: of any.
+bool within_freeze(const std::vector<Freeze>& freezes, MonoTime from, MonoTime to, int cpu = -1);
+
+}  // namespace strobe::bench::timing

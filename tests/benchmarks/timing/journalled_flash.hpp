@@ -1,0 +1,15 @@
+// Flashes of strobed's journal as samples.
+#pragma once
+
+#include <optional>
+#include <strobe_msgs/event_t.hpp>
+
+#include "tests/benchmarks/timing/sample.hpp"
+
+namespace strobe::bench::timing {
+
+/// A flash's issue; also of one that was too late to be issued, for which its shot was aborted: it counts as
+/// issued then, or the latest ones would be missing among the others. Nothing for all other events.
+std::optional<Sample> flash_of(const strobe_msgs::event_t& event, int cpu);
+
+}  // namespace strobe::bench::timing

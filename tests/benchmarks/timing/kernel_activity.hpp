@@ -1,0 +1,24 @@
+// What a core did while something on it was late though the core did not stand still.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tests/benchmarks/timing/sample.hpp"
+
+namespace strobe::bench::timing {
+
+struct KernelActivity {
+  std::size_t late = 0;        ///< samples later than the limit, outside freezes, of a known core
+  std::size_t interrupts = 0;  ///< that their core took between due and done
+  std::size_t in_kernel = 0;   ///< of these, those that met the kernel: a section that lets nobody else run
+};
+
+/// `interrupts`: of each core. Without them, or where no sample's core is known, all is 0.
+KernelActivity kernel_activity(const std::vector<Sample>& samples, const std::vector<Freeze>& freezes,
+                               const std::vector<std::vector<CoreInterrupt>>& interrupts, Duration limit);
+
+/// "31 later than 100 us outside freezes, meanwhile their core was in the kernel at 40 of 41 looks"
+std::string in_words(const KernelActivity& held, Duration limit);
+
+}  // namespace strobe::bench::timing

@@ -1,0 +1,15 @@
+// The shipped programs together, measured: strobe-sim, strobed and strobe fire, from strobed's own journal.
+#pragma once
+
+#include <filesystem>
+
+#include "tests/benchmarks/timing/loop_run.hpp"
+
+namespace strobe::bench::timing {
+
+/// Fires dry shots (lamps and shutter only) for about so many seconds, with the shipped rig file; a shot with
+/// its pauses takes about one. Of `like` only seconds, priority and CPU count. std::runtime_error if no flash
+/// was fired.
+LoopRun run_programs(const LoopSettings& like, const std::filesystem::path& folder);
+
+}  // namespace strobe::bench::timing

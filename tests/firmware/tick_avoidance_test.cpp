@@ -1,0 +1,106 @@
+#include "firmware/core/tick_avoidance.hpp"
+
+#include <rapidcheck.h>
+
+#include <algorithm>
+
+#include "tests/support/sequencer_fixture.hpp"
+#include "tests/support/virtual_rig.hpp"
+
+#include <CppUTest/TestHarness.h>
+
+using namespace strobe;
+using namespace strobe::firmware;
+
+namespace {
+
+const Tick kTick{milliseconds(4), microseconds(700), microseconds(20)};
+
+ShotPlan train(Duration first, Duration period, int count) {
+  ShotPlan plan;
+  for (int k = 0; k < count; ++k)
+    plan.pulses.push_back({first + period * k, Output::strobes, microseconds(50), k});
+  return plan;
+}
+
+Duration distance_to_tick(MonoTime at, const Tick& tick) {
+  const std::int64_t after = ((at.ns - tick.phase.ns) % tick.period.ns + tick.period.ns) % tick.period.ns;
+  return nanoseconds(std::min(after, tick.period.ns - after));
+}
+
+Duration nearest(MonoTime start, const ShotPlan& plan, const Tick& tick) {
+  Duration least = tick.period;
+  for (const PlannedPulse& pulse : plan.pulses) {
+    if (pulse.output == Output::strobes) least = std::min(least, distance_to_tick(start + pulse.at, tick));
+  }
+  return least;
+}
+
+}  // namespace
+
+TEST_GROUP(TickAvoidance){};
+
+TEST(TickAvoidance, ChangesNothingWithoutATickOrAFlash) {
+  CHECK(TickAvoidance({}).delay(MonoTime{123}, train({}, milliseconds(3), 5)).ns == 0);
+  CHECK(TickAvoidance(kTick).delay(MonoTime{123}, ShotPlan{}).ns == 0);
+}
+
+TEST(TickAvoidance, LeavesAShotAloneThatIsWellPlacedAlready) {
+  const TickAvoidance quiet(kTick);
+  const ShotPlan plan = train(milliseconds(60), milliseconds(3), 100);
+  const MonoTime earliest{777'000'000};
+  const MonoTime start = earliest + quiet.delay(earliest, plan);
+  CHECK(quiet.delay(start, plan).ns == 0);
+}
+
+TEST(TickAvoidance, LooksAtFlashesOnly) {
+  ShotPlan plan;
+  plan.pulses.push_back({milliseconds(5), Output::shutter, milliseconds(500), -1});
+  CHECK(TickAvoidance(kTick).delay(MonoTime{0} + kTick.phase, plan).ns == 0);
+}
+
+// 3 ms and 4 ms: the flashes fall on a grid of 1 ms relative to the tick, whose middle is 500 us away. The
+// tick's end and margins move the best place by less than 40 us, a step is 31 us.
+TEST(TickAvoidance, PutsATrainOfThreeMillisecondsMidwayBetweenTicksOfFour) {
+  rc::check("wherever it would start", [] {
+    const MonoTime earliest{*rc::gen::inRange<std::int64_t>(0, 1'000'000'000'000)};
+    const ShotPlan plan = train(milliseconds(60), milliseconds(3), 167);
+    const Duration delay = TickAvoidance(kTick).delay(earliest, plan);
+    RC_ASSERT(delay.ns >= 0 && delay < kTick.period);
+    RC_ASSERT(nearest(earliest + delay, plan, kTick) >= microseconds(420));
+  });
+}
+
+// A tick that takes 20 us, with the margins of 10 us, hides 2 % of a period: a few flashes always find a
+// place.
+TEST(TickAvoidance, FindsAPlaceForAnyFewFlashes) {
+  rc::check("for up to ten flashes", [] {
+    const auto count = *rc::gen::inRange(1, 11);
+    ShotPlan plan;
+    for (int k = 0; k < count; ++k) {
+      const Duration at = nanoseconds(*rc::gen::inRange<std::int64_t>(0, 100'000'000));
+      plan.pulses.push_back({at, Output::strobes, microseconds(50), k});
+    }
+    const MonoTime earliest{*rc::gen::inRange<std::int64_t>(0, 1'000'000'000'000)};
+    const Duration delay = TickAvoidance(kTick).delay(earliest, plan);
+    RC_ASSERT(nearest(earliest + delay, plan, kTick) >= microseconds(10));
+  });
+}
+
+TEST(TickAvoidance, MovesTheShotOfARunningSequencer) {
+  testing::SequencerFixture bench([] {
+    Rig rig = testing::shipped_rig();
+    rig.real_time.tick = kTick;
+    return rig;
+  }());
+  bench.start();
+  const MonoTime earliest = bench.fire(true);
+  bench.play();
+  const ShotRecord& shot = bench.shot();
+  CHECK(shot.start >= earliest && shot.start < earliest + kTick.period);
+  CHECK_TRUE(shot.abort_reason.empty());
+  CHECK(shot.flashes.size() > 100);
+  for (const FlashRecord& flash : shot.flashes) {
+    CHECK(distance_to_tick(flash.commanded, kTick) >= microseconds(420));
+  }
+}

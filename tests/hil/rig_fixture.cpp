@@ -1,0 +1,192 @@
+#include "tests/hil/rig_fixture.hpp"
+
+#include <csignal>
+#include <cstdlib>
+#include <sstream>
+#include <stdexcept>
+
+#include "tests/support/json_lines.hpp"
+#include "tests/support/private_network.hpp"
+
+namespace strobe::hil {
+
+using testing::Command;
+using namespace std::chrono_literals;
+
+std::filesystem::path program(const std::string& name) {
+  const char* const firmware = std::getenv("STROBE_HIL_STROBED");
+  if (name == "strobed" && firmware != nullptr) return firmware;
+  return std::filesystem::path(STROBE_BUILD_DIR) / "bin" / name;
+}
+
+std::filesystem::path share(const std::filesystem::path& name) {
+  return std::filesystem::path(STROBE_BUILD_DIR) / "share/strobe" / name;
+}
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  std::size_t at = text.find(from);
+  if (at == std::string::npos) throw std::runtime_error("nothing to replace: " + from);
+  for (; at != std::string::npos; at = text.find(from, at + to.size())) text.replace(at, from.size(), to);
+  return text;
+}
+
+namespace {
+
+std::string edited(std::string text, const std::vector<std::pair<std::string, std::string>>& edits) {
+  for (const auto& [from, to] : edits) text = replaced(std::move(text), from, to);
+  return text;
+}
+
+}  // namespace
+
+RigFixture::RigFixture(const RigFixtureOptions& options)
+    : lcm_url_(testing::private_lcm_url()), sim_([this, &options] {
+        const std::string scene = testing::read_text(share("scenes") / (options.scene + ".toml"));
+        testing::write_text(folder_ / (options.scene + ".toml"),
+                            edited(scene, options.scene_edits) + "\n" + options.scene_addition + "\n");
+        testing::write_text(rig_file(), edited(testing::read_text(share("rig.toml")), options.rig_edits));
+        std::filesystem::create_directory(session());
+        return testing::Process(sim_command(options), folder_.path());
+      }()) {}
+
+Command RigFixture::sim_command(const RigFixtureOptions& options) const {
+  Command command;
+  command.rights = options.rights;
+  command.environment = options.environment;
+  command.arguments = {program("strobe-sim"),
+                       "run",
+                       "--scene",
+                       folder_ / (options.scene + ".toml"),
+                       "--seed",
+                       std::to_string(options.seed),
+                       "--lcm-url",
+                       lcm_url_,
+                       "--chip-dir",
+                       chip_dir(),
+                       "--truth",
+                       folder_ / "truth.jsonl",
+                       "--changes",
+                       folder_ / "changes.csv"};
+  const auto add = [&](const std::vector<std::string>& words) {
+    command.arguments.insert(command.arguments.end(), words.begin(), words.end());
+  };
+  add(options.sim_options);
+  add({"--"});
+  if (!options.shell.empty()) add({"sh", "-c", options.shell, "sh"});
+  // --allow-no-rt: a container's root may lack the right; strobed takes real-time priority wherever it can.
+  add({program("strobed"), "--config", rig_file(), "--session", session(), "--lcm-url", lcm_url_,
+       "--allow-no-rt"});
+  add(options.strobed_options);
+  return command;
+}
+
+bool RigFixture::ready() { return sim_.wait_for_err("strobed: ready", 20s); }
+
+namespace {
+
+std::vector<pid_t> daemons_under(pid_t sim) {
+  std::vector<pid_t> daemons;
+  for (const pid_t pid : testing::descendants_of(sim)) {
+    if (testing::program_of(pid) == "strobed") daemons.push_back(pid);
+  }
+  return daemons;
+}
+
+}  // namespace
+
+pid_t RigFixture::guardian() const {
+  const std::vector<pid_t> daemons = daemons_under(sim_.pid());
+  return daemons.empty() ? 0 : daemons[0];
+}
+
+pid_t RigFixture::worker() const {
+  const std::vector<pid_t> daemons = daemons_under(sim_.pid());
+  return daemons.size() < 2 ? 0 : daemons[1];
+}
+
+std::filesystem::path RigFixture::journal() const {
+  std::filesystem::path newest;
+  for (const auto& entry : std::filesystem::directory_iterator(session())) {
+    if (entry.path().filename().string().rfind("journal-", 0) != 0) continue;
+    if (newest.empty() || entry.last_write_time() > std::filesystem::last_write_time(newest))
+      newest = entry.path();
+  }
+  return newest;
+}
+
+Command RigFixture::strobe(std::vector<std::string> words) const {
+  Command command;
+  const bool speaks = words.at(0) == "fire" || words.at(0) == "live";
+  words.insert(words.begin(), program("strobe"));
+  words.insert(words.end(), {"--rig", rig_file()});
+  if (speaks) words.insert(words.end(), {"--lcm-url", lcm_url_});
+  command.arguments = std::move(words);
+  return command;
+}
+
+Command RigFixture::fire(int shots, int retries, const std::vector<std::string>& more) const {
+  std::vector<std::string> words{
+      "fire",    "--shots", std::to_string(shots), "--retries", std::to_string(retries), "--session",
+      session(), "--json"};
+  words.insert(words.end(), more.begin(), more.end());
+  return strobe(std::move(words));
+}
+
+Command RigFixture::strobed(const std::vector<std::string>& words) const {
+  Command command;
+  command.arguments = {program("strobed")};
+  command.arguments.insert(command.arguments.end(), words.begin(), words.end());
+  command.environment = {
+      {"LD_PRELOAD", (std::filesystem::path(STROBE_BUILD_DIR) / "lib/libstrobe-gpiochip.so").string()},
+      {"STROBE_GPIOCHIP_DIR", chip_dir().string()}};
+  return command;
+}
+
+void RigFixture::drive(const std::string& line_and_level) const {
+  const testing::CompletedProcess finished = testing::run_process(
+      {{program("strobe-sim"), "drive", "--chip-dir", chip_dir(), line_and_level}, {}, {}, {}}, 10s);
+  if (finished.status != testing::ExitStatus({0, 0}))
+    throw std::runtime_error("cannot drive: " + finished.err);
+}
+
+LineChanges RigFixture::finish() {
+  sim_.signal(SIGTERM);
+  if (!sim_.wait(20s)) throw std::runtime_error("strobe-sim does not end: " + log());
+  return changes();
+}
+
+LineChanges RigFixture::changes() {
+  if (!sim_.wait(20s)) throw std::runtime_error("strobe-sim does not end: " + log());
+  return LineChanges(folder_ / "changes.csv");
+}
+
+std::vector<nlohmann::json> RigFixture::truths() const {
+  return testing::read_json_lines(folder_ / "truth.jsonl");
+}
+
+std::vector<nlohmann::json> readouts(const std::string& out) {
+  // The last line of a program that still runs may be there in part.
+  std::vector<nlohmann::json> found = testing::parse_json_lines(out.substr(0, out.rfind('\n') + 1));
+  std::erase_if(found, [](const nlohmann::json& value) {
+    return !value.contains("shot_id") || !value.contains("vx_td_mps");
+  });
+  return found;
+}
+
+std::string readout_lines(const std::string& out) {
+  std::string lines;
+  std::istringstream stream(out);
+  for (std::string line; std::getline(stream, line);) {
+    if (!readouts(line + "\n").empty()) lines += line + "\n";
+  }
+  return lines;
+}
+
+bool has_flag(const nlohmann::json& readout, const std::string& flag) {
+  for (const auto& each : readout.at("flags")) {
+    if (each.get<std::string>() == flag) return true;
+  }
+  return false;
+}
+
+}  // namespace strobe::hil

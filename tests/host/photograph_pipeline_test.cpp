@@ -1,0 +1,278 @@
+// The camera's folder on a real file system, with a digitizer that reads numbers from text files.
+#include "host/photographs/photograph_pipeline.hpp"
+
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <fstream>
+#include <string>
+
+#include "tests/host/synthetic_shot.hpp"
+#include "tests/support/process.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+#include <CppUTest/TestHarness.h>
+
+namespace {
+
+namespace fs = std::filesystem;
+using namespace strobe;
+using namespace std::chrono_literals;
+using host::CameraFolder;
+using testing::monotonic_now_ns;
+using testing::write_text;
+
+constexpr std::int64_t kSecond = 1'000'000'000;
+
+struct CountingSink : host::MessageHandler {
+  int shots = 0, frames = 0, others = 0;
+  void status(const strobe_msgs::status_t&, std::int64_t) override { ++others; }
+  void event(const strobe_msgs::event_t&, std::int64_t) override { ++others; }
+  void shot(const strobe_msgs::shot_t&, std::int64_t) override { ++shots; }
+  void frame(const strobe_msgs::frame_t&, std::int64_t) override { ++frames; }
+};
+
+/// A photograph is the text "ball X"; anything else may be half-written.
+tl::expected<host::PhotographReading, host::UnreadPhotograph> measure(const fs::path& file,
+                                                                      const std::vector<double>& times) {
+  const std::string text = testing::read_text(file);
+  if (text == "throw") throw std::runtime_error("thrown");
+  if (text.rfind("ball ", 0) != 0)
+    return tl::unexpected(host::UnreadPhotograph{file.filename().string() + ": cut short", true});
+  host::PhotographReading reading;
+  reading.frame.images.resize(1);
+  reading.frame.images[0].centre_px = {std::stod(text.substr(5)), static_cast<double>(times.size())};
+  reading.frame.images[0].diameter_px = 260.0;
+  reading.frame.images[0].source = "auto";
+  reading.remarks = {"dim"};
+  return reading;
+}
+
+std::string all(const std::vector<std::string>& lines) {
+  std::string text;
+  for (const std::string& line : lines) text += line + "\n";
+  return text;
+}
+
+}  // namespace
+
+TEST_GROUP(FolderOfTheCamera) {
+  testing::TemporaryFolder folder;
+  std::int64_t now = 100 * kSecond;
+  std::unique_ptr<CameraFolder> camera;
+
+  void open() { camera = std::move(*CameraFolder::open(folder.path(), now)); }
+  std::string arrived() {
+    std::string names;
+    for (const auto& arrival : camera->look(now))
+      names += arrival.path.filename().string() + (arrival.renamed ? ">" : ".");
+    return names;
+  }
+};
+
+TEST(FolderOfTheCamera, OldFilesAreLeftAlone) {
+  write_text(folder / "old.tif", "x");
+  open();
+  STRCMP_EQUAL("", arrived().c_str());
+  write_text(folder / "new.tif", "x");
+  STRCMP_EQUAL("new.tif.", arrived().c_str());
+  STRCMP_EQUAL("", arrived().c_str());
+}
+
+TEST(FolderOfTheCamera, ATemporaryNameIsNoPhotographUntilItIsRenamed) {
+  open();
+  for (const char* name : {"a.tif.tmp", ".a.tif", "a.tif.part", "a.tif~"}) write_text(folder / name, "x");
+  STRCMP_EQUAL("", arrived().c_str());
+  fs::rename(folder / "a.tif.tmp", folder / "a.tif");
+  STRCMP_EQUAL("a.tif>", arrived().c_str());
+  CHECK_TRUE(camera->take_notifications().empty());
+}
+
+TEST(FolderOfTheCamera, AFileIsThereOnceItsWriterHasClosedIt) {
+  open();
+  std::ofstream file(folder / "a.tif");
+  file << "half" << std::flush;
+  STRCMP_EQUAL("", arrived().c_str());
+  file << "whole" << std::flush;
+  file.close();
+  STRCMP_EQUAL("a.tif.", arrived().c_str());
+}
+
+TEST(FolderOfTheCamera, OtherFilesAreSaidOncePerKind) {
+  open();
+  for (const char* name : {"a.cr2", "b.cr2", "notes.txt"}) write_text(folder / name, "x");
+  STRCMP_EQUAL("", arrived().c_str());
+  LONGS_EQUAL(2, camera->take_notifications().size());
+}
+
+TEST(FolderOfTheCamera, ANameThatIsUsedAgainIsANewPhotograph) {
+  write_text(folder / "latest.tif", "one");
+  open();
+  write_text(folder / "latest.tif", "three");
+  STRCMP_EQUAL("latest.tif.", arrived().c_str());
+}
+
+TEST(FolderOfTheCamera, WhatTheKernelDoesNotTellIsSeenByLooking) {
+  open();
+  // A hard link is neither closed nor renamed here: no event tells of it, as of files on a network's server.
+  testing::TemporaryFolder elsewhere;
+  write_text(elsewhere / "a.tif", "x");
+  std::error_code error;
+  fs::create_hard_link(elsewhere / "a.tif", folder / "a.tif", error);
+  CHECK_FALSE(error);
+  now += kSecond;
+  STRCMP_EQUAL("", arrived().c_str());  // may be growing
+  now += kSecond;
+  STRCMP_EQUAL("a.tif.", arrived().c_str());
+}
+
+TEST(FolderOfTheCamera, ThatGoesAwayAndComesBackIsSaid) {
+  open();
+  fs::remove_all(folder.path());
+  STRCMP_EQUAL("", arrived().c_str());
+  STRCMP_CONTAINS("is gone", all(camera->take_notifications()).c_str());
+  fs::create_directory(folder.path());
+  now += kSecond;
+  arrived();
+  STRCMP_CONTAINS("is back", all(camera->take_notifications()).c_str());
+  write_text(folder / "a.tif", "x");
+  STRCMP_EQUAL("a.tif.", arrived().c_str());
+}
+
+TEST(FolderOfTheCamera, ThatIsNotThereIsAnError) {
+  STRCMP_CONTAINS("no such folder", CameraFolder::open(folder / "none", now).error().message.c_str());
+}
+
+TEST_GROUP(PipelineOfPhotographs) {
+  testing::TemporaryFolder folder;
+  testing::TemporaryFolder session;
+  CountingSink sink;
+  std::unique_ptr<host::PhotographPipeline> pipeline;
+  std::string said;
+
+  void setup() override { open(0.3); }
+  void open(double retry_timeout_s) {
+    host::PhotographSettings settings;
+    settings.timeout_s = 1000.0;  // no machine is that slow
+    settings.host_id = 5;
+    settings.keep_folder = session.path();
+    settings.retry_timeout_s = retry_timeout_s;
+    auto camera = std::move(*CameraFolder::open(folder.path(), monotonic_now_ns()));
+    pipeline = std::make_unique<host::PhotographPipeline>(sink, std::move(camera), measure, settings);
+    strobe_msgs::status_t status{};
+    status.mono_ns = monotonic_now_ns();
+    pipeline->status(status, monotonic_now_ns());
+  }
+  /// A shot whose shutter has just closed.
+  void shot(int id) {
+    auto made = host_test::make_shot({});
+    made.shot.shot_id = id;
+    made.shot.shutter_close_ns = monotonic_now_ns();
+    made.shot.shutter_open_ns = made.shot.shutter_close_ns - kSecond / 2;
+    pipeline->shot(made.shot, monotonic_now_ns());
+  }
+  void put(const std::string& name, const std::string& text) {
+    write_text(folder / (name + ".tmp"), text);
+    fs::rename(folder / (name + ".tmp"), folder / name);
+  }
+  /// Until that many frames have been measured, or that much has been said.
+  std::vector<strobe_msgs::frame_t> turn_until(std::size_t frames, const std::string& words) {
+    std::vector<strobe_msgs::frame_t> result;
+    testing::wait_until(
+        [&] {
+          pipeline->turn(monotonic_now_ns());
+          for (auto& frame : pipeline->take_frames()) result.push_back(std::move(frame));
+          said += all(pipeline->take_notifications());
+          return result.size() >= frames && said.find(words) != std::string::npos;
+        },
+        20s);
+    LONGS_EQUAL(frames, result.size());
+    STRCMP_CONTAINS(words.c_str(), said.c_str());
+    return result;
+  }
+};
+
+TEST(PipelineOfPhotographs, MakesTheFrameOfAShotAndKeepsThePhotograph) {
+  shot(3);
+  put("IMG_1.tif", "ball 700");
+  const auto frame = turn_until(1, "photograph of shot 3: dim").front();
+  LONGS_EQUAL(1, sink.shots);
+  LONGS_EQUAL(77, frame.boot_id);
+  LONGS_EQUAL(3, frame.shot_id);
+  LONGS_EQUAL(5, frame.host_id);
+  STRCMP_EQUAL("auto", frame.source.c_str());
+  DOUBLES_EQUAL(700.0, frame.images.at(0).centre_x_px, 0.0);
+  DOUBLES_EQUAL(166.0, frame.images.at(0).centre_y_px, 0.0);  // all flashes' times were given
+  STRCMP_EQUAL("photographs/shot-0003-IMG_1.tif", frame.photograph.c_str());
+  STRCMP_EQUAL("ball 700", testing::read_text(session / frame.photograph).c_str());
+}
+
+TEST(PipelineOfPhotographs, KeepsTwoOfOneNameBoth) {
+  for (const char* text : {"ball 1", "ball 2"}) {
+    shot(text[5] - '0');
+    put("latest.tif", text);
+    const auto frame = turn_until(1, "").front();
+    STRCMP_EQUAL(text, testing::read_text(session / frame.photograph).c_str());
+  }
+  STRCMP_EQUAL("ball 1", testing::read_text(session / "photographs/shot-0001-latest.tif").c_str());
+}
+
+TEST(PipelineOfPhotographs, AnUnreadableOneIsSaidAndAnotherMayFollow) {
+  shot(1);
+  put("a.tif", "garbage");
+  turn_until(0, "photograph of shot 1: a.tif: cut short");
+  put("b.tif", "ball 2");
+  turn_until(1, "");
+}
+
+TEST(PipelineOfPhotographs, AHalfWrittenOneIsReadOnceItIsWhole) {
+  open(20.0);  // longer than a busy machine takes for the second half
+  shot(1);
+  write_text(folder / "a.tif", "bal");  // closed, and opened again
+  pipeline->turn(monotonic_now_ns());
+  testing::sleep_for(60ms);
+  write_text(folder / "a.tif", "ball 4");
+  turn_until(1, "dim");
+}
+
+TEST(PipelineOfPhotographs, WhatTheDigitizerThrowsIsSaid) {
+  shot(1);
+  put("a.tif", "throw");
+  turn_until(0, "a.tif: thrown");
+}
+
+TEST(PipelineOfPhotographs, TwoFormatsOfAnExposureAreOnePhotograph) {
+  shot(1);
+  put("a.tif", "ball 1");
+  put("a.jpg", "ball 1");
+  turn_until(1, "");
+  pipeline->end(monotonic_now_ns());
+  STRCMP_EQUAL("", all(pipeline->take_notifications()).c_str());
+}
+
+TEST(PipelineOfPhotographs, AnExtraOneIsSaidAtTheEndAtLatest) {
+  put("a.tif", "ball 1");
+  pipeline->turn(monotonic_now_ns());
+  pipeline->end(monotonic_now_ns());
+  STRCMP_EQUAL("photograph a.tif: no shot waits for a photograph: not used\n",
+               all(pipeline->take_notifications()).c_str());
+}
+
+TEST(PipelineOfPhotographs, OneThatSomebodyElseMeasuredIsOnlyKept) {
+  shot(1);
+  strobe_msgs::frame_t frame{};
+  frame.boot_id = 77;
+  frame.shot_id = 1;
+  pipeline->frame(frame, monotonic_now_ns());
+  LONGS_EQUAL(1, sink.frames);
+  put("a.tif", "ball 1");
+  CHECK_TRUE(testing::wait_until(
+      [&] {
+        pipeline->turn(monotonic_now_ns());
+        return fs::exists(session / "photographs/shot-0001-a.tif") && pipeline->pending() == 0;
+      },
+      20s));
+  CHECK_TRUE(pipeline->take_frames().empty());
+}

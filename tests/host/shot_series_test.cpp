@@ -1,0 +1,277 @@
+// Firing a series against a scripted firmware in virtual time.
+#include "host/session/shot_series.hpp"
+
+#include <deque>
+#include <string>
+
+#include <CppUTest/TestHarness.h>
+
+namespace {
+
+using namespace strobe;
+using host::CommandFactory;
+using host::ShotResult;
+using host::ShotSeries;
+using host::ShotSeriesSettings;
+using strobe_msgs::command_t;
+using strobe_msgs::event_t;
+using strobe_msgs::status_t;
+
+constexpr std::int64_t kMs = 1'000'000;
+constexpr std::int64_t kHost = 0x1234;
+constexpr std::int64_t kBoot = 77;
+
+/// Obeys as the firmware's interlock does, and counts what it did.
+struct Firmware {
+  status_t status{};
+  int fired = 0;
+  int disarmed = 0;
+  int cleared = 0;
+  bool deaf = false;         // commands are lost
+  std::string refuses_fire;  // why
+
+  Firmware() {
+    status.boot_id = kBoot;
+    status.key_active = true;
+    status.journal_ok = true;
+    status.last_shot_id = 3;
+  }
+  void obey(const command_t& command, ShotSeries& series) {
+    if (deaf || command.boot_id != status.boot_id) return;
+    if (command.kind == command_t::ARM && status.state == status_t::IDLE) {
+      status.state = status_t::ARMED;
+      status.arm_host_id = command.host_id;
+      status.arm_token = 900 + command.command_id;
+    } else if (command.kind == command_t::FIRE && command.arm_token == status.arm_token &&
+               status.arm_token != 0) {
+      status.state = status_t::IDLE;
+      status.arm_host_id = status.arm_token = 0;
+      if (!refuses_fire.empty()) {
+        event_t refused{};
+        refused.boot_id = status.boot_id;
+        refused.kind = event_t::REFUSED;
+        refused.detail = "FIRE: " + refuses_fire;
+        series.on_event(refused);
+        return;
+      }
+      ++fired;
+      ++status.last_shot_id;
+    } else if (command.kind == command_t::DISARM) {
+      ++disarmed;
+    } else if (command.kind == command_t::CLEAR) {
+      ++cleared;
+      status.state = status_t::IDLE;
+      status.message.clear();
+    }
+  }
+};
+
+struct Play {
+  CommandFactory factory{kHost};
+  Firmware firmware;
+  ShotSeries series;
+  std::int64_t now_ns = 0;
+  int answered = 0;
+  std::deque<std::string> verdicts;  // of the shots to come; empty text: good
+  std::vector<std::string> notifications;
+  bool heard = true;
+
+  explicit Play(ShotSeriesSettings settings) : series(std::move(settings), factory) {}
+
+  void turn() {
+    now_ns += 20 * kMs;
+    series.step(heard ? std::optional(firmware.status) : std::nullopt, now_ns);
+    for (const command_t& command : series.take_commands()) firmware.obey(command, series);
+    for (const std::string& text : series.take_notifications()) notifications.push_back(text);
+  }
+  void answer() {
+    if (firmware.fired == answered) return;
+    ShotResult shot_result;
+    shot_result.boot_id = firmware.status.boot_id;
+    shot_result.host_id = kHost;
+    shot_result.shot_id = firmware.status.last_shot_id;
+    if (!verdicts.empty()) {
+      if (!verdicts.front().empty()) shot_result.rejected = verdicts.front();
+      verdicts.pop_front();
+    }
+    ++answered;
+    series.on_shot_result(shot_result);
+  }
+  void run(int turns) {
+    for (int i = 0; i < turns && !series.finished(); ++i) {
+      turn();
+      if (i % 10 == 9) answer();
+    }
+  }
+};
+
+ShotSeriesSettings series(int shots, int retries = 0) {
+  ShotSeriesSettings settings;
+  settings.shots = shots;
+  settings.retries = retries;
+  return settings;
+}
+
+}  // namespace
+
+TEST_GROUP(ShotSeriesOfAHost){};
+
+TEST(ShotSeriesOfAHost, FiresAsManyAsWereAskedForAndNoMore) {
+  Play play(series(3));
+  play.run(1000);
+  CHECK_TRUE(play.series.finished());
+  CHECK_TRUE(play.series.succeeded());
+  LONGS_EQUAL(3, play.firmware.fired);
+}
+
+TEST(ShotSeriesOfAHost, ASpoiltShotIsFiredAgainWithinTheRetries) {
+  Play play(series(2, 2));
+  play.verdicts = {"the shot was aborted", "", "the photograph did not come in time", ""};
+  play.run(2000);
+  CHECK_TRUE(play.series.succeeded());
+  LONGS_EQUAL(4, play.firmware.fired);
+  LONGS_EQUAL(2, play.series.refired());
+  STRCMP_CONTAINS("shot 4 is rejected (the shot was aborted): firing again, retry 1 of 2",
+                  play.notifications.at(0).c_str());
+}
+
+TEST(ShotSeriesOfAHost, WithoutRetriesLeftItGivesUp) {
+  Play play(series(2, 1));
+  play.verdicts = {"x", "x", ""};
+  play.run(2000);
+  CHECK_TRUE(play.series.finished());
+  CHECK_FALSE(play.series.succeeded());
+  LONGS_EQUAL(2, play.firmware.fired);
+}
+
+TEST(ShotSeriesOfAHost, LostCommandsAreSentAgainAndNoShotIsFiredTwice) {
+  Play play(series(1));
+  play.firmware.deaf = true;
+  play.run(60);
+  LONGS_EQUAL(0, play.firmware.fired);
+  play.firmware.deaf = false;
+  play.run(1000);
+  LONGS_EQUAL(1, play.firmware.fired);
+  CHECK_TRUE(play.series.succeeded());
+}
+
+TEST(ShotSeriesOfAHost, SaysWhatIsMissing) {
+  Play play(series(1));
+  play.heard = false;
+  play.turn();
+  STRCMP_CONTAINS("no firmware heard", play.series.blocking_reason().c_str());
+  play.heard = true;
+  play.firmware.status.key_active = false;
+  play.turn();
+  STRCMP_EQUAL("the key is off", play.series.blocking_reason().c_str());
+  play.firmware.status.message = "the e-stop is pressed, or its wire is broken";
+  play.turn();
+  STRCMP_EQUAL("the e-stop is pressed, or its wire is broken", play.series.blocking_reason().c_str());
+  play.firmware.status.message.clear();
+  play.firmware.status.key_active = true;
+  play.run(1000);
+  CHECK_TRUE(play.series.succeeded());
+}
+
+TEST(ShotSeriesOfAHost, DoesNotTakeTheRigFromAnotherHost) {
+  Play play(series(1));
+  play.firmware.status.state = status_t::ARMED;
+  play.firmware.status.arm_host_id = 999;
+  play.firmware.status.arm_token = 5;
+  play.run(100);
+  LONGS_EQUAL(0, play.firmware.fired);
+  STRCMP_EQUAL("another host has armed the rig", play.series.blocking_reason().c_str());
+}
+
+TEST(ShotSeriesOfAHost, GivesUpWhenNothingIsPossibleForTooLong) {
+  ShotSeriesSettings settings = series(1);
+  settings.blocked_timeout_s = 3.0;
+  Play play(settings);
+  play.firmware.status.key_active = false;
+  play.run(149);
+  CHECK_FALSE(play.series.finished());
+  play.run(10);
+  CHECK_TRUE(play.series.finished());
+  STRCMP_CONTAINS("the key is off (waited 3 s)", play.series.blocking_reason().c_str());
+}
+
+TEST(ShotSeriesOfAHost, APlanThatTheFirmwareRefusesEndsIt) {
+  Play play(series(1, 5));
+  play.firmware.refuses_fire = "period shorter than the lamps' recharge";
+  play.run(2000);
+  CHECK_TRUE(play.series.finished());
+  CHECK_FALSE(play.series.succeeded());
+  STRCMP_CONTAINS("period shorter", play.series.blocking_reason().c_str());
+}
+
+TEST(ShotSeriesOfAHost, OtherHostsShotsDoNotCount) {
+  Play play(series(1));
+  for (int i = 0; i < 8; ++i) play.turn();
+  ShotResult foreign;
+  foreign.boot_id = kBoot;
+  foreign.host_id = 999;
+  foreign.shot_id = 4;
+  play.series.on_shot_result(foreign);
+  LONGS_EQUAL(0, play.series.good());
+}
+
+TEST(ShotSeriesOfAHost, AShotOfAnEarlierNumberIsNotTakenForTheNewOne) {
+  Play play(series(1));
+  for (int i = 0; i < 8; ++i) play.turn();
+  ShotResult stale;
+  stale.boot_id = kBoot;
+  stale.host_id = kHost;
+  stale.shot_id = 3;  // was last before this one
+  play.series.on_shot_result(stale);
+  LONGS_EQUAL(0, play.series.good());
+}
+
+TEST(ShotSeriesOfAHost, AFirmwareStartedAnewDuringTheShotCostsARetry) {
+  Play play(series(1, 1));
+  for (int i = 0; i < 8; ++i) play.turn();
+  LONGS_EQUAL(1, play.firmware.fired);
+  play.firmware.status.boot_id = 78;
+  play.answered = 1;  // that shot's readout never comes
+  play.run(1000);
+  CHECK_TRUE(play.series.succeeded());
+  LONGS_EQUAL(2, play.firmware.fired);
+  LONGS_EQUAL(1, play.series.refired());
+}
+
+TEST(ShotSeriesOfAHost, StoppingGivesTheTokenBackOrAbortsTheShot) {
+  Play play(series(1));
+  for (int i = 0; i < 8; ++i) play.turn();
+  play.series.stop(play.firmware.status);
+  for (const command_t& command : play.series.take_commands()) play.firmware.obey(command, play.series);
+  LONGS_EQUAL(1, play.firmware.disarmed);
+  CHECK_TRUE(play.series.finished());
+  CHECK_FALSE(play.series.succeeded());
+}
+
+TEST(ShotSeriesOfAHost, ALatchedFaultIsClearedOnlyWhenAskedTo) {
+  for (const bool asked : {false, true}) {
+    ShotSeriesSettings settings = series(1);
+    settings.clear_fault = asked;
+    Play play(settings);
+    play.firmware.status.state = status_t::FAULT;
+    play.firmware.status.message = "fault: a line cannot be set";
+    play.run(100);
+    LONGS_EQUAL(asked ? 1 : 0, play.firmware.cleared);
+    LONGS_EQUAL(asked ? 1 : 0, play.firmware.fired);
+  }
+}
+
+TEST(ShotSeriesOfAHost, ThePlanAndTheNotesGoWithTheShot) {
+  CommandFactory factory(kHost);
+  host::ShotPlan plan;
+  plan.period_us = 2500;
+  plan.impact_at_ms = 120;
+  const command_t fire = factory.fire(kBoot, 9, plan, true, {{"spin", "top"}, {"angle_deg", "23"}});
+  LONGS_EQUAL(2'500'000, fire.plan.period_ns);
+  LONGS_EQUAL(120'000'000, fire.plan.impact_at_ns);
+  CHECK_TRUE(fire.plan.dry);
+  LONGS_EQUAL(2, fire.note_count);
+  STRCMP_EQUAL("angle_deg", fire.notes[0].key.c_str());
+  LONGS_EQUAL(1, fire.command_id);
+  LONGS_EQUAL(2, factory.arm(kBoot).command_id);
+}

@@ -1,0 +1,49 @@
+// What a soak has counted. A plain block of numbers, so that processes can hand it to each other.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <type_traits>
+
+#include "common/reduction/readout.hpp"
+#include "tests/soak/fault_plan.hpp"
+
+namespace strobe::soak {
+
+struct SoakCounts {
+  std::int64_t campaigns = 0;
+  std::int64_t shots = 0;       ///< fired: their summaries were published
+  std::int64_t planned = 0;     ///< shots that were to count
+  std::int64_t unfinished = 0;  ///< campaigns that gave up, having no retries left or nothing to fire with
+  std::int64_t triggers = 0;
+  std::int64_t boots = 0;
+  std::int64_t hosts = 0;
+  std::int64_t good = 0;        ///< readouts that count
+  std::int64_t flagged = 0;     ///< readouts with numbers that do not count
+  std::int64_t withheld = 0;    ///< readouts without any number
+  std::int64_t compared = 0;    ///< numbers held against truth
+  std::int64_t mismatched = 0;  ///< dwells beyond it, an image having been overlooked or doubled
+  std::int64_t explained = 0;   ///< numbers beyond the limit that a flag explains
+  std::array<std::int64_t, reduction::kFlagCount> flags{};           ///< readouts that carry each
+  std::array<std::int64_t, reduction::kFlagCount> explained_by{};    ///< readouts in which it explained some
+  std::array<double, reduction::kQuantityCount> largest_z{};         ///< of numbers that no flag explains
+  std::array<std::int64_t, sim::kFaultNames.size()> bench_faults{};  ///< exposures that each struck
+  std::array<std::int64_t, kHazardCount> hazards{};
+  std::int64_t packets = 0, packets_lost = 0, packets_doubled = 0, packets_reordered = 0;
+  std::int64_t events_journalled = 0;
+  std::int64_t events_missing = 0;         ///< journalled and on no host in the end
+  std::int64_t events_never_received = 0;  ///< of boots that ended before any host heard of them
+  std::int64_t events_lost_dying = 0;      ///< in the queue of a process that died: never journalled
+  std::int64_t violations = 0;
+  double virtual_s = 0.0;
+  std::uint64_t digest = 0;  ///< of the outputs' changes and the readouts; a sum over the campaigns
+
+  void add(const SoakCounts& other);
+};
+static_assert(std::is_trivially_copyable_v<SoakCounts>);
+
+/// Lines of text for a person.
+std::string table_of(const SoakCounts& counts);
+
+}  // namespace strobe::soak

@@ -1,0 +1,122 @@
+// Watches the virtual lab from outside: lines, the key and the e-stop, packets at the processes' doorsteps,
+// the journals on the disk. Uses nothing that the product believes of itself. What must hold:
+//  - a pulse of the machine's trigger only with the key on, the e-stop released, and a FIRE of this boot's
+//    firmware that carries a fresh token of an ARM of the same host; each token for one pulse;
+//  - after the key goes off or the e-stop is pressed every output is inactive within 1 ms, and none stays
+//    or becomes active after that until both are well again (the trigger: within 2 us);
+//  - no output longer than its limit, lamps no closer and no more often than theirs;
+//  - in the end all outputs are inactive, every event in a journal is on the host (but of a boot that ended
+//    unheard: such events are counted), sequences have no gaps;
+//  - one readout for one shot of one host; no wrong number without a flag that explains it.
+// While the machine stands still nothing can be done: such time is not counted. After a process's end its
+// guardian has 6 ms.
+// One thread's; allocates.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/reduction/readout.hpp"
+#include "firmware/core/rig.hpp"
+#include "firmware/ports/output_lines.hpp"
+#include "tests/soak/truth_comparison.hpp"
+
+namespace strobe::soak {
+
+class InvariantChecker {
+ public:
+  using ShotKey = std::pair<std::int64_t, std::int32_t>;   ///< boot, shot
+  using EventKey = std::pair<std::int64_t, std::int64_t>;  ///< boot, sequence
+
+  explicit InvariantChecker(const firmware::Rig& limits) : limits_(limits) {}
+
+  // The bench
+  void output(firmware::Output output, bool active, MonoTime at,
+              firmware::Lamps lamps = firmware::Lamps::both);
+  void key(bool on, MonoTime at);
+  void estop(bool pressed, MonoTime at);
+
+  // The processes
+  void booted(std::int64_t boot_id) { boot_id_ = boot_id; }
+  void died(MonoTime at) { died_ = at; }
+  void stands_still(MonoTime from, MonoTime until) { still_.push_back({from, until}); }
+  void token_drawn(std::int64_t token, MonoTime at);
+
+  // The packets
+  void at_firmware(const std::vector<std::uint8_t>& command, MonoTime at);
+  void at_host(const std::string& channel, const std::vector<std::uint8_t>& bytes);
+
+  // The results
+  void readout(std::int64_t host_id, ShotKey shot, const reduction::Readout& readout, const Truth& truth,
+               bool dry);
+  /// All is quiet: the journals of the folder against what the hosts have.
+  void end(const std::filesystem::path& session);
+
+  const std::vector<std::string>& violations() const { return violations_; }
+  const std::optional<TruthComparison>& last_comparison() const { return comparison_; }
+  int triggers() const { return triggers_; }
+  std::int64_t events_journalled() const { return journalled_; }
+  std::int64_t events_missing() const { return missing_; }
+  /// Of boots that ended before any host heard of them.
+  std::int64_t events_never_received() const { return unheard_; }
+
+  /// For the trace: the newest violation is told to it.
+  void violate(std::string what) { violations_.push_back(std::move(what)); }
+
+ private:
+  struct Token {
+    std::int64_t host_id = 0;
+    std::int64_t boot_id = 0;
+    MonoTime armed;
+    MonoTime fired = MonoTime::never();
+    bool dry = false;
+    bool spent = false;
+  };
+  struct Still {
+    MonoTime from, until;
+  };
+  struct Watched {
+    bool active = false;
+    MonoTime since;
+    MonoTime must_end = MonoTime::never();  ///< made unsafe at that instant, while active
+  };
+
+  void check_trigger(MonoTime at);
+  void check_lamps(firmware::Lamps lamps, MonoTime at);
+  void check_end(firmware::Output output, const Watched& watched, MonoTime at);
+  void became_unsafe(MonoTime at);
+  Duration excused(MonoTime from, MonoTime to) const;
+  Duration longest(firmware::Output output) const;
+  bool unsafe_before(MonoTime at) const;
+  void read_journal(const std::filesystem::path& path);
+
+  firmware::Rig limits_;
+  std::array<Watched, firmware::kOutputs.size()> outputs_{};
+  bool key_ = true;
+  bool estop_ = false;
+  MonoTime unsafe_since_ = MonoTime::never();
+  MonoTime died_ = MonoTime::never();
+  std::vector<Still> still_;
+  std::int64_t boot_id_ = 0;
+  std::int64_t arming_host_ = 0;
+  std::map<std::int64_t, Token> tokens_;
+  std::array<MonoTime, 2> last_flash_{MonoTime::never(), MonoTime::never()};  ///< of lamp A, of lamp B
+  int flashes_of_shot_ = 0;
+  int triggers_ = 0;
+  std::map<std::int64_t, std::vector<bool>> on_host_;  ///< of each boot, by sequence
+  std::set<std::pair<std::int64_t, ShotKey>> read_out_;
+  std::optional<TruthComparison> comparison_;
+  std::int64_t journalled_ = 0;
+  std::int64_t missing_ = 0;
+  std::int64_t unheard_ = 0;
+  std::vector<std::string> violations_;
+};
+
+}  // namespace strobe::soak

@@ -1,0 +1,331 @@
+// The invariant_checker itself: each thing that must hold is violated on purpose once, and is heard of.
+#include "tests/soak/invariant_checker.hpp"
+
+#include <fstream>
+#include <strobe_msgs/command_t.hpp>
+#include <strobe_msgs/event_t.hpp>
+
+#include "firmware/publisher/journal.hpp"
+#include "tests/soak/disk.hpp"
+
+#include <CppUTest/TestHarness.h>
+
+using namespace strobe;
+using namespace strobe::soak;
+using firmware::Output;
+using reduction::Flag;
+using reduction::Quantity;
+using strobe_msgs::command_t;
+
+namespace {
+
+constexpr std::int64_t kBoot = 77;
+constexpr std::int64_t kHost = 5;
+constexpr std::int64_t kToken = 4242;
+
+template <typename Message>
+std::vector<std::uint8_t> encoded(const Message& message) {
+  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(message.getEncodedSize()));
+  message.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+  return bytes;
+}
+
+std::vector<std::uint8_t> command(std::int8_t kind, std::int64_t token = 0, std::int64_t host = kHost,
+                                  std::int64_t boot = kBoot) {
+  command_t message{};
+  message.schema_version = command_t::SCHEMA_VERSION;
+  message.boot_id = boot;
+  message.host_id = host;
+  message.kind = kind;
+  message.arm_token = token;
+  return encoded(message);
+}
+
+std::vector<std::uint8_t> event(std::int64_t sequence) {
+  strobe_msgs::event_t message{};
+  message.schema_version = strobe_msgs::event_t::SCHEMA_VERSION;
+  message.boot_id = kBoot;
+  message.sequence = sequence;
+  return encoded(message);
+}
+
+}  // namespace
+
+TEST_GROUP(InvariantChecker) {
+  firmware::Rig rig;
+  InvariantChecker invariant_checker{rig};
+  MonoTime now{1'000'000'000};
+
+  void setup() override { invariant_checker.booted(kBoot); }
+  void pass(Duration duration) { now = now + duration; }
+  void arm(std::int64_t host = kHost) {
+    invariant_checker.at_firmware(command(command_t::ARM, 0, host), now);
+    invariant_checker.token_drawn(kToken, now);
+  }
+  void fire(std::int64_t token = kToken, std::int64_t host = kHost) {
+    pass(milliseconds(1));
+    invariant_checker.at_firmware(command(command_t::FIRE, token, host), now);
+    pass(milliseconds(20));
+  }
+  void pulse(Output output, Duration width) {
+    invariant_checker.output(output, true, now);
+    pass(width);
+    invariant_checker.output(output, false, now);
+  }
+  void trigger() { pulse(Output::trigger, milliseconds(20)); }
+  void expect(const char* violation) {
+    LONGS_EQUAL(1, invariant_checker.violations().size());
+    STRCMP_CONTAINS(violation, invariant_checker.violations()[0].c_str());
+  }
+  void expect_none() {
+    for (const std::string& violation : invariant_checker.violations()) FAIL(violation.c_str());
+  }
+};
+
+TEST(InvariantChecker, AcceptsAShotThatWasArmedAndFired) {
+  arm();
+  fire();
+  trigger();
+  pulse(Output::shutter, milliseconds(500));
+  expect_none();
+  LONGS_EQUAL(1, invariant_checker.triggers());
+}
+
+TEST(InvariantChecker, HearsOfATriggerWithoutAToken) {
+  trigger();
+  expect("without a fresh token");
+}
+
+TEST(InvariantChecker, HearsOfATriggerWithATokenThatWasNeverGiven) {
+  arm();
+  fire(kToken + 1);
+  trigger();
+  expect("without a fresh token");
+}
+
+TEST(InvariantChecker, HearsOfATriggerWithAnotherHostsToken) {
+  arm();
+  fire(kToken, kHost + 1);
+  trigger();
+  expect("without a fresh token");
+}
+
+TEST(InvariantChecker, HearsOfASecondTriggerForOneToken) {
+  arm();
+  fire();
+  trigger();
+  pass(milliseconds(100));
+  fire();
+  trigger();
+  expect("without a fresh token");
+}
+
+TEST(InvariantChecker, HearsOfATriggerWithTheTokenOfAnEarlierBoot) {
+  arm();
+  invariant_checker.booted(kBoot + 1);
+  fire();
+  trigger();
+  expect("without a fresh token");
+}
+
+TEST(InvariantChecker, HearsOfATriggerLongAfterTheArming) {
+  arm();
+  pass(milliseconds(31'000));
+  fire();
+  trigger();
+  expect("without a fresh token");
+}
+
+TEST(InvariantChecker, HearsOfATriggerWithTheKeyOff) {
+  arm();
+  fire();
+  invariant_checker.key(false, now);
+  pass(microseconds(3));
+  invariant_checker.output(Output::trigger, true, now);
+  expect("with the key off");
+}
+
+TEST(InvariantChecker, HearsOfAnOutputThatOutlastsTheEStop) {
+  arm();
+  fire();
+  invariant_checker.output(Output::shutter, true, now);
+  pass(milliseconds(10));
+  invariant_checker.estop(true, now);
+  invariant_checker.estop(false, now + microseconds(10));  // however short it was
+  pass(microseconds(1001));
+  invariant_checker.output(Output::shutter, false, now);
+  expect("inactive only 1001 us after");
+}
+
+TEST(InvariantChecker, DoesNotBlameTheFirmwareForAMachineThatStoodStill) {
+  invariant_checker.output(Output::shutter, true, now);
+  invariant_checker.estop(true, now);
+  invariant_checker.stands_still(now, now + milliseconds(50));
+  pass(milliseconds(50));
+  invariant_checker.output(Output::shutter, false, now);
+  expect_none();
+}
+
+TEST(InvariantChecker, GivesTheGuardianSixMillisecondsAfterTheProcessesEnd) {
+  invariant_checker.output(Output::shutter, true, now);
+  invariant_checker.died(now);
+  invariant_checker.key(false, now);
+  pass(milliseconds(6));
+  invariant_checker.output(Output::shutter, false, now);
+  expect_none();
+  invariant_checker.key(true, now);
+  invariant_checker.output(Output::shutter, true, now);
+  invariant_checker.died(now);
+  invariant_checker.key(false, now);
+  pass(milliseconds(8));
+  invariant_checker.output(Output::shutter, false, now);
+  expect("inactive only");
+}
+
+TEST(InvariantChecker, HearsOfAnOutputThatBecomesActiveWhileTheEStopIsPressed) {
+  invariant_checker.estop(true, now);
+  pass(milliseconds(2));
+  pulse(Output::strobes, microseconds(50));
+  expect("lamps made active");
+}
+
+TEST(InvariantChecker, HearsOfAnOutputThatIsOnTooLong) {
+  arm();
+  fire();
+  pulse(Output::trigger, rig.machine.max_on + microseconds(200));
+  expect("trigger active for");
+}
+
+TEST(InvariantChecker, HearsOfFlashesTooCloseAndTooMany) {
+  pulse(Output::strobes, microseconds(50));
+  pass(microseconds(1300));
+  pulse(Output::strobes, microseconds(50));
+  expect("a lamp flashed 1350 us after");
+  for (int k = 2; k <= rig.lamps.max_flashes; ++k) {
+    pass(milliseconds(2));
+    pulse(Output::strobes, microseconds(50));
+  }
+  LONGS_EQUAL(2, invariant_checker.violations().size());
+  STRCMP_CONTAINS("401 flashes in one shot", invariant_checker.violations()[1].c_str());
+}
+
+TEST(InvariantChecker, HearsOfAnOutputThatIsStillActiveInTheEnd) {
+  const VirtualDisk disk;
+  invariant_checker.output(Output::shutter, true, now);
+  invariant_checker.end(disk.path());
+  expect("shutter still active");
+}
+
+TEST(InvariantChecker, HearsOfEventsThatAreInAJournalAndOnNoHost) {
+  const VirtualDisk disk;
+  auto journal = firmware::Journal::create(disk.path(), kBoot);
+  for (const std::int64_t sequence : {1, 2, 3}) {
+    CHECK_TRUE(
+        journal
+            ->append(
+                {{firmware::Message::Kind::event, {sequence, sequence}, "STROBE/x/EVENT", event(sequence)}},
+                0)
+            .has_value());
+  }
+  invariant_checker.at_host("STROBE/x/EVENT", event(1));
+  invariant_checker.at_host("STROBE/x/EVENT", event(3));
+  invariant_checker.end(disk.path());
+  expect("event 2 of boot 4d is in the journal and on no host");
+  LONGS_EQUAL(3, invariant_checker.events_journalled());
+  LONGS_EQUAL(1, invariant_checker.events_missing());
+}
+
+TEST(InvariantChecker, HearsOfAJournalWithAGapAndOfATornOne) {
+  const VirtualDisk disk;
+  auto journal = firmware::Journal::create(disk.path(), kBoot);
+  for (const std::int64_t sequence : {1, 3}) {
+    CHECK_TRUE(
+        journal
+            ->append(
+                {{firmware::Message::Kind::event, {sequence, sequence}, "STROBE/x/EVENT", event(sequence)}},
+                0)
+            .has_value());
+    invariant_checker.at_host("STROBE/x/EVENT", event(sequence));
+  }
+  invariant_checker.end(disk.path());
+  expect("event 3 follows 1");
+  std::filesystem::resize_file(journal->path(), std::filesystem::file_size(journal->path()) - 5);
+  invariant_checker.end(disk.path());
+  STRCMP_CONTAINS("torn record", invariant_checker.violations().back().c_str());
+}
+
+TEST(InvariantChecker, HearsOfAShotThatIsReadOutTwice) {
+  const reduction::Readout readout;
+  invariant_checker.readout(kHost, {kBoot, 1}, readout, {}, false);
+  invariant_checker.readout(kHost + 1, {kBoot, 1}, readout, {}, false);  // another host may
+  expect_none();
+  invariant_checker.readout(kHost, {kBoot, 1}, readout, {}, false);
+  expect("read out twice");
+}
+
+TEST(InvariantChecker, HearsOfAWrongNumberUnlessAFlagExplainsIt) {
+  Truth truth;
+  truth.value[Quantity::e] = 0.80;
+  reduction::Readout readout;
+  readout.value[Quantity::e] = 0.80 + 6.5 * 0.01;
+  readout.sd[Quantity::e] = 0.01;
+  invariant_checker.readout(kHost, {kBoot, 1}, readout, truth, false);
+  expect_none();
+  readout.value[Quantity::e] = 0.80 + 6.7 * 0.01;
+  readout.flags.set(Flag::late_flash);
+  invariant_checker.readout(kHost, {kBoot, 2}, readout, truth, false);
+  expect_none();
+  readout.flags = {};
+  readout.flags.set(Flag::outlier_image);
+  invariant_checker.readout(kHost, {kBoot, 3}, readout, truth, false);
+  expect("wrong without a flag: e = 0.867, true 0.8, 6.7 sd off");
+}
+
+TEST_GROUP(Judge){};
+
+TEST(Judge, AllowsSoMuchThatChanceRaisesAFalseAlarmInOneOfAThousandSoaks) {
+  // 16e6 comparisons, 1e-3 false alarms: 6.25e-11 of a normal distribution lie beyond 6.54 sd.
+  DOUBLES_EQUAL(6.54, soak_sigma_limit(), 0.01);
+  DOUBLES_EQUAL(1.959964, sigma_limit(1.0, 0.05), 1e-6);
+}
+
+TEST(Judge, FindsANumberOfABallThatNeverCame) {
+  reduction::Readout readout;
+  readout.value[Quantity::vx_td_mps] = 12.0;
+  readout.sd[Quantity::vx_td_mps] = 1.0;
+  STRCMP_CONTAINS("vx_td_mps = 12, true none", judge(readout, {}, 6.5).wrong.c_str());
+}
+
+TEST(Judge, AddsTheSystematicUncertaintyToTheStatisticalOne) {
+  Truth truth;
+  truth.value[Quantity::vx_td_mps] = 10.0;
+  reduction::Readout readout;
+  readout.value[Quantity::vx_td_mps] = 10.5;
+  readout.sd[Quantity::vx_td_mps] = 0.03;
+  readout.sd_systematic[Quantity::vx_td_mps] = 0.04;
+  DOUBLES_EQUAL(10.0, judge(readout, truth, 20.0).largest_z, 1e-9);
+}
+
+TEST(Judge, CountsWhatAFlagExplains) {
+  Truth truth;
+  truth.value[Quantity::omega_lo_radps] = -600.0;
+  reduction::Readout readout;
+  readout.flags.set(Flag::spin_aliased);
+  readout.value[Quantity::omega_lo_radps] = 447.0;
+  readout.sd[Quantity::omega_lo_radps] = 1.0;
+  const TruthComparison comparison = judge(readout, truth, 6.5);
+  CHECK_TRUE(comparison.wrong.empty());
+  LONGS_EQUAL(1, comparison.explained);
+  CHECK_TRUE(comparison.by_flag[static_cast<std::size_t>(Flag::spin_aliased)]);
+  DOUBLES_EQUAL(0.0, comparison.largest_z, 0.0);
+}
+
+TEST(InvariantChecker, CountsEventsOfABootThatNoHostHeardOf) {
+  const VirtualDisk disk;
+  auto journal = firmware::Journal::create(disk.path(), kBoot);
+  CHECK_TRUE(
+      journal->append({{firmware::Message::Kind::event, {1, 1}, "STROBE/x/EVENT", event(1)}}, 0).has_value());
+  invariant_checker.end(disk.path());
+  expect_none();
+  LONGS_EQUAL(1, invariant_checker.events_never_received());
+}

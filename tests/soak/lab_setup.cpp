@@ -1,0 +1,169 @@
+#include "tests/soak/lab_setup.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace strobe::soak {
+
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+
+void draw_ball(sim::Scene& scene, Random& random) {
+  // Rule 3's tolerance, as the rig file states it by its standard deviation.
+  scene.ball.diameter_m = 0.0651 + random.uniform(-1.0, 1.0) * std::sqrt(3.0) * 0.0008;
+  scene.ball.mass_kg = 0.0576;
+  sim::BounceSettings& bounce = scene.bounce;
+  bounce.e = random.uniform(0.70, 0.88);
+  bounce.e_speed_mps = std::abs(scene.machine.speed_mps * std::sin(scene.machine.angle_rad));
+  bounce.e_sd = 0.01;
+  bounce.mu = random.uniform(0.35, 0.70);
+  bounce.mu_sd = 0.02;
+  bounce.dwell_s = random.uniform(0.004, 0.0056);
+  bounce.dwell_sd_s = 0.0001;
+  bounce.offset_share_sd = 0.02;
+}
+
+void draw_shot_conditions(sim::Scene& scene, Random& random, double speed_mps, double angle_rad,
+                          double spin_radps) {
+  sim::MachineSettings& machine = scene.machine;
+  machine.speed_mps = speed_mps;
+  machine.speed_sd_mps = 0.02 * speed_mps;
+  machine.angle_rad = angle_rad;
+  machine.angle_sd_rad = 0.3 * kDegree;
+  machine.spin_radps = spin_radps;
+  machine.spin_sd_radps = 10.0;
+  machine.lag_sd_s = random.uniform(0.0005, 0.004);
+}
+
+void draw_shot_conditions(sim::Scene& scene, Random& random) {
+  draw_shot_conditions(scene, random, random.uniform(12.0, 34.0), -random.uniform(15.0, 72.0) * kDegree,
+                       random.uniform(-350.0, 350.0));
+}
+
+void draw_extreme_throw(sim::Scene& scene, Random& random) {
+  const double angle = -random.uniform(17.0, 60.0) * kDegree;
+  switch (random.integer(0, 5)) {
+    case 0:
+      return draw_shot_conditions(scene, random, random.uniform(1.2, 5.0), angle,
+                                  random.uniform(-100.0, 100.0));
+    case 1:
+      return draw_shot_conditions(scene, random, random.uniform(40.0, 58.0), angle,
+                                  random.uniform(-300.0, 300.0));
+    case 2:
+      return draw_shot_conditions(scene, random, random.uniform(12.0, 35.0),
+                                  -random.uniform(5.2, 10.0) * kDegree, random.uniform(-300.0, 300.0));
+    case 3:
+      return draw_shot_conditions(scene, random, random.uniform(10.0, 25.0),
+                                  -random.uniform(78.0, 84.5) * kDegree, random.uniform(-200.0, 200.0));
+    case 4:
+      return draw_shot_conditions(scene, random, random.uniform(12.0, 30.0), angle,
+                                  (random.chance(0.5) ? 1.0 : -1.0) * random.uniform(450.0, 950.0));
+    default:
+      return draw_shot_conditions(scene, random, random.uniform(25.0, 40.0),
+                                  -random.uniform(40.0, 70.0) * kDegree, random.uniform(-200.0, 200.0));
+  }
+}
+
+void draw_camera(LabSetup& lab_setup, Random& random) {
+  sim::Scene& scene = lab_setup.scene;
+  scene.camera.roll_rad = random.uniform(-1.0, 1.0) * kDegree;
+  scene.camera.mirrored = random.chance(0.2);
+  scene.tablet.centre_sd_m = random.uniform(0.0002, 0.0005);
+  scene.tablet.equator_sd_rad = random.uniform(0.2, 1.0) * kDegree;
+  if (random.chance(0.3)) scene.tablet.calibration_sd = random.log_uniform(1e-4, 1e-2);
+  if (random.chance(0.3)) scene.surface_angle_rad = random.uniform(-10.0, 10.0) * kDegree;
+}
+
+/// So that the ball advances by a third to nearly two of its diameters between images.
+double period_us(const sim::Scene& scene, Random& random) {
+  const double step_m = random.uniform(0.022, 0.055);
+  // Whoever expects much spin flashes faster: up to a little more than a quarter turn between images.
+  const double turn_rad = random.uniform(0.5, 1.1) * std::numbers::pi / 2.0;
+  const double spin_radps = std::max(50.0, std::abs(scene.machine.spin_radps));
+  return std::clamp(1e6 * std::min(step_m / scene.machine.speed_mps, turn_rad / spin_radps), 1500.0, 6000.0);
+}
+
+void plan_brief(LabSetup& lab_setup, Random& random) {
+  host::ShotPlan& plan = lab_setup.plan;
+  plan.period_us = std::round(period_us(lab_setup.scene, random));
+  plan.shutter_open_ms = std::round(random.uniform(70.0, 110.0));
+  plan.impact_at_ms = std::round(random.uniform(0.45, 0.55) * plan.shutter_open_ms);
+}
+
+void plan_gated(LabSetup& lab_setup, Random& random) {
+  host::ShotPlan& plan = lab_setup.plan;
+  plan_brief(lab_setup, random);
+  plan.train = host::Train::gated;
+  plan.flash_count = random.integer(14, 24);
+  const double vx_mps = lab_setup.scene.machine.speed_mps * std::cos(lab_setup.scene.machine.angle_rad);
+  const double arrival_ms = 1e3 * (lab_setup.scene.gate.distance_m + 0.03) / vx_mps;
+  const double before_ms = 0.45e-3 * plan.period_us * plan.flash_count;
+  plan.gate_delay_ms = std::max(0.0, std::round(arrival_ms - before_ms));
+  // The gate is passed before the impact by the arrival's time; the burst must end within the exposure.
+  plan.impact_at_ms = std::round(arrival_ms + 20.0);
+  plan.shutter_open_ms = std::round(*plan.impact_at_ms + 1e-3 * plan.period_us * plan.flash_count + 30.0);
+}
+
+void plan_coded(LabSetup& lab_setup, Random& random) {
+  host::ShotPlan& plan = lab_setup.plan;
+  plan_brief(lab_setup, random);
+  const double shortest_us = plan.period_us;
+  for (int k = random.integer(2, 7); k > 0; --k)
+    plan.intervals_us.push_back(std::round(shortest_us * (1.0 + 0.1 * random.integer(0, 2))));
+  plan.intervals_us.push_back(shortest_us);
+  // 11 at the least: 70 ms at 6 ms, a fifth longer.
+  const int flashes = static_cast<int>(1000.0 * plan.shutter_open_ms / (1.2 * shortest_us));
+  for (int k = random.integer(0, 3); k < flashes; k += random.integer(5, 12)) {
+    auto& list = random.chance(0.3) ? plan.omit : random.chance(0.5) ? plan.only_a : plan.only_b;
+    list.push_back(k);
+  }
+}
+
+bool can_be_gated(const sim::Scene& scene) {
+  return scene.machine.speed_mps * std::cos(scene.machine.angle_rad) > 8.0;
+}
+
+}  // namespace
+
+LabSetup draw_lab_setup(PlanKind kind, const host::ShotPlan& shipped, Random& random) {
+  LabSetup lab_setup;
+  lab_setup.scene.name = "drawn";
+  if (kind == PlanKind::extremes) {
+    draw_extreme_throw(lab_setup.scene, random);
+  } else {
+    draw_shot_conditions(lab_setup.scene, random);
+  }
+  draw_ball(lab_setup.scene, random);
+  draw_camera(lab_setup, random);
+  lab_setup.plan = shipped;
+  const double which = random.uniform();
+  const bool any = kind == PlanKind::mixed || kind == PlanKind::extremes;
+  const bool gated = kind == PlanKind::gated || (any && which < 0.1);
+  const bool as_shipped = kind == PlanKind::shipped || (any && which > 0.9);
+  if (gated && can_be_gated(lab_setup.scene)) {
+    plan_gated(lab_setup, random);
+  } else if (kind == PlanKind::coded) {
+    plan_coded(lab_setup, random);
+  } else if (!as_shipped) {
+    plan_brief(lab_setup, random);
+  }
+  lab_setup.notes = {{"surface_angle_deg", fmt::format("{}", lab_setup.scene.surface_angle_rad / kDegree)},
+                     {"temperature_c", fmt::format("{}", lab_setup.scene.air.temperature_c)}};
+  return lab_setup;
+}
+
+Result<PlanKind> find_plan_kind(std::string_view word) {
+  if (word == "shipped") return PlanKind::shipped;
+  if (word == "brief") return PlanKind::brief;
+  if (word == "gated") return PlanKind::gated;
+  if (word == "coded") return PlanKind::coded;
+  if (word == "mixed") return PlanKind::mixed;
+  if (word == "extremes") return PlanKind::extremes;
+  return fail(std::string(word) + ": not one of shipped, brief, gated, coded, mixed, extremes");
+}
+
+}  // namespace strobe::soak

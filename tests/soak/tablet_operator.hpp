@@ -1,0 +1,47 @@
+// The person at the digitizing tablet in virtual time: hears of a shot, finds the exposure of that time,
+// measures it and sends the frame after a while; a shot announced again is sent again. One thread's;
+// allocates.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "sim/rig/exposure.hpp"
+#include "tests/soak/timeline.hpp"
+
+namespace strobe::soak {
+
+class VirtualTabletOperator {
+ public:
+  using ShotKey = std::pair<std::int64_t, std::int32_t>;  ///< boot, shot
+
+  VirtualTabletOperator(const sim::Scene& scene, std::uint64_t seed) : scene_(scene), seed_(seed) {}
+
+  void add(sim::Exposure exposure);
+  /// The exposure that began within the time of a shot; null: none.
+  const sim::Exposure* exposure_of(MonoTime shot_start, MonoTime shot_end) const;
+
+  void announce(ShotKey key, MonoTime start, MonoTime now);
+  MonoTime next_due() const { return tasks_.next(); }
+  /// An encoded frame to be sent now; empty: there is none after all.
+  std::vector<std::uint8_t> take(MonoTime now);
+
+ private:
+  struct Task {
+    ShotKey key;
+    MonoTime start;
+    MonoTime announced;
+  };
+  const sim::Scene& scene_;
+  std::uint64_t seed_;
+  std::vector<std::shared_ptr<const sim::Exposure>> exposures_;
+  Timeline<Task> tasks_;
+  std::map<ShotKey, std::vector<std::uint8_t>> measured_;
+  std::map<ShotKey, MonoTime> announced_;
+};
+
+}  // namespace strobe::soak

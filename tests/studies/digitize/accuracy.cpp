@@ -1,0 +1,252 @@
+#include "tests/studies/digitize/accuracy.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <opencv2/imgcodecs.hpp>
+
+#include "host/digitize/overlay/overlay.hpp"
+#include "sim/scene/scene_files.hpp"
+#include "tests/studies/digitize/hough.hpp"
+#include "tests/studies/digitize/in_order.hpp"
+#include "tests/studies/digitize/photographs.hpp"
+#include "tests/studies/digitize/tables.hpp"
+
+namespace strobe::bench::digitize {
+
+namespace {
+
+using strobe::digitize::Digitization;
+using Clock = std::chrono::steady_clock;
+
+constexpr int kNameWidth = 8;
+
+double milliseconds_since(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+/// Milliseconds by stage in the order of work, each the least of some rounds.
+class Stages {
+ public:
+  void add(const std::string& stage, double ms) {
+    const auto [at, fresh] = ms_.try_emplace(stage, ms);
+    if (fresh) order_.push_back(stage);
+    at->second = std::min(at->second, ms);
+  }
+  void sum(const Stages& one) {
+    for (const std::string& stage : one.order_) {
+      if (!ms_.contains(stage)) order_.push_back(stage);
+      ms_[stage] += one.ms_.at(stage);
+    }
+    ++photographs_;
+  }
+  void print() const {
+    double all_ms = 0.0;
+    fmt::print("\nms a photograph, by stage:");
+    for (const std::string& stage : order_) {
+      fmt::print(" {} {:.1f}", stage, ms_.at(stage) / photographs_);
+      all_ms += ms_.at(stage) / photographs_;
+    }
+    fmt::print("; in all {:.1f}\n", all_ms);
+  }
+
+ private:
+  std::map<std::string, double> ms_;
+  std::vector<std::string> order_;
+  int photographs_ = 0;
+};
+
+struct Hough {
+  Score score;
+  double ms = 0.0;
+
+  int of() const { return score.airborne + score.contact; }
+  int found() const { return score.found + score.contact_found; }
+  double recall() const { return static_cast<double>(found()) / std::max(1, of()); }
+  double precision() const { return static_cast<double>(found()) / std::max(1, found() + score.invented); }
+  double f1() const { return 2.0 * found() / std::max(1, of() + found() + score.invented); }
+};
+
+/// What became of one photograph.
+struct Done {
+  Score score;
+  TimeCount times;
+  Stages stages;
+  std::vector<Hough> hough;
+  std::string csv;
+};
+
+/// Runs of thesis conditions: named for spin and angle.
+bool is_thesis_condition(const std::string& name) {
+  return name.starts_with("back_") || name.starts_with("top_") || name.starts_with("zero_");
+}
+
+void save(const std::string& to, const std::string& name, const KnownPhotograph& known,
+          const Digitization& digitization) {
+  const std::filesystem::path folder = to;
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  cv::Mat picture;
+  known.photograph.light.convertTo(picture, CV_8U, 255.0);
+  cv::imwrite((folder / (name + ".png")).string(), picture);
+  if (const auto written = strobe::digitize::write_overlay(folder / (name + "_overlay.png"), known.photograph,
+                                                           known.settings.map, digitization);
+      !written)
+    fmt::print(stderr, "strobe-bench: {}\n", written.error().message);
+}
+
+class Study {
+ public:
+  Study(const AccuracyOptions& options, std::vector<sim::Scene> scenes)
+      : options_(options), scenes_(std::move(scenes)), trials_(hough_trials()) {}
+
+  Result<void> run() {
+    if (!options_.csv.empty()) {
+      csv_.open(options_.csv);
+      csv_ << image_csv_head();
+      if (!csv_) return fail(options_.csv + ": cannot be written");
+    }
+    print_score_head(kNameWidth);
+    const auto shots = static_cast<std::size_t>(options_.shots);
+    Progress progress(scenes_.size() * shots);
+    std::optional<Error> error;
+    in_order(
+        scenes_.size() * shots, options_.jobs,
+        [&](std::size_t i) {
+          return one(i / shots, i % shots + static_cast<std::size_t>(options_.first_shot));
+        },
+        [&](std::size_t i, Result<Done>& done) {
+          if (!done) {
+            error = done.error();
+            return false;
+          }
+          take(*done);
+          if ((i + 1) % shots == 0) end_scene(scenes_[i / shots].name);
+          progress.done(i + 1);
+          return true;
+        });
+    if (error) return tl::unexpected(*error);
+    tell();
+    return {};
+  }
+
+ private:
+  Result<Done> one(std::size_t scene, std::size_t shot) const {
+    Done done;
+    auto known = known_photograph({scenes_[scene], options_.seed, static_cast<int>(shot), options_.kept_in});
+    if (!known) return tl::unexpected(known.error());
+    known->settings.effort = options_.effort;
+    done.stages.add("decode", known->decode_ms);
+    Digitization digitization;
+    for (int round = 0; round < options_.rounds; ++round) {
+      auto result = strobe::digitize::digitize(known->photograph, known->settings);
+      if (!result) return tl::unexpected(result.error());
+      digitization = std::move(*result);
+      for (const auto& [stage, ms] : digitization.stage_ms) done.stages.add(stage, ms);
+    }
+    const Score& s = done.score = score(known->truth, digitization.frame, told_places(digitization));
+    done.times = count_times(known->truth, known->times_s, digitization.frame);
+    const std::string& name = scenes_[scene].name;
+    if (!options_.csv.empty()) done.csv = image_csv(name, static_cast<int>(shot), *known, digitization);
+    const bool amiss = s.found < s.airborne || s.contact_found < s.contact || s.invented > 0;
+    if (amiss && !options_.save.empty())
+      save(options_.save, fmt::format("{}_{}", name, shot), *known, digitization);
+    if (options_.hough) done.hough = try_hough(*known);
+    return done;
+  }
+
+  std::vector<Hough> try_hough(const KnownPhotograph& known) const {
+    std::vector<Hough> tried;
+    for (const HoughSettings& trial : trials_) {
+      const auto start = Clock::now();
+      const reduction::Frame frame = hough_circles(known.photograph, known.settings, trial);
+      const double ms = milliseconds_since(start);
+      tried.push_back({score(known.truth, frame), ms});
+    }
+    return tried;
+  }
+
+  void take(const Done& done) {
+    of_scene_.add(done.score);
+    times_.add(done.times);
+    stages_.sum(done.stages);
+    ++photographs_;
+    csv_ << done.csv;
+    hough_.resize(std::max(hough_.size(), done.hough.size()));
+    for (std::size_t k = 0; k < done.hough.size(); ++k) {
+      hough_[k].score.add(done.hough[k].score);
+      hough_[k].ms += done.hough[k].ms;
+    }
+  }
+
+  void end_scene(const std::string& name) {
+    print_score(name, kNameWidth, of_scene_);
+    all_.add(of_scene_);
+    of_scene_ = {};
+  }
+
+  void tell() const {
+    print_score("all", kNameWidth, all_);
+    fmt::print(
+        "\n{} photographs; of {} images with a time {} are not as far from the others' as they truly are; "
+        "top of contact images {:.3f} px rms, width {:.3f} px rms\n",
+        photographs_, times_.measured, times_.wrong, all_.top_px.rms(), all_.contact_width_px.rms());
+    if (options_.jobs == 1) stages_.print();
+    if (hough_.empty()) return;
+    const auto best = std::ranges::max_element(hough_, {}, &Hough::f1);
+    fmt::print(
+        "\nHoughCircles, the best of {} settings ({}): recall {:.1f} %, precision {:.1f} %, {} of {} found, "
+        "{} invented, centre {:.2f} px rms, diameter {:.2f} px rms, {:.1f} ms a photograph\n",
+        hough_.size(), text_of(trials_[static_cast<std::size_t>(best - hough_.begin())]),
+        100.0 * best->recall(), 100.0 * best->precision(), best->found(), best->of(), best->score.invented,
+        centre_rms_px(best->score), best->score.diameter_px.rms(), best->ms / photographs_);
+  }
+
+  const AccuracyOptions& options_;
+  std::vector<sim::Scene> scenes_;
+  std::vector<HoughSettings> trials_;
+  std::ofstream csv_;
+  Score of_scene_, all_;
+  TimeCount times_;
+  Stages stages_;
+  std::vector<Hough> hough_;
+  int photographs_ = 0;
+};
+
+}  // namespace
+
+Result<std::vector<std::string>> scene_names(const std::vector<std::string>& named) {
+  if (!named.empty()) return named;
+  auto files = sim::shipped_scene_files();
+  if (!files) return tl::unexpected(files.error());
+  std::vector<std::string> names;
+  for (const sim::SceneFile& file : *files)
+    if (is_thesis_condition(file.name)) names.push_back(file.name);
+  return names;
+}
+
+Result<std::vector<sim::Scene>> load_scenes(const std::vector<std::string>& names) {
+  std::vector<sim::Scene> scenes;
+  for (const std::string& name : names) {
+    auto scene = sim::load_scene(name);
+    if (!scene) return tl::unexpected(scene.error());
+    scenes.push_back(std::move(*scene));
+  }
+  return scenes;
+}
+
+Result<void> study_accuracy(const AccuracyOptions& options) {
+  const auto names = scene_names(options.scenes);
+  if (!names) return tl::unexpected(names.error());
+  auto scenes = load_scenes(*names);
+  if (!scenes) return tl::unexpected(scenes.error());
+  return Study(options, std::move(*scenes)).run();
+}
+
+}  // namespace strobe::bench::digitize

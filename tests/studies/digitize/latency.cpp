@@ -1,0 +1,177 @@
+#include "tests/studies/digitize/latency.hpp"
+
+#include <fmt/format.h>
+#include <poll.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <numeric>
+#include <thread>
+
+#include "host/commands/terminal.hpp"
+#include "host/commands/watched_photographs.hpp"
+#include "host/loop/session_monitor.hpp"
+#include "sim/scene/scene_files.hpp"
+#include "tests/studies/digitize/accuracy.hpp"
+#include "tests/studies/digitize/photographs.hpp"
+#include "tests/studies/digitize/shot_message.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace strobe::bench::digitize {
+
+namespace {
+
+namespace fs = std::filesystem;
+using host::steady_now_ns;
+
+constexpr std::int64_t kSecond_ns = 1'000'000'000;
+/// Until what was written is at rest.
+constexpr auto kPause = std::chrono::milliseconds(30);
+
+struct Shot {
+  sim::Scene scene;
+  KnownPhotograph known;
+  std::vector<unsigned char> bytes;
+};
+
+struct Timing {
+  double readout_ms = 0.0;  ///< rename to readout
+  bool whole = false;       ///< the readout has both velocities
+};
+
+/// A running `strobe live`, without the network: messages are handed to it here.
+class Live {
+ public:
+  Live(const host::RigFile& rig, const std::string& effort, const fs::path& folder)
+      : monitor_(host::assembly_settings(rig), 0, "bench"),
+        photographs_(rig, {folder.string(), effort}, "", host::random_host_id(), monitor_) {
+    monitor_.on_shot_result = [this](const host::ShotResult& shot_result) { shot_result_ = shot_result; };
+  }
+
+  Result<void> open() { return photographs_.open(); }
+
+  void announce(const strobe_msgs::shot_t& shot) {
+    strobe_msgs::status_t status{};
+    status.schema_version = strobe_msgs::status_t::SCHEMA_VERSION;
+    status.boot_id = shot.boot_id;
+    status.mono_ns = steady_now_ns();
+    photographs_.sink().status(status, steady_now_ns());
+    photographs_.sink().shot(shot, steady_now_ns());
+    turn();
+  }
+
+  /// As run_live() waits and turns, until the readout is there.
+  std::optional<host::ShotResult> wait_for_readout(std::int64_t until_ns) {
+    while (!shot_result_ && steady_now_ns() < until_ns) {
+      std::vector<pollfd> polled;
+      for (const int descriptor : photographs_.descriptors()) polled.push_back({descriptor, POLLIN, 0});
+      ::poll(polled.data(), polled.size(), 50);
+      turn();
+    }
+    return std::exchange(shot_result_, std::nullopt);
+  }
+
+ private:
+  void turn() {
+    for (const auto& frame : photographs_.turn(steady_now_ns()))
+      photographs_.sink().frame(frame, steady_now_ns());
+    for (const std::string& text : photographs_.take_notifications()) monitor_.notify(text);
+    monitor_.time(steady_now_ns());
+  }
+
+  host::SessionMonitor monitor_;
+  host::WatchedPhotographs photographs_;
+  std::optional<host::ShotResult> shot_result_;
+};
+
+Result<std::vector<Shot>> render_all(const LatencyOptions& options) {
+  const auto names = scene_names(options.scenes);
+  if (!names) return tl::unexpected(names.error());
+  std::vector<Shot> shots;
+  for (int i = 0; i < options.photographs; ++i) {
+    const auto count = static_cast<int>(names->size());
+    auto scene = sim::load_scene((*names)[static_cast<std::size_t>(i % count)]);
+    if (!scene) return tl::unexpected(scene.error());
+    const Take take{*scene, options.seed, i / count + 1, options.kept_in};
+    auto known = known_photograph(take);
+    if (!known) return tl::unexpected(known.error());
+    auto bytes = photograph_bytes(take, known->shot);
+    if (!bytes) return tl::unexpected(bytes.error());
+    shots.push_back({std::move(*scene), std::move(*known), std::move(*bytes)});
+  }
+  return shots;
+}
+
+Result<Timing> time_one(const Shot& shot, int shot_id, const std::string& effort, const fs::path& folder) {
+  const host::RigFile rig =
+      rig_of(shot.scene, {shot.known.scene_truth.px_per_m, 2.0, shot.scene.ball.diameter_m, 0.0001});
+  Live live(rig, effort, folder);
+  if (auto opened = live.open(); !opened) return tl::unexpected(opened.error());
+  live.announce(shot_message(shot.known, shot.scene, shot_id, steady_now_ns()));
+  const fs::path whole = folder / fmt::format("exposure-{:04}.tif", shot_id);
+  const fs::path part = whole.string() + ".part";
+  std::ofstream file(part, std::ios::binary);
+  file.write(reinterpret_cast<const char*>(shot.bytes.data()),
+             static_cast<std::streamsize>(shot.bytes.size()));
+  file.close();
+  std::this_thread::sleep_for(kPause);
+  std::error_code error;
+  const std::int64_t start_ns = steady_now_ns();
+  fs::rename(part, whole, error);
+  if (!file || error) return fail(whole.string() + ": cannot be written");
+  const auto shot_result = live.wait_for_readout(start_ns + 10 * kSecond_ns);
+  const double ms = static_cast<double>(steady_now_ns() - start_ns) * 1e-6;
+  fs::remove(whole, error);
+  if (!shot_result) return fail(shot.scene.name + ": no readout within 10 s");
+  const auto& value = shot_result->readout.value;
+  return Timing{ms, value[reduction::Quantity::vx_td_mps] && value[reduction::Quantity::vx_lo_mps]};
+}
+
+double percentile(const std::vector<double>& sorted, double share) {
+  return sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1) + 0.5)];
+}
+
+Result<void> study_effort(const LatencyOptions& options, const std::string& effort,
+                          const std::vector<Shot>& shots) {
+  const testing::TemporaryFolder folder;
+  std::vector<double> times_ms;
+  int whole = 0;
+  int shot_id = 0;
+  for (const Shot& shot : shots) {
+    double least_ms = 1e300;
+    for (int round = 0; round < options.rounds; ++round) {
+      const auto timing = time_one(shot, ++shot_id, effort, folder.path());
+      if (!timing) return tl::unexpected(timing.error());
+      least_ms = std::min(least_ms, timing->readout_ms);
+      if (round == 0 && timing->whole) ++whole;
+    }
+    times_ms.push_back(least_ms);
+  }
+  std::ranges::sort(times_ms);
+  fmt::print("{:<9} {:>11} {:>6.1f} {:>8.1f} {:>7.1f} {:>7.1f} {:>7.1f} {:>14}\n", effort, shots.size(),
+             times_ms.front(), percentile(times_ms, 0.5), percentile(times_ms, 0.9),
+             percentile(times_ms, 0.99), times_ms.back(), whole);
+  std::fflush(stdout);
+  return {};
+}
+
+}  // namespace
+
+Result<void> study_latency(const LatencyOptions& options) {
+  const auto shots = render_all(options);
+  if (!shots) return tl::unexpected(shots.error());
+  const auto& first = shots->front().known.photograph;
+  fmt::print("ms from rename to readout, {} x {} px uncompressed, {} round{} each\n", first.width(),
+             first.height(), options.rounds, options.rounds == 1 ? "" : "s");
+  fmt::print("{:<9} {:>11} {:>6} {:>8} {:>7} {:>7} {:>7} {:>14}\n", "effort", "photographs", "least",
+             "median", "p90", "p99", "most", "both legs read");
+  for (const std::string& effort : options.efforts) {
+    if (auto done = study_effort(options, effort, *shots); !done) return done;
+  }
+  return {};
+}
+
+}  // namespace strobe::bench::digitize

@@ -1,0 +1,104 @@
+#include "tests/studies/digitize/photographs.hpp"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <fstream>
+#include <iterator>
+#include <opencv2/imgcodecs.hpp>
+#include <system_error>
+
+#include "sim/photograph/render.hpp"
+
+namespace strobe::bench::digitize {
+
+namespace {
+
+namespace fs = std::filesystem;
+using Bytes = std::vector<unsigned char>;
+
+constexpr int kNoCompression = 1;  // of TIFF's tag 259
+
+std::vector<TrueImage> true_images(const sim::Scene& scene, const sim::PhotographTruth& truth) {
+  std::vector<TrueImage> images;
+  for (const sim::ImageTruth& image : truth.images)
+    images.push_back(
+        {.leg = image.leg,
+         .centre_px = image.centre_px,
+         .diameter_px = image.diameter_px,
+         .equator_rad = scene.ball_appearance.line ? std::optional(image.equator_rad) : std::nullopt,
+         .top_px = image.top_px,
+         .contact_width_px = image.contact_width_px,
+         .whole = image.whole});
+  return images;
+}
+
+std::vector<double> seen_flashes(const sim::PhotographTruth& truth) {
+  std::vector<double> times_s;
+  for (const auto& time_s : truth.flash_times_s)
+    if (time_s) times_s.push_back(*time_s);
+  return times_s;
+}
+
+Result<Bytes> render_bytes(const Take& take, const sim::SimulatedShot& shot) {
+  const auto rendered = sim::render(take.scene, take.seed, shot.exposure);
+  if (!rendered) return tl::unexpected(rendered.error());
+  Bytes bytes;
+  if (!cv::imencode(".tif", rendered->pixels, bytes, {cv::IMWRITE_TIFF_COMPRESSION, kNoCompression}))
+    return fail(take.scene.name + ": cannot be encoded");
+  return bytes;
+}
+
+/// Whole under its name or not there: several runs may share the folder.
+Result<void> keep(const fs::path& path, const Bytes& bytes) {
+  std::error_code error;
+  fs::create_directories(path.parent_path(), error);
+  const fs::path part = path.string() + ".part";
+  std::ofstream file(part, std::ios::binary);
+  file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  file.close();
+  if (file) fs::rename(part, path, error);
+  if (!file || error) return fail(path.string() + ": cannot be written");
+  return {};
+}
+
+}  // namespace
+
+Result<Bytes> photograph_bytes(const Take& take, const sim::SimulatedShot& shot) {
+  if (take.kept_in.empty()) return render_bytes(take, shot);
+  const fs::path path =
+      take.kept_in / fmt::format("{}_seed{}_{:04}.tif", take.scene.name, take.seed, take.shot);
+  std::ifstream file(path, std::ios::binary);
+  if (file) return Bytes(std::istreambuf_iterator<char>(file), {});
+  auto bytes = render_bytes(take, shot);
+  if (!bytes) return bytes;
+  if (auto kept = keep(path, *bytes); !kept) return tl::unexpected(kept.error());
+  return bytes;
+}
+
+Result<KnownPhotograph> known_photograph(const Take& take) {
+  auto simulated = sim::shoot(take.scene, take.seed, take.shot);
+  if (!simulated) return tl::unexpected(simulated.error());
+  const auto bytes = photograph_bytes(take, *simulated);
+  if (!bytes) return tl::unexpected(bytes.error());
+  const auto start = std::chrono::steady_clock::now();
+  auto photograph = strobe::digitize::decode_photograph(*bytes, take.scene.name);
+  if (!photograph) return tl::unexpected(photograph.error());
+  KnownPhotograph known;
+  known.decode_ms =
+      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  const sim::Appearance look = sim::draw_appearance(take.scene, take.seed, take.shot);
+  known.scene_truth = sim::photograph_truth(take.scene, simulated->exposure, look,
+                                            sim::lit_balls(take.scene, simulated->exposure, look));
+  known.photograph = std::move(*photograph);
+  known.settings.ball_diameter_m = take.scene.ball.diameter_m;
+  known.settings.px_per_m = known.scene_truth.px_per_m;
+  known.settings.map = strobe::digitize::PlaneMap::plain(known.photograph.height());
+  known.settings.flash_times_s = seen_flashes(known.scene_truth);
+  known.truth = true_images(take.scene, known.scene_truth);
+  for (const sim::ImageTruth& image : known.scene_truth.images) known.times_s.push_back(image.time_s);
+  known.shot = std::move(*simulated);
+  return known;
+}
+
+}  // namespace strobe::bench::digitize

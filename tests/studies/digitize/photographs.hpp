@@ -1,0 +1,46 @@
+// Rendered photographs of simulated shots as the digitizer and the score need them. Deterministic;
+// thread-safe; allocates.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "common/result.hpp"
+#include "host/digitize/digitize.hpp"
+#include "host/digitize/image/photograph.hpp"
+#include "sim/photograph/photograph_truth.hpp"
+#include "sim/scene/scene.hpp"
+#include "sim/shoot/shoot.hpp"
+#include "tests/studies/digitize/score.hpp"
+
+namespace strobe::bench::digitize {
+
+/// Which photograph: of the scene's `shot`-th shot (1-based).
+struct Take {
+  sim::Scene scene;
+  std::uint64_t seed = 1;
+  int shot = 1;
+  /// Empty, or a folder of photographs: one rendered there before is read instead of rendered again, whatever
+  /// has become of the renderer since; a new one is left there.
+  std::filesystem::path kept_in;
+};
+
+struct KnownPhotograph {
+  strobe::digitize::Photograph photograph;  ///< read as from an uncompressed TIFF
+  strobe::digitize::DigitizeSettings settings;
+  std::vector<TrueImage> truth;
+  std::vector<double> times_s;  ///< of the true images, in the same order
+  double decode_ms = 0.0;
+  sim::SimulatedShot shot;
+  sim::PhotographTruth scene_truth;
+};
+
+/// Fails as Shooter, render() and decode_photograph() do, or if a file cannot be written.
+Result<KnownPhotograph> known_photograph(const Take& take);
+
+/// The bytes of an uncompressed TIFF, as the rig's camera writes it.
+Result<std::vector<unsigned char>> photograph_bytes(const Take& take, const sim::SimulatedShot& shot);
+
+}  // namespace strobe::bench::digitize

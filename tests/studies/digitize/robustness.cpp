@@ -1,0 +1,192 @@
+#include "tests/studies/digitize/robustness.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <functional>
+
+#include "common/units/angles.hpp"
+#include "tests/studies/digitize/accuracy.hpp"
+#include "tests/studies/digitize/in_order.hpp"
+#include "tests/studies/digitize/photographs.hpp"
+#include "tests/studies/digitize/tables.hpp"
+
+namespace strobe::bench::digitize {
+
+namespace {
+
+using sim::Scene;
+
+struct Condition {
+  std::string axis;
+  double value = 0.0;
+  std::string label;
+  std::function<void(Scene&)> apply;
+};
+
+using Setter = std::function<void(Scene&, double)>;
+
+void add(std::vector<Condition>& all, const std::string& axis, const std::vector<double>& values,
+         const Setter& set) {
+  for (const double value : values)
+    all.push_back({axis, value, fmt::format("{:g}", value), [=](Scene& scene) { set(scene, value); }});
+}
+
+void lose_flash(Scene& scene, double from_impact) {
+  if (from_impact == 0.0) return;
+  sim::Fault fault;
+  fault.kind = sim::FaultKind::flash_missing;
+  fault.flash_from_impact = static_cast<int>(from_impact);
+  scene.faults.push_back(fault);
+}
+
+std::vector<Condition> conditions() {
+  std::vector<Condition> all;
+  add(all, "exposure", {0.0625, 0.125, 0.25, 0.5, 1, 2, 4, 8},
+      [](Scene& s, double v) { s.photograph.exposure = v; });
+  add(all, "line_contrast", {0.05, 0.1, 0.15, 0.2, 0.3, 0.5, 1},
+      [](Scene& s, double v) { s.ball_appearance.line_contrast = v; });
+  add(all, "line_tilt", {0, 1, 2, 3, 4, 5, 6, 8},
+      [](Scene& s, double v) { s.ball_appearance.line_tilt_rad = radians(v); });
+  add(all, "blur", {0, 0.5, 1, 2, 3, 4, 5}, [](Scene& s, double v) { s.photograph.blur_px = v; });
+  add(all, "blobs", {0, 1, 2, 3, 4}, [](Scene& s, double v) { s.background.blobs = static_cast<int>(v); });
+  add(all, "lamp_a", {1, 0.5, 0.2, 0.1, 0}, [](Scene& s, double v) { s.photograph.lamp_a_power = v; });
+  add(all, "lamp_b", {1, 0.5, 0.2, 0.1, 0}, [](Scene& s, double v) { s.photograph.lamp_b_power = v; });
+  add(all, "flash_lost", {-3, -2, -1, 0, 1, 2, 3}, lose_flash);
+  return all;
+}
+
+/// The figures that are to be reached, of which nothing is to be invented.
+bool holds(const Score& s) {
+  return s.found == s.airborne && s.invented == 0 && centre_rms_px(s) <= 0.1 && s.diameter_px.rms() <= 0.2 &&
+         s.lines_found == s.lines && degrees(s.equator_rad.rms()) <= 0.2;
+}
+
+std::string missed_words(const Score& s) {
+  std::vector<std::string> words;
+  if (s.found < s.airborne) words.push_back(fmt::format("{} missed ({} said)", s.airborne - s.found, s.told));
+  if (s.invented > 0) words.push_back(fmt::format("{} invented", s.invented));
+  if (!(centre_rms_px(s) <= 0.1)) words.push_back(fmt::format("centre {:.2f} px", centre_rms_px(s)));
+  if (!(s.diameter_px.rms() <= 0.2)) words.push_back(fmt::format("diameter {:.2f} px", s.diameter_px.rms()));
+  if (s.lines_found < s.lines)
+    words.push_back(
+        fmt::format("{} of {} equators not told ({} said)", s.lines - s.lines_found, s.lines, s.lines_told));
+  if (s.lines_found > 0 && !(degrees(s.equator_rad.rms()) <= 0.2))
+    words.push_back(fmt::format("equator {:.2f} deg", degrees(s.equator_rad.rms())));
+  return fmt::format("{}", fmt::join(words, ", "));
+}
+
+constexpr int kShotNameWidth = 21;
+
+void tell(const std::vector<RobustnessPoint>& points) {
+  fmt::print(
+      "\nBeyond the figures (all found, none invented, centre .1 px, diameter .2 px, equator .2 deg):\n");
+  for (const RobustnessPoint& p : points) {
+    const std::string name = fmt::format("{} {}", p.axis, p.label);
+    if (!holds(p.score)) fmt::print("  {:<{}} {}\n", name, kShotNameWidth, missed_words(p.score));
+    if (p.times.wrong > 0)
+      fmt::print("  {:<{}} {} of {} at a wrong interval\n", name, kShotNameWidth, p.times.wrong,
+                 p.times.measured);
+  }
+}
+
+Result<void> write_csv(const std::vector<RobustnessPoint>& points, const std::string& path) {
+  std::ofstream file(path, std::ios::binary);
+  file << "axis,value," << score_csv_head() << ",times,wrong_times\n";
+  for (const RobustnessPoint& p : points)
+    file << fmt::format("{},{},{},{},{}\n", p.axis, p.label, score_csv(p.score), p.times.measured,
+                        p.times.wrong);
+  file.close();
+  if (!file) return fail(path + ": cannot be written");
+  return {};
+}
+
+struct Measured {
+  Score score;
+  TimeCount times;
+};
+
+Result<Measured> measure(const Take& take, strobe::digitize::Effort effort) {
+  auto known = known_photograph(take);
+  if (!known) return tl::unexpected(known.error());
+  known->settings.effort = effort;
+  const auto result = strobe::digitize::digitize(known->photograph, known->settings);
+  if (!result) return tl::unexpected(result.error());
+  return Measured{score(known->truth, result->frame, told_places(*result)),
+                  count_times(known->truth, known->times_s, result->frame)};
+}
+
+Result<std::vector<Scene>> scenes_of(const RobustnessOptions& options) {
+  std::vector<std::string> names = options.scenes;
+  if (names.empty()) names = {"zero_41", "top_34", "back_59"};
+  return load_scenes(names);
+}
+
+Result<std::vector<Condition>> wanted(const std::vector<std::string>& axes) {
+  for (const std::string& axis : axes) {
+    if (std::ranges::none_of(robustness_axes(), [&](const auto& known) { return known.name == axis; }))
+      return fail("--axis " + axis + ": is none");
+  }
+  std::vector<Condition> all = conditions();
+  if (!axes.empty())
+    std::erase_if(all, [&](const Condition& c) { return std::ranges::find(axes, c.axis) == axes.end(); });
+  return all;
+}
+
+}  // namespace
+
+const std::vector<RobustnessAxis>& robustness_axes() {
+  static const std::vector<RobustnessAxis> axes{
+      {"exposure", "exposure", true},
+      {"line_contrast", "contrast of the line", true},
+      {"line_tilt", "tilt of the line [degrees]", false},
+      {"blur", "blur, sd [px]", false},
+      {"blobs", "foreign bright blobs", false},
+      {"lamp_a", "light of lamp A", false},
+      {"lamp_b", "light of lamp B", false},
+      {"flash_lost", "flash lost, from the impact (0: none)", false}};
+  return axes;
+}
+
+Result<void> study_robustness(const RobustnessOptions& options) {
+  const auto scenes = scenes_of(options);
+  if (!scenes) return tl::unexpected(scenes.error());
+  const auto all = wanted(options.axes);
+  if (!all) return tl::unexpected(all.error());
+  const auto shots = static_cast<std::size_t>(options.shots);
+  const std::size_t of_point = scenes->size() * shots;
+  std::vector<RobustnessPoint> points;
+  std::optional<Error> error;
+  print_score_head(kShotNameWidth);
+  Progress progress(all->size() * of_point);
+  in_order(
+      all->size() * of_point, options.jobs,
+      [&](std::size_t i) {
+        Take take{(*scenes)[i % of_point / shots], options.seed, static_cast<int>(i % shots) + 1, {}};
+        (*all)[i / of_point].apply(take.scene);
+        return measure(take, options.effort);
+      },
+      [&](std::size_t i, Result<Measured>& measured) {
+        if (!measured) {
+          error = measured.error();
+          return false;
+        }
+        const Condition& c = (*all)[i / of_point];
+        if (i % of_point == 0) points.push_back({c.axis, c.value, c.label, {}, {}});
+        points.back().score.add(measured->score);
+        points.back().times.add(measured->times);
+        if ((i + 1) % of_point == 0) print_score(c.axis + " " + c.label, kShotNameWidth, points.back().score);
+        progress.done(i + 1);
+        return true;
+      });
+  if (error) return tl::unexpected(*error);
+  tell(points);
+  if (!options.csv.empty()) {
+    if (auto written = write_csv(points, options.csv); !written) return written;
+  }
+  return options.plot.empty() ? Result<void>{} : plot_robustness(points, options.plot);
+}
+
+}  // namespace strobe::bench::digitize

@@ -1,0 +1,29 @@
+// A simulated exposure as the firmware would tell of it at the shot's end, and the rig file that goes with
+// the scene. Pure functions; thread-safe; they allocate.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <strobe_msgs/shot_t.hpp>
+
+#include "host/config/rig_file.hpp"
+#include "sim/scene/scene.hpp"
+#include "tests/studies/digitize/photographs.hpp"
+
+namespace strobe::bench::digitize {
+
+/// Flashes were when the sensors' edges said. `closed_ns`: on the firmware's clock, when the shutter closed.
+strobe_msgs::shot_t shot_message(const KnownPhotograph& known, const sim::Scene& scene, int shot_id,
+                                 std::int64_t closed_ns);
+
+/// What a person would have written of the scene: the ball, the inclination of the plate, and a calibrated
+/// scale.
+struct Calibrated {
+  double px_per_m = 0.0;
+  double px_per_m_sd = 0.0;
+  double ball_diameter_m = 0.0;
+  double ball_diameter_sd_m = 0.0;
+};
+host::RigFile rig_of(const sim::Scene& scene, const Calibrated& calibrated);
+
+}  // namespace strobe::bench::digitize

@@ -1,0 +1,168 @@
+// strobe-bench plan: planned models against full ones over random scenes.
+#include <fmt/format.h>
+#include <time.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <atomic>
+#include <cstdio>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "common/units/tolerance.hpp"
+#include "tests/benchmarks/command.hpp"
+#include "tests/sim/plan/trial.hpp"
+
+namespace {
+
+using namespace strobe;
+using namespace strobe::sim;
+
+struct Options {
+  int scenes = 2000;
+  int shots = 4;
+  std::uint64_t first = 0;
+  int threads = 2;
+  std::vector<std::string> tolerances{"0.01%", "0.1%", "1%", "5%"};
+  bool each_effect = false;
+};
+
+/// Of the thread itself, so that a busy machine does not count.
+double processor_s() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+double shots_s(const test::RandomScene& random, const Model& model, int shots) {
+  auto shooter = Shooter::make(random.scene, 7, model, random.settings);
+  double least = 1e9;
+  for (int round = 0; shooter && round < 3; ++round) {
+    const double start = processor_s();
+    for (int shot = 1; shot <= shots; ++shot) shooter->shoot(shot);
+    least = std::min(least, processor_s() - start);
+  }
+  return least;
+}
+
+double middle(std::vector<double>& values) {
+  if (values.empty()) return 0.0;
+  std::ranges::sort(values);
+  return values[values.size() / 2];
+}
+
+/// All that was found, gathered from the threads.
+class Findings {
+ public:
+  explicit Findings(const std::vector<double>& tolerances)
+      : tolerances_(tolerances), largest_share_(tolerances.size()), speed_ups_(tolerances.size()) {}
+
+  void add(const test::RandomScene& random, const test::Trial& trial, const std::vector<double>& speed_ups) {
+    const std::lock_guard lock(mutex_);
+    ++scenes_;
+    cautious_ += trial.warning.empty() ? 0 : 1;
+    for (std::size_t i = 0; i < tolerances_.size(); ++i) {
+      largest_share_[i] = std::max(largest_share_[i], trial.tolerances[i].largest_share);
+      speed_ups_[i].push_back(speed_ups[i]);
+    }
+    for (std::size_t e = 0; e < kEffectCount; ++e) {
+      if (trial.effects[e].bounded) tightness_[e].push_back(trial.effects[e].largest_share);
+    }
+    for (const test::Violation& v : trial.violations) {
+      ++violations_;
+      fmt::print("{}, shot {}, {}: {} changes by {:.4g}, allowed {:.4g}\n{}\n", random.scene.name, v.shot,
+                 tolerance_text(v.tolerance), reduction::name(v.quantity), v.difference, v.allowed,
+                 test::as_toml(random));
+    }
+    if (scenes_ % 50 == 0) fmt::print(stderr, "\r{} scenes ", scenes_);
+  }
+
+  int report() {
+    fmt::print(stderr, "\r{:20}\r", "");
+    fmt::print("{} random scenes, {} of them with a warning; {} violations\n\n", scenes_, cautious_,
+               violations_);
+    fmt::print("{:<10} {:>28} {:>16}\n", "tolerance", "largest change/tolerance", "median speed-up");
+    for (std::size_t i = 0; i < tolerances_.size(); ++i)
+      fmt::print("{:<10} {:>28.3f} {:>16.2f}\n", tolerance_text(tolerances_[i]), largest_share_[i],
+                 middle(speed_ups_[i]));
+    if (std::ranges::all_of(tightness_, [](const auto& t) { return t.empty(); }))
+      return violations_ > 0 ? 1 : 0;
+    fmt::print("\n{:<22} {:>7} {:>22} {:>8}\n", "effect alone", "scenes", "median change/bound", "largest");
+    for (std::size_t e = 0; e < kEffectCount; ++e) {
+      if (tightness_[e].empty()) continue;
+      const double median = middle(tightness_[e]);
+      fmt::print("{:<22} {:>7} {:>22.3g} {:>8.3g}\n", name(static_cast<Effect>(e)), tightness_[e].size(),
+                 median, tightness_[e].back());
+    }
+    return violations_ > 0 ? 1 : 0;
+  }
+
+ private:
+  const std::vector<double>& tolerances_;
+  std::mutex mutex_;
+  int scenes_ = 0;
+  int cautious_ = 0;
+  int violations_ = 0;
+  std::vector<double> largest_share_;
+  std::vector<std::vector<double>> speed_ups_;
+  std::array<std::vector<double>, kEffectCount> tightness_;
+};
+
+int study(const Options& options) {
+  std::vector<double> tolerances;
+  for (const std::string& text : options.tolerances) {
+    const auto tolerance = parse_tolerance(text);
+    if (!tolerance) {
+      fmt::print(stderr, "strobe-bench: --tolerances: {}\n", tolerance.error().message);
+      return 2;
+    }
+    tolerances.push_back(*tolerance);
+  }
+  Findings findings(tolerances);
+  std::atomic<int> next = 0;
+  const auto work = [&] {
+    for (int i = next++; i < options.scenes; i = next++) {
+      const auto random = test::random_scene(options.first + static_cast<std::uint64_t>(i));
+      const test::Trial trial = test::check_plans(random, tolerances, options.shots, options.each_effect);
+      const double full_s = shots_s(random, Model::full(), options.shots);
+      std::vector<double> speed_ups;
+      for (const test::ToleranceOutcome& outcome : trial.tolerances)
+        speed_ups.push_back(full_s / shots_s(random, outcome.model, options.shots));
+      findings.add(random, trial, speed_ups);
+    }
+  };
+  std::vector<std::jthread> threads;
+  for (int i = 0; i < options.threads; ++i) threads.emplace_back(work);
+  threads.clear();
+  return findings.report();
+}
+
+}  // namespace
+
+namespace strobe::bench {
+
+void add_plan_command(CLI::App& app, int& exit_status) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* plan = app.add_subcommand("plan", "Planned simulations against full ones over random scenes");
+  plan->footer(
+      "Shots by the planned and by the full model, same seed: no number may differ by more than the "
+      "tolerance.\n"
+      "A scene where one does is printed (TOML); its number repeats it: --first N --scenes 1.\n"
+      "Example: strobe-bench plan --scenes 2000 --tolerances 0.1% 1%");
+  plan->add_option("--scenes", options->scenes, "How many")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 10000000));
+  plan->add_option("--first", options->first, "Number of the first scene")->capture_default_str();
+  plan->add_option("--shots", options->shots, "Of each scene")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 100000));
+  plan->add_option("--threads", options->threads, "")->capture_default_str()->check(CLI::Range(1, 256));
+  plan->add_option("--tolerances", options->tolerances, "As percentages or numbers")->capture_default_str();
+  plan->add_flag("--each-effect", options->each_effect, "Hold each effect's bound against it as well");
+  plan->callback([options, &exit_status] { exit_status = study(*options); });
+}
+
+}  // namespace strobe::bench

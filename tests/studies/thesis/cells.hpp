@@ -1,0 +1,61 @@
+// Foretold numbers against Tables 5 to 10, cell by cell: z = (foretold - published mean)/published sd.
+#pragma once
+
+#include <cmath>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/reduction/readout.hpp"
+#include "tests/studies/thesis/forecast.hpp"
+
+namespace strobe::bench {
+
+struct Cell {
+  std::string condition;
+  reduction::Quantity quantity = reduction::Quantity::vx_lo_mps;
+  double foretold = 0.0;
+  double published = 0.0;
+  double published_sd = 0.0;
+  /// An input, or what follows from inputs alone (with measured e: vy at lift-off): its z is none of the
+  /// model's merit.
+  bool input = false;
+  double z() const { return (foretold - published) / published_sd; }
+};
+
+/// The lift-off's velocities and spin, by which a forecast is judged.
+bool is_lift_off_motion(reduction::Quantity quantity);
+
+/// What a perfect readout of a contact shows.
+reduction::Quantities quantities_of(const impact::Motion& touchdown, const impact::Motion& lift_off,
+                                    double dwell_s, double dwell_distance_m);
+
+/// One cell for each published number of the condition that is among the quantities.
+std::vector<Cell> cells_of(const thesis::Condition& condition, const reduction::Quantities& foretold,
+                           Vertical vertical);
+
+struct Tally {
+  int count = 0;
+  double rms_z = 0.0;
+  double share_within_2 = 0.0;
+  int beyond_3 = 0;
+};
+
+template <typename Wanted>
+Tally tally(std::span<const Cell> cells, Wanted wanted) {
+  Tally t;
+  for (const Cell& cell : cells) {
+    if (!wanted(cell)) continue;
+    const double z = cell.z();
+    ++t.count;
+    t.rms_z += z * z;
+    t.share_within_2 += z * z <= 4.0 ? 1.0 : 0.0;
+    t.beyond_3 += z * z > 9.0 ? 1 : 0;
+  }
+  if (t.count == 0) return t;
+  t.rms_z = std::sqrt(t.rms_z / t.count);
+  t.share_within_2 /= t.count;
+  return t;
+}
+
+}  // namespace strobe::bench

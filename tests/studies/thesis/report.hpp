@@ -1,0 +1,35 @@
+// The study in words: tables for people, JSON lines and CSV for programs, a plot for gnuplot.
+#pragma once
+
+#include <string>
+
+#include "tests/studies/thesis/study.hpp"
+
+namespace strobe::bench {
+
+/// The constants of each pair of spins.
+std::string constants_table(const Forecasts& forecasts);
+
+/// One row for each condition: every number of Tables 5 to 10 as foretold, with its z.
+std::string condition_table(std::span<const Cell> cells);
+
+/// rms z, share within 2 and cells beyond 3: one line. vx and omega at lift-off, the same with vy, and all
+/// numbers that are not inputs.
+std::string summary_header();
+std::string summary_line(const std::string& name, std::span<const Cell> cells);
+
+/// The cells with |z| > 3 that are no inputs, each with what the tables say about why.
+std::string beyond_3(const Forecasts& forecasts);
+
+/// Looked up by hand in the tables, for the cells that some way of foretelling misses by more than three sd.
+std::string reason(const Cell& cell);
+
+std::string json_lines(const std::string& name, std::span<const Cell> cells);
+std::string csv_header();
+std::string csv_lines(const std::string& name, std::span<const Cell> cells);
+
+/// A gnuplot program with its data inline: z of vx, vy and omega at lift-off for each condition, to `file`
+/// (.svg or .png by its name).
+std::string plot_program(std::span<const Cell> cells, const std::string& title, const std::string& file);
+
+}  // namespace strobe::bench

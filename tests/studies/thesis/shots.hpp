@@ -1,0 +1,25 @@
+// Whole simulated shots of a foretold condition: the rig throws, bounces by the forecast's contact, flashes
+// and digitizes; the frames are reduced like any others. Deterministic from the seed; thread-safe; allocates.
+#pragma once
+
+#include <cstdint>
+
+#include "common/reduction/readout.hpp"
+#include "tests/studies/thesis/forecast.hpp"
+
+namespace strobe::bench {
+
+struct ShotSeries {
+  reduction::Quantities mean;  ///< of the readouts that have the number
+  reduction::Quantities sd;    ///< population sd of them
+  int shots = 0;
+  int without_readout = 0;  ///< no ball, or a frame that cannot be reduced
+};
+
+/// As the thesis would have: machine's spread and tablet's noise as fitted to the condition, the two-point
+/// estimator's 3 ms between flashes, read by the best estimator. One shot without spread and noise if
+/// `exact`. Fails for a condition that no scene can be fitted to.
+Result<ShotSeries> shoot_series(const thesis::Condition& condition, const Forecast& forecast, int shots,
+                                std::uint64_t seed, bool exact);
+
+}  // namespace strobe::bench

@@ -1,0 +1,149 @@
+// strobe-bench trade: speed against accuracy of every method, in one table.
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+
+#include "tests/benchmarks/command.hpp"
+#include "tests/studies/trade/plot.hpp"
+#include "tests/studies/trade/report.hpp"
+#include "tests/studies/trade/studies.hpp"
+
+namespace strobe::bench {
+
+namespace {
+
+using namespace trade;
+
+struct Options {
+  Effort effort;
+  std::string csv;
+  std::string plot;
+  std::string frontier;
+  std::vector<std::string> only;
+  bool json = false;
+};
+
+/// On a terminal: which study is under way.
+void tell(const char* what) {
+  if (isatty(STDERR_FILENO) != 0) fmt::print(stderr, "\r{:60}\r{}", "", what);
+}
+
+bool wanted(const Options& options, const std::string& name) {
+  return options.only.empty() || std::ranges::find(options.only, name) != options.only.end();
+}
+
+std::vector<Study> measure(const Options& options, std::vector<std::string>& missing) {
+  std::vector<Study> all;
+  const auto begins = [&](const char* name) {
+    if (!wanted(options, name)) return false;
+    tell(name);
+    return true;
+  };
+  if (begins("impact"))
+    for (Study& s : lift_off_studies(options.effort)) all.push_back(std::move(s));
+  if (begins("course")) all.push_back(course_study(options.effort));
+  if (begins("flight")) all.push_back(flight_study(options.effort));
+  if (begins("estimators"))
+    for (Study& s : estimator_studies(options.effort)) all.push_back(std::move(s));
+  if (begins("shots"))
+    if (auto study = shot_study(options.effort)) all.push_back(std::move(*study));
+  if (begins("engines")) all.push_back(engine_study(options.effort, missing));
+  return all;
+}
+
+bool write(const std::string& path, const std::string& text) {
+  if (path.empty()) return true;
+  std::ofstream file(path, std::ios::binary);
+  file << text;
+  file.close();
+  if (!file) fmt::print(stderr, "strobe-bench trade: {}: cannot be written\n", path);
+  return !file.fail();
+}
+
+std::vector<Study> drawn_of(std::vector<Study> studies) {
+  std::erase_if(studies, [](const Study& s) { return !s.drawn; });
+  return studies;
+}
+
+/// Beside the frontier's file: what the impacts and the photographs spanned.
+bool write_ranges(const Options& options) {
+  if (options.frontier.empty()) return true;
+  auto scenes = practical_impacts(options.effort.scenes, options.effort.seed);
+  for (const ImpactScene& s : thesis_impacts()) scenes.push_back(s);
+  const auto path = std::filesystem::path(options.frontier).replace_filename("ranges.csv");
+  auto ranges = ranges_of(scenes, "lift_off");
+  for (const char* study : {"reduce", "reduce_estimated", "reduce_fine"})
+    ranges.push_back({.study = study, .quantity = "images_per_leg", .lowest = 5.0, .highest = 5.0});
+  return write(path.string(), ranges_text(ranges));
+}
+
+int run(Options options) {
+  if (options.effort.quick) {
+    options.effort.scenes = std::min(options.effort.scenes, 6);
+    options.effort.shots = std::min(options.effort.shots, 20);
+    options.effort.repetitions = std::min(options.effort.repetitions, 3);
+  }
+  std::vector<std::string> missing;
+  const std::vector<Study> studies = measure(options, missing);
+  tell("");
+  if (options.json) {
+    fmt::print("{}", json_lines(studies));
+  } else {
+    for (const Study& study : studies) fmt::print("{}{}\n", table_text(study), engines_text(study));
+    for (const std::string& engine : missing) fmt::print("{}: not installed\n", engine);
+  }
+  if (!write(options.csv, csv_text(studies)) || !write(options.frontier, frontier_text(studies)) ||
+      !write_ranges(options))
+    return 2;
+  if (!options.plot.empty()) {
+    if (const auto drawn = plot(drawn_of(studies), options.plot); !drawn) {
+      fmt::print(stderr, "strobe-bench trade: {}\n", drawn.error().message);
+      return 1;
+    }
+  }
+  const auto broken = broken_invariants(studies);
+  for (const std::string& line : broken) fmt::print(stderr, "strobe-bench trade: {}\n", line);
+  return broken.empty() ? 0 : 1;
+}
+
+}  // namespace
+
+void add_trade_command(CLI::App& app, int& exit_status) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("trade",
+                                         "speed against accuracy: cost and error of every impact model, "
+                                         "flight model and estimator, and of general "
+                                         "engines where they are installed.\n"
+                                         "Example: strobe-bench trade --csv trade.csv --plot trade "
+                                         "--frontier common/data/frontier/frontier.csv");
+  command
+      ->add_option("--studies", options->only,
+                   "of impact,course,flight,estimators,shots,engines; default all")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"impact", "course", "flight", "estimators", "shots", "engines"}));
+  command->add_option("--scenes", options->effort.scenes, "of the practical range")
+      ->check(CLI::Range(2, 100000))
+      ->capture_default_str();
+  command->add_option("--shots", options->effort.shots, "of each condition, for estimators")
+      ->check(CLI::Range(20, 10000000))
+      ->capture_default_str();
+  command->add_option("--repetitions", options->effort.repetitions, "of each timing; the least counts")
+      ->check(CLI::Range(1, 10000))
+      ->capture_default_str();
+  command->add_option("--seed", options->effort.seed, "of the scenes and the noise")->capture_default_str();
+  command->add_option("--csv", options->csv, "write all figures to this file");
+  command->add_option("--plot", options->plot, "draw NAME.svg and NAME.png (by gnuplot)");
+  command->add_option("--frontier", options->frontier,
+                      "write what programs choose by, and ranges.csv beside it");
+  command->add_flag("--json", options->json, "one object per method, nothing else on stdout");
+  command->add_flag("--quick", options->effort.quick, "few scenes and steps, to see that all works");
+  command->callback([options, &exit_status] { exit_status = run(*options); });
+}
+
+}  // namespace strobe::bench

@@ -1,0 +1,81 @@
+// A sequencer on a virtual rig with one host that arms and fires, for tests.
+#pragma once
+
+#include <string>
+
+#include "tests/support/virtual_rig.hpp"
+
+namespace strobe::testing {
+
+inline constexpr std::int64_t kHost = 77;
+
+struct SequencerFixture {
+  Rig config;
+  VirtualRig rig;
+  Sequencer sequencer;
+  std::int64_t last_command = 0;
+  std::int64_t next_token = 500;
+
+  explicit SequencerFixture(const Rig& rig_config = shipped_rig())
+      : config(rig_config),
+        rig(static_cast<std::size_t>(rig_config.lamps.max_flashes)),
+        sequencer(config, rig.ports(), 0) {}
+
+  void start() { sequencer.start("test"); }
+  Command arm_command() {
+    Command command;
+    command.kind = CommandKind::arm;
+    command.host_id = kHost;
+    command.command_id = ++last_command;
+    command.fresh_token = next_token++;
+    return command;
+  }
+  Command fire_command(std::int64_t token) {
+    Command command;
+    command.kind = CommandKind::fire;
+    command.host_id = kHost;
+    command.command_id = ++last_command;
+    command.token = token;
+    command.plan = config.plan;
+    return command;
+  }
+  Command plain_command(CommandKind kind) {
+    Command command;
+    command.kind = kind;
+    command.host_id = kHost;
+    command.command_id = ++last_command;
+    return command;
+  }
+  bool step() { return sequencer.step(kNoDeadline); }
+  void give(const Command& command) {
+    rig.schedule_command(rig.time, command);
+    step();
+  }
+  std::int64_t arm() {
+    give(arm_command());
+    return rig.statuses.back().arm_token;
+  }
+  /// Arms and fires; returns the shot's start. The shot is then still to be played.
+  MonoTime fire(bool dry = false) {
+    Command command = fire_command(arm());
+    command.plan.dry = dry;
+    give(command);
+    return rig.find(EventKind::shot_started, rig.count(EventKind::shot_started) - 1)->device_time +
+           ShotPlayer::kLead;
+  }
+  /// Turns until no shot is playing; at most ten seconds of the rig's time.
+  void play() {
+    const MonoTime end = rig.time + milliseconds(10'000);
+    do {
+      step();
+    } while (sequencer.state() == State::firing && rig.time < end);
+  }
+  const ShotRecord& shot(std::size_t nth = 0) const { return *rig.shots.at(nth); }
+  std::string abort_reason(std::size_t nth = 0) const { return std::string(shot(nth).abort_reason.view()); }
+};
+
+/// A fired shot's instants with the shipped numbers: the trigger is the first pulse, at the start.
+inline constexpr Duration kShutterAt = milliseconds(310 - 250 - 45);
+inline constexpr Duration kFirstFlashAt = milliseconds(310 - 250);
+
+}  // namespace strobe::testing
