@@ -74,7 +74,7 @@ void print_table(const Scene& scene, const Plan& plan, double tolerance, const C
   }
   if (all) {
     fmt::print("images that come and go\n");
-    print_all(plan.flips, plan);
+    print_all(plan.threshold_steps, plan);
     fmt::print("all that is left out\n");
     print_all(plan.left_out, plan);
   }
@@ -109,7 +109,7 @@ void print_json(const Scene& scene, const Plan& plan, double tolerance, const Co
                         {"speed_up", costs.full_us / costs.planned_us},
                         {"tolerances", per_readout(plan.tolerance)},
                         {"left_out", per_readout(plan.left_out)},
-                        {"images_come_and_go", per_readout(plan.flips)},
+                        {"images_come_and_go", per_readout(plan.threshold_steps)},
                         {"warning", plan.warning}};
   fmt::print("{}\n", summary.dump());
 }
