@@ -143,7 +143,7 @@ std::string date_of(std::int64_t unix_s) {
 }
 
 std::optional<std::string> calibration_warning(const CameraTable& camera, std::int64_t unix_s) {
-  if (!camera.px_per_m) return std::nullopt;
+  if (!camera.px_per_m_sd) return std::nullopt;  // a first guess, refined on each photograph
   if (!camera.calibrated) return "the camera's calibration has no date";
   const auto days = days_since(*camera.calibrated, unix_s);
   if (!days || static_cast<double>(*days) <= camera.max_age_days) return std::nullopt;

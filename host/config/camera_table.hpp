@@ -54,8 +54,8 @@ std::optional<std::int64_t> days_since(const std::string& date, std::int64_t uni
 /// The day of `unix_s` as "2026-11-21", UTC.
 std::string date_of(std::int64_t unix_s);
 
-/// One line if the calibration is older than max_age_days or without a date; absent: all is well, or there is
-/// none.
+/// One line if the calibration is older than max_age_days or without a date. Returns nullopt if it is neither, or if
+/// the scale has no sd: that is a first guess, refined on each photograph.
 std::optional<std::string> calibration_warning(const CameraTable& camera, std::int64_t unix_s);
 
 }  // namespace strobe::host

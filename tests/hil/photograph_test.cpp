@@ -22,7 +22,7 @@ RigFixtureOptions small_sensor(const std::filesystem::path& photographs) {
   options.scene_addition = "[camera]\npx_per_m = 1500\norigin_x_px = 600\norigin_y_px = 150\n";
   options.rig_edits = kShortExposure;
   options.rig_edits.emplace_back("photograph_timeout_s = 5", "photograph_timeout_s = 60");
-  options.rig_edits.emplace_back("[analysis]", "[analysis]\npx_per_m = 1500\npx_per_m_sd = 0.5");
+  options.rig_edits.emplace_back("\npx_per_m = 4000.0", "\npx_per_m = 1500\npx_per_m_sd = 0.5");
   options.sim_options = {"--photographs", photographs};
   return options;
 }

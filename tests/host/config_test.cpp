@@ -215,6 +215,8 @@ TEST(CameraTable, WarnsOfAnOldCalibration) {
   const auto undated = read_rig(without(kCalibrated, "calibrated"), "rig.toml")->camera;
   STRCMP_CONTAINS("no date", host::calibration_warning(undated, november_21)->c_str());
   CHECK_FALSE(host::calibration_warning({}, november_21).has_value());
+  const auto guess = read_rig("rig = \"b\"\n[camera]\npx_per_m = 1000\n", "rig.toml")->camera;
+  CHECK_FALSE(host::calibration_warning(guess, november_21).has_value());
   STRCMP_EQUAL("2026-11-21", host::date_of(november_21 + 86'399).c_str());
   LONGS_EQUAL(-1, *host::days_since("2026-11-22", november_21));
 }
