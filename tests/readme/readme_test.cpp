@@ -1,0 +1,184 @@
+// The READMEs against the programs: what they tell a newcomer to type works as typed, and what they name exists.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <map>
+#include <regex>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "common/reduction/flags.hpp"
+#include "tests/readme/markdown.hpp"
+#include "tests/support/process.hpp"
+#include "tests/support/temporary_folder.hpp"
+#include <CppUTest/TestHarness.h>
+
+using namespace strobe::readme;
+using namespace std::chrono_literals;
+using strobe::testing::ExitStatus;
+namespace fs = std::filesystem;
+
+namespace {
+
+const fs::path kRoot = STROBE_SOURCE_DIR;
+const fs::path kPrograms = fs::path(STROBE_BUILD_DIR) / "bin";
+
+constexpr std::size_t kMaxWordsOfFrontPage = 1800;
+
+/// More blocks that nothing runs are not accepted: find a way to run them.
+constexpr int kMaxBlocksNotRun = 7;
+
+bool runs(const Block& block) { return block.info == "sh"; }
+bool is_marked(const Block& block) { return block.info.rfind("sh not-run-in-tests: ", 0) == 0; }
+
+/// All README.md of the tree, as paths from its root, the front page first.
+std::vector<std::string> readmes() {
+  std::vector<std::string> found{"README.md"};
+  for (const char* folder : {"common", "firmware", "host", "sim", "tests"}) {
+    for (const auto& entry : fs::recursive_directory_iterator(kRoot / folder)) {
+      if (entry.path().filename() == "README.md") found.push_back(fs::relative(entry.path(), kRoot).string());
+    }
+  }
+  std::sort(found.begin() + 1, found.end());
+  return found;
+}
+
+std::string text_of(const std::string& readme) { return strobe::testing::read_text(kRoot / readme); }
+
+/// A folder that looks like the repository after a build: links to its folders and programs.
+void imitate_repository(const fs::path& folder) {
+  for (const char* name : {"README.md", "common", "firmware", "host", "sim", "tests"})
+    fs::create_symlink(kRoot / name, folder / name);
+  fs::create_directories(folder / "build/release");
+  fs::create_symlink(kPrograms, folder / "build/release/bin");
+}
+
+/// The blocks as one script that stops at the first command that fails and says where.
+std::string script_of(const std::string& readme, const std::vector<Block>& blocks) {
+  std::string script =
+      "set -eo pipefail\n"
+      "trap 'status=$?; set +e; trap - ERR; jobs -p | xargs -r kill; wait; exit $status' EXIT\n"
+      "trap 'echo \"failed ($?): $BASH_COMMAND\" >&2' ERR\n";
+  for (const Block& block : blocks) {
+    if (runs(block)) script += fmt::format("echo '-- {}:{}' >&2\n{}", readme, block.line, block.text);
+  }
+  return script;
+}
+
+std::string tail(const std::string& text, std::size_t length) {
+  return text.size() <= length ? text : "..." + text.substr(text.size() - length);
+}
+
+/// Output of `PROGRAM [SUBCOMMAND] --help`; empty if there is no such program or subcommand.
+const std::string& help_of(const std::string& program, const std::string& subcommand) {
+  static std::map<std::pair<std::string, std::string>, std::string> known;
+  const auto [entry, is_new] = known.try_emplace({program, subcommand});
+  if (!is_new || !fs::exists(kPrograms / program)) return entry->second;
+  strobe::testing::Command command{{kPrograms / program}, {}, {}, {}};
+  if (!subcommand.empty()) command.arguments.push_back(subcommand);
+  command.arguments.push_back("--help");
+  const auto finished = strobe::testing::run_process(command, 20s);
+  if (finished.status == ExitStatus({0, 0})) entry->second = finished.out;
+  return entry->second;
+}
+
+bool is_subcommand(const std::string& word) {
+  return !word.empty() && std::all_of(word.begin(), word.end(), [](char c) { return std::islower(c) != 0; });
+}
+
+/// What a command names that its program's help does not.
+std::vector<std::string> unknown_names(const std::string& command) {
+  static const std::set<std::string> programs{"strobe", "strobed", "strobe-sim", "strobe-bench", "strobe-soak"};
+  static const std::regex option("--[a-z][a-z-]*");
+  const std::vector<std::string> words = words_of(command);
+  if (words.empty() || programs.count(words[0]) == 0 || !fs::exists(kPrograms / words[0])) return {};
+  const bool has_subcommands = words[0] != "strobed" && words[0] != "strobe-soak";
+  const std::string subcommand = has_subcommands && words.size() > 1 && is_subcommand(words[1]) ? words[1] : "";
+  const std::string& help = help_of(words[0], subcommand);
+  if (help.empty()) return {words[0] + " " + subcommand};
+  std::vector<std::string> unknown;
+  for (std::size_t i = 1; i < words.size() && words[i] != "--"; ++i) {
+    std::smatch match;
+    if (!std::regex_search(words[i], match, option, std::regex_constants::match_continuous)) continue;
+    const std::regex whole(match.str() + "(?![a-z-])");
+    if (!std::regex_search(help, whole)) unknown.push_back(words[0] + " " + subcommand + " " + match.str());
+  }
+  return unknown;
+}
+
+}  // namespace
+
+TEST_GROUP(Readme) {
+  /// Runs the blocks of one README in order, in a folder that looks like a built clone.
+  void check_commands(const std::string& readme) {
+    const strobe::testing::TemporaryFolder clone;
+    imitate_repository(clone.path());
+    const std::string script = script_of(readme, parse(text_of(readme)).blocks);
+    const auto finished = strobe::testing::run_process({{"bash", "-c", script}, {}, clone.path(), {}}, 240s);
+    CHECK_TEXT(finished.status == ExitStatus({0, 0}), (readme + "\n" + tail(finished.err, 4000)).c_str());
+  }
+};
+
+TEST(Readme, CommandsOfTheFrontPageWorkAsTyped) { check_commands("README.md"); }
+TEST(Readme, CommandsOfTheHostWorkAsTyped) { check_commands("host/README.md"); }
+
+TEST(Readme, CommandsOfAllOthersWorkAsTyped) {
+  for (const std::string& readme : readmes()) {
+    if (readme != "README.md" && readme != "host/README.md") check_commands(readme);
+  }
+}
+
+TEST(Readme, BlocksThatNothingRunsAreFewAndSayWhy) {
+  int not_run = 0;
+  for (const std::string& readme : readmes()) {
+    for (const Block& block : parse(text_of(readme)).blocks) {
+      const std::string place = fmt::format("{}:{}: ```{}", readme, block.line - 1, block.info);
+      CHECK_TEXT(block.info.empty() || runs(block) || is_marked(block), place.c_str());
+      if (!is_marked(block)) continue;
+      ++not_run;
+      std::printf("not run: %s\n", place.c_str());
+    }
+  }
+  CHECK(not_run <= kMaxBlocksNotRun);
+}
+
+TEST(Readme, NamesOnlyProgramsSubcommandsAndOptionsThatExist) {
+  std::string unknown;
+  for (const std::string& readme : readmes()) {
+    const Markdown markdown = parse(text_of(readme));
+    std::vector<std::string> texts = markdown.spans;
+    for (const Block& block : markdown.blocks) {
+      if (block.info.rfind("sh", 0) == 0) texts.push_back(block.text);
+    }
+    for (const std::string& text : texts) {
+      for (const std::string& command : commands_of(text)) {
+        for (const std::string& name : unknown_names(command)) unknown += readme + ": " + name + "\n";
+      }
+    }
+  }
+  STRCMP_EQUAL("", unknown.c_str());
+}
+
+TEST(Readme, LinksLeadSomewhere) {
+  for (const std::string& readme : readmes()) {
+    for (const std::string& link : parse(text_of(readme)).links) {
+      if (link.find("://") != std::string::npos) continue;
+      const fs::path target = (kRoot / readme).parent_path() / link.substr(0, link.find('#'));
+      CHECK_TEXT(fs::exists(target), (readme + ": " + link).c_str());
+    }
+  }
+}
+
+TEST(Readme, TheFrontPageIsShort) {
+  CHECK(words_of(text_of("README.md")).size() <= kMaxWordsOfFrontPage);
+}
+
+TEST(Readme, EveryFlagOfAReadoutIsDescribed) {
+  const std::vector<std::string> cells = first_cells(text_of("common/reduction/README.md"));
+  const std::set<std::string> described(cells.begin(), cells.end());
+  for (const std::string_view flag : strobe::reduction::kFlagNames)
+    CHECK_TEXT(described.count(std::string(flag)) == 1, std::string(flag).c_str());
+}
