@@ -120,7 +120,7 @@ class LoopThread {
   /// Null, or why the loop must end.
   const char* turn() noexcept {
     page_.loop_cpu.store(sched_getcpu(), std::memory_order_relaxed);
-    page_.loop_heartbeat_ns.store(clock_.now().ns, std::memory_order_relaxed);
+    page_.loop_heartbeat_ns.store(to_ns(clock_.now()), std::memory_order_relaxed);
     while (hang_) pause();
     if (lose_outputs_.exchange(false, std::memory_order_relaxed)) lines_.release_outputs();
     if (const char* fault = guardian_fault()) return fault;
@@ -130,7 +130,7 @@ class LoopThread {
   /// Without a guardian nobody would make the outputs safe if this process died.
   const char* guardian_fault() const noexcept {
     if (getppid() != guardian_) return "the guardian died";
-    const MonoTime turned = std::max(started_, MonoTime{page_.guardian_heartbeat_ns});
+    const MonoTime turned = std::max(started_, from_ns(page_.guardian_heartbeat_ns));
     return clock_.now() - turned > kGuardianTimeout ? "the guardian hangs" : nullptr;
   }
 

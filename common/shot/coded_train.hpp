@@ -16,7 +16,7 @@ namespace strobe::firmware {
 inline constexpr std::size_t kMaxCodedFlashes = 1024;
 
 struct CodedFlash {
-  Duration offset;  ///< from the train's first instant
+  Duration offset{};  ///< from the train's first instant
   Lamps lamps = Lamps::both;
 
   bool operator==(const CodedFlash&) const = default;
@@ -41,7 +41,7 @@ class CodedTrain {
   /// False: full, nothing is added.
   bool push_back(const CodedFlash& flash) noexcept {
     if (count_ == kMaxCodedFlashes) return false;
-    offsets_ns_[count_] = flash.offset.ns;
+    offsets_ns_[count_] = flash.offset.count();
     lamps_[count_] = flash.lamps;
     ++count_;
     return true;

@@ -1,42 +1,42 @@
-// One instant and one span, both in nanoseconds of CLOCK_MONOTONIC: the clock of the kernel's edge stamps.
-// Plain values: constexpr, thread-safe, real-time safe. Only a clock port reads the clock.
+// Instants and spans of time: nanoseconds of CLOCK_MONOTONIC, the clock of the kernel's edge stamps.
+// Messages hold them as int64 `_ns` fields; everywhere else they have these types. Plain values: constexpr,
+// thread-safe, real-time safe. Arithmetic does not check for overflow (±292 years).
 #pragma once
 
-#include <compare>
+#include <chrono>
+#include <cmath>
 #include <cstdint>
-#include <limits>
 
 namespace strobe {
 
-/// A span of time. Range: ±292 years; arithmetic does not check for overflow.
-struct Duration {
-  std::int64_t ns = 0;
+using std::chrono::microseconds;
+using std::chrono::milliseconds;
+using std::chrono::nanoseconds;
 
-  constexpr auto operator<=>(const Duration&) const = default;
-  constexpr double seconds() const { return static_cast<double>(ns) * 1e-9; }
+using Duration = std::chrono::nanoseconds;
+
+/// CLOCK_MONOTONIC. It has no now(): only a clock port reads it (firmware/ports/clock.hpp), so that programs
+/// also run on a virtual clock.
+struct MonotonicClock {
+  using duration = Duration;
+  using rep = duration::rep;
+  using period = duration::period;
+  using time_point = std::chrono::time_point<MonotonicClock>;
+  static constexpr bool is_steady = true;
 };
 
-constexpr Duration nanoseconds(std::int64_t n) { return {n}; }
-constexpr Duration microseconds(std::int64_t n) { return {n * 1'000}; }
-constexpr Duration milliseconds(std::int64_t n) { return {n * 1'000'000}; }
+using MonoTime = std::chrono::time_point<MonotonicClock, Duration>;
 
-constexpr Duration operator+(Duration a, Duration b) { return {a.ns + b.ns}; }
-constexpr Duration operator-(Duration a, Duration b) { return {a.ns - b.ns}; }
-constexpr Duration operator-(Duration a) { return {-a.ns}; }
-constexpr Duration operator*(Duration a, std::int64_t n) { return {a.ns * n}; }
+/// An instant that was not observed: NO_TIME of the messages, INT64_MIN.
+inline constexpr MonoTime kNoTime = MonoTime::min();
+constexpr bool known(MonoTime t) { return t != kNoTime; }
 
-/// An instant of CLOCK_MONOTONIC. `never()` marks an instant that was not observed; it is the value that
-/// messages use for "none" (INT64_MIN).
-struct MonoTime {
-  std::int64_t ns = 0;
+/// From and to a message's `_ns` field.
+constexpr MonoTime from_ns(std::int64_t ns) { return MonoTime{Duration{ns}}; }
+constexpr std::int64_t to_ns(MonoTime t) { return t.time_since_epoch().count(); }
 
-  constexpr auto operator<=>(const MonoTime&) const = default;
-  static constexpr MonoTime never() { return {std::numeric_limits<std::int64_t>::min()}; }
-  constexpr bool known() const { return ns != std::numeric_limits<std::int64_t>::min(); }
-};
-
-constexpr MonoTime operator+(MonoTime t, Duration d) { return {t.ns + d.ns}; }
-constexpr MonoTime operator-(MonoTime t, Duration d) { return {t.ns - d.ns}; }
-constexpr Duration operator-(MonoTime a, MonoTime b) { return {a.ns - b.ns}; }
+constexpr double to_seconds(Duration d) { return static_cast<double>(d.count()) * 1e-9; }
+/// Rounded to the nearest nanosecond. Valid: |s| <= 9.2e9.
+inline Duration from_seconds(double s) { return Duration{std::llround(s * 1e9)}; }
 
 }  // namespace strobe

@@ -18,7 +18,7 @@ class CpuBudget {
   static constexpr std::size_t kSlots = 20;
   /// Of the slots of the last second; a second that begins within a slot holds at most one slot more.
   static constexpr Duration kMax = milliseconds(880);
-  static constexpr double kMaxShare = static_cast<double>(kMax.ns + kSlot.ns) / 1e9;
+  static constexpr double kMaxShare = to_seconds(kMax + kSlot);
 
   explicit CpuBudget(const Rig::Tolerance& tolerance) noexcept
       : spin_(tolerance.spin), ahead_(std::max(tolerance.spin, tolerance.wake_ahead)) {}
@@ -43,12 +43,12 @@ class CpuBudget {
   }
 
  private:
-  Duration spin_;
-  Duration ahead_;
+  Duration spin_{};
+  Duration ahead_{};
   std::array<Duration, kSlots> slots_{};
   std::size_t newest_ = 0;
-  MonoTime slot_end_{0};
-  Duration sum_{0};
+  MonoTime slot_end_{};
+  Duration sum_{};
 };
 
 }  // namespace strobe::firmware

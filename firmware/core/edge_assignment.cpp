@@ -8,7 +8,7 @@ namespace strobe::firmware {
 namespace {
 
 MonoTime begin_of(const FlashRecord& flash) {
-  return (flash.issue_start.known() ? flash.issue_start : flash.commanded) - EdgeAssignment::kEarly;
+  return (known(flash.issue_start) ? flash.issue_start : flash.commanded) - EdgeAssignment::kEarly;
 }
 
 }  // namespace
@@ -52,7 +52,7 @@ void EdgeAssignment::edge(Input sensor, MonoTime seen) noexcept {
   const Duration since_begin = seen - (begin_of(*flash) + kEarly);
   if (since_begin >= until_next(*flash)) return;
   MonoTime& observed = sensor == Input::sensor_a ? flash->observed_a : flash->observed_b;
-  if (observed.known() || since_begin.ns >= shortest_.ns / 2) {
+  if (known(observed) || since_begin >= shortest_ / 2) {
     ++flash->extra_edges;
   } else {
     observed = seen;

@@ -30,7 +30,7 @@ class EdgeAssignment {
   Duration until_next(const FlashRecord& flash) const noexcept;
 
   ShotRecord* record_ = nullptr;
-  Duration shortest_;
+  Duration shortest_{};
 };
 
 }  // namespace strobe::firmware

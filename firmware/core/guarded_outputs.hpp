@@ -12,7 +12,7 @@
 
 namespace strobe::firmware {
 
-inline constexpr MonoTime kNoDeadline{std::numeric_limits<std::int64_t>::max()};
+inline constexpr MonoTime kNoDeadline = MonoTime::max();
 
 /// One set-values call: the planned instant and the clock before and after it.
 struct Issue {
@@ -50,8 +50,8 @@ class GuardedOutputs {
     bool active = false;
     MonoTime since;
     MonoTime off_at;
-    Duration longest;
-    Duration last_on_time;
+    Duration longest{};
+    Duration last_on_time{};
   };
   Clock& clock_;
   OutputLines& lines_;

@@ -39,7 +39,7 @@ const char* Interlock::missing(std::uint32_t guards, const Request& request) con
 void Interlock::drop_token() noexcept {
   host_ = 0;
   token_ = 0;
-  expires_ = MonoTime{0};
+  expires_ = MonoTime{};
 }
 
 void Interlock::perform(std::uint32_t actions, const Request& request, const char* why) noexcept {

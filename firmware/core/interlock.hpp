@@ -173,14 +173,14 @@ class Interlock {
   void drop_token() noexcept;
 
   const TransitionTable* table_;
-  Duration expires_after_;
+  Duration expires_after_{};
   State state_ = State::idle;
   bool key_ = false;
   bool estop_ = true;
   bool trigger_pending_ = false;
   std::int64_t host_ = 0;
   std::int64_t token_ = 0;
-  MonoTime expires_{0};
+  MonoTime expires_{};
   std::int32_t shot_id_;
   const char* fault_ = "";
 };

@@ -44,8 +44,8 @@ struct Rig {
     Duration max_on = microseconds(200);
   } lamps;
   struct Sensors {
-    Duration delay_a;  ///< subtracted from the stamps
-    Duration delay_b;
+    Duration delay_a{};  ///< subtracted from the stamps
+    Duration delay_b{};
   } sensors;
   struct Shutter {
     Duration lag = milliseconds(45);

@@ -127,7 +127,7 @@ void read_timing(TomlTable tolerance, TomlTable arming, TomlTable real_time, Rig
     // Else the loop would go from spin to spin and never look at the e-stop.
     tolerance.error_at("spin_us", "together with lamps.max_on_us must be shorter than lamps.min_period_us");
   }
-  const double as_it_is_us = static_cast<double>(rig.tolerance.wake_ahead.ns) / kNsPerUs;
+  const double as_it_is_us = static_cast<double>(rig.tolerance.wake_ahead.count()) / kNsPerUs;
   rig.tolerance.wake_ahead =
       rounded(tolerance.number_or("wake_ahead_us", as_it_is_us, {0, 20'000}), kNsPerUs);
   rig.arming_expires = rounded(arming.number("expires_s", {1, 3600}), kNsPerS);

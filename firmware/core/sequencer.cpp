@@ -132,7 +132,7 @@ std::optional<std::size_t> Sequencer::wait(MonoTime latest) noexcept {
   awake_.note(begin, begin - woken_);
   const auto count = edges_.wait(std::min({wake, begin + kLongestSleep, latest}), edge_buffer_);
   woken_ = clock_.now();
-  awake_.note(woken_, wake > begin ? Duration{0} : woken_ - begin);
+  awake_.note(woken_, wake > begin ? Duration{} : woken_ - begin);
   return count;
 }
 

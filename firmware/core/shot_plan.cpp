@@ -9,12 +9,12 @@ namespace {
 
 constexpr Duration kLongest = milliseconds(3'600'000);  // keeps sums of a hostile request far from overflow
 
-std::string us(Duration d) { return std::to_string(d.ns / 1000) + " us"; }
-std::string ms(Duration d) { return std::to_string(d.ns / 1'000'000) + " ms"; }
-bool sane(Duration d) { return d >= Duration{0} && d <= kLongest; }
+std::string us(Duration d) { return std::to_string(d / microseconds(1)) + " us"; }
+std::string ms(Duration d) { return std::to_string(d / milliseconds(1)) + " ms"; }
+bool sane(Duration d) { return d >= Duration{} && d <= kLongest; }
 
 Duration impact_at(const PlanRequest& request, const Rig& rig) {
-  return request.impact_at.ns == 0 ? rig.plan.impact_at : request.impact_at;
+  return request.impact_at == Duration{} ? rig.plan.impact_at : request.impact_at;
 }
 
 /// From the train's first instant to its last flash.
@@ -74,7 +74,7 @@ Result<void> check_gated(const PlanRequest& request, const Rig& rig) {
 
 Result<void> check_free(const PlanRequest& request) {
   if (request.flash_count != 0) return fail("a free train has a flash_count of 0: the exposure decides");
-  if (request.gate_delay.ns != 0) return fail("a free train has no gate delay");
+  if (request.gate_delay != Duration{}) return fail("a free train has no gate delay");
   if (!request.code.empty() && request.code.back().offset >= request.exposure)
     return fail("the coded train takes " + us(request.code.back().offset) + ", longer than the exposure of " +
                 us(request.exposure));
@@ -90,7 +90,7 @@ Result<void> check_plan(const PlanRequest& request, const Rig& rig) {
     return fail("a number of the plan is negative or absurdly large");
   }
   if (auto interval = check_interval(request, rig); !interval) return interval;
-  if (request.exposure.ns == 0) return fail("the exposure must be longer than 0");
+  if (request.exposure == Duration{}) return fail("the exposure must be longer than 0");
   if (request.exposure > rig.shutter.max_open) {
     return fail("an exposure of " + ms(request.exposure) + " is longer than the shutter's " +
                 ms(rig.shutter.max_open));
@@ -113,7 +113,7 @@ Duration min_flash_interval(const Rig& rig) { return rig.lamps.max_on + rig.tole
 std::int32_t flash_count(const PlanRequest& request) {
   if (!request.code.empty()) return static_cast<std::int32_t>(request.code.size());
   if (request.train == Train::gated) return request.flash_count;
-  const std::int64_t count = (request.exposure.ns + request.period.ns - 1) / request.period.ns;
+  const std::int64_t count = (request.exposure + request.period - Duration{1}) / request.period;
   return static_cast<std::int32_t>(std::min<std::int64_t>(count, std::int64_t{kMaxFlashes} + 1));
 }
 
@@ -144,7 +144,7 @@ void build_plan(const PlanRequest& request, const Rig& rig, ShotPlan& plan) noex
   // A coded train of one flash has none of its own.
   plan.shortest_interval = std::max(shortest_interval(request), min_flash_interval(rig));
   const Duration trigger_at = rig.shutter.lag + impact_at(request, rig) - rig.machine.lag;
-  const Duration shutter_at = request.dry ? Duration{0} : std::max(Duration{0}, -trigger_at);
+  const Duration shutter_at = request.dry ? Duration{} : std::max(Duration{}, -trigger_at);
   plan.exposure_begin = shutter_at + rig.shutter.lag;
   plan.exposure_end = plan.exposure_begin + request.exposure;
   plan.pulses.push_back({shutter_at, Output::shutter, request.exposure, -1});

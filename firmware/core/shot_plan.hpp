@@ -15,19 +15,19 @@ inline constexpr std::int32_t kMaxFlashes = 4000;  ///< of any rig; sizes what i
 /// One pulse of an output. Its end is `width` after it was really issued, so that a late one is never cut
 /// short.
 struct PlannedPulse {
-  Duration at;
+  Duration at{};
   Output output = Output::strobes;
-  Duration width;
+  Duration width{};
   std::int32_t flash_index = -1;  ///< strobes only
   Lamps lamps = Lamps::both;      ///< strobes only
 };
 
 struct ShotPlan {
   std::vector<PlannedPulse> pulses;  ///< sorted by `at`; capacity from reserve(), never exceeded
-  Duration exposure_begin;           ///< the shutter is open from here ...
-  Duration exposure_end;             ///< ... to here
+  Duration exposure_begin{};         ///< the shutter is open from here ...
+  Duration exposure_end{};           ///< ... to here
   std::int32_t flash_count = 0;      ///< free: those in `pulses`; gated: those that the gate will start
-  Duration shortest_interval;        ///< between two flashes
+  Duration shortest_interval{};      ///< between two flashes
   bool gated = false;
 
   void reserve(std::int32_t max_flashes) { pulses.reserve(static_cast<std::size_t>(max_flashes) + 2); }

@@ -55,10 +55,10 @@ void ShotPlayer::begin(const Command& fire, std::int32_t shot_id, ShotRecord& re
   record.host_id = fire.host_id;
   record.command_id = fire.command_id;
   record.plan = fire.plan;
-  if (record.plan.impact_at.ns == 0) record.plan.impact_at = rig_.plan.impact_at;
+  if (record.plan.impact_at == Duration{}) record.plan.impact_at = rig_.plan.impact_at;
   record.start = now + kLead;
-  record.shutter_on = record.shutter_off = record.shutter_open = record.shutter_close = MonoTime::never();
-  record.trigger = record.gate = MonoTime::never();
+  record.shutter_on = record.shutter_off = record.shutter_open = record.shutter_close = kNoTime;
+  record.trigger = record.gate = kNoTime;
   record.shutter_feedback = ShutterFeedback::none;
   record.abort_reason = ShortText();
   overflows_before_ = sink_.overflows();
@@ -70,8 +70,8 @@ void ShotPlayer::begin(const Command& fire, std::int32_t shot_id, ShotRecord& re
     if (pulse.output == Output::strobes) edge_assignment_.plan(at(pulse.at), pulse.lamps);
   }
   next_pulse_ = 0;
-  last_flash_ = {MonoTime::never(), MonoTime::never()};
-  gate_counts_from_ = MonoTime::never();
+  last_flash_ = {kNoTime, kNoTime};
+  gate_counts_from_ = kNoTime;
   shutter_seen_open_ = shutter_seen_closed_ = false;
   phase_ = Phase::playing;
   report(EventKind::shot_started, now, record.plan.dry ? "dry" : "");
@@ -123,7 +123,7 @@ void ShotPlayer::issue(const PlannedPulse& pulse, MonoTime now) noexcept {
                   : pulse.output == Output::trigger ? "trigger"
                                                     : "shutter");
     if (pulse.output == Output::strobes) why.append(pulse.flash_index);
-    abort(why.append(" would have been ").append(lateness.ns / 1000).append(" us late"));
+    abort(why.append(" would have been ").append(lateness / microseconds(1)).append(" us late"));
     return;
   }
   switch (pulse.output) {
@@ -141,7 +141,7 @@ void ShotPlayer::issue(const PlannedPulse& pulse, MonoTime now) noexcept {
 
 bool ShotPlayer::lamps_recharged(const PlannedPulse& pulse, MonoTime now) noexcept {
   for (std::size_t lamp = 0; lamp < last_flash_.size(); ++lamp) {
-    if (!last_flash_[lamp].known()) continue;
+    if (!known(last_flash_[lamp])) continue;
     const bool flashes = lamp == 0 ? has_a(pulse.lamps) : has_b(pulse.lamps);
     const Duration least = flashes ? rig_.lamps.min_period : min_flash_interval(rig_);
     const Duration gap = now - last_flash_[lamp];
@@ -150,7 +150,7 @@ bool ShotPlayer::lamps_recharged(const PlannedPulse& pulse, MonoTime now) noexce
     ShortText why("flash ");
     why.append(pulse.flash_index)
         .append(" would have come ")
-        .append(gap.ns / 1000)
+        .append(gap / microseconds(1))
         .append(" us after the one before");
     abort(why);
     return false;
@@ -207,7 +207,7 @@ void ShotPlayer::switch_off(Output output, MonoTime now) noexcept {
   ShortText why(output == Output::strobes   ? "the lamps' lines were"
                 : output == Output::trigger ? "the trigger was"
                                             : "the shutter was");
-  abort(why.append(" on for ").append(on_time.ns / 1000).append(" us"));
+  abort(why.append(" on for ").append(on_time / microseconds(1)).append(" us"));
 }
 
 void ShotPlayer::edge(const Edge& edge) noexcept {
@@ -239,7 +239,7 @@ void ShotPlayer::xsync(const Edge& edge) noexcept {
   event.shot_id = record_->shot_id;
   event.device_time = edge.time;
   sink_.event(event);
-  const auto after = [&edge](MonoTime issued) { return issued.known() && edge.time >= issued; };
+  const auto after = [&edge](MonoTime issued) { return known(issued) && edge.time >= issued; };
   // Contacts bounce: the first edge counts, and a closing only once the line is off.
   if (edge.active && !shutter_seen_open_ && after(record_->shutter_on)) {
     shutter_seen_open_ = true;
@@ -252,7 +252,7 @@ void ShotPlayer::xsync(const Edge& edge) noexcept {
 }
 
 ShutterFeedback ShotPlayer::shutter_feedback() const noexcept {
-  if (!rig_.line(Line::xsync).fitted || !record_->shutter_on.known()) return ShutterFeedback::none;
+  if (!rig_.line(Line::xsync).fitted || !known(record_->shutter_on)) return ShutterFeedback::none;
   if (!shutter_seen_open_ || !shutter_seen_closed_) return ShutterFeedback::missing;
   const auto off_by = [this](MonoTime seen, MonoTime issued) {
     const Duration off = seen - issued - rig_.shutter.lag;
@@ -271,8 +271,8 @@ void ShotPlayer::close() noexcept {
 }
 
 void ShotPlayer::gate(MonoTime stamp) noexcept {
-  const bool is_the_ball = gate_counts_from_.known() && stamp >= gate_counts_from_;
-  if (phase_ != Phase::playing || !is_the_ball || record_->gate.known()) return;
+  const bool is_the_ball = known(gate_counts_from_) && stamp >= gate_counts_from_;
+  if (phase_ != Phase::playing || !is_the_ball || known(record_->gate)) return;
   record_->gate = stamp;
   if (!plan_.gated) return;
   const Duration first = stamp + record_->plan.gate_delay - record_->start;

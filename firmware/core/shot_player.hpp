@@ -50,7 +50,7 @@ class ShotPlayer {
   void close() noexcept;
   ShutterFeedback shutter_feedback() const noexcept;
   bool lamps_recharged(const PlannedPulse& pulse, MonoTime now) noexcept;
-  bool awaits_gate() const noexcept { return plan_.gated && !record_->gate.known(); }
+  bool awaits_gate() const noexcept { return plan_.gated && !known(record_->gate); }
   void end_if_over() noexcept;
   void report(EventKind kind, Line line, int level, const Issue& issue,
               std::int32_t flash_index = -1) noexcept;
@@ -72,7 +72,7 @@ class ShotPlayer {
   std::array<MonoTime, 2> last_flash_;  ///< of lamp A and of lamp B
   bool shutter_seen_open_ = false;
   bool shutter_seen_closed_ = false;
-  MonoTime gate_counts_from_ = MonoTime::never();  ///< never: the machine was not yet triggered
+  MonoTime gate_counts_from_ = kNoTime;  ///< never: the machine was not yet triggered
   std::int64_t overflows_before_ = 0;
   std::int64_t kernel_overflows_before_ = 0;
 };

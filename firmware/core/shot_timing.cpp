@@ -11,11 +11,11 @@ void ShotTiming::seen(const ShotRecord& shot) noexcept {
   const FlashRecord* before = nullptr;
   for (const FlashRecord& flash : shot.flashes) {
     // A sensor may see the other lamp as well: that tells nothing of its own.
-    const bool a = flash.observed_a.known() && has_a(flash.lamps);
-    const bool b = flash.observed_b.known() && has_b(flash.lamps);
+    const bool a = known(flash.observed_a) && has_a(flash.lamps);
+    const bool b = known(flash.observed_b) && has_b(flash.lamps);
     if (a && b) add(TimingQuantity::skew, flash.observed_a - flash.observed_b);
-    if (a && flash.issue_end.known()) add(TimingQuantity::lamp_delay_a, flash.observed_a - flash.issue_end);
-    if (b && flash.issue_end.known()) add(TimingQuantity::lamp_delay_b, flash.observed_b - flash.issue_end);
+    if (a && known(flash.issue_end)) add(TimingQuantity::lamp_delay_a, flash.observed_a - flash.issue_end);
+    if (b && known(flash.issue_end)) add(TimingQuantity::lamp_delay_b, flash.observed_b - flash.issue_end);
     if (before != nullptr) add_interval(*before, flash);
     before = &flash;
   }
@@ -26,8 +26,8 @@ void ShotTiming::add_interval(const FlashRecord& before, const FlashRecord& flas
   std::int64_t sum_ns = 0;
   int sensors = 0;
   for (const auto observed : {&FlashRecord::observed_a, &FlashRecord::observed_b}) {
-    if (!(before.*observed).known() || !(flash.*observed).known()) continue;
-    sum_ns += (flash.*observed - before.*observed).ns;
+    if (!known(before.*observed) || !known(flash.*observed)) continue;
+    sum_ns += (flash.*observed - before.*observed).count();
     ++sensors;
   }
   if (sensors == 0) return;

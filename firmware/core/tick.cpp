@@ -13,15 +13,16 @@ constexpr Duration kWidth = microseconds(40);
 std::vector<Gap> at_phase(std::span<const Gap> gaps, std::int64_t phase_ns, Duration period) {
   std::vector<Gap> group;
   for (const Gap& gap : gaps) {
-    const std::int64_t after_ns = (gap.at.ns % period.ns - phase_ns + period.ns) % period.ns;
-    if (after_ns <= kWidth.ns) group.push_back(gap);
+    const std::int64_t after_ns =
+        (to_ns(gap.at) % period.count() - phase_ns + period.count()) % period.count();
+    if (after_ns <= kWidth.count()) group.push_back(gap);
   }
   return group;
 }
 
 std::size_t periods_hit(const std::vector<Gap>& group, Duration period, std::int64_t phase_ns) {
   std::set<std::int64_t> hit;
-  for (const Gap& gap : group) hit.insert((gap.at.ns - phase_ns) / period.ns);
+  for (const Gap& gap : group) hit.insert((to_ns(gap.at) - phase_ns) / period.count());
   return hit.size();
 }
 
@@ -32,7 +33,7 @@ Tick detect_tick(std::span<const Gap> gaps, Duration period, int periods) {
   std::size_t most = 0;
   std::int64_t phase_ns = 0;
   for (const Gap& gap : gaps) {
-    const std::int64_t candidate_ns = gap.at.ns % period.ns;
+    const std::int64_t candidate_ns = to_ns(gap.at) % period.count();
     std::vector<Gap> group = at_phase(gaps, candidate_ns, period);
     const std::size_t hit = periods_hit(group, period, candidate_ns);
     if (hit <= most) continue;

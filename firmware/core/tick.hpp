@@ -14,17 +14,17 @@
 namespace strobe::firmware {
 
 struct Tick {
-  Duration period{0};  ///< 0: none is known
-  Duration phase{0};   ///< begins at phase + k * period, 0 <= phase < period
-  Duration length{0};  ///< of the interruption, nine in ten are shorter
+  Duration period{};  ///< 0: none is known
+  Duration phase{};   ///< begins at phase + k * period, 0 <= phase < period
+  Duration length{};  ///< of the interruption, nine in ten are shorter
 
-  bool known() const noexcept { return period.ns > 0; }
+  bool known() const noexcept { return period > Duration{}; }
 };
 
 /// Two readings of the clock, one right after the other, that lie apart.
 struct Gap {
   MonoTime at;  ///< the first reading
-  Duration length;
+  Duration length{};
 };
 
 /// The tick of a given period in a spin over so many periods; unknown if fewer than three in five of them

@@ -16,10 +16,10 @@ constexpr Duration kMargin = microseconds(10);
 
 TickAvoidance::TickAvoidance(const Tick& tick) noexcept : tick_(tick) {
   if (!tick_.known()) return;
-  const std::int64_t step_ns = std::max<std::int64_t>(1, tick_.period.ns / static_cast<std::int64_t>(kSteps));
+  const Duration step = std::max(Duration{1}, tick_.period / static_cast<std::int64_t>(kSteps));
   const auto steps = static_cast<std::int64_t>(kSteps);
-  const std::int64_t after = std::min(steps, (2 * tick_.length.ns + kMargin.ns) / step_ns);
-  const std::int64_t before = std::min(steps, 1 + kMargin.ns / step_ns);
+  const std::int64_t after = std::min(steps, (2 * tick_.length + kMargin) / step);
+  const std::int64_t before = std::min(steps, 1 + kMargin / step);
   for (std::int64_t k = 0; k < steps; ++k) {
     const std::int64_t distance = std::min(k - after, steps - before - k);
     cost_[static_cast<std::size_t>(k)] = distance <= 0 ? kHit : kNear / distance;
@@ -27,16 +27,15 @@ TickAvoidance::TickAvoidance(const Tick& tick) noexcept : tick_(tick) {
 }
 
 std::size_t TickAvoidance::step_of(Duration after_tick) const noexcept {
-  const std::int64_t phase_ns = (after_tick.ns % tick_.period.ns + tick_.period.ns) % tick_.period.ns;
-  return static_cast<std::size_t>(phase_ns * static_cast<std::int64_t>(kSteps) / tick_.period.ns) % kSteps;
+  const Duration phase = (after_tick % tick_.period + tick_.period) % tick_.period;
+  return static_cast<std::size_t>(phase * static_cast<std::int64_t>(kSteps) / tick_.period) % kSteps;
 }
 
 Duration TickAvoidance::delay(MonoTime earliest, const ShotPlan& plan) const noexcept {
   if (!tick_.known()) return {};
   std::array<std::int64_t, kSteps> flashes{};
   for (const PlannedPulse& pulse : plan.pulses) {
-    if (pulse.output == Output::strobes)
-      ++flashes[step_of(earliest + pulse.at - (MonoTime{0} + tick_.phase))];
+    if (pulse.output == Output::strobes) ++flashes[step_of(earliest + pulse.at - MonoTime{tick_.phase})];
   }
   std::size_t best = 0;
   std::int64_t least = 0;
@@ -48,7 +47,7 @@ Duration TickAvoidance::delay(MonoTime earliest, const ShotPlan& plan) const noe
       least = cost;
     }
   }
-  return nanoseconds(static_cast<std::int64_t>(best) * tick_.period.ns / static_cast<std::int64_t>(kSteps));
+  return tick_.period * static_cast<std::int64_t>(best) / static_cast<std::int64_t>(kSteps);
 }
 
 }  // namespace strobe::firmware

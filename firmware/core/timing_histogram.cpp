@@ -43,16 +43,17 @@ std::int64_t TimingHistogram::first_of(std::size_t bin) noexcept {
 std::int64_t TimingHistogram::last_of(std::size_t bin) noexcept { return first_of(bin + 1) - 1; }
 
 void TimingHistogram::add(Duration value) noexcept {
-  const bool below = value.ns < 0;
-  const auto magnitude = below ? -static_cast<std::uint64_t>(value.ns) : static_cast<std::uint64_t>(value.ns);
+  const bool below = value < Duration{};
+  const auto magnitude =
+      below ? -static_cast<std::uint64_t>(value.count()) : static_cast<std::uint64_t>(value.count());
   std::uint32_t& bin = (below ? negative_ : positive_)[bin_of(magnitude)];
   if (bin < std::numeric_limits<std::uint32_t>::max()) ++bin;
   min_ = count_ == 0 ? value : std::min(min_, value);
   max_ = count_ == 0 ? value : std::max(max_, value);
   ++count_;
-  const double before = static_cast<double>(value.ns) - mean_ns_;
+  const double before = static_cast<double>(value.count()) - mean_ns_;
   mean_ns_ += before / static_cast<double>(count_);
-  squares_ns2_ += before * (static_cast<double>(value.ns) - mean_ns_);
+  squares_ns2_ += before * (static_cast<double>(value.count()) - mean_ns_);
 }
 
 double TimingHistogram::sd_ns() const noexcept {
@@ -72,25 +73,25 @@ void TimingHistogram::visit_in_order(Visit&& visit) const noexcept {
 }
 
 Duration TimingHistogram::percentile(double share) const noexcept {
-  if (count_ == 0) return Duration{0};
+  if (count_ == 0) return Duration{};
   const auto wanted =
       std::max<std::int64_t>(1, static_cast<std::int64_t>(std::ceil(share * static_cast<double>(count_))));
   std::int64_t seen = 0;
-  std::int64_t value = max_.ns;
+  std::int64_t value = max_.count();
   visit_in_order([&](std::int64_t, std::int64_t last, std::uint32_t n) {
     seen += n;
     if (seen < wanted) return false;
     value = last;
     return true;
   });
-  return nanoseconds(std::clamp(value, min_.ns, max_.ns));
+  return nanoseconds(std::clamp(value, min_.count(), max_.count()));
 }
 
 TimingHistogram::Coarse TimingHistogram::coarse() const noexcept {
   Coarse result;
   if (count_ == 0) return result;
-  const std::int64_t low = percentile(0.005).ns;
-  const std::int64_t high = percentile(0.995).ns;
+  const std::int64_t low = percentile(0.005).count();
+  const std::int64_t high = percentile(0.995).count();
   const std::int64_t largest = std::max(std::abs(low), std::abs(high));
   // A bin no wider than a step of the table would show the table.
   const std::int64_t step = last_of(bin_of(static_cast<std::uint64_t>(largest))) -
@@ -99,11 +100,11 @@ TimingHistogram::Coarse TimingHistogram::coarse() const noexcept {
   const std::int64_t width = round_up(std::max((high - low + kInner - 1) / kInner, step == 1 ? 1 : 4 * step));
   result.width = nanoseconds(width);
   result.first = nanoseconds(floor_to(low, width));
-  result.count = static_cast<std::size_t>(
-      std::min<std::int64_t>((high - result.first.ns) / width + 1, static_cast<std::int64_t>(Coarse::kMax)));
+  result.count = static_cast<std::size_t>(std::min<std::int64_t>((high - result.first.count()) / width + 1,
+                                                                 static_cast<std::int64_t>(Coarse::kMax)));
   visit_in_order([&](std::int64_t first, std::int64_t last, std::uint32_t n) {
     const std::int64_t middle = first + (last - first) / 2;
-    const std::int64_t bin = (floor_to(middle, width) - result.first.ns) / width;
+    const std::int64_t bin = (floor_to(middle, width) - result.first.count()) / width;
     const auto at = std::clamp<std::int64_t>(bin, 0, static_cast<std::int64_t>(result.count) - 1);
     result.bins[static_cast<std::size_t>(at)] += n;
     return false;

@@ -16,8 +16,8 @@ class TimingHistogram {
   /// first and the last hold what lies beyond them, too.
   struct Coarse {
     static constexpr std::size_t kMax = 24;
-    Duration first;  ///< lower edge of the first bin
-    Duration width;
+    Duration first{};  ///< lower edge of the first bin
+    Duration width{};
     std::size_t count = 0;  ///< of bins; 0: there are no values
     std::array<std::int64_t, kMax> bins{};
   };
@@ -50,8 +50,8 @@ class TimingHistogram {
   std::int64_t count_ = 0;
   double mean_ns_ = 0.0;
   double squares_ns2_ = 0.0;  ///< sum of squares about the mean
-  Duration min_{0};
-  Duration max_{0};
+  Duration min_{};
+  Duration max_{};
 };
 
 }  // namespace strobe::firmware

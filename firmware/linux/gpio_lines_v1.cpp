@@ -98,7 +98,8 @@ constexpr std::array<InputLine, 6> kInputs{{{Input::estop, Line::estop, true},
 timespec until_timeout(MonoTime until) {
   timespec now{};
   clock_gettime(CLOCK_MONOTONIC, &now);
-  const std::int64_t left = std::max<std::int64_t>(0, until.ns - (now.tv_sec * 1'000'000'000 + now.tv_nsec));
+  const std::int64_t left =
+      std::max<std::int64_t>(0, to_ns(until) - (now.tv_sec * 1'000'000'000 + now.tv_nsec));
   return {left / 1'000'000'000, left % 1'000'000'000};
 }
 
@@ -207,8 +208,7 @@ bool GpioLines::Impl::drain(std::size_t i, std::span<Edge> edges, std::size_t& c
   if (read <= 0) return false;
   if (static_cast<std::size_t>(read) == kKernelBuffer) ++overflows;
   for (std::size_t k = 0; k < static_cast<std::size_t>(read); ++k) {
-    edges[count++] = {inputs[i].input,
-                      {events[k].ts.tv_sec * 1'000'000'000 + events[k].ts.tv_nsec},
+    edges[count++] = {inputs[i].input, from_ns(events[k].ts.tv_sec * 1'000'000'000 + events[k].ts.tv_nsec),
                       events[k].event_type == GPIOD_LINE_EVENT_RISING_EDGE};
   }
   return true;

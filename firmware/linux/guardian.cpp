@@ -83,9 +83,9 @@ class Guardian {
     const int worker = static_cast<int>(syscall(SYS_pidfd_open, worker_, 0));
     pollfd polled[] = {{worker, POLLIN, 0}, {signals, POLLIN, 0}, {page_.event_fd, POLLIN, 0}};
     for (;;) {
-      poll(polled, 3, worker >= 0 ? static_cast<int>(watchdog_.until_next_look().ns / 1'000'000) : 1);
+      poll(polled, 3, worker >= 0 ? static_cast<int>(watchdog_.until_next_look() / milliseconds(1)) : 1);
       if (worker >= 0 ? polled[0].revents != 0 : dead_without_pidfd()) return;
-      page_.guardian_heartbeat_ns = clock_.now().ns;
+      page_.guardian_heartbeat_ns = to_ns(clock_.now());
       pass_stops_on(signals);
       if (polled[2].revents != 0) handle_notification();
       watch_for_hangs();
@@ -97,7 +97,7 @@ class Guardian {
     while (read(signals, &info, sizeof info) == sizeof info) {
       service_.say(stopping_words());
       kill(worker_, SIGTERM);
-      if (!kill_at_.known()) kill_at_ = clock_.now() + kTimeToStop;
+      if (!known(kill_at_)) kill_at_ = clock_.now() + kTimeToStop;
     }
   }
 
@@ -105,7 +105,7 @@ class Guardian {
   /// grants to one whose guardian is gone.
   static std::string stopping_words() {
     const Duration needed = kTimeToStop + kPatience;
-    return "STOPPING=1\nEXTEND_TIMEOUT_USEC=" + std::to_string(needed.ns / 1000);
+    return "STOPPING=1\nEXTEND_TIMEOUT_USEC=" + std::to_string(needed / microseconds(1));
   }
 
   void handle_notification() {
@@ -113,7 +113,7 @@ class Guardian {
     if (read(page_.event_fd, &rings, sizeof rings) < 0) return;
     if (page_.lines_released && !safe_) {
       make_safe();
-      if (!kill_at_.known()) kill_at_ = clock_.now() + kTimeToStop;
+      if (!known(kill_at_)) kill_at_ = clock_.now() + kTimeToStop;
     }
     if (page_.ready && !said_ready_) {
       said_ready_ = true;
@@ -123,8 +123,8 @@ class Guardian {
 
   void watch_for_hangs() {
     const MonoTime now = clock_.now();
-    if (kill_at_.known() && now > kill_at_) kill(worker_, SIGKILL);
-    const Heartbeats marks{MonoTime{page_.loop_heartbeat_ns}, MonoTime{page_.publisher_heartbeat_ns}};
+    if (known(kill_at_) && now > kill_at_) kill(worker_, SIGKILL);
+    const Heartbeats marks{from_ns(page_.loop_heartbeat_ns), from_ns(page_.publisher_heartbeat_ns)};
     // A worker that stops, or whose loop had to end, turns no more.
     const bool watched = !page_.outputs_safe && !page_.lines_released;
     const Watchdog::Verdict verdict =
@@ -149,9 +149,9 @@ class Guardian {
   /// The service manager's watchdog: only a guardian that comes round and finds all well feeds it.
   void beat(MonoTime now) {
     const Duration watchdog = service_.watchdog();
-    if (watchdog.ns == 0 || now < next_beat_) return;
+    if (watchdog == Duration{} || now < next_beat_) return;
     service_.say("WATCHDOG=1");
-    next_beat_ = now + nanoseconds(watchdog.ns / 4);
+    next_beat_ = now + watchdog / 4;
   }
 
   bool dead_without_pidfd() const {
@@ -188,7 +188,7 @@ class Guardian {
     if (!safe_) {
       words += page_.outputs_safe ? "it had made the outputs inactive" : "it had no outputs";
     } else if (*safe_) {
-      words += "the guardian made the outputs inactive in " + std::to_string(took_.ns / 1000) + " us";
+      words += "the guardian made the outputs inactive in " + std::to_string(took_ / microseconds(1)) + " us";
     } else {
       words += "THE OUTPUTS MAY BE ACTIVE: " + safe_->error().message;
     }
@@ -205,10 +205,10 @@ class Guardian {
   Watchdog watchdog_;
   std::optional<OutputTakeover> takeover_;
   std::optional<Result<void>> safe_;  ///< once it was tried to make the outputs safe
-  Duration took_{0};
+  Duration took_{};
   Watchdog::Verdict hung_ = Watchdog::Verdict::well;
-  MonoTime kill_at_ = MonoTime::never();  ///< however well it seems
-  MonoTime next_beat_{0};
+  MonoTime kill_at_ = kNoTime;  ///< however well it seems
+  MonoTime next_beat_{};
   bool real_time_ = false;
   cpu_set_t anywhere_{};
   int current_core_ = kAnywhere;

@@ -45,8 +45,8 @@ CheckItem pinning(const Rig& rig, const RealTimeRights& trial, const SystemFiles
 
 CheckItem tick_item(const Tick& tick) {
   if (!tick.known()) return ok("tick", "none is seen on the loop's CPU");
-  return ok("tick", "every " + std::to_string(tick.period.ns / 1000) + " us for " +
-                        std::to_string(tick.length.ns / 1000) +
+  return ok("tick", "every " + std::to_string(tick.period / microseconds(1)) + " us for " +
+                        std::to_string(tick.length / microseconds(1)) +
                         " us: shots start so that flashes fall between, where the period allows");
 }
 
@@ -72,7 +72,8 @@ CheckItem governor(const Rig& rig, const SystemFiles& files) {
 /// The largest share of time that the loop is awake: before every pulse, and through it.
 double awake_share(const Rig& rig) {
   const Duration awake = std::max(rig.tolerance.spin, rig.tolerance.wake_ahead) + rig.lamps.pulse;
-  const double wanted = static_cast<double>(awake.ns) / static_cast<double>(rig.lamps.min_period.ns);
+  const double wanted =
+      static_cast<double>(awake.count()) / static_cast<double>(rig.lamps.min_period.count());
   return std::min(CpuBudget::kMaxShare, wanted);
 }
 
@@ -180,8 +181,8 @@ std::string how_to_preempt(bool switchable) {
 
 /// A thread that is awake need not be let in.
 std::string until_then(const Rig& rig) {
-  return rig.tolerance.wake_ahead.ns > 0 ? "; until then the loop is awake before each flash of a train"
-                                         : "; until then set [tolerance] wake_ahead_us";
+  return rig.tolerance.wake_ahead > Duration{} ? "; until then the loop is awake before each flash of a train"
+                                               : "; until then set [tolerance] wake_ahead_us";
 }
 
 CheckItem preemption(const Rig& rig, const SystemFiles& files) {

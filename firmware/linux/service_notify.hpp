@@ -29,7 +29,7 @@ class ServiceNotify {
 
  private:
   int fd_ = -1;
-  Duration watchdog_;
+  Duration watchdog_{};
 };
 
 }  // namespace strobe::firmware

@@ -12,7 +12,7 @@ class SystemClock final : public Clock {
   MonoTime now() noexcept override {
     timespec t{};
     clock_gettime(CLOCK_MONOTONIC, &t);
-    return {t.tv_sec * 1'000'000'000 + t.tv_nsec};
+    return from_ns(t.tv_sec * 1'000'000'000 + t.tv_nsec);
   }
   MonoTime spin_until(MonoTime instant) noexcept override {
     MonoTime t = now();

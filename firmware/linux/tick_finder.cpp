@@ -37,12 +37,12 @@ Tick find_tick(const Rig::RealTime& wanted) {
   // The coarse clock is set at every tick: its resolution is the tick's period.
   const Duration period = nanoseconds(resolution.tv_sec * 1'000'000'000 + resolution.tv_nsec);
   if (period < microseconds(100) || period > milliseconds(50)) return {};
-  const int periods = static_cast<int>(std::clamp<std::int64_t>(milliseconds(60).ns / period.ns, 8, 25));
+  const int periods = static_cast<int>(std::clamp<std::int64_t>(milliseconds(60) / period, 8, 25));
   Tick tick;
   std::thread([&] {
     pin_to_cpu(wanted.cpu);
     become_real_time(wanted.priority);
-    tick = detect_tick(gaps_of_spin(nanoseconds(period.ns * periods)), period, periods);
+    tick = detect_tick(gaps_of_spin(period * periods), period, periods);
   }).join();
   return tick;
 }

@@ -6,39 +6,39 @@ namespace strobe::firmware {
 
 namespace {
 
-bool stale(MonoTime mark, MonoTime now, Duration limit) { return mark.ns != 0 && now - mark > limit; }
+bool stale(MonoTime mark, MonoTime now, Duration limit) { return mark != MonoTime{} && now - mark > limit; }
 
 }  // namespace
 
 Duration Watchdog::publisher_timeout_for(Duration watchdog) {
-  return watchdog.ns > 0 ? std::min(kPublisherTimeout, nanoseconds(watchdog.ns / 2)) : kPublisherTimeout;
+  return watchdog > Duration{} ? std::min(kPublisherTimeout, watchdog / 2) : kPublisherTimeout;
 }
 
 /// Time counts only between looks that came in time: in any other the core may have stood still.
 void Watchdog::see_core(MonoTime loop, MonoTime now, bool in_time) {
   const bool turned = loop != loop_;
   suspect_ = stale(loop, now, kLoopSuspectAfter);
-  core_seen_running_ = suspect_ && in_time && !turned ? core_seen_running_ + (now - looked_) : Duration{0};
+  core_seen_running_ = suspect_ && in_time && !turned ? core_seen_running_ + (now - looked_) : Duration{};
   loop_ = loop;
   looked_ = now;
 }
 
 Watchdog::Verdict Watchdog::look(const Heartbeats& marks, MonoTime now, bool on_loop_core) {
-  const Duration passed = looked_.ns == 0 ? Duration{0} : now - looked_;
+  const Duration passed = looked_ == MonoTime{} ? Duration{} : now - looked_;
   see_core(marks.loop, now, on_loop_core && passed <= kInTime);
   // A longer time between two looks may have been a standstill of the machine, and counts as little.
   const Duration counted = std::min(passed, kInTime);
   const bool loop = stale(marks.loop, now, kLoopTimeout);
-  loop_stale_ = loop ? loop_stale_ + counted : Duration{0};
+  loop_stale_ = loop ? loop_stale_ + counted : Duration{};
   const bool publisher = stale(marks.publisher, now, publisher_timeout_);
-  publisher_stale_ = publisher ? publisher_stale_ + counted : Duration{0};
+  publisher_stale_ = publisher ? publisher_stale_ + counted : Duration{};
   if (loop_stale_ >= kTurn || core_seen_running_ >= kCoreSeenRunning) return Verdict::loop_hung;
   if (publisher_stale_ >= kTurn) return Verdict::publisher_hung;
   return Verdict::well;
 }
 
 Duration Watchdog::until_next_look() const {
-  if (loop_.ns == 0) return kLook;
+  if (loop_ == MonoTime{}) return kLook;
   return std::clamp(loop_ + kLoopSuspectAfter + milliseconds(1) - looked_, kCloseLook, kLook);
 }
 

@@ -12,8 +12,8 @@ namespace strobe::firmware {
 
 /// When each last came round; 0: it does not run yet.
 struct Heartbeats {
-  MonoTime loop{0};
-  MonoTime publisher{0};
+  MonoTime loop{};
+  MonoTime publisher{};
 };
 
 class Watchdog {
@@ -53,11 +53,11 @@ class Watchdog {
 
   void see_core(MonoTime loop, MonoTime now, bool in_time);
 
-  Duration publisher_timeout_;
-  Duration loop_stale_{0}, publisher_stale_{0};  ///< past the limits, as far as it was looked at
-  MonoTime loop_{0}, looked_{0};                 ///< at the last look
+  Duration publisher_timeout_{};
+  Duration loop_stale_{}, publisher_stale_{};  ///< past the limits, as far as it was looked at
+  MonoTime loop_{}, looked_{};                 ///< at the last look
   bool suspect_ = false;
-  Duration core_seen_running_{0};  ///< the loop's core, since the loop is suspect
+  Duration core_seen_running_{};  ///< the loop's core, since the loop is suspect
 };
 
 }  // namespace strobe::firmware

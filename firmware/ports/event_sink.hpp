@@ -54,9 +54,9 @@ struct Event {
   std::int32_t shot_id = 0;  ///< 0: outside a shot
   std::int32_t flash_index = -1;
   MonoTime device_time;  ///< the kernel's stamp for inputs, issue_end for outputs
-  MonoTime commanded = MonoTime::never();
-  MonoTime issue_start = MonoTime::never();
-  MonoTime issue_end = MonoTime::never();
+  MonoTime commanded = kNoTime;
+  MonoTime issue_start = kNoTime;
+  MonoTime issue_end = kNoTime;
   ShortText detail;
 };
 
@@ -70,7 +70,7 @@ struct LoopStatus {
   bool estop_active = true;
   std::int64_t arm_host = 0;  ///< 0: not armed
   std::int64_t arm_token = 0;
-  MonoTime arm_expires{0};
+  MonoTime arm_expires{};
   std::int32_t last_shot_id = 0;
   std::int64_t kernel_overflows = 0;
   ShortText fault;  ///< the latched fault; empty: none
@@ -98,10 +98,10 @@ enum class ShutterFeedback : std::int8_t { none = 0, seen, missing, late };
 struct FlashRecord {
   Lamps lamps = Lamps::both;  ///< those that were to flash
   MonoTime commanded;
-  MonoTime issue_start = MonoTime::never();
-  MonoTime issue_end = MonoTime::never();
-  MonoTime observed_a = MonoTime::never();
-  MonoTime observed_b = MonoTime::never();
+  MonoTime issue_start = kNoTime;
+  MonoTime issue_end = kNoTime;
+  MonoTime observed_a = kNoTime;
+  MonoTime observed_b = kNoTime;
   std::int32_t extra_edges = 0;
 };
 
@@ -113,12 +113,12 @@ struct ShotRecord {
   std::int64_t command_id = 0;  ///< of the FIRE: finds the notes that came with it
   PlanRequest plan;
   MonoTime start;
-  MonoTime shutter_on = MonoTime::never();  ///< its line, issue_end
-  MonoTime shutter_off = MonoTime::never();
-  MonoTime shutter_open = MonoTime::never();  ///< as its contact told, else line and lag
-  MonoTime shutter_close = MonoTime::never();
-  MonoTime trigger = MonoTime::never();
-  MonoTime gate = MonoTime::never();
+  MonoTime shutter_on = kNoTime;  ///< its line, issue_end
+  MonoTime shutter_off = kNoTime;
+  MonoTime shutter_open = kNoTime;  ///< as its contact told, else line and lag
+  MonoTime shutter_close = kNoTime;
+  MonoTime trigger = kNoTime;
+  MonoTime gate = kNoTime;
   ShutterFeedback shutter_feedback = ShutterFeedback::none;
   std::int64_t queue_overflows = 0;  ///< during the shot
   std::int64_t kernel_overflows = 0;

@@ -16,7 +16,7 @@ static_assert(static_cast<int>(Line::strobe_a) == strobe_msgs::event_t::LINE_STR
 static_assert(static_cast<int>(Line::estop) == strobe_msgs::event_t::LINE_ESTOP);
 static_assert(static_cast<int>(Train::free) == strobe_msgs::plan_t::TRAIN_FREE);
 static_assert(static_cast<int>(Train::gated) == strobe_msgs::plan_t::TRAIN_GATED);
-static_assert(strobe_msgs::event_t::NO_TIME == MonoTime::never().ns);
+static_assert(strobe_msgs::event_t::NO_TIME == to_ns(kNoTime));
 
 strobe_msgs::event_t to_message(const Event& event, std::int64_t boot_id, std::int64_t sequence) {
   strobe_msgs::event_t message{};
@@ -25,10 +25,10 @@ strobe_msgs::event_t to_message(const Event& event, std::int64_t boot_id, std::i
   message.sequence = sequence;
   message.kind = static_cast<std::int8_t>(event.kind);
   message.shot_id = event.shot_id;
-  message.device_time_ns = event.device_time.ns;
-  message.commanded_ns = event.commanded.ns;
-  message.issue_start_ns = event.issue_start.ns;
-  message.issue_end_ns = event.issue_end.ns;
+  message.device_time_ns = to_ns(event.device_time);
+  message.commanded_ns = to_ns(event.commanded);
+  message.issue_start_ns = to_ns(event.issue_start);
+  message.issue_end_ns = to_ns(event.issue_end);
   message.flash_index = event.flash_index;
   message.line = static_cast<std::int8_t>(event.line);
   message.level = event.level;
@@ -39,16 +39,16 @@ strobe_msgs::event_t to_message(const Event& event, std::int64_t boot_id, std::i
 strobe_msgs::plan_t to_message(const PlanRequest& plan) {
   strobe_msgs::plan_t message{};
   message.train = static_cast<std::int8_t>(plan.train);
-  message.period_ns = plan.period.ns;
+  message.period_ns = plan.period.count();
   message.flash_count = plan.flash_count;
-  message.shutter_open_ns = plan.exposure.ns;
-  message.gate_delay_ns = plan.gate_delay.ns;
-  message.impact_at_ns = plan.impact_at.ns;
+  message.shutter_open_ns = plan.exposure.count();
+  message.gate_delay_ns = plan.gate_delay.count();
+  message.impact_at_ns = plan.impact_at.count();
   message.dry = plan.dry;
   message.code_count = static_cast<std::int32_t>(plan.code.size());
   message.code.resize(plan.code.size());
   for (std::size_t i = 0; i < plan.code.size(); ++i) {
-    message.code[i].offset_ns = plan.code[i].offset.ns;
+    message.code[i].offset_ns = plan.code[i].offset.count();
     message.code[i].lamps = static_cast<std::int8_t>(plan.code[i].lamps);
   }
   return message;
@@ -92,11 +92,11 @@ std::vector<strobe_msgs::flash_t> flashes_of(const ShotRecord& record) {
     strobe_msgs::flash_t message{};
     message.flash_index = static_cast<std::int32_t>(flashes.size());
     message.lamps = static_cast<std::int8_t>(flash.lamps);
-    message.commanded_ns = flash.commanded.ns;
-    message.issue_start_ns = flash.issue_start.ns;
-    message.issue_end_ns = flash.issue_end.ns;
-    message.observed_a_ns = flash.observed_a.ns;
-    message.observed_b_ns = flash.observed_b.ns;
+    message.commanded_ns = to_ns(flash.commanded);
+    message.issue_start_ns = to_ns(flash.issue_start);
+    message.issue_end_ns = to_ns(flash.issue_end);
+    message.observed_a_ns = to_ns(flash.observed_a);
+    message.observed_b_ns = to_ns(flash.observed_b);
     message.extra_edges = flash.extra_edges;
     flashes.push_back(message);
   }
@@ -115,19 +115,19 @@ strobe_msgs::shot_t to_message(const ShotRecord& record, const Rig& rig, std::in
   message.first_sequence = sequences.first;
   message.last_sequence = sequences.last;
   message.plan = to_message(record.plan);
-  message.start_ns = record.start.ns;
-  message.shutter_on_ns = record.shutter_on.ns;
-  message.shutter_off_ns = record.shutter_off.ns;
+  message.start_ns = to_ns(record.start);
+  message.shutter_on_ns = to_ns(record.shutter_on);
+  message.shutter_off_ns = to_ns(record.shutter_off);
   message.shutter_feedback = static_cast<std::int8_t>(record.shutter_feedback);
-  message.shutter_open_ns = record.shutter_open.ns;
-  message.shutter_close_ns = record.shutter_close.ns;
-  message.trigger_ns = record.trigger.ns;
-  message.gate_ns = record.gate.ns;
+  message.shutter_open_ns = to_ns(record.shutter_open);
+  message.shutter_close_ns = to_ns(record.shutter_close);
+  message.trigger_ns = to_ns(record.trigger);
+  message.gate_ns = to_ns(record.gate);
   message.lamp_delay_a_us = rig.lamps.delay_a_us;
   message.lamp_delay_b_us = rig.lamps.delay_b_us;
   message.sensor_a_fitted = rig.line(Line::sensor_a).fitted;
   message.sensor_b_fitted = rig.line(Line::sensor_b).fitted;
-  message.late_tolerance_us = static_cast<double>(rig.tolerance.late.ns) / 1e3;
+  message.late_tolerance_us = static_cast<double>(rig.tolerance.late.count()) / 1e3;
   message.queue_overflows = record.queue_overflows;
   message.kernel_overflows = record.kernel_overflows;
   message.aborted = !record.abort_reason.empty();

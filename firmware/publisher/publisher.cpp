@@ -63,7 +63,7 @@ MonoTime Publisher::next_turn() const {
 }
 
 void Publisher::wait_for_work(int wake_fd) const {
-  const std::int64_t left_ms = (next_turn() - clock_.now()).ns / 1'000'000;
+  const std::int64_t left_ms = (next_turn() - clock_.now()) / milliseconds(1);
   pollfd wake{wake_fd, POLLIN, 0};
   poll(&wake, 1, static_cast<int>(std::clamp<std::int64_t>(left_ms, resends_.empty() ? 0 : 2, 500)));
   std::uint64_t count = 0;
@@ -129,7 +129,7 @@ void Publisher::report_earlier_boots(MonoTime now) {
 
 void Publisher::take(const LoopStatus& status) {
   status_ = status;
-  next_status_ = MonoTime{0};
+  next_status_ = MonoTime{};
 }
 
 void Publisher::take(ShotRecord* record) {
@@ -143,7 +143,7 @@ void Publisher::take(ShotRecord* record) {
 }
 
 void Publisher::write_and_publish() {
-  if (settings_.heartbeat_ns != nullptr) *settings_.heartbeat_ns = clock_.now().ns;
+  if (settings_.heartbeat_ns != nullptr) *settings_.heartbeat_ns = to_ns(clock_.now());
   auto done = journal_.check();
   if (done) done = journal_.append(outbox_, settings_.wall_ns() / 1000);
   if (done) publish_outbox();
@@ -153,7 +153,7 @@ void Publisher::write_and_publish() {
   const std::string fault = done ? "" : done.error().message;
   if (fault != journal_fault_) {
     settings_.say(fault.empty() ? "the journal can be written again" : fault);
-    next_status_ = MonoTime{0};
+    next_status_ = MonoTime{};
   }
   journal_fault_ = fault;
   queue_.set_journal_ok(fault.empty());

@@ -94,7 +94,7 @@ class Publisher {
   ShotTiming timing_;
   LoopStatus status_;
   std::string journal_fault_;
-  MonoTime next_status_{0};
+  MonoTime next_status_{};
 };
 
 }  // namespace strobe::firmware

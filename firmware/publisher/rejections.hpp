@@ -40,7 +40,7 @@ class Rejections {
   std::array<std::atomic<std::int64_t>, authentication::kRejectionCount> counts_{};
   RejectedCommands said_;
   bool held_back_ = false;
-  MonoTime quiet_until_{0};
+  MonoTime quiet_until_{};
 };
 
 }  // namespace strobe::firmware

@@ -28,7 +28,7 @@ std::int64_t system_ns(clockid_t clock) {
 }
 
 double us(double ns) { return ns * 1e-3; }
-double us(Duration d) { return us(static_cast<double>(d.ns)); }
+double us(Duration d) { return us(static_cast<double>(d.count())); }
 
 /// Why it cannot be armed or fired now.
 std::string lacking(const StatusParts& parts) {
@@ -46,7 +46,7 @@ void put_loop(status_t& message, const LoopStatus& loop) {
   message.estop_active = loop.estop_active;
   message.arm_host_id = loop.arm_host;
   message.arm_token = loop.arm_token;
-  message.arm_expires_ns = loop.arm_expires.ns;
+  message.arm_expires_ns = to_ns(loop.arm_expires);
   message.last_shot_id = loop.last_shot_id;
   message.kernel_overflows = loop.kernel_overflows;
 }
@@ -83,7 +83,7 @@ ClockReading read_clocks(Clock& clock, const std::function<std::int64_t()>& wall
     const MonoTime before = clock.now();
     ClockReading reading{before, wall_ns(), boot_time_ns()};
     const Duration apart = clock.now() - before;
-    reading.mono = before + nanoseconds(apart.ns / 2);
+    reading.mono = before + apart / 2;
     if (apart < closest) best = reading;
     closest = std::min(closest, apart);
   }
@@ -116,7 +116,7 @@ status_t to_message(const StatusParts& parts, const ShotTiming& timing) {
   message.schema_version = status_t::SCHEMA_VERSION;
   message.boot_id = parts.boot_id;
   message.last_sequence = parts.last_sequence;
-  message.mono_ns = parts.clocks.mono.ns;
+  message.mono_ns = to_ns(parts.clocks.mono);
   message.wall_ns = parts.clocks.wall_ns;
   message.boot_time_ns = parts.clocks.boot_time_ns;
   put_loop(message, parts.loop);

@@ -84,7 +84,7 @@ bool write_changes(const std::string& path, const std::vector<Change>& changes) 
   file << "time_ns,line,name,level,cause\n";
   for (const Change& c : changes) {
     const std::string_view line = c.line < kLineNames.size() ? kLineNames[c.line] : std::string_view{};
-    file << fmt::format("{},{},{},{},{}\n", c.time.ns, c.line, line, c.level, cause_name(c.cause));
+    file << fmt::format("{},{},{},{},{}\n", to_ns(c.time), c.line, line, c.level, cause_name(c.cause));
   }
   file.flush();
   return file.good();

@@ -31,7 +31,7 @@ static_assert(static_cast<int>(Cause::drive) == static_cast<int>(gpio::CauseCode
 Change unpack(const gpio::State& state, std::uint64_t word) {
   using gpio::RingWord;
   Change change;
-  change.time.ns = state.epoch_ns + static_cast<std::int64_t>(word >> RingWord::kTimeShift);
+  change.time = from_ns(state.epoch_ns + static_cast<std::int64_t>(word >> RingWord::kTimeShift));
   change.line = static_cast<std::uint32_t>(word >> RingWord::kLineShift) & (gpio::kMaxLines - 1);
   change.level = static_cast<std::uint8_t>(word & RingWord::kLevel);
   change.cause = static_cast<Cause>((word >> RingWord::kCauseShift) & 3);
@@ -78,7 +78,7 @@ struct Chip::Impl {
     const std::uint32_t seen = state().wake.load();
     state().waiting.store(1);
     if (gpio::newest(state()) != cursor.next) return;
-    std::int64_t until = deadline.ns;
+    std::int64_t until = to_ns(deadline);
     if (gpio::any_requested(state())) until = std::min(until, swept_ns + kSweep_ns);
     gpio::sys::futex_wait(&state().wake, seen, until);
   }
@@ -94,7 +94,7 @@ struct Chip::Impl {
     if (fifo < 0 || gpio::sys::ioctl(fifo, FIONREAD, &queued) != 0) return;
     gpioevent_data event{};
     if (queued >= kEventDepth * static_cast<int>(sizeof(event))) return;
-    event.timestamp = static_cast<std::uint64_t>(stamp.ns);
+    event.timestamp = static_cast<std::uint64_t>(to_ns(stamp));
     event.id = active ? GPIOEVENT_EVENT_RISING_EDGE : GPIOEVENT_EVENT_FALLING_EDGE;
     gpio::sys::write(fifo, &event, sizeof(event));
   }
@@ -152,7 +152,7 @@ void Chip::drive(std::uint32_t line, int level, MonoTime stamp) {
   // Another process may drive the same line: a level and its event belong together.
   const std::int64_t byte = gpio::kDriveByte + line;
   while (gpio::sys::try_lock(impl_->folder.lock_fd, byte, true) == -EAGAIN) gpio::sys::sleep_ns(1'000);
-  if (gpio::change_line(state, line, gpio::outside_edit(outside), gpio::CauseCode::drive, stamp.ns)) {
+  if (gpio::change_line(state, line, gpio::outside_edit(outside), gpio::CauseCode::drive, to_ns(stamp))) {
     impl_->emit(line, outside, stamp);
   }
   gpio::sys::unlock(impl_->folder.lock_fd, byte);
@@ -163,7 +163,7 @@ bool Chip::wait_changes(ChangeCursor& cursor, MonoTime deadline, std::vector<Cha
   const std::size_t before = changes.size();
   for (;;) {
     // Looked at first: a caller that was held up past its deadline still gets what a sweep finds.
-    const bool expired = gpio::sys::now_ns() >= deadline.ns;
+    const bool expired = gpio::sys::now_ns() >= to_ns(deadline);
     impl_->sweep();
     if (!impl_->read_ring(cursor, changes)) return false;
     if (changes.size() != before || expired) return true;

@@ -28,7 +28,7 @@ void become_prompt() {
 MonoTime monotonic_now() {
   timespec now{};
   clock_gettime(CLOCK_MONOTONIC, &now);
-  return {static_cast<std::int64_t>(now.tv_sec) * 1'000'000'000 + now.tv_nsec};
+  return from_ns(now.tv_sec * 1'000'000'000 + now.tv_nsec);
 }
 
 RigRunner::RigRunner(Chip chip, const Scene& scene, std::uint64_t seed, ExposureStore& exposure_store,

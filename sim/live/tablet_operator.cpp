@@ -17,8 +17,6 @@ constexpr Duration kStartSlack = milliseconds(1);
 constexpr Duration kExposureMissing = milliseconds(5000);  // longer than any exposure
 constexpr std::size_t kRememberedFrames = 256;
 
-Duration from_seconds(double s) { return nanoseconds(std::llround(s * 1e9)); }
-
 }  // namespace
 
 strobe_msgs::frame_t to_message(const reduction::Frame& frame, std::int64_t boot_id, int shot_id) {
@@ -72,7 +70,7 @@ void TabletOperator::on_shot(const lcm::ReceiveBuffer*, const std::string&, cons
     return;
   }
   if (announced_.insert(key).second)
-    tasks_.push_back({key, MonoTime{shot->start_ns}, monotonic_now(), nullptr});
+    tasks_.push_back({key, from_ns(shot->start_ns), monotonic_now(), nullptr});
 }
 
 bool TabletOperator::find_exposure(Task& task, MonoTime now) {
@@ -89,7 +87,7 @@ bool TabletOperator::find_exposure(Task& task, MonoTime now) {
 
 bool TabletOperator::process(Task& task, MonoTime now) {
   if (!task.exposure && !find_exposure(task, now)) return false;
-  const bool photograph = sends_ && task.exposure->opened.known() &&
+  const bool photograph = sends_ && known(task.exposure->opened) &&
                           !shot_fault(scene_.faults, FaultKind::no_photograph, task.exposure->shot);
   if (photograph && now < task.due) return false;
   if (photograph) send(task);

@@ -51,7 +51,7 @@ class TabletOperator {
     MonoTime shot_start;
     MonoTime announced;
     std::shared_ptr<const Exposure> exposure;
-    MonoTime due = MonoTime::never();  ///< to send; known once the exposure is
+    MonoTime due = kNoTime;  ///< to send; known once the exposure is
   };
 
   TabletOperator(const Scene& scene, std::uint64_t seed, ExposureStore& exposure_store, TruthFile& truth,

@@ -26,7 +26,7 @@ MonoTime due(const Scene& scene, const Exposure& exposure) {
 }
 
 bool makes_photograph(const Scene& scene, const Exposure& exposure) {
-  return exposure.opened.known() &&
+  return known(exposure.opened) &&
          shot_fault(scene.faults, FaultKind::no_photograph, exposure.shot) == nullptr;
 }
 

@@ -81,7 +81,7 @@ class Flashes {
 
   LitBall at_instant(const FilmImage& film, std::array<double, 2> light, int i, int instants) const {
     if (instants == 1) return ball(film.state, light);
-    const double since_s = (film.time - exposure_.ball->touchdown).seconds();
+    const double since_s = to_seconds(film.time - exposure_.ball->touchdown);
     for (double& l : light) l /= instants;
     return ball(exposure_.ball->path.at(since_s + scene_.lamps.flash_s * (i + 0.5) / instants), light);
   }
@@ -136,11 +136,11 @@ std::vector<BallImageOnSensor> lit_balls(const Scene& scene, const Exposure& exp
 
 std::array<double, 2> light_of_all(const Exposure& exposure, const Appearance& look, double power_sd) {
   std::array<double, 2> sum{};
-  if (!exposure.opened.known()) return sum;
+  if (!known(exposure.opened)) return sum;
   for (std::size_t i = 0; i < exposure.pulses.size(); ++i) {
     const Pulse& pulse = exposure.pulses[i];
     const MonoTime time = flash_time(pulse);
-    if (!time.known() || time < exposure.opened || time > exposure.closed) continue;
+    if (!known(time) || time < exposure.opened || time > exposure.closed) continue;
     const std::array<double, 2> light = light_of(pulse, i, look, power_sd);
     sum[0] += light[0];
     sum[1] += light[1];

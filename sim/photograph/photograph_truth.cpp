@@ -47,8 +47,8 @@ class Truth {
     const BallView view = camera_.view(x_m, y_m, path.off_plane_m(), s.equator_rad);
     ImageTruth image;
     image.flash_index = film.pulse;
-    image.time_s = (film.time - exposure.pulses.front().edge).seconds() + 0.5 * scene_.lamps.flash_s;
-    const bool after = (film.time - exposure.ball->touchdown).seconds() > 0.5 * path.dwell_s();
+    image.time_s = to_seconds(film.time - exposure.pulses.front().edge) + 0.5 * scene_.lamps.flash_s;
+    const bool after = to_seconds(film.time - exposure.ball->touchdown) > 0.5 * path.dwell_s();
     image.leg = contact ? reduction::Leg::contact
                 : after ? reduction::Leg::rebound
                         : reduction::Leg::incoming;
@@ -132,8 +132,8 @@ std::optional<double> stamp_s(const Pulse& pulse, MonoTime origin) {
   double sum = 0.0;
   int stamped = 0;
   for (const MonoTime stamp : pulse.stamps) {
-    if (!stamp.known()) continue;
-    sum += (stamp - origin).seconds();
+    if (!known(stamp)) continue;
+    sum += to_seconds(stamp - origin);
     ++stamped;
   }
   return stamped > 0 ? std::optional(sum / stamped) : std::nullopt;

@@ -13,16 +13,14 @@ namespace strobe::sim {
 
 namespace {
 
-constexpr MonoTime kTouchdown{1'000'000'000'000};
+constexpr MonoTime kTouchdown = from_ns(1'000'000'000'000);
 constexpr double kLongest_s = 2.0;
-
-Duration from_seconds(double s) { return nanoseconds(std::llround(s * 1e9)); }
 
 }  // namespace
 
 Train train_of(const Scene& scene, const ShootSettings& settings) {
-  const double period_s = settings.period.seconds();
-  const double half_s = 0.5 * settings.exposure.seconds();
+  const double period_s = to_seconds(settings.period);
+  const double half_s = 0.5 * to_seconds(settings.exposure);
   if (half_s > 0.0) return {period_s, half_s, half_s};
   const Window window = crossing_window(scene, period_s);
   return {period_s, window.before_s, window.after_s};
@@ -74,7 +72,7 @@ NominalFrame NominalShot::photograph(std::span<const NominalFlash> flashes) cons
   Digitized digitized = digitize_perfectly(scene_, 1, exposure);
   NominalFrame result{std::move(digitized.frame), {}};
   for (std::size_t i = 0; i < result.frame.images.size(); ++i) {
-    result.frame.images[i].time_s = (digitized.image_stamp[i] - digitized.image_stamp[0]).seconds();
+    result.frame.images[i].time_s = to_seconds(digitized.image_stamp[i] - digitized.image_stamp[0]);
     result.flash.push_back(static_cast<std::size_t>(digitized.image_pulse[i]));
   }
   return result;

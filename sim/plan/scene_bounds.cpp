@@ -287,7 +287,7 @@ void SceneBounds::measure(const ShootSettings& settings) {
 }
 
 void SceneBounds::look_for_warnings(const ShootSettings& settings) {
-  const double period_s = settings.period.seconds();
+  const double period_s = to_seconds(settings.period);
   const double jitter_s = 2.0 * kLargestNormal * scene_.lamps.jitter_s;
   if (!scene_.faults.empty()) warning_ = "the scene has faults: which images there are is theirs to decide";
   if (period_s - jitter_s < scene_.lamps.recharge_s)

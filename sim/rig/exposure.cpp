@@ -23,7 +23,7 @@ std::vector<Flash> flashes_on_film(const Exposure& exposure) {
     const Pulse& pulse = exposure.pulses[i];
     for (std::size_t k = 0; k < pulse.flashes.size(); ++k) {
       const MonoTime time = pulse.flashes[k];
-      const MonoTime stamp = k < pulse.stamps.size() ? pulse.stamps[k] : MonoTime::never();
+      const MonoTime stamp = k < pulse.stamps.size() ? pulse.stamps[k] : kNoTime;
       if (time >= exposure.opened && time <= exposure.closed)
         flashes.push_back({time, stamp, static_cast<int>(i)});
     }
@@ -40,14 +40,14 @@ struct Blend {
 };
 
 Blend blend_of(const Flash* first, const Flash* last) {
-  Blend blend{first->time, MonoTime::never(), first->pulse};
+  Blend blend{first->time, kNoTime, first->pulse};
   MonoTime start;
   std::int64_t sum = 0, stamps = 0, stamped = 0;
   for (const Flash* f = first; f != last; ++f) {
-    sum += (f->time - first->time).ns;
-    if (!f->stamp.known()) continue;
+    sum += (f->time - first->time).count();
+    if (!known(f->stamp)) continue;
     if (stamped++ == 0) start = f->stamp;
-    stamps += (f->stamp - start).ns;
+    stamps += (f->stamp - start).count();
   }
   blend.time = first->time + nanoseconds(sum / (last - first));
   if (stamped > 0) blend.stamp = start + nanoseconds(stamps / stamped);
@@ -73,7 +73,7 @@ class Film {
 
   /// Adds the image if there is one. True: none will follow on this side of the impact.
   bool add(const Blend& blend, std::vector<FilmImage>& images) const {
-    const double time_s = (blend.time - ball_.touchdown).seconds();
+    const double time_s = to_seconds(blend.time - ball_.touchdown);
     const BallState begin = ball_.path.at(time_s);
     const double x_m = begin.x_m + ball_.path.spot_m();
     if (ball_.path.after_second_contact(time_s, begin) || !camera_.may_see(x_m)) return true;
@@ -91,9 +91,9 @@ class Film {
 }  // namespace
 
 MonoTime flash_time(const Pulse& pulse) {
-  if (pulse.flashes.empty()) return MonoTime::never();
+  if (pulse.flashes.empty()) return kNoTime;
   std::int64_t sum = 0;
-  for (const MonoTime time : pulse.flashes) sum += time.ns - pulse.edge.ns;
+  for (const MonoTime time : pulse.flashes) sum += to_ns(time) - to_ns(pulse.edge);
   return pulse.edge + nanoseconds(sum / static_cast<std::int64_t>(pulse.flashes.size()));
 }
 
@@ -106,13 +106,13 @@ std::optional<int> place_from_impact(const Exposure& exposure, std::size_t pulse
 }
 
 bool shows_impact(const Exposure& exposure) {
-  return exposure.ball && exposure.opened.known() && exposure.ball->touchdown >= exposure.opened &&
+  return exposure.ball && known(exposure.opened) && exposure.ball->touchdown >= exposure.opened &&
          exposure.ball->touchdown <= exposure.closed;
 }
 
 std::vector<FilmImage> film_images(const Scene& scene, const Exposure& exposure) {
   std::vector<FilmImage> images;
-  if (!exposure.ball || !exposure.opened.known()) return images;
+  if (!exposure.ball || !known(exposure.opened)) return images;
   const std::vector<Blend> blends = blends_of(flashes_on_film(exposure));
   const Film film(scene, *exposure.ball);
   const auto after = std::ranges::lower_bound(blends, exposure.ball->touchdown, {}, &Blend::time);

@@ -16,11 +16,11 @@ namespace strobe::sim {
 struct Pulse {
   MonoTime edge;               ///< first of the two lines' rising edges
   Instants flashes;            ///< true instants, of both lamps, in no order; empty if neither flashed
-  Instants stamps;             ///< of each flash the edge of its lamp's sensor; never(): it gave none
+  Instants stamps;             ///< of each flash the edge of its lamp's sensor; kNoTime: it gave none
   std::array<int, 2> lamps{};  ///< how many of the flashes are lamp A's, and lamp B's
 };
 
-/// Mean of the pulse's flashes; never() if it made none.
+/// Mean of the pulse's flashes; kNoTime if it made none.
 MonoTime flash_time(const Pulse& pulse);
 
 struct ThrownBall {
@@ -31,8 +31,8 @@ struct ThrownBall {
 struct Exposure {
   int shot = 0;  ///< 1-based
   MonoTime line_on;
-  MonoTime opened = MonoTime::never();  ///< never(): the line was released before the shutter moved
-  MonoTime closed = MonoTime::never();
+  MonoTime opened = kNoTime;  ///< kNoTime: the line was released before the shutter moved
+  MonoTime closed = kNoTime;
   std::vector<Pulse> pulses;
   std::optional<ThrownBall> ball;  ///< the one that meets the plate
   int throws = 0;                  ///< how often the machine was triggered for this shot
@@ -49,10 +49,10 @@ bool shows_impact(const Exposure& exposure);
 
 /// One image of the ball on the photograph.
 struct FilmImage {
-  int pulse = 0;                       ///< index into Exposure::pulses
-  MonoTime time;                       ///< mean of the flashes that it was made of
-  MonoTime stamp = MonoTime::never();  ///< mean of their sensors' edges; never(): no sensor gave one
-  BallState state;  ///< mean over the time that the flash gives light, which is from `time` on
+  int pulse = 0;             ///< index into Exposure::pulses
+  MonoTime time;             ///< mean of the flashes that it was made of
+  MonoTime stamp = kNoTime;  ///< mean of their sensors' edges; kNoTime: no sensor gave one
+  BallState state;           ///< mean over the time that the flash gives light, which is from `time` on
 };
 
 /// All images in order of time. Flashes less than half a millisecond apart blend into one image (some 8 mm of

@@ -5,11 +5,7 @@
 
 namespace strobe::sim {
 
-namespace {
-
-Duration from_seconds(double s) { return nanoseconds(std::llround(s * 1e9)); }
-
-}  // namespace
+namespace {}  // namespace
 
 Draws& LampModel::draws(int shot) {
   if (!draws_ || draws_shot_ != shot) {
@@ -38,7 +34,7 @@ Instants LampModel::on_pulse(MonoTime edge, const FlashPlace& place, std::vector
     struck.push_back(FaultKind::flash_late);
     flash = flash + late->delay;
   }
-  if (last_flash_.known() && flash - last_flash_ < from_seconds(scene_.lamps.recharge_s)) return {};
+  if (known(last_flash_) && flash - last_flash_ < from_seconds(scene_.lamps.recharge_s)) return {};
   last_flash_ = flash;
   Instants flashes(flash);
   if (const Fault* twice = flash_fault(scene_.faults, FaultKind::flash_double, place, lamp_)) {

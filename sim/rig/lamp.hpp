@@ -23,7 +23,7 @@ class LampModel {
 
   /// Forgets earlier flashes and draws.
   void restart() {
-    last_flash_ = MonoTime::never();
+    last_flash_ = kNoTime;
     draws_.reset();
   }
 
@@ -39,7 +39,7 @@ class LampModel {
   const Scene& scene_;
   std::uint64_t seed_;
   Lamp lamp_;
-  MonoTime last_flash_ = MonoTime::never();
+  MonoTime last_flash_ = kNoTime;
   std::optional<Draws> draws_;  ///< of the shot below
   int draws_shot_ = 0;
   double sensor_jitter_s_ = 0.0;

@@ -10,14 +10,12 @@ namespace strobe::sim {
 
 namespace {
 
-constexpr MonoTime kFarFuture{std::numeric_limits<std::int64_t>::max()};
+constexpr MonoTime kFarFuture = MonoTime::max();
 constexpr Duration kSamePulse = microseconds(200);   // both lines of one pulse, set by one call or by two
 constexpr Duration kReportGrace = milliseconds(20);  // edges stamped before the closing but reported after it
 constexpr Duration kBallInFlight = milliseconds(5000);
 constexpr Duration kBounce = microseconds(5);  // how long a bouncing line is down
 constexpr int kChatter = 3;
-
-Duration from_seconds(double s) { return nanoseconds(std::llround(s * 1e9)); }
 
 constexpr std::size_t index(RigLine line) { return static_cast<std::size_t>(line); }
 constexpr std::size_t index(Lamp lamp) { return lamp == Lamp::a ? 0 : 1; }
@@ -39,7 +37,7 @@ Rig::Rig(const Scene& scene, std::uint64_t seed, MonoTime start, const Model& mo
 void Rig::restart(int shot, MonoTime start) {
   for (LampModel& lamp : lamps_) lamp.restart();
   in_pulse_ = {};
-  pulse_edge_ = previous_edge_ = MonoTime::never();
+  pulse_edge_ = previous_edge_ = kNoTime;
   pulses_ = 0;
   exposures_ = shot - 1;
   current_.reset();
@@ -78,10 +76,10 @@ void Rig::line_changed(RigLine line, int level, MonoTime at) {
 
 FlashPlace Rig::begin_or_join_pulse(Lamp lamp, MonoTime at) {
   const bool joins =
-      pulse_edge_.known() && !in_pulse_[index(lamp)] && at - pulse_edge_ <= kSamePulse && pulses_ > 0;
+      known(pulse_edge_) && !in_pulse_[index(lamp)] && at - pulse_edge_ <= kSamePulse && pulses_ > 0;
   if (!joins) {
     in_pulse_ = {};
-    previous_edge_ = pulses_ > 0 ? pulse_edge_ : MonoTime::never();
+    previous_edge_ = pulses_ > 0 ? pulse_edge_ : kNoTime;
     pulse_edge_ = at;
     ++pulses_;
     if (current_) current_->pulses.push_back({at, {}, {}, {}});
@@ -98,9 +96,9 @@ std::optional<int> Rig::predict_place(MonoTime edge) const {
         std::ranges::count_if(current_->pulses, [&](const Pulse& pulse) { return pulse.edge >= touchdown; }));
   }
   // Before touchdown: as many pulses are left as the last interval says.
-  if (!previous_edge_.known() || edge <= previous_edge_) return std::nullopt;
+  if (!known(previous_edge_) || edge <= previous_edge_) return std::nullopt;
   const Duration period = edge - previous_edge_;
-  return -static_cast<int>(((touchdown - edge).ns + period.ns - 1) / period.ns);
+  return -static_cast<int>((touchdown - edge + period - Duration{1}) / period);
 }
 
 void Rig::on_strobe(Lamp lamp, MonoTime at) {
@@ -124,11 +122,11 @@ MonoTime Rig::sense(Lamp lamp, MonoTime flash, const FlashPlace& place, std::vec
   const LampModel& model = lamps_[index(lamp)];
   if (!model.sensor_works(place.shot)) {
     struck.push_back(FaultKind::sensor_dead);
-    return MonoTime::never();
+    return kNoTime;
   }
   if (flash_fault(scene_.faults, FaultKind::sensor_dropout, place, lamp)) {
     struck.push_back(FaultKind::sensor_dropout);
-    return MonoTime::never();
+    return kNoTime;
   }
   const RigLine sensor = lamp == Lamp::a ? RigLine::sensor_a : RigLine::sensor_b;
   const MonoTime rise = flash + from_seconds(scene_.sensors.delay_s + model.sensor_jitter_s());
@@ -137,7 +135,7 @@ MonoTime Rig::sense(Lamp lamp, MonoTime flash, const FlashPlace& place, std::vec
     struck.push_back(FaultKind::sensor_bounce);
     bounce_sensor(sensor, rise, bounce->delay);
   }
-  return edge ? rise : MonoTime::never();
+  return edge ? rise : kNoTime;
 }
 
 /// Whether it made a rising edge.
@@ -178,32 +176,32 @@ void Rig::on_shutter(int level, MonoTime at) {
     current_->opened = at + from_seconds(std::max(0.0, shutter_draws_->normal(scene_.shutter.open_lag_s,
                                                                               scene_.shutter.lag_sd_s)));
     if (shot_fault(scene_.faults, FaultKind::shutter_stuck, exposures_)) {
-      current_->opened = MonoTime::never();
+      current_->opened = kNoTime;
       note_faults({FaultKind::shutter_stuck});
     } else {
       schedule({current_->opened, RigLine::xsync, 1});
     }
-    if (waiting_.triggered.known() && at - waiting_.triggered < kBallInFlight) {
+    if (known(waiting_.triggered) && at - waiting_.triggered < kBallInFlight) {
       current_->ball = std::move(waiting_.ball);
       current_->throws = waiting_.throws;
       note_faults(waiting_.faults);
     }
     waiting_ = {};
-  } else if (current_ && !current_->closed.known()) {
+  } else if (current_ && !known(current_->closed)) {
     if (at < current_->opened) {
       std::erase_if(pending_, [](const Drive& drive) { return drive.line == RigLine::xsync; });
-      current_->opened = MonoTime::never();
+      current_->opened = kNoTime;
       current_->closed = at;
     } else {
       current_->closed = at + from_seconds(std::max(0.0, shutter_draws_->normal(scene_.shutter.close_lag_s,
                                                                                 scene_.shutter.lag_sd_s)));
-      if (current_->opened.known()) schedule({current_->closed, RigLine::xsync, 0});
+      if (known(current_->opened)) schedule({current_->closed, RigLine::xsync, 0});
     }
   }
 }
 
 void Rig::on_trigger(MonoTime at) {
-  const bool during_exposure = current_ && !current_->closed.known();
+  const bool during_exposure = current_ && !known(current_->closed);
   const int shot = during_exposure ? current_->shot : exposures_ + 1;
   std::optional<ThrownBall> ball;
   int throws = 0;
@@ -229,7 +227,7 @@ void Rig::on_trigger(MonoTime at) {
     if (!current_->ball) current_->ball = std::move(ball);
     note_faults(struck);
   } else {
-    if (waiting_.triggered.known() && at - waiting_.triggered > kBallInFlight) waiting_ = {};
+    if (known(waiting_.triggered) && at - waiting_.triggered > kBallInFlight) waiting_ = {};
     waiting_.triggered = at;
     waiting_.throws += throws;
     if (!waiting_.ball) waiting_.ball = std::move(ball);
@@ -253,7 +251,7 @@ void Rig::drive_gate(const BallPath& path, MonoTime touchdown, MonoTime trigger,
     const MonoTime early = rise - chatter->delay * k;
     if (early <= trigger) break;
     schedule({early, RigLine::gate, 1});
-    schedule({early + nanoseconds(chatter->delay.ns / 2), RigLine::gate, 0});
+    schedule({early + chatter->delay / 2, RigLine::gate, 0});
   }
 }
 
@@ -271,7 +269,7 @@ void Rig::note_faults(const std::vector<FaultKind>& kinds) {
 
 MonoTime Rig::next_due() const {
   MonoTime due = pending_.empty() ? kFarFuture : pending_.back().at;
-  if (current_ && current_->closed.known()) due = std::min(due, current_->closed + kReportGrace);
+  if (current_ && known(current_->closed)) due = std::min(due, current_->closed + kReportGrace);
   if (!finished_.empty()) due = std::min(due, finished_.front().closed);
   return due;
 }
@@ -281,7 +279,7 @@ void Rig::collect(MonoTime now, std::vector<Drive>& drives, std::vector<Exposure
     drives.push_back(pending_.back());
     pending_.pop_back();
   }
-  if (current_ && current_->closed.known() && current_->closed + kReportGrace <= now) {
+  if (current_ && known(current_->closed) && current_->closed + kReportGrace <= now) {
     finished_.push_back(std::move(*current_));
     current_.reset();
     pulses_ = 0;
@@ -292,7 +290,7 @@ void Rig::collect(MonoTime now, std::vector<Drive>& drives, std::vector<Exposure
 
 void Rig::finish(MonoTime now, std::vector<Exposure>& exposures) {
   if (current_) {
-    if (!current_->closed.known()) on_shutter(0, now);
+    if (!known(current_->closed)) on_shutter(0, now);
     finished_.push_back(std::move(*current_));
     current_.reset();
   }

@@ -83,7 +83,7 @@ class Rig {
   struct Waiting {
     std::optional<ThrownBall> ball;
     int throws = 0;
-    MonoTime triggered = MonoTime::never();
+    MonoTime triggered = kNoTime;
     std::vector<FaultKind> faults;
   };
 
@@ -94,8 +94,8 @@ class Rig {
   std::array<int, kWiredLines> levels_{};
   std::array<LampModel, 2> lamps_;
   std::array<bool, 2> in_pulse_{};  ///< which lamps the newest pulse has reached
-  MonoTime pulse_edge_ = MonoTime::never();
-  MonoTime previous_edge_ = MonoTime::never();
+  MonoTime pulse_edge_ = kNoTime;
+  MonoTime previous_edge_ = kNoTime;
   int pulses_ = 0;  ///< of the current exposure, or since the last one
   int exposures_ = 0;
   std::optional<Exposure> current_;

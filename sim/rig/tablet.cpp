@@ -52,7 +52,7 @@ class Hand {
     const PixelMeasurement seen = measure(s, x_m, path.off_plane_m());
     BallImage image;
     image.leg =
-        leg_seen(s, (film.time - touchdown).seconds(), path.dwell_s(), scene_.tablet.visible_flattening_m);
+        leg_seen(s, to_seconds(film.time - touchdown), path.dwell_s(), scene_.tablet.visible_flattening_m);
     image.centre_px = point(seen.centre_px);
     image.diameter_px = seen.diameter_px + error(kDiameterNoiseRatio * centre_sd_px_);
     const double equator_error = error(scene_.tablet.equator_sd_rad);

@@ -13,7 +13,7 @@ namespace strobe::sim {
 struct Digitized {
   reduction::Frame frame;  ///< times are all zero: a photograph shows none; shot_id is for the caller to set
   std::vector<int> image_pulse;       ///< for each image of the frame the pulse that made it
-  std::vector<MonoTime> image_stamp;  ///< and the mean of the sensors' edges; never(): they gave none
+  std::vector<MonoTime> image_stamp;  ///< and the mean of the sensors' edges; kNoTime: they gave none
 };
 
 /// Where and how large a ball is seen: camera.hpp, and pixels.hpp where the scene's camera has pixels. Four

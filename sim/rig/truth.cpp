@@ -15,7 +15,7 @@ using reduction::Quantity;
 
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 
-json instant(MonoTime time) { return time.known() ? json(time.ns) : json(nullptr); }
+json instant(MonoTime time) { return known(time) ? json(to_ns(time)) : json(nullptr); }
 
 json readout_json(const reduction::Quantities& values) {
   json object = json::object();
@@ -72,8 +72,8 @@ std::string truth_line(const Scene& scene, const Exposure& exposure, int shot_id
   line["readout"] = nullptr;
   if (ball) {
     const BallPath& path = exposure.ball->path;
-    line["touchdown_ns"] = exposure.ball->touchdown.ns;
-    line["liftoff_ns"] = exposure.ball->touchdown.ns + std::llround(path.dwell_s() * 1e9);
+    line["touchdown_ns"] = to_ns(exposure.ball->touchdown);
+    line["liftoff_ns"] = to_ns(exposure.ball->touchdown) + std::llround(path.dwell_s() * 1e9);
     line["readout"] = readout_json(true_readout(scene, path));
   }
   line["opened_ns"] = instant(exposure.opened);

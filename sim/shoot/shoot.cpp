@@ -11,12 +11,10 @@ namespace strobe::sim {
 
 namespace {
 
-constexpr MonoTime kStart{1'000'000'000'000};
+constexpr MonoTime kStart = from_ns(1'000'000'000'000);
 constexpr Duration kLinePulse = microseconds(50);
 constexpr Duration kLongestFlight = milliseconds(4000);
 constexpr Duration kLead = milliseconds(1);
-
-Duration from_seconds(double s) { return nanoseconds(std::llround(s * 1e9)); }
 
 void set(SimulatedShot& shot, ShotFlag flag) { shot.flags.set(static_cast<std::size_t>(flag)); }
 
@@ -30,11 +28,11 @@ Shooter::Shooter(const Scene& scene, std::uint64_t seed, const Model& model, con
     : settings_(settings), rig_(std::make_unique<Rig>(scene, seed, kStart, model)) {
   rig_->watch_gate(false);
   // From the scene as it is, so that every model of it has the same train.
-  const Window window = settings.exposure.ns > 0
-                            ? Window{0.5 * settings.exposure.seconds(), 0.5 * settings.exposure.seconds()}
-                            : crossing_window(scene, settings.period.seconds());
+  const Window window = settings.exposure > Duration{}
+                            ? Window{0.5 * to_seconds(settings.exposure), 0.5 * to_seconds(settings.exposure)}
+                            : crossing_window(scene, to_seconds(settings.period));
   before_ = from_seconds(window.before_s);
-  flashes_ = static_cast<int>((before_ + from_seconds(window.after_s)).ns / settings.period.ns) + 1;
+  flashes_ = static_cast<int>((before_ + from_seconds(window.after_s)) / settings.period) + 1;
   open_ahead_ = from_seconds(scene.shutter.open_lag_s + kLargestNormal * scene.shutter.lag_sd_s) + kLead;
 }
 
@@ -85,15 +83,15 @@ void Shooter::fill_frame(SimulatedShot& shot) const {
   shot.frame.shot_id = shot.exposure.shot;
   std::vector<reduction::BallImage>& images = shot.frame.images;
   std::size_t kept = 0;
-  MonoTime start = MonoTime::never();
+  MonoTime start = kNoTime;
   for (std::size_t i = 0; i < images.size(); ++i) {
     const MonoTime stamp = digitized.image_stamp[i];
-    if (!stamp.known()) {
+    if (!known(stamp)) {
       set(shot, ShotFlag::unstamped_image);
       continue;
     }
-    if (!start.known()) start = stamp;
-    images[i].time_s = (stamp - start).seconds();
+    if (!known(start)) start = stamp;
+    images[i].time_s = to_seconds(stamp - start);
     images[i].flash_index = digitized.image_pulse[i];
     if (kept != i) images[kept] = std::move(images[i]);
     digitized.image_pulse[kept++] = digitized.image_pulse[i];

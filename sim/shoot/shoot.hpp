@@ -75,8 +75,8 @@ class Shooter {
   ShootSettings settings_;
   std::unique_ptr<Rig> rig_;
   int flashes_ = 0;
-  Duration before_;      ///< first flash to the mean ball's impact
-  Duration open_ahead_;  ///< shutter line to first flash
+  Duration before_{};      ///< first flash to the mean ball's impact
+  Duration open_ahead_{};  ///< shutter line to first flash
   std::vector<Drive> drives_;
   std::vector<Exposure> exposures_;
 };

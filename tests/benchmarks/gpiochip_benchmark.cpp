@@ -27,7 +27,7 @@ using namespace strobe::sim;
 MonoTime now() {
   timespec time{};
   clock_gettime(CLOCK_MONOTONIC, &time);
-  return {std::int64_t{time.tv_sec} * 1'000'000'000 + time.tv_nsec};
+  return from_ns(time.tv_sec * 1'000'000'000 + time.tv_nsec);
 }
 
 /// Reads changes in a thread, as the rig does.
@@ -96,8 +96,8 @@ void set_waking_the_rig(benchmark::State& state) {
       const MonoTime before = now();
       ioctl(handle, GPIOHANDLE_SET_LINE_VALUES_IOCTL, &data);
       const Duration cost = now() - before;
-      cost_ns.push_back(static_cast<double>(cost.ns));
-      state.SetIterationTime(cost.seconds());
+      cost_ns.push_back(static_cast<double>(cost.count()));
+      state.SetIterationTime(to_seconds(cost));
     }
     std::sort(cost_ns.begin(), cost_ns.end());
     state.counters["p50_ns"] = cost_ns[cost_ns.size() / 2];
@@ -122,7 +122,7 @@ void edge_to_reader(benchmark::State& state) {
     gpioevent_data data{};
     while (!stop) {
       if (poll(&waiting, 1, 10) <= 0 || read(event, &data, sizeof(data)) != sizeof(data)) continue;
-      latency_ns.push_back(static_cast<double>(now().ns - static_cast<std::int64_t>(data.timestamp)));
+      latency_ns.push_back(static_cast<double>(to_ns(now()) - static_cast<std::int64_t>(data.timestamp)));
       ++answered;
     }
   });

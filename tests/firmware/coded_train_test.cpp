@@ -176,8 +176,8 @@ TEST(CodedTrain, IsPlayedAsPlannedAndTellsItsLamps) {
     CHECK(flash.lamps == code[k].lamps);
     CHECK(flash.commanded == start + kFirstFlashAt + code[k].offset);
     CHECK(flash.issue_start >= flash.commanded && flash.issue_start - flash.commanded < microseconds(1));
-    CHECK_EQUAL(has_a(flash.lamps), flash.observed_a.known());
-    CHECK_EQUAL(has_b(flash.lamps), flash.observed_b.known());
+    CHECK_EQUAL(has_a(flash.lamps), known(flash.observed_a));
+    CHECK_EQUAL(has_b(flash.lamps), known(flash.observed_b));
     CHECK_EQUAL(0, flash.extra_edges);
     const Line line = k == 2 ? Line::strobe_a : k == 5 ? Line::strobe_b : Line::none;
     CHECK(bench.rig.find(EventKind::flash, k)->line == line);
@@ -256,7 +256,7 @@ TEST(CodedTrain, OfTheGateStartsWhenTheGateSaysSo) {
   CHECK(bench.shot().abort_reason.empty());
   CHECK(bench.shot().flashes[4].commanded == ball + some_code()[4].offset);
   CHECK(bench.shot().flashes[5].lamps == Lamps::b);
-  CHECK_FALSE(bench.shot().flashes[5].observed_a.known());
+  CHECK_FALSE(known(bench.shot().flashes[5].observed_a));
 }
 
 namespace {
@@ -334,11 +334,11 @@ TEST(CodedTrain, KeepsEveryLampsLimitsThroughFreezes) {
     bench.play();
     RC_ASSERT(bench.rig.all_inactive());
     const Duration late = config.tolerance.late;
-    std::array<MonoTime, 2> last{MonoTime::never(), MonoTime::never()};
+    std::array<MonoTime, 2> last{kNoTime, kNoTime};
     for (const auto& set : bench.rig.sets) {
       if (set.output != Output::strobes || !set.active) continue;
       for (const std::size_t lamp : {0u, 1u}) {
-        if (!last[lamp].known()) continue;
+        if (!known(last[lamp])) continue;
         const bool flashes = lamp == 0 ? has_a(set.lamps) : has_b(set.lamps);
         RC_ASSERT(set.time - last[lamp] >=
                   (flashes ? config.lamps.min_period : min_flash_interval(config)) - late);
@@ -347,8 +347,8 @@ TEST(CodedTrain, KeepsEveryLampsLimitsThroughFreezes) {
       if (has_b(set.lamps)) last[1] = set.time;
     }
     for (const FlashRecord& flash : bench.shot().flashes) {
-      RC_ASSERT(flash.issue_start.known() || !bench.shot().abort_reason.empty());
-      if (flash.issue_start.known())
+      RC_ASSERT(known(flash.issue_start) || !bench.shot().abort_reason.empty());
+      if (known(flash.issue_start))
         RC_ASSERT(flash.issue_start - flash.commanded <= config.tolerance.abort_late);
     }
     RC_CLASSIFY(bench.shot().abort_reason.empty(), "whole");
@@ -380,7 +380,7 @@ TEST(ShutterContact, TellsWhenTheShutterReallyOpenedAndClosed) {
   shoot();
   const ShotRecord& shot = bench.shot();
   CHECK(shot.shutter_feedback == ShutterFeedback::seen);
-  CHECK(shot.shutter_on.known() && shot.shutter_off.known());
+  CHECK(known(shot.shutter_on) && known(shot.shutter_off));
   // The kernel's stamp is that of the line's change, the issue ends a little later.
   CHECK(shot.shutter_open - shot.shutter_on <= milliseconds(49));
   CHECK(shot.shutter_open - shot.shutter_on > milliseconds(49) - microseconds(1));

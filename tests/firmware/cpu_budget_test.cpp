@@ -6,7 +6,7 @@ using namespace strobe;
 using namespace strobe::firmware;
 
 namespace {
-constexpr MonoTime kStart{5'000'000'000};
+constexpr MonoTime kStart = from_ns(5'000'000'000);
 constexpr Duration kAhead = milliseconds(4);
 constexpr Duration kSpin = microseconds(200);
 }  // namespace
@@ -16,7 +16,7 @@ TEST_GROUP(CpuBudget) {
   MonoTime now = kStart;
 
   void awake(Duration time) {
-    for (Duration passed{0}; passed < time; passed = passed + milliseconds(1)) {
+    for (Duration passed{}; passed < time; passed = passed + milliseconds(1)) {
       now = now + milliseconds(1);
       budget.note(now, milliseconds(1));
     }
@@ -53,7 +53,7 @@ TEST(CpuBudget, BoundsTheTimeAwakeInEverySecond) {
   for (bool& one : was_awake) {
     one = ahead() == kAhead;
     now = now + milliseconds(1);
-    budget.note(now, one ? milliseconds(1) : Duration{0});
+    budget.note(now, one ? milliseconds(1) : Duration{});
   }
   int most = 0;
   for (std::size_t from = 0; from + 1000 <= was_awake.size(); ++from)

@@ -6,7 +6,7 @@ using namespace strobe;
 using namespace strobe::firmware;
 
 namespace {
-constexpr MonoTime kFirst{1'000'000'000};
+constexpr MonoTime kFirst = from_ns(1'000'000'000);
 constexpr Duration kPeriod = microseconds(3000);
 constexpr Duration kDelay = microseconds(12);
 MonoTime at(int flash) { return kFirst + kPeriod * flash; }
@@ -28,15 +28,15 @@ TEST(EdgeAssignment, GivesAnEdgeToTheFlashThatWasIssuedJustBefore) {
   issue(1);
   book.edge(Input::sensor_a, at(1) + kDelay);
   CHECK(record.flashes[1].observed_a == at(1) + kDelay);
-  CHECK_FALSE(record.flashes[0].observed_a.known());
-  CHECK_FALSE(record.flashes[1].observed_b.known());
+  CHECK_FALSE(known(record.flashes[0].observed_a));
+  CHECK_FALSE(known(record.flashes[1].observed_b));
 }
 
 TEST(EdgeAssignment, KeepsTheSensorsApart) {
   issue(0);
   book.edge(Input::sensor_b, at(0) + kDelay);
   CHECK(record.flashes[0].observed_b == at(0) + kDelay);
-  CHECK_FALSE(record.flashes[0].observed_a.known());
+  CHECK_FALSE(known(record.flashes[0].observed_a));
 }
 
 TEST(EdgeAssignment, CountsASecondEdgeAsExtra) {
@@ -52,8 +52,8 @@ TEST(EdgeAssignment, LeavesAMissingFlashMissing) {
   for (int k = 0; k < 3; ++k) issue(k);
   book.edge(Input::sensor_a, at(0) + kDelay);
   book.edge(Input::sensor_a, at(2) + kDelay);
-  CHECK_FALSE(record.flashes[1].observed_a.known());
-  CHECK(record.flashes[2].observed_a.known());
+  CHECK_FALSE(known(record.flashes[1].observed_a));
+  CHECK(known(record.flashes[2].observed_a));
 }
 
 TEST(EdgeAssignment, FollowsAFlashThatWasIssuedLate) {
@@ -71,7 +71,7 @@ TEST(EdgeAssignment, CountsLightBetweenTwoFlashesAsExtra) {
   book.edge(Input::sensor_a, at(1) + microseconds(1500));  // half a period: too late to be the flash
   book.edge(Input::sensor_b, at(2) - microseconds(21));
   CHECK(record.flashes[1].observed_a == at(1) + kDelay);
-  CHECK_FALSE(record.flashes[1].observed_b.known());
+  CHECK_FALSE(known(record.flashes[1].observed_b));
   CHECK_EQUAL(2, record.flashes[1].extra_edges);
   CHECK_EQUAL(0, record.flashes[2].extra_edges);
 }
@@ -81,7 +81,7 @@ TEST(EdgeAssignment, IgnoresLightBeforeAndAfterTheTrain) {
   book.edge(Input::sensor_a, at(0) - microseconds(21));
   book.edge(Input::sensor_a, at(3) + kPeriod);
   for (const FlashRecord& flash : record.flashes) {
-    CHECK_FALSE(flash.observed_a.known());
+    CHECK_FALSE(known(flash.observed_a));
     CHECK_EQUAL(0, flash.extra_edges);
   }
 }
@@ -90,7 +90,7 @@ TEST(EdgeAssignment, AcceptsAnEdgeALittleBeforeTheIssue) {
   // A configured sensor delay that is somewhat too large puts the corrected stamp before the issue.
   issue(0);
   book.edge(Input::sensor_a, at(0) - microseconds(19));
-  CHECK(record.flashes[0].observed_a.known());
+  CHECK(known(record.flashes[0].observed_a));
 }
 
 TEST(EdgeAssignment, KeepsWithinItsCapacity) {

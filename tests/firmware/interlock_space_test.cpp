@@ -81,7 +81,7 @@ struct Judge {
 struct Walk {
   Interlock lock;
   Judge judge;
-  MonoTime now{1'000'000'000};
+  MonoTime now = from_ns(1'000'000'000);
   std::int64_t next_token = 1;
 };
 

@@ -12,7 +12,7 @@ using Kind = Interlock::Effect::Kind;
 namespace {
 constexpr std::int64_t kHost = 11, kOther = 22, kToken = 1001;
 constexpr Duration kExpires = milliseconds(30'000);
-constexpr MonoTime kNow{1'000'000'000};
+constexpr MonoTime kNow = from_ns(1'000'000'000);
 constexpr std::int32_t kShot = 1;
 }  // namespace
 

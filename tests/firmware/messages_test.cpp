@@ -41,8 +41,8 @@ TEST(FirmwareMessages, TellEachFlashsLampsAndTheShutter) {
   ShotRecord record;
   record.flashes.resize(2);
   record.flashes[1].lamps = Lamps::b;
-  record.shutter_on = MonoTime{7};
-  record.shutter_off = MonoTime{8};
+  record.shutter_on = from_ns(7);
+  record.shutter_off = from_ns(8);
   record.shutter_feedback = ShutterFeedback::late;
   Rig rig;
   rig.lamps.delay_b_us = 13.5;
@@ -59,7 +59,7 @@ TEST(FirmwareMessages, TellEachFlashsLampsAndTheShutter) {
 TEST(FirmwareMessages, SayWhatWasNotSeen) {
   ShotRecord record;
   record.flashes.resize(2);
-  record.flashes[1].observed_a = MonoTime{123};
+  record.flashes[1].observed_a = from_ns(123);
   const auto shot = to_message(record, Rig(), 7, {1, 9}, {});
   CHECK_EQUAL(2, shot.flash_count);
   CHECK_EQUAL(1, shot.flashes[1].flash_index);

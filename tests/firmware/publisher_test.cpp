@@ -92,9 +92,9 @@ TEST_GROUP(Publisher) {
     queue.event(event);
     event.kind = EventKind::flash;
     for (event.flash_index = 0; event.flash_index < flashes; ++event.flash_index) {
-      event.commanded = MonoTime{1'000'000};
-      event.issue_start = MonoTime{1'000'100};  // lateness ends here, not with the call
-      event.issue_end = MonoTime{1'000'400};
+      event.commanded = from_ns(1'000'000);
+      event.issue_start = from_ns(1'000'100);  // lateness ends here, not with the call
+      event.issue_end = from_ns(1'000'400);
       queue.event(event);
     }
     event.kind = EventKind::shot_ended;

@@ -25,7 +25,7 @@ class StandingClock final : public Clock {
   void pass(Duration time) { now_ = now_ + time; }
 
  private:
-  MonoTime now_{1};
+  MonoTime now_ = from_ns(1);
 };
 
 constexpr std::int64_t kBoot = 4711;

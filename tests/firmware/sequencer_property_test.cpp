@@ -29,8 +29,8 @@ enum class Deed {
 
 struct Act {
   Deed deed;
-  Duration after;  ///< the one before
-  Duration span;   ///< of a freeze, or until key and e-stop are put back
+  Duration after{};  ///< the one before
+  Duration span{};   ///< of a freeze, or until key and e-stop are put back
 };
 
 rc::Gen<Act> act() {
@@ -48,8 +48,9 @@ rc::Gen<Act> act() {
                                                     {2, Deed::freeze}});
   return rc::gen::build<Act>(
       rc::gen::set(&Act::deed, deed),
-      rc::gen::set(&Act::after, rc::gen::map(rc::gen::inRange<std::int64_t>(0, 400'000'000), nanoseconds)),
-      rc::gen::set(&Act::span, rc::gen::map(rc::gen::inRange<std::int64_t>(1'000, 60'000'000), nanoseconds)));
+      rc::gen::set(&Act::after, rc::gen::construct<Duration>(rc::gen::inRange<std::int64_t>(0, 400'000'000))),
+      rc::gen::set(&Act::span,
+                   rc::gen::construct<Duration>(rc::gen::inRange<std::int64_t>(1'000, 60'000'000))));
 }
 
 /// Levels of key and e-stop as they were driven, to be judged against the trigger's instants.
@@ -133,7 +134,7 @@ struct Story {
     return level;
   }
   Duration frozen_between(MonoTime from, MonoTime to) const {
-    Duration sum{0};
+    Duration sum{};
     for (const auto& [when, span] : freezes) {
       if (when >= from - span && when <= to) sum = sum + span;
     }
@@ -159,7 +160,7 @@ void check(const Story& story) {
   for (const ShotRecord* shot : rig.shots) {
     live_shots += shot->plan.dry ? 0 : 1;
     for (const FlashRecord& flash : shot->flashes) {
-      if (!flash.issue_start.known()) continue;
+      if (!known(flash.issue_start)) continue;
       RC_ASSERT(flash.issue_start >= flash.commanded);
       const Duration late = flash.issue_start - flash.commanded;
       RC_ASSERT(late <=

@@ -7,7 +7,7 @@ using namespace strobe::firmware;
 
 namespace {
 
-constexpr MonoTime at_us(std::int64_t us) { return MonoTime{us * 1000}; }
+constexpr MonoTime at_us(std::int64_t us) { return from_ns(us * 1000); }
 
 }  // namespace
 
@@ -28,8 +28,8 @@ TEST_GROUP(ShotTiming) {
 
 TEST(ShotTiming, ToldOfAnIssuedFlashCountsItsLatenessAndItsCall) {
   timing.issued(at_us(1000), at_us(1004), at_us(1005));
-  CHECK_EQUAL(4000, of(TimingQuantity::lateness).max().ns);
-  CHECK_EQUAL(1000, of(TimingQuantity::issue).max().ns);
+  CHECK_EQUAL(4000, of(TimingQuantity::lateness).max().count());
+  CHECK_EQUAL(1000, of(TimingQuantity::issue).max().count());
   CHECK_EQUAL(0, of(TimingQuantity::skew).count());
 }
 
@@ -40,11 +40,11 @@ TEST(ShotTiming, TakesSkewAndEachLampsDelayFromWhatTheSensorsSaw) {
   flash(3000, 3002).observed_b = at_us(3014);
   timing.seen(shot);
   CHECK_EQUAL(1, of(TimingQuantity::skew).count());
-  CHECK_EQUAL(-3000, of(TimingQuantity::skew).max().ns);
+  CHECK_EQUAL(-3000, of(TimingQuantity::skew).max().count());
   CHECK_EQUAL(1, of(TimingQuantity::lamp_delay_a).count());
-  CHECK_EQUAL(12'000, of(TimingQuantity::lamp_delay_a).max().ns);
+  CHECK_EQUAL(12'000, of(TimingQuantity::lamp_delay_a).max().count());
   CHECK_EQUAL(2, of(TimingQuantity::lamp_delay_b).count());
-  CHECK_EQUAL(12'000, of(TimingQuantity::lamp_delay_b).min().ns);
+  CHECK_EQUAL(12'000, of(TimingQuantity::lamp_delay_b).min().count());
 }
 
 TEST(ShotTiming, TakesALampsDelayOnlyFromItsOwnSensor) {
@@ -68,8 +68,8 @@ TEST(ShotTiming, TakesThePeriodsErrorFromTheSensorsThatSawBothFlashes) {
   flash(6000, 6002).observed_b = at_us(6094);
   timing.seen(shot);
   CHECK_EQUAL(2, of(TimingQuantity::period_error).count());
-  CHECK_EQUAL(4000, of(TimingQuantity::period_error).max().ns);
-  CHECK_EQUAL(-3000, of(TimingQuantity::period_error).min().ns);
+  CHECK_EQUAL(4000, of(TimingQuantity::period_error).max().count());
+  CHECK_EQUAL(-3000, of(TimingQuantity::period_error).min().count());
 }
 
 TEST(ShotTiming, AFlashThatNobodySawMakesNoPeriod) {

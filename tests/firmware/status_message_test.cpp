@@ -12,7 +12,7 @@ namespace {
 
 /// Each reading of it takes as long as the next entry says.
 struct SteppingClock : Clock {
-  MonoTime time{1000};
+  MonoTime time = from_ns(1000);
   std::vector<Duration> steps;
   std::size_t next = 0;
 
@@ -44,7 +44,7 @@ TEST(StatusMessage, HasEveryQuantityFromTheStart) {
 
 TEST(StatusMessage, TellsTimingInMicroseconds) {
   for (const std::int64_t late_ns : {100, 100, 400})
-    timing->issued(MonoTime{0}, MonoTime{late_ns}, MonoTime{late_ns + 250});
+    timing->issued(MonoTime{}, from_ns(late_ns), from_ns(late_ns + 250));
   const auto message = to_message(parts, *timing);
   const auto& lateness = message.histograms[0];
   CHECK_EQUAL(3, lateness.count);
@@ -90,7 +90,7 @@ TEST(StatusMessage, ReadsTheClocksAgainWhenItWasHeldUpBetweenThem) {
   CHECK_EQUAL(2, reading.wall_ns);
   CHECK_EQUAL(77, reading.boot_time_ns);
   // Read first at 1000 ns, then after 30 ms and 1 us, with 4 us from one reading to the next.
-  CHECK_EQUAL(1000 + 30'001'000 + 2000, reading.mono.ns);
+  CHECK_EQUAL(1000 + 30'001'000 + 2000, to_ns(reading.mono));
 }
 
 TEST(StatusMessage, TakesTheClosestReadingIfNoneIsClose) {

@@ -16,7 +16,7 @@ TEST_GROUP(Tick) {
   void ticks(int count, Duration phase, Duration length) {
     for (int k = 0; k < count; ++k) {
       const Duration jitter = nanoseconds((k * 7919) % 9000);
-      gaps.push_back({MonoTime{1'000'000'000'000} + kPeriod * k + phase + jitter, length + jitter});
+      gaps.push_back({from_ns(1'000'000'000'000) + kPeriod * k + phase + jitter, length + jitter});
     }
   }
   Tick found() const { return detect_tick(gaps, kPeriod, kPeriods); }
@@ -46,8 +46,7 @@ TEST(Tick, IsFoundThoughSomePeriodsDoNotShowIt) {
 }
 
 TEST(Tick, IsFoundAmongOtherInterruptions) {
-  for (int k = 0; k < 200; ++k)
-    gaps.push_back({MonoTime{1'000'000'000'000 + k * 293'117LL}, microseconds(3)});
+  for (int k = 0; k < 200; ++k) gaps.push_back({from_ns(1'000'000'000'000 + k * 293'117LL), microseconds(3)});
   ticks(kPeriods, microseconds(3000), microseconds(20));
   const Tick tick = found();
   CHECK_TRUE(tick.known());
@@ -56,11 +55,11 @@ TEST(Tick, IsFoundAmongOtherInterruptions) {
 
 TEST(Tick, IsNotMadeOfInterruptionsWithoutAPhase) {
   for (int k = 0; k < 60; ++k)
-    gaps.push_back({MonoTime{1'000'000'000'000 + k * 1'013'117LL}, microseconds(20)});
+    gaps.push_back({from_ns(1'000'000'000'000 + k * 1'013'117LL), microseconds(20)});
   CHECK_FALSE(found().known());
 }
 
 TEST(Tick, IsNotMadeOfManyInterruptionsInOnePeriod) {
-  for (int k = 0; k < 30; ++k) gaps.push_back({MonoTime{1'000'000'000'000 + k * 1'000LL}, microseconds(2)});
+  for (int k = 0; k < 30; ++k) gaps.push_back({from_ns(1'000'000'000'000 + k * 1'000LL), microseconds(2)});
   CHECK_FALSE(found().known());
 }

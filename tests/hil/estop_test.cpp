@@ -143,8 +143,7 @@ bool answered_in_time(const Session& session, const Situation& situation) {
     if (press.situation != &situation || press.pressed == 0) continue;
     const std::int64_t safe = session.changes.inactive_from(press.pressed, press.released);
     CHECK_TEXT(safe != INT64_MAX, situation.name);
-    const bool froze =
-        within_freeze(session.freezes, strobe::MonoTime{press.pressed}, strobe::MonoTime{safe});
+    const bool froze = within_freeze(session.freezes, strobe::from_ns(press.pressed), strobe::from_ns(safe));
     (safe - press.pressed <= kLimitNs ? in_time : froze ? frozen : late) += 1;
     std::printf(" %.0f", static_cast<double>(safe - press.pressed) * 1e-3);
   }

@@ -39,13 +39,13 @@ std::int64_t LineWatcher::wait_for(const std::string& line, int level, testing::
 std::int64_t LineWatcher::wait_for_nth(const std::string& line, int level, int n,
                                        std::chrono::milliseconds limit) {
   const std::uint32_t wanted = number(line);
-  const MonoTime end{testing::monotonic_now_ns() + std::chrono::nanoseconds(limit).count()};
+  const MonoTime end = from_ns(testing::monotonic_now_ns() + std::chrono::nanoseconds(limit).count());
   std::vector<sim::Change> changes;
-  while (testing::monotonic_now_ns() < end.ns) {
+  while (testing::monotonic_now_ns() < to_ns(end)) {
     changes.clear();
     chip_.wait_changes(cursor_, end, changes);
     for (const sim::Change& change : changes) {
-      if (change.line == wanted && change.level == level && --n == 0) return change.time.ns;
+      if (change.line == wanted && change.level == level && --n == 0) return to_ns(change.time);
     }
   }
   return 0;
@@ -54,7 +54,7 @@ std::int64_t LineWatcher::wait_for_nth(const std::string& line, int level, int n
 void LineWatcher::unplug() { chip_.unplug(); }
 
 void LineWatcher::drive(const std::string& line, int level) {
-  chip_.drive(number(line), level, MonoTime{testing::monotonic_now_ns()});
+  chip_.drive(number(line), level, from_ns(testing::monotonic_now_ns()));
 }
 
 sim::LineState LineWatcher::state(const std::string& line) const { return chip_.state(number(line)); }

@@ -41,7 +41,7 @@ std::optional<Pin> pin_of(RigLine line) {
 /// How far the machine's CLOCK_MONOTONIC is behind this one's: its uptime, in hundredths of a second.
 Duration clock_offset(VirtualMachine& machine) {
   const double uptime_s = std::stod(machine.run("cat /proc/uptime"));
-  return monotonic_now() - MonoTime{static_cast<std::int64_t>(uptime_s * 1e9)} - kLaterThanTrue;
+  return monotonic_now() - from_ns(static_cast<std::int64_t>(uptime_s * 1e9)) - kLaterThanTrue;
 }
 
 }  // namespace
@@ -154,7 +154,7 @@ void KernelFixture::apply_scheduled_drives() {
 
 void KernelFixture::take_change() {
   const Duration until_due = rig_->next_due() - there();
-  const auto wait = std::clamp(std::chrono::milliseconds(until_due.ns / 1'000'000),
+  const auto wait = std::clamp(std::chrono::milliseconds(until_due / milliseconds(1)),
                                std::chrono::milliseconds(0), kLongestWait);
   const auto change = machine_.next_change(wait);
   if (!change || change->pin >= kOutputPins) return;

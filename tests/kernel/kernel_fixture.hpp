@@ -76,7 +76,7 @@ class KernelFixture {
   testing::TemporaryFolder folder_;
   LcmBridge bridge_;
   VirtualMachine machine_;
-  Duration clock_offset_;  ///< the machine's clock, against this one
+  Duration clock_offset_{};  ///< the machine's clock, against this one
   sim::ExposureStore exposure_store_;
   std::unique_ptr<sim::TruthFile> truth_;
   std::unique_ptr<sim::Rig> rig_;

@@ -15,16 +15,16 @@ TEST_GROUP(VirtualBus) {
   std::vector<int> arrivals(int count, Station to = Station::host) {
     for (int i = 0; i < count; ++i) {
       const std::vector<std::uint8_t> bytes{static_cast<std::uint8_t>(i >> 8), static_cast<std::uint8_t>(i)};
-      bus.send(to, "channel", bytes, MonoTime{std::int64_t{i} * 1'000'000});
+      bus.send(to, "channel", bytes, from_ns(std::int64_t{i} * 1'000'000));
     }
     std::vector<int> numbers;
-    MonoTime last{0};
+    MonoTime last{};
     while (bus.next_due() != kFarFuture) {
       const auto delivery = bus.take();
       CHECK(delivery.at >= last);
       last = delivery.at;
       numbers.push_back(delivery.packet->bytes[0] << 8 | delivery.packet->bytes[1]);
-      CHECK(delivery.at > MonoTime{std::int64_t{numbers.back()} * 1'000'000});
+      CHECK(delivery.at > from_ns(std::int64_t{numbers.back()} * 1'000'000));
       bus.done(delivery);
     }
     return numbers;
@@ -38,7 +38,7 @@ TEST(VirtualBus, DeliversEachPacketOnceAndInOrderWithoutFaults) {
 }
 
 TEST(VirtualBus, KeepsItsOrderEvenIfPacketsAreSentAtOneInstant) {
-  for (std::uint8_t i = 0; i < 200; ++i) bus.send(Station::host, "c", std::vector{i}, MonoTime{5});
+  for (std::uint8_t i = 0; i < 200; ++i) bus.send(Station::host, "c", std::vector{i}, from_ns(5));
   for (std::uint8_t i = 0; i < 200; ++i) {
     const auto delivery = bus.take();
     LONGS_EQUAL(i, delivery.packet->bytes[0]);

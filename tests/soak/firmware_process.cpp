@@ -16,7 +16,7 @@ firmware::PublisherSettings publisher_settings(const FirmwareProcess::Settings& 
   result.session = settings.session;
   result.real_time = true;
   result.wall_ns = settings.wall_ns;
-  result.boot_time_ns = [&clock] { return clock.now().ns; };
+  result.boot_time_ns = [&clock] { return to_ns(clock.now()); };
   result.say = settings.say;
   result.found = found;
   return result;

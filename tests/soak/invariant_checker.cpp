@@ -40,7 +40,7 @@ Duration InvariantChecker::excused(MonoTime from, MonoTime to) const {
     const MonoTime begin = std::max(from, still.from), end = std::min(to, still.until);
     if (end > begin) sum = sum + (end - begin);
   }
-  if (died_.known() && died_ <= to && died_ + kGuardianMakesSafe >= from) sum = sum + kGuardianMakesSafe;
+  if (known(died_) && died_ <= to && died_ + kGuardianMakesSafe >= from) sum = sum + kGuardianMakesSafe;
   return sum;
 }
 
@@ -57,7 +57,7 @@ Duration InvariantChecker::longest(Output output) const {
 }
 
 bool InvariantChecker::unsafe_before(MonoTime at) const {
-  return unsafe_since_.known() && at - unsafe_since_ > kMakesSafe + excused(unsafe_since_, at);
+  return known(unsafe_since_) && at - unsafe_since_ > kMakesSafe + excused(unsafe_since_, at);
 }
 
 void InvariantChecker::output(Output output, bool active, MonoTime at, firmware::Lamps lamps) {
@@ -69,10 +69,10 @@ void InvariantChecker::output(Output output, bool active, MonoTime at, firmware:
     return;
   }
   const bool too_late = unsafe_before(at);
-  watched = {true, at, too_late ? MonoTime::never() : unsafe_since_};
+  watched = {true, at, too_late ? kNoTime : unsafe_since_};
   if (too_late) {
     violate(fmt::format("{} made active at {} with the key off or the e-stop pressed since {}",
-                        kOutputNames[index_of(output)], at.ns, unsafe_since_.ns));
+                        kOutputNames[index_of(output)], to_ns(at), to_ns(unsafe_since_)));
   }
   if (output == Output::trigger) check_trigger(at);
   if (output == Output::shutter) flashes_of_shot_ = 0;  // each shot opens it once
@@ -82,27 +82,29 @@ void InvariantChecker::output(Output output, bool active, MonoTime at, firmware:
 void InvariantChecker::check_end(Output output, const Watched& watched, MonoTime at) {
   const Duration on = at - watched.since;
   if (on > longest(output) + limits_.tolerance.late + excused(watched.since, at)) {
-    violate(fmt::format("{} active for {} us until {}", kOutputNames[index_of(output)], on.ns / 1000, at.ns));
+    violate(fmt::format("{} active for {} us until {}", kOutputNames[index_of(output)], on / microseconds(1),
+                        to_ns(at)));
   }
-  if (watched.must_end.known() && at - watched.must_end > kMakesSafe + excused(watched.must_end, at)) {
+  if (known(watched.must_end) && at - watched.must_end > kMakesSafe + excused(watched.must_end, at)) {
     violate(fmt::format("{} inactive only {} us after the key or the e-stop demanded it, at {}",
-                        kOutputNames[index_of(output)], (at - watched.must_end).ns / 1000, at.ns));
+                        kOutputNames[index_of(output)], (at - watched.must_end) / microseconds(1),
+                        to_ns(at)));
   }
 }
 
 void InvariantChecker::check_trigger(MonoTime at) {
   ++triggers_;
-  if (unsafe_since_.known() && at - unsafe_since_ > kRace + excused(unsafe_since_, at)) {
-    violate(fmt::format("trigger at {} with the key off or the e-stop pressed since {}", at.ns,
-                        unsafe_since_.ns));
+  if (known(unsafe_since_) && at - unsafe_since_ > kRace + excused(unsafe_since_, at)) {
+    violate(fmt::format("trigger at {} with the key off or the e-stop pressed since {}", to_ns(at),
+                        to_ns(unsafe_since_)));
   }
   for (auto& [id, token] : tokens_) {
-    if (token.boot_id != boot_id_ || !token.fired.known() || token.dry || token.spent) continue;
+    if (token.boot_id != boot_id_ || !known(token.fired) || token.dry || token.spent) continue;
     if (at < token.fired || at - token.fired > kFireToTrigger + excused(token.fired, at)) continue;
     token.spent = true;
     return;
   }
-  violate(fmt::format("trigger at {} without a fresh token", at.ns));
+  violate(fmt::format("trigger at {} without a fresh token", to_ns(at)));
 }
 
 void InvariantChecker::check_lamps(firmware::Lamps lamps, MonoTime at) {
@@ -110,38 +112,39 @@ void InvariantChecker::check_lamps(firmware::Lamps lamps, MonoTime at) {
   for (std::size_t lamp = 0; lamp < last_flash_.size(); ++lamp) {
     if (lamp == 0 ? !has_a(lamps) : !has_b(lamps)) continue;
     const MonoTime before = std::exchange(last_flash_[lamp], at);
-    if (before.known()) shortest = std::min(shortest.value_or(at - before), at - before);
+    if (known(before)) shortest = std::min(shortest.value_or(at - before), at - before);
   }
   // A daemon that is started anew does not know when the last one flashed; it takes much longer than that.
   if (shortest && *shortest + limits_.tolerance.late + microseconds(1) < limits_.lamps.min_period) {
-    violate(fmt::format("a lamp flashed {} us after its flash before, at {}", shortest->ns / 1000, at.ns));
+    violate(fmt::format("a lamp flashed {} us after its flash before, at {}", *shortest / microseconds(1),
+                        to_ns(at)));
   }
   if (++flashes_of_shot_ > limits_.lamps.max_flashes) {
-    violate(fmt::format("{} flashes in one shot, at {}", flashes_of_shot_, at.ns));
+    violate(fmt::format("{} flashes in one shot, at {}", flashes_of_shot_, to_ns(at)));
   }
 }
 
 void InvariantChecker::became_unsafe(MonoTime at) {
-  if (!unsafe_since_.known()) unsafe_since_ = at;
+  if (!known(unsafe_since_)) unsafe_since_ = at;
   for (Watched& watched : outputs_) {
-    if (watched.active && !watched.must_end.known()) watched.must_end = at;
+    if (watched.active && !known(watched.must_end)) watched.must_end = at;
   }
 }
 
 void InvariantChecker::key(bool on, MonoTime at) {
   key_ = on;
   if (!on) became_unsafe(at);
-  if (key_ && !estop_) unsafe_since_ = MonoTime::never();
+  if (key_ && !estop_) unsafe_since_ = kNoTime;
 }
 
 void InvariantChecker::estop(bool pressed, MonoTime at) {
   estop_ = pressed;
   if (pressed) became_unsafe(at);
-  if (key_ && !estop_) unsafe_since_ = MonoTime::never();
+  if (key_ && !estop_) unsafe_since_ = kNoTime;
 }
 
 void InvariantChecker::token_drawn(std::int64_t token, MonoTime at) {
-  tokens_[token] = {arming_host_, boot_id_, at, MonoTime::never(), false, false};
+  tokens_[token] = {arming_host_, boot_id_, at, kNoTime, false, false};
 }
 
 void InvariantChecker::at_firmware(const std::vector<std::uint8_t>& bytes, MonoTime at) {
@@ -153,7 +156,7 @@ void InvariantChecker::at_firmware(const std::vector<std::uint8_t>& bytes, MonoT
   const auto token = tokens_.find(command.arm_token);
   if (token == tokens_.end() || token->second.boot_id != boot_id_) return;
   Token& t = token->second;
-  if (t.host_id != command.host_id || t.fired.known() || at - t.armed > kTokenLife + excused(t.armed, at))
+  if (t.host_id != command.host_id || known(t.fired) || at - t.armed > kTokenLife + excused(t.armed, at))
     return;
   t.fired = at;
   t.dry = command.plan.dry != 0;

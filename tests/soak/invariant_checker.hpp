@@ -75,7 +75,7 @@ class InvariantChecker {
     std::int64_t host_id = 0;
     std::int64_t boot_id = 0;
     MonoTime armed;
-    MonoTime fired = MonoTime::never();
+    MonoTime fired = kNoTime;
     bool dry = false;
     bool spent = false;
   };
@@ -85,7 +85,7 @@ class InvariantChecker {
   struct Watched {
     bool active = false;
     MonoTime since;
-    MonoTime must_end = MonoTime::never();  ///< made unsafe at that instant, while active
+    MonoTime must_end = kNoTime;  ///< made unsafe at that instant, while active
   };
 
   void check_trigger(MonoTime at);
@@ -101,13 +101,13 @@ class InvariantChecker {
   std::array<Watched, firmware::kOutputs.size()> outputs_{};
   bool key_ = true;
   bool estop_ = false;
-  MonoTime unsafe_since_ = MonoTime::never();
-  MonoTime died_ = MonoTime::never();
+  MonoTime unsafe_since_ = kNoTime;
+  MonoTime died_ = kNoTime;
   std::vector<Still> still_;
   std::int64_t boot_id_ = 0;
   std::int64_t arming_host_ = 0;
   std::map<std::int64_t, Token> tokens_;
-  std::array<MonoTime, 2> last_flash_{MonoTime::never(), MonoTime::never()};  ///< of lamp A, of lamp B
+  std::array<MonoTime, 2> last_flash_{kNoTime, kNoTime};  ///< of lamp A, of lamp B
   int flashes_of_shot_ = 0;
   int triggers_ = 0;
   std::map<std::int64_t, std::vector<bool>> on_host_;  ///< of each boot, by sequence

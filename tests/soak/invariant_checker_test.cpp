@@ -54,7 +54,7 @@ std::vector<std::uint8_t> event(std::int64_t sequence) {
 TEST_GROUP(InvariantChecker) {
   firmware::Rig rig;
   InvariantChecker invariant_checker{rig};
-  MonoTime now{1'000'000'000};
+  MonoTime now = from_ns(1'000'000'000);
 
   void setup() override { invariant_checker.booted(kBoot); }
   void pass(Duration duration) { now = now + duration; }

@@ -76,7 +76,7 @@ Lab::Lab(const RigFiles& files, const RunSettings& order)
       random_(seed_of(order)),
       lab_setup_(lab_setup_of(order, files.host.plan, random_)),
       host_settings_(host_settings_of(files, order, lab_setup_)),
-      time_{1'000'000'000'000},
+      time_(from_ns(1'000'000'000'000)),
       bus_(random_.bits()),
       rig_(lab_setup_.scene, random_.bits() >> 1, time_),
       tablet_operator_(lab_setup_.scene, rig_.seed()),
@@ -202,7 +202,7 @@ void Lab::drive(Output output, bool active, firmware::Lamps lamps) {
   bool& driven = driven_[index_of(output)];
   if (driven == active) return;
   driven = active;
-  mix(static_cast<std::uint64_t>(time_.ns) ^ (index_of(output) << 1) ^ (active ? 1 : 0));
+  mix(static_cast<std::uint64_t>(to_ns(time_)) ^ (index_of(output) << 1) ^ (active ? 1 : 0));
   trace("{} {}",
         output == Output::trigger   ? "TRIGGER"
         : output == Output::strobes ? "lamps"

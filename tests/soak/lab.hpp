@@ -175,8 +175,8 @@ class Lab final : firmware::Clock, firmware::OutputLines, firmware::EdgeSource, 
   bool stop_asked_ = false;
   bool woken_ = false;
   MonoTime publisher_due_ = kFarFuture;
-  Duration publisher_latency_;
-  Duration wall_offset_;
+  Duration publisher_latency_{};
+  Duration wall_offset_{};
 
   std::unique_ptr<VirtualHost> host_;
   HostLog host_log_;

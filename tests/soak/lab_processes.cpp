@@ -45,11 +45,11 @@ bool images_mislead(const sim::Scene& scene, const sim::Exposure& exposure) {
 }  // namespace
 
 std::string Lab::trace_time() const {
-  return fmt::format("{:14.6f}", static_cast<double>(time_.ns - 1'000'000'000'000) * 1e-9);
+  return fmt::format("{:14.6f}", static_cast<double>(to_ns(time_) - 1'000'000'000'000) * 1e-9);
 }
 
 std::int64_t Lab::host_now() const {
-  return host_origin_ns_ + std::llround(static_cast<double>(time_.ns) * host_rate_);
+  return host_origin_ns_ + std::llround(static_cast<double>(to_ns(time_)) * host_rate_);
 }
 
 // Fates -----------------------------------------------------------------------------------------------------
@@ -59,7 +59,7 @@ void Lab::draw_hazards() {
   if (hazards_stopped_) return;
   for (std::size_t i = 0; i < kHazardCount; ++i) {
     const auto hazard = static_cast<Hazard>(i);
-    if (!random_.chance(order_.faults[hazard] * kHazardInterval.seconds())) continue;
+    if (!random_.chance(order_.faults[hazard] * to_seconds(kHazardInterval))) continue;
     if (random_.chance(0.5)) {
       timeline_.schedule(time_ + random_.between(Duration{}, kHazardInterval), {What::hazard, hazard});
     } else {
@@ -180,7 +180,7 @@ void Lab::boot() {
     checker_.token_drawn(token, time_);
     return token;
   };
-  settings.wall_ns = [this] { return 1'770'000'000'000'000'000 + time_.ns + wall_offset_.ns; };
+  settings.wall_ns = [this] { return 1'770'000'000'000'000'000 + to_ns(time_) + wall_offset_.count(); };
   settings.say = [this](const std::string& line) { trace("strobed: {}", line); };
   disk_.write([&] {
     auto process = FirmwareProcess::start(
@@ -303,7 +303,7 @@ void Lab::deliver() {
     case Station::desk: {
       strobe_msgs::shot_t shot;
       if (shot.decode(bytes.data(), 0, static_cast<int>(bytes.size())) >= 0)
-        tablet_operator_.announce({shot.boot_id, shot.shot_id}, MonoTime{shot.start_ns}, time_);
+        tablet_operator_.announce({shot.boot_id, shot.shot_id}, from_ns(shot.start_ns), time_);
       break;
     }
   }
@@ -322,7 +322,7 @@ void Lab::note_shot(std::span<const std::uint8_t> bytes) {
   if (shot.decode(bytes.data(), 0, static_cast<int>(bytes.size())) < 0) return;
   const bool news = shots_
                         .emplace(InvariantChecker::ShotKey{shot.boot_id, shot.shot_id},
-                                 Shot{MonoTime{shot.start_ns}, time_, shot.plan.dry != 0})
+                                 Shot{from_ns(shot.start_ns), time_, shot.plan.dry != 0})
                         .second;
   if (!news) return;
   ++counts_.shots;
@@ -379,7 +379,7 @@ bool Lab::over() {
   const auto& violations = checker_.violations();
   for (; violations_traced_ < violations.size(); ++violations_traced_)
     trace("VIOLATION: {}", violations[violations_traced_]);
-  if (time_ > MonoTime{1'000'000'000'000} + kLongestCampaign) {
+  if (time_ > from_ns(1'000'000'000'000) + kLongestCampaign) {
     checker_.violate("the campaign does not end");
     return true;
   }
@@ -446,7 +446,7 @@ SoakCounts Lab::run() {
   counts_.packets_lost = bus_.counts().lost;
   counts_.packets_doubled = bus_.counts().doubled;
   counts_.packets_reordered = bus_.counts().reordered;
-  counts_.virtual_s = (time_ - MonoTime{1'000'000'000'000}).seconds();
+  counts_.virtual_s = to_seconds(time_ - from_ns(1'000'000'000'000));
   counts_.digest = digest_;
   return counts_;
 }

@@ -14,12 +14,12 @@ TEST_GROUP(Timeline){};
 TEST(Timeline, GivesWhatHappensInOrderOfTimeAndAtOneInstantAsItWasScheduled) {
   Timeline<int> timeline;
   CHECK(timeline.next() == kFarFuture);
-  timeline.schedule(MonoTime{20}, 3);
-  timeline.schedule(MonoTime{10}, 1);
-  timeline.schedule(MonoTime{20}, 4);
-  timeline.schedule(MonoTime{10}, 2);
+  timeline.schedule(from_ns(20), 3);
+  timeline.schedule(from_ns(10), 1);
+  timeline.schedule(from_ns(20), 4);
+  timeline.schedule(from_ns(10), 2);
   for (int expected = 1; expected <= 4; ++expected) {
-    CHECK(timeline.next() == MonoTime{expected <= 2 ? 10 : 20});
+    CHECK(timeline.next() == from_ns(expected <= 2 ? 10 : 20));
     LONGS_EQUAL(expected, timeline.take().what);
   }
   CHECK_TRUE(timeline.empty());

@@ -30,7 +30,7 @@ class Random {
     return low + static_cast<int>(bits() % static_cast<std::uint64_t>(high - low + 1));
   }
   Duration between(Duration low, Duration high) {
-    return nanoseconds(low.ns + std::llround(uniform() * static_cast<double>((high - low).ns)));
+    return nanoseconds(low.count() + std::llround(uniform() * static_cast<double>((high - low).count())));
   }
   /// A random number as ids and tokens are: positive.
   std::int64_t id() { return static_cast<std::int64_t>(bits() >> 1) | 1; }

@@ -15,8 +15,6 @@ constexpr Duration kStartSlack = milliseconds(1);
 constexpr Duration kLookAgain = milliseconds(50);
 constexpr Duration kExposureMissing = milliseconds(5000);  // longer than any exposure
 
-Duration from_seconds(double s) { return nanoseconds(std::llround(s * 1e9)); }
-
 }  // namespace
 
 void VirtualTabletOperator::add(sim::Exposure exposure) {
@@ -45,7 +43,7 @@ std::vector<std::uint8_t> VirtualTabletOperator::take(MonoTime now) {
     if (now - task.announced < kExposureMissing) tasks_.schedule(now + kLookAgain, task);
     return {};
   }
-  if (!exposure->opened.known() || shot_fault(scene_.faults, sim::FaultKind::no_photograph, exposure->shot)) {
+  if (!known(exposure->opened) || shot_fault(scene_.faults, sim::FaultKind::no_photograph, exposure->shot)) {
     return {};
   }
   const sim::Fault* late = shot_fault(scene_.faults, sim::FaultKind::frame_late, exposure->shot);

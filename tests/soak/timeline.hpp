@@ -11,7 +11,7 @@
 
 namespace strobe::soak {
 
-inline constexpr MonoTime kFarFuture{std::numeric_limits<std::int64_t>::max()};
+inline constexpr MonoTime kFarFuture = MonoTime::max();
 
 template <typename What>
 class Timeline {

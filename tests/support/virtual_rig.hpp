@@ -41,14 +41,14 @@ class VirtualRig final : public Clock,
 
   // What the rig does
   // -------------------------------------------------------------------------------------------
-  MonoTime time{5'000'000'000};
+  MonoTime time = from_ns(5'000'000'000);
   bool key = true;
   bool estop = false;
   bool levels_readable = true;
   bool edges_readable = true;
   bool journal = true;
   Duration set_cost = nanoseconds(300);
-  Duration wake_delay{0};  ///< whoever sleeps is woken so late
+  Duration wake_delay{};  ///< whoever sleeps is woken so late
   Duration lamp_delay = microseconds(12);
   bool sensor_a_works = true;
   bool sensor_b_works = true;
@@ -64,7 +64,7 @@ class VirtualRig final : public Clock,
   std::vector<Event> events;
   std::vector<LoopStatus> statuses;
   std::vector<ShotRecord*> shots;
-  Duration slept{0};
+  Duration slept{};
   std::int64_t lost = 0;
   std::int64_t kernel_lost = 0;
 
@@ -179,7 +179,7 @@ class VirtualRig final : public Clock,
  private:
   struct Freeze {
     MonoTime when;
-    Duration how_long;
+    Duration how_long{};
   };
   struct Timed {
     MonoTime when;

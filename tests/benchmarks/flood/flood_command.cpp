@@ -147,7 +147,7 @@ void read_journal(const std::string& path, int cpu, Run& run) {
     const auto flash = bench::timing::flash_of(event, cpu);
     if (!flash) continue;
     const auto within = [&](const Span& span) {
-      return flash->from.ns >= span.begin_ns && flash->from.ns <= span.end_ns;
+      return to_ns(flash->from) >= span.begin_ns && to_ns(flash->from) <= span.end_ns;
     };
     if (std::ranges::any_of(run.quiet, within)) run.quiet_flashes.push_back(*flash);
     if (std::ranges::any_of(run.flooded, within)) run.flooded_flashes.push_back(*flash);

@@ -10,7 +10,7 @@ namespace strobe::bench::timing {
 inline MonoTime now() {
   timespec t{};
   clock_gettime(CLOCK_MONOTONIC, &t);
-  return {t.tv_sec * 1'000'000'000 + t.tv_nsec};
+  return from_ns(t.tv_sec * 1'000'000'000 + t.tv_nsec);
 }
 
 }  // namespace strobe::bench::timing

@@ -54,7 +54,7 @@ int open_event(int cpu) {
   event.size = sizeof event;
   event.type = PERF_TYPE_SOFTWARE;
   event.config = PERF_COUNT_SW_CPU_CLOCK;
-  event.sample_period = static_cast<std::uint64_t>(CoreInterrupts::kPeriod.ns);
+  event.sample_period = static_cast<std::uint64_t>(CoreInterrupts::kPeriod.count());
   event.sample_type = PERF_SAMPLE_TIME;
   event.use_clockid = 1;
   event.clockid = CLOCK_MONOTONIC;
@@ -87,7 +87,7 @@ std::optional<CoreInterrupts> CoreInterrupts::open(int cpu) {
 }
 
 bool CoreInterrupts::in_place() {
-  const MonoTime start{(now().ns / kPeriod.ns + 2) * kPeriod.ns};
+  const MonoTime start = MonoTime{(now().time_since_epoch() / kPeriod + 2) * kPeriod};
   while (now() < start) {
   }
   ioctl(fd_, PERF_EVENT_IOC_ENABLE, 0);  // the first interrupt comes a period later
@@ -113,7 +113,9 @@ void CoreInterrupts::take(std::vector<CoreInterrupt>& interrupts) {
     copy_from_ring(pages_ + kPage, read_, &header, sizeof header);
     if (header.type == PERF_RECORD_SAMPLE) {
       CoreInterrupt interrupt;
-      copy_from_ring(pages_ + kPage, read_ + sizeof header, &interrupt.at.ns, sizeof interrupt.at.ns);
+      std::int64_t at_ns = 0;
+      copy_from_ring(pages_ + kPage, read_ + sizeof header, &at_ns, sizeof at_ns);
+      interrupt.at = from_ns(at_ns);
       interrupt.in_kernel = (header.misc & PERF_RECORD_MISC_CPUMODE_MASK) == PERF_RECORD_MISC_KERNEL;
       interrupts.push_back(interrupt);
     }

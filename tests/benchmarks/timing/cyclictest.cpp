@@ -12,7 +12,6 @@ namespace strobe::bench::timing {
 
 namespace {
 
-constexpr Duration kSecond = milliseconds(1000);
 constexpr Duration kAfterSecond = microseconds(500);
 
 }  // namespace
@@ -21,7 +20,7 @@ std::vector<Sample> wake_ups_of(const std::vector<Duration>& lateness, MonoTime 
                                 int cpu) {
   if (lateness.empty()) return {};
   const MonoTime latest_begin = first_heard - lateness.front() - period - kAfterSecond;
-  MonoTime due = MonoTime{latest_begin.ns / kSecond.ns * kSecond.ns} + kAfterSecond + period;
+  MonoTime due = std::chrono::floor<std::chrono::seconds>(latest_begin) + kAfterSecond + period;
   std::vector<Sample> samples;
   for (const Duration late : lateness) {
     const MonoTime woken = due + late;
@@ -35,10 +34,10 @@ std::vector<Sample> wake_ups_of(const std::vector<Duration>& lateness, MonoTime 
 std::vector<Sample> run_cyclictest(const LoopSettings& like) {
   // chrt: the load must not hold its printing thread up for seconds, which would make the first line's second
   // another one.
-  std::string command =
-      "chrt -f 5 cyclictest -m -q -v -u -N -t 1 --secaligned=" + std::to_string(kAfterSecond.ns / 1000) +
-      " -p " + std::to_string(like.priority) + " -i " + std::to_string(like.period.ns / 1000) + " -D " +
-      std::to_string(like.seconds);
+  std::string command = "chrt -f 5 cyclictest -m -q -v -u -N -t 1 --secaligned=" +
+                        std::to_string(kAfterSecond / microseconds(1)) + " -p " +
+                        std::to_string(like.priority) + " -i " +
+                        std::to_string(like.period / microseconds(1)) + " -D " + std::to_string(like.seconds);
   if (like.cpu >= 0) command += " -a " + std::to_string(like.cpu);
   command += " 2>/dev/null";
   const std::unique_ptr<FILE, int (*)(FILE*)> pipe(popen(command.c_str(), "r"), &pclose);

@@ -33,12 +33,12 @@ TEST(TimingFigures, PercentilesOfNothingAreZero) {
 }
 
 TEST(TimingFigures, SamplesThatAFreezeTouchesAreLeftOut) {
-  const std::vector<Freeze> freezes{{MonoTime{100}, MonoTime{200}}};
-  const std::vector<Sample> samples{{MonoTime{10}, MonoTime{99}, 1.0},
-                                    {MonoTime{10}, MonoTime{100}, 2.0},
-                                    {MonoTime{150}, MonoTime{160}, 3.0},
-                                    {MonoTime{200}, MonoTime{300}, 4.0},
-                                    {MonoTime{201}, MonoTime{300}, 5.0}};
+  const std::vector<Freeze> freezes{{from_ns(100), from_ns(200)}};
+  const std::vector<Sample> samples{{from_ns(10), from_ns(99), 1.0},
+                                    {from_ns(10), from_ns(100), 2.0},
+                                    {from_ns(150), from_ns(160), 3.0},
+                                    {from_ns(200), from_ns(300), 4.0},
+                                    {from_ns(201), from_ns(300), 5.0}};
   CHECK((outside(samples, freezes) == std::vector<double>{1.0, 5.0}));
   CHECK_EQUAL(5U, latenesses(samples).size());
 }
@@ -64,7 +64,7 @@ TEST(TimingFigures, AFlashOfTheJournalIsLateByItsIssue) {
   event.commanded_ns = 5'000;
   event.issue_start_ns = 7'000;
   const auto flash = flash_of(event, 1);
-  CHECK(flash && flash->from == MonoTime{5'000} && flash->to == MonoTime{7'000} && flash->cpu == 1);
+  CHECK(flash && flash->from == from_ns(5'000) && flash->to == from_ns(7'000) && flash->cpu == 1);
   DOUBLES_EQUAL(2.0, flash->lateness_us, 1e-9);
 }
 
@@ -74,7 +74,7 @@ TEST(TimingFigures, AFlashTooLateToBeIssuedCountsAsIssuedThen) {
   event.device_time_ns = 9'000'000;
   event.detail = "flash 12 would have been 1730 us late";
   const auto flash = flash_of(event, -1);
-  CHECK(flash && flash->to == MonoTime{9'000'000});
+  CHECK(flash && flash->to == from_ns(9'000'000));
   DOUBLES_EQUAL(1730.0, flash->lateness_us, 1e-9);
   event.detail = "e-stop";
   CHECK(!flash_of(event, -1));

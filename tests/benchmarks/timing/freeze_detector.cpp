@@ -20,7 +20,7 @@ namespace {
 constexpr Duration kCollected = milliseconds(500);
 
 void sleep_until(MonoTime deadline) {
-  const timespec t{deadline.ns / 1'000'000'000, deadline.ns % 1'000'000'000};
+  const timespec t{to_ns(deadline) / 1'000'000'000, to_ns(deadline) % 1'000'000'000};
   while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &t, nullptr) != 0) {
   }
 }
@@ -32,7 +32,7 @@ void stay_on(int cpu) {
   pthread_setaffinity_np(pthread_self(), sizeof set, &set);
 }
 
-MonoTime next_whole(Duration period) { return {(now().ns / period.ns + 1) * period.ns}; }
+MonoTime next_whole(Duration period) { return MonoTime{(now().time_since_epoch() / period + 1) * period}; }
 
 }  // namespace
 
@@ -126,8 +126,8 @@ std::vector<Freeze> FreezeDetector::stop() {
 }
 
 std::string freezes_in_words(const std::vector<Freeze>& freezes, FreezeDetector::By by) {
-  Duration sum;
-  Duration longest;
+  Duration sum{};
+  Duration longest{};
   for (const Freeze& freeze : freezes) {
     sum = sum + (freeze.end - freeze.begin);
     longest = std::max(longest, freeze.end - freeze.begin);
@@ -135,8 +135,8 @@ std::string freezes_in_words(const std::vector<Freeze>& freezes, FreezeDetector:
   return std::to_string(freezes.size()) +
          (by == FreezeDetector::By::interrupts ? " stops of a core, "
                                                : " stops of a core or late wake-ups on it, ") +
-         std::to_string(sum.ns / 1'000'000) + " ms in all, longest " +
-         std::to_string(longest.ns / 1'000'000) + " ms";
+         std::to_string(sum / milliseconds(1)) + " ms in all, longest " +
+         std::to_string(longest / milliseconds(1)) + " ms";
 }
 
 bool within_freeze(const std::vector<Freeze>& freezes, MonoTime from, MonoTime to, int cpu) {

@@ -88,7 +88,7 @@ TEST(CoreInterrupts, ComeOnceAMillisecondAtMostWhereTheKernelGivesThem) {
   interrupts->take(taken);
   const MonoTime end = now();
   // A stop of the machine may have left some out.
-  CHECK(!taken.empty() && taken.size() <= static_cast<std::size_t>((end - begin).ns / 1'000'000 + 1));
+  CHECK(!taken.empty() && taken.size() <= static_cast<std::size_t>((end - begin) / milliseconds(1) + 1));
   for (const CoreInterrupt& each : taken) CHECK(each.at > begin && each.at <= end);
   for (std::size_t i = 1; i < taken.size(); ++i) CHECK(taken[i].at > taken[i - 1].at);
 }

@@ -24,7 +24,7 @@ KernelActivity kernel_activity(const std::vector<Sample>& samples, const std::ve
 }
 
 std::string in_words(const KernelActivity& held, Duration limit) {
-  return std::to_string(held.late) + " later than " + std::to_string(limit.ns / 1000) +
+  return std::to_string(held.late) + " later than " + std::to_string(limit / microseconds(1)) +
          " us outside freezes, meanwhile their core was in the kernel at " + std::to_string(held.in_kernel) +
          " of " + std::to_string(held.interrupts) + " looks";
 }

@@ -128,7 +128,7 @@ class Collector {
   void add(const ShotRecord& shot) {
     ++shots;
     for (const FlashRecord& flash : shot.flashes) {
-      if (flash.issue_start.known()) {
+      if (known(flash.issue_start)) {
         flashes.push_back({flash.commanded, flash.issue_start, flash.issue_end});
         continue;
       }
@@ -199,8 +199,8 @@ int run_loop(const LoopSettings& settings) {
   if (!faults.empty()) std::fprintf(stderr, "strobe-bench: warning: %s\n", faults.c_str());
   std::printf("%.6f %d %d\n", cpu_s, collector.shots, collector.aborted);
   for (const Flash& flash : collector.flashes)
-    std::printf("%lld %lld %lld\n", static_cast<long long>(flash.commanded.ns),
-                static_cast<long long>(flash.start.ns), static_cast<long long>(flash.end.ns));
+    std::printf("%lld %lld %lld\n", static_cast<long long>(to_ns(flash.commanded)),
+                static_cast<long long>(to_ns(flash.start)), static_cast<long long>(to_ns(flash.end)));
   return 0;
 }
 

@@ -36,8 +36,10 @@ std::string command_line(const std::filesystem::path& folder, const LoopSettings
   return std::string(sim::kChipDirVariable) + "='" + folder.string() + "' LD_PRELOAD='" + library->string() +
          "' '" + program + "' loop --seconds " + std::to_string(settings.seconds) + " --priority " +
          std::to_string(settings.priority) + " --cpu " + std::to_string(settings.cpu) + " --period-us " +
-         std::to_string(settings.period.ns / 1000) + " --spin-us " + std::to_string(settings.spin.ns / 1000) +
-         (settings.wake_ahead ? " --wake-ahead-us " + std::to_string(settings.wake_ahead->ns / 1000) : "") +
+         std::to_string(settings.period / microseconds(1)) + " --spin-us " +
+         std::to_string(settings.spin / microseconds(1)) +
+         (settings.wake_ahead ? " --wake-ahead-us " + std::to_string(*settings.wake_ahead / microseconds(1))
+                              : "") +
          (settings.outputs == Outputs::none ? " --no-outputs" : "") +
          (settings.tick_avoidance ? "" : " --any-start");
 }
@@ -79,16 +81,15 @@ LoopRun LoopFixture::run(const LoopSettings& settings) {
   double cpu_s = 0.0;
   if (std::fscanf(pipe.get(), "%lf %d %d", &cpu_s, &run.shots, &run.aborted) != 3)
     throw std::runtime_error("the loop did not run: " + command);
-  MonoTime commanded;
-  MonoTime start;
-  MonoTime end;
-  while (std::fscanf(pipe.get(), "%ld %ld %ld", &commanded.ns, &start.ns, &end.ns) == 3) {
+  std::int64_t commanded_ns = 0, start_ns = 0, end_ns = 0;
+  while (std::fscanf(pipe.get(), "%ld %ld %ld", &commanded_ns, &start_ns, &end_ns) == 3) {
+    const MonoTime commanded = from_ns(commanded_ns), start = from_ns(start_ns), end = from_ns(end_ns);
     run.issue.push_back(sample_of(commanded, start, settings.cpu));
     run.done.push_back(sample_of(commanded, end, settings.cpu));
     run.call.push_back(sample_of(start, end, settings.cpu));
   }
   if (run.issue.empty()) throw std::runtime_error("no flash was fired by: " + command);
-  run.cpu_percent = 100.0 * cpu_s / (static_cast<double>(run.issue.size()) * settings.period.seconds());
+  run.cpu_percent = 100.0 * cpu_s / (static_cast<double>(run.issue.size()) * to_seconds(settings.period));
   return run;
 }
 

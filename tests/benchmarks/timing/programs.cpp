@@ -29,8 +29,8 @@ void add_flashes(const std::string& journal, int cpu, LoopRun& run) {
     if (event.kind == strobe_msgs::event_t::SHOT_ABORTED) ++run.aborted;
     if (const auto flash = flash_of(event, cpu)) run.issue.push_back(*flash);
     if (event.kind != strobe_msgs::event_t::FLASH) continue;
-    run.done.push_back(sample_of({event.commanded_ns}, {event.issue_end_ns}, cpu));
-    run.call.push_back(sample_of({event.issue_start_ns}, {event.issue_end_ns}, cpu));
+    run.done.push_back(sample_of(from_ns(event.commanded_ns), from_ns(event.issue_end_ns), cpu));
+    run.call.push_back(sample_of(from_ns(event.issue_start_ns), from_ns(event.issue_end_ns), cpu));
   }
 }
 

@@ -6,7 +6,7 @@
 namespace strobe::bench::timing {
 
 Sample sample_of(MonoTime due, MonoTime done, int cpu) {
-  return {due, done, static_cast<double>((done - due).ns) * 1e-3, cpu};
+  return {due, done, static_cast<double>((done - due).count()) * 1e-3, cpu};
 }
 
 Percentiles percentiles(std::vector<double> lateness_us) {

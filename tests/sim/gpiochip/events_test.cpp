@@ -43,7 +43,7 @@ TEST_GROUP(EdgeEvents) {
     MonoTime stamp = now() - microseconds(static_cast<std::int64_t>(levels.size()));
     for (const int level : levels) {
       fixture.chip().drive(line, level, stamp);
-      stamps.push_back(stamp.ns);
+      stamps.push_back(to_ns(stamp));
       stamp = stamp + microseconds(1);
     }
     return stamps;

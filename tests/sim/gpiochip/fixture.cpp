@@ -8,7 +8,7 @@
 
 namespace strobe::sim {
 
-MonoTime now() { return {testing::monotonic_now_ns()}; }
+MonoTime now() { return from_ns(testing::monotonic_now_ns()); }
 
 std::filesystem::path built_program(const std::string& name) {
   return std::filesystem::read_symlink("/proc/self/exe").parent_path() / name;

@@ -119,5 +119,5 @@ TEST(LineOwnership, WorksForAnOrdinaryUser) {
   const MonoTime stamp = now();
   fixture.chip().drive(4, 1, stamp);
   ordinary.wait(kLimit);
-  STRCMP_CONTAINS(("1 " + std::to_string(stamp.ns)).c_str(), ordinary.out().c_str());
+  STRCMP_CONTAINS(("1 " + std::to_string(to_ns(stamp))).c_str(), ordinary.out().c_str());
 }

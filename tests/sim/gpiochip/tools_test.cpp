@@ -84,8 +84,8 @@ TEST(GpioTools, GpiomonPrintsEdges) {
   fixture.chip().drive(4, 0, fall);
   LONGS_EQUAL(0, monitor.wait(kLimit).value().code);
   const auto line = [](int rising, MonoTime time) {
-    return std::to_string(rising) + " 4 " + std::to_string(time.ns / 1'000'000'000) + "." +
-           std::to_string(time.ns % 1'000'000'000) + "\n";
+    return std::to_string(rising) + " 4 " + std::to_string(to_ns(time) / 1'000'000'000) + "." +
+           std::to_string(to_ns(time) % 1'000'000'000) + "\n";
   };
   STRCMP_EQUAL((line(1, rise) + line(0, fall)).c_str(), monitor.out().c_str());
 }

@@ -108,7 +108,7 @@ TEST(TetheredCamera, MakesNoneWhereTheShutterStayedShutOrTheSceneSaysSo) {
   const Scene scene = tiny_scene("[[fault]]\nkind = \"no_photograph\"\nshot = 2\n");
   start(scene);
   Exposure shut = exposure(scene, 1);
-  shut.opened = MonoTime::never();
+  shut.opened = kNoTime;
   exposure_store.add(shut);
   exposure_store.add(exposure(scene, 2));
   exposure_store.add(exposure(scene, 3));

@@ -147,7 +147,7 @@ std::string as_toml(const RandomScene& random) {
       "{}\nalpha "
       "= {}\n[machine]\nspeed_mps = {}\nspeed_sd_mps = {}\nangle_deg = {}\nangle_sd_deg = {}\nspin_radps = "
       "{}\nspin_sd_radps = {}\nlag_sd_ms = {}\nspot_sd_mm = {}\n",
-      random.settings.period.seconds() * 1e3, s.title, s.surface_angle_rad / kDegree, s.ball.diameter_m,
+      to_seconds(random.settings.period) * 1e3, s.title, s.surface_angle_rad / kDegree, s.ball.diameter_m,
       s.ball.mass_kg, s.ball.alpha, m.speed_mps, m.speed_sd_mps, m.angle_rad / kDegree,
       m.angle_sd_rad / kDegree, m.spin_radps, m.spin_sd_radps, m.lag_sd_s * 1e3, m.spot_sd_m * 1e3);
   text += fmt::format(

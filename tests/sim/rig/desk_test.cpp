@@ -32,7 +32,7 @@ class Listener {
     shot.schema_version = strobe_msgs::shot_t::SCHEMA_VERSION;
     shot.boot_id = kBoot;
     shot.shot_id = shot_id;
-    shot.start_ns = start.ns;
+    shot.start_ns = to_ns(start);
     lcm_.publish(messages::channel_name("bench", messages::Channel::shot), &shot);
   }
   /// Waits for so many frames in all, or until the limit.
@@ -57,7 +57,7 @@ Exposure exposure_now(const Scene& scene, bool opened = true, bool ball = true) 
   Exposure exposure = bench.shoot({.throw_ball = ball});
   const Duration shift = monotonic_now() - exposure.closed - milliseconds(20);
   exposure.line_on = exposure.line_on + shift;
-  exposure.opened = opened ? exposure.opened + shift : MonoTime::never();
+  exposure.opened = opened ? exposure.opened + shift : kNoTime;
   exposure.closed = exposure.closed + shift;
   if (exposure.ball) exposure.ball->touchdown = exposure.ball->touchdown + shift;
   for (Pulse& pulse : exposure.pulses) {

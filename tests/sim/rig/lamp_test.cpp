@@ -18,32 +18,32 @@ TEST_GROUP(LampModel) {
 
 TEST(LampModel, FlashesADelayAfterTheEdge) {
   LampModel lamp(scene, 1, Lamp::a);
-  const auto flashes = pulse(lamp, MonoTime{1000000});
+  const auto flashes = pulse(lamp, from_ns(1000000));
   LONGS_EQUAL(1, flashes.size());
-  CHECK(flashes[0] == MonoTime{1012000});
+  CHECK(flashes[0] == from_ns(1012000));
 }
 
 TEST(LampModel, DoesNotFlashBeforeItHasRecharged) {
   LampModel lamp(scene, 1, Lamp::a);
-  LONGS_EQUAL(1, pulse(lamp, MonoTime{0}).size());
-  LONGS_EQUAL(0, pulse(lamp, MonoTime{1399000}, 1).size());
-  LONGS_EQUAL(1, pulse(lamp, MonoTime{1400000}, 2).size());
+  LONGS_EQUAL(1, pulse(lamp, MonoTime{}).size());
+  LONGS_EQUAL(0, pulse(lamp, from_ns(1399000), 1).size());
+  LONGS_EQUAL(1, pulse(lamp, from_ns(1400000), 2).size());
 }
 
 TEST(LampModel, CountsRechargingFromTheFlashAndNotFromAPulseThatMadeNone) {
   LampModel lamp(scene, 1, Lamp::a);
-  pulse(lamp, MonoTime{0});
-  pulse(lamp, MonoTime{1000000}, 1);
-  LONGS_EQUAL(1, pulse(lamp, MonoTime{1500000}, 2).size());
+  pulse(lamp, MonoTime{});
+  pulse(lamp, from_ns(1000000), 1);
+  LONGS_EQUAL(1, pulse(lamp, from_ns(1500000), 2).size());
 }
 
 TEST(LampModel, FlashesLateByTheFaultsDelayOnlyWhereTheFaultStrikes) {
   scene.faults = {
       {.kind = FaultKind::flash_late, .shot = 1, .flash_from_impact = -2, .delay = microseconds(160)}};
   LampModel lamp(scene, 1, Lamp::a);
-  CHECK(pulse(lamp, MonoTime{0}, 0, -3)[0] == MonoTime{12000});
+  CHECK(pulse(lamp, MonoTime{}, 0, -3)[0] == from_ns(12000));
   CHECK(struck.empty());
-  CHECK(pulse(lamp, MonoTime{3000000}, 1, -2)[0] == MonoTime{3172000});
+  CHECK(pulse(lamp, from_ns(3000000), 1, -2)[0] == from_ns(3172000));
   CHECK(struck == std::vector{FaultKind::flash_late});
 }
 
@@ -51,14 +51,14 @@ TEST(LampModel, LeavesTheOtherLampAloneWhenTheFaultNamesOne) {
   scene.faults = {{.kind = FaultKind::flash_missing, .flash_index = 4, .lamp_a = false}};
   LampModel a(scene, 1, Lamp::a);
   LampModel b(scene, 1, Lamp::b);
-  LONGS_EQUAL(1, pulse(a, MonoTime{0}, 4).size());
-  LONGS_EQUAL(0, pulse(b, MonoTime{0}, 4).size());
+  LONGS_EQUAL(1, pulse(a, MonoTime{}, 4).size());
+  LONGS_EQUAL(0, pulse(b, MonoTime{}, 4).size());
 }
 
 TEST(LampModel, FlashesTwiceForOnePulse) {
   scene.faults = {{.kind = FaultKind::flash_double, .flash_index = 0, .delay = microseconds(300)}};
   LampModel lamp(scene, 1, Lamp::a);
-  const auto flashes = pulse(lamp, MonoTime{0});
+  const auto flashes = pulse(lamp, MonoTime{});
   LONGS_EQUAL(2, flashes.size());
   CHECK(flashes[1] - flashes[0] == microseconds(300));
 }
@@ -66,7 +66,7 @@ TEST(LampModel, FlashesTwiceForOnePulse) {
 TEST(LampModel, NeverFlashesWhenDead) {
   scene.faults = {{.kind = FaultKind::lamp_dead, .shot = 1}};
   LampModel lamp(scene, 1, Lamp::a);
-  for (int i = 0; i < 10; ++i) CHECK(pulse(lamp, MonoTime{3000000LL * i}, i).empty());
+  for (int i = 0; i < 10; ++i) CHECK(pulse(lamp, from_ns(3000000LL * i), i).empty());
 }
 
 TEST(LampModel, KeepsTheJitterOfOtherFlashesWhenOneIsMissing) {
@@ -76,8 +76,8 @@ TEST(LampModel, KeepsTheJitterOfOtherFlashesWhenOneIsMissing) {
   faulty_scene.faults = {{.kind = FaultKind::flash_missing, .flash_index = 1}};
   LampModel faulty(faulty_scene, 9, Lamp::a);
   for (int i = 0; i < 4; ++i) {
-    const auto expected = pulse(sound, MonoTime{3000000LL * i}, i);
-    const auto flashes = pulse(faulty, MonoTime{3000000LL * i}, i);
+    const auto expected = pulse(sound, from_ns(3000000LL * i), i);
+    const auto flashes = pulse(faulty, from_ns(3000000LL * i), i);
     if (i != 1) CHECK(flashes == expected);
   }
 }

@@ -68,7 +68,7 @@ TEST(LineFault, AStuckShutterShowsNothing) {
   scene.faults = {{.kind = FaultKind::shutter_stuck}};
   test::VirtualRigFixture bench(scene);
   const Exposure exposure = bench.shoot();
-  CHECK_FALSE(exposure.opened.known());
+  CHECK_FALSE(known(exposure.opened));
   CHECK(film_images(scene, exposure).empty());
   CHECK_FALSE(shows_impact(exposure));
   CHECK(struck(exposure, FaultKind::shutter_stuck));

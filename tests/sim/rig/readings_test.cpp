@@ -32,7 +32,7 @@ reduction::Frame timed_frame(const Scene& scene, const Exposure& exposure) {
   Digitized digitized = digitize(scene, kSeed, exposure);
   for (std::size_t i = 0; i < digitized.frame.images.size(); ++i) {
     const Pulse& pulse = exposure.pulses[static_cast<std::size_t>(digitized.image_pulse[i])];
-    digitized.frame.images[i].time_s = (flash_time(pulse) - exposure.opened).seconds();
+    digitized.frame.images[i].time_s = to_seconds(flash_time(pulse) - exposure.opened);
   }
   return digitized.frame;
 }

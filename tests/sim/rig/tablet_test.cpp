@@ -60,7 +60,7 @@ TEST(Tablet, PutsThePhotographWhereAnIndependentProjectionPutsIt) {
     const double x = std::cos(roll) * px + std::sin(roll) * py;
     const double y = std::cos(roll) * py - std::sin(roll) * px;
     const Pulse& pulse = exposure.pulses[static_cast<std::size_t>(d.image_pulse[i])];
-    const double t = (flash_time(pulse) - exposure.ball->touchdown).seconds();
+    const double t = to_seconds(flash_time(pulse) - exposure.ball->touchdown);
     if (t > 0.0) continue;  // already in contact, not yet visibly so
     const double vx = 17.0 * std::cos(23.0 * std::numbers::pi / 180.0);
     const double vy = -17.0 * std::sin(23.0 * std::numbers::pi / 180.0);
@@ -139,7 +139,7 @@ TEST(Tablet, HandsOverACalibrationOnlyIfTheSceneHasOne) {
 TEST(Tablet, FindsNoBallOnAPhotographWithoutOne) {
   test::VirtualRigFixture bench(scene);
   const Exposure dry = bench.shoot({.throw_ball = false});
-  CHECK(dry.opened.known());
+  CHECK(known(dry.opened));
   CHECK(!shows_impact(dry));
   const Digitized d = digitize(scene, 1, dry);
   LONGS_EQUAL(0, d.frame.images.size());

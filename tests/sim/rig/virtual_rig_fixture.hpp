@@ -33,7 +33,7 @@ class VirtualRigFixture {
   Rig& rig() { return rig_; }
 
  private:
-  MonoTime now_{1'000'000'000'000};
+  MonoTime now_ = from_ns(1'000'000'000'000);
   Rig rig_;
   std::vector<Drive> drives_;
 };

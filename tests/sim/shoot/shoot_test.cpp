@@ -81,7 +81,7 @@ TEST(Shoot, TakesTheTimesFromTheSensors) {
   const Pulse& first = shot->exposure.pulses[static_cast<std::size_t>(shot->image_pulse[0])];
   for (std::size_t i = 0; i < images.size(); ++i) {
     const Pulse& pulse = shot->exposure.pulses[static_cast<std::size_t>(shot->image_pulse[i])];
-    DOUBLES_EQUAL((flash_time(pulse) - flash_time(first)).seconds(), images[i].time_s, 1.1e-9);
+    DOUBLES_EQUAL(to_seconds(flash_time(pulse) - flash_time(first)), images[i].time_s, 1.1e-9);
   }
 }
 

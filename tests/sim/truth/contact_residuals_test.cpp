@@ -63,7 +63,7 @@ Photographed photograph(const Scene& scene) {
     out.dwell_s = ball.path.dwell_s();
     for (std::size_t i = 0; i < shot.frame.images.size(); ++i) {
       const Pulse& pulse = shot.exposure.pulses[static_cast<std::size_t>(shot.image_pulse[i])];
-      const double t = (flash_time(pulse) - ball.touchdown).seconds();
+      const double t = to_seconds(flash_time(pulse) - ball.touchdown);
       if (t <= 0.0 || t >= out.dwell_s) continue;
       const reduction::PointPx& p = shot.frame.images[i].centre_px;
       out.seen.push_back({t, (p.x - scene.camera.origin_x_px) / scene.camera.px_per_m,

@@ -113,7 +113,7 @@ TEST(EstimatorsOfTheOde, TheTwoPointOneErrsByGravityAsItShould) {
     std::vector<double> before, after;
     for (std::size_t i = 0; i < shot.image_pulse.size(); ++i) {
       const Pulse& pulse = shot.exposure.pulses[static_cast<std::size_t>(shot.image_pulse[i])];
-      const double t = (flash_time(pulse) - ball.touchdown).seconds();
+      const double t = to_seconds(flash_time(pulse) - ball.touchdown);
       if (shot.frame.images[i].leg == reduction::Leg::incoming) before.push_back(t);
       if (shot.frame.images[i].leg == reduction::Leg::rebound) after.push_back(t);
     }

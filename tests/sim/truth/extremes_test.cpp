@@ -57,12 +57,12 @@ Extreme draw(Numbers& d) {
   x.settings.period =
       nanoseconds(std::llround(1e9 * std::clamp(d.between(0.8, 2.0) / diameters_per_s, 1.1e-4, 0.1)));
   // Aliased from a quarter turn between flashes on.
-  const double aliased = std::numbers::pi / 2.0 / x.settings.period.seconds();
+  const double aliased = std::numbers::pi / 2.0 / to_seconds(x.settings.period);
   s.machine.spin_radps = d.either(0.0, 0.95 * aliased, d.between(-1.3, 1.3) * aliased);
   s.bounce.e = d.either(0.06, 0.985, d.between(0.06, 0.985));
   s.bounce.e_slope_spm = 0.0;
   s.bounce.mu = d.either(0.0, 3.0, d.between(0.0, 1.0));
-  s.bounce.dwell_s = x.settings.period.seconds() * d.over_decades(0.02, 3.0);
+  s.bounce.dwell_s = to_seconds(x.settings.period) * d.over_decades(0.02, 3.0);
   s.bounce.stiffness_ratio = d.over_decades(0.1, 10.0);
   s.bounce.damping_ratio = d.over_decades(0.02, 5.0);
   s.bounce.offset_share = d.either(0.0, 0.9, d.between(0.0, 0.5));
@@ -105,7 +105,7 @@ struct Judged {
   const SimulatedShot& shot;
   const reduction::Readout& readout;
 
-  double turn_radps() const { return std::numbers::pi / extreme.settings.period.seconds(); }
+  double turn_radps() const { return std::numbers::pi / to_seconds(extreme.settings.period); }
 
   /// Beyond a quarter turn between flashes the images do not know the spin: it is read some whole half turns
   /// away, and no flag can tell.
@@ -122,7 +122,7 @@ struct Judged {
     const ThrownBall& ball = *shot.exposure.ball;
     for (const int i : shot.image_pulse) {
       const MonoTime at = flash_time(shot.exposure.pulses[static_cast<std::size_t>(i)]);
-      longest = std::max(longest, std::abs((at - ball.touchdown).seconds()));
+      longest = std::max(longest, std::abs(to_seconds(at - ball.touchdown)));
     }
     return longest;
   }
@@ -182,7 +182,7 @@ struct Judged {
         static_cast<unsigned long long>(seed), std::string(reduction::name(q)).c_str(), *readout.value[q],
         *shot.truth[q], *readout.sd[q], s.ball.diameter_m, s.ball.mass_kg, s.machine.speed_mps,
         s.machine.angle_rad * 180.0 / std::numbers::pi, s.machine.spin_radps, s.bounce.e, s.bounce.mu,
-        s.bounce.dwell_s, extreme.settings.period.seconds(), s.air.density_kgpm3, s.tablet.centre_sd_m,
+        s.bounce.dwell_s, to_seconds(extreme.settings.period), s.air.density_kgpm3, s.tablet.centre_sd_m,
         shot.frame.images.size(), flags.c_str());
     return line.data();
   }

@@ -167,7 +167,7 @@ Result<Done> run_shot(const ChainOptions& options, const Take& take) {
   const host::RigFile rig =
       rig_of(take.scene, calibrated(options, take.scene, known->scene_truth.px_per_m_of_ball, take.shot));
   const strobe_msgs::shot_t shot =
-      shot_message(*known, take.scene, take.shot, known->shot.exposure.closed.ns);
+      shot_message(*known, take.scene, take.shot, to_ns(known->shot.exposure.closed));
   auto settings = host::digitize_settings(rig, known->photograph.width(), known->photograph.height());
   if (!settings) return tl::unexpected(settings.error());
   settings->effort = options.effort;

@@ -37,14 +37,14 @@ flash_t flash_message(int index, std::int64_t edge_ns, std::int64_t first_ns,
 shot_t shot_message(const KnownPhotograph& known, const sim::Scene& scene, int shot_id,
                     std::int64_t closed_ns) {
   const sim::Exposure& exposure = known.shot.exposure;
-  const std::int64_t shift_ns = closed_ns - exposure.closed.ns;
+  const std::int64_t shift_ns = closed_ns - to_ns(exposure.closed);
   shot_t shot{};
   shot.schema_version = shot_t::SCHEMA_VERSION;
   shot.boot_id = kBootId;
   shot.shot_id = shot_id;
   shot.host_id = 1;
-  shot.start_ns = exposure.line_on.ns + shift_ns;
-  shot.shutter_open_ns = exposure.opened.ns + shift_ns;
+  shot.start_ns = to_ns(exposure.line_on) + shift_ns;
+  shot.shutter_open_ns = to_ns(exposure.opened) + shift_ns;
   shot.shutter_close_ns = closed_ns;
   shot.trigger_ns = shot_t::NO_TIME;
   shot.gate_ns = shot_t::NO_TIME;
@@ -53,10 +53,10 @@ shot_t shot_message(const KnownPhotograph& known, const sim::Scene& scene, int s
   shot.lamp_delay_a_us = shot.lamp_delay_b_us = scene.lamps.delay_s * 1e6;
   shot.sensor_a_fitted = shot.sensor_b_fitted = true;
   shot.late_tolerance_us = 100.0;
-  const std::int64_t first_ns = exposure.pulses.front().edge.ns + shift_ns;
+  const std::int64_t first_ns = to_ns(exposure.pulses.front().edge) + shift_ns;
   for (std::size_t i = 0; i < exposure.pulses.size(); ++i)
-    shot.flashes.push_back(flash_message(static_cast<int>(i), exposure.pulses[i].edge.ns + shift_ns, first_ns,
-                                         known.scene_truth.flash_times_s[i]));
+    shot.flashes.push_back(flash_message(static_cast<int>(i), to_ns(exposure.pulses[i].edge) + shift_ns,
+                                         first_ns, known.scene_truth.flash_times_s[i]));
   shot.flash_count = static_cast<std::int32_t>(shot.flashes.size());
   shot.plan.period_ns = nanoseconds_of(3e-3);
   shot.plan.shutter_open_ns = shot.shutter_close_ns - shot.shutter_open_ns;
