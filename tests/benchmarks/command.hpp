@@ -1,25 +1,30 @@
 // How a subcommand of `strobe-bench` registers itself: add_*() adds it to the program; when it was chosen its
 // callback measures, prints, and stores the exit status (0 done, 1 ran but failed, 2 bad usage or input). A
-// new one: declare it here, list it in tests/benchmarks/main.cpp, define it in a folder of its own, whose
-// CMakeLists.txt adds its sources to the program. Single-threaded.
+// new one: declare it here, list it in tests/benchmarks/main.cpp, define it in a folder of its own here (timed
+// programs) or in tests/studies (accuracy), whose CMakeLists.txt adds its sources to the program. Single-threaded.
 #pragma once
 
 namespace CLI {
 class App;
 }
 
-namespace strobe::bench {
+namespace strobe::benchmarks {
 
 void add_timing_command(CLI::App& app, int& exit_status);
 void add_spin_command(CLI::App& app, int& exit_status);
 void add_loop_command(CLI::App& app, int& exit_status);
-void add_clock_command(CLI::App& app, int& exit_status);
-void add_digits_command(CLI::App& app, int& exit_status);
-void add_digitize_command(CLI::App& app, int& exit_status);
-void add_efficiency_command(CLI::App& app, int& exit_status);
 void add_flood_command(CLI::App& app, int& exit_status);
+
+}  // namespace strobe::benchmarks
+
+namespace strobe::studies {
+
+void add_clock_command(CLI::App& app, int& exit_status);
+void add_digitize_command(CLI::App& app, int& exit_status);
+void add_digits_command(CLI::App& app, int& exit_status);
+void add_efficiency_command(CLI::App& app, int& exit_status);
 void add_plan_command(CLI::App& app, int& exit_status);
 void add_thesis_command(CLI::App& app, int& exit_status);
 void add_trade_command(CLI::App& app, int& exit_status);
 
-}  // namespace strobe::bench
+}  // namespace strobe::studies

@@ -10,12 +10,12 @@ namespace {
 
 using AddCommand = void (*)(CLI::App& app, int& exit_status);
 constexpr std::array<AddCommand, 11> kCommands{
-    strobe::bench::add_timing_command,     strobe::bench::add_spin_command,
-    strobe::bench::add_loop_command,       strobe::bench::add_plan_command,
-    strobe::bench::add_efficiency_command, strobe::bench::add_digits_command,
-    strobe::bench::add_thesis_command,     strobe::bench::add_trade_command,
-    strobe::bench::add_digitize_command,   strobe::bench::add_clock_command,
-    strobe::bench::add_flood_command};
+    strobe::benchmarks::add_timing_command, strobe::benchmarks::add_spin_command,
+    strobe::benchmarks::add_loop_command,   strobe::benchmarks::add_flood_command,
+    strobe::studies::add_plan_command,      strobe::studies::add_efficiency_command,
+    strobe::studies::add_digits_command,    strobe::studies::add_thesis_command,
+    strobe::studies::add_trade_command,     strobe::studies::add_digitize_command,
+    strobe::studies::add_clock_command};
 
 }  // namespace
 

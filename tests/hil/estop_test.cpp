@@ -1,6 +1,6 @@
 // From the e-stop to all outputs inactive in a millisecond at most, whatever the loop is doing: asleep,
 // spinning before a flash, within a lamp's or the machine's pulse, in a fast train of single lamps, or
-// closing a shot. The chip's recorded changes are the judge; a witness tells which attempts the machine
+// closing a shot. The chip's recorded changes are the judge; a freeze detector tells which attempts the machine
 // itself stood still in.
 #include <algorithm>
 #include <cstdio>
@@ -23,9 +23,9 @@ namespace {
 
 constexpr std::int64_t kUs = 1'000, kMs = 1'000'000;
 constexpr std::int64_t kLimitNs = kMs;
-/// Presses of each situation on one bench. Those in a freeze that the witness saw do not count, nor do shots
+/// Presses of each situation on one bench. Those in a freeze that the detector saw do not count, nor do shots
 /// that one rejected before. One in time must be left, and none may be late: else all is tried on another
-/// bench, since a freeze of less than the witness notices may have come between; so often at most.
+/// bench, since a freeze of less than the detector notices may have come between; so often at most.
 constexpr int kPresses = 3;
 constexpr int kAttempts = 4;
 constexpr int kDetectorPriority = 70;  // below the loop's
@@ -115,7 +115,7 @@ Press stop_a_shot(RawHost& host, const RigFixture& bench, const Situation& situa
 
 struct Session {
   std::vector<Press> presses;
-  std::vector<strobe::bench::timing::Freeze> freezes;
+  std::vector<strobe::benchmarks::timing::Freeze> freezes;
   LineChanges changes;
 };
 
@@ -126,12 +126,12 @@ Session press_in_all_situations() {
   if (!bench.ready()) FAIL(("strobed did not come up:\n" + bench.log()).c_str());
   RawHost host(bench.lcm_url(), "bench");
   CHECK(host.wait_status());
-  strobe::bench::timing::FreezeDetector witness(kDetectorPriority);
+  strobe::benchmarks::timing::FreezeDetector detector(kDetectorPriority);
   std::vector<Press> presses;
   for (int round = 0; round < kPresses; ++round) {
     for (const Situation& situation : situations()) presses.push_back(stop_a_shot(host, bench, situation));
   }
-  auto freezes = witness.stop();
+  auto freezes = detector.stop();
   return {std::move(presses), std::move(freezes), bench.finish()};
 }
 

@@ -29,8 +29,8 @@
 namespace {
 
 using namespace strobe;
-using bench::timing::FreezeDetector;
-using bench::timing::Sample;
+using benchmarks::timing::FreezeDetector;
+using benchmarks::timing::Sample;
 
 constexpr const char* kOwn = "own";
 constexpr const char* kShared = "shared";
@@ -102,8 +102,8 @@ struct Run {
   double flood_s = 0.0;
   std::int64_t events = 0, gaps = 0, shots_whole = 0, shots = 0;
   std::vector<Sample> quiet_flashes, flooded_flashes;
-  std::vector<bench::timing::Freeze> freezes;
-  FreezeDetector::By by = FreezeDetector::By::interrupts;
+  std::vector<benchmarks::timing::Freeze> freezes;
+  FreezeDetector::Method by = FreezeDetector::Method::interrupts;
 };
 
 std::vector<std::unique_ptr<hil::Flooder>> start_flood(const std::string& url, const hil::Bytes& true_command,
@@ -144,7 +144,7 @@ void read_journal(const std::string& path, int cpu, Run& run) {
     ++run.events;
     if (event.sequence != ++last) ++run.gaps;
     last = event.sequence;
-    const auto flash = bench::timing::flash_of(event, cpu);
+    const auto flash = benchmarks::timing::flash_of(event, cpu);
     if (!flash) continue;
     const auto within = [&](const Span& span) {
       return to_ns(flash->from) >= span.begin_ns && to_ns(flash->from) <= span.end_ns;
@@ -167,28 +167,28 @@ Run measure(const Options& options, const Layout& layout) {
   hil::RawHost host(bench.lcm_url(), "bench");
   if (!host.wait_status()) throw std::runtime_error("strobed is not heard");
   Run run;
-  FreezeDetector witness(options.priority - 10, FreezeDetector::By::interrupts);
+  FreezeDetector detector(options.priority - 10, FreezeDetector::Method::interrupts);
   for (int round = 1; round <= options.rounds; ++round) {
     std::fprintf(stderr, "%s, round %d of %d\n", layout.name.c_str(), round, options.rounds);
     run.quiet.push_back(shoot(host, bench.lcm_url(), 0, layout, run));
     run.flooded.push_back(shoot(host, bench.lcm_url(), options.senders, layout, run));
   }
-  run.freezes = witness.stop();
-  run.by = witness.by();
+  run.freezes = detector.stop();
+  run.by = detector.by();
   const std::string journal = bench.journal();
   bench.finish();
   read_journal(journal, layout.loop_cpu, run);
   return run;
 }
 
-std::vector<bench::timing::Row> rows_of(const Layout& layout, const Run& run) {
-  using bench::timing::latenesses;
-  using bench::timing::outside;
-  using bench::timing::percentiles;
-  const bench::timing::Percentiles quiet = percentiles(outside(run.quiet_flashes, run.freezes));
-  const bench::timing::Percentiles flooded = percentiles(outside(run.flooded_flashes, run.freezes));
+std::vector<benchmarks::timing::Row> rows_of(const Layout& layout, const Run& run) {
+  using benchmarks::timing::latenesses;
+  using benchmarks::timing::outside;
+  using benchmarks::timing::percentiles;
+  const benchmarks::timing::Percentiles quiet = percentiles(outside(run.quiet_flashes, run.freezes));
+  const benchmarks::timing::Percentiles flooded = percentiles(outside(run.flooded_flashes, run.freezes));
   return {{layout.name, "quiet", "left out", quiet, -1.0, ""},
-          {layout.name, "flooded", "left out", flooded, -1.0, bench::timing::ratios(flooded, quiet)},
+          {layout.name, "flooded", "left out", flooded, -1.0, benchmarks::timing::ratios(flooded, quiet)},
           {layout.name, "quiet", "included", percentiles(latenesses(run.quiet_flashes)), -1.0, ""},
           {layout.name, "flooded", "included", percentiles(latenesses(run.flooded_flashes)), -1.0, ""}};
 }
@@ -211,29 +211,29 @@ void print_flood(const Layout& layout, const Run& run, bool json) {
               senders.c_str(), static_cast<long long>(run.packets), rate, static_cast<long long>(run.events));
   std::printf("%lld gaps; %lld of %lld shots whole; %s\n", static_cast<long long>(run.gaps),
               static_cast<long long>(run.shots_whole), static_cast<long long>(run.shots),
-              bench::timing::freezes_in_words(run.freezes, run.by).c_str());
+              benchmarks::timing::freezes_in_words(run.freezes, run.by).c_str());
 }
 
 int flood(const Options& options) {
   testing::enter_private_network();
   const testing::TemporaryFolder configuration;
   setenv("XDG_CONFIG_HOME", configuration.path().c_str(), 1);
-  std::vector<bench::timing::Row> rows;
+  std::vector<benchmarks::timing::Row> rows;
   bool nothing_lost = true;
   for (const std::string& name : options.layouts) {
     const Layout layout = layout_of(name, options);
     const Run run = measure(options, layout);
     print_flood(layout, run, options.json);
-    for (const bench::timing::Row& row : rows_of(layout, run)) rows.push_back(row);
+    for (const benchmarks::timing::Row& row : rows_of(layout, run)) rows.push_back(row);
     nothing_lost &= run.gaps == 0 && run.shots == 2 * options.rounds;
   }
-  bench::timing::print_rows(rows, options.json, "over quiet");
+  benchmarks::timing::print_rows(rows, options.json, "over quiet");
   return nothing_lost ? 0 : 1;
 }
 
 }  // namespace
 
-namespace strobe::bench {
+namespace strobe::benchmarks {
 
 void add_flood_command(CLI::App& app, int& exit_status) {
   const auto options = std::make_shared<Options>();
@@ -264,4 +264,4 @@ void add_flood_command(CLI::App& app, int& exit_status) {
   command->callback([options, &exit_status] { exit_status = flood(*options); });
 }
 
-}  // namespace strobe::bench
+}  // namespace strobe::benchmarks

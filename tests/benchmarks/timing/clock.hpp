@@ -5,7 +5,7 @@
 
 #include "common/units/time.hpp"
 
-namespace strobe::bench::timing {
+namespace strobe::benchmarks::timing {
 
 inline MonoTime now() {
   timespec t{};
@@ -13,4 +13,4 @@ inline MonoTime now() {
   return from_ns(t.tv_sec * 1'000'000'000 + t.tv_nsec);
 }
 
-}  // namespace strobe::bench::timing
+}  // namespace strobe::benchmarks::timing

@@ -13,7 +13,7 @@
 
 #include "tests/benchmarks/timing/clock.hpp"
 
-namespace strobe::bench::timing {
+namespace strobe::benchmarks::timing {
 
 namespace {
 
@@ -126,4 +126,4 @@ void CoreInterrupts::take(std::vector<CoreInterrupt>& interrupts) {
   if (lost) throw std::runtime_error("the kernel dropped interrupts of a watched core");
 }
 
-}  // namespace strobe::bench::timing
+}  // namespace strobe::benchmarks::timing

@@ -12,7 +12,7 @@
 
 #include "common/units/time.hpp"
 
-namespace strobe::bench::timing {
+namespace strobe::benchmarks::timing {
 
 struct CoreInterrupt {
   MonoTime at;
@@ -43,4 +43,4 @@ class CoreInterrupts {
   std::uint64_t read_ = 0;
 };
 
-}  // namespace strobe::bench::timing
+}  // namespace strobe::benchmarks::timing

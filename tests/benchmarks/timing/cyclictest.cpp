@@ -8,7 +8,7 @@
 
 #include "tests/benchmarks/timing/clock.hpp"
 
-namespace strobe::bench::timing {
+namespace strobe::benchmarks::timing {
 
 namespace {
 
@@ -60,4 +60,4 @@ std::vector<Sample> run_cyclictest(const LoopSettings& like) {
   return wake_ups_of(lateness, first_heard, like.period, like.cpu);
 }
 
-}  // namespace strobe::bench::timing
+}  // namespace strobe::benchmarks::timing

@@ -6,10 +6,10 @@
 #include "tests/benchmarks/timing/loop_run.hpp"
 #include "tests/benchmarks/timing/sample.hpp"
 
-namespace strobe::bench::timing {
+namespace strobe::benchmarks::timing {
 
 /// Runs it with the same priority, period and CPU. Its wake-ups are put half a millisecond off the kernel's
-/// tick and the witness, as the loop puts its flashes: left to chance it would do worse. std::runtime_error
+/// tick and the freeze detector, as the loop puts its flashes: left to chance it would do worse. std::runtime_error
 /// if it cannot be run.
 std::vector<Sample> run_cyclictest(const LoopSettings& like);
 
@@ -20,4 +20,4 @@ std::vector<Sample> run_cyclictest(const LoopSettings& like);
 std::vector<Sample> wake_ups_of(const std::vector<Duration>& lateness, MonoTime first_heard, Duration period,
                                 int cpu);
 
-}  // namespace strobe::bench::timing
+}  // namespace strobe::benchmarks::timing

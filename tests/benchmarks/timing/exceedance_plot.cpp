@@ -7,7 +7,7 @@
 #include <memory>
 #include <stdexcept>
 
-namespace strobe::bench::timing {
+namespace strobe::benchmarks::timing {
 
 namespace {
 
@@ -72,4 +72,4 @@ void draw(const std::string& png, const std::vector<Panel>& panels) {
   std::fprintf(gnuplot.get(), "unset multiplot\n");
 }
 
-}  // namespace strobe::bench::timing
+}  // namespace strobe::benchmarks::timing

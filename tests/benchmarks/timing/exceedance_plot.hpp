@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace strobe::bench::timing {
+namespace strobe::benchmarks::timing {
 
 struct Curve {
   std::string title;
@@ -27,4 +27,4 @@ Curve exceedance(const std::string& title, std::vector<double> values);
 /// One panel beside the other. std::runtime_error if gnuplot cannot be run.
 void draw(const std::string& png, const std::vector<Panel>& panels);
 
-}  // namespace strobe::bench::timing
+}  // namespace strobe::benchmarks::timing

@@ -8,7 +8,7 @@
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe;
-using namespace strobe::bench::timing;
+using namespace strobe::benchmarks::timing;
 
 TEST_GROUP(TimingFigures){std::vector<double> up_to(int n)
                               const {std::vector<double> values(static_cast<std::size_t>(n));

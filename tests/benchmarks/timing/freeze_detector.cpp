@@ -11,7 +11,7 @@
 
 #include "tests/benchmarks/timing/clock.hpp"
 
-namespace strobe::bench::timing {
+namespace strobe::benchmarks::timing {
 
 static_assert(FreezeDetector::kPeriod == CoreInterrupts::kPeriod);
 
@@ -46,9 +46,9 @@ std::vector<Freeze> stops_of(std::span<const CoreInterrupt> interrupts, int cpu)
   return stops;
 }
 
-FreezeDetector::FreezeDetector(int priority, By wanted)
+FreezeDetector::FreezeDetector(int priority, Method wanted)
     : seen_(std::max(1U, std::thread::hardware_concurrency())) {
-  if (wanted == By::interrupts && open_interrupts(seen_.size())) {
+  if (wanted == Method::interrupts && open_interrupts(seen_.size())) {
     threads_.emplace_back([this] { collect(); });
     for (std::size_t cpu = 0; cpu < seen_.size(); ++cpu)
       threads_.emplace_back([this, cpu] { keep_ticking(static_cast<int>(cpu)); });
@@ -125,7 +125,7 @@ std::vector<Freeze> FreezeDetector::stop() {
   return all;
 }
 
-std::string freezes_in_words(const std::vector<Freeze>& freezes, FreezeDetector::By by) {
+std::string freezes_in_words(const std::vector<Freeze>& freezes, FreezeDetector::Method by) {
   Duration sum{};
   Duration longest{};
   for (const Freeze& freeze : freezes) {
@@ -133,7 +133,7 @@ std::string freezes_in_words(const std::vector<Freeze>& freezes, FreezeDetector:
     longest = std::max(longest, freeze.end - freeze.begin);
   }
   return std::to_string(freezes.size()) +
-         (by == FreezeDetector::By::interrupts ? " stops of a core, "
+         (by == FreezeDetector::Method::interrupts ? " stops of a core, "
                                                : " stops of a core or late wake-ups on it, ") +
          std::to_string(sum / milliseconds(1)) + " ms in all, longest " +
          std::to_string(longest / milliseconds(1)) + " ms";
@@ -145,4 +145,4 @@ bool within_freeze(const std::vector<Freeze>& freezes, MonoTime from, MonoTime t
   });
 }
 
-}  // namespace strobe::bench::timing
+}  // namespace strobe::benchmarks::timing

@@ -34,7 +34,7 @@
 #include "common/units/time.hpp"
 #include "tests/benchmarks/timing/core_interrupts.hpp"
 
-namespace strobe::bench::timing {
+namespace strobe::benchmarks::timing {
 
 struct Freeze {
   MonoTime begin;  ///< it was still awake then: up to a period too early
@@ -47,16 +47,16 @@ std::vector<Freeze> stops_of(std::span<const CoreInterrupt> interrupts, int cpu)
 
 class FreezeDetector {
  public:
-  enum class By { interrupts, wake_ups };
+  enum class Method { interrupts, wake_ups };
 
   /// `priority`: SCHED_FIFO, of the threads that wake; ordinary scheduling where that is refused. By
   /// interrupts only where the kernel gives them: by() tells.
-  explicit FreezeDetector(int priority, By wanted = By::wake_ups);
+  explicit FreezeDetector(int priority, Method wanted = Method::wake_ups);
   ~FreezeDetector();
   FreezeDetector(const FreezeDetector&) = delete;
   FreezeDetector& operator=(const FreezeDetector&) = delete;
 
-  By by() const { return interrupts_.empty() ? By::wake_ups : By::interrupts; }
+  Method by() const { return interrupts_.empty() ? Method::wake_ups : Method::interrupts; }
 
   /// Ends the watch and gives the freezes of all cores, sorted by their begin. std::runtime_error if the
   /// kernel dropped interrupts.
@@ -83,9 +83,9 @@ class FreezeDetector {
 };
 
 /// "120 stops of a core, 793 ms in all, longest 40 ms": `by` tells what they were seen by.
-std::string freezes_in_words(const std::vector<Freeze>& freezes, FreezeDetector::By by);
+std::string freezes_in_words(const std::vector<Freeze>& freezes, FreezeDetector::Method by);
 
 /// Whether the span [from, to] touches a freeze of that core; cpu -1: of any.
 bool within_freeze(const std::vector<Freeze>& freezes, MonoTime from, MonoTime to, int cpu = -1);
 
-}  // namespace strobe::bench::timing
+}  // namespace strobe::benchmarks::timing

@@ -7,7 +7,7 @@
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe;
-using namespace strobe::bench::timing;
+using namespace strobe::benchmarks::timing;
 
 namespace {
 
@@ -47,9 +47,9 @@ TEST(Stops, OfAnotherCoreDoNotCountForWhatRanOnThisOne) {
 TEST(Stops, AreToldInWords) {
   const std::vector<Freeze> freezes{{at_us(0), at_us(2000), 0}, {at_us(0), at_us(40'000), 1}};
   CHECK_EQUAL(std::string("2 stops of a core, 42 ms in all, longest 40 ms"),
-              freezes_in_words(freezes, FreezeDetector::By::interrupts));
+              freezes_in_words(freezes, FreezeDetector::Method::interrupts));
   CHECK_EQUAL(std::string("2 stops of a core or late wake-ups on it, 42 ms in all, longest 40 ms"),
-              freezes_in_words(freezes, FreezeDetector::By::wake_ups));
+              freezes_in_words(freezes, FreezeDetector::Method::wake_ups));
 }
 
 TEST_GROUP(KernelActivity){};
@@ -79,7 +79,7 @@ TEST_GROUP(CoreInterrupts){};
 
 TEST(CoreInterrupts, ComeOnceAMillisecondAtMostWhereTheKernelGivesThem) {
   const MonoTime begin = now();
-  auto interrupts = bench::timing::CoreInterrupts::open(0);
+  auto interrupts = benchmarks::timing::CoreInterrupts::open(0);
   if (!interrupts) return;  // not root, or forbidden here
   const MonoTime open = now();
   while (now() - open < milliseconds(60)) {

@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <string_view>
 
-namespace strobe::bench::timing {
+namespace strobe::benchmarks::timing {
 
 std::optional<Sample> flash_of(const strobe_msgs::event_t& event, int cpu) {
   using strobe_msgs::event_t;
@@ -20,4 +20,4 @@ std::optional<Sample> flash_of(const strobe_msgs::event_t& event, int cpu) {
   return sample_of(then - microseconds(late_us), then, cpu);
 }
 
-}  // namespace strobe::bench::timing
+}  // namespace strobe::benchmarks::timing

@@ -6,10 +6,10 @@
 
 #include "tests/benchmarks/timing/sample.hpp"
 
-namespace strobe::bench::timing {
+namespace strobe::benchmarks::timing {
 
 /// A flash's issue; also of one that was too late to be issued, for which its shot was aborted: it counts as
 /// issued then, or the latest ones would be missing among the others. Nothing for all other events.
 std::optional<Sample> flash_of(const strobe_msgs::event_t& event, int cpu);
 
-}  // namespace strobe::bench::timing
+}  // namespace strobe::benchmarks::timing

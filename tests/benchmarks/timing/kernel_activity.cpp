@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace strobe::bench::timing {
+namespace strobe::benchmarks::timing {
 
 KernelActivity kernel_activity(const std::vector<Sample>& samples, const std::vector<Freeze>& freezes,
                                const std::vector<std::vector<CoreInterrupt>>& interrupts, Duration limit) {
@@ -29,4 +29,4 @@ std::string in_words(const KernelActivity& held, Duration limit) {
          " of " + std::to_string(held.interrupts) + " looks";
 }
 
-}  // namespace strobe::bench::timing
+}  // namespace strobe::benchmarks::timing

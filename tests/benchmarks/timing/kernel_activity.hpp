@@ -6,7 +6,7 @@
 
 #include "tests/benchmarks/timing/sample.hpp"
 
-namespace strobe::bench::timing {
+namespace strobe::benchmarks::timing {
 
 struct KernelActivity {
   std::size_t late = 0;        ///< samples later than the limit, outside freezes, of a known core
@@ -21,4 +21,4 @@ KernelActivity kernel_activity(const std::vector<Sample>& samples, const std::ve
 /// "31 later than 100 us outside freezes, meanwhile their core was in the kernel at 40 of 41 looks"
 std::string in_words(const KernelActivity& held, Duration limit);
 
-}  // namespace strobe::bench::timing
+}  // namespace strobe::benchmarks::timing

@@ -12,7 +12,7 @@
 #include <cstring>
 #include <thread>
 
-namespace strobe::bench::timing {
+namespace strobe::benchmarks::timing {
 
 namespace {
 
@@ -81,4 +81,4 @@ Load::~Load() {
   std::filesystem::remove(file_, ignored);
 }
 
-}  // namespace strobe::bench::timing
+}  // namespace strobe::benchmarks::timing

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace strobe::bench::timing {
+namespace strobe::benchmarks::timing {
 
 inline const std::vector<std::string> kLoads{"idle", "cpu", "memory"};
 
@@ -28,4 +28,4 @@ class Load {
   std::filesystem::path file_;
 };
 
-}  // namespace strobe::bench::timing
+}  // namespace strobe::benchmarks::timing

@@ -29,7 +29,7 @@ namespace {
 
 using namespace strobe;
 using namespace strobe::firmware;
-using bench::timing::LoopSettings;
+using benchmarks::timing::LoopSettings;
 
 constexpr std::int64_t kHost = 1;
 constexpr int kPatientTurns = 20;
@@ -162,7 +162,7 @@ int run_loop(const LoopSettings& settings) {
   Operator commands(rig.plan);
   NoOutputs nothing;
   OutputLines& outputs =
-      settings.outputs == bench::timing::Outputs::none ? static_cast<OutputLines&>(nothing) : **lines;
+      settings.outputs == benchmarks::timing::Outputs::none ? static_cast<OutputLines&>(nothing) : **lines;
   Sequencer sequencer(rig, {clock, outputs, **lines, queue, commands}, 0);
   Collector collector(queue, publisher_wake);
   std::string faults = lock_memory();
@@ -206,7 +206,7 @@ int run_loop(const LoopSettings& settings) {
 
 }  // namespace
 
-namespace strobe::bench {
+namespace strobe::benchmarks {
 
 void add_loop_command(CLI::App& app, int& exit_status) {
   struct Options {
@@ -239,4 +239,4 @@ void add_loop_command(CLI::App& app, int& exit_status) {
   });
 }
 
-}  // namespace strobe::bench
+}  // namespace strobe::benchmarks

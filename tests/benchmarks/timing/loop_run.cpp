@@ -10,7 +10,7 @@
 #include "sim/scene/lines.hpp"
 #include "tests/benchmarks/timing/clock.hpp"
 
-namespace strobe::bench::timing {
+namespace strobe::benchmarks::timing {
 
 namespace {
 
@@ -93,4 +93,4 @@ LoopRun LoopFixture::run(const LoopSettings& settings) {
   return run;
 }
 
-}  // namespace strobe::bench::timing
+}  // namespace strobe::benchmarks::timing

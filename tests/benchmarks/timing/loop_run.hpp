@@ -12,7 +12,7 @@
 #include "sim/gpiochip/chip.hpp"
 #include "tests/benchmarks/timing/sample.hpp"
 
-namespace strobe::bench::timing {
+namespace strobe::benchmarks::timing {
 
 enum class Outputs {
   chip,  ///< set through libgpiod on the simulated chip
@@ -56,4 +56,4 @@ class LoopFixture {
   std::unique_ptr<Waiter> waiter_;
 };
 
-}  // namespace strobe::bench::timing
+}  // namespace strobe::benchmarks::timing

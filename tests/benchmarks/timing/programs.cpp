@@ -14,7 +14,7 @@
 
 #include "tests/benchmarks/timing/journalled_flash.hpp"
 
-namespace strobe::bench::timing {
+namespace strobe::benchmarks::timing {
 
 namespace {
 
@@ -81,4 +81,4 @@ LoopRun run_programs(const LoopSettings& like, const std::filesystem::path& fold
   return run;
 }
 
-}  // namespace strobe::bench::timing
+}  // namespace strobe::benchmarks::timing

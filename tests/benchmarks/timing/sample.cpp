@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace strobe::bench::timing {
+namespace strobe::benchmarks::timing {
 
 Sample sample_of(MonoTime due, MonoTime done, int cpu) {
   return {due, done, static_cast<double>((done - due).count()) * 1e-3, cpu};
@@ -37,4 +37,4 @@ void append(std::vector<Sample>& to, const std::vector<Sample>& from) {
   to.insert(to.end(), from.begin(), from.end());
 }
 
-}  // namespace strobe::bench::timing
+}  // namespace strobe::benchmarks::timing

@@ -7,7 +7,7 @@
 #include "common/units/time.hpp"
 #include "tests/benchmarks/timing/freeze_detector.hpp"
 
-namespace strobe::bench::timing {
+namespace strobe::benchmarks::timing {
 
 struct Sample {
   MonoTime from;  ///< a freeze that touches [from, to] ...
@@ -36,4 +36,4 @@ std::vector<double> outside(const std::vector<Sample>& samples, const std::vecto
 
 void append(std::vector<Sample>& to, const std::vector<Sample>& from);
 
-}  // namespace strobe::bench::timing
+}  // namespace strobe::benchmarks::timing

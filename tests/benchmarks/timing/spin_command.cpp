@@ -9,7 +9,7 @@
 #include "tests/benchmarks/command.hpp"
 #include "tests/benchmarks/timing/study.hpp"
 
-namespace strobe::bench::timing {
+namespace strobe::benchmarks::timing {
 
 namespace {
 
@@ -121,9 +121,9 @@ int run_spin(const Options& options) {
 
 }  // namespace
 
-}  // namespace strobe::bench::timing
+}  // namespace strobe::benchmarks::timing
 
-namespace strobe::bench {
+namespace strobe::benchmarks {
 
 void add_spin_command(CLI::App& app, int& exit_status) {
   using namespace timing;  // NOLINT: this command's own
@@ -146,4 +146,4 @@ void add_spin_command(CLI::App& app, int& exit_status) {
   command->callback([options, &exit_status] { exit_status = run_spin(*options); });
 }
 
-}  // namespace strobe::bench
+}  // namespace strobe::benchmarks

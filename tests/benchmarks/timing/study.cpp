@@ -5,7 +5,7 @@
 
 #include "tests/support/temporary_folder.hpp"
 
-namespace strobe::bench::timing {
+namespace strobe::benchmarks::timing {
 
 void add_study_options(CLI::App& command, StudyOptions& options) {
   command.add_option("--rounds", options.rounds, "rounds of everything in turn, for each load")
@@ -26,15 +26,15 @@ void add_study_options(CLI::App& command, StudyOptions& options) {
 
 LoadRun under_load(const std::string& load, const StudyOptions& options, const std::filesystem::path& folder,
                    const std::function<void(int round)>& once) {
-  FreezeDetector witness(options.loop.priority - 10, FreezeDetector::By::interrupts);
+  FreezeDetector detector(options.loop.priority - 10, FreezeDetector::Method::interrupts);
   const Load running(load, folder);
   for (int round = 1; round <= options.rounds; ++round) {
     std::fprintf(stderr, "%s, round %d of %d\n", load.c_str(), round, options.rounds);
     once(round);
   }
-  std::vector<Freeze> freezes = witness.stop();
-  std::string words = freezes_in_words(freezes, witness.by());
-  return {std::move(freezes), std::move(words), witness.interrupts()};
+  std::vector<Freeze> freezes = detector.stop();
+  std::string words = freezes_in_words(freezes, detector.by());
+  return {std::move(freezes), std::move(words), detector.interrupts()};
 }
 
 std::vector<Row> run_study(
@@ -55,4 +55,4 @@ std::vector<Row> run_study(
   return rows;
 }
 
-}  // namespace strobe::bench::timing
+}  // namespace strobe::benchmarks::timing

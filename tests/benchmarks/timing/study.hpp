@@ -16,7 +16,7 @@ namespace CLI {
 class App;
 }
 
-namespace strobe::bench::timing {
+namespace strobe::benchmarks::timing {
 
 struct StudyOptions {
   int rounds = 3;
@@ -31,7 +31,7 @@ struct StudyOptions {
 /// command.
 void add_study_options(CLI::App& command, StudyOptions& options);
 
-/// Does something over and over under a load, with a witness.
+/// Repeats something under a load while a freeze detector watches.
 struct LoadRun {
   std::vector<Freeze> freezes;
   std::string freezes_in_words;
@@ -53,4 +53,4 @@ std::vector<Row> run_study(
     const StudyOptions& options,
     const std::function<LoadFigures(const std::string& load, const std::filesystem::path& folder)>& study);
 
-}  // namespace strobe::bench::timing
+}  // namespace strobe::benchmarks::timing

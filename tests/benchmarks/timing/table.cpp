@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-namespace strobe::bench::timing {
+namespace strobe::benchmarks::timing {
 
 std::string ratios(const Percentiles& of, const Percentiles& to) {
   const auto ratio = [](double a, double b) { return b > 0.0 ? a / b : 0.0; };
@@ -52,4 +52,4 @@ void write_csv(const std::string& path, const std::vector<Row>& rows) {
   if (!file.flush()) throw std::runtime_error(path + ": cannot be written");
 }
 
-}  // namespace strobe::bench::timing
+}  // namespace strobe::benchmarks::timing

@@ -6,7 +6,7 @@
 
 #include "tests/benchmarks/timing/sample.hpp"
 
-namespace strobe::bench::timing {
+namespace strobe::benchmarks::timing {
 
 struct Row {
   std::string load;
@@ -25,4 +25,4 @@ void print_rows(const std::vector<Row>& rows, bool json, const std::string& rati
 /// std::runtime_error if it cannot be written.
 void write_csv(const std::string& path, const std::vector<Row>& rows);
 
-}  // namespace strobe::bench::timing
+}  // namespace strobe::benchmarks::timing

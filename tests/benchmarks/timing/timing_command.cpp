@@ -15,7 +15,7 @@
 #include "tests/benchmarks/timing/programs.hpp"
 #include "tests/benchmarks/timing/study.hpp"
 
-namespace strobe::bench::timing {
+namespace strobe::benchmarks::timing {
 
 namespace {
 
@@ -157,9 +157,9 @@ int run_timing(const Options& options) {
 
 }  // namespace
 
-}  // namespace strobe::bench::timing
+}  // namespace strobe::benchmarks::timing
 
-namespace strobe::bench {
+namespace strobe::benchmarks {
 
 void add_timing_command(CLI::App& app, int& exit_status) {
   using namespace timing;  // NOLINT: this command's own
@@ -168,7 +168,7 @@ void add_timing_command(CLI::App& app, int& exit_status) {
       app.add_subcommand("timing",
                          "lateness of the shipped loop's flashes beside cyclictest's: same priority, period, "
                          "CPU and load, in turns.\n"
-                         "A witness sees when a core itself stands still; figures are given with and "
+                         "A detector sees when a core itself stands still; figures are given with and "
                          "without such freezes.\n"
                          "Example: strobe-bench timing --rounds 3 --seconds 15 --plot timing.png");
   add_study_options(*command, *options);
@@ -179,4 +179,4 @@ void add_timing_command(CLI::App& app, int& exit_status) {
   command->callback([options, &exit_status] { exit_status = run_timing(*options); });
 }
 
-}  // namespace strobe::bench
+}  // namespace strobe::benchmarks

@@ -12,7 +12,7 @@
 #include "tests/benchmarks/command.hpp"
 #include "tests/host/heartbeats.hpp"
 
-namespace strobe::bench {
+namespace strobe::studies {
 namespace {
 
 using host_test::Heartbeats;
@@ -127,4 +127,4 @@ void add_clock_command(CLI::App& app, int& exit_status) {
   });
 }
 
-}  // namespace strobe::bench
+}  // namespace strobe::studies

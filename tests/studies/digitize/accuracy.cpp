@@ -18,7 +18,7 @@
 #include "tests/studies/digitize/photographs.hpp"
 #include "tests/studies/digitize/tables.hpp"
 
-namespace strobe::bench::digitize {
+namespace strobe::studies::digitize {
 
 namespace {
 
@@ -249,4 +249,4 @@ Result<void> study_accuracy(const AccuracyOptions& options) {
   return Study(options, std::move(*scenes)).run();
 }
 
-}  // namespace strobe::bench::digitize
+}  // namespace strobe::studies::digitize

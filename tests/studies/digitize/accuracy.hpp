@@ -10,7 +10,7 @@
 #include "host/digitize/core/types.hpp"
 #include "sim/scene/scene.hpp"
 
-namespace strobe::bench::digitize {
+namespace strobe::studies::digitize {
 
 struct AccuracyOptions {
   std::vector<std::string> scenes;  ///< empty: the thesis's conditions
@@ -32,4 +32,4 @@ Result<std::vector<sim::Scene>> load_scenes(const std::vector<std::string>& name
 
 Result<void> study_accuracy(const AccuracyOptions& options);
 
-}  // namespace strobe::bench::digitize
+}  // namespace strobe::studies::digitize

@@ -19,7 +19,7 @@
 #include "tests/studies/digitize/photographs.hpp"
 #include "tests/studies/digitize/shot_message.hpp"
 
-namespace strobe::bench::digitize {
+namespace strobe::studies::digitize {
 
 namespace {
 
@@ -337,4 +337,4 @@ Result<void> study_chain(const ChainOptions& options) {
   return Study(options, std::move(*scenes)).run();
 }
 
-}  // namespace strobe::bench::digitize
+}  // namespace strobe::studies::digitize

@@ -10,7 +10,7 @@
 #include "common/result.hpp"
 #include "host/digitize/core/types.hpp"
 
-namespace strobe::bench::digitize {
+namespace strobe::studies::digitize {
 
 struct ChainOptions {
   std::vector<std::string> scenes;  ///< empty: the court-pace scene and the thesis's conditions
@@ -25,4 +25,4 @@ struct ChainOptions {
 
 Result<void> study_chain(const ChainOptions& options);
 
-}  // namespace strobe::bench::digitize
+}  // namespace strobe::studies::digitize

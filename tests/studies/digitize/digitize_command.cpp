@@ -18,7 +18,7 @@
 namespace {
 
 using namespace strobe;
-using namespace strobe::bench::digitize;
+using namespace strobe::studies::digitize;
 using strobe::digitize::Effort;
 
 struct Options {
@@ -124,7 +124,7 @@ void add_how(CLI::App& command, Options& o) {
 
 }  // namespace
 
-namespace strobe::bench {
+namespace strobe::studies {
 
 void add_digitize_command(CLI::App& app, int& exit_status) {
   const auto options = std::make_shared<Options>();
@@ -150,4 +150,4 @@ void add_digitize_command(CLI::App& app, int& exit_status) {
   command->callback([options, &exit_status] { exit_status = run(*options); });
 }
 
-}  // namespace strobe::bench
+}  // namespace strobe::studies

@@ -7,7 +7,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-namespace strobe::bench::digitize {
+namespace strobe::studies::digitize {
 
 namespace {
 
@@ -68,4 +68,4 @@ reduction::Frame hough_circles(const strobe::digitize::Photograph& photograph,
   return frame;
 }
 
-}  // namespace strobe::bench::digitize
+}  // namespace strobe::studies::digitize

@@ -9,7 +9,7 @@
 #include "host/digitize/digitize.hpp"
 #include "host/digitize/image/photograph.hpp"
 
-namespace strobe::bench::digitize {
+namespace strobe::studies::digitize {
 
 struct HoughSettings {
   bool alternative = false;  ///< cv::HOUGH_GRADIENT_ALT (Xie and others) instead of cv::HOUGH_GRADIENT
@@ -27,4 +27,4 @@ std::string text_of(const HoughSettings& settings);
 reduction::Frame hough_circles(const strobe::digitize::Photograph& photograph,
                                const strobe::digitize::DigitizeSettings& ball, const HoughSettings& settings);
 
-}  // namespace strobe::bench::digitize
+}  // namespace strobe::studies::digitize

@@ -12,7 +12,7 @@
 #include <thread>
 #include <vector>
 
-namespace strobe::bench::digitize {
+namespace strobe::studies::digitize {
 
 /// make(i) for i in [0, count) on `threads` threads; take(i, result) here. take returns false: no more is
 /// begun. `make` must be callable from several threads at once and not throw.
@@ -61,4 +61,4 @@ class Progress {
   std::chrono::steady_clock::time_point told_ = std::chrono::steady_clock::now();
 };
 
-}  // namespace strobe::bench::digitize
+}  // namespace strobe::studies::digitize

@@ -20,7 +20,7 @@
 #include "tests/studies/digitize/shot_message.hpp"
 #include "tests/support/temporary_folder.hpp"
 
-namespace strobe::bench::digitize {
+namespace strobe::studies::digitize {
 
 namespace {
 
@@ -174,4 +174,4 @@ Result<void> study_latency(const LatencyOptions& options) {
   return {};
 }
 
-}  // namespace strobe::bench::digitize
+}  // namespace strobe::studies::digitize

@@ -9,7 +9,7 @@
 
 #include "common/result.hpp"
 
-namespace strobe::bench::digitize {
+namespace strobe::studies::digitize {
 
 struct LatencyOptions {
   std::vector<std::string> scenes;  ///< empty: the thesis's conditions
@@ -22,4 +22,4 @@ struct LatencyOptions {
 
 Result<void> study_latency(const LatencyOptions& options);
 
-}  // namespace strobe::bench::digitize
+}  // namespace strobe::studies::digitize

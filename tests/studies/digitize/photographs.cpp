@@ -10,7 +10,7 @@
 
 #include "sim/photograph/render.hpp"
 
-namespace strobe::bench::digitize {
+namespace strobe::studies::digitize {
 
 namespace {
 
@@ -101,4 +101,4 @@ Result<KnownPhotograph> known_photograph(const Take& take) {
   return known;
 }
 
-}  // namespace strobe::bench::digitize
+}  // namespace strobe::studies::digitize

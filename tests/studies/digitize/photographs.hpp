@@ -15,7 +15,7 @@
 #include "sim/shoot/shoot.hpp"
 #include "tests/studies/digitize/score.hpp"
 
-namespace strobe::bench::digitize {
+namespace strobe::studies::digitize {
 
 /// Which photograph: of the scene's `shot`-th shot (1-based).
 struct Take {
@@ -43,4 +43,4 @@ Result<KnownPhotograph> known_photograph(const Take& take);
 /// The bytes of an uncompressed TIFF, as the rig's camera writes it.
 Result<std::vector<unsigned char>> photograph_bytes(const Take& take, const sim::SimulatedShot& shot);
 
-}  // namespace strobe::bench::digitize
+}  // namespace strobe::studies::digitize

@@ -13,7 +13,7 @@
 #include "tests/studies/digitize/photographs.hpp"
 #include "tests/studies/digitize/tables.hpp"
 
-namespace strobe::bench::digitize {
+namespace strobe::studies::digitize {
 
 namespace {
 
@@ -189,4 +189,4 @@ Result<void> study_robustness(const RobustnessOptions& options) {
   return options.plot.empty() ? Result<void>{} : plot_robustness(points, options.plot);
 }
 
-}  // namespace strobe::bench::digitize
+}  // namespace strobe::studies::digitize

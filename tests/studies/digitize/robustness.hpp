@@ -10,7 +10,7 @@
 #include "host/digitize/core/types.hpp"
 #include "tests/studies/digitize/score.hpp"
 
-namespace strobe::bench::digitize {
+namespace strobe::studies::digitize {
 
 struct RobustnessOptions {
   std::vector<std::string> scenes;  ///< empty: three of the thesis's conditions
@@ -45,4 +45,4 @@ Result<void> study_robustness(const RobustnessOptions& options);
 /// Draws the curves with gnuplot. Fails with one line if it is missing or does not draw.
 Result<void> plot_robustness(const std::vector<RobustnessPoint>& points, const std::string& file);
 
-}  // namespace strobe::bench::digitize
+}  // namespace strobe::studies::digitize

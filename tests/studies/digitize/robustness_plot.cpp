@@ -10,7 +10,7 @@
 #include "tests/studies/digitize/robustness.hpp"
 #include "tests/studies/digitize/tables.hpp"
 
-namespace strobe::bench::digitize {
+namespace strobe::studies::digitize {
 
 namespace {
 
@@ -132,4 +132,4 @@ Result<void> plot_robustness(const std::vector<RobustnessPoint>& points, const s
   return {};
 }
 
-}  // namespace strobe::bench::digitize
+}  // namespace strobe::studies::digitize

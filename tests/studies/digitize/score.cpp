@@ -6,7 +6,7 @@
 
 #include "common/units/angles.hpp"
 
-namespace strobe::bench::digitize {
+namespace strobe::studies::digitize {
 
 namespace {
 
@@ -169,4 +169,4 @@ TimeCount count_times(const std::vector<TrueImage>& truth, const std::vector<dou
   return {static_cast<int>(late_s.size()), static_cast<int>(wrong)};
 }
 
-}  // namespace strobe::bench::digitize
+}  // namespace strobe::studies::digitize

@@ -10,7 +10,7 @@
 
 #include "common/reduction/frame.hpp"
 
-namespace strobe::bench::digitize {
+namespace strobe::studies::digitize {
 
 /// One image of the ball as it truly is on the photograph, in the frame's px.
 struct TrueImage {
@@ -99,4 +99,4 @@ struct TimeCount {
 TimeCount count_times(const std::vector<TrueImage>& truth, const std::vector<double>& times_s,
                       const reduction::Frame& frame);
 
-}  // namespace strobe::bench::digitize
+}  // namespace strobe::studies::digitize

@@ -7,7 +7,7 @@
 
 #include <CppUTest/TestHarness.h>
 
-using namespace strobe::bench::digitize;
+using namespace strobe::studies::digitize;
 using strobe::reduction::BallImage;
 using strobe::reduction::Frame;
 using strobe::reduction::Leg;

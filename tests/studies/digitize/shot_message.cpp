@@ -7,7 +7,7 @@
 #include "common/messages/record.hpp"
 #include "common/units/angles.hpp"
 
-namespace strobe::bench::digitize {
+namespace strobe::studies::digitize {
 
 namespace {
 
@@ -78,4 +78,4 @@ host::RigFile rig_of(const sim::Scene& scene, const Calibrated& calibrated) {
   return rig;
 }
 
-}  // namespace strobe::bench::digitize
+}  // namespace strobe::studies::digitize

@@ -10,7 +10,7 @@
 #include "sim/scene/scene.hpp"
 #include "tests/studies/digitize/photographs.hpp"
 
-namespace strobe::bench::digitize {
+namespace strobe::studies::digitize {
 
 /// Flashes were when the sensors' edges said. `closed_ns`: on the firmware's clock, when the shutter closed.
 strobe_msgs::shot_t shot_message(const KnownPhotograph& known, const sim::Scene& scene, int shot_id,
@@ -26,4 +26,4 @@ struct Calibrated {
 };
 host::RigFile rig_of(const sim::Scene& scene, const Calibrated& calibrated);
 
-}  // namespace strobe::bench::digitize
+}  // namespace strobe::studies::digitize

@@ -9,7 +9,7 @@
 
 #include "common/units/angles.hpp"
 
-namespace strobe::bench::digitize {
+namespace strobe::studies::digitize {
 
 namespace {
 
@@ -129,4 +129,4 @@ std::vector<ToldPlace> told_places(const strobe::digitize::Digitization& digitiz
   return places;
 }
 
-}  // namespace strobe::bench::digitize
+}  // namespace strobe::studies::digitize

@@ -8,7 +8,7 @@
 #include "tests/studies/digitize/photographs.hpp"
 #include "tests/studies/digitize/score.hpp"
 
-namespace strobe::bench::digitize {
+namespace strobe::studies::digitize {
 
 double centre_rms_px(const Score& score);
 
@@ -27,4 +27,4 @@ std::string image_csv(const std::string& name, int shot, const KnownPhotograph& 
 /// Where the digitizer said that something could not be measured.
 std::vector<ToldPlace> told_places(const strobe::digitize::Digitization& digitization);
 
-}  // namespace strobe::bench::digitize
+}  // namespace strobe::studies::digitize

@@ -14,7 +14,7 @@
 #include "tests/benchmarks/command.hpp"
 #include "tests/common/numerics/digits.hpp"
 
-namespace strobe::bench {
+namespace strobe::studies {
 
 namespace {
 
@@ -136,4 +136,4 @@ void add_digits_command(CLI::App& app, int& exit_status) {
   command->callback([options, &exit_status] { exit_status = run(*options); });
 }
 
-}  // namespace strobe::bench
+}  // namespace strobe::studies

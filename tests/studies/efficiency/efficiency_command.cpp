@@ -13,7 +13,7 @@
 
 namespace {
 
-using namespace strobe::bench;
+using namespace strobe::studies;
 
 struct Options {
   int shots = 20000;
@@ -93,7 +93,7 @@ int efficiency(const Options& options) {
 
 }  // namespace
 
-namespace strobe::bench {
+namespace strobe::studies {
 
 void add_efficiency_command(CLI::App& app, int& exit_status) {
   const auto options = std::make_shared<Options>();
@@ -122,4 +122,4 @@ void add_efficiency_command(CLI::App& app, int& exit_status) {
   command->callback([options, &exit_status] { exit_status = efficiency(*options); });
 }
 
-}  // namespace strobe::bench
+}  // namespace strobe::studies

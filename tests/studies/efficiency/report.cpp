@@ -8,7 +8,7 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 
-namespace strobe::bench {
+namespace strobe::studies {
 
 namespace {
 
@@ -183,4 +183,4 @@ std::string json_lines(const Result& result) {
   return text;
 }
 
-}  // namespace strobe::bench
+}  // namespace strobe::studies

@@ -6,7 +6,7 @@
 
 #include "tests/studies/efficiency/study.hpp"
 
-namespace strobe::bench {
+namespace strobe::studies {
 
 /// What one scenario gave.
 struct Result {
@@ -27,4 +27,4 @@ std::string long_table(const Result& result);
 /// One object per condition, method and quantity.
 std::string json_lines(const Result& result);
 
-}  // namespace strobe::bench
+}  // namespace strobe::studies

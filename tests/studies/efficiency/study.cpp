@@ -8,7 +8,7 @@
 
 #include "tests/common/reduction/intervals.hpp"
 
-namespace strobe::bench {
+namespace strobe::studies {
 
 namespace {
 
@@ -187,4 +187,4 @@ std::vector<Condition> run(const Plan& plan, const Scenario& scenario, std::atom
   return conditions;
 }
 
-}  // namespace strobe::bench
+}  // namespace strobe::studies

@@ -13,7 +13,7 @@
 #include "common/reduction/reduce.hpp"
 #include "tests/common/reduction/simulated_shot.hpp"
 
-namespace strobe::bench {
+namespace strobe::studies {
 
 /// An estimator with its options.
 struct Method {
@@ -71,4 +71,4 @@ struct Plan {
 /// All conditions of one scenario. `done` counts conditions, for a progress display.
 std::vector<Condition> run(const Plan& plan, const Scenario& scenario, std::atomic<int>& done);
 
-}  // namespace strobe::bench
+}  // namespace strobe::studies

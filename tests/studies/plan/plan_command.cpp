@@ -142,7 +142,7 @@ int study(const Options& options) {
 
 }  // namespace
 
-namespace strobe::bench {
+namespace strobe::studies {
 
 void add_plan_command(CLI::App& app, int& exit_status) {
   const auto options = std::make_shared<Options>();
@@ -165,4 +165,4 @@ void add_plan_command(CLI::App& app, int& exit_status) {
   plan->callback([options, &exit_status] { exit_status = study(*options); });
 }
 
-}  // namespace strobe::bench
+}  // namespace strobe::studies

@@ -3,7 +3,7 @@
 #include <array>
 #include <numbers>
 
-namespace strobe::bench {
+namespace strobe::studies {
 
 using reduction::Quantity;
 
@@ -52,4 +52,4 @@ std::vector<Cell> cells_of(const thesis::Condition& c, const reduction::Quantiti
   return cells;
 }
 
-}  // namespace strobe::bench
+}  // namespace strobe::studies

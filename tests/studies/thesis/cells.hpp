@@ -9,7 +9,7 @@
 #include "common/reduction/readout.hpp"
 #include "tests/studies/thesis/forecast.hpp"
 
-namespace strobe::bench {
+namespace strobe::studies {
 
 struct Cell {
   std::string condition;
@@ -58,4 +58,4 @@ Tally tally(std::span<const Cell> cells, Wanted wanted) {
   return t;
 }
 
-}  // namespace strobe::bench
+}  // namespace strobe::studies

@@ -7,7 +7,7 @@
 
 #include "common/impact/fit/bounded_least_squares.hpp"
 
-namespace strobe::bench {
+namespace strobe::studies {
 
 namespace {
 
@@ -173,4 +173,4 @@ InputSpread input_spread(const ContactObservation& observation, const Constants&
   return {std::sqrt(vx), std::sqrt(omega)};
 }
 
-}  // namespace strobe::bench
+}  // namespace strobe::studies

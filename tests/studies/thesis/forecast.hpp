@@ -12,7 +12,7 @@
 #include "common/impact/fit/contact_fit.hpp"
 #include "common/result.hpp"
 
-namespace strobe::bench {
+namespace strobe::studies {
 
 /// Where a condition's restitution and dwell time come from.
 enum class Vertical {
@@ -74,4 +74,4 @@ struct InputSpread {
 InputSpread input_spread(const impact::ContactObservation& observation, const Constants& constants,
                          Vertical vertical);
 
-}  // namespace strobe::bench
+}  // namespace strobe::studies

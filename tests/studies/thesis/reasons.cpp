@@ -2,7 +2,7 @@
 
 #include "tests/studies/thesis/report.hpp"
 
-namespace strobe::bench {
+namespace strobe::studies {
 
 std::string reason(const Cell& cell) {
   using reduction::Quantity;
@@ -31,4 +31,4 @@ std::string reason(const Cell& cell) {
   return "No reason found in the tables.";
 }
 
-}  // namespace strobe::bench
+}  // namespace strobe::studies

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-namespace strobe::bench {
+namespace strobe::studies {
 
 namespace {
 
@@ -198,4 +198,4 @@ std::string plot_program(std::span<const Cell> cells, const std::string& title, 
   return text + plots + "\n";
 }
 
-}  // namespace strobe::bench
+}  // namespace strobe::studies

@@ -5,7 +5,7 @@
 
 #include "tests/studies/thesis/study.hpp"
 
-namespace strobe::bench {
+namespace strobe::studies {
 
 /// The constants of each pair of spins.
 std::string constants_table(const Forecasts& forecasts);
@@ -32,4 +32,4 @@ std::string csv_lines(const std::string& name, std::span<const Cell> cells);
 /// (.svg or .png by its name).
 std::string plot_program(std::span<const Cell> cells, const std::string& title, const std::string& file);
 
-}  // namespace strobe::bench
+}  // namespace strobe::studies

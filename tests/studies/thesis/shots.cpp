@@ -7,7 +7,7 @@
 #include "sim/fit/fit.hpp"
 #include "sim/shoot/shoot.hpp"
 
-namespace strobe::bench {
+namespace strobe::studies {
 
 namespace {
 
@@ -80,4 +80,4 @@ Result<ShotSeries> shoot_series(const thesis::Condition& condition, const Foreca
   return series;
 }
 
-}  // namespace strobe::bench
+}  // namespace strobe::studies

@@ -7,7 +7,7 @@
 #include "common/reduction/readout.hpp"
 #include "tests/studies/thesis/forecast.hpp"
 
-namespace strobe::bench {
+namespace strobe::studies {
 
 struct ShotSeries {
   reduction::Quantities mean;  ///< of the readouts that have the number
@@ -22,4 +22,4 @@ struct ShotSeries {
 Result<ShotSeries> shoot_series(const thesis::Condition& condition, const Forecast& forecast, int shots,
                                 std::uint64_t seed, bool exact);
 
-}  // namespace strobe::bench
+}  // namespace strobe::studies

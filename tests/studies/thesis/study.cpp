@@ -5,7 +5,7 @@
 
 #include "common/impact/fit/cross_validation.hpp"
 
-namespace strobe::bench {
+namespace strobe::studies {
 
 using reduction::Quantity;
 
@@ -73,4 +73,4 @@ Result<Shots> shoot_all(const Forecasts& forecasts, int shots, std::uint64_t see
   return out;
 }
 
-}  // namespace strobe::bench
+}  // namespace strobe::studies

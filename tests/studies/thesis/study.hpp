@@ -8,7 +8,7 @@
 #include "tests/studies/thesis/cells.hpp"
 #include "tests/studies/thesis/shots.hpp"
 
-namespace strobe::bench {
+namespace strobe::studies {
 
 /// How one condition was told.
 struct Told {
@@ -48,4 +48,4 @@ struct Shots {
 };
 Result<Shots> shoot_all(const Forecasts& forecasts, int shots, std::uint64_t seed, bool exact);
 
-}  // namespace strobe::bench
+}  // namespace strobe::studies

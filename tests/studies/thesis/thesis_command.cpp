@@ -12,7 +12,7 @@
 
 namespace {
 
-using namespace strobe::bench;
+using namespace strobe::studies;
 
 struct Options {
   std::string dashpot = "tied";
@@ -134,7 +134,7 @@ int against_thesis(const Options& options) {
 
 }  // namespace
 
-namespace strobe::bench {
+namespace strobe::studies {
 
 void add_thesis_command(CLI::App& app, int& exit_status) {
   const auto options = std::make_shared<Options>();
@@ -166,4 +166,4 @@ void add_thesis_command(CLI::App& app, int& exit_status) {
   command->callback([options, &exit_status] { exit_status = against_thesis(*options); });
 }
 
-}  // namespace strobe::bench
+}  // namespace strobe::studies

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <functional>
 
-namespace strobe::bench::trade {
+namespace strobe::studies::trade {
 
 namespace {
 
@@ -91,4 +91,4 @@ Grip calibrated_at(const ImpactScene& scene) {
   return grip;
 }
 
-}  // namespace strobe::bench::trade
+}  // namespace strobe::studies::trade

@@ -5,7 +5,7 @@
 
 #include "tests/studies/trade/impact_scenes.hpp"
 
-namespace strobe::bench::trade {
+namespace strobe::studies::trade {
 
 /// A contact's scene with the velocities at lift-off that its mechanics give.
 struct KnownImpact {
@@ -34,4 +34,4 @@ Grip calibrated_over(const std::vector<KnownImpact>& known, bool with_offset);
 /// to reach the limit).
 Grip calibrated_at(const ImpactScene& scene);
 
-}  // namespace strobe::bench::trade
+}  // namespace strobe::studies::trade

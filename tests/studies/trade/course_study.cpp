@@ -13,7 +13,7 @@
 #include "tests/studies/trade/studies.hpp"
 #include "tests/studies/trade/tally.hpp"
 
-namespace strobe::bench::trade {
+namespace strobe::studies::trade {
 
 namespace {
 
@@ -156,4 +156,4 @@ Study course_study(const Effort& effort) {
   return study;
 }
 
-}  // namespace strobe::bench::trade
+}  // namespace strobe::studies::trade

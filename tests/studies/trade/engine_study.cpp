@@ -13,7 +13,7 @@
 #include "tests/studies/trade/studies.hpp"
 #include "tests/studies/trade/tally.hpp"
 
-namespace strobe::bench::trade {
+namespace strobe::studies::trade {
 
 std::vector<double> falling(double coarse, double fine) {
   std::vector<double> all;
@@ -218,4 +218,4 @@ Study engine_study(const Effort& effort, std::vector<std::string>& missing) {
   return study;
 }
 
-}  // namespace strobe::bench::trade
+}  // namespace strobe::studies::trade

@@ -16,7 +16,7 @@
 #include "tests/studies/trade/studies.hpp"
 #include "tests/studies/trade/tally.hpp"
 
-namespace strobe::bench::trade {
+namespace strobe::studies::trade {
 
 namespace {
 
@@ -249,4 +249,4 @@ std::vector<Study> estimator_studies(const Effort& effort) {
   return studies;
 }
 
-}  // namespace strobe::bench::trade
+}  // namespace strobe::studies::trade

@@ -16,7 +16,7 @@
 #include "tests/studies/trade/studies.hpp"
 #include "tests/studies/trade/tally.hpp"
 
-namespace strobe::bench::trade {
+namespace strobe::studies::trade {
 
 namespace {
 
@@ -184,4 +184,4 @@ Study flight_study(const Effort& effort) {
   return study;
 }
 
-}  // namespace strobe::bench::trade
+}  // namespace strobe::studies::trade

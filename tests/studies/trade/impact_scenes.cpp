@@ -9,7 +9,7 @@
 
 #include "tests/common/reduction/simulated_shot.hpp"
 
-namespace strobe::bench::trade {
+namespace strobe::studies::trade {
 
 namespace {
 
@@ -118,4 +118,4 @@ std::vector<Range> ranges_of(const std::vector<ImpactScene>& scenes, const std::
   return ranges;
 }
 
-}  // namespace strobe::bench::trade
+}  // namespace strobe::studies::trade

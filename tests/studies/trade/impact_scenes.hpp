@@ -7,7 +7,7 @@
 
 #include "common/impact/ode/contact_ode.hpp"
 
-namespace strobe::bench::trade {
+namespace strobe::studies::trade {
 
 struct ImpactScene {
   std::string name;
@@ -43,4 +43,4 @@ std::vector<Range> ranges_of(const std::vector<ImpactScene>& scenes, const std::
 /// do (speed 2 %, angle 0.6 degree, spin 10 rad/s, e .01, mu .03, dwell 1.5 %).
 std::vector<ImpactScene> shots_of(const ImpactScene& scene, int count, std::uint64_t seed);
 
-}  // namespace strobe::bench::trade
+}  // namespace strobe::studies::trade

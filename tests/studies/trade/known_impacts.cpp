@@ -6,7 +6,7 @@
 
 #include "tests/common/contact_ode/reference.hpp"
 
-namespace strobe::bench::trade {
+namespace strobe::studies::trade {
 
 namespace {
 
@@ -50,4 +50,4 @@ double reference_error(const std::vector<ImpactScene>& scenes, std::size_t most)
   return worst;
 }
 
-}  // namespace strobe::bench::trade
+}  // namespace strobe::studies::trade

@@ -5,7 +5,7 @@
 
 #include "tests/studies/trade/calibration.hpp"
 
-namespace strobe::bench::trade {
+namespace strobe::studies::trade {
 
 /// The scenes with their lift-off.
 std::vector<KnownImpact> known_impacts(const std::vector<ImpactScene>& scenes);
@@ -14,4 +14,4 @@ std::vector<KnownImpact> known_impacts(const std::vector<ImpactScene>& scenes);
 /// scenes.
 double reference_error(const std::vector<ImpactScene>& scenes, std::size_t most);
 
-}  // namespace strobe::bench::trade
+}  // namespace strobe::studies::trade

@@ -10,7 +10,7 @@
 #include "tests/studies/trade/studies.hpp"
 #include "tests/studies/trade/tally.hpp"
 
-namespace strobe::bench::trade {
+namespace strobe::studies::trade {
 
 namespace {
 
@@ -192,4 +192,4 @@ std::vector<Study> lift_off_studies(const Effort& effort) {
   return {study, scene};
 }
 
-}  // namespace strobe::bench::trade
+}  // namespace strobe::studies::trade

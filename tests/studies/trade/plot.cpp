@@ -8,7 +8,7 @@
 #include <cstdlib>
 #include <fstream>
 
-namespace strobe::bench::trade {
+namespace strobe::studies::trade {
 
 namespace {
 
@@ -206,4 +206,4 @@ Result<void> plot(const std::vector<Study>& studies, const std::string& name) {
   return {};
 }
 
-}  // namespace strobe::bench::trade
+}  // namespace strobe::studies::trade

@@ -7,7 +7,7 @@
 #include "common/result.hpp"
 #include "tests/studies/trade/study.hpp"
 
-namespace strobe::bench::trade {
+namespace strobe::studies::trade {
 
 /// Writes the script NAME.gp, data included, and has it draw NAME.svg and NAME.png.
 /// Fails with one line if gnuplot is missing or does not draw.
@@ -16,4 +16,4 @@ Result<void> plot(const std::vector<Study>& studies, const std::string& name);
 /// The script alone. Pure.
 std::string script_text(const std::vector<Study>& studies, const std::string& name);
 
-}  // namespace strobe::bench::trade
+}  // namespace strobe::studies::trade

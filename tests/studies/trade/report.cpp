@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-namespace strobe::bench::trade {
+namespace strobe::studies::trade {
 
 namespace {
 
@@ -142,4 +142,4 @@ std::string frontier_text(const std::vector<Study>& studies) {
   return text;
 }
 
-}  // namespace strobe::bench::trade
+}  // namespace strobe::studies::trade

@@ -7,7 +7,7 @@
 #include "tests/studies/trade/impact_scenes.hpp"
 #include "tests/studies/trade/study.hpp"
 
-namespace strobe::bench::trade {
+namespace strobe::studies::trade {
 
 /// For people: each method's cost and errors, and which are dominated by what.
 std::string table_text(const Study& study);
@@ -25,4 +25,4 @@ std::string json_lines(const std::vector<Study>& studies);
 std::string frontier_text(const std::vector<Study>& studies);
 std::string ranges_text(const std::vector<Range>& ranges);
 
-}  // namespace strobe::bench::trade
+}  // namespace strobe::studies::trade

@@ -15,7 +15,7 @@
 #include "tests/studies/trade/stopwatch.hpp"
 #include "tests/studies/trade/tally.hpp"
 
-namespace strobe::bench::trade {
+namespace strobe::studies::trade {
 
 namespace {
 
@@ -108,14 +108,14 @@ std::optional<Study> shot_study(const Effort& effort) {
   return study;
 }
 
-}  // namespace strobe::bench::trade
+}  // namespace strobe::studies::trade
 
 #else
 
-namespace strobe::bench::trade {
+namespace strobe::studies::trade {
 
 std::optional<Study> shot_study(const Effort&) { return std::nullopt; }
 
-}  // namespace strobe::bench::trade
+}  // namespace strobe::studies::trade
 
 #endif

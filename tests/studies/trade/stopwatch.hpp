@@ -8,7 +8,7 @@
 #include <cstddef>
 #include <limits>
 
-namespace strobe::bench::trade {
+namespace strobe::studies::trade {
 
 /// Keeps the compiler from leaving out what made `value`.
 template <typename Value>
@@ -48,4 +48,4 @@ double least_cost_us(int repetitions, std::size_t calls, const Call& call) {
   return sum_us / static_cast<double>(calls);
 }
 
-}  // namespace strobe::bench::trade
+}  // namespace strobe::studies::trade

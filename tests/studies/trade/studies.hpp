@@ -7,7 +7,7 @@
 
 #include "tests/studies/trade/study.hpp"
 
-namespace strobe::bench::trade {
+namespace strobe::studies::trade {
 
 /// Velocities and spin at lift-off over the practical range, and within the spread of one scene.
 std::vector<Study> lift_off_studies(const Effort& effort);
@@ -26,4 +26,4 @@ std::optional<Study> shot_study(const Effort& effort);
 /// Engines that are not installed are named in `missing`.
 Study engine_study(const Effort& effort, std::vector<std::string>& missing);
 
-}  // namespace strobe::bench::trade
+}  // namespace strobe::studies::trade

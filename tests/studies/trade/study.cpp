@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace strobe::bench::trade {
+namespace strobe::studies::trade {
 
 namespace {
 
@@ -101,4 +101,4 @@ std::vector<std::string> broken_invariants(const std::vector<Study>& studies) {
   return broken;
 }
 
-}  // namespace strobe::bench::trade
+}  // namespace strobe::studies::trade

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace strobe::bench::trade {
+namespace strobe::studies::trade {
 
 /// What an error comes from: a model that leaves out what the truth has, a method that solves the right
 /// equations approximately, or noise of the measurement that any method suffers.
@@ -74,4 +74,4 @@ std::vector<std::size_t> beyond_own(const Study& study, const std::string& witho
 /// rounding, a reference better than every method, planned shots within their tolerance, finite figures.
 std::vector<std::string> broken_invariants(const std::vector<Study>& studies);
 
-}  // namespace strobe::bench::trade
+}  // namespace strobe::studies::trade

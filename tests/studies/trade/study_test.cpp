@@ -6,7 +6,7 @@
 
 #include <CppUTest/TestHarness.h>
 
-using namespace strobe::bench::trade;
+using namespace strobe::studies::trade;
 
 namespace {
 

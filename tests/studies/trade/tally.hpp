@@ -6,7 +6,7 @@
 
 #include "tests/studies/trade/study.hpp"
 
-namespace strobe::bench::trade {
+namespace strobe::studies::trade {
 
 class Tally {
  public:
@@ -24,4 +24,4 @@ class Tally {
   int count_ = 0;
 };
 
-}  // namespace strobe::bench::trade
+}  // namespace strobe::studies::trade

@@ -14,7 +14,7 @@
 #include "tests/studies/trade/report.hpp"
 #include "tests/studies/trade/studies.hpp"
 
-namespace strobe::bench {
+namespace strobe::studies {
 
 namespace {
 
@@ -146,4 +146,4 @@ void add_trade_command(CLI::App& app, int& exit_status) {
   command->callback([options, &exit_status] { exit_status = run(*options); });
 }
 
-}  // namespace strobe::bench
+}  // namespace strobe::studies

@@ -8,7 +8,7 @@
 #include <chrono>
 #include <cmath>
 
-namespace strobe::bench::trade {
+namespace strobe::studies::trade {
 
 namespace {
 
@@ -104,14 +104,14 @@ class Bullet : public Engine {
 
 std::unique_ptr<Engine> make_bullet() { return std::make_unique<Bullet>(); }
 
-}  // namespace strobe::bench::trade
+}  // namespace strobe::studies::trade
 
 #else
 
-namespace strobe::bench::trade {
+namespace strobe::studies::trade {
 
 std::unique_ptr<Engine> make_bullet() { return nullptr; }
 
-}  // namespace strobe::bench::trade
+}  // namespace strobe::studies::trade
 
 #endif

@@ -9,7 +9,7 @@
 #include "common/impact/closed_form/rebound.hpp"
 #include "common/impact/ode/normal_spring.hpp"
 
-namespace strobe::bench::trade {
+namespace strobe::studies::trade {
 
 /// A contact of Hunt and Crossley's law on the sphere:
 /// f = stiffness·y^1.5·(1 + 1.5·dissipation·dy/dt), friction mu·f·min(1, slip/transition) at the level of the
@@ -79,4 +79,4 @@ HertzContact hertz_contact(const EngineBounce& bounce, double transition_mps);
 /// Lift-off by that law, in long double with `steps` steps of Fehlberg 7(8).
 impact::Motion hertz_lift_off(const EngineBounce& bounce, int steps);
 
-}  // namespace strobe::bench::trade
+}  // namespace strobe::studies::trade

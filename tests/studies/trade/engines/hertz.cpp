@@ -7,7 +7,7 @@
 
 #include "tests/studies/trade/engines/engine.hpp"
 
-namespace strobe::bench::trade {
+namespace strobe::studies::trade {
 
 namespace {
 
@@ -100,4 +100,4 @@ impact::Motion hertz_lift_off(const EngineBounce& b, int steps) {
   return {static_cast<double>(end[2]), static_cast<double>(-end[1]), static_cast<double>(end[3] / radius)};
 }
 
-}  // namespace strobe::bench::trade
+}  // namespace strobe::studies::trade

@@ -8,7 +8,7 @@
 #include <chrono>
 #include <cmath>
 
-namespace strobe::bench::trade {
+namespace strobe::studies::trade {
 
 namespace {
 
@@ -120,14 +120,14 @@ class OpenDynamics : public Engine {
 
 std::unique_ptr<Engine> make_open_dynamics() { return std::make_unique<OpenDynamics>(); }
 
-}  // namespace strobe::bench::trade
+}  // namespace strobe::studies::trade
 
 #else
 
-namespace strobe::bench::trade {
+namespace strobe::studies::trade {
 
 std::unique_ptr<Engine> make_open_dynamics() { return nullptr; }
 
-}  // namespace strobe::bench::trade
+}  // namespace strobe::studies::trade
 
 #endif

@@ -8,7 +8,7 @@
 #include <chrono>
 #include <cmath>
 
-namespace strobe::bench::trade {
+namespace strobe::studies::trade {
 
 namespace {
 
@@ -95,14 +95,14 @@ class Simbody : public Engine {
 
 std::unique_ptr<Engine> make_simbody() { return std::make_unique<Simbody>(); }
 
-}  // namespace strobe::bench::trade
+}  // namespace strobe::studies::trade
 
 #else
 
-namespace strobe::bench::trade {
+namespace strobe::studies::trade {
 
 std::unique_ptr<Engine> make_simbody() { return nullptr; }
 
-}  // namespace strobe::bench::trade
+}  // namespace strobe::studies::trade
 
 #endif
