@@ -1,9 +1,9 @@
 // A timer interrupt every millisecond on one core, time-stamped by the kernel within the interrupt itself
 // (perf_event_open(2), the software event cpu-clock; CLOCK_MONOTONIC).
 //
-// It comes at whole milliseconds, where the kernel's tick is too, whatever runs on the core: user code, a
-// real-time thread, or the kernel in a section that lets nobody else run. Only a core that stands still, or
-// the rare section that holds interrupts off, makes one late. One of them costs some 2 us. One thread.
+// It comes at whole milliseconds, like the kernel's tick, whatever runs on the core: user code, a real-time
+// thread, or the kernel in a section without preemption. Only a core that stands still, or a rare section
+// with interrupts disabled, makes one late. Each costs some 2 us. Single-threaded.
 #pragma once
 
 #include <cstdint>
@@ -21,15 +21,16 @@ struct CoreInterrupt {
 
 class CoreInterrupts {
  public:
-  /// Nothing where the kernel refuses (needs root or CAP_PERFMON, or perf_event_paranoid below 1), or never
-  /// starts them within 30 us of their place. The calling thread visits the core, with real-time priority 1.
+  /// Returns nullopt if the kernel refuses (it needs root, CAP_PERFMON or perf_event_paranoid below 1), or never
+  /// starts them within 30 us of a whole millisecond. The calling thread moves to the core meanwhile, with
+  /// real-time priority 1.
   static std::optional<CoreInterrupts> open(int cpu);
   CoreInterrupts(CoreInterrupts&& other) noexcept;
   CoreInterrupts& operator=(CoreInterrupts&&) = delete;
   ~CoreInterrupts();
 
-  /// Adds those since the last call. To be called at least every 20 s: the kernel keeps no more.
-  /// std::runtime_error if some were lost.
+  /// Appends the interrupts since the last call. Call it at least every 20 s: the kernel keeps no more.
+  /// Throws std::runtime_error if some were lost.
   void take(std::vector<CoreInterrupt>& interrupts);
 
   static constexpr Duration kPeriod = milliseconds(1);

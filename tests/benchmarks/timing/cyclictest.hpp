@@ -1,4 +1,4 @@
-// cyclictest of Debian's rt-tests, as the yardstick.
+// cyclictest of Debian's rt-tests, as the reference that the loop is compared with.
 #pragma once
 
 #include <vector>

@@ -1,27 +1,28 @@
-// Sees when the machine itself stands still, on every core.
+// Detects when the machine itself stands still, on every core.
 //
-// A virtual machine's host stops its cores for tens of milliseconds now and then, without telling.
-// Percentiles of a real-time loop mean something only outside such freezes, so they are taken with and
+// A virtual machine's host stops its cores for tens of milliseconds now and then, without telling the guest.
+// Percentiles of a real-time loop mean something only outside such freezes, so they are given with and
 // without them.
 //
-// By interrupts: each core takes a timer interrupt every millisecond, stamped within it
-// (core_interrupts.hpp). One that comes 0.3 ms late or more is a stop of the core: this long nothing on it
-// can run, measured or not. A thread whose wake-up is late because the kernel does not let it run is no such
-// thing: interrupts go on then. The limit: on a loaded machine (two cores copying memory and writing the
-// disk) one interrupt in 60 was 20 us late, one in 500 0.2 ms, and from 0.3 to 0.6 ms late their number
-// hardly fell (43, 41 of 20,000): what is above is of another kind. A stop longer than 1.3 ms is always seen,
-// a shorter one if it meets one of the interrupts: what goes unseen counts against what is measured.
+// By interrupts: each core takes a timer interrupt every millisecond and stamps it (core_interrupts.hpp). One
+// that is 0.3 ms late or more means that the core stopped: nothing at all ran on it. A thread that wakes late
+// because the kernel runs something else is no freeze: interrupts continue. The limit comes from a loaded
+// machine (two cores copying memory and writing the disk): one interrupt in 60 was 20 us late, one in 500
+// 0.2 ms, and between 0.3 and 0.6 ms their number hardly fell (43, 41 of 20,000), so that those have another
+// cause. A stop longer than 1.3 ms is always detected, a shorter one if it meets an interrupt; what is not
+// detected counts against what is measured.
 //
-// The kernel withholds such interrupts from a core without a tick, which an idle one has none of: so a thread
-// of the lowest policy (SCHED_IDLE) spins on each core. Whoever asks for no wake-up latency, as the loop and
-// cyclictest do, has the idle core spin anyhow, instead of halting.
+// The kernel withholds such interrupts from a core without a tick, as an idle one is: so a thread of the
+// lowest policy (SCHED_IDLE) spins on each core. A process that asks for no wake-up latency, as the loop and
+// cyclictest do, keeps idle cores spinning anyhow.
 //
-// By wake-ups, where the kernel gives no such interrupts: a thread a core wakes every millisecond and records
-// where it was late by 0.6 ms or more; this cannot tell a stop from the kernel's not letting it run. The
-// threads run below the priority of what is measured; a spin of 200 us on their core stays below the limit.
+// By wake-ups, where the kernel gives no such interrupts: a thread per core wakes every millisecond and
+// records where it was late by 0.6 ms or more. This cannot distinguish a stop from the kernel's running
+// something else. The threads run below the priority of what is measured; a spin of 200 us on their core
+// stays below the limit.
 //
-// Both come at whole milliseconds of the clock, where the kernel's tick is too, so that what is measured can
-// keep out of their way.
+// Both come at whole milliseconds of the clock, like the kernel's tick, so that what is measured can avoid
+// them.
 #pragma once
 
 #include <atomic>
@@ -37,7 +38,7 @@
 namespace strobe::benchmarks::timing {
 
 struct Freeze {
-  MonoTime begin;  ///< it was still awake then: up to a period too early
+  MonoTime begin;  ///< of the last sign of life: up to a period too early
   MonoTime end;
   int cpu = 0;
 };

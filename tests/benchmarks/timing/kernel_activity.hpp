@@ -1,4 +1,4 @@
-// What a core did while something on it was late though the core did not stand still.
+// Whether the kernel was running on a core while something on it was late, though the core did not freeze.
 #pragma once
 
 #include <string>
@@ -10,11 +10,11 @@ namespace strobe::benchmarks::timing {
 
 struct KernelActivity {
   std::size_t late = 0;        ///< samples later than the limit, outside freezes, of a known core
-  std::size_t interrupts = 0;  ///< that their core took between due and done
-  std::size_t in_kernel = 0;   ///< of these, those that met the kernel: a section that lets nobody else run
+  std::size_t interrupts = 0;  ///< taken by their core between due and done
+  std::size_t in_kernel = 0;   ///< of these, how many interrupted the kernel
 };
 
-/// `interrupts`: of each core. Without them, or where no sample's core is known, all is 0.
+/// `interrupts`: of each core. All counts are 0 without them, or if no sample's core is known.
 KernelActivity kernel_activity(const std::vector<Sample>& samples, const std::vector<Freeze>& freezes,
                                const std::vector<std::vector<CoreInterrupt>>& interrupts, Duration limit);
 

@@ -15,7 +15,7 @@ inline const std::vector<std::string> kLoads{"idle", "cpu", "memory"};
 class Load {
  public:
   /// "idle": nothing; "cpu": one busy process a core; "memory": one process a core that copies 64 MiB to and
-  /// fro, and one that writes 64 MiB to a file in the folder and syncs it, over and over.
+  /// fro, and one that writes 64 MiB to a file in the folder and syncs it, repeatedly.
   Load(const std::string& kind, const std::filesystem::path& folder);
   Load(const Load&) = delete;
   Load& operator=(const Load&) = delete;

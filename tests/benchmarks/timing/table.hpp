@@ -14,7 +14,7 @@ struct Row {
   std::string freezes;  ///< "left out" or "included"
   Percentiles lateness;
   double cpu_percent = -1.0;  ///< negative: not measured
-  std::string ratio;          ///< of p50/p99/p99.9/max to the yardstick's; empty: not asked for
+  std::string ratio;          ///< of p50/p99/p99.9/max to the reference's; empty: not computed
 };
 
 /// Each of the first's percentiles over the second's, as "0.001 0.02 0.1 0.9".

@@ -67,7 +67,7 @@ class LoadStudy {
   std::vector<Row> rows() const {
     std::vector<Row> rows;
     for (const bool left_out : {true, false}) {
-      const Percentiles yardstick = percentiles(values(parts_[1], left_out));
+      const Percentiles reference = percentiles(values(parts_[1], left_out));
       for (const Part& each : parts_) {
         Row row{load_,
                 each.name,
@@ -75,7 +75,7 @@ class LoadStudy {
                 percentiles(values(each, left_out)),
                 each.cpu_percent,
                 ""};
-        if (each.name != kCyclictest) row.ratio = ratios(row.lateness, yardstick);
+        if (each.name != kCyclictest) row.ratio = ratios(row.lateness, reference);
         rows.push_back(row);
       }
       if (left_out && options_.compare) {

@@ -74,7 +74,7 @@ double plain_drift(const std::vector<Heartbeats::Beat>& beats) {
   return sxy / sxx;
 }
 
-/// The clocks are asked at the last of so many heartbeats that were heard.
+/// Errors of the clock's state after `beats` received heartbeats.
 void study(const Delays& delays, int beats, int pairs) {
   Errors drift, offset, plain;
   for (int pair = 1; pair <= pairs; ++pair) {
@@ -95,7 +95,7 @@ void study(const Delays& delays, int beats, int pairs) {
     const host::ClockState state = clock.state();
     if (!state.drift_ppm) continue;
     drift.add(*state.drift_ppm - 1e6 * sender.drift, state.drift_sd_ppm);
-    // The delay that all messages have cannot be told from the offset.
+    // The delay that all messages have cannot be distinguished from the offset.
     offset.add(1e6 * (*state.offset_s - sender.offset_s() - Heartbeats::kDelay_s), 1e6 * state.offset_sd_s);
     plain.add(1e6 * (plain_drift(heard) - sender.drift), 1.0);
   }
