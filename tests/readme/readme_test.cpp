@@ -1,5 +1,6 @@
 // The READMEs against the programs: what they tell a newcomer to type works as typed, and what they name exists.
 #include <fmt/format.h>
+#include <fnmatch.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -7,6 +8,7 @@
 #include <map>
 #include <regex>
 #include <set>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -174,6 +176,17 @@ TEST(Readme, LinksLeadSomewhere) {
 
 TEST(Readme, TheFrontPageIsShort) {
   CHECK(words_of(text_of("README.md")).size() <= kMaxWordsOfFrontPage);
+}
+
+TEST(Readme, TheFrontPageSaysWhatEachPackageIsFor) {
+  const std::vector<std::string> words = words_of(std::regex_replace(text_of("README.md"), std::regex(","), " "));
+  std::istringstream packages(strobe::testing::read_text(kRoot / "tests/packages.txt"));
+  for (std::string line; std::getline(packages, line);) {
+    const std::vector<std::string> entry = words_of(line);  // what for, name
+    if (entry.size() != 2 || entry[0] == "#") continue;
+    const auto names_it = [&](const std::string& word) { return fnmatch(word.c_str(), entry[1].c_str(), 0) == 0; };
+    CHECK_TEXT(std::any_of(words.begin(), words.end(), names_it), entry[1].c_str());
+  }
 }
 
 TEST(Readme, EveryFlagOfAReadoutIsDescribed) {
