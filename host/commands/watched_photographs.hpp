@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "common/result.hpp"
+#include "common/shot/shot_key.hpp"
 #include "host/config/rig_file.hpp"
 #include "host/photographs/photograph_pipeline.hpp"
 
@@ -76,7 +77,7 @@ class WatchedPhotographs {
   MessageHandler& next_;
   Relay relay_;
   std::unique_ptr<PhotographPipeline> pipeline_;
-  std::map<std::pair<std::int64_t, std::int32_t>, strobe_msgs::frame_t> measured_;  ///< by boot and shot
+  std::map<ShotKey, strobe_msgs::frame_t> measured_;
   std::vector<strobe_msgs::frame_t> again_;
 };
 

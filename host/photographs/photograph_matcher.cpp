@@ -103,7 +103,7 @@ std::string PhotographMatcher::nobody(const Held& held) const {
     const std::int64_t before_ns = local(exposure.opened_ns) - held.written_ns;
     if (in_time && !exposure.taken && before_ns > kFileTimeDoubt_ns) {
       return fmt::format("its file is {:.1f} s older than shot {}: not used",
-                         static_cast<double>(before_ns) * 1e-9, exposure.key.second);
+                         static_cast<double>(before_ns) * 1e-9, exposure.key.shot_id);
     }
   }
   return "no shot waits for a photograph: not used";
@@ -117,13 +117,13 @@ std::optional<PhotographDecision> PhotographMatcher::choose(const Candidates& ca
   if (held_.size() >= candidates.count()) return take(oldest, now_ns, false);
   if (waiting.empty()) {
     return reject(fmt::format("it came too late, of shot {} or {}: not used",
-                              exposures_[given_up.front()].key.second,
-                              exposures_[given_up.back()].key.second));
+                              exposures_[given_up.front()].key.shot_id,
+                              exposures_[given_up.back()].key.shot_id));
   }
   if (waiting.size() > 1) return std::nullopt;
   if (held_.size() > 1) {
     return reject(fmt::format("it came too late, of one of the shots before {}: not used",
-                              exposures_[waiting.front()].key.second));
+                              exposures_[waiting.front()].key.shot_id));
   }
   // If the one before the newest had come late, the newest shot's own would follow by then.
   if (now_ns < own_due_ns(exposures_[waiting.front()])) return std::nullopt;

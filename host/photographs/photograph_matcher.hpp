@@ -11,12 +11,10 @@
 #include <utility>
 #include <vector>
 
+#include "common/shot/shot_key.hpp"
 #include "host/clock/device_clock.hpp"
 
 namespace strobe::host {
-
-/// Boot id and shot id.
-using ShotKey = std::pair<std::int64_t, std::int32_t>;
 
 /// What became of a photograph.
 struct PhotographDecision {

@@ -82,7 +82,7 @@ void PhotographPipeline::arrive(const Arrival& arrival) {
 fs::path PhotographPipeline::name_to_keep(const Arrival& arrival, const ShotKey& shot) {
   if (settings_.keep_folder.empty()) return {};
   const fs::path folder = settings_.keep_folder / "photographs";
-  const std::string stem = fmt::format("shot-{:04}-{}", shot.second, arrival.path.stem().string());
+  const std::string stem = fmt::format("shot-{:04}-{}", shot.shot_id, arrival.path.stem().string());
   fs::path path = folder / (stem + arrival.path.extension().string());
   std::error_code error;
   for (int i = 2; fs::exists(path, error) || names_given_.contains(path); ++i)
@@ -111,7 +111,7 @@ void PhotographPipeline::follow(const PhotographDecision& decision) {
 
 void PhotographPipeline::finish(PhotographResult result) {
   const PhotographJob& job = result.job;
-  const std::string what = fmt::format("photograph of shot {}", job.shot.second);
+  const std::string what = fmt::format("photograph of shot {}", job.shot.shot_id);
   under_way_.erase(job.file);
   if (!result.reading) {
     match_.give_back(job.shot);
@@ -122,8 +122,8 @@ void PhotographPipeline::finish(PhotographResult result) {
   for (const std::string& remark : result.reading->remarks) notify(fmt::format("{}: {}", what, remark));
   if (!job.measure) return;
   strobe_msgs::frame_t frame = messages::frame_to_lcm(result.reading->frame);
-  frame.boot_id = job.shot.first;
-  frame.shot_id = job.shot.second;
+  frame.boot_id = job.shot.boot_id;
+  frame.shot_id = job.shot.shot_id;
   frame.host_id = settings_.host_id;
   if (frame.source.empty()) frame.source = "auto";
   const bool kept = !job.keep_as.empty() && result.not_kept.empty();

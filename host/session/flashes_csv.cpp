@@ -16,8 +16,8 @@ std::string instant(std::int64_t ns) {
 
 std::string_view lamps_word(int lamps) { return lamps == 1 ? "a" : lamps == 2 ? "b" : "ab"; }
 
-/// Boot and shot of a line; nothing: it is none.
-std::optional<std::pair<std::int64_t, std::int32_t>> shot_of(std::string_view line) {
+/// The shot of a line. Returns nullopt if the line has none.
+std::optional<ShotKey> shot_of(std::string_view line) {
   std::uint64_t boot = 0;
   std::int32_t shot = 0;
   const char* end = line.data() + line.size();
@@ -25,7 +25,7 @@ std::optional<std::pair<std::int64_t, std::int32_t>> shot_of(std::string_view li
   if (first.ec != std::errc() || first.ptr == end || *first.ptr != ',') return std::nullopt;
   const auto second = std::from_chars(first.ptr + 1, end, shot);
   if (second.ec != std::errc() || second.ptr == end || *second.ptr != ',') return std::nullopt;
-  return std::pair{static_cast<std::int64_t>(boot), shot};
+  return ShotKey{static_cast<std::int64_t>(boot), shot};
 }
 
 }  // namespace
@@ -49,7 +49,7 @@ std::string flashes_lines(const strobe_msgs::shot_t& shot) {
 Result<FlashesCsv> FlashesCsv::open(const std::filesystem::path& path) {
   auto file = CsvFile::open(path, flashes_header());
   if (!file) return tl::unexpected(file.error());
-  std::set<Key> known;
+  std::set<ShotKey> known;
   std::ifstream lines(path);
   for (std::string line; std::getline(lines, line);) {
     if (const auto key = shot_of(line)) known.insert(*key);

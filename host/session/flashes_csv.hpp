@@ -11,6 +11,7 @@
 #include <strobe_msgs/shot_t.hpp>
 #include <utility>
 
+#include "common/shot/shot_key.hpp"
 #include "host/session/csv_file.hpp"
 
 namespace strobe::host {
@@ -28,12 +29,11 @@ class FlashesCsv {
   Result<void> add(const strobe_msgs::shot_t& shot);
 
  private:
-  using Key = std::pair<std::int64_t, std::int32_t>;  ///< boot, shot
 
-  FlashesCsv(CsvFile file, std::set<Key> known) : file_(std::move(file)), known_(std::move(known)) {}
+  FlashesCsv(CsvFile file, std::set<ShotKey> known) : file_(std::move(file)), known_(std::move(known)) {}
 
   CsvFile file_;
-  std::set<Key> known_;
+  std::set<ShotKey> known_;
 };
 
 }  // namespace strobe::host

@@ -80,7 +80,7 @@ void Session::extend_deadlines_by_outage(std::int64_t mono_ns) {
 
 void Session::on_event(const event_t& event, std::int64_t now_ns) {
   if (!ledger_.add(event.boot_id, event.sequence, now_ns)) return;
-  const Key key{event.boot_id, event.shot_id};
+  const ShotKey key{event.boot_id, event.shot_id};
   if (event.kind == event_t::ARMED) {
     armed_[{event.boot_id, event.sequence}] = host_id_in(event.detail);
     if (armed_.size() > kMaxArmed) armed_.erase(armed_.begin());
@@ -104,7 +104,7 @@ bool Session::whole(const shot_t& shot) const {
 }
 
 void Session::on_shot(const shot_t& shot, std::int64_t now_ns) {
-  const Key key{shot.boot_id, shot.shot_id};
+  const ShotKey key{shot.boot_id, shot.shot_id};
   open_.erase(key);
   if (done_.contains(key) || pending_.contains(key)) return;
   if (shot.plan.dry) return finish_dry(shot);
@@ -142,11 +142,11 @@ void Session::on_frame(const frame_t& frame, std::int64_t /*now_ns*/) {
 }
 
 /// A frame that does not know its firmware belongs to the newest shot of that number.
-std::map<Session::Key, Session::PendingShot>::iterator Session::waiting_for(const frame_t& frame) {
+std::map<ShotKey, Session::PendingShot>::iterator Session::waiting_for(const frame_t& frame) {
   if (frame.boot_id != 0) return pending_.find({frame.boot_id, frame.shot_id});
   auto newest = pending_.end();
   for (auto it = pending_.begin(); it != pending_.end(); ++it) {
-    if (it->first.second != frame.shot_id) continue;
+    if (it->first.shot_id != frame.shot_id) continue;
     if (newest == pending_.end() || it->second.shot.start_ns > newest->second.shot.start_ns) newest = it;
   }
   return newest;
@@ -154,7 +154,8 @@ std::map<Session::Key, Session::PendingShot>::iterator Session::waiting_for(cons
 
 void Session::keep_or_report_frame(const frame_t& frame) {
   const auto same = [&frame](const auto& entry) {
-    return entry.first.second == frame.shot_id && (frame.boot_id == 0 || entry.first.first == frame.boot_id);
+    return entry.first.shot_id == frame.shot_id &&
+           (frame.boot_id == 0 || entry.first.boot_id == frame.boot_id);
   };
   const auto done = std::find_if(done_.begin(), done_.end(), same);
   if (done == done_.end()) {
@@ -173,9 +174,9 @@ void Session::keep_or_report_frame(const frame_t& frame) {
   }
 }
 
-std::optional<frame_t> Session::take_early_frame(const Key& key) {
+std::optional<frame_t> Session::take_early_frame(const ShotKey& key) {
   auto held = early_frames_.find(key);
-  if (held == early_frames_.end()) held = early_frames_.find({0, key.second});
+  if (held == early_frames_.end()) held = early_frames_.find({0, key.shot_id});
   if (held == early_frames_.end()) return std::nullopt;
   frame_t frame = std::move(held->second);
   early_frames_.erase(held);
@@ -240,17 +241,17 @@ void Session::finish_dry(const shot_t& shot) {
 }
 
 /// Who armed for it: the last one before its start.
-std::int64_t Session::host_of(const Key& key, const OpenShot& open) const {
-  const auto after = armed_.lower_bound({key.first, open.started});
-  if (open.started < 1 || after == armed_.begin() || std::prev(after)->first.first != key.first) return 0;
+std::int64_t Session::host_of(const ShotKey& key, const OpenShot& open) const {
+  const auto after = armed_.lower_bound({key.boot_id, open.started});
+  if (open.started < 1 || after == armed_.begin() || std::prev(after)->first.first != key.boot_id) return 0;
   return std::prev(after)->second;
 }
 
 /// The firmware died before it had written the shot's summary.
-void Session::finish_interrupted(const Key& key, const OpenShot& open) {
+void Session::finish_interrupted(const ShotKey& key, const OpenShot& open) {
   shot_t shot{};
-  shot.boot_id = key.first;
-  shot.shot_id = key.second;
+  shot.boot_id = key.boot_id;
+  shot.shot_id = key.shot_id;
   shot.host_id = host_of(key, open);
   shot.plan.dry = open.dry;
   shot.aborted = true;
@@ -269,11 +270,11 @@ void Session::finish_interrupted_shots() {
   for (auto it = open_.begin(); it != open_.end();) {
     const auto& [key, open] = *it;
     const bool asked_enough = open.ended == 0 || open.asked >= kSummaryRequests;
-    if (open.started == 0 || !asked_enough || !ledger_.ended_and_complete(key.first)) {
+    if (open.started == 0 || !asked_enough || !ledger_.ended_and_complete(key.boot_id)) {
       ++it;
       continue;
     }
-    if (open.ended != 0) ledger_.cancel_request(key.first, open.ended);
+    if (open.ended != 0) ledger_.cancel_request(key.boot_id, open.ended);
     finish_interrupted(key, open);
     it = open_.erase(it);
   }
@@ -320,7 +321,7 @@ void Session::finish_late(const PendingShot& waiting, const std::string& problem
 void Session::request_lost_summaries(std::int64_t now_ns) {
   for (auto& [key, open] : open_) {
     if (open.ended == 0 || now_ns - open.since_ns < kSummaryGrace_ns) continue;
-    ledger_.request_again(key.first, open.ended);
+    ledger_.request_again(key.boot_id, open.ended);
     open.since_ns = now_ns;
     ++open.asked;
   }
@@ -329,7 +330,7 @@ void Session::request_lost_summaries(std::int64_t now_ns) {
 void Session::request_lost_photographs(std::int64_t now_ns) {
   for (auto& [key, waiting] : pending_) {
     if (waiting.frame || !own(waiting.shot) || now_ns - waiting.asked_ns < kPhotographGrace_ns) continue;
-    ledger_.request_again(key.first, waiting.shot.last_sequence);
+    ledger_.request_again(key.boot_id, waiting.shot.last_sequence);
     waiting.asked_ns = now_ns;
   }
 }

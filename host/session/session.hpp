@@ -21,6 +21,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/shot/shot_key.hpp"
 #include "host/assembly/assemble.hpp"
 #include "host/clock/device_clock.hpp"
 #include "host/messages/event_ledger.hpp"
@@ -71,7 +72,6 @@ class Session {
   DeviceClock& clock() { return clock_; }
 
  private:
-  using Key = std::pair<std::int64_t, std::int32_t>;  ///< boot, shot
   struct PendingShot {
     strobe_msgs::shot_t shot;
     std::optional<strobe_msgs::frame_t> frame;  ///< is here; events of the shot are not
@@ -98,18 +98,18 @@ class Session {
   void finish_without_photograph(const strobe_msgs::shot_t& shot, reduction::Flag why, std::string problem);
   void finish_late(const PendingShot& waiting, const std::string& problem);
   void finish_dry(const strobe_msgs::shot_t& shot);
-  void finish_interrupted(const Key& key, const OpenShot& open);
+  void finish_interrupted(const ShotKey& key, const OpenShot& open);
   void finish_complete_shots();
   void finish_interrupted_shots();
   bool whole(const strobe_msgs::shot_t& shot) const;
   void add_flags(const strobe_msgs::shot_t& shot, reduction::FlagSet& flags) const;
   bool own(const strobe_msgs::shot_t& shot) const { return host_id_ != 0 && shot.host_id == host_id_; }
-  std::int64_t host_of(const Key& key, const OpenShot& open) const;
+  std::int64_t host_of(const ShotKey& key, const OpenShot& open) const;
   void extend_deadlines_by_outage(std::int64_t mono_ns);
   void push(ShotResult shot_result, const strobe_msgs::shot_t& shot);
   bool ball_came_after_abort(const strobe_msgs::shot_t& shot) const;
-  std::optional<strobe_msgs::frame_t> take_early_frame(const Key& key);
-  std::map<Key, PendingShot>::iterator waiting_for(const strobe_msgs::frame_t& frame);
+  std::optional<strobe_msgs::frame_t> take_early_frame(const ShotKey& key);
+  std::map<ShotKey, PendingShot>::iterator waiting_for(const strobe_msgs::frame_t& frame);
   void keep_or_report_frame(const strobe_msgs::frame_t& frame);
   void expire(std::int64_t now_ns);
   bool over(const PendingShot& waiting, bool silent, std::int64_t now_ns) const;
@@ -124,10 +124,10 @@ class Session {
   DeviceClock clock_;
   std::int64_t status_heard_ns_ = 0;
   std::int64_t device_now_ns_ = strobe_msgs::shot_t::NO_TIME;
-  std::map<Key, PendingShot> pending_;
-  std::map<Key, strobe_msgs::frame_t> early_frames_;  ///< frames that came before their shot
-  std::map<Key, FinishedShot> done_;
-  std::map<Key, OpenShot> open_;
+  std::map<ShotKey, PendingShot> pending_;
+  std::map<ShotKey, strobe_msgs::frame_t> early_frames_;  ///< frames that came before their shot
+  std::map<ShotKey, FinishedShot> done_;
+  std::map<ShotKey, OpenShot> open_;
   std::map<std::pair<std::int64_t, std::int64_t>, std::int64_t> armed_;  ///< boot, sequence: by which host
   std::vector<ShotResult> shot_results_;
   std::vector<std::string> notifications_;

@@ -12,6 +12,7 @@
 
 #include "common/messages/channels.hpp"
 #include "common/messages/well_formed.hpp"
+#include "common/shot/shot_key.hpp"
 #include "host/messages/in_range.hpp"
 
 namespace strobe::host {
@@ -106,11 +107,10 @@ Result<void> SessionFolder::add(const ShotResult& shot_result, const std::string
 Result<void> SessionFolder::add(const strobe_msgs::shot_t& shot) { return flashes_->add(shot); }
 
 void SessionFolder::recall(EventLedger& ledger, const std::string& rig) const {
-  using Key = std::pair<std::int64_t, std::int32_t>;
   const std::string events = messages::channel_name(rig, messages::Channel::event);
   const std::string shots = messages::channel_name(rig, messages::Channel::shot);
-  std::map<Key, std::int64_t> ended;
-  std::set<Key> summed_up;
+  std::map<ShotKey, std::int64_t> ended;
+  std::set<ShotKey> summed_up;
   // Strangers' messages are kept as they came.
   const auto enter = [&](const lcm::LogEvent& logged) {
     const auto size = static_cast<std::size_t>(logged.datalen);
@@ -137,7 +137,7 @@ void SessionFolder::recall(EventLedger& ledger, const std::string& rig) const {
     while (const lcm::LogEvent* logged = log.readNextEvent()) enter(*logged);
   }
   for (const auto& [key, sequence] : ended) {
-    if (!summed_up.contains(key)) ledger.request_again(key.first, sequence);
+    if (!summed_up.contains(key)) ledger.request_again(key.boot_id, sequence);
   }
 }
 

@@ -78,7 +78,7 @@ bool TabletOperator::find_exposure(Task& task, MonoTime now) {
       exposure_store_.begun_within(task.shot_start - kStartSlack, task.announced);
   if (found.wait && now - task.announced < kExposureMissing) return false;
   task.exposure = found.exposure ? found.exposure : std::make_shared<const Exposure>();
-  truth_.write(*task.exposure, task.key.second);
+  truth_.write(*task.exposure, task.key.shot_id);
   const Fault* late = shot_fault(scene_.faults, FaultKind::frame_late, task.exposure->shot);
   task.due =
       task.announced + from_seconds(scene_.tablet.digitize_delay_s) + (late ? late->delay : Duration{});
@@ -98,7 +98,7 @@ void TabletOperator::send(const Task& task) {
   const Digitized digitized = digitize(scene_, seed_, *task.exposure);
   if (sent_.size() >= kRememberedFrames) sent_.erase(sent_.begin());
   const auto [entry, inserted] =
-      sent_.insert_or_assign(task.key, to_message(digitized.frame, task.key.first, task.key.second));
+      sent_.insert_or_assign(task.key, to_message(digitized.frame, task.key.boot_id, task.key.shot_id));
   lcm_->publish(messages::channel_name(rig_name_, messages::Channel::frame), &entry->second);
 }
 

@@ -16,6 +16,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/shot/shot_key.hpp"
 #include "sim/live/exposure_store.hpp"
 #include "sim/live/truth_file.hpp"
 #include "sim/rig/tablet.hpp"
@@ -44,8 +45,6 @@ class TabletOperator {
   void stop();
 
  private:
-  using ShotKey = std::pair<std::int64_t, std::int32_t>;  ///< boot id and shot id
-
   struct Task {
     ShotKey key;
     MonoTime shot_start;

@@ -11,7 +11,7 @@ namespace {
 
 using strobe::host::PhotographDecision;
 using strobe::host::PhotographMatcher;
-using strobe::host::ShotKey;
+using strobe::ShotKey;
 
 constexpr std::int64_t kSecond = 1'000'000'000;
 constexpr std::int64_t kOffset = 1000 * kSecond;  // host's clock minus the firmware's
@@ -44,7 +44,7 @@ struct Bench {
     std::string text;
     for (const auto& d : decisions) {
       const std::string shot =
-          d.shot ? fmt::format(">{}{}{}", d.shot->second, d.wanted ? "" : "~", d.late ? "!" : "")
+          d.shot ? fmt::format(">{}{}{}", d.shot->shot_id, d.wanted ? "" : "~", d.late ? "!" : "")
                  : ":" + d.why;
       text += fmt::format("{}{}{}", text.empty() ? "" : " ", d.photograph, shot);
     }

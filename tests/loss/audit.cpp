@@ -9,6 +9,7 @@
 #include <strobe_msgs/readout_t.hpp>
 #include <strobe_msgs/shot_t.hpp>
 
+#include "common/shot/shot_key.hpp"
 #include "firmware/publisher/log_reader.hpp"
 
 namespace strobe::loss {
@@ -22,7 +23,6 @@ using strobe_msgs::readout_t;
 using strobe_msgs::shot_t;
 
 using EventKey = std::pair<std::int64_t, std::int64_t>;  // boot, sequence
-using ShotKey = std::pair<std::int64_t, std::int32_t>;   // boot, shot
 
 struct Range {
   std::int64_t first = 0, last = 0;
@@ -105,7 +105,7 @@ class Auditor {
     for (const auto& [key, range] : shots_) {
       if (shots_here_.contains(key)) continue;
       ++audit_.shots_missing;
-      violate(fmt::format("the summary of shot {} is in the journal and on no host", key.second));
+      violate(fmt::format("the summary of shot {} is in the journal and on no host", key.shot_id));
     }
     for (const ShotKey& key : started_) {
       if (!shots_.contains(key)) account_for(key);
@@ -121,21 +121,21 @@ class Auditor {
     ++audit_.readouts;
     if (!read_out_.insert(key).second) {
       ++audit_.twice;
-      violate(fmt::format("shot {} of boot {:x} was read out twice", key.second, key.first));
+      violate(fmt::format("shot {} of boot {:x} was read out twice", key.shot_id, key.boot_id));
     }
     const bool flagged =
         std::find(readout.flags.begin(), readout.flags.end(), "events_missing") != readout.flags.end();
     audit_.flagged += flagged ? 1 : 0;
     if (flagged || whole(key)) return;
     ++audit_.incomplete_unflagged;
-    violate(fmt::format("shot {} was read out with events missing, and no flag says so", key.second));
+    violate(fmt::format("shot {} was read out with events missing, and no flag says so", key.shot_id));
   }
 
   bool whole(const ShotKey& key) const {
     const auto shot = shots_.find(key);
     if (shot == shots_.end()) return false;
     for (std::int64_t sequence = shot->second.first; sequence <= shot->second.last; ++sequence) {
-      if (!here_.contains({key.first, sequence})) return false;
+      if (!here_.contains({key.boot_id, sequence})) return false;
     }
     return true;
   }
@@ -144,13 +144,13 @@ class Auditor {
   void account_for(const ShotKey& key) {
     ++audit_.cut_off;
     const std::string words =
-        fmt::format("boot {:016x}: shot {} has no end", static_cast<std::uint64_t>(key.first), key.second);
+        fmt::format("boot {:016x}: shot {} has no end", static_cast<std::uint64_t>(key.boot_id), key.shot_id);
     const bool told = std::any_of(repairs_.begin(), repairs_.end(),
                                   [&](const std::string& detail) { return detail.starts_with(words); });
     if (told) {
       ++audit_.cut_off_reported;
     } else {
-      violate(fmt::format("nobody said that shot {} has no end", key.second));
+      violate(fmt::format("nobody said that shot {} has no end", key.shot_id));
     }
   }
 

@@ -178,13 +178,13 @@ void InvariantChecker::readout(std::int64_t host_id, ShotKey shot, const reducti
                                const Truth& truth, bool dry) {
   comparison_.reset();
   if (!read_out_.insert({host_id, shot}).second) {
-    violate(fmt::format("shot {} of boot {:x} was read out twice on host {:x}", shot.second, shot.first,
+    violate(fmt::format("shot {} of boot {:x} was read out twice on host {:x}", shot.shot_id, shot.boot_id,
                         host_id));
   }
   if (dry) return;
   comparison_ = judge(readout, truth, soak_sigma_limit());
   if (!comparison_->wrong.empty()) {
-    violate(fmt::format("shot {} of boot {:x}: wrong without a flag:{}", shot.second, shot.first,
+    violate(fmt::format("shot {} of boot {:x}: wrong without a flag:{}", shot.shot_id, shot.boot_id,
                         comparison_->wrong));
   }
 }

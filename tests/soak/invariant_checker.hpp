@@ -24,6 +24,7 @@
 #include <vector>
 
 #include "common/reduction/readout.hpp"
+#include "common/shot/shot_key.hpp"
 #include "firmware/core/rig.hpp"
 #include "firmware/ports/output_lines.hpp"
 #include "tests/soak/truth_comparison.hpp"
@@ -32,7 +33,6 @@ namespace strobe::soak {
 
 class InvariantChecker {
  public:
-  using ShotKey = std::pair<std::int64_t, std::int32_t>;   ///< boot, shot
   using EventKey = std::pair<std::int64_t, std::int64_t>;  ///< boot, sequence
 
   explicit InvariantChecker(const firmware::Rig& limits) : limits_(limits) {}

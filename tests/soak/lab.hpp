@@ -186,7 +186,7 @@ class Lab final : firmware::Clock, firmware::OutputLines, firmware::EdgeSource, 
   int good_ = 0;
   bool hazards_stopped_ = false;
   bool finished_ = false;
-  std::map<InvariantChecker::ShotKey, Shot> shots_;
+  std::map<ShotKey, Shot> shots_;
   std::deque<std::vector<std::uint8_t>> old_commands_;
   std::size_t violations_traced_ = 0;
 };

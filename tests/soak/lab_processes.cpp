@@ -321,7 +321,7 @@ void Lab::note_shot(std::span<const std::uint8_t> bytes) {
   strobe_msgs::shot_t shot;
   if (shot.decode(bytes.data(), 0, static_cast<int>(bytes.size())) < 0) return;
   const bool news = shots_
-                        .emplace(InvariantChecker::ShotKey{shot.boot_id, shot.shot_id},
+                        .emplace(ShotKey{shot.boot_id, shot.shot_id},
                                  Shot{from_ns(shot.start_ns), time_, shot.plan.dry != 0})
                         .second;
   if (!news) return;
@@ -331,7 +331,7 @@ void Lab::note_shot(std::span<const std::uint8_t> bytes) {
 
 void Lab::on_shot_result(const host::ShotResult& shot_result) {
   if (shot_result.host_id == host_->id() && !shot_result.rejected) ++good_;
-  const InvariantChecker::ShotKey key{shot_result.boot_id, shot_result.shot_id};
+  const ShotKey key{shot_result.boot_id, shot_result.shot_id};
   const auto shot = shots_.find(key);
   const sim::Exposure* taken =
       shot == shots_.end() ? nullptr : tablet_operator_.exposure_of(shot->second.start, shot->second.end);

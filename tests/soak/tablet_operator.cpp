@@ -54,9 +54,9 @@ std::vector<std::uint8_t> VirtualTabletOperator::take(MonoTime now) {
     return {};
   }
   reduction::Frame frame = sim::digitize(scene_, seed_, *exposure).frame;
-  frame.shot_id = task.key.second;
+  frame.shot_id = task.key.shot_id;
   strobe_msgs::frame_t message = messages::frame_to_lcm(frame);
-  message.boot_id = task.key.first;
+  message.boot_id = task.key.boot_id;
   std::vector<std::uint8_t> bytes(static_cast<std::size_t>(message.getEncodedSize()));
   message.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
   measured_[task.key] = bytes;

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/shot/shot_key.hpp"
 #include "sim/rig/exposure.hpp"
 #include "tests/soak/timeline.hpp"
 
@@ -17,7 +18,6 @@ namespace strobe::soak {
 
 class VirtualTabletOperator {
  public:
-  using ShotKey = std::pair<std::int64_t, std::int32_t>;  ///< boot, shot
 
   VirtualTabletOperator(const sim::Scene& scene, std::uint64_t seed) : scene_(scene), seed_(seed) {}
 
