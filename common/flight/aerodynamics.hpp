@@ -6,28 +6,13 @@
 // values: thread-safe, real-time safe, no allocation.
 #pragma once
 
-#include <array>
-#include <string_view>
+#include <optional>
 
 #include "common/ball/ball.hpp"
+#include "common/flight/effects.hpp"
 #include "common/flight/parabola.hpp"
 
 namespace strobe::flight {
-
-/// What moves a ball between the flashes.
-struct Effects {
-  bool gravity = true;
-  bool drag = true;
-  bool magnus = true;
-  bool operator==(const Effects&) const = default;
-};
-/// Their names, in this order, as in a readout.
-inline constexpr std::array<std::string_view, 3> kEffectNames{"gravity", "drag", "magnus"};
-inline constexpr std::array<bool Effects::*, 3> kEffectMembers{&Effects::gravity, &Effects::drag,
-                                                               &Effects::magnus};
-
-inline constexpr Effects kNoEffects{false, false, false};
-inline constexpr Effects kGravityOnly{true, false, false};
 
 /// Of used balls, as experiments have them: between the smooth-felted and the new ball above.
 inline constexpr double kDragCoefficient = 0.55;
@@ -61,37 +46,31 @@ struct Aerodynamics {
 /// The ball's, leaving out what `effects` leaves out. diameter_m, mass_kg and density > 0.
 Aerodynamics aerodynamics(const ball::Ball& ball, double air_density_kgpm3, Effects effects = {});
 
-/// 2x2 matrix, row by row.
-struct Matrix {
-  double xx = 0.0, xy = 0.0;
-  double yx = 0.0, yy = 0.0;
-  Vector operator*(Vector v) const { return {xx * v.x + xy * v.y, yx * v.x + yy * v.y}; }
-};
-
 /// Acceleration at one velocity, its derivative by the velocity, and how fast it changes along the path.
 struct Forcing {
-  Vector acceleration_mps2;
-  Vector jerk_mps3;
-  Matrix by_velocity_per_s;
+  Eigen::Vector2d acceleration_mps2 = Eigen::Vector2d::Zero();
+  Eigen::Vector2d jerk_mps3 = Eigen::Vector2d::Zero();
+  Eigen::Matrix2d by_velocity_per_s = Eigen::Matrix2d::Zero();
 };
 
 /// Of a ball with velocity and (constant) spin, in gravity. The jerk is the exact time derivative of the
 /// acceleration there.
-Forcing forcing(const Aerodynamics& air, Vector gravity_mps2, Vector velocity_mps, double omega_radps);
+Forcing forcing(const Aerodynamics& air, const Eigen::Vector2d& gravity_mps2,
+                const Eigen::Vector2d& velocity_mps, double omega_radps);
 
 /// Flight as a third-order series about t = 0: position and velocity there, acceleration and jerk. What is
 /// left out is the fourth order: at 45 m/s (drag 39 m/s^2) 0.002 mm/s and 5 nm after 6 ms, at 17 m/s a
 /// hundredth of that.
 struct Flight {
-  Vector position_m;
-  Vector velocity_mps;
+  Eigen::Vector2d position_m = Eigen::Vector2d::Zero();
+  Eigen::Vector2d velocity_mps = Eigen::Vector2d::Zero();
   Forcing forcing;
 
-  Vector position_at(double time_s) const;
-  Vector velocity_at(double time_s) const;
+  Eigen::Vector2d position_at(double time_s) const;
+  Eigen::Vector2d velocity_at(double time_s) const;
 
-  /// When the centre passes `height_m` on its way down or up, as for Parabola: the parabola's instant, put
-  /// right for the jerk by Newton steps. Absent when the parabola never does so.
+  /// When the centre passes `height_m` on its way down or up, as for Parabola: the parabola's instant,
+  /// corrected for the jerk by Newton steps. Returns nullopt if the parabola never does so.
   std::optional<double> time_falling_through_s(double height_m) const;
   std::optional<double> time_rising_through_s(double height_m) const;
 };

@@ -6,8 +6,8 @@ namespace strobe::flight {
 
 namespace {
 
-/// An instant so far away is as good as never, and its computation might overflow.
-constexpr double kNever_s = 1e100;
+/// Beyond this the computation of the instant might overflow.
+constexpr double kMaxTime_s = 1e100;
 
 /// Solves drop = v·t + a·t²/2 for the root at which the velocity is `sign`·sqrt(v² + 2·a·drop). Of the two
 /// ways of writing that root the one that adds numbers of like sign is taken, so that no digits cancel.
@@ -16,33 +16,30 @@ std::optional<double> root_s(double v, double a, double drop, double sign) {
   if (!(discriminant >= 0.0)) return std::nullopt;
   const double v_there = sign * std::sqrt(discriminant);
   if (v * v_there > 0.0) return 2.0 * drop / (v + v_there);
-  if (a != 0.0 && std::abs(v_there - v) <= std::abs(a) * kNever_s) return (v_there - v) / a;
+  if (a != 0.0 && std::abs(v_there - v) <= std::abs(a) * kMaxTime_s) return (v_there - v) / a;
   if (v == 0.0 && drop == 0.0) return 0.0;
   return std::nullopt;
 }
 
 }  // namespace
 
-Vector gravity_mps2(double inclination_rad) {
+Eigen::Vector2d gravity_mps2(double inclination_rad) {
   return {-kStandardGravity_mps2 * std::sin(inclination_rad),
           -kStandardGravity_mps2 * std::cos(inclination_rad)};
 }
 
-Vector Parabola::position_at(double time_s) const {
-  return {position_m.x + time_s * (velocity_mps.x + 0.5 * acceleration_mps2.x * time_s),
-          position_m.y + time_s * (velocity_mps.y + 0.5 * acceleration_mps2.y * time_s)};
+Eigen::Vector2d Parabola::position_at(double time_s) const {
+  return position + time_s * (velocity + 0.5 * acceleration * time_s);
 }
 
-Vector Parabola::velocity_at(double time_s) const {
-  return {velocity_mps.x + acceleration_mps2.x * time_s, velocity_mps.y + acceleration_mps2.y * time_s};
+Eigen::Vector2d Parabola::velocity_at(double time_s) const { return velocity + acceleration * time_s; }
+
+std::optional<double> Parabola::time_falling_through_s(double height) const {
+  return root_s(velocity.y(), acceleration.y(), height - position.y(), -1.0);
 }
 
-std::optional<double> Parabola::time_falling_through_s(double height_m) const {
-  return root_s(velocity_mps.y, acceleration_mps2.y, height_m - position_m.y, -1.0);
-}
-
-std::optional<double> Parabola::time_rising_through_s(double height_m) const {
-  return root_s(velocity_mps.y, acceleration_mps2.y, height_m - position_m.y, 1.0);
+std::optional<double> Parabola::time_rising_through_s(double height) const {
+  return root_s(velocity.y(), acceleration.y(), height - position.y(), 1.0);
 }
 
 }  // namespace strobe::flight

@@ -15,7 +15,7 @@ struct Dual {
   std::array<double, N> grad{};
 
   constexpr Dual() = default;
-  constexpr Dual(double v) : value(v) {}  // NOLINT: a constant is a dual number without slope
+  constexpr Dual(double v) : value(v) {}  // NOLINT: a constant: no derivatives
 
   static constexpr Dual variable(double v, std::size_t index) {
     Dual d(v);
@@ -24,19 +24,19 @@ struct Dual {
   }
 };
 
-/// f(a) with slope df/da.
+/// f(a), given its derivative df/da.
 template <std::size_t N>
-Dual<N> chain(const Dual<N>& a, double f, double slope) {
+Dual<N> chain(const Dual<N>& a, double f, double df_da) {
   Dual<N> r(f);
-  for (std::size_t i = 0; i < N; ++i) r.grad[i] = slope * a.grad[i];
+  for (std::size_t i = 0; i < N; ++i) r.grad[i] = df_da * a.grad[i];
   return r;
 }
 
-/// f(a, b) with slopes df/da and df/db.
+/// f(a, b), given its derivatives df/da and df/db.
 template <std::size_t N>
-Dual<N> chain(const Dual<N>& a, const Dual<N>& b, double f, double slope_a, double slope_b) {
+Dual<N> chain(const Dual<N>& a, const Dual<N>& b, double f, double df_da, double df_db) {
   Dual<N> r(f);
-  for (std::size_t i = 0; i < N; ++i) r.grad[i] = slope_a * a.grad[i] + slope_b * b.grad[i];
+  for (std::size_t i = 0; i < N; ++i) r.grad[i] = df_da * a.grad[i] + df_db * b.grad[i];
   return r;
 }
 

@@ -8,9 +8,11 @@
 #include <string>
 #include <vector>
 
+#include "common/shot/leg.hpp"
+
 namespace strobe::reduction {
 
-enum class Leg { incoming, contact, rebound };
+using strobe::Leg;
 
 /// A point of the photograph. [px]
 struct PointPx {

@@ -8,17 +8,12 @@
 namespace strobe::reduction {
 namespace {
 
-/// Rotation by the tilt: from the surface's axes to the levelled photograph's.
-struct Turn {
-  double cos = 1.0;
-  double sin = 0.0;
-  explicit Turn(const JointFit& fit)
-      : cos(std::cos(fit.unknowns[kTilt])), sin(std::sin(fit.unknowns[kTilt])) {}
-  Vec2 to_photograph(Vec2 v) const { return {cos * v.x - sin * v.y, sin * v.x + cos * v.y}; }
-  Vec2 to_surface(Vec2 v) const { return {cos * v.x + sin * v.y, cos * v.y - sin * v.x}; }
-};
+using geometry::Rotation2d;
 
-/// Inverse of the lower triangular root of an image's covariance.
+/// From the surface's axes as fitted to those of the observations.
+Rotation2d tilt_of(const JointFit& fit) { return Rotation2d(fit.unknowns[kTilt]); }
+
+/// Inverse of the Cholesky factor of an image's covariance.
 struct Whitening {
   double xx = 1.0;
   double yx = 0.0;
@@ -29,19 +24,21 @@ struct Whitening {
 
 /// A flash's error in time moves the image along its path by `shift`. The determinant of L L^T + s s^T is a
 /// sum of squares, of which none can cancel another, however long the shift.
-Whitening whitening(const Observations& all, const Observation& o, Vec2 shift) {
-  const double level = all.levels[Noise::centre];
-  const Root l = o.centre_noise == Noise::stated ? o.centre_cholesky_m : Root{level, 0.0, level};
-  if (shift.x == 0.0 && shift.y == 0.0) return {1.0 / l.xx, -l.yx / l.xx / l.yy, 1.0 / l.yy};
-  const double xx = std::hypot(l.xx, shift.x);
-  const double yx = (l.xx * l.yx + shift.x * shift.y) / xx;
-  const double along = l.yy * shift.x;
-  const double across = l.xx * shift.y - l.yx * shift.x;
+Whitening whitening(const Observations& all, const Observation& o, const Eigen::Vector2d& shift) {
+  const double sd = all.group_sd[NoiseGroup::centre];
+  const CholeskyFactor l =
+      o.centre_noise == NoiseGroup::stated ? o.centre_cholesky_m : CholeskyFactor{sd, 0.0, sd};
+  if (shift.isZero(0.0)) return {1.0 / l.xx, -l.yx / l.xx / l.yy, 1.0 / l.yy};
+  const double xx = std::hypot(l.xx, shift.x());
+  const double yx = (l.xx * l.yx + shift.x() * shift.y()) / xx;
+  const double along = l.yy * shift.x();
+  const double across = l.xx * shift.y() - l.yx * shift.x();
   const double yy = std::hypot(l.xx * l.yy, std::hypot(along, across)) / xx;
   return {1.0 / xx, -yx / xx / yy, 1.0 / yy};
 }
 
-ImageRows rows_of(const Observations& all, const JointFit& fit, const Turn& turn, const Observation& o) {
+ImageRows rows_of(const Observations& all, const JointFit& fit, const Rotation2d& tilt,
+                  const Observation& o) {
   const std::size_t leg = leg_index(*o.leg);
   const LegTime& times = fit.legs[leg];
   const flight::Forcing& forcing = fit.forcing[leg];
@@ -49,22 +46,20 @@ ImageRows rows_of(const Observations& all, const JointFit& fit, const Turn& turn
   const double scale = fit.unknowns[kScale];
   const double s = times.scaled(o.time_s);
   const double t = s * times.span_s;
-  const Vec2& a = forcing.acceleration_mps2;
-  const Vec2& j = forcing.jerk_mps3;
-  const Vec2 bend =
-      turn.to_photograph({t * t * (0.5 * a.x + t * j.x / 6.0), t * t * (0.5 * a.y + t * j.y / 6.0)});
-  const Vec2 residual{o.centre_m.x - (z[0] + z[2] * s + scale * bend.x),
-                      o.centre_m.y - (z[1] + z[3] * s + scale * bend.y)};
+  const Eigen::Vector2d bend =
+      tilt * (t * t * (0.5 * forcing.acceleration_mps2 + t * forcing.jerk_mps3 / 6.0));
+  const Eigen::Vector2d residual{o.centre_m.x() - (z[0] + z[2] * s + scale * bend.x()),
+                                 o.centre_m.y() - (z[1] + z[3] * s + scale * bend.y())};
   // The air's pull depends on the velocity. The tilt is small enough to leave it out there.
   const double half = 0.5 * t * s;
-  const flight::Matrix& by_v = forcing.by_velocity_per_s;
-  const Vec2 columns[6] = {{1.0, 0.0},
-                           {0.0, 1.0},
-                           {s + half * by_v.xx, half * by_v.yx},
-                           {half * by_v.xy, s + half * by_v.yy},
-                           {-scale * bend.y, scale * bend.x},
-                           bend};
-  Vec2 shift;
+  const Eigen::Matrix2d& by_v = forcing.by_velocity_per_s;
+  const Eigen::Vector2d columns[6] = {{1.0, 0.0},
+                                      {0.0, 1.0},
+                                      {s + half * by_v(0, 0), half * by_v(1, 0)},
+                                      {half * by_v(0, 1), s + half * by_v(1, 1)},
+                                      {-scale * bend.y(), scale * bend.x()},
+                                      bend};
+  Eigen::Vector2d shift = Eigen::Vector2d::Zero();
   if (o.time_sd_s > 0.0) {
     const double sd = o.time_sd_s / times.span_s;
     shift = {sd * z[2], sd * z[3]};
@@ -72,18 +67,18 @@ ImageRows rows_of(const Observations& all, const JointFit& fit, const Turn& turn
   const Whitening w = whitening(all, o, shift);
   ImageRows rows;
   for (std::size_t c = 0; c < 6; ++c) {
-    rows.row[0][c] = w.first(columns[c].x);
-    rows.row[1][c] = w.second(columns[c].x, columns[c].y);
+    rows.row[0][c] = w.first(columns[c].x());
+    rows.row[1][c] = w.second(columns[c].x(), columns[c].y());
   }
-  rows.residual[0] = w.first(residual.x);
-  rows.residual[1] = w.second(residual.x, residual.y);
+  rows.residual[0] = w.first(residual.x());
+  rows.residual[1] = w.second(residual.x(), residual.y());
   return rows;
 }
 
 /// The whitened problem about the present unknowns, reduced to triangles.
 class Problem {
  public:
-  Problem(const Observations& all, const JointFit& fit) : all_(all), fit_(fit), turn_(fit) {
+  Problem(const Observations& all, const JointFit& fit) : all_(all), fit_(fit), tilt_(tilt_of(fit)) {
     // Large rows first keep the small ones exact (Cox, Higham 1998), and a calibration weighs most.
     add_scale();
     add_surface();
@@ -129,9 +124,9 @@ class Problem {
 
   void add_surface() {
     const double weight = 1.0 / all_.surface_sd();
-    for (const Vec2& p : all_.surface_m) {
-      const double residual = turn_.cos * p.y - turn_.sin * p.x - fit_.unknowns[kHeight];
-      share(weight * (turn_.cos * p.x + turn_.sin * p.y), weight, 0.0, weight * residual);
+    for (const Eigen::Vector2d& p : all_.surface_m) {
+      const Eigen::Vector2d q = tilt_.inverse() * p;
+      share(weight * q.x(), weight, 0.0, weight * (q.y() - fit_.unknowns[kHeight]));
     }
   }
 
@@ -141,7 +136,7 @@ class Problem {
       if (!o.use_centre) continue;
       const std::size_t leg = leg_index(*o.leg);
       if (!fit_.legs[leg].fitted) continue;
-      const ImageRows rows = rows_of(all_, fit_, turn_, o);
+      const ImageRows rows = rows_of(all_, fit_, tilt_, o);
       for (std::size_t k = 0; k < 2; ++k) {
         const auto& r = rows.row[k];
         legs_[leg].add({r[0], r[1], r[2], r[3], r[4], r[5], rows.residual[k]}, next);
@@ -152,7 +147,7 @@ class Problem {
 
   const Observations& all_;
   const JointFit& fit_;
-  Turn turn_;
+  Rotation2d tilt_;
   HouseholderQr<4, 7> legs_[2];
   HouseholderQr<3, 4> shared_;
 };
@@ -178,34 +173,33 @@ void start(const Observations& all, JointFit& fit) {
     times.first_s = first[leg]->time_s;
     times.last_s = last[leg]->time_s;
     times.span_s = times.last_s - times.first_s;
-    const Vec2 step{last[leg]->centre_m.x - first[leg]->centre_m.x,
-                    last[leg]->centre_m.y - first[leg]->centre_m.y};
+    const Eigen::Vector2d step = last[leg]->centre_m - first[leg]->centre_m;
     const double s = times.scaled(times.first_s);
     double* z = &fit.unknowns[kLegStart[leg]];
-    z[0] = first[leg]->centre_m.x - s * step.x;
-    z[1] = first[leg]->centre_m.y - s * step.y;
-    z[2] = step.x;
-    z[3] = step.y;
+    z[0] = first[leg]->centre_m.x() - s * step.x();
+    z[1] = first[leg]->centre_m.y() - s * step.y();
+    z[2] = step.x();
+    z[3] = step.y();
   }
 }
 
 /// Forcing at the legs' present velocities.
-void bend(const Motion& motion, JointFit& fit) {
-  const Turn turn(fit);
+void update_forcing(const FlightModel& model, JointFit& fit) {
+  const Rotation2d to_surface = tilt_of(fit).inverse();
   // The series of drag and lift is one in their share of the velocity; this bound leaves 1e-4 of it.
   constexpr double kLongest = 0.1;
-  Vec2 velocity[2];
+  std::array<Eigen::Vector2d, 2> velocity{Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};
   for (std::size_t leg = 0; leg < 2; ++leg) {
     if (!fit.legs[leg].fitted) continue;
     const double* z = &fit.unknowns[kLegStart[leg]];
     const double per_second = fit.unknowns[kScale] * fit.legs[leg].span_s;
-    velocity[leg] = turn.to_surface({z[2] / per_second, z[3] / per_second});
-    const double path_m = std::hypot(velocity[leg].x, velocity[leg].y) * fit.legs[leg].span_s;
-    if (!(path_m * std::max(motion.air.drag_per_m, motion.air.lift_per_m) < kLongest)) fit.air_used = false;
+    velocity[leg] = to_surface * Eigen::Vector2d(z[2] / per_second, z[3] / per_second);
+    const double path_m = std::hypot(velocity[leg].x(), velocity[leg].y()) * fit.legs[leg].span_s;
+    if (!(path_m * std::max(model.air.drag_per_m, model.air.lift_per_m) < kLongest)) fit.air_used = false;
   }
-  const flight::Aerodynamics air = fit.air_used ? motion.air : flight::Aerodynamics{};
+  const flight::Aerodynamics air = fit.air_used ? model.air : flight::Aerodynamics{};
   for (std::size_t leg = 0; leg < 2; ++leg) {
-    fit.forcing[leg] = flight::forcing(air, motion.gravity_mps2, velocity[leg], motion.omega_radps[leg]);
+    fit.forcing[leg] = flight::forcing(air, model.gravity_mps2, velocity[leg], model.omega_radps[leg]);
   }
 }
 
@@ -221,20 +215,18 @@ bool diverged(const JointFit& fit, double first_scale) {
 }  // namespace
 
 ImageRows image_rows(const Observations& all, const JointFit& fit, const Observation& image) {
-  return rows_of(all, fit, Turn(fit), image);
+  return rows_of(all, fit, tilt_of(fit), image);
 }
 
-double surface_residual(const JointFit& fit, Vec2 p) {
-  const Turn turn(fit);
-  return turn.cos * p.y - turn.sin * p.x - fit.unknowns[kHeight];
+double surface_residual(const JointFit& fit, const Eigen::Vector2d& point) {
+  return (tilt_of(fit).inverse() * point).y() - fit.unknowns[kHeight];
 }
 
-double surface_lever_m(const JointFit& fit, Vec2 p) {
-  const Turn turn(fit);
-  return turn.cos * p.x + turn.sin * p.y;
+double surface_lever_m(const JointFit& fit, const Eigen::Vector2d& point) {
+  return (tilt_of(fit).inverse() * point).x();
 }
 
-JointFit fit_joint(const Observations& all, const Motion& motion) {
+JointFit fit_joint(const Observations& all, const FlightModel& model) {
   JointFit fit;
   start(all, fit);
   const bool time_noise = std::any_of(all.images.begin(), all.images.end(),
@@ -244,7 +236,7 @@ JointFit fit_joint(const Observations& all, const Motion& motion) {
   constexpr double kConverged = 1e-12;
   double before = 1.0;
   for (int step = 0; step < kMaxSteps; ++step) {
-    bend(motion, fit);
+    update_forcing(model, fit);
     const JointVector right = Problem(all, fit).factor(fit.factor);
     const JointVector change = fit.factor.unknowns(right);
     for (std::size_t i = 0; i < kJointCount; ++i) fit.unknowns[i] += change[i];

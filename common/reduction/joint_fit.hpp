@@ -23,9 +23,9 @@ struct LegTime {
   double scaled(double time_s) const { return (time_s - origin_s) / span_s; }
 };
 
-/// What bends the paths: gravity in the surface's axes, air, and the legs' spins.
-struct Motion {
-  Vec2 gravity_mps2;
+/// What accelerates the ball: gravity in the surface's axes, air, and the legs' spins.
+struct FlightModel {
+  Eigen::Vector2d gravity_mps2 = Eigen::Vector2d::Zero();
   flight::Aerodynamics air;
   std::array<double, 2> omega_radps{};
 };
@@ -44,7 +44,7 @@ constexpr std::size_t leg_index(Leg leg) { return leg == Leg::rebound ? 1 : 0; }
 
 /// Gauss-Newton; the problem is linear but for products of small corrections. A leg with fewer than two
 /// images is not fitted. Stops within a millionth of an sd, mostly after two steps.
-JointFit fit_joint(const Observations& all, const Motion& motion);
+JointFit fit_joint(const Observations& all, const FlightModel& model);
 
 /// One image's centre: two rows divided by its noise (columns: the leg's x, y, vx * span, vy * span; tilt,
 /// scale), and the residuals. Flashes' errors in time are in the noise.
@@ -56,9 +56,9 @@ struct ImageRows {
 ImageRows image_rows(const Observations& all, const JointFit& fit, const Observation& image);
 
 /// Distance of a surface point from the fitted line. [m]
-double surface_residual(const JointFit& fit, Vec2 point);
+double surface_residual(const JointFit& fit, const Eigen::Vector2d& point);
 
 /// How that line's height at the point grows with the tilt. [m]
-double surface_lever_m(const JointFit& fit, Vec2 point);
+double surface_lever_m(const JointFit& fit, const Eigen::Vector2d& point);
 
 }  // namespace strobe::reduction

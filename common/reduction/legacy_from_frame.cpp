@@ -43,7 +43,7 @@ Result<Readout> reduce_legacy(const Frame& frame) {
   absent.record = frame.record;
   absent.flags = flags;
   if (!all) return absent;
-  absent.mirrored = all->levelling.mirrored;
+  absent.mirrored = all->surface.mirrored;
   const double sign = absent.mirrored ? -1.0 : 1.0;
 
   std::vector<std::size_t> incoming;

@@ -22,7 +22,7 @@ double square(const std::array<double, 7>& v) { return dot(v, v); }
 /// Squares of the part of a residual that the level, and not a stated error in time, accounts for.
 void add_centre(const ShotFit& fit, const Observation& o, Scatter& s) {
   const ImageRows rows = image_rows(fit.observations, fit.joint, o);
-  const double level = fit.observations.levels[Noise::centre];
+  const double level = fit.observations.group_sd[NoiseGroup::centre];
   for (std::size_t k = 0; k < 2; ++k) {
     const double residual = rows.residual[k] * level;
     s.sum_of_squares += residual * residual;
@@ -39,7 +39,7 @@ void add_diameter(const ShotFit& fit, const Observation& o, Scatter& s) {
   s.taken += square(fit.joint.factor.shared(0.0, 0.0, all.ball_diameter_m / all.diameter_sd(o)));
 }
 
-void add_surface(const ShotFit& fit, Vec2 point, Scatter& s) {
+void add_surface(const ShotFit& fit, Eigen::Vector2d point, Scatter& s) {
   const double r = surface_residual(fit.joint, point);
   const double sd = fit.observations.surface_sd();
   s.sum_of_squares += r * r;
@@ -47,7 +47,7 @@ void add_surface(const ShotFit& fit, Vec2 point, Scatter& s) {
   s.taken += square(fit.joint.factor.shared(surface_lever_m(fit.joint, point) / sd, 1.0 / sd, 0.0));
 }
 
-Scatter scatter(const ShotFit& fit, Noise noise) {
+Scatter scatter(const ShotFit& fit, NoiseGroup noise) {
   const Observations& all = fit.observations;
   Scatter s;
   for (const Observation& o : all.images) {
@@ -56,7 +56,7 @@ Scatter scatter(const ShotFit& fit, Noise noise) {
     if (o.use_diameter && o.diameter_noise == noise) add_diameter(fit, o, s);
   }
   if (all.surface_noise == noise) {
-    for (const Vec2& p : all.surface_m) add_surface(fit, p, s);
+    for (const Eigen::Vector2d& p : all.surface_m) add_surface(fit, p, s);
   }
   return s;
 }
@@ -77,12 +77,13 @@ Scatter equator_scatter(const ShotFit& fit) {
 
 }  // namespace
 
-double update_levels(ShotFit& fit) {
+double estimate_variance_components(ShotFit& fit) {
   double largest = 0.0;
-  for (const Noise noise : {Noise::centre, Noise::surface, Noise::diameter, Noise::equator}) {
-    const bool equator = noise == Noise::equator;
+  for (const NoiseGroup noise :
+       {NoiseGroup::centre, NoiseGroup::surface, NoiseGroup::diameter, NoiseGroup::equator}) {
+    const bool equator = noise == NoiseGroup::equator;
     const Scatter s = equator ? equator_scatter(fit) : scatter(fit, noise);
-    EstimatedLevel& level = fit.levels[static_cast<std::size_t>(noise)];
+    VarianceComponent& level = fit.variance_components[static_cast<std::size_t>(noise)];
     level = {s.count > 0.0, s.count - s.taken};
     // Absurd coordinates overflow to NaN, which is no freedom either.
     const bool known = level.degrees_of_freedom >= kMinFreedom && std::isfinite(s.sum_of_squares);
@@ -90,7 +91,7 @@ double update_levels(ShotFit& fit) {
     if (!level.used || !known) continue;
     const double floor = kMinRelativeLevel * (equator ? 1.0 : fit.observations.ball_diameter_m);
     const double sd = std::max(std::sqrt(s.sum_of_squares / level.degrees_of_freedom), floor);
-    double& now = fit.observations.levels[noise];
+    double& now = fit.observations.group_sd[noise];
     largest = std::max(largest, std::abs(sd - now) / now);
     now = sd;
   }

@@ -8,6 +8,6 @@ namespace strobe::reduction {
 /// Replaces the estimated levels by those of the residuals: sum of squares over (number of measurements -
 /// trace of their share in the fit). A level without residuals keeps its guess and has 0 degrees of freedom.
 /// Returns the largest relative change of a level.
-double update_levels(ShotFit& fit);
+double estimate_variance_components(ShotFit& fit);
 
 }  // namespace strobe::reduction

@@ -4,13 +4,13 @@
 #include <charconv>
 #include <cmath>
 
-#include "common/reduction/legs.hpp"
+#include "common/geometry/leg_classification.hpp"
 #include "common/units/angles.hpp"
 
 namespace strobe::reduction {
 namespace {
 
-/// Starting levels where the frame states none: a hundredth of the ball's diameter and one degree, the order
+/// Standard deviations to start from where the frame states none: a hundredth of the ball's diameter and one degree, the order
 /// of digitizing by hand. The residuals replace them; where these cannot, only the sd is lost, not the
 /// number.
 constexpr double kGuessOfDiameter = 0.01;
@@ -30,50 +30,63 @@ double first_scale(const Frame& frame) {
   return *middle / frame.ball_diameter_m;
 }
 
-Root root_of(const std::array<double, 4>& covariance) {
+Eigen::Vector2d vector(const PointPx& p) { return {p.x, p.y}; }
+
+std::optional<geometry::SurfaceFrame> surface_frame(const Frame& frame) {
+  const double px_per_m = first_scale(frame);
+  std::vector<Eigen::Vector2d> points;
+  points.reserve(frame.surface_px.size());
+  for (const PointPx& p : frame.surface_px) points.push_back(vector(p));
+  // Points within a hundredth of a millimetre, which no digitizer resolves, are one point.
+  const auto line = geometry::fit_line(points, {}, 1e-5 * px_per_m);
+  if (!line) return std::nullopt;
+  return geometry::SurfaceFrame{*line, px_per_m, false};
+}
+
+CholeskyFactor cholesky_of(const std::array<double, 4>& covariance) {
   const double xx = std::sqrt(covariance[0]);
   const double yx = 0.5 * (covariance[1] + covariance[2]) / xx;
   const double largest = std::sqrt(covariance[3]);
   return {xx, yx, std::sqrt((largest - yx) * (largest + yx))};
 }
 
-/// Rotated by -tilt and made triangular again; its determinant does not change.
-Root levelled(const Root& l, const Levelling& levelling) {
-  const double cos = levelling.cos_tilt;
-  const double sin = levelling.sin_tilt;
-  const Vec2 top{cos * l.xx + sin * l.yx, sin * l.yy};
-  const Vec2 bottom{cos * l.yx - sin * l.xx, cos * l.yy};
-  const double xx = std::hypot(top.x, top.y);
-  const double px = levelling.px_per_m;
-  return {xx / px, (top.x * bottom.x + top.y * bottom.y) / xx / px, l.xx / xx * l.yy / px};
+/// In the surface's axes, made triangular again; its determinant does not change.
+CholeskyFactor in_surface_axes(const CholeskyFactor& l, const geometry::SurfaceFrame& surface) {
+  const double cos = surface.line.tilt.cos();
+  const double sin = surface.line.tilt.sin();
+  const Eigen::Vector2d top{cos * l.xx + sin * l.yx, sin * l.yy};
+  const Eigen::Vector2d bottom{cos * l.yx - sin * l.xx, cos * l.yy};
+  const double xx = std::hypot(top.x(), top.y());
+  const double px = surface.px_per_unit;
+  return {xx / px, top.dot(bottom) / xx / px, l.xx / xx * l.yy / px};
 }
 
-void set_centre_noise(const BallImage& image, const Frame& frame, const Levelling& levelling,
+void set_centre_noise(const BallImage& image, const Frame& frame, const geometry::SurfaceFrame& surface,
                       Observation& o) {
   if (image.centre_cov_px2) {
-    o.centre_cholesky_m = levelled(root_of(*image.centre_cov_px2), levelling);
+    o.centre_cholesky_m = in_surface_axes(cholesky_of(*image.centre_cov_px2), surface);
   } else if (frame.centre_sd_px) {
-    o.centre_cholesky_m.xx = o.centre_cholesky_m.yy = *frame.centre_sd_px / levelling.px_per_m;
+    o.centre_cholesky_m.xx = o.centre_cholesky_m.yy = *frame.centre_sd_px / surface.px_per_unit;
   } else {
-    o.centre_noise = Noise::centre;
+    o.centre_noise = NoiseGroup::centre;
   }
 }
 
-Observation observation(const BallImage& image, const Frame& frame, const Levelling& levelling) {
+Observation observation(const BallImage& image, const Frame& frame, const geometry::SurfaceFrame& surface) {
   Observation o;
   o.time_s = image.time_s - frame.images.front().time_s;
-  o.centre_m = levelling.point(image.centre_px);
-  o.diameter_m = image.diameter_px / levelling.px_per_m;
-  set_centre_noise(image, frame, levelling, o);
+  o.centre_m = surface.from_image(vector(image.centre_px));
+  o.diameter_m = image.diameter_px / surface.px_per_unit;
+  set_centre_noise(image, frame, surface, o);
   if (const auto sd = image.diameter_sd_px ? image.diameter_sd_px : frame.diameter_sd_px) {
-    o.diameter_sd_m = *sd / levelling.px_per_m;
+    o.diameter_sd_m = *sd / surface.px_per_unit;
   } else {
-    o.diameter_noise = Noise::diameter;
+    o.diameter_noise = NoiseGroup::diameter;
   }
   if (const auto sd = image.equator_sd_rad ? image.equator_sd_rad : frame.equator_sd_rad) {
     o.equator_sd_rad = *sd;
   } else {
-    o.equator_noise = Noise::equator;
+    o.equator_noise = NoiseGroup::equator;
   }
   o.equator_rad = image.equator_rad.value_or(0.0);
   o.use_equator = image.equator_rad.has_value();
@@ -82,20 +95,20 @@ Observation observation(const BallImage& image, const Frame& frame, const Levell
 }
 
 void set_surface(const Frame& frame, Observations& all) {
-  for (const PointPx& p : frame.surface_px) all.surface_m.push_back(all.levelling.point(p));
+  for (const PointPx& p : frame.surface_px) all.surface_m.push_back(all.surface.from_image(vector(p)));
   if (const auto sd = frame.surface_sd_px ? frame.surface_sd_px : frame.centre_sd_px) {
-    all.surface_sd_m = *sd / all.levelling.px_per_m;
+    all.surface_sd_m = *sd / all.surface.px_per_unit;
     return;
   }
   const bool shared = std::any_of(all.images.begin(), all.images.end(),
-                                  [](const Observation& o) { return o.centre_noise == Noise::centre; });
-  all.surface_noise = shared ? Noise::centre : Noise::surface;
+                                  [](const Observation& o) { return o.centre_noise == NoiseGroup::centre; });
+  all.surface_noise = shared ? NoiseGroup::centre : NoiseGroup::surface;
 }
 
 void set_scale(const Frame& frame, Observations& all) {
   if (!frame.px_per_m) return;
-  all.scale = *frame.px_per_m / all.levelling.px_per_m;
-  all.scale_sd = frame.px_per_m_sd.value_or(0.0) / all.levelling.px_per_m;
+  all.scale = *frame.px_per_m / all.surface.px_per_unit;
+  all.scale_sd = frame.px_per_m_sd.value_or(0.0) / all.surface.px_per_unit;
 }
 
 double mean_diameter_variance(const Observations& all) {
@@ -104,27 +117,27 @@ double mean_diameter_variance(const Observations& all) {
   return weight > 0.0 ? 1.0 / weight : 0.0;
 }
 
-/// The images' diameters would tell the scale far better than the calibration does, were the ball's own
-/// diameter known as well; where its tolerance is the greater doubt they tell the ball's size, not the scale.
-bool diameters_tell_scale(const Observations& all) {
+/// The images' diameters would give the scale far better than the calibration does, were the ball's own
+/// diameter known as well; where its tolerance is the larger they measure the ball's size, not the scale.
+bool scale_from_diameters(const Observations& all) {
   if (!all.scale || !all.ball_diameter_sd_m) return true;
   return *all.ball_diameter_sd_m / all.ball_diameter_m < all.scale_sd / *all.scale;
 }
 
 void assign_legs(const Frame& frame, Observations& all, FlagSet& flags) {
-  std::vector<Height> heights;
+  std::vector<geometry::TimedHeight> heights;
   heights.reserve(all.images.size());
   for (std::size_t i = 0; i < all.images.size(); ++i) {
     const Observation& o = all.images[i];
     heights.push_back(
-        {o.time_s, o.centre_m.y - 0.5 * all.ball_diameter_m, all.centre_variance(o), frame.images[i].leg});
+        {o.time_s, o.centre_m.y() - 0.5 * all.ball_diameter_m, all.centre_variance(o), frame.images[i].leg});
   }
   const double surface_variance =
       all.surface_sd() * all.surface_sd() / static_cast<double>(all.surface_m.size());
   const double reference = surface_variance + 0.25 * mean_diameter_variance(all);
-  const LegAssignment found = classify_legs(heights, all.gravity_mps2.y, reference);
+  const geometry::LegAssignment found = geometry::classify_timed(heights, all.gravity_mps2.y(), reference);
   if (!found.overlaps.empty()) flags.set(Flag::overlaps_surface);
-  const bool scale_from_diameters = diameters_tell_scale(all);
+  const bool use_diameters = scale_from_diameters(all);
   bool contact = false;
   for (std::size_t i = 0; i < all.images.size(); ++i) {
     Observation& o = all.images[i];
@@ -132,7 +145,7 @@ void assign_legs(const Frame& frame, Observations& all, FlagSet& flags) {
     const bool airborne = found.legs[i] != Leg::contact;
     contact = contact || !airborne;
     o.use_centre = airborne;
-    o.use_diameter = airborne && scale_from_diameters;
+    o.use_diameter = airborne && use_diameters;
     o.use_equator = o.use_equator && airborne;
   }
   if (!contact) flags.set(Flag::no_contact_image);
@@ -148,16 +161,16 @@ bool travels_left(const std::vector<Observation>& images, Leg leg) {
     last = &o;
   }
   if (first == last) return false;
-  const double dx = last->centre_m.x - first->centre_m.x;
-  return dx < -0.05 * std::abs(last->centre_m.y - first->centre_m.y);
+  const Eigen::Vector2d step = last->centre_m - first->centre_m;
+  return step.x() < -0.05 * std::abs(step.y());
 }
 
 void mirror(Observations& all) {
-  all.levelling.mirrored = true;
-  all.gravity_mps2.x = -all.gravity_mps2.x;
-  for (Vec2& p : all.surface_m) p.x = -p.x;
+  all.surface.mirrored = true;
+  all.gravity_mps2.x() = -all.gravity_mps2.x();
+  for (Eigen::Vector2d& p : all.surface_m) p.x() = -p.x();
   for (Observation& o : all.images) {
-    o.centre_m.x = -o.centre_m.x;
+    o.centre_m.x() = -o.centre_m.x();
     o.centre_cholesky_m.yx = -o.centre_cholesky_m.yx;
     o.equator_rad = -o.equator_rad;
   }
@@ -177,13 +190,13 @@ std::optional<double> temperature_c(const Frame& frame) {
 }
 
 std::optional<Observations> observe(const Frame& frame, FlagSet& flags) {
-  const std::optional<Levelling> levelling = level(frame.surface_px, first_scale(frame));
-  if (!levelling) {
+  const std::optional<geometry::SurfaceFrame> surface = surface_frame(frame);
+  if (!surface) {
     flags.set(Flag::degenerate_geometry);
     return std::nullopt;
   }
   Observations all;
-  all.levelling = *levelling;
+  all.surface = *surface;
   all.ball_diameter_m = frame.ball_diameter_m;
   all.ball_diameter_sd_m = frame.ball_diameter_sd_m;
   all.gravity_mps2 = flight::gravity_mps2(radians(frame.surface_angle_deg));
@@ -192,10 +205,11 @@ std::optional<Observations> observe(const Frame& frame, FlagSet& flags) {
   all.air_density_kgpm3 =
       frame.air_density_kgpm3.value_or(flight::air_density_kgpm3(temperature_c(frame).value_or(20.0)));
   const double guess = kGuessOfDiameter * frame.ball_diameter_m;
-  all.levels[Noise::centre] = all.levels[Noise::surface] = all.levels[Noise::diameter] = guess;
-  all.levels[Noise::equator] = kGuessEquatorRad;
+  all.group_sd[NoiseGroup::centre] = all.group_sd[NoiseGroup::surface] = all.group_sd[NoiseGroup::diameter] =
+      guess;
+  all.group_sd[NoiseGroup::equator] = kGuessEquatorRad;
   all.images.reserve(frame.images.size());
-  for (const BallImage& image : frame.images) all.images.push_back(observation(image, frame, *levelling));
+  for (const BallImage& image : frame.images) all.images.push_back(observation(image, frame, *surface));
   set_surface(frame, all);
   set_scale(frame, all);
   assign_legs(frame, all, flags);

@@ -1,5 +1,5 @@
-// A frame as the fits see it: levelled, in metres, time from the first image, each measurement with its
-// noise. Part of the reduction, not of its interface. Plain values; thread-safe.
+// A frame as the fits see it: in the surface's axes, in metres, time from the first image, each measurement
+// with its noise. Part of the reduction, not of its interface. Plain values; thread-safe.
 #pragma once
 
 #include <array>
@@ -8,27 +8,27 @@
 
 #include "common/ball/ball.hpp"
 #include "common/flight/aerodynamics.hpp"
+#include "common/geometry/surface_frame.hpp"
 #include "common/reduction/flags.hpp"
 #include "common/reduction/frame.hpp"
-#include "common/reduction/levelling.hpp"
 
 namespace strobe::reduction {
 
-/// Measurements that share one noise level. `stated` is noise that came with the frame; the others are levels
-/// that must be estimated from the residuals.
-enum class Noise { stated, centre, surface, diameter, equator };
-inline constexpr std::size_t kNoiseCount = 5;
+/// Measurements that share one variance. `stated` is noise that came with the frame; the others' variance
+/// components are estimated from the residuals.
+enum class NoiseGroup { stated, centre, surface, diameter, equator };
+inline constexpr std::size_t kNoiseGroupCount = 5;
 
-/// Standard deviations of the levels that are not stated. [m, m, m, rad]
-struct NoiseLevels {
-  std::array<double, kNoiseCount> sd{};
-  double operator[](Noise n) const { return sd[static_cast<std::size_t>(n)]; }
-  double& operator[](Noise n) { return sd[static_cast<std::size_t>(n)]; }
+/// Standard deviations of the groups that are not stated. [m, m, m, rad]
+struct GroupSds {
+  std::array<double, kNoiseGroupCount> sd{};
+  double operator[](NoiseGroup n) const { return sd[static_cast<std::size_t>(n)]; }
+  double& operator[](NoiseGroup n) { return sd[static_cast<std::size_t>(n)]; }
 };
 
-/// Lower triangular root L of a 2x2 covariance L L^T. Kept instead of the covariance, whose smaller variance
-/// a rotation would round away beside the larger.
-struct Root {
+/// Lower triangular Cholesky factor L of a 2x2 covariance L L^T. Kept instead of the covariance, whose
+/// smaller variance a rotation would round away beside the larger.
+struct CholeskyFactor {
   double xx = 0.0;
   double yx = 0.0;
   double yy = 0.0;
@@ -36,16 +36,16 @@ struct Root {
 
 struct Observation {
   double time_s = 0.0;
-  Vec2 centre_m;
+  Eigen::Vector2d centre_m = Eigen::Vector2d::Zero();
   double diameter_m = 0.0;
   double equator_rad = 0.0;
-  Root centre_cholesky_m;       ///< if stated
-  double diameter_sd_m = 0.0;   ///< if stated
-  double equator_sd_rad = 0.0;  ///< if stated
+  CholeskyFactor centre_cholesky_m;  ///< if stated
+  double diameter_sd_m = 0.0;        ///< if stated
+  double equator_sd_rad = 0.0;       ///< if stated
   double time_sd_s = 0.0;
-  Noise centre_noise = Noise::stated;
-  Noise diameter_noise = Noise::stated;
-  Noise equator_noise = Noise::stated;
+  NoiseGroup centre_noise = NoiseGroup::stated;
+  NoiseGroup diameter_noise = NoiseGroup::stated;
+  NoiseGroup equator_noise = NoiseGroup::stated;
   std::optional<Leg> leg;
   bool use_centre = false;  ///< airborne and not left out
   bool use_diameter = false;
@@ -54,42 +54,44 @@ struct Observation {
 
 struct Observations {
   std::vector<Observation> images;
-  std::vector<Vec2> surface_m;
+  std::vector<Eigen::Vector2d> surface_m;
   double surface_sd_m = 0.0;  ///< if stated
-  Noise surface_noise = Noise::stated;
+  NoiseGroup surface_noise = NoiseGroup::stated;
   double ball_diameter_m = 0.0;
   std::optional<double> ball_diameter_sd_m;
-  std::optional<double> scale;  ///< calibrated px per m over the levelling's
-  double scale_sd = 0.0;        ///< 0: exact
-  Vec2 gravity_mps2;            ///< in the surface's axes
+  std::optional<double> scale;                             ///< calibrated px per m over the surface frame's
+  double scale_sd = 0.0;                                   ///< 0: exact
+  Eigen::Vector2d gravity_mps2 = Eigen::Vector2d::Zero();  ///< in the surface's axes
   ball::Ball ball;
   double air_density_kgpm3 = flight::kAirDensity_kgpm3;
-  Levelling levelling;
-  NoiseLevels levels;
+  geometry::SurfaceFrame surface;
+  GroupSds group_sd;
 
   bool scale_exact() const { return scale && scale_sd == 0.0; }
   double centre_variance(const Observation& o) const {
-    const Root& l = o.centre_cholesky_m;
-    return o.centre_noise == Noise::stated ? 0.5 * (l.xx * l.xx + l.yx * l.yx + l.yy * l.yy)
-                                           : levels[Noise::centre] * levels[Noise::centre];
+    const CholeskyFactor& l = o.centre_cholesky_m;
+    return o.centre_noise == NoiseGroup::stated ? 0.5 * (l.xx * l.xx + l.yx * l.yx + l.yy * l.yy)
+                                                : group_sd[NoiseGroup::centre] * group_sd[NoiseGroup::centre];
   }
   double diameter_sd(const Observation& o) const {
-    return o.diameter_noise == Noise::stated ? o.diameter_sd_m : levels[Noise::diameter];
+    return o.diameter_noise == NoiseGroup::stated ? o.diameter_sd_m : group_sd[NoiseGroup::diameter];
   }
   double equator_sd(const Observation& o) const {
-    return o.equator_noise == Noise::stated ? o.equator_sd_rad : levels[Noise::equator];
+    return o.equator_noise == NoiseGroup::stated ? o.equator_sd_rad : group_sd[NoiseGroup::equator];
   }
-  double surface_sd() const { return surface_noise == Noise::stated ? surface_sd_m : levels[surface_noise]; }
+  double surface_sd() const {
+    return surface_noise == NoiseGroup::stated ? surface_sd_m : group_sd[surface_noise];
+  }
 };
 
-/// What is wrong with the frame, naming the field; nothing if it can be reduced.
-std::optional<std::string> invalid(const Frame& frame);
+/// What is wrong with the frame, naming the field. Returns nullopt if it can be reduced.
+std::optional<std::string> validation_error(const Frame& frame);
 
-/// From the frame, or from the session's record if that has a number there within the valid range.
+/// The frame's temperature, else the record's if that is a number within the valid range, else nullopt.
 std::optional<double> temperature_c(const Frame& frame);
 
-/// Levels the frame, finds the legs and leaves out what is not airborne; sets the flags of what it found.
-/// Nothing if no line goes through the surface points (flag degenerate_geometry). The frame must be valid.
+/// Measurements in the surface's axes, with the images' legs; sets the flags of what it found. Returns nullopt
+/// if no line goes through the surface points (flag degenerate_geometry). The frame must be valid.
 std::optional<Observations> observe(const Frame& frame, FlagSet& flags);
 
 }  // namespace strobe::reduction

@@ -24,9 +24,9 @@ void consider(Suspect& worst, double probability, double chances, std::size_t im
   if (probability * chances < worst.probability) worst = {probability * chances, image, what};
 }
 
-double freedom(const ShotFit& fit, Noise noise) {
-  if (noise == Noise::stated) return std::numeric_limits<double>::infinity();
-  return fit.levels[static_cast<std::size_t>(noise)].degrees_of_freedom;
+double freedom(const ShotFit& fit, NoiseGroup noise) {
+  if (noise == NoiseGroup::stated) return std::numeric_limits<double>::infinity();
+  return fit.variance_components[static_cast<std::size_t>(noise)].degrees_of_freedom;
 }
 
 /// A square with `dimensions` degrees of freedom in units of a level that was estimated with it included:
@@ -106,7 +106,7 @@ void suspect_equators(const ShotFit& fit, Suspect& worst) {
       const double residual = fit.spin[leg]->residual_rad[i];
       const double square = variance > kRounding * noise ? residual * residual / variance : 0.0;
       if (square < 4.0) continue;
-      const Noise level = readings[i].estimated_noise ? Noise::equator : Noise::stated;
+      const NoiseGroup level = readings[i].estimated_noise ? NoiseGroup::equator : NoiseGroup::stated;
       consider(worst, chance_of_square(square, freedom(fit, level), 1), chances, readings[i].index,
                Suspect::What::equator);
     }

@@ -58,12 +58,13 @@ Path path(const ShotFit& fit, std::size_t leg) {
           (cos * ux + sin * uy) / per_second, (cos * uy - sin * ux) / per_second, fit.joint.forcing[leg]};
 }
 
-/// The air's pull follows the velocity.
-void add_slopes(const Number& vx, const Number& vy, double by_vx, double by_vy, Number& into) {
+/// Adds the derivatives of a force that depends on the velocity.
+void add_derivatives(const Number& vx, const Number& vy, double by_vx, double by_vy, Number& into) {
   for (std::size_t i = 0; i < into.grad.size(); ++i) into.grad[i] += by_vx * vx.grad[i] + by_vy * vy.grad[i];
 }
 
-/// The instant is found in plain numbers; one Newton step in dual ones from there gives its slopes.
+/// The instant is found in plain numbers; one Newton step in dual ones from there gives its
+/// derivatives.
 std::optional<SurfaceCrossing> crossing(const ShotFit& fit, std::size_t leg) {
   const LegTime& times = fit.joint.legs[leg];
   if (!times.fitted || fit.joint.degenerate) return std::nullopt;
@@ -71,40 +72,40 @@ std::optional<SurfaceCrossing> crossing(const ShotFit& fit, std::size_t leg) {
   const flight::Flight values = p.values();
   const bool falls = leg == 0;
   const double edge = (falls ? times.last_s : times.first_s) - times.origin_s;
-  const double vy_edge = values.velocity_at(edge).y;
+  const double vy_edge = values.velocity_at(edge).y();
   if (falls ? !(vy_edge < 0.0) : !(vy_edge > 0.0)) return std::nullopt;
   const auto at = falls ? values.time_falling_through_s(0.0) : values.time_rising_through_s(0.0);
   if (!at) return std::nullopt;
   const double t = *at;
-  const flight::Vector there = values.velocity_at(t);
-  if (falls ? !(there.y < 0.0) : !(there.y > 0.0)) return std::nullopt;
-  Number ax = p.forcing.acceleration_mps2.x;
-  Number ay = p.forcing.acceleration_mps2.y;
-  const flight::Matrix& by_v = p.forcing.by_velocity_per_s;
-  add_slopes(p.vx_mps, p.vy_mps, by_v.xx, by_v.xy, ax);
-  add_slopes(p.vx_mps, p.vy_mps, by_v.yx, by_v.yy, ay);
-  const flight::Vector& j = p.forcing.jerk_mps3;
-  Number time = -1.0 / there.y * (p.height_m + p.vy_mps * t + ay * (0.5 * t * t));
+  const Eigen::Vector2d there = values.velocity_at(t);
+  if (falls ? !(there.y() < 0.0) : !(there.y() > 0.0)) return std::nullopt;
+  Number ax = p.forcing.acceleration_mps2.x();
+  Number ay = p.forcing.acceleration_mps2.y();
+  const Eigen::Matrix2d& by_v = p.forcing.by_velocity_per_s;
+  add_derivatives(p.vx_mps, p.vy_mps, by_v(0, 0), by_v(0, 1), ax);
+  add_derivatives(p.vx_mps, p.vy_mps, by_v(1, 0), by_v(1, 1), ay);
+  const Eigen::Vector2d& j = p.forcing.jerk_mps3;
+  Number time = -1.0 / there.y() * (p.height_m + p.vy_mps * t + ay * (0.5 * t * t));
   time.value = t;
-  // d x / d t and so on at the crossing, along the slopes of its instant.
+  // By the chain rule through the crossing's time.
   Number x = p.x_m + p.vx_mps * t + ax * (0.5 * t * t);
   Number vx = p.vx_mps + ax * t;
   Number vy = p.vy_mps + ay * t;
-  x.value += j.x * t * t * t / 6.0;
-  vx.value = there.x;
-  vy.value = there.y;
+  x.value += j.x() * t * t * t / 6.0;
+  vx.value = there.x();
+  vy.value = there.y();
   for (std::size_t i = 0; i < time.grad.size(); ++i) {
-    x.grad[i] += there.x * time.grad[i];
-    vx.grad[i] += (ax.value + j.x * t) * time.grad[i];
-    vy.grad[i] += (ay.value + j.y * t) * time.grad[i];
+    x.grad[i] += there.x() * time.grad[i];
+    vx.grad[i] += (ax.value + j.x() * t) * time.grad[i];
+    vy.grad[i] += (ay.value + j.y() * t) * time.grad[i];
   }
   time.value += times.origin_s;
   return SurfaceCrossing{time, x, vx, vy};
 }
 
-/// A whitened measurement of estimated noise, with the columns that it has.
-struct LevelRow {
-  Noise noise = Noise::stated;
+/// A whitened measurement of estimated noise, with its non-zero columns.
+struct GroupRow {
+  NoiseGroup noise = NoiseGroup::stated;
   std::size_t leg = 0;
   std::array<double, 4> own{};
   double tilt = 0.0, height = 0.0, scale = 0.0;
@@ -116,23 +117,23 @@ struct LevelRow {
   }
 };
 
-std::vector<LevelRow> level_rows(const ShotFit& fit) {
+std::vector<GroupRow> group_rows(const ShotFit& fit) {
   const Observations& all = fit.observations;
-  std::vector<LevelRow> rows;
+  std::vector<GroupRow> rows;
   for (const Observation& o : all.images) {
-    const bool centre = o.use_centre && o.centre_noise != Noise::stated;
+    const bool centre = o.use_centre && o.centre_noise != NoiseGroup::stated;
     if (centre && fit.joint.legs[leg_index(*o.leg)].fitted) {
       for (const auto& r : image_rows(all, fit.joint, o).row) {
         rows.push_back({o.centre_noise, leg_index(*o.leg), {r[0], r[1], r[2], r[3]}, r[4], 0.0, r[5]});
       }
     }
-    if (o.use_diameter && o.diameter_noise != Noise::stated) {
+    if (o.use_diameter && o.diameter_noise != NoiseGroup::stated) {
       rows.push_back({o.diameter_noise, 0, {}, 0.0, 0.0, all.ball_diameter_m / all.diameter_sd(o)});
     }
   }
-  if (all.surface_noise == Noise::stated) return rows;
+  if (all.surface_noise == NoiseGroup::stated) return rows;
   const double weight = 1.0 / all.surface_sd();
-  for (const Vec2& p : all.surface_m) {
+  for (const Eigen::Vector2d& p : all.surface_m) {
     rows.push_back({all.surface_noise, 0, {}, weight * surface_lever_m(fit.joint, p), weight, 0.0});
   }
   return rows;
@@ -142,8 +143,9 @@ std::vector<LevelRow> level_rows(const ShotFit& fit) {
 class Uncertainty {
  public:
   explicit Uncertainty(const ShotFit& fit) : fit_(fit) {
-    for (const EstimatedLevel& level : fit.levels) any_level_ = any_level_ || level.used;
-    if (any_level_) rows_ = level_rows(fit);
+    for (const VarianceComponent& component : fit.variance_components)
+      any_estimated_ = any_estimated_ || component.used;
+    if (any_estimated_) rows_ = group_rows(fit);
     // The diameter enters the fit through the diameters' images only: they say scale * diameter.
     double pull = 0.0;
     for (const Observation& o : fit.observations.images) {
@@ -156,22 +158,22 @@ class Uncertainty {
     by_diameter_ = fit.joint.factor.unknowns(fit.joint.factor.whitened(scale));
   }
 
-  /// Absent where a level that the number depends on has no residuals to be known from.
+  /// Returns nullopt if the number depends on a variance component that no residuals tell.
   std::optional<double> statistical(const Number& q) const {
     const JointVector y = fit_.joint.factor.whitened(joint_gradient(q));
     const double variance = dot(y, y) + spin_covariance(q, q, &SpinFit::variance);
-    if (!any_level_ || variance == 0.0) return std::sqrt(variance);
-    const auto parts = level_parts(q, y);
+    if (!any_estimated_ || variance == 0.0) return std::sqrt(variance);
+    const auto parts = variance_shares(q, y);
     double uncertain = 0.0;  // sum of (estimated share)^2 / its degrees of freedom
     double fewest = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i < kNoiseCount; ++i) {
-      const EstimatedLevel& level = fit_.levels[i];
-      if (!level.used) continue;
+    for (std::size_t i = 0; i < kNoiseGroupCount; ++i) {
+      const VarianceComponent& component = fit_.variance_components[i];
+      if (!component.used) continue;
       const double share = std::min(parts[i] / variance, 1.0);
       if (!(share > 1e-9)) continue;
-      if (level.degrees_of_freedom == 0.0) return std::nullopt;
-      uncertain += share * share / level.degrees_of_freedom;
-      fewest = std::min(fewest, level.degrees_of_freedom);
+      if (component.degrees_of_freedom == 0.0) return std::nullopt;
+      uncertain += share * share / component.degrees_of_freedom;
+      fewest = std::min(fewest, component.degrees_of_freedom);
     }
     const double sd = std::sqrt(variance);
     if (!(uncertain > 0.0)) return sd;
@@ -180,8 +182,8 @@ class Uncertainty {
 
   std::optional<double> systematic(const Number& q) const {
     if (!fit_.observations.ball_diameter_sd_m) return std::nullopt;
-    const double slope = q.grad[kDiameter] + dot(joint_gradient(q), by_diameter_);
-    return std::abs(slope) * *fit_.observations.ball_diameter_sd_m;
+    const double derivative = q.grad[kDiameter] + dot(joint_gradient(q), by_diameter_);
+    return std::abs(derivative) * *fit_.observations.ball_diameter_sd_m;
   }
 
   double covariance(const Number& a, const Number& b) const {
@@ -204,23 +206,24 @@ class Uncertainty {
     return sum;
   }
 
-  /// The part of the variance that each estimated level accounts for: the number moves by sum of
+  /// The part of the variance that each variance component accounts for: the number moves by the sum of
   /// (row . u) error, u being the covariance times its gradient.
-  std::array<double, kNoiseCount> level_parts(const Number& q, const JointVector& y) const {
-    std::array<double, kNoiseCount> parts{};
+  std::array<double, kNoiseGroupCount> variance_shares(const Number& q, const JointVector& y) const {
+    std::array<double, kNoiseGroupCount> parts{};
     const JointVector u = fit_.joint.factor.unknowns(y);
-    for (const LevelRow& row : rows_) {
+    for (const GroupRow& row : rows_) {
       const double by_error = row * u;
       parts[static_cast<std::size_t>(row.noise)] += by_error * by_error;
     }
-    parts[static_cast<std::size_t>(Noise::equator)] = spin_covariance(q, q, &SpinFit::estimated_variance);
+    parts[static_cast<std::size_t>(NoiseGroup::equator)] =
+        spin_covariance(q, q, &SpinFit::estimated_variance);
     return parts;
   }
 
   const ShotFit& fit_;
-  std::vector<LevelRow> rows_;
+  std::vector<GroupRow> rows_;
   JointVector by_diameter_{};
-  bool any_level_ = false;
+  bool any_estimated_ = false;
 };
 
 class Propagation {
@@ -298,12 +301,12 @@ class Propagation {
     const double origin_s = fit_.joint.legs[leg].origin_s;
     const double crossing_s = crossing_[leg]->time_s.value;
     const flight::Flight flight = path(fit_, leg).values();
-    const flight::Vector a = flight.position_at(crossing_s - origin_s);
-    const flight::Vector b = flight.position_at(spin.mean_time_s - origin_s);
-    constexpr double kLongestWay_m = 100.0;  // frames of no ball may have any, and overflow
-    if (!(std::abs(b.x - a.x) < kLongestWay_m && std::abs(b.y - a.y) < kLongestWay_m)) return mean;
-    const double way_m = std::copysign(std::hypot(b.x - a.x, b.y - a.y), spin.mean_time_s - crossing_s);
-    return mean * std::exp(fit_.spin_decay_per_m * way_m);
+    const Eigen::Vector2d d =
+        flight.position_at(spin.mean_time_s - origin_s) - flight.position_at(crossing_s - origin_s);
+    constexpr double kMaxDisplacement_m = 100.0;  // a frame of no ball may have any, and overflow
+    if (!(std::abs(d.x()) < kMaxDisplacement_m && std::abs(d.y()) < kMaxDisplacement_m)) return mean;
+    const double displacement_m = std::copysign(std::hypot(d.x(), d.y()), spin.mean_time_s - crossing_s);
+    return mean * std::exp(fit_.spin_decay_per_m * displacement_m);
   }
 
   struct LegQuantities {

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "common/flight/aerodynamics.hpp"
+#include "common/flight/effects.hpp"
 #include "common/reduction/flags.hpp"
 #include "common/reduction/frame.hpp"
 

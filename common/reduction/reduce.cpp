@@ -49,7 +49,7 @@ Readout two_point_readout(const Frame& frame, const PropagationOptions& propagat
   Readout readout = empty_readout(frame, Estimator::two_point);
   std::optional<Observations> observations = observe(frame, readout.flags);
   if (!observations) return readout;
-  readout.mirrored = observations->levelling.mirrored;
+  readout.mirrored = observations->surface.mirrored;
   flag_redundancy(*observations, readout.flags);
   keep_nearest(*observations);
   const ShotFit fit = fit_shot(std::move(*observations),
@@ -65,7 +65,7 @@ Readout best_readout(const Frame& frame, const PropagationOptions& propagation,
   Readout readout = empty_readout(frame, Estimator::best);
   std::optional<Observations> observations = observe(frame, readout.flags);
   if (!observations) return readout;
-  readout.mirrored = observations->levelling.mirrored;
+  readout.mirrored = observations->surface.mirrored;
   const FitOptions fitting{.effects = options.effects.value_or(flight::Effects{}),
                            .reject_outliers = options.reject_outliers};
   ShotFit fit = fit_shot(std::move(*observations), fitting, readout.flags);
@@ -89,7 +89,7 @@ Readout best_readout(const Frame& frame, const PropagationOptions& propagation,
 }  // namespace
 
 Result<Readout> reduce(const Frame& frame, Estimator estimator, const ReduceOptions& options) {
-  if (const auto complaint = invalid(frame)) return fail(*complaint);
+  if (const auto complaint = validation_error(frame)) return fail(*complaint);
   if (estimator == Estimator::legacy) return reduce_legacy(frame);
   const PropagationOptions propagation{temperature_c(frame), options.covariance};
   if (estimator == Estimator::two_point) return two_point_readout(frame, propagation);

@@ -5,7 +5,6 @@
 #include <optional>
 #include <string_view>
 
-#include "common/flight/aerodynamics.hpp"
 #include "common/reduction/frame.hpp"
 #include "common/reduction/readout.hpp"
 #include "common/result.hpp"

@@ -16,17 +16,17 @@ void fit_spins(ShotFit& fit) {
     if (!fit.equator_seen[i]) continue;
     auto& readings = o.use_equator ? fit.equators : left_out;
     readings[leg_index(*o.leg)].push_back({o.time_s, o.equator_rad, fit.observations.equator_sd(o),
-                                           o.time_sd_s, o.equator_noise != Noise::stated, i});
+                                           o.time_sd_s, o.equator_noise != NoiseGroup::stated, i});
   }
   for (std::size_t leg = 0; leg < 2; ++leg) fit.spin[leg] = fit_spin(fit.equators[leg], left_out[leg]);
 }
 
 bool any_estimated(const Observations& all) {
-  bool any = all.surface_noise != Noise::stated;
+  bool any = all.surface_noise != NoiseGroup::stated;
   for (const Observation& o : all.images) {
-    any = any || (o.use_centre && o.centre_noise != Noise::stated);
-    any = any || (o.use_diameter && o.diameter_noise != Noise::stated);
-    any = any || (o.use_equator && o.equator_noise != Noise::stated);
+    any = any || (o.use_centre && o.centre_noise != NoiseGroup::stated);
+    any = any || (o.use_diameter && o.diameter_noise != NoiseGroup::stated);
+    any = any || (o.use_equator && o.equator_noise != NoiseGroup::stated);
   }
   return any;
 }
@@ -35,14 +35,16 @@ void fit_once(ShotFit& fit) {
   // The levels hardly move the fit, and the fit hardly the levels: three rounds reach rounding.
   constexpr int kMaxRounds = 6;
   const bool estimated = any_estimated(fit.observations);
-  Motion motion{fit.effects.gravity ? fit.observations.gravity_mps2 : Vec2{}, fit.air, {}};
+  FlightModel model;
+  if (fit.effects.gravity) model.gravity_mps2 = fit.observations.gravity_mps2;
+  model.air = fit.air;
   for (int round = 0; round < kMaxRounds; ++round) {
     fit_spins(fit);
     for (std::size_t leg = 0; leg < 2; ++leg) {
-      motion.omega_radps[leg] = fit.spin[leg] ? fit.spin[leg]->omega_radps : 0.0;
+      model.omega_radps[leg] = fit.spin[leg] ? fit.spin[leg]->omega_radps : 0.0;
     }
-    fit.joint = fit_joint(fit.observations, motion);
-    if (!estimated || update_levels(fit) < 1e-6) return;
+    fit.joint = fit_joint(fit.observations, model);
+    if (!estimated || estimate_variance_components(fit) < 1e-6) return;
   }
 }
 

@@ -1,4 +1,4 @@
-// All fits of one photograph together, with the noise levels the frame does not state estimated on the way
+// All fits of one photograph together, with the noise that the frame does not state estimated on the way
 // and images that do not fit left out. Part of the reduction, not of its interface. Thread-safe; allocates.
 #pragma once
 
@@ -12,8 +12,8 @@
 
 namespace strobe::reduction {
 
-/// A noise level that the frame did not state.
-struct EstimatedLevel {
+/// What is known of a noise variance that the frame did not state; its value is Observations::group_sd.
+struct VarianceComponent {
   bool used = false;                ///< some measurement has it
   double degrees_of_freedom = 0.0;  ///< measurements less what the fit took of them
 };
@@ -29,7 +29,7 @@ struct ShotFit {
   std::array<std::optional<SpinFit>, 2> spin;           ///< incoming, rebound
   std::array<std::vector<EquatorReading>, 2> equators;  ///< what the spins were fitted to
   std::vector<bool> equator_seen;  ///< per image: it came with an equator, whether it is used or was left out
-  std::array<EstimatedLevel, kNoiseCount> levels;  ///< index: Noise
+  std::array<VarianceComponent, kNoiseGroupCount> variance_components;  ///< index: NoiseGroup
 };
 
 struct FitOptions {

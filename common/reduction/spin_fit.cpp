@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "common/geometry/regression.hpp"
 #include "common/units/angles.hpp"
 
 namespace strobe::reduction {
@@ -15,39 +16,11 @@ constexpr double kCostLimit = 16.0;
 constexpr double kComparable = 9.0;
 /// Half turns tried between two readings far apart; more would be beyond any flash train.
 constexpr int kMaxBranches = 1000;
-/// Share of the window's width next to its limit where a turn more is as believable as the spin itself.
+/// Share of the window's width next to its limit where a turn more is as likely as the spin itself.
 constexpr double kNearLimit = 0.05;
 
-/// Running straight line angle = mean + omega (t - mean time).
-class Line {
- public:
-  void add(double t, double angle, double weight) {
-    // West's update: however unlike the weights, no moment vanishes by rounding.
-    const double dt = t - mean_t_;
-    const double da = angle - mean_a_;
-    const double moment = weight * (sw_ / (sw_ + weight)) * dt;
-    sw_ += weight;
-    const double step = weight / sw_;
-    mean_t_ += step * dt;
-    mean_a_ += step * da;
-    stt_ += moment * dt;
-    sta_ += moment * da;
-  }
-  double omega() const { return sta_ / stt_; }
-  double at(double t) const { return mean_a_ + omega() * (t - mean_t_); }
-  double mean_time() const { return mean_t_; }
-  double mean_angle() const { return mean_a_; }
-  double weight() const { return sw_; }
-  double moment() const { return stt_; }
-  double variance_at(double t) const { return 1.0 / sw_ + (t - mean_t_) * (t - mean_t_) / stt_; }
-
- private:
-  double sw_ = 0.0;
-  double mean_t_ = 0.0;
-  double mean_a_ = 0.0;
-  double stt_ = 0.0;
-  double sta_ = 0.0;
-};
+/// angle = mean + omega (t - mean time)
+using Line = geometry::LinearRegression<double>;
 
 double weight(const EquatorReading& r, double omega) {
   const double by_time = omega * r.time_sd_s;
@@ -64,7 +37,7 @@ Line follow(const std::vector<EquatorReading>& readings, std::size_t pair, doubl
   std::size_t before = pair;
   std::size_t after = pair + 2;
   while (before > 0 || after < readings.size()) {
-    const double mean = line.mean_time();
+    const double mean = line.mean_x();
     const bool backward = after >= readings.size() ||
                           (before > 0 && mean - readings[before - 1].time_s < readings[after].time_s - mean);
     const EquatorReading& next = readings[backward ? --before : after++];
@@ -83,7 +56,7 @@ Line through_all(const std::vector<EquatorReading>& readings, const Line& nearby
   Line line;
   for (const EquatorReading& r : readings) {
     const double expected = nearby.at(r.time_s);
-    line.add(r.time_s, expected + wrap_half_turn(r.angle_rad - expected), weight(r, nearby.omega()));
+    line.add(r.time_s, expected + wrap_half_turn(r.angle_rad - expected), weight(r, nearby.slope()));
   }
   return line;
 }
@@ -98,7 +71,7 @@ double robust_cost(const std::vector<EquatorReading>& readings, const Line& line
   double cost = 0.0;
   for (const EquatorReading& r : readings) {
     const double miss = wrap_half_turn(r.angle_rad - line.at(r.time_s));
-    cost += std::min(miss * miss * weight(r, line.omega()), kCostLimit);
+    cost += std::min(miss * miss * weight(r, line.slope()), kCostLimit);
   }
   return cost;
 }
@@ -132,20 +105,20 @@ std::vector<Proposal> propose(const std::vector<EquatorReading>& readings,
       const double omega = base + k * branch;
       if (std::abs(omega) > limit * (1.0 + 1e-12)) continue;
       const Line line = follow(readings, i, omega);
-      if (std::abs(line.omega()) > limit * (1.0 + 1e-12)) continue;
-      proposals.push_back({line, line.omega(), robust_cost(readings, line) + robust_cost(left_out, line)});
+      if (std::abs(line.slope()) > limit * (1.0 + 1e-12)) continue;
+      proposals.push_back({line, line.slope(), robust_cost(readings, line) + robust_cost(left_out, line)});
     }
   }
   return proposals;
 }
 
 void finish(const std::vector<EquatorReading>& readings, const Line& line, SpinFit& fit) {
-  fit.omega_radps = line.omega();
+  fit.omega_radps = line.slope();
   fit.variance = 1.0 / line.moment();
-  fit.mean_time_s = line.mean_time();
-  fit.angle_rad = line.mean_angle();
+  fit.mean_time_s = line.mean_x();
+  fit.angle_rad = line.mean();
   for (const EquatorReading& r : readings) {
-    const double dt = r.time_s - line.mean_time();
+    const double dt = r.time_s - line.mean_x();
     const double w = weight(r, fit.omega_radps);
     const double miss = wrap_half_turn(r.angle_rad - line.at(r.time_s));
     fit.residual_rad.push_back(miss);
@@ -168,7 +141,7 @@ std::optional<SpinFit> fit_spin(const std::vector<EquatorReading>& readings,
     const double omega = wrap_half_turn(readings[1].angle_rad - readings[0].angle_rad) /
                          (readings[1].time_s - readings[0].time_s);
     const Line line = follow(readings, 0, omega);
-    proposals.push_back({line, line.omega(), robust_cost(readings, line)});
+    proposals.push_back({line, line.slope(), robust_cost(readings, line)});
   }
   const Proposal best =
       *std::min_element(proposals.begin(), proposals.end(),

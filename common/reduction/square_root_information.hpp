@@ -8,7 +8,7 @@
 
 namespace strobe::reduction {
 
-/// Unknowns: tilt [rad], height [m] and scale (about 1) against the levelling, then for each leg the position
+/// Unknowns: tilt [rad], height [m] and scale (about 1) against the surface frame, then for each leg the position
 /// and the velocity in the levelled photograph, at the leg's mean time, in metres and metres per span.
 /// The equator's angle and spin of each leg, the other four of the fifteen, share no measurement with these.
 inline constexpr std::size_t kTilt = 0;

@@ -96,7 +96,7 @@ Complaint invalid_constants(const Frame& frame) {
 
 }  // namespace
 
-std::optional<std::string> invalid(const Frame& frame) {
+std::optional<std::string> validation_error(const Frame& frame) {
   if (Complaint complaint = invalid_constants(frame)) return complaint;
   if (frame.surface_px.size() < 2) return "surface_px: needs at least two points";
   for (std::size_t i = 0; i < frame.surface_px.size(); ++i) {

@@ -53,8 +53,8 @@ std::optional<double> incoming_speed_mps(const Track& track, const FlashTimes& t
   if (track.images.size() < 2 || times.seen.size() < 2) return std::nullopt;
   const TrackPoint& a = track.images[0];
   const TrackPoint& b = track.images[1];
-  if (b.leg != reduction::Leg::incoming) return std::nullopt;
-  const double step_m = std::hypot(b.along_px - a.along_px, b.up_px - a.up_px) / track.px_per_m;
+  if (b.leg != Leg::incoming) return std::nullopt;
+  const double step_m = (b.centre_px - a.centre_px).norm() / track.px_per_m;
   const double interval_s = since_s(times.seen[1].time_ns, times.seen[0].time_ns);
   if (!(step_m > 0.0) || !(interval_s > 0.0)) return std::nullopt;
   return step_m / interval_s;
@@ -181,11 +181,11 @@ AssembledShot assemble(const shot_t& shot, const frame_t& message, const Assembl
   if (!match) return unmatched(result, Flag::flash_match_ambiguous, "more images than flashes were seen");
   put_times(result.frame, times, *match);
   result.match_ambiguity = match->ambiguity;
-  if (match->ambiguity > kMaxDoubt) result.flags.set(Flag::flash_match_ambiguous);
+  if (match->ambiguity > kMaxAmbiguity) result.flags.set(Flag::flash_match_ambiguous);
   const reduction::ImagedFlashes flashes{*result.frame.images.front().flash_index,
                                          *result.frame.images.back().flash_index,
                                          match->misassignment_probability, shot.plan.code_count > 0};
-  if (flashes.coded && flashes.misassignment_probability > kMaxIndexDoubt)
+  if (flashes.coded && flashes.misassignment_probability > kMaxMisassignmentProbability)
     result.flags.set(Flag::flash_index_ambiguous);
   result.flags.merge(flash_flags(times, *match, flashes.first, flashes.last));
   result.flashes = flashes;

@@ -27,21 +27,21 @@ double squared(double z) { return z * z; }
 
 /// Place along the surface: straight flight outside the contact, a cubic that keeps both ends' velocity
 /// within.
-double place_at(double time_s, const Crossing& down, const Crossing& off) {
-  if (time_s <= down.time_s) return down.along_px + down.v_along_px * (time_s - down.time_s);
-  if (time_s >= off.time_s) return off.along_px + off.v_along_px * (time_s - off.time_s);
+double place_at(double time_s, const geometry::Crossing& down, const geometry::Crossing& off) {
+  if (time_s <= down.time_s) return down.position.x() + down.velocity.x() * (time_s - down.time_s);
+  if (time_s >= off.time_s) return off.position.x() + off.velocity.x() * (time_s - off.time_s);
   const double dwell = off.time_s - down.time_s;
   const double s = (time_s - down.time_s) / dwell;
   const double r = 1.0 - s;
-  return r * r * (1.0 + 2.0 * s) * down.along_px + s * s * (3.0 - 2.0 * s) * off.along_px +
-         s * r * dwell * (r * down.v_along_px - s * off.v_along_px);
+  return r * r * (1.0 + 2.0 * s) * down.position.x() + s * s * (3.0 - 2.0 * s) * off.position.x() +
+         s * r * dwell * (r * down.velocity.x() - s * off.velocity.x());
 }
 
 /// By how much the centre is below its height at touchdown: a half sine that keeps both ends' velocity.
-double depth_at(double time_s, const Crossing& down, const Crossing& off) {
+double depth_at(double time_s, const geometry::Crossing& down, const geometry::Crossing& off) {
   const double dwell = off.time_s - down.time_s;
   const double s = std::clamp((time_s - down.time_s) / dwell, 0.0, 1.0);
-  const double speed = (1.0 - s) * std::abs(down.v_up_px) + s * std::abs(off.v_up_px);
+  const double speed = (1.0 - s) * std::abs(down.velocity.y()) + s * std::abs(off.velocity.y());
   return dwell / std::numbers::pi * std::sin(std::numbers::pi * s) * speed;
 }
 
@@ -62,20 +62,25 @@ std::vector<int> adjacent(std::size_t count, const LegCandidate& in, const LegCa
 }  // namespace
 
 Rebound rebound_of(const LegCandidate& in, const LegCandidate& out, const Track& track) {
-  const Crossing& down = *in.cross;
-  const Crossing& off = *out.cross;
+  const geometry::Crossing& down = *in.crossing;
+  const geometry::Crossing& off = *out.crossing;
   Rebound r;
   const double dwell = off.time_s - down.time_s;
-  r.value = {down.v_along_px, down.v_up_px, off.v_along_px, off.v_up_px, dwell, off.along_px - down.along_px};
-  const double v_in = track.sd_px * in.fit.velocity_factor();
-  const double v_out = track.sd_px * out.fit.velocity_factor();
-  const double p_in = track.sd_px * in.fit.position_factor(down.time_s);
-  const double p_out = track.sd_px * out.fit.position_factor(off.time_s);
+  r.value = {down.velocity.x(),
+             down.velocity.y(),
+             off.velocity.x(),
+             off.velocity.y(),
+             dwell,
+             off.position.x() - down.position.x()};
+  const double v_in = track.sd_px * std::sqrt(in.fit.velocity_variance());
+  const double v_out = track.sd_px * std::sqrt(out.fit.velocity_variance());
+  const double p_in = track.sd_px * std::sqrt(in.fit.position_variance(down.time_s));
+  const double p_out = track.sd_px * std::sqrt(out.fit.position_variance(off.time_s));
   // A height error moves the crossing's time by error / v_up, and with it its place.
-  const double t_in = p_in / std::abs(down.v_up_px);
-  const double t_out = p_out / std::abs(off.v_up_px);
-  const double x_in = std::hypot(p_in, t_in * down.v_along_px);
-  const double x_out = std::hypot(p_out, t_out * off.v_along_px);
+  const double t_in = p_in / std::abs(down.velocity.y());
+  const double t_out = p_out / std::abs(off.velocity.y());
+  const double x_in = std::hypot(p_in, t_in * down.velocity.x());
+  const double x_out = std::hypot(p_out, t_out * off.velocity.x());
   r.sd = {v_in, v_in, v_out, v_out, std::hypot(t_in, t_out), std::hypot(x_in, x_out)};
   r.contact_model_sd_px = kContactModelSd_m * track.px_per_m;
   return r;
@@ -107,7 +112,7 @@ ContactFlashes contact_flashes(std::span<const TrackPoint> images, const LegCand
     return best;
   }
   const std::vector<int> slots = between(in, out);
-  if (!in.cross || !out.cross || in.cross->time_s >= out.cross->time_s) {
+  if (!in.crossing || !out.crossing || in.crossing->time_s >= out.crossing->time_s) {
     best.flash.assign(slots.begin(), slots.begin() + static_cast<std::ptrdiff_t>(images.size()));
     return best;
   }
@@ -119,10 +124,10 @@ ContactFlashes contact_flashes(std::span<const TrackPoint> images, const LegCand
   const auto at = [&](std::size_t i, std::size_t j) -> double& { return cost[i * (m + 1) + j]; };
   const auto with = [&](std::size_t i, std::size_t j) {
     const double time_s = times_s[static_cast<std::size_t>(slots[j - 1])];
-    const double place = place_at(time_s, *in.cross, *out.cross);
-    const double depth = depth_at(time_s, *in.cross, *out.cross);
-    const double miss = track.radius_px - images[i - 1].up_px - depth;
-    return at(i - 1, j - 1) + squared(images[i - 1].along_px - place) / variance +
+    const double place = place_at(time_s, *in.crossing, *out.crossing);
+    const double depth = depth_at(time_s, *in.crossing, *out.crossing);
+    const double miss = track.radius_px - images[i - 1].centre_px.y() - depth;
+    return at(i - 1, j - 1) + squared(images[i - 1].centre_px.x() - place) / variance +
            squared(miss) / (variance + squared(kDepthModelShare * depth));
   };
   for (std::size_t j = 0; j <= m; ++j) at(0, j) = 0.0;

@@ -11,8 +11,6 @@
 namespace strobe::host {
 namespace {
 
-using reduction::Leg;
-
 // -2 ln of 0.5 %: how rarely a flash that showed the ball is left out of the digitized frame.
 constexpr double kUnseenPenalty = 10.6;
 // An error of 3 sd is a wrong number; a larger one is no worse.
@@ -48,10 +46,10 @@ double prior_penalty(const LegCandidate& in, const LegCandidate& out, std::span<
                      const std::optional<ArrivalPrior>& prior) {
   if (!prior) return 0.0;
   double touchdown = prior->touchdown_s;
-  if (in.cross) {
-    touchdown = in.cross->time_s;
-  } else if (out.cross) {
-    touchdown = out.cross->time_s;
+  if (in.crossing) {
+    touchdown = in.crossing->time_s;
+  } else if (out.crossing) {
+    touchdown = out.crossing->time_s;
   } else if (!in.empty()) {
     touchdown = times_s[static_cast<std::size_t>(in.last())];
   } else if (!out.empty()) {
@@ -98,10 +96,10 @@ class Matcher {
     int unseen = in.unseen + out.unseen;
     if (!in.empty() && !out.empty()) unseen += out.first() - in.last() - 1 - contact_count();
     if (out.empty() && !in.empty() && in.last() + contact_count() >= flash_count()) return;
-    Pair pair{&in, &out, in.fit.chi_squared + out.fit.chi_squared, kUnseenPenalty * unseen};
+    Pair pair{&in, &out, in.chi_squared + out.chi_squared, kUnseenPenalty * unseen};
     if (pair.score(scale_) > best_score_ + kHopeless) return;
     pair.penalty += prior_penalty(in, out, times_s_, prior_);
-    if (in.cross && out.cross) pair.penalty += contact_penalty(rebound_of(in, out, track_));
+    if (in.crossing && out.crossing) pair.penalty += contact_penalty(rebound_of(in, out, track_));
     if (!std::isfinite(pair.penalty) || pair.score(scale_) > best_score_ + kHopeless) return;
     pair.penalty += contact_flashes(legs_.contact, in, out, times_s_, track_).chi_squared;
     best_score_ = std::min(best_score_, pair.score(scale_));
@@ -122,8 +120,8 @@ class Matcher {
   }
 
   static double lowest(const std::vector<LegCandidate>& candidates) {
-    double chi_squared = candidates.empty() ? 0.0 : candidates.front().fit.chi_squared;
-    for (const LegCandidate& c : candidates) chi_squared = std::min(chi_squared, c.fit.chi_squared);
+    double chi_squared = candidates.empty() ? 0.0 : candidates.front().chi_squared;
+    for (const LegCandidate& c : candidates) chi_squared = std::min(chi_squared, c.chi_squared);
     return chi_squared;
   }
 
@@ -182,16 +180,15 @@ class Matcher {
   /// In units of the noise as stated.
   double squared_leg_error(const LegCandidate& a, const LegCandidate& b) const {
     if (!a.fit.has_velocity() || !b.fit.has_velocity()) return 0.0;
-    const double sd = track_.sd_px * b.fit.velocity_factor();
-    const double along = (a.fit.v_along_px - b.fit.v_along_px) / sd;
-    const double up = (a.fit.v_up_px - b.fit.v_up_px) / sd;
-    return std::max(along * along, up * up);
+    const double variance = track_.sd_px * track_.sd_px * b.fit.velocity_variance();
+    const Eigen::Vector2d d = a.fit.path().velocity - b.fit.path().velocity;
+    return d.cwiseAbs2().maxCoeff() / variance;
   }
 
   /// Of the number that differs most.
   double squared_error(const Pair& a, const Pair& b) const {
     double worst = std::max(squared_leg_error(*a.in, *b.in), squared_leg_error(*a.out, *b.out));
-    if (!a.in->cross || !a.out->cross || !b.in->cross || !b.out->cross) return worst;
+    if (!a.in->crossing || !a.out->crossing || !b.in->crossing || !b.out->crossing) return worst;
     const Rebound ra = rebound_of(*a.in, *a.out, track_);
     const Rebound rb = rebound_of(*b.in, *b.out, track_);
     for (std::size_t i = 0; i < ra.value.size(); ++i) {

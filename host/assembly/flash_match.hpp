@@ -34,9 +34,9 @@ struct FlashMatch {
 
 /// More ambiguity than this is an ambiguous match: the stated sd would be 5 % too small, or the odds for numbers
 /// that are off by 3 sd or more better than 1 to 90.
-inline constexpr double kMaxDoubt = 0.1;
+inline constexpr double kMaxAmbiguity = 0.1;
 /// More misassignment_probability than this, and a coded train has not told which flashes made the images.
-inline constexpr double kMaxIndexDoubt = 0.01;
+inline constexpr double kMaxMisassignmentProbability = 0.01;
 
 /// Nothing if there are fewer flashes than images. times_s: seen flashes, ascending, any origin.
 /// An assignment that nothing supports (no steady speed fits) is still given, in order, with ambiguity 9.

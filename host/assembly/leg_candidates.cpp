@@ -10,9 +10,7 @@ namespace {
 // period off its neighbours' mean would be nearer to another image.
 constexpr double kStepTolerance = 0.45;
 
-double distance(const TrackPoint& a, const TrackPoint& b) {
-  return std::hypot(a.along_px - b.along_px, a.up_px - b.up_px);
-}
+double distance(const TrackPoint& a, const TrackPoint& b) { return (a.centre_px - b.centre_px).norm(); }
 
 /// The number of the flash nearest to the time, after the given one; nothing past the end.
 std::optional<int> nearest_after(std::span<const double> times_s, int after, double time_s) {
@@ -48,15 +46,29 @@ std::vector<int> follow(std::span<const TrackPoint> images, std::span<const doub
   return flash;
 }
 
+/// Of both coordinates, in units of the noise.
+double chi_squared(std::span<const TrackPoint> images, std::span<const double> times_s,
+                   std::span<const int> flash, const geometry::LegFit& fit, double sd_px) {
+  if (!fit.has_velocity()) return 0.0;
+  const flight::Parabola path = fit.path();
+  double sum = 0.0;
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    const double dt = times_s[static_cast<std::size_t>(flash[i])] - fit.mean_time_s();
+    sum += (images[i].centre_px - path.position_at(dt)).squaredNorm();
+  }
+  return sum / (sd_px * sd_px);
+}
+
 LegCandidate candidate(std::span<const TrackPoint> images, std::span<const double> times_s,
-                       const Track& track, std::vector<int> flash, std::vector<double>& scratch) {
+                       const Track& track, std::vector<int> flash) {
   LegCandidate result;
-  scratch.clear();
-  for (const int k : flash) scratch.push_back(times_s[static_cast<std::size_t>(k)]);
+  result.fit = geometry::LegFit(track.gravity_pxps2);
+  for (std::size_t i = 0; i < images.size(); ++i)
+    result.fit.add(times_s[static_cast<std::size_t>(flash[i])], images[i].centre_px);
+  result.chi_squared = chi_squared(images, times_s, flash, result.fit, track.sd_px);
+  result.crossing = geometry::crossing(result.fit, track.radius_px);
   result.unseen = flash.back() - flash.front() + 1 - static_cast<int>(flash.size());
   result.flash = std::move(flash);
-  result.fit = fit_leg(images, scratch, track);
-  result.cross = crossing(result.fit, track);
   return result;
 }
 
@@ -67,16 +79,15 @@ std::vector<LegCandidate> leg_candidates(std::span<const TrackPoint> images, std
   if (images.empty()) return {LegCandidate{}};
   std::vector<LegCandidate> candidates;
   candidates.reserve(2 * times_s.size());
-  std::vector<double> scratch;
   const int count = static_cast<int>(times_s.size());
   for (int first = 0; first < count; ++first) {
     if (images.size() == 1) {
-      candidates.push_back(candidate(images, times_s, track, {first}, scratch));
+      candidates.push_back(candidate(images, times_s, track, {first}));
       continue;
     }
     for (int second = first + 1; second <= first + 1 + kMaxUnseen && second < count; ++second) {
       std::vector<int> flash = follow(images, times_s, first, second);
-      if (!flash.empty()) candidates.push_back(candidate(images, times_s, track, std::move(flash), scratch));
+      if (!flash.empty()) candidates.push_back(candidate(images, times_s, track, std::move(flash)));
     }
   }
   return candidates;

@@ -6,7 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "host/assembly/leg_fit.hpp"
+#include "common/geometry/leg.hpp"
+#include "host/assembly/track.hpp"
 
 namespace strobe::host {
 
@@ -18,8 +19,9 @@ struct LegCandidate {
   /// For each image of the leg the number of its flash among the seen ones, ascending.
   std::vector<int> flash;
   int unseen = 0;  ///< flashes between the first and the last that made no image
-  LegFit fit;
-  std::optional<Crossing> cross;
+  geometry::LegFit fit{Eigen::Vector2d::Zero()};  ///< centres in px, of unit weight
+  double chi_squared = 0.0;  ///< both coordinates, in units of the noise; 2 count - 4 degrees of freedom
+  std::optional<geometry::Crossing> crossing;  ///< touchdown or lift-off: the centre is a radius up
 
   bool empty() const { return flash.empty(); }
   int first() const { return flash.front(); }

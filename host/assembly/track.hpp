@@ -2,17 +2,17 @@
 // on. Plain values; thread-safe.
 #pragma once
 
+#include <Eigen/Core>
 #include <vector>
 
-#include "common/reduction/frame.hpp"
+#include "common/shot/leg.hpp"
 
 namespace strobe::host {
 
-/// An image's centre in the surface's axes. [px of the photograph]
 struct TrackPoint {
-  reduction::Leg leg = reduction::Leg::contact;
-  double along_px = 0.0;  ///< along the surface, positive in the direction of travel
-  double up_px = 0.0;     ///< above the surface line
+  Leg leg = Leg::contact;
+  /// In the surface's axes: along it in the direction of travel, up from it. [px of the photograph]
+  Eigen::Vector2d centre_px = Eigen::Vector2d::Zero();
 };
 
 struct Track {
@@ -20,8 +20,7 @@ struct Track {
   double radius_px = 0.0;          ///< of the undeformed ball
   double px_per_m = 0.0;
   double sd_px = 0.0;  ///< of each coordinate; stated, or 0.8 % of the diameter if the frame says nothing
-  double gravity_along_px = 0.0;  ///< acceleration, px/s^2
-  double gravity_up_px = 0.0;     ///< negative
+  Eigen::Vector2d gravity_pxps2 = Eigen::Vector2d::Zero();
 };
 
 }  // namespace strobe::host

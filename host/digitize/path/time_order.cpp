@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "host/assembly/flash_match.hpp"
-#include "host/assembly/leg_fit.hpp"
+#include "common/geometry/leg.hpp"
 #include "host/digitize/core/median.hpp"
 
 namespace strobe::digitize {
@@ -96,12 +96,12 @@ class Orderer {
     host::Track track;
     track.radius_px = 0.5 * scene_.path.diameter_px;
     track.px_per_m = scene_.px_per_m;
-    track.gravity_along_px = order.towards * scene_.gravity_mps2.x * scene_.px_per_m;
-    track.gravity_up_px = scene_.gravity_mps2.y * scene_.px_per_m;
+    track.gravity_pxps2 = {order.towards * scene_.gravity_mps2.x * scene_.px_per_m,
+                           scene_.gravity_mps2.y * scene_.px_per_m};
     double variance = 0.0;
     for (std::size_t k = 0; k < order.sequence.size(); ++k) {
       const PathPoint& p = at(points_, order.sequence[k]);
-      track.images.push_back({order.leg[k], order.towards * p.at.x, p.at.y});
+      track.images.push_back({order.leg[k], {order.towards * p.at.x, p.at.y}});
       variance += p.sd_px * p.sd_px / static_cast<double>(order.sequence.size());
     }
     track.sd_px = std::max(kMinNoise_px, std::sqrt(variance));
@@ -121,17 +121,14 @@ class Orderer {
   }
 
   double speed(const host::Track& path, const std::vector<int>& flash, Leg leg) const {
-    std::vector<host::TrackPoint> images;
-    std::vector<double> times;
+    geometry::LegFit fit(path.gravity_pxps2);
     for (std::size_t k = 0; k < path.images.size(); ++k) {
-      if (path.images[k].leg != leg) continue;
-      images.push_back(path.images[k]);
-      times.push_back(scene_.flash_times_s[static_cast<std::size_t>(flash[k])]);
+      if (path.images[k].leg == leg)
+        fit.add(scene_.flash_times_s[static_cast<std::size_t>(flash[k])], path.images[k].centre_px);
     }
-    const host::LegFit fit = host::fit_leg(images, times, path);
     if (!fit.has_velocity()) return 0.0;
-    const auto cross = host::crossing(fit, path);
-    return std::abs(cross ? cross->v_up_px : fit.v_up_px);
+    const auto at = geometry::crossing(fit, path.radius_px);
+    return std::abs(at ? at->velocity.y() : fit.path().velocity.y());
   }
 
   double freedom() const {
@@ -239,7 +236,7 @@ class Orderer {
       return;
     }
     result_.flash = match->flash;
-    if (match->ambiguity > host::kMaxDoubt)
+    if (match->ambiguity > host::kMaxAmbiguity)
       result_.remarks.push_back("which flash made which image is ambiguous");
   }
 

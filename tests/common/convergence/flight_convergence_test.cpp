@@ -42,7 +42,7 @@ sim::FlightState in_parts(const sim::Scene& scene, sim::FlightState s, double ti
 
 flight::Flight series_of(const sim::Scene& scene) {
   const auto air = flight::aerodynamics(scene.ball, scene.air.density_kgpm3);
-  const flight::Vector velocity{kStart.vx_mps, kStart.vy_mps};
+  const Eigen::Vector2d velocity{kStart.vx_mps, kStart.vy_mps};
   return {{kStart.x_m, kStart.y_m},
           velocity,
           flight::forcing(air, flight::gravity_mps2(0.0), velocity, kSpin_radps)};
@@ -87,10 +87,10 @@ TEST(FlightConvergence, TheReductionsSeriesErrsByTheFourthPower) {
   for (const double parts : {1.0, 2.0, 4.0, 8.0}) {
     const double t = 0.08 / parts;
     const sim::FlightState exact = flown(scene, kStart, kSpin_radps, t);
-    const flight::Vector p = series.position_at(t);
-    const flight::Vector v = series.velocity_at(t);
-    places.push_back({parts, std::hypot(p.x - exact.x_m, p.y - exact.y_m)});
-    speeds.push_back({parts, std::hypot(v.x - exact.vx_mps, v.y - exact.vy_mps)});
+    const Eigen::Vector2d p = series.position_at(t);
+    const Eigen::Vector2d v = series.velocity_at(t);
+    places.push_back({parts, std::hypot(p.x() - exact.x_m, p.y() - exact.y_m)});
+    speeds.push_back({parts, std::hypot(v.x() - exact.vx_mps, v.y() - exact.vy_mps)});
   }
   DOUBLES_EQUAL(4.0, order_above(places, 1e-14), 0.2);
   DOUBLES_EQUAL(3.0, order_above(speeds, 1e-13), 0.2);

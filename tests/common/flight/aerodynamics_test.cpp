@@ -10,18 +10,20 @@
 
 using namespace strobe;
 using namespace strobe::flight;
+using Eigen::Matrix2d;
+using Eigen::Vector2d;
 
 namespace {
 
-constexpr Vector kGravity{0.0, -9.80665};
+const Vector2d kGravity(0.0, -9.80665);
 
 struct State {
-  Vector position;
-  Vector velocity;
+  Vector2d position;
+  Vector2d velocity;
 };
 
 /// The equations of motion written out by coefficients and unit vectors, integrated to 1e-13.
-State integrated(const Vector& velocity, double omega, double time_s, bool drag = true, bool lift = true) {
+State integrated(const Vector2d& velocity, double omega, double time_s, bool drag = true, bool lift = true) {
   namespace odeint = boost::numeric::odeint;
   using Point = std::array<double, 4>;
   constexpr double kRadius = 0.0651 / 2;
@@ -34,17 +36,17 @@ State integrated(const Vector& velocity, double omega, double time_s, bool drag 
     const double side = lift ? std::copysign(pressure * cl, omega) : 0.0;
     d = {p[2], p[3], (-push * p[2] - side * p[3]) / v, -9.80665 + (-push * p[3] + side * p[2]) / v};
   };
-  Point p{0.0, 0.0, velocity.x, velocity.y};
+  Point p{0.0, 0.0, velocity.x(), velocity.y()};
   odeint::integrate_adaptive(odeint::make_controlled<odeint::runge_kutta_fehlberg78<Point>>(1e-13, 1e-13),
                              system, p, 0.0, time_s, time_s / 20);
   return {{p[0], p[1]}, {p[2], p[3]}};
 }
 
-Flight thrown(const Vector& velocity, double omega, Effects effects = {}) {
-  return {{}, velocity, forcing(aerodynamics({}, kAirDensity_kgpm3, effects), kGravity, velocity, omega)};
+Flight thrown(const Vector2d& velocity, double omega, Effects effects = {}) {
+  return {Vector2d::Zero(), velocity, forcing(aerodynamics({}, kAirDensity_kgpm3, effects), kGravity, velocity, omega)};
 }
 
-double distance(const Vector& a, const Vector& b) { return std::hypot(a.x - b.x, a.y - b.y); }
+double distance(const Vector2d& a, const Vector2d& b) { return (a - b).norm(); }
 
 }  // namespace
 
@@ -67,28 +69,28 @@ TEST(Aerodynamics, LiftFollowsTheSpinRatio) {
 
 TEST(Aerodynamics, BackspinLiftsAndTopspinPushesDown) {
   const Aerodynamics air = aerodynamics({}, kAirDensity_kgpm3, {.gravity = true, .drag = false});
-  CHECK_TRUE(forcing(air, {}, {17.0, 0.0}, 300.0).acceleration_mps2.y > 2.0);
-  CHECK_TRUE(forcing(air, {}, {17.0, 0.0}, -300.0).acceleration_mps2.y < -2.0);
+  CHECK_TRUE(forcing(air, Vector2d::Zero(), {17.0, 0.0}, 300.0).acceleration_mps2.y() > 2.0);
+  CHECK_TRUE(forcing(air, Vector2d::Zero(), {17.0, 0.0}, -300.0).acceleration_mps2.y() < -2.0);
   // Across the motion: no work.
-  const Vector v{12.0, -7.0};
-  const Vector a = forcing(air, {}, v, 250.0).acceleration_mps2;
-  DOUBLES_EQUAL(0.0, a.x * v.x + a.y * v.y, 1e-13);
+  const Vector2d v{12.0, -7.0};
+  const Vector2d a = forcing(air, Vector2d::Zero(), v, 250.0).acceleration_mps2;
+  DOUBLES_EQUAL(0.0, a.dot(v), 1e-13);
 }
 
 TEST(Aerodynamics, TheMirrorImageOfAFlightIsAFlight) {
   const Aerodynamics air = aerodynamics({}, kAirDensity_kgpm3);
   const Forcing right = forcing(air, kGravity, {12.0, -7.0}, 250.0);
   const Forcing left = forcing(air, kGravity, {-12.0, -7.0}, -250.0);
-  DOUBLES_EQUAL(right.acceleration_mps2.x, -left.acceleration_mps2.x, 0.0);
-  DOUBLES_EQUAL(right.acceleration_mps2.y, left.acceleration_mps2.y, 0.0);
-  DOUBLES_EQUAL(right.jerk_mps3.x, -left.jerk_mps3.x, 0.0);
-  DOUBLES_EQUAL(right.jerk_mps3.y, left.jerk_mps3.y, 0.0);
+  DOUBLES_EQUAL(right.acceleration_mps2.x(), -left.acceleration_mps2.x(), 0.0);
+  DOUBLES_EQUAL(right.acceleration_mps2.y(), left.acceleration_mps2.y(), 0.0);
+  DOUBLES_EQUAL(right.jerk_mps3.x(), -left.jerk_mps3.x(), 0.0);
+  DOUBLES_EQUAL(right.jerk_mps3.y(), left.jerk_mps3.y(), 0.0);
 }
 
 TEST(Aerodynamics, WithoutMotionThereIsOnlyGravity) {
-  const Forcing still = forcing(aerodynamics({}, kAirDensity_kgpm3), kGravity, {}, 300.0);
-  DOUBLES_EQUAL(-9.80665, still.acceleration_mps2.y, 0.0);
-  DOUBLES_EQUAL(0.0, still.jerk_mps3.y, 0.0);
+  const Forcing still = forcing(aerodynamics({}, kAirDensity_kgpm3), kGravity, Vector2d::Zero(), 300.0);
+  DOUBLES_EQUAL(-9.80665, still.acceleration_mps2.y(), 0.0);
+  DOUBLES_EQUAL(0.0, still.jerk_mps3.y(), 0.0);
 }
 
 TEST(Aerodynamics, DensityFollowsTheIdealGas) {
@@ -98,18 +100,18 @@ TEST(Aerodynamics, DensityFollowsTheIdealGas) {
 
 TEST(Aerodynamics, TheDerivativeByVelocityIsThatOfTheAcceleration) {
   const Aerodynamics air = aerodynamics({}, kAirDensity_kgpm3);
-  for (const Vector v : {Vector{15.6, -6.7}, Vector{3.0, -25.0}, Vector{40.0, 1.0}}) {
+  for (const Vector2d& v : {Vector2d{15.6, -6.7}, Vector2d{3.0, -25.0}, Vector2d{40.0, 1.0}}) {
     for (const double omega : {-400.0, -3.0, 0.0, 250.0}) {
-      const Matrix m = forcing(air, kGravity, v, omega).by_velocity_per_s;
+      const Matrix2d m = forcing(air, kGravity, v, omega).by_velocity_per_s;
       // Central differences: h^2 of a third derivative below 1e-2, and rounding 1e-15 / 1e-3.
       const double h = 1e-3;
       const auto a = [&](double x, double y) {
-        return forcing(air, kGravity, {v.x + x, v.y + y}, omega).acceleration_mps2;
+        return forcing(air, kGravity, {v.x() + x, v.y() + y}, omega).acceleration_mps2;
       };
-      DOUBLES_EQUAL((a(h, 0).x - a(-h, 0).x) / (2 * h), m.xx, 1e-7);
-      DOUBLES_EQUAL((a(h, 0).y - a(-h, 0).y) / (2 * h), m.yx, 1e-7);
-      DOUBLES_EQUAL((a(0, h).x - a(0, -h).x) / (2 * h), m.xy, 1e-7);
-      DOUBLES_EQUAL((a(0, h).y - a(0, -h).y) / (2 * h), m.yy, 1e-7);
+      DOUBLES_EQUAL((a(h, 0).x() - a(-h, 0).x()) / (2 * h), m(0, 0), 1e-7);
+      DOUBLES_EQUAL((a(h, 0).y() - a(-h, 0).y()) / (2 * h), m(1, 0), 1e-7);
+      DOUBLES_EQUAL((a(0, h).x() - a(0, -h).x()) / (2 * h), m(0, 1), 1e-7);
+      DOUBLES_EQUAL((a(0, h).y() - a(0, -h).y()) / (2 * h), m(1, 1), 1e-7);
     }
   }
 }
@@ -121,7 +123,7 @@ TEST(FlightInAir, FollowsTheIntegratedPathToTheFourthOrder) {
   // 183 m/s^4 at 45 m/s (k = 0.0191 per m), with lift and gravity somewhat more: three times that bounds it.
   for (const double speed : {5.0, 17.0, 45.0}) {
     for (const double omega : {-500.0, 0.0, 500.0}) {
-      const Vector v{speed * std::cos(0.4), -speed * std::sin(0.4)};
+      const Vector2d v{speed * std::cos(0.4), -speed * std::sin(0.4)};
       const Flight series = thrown(v, omega);
       const double snap = 3 * (6 * std::pow(0.0191, 3) * std::pow(speed, 4) + 10.0);
       for (const double t : {-12e-3, -3e-3, 3e-3, 12e-3}) {
@@ -137,11 +139,11 @@ TEST(FlightInAir, FollowsTheIntegratedPathToTheFourthOrder) {
 TEST(FlightInAir, TheJerkIsNeededAndEnoughForAThousandthOfAnSd) {
   // A good digitizer's speed is known to 0.05 m/s. Over 12 ms at 45 m/s the acceleration alone is wrong by
   // more than a hundredth of that, the series with the jerk by less than a thousandth.
-  const Vector v{41.4, -17.5};
+  const Vector2d v{41.4, -17.5};
   Flight series = thrown(v, -300.0);
   const State exact = integrated(v, -300.0, 12e-3);
   CHECK_TRUE(distance(exact.velocity, series.velocity_at(12e-3)) < 1e-3 * 0.05);
-  series.forcing.jerk_mps3 = {};
+  series.forcing.jerk_mps3.setZero();
   CHECK_TRUE(distance(exact.velocity, series.velocity_at(12e-3)) > 1e-2 * 0.05);
 }
 
@@ -150,12 +152,12 @@ TEST(FlightInAir, CrossesAHeightWhereItsPathDoes) {
     const Flight falling = thrown({15.6, -6.7}, 100.0);
     const auto t = falling.time_falling_through_s(height);
     CHECK_TRUE(t.has_value());
-    DOUBLES_EQUAL(height, falling.position_at(*t).y, 1e-15);
-    CHECK_TRUE(falling.velocity_at(*t).y < 0.0);
+    DOUBLES_EQUAL(height, falling.position_at(*t).y(), 1e-15);
+    CHECK_TRUE(falling.velocity_at(*t).y() < 0.0);
     const Flight rising = thrown({8.8, 5.8}, -300.0);
     const auto up = rising.time_rising_through_s(height);
     CHECK_TRUE(up.has_value());
-    DOUBLES_EQUAL(height, rising.position_at(*up).y, 1e-15);
+    DOUBLES_EQUAL(height, rising.position_at(*up).y(), 1e-15);
   }
   CHECK_FALSE(thrown({8.8, 1.0}, 0.0).time_rising_through_s(1.0).has_value());
 }

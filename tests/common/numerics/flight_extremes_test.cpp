@@ -82,12 +82,12 @@ TEST(FlightExtremes, Parabola) {
 TEST(FlightExtremes, DragAndLift) {
   CHECK(rc::check("forcing", [] {
     const ball::Ball ball{ordinary(0.02, 0.2), ordinary(0.01, 0.2), 0.55};
-    const flight::Vector v{large_or_small(-40.0, 40.0), large_or_small(-40.0, 40.0)};
+    const Eigen::Vector2d v{large_or_small(-40.0, 40.0), large_or_small(-40.0, 40.0)};
     const double omega = large_or_small(-1e3, 1e3);
     check_finite([&] {
       const auto air = flight::aerodynamics(ball, flight::kAirDensity_kgpm3);
       const auto f = flight::forcing(air, {0.0, -9.8}, v, omega);
-      return finite(f.acceleration_mps2.x, f.acceleration_mps2.y, f.jerk_mps3.x, f.jerk_mps3.y);
+      return finite(f.acceleration_mps2.x(), f.acceleration_mps2.y(), f.jerk_mps3.x(), f.jerk_mps3.y());
     });
   }));
 }

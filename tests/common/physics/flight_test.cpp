@@ -11,14 +11,14 @@ using strobe::flight::Parabola;
 TEST_GROUP(Flight){};
 
 TEST(Flight, GravityPointsStraightDownOnALevelPlate) {
-  DOUBLES_EQUAL(0.0, gravity_mps2(0.0).x, 0.0);
-  DOUBLES_EQUAL(-9.80665, gravity_mps2(0.0).y, 0.0);
+  DOUBLES_EQUAL(0.0, gravity_mps2(0.0).x(), 0.0);
+  DOUBLES_EQUAL(-9.80665, gravity_mps2(0.0).y(), 0.0);
 }
 
 TEST(Flight, APlateThatRisesInTheDirectionOfTravelIsBrakedByGravity) {
   const auto g = gravity_mps2(std::asin(0.6));
-  DOUBLES_EQUAL(-0.6 * kStandardGravity_mps2, g.x, 1e-14);
-  DOUBLES_EQUAL(-0.8 * kStandardGravity_mps2, g.y, 1e-14);
+  DOUBLES_EQUAL(-0.6 * kStandardGravity_mps2, g.x(), 1e-14);
+  DOUBLES_EQUAL(-0.8 * kStandardGravity_mps2, g.y(), 1e-14);
 }
 
 TEST(Flight, ABallThrownUpPassesAHeightTwice) {
@@ -26,8 +26,8 @@ TEST(Flight, ABallThrownUpPassesAHeightTwice) {
   const Parabola path{{0.0, 1.0}, {2.0, 3.0}, {0.0, -10.0}};
   DOUBLES_EQUAL(0.2, *path.time_rising_through_s(1.4), 1e-15);
   DOUBLES_EQUAL(0.4, *path.time_falling_through_s(1.4), 1e-15);
-  DOUBLES_EQUAL(0.4, path.position_at(0.2).x, 1e-15);
-  DOUBLES_EQUAL(1.0, path.velocity_at(0.2).y, 1e-15);
+  DOUBLES_EQUAL(0.4, path.position_at(0.2).x(), 1e-15);
+  DOUBLES_EQUAL(1.0, path.velocity_at(0.2).y(), 1e-15);
 }
 
 TEST(Flight, AHeightAboveTheTopIsNeverReached) {

@@ -69,8 +69,8 @@ BigRows rows_about(const Observations& all, const JointFit& layout, const BigVec
     const std::size_t leg = leg_index(*o.leg);
     const std::size_t k = kLegStart[leg];
     const Big s = (Big(o.time_s) - layout.legs[leg].origin_s) / layout.legs[leg].span_s;
-    const Big rx = Big(o.centre_m.x) - z[k] - z[k + 2] * s;
-    const Big ry = Big(o.centre_m.y) - z[k + 1] - z[k + 3] * s;
+    const Big rx = Big(o.centre_m.x()) - z[k] - z[k + 2] * s;
+    const Big ry = Big(o.centre_m.y()) - z[k + 1] - z[k + 3] * s;
     const Big lxx = o.centre_cholesky_m.xx;
     const Big lyx = o.centre_cholesky_m.yx;
     const Big lyy = o.centre_cholesky_m.yy;
@@ -85,11 +85,11 @@ BigRows rows_about(const Observations& all, const JointFit& layout, const BigVec
     d[kScale] = all.ball_diameter_m;
     system.add(d, Big(o.diameter_m) - z[kScale] * all.ball_diameter_m, o.diameter_sd_m);
   }
-  for (const Vec2& p : all.surface_m) {
+  for (const Eigen::Vector2d& p : all.surface_m) {
     BigVector row = zeros();
-    row[kTilt] = cos(z[kTilt]) * p.x + sin(z[kTilt]) * p.y;
+    row[kTilt] = cos(z[kTilt]) * p.x() + sin(z[kTilt]) * p.y();
     row[kHeight] = 1;
-    system.add(row, cos(z[kTilt]) * p.y - sin(z[kTilt]) * p.x - z[kHeight], all.surface_sd_m);
+    system.add(row, cos(z[kTilt]) * p.y() - sin(z[kTilt]) * p.x() - z[kHeight], all.surface_sd_m);
   }
   return system;
 }
@@ -174,8 +174,8 @@ Observations scene() {
     o.time_s = 0.012 + t;
     o.leg = in ? Leg::incoming : Leg::rebound;
     const double zigzag = (i % 2 == 0 ? 1e-3 : -0.7e-3);
-    o.centre_m =
-        in ? Vec2{15.6 * t + zigzag, 0.0325 - 6.7 * t - zigzag} : Vec2{8.8 * t - zigzag, 0.0325 + 5.8 * t};
+    o.centre_m = in ? Eigen::Vector2d{15.6 * t + zigzag, 0.0325 - 6.7 * t - zigzag}
+                    : Eigen::Vector2d{8.8 * t - zigzag, 0.0325 + 5.8 * t};
     o.diameter_m = 0.0651 + 0.3e-3 * (i % 3 - 1);
     o.centre_cholesky_m = {0.5e-3, 0.0, 0.5e-3};
     o.diameter_sd_m = 0.5e-3;
@@ -244,7 +244,7 @@ TEST(LeastSquares, AgreesWhereOneSurfacePointIsFarAway) {
   // The others' lever arm about the height is then next to nothing of the tilt's column.
   for (int k = 2; k <= 10; k += 2) {
     Observations all = scene();
-    for (Vec2& p : all.surface_m) p.x += std::pow(10.0, k);
+    for (Eigen::Vector2d& p : all.surface_m) p.x() += std::pow(10.0, k);
     agrees(all, std::pow(10.0, k));
   }
 }

@@ -20,20 +20,20 @@ namespace strobe::studies::trade {
 
 namespace {
 
-using flight::Vector;
+using Eigen::Vector2d;
 
 /// Five images at 3 ms: from the first of a leg to the last.
 constexpr double kLeg_s = 12e-3;
 
 struct Start {
   sim::Scene scene;
-  Vector velocity_mps;
+  Vector2d velocity_mps = Vector2d::Zero();
   double omega_radps = 0.0;
 };
 
 struct End {
-  Vector position_m;
-  Vector velocity_mps;
+  Vector2d position_m = Vector2d::Zero();
+  Vector2d velocity_mps = Vector2d::Zero();
 };
 
 struct KnownFlight {
@@ -62,7 +62,7 @@ End exact_end(const Start& s, int steps) {
   boost::numeric::odeint::runge_kutta_fehlberg78<State, Real, State, Real,
                                                  boost::numeric::odeint::array_algebra>
       stepper;
-  State z{0, 0, s.velocity_mps.x, s.velocity_mps.y, s.omega_radps};
+  State z{0, 0, s.velocity_mps.x(), s.velocity_mps.y(), s.omega_radps};
   const Real h = Real(kLeg_s) / steps;
   for (int i = 0; i < steps; ++i) stepper.do_step(slope, z, h * i, h);
   return {{static_cast<double>(z[0]), static_cast<double>(z[1])},
@@ -70,10 +70,9 @@ End exact_end(const Start& s, int steps) {
 }
 
 double difference(const Start& s, const End& got, const End& want) {
-  const double speed = std::hypot(s.velocity_mps.x, s.velocity_mps.y);
-  const double place = std::hypot(got.position_m.x - want.position_m.x, got.position_m.y - want.position_m.y);
-  const double velocity =
-      std::hypot(got.velocity_mps.x - want.velocity_mps.x, got.velocity_mps.y - want.velocity_mps.y);
+  const double speed = std::hypot(s.velocity_mps.x(), s.velocity_mps.y());
+  const double place = (got.position_m - want.position_m).norm();
+  const double velocity = (got.velocity_mps - want.velocity_mps).norm();
   return std::max(place / kLeg_s, velocity) / speed;
 }
 
@@ -119,26 +118,26 @@ flight::Forcing forcing_of(const Start& s, flight::Effects effects) {
 }
 
 End straight(const Start& s) {
-  return {{s.velocity_mps.x * kLeg_s, s.velocity_mps.y * kLeg_s}, s.velocity_mps};
+  return {s.velocity_mps * kLeg_s, s.velocity_mps};
 }
 
 End parabola(const Start& s, flight::Effects effects) {
-  const flight::Parabola path{{}, s.velocity_mps, forcing_of(s, effects).acceleration_mps2};
+  const flight::Parabola path{Vector2d::Zero(), s.velocity_mps, forcing_of(s, effects).acceleration_mps2};
   return {path.position_at(kLeg_s), path.velocity_at(kLeg_s)};
 }
 
 End gravity_alone(const Start& s) {
-  const flight::Parabola path{{}, s.velocity_mps, flight::gravity_mps2(s.scene.surface_angle_rad)};
+  const flight::Parabola path{Vector2d::Zero(), s.velocity_mps, flight::gravity_mps2(s.scene.surface_angle_rad)};
   return {path.position_at(kLeg_s), path.velocity_at(kLeg_s)};
 }
 
 End series(const Start& s) {
-  const flight::Flight path{{}, s.velocity_mps, forcing_of(s, {})};
+  const flight::Flight path{Vector2d::Zero(), s.velocity_mps, forcing_of(s, {})};
   return {path.position_at(kLeg_s), path.velocity_at(kLeg_s)};
 }
 
 End integrated(const Start& s) {
-  const sim::Flight path(s.scene, {0.0, 0.0, s.velocity_mps.x, s.velocity_mps.y}, s.omega_radps);
+  const sim::Flight path(s.scene, {0.0, 0.0, s.velocity_mps.x(), s.velocity_mps.y()}, s.omega_radps);
   const sim::FlightState end = path.at(kLeg_s);
   return {{end.x_m, end.y_m}, {end.vx_mps, end.vy_mps}};
 }

@@ -48,17 +48,17 @@ void parabola_path(std::span<const double> x, Tally& tally) {
   const double v = x[0], y = x[1], g = -x[2], t = x[3];
   const Parabola path{{0.0, y}, {15.0, v}, {0.0, g}};
   const Wide fall = Wide(g) * t * t / 2, way = Wide(v) * t;
-  compare(tally, "height", path.position_at(t).y, {}, Wide(y) + way + fall,
+  compare(tally, "height", path.position_at(t).y(), {}, Wide(y) + way + fall,
           abs(Wide(y)) + abs(way) + abs(fall));
-  compare(tally, "velocity", path.velocity_at(t).y, {}, Wide(v) + Wide(g) * t,
+  compare(tally, "velocity", path.velocity_at(t).y(), {}, Wide(v) + Wide(g) * t,
           abs(Wide(v)) + abs(Wide(g) * t));
 }
 
 void gravity(std::span<const double> x, Tally& tally) {
-  const flight::Vector got = flight::gravity_mps2(x[0]);
+  const Eigen::Vector2d got = flight::gravity_mps2(x[0]);
   const Wide g("9.80665");
-  compare(tally, "along", got.x, {}, -g * sin(Wide(x[0])), 0);
-  compare(tally, "normal", got.y, {}, -g * cos(Wide(x[0])), g);
+  compare(tally, "along", got.x(), {}, -g * sin(Wide(x[0])), 0);
+  compare(tally, "normal", got.y(), {}, -g * cos(Wide(x[0])), g);
 }
 
 struct WideVector {
@@ -66,39 +66,39 @@ struct WideVector {
 };
 
 /// Gravity, drag against the motion, lift across it with C_L = 1/(2 + v/(R·|omega|)).
-WideVector acceleration(const flight::Aerodynamics& air, const flight::Vector& g, const Wide& vx,
+WideVector acceleration(const flight::Aerodynamics& air, const Eigen::Vector2d& g, const Wide& vx,
                         const Wide& vy, double omega) {
   const Wide speed = sqrt(vx * vx + vy * vy), rim = Wide(air.radius_m) * omega;
   const Wide coefficient = omega == 0.0 ? Wide(0) : Wide(1 / (2 + speed / abs(rim)) * (omega > 0.0 ? 1 : -1));
   const Wide drag = Wide(air.drag_per_m) * speed, lift = Wide(air.lift_per_m) * coefficient * speed;
-  return {Wide(g.x) - drag * vx - lift * vy, Wide(g.y) - drag * vy + lift * vx};
+  return {Wide(g.x()) - drag * vx - lift * vy, Wide(g.y()) - drag * vy + lift * vx};
 }
 
 void forcing(std::span<const double> x, Tally& tally) {
   const double angle = x[1] / 180.0 * 3.14159265358979323846;
-  const flight::Vector v{x[0] * std::cos(angle), -x[0] * std::sin(angle)};
-  const flight::Vector g = flight::gravity_mps2(0.1);
+  const Eigen::Vector2d v{x[0] * std::cos(angle), -x[0] * std::sin(angle)};
+  const Eigen::Vector2d g = flight::gravity_mps2(0.1);
   const flight::Aerodynamics air = flight::aerodynamics(ball::Ball{}, flight::kAirDensity_kgpm3);
   const flight::Forcing got = flight::forcing(air, g, v, x[2]);
-  const Wide speed = sqrt(Wide(v.x) * v.x + Wide(v.y) * v.y), h = speed * Wide(1e-14);
+  const Wide speed = sqrt(Wide(v.x()) * v.x() + Wide(v.y()) * v.y()), h = speed * Wide(1e-14);
   const Wide rate = Wide(air.drag_per_m + air.lift_per_m) * speed, size = Wide(10) + rate * speed;
   const auto at = [&](const Wide& dx, const Wide& dy) {
-    return acceleration(air, g, v.x + dx, v.y + dy, x[2]);
+    return acceleration(air, g, v.x() + dx, v.y() + dy, x[2]);
   };
   const WideVector a = at(0, 0);
-  compare(tally, "ax", got.acceleration_mps2.x, {}, a.x, size);
-  compare(tally, "ay", got.acceleration_mps2.y, {}, a.y, size);
+  compare(tally, "ax", got.acceleration_mps2.x(), {}, a.x, size);
+  compare(tally, "ay", got.acceleration_mps2.y(), {}, a.y, size);
   // Central differences over 1e-14 of the speed: 1e-28 of error.
   const WideVector right = at(h, 0), left = at(-h, 0), up = at(0, h), down = at(0, -h);
   const Wide xx = (right.x - left.x) / (2 * h), xy = (up.x - down.x) / (2 * h);
   const Wide yx = (right.y - left.y) / (2 * h), yy = (up.y - down.y) / (2 * h);
-  const std::array<std::pair<double, Wide>, 4> slopes{{{got.by_velocity_per_s.xx, xx},
-                                                       {got.by_velocity_per_s.xy, xy},
-                                                       {got.by_velocity_per_s.yx, yx},
-                                                       {got.by_velocity_per_s.yy, yy}}};
+  const std::array<std::pair<double, Wide>, 4> slopes{{{got.by_velocity_per_s(0, 0), xx},
+                                                       {got.by_velocity_per_s(0, 1), xy},
+                                                       {got.by_velocity_per_s(1, 0), yx},
+                                                       {got.by_velocity_per_s(1, 1), yy}}};
   for (const auto& [slope, want] : slopes) compare(tally, "slopes", slope, {}, want, rate);
-  compare(tally, "jerk", got.jerk_mps3.x, {}, xx * a.x + xy * a.y, rate * size);
-  compare(tally, "jerk", got.jerk_mps3.y, {}, yx * a.x + yy * a.y, rate * size);
+  compare(tally, "jerk", got.jerk_mps3.x(), {}, xx * a.x + xy * a.y, rate * size);
+  compare(tally, "jerk", got.jerk_mps3.y(), {}, yx * a.x + yy * a.y, rate * size);
 }
 
 void lift_coefficient(std::span<const double> x, Tally& tally) {

@@ -1,9 +1,9 @@
 #include <array>
 #include <vector>
 
+#include "common/geometry/surface_frame.hpp"
 #include "common/reduction/court_pace.hpp"
 #include "common/reduction/dual.hpp"
-#include "common/reduction/levelling.hpp"
 #include "tests/common/numerics/forms/forms.hpp"
 #include "tests/common/numerics/wide.hpp"
 
@@ -11,23 +11,21 @@ namespace strobe::numerics {
 
 namespace {
 
-using reduction::PointPx;
-
 /// Longer axis of the points' moments: the eigenvector of their larger moment.
 struct WideLine {
   Wide x0, y0, cosine, sine;
 };
 
-WideLine line_through(const std::vector<PointPx>& points) {
+WideLine line_through(const std::vector<Eigen::Vector2d>& points) {
   Wide x0 = 0, y0 = 0, xx = 0, xy = 0, yy = 0;
-  for (const PointPx& p : points) {
-    x0 += Wide(p.x) / points.size();
-    y0 += Wide(p.y) / points.size();
+  for (const Eigen::Vector2d& p : points) {
+    x0 += Wide(p.x()) / points.size();
+    y0 += Wide(p.y()) / points.size();
   }
-  for (const PointPx& p : points) {
-    xx += (p.x - x0) * (p.x - x0);
-    xy += (p.x - x0) * (p.y - y0);
-    yy += (p.y - y0) * (p.y - y0);
+  for (const Eigen::Vector2d& p : points) {
+    xx += (p.x() - x0) * (p.x() - x0);
+    xy += (p.x() - x0) * (p.y() - y0);
+    yy += (p.y() - y0) * (p.y() - y0);
   }
   const Wide larger = (xx + yy + sqrt((xx - yy) * (xx - yy) + 4 * xy * xy)) / 2;
   Wide c = xx > yy ? Wide(larger - yy) : xy, s = xx > yy ? xy : Wide(larger - xx);
@@ -36,37 +34,37 @@ WideLine line_through(const std::vector<PointPx>& points) {
 }
 
 /// The same from sums of the coordinates as they stand.
-double textbook_tilt(const std::vector<PointPx>& points) {
+double textbook_tilt(const std::vector<Eigen::Vector2d>& points) {
   const double n = static_cast<double>(points.size());
   double x = 0.0, y = 0.0, xx = 0.0, xy = 0.0, yy = 0.0;
-  for (const PointPx& p : points) {
-    x += p.x;
-    y += p.y;
-    xx += p.x * p.x;
-    xy += p.x * p.y;
-    yy += p.y * p.y;
+  for (const Eigen::Vector2d& p : points) {
+    x += p.x();
+    y += p.y();
+    xx += p.x() * p.x();
+    xy += p.x() * p.y();
+    yy += p.y() * p.y();
   }
   return 0.5 * std::atan2(2.0 * (n * xy - x * y), (n * xx - x * x) - (n * yy - y * y));
 }
 
-void levelling(std::span<const double> x, Tally& tally) {
+void surface_frame(std::span<const double> x, Tally& tally) {
   const double tilt = x[0] / 180.0 * kPi, span = x[1], offset = x[2], noise = x[3];
-  std::vector<PointPx> points;
+  std::vector<Eigen::Vector2d> points;
   for (const double along : {-0.5, -0.31, 0.27, 0.5}) {
     const double across = noise * (along < 0.0 ? 0.4 - along : along - 0.7);
     points.push_back({offset + span * along * std::cos(tilt) - across * std::sin(tilt),
                       offset + span * along * std::sin(tilt) + across * std::cos(tilt)});
   }
   const double px_per_m = 4000.0;
-  const auto got = reduction::level(points, px_per_m);
+  const geometry::SurfaceFrame got{*geometry::fit_line(points), px_per_m};
   const WideLine want = line_through(points);
   const double plain = textbook_tilt(points);
-  compare(tally, "sine of the tilt", got->sin_tilt, std::sin(plain), want.sine, 1);
-  compare(tally, "cosine of the tilt", got->cos_tilt, std::cos(plain), want.cosine, 1);
+  compare(tally, "sine of the tilt", got.line.tilt.sin(), std::sin(plain), want.sine, 1);
+  compare(tally, "cosine of the tilt", got.line.tilt.cos(), std::cos(plain), want.cosine, 1);
   // A ball's centre half a span above the line.
-  const PointPx ball{offset + 0.2 * span, offset + 0.5 * span};
-  const Wide height = ((ball.y - want.y0) * want.cosine - (ball.x - want.x0) * want.sine) / px_per_m;
-  compare(tally, "height of a point", got->point(ball).y, {}, height, Wide(span) / px_per_m);
+  const Eigen::Vector2d ball{offset + 0.2 * span, offset + 0.5 * span};
+  const Wide height = ((ball.y() - want.y0) * want.cosine - (ball.x() - want.x0) * want.sine) / px_per_m;
+  compare(tally, "height of a point", got.from_image(ball).y(), {}, height, Wide(span) / px_per_m);
 }
 
 template <typename T>
@@ -130,12 +128,12 @@ void court_pace(std::span<const double> x, Tally& tally) {
 
 std::vector<Form> reduction_forms() {
   return {
-      {"levelling",
+      {"surface frame",
        "1; heights: the line's length",
        "differences to a point of the line, then their mean",
        {either_sign("tilt_deg", 1e-6, 89.0), logarithmic("span_px", 100.0, 1e4),
         either_sign("offset_px", 1.0, 1e7, {1e7, -1e7}), logarithmic("noise_px", 1e-3, 3.0)},
-       levelling},
+       surface_frame},
       {"readouts and their slopes",
        "itself; mu: (|vx_td| + |vx_lo|)/J; slopes: that over the argument",
        "exact slopes by dual numbers, no differences",

@@ -1,59 +1,30 @@
-#include "common/reduction/legs.hpp"
+#include "common/geometry/leg_classification.hpp"
 
+#include <algorithm>
+#include <cassert>
 #include <cmath>
-#include <span>
 #include <utility>
 
-namespace strobe::reduction {
+#include "common/geometry/leg.hpp"
+
+namespace strobe::geometry {
 namespace {
 
 /// A true airborne image passes a three-sigma test but once in 740.
 constexpr double kSigmas = 3.0;
 
-struct Crossing {
+/// When a leg's lower edge is at the surface.
+struct PredictedCrossing {
   double time_s = 0.0;
   double sd_s = 0.0;
 };
 
-/// When a leg's lower edge is at the surface: a straight line in height less the fall, weighted by the noise.
-std::optional<Crossing> crossing(std::span<const Height> leg, double gravity, double reference_variance,
-                                 bool incoming) {
-  if (leg.size() < 2) return std::nullopt;
-  double sw = 0.0;
-  double st = 0.0;
-  for (const Height& h : leg) {
-    sw += 1.0 / h.variance_m2;
-    st += h.time_s / h.variance_m2;
-  }
-  const double mean_time = st / sw;
-  double sy = 0.0;
-  double stt = 0.0;
-  double sty = 0.0;
-  for (const Height& h : leg) {
-    const double t = h.time_s - mean_time;
-    const double y = h.height_m - 0.5 * gravity * t * t;
-    sy += y / h.variance_m2;
-    stt += t * t / h.variance_m2;
-    sty += t * y / h.variance_m2;
-  }
-  const double height = sy / sw;
-  const double slope = sty / stt;
-  const double square = slope * slope - 2.0 * gravity * height;
-  const bool approaches = incoming ? slope < 0.0 : slope > 0.0;
-  if (!approaches || !(square > 0.0)) return std::nullopt;
-  const double speed = std::copysign(std::sqrt(square), slope);
-  const double t = -2.0 * height / (slope + speed);
-  const double variance = 1.0 / sw + t * t / stt + reference_variance;
-  return Crossing{mean_time + t, std::sqrt(variance) / std::abs(speed)};
-}
-
-/// The images in order of time (incoming) or against it (rebound), so that both legs end at the surface.
-class Finder {
+class TimedClassifier {
  public:
-  Finder(const std::vector<Height>& images, double gravity, double reference_variance)
+  TimedClassifier(std::span<const TimedHeight> images, double gravity, double reference_variance)
       : images_(images), gravity_(gravity), reference_variance_(reference_variance), legs_(images.size()) {}
 
-  LegAssignment find() {
+  LegAssignment classify() {
     for (std::size_t i = 0; i < images_.size(); ++i) legs_[i] = images_[i].leg;
     assign_safe();
     extend(Leg::incoming);
@@ -97,10 +68,14 @@ class Finder {
     return indices;
   }
 
-  std::optional<Crossing> predict(std::span<const std::size_t> indices, Leg leg) const {
-    std::vector<Height> heights;
-    for (const std::size_t i : indices) heights.push_back(images_[i]);
-    return crossing(heights, gravity_, reference_variance_, leg == Leg::incoming);
+  std::optional<PredictedCrossing> predict(std::span<const std::size_t> indices, Leg leg) const {
+    LegFit fit({0.0, gravity_});
+    for (const std::size_t i : indices)
+      fit.add(images_[i].time_s, {0.0, images_[i].height_m}, 1.0 / images_[i].variance_m2);
+    const auto at = crossing(fit, 0.0);
+    if (!at || (at->velocity.y() < 0.0) != (leg == Leg::incoming)) return std::nullopt;
+    const double sd = std::sqrt(fit.position_variance(at->time_s) + reference_variance_);
+    return PredictedCrossing{at->time_s, sd / std::abs(at->velocity.y())};
   }
 
   static bool airborne(double time_s, double crossing_s, Leg leg) {
@@ -113,8 +88,8 @@ class Finder {
       const std::vector<std::size_t> indices = of(leg);
       if (indices.empty()) return;
       const bool incoming = leg == Leg::incoming;
-      // wraps below 0: beyond size
-      const std::size_t next = incoming ? indices.back() + 1 : indices.front() - 1;
+      const std::size_t next =
+          incoming ? indices.back() + 1 : indices.front() - 1;  // wraps below 0: beyond size
       if (next >= images_.size() || legs_[next]) return;
       const auto cross = predict(indices, leg);
       const bool above =
@@ -141,17 +116,54 @@ class Finder {
     }
   }
 
-  const std::vector<Height>& images_;
+  std::span<const TimedHeight> images_;
   double gravity_;
   double reference_variance_;
   std::vector<std::optional<Leg>> legs_;
 };
 
-}  // namespace
-
-LegAssignment classify_legs(const std::vector<Height>& images, double gravity_y_mps2,
-                            double reference_variance_m2) {
-  return Finder(images, gravity_y_mps2, reference_variance_m2).find();
+double distance_to_line(const Eigen::Vector2d& p, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  const Eigen::Vector2d along = b - a;
+  const Eigen::Vector2d d = p - a;
+  const double length = along.norm();
+  if (length <= 0.0) return d.norm();
+  return std::abs(d.x() * along.y() - d.y() * along.x()) / length;
 }
 
-}  // namespace strobe::reduction
+/// Whether the lowest image, if it does not touch, comes before the impact: it lies on its own leg's line.
+bool lowest_is_incoming(std::span<const Eigen::Vector2d> centres, std::size_t lowest) {
+  const bool two_before = lowest >= 2;
+  const bool two_after = lowest + 2 < centres.size();
+  if (two_before != two_after) return two_before;
+  if (!two_before) return lowest > 0 || centres.size() == 1;
+  return distance_to_line(centres[lowest], centres[lowest - 1], centres[lowest - 2]) <=
+         distance_to_line(centres[lowest], centres[lowest + 1], centres[lowest + 2]);
+}
+
+}  // namespace
+
+LegAssignment classify_timed(std::span<const TimedHeight> images, double gravity_y_mps2,
+                             double reference_variance_m2) {
+  return TimedClassifier(images, gravity_y_mps2, reference_variance_m2).classify();
+}
+
+std::vector<Leg> classify_untimed(std::span<const Eigen::Vector2d> centres,
+                                  std::span<const std::optional<Leg>> labels, double contact_height) {
+  assert(centres.size() == labels.size());
+  std::vector<Leg> legs;
+  if (centres.empty()) return legs;
+  const auto lower = [](const auto& a, const auto& b) { return a.y() < b.y(); };
+  const auto lowest =
+      static_cast<std::size_t>(std::min_element(centres.begin(), centres.end(), lower) - centres.begin());
+  const std::size_t rebound = lowest + (lowest_is_incoming(centres, lowest) ? 1 : 0);
+  for (std::size_t i = 0; i < centres.size(); ++i) {
+    const Leg by_order = i < rebound ? Leg::incoming : Leg::rebound;
+    legs.push_back(centres[i].y() < contact_height ? Leg::contact : labels[i].value_or(by_order));
+  }
+  const auto first_contact = std::find_if(legs.begin(), legs.end(), [](Leg l) { return l != Leg::incoming; });
+  const auto last_contact = std::find_if(legs.rbegin(), legs.rend(), [](Leg l) { return l != Leg::rebound; });
+  if (first_contact < last_contact.base()) std::fill(first_contact, last_contact.base(), Leg::contact);
+  return legs;
+}
+
+}  // namespace strobe::geometry
