@@ -14,7 +14,6 @@ namespace {
 using reduction::Quantities;
 using reduction::Quantity;
 using reduction::Readout;
-using reduction::Regime;
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 

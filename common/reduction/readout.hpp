@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "common/ball/regime.hpp"
 #include "common/flight/effects.hpp"
 #include "common/reduction/flags.hpp"
 #include "common/reduction/frame.hpp"
@@ -54,20 +55,6 @@ class Quantities {
  private:
   std::array<std::optional<double>, kQuantityCount> values_{};
 };
-
-enum class Regime { slides, grips, unclear };
-
-constexpr std::string_view name(Regime regime) {
-  switch (regime) {
-    case Regime::slides:
-      return "slides";
-    case Regime::grips:
-      return "grips";
-    case Regime::unclear:
-      return "unclear";
-  }
-  return "unclear";
-}
 
 /// One contact image as the thesis's program reports it. Fractions: of the dwell time, of the distance along
 /// the surface, of the rotation; y: drop of the top of the ball over the diameter, negative in contact.

@@ -72,7 +72,7 @@ Result<void> fit_means(FittedScene& fitted, const Condition& c) {
   if (auto done = fit_coefficients(scene, c); !done) return done;
   const auto end = mean_lift_off(scene);
   if (!end) return tl::unexpected(end.error());
-  fitted.slides = end->rebound.regime == impact::Regime::slides;
+  fitted.slides = end->rebound.regime == Regime::slides;
   fitted.left_vx_mps = end->rebound.lift_off.vx_mps - c.vx_lo_mps.mean;
   fitted.left_omega_radps = end->rebound.lift_off.omega_radps - c.omega_lo_radps.mean;
   return {};

@@ -89,7 +89,7 @@ impact::Rebound algebraic(const ball::Ball& ball, const impact::Motion& td, doub
   double dvx = slip == 0.0 ? 0.0 : -std::copysign(mu * impulse, slip);
   if (ex) {
     const double gripping = -((1.0 + *ex) * slip + couple) / (1.0 + 1.0 / ball.alpha);
-    out.regime = std::abs(gripping) <= mu * impulse ? impact::Regime::grips : impact::Regime::slides;
+    out.regime = std::abs(gripping) <= mu * impulse ? Regime::grips : Regime::slides;
     dvx = std::clamp(gripping, -mu * impulse, mu * impulse);
   }
   out.lift_off = {td.vx_mps + dvx, e * std::abs(td.vy_mps),
@@ -167,7 +167,7 @@ Result<ReducedContact> calibrate(const Scene& scene, const Model& model) {
   ReducedContact c;
   // Where the mean ball slides, or has no slip to speak of, no e_x follows from it.
   c.ex = scene.bounce.ex;
-  if (end->rebound.regime == impact::Regime::grips && std::abs(slip_td) > std::abs(end->rebound.slip_lo_mps))
+  if (end->rebound.regime == Regime::grips && std::abs(slip_td) > std::abs(end->rebound.slip_lo_mps))
     c.ex = -end->rebound.slip_lo_mps / slip_td;
   c.offset_m = end->rebound.offset_m;
   c.e_factor = -lo.vy_mps / td.vy_mps / mean.coefficients.e;

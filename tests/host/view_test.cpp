@@ -47,7 +47,7 @@ ShotResult example(int id = 4, double vx = 15.6234) {
   shot_result.readout.sd_systematic[Quantity::vx_td_mps] = 0.189;
   shot_result.readout.value[Quantity::e] = 0.8359;
   shot_result.readout.sd[Quantity::e] = 0.0024;
-  shot_result.readout.regime = reduction::Regime::grips;
+  shot_result.readout.regime = Regime::grips;
   return shot_result;
 }
 

@@ -63,7 +63,7 @@ Values evaluate(const SpinPulse& pulse) {
   put(kDepth, -pulse.at_fraction(deepest).y_m, deepest);
   put(kFriction, friction_before(pulse, rub), rub);
   v.of[kRotation] = pulse.total_rotation_rad();
-  v.grips = pulse.regime() == impact::Regime::grips;
+  v.grips = pulse.regime() == Regime::grips;
   v.of[kGripFraction] = pulse.grip_fraction().value_or(1.0);
   v.of[kGripTime] = v.of[kGripFraction] * dwell;
   return v;

@@ -71,8 +71,8 @@ void SpinPulse::find_grip() {
   grip_length_m_ = unit_.at_fraction(*grip_fraction_).x_m;
 }
 
-impact::Regime SpinPulse::regime() const {
-  return grip_fraction_ && rolls_ ? impact::Regime::grips : impact::Regime::slides;
+Regime SpinPulse::regime() const {
+  return grip_fraction_ && rolls_ ? Regime::grips : Regime::slides;
 }
 
 ContactState SpinPulse::at_fraction(double asked_fraction) const {

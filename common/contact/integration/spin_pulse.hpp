@@ -55,7 +55,7 @@ class SpinPulse {
   std::optional<double> grip_fraction() const { return grip_fraction_; }
 
   /// grips: rolls from grip_fraction() on.
-  impact::Regime regime() const;
+  Regime regime() const;
 
   /// Angle turned from touchdown to lift-off.
   double total_rotation_rad() const { return at_fraction(1.0).rotation_rad; }

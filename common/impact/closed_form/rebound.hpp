@@ -11,6 +11,7 @@
 #include <tl/expected.hpp>
 
 #include "common/ball/ball.hpp"
+#include "common/ball/regime.hpp"
 #include "common/impact/input_error.hpp"
 
 namespace strobe::impact {
@@ -37,13 +38,6 @@ struct Coefficients {
 /// Fitted to the thesis's Tables 5–7 (21 conditions), with ball::kMeasuredAlpha: rms .42 m/s and 14.3 rad/s
 /// against .495 and 15.4 of the best constant offset (mu .567, e_x .089, 2.5 mm). `e` is the caller's.
 inline constexpr Coefficients kFittedToThesis{.e = 0.75, .mu = 0.570, .e_x = 0.087, .offset_m = 0.0030};
-
-enum class Regime {
-  slides,  ///< friction is at its limit mu·J throughout
-  grips,   ///< the contact point came to a stop before lift-off
-};
-
-constexpr std::string_view name(Regime regime) { return regime == Regime::slides ? "slides" : "grips"; }
 
 struct Rebound {
   Motion lift_off;

@@ -88,9 +88,9 @@ void add_measured(const Observation& o, double alpha, double radius, RegimeJudge
   out.shortfall_sd_mps = std::hypot((1.0 - share) * o.touchdown_sd.vx_mps, o.lift_off_sd.vx_mps,
                                     share * radius * o.touchdown_sd.omega_radps);
   if (out.shortfall_mps <= 0.0)
-    out.measured = MeasuredRegime::grips;
+    out.measured = Regime::grips;
   else if (sign * out.slip_lo_mps > 2.0 * out.slip_lo_sd_mps)
-    out.measured = MeasuredRegime::slides;
+    out.measured = Regime::slides;
 }
 
 }  // namespace

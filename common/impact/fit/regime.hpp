@@ -11,12 +11,6 @@
 
 namespace strobe::impact {
 
-enum class MeasuredRegime { slides, grips, unclear };
-
-constexpr std::string_view name(MeasuredRegime regime) {
-  return regime == MeasuredRegime::slides ? "slides" : regime == MeasuredRegime::grips ? "grips" : "unclear";
-}
-
 struct RegimeJudgement {
   std::string name;
   // By the model. Friction impulses per mass, m/s.
@@ -36,7 +30,7 @@ struct RegimeJudgement {
   /// A ball that slid throughout does both: it still slips the way it did at touchdown, and it was braked
   /// less than rolling off needs. slides: slips by more than two sd, and was braked less; grips: was not
   /// braked less.
-  MeasuredRegime measured = MeasuredRegime::unclear;
+  Regime measured = Regime::unclear;
 };
 
 /// Errors as for rebound_of(). `fit.covariance` is zero for parameters taken as known.

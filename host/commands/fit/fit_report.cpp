@@ -91,7 +91,7 @@ ordered_json comparison_json(const impact::Observation& o, const impact::Compari
 }
 
 void add_regime(const impact::RegimeJudgement& r, ordered_json& out) {
-  out["regime"] = impact::name(r.predicted);
+  out["regime"] = name(r.predicted);
   out["probability_slides"] = r.probability_slides;
   out["friction_needed_mps"] = r.friction_needed_mps;
   out["friction_available_mps"] = r.friction_available_mps;
@@ -100,7 +100,7 @@ void add_regime(const impact::RegimeJudgement& r, ordered_json& out) {
   out["sd_slip_lo_mps"] = r.slip_lo_sd_mps;
   out["slip_lo_predicted_mps"] = r.slip_lo_predicted_mps;
   out["sd_slip_lo_predicted_mps"] = r.slip_lo_predicted_sd_mps;
-  out["regime_measured"] = impact::name(r.measured);
+  out["regime_measured"] = name(r.measured);
 }
 
 void add_rolling_friction(const impact::RollingFriction& r, ordered_json& out) {

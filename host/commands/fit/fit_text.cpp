@@ -100,7 +100,7 @@ void print_observations(const FitReport& r) {
                     "{:5.2f} +- {:4.2f} {:5.1f} +- {:3.1f} ({:3.1f})\n",
                     o.name, width, o.lift_off.vx_mps, c.predicted.lift_off.vx_mps, z_text(c.z_vx),
                     o.lift_off.omega_radps, c.predicted.lift_off.omega_radps, z_text(c.z_omega),
-                    impact::name(g.predicted), g.probability_slides, impact::name(g.measured), g.slip_lo_mps,
+                    name(g.predicted), g.probability_slides, name(g.measured), g.slip_lo_mps,
                     g.slip_lo_sd_mps, 1e3 * f.offset_m, 1e3 * f.offset_sd_m, 1e3 * f.offset_sd_alpha_m));
   }
 }

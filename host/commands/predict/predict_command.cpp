@@ -71,7 +71,7 @@ ordered_json json_of(const PredictInput& in, const Prediction& p, int samples) {
                    {"omega_lo_radps", lo.omega_radps},
                    {"slip_lo_mps", p.rebound.slip_lo_mps},
                    {"mu", p.rebound.impulse_ratio},
-                   {"regime", impact::name(p.rebound.regime)}};
+                   {"regime", name(p.rebound.regime)}};
   if (p.pulse) {
     out["damping_f"] = p.pulse->damping_f;
     out["grip_fraction"] = p.pulse->grip_fraction;
@@ -97,7 +97,7 @@ void print_table(const PredictInput& o, const Prediction& p) {
   };
   line("touchdown", td);
   line("lift-off", lo);
-  std::printf("%s; slip at lift-off %.3f m/s, impulse ratio %.4f\n", impact::name(p.rebound.regime).data(),
+  std::printf("%s; slip at lift-off %.3f m/s, impulse ratio %.4f\n", name(p.rebound.regime).data(),
               p.rebound.slip_lo_mps, p.rebound.impulse_ratio);
   if (p.contact) print_contact(*p.contact);
   if (!p.pulse) return;

@@ -193,10 +193,10 @@ Table regime_table(const Material& m) {
     if (!a || !b) continue;
     table.rows.push_back(
         {o.name,
-         {text_cell(std::string(impact::name(a->measured))), computed_only(b->slip_lo_mps, b->slip_lo_sd_mps),
+         {text_cell(std::string(name(a->measured))), computed_only(b->slip_lo_mps, b->slip_lo_sd_mps),
           computed_only(a->shortfall_mps, a->shortfall_sd_mps),
-          text_cell(std::string(impact::name(a->predicted))), computed_only(a->probability_slides),
-          text_cell(std::string(impact::name(b->predicted))), computed_only(b->z),
+          text_cell(std::string(name(a->predicted))), computed_only(a->probability_slides),
+          text_cell(std::string(name(b->predicted))), computed_only(b->z),
           computed_only(b->probability_slides)}});
   }
   table.notes = {

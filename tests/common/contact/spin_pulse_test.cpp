@@ -110,7 +110,7 @@ TEST(SpinPulses, AreContinuousAtTheGripWhereFrictionAloneJumps) {
   DOUBLES_EQUAL(before.omega_radps, after.omega_radps, 1e-9);
   CHECK(before.fx_n < -10.0);
   DOUBLES_EQUAL(0.0, after.fx_n, 0.0);
-  CHECK(pulse->regime() == impact::Regime::grips);
+  CHECK(pulse->regime() == Regime::grips);
 }
 
 TEST(SpinPulses, OfAnOffsetForceRollOnWithRollingFriction) {
@@ -132,7 +132,7 @@ TEST(SpinPulses, WithTooLittleFrictionAreTurnedOverByAnOffset) {
   in.offset_m = 0.02;
   const auto pulse = SpinPulse::make(in);
   CHECK(pulse->grip_fraction().has_value());
-  CHECK(pulse->regime() == impact::Regime::slides);
+  CHECK(pulse->regime() == Regime::slides);
   CHECK(pulse->at_fraction(0.01).slip_mps < 0.0);
   CHECK(pulse->at_fraction(1.0).slip_mps > 0.0);
   CHECK(pulse->at_fraction(0.99).fx_n < 0.0);
@@ -169,7 +169,7 @@ TEST(SpinPulses, GripInAllConditionsOfTheThesisButThree) {
   for (const auto& c : testing::thesis_data(thesis::Version::corrected).conditions) {
     const auto pulse =
         SpinPulse::make(contact::spin_pulse_input(c, impact::PulseForm::exact, ball::kThinShellAlpha));
-    if (pulse->regime() == impact::Regime::slides) sliding += c.name() + " ";
+    if (pulse->regime() == Regime::slides) sliding += c.name() + " ";
   }
   STRCMP_EQUAL("zero_17 back_17 back_22 ", sliding.c_str());
 }

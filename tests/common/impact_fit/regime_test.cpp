@@ -30,8 +30,8 @@ Sets judge_all(const FitOptions& options, Spread spread) {
     const auto j = judge_regime(o, options.model, *fitted, options.diameter_m);
     const bool slides = j->predicted == Regime::slides;
     if (slides) out.predicted.insert(o.name);
-    if (j->measured == MeasuredRegime::slides) out.measured.insert(o.name);
-    CHECK(j->measured != MeasuredRegime::unclear);
+    if (j->measured == Regime::slides) out.measured.insert(o.name);
+    CHECK(j->measured != Regime::unclear);
     out.least_sure = std::min(out.least_sure, slides ? j->probability_slides : 1.0 - j->probability_slides);
   }
   return out;

@@ -190,7 +190,7 @@ TEST_GROUP(ReadoutMessage) {
       readout.sd[static_cast<Quantity>(i)] = 0.5 + static_cast<double>(i);
     }
     readout.sd_systematic[Quantity::v_td_mps] = 0.2;
-    readout.regime = reduction::Regime::slides;
+    readout.regime = Regime::slides;
     readout.court_pace_conforming = true;
     readout.method = "two-point";
     readout.flight_effects = {.gravity = true, .drag = true, .magnus = false};

@@ -21,7 +21,7 @@ Readout example() {
   r.value[Quantity::e] = 0.1 + 0.2;
   r.sd[Quantity::e] = 0.047;
   r.sd_systematic[Quantity::e] = 0.0;
-  r.regime = reduction::Regime::grips;
+  r.regime = Regime::grips;
   r.method = "best";
   r.mirrored = true;
   r.flags.set(reduction::Flag::outlier_image);

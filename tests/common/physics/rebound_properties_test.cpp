@@ -9,6 +9,7 @@
 
 #include <CppUTest/TestHarness.h>
 
+using strobe::Regime;
 using namespace strobe::impact;
 using strobe::ball::Ball;
 

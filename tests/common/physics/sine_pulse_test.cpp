@@ -6,6 +6,7 @@
 
 #include <CppUTest/TestHarness.h>
 
+using strobe::Regime;
 using namespace strobe::impact;
 using strobe::ball::Ball;
 

@@ -276,7 +276,7 @@ TEST(ThesisScenes, SlideThroughoutOnlyWhereTheThesisBallsDid) {
     Scene scene = scene_of(c);
     test::make_exact(scene);
     const auto path = BallPath::make(scene, draw_shot_conditions(scene, 1, 1));
-    CHECK_TEXT((path->rebound().regime == impact::Regime::slides) == slides, c.name().c_str());
+    CHECK_TEXT((path->rebound().regime == Regime::slides) == slides, c.name().c_str());
   }
 }
 

@@ -79,7 +79,7 @@ Grip calibrated_at(const ImpactScene& scene) {
   const double slip = scene.touchdown.vx_mps + rim;
   const double rolling = 0.5 * (scene.touchdown.vx_mps - rim);
   Grip grip;
-  if (run->regime == impact::Regime::grips) {
+  if (run->regime == Regime::grips) {
     grip.e_x = std::clamp(-run->slip_lo_mps / slip, -1.0, 1.0);
   } else {
     grip.mu_factor = std::min(1.0, std::abs(run->impulse_ratio) / scene.contact.mu);

@@ -157,7 +157,7 @@ void compare_impact(const ball::Ball& ball, const Motion& m, const Coefficients&
     compare(tally, names[k], outputs[k], book, want.at(k), scales[k]);
   }
   compare(tally, "vy_lo", got.lift_off.vy_mps, {}, in.e * -in.vy, 0);
-  const bool as_computed = (got.regime == impact::Regime::grips) == want.grips;
+  const bool as_computed = (got.regime == Regime::grips) == want.grips;
   tally.record("regime", as_computed || want.near_limit ? 0.0 : 1.0, 0.0, {});
 }
 
