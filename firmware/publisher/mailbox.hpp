@@ -10,11 +10,6 @@
 
 namespace strobe::firmware {
 
-struct ResendRequest {
-  std::int64_t boot_id = 0;
-  SequenceRange wanted;
-};
-
 /// The record that came with a FIRE, until its shot is over.
 struct ShotNotes {
   std::int64_t host_id = 0;
@@ -24,11 +19,11 @@ struct ShotNotes {
 
 class Mailbox {
  public:
-  void ask(const ResendRequest& request) {
+  void ask(const EventRange& request) {
     const std::lock_guard lock(mutex_);
     if (requests_.size() < kMaxRequests) requests_.push_back(request);
   }
-  std::vector<ResendRequest> requests() {
+  std::vector<EventRange> requests() {
     const std::lock_guard lock(mutex_);
     return std::exchange(requests_, {});
   }
@@ -52,7 +47,7 @@ class Mailbox {
   static constexpr std::size_t kMaxRequests = 256;
   static constexpr std::size_t kMaxNotes = 64;
   std::mutex mutex_;
-  std::vector<ResendRequest> requests_;
+  std::vector<EventRange> requests_;
   std::vector<ShotNotes> notes_;
 };
 

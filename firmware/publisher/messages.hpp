@@ -7,6 +7,7 @@
 #include <strobe_msgs/shot_t.hpp>
 #include <vector>
 
+#include "common/shot/sequence_range.hpp"
 #include "firmware/core/rig.hpp"
 #include "firmware/ports/event_sink.hpp"
 
@@ -17,10 +18,6 @@ strobe_msgs::plan_t to_message(const PlanRequest& plan);
 /// Of a code that is longer than CodedTrain can be, only the first part: to be refused before.
 PlanRequest from_message(const strobe_msgs::plan_t& plan);
 
-struct SequenceRange {
-  std::int64_t first = 0;
-  std::int64_t last = 0;
-};
 strobe_msgs::shot_t to_message(const ShotRecord& record, const Rig& rig, std::int64_t boot_id,
                                SequenceRange sequences, const std::vector<Note>& notes);
 

@@ -72,7 +72,7 @@ void Publisher::wait_for_work(int wake_fd) const {
 
 void Publisher::turn() {
   empty_queue();
-  for (const ResendRequest& request : mailbox_.requests()) start_resend(request);
+  for (const EventRange& request : mailbox_.requests()) start_resend(request);
   resend_some();
   if (clock_.now() >= next_status_) publish_status();
 }
@@ -192,12 +192,12 @@ const std::vector<JournalEntry>& Publisher::entries_of(std::int64_t boot_id) {
   return scanned_;
 }
 
-void Publisher::start_resend(const ResendRequest& request) {
+void Publisher::start_resend(const EventRange& request) {
   const bool this_boot = request.boot_id == settings_.boot_id;
   Resend resend{
       LogReader(this_boot ? journal_.path() : journal_path(settings_.session, request.boot_id)), {}, 0};
   for (const JournalEntry& entry : entries_of(request.boot_id)) {
-    if (entry.sequences.last >= request.wanted.first && entry.sequences.first <= request.wanted.last) {
+    if (entry.sequences.last >= request.sequences.first && entry.sequences.first <= request.sequences.last) {
       resend.entries.push_back(entry);
     }
   }

@@ -63,7 +63,7 @@ class Publisher {
   void write_and_publish();
   void publish_outbox();
   void publish_status();
-  void start_resend(const ResendRequest& request);
+  void start_resend(const EventRange& request);
   const std::vector<JournalEntry>& entries_of(std::int64_t boot_id);
   void resend_some();
   void wait_for_work(int wake_fd) const;

@@ -141,7 +141,7 @@ class FireRun {
   void ask_for_missing() {
     const auto& status = monitor_.session().status();
     if (!status) return;  // nobody to ask yet
-    for (const SequenceRange& range : monitor_.session().ledger().due(now_ns_))
+    for (const EventRange& range : monitor_.session().ledger().due(now_ns_))
       send(factory_.resend(status->boot_id, range));
   }
 

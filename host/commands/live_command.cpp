@@ -68,7 +68,7 @@ class Asking {
       : factory_(host_id), sealer_(key, rig) {}
   void turn(Session& session, LcmLink& link, std::int64_t now_ns) {
     if (!session.status()) return;
-    for (const SequenceRange& range : session.ledger().due(now_ns)) {
+    for (const EventRange& range : session.ledger().due(now_ns)) {
       if (const auto sealed = sealer_.seal(factory_.resend(session.status()->boot_id, range)))
         link.publish_command(*sealed);
     }

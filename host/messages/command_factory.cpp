@@ -55,11 +55,11 @@ command_t CommandFactory::fire(std::int64_t boot_id, std::int64_t arm_token, con
   return command;
 }
 
-command_t CommandFactory::resend(std::int64_t boot_id, const SequenceRange& range) {
+command_t CommandFactory::resend(std::int64_t boot_id, const EventRange& range) {
   command_t command = make(boot_id, command_t::RESEND);
   command.resend_boot_id = range.boot_id;
-  command.resend_first = range.first;
-  command.resend_last = range.last;
+  command.resend_first = range.sequences.first;
+  command.resend_last = range.sequences.last;
   return command;
 }
 

@@ -11,8 +11,8 @@
 #include "common/authentication/key.hpp"
 #include "common/reduction/frame.hpp"
 #include "common/result.hpp"
+#include "common/shot/sequence_range.hpp"
 #include "host/config/shot_plan.hpp"
-#include "host/messages/event_ledger.hpp"
 
 namespace strobe::host {
 
@@ -28,7 +28,7 @@ class CommandFactory {
   strobe_msgs::command_t disarm(std::int64_t boot_id);
   strobe_msgs::command_t clear(std::int64_t boot_id);
   /// boot_id: of the firmware that is asked, which may hold the journal of the range's earlier boot.
-  strobe_msgs::command_t resend(std::int64_t boot_id, const SequenceRange& range);
+  strobe_msgs::command_t resend(std::int64_t boot_id, const EventRange& range);
 
  private:
   strobe_msgs::command_t make(std::int64_t boot_id, std::int8_t kind);

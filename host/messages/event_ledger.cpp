@@ -85,17 +85,17 @@ void EventLedger::cancel_request(std::int64_t boot_id, std::int64_t sequence) {
   if (const auto boot = boots_.find(boot_id); boot != boots_.end()) boot->second.again.erase(sequence);
 }
 
-std::vector<SequenceRange> EventLedger::gaps(std::int64_t boot_id, const Boot& boot) const {
-  std::vector<SequenceRange> ranges;
+std::vector<EventRange> EventLedger::gaps(std::int64_t boot_id, const Boot& boot) const {
+  std::vector<EventRange> ranges;
   std::int64_t next = boot.start;
   const auto gap = [&](std::int64_t first, std::int64_t last) {
     if (first > last) return;
-    const bool merges = !ranges.empty() && first - ranges.back().last <= kMergeWithin &&
-                        last - ranges.back().first < kMaxEventsPerAsk;
+    const bool merges = !ranges.empty() && first - ranges.back().sequences.last <= kMergeWithin &&
+                        last - ranges.back().sequences.first < kMaxEventsPerAsk;
     if (merges) {
-      ranges.back().last = last;
+      ranges.back().sequences.last = last;
     } else {
-      ranges.push_back({boot_id, first, std::min(last, first + kMaxEventsPerAsk - 1)});
+      ranges.push_back({boot_id, {first, std::min(last, first + kMaxEventsPerAsk - 1)}});
     }
   };
   for (const auto& [first, last] : boot.have) {
@@ -106,23 +106,23 @@ std::vector<SequenceRange> EventLedger::gaps(std::int64_t boot_id, const Boot& b
   return ranges;
 }
 
-std::vector<SequenceRange> EventLedger::due(std::int64_t now_ns) {
-  std::vector<SequenceRange> asks;
+std::vector<EventRange> EventLedger::due(std::int64_t now_ns) {
+  std::vector<EventRange> asks;
   for (auto& [boot_id, boot] : boots_) {
     if (now_ns - boot.gap_since_ns < kGrace_ns || now_ns - boot.asked_ns < kAskAgain_ns) continue;
-    std::vector<SequenceRange> ranges = gaps(boot_id, boot);
+    std::vector<EventRange> ranges = gaps(boot_id, boot);
     // First: with it comes the shot's summary, which somebody waits for.
-    std::vector<SequenceRange> again;
+    std::vector<EventRange> again;
     for (auto& [sequence, asked] : boot.again) {
       ++asked;
-      again.push_back({boot_id, sequence, sequence});
+      again.push_back({boot_id, {sequence, sequence}});
     }
     if (boot_id != current_boot_)
       std::erase_if(boot.again, [](const auto& wanted) { return wanted.second >= kRepeatRequests; });
     ranges.insert(ranges.begin(), again.begin(), again.end());
     if (ranges.empty() && boot_id != current_boot_ && current_boot_ != 0 && boot.tail_requests_left > 0) {
       --boot.tail_requests_left;
-      ranges.push_back({boot_id, boot.newest + 1, boot.newest + kTail});
+      ranges.push_back({boot_id, {boot.newest + 1, boot.newest + kTail}});
     }
     if (ranges.size() > kMaxAsks) ranges.resize(kMaxAsks);
     if (!ranges.empty()) boot.asked_ns = now_ns;

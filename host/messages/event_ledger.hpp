@@ -8,15 +8,9 @@
 #include <span>
 #include <vector>
 
+#include "common/shot/sequence_range.hpp"
+
 namespace strobe::host {
-
-struct SequenceRange {
-  std::int64_t boot_id = 0;
-  std::int64_t first = 0;
-  std::int64_t last = 0;  ///< inclusive
-
-  bool operator==(const SequenceRange&) const = default;
-};
 
 /// A boot that has ended, and how far its journal has come.
 struct EndedBoot {
@@ -45,7 +39,7 @@ class EventLedger {
 
   /// Ranges to ask for now. Losses are asked for after a grace for reordering, then again and again; of a
   /// boot that has ended, what may be behind its last event is asked for until nothing new comes.
-  std::vector<SequenceRange> due(std::int64_t now_ns);
+  std::vector<EventRange> due(std::int64_t now_ns);
 
   /// Events known to be missing, of all boots.
   std::int64_t missing() const;
@@ -71,7 +65,7 @@ class EventLedger {
 
   Boot& boot_of(std::int64_t boot_id, std::int64_t start);
 
-  std::vector<SequenceRange> gaps(std::int64_t boot_id, const Boot& boot) const;
+  std::vector<EventRange> gaps(std::int64_t boot_id, const Boot& boot) const;
   static std::int64_t missing_of(const Boot& boot);
 
   bool from_start_;

@@ -28,7 +28,7 @@ inline firmware::Message event(std::int64_t sequence, std::int32_t shot_id = 0) 
           encoded(to_message(content, kBoot, sequence))};
 }
 
-inline firmware::Message shot(std::int32_t shot_id, firmware::SequenceRange sequences) {
+inline firmware::Message shot(std::int32_t shot_id, SequenceRange sequences) {
   firmware::ShotRecord record;
   record.shot_id = shot_id;
   record.flashes.resize(3);

@@ -12,7 +12,7 @@ namespace {
 
 using strobe::host::EndedBoot;
 using strobe::host::EventLedger;
-using strobe::host::SequenceRange;
+using strobe::EventRange;
 
 constexpr std::int64_t kMs = 1'000'000;
 constexpr std::int64_t kBoot = 0x7700;
@@ -34,9 +34,9 @@ void everything_comes_at_loss(double loss) {
     ledger.status(kBoot, 3000, 3000 * kMs);
     std::int64_t now_ns = 3000 * kMs;
     for (int turn = 0; turn < 1000 && !ledger.complete(); ++turn, now_ns += 20 * kMs) {
-      for (const SequenceRange& range : ledger.due(now_ns)) {
+      for (const EventRange& range : ledger.due(now_ns)) {
         if (lost(generator)) continue;
-        for (std::int64_t s = range.first; s <= std::min<std::int64_t>(range.last, 3000); ++s)
+        for (std::int64_t s = range.sequences.first; s <= std::min<std::int64_t>(range.sequences.last, 3000); ++s)
           send(s, now_ns);
       }
     }
@@ -77,7 +77,7 @@ TEST(EventLedgerOfAHost, AGapIsAskedForAfterAGraceForReordering) {
   CHECK_TRUE(ledger.due(1050 * kMs).empty());
   const auto asks = ledger.due(1200 * kMs);
   LONGS_EQUAL(1, asks.size());
-  CHECK_TRUE((asks[0] == SequenceRange{kBoot, 11, 12}));
+  CHECK_TRUE((asks[0] == EventRange{kBoot, {11, 12}}));
   CHECK_TRUE(ledger.due(1250 * kMs).empty());     // just asked
   LONGS_EQUAL(1, ledger.due(1500 * kMs).size());  // and again
   add(ledger, 11, 12, 1600 * kMs);
@@ -98,7 +98,7 @@ TEST(EventLedgerOfAHost, AStatusTellsOfALossAtTheEnd) {
   ledger.status(kBoot, 12, 1000 * kMs);
   const auto asks = ledger.due(1200 * kMs);
   LONGS_EQUAL(1, asks.size());
-  CHECK_TRUE((asks[0] == SequenceRange{kBoot, 11, 12}));
+  CHECK_TRUE((asks[0] == EventRange{kBoot, {11, 12}}));
 }
 
 TEST(EventLedgerOfAHost, AHostThatFiresWantsWhatWasBeforeItCameAndAPassiveOneDoesNot) {
@@ -117,8 +117,8 @@ TEST(EventLedgerOfAHost, LossesNearEachOtherAreOneQuestionAndLongOnesAreCut) {
   for (std::int64_t s = 1; s <= 200; s += 2) ledger.add(kBoot, s, 0);  // every second one is lost
   const auto asks = ledger.due(1000 * kMs);
   CHECK_TRUE(asks.size() <= 8);
-  for (const SequenceRange& range : asks) CHECK_TRUE(range.last - range.first < 512);
-  LONGS_EQUAL(2, asks[0].first);
+  for (const EventRange& range : asks) CHECK_TRUE(range.sequences.last - range.sequences.first < 512);
+  LONGS_EQUAL(2, asks[0].sequences.first);
 }
 
 TEST(EventLedgerOfAHost, ALostSummaryIsAskedForFirst) {
@@ -129,9 +129,9 @@ TEST(EventLedgerOfAHost, ALostSummaryIsAskedForFirst) {
   ledger.request_again(kBoot, 9);
   const auto asks = ledger.due(1000 * kMs);
   LONGS_EQUAL(2, asks.size());
-  CHECK_TRUE((asks[0] == SequenceRange{kBoot, 9, 9}));
+  CHECK_TRUE((asks[0] == EventRange{kBoot, {9, 9}}));
   ledger.add(kBoot, 9, 1100 * kMs);  // it came again
-  CHECK_TRUE((ledger.due(2000 * kMs)[0] == SequenceRange{kBoot, 6, 8}));
+  CHECK_TRUE((ledger.due(2000 * kMs)[0] == EventRange{kBoot, {6, 8}}));
 }
 
 TEST(EventLedgerOfAHost, WhatAnEndedBootMayStillHoldIsAskedForUntilNothingComes) {
@@ -143,7 +143,7 @@ TEST(EventLedgerOfAHost, WhatAnEndedBootMayStillHoldIsAskedForUntilNothingComes)
   const auto asks = ledger.due(1000 * kMs);
   LONGS_EQUAL(1, asks.size());
   LONGS_EQUAL(kBoot, asks[0].boot_id);
-  LONGS_EQUAL(4, asks[0].first);
+  LONGS_EQUAL(4, asks[0].sequences.first);
   ledger.add(kBoot, 4, 1100 * kMs);
   std::int64_t now_ns = 2000 * kMs;
   int more = 0;
@@ -165,7 +165,7 @@ TEST(EventLedgerOfAHost, WhatAnEndedBootHoldsIsAskedForToItsEndAndNoFurther) {
   CHECK_FALSE(ledger.ended_and_complete(kBoot));
   const auto asks = ledger.due(1000 * kMs);
   LONGS_EQUAL(1, asks.size());
-  CHECK_TRUE((asks[0] == SequenceRange{kBoot, 4, 5}));
+  CHECK_TRUE((asks[0] == EventRange{kBoot, {4, 5}}));
   add(ledger, 4, 5, 1100 * kMs);
   CHECK_TRUE(ledger.ended_and_complete(kBoot));
   CHECK_TRUE(ledger.complete());

@@ -43,7 +43,7 @@ void VirtualHost::receive(const std::string& channel, const std::vector<std::uin
 void VirtualHost::turn(std::int64_t now_ns) {
   monitor_.time(now_ns);
   if (const auto& status = monitor_.session().status()) {
-    for (const host::SequenceRange& range : monitor_.session().ledger().due(now_ns))
+    for (const EventRange& range : monitor_.session().ledger().due(now_ns))
       send_(factory_.resend(status->boot_id, range));
   }
   if (!series_.finished()) {
