@@ -3,7 +3,6 @@
 #include <cmath>
 #include <limits>
 #include <strobe_msgs/frame_t.hpp>
-#include <strobe_msgs/frame_v1_t.hpp>
 #include <utility>
 
 #include "common/messages/lcm_conversions.hpp"
@@ -163,21 +162,6 @@ ball_image_t image_to(const BallImage& image, const std::string& source) {
   return m;
 }
 
-ball_image_t image_from_v1(const strobe_msgs::ball_image_v1_t& old) {
-  ball_image_t m;
-  m.leg = old.leg;
-  m.source = ball_image_t::SOURCE_OF_FRAME;
-  m.centre_x_px = old.centre_x_px;
-  m.centre_y_px = old.centre_y_px;
-  m.centre_xx_px2 = m.centre_xy_px2 = m.centre_yy_px2 = kNotANumber;
-  m.diameter_px = old.diameter_px;
-  m.equator_rad = old.equator_rad;
-  m.diameter_sd_px = m.equator_sd_rad = m.contact_width_px = kNotANumber;
-  m.top_x_px = old.top_x_px;
-  m.top_y_px = old.top_y_px;
-  return m;
-}
-
 }  // namespace
 
 Result<Frame> frame_from_lcm(const frame_t& m) {
@@ -225,27 +209,6 @@ frame_t frame_to_lcm(const Frame& frame) {
   }
   m.image_count = static_cast<std::int32_t>(frame.images.size());
   for (const BallImage& image : frame.images) m.images.push_back(image_to(image, m.source));
-  return m;
-}
-
-frame_t frame_from_v1(const strobe_msgs::frame_v1_t& old) {
-  frame_t m;
-  m.schema_version = frame_t::SCHEMA_VERSION;
-  m.boot_id = old.boot_id;
-  m.host_id = 0;
-  m.shot_id = old.shot_id;
-  m.source = old.source;
-  m.photograph = old.photograph;
-  m.centre_sd_px = old.centre_sd_px;
-  m.diameter_sd_px = old.diameter_sd_px;
-  m.surface_sd_px = old.surface_sd_px;
-  m.equator_sd_rad = old.equator_sd_rad;
-  m.px_per_m = old.px_per_m;
-  m.px_per_m_sd = old.px_per_m_sd;
-  m.surface_count = old.surface_count;
-  m.surface = old.surface;
-  m.image_count = old.image_count;
-  for (const auto& image : old.images) m.images.push_back(image_from_v1(image));
   return m;
 }
 

@@ -11,7 +11,6 @@
 
 namespace strobe_msgs {
 class frame_t;
-class frame_v1_t;
 class readout_t;
 }  // namespace strobe_msgs
 
@@ -25,9 +24,6 @@ Result<reduction::Frame> frame_from_lcm(const strobe_msgs::frame_t& message);
 /// Times and flash indices are not carried. boot_id, host_id and photograph are the caller's to set. Sources
 /// other than "auto" and "hand" become the frame's, which is that of most images.
 strobe_msgs::frame_t frame_to_lcm(const reduction::Frame& frame);
-
-/// A frame of a log from before version 2.
-strobe_msgs::frame_t frame_from_v1(const strobe_msgs::frame_v1_t& message);
 
 strobe_msgs::readout_t readout_to_lcm(const reduction::Readout& readout, std::int64_t host_id,
                                       std::int64_t boot_id);

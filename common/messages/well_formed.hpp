@@ -1,7 +1,7 @@
-// Whether an encoded message may be given to its generated decoder, which believes what a message says: it
-// makes room for as many elements as are claimed (250 million images would take 16 GB), and reads two
-// gigabytes, or throws, for a text whose length is below 1. Every count and length is walked through first.
-// Fields' values are the caller's to judge. Pure functions; thread-safe.
+// Checks of messages from outside, generated from the .lcm files (generate_checks.cmake). LCM's generated
+// decoders trust a message: they allocate as many elements as it claims (250 million images would take 16 GB)
+// and read two gigabytes, or throw, for a string whose length is below 1. So every count and length is
+// checked before a message is decoded. Pure functions; thread-safe.
 #pragma once
 
 #include <cstddef>
@@ -10,25 +10,25 @@
 
 namespace strobe::messages {
 
-/// True if the bytes are exactly as long as their own counts and lengths say. The fingerprint is the
-/// decoder's to check.
-bool event_well_formed(const void* data, std::size_t size);
-bool frame_well_formed(const void* data, std::size_t size);
-bool frame_v1_well_formed(const void* data, std::size_t size);
-bool status_well_formed(const void* data, std::size_t size);
-bool status_v1_well_formed(const void* data, std::size_t size);
-bool shot_well_formed(const void* data, std::size_t size);
-bool shot_v1_well_formed(const void* data, std::size_t size);
-
-/// Decodes a message that its function above finds well formed. False: it is not, or is of another type.
+/// True if the encoded message is exactly as long as its own counts and lengths say, and every count is
+/// within the range that the .lcm file gives. The fingerprint is the decoder's to check. For every type of
+/// the .lcm files.
 template <typename Message>
-bool decode_checked(Message& message, bool (*well_formed)(const void*, std::size_t), const void* data,
-                    std::size_t size) {
-  return size <= static_cast<std::size_t>(std::numeric_limits<int>::max()) && well_formed(data, size) &&
-         message.decode(data, 0, static_cast<int>(size)) >= 0;
+bool well_formed(const void* data, std::size_t size);
+
+/// True if every number of a decoded message, those of its parts included, is within the range that the .lcm
+/// file gives: far enough from overflow to be calculated with. Not whether it is true.
+template <typename Message>
+bool in_range(const Message& message);
+
+/// Decodes a well-formed message. Returns false if it is not, or if it is of another type.
+template <typename Message>
+bool decode_checked(Message& message, const void* data, std::size_t size) {
+  return size <= static_cast<std::size_t>(std::numeric_limits<int>::max()) &&
+         well_formed<Message>(data, size) && message.decode(data, 0, static_cast<int>(size)) >= 0;
 }
 
-/// Who computed an encoded readout, from its head alone: its lists are never decoded. 0: not a readout.
+/// The host_id of an encoded readout_t, read without decoding its lists; 0 if it is not a readout.
 std::int64_t readout_host(const void* data, std::size_t size);
 
 }  // namespace strobe::messages

@@ -10,7 +10,8 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
-#include <strobe_msgs/shot_v1_t.hpp>
+#include <strobe_msgs/event_t.hpp>
+#include <strobe_msgs/shot_t.hpp>
 
 #include "common/messages/well_formed.hpp"
 
@@ -45,40 +46,26 @@ bool write_all(int fd, const std::vector<std::uint8_t>& bytes) {
   return true;
 }
 
-bool ends_with(const std::string& text, const std::string& end) {
-  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
-}
-
-template <typename Shot>
-bool is_shot(const LogRecord& record, bool (*well_formed)(const void*, std::size_t), JournalEntry& entry,
-             std::int32_t& shot_id) {
-  Shot shot{};
-  if (!messages::decode_checked(shot, well_formed, record.bytes.data(), record.bytes.size())) return false;
-  entry.kind = Message::Kind::shot;
-  entry.sequences = {shot.first_sequence, shot.last_sequence};
-  shot_id = shot.shot_id;
-  return true;
-}
-
 }  // namespace
 
 bool entry_of(const LogRecord& record, JournalEntry& entry, std::int32_t& shot_id) {
   entry.offset = record.offset;
-  if (ends_with(record.channel, "/EVENT")) {
+  if (record.channel.ends_with("/EVENT")) {
     strobe_msgs::event_t event{};
-    if (!messages::decode_checked(event, messages::event_well_formed, record.bytes.data(),
-                                  record.bytes.size()))
-      return false;
+    if (!messages::decode_checked(event, record.bytes.data(), record.bytes.size())) return false;
     entry.kind = Message::Kind::event;
     entry.sequences = {event.sequence, event.sequence};
     shot_id = event.shot_id;
     return true;
   }
-  if (ends_with(record.channel, "/SHOT")) {
-    return is_shot<strobe_msgs::shot_t>(record, messages::shot_well_formed, entry, shot_id) ||
-           is_shot<strobe_msgs::shot_v1_t>(record, messages::shot_v1_well_formed, entry, shot_id);
-  }
-  return false;
+  strobe_msgs::shot_t shot{};
+  if (!record.channel.ends_with("/SHOT") ||
+      !messages::decode_checked(shot, record.bytes.data(), record.bytes.size()))
+    return false;
+  entry.kind = Message::Kind::shot;
+  entry.sequences = {shot.first_sequence, shot.last_sequence};
+  shot_id = shot.shot_id;
+  return true;
 }
 
 std::string boot_in_hex(std::int64_t boot_id) {

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "common/authentication/seal.hpp"
+#include "common/messages/well_formed.hpp"
 #include "firmware/core/shot_plan.hpp"
 
 namespace strobe::firmware {
@@ -39,41 +40,12 @@ bool RepetitionFilter::is_new(std::int64_t host_id, std::int64_t command_id) {
 
 namespace {
 
-constexpr std::uint32_t kMaxNotes = 64;
-
 bool good_note(const strobe_msgs::note_t& note) {
   return !note.key.empty() && note.key.size() <= 64 && note.value.size() <= 1024 &&
          note.key.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_.") == std::string::npos;
 }
 
 }  // namespace
-
-bool well_formed(std::span<const std::uint8_t> body) {
-  // LCM's generated decoder believes every count and length: 2^31 notes are allocated, a length of 0 or below
-  // reads before the buffer. So what varies is walked through first, even though whoever sealed it has the
-  // key.
-  const auto fixed = static_cast<std::size_t>(strobe_msgs::command_t{}.getEncodedSize());
-  if (body.size() < fixed) return false;
-  constexpr std::size_t kCodedFlash = 8 + 1, kAfterCode = 3 * 8 + 4;  // what is to be resent, note_count
-  std::size_t at = fixed - kAfterCode - 4;
-  const auto next_count = [&](std::uint32_t& count) {
-    if (body.size() - at < 4) return false;
-    count = std::uint32_t{body[at]} << 24 | std::uint32_t{body[at + 1]} << 16 |
-            std::uint32_t{body[at + 2]} << 8 | std::uint32_t{body[at + 3]};
-    at += 4;
-    return true;
-  };
-  std::uint32_t coded = 0, notes = 0, length = 0;
-  if (!next_count(coded) || coded > kMaxCodedFlashes || body.size() - fixed < coded * kCodedFlash)
-    return false;
-  at += coded * kCodedFlash + kAfterCode - 4;
-  if (!next_count(notes) || notes > kMaxNotes) return false;
-  for (std::uint32_t text = 0; text < 2 * notes; ++text) {
-    if (!next_count(length) || length == 0 || length > body.size() - at) return false;
-    at += length;
-  }
-  return at == body.size();
-}
 
 std::string find_defect(const strobe_msgs::command_t& command, const Rig& rig) {
   using Type = strobe_msgs::command_t;
@@ -113,7 +85,7 @@ void Receiver::open(std::span<const std::uint8_t> sealed) {
   const auto body = authentication::unseal(key_, rig_.name, sealed);
   if (!body) return rejections_.note(body.error());
   strobe_msgs::command_t command{};
-  if (!well_formed(*body) || command.decode(body->data(), 0, static_cast<int>(body->size())) < 0)
+  if (!messages::decode_checked(command, body->data(), body->size()))
     return rejections_.note(Rejection::malformed);
   dispatch(command);
 }

@@ -47,10 +47,6 @@ class RepetitionFilter {
   std::map<std::int64_t, std::int64_t> newest_;  ///< by host
 };
 
-/// Whether bytes can be given to command_t's decoder: all counts and lengths within the message, at most 64
-/// notes.
-bool well_formed(std::span<const std::uint8_t> body);
-
 /// What is wrong with the form of a command, or with a FIRE's plan; empty: nothing.
 std::string find_defect(const strobe_msgs::command_t& command, const Rig& rig);
 

@@ -67,7 +67,7 @@ MessageHandler& WatchedPhotographs::sink() { return relay_; }
 bool WatchedPhotographs::own_frame(const std::string& channel, const void* data, std::size_t size) const {
   if (!pipeline_ || channel != messages::channel_name(rig_.rig, messages::Channel::frame)) return false;
   strobe_msgs::frame_t frame;
-  return messages::decode_checked(frame, messages::frame_well_formed, data, size) &&
+  return messages::decode_checked(frame, data, size) &&
          frame.host_id == host_id_;
 }
 

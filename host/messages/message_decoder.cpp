@@ -1,35 +1,23 @@
 #include "host/messages/message_decoder.hpp"
 
+#include <algorithm>
 #include <exception>
-#include <strobe_msgs/frame_v1_t.hpp>
 
 #include "common/messages/channels.hpp"
-#include "common/messages/lcm_conversions.hpp"
-#include "common/messages/shot_versions.hpp"
-#include "common/messages/status_from_v1.hpp"
 #include "common/messages/well_formed.hpp"
-#include "host/messages/in_range.hpp"
 
 namespace strobe::host {
 namespace {
 
-using WellFormed = bool (*)(const void*, std::size_t);
-
 template <typename Message>
-bool decode(Message& message, WellFormed well_formed, const void* data, std::size_t size) {
-  return messages::decode_checked(message, well_formed, data, size) &&
-         message.schema_version == Message::SCHEMA_VERSION;
+bool decode(Message& message, const void* data, std::size_t size) {
+  return messages::decode_checked(message, data, size) && message.schema_version == Message::SCHEMA_VERSION;
 }
 
-/// A message of this version, or one of a log from before it.
-template <typename Message, typename Old>
-bool decode(Message& message, WellFormed well_formed, Message (*from_old)(const Old&),
-            WellFormed old_well_formed, const void* data, std::size_t size) {
-  if (decode(message, well_formed, data, size)) return true;
-  Old old;
-  if (!decode(old, old_well_formed, data, size)) return false;
-  message = from_old(old);
-  return true;
+bool numbered_in_order(const std::vector<strobe_msgs::flash_t>& flashes) {
+  std::int32_t index = 0;
+  return std::all_of(flashes.begin(), flashes.end(),
+                     [&index](const auto& flash) { return flash.flash_index == index++; });
 }
 
 }  // namespace
@@ -65,34 +53,28 @@ void MessageDecoder::receive(std::string_view channel, const void* data, std::si
 
 void MessageDecoder::take_event(const void* data, std::size_t size, std::int64_t now_ns) {
   strobe_msgs::event_t event;
-  if (decode(event, messages::event_well_formed, data, size) && in_range(event))
+  if (decode(event, data, size) && messages::in_range(event))
     return sink_.event(event, now_ns);
   ++undecodable_;
 }
 
 void MessageDecoder::take_shot(const void* data, std::size_t size, std::int64_t now_ns) {
   strobe_msgs::shot_t shot;
-  if (decode(shot, messages::shot_well_formed, messages::shot_from_v1, messages::shot_v1_well_formed, data,
-             size) &&
-      in_range(shot))
+  if (decode(shot, data, size) && messages::in_range(shot) && numbered_in_order(shot.flashes))
     return sink_.shot(shot, now_ns);
   ++undecodable_;
 }
 
 void MessageDecoder::take_status(const void* data, std::size_t size, std::int64_t now_ns) {
   strobe_msgs::status_t status;
-  if (decode(status, messages::status_well_formed, messages::status_from_v1, messages::status_v1_well_formed,
-             data, size) &&
-      in_range(status))
+  if (decode(status, data, size) && messages::in_range(status))
     return sink_.status(status, now_ns);
   ++undecodable_;
 }
 
 void MessageDecoder::take_frame(const void* data, std::size_t size, std::int64_t now_ns) {
   strobe_msgs::frame_t frame;
-  if (decode(frame, messages::frame_well_formed, messages::frame_from_v1, messages::frame_v1_well_formed,
-             data, size))
-    return sink_.frame(frame, now_ns);
+  if (decode(frame, data, size)) return sink_.frame(frame, now_ns);
   ++undecodable_;
 }
 

@@ -13,7 +13,6 @@
 #include "common/messages/channels.hpp"
 #include "common/messages/well_formed.hpp"
 #include "common/shot/shot_key.hpp"
-#include "host/messages/in_range.hpp"
 
 namespace strobe::host {
 namespace {
@@ -116,15 +115,13 @@ void SessionFolder::recall(EventLedger& ledger, const std::string& rig) const {
     const auto size = static_cast<std::size_t>(logged.datalen);
     if (logged.channel == events) {
       event_t event;
-      if (!messages::decode_checked(event, messages::event_well_formed, logged.data, size) ||
-          !in_range(event))
-        return;
+      if (!messages::decode_checked(event, logged.data, size) || !messages::in_range(event)) return;
       ledger.add(event.boot_id, event.sequence, 0);
       if (event.kind == event_t::SHOT_ENDED || event.kind == event_t::SHOT_ABORTED)
         ended[{event.boot_id, event.shot_id}] = event.sequence;
     } else if (logged.channel == shots) {
       shot_t shot;
-      if (messages::decode_checked(shot, messages::shot_well_formed, logged.data, size))
+      if (messages::decode_checked(shot, logged.data, size))
         summed_up.insert({shot.boot_id, shot.shot_id});
     }
   };

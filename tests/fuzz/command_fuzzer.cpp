@@ -6,6 +6,7 @@
 #include <strobe_msgs/command_t.hpp>
 
 #include "common/authentication/seal.hpp"
+#include "common/messages/well_formed.hpp"
 #include "firmware/core/shot_plan.hpp"
 #include "firmware/publisher/receiver.hpp"
 
@@ -20,7 +21,7 @@ void require(bool holds) {
 void decode_body(std::span<const std::uint8_t> body) {
   using namespace strobe::firmware;
   static const Rig rig;
-  if (!well_formed(body)) return;
+  if (!strobe::messages::well_formed<strobe_msgs::command_t>(body.data(), body.size())) return;
   strobe_msgs::command_t command{};
   if (command.decode(body.data(), 0, static_cast<int>(body.size())) < 0) return;
   const auto plan = from_message(command.plan);

@@ -9,9 +9,7 @@
 #include <string>
 #include <strobe_msgs/event_t.hpp>
 #include <strobe_msgs/frame_t.hpp>
-#include <strobe_msgs/frame_v1_t.hpp>
 #include <strobe_msgs/shot_t.hpp>
-#include <strobe_msgs/shot_v1_t.hpp>
 #include <strobe_msgs/status_t.hpp>
 #include <vector>
 
@@ -31,13 +29,11 @@ struct Kind {
   std::int64_t fingerprint;
 };
 
-const std::array<Kind, 6>& kinds() {
-  static const std::array<Kind, 6> all{{{Channel::event, strobe_msgs::event_t::getHash()},
+const std::array<Kind, 4>& kinds() {
+  static const std::array<Kind, 4> all{{{Channel::event, strobe_msgs::event_t::getHash()},
                                         {Channel::status, strobe_msgs::status_t::getHash()},
                                         {Channel::shot, strobe_msgs::shot_t::getHash()},
-                                        {Channel::frame, strobe_msgs::frame_t::getHash()},
-                                        {Channel::frame, strobe_msgs::frame_v1_t::getHash()},
-                                        {Channel::shot, strobe_msgs::shot_v1_t::getHash()}}};
+                                        {Channel::frame, strobe_msgs::frame_t::getHash()}}};
   return all;
 }
 

@@ -5,15 +5,11 @@
 #include <limits>
 #include <stdexcept>
 #include <string>
-#include <strobe_msgs/frame_v1_t.hpp>
 #include <strobe_msgs/readout_t.hpp>
-#include <strobe_msgs/shot_v1_t.hpp>
-#include <strobe_msgs/status_v1_t.hpp>
 #include <utility>
 #include <vector>
 
 #include "common/messages/well_formed.hpp"
-#include "host/assembly/assemble.hpp"
 #include "tests/host/synthetic_shot.hpp"
 
 #include <CppUTest/TestHarness.h>
@@ -34,11 +30,7 @@ struct CountingSink : MessageHandler {
     if (throws) throw std::runtime_error("the disk is full");
   }
   void event(const strobe_msgs::event_t&, std::int64_t) override { ++events; }
-  strobe_msgs::shot_t last_shot;
-  void shot(const strobe_msgs::shot_t& message, std::int64_t) override {
-    ++shots;
-    last_shot = message;
-  }
+  void shot(const strobe_msgs::shot_t&, std::int64_t) override { ++shots; }
   void frame(const strobe_msgs::frame_t&, std::int64_t) override { ++frames; }
 };
 
@@ -54,35 +46,9 @@ strobe_msgs::status_t status() {
   message.schema_version = strobe_msgs::status_t::SCHEMA_VERSION;
   message.wall_ns = 1'800'000'000'000'000'000;  // in 2027
   message.histograms.resize(2), message.histogram_count = 2;
+  for (auto& histogram : message.histograms) histogram.quantity = 1, histogram.bin_width_us = 1.0;
   message.histograms[0].bins = {1, 2, 3}, message.histograms[0].bin_count = 3;
   return message;
-}
-
-strobe_msgs::shot_v1_t as_of_version_one(const strobe_msgs::shot_t& shot) {
-  strobe_msgs::shot_v1_t old{};
-  old.schema_version = strobe_msgs::shot_v1_t::SCHEMA_VERSION;
-  old.boot_id = shot.boot_id;
-  old.shot_id = shot.shot_id;
-  old.plan.period_ns = shot.plan.period_ns;
-  old.trigger_ns = shot.trigger_ns;
-  old.gate_ns = shot.gate_ns;
-  old.lamp_delay_us = shot.lamp_delay_a_us;
-  old.sensor_a_fitted = shot.sensor_a_fitted;
-  old.sensor_b_fitted = shot.sensor_b_fitted;
-  old.late_tolerance_us = shot.late_tolerance_us;
-  for (const auto& flash : shot.flashes) {
-    strobe_msgs::flash_v1_t f{};
-    f.flash_index = flash.flash_index;
-    f.commanded_ns = flash.commanded_ns;
-    f.issue_start_ns = flash.issue_start_ns;
-    f.issue_end_ns = flash.issue_end_ns;
-    f.observed_a_ns = flash.observed_a_ns;
-    f.observed_b_ns = flash.observed_b_ns;
-    f.extra_edges = flash.extra_edges;
-    old.flashes.push_back(f);
-  }
-  old.flash_count = static_cast<std::int32_t>(old.flashes.size());
-  return old;
 }
 
 }  // namespace
@@ -106,32 +72,6 @@ TEST(DecodingOfMessages, EachChannelHasItsType) {
   LONGS_EQUAL(1, sink.frames);
   LONGS_EQUAL(42, sink.last_ns);
   LONGS_EQUAL(0, decoder.undecodable());
-}
-
-TEST(DecodingOfMessages, AFrameOfVersionOneIsTakenIn) {
-  strobe_msgs::frame_v1_t old{};
-  old.schema_version = strobe_msgs::frame_v1_t::SCHEMA_VERSION;
-  old.images.resize(3), old.image_count = 3;
-  give("STROBE/bench/FRAME", bytes_of(old));
-  LONGS_EQUAL(1, sink.frames);
-}
-
-TEST(DecodingOfMessages, AStatusOfVersionOneIsTakenIn) {
-  strobe_msgs::status_v1_t old{};
-  old.schema_version = strobe_msgs::status_v1_t::SCHEMA_VERSION;
-  give("STROBE/bench/STATUS", bytes_of(old));
-  LONGS_EQUAL(1, sink.statuses);
-}
-
-TEST(DecodingOfMessages, AShotOfVersionOneIsTakenInWithTheSameReadout) {
-  const auto made = strobe::host_test::make_shot({});
-  give("STROBE/bench/SHOT", bytes_of(as_of_version_one(made.shot)));
-  LONGS_EQUAL(1, sink.shots);
-  LONGS_EQUAL(0, decoder.undecodable());
-  const auto now = strobe::host::shot_readout(made.shot, made.frame, {}).readout;
-  const auto then = strobe::host::shot_readout(sink.last_shot, made.frame, {}).readout;
-  CHECK(now.value == then.value);
-  CHECK(now.sd == then.sd);
 }
 
 TEST(DecodingOfMessages, AnEventWhoseTextClaimsALengthBelowOneIsCountedAndHarmless) {

@@ -5,27 +5,21 @@
 #include <map>
 #include <string>
 #include <strobe_msgs/ball_image_t.hpp>
-#include <strobe_msgs/ball_image_v1_t.hpp>
 #include <strobe_msgs/coded_flash_t.hpp>
 #include <strobe_msgs/command_t.hpp>
 #include <strobe_msgs/earlier_boot_t.hpp>
 #include <strobe_msgs/event_t.hpp>
 #include <strobe_msgs/flash_t.hpp>
-#include <strobe_msgs/flash_v1_t.hpp>
 #include <strobe_msgs/frame_t.hpp>
-#include <strobe_msgs/frame_v1_t.hpp>
 #include <strobe_msgs/histogram_t.hpp>
 #include <strobe_msgs/note_t.hpp>
 #include <strobe_msgs/plan_t.hpp>
-#include <strobe_msgs/plan_v1_t.hpp>
 #include <strobe_msgs/point_t.hpp>
 #include <strobe_msgs/readout_t.hpp>
 #include <strobe_msgs/readout_values_t.hpp>
 #include <strobe_msgs/sealed_command_t.hpp>
 #include <strobe_msgs/shot_t.hpp>
-#include <strobe_msgs/shot_v1_t.hpp>
 #include <strobe_msgs/status_t.hpp>
-#include <strobe_msgs/status_v1_t.hpp>
 
 #include <CppUTest/TestHarness.h>
 
@@ -39,27 +33,21 @@ struct Pin {
 const std::map<std::string, Pin>& pins() {
   static const std::map<std::string, Pin> table{
       {"ball_image_t", {strobe_msgs::ball_image_t::getHash(), 0xc4e7715c496d5f93}},
-      {"ball_image_v1_t", {strobe_msgs::ball_image_v1_t::getHash(), 0x5333004e4b6fab8c}},
       {"coded_flash_t", {strobe_msgs::coded_flash_t::getHash(), 0xca8d3fdb380ff32a}},
       {"command_t", {strobe_msgs::command_t::getHash(), 0xe51d1e971e37524a}},
       {"earlier_boot_t", {strobe_msgs::earlier_boot_t::getHash(), 0x27c50a9305638140}},
       {"event_t", {strobe_msgs::event_t::getHash(), 0x5d73a8136a3a7405}},
       {"flash_t", {strobe_msgs::flash_t::getHash(), 0x6bcbfe82d3bd0204}},
-      {"flash_v1_t", {strobe_msgs::flash_v1_t::getHash(), 0x92477946a481f0e7}},
       {"frame_t", {strobe_msgs::frame_t::getHash(), 0xa3be7c3c948983f8}},
-      {"frame_v1_t", {strobe_msgs::frame_v1_t::getHash(), 0x96b60b74edcfe8d3}},
       {"histogram_t", {strobe_msgs::histogram_t::getHash(), 0x2ce6f085294c452f}},
       {"note_t", {strobe_msgs::note_t::getHash(), 0x2eae802baa5ddbbd}},
       {"plan_t", {strobe_msgs::plan_t::getHash(), 0x0b742a0ba6b4a4e8}},
-      {"plan_v1_t", {strobe_msgs::plan_v1_t::getHash(), 0x435a8a10627fd9cf}},
       {"point_t", {strobe_msgs::point_t::getHash(), 0xb9e20652cc607e78}},
       {"readout_t", {strobe_msgs::readout_t::getHash(), 0x784800cf5a41192a}},
       {"readout_values_t", {strobe_msgs::readout_values_t::getHash(), 0xb7fa907edaf1173a}},
       {"sealed_command_t", {strobe_msgs::sealed_command_t::getHash(), 0x86509c45717d16ca}},
       {"shot_t", {strobe_msgs::shot_t::getHash(), 0xb7f5b496dce12d29}},
-      {"shot_v1_t", {strobe_msgs::shot_v1_t::getHash(), 0x14ba596b5a2e6ad1}},
       {"status_t", {strobe_msgs::status_t::getHash(), 0x0dfd0c24e1915cf1}},
-      {"status_v1_t", {strobe_msgs::status_v1_t::getHash(), 0xd53a993bf0dc4acb}},
   };
   return table;
 }

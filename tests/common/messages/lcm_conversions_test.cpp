@@ -11,7 +11,6 @@
 #include <limits>
 #include <string>
 #include <strobe_msgs/frame_t.hpp>
-#include <strobe_msgs/frame_v1_t.hpp>
 #include <strobe_msgs/readout_t.hpp>
 
 #include "common/messages/json_conversions.hpp"
@@ -151,34 +150,6 @@ TEST(FrameMessage, AnExactScaleSurvives) {
   frame.px_per_m = 4000.0;
   frame.px_per_m_sd = 0.0;
   DOUBLES_EQUAL(0.0, *frame_from_lcm(wired(frame_to_lcm(frame)))->px_per_m_sd, 0.0);
-}
-
-TEST(FrameMessage, OfVersionOneIsStillRead) {
-  strobe_msgs::frame_v1_t old{};
-  old.schema_version = strobe_msgs::frame_v1_t::SCHEMA_VERSION;
-  old.boot_id = 77;
-  old.shot_id = 5;
-  old.source = "hand";
-  old.centre_sd_px = 2.0;
-  old.diameter_sd_px = old.surface_sd_px = old.equator_sd_rad = old.px_per_m = old.px_per_m_sd = kNone;
-  old.surface = message.surface, old.surface_count = 2;
-  strobe_msgs::ball_image_v1_t image{};
-  image.leg = strobe_msgs::ball_image_v1_t::LEG_CONTACT;
-  image.centre_x_px = 1, image.centre_y_px = 2, image.diameter_px = 260;
-  image.equator_rad = kNone, image.top_x_px = 4, image.top_y_px = 5;
-  old.images = {image}, old.image_count = 1;
-  const auto frame = frame_from_lcm(frame_from_v1(wired(old)));
-  CHECK_TRUE(frame.has_value());
-  Frame expected;
-  expected.shot_id = 5;
-  expected.surface_px = example_frame().surface_px;
-  expected.centre_sd_px = 2.0;
-  expected.images.resize(1);
-  expected.images[0].leg = Leg::contact;
-  expected.images[0].centre_px = {1, 2}, expected.images[0].diameter_px = 260;
-  expected.images[0].top_px = reduction::PointPx{4, 5};
-  expected.images[0].source = "hand";
-  STRCMP_EQUAL(frame_to_json(expected).c_str(), frame_to_json(*frame).c_str());
 }
 
 TEST_GROUP(ReadoutMessage) {

@@ -1,0 +1,160 @@
+#include "common/messages/well_formed.hpp"
+
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <strobe_msgs/command_t.hpp>
+#include <strobe_msgs/event_t.hpp>
+#include <strobe_msgs/frame_t.hpp>
+#include <strobe_msgs/readout_t.hpp>
+#include <strobe_msgs/sealed_command_t.hpp>
+#include <strobe_msgs/shot_t.hpp>
+#include <strobe_msgs/status_t.hpp>
+#include <vector>
+
+#include <CppUTest/TestHarness.h>
+
+using namespace strobe::messages;
+using namespace strobe_msgs;
+
+namespace {
+
+constexpr std::int64_t kLargest = std::int64_t{1} << 60;
+
+template <typename Message>
+std::vector<std::uint8_t> encoded(const Message& message) {
+  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(message.getEncodedSize()));
+  message.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+  return bytes;
+}
+
+template <typename Message>
+bool decodes(const Message& message) {
+  const auto bytes = encoded(message);
+  Message decoded;
+  return decode_checked(decoded, bytes.data(), bytes.size()) && encoded(decoded) == bytes;
+}
+
+/// Neither any beginning of the message nor the message with a byte more.
+template <typename Message>
+void check_no_other_length(const Message& message) {
+  auto bytes = encoded(message);
+  for (std::size_t size = 0; size < bytes.size(); ++size)
+    CHECK_FALSE(well_formed<Message>(bytes.data(), size));
+  CHECK_TRUE(well_formed<Message>(bytes.data(), bytes.size()));
+  bytes.push_back(0);
+  CHECK_FALSE(well_formed<Message>(bytes.data(), bytes.size()));
+}
+
+status_t full_status() {
+  status_t status{};
+  status.earlier.resize(2), status.earlier_count = 2;
+  status.histograms.resize(2), status.histogram_count = 2;
+  for (auto& histogram : status.histograms) histogram.quantity = 1, histogram.bin_width_us = 1.0;
+  status.histograms[1].bins = {1, 2, 3}, status.histograms[1].bin_count = 3;
+  status.message = "the key is off";
+  return status;
+}
+
+shot_t full_shot() {
+  shot_t shot{};
+  shot.plan.code.resize(2), shot.plan.code_count = 2;
+  for (auto& flash : shot.plan.code) flash.lamps = 3;
+  shot.flashes.resize(3), shot.flash_count = 3;
+  for (auto& flash : shot.flashes) flash.lamps = 3;
+  shot.notes.resize(1), shot.note_count = 1;
+  shot.notes[0].key = "operator", shot.notes[0].value = "somebody";
+  shot.abort_reason = "late";
+  return shot;
+}
+
+}  // namespace
+
+TEST_GROUP(ChecksOfMessages){};
+
+TEST(ChecksOfMessages, WholeMessagesPassAndNoOtherLengthDoes) {
+  readout_t readout{};
+  readout.flags = {"late_flash", "spin_aliased"}, readout.flag_count = 2;
+  sealed_command_t sealed{};
+  sealed.body = {1, 2, 3}, sealed.body_size = 3;
+  frame_t frame{};
+  frame.surface.resize(2), frame.surface_count = 2;
+  frame.images.resize(1), frame.image_count = 1;
+  CHECK_TRUE(decodes(full_status()) && decodes(full_shot()) && decodes(frame) && decodes(event_t{}));
+  CHECK_TRUE(decodes(readout) && decodes(sealed) && decodes(command_t{}));
+  check_no_other_length(full_status());
+  check_no_other_length(full_shot());
+  check_no_other_length(frame);
+  check_no_other_length(readout);
+  check_no_other_length(sealed);
+}
+
+TEST(ChecksOfMessages, ACountBeyondItsRangeIsRefusedAlthoughTheBytesAreThere) {
+  command_t command{};
+  command.notes.resize(64), command.note_count = 64;
+  CHECK_TRUE(decodes(command));
+  command.notes.resize(65), command.note_count = 65;
+  CHECK_FALSE(decodes(command));
+  status_t status = full_status();
+  status.earlier.resize(17), status.earlier_count = 17;
+  CHECK_FALSE(decodes(status));
+  shot_t shot = full_shot();
+  shot.plan.code.resize(1025), shot.plan.code_count = 1025;
+  CHECK_FALSE(decodes(shot));
+}
+
+TEST(ChecksOfMessages, AnotherTypesFingerprintIsRefused) {
+  auto bytes = encoded(full_shot());
+  bytes[0] ^= 1;
+  shot_t shot;
+  CHECK_TRUE(well_formed<shot_t>(bytes.data(), bytes.size()));
+  CHECK_FALSE(decode_checked(shot, bytes.data(), bytes.size()));
+}
+
+TEST(ChecksOfMessages, NumbersAtTheirLimitsAreInRangeAndBeyondThemNot) {
+  const auto with_time = [](std::int64_t ns) {
+    event_t event{};
+    event.commanded_ns = ns;
+    return in_range(event);
+  };
+  CHECK_TRUE(with_time(kLargest) && with_time(-kLargest) && with_time(event_t::NO_TIME));
+  CHECK_FALSE(with_time(kLargest + 1) || with_time(-kLargest - 1));
+  event_t event{};
+  event.sequence = -1;
+  CHECK_FALSE(in_range(event));
+  status_t status = full_status();
+  CHECK_TRUE(in_range(status));
+  status.wall_ns = 4'000'000'000'000'000'001;
+  CHECK_FALSE(in_range(status));
+}
+
+TEST(ChecksOfMessages, TheNumbersOfAMessagesPartsAreCheckedToo) {
+  CHECK_TRUE(in_range(full_shot()));
+  shot_t shot = full_shot();
+  shot.flashes[2].observed_b_ns = kLargest + 1;
+  CHECK_FALSE(in_range(shot));
+  shot = full_shot();
+  shot.plan.code[1].lamps = 4;
+  CHECK_FALSE(in_range(shot));
+  shot = full_shot();
+  shot.plan.impact_at_ns = -1;
+  CHECK_FALSE(in_range(shot));
+  status_t status = full_status();
+  status.histograms[1].quantity = 0;
+  CHECK_FALSE(in_range(status));
+}
+
+TEST(ChecksOfMessages, ANumberThatMayBeAbsentIsNaNOrInRange) {
+  const auto with_sd = [](double sd) {
+    frame_t frame{};
+    frame.centre_sd_px = frame.diameter_sd_px = frame.surface_sd_px = frame.equator_sd_rad = 1.0;
+    frame.px_per_m = 4000.0;
+    frame.px_per_m_sd = sd;
+    return in_range(frame);
+  };
+  CHECK_TRUE(with_sd(0.0) && with_sd(5.0) && with_sd(std::nan("")));
+  CHECK_FALSE(with_sd(-1e-9) || with_sd(std::numeric_limits<double>::infinity()));
+  shot_t shot = full_shot();
+  shot.late_tolerance_us = std::nan("");
+  CHECK_FALSE(in_range(shot));
+}
