@@ -1,4 +1,4 @@
-// What the subcommands of strobe-sim share in dealing with a person.
+// Input and output that the subcommands of strobe-sim share.
 #pragma once
 
 #include <cmath>
@@ -11,7 +11,7 @@ namespace strobe::sim {
 /// Prints "strobe-sim: message" on stderr and returns the status.
 int report_error(const std::string& message, int status);
 
-/// As typed; |ms| below 1e12.
+/// |ms| below 1e12.
 inline Duration from_milliseconds(double ms) { return nanoseconds(std::llround(ms * 1e6)); }
 
 }  // namespace strobe::sim

@@ -1,5 +1,5 @@
-// The subcommands of strobe-sim. Each prints its own errors, one line on stderr, and returns the exit status:
-// 0 done, 1 ran but failed, 2 bad usage or input.
+// The subcommands of strobe-sim. Each prints its errors on stderr, one line each, and returns the exit
+// status: 0 done, 1 ran but failed, 2 bad usage or input.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@ namespace strobe::sim {
 
 struct RunOptions {
   std::string scene;
-  std::optional<std::uint64_t> seed;  ///< absent: a fresh one, printed
+  std::optional<std::uint64_t> seed;  ///< absent: a random one, printed
   std::string lcm_url;
   std::string rig_name = "bench";
   std::string chip_dir;      ///< empty: a temporary folder
@@ -22,7 +22,7 @@ struct RunOptions {
   std::string photographs;   ///< folder for the camera's files; empty: none are made
   bool digitizer = true;
   std::string tolerance;              ///< empty: none
-  std::optional<double> deadline_us;  ///< of computing a shot
+  std::optional<double> deadline_us;  ///< per computed shot
   std::vector<std::string> command;
 };
 /// Exit status of the command; 128 plus the signal that ended it.
@@ -34,7 +34,7 @@ struct ShootOptions {
   std::uint64_t seed = 1;
   std::string model = "full";
   std::string tolerance;              ///< empty: none
-  std::optional<double> deadline_us;  ///< of computing a shot
+  std::optional<double> deadline_us;  ///< per computed shot
   double period_ms = 3.0;
   double exposure_ms = 0.0;  ///< 0: as long as the balls take to cross the view
   bool perfect_digitizer = false;
@@ -51,7 +51,7 @@ struct PlanOptions {
   bool all = false;
   bool json = false;
 };
-/// Prints which effects a scene requires at a tolerance, and what they cost.
+/// Prints which effects a scene needs at a tolerance, and what they cost.
 int plan_command(const PlanOptions& options);
 
 struct PhotographOptions {
@@ -66,7 +66,8 @@ struct PhotographOptions {
 /// Writes photographs of simulated shots, and the truth about them.
 int photograph_command(const PhotographOptions& options);
 
-/// A tolerance as typed (empty: the scene's own, if it has one) and a deadline. The error names the option.
+/// From a tolerance as typed (empty: the scene's own, if it has one) and a deadline. The error names the
+/// option.
 Result<PlanRequirement> parse_requirement(const std::string& tolerance,
                                           const std::optional<double>& deadline_us, const Scene& scene);
 
@@ -76,7 +77,7 @@ int scenes_command(bool json);
 int drive_command(const std::string& chip_dir, const std::vector<std::string>& drives);
 int lines_command(const std::string& chip_dir, bool json);
 
-/// Unplugs the chip: at once, or after a line rose as often as `after` says (LINE=N).
+/// Unplugs the chip: at once, or after the N-th rising edge of a line (`after` is LINE=N).
 int unplug_command(const std::string& chip_dir, const std::string& after);
 
 /// Derives the scenes of the thesis's conditions from its tables and writes them to a folder.

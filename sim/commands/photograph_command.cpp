@@ -9,7 +9,7 @@
 #include "sim/commands/commands.hpp"
 #include "sim/photograph/photograph_file.hpp"
 #include "sim/photograph/render.hpp"
-#include "sim/scene/scene_files.hpp"
+#include "sim/loading/scene_files.hpp"
 #include "sim/shoot/shoot.hpp"
 
 namespace strobe::sim {
@@ -41,8 +41,8 @@ std::string option_named(std::string message) {
 Result<std::string> take(Shooter& shooter, const PhotographOptions& options, int shot) {
   const Scene& scene = shooter.scene();
   const SimulatedShot result = shooter.shoot(shot);
-  const Appearance look = draw_appearance(scene, options.seed, shot);
-  const auto photograph = render(scene, result.exposure, look);
+  const Appearance appearance = draw_appearance(scene, options.seed, shot);
+  const auto photograph = render(scene, result.exposure, appearance);
   if (!photograph) return tl::unexpected(photograph.error());
   const std::string name = fmt::format("shot_{:04}{}", shot, extension(scene.photograph.format));
   if (auto written =
@@ -54,7 +54,7 @@ Result<std::string> take(Shooter& shooter, const PhotographOptions& options, int
                photograph->truth.width_px, photograph->truth.height_px, scene.photograph.bits,
                photograph->truth.images.size());
   }
-  return photograph_line(scene, result.exposure, shot, look, photograph->truth, name);
+  return photograph_line(scene, result.exposure, shot, appearance, photograph->truth, name);
 }
 
 }  // namespace

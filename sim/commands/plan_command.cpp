@@ -10,7 +10,7 @@
 #include "sim/plan/choose.hpp"
 #include "sim/plan/cost.hpp"
 #include "sim/scene/model_text.hpp"
-#include "sim/scene/scene_files.hpp"
+#include "sim/loading/scene_files.hpp"
 
 namespace strobe::sim {
 

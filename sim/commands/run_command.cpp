@@ -18,7 +18,7 @@
 #include "sim/live/tablet_operator.hpp"
 #include "sim/live/tethered_camera.hpp"
 #include "sim/scene/reduced_scene.hpp"
-#include "sim/scene/scene_files.hpp"
+#include "sim/loading/scene_files.hpp"
 
 namespace strobe::sim {
 
@@ -135,10 +135,10 @@ class Session {
     session->runner_ = std::make_unique<RigRunner>(std::move(*chip), scene, seed, session->exposure_store_,
                                                    !options.changes_file.empty(), model);
     if (options.digitizer) {
-      auto desk = TabletOperator::create(options.lcm_url, options.rig_name, scene, seed,
-                                         session->exposure_store_, *session->truth_);
-      if (!desk) return tl::unexpected(desk.error());
-      session->tablet_operator_ = std::move(*desk);
+      auto tablet_operator = TabletOperator::create(options.lcm_url, options.rig_name, scene, seed,
+                                                    session->exposure_store_, *session->truth_);
+      if (!tablet_operator) return tl::unexpected(tablet_operator.error());
+      session->tablet_operator_ = std::move(*tablet_operator);
       if (!options.photographs.empty()) session->tablet_operator_->listen_only();
       session->tablet_operator_->start();
     }

@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "sim/commands/commands.hpp"
-#include "sim/scene/scene_files.hpp"
+#include "sim/loading/scene_files.hpp"
 #include "sim/scene/spring.hpp"
 
 namespace strobe::sim {

@@ -10,7 +10,7 @@
 #include "sim/commands/commands.hpp"
 #include "sim/rig/truth.hpp"
 #include "sim/scene/model_text.hpp"
-#include "sim/scene/scene_files.hpp"
+#include "sim/loading/scene_files.hpp"
 #include "sim/shoot/shoot.hpp"
 
 namespace strobe::sim {

@@ -11,7 +11,7 @@
 // Δ being simulated less published at lift-off, p_all the values fitted to all conditions (contact_ode.hpp)
 // and w_p how far a condition is taken to be from them: .1 for mu, .5 for the others; none is moved by more
 // than 2.5 w_p. So two numbers are met by those of four that need least of a change: mu and delta where the
-// ball slides throughout, k_t/k, c_t and delta where it grips. What cannot be met so is said in the file.
+// ball slides throughout, k_t/k, c_t and delta where it grips. What cannot be met is said in the file.
 //
 // Tablet: two-point velocities over T = 3 ms from centres with noise c carry sqrt(2)·c/T in every direction,
 // along the flight besides v times the relative noise of the mean diameter, across it v times the noise of
@@ -67,7 +67,7 @@ struct FittedScene {
 /// Fails if the condition is outside the impact models' ranges.
 Result<FittedScene> fit_scene(const thesis::Condition& condition);
 
-/// The scene file's text; what has its default value is left out.
+/// The scene file's text; keys with their default value are left out.
 std::string to_toml(const FittedScene& fitted, const thesis::Condition& condition);
 
 }  // namespace strobe::sim

@@ -1,5 +1,6 @@
-// The coefficients with which a ball without spread rebounds as a condition's means say, as closely as the
-// contact's mechanics can. Inside of fit.hpp, which gives the derivation. Pure; thread-safe; allocates.
+// Coefficients with which a ball without spread rebounds with a condition's means, as closely as the
+// contact's mechanics allow. Implementation of fit.hpp, which gives the derivation. Pure; thread-safe;
+// allocates.
 #pragma once
 
 #include "common/data/thesis_data.hpp"

@@ -1,5 +1,5 @@
 // The spreads of restitution, grip and offset that make, with a tablet's noise and the machine's spread, the
-// published standard deviations at lift-off. Inside of fit.hpp, which gives the derivation. Pure;
+// published standard deviations at lift-off. Implementation of fit.hpp, which gives the derivation. Pure;
 // thread-safe; allocates.
 #pragma once
 

@@ -29,8 +29,8 @@ enum class OnRelease {
 
 struct LineSpec {
   std::string name;          ///< at most 31 characters; may be empty
-  int idle_level = 0;        ///< level where nobody drives it: the board's pull resistor
-  bool kernel_used = false;  ///< taken by the kernel: every request gets EBUSY
+  int idle_level = 0;        ///< level while undriven: the board's pull resistor
+  bool kernel_used = false;  ///< used by the kernel: every request gets EBUSY
 };
 
 struct ChipSpec {
@@ -44,7 +44,7 @@ struct ChipSpec {
 enum class Cause : std::uint8_t { set, request, release, drive };
 
 struct Change {
-  MonoTime time;  ///< of the change itself, stamped by who made it
+  MonoTime time;  ///< of the change itself, stamped by the process that made it
   std::uint32_t line = 0;
   std::uint8_t level = 0;
   Cause cause = Cause::set;
@@ -57,14 +57,14 @@ struct LineState {
   std::string consumer;
 };
 
-/// A reader's place in the ring of changes.
+/// A reader's position in the ring of changes.
 struct ChangeCursor {
   std::uint64_t next = 0;
 };
 
 class Chip {
  public:
-  /// Makes `dir`. An error if a living chip is in it; one whose creator was killed is replaced.
+  /// Makes `dir`. Fails if a live chip is in it; one whose creator was killed is replaced.
   static Result<Chip> create(const std::filesystem::path& dir, const ChipSpec& spec);
   static Result<Chip> attach(const std::filesystem::path& dir);
   Chip(Chip&&) noexcept;

@@ -1,4 +1,4 @@
-// The chip's folder as the rig has it open: made, mapped, and removed again by its creator.
+// The chip's folder, opened by the rig: created, mapped, and removed by its creator.
 #pragma once
 
 #include <filesystem>

@@ -1,7 +1,7 @@
-// Line levels and the ring of their changes: lock-free, and finished by others where a process died half way.
+// Line levels and the ring of their changes: lock-free, and completed by others if a process dies half way.
 //
-// A change is one compare-and-swap of the line's word, which marks it pending, then one of a ring slot.
-// Whoever finds a pending line (the next one who changes it, or a rig that looks) puts the missing entry into
+// A change is one compare-and-swap of the line's word, which marks it pending, then one of a ring slot. The
+// process that finds a pending line (the next to change it, or a rig that reads it) adds the missing entry to
 // the ring, exactly once: the slot is claimed and filled by the same swap, and only if no slot since holds
 // that change.
 #pragma once
@@ -32,10 +32,10 @@ constexpr PinEdit outside_edit(unsigned level) {
 /// Applies the edit; if the line's level changed by it, that is in the ring when this returns true.
 bool change_line(State& state, std::uint32_t line, PinEdit edit, CauseCode cause, std::int64_t time_ns);
 
-/// Puts changes that a dead process left pending into the ring.
+/// Adds changes that a dead process left pending to the ring.
 void finish_pending(State& state);
 
-/// Lets every rig that waits for changes look again.
+/// Wakes every rig that waits for changes.
 void notify(State& state);
 
 unsigned level_of(const State& state, std::uint32_t line);

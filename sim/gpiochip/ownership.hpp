@@ -1,9 +1,10 @@
-// Who owns a line: an open file description that holds a lock, so that close() and any death release it by
-// the kernel's own hand. A line of a handle is owned by a lock on its byte of the lock file, an event line by
-// a lock on its FIFO; both are shared locks (descriptors are read-only, as the kernel's are), exclusive by
-// the gate.
+// Ownership of a line: an open file description that holds a lock, so that the kernel itself releases it at
+// close() and at any process's death. A line of a handle is owned by a lock on its byte of the lock file, an
+// event line by a lock on its FIFO; both are shared locks (descriptors are read-only, as the kernel's are),
+// exclusive by the chip's lock.
 //
-// A released line is noticed by whoever looks next: the chip's configuration is then put back ("reaped").
+// A released line is detected by the next process that looks: it then restores the chip's configuration
+// ("reaps").
 #pragma once
 
 #include <cstddef>
@@ -36,19 +37,19 @@ class ChipLock {
   int error_ = 0;
 };
 
-/// Whether the line's owner still lives. `lock_fd`: any description of the lock file that owns nothing.
+/// Whether the line's owner is still alive. `lock_fd`: any description of the lock file that owns nothing.
 bool owner_lives(const char* folder, int lock_fd, std::uint32_t line, std::uint32_t config);
 
-/// Puts a released line back: unrequested, flags cleared, and, on chips of that kind, an input again. ChipLock
+/// Restores a released line: unrequested, flags cleared, and, on chips of that kind, an input again. Lock
 /// held.
 void release_line(State& state, std::uint32_t line);
 
-/// Releases the lines whose owner is gone. Takes the gate itself, and only if there are such lines.
+/// Releases the line if its owner is gone. Takes the lock itself, and only then.
 void reap_line(State& state, const char* folder, int lock_fd, std::uint32_t line);
-/// All lines of handles; an event line's release changes no level and can wait for somebody to look at that
-/// line.
+/// The same for all lines of handles; an event line's release changes no level and can wait until that line
+/// is used.
 void reap_handles(State& state, const char* folder, int lock_fd);
-/// The same for one line with the gate held.
+/// The same for one line with the lock held.
 void reap_line_locked(State& state, const char* folder, const ChipLock& gate, std::uint32_t line);
 
 bool any_requested(const State& state);

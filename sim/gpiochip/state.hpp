@@ -1,8 +1,8 @@
 // The shared memory of one simulated GPIO chip, and how its words are packed.
 //
-// Every process that has the chip open maps this one structure. It is built so that a process may be killed
-// at any instruction: there is no lock in it, every change is one compare-and-swap, and what a dead process
-// left half done (a level changed but not yet in the ring) is finished by whoever looks next. See levels.hpp.
+// Every process that has the chip open maps this one structure. A process may be killed at any instruction:
+// there is no lock in it, every change is one compare-and-swap, and what a dead process left half done (a
+// level changed but not yet in the ring) is completed by the next process that looks. See levels.hpp.
 //
 // Times inside are nanoseconds since State::epoch_ns, 52 bits: a simulated chip may live for 52 days.
 #pragma once
@@ -36,7 +36,7 @@ inline constexpr unsigned kDeviceMajor = 254;
 
 enum class CauseCode : std::uint8_t { set = 0, request = 1, release = 2, drive = 3 };
 
-/// A line's electrical state in one word: what the chip does to it, what the world does to it, and the last
+/// A line's electrical state in one word: how the chip drives it, its level from outside, and the last
 /// change. While `pending` is set, that change has not been seen in the ring yet.
 struct LevelWord {
   static constexpr std::uint64_t kValue = 1;    ///< level that the chip drives
@@ -53,9 +53,8 @@ struct LevelWord {
   }
 };
 
-/// One change in the ring, in one word, so that there is no such thing as a half-written entry. The tag is
-/// the lap number modulo 8 of the entry's position: it tells an entry of this lap from the one that stood
-/// there before.
+/// One change in the ring, in one word, so that no entry can be half written. The tag is the lap number
+/// modulo 8 of the entry's position: it distinguishes an entry of this lap from that of the one before.
 struct RingWord {
   static constexpr std::uint64_t kLevel = 1;
   static constexpr unsigned kCauseShift = 1;
@@ -76,7 +75,7 @@ struct RingWord {
 };
 static_assert(LevelWord::kTimeShift == RingWord::kTimeShift);
 
-/// A line's configuration: changed only under the gate (ownership.hpp).
+/// A line's configuration: changed only under the chip's lock (ownership.hpp).
 struct ConfigWord {
   static constexpr std::uint32_t kRequested = 1U << 0;
   static constexpr std::uint32_t kEvents = 1U << 1;  ///< requested for edge events, else as part of a handle
@@ -130,7 +129,7 @@ struct State {
 
   alignas(64) std::atomic<std::uint64_t> head;  ///< position of the next ring entry
   alignas(64) std::atomic<std::uint32_t> wake;  ///< futex: grows with every change
-  std::atomic<std::uint32_t> waiting;           ///< somebody may sleep on `wake`
+  std::atomic<std::uint32_t> waiting;           ///< a process may be sleeping on `wake`
 
   Line lines[kMaxLines];
   Handle handles[kMaxLines];

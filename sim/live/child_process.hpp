@@ -1,4 +1,4 @@
-// Runs one command to its end: its environment, the signals passed on to it, its exit status.
+// Runs one command: environment, forwarded signals, exit status.
 // For the main thread of a program, before it starts others: signals are blocked in it and in all threads
 // after it.
 #pragma once
@@ -11,8 +11,8 @@
 
 namespace strobe::sim {
 
-/// Blocks what wait_for_child() takes in: SIGINT, SIGTERM, SIGHUP, SIGCHLD. Call it before any thread is
-/// started.
+/// Blocks the signals that wait_for_child() handles: SIGINT, SIGTERM, SIGHUP, SIGCHLD. Call it before any
+/// thread is started.
 void block_child_signals();
 
 /// Starts `command` (looked up in PATH) with these environment variables set and all others kept. The child
@@ -20,7 +20,7 @@ void block_child_signals();
 Result<int> start_child(const std::vector<std::string>& command,
                         const std::vector<std::pair<std::string, std::string>>& environment);
 
-/// Waits for the child's end, passing on SIGINT, SIGTERM and SIGHUP (but not those that a terminal sends to
+/// Waits for the child's end, forwarding SIGINT, SIGTERM and SIGHUP (but not those that a terminal sends to
 /// the whole foreground, which the child gets anyway). Gives its exit status, or 128 plus the signal that
 /// ended it.
 int wait_for_child(int pid);

@@ -1,6 +1,5 @@
-// Where finished exposures wait for whoever asks for them by time: the seam between the thread that plays the
-// rig and the one that plays the person at the tablet. Thread-safe; not for the real-time path (locks,
-// allocates).
+// Finished exposures, looked up by time: between the thread that runs the rig and those of the tablet
+// operator and the camera. Thread-safe; not for the real-time path (locks, allocates).
 #pragma once
 
 #include <memory>
@@ -16,12 +15,12 @@ class ExposureStore {
  public:
   void add(Exposure exposure);
 
-  /// Says which exposure is under way: the instant of the line's change that began it.
+  /// The exposure in progress: the instant of the line's change that began it.
   void set_exposing(std::optional<MonoTime> since);
 
   struct Found {
     std::shared_ptr<const Exposure> exposure;  ///< null: none
-    bool wait = false;                         ///< one is under way that may be it
+    bool wait = false;                         ///< one in progress may be it
   };
   /// The first exposure begun within the two instants.
   Found begun_within(MonoTime earliest, MonoTime latest) const;

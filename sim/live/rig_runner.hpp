@@ -1,6 +1,6 @@
-// Plays a rig in real time on a chip: a thread of its own that waits for line changes, hands them to the rig,
-// and drives the inputs as soon as their instants have passed, with their exact stamps. The thread asks for
-// SCHED_FIFO priority and goes on without where that is not permitted. Start and stop from one thread.
+// Runs a rig in real time on a chip: a thread of its own that waits for line changes, hands them to the rig,
+// and drives the inputs as soon as their instants have passed, with their exact stamps. The thread requests
+// SCHED_FIFO priority and continues without it if that is not permitted. Start and stop from one thread.
 #pragma once
 
 #include <atomic>
@@ -28,7 +28,7 @@ class RigRunner {
   RigRunner& operator=(const RigRunner&) = delete;
 
   void start();
-  /// Ends the thread and hands an exposure still under way to the exposure_store.
+  /// Ends the thread and stores an exposure still in progress.
   void stop();
 
   /// All changes of all lines, if they were to be recorded. After stop() only.

@@ -42,15 +42,17 @@ Result<std::unique_ptr<TabletOperator>> TabletOperator::create(const std::string
                                                                const Scene& scene, std::uint64_t seed,
                                                                ExposureStore& exposure_store,
                                                                TruthFile& truth) {
-  std::unique_ptr<TabletOperator> desk(new TabletOperator(scene, seed, exposure_store, truth, rig_name));
-  desk->lcm_ = std::make_unique<lcm::LCM>(lcm_url);
-  if (!desk->lcm_->good())
+  std::unique_ptr<TabletOperator> tablet_operator(
+      new TabletOperator(scene, seed, exposure_store, truth, rig_name));
+  tablet_operator->lcm_ = std::make_unique<lcm::LCM>(lcm_url);
+  if (!tablet_operator->lcm_->good())
     return fail("cannot join LCM at " + lcm_url +
                 " (is there a multicast route?); --no-digitizer does without");
-  lcm::Subscription* subscription = desk->lcm_->subscribe(
-      messages::channel_name(rig_name, messages::Channel::shot), &TabletOperator::on_shot, desk.get());
+  lcm::Subscription* subscription =
+      tablet_operator->lcm_->subscribe(messages::channel_name(rig_name, messages::Channel::shot),
+                                       &TabletOperator::on_shot, tablet_operator.get());
   subscription->setQueueCapacity(messages::kSubscriptionQueueCapacity);
-  return desk;
+  return tablet_operator;
 }
 
 void TabletOperator::start() {

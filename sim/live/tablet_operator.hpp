@@ -1,6 +1,6 @@
-// The person at the tablet, connected: reads a shot's number when it is announced (SHOT), takes the
-// photograph of that time out of the exposure_store, measures it and sends the frame (FRAME). A shot announced
-// again is sent again. A thread of its own; start and stop from one thread.
+// The simulated operator of the digitizing tablet, on LCM: when a shot is announced (SHOT), finds the
+// exposure of that time in the store, digitizes it and sends the frame (FRAME). A shot announced again is
+// sent again. A thread of its own; start and stop from one thread.
 #pragma once
 
 #include <atomic>
@@ -28,7 +28,7 @@ strobe_msgs::frame_t to_message(const reduction::Frame& frame, std::int64_t boot
 
 class TabletOperator {
  public:
-  /// Fails if LCM cannot be joined. `exposure_store` and `truth` must outlive the desk.
+  /// Fails if LCM cannot be joined. `exposure_store` and `truth` must outlive it.
   static Result<std::unique_ptr<TabletOperator>> create(const std::string& lcm_url,
                                                         const std::string& rig_name, const Scene& scene,
                                                         std::uint64_t seed, ExposureStore& exposure_store,
@@ -37,11 +37,11 @@ class TabletOperator {
   TabletOperator(const TabletOperator&) = delete;
   TabletOperator& operator=(const TabletOperator&) = delete;
 
-  /// Nobody measures: shots' numbers are read for the truth's lines, no frame is sent. Before start().
+  /// Digitizes nothing: shots' numbers are read for the truth file, no frame is sent. Before start().
   void listen_only() { sends_ = false; }
 
   void start();
-  /// Ends the thread; shots that were announced but not dealt with get their lines of truth.
+  /// Ends the thread; shots announced but not yet processed are written to the truth file.
   void stop();
 
  private:
@@ -57,7 +57,7 @@ class TabletOperator {
                  std::string rig_name);
   void run();
   void on_shot(const lcm::ReceiveBuffer* buffer, const std::string& channel, const strobe_msgs::shot_t* shot);
-  /// Whether the task is done with.
+  /// True if the task is finished.
   bool process(Task& task, MonoTime now);
   bool find_exposure(Task& task, MonoTime now);
   void send(const Task& task);

@@ -1,7 +1,7 @@
-// The rig's camera as a tethered one: when an exposure is over its photograph appears in a folder, whole,
-// under a name of its own (exposure-0001.tif, never over an older file: names go on counting). A thread of
-// its own at the lowest niceness, so that rendering takes only what the rig and the program under test leave.
-// Start and stop from one thread.
+// The rig's camera as a tethered one: after each exposure its photograph appears in a folder, complete, under
+// a new name (exposure-0001.tif; numbers continue after existing files). A thread of its own at the lowest
+// niceness, so that rendering uses only the time that the rig and the program under test leave. Start and
+// stop from one thread.
 #pragma once
 
 #include <atomic>
@@ -18,7 +18,7 @@ namespace strobe::sim {
 class TetheredCamera {
  public:
   /// Makes the folder if it is missing; fails if that cannot be, or if the scene's photographs are too large.
-  /// `exposure_store` must outlive the tethered_camera.
+  /// `exposure_store` must outlive the camera.
   static Result<std::unique_ptr<TetheredCamera>> create(const std::filesystem::path& folder,
                                                         const Scene& scene, std::uint64_t seed,
                                                         const ExposureStore& exposure_store);
@@ -34,7 +34,7 @@ class TetheredCamera {
   TetheredCamera(const std::filesystem::path& folder, const Scene& scene, std::uint64_t seed,
                  const ExposureStore& exposure_store);
   void run();
-  /// All exposures that are due; all of them whether due or not where `at_once`.
+  /// Renders the exposures that are due; all of them if `at_once`.
   void take(bool at_once);
   void photograph(const Exposure& exposure);
   std::filesystem::path next_path();

@@ -16,9 +16,10 @@ Result<std::unique_ptr<TruthFile>> TruthFile::create(const std::filesystem::path
 
 std::string TruthFile::line(const Exposure& exposure, int shot_id) const {
   if (!photograph_seed_) return truth_line(scene_, exposure, shot_id);
-  const Appearance look = draw_appearance(scene_, *photograph_seed_, exposure.shot);
-  const PhotographTruth truth = photograph_truth(scene_, exposure, look, lit_balls(scene_, exposure, look));
-  return photograph_line(scene_, exposure, shot_id, look, truth, "");
+  const Appearance appearance = draw_appearance(scene_, *photograph_seed_, exposure.shot);
+  const PhotographTruth truth =
+      photograph_truth(scene_, exposure, appearance, lit_balls(scene_, exposure, appearance));
+  return photograph_line(scene_, exposure, shot_id, appearance, truth, "");
 }
 
 void TruthFile::write(const Exposure& exposure, int shot_id) {

@@ -19,7 +19,7 @@ class TruthFile {
   /// An empty path writes nothing. Fails if the file cannot be made.
   static Result<std::unique_ptr<TruthFile>> create(const std::filesystem::path& path, const Scene& scene);
 
-  /// From now on lines also tell of the photographs that the camera takes (sim/photograph).
+  /// From now on lines include the photographs that the camera takes (sim/photograph).
   void include_photographs(std::uint64_t seed) { photograph_seed_ = seed; }
 
   /// Writes the exposure's line unless it was written before. shot_id 0: unknown.

@@ -1,8 +1,7 @@
-// The true path of one ball: flight through the air, the rebound, and what happens in between. This is the
-// truth that readouts are held against; it shares no code with the reduction. Axes of the surface: x along it
-// in the direction of travel, y up from it, origin under the centre at touchdown; spin counter-clockwise
-// (backspin) positive. Touchdown and lift-off: the centre is one radius above the surface. Plain values,
-// thread-safe.
+// The true path of one ball: flight to the surface, contact, flight away from it. Readouts are compared with
+// it; it shares no code with the reduction. Axes of the surface: x along it in the direction of travel, y up
+// from it, origin under the centre at touchdown; spin counter-clockwise (backspin) positive. Touchdown and
+// lift-off: the centre is one radius above the surface. Plain values, thread-safe.
 #pragma once
 
 #include <optional>
@@ -28,12 +27,13 @@ struct BallState {
 
 class BallPath {
  public:
-  /// Fails if the throw is outside the impact models' ranges or the ball's weight keeps it on the surface.
-  /// `reduced`: of calibrate(), for a model that needs it (contact_course.hpp); nullptr: calibrated here.
+  /// Fails if the conditions are outside the impact models' ranges or the ball's weight keeps it on the
+  /// surface. `reduced`: of calibrate(), for a model that needs it (contact_path.hpp); nullptr: calibrated
+  /// here.
   static Result<BallPath> make(const Scene& scene, const ShotConditions& thrown,
                                const Model& model = Model::full(), const ReducedContact* reduced = nullptr);
 
-  /// The state `time_s` after touchdown (negative: before): flight, contact (contact_course.hpp), flight.
+  /// The state `time_s` after touchdown (negative: before): flight, contact (contact_path.hpp), flight.
   BallState at(double time_s) const;
 
   /// Mean of the states over the `duration_s` (0: none) from `from_s` on, but for speeds and spin, which are
@@ -41,7 +41,7 @@ class BallPath {
   BallState mean_over(double from_s, double duration_s) const;
 
   /// Whether the ball is in the air there with its centre lower than at touchdown: it would have met the
-  /// surface once more, of which nothing is known.
+  /// surface a second time, which is not simulated.
   bool after_second_contact(double time_s, const BallState& state) const {
     return (time_s < 0.0 || time_s > dwell_s()) && state.y_m < radius_m_;
   }
@@ -53,8 +53,8 @@ class BallPath {
   double spot_m() const { return conditions_.spot_m; }
   double off_plane_m() const { return conditions_.off_plane_m; }
 
-  /// When (before touchdown, hence negative) the centre passes a point `distance_m` ahead of that of
-  /// touchdown; nothing if it never does.
+  /// When (before touchdown, hence negative) the centre passes a point `distance_m` before that of touchdown.
+  /// Returns nullopt if it never does.
   std::optional<double> time_at_distance_s(double distance_m) const;
 
  private:

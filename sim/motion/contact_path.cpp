@@ -249,15 +249,14 @@ Result<ContactPath> ContactPath::by_ode(const Scene& scene, const ShotConditions
   auto ode = impact::ContactTrajectory::make(scene.ball, thrown.touchdown, input->coefficients);
   if (!ode) return refused(ode.error());
   const impact::ContactSummary& summary = ode->summary();
-  ContactPath course;
-  course.release_ = {summary.dwell_s, summary.lift_off.vy_mps,
-                     input->still_compressed_s * summary.lift_off.vy_mps, input->coefficients.gravity_mps2};
-  const auto end =
-      rise(scene, thrown.touchdown, summary, course.release_.depth_m, course.release_.gravity_mps2);
+  ContactPath path;
+  path.release_ = {summary.dwell_s, summary.lift_off.vy_mps,
+                   input->still_compressed_s * summary.lift_off.vy_mps, input->coefficients.gravity_mps2};
+  const auto end = rise(scene, thrown.touchdown, summary, path.release_.depth_m, path.release_.gravity_mps2);
   if (!end) return tl::unexpected(end.error());
-  course.end_ = *end;
-  course.ode_ = std::move(*ode);
-  return course;
+  path.end_ = *end;
+  path.ode_ = std::move(*ode);
+  return path;
 }
 
 Result<ContactPath> ContactPath::by_sine(const Scene& scene, const ShotConditions& thrown,
@@ -267,10 +266,10 @@ Result<ContactPath> ContactPath::by_sine(const Scene& scene, const ShotCondition
   const LiftOff plain = sine->plain_end();
   sine->displacement_correction_m_ = end.displacement_m - plain.displacement_m;
   sine->rotation_correction_rad_ = end.rotation_rad - plain.rotation_rad;
-  ContactPath course;
-  course.end_ = end;
-  course.sine_ = *sine;
-  return course;
+  ContactPath path;
+  path.end_ = end;
+  path.sine_ = *sine;
+  return path;
 }
 
 ContactPath::State ContactPath::at(double time_s) const { return ode_ ? ode_at(time_s) : sine_at(time_s); }
@@ -293,21 +292,21 @@ ContactPath::State ContactPath::ode_at(double time_s) const {
 }
 
 ContactPath::State ContactPath::sine_at(double time_s) const {
-  const SinePath& course = *sine_;
-  const SinePath::Plain plain = course.plain_at(time_s);
-  const impact::Motion& td = course.touchdown_;
+  const SinePath& path = *sine_;
+  const SinePath::Plain plain = path.plain_at(time_s);
+  const impact::Motion& td = path.touchdown_;
   const impact::Motion& lo = end_.rebound.lift_off;
   // A bend that begins and ends without a change of velocity.
   const double part = time_s / end_.dwell_s;
   const double bend = part * part * (3.0 - 2.0 * part);
   const double bend_rate = 6.0 * part * (1.0 - part) / end_.dwell_s;
-  return {plain.displacement_m + bend * course.displacement_correction_m_,
+  return {plain.displacement_m + bend * path.displacement_correction_m_,
           std::max(0.0, -(plain.pulse.y_m + lo.vy_mps * plain.free_s)),
-          plain.pulse.vx_mps + bend_rate * course.displacement_correction_m_,
+          plain.pulse.vx_mps + bend_rate * path.displacement_correction_m_,
           plain.pulse.vy_mps,
           td.omega_radps + (lo.omega_radps - td.omega_radps) * plain.pulse.impulse_fraction +
-              bend_rate * course.rotation_correction_rad_,
-          plain.rotation_rad + bend * course.rotation_correction_rad_};
+              bend_rate * path.rotation_correction_rad_,
+          plain.rotation_rad + bend * path.rotation_correction_rad_};
 }
 
 }  // namespace strobe::sim

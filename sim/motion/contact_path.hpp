@@ -1,10 +1,10 @@
-// What happens to one ball between touchdown and lift-off (both: its centre one radius above the surface), by
-// the law of the scene and as far as a model has it. Axes as in ball_path.hpp.
+// Motion of one ball between touchdown and lift-off (both: its centre one radius above the surface), by the
+// scene's contact law and with the effects of a model. Axes as in ball_path.hpp.
 //
 // A scene's e and dwell time are those of the contact without the ball's weight. A scene whose law is `ode`:
 //
 //   grip  tangential_compliance  contact_ode
-//   on    on                     on           the ODE of common/impact/ode, lift-off and course (full model)
+//   on    on                     on           the ODE of common/impact/ode, lift-off and motion (full model)
 //   on    on                     off          the ODE's lift-off; in between the damped sine that meets it
 //   on    off                    (nothing)    one number e_x for the grip: s_LO = -e_x·s_TD unless that needs
 //                                             more friction than mu allows; the damped sine in between
@@ -29,7 +29,7 @@
 // A scene whose law is `grip`: common/impact's grip() and the damped sine; only grip and offset can be left
 // out of it. (The sine's net force has the weight in it, and nothing of the ODE is there to leave out.)
 //
-// Plain values, thread-safe. Only the ODE's course allocates.
+// Plain values, thread-safe. Only the ODE's path allocates.
 #pragma once
 
 #include <optional>
@@ -44,7 +44,7 @@
 
 namespace strobe::sim {
 
-/// A ball at its lift-off, and how it came there.
+/// A ball at its lift-off, and its displacement since touchdown.
 struct LiftOff {
   impact::Rebound rebound;
   double dwell_s = 0.0;         ///< since touchdown
@@ -64,22 +64,22 @@ struct ReducedContact {
   double rotation_shift = 0.0;      ///< likewise R times the angle
 };
 
-/// From the scene's mean ball. Fails where the mean ball does not leave the surface.
+/// From the scene's mean ball. Fails if the mean ball does not leave the surface.
 Result<ReducedContact> calibrate(const Scene& scene, const Model& model);
 
 /// Whether a shot of the scene in this model needs constants from calibrate().
 bool needs_calibration(const Scene& scene, const Model& model);
 
-/// Lift-off by the ODE, offset and weight as the model has them. Fails where the weight holds the ball.
+/// Lift-off by the ODE, offset and weight as the model has them. Fails if the weight holds the ball.
 Result<LiftOff> ode_lift_off(const Scene& scene, const ShotConditions& thrown, const Model& model);
 
-/// The damped sine that ends with a given lift-off: net force the sine's, ways along and around bent smoothly
-/// so that they end where they are to end.
+/// A damped sine that ends with a given lift-off: the net force is the sine's; displacement and rotation get
+/// a smooth correction so that they end with the given values.
 class SinePath {
  public:
   static Result<SinePath> make(const Scene& scene, const impact::Motion& touchdown, const LiftOff& end);
 
-  /// Ways of the plain sine with that rebound and dwell time: lift_off.displacement_m, rotation_rad are ignored.
+  /// End of the uncorrected sine with that rebound and dwell time: its displacement and rotation.
   LiftOff plain_end() const;
 
  private:

@@ -1,6 +1,6 @@
 // Free flight of the simulated ball: gravity, drag, lift (Magnus) and decay of the spin, integrated in small
-// steps. Part of the truth that readouts are held against, hence written from the equation of motion alone
-// and sharing no code with common/flight or the reduction. Axes of the surface: x along it in the direction
+// steps. Readouts are compared with it, so it is written from the equation of motion alone and shares
+// no code with common/flight or the reduction. Axes of the surface: x along it in the direction
 // of travel, y up from it; spin counter-clockwise (backspin) positive. Plain values: thread-safe, no
 // allocation.
 //
@@ -36,12 +36,12 @@ class Flight {
   Flight(const Scene& scene, const FlightState& start, double omega_radps,
          const Model& model = Model::full());
 
-  /// The state `time_s` after the start (negative: before it). Error below 1e-12 of the way flown for
+  /// The state `time_s` after the start (negative: before it). Error below 1e-12 of the distance flown for
   /// tennis balls in usual air; it grows with the fifth power of q·|v| and of c·|v|.
   FlightState at(double time_s) const;
 
-  /// When, going back from the start, the centre was at `x_m`; nothing if it was not within a minute. The
-  /// ball must move along +x at the start, with x_m behind it.
+  /// When, going back from the start, the centre was at `x_m`. Returns nullopt if it was not within a minute.
+  /// The ball must move along +x at the start, with x_m behind it.
   std::optional<double> time_back_at_x_s(double x_m) const;
 
  private:

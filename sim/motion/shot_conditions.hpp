@@ -1,4 +1,4 @@
-// What one shot's ball is like: the scene's means with this shot's draws. Plain values, thread-safe.
+// Conditions of one shot: the scene's means with this shot's random deviations. Plain values, thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -23,8 +23,8 @@ struct ShotConditions {
 /// Normal draws are within kLargestNormal standard deviations of their means.
 ShotConditions draw_shot_conditions(const Scene& scene, std::uint64_t seed, int shot);
 
-/// The scene with every spread of machine, bounce and plane taken away: each throw is the mean one, but for
-/// the equator's angle.
+/// The scene without any spread of machine, bounce and plane: every shot is the mean one, but for the
+/// equator's angle.
 Scene without_spread(Scene scene);
 
 }  // namespace strobe::sim

@@ -78,23 +78,23 @@ LampAppearance draw_lamp(Artist& artist, const BallAppearanceSettings& s, double
 }  // namespace
 
 Appearance draw_appearance(const Scene& scene, std::uint64_t seed, int shot) {
-  Artist artist(Draws(seed, Purpose::look, static_cast<std::uint64_t>(shot)));
-  Appearance look;
-  look.ball = draw_ball(artist, scene.ball_appearance);
-  look.lamps[0] = draw_lamp(artist, scene.ball_appearance, -1.0, scene.photograph.lamp_a_power);
-  look.lamps[1] = draw_lamp(artist, scene.ball_appearance, 1.0, scene.photograph.lamp_b_power);
+  Artist artist(Draws(seed, Purpose::appearance, static_cast<std::uint64_t>(shot)));
+  Appearance appearance;
+  appearance.ball = draw_ball(artist, scene.ball_appearance);
+  appearance.lamps[0] = draw_lamp(artist, scene.ball_appearance, -1.0, scene.photograph.lamp_a_power);
+  appearance.lamps[1] = draw_lamp(artist, scene.ball_appearance, 1.0, scene.photograph.lamp_b_power);
   const BackgroundSettings& b = scene.background;
-  look.background.wall = artist.scaled(0.01, 0.1, b.wall);
-  look.background.wall_ramp = artist.between(-0.5, 0.5);
-  look.background.plate_brightness = artist.scaled(0.4, 4.0, b.plate_brightness);
-  look.background.plate_thickness_m = artist.between(8.0 * kMilli, 25.0 * kMilli, b.plate_thickness_m);
-  look.background.plate_half_length_m = artist.between(
+  appearance.background.wall = artist.scaled(0.01, 0.1, b.wall);
+  appearance.background.wall_ramp = artist.between(-0.5, 0.5);
+  appearance.background.plate_brightness = artist.scaled(0.4, 4.0, b.plate_brightness);
+  appearance.background.plate_thickness_m = artist.between(8.0 * kMilli, 25.0 * kMilli, b.plate_thickness_m);
+  appearance.background.plate_half_length_m = artist.between(
       1.05 * scene.camera.half_width_m, 1.3 * scene.camera.half_width_m, b.plate_half_length_m);
-  look.background.clutter = artist.seed();
-  look.blur_px = artist.between(0.5, 1.1, scene.photograph.blur_px);
-  look.vignetting = artist.between(0.05, 0.3, scene.photograph.vignetting);
-  look.noise = artist.seed();
-  return look;
+  appearance.background.clutter = artist.seed();
+  appearance.blur_px = artist.between(0.5, 1.1, scene.photograph.blur_px);
+  appearance.vignetting = artist.between(0.05, 0.3, scene.photograph.vignetting);
+  appearance.noise = artist.seed();
+  return appearance;
 }
 
 }  // namespace strobe::sim

@@ -1,5 +1,5 @@
-// What one photograph looks like: the scene's settings with everything drawn that they leave open. Plain
-// values; thread-safe.
+// Appearance of one photograph: the scene's settings, with random values for those that they leave open.
+// Plain values; thread-safe.
 #pragma once
 
 #include <array>
@@ -40,7 +40,7 @@ struct BackgroundAppearance {
   double plate_brightness = 1.0;
   double plate_thickness_m = 0.015;
   double plate_half_length_m = 0.35;
-  std::uint64_t clutter = 1;  ///< seed of what stands about
+  std::uint64_t clutter = 1;  ///< seed of the objects in the background
 };
 
 struct Appearance {
@@ -52,8 +52,8 @@ struct Appearance {
   std::uint64_t noise = 1;  ///< seed of the sensor's noise and of the flashes' power
 };
 
-/// The look of the `shot`-th photograph (1-based). Draws are taken whether or not the scene leaves them open,
-/// so that fixing one thing does not change another.
+/// The appearance of the `shot`-th photograph (1-based). Every draw is taken even if the scene gives the
+/// value, so that setting one key does not change another.
 Appearance draw_appearance(const Scene& scene, std::uint64_t seed, int shot);
 
 }  // namespace strobe::sim

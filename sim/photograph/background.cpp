@@ -121,11 +121,11 @@ std::vector<Vec2> rectangle(double left, double right, double bottom, double top
 
 class Set {
  public:
-  Set(const Scene& scene, const Appearance& look)
+  Set(const Scene& scene, const Appearance& appearance)
       : scene_(scene),
-        appearance_(look),
+        appearance_(appearance),
         optics_(scene),
-        draws_(look.background.clutter, Purpose::look, 1),
+        draws_(appearance.background.clutter, Purpose::appearance, 1),
         half_width_m_(scene.camera.half_width_m),
         height_m_(scene.camera.height_m) {}
 
@@ -315,10 +315,10 @@ class Set {
 
 }  // namespace
 
-cv::Mat render_background(const Scene& scene, const Appearance& look,
+cv::Mat render_background(const Scene& scene, const Appearance& appearance,
                           const std::vector<BallImageOnSensor>& images,
                           const std::array<double, 2>& light_of_all) {
-  Set set(scene, look);
+  Set set(scene, appearance);
   const SensorSize size = set.optics().sensor();
   cv::Mat coarse((size.height + kCoarse - 1) / kCoarse, (size.width + kCoarse - 1) / kCoarse, CV_32FC1);
   Stage wall(set.optics(), coarse, kCoarse);

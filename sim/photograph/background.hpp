@@ -1,5 +1,5 @@
-// What every flash lights besides the ball: the wall with the balls' soft shadows on it, the plate, and what
-// stands about. Deterministic; thread-safe; allocates.
+// What every flash lights besides the ball: the wall with the balls' soft shadows, the plate, and other
+// objects. Deterministic; thread-safe; allocates.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -10,7 +10,7 @@
 namespace strobe::sim {
 
 /// The light of all flashes together, CV_32FC1 of the sensor's size. `light_of_all`: of each lamp.
-cv::Mat render_background(const Scene& scene, const Appearance& look,
+cv::Mat render_background(const Scene& scene, const Appearance& appearance,
                           const std::vector<BallImageOnSensor>& images,
                           const std::array<double, 2>& light_of_all);
 

@@ -47,8 +47,8 @@ struct BallLight::Placed {
   bool flat = false;
 };
 
-BallLight::BallLight(const Scene& scene, const Appearance& look)
-    : optics_(scene), appearance_(look), texture_(look.ball), radius_m_(scene.ball.radius_m()) {
+BallLight::BallLight(const Scene& scene, const Appearance& appearance)
+    : optics_(scene), appearance_(appearance), texture_(appearance.ball), radius_m_(scene.ball.radius_m()) {
   // The lightest place of a ball in the middle of the view under two lamps of the usual power.
   Placed ball = place({{0.0, 0.0, 0.0}, 0.0, {1.0, 1.0}});
   constexpr int kSteps = 40;

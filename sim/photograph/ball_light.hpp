@@ -20,7 +20,7 @@ namespace strobe::sim {
 
 class BallLight {
  public:
-  BallLight(const Scene& scene, const Appearance& look);
+  BallLight(const Scene& scene, const Appearance& appearance);
 
   /// Adds the ball to the rows [first, end) of `light` (CV_32FC1) and takes from it the background that the
   /// ball hid: the share `hidden` of `behind`, of the same size as `light`. The lightest felt under both

@@ -27,7 +27,7 @@ double pixel(double x) { return 0.5 * ((x + 1.0) * kSide - 1.0); }
 class Turn {
  public:
   explicit Turn(std::uint64_t seed) {
-    Draws draws(seed, Purpose::look, 1);
+    Draws draws(seed, Purpose::appearance, 1);
     double norm = 0.0;
     for (double& q : q_) {
       q = draws.normal();
@@ -48,12 +48,13 @@ class Turn {
 
 }  // namespace
 
-BallTexture::BallTexture(const BallAppearance& look) : albedo_(kSide, kSide, CV_32FC1, cv::Scalar(1.0)) {
-  add_felt(look);
-  if (look.seam_contrast != 0.0) add_seams(look);
-  if (look.logo_contrast > 0.0) print(look);
-  if (look.surface == BallSurface::dimples) dent(look);
-  add_hair(look);
+BallTexture::BallTexture(const BallAppearance& appearance)
+    : albedo_(kSide, kSide, CV_32FC1, cv::Scalar(1.0)) {
+  add_felt(appearance);
+  if (appearance.seam_contrast != 0.0) add_seams(appearance);
+  if (appearance.logo_contrast > 0.0) print(appearance);
+  if (appearance.surface == BallSurface::dimples) dent(appearance);
+  add_hair(appearance);
 }
 
 float BallTexture::lookup(const cv::Mat& map, double x, double y) {
@@ -77,11 +78,11 @@ double BallTexture::hair_px(double angle_rad) const {
   return hair_px_[static_cast<std::size_t>(std::clamp(i, 0, kHair - 1))];
 }
 
-void BallTexture::add_felt(const BallAppearance& look) {
-  if (look.grain == 0.0) return;
+void BallTexture::add_felt(const BallAppearance& appearance) {
+  if (appearance.grain == 0.0) return;
   // From half a ball to half a millimetre; an octave of value noise has an sd of .3 or so.
-  const ValueNoise noise(look.texture);
-  const double strength = look.grain / 0.36;
+  const ValueNoise noise(appearance.texture);
+  const double strength = appearance.grain / 0.36;
   cv::parallel_for_({0, kSide}, [&](const cv::Range& rows) {
     for (int j = rows.start; j < rows.end; ++j) {
       const double y = coordinate(j);
@@ -98,11 +99,11 @@ void BallTexture::add_felt(const BallAppearance& look) {
   });
 }
 
-void BallTexture::add_seams(const BallAppearance& look) {
+void BallTexture::add_seams(const BallAppearance& appearance) {
   // The curve of two dumb-bells: x = a cos t + b cos 3t, y = a sin t - b sin 3t, z = 2 sqrt(ab) sin 2t.
   constexpr double a = 0.75, b = 0.25;
   constexpr int kPoints = 400;
-  const Turn turn(look.texture + 1);
+  const Turn turn(appearance.texture + 1);
   cv::Mat seam(kSide, kSide, CV_8UC1, cv::Scalar(0));
   std::vector<cv::Point> piece;
   const auto draw = [&] {
@@ -124,12 +125,13 @@ void BallTexture::add_seams(const BallAppearance& look) {
   for (int j = 0; j < kSide; ++j) {
     float* row = albedo_.ptr<float>(j);
     const std::uint8_t* ink = seam.ptr<std::uint8_t>(j);
-    for (int i = 0; i < kSide; ++i) row[i] *= static_cast<float>(1.0 - look.seam_contrast * ink[i] / 255.0);
+    for (int i = 0; i < kSide; ++i)
+      row[i] *= static_cast<float>(1.0 - appearance.seam_contrast * ink[i] / 255.0);
   }
 }
 
-void BallTexture::print(const BallAppearance& look) {
-  Draws draws(look.texture, Purpose::look, 2);
+void BallTexture::print(const BallAppearance& appearance) {
+  Draws draws(appearance.texture, Purpose::appearance, 2);
   const double away = 0.65 * std::sqrt(draws.uniform());
   const double direction = 2.0 * std::numbers::pi * draws.uniform();
   const double turned_deg = 360.0 * draws.uniform();
@@ -150,14 +152,15 @@ void BallTexture::print(const BallAppearance& look) {
   for (int j = 0; j < kSide; ++j) {
     float* row = albedo_.ptr<float>(j);
     const std::uint8_t* dark = placed.ptr<std::uint8_t>(j);
-    for (int i = 0; i < kSide; ++i) row[i] *= static_cast<float>(1.0 - look.logo_contrast * dark[i] / 255.0);
+    for (int i = 0; i < kSide; ++i)
+      row[i] *= static_cast<float>(1.0 - appearance.logo_contrast * dark[i] / 255.0);
   }
 }
 
-void BallTexture::dent(const BallAppearance& look) {
+void BallTexture::dent(const BallAppearance& appearance) {
   tilt_x_ = cv::Mat(kSide, kSide, CV_32FC1, cv::Scalar(0.0));
   tilt_y_ = cv::Mat(kSide, kSide, CV_32FC1, cv::Scalar(0.0));
-  const Turn turn(look.texture + 2);
+  const Turn turn(appearance.texture + 2);
   const double golden = std::numbers::pi * (3.0 - std::sqrt(5.0));
   for (int k = 0; k < kDimples; ++k) {
     const double height = 1.0 - (2.0 * k + 1.0) / kDimples;
@@ -183,13 +186,13 @@ void BallTexture::dent(const BallAppearance& look) {
   }
 }
 
-void BallTexture::add_hair(const BallAppearance& look) {
-  if (look.hair_px == 0.0) return;
+void BallTexture::add_hair(const BallAppearance& appearance) {
+  if (appearance.hair_px == 0.0) return;
   // Waves of 4 to 99 a turn: none that moves the outline or makes it larger.
   constexpr int kLongest = 4, kShortest = 99;
-  Draws draws(look.texture, Purpose::look, 3);
+  Draws draws(appearance.texture, Purpose::appearance, 3);
   std::vector<double> sum(kHair, 0.0);
-  const double each = look.hair_px * std::sqrt(2.0 / (kShortest - kLongest + 1));
+  const double each = appearance.hair_px * std::sqrt(2.0 / (kShortest - kLongest + 1));
   for (int wave = kLongest; wave <= kShortest; ++wave) {
     const double phase = 2.0 * std::numbers::pi * draws.uniform();
     for (int i = 0; i < kHair; ++i)

@@ -1,6 +1,6 @@
-// The ball's surface but for its line: a map of the half that is turned to the camera, in the ball's own
-// axes. The ball turns about z only, so that it is always the same half. Made once for a photograph; then
-// read-only and thread-safe.
+// Texture of the ball's surface without its line: a map of the hemisphere that faces the camera, in the
+// ball's own axes. The ball turns about z only, so it is always the same hemisphere. Made once for a
+// photograph; then read-only and thread-safe.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -12,27 +12,27 @@ namespace strobe::sim {
 
 class BallTexture {
  public:
-  explicit BallTexture(const BallAppearance& look);
+  explicit BallTexture(const BallAppearance& appearance);
 
   /// Reflected share at the point with the direction (x, y, ·) from the ball's centre.
   float albedo(double x, double y) const { return lookup(albedo_, x, y); }
 
-  /// How the surface has_relief there, to be added to its normal's x and y; zero but for dimples.
+  /// Tilt of the surface there, to be added to its normal's x and y; zero but for dimples.
   Vec2 normal_tilt(double x, double y) const {
     if (tilt_x_.empty()) return {};
     return {lookup(tilt_x_, x, y), lookup(tilt_y_, x, y)};
   }
   bool has_relief() const { return !tilt_x_.empty(); }
 
-  /// By how much the outline lies outside of the sphere's in that direction of the ball. [px]
+  /// Distance of the outline from the sphere's, in that direction of the ball. [px]
   double hair_px(double angle_rad) const;
 
  private:
-  void add_felt(const BallAppearance& look);
-  void add_seams(const BallAppearance& look);
-  void print(const BallAppearance& look);
-  void dent(const BallAppearance& look);
-  void add_hair(const BallAppearance& look);
+  void add_felt(const BallAppearance& appearance);
+  void add_seams(const BallAppearance& appearance);
+  void print(const BallAppearance& appearance);
+  void dent(const BallAppearance& appearance);
+  void add_hair(const BallAppearance& appearance);
   static float lookup(const cv::Mat& map, double x, double y);
 
   cv::Mat albedo_;  ///< CV_32FC1

@@ -14,15 +14,15 @@ constexpr double kSpacing_px = 0.25;  // of the balls that a smeared one is the 
 constexpr int kMaxInstants = 64;
 constexpr int kOutlinePoints = 64;
 
-std::array<double, 2> light_of(const Pulse& pulse, std::uint64_t index, const Appearance& look,
+std::array<double, 2> light_of(const Pulse& pulse, std::uint64_t index, const Appearance& appearance,
                                double power_sd) {
-  Draws draws(look.noise, Purpose::flash_power, index + 1);
+  Draws draws(appearance.noise, Purpose::flash_power, index + 1);
   std::array<double, 2> light{};
   const bool unknown = pulse.lamps[0] + pulse.lamps[1] == 0;
   for (std::size_t lamp = 0; lamp < 2; ++lamp) {
     const double power = std::max(0.0, 1.0 + power_sd * draws.normal());
     const int flashes = unknown && !pulse.flashes.empty() ? 1 : pulse.lamps[lamp];
-    light[lamp] = power * flashes * look.lamps[lamp].power;
+    light[lamp] = power * flashes * appearance.lamps[lamp].power;
   }
   return light;
 }
@@ -49,8 +49,8 @@ bool on_sensor(const Optics& optics, const Vec3& centre, double radius_m) {
 
 class Flashes {
  public:
-  Flashes(const Scene& scene, const Exposure& exposure, const Appearance& look)
-      : scene_(scene), exposure_(exposure), appearance_(look), optics_(scene) {}
+  Flashes(const Scene& scene, const Exposure& exposure, const Appearance& appearance)
+      : scene_(scene), exposure_(exposure), appearance_(appearance), optics_(scene) {}
 
   LitBall ball(const BallState& s, const std::array<double, 2>& light) const {
     const BallPath& path = exposure_.ball->path;
@@ -120,9 +120,9 @@ std::vector<Vec2> outline_on_sensor(const Optics& optics, const Vec3& centre, do
 }
 
 std::vector<BallImageOnSensor> lit_balls(const Scene& scene, const Exposure& exposure,
-                                         const Appearance& look) {
+                                         const Appearance& appearance) {
   const std::vector<FilmImage> films = film_images(with_all_in_view(scene), exposure);
-  const Flashes flashes(scene, exposure, look);
+  const Flashes flashes(scene, exposure, appearance);
   std::vector<BallImageOnSensor> images;
   for (const FilmImage& film : films) {
     const auto same = std::ranges::count(films, film.pulse, &FilmImage::pulse);
@@ -134,14 +134,14 @@ std::vector<BallImageOnSensor> lit_balls(const Scene& scene, const Exposure& exp
   return images;
 }
 
-std::array<double, 2> light_of_all(const Exposure& exposure, const Appearance& look, double power_sd) {
+std::array<double, 2> light_of_all(const Exposure& exposure, const Appearance& appearance, double power_sd) {
   std::array<double, 2> sum{};
   if (!known(exposure.opened)) return sum;
   for (std::size_t i = 0; i < exposure.pulses.size(); ++i) {
     const Pulse& pulse = exposure.pulses[i];
     const MonoTime time = flash_time(pulse);
     if (!known(time) || time < exposure.opened || time > exposure.closed) continue;
-    const std::array<double, 2> light = light_of(pulse, i, look, power_sd);
+    const std::array<double, 2> light = light_of(pulse, i, appearance, power_sd);
     sum[0] += light[0];
     sum[1] += light[1];
   }

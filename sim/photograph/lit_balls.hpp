@@ -1,5 +1,5 @@
-// The balls that an exposure's flashes lit, as far as any part of them is on the sensor: what is rendered and
-// what the truth is told of. Thread-safe; allocates.
+// The balls lit by an exposure's flashes, if any part of them is on the sensor: both the rendering and the
+// truth use them. Thread-safe; allocates.
 #pragma once
 
 #include <array>
@@ -11,8 +11,8 @@
 
 namespace strobe::sim {
 
-/// One ball at one instant. A ball in contact is a sphere whose top has come down by top_drop_m, cut off by
-/// the surface.
+/// One ball at one instant. A ball in contact is a sphere whose top is lowered by top_drop_m, cut off by the
+/// surface.
 struct LitBall {
   Vec3 centre;             ///< of the sphere, axis coordinates
   double angle_rad = 0.0;  ///< of its line, counter-clockwise in axis coordinates, at the middle of the view
@@ -27,10 +27,10 @@ struct BallImageOnSensor {
 
 /// In order of time.
 std::vector<BallImageOnSensor> lit_balls(const Scene& scene, const Exposure& exposure,
-                                         const Appearance& look);
+                                         const Appearance& appearance);
 
 /// Light of each lamp in all flashes of the exposure while the shutter was open.
-std::array<double, 2> light_of_all(const Exposure& exposure, const Appearance& look, double power_sd);
+std::array<double, 2> light_of_all(const Exposure& exposure, const Appearance& appearance, double power_sd);
 
 /// The outline of a ball as seen on the photograph, lens included: points around it, counter-clockwise. Not
 /// cut off by the surface.

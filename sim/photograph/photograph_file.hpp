@@ -1,5 +1,5 @@
-// Photographs as files, written as a tethered camera does: under a temporary name that no one takes for a
-// photograph, then renamed. Thread-safe for different files; writes files.
+// Photographs as files, written as a tethered camera does: under a temporary name without an image's
+// extension, then renamed. Thread-safe for different files; writes files.
 #pragma once
 
 #include <filesystem>

@@ -29,9 +29,9 @@ double modulo_pi(double angle_rad) {
 
 class Truth {
  public:
-  Truth(const Scene& scene, const Appearance& look)
+  Truth(const Scene& scene, const Appearance& appearance)
       : scene_(without_distortion(scene)),
-        appearance_(look),
+        appearance_(appearance),
         camera_(scene_),
         straight_(scene_),
         optics_(scene) {}
@@ -157,27 +157,27 @@ json image_json(const ImageTruth& i) {
   return object;
 }
 
-json look_json(const Scene& scene, const Appearance& look) {
-  return {{"blur_px", look.blur_px},
+json appearance_json(const Scene& scene, const Appearance& appearance) {
+  return {{"blur_px", appearance.blur_px},
           {"defocus_px", scene.photograph.defocus_px},
           {"exposure", scene.photograph.exposure},
           {"bits", scene.photograph.bits},
-          {"line", look.ball.line},
-          {"line_width_m", look.ball.line_width_m},
-          {"line_contrast", look.ball.line_contrast},
-          {"line_tilt_rad", look.ball.line_tilt_rad},
-          {"grain", look.ball.grain},
-          {"fuzz_px", look.ball.fuzz_px},
-          {"lamp_powers", {look.lamps[0].power, look.lamps[1].power}},
-          {"wall", look.background.wall},
-          {"plate_brightness", look.background.plate_brightness}};
+          {"line", appearance.ball.line},
+          {"line_width_m", appearance.ball.line_width_m},
+          {"line_contrast", appearance.ball.line_contrast},
+          {"line_tilt_rad", appearance.ball.line_tilt_rad},
+          {"grain", appearance.ball.grain},
+          {"fuzz_px", appearance.ball.fuzz_px},
+          {"lamp_powers", {appearance.lamps[0].power, appearance.lamps[1].power}},
+          {"wall", appearance.background.wall},
+          {"plate_brightness", appearance.background.plate_brightness}};
 }
 
 }  // namespace
 
-PhotographTruth photograph_truth(const Scene& scene, const Exposure& exposure, const Appearance& look,
+PhotographTruth photograph_truth(const Scene& scene, const Exposure& exposure, const Appearance& appearance,
                                  const std::vector<BallImageOnSensor>& images) {
-  const Truth truth(scene, look);
+  const Truth truth(scene, appearance);
   PhotographTruth result;
   result.width_px = truth.sensor().width;
   result.height_px = truth.sensor().height;
@@ -191,8 +191,9 @@ PhotographTruth photograph_truth(const Scene& scene, const Exposure& exposure, c
   return result;
 }
 
-std::string photograph_line(const Scene& scene, const Exposure& exposure, int shot_id, const Appearance& look,
-                            const PhotographTruth& truth, const std::string& file) {
+std::string photograph_line(const Scene& scene, const Exposure& exposure, int shot_id,
+                            const Appearance& appearance, const PhotographTruth& truth,
+                            const std::string& file) {
   json line = json::parse(truth_line(scene, exposure, shot_id));
   line["file"] = file.empty() ? json(nullptr) : json(file);
   line["width_px"] = truth.width_px;
@@ -207,7 +208,7 @@ std::string photograph_line(const Scene& scene, const Exposure& exposure, int sh
     line["flash_times_s"].push_back(time ? json(*time) : json(nullptr));
   line["images"] = json::array();
   for (const ImageTruth& image : truth.images) line["images"].push_back(image_json(image));
-  line["look"] = look_json(scene, look);
+  line["appearance"] = appearance_json(scene, appearance);
   return line.dump();
 }
 

@@ -1,4 +1,4 @@
-// What a perfect measurement of a photograph would read. Coordinates are plane px: those of a frame, as on
+// True values of a photograph's images. Coordinates are plane px: those of a frame, as on
 // the photograph (x the column, y upwards from the middle of the lowest row) but with the lens's distortion
 // undone; perspective is left as it is. Thread-safe; allocates.
 #pragma once
@@ -16,14 +16,14 @@ namespace strobe::sim {
 struct ImageTruth {
   int flash_index = 0;           ///< of its pulse in the exposure
   double time_s = 0.0;           ///< middle of the flash, from the exposure's first pulse's edge on
-  reduction::Leg leg{};          ///< contact: pressed flat, however little
+  reduction::Leg leg{};          ///< contact: flattened, however little
   reduction::PointPx centre_px;  ///< of the outline (camera.hpp); in contact of the round part of it
   double diameter_px = 0.0;      ///< of the disc of the round outline's area
   double equator_rad = 0.0;      ///< modulo pi; of the line through the two ends of the line on the outline
   reduction::PointPx top_px;     ///< the outline's point farthest from the surface
   double top_drop_px = 0.0;      ///< by how much the ball is pressed flat
   std::optional<double> contact_width_px;  ///< of the flat side; absent in the air
-  bool whole = true;                       ///< nothing of it is beyond the border
+  bool whole = true;                       ///< entirely within the border
   double share_on_sensor = 1.0;            ///< of the outline
 };
 
@@ -38,13 +38,14 @@ struct PhotographTruth {
   std::vector<ImageTruth> images;  ///< in order of time
 };
 
-PhotographTruth photograph_truth(const Scene& scene, const Exposure& exposure, const Appearance& look,
+PhotographTruth photograph_truth(const Scene& scene, const Exposure& exposure, const Appearance& appearance,
                                  const std::vector<BallImageOnSensor>& images);
 
 /// One JSON object on one line, without the newline: all of truth_line() (sim/rig/truth.hpp), and `file`
 /// (null where it is not known), the truth's names as above (null for what is absent), `ball_diameter_m` and
-/// `look`.
-std::string photograph_line(const Scene& scene, const Exposure& exposure, int shot_id, const Appearance& look,
-                            const PhotographTruth& truth, const std::string& file);
+/// `appearance`.
+std::string photograph_line(const Scene& scene, const Exposure& exposure, int shot_id,
+                            const Appearance& appearance, const PhotographTruth& truth,
+                            const std::string& file);
 
 }  // namespace strobe::sim

@@ -14,9 +14,9 @@ namespace {
 /// Light of the lightest felt in one image, at an exposure of 1, over what saturates.
 constexpr double kUsualLight = 0.45;
 
-void add_balls(const Scene& scene, const Appearance& look, const std::vector<BallImageOnSensor>& images,
+void add_balls(const Scene& scene, const Appearance& appearance, const std::vector<BallImageOnSensor>& images,
                const std::array<double, 2>& light_of_all, const cv::Mat& behind, cv::Mat& light) {
-  const BallLight painter(scene, look);
+  const BallLight painter(scene, appearance);
   const double all = light_of_all[0] + light_of_all[1];
   cv::parallel_for_({0, light.rows}, [&](const cv::Range& rows) {
     for (const BallImageOnSensor& image : images) {
@@ -28,26 +28,26 @@ void add_balls(const Scene& scene, const Appearance& look, const std::vector<Bal
 
 }  // namespace
 
-Result<Photograph> render(const Scene& scene, const Exposure& exposure, const Appearance& look) {
+Result<Photograph> render(const Scene& scene, const Exposure& exposure, const Appearance& appearance) {
   const SensorSize size = sensor_size(scene);
   if (static_cast<double>(size.width) * size.height > kMaxPixels)
     return fail(
         fmt::format("photograph: {} x {} px are more than {:.0f} megapixels; width_px and height_px "
                     "of [photograph] make it smaller",
                     size.width, size.height, 1e-6 * kMaxPixels));
-  const std::vector<BallImageOnSensor> images = lit_balls(scene, exposure, look);
-  const std::array<double, 2> all = light_of_all(exposure, look, scene.photograph.flash_power_sd);
+  const std::vector<BallImageOnSensor> images = lit_balls(scene, exposure, appearance);
+  const std::array<double, 2> all = light_of_all(exposure, appearance, scene.photograph.flash_power_sd);
   cv::Mat light(size.height, size.width, CV_32FC1, cv::Scalar(0.0));
   if (all[0] + all[1] > 0.0) {
-    const cv::Mat behind = render_background(scene, look, images, all);
+    const cv::Mat behind = render_background(scene, appearance, images, all);
     behind.copyTo(light);
-    add_balls(scene, look, images, all, behind, light);
+    add_balls(scene, appearance, images, all, behind, light);
   }
   light = light * (kUsualLight * scene.photograph.exposure) + scene.photograph.ambient;
-  blur(light, look.blur_px, scene.photograph.defocus_px);
+  blur(light, appearance.blur_px, scene.photograph.defocus_px);
   Photograph photograph;
-  photograph.pixels = develop(light, scene.photograph, look);
-  photograph.truth = photograph_truth(scene, exposure, look, images);
+  photograph.pixels = develop(light, scene.photograph, appearance);
+  photograph.truth = photograph_truth(scene, exposure, appearance, images);
   return photograph;
 }
 

@@ -1,10 +1,9 @@
-// A photograph of one exposure, as the rig's camera takes it, and the truth about it. Light adds up: what
-// stands still is lit by every flash, and where a ball is at a flash it shows its own light and hides what is
-// behind it for that one flash:
+// Renders the photograph of one exposure, with the truth about it. Light adds up: the background is lit by
+// every flash; a ball adds its own light at its flash and hides the background for that one flash:
 //   I = sum over flashes of B_k + sum over images of (S_k - B_k) within the ball's outline,
 // then blurred by the lens, vignetted, and developed with noise to the file's bits.
 //
-// Deterministic for any number of threads: the same scene, exposure and look give the same numbers.
+// Deterministic for any number of threads: the same scene, exposure and appearance give the same numbers.
 // Thread-safe; allocates (some 60 MB for 5 megapixels); uses OpenCV's threads.
 #pragma once
 
@@ -25,10 +24,10 @@ struct Photograph {
   PhotographTruth truth;
 };
 
-/// Fails for a sensor that is too large. `look`: of draw_appearance(), changed at will.
-Result<Photograph> render(const Scene& scene, const Exposure& exposure, const Appearance& look);
+/// Fails for a sensor that is too large. `appearance`: of draw_appearance(), possibly changed.
+Result<Photograph> render(const Scene& scene, const Exposure& exposure, const Appearance& appearance);
 
-/// With the look of that shot.
+/// With draw_appearance() of that shot.
 Result<Photograph> render(const Scene& scene, std::uint64_t seed, const Exposure& exposure);
 
 }  // namespace strobe::sim

@@ -54,7 +54,7 @@ cv::Mat disc(double radius_px) {
 /// Numbers of one row.
 template <typename Number>
 void develop_row(const float* light, Number* numbers, int row, int width, int height,
-                 const PhotographSettings& s, const Appearance& look) {
+                 const PhotographSettings& s, const Appearance& appearance) {
   static const NormalTable normal;
   const float top = s.bits == 8 ? 255.0F : s.bits == 12 ? 4095.0F : 65535.0F;
   const auto per_electron = static_cast<float>(1.0 / s.full_well_e);
@@ -63,10 +63,10 @@ void develop_row(const float* light, Number* numbers, int row, int width, int he
   const double half2 = 0.25 * (static_cast<double>(width) * width + static_cast<double>(height) * height);
   const double dy = row - 0.5 * (height - 1);
   const std::uint64_t key =
-      hash64(look.noise + 0x51ULL) + static_cast<std::uint64_t>(row) * 0x9e3779b97f4a7c15U;
+      hash64(appearance.noise + 0x51ULL) + static_cast<std::uint64_t>(row) * 0x9e3779b97f4a7c15U;
   for (int i = 0; i < width; ++i) {
     const double dx = i - 0.5 * (width - 1);
-    const auto vignette = static_cast<float>(1.0 - look.vignetting * (dx * dx + dy * dy) / half2);
+    const auto vignette = static_cast<float>(1.0 - appearance.vignetting * (dx * dx + dy * dy) / half2);
     const float seen = std::max(0.0F, vignette * light[i]);
     const std::uint64_t bits = hash64(key + static_cast<std::uint64_t>(i) * 0xd1342543de82ef95U);
     float value = seen + normal(bits) * std::sqrt(seen * per_electron + read) + black;
@@ -85,16 +85,16 @@ void blur(cv::Mat& light, double blur_px, double defocus_px) {
   cv::GaussianBlur(light, light, {side, side}, blur_px, blur_px, cv::BORDER_REPLICATE);
 }
 
-cv::Mat develop(const cv::Mat& light, const PhotographSettings& settings, const Appearance& look) {
+cv::Mat develop(const cv::Mat& light, const PhotographSettings& settings, const Appearance& appearance) {
   cv::Mat numbers(light.size(), settings.bits == 8 ? CV_8UC1 : CV_16UC1);
   cv::parallel_for_({0, light.rows}, [&](const cv::Range& rows) {
     for (int row = rows.start; row < rows.end; ++row) {
       if (settings.bits == 8)
         develop_row(light.ptr<float>(row), numbers.ptr<std::uint8_t>(row), row, light.cols, light.rows,
-                    settings, look);
+                    settings, appearance);
       else
         develop_row(light.ptr<float>(row), numbers.ptr<std::uint16_t>(row), row, light.cols, light.rows,
-                    settings, look);
+                    settings, appearance);
     }
   });
   return numbers;

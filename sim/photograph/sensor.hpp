@@ -1,4 +1,4 @@
-// From light on the sensor to numbers in a file: lens blur, vignetting, shot and read noise, saturation,
+// From light on the sensor to pixel values: lens blur, vignetting, shot and read noise, saturation,
 // bits. Deterministic for any number of threads; allocates.
 #pragma once
 
@@ -12,6 +12,6 @@ namespace strobe::sim {
 void blur(cv::Mat& light, double blur_px, double defocus_px);
 
 /// Numbers of light (1 saturates): CV_8UC1 for 8 bits, else CV_16UC1.
-cv::Mat develop(const cv::Mat& light, const PhotographSettings& settings, const Appearance& look);
+cv::Mat develop(const cv::Mat& light, const PhotographSettings& settings, const Appearance& appearance);
 
 }  // namespace strobe::sim

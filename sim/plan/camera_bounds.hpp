@@ -43,14 +43,14 @@ class CameraBounds {
   explicit CameraBounds(const Scene& scene);
 
   /// Of the image of a ball, x_m from the camera's origin; for perspective, lens_distortion and pixels
-  /// (the smear apart), nothing for other effects.
+  /// (the smear apart), zero for other effects.
   BoundedDisplacement of_ball(Effect effect, double x_m, double y_m, double off_plane_m,
                               double equator_rad) const;
 
   /// Of a point of the surface that the effect moves so far on the photograph. [px]
   BoundedDisplacement of_surface(Effect effect, double x_m, double dx_px, double dy_px) const;
 
-  /// By how much the flash's length turns the equator that pixels show, of a ball of that speed. [rad]
+  /// Rotation of the measured equator by motion blur, for a ball of that speed. [rad]
   double motion_blur_rad(double speed_mps) const;
 
  private:

@@ -40,10 +40,10 @@ class ContactBounds {
  public:
   ContactBounds(const Scene& scene, const ShootSettings& settings);
 
-  /// Of leaving out those of the effects above that the model lacks.
+  /// Of leaving out the effects above that the model lacks.
   const PerQuantity& of(const Model& model) { return known(model).bound; }
 
-  /// By how many images the frames differ at most.
+  /// Largest difference in the number of images.
   double images_passing(const Model& model) { return known(model).images_passing; }
 
  private:

@@ -1,6 +1,6 @@
-// The corners of what a scene's shots can be: draws are bounded (kLargestNormal), so that all shots lie in a
-// box of draws; its middle, the middles of its faces and a balanced choice of its corners stand for it.
-// Deterministic; thread-safe; allocates.
+// Representative shots of a scene: draws are bounded (kLargestNormal), so all shots lie in a box of draws.
+// Its centre, the centres of its faces and a balanced choice of its corners represent it. Deterministic;
+// thread-safe; allocates.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@
 
 namespace strobe::sim {
 
-/// What is drawn for a shot, in the order of a corner's numbers.
+/// The numbers drawn for a shot, in a corner's order.
 enum class Spread { speed, angle, spin, e, friction, offset, dwell, spot, off_plane };
 inline constexpr std::size_t kSpreadCount = 9;
 
@@ -29,7 +29,7 @@ std::vector<Corner> corners(const Scene& scene);
 /// Further points of the box, spread evenly (Halton's sequence), for what need not be largest at a corner.
 std::vector<Corner> inside(const Scene& scene, int count);
 
-/// The shot that these draws make.
+/// The conditions of the shot with these draws.
 ShotConditions shot_conditions_at(const Scene& scene, const Corner& corner);
 
 }  // namespace strobe::sim

@@ -1,4 +1,4 @@
-// What a shot costs on this machine, measured. Reads a clock; everything else of a plan does not.
+// Measures the cost of a shot on this machine. The only part of planning that reads a clock.
 #pragma once
 
 #include <span>
@@ -10,8 +10,8 @@
 
 namespace strobe::sim {
 
-/// Microseconds of one shot for each model: of kCostRounds rounds, in which the models take turns, the
-/// fastest one's mean. A round of a model lasts kCostRound_s or five shots, whichever is longer. Fails for
+/// Microseconds of one shot for each model: the mean of the fastest of kCostRounds rounds, in which the
+/// models alternate. A round of a model lasts kCostRound_s or five shots, whichever is longer. Fails for
 /// settings out of range.
 inline constexpr int kCostRounds = 4;
 inline constexpr double kCostRound_s = 0.02;

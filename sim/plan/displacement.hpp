@@ -5,7 +5,7 @@
 
 namespace strobe::sim {
 
-/// The `within` of what an effect may change at will, or make impossible to measure.
+/// The `within` of an unbounded change, or of a measurement made impossible.
 inline constexpr double kNoBound = std::numeric_limits<double>::infinity();
 
 /// Lengths on the object's scale: x along the surface in the direction of travel, y up from it; angles
@@ -18,7 +18,7 @@ struct Displacement {
   double time_s = 0.0;  ///< of the time that the sensors give, against the image's
 };
 
-/// With the effect less without it: `by`, give or take `within` (all >= 0).
+/// Value with the effect minus value without it: `by` ± `within` (all >= 0).
 struct BoundedDisplacement {
   Displacement by;
   Displacement within;

@@ -45,11 +45,11 @@ class FlightBounds {
  public:
   explicit FlightBounds(const Scene& scene);
 
-  /// For gravity, drag, magnus and spin_decay; nothing for other effects. `time_s` >= 0: how far from
+  /// For gravity, drag, magnus and spin_decay; zero for other effects. `time_s` >= 0: how far from
   /// touchdown or lift-off. `within` is infinite where no bound exists.
   BoundedDisplacement of(Effect effect, const LegMotion& leg, double time_s) const;
 
-  /// The larger of drag's and lift's share of the velocity lost or turned in a metre.
+  /// The larger of the shares of the velocity that drag and lift change in a metre.
   double largest_coefficient_pm() const { return drag_pm_ > lift_pm_ ? drag_pm_ : lift_pm_; }
 
  private:

@@ -1,5 +1,5 @@
-// One shot of a scene without chance: given draws, given flashes, a hand without error, the sensors exact.
-// What plans measure the scene with. Deterministic; thread-safe; allocates.
+// One shot of a scene without randomness: given draws and flashes, error-free digitizing, exact sensors.
+// Plans measure scenes with it. Deterministic; thread-safe; allocates.
 #pragma once
 
 #include <optional>
@@ -15,7 +15,7 @@
 
 namespace strobe::sim {
 
-/// One flash, from touchdown, and how much later the frame says that it was.
+/// One flash: its time since touchdown, and by how much its time in the frame is late.
 struct NominalFlash {
   double time_s = 0.0;
   double stamp_late_s = 0.0;
@@ -35,12 +35,12 @@ struct Train {
 };
 Train train_of(const Scene& scene, const ShootSettings& settings);
 
-/// A scene as one model has it, with what is prepared once.
+/// A scene under one model, with what is prepared once.
 struct ModelledScene {
   ModelledScene(const Scene& scene, const Model& model);
 
   Scene whole;
-  Scene left;  ///< what the model leaves of it
+  Scene left;  ///< with the model's effects only
   Model model;
   std::optional<ReducedContact> reduced;
 };
@@ -48,7 +48,7 @@ struct ModelledScene {
 /// The ball of one corner under one model, and the camera that sees it. The scene must outlive it.
 class NominalShot {
  public:
-  /// Nothing if the contact's mechanics refuse the throw.
+  /// Returns nullopt if the contact's mechanics reject the conditions.
   static std::optional<NominalShot> make(const ModelledScene& scene, const Corner& corner);
 
   NominalFrame photograph(std::span<const NominalFlash> flashes) const;

@@ -2,10 +2,10 @@
 // within a tolerance of what it would be with all of them.
 //
 // The choice. Effects whose bound is zero, the scene's parameters being what they are, are left out at once.
-// The others are tried in the order of kByCost, dearest first: one is left out if for every quantity the
-// bound of all that is then left out together (scene_bounds.hpp) is within the quantity's tolerance. The
+// The others are tried in the order of kByCost, most expensive first: one is left out if for every quantity
+// the bound of all that is then left out together (scene_bounds.hpp) is within the quantity's tolerance. The
 // order is fixed, since a choice must not depend on how busy a machine is; what is saved is measured
-// (price.hpp). Deterministic; allocates.
+// (cost.hpp). Deterministic; allocates.
 #pragma once
 
 #include <array>
@@ -17,8 +17,8 @@
 
 namespace strobe::sim {
 
-/// Effects by what a shot costs more with them than without, the dearest first, as measured on the thesis's
-/// scenes, a court pace shot and a photograph of pixels.
+/// Effects by the extra cost of a shot with them, the most expensive first, measured on the thesis's scenes,
+/// a court pace shot and a photograph of pixels.
 inline constexpr std::array<Effect, kEffectCount> kByCost{Effect::pixels,
                                                           Effect::contact_ode,
                                                           Effect::tangential_compliance,
@@ -50,10 +50,10 @@ struct Plan {
   Model model = Model::full();
   PerQuantity tolerance;
   PerQuantity scale;                                ///< what a relative tolerance of 1 means
-  PerQuantity threshold_steps;                      ///< of images that come and go
-  PerQuantity left_out;                             ///< bound of all that is left out together
+  PerQuantity threshold_steps;                      ///< of images that appear or disappear
+  PerQuantity left_out;                             ///< bound of all effects left out together
   std::array<PlannedEffect, kEffectCount> effects;  ///< in the order of Effect
-  std::string warning;  ///< why nothing that displaces an image may be left out; mostly empty
+  std::string warning;  ///< why no effect that displaces an image may be left out; usually empty
 };
 
 /// The quantity whose bound takes most of its tolerance; the first of all if no bound is above 0.

@@ -1,4 +1,4 @@
-// What a plan is about: the numbers read from a shot, and how far each may be off. Pure; thread-safe.
+// The quantities of a readout and their tolerances, as plans use them. Pure; thread-safe.
 #pragma once
 
 #include <array>
@@ -10,7 +10,8 @@
 
 namespace strobe::sim {
 
-/// One number >= 0 for each quantity of a readout, in its unit; infinite: no bound, or anything will do.
+/// One number >= 0 for each quantity of a readout, in its unit; infinite: no bound, or any value is
+/// acceptable.
 class PerQuantity {
  public:
   double& operator[](reduction::Quantity q) { return values_[static_cast<std::size_t>(q)]; }
@@ -28,7 +29,7 @@ class PerQuantity {
   std::array<double, reduction::kQuantityCount> values_{};
 };
 
-/// |a - b|; infinite where one is absent and the other is not.
+/// |a - b|; infinite if only one is absent.
 PerQuantity difference(const reduction::Quantities& a, const reduction::Quantities& b);
 
 /// The readout of a shot's frame: the best estimator with gravity, drag (the spin's decay with it) and Magnus
@@ -45,7 +46,7 @@ PerQuantity readout_scales(const Scene& scene);
 /// relative · scale, but for the quantities for which the scene's [readout] has a tolerance of its own.
 PerQuantity tolerances(const Scene& scene, double relative);
 
-/// Unit for people: "m/s", "rad/s", "deg", "ms", "cm" or "".
+/// Unit as text: "m/s", "rad/s", "deg", "ms", "cm" or "".
 std::string_view unit(reduction::Quantity quantity);
 
 }  // namespace strobe::sim

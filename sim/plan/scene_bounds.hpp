@@ -1,4 +1,4 @@
-// By how much each effect can change each readout of a scene's shots, whatever is drawn for them.
+// Bounds of how much each effect can change each quantity of the readout, over all possible shots of a scene.
 //
 // Two kinds of effects.
 // - Those of the image (flight, timing, camera) displace what is measured of it. Their headers bound by how
@@ -16,7 +16,7 @@
 // smooth part, which only adds). threshold_steps() is the sum of the kThresholds largest such
 // steps, the largest over the corners: a shot that passes several thresholds at once changes by no more. It
 // counts as soon as anything that displaces images is left out: once, and once more for every image that may
-// be propagated past a threshold (the displacement over the spacing of images, or in contact by how many the
+// be carried past a threshold (the displacement over the spacing of images, or in contact by how many the
 // images counted differ); and with it, where the sensors' jitter is kept, twice what one image's can do.
 // Where pixels are kept, what they do to all images counts twice besides: at another place it is another. A
 // number that some phase or corner has not gets an infinite one: nothing that displaces may then be left out.
@@ -50,19 +50,19 @@ class SceneBounds {
  public:
   explicit SceneBounds(const Scene& scene, const ShootSettings& settings = {});
 
-  /// Whether the scene has the effect at all; without it there is nothing to leave out.
+  /// Whether the scene has the effect at all.
   bool present(Effect effect) const { return present_[static_cast<std::size_t>(effect)]; }
 
-  /// Of leaving out this effect alone, thresholds apart.
+  /// Of leaving out this effect alone, without thresholds.
   PerQuantity of(Effect effect);
 
-  /// Of leaving out all that the model lacks, thresholds included: what plans hold against the tolerance.
+  /// Of leaving out all effects that the model lacks, with thresholds: what plans compare with the tolerance.
   PerQuantity of(const Model& model);
 
-  /// Of images that come and go.
+  /// Of images that appear or disappear.
   const PerQuantity& threshold_steps() const { return threshold_steps_; }
 
-  /// Why threshold_steps() is infinite, for people; empty where it is not for a reason that holds for all numbers.
+  /// Why threshold_steps() is infinite, as text; empty unless the reason holds for all quantities.
   const std::string& warning() const { return warning_; }
 
   const Scene& scene() const { return scene_; }
@@ -83,7 +83,7 @@ class SceneBounds {
   std::string warning_;
 };
 
-/// Whether the scene has the effect: its parameters are not those at which it does nothing.
+/// Whether the scene has the effect: its parameters are not those without effect.
 bool scene_has(const Scene& scene, Effect effect);
 
 }  // namespace strobe::sim

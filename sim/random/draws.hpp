@@ -11,7 +11,7 @@
 
 namespace strobe::sim {
 
-/// What a draw is for. Values are part of what a seed means: append, never renumber.
+/// Purpose of a draw. The values determine what a seed draws: append, never renumber.
 enum class Purpose : std::uint64_t {
   machine = 1,
   bounce,
@@ -21,7 +21,7 @@ enum class Purpose : std::uint64_t {
   gate,
   tablet,
   off_plane,
-  look,  ///< of the photograph: ball, lamps, background
+  appearance,  ///< of the photograph: ball, lamps, background
   flash_power,
 };
 

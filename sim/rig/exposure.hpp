@@ -1,4 +1,4 @@
-// What happened while the shutter was open once: the record from which the photograph and the truth are made.
+// Record of one opening of the shutter, from which the photograph and the truth are made.
 // Plain values, thread-safe.
 #pragma once
 
@@ -35,13 +35,13 @@ struct Exposure {
   MonoTime closed = kNoTime;
   std::vector<Pulse> pulses;
   std::optional<ThrownBall> ball;  ///< the one that meets the plate
-  int throws = 0;                  ///< how often the machine was triggered for this shot
-  std::vector<FaultKind> faults;   ///< that struck, each once
-  bool spoilt = false;             ///< the simulation itself could not keep up: edges came late or were lost
+  int throws = 0;                  ///< number of the machine's throws for this shot
+  std::vector<FaultKind> faults;   ///< that occurred, each once
+  bool overrun = false;            ///< the simulation itself could not keep up: edges came late or were lost
 };
 
-/// The pulse's place counted from the touchdown: -1 is the last before, 1 the first after; nothing without a
-/// ball.
+/// The pulse's number counted from the touchdown: -1 is the last before, 1 the first after. Returns nullopt
+/// without a ball.
 std::optional<int> place_from_impact(const Exposure& exposure, std::size_t pulse);
 
 /// Whether the ball met the plate while the shutter was open.

@@ -1,5 +1,5 @@
-// One strobe lamp: a delay, some jitter, a capacitor that must recharge, and what can go wrong.
-// Virtual time, no clock; one object per lamp, not thread-safe; allocates only where a fault concerns.
+// One strobe lamp: a delay, some jitter, a capacitor that must recharge, and faults.
+// Virtual time, no clock; one object per lamp, not thread-safe; allocates only if a fault occurs.
 #pragma once
 
 #include <optional>
@@ -18,16 +18,16 @@ class LampModel {
   LampModel(const Scene& scene, std::uint64_t seed, Lamp lamp) : scene_(scene), seed_(seed), lamp_(lamp) {}
 
   /// The flashes that a rising edge of the lamp's line makes: one, none, or with a fault two; in order of
-  /// time. Kinds of faults that struck are appended to `struck`.
-  Instants on_pulse(MonoTime edge, const FlashPlace& place, std::vector<FaultKind>& struck);
+  /// time. Kinds of faults that occurred are appended to `occurred`.
+  Instants on_pulse(MonoTime edge, const FlashPlace& place, std::vector<FaultKind>& occurred);
 
-  /// Forgets earlier flashes and draws.
+  /// Discards earlier flashes and draws.
   void restart() {
     last_flash_ = kNoTime;
     draws_.reset();
   }
 
-  /// Jitter of the sensor's edge for the newest pulse's flashes.
+  /// Jitter of the sensor's edge for the latest pulse's flashes.
   double sensor_jitter_s() const { return sensor_jitter_s_; }
 
   /// Whether the sensor that looks at this lamp works in this shot.

@@ -103,36 +103,36 @@ std::optional<int> Rig::predict_place(MonoTime edge) const {
 
 void Rig::on_strobe(Lamp lamp, MonoTime at) {
   const FlashPlace place = begin_or_join_pulse(lamp, at);
-  std::vector<FaultKind> struck;
+  std::vector<FaultKind> occurred;
   LampModel& model = lamps_[index(lamp)];
-  for (const MonoTime flash : model.on_pulse(at, place, struck)) {
-    const MonoTime stamp = sense(lamp, flash, place, struck);
+  for (const MonoTime flash : model.on_pulse(at, place, occurred)) {
+    const MonoTime stamp = sense(lamp, flash, place, occurred);
     if (flash_fault(scene_.faults, FaultKind::flash_dim, place, lamp)) {
-      struck.push_back(FaultKind::flash_dim);
+      occurred.push_back(FaultKind::flash_dim);
     } else if (current_ && !current_->pulses.empty()) {
       current_->pulses.back().flashes.push_back(flash);
       ++current_->pulses.back().lamps[index(lamp)];
       current_->pulses.back().stamps.push_back(stamp);
     }
   }
-  note_faults(struck);
+  note_faults(occurred);
 }
 
-MonoTime Rig::sense(Lamp lamp, MonoTime flash, const FlashPlace& place, std::vector<FaultKind>& struck) {
+MonoTime Rig::sense(Lamp lamp, MonoTime flash, const FlashPlace& place, std::vector<FaultKind>& occurred) {
   const LampModel& model = lamps_[index(lamp)];
   if (!model.sensor_works(place.shot)) {
-    struck.push_back(FaultKind::sensor_dead);
+    occurred.push_back(FaultKind::sensor_dead);
     return kNoTime;
   }
   if (flash_fault(scene_.faults, FaultKind::sensor_dropout, place, lamp)) {
-    struck.push_back(FaultKind::sensor_dropout);
+    occurred.push_back(FaultKind::sensor_dropout);
     return kNoTime;
   }
   const RigLine sensor = lamp == Lamp::a ? RigLine::sensor_a : RigLine::sensor_b;
   const MonoTime rise = flash + from_seconds(scene_.sensors.delay_s + model.sensor_jitter_s());
   const bool edge = drive_sensor(sensor, rise);
   if (const Fault* bounce = flash_fault(scene_.faults, FaultKind::sensor_bounce, place, lamp)) {
-    struck.push_back(FaultKind::sensor_bounce);
+    occurred.push_back(FaultKind::sensor_bounce);
     bounce_sensor(sensor, rise, bounce->delay);
   }
   return edge ? rise : kNoTime;
@@ -205,33 +205,33 @@ void Rig::on_trigger(MonoTime at) {
   const int shot = during_exposure ? current_->shot : exposures_ + 1;
   std::optional<ThrownBall> ball;
   int throws = 0;
-  std::vector<FaultKind> struck;
+  std::vector<FaultKind> occurred;
   if (shot_fault(scene_.faults, FaultKind::machine_misfire, shot)) {
-    struck.push_back(FaultKind::machine_misfire);
+    occurred.push_back(FaultKind::machine_misfire);
   } else {
     throws = 1;
     const ShotConditions thrown = draw_shot_conditions(scene_, seed_, shot);
     const MonoTime touchdown = at + from_seconds(thrown.lag_s);
-    if (shot_fault(scene_.faults, FaultKind::gate_chatter, shot)) struck.push_back(FaultKind::gate_chatter);
+    if (shot_fault(scene_.faults, FaultKind::gate_chatter, shot)) occurred.push_back(FaultKind::gate_chatter);
     if (auto path = BallPath::make(scene_, thrown, model_, reduced_ ? &*reduced_ : nullptr)) {
       if (gate_watched_) drive_gate(*path, touchdown, at, shot);
       ball = ThrownBall{std::move(*path), touchdown};
     }
     if (shot_fault(scene_.faults, FaultKind::ball_misses, shot)) {
-      struck.push_back(FaultKind::ball_misses);
+      occurred.push_back(FaultKind::ball_misses);
       ball.reset();
     }
   }
   if (during_exposure) {
     current_->throws += throws;
     if (!current_->ball) current_->ball = std::move(ball);
-    note_faults(struck);
+    note_faults(occurred);
   } else {
     if (known(waiting_.triggered) && at - waiting_.triggered > kBallInFlight) waiting_ = {};
     waiting_.triggered = at;
     waiting_.throws += throws;
     if (!waiting_.ball) waiting_.ball = std::move(ball);
-    waiting_.faults.insert(waiting_.faults.end(), struck.begin(), struck.end());
+    waiting_.faults.insert(waiting_.faults.end(), occurred.begin(), occurred.end());
   }
 }
 

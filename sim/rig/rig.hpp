@@ -1,8 +1,8 @@
-// The simulated bench in virtual time: it is told how the chip's output lines change and answers with how the
-// inputs are to be driven and with the exposures taken. No clock, no threads, no I/O, so that tests run
-// thousands of shots in-process; the runner couples it to a chip in real time.
+// The simulated rig in virtual time: changes of the chip's output lines go in; the input lines' changes and
+// the exposures taken come out. No clock, no threads, no I/O, so that tests run thousands of shots
+// in-process; RigRunner couples it to a chip in real time.
 //
-// The same scene, seed and line changes give the same answers. Draws of a shot do not depend on earlier
+// The same scene, seed and line changes give the same results. Draws of a shot do not depend on earlier
 // shots. Not thread-safe; allocates.
 #pragma once
 
@@ -29,37 +29,37 @@ struct Drive {
 
 class Rig {
  public:
-  /// Lines are at their idle levels at `start`, from which the operator's actions are counted. A model other
+  /// Lines are at their idle levels at `start`; the operator's actions are timed from it. A model other
   /// than the full one leaves effects out (see model.hpp); scene() is then what is left.
   Rig(const Scene& scene, std::uint64_t seed, MonoTime start, const Model& model = Model::full());
   Rig(const Rig&) = delete;
   Rig& operator=(const Rig&) = delete;
 
-  /// Begins afresh at `start`, as if newly made, with the exposure to come numbered `shot` (1-based).
+  /// Resets to `start`, as if newly made; the next exposure has the number `shot` (1-based).
   void restart(int shot, MonoTime start);
 
-  /// Whether the gate's edges are computed (they are, unless nobody looks at them).
+  /// Whether the gate's edges are computed (default: yes).
   void watch_gate(bool watched) { gate_watched_ = watched; }
 
   /// An output line's level at `at`; changes come in order of time. Repeated levels and inputs are ignored.
   void line_changed(RigLine line, int level, MonoTime at);
 
-  /// The next instant at which collect() has something to give; far in the future if there is nothing.
+  /// The next instant at which collect() has something to return; far in the future if there is none.
   MonoTime next_due() const;
 
-  /// Appends what is due up to `now`, drives in order of time. An exposure is given a little after it closed,
-  /// once every edge of it must have been reported.
+  /// Appends what is due up to `now`, drives in order of time. An exposure is returned 20 ms after it closed,
+  /// when every edge of it must have been reported.
   void collect(MonoTime now, std::vector<Drive>& drives, std::vector<Exposure>& exposures);
 
   /// Ends an exposure that is still open, as when the program under test has died.
   void finish(MonoTime now, std::vector<Exposure>& exposures);
 
-  /// The simulation fell behind: the exposure under way is no fair test of the program.
+  /// The simulation fell behind real time: the current exposure does not test the program fairly.
   void mark_overrun() {
-    if (current_) current_->spoilt = true;
+    if (current_) current_->overrun = true;
   }
 
-  /// The line's change with which the exposure under way began; nothing between exposures.
+  /// The shutter line's change that began the current exposure. Returns nullopt between exposures.
   std::optional<MonoTime> exposing_since() const;
   int exposures_begun() const { return exposures_; }
   const Scene& scene() const { return scene_; }
@@ -73,7 +73,7 @@ class Rig {
   FlashPlace begin_or_join_pulse(Lamp lamp, MonoTime at);
   std::optional<int> predict_place(MonoTime edge) const;
   void drive_gate(const BallPath& path, MonoTime touchdown, MonoTime trigger, int shot);
-  MonoTime sense(Lamp lamp, MonoTime flash, const FlashPlace& place, std::vector<FaultKind>& struck);
+  MonoTime sense(Lamp lamp, MonoTime flash, const FlashPlace& place, std::vector<FaultKind>& occurred);
   bool drive_sensor(RigLine line, MonoTime rise);
   void bounce_sensor(RigLine line, MonoTime rise, Duration after);
   void schedule(const Drive& drive);

@@ -1,4 +1,4 @@
-// The person at the digitizing tablet: from an exposure to the points of a frame, with the errors of a hand.
+// Digitizing by hand on a tablet: from an exposure to the points of a frame, with the operator's errors.
 // Deterministic for (scene, seed, exposure). Thread-safe; allocates.
 #pragma once
 
@@ -23,7 +23,7 @@ struct Digitized {
 /// image_unseen leave images out. Noise of zero leaves the frame's standard deviations absent.
 Digitized digitize(const Scene& scene, std::uint64_t seed, const Exposure& exposure);
 
-/// The same by a hand without error: the frame states the scene's noise but has none.
+/// The same without error: the frame states the scene's noise but has none.
 Digitized digitize_perfectly(const Scene& scene, std::uint64_t seed, const Exposure& exposure);
 
 /// Digitized::image_pulse alone, without measuring anything.

@@ -82,7 +82,7 @@ std::string truth_line(const Scene& scene, const Exposure& exposure, int shot_id
   for (const Pulse& pulse : exposure.pulses) line["flash_true_ns"].push_back(instant(flash_time(pulse)));
   line["image_flash"] = image_pulses(scene, exposure);
   line["faults"] = fault_names(scene, exposure);
-  line["spoilt"] = exposure.spoilt;
+  line["overrun"] = exposure.overrun;
   return line.dump();
 }
 

@@ -1,4 +1,4 @@
-// What a perfect measurement of an exposure would have read; only tests may look at it. Thread-safe;
+// True values of an exposure, for tests and studies. Thread-safe;
 // allocates.
 #pragma once
 
@@ -21,8 +21,8 @@ reduction::Quantities true_readout(const Scene& scene, const BallPath& path);
 ///   opened_ns, closed_ns                    of the shutter; null: it did not open
 ///   flash_true_ns                           for each strobe pulse the mean of its flashes; null: none
 ///   image_flash                             for each digitized image the index of its pulse
-///   faults                                  kinds that struck
-///   spoilt                                  the simulation itself could not keep up
+///   faults                                  kinds that occurred
+///   overrun                                  the simulation itself could not keep up with real time
 std::string truth_line(const Scene& scene, const Exposure& exposure, int shot_id);
 
 }  // namespace strobe::sim

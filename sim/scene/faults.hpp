@@ -1,4 +1,4 @@
-// What goes wrong on the simulated bench, shot by shot, as a scene's [[fault]] tables say.
+// Faults of the simulated rig, shot by shot: a scene's [[fault]] tables.
 // Plain values and pure functions: thread-safe.
 #pragma once
 
@@ -15,19 +15,19 @@ namespace strobe::sim {
 enum class FaultKind {
   flash_late,       ///< the lamp flashes delay_us later than it should
   flash_missing,    ///< the lamp does not flash
-  flash_double,     ///< the lamp flashes once more, delay_us after its flash
-  flash_dim,        ///< the lamp's flash is too weak for the film, not for its sensor
+  flash_double,     ///< the lamp flashes again delay_us after its flash
+  flash_dim,        ///< the flash is too weak for the camera, not for the sensor
   lamp_dead,        ///< no flash in the whole shot
   sensor_dead,      ///< no edge of the sensor in the whole shot
   sensor_dropout,   ///< the sensor does not see this flash
-  sensor_bounce,    ///< the sensor's line drops for a moment, so that its edge comes again delay_us later
-  gate_chatter,     ///< the gate is interrupted three times more, delay_us apart, before the ball
+  sensor_bounce,    ///< the sensor's line drops briefly: a second edge delay_us after the first
+  gate_chatter,     ///< three false interruptions of the gate, delay_us apart, before the ball
   shutter_stuck,    ///< the shutter does not open
-  ball_misses,      ///< the ball passes the gate but neither the plate nor the camera's view
+  ball_misses,      ///< the ball passes the gate but misses the plate and the camera's view
   machine_misfire,  ///< the machine does not throw
-  no_photograph,    ///< nobody digitizes the photograph
-  frame_late,       ///< the frame comes delay_s later
-  image_unseen,     ///< whoever digitizes overlooks this flash's image
+  no_photograph,    ///< the photograph is not digitized
+  frame_late,       ///< the frame is sent delay_s late
+  image_unseen,     ///< the tablet operator overlooks this flash's image
 };
 
 inline constexpr std::array<std::string_view, 15> kFaultNames{
@@ -42,30 +42,31 @@ enum class Lamp { a, b };
 struct Fault {
   FaultKind kind = FaultKind::flash_late;
   int shot = 0;                            ///< exposure it concerns, 1-based; 0: every one
-  std::optional<int> flash_from_impact{};  ///< -1: last flash before touchdown, 1: first one after; never 0
-  std::optional<int> flash_index{};        ///< instead: the flash's number within the exposure, 0-based
-  bool lamp_a = true;                      ///< lamp or sensor concerned
+  std::optional<int> flash_from_impact{};  ///< -1: last flash before touchdown, 1: first after; never 0
+  std::optional<int> flash_index{};        ///< alternatively the flash's number within the exposure, 0-based
+  bool lamp_a = true;                      ///< which lamp or sensor it concerns
   bool lamp_b = true;
   Duration delay{};  ///< flash_late, flash_double, sensor_bounce, gate_chatter, frame_late
 
   bool concerns(Lamp lamp) const { return lamp == Lamp::a ? lamp_a : lamp_b; }
 };
 
-/// The [[fault]] tables of a scene; what is wrong with them is reported to the tables' reader.
+/// The [[fault]] tables of a scene; errors are reported to the tables' reader.
 std::vector<Fault> read_faults(config::TomlTable& scene);
 
-/// One flash as the faults see it. `from_impact` is absent where no ball is on its way.
+/// Which flash: its exposure, and its number counted from the first and from the impact (absent without a
+/// ball).
 struct FlashPlace {
   int shot = 0;
   int index = 0;
   std::optional<int> from_impact{};
 };
 
-/// First fault of that kind for this flash of this lamp: the kinds that concern one flash.
+/// First fault of a per-flash kind for this flash of this lamp; nullptr if there is none.
 const Fault* flash_fault(const std::vector<Fault>& faults, FaultKind kind, const FlashPlace& place,
                          Lamp lamp);
 
-/// First fault of that kind in this shot (and for this lamp or sensor): the kinds that concern a whole shot.
+/// First fault of a per-shot kind in this shot (and for this lamp or sensor); nullptr if there is none.
 const Fault* shot_fault(const std::vector<Fault>& faults, FaultKind kind, int shot);
 const Fault* shot_fault(const std::vector<Fault>& faults, FaultKind kind, int shot, Lamp lamp);
 

@@ -8,7 +8,7 @@
 
 namespace strobe::sim {
 
-/// Offsets of the wired lines. All are active high but ESTOP, which is low while pressed (or torn off).
+/// Offsets of the wired lines. All are active high but ESTOP, which is low while pressed or disconnected.
 enum class RigLine : std::uint32_t {
   strobe_a,
   strobe_b,

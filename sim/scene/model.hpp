@@ -18,13 +18,13 @@ enum class Effect {
   grip,             ///< the contact point may come to a stop; without it friction is at its limit throughout
   offset,           ///< the normal force stands ahead of the centre
   tangential_compliance,  ///< grip and slip of the tangential spring; without it one number, e_x
-  contact_ode,            ///< course of the contact by the ODE; without it by the damped sine
+  contact_ode,            ///< motion in contact by the ODE; without it by a damped sine
   flash_duration,         ///< an image is the mean over the flash
   lamp_delay,             ///< pulse to flash
   lamp_jitter,            ///< from flash to flash
   sensor_delay,           ///< flash to edge, and its jitter
   shutter_lag,            ///< line to shutter, and its jitter
-  perspective,            ///< balls off the plane look larger or smaller; a ball aside is seen obliquely
+  perspective,            ///< size by distance from the focused plane; oblique view off the axis
   lens_distortion,
   pixels,  ///< images are rendered on pixels and measured there
 };

@@ -1,4 +1,4 @@
-// Models as people write them. Pure; thread-safe; allocates.
+// Models as text, for the command line. Pure; thread-safe; allocates.
 #pragma once
 
 #include <string>

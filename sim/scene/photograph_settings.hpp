@@ -1,4 +1,4 @@
-// What a scene says about the look of its photographs; sim/photograph renders them. Each struct is a table of
+// How a scene's photographs appear; sim/photograph renders them. Each struct is a table of
 // the scene's file, as in scene.hpp. A key that is absent where the default is "drawn" takes another value
 // for each photograph, from the range given. Plain values.
 #pragma once
@@ -12,7 +12,7 @@ enum class PhotographFormat { tiff, png };
 /// How a ball's surface looks apart from its line.
 enum class BallSurface {
   felt,     ///< grain, seams, a logo, a little fuzz at the limb
-  plain,    ///< even and dull
+  plain,    ///< uniform and matt
   dimples,  ///< shiny, with rows of dimples and print
 };
 
@@ -37,7 +37,7 @@ struct PhotographSettings {
   double ambient = 0.0;              ///< 0…0.9; light of the room while the shutter was open
 };
 
-/// [ball_appearance] The ball as it is photographed.
+/// [ball_appearance] The ball on the photograph.
 struct BallAppearanceSettings {
   BallSurface surface = BallSurface::felt;  ///< key surface = "felt" | "plain" | "dimples"
   bool line = true;                         ///< whether the equator line is drawn on it

@@ -1,20 +1,17 @@
-// A scene: everything that the simulated bench is and does, read from a TOML file. Each field below is a key
-// of the table of its struct's name; a key's unit is in its name (…_ms, _us, _mm, _deg), fields here are SI.
-// What a file leaves out takes the default given here; an unknown key is an error. Plain values; parsing
-// allocates.
+// A scene: everything that the simulated rig is and does, as sim/loading reads it from a TOML file. Each
+// field below is a key of the table of its struct's name; a key's unit is in its name (…_ms, _us, _mm, _deg),
+// fields here are SI. Keys that a file leaves out take the defaults given here; an unknown key is an error.
+// Plain values.
 #pragma once
 
-#include <functional>
 #include <numbers>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "common/ball/ball.hpp"
 #include "common/impact/ode/contact_ode.hpp"
 #include "common/reduction/readout.hpp"
-#include "common/result.hpp"
 #include "common/units/time.hpp"
 #include "sim/scene/faults.hpp"
 #include "sim/scene/lines.hpp"
@@ -30,20 +27,20 @@ struct MachineSettings {
   double angle_sd_rad = 0.0;
   double spin_radps = 0.0;  ///< required; backspin positive
   double spin_sd_radps = 0.0;
-  double lag_s = 0.310;  ///< trigger to ball at the plate
+  double lag_s = 0.310;  ///< from the trigger to touchdown
   double lag_sd_s = 0.003;
   double spot_sd_m = 0.010;  ///< key spot_sd_mm: where along the surface the ball touches down
 };
 
-/// How the rig's ball and surface meet.
+/// Model of the contact between ball and surface.
 enum class ContactLaw {
   ode,   ///< common/impact/ode: spring, dashpot, Coulomb friction, tangential spring, offset; the default
   grip,  ///< common/impact's grip() between touchdown and lift-off, and the exact damped sine in between
 };
 
-/// [bounce] How ball and surface rebound, spread from shot to shot. One draw moves mu and what goes with it
-/// (ode: stiffness_ratio, grip: e_x) together: a shot that finds more grip. A key of the other law is an
-/// error. Other ways to say the same, one at a time:
+/// [bounce] Restitution and friction, with their spread from shot to shot. One draw moves mu and what goes
+/// with it (ode: stiffness_ratio, grip: e_x) together: a shot with more grip. A key of the other law is an
+/// error. Alternative keys, one at a time:
 ///  - for e and dwell_ms: [ball] stiffness_npm and damping_nspm (common/impact/ode/normal_spring.hpp); a
 ///    spring's e does not change with the speed, so that e_slope_s_per_m then defaults to 0;
 ///  - for mu: [surface] friction, court_pace (the ITF's rating: mu from it and e at 30 m/s, 16 degrees), or
@@ -75,7 +72,7 @@ struct BounceSettings {
   double top_drop_ratio = 1.27;  ///< drop of the ball's top over that of its centre (measured at 23 degrees)
 };
 
-/// [air] What slows and lifts the ball in flight.
+/// [air] Drag and lift in flight.
 struct AirSettings {
   double temperature_c = 21.0;     ///< -50…80; of the air's density and the court pace's correction
   double density_kgpm3 = -1.0;     ///< < 0 (key absent): dry air of that temperature at 101.325 kPa
@@ -90,8 +87,8 @@ struct AirSettings {
 struct LampSettings {
   double delay_s = 12e-6;  ///< rising edge of the line to flash
   double jitter_s = 1e-6;
-  double recharge_s = 1.4e-3;  ///< a pulse sooner after a flash makes none
-  double flash_s = 1e-6;       ///< key flash_us: how long it gives light; the image is that time's mean
+  double recharge_s = 1.4e-3;  ///< a pulse sooner after a flash gives no flash
+  double flash_s = 1e-6;       ///< key flash_us: duration; the image is the mean over it
 };
 
 /// [sensors] Both alike.
@@ -110,7 +107,7 @@ struct ShutterSettings {
 
 /// [gate]
 struct GateSettings {
-  double distance_m = 1.0;  ///< light beam ahead of the point of touchdown, along the surface
+  double distance_m = 1.0;  ///< from the light beam to the point of touchdown, along the surface
 };
 
 /// [camera] A side view. The photograph's x is to the right, y up. Without distance_m a true (orthographic)
@@ -139,7 +136,7 @@ struct TabletSettings {
   double calibration_sd = -1.0;
 };
 
-/// [readout] What the scene is to be read out for, and how well.
+/// [readout] Which numbers of the readout matter, and to what tolerance.
 struct ReadoutSettings {
   double tolerance = 0.0;  ///< key tolerance_percent; relative, see sim/plan; 0 (key absent): none stated
   /// Absolute ones by a quantity's name, in its unit; < 0: not wanted (key = "any"), absent: the relative
@@ -156,7 +153,7 @@ struct ChipSettings {
   int estop_level = 1;          ///< 1: not pressed
 };
 
-/// [[operator]] Somebody turns the key, presses the e-stop, walks through the gate.
+/// [[operator]] An action of the operator: key turned, e-stop pressed, gate interrupted.
 struct OperatorAction {
   double at_s = 0.0;  ///< after the rig's start
   RigLine line = RigLine::key;
@@ -165,7 +162,7 @@ struct OperatorAction {
 
 struct Scene {
   std::string name;    ///< the file's, without its extension
-  std::string title;   ///< one line for people
+  std::string title;   ///< one line of text
   std::string parent;  ///< key inherits: the scene it inherits from; empty: none
   /// Inclination of the plate, counter-clockwise positive: key surface_angle_deg or [surface] tilt_deg.
   double surface_angle_rad = 0.0;
@@ -189,26 +186,5 @@ struct Scene {
   std::vector<OperatorAction> operator_actions;
   std::vector<Fault> faults;
 };
-
-/// The text of a scene's file; file_name tells files apart and is what errors name.
-struct SceneText {
-  std::string text;
-  std::string file_name;
-};
-
-/// Finds the scene that `from_file` inherits from under that name. Its error is put behind FILE:LINE:
-/// inherits.
-using SceneResolver = std::function<Result<SceneText>(const std::string& name, const std::string& from_file)>;
-
-/// The longest chain of parents.
-inline constexpr std::size_t kMaxAncestors = 16;
-
-/// A scene from its text. With `inherits = "NAME"` it has all that the scene of that name has, except for
-/// what its own text says: tables are merged key by key, arrays of tables ([[fault]], [[operator]]) replaced,
-/// and of alternatives (the contact's law, e and dwell_ms or springs, the friction's source, alpha or
-/// inertia, the tilt) the parent's are dropped where the child has its own. No I/O but what `resolve` does.
-/// The error reads "FILE:LINE: table.key: what is wrong", FILE being that in which the key stands.
-Result<Scene> parse_scene(std::string_view text, const std::string& file_name,
-                          const SceneResolver& resolve = {});
 
 }  // namespace strobe::sim

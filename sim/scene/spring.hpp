@@ -1,6 +1,6 @@
 // The normal spring and dashpot behind a scene's e and dwell time, and back. A scene's dwell time is that
 // from touchdown to lift-off, the centre back at one radius; the spring lets go before, compressed by
-// 2·zeta·v/sqrt(k/m) at the speed v, which the ball then passes freely (contact_course.hpp). Hence
+// 2·zeta·v/sqrt(k/m) at the speed v, which the ball then passes freely (contact_path.hpp). Hence
 // dwell = (phase of release + 2·zeta)·sqrt(m/k). Pure: thread-safe, no allocation.
 #pragma once
 

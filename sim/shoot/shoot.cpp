@@ -18,7 +18,7 @@ constexpr Duration kLead = milliseconds(1);
 
 void set(SimulatedShot& shot, ShotFlag flag) { shot.flags.set(static_cast<std::size_t>(flag)); }
 
-bool struck(const Exposure& exposure, FaultKind kind) {
+bool occurred(const Exposure& exposure, FaultKind kind) {
   return std::ranges::find(exposure.faults, kind) != exposure.faults.end();
 }
 
@@ -110,7 +110,8 @@ SimulatedShot Shooter::shoot(int shot) {
     if (!shows_impact(result.exposure)) set(result, ShotFlag::impact_unseen);
     result.truth = true_readout(scene(), result.exposure.ball->path);
   } else {
-    set(result, struck(result.exposure, FaultKind::ball_misses) ? ShotFlag::ball_missed : ShotFlag::no_ball);
+    set(result,
+        occurred(result.exposure, FaultKind::ball_misses) ? ShotFlag::ball_missed : ShotFlag::no_ball);
   }
   return result;
 }

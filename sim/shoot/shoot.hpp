@@ -1,9 +1,9 @@
-// Whole simulated shots in one process: an ideal train of flashes in place of the firmware drives the rig,
-// and what comes out is a frame that the reduction can read, with the truth beside it. No clock, no threads,
-// no I/O: the same scene, seed, shot, model and settings give the same bytes, whatever was shot before.
+// Whole simulated shots in one process: an ideal train of flashes instead of the firmware drives the rig; the
+// result is a frame for the reduction, with the truth. No clock, no threads, no I/O: the same scene, seed,
+// shot, model and settings give the same bytes, whatever shots came before.
 //
 // The shutter is held open around the train (its line rises the longest lag before the first flash), so that
-// it decides nothing; the ball is triggered such that one with the mean lag meets the plate in the middle of
+// it does not matter; the ball is triggered such that one with the mean lag meets the plate in the middle of
 // the train's window. An image's time in the frame is, as in a session, the mean of the flash sensors' edges
 // of its flash, from the first image's.
 #pragma once
@@ -34,7 +34,7 @@ struct ShootSettings {
 };
 
 enum class ShotFlag {
-  no_ball,          ///< the machine threw none, or one that the contact's mechanics cannot carry through
+  no_ball,          ///< the machine threw none, or one outside the contact mechanics' range
   ball_missed,      ///< it missed the plate
   impact_unseen,    ///< it met the plate when the shutter was closed
   unstamped_image,  ///< an image was left out of the frame: no sensor saw its flash
@@ -52,17 +52,17 @@ struct SimulatedShot {
   bool has(ShotFlag flag) const { return flags[static_cast<std::size_t>(flag)]; }
 };
 
-/// Many shots of one scene: holds what is prepared once. Not thread-safe; independent objects are.
+/// Many shots of one scene, prepared once. Not thread-safe; independent objects are.
 class Shooter {
  public:
   /// Fails for settings out of range.
   static Result<Shooter> make(const Scene& scene, std::uint64_t seed, const Model& model = Model::full(),
                               const ShootSettings& settings = {});
 
-  /// The `shot`-th (1-based) of the run; in any order.
+  /// The `shot`-th shot (1-based); in any order.
   SimulatedShot shoot(int shot);
 
-  /// What the model leaves of the scene.
+  /// The scene with the model's effects only.
   const Scene& scene() const { return rig_->scene(); }
   int flashes() const { return flashes_; }
 
@@ -81,7 +81,7 @@ class Shooter {
   std::vector<Exposure> exposures_;
 };
 
-/// One shot. For many use a Shooter, which prepares the scene once.
+/// One shot. For many use Shooter, which prepares the scene once.
 Result<SimulatedShot> shoot(const Scene& scene, std::uint64_t seed, int shot,
                             const Model& model = Model::full(), const ShootSettings& settings = {});
 

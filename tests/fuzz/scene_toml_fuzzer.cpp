@@ -9,8 +9,8 @@
 #include <string>
 #include <string_view>
 
+#include "sim/loading/parse_scene.hpp"
 #include "sim/motion/ball_path.hpp"
-#include "sim/scene/scene.hpp"
 
 namespace {
 

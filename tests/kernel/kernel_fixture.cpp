@@ -6,7 +6,7 @@
 #include <stdexcept>
 
 #include "sim/live/rig_runner.hpp"
-#include "sim/scene/scene_files.hpp"
+#include "sim/loading/scene_files.hpp"
 
 namespace strobe::kernel {
 

@@ -22,7 +22,7 @@ std::uint32_t VirtualBus::free_packet() {
   return packet;
 }
 
-void VirtualBus::send(Station to, const std::string& channel, std::span<const std::uint8_t> bytes,
+void VirtualBus::send(Receiver to, const std::string& channel, std::span<const std::uint8_t> bytes,
                       MonoTime now) {
   ++counts_.sent;
   if (faults_.loss > 0.0 && random_.chance(faults_.loss)) {
@@ -40,7 +40,7 @@ void VirtualBus::send(Station to, const std::string& channel, std::span<const st
   }
 }
 
-void VirtualBus::fly(Station to, std::uint32_t packet, MonoTime now) {
+void VirtualBus::fly(Receiver to, std::uint32_t packet, MonoTime now) {
   MonoTime at = now + random_.between(kMin, kMax);
   if (faults_.reordering > 0.0 && random_.chance(faults_.reordering)) {
     ++counts_.reordered;
@@ -56,8 +56,8 @@ void VirtualBus::fly(Station to, std::uint32_t packet, MonoTime now) {
 
 VirtualBus::Delivery VirtualBus::take() {
   const auto flight = flights_.take();
-  taken_ = flight.what.packet;
-  return {flight.at, flight.what.to, packets_[taken_].get()};
+  taken_ = flight.item.packet;
+  return {flight.at, flight.item.to, packets_[taken_].get()};
 }
 
 void VirtualBus::done(const Delivery& delivery) {

@@ -1,5 +1,5 @@
-// A message bus on the virtual clock that delays, loses, doubles and reorders packets, each receiver for
-// itself, as UDP multicast does. One thread's; allocates.
+// A message bus on the virtual clock that delays, loses, duplicates and reorders packets, independently for
+// each receiver, as UDP multicast does. One thread's; allocates.
 #pragma once
 
 #include <array>
@@ -14,8 +14,8 @@
 
 namespace strobe::soak {
 
-enum class Station { firmware, host, desk };
-inline constexpr std::size_t kStations = 3;
+enum class Receiver { firmware, host, tablet };
+inline constexpr std::size_t kReceivers = 3;
 
 struct BusFaults {
   double loss = 0.0;
@@ -41,12 +41,12 @@ class VirtualBus {
   explicit VirtualBus(std::uint64_t seed) : random_(seed) {}
 
   void set_faults(const BusFaults& faults) { faults_ = faults; }
-  void send(Station to, const std::string& channel, std::span<const std::uint8_t> bytes, MonoTime now);
+  void send(Receiver to, const std::string& channel, std::span<const std::uint8_t> bytes, MonoTime now);
   MonoTime next_due() const { return flights_.next(); }
 
   struct Delivery {
     MonoTime at;
-    Station to = Station::host;
+    Receiver to = Receiver::host;
     Packet* packet = nullptr;  ///< until done() is called with this delivery
   };
   /// The first delivery; next_due() must not be in the far future.
@@ -57,10 +57,10 @@ class VirtualBus {
 
  private:
   struct Flight {
-    Station to;
+    Receiver to;
     std::uint32_t packet;
   };
-  void fly(Station to, std::uint32_t packet, MonoTime now);
+  void fly(Receiver to, std::uint32_t packet, MonoTime now);
   std::uint32_t free_packet();
 
   Random random_;
@@ -70,7 +70,7 @@ class VirtualBus {
   std::vector<std::unique_ptr<Packet>> packets_;
   std::vector<std::uint32_t> free_;
   std::uint32_t taken_ = 0;
-  std::array<MonoTime, kStations> newest_{};  ///< arrival of what keeps its order
+  std::array<MonoTime, kReceivers> newest_{};  ///< arrival of the latest packet in order
 };
 
 }  // namespace strobe::soak

@@ -12,7 +12,7 @@ TEST_GROUP(VirtualBus) {
   VirtualBus bus{7};
 
   /// Sends packets 0, 1, 2 ... one a millisecond; gives their numbers in order of arrival.
-  std::vector<int> arrivals(int count, Station to = Station::host) {
+  std::vector<int> arrivals(int count, Receiver to = Receiver::host) {
     for (int i = 0; i < count; ++i) {
       const std::vector<std::uint8_t> bytes{static_cast<std::uint8_t>(i >> 8), static_cast<std::uint8_t>(i)};
       bus.send(to, "channel", bytes, from_ns(std::int64_t{i} * 1'000'000));
@@ -38,7 +38,7 @@ TEST(VirtualBus, DeliversEachPacketOnceAndInOrderWithoutFaults) {
 }
 
 TEST(VirtualBus, KeepsItsOrderEvenIfPacketsAreSentAtOneInstant) {
-  for (std::uint8_t i = 0; i < 200; ++i) bus.send(Station::host, "c", std::vector{i}, from_ns(5));
+  for (std::uint8_t i = 0; i < 200; ++i) bus.send(Receiver::host, "c", std::vector{i}, from_ns(5));
   for (std::uint8_t i = 0; i < 200; ++i) {
     const auto delivery = bus.take();
     LONGS_EQUAL(i, delivery.packet->bytes[0]);

@@ -19,7 +19,7 @@ void add_each(std::array<std::int64_t, N>& sum, const std::array<std::int64_t, N
 
 void SoakCounts::add(const SoakCounts& other) {
   const auto sum = [&](std::int64_t SoakCounts::*field) { this->*field += other.*field; };
-  for (const auto field : {&SoakCounts::campaigns,
+  for (const auto field : {&SoakCounts::runs,
                            &SoakCounts::shots,
                            &SoakCounts::planned,
                            &SoakCounts::unfinished,
@@ -45,7 +45,7 @@ void SoakCounts::add(const SoakCounts& other) {
   }
   add_each(flags, other.flags);
   add_each(explained_by, other.explained_by);
-  add_each(bench_faults, other.bench_faults);
+  add_each(rig_faults, other.rig_faults);
   add_each(hazards, other.hazards);
   for (std::size_t i = 0; i < largest_z.size(); ++i)
     largest_z[i] = std::max(largest_z[i], other.largest_z[i]);
@@ -58,10 +58,10 @@ std::string table_of(const SoakCounts& counts) {
   const auto line = [&text](std::string_view what, const auto& value) {
     text += fmt::format("{:<44} {:>14}\n", what, value);
   };
-  line("campaigns", counts.campaigns);
+  line("runs", counts.runs);
   line("shots fired", counts.shots);
-  line("  of campaigns that wanted", counts.planned);
-  line("campaigns that gave up", counts.unfinished);
+  line("  of runs that wanted", counts.planned);
+  line("runs that gave up", counts.unfinished);
   line("hours on the virtual clock", fmt::format("{:.1f}", counts.virtual_s / 3600.0));
   line("starts of the firmware, of hosts", fmt::format("{}, {}", counts.boots, counts.hosts));
   line("pulses of the machine's trigger", counts.triggers);
@@ -70,7 +70,7 @@ std::string table_of(const SoakCounts& counts) {
   line("readouts without numbers", counts.withheld);
   line("numbers held against truth", counts.compared);
   line(fmt::format("  beyond {:.2f} sd, explained by a flag", soak_sigma_limit()), counts.explained);
-  line("  dwells off by a period, an image overlooked", counts.mismatched);
+  line("  dwells off by a period, images ambiguous", counts.mismatched);
   for (std::size_t i = 0; i < reduction::kFlagCount; ++i) {
     if (counts.flags[i] == 0) continue;
     line(fmt::format("  readouts with {}, off with it", reduction::kFlagNames[i]),
@@ -79,8 +79,8 @@ std::string table_of(const SoakCounts& counts) {
   for (std::size_t i = 0; i < reduction::kQuantityCount; ++i)
     line(fmt::format("  largest z unexplained, {}", reduction::kQuantityNames[i]),
          fmt::format("{:.2f}", counts.largest_z[i]));
-  for (std::size_t i = 0; i < counts.bench_faults.size(); ++i)
-    line(fmt::format("exposures struck by {}", sim::kFaultNames[i]), counts.bench_faults[i]);
+  for (std::size_t i = 0; i < counts.rig_faults.size(); ++i)
+    line(fmt::format("exposures with {}", sim::kFaultNames[i]), counts.rig_faults[i]);
   for (std::size_t i = 0; i < kHazardCount; ++i)
     line(fmt::format("times {}", kHazardNames[i]), counts.hazards[i]);
   line("packets, times receivers", counts.packets);

@@ -1,4 +1,4 @@
-// What a soak has counted. A plain block of numbers, so that processes can hand it to each other.
+// Counts of a soak. Trivially copyable, so that processes can pass it through a pipe.
 #pragma once
 
 #include <array>
@@ -12,10 +12,10 @@
 namespace strobe::soak {
 
 struct SoakCounts {
-  std::int64_t campaigns = 0;
+  std::int64_t runs = 0;
   std::int64_t shots = 0;       ///< fired: their summaries were published
   std::int64_t planned = 0;     ///< shots that were to count
-  std::int64_t unfinished = 0;  ///< campaigns that gave up, having no retries left or nothing to fire with
+  std::int64_t unfinished = 0;  ///< runs that gave up: no retries left, or the firmware not ready
   std::int64_t triggers = 0;
   std::int64_t boots = 0;
   std::int64_t hosts = 0;
@@ -25,10 +25,10 @@ struct SoakCounts {
   std::int64_t compared = 0;    ///< numbers held against truth
   std::int64_t mismatched = 0;  ///< dwells beyond it, an image having been overlooked or doubled
   std::int64_t explained = 0;   ///< numbers beyond the limit that a flag explains
-  std::array<std::int64_t, reduction::kFlagCount> flags{};           ///< readouts that carry each
-  std::array<std::int64_t, reduction::kFlagCount> explained_by{};    ///< readouts in which it explained some
-  std::array<double, reduction::kQuantityCount> largest_z{};         ///< of numbers that no flag explains
-  std::array<std::int64_t, sim::kFaultNames.size()> bench_faults{};  ///< exposures that each struck
+  std::array<std::int64_t, reduction::kFlagCount> flags{};         ///< readouts that carry each
+  std::array<std::int64_t, reduction::kFlagCount> explained_by{};  ///< readouts in which it explained some
+  std::array<double, reduction::kQuantityCount> largest_z{};       ///< of numbers that no flag explains
+  std::array<std::int64_t, sim::kFaultNames.size()> rig_faults{};  ///< exposures that each struck
   std::array<std::int64_t, kHazardCount> hazards{};
   std::int64_t packets = 0, packets_lost = 0, packets_doubled = 0, packets_reordered = 0;
   std::int64_t events_journalled = 0;
@@ -37,7 +37,7 @@ struct SoakCounts {
   std::int64_t events_lost_dying = 0;      ///< in the queue of a process that died: never journalled
   std::int64_t violations = 0;
   double virtual_s = 0.0;
-  std::uint64_t digest = 0;  ///< of the outputs' changes and the readouts; a sum over the campaigns
+  std::uint64_t digest = 0;  ///< of the outputs' changes and the readouts; a sum over the runs
 
   void add(const SoakCounts& other);
 };

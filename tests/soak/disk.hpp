@@ -1,5 +1,5 @@
-// The disk behind the journal: a folder in memory whose files can be kept from growing, as on a full disk, in
-// the middle of a write if need be. What is written can be read at any time, also after the writer's end.
+// The disk behind the journal: a folder in memory whose files can be kept from growing, as on a full disk,
+// even in the middle of a write. Files can be read at any time, also after the writer's end.
 // The limit is the process's own (RLIMIT_FSIZE): one thread's, one at a time. POSIX.
 #pragma once
 
@@ -26,7 +26,7 @@ class VirtualDisk {
   void make_room() { most_.reset(); }
   bool full() const { return most_.has_value(); }
 
-  /// Runs what writes on the disk; beyond the limit its writes are cut short and then fail.
+  /// Calls `run`, whose writes to the disk are cut short and then fail beyond the limit.
   template <typename Write>
   void write(Write&& run) {
     if (!most_) return run();

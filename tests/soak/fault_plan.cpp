@@ -15,7 +15,7 @@ FaultPlan no_faults() { return {}; }
 FaultPlan mild_faults() {
   FaultPlan plan;
   plan.name = "mild";
-  for (double& p : plan.bench) p = 0.003;
+  for (double& p : plan.rig) p = 0.003;
   for (double& p : plan.hazard) p = 0.003;
   plan[Hazard::loop_freeze] = plan[Hazard::loop_delay] = 0.01;
   plan.packet_loss = 0.005;
@@ -27,7 +27,7 @@ FaultPlan mild_faults() {
 FaultPlan wild_faults() {
   FaultPlan plan;
   plan.name = "wild";
-  for (double& p : plan.bench) p = 0.03;
+  for (double& p : plan.rig) p = 0.03;
   for (double& p : plan.hazard) p = 0.03;
   plan[FaultKind::frame_late] = plan[FaultKind::no_photograph] = 0.01;
   plan[Hazard::firmware_hang] = 0.005;
@@ -45,8 +45,8 @@ Result<FaultPlan> read_fault_plan(std::string_view text, const std::string& file
   constexpr config::Range kProbability{0.0, 1.0};
   FaultPlan plan;
   plan.name = file_name;
-  for (std::size_t i = 0; i < plan.bench.size(); ++i)
-    plan.bench[i] = root.number_or(sim::kFaultNames[i], 0.0, kProbability);
+  for (std::size_t i = 0; i < plan.rig.size(); ++i)
+    plan.rig[i] = root.number_or(sim::kFaultNames[i], 0.0, kProbability);
   for (std::size_t i = 0; i < plan.hazard.size(); ++i)
     plan.hazard[i] = root.number_or(kHazardNames[i], 0.0, kProbability);
   plan.packet_loss = root.number_or("packet_loss", 0.0, {0.0, 0.9});
@@ -99,11 +99,11 @@ Fault draw_fault(FaultKind kind, int shot, Random& random) {
 
 }  // namespace
 
-std::vector<Fault> draw_bench_faults(const FaultPlan& plan, int shots, Random& random) {
+std::vector<Fault> draw_rig_faults(const FaultPlan& plan, int shots, Random& random) {
   std::vector<Fault> faults;
   for (int shot = 1; shot <= shots; ++shot) {
-    for (std::size_t i = 0; i < plan.bench.size(); ++i) {
-      if (random.chance(plan.bench[i])) faults.push_back(draw_fault(static_cast<FaultKind>(i), shot, random));
+    for (std::size_t i = 0; i < plan.rig.size(); ++i) {
+      if (random.chance(plan.rig[i])) faults.push_back(draw_fault(static_cast<FaultKind>(i), shot, random));
     }
   }
   return faults;

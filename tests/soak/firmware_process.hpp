@@ -44,7 +44,7 @@ class FirmwareProcess {
   firmware::Sequencer& loop() { return sequencer_; }
   firmware::Publisher& publisher() { return publisher_; }
   void receive(const std::vector<std::uint8_t>& bytes) { receiver_.receive(bytes); }
-  /// Events that the publisher has not taken yet; they are gone.
+  /// Discards the events that the publisher has not taken yet; returns their number.
   int drop_queue();
 
  private:

@@ -182,7 +182,7 @@ void InvariantChecker::readout(std::int64_t host_id, ShotKey shot, const reducti
                         host_id));
   }
   if (dry) return;
-  comparison_ = judge(readout, truth, soak_sigma_limit());
+  comparison_ = compare_with_truth(readout, truth, soak_sigma_limit());
   if (!comparison_->wrong.empty()) {
     violate(fmt::format("shot {} of boot {:x}: wrong without a flag:{}", shot.shot_id, shot.boot_id,
                         comparison_->wrong));
@@ -223,7 +223,7 @@ void InvariantChecker::read_journal(const std::filesystem::path& path) {
     const auto index = static_cast<std::size_t>(sequence);
     if (have != on_host_.end() && index < have->second.size() && have->second[index]) continue;
     if (have == on_host_.end()) {
-      ++unheard_;  // no host ever heard of this boot: none can know that there is something to ask for
+      ++never_received_;  // no host ever heard of this boot: none can know that there is something to ask for
       continue;
     }
     ++missing_;

@@ -1,14 +1,14 @@
-// Watches the virtual lab from outside: lines, the key and the e-stop, packets at the processes' doorsteps,
-// the journals on the disk. Uses nothing that the product believes of itself. What must hold:
+// Checks the virtual lab's invariants from outside: lines, key and e-stop, packets as delivered, the journals
+// on the disk. Uses no state of the product. The invariants:
 //  - a pulse of the machine's trigger only with the key on, the e-stop released, and a FIRE of this boot's
 //    firmware that carries a fresh token of an ARM of the same host; each token for one pulse;
 //  - after the key goes off or the e-stop is pressed every output is inactive within 1 ms, and none stays
-//    or becomes active after that until both are well again (the trigger: within 2 us);
+//    or becomes active until both are good again (the trigger: within 2 us);
 //  - no output longer than its limit, lamps no closer and no more often than theirs;
 //  - in the end all outputs are inactive, every event in a journal is on the host (but of a boot that ended
-//    unheard: such events are counted), sequences have no gaps;
+//    before any host received a message: such events are counted), sequences have no gaps;
 //  - one readout for one shot of one host; no wrong number without a flag that explains it.
-// While the machine stands still nothing can be done: such time is not counted. After a process's end its
+// Time during which the machine is stopped is not counted. After a process's end its
 // guardian has 6 ms.
 // One thread's; allocates.
 #pragma once
@@ -37,7 +37,7 @@ class InvariantChecker {
 
   explicit InvariantChecker(const firmware::Rig& limits) : limits_(limits) {}
 
-  // The bench
+  // The rig
   void output(firmware::Output output, bool active, MonoTime at,
               firmware::Lamps lamps = firmware::Lamps::both);
   void key(bool on, MonoTime at);
@@ -56,7 +56,7 @@ class InvariantChecker {
   // The results
   void readout(std::int64_t host_id, ShotKey shot, const reduction::Readout& readout, const Truth& truth,
                bool dry);
-  /// All is quiet: the journals of the folder against what the hosts have.
+  /// At the end: compares the folder's journals with what the hosts have.
   void end(const std::filesystem::path& session);
 
   const std::vector<std::string>& violations() const { return violations_; }
@@ -64,10 +64,10 @@ class InvariantChecker {
   int triggers() const { return triggers_; }
   std::int64_t events_journalled() const { return journalled_; }
   std::int64_t events_missing() const { return missing_; }
-  /// Of boots that ended before any host heard of them.
-  std::int64_t events_never_received() const { return unheard_; }
+  /// Of boots that ended before any host received a message of theirs.
+  std::int64_t events_never_received() const { return never_received_; }
 
-  /// For the trace: the newest violation is told to it.
+  /// Records a violation.
   void violate(std::string what) { violations_.push_back(std::move(what)); }
 
  private:
@@ -115,7 +115,7 @@ class InvariantChecker {
   std::optional<TruthComparison> comparison_;
   std::int64_t journalled_ = 0;
   std::int64_t missing_ = 0;
-  std::int64_t unheard_ = 0;
+  std::int64_t never_received_ = 0;
   std::vector<std::string> violations_;
 };
 

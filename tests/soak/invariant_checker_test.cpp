@@ -293,7 +293,7 @@ TEST(Judge, FindsANumberOfABallThatNeverCame) {
   reduction::Readout readout;
   readout.value[Quantity::vx_td_mps] = 12.0;
   readout.sd[Quantity::vx_td_mps] = 1.0;
-  STRCMP_CONTAINS("vx_td_mps = 12, true none", judge(readout, {}, 6.5).wrong.c_str());
+  STRCMP_CONTAINS("vx_td_mps = 12, true none", compare_with_truth(readout, {}, 6.5).wrong.c_str());
 }
 
 TEST(Judge, AddsTheSystematicUncertaintyToTheStatisticalOne) {
@@ -303,7 +303,7 @@ TEST(Judge, AddsTheSystematicUncertaintyToTheStatisticalOne) {
   readout.value[Quantity::vx_td_mps] = 10.5;
   readout.sd[Quantity::vx_td_mps] = 0.03;
   readout.sd_systematic[Quantity::vx_td_mps] = 0.04;
-  DOUBLES_EQUAL(10.0, judge(readout, truth, 20.0).largest_z, 1e-9);
+  DOUBLES_EQUAL(10.0, compare_with_truth(readout, truth, 20.0).largest_z, 1e-9);
 }
 
 TEST(Judge, CountsWhatAFlagExplains) {
@@ -313,7 +313,7 @@ TEST(Judge, CountsWhatAFlagExplains) {
   readout.flags.set(Flag::spin_aliased);
   readout.value[Quantity::omega_lo_radps] = 447.0;
   readout.sd[Quantity::omega_lo_radps] = 1.0;
-  const TruthComparison comparison = judge(readout, truth, 6.5);
+  const TruthComparison comparison = compare_with_truth(readout, truth, 6.5);
   CHECK_TRUE(comparison.wrong.empty());
   LONGS_EQUAL(1, comparison.explained);
   CHECK_TRUE(comparison.by_flag[static_cast<std::size_t>(Flag::spin_aliased)]);

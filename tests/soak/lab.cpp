@@ -1,4 +1,4 @@
-// The lab's clock, its bench and the ports of the firmware's loop.
+// The lab's clock, its rig and the ports of the firmware's loop.
 #include "tests/soak/lab.hpp"
 
 #include <algorithm>
@@ -16,7 +16,7 @@ using firmware::Output;
 
 namespace {
 
-// What the loop's own calls take.
+// Durations of the loop's own calls.
 constexpr Duration kClockReading = nanoseconds(20);
 constexpr Duration kSpinsEnd = nanoseconds(30);
 constexpr Duration kHalfASet = nanoseconds(150);
@@ -32,30 +32,30 @@ std::string text_of(const std::string& path) {
   return text.str();
 }
 
-std::uint64_t seed_of(const RunSettings& order) {
-  return mixed(order.seed, static_cast<std::uint64_t>(order.campaign) + 1);
+std::uint64_t seed_of(const RunSettings& settings) {
+  return mixed(settings.seed, static_cast<std::uint64_t>(settings.run) + 1);
 }
 
-LabSetup lab_setup_of(const RunSettings& order, const host::ShotPlan& shipped, Random& random) {
-  LabSetup lab_setup = draw_lab_setup(order.plan, shipped, random);
-  // Spoilt shots are fired again; a campaign never has more exposures than this.
-  lab_setup.scene.faults = draw_bench_faults(order.faults, 4 * order.shots + 20, random);
+LabSetup lab_setup_of(const RunSettings& settings, const host::ShotPlan& shipped, Random& random) {
+  LabSetup lab_setup = draw_lab_setup(settings.plan, shipped, random);
+  // Rejected shots are fired again; a run never has more exposures than this.
+  lab_setup.scene.faults = draw_rig_faults(settings.faults, 4 * settings.shots + 20, random);
   return lab_setup;
 }
 
-HostSettings host_settings_of(const RigFiles& files, const RunSettings& order, const LabSetup& lab_setup) {
+HostSettings host_settings_of(const RigFiles& files, const RunSettings& settings, const LabSetup& lab_setup) {
   HostSettings host;
   host.rig = files.host.rig;
   host.assembly = host::assembly_settings(files.host);
   const bool mirrored = lab_setup.scene.camera.mirrored;
   host.assembly.analysis.surface_angle_deg =
       lab_setup.scene.surface_angle_rad * (mirrored ? -1.0 : 1.0) * 180.0 / std::numbers::pi;
-  host.campaign.shots = order.shots;
-  host.campaign.retries = 2 * order.shots;
-  host.campaign.plan = lab_setup.plan;
-  host.campaign.notes = lab_setup.notes;
-  host.campaign.clear_fault = true;
-  host.campaign.photograph_timeout_s = host.assembly.analysis.photograph_timeout_s;
+  host.series.shots = settings.shots;
+  host.series.retries = 2 * settings.shots;
+  host.series.plan = lab_setup.plan;
+  host.series.notes = lab_setup.notes;
+  host.series.clear_fault = true;
+  host.series.photograph_timeout_s = host.assembly.analysis.photograph_timeout_s;
   return host;
 }
 
@@ -70,12 +70,12 @@ Result<RigFiles> read_rig_files(const std::string& path) {
   return RigFiles{std::move(*rig), std::move(*host)};
 }
 
-Lab::Lab(const RigFiles& files, const RunSettings& order)
+Lab::Lab(const RigFiles& files, const RunSettings& settings)
     : files_(files),
-      order_(order),
-      random_(seed_of(order)),
-      lab_setup_(lab_setup_of(order, files.host.plan, random_)),
-      host_settings_(host_settings_of(files, order, lab_setup_)),
+      settings_(settings),
+      random_(seed_of(settings)),
+      lab_setup_(lab_setup_of(settings, files.host.plan, random_)),
+      host_settings_(host_settings_of(files, settings, lab_setup_)),
       time_(from_ns(1'000'000'000'000)),
       bus_(random_.bits()),
       rig_(lab_setup_.scene, random_.bits() >> 1, time_),
@@ -85,7 +85,7 @@ Lab::Lab(const RigFiles& files, const RunSettings& order)
       publisher_wake_(std::make_unique<PublisherWake>(*this)),
       loop_wake_(std::make_unique<LoopWake>(*this)) {
   bus_.set_faults(
-      {order.faults.packet_loss, order.faults.packet_duplication, order.faults.packet_reordering});
+      {settings.faults.packet_loss, settings.faults.packet_duplication, settings.faults.packet_reordering});
   publisher_latency_ = nanoseconds(std::llround(random_.log_uniform(0.5e6, 30e6)));
   host_rate_ = 1.0 + random_.uniform(-50e-6, 50e-6);
   host_origin_ns_ = std::llround(random_.uniform(1e9, 1e15));
@@ -100,7 +100,7 @@ MonoTime Lab::next() const {
                    publisher_due_, host_due_});
 }
 
-void Lab::happen() {
+void Lab::process_next() {
   const MonoTime at = next();
   time_ = std::max(time_, at);
   if (rig_.next_due() <= at) return collect_rig();
@@ -108,12 +108,12 @@ void Lab::happen() {
   if (publisher_due_ <= at) return publisher_turn();
   if (host_due_ <= at) return host_turn();
   if (tablet_operator_.next_due() <= at) return tablet_operator_turn();
-  happen(timeline_.take().what);
+  perform(timeline_.take().item);
 }
 
 void Lab::advance_to(MonoTime instant) {
   while (next() <= instant) {
-    happen();
+    process_next();
     if (dead_ && firmware_) return;
   }
   time_ = std::max(time_, instant);
@@ -163,7 +163,7 @@ std::optional<std::size_t> Lab::wait(MonoTime until, std::span<firmware::Edge> e
       time_ = std::max(time_, until);
       break;
     }
-    happen();
+    process_next();
   }
   woken_ = false;
   pass(kWakeUp);
@@ -190,13 +190,13 @@ std::optional<bool> Lab::level(Input input) noexcept {
 }
 
 void Lab::publish(const std::string& channel, std::span<const std::uint8_t> bytes) {
-  bus_.send(Station::host, channel, bytes, time_);
+  bus_.send(Receiver::host, channel, bytes, time_);
   if (!channel.ends_with("/SHOT")) return;
-  bus_.send(Station::desk, channel, bytes, time_);
+  bus_.send(Receiver::tablet, channel, bytes, time_);
   note_shot(bytes);
 }
 
-// Bench -----------------------------------------------------------------------------------------------------
+// Rig -----------------------------------------------------------------------------------------------------
 
 void Lab::drive(Output output, bool active, firmware::Lamps lamps) {
   bool& driven = driven_[index_of(output)];
@@ -257,13 +257,13 @@ void Lab::collect_rig() {
     if (drive.line == sim::RigLine::gate) edge(Input::gate, true, drive.at);
   }
   for (sim::Exposure& exposure : exposures_) {
-    for (const sim::FaultKind kind : exposure.faults) ++counts_.bench_faults[static_cast<std::size_t>(kind)];
+    for (const sim::FaultKind kind : exposure.faults) ++counts_.rig_faults[static_cast<std::size_t>(kind)];
     for (const auto kind :
          {sim::FaultKind::no_photograph, sim::FaultKind::frame_late, sim::FaultKind::image_unseen}) {
       if (shot_fault(lab_setup_.scene.faults, kind, exposure.shot))
-        ++counts_.bench_faults[static_cast<std::size_t>(kind)];
+        ++counts_.rig_faults[static_cast<std::size_t>(kind)];
     }
-    if (order_.trace != nullptr) {
+    if (settings_.trace != nullptr) {
       std::string faults;
       for (const sim::FaultKind kind : exposure.faults) faults.append(" ").append(name(kind));
       trace("exposure {} of {} pulses{}{}", exposure.shot, exposure.pulses.size(),

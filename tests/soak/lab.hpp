@@ -1,10 +1,10 @@
 // The virtual lab: firmware core, publisher and journal, the rig, a lossy bus, the host that fires a series
-// and the person who digitizes its photographs, in one process on one virtual clock. Deterministic from a
-// seed: no clock is read, nothing depends on the machine's load.
+// and the tablet operator, in one process on one virtual clock. Deterministic from a seed: no clock is read,
+// nothing depends on the machine's load.
 //
-// The firmware's loop is the one that waits: while it sleeps or spins, whatever is due until then happens, in
-// order of time, on the same thread. Between two happenings no time passes but what the loop's own calls
-// take. One thread's; allocates.
+// The firmware's loop drives the clock: while it sleeps, polls or spins, everything that is due until then is
+// processed, in order of time, on the same thread. Virtual time jumps from one scheduled item to the next;
+// otherwise it passes only as the loop's own calls take. One thread's; allocates.
 #pragma once
 
 #include <cstdio>
@@ -34,28 +34,28 @@ struct RigFiles {
 Result<RigFiles> read_rig_files(const std::string& path);
 
 struct RunSettings {
-  std::uint64_t seed = 1;     ///< of the whole soak
-  std::int64_t campaign = 0;  ///< which of its campaigns
-  int shots = 10;             ///< that must count
+  std::uint64_t seed = 1;  ///< of the whole soak
+  std::int64_t run = 0;    ///< number of the run, from 0
+  int shots = 10;          ///< that must count
   FaultPlan faults;
   PlanKind plan = PlanKind::mixed;
-  std::FILE* trace = nullptr;  ///< the log of what happens; null: none
+  std::FILE* trace = nullptr;  ///< log of what happens; nullptr: none
 };
 
 class Lab final : firmware::Clock, firmware::OutputLines, firmware::EdgeSource, firmware::MessageBus {
  public:
   /// `files` must outlive the lab.
-  Lab(const RigFiles& files, const RunSettings& order);
+  Lab(const RigFiles& files, const RunSettings& settings);
   ~Lab() override;
 
-  /// Runs the campaign to its end.
+  /// Runs to the end.
   SoakCounts run();
 
   InvariantChecker& invariant_checker() { return checker_; }
 
  private:
-  enum class What {
-    fates,
+  enum class Action {
+    draw_hazards,
     hazard,
     key_on,
     estop_off,
@@ -65,8 +65,8 @@ class Lab final : firmware::Clock, firmware::OutputLines, firmware::EdgeSource, 
     guardian,
     boot,
   };
-  struct Happening {
-    What what = What::fates;
+  struct Scheduled {
+    Action action = Action::draw_hazards;
     Hazard hazard = Hazard::key_off;
   };
   struct CallHazard {
@@ -97,9 +97,9 @@ class Lab final : firmware::Clock, firmware::OutputLines, firmware::EdgeSource, 
   void pass(Duration duration);
   void advance_to(MonoTime instant);
   MonoTime next() const;
-  void happen();
-  void happen(const Happening& happening);
-  void in(Duration delay, What what) { timeline_.schedule(time_ + delay, {what, {}}); }
+  void process_next();
+  void perform(const Scheduled& scheduled);
+  void in(Duration delay, Action action) { timeline_.schedule(time_ + delay, {action, {}}); }
 
   // Bench
   void drive(firmware::Output output, bool active, firmware::Lamps lamps = firmware::Lamps::both);
@@ -109,7 +109,7 @@ class Lab final : firmware::Clock, firmware::OutputLines, firmware::EdgeSource, 
   void collect_rig();
   std::size_t drain(std::span<firmware::Edge> edges);
 
-  // Fates
+  // Hazards
   void draw_hazards();
   void inject(Hazard hazard);
   void count_down_call_hazards();
@@ -140,12 +140,12 @@ class Lab final : firmware::Clock, firmware::OutputLines, firmware::EdgeSource, 
   void mix(std::uint64_t value) { digest_ = mixed(digest_ ^ value, 1); }
 
   const RigFiles& files_;
-  RunSettings order_;
+  RunSettings settings_;
   Random random_;
   LabSetup lab_setup_;
   HostSettings host_settings_;
   MonoTime time_;
-  Timeline<Happening> timeline_;
+  Timeline<Scheduled> timeline_;
   VirtualBus bus_;
   VirtualDisk disk_;
   sim::Rig rig_;

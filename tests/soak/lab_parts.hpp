@@ -44,8 +44,8 @@ class Lab::LoopWake final : public firmware::Wake {
 
 template <typename... Args>
 void Lab::trace(const char* format, const Args&... args) {
-  if (order_.trace == nullptr) return;
-  fmt::print(order_.trace, "{} {}\n", trace_time(), fmt::format(fmt::runtime(format), args...));
+  if (settings_.trace == nullptr) return;
+  fmt::print(settings_.trace, "{} {}\n", trace_time(), fmt::format(fmt::runtime(format), args...));
 }
 
 }  // namespace strobe::soak

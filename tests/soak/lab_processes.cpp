@@ -1,4 +1,4 @@
-// The processes of the lab: firmware, its guardian, host, desk; what ends and starts them; what strikes them.
+// The processes of the lab: firmware, its guardian, host, tablet operator; their starts and ends; hazards.
 #include <algorithm>
 #include <cmath>
 #include <exception>
@@ -20,7 +20,7 @@ namespace {
 constexpr Duration kHazardInterval = milliseconds(500);
 constexpr Duration kHostTurn = milliseconds(20);
 constexpr Duration kHostBatch = milliseconds(1);
-constexpr Duration kLongestCampaign = milliseconds(1'800'000);
+constexpr Duration kLongestRun = milliseconds(1'800'000);
 constexpr std::size_t kOldCommands = 64;
 
 bool has_numbers(const reduction::Readout& readout) {
@@ -30,15 +30,15 @@ bool has_numbers(const reduction::Readout& readout) {
   return false;
 }
 
-/// A flash without an image, or with two, or one whose time or sensor was disturbed.
-bool images_mislead(const sim::Scene& scene, const sim::Exposure& exposure) {
+/// A flash without an image, or with two, or with a fault of its time or sensor.
+bool images_are_ambiguous(const sim::Scene& scene, const sim::Exposure& exposure) {
   using sim::FaultKind;
-  const auto struck = [&](FaultKind kind) {
+  const auto occurred = [&](FaultKind kind) {
     return std::find(exposure.faults.begin(), exposure.faults.end(), kind) != exposure.faults.end();
   };
-  return struck(FaultKind::flash_dim) || struck(FaultKind::flash_double) || struck(FaultKind::flash_late) ||
-         struck(FaultKind::flash_missing) || struck(FaultKind::sensor_bounce) ||
-         struck(FaultKind::sensor_dropout) ||
+  return occurred(FaultKind::flash_dim) || occurred(FaultKind::flash_double) ||
+         occurred(FaultKind::flash_late) || occurred(FaultKind::flash_missing) ||
+         occurred(FaultKind::sensor_bounce) || occurred(FaultKind::sensor_dropout) ||
          shot_fault(scene.faults, FaultKind::image_unseen, exposure.shot) != nullptr;
 }
 
@@ -52,16 +52,16 @@ std::int64_t Lab::host_now() const {
   return host_origin_ns_ + std::llround(static_cast<double>(to_ns(time_)) * host_rate_);
 }
 
-// Fates -----------------------------------------------------------------------------------------------------
+// Hazards -----------------------------------------------------------------------------------------------------
 
 void Lab::draw_hazards() {
-  in(kHazardInterval, What::fates);
+  in(kHazardInterval, Action::draw_hazards);
   if (hazards_stopped_) return;
   for (std::size_t i = 0; i < kHazardCount; ++i) {
     const auto hazard = static_cast<Hazard>(i);
-    if (!random_.chance(order_.faults[hazard] * to_seconds(kHazardInterval))) continue;
+    if (!random_.chance(settings_.faults[hazard] * to_seconds(kHazardInterval))) continue;
     if (random_.chance(0.5)) {
-      timeline_.schedule(time_ + random_.between(Duration{}, kHazardInterval), {What::hazard, hazard});
+      timeline_.schedule(time_ + random_.between(Duration{}, kHazardInterval), {Action::hazard, hazard});
     } else {
       call_hazards_.push_back({random_.integer(1, 100), hazard});  // at an instant at which an output changes
     }
@@ -77,7 +77,7 @@ void Lab::count_down_call_hazards() {
     const Hazard hazard = call_hazards_[i].hazard;
     call_hazards_.erase(call_hazards_.begin() + static_cast<std::ptrdiff_t>(i));
     const Duration delay = random_.chance(0.5) ? Duration{} : random_.between(Duration{}, microseconds(60));
-    timeline_.schedule(time_ + delay, {What::hazard, hazard});
+    timeline_.schedule(time_ + delay, {Action::hazard, hazard});
   }
 }
 
@@ -98,10 +98,10 @@ void Lab::inject(Hazard hazard) {
   switch (hazard) {
     case Hazard::key_off:
       set_key(false);
-      return in(soon(1e-5, 2.0), What::key_on);
+      return in(soon(1e-5, 2.0), Action::key_on);
     case Hazard::estop:
       set_estop(true);
-      return in(soon(1e-5, 2.0), What::estop_off);
+      return in(soon(1e-5, 2.0), Action::estop_off);
     case Hazard::firmware_kill:
       return die();
     case Hazard::firmware_stop:
@@ -110,7 +110,7 @@ void Lab::inject(Hazard hazard) {
     case Hazard::firmware_hang: {
       const Duration until_killed = random_.between(milliseconds(500), milliseconds(700));
       stand_still(until_killed, false);
-      return in(until_killed, What::firmware_kill);
+      return in(until_killed, Action::firmware_kill);
     }
     case Hazard::loop_freeze:
       return stand_still(random_.between(milliseconds(10), milliseconds(170)), true);
@@ -120,44 +120,45 @@ void Lab::inject(Hazard hazard) {
       if (!host_) return;
       host_.reset();
       host_due_ = kFarFuture;
-      return in(soon(0.05, 1.0), What::host_start);
+      return in(soon(0.05, 1.0), Action::host_start);
     case Hazard::wall_step:
       wall_offset_ = wall_offset_ + random_.between(milliseconds(-86'400'000), milliseconds(86'400'000));
       return;
     case Hazard::disk_full:
       disk_.fill(static_cast<std::uint64_t>(random_.integer(0, 3000)));
-      return in(soon(0.01, 2.0), What::disk_free);
+      return in(soon(0.01, 2.0), Action::disk_free);
     case Hazard::command_replay:
       if (old_commands_.empty()) return;
-      return bus_.send(Station::firmware, messages::channel_name(files_.host.rig, messages::Channel::command),
+      return bus_.send(Receiver::firmware,
+                       messages::channel_name(files_.host.rig, messages::Channel::command),
                        old_commands_[static_cast<std::size_t>(random_.bits() % old_commands_.size())], time_);
   }
 }
 
-void Lab::happen(const Happening& happening) {
-  switch (happening.what) {
-    case What::fates:
+void Lab::perform(const Scheduled& scheduled) {
+  switch (scheduled.action) {
+    case Action::draw_hazards:
       return draw_hazards();
-    case What::hazard:
-      return inject(happening.hazard);
-    case What::key_on:
+    case Action::hazard:
+      return inject(scheduled.hazard);
+    case Action::key_on:
       return set_key(true);
-    case What::estop_off:
+    case Action::estop_off:
       return set_estop(false);
-    case What::disk_free:
+    case Action::disk_free:
       return disk_.make_room();
-    case What::host_start:
+    case Action::host_start:
       return start_host();
-    case What::firmware_kill:
+    case Action::firmware_kill:
       return die();
-    case What::guardian:
+    case Action::guardian:
       return guardian_takes_over();
-    case What::boot:
+    case Action::boot:
       return boot();
   }
 }
 
-/// The campaign is over: nothing strikes any more, so that what was lost can be fetched.
+/// The run is over: no more hazards, so that what was lost can be fetched.
 void Lab::stop_hazards() {
   hazards_stopped_ = true;
   trace("healed");
@@ -188,7 +189,7 @@ void Lab::boot() {
         settings);
     if (process) firmware_ = std::move(*process);
   });
-  if (!firmware_) return in(milliseconds(500), What::boot);
+  if (!firmware_) return in(milliseconds(500), Action::boot);
   ++counts_.boots;
   trace("boot {:x}", settings.boot_id);
   checker_.booted(settings.boot_id);
@@ -208,12 +209,12 @@ void Lab::die() {
   trace("the firmware's process ends, {} events in its queue", lost);
   checker_.died(time_);
   publisher_due_ = kFarFuture;
-  in(random_.between(microseconds(300), milliseconds(5)), What::guardian);
+  in(random_.between(microseconds(300), milliseconds(5)), Action::guardian);
 }
 
 void Lab::guardian_takes_over() {
   for (const Output output : firmware::kOutputs) drive(output, false);
-  in(random_.between(milliseconds(300), milliseconds(1'200)), What::boot);
+  in(random_.between(milliseconds(300), milliseconds(1'200)), Action::boot);
 }
 
 void Lab::stop_firmware() {
@@ -243,24 +244,24 @@ void Lab::publisher_turn() {
   publisher_due_ = std::max(publisher_due_, time_ + microseconds(20));
 }
 
-// Host and desk ---------------------------------------------------------------------------------------------
+// Host and tablet operator ---------------------------------------------------------------------------------------------
 
 void Lab::start_host() {
-  HostSettings& order = host_settings_;
-  order.campaign.shots = std::max(1, order_.shots - good_);  // whoever starts it anew wants one shot at least
+  HostSettings& settings = host_settings_;
+  settings.series.shots = std::max(1, settings_.shots - good_);  // a restarted host wants at least one shot
   ++counts_.hosts;
   const std::int64_t host_id = random_.id();
   trace("host {:x} starts", host_id);
   const auto send = [this](const strobe_msgs::command_t& command) {
     std::vector<std::uint8_t> bytes = host::CommandSealer(lab_key_, files_.host.rig).seal(command).value();
     trace("command {} of kind {}", command.command_id, static_cast<int>(command.kind));
-    bus_.send(Station::firmware, messages::channel_name(files_.host.rig, messages::Channel::command), bytes,
+    bus_.send(Receiver::firmware, messages::channel_name(files_.host.rig, messages::Channel::command), bytes,
               time_);
     old_commands_.push_back(std::move(bytes));
     if (old_commands_.size() > kOldCommands) old_commands_.pop_front();
   };
   host_ = std::make_unique<VirtualHost>(
-      order, host_id, host_log_, send,
+      settings, host_id, host_log_, send,
       [this](const host::ShotResult& shot_result) { on_shot_result(shot_result); }, host_now());
   host_due_ = time_;
 }
@@ -270,7 +271,7 @@ void Lab::host_turn() {
   host_->turn(host_now());
   for (const std::string& text : host_->take_notifications()) trace("host: {}", text);
   if (!host_->firing() && !hazards_stopped_) {
-    if (!host_->campaign().succeeded()) ++counts_.unfinished;
+    if (!host_->run().succeeded()) ++counts_.unfinished;
     stop_hazards();
   }
   if (!host_->fault().empty()) {
@@ -289,18 +290,18 @@ void Lab::deliver() {
   const VirtualBus::Delivery delivery = bus_.take();
   const auto& bytes = delivery.packet->bytes;
   switch (delivery.to) {
-    case Station::firmware:
+    case Receiver::firmware:
       if (dead_) break;
       checker_.at_firmware(body_of(bytes), time_);
       firmware_->receive(bytes);
       break;
-    case Station::host:
+    case Receiver::host:
       if (!host_) break;
       checker_.at_host(delivery.packet->channel, bytes);
       host_->receive(delivery.packet->channel, bytes, host_now());
       host_due_ = std::min(host_due_, time_ + kHostBatch);
       break;
-    case Station::desk: {
+    case Receiver::tablet: {
       strobe_msgs::shot_t shot;
       if (shot.decode(bytes.data(), 0, static_cast<int>(bytes.size())) >= 0)
         tablet_operator_.announce({shot.boot_id, shot.shot_id}, from_ns(shot.start_ns), time_);
@@ -314,7 +315,7 @@ void Lab::tablet_operator_turn() {
   const std::vector<std::uint8_t> frame = tablet_operator_.take(time_);
   if (frame.empty()) return;
   trace("frame sent");
-  bus_.send(Station::host, messages::channel_name(files_.host.rig, messages::Channel::frame), frame, time_);
+  bus_.send(Receiver::host, messages::channel_name(files_.host.rig, messages::Channel::frame), frame, time_);
 }
 
 void Lab::note_shot(std::span<const std::uint8_t> bytes) {
@@ -339,7 +340,7 @@ void Lab::on_shot_result(const host::ShotResult& shot_result) {
   if (taken != nullptr && shows_impact(*taken)) {
     truth.value = sim::true_readout(rig_.scene(), taken->ball->path);
   }
-  truth.images_do_not_tell = taken != nullptr && images_mislead(lab_setup_.scene, *taken);
+  truth.images_ambiguous = taken != nullptr && images_are_ambiguous(lab_setup_.scene, *taken);
   const reduction::Readout& readout = shot_result.readout;
   checker_.readout(host_->id(), key, readout, truth, shot_result.dry);
   const bool numbers = has_numbers(readout);
@@ -368,29 +369,29 @@ void Lab::on_shot_result(const host::ShotResult& shot_result) {
       const auto flag = static_cast<reduction::Flag>(f);
       explained = explained || (readout.flags.has(flag) && explains(flag));
     }
-    if (!explained && !(truth.images_do_not_tell && comparison->z[i] > soak_sigma_limit()))
+    if (!explained && !(truth.images_ambiguous && comparison->z[i] > soak_sigma_limit()))
       counts_.largest_z[i] = std::max(counts_.largest_z[i], comparison->z[i]);
   }
 }
 
-// The campaign ----------------------------------------------------------------------------------------------
+// The run ----------------------------------------------------------------------------------------------
 
 bool Lab::over() {
   const auto& violations = checker_.violations();
   for (; violations_traced_ < violations.size(); ++violations_traced_)
     trace("VIOLATION: {}", violations[violations_traced_]);
-  if (time_ > from_ns(1'000'000'000'000) + kLongestCampaign) {
-    checker_.violate("the campaign does not end");
+  if (time_ > from_ns(1'000'000'000'000) + kLongestRun) {
+    checker_.violate("the run does not end");
     return true;
   }
   return finished_ && std::none_of(driven_.begin(), driven_.end(), [](bool driven) { return driven; });
 }
 
-/// What is still on its way arrives; nothing new is sent.
+/// Delivers what is still on its way; nothing new is sent.
 void Lab::settle() {
   while (bus_.next_due() != kFarFuture) {
     const VirtualBus::Delivery delivery = bus_.take();
-    if (delivery.to == Station::host) checker_.at_host(delivery.packet->channel, delivery.packet->bytes);
+    if (delivery.to == Receiver::host) checker_.at_host(delivery.packet->channel, delivery.packet->bytes);
     bus_.done(delivery);
   }
 }
@@ -411,16 +412,16 @@ void Lab::trace_lab_setup() {
 }
 
 SoakCounts Lab::run() {
-  counts_.campaigns = 1;
-  counts_.planned = order_.shots;
+  counts_.runs = 1;
+  counts_.planned = settings_.shots;
   trace_lab_setup();
   boot();
   bool started = false;
-  in(Duration{}, What::host_start);
-  in(Duration{}, What::fates);
+  in(Duration{}, Action::host_start);
+  in(Duration{}, Action::draw_hazards);
   while (!over()) {
     if (!firmware_) {
-      happen();
+      process_next();
       started = false;
       continue;
     }

@@ -1,4 +1,4 @@
-// The bench that a campaign runs on: its scene and its shot plan, drawn from a seed. Pure; thread-safe.
+// Set-up of one run: scene and shot plan, drawn from a seed. Pure; thread-safe.
 #pragma once
 
 #include <string>
@@ -17,7 +17,7 @@ enum class PlanKind {
   brief,     ///< free trains of 70 to 110 ms around the impact
   gated,     ///< bursts after the light gate
   coded,     ///< as brief, at unequal intervals, some flashes left out, some of one lamp
-  mixed,     ///< one campaign in ten as shipped, one in ten gated, the others brief
+  mixed,     ///< one run in ten as shipped, one in ten gated, the others brief
   extremes,  ///< mixed, of balls that are slowest, fastest, grazing, steep, most spun, or hardly seen
 };
 

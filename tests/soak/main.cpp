@@ -1,4 +1,4 @@
-// strobe-soak: many campaigns of the virtual lab, with faults, and says which violate what must hold.
+// strobe-soak: many runs of the virtual lab, with faults; reports violated invariants.
 #include <fmt/format.h>
 #include <poll.h>
 #include <sys/wait.h>
@@ -15,7 +15,7 @@ using namespace strobe::soak;
 
 namespace {
 
-constexpr int kShotsPerCampaign = 10;
+constexpr int kShotsPerRun = 10;
 constexpr int kDone = 0, kFailed = 1, kBadInput = 2;
 
 struct Options {
@@ -41,50 +41,49 @@ int bad_input(const std::string& why) {
   return kBadInput;
 }
 
-std::string repetition(const Options& options, std::int64_t campaign) {
+std::string repetition(const Options& options, std::int64_t run) {
   const std::string rig = options.rig == STROBE_SHIPPED_RIG ? "" : fmt::format(" --rig '{}'", options.rig);
   return fmt::format("strobe-soak --seed {} --faults {} --plan {} --from {} --shots {}{} --trace",
-                     options.seed, options.faults, options.plan, campaign * kShotsPerCampaign,
-                     kShotsPerCampaign, rig);
+                     options.seed, options.faults, options.plan, run * kShotsPerRun, kShotsPerRun, rig);
 }
 
-SoakCounts run_campaign(const Options& options, const Work& work, std::int64_t campaign) {
-  RunSettings order;
-  order.seed = options.seed;
-  order.campaign = campaign;
-  order.shots = kShotsPerCampaign;
-  order.faults = work.faults;
-  order.plan = work.plan;
-  order.trace = options.trace ? stdout : nullptr;
-  Lab lab(work.files, order);
+SoakCounts run_lab(const Options& options, const Work& work, std::int64_t run) {
+  RunSettings settings;
+  settings.seed = options.seed;
+  settings.run = run;
+  settings.shots = kShotsPerRun;
+  settings.faults = work.faults;
+  settings.plan = work.plan;
+  settings.trace = options.trace ? stdout : nullptr;
+  Lab lab(work.files, settings);
   const SoakCounts counts = lab.run();
   for (const std::string& violation : lab.invariant_checker().violations()) {
-    fmt::print(stderr, "VIOLATION: {}\n  repeat it: {}\n", violation, repetition(options, campaign));
+    fmt::print(stderr, "VIOLATION: {}\n  repeat it: {}\n", violation, repetition(options, run));
   }
   return counts;
 }
 
-std::pair<std::int64_t, std::int64_t> campaigns_of(const Options& options) {
-  const std::int64_t first = options.from / kShotsPerCampaign;
-  return {first, first + (options.shots + kShotsPerCampaign - 1) / kShotsPerCampaign};
+std::pair<std::int64_t, std::int64_t> runs_of(const Options& options) {
+  const std::int64_t first = options.from / kShotsPerRun;
+  return {first, first + (options.shots + kShotsPerRun - 1) / kShotsPerRun};
 }
 
-/// The campaigns of one process, told to the parent ten times a second.
+/// The runs of one process, reported to the parent ten times a second.
 void run_share(const Options& options, const Work& work, int job, int pipe_end) {
   using Clock = std::chrono::steady_clock;
-  const auto [first, end] = campaigns_of(options);
+  const auto [first, end] = runs_of(options);
   SoakCounts fresh;
-  auto told = Clock::now();
-  const auto tell = [&] {
+  auto reported = Clock::now();
+  const auto report = [&] {
     if (write(pipe_end, &fresh, sizeof fresh) != sizeof fresh) _exit(kFailed);
     fresh = {};
-    told = Clock::now();
+    reported = Clock::now();
   };
-  for (std::int64_t campaign = first + job; campaign < end; campaign += options.jobs) {
-    fresh.add(run_campaign(options, work, campaign));
-    if (Clock::now() - told > std::chrono::milliseconds(100)) tell();
+  for (std::int64_t run = first + job; run < end; run += options.jobs) {
+    fresh.add(run_lab(options, work, run));
+    if (Clock::now() - reported > std::chrono::milliseconds(100)) report();
   }
-  tell();
+  report();
 }
 
 class Progress {
@@ -151,8 +150,8 @@ int run(const Options& options, const Work& work) {
 
 int main(int argc, char** argv) {
   Options options;
-  CLI::App app("Soak of the whole system on a virtual clock: firmware, bench, bus and host in one process");
-  app.add_option("--shots", options.shots, "shots that must count (default 10000), ten a campaign")
+  CLI::App app("Soak of the whole system on a virtual clock: firmware, rig, bus and host in one process");
+  app.add_option("--shots", options.shots, "shots that must count (default 10000), ten a run")
       ->check(CLI::Range(std::int64_t{1}, std::int64_t{1'000'000'000}));
   app.add_option("--from", options.from, "skip this many shots first (default 0)")
       ->check(CLI::Range(std::int64_t{0}, std::int64_t{1'000'000'000}));

@@ -20,7 +20,7 @@ TEST(Timeline, GivesWhatHappensInOrderOfTimeAndAtOneInstantAsItWasScheduled) {
   timeline.schedule(from_ns(10), 2);
   for (int expected = 1; expected <= 4; ++expected) {
     CHECK(timeline.next() == from_ns(expected <= 2 ? 10 : 20));
-    LONGS_EQUAL(expected, timeline.take().what);
+    LONGS_EQUAL(expected, timeline.take().item);
   }
   CHECK_TRUE(timeline.empty());
 }
@@ -30,7 +30,7 @@ TEST_GROUP(FaultPlan){};
 TEST(FaultPlan, ReadsProbabilitiesByTheirNames) {
   const auto plan = read_fault_plan("flash_late = 0.5\nestop = 0.25\npacket_loss = 0.125\n", "faults.toml");
   CHECK_TRUE(plan.has_value());
-  DOUBLES_EQUAL(0.5, plan->bench[static_cast<std::size_t>(sim::FaultKind::flash_late)], 0.0);
+  DOUBLES_EQUAL(0.5, plan->rig[static_cast<std::size_t>(sim::FaultKind::flash_late)], 0.0);
   DOUBLES_EQUAL(0.25, (*plan)[Hazard::estop], 0.0);
   DOUBLES_EQUAL(0.125, plan->packet_loss, 0.0);
   DOUBLES_EQUAL(0.0, (*plan)[Hazard::key_off], 0.0);
@@ -50,8 +50,8 @@ TEST(FaultPlan, StrikesWithTheStatedProbability) {
   FaultPlan plan;
   plan[sim::FaultKind::flash_dim] = 0.25;
   Random random(3);
-  const auto faults = draw_bench_faults(plan, 4000, random);
+  const auto faults = draw_rig_faults(plan, 4000, random);
   for (const auto& fault : faults) CHECK(fault.kind == sim::FaultKind::flash_dim);
   CHECK(faults.size() > 850 && faults.size() < 1150);  // 1000 with a sd of 27
-  CHECK_TRUE(draw_bench_faults(no_faults(), 4000, random).empty());
+  CHECK_TRUE(draw_rig_faults(no_faults(), 4000, random).empty());
 }

@@ -1,4 +1,4 @@
-// Seeded draws of the virtual lab: one stream per campaign, so that a seed repeats it on any machine.
+// Seeded draws of the virtual lab: one stream per run, so that a seed repeats it on any machine.
 // SplitMix64 (Steele et al. 2014). Plain value; one thread's.
 #pragma once
 
@@ -32,7 +32,7 @@ class Random {
   Duration between(Duration low, Duration high) {
     return nanoseconds(low.count() + std::llround(uniform() * static_cast<double>((high - low).count())));
   }
-  /// A random number as ids and tokens are: positive.
+  /// A positive random number, for ids and tokens.
   std::int64_t id() { return static_cast<std::int64_t>(bits() >> 1) | 1; }
 
  private:

@@ -36,7 +36,7 @@ void VirtualTabletOperator::announce(ShotKey key, MonoTime start, MonoTime now) 
 }
 
 std::vector<std::uint8_t> VirtualTabletOperator::take(MonoTime now) {
-  const Task task = tasks_.take().what;
+  const Task task = tasks_.take().item;
   if (const auto sent = measured_.find(task.key); sent != measured_.end()) return sent->second;
   const sim::Exposure* exposure = exposure_of(task.start, task.announced);
   if (exposure == nullptr) {

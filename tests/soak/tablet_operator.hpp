@@ -1,6 +1,5 @@
-// The person at the digitizing tablet in virtual time: hears of a shot, finds the exposure of that time,
-// measures it and sends the frame after a while; a shot announced again is sent again. One thread's;
-// allocates.
+// The tablet operator in virtual time: when a shot is announced, finds the exposure of that time, digitizes
+// it and sends the frame after a delay; a shot announced again is sent again. One thread's; allocates.
 #pragma once
 
 #include <cstdint>
@@ -22,12 +21,12 @@ class VirtualTabletOperator {
   VirtualTabletOperator(const sim::Scene& scene, std::uint64_t seed) : scene_(scene), seed_(seed) {}
 
   void add(sim::Exposure exposure);
-  /// The exposure that began within the time of a shot; null: none.
+  /// The exposure that began within the time of a shot; nullptr if there is none.
   const sim::Exposure* exposure_of(MonoTime shot_start, MonoTime shot_end) const;
 
   void announce(ShotKey key, MonoTime start, MonoTime now);
   MonoTime next_due() const { return tasks_.next(); }
-  /// An encoded frame to be sent now; empty: there is none after all.
+  /// The encoded frame that is due; empty if there is none.
   std::vector<std::uint8_t> take(MonoTime now);
 
  private:

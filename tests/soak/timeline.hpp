@@ -1,5 +1,5 @@
-// What is going to happen on the virtual clock, in order of time; at one instant in the order in which it was
-// scheduled. One thread's; allocates.
+// Queue of what is scheduled on the virtual clock, in order of time; items of one instant keep their order.
+// One thread's; allocates.
 #pragma once
 
 #include <cstdint>
@@ -13,31 +13,31 @@ namespace strobe::soak {
 
 inline constexpr MonoTime kFarFuture = MonoTime::max();
 
-template <typename What>
+template <typename Item>
 class Timeline {
  public:
-  struct Happening {
+  struct Entry {
     MonoTime at;
     std::uint64_t order = 0;
-    What what{};
+    Item item{};
   };
 
-  void schedule(MonoTime at, What what) { heap_.push({at, ++order_, std::move(what)}); }
+  void schedule(MonoTime at, Item item) { heap_.push({at, ++order_, std::move(item)}); }
   MonoTime next() const { return heap_.empty() ? kFarFuture : heap_.top().at; }
   bool empty() const { return heap_.empty(); }
-  Happening take() {
-    Happening first = heap_.top();
+  Entry take() {
+    Entry first = heap_.top();
     heap_.pop();
     return first;
   }
 
  private:
   struct Later {
-    bool operator()(const Happening& a, const Happening& b) const {
+    bool operator()(const Entry& a, const Entry& b) const {
       return a.at != b.at ? a.at > b.at : a.order > b.order;
     }
   };
-  std::priority_queue<Happening, std::vector<Happening>, Later> heap_;
+  std::priority_queue<Entry, std::vector<Entry>, Later> heap_;
   std::uint64_t order_ = 0;
 };
 

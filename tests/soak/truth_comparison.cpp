@@ -62,7 +62,7 @@ double z_of(const reduction::Readout& readout, const Truth& truth, Quantity q) {
 
 }  // namespace
 
-TruthComparison judge(const reduction::Readout& readout, const Truth& truth, double limit) {
+TruthComparison compare_with_truth(const reduction::Readout& readout, const Truth& truth, double limit) {
   TruthComparison result;
   for (std::size_t i = 0; i < reduction::kQuantityCount; ++i) {
     const auto quantity = static_cast<Quantity>(i);
@@ -76,13 +76,13 @@ TruthComparison judge(const reduction::Readout& readout, const Truth& truth, dou
       explained = true;
       if (z > limit) result.by_flag[f] = true;
     }
-    if (!explained && !(truth.images_do_not_tell && z > limit))
+    if (!explained && !(truth.images_ambiguous && z > limit))
       result.largest_z = std::max(result.largest_z, z);
     if (!(z > limit)) continue;
     const bool of_dwell = quantity == Quantity::dwell_time_ms || quantity == Quantity::dwell_distance_cm;
     if (explained) {
       ++result.explained;
-    } else if (of_dwell && truth.images_do_not_tell) {
+    } else if (of_dwell && truth.images_ambiguous) {
       ++result.mismatched;
     } else {
       result.wrong +=

@@ -1,5 +1,5 @@
-// Readout against truth: is a number farther from it than its stated uncertainty allows, and does a flag say
-// so? Pure; thread-safe.
+// Compares a readout with the truth: whether an error is larger than its stated uncertainty allows, and
+// whether a flag says so. Pure; thread-safe.
 #pragma once
 
 #include <array>
@@ -11,8 +11,7 @@
 
 namespace strobe::soak {
 
-/// How many standard deviations a number may be off, so that by chance alone `false_alarms` of `comparisons`
-/// normal errors are farther off.
+/// The limit in standard deviations that by chance `false_alarms` of `comparisons` normal errors exceed.
 double sigma_limit(double comparisons, double false_alarms);
 
 /// 16 numbers a shot, a million shots, one false alarm in a thousand such runs: 6.6 sd.
@@ -31,23 +30,22 @@ struct TruthComparison {
   std::array<double, reduction::kQuantityCount> z{};  ///< 0: not compared
   /// Numbers beyond the limit.
   int explained = 0;
-  int mismatched = 0;  ///< dwell times and distances where the images do not tell, see Truth
-  std::array<bool, reduction::kFlagCount> by_flag{};  ///< that explained one of them
-  std::string wrong;                                  ///< the others, in words; empty: none
+  int mismatched = 0;  ///< dwell times and distances where the images are ambiguous, see Truth
+  std::array<bool, reduction::kFlagCount> by_flag{};  ///< explained at least one of them
+  std::string wrong;                                  ///< the others, as text; empty if none
 };
 
-/// What is true of a shot.
+/// True values of a shot.
 struct Truth {
   reduction::Quantities value;
   /// The photograph lacks an image of a flash that was seen, or has one too many, or a flash's time or sensor
   /// was disturbed. Next to the contact the host then takes one match for another once in a while, as its
   /// stated odds say (host/assembly/flash_match.hpp): the dwell time is off by a period. Such numbers are
   /// counted apart.
-  bool images_do_not_tell = false;
+  bool images_ambiguous = false;
 };
 
-/// truth: absent numbers are those that the shot does not have: of a shot without a ball, all. A number that
-/// is stated and not there in truth is wrong unless explained.
-TruthComparison judge(const reduction::Readout& readout, const Truth& truth, double limit);
+/// A number that the truth lacks (all of them without a ball) is wrong if stated, unless a flag explains it.
+TruthComparison compare_with_truth(const reduction::Readout& readout, const Truth& truth, double limit);
 
 }  // namespace strobe::soak

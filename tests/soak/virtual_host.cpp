@@ -13,15 +13,15 @@ constexpr std::int64_t kSecond_ns = 1'000'000'000;
 
 }  // namespace
 
-VirtualHost::VirtualHost(const HostSettings& order, std::int64_t host_id, HostLog& log, Send send, Done done,
+VirtualHost::VirtualHost(const HostSettings& settings, std::int64_t host_id, HostLog& log, Send send, Done done,
                          std::int64_t now_ns)
-    : order_(order),
+    : settings_(settings),
       log_(log),
       send_(std::move(send)),
       factory_(host_id),
-      series_(order.campaign, factory_),
-      monitor_(order.assembly, host_id, "soak"),
-      decoder_(order.rig, monitor_),
+      series_(settings.series, factory_),
+      monitor_(settings.assembly, host_id, "soak"),
+      decoder_(settings.rig, monitor_),
       started_ns_(now_ns) {
   for (const auto& [boot_id, sequence] : log_) monitor_.session().ledger().add(boot_id, sequence, 0);
   monitor_.on_shot_result = [this, done = std::move(done)](const host::ShotResult& shot_result) {

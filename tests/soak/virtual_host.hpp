@@ -1,5 +1,5 @@
-// The host that fires a series, as `strobe fire` is, on a virtual clock: the shipped campaign, session and
-// decoder between a bus and nothing. One object for each life of the process. One thread's; allocates.
+// The host that fires a series, as `strobe fire` does, on a virtual clock: the shipped shot series, session
+// and decoder between a bus and nothing. One object for each life of the process. One thread's; allocates.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,7 @@ namespace strobe::soak {
 struct HostSettings {
   std::string rig;
   host::AssemblySettings assembly;
-  host::ShotSeriesSettings campaign;
+  host::ShotSeriesSettings series;
 };
 
 /// The session folder's log of a host, of which events are known when another host starts there.
@@ -31,7 +31,7 @@ class VirtualHost {
   using Done = std::function<void(const host::ShotResult&)>;
 
   /// now_ns: of the host's own steady clock.
-  VirtualHost(const HostSettings& order, std::int64_t host_id, HostLog& log, Send send, Done done,
+  VirtualHost(const HostSettings& settings, std::int64_t host_id, HostLog& log, Send send, Done done,
               std::int64_t now_ns);
 
   void receive(const std::string& channel, const std::vector<std::uint8_t>& bytes, std::int64_t now_ns);
@@ -41,16 +41,16 @@ class VirtualHost {
   /// The series is over, and what was lost on the way has been fetched or given up.
   bool ended() const { return ended_; }
   bool firing() const { return !series_.finished(); }
-  const host::ShotSeries& campaign() const { return series_; }
+  const host::ShotSeries& run() const { return series_; }
   std::int64_t id() const { return factory_.host_id(); }
-  /// What an exception on a message said; empty: there was none.
+  /// Text of an exception thrown on a message; empty if none.
   const std::string& fault() const { return decoder_.fault(); }
   std::vector<std::string> take_notifications() { return std::exchange(notifications_, {}); }
 
  private:
   void collect(std::int64_t now_ns);
 
-  const HostSettings& order_;
+  const HostSettings& settings_;
   HostLog& log_;
   Send send_;
   host::CommandFactory factory_;

@@ -1,4 +1,4 @@
-// Taking lines: GPIO_GET_LINEHANDLE_IOCTL, GPIO_GET_LINEEVENT_IOCTL, and reconfiguring a handle.
+// Requesting lines: GPIO_GET_LINEHANDLE_IOCTL, GPIO_GET_LINEEVENT_IOCTL, and reconfiguring a handle.
 #pragma once
 
 #include <linux/gpio.h>

@@ -6,8 +6,8 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "sim/loading/parse_scene.hpp"
 #include "sim/photograph/optics.hpp"
-#include "sim/scene/scene.hpp"
 #include "tests/host/commands/shipped_programs.hpp"
 #include "tests/support/json_lines.hpp"
 

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <string>
 
+#include "sim/loading/parse_scene.hpp"
 #include "sim/photograph/optics.hpp"
 #include "sim/photograph/render.hpp"
 #include "sim/rig/camera.hpp"
@@ -44,8 +45,8 @@ Exposure rendered_shot(const Scene& scene) {
   return shot->exposure;
 }
 
-Photograph rendered(const Scene& scene, const Exposure& exposure, const Appearance& look) {
-  auto photograph = render(scene, exposure, look);
+Photograph rendered(const Scene& scene, const Exposure& exposure, const Appearance& appearance) {
+  auto photograph = render(scene, exposure, appearance);
   if (!photograph) FAIL(photograph.error().message.c_str());
   return *photograph;
 }
@@ -70,8 +71,8 @@ Moments moments(int width, int height, Weight weight) {
 }
 
 /// How much of each pixel the ball covers: a lighter wall shows everywhere but there.
-Moments coverage(const Scene& scene, const Exposure& exposure, const Appearance& look) {
-  Appearance light = look;
+Moments coverage(const Scene& scene, const Exposure& exposure, const Appearance& appearance) {
+  Appearance light = appearance;
   light.background.wall = 0.1;
   const cv::Mat dark_wall = rendered(scene, exposure, light).pixels;
   light.background.wall = 0.9;
@@ -92,13 +93,13 @@ Moments coverage(const Scene& scene, const Exposure& exposure, const Appearance&
 /// Looks at one image in the air, whole on the sensor.
 void check_coverage(const Scene& scene) {
   const Exposure all = rendered_shot(scene);
-  const Appearance look = draw_appearance(scene, 1, 1);
-  const PhotographTruth truth = rendered(scene, all, look).truth;
+  const Appearance appearance = draw_appearance(scene, 1, 1);
+  const PhotographTruth truth = rendered(scene, all, appearance).truth;
   int looked_at = 0;
   for (const ImageTruth& image : truth.images) {
     if (!image.whole || image.contact_width_px || looked_at == 3) continue;
     ++looked_at;
-    const Moments m = coverage(scene, only(all, static_cast<std::size_t>(image.flash_index)), look);
+    const Moments m = coverage(scene, only(all, static_cast<std::size_t>(image.flash_index)), appearance);
     // 2^-16 of a number's range in the quotient of two differences of 20000 and more: 1e-4 a pixel at random,
     // .005 px² over 4000 pixels; soft edges of 4 x 4 rays are exact for straight ones.
     DOUBLES_EQUAL(image.diameter_px, 2.0 * std::sqrt(m.sum / M_PI), 0.01);
@@ -124,16 +125,16 @@ TEST(Render, TurnsTheLineAsTheTruthTells) {
   for (const double tilt_rad : {0.0, 0.08}) {
     const Scene scene = clean_scene();
     const Exposure all = rendered_shot(scene);
-    Appearance look = draw_appearance(scene, 1, 1);
-    look.ball.line_tilt_rad = tilt_rad;
-    look.ball.falloff = 1e-9;  // even light
-    const PhotographTruth truth = rendered(scene, all, look).truth;
+    Appearance appearance = draw_appearance(scene, 1, 1);
+    appearance.ball.line_tilt_rad = tilt_rad;
+    appearance.ball.falloff = 1e-9;  // even light
+    const PhotographTruth truth = rendered(scene, all, appearance).truth;
     const ImageTruth& image = truth.images[3];
     const Exposure one = only(all, static_cast<std::size_t>(image.flash_index));
-    look.ball.line = false;
-    const cv::Mat without = rendered(scene, one, look).pixels;
-    look.ball.line = true;
-    const cv::Mat with = rendered(scene, one, look).pixels;
+    appearance.ball.line = false;
+    const cv::Mat without = rendered(scene, one, appearance).pixels;
+    appearance.ball.line = true;
+    const cv::Mat with = rendered(scene, one, appearance).pixels;
     const Moments m = moments(with.cols, with.rows, [&](int column, int row) {
       return static_cast<double>(without.at<std::uint16_t>(row, column)) -
              with.at<std::uint16_t>(row, column);
@@ -146,8 +147,8 @@ TEST(Render, TurnsTheLineAsTheTruthTells) {
 TEST(Render, CutsABallInContactOffAtTheSurface) {
   Scene scene = clean_scene("roll_deg = 0\n");
   const Exposure all = rendered_shot(scene);
-  const Appearance look = draw_appearance(scene, 1, 1);
-  const PhotographTruth truth = rendered(scene, all, look).truth;
+  const Appearance appearance = draw_appearance(scene, 1, 1);
+  const PhotographTruth truth = rendered(scene, all, appearance).truth;
   int contacts = 0;
   for (const ImageTruth& image : truth.images) {
     if (!image.contact_width_px) continue;
@@ -157,7 +158,7 @@ TEST(Render, CutsABallInContactOffAtTheSurface) {
     // A circle less the segment below the surface.
     const double half_angle = std::acos(over / radius);
     const double area = radius * radius * (M_PI - half_angle + std::sin(half_angle) * std::cos(half_angle));
-    const Moments m = coverage(scene, only(all, static_cast<std::size_t>(image.flash_index)), look);
+    const Moments m = coverage(scene, only(all, static_cast<std::size_t>(image.flash_index)), appearance);
     DOUBLES_EQUAL(area, m.sum, 0.02 * radius);
     DOUBLES_EQUAL(2.0 * radius * std::sin(half_angle), *image.contact_width_px, 1e-6);
     DOUBLES_EQUAL(image.centre_px.y + radius, image.top_px.y, 1e-9);
@@ -169,14 +170,14 @@ TEST(Render, AddsUpTheLightOfItsFlashes) {
   Scene scene = clean_scene();
   scene.photograph.black_level = 0.0;
   scene.photograph.exposure = 0.5;
-  Appearance look = draw_appearance(scene, 1, 1);
-  look.background.wall = 0.0;
+  Appearance appearance = draw_appearance(scene, 1, 1);
+  appearance.background.wall = 0.0;
   const Exposure all = rendered_shot(scene);
-  const Photograph together = rendered(scene, all, look);
+  const Photograph together = rendered(scene, all, appearance);
   cv::Mat sum = cv::Mat::zeros(together.pixels.size(), CV_32SC1);
   for (const ImageTruth& image : together.truth.images) {
     cv::Mat numbers;
-    rendered(scene, only(all, static_cast<std::size_t>(image.flash_index)), look)
+    rendered(scene, only(all, static_cast<std::size_t>(image.flash_index)), appearance)
         .pixels.convertTo(numbers, CV_32S);
     sum += numbers;
   }

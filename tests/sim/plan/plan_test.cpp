@@ -3,11 +3,11 @@
 #include <cmath>
 #include <limits>
 
+#include "sim/loading/scene_files.hpp"
 #include "sim/motion/shot_conditions.hpp"
 #include "sim/plan/choose.hpp"
 #include "sim/plan/corners.hpp"
 #include "sim/random/draws.hpp"
-#include "sim/scene/scene_files.hpp"
 
 #include <CppUTest/TestHarness.h>
 

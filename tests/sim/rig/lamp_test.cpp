@@ -9,10 +9,10 @@ using namespace strobe::sim;
 
 TEST_GROUP(LampModel) {
   Scene scene = test::plain_scene();
-  std::vector<FaultKind> struck;
+  std::vector<FaultKind> occurred;
 
   Instants pulse(LampModel & lamp, MonoTime at, int index = 0, std::optional<int> from_impact = {}) {
-    return lamp.on_pulse(at, {.shot = 1, .index = index, .from_impact = from_impact}, struck);
+    return lamp.on_pulse(at, {.shot = 1, .index = index, .from_impact = from_impact}, occurred);
   }
 };
 
@@ -42,9 +42,9 @@ TEST(LampModel, FlashesLateByTheFaultsDelayOnlyWhereTheFaultStrikes) {
       {.kind = FaultKind::flash_late, .shot = 1, .flash_from_impact = -2, .delay = microseconds(160)}};
   LampModel lamp(scene, 1, Lamp::a);
   CHECK(pulse(lamp, MonoTime{}, 0, -3)[0] == from_ns(12000));
-  CHECK(struck.empty());
+  CHECK(occurred.empty());
   CHECK(pulse(lamp, from_ns(3000000), 1, -2)[0] == from_ns(3172000));
-  CHECK(struck == std::vector{FaultKind::flash_late});
+  CHECK(occurred == std::vector{FaultKind::flash_late});
 }
 
 TEST(LampModel, LeavesTheOtherLampAloneWhenTheFaultNamesOne) {

@@ -12,7 +12,7 @@ using namespace strobe::sim;
 TEST_GROUP(LineFault) {
   Scene scene = test::plain_scene();
 
-  bool struck(const Exposure& exposure, FaultKind kind) const {
+  bool occurred(const Exposure& exposure, FaultKind kind) const {
     return std::ranges::find(exposure.faults, kind) != exposure.faults.end();
   }
 };
@@ -21,34 +21,35 @@ TEST(LineFault, ADimFlashIsSeenByItsSensorAndNotOnTheFilm) {
   test::VirtualRigFixture sound(scene);
   const auto all = film_images(scene, sound.shoot());
   scene.faults = {{.kind = FaultKind::flash_dim, .flash_from_impact = -1}};
-  test::VirtualRigFixture bench(scene);
-  const Exposure exposure = bench.shoot();
+  test::VirtualRigFixture fixture(scene);
+  const Exposure exposure = fixture.shoot();
   LONGS_EQUAL(all.size() - 1, film_images(scene, exposure).size());
-  LONGS_EQUAL(sound.drives_of(RigLine::sensor_a, 1).size(), bench.drives_of(RigLine::sensor_a, 1).size());
-  CHECK(struck(exposure, FaultKind::flash_dim));
+  LONGS_EQUAL(sound.drives_of(RigLine::sensor_a, 1).size(), fixture.drives_of(RigLine::sensor_a, 1).size());
+  CHECK(occurred(exposure, FaultKind::flash_dim));
 }
 
 TEST(LineFault, ASensorThatDropsOutLeavesTheFilmAsItIs) {
   test::VirtualRigFixture sound(scene);
   const auto all = film_images(scene, sound.shoot());
   scene.faults = {{.kind = FaultKind::sensor_dropout, .flash_index = 5, .lamp_b = false}};
-  test::VirtualRigFixture bench(scene);
-  const Exposure exposure = bench.shoot();
+  test::VirtualRigFixture fixture(scene);
+  const Exposure exposure = fixture.shoot();
   LONGS_EQUAL(all.size(), film_images(scene, exposure).size());
-  LONGS_EQUAL(sound.drives_of(RigLine::sensor_a, 1).size() - 1, bench.drives_of(RigLine::sensor_a, 1).size());
-  LONGS_EQUAL(sound.drives_of(RigLine::sensor_b, 1).size(), bench.drives_of(RigLine::sensor_b, 1).size());
-  CHECK(struck(exposure, FaultKind::sensor_dropout));
+  LONGS_EQUAL(sound.drives_of(RigLine::sensor_a, 1).size() - 1,
+              fixture.drives_of(RigLine::sensor_a, 1).size());
+  LONGS_EQUAL(sound.drives_of(RigLine::sensor_b, 1).size(), fixture.drives_of(RigLine::sensor_b, 1).size());
+  CHECK(occurred(exposure, FaultKind::sensor_dropout));
 }
 
 TEST(LineFault, ABouncingSensorRisesTwiceForOneFlash) {
   for (const Duration delay : {microseconds(30), microseconds(400)}) {  // within its pulse and after it
     scene.faults = {{.kind = FaultKind::sensor_bounce, .flash_index = 5, .lamp_b = false, .delay = delay}};
-    test::VirtualRigFixture bench(scene);
-    bench.shoot();
-    const auto rises = bench.drives_of(RigLine::sensor_a, 1);
-    LONGS_EQUAL(bench.drives_of(RigLine::sensor_b, 1).size() + 1, rises.size());
+    test::VirtualRigFixture fixture(scene);
+    fixture.shoot();
+    const auto rises = fixture.drives_of(RigLine::sensor_a, 1);
+    LONGS_EQUAL(fixture.drives_of(RigLine::sensor_b, 1).size() + 1, rises.size());
     CHECK(rises[6].at - rises[5].at == delay);
-    LONGS_EQUAL(rises.size(), bench.drives_of(RigLine::sensor_a, 0).size());
+    LONGS_EQUAL(rises.size(), fixture.drives_of(RigLine::sensor_a, 0).size());
   }
 }
 
@@ -56,9 +57,9 @@ TEST(LineFault, AChatteringGateIsInterruptedBeforeTheBallComes) {
   test::VirtualRigFixture sound(scene);
   sound.shoot();
   scene.faults = {{.kind = FaultKind::gate_chatter, .delay = microseconds(700)}};
-  test::VirtualRigFixture bench(scene);
-  CHECK(struck(bench.shoot(), FaultKind::gate_chatter));
-  const auto rises = bench.drives_of(RigLine::gate, 1);
+  test::VirtualRigFixture fixture(scene);
+  CHECK(occurred(fixture.shoot(), FaultKind::gate_chatter));
+  const auto rises = fixture.drives_of(RigLine::gate, 1);
   LONGS_EQUAL(4, rises.size());
   CHECK(rises.back().at == sound.drives_of(RigLine::gate, 1)[0].at);
   CHECK(rises[3].at - rises[2].at == microseconds(700));
@@ -66,10 +67,10 @@ TEST(LineFault, AChatteringGateIsInterruptedBeforeTheBallComes) {
 
 TEST(LineFault, AStuckShutterShowsNothing) {
   scene.faults = {{.kind = FaultKind::shutter_stuck}};
-  test::VirtualRigFixture bench(scene);
-  const Exposure exposure = bench.shoot();
+  test::VirtualRigFixture fixture(scene);
+  const Exposure exposure = fixture.shoot();
   CHECK_FALSE(known(exposure.opened));
   CHECK(film_images(scene, exposure).empty());
   CHECK_FALSE(shows_impact(exposure));
-  CHECK(struck(exposure, FaultKind::shutter_stuck));
+  CHECK(occurred(exposure, FaultKind::shutter_stuck));
 }

@@ -9,6 +9,7 @@
 #include <iterator>
 
 #include "common/reduction/reduce.hpp"
+#include "sim/loading/parse_scene.hpp"
 #include "sim/rig/tablet.hpp"
 #include "sim/rig/truth.hpp"
 #include "tests/sim/rig/virtual_rig_fixture.hpp"
@@ -38,9 +39,9 @@ reduction::Frame timed_frame(const Scene& scene, const Exposure& exposure) {
 }
 
 void score(const Scene& scene, std::array<Scores, reduction::kQuantityCount>& scores) {
-  test::VirtualRigFixture bench(scene, kSeed);
+  test::VirtualRigFixture fixture(scene, kSeed);
   for (int shot = 0; shot < kShotsOfEach; ++shot) {
-    const Exposure exposure = bench.shoot({.exposure = milliseconds(100), .impact_after = milliseconds(50)});
+    const Exposure exposure = fixture.shoot({.exposure = milliseconds(100), .impact_after = milliseconds(50)});
     const auto readout = reduction::reduce(timed_frame(scene, exposure), reduction::Estimator::best);
     CHECK(readout.has_value());
     const reduction::Quantities truth = true_readout(scene, exposure.ball->path);
@@ -71,8 +72,8 @@ TEST(Readings, FollowTheAirAndTheBallThatTheFrameTellsOf) {
   Scene scene = test::plain_scene();
   scene.ball.mass_kg = 0.030;
   scene.air.density_kgpm3 = 3.0;
-  test::VirtualRigFixture bench(scene, kSeed);
-  const Exposure exposure = bench.shoot({.exposure = milliseconds(100), .impact_after = milliseconds(50)});
+  test::VirtualRigFixture fixture(scene, kSeed);
+  const Exposure exposure = fixture.shoot({.exposure = milliseconds(100), .impact_after = milliseconds(50)});
   const auto readout = reduction::reduce(timed_frame(scene, exposure), reduction::Estimator::best);
   const reduction::Quantities truth = true_readout(scene, exposure.ball->path);
   for (const Quantity q :
@@ -84,8 +85,8 @@ TEST(Readings, AreOfTheSpinAtTheSurfaceThoughItDecaysInFlight) {
   // The usual decay is .17 % in 10 ms and would show. What is left of it is of second order: a leg of 0.25 m
   // at .01 per metre, squared.
   const Scene scene = test::plain_scene();
-  test::VirtualRigFixture bench(scene, kSeed);
-  const Exposure exposure = bench.shoot({.exposure = milliseconds(100), .impact_after = milliseconds(50)});
+  test::VirtualRigFixture fixture(scene, kSeed);
+  const Exposure exposure = fixture.shoot({.exposure = milliseconds(100), .impact_after = milliseconds(50)});
   const auto readout = reduction::reduce(timed_frame(scene, exposure), reduction::Estimator::best);
   const reduction::Quantities truth = true_readout(scene, exposure.ball->path);
   const double lift_off = *truth[Quantity::omega_lo_radps];

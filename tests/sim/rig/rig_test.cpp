@@ -14,7 +14,7 @@ namespace {
 using namespace strobe;
 using namespace strobe::sim;
 
-bool struck(const Exposure& exposure, FaultKind kind) {
+bool occurred(const Exposure& exposure, FaultKind kind) {
   return std::ranges::find(exposure.faults, kind) != exposure.faults.end();
 }
 
@@ -34,12 +34,12 @@ TEST_GROUP(Rig) { Scene scene = test::plain_scene(); };
 TEST(Rig, AnswersEveryPulseWithBothSensorsAtTheTrueFlashes) {
   scene.lamps.jitter_s = 1e-6;
   scene.sensors.delay_s = 2e-6;
-  test::VirtualRigFixture bench(scene);
-  const Exposure exposure = bench.shoot();
+  test::VirtualRigFixture fixture(scene);
+  const Exposure exposure = fixture.shoot();
   LONGS_EQUAL(167, exposure.pulses.size());  // 500 ms at 3 ms
   for (const RigLine line : {RigLine::sensor_a, RigLine::sensor_b}) {
-    const auto rises = bench.drives_of(line, 1);
-    const auto falls = bench.drives_of(line, 0);
+    const auto rises = fixture.drives_of(line, 1);
+    const auto falls = fixture.drives_of(line, 0);
     LONGS_EQUAL(167, rises.size());
     LONGS_EQUAL(167, falls.size());
     const std::size_t lamp = line == RigLine::sensor_a ? 0 : 1;
@@ -66,8 +66,8 @@ TEST(Rig, GivesNothingBeforeItsInstant) {
 TEST(Rig, OpensAndClosesTheShutterItsLagsAfterTheLine) {
   scene.shutter.open_lag_s = 0.045;
   scene.shutter.close_lag_s = 0.030;
-  test::VirtualRigFixture bench(scene);
-  const Exposure exposure = bench.shoot();
+  test::VirtualRigFixture fixture(scene);
+  const Exposure exposure = fixture.shoot();
   CHECK(exposure.opened - exposure.line_on == milliseconds(45));
   CHECK(exposure.closed - exposure.line_on == milliseconds(530));
 }
@@ -85,8 +85,8 @@ TEST(Rig, TakesNoPhotographWhenTheLineIsReleasedBeforeTheShutterMoved) {
 }
 
 TEST(Rig, MeetsThePlateTheMachinesLagAfterTheTrigger) {
-  test::VirtualRigFixture bench(scene);
-  const Exposure exposure = bench.shoot();
+  test::VirtualRigFixture fixture(scene);
+  const Exposure exposure = fixture.shoot();
   CHECK(exposure.ball.has_value());
   LONGS_EQUAL(1, exposure.throws);
   // The trigger was set such that the ball meets the plate 250 ms after the shutter opened.
@@ -95,11 +95,11 @@ TEST(Rig, MeetsThePlateTheMachinesLagAfterTheTrigger) {
 
 TEST(Rig, SpreadsTheMachinesLagFromShotToShot) {
   scene.machine.lag_sd_s = 0.003;
-  test::VirtualRigFixture bench(scene);
+  test::VirtualRigFixture fixture(scene);
   double sum = 0.0, square = 0.0;
   constexpr int n = 500;
   for (int i = 0; i < n; ++i) {
-    const Exposure e = bench.shoot({.exposure = milliseconds(100), .impact_after = milliseconds(50)});
+    const Exposure e = fixture.shoot({.exposure = milliseconds(100), .impact_after = milliseconds(50)});
     const double late_ms = to_seconds(e.ball->touchdown - e.opened) * 1e3 - 50.0;
     sum += late_ms / n;
     square += late_ms * late_ms / n;
@@ -111,11 +111,11 @@ TEST(Rig, SpreadsTheMachinesLagFromShotToShot) {
 TEST(Rig, ClosesTheGateWhileTheBallIsInItsBeam) {
   // Beam 1 m ahead of the plate; the ball's edge meets it a radius earlier. In a vacuum vx does not change.
   scene.air.density_kgpm3 = 0.0;
-  test::VirtualRigFixture bench(scene);
-  const Exposure exposure = bench.shoot();
+  test::VirtualRigFixture fixture(scene);
+  const Exposure exposure = fixture.shoot();
   const double vx = 17.0 * std::cos(23.0 * std::numbers::pi / 180.0);
-  const auto rise = bench.drives_of(RigLine::gate, 1);
-  const auto fall = bench.drives_of(RigLine::gate, 0);
+  const auto rise = fixture.drives_of(RigLine::gate, 1);
+  const auto fall = fixture.drives_of(RigLine::gate, 0);
   LONGS_EQUAL(1, rise.size());
   LONGS_EQUAL(1, fall.size());
   DOUBLES_EQUAL(-(1.0 + 0.03255) / vx, to_seconds(rise[0].at - exposure.ball->touchdown), 2e-9);
@@ -123,30 +123,30 @@ TEST(Rig, ClosesTheGateWhileTheBallIsInItsBeam) {
 }
 
 TEST(Rig, PhotographsTheBallOnlyWhileTheShutterIsOpen) {
-  test::VirtualRigFixture bench(scene);
-  const Exposure early = bench.shoot({.impact_after = milliseconds(700)});
+  test::VirtualRigFixture fixture(scene);
+  const Exposure early = fixture.shoot({.impact_after = milliseconds(700)});
   CHECK(early.ball.has_value());
   CHECK(!shows_impact(early));
   CHECK(film_images(scene, early).empty());
-  CHECK(shows_impact(bench.shoot()));
+  CHECK(shows_impact(fixture.shoot()));
 }
 
 TEST(Rig, MakesAnImageWithOneLampAlone) {
   scene.faults = {{.kind = FaultKind::lamp_dead, .lamp_b = false}};
-  test::VirtualRigFixture bench(scene);
-  const Exposure exposure = bench.shoot();
+  test::VirtualRigFixture fixture(scene);
+  const Exposure exposure = fixture.shoot();
   CHECK(film_images(scene, exposure).size() >= 10);
-  CHECK(bench.drives_of(RigLine::sensor_a, 1).empty());
-  LONGS_EQUAL(exposure.pulses.size(), bench.drives_of(RigLine::sensor_b, 1).size());
-  CHECK(struck(exposure, FaultKind::lamp_dead));
+  CHECK(fixture.drives_of(RigLine::sensor_a, 1).empty());
+  LONGS_EQUAL(exposure.pulses.size(), fixture.drives_of(RigLine::sensor_b, 1).size());
+  CHECK(occurred(exposure, FaultKind::lamp_dead));
 }
 
 TEST(Rig, MakesNoImageWhereBothLampsMiss) {
   test::VirtualRigFixture sound(scene);
   const std::size_t whole = film_images(scene, sound.shoot()).size();
   scene.faults = {{.kind = FaultKind::flash_missing, .flash_from_impact = 2}};
-  test::VirtualRigFixture bench(scene);
-  const Exposure exposure = bench.shoot();
+  test::VirtualRigFixture fixture(scene);
+  const Exposure exposure = fixture.shoot();
   LONGS_EQUAL(whole - 1, film_images(scene, exposure).size());
   CHECK(exposure.pulses[pulse_at(exposure, 2)].flashes.empty());
   CHECK(!known(flash_time(exposure.pulses[pulse_at(exposure, 2)])));
@@ -157,10 +157,10 @@ TEST(Rig, StrikesTheFlashThatTheFaultCountsFromTheImpact) {
     scene.faults = {
         {.kind = FaultKind::flash_late, .shot = 2, .flash_from_impact = k, .delay = microseconds(160)}};
     scene.machine.lag_sd_s = 0.003;
-    test::VirtualRigFixture bench(scene);
+    test::VirtualRigFixture fixture(scene);
     for (int shot = 1; shot <= 3; ++shot) {
-      const Exposure exposure = bench.shoot();
-      CHECK(struck(exposure, FaultKind::flash_late) == (shot == 2));
+      const Exposure exposure = fixture.shoot();
+      CHECK(occurred(exposure, FaultKind::flash_late) == (shot == 2));
       for (std::size_t i = 0; i < exposure.pulses.size(); ++i) {
         const bool late = flash_time(exposure.pulses[i]) - exposure.pulses[i].edge > microseconds(100);
         CHECK(late == (shot == 2 && *place_from_impact(exposure, i) == k));
@@ -172,8 +172,8 @@ TEST(Rig, StrikesTheFlashThatTheFaultCountsFromTheImpact) {
 TEST(Rig, BlendsTheTwoLampsOfAPulseIntoOneImageBetweenThem) {
   scene.faults = {
       {.kind = FaultKind::flash_late, .flash_from_impact = -2, .lamp_b = false, .delay = microseconds(160)}};
-  test::VirtualRigFixture bench(scene);
-  const Exposure exposure = bench.shoot();
+  test::VirtualRigFixture fixture(scene);
+  const Exposure exposure = fixture.shoot();
   const auto late = static_cast<int>(pulse_at(exposure, -2));
   int seen = 0;
   for (const FilmImage& image : film_images(scene, exposure)) {
@@ -186,9 +186,9 @@ TEST(Rig, BlendsTheTwoLampsOfAPulseIntoOneImageBetweenThem) {
 
 TEST(Rig, ShowsADoubleFlashFarApartAsTwoImagesAndTwoEdges) {
   scene.faults = {{.kind = FaultKind::flash_double, .flash_from_impact = -2, .delay = microseconds(900)}};
-  test::VirtualRigFixture bench(scene);
-  const Exposure exposure = bench.shoot();
-  LONGS_EQUAL(exposure.pulses.size() + 1, bench.drives_of(RigLine::sensor_a, 1).size());
+  test::VirtualRigFixture fixture(scene);
+  const Exposure exposure = fixture.shoot();
+  LONGS_EQUAL(exposure.pulses.size() + 1, fixture.drives_of(RigLine::sensor_a, 1).size());
   const auto images = film_images(scene, exposure);
   const auto from_it =
       std::ranges::count(images, static_cast<int>(pulse_at(exposure, -2)), &FilmImage::pulse);
@@ -197,10 +197,10 @@ TEST(Rig, ShowsADoubleFlashFarApartAsTwoImagesAndTwoEdges) {
 
 TEST(Rig, LengthensASensorsPulseByLightThatComesDuringIt) {
   scene.faults = {{.kind = FaultKind::flash_double, .flash_index = 5, .delay = microseconds(60)}};
-  test::VirtualRigFixture bench(scene);
-  const Exposure exposure = bench.shoot();
-  const auto rises = bench.drives_of(RigLine::sensor_a, 1);
-  const auto falls = bench.drives_of(RigLine::sensor_a, 0);
+  test::VirtualRigFixture fixture(scene);
+  const Exposure exposure = fixture.shoot();
+  const auto rises = fixture.drives_of(RigLine::sensor_a, 1);
+  const auto falls = fixture.drives_of(RigLine::sensor_a, 0);
   LONGS_EQUAL(exposure.pulses.size(), rises.size());
   LONGS_EQUAL(exposure.pulses.size(), falls.size());
   CHECK(falls[5].at - rises[5].at == microseconds(160));
@@ -208,30 +208,30 @@ TEST(Rig, LengthensASensorsPulseByLightThatComesDuringIt) {
 
 TEST(Rig, SilencesADeadSensorButNotItsLamp) {
   scene.faults = {{.kind = FaultKind::sensor_dead, .lamp_a = false}};
-  test::VirtualRigFixture bench(scene);
-  const Exposure exposure = bench.shoot();
-  CHECK(bench.drives_of(RigLine::sensor_b, 1).empty());
+  test::VirtualRigFixture fixture(scene);
+  const Exposure exposure = fixture.shoot();
+  CHECK(fixture.drives_of(RigLine::sensor_b, 1).empty());
   for (const Pulse& pulse : exposure.pulses) LONGS_EQUAL(2, pulse.flashes.size());
 }
 
 TEST(Rig, CrossesTheGateWithABallThatMissesThePlate) {
   scene.faults = {{.kind = FaultKind::ball_misses, .shot = 1}};
-  test::VirtualRigFixture bench(scene);
-  const Exposure exposure = bench.shoot();
-  LONGS_EQUAL(1, bench.drives_of(RigLine::gate, 1).size());
+  test::VirtualRigFixture fixture(scene);
+  const Exposure exposure = fixture.shoot();
+  LONGS_EQUAL(1, fixture.drives_of(RigLine::gate, 1).size());
   LONGS_EQUAL(1, exposure.throws);
   CHECK(!exposure.ball.has_value());
-  CHECK(struck(exposure, FaultKind::ball_misses));
-  CHECK(bench.shoot().ball.has_value());
+  CHECK(occurred(exposure, FaultKind::ball_misses));
+  CHECK(fixture.shoot().ball.has_value());
 }
 
 TEST(Rig, ThrowsNothingWhenTheMachineMisfires) {
   scene.faults = {{.kind = FaultKind::machine_misfire, .shot = 1}};
-  test::VirtualRigFixture bench(scene);
-  const Exposure exposure = bench.shoot();
+  test::VirtualRigFixture fixture(scene);
+  const Exposure exposure = fixture.shoot();
   LONGS_EQUAL(0, exposure.throws);
-  CHECK(bench.drives_of(RigLine::gate, 1).empty());
-  CHECK(struck(exposure, FaultKind::machine_misfire));
+  CHECK(fixture.drives_of(RigLine::gate, 1).empty());
+  CHECK(occurred(exposure, FaultKind::machine_misfire));
 }
 
 TEST(Rig, CountsEveryThrowOfAShot) {
@@ -250,9 +250,9 @@ TEST(Rig, CountsEveryThrowOfAShot) {
 
 TEST(Rig, TellsWhenTheShutterIsOpenByItsContact) {
   scene.shutter.lag_sd_s = 1e-3;
-  test::VirtualRigFixture bench(scene);
-  const Exposure exposure = bench.shoot();
-  const auto opened = bench.drives_of(RigLine::xsync, 1), closed = bench.drives_of(RigLine::xsync, 0);
+  test::VirtualRigFixture fixture(scene);
+  const Exposure exposure = fixture.shoot();
+  const auto opened = fixture.drives_of(RigLine::xsync, 1), closed = fixture.drives_of(RigLine::xsync, 0);
   LONGS_EQUAL(1, opened.size());
   LONGS_EQUAL(1, closed.size());
   CHECK(opened[0].at == exposure.opened);

@@ -15,9 +15,9 @@ using namespace strobe::sim;
 using reduction::Leg;
 
 Digitized digitized(const Scene& scene, int shots = 1) {
-  test::VirtualRigFixture bench(scene);
+  test::VirtualRigFixture fixture(scene);
   Exposure exposure;
-  for (int i = 0; i < shots; ++i) exposure = bench.shoot();
+  for (int i = 0; i < shots; ++i) exposure = fixture.shoot();
   return digitize(scene, 1, exposure);
 }
 
@@ -49,8 +49,8 @@ TEST(Tablet, PutsThePhotographWhereAnIndependentProjectionPutsIt) {
   // scale by hand and compare with free fall in a vacuum from the truth at touchdown.
   scene.air.density_kgpm3 = 0.0;
   scene.lamps.flash_s = 0.0;
-  test::VirtualRigFixture bench(scene);
-  const Exposure exposure = bench.shoot();
+  test::VirtualRigFixture fixture(scene);
+  const Exposure exposure = fixture.shoot();
   const Digitized d = digitize(scene, 1, exposure);
   const double roll = 0.3 * std::numbers::pi / 180.0;
   for (std::size_t i = 0; i < d.frame.images.size(); ++i) {
@@ -98,12 +98,13 @@ TEST(Tablet, StatesTheNoiseThatItMakes) {
   scene.tablet.equator_sd_rad = 0.01;
   Scene still = scene;
   still.tablet.centre_sd_m = still.tablet.equator_sd_rad = 0.0;
-  test::VirtualRigFixture bench(scene);
+  test::VirtualRigFixture fixture(scene);
   double centre = 0.0, diameter = 0.0, equator = 0.0, surface = 0.0;
   double n = 0.0, n_surface = 0.0;
   Digitized noisy;
   for (int shot = 0; shot < 400; ++shot) {
-    const Exposure exposure = bench.shoot({.exposure = milliseconds(100), .impact_after = milliseconds(50)});
+    const Exposure exposure =
+        fixture.shoot({.exposure = milliseconds(100), .impact_after = milliseconds(50)});
     noisy = digitize(scene, 1, exposure);
     const Digitized exact = digitize(still, 1, exposure);
     for (std::size_t i = 0; i < noisy.frame.images.size(); ++i) {
@@ -137,8 +138,8 @@ TEST(Tablet, HandsOverACalibrationOnlyIfTheSceneHasOne) {
 }
 
 TEST(Tablet, FindsNoBallOnAPhotographWithoutOne) {
-  test::VirtualRigFixture bench(scene);
-  const Exposure dry = bench.shoot({.throw_ball = false});
+  test::VirtualRigFixture fixture(scene);
+  const Exposure dry = fixture.shoot({.throw_ball = false});
   CHECK(known(dry.opened));
   CHECK(!shows_impact(dry));
   const Digitized d = digitize(scene, 1, dry);
@@ -153,16 +154,16 @@ TEST(Tablet, OverlooksTheImageThatTheFaultNames) {
   LONGS_EQUAL(whole.image_pulse.size() - 1, less.image_pulse.size());
   for (const int pulse : whole.image_pulse) {
     const bool kept = std::ranges::find(less.image_pulse, pulse) != less.image_pulse.end();
-    test::VirtualRigFixture bench(scene);
-    const auto place = place_from_impact(bench.shoot(), static_cast<std::size_t>(pulse));
+    test::VirtualRigFixture fixture(scene);
+    const auto place = place_from_impact(fixture.shoot(), static_cast<std::size_t>(pulse));
     CHECK(kept == (*place != -1));
   }
 }
 
 TEST(Tablet, GivesTheSameFrameAgain) {
   scene.tablet.centre_sd_m = 0.4e-3;
-  test::VirtualRigFixture bench(scene);
-  const Exposure exposure = bench.shoot();
+  test::VirtualRigFixture fixture(scene);
+  const Exposure exposure = fixture.shoot();
   const Digitized a = digitize(scene, 7, exposure);
   const Digitized b = digitize(scene, 7, exposure);
   for (std::size_t i = 0; i < a.frame.images.size(); ++i)

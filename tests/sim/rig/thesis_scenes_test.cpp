@@ -11,6 +11,7 @@
 
 #include "common/data/thesis_data.hpp"
 #include "sim/fit/fit.hpp"
+#include "sim/loading/parse_scene.hpp"
 #include "sim/rig/tablet.hpp"
 #include "sim/rig/truth.hpp"
 #include "tests/sim/rig/virtual_rig_fixture.hpp"
@@ -147,9 +148,9 @@ const Series& series_of(const thesis::Condition& condition) {
   const auto [place, is_new] = all.try_emplace(condition.name());
   if (!is_new) return place->second;
   const Scene scene = scene_of(condition);
-  test::VirtualRigFixture bench(scene, kThesisSeed);
+  test::VirtualRigFixture fixture(scene, kThesisSeed);
   for (int i = 0; i < kShots; ++i) {
-    const Exposure exposure = bench.shoot({.exposure = milliseconds(100), .impact_after = milliseconds(50)});
+    const Exposure exposure = fixture.shoot({.exposure = milliseconds(100), .impact_after = milliseconds(50)});
     Measured measured;
     CHECK(measure(digitize(scene, kThesisSeed, exposure).frame, scene.ball.diameter_m, measured));
     place->second.in.add(measured.in);

@@ -21,26 +21,26 @@ TEST_GROUP(TruthLine) {
 };
 
 TEST(TruthLine, NamesEveryQuantityOfAReadout) {
-  test::VirtualRigFixture bench(scene);
-  const auto line = line_of(bench.shoot(), 7);
+  test::VirtualRigFixture fixture(scene);
+  const auto line = line_of(fixture.shoot(), 7);
   LONGS_EQUAL(1, line["shot"].get<int>());
   LONGS_EQUAL(7, line["shot_id"].get<int>());
   CHECK(line["ball"].get<bool>());
   for (const auto name : reduction::kQuantityNames) CHECK(line["readout"][std::string(name)].is_number());
-  CHECK(!line["spoilt"].get<bool>());
+  CHECK(!line["overrun"].get<bool>());
 }
 
 TEST(TruthLine, PlacesLiftOffTheDwellTimeAfterTouchdown) {
-  test::VirtualRigFixture bench(scene);
-  const auto line = line_of(bench.shoot(), 7);
-  // 5 ms, and by the ball's weight up to .2 % more (contact_course.hpp).
+  test::VirtualRigFixture fixture(scene);
+  const auto line = line_of(fixture.shoot(), 7);
+  // 5 ms, and by the ball's weight up to .2 % more (contact_path.hpp).
   const auto dwell_ns = line["liftoff_ns"].get<std::int64_t>() - line["touchdown_ns"].get<std::int64_t>();
   CHECK(dwell_ns > 5'000'000 && dwell_ns < 5'010'000);
 }
 
 TEST(TruthLine, SaysWhichFlashMadeEachImageAndWhen) {
-  test::VirtualRigFixture bench(scene);
-  const Exposure exposure = bench.shoot();
+  test::VirtualRigFixture fixture(scene);
+  const Exposure exposure = fixture.shoot();
   const auto line = line_of(exposure, 7);
   LONGS_EQUAL(exposure.pulses.size(), line["flash_true_ns"].size());
   const auto image_flash = line["image_flash"].get<std::vector<int>>();
@@ -53,8 +53,8 @@ TEST(TruthLine, SaysWhichFlashMadeEachImageAndWhen) {
 }
 
 TEST(TruthLine, HasNoReadoutWithoutABall) {
-  test::VirtualRigFixture bench(scene);
-  const auto line = line_of(bench.shoot({.throw_ball = false}), 7);
+  test::VirtualRigFixture fixture(scene);
+  const auto line = line_of(fixture.shoot({.throw_ball = false}), 7);
   CHECK(!line["ball"].get<bool>());
   CHECK(line["readout"].is_null());
   CHECK(line["touchdown_ns"].is_null());
@@ -63,8 +63,8 @@ TEST(TruthLine, HasNoReadoutWithoutABall) {
 
 TEST(TruthLine, TellsAFlashThatWasNone) {
   scene.faults = {{.kind = FaultKind::flash_missing, .flash_index = 3}};
-  test::VirtualRigFixture bench(scene);
-  const auto line = line_of(bench.shoot(), 7);
+  test::VirtualRigFixture fixture(scene);
+  const auto line = line_of(fixture.shoot(), 7);
   CHECK(line["flash_true_ns"][3].is_null());
   CHECK(line["flash_true_ns"][4].is_number());
   STRCMP_EQUAL("[\"flash_missing\"]", line["faults"].dump().c_str());

@@ -12,7 +12,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "host/digitize/overlay/overlay.hpp"
-#include "sim/scene/scene_files.hpp"
+#include "sim/loading/scene_files.hpp"
 #include "tests/studies/digitize/hough.hpp"
 #include "tests/studies/digitize/in_order.hpp"
 #include "tests/studies/digitize/photographs.hpp"

@@ -14,7 +14,7 @@
 #include "host/commands/terminal.hpp"
 #include "host/commands/watched_photographs.hpp"
 #include "host/loop/session_monitor.hpp"
-#include "sim/scene/scene_files.hpp"
+#include "sim/loading/scene_files.hpp"
 #include "tests/studies/digitize/accuracy.hpp"
 #include "tests/studies/digitize/photographs.hpp"
 #include "tests/studies/digitize/shot_message.hpp"

@@ -87,9 +87,9 @@ Result<KnownPhotograph> known_photograph(const Take& take) {
   KnownPhotograph known;
   known.decode_ms =
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-  const sim::Appearance look = sim::draw_appearance(take.scene, take.seed, take.shot);
-  known.scene_truth = sim::photograph_truth(take.scene, simulated->exposure, look,
-                                            sim::lit_balls(take.scene, simulated->exposure, look));
+  const sim::Appearance appearance = sim::draw_appearance(take.scene, take.seed, take.shot);
+  known.scene_truth = sim::photograph_truth(take.scene, simulated->exposure, appearance,
+                                            sim::lit_balls(take.scene, simulated->exposure, appearance));
   known.photograph = std::move(*photograph);
   known.settings.ball_diameter_m = take.scene.ball.diameter_m;
   known.settings.px_per_m = known.scene_truth.px_per_m;

@@ -9,8 +9,8 @@
 
 #if STROBE_WITH_PLAN
 
+#include "sim/loading/scene_files.hpp"
 #include "sim/plan/plan.hpp"
-#include "sim/scene/scene_files.hpp"
 #include "sim/shoot/shoot.hpp"
 #include "tests/studies/trade/stopwatch.hpp"
 #include "tests/studies/trade/tally.hpp"

@@ -2,8 +2,8 @@
 #include <cmath>
 #include <string>
 
+#include "sim/loading/parse_scene.hpp"
 #include "sim/motion/contact_path.hpp"
-#include "sim/scene/scene.hpp"
 #include "sim/scene/spring.hpp"
 
 #include <CppUTest/TestHarness.h>

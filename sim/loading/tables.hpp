@@ -1,5 +1,5 @@
-// Reading of a scene's tables, one function each: names of keys, units, ranges. What is wrong is reported to
-// the tables' reader. Inside of scene.hpp; allocates.
+// Reads a scene's tables, one function each: names of keys, units, ranges. Errors are reported to the tables'
+// reader. Implementation of parse_scene.hpp; allocates.
 #pragma once
 
 #include <numbers>
@@ -18,14 +18,14 @@ inline constexpr double kMicro = 1e-6;
 /// Keys of [bounce] that only that law has.
 std::span<const std::string_view> keys_of(ContactLaw law);
 
-// scene_impact.cpp: what meets the surface, and how. Each needs those before it in the scene, and [air] for
+// impact_tables.cpp: ball, machine and contact. Each needs those before it in the scene, and [air] for
 // the surface's speed.
 void read_ball(config::TomlTable& root, Scene& scene);
 void read_machine(config::TomlTable& root, Scene& scene);
 void read_impact(config::TomlTable& root, Scene& scene);  ///< [bounce], and springs and friction elsewhere
 void read_tilt(config::TomlTable& root, Scene& scene);
 
-// scene_bench.cpp: what is around it.
+// rig_tables.cpp: the rig.
 AirSettings read_air(config::TomlTable table);
 LampSettings read_lamps(config::TomlTable table);
 SensorSettings read_sensors(config::TomlTable table);
@@ -36,7 +36,7 @@ ReadoutSettings read_readout(config::TomlTable table);
 ChipSettings read_chip(config::TomlTable table);
 OperatorAction read_action(config::TomlTable& table);
 
-// scene_photograph.cpp: how it looks.
+// photograph_tables.cpp: the photographs.
 PhotographSettings read_photograph(config::TomlTable table);
 BallAppearanceSettings read_ball_appearance(config::TomlTable table);
 BackgroundSettings read_background(config::TomlTable table);

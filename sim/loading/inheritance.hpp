@@ -1,10 +1,11 @@
-// A scene's document with all that it inherits. Inside of scene.hpp; allocates, no I/O of its own.
+// A scene's document merged with those it inherits from. Implementation of parse_scene.hpp; allocates, no I/O
+// of its own.
 #pragma once
 
 #include <string>
 
 #include "common/config/toml_reader.hpp"
-#include "sim/scene/scene.hpp"
+#include "sim/loading/parse_scene.hpp"
 
 namespace strobe::sim {
 

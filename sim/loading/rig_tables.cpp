@@ -1,7 +1,7 @@
 #include <string>
 
+#include "sim/loading/tables.hpp"
 #include "sim/random/draws.hpp"
-#include "sim/scene/tables.hpp"
 
 namespace strobe::sim::tables {
 

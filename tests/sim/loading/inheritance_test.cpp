@@ -2,7 +2,7 @@
 #include <map>
 #include <string>
 
-#include "sim/scene/scene.hpp"
+#include "sim/loading/parse_scene.hpp"
 
 #include <CppUTest/TestHarness.h>
 

@@ -1,8 +1,8 @@
-#include "sim/scene/scene.hpp"
+#include "sim/loading/parse_scene.hpp"
 
+#include "sim/loading/inheritance.hpp"
+#include "sim/loading/tables.hpp"
 #include "sim/motion/ball_path.hpp"
-#include "sim/scene/inheritance.hpp"
-#include "sim/scene/tables.hpp"
 
 namespace strobe::sim {
 

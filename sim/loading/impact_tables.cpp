@@ -4,8 +4,8 @@
 #include <cmath>
 #include <string>
 
+#include "sim/loading/tables.hpp"
 #include "sim/scene/spring.hpp"
-#include "sim/scene/tables.hpp"
 
 namespace strobe::sim::tables {
 

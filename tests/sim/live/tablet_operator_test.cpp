@@ -53,8 +53,8 @@ class Listener {
 
 /// The exposure of a shot that ended just now, so that its times are those of the clock.
 Exposure exposure_now(const Scene& scene, bool opened = true, bool ball = true) {
-  test::VirtualRigFixture bench(scene);
-  Exposure exposure = bench.shoot({.throw_ball = ball});
+  test::VirtualRigFixture fixture(scene);
+  Exposure exposure = fixture.shoot({.throw_ball = ball});
   const Duration shift = monotonic_now() - exposure.closed - milliseconds(20);
   exposure.line_on = exposure.line_on + shift;
   exposure.opened = opened ? exposure.opened + shift : kNoTime;

@@ -1,6 +1,6 @@
 #include <string>
 
-#include "sim/scene/tables.hpp"
+#include "sim/loading/tables.hpp"
 
 namespace strobe::sim::tables {
 

@@ -1,4 +1,4 @@
-#include "sim/scene/scene.hpp"
+#include "sim/loading/parse_scene.hpp"
 
 #include <string>
 

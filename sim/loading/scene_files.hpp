@@ -1,4 +1,4 @@
-// Scenes by name or by file. Reads files; call it at start.
+// Loads scenes by name or by path. Reads files; for program start.
 #pragma once
 
 #include <filesystem>
@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "common/result.hpp"
-#include "sim/scene/scene.hpp"
+#include "sim/loading/parse_scene.hpp"
 
 namespace strobe::sim {
 
@@ -22,7 +22,7 @@ Result<Scene> load_scene(const std::string& name_or_path);
 /// from the scenes' folder.
 Result<SceneText> resolve_scene(const std::string& name, const std::string& from_file);
 
-/// A file of the scenes' folder: its scene, or why there is none.
+/// A file of the scenes' folder: its scene, or the error in it.
 struct SceneFile {
   std::string name;
   Result<Scene> scene;
@@ -31,7 +31,7 @@ struct SceneFile {
 /// By the name's first word and then by name. Fails if the folder cannot be read.
 Result<std::vector<SceneFile>> shipped_scene_files();
 
-/// The scenes of these files. Fails at the first that is broken.
+/// The scenes of these files. Fails at the first with an error.
 Result<std::vector<Scene>> shipped_scenes();
 
 Result<std::string> read_text_file(const std::filesystem::path& path);

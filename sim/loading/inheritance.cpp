@@ -1,10 +1,11 @@
-#include "sim/scene/inheritance.hpp"
+#include "sim/loading/inheritance.hpp"
+#include "sim/loading/parse_scene.hpp"
 
 #include <algorithm>
 #include <string_view>
 #include <vector>
 
-#include "sim/scene/tables.hpp"
+#include "sim/loading/tables.hpp"
 
 namespace strobe::sim {
 

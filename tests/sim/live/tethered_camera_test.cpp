@@ -1,5 +1,6 @@
 // The rig's camera, which writes what the exposure_store's exposures show.
 #include "sim/live/tethered_camera.hpp"
+#include "sim/loading/parse_scene.hpp"
 
 #include <opencv2/imgcodecs.hpp>
 #include <set>

@@ -1,4 +1,5 @@
-#include "sim/scene/scene_files.hpp"
+#include "sim/loading/scene_files.hpp"
+#include "sim/loading/parse_scene.hpp"
 
 #include <algorithm>
 #include <cstdlib>
