@@ -130,9 +130,12 @@ std::optional<std::size_t> Sequencer::wait(MonoTime latest) noexcept {
   const MonoTime due = player_.next_due();
   const MonoTime wake = due == kNoDeadline ? due : awake_.wake_time(due);
   awake_.note(begin, begin - woken_);
-  const auto count = edges_.wait(std::min({wake, begin + kLongestSleep, latest}), edge_buffer_);
+  const bool sleeps = wake > begin;
+  const auto count =
+      sleeps ? edges_.wait(std::min({wake, begin + kLongestSleep, latest}), edge_buffer_)
+             : edges_.poll(std::min({due - rig_.tolerance.spin, begin + kLongestPoll, latest}), edge_buffer_);
   woken_ = clock_.now();
-  awake_.note(woken_, wake > begin ? Duration{} : woken_ - begin);
+  awake_.note(woken_, sleeps ? Duration{} : woken_ - begin);
   return count;
 }
 

@@ -23,6 +23,8 @@ class Sequencer {
  public:
   /// Longest sleep: inputs are read anew at least this often, should an edge have been lost.
   static constexpr Duration kLongestSleep = milliseconds(50);
+  /// Longest stretch awake in one turn.
+  static constexpr Duration kLongestPoll = milliseconds(1);
 
   Sequencer(const Rig& rig, const Ports& ports, std::int32_t last_shot_id);
 

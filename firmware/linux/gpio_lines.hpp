@@ -14,7 +14,7 @@
 
 namespace strobe::firmware {
 
-/// Both ports. set(), wait() and level() are real-time safe: no allocation, one system call per set and
+/// Both ports. set(), wait(), poll() and level() are real-time safe: no allocation, one system call per set and
 /// level.
 class GpioLines final : public OutputLines, public EdgeSource {
  public:
@@ -28,6 +28,7 @@ class GpioLines final : public OutputLines, public EdgeSource {
   /// Lets go of the output lines, as they are, so that the guardian can take them; then set() fails.
   void release_outputs() noexcept;
   std::optional<std::size_t> wait(MonoTime until, std::span<Edge> edges) noexcept override;
+  std::optional<std::size_t> poll(MonoTime until, std::span<Edge> edges) noexcept override;
   std::optional<bool> level(Input input) noexcept override;
   std::int64_t overflows() const noexcept override;
 

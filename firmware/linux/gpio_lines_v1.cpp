@@ -127,6 +127,8 @@ struct GpioLines::Impl {
   Result<void> take_outputs(const Rig& rig);
   Result<void> take_inputs(const Rig& rig);
   bool drain(std::size_t i, std::span<Edge> edges, std::size_t& count) noexcept;
+  /// What poll(2) has found: 0 nothing, below 0 an error.
+  std::optional<std::size_t> take(int ready, std::span<Edge> edges) noexcept;
 };
 
 Result<void> GpioLines::Impl::take_outputs(const Rig& rig) {
@@ -216,16 +218,28 @@ bool GpioLines::Impl::drain(std::size_t i, std::span<Edge> edges, std::size_t& c
 
 std::optional<std::size_t> GpioLines::wait(MonoTime until, std::span<Edge> edges) noexcept {
   const timespec timeout = until_timeout(until);
-  const int ready = ppoll(impl_->polled.data(), impl_->polled.size(), &timeout, nullptr);
+  return impl_->take(ppoll(impl_->polled.data(), impl_->polled.size(), &timeout, nullptr), edges);
+}
+
+std::optional<std::size_t> GpioLines::poll(MonoTime until, std::span<Edge> edges) noexcept {
+  constexpr timespec kAtOnce{};
+  SystemClock clock;
+  int ready = 0;
+  do ready = ppoll(impl_->polled.data(), impl_->polled.size(), &kAtOnce, nullptr);
+  while (ready == 0 && clock.now() < until);
+  return impl_->take(ready, edges);
+}
+
+std::optional<std::size_t> GpioLines::Impl::take(int ready, std::span<Edge> edges) noexcept {
   if (ready == 0 || (ready < 0 && errno == EINTR)) return 0;
   bool well = ready > 0;
   std::size_t count = 0;
-  for (std::size_t i = 0; well && i < impl_->inputs.size(); ++i) {
-    if (impl_->polled[i].revents != 0) well = impl_->drain(i, edges, count);
+  for (std::size_t i = 0; well && i < inputs.size(); ++i) {
+    if (polled[i].revents != 0) well = drain(i, edges, count);
   }
-  if (impl_->polled.back().revents != 0) {
+  if (polled.back().revents != 0) {
     std::uint64_t wakes = 0;
-    if (read(impl_->polled.back().fd, &wakes, sizeof wakes) < 0) wakes = 0;  // emptied by whoever was first
+    if (read(polled.back().fd, &wakes, sizeof wakes) < 0) wakes = 0;  // emptied by whoever was first
   }
   if (!well) {
     const timespec pause{0, 10'000'000};  // broken inputs poll as ready for ever: do not spin on them

@@ -25,6 +25,9 @@ class EdgeSource {
   /// its start and returns how many there are; what did not fit comes with the next call. Nothing: the inputs
   /// are broken.
   virtual std::optional<std::size_t> wait(MonoTime until, std::span<Edge> edges) noexcept = 0;
+  /// The same without sleeping: looks at the inputs once, and again until there is something or the instant
+  /// has come. A virtual clock need not step through it.
+  virtual std::optional<std::size_t> poll(MonoTime until, std::span<Edge> edges) noexcept = 0;
   /// Logical level now; nothing: it cannot be read.
   virtual std::optional<bool> level(Input input) noexcept = 0;
   /// Times that a kernel buffer was found full, so that edges may have been lost, since the start.

@@ -21,6 +21,7 @@ constexpr Duration kClockReading = nanoseconds(20);
 constexpr Duration kSpinsEnd = nanoseconds(30);
 constexpr Duration kHalfASet = nanoseconds(150);
 constexpr Duration kWakeUp = microseconds(3);
+constexpr Duration kPoll = kWakeUp + nanoseconds(120);  // from one look at the inputs to the next
 constexpr std::size_t kKernelBuffer = 16;
 
 constexpr std::size_t index(Input input) { return static_cast<std::size_t>(input); }
@@ -167,6 +168,17 @@ std::optional<std::size_t> Lab::wait(MonoTime until, std::span<firmware::Edge> e
   }
   woken_ = false;
   pass(kWakeUp);
+  return dead_ ? 0 : drain(edges);
+}
+
+std::optional<std::size_t> Lab::poll(MonoTime until, std::span<firmware::Edge> edges) noexcept {
+  pass(kWakeUp);
+  while (!dead_ && !woken_ && waiting_edges_ == 0 && time_ < until) {
+    // Looks that find nothing are skipped, up to the one that follows the next scheduled item.
+    const std::int64_t looks = (std::min(next(), until) - time_ + kPoll - nanoseconds(1)) / kPoll;
+    pass(std::max<std::int64_t>(1, looks) * kPoll);
+  }
+  woken_ = false;
   return dead_ ? 0 : drain(edges);
 }
 

@@ -88,6 +88,7 @@ class Lab final : firmware::Clock, firmware::OutputLines, firmware::EdgeSource, 
   bool set(firmware::Output output, bool active) noexcept override;
   bool set_lamps(firmware::Lamps lamps) noexcept override;
   std::optional<std::size_t> wait(MonoTime until, std::span<firmware::Edge> edges) noexcept override;
+  std::optional<std::size_t> poll(MonoTime until, std::span<firmware::Edge> edges) noexcept override;
   std::optional<bool> level(firmware::Input input) noexcept override;
   std::int64_t overflows() const noexcept override { return overflows_; }
   // Port of the firmware's publisher

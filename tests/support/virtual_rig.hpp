@@ -127,22 +127,17 @@ class VirtualRig final : public Clock,
   bool set(Output output, bool active) noexcept override { return drive(output, active, Lamps::both); }
   bool set_lamps(Lamps lamps) noexcept override { return drive(Output::strobes, true, lamps); }
   std::optional<std::size_t> wait(MonoTime until, std::span<Edge> edges) noexcept override {
-    MonoTime wake = until;
-    if (!pending_.empty()) wake = std::min(wake, pending_.front().time);
-    for (const auto& command : commands_) wake = std::min(wake, command.when);
+    const MonoTime wake = next_input(until);
     if (wake > time) {
       slept = slept + (wake - time);
       pass(wake - time + wake_delay);
     }
-    pass(microseconds(3));  // a turn takes its time
-    if (!edges_readable) return std::nullopt;
-    std::size_t count = 0;
-    while (count < edges.size() && !pending_.empty() && pending_.front().time <= time) {
-      edges[count++] = pending_.front();
-      apply(pending_.front());
-      pending_.erase(pending_.begin());
-    }
-    return count;
+    return take(edges);
+  }
+  std::optional<std::size_t> poll(MonoTime until, std::span<Edge> edges) noexcept override {
+    const MonoTime end = next_input(until);
+    if (end > time) pass(end - time);
+    return take(edges);
   }
   std::optional<bool> level(Input input) noexcept override {
     if (!levels_readable) return std::nullopt;
@@ -186,6 +181,23 @@ class VirtualRig final : public Clock,
     Command command;
   };
 
+  /// Of an edge or a command, at the latest `until`.
+  MonoTime next_input(MonoTime until) const noexcept {
+    if (!pending_.empty()) until = std::min(until, pending_.front().time);
+    for (const Timed& command : commands_) until = std::min(until, command.when);
+    return until;
+  }
+  std::optional<std::size_t> take(std::span<Edge> edges) noexcept {
+    pass(microseconds(3));  // a turn takes its time
+    if (!edges_readable) return std::nullopt;
+    std::size_t count = 0;
+    while (count < edges.size() && !pending_.empty() && pending_.front().time <= time) {
+      edges[count++] = pending_.front();
+      apply(pending_.front());
+      pending_.erase(pending_.begin());
+    }
+    return count;
+  }
   void pass(Duration duration) noexcept {
     time = time + duration;
     while (!freezes_.empty() && freezes_.front().when <= time) {
