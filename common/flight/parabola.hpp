@@ -6,10 +6,9 @@
 #include <Eigen/Core>
 #include <optional>
 
-namespace strobe::flight {
+#include "common/flight/gravity.hpp"
 
-/// Standard acceleration of free fall (CGPM 1901), the only value of it.
-inline constexpr double kStandardGravity_mps2 = 9.80665;
+namespace strobe::flight {
 
 /// Acceleration of free fall in the surface's axes, for a surface inclined by `inclination_rad`
 /// (counter-clockwise positive as the camera sees it; 0 = level).

@@ -66,8 +66,13 @@ Scatter equator_scatter(const ShotFit& fit) {
   for (std::size_t leg = 0; leg < 2; ++leg) {
     if (!fit.spin[leg]) continue;
     for (std::size_t i = 0; i < fit.equators[leg].size(); ++i) {
-      if (!fit.equators[leg][i].estimated_noise) continue;
-      s.sum_of_squares += fit.spin[leg]->residual_rad[i] * fit.spin[leg]->residual_rad[i];
+      const EquatorReading& reading = fit.equators[leg][i];
+      if (!reading.estimated_noise) continue;
+      // Less the part of a stated error in time.
+      const double by_time = fit.spin[leg]->omega_radps * reading.time_sd_s;
+      const double square = reading.sd_rad * reading.sd_rad;
+      const double residual = fit.spin[leg]->residual_rad[i];
+      s.sum_of_squares += residual * residual * (square / (square + by_time * by_time));
       s.count += 1.0;
       s.taken += fit.spin[leg]->leverage[i];
     }

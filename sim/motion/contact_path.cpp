@@ -3,13 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/flight/gravity.hpp"
 #include "common/impact/ode/normal_spring.hpp"
 
 namespace strobe::sim {
 
 namespace {
-
-constexpr double kStandardGravity_mps2 = 9.80665;
 
 tl::unexpected<Error> refused(impact::InputError error) { return fail(std::string(impact::message(error))); }
 
@@ -34,7 +33,7 @@ impact::ContactCoefficients ode_coefficients(const Scene& scene, const ShotCondi
   c.damping_ratio = scene.bounce.damping_ratio;
   c.offset_share = model.has(Effect::offset) ? thrown.offset_share : 0.0;
   c.gravity_mps2 = model.has(Effect::contact_gravity)
-                       ? std::max(0.0, kStandardGravity_mps2 * std::cos(scene.surface_angle_rad))
+                       ? std::max(0.0, flight::kStandardGravity_mps2 * std::cos(scene.surface_angle_rad))
                        : 0.0;
   return c;
 }

@@ -3,11 +3,12 @@
 #include <cmath>
 #include <numbers>
 
+#include "common/flight/gravity.hpp"
+
 namespace strobe::sim {
 
 namespace {
 
-constexpr double kStandardGravity_mps2 = 9.80665;
 /// Velocities change at rates of q·|v|, at most 3 per second for a tennis ball of 60 m/s in usual air, so
 /// that a step of the classical Runge-Kutta method errs by less than v·(2e-3·3)^5/120 or 1e-13 of v.
 constexpr double kStep_s = 2e-3;
@@ -45,8 +46,8 @@ Flight::Flight(const Scene& scene, const FlightState& start, double omega_radps,
   lift_pm_ = model.has(Effect::magnus) && scene.air.lift ? q : 0.0;
   parabola_ = drag_pm_ == 0.0 && lift_pm_ == 0.0 && decay_pm_ == 0.0;
   if (!model.has(Effect::gravity)) return;
-  gravity_x_mps2_ = -kStandardGravity_mps2 * std::sin(scene.surface_angle_rad);
-  gravity_y_mps2_ = -kStandardGravity_mps2 * std::cos(scene.surface_angle_rad);
+  gravity_x_mps2_ = -flight::kStandardGravity_mps2 * std::sin(scene.surface_angle_rad);
+  gravity_y_mps2_ = -flight::kStandardGravity_mps2 * std::cos(scene.surface_angle_rad);
 }
 
 FlightState Flight::slope(const FlightState& s) const {

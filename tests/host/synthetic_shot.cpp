@@ -15,7 +15,7 @@ using strobe_msgs::shot_t;
 constexpr double kPxPerM = 4000.0;
 constexpr double kRoll = 0.3 * std::numbers::pi / 180.0;
 constexpr double kRadius_m = kBallDiameter_m / 2;
-constexpr double kG = 9.81;
+constexpr double kG = 9.80665;
 constexpr std::int64_t kFirstFlash_ns = 5'000'000'000'000;
 constexpr double kLampDelay_us = 12.0;
 

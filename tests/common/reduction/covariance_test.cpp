@@ -82,6 +82,18 @@ TEST(JointCovariance, HasTheReadoutsSdOnItsDiagonalAndExplainsTheRatios) {
   DOUBLES_EQUAL(*r.sd[Quantity::court_pace], sd(pace), 1e-8);
 }
 
+TEST(JointCovariance, OfTheMirrorImageIsTheSame) {
+  Setup setup;
+  const Readout right = reduced_shot(test::photograph(Bounce{}, setup, random));
+  setup.mirror = true;
+  random.seed(seed());
+  const Readout left = reduced_shot(test::photograph(Bounce{}, setup, random));
+  const Matrix8 a = matrix(*right.covariance), b = matrix(*left.covariance);
+  const Vector8 scale = a.diagonal().cwiseSqrt().cwiseInverse();
+  // Correlations, to the rounding of the fit.
+  DOUBLES_EQUAL(0.0, (scale.asDiagonal() * (a - b) * scale.asDiagonal()).cwiseAbs().maxCoeff(), 1e-9);
+}
+
 TEST(JointCovariance, NormalizedErrorsOfTheVelocitiesAreChiSquared) {
   // Six velocities and spins; their errors together, in units of their covariance, have six degrees of
   // freedom: mean 6, and 10.645 and 16.812 are passed by 10 % and 1 % (tables). 20,000 shots know the mean

@@ -34,6 +34,10 @@ TEST(FrameChecks, NameTheFieldThatIsWrong) {
   frame = straight_frame();
   frame.images[4].centre_cov_px2 = std::array{1.0, 2.0, 2.0, 1.0};
   STRCMP_CONTAINS("images[4].centre_cov_px2: must be positive definite", complaint(frame).c_str());
+  frame.images[4].centre_cov_px2 = std::array{2.0, 1.0, 1.0 + 1e-5, 1.0};
+  STRCMP_CONTAINS("images[4].centre_cov_px2: must be symmetric", complaint(frame).c_str());
+  frame.images[4].centre_cov_px2 = std::array{2.0, 1.0, 1.0 + 1e-7, 1.0};  // rounding of printed numbers
+  STRCMP_EQUAL("accepted", complaint(frame).c_str());
   frame = straight_frame();
   frame.centre_sd_px = 0.0;
   STRCMP_CONTAINS("centre_sd_px", complaint(frame).c_str());

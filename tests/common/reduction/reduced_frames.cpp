@@ -36,7 +36,9 @@ Frame straight_frame() {
 }
 
 Readout reduced(const Frame& frame, Estimator estimator) {
-  const auto readout = reduce(frame, estimator, {.effects = flight::kGravityOnly});
+  Frame in_vacuum = frame;
+  in_vacuum.air_density_kgpm3 = 0.0;
+  const auto readout = reduce(in_vacuum, estimator);
   if (!readout) FAIL(readout.error().message.c_str());
   return *readout;
 }

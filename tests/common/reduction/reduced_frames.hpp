@@ -24,7 +24,8 @@ reduction::Frame straight_frame();
 Setup vacuum();
 reduction::Frame noisy(const Setup& setup = vacuum(), std::uint64_t seed = 3);
 
-/// As flight without air; the test fails if the frame is refused.
+/// In a vacuum: air is fitted first and left out where it does not matter, here always. The test fails if the
+/// frame is refused.
 reduction::Readout reduced(const reduction::Frame& frame,
                            reduction::Estimator estimator = reduction::Estimator::best);
 

@@ -50,6 +50,19 @@ TEST(SpinFitting, VarianceIsThatOfAStraightLine) {
   DOUBLES_EQUAL(1e-4 / (10.0 * 9e-6), fit->variance, 1e-9);
 }
 
+TEST(SpinFitting, ErrorsInTimeWidenTheVarianceButAreNotEstimatedNoise) {
+  // 0.1 ms at 100 rad/s are 0.01 rad, as much as the reading's own sd: twice the variance, half of it the
+  // readings'.
+  auto r = readings(100.0, 0.2, kFive, 0.01);
+  for (EquatorReading& e : r) e.time_sd_s = 1e-4;
+  const double variance = 2e-4 / (10.0 * 9e-6);
+  DOUBLES_EQUAL(variance, fit_spin(r)->variance, 1e-9);
+  DOUBLES_EQUAL(0.0, fit_spin(r)->estimated_variance, 0.0);
+  for (EquatorReading& e : r) e.estimated_noise = true;
+  DOUBLES_EQUAL(variance, fit_spin(r)->variance, 1e-9);
+  DOUBLES_EQUAL(0.5 * variance, fit_spin(r)->estimated_variance, 1e-9);
+}
+
 TEST(SpinFitting, OneBadReadingDoesNotChooseTheBranch) {
   for (std::size_t bad = 0; bad < 5; ++bad) {
     auto r = readings(-350.0, 1.0, kFive);

@@ -1,0 +1,203 @@
+// The parts of the flash match: the track of a frame, the prior of the gate, the flashes of contact images.
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "host/assembly/assemble.hpp"
+#include "host/assembly/contact_match.hpp"
+#include "host/assembly/flash_match.hpp"
+#include "host/assembly/image_track.hpp"
+#include "tests/host/synthetic_shot.hpp"
+
+#include <CppUTest/TestHarness.h>
+
+namespace {
+
+using namespace strobe;
+using namespace strobe::host_test;
+using Eigen::Vector2d;
+
+std::vector<int> flashes_of(const host::AssembledShot& shot) {
+  std::vector<int> flashes;
+  for (const auto& image : shot.frame.images) flashes.push_back(image.flash_index.value_or(-1));
+  return flashes;
+}
+
+}  // namespace
+
+TEST_GROUP(ImageTracks) {
+  SyntheticShot made = make_shot({});
+  host::Track track() { return *host::image_track(made.frame, kBallDiameter_m, 0.0); }
+  std::vector<strobe_msgs::ball_image_t*> contact_images() {
+    std::vector<strobe_msgs::ball_image_t*> images;
+    for (auto& image : made.frame.images) {
+      if (image.leg == strobe_msgs::ball_image_t::LEG_CONTACT) images.push_back(&image);
+    }
+    return images;
+  }
+};
+
+TEST(ImageTracks, TakeSizeAndNoiseFromTheImagesInTheAir) {
+  for (auto& image : made.frame.images) {
+    image.diameter_px = 260.0;
+    image.centre_xx_px2 = 1.0, image.centre_xy_px2 = 0.0, image.centre_yy_px2 = 3.0;
+  }
+  CHECK_TRUE(contact_images().size() >= 1);
+  for (auto* image : contact_images()) image->diameter_px = 300.0, image->centre_xx_px2 = 400.0;
+  DOUBLES_EQUAL(130.0, track().radius_px, 0.0);
+  DOUBLES_EQUAL(260.0 / kBallDiameter_m, track().px_per_m, 1e-9);
+  DOUBLES_EQUAL(std::sqrt(2.0), track().sd_px, 1e-12);  // of each coordinate: the mean of 1 and 3 px^2
+}
+
+TEST(ImageTracks, WithoutStatedNoiseAreAsGoodAsAHand) {
+  made.frame.centre_sd_px = std::nan("");
+  for (auto& image : made.frame.images) image.diameter_px = 250.0;
+  DOUBLES_EQUAL(2.0, track().sd_px, 1e-12);  // 0.8 % of the diameter
+  made.frame.centre_sd_px = 0.7;
+  DOUBLES_EQUAL(0.7, track().sd_px, 0.0);
+}
+
+TEST(ImageTracks, PullTheBallDownThePlate) {
+  const double inclination_deg = 30.0;
+  for (const bool leftwards : {false, true}) {
+    Scenario sc;
+    sc.leftwards = leftwards;
+    made = make_shot(sc);
+    const auto t = *host::image_track(made.frame, kBallDiameter_m, inclination_deg);
+    // A plate that rises to the right brakes a ball to the right by g sin 30.
+    DOUBLES_EQUAL((leftwards ? 0.5 : -0.5) * 9.80665 * t.px_per_m, t.gravity_pxps2.x(), 1e-6);
+    DOUBLES_EQUAL(-std::cos(std::numbers::pi / 6) * 9.80665 * t.px_per_m, t.gravity_pxps2.y(), 1e-6);
+  }
+}
+
+TEST_GROUP(ArrivalPriors){};
+
+TEST(ArrivalPriors, TheGateTellsWhichFlashesOfAnEvenTrain) {
+  // Some 150 places of the train are alike to the images; the gate, 2 m before the plate, and the speed that
+  // the images show pick the one, to a few milliseconds.
+  for (const double touchdown_s : {0.1007, 0.2507, 0.3507}) {
+    Scenario sc;
+    sc.touchdown_s = touchdown_s;
+    SyntheticShot made = make_shot(sc);
+    made.shot.trigger_ns = strobe_msgs::shot_t::NO_TIME;
+    const double flight_s = 2.0 / std::hypot(sc.bounce.vx_td, sc.bounce.vy_td);
+    made.shot.gate_ns = made.shot.flashes[0].commanded_ns + std::llround((touchdown_s - flight_s) * 1e9);
+    host::AssemblySettings settings;
+    settings.analysis.gate_distance_m = 2.0;
+    CHECK_TRUE(flashes_of(host::assemble(made.shot, made.frame, settings)) == made.image_flash);
+  }
+}
+
+TEST(ArrivalPriors, TheGateIsBelievedAsFarAsItsDistanceIsKnown) {
+  // The machine's lag says 30 ms later than the gate. Both at once: the gate counts.
+  Scenario sc;
+  sc.machine_error_s = -0.030;
+  SyntheticShot made = make_shot(sc);
+  const double flight_s = 2.0 / std::hypot(sc.bounce.vx_td, sc.bounce.vy_td);
+  made.shot.gate_ns = made.shot.flashes[0].commanded_ns + std::llround((sc.touchdown_s - flight_s) * 1e9);
+  host::AssemblySettings settings;
+  settings.machine_lag_s = kMachineLag_s;
+  settings.analysis.gate_distance_m = 2.0;
+  CHECK_TRUE(flashes_of(host::assemble(made.shot, made.frame, settings)) == made.image_flash);
+}
+
+TEST_GROUP(ContactFlashes) {
+  // Down at 0 s and x = 0 with (6, -5) m/s, off at 4 ms and x = 16 mm with (3, 4) m/s; 1000 px to the metre, a
+  // flash every 0.5 ms.
+  host::Track track{.images = {}, .radius_px = 32.0, .px_per_m = 1000.0, .sd_px = 0.2};
+  std::vector<double> times_s;
+  host::LegCandidate in, out;
+
+  void setup() override {
+    for (int k = -10; k <= 20; ++k) times_s.push_back(5e-4 * k);
+    in = leg({0.0, 32.0}, 0.0, {6000.0, -5000.0}, {4, 7, 9});       // the last at -0.5 ms
+    out = leg({16.0, 32.0}, 4e-3, {3000.0, 4000.0}, {19, 22, 25});  // the first at 4.5 ms
+  }
+
+  host::LegCandidate leg(Vector2d at, double at_s, Vector2d velocity, std::vector<int> flash) const {
+    host::LegCandidate candidate;
+    candidate.fit = geometry::LegFit(track.gravity_pxps2);
+    for (const int k : flash) {
+      const double t = times_s[static_cast<std::size_t>(k)];
+      candidate.fit.add(t, at + velocity * (t - at_s));
+    }
+    candidate.flash = std::move(flash);
+    candidate.crossing = geometry::crossing(candidate.fit, track.radius_px);
+    return candidate;
+  }
+
+  /// By the equations: a cubic along the surface, a half sine pressed into it.
+  Vector2d pressed(double t) const {
+    const double s = t / 4e-3, s2 = s * s, s3 = s2 * s;
+    const double x =
+        (s3 - 2.0 * s2 + s) * 4e-3 * 6000.0 + (3.0 * s2 - 2.0 * s3) * 16.0 + (s3 - s2) * 4e-3 * 3000.0;
+    const double speed = 5000.0 * (1.0 - s) + 4000.0 * s;
+    return {x, 32.0 - 4e-3 / std::numbers::pi * std::sin(std::numbers::pi * s) * speed};
+  }
+
+  host::ContactFlashes matched(const std::vector<double>& at_s) const {
+    std::vector<host::TrackPoint> images;
+    for (const double t : at_s) images.push_back({Leg::contact, pressed(t)});
+    return host::contact_flashes(images, in, out, times_s, track);
+  }
+};
+
+TEST(ContactFlashes, AreThoseWhereTheBallWas) {
+  // Flash 10 is at 0 s. Every pair of the seven flashes within the contact.
+  for (int a = 1; a <= 7; ++a) {
+    for (int b = a + 1; b <= 7; ++b) {
+      const auto found = matched({a * 5e-4, b * 5e-4});
+      CHECK_TRUE((found.flash == std::vector<int>{10 + a, 10 + b}));
+      DOUBLES_EQUAL(0.0, found.chi_squared, 1e-12);
+    }
+  }
+}
+
+TEST(ContactFlashes, CostMoreTheFurtherTheyAreFromThere) {
+  // Between two flashes: 1 px along and the model's 3 mm, 3 px; 0.2 px of noise. The height: see below.
+  const auto found = matched({2.25e-3});
+  CHECK_TRUE(found.flash[0] == 14 || found.flash[0] == 15);
+  const Vector2d ball = pressed(2.25e-3), flash = pressed(found.flash[0] == 14 ? 2e-3 : 2.5e-3);
+  const double variance = 0.2 * 0.2 + 3.0 * 3.0;
+  const double depth = 32.0 - flash.y();
+  const double expected = std::pow(ball.x() - flash.x(), 2) / variance +
+                          std::pow(ball.y() - flash.y(), 2) / (variance + std::pow(0.15 * depth, 2));
+  DOUBLES_EQUAL(expected, found.chi_squared, 1e-9);
+}
+
+TEST(ContactFlashes, BesideOneLegAloneAreNextToIt) {
+  const host::LegCandidate none;
+  const std::vector<host::TrackPoint> two{{Leg::contact, pressed(1e-3)}, {Leg::contact, pressed(2e-3)}};
+  CHECK_TRUE((host::contact_flashes(two, in, none, times_s, track).flash == std::vector<int>{10, 11}));
+  CHECK_TRUE((host::contact_flashes(two, none, out, times_s, track).flash == std::vector<int>{17, 18}));
+}
+
+TEST(ContactFlashes, ABallCanHaveThisContactButNotOneThatGivesEnergy) {
+  DOUBLES_EQUAL(0.0, host::contact_penalty(host::rebound_of(in, out, track)), 1e-9);
+  const host::LegCandidate faster = leg({16.0, 32.0}, 4e-3, {3000.0, 6000.0}, {19, 22, 25});
+  CHECK_TRUE(host::contact_penalty(host::rebound_of(in, faster, track)) > 100.0);  // e = 1.2
+  const host::LegCandidate dead = leg({16.0, 32.0}, 4e-3, {3000.0, 500.0}, {19, 22, 25});
+  CHECK_TRUE(host::contact_penalty(host::rebound_of(in, dead, track)) > 100.0);  // e = 0.1
+  const host::LegCandidate far = leg({60.0, 32.0}, 4e-3, {3000.0, 4000.0}, {19, 22, 25});
+  CHECK_TRUE(host::contact_penalty(host::rebound_of(in, far, track)) > 10.0);  // 15 m/s between 6 and 3
+  const host::LegCandidate falls = leg({16.0, 32.0}, 4e-3, {3000.0, -4000.0}, {19, 22, 25});
+  CHECK_TRUE(std::isinf(host::contact_penalty(host::rebound_of(in, falls, track))));
+}
+
+TEST(ContactFlashes, OfASetOfLegsKnowTheirSd) {
+  const host::Rebound r = host::rebound_of(in, out, track);
+  DOUBLES_EQUAL(4e-3, r.value[4], 1e-12);
+  DOUBLES_EQUAL(16.0, r.value[5], 1e-9);
+  // Times -3, -1.5, -0.5 ms: mean -5/3 ms, squares about it 3.1667e-6. Noise 0.2 px.
+  const double v = 0.2 / std::sqrt(19.0 / 6.0 * 1e-6);
+  DOUBLES_EQUAL(v, r.sd[0], 1e-6);
+  DOUBLES_EQUAL(v, r.sd[1], 1e-6);
+  const double down = 0.2 * std::sqrt(1.0 / 3.0 + std::pow(5e-3 / 3.0, 2) / (19.0 / 6.0 * 1e-6));
+  // Times 4.5, 6, 7.5 ms: mean 6 ms, squares 4.5e-6.
+  const double off = 0.2 * std::sqrt(1.0 / 3.0 + 4e-6 / 4.5e-6);
+  DOUBLES_EQUAL(std::hypot(down / 5000.0, off / 4000.0), r.sd[4], 1e-12);
+  // The height's error moves the instant, and with it the place.
+  DOUBLES_EQUAL(std::hypot(std::hypot(down, down / 5000.0 * 6000.0), std::hypot(off, off / 4000.0 * 3000.0)),
+                r.sd[5], 1e-9);
+}
