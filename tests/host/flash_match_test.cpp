@@ -175,10 +175,13 @@ TEST(ContactFlashes, BesideOneLegAloneAreNextToIt) {
 
 TEST(ContactFlashes, ABallCanHaveThisContactButNotOneThatGivesEnergy) {
   DOUBLES_EQUAL(0.0, host::contact_penalty(host::rebound_of(in, out, track)), 1e-9);
-  const host::LegCandidate faster = leg({16.0, 32.0}, 4e-3, {3000.0, 6000.0}, {19, 22, 25});
-  CHECK_TRUE(host::contact_penalty(host::rebound_of(in, faster, track)) > 100.0);  // e = 1.2
-  const host::LegCandidate dead = leg({16.0, 32.0}, 4e-3, {3000.0, 500.0}, {19, 22, 25});
-  CHECK_TRUE(host::contact_penalty(host::rebound_of(in, dead, track)) > 100.0);  // e = 0.1
+  // e beyond 0.2 to 1, in units of its sd; velocities of either leg have those of three images, see below.
+  const double v_in = 0.2 / std::sqrt(19.0 / 6.0 * 1e-6), v_out = 0.2 / std::sqrt(4.5e-6);
+  for (const auto& [e, outside] : {std::pair{1.2, 0.2}, std::pair{0.1, 0.1}}) {
+    const host::LegCandidate other = leg({16.0, 32.0}, 4e-3, {3000.0, e * 5000.0}, {19, 22, 25});
+    const double sd = std::hypot(v_out, e * v_in) / 5000.0;
+    DOUBLES_EQUAL(std::pow(outside / sd, 2), host::contact_penalty(host::rebound_of(in, other, track)), 1e-6);
+  }
   const host::LegCandidate far = leg({60.0, 32.0}, 4e-3, {3000.0, 4000.0}, {19, 22, 25});
   CHECK_TRUE(host::contact_penalty(host::rebound_of(in, far, track)) > 10.0);  // 15 m/s between 6 and 3
   const host::LegCandidate falls = leg({16.0, 32.0}, 4e-3, {3000.0, -4000.0}, {19, 22, 25});
