@@ -144,6 +144,8 @@ bool lowest_is_incoming(std::span<const Eigen::Vector2d> centres, std::size_t lo
 
 LegAssignment classify_timed(std::span<const TimedHeight> images, double gravity_y_mps2,
                              double reference_variance_m2) {
+  assert(std::is_sorted(images.begin(), images.end(),
+                        [](const TimedHeight& a, const TimedHeight& b) { return a.time_s < b.time_s; }));
   return TimedClassifier(images, gravity_y_mps2, reference_variance_m2).classify();
 }
 

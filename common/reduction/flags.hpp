@@ -1,5 +1,5 @@
-// The closed list of what can be said about a readout beside its numbers. Names are stable: scripts rely on
-// them. Add a flag here and in README.md, nowhere else. Values only; thread-safe, real-time safe.
+// The closed list of what a readout can be flagged with. Names are stable: scripts rely on them. README.md
+// lists them. Values only; thread-safe, real-time safe.
 #pragma once
 
 #include <array>
@@ -18,7 +18,7 @@ enum class Flag {
                      // two spins contradict friction
   too_few_images,    // a leg has too few airborne images for some number, which is null
   outlier_image,     // an image did not fit its leg and was left out
-  no_redundancy,     // a leg has fewer than four images: a bad one could not be told
+  no_redundancy,     // a leg has fewer than four images: a bad one could not be found
   no_contact_image,  // no image between touchdown and lift-off
   overlaps_surface,  // an image given as airborne overlaps the surface line and was left out
   degenerate_geometry,  // no line through the surface, a leg that does not meet it, or no scale: numbers are
@@ -59,7 +59,7 @@ inline constexpr std::size_t kFlagCount = kFlagNames.size();
 
 constexpr std::string_view name(Flag flag) { return kFlagNames[static_cast<std::size_t>(flag)]; }
 
-/// The flag of that name, or nothing.
+/// Returns nullopt if there is no flag of that name.
 constexpr std::optional<Flag> flag_from_name(std::string_view text) {
   for (std::size_t i = 0; i < kFlagCount; ++i) {
     if (kFlagNames[i] == text) return static_cast<Flag>(i);

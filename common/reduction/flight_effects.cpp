@@ -19,7 +19,7 @@ double longest_s(const ShotFit& fit, std::size_t leg, double crossing_s) {
   return std::max(std::abs(times.first_s - crossing_s), std::abs(times.last_s - crossing_s));
 }
 
-bool matters(const Readout& readout, const Quantities& change) {
+bool significant(const Readout& readout, const Quantities& change) {
   for (std::size_t i = 0; i < kQuantityCount; ++i) {
     const auto q = static_cast<Quantity>(i);
     if (!change[q] || *change[q] == 0.0) continue;
@@ -77,9 +77,9 @@ flight::Effects significant_effects(const Readout& readout, const ShotFit& fit, 
   }
   flight::Effects kept = candidates;
   kept.drag =
-      kept.drag && fit.joint.air_used && matters(readout, change_bound(readout, fit, crossings, drag));
+      kept.drag && fit.joint.air_used && significant(readout, change_bound(readout, fit, crossings, drag));
   kept.magnus =
-      kept.magnus && fit.joint.air_used && matters(readout, change_bound(readout, fit, crossings, lift));
+      kept.magnus && fit.joint.air_used && significant(readout, change_bound(readout, fit, crossings, lift));
   return kept;
 }
 

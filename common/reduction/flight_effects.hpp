@@ -1,4 +1,4 @@
-// What air does to a readout, and whether that matters. Part of the reduction, not of its interface.
+// How much drag and lift change a readout, and which of them must be fitted. Part of the reduction, not of its interface.
 // Pure functions; thread-safe.
 #pragma once
 
@@ -6,7 +6,7 @@
 
 namespace strobe::reduction {
 
-/// Most that an acceleration left out of the fit could change each number, absent where the number is.
+/// Upper bound of each number's change if an acceleration is left out of the fit; absent where the number is.
 ///
 /// Let T be the time from a leg's crossing to its farthest image and a the acceleration. A least squares line
 /// through a tau^2 / 2 meets that curve between its first and last image at least twice (its residuals are
@@ -16,8 +16,8 @@ namespace strobe::reduction {
 Quantities change_bound(const Readout& readout, const ShotFit& fit, const Crossings& crossings,
                         const std::array<double, 2>& acceleration_mps2);
 
-/// `candidates` less those of drag and Magnus whose bound is below a share of the statistical sd of every
-/// number. An effect stays where no sd can be had.
+/// `candidates` without those of drag and Magnus whose bound is below kNegligibleShareOfSd of the statistical
+/// sd of every number. An effect stays if a number has no sd.
 flight::Effects significant_effects(const Readout& readout, const ShotFit& fit, const Crossings& crossings,
                                     flight::Effects candidates);
 

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <cassert>
 #include <cmath>
 
 namespace strobe::reduction {
@@ -22,6 +23,7 @@ class HouseholderQr {
   template <typename Next>
   void add(const Row& row, Next&& next) {
     if (count_ == kRows) reflect(next);
+    assert(count_ < kRows);
     for (int c = 0; c < Columns; ++c) at(c, count_) = row[static_cast<std::size_t>(c)];
     ++count_;
   }

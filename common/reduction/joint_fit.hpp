@@ -37,7 +37,7 @@ struct JointFit {
   /// In the surface's axes at the leg's origin of time, as used.
   std::array<flight::Forcing, 2> forcing;
   bool degenerate = false;  ///< no scale, or no place, agrees with the measurements
-  bool air_used = true;     ///< false: the legs are so long that the series of the drag does not hold
+  bool air_used = true;     ///< false: the legs are too long for the series of the drag
 };
 
 constexpr std::size_t leg_index(Leg leg) { return leg == Leg::rebound ? 1 : 0; }

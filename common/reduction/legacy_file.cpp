@@ -65,7 +65,7 @@ std::optional<T> take(std::string_view& text) {
   return value;
 }
 
-/// Reads the lines of one frame in turn; remembers the first thing that is wrong.
+/// Reads the lines of one frame; remembers the first error.
 class FrameReader {
  public:
   FrameReader(std::span<const Line> lines, const std::string& file_name)

@@ -1,33 +1,34 @@
 #include "common/reduction/noise.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 namespace strobe::reduction {
 namespace {
 
-/// Residuals of exact data are rounding; a level of zero would be an infinite weight.
-constexpr double kMinRelativeLevel = 1e-12;
+/// Residuals of exact data are rounding; an sd of zero would be an infinite weight.
+constexpr double kMinRelativeSd = 1e-12;
 /// Fewer degrees of freedom than this are rounding of the trace.
 constexpr double kMinFreedom = 0.5;
 
 struct Scatter {
   double sum_of_squares = 0.0;
   double count = 0.0;
-  double taken = 0.0;  // by the fit
+  double leverage = 0.0;  // sum of the measurements' shares in their fitted values
 };
 
 double square(const std::array<double, 7>& v) { return dot(v, v); }
 
-/// Squares of the part of a residual that the level, and not a stated error in time, accounts for.
+/// Squares of the part of a residual that the centres' noise, and not a stated error in time, accounts for.
 void add_centre(const ShotFit& fit, const Observation& o, Scatter& s) {
   const ImageRows rows = image_rows(fit.observations, fit.joint, o);
-  const double level = fit.observations.group_sd[NoiseGroup::centre];
+  const double sd = fit.observations.group_sd[NoiseGroup::centre];
   for (std::size_t k = 0; k < 2; ++k) {
-    const double residual = rows.residual[k] * level;
+    const double residual = rows.residual[k] * sd;
     s.sum_of_squares += residual * residual;
     s.count += 1.0;
-    s.taken += square(fit.joint.factor.whitened(leg_index(*o.leg), rows.row[k]));
+    s.leverage += square(fit.joint.factor.whitened(leg_index(*o.leg), rows.row[k]));
   }
 }
 
@@ -36,7 +37,7 @@ void add_diameter(const ShotFit& fit, const Observation& o, Scatter& s) {
   const double r = o.diameter_m - fit.joint.unknowns[kScale] * all.ball_diameter_m;
   s.sum_of_squares += r * r;
   s.count += 1.0;
-  s.taken += square(fit.joint.factor.shared(0.0, 0.0, all.ball_diameter_m / all.diameter_sd(o)));
+  s.leverage += square(fit.joint.factor.shared(0.0, 0.0, all.ball_diameter_m / all.diameter_sd(o)));
 }
 
 void add_surface(const ShotFit& fit, Eigen::Vector2d point, Scatter& s) {
@@ -44,7 +45,7 @@ void add_surface(const ShotFit& fit, Eigen::Vector2d point, Scatter& s) {
   const double sd = fit.observations.surface_sd();
   s.sum_of_squares += r * r;
   s.count += 1.0;
-  s.taken += square(fit.joint.factor.shared(surface_lever_m(fit.joint, point) / sd, 1.0 / sd, 0.0));
+  s.leverage += square(fit.joint.factor.shared(surface_lever_m(fit.joint, point) / sd, 1.0 / sd, 0.0));
 }
 
 Scatter scatter(const ShotFit& fit, NoiseGroup noise) {
@@ -65,6 +66,7 @@ Scatter equator_scatter(const ShotFit& fit) {
   Scatter s;
   for (std::size_t leg = 0; leg < 2; ++leg) {
     if (!fit.spin[leg]) continue;
+    assert(fit.spin[leg]->residual_rad.size() == fit.equators[leg].size());
     for (std::size_t i = 0; i < fit.equators[leg].size(); ++i) {
       const EquatorReading& reading = fit.equators[leg][i];
       if (!reading.estimated_noise) continue;
@@ -74,7 +76,7 @@ Scatter equator_scatter(const ShotFit& fit) {
       const double residual = fit.spin[leg]->residual_rad[i];
       s.sum_of_squares += residual * residual * (square / (square + by_time * by_time));
       s.count += 1.0;
-      s.taken += fit.spin[leg]->leverage[i];
+      s.leverage += fit.spin[leg]->leverage[i];
     }
   }
   return s;
@@ -88,14 +90,14 @@ double estimate_variance_components(ShotFit& fit) {
        {NoiseGroup::centre, NoiseGroup::surface, NoiseGroup::diameter, NoiseGroup::equator}) {
     const bool equator = noise == NoiseGroup::equator;
     const Scatter s = equator ? equator_scatter(fit) : scatter(fit, noise);
-    VarianceComponent& level = fit.variance_components[static_cast<std::size_t>(noise)];
-    level = {s.count > 0.0, s.count - s.taken};
+    VarianceComponent& component = fit.variance_components[static_cast<std::size_t>(noise)];
+    component = {s.count > 0.0, s.count - s.leverage};
     // Absurd coordinates overflow to NaN, which is no freedom either.
-    const bool known = level.degrees_of_freedom >= kMinFreedom && std::isfinite(s.sum_of_squares);
-    if (!known) level.degrees_of_freedom = 0.0;
-    if (!level.used || !known) continue;
-    const double floor = kMinRelativeLevel * (equator ? 1.0 : fit.observations.ball_diameter_m);
-    const double sd = std::max(std::sqrt(s.sum_of_squares / level.degrees_of_freedom), floor);
+    const bool known = component.degrees_of_freedom >= kMinFreedom && std::isfinite(s.sum_of_squares);
+    if (!known) component.degrees_of_freedom = 0.0;
+    if (!component.used || !known) continue;
+    const double floor = kMinRelativeSd * (equator ? 1.0 : fit.observations.ball_diameter_m);
+    const double sd = std::max(std::sqrt(s.sum_of_squares / component.degrees_of_freedom), floor);
     double& now = fit.observations.group_sd[noise];
     largest = std::max(largest, std::abs(sd - now) / now);
     now = sd;

@@ -10,12 +10,12 @@ namespace {
 
 constexpr double kFalseAlarms = 1e-3;  // of a photograph
 constexpr int kMinImages = 4;
-/// What is left of a variance beside this share of it is rounding: the fit must pass through the measurement,
-/// which has nothing to be held against.
+/// A residual variance below this share of the measurement's is rounding: the fit must pass through the
+/// measurement, which no other can contradict.
 constexpr double kRounding = 1e-9;
 
 struct Suspect {
-  double probability = 1.0;  // of so large a deviation by chance, times the number of chances
+  double probability = 1.0;  // of so large a deviation by chance, times the number of measurements
   std::size_t image = 0;
   enum class What { centre, diameter, equator } what = What::centre;
 };
@@ -29,8 +29,8 @@ double freedom(const ShotFit& fit, NoiseGroup noise) {
   return fit.variance_components[static_cast<std::size_t>(noise)].degrees_of_freedom;
 }
 
-/// A square with `dimensions` degrees of freedom in units of a level that was estimated with it included:
-/// the level without it, and then F.
+/// Of a square with `dimensions` degrees of freedom, in units of a variance that was estimated with it
+/// included: by the variance without it, F.
 double chance_of_square(double square, double degrees_of_freedom, int dimensions) {
   if (!std::isfinite(degrees_of_freedom)) {
     return dimensions == 2 ? std::exp(-0.5 * square) : std::erfc(std::sqrt(0.5 * square));
@@ -106,8 +106,8 @@ void suspect_equators(const ShotFit& fit, Suspect& worst) {
       const double residual = fit.spin[leg]->residual_rad[i];
       const double square = variance > kRounding * noise ? residual * residual / variance : 0.0;
       if (square < 4.0) continue;
-      const NoiseGroup level = readings[i].estimated_noise ? NoiseGroup::equator : NoiseGroup::stated;
-      consider(worst, chance_of_square(square, freedom(fit, level), 1), chances, readings[i].index,
+      const NoiseGroup group = readings[i].estimated_noise ? NoiseGroup::equator : NoiseGroup::stated;
+      consider(worst, chance_of_square(square, freedom(fit, group), 1), chances, readings[i].index,
                Suspect::What::equator);
     }
   }

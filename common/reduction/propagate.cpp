@@ -1,6 +1,8 @@
 #include "common/reduction/propagate.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <limits>
 
@@ -226,6 +228,25 @@ class Uncertainty {
   bool any_estimated_ = false;
 };
 
+/// Symmetric and positive semidefinite, to rounding. For assertions.
+[[maybe_unused]] bool is_covariance(const PrimaryCovariance& covariance) {
+  Eigen::Matrix<double, kPrimaryCount, kPrimaryCount> m;
+  for (std::size_t i = 0; i < kPrimaryCount; ++i) {
+    for (std::size_t k = 0; k < kPrimaryCount; ++k)
+      m(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) = covariance[i][k];
+  }
+  if (!m.allFinite()) return true;  // of frames of no ball, whose sd overflow
+  if (m != m.transpose() || (m.diagonal().array() < 0.0).any()) return false;
+  for (Eigen::Index i = 0; i < m.rows(); ++i) {  // to correlations: variances span twenty orders
+    const double sd = std::sqrt(m(i, i));
+    if (sd == 0.0) continue;
+    m.row(i) /= sd;
+    m.col(i) /= sd;
+  }
+  const Eigen::SelfAdjointEigenSolver<decltype(m)> solver(m, Eigen::EigenvaluesOnly);
+  return solver.eigenvalues().minCoeff() > -1e-9;
+}
+
 class Propagation {
  public:
   Propagation(const ShotFit& fit, Readout& readout) : fit_(fit), readout_(readout), uncertainty_(fit) {}
@@ -281,6 +302,7 @@ class Propagation {
         matrix[i][k] = uncertainty_.covariance(primary[i], primary[k]);
       }
     }
+    assert(is_covariance(matrix));
   }
 
   Crossings crossings() const {

@@ -1,4 +1,4 @@
-// The rebound of one shot: the numbers, their uncertainty, and what must be said about them.
+// The rebound of one shot: the numbers, their uncertainty, and flags.
 // Signs: x along the surface in the direction of travel, y up from it, spin counter-clockwise positive as the
 // camera sees it (backspin positive). Touchdown (TD) and lift-off (LO): the centre is one radius above the
 // surface. Plain values, thread-safe.
@@ -45,7 +45,7 @@ inline constexpr std::size_t kQuantityCount = kQuantityNames.size();
 
 constexpr std::string_view name(Quantity q) { return kQuantityNames[static_cast<std::size_t>(q)]; }
 
-/// One optional number for each quantity; absent: could not be had.
+/// One number for each quantity; absent if it could not be computed.
 class Quantities {
  public:
   std::optional<double>& operator[](Quantity q) { return values_[static_cast<std::size_t>(q)]; }
@@ -74,7 +74,7 @@ struct LegacyDetail {
 
 /// Covariance of the numbers that the others follow from, in this order: vx_td_mps, vy_td_mps,
 /// omega_td_radps, touchdown [s], then the same four at lift-off. Statistical, given the ball's diameter;
-/// where the noise was estimated it is that of the estimated levels, without Student's factor.
+/// where the noise was estimated it is that of the estimated variances, without Student's factor.
 inline constexpr std::size_t kPrimaryCount = 8;
 using PrimaryCovariance = std::array<std::array<double, kPrimaryCount>, kPrimaryCount>;
 
@@ -82,8 +82,8 @@ using PrimaryCovariance = std::array<std::array<double, kPrimaryCount>, kPrimary
 struct ImagedFlashes {
   int first = 0;
   int last = 0;
-  /// How probable it is that it was others, 0 to 1: close to 1 in an even train, where one flash is like the
-  /// next and no number depends on which it was; the code of a coded one tells.
+  /// Probability that it was other flashes, 0 to 1: close to 1 in an even train, where one flash is like the
+  /// next and no number depends on which it was; a coded train's intervals tell.
   double misassignment_probability = 0.0;
   bool coded = false;  ///< the train has a code
 

@@ -32,7 +32,7 @@ void flag_redundancy(const Observations& all, FlagSet& flags) {
   for (const Observation& o : all.images) {
     if (o.use_centre) ++count[leg_index(*o.leg)];
   }
-  // Of three images that do not agree none can be told to be the bad one.
+  // Of three images that disagree none can be singled out.
   const auto few = [](int images) { return images == 2 || images == 3; };
   if (few(count[0]) || few(count[1])) flags.set(Flag::no_redundancy);
 }

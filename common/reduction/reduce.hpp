@@ -24,7 +24,7 @@ constexpr std::optional<Estimator> estimator_from_name(std::string_view text) {
   return std::nullopt;
 }
 
-/// How to reduce, for studies of what each part is worth; the defaults are the product's. `effects` is for
+/// How to reduce; the defaults are the product's, the rest is for studies. `effects` is for
 /// the best estimator; the others know neither gravity nor air.
 struct ReduceOptions {
   /// What the flight is fitted with. Absent: gravity, and drag and Magnus where they matter to this shot.
@@ -37,7 +37,7 @@ struct ReduceOptions {
   bool covariance = false;
 };
 
-/// A readout of the frame. Numbers that cannot be had are absent and the flags say why.
+/// A readout of the frame. Numbers that cannot be computed are absent and the flags say why.
 /// Fails only for a frame that is not one: no positive diameter, fewer than two surface points, non-finite
 /// coordinates, images out of order of time. The message names the field.
 Result<Readout> reduce(const Frame& frame, Estimator estimator, const ReduceOptions& options = {});

@@ -6,7 +6,7 @@
 
 namespace strobe::reduction {
 
-/// Mean and spread in one pass (Welford): never the root of a negative number, however alike the values are.
+/// Mean and standard deviation in one pass (Welford 1962), stable however alike the values are.
 class RunningStatistics {
  public:
   void add(double value) {

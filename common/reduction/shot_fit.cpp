@@ -32,7 +32,7 @@ bool any_estimated(const Observations& all) {
 }
 
 void fit_once(ShotFit& fit) {
-  // The levels hardly move the fit, and the fit hardly the levels: three rounds reach rounding.
+  // The variances hardly change the fit, and the fit hardly the variances: three rounds reach rounding.
   constexpr int kMaxRounds = 6;
   const bool estimated = any_estimated(fit.observations);
   FlightModel model;

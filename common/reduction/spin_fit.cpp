@@ -1,6 +1,7 @@
 #include "common/reduction/spin_fit.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <limits>
 
@@ -12,9 +13,9 @@ namespace {
 
 /// A reading further out than this many sd costs no more: it is wrong, not unlikely.
 constexpr double kCostLimit = 16.0;
-/// Spins whose chi squared differs by less than 3 sd cannot be told apart.
+/// Spins whose chi squared differs by less than 3 sd are indistinguishable.
 constexpr double kComparable = 9.0;
-/// Half turns tried between two readings far apart; more would be beyond any flash train.
+/// Half turns tried between two readings far apart; more are beyond any flash train.
 constexpr int kMaxBranches = 1000;
 /// Share of the window's width next to its limit where a turn more is as likely as the spin itself.
 constexpr double kNearLimit = 0.05;
@@ -133,11 +134,14 @@ void finish(const std::vector<EquatorReading>& readings, const Line& line, SpinF
 
 std::optional<SpinFit> fit_spin(const std::vector<EquatorReading>& readings,
                                 const std::vector<EquatorReading>& left_out) {
+  assert(
+      std::is_sorted(readings.begin(), readings.end(),
+                     [](const EquatorReading& a, const EquatorReading& b) { return a.time_s < b.time_s; }));
   if (readings.size() < 2) return std::nullopt;
   const double limit = kPi / (2.0 * shortest_interval(readings, left_out));
   std::vector<Proposal> proposals = propose(readings, left_out, limit);
   if (proposals.empty()) {
-    // Every line left the window by noise at its very edge: keep the pair's own spin, and say so.
+    // Noise at the very edge of the window took every line out of it: keep the first pair's own spin.
     const double omega = wrap_half_turn(readings[1].angle_rad - readings[0].angle_rad) /
                          (readings[1].time_s - readings[0].time_s);
     const Line line = follow(readings, 0, omega);

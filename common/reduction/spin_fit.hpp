@@ -13,7 +13,7 @@ struct EquatorReading {
   double angle_rad = 0.0;  ///< modulo pi
   double sd_rad = 0.0;
   double time_sd_s = 0.0;
-  bool estimated_noise = false;  ///< sd_rad is a level estimated from residuals
+  bool estimated_noise = false;  ///< sd_rad was estimated from residuals
   std::size_t index = 0;
 };
 
@@ -24,7 +24,7 @@ struct SpinFit {
   double angle_rad = 0.0;           ///< at time mean_time_s, unwrapped
   double mean_time_s = 0.0;
   double chi_squared = 0.0;
-  bool aliased = false;              ///< another turn between the images explains them as well
+  bool aliased = false;              ///< another half turn between the images explains them as well
   std::vector<double> residual_rad;  ///< per reading
   std::vector<double> leverage;      ///< per reading: share of its own in its fitted angle
 };
@@ -32,7 +32,7 @@ struct SpinFit {
 /// The most likely steady spin with |omega| < pi / (2 T), T being the shortest interval between two readings.
 /// Each pair of neighbours proposes spins; each proposal is followed outward image by image, so that noise
 /// over a long leg cannot lose a half turn; the likeliest one is kept, by a cost that one bad reading cannot
-/// dominate. Nothing with fewer than two readings. Readings are in order of time, times differ.
+/// dominate. Returns nullopt for fewer than two readings. Readings are in order of time, times differ.
 ///
 /// `left_out`: readings whose image did not fit its leg. The line does not go through them, but they count
 /// for T and for the cost: with every second image left out the others alone could not tell half a turn more.

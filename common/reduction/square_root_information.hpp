@@ -1,5 +1,5 @@
-// The triangular factor of the joint fit's whitened measurements, R with R^T R = inverse covariance, in the
-// blocks that the elimination leaves: each leg's own four unknowns, what couples them to tilt and scale, and
+// Square-root information matrix of the joint fit: the upper triangular R of its whitened measurements, with
+// R^T R = inverse covariance, in the blocks that the elimination leaves: each leg's own four unknowns, what couples them to tilt and scale, and
 // the three that all share. Part of the reduction, not of its interface. Plain values; no allocation.
 #pragma once
 
@@ -27,7 +27,8 @@ double dot(const std::array<double, N>& a, const std::array<double, N>& b) {
   return sum;
 }
 
-/// An unknown that nothing was measured of has a zero row: no variance, no change.
+/// An unknown without measurements has a zero row: no variance, no change. Eigen's triangular solvers would
+/// divide by that zero, and sum in another order: readouts would change in their last digits.
 struct SquareRootInformation {
   struct Leg {
     double r[4][4] = {};         ///< upper triangle

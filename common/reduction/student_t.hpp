@@ -1,4 +1,4 @@
-// Student's t where a noise level comes from few residuals. Pure functions; thread-safe, real-time safe.
+// Student's t, where a variance was estimated from few residuals. Pure functions; thread-safe, real-time safe.
 #pragma once
 
 namespace strobe::reduction {

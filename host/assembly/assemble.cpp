@@ -28,8 +28,8 @@ double surface_angle_deg(const shot_t& shot, const AssemblySettings& settings) {
   return note_number(record_of(shot), "surface_angle_deg").value_or(0.0);
 }
 
-/// The frame but for the times of its images.
-void complete(Frame& frame, const shot_t& shot, const AssemblySettings& settings) {
+/// What the frame takes from the shot and the rig: all but the times of its images.
+void set_rig(Frame& frame, const shot_t& shot, const AssemblySettings& settings) {
   frame.shot_id = shot.shot_id;
   frame.record = record_of(shot);
   frame.ball_diameter_m = settings.ball.diameter_m;
@@ -76,10 +76,9 @@ std::optional<ArrivalPrior> arrival_prior(const shot_t& shot, const Track& track
   return std::nullopt;
 }
 
-/// What is to be said of the flashes from the first to the last that shows the ball; a double flash counts
-/// where another plausible match would put it among them. So does light just before the first and just after
-/// the last, and a flash there that no sensor saw: if it showed the ball after all, all images of a leg are
-/// one flash off.
+/// Flags of the flashes from the first to the last that shows the ball. A double flash also counts where
+/// another plausible match puts it among them, and a double or missing flash next to them: if it made an image
+/// after all, a leg's images are one flash off.
 FlagSet flash_flags(const FlashTimes& times, const FlashMatch& match, int first, int last) {
   FlagSet flags;
   const auto next_to = [first, last](int index) { return index >= first - 1 && index <= last + 1; };
@@ -87,9 +86,9 @@ FlagSet flash_flags(const FlashTimes& times, const FlashMatch& match, int first,
   for (std::size_t i = 0; i < times.seen.size(); ++i) {
     const ObservedFlash& flash = times.seen[i];
     const bool shows = flash.index >= first && flash.index <= last;
-    // A second light leaves the intervals as they are: only the images could tell which flash it was.
-    const bool may_show = i < match.may_show.size() && match.may_show[i] != 0;
-    if (flash.doubled && (shows || may_show || next_to(flash.index))) flags.set(Flag::double_flash);
+    // A second flash of a lamp leaves the intervals as they are: only the images could tell which it was.
+    const bool possible = i < match.possibly_imaged.size() && match.possibly_imaged[i] != 0;
+    if (flash.doubled && (shows || possible || next_to(flash.index))) flags.set(Flag::double_flash);
     if (!shows) continue;
     if (flash.late) flags.set(Flag::late_flash);
     if (flash.sensor_silent) flags.set(Flag::sensor_missing);
@@ -102,14 +101,14 @@ FlagSet flash_flags(const FlashTimes& times, const FlashMatch& match, int first,
   return flags;
 }
 
-void put_times(Frame& frame, const FlashTimes& times, const FlashMatch& match) {
-  const auto seen = [&](std::size_t image) -> const ObservedFlash& {
+void set_times(Frame& frame, const FlashTimes& times, const FlashMatch& match) {
+  const auto flash = [&](std::size_t image) -> const ObservedFlash& {
     return times.seen[static_cast<std::size_t>(match.flash[image])];
   };
   for (std::size_t i = 0; i < frame.images.size(); ++i) {
-    frame.images[i].time_s = since_s(seen(i).time_ns, seen(0).time_ns);
-    frame.images[i].time_sd_s = seen(i).time_sd_s;
-    frame.images[i].flash_index = seen(i).index;
+    frame.images[i].time_s = since_s(flash(i).time_ns, flash(0).time_ns);
+    frame.images[i].time_sd_s = flash(i).time_sd_s;
+    frame.images[i].flash_index = flash(i).index;
   }
 }
 
@@ -120,7 +119,7 @@ AssembledShot unmatched(AssembledShot shot, Flag flag, std::string problem) {
   return shot;
 }
 
-bool measured_by_nobody(const FlashTimes& times, const shot_t& shot) {
+bool no_sensor_fired(const FlashTimes& times, const shot_t& shot) {
   return !times.measured && !times.seen.empty() && (shot.sensor_a_fitted || shot.sensor_b_fitted);
 }
 
@@ -156,7 +155,7 @@ AssembledShot assemble(const shot_t& shot, const frame_t& message, const Assembl
   auto frame = messages::frame_from_lcm(message);
   if (!frame) return unmatched(result, Flag::degenerate_geometry, frame.error().message);
   result.frame = std::move(*frame);
-  complete(result.frame, shot, settings);
+  set_rig(result.frame, shot, settings);
   if (message.images.empty())
     return unmatched(result, Flag::too_few_images, "no image of the ball on the photograph");
   const auto track = image_track(message, settings.ball.diameter_m, result.frame.surface_angle_deg);
@@ -166,7 +165,7 @@ AssembledShot assemble(const shot_t& shot, const frame_t& message, const Assembl
                                              : "the frame has no surface line or an image without a size");
   }
   FlashTimes times = flash_times(shot);
-  if (measured_by_nobody(times, shot)) result.flags.set(Flag::sensor_missing);
+  if (no_sensor_fired(times, shot)) result.flags.set(Flag::sensor_missing);
   if (times.seen.empty())
     return unmatched(result, Flag::missing_flash, "images, but no flash was seen or issued");
   if (!times.in_order) {
@@ -179,7 +178,7 @@ AssembledShot assemble(const shot_t& shot, const frame_t& message, const Assembl
     times_s.push_back(since_s(flash.time_ns, times.seen.front().time_ns));
   const auto match = match_flashes(times_s, *track, arrival_prior(shot, *track, times, settings));
   if (!match) return unmatched(result, Flag::flash_match_ambiguous, "more images than flashes were seen");
-  put_times(result.frame, times, *match);
+  set_times(result.frame, times, *match);
   result.match_ambiguity = match->ambiguity;
   if (match->ambiguity > kMaxAmbiguity) result.flags.set(Flag::flash_match_ambiguous);
   const reduction::ImagedFlashes flashes{*result.frame.images.front().flash_index,

@@ -14,7 +14,7 @@
 
 namespace strobe::host {
 
-/// What the assembly needs to know of the rig.
+/// The rig's part of the assembly's input.
 struct AssemblySettings {
   BallSettings ball;
   AnalysisSettings analysis;
@@ -27,9 +27,9 @@ struct AssembledShot {
   reduction::Frame
       frame;  ///< images with the times of their flashes, from the first image's; empty if unmatched
   reduction::FlagSet flags;      ///< of the flashes that show the ball, the match, the sensors and the shot
-  double match_ambiguity = 0.0;  ///< FlashMatch::doubt
-  std::optional<reduction::ImagedFlashes> flashes;  ///< nothing if unmatched
-  std::string problem;  ///< words for a person where the frame could not be matched; else empty
+  double match_ambiguity = 0.0;  ///< FlashMatch::ambiguity
+  std::optional<reduction::ImagedFlashes> flashes;  ///< absent if unmatched
+  std::string problem;  ///< why the frame could not be matched, for a person; else empty
 };
 
 /// Never throws for what a message can hold.
@@ -44,7 +44,7 @@ reduction::Readout empty_readout(const strobe_msgs::shot_t& shot, const reductio
 
 struct ShotReadout {
   reduction::Readout readout;
-  std::string problem;  ///< words for a person; empty: nothing to say beyond the flags
+  std::string problem;  ///< for a person; empty if the flags say all
 };
 
 /// Assembles and reduces with the best estimator. A frame that cannot be reduced gives a readout without
@@ -52,8 +52,8 @@ struct ShotReadout {
 ShotReadout shot_readout(const strobe_msgs::shot_t& shot, const strobe_msgs::frame_t& frame,
                          const AssemblySettings& settings);
 
-/// Flags of the shot itself, whatever the photograph shows: aborted, events lost before the journal,
-/// a shutter that did not tell as it should.
+/// Flags of the shot itself, whatever the photograph shows: aborted, events lost before the journal, missing or
+/// late feedback of the shutter.
 reduction::FlagSet shot_flags(const strobe_msgs::shot_t& shot);
 
 }  // namespace strobe::host

@@ -1,7 +1,9 @@
 #include "host/assembly/flash_match.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numeric>
 
@@ -11,13 +13,13 @@
 namespace strobe::host {
 namespace {
 
-// -2 ln of 0.5 %: how rarely a flash that showed the ball is left out of the digitized frame.
-constexpr double kUnseenPenalty = 10.6;
+// -2 ln of 0.5 %: how rarely an image of the ball is missing from the digitized frame.
+constexpr double kMissedPenalty = 10.6;
 // An error of 3 sd is a wrong number; a larger one is no worse.
 constexpr double kMaxSquaredError = 9.0;
-// Contact images and penalties need not be looked at where the flight alone is this much worse than the best.
-constexpr double kHopeless = 60.0;
-// -2 ln of 1/10: an assignment ten times less likely than the best is not to be reckoned with.
+// An assignment whose flight alone is this much worse than the best has a negligible probability.
+constexpr double kNegligible = 60.0;
+// -2 ln of 1/10: an assignment ten times less likely than the best is implausible.
 constexpr double kImplausible = 4.6;
 
 struct Legs {
@@ -59,7 +61,7 @@ double prior_penalty(const LegCandidate& in, const LegCandidate& out, std::span<
   return 2.0 * std::log1p(z * z);
 }
 
-/// The two legs put together; nothing where the contact images do not fit between them.
+/// Combines candidates of both legs into assignments of all images.
 class Matcher {
  public:
   Matcher(std::span<const double> times_s, const Track& track, const std::optional<ArrivalPrior>& prior)
@@ -86,21 +88,21 @@ class Matcher {
         return !c.empty() && c.first() < first;
       });
       for (; out != outs.end(); ++out) {
-        if (!in.empty() && !out->empty() && out->first() > least + kMaxUnseen) break;
+        if (!in.empty() && !out->empty() && out->first() > least + kMaxMissed) break;
         consider(in, *out);
       }
     }
   }
 
   void consider(const LegCandidate& in, const LegCandidate& out) {
-    int unseen = in.unseen + out.unseen;
-    if (!in.empty() && !out.empty()) unseen += out.first() - in.last() - 1 - contact_count();
+    int missed = in.missed + out.missed;
+    if (!in.empty() && !out.empty()) missed += out.first() - in.last() - 1 - contact_count();
     if (out.empty() && !in.empty() && in.last() + contact_count() >= flash_count()) return;
-    Pair pair{&in, &out, in.chi_squared + out.chi_squared, kUnseenPenalty * unseen};
-    if (pair.score(scale_) > best_score_ + kHopeless) return;
+    Pair pair{&in, &out, in.chi_squared + out.chi_squared, kMissedPenalty * missed};
+    if (pair.score(scale_) > best_score_ + kNegligible) return;
     pair.penalty += prior_penalty(in, out, times_s_, prior_);
     if (in.crossing && out.crossing) pair.penalty += contact_penalty(rebound_of(in, out, track_));
-    if (!std::isfinite(pair.penalty) || pair.score(scale_) > best_score_ + kHopeless) return;
+    if (!std::isfinite(pair.penalty) || pair.score(scale_) > best_score_ + kNegligible) return;
     pair.penalty += contact_flashes(legs_.contact, in, out, times_s_, track_).chi_squared;
     best_score_ = std::min(best_score_, pair.score(scale_));
     pairs_.push_back(pair);
@@ -139,15 +141,19 @@ class Matcher {
     const auto contact = contact_flashes(legs_.contact, *chosen.in, *chosen.out, times_s_, track_).flash;
     match.flash.insert(match.flash.end(), contact.begin(), contact.end());
     match.flash.insert(match.flash.end(), chosen.out->flash.begin(), chosen.out->flash.end());
+    assert(match.flash.size() == track_.images.size());
+    assert(std::adjacent_find(match.flash.begin(), match.flash.end(), std::greater_equal<>()) ==
+           match.flash.end());
+    assert(match.flash.front() >= 0 && match.flash.back() < flash_count());
     match.chi_squared = chosen.chi_squared;
     match.ambiguity = ambiguity(chosen, scale);
     match.misassignment_probability = misassignment_probability(chosen, scale);
-    match.may_show = may_show(chosen, scale);
+    match.possibly_imaged = possibly_imaged(chosen, scale);
     return match;
   }
 
   /// Where equal intervals leave the offset open, a flash next to the ball's may have been one of them.
-  std::vector<char> may_show(const Pair& chosen, double scale) const {
+  std::vector<char> possibly_imaged(const Pair& chosen, double scale) const {
     std::vector<char> marked(times_s_.size(), 0);
     for (const Pair& pair : pairs_) {
       if (pair.score(scale) - chosen.score(scale) > kImplausible) continue;
@@ -163,7 +169,7 @@ class Matcher {
     double error = 0.0, all = 0.0;
     for (const Pair& pair : pairs_) {
       const double delta = pair.score(scale) - chosen.score(scale);
-      if (delta > kHopeless) continue;
+      if (delta > kNegligible) continue;
       const double weight = std::exp(-0.5 * delta);
       all += weight;
       error += weight * std::min(squared_error(pair, chosen) / scale, kMaxSquaredError);
@@ -198,7 +204,7 @@ class Matcher {
     return worst;
   }
 
-  /// One flash after the other, around the expected arrival or else the middle of the exposure.
+  /// Consecutive flashes around the expected arrival, else around the middle of the exposure.
   FlashMatch in_order() const {
     const int count = static_cast<int>(track_.images.size());
     const double around = prior_ ? prior_->touchdown_s : 0.5 * (times_s_.front() + times_s_.back());
@@ -226,6 +232,7 @@ class Matcher {
 
 std::optional<FlashMatch> match_flashes(std::span<const double> times_s, const Track& track,
                                         const std::optional<ArrivalPrior>& prior) {
+  assert(std::is_sorted(times_s.begin(), times_s.end()));
   if (times_s.size() < track.images.size()) return std::nullopt;
   if (track.images.empty()) return FlashMatch{};
   return Matcher(times_s, track, prior).run();

@@ -35,7 +35,7 @@ bool usable(const ball_image_t& image) {
          (has_diameter(image) || image.leg == ball_image_t::LEG_CONTACT);
 }
 
-/// Median diameter, of the images that nobody saw in contact if there are any: contact flattens the ball.
+/// Median diameter of the images that are not labelled contact, if there are any: contact flattens the ball.
 std::optional<double> ball_diameter_px(const frame_t& frame) {
   std::vector<double> diameters;
   for (const bool all : {false, true}) {

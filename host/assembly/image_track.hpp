@@ -8,9 +8,9 @@
 
 namespace strobe::host {
 
-/// Levels the photograph, finds the scale and says which images were in the air. A leg that the frame names
-/// is kept unless the centre lies clearly less than a radius above the surface; a leg that it leaves open is
-/// found. Nothing if there is no surface line, no positive diameter, or a coordinate that is not finite.
+/// The images' centres in the surface's axes, with their scale, noise and legs. A leg that the frame names is
+/// kept unless the centre is clearly less than a radius above the surface; the others are classified.
+/// Returns nullopt without a surface line or a positive diameter, or if a coordinate is not finite.
 std::optional<Track> image_track(const strobe_msgs::frame_t& frame, double ball_diameter_m,
                                  double surface_angle_deg);
 

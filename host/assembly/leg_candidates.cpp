@@ -12,7 +12,7 @@ constexpr double kStepTolerance = 0.45;
 
 double distance(const TrackPoint& a, const TrackPoint& b) { return (a.centre_px - b.centre_px).norm(); }
 
-/// The number of the flash nearest to the time, after the given one; nothing past the end.
+/// The number of the flash nearest to the time, after the given one; nullopt past the end.
 std::optional<int> nearest_after(std::span<const double> times_s, int after, double time_s) {
   const auto begin = times_s.begin() + after + 1;
   if (begin == times_s.end()) return std::nullopt;
@@ -31,15 +31,15 @@ std::vector<int> follow(std::span<const TrackPoint> images, std::span<const doub
   flash.push_back(first);
   flash.push_back(second);
   double path = distance(images[0], images[1]);
-  int unseen = second - first - 1;
+  int missed = second - first - 1;
   for (std::size_t i = 2; i < images.size(); ++i) {
     const double step = distance(images[i - 1], images[i]);
     const double predicted = step * (at(flash.back()) - at(first)) / path;
     const auto next = nearest_after(times_s, flash.back(), at(flash.back()) + predicted);
     if (!next || !std::isfinite(predicted)) return {};
     if (std::abs(at(*next) - at(flash.back()) - predicted) > kStepTolerance * predicted) return {};
-    unseen += *next - flash.back() - 1;
-    if (unseen > kMaxUnseen) return {};
+    missed += *next - flash.back() - 1;
+    if (missed > kMaxMissed) return {};
     flash.push_back(*next);
     path += step;
   }
@@ -67,7 +67,7 @@ LegCandidate candidate(std::span<const TrackPoint> images, std::span<const doubl
     result.fit.add(times_s[static_cast<std::size_t>(flash[i])], images[i].centre_px);
   result.chi_squared = chi_squared(images, times_s, flash, result.fit, track.sd_px);
   result.crossing = geometry::crossing(result.fit, track.radius_px);
-  result.unseen = flash.back() - flash.front() + 1 - static_cast<int>(flash.size());
+  result.missed = flash.back() - flash.front() + 1 - static_cast<int>(flash.size());
   result.flash = std::move(flash);
   return result;
 }
@@ -85,7 +85,7 @@ std::vector<LegCandidate> leg_candidates(std::span<const TrackPoint> images, std
       candidates.push_back(candidate(images, times_s, track, {first}));
       continue;
     }
-    for (int second = first + 1; second <= first + 1 + kMaxUnseen && second < count; ++second) {
+    for (int second = first + 1; second <= first + 1 + kMaxMissed && second < count; ++second) {
       std::vector<int> flash = follow(images, times_s, first, second);
       if (!flash.empty()) candidates.push_back(candidate(images, times_s, track, std::move(flash)));
     }

@@ -1,4 +1,4 @@
-// Every way in which the images of one leg can have been made by flashes: in order, at a steady speed.
+// All assignments of one leg's images to flashes: in order, at a steady speed.
 // No I/O; thread-safe; allocates.
 #pragma once
 
@@ -11,14 +11,13 @@
 
 namespace strobe::host {
 
-/// A flash between two images that made none (nobody saw it on the photograph) happens; three in a leg do
-/// not.
-inline constexpr int kMaxUnseen = 2;
+/// Flashes between two images of a leg whose image was not found: two happen, three do not.
+inline constexpr int kMaxMissed = 2;
 
 struct LegCandidate {
   /// For each image of the leg the number of its flash among the seen ones, ascending.
   std::vector<int> flash;
-  int unseen = 0;  ///< flashes between the first and the last that made no image
+  int missed = 0;  ///< flashes between the first and the last whose image was not found
   geometry::LegFit fit{Eigen::Vector2d::Zero()};  ///< centres in px, of unit weight
   double chi_squared = 0.0;  ///< both coordinates, in units of the noise; 2 count - 4 degrees of freedom
   std::optional<geometry::Crossing> crossing;  ///< touchdown or lift-off: the centre is a radius up
@@ -28,7 +27,7 @@ struct LegCandidate {
   int last() const { return flash.back(); }
 };
 
-/// Candidates in ascending order of their first flash. times_s: seen flashes, ascending. A leg without images
+/// Candidates in ascending order of their first flash. times_s: observed flashes, ascending. A leg without images
 /// has one empty candidate; a leg of one image may have been made by any flash.
 std::vector<LegCandidate> leg_candidates(std::span<const TrackPoint> images, std::span<const double> times_s,
                                          const Track& track);

@@ -19,7 +19,7 @@ struct Track {
   std::vector<TrackPoint> images;  ///< in the frame's order: incoming, contact, rebound
   double radius_px = 0.0;          ///< of the undeformed ball
   double px_per_m = 0.0;
-  double sd_px = 0.0;  ///< of each coordinate; stated, or 0.8 % of the diameter if the frame says nothing
+  double sd_px = 0.0;  ///< of each coordinate; as stated, else 0.8 % of the diameter
   Eigen::Vector2d gravity_pxps2 = Eigen::Vector2d::Zero();
 };
 
