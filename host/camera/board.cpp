@@ -110,7 +110,7 @@ cv::Point2d place(const BoardPattern& pattern, int column, int row) {
 
 Result<BoardView> find(const digitize::Photograph& photograph, const BoardPattern& pattern) {
   double scale = 1.0;
-  const cv::Mat bytes = for_detection(photograph.light, scale);
+  const cv::Mat bytes = for_detection(photograph.intensity, scale);
   std::vector<cv::Point2f> points;
   if (!detect(bytes, pattern, points)) {
     return fail(fmt::format("{}: no {} is seen as a whole", photograph.name, describe(pattern)));
@@ -118,8 +118,8 @@ Result<BoardView> find(const digitize::Photograph& photograph, const BoardPatter
   // Shrinking by areas keeps pixels' borders in place, not their centres.
   const auto up = static_cast<float>(1.0 / scale);
   for (cv::Point2f& p : points) p = {(p.x + 0.5F) * up - 0.5F, (p.y + 0.5F) * up - 0.5F};
-  pattern.kind == BoardKind::chessboard ? refine_corners(photograph.light, points)
-                                        : refine_discs(photograph.light, points);
+  pattern.kind == BoardKind::chessboard ? refine_corners(photograph.intensity, points)
+                                        : refine_discs(photograph.intensity, points);
   BoardView view;
   view.name = photograph.name;
   for (int row = 0; row < pattern.rows; ++row) {

@@ -23,7 +23,7 @@ PlaneMap board_map(const LensDistortion& lens, const cv::Matx33d& homography) {
 }
 
 double log_scale(const PlaneMap& to_board, cv::Point2d image_px) {
-  const cv::Matx22d d = to_board.derivative(image_px);
+  const cv::Matx22d d = to_board.jacobian(image_px);
   return -0.5 * std::log(std::abs(d(0, 0) * d(1, 1) - d(0, 1) * d(1, 0)));
 }
 
@@ -62,7 +62,7 @@ double points_error(const BoardFit& fit, const CalibrationSettings& settings) {
 /// Board metres to plane px: at the photograph's centre x to the right, y up, a pixel a pixel.
 cv::Matx33d similarity(const PlaneMap& to_board, const CalibrationSettings& settings, double px_per_m) {
   const cv::Point2d centre(0.5 * (settings.width_px - 1), 0.5 * (settings.height_px - 1));
-  const cv::Matx22d d = to_board.derivative(centre);
+  const cv::Matx22d d = to_board.jacobian(centre);
   // Rotation (or reflection) nearest to the derivative's inverse; image rows count downwards.
   const double sign = d(0, 0) * d(1, 1) - d(0, 1) * d(1, 0) > 0.0 ? 1.0 : -1.0;
   const double turn = std::atan2(d(1, 0) - sign * d(0, 1), d(0, 0) + sign * d(1, 1));

@@ -17,7 +17,7 @@ std::optional<digitize::Viewpoint> viewpoint_of(const CameraTable& camera) {
 
 PlaneMap map_of(const CameraTable& camera, int height_px) {
   const auto viewpoint = viewpoint_of(camera);
-  if (!camera.map && !viewpoint) return PlaneMap::plain(height_px);
+  if (!camera.map && !viewpoint) return PlaneMap::uncalibrated(height_px);
   if (!camera.map) {
     const cv::Matx33d upside_down(1.0, 0.0, 0.0, 0.0, -1.0, height_px - 1.0, 0.0, 0.0, 1.0);
     return PlaneMap::calibrated({}, upside_down, viewpoint);

@@ -1,6 +1,6 @@
-// The automatic digitizer: a photograph in, a frame out, with a covariance for every centre, diameter and
-// angle, never a guess for what cannot be measured. Deterministic for any number of threads; no I/O;
-// thread-safe.
+// The automatic digitizer: from a photograph to a frame, with a covariance for every centre and an sd for
+// every diameter and angle. What cannot be measured is left out, never guessed. Deterministic for any number
+// of threads; no I/O; thread-safe; allocates.
 #pragma once
 
 #include <optional>
@@ -18,39 +18,32 @@
 namespace strobe::digitize {
 
 struct DigitizeSettings {
-  double ball_diameter_m = 0.0651;
+  double ball_diameter_m = 0.0651;  ///< 0.01 to 1
   std::optional<double> ball_diameter_sd_m;
-  double px_per_m = 0.0;              ///< in the ball's plane, > 0: a start, refined from the balls
-  std::optional<double> px_per_m_sd;  ///< present: calibrated, and handed on with the frame
-  /// How far the ball's size on the photograph may be from px_per_m·ball_diameter_m, as a share.
+  double px_per_m = 0.0;              ///< in the balls' plane, > 0; a first guess unless calibrated
+  std::optional<double> px_per_m_sd;  ///< present: px_per_m is calibrated, and copied to the frame
+  /// Largest relative difference of the ball's diameter from px_per_m·ball_diameter_m, above 0 and below 0.9.
   double size_tolerance = 0.08;
-  PlaneMap map = PlaneMap::plain(0);
-  std::optional<SurfaceLine> surface;  ///< of the calibration; absent: found from the plate
-  /// Present: flight to the right (false) or to the left (true) is known; absent: the bounce tells.
-  std::optional<bool> leftwards;
-  std::optional<std::vector<double>> flash_times_s;  ///< of all flashes, ascending; images then get theirs
+  PlaneMap map = PlaneMap::uncalibrated(0);
+  std::optional<SurfaceLine> surface;  ///< calibrated; absent: found from the plate
+  std::optional<bool> leftwards;       ///< known direction of flight; absent: estimated from the bounce
+  std::optional<std::vector<double>> flash_times_s;  ///< of all flashes, ascending
   Effort effort = Effort::standard;
-};
-
-/// A candidate that became no image, or an image's part that was not measured.
-struct Unmeasured {
-  cv::Point2d centre;  ///< plane px
-  double diameter = 0.0;
-  std::string what;  ///< "image", "equator", "diameter" ...
-  Rejection why;
 };
 
 struct Digitization {
   reduction::Frame frame;         ///< images in order of time; sources "auto"
-  std::vector<Outline> outlines;  ///< one an image, in the frame's order
+  std::vector<Outline> outlines;  ///< one for each image, in their order
   std::vector<Unmeasured> unmeasured;
   std::optional<Rejection> no_surface;                   ///< why there is no surface line
-  std::vector<std::string> remarks;                      ///< for a person: what may be doubted
-  std::vector<std::pair<std::string, double>> stage_ms;  ///< time spent, by stage
+  std::vector<std::string> remarks;                      ///< assumptions and ambiguities, for the operator
+  std::vector<std::pair<std::string, double>> stage_ms;  ///< wall time of each stage
 };
 
-/// Fails with one line for settings out of range. A photograph without a ball is a result: no images, and
-/// reasons.
+/// Fails with one line for settings out of range. A photograph without a ball gives no images, but reasons.
 Result<Digitization> digitize(const Photograph& photograph, const DigitizeSettings& settings);
+
+/// Finds order, legs and times of the images again, after some were changed.
+void reorder_images(Digitization& digitization, const DigitizeSettings& settings);
 
 }  // namespace strobe::digitize

@@ -49,7 +49,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   require(!corrections->empty());
   DigitizeSettings settings;
   settings.px_per_m = 800.0;
-  settings.map = PlaneMap::plain(400);
+  settings.map = PlaneMap::uncalibrated(400);
   settings.flash_times_s = {{0.0, 0.003, 0.006, 0.009}};
   Digitization found = three_images();
   if (const auto applied = apply_corrections(found, *corrections, settings); !applied) {

@@ -31,7 +31,7 @@ Photograph photograph_of(const std::uint8_t* bytes, std::size_t size) {
   if (height < 16 || height > 160) return photograph;
   cv::Mat numbers(height, width, CV_8UC1);
   std::copy_n(bytes + kSettings, numbers.total(), numbers.ptr<std::uint8_t>());
-  numbers.convertTo(photograph.light, CV_32F, 1.0 / 255.0);
+  numbers.convertTo(photograph.intensity, CV_32F, 1.0 / 255.0);
   photograph.saturation = static_cast<float>(0.2 + 0.8 * bytes[3] / 255.0);
   return photograph;
 }
@@ -44,7 +44,7 @@ DigitizeSettings settings_of(const std::uint8_t* bytes, const Photograph& photog
   if (has(bytes[0], 1)) settings.leftwards = has(bytes[0], 2);
   if (has(bytes[0], 3)) settings.px_per_m_sd = 0.001 * settings.px_per_m;
   settings.size_tolerance = 0.01 + 0.2 * bytes[5] / 255.0;
-  settings.map = PlaneMap::plain(photograph.height());
+  settings.map = PlaneMap::uncalibrated(photograph.height());
   if (has(bytes[0], 4)) {
     settings.flash_times_s.emplace();
     for (int i = 0; i < bytes[4]; ++i)
@@ -82,7 +82,7 @@ void check(const reduction::BallImage& image, bool timed) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (size < kSettings) return 0;
   const Photograph photograph = photograph_of(data, size);
-  if (photograph.light.empty()) return 0;
+  if (photograph.intensity.empty()) return 0;
   const DigitizeSettings settings = settings_of(data, photograph);
   const auto found = digitize::digitize(photograph, settings);
   if (!found) {

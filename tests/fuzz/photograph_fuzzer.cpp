@@ -29,8 +29,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   require(photograph->width() >= 16 && photograph->height() >= 16);
   require(photograph->bits == 1 || photograph->bits == 8 || photograph->bits == 16);
   require(photograph->saturation > 0.0F && photograph->saturation <= 1.0F);
-  require(photograph->light.type() == CV_32FC1);
-  require(cv::checkRange(photograph->light, true, nullptr, 0.0, 1.0001));
+  require(photograph->intensity.type() == CV_32FC1);
+  require(cv::checkRange(photograph->intensity, true, nullptr, 0.0, 1.0001));
   if (std::int64_t{photograph->width()} * photograph->height() > kMaxSearched) return 0;
   for (const auto& candidate : find_candidates(*photograph, {6.0, 9.0}, Effort::fast)) {
     require(candidate.radius_image_px >= 6.0 && candidate.radius_image_px <= 9.0);

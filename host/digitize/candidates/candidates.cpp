@@ -13,31 +13,31 @@ namespace strobe::digitize {
 
 namespace {
 
-/// The photograph made smaller by a whole number, so that the ball's radius is what the search needs.
+/// The photograph, downsampled by a whole number to the ball's radius that the search needs.
 struct Reduced {
-  cv::Mat light;
+  cv::Mat intensity;
   int factor = 1;
   double to_full(double at) const { return (at + 0.5) * factor - 0.5; }
 };
 
-Reduced made_smaller(const cv::Mat& light, double radius_px, Effort effort) {
+Reduced downsample(const cv::Mat& intensity, double radius_px, Effort effort) {
   const double wanted = effort == Effort::fast ? 25.0 : 32.0;
   Reduced reduced;
   reduced.factor = std::max(1, static_cast<int>(radius_px / wanted));
-  reduced.factor = std::min(reduced.factor, std::min(light.cols, light.rows));
+  reduced.factor = std::min(reduced.factor, std::min(intensity.cols, intensity.rows));
   if (reduced.factor == 1) {
-    reduced.light = light;
+    reduced.intensity = intensity;
     return reduced;
   }
   const int f = reduced.factor;
-  const cv::Size size(light.cols / f, light.rows / f);
-  cv::resize(light(cv::Rect(0, 0, size.width * f, size.height * f)), reduced.light, size, 0, 0,
+  const cv::Size size(intensity.cols / f, intensity.rows / f);
+  cv::resize(intensity(cv::Rect(0, 0, size.width * f, size.height * f)), reduced.intensity, size, 0, 0,
              cv::INTER_AREA);
   return reduced;
 }
 
-/// Each edge votes for all centres that it may belong to: a stretch along its normal direction. Votes lie on
-/// a grid wider than the picture, as a ball's centre may be off it.
+/// Each edge point votes for the centres along its normal. The accumulator is wider than the picture, as a
+/// ball's centre may be off it.
 struct Votes {
   cv::Mat count;   // CV_32FC1
   int margin = 0;  // of the grid around the picture
@@ -91,18 +91,18 @@ std::vector<Peak> peaks_of(const Votes& votes, double radius, std::size_t most) 
 
 struct Scored {
   SupportedCircle supported;
-  std::size_t round = 0;  ///< how many circles had claimed their edges when it was fitted
+  std::size_t round = 0;  ///< number of circles found when it was fitted
   std::size_t peak = 0;
   bool operator<(const Scored& other) const {
-    if (supported.share != other.supported.share) return supported.share < other.supported.share;
+    if (supported.coverage != other.supported.coverage) return supported.coverage < other.supported.coverage;
     return peak > other.peak;
   }
 };
 
-/// Edges that far off a circle, and a fit's shift, may make a difference to it. [px]
-constexpr double kBandsReach = 16.0;
+/// How far from a circle edge points may change its fit [px].
+constexpr double kFitReach = 16.0;
 
-/// The circle with the largest share of its outline seen first; then the next by what edges that one leaves.
+/// Greedy: the circle with the largest coverage claims its edge points, then the next by what is left.
 std::vector<SupportedCircle> best_first(CircleSupport& edges, const std::vector<Peak>& peaks,
                                         double radius_min, double radius_max, double min_coverage) {
   const double middle = 0.5 * (radius_min + radius_max);
@@ -113,23 +113,23 @@ std::vector<SupportedCircle> best_first(CircleSupport& edges, const std::vector<
   });
   std::priority_queue<Scored> queue;
   for (std::size_t i = 0; i < peaks.size(); ++i)
-    if (fitted[i].share >= min_coverage) queue.push({fitted[i], 0, i});
+    if (fitted[i].coverage >= min_coverage) queue.push({fitted[i], 0, i});
   std::vector<SupportedCircle> found;
-  // Whether a circle found since then may have claimed edges of this one.
-  const auto robbed = [&](const Scored& scored) {
+  // A circle found since its fit may have claimed its edge points.
+  const auto outdated = [&](const Scored& scored) {
     return std::any_of(found.begin() + static_cast<std::ptrdiff_t>(scored.round), found.end(),
                        [&](const SupportedCircle& other) {
                          return cv::norm(other.circle.centre - scored.supported.circle.centre) <
-                                2.0 * radius_max + kBandsReach;
+                                2.0 * radius_max + kFitReach;
                        });
   };
   while (!queue.empty()) {
     Scored best = queue.top();
     queue.pop();
-    if (robbed(best)) {
+    if (outdated(best)) {
       best.supported = edges.fit(best.supported.circle, radius_min, radius_max);
       best.round = found.size();
-      if (best.supported.share >= min_coverage) queue.push(best);
+      if (best.supported.coverage >= min_coverage) queue.push(best);
       continue;
     }
     const Circle& circle = best.supported.circle;
@@ -152,28 +152,28 @@ std::vector<Candidate> find_candidates(const Photograph& photograph, const Searc
       range.radius_max_px > largest)
     return {};
   const double middle = 0.5 * (range.radius_min_px + range.radius_max_px);
-  const Reduced reduced = made_smaller(photograph.light, middle, effort);
-  if (std::min(reduced.light.cols, reduced.light.rows) < 3) return {};
+  const Reduced reduced = downsample(photograph.intensity, middle, effort);
+  if (std::min(reduced.intensity.cols, reduced.intensity.rows) < 3) return {};
   const double radius_min = range.radius_min_px / reduced.factor,
                radius_max = range.radius_max_px / reduced.factor;
   const double radius = middle / reduced.factor;
 
-  EdgeDetection search;
-  search.neighbourhood_px = radius;
-  // A sixteenth of an 8-bit number per px: less is rounding.
-  search.floor = 0.0625 / 255.0;
-  auto edges = find_edge_points(reduced.light, search);
-  const Votes votes = vote(edges, reduced.light.size(), radius_min, radius_max);
+  EdgeDetection detection;
+  detection.neighbourhood_px = radius;
+  // A sixteenth of an 8-bit step per px: less is quantization.
+  detection.floor = 0.0625 / 255.0;
+  auto edges = find_edge_points(reduced.intensity, detection);
+  const Votes votes = vote(edges, reduced.intensity.size(), radius_min, radius_max);
   const auto peaks = peaks_of(votes, radius, 250);
-  CircleSupport support(std::move(edges), reduced.light.size());
+  CircleSupport support(std::move(edges), reduced.intensity.size());
   const auto circles = best_first(support, peaks, radius_min, radius_max, range.min_coverage);
 
   std::vector<Candidate> candidates;
-  for (const auto& [circle, share, deviation] : circles)
+  for (const auto& [circle, coverage] : circles)
     candidates.push_back({{reduced.to_full(circle.centre.x), reduced.to_full(circle.centre.y)},
                           circle.radius * reduced.factor,
-                          share});
-  // A circle refitted to what others left may have gained.
+                          coverage});
+  // A refit may have increased the coverage.
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const Candidate& a, const Candidate& b) { return a.score > b.score; });
   return candidates;

@@ -11,22 +11,23 @@ namespace strobe::digitize {
 namespace {
 
 constexpr int kCell = 8;
-/// An edge on the outline points to the centre within this.
+/// Least cosine between an edge point's normal and the radius.
 constexpr double kAligned = 0.94;  // cos 20 degrees
 constexpr std::size_t kSectors = 72;
 
 int cell_of(float at, int cells) { return std::clamp(static_cast<int>(at) / kCell, 0, cells - 1); }
 
-/// Sums of least squares for a shift of the centre and a change of the radius.
+/// Least squares for the change of centre and radius.
 class CircleStep {
  public:
-  /// Held lightly where it is, so that a short arc does not run away.
-  CircleStep(double centre_hold, double radius_hold, double radius_off) {
-    normal_(0, 0) = normal_(1, 1) = centre_hold;
-    normal_(2, 2) = radius_hold;
-    right_(2) = -radius_hold * radius_off;
+  /// With a weak prior, so that a short arc does not diverge: precisions, and the radius' distance from its
+  /// prior.
+  CircleStep(double centre_precision, double radius_precision, double radius_off) {
+    normal_(0, 0) = normal_(1, 1) = centre_precision;
+    normal_(2, 2) = radius_precision;
+    right_(2) = -radius_precision * radius_off;
   }
-  /// An edge in the direction (ux, uy) from the centre, `beyond` the radius.
+  /// An edge point in the direction (ux, uy) from the centre, `beyond` the radius.
   void add(double ux, double uy, double beyond) {
     const cv::Vec3d row(ux, uy, 1.0);
     for (int i = 0; i < 3; ++i) {
@@ -41,8 +42,8 @@ class CircleStep {
   cv::Vec3d right_{0.0, 0.0, 0.0};
 };
 
-/// Share of the sectors that are in stretches of at least three, with gaps of one closed.
-double share_in_stretches(std::array<bool, kSectors> seen) {
+/// Fraction of the sectors that are in runs of at least three, with gaps of one closed.
+double coverage_of(std::array<bool, kSectors> seen) {
   const auto at = [](std::size_t i) { return i % kSectors; };
   const auto before = seen;
   for (std::size_t i = 0; i < kSectors; ++i)
@@ -50,9 +51,9 @@ double share_in_stretches(std::array<bool, kSectors> seen) {
   std::size_t count = 0;
   for (std::size_t i = 0; i < kSectors; ++i) {
     const std::size_t far_left = at(i + kSectors - 2), left = at(i + kSectors - 1), right = at(i + 1);
-    const bool in_stretch =
+    const bool in_run =
         (seen[left] && seen[right]) || (seen[left] && seen[far_left]) || (seen[right] && seen[at(i + 2)]);
-    count += seen[i] && in_stretch ? 1 : 0;
+    count += seen[i] && in_run ? 1 : 0;
   }
   return static_cast<double>(count) / kSectors;
 }
@@ -123,16 +124,11 @@ SupportedCircle CircleSupport::fit(const Circle& start, double radius_min, doubl
     circle.radius = std::clamp(circle.radius + change(2), radius_min, radius_max);
   }
   std::array<bool, kSectors> seen{};
-  double squares = 0.0;
-  std::size_t count = 0;
-  visit_ring(circle, kBands.back(), [&](std::size_t, double ux, double uy, double beyond) {
+  visit_ring(circle, kBands.back(), [&](std::size_t, double ux, double uy, double) {
     const double turn = std::atan2(uy, ux) / (2 * std::numbers::pi) + 1.0;
     seen[static_cast<std::size_t>(turn * kSectors) % kSectors] = true;
-    squares += beyond * beyond;
-    ++count;
   });
-  return {circle, share_in_stretches(seen),
-          count > 0 ? std::sqrt(squares / static_cast<double>(count)) : 0.0};
+  return {circle, coverage_of(seen)};
 }
 
 void CircleSupport::claim(const Circle& circle) {

@@ -1,5 +1,5 @@
-// Which edges lie on a circle, and the circle that fits them. Deterministic; a CircleSupport may be read by
-// many threads, claimed from by one; allocates.
+// Edge points in support of a circle, and the circle that fits them. Deterministic; a CircleSupport may be
+// read by many threads and claimed from by one; allocates.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -17,20 +17,19 @@ struct Circle {
 
 struct SupportedCircle {
   Circle circle;
-  double share = 0.0;      ///< of the turn where edges lie on it in stretches
-  double deviation = 0.0;  ///< rms of those edges from it
+  double coverage = 0.0;  ///< fraction of the circle with edge points, isolated ones not counted
 };
 
-/// Edges sorted into square cells, so that those near a circle are found without looking at all.
+/// Edge points in square cells, so that those near a circle are found without visiting all.
 class CircleSupport {
  public:
   CircleSupport(std::vector<EdgePoint> edges, cv::Size size);
 
-  /// Fits centre and radius to edges that point inwards along the radius, starting from `start`, by least
-  /// squares over a band that narrows; the radius stays within the bounds. Claimed edges are left out.
+  /// Least squares of centre and radius to unclaimed edge points with normals along the radius, from `start`,
+  /// within a band that narrows. The radius stays within the bounds.
   SupportedCircle fit(const Circle& start, double radius_min, double radius_max) const;
 
-  /// The edges on the circle are its own from now on.
+  /// Removes the circle's edge points from later fits.
   void claim(const Circle& circle);
 
  private:

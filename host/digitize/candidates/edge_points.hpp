@@ -1,5 +1,4 @@
-// The places of a photograph where brightness changes most steeply, as points that can vote for what they may
-// be the outline of. Deterministic; thread-safe; allocates.
+// Edge points: where intensity changes most steeply. Deterministic; thread-safe; allocates.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -7,21 +6,21 @@
 
 namespace strobe::digitize {
 
-/// A place of steepest brightness, in px of the picture given, with the direction towards the brighter side.
+/// In px of the picture.
 struct EdgePoint {
   cv::Point2f at;
-  cv::Point2f normal;  ///< unit vector
+  cv::Point2f normal;  ///< unit vector towards the brighter side
 };
 
 struct EdgeDetection {
-  double neighbourhood_px = 32.0;  ///< over which a gradient is judged: about the ball's radius
-  double prominence = 1.8;         ///< over the usual gradient around it
-  double floor = 0.0;              ///< light per px: no edge below it
+  double neighbourhood_px = 32.0;  ///< of the local threshold: about the ball's radius
+  double prominence = 1.8;         ///< threshold over the typical gradient around
+  double floor = 0.0;              ///< least gradient, intensity per px
 };
 
-/// `light`: CV_32FC1. Ridges of the gradient, thinned to one point across (Canny 1986) and placed by a
-/// parabola across. What counts as an edge depends on the gradients around it and not on the brightness, so
-/// that faint and bright images vote alike.
-std::vector<EdgePoint> find_edge_points(const cv::Mat& light, const EdgeDetection& search);
+/// `intensity`: CV_32FC1. Local maxima of the gradient along its direction (Canny 1986), with sub-pixel
+/// positions by a parabola. The threshold follows the gradients around and not the brightness, so that faint
+/// and bright images count alike.
+std::vector<EdgePoint> find_edge_points(const cv::Mat& intensity, const EdgeDetection& detection);
 
 }  // namespace strobe::digitize

@@ -69,7 +69,7 @@ cv::Matx22d derivative_of(const cv::Matx33d& h, cv::Point2d p) {
 
 }  // namespace
 
-PlaneMap PlaneMap::plain(int height_px) {
+PlaneMap PlaneMap::uncalibrated(int height_px) {
   PlaneMap map;
   map.height_px_ = height_px;
   return map;
@@ -78,7 +78,7 @@ PlaneMap PlaneMap::plain(int height_px) {
 PlaneMap PlaneMap::calibrated(const LensDistortion& lens, const cv::Matx33d& rectify,
                               const std::optional<Viewpoint>& viewpoint) {
   PlaneMap map;
-  map.plain_ = false;
+  map.uncalibrated_ = false;
   map.lens_ = lens;
   map.rectify_ = rectify;
   map.unrectify_ = rectify.inv();
@@ -87,22 +87,26 @@ PlaneMap PlaneMap::calibrated(const LensDistortion& lens, const cv::Matx33d& rec
 }
 
 cv::Point2d PlaneMap::to_plane(cv::Point2d image_px) const {
-  if (plain_) return {image_px.x, height_px_ - 1.0 - image_px.y};
+  if (uncalibrated_) return {image_px.x, height_px_ - 1.0 - image_px.y};
   const cv::Point2d ideal = undistort(lens_, (image_px - lens_.centre_px) * (1.0 / lens_.focal_px));
   return apply(rectify_, ideal * lens_.focal_px + lens_.centre_px);
 }
 
 cv::Point2d PlaneMap::to_image(cv::Point2d plane_px) const {
-  if (plain_) return {plane_px.x, height_px_ - 1.0 - plane_px.y};
+  if (uncalibrated_) return {plane_px.x, height_px_ - 1.0 - plane_px.y};
   const cv::Point2d ideal = (apply(unrectify_, plane_px) - lens_.centre_px) * (1.0 / lens_.focal_px);
   return distort(lens_, ideal).at * lens_.focal_px + lens_.centre_px;
 }
 
-cv::Matx22d PlaneMap::derivative(cv::Point2d image_px) const {
-  if (plain_) return {1.0, 0.0, 0.0, -1.0};
+cv::Matx22d PlaneMap::jacobian(cv::Point2d image_px) const {
+  if (uncalibrated_) return {1.0, 0.0, 0.0, -1.0};
   const cv::Point2d ideal = undistort(lens_, (image_px - lens_.centre_px) * (1.0 / lens_.focal_px));
   return derivative_of(rectify_, ideal * lens_.focal_px + lens_.centre_px) *
          inverse(distort(lens_, ideal).derivative);
+}
+
+double PlaneMap::image_px_per_plane_px(cv::Point2d image_px) const {
+  return 1.0 / std::sqrt(std::abs(determinant(jacobian(image_px))));
 }
 
 EllipsePx PlaneMap::outline(cv::Point2d centre_px, double diameter_px) const {

@@ -1,9 +1,9 @@
-// Between a photograph and the plane in which balls fly, as a calibrated camera would see it straight on
+// Maps between a photograph and the plane in which the balls fly, as a camera square to it would see it
 // ("plane px": x to the right, y up, one scale everywhere; the coordinates of frames). Plain values;
 // thread-safe; no allocation.
 //
-// Without a calibration it is x = column, y = height - 1 - row. With one (host/camera) the lens is undone
-// first, then the tilt of the camera against the plane.
+// Without a calibration x = column and y = height - 1 - row. With one (host/camera) the lens distortion is
+// removed first, then the homography's tilt.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -19,16 +19,16 @@ struct LensDistortion {
   double k1 = 0.0, k2 = 0.0, p1 = 0.0, p2 = 0.0;
 };
 
-/// Where the lens is, seen from the plane: a ball then shows as an ellipse.
+/// Where the lens is, seen from the plane. A ball's outline is an ellipse from there.
 struct Viewpoint {
-  cv::Point2d foot_px;       ///< of the perpendicular from the lens, plane px
+  cv::Point2d foot_px;       ///< of the perpendicular from the lens to the plane, plane px
   double distance_px = 0.0;  ///< lens to plane, > 0
 };
 
 /// An ellipse in plane px.
 struct EllipsePx {
   cv::Point2d centre;
-  double along = 0.0;  ///< half axis in the direction axis_rad
+  double along = 0.0;  ///< semi-axis in the direction axis_rad
   double across = 0.0;
   double axis_rad = 0.0;  ///< counter-clockwise from +x
 };
@@ -36,24 +36,26 @@ struct EllipsePx {
 class PlaneMap {
  public:
   /// x = column, y = height_px - 1 - row.
-  static PlaneMap plain(int height_px);
-  /// rectify: homogeneous 3x3 from undistorted image px (x, row) to plane px.
+  static PlaneMap uncalibrated(int height_px);
+  /// rectify: homography from undistorted image px (column, row) to plane px.
   static PlaneMap calibrated(const LensDistortion& lens, const cv::Matx33d& rectify,
                              const std::optional<Viewpoint>& viewpoint);
 
   cv::Point2d to_plane(cv::Point2d image_px) const;
   cv::Point2d to_image(cv::Point2d plane_px) const;
-  /// d(plane)/d(image) there.
-  cv::Matx22d derivative(cv::Point2d image_px) const;
-  bool is_uncalibrated() const { return plain_; }
+  /// d(plane)/d(image).
+  cv::Matx22d jacobian(cv::Point2d image_px) const;
+  /// Linear scale of the photograph there, from the ratio of areas.
+  double image_px_per_plane_px(cv::Point2d image_px) const;
+  bool is_uncalibrated() const { return uncalibrated_; }
 
-  /// The outline of a ball of that diameter with its centre in the plane at `centre_px`: by the perspective
-  /// of a sphere where the viewpoint is known, else the circle.
+  /// The outline of a ball with its centre in the plane at `centre_px`: a sphere's perspective image where
+  /// the viewpoint is known, else a circle.
   EllipsePx outline(cv::Point2d centre_px, double diameter_px) const;
   const std::optional<Viewpoint>& viewpoint() const { return viewpoint_; }
 
  private:
-  bool plain_ = true;
+  bool uncalibrated_ = true;
   double height_px_ = 0.0;
   LensDistortion lens_;
   cv::Matx33d rectify_ = cv::Matx33d::eye();

@@ -1,5 +1,5 @@
-// What the stages of the digitizer hand to each other. Coordinates: image px (photograph.hpp) where a name
-// says image, else plane px (plane_map.hpp). Plain values.
+// What the digitizer's stages pass to each other. Coordinates are image px (image/photograph.hpp) where a
+// name says image, else plane px (plane_map.hpp). Plain values.
 #pragma once
 
 #include <algorithm>
@@ -13,26 +13,26 @@
 
 namespace strobe::digitize {
 
-/// How much time is spent: fast, standard, or thorough: outlines measured several times over.
+/// How much time is spent; thorough measures each outline several times.
 enum class Effort { fast, standard, thorough };
 
 std::string_view name(Effort effort);
 std::optional<Effort> effort_from_name(std::string_view name);
 
-/// Why something that looked like an image of the ball, or a part of it, was not measured. A closed list.
+/// Why a candidate became no image, or a part of an image was not measured. A closed list.
 enum class Reason {
-  few_edges,   ///< too little of its outline is seen
+  few_edges,   ///< too little of its outline is visible
   wrong_size,  ///< not the ball's size
   not_round,   ///< the outline is no ellipse that a ball can have
   off_path,    ///< not on the ball's path
   at_border,   ///< cut off by the photograph's border
-  saturated,   ///< too bright to tell
-  duplicate,   ///< another candidate fits the same outline better
+  saturated,
+  duplicate,  ///< another candidate fits the same outline better
   below_surface,
-  no_line,         ///< no equator line is seen
+  no_line,         ///< no equator line is visible
   line_ambiguous,  ///< two lines are as likely
-  no_plate,        ///< no surface line is seen
-  imprecise,       ///< the standard deviation would be beyond use
+  no_plate,        ///< no surface line is visible
+  imprecise,       ///< its standard deviation is too large
   by_hand,         ///< a person removed it
 };
 
@@ -40,46 +40,53 @@ std::string_view name(Reason reason);
 
 struct Rejection {
   Reason reason = Reason::few_edges;
-  std::string detail;  ///< for a person, with numbers: "outline seen over 41 of 360 degrees"
+  std::string detail;  ///< with numbers: "outline seen over 41 of 360 degrees"
 };
 
 template <typename T>
 using Measured = tl::expected<T, Rejection>;
 
-/// A place where an outline of the ball's size may be.
+/// A candidate that became no image, or a part of an image that was not measured.
+struct Unmeasured {
+  cv::Point2d centre;  ///< plane px
+  double diameter = 0.0;
+  std::string what;  ///< "image", "equator", "top" ...
+  Rejection why;
+};
+
+/// A possible outline of the ball's size.
 struct Candidate {
   cv::Point2d centre_image;
   double radius_image_px = 0.0;
-  double score = 0.0;  ///< share of the outline that votes for it, 0 to 1
+  double score = 0.0;  ///< share of the outline that edge points support, 0 to 1
 };
 
-/// A stretch of an outline that was seen, counter-clockwise from `from_rad`, directions in plane px from the
-/// centre.
+/// A visible part of an outline: directions from its centre in the plane, counter-clockwise from `from_rad`.
 struct Arc {
   double from_rad = 0.0;
   double extent_rad = 0.0;  ///< > 0
 };
 
-/// A round outline.
+/// A measured outline of the ball.
 struct Outline {
   cv::Point2d centre;
   double diameter = 0.0;          ///< of the disc of equal area
-  cv::Matx33d covariance;         ///< of centre x, centre y, diameter [px²]
-  std::vector<Arc> seen;          ///< what it was fitted to
-  double visible_fraction = 0.0;  ///< of the whole turn, 0 to 1
-  double rms_px = 0.0;            ///< of the edge points about it
+  cv::Matx33d covariance;         ///< of centre x, centre y, diameter [px²]; symmetric, PSD
+  std::vector<Arc> visible_arcs;  ///< what it was fitted to
+  double visible_fraction = 0.0;  ///< of the whole circle, 0 to 1
+  double rms_px = 0.0;            ///< of its edge residuals
   double blur_px = 0.0;           ///< sd of the edge's blur
 
-  /// Of the centre's less well known coordinate. [px]
+  /// Of the less certain coordinate. [px]
   double centre_sd() const { return std::sqrt(std::max(covariance(0, 0), covariance(1, 1))); }
   double diameter_sd() const { return std::sqrt(std::max(0.0, covariance(2, 2))); }
 };
 
-/// The ball's diameter line.
+/// The line drawn around the ball's equator, seen as a diameter.
 struct Equator {
   double angle_rad = 0.0;  ///< counter-clockwise from +x, 0 to pi
   double sd_rad = 0.0;
-  double contrast = 0.0;  ///< darkness of the line over the ball's brightness around it, 0 to 1
+  double contrast = 0.0;  ///< share of the ball's brightness that the line takes, 0 to 1
 };
 
 }  // namespace strobe::digitize

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "host/digitize/image_order.hpp"
+#include "host/digitize/core/statistics.hpp"
 
 namespace strobe::digitize {
 
@@ -31,20 +31,20 @@ class Editor {
     return {};
   }
 
-  Digitization conclude() {
+  Digitization finish() {
     for (std::size_t i = touched_.size(); i-- > 0;) {
       if (touched_[i] != nullptr && touched_[i]->kind == Kind::remove) remove(i);
     }
     auto& images = result_.frame.images;
     images.insert(images.end(), added_.begin(), added_.end());
     result_.outlines.insert(result_.outlines.end(), added_outlines_.begin(), added_outlines_.end());
-    order_images(result_.frame, result_.outlines, settings_, result_.remarks);
+    reorder_images(result_, settings_);
     return std::move(result_);
   }
 
  private:
   cv::Point2d plane(const ManualPoint& p) const {
-    return p.of_photograph ? settings_.map.to_plane(p.point) : p.point;
+    return p.in_image ? settings_.map.to_plane(p.point) : p.point;
   }
 
   Result<std::size_t> image_at(const Correction& correction) const {
@@ -58,10 +58,11 @@ class Editor {
     }
     const double reach_px = 0.5 * settings_.px_per_m * settings_.ball_diameter_m;
     if (!nearest || least_px > reach_px)
-      return fail(fmt::format("{}: no image within {:.0f} px of ({:.1f}, {:.1f})", correction.place, reach_px,
-                              at.x, at.y));
+      return fail(fmt::format("{}: no image within {:.0f} px of ({:.1f}, {:.1f})", correction.location,
+                              reach_px, at.x, at.y));
     if (touched_[*nearest] != nullptr)
-      return fail(fmt::format("{}: means the same image as {}", correction.place, touched_[*nearest]->place));
+      return fail(
+          fmt::format("{}: means the same image as {}", correction.location, touched_[*nearest]->location));
     return *nearest;
   }
 
@@ -102,9 +103,9 @@ class Editor {
     image.diameter_sd_px = sd_px;
   }
 
-  /// What was fitted to the photograph no longer is once a person has moved it.
-  static void by_hand_alone(Outline& outline, const BallImage& image) {
-    outline.seen.clear();
+  /// An outline measured by hand is no longer fitted to the photograph.
+  static void replace_fit(Outline& outline, const BallImage& image) {
+    outline.visible_arcs.clear();
     outline.visible_fraction = 0.0;
     const auto& c = *image.centre_cov_px2;
     const double d = image.diameter_sd_px.value_or(0.0);
@@ -116,7 +117,7 @@ class Editor {
     Outline& outline = result_.outlines[index];
     if (m.centre) set_centre(image, outline, m);
     if (m.diameter_px) set_diameter(image, outline, *m.diameter_px, hand_diameter_sd_px(m.diameter_sd_px));
-    if ((m.centre || m.diameter_px) && image.centre_cov_px2) by_hand_alone(outline, image);
+    if ((m.centre || m.diameter_px) && image.centre_cov_px2) replace_fit(outline, image);
     set_rest(image, m);
   }
 
@@ -131,15 +132,16 @@ class Editor {
     else if (const auto [median, sd] = typical_diameter(); median > 0.0)
       set_diameter(image, outline, median, sd);
     else if (m.leg != reduction::Leg::contact)
-      return fail(correction.place + ": add.diameter_px: is missing, and there is no image to take it from");
-    by_hand_alone(outline, image);
+      return fail(correction.location +
+                  ": add.diameter_px: is missing, and there is no image to take it from");
+    replace_fit(outline, image);
     set_rest(image, m);
     added_.push_back(image);
     added_outlines_.push_back(outline);
     return {};
   }
 
-  /// Of the airborne images, with what one image's diameter may differ from it.
+  /// Upper median of the airborne images, and an sd that covers half their range.
   std::pair<double, double> typical_diameter() const {
     std::vector<double> diameters;
     for (const BallImage& image : result_.frame.images) {
@@ -147,9 +149,8 @@ class Editor {
         diameters.push_back(image.diameter_px);
     }
     if (diameters.empty()) return {0.0, 0.0};
-    std::ranges::sort(diameters);
-    const double spread = 0.5 * (diameters.back() - diameters.front());
-    return {diameters[diameters.size() / 2], std::max(spread, hand_diameter_sd_px({}))};
+    const auto [least, most] = std::ranges::minmax(diameters);
+    return {upper_median(diameters), std::max(0.5 * (most - least), hand_diameter_sd_px({}))};
   }
 
   void remove(std::size_t index) {
@@ -158,7 +159,7 @@ class Editor {
     result_.unmeasured.push_back({{image.centre_px.x, image.centre_px.y},
                                   image.diameter_px,
                                   "image",
-                                  {Reason::by_hand, "removed by " + touched_[index]->place}});
+                                  {Reason::by_hand, "removed by " + touched_[index]->location}});
     images.erase(images.begin() + static_cast<std::ptrdiff_t>(index));
     result_.outlines.erase(result_.outlines.begin() + static_cast<std::ptrdiff_t>(index));
   }
@@ -178,7 +179,7 @@ Result<void> apply_corrections(Digitization& digitization, const std::vector<Cor
   for (const Correction& correction : corrections) {
     if (auto applied = editor.apply(correction); !applied) return applied;
   }
-  digitization = editor.conclude();
+  digitization = editor.finish();
   return {};
 }
 

@@ -1,6 +1,6 @@
-// What a person overrules in a digitized photograph: images added, moved and removed. What a person measured
-// is marked as such (BallImage::source "hand"); what the corrections leave alone stays as it was measured.
-// Deterministic; no I/O; thread-safe; allocates.
+// Manual corrections of a digitized photograph: images added, moved and removed. Images measured by hand are
+// marked (BallImage::source "hand"); all others stay as they were measured. Deterministic; no I/O;
+// thread-safe; allocates.
 #pragma once
 
 #include <optional>
@@ -14,19 +14,18 @@
 
 namespace strobe::digitize {
 
-/// What a hand's measurements are worth where the person does not say: what digitizing with a transparent
-/// overlay on a tablet was found to leave.
+/// Default standard deviations of manual measurements, as found for digitizing with a transparent overlay on
+/// a tablet.
 inline constexpr double kManualCentre_sd_m = 0.0005;
 inline constexpr double kManualEquator_sd_rad = 0.0174532925199433;  // 1 degree
 
-/// A point as the person wrote it: of the frame (x right, y up) or of the photograph (column, row from the
-/// top).
+/// A point of the frame (x right, y up) or of the photograph (column, row from the top).
 struct ManualPoint {
   cv::Point2d point;
-  bool of_photograph = false;
+  bool in_image = false;
 };
 
-/// What was measured by hand of one image. What is absent was not.
+/// What was measured of one image; absent: not measured.
 struct ManualMeasurement {
   std::optional<ManualPoint> centre;
   std::optional<double> centre_sd_px;
@@ -34,19 +33,19 @@ struct ManualMeasurement {
   std::optional<double> diameter_sd_px;
   std::optional<double> equator_rad;
   std::optional<double> equator_sd_rad;
-  bool no_equator = false;  ///< what was taken for the line is none
+  bool no_equator = false;  ///< the line that was found is wrong
   std::optional<reduction::Leg> leg;
   std::optional<ManualPoint> top;
   std::optional<double> contact_width_px;
-  std::optional<double> time_s;  ///< only where the flashes' times are not known
+  std::optional<double> time_s;  ///< used if the flashes' times are not known
 };
 
 struct Correction {
   enum class Kind { add, move, remove };
   Kind kind = Kind::add;
-  ManualPoint at;  ///< move, remove: the image whose centre is nearest, at most half a diameter away
+  ManualPoint at;  ///< move, remove: selects the image with the nearest centre, within half a diameter
   ManualMeasurement measured;
-  std::string place;  ///< "FILE:LINE", for messages
+  std::string location;  ///< "FILE:LINE", for messages
 };
 
 /// Reads a file of corrections (TOML):
@@ -66,10 +65,10 @@ struct Correction {
 /// top_image_px, contact_width_px, time_s. Fails with "FILE:LINE: table.key: what is wrong".
 Result<std::vector<Correction>> parse_corrections(std::string_view text, const std::string& file_name);
 
-/// Applies them all at once to what was digitized: "at" means the images as they were found. The images are
-/// then ordered and given legs and times anew; outlines stay one an image, and what was removed is listed
-/// among the unmeasured, by_hand. Fails with "FILE:LINE: what" where no image is near, where two corrections
-/// mean the same image, or where an added image has no diameter to take; the digitization is then unchanged.
+/// Applies all at once: `at` refers to the images as they were found. Order, legs and times are then found
+/// again, and removed images are listed among the unmeasured with Reason::by_hand. Fails with "FILE:LINE:
+/// what is wrong" if no image is near, two corrections select the same image, or an added image has no
+/// diameter to take; the digitization is then unchanged.
 Result<void> apply_corrections(Digitization& digitization, const std::vector<Correction>& corrections,
                                const DigitizeSettings& settings);
 

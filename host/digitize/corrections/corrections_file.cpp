@@ -18,8 +18,8 @@ constexpr Range kSd{1e-4, 1e4};
 
 std::optional<ManualPoint> point(TomlTable& table, const std::string& name) {
   std::optional<ManualPoint> found;
-  for (const bool of_photograph : {false, true}) {
-    const std::string key = name + (of_photograph ? "_image_px" : "_px");
+  for (const bool in_image : {false, true}) {
+    const std::string key = name + (in_image ? "_image_px" : "_px");
     if (!table.has(key)) continue;
     const auto numbers = table.numbers_or(key, {}, kPixels);
     if (numbers.size() != 2) {
@@ -27,7 +27,7 @@ std::optional<ManualPoint> point(TomlTable& table, const std::string& name) {
       continue;
     }
     if (found) table.error_at(key, "is there twice: " + name + "_px says it already");
-    found = ManualPoint{{numbers[0], numbers[1]}, of_photograph};
+    found = ManualPoint{{numbers[0], numbers[1]}, in_image};
   }
   return found;
 }
@@ -70,7 +70,7 @@ ManualMeasurement measurement(TomlTable& table) {
   return measured;
 }
 
-bool says_nothing(const ManualMeasurement& m) {
+bool is_empty(const ManualMeasurement& m) {
   return !m.centre && !m.diameter_px && !m.equator_rad && !m.no_equator && !m.leg && !m.top &&
          !m.contact_width_px && !m.time_s;
 }
@@ -78,7 +78,7 @@ bool says_nothing(const ManualMeasurement& m) {
 Correction read(TomlTable& table, Correction::Kind kind, const std::string& file_name) {
   Correction correction;
   correction.kind = kind;
-  correction.place = fmt::format("{}:{}", file_name, table.line_of(""));
+  correction.location = fmt::format("{}:{}", file_name, table.line_of(""));
   if (kind != Correction::Kind::add) {
     if (const auto at = point(table, "at"))
       correction.at = *at;
@@ -89,7 +89,7 @@ Correction read(TomlTable& table, Correction::Kind kind, const std::string& file
   correction.measured = measurement(table);
   if (kind == Correction::Kind::add && !correction.measured.centre)
     table.error_at("", "centre_px (or centre_image_px) is missing");
-  if (kind == Correction::Kind::move && says_nothing(correction.measured))
+  if (kind == Correction::Kind::move && is_empty(correction.measured))
     table.error_at("", "says nothing to change");
   return correction;
 }

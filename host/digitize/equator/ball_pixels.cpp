@@ -23,21 +23,21 @@ std::pair<double, double> chord(cv::Point2d first, cv::Point2d step, double radi
   return {middle - half, middle + half};
 }
 
-/// Of a disc, the unit coordinates of a row's first block and the step from one block to the next.
+/// Of a disc, the unit coordinates of a row's first bin and the step from one bin to the next.
 struct RowPlace {
   cv::Point2d first, step;
 
-  RowPlace(const BinnedImage& blocks, const Disc& disc, int j)
-      : first(disc.unit(blocks.column(0), blocks.row(j))),
-        step(disc.unit_from_image(0, 0) * blocks.stride, disc.unit_from_image(1, 0) * blocks.stride) {}
+  RowPlace(const BinnedImage& image, const Disc& disc, int j)
+      : first(disc.unit(image.column(0), image.row(j))),
+        step(disc.unit_from_image(0, 0) * image.stride, disc.unit_from_image(1, 0) * image.stride) {}
 };
 
 }  // namespace
 
-BallPixels::BallPixels(const BinnedImage& blocks, std::span<const Disc> discs,
+BallPixels::BallPixels(const BinnedImage& image, std::span<const Disc> discs,
                        std::span<const Shading> shadings, std::size_t ball,
                        std::span<const Neighbour> neighbours)
-    : blocks_(&blocks),
+    : image_(&image),
       disc_(&discs[ball]),
       shading_(&shadings[ball]),
       floor_(0.05F * std::max(1e-6F, shadings[ball].at(0.0F, 0.0F, 1.0F))) {
@@ -51,12 +51,12 @@ BallPixels::BallPixels(const BinnedImage& blocks, std::span<const Disc> discs,
 }
 
 cv::Range BallPixels::rows(double radii) const {
-  const cv::Rect box = blocks_->around(*disc_, radii);
+  const cv::Rect box = image_->around(*disc_, radii);
   return {box.y, box.y + box.height};
 }
 
-std::span<const BallPixels::Block> BallPixels::row(int j, double radii, const std::optional<Band>& band) {
-  const RowPlace place(*blocks_, *disc_, j);
+std::span<const BallPixels::Pixel> BallPixels::row(int j, double radii, const std::optional<Band>& band) {
+  const RowPlace place(*image_, *disc_, j);
   auto [from, to] = chord(place.first, place.step, radii);
   if (band) {
     const double c = std::cos(band->angle_rad), s = std::sin(band->angle_rad);
@@ -66,7 +66,7 @@ std::span<const BallPixels::Block> BallPixels::row(int j, double radii, const st
     to = std::min(to, high);
   }
   from = std::max(0.0, std::ceil(from));
-  to = std::min(blocks_->light.cols - 1.0, std::floor(to));
+  to = std::min(image_->intensity.cols - 1.0, std::floor(to));
   row_.clear();
   if (to < from) return row_;
   const int start = static_cast<int>(from);
@@ -74,28 +74,28 @@ std::span<const BallPixels::Block> BallPixels::row(int j, double radii, const st
   row_.resize(count);
   background_.assign(count, shading_->background);
   count_.assign(count, 1.0F);
-  const float* light = blocks_->light.ptr<float>(j) + start;
+  const float* intensity = image_->intensity.ptr<float>(j) + start;
   const auto inner = static_cast<float>((1.0 - disc_->rim) * (1.0 - disc_->rim));
   const cv::Point2f first(place.first + start * place.step), step(place.step);
   for (std::size_t i = 0; i < count; ++i) {
-    Block& block = row_[i];
-    block.u = first.x + static_cast<float>(i) * step.x;
-    block.v = first.y + static_cast<float>(i) * step.y;
-    const float r = block.u * block.u + block.v * block.v;
-    block.z = std::sqrt(std::max(0.0F, 1.0F - r));
-    block.own = shading_->at(block.u, block.v, block.z);
-    block.left = light[i] - block.own;
-    block.noise = block.own * block.own;
-    block.full = light[i] >= blocks_->saturation;
-    block.use = !block.full && r <= inner;
+    Pixel& pixel = row_[i];
+    pixel.u = first.x + static_cast<float>(i) * step.x;
+    pixel.v = first.y + static_cast<float>(i) * step.y;
+    const float r = pixel.u * pixel.u + pixel.v * pixel.v;
+    pixel.z = std::sqrt(std::max(0.0F, 1.0F - r));
+    pixel.shading = shading_->at(pixel.u, pixel.v, pixel.z);
+    pixel.residual = intensity[i] - pixel.shading;
+    pixel.variance = pixel.shading * pixel.shading;
+    pixel.saturated = intensity[i] >= image_->saturation;
+    pixel.usable = !pixel.saturated && r <= inner;
   }
   for (const Other& other : others_) subtract(other, j, start);
-  for (std::size_t i = 0; i < count; ++i) row_[i].left -= background_[i] / count_[i];
+  for (std::size_t i = 0; i < count; ++i) row_[i].residual -= background_[i] / count_[i];
   return row_;
 }
 
 void BallPixels::subtract(const Other& other, int j, int start) {
-  const RowPlace place(*blocks_, *other.disc, j);
+  const RowPlace place(*image_, *other.disc, j);
   const double reach = 1.0 + other.disc->rim;
   const auto [from, to] = chord(place.first, place.step, reach);
   const int first = std::max(0, static_cast<int>(std::ceil(std::max(from, -1.0))) - start);
@@ -104,17 +104,17 @@ void BallPixels::subtract(const Other& other, int j, int start) {
   const auto inner = static_cast<float>((1.0 - other.disc->rim) * (1.0 - other.disc->rim));
   for (int i = first; i <= last; ++i) {
     const auto at = static_cast<std::size_t>(i);
-    Block& block = row_[at];
+    Pixel& pixel = row_[at];
     const auto u = static_cast<float>(place.first.x + (start + i) * place.step.x);
     const auto v = static_cast<float>(place.first.y + (start + i) * place.step.y);
     const float r = u * u + v * v;
     if (r > inner) {
-      block.use = false;
+      pixel.usable = false;
       continue;
     }
     const float z = std::sqrt(std::max(0.0F, 1.0F - r));
     float light = other.shading->at(u, v, z);
-    block.noise += light * light;
+    pixel.variance += light * light;
     background_[at] += other.shading->background;
     count_[at] += 1.0F;
     if (other.place) {
@@ -122,7 +122,7 @@ void BallPixels::subtract(const Other& other, int j, int start) {
       if (std::abs(f) < other.shape->reach())
         light *= static_cast<float>(1.0 - other.contrast * other.shape->at(f).first);
     }
-    block.left -= light;
+    pixel.residual -= light;
   }
 }
 

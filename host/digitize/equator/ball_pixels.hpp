@@ -1,5 +1,5 @@
-// One ball's blocks of a photograph, row by row, with all that is known of other light taken away: what is
-// left is what is drawn on the ball. Each thread needs a reader of its own; allocates when made.
+// One ball's pixels, row by row, with the background, its own shading and its neighbours' subtracted: what
+// remains is drawn on the ball. One thread at a time; allocates.
 #pragma once
 
 #include <optional>
@@ -10,7 +10,7 @@
 
 namespace strobe::digitize {
 
-/// Another ball whose disc overlaps, with its line if that is known and to be taken away.
+/// Another ball whose disc overlaps, with its line if that is to be subtracted too.
 struct Neighbour {
   std::size_t ball = 0;
   std::optional<EquatorLine> line;
@@ -18,34 +18,34 @@ struct Neighbour {
 
 class BallPixels {
  public:
-  /// A block under the ball.
-  struct Block {
+  /// A bin under the ball.
+  struct Pixel {
     float u = 0.0F, v = 0.0F, z = 0.0F;
-    float left = 0.0F;   ///< of the light, less background and shadings
-    float own = 0.0F;    ///< the ball's shading
-    float noise = 0.0F;  ///< sum of the squares of the shadings there, as felt's grain adds up
-    bool full = false;   ///< saturated
-    bool use = false;    ///< not saturated, nor in the ring about an outline
+    float residual = 0.0F;  ///< of the intensity, less background and shadings
+    float shading = 0.0F;   ///< the ball's
+    float variance = 0.0F;  ///< relative: sum of the squared shadings, as the felts' grain adds up
+    bool saturated = false;
+    bool usable = false;  ///< neither saturated nor in the ring around an outline
   };
 
-  BallPixels(const BinnedImage& blocks, std::span<const Disc> discs, std::span<const Shading> shadings,
+  BallPixels(const BinnedImage& image, std::span<const Disc> discs, std::span<const Shading> shadings,
              std::size_t ball, std::span<const Neighbour> neighbours);
 
   const Disc& disc() const { return *disc_; }
   const Shading& shading() const { return *shading_; }
-  int stride() const { return blocks_->stride; }
-  /// Least light at which the ball can be told anything of.
+  int stride() const { return image_->stride; }
+  /// Shading below which the ball is too dark to use.
   float floor() const { return floor_; }
 
-  /// Rows that hold blocks of the disc of `radii`.
+  /// Rows of the disc of that many radii.
   cv::Range rows(double radii) const;
-  /// The blocks of a row within `radii`, and, if `band` is given, within that distance of a line through the
-  /// middle in its direction.
+  /// The bins of a row within that many radii and, with `band`, within that distance of a line through the
+  /// middle. Valid until the next call.
   struct Band {
     double angle_rad = 0.0;
     double within = 1.0;  ///< radii
   };
-  std::span<const Block> row(int j, double radii, const std::optional<Band>& band = {});
+  std::span<const Pixel> row(int j, double radii, const std::optional<Band>& band = {});
 
  private:
   struct Other {
@@ -55,14 +55,14 @@ class BallPixels {
     std::optional<ShapeTable> shape;
     double contrast = 0.0;
   };
-  void subtract(const Other& other, int j, int from);
+  void subtract(const Other& other, int j, int start);
 
-  const BinnedImage* blocks_;
+  const BinnedImage* image_;
   const Disc* disc_;
   const Shading* shading_;
   float floor_;
   std::vector<Other> others_;
-  std::vector<Block> row_;
+  std::vector<Pixel> row_;
   std::vector<float> background_;
   std::vector<float> count_;
 };

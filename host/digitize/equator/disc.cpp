@@ -11,7 +11,7 @@ double LineShape::darkness(double f) const {
   return 0.5 * (std::erf((f + half_width) * scale) - std::erf((f - half_width) * scale)) / full;
 }
 
-double LineShape::slope(double f) const {
+double LineShape::derivative(double f) const {
   const auto bell = [&](double x) { return std::exp(-0.5 * (x / soft) * (x / soft)); };
   const double full = std::erf(half_width / (std::numbers::sqrt2 * soft));
   return (bell(f + half_width) - bell(f - half_width)) / (std::sqrt(2.0 * std::numbers::pi) * soft * full);
@@ -22,7 +22,7 @@ ShapeTable::ShapeTable(const LineShape& shape)
   for (int k = 0; k <= kSteps; ++k) {
     const double f = reach_ * k / kSteps;
     dark_[static_cast<std::size_t>(k)] = shape.darkness(f);
-    slope_[static_cast<std::size_t>(k)] = shape.slope(f);
+    derivative_[static_cast<std::size_t>(k)] = shape.derivative(f);
   }
 }
 
@@ -38,18 +38,18 @@ Disc make_disc(const PlaneMap& map, const Outline& outline) {
   const double c = std::cos(ellipse.axis_rad), s = std::sin(ellipse.axis_rad);
   const cv::Matx22d turn(c, -s, s, c);
   disc.plane_from_unit = turn * cv::Matx22d(ellipse.along, 0.0, 0.0, ellipse.across) * turn.t();
-  disc.unit_from_image = disc.plane_from_unit.inv() * map.derivative(disc.centre_image);
+  disc.unit_from_image = disc.plane_from_unit.inv() * map.jacobian(disc.centre_image);
   disc.image_from_unit = disc.unit_from_image.inv();
   disc.radius_image_px = std::sqrt(std::abs(cv::determinant(disc.image_from_unit)));
-  // The edge's blur, twice its sd to either side, and the felt's fuzz about a pixel beyond.
-  const double spoilt_px = 2.0 * std::clamp(outline.blur_px, 0.5, 8.0) + 1.5;
-  disc.rim = spoilt_px / disc.radius_image_px;
+  // Two sd of the edge's blur to either side, and about a pixel of the felt's fuzz.
+  const double disturbed_px = 2.0 * std::clamp(outline.blur_px, 0.5, 8.0) + 1.5;
+  disc.rim = disturbed_px / disc.radius_image_px;
   const double variance = 0.5 * (outline.covariance(0, 0) + outline.covariance(1, 1));
   disc.centre_sd = std::sqrt(std::max(0.0, variance)) / (0.5 * outline.diameter);
   return disc;
 }
 
-bool ok(const Disc& disc) {
+bool is_valid(const Disc& disc) {
   return std::isfinite(disc.centre_image.x) && std::isfinite(disc.centre_image.y) &&
          std::isfinite(disc.radius_image_px) && disc.radius_image_px >= 1.0 && disc.radius_image_px <= 1e5 &&
          std::isfinite(disc.centre_sd);

@@ -1,6 +1,6 @@
-// One ball's image as a unit disc, and the line on it. Unit coordinates: u to the right and v up, both in
-// radii of the ball from the middle of its image, so that the outline is u² + v² = 1 also where perspective
-// shows it as an ellipse; z = sqrt(1 - u² - v²) towards the lens. Plain values; thread-safe; no allocation.
+// One ball's image as a unit disc, and the equator line on it. Unit coordinates: u to the right and v up, in
+// radii from the disc's middle, so that the outline is u² + v² = 1 even if perspective makes it an ellipse; z
+// = sqrt(1 - u² - v²) points to the lens. Plain values; thread-safe; no allocation.
 //
 // A band on the sphere about a great circle whose plane is tilted by t out of the line of sight is where
 // f = v'·cos(t) - z·sin(t) - offset is small, (u', v') being turned by the line's angle: half an ellipse of
@@ -17,35 +17,34 @@
 
 namespace strobe::digitize {
 
-/// Darkness across a line, 0 to 1: a bar of `half_width` whose edges are blurred by a Gaussian of sd `soft`.
-/// Both in radii.
+/// Darkness across a line, 0 to 1: a bar of `half_width`, blurred by a Gaussian of sd `soft`. Both in radii.
 struct LineShape {
   double half_width = 0.05;
   double soft = 0.02;
 
   double darkness(double f) const;
-  /// d darkness/d f
-  double slope(double f) const;
-  /// Sd of where the darkness is: how wide the line is, whatever part of it is blur.
+  /// d(darkness)/df
+  double derivative(double f) const;
+  /// Sd of the darkness' distribution: the line's width, blur included.
   double spread() const { return std::sqrt(half_width * half_width / 3.0 + soft * soft); }
-  /// Beyond this |f| there is nothing of the line.
+  /// The darkness is negligible beyond this |f|.
   double reach() const { return half_width + 3.0 * soft; }
 };
 
-/// The darkness of a shape and its slope, looked up.
+/// Tabulated darkness of a shape and its derivative.
 class ShapeTable {
  public:
   explicit ShapeTable(const LineShape& shape);
   double reach() const { return reach_; }
-  /// Darkness and slope.
+  /// Darkness and its derivative.
   std::pair<double, double> at(double f) const {
     const double place = std::abs(f) * per_radius_;
     if (!(place < kSteps)) return {0.0, 0.0};
     const auto k = static_cast<std::size_t>(place);
     const double part = place - static_cast<double>(k);
     const double dark = dark_[k] + part * (dark_[k + 1] - dark_[k]);
-    const double slope = slope_[k] + part * (slope_[k + 1] - slope_[k]);
-    return {dark, f < 0.0 ? -slope : slope};
+    const double derivative = derivative_[k] + part * (derivative_[k + 1] - derivative_[k]);
+    return {dark, f < 0.0 ? -derivative : derivative};
   }
 
  private:
@@ -53,19 +52,19 @@ class ShapeTable {
   double reach_;
   double per_radius_;  ///< steps
   std::array<double, kSteps + 1> dark_{};
-  std::array<double, kSteps + 1> slope_{};
+  std::array<double, kSteps + 1> derivative_{};
 };
 
-/// A line in unit coordinates.
+/// An equator line in unit coordinates.
 struct EquatorLine {
   double angle_rad = 0.0;
   double tilt_rad = 0.0;
   double offset = 0.0;    ///< of its middle, radii
-  double contrast = 0.0;  ///< darkness at its middle over the ball's brightness
+  double contrast = 0.0;  ///< share of the brightness that its middle takes
   LineShape shape;
 };
 
-/// A line's angle and tilt as sines and cosines, to place many points.
+/// Coordinates of points along and across a line.
 class LineCoordinates {
  public:
   explicit LineCoordinates(const EquatorLine& line)
@@ -93,7 +92,7 @@ struct Disc {
   cv::Matx22d image_from_unit;
   cv::Matx22d plane_from_unit;
   double radius_image_px = 0.0;
-  double rim = 0.0;        ///< half width of the ring about the outline where its edge spoils what lies below
+  double rim = 0.0;        ///< half width of the ring around the outline that its edge disturbs, radii
   double centre_sd = 0.0;  ///< radii
 
   cv::Point2d unit(double column, double row) const {
@@ -101,13 +100,13 @@ struct Disc {
     return {unit_from_image(0, 0) * x + unit_from_image(0, 1) * y,
             unit_from_image(1, 0) * x + unit_from_image(1, 1) * y};
   }
-  /// Half the height and width of the disc of `radii` on the photograph.
+  /// Half the width and height of a disc of that many radii on the photograph.
   cv::Point2d half_extent_px(double radii) const;
 };
 
-/// The lens and the perspective are taken as linear over one ball. Not ok(): no finite disc of a pixel or
-/// more.
+/// Lens distortion and perspective are linearized over the ball.
 Disc make_disc(const PlaneMap& map, const Outline& outline);
-bool ok(const Disc& disc);
+/// Whether all is finite and the radius is at least a pixel.
+bool is_valid(const Disc& disc);
 
 }  // namespace strobe::digitize

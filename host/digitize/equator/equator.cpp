@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <numbers>
 
-#include "host/digitize/core/median.hpp"
+#include "host/digitize/core/statistics.hpp"
 #include "host/digitize/equator/line_choice.hpp"
 
 namespace strobe::digitize {
@@ -17,22 +17,22 @@ struct Found : LineChoice {
   LineSearch search;
 };
 
-/// The photograph in blocks of one size.
+/// The photograph binned to one resolution.
 struct Level {
-  BinnedImage blocks;
+  BinnedImage image;
   std::optional<ShapeGrid> shapes;
 };
 
 struct Scene {
   Effort effort = Effort::standard;
-  Level rough, fine;
+  Level coarse, fine;
   std::vector<Disc> discs;
   std::vector<Shading> shadings;
   std::vector<std::vector<std::size_t>> overlapping;
 };
 
-/// Neighbours whose lines are to be taken out of a ball's part. Where two balls claim one and the same line,
-/// that of which more is seen keeps it: it is not taken from there, but from the other.
+/// Neighbours whose lines are to be subtracted from a ball's image. If two balls have found one and the same
+/// line, it is subtracted from the ball with the lower score only.
 std::vector<std::size_t> line_neighbours(const Scene& scene, std::size_t k, const std::vector<Found>& found) {
   std::vector<std::size_t> result;
   for (const std::size_t other : scene.overlapping[k]) {
@@ -51,29 +51,29 @@ std::vector<std::size_t> line_neighbours(const Scene& scene, std::size_t k, cons
   return result;
 }
 
-BallPixels rows_of(const Scene& scene, const Level& level, std::size_t k, const std::vector<Found>& found) {
+BallPixels pixels_of(const Scene& scene, const Level& level, std::size_t k, const std::vector<Found>& found) {
   const auto with_lines = line_neighbours(scene, k, found);
   std::vector<Neighbour> neighbours;
   for (const std::size_t other : scene.overlapping[k]) {
     Neighbour& neighbour = neighbours.emplace_back(Neighbour{other, {}});
     if (std::ranges::find(with_lines, other) != with_lines.end()) neighbour.line = found[other].fit->line;
   }
-  return BallPixels(level.blocks, scene.discs, scene.shadings, k, neighbours);
+  return BallPixels(level.image, scene.discs, scene.shadings, k, neighbours);
 }
 
-/// Looks for the line of one ball in all directions. Lines of `others` are taken away first.
-void look(const Scene& scene, std::size_t k, const std::vector<Found>& others,
-          const std::optional<TypicalLine>& usual, Found& found) {
-  BallPixels rows = rows_of(scene, scene.rough, k, others);
-  found.search = search_line(rows, scene.effort);
-  static_cast<LineChoice&>(found) = choose_line(rows, found.search, *scene.rough.shapes, usual);
+/// Searches the line of one ball in all directions, with the lines of `others` subtracted.
+void search(const Scene& scene, std::size_t k, const std::vector<Found>& others,
+            const std::optional<TypicalLine>& typical, Found& found) {
+  BallPixels pixels = pixels_of(scene, scene.coarse, k, others);
+  found.search = search_line(pixels, scene.effort);
+  static_cast<LineChoice&>(found) = choose_line(pixels, found.search, *scene.coarse.shapes, typical);
 }
 
 bool has_line_beside(const Scene& scene, std::size_t k, const std::vector<Found>& found) {
   return std::ranges::any_of(scene.overlapping[k], [&](std::size_t other) { return found[other].accepted; });
 }
 
-/// Where a line was found, with the neighbours' lines out of the way.
+/// Pixels near a line, with the neighbours' lines subtracted.
 struct Near {
   std::vector<LinePoint> points;
   LineProfile profile;
@@ -81,41 +81,42 @@ struct Near {
 
 Near near_line(const Scene& scene, std::size_t k, const std::vector<Found>& found) {
   Near near;
-  BallPixels rows = rows_of(scene, scene.fine, k, found);
+  BallPixels pixels = pixels_of(scene, scene.fine, k, found);
   const EquatorLine& line = found[k].fit->line;
-  near.points = points_near(rows, line);
+  near.points = points_near(pixels, line);
   near.profile.add(near.points, line);
   return near;
 }
 
-template <typename Look>
-void for_each_ball(const Scene& scene, const Look& look_at) {
+template <typename Visit>
+void for_each_ball(const Scene& scene, const Visit& visit) {
   cv::parallel_for_(cv::Range(0, static_cast<int>(scene.discs.size())), [&](const cv::Range& range) {
     for (int k = range.start; k < range.end; ++k) {
       const auto ball = static_cast<std::size_t>(k);
-      if (ok(scene.discs[ball]) && !scene.rough.blocks.around(scene.discs[ball], 1.0).empty()) look_at(ball);
+      if (is_valid(scene.discs[ball]) && !scene.coarse.image.around(scene.discs[ball], 1.0).empty())
+        visit(ball);
     }
   });
 }
 
-std::optional<LineFit> closer(const Scene& scene, std::size_t k, std::span<const LinePoint> points,
-                              const EquatorLine& start, const LineFitSettings& settings) {
-  return fit_line(points, scene.discs[k].radius_image_px / scene.fine.blocks.stride, start, settings);
+std::optional<LineFit> fit_fine(const Scene& scene, std::size_t k, std::span<const LinePoint> points,
+                                const EquatorLine& start, const LineFitSettings& settings) {
+  return fit_line(points, scene.discs[k].radius_image_px / scene.fine.image.stride, start, settings);
 }
 
 bool refine(const Scene& scene, std::size_t k, std::span<const LinePoint> points, const LineShape& shape,
             Found& found) {
   EquatorLine start = found.fit->line;
   start.shape = shape;
-  const auto fit = closer(scene, k, points, start, fit_settings(scene.discs[k], nullptr));
-  if (!fit || find_fault(*fit, true) || fit->line.contrast <= 0.5 * found.fit->line.contrast) return false;
+  const auto fit = fit_fine(scene, k, points, start, line_fit_settings(scene.discs[k], nullptr));
+  if (!fit || check_line(*fit, true) || fit->line.contrast <= 0.5 * found.fit->line.contrast) return false;
   found.fit = fit;
   return true;
 }
 
-/// The line is the same on all images, as far off its middle and as tilted: how much that is at all is told
-/// by the images together. What is seen of one end only then says more of the angle.
-void settle(const Scene& scene, const std::vector<Near>& near, std::vector<Found>& found) {
+/// Fits again with priors of offset and tilt from all images, as all show the same line: the angle of a line
+/// of which one end is visible becomes more certain.
+void fit_with_common_priors(const Scene& scene, const std::vector<Near>& near, std::vector<Found>& found) {
   std::vector<double> offsets, tilts;
   for (const Found& one : found) {
     if (!one.accepted) continue;
@@ -128,95 +129,96 @@ void settle(const Scene& scene, const std::vector<Near>& near, std::vector<Found
   const double offset_sd = kSdOfMedian * upper_median(offsets), tilt_sd = kSdOfMedian * upper_median(tilts);
   for_each_ball(scene, [&](std::size_t k) {
     if (!found[k].accepted) return;
-    LineFitSettings settings = fit_settings(scene.discs[k], nullptr);
+    LineFitSettings settings = line_fit_settings(scene.discs[k], nullptr);
     settings.offset_sd = std::min(settings.offset_sd, std::hypot(offset_sd, scene.discs[k].centre_sd));
     settings.tilt_sd = std::min(settings.tilt_sd, std::max(tilt_sd, 0.005));
-    const auto fit = closer(scene, k, near[k].points, found[k].fit->line, settings);
+    const auto fit = fit_fine(scene, k, near[k].points, found[k].fit->line, settings);
     if (fit) found[k].fit = fit;
   });
 }
 
-/// As most balls show it; absent: there is no line on most of them.
-std::optional<TypicalLine> usual_line(const std::vector<Found>& found) {
+/// Returns nullopt if most balls have no line.
+std::optional<TypicalLine> typical_line(const std::vector<Found>& found) {
   std::vector<double> contrasts, widths;
-  std::size_t looked = 0;
+  std::size_t searched = 0;
   for (const Found& one : found) {
-    if (one.search.seen >= 0.7) ++looked;
+    if (one.search.visible >= 0.7) ++searched;
     if (!one.accepted) continue;
     contrasts.push_back(one.fit->line.contrast);
     widths.push_back(one.fit->line.shape.spread());
   }
-  if (contrasts.size() < 2 || 2 * contrasts.size() < looked) return std::nullopt;
+  if (contrasts.size() < 2 || 2 * contrasts.size() < searched) return std::nullopt;
   return TypicalLine{upper_median(contrasts), upper_median(widths)};
 }
 
-/// Rejects lines that differ from the others' too much to be the same line.
-void reject_odd(std::vector<Found>& found) {
-  const auto usual = usual_line(found);
-  if (!usual || std::ranges::count_if(found, &Found::accepted) < 3) return;
+/// Rejects lines that differ too much from the typical one.
+void reject_atypical(std::vector<Found>& found) {
+  const auto typical = typical_line(found);
+  if (!typical || std::ranges::count_if(found, &Found::accepted) < 3) return;
   for (Found& one : found) {
-    if (!one.accepted || is_typical(one.fit->line, *usual)) continue;
+    if (!one.accepted || is_typical(one.fit->line, *typical)) continue;
     const EquatorLine& line = one.fit->line;
     one.accepted = false;
     one.why = {Reason::line_ambiguous,
                fmt::format("a line of contrast {:.2f} and width {:.3f} radii, where most images' has "
                            "{:.2f} and {:.3f}",
-                           line.contrast, line.shape.spread(), usual->contrast, usual->spread)};
+                           line.contrast, line.shape.spread(), typical->contrast, typical->spread)};
   }
 }
 
-/// Lines on some of the balls only, none of them clear, are chance; so are those on a few, however clear.
+/// Rejects all lines if they are on a minority of the balls and none is clear, or on a few, however clear:
+/// chance.
 void reject_few(std::vector<Found>& found) {
   constexpr double kClear = 8.0;
-  std::size_t looked = 0, accepted = 0, clear = 0;
+  std::size_t searched = 0, accepted = 0, clear = 0;
   for (const Found& one : found) {
-    if (one.search.seen >= 0.7) ++looked;
+    if (one.search.visible >= 0.7) ++searched;
     if (one.accepted) ++accepted;
     if (one.accepted && one.score >= kClear) ++clear;
   }
-  if (looked < 3 || 2 * accepted > looked || (clear > 0 && 4 * accepted >= looked)) return;
+  if (searched < 3 || 2 * accepted > searched || (clear > 0 && 4 * accepted >= searched)) return;
   for (Found& one : found) {
     if (!one.accepted) continue;
     one.accepted = false;
-    one.why = {Reason::no_line, fmt::format("weak, and on {} of {} balls only", accepted, looked)};
+    one.why = {Reason::no_line, fmt::format("weak, and on {} of {} balls only", accepted, searched)};
   }
 }
 
-/// Scatter of the segments, and how much more than alone they matter together, over all balls: few
-/// segments of one tell little of how they scatter.
+/// Over all balls, as one ball has few segments.
 struct Scatter {
-  double usual = 0.0;
-  double together = 1.0;
+  double typical = 0.0;      ///< variance of the segments' offsets over that expected from their pixels
+  double correlation = 1.0;  ///< factor of the variance by correlated neighbours
 };
 
 Scatter common_scatter(const std::vector<Found>& found) {
-  double sum = 0.0, freedom = 0.0, products = 0.0;
+  double sum = 0.0, degrees_of_freedom = 0.0, products = 0.0;
   std::vector<double> ratios;
   for (const Found& one : found) {
     if (!one.accepted) continue;
-    const double per = 1.0 / one.fit->inside_scatter;
-    sum += one.fit->freedom * one.fit->scatter * per;
-    products += one.fit->freedom * one.fit->neighbours * per;
-    freedom += one.fit->freedom;
+    const double per = 1.0 / one.fit->expected_scatter;
+    sum += one.fit->degrees_of_freedom * one.fit->scatter * per;
+    products += one.fit->degrees_of_freedom * one.fit->covariance * per;
+    degrees_of_freedom += one.fit->degrees_of_freedom;
     ratios.push_back(one.fit->scatter * per);
   }
   Scatter scatter;
-  if (freedom <= 0.0 || sum <= 0.0) return scatter;
-  scatter.usual = upper_median(ratios);
-  scatter.together = std::clamp(1.0 + 2.0 * products / sum, 1.0, 2.5);
+  if (degrees_of_freedom <= 0.0 || sum <= 0.0) return scatter;
+  scatter.typical = upper_median(ratios);
+  scatter.correlation = std::clamp(1.0 + 2.0 * products / sum, 1.0, 2.5);
   return scatter;
 }
 
 Measured<Equator> result(const Disc& disc, const Found& found, const Scatter& scatter) {
   if (!found.accepted) return tl::unexpected<Rejection>(found.why);
-  constexpr double kFreedomOfAll = 12.0;
+  constexpr double kPriorDegrees = 12.0;
   const LineFit& fit = *found.fit;
-  const double own = fit.scatter, all = scatter.usual * fit.inside_scatter;
-  const double variance = (fit.freedom * own + kFreedomOfAll * all) / (fit.freedom + kFreedomOfAll);
+  const double own = fit.scatter, all = scatter.typical * fit.expected_scatter;
+  const double variance =
+      (fit.degrees_of_freedom * own + kPriorDegrees * all) / (fit.degrees_of_freedom + kPriorDegrees);
   Equator equator;
-  // A fiftieth of a pixel at the outline: what is left of shading without any noise.
+  // A fiftieth of a pixel at the outline: shading residuals without any noise.
   const double floor_rad = std::max(0.01 * kDegree, 0.02 / disc.radius_image_px);
-  equator.sd_rad = std::hypot(std::sqrt(variance * scatter.together * fit.per_variance), floor_rad);
+  equator.sd_rad = std::hypot(std::sqrt(variance * scatter.correlation * fit.angle_variance), floor_rad);
   if (!(equator.sd_rad < 3.0 * kDegree))
     return tl::unexpected<Rejection>(
         Rejection{Reason::imprecise, fmt::format("sd of {:.1f} degrees", equator.sd_rad / kDegree)});
@@ -237,7 +239,7 @@ Scene prepare(const Photograph& photograph, const PlaneMap& map, std::span<const
   std::vector<Disc> good;
   for (const Outline& outline : outlines) {
     scene.discs.push_back(make_disc(map, outline));
-    if (!ok(scene.discs.back())) continue;
+    if (!is_valid(scene.discs.back())) continue;
     good.push_back(scene.discs.back());
     radii.push_back(scene.discs.back().radius_image_px);
   }
@@ -252,14 +254,14 @@ Scene prepare(const Photograph& photograph, const PlaneMap& map, std::span<const
     result.shapes.emplace(radius / stride);
     return result;
   };
-  scene.rough = level(fast ? 32.0 : 40.0);
-  scene.fine = fast ? scene.rough : level(60.0);
-  const std::vector<Shading> shadings = fit_shadings(scene.rough.blocks, good, fast ? 18 : 30);
+  scene.coarse = level(fast ? 32.0 : 40.0);
+  scene.fine = fast ? scene.coarse : level(60.0);
+  const std::vector<Shading> shadings = fit_shadings(scene.coarse.image, good, fast ? 18 : 30);
   for (std::size_t k = 0, next = 0; k < scene.discs.size(); ++k) {
-    if (!ok(scene.discs[k])) continue;
+    if (!is_valid(scene.discs[k])) continue;
     scene.shadings[k] = shadings[next++];
     for (std::size_t other = 0; other < scene.discs.size(); ++other) {
-      if (other == k || !ok(scene.discs[other])) continue;
+      if (other == k || !is_valid(scene.discs[other])) continue;
       const double apart = cv::norm(scene.discs[k].centre_image - scene.discs[other].centre_image);
       if (apart < scene.discs[k].radius_image_px + scene.discs[other].radius_image_px)
         scene.overlapping[k].push_back(other);
@@ -270,19 +272,19 @@ Scene prepare(const Photograph& photograph, const PlaneMap& map, std::span<const
 
 void find_lines(const Scene& scene, std::vector<Found>& found) {
   const std::vector<Found> nothing(found.size());
-  for_each_ball(scene, [&](std::size_t k) { look(scene, k, nothing, {}, found[k]); });
-  reject_odd(found);
-  // Others' lines may have been in the way, and now it may be known what the line looks like.
-  const auto usual = usual_line(found);
+  for_each_ball(scene, [&](std::size_t k) { search(scene, k, nothing, {}, found[k]); });
+  reject_atypical(found);
+  // Again, with the others' lines subtracted and the typical line known.
+  const auto typical = typical_line(found);
   const std::vector<Found> before = found;
   for_each_ball(scene, [&](std::size_t k) {
     if (before[k].accepted || before[k].search.peaks.empty()) return;
-    if (usual || has_line_beside(scene, k, before)) look(scene, k, before, usual, found[k]);
+    if (typical || has_line_beside(scene, k, before)) search(scene, k, before, typical, found[k]);
   });
-  reject_odd(found);
+  reject_atypical(found);
 }
 
-/// To the shape that all have, as the balls of a photograph are one ball with one line.
+/// Fits all lines again with their common shape, as they are one ball's.
 void refine_lines(const Scene& scene, std::vector<Found>& found) {
   const std::vector<Found> before = found;
   std::vector<Near> near(found.size());
@@ -292,10 +294,10 @@ void refine_lines(const Scene& scene, std::vector<Found>& found) {
   LineProfile profile;
   for (const Near& one : near) profile.add(one.profile);
   const LineShape shape = scene.fine.shapes->best(profile);
-  const auto usual = usual_line(before);
+  const auto typical = typical_line(before);
   for_each_ball(scene, [&](std::size_t k) {
     if (!before[k].accepted || refine(scene, k, near[k].points, shape, found[k])) return;
-    look(scene, k, before, usual, found[k]);
+    search(scene, k, before, typical, found[k]);
     if (!found[k].accepted) return;
     std::vector<Found> now = before;
     now[k] = found[k];
@@ -303,9 +305,9 @@ void refine_lines(const Scene& scene, std::vector<Found>& found) {
     if (refine(scene, k, near[k].points, shape, found[k])) return;
     found[k].accepted = false;
     found[k].why =
-        find_fault(*found[k].fit, true).value_or(Rejection{Reason::no_line, "no line stands a closer look"});
+        check_line(*found[k].fit, true).value_or(Rejection{Reason::no_line, "no line stands a closer look"});
   });
-  settle(scene, near, found);
+  fit_with_common_priors(scene, near, found);
 }
 
 }  // namespace
@@ -315,10 +317,10 @@ std::vector<Measured<Equator>> measure_equators(const Photograph& photograph, co
   std::vector<Measured<Equator>> results;
   const Scene scene = prepare(photograph, map, outlines, effort);
   std::vector<Found> found(outlines.size());
-  if (!scene.rough.blocks.light.empty()) {
+  if (!scene.coarse.image.intensity.empty()) {
     find_lines(scene, found);
     refine_lines(scene, found);
-    reject_odd(found);
+    reject_atypical(found);
     reject_few(found);
   }
   const Scatter scatter = common_scatter(found);

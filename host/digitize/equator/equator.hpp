@@ -1,7 +1,6 @@
-// The angle of the dark line through the middle of a ball's image. It is a diameter when the ball turns about
-// the line of sight; a line tilted by up to 5 degrees shows as half an ellipse. Seams, print, felt and the
-// images of other balls that lie over it are not mistaken for it: what is not clear is said, not guessed.
-// Deterministic; thread-safe; allocates.
+// The angle of the dark line around a ball's equator on its images. It is a diameter when the ball spins
+// about the line of sight; a tilt shows as half an ellipse. Seams, print, felt and overlapping images are
+// distinguished from it; ambiguous lines are rejected. Deterministic; thread-safe; allocates.
 #pragma once
 
 #include <span>
@@ -12,7 +11,7 @@
 
 namespace strobe::digitize {
 
-/// One result for each outline, in their order; the outlines of all images are needed, as they overlap.
+/// One result for each outline, in their order. `outlines`: of all images, as they may overlap.
 std::vector<Measured<Equator>> measure_equators(const Photograph& photograph, const PlaneMap& map,
                                                 std::span<const Outline> outlines, Effort effort);
 

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <numbers>
+#include <numeric>
+
+#include "host/digitize/core/statistics.hpp"
 
 namespace strobe::digitize {
 namespace {
@@ -9,9 +12,9 @@ namespace {
 constexpr double kSearchInner = 0.95;
 constexpr int kMaxCells = 44;      ///< a radius
 constexpr double kTiltMost = 0.3;  ///< 5 degrees of tilt, and what perspective adds off the axis
-constexpr double kClip = 2.5;      ///< sd that one column may count
+constexpr double kClip = 2.5;      ///< sd, largest contribution of one column
 
-/// A narrow line needs its tilt known the better.
+/// Narrow lines need finer steps of tilt.
 struct Width {
   double half = 0.0;  ///< radii
   int tilts = 1;
@@ -20,7 +23,7 @@ constexpr std::array kWidths{Width{0.022, 9}, Width{0.045, 7}, Width{0.09, 5}};
 
 double tilt(int index, int tilts) { return kTiltMost * (2.0 * index / (tilts - 1) - 1.0); }
 
-/// How a strip is searched for lines of one width, in cells.
+/// The matched filter of one width, in cells.
 struct Pattern {
   double half_width = 0.0;  ///< radii
   int tilts = 1;
@@ -32,13 +35,14 @@ struct Pattern {
   int reach() const { return gap + side - 1; }
 };
 
-/// What is common to all balls of a size.
+/// The search grid for balls of one size.
 struct Plan {
   int angles = 0;
   int columns = 0;  ///< along a strip
   int rows = 0;     ///< of a strip, to either side of its middle
   std::vector<Pattern> patterns;
 
+  double angle(int k) const { return std::numbers::pi * k / angles; }
   double along(int column) const { return 0.94 * (2.0 * (column + 0.5) / columns - 1.0); }
 };
 
@@ -72,16 +76,16 @@ Plan make_plan(int per_radius, Effort effort) {
   return plan;
 }
 
-/// The disc in square cells: brightness relative to the ball's own, weighted.
+/// The disc in square cells: intensity relative to the shading, weighted.
 class Cells {
  public:
-  explicit Cells(BallPixels& rows)
-      : per_radius_(
-            std::clamp(static_cast<int>(rows.disc().radius_image_px / rows.stride() / 1.4), 4, kMaxCells)),
+  explicit Cells(BallPixels& pixels)
+      : per_radius_(std::clamp(static_cast<int>(pixels.disc().radius_image_px / pixels.stride() / 1.4), 4,
+                               kMaxCells)),
         side_(2 * per_radius_ + 1),
         sum_(static_cast<std::size_t>(side_ * side_)),
         weight_(sum_.size()) {
-    fill(rows);
+    fill(pixels);
   }
 
   int per_radius() const { return per_radius_; }
@@ -97,7 +101,7 @@ class Cells {
   float weight(std::size_t index) const { return weight_[index]; }
 
  private:
-  void fill(BallPixels& rows);
+  void fill(BallPixels& pixels);
 
   int per_radius_;
   int side_;
@@ -107,22 +111,22 @@ class Cells {
   double outside_ = 0.0;
 };
 
-void Cells::fill(BallPixels& rows) {
-  const double radius = rows.disc().radius_image_px / rows.stride();
+void Cells::fill(BallPixels& pixels) {
+  const double radius = pixels.disc().radius_image_px / pixels.stride();
   const auto share = static_cast<float>(per_radius_ * per_radius_ / (radius * radius));  // of a cell
-  const float floor2 = rows.floor() * rows.floor();
+  const float floor2 = pixels.floor() * pixels.floor();
   int inside = 0, full = 0;
-  const cv::Range range = rows.rows(kSearchInner);
+  const cv::Range range = pixels.rows(kSearchInner);
   for (int j = range.start; j < range.end; ++j) {
-    for (const BallPixels::Block& block : rows.row(j, kSearchInner)) {
+    for (const BallPixels::Pixel& pixel : pixels.row(j, kSearchInner)) {
       ++inside;
-      if (block.full) ++full;
-      if (!block.use || block.own <= rows.floor()) continue;
-      // Least squares for left = own * x with noise in proportion to sqrt(noise): sums of own*left and own².
-      const float scale = share / (block.noise + floor2);
-      const std::size_t at = index(block.u, block.v);
-      sum_[at] += block.left * block.own * scale;
-      weight_[at] += block.own * block.own * scale;
+      if (pixel.saturated) ++full;
+      if (!pixel.usable || pixel.shading <= pixels.floor()) continue;
+      // Least squares for residual = shading·x, weighted by the inverse variance.
+      const float scale = share / (pixel.variance + floor2);
+      const std::size_t at = index(pixel.u, pixel.v);
+      sum_[at] += pixel.residual * pixel.shading * scale;
+      weight_[at] += pixel.shading * pixel.shading * scale;
     }
   }
   const double whole = CV_PI * kSearchInner * kSearchInner * radius * radius;
@@ -130,7 +134,7 @@ void Cells::fill(BallPixels& rows) {
   outside_ = std::clamp(1.0 - inside / whole, 0.0, 1.0);
 }
 
-/// Sums along columns across a strip, so that any stretch costs two look-ups.
+/// Cumulative sums along the columns across a strip of one angle.
 class Strip {
  public:
   Strip(const Cells& cells, const Plan& plan, double angle)
@@ -171,13 +175,13 @@ class Strip {
   std::vector<Mean> sums_;
 };
 
-constexpr float kUnseen = -1e9F;
+constexpr float kInvisible = -1e9F;
 
-/// How much darker than both its sides the strip's column is where the line would be.
+/// How much darker the column is at the line than on both sides.
 float darkness(const Strip& strip, const Pattern& pattern, int column, int middle) {
   const auto inner = strip.over(column, middle - pattern.half, middle + pattern.half);
-  // A cell with its whole weight counts as one: pixels of full own share.
-  if (inner.weight < 0.15F * static_cast<float>(2 * pattern.half + 1)) return kUnseen;
+  // A fully visible cell has weight one.
+  if (inner.weight < 0.15F * static_cast<float>(2 * pattern.half + 1)) return kInvisible;
   const auto below = strip.over(column, middle - pattern.reach(), middle - pattern.gap);
   const auto above = strip.over(column, middle + pattern.gap, middle + pattern.reach());
   const float least = 0.15F * static_cast<float>(pattern.side);
@@ -187,7 +191,7 @@ float darkness(const Strip& strip, const Pattern& pattern, int column, int middl
     const float side = below.sum * above.weight + above.sum * below.weight;
     return (side * inner.weight - inner.sum * both) / (both * inner.weight);
   }
-  if (below.weight < least && above.weight < least) return kUnseen;
+  if (below.weight < least && above.weight < least) return kInvisible;
   const auto& side = below.weight >= least ? below : above;
   return side.sum / side.weight - inner.sum / inner.weight;
 }
@@ -218,22 +222,20 @@ Table fill_table(const std::vector<Strip>& strips, const Plan& plan, const Patte
   return table;
 }
 
-/// Robust sd of the darkness of columns anywhere on the ball.
+/// Robust sd of the columns' darkness anywhere on the ball. Returns 0 for too few columns.
 double spread(const Table& table) {
   std::vector<float> values;
   for (int angle = 0; angle < table.angles; ++angle)
     for (const float dark : table.columns(angle, table.tilts / 2))
-      if (dark != kUnseen) values.push_back(std::abs(dark));
+      if (dark != kInvisible) values.push_back(std::abs(dark));
   if (values.size() < 50) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return 1.4826 * *middle;
+  return 1.4826 * upper_median(std::move(values));
 }
 
 struct Tally {
   double score = 0.0;
   double contrast = 0.0;
-  int seen = 0;
+  int visible = 0;  ///< columns
 };
 
 Tally tally(std::span<const float> columns, double sd) {
@@ -241,67 +243,93 @@ Tally tally(std::span<const float> columns, double sd) {
   const auto limit = static_cast<float>(kClip * sd);
   float clipped = 0.0F, sum = 0.0F;
   for (const float dark : columns) {
-    if (dark == kUnseen) continue;
-    ++result.seen;
+    if (dark == kInvisible) continue;
+    ++result.visible;
     clipped += std::clamp(dark, -limit, limit);
     sum += dark;
   }
-  if (result.seen == 0) return result;
-  result.score = clipped / sd / std::sqrt(result.seen * 1.0);
-  result.contrast = static_cast<double>(sum) / result.seen;
+  if (result.visible == 0) return result;
+  result.score = clipped / sd / std::sqrt(result.visible * 1.0);
+  result.contrast = static_cast<double>(sum) / result.visible;
   return result;
 }
 
-double apart(double a, double b) { return std::abs(std::remainder(a - b, std::numbers::pi)); }
+double angle_between(double a, double b) { return std::abs(std::remainder(a - b, std::numbers::pi)); }
 
-}  // namespace
+/// The best line at each angle.
+class BestLines {
+ public:
+  explicit BestLines(const Plan& plan)
+      : plan_(plan), peaks_(static_cast<std::size_t>(plan.angles)), rank_(peaks_.size(), kNoRank) {}
 
-LineSearch search_line(BallPixels& rows, Effort effort) {
-  LineSearch search;
-  const Cells cells(rows);
-  search.saturated = cells.saturated();
-  search.outside = cells.outside();
-  const Plan plan = make_plan(cells.per_radius(), effort);
-  const auto angle_of = [&](int k) { return std::numbers::pi * k / plan.angles; };
-  std::vector<Strip> strips;
-  for (int k = 0; k < plan.angles; ++k) strips.emplace_back(cells, plan, angle_of(k));
-  std::vector<LinePeak> best(strips.size());
-  std::vector<double> rank(best.size(), -1e30);
-  for (const Pattern& pattern : plan.patterns) {
-    const Table table = fill_table(strips, plan, pattern);
+  /// Of one pattern. Returns the largest number of visible columns at any angle.
+  int update(const Table& table, const Pattern& pattern) {
+    int visible = 0;
     const double sd = spread(table);
-    if (!(sd > 0.0)) continue;
-    for (int k = 0; k < plan.angles; ++k) {
+    if (!(sd > 0.0)) return visible;
+    for (int k = 0; k < plan_.angles; ++k) {
       for (int t = 0; t < table.tilts; ++t) {
         const Tally found = tally(table.columns(k, t), sd);
-        search.seen = std::max(search.seen, static_cast<double>(found.seen) / plan.columns);
-        if (found.seen < plan.columns / 4) continue;
-        // Among much alike the darker: a strong line makes every column count all it may.
-        const double order = found.score + 0.3 * found.contrast / sd;
+        visible = std::max(visible, found.visible);
+        if (found.visible < plan_.columns / 4) continue;
+        // The score is clipped for strong lines: among similar scores the darker line is preferred.
+        const double rank = found.score + 0.3 * found.contrast / sd;
         const auto at = static_cast<std::size_t>(k);
-        if (order <= rank[at]) continue;
-        rank[at] = order;
-        LinePeak& peak = best[at];
-        peak.line.angle_rad = angle_of(k);
+        if (rank <= rank_[at]) continue;
+        rank_[at] = rank;
+        LinePeak& peak = peaks_[at];
+        peak.line.angle_rad = plan_.angle(k);
         peak.line.tilt_rad = tilt(t, table.tilts);
         peak.line.contrast = found.contrast;
         peak.line.shape.half_width = pattern.half_width;
         peak.score = found.score;
       }
     }
+    return visible;
   }
-  std::vector<std::size_t> order(best.size());
-  for (std::size_t k = 0; k < order.size(); ++k) order[k] = k;
-  std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) { return rank[a] > rank[b]; });
-  constexpr double kApart = 8.0 * std::numbers::pi / 180.0;
-  constexpr std::size_t kMaxPeaks = 4;
-  for (const std::size_t k : order) {
-    if (rank[k] < -1e29 || search.peaks.size() >= kMaxPeaks) break;
-    const bool near = std::ranges::any_of(search.peaks, [&](const LinePeak& peak) {
-      return apart(peak.line.angle_rad, best[k].line.angle_rad) < kApart;
-    });
-    if (!near) search.peaks.push_back(best[k]);
+
+  /// Best first, apart from each other.
+  std::vector<LinePeak> peaks() const {
+    constexpr double kMinApart = 8.0 * std::numbers::pi / 180.0;
+    constexpr std::size_t kMaxPeaks = 4;
+    std::vector<std::size_t> order(peaks_.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) { return rank_[a] > rank_[b]; });
+    std::vector<LinePeak> result;
+    for (const std::size_t k : order) {
+      if (rank_[k] <= kNoRank || result.size() >= kMaxPeaks) break;
+      const bool near = std::ranges::any_of(result, [&](const LinePeak& peak) {
+        return angle_between(peak.line.angle_rad, peaks_[k].line.angle_rad) < kMinApart;
+      });
+      if (!near) result.push_back(peaks_[k]);
+    }
+    return result;
   }
+
+ private:
+  static constexpr double kNoRank = -1e30;
+
+  const Plan& plan_;
+  std::vector<LinePeak> peaks_;
+  std::vector<double> rank_;
+};
+
+}  // namespace
+
+LineSearch search_line(BallPixels& pixels, Effort effort) {
+  LineSearch search;
+  const Cells cells(pixels);
+  search.saturated = cells.saturated();
+  search.outside = cells.outside();
+  const Plan plan = make_plan(cells.per_radius(), effort);
+  std::vector<Strip> strips;
+  for (int k = 0; k < plan.angles; ++k) strips.emplace_back(cells, plan, plan.angle(k));
+  BestLines best(plan);
+  int visible = 0;
+  for (const Pattern& pattern : plan.patterns)
+    visible = std::max(visible, best.update(fill_table(strips, plan, pattern), pattern));
+  search.visible = static_cast<double>(visible) / plan.columns;
+  search.peaks = best.peaks();
   return search;
 }
 

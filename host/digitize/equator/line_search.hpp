@@ -1,4 +1,4 @@
-// A first, rough look for the line on one ball: a matched filter over its angle, tilt and width. Thread-safe;
+// First, coarse search for the line on one ball: a matched filter over angle, tilt and width. Thread-safe;
 // allocates.
 #pragma once
 
@@ -8,19 +8,19 @@
 
 namespace strobe::digitize {
 
-/// An angle at which something line-like lies across the disc's middle.
+/// A local maximum of the filter over the angle.
 struct LinePeak {
   EquatorLine line;
-  double score = 0.0;  ///< how many sd of chance, every stretch of the line counting alike, however dark
+  double score = 0.0;  ///< z-score against chance; each column along the line counts alike, however dark
 };
 
 struct LineSearch {
   std::vector<LinePeak> peaks;  ///< best first, 8 degrees apart or more
-  double seen = 0.0;            ///< share of a diameter that is seen, at the angle where most is
-  double saturated = 0.0;       ///< share of the disc
-  double outside = 0.0;         ///< share of the disc beyond the photograph's border
+  double visible = 0.0;         ///< fraction of a diameter, at the angle where it is largest
+  double saturated = 0.0;       ///< fraction of the disc
+  double outside = 0.0;         ///< fraction of the disc beyond the photograph's border
 };
 
-LineSearch search_line(BallPixels& rows, Effort effort);
+LineSearch search_line(BallPixels& pixels, Effort effort);
 
 }  // namespace strobe::digitize

@@ -4,27 +4,30 @@
 #include <opencv2/imgproc.hpp>
 #include <optional>
 
+#include "host/digitize/core/statistics.hpp"
+
 namespace strobe::digitize {
 namespace {
 
-/// Nearer to the outline the sphere is too steep for low orders.
+/// Closer to the outline, shading is too steep for low orders.
 constexpr double kShadingInner = 0.96;
 constexpr int kSweeps = 4;
 
-/// One block under one disc.
+/// One bin under one disc.
 struct Sample {
-  int point = 0;  ///< which block
+  int point = 0;  ///< index of the bin
   std::array<float, Shading::kTerms> basis{};
 };
 
 struct Samples {
-  std::vector<float> value;  ///< of each block: light less background
+  std::vector<float> value;  ///< of each bin: intensity less background
   std::vector<std::vector<Sample>> of_disc;
 };
 
-/// Median of the light around a disc and outside of all; absent: nothing is seen of it.
-std::optional<float> background_about(const BinnedImage& blocks, std::span<const Disc> discs,
-                                      const Disc& disc) {
+/// Median intensity around a disc and outside of all others. Returns nullopt if hardly any of that is
+/// visible.
+std::optional<float> background_around(const BinnedImage& image, std::span<const Disc> discs,
+                                       const Disc& disc) {
   std::vector<float> values;
   constexpr int kDirections = 72;
   for (const double radii : {1.1, 1.2, 1.3}) {
@@ -33,31 +36,28 @@ std::optional<float> background_about(const BinnedImage& blocks, std::span<const
       const cv::Vec2d away =
           disc.image_from_unit * cv::Vec2d(radii * std::cos(angle), radii * std::sin(angle));
       const cv::Point2d at = disc.centre_image + cv::Point2d(away[0], away[1]);
-      const int i = static_cast<int>(std::lround((at.x + 0.5 - blocks.origin.x) / blocks.stride - 0.5));
-      const int j = static_cast<int>(std::lround((at.y + 0.5 - blocks.origin.y) / blocks.stride - 0.5));
-      if (i < 0 || j < 0 || i >= blocks.light.cols || j >= blocks.light.rows) continue;
+      const int i = static_cast<int>(std::lround((at.x + 0.5 - image.origin.x) / image.stride - 0.5));
+      const int j = static_cast<int>(std::lround((at.y + 0.5 - image.origin.y) / image.stride - 0.5));
+      if (i < 0 || j < 0 || i >= image.intensity.cols || j >= image.intensity.rows) continue;
       const bool covered = std::ranges::any_of(discs, [&](const Disc& other) {
         const cv::Point2d unit = other.unit(at.x, at.y);
         return unit.dot(unit) < (1.0 + other.rim) * (1.0 + other.rim);
       });
-      if (!covered) values.push_back(blocks.light.at<float>(j, i));
+      if (!covered) values.push_back(image.intensity.at<float>(j, i));
     }
   }
   if (values.size() < kDirections / 8) return std::nullopt;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
+  return upper_median(std::move(values));
 }
 
-std::vector<float> backgrounds(const BinnedImage& blocks, std::span<const Disc> discs) {
+std::vector<float> backgrounds(const BinnedImage& image, std::span<const Disc> discs) {
   std::vector<std::optional<float>> seen;
   std::vector<float> known;
   for (const Disc& disc : discs) {
-    seen.push_back(background_about(blocks, discs, disc));
+    seen.push_back(background_around(image, discs, disc));
     if (seen.back()) known.push_back(*seen.back());
   }
-  std::ranges::sort(known);
-  const float usual = known.empty() ? 0.0F : known[known.size() / 2];
+  const float usual = upper_median(std::move(known));
   std::vector<float> result;
   for (const auto& one : seen) result.push_back(one.value_or(usual));
   return result;
@@ -71,24 +71,24 @@ std::vector<std::size_t> near_row(std::span<const Disc> discs, double row, doubl
   return near;
 }
 
-Samples take_samples(const BinnedImage& blocks, std::span<const Disc> discs,
-                     std::span<const Shading> shadings, int across) {
+Samples take_samples(const BinnedImage& image, std::span<const Disc> discs, std::span<const Shading> shadings,
+                     int across) {
   double radius = 0.0;
   for (const Disc& disc : discs) radius = std::max(radius, disc.radius_image_px);
-  const int step = std::max(1, static_cast<int>(2.0 * radius / blocks.stride / across));
+  const int step = std::max(1, static_cast<int>(2.0 * radius / image.stride / across));
   Samples samples;
   samples.of_disc.resize(discs.size());
   std::vector<std::pair<std::size_t, cv::Point2d>> over;
-  for (int j = 0; j < blocks.light.rows; j += step) {
-    const auto near = near_row(discs, blocks.row(j), 1.1);
+  for (int j = 0; j < image.intensity.rows; j += step) {
+    const auto near = near_row(discs, image.row(j), 1.1);
     if (near.empty()) continue;
-    const float* light = blocks.light.ptr<float>(j);
-    for (int i = 0; i < blocks.light.cols; i += step) {
-      if (light[i] >= blocks.saturation) continue;
+    const float* intensity = image.intensity.ptr<float>(j);
+    for (int i = 0; i < image.intensity.cols; i += step) {
+      if (intensity[i] >= image.saturation) continue;
       over.clear();
       bool use = true;
       for (const std::size_t k : near) {
-        const cv::Point2d unit = discs[k].unit(blocks.column(i), blocks.row(j));
+        const cv::Point2d unit = discs[k].unit(image.column(i), image.row(j));
         const double r = unit.dot(unit);
         if (r > (1.0 + discs[k].rim) * (1.0 + discs[k].rim)) continue;
         use = use && r < kShadingInner * kShadingInner && r < (1.0 - discs[k].rim) * (1.0 - discs[k].rim);
@@ -103,7 +103,7 @@ Samples take_samples(const BinnedImage& blocks, std::span<const Disc> discs,
         Shading::basis(u, v, std::sqrt(std::max(0.0F, 1.0F - u * u - v * v)), sample.basis.data());
         background += shadings[k].background;
       }
-      samples.value.push_back(light[i] - background / static_cast<float>(over.size()));
+      samples.value.push_back(intensity[i] - background / static_cast<float>(over.size()));
     }
   }
   return samples;
@@ -134,7 +134,7 @@ double dot(const Sample& sample, const Terms& terms) {
   return sum;
 }
 
-/// One shading for all discs: where each alone would not tell its own from its neighbours'.
+/// One shading for all discs, which regularizes those that overlap.
 Terms common_terms(const Samples& samples) {
   std::vector<std::array<float, Shading::kTerms>> sums(samples.value.size());
   for (const auto& disc : samples.of_disc)
@@ -151,19 +151,17 @@ Terms common_terms(const Samples& samples) {
   return solved(normal, right).value_or(Terms());
 }
 
-/// Huber's limit: 1.5 robust sd. Lines are dark, so that the sd is taken from the bright side alone.
+/// Huber's threshold: 1.5 robust sd, from the positive residuals only, as lines are dark.
 double huber_limit(const std::vector<double>& left) {
   std::vector<double> bright;
   for (const double x : left)
     if (x > 0.0) bright.push_back(x);
   if (bright.size() <= 10) return 1e30;
-  const auto middle = bright.begin() + static_cast<std::ptrdiff_t>(bright.size() / 2);
-  std::ranges::nth_element(bright, middle);
-  return 1.5 * 1.4826 * *middle + 1e-9;
+  return 1.5 * 1.4826 * upper_median(std::move(bright)) + 1e-9;
 }
 
-/// Of each disc's samples, all of weight one.
-std::vector<Normal> plain_normals(const Samples& samples) {
+/// Of each disc's samples, with weight one.
+std::vector<Normal> unweighted_normals(const Samples& samples) {
   std::vector<Normal> normals(samples.of_disc.size());
   cv::parallel_for_(cv::Range(0, static_cast<int>(normals.size())), [&](const cv::Range& range) {
     for (int k = range.start; k < range.end; ++k) {
@@ -175,7 +173,7 @@ std::vector<Normal> plain_normals(const Samples& samples) {
   return normals;
 }
 
-/// Of the shading that is common, what comes nearest to a ball's.
+/// The factor of the common shading that comes closest to a ball's.
 double scale_of(const Normal& lower, const Terms& common, const Terms& terms) {
   double both = 0.0, square = 0.0;
   for (int a = 0; a < Shading::kTerms; ++a) {
@@ -188,21 +186,21 @@ double scale_of(const Normal& lower, const Terms& common, const Terms& terms) {
   return square > 0.0 ? both / square : 1.0;
 }
 
-/// Balls in turn, each to what the others leave (backfitting), drawn towards the common shading as far as
-/// lamps' light varies from flash to flash and ball to ball. Huber's weights from the second sweep on.
+/// Each ball in turn to the residuals of the others (backfitting), with the scaled common shading as prior,
+/// as lamps vary from flash to flash. Huber's weights from the second sweep on.
 std::vector<Terms> own_terms(const Samples& samples, const Terms& common) {
-  constexpr double kDraw = 64.0;  // samples' worth
+  constexpr double kPriorSamples = 64.0;
   std::vector<Terms> terms(samples.of_disc.size(), common);
-  const std::vector<Normal> plain = plain_normals(samples);
+  const std::vector<Normal> unweighted = unweighted_normals(samples);
   std::vector<double> left(samples.value.begin(), samples.value.end());
   for (const auto& disc : samples.of_disc)
     for (const Sample& sample : disc) left[static_cast<std::size_t>(sample.point)] -= dot(sample, common);
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
     const double limit = sweep > 0 ? huber_limit(left) : 1e30;
     for (std::size_t k = 0; k < terms.size(); ++k) {
-      // For the change of the terms; what weighs less than one is taken from the normal equations of all.
-      Normal normal = plain[k];
-      Terms right = (common * scale_of(plain[k], common, terms[k]) - terms[k]) * kDraw;
+      // For the change of the terms; weights below one are subtracted from the unweighted equations.
+      Normal normal = unweighted[k];
+      Terms right = (common * scale_of(unweighted[k], common, terms[k]) - terms[k]) * kPriorSamples;
       for (const Sample& sample : samples.of_disc[k]) {
         double residual = left[static_cast<std::size_t>(sample.point)];
         const double size = std::abs(residual);
@@ -213,7 +211,7 @@ std::vector<Terms> own_terms(const Samples& samples, const Terms& common) {
         for (int a = 0; a < Shading::kTerms; ++a)
           right[a] += residual * sample.basis[static_cast<std::size_t>(a)];
       }
-      for (int a = 0; a < Shading::kTerms; ++a) normal(a, a) += kDraw;
+      for (int a = 0; a < Shading::kTerms; ++a) normal(a, a) += kPriorSamples;
       const auto change = solved(normal, right);
       if (!change) continue;
       for (const Sample& sample : samples.of_disc[k])
@@ -230,13 +228,13 @@ cv::Rect BinnedImage::around(const Disc& disc, double radii) const {
   const cv::Point2d half = disc.half_extent_px(radii);
   const auto index = [&](double px, int start) { return (px + 0.5 - start) / stride - 0.5; };
   const int left = static_cast<int>(
-      std::ceil(std::clamp(index(disc.centre_image.x - half.x, origin.x), 0.0, light.cols * 1.0)));
+      std::ceil(std::clamp(index(disc.centre_image.x - half.x, origin.x), 0.0, intensity.cols * 1.0)));
   const int right = static_cast<int>(
-      std::floor(std::clamp(index(disc.centre_image.x + half.x, origin.x), -1.0, light.cols - 1.0)));
+      std::floor(std::clamp(index(disc.centre_image.x + half.x, origin.x), -1.0, intensity.cols - 1.0)));
   const int top = static_cast<int>(
-      std::ceil(std::clamp(index(disc.centre_image.y - half.y, origin.y), 0.0, light.rows * 1.0)));
+      std::ceil(std::clamp(index(disc.centre_image.y - half.y, origin.y), 0.0, intensity.rows * 1.0)));
   const int bottom = static_cast<int>(
-      std::floor(std::clamp(index(disc.centre_image.y + half.y, origin.y), -1.0, light.rows - 1.0)));
+      std::floor(std::clamp(index(disc.centre_image.y + half.y, origin.y), -1.0, intensity.rows - 1.0)));
   if (right < left || bottom < top) return {};
   return {left, top, right - left + 1, bottom - top + 1};
 }
@@ -251,22 +249,22 @@ BinnedImage bin_image(const Photograph& photograph, std::span<const Disc> discs,
     top = std::min(top, disc.centre_image.y - half.y);
     bottom = std::max(bottom, disc.centre_image.y + half.y);
   }
-  BinnedImage blocks;
-  blocks.stride = stride;
-  blocks.saturation = photograph.saturation;
+  BinnedImage image;
+  image.stride = stride;
+  image.saturation = photograph.saturation;
   const int x0 = static_cast<int>(std::max(0.0, std::floor(left)));
   const int y0 = static_cast<int>(std::max(0.0, std::floor(top)));
   const int columns = (static_cast<int>(std::min(right + 1.0, photograph.width() * 1.0)) - x0) / stride;
   const int rows = (static_cast<int>(std::min(bottom + 1.0, photograph.height() * 1.0)) - y0) / stride;
-  blocks.origin = {x0, y0};
-  if (columns <= 0 || rows <= 0) return blocks;
-  const cv::Mat part = photograph.light(cv::Rect(x0, y0, columns * stride, rows * stride));
+  image.origin = {x0, y0};
+  if (columns <= 0 || rows <= 0) return image;
+  const cv::Mat part = photograph.intensity(cv::Rect(x0, y0, columns * stride, rows * stride));
   if (stride == 1) {
-    blocks.light = part;
+    image.intensity = part;
   } else {
-    cv::resize(part, blocks.light, cv::Size(columns, rows), 0, 0, cv::INTER_AREA);
+    cv::resize(part, image.intensity, cv::Size(columns, rows), 0, 0, cv::INTER_AREA);
   }
-  return blocks;
+  return image;
 }
 
 void Shading::basis(float u, float v, float z, float* t) {
@@ -283,12 +281,12 @@ void Shading::basis(float u, float v, float z, float* t) {
   for (int k = 0; k < 6; ++k) t[10 + k] = z * t[k];
 }
 
-std::vector<Shading> fit_shadings(const BinnedImage& blocks, std::span<const Disc> discs, int across) {
+std::vector<Shading> fit_shadings(const BinnedImage& image, std::span<const Disc> discs, int across) {
   std::vector<Shading> shadings(discs.size());
-  if (blocks.light.empty()) return shadings;
-  const auto background = backgrounds(blocks, discs);
+  if (image.intensity.empty()) return shadings;
+  const auto background = backgrounds(image, discs);
   for (std::size_t k = 0; k < discs.size(); ++k) shadings[k].background = background[k];
-  const Samples samples = take_samples(blocks, discs, shadings, across);
+  const Samples samples = take_samples(image, discs, shadings, across);
   const std::vector<Terms> terms = own_terms(samples, common_terms(samples));
   for (std::size_t k = 0; k < discs.size(); ++k)
     for (int a = 0; a < Shading::kTerms; ++a)

@@ -1,6 +1,6 @@
-// The light of the balls' images: exposure adds up, so that what is seen is the background and the sum of the
-// shadings of all balls that lie there. Each ball's own is a low-order function of its disc, fitted to all of
-// them together. Deterministic for any number of threads; thread-safe; allocates.
+// Shading of the balls' images. Exposure adds up: intensity is the background plus the shadings of all balls
+// that overlap there. Each ball's is a low-order function of its disc; all are fitted together. Deterministic
+// for any number of threads; thread-safe; allocates.
 #pragma once
 
 #include <array>
@@ -12,25 +12,26 @@
 
 namespace strobe::digitize {
 
-/// A part of the photograph in blocks of stride x stride pixels.
+/// A part of the photograph, binned by stride x stride pixels.
 struct BinnedImage {
   int stride = 1;
-  cv::Point origin;  ///< image px of the first block's first pixel
-  cv::Mat light;     ///< CV_32F, mean of each block
+  cv::Point origin;   ///< image px of the first bin's first pixel
+  cv::Mat intensity;  ///< CV_32FC1, mean of each bin
   float saturation = 1.0F;
 
+  /// Image px of a bin's middle.
   double column(double i) const { return origin.x + stride * (i + 0.5) - 0.5; }
   double row(double j) const { return origin.y + stride * (j + 0.5) - 0.5; }
-  /// BinnedImage whose middles are within the disc of `radii`; empty outside of the part.
+  /// The bins whose middles are within that many radii of the disc; empty outside of the part.
   cv::Rect around(const Disc& disc, double radii) const;
 };
 
-/// The part that holds all discs.
+/// The part around all discs.
 BinnedImage bin_image(const Photograph& photograph, std::span<const Disc> discs, int stride);
 
-/// A ball's brightness over its disc, p(u, v) + z·q(u, v) with p of third and q of second order, which are
-/// all polynomials of u, v and z to the third order on the sphere and hold any Lambert lamps' light to some
-/// per cent (Ramamoorthi and Hanrahan 2001); and the background about it.
+/// A ball's brightness over its disc, p(u, v) + z·q(u, v) with p of third and q of second order: all
+/// polynomials of third order on the sphere, which represent Lambert shading by any lamps within some per
+/// cent (Ramamoorthi and Hanrahan 2001); and the background around it.
 struct Shading {
   static constexpr int kTerms = 16;
   std::array<float, kTerms> terms{};
@@ -46,8 +47,8 @@ struct Shading {
   }
 };
 
-/// Fitted to the blocks robustly, so that lines and print count little. One for each disc, in their order.
-/// `across`: samples taken over a disc's diameter, at most one for each block.
-std::vector<Shading> fit_shadings(const BinnedImage& blocks, std::span<const Disc> discs, int across);
+/// Robust fit, so that lines and print count little. One for each disc, in their order. `across`: samples
+/// over a disc's diameter, at most one for each bin.
+std::vector<Shading> fit_shadings(const BinnedImage& image, std::span<const Disc> discs, int across);
 
 }  // namespace strobe::digitize

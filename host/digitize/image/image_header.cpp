@@ -15,11 +15,11 @@ namespace {
 
 using Bytes = std::span<const unsigned char>;
 
-constexpr std::uint64_t kNothing = ~std::uint64_t{0};
+constexpr std::uint64_t kMissing = ~std::uint64_t{0};
 
-/// A number of that many bytes; kNothing past the end.
+/// An unsigned number of that many bytes. Returns kMissing past the end.
 std::uint64_t number(Bytes bytes, std::uint64_t at, unsigned size, bool big_endian) {
-  if (at > bytes.size() || size > bytes.size() - at) return kNothing;
+  if (at > bytes.size() || size > bytes.size() - at) return kMissing;
   std::uint64_t value = 0;
   for (unsigned i = 0; i < size; ++i)
     value = value << 8 | bytes[static_cast<std::size_t>(at) + (big_endian ? i : size - 1 - i)];
@@ -45,37 +45,37 @@ Result<ImageHeader> sized(ImageHeader header) {
 Result<ImageHeader> read_png(Bytes bytes) {
   const std::uint64_t width = number(bytes, 16, 4, true), height = number(bytes, 20, 4, true);
   const std::uint64_t bits = number(bytes, 24, 1, true), colour = number(bytes, 25, 1, true);
-  if (colour == kNothing) return cut_short("PNG");
-  // Every chunk is there up to the last one: length, name, data, checksum.
+  if (colour == kMissing) return cut_short("PNG");
+  // All chunks must be present up to IEND; each is length, type, data, CRC.
   std::uint64_t at = 8;
   while (true) {
     const std::uint64_t length = number(bytes, at, 4, true);
     const std::uint64_t kind = number(bytes, at + 4, 4, true);
-    if (length == kNothing || kind == kNothing || number(bytes, at + 8 + length, 4, true) == kNothing)
+    if (length == kMissing || kind == kMissing || number(bytes, at + 8 + length, 4, true) == kMissing)
       return cut_short("PNG");
     if (kind == 0x49454E44) break;  // IEND
     at += 12 + length;
   }
-  constexpr std::uint64_t kPalette = 3;  // whose numbers are not the colours
+  constexpr std::uint64_t kPalette = 3;  // its bits are the indices', not the colours'
   return sized({"PNG", static_cast<std::int64_t>(width), static_cast<std::int64_t>(height),
                 colour == kPalette ? 8 : static_cast<int>(bits), false});
 }
 
-/// The entries of a TIFF's first directory that matter here.
+/// A TIFF's first image file directory.
 class TiffDirectory {
  public:
   TiffDirectory(Bytes bytes, bool big_endian) : bytes_(bytes), big_(big_endian) {
     at_ = number(bytes, 4, 4, big_);
     count_ = number(bytes, at_, 2, big_);
   }
-  bool whole() const { return count_ != kNothing && at_ + 2 + 12 * count_ <= bytes_.size(); }
+  bool is_complete() const { return count_ != kMissing && at_ + 2 + 12 * count_ <= bytes_.size(); }
 
   struct Field {
     unsigned size = 0;  ///< of a number in bytes
     std::uint64_t count = 0;
     std::uint64_t at = 0;
   };
-  /// Absent: not in the directory, or not of whole numbers.
+  /// Returns nullopt if the tag is missing or its type is not an unsigned integer.
   std::optional<Field> field(unsigned tag) const {
     for (std::uint64_t i = 0; i < count_; ++i) {
       const std::uint64_t entry = at_ + 2 + 12 * i;
@@ -103,29 +103,29 @@ class TiffDirectory {
   std::uint64_t count_ = 0;
 };
 
-/// Whether each strip or tile of the picture lies within the file.
-bool holds_its_strips(Bytes bytes, const TiffDirectory& directory) {
+/// Whether each strip or tile lies within the file.
+bool contains_all_strips(Bytes bytes, const TiffDirectory& directory) {
   for (const auto [offsets_tag, sizes_tag] : {std::array{273U, 279U}, std::array{324U, 325U}}) {
     const auto offsets = directory.field(offsets_tag), sizes = directory.field(sizes_tag);
     if (!offsets || !sizes) continue;
     for (std::uint64_t i = 0; i < offsets->count; ++i) {
       const std::uint64_t offset = directory.value(*offsets, i);
-      const std::uint64_t size = i < sizes->count ? directory.value(*sizes, i) : kNothing;
-      if (offset == kNothing || size == kNothing || offset + size > bytes.size()) return false;
+      const std::uint64_t size = i < sizes->count ? directory.value(*sizes, i) : kMissing;
+      if (offset == kMissing || size == kMissing || offset + size > bytes.size()) return false;
     }
     return offsets->count > 0;
   }
   return false;
 }
 
-/// Where the pixels begin if they are grey, neither compressed nor turned, and strip follows strip.
-std::optional<std::size_t> plain_pixels(const TiffDirectory& directory, bool big_endian, std::uint64_t width,
-                                        std::uint64_t height, std::uint64_t bits) {
+/// Offset of the pixels if they are grey, uncompressed, upright, and in contiguous strips.
+std::optional<std::size_t> raw_pixels(const TiffDirectory& directory, bool big_endian, std::uint64_t width,
+                                      std::uint64_t height, std::uint64_t bits) {
   struct Needed {
     unsigned tag;
     std::uint64_t value;
   };
-  // Compression, numbers of a pixel, order of bits, orientation.
+  // Compression, samples per pixel, fill order, orientation.
   for (const Needed& n : {Needed{259, 1}, Needed{277, 1}, Needed{266, 1}, Needed{274, 1}})
     if (directory.value_of(n.tag, 1) != n.value) return std::nullopt;
   const bool as_in_memory =
@@ -146,24 +146,24 @@ std::optional<std::size_t> plain_pixels(const TiffDirectory& directory, bool big
 Result<ImageHeader> read_tiff(Bytes bytes) {
   const bool big_endian = starts(bytes, "MM");
   const TiffDirectory directory(bytes, big_endian);
-  if (!directory.whole()) return cut_short("TIFF");
+  if (!directory.is_complete()) return cut_short("TIFF");
   const std::uint64_t width = directory.value_of(256, 0), height = directory.value_of(257, 0);
   const std::uint64_t bits = directory.value_of(258, 1);
   const std::uint64_t meaning = directory.value_of(262, 1), kind = directory.value_of(339, 1);
   for (const std::uint64_t value : {width, height, bits, meaning, kind})
-    if (value == kNothing) return cut_short("TIFF");
+    if (value == kMissing) return cut_short("TIFF");
   if (kind != 1)
     return fail("the TIFF's pixels are signed or floating-point numbers: 1, 8 or 16 bits unsigned are read");
-  if (!holds_its_strips(bytes, directory)) return cut_short("TIFF");
-  // OpenCV 4.6 turns those of one bit about, and leaves the others.
+  if (!contains_all_strips(bytes, directory)) return cut_short("TIFF");
+  // OpenCV 4.6 inverts those of one bit and leaves the others.
   constexpr std::uint64_t kZeroIsWhite = 0;
   return sized({"TIFF", static_cast<std::int64_t>(width), static_cast<std::int64_t>(height),
                 static_cast<int>(std::min<std::uint64_t>(bits, 64)), meaning == kZeroIsWhite && bits > 1,
-                plain_pixels(directory, big_endian, width, height, bits)});
+                raw_pixels(directory, big_endian, width, height, bits)});
 }
 
-/// The last marker, which cameras may follow with padding.
-bool jpeg_ends(Bytes bytes) {
+/// Whether the end-of-image marker is there; cameras may pad after it.
+bool has_jpeg_end(Bytes bytes) {
   std::size_t end = bytes.size();
   while (end > 2 && (bytes[end - 1] == 0x00 || bytes[end - 1] == 0x0A)) --end;
   return end >= 4 && bytes[end - 2] == 0xFF && bytes[end - 1] == 0xD9;
@@ -173,8 +173,8 @@ Result<ImageHeader> read_jpeg(Bytes bytes) {
   std::uint64_t at = 2;
   while (true) {
     const std::uint64_t marker = number(bytes, at, 2, true), length = number(bytes, at + 2, 2, true);
-    if (length == kNothing) return cut_short("JPEG");
-    if (marker == 0xFFFF) {  // a byte of fill
+    if (length == kMissing) return cut_short("JPEG");
+    if (marker == 0xFFFF) {  // fill byte
       ++at;
       continue;
     }
@@ -186,20 +186,20 @@ Result<ImageHeader> read_jpeg(Bytes bytes) {
   }
   const std::uint64_t bits = number(bytes, at + 4, 1, true);
   const std::uint64_t height = number(bytes, at + 5, 2, true), width = number(bytes, at + 7, 2, true);
-  if (width == kNothing || !jpeg_ends(bytes)) return cut_short("JPEG");
+  if (width == kMissing || !has_jpeg_end(bytes)) return cut_short("JPEG");
   return sized({"JPEG", static_cast<std::int64_t>(width), static_cast<std::int64_t>(height),
                 static_cast<int>(bits), false});
 }
 
 Result<ImageHeader> read_bmp(Bytes bytes) {
   const std::uint64_t start = number(bytes, 10, 4, false), header = number(bytes, 14, 4, false);
-  if (header == kNothing) return cut_short("BMP");
+  if (header == kMissing) return cut_short("BMP");
   if (header < 40) return fail("the BMP is of an old kind that is not read");
   const std::uint64_t bits = number(bytes, 28, 2, false), compression = number(bytes, 30, 4, false);
-  if (compression == kNothing) return cut_short("BMP");
+  if (compression == kMissing) return cut_short("BMP");
   const auto width = static_cast<std::int32_t>(number(bytes, 18, 4, false));
   const auto height = static_cast<std::int32_t>(number(bytes, 22, 4, false));
-  const std::int64_t rows = height < 0 ? -std::int64_t{height} : height;  // < 0: from the top
+  const std::int64_t rows = height < 0 ? -std::int64_t{height} : height;  // negative: rows from the top
   if (width > 0 && compression == 0) {
     const std::uint64_t row = (static_cast<std::uint64_t>(width) * bits + 31) / 32 * 4;
     if (start + row * static_cast<std::uint64_t>(rows) > bytes.size()) return cut_short("BMP");
@@ -207,7 +207,7 @@ Result<ImageHeader> read_bmp(Bytes bytes) {
   return sized({"BMP", width, rows, 8, false});
 }
 
-/// The next number of a PNM header, after white space and comments; moves `at` behind it.
+/// The next number of a PNM header, after white space and comments; advances `at` past it.
 std::optional<std::int64_t> pnm_number(Bytes bytes, std::size_t& at) {
   while (at < bytes.size() && (std::isspace(bytes[at]) != 0 || bytes[at] == '#')) {
     if (bytes[at] == '#')

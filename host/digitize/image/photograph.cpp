@@ -7,13 +7,14 @@
 #include <cmath>
 #include <cstdint>
 #include <fstream>
+#include <limits>
 #include <memory>
 #include <opencv2/core/utility.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+#include <vector>
 
 #include "host/digitize/image/image_header.hpp"
-#include "host/digitize/image/saturation.hpp"
 
 namespace strobe::digitize {
 
@@ -47,7 +48,7 @@ Result<cv::Mat> decode_grey(std::span<const unsigned char> bytes, const ImageHea
   if (header.raw_offset) {
     const cv::Mat plain(static_cast<int>(header.height), static_cast<int>(header.width),
                         header.bits == 8 ? CV_8UC1 : CV_16UC1, data + *header.raw_offset);
-    if (!header.negative) return plain;
+    if (!header.inverted) return plain;
     cv::Mat positive;
     cv::bitwise_not(plain, positive);
     return positive;
@@ -61,7 +62,7 @@ Result<cv::Mat> decode_grey(std::span<const unsigned char> bytes, const ImageHea
   if (pixels.depth() != CV_8U && pixels.depth() != CV_16U)
     return fail(fmt::format("the {}'s pixels are of {} bits: 1, 8 or 16 bits unsigned are read",
                             header.format, header.bits));
-  if (header.negative) cv::bitwise_not(pixels, pixels);
+  if (header.inverted) cv::bitwise_not(pixels, pixels);
   cv::Mat grey;
   if (pixels.channels() == 1) return pixels;
   if (pixels.channels() == 3)
@@ -71,6 +72,55 @@ Result<cv::Mat> decode_grey(std::span<const unsigned char> bytes, const ImageHea
   else
     return fail(fmt::format("a pixel of {} numbers is neither grey nor a colour", pixels.channels()));
   return grey;
+}
+
+constexpr int kBins = 256;
+/// Width to which compression or a full well spreads the peak of saturated pixels: 3 % of the range.
+constexpr int kPeakBins = 8;
+/// A saturated sensor's numbers reach at least this share of what its bits can hold.
+constexpr double kMinTop = 0.85;
+
+/// Counts of each number on every step-th row and column.
+template <typename Number>
+std::vector<std::int32_t> histogram(const cv::Mat& pixels, int step) {
+  std::vector<std::int32_t> counts(std::size_t{std::numeric_limits<Number>::max()} + 1);
+  for (int y = 0; y < pixels.rows; y += step) {
+    const auto* row = pixels.ptr<Number>(y);
+    for (int x = 0; x < pixels.cols; x += step) ++counts[row[x]];
+  }
+  return counts;
+}
+
+std::array<std::int64_t, kBins> binned(const std::vector<std::int32_t>& counts, int bin_width) {
+  std::array<std::int64_t, kBins> bins{};
+  for (std::size_t n = 0; n < counts.size(); ++n)
+    bins[std::min(n / static_cast<std::size_t>(bin_width), std::size_t{kBins - 1})] += counts[n];
+  return bins;
+}
+
+/// What a sensor's bits can hold: the fewest that reach `largest`.
+int range_of(double largest, double file_range) {
+  for (const int bits : {10, 12, 14})
+    if (file_range > 256 && largest < (1 << bits)) return 1 << bits;
+  return static_cast<int>(file_range);
+}
+
+/// The lowest bin of the peak at the top of a histogram whose last filled bin is `top`. Returns nullopt if
+/// the counts fall off towards it, as those of an unsaturated picture do.
+std::optional<int> bottom_of_peak(const std::array<std::int64_t, kBins>& counts, int top) {
+  const auto at = [&](int bin) { return counts[static_cast<std::size_t>(bin)]; };
+  std::int64_t in_peak = 0, below = 0;
+  int highest = top;
+  for (int bin = top; bin > top - kPeakBins; --bin) {
+    in_peak += at(bin);
+    below += at(bin - kPeakBins);
+    if (at(bin) > at(highest)) highest = bin;
+  }
+  constexpr std::int64_t kMinCount = 20;
+  if (in_peak < kMinCount || in_peak < 4 * below) return std::nullopt;
+  int low = highest;
+  while (low > top - kPeakBins && 20 * at(low - 1) > at(highest)) --low;
+  return low;
 }
 
 Result<Photograph> decoded(std::span<const unsigned char> bytes, const std::string& name) {
@@ -83,17 +133,32 @@ Result<Photograph> decoded(std::span<const unsigned char> bytes, const std::stri
   photograph.name = name;
   photograph.bits = header->bits == 1 ? 1 : grey->depth() == CV_8U ? 8 : 16;
   const double top = grey->depth() == CV_8U ? 255.0 : 65535.0;
-  // Half a number less, so that rounding hides no saturated pixel.
+  // Half a number less, so that no saturated pixel is missed by rounding.
   photograph.saturation = static_cast<float>((saturation_level(*grey) - 0.5) / top);
-  photograph.light.create(grey->size(), CV_32FC1);
+  photograph.intensity.create(grey->size(), CV_32FC1);
   cv::parallel_for_(cv::Range(0, grey->rows), [&](const cv::Range& rows) {
-    cv::Mat light = photograph.light.rowRange(rows);
-    grey->rowRange(rows).convertTo(light, CV_32F, 1.0 / top);
+    cv::Mat intensity = photograph.intensity.rowRange(rows);
+    grey->rowRange(rows).convertTo(intensity, CV_32F, 1.0 / top);
   });
   return photograph;
 }
 
 }  // namespace
+
+double saturation_level(const cv::Mat& pixels) {
+  const bool bytes = pixels.depth() == CV_8U;
+  const double file_range = bytes ? 256.0 : 65536.0;
+  // Half a million pixels are enough to see a peak.
+  const int step = std::max(1, static_cast<int>(std::sqrt(static_cast<double>(pixels.total()) / 5e5)));
+  const auto numbers = bytes ? histogram<std::uint8_t>(pixels, step) : histogram<std::uint16_t>(pixels, step);
+  std::size_t largest = numbers.size() - 1;
+  while (largest > 0 && numbers[largest] == 0) --largest;
+  const int range = range_of(static_cast<double>(largest), file_range);
+  if (static_cast<double>(largest) < kMinTop * range) return file_range - 1;
+  const int width = range / kBins;
+  const auto peak = bottom_of_peak(binned(numbers, width), static_cast<int>(largest) / width);
+  return peak ? *peak * width : file_range - 1;
+}
 
 Result<Photograph> decode_photograph(std::span<const unsigned char> bytes, const std::string& name) {
   try {

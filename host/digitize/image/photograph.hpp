@@ -1,7 +1,8 @@
-// A photograph as the digitizer sees it: the light on a grid of pixels. Coordinates on it ("image px"): x the
-// column, y the row counted from the top, pixel centres at integers.
+// Photographs: decoding, and pixel values on one scale. Image coordinates ("image px"): x is the column, y
+// the row counted from the top, pixel centres are at integers.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <opencv2/core.hpp>
 #include <span>
@@ -12,23 +13,30 @@
 namespace strobe::digitize {
 
 struct Photograph {
-  cv::Mat light;  ///< CV_32FC1, proportional to the file's numbers, 1 = the largest that its depth can hold
-  int bits = 8;   ///< per number of the file: 1, 8 or 16
-  float saturation = 1.0F;  ///< a pixel of this light or more may have had any more light
+  cv::Mat intensity;  ///< CV_32FC1, proportional to the file's numbers; 1 is the largest that they can hold
+  int bits = 8;       ///< of the file's numbers: 1, 8 or 16
+  float saturation = 1.0F;  ///< pixels of this intensity or more are clipped
   std::string name;         ///< the file's, for messages
 
-  int width() const { return light.cols; }
-  int height() const { return light.rows; }
+  int width() const { return intensity.cols; }
+  int height() const { return intensity.rows; }
 };
 
-/// Photographs are from 16 x 16 to this many pixels.
+/// Photographs have from 16 x 16 to this many pixels.
 inline constexpr std::int64_t kMaxPixels = 120'000'000;
 
-/// Decodes what OpenCV's imgcodecs reads (TIFF, PNG, JPEG, BMP, PGM ...). Colours become their luminance.
-/// Fails with "NAME: what is wrong"; never throws, whatever the bytes. Thread-safe; allocates.
+/// Decodes the formats of image_header.hpp with OpenCV. Colours become luminance. Fails with "NAME: what is
+/// wrong"; never throws, whatever the bytes. Thread-safe; allocates.
 Result<Photograph> decode_photograph(std::span<const unsigned char> bytes, const std::string& name);
 
 /// Reads and decodes a file.
 Result<Photograph> load_photograph(const std::filesystem::path& path);
+
+/// The lowest number that a saturated pixel shows, in the file's own numbers (CV_8UC1 or CV_16UC1). A sensor
+/// of fewer bits than the file saturates below the file's largest number (4095, or 4095·16 of 65535), and
+/// lossy compression or a full well spreads it: the largest numbers count as saturated if they form a peak
+/// near the top of 8, 10, 12, 14 or 16 bits. Returns the largest number that the file can hold if they do
+/// not.
+double saturation_level(const cv::Mat& pixels);
 
 }  // namespace strobe::digitize

@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/digitize/core/median.hpp"
+#include "host/digitize/core/statistics.hpp"
 
 namespace strobe::digitize {
 namespace {
 
-constexpr std::size_t kSlopeNeeds = 5;
-// A ball pressed flat, or lit from one side, may measure this much off.
+constexpr std::size_t kMinForSlope = 5;
+// A ball that is compressed, or lit from one side, may differ this much.
 constexpr double kToleranceOfDiameter = 0.03;
 constexpr double kTolerance_sd = 5.0;
 
@@ -22,7 +22,7 @@ double median_slope(std::span<const Outline> outlines) {
       slopes.push_back((outlines[j].diameter - outlines[i].diameter) / dx);
     }
   }
-  return slopes.size() < kSlopeNeeds ? 0.0 : median(std::move(slopes));
+  return slopes.size() < kMinForSlope ? 0.0 : median(std::move(slopes));
 }
 
 double spread_about(std::span<const Outline> outlines, const SizeModel& size) {
@@ -31,19 +31,19 @@ double spread_about(std::span<const Outline> outlines, const SizeModel& size) {
   return median(std::move(off));
 }
 
-SizeModel with_growth(std::span<const Outline> outlines, double growth) {
+SizeModel size_with_slope(std::span<const Outline> outlines, double slope) {
   std::vector<double> at_zero;
-  for (const Outline& o : outlines) at_zero.push_back(o.diameter - growth * o.centre.x);
-  return {median(std::move(at_zero)), growth, 0.0};
+  for (const Outline& o : outlines) at_zero.push_back(o.diameter - slope * o.centre.x);
+  return {median(std::move(at_zero)), slope, 0.0};
 }
 
 }  // namespace
 
 SizeModel fit_size_model(std::span<const Outline> outlines) {
-  SizeModel size = with_growth(outlines, 0.0);
+  SizeModel size = size_with_slope(outlines, 0.0);
   double spread = spread_about(outlines, size);
-  if (outlines.size() >= kSlopeNeeds) {
-    const SizeModel sloped = with_growth(outlines, median_slope(outlines));
+  if (outlines.size() >= kMinForSlope) {
+    const SizeModel sloped = size_with_slope(outlines, median_slope(outlines));
     const double less = spread_about(outlines, sloped);
     if (less < 0.5 * spread) {
       size = sloped;
@@ -58,7 +58,7 @@ SizeModel fit_size_model(std::span<const Outline> outlines) {
   return size;
 }
 
-bool wrong_size(const Outline& outline, const SizeModel& size) {
+bool has_wrong_size(const Outline& outline, const SizeModel& size) {
   const double expected = size.at(outline.centre.x);
   const double allowed =
       std::max(kToleranceOfDiameter * expected, kTolerance_sd * std::hypot(outline.diameter_sd(), size.sd));

@@ -1,5 +1,6 @@
-// The size that the ball's images agree on; it may change steadily across the photograph, where the plane of
-// flight is not square to the view and no calibration says so. Deterministic; thread-safe; allocates.
+// The ball's size on a photograph, estimated from all its images. It may change steadily across the
+// photograph, where the plane of flight is not square to the camera and no calibration corrects it.
+// Deterministic; thread-safe; allocates.
 #pragma once
 
 #include <span>
@@ -10,16 +11,16 @@ namespace strobe::digitize {
 
 struct SizeModel {
   double diameter = 0.0;  ///< plane px, at x = 0
-  double growth = 0.0;    ///< per px of x
+  double slope = 0.0;     ///< per px of x
   double sd = 0.0;        ///< of the diameter where the balls are
 
-  double at(double x) const { return diameter + growth * x; }
+  double at(double x) const { return diameter + slope * x; }
 };
 
-/// Median, and with 5 outlines or more the median slope (Theil 1950, Sen 1968). At least one outline.
+/// Median diameter, with the median slope from 5 outlines on (Theil 1950, Sen 1968). At least one outline.
 SizeModel fit_size_model(std::span<const Outline> outlines);
 
-/// Whether a diameter is not the ball's.
-bool wrong_size(const Outline& outline, const SizeModel& size);
+/// Whether the outline's diameter is not the ball's.
+bool has_wrong_size(const Outline& outline, const SizeModel& size);
 
 }  // namespace strobe::digitize

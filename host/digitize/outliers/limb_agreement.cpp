@@ -7,7 +7,7 @@
 #include <numbers>
 #include <opencv2/core/utility.hpp>
 
-#include "host/digitize/core/median.hpp"
+#include "host/digitize/core/statistics.hpp"
 #include "host/digitize/surface/surface_frame.hpp"
 
 namespace strobe::digitize {
@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kDirections = 72;
 constexpr int kAcross = 3;  // samples along the outline, for one direction
-constexpr std::size_t kFewest = 3;
+constexpr std::size_t kMinOutlines = 3;
 constexpr float kMinGain = 0.7F;
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
@@ -37,7 +37,7 @@ class Reader {
     if (surface) axes_ = surface_frame(*surface);
   }
 
-  /// Rise of light from outside to inside in each direction; not-a-number where it cannot be told.
+  /// Rise of intensity from outside to inside in each direction; not-a-number where it cannot be observed.
   Limb limb(const Outline& outline) const {
     const Place place{outline.centre, map_.outline(outline.centre, outline.diameter)};
     // Beyond most of the blur, and near enough that what lies under the ball is the same.
@@ -65,7 +65,7 @@ class Reader {
     const cv::Point2d image = map_.to_image(at);
     const int column = cvRound(image.x), row = cvRound(image.y);
     if (column < 0 || row < 0 || column >= photograph_.width() || row >= photograph_.height()) return kNone;
-    const float light = photograph_.light.at<float>(row, column);
+    const float light = photograph_.intensity.at<float>(row, column);
     return light >= 0.985F * photograph_.saturation ? kNone : light;
   }
 
@@ -74,48 +74,46 @@ class Reader {
   std::optional<SurfaceFrame> axes_;
 };
 
-/// Of the directions, or of the outlines, that can be told.
-float usual(std::vector<double> rises) {
+/// Median over the directions, or the outlines, that can be observed.
+float median_rise(std::vector<double> rises) {
   std::erase_if(rises, [](double r) { return std::isnan(r); });
   return rises.empty() ? kNone : static_cast<float>(median(std::move(rises)));
 }
 
-Limb usual_limb(const std::vector<Limb>& limbs) {
-  Limb usually{};
+Limb typical_limb(const std::vector<Limb>& limbs) {
+  Limb typical{};
   for (std::size_t k = 0; k < kDirections; ++k) {
     std::vector<double> rises;
     for (const Limb& limb : limbs) rises.push_back(limb[k]);
-    usually[k] = usual(std::move(rises));
+    typical[k] = median_rise(std::move(rises));
   }
-  return usually;
+  return typical;
 }
 
-/// How much darker this image is than the others, by the quarter of its directions that are brightest: lamps
-/// flash unevenly and light the middle more than the sides, but not by any factor.
-float gain_of(const Limb& limb, const Limb& usually) {
+/// Brightness of this image over the others', from the brightest quarter of its directions: flashes differ in
+/// energy and light the middle more than the sides, within limits.
+float gain_of(const Limb& limb, const Limb& typical) {
   std::vector<float> ratios;
   for (std::size_t k = 0; k < kDirections; ++k) {
-    if (std::isnan(limb[k]) || !(usually[k] > 0.0F)) continue;
-    ratios.push_back(limb[k] / usually[k]);
+    if (std::isnan(limb[k]) || !(typical[k] > 0.0F)) continue;
+    ratios.push_back(limb[k] / typical[k]);
   }
   if (ratios.empty()) return 1.0F;
-  const auto quarter = ratios.begin() + static_cast<std::ptrdiff_t>(3 * ratios.size() / 4);
-  std::nth_element(ratios.begin(), quarter, ratios.end());
-  return std::clamp(*quarter, kMinGain, 1.0F);
+  return std::clamp(quantile(std::move(ratios), 3, 4), kMinGain, 1.0F);
 }
 
-LimbAgreement compared(const Limb& limb, const Limb& usually) {
+LimbAgreement compared(const Limb& limb, const Limb& typical) {
   LimbAgreement result;
-  const float gain = gain_of(limb, usually);
+  const float gain = gain_of(limb, typical);
   double there = 0.0, expected = 0.0;
   for (std::size_t k = 0; k < kDirections; ++k) {
     if (std::isnan(limb[k])) continue;
-    result.told += 1.0 / kDirections;
-    if (std::isnan(usually[k]) || usually[k] <= 0.0F) continue;
-    expected += usually[k];
-    there += limb[k] > 0.5F * gain * usually[k] ? usually[k] : 0.0F;
+    result.observed += 1.0 / kDirections;
+    if (std::isnan(typical[k]) || typical[k] <= 0.0F) continue;
+    expected += typical[k];
+    there += limb[k] > 0.5F * gain * typical[k] ? typical[k] : 0.0F;
   }
-  result.share = expected > 0.0 ? there / expected : 0.0;
+  result.agreement = expected > 0.0 ? there / expected : 0.0;
   return result;
 }
 
@@ -130,12 +128,12 @@ std::vector<LimbAgreement> compare_limbs(const Photograph& photograph, const Pla
     for (auto i = static_cast<std::size_t>(range.start); i < static_cast<std::size_t>(range.end); ++i)
       limbs[i] = reader.limb(outlines[i]);
   });
-  Limb usually{};
-  if (limbs.size() >= kFewest) usually = usual_limb(limbs);
+  Limb typical{};
+  if (limbs.size() >= kMinOutlines) typical = typical_limb(limbs);
   std::vector<LimbAgreement> result;
   for (const Limb& limb : limbs) {
-    if (limbs.size() < kFewest) usually.fill(usual({limb.begin(), limb.end()}));
-    result.push_back(compared(limb, usually));
+    if (limbs.size() < kMinOutlines) typical.fill(median_rise({limb.begin(), limb.end()}));
+    result.push_back(compared(limb, typical));
   }
   return result;
 }

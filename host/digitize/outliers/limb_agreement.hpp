@@ -1,9 +1,10 @@
-// Whether an outline is a ball's, by the light itself: lamps stand still and balls are alike, so that in the
-// same direction from its centre each image's light rises across its outline by about as much as any other's,
-// whatever lies under it. An outline put together from arcs of several images, of seams or of shadows has
-// that rise on those arcs alone. Deterministic; thread-safe; allocates.
+// Whether an outline is a ball's, by its limb: lamps stand still and balls are alike, so that in the same
+// direction from the centre intensity rises across each image's outline by about the same amount, whatever
+// lies below. A false outline put together from arcs of several images, seams or shadows rises on those arcs
+// only. Deterministic; thread-safe; allocates.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -14,16 +15,21 @@
 
 namespace strobe::digitize {
 
-/// What the light says of one outline.
 struct LimbAgreement {
-  /// Share of the light that rises across the others' outlines, in the directions that can be told, by which
-  /// it rises here too: near 1 for a ball, near the share of borrowed arcs for what is none.
-  double share = 0.0;
-  double told = 0.0;  ///< share of the turn that can be told: not saturated, not off the photograph or below
+  /// Fraction of the typical limb, weighted by its rise, that this outline shows too: near 1 for a ball, near
+  /// the borrowed arcs' fraction for a false outline.
+  double agreement = 0.0;
+  /// Fraction of the circle on which the limb can be observed: not saturated, on the photograph, above the
+  /// surface.
+  double observed = 0.0;
+
+  bool is_certain_ball() const { return observed >= 0.3 && agreement >= 0.75; }
+  /// A false outline agrees on its borrowed arcs and, by chance, on a third of the rest.
+  bool is_certain_non_ball() const { return observed >= 0.15 && agreement < 0.55; }
 };
 
-/// One for each outline, in their order. Directions that lie below the surface are left out. What is usual is
-/// the median of all outlines; with fewer than 3 it is each one's own median over its directions.
+/// One for each outline, in their order. Directions below the surface are left out. The typical limb is the
+/// median of all outlines; with fewer than 3 outlines, each one's own median over its directions.
 std::vector<LimbAgreement> compare_limbs(const Photograph& photograph, const PlaneMap& map,
                                          std::span<const Outline> outlines,
                                          const std::optional<SurfaceLine>& surface);

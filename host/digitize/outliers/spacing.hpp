@@ -1,5 +1,5 @@
-// Images of a leg that are too near to each other for one ball: it is at one place at a time, and flies past
-// as steadily as the lamps flash. Deterministic; no photograph; thread-safe; allocates.
+// Images of a leg that are too close to each other: the ball is at one place at a time and flies as steadily
+// as the lamps flash. Deterministic; thread-safe; allocates.
 #pragma once
 
 #include <span>
@@ -10,15 +10,14 @@
 namespace strobe::digitize {
 
 struct TooClose {
-  int index = 0;  ///< of the point that is one too many
-  int by = 0;     ///< of the better one next to it
-  double apart_px = 0.0;
+  int index = 0;      ///< of the rejected point
+  int neighbour = 0;  ///< of the better one next to it
+  double distance_px = 0.0;
 };
 
-/// Of two neighbours less than half a leg's usual step apart the one of clearly less quality (0 to 1: how much
-/// of a ball is seen), as steps may be unequal by intent. Where the flashes' times are known, and no two of
-/// them are near enough to explain it, the one of less quality however little. Legs of fewer than 4 images tell
-/// no usual step.
+/// Of two neighbours less than half the leg's median step apart, the one of clearly less `quality` (0 to 1,
+/// as steps may be unequal on purpose). If the flashes' times are known, and no two of them are close enough
+/// to explain it, the one of less quality however little. Legs of fewer than 4 images are not checked.
 std::vector<TooClose> find_too_close(const Path& path, std::span<const PathPoint> points,
                                      std::span<const double> quality, std::span<const double> flash_times_s);
 

@@ -7,21 +7,19 @@ namespace strobe::digitize {
 
 namespace {
 
-constexpr std::size_t kUnknowns = 5;
-
-struct Cut {
+struct Sectors {
   double sectors_px, outside_px, inside_px;
 };
-// Lengths about the usual one, none a multiple of another, and depths from what the blur needs to twice that.
-constexpr std::array<Cut, 5> kCuts{
+// Lengths around the default, none a multiple of another, and depths from what the blur needs to twice that.
+constexpr std::array<Sectors, 5> kVariants{
     {{8.0, 5.0, 8.0}, {5.0, 3.0, 4.0}, {6.5, 4.0, 6.0}, {10.0, 4.0, 6.0}, {12.0, 5.0, 5.0}}};
 
-std::array<double, kUnknowns> unknowns(const OutlineShape& shape) {
+OutlineVector parameters(const OutlineShape& shape) {
   return {shape.centre.x, shape.centre.y, shape.radius, shape.oval_cos, shape.oval_sin};
 }
 
-/// Mean of the middle half.
-double middle(std::vector<double> values) {
+/// Interquartile mean.
+double interquartile_mean(std::vector<double> values) {
   std::ranges::sort(values);
   const std::size_t off = values.size() / 4;
   double sum = 0.0;
@@ -30,21 +28,17 @@ double middle(std::vector<double> values) {
 }
 
 template <typename Value>
-double middle_of(const std::vector<FittedOutline>& all, const Value& value) {
+double mean_of(const std::vector<FittedOutline>& all, const Value& value) {
   std::vector<double> values;
   for (const FittedOutline& one : all) values.push_back(value(one));
-  return middle(std::move(values));
+  return interquartile_mean(std::move(values));
 }
 
-/// Mean of the cuts' own, and how the cuts lie about their middle.
-cv::Matx<double, kUnknowns, kUnknowns> covariance_of(const std::vector<FittedOutline>& all,
-                                                     const OutlineShape& shape) {
-  cv::Matx<double, kUnknowns, kUnknowns> sum = cv::Matx<double, kUnknowns, kUnknowns>::zeros();
-  const auto centre = unknowns(shape);
+/// Mean of the fits' own covariances, and their scatter about the mean.
+OutlineMatrix covariance_of(const std::vector<FittedOutline>& all, const OutlineShape& shape) {
+  OutlineMatrix sum = OutlineMatrix::zeros();
   for (const FittedOutline& one : all) {
-    const auto own = unknowns(one.shape);
-    cv::Vec<double, kUnknowns> off;
-    for (std::size_t a = 0; a < kUnknowns; ++a) off[static_cast<int>(a)] = own[a] - centre[a];
+    const OutlineVector off = parameters(one.shape) - parameters(shape);
     sum += one.covariance + off * off.t();
   }
   return sum * (1.0 / static_cast<double>(all.size()));
@@ -57,25 +51,25 @@ std::optional<FittedOutline> fit_outline_bagged(const Photograph& photograph, co
                                                 std::span<const OutlineShape> neighbours,
                                                 const OutlineFitSettings& settings) {
   std::vector<FittedOutline> all;
-  for (const Cut& cut : kCuts) {
+  for (const Sectors& variant : kVariants) {
     OutlineFitSettings own = settings;
-    own.sectors_px = cut.sectors_px;
-    own.outside_px = cut.outside_px;
-    own.inside_px = cut.inside_px;
+    own.sectors_px = variant.sectors_px;
+    own.outside_px = variant.outside_px;
+    own.inside_px = variant.inside_px;
     if (auto fitted = fit_outline(photograph, frame, start, sigma_px, neighbours, own))
       all.push_back(std::move(*fitted));
   }
   if (all.empty()) return std::nullopt;
   FittedOutline result = all.front();
-  const auto of = [&](std::size_t a) {
-    return middle_of(all, [a](const FittedOutline& one) { return unknowns(one.shape)[a]; });
+  const auto of = [&](int a) {
+    return mean_of(all, [a](const FittedOutline& one) { return parameters(one.shape)[a]; });
   };
   result.shape.centre = {of(0), of(1)};
   result.shape.radius = of(2);
   result.shape.oval_cos = of(3);
   result.shape.oval_sin = of(4);
-  result.sigma_px = middle_of(all, [](const FittedOutline& one) { return one.sigma_px; });
-  result.rms_px = middle_of(all, [](const FittedOutline& one) { return one.rms_px; });
+  result.sigma_px = mean_of(all, [](const FittedOutline& one) { return one.sigma_px; });
+  result.rms_px = mean_of(all, [](const FittedOutline& one) { return one.rms_px; });
   result.covariance = covariance_of(all, result.shape);
   return result;
 }

@@ -7,6 +7,8 @@
 #include <opencv2/core/hal/intrin.hpp>
 #include <vector>
 
+#include "host/digitize/core/statistics.hpp"
+
 namespace strobe::digitize {
 
 namespace {
@@ -22,11 +24,11 @@ cv::Point2d direction(double ray) {
   return {std::cos(angle), std::sin(angle)};
 }
 
-/// Light summed by ray, its two neighbours with it, and by radius up to each bin; and how many pixels that
-/// is.
-class PolarLight {
+/// Intensity in polar coordinates, summed over a ray with its two neighbours and cumulative over the radius;
+/// and the number of pixels.
+class PolarSums {
  public:
-  PolarLight(const Photograph& photograph, const LocalFrame& frame, double inner, double outer)
+  PolarSums(const Photograph& photograph, const LocalFrame& frame, double inner, double outer)
       : bins_(static_cast<int>(outer - inner) + 1) {
     const auto size = static_cast<std::size_t>(kRays * (bins_ + 1));
     std::vector<float> light(size, 0.0F), pixels(size, 0.0F);
@@ -47,7 +49,8 @@ class PolarLight {
   }
   int bins() const { return bins_; }
 
-  /// Mean light over kHalfStep bins before `bin`, less that over as many from it on; 0 without pixels.
+  /// Mean intensity of the kHalfStep bins before `bin` less that of the next kHalfStep. Returns 0 without
+  /// pixels.
   float rise(int ray, int bin) const {
     const std::size_t at = index(ray, bin);
     const float before = pixels_[at] - pixels_[at - kHalfStep], after = pixels_[at + kHalfStep] - pixels_[at];
@@ -60,7 +63,7 @@ class PolarLight {
 
   void read_line(const Photograph& photograph, const LocalFrame& frame, cv::Point2d out, double inner,
                  float* light, float* pixels) const {
-    const cv::Mat& all = photograph.light;
+    const cv::Mat& all = photograph.intensity;
     const cv::Point2d from = frame.to_image(out * (inner + 0.5)) + cv::Point2d(0.5, 0.5);
     for (int bin = 0; bin < bins_; ++bin) {
       const cv::Point2d at = frame.is_uncalibrated()
@@ -81,7 +84,7 @@ class PolarLight {
   std::vector<float> light_, pixels_;
 };
 
-/// The clearest rises by ray, of which a ray may have fewer: those weigh nothing.
+/// The clearest rises of each ray. Missing ones have weight 0.
 struct Peaks {
   using Row = std::array<float, kRays>;
   std::array<Row, kPeaksPerRay> offset{};  ///< from the start radius, outwards
@@ -106,22 +109,19 @@ struct Peaks {
   }
 };
 
-/// The usual size of a rise.
+/// Median magnitude of the rises.
 float typical(std::vector<float> rises) {
   std::erase(rises, 0.0F);
   for (float& d : rises) d = std::abs(d);
-  if (rises.empty()) return 0.0F;
-  const auto middle = rises.begin() + static_cast<std::ptrdiff_t>(rises.size() / 2);
-  std::nth_element(rises.begin(), middle, rises.end());
-  return *middle;
+  return upper_median(std::move(rises));
 }
 
-Peaks find_peaks(const PolarLight& light, double inner, double radius) {
-  const int bins = light.bins();
+Peaks find_peaks(const PolarSums& sums, double inner, double radius) {
+  const int bins = sums.bins();
   std::vector<float> rises(static_cast<std::size_t>(kRays * bins), 0.0F);
   for (int ray = 0; ray < kRays; ++ray)
     for (int bin = kHalfStep; bin + kHalfStep <= bins; ++bin)
-      rises[static_cast<std::size_t>(ray * bins + bin)] = light.rise(ray, bin);
+      rises[static_cast<std::size_t>(ray * bins + bin)] = sums.rise(ray, bin);
   const float noise = typical(rises);
   const auto start = static_cast<float>(inner - radius);
   Peaks peaks;
@@ -138,11 +138,11 @@ Peaks find_peaks(const PolarLight& light, double inner, double radius) {
   return peaks;
 }
 
-/// Shift of the centre and growth of the radius.
+/// Of the centre and the radius.
 using Change = cv::Vec3d;
 
-/// A sequence of its own, so that results repeat everywhere.
-class Draw {
+/// A generator of its own, so that results are the same everywhere.
+class Random {
  public:
   int below(int count) {
     state_ = state_ * 6364136223846793005ULL + 1442695040888963407ULL;
@@ -169,10 +169,10 @@ class Consensus {
   Change best() const {
     Change best;
     double most = agreement(best);
-    Draw draw;
+    Random random;
     for (int trial = 0; trial < kTrials; ++trial) {
       Change change;
-      if (!through_three(draw, change) || !possible(change)) continue;
+      if (!through_three(random, change) || !possible(change)) continue;
       const double score = agreement(change);
       if (score > most) most = score, best = change;
     }
@@ -211,13 +211,13 @@ class Consensus {
   }
 
   /// By Cramer's rule.
-  bool through_three(Draw& draw, Change& change) const {
+  bool through_three(Random& random, Change& change) const {
     std::array<cv::Vec3d, 3> rows;
     cv::Vec3d offsets;
     for (int i = 0; i < 3; ++i) {
-      const int ray = rays_[static_cast<std::size_t>(draw.below(static_cast<int>(rays_.size())))];
+      const int ray = rays_[static_cast<std::size_t>(random.below(static_cast<int>(rays_.size())))];
       rows[static_cast<std::size_t>(i)] = row(ray);
-      const auto peak = static_cast<std::size_t>(draw.below(peaks_.count(ray)));
+      const auto peak = static_cast<std::size_t>(random.below(peaks_.count(ray)));
       offsets[i] = peaks_.offset[peak][static_cast<std::size_t>(ray)];
     }
     const cv::Vec3d a = rows[1].cross(rows[2]), b = rows[2].cross(rows[0]), c = rows[0].cross(rows[1]);
@@ -243,7 +243,7 @@ class Consensus {
       normal += weight * g * g.t();
       right += weight * offset * g;
     }
-    // A weak hold on the start, for arcs too short to tell.
+    // A weak prior, for short arcs.
     for (int a = 0; a < 3; ++a) normal(a, a) += 0.02, right[a] += 0.02 * from[a];
     return normal.solve(right, cv::DECOMP_CHOLESKY);
   }
@@ -260,8 +260,8 @@ class Consensus {
 std::optional<CoarseCircle> find_circle_ransac(const Photograph& photograph, const LocalFrame& frame,
                                                const CoarseSearch& search) {
   const double inner = std::max(1.0, search.radius_px - search.reach_px - kHalfStep - 1);
-  const PolarLight light(photograph, frame, inner, search.radius_px + search.reach_px + kHalfStep + 1);
-  const Peaks peaks = find_peaks(light, inner, search.radius_px);
+  const PolarSums sums(photograph, frame, inner, search.radius_px + search.reach_px + kHalfStep + 1);
+  const Peaks peaks = find_peaks(sums, inner, search.radius_px);
   const Consensus consensus(peaks, search);
   if (!consensus.enough()) return std::nullopt;
   const Change change = consensus.best();

@@ -141,9 +141,9 @@ ProfileTable::Entry ProfileTable::at(double depth_px) const {
   return {lerp(a.step, b.step, part),
           lerp(a.root, b.root, part),
           lerp(a.step_by_depth, b.step_by_depth, part),
-          lerp(a.sqrt_by_depth, b.sqrt_by_depth, part),
+          lerp(a.root_by_depth, b.root_by_depth, part),
           lerp(a.step_by_sigma, b.step_by_sigma, part),
-          lerp(a.sqrt_by_sigma, b.sqrt_by_sigma, part)};
+          lerp(a.root_by_sigma, b.root_by_sigma, part)};
 }
 
 ProfileTable::Sums ProfileTable::sum_at(double position) const {

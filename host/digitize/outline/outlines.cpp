@@ -15,7 +15,7 @@ namespace strobe::digitize {
 
 namespace {
 
-constexpr double kMuchBlur = 1.3;
+constexpr double kLargeBlur = 1.3;
 
 /// A circle in plane px.
 struct Disc {
@@ -24,12 +24,12 @@ struct Disc {
   double oval_cos = 0.0, oval_sin = 0.0;
 };
 
-/// One candidate on its way.
+/// The state of one candidate.
 struct Work {
   std::optional<LocalFrame> frame;
-  std::optional<CoarseCircle> rough;
+  std::optional<CoarseCircle> coarse;
   std::optional<FittedOutline> fitted;
-  std::optional<Disc> disc;  ///< as well as it is known so far; absent: no outline
+  std::optional<Disc> disc;  ///< the current estimate; absent: no outline
   std::optional<Rejection> rejection;
 };
 
@@ -47,7 +47,8 @@ OutlineShape shape_of(const PlaneMap& map, const LocalFrame& frame, const Disc& 
   return shape;
 }
 
-/// The ball whose outline that shape is: perspective moves and grows it by an amount that hardly changes.
+/// The ball with that outline: perspective shifts and enlarges it by an amount that hardly depends on the
+/// ball.
 Disc disc_of(const PlaneMap& map, const LocalFrame& frame, const OutlineShape& shape) {
   Disc disc{frame.to_plane(shape.centre), shape.radius / frame.scale(), shape.oval_cos / frame.scale(),
             shape.oval_sin / frame.scale()};
@@ -59,10 +60,10 @@ Disc disc_of(const PlaneMap& map, const LocalFrame& frame, const OutlineShape& s
   return disc;
 }
 
-class Outliner {
+class OutlineFitter {
  public:
-  Outliner(const Photograph& photograph, const PlaneMap& map, std::span<const Candidate> candidates,
-           const OutlineSettings& settings)
+  OutlineFitter(const Photograph& photograph, const PlaneMap& map, std::span<const Candidate> candidates,
+                const OutlineSettings& settings)
       : photograph_(photograph),
         map_(map),
         candidates_(candidates),
@@ -75,9 +76,9 @@ class Outliner {
     for (int sweep = 0; sweep < sweeps; ++sweep) {
       const std::vector<Work> before = works_;
       each([this, &before, sweep](std::size_t i) { fit(i, before, sweep); });
-      for (std::size_t i = 0; i < works_.size(); ++i) judge(i);
+      for (std::size_t i = 0; i < works_.size(); ++i) check(i);
       drop_duplicates();
-      if (sweep == 0) agree_on_ovals();
+      if (sweep == 0) share_ovality();
     }
     std::vector<Measured<Outline>> results;
     for (std::size_t i = 0; i < works_.size(); ++i) results.push_back(result(i));
@@ -106,12 +107,12 @@ class Outliner {
     search.radius_min_px = 0.48 * settings_.diameter_min_px * work.frame->scale();
     search.radius_max_px = 0.52 * settings_.diameter_max_px * work.frame->scale();
     search.reach_px = std::max(5.0, 0.09 * candidate.radius_image_px);
-    work.rough = find_circle_ransac(photograph_, *work.frame, search);
-    if (!work.rough || work.rough->share < 0.06) {
+    work.coarse = find_circle_ransac(photograph_, *work.frame, search);
+    if (!work.coarse || work.coarse->support < 0.06) {
       reject(work, Reason::few_edges, "hardly an edge where the outline should be");
       return;
     }
-    work.disc = Disc{work.frame->to_plane(work.rough->centre), work.rough->radius / work.frame->scale()};
+    work.disc = Disc{work.frame->to_plane(work.coarse->centre), work.coarse->radius / work.frame->scale()};
   }
 
   std::vector<OutlineShape> neighbours(std::size_t i, const std::vector<Work>& all) const {
@@ -130,13 +131,13 @@ class Outliner {
     if (!before[i].disc) return;
     OutlineFitSettings settings;
     settings.steps = settings_.effort == Effort::fast ? 4 : sweep == 0 ? 3 : 2;
-    settings.rough_steps = sweep == 0 ? 2 : 0;
+    settings.coarse_steps = sweep == 0 ? 2 : 0;
     settings.sectors_px = settings_.effort == Effort::fast ? 12.0 : 8.0;
     settings.rays_px = settings_.effort == Effort::fast || sweep == 0 ? 2.0 : 1.0;
     settings.oval_sd = oval_sd();
-    if (agreed_ && sweep > 0) {
-      settings.oval = agreed_->at(before[i].disc->centre);
-      settings.oval_sd = agreed_->sd();
+    if (oval_model_ && sweep > 0) {
+      settings.oval = oval_model_->at(before[i].disc->centre);
+      settings.oval_sd = oval_model_->sd();
     }
     if (settings_.diameter_px && settings_.diameter_sd_px) {
       settings.radius_px = 0.5 * *settings_.diameter_px * work.frame->scale();
@@ -148,9 +149,9 @@ class Outliner {
     const auto fit_once =
         settings_.effort == Effort::thorough && sweep > 0 ? fit_outline_bagged : fit_outline;
     work.fitted = fit_once(photograph_, *work.frame, start, sigma, others, settings);
-    if (work.fitted && settings_.effort == Effort::fast && work.fitted->sigma_px > kMuchBlur * sigma) {
-      // The light was sampled too near to the outline to tell the blur's end.
-      settings.steps = 2, settings.rough_steps = 0;
+    if (work.fitted && settings_.effort == Effort::fast && work.fitted->sigma_px > kLargeBlur * sigma) {
+      // The profile was too short for this blur.
+      settings.steps = 2, settings.coarse_steps = 0;
       work.fitted =
           fit_outline(photograph_, *work.frame, work.fitted->shape, work.fitted->sigma_px, others, settings);
     }
@@ -161,10 +162,10 @@ class Outliner {
     work.disc = disc_of(map_, *work.frame, work.fitted->shape);
   }
 
-  /// Of an outline, over its radius, before anything is seen.
+  /// Prior sd of an outline's ovality over its radius.
   double oval_sd() const { return map_.viewpoint() ? 0.002 : 0.005; }
 
-  void agree_on_ovals() {
+  void share_ovality() {
     std::vector<OvalSample> samples;
     for (const Work& work : works_) {
       if (!work.disc) continue;
@@ -175,17 +176,17 @@ class Outliner {
     }
     const cv::Point2d corner = map_.to_plane({0.0, 0.0});
     const cv::Point2d middle = map_.to_plane({0.5 * photograph_.width(), 0.5 * photograph_.height()});
-    agreed_ = fit_oval_model(samples, middle, cv::norm(corner - middle));
-    if (agreed_ && agreed_->sd() >= oval_sd()) agreed_.reset();
-    if (!agreed_) return;
+    oval_model_ = fit_oval_model(samples, middle, cv::norm(corner - middle));
+    if (oval_model_ && oval_model_->sd() >= oval_sd()) oval_model_.reset();
+    if (!oval_model_) return;
     for (Work& work : works_) {
       if (!work.disc) continue;
-      apply_oval_prior(*work.fitted, agreed_->at(work.disc->centre), agreed_->sd(), oval_sd());
+      apply_oval_prior(*work.fitted, oval_model_->at(work.disc->centre), oval_model_->sd(), oval_sd());
       work.disc = disc_of(map_, *work.frame, work.fitted->shape);
     }
   }
 
-  void judge(std::size_t i) {
+  void check(std::size_t i) {
     Work& work = works_[i];
     if (!work.disc) return;
     const FittedOutline& fitted = *work.fitted;
@@ -238,7 +239,7 @@ class Outliner {
     const cv::Vec3d unit(1.0 / scale, 1.0 / scale, 2.0 / scale);
     for (int a = 0; a < 3; ++a)
       for (int b = 0; b < 3; ++b) outline.covariance(a, b) = fitted.covariance(a, b) * unit[a] * unit[b];
-    outline.seen = fitted.seen;
+    outline.visible_arcs = fitted.visible_arcs;
     outline.visible_fraction = fitted.visible_fraction;
     outline.rms_px = fitted.rms_px / scale;
     outline.blur_px = fitted.sigma_px / scale;
@@ -250,7 +251,7 @@ class Outliner {
   std::span<const Candidate> candidates_;
   OutlineSettings settings_;
   std::vector<Work> works_;
-  std::optional<OvalModel> agreed_;
+  std::optional<OvalModel> oval_model_;
 };
 
 }  // namespace
@@ -258,7 +259,7 @@ class Outliner {
 std::vector<Measured<Outline>> fit_outlines(const Photograph& photograph, const PlaneMap& map,
                                             std::span<const Candidate> candidates,
                                             const OutlineSettings& settings) {
-  return Outliner(photograph, map, candidates, settings).run();
+  return OutlineFitter(photograph, map, candidates, settings).run();
 }
 
 }  // namespace strobe::digitize

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "host/digitize/core/median.hpp"
+#include "host/digitize/core/statistics.hpp"
 
 namespace strobe::digitize {
 

@@ -1,7 +1,7 @@
-// How oval the ball's images on one photograph are, as they tell together: perspective that no calibration
-// undoes stretches them away from the photograph's middle as the square of the distance from there, pixels
-// that are not square all alike. Where only a part of an outline is seen, its oval, radius and centre can
-// hardly be told apart; what the others agree on decides. Deterministic; thread-safe; allocates.
+// The ovality of the ball's images on one photograph, estimated from all of them: uncalibrated perspective
+// stretches them away from the photograph's middle by the square of the distance from there, pixels that are
+// not square all alike. Where only a part of an outline is visible, ovality, radius and centre are nearly
+// degenerate, and the others' ovality serves as a prior. Deterministic; thread-safe; allocates.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -20,7 +20,7 @@ struct OvalSample {
 class OvalModel {
  public:
   cv::Vec2d at(cv::Point2d plane_px) const;
-  double sd() const { return sd_; }  ///< of each of the two, of one outline
+  double sd() const { return sd_; }  ///< of each component for one outline
 
  private:
   friend std::optional<OvalModel> fit_oval_model(std::span<const OvalSample>, cv::Point2d, double);
@@ -32,7 +32,8 @@ class OvalModel {
   double sd_ = 0.0;
 };
 
-/// `middle`: of the photograph; `reach_px`: from there to its corners. Absent: too few samples.
+/// `middle`: of the photograph; `reach_px`: from there to its corners. Returns nullopt for fewer than 5
+/// samples.
 std::optional<OvalModel> fit_oval_model(std::span<const OvalSample> samples, cv::Point2d middle,
                                         double reach_px);
 

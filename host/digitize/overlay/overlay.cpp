@@ -25,23 +25,23 @@ const cv::Scalar kRejected(70, 70, 255);
 
 constexpr int kShift = 4;  // of OpenCV's fixed-point coordinates
 
-/// The light that so great a share of the pixels does not exceed.
-float light_at(const std::vector<float>& sorted, double share) {
+float quantile_of(const std::vector<float>& sorted, double share) {
   return sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1))];
 }
 
-/// Black at the darkest, white at the lightest but for specks; the root shows what is dark.
-cv::Mat brightened(const cv::Mat& light) {
+/// Black and white at the 1st and 99.8th percentile, with a gamma of 0.5.
+cv::Mat stretched(const cv::Mat& intensity) {
   constexpr int kSamplesAcross = 400;
-  const int step = std::max(1, std::max(light.cols, light.rows) / kSamplesAcross);
+  const int step = std::max(1, std::max(intensity.cols, intensity.rows) / kSamplesAcross);
   std::vector<float> samples;
-  for (int row = 0; row < light.rows; row += step) {
-    for (int column = 0; column < light.cols; column += step) samples.push_back(light.at<float>(row, column));
+  for (int row = 0; row < intensity.rows; row += step) {
+    for (int column = 0; column < intensity.cols; column += step)
+      samples.push_back(intensity.at<float>(row, column));
   }
   std::ranges::sort(samples);
-  const float black = light_at(samples, 0.01);
-  const float white = std::max(light_at(samples, 0.998), black + 1e-4F);
-  cv::Mat shown = (light - black) * (1.0F / (white - black));
+  const float black = quantile_of(samples, 0.01);
+  const float white = std::max(quantile_of(samples, 0.998), black + 1e-4F);
+  cv::Mat shown = (intensity - black) * (1.0F / (white - black));
   shown = cv::min(cv::max(shown, 0.0F), 1.0F);
   cv::sqrt(shown, shown);
   cv::Mat grey;
@@ -57,16 +57,16 @@ cv::Scalar colour_of(const BallImage& image) {
   return *image.leg == Leg::incoming ? kIncoming : *image.leg == Leg::contact ? kContact : kRebound;
 }
 
-class Sheet {
+class Canvas {
  public:
-  Sheet(const Photograph& photograph, const PlaneMap& map, int longest_side_px) : map_(map) {
+  Canvas(const Photograph& photograph, const PlaneMap& map, int longest_side_px) : map_(map) {
     const int longest = std::max(photograph.width(), photograph.height());
-    cv::Mat light = photograph.light;
+    cv::Mat intensity = photograph.intensity;
     if (longest > longest_side_px) {
       scale_ = static_cast<double>(longest_side_px) / longest;
-      cv::resize(light, light, cv::Size(), scale_, scale_, cv::INTER_AREA);
+      cv::resize(intensity, intensity, cv::Size(), scale_, scale_, cv::INTER_AREA);
     }
-    picture_ = brightened(light);
+    picture_ = stretched(intensity);
     text_scale_ = std::clamp(std::max(picture_.cols, picture_.rows) / 2900.0, 0.4, 1.2);
   }
 
@@ -75,7 +75,7 @@ class Sheet {
   void curve(const std::vector<cv::Point2d>& plane_px, bool closed, const cv::Scalar& colour, int thickness) {
     std::vector<cv::Point> points;
     for (const cv::Point2d& p : plane_px) {
-      const cv::Point2d at = on_sheet(p);
+      const cv::Point2d at = on_canvas(p);
       if (!drawable(at)) return;
       points.emplace_back(cvRound(at.x * (1 << kShift)), cvRound(at.y * (1 << kShift)));
     }
@@ -101,24 +101,16 @@ class Sheet {
     curve({{centre.x, centre.y - half_px}, {centre.x, centre.y + half_px}}, false, colour, 1);
   }
 
-  /// Near the anchor, where no other label is; a line leads there if it is not close.
+  /// Near the anchor, where it overlaps no other label; with a leader line if it is not close.
   void label(const std::string& text, cv::Point2d anchor, double diameter_px, const cv::Scalar& colour,
              double size = 1.0) {
-    const cv::Point2d at = on_sheet(anchor);
+    const cv::Point2d at = on_canvas(anchor);
     if (!drawable(at)) return;
     const double scale = text_scale_ * size;
     int below = 0;
     const cv::Size box = cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, scale, 1, &below);
     const double step = diameter_px * scale_;
-    cv::Rect best;
-    double least = 1e300;
-    for (const cv::Point2d& shift : kShifts) {
-      const cv::Point corner(cvRound(at.x + shift.x * step - 0.5 * box.width),
-                             cvRound(at.y + shift.y * step - 0.5 * box.height));
-      const cv::Rect place(corner, cv::Size(box.width, box.height + below));
-      const double cost = cost_of(place) + 0.02 * box.area() * cv::norm(shift);
-      if (cost < least) least = cost, best = place;
-    }
+    const cv::Rect best = free_place(at, box, below, step);
     taken_.push_back(best);
     const cv::Point2d middle(best.x + 0.5 * best.width, best.y + 0.5 * best.height);
     if (cv::norm(middle - at) > 0.3 * step) cv::line(picture_, at, middle, colour, 1, cv::LINE_AA);
@@ -130,13 +122,27 @@ class Sheet {
   int thickness() const { return text_scale_ > 0.6 ? 2 : 1; }
 
  private:
-  cv::Point2d on_sheet(cv::Point2d plane_px) const {
+  cv::Point2d on_canvas(cv::Point2d plane_px) const {
     const cv::Point2d p = map_.to_image(plane_px);
     return {(p.x + 0.5) * scale_ - 0.5, (p.y + 0.5) * scale_ - 0.5};
   }
 
-  /// Fixed-point numbers of OpenCV overflow far outside.
+  /// OpenCV's fixed-point coordinates overflow far outside.
   static bool drawable(cv::Point2d p) { return std::abs(p.x) < 5e4 && std::abs(p.y) < 5e4; }
+
+  /// The least costly place for a text around `at`. `below`: the text's height under its baseline.
+  cv::Rect free_place(cv::Point2d at, cv::Size box, int below, double step) const {
+    cv::Rect best;
+    double least = 1e300;
+    for (const cv::Point2d& shift : kShifts) {
+      const cv::Point corner(cvRound(at.x + shift.x * step - 0.5 * box.width),
+                             cvRound(at.y + shift.y * step - 0.5 * box.height));
+      const cv::Rect place(corner, cv::Size(box.width, box.height + below));
+      const double cost = cost_of(place) + 0.02 * box.area() * cv::norm(shift);
+      if (cost < least) least = cost, best = place;
+    }
+    return best;
+  }
 
   double cost_of(const cv::Rect& place) const {
     double cost = 3.0 * (place.area() - (place & cv::Rect({}, picture_.size())).area());
@@ -158,32 +164,32 @@ class Sheet {
   std::vector<cv::Rect> taken_;
 };
 
-void draw_surface(Sheet& sheet, const reduction::Frame& frame) {
+void draw_surface(Canvas& canvas, const reduction::Frame& frame) {
   std::vector<cv::Point2d> points;
   for (const auto& p : frame.surface_px) points.emplace_back(p.x, p.y);
-  if (points.size() >= 2) sheet.curve(points, false, kSurface, sheet.thickness());
-  for (const cv::Point2d& p : points) sheet.cross(p, 12.0, kSurface);
+  if (points.size() >= 2) canvas.curve(points, false, kSurface, canvas.thickness());
+  for (const cv::Point2d& p : points) canvas.cross(p, 12.0, kSurface);
 }
 
-/// A contact image's flat side, as wide as it was measured, below its top.
-void draw_contact(Sheet& sheet, const BallImage& image, const cv::Scalar& colour) {
+/// A short line at a contact image's top.
+void draw_top(Canvas& canvas, const BallImage& image, const cv::Scalar& colour) {
   if (!image.top_px) return;
   const cv::Point2d top(image.top_px->x, image.top_px->y);
-  sheet.curve({{top.x - 25, top.y}, {top.x + 25, top.y}}, false, colour, sheet.thickness());
+  canvas.curve({{top.x - 25, top.y}, {top.x + 25, top.y}}, false, colour, canvas.thickness());
 }
 
-void draw_image(Sheet& sheet, const PlaneMap& map, const BallImage& image) {
+void draw_image(Canvas& canvas, const PlaneMap& map, const BallImage& image) {
   const cv::Point2d centre(image.centre_px.x, image.centre_px.y);
   const cv::Scalar colour = colour_of(image);
   if (image.diameter_px > 0.0)
-    sheet.ellipse(map.outline(centre, image.diameter_px), colour, sheet.thickness());
-  sheet.cross(centre, 8.0, colour);
-  draw_contact(sheet, image, colour);
+    canvas.ellipse(map.outline(centre, image.diameter_px), colour, canvas.thickness());
+  canvas.cross(centre, 8.0, colour);
+  draw_top(canvas, image, colour);
   if (!image.equator_rad) return;
   const cv::Point2d along(std::cos(*image.equator_rad), std::sin(*image.equator_rad));
   const double half = 0.5 * image.diameter_px;
-  sheet.curve({centre - 1.12 * half * along, centre - 0.25 * half * along}, false, colour, 1);
-  sheet.curve({centre + 0.25 * half * along, centre + 1.12 * half * along}, false, colour, 1);
+  canvas.curve({centre - 1.12 * half * along, centre - 0.25 * half * along}, false, colour, 1);
+  canvas.curve({centre + 0.25 * half * along, centre + 1.12 * half * along}, false, colour, 1);
 }
 
 std::string label_of(const BallImage& image, std::size_t index) {
@@ -195,26 +201,26 @@ std::string label_of(const BallImage& image, std::size_t index) {
 
 cv::Mat draw_overlay(const Photograph& photograph, const PlaneMap& map, const Digitization& digitization,
                      const OverlaySettings& settings) {
-  Sheet sheet(photograph, map, settings.longest_side_px);
+  Canvas canvas(photograph, map, settings.longest_side_px);
   const auto& images = digitization.frame.images;
-  draw_surface(sheet, digitization.frame);
+  draw_surface(canvas, digitization.frame);
   if (settings.rejected) {
     for (const Unmeasured& u : digitization.unmeasured) {
-      if (u.what == "image") sheet.ellipse(map.outline(u.centre, u.diameter), kRejected, 1);
+      if (u.what == "image") canvas.ellipse(map.outline(u.centre, u.diameter), kRejected, 1);
     }
   }
-  for (const BallImage& image : images) draw_image(sheet, map, image);
+  for (const BallImage& image : images) draw_image(canvas, map, image);
   for (std::size_t i = 0; i < images.size(); ++i) {
-    sheet.label(label_of(images[i], i), {images[i].centre_px.x, images[i].centre_px.y}, images[i].diameter_px,
-                colour_of(images[i]));
+    canvas.label(label_of(images[i], i), {images[i].centre_px.x, images[i].centre_px.y},
+                 images[i].diameter_px, colour_of(images[i]));
   }
   if (settings.rejected) {
     for (const Unmeasured& u : digitization.unmeasured) {
       const std::string prefix = u.what == "image" ? "" : u.what + ": ";
-      sheet.label(prefix + std::string(name(u.why.reason)), u.centre, u.diameter, kRejected, 0.6);
+      canvas.label(prefix + std::string(name(u.why.reason)), u.centre, u.diameter, kRejected, 0.6);
     }
   }
-  return sheet.picture();
+  return canvas.picture();
 }
 
 Result<void> write_overlay(const std::filesystem::path& path, const Photograph& photograph,

@@ -1,5 +1,5 @@
-// What was found, drawn on the photograph for a person to check: outlines by leg, equator lines, numbers and
-// times, the surface line, and what was rejected with its reason. Deterministic; thread-safe; allocates.
+// Draws a digitization on its photograph for inspection: outlines by leg, equator lines, numbers and times,
+// the surface line, and what was rejected, with the reason. Deterministic; thread-safe; allocates.
 #pragma once
 
 #include <filesystem>
@@ -13,13 +13,13 @@
 namespace strobe::digitize {
 
 struct OverlaySettings {
-  bool rejected = true;  ///< draw them, too
-  /// The picture is made smaller until no side is longer, so that it can be looked at.
+  bool rejected = true;  ///< draw these too
+  /// Larger photographs are downsampled.
   int longest_side_px = 4096;
 };
 
-/// 8 bit, blue-green-red, the photograph's size unless that is too large. The photograph is brightened so
-/// that what is dark on it can be seen. Images by hand are drawn in magenta.
+/// CV_8UC3 (BGR), the photograph's size unless downsampled. Intensities are stretched so that dark parts are
+/// visible. Images measured by hand are magenta.
 cv::Mat draw_overlay(const Photograph& photograph, const PlaneMap& map, const Digitization& digitization,
                      const OverlaySettings& settings = {});
 

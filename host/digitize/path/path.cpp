@@ -5,7 +5,9 @@
 #include <limits>
 #include <optional>
 
+#include "host/digitize/core/statistics.hpp"
 #include "host/digitize/path/leg_line.hpp"
+#include "host/digitize/surface/surface_frame.hpp"
 
 namespace strobe::digitize {
 namespace {
@@ -22,16 +24,16 @@ constexpr double kLegCostBlind = 1.2;
 constexpr double kLoneWeight = 0.6;  ///< of an image that is to be a leg by itself
 constexpr double kMinSlope = 0.03;
 constexpr std::size_t kMaxLines = 80;
-// The fastest shots press a ball together by .7 of its radius; a touch shows from a hundredth on.
-constexpr double kMaxPressedOfRadius = 0.85;
-constexpr double kTouchOfRadius = 0.01;
+// The fastest shots compress a ball by 0.7 of its radius; contact shows from a hundredth on.
+constexpr double kMaxCompressionOfRadius = 0.85;
+constexpr double kMinCompressionOfRadius = 0.01;
 
 const PathPoint& at(std::span<const PathPoint> points, int i) { return points[static_cast<std::size_t>(i)]; }
 
 class Finder {
  public:
-  Finder(std::span<const PathPoint> points, const PathContext& scene)
-      : points_(points), scene_(scene), d_(scene.diameter_px) {}
+  Finder(std::span<const PathPoint> points, const PathContext& context)
+      : points_(points), context_(context), d_(context.diameter_px) {}
 
   Path run() {
     sort_by_height();
@@ -47,17 +49,17 @@ class Finder {
  private:
   struct Crossing {
     double x = 0.0;
-    double side = 0.0;  ///< where the leg is seen from there: -1 left, +1 right, 0 straight above
+    double side = 0.0;  ///< where the leg lies from there: -1 left, +1 right, 0 straight above
   };
 
   void sort_by_height() {
     for (int i = 0; i < static_cast<int>(points_.size()); ++i) {
       const PathPoint& p = at(points_, i);
-      if (!scene_.surface_known) {
+      if (!context_.surface_known) {
         airborne_.push_back(i);
-      } else if (p.at.y < 0.5 * d_ * (1.0 - kMaxPressedOfRadius) - 4.0 * scene_.surface_sd_px) {
-        path_.left.push_back({i, true, 0.0});
-      } else if (touches(p.at.y, p.sd_px, scene_)) {
+      } else if (p.at.y < 0.5 * d_ * (1.0 - kMaxCompressionOfRadius) - 4.0 * context_.surface_sd_px) {
+        path_.outliers.push_back({i, true, 0.0});
+      } else if (touches(p.at.y, p.sd_px, context_)) {
         low_.push_back(i);
       } else {
         airborne_.push_back(i);
@@ -65,7 +67,7 @@ class Finder {
     }
   }
 
-  /// Where the leg is a radius above the surface; nothing if it runs along the surface.
+  /// Where the leg is a radius above the surface. Returns nullopt if it is parallel to it.
   std::optional<Crossing> crossing(const LegLine& line) const {
     if (std::abs(line.along.y) < kMinSlope) return std::nullopt;
     const double s = (0.5 * d_ - line.origin.y) / line.along.y;
@@ -126,14 +128,14 @@ class Finder {
     double best = lines.front().weight;
     const LegLine* one = &lines.front();
     const LegLine* two = nullptr;
-    const double cost = scene_.surface_known ? kLegCost : kLegCostBlind;
+    const double cost = context_.surface_known ? kLegCost : kLegCostBlind;
     for (std::size_t i = 0; i < lines.size(); ++i) {
       for (std::size_t j = i + 1; j < lines.size(); ++j) {
         if (lines[i].weight + lines[j].weight - cost <= best) break;
         const double weight = union_weight(lines[i], lines[j]) - cost;
         if (weight <= best) continue;
-        if (!(scene_.surface_known ? meet_at_surface(lines[i], lines[j])
-                                   : meet_somewhere(lines[i], lines[j])))
+        if (!(context_.surface_known ? meet_at_surface(lines[i], lines[j])
+                                     : meet_somewhere(lines[i], lines[j])))
           continue;
         best = weight;
         one = &lines[i];
@@ -187,7 +189,7 @@ class Finder {
 
   /// A leg of one image: beyond where the other leg meets the surface, or beyond the images in contact.
   void lone_leg() {
-    if (!scene_.surface_known || path_.legs[0].empty()) return;
+    if (!context_.surface_known || path_.legs[0].empty()) return;
     if (!path_.contact.empty() && path_.legs[0].size() == 2 && split_at_contact()) return;
     if (kept_.empty()) return;
     const auto c = crossing(kept_.front());
@@ -233,17 +235,17 @@ class Finder {
 
   void list_outliers() {
     for (int i = 0; i < static_cast<int>(points_.size()); ++i) {
-      const bool below = std::any_of(path_.left.begin(), path_.left.end(),
-                                     [i](const Path::Left& left) { return left.index == i; });
+      const bool below = std::any_of(path_.outliers.begin(), path_.outliers.end(),
+                                     [i](const Path::Outlier& outlier) { return outlier.index == i; });
       if (below || member(i)) continue;
       double off = std::numeric_limits<double>::infinity();
       for (const LegLine& line : kept_) off = std::min(off, std::abs(line.off(at(points_, i).at)));
-      path_.left.push_back({i, false, off});
+      path_.outliers.push_back({i, false, off});
     }
   }
 
   std::span<const PathPoint> points_;
-  const PathContext& scene_;
+  const PathContext& context_;
   double d_;
   std::vector<int> airborne_, low_;
   std::vector<LegLine> kept_;
@@ -252,14 +254,32 @@ class Finder {
 
 }  // namespace
 
-bool touches(double height_px, double sd_px, const PathContext& scene) {
-  if (!scene.surface_known) return false;
-  const double radius = 0.5 * scene.diameter_px;
-  return height_px < radius - std::max(4.0 * std::hypot(sd_px, scene.surface_sd_px), kTouchOfRadius * radius);
+std::vector<PathPoint> path_points(std::span<const Outline> outlines,
+                                   const std::optional<SurfaceLine>& surface) {
+  const SurfaceFrame axes = surface ? surface_frame(*surface) : SurfaceFrame{};
+  std::vector<PathPoint> points;
+  points.reserve(outlines.size());
+  for (const Outline& o : outlines)
+    points.push_back(
+        {axes.from_plane(o.centre), o.centre_sd(), 0.3 + 0.7 * std::clamp(o.visible_fraction, 0.0, 1.0)});
+  return points;
 }
 
-Path find_path(std::span<const PathPoint> points, const PathContext& scene) {
-  return Finder(points, scene).run();
+PathContext path_context(std::span<const Outline> outlines, const std::optional<SurfaceLine>& surface) {
+  std::vector<double> diameters;
+  for (const Outline& o : outlines) diameters.push_back(o.diameter);
+  return {median(std::move(diameters)), surface.has_value(), surface ? surface_frame(*surface).sd_px : 0.0};
+}
+
+bool touches(double height_px, double sd_px, const PathContext& context) {
+  if (!context.surface_known) return false;
+  const double radius = 0.5 * context.diameter_px;
+  return height_px <
+         radius - std::max(4.0 * std::hypot(sd_px, context.surface_sd_px), kMinCompressionOfRadius * radius);
+}
+
+Path find_path(std::span<const PathPoint> points, const PathContext& context) {
+  return Finder(points, context).run();
 }
 
 }  // namespace strobe::digitize

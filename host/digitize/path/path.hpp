@@ -1,21 +1,24 @@
-// Which round things are one ball on its way to the surface and off it: two nearly straight legs that meet
-// there, with images in contact between them; or one leg alone, as in free flight. Geometry only: no
-// photograph. Deterministic; thread-safe; allocates.
+// The path of the ball through its images: two nearly straight legs that meet at the surface, with images in
+// contact between them; or one leg alone, as in free flight. Geometry only, no photograph. Deterministic;
+// thread-safe; allocates.
 #pragma once
 
 #include <array>
 #include <opencv2/core.hpp>
+#include <optional>
 #include <span>
-#include <string>
 #include <vector>
+
+#include "host/digitize/core/types.hpp"
+#include "host/digitize/surface/surface_line.hpp"
 
 namespace strobe::digitize {
 
-/// A round thing, in axes with y up: along and up from the surface where it is known, else the photograph's.
+/// An outline's centre, in axes with y up: along and up from the surface if it is known, else the plane's.
 struct PathPoint {
   cv::Point2d at;
   double sd_px = 0.0;   ///< of each coordinate
-  double weight = 1.0;  ///< how surely it is a ball, 0 to 1
+  double weight = 1.0;  ///< probability-like confidence that it is a ball, 0 to 1
 };
 
 struct PathContext {
@@ -24,25 +27,31 @@ struct PathContext {
   double surface_sd_px = 0.0;
 };
 
+std::vector<PathPoint> path_points(std::span<const Outline> outlines,
+                                   const std::optional<SurfaceLine>& surface);
+
+/// With the outlines' median diameter.
+PathContext path_context(std::span<const Outline> outlines, const std::optional<SurfaceLine>& surface);
+
 /// Indices into the points.
 struct Path {
-  /// Airborne, from far to the surface; the second is empty where there is one leg. Which of them comes first
-  /// in time is not said here.
+  /// In the air, from far to the surface; the second is empty if there is one leg. Their order in time is not
+  /// decided here.
   std::array<std::vector<int>, 2> legs;
   std::vector<int> contact;  ///< by x
-  struct Left {
+  struct Outlier {
     int index = 0;
-    bool below = false;   ///< it lies below the surface
-    double off_px = 0.0;  ///< distance to the nearest leg's line
+    bool below = false;   ///< below the surface
+    double off_px = 0.0;  ///< distance to the nearest leg, infinite without a leg
   };
-  std::vector<Left> left;  ///< what belongs to none
+  std::vector<Outlier> outliers;
 
   bool bounces() const { return !legs[0].empty() && !legs[1].empty(); }
 };
 
-Path find_path(std::span<const PathPoint> points, const PathContext& scene);
+Path find_path(std::span<const PathPoint> points, const PathContext& context);
 
-/// Whether a centre at that height belongs to a ball that touches the surface.
-bool touches(double height_px, double sd_px, const PathContext& scene);
+/// Whether a ball with its centre at that height touches the surface.
+bool touches(double height_px, double sd_px, const PathContext& context);
 
 }  // namespace strobe::digitize

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/assembly/flash_match.hpp"
 #include "common/geometry/leg.hpp"
-#include "host/digitize/core/median.hpp"
+#include "host/assembly/flash_match.hpp"
+#include "host/digitize/core/statistics.hpp"
 
 namespace strobe::digitize {
 namespace {
@@ -38,10 +38,7 @@ double step_up(std::span<const PathPoint> points, const std::vector<int>& leg) {
   std::vector<double> steps;
   for (std::size_t k = 1; k < leg.size(); ++k)
     steps.push_back(std::abs(at(points, leg[k]).at.y - at(points, leg[k - 1]).at.y));
-  if (steps.empty()) return 0.0;
-  std::sort(steps.begin(), steps.end());
-  const std::size_t n = steps.size();
-  return 0.5 * (steps[(n - 1) / 2] + steps[n / 2]);
+  return median(std::move(steps));
 }
 
 /// One possible order of the images.
@@ -79,8 +76,8 @@ struct Timed {
 
 class Orderer {
  public:
-  Orderer(std::span<const PathPoint> points, const Path& path, const TimeContext& scene)
-      : points_(points), path_(path), scene_(scene) {}
+  Orderer(std::span<const PathPoint> points, const Path& path, const TimeContext& context)
+      : points_(points), path_(path), context_(context) {}
 
   TimeOrder run() {
     if (path_.bounces()) {
@@ -94,10 +91,10 @@ class Orderer {
  private:
   host::Track track(const Order& order) const {
     host::Track track;
-    track.radius_px = 0.5 * scene_.path.diameter_px;
-    track.px_per_m = scene_.px_per_m;
-    track.gravity_pxps2 = {order.towards * scene_.gravity_mps2.x * scene_.px_per_m,
-                           scene_.gravity_mps2.y * scene_.px_per_m};
+    track.radius_px = 0.5 * context_.path.diameter_px;
+    track.px_per_m = context_.px_per_m;
+    track.gravity_pxps2 = {order.towards * context_.gravity_mps2.x * context_.px_per_m,
+                           context_.gravity_mps2.y * context_.px_per_m};
     double variance = 0.0;
     for (std::size_t k = 0; k < order.sequence.size(); ++k) {
       const PathPoint& p = at(points_, order.sequence[k]);
@@ -109,9 +106,9 @@ class Orderer {
   }
 
   std::optional<Timed> timed(const Order& order) const {
-    if (scene_.flash_times_s.empty()) return std::nullopt;
+    if (context_.flash_times_s.empty()) return std::nullopt;
     const host::Track path = track(order);
-    const auto match = host::match_flashes(scene_.flash_times_s, path, std::nullopt);
+    const auto match = host::match_flashes(context_.flash_times_s, path, std::nullopt);
     if (!match) return std::nullopt;
     Timed timed{match->flash, match->chi_squared, match->ambiguity, 0.0, 0.0, true};
     timed.supported = match->chi_squared > 0.0 || match->ambiguity < kNoSupport;
@@ -124,7 +121,7 @@ class Orderer {
     geometry::LegFit fit(path.gravity_pxps2);
     for (std::size_t k = 0; k < path.images.size(); ++k) {
       if (path.images[k].leg == leg)
-        fit.add(scene_.flash_times_s[static_cast<std::size_t>(flash[k])], path.images[k].centre_px);
+        fit.add(context_.flash_times_s[static_cast<std::size_t>(flash[k])], path.images[k].centre_px);
     }
     if (!fit.has_velocity()) return 0.0;
     const auto at = geometry::crossing(fit, path.radius_px);
@@ -153,7 +150,7 @@ class Orderer {
     const auto& r = path_.legs[static_cast<std::size_t>(1 - left)];
     const Order rightwards = bounce(l, path_.contact, r, 1.0);
     const Order leftwards = bounce(r, path_.contact, l, -1.0);
-    if (scene_.leftwards) return take(*scene_.leftwards ? leftwards : rightwards);
+    if (context_.leftwards) return take(*context_.leftwards ? leftwards : rightwards);
     const auto tr = timed(rightwards), tl = timed(leftwards);
     double in_right = step_up(points_, l), in_left = step_up(points_, r);
     if (tr && tl) {
@@ -190,7 +187,7 @@ class Orderer {
 
   void order_one_leg() {
     const Order right = one_leg(true), left = one_leg(false);
-    if (scene_.leftwards) return take(*scene_.leftwards ? left : right);
+    if (context_.leftwards) return take(*context_.leftwards ? left : right);
     const auto tr = timed(right), tl = timed(left);
     if (tr && tl) {
       if (const int sign = likelier(*tr, *tl)) return take(sign > 0 ? right : left);
@@ -220,13 +217,13 @@ class Orderer {
   void take(const Order& order) {
     result_.sequence = order.sequence;
     result_.leftwards = order.towards < 0.0;
-    const bool said = scene_.path.surface_known || path_.bounces();
+    const bool said = context_.path.surface_known || path_.bounces();
     for (const Leg leg : order.leg) result_.leg.push_back(said ? std::optional(leg) : std::nullopt);
-    if (scene_.flash_times_s.empty()) return;
+    if (context_.flash_times_s.empty()) return;
     const auto match = timed(order);
     if (!match) {
       result_.remarks.push_back(fmt::format("{} images, but only {} flashes: no image has a time",
-                                            order.sequence.size(), scene_.flash_times_s.size()));
+                                            order.sequence.size(), context_.flash_times_s.size()));
       return;
     }
     const double off = off_steady_px(order, *match);
@@ -242,14 +239,14 @@ class Orderer {
 
   std::span<const PathPoint> points_;
   const Path& path_;
-  const TimeContext& scene_;
+  const TimeContext& context_;
   TimeOrder result_;
 };
 
 }  // namespace
 
-TimeOrder order_in_time(std::span<const PathPoint> points, const Path& path, const TimeContext& scene) {
-  return Orderer(points, path, scene).run();
+TimeOrder order_in_time(std::span<const PathPoint> points, const Path& path, const TimeContext& context) {
+  return Orderer(points, path, context).run();
 }
 
 }  // namespace strobe::digitize

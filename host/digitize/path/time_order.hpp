@@ -1,6 +1,5 @@
-// Which image came first: the legs of a path put in order of time, and the flashes that made its images.
-// The incoming leg is the faster one along the surface's normal, as no bounce gives energy. Deterministic;
-// no I/O; thread-safe; allocates.
+// The order of a path's images in time, and the flashes that made them. The incoming leg is the faster one
+// along the surface's normal, as a bounce adds no energy. Deterministic; no I/O; thread-safe; allocates.
 #pragma once
 
 #include <optional>
@@ -17,19 +16,20 @@ struct TimeContext {
   PathContext path;
   double px_per_m = 0.0;
   cv::Point2d gravity_mps2;               ///< in the axes of the points
-  std::optional<bool> leftwards;          ///< known direction of travel
+  std::optional<bool> leftwards;          ///< known direction of flight
   std::span<const double> flash_times_s;  ///< ascending; empty: not known
 };
 
 struct TimeOrder {
   std::vector<int> sequence;                       ///< indices of the points, in order of time
-  std::vector<std::optional<reduction::Leg>> leg;  ///< of the sequence; absent where nothing tells
-  std::vector<int> flash;  ///< of the sequence: numbers into flash_times_s; empty: not known, or
-                           ///< no steady flight passes through the images
+  std::vector<std::optional<reduction::Leg>> leg;  ///< of the sequence; absent where undecided
+  /// Of the sequence: indices into flash_times_s. Empty: not known, or no steady flight passes through the
+  /// images.
+  std::vector<int> flash;
   bool leftwards = false;
-  std::vector<std::string> remarks;  ///< what was assumed or may be doubted
+  std::vector<std::string> remarks;  ///< assumptions and ambiguities
 };
 
-TimeOrder order_in_time(std::span<const PathPoint> points, const Path& path, const TimeContext& scene);
+TimeOrder order_in_time(std::span<const PathPoint> points, const Path& path, const TimeContext& context);
 
 }  // namespace strobe::digitize

@@ -10,7 +10,7 @@ namespace strobe::digitize {
 namespace {
 
 constexpr double kMaxTopSdOfDiameter = 0.05;
-// Beyond this the ends of the flat side say nothing: a grazing cut through the outline.
+// Where the surface cuts the outline at a grazing angle the width is meaningless.
 constexpr double kMaxWidthSdOfDiameter = 0.15;
 
 }  // namespace

@@ -1,5 +1,5 @@
-// What is measured of a ball in contact: it is pressed flat below, so that its top and the width of its flat
-// side tell more than a centre. Deterministic; thread-safe; allocates.
+// The image of a ball in contact: flattened below, so that its top and the width of its flat side are
+// measured besides its centre. Deterministic; thread-safe; allocates.
 #pragma once
 
 #include "host/digitize/core/types.hpp"
@@ -8,13 +8,13 @@
 namespace strobe::digitize {
 
 struct ContactImage {
-  cv::Point2d top;  ///< farthest point of the ball from the surface
-  double top_sd_px = 0.0;
-  std::optional<double> width_px;  ///< of the flat side on the surface; absent: not seen
+  cv::Point2d top;                 ///< farthest point of the ball from the surface
+  double top_sd_px = 0.0;          ///< perpendicular to the surface
+  std::optional<double> width_px;  ///< of the flat side; absent: not measurable
   std::optional<double> width_sd_px;
 };
 
-/// `outline`: the ellipse through what is round of the image.
+/// `outline`: fitted to the round part of the image. Rejection: imprecise.
 Measured<ContactImage> measure_contact(const Outline& outline, const SurfaceLine& surface);
 
 }  // namespace strobe::digitize

@@ -7,17 +7,17 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
-#include "host/digitize/core/median.hpp"
+#include "host/digitize/core/statistics.hpp"
 
 namespace strobe::digitize {
 namespace {
 
 constexpr int kProfiles = 240;
-constexpr int kHalfReach = 10;  // px to either side of the rough line
+constexpr int kHalfReach = 10;  // px to either side of the Hough line
 constexpr int kAlong = 5;       // columns averaged for one profile
 constexpr int kHalfStep = 2;
-constexpr int kBlocks = 12;  // of neighbouring profiles, whose errors go together
-constexpr double kAgree_px = 1.5;
+constexpr int kBlocks = 12;  // of profiles with correlated errors
+constexpr double kInlier_px = 1.5;
 constexpr double kFloor_px = 0.03;
 
 struct Crossing {
@@ -26,28 +26,30 @@ struct Crossing {
   int profile = 0;
 };
 
-/// Light on the columns around, down the rows through the rough line.
-bool profile(const Photograph& photograph, const OcclusionMask& hidden, int column, double row,
-             std::array<double, 2 * kHalfReach + 1>& light) {
+/// Intensity on the columns around, down the rows across the line. Returns false where it is occluded or
+/// outside.
+bool profile(const Photograph& photograph, const OcclusionMask& occluded, int column, double row,
+             std::array<double, 2 * kHalfReach + 1>& intensity) {
   const int top = static_cast<int>(std::lround(row)) - kHalfReach;
   if (top < 0 || top + 2 * kHalfReach >= photograph.height()) return false;
   if (column < kAlong / 2 || column + kAlong / 2 >= photograph.width()) return false;
   for (int k = 0; k <= 2 * kHalfReach; k += kHalfReach / 2) {
-    if (hidden.at(column - kAlong / 2, top + k) || hidden.at(column + kAlong / 2, top + k)) return false;
+    if (occluded.at(column - kAlong / 2, top + k) || occluded.at(column + kAlong / 2, top + k)) return false;
   }
   for (int k = 0; k <= 2 * kHalfReach; ++k) {
-    const float* row_light = photograph.light.ptr<float>(top + k) + column - kAlong / 2;
-    light[static_cast<std::size_t>(k)] = std::accumulate(row_light, row_light + kAlong, 0.0) / kAlong;
+    const float* values = photograph.intensity.ptr<float>(top + k) + column - kAlong / 2;
+    intensity[static_cast<std::size_t>(k)] = std::accumulate(values, values + kAlong, 0.0) / kAlong;
   }
   return true;
 }
 
-/// The place of the half height of the greatest rise: robust against what lies on either side of the edge.
-std::optional<Crossing> steepest(const std::array<double, 2 * kHalfReach + 1>& light, int column, int top) {
+/// The steepest rise, with sub-pixel position by a parabola.
+std::optional<Crossing> steepest(const std::array<double, 2 * kHalfReach + 1>& intensity, int column,
+                                 int top) {
   const int n = 2 * kHalfReach + 1;
   int best = -1;
   double most = 0.0;
-  const auto at = [&](int k) { return light[static_cast<std::size_t>(k)]; };
+  const auto at = [&](int k) { return intensity[static_cast<std::size_t>(k)]; };
   for (int k = kHalfStep; k + kHalfStep < n; ++k) {
     const double rise = at(k + kHalfStep) - at(k - kHalfStep);
     if (rise > most) {
@@ -64,16 +66,16 @@ std::optional<Crossing> steepest(const std::array<double, 2 * kHalfReach + 1>& l
 }
 
 std::vector<Crossing> crossings(const Photograph& photograph, const PlaneMap& map,
-                                const OcclusionMask& hidden, const HoughLine& rough, int& looked) {
+                                const OcclusionMask& occluded, const HoughLine& start, int& tried) {
   std::vector<Crossing> found;
   const int count = std::min(kProfiles, std::max(16, photograph.width() / kAlong));
-  std::array<double, 2 * kHalfReach + 1> light{};
+  std::array<double, 2 * kHalfReach + 1> intensity{};
   for (int i = 0; i < count; ++i) {
     const int column = static_cast<int>((i + 0.5) * photograph.width() / count);
-    const double row = rough.row_px + rough.slope * (column - 0.5 * photograph.width());
-    if (!profile(photograph, hidden, column, row, light)) continue;
-    ++looked;
-    auto crossing = steepest(light, column, static_cast<int>(std::lround(row)) - kHalfReach);
+    const double row = start.row_px + start.slope * (column - 0.5 * photograph.width());
+    if (!profile(photograph, occluded, column, row, intensity)) continue;
+    ++tried;
+    auto crossing = steepest(intensity, column, static_cast<int>(std::lround(row)) - kHalfReach);
     if (!crossing) continue;
     crossing->plane = map.to_plane(crossing->plane);
     crossing->profile = i;
@@ -87,8 +89,8 @@ struct Line {
   double off(cv::Point2d p) const { return p.y - y0 - slope * (p.x - x0); }
 };
 
-/// The line through two of the crossings that most others agree with.
-Line consensus(const std::vector<Crossing>& found) {
+/// The line through two crossings with the most inliers (RANSAC).
+Line ransac_line(const std::vector<Crossing>& found) {
   Line best;
   int most = -1;
   std::uint64_t state = 1;
@@ -101,7 +103,7 @@ Line consensus(const std::vector<Crossing>& found) {
     if (std::abs(a.x - b.x) < 1.0) continue;
     const Line line{a.x, a.y, (b.y - a.y) / (b.x - a.x)};
     const auto agree = std::count_if(found.begin(), found.end(), [&](const Crossing& c) {
-      return std::abs(line.off(c.plane)) < kAgree_px;
+      return std::abs(line.off(c.plane)) < kInlier_px;
     });
     if (agree > most) {
       most = static_cast<int>(agree);
@@ -127,11 +129,12 @@ Line least_squares(const std::vector<Crossing>& found) {
   return line;
 }
 
-/// Neighbouring profiles err together (texture of the plate's edge): the sd of the means of blocks.
-void spread(const std::vector<Crossing>& agreed, const Line& line, EdgeLine& edge) {
+/// Standard deviations from the means of blocks, as neighbouring profiles' errors are correlated by the
+/// edge's texture.
+void set_sd(const std::vector<Crossing>& inliers, const Line& line, EdgeLine& edge) {
   std::array<double, kBlocks> sum{}, count{};
   double squares = 0.0, sxx = 0.0;
-  for (const Crossing& c : agreed) {
+  for (const Crossing& c : inliers) {
     const double off = line.off(c.plane);
     squares += off * off;
     sxx += (c.plane.x - line.x0) * (c.plane.x - line.x0);
@@ -139,7 +142,7 @@ void spread(const std::vector<Crossing>& agreed, const Line& line, EdgeLine& edg
     sum[block] += off;
     count[block] += 1.0;
   }
-  const auto n = static_cast<double>(agreed.size());
+  const auto n = static_cast<double>(inliers.size());
   edge.rms_px = std::sqrt(squares / std::max(1.0, n - 2.0));
   double blocks = 0.0, between = 0.0;
   for (std::size_t b = 0; b < kBlocks; ++b) {
@@ -155,35 +158,35 @@ void spread(const std::vector<Crossing>& agreed, const Line& line, EdgeLine& edg
 }  // namespace
 
 std::optional<EdgeLine> fit_edge_line(const Photograph& photograph, const PlaneMap& map,
-                                      const OcclusionMask& hidden, const HoughLine& rough) {
-  int looked = 0;
-  const std::vector<Crossing> found = crossings(photograph, map, hidden, rough, looked);
+                                      const OcclusionMask& occluded, const HoughLine& start) {
+  int tried = 0;
+  const std::vector<Crossing> found = crossings(photograph, map, occluded, start, tried);
   if (found.size() < 12) return std::nullopt;
-  Line line = consensus(found);
-  std::vector<Crossing> agreed;
+  Line line = ransac_line(found);
+  std::vector<Crossing> inliers;
   for (int round = 0; round < 3; ++round) {
-    agreed.clear();
+    inliers.clear();
     for (const Crossing& c : found) {
-      if (std::abs(line.off(c.plane)) < kAgree_px) agreed.push_back(c);
+      if (std::abs(line.off(c.plane)) < kInlier_px) inliers.push_back(c);
     }
-    if (agreed.size() < 12) return std::nullopt;
-    line = least_squares(agreed);
+    if (inliers.size() < 12) return std::nullopt;
+    line = least_squares(inliers);
   }
   EdgeLine edge;
   edge.middle = {line.x0, line.y0};
   edge.slope = line.slope;
-  double least = agreed.front().plane.x, most = least;
+  double least = inliers.front().plane.x, most = least;
   std::vector<double> rises;
-  for (const Crossing& c : agreed) {
+  for (const Crossing& c : inliers) {
     least = std::min(least, c.plane.x);
     most = std::max(most, c.plane.x);
     rises.push_back(c.rise);
   }
   edge.half_span = 0.5 * (most - least);
-  edge.visible_fraction = static_cast<double>(agreed.size()) / std::max(1, looked);
-  edge.seen_px = static_cast<double>(agreed.size()) / std::max(1, looked) * (most - least);
+  edge.visible_fraction = static_cast<double>(inliers.size()) / std::max(1, tried);
+  edge.visible_px = static_cast<double>(inliers.size()) / std::max(1, tried) * (most - least);
   edge.contrast = upper_median(std::move(rises));
-  spread(agreed, line, edge);
+  set_sd(inliers, line, edge);
   return edge;
 }
 

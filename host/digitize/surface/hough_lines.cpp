@@ -4,34 +4,34 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "host/digitize/core/statistics.hpp"
+
 namespace strobe::digitize {
 namespace {
 
 constexpr double kMaxSlope = 0.36;  // 20 degrees
 constexpr int kSlopes = 145;
 constexpr double kSlopeStep = 2.0 * kMaxSlope / (kSlopes - 1);
-constexpr int kVoteReach = 8;  // slopes to either side that an edge's own direction leaves possible
+constexpr int kVoteReach = 8;  // slopes to either side of an edge point's own
 constexpr int kSmallWidth = 720;
 
-double coarse_scale(cv::Size photograph) {
+double hough_scale(cv::Size photograph) {
   return std::max(1.0, static_cast<double>(photograph.width) / kSmallWidth);
 }
 
-/// Edges much weaker than this are noise: from the gradients themselves.
+/// Noise level of the gradients, from their distribution.
 float typical_edge(const cv::Mat& gradient) {
   std::vector<float> values;
   for (int row = 0; row < gradient.rows; row += 2) {
     const auto* g = gradient.ptr<float>(row);
     for (int column = 0; column < gradient.cols; column += 2) values.push_back(std::abs(g[column]));
   }
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(values.size() * 7 / 10);
-  std::nth_element(values.begin(), at, values.end());
-  return std::max(*at, 1e-6F);
+  return std::max(quantile(std::move(values), 7, 10), 1e-6F);
 }
 
-class Votes {
+class Accumulator {
  public:
-  explicit Votes(const cv::Mat& light) : size_(light.size()) {
+  explicit Accumulator(const cv::Mat& light) : size_(light.size()) {
     reach_ = static_cast<int>(std::ceil(0.5 * kMaxSlope * size_.width)) + 2;
     rows_ = size_.height + 2 * reach_;
     votes_ = cv::Mat::zeros(kSlopes, rows_, CV_32FC1);
@@ -50,9 +50,9 @@ class Votes {
     }
   }
 
-  std::vector<HoughLine> best(std::size_t most, double scale) {
+  std::vector<HoughLine> best(std::size_t max_lines, double scale) {
     std::vector<HoughLine> lines;
-    while (lines.size() < most) {
+    while (lines.size() < max_lines) {
       double top = 0.0;
       cv::Point at;
       cv::minMaxLoc(votes_, nullptr, &top, nullptr, &at);
@@ -83,29 +83,30 @@ class Votes {
 }  // namespace
 
 cv::Size hough_image_size(cv::Size photograph) {
-  const double scale = coarse_scale(photograph);
+  const double scale = hough_scale(photograph);
   return {std::max(8, static_cast<int>(std::lround(photograph.width / scale))),
           std::max(8, static_cast<int>(std::lround(photograph.height / scale)))};
 }
 
-std::vector<HoughLine> hough_lines(const Photograph& photograph, const OcclusionMask& hidden,
-                                   std::size_t most) {
+std::vector<HoughLine> hough_lines(const Photograph& photograph, const OcclusionMask& occluded,
+                                   std::size_t max_lines) {
   cv::Mat light, smooth, gx, gy;
-  cv::resize(photograph.light, light, hough_image_size(photograph.light.size()), 0, 0, cv::INTER_AREA);
+  cv::resize(photograph.intensity, light, hough_image_size(photograph.intensity.size()), 0, 0,
+             cv::INTER_AREA);
   cv::GaussianBlur(light, smooth, {}, 1.0);
   cv::Scharr(smooth, gx, CV_32F, 1, 0, 1.0 / 32.0);
   cv::Scharr(smooth, gy, CV_32F, 0, 1, 1.0 / 32.0);
   const float edge = 3.0F * typical_edge(gy);
-  Votes votes(light);
+  Accumulator votes(light);
   for (int row = 2; row + 2 < gy.rows; ++row) {
     const auto* x = gx.ptr<float>(row);
     const auto* y = gy.ptr<float>(row);
     const auto* above = gy.ptr<float>(row - 1);
     const auto* below = gy.ptr<float>(row + 1);
-    const uchar* covered = hidden.mask.empty() ? nullptr : hidden.mask.ptr<uchar>(row);
+    const uchar* mask = occluded.mask.empty() ? nullptr : occluded.mask.ptr<uchar>(row);
     for (int column = 2; column + 2 < gy.cols; ++column) {
       if (y[column] < edge || y[column] < above[column] || y[column] <= below[column]) continue;
-      if (covered != nullptr && covered[column] != 0) continue;
+      if (mask != nullptr && mask[column] != 0) continue;
       const double slope = -x[column] / y[column];
       if (std::abs(slope) > kMaxSlope + kVoteReach * kSlopeStep) continue;
       const double bend = above[column] - 2.0 * y[column] + below[column];
@@ -113,7 +114,7 @@ std::vector<HoughLine> hough_lines(const Photograph& photograph, const Occlusion
       votes.add(column, row + part, slope, std::min(1.0F, y[column] / (2.0F * edge)));
     }
   }
-  return votes.best(most, coarse_scale(photograph.light.size()));
+  return votes.best(max_lines, hough_scale(photograph.intensity.size()));
 }
 
 }  // namespace strobe::digitize

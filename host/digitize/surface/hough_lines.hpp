@@ -1,5 +1,5 @@
-// Where straight edges with light below them run across a photograph: a Hough transform over edges that vote
-// in their own direction only (O'Gorman and Clowes 1976). Deterministic; thread-safe; allocates.
+// Straight edges across a photograph, brighter below: a Hough transform in which edge points vote for lines
+// along their own direction only (O'Gorman and Clowes 1976). Deterministic; thread-safe; allocates.
 #pragma once
 
 #include <algorithm>
@@ -14,13 +14,13 @@ namespace strobe::digitize {
 struct HoughLine {
   double row_px = 0.0;
   double slope = 0.0;
-  double votes = 0.0;  ///< share of the width whose edges vote for it
+  double votes = 0.0;  ///< over the photograph's width
 };
 
-/// What of a photograph is hidden, on a coarser grid.
+/// The parts of a photograph that balls cover.
 struct OcclusionMask {
-  cv::Mat mask;        ///< CV_8UC1, non-zero: hidden; empty: nothing is
-  double scale = 1.0;  ///< photograph px per px of it
+  cv::Mat mask;        ///< CV_8UC1, non-zero: covered; empty: none is
+  double scale = 1.0;  ///< photograph px per mask px
 
   bool at(int column, int row) const {
     return !mask.empty() && mask.at<uchar>(std::min(static_cast<int>(row / scale), mask.rows - 1),
@@ -28,11 +28,10 @@ struct OcclusionMask {
   }
 };
 
-/// The size and scale at which lines are searched.
+/// Size of the downsampled picture in which lines are searched.
 cv::Size hough_image_size(cv::Size photograph);
 
-/// The most voted first, at most `most`. `hidden`: of hough_image_size(), or empty; no edge there
-/// counts.
+/// Most votes first. `occluded`: of hough_image_size(), or empty; edge points there do not vote.
 std::vector<HoughLine> hough_lines(const Photograph& photograph, const OcclusionMask& hidden,
                                    std::size_t most);
 

@@ -29,59 +29,59 @@ constexpr double kAsClear = 0.05;
 constexpr double kMaxReach = 3.0;  ///< of the half length seen
 // The fastest shots press a ball together until its centre is .3 of its radius above the surface.
 constexpr double kLowestOfRadius = 0.15;
-constexpr double kCoveredRadii = 1.08;
+constexpr double kOccludedRadii = 1.08;
 // What of an outline is seen so far below a line, in radii and px, is not just pressed flat there.
 constexpr double kBelowOfRadius = 0.06;
 constexpr double kBelow_px = 4.0;
-constexpr double kMaxTurnsBelow = 0.5;
+constexpr double kMaxCirclesBelow = 0.5;
 
-/// Where balls cover the edge.
-OcclusionMask covered(const Photograph& photograph, const PlaneMap& map, std::span<const Outline> outlines) {
-  OcclusionMask hidden;
-  hidden.mask = cv::Mat::zeros(hough_image_size(photograph.light.size()), CV_8UC1);
-  hidden.scale = static_cast<double>(photograph.width()) / hidden.mask.cols;
+/// Where balls cover the plate's edge.
+OcclusionMask occlusion_of(const Photograph& photograph, const PlaneMap& map,
+                           std::span<const Outline> outlines) {
+  OcclusionMask occluded;
+  occluded.mask = cv::Mat::zeros(hough_image_size(photograph.intensity.size()), CV_8UC1);
+  occluded.scale = static_cast<double>(photograph.width()) / occluded.mask.cols;
   for (const Outline& o : outlines) {
     const cv::Point2d centre = map.to_image(o.centre);
     const cv::Point2d side = map.to_image(o.centre + cv::Point2d(0.5 * o.diameter, 0.0));
-    const double radius = kCoveredRadii * cv::norm(side - centre);
+    const double radius = kOccludedRadii * cv::norm(side - centre);
     if (!(std::abs(centre.x) < 1e6 && std::abs(centre.y) < 1e6 && radius < 1e5)) continue;
-    const auto coarse = [&](double at) { return cvRound((at + 0.5) / hidden.scale - 0.5); };
-    cv::circle(hidden.mask, cv::Point(coarse(centre.x), coarse(centre.y)),
-               static_cast<int>(std::ceil(radius / hidden.scale)), cv::Scalar(255), -1);
+    const auto coarse = [&](double at) { return cvRound((at + 0.5) / occluded.scale - 0.5); };
+    cv::circle(occluded.mask, cv::Point(coarse(centre.x), coarse(centre.y)),
+               static_cast<int>(std::ceil(radius / occluded.scale)), cv::Scalar(255), -1);
   }
-  return hidden;
+  return occluded;
 }
 
-/// No ball is pressed together by more than a ball can be.
+/// Whether no ball would be compressed by more than a ball can be.
 bool below_balls(const EdgeLine& edge, std::span<const Outline> outlines) {
   return std::all_of(outlines.begin(), outlines.end(), [&](const Outline& o) {
     return o.centre.y - edge.at(o.centre.x) > kLowestOfRadius * 0.5 * o.diameter;
   });
 }
 
-/// How much of the outlines is seen below the line, in whole turns: nothing of a ball that the surface
-/// presses flat, but much of balls in front of a line above the surface, through the tops of two clamps for
-/// instance.
-double turns_below(const EdgeLine& edge, std::span<const Outline> outlines) {
+/// How much of the outlines is visible below the line, in whole circles: nothing of a ball that the surface
+/// flattens, but much of balls in front of a line above the surface, such as through the tops of two clamps.
+double circles_below(const EdgeLine& edge, std::span<const Outline> outlines) {
   constexpr int kSteps = 180;
-  double turns = 0.0;
+  double circles = 0.0;
   for (const Outline& o : outlines) {
     const double radius = 0.5 * o.diameter;
     const double allowed = std::max(kBelowOfRadius * radius, kBelow_px);
-    for (const Arc& arc : o.seen) {
+    for (const Arc& arc : o.visible_arcs) {
       const int steps = std::max(1, cvRound(arc.extent_rad / (2.0 * std::numbers::pi) * kSteps));
       for (int k = 0; k < steps; ++k) {
         const double angle = arc.from_rad + (k + 0.5) / steps * arc.extent_rad;
         const cv::Point2d at = o.centre + radius * cv::Point2d(std::cos(angle), std::sin(angle));
-        if (edge.at(at.x) - at.y > allowed) turns += 1.0 / kSteps;
+        if (edge.at(at.x) - at.y > allowed) circles += 1.0 / kSteps;
       }
     }
   }
-  return turns;
+  return circles;
 }
 
 bool possible(const EdgeLine& edge, std::span<const Outline> outlines) {
-  return below_balls(edge, outlines) && turns_below(edge, outlines) <= kMaxTurnsBelow;
+  return below_balls(edge, outlines) && circles_below(edge, outlines) <= kMaxCirclesBelow;
 }
 
 /// Height of the lowest centre over the line, in radii.
@@ -95,7 +95,7 @@ double lowest(const EdgeLine& edge, std::span<const Outline> outlines) {
 /// Long, clear and just below the lowest ball.
 double quality(const EdgeLine& edge, std::span<const Outline> outlines) {
   double value = edge.visible_fraction * std::min(1.0, edge.contrast / 0.05);
-  value /= 1.0 + 10.0 * turns_below(edge, outlines);
+  value /= 1.0 + 10.0 * circles_below(edge, outlines);
   if (!outlines.empty()) value /= 1.0 + 0.1 * std::max(0.0, lowest(edge, outlines) - 1.0);
   return value;
 }
@@ -112,12 +112,12 @@ const EdgeLine* other_edge(const EdgeLine& edge, std::span<const EdgeLine> edges
     const double ends = std::abs(e.slope - edge.slope) * edge.half_span;
     if (ends > kParallel * apart || e.half_span < kAsLong * edge.half_span) continue;
     if (e.contrast < kAsClear * edge.contrast) continue;
-    if (other == nullptr || e.seen_px > other->seen_px) other = &e;
+    if (other == nullptr || e.visible_px > other->visible_px) other = &e;
   }
   return other;
 }
 
-/// Half-way between the two, as uncertain as any place between them is likely.
+/// Half-way between the two, with the variance of a uniform distribution between them.
 EdgeLine between(const EdgeLine& a, const EdgeLine& b) {
   EdgeLine line = a;
   const double apart = std::abs(b.at(a.middle.x) - a.middle.y);
@@ -128,8 +128,8 @@ EdgeLine between(const EdgeLine& a, const EdgeLine& b) {
   return line;
 }
 
-/// Four points with the line's own height and slope as their mean and trend: with an independent error of
-/// sd_px each they are as uncertain as the line.
+/// Four points on the line that, with an independent error of sd_px each, have its uncertainty of height and
+/// slope.
 SurfaceLine four_points(const EdgeLine& edge) {
   SurfaceLine line;
   const double reach = edge.sd_px / std::max(edge.slope_sd, 1e-12) * std::sqrt(1.8);
@@ -146,12 +146,12 @@ SurfaceLine four_points(const EdgeLine& edge) {
 
 Measured<SurfaceLine> find_surface_line(const Photograph& photograph, const PlaneMap& map,
                                         std::span<const Outline> outlines) {
-  const OcclusionMask hidden = covered(photograph, map, outlines);
-  const std::vector<HoughLine> rough = hough_lines(photograph, hidden, kMaxLines);
+  const OcclusionMask occluded = occlusion_of(photograph, map, outlines);
+  const std::vector<HoughLine> rough = hough_lines(photograph, occluded, kMaxLines);
   std::vector<std::optional<EdgeLine>> measured(rough.size());
   cv::parallel_for_(cv::Range(0, static_cast<int>(rough.size())), [&](const cv::Range& range) {
     for (auto i = static_cast<std::size_t>(range.start); i < static_cast<std::size_t>(range.end); ++i)
-      measured[i] = fit_edge_line(photograph, map, hidden, rough[i]);
+      measured[i] = fit_edge_line(photograph, map, occluded, rough[i]);
   });
   std::vector<EdgeLine> edges;
   double longest = 0.0;
@@ -179,7 +179,7 @@ Measured<SurfaceLine> find_surface_line(const Photograph& photograph, const Plan
   const EdgeLine* other = other_edge(*best, edges, outlines);
   if (other == nullptr) return four_points(*best);
   const EdgeLine middle = between(*best, *other);
-  // The top of a clamp beside the plate: balls reach below what would be half-way.
+  // The other edge is a clamp's above the plate if balls reach below the middle.
   if (!possible(middle, outlines)) return four_points(*best);
   SurfaceLine line = four_points(middle);
   line.edge_separation_px = std::abs(other->at(best->middle.x) - best->middle.y);

@@ -1,4 +1,4 @@
-// The line of the surface on the photograph, found from the plate that every flash lit. Deterministic;
+// The surface's line on the photograph, from the edge of the plate that every flash lit. Deterministic;
 // thread-safe; allocates.
 #pragma once
 
@@ -15,13 +15,13 @@ namespace strobe::digitize {
 struct SurfaceLine {
   std::vector<cv::Point2d> points;  ///< plane px, left to right, at least 2
   double sd_px = 0.0;               ///< of each coordinate of a point
-  /// More than 0: a plate seen from above shows a back and a front edge, so far apart. The balls' plane cuts
-  /// its top somewhere between; the line lies half-way, and the doubt is in sd_px.
+  /// Distance of the front and back edges of a plate seen from above, else 0. The balls' plane cuts the plate
+  /// somewhere between: the line lies half-way, and sd_px covers both.
   double edge_separation_px = 0.0;
 };
 
-/// `outlines`: the round images found so far, none of which lies below the surface; parts of the line that
-/// they cover are left out. Rejection: no_plate, line_ambiguous, imprecise.
+/// `outlines`: the ball's images, none of which lies below the surface; parts of the line that they cover are
+/// not used. Rejections: no_plate, imprecise.
 Measured<SurfaceLine> find_surface_line(const Photograph& photograph, const PlaneMap& map,
                                         std::span<const Outline> outlines);
 

@@ -67,7 +67,7 @@ TEST(Calibration, KeepsThePhotographsAxesAtItsCentre) {
   for (const double roll : {0.02, 1.6, 3.1}) {  // whichever way the board was held
     const auto view = testing::view(pinhole, testing::pose(board, 1.2, {0.0, 0.0, roll}), board, 0.0, random);
     const auto map = camera::calibrate({&view, 1}, settings)->map();
-    const cv::Matx22d d = map.derivative({319.5, 239.5});
+    const cv::Matx22d d = map.jacobian({319.5, 239.5});
     DOUBLES_EQUAL(1.0, d(0, 0), 1e-6);
     DOUBLES_EQUAL(0.0, d(0, 1), 1e-6);
     DOUBLES_EQUAL(0.0, d(1, 0), 1e-6);
@@ -140,7 +140,7 @@ TEST(Calibration, StatesTheScalesErrorTruly) {
         const cv::Point2d dx = board_at(at + cv::Point2d(0.01, 0)) - board_at(at - cv::Point2d(0.01, 0));
         const cv::Point2d dy = board_at(at + cv::Point2d(0, 0.01)) - board_at(at - cv::Point2d(0, 0.01));
         const double true_area = std::abs(dx.cross(dy)) / 4e-4;
-        const double px_area = std::abs(cv::determinant(map.derivative(at)));
+        const double px_area = std::abs(cv::determinant(map.jacobian(at)));
         const double share = 0.5 * std::log(px_area / (true_area * found->px_per_m * found->px_per_m));
         sum += share * share / std::pow(found->scale_errors.points, 2.0);
         ++n;
@@ -180,7 +180,7 @@ TEST_GROUP(Board) {
   double rms_of(const BoardPattern& pattern, const Pose& pose) {
     digitize::Photograph photograph;
     photograph.name = "board.png";
-    photograph.light = testing::photograph(pinhole, pose, pattern, 0.01, random);
+    photograph.intensity = testing::photograph(pinhole, pose, pattern, 0.01, random);
     const auto seen = camera::find_board(photograph, pattern);
     CHECK_TRUE_TEXT(seen.has_value(), seen ? "" : seen.error().message.c_str());
     // The board may be read from any of its corners: the map from it to the truth's points is what counts.
@@ -210,7 +210,7 @@ TEST(Board, StaggeredDiscsAreFoundToPartsOfAPixel) {
 TEST(Board, ThatIsNotThereIsSaidSo) {
   digitize::Photograph photograph;
   photograph.name = "empty.png";
-  photograph.light = cv::Mat(120, 160, CV_32FC1, cv::Scalar(0.5));
+  photograph.intensity = cv::Mat(120, 160, CV_32FC1, cv::Scalar(0.5));
   STRCMP_CONTAINS("empty.png: no chessboard 9 x 6, 20 mm is seen as a whole",
                   camera::find_board(photograph, {}).error().message.c_str());
 }

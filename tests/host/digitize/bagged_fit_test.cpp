@@ -49,7 +49,7 @@ TEST(OutlineCuts, MeasureOverexposedPairsTruly) {
   int count = 0;
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     const Painting painting = bright_pair(seed);
-    const PlaneMap map = PlaneMap::plain(painting.height);
+    const PlaneMap map = PlaneMap::uncalibrated(painting.height);
     std::vector<Candidate> candidates;
     for (const auto& ball : painting.balls)
       candidates.push_back({ball.centre + cv::Point2d(0.8, -0.7), kCut_px / 2 + 1, 0.8});
@@ -77,7 +77,7 @@ TEST(OutlineCuts, MeasureOverexposedPairsTruly) {
 TEST(OutlineCuts, CountHowFarTheyDisagree) {
   const Painting painting = bright_pair(3);
   const auto photograph = paint(painting);
-  const PlaneMap map = PlaneMap::plain(painting.height);
+  const PlaneMap map = PlaneMap::uncalibrated(painting.height);
   const cv::Point2d centre = painting.balls[0].centre;
   const LocalFrame frame(map, centre, kCut_px);
   const OutlineShape start = start_of(frame, map, centre);
@@ -95,7 +95,7 @@ TEST(OutlineCuts, CountHowFarTheyDisagree) {
 TEST(OutlineCuts, FindNothingWhereThereIsNoEdge) {
   Painting painting = bright_pair(1);
   painting.balls.clear();
-  const PlaneMap map = PlaneMap::plain(painting.height);
+  const PlaneMap map = PlaneMap::uncalibrated(painting.height);
   const cv::Point2d centre(120.0, 90.0);
   const LocalFrame frame(map, centre, kCut_px);
   CHECK_FALSE(fit_outline_bagged(paint(painting), frame, start_of(frame, map, centre), 1.2, {}, {}));

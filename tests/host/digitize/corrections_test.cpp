@@ -31,7 +31,7 @@ std::vector<Correction> parsed(const std::string& text) {
 DigitizeSettings settings() {
   DigitizeSettings made;
   made.px_per_m = kPxPerM;
-  made.map = PlaneMap::plain(kHeight_px);
+  made.map = PlaneMap::uncalibrated(kHeight_px);
   std::vector<double> times_s;
   for (int i = 0; i < 40; ++i) times_s.push_back(i * kPeriod_s);
   made.flash_times_s = times_s;
@@ -105,14 +105,14 @@ TEST(CorrectionsFile, HoldsWhatIsToBeAddedMovedAndRemoved) {
   LONGS_EQUAL(3, read.size());
   CHECK(read[0].kind == Correction::Kind::remove);
   DOUBLES_EQUAL(2.0, read[0].at.point.y, 0.0);
-  CHECK(!read[0].at.of_photograph);
-  STRCMP_EQUAL("fix.toml:6", read[0].place.c_str());
+  CHECK(!read[0].at.in_image);
+  STRCMP_EQUAL("fix.toml:6", read[0].location.c_str());
   CHECK(read[1].kind == Correction::Kind::move);
-  CHECK(read[1].at.of_photograph);
+  CHECK(read[1].at.in_image);
   DOUBLES_EQUAL(std::numbers::pi / 2, read[1].measured.equator_rad.value(), 1e-15);
   DOUBLES_EQUAL(std::numbers::pi / 90, read[1].measured.equator_sd_rad.value(), 1e-15);
   CHECK(read[2].kind == Correction::Kind::add);
-  CHECK(read[2].measured.centre->of_photograph);
+  CHECK(read[2].measured.centre->in_image);
   CHECK(read[2].measured.leg == Leg::contact);
   DOUBLES_EQUAL(9.0, read[2].measured.top->point.y, 0.0);
 }

@@ -82,7 +82,7 @@ digitize::PlaneMap bent_map() {
 
 /// The photograph as that camera would have taken it.
 digitize::Photograph taken_through(const digitize::PlaneMap& map, const digitize::Photograph& straight) {
-  cv::Mat from(straight.light.size(), CV_32FC2);
+  cv::Mat from(straight.intensity.size(), CV_32FC2);
   for (int row = 0; row < from.rows; ++row) {
     for (int column = 0; column < from.cols; ++column) {
       const cv::Point2d plane = map.to_plane({static_cast<double>(column), static_cast<double>(row)});
@@ -91,8 +91,9 @@ digitize::Photograph taken_through(const digitize::PlaneMap& map, const digitize
     }
   }
   digitize::Photograph photograph = straight;
-  photograph.light = cv::Mat();
-  cv::remap(straight.light, photograph.light, from, cv::Mat(), cv::INTER_LANCZOS4, cv::BORDER_REPLICATE);
+  photograph.intensity = cv::Mat();
+  cv::remap(straight.intensity, photograph.intensity, from, cv::Mat(), cv::INTER_LANCZOS4,
+            cv::BORDER_REPLICATE);
   return photograph;
 }
 

@@ -66,7 +66,7 @@ TEST_GROUP(Equators) {
       outline.blur_px = painting.blur_px;
       outlines.push_back(outline);
     }
-    return measure_equators(photograph, PlaneMap::plain(painting.height), outlines, effort);
+    return measure_equators(photograph, PlaneMap::uncalibrated(painting.height), outlines, effort);
   }
 
   /// All found and within the limit, and the stated sd is not far below the error either.

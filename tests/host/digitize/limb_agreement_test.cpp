@@ -42,7 +42,7 @@ Outline outline_at(cv::Point2d image_px) {
 
 std::vector<LimbAgreement> looked_at(const painter::Painting& painting, const std::vector<Outline>& outlines,
                                      const std::optional<SurfaceLine>& surface = std::nullopt) {
-  return compare_limbs(painter::paint(painting), PlaneMap::plain(kHeight), outlines, surface);
+  return compare_limbs(painter::paint(painting), PlaneMap::uncalibrated(kHeight), outlines, surface);
 }
 
 }  // namespace
@@ -56,8 +56,8 @@ TEST(LimbAgreement, TellsBallsFromACircleHalfWayBetweenTwo) {
     for (const auto& ball : painting.balls) outlines.push_back(outline_at(ball.centre));
     outlines.push_back(outline_at(0.5 * (painting.balls[2].centre + painting.balls[3].centre)));
     const auto limbs = looked_at(painting, outlines);
-    for (std::size_t i = 0; i + 1 < outlines.size(); ++i) CHECK_TRUE(limbs[i].share > 0.6);
-    CHECK_TRUE(limbs.back().share < 0.5);
+    for (std::size_t i = 0; i + 1 < outlines.size(); ++i) CHECK_TRUE(limbs[i].agreement > 0.6);
+    CHECK_TRUE(limbs.back().agreement < 0.5);
   }
 }
 
@@ -67,7 +67,7 @@ TEST(LimbAgreement, MindsNeitherALampThatFailsNorAFlashThatIsWeak) {
   painting.balls[3].light *= 0.5;
   std::vector<Outline> outlines;
   for (const auto& ball : painting.balls) outlines.push_back(outline_at(ball.centre));
-  for (const LimbAgreement& limb : looked_at(painting, outlines)) CHECK_TRUE(limb.share > 0.6);
+  for (const LimbAgreement& limb : looked_at(painting, outlines)) CHECK_TRUE(limb.agreement > 0.6);
 }
 
 TEST(LimbAgreement, SaysHowLittleCanBeTold) {
@@ -76,8 +76,8 @@ TEST(LimbAgreement, SaysHowLittleCanBeTold) {
   for (const auto& ball : painting.balls) outlines.push_back(outline_at(ball.centre));
   outlines.push_back(outline_at({5.0, 290.0}));  // a quarter is on the photograph
   const auto limbs = looked_at(painting, outlines);
-  CHECK_TRUE(limbs[2].told < 0.9);
-  CHECK_TRUE(limbs.back().told < 0.45);
+  CHECK_TRUE(limbs[2].observed < 0.9);
+  CHECK_TRUE(limbs.back().observed < 0.45);
 }
 
 TEST(LimbAgreement, LeavesOutWhatLiesBelowTheSurface) {
@@ -88,8 +88,8 @@ TEST(LimbAgreement, LeavesOutWhatLiesBelowTheSurface) {
   surface.points = {{0.0, outlines[0].centre.y}, {560.0, outlines[0].centre.y}};
   const auto limbs = looked_at(painting, outlines, surface);
   // A half, but for the directions on the line itself.
-  DOUBLES_EQUAL(0.5, limbs[0].told, 0.06);
-  CHECK_TRUE(limbs[3].told > 0.75);  // 36 px higher: little of it lies below
+  DOUBLES_EQUAL(0.5, limbs[0].observed, 0.06);
+  CHECK_TRUE(limbs[3].observed > 0.75);  // 36 px higher: little of it lies below
 }
 
 TEST(LimbAgreement, OfNothingIsNothing) { LONGS_EQUAL(0, looked_at(row_of_balls(1, 0, 0.2), {}).size()); }

@@ -61,7 +61,7 @@ TEST(Outlines, FindOverlappingBallsOfAnyLookToATenthOfAPixelAndSayHowWell) {
   int count = 0;
   for (std::uint64_t seed = 1; seed <= 8; ++seed) {
     const Painting painting = chain(seed);
-    const PlaneMap map = PlaneMap::plain(painting.height);
+    const PlaneMap map = PlaneMap::uncalibrated(painting.height);
     const auto outlines = fit_outlines(paint(painting), map, near_them(painting), settings());
     for (std::size_t i = 0; i < outlines.size(); ++i) {
       CHECK_TRUE(outlines[i].has_value());
@@ -88,7 +88,7 @@ TEST(Outlines, AreNotInventedWhereThereIsNone) {
   painting.balls.clear();
   const std::vector<Candidate> candidates{{{150, 120}, 80, 0.3}};
   const auto outlines =
-      fit_outlines(paint(painting), PlaneMap::plain(painting.height), candidates, settings());
+      fit_outlines(paint(painting), PlaneMap::uncalibrated(painting.height), candidates, settings());
   CHECK_FALSE(outlines[0].has_value());
   LONGS_EQUAL(static_cast<int>(Reason::few_edges), static_cast<int>(outlines[0].error().reason));
 }
@@ -100,7 +100,7 @@ TEST(Outlines, OfTwoCandidatesForOneBallKeepOne) {
   candidates.push_back(candidates[0]);
   candidates[1].centre_image += cv::Point2d(2, 2);
   const auto outlines =
-      fit_outlines(paint(painting), PlaneMap::plain(painting.height), candidates, settings());
+      fit_outlines(paint(painting), PlaneMap::uncalibrated(painting.height), candidates, settings());
   LONGS_EQUAL(1, (outlines[0].has_value() ? 1 : 0) + (outlines[1].has_value() ? 1 : 0));
 }
 
@@ -108,7 +108,7 @@ TEST(Outlines, OfABallCutOffByTheBorderAreFittedToWhatIsThere) {
   Painting painting = chain(3);
   painting.balls.resize(1);
   painting.balls[0].centre.x = 20.0;
-  const PlaneMap map = PlaneMap::plain(painting.height);
+  const PlaneMap map = PlaneMap::uncalibrated(painting.height);
   const auto outlines = fit_outlines(paint(painting), map, near_them(painting), settings(Effort::fast));
   CHECK_TRUE(outlines[0].has_value());
   const double off = cv::norm(outlines[0]->centre - map.to_plane(painting.balls[0].centre));
@@ -125,7 +125,7 @@ TEST(Outlines, OfBallsThatOneLampLightsAreNotDrawnToTheirShadows) {
     ball.lamps = {{{-1.0, 0.2 * static_cast<double>(seed), 0.5}, 1.0}};
     ball.ambient = 0.0;
     ball.light = 0.4;
-    const PlaneMap map = PlaneMap::plain(painting.height);
+    const PlaneMap map = PlaneMap::uncalibrated(painting.height);
     const auto outlines = fit_outlines(paint(painting), map, near_them(painting), settings());
     CHECK_TRUE(outlines[0].has_value());
     const cv::Point2d off = outlines[0]->centre - map.to_plane(ball.centre);

@@ -18,9 +18,9 @@ constexpr int kHeight = 240;
 
 Photograph grey_photograph() {
   Photograph photograph;
-  photograph.light = cv::Mat(kHeight, kWidth, CV_32FC1);
+  photograph.intensity = cv::Mat(kHeight, kWidth, CV_32FC1);
   for (int row = 0; row < kHeight; ++row)
-    photograph.light.row(row).setTo(0.1F + 0.001F * static_cast<float>(row));
+    photograph.intensity.row(row).setTo(0.1F + 0.001F * static_cast<float>(row));
   photograph.name = "grey.png";
   return photograph;
 }
@@ -60,7 +60,7 @@ Digitization two_images() {
 
 }  // namespace
 
-TEST_GROUP(Overlay) { const PlaneMap map = PlaneMap::plain(kHeight); };
+TEST_GROUP(Overlay) { const PlaneMap map = PlaneMap::uncalibrated(kHeight); };
 
 TEST(Overlay, HasThePhotographsSizeAndLeavesItGreyWhereNothingWasFound) {
   const cv::Mat picture = draw_overlay(grey_photograph(), map, {});
@@ -105,7 +105,7 @@ TEST(Overlay, IsDrawnOfAFrameWithPlacesFarOutsideAndOfADarkPhotograph) {
   digitization.frame.images[0].centre_px = {1e11, -1e11};
   digitization.frame.surface_px = {{-1e11, 60.0}, {1e11, 60.0}};
   Photograph dark = grey_photograph();
-  dark.light.setTo(0.0F);
+  dark.intensity.setTo(0.0F);
   LONGS_EQUAL(kWidth, draw_overlay(dark, map, digitization).cols);
 }
 

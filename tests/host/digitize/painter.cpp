@@ -195,7 +195,7 @@ digitize::Photograph paint(const Painting& painting) {
   }
   expose(light, painting);
   digitize::Photograph photograph;
-  light.convertTo(photograph.light, CV_32F);
+  light.convertTo(photograph.intensity, CV_32F);
   photograph.bits = painting.bits == 8 ? 8 : 16;
   photograph.saturation = painting.bits == 12 ? 4095.0F / 65535.0F : 1.0F;
   photograph.name = "painted";

@@ -37,7 +37,7 @@ TEST_GROUP(Painter){};
 TEST(Painter, PutsADiscOfTheDiameterWhereItsCentreIs) {
   const Painting painting = evenly_lit_disc();
   const auto photograph = paint(painting);
-  cv::Mat above = photograph.light - 0.06;
+  cv::Mat above = photograph.intensity - 0.06;
   const double total = cv::sum(above)[0];
   double x = 0.0, y = 0.0;
   for (int row = 0; row < above.rows; ++row)
@@ -59,9 +59,9 @@ TEST(Painter, AddsTheLightOfImagesThatOverlap) {
   painting.balls.push_back(painting.balls.front());
   painting.balls.back().centre.x += 40;
   const auto photograph = paint(painting);
-  DOUBLES_EQUAL(0.06, photograph.light.at<float>(10, 10), 1e-4);
-  DOUBLES_EQUAL(0.4 + 0.06 - 0.06 / 30, photograph.light.at<float>(72, 75), 1e-4);
-  DOUBLES_EQUAL(0.8 + 0.06 - 2 * 0.06 / 30, photograph.light.at<float>(72, 117), 1e-4);
+  DOUBLES_EQUAL(0.06, photograph.intensity.at<float>(10, 10), 1e-4);
+  DOUBLES_EQUAL(0.4 + 0.06 - 0.06 / 30, photograph.intensity.at<float>(72, 75), 1e-4);
+  DOUBLES_EQUAL(0.8 + 0.06 - 2 * 0.06 / 30, photograph.intensity.at<float>(72, 117), 1e-4);
 }
 
 TEST(Painter, RepeatsAPictureByItsSeed) {
@@ -70,7 +70,7 @@ TEST(Painter, RepeatsAPictureByItsSeed) {
   std::mt19937_64 random(3);
   painting.balls = {strobe::testing::random_ball(random, {100, 80}, 90)};
   const auto first = paint(painting), again = paint(painting);
-  DOUBLES_EQUAL(0.0, cv::norm(first.light, again.light, cv::NORM_INF), 0.0);
+  DOUBLES_EQUAL(0.0, cv::norm(first.intensity, again.intensity, cv::NORM_INF), 0.0);
   painting.seed = 2;
-  CHECK(cv::norm(first.light, paint(painting).light, cv::NORM_INF) > 0.01);
+  CHECK(cv::norm(first.intensity, paint(painting).intensity, cv::NORM_INF) > 0.01);
 }

@@ -4,7 +4,7 @@
 #include <random>
 #include <vector>
 
-#include "host/digitize/image_order.hpp"
+#include "host/digitize/path/image_order.hpp"
 #include "host/digitize/path/path.hpp"
 #include "host/digitize/path/time_order.hpp"
 
@@ -101,7 +101,7 @@ void check_order(const Shot& shot, const TimeContext& s, bool contacts = true) {
   std::vector<int> order;
   const auto points = shuffled(images, order, 7);
   const Path path = find_path(points, s.path);
-  LONGS_EQUAL(0, path.left.size());
+  LONGS_EQUAL(0, path.outliers.size());
   const TimeOrder result = order_in_time(points, path, s);
   LONGS_EQUAL(images.size(), result.sequence.size());
   for (std::size_t k = 0; k < images.size(); ++k) {
@@ -145,9 +145,9 @@ TEST(BallPath, LeavesOutWhatIsNotOnIt) {
   std::vector<int> order;
   const auto points = shuffled(images, order, 3);
   const Path path = find_path(points, scene(true).path);
-  LONGS_EQUAL(3, path.left.size());
-  for (const auto& left : path.left)
-    CHECK_TRUE(order[static_cast<std::size_t>(left.index)] >= static_cast<int>(own));
+  LONGS_EQUAL(3, path.outliers.size());
+  for (const auto& outlier : path.outliers)
+    CHECK_TRUE(order[static_cast<std::size_t>(outlier.index)] >= static_cast<int>(own));
 }
 
 TEST(BallPath, TakesTheTimesOfItsFlashesWithOneMissing) {
@@ -200,5 +200,5 @@ TEST(BallPath, OfTwoFlightsOverEachOtherGetsNoTimes) {
 
 TEST(BallPath, OfNothingIsEmpty) {
   const Path path = find_path({}, scene(true).path);
-  CHECK_TRUE(path.legs[0].empty() && path.contact.empty() && path.left.empty());
+  CHECK_TRUE(path.legs[0].empty() && path.contact.empty() && path.outliers.empty());
 }

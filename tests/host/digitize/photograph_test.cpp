@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "host/digitize/image/image_header.hpp"
-#include "host/digitize/image/saturation.hpp"
 
 #include <CppUTest/TestHarness.h>
 
@@ -81,7 +80,7 @@ TEST(Photograph, LightIsProportionalToTheFilesNumbersWhateverTheFormat) {
       cv::Mat expected;
       pixels.convertTo(expected, CV_32F, 1.0 / top);
       // Single precision's rounding of numbers up to one.
-      CHECK_TRUE(cv::norm(photograph->light, expected, cv::NORM_INF) <= 1.2e-7);
+      CHECK_TRUE(cv::norm(photograph->intensity, expected, cv::NORM_INF) <= 1.2e-7);
     }
   }
 }
@@ -91,7 +90,7 @@ TEST(Photograph, APixelAtTheTopOfTheFileCountsAsSaturated) {
     const cv::Mat pixels(20, 20, depth, cv::Scalar(depth == CV_8U ? 255 : 65535));
     const auto photograph = decode_photograph(encoded(pixels, ".png"), "a");
     CHECK_TRUE(photograph.has_value());
-    CHECK_TRUE(photograph->light.at<float>(3, 3) >= photograph->saturation);
+    CHECK_TRUE(photograph->intensity.at<float>(3, 3) >= photograph->saturation);
   }
 }
 
@@ -100,7 +99,7 @@ TEST(Photograph, ColoursBecomeTheirLuminance) {
   const auto photograph = decode_photograph(encoded(pixels, ".png"), "a");
   CHECK_TRUE(photograph.has_value());
   // ITU-R BT.601, to a whole number of the file.
-  DOUBLES_EQUAL(0.114 * 40 + 0.587 * 80 + 0.299 * 160, 255.0 * photograph->light.at<float>(5, 5), 0.51);
+  DOUBLES_EQUAL(0.114 * 40 + 0.587 * 80 + 0.299 * 160, 255.0 * photograph->intensity.at<float>(5, 5), 0.51);
 }
 
 TEST(Photograph, OneBitIsBlackAndWhite) {
@@ -109,8 +108,8 @@ TEST(Photograph, OneBitIsBlackAndWhite) {
   const auto photograph = decode_photograph(encoded(pixels, ".png", {cv::IMWRITE_PNG_BILEVEL, 1}), "a");
   CHECK_TRUE(photograph.has_value());
   CHECK_EQUAL(1, photograph->bits);
-  DOUBLES_EQUAL(0.0, photograph->light.at<float>(8, 9), 0.0);
-  DOUBLES_EQUAL(1.0, photograph->light.at<float>(8, 10), 1e-6);
+  DOUBLES_EQUAL(0.0, photograph->intensity.at<float>(8, 9), 0.0);
+  DOUBLES_EQUAL(1.0, photograph->intensity.at<float>(8, 10), 1e-6);
 }
 
 TEST(Photograph, AFileThatEndsTooEarlySaysSo) {
@@ -177,7 +176,7 @@ TEST(Photograph, OfPlainTiffIsReadAsThePackedOne) {
     CHECK_FALSE(strobe::digitize::read_image_header(packed)->raw_offset.has_value());
     const auto a = decode_photograph(plain, "plain"), b = decode_photograph(packed, "packed");
     CHECK_TRUE(a.has_value() && b.has_value());
-    DOUBLES_EQUAL(0.0, cv::norm(a->light, b->light, cv::NORM_INF), 0.0);
+    DOUBLES_EQUAL(0.0, cv::norm(a->intensity, b->intensity, cv::NORM_INF), 0.0);
     DOUBLES_EQUAL(a->saturation, b->saturation, 0.0);
   }
 }
@@ -196,6 +195,6 @@ TEST(Photograph, OfPlainTiffWithZeroForWhiteIsTurnedAboutAndTheFileLeftAlone) {
   const Bytes before = bytes;
   const auto photograph = decode_photograph(bytes, "negative");
   CHECK_TRUE(photograph.has_value());
-  DOUBLES_EQUAL(1.0 - 5.0 / 255.0, photograph->light.at<float>(0, 5), 1e-6);
+  DOUBLES_EQUAL(1.0 - 5.0 / 255.0, photograph->intensity.at<float>(0, 5), 1e-6);
   CHECK_TRUE(bytes == before);
 }

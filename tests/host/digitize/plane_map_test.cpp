@@ -39,12 +39,12 @@ double clearance(const Viewpoint& eye, cv::Point2d ball, double radius, cv::Poin
 TEST_GROUP(PlaneMap){};
 
 TEST(PlaneMap, WithoutACalibrationTurnsRowsUpsideDown) {
-  const PlaneMap map = PlaneMap::plain(1840);
+  const PlaneMap map = PlaneMap::uncalibrated(1840);
   CHECK_TRUE(map.is_uncalibrated());
   const cv::Point2d p = map.to_plane({12.5, 1839.0});
   DOUBLES_EQUAL(12.5, p.x, 0);
   DOUBLES_EQUAL(0.0, p.y, 0);
-  DOUBLES_EQUAL(-1.0, map.derivative({3, 4})(1, 1), 0);
+  DOUBLES_EQUAL(-1.0, map.jacobian({3, 4})(1, 1), 0);
   const EllipsePx circle = map.outline({100, 200}, 50.0);
   DOUBLES_EQUAL(25.0, circle.along, 0);
   DOUBLES_EQUAL(25.0, circle.across, 0);
@@ -52,7 +52,7 @@ TEST(PlaneMap, WithoutACalibrationTurnsRowsUpsideDown) {
 
 TEST(PlaneMap, LeadsBackToWhereItCameFrom) {
   // Rounding: some 1e-16 of 3000 px, a few operations; Newton's iteration ends below 1e-13 focal lengths.
-  for (const PlaneMap& map : {PlaneMap::plain(1840), bent_and_tilted()}) {
+  for (const PlaneMap& map : {PlaneMap::uncalibrated(1840), bent_and_tilted()}) {
     for (const cv::Point2d& p : places()) CHECK_TRUE(cv::norm(map.to_image(map.to_plane(p)) - p) < 1e-8);
   }
 }
@@ -62,7 +62,7 @@ TEST(PlaneMap, KnowsItsSlope) {
   // Central differences over h: the third derivative, some 1e-6 per px², times h²/6, and rounding 1e-9/h.
   constexpr double h = 0.01;
   for (const cv::Point2d& p : places()) {
-    const cv::Matx22d slope = map.derivative(p);
+    const cv::Matx22d slope = map.jacobian(p);
     const cv::Point2d along = (map.to_plane({p.x + h, p.y}) - map.to_plane({p.x - h, p.y})) * (0.5 / h);
     const cv::Point2d down = (map.to_plane({p.x, p.y + h}) - map.to_plane({p.x, p.y - h})) * (0.5 / h);
     DOUBLES_EQUAL(along.x, slope(0, 0), 1e-6);

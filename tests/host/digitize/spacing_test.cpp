@@ -43,8 +43,8 @@ TEST(Crowding, FindsTheOneThatIsLessOfABall) {
   const auto found = too_close(row(330.0, 0.6));
   LONGS_EQUAL(1, found.size());
   LONGS_EQUAL(4, found[0].index);
-  LONGS_EQUAL(3, found[0].by);
-  DOUBLES_EQUAL(30.0 * std::sqrt(2.0), found[0].apart_px, 1e-9);
+  LONGS_EQUAL(3, found[0].neighbour);
+  DOUBLES_EQUAL(30.0 * std::sqrt(2.0), found[0].distance_px, 1e-9);
 }
 
 TEST(Crowding, LeavesUnequalStepsOfAsGoodImages) { LONGS_EQUAL(0, too_close(row(330.0, 0.93)).size()); }

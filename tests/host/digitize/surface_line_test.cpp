@@ -19,7 +19,7 @@ constexpr int kWidth = 600, kHeight = 300;
 /// asked.
 Photograph stepped(const std::vector<double>& rows, double slope = 0.0, double first = 1.0) {
   Photograph photograph;
-  photograph.light.create(kHeight, kWidth, CV_32FC1);
+  photograph.intensity.create(kHeight, kWidth, CV_32FC1);
   cv::RNG random(3);
   for (int y = 0; y < kHeight; ++y) {
     for (int x = 0; x < kWidth; ++x) {
@@ -29,7 +29,7 @@ Photograph stepped(const std::vector<double>& rows, double slope = 0.0, double f
         light += rise * std::erfc(-(y - row - slope * (x - 300)) / 1.5);
         rise = 0.1;
       }
-      photograph.light.at<float>(y, x) = static_cast<float>(light);
+      photograph.intensity.at<float>(y, x) = static_cast<float>(light);
     }
   }
   return photograph;
@@ -44,7 +44,7 @@ Outline ball_at(double x, double y) {
 
 Measured<SurfaceLine> found(const Photograph& photograph) {
   const std::vector<Outline> outlines{ball_at(150.0, 180.0), ball_at(300.0, 102.0), ball_at(420.0, 160.0)};
-  return find_surface_line(photograph, PlaneMap::plain(kHeight), outlines);
+  return find_surface_line(photograph, PlaneMap::uncalibrated(kHeight), outlines);
 }
 
 }  // namespace
@@ -80,8 +80,8 @@ TEST(SurfaceLine, OfAPlateIsNotDrawnToAFaintEdgeOfTheBackground) {
 TEST(SurfaceLine, IsNotDrawnToTheTopOfAClampThatBallsReachBelow) {
   // 44 px above the plate; half-way would cut a third of the lower ball off, all of which is seen.
   std::vector<Outline> balls{ball_at(200.0, 112.0), ball_at(400.0, 116.0)};
-  for (Outline& ball : balls) ball.seen = {{0.0, 2.0 * std::numbers::pi}};
-  const auto line = find_surface_line(stepped({176.3, 220.3}), PlaneMap::plain(kHeight), balls);
+  for (Outline& ball : balls) ball.visible_arcs = {{0.0, 2.0 * std::numbers::pi}};
+  const auto line = find_surface_line(stepped({176.3, 220.3}), PlaneMap::uncalibrated(kHeight), balls);
   CHECK_TRUE(line.has_value());
   DOUBLES_EQUAL(0.0, line->edge_separation_px, 0.0);
   DOUBLES_EQUAL(0.0, surface_frame(*line).from_plane({300.0, kHeight - 1 - 220.3}).y, 0.1);
@@ -96,11 +96,11 @@ TEST(SurfaceLine, OfABarFarBelowThePlateIsNotItsOtherEdge) {
 TEST(SurfaceLine, IsNotOneThatBallsAreSeenBelow) {
   // The upper edge is as clear and nearer to the balls, but both reach 20 px below it.
   std::vector<Outline> balls{ball_at(200.0, 160.0), ball_at(400.0, 160.0)};
-  for (Outline& ball : balls) ball.seen = {{0.0, 2.0 * std::numbers::pi}};
-  const auto lower = find_surface_line(stepped({150.0, 220.3}), PlaneMap::plain(kHeight), balls);
+  for (Outline& ball : balls) ball.visible_arcs = {{0.0, 2.0 * std::numbers::pi}};
+  const auto lower = find_surface_line(stepped({150.0, 220.3}), PlaneMap::uncalibrated(kHeight), balls);
   CHECK_TRUE(lower.has_value());
   DOUBLES_EQUAL(0.0, surface_frame(*lower).from_plane({300.0, kHeight - 1 - 220.3}).y, 0.1);
-  const auto none = find_surface_line(stepped({150.0}), PlaneMap::plain(kHeight), balls);
+  const auto none = find_surface_line(stepped({150.0}), PlaneMap::uncalibrated(kHeight), balls);
   CHECK_FALSE(none.has_value());
   CHECK_TRUE(none.error().reason == Reason::no_plate);
 }
@@ -108,9 +108,9 @@ TEST(SurfaceLine, IsNotOneThatBallsAreSeenBelow) {
 TEST(SurfaceLine, MayCutOffWhatIsNotSeenOfABall) {
   // Pressed together by a third of its radius: the outline is seen above the line alone.
   Outline pressed = ball_at(300.0, 98.7);
-  pressed.seen = {{-0.6, std::numbers::pi + 1.2}};
+  pressed.visible_arcs = {{-0.6, std::numbers::pi + 1.2}};
   const auto line =
-      find_surface_line(stepped({220.3}), PlaneMap::plain(kHeight), std::vector<Outline>{pressed});
+      find_surface_line(stepped({220.3}), PlaneMap::uncalibrated(kHeight), std::vector<Outline>{pressed});
   CHECK_TRUE(line.has_value());
   DOUBLES_EQUAL(0.0, surface_frame(*line).from_plane({300.0, kHeight - 1 - 220.3}).y, 0.1);
 }

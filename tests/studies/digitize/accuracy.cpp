@@ -93,7 +93,7 @@ void save(const std::string& to, const std::string& name, const KnownPhotograph&
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   cv::Mat picture;
-  known.photograph.light.convertTo(picture, CV_8U, 255.0);
+  known.photograph.intensity.convertTo(picture, CV_8U, 255.0);
   cv::imwrite((folder / (name + ".png")).string(), picture);
   if (const auto written = strobe::digitize::write_overlay(folder / (name + "_overlay.png"), known.photograph,
                                                            known.settings.map, digitization);

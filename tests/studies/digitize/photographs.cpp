@@ -93,7 +93,7 @@ Result<KnownPhotograph> known_photograph(const Take& take) {
   known.photograph = std::move(*photograph);
   known.settings.ball_diameter_m = take.scene.ball.diameter_m;
   known.settings.px_per_m = known.scene_truth.px_per_m;
-  known.settings.map = strobe::digitize::PlaneMap::plain(known.photograph.height());
+  known.settings.map = strobe::digitize::PlaneMap::uncalibrated(known.photograph.height());
   known.settings.flash_times_s = seen_flashes(known.scene_truth);
   known.truth = true_images(take.scene, known.scene_truth);
   for (const sim::ImageTruth& image : known.scene_truth.images) known.times_s.push_back(image.time_s);

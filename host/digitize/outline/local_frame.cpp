@@ -1,6 +1,4 @@
-#include "host/digitize/core/local_frame.hpp"
-
-#include <cmath>
+#include "host/digitize/outline/local_frame.hpp"
 
 namespace strobe::digitize {
 
@@ -41,24 +39,21 @@ class CubicFit {
 }  // namespace
 
 LocalFrame::LocalFrame(const PlaneMap& map, cv::Point2d centre_image, double reach_px)
-    : plain_(map.is_uncalibrated()),
+    : uncalibrated_(map.is_uncalibrated()),
       centre_image_(centre_image),
       origin_(map.to_plane(centre_image)),
+      scale_(map.image_px_per_plane_px(centre_image)),
       reach_px_(reach_px) {
-  if (plain_) return;
-  const cv::Matx22d d = map.derivative(centre_image);
-  scale_ = 1.0 / std::sqrt(std::abs(d(0, 0) * d(1, 1) - d(0, 1) * d(1, 0)));
+  if (uncalibrated_) return;
   constexpr int kSide = 7;
-  CubicFit to_local, to_photograph;
+  CubicFit fit;
   for (int i = 0; i < kSide; ++i) {
     for (int j = 0; j < kSide; ++j) {
       const double u = 2.0 * i / (kSide - 1) - 1.0, v = 2.0 * j / (kSide - 1) - 1.0;
-      to_local.add(u, v, from_plane(map.to_plane(centre_image + reach_px * cv::Point2d(u, v))));
-      to_photograph.add(u, v, map.to_image(to_plane(reach_px * cv::Point2d(u, v))));
+      fit.add(u, v, map.to_image(to_plane(reach_px * cv::Point2d(u, v))));
     }
   }
-  to_local.solve(x_, y_);
-  to_photograph.solve(column_, row_);
+  fit.solve(column_, row_);
 }
 
 double LocalFrame::at(const Cubic& cubic, double u, double v) {
@@ -66,12 +61,6 @@ double LocalFrame::at(const Cubic& cubic, double u, double v) {
   double sum = 0.0;
   for (std::size_t i = 0; i < terms.size(); ++i) sum += cubic[i] * terms[i];
   return sum;
-}
-
-cv::Point2d LocalFrame::from_image(double column, double row) const {
-  const double du = column - centre_image_.x, dv = row - centre_image_.y;
-  if (plain_) return {du, -dv};
-  return {at(x_, du / reach_px_, dv / reach_px_), at(y_, du / reach_px_, dv / reach_px_)};
 }
 
 }  // namespace strobe::digitize

@@ -1,12 +1,10 @@
-#include "host/digitize/image_order.hpp"
+#include "host/digitize/path/image_order.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "host/digitize/core/median.hpp"
 #include "host/digitize/path/time_order.hpp"
-#include "host/digitize/surface/surface_frame.hpp"
 
 namespace strobe::digitize {
 namespace {
@@ -25,12 +23,12 @@ std::optional<SurfaceLine> line_of(const Frame& frame) {
   return line;
 }
 
-/// A person's images are kept whether or not they suit the path.
-void assign_outliers(Path& path, std::span<const PathPoint> points, const PathContext& scene) {
-  for (const Path::Left& left : path.left) {
-    const PathPoint& p = points[static_cast<std::size_t>(left.index)];
-    if (touches(p.at.y, p.sd_px, scene)) {
-      path.contact.push_back(left.index);
+/// Images added by hand are kept whether or not they lie on the path.
+void assign_outliers(Path& path, std::span<const PathPoint> points, const PathContext& context) {
+  for (const Path::Outlier& outlier : path.outliers) {
+    const PathPoint& p = points[static_cast<std::size_t>(outlier.index)];
+    if (touches(p.at.y, p.sd_px, context)) {
+      path.contact.push_back(outlier.index);
       continue;
     }
     std::vector<int>* nearest = &path.legs[0];
@@ -43,14 +41,14 @@ void assign_outliers(Path& path, std::span<const PathPoint> points, const PathCo
         nearest = &leg;
       }
     }
-    nearest->push_back(left.index);
+    nearest->push_back(outlier.index);
   }
   const auto at = [&](int i) { return points[static_cast<std::size_t>(i)].at; };
   for (auto& leg : path.legs) {
     std::stable_sort(leg.begin(), leg.end(), [&](int a, int b) { return at(a).y > at(b).y; });
   }
   std::stable_sort(path.contact.begin(), path.contact.end(), [&](int a, int b) { return at(a).x < at(b).x; });
-  path.left.clear();
+  path.outliers.clear();
 }
 
 template <typename T>
@@ -61,7 +59,7 @@ std::vector<T> permuted(std::vector<T>& values, const std::vector<int>& sequence
   return result;
 }
 
-void put(const TimeOrder& order, const DigitizeSettings& settings, Frame& frame) {
+void set_legs_and_times(const TimeOrder& order, const OrderSettings& settings, Frame& frame) {
   for (std::size_t k = 0; k < frame.images.size(); ++k) {
     BallImage& image = frame.images[k];
     if (!image.leg) image.leg = order.leg[k];
@@ -69,49 +67,30 @@ void put(const TimeOrder& order, const DigitizeSettings& settings, Frame& frame)
     image.flash_index.reset();
     if (order.flash.empty()) continue;
     image.flash_index = order.flash[k];
-    image.time_s = (*settings.flash_times_s)[static_cast<std::size_t>(order.flash[k])];
+    image.time_s = settings.flash_times_s[static_cast<std::size_t>(order.flash[k])];
   }
 }
 
 }  // namespace
 
-double median_diameter(std::span<const Outline> outlines) {
-  std::vector<double> diameters;
-  for (const Outline& o : outlines) diameters.push_back(o.diameter);
-  return median(std::move(diameters));
-}
-
-std::vector<PathPoint> path_points(std::span<const Outline> outlines,
-                                   const std::optional<SurfaceLine>& surface) {
-  std::vector<PathPoint> points;
-  points.reserve(outlines.size());
-  const SurfaceFrame axes = surface ? surface_frame(*surface) : SurfaceFrame{};
-  for (const Outline& o : outlines) {
-    const double sd = o.centre_sd();
-    points.push_back({axes.from_plane(o.centre), sd, 0.3 + 0.7 * std::clamp(o.visible_fraction, 0.0, 1.0)});
-  }
-  return points;
-}
-
-void order_images(Frame& frame, std::vector<Outline>& outlines, const DigitizeSettings& settings,
+void order_images(Frame& frame, std::vector<Outline>& outlines, const OrderSettings& settings,
                   std::vector<std::string>& remarks) {
   if (outlines.size() != frame.images.size() || outlines.empty()) return;
   const auto surface = line_of(frame);
-  const SurfaceFrame axes = surface ? surface_frame(*surface) : SurfaceFrame{};
   const auto points = path_points(outlines, surface);
-  TimeContext scene;
-  scene.path = {median_diameter(outlines), surface.has_value(), axes.sd_px};
-  scene.px_per_m = scene.path.diameter_px / settings.ball_diameter_m;
+  TimeContext context;
+  context.path = path_context(outlines, surface);
+  context.px_per_m = context.path.diameter_px / settings.ball_diameter_m;
   const double slope = frame.surface_angle_deg * CV_PI / 180.0;
-  scene.gravity_mps2 = -kGravity_mps2 * cv::Point2d(std::sin(slope), std::cos(slope));
-  scene.leftwards = settings.leftwards;
-  if (settings.flash_times_s) scene.flash_times_s = *settings.flash_times_s;
-  Path path = find_path(points, scene.path);
-  if (!path.left.empty()) assign_outliers(path, points, scene.path);
-  TimeOrder order = order_in_time(points, path, scene);
+  context.gravity_mps2 = -kGravity_mps2 * cv::Point2d(std::sin(slope), std::cos(slope));
+  context.leftwards = settings.leftwards;
+  context.flash_times_s = settings.flash_times_s;
+  Path path = find_path(points, context.path);
+  if (!path.outliers.empty()) assign_outliers(path, points, context.path);
+  TimeOrder order = order_in_time(points, path, context);
   frame.images = permuted(frame.images, order.sequence);
   outlines = permuted(outlines, order.sequence);
-  put(order, settings, frame);
+  set_legs_and_times(order, settings, frame);
   remarks.insert(remarks.end(), order.remarks.begin(), order.remarks.end());
 }
 

@@ -1,0 +1,34 @@
+// Order statistics of a few numbers. Pure; thread-safe; allocates.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+namespace strobe::digitize {
+
+/// The value that `numerator` / `denominator` of the others, rounded down, do not exceed: without
+/// interpolation, so that the median of an even number of values is the upper one. Returns 0 for no values.
+template <typename Number>
+Number quantile(std::vector<Number> values, std::size_t numerator, std::size_t denominator) {
+  if (values.empty()) return Number{};
+  const auto rank = static_cast<std::ptrdiff_t>(values.size() * numerator / denominator);
+  std::nth_element(values.begin(), values.begin() + rank, values.end());
+  return values[static_cast<std::size_t>(rank)];
+}
+
+template <typename Number>
+Number upper_median(std::vector<Number> values) {
+  return quantile(std::move(values), 1, 2);
+}
+
+/// The mean of the middle two of an even number. Returns 0 for no values.
+inline double median(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  std::ranges::sort(values);
+  const std::size_t n = values.size();
+  return 0.5 * (values[(n - 1) / 2] + values[n / 2]);
+}
+
+}  // namespace strobe::digitize
