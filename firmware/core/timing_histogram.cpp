@@ -64,11 +64,21 @@ double TimingHistogram::sd_ns() const noexcept {
 /// the visitor has seen enough (true).
 template <typename Visit>
 void TimingHistogram::visit_in_order(Visit&& visit) const noexcept {
-  for (std::size_t bin = kBins; bin-- > 0;) {
-    if (negative_[bin] > 0 && visit(-last_of(bin), -first_of(bin), negative_[bin])) return;
+  if (count_ == 0) return;
+  const auto bin = [](Duration magnitude) {
+    return bin_of(static_cast<std::uint64_t>(std::max(Duration{}, magnitude).count()));
+  };
+  if (min_ < Duration{}) {
+    const std::size_t end = bin(-max_);
+    for (std::size_t i = bin(-min_) + 1; i-- > end;) {
+      if (negative_[i] > 0 && visit(-last_of(i), -first_of(i), negative_[i])) return;
+    }
   }
-  for (std::size_t bin = 0; bin < kBins; ++bin) {
-    if (positive_[bin] > 0 && visit(first_of(bin), last_of(bin), positive_[bin])) return;
+  if (max_ >= Duration{}) {
+    const std::size_t end = bin(max_) + 1;
+    for (std::size_t i = bin(min_); i < end; ++i) {
+      if (positive_[i] > 0 && visit(first_of(i), last_of(i), positive_[i])) return;
+    }
   }
 }
 

@@ -11,9 +11,9 @@
 namespace strobe::sim::gpio {
 namespace {
 
-constexpr std::int64_t kGatePatience_ns = 2'000'000'000;
+constexpr std::int64_t kLockTimeout_ns = 2'000'000'000;
 
-/// Leaves owners alone that took the line between the look without the gate and the look with it.
+/// Spares owners that took the line between the check without the lock and the check with it.
 bool is_orphan(const State& state, const char* folder, int lock_fd, std::uint32_t line) {
   const std::uint32_t config = state.lines[line].config.load();
   return (config & ConfigWord::kRequested) != 0 && !owner_lives(folder, lock_fd, line, config);
@@ -42,7 +42,7 @@ ChipLock::ChipLock(const char* folder) {
     error_ = fd_;
     return;
   }
-  const std::int64_t give_up = sys::now_ns() + kGatePatience_ns;
+  const std::int64_t give_up = sys::now_ns() + kLockTimeout_ns;
   std::int64_t pause = 20'000;
   while ((error_ = sys::try_lock(fd_, kChipLockByte, true)) == -EAGAIN && sys::now_ns() < give_up) {
     sys::sleep_ns(pause);
@@ -80,15 +80,15 @@ void release_line(State& state, std::uint32_t line) {
   notify(state);
 }
 
-void reap_line_locked(State& state, const char* folder, const ChipLock& gate, std::uint32_t line) {
-  if (is_orphan(state, folder, gate.lock_fd(), line)) release_line(state, line);
+void reap_line_locked(State& state, const char* folder, const ChipLock& lock, std::uint32_t line) {
+  if (is_orphan(state, folder, lock.lock_fd(), line)) release_line(state, line);
 }
 
 void reap_line(State& state, const char* folder, int lock_fd, std::uint32_t line) {
   if (!is_orphan(state, folder, lock_fd, line)) return;
   const sys::NoSignals quiet;
-  const ChipLock gate(folder);
-  if (gate.error() == 0) reap_line_locked(state, folder, gate, line);
+  const ChipLock lock(folder);
+  if (lock.error() == 0) reap_line_locked(state, folder, lock, line);
 }
 
 void reap_handles(State& state, const char* folder, int lock_fd) {

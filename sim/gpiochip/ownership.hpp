@@ -50,7 +50,7 @@ void reap_line(State& state, const char* folder, int lock_fd, std::uint32_t line
 /// is used.
 void reap_handles(State& state, const char* folder, int lock_fd);
 /// The same for one line with the lock held.
-void reap_line_locked(State& state, const char* folder, const ChipLock& gate, std::uint32_t line);
+void reap_line_locked(State& state, const char* folder, const ChipLock& lock, std::uint32_t line);
 
 bool any_requested(const State& state);
 

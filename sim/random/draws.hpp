@@ -1,5 +1,5 @@
 // Seeded random draws that do not depend on the order in which things happen: each purpose of each shot has a
-// stream of its own. Counter-based (SplitMix64's mixing function, Steele et al. 2014) with an own normal
+// stream of its own. Counter-based with an own normal
 // transform (Box and Muller 1958), since std::normal_distribution differs between standard libraries.
 // Plain values: thread-safe per object, no allocation.
 #pragma once
@@ -8,6 +8,8 @@
 #include <cmath>
 #include <cstdint>
 #include <numbers>
+
+#include "sim/random/hash.hpp"
 
 namespace strobe::sim {
 
@@ -33,11 +35,11 @@ class Draws {
  public:
   /// The stream of `purpose` in the `shot`-th exposure (1-based) of a run seeded with `seed`.
   Draws(std::uint64_t seed, Purpose purpose, std::uint64_t shot)
-      : key_(mix(mix(mix(seed) + static_cast<std::uint64_t>(purpose)) + shot)) {}
+      : key_(hash64(hash64(hash64(seed) + static_cast<std::uint64_t>(purpose)) + shot)) {}
 
   /// Uniform in (0, 1).
   double uniform() {
-    const std::uint64_t bits = mix(key_ + kGolden * ++count_) >> 11;
+    const std::uint64_t bits = hash64(key_ + kSplitMixStep * ++count_) >> 11;
     return (static_cast<double>(bits) + 0.5) * 0x1p-53;
   }
 
@@ -55,15 +57,6 @@ class Draws {
   }
 
  private:
-  static constexpr std::uint64_t kGolden = 0x9e3779b97f4a7c15U;
-
-  static constexpr std::uint64_t mix(std::uint64_t z) {
-    z += kGolden;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9U;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebU;
-    return z ^ (z >> 31);
-  }
-
   std::uint64_t key_;
   std::uint64_t count_ = 0;
 };

@@ -5,14 +5,9 @@
 #include <cmath>
 #include <cstdint>
 
-namespace strobe::sim {
+#include "sim/random/hash.hpp"
 
-constexpr std::uint64_t hash64(std::uint64_t z) {  // SplitMix64's mixing function, Steele et al. 2014
-  z += 0x9e3779b97f4a7c15U;
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9U;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebU;
-  return z ^ (z >> 31);
-}
+namespace strobe::sim {
 
 /// Value noise: at lattice points uniform in ±1, smooth between them.
 class ValueNoise {

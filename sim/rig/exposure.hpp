@@ -3,20 +3,23 @@
 #pragma once
 
 #include <array>
+#include <boost/container/static_vector.hpp>
 #include <optional>
 #include <vector>
 
 #include "common/units/time.hpp"
 #include "sim/motion/ball_path.hpp"
-#include "sim/rig/instants.hpp"
 
 namespace strobe::sim {
+
+/// Instants of one pulse: two lamps, each of which may by a fault flash twice.
+using FlashTimes = boost::container::static_vector<MonoTime, 4>;
 
 /// One strobe pulse of the firmware (both lamps' lines) and the flashes that it made.
 struct Pulse {
   MonoTime edge;               ///< first of the two lines' rising edges
-  Instants flashes;            ///< true instants, of both lamps, in no order; empty if neither flashed
-  Instants stamps;             ///< of each flash the edge of its lamp's sensor; kNoTime: it gave none
+  FlashTimes flashes;          ///< true instants, of both lamps, in no order; empty if neither flashed
+  FlashTimes stamps;           ///< of each flash the edge of its lamp's sensor; kNoTime: it gave none
   std::array<int, 2> lamps{};  ///< how many of the flashes are lamp A's, and lamp B's
 };
 

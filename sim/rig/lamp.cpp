@@ -16,7 +16,7 @@ Draws& LampModel::draws(int shot) {
   return *draws_;
 }
 
-Instants LampModel::on_pulse(MonoTime edge, const FlashPlace& place, std::vector<FaultKind>& occurred) {
+FlashTimes LampModel::on_pulse(MonoTime edge, const FlashPlace& place, std::vector<FaultKind>& occurred) {
   // Drawn for every pulse, so that a fault does not shift the jitter of the flashes after it.
   Draws& jitter = draws(place.shot);
   const double delay_s = std::max(0.0, jitter.normal(scene_.lamps.delay_s, scene_.lamps.jitter_s));
@@ -36,7 +36,7 @@ Instants LampModel::on_pulse(MonoTime edge, const FlashPlace& place, std::vector
   }
   if (known(last_flash_) && flash - last_flash_ < from_seconds(scene_.lamps.recharge_s)) return {};
   last_flash_ = flash;
-  Instants flashes(flash);
+  FlashTimes flashes{flash};
   if (const Fault* twice = flash_fault(scene_.faults, FaultKind::flash_double, place, lamp_)) {
     occurred.push_back(FaultKind::flash_double);
     flashes.push_back(flash + twice->delay);  // the fault is that it does so without a full capacitor

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "sim/random/draws.hpp"
-#include "sim/rig/instants.hpp"
+#include "sim/rig/exposure.hpp"
 #include "sim/scene/faults.hpp"
 #include "sim/scene/scene.hpp"
 
@@ -19,7 +19,7 @@ class LampModel {
 
   /// The flashes that a rising edge of the lamp's line makes: one, none, or with a fault two; in order of
   /// time. Kinds of faults that occurred are appended to `occurred`.
-  Instants on_pulse(MonoTime edge, const FlashPlace& place, std::vector<FaultKind>& occurred);
+  FlashTimes on_pulse(MonoTime edge, const FlashPlace& place, std::vector<FaultKind>& occurred);
 
   /// Discards earlier flashes and draws.
   void restart() {

@@ -96,13 +96,18 @@ Lab::~Lab() = default;
 
 // Time ------------------------------------------------------------------------------------------------------
 
-MonoTime Lab::next() const {
-  return std::min({timeline_.next(), bus_.next_due(), rig_.next_due(), tablet_operator_.next_due(),
-                   publisher_due_, host_due_});
+MonoTime Lab::next() {
+  if (schedule_changed_) {
+    next_ = std::min({timeline_.next(), bus_.next_due(), rig_.next_due(), tablet_operator_.next_due(),
+                      publisher_due_, host_due_});
+    schedule_changed_ = false;
+  }
+  return next_;
 }
 
 void Lab::process_next() {
   const MonoTime at = next();
+  schedule_changed_ = true;
   time_ = std::max(time_, at);
   if (rig_.next_due() <= at) return collect_rig();
   if (bus_.next_due() <= at) return deliver();
@@ -214,6 +219,7 @@ void Lab::drive(Output output, bool active, firmware::Lamps lamps) {
   bool& driven = driven_[index_of(output)];
   if (driven == active) return;
   driven = active;
+  schedule_changed_ = true;
   mix(static_cast<std::uint64_t>(to_ns(time_)) ^ (index_of(output) << 1) ^ (active ? 1 : 0));
   trace("{} {}",
         output == Output::trigger   ? "TRIGGER"

@@ -97,10 +97,14 @@ class Lab final : firmware::Clock, firmware::OutputLines, firmware::EdgeSource, 
   // Time
   void pass(Duration duration);
   void advance_to(MonoTime instant);
-  MonoTime next() const;
+  MonoTime next();
   void process_next();
   void perform(const Scheduled& scheduled);
-  void in(Duration delay, Action action) { timeline_.schedule(time_ + delay, {action, {}}); }
+  void schedule(Duration delay, const Scheduled& scheduled) {
+    timeline_.schedule(time_ + delay, scheduled);
+    schedule_changed_ = true;
+  }
+  void in(Duration delay, Action action) { schedule(delay, {action, {}}); }
 
   // Bench
   void drive(firmware::Output output, bool active, firmware::Lamps lamps = firmware::Lamps::both);
@@ -146,6 +150,8 @@ class Lab final : firmware::Clock, firmware::OutputLines, firmware::EdgeSource, 
   LabSetup lab_setup_;
   HostSettings host_settings_;
   MonoTime time_;
+  MonoTime next_;                 ///< of everything that is scheduled
+  bool schedule_changed_ = true;  ///< since next_ was found
   Timeline<Scheduled> timeline_;
   VirtualBus bus_;
   VirtualDisk disk_;

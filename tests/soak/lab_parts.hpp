@@ -22,6 +22,7 @@ class Lab::PublisherWake final : public firmware::Wake {
  public:
   explicit PublisherWake(Lab& lab) : lab_(lab) {}
   bool wake() noexcept override {
+    lab_.schedule_changed_ = true;
     lab_.publisher_due_ = std::min(lab_.publisher_due_, lab_.time_ + lab_.publisher_latency_);
     return true;
   }

@@ -61,7 +61,7 @@ void Lab::draw_hazards() {
     const auto hazard = static_cast<Hazard>(i);
     if (!random_.chance(settings_.faults[hazard] * to_seconds(kHazardInterval))) continue;
     if (random_.chance(0.5)) {
-      timeline_.schedule(time_ + random_.between(Duration{}, kHazardInterval), {Action::hazard, hazard});
+      schedule(random_.between(Duration{}, kHazardInterval), {Action::hazard, hazard});
     } else {
       call_hazards_.push_back({random_.integer(1, 100), hazard});  // at an instant at which an output changes
     }
@@ -77,7 +77,7 @@ void Lab::count_down_call_hazards() {
     const Hazard hazard = call_hazards_[i].hazard;
     call_hazards_.erase(call_hazards_.begin() + static_cast<std::ptrdiff_t>(i));
     const Duration delay = random_.chance(0.5) ? Duration{} : random_.between(Duration{}, microseconds(60));
-    timeline_.schedule(time_ + delay, {Action::hazard, hazard});
+    schedule(delay, {Action::hazard, hazard});
   }
 }
 

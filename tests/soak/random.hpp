@@ -1,11 +1,12 @@
 // Seeded draws of the virtual lab: one stream per run, so that a seed repeats it on any machine.
-// SplitMix64 (Steele et al. 2014). Plain value; one thread's.
+// SplitMix64. Plain value; one thread's.
 #pragma once
 
 #include <cmath>
 #include <cstdint>
 
 #include "common/units/time.hpp"
+#include "sim/random/hash.hpp"
 
 namespace strobe::soak {
 
@@ -14,10 +15,9 @@ class Random {
   explicit Random(std::uint64_t seed) : state_(seed) {}
 
   std::uint64_t bits() {
-    std::uint64_t z = (state_ += 0x9e3779b97f4a7c15U);
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9U;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebU;
-    return z ^ (z >> 31);
+    const std::uint64_t drawn = sim::hash64(state_);
+    state_ += sim::kSplitMixStep;
+    return drawn;
   }
   /// Uniform in [0, 1).
   double uniform() { return static_cast<double>(bits() >> 11) * 0x1p-53; }
@@ -41,10 +41,8 @@ class Random {
 
 /// Independent streams from one seed.
 constexpr std::uint64_t mixed(std::uint64_t seed, std::uint64_t stream) {
-  std::uint64_t z = seed * 0x9e3779b97f4a7c15U + stream * 0xd1b54a32d192ed03U + 0x632be59bd9b4e019U;
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9U;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebU;
-  return z ^ (z >> 31);
+  return sim::hash64(seed * sim::kSplitMixStep + stream * 0xd1b54a32d192ed03U + 0x632be59bd9b4e019U -
+                     sim::kSplitMixStep);
 }
 
 }  // namespace strobe::soak

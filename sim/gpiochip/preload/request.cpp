@@ -64,9 +64,9 @@ void configure_line(State& state, std::uint32_t line, std::uint32_t flags, unsig
 }
 
 /// The line's owner is `fd` from now on. -EBUSY if it has another.
-int take_line(State& state, const ChipLock& gate, std::uint32_t line, int fd, std::int64_t byte,
+int take_line(State& state, const ChipLock& lock, std::uint32_t line, int fd, std::int64_t byte,
               const char* label) {
-  reap_line_locked(state, device().folder, gate, line);
+  reap_line_locked(state, device().folder, lock, line);
   Line& entry = state.lines[line];
   if ((entry.config.load() & (ConfigWord::kRequested | ConfigWord::kKernelUsed)) != 0) return -EBUSY;
   const int locked = sys::try_lock(fd, byte, false);
@@ -111,14 +111,14 @@ int open_handle(const HandleName& name) {
   return -EIO;
 }
 
-int take_handle_lines(State& state, const ChipLock& gate, const gpiohandle_request& request,
+int take_handle_lines(State& state, const ChipLock& lock, const gpiohandle_request& request,
                       const HandleName& name, int fd) {
   const std::uint32_t owner = ConfigWord::kRequested | name.slot << ConfigWord::kSlotShift;
   const std::int64_t now = sys::now_ns();
   for (std::uint32_t i = 0; i < request.lines; ++i) {
     const std::uint32_t line = request.lineoffsets[i];
     int result = line < state.line_count ? 0 : -EINVAL;
-    if (result == 0) result = take_line(state, gate, line, fd, line, request.consumer_label);
+    if (result == 0) result = take_line(state, lock, line, fd, line, request.consumer_label);
     if (result != 0) {
       for (std::uint32_t done = 0; done < i; ++done) release_line(state, request.lineoffsets[done]);
       return result;
@@ -141,9 +141,9 @@ void drain(int fd) {
   }
 }
 
-int take_event_line(State& state, const ChipLock& gate, const gpioevent_request& request, int fd) {
+int take_event_line(State& state, const ChipLock& lock, const gpioevent_request& request, int fd) {
   const std::uint32_t line = request.lineoffset;
-  const int result = take_line(state, gate, line, fd, 0, request.consumer_label);
+  const int result = take_line(state, lock, line, fd, 0, request.consumer_label);
   if (result != 0) return result;
   drain(fd);
   std::uint32_t owner = ConfigWord::kRequested | ConfigWord::kEvents;
@@ -151,6 +151,17 @@ int take_event_line(State& state, const ChipLock& gate, const gpioevent_request&
   if ((request.eventflags & GPIOEVENT_REQUEST_FALLING_EDGE) != 0) owner |= ConfigWord::kFalling;
   configure_line(state, line, request.handleflags | GPIOHANDLE_REQUEST_INPUT, 0, owner, sys::now_ns());
   return sys::control(fd, F_SETFL, 0);
+}
+
+/// The caller gets the descriptor; it is closed if the lines could not be had.
+int finish_request(State& state, int result, int fd, int& given) {
+  notify(state);
+  if (result != 0) {
+    sys::close(fd);
+  } else {
+    given = fd;
+  }
+  return result;
 }
 
 }  // namespace
@@ -162,21 +173,15 @@ int request_handle(gpiohandle_request& request) {
   request.consumer_label[sizeof(request.consumer_label) - 1] = '\0';
 
   const sys::NoSignals quiet;
-  const ChipLock gate(device().folder);
-  if (gate.error() != 0) return gate.error();
+  const ChipLock lock(device().folder);
+  if (lock.error() != 0) return lock.error();
   HandleName name;
   int result = new_handle(state, request, name);
   if (result != 0) return result;
   const int fd = open_handle(name);
   if (fd < 0) return fd;
-  result = take_handle_lines(state, gate, request, name, fd);
-  notify(state);
-  if (result != 0) {
-    sys::close(fd);
-    return result;
-  }
-  request.fd = fd;
-  return 0;
+  result = take_handle_lines(state, lock, request, name, fd);
+  return finish_request(state, result, fd, request.fd);
 }
 
 int request_event(gpioevent_request& request) {
@@ -186,26 +191,20 @@ int request_event(gpioevent_request& request) {
   request.consumer_label[sizeof(request.consumer_label) - 1] = '\0';
 
   const sys::NoSignals quiet;
-  const ChipLock gate(device().folder);
-  if (gate.error() != 0) return gate.error();
+  const ChipLock lock(device().folder);
+  if (lock.error() != 0) return lock.error();
   const int fd = open_event(request.lineoffset);
   if (fd < 0) return fd;
-  const int result = take_event_line(state, gate, request, fd);
-  notify(state);
-  if (result != 0) {
-    sys::close(fd);
-    return result;
-  }
-  request.fd = fd;
-  return 0;
+  const int result = take_event_line(state, lock, request, fd);
+  return finish_request(state, result, fd, request.fd);
 }
 
 int configure_handle(std::uint32_t slot, const gpiohandle_config& config) {
   State& state = *device().state;
   if (!handle_flags_valid(config.flags)) return -EINVAL;
   const sys::NoSignals quiet;
-  const ChipLock gate(device().folder);
-  if (gate.error() != 0) return gate.error();
+  const ChipLock lock(device().folder);
+  if (lock.error() != 0) return lock.error();
   const Handle& handle = state.handles[slot];
   const std::uint32_t owner = ConfigWord::kRequested | slot << ConfigWord::kSlotShift;
   const std::int64_t now = sys::now_ns();

@@ -40,8 +40,8 @@ std::uint32_t info_flags(std::uint32_t config) {
 void reap_before_look(State& state, std::uint32_t line) {
   if ((state.lines[line].config.load() & ConfigWord::kRequested) == 0) return;
   const sys::NoSignals quiet;
-  const ChipLock gate(device().folder);
-  if (gate.error() == 0) reap_line_locked(state, device().folder, gate, line);
+  const ChipLock lock(device().folder);
+  if (lock.error() == 0) reap_line_locked(state, device().folder, lock, line);
 }
 
 int line_info(void* user) {

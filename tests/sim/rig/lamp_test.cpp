@@ -11,7 +11,7 @@ TEST_GROUP(LampModel) {
   Scene scene = test::plain_scene();
   std::vector<FaultKind> occurred;
 
-  Instants pulse(LampModel & lamp, MonoTime at, int index = 0, std::optional<int> from_impact = {}) {
+  FlashTimes pulse(LampModel & lamp, MonoTime at, int index = 0, std::optional<int> from_impact = {}) {
     return lamp.on_pulse(at, {.shot = 1, .index = index, .from_impact = from_impact}, occurred);
   }
 };
