@@ -14,7 +14,7 @@
 #include "host/commands/digitize_report.hpp"
 #include "host/commands/digitize_times.hpp"
 #include "host/commands/terminal.hpp"
-#include "host/config/digitize_settings.hpp"
+#include "host/photographs/digitize_settings.hpp"
 #include "host/digitize/corrections/corrections.hpp"
 #include "host/digitize/overlay/overlay.hpp"
 

@@ -7,7 +7,7 @@
 
 #include "common/messages/json_conversions.hpp"
 #include "common/units/angles.hpp"
-#include "host/commands/or_null.hpp"
+#include "host/view/or_null.hpp"
 #include "host/view/text.hpp"
 
 namespace strobe::host {

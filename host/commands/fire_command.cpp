@@ -8,7 +8,7 @@
 #include "host/commands/command.hpp"
 #include "host/commands/fire_run.hpp"
 #include "host/config/notes.hpp"
-#include "host/share.hpp"
+#include "host/config/share.hpp"
 
 namespace strobe::host {
 namespace {

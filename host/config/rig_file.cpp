@@ -15,7 +15,7 @@
 #include "common/messages/channels.hpp"
 #include "common/messages/record.hpp"
 #include "host/config/notes.hpp"
-#include "host/share.hpp"
+#include "host/config/share.hpp"
 
 namespace strobe::host {
 namespace {

@@ -1,6 +1,6 @@
 #include "host/photographs/measure_photograph.hpp"
 
-#include "host/config/digitize_settings.hpp"
+#include "host/photographs/digitize_settings.hpp"
 #include "host/digitize/digitize.hpp"
 #include "host/digitize/image/photograph.hpp"
 

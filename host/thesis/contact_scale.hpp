@@ -1,7 +1,7 @@
 // What turns a set's fractions into real units. Pure; thread-safe.
 #pragma once
 
-#include "common/contact/analysis.hpp"
+#include "common/contact/differentiation/analysis.hpp"
 #include "common/contact/integration/integration.hpp"
 #include "host/thesis/thesis_inputs.hpp"
 

@@ -12,7 +12,7 @@
 #include "common/data/thesis_data.hpp"
 #include "common/impact/fit/contact_fit.hpp"
 #include "common/impact/ode/contact_trajectory.hpp"
-#include "host/thesis/tables/table.hpp"
+#include "host/thesis/table.hpp"
 
 namespace strobe::report {
 

@@ -17,7 +17,7 @@
 
 #include "sim/gpiochip/chip.hpp"
 #include "tests/sim/gpiochip/standard_chip.hpp"
-#include "tests/sim/gpiochip/uapi_client.hpp"
+#include "tests/sim/gpiochip/conformance/uapi_client.hpp"
 
 namespace {
 

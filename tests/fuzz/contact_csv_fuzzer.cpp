@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "common/contact/analysis.hpp"
+#include "common/contact/differentiation/analysis.hpp"
 
 namespace {
 

@@ -1,7 +1,7 @@
 // Rig files, plans and notes as the host reads them; what is wrong is named by file, line and key.
 #include <string>
 
-#include "host/config/digitize_settings.hpp"
+#include "host/photographs/digitize_settings.hpp"
 #include "host/config/notes.hpp"
 #include "host/config/rig_file.hpp"
 #include "host/config/shot_plan.hpp"

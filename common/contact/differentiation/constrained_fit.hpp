@@ -13,7 +13,7 @@
 #include <span>
 #include <vector>
 
-#include "common/contact/value_sd.hpp"
+#include "common/contact/integration/value_sd.hpp"
 #include "common/result.hpp"
 
 namespace strobe::contact {

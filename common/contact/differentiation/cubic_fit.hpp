@@ -8,7 +8,7 @@
 #include <optional>
 #include <span>
 
-#include "common/contact/value_sd.hpp"
+#include "common/contact/integration/value_sd.hpp"
 #include "common/result.hpp"
 
 namespace strobe::contact {

@@ -10,8 +10,8 @@
 #include <optional>
 #include <vector>
 
-#include "common/contact/analysis.hpp"
-#include "common/contact/value_sd.hpp"
+#include "common/contact/differentiation/analysis.hpp"
+#include "common/contact/integration/value_sd.hpp"
 
 namespace strobe::contact {
 

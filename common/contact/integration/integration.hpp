@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "common/contact/integration/spin_pulse.hpp"
-#include "common/contact/value_sd.hpp"
+#include "common/contact/integration/value_sd.hpp"
 #include "common/data/contact_set.hpp"
 
 namespace strobe::contact {

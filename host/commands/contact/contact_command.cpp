@@ -11,7 +11,7 @@
 #include "common/units/angles.hpp"
 #include "host/commands/command.hpp"
 #include "host/commands/contact/contact_report.hpp"
-#include "host/share.hpp"
+#include "host/config/share.hpp"
 
 namespace strobe::host {
 

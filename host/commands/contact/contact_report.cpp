@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/units/angles.hpp"
-#include "host/commands/or_null.hpp"
+#include "host/view/or_null.hpp"
 
 namespace strobe::host {
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "common/contact/analysis.hpp"
+#include "common/contact/differentiation/analysis.hpp"
 #include "common/contact/differentiation/constrained_motion.hpp"
 #include "common/contact/integration/integration.hpp"
 #include "common/contact/mechanics_score.hpp"

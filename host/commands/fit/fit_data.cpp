@@ -8,7 +8,7 @@
 
 #include "common/data/csv.hpp"
 #include "common/reduction/flags.hpp"
-#include "host/share.hpp"
+#include "host/config/share.hpp"
 
 namespace strobe::host {
 

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/frontier/frontier.hpp"
-#include "host/commands/or_null.hpp"
+#include "host/view/or_null.hpp"
 
 namespace strobe::host {
 

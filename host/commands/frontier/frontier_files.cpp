@@ -5,7 +5,7 @@
 
 #include "common/units/tolerance.hpp"
 #include "host/config/rig_file.hpp"
-#include "host/share.hpp"
+#include "host/config/share.hpp"
 
 namespace strobe::host {
 

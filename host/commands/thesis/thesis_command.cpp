@@ -8,7 +8,7 @@
 
 #include "host/commands/command.hpp"
 #include "host/commands/terminal.hpp"
-#include "host/share.hpp"
+#include "host/config/share.hpp"
 #include "host/thesis/figures/figures.hpp"
 #include "host/thesis/figures/gnuplot.hpp"
 #include "host/thesis/tables/render.hpp"

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "common/contact/analysis.hpp"
+#include "common/contact/differentiation/analysis.hpp"
 #include "common/contact/condition_inputs.hpp"
 #include "common/units/angles.hpp"
 #include "host/thesis/contact_scale.hpp"

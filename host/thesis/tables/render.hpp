@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "host/thesis/tables/table.hpp"
+#include "host/thesis/table.hpp"
 
 namespace strobe::report {
 

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "host/thesis/tables/table.hpp"
+#include "host/thesis/table.hpp"
 #include "host/thesis/thesis_inputs.hpp"
 
 namespace strobe::report {

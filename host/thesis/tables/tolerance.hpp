@@ -5,7 +5,7 @@
 #pragma once
 
 #include "common/data/thesis_data.hpp"
-#include "host/thesis/tables/table.hpp"
+#include "host/thesis/table.hpp"
 
 namespace strobe::report {
 

@@ -2,7 +2,7 @@
 #include <numbers>
 #include <string>
 
-#include "common/contact/analysis.hpp"
+#include "common/contact/differentiation/analysis.hpp"
 #include "tests/common/physics/thesis_folder.hpp"
 
 #include <CppUTest/TestHarness.h>

@@ -1,11 +1,11 @@
 // Every closed form against 50 digits; `strobe-bench digits` does the same with more samples and prints them.
-#include "tests/common/numerics/digits.hpp"
+#include "tests/common/numerics/forms/digits.hpp"
 
 #include <array>
 #include <cstdio>
 #include <string>
 
-#include "tests/common/numerics/wide_pulse.hpp"
+#include "tests/common/numerics/forms/wide_pulse.hpp"
 
 #include <CppUTest/TestHarness.h>
 

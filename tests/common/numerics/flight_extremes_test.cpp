@@ -3,7 +3,7 @@
 #include <array>
 
 #include "common/ball/ball.hpp"
-#include "common/contact/analysis.hpp"
+#include "common/contact/differentiation/analysis.hpp"
 #include "common/contact/integration/spin_pulse.hpp"
 #include "common/flight/aerodynamics.hpp"
 #include "common/flight/parabola.hpp"

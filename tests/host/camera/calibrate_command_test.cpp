@@ -9,7 +9,7 @@
 
 #include "host/commands/command.hpp"
 #include "host/config/camera_writer.hpp"
-#include "host/config/digitize_settings.hpp"
+#include "host/photographs/digitize_settings.hpp"
 #include "tests/host/camera/pinhole.hpp"
 
 #include <CppUTest/TestHarness.h>

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "host/thesis/tables/render.hpp"
-#include "host/thesis/tables/table.hpp"
+#include "host/thesis/table.hpp"
 
 #include <CppUTest/TestHarness.h>
 

@@ -12,7 +12,7 @@
 #include "common/reduction/reduce.hpp"
 #include "host/assembly/assemble.hpp"
 #include "host/assembly/flash_times.hpp"
-#include "host/config/digitize_settings.hpp"
+#include "host/photographs/digitize_settings.hpp"
 #include "sim/random/draws.hpp"
 #include "tests/studies/digitize/accuracy.hpp"
 #include "tests/studies/digitize/in_order.hpp"

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "tests/benchmarks/command.hpp"
-#include "tests/common/numerics/digits.hpp"
+#include "tests/common/numerics/forms/digits.hpp"
 
 namespace strobe::studies {
 

@@ -6,7 +6,7 @@
 #include "common/impact/ode/normal_spring.hpp"
 #include "common/units/angles.hpp"
 #include "tests/common/numerics/forms/forms.hpp"
-#include "tests/common/numerics/wide.hpp"
+#include "tests/common/numerics/forms/wide.hpp"
 
 namespace strobe::numerics {
 

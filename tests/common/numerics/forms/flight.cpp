@@ -3,7 +3,7 @@
 #include "common/flight/aerodynamics.hpp"
 #include "common/flight/parabola.hpp"
 #include "tests/common/numerics/forms/forms.hpp"
-#include "tests/common/numerics/wide.hpp"
+#include "tests/common/numerics/forms/wide.hpp"
 
 namespace strobe::numerics {
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "tests/common/numerics/digits.hpp"
+#include "tests/common/numerics/forms/digits.hpp"
 
 namespace strobe::numerics {
 

@@ -4,7 +4,7 @@
 
 #include "common/impact/closed_form/rebound.hpp"
 #include "tests/common/numerics/forms/forms.hpp"
-#include "tests/common/numerics/wide.hpp"
+#include "tests/common/numerics/forms/wide.hpp"
 
 namespace strobe::numerics {
 

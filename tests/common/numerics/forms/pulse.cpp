@@ -3,7 +3,7 @@
 #include "common/impact/closed_form/pulse_integrals.hpp"
 #include "common/units/angles.hpp"
 #include "tests/common/numerics/forms/forms.hpp"
-#include "tests/common/numerics/wide_pulse.hpp"
+#include "tests/common/numerics/forms/wide_pulse.hpp"
 
 namespace strobe::numerics {
 

@@ -5,7 +5,7 @@
 #include "common/reduction/court_pace.hpp"
 #include "common/reduction/dual.hpp"
 #include "tests/common/numerics/forms/forms.hpp"
-#include "tests/common/numerics/wide.hpp"
+#include "tests/common/numerics/forms/wide.hpp"
 
 namespace strobe::numerics {
 

@@ -1,7 +1,7 @@
 #include "common/ball/ball.hpp"
 #include "common/units/angles.hpp"
 #include "tests/common/numerics/forms/forms.hpp"
-#include "tests/common/numerics/wide.hpp"
+#include "tests/common/numerics/forms/wide.hpp"
 
 namespace strobe::numerics {
 

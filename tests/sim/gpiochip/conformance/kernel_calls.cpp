@@ -13,7 +13,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "tests/sim/gpiochip/uapi_client.hpp"
+#include "tests/sim/gpiochip/conformance/uapi_client.hpp"
 
 namespace {
 

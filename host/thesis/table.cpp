@@ -1,4 +1,4 @@
-#include "host/thesis/tables/table.hpp"
+#include "host/thesis/table.hpp"
 
 #include <cmath>
 #include <utility>

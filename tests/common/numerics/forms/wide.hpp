@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "tests/common/numerics/digits.hpp"
+#include "tests/common/numerics/forms/digits.hpp"
 
 namespace strobe::numerics {
 

@@ -1,4 +1,4 @@
-#include "common/contact/analysis.hpp"
+#include "common/contact/differentiation/analysis.hpp"
 
 #include <cmath>
 #include <string>

@@ -4,7 +4,7 @@
 #pragma once
 
 #include "common/impact/closed_form/sine_pulse.hpp"
-#include "tests/common/numerics/wide.hpp"
+#include "tests/common/numerics/forms/wide.hpp"
 
 namespace strobe::numerics {
 

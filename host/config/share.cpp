@@ -1,4 +1,4 @@
-#include "host/share.hpp"
+#include "host/config/share.hpp"
 
 #include <cstdlib>
 #include <system_error>

@@ -1,4 +1,4 @@
-#include "tests/common/numerics/digits.hpp"
+#include "tests/common/numerics/forms/digits.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "host/config/digitize_settings.hpp"
+#include "host/photographs/digitize_settings.hpp"
 
 #include <fmt/format.h>
 
