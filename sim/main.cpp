@@ -33,11 +33,11 @@ void add_run(CLI::App& app, RunOptions& options, bool& no_digitizer) {
   run->add_option("--truth", options.truth_file, "Write what truly happened, one JSON object per shot");
   run->add_option("--changes", options.changes_file, "Write every change of every line as CSV");
   run->add_option("--photographs", options.photographs,
-                  "Folder for a photograph of each exposure; nobody at the tablet then");
+                  "Folder for a photograph of each exposure; no tablet operator then");
   run->add_option("--tolerance", options.tolerance,
                   "Simulate only what numbers read require to stay within this: 0.5%, 5e-3");
   run->add_option("--deadline-us", options.deadline_us, "Longest that computing a shot may take");
-  run->add_flag("--no-digitizer", no_digitizer, "Nobody digitizes the photographs; no LCM is needed");
+  run->add_flag("--no-digitizer", no_digitizer, "Photographs are not digitized; no LCM is needed");
   run->add_option("command", options.command, "Command and its arguments, after --")->required();
 }
 

@@ -17,8 +17,8 @@
 #include "sim/live/rig_runner.hpp"
 #include "sim/live/tablet_operator.hpp"
 #include "sim/live/tethered_camera.hpp"
-#include "sim/scene/reduced_scene.hpp"
 #include "sim/loading/scene_files.hpp"
+#include "sim/scene/reduced_scene.hpp"
 
 namespace strobe::sim {
 
@@ -28,7 +28,7 @@ namespace fs = std::filesystem;
 
 constexpr std::chrono::milliseconds kWatchAfterDeath{100};
 
-/// A folder of its own in memory (a page of a disk's file may stall the lines), gone with this object.
+/// A folder in memory (writing back a disk's page may stall the lines), removed with this object.
 class TemporaryFolder {
  public:
   TemporaryFolder() {
@@ -169,11 +169,11 @@ class Session {
   std::unique_ptr<TetheredCamera> photographer_;
 };
 
-/// The firmware's train is not known beforehand: planned for the usual one. The shutter's lag is in what the
-/// firmware was told about its rig and cannot be left out of it.
+/// The firmware's train is not known in advance: plans for the usual one. The firmware's rig file has the
+/// shutter's lag, so it cannot be left out.
 constexpr ShootSettings kUsualTrain{.period = milliseconds(3), .exposure = milliseconds(500)};
 
-/// 0, or the exit status after the complaint.
+/// 0, or the exit status after the error message.
 int choose_model(const RunOptions& options, const Scene& scene, Model& model) {
   if (options.tolerance.empty() && !options.deadline_us) return 0;
   const auto demand = parse_requirement(options.tolerance, options.deadline_us, scene);

@@ -8,9 +8,9 @@
 #include "common/messages/json_conversions.hpp"
 #include "sim/commands/command_line.hpp"
 #include "sim/commands/commands.hpp"
+#include "sim/loading/scene_files.hpp"
 #include "sim/rig/truth.hpp"
 #include "sim/scene/model_text.hpp"
-#include "sim/loading/scene_files.hpp"
 #include "sim/shoot/shoot.hpp"
 
 namespace strobe::sim {
@@ -44,7 +44,7 @@ Result<Shooter> prepare(const ShootOptions& options, const Scene& scene, const M
       });
 }
 
-/// 0, or the exit status after the complaint.
+/// 0, or the exit status after the error message.
 int choose_model(const ShootOptions& options, const Scene& scene, Model& model) {
   if (options.tolerance.empty() && !options.deadline_us) return 0;
   const auto demand = parse_requirement(options.tolerance, options.deadline_us, scene);

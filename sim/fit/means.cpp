@@ -27,7 +27,7 @@ constexpr std::array<Coefficient, 4> kCoefficients{{
 }};
 /// A residual of this share of the published sd weighs as much as one spread of a coefficient.
 constexpr double kAsGoodAsReached = 0.01;
-/// Farther from the others no condition is taken to be: what that leaves is the model's, or the table's.
+/// Largest distance of a condition from the others: a larger misfit is the model's, or the table's.
 constexpr double kMaxSpreads = 2.5;
 constexpr int kRounds = 12;
 

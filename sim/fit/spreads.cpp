@@ -18,7 +18,7 @@ constexpr int kRounds = 6;
 
 double square(double x) { return x * x; }
 
-/// What a shot's lift-off depends on.
+/// Parameters of a shot's lift-off.
 enum Parameter : std::size_t { kSpeed, kAngle, kSpin, kRestitution, kMu, kStiffness, kOffset };
 
 double& field(Scene& scene, Parameter parameter) {
@@ -62,7 +62,7 @@ void add(LiftOffVariances& sum, const Scene& scene, Parameter parameter, double 
   sum.spin += square(change.omega_radps * sd);
 }
 
-/// Standard deviations of the draw that finds more grip (of mu or of the stiffness) and of the offset.
+/// Standard deviations of the draw for more grip (of mu or of the stiffness) and of the offset.
 struct Spreads {
   double grip_sd = 0.0;
   double offset_sd = 0.0;
@@ -95,14 +95,14 @@ struct Search {
     return {there.vx + vx_excess * v.vx, there.vy, there.spin + spin_excess * v.spin};
   }
 
-  /// Relative errors of the sds; of spreads that do alike the least.
+  /// Relative errors of the sds; of equal ones the smallest spreads.
   double misfit(const Spreads& s) const {
     const LiftOffVariances v = made(s);
     return square(std::sqrt(v.vx / published.vx) - 1.0) + square(std::sqrt(v.spin / published.spin) - 1.0) +
            kMinSpreads * (square(s.grip_sd / grip) + square(s.offset_sd / offset));
   }
 
-  /// By grids, each about the best point of the one before.
+  /// Successive grids, each around the best point of the one before.
   Spreads best(double correlation) const {
     Spreads best{.correlation = correlation};
     double width = 1.0;
@@ -164,7 +164,7 @@ LiftOffVariances drawn(const Scene& scene, Parameter grip, const Spreads& spread
   return {square_mean.vx - square(mean.vx_mps), 0.0, square_mean.spin - square(mean.omega_radps)};
 }
 
-/// How much more than to first order, within reason.
+/// Ratio to the first order, bounded.
 double excess(double drawn, double first_order) {
   return first_order > 0.0 ? std::clamp(drawn / first_order, 0.1, 10.0) : 1.0;
 }

@@ -80,7 +80,7 @@ void fill_state(State& state, const ChipSpec& spec, const std::filesystem::path&
   state.magic.store(kMagic);
 }
 
-/// Creates a file that everybody may use, whatever the umask.
+/// Creates a file that all users may access, whatever the umask.
 int make_file(const std::filesystem::path& file, const std::string& text) {
   const int fd = ::open(file.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, kFileMode);
   if (fd < 0) return errno;

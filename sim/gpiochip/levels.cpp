@@ -41,7 +41,7 @@ void publish(State& state, std::uint32_t line, std::uint64_t word, std::uint64_t
   state.lines[line].level.compare_exchange_strong(word, word & ~LevelWord::kPending);
 }
 
-/// As publish(), by somebody who does not know when the change happened: the whole ring is searched.
+/// As publish(), if the time of the change is unknown: the whole ring is searched.
 void publish_for_other(State& state, std::uint32_t line, std::uint64_t word) {
   const std::uint64_t head = state.head.load();
   publish(state, line, word, head > kRingSize ? head - kRingSize : 0);

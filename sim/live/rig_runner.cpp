@@ -11,7 +11,7 @@ namespace strobe::sim {
 
 namespace {
 
-constexpr Duration kLongestWait = milliseconds(20);  // how soon stop() is heard
+constexpr Duration kLongestWait = milliseconds(20);  // latency of stop()
 constexpr Duration kDriveTooLate = milliseconds(3);  // a sensor edge as late as the next flash may confuse
 constexpr int kPriority = 40;                        // below the program under test, above everything else
 
@@ -19,7 +19,7 @@ void become_prompt() {
   prctl(PR_SET_TIMERSLACK, 1UL, 0UL, 0UL, 0UL);
   sched_param parameters{};
   parameters.sched_priority = kPriority;
-  // Without the permission the rig is merely less prompt; stamps stay exact and late drives mark the shot.
+  // Without the permission the rig only reacts later; stamps stay exact and late drives mark the shot.
   static_cast<void>(pthread_setschedparam(pthread_self(), SCHED_FIFO | SCHED_RESET_ON_FORK, &parameters));
 }
 

@@ -19,7 +19,7 @@ struct Key {
   std::string_view key;
 };
 
-/// One of several ways to say a thing: the keys that choose it, and those that only go with it.
+/// One of several alternatives: the keys that select it, and those that are valid only with it.
 struct Way {
   std::vector<Key> choosing;
   std::vector<Key> beside{};
@@ -66,7 +66,7 @@ std::string law_of(TomlReader& document) {
   return root.table("bounce").string("contact");
 }
 
-/// Drops from the parent what the child says in another way.
+/// Removes from the parent the alternatives that the child replaces.
 void drop_overridden(TomlReader& child, TomlReader& parent) {
   for (const std::vector<Way>& ways : alternatives()) {
     for (const Way& chosen : ways) {

@@ -28,7 +28,7 @@ void read_lens(TomlTable& table, CameraSettings& c, const ball::Ball& ball) {
             std::to_string(nearest_m));
 }
 
-/// Of the air in which a spin decays by default as it does.
+/// Density of the air to which the default spin decay belongs.
 constexpr double kUsualDensity_kgpm3 = 1.204;
 
 }  // namespace

@@ -164,7 +164,7 @@ Result<ReducedContact> calibrate(const Scene& scene, const Model& model) {
   const impact::Motion& lo = end->rebound.lift_off;
   const double slip_td = td.vx_mps + scene.ball.radius_m() * td.omega_radps;
   ReducedContact c;
-  // Where the mean ball slides, or has no slip to speak of, no e_x follows from it.
+  // If the mean ball slides, or hardly slips, it determines no e_x.
   c.ex = scene.bounce.ex;
   if (end->rebound.regime == Regime::grips && std::abs(slip_td) > std::abs(end->rebound.slip_lo_mps))
     c.ex = -end->rebound.slip_lo_mps / slip_td;
@@ -295,7 +295,7 @@ ContactPath::State ContactPath::sine_at(double time_s) const {
   const SinePath::Plain plain = path.plain_at(time_s);
   const impact::Motion& td = path.touchdown_;
   const impact::Motion& lo = end_.rebound.lift_off;
-  // A bend that begins and ends without a change of velocity.
+  // A correction that begins and ends without a change of velocity.
   const double part = time_s / end_.dwell_s;
   const double bend = part * part * (3.0 - 2.0 * part);
   const double bend_rate = 6.0 * part * (1.0 - part) / end_.dwell_s;

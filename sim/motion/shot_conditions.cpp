@@ -10,7 +10,7 @@ namespace strobe::sim {
 
 namespace {
 
-/// What a spread leaves of the stiffness at least.
+/// Smallest stiffness ratio after a draw.
 constexpr double kMinStiffnessRatio = 0.01;
 
 }  // namespace

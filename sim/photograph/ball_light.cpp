@@ -49,7 +49,7 @@ struct BallLight::Placed {
 
 BallLight::BallLight(const Scene& scene, const Appearance& appearance)
     : optics_(scene), appearance_(appearance), texture_(appearance.ball), radius_m_(scene.ball.radius_m()) {
-  // The lightest place of a ball in the middle of the view under two lamps of the usual power.
+  // The brightest place of a ball in the middle of the view under two lamps of the usual power.
   Placed ball = place({{0.0, 0.0, 0.0}, 0.0, {1.0, 1.0}});
   constexpr int kSteps = 40;
   double most = 0.0;

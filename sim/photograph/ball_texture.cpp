@@ -23,7 +23,7 @@ constexpr double kDent = 0.35;     // slope at its rim
 double coordinate(int i) { return (2.0 * i + 1.0) / kSide - 1.0; }
 double pixel(double x) { return 0.5 * ((x + 1.0) * kSide - 1.0); }
 
-/// Turned at random.
+/// A random rotation.
 class Turn {
  public:
   explicit Turn(std::uint64_t seed) {
@@ -177,7 +177,7 @@ void BallTexture::dent(const BallAppearance& appearance) {
         const Vec3 off = Vec3{x, y, std::sqrt(1.0 - x * x - y * y)} - c;
         const double share = std::sqrt(dot(off, off)) / kDimple;
         if (share >= 1.0) continue;
-        // Hollow: the normal has_relief towards the middle, and back again at the rim.
+        // A hollow: the normal tilts towards the middle, and back at the rim.
         const double normal_tilt = -kDent * share * (1.0 - share * share) * 2.0;
         tilt_x_.at<float>(j, i) = static_cast<float>(normal_tilt * off.x / (kDimple * std::max(share, 0.1)));
         tilt_y_.at<float>(j, i) = static_cast<float>(normal_tilt * off.y / (kDimple * std::max(share, 0.1)));

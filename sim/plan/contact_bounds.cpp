@@ -18,7 +18,7 @@ unsigned left_out(const Model& model) {
   return bits;
 }
 
-/// The model with all effects but those, and but for what the camera's bounds see to.
+/// The model with all effects but those, and without those that the camera's bounds cover.
 Model lacking(unsigned bits) {
   Model model = Model::full().without(Effect::pixels).without(Effect::flash_duration);
   for (std::size_t i = 0; i < kContactEffects.size(); ++i) {
@@ -55,7 +55,7 @@ ContactBounds::ContactBounds(const Scene& scene, const ShootSettings& settings) 
       const auto p = static_cast<std::size_t>(k);
       // Phases differ from point to point: the golden ratio's multiples lie evenly.
       double turns = 0.61803398875 * static_cast<double>(i);
-      // One flash in contact, while it passes for one in the air: there its course shows.
+      // One flash in contact, while it passes for one in the air: its motion matters there.
       const NominalShot::Seen seen = shot->flattening_seen();
       const double share = 0.2 * static_cast<double>(i / 2 % 5) + 0.18;
       const double before_s = (shot->dwell_s() - seen.to_s) * share;

@@ -86,7 +86,7 @@ std::vector<Corner> inside(const Scene& scene, int count) {
 }
 
 ShotConditions shot_conditions_at(const Scene& scene, const Corner& corner) {
-  // The means take the draws' place: what a shot makes of its draws stays in one function.
+  // Draws are put into the means, so that only one function turns draws into a shot.
   Scene moved = without_spread(scene);
   const MachineSettings& m = scene.machine;
   moved.machine.speed_mps += m.speed_sd_mps * corner[Spread::speed];

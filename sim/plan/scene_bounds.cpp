@@ -216,7 +216,7 @@ class CornerStudy {
       NominalFlash flash = e.flashes[e.photograph.flash[i]];
       flash.time_s += shift_s;
       const NominalFrame alone = shot_.photograph(std::span(&flash, 1));
-      // A threshold passed meanwhile is not this image's change but one of the threshold_steps.
+      // A threshold passed meanwhile is not this image's change but a threshold step.
       if (alone.frame.images.size() != 1 || alone.frame.images[0].leg != moved.images[i].leg) continue;
       reduction::BallImage& image = moved.images[i];
       image = alone.frame.images[0];
@@ -334,10 +334,10 @@ PerQuantity SceneBounds::of(const Model& model) {
   sum += contact_.of(model);
   if (sum.all_zero()) return sum;
   sum += times(threshold_steps_, 1.0 + passing);
-  // An image that comes or goes brings its time's jitter, or takes it away.
+  // An image that appears or disappears adds or removes its time's jitter.
   if (present(Effect::sensor_delay) && model.has(Effect::sensor_delay))
     sum += times(one_stamp_, 2.0 * kImageMargin * (1.0 + passing));
-  // What pixels do to a place is another thing at any other place.
+  // The effect of pixels differs from place to place.
   if (present(Effect::pixels) && model.has(Effect::pixels))
     sum += times(images_[static_cast<std::size_t>(Effect::pixels)], 2.0);
   no_bound_where_large(sum);
@@ -354,7 +354,7 @@ void SceneBounds::no_bound_where_large(PerQuantity& sum) const {
   for (std::size_t q = 0; q < reduction::kQuantityCount; ++q) {
     if (bent || sum[q] > kSmall * scale[q]) sum[q] = kNoBound;
   }
-  // A dwell time that comes out negative is no number.
+  // A negative dwell time is no number.
   if (sum[Quantity::dwell_time_ms] >= least_dwell_ms_)
     sum[Quantity::dwell_time_ms] = sum[Quantity::dwell_distance_cm] = kNoBound;
 }

@@ -116,7 +116,7 @@ std::vector<FilmImage> film_images(const Scene& scene, const Exposure& exposure)
   const std::vector<Blend> blends = blends_of(flashes_on_film(exposure));
   const Film film(scene, *exposure.ball);
   const auto after = std::ranges::lower_bound(blends, exposure.ball->touchdown, {}, &Blend::time);
-  // Outwards from the impact: where the ball has left the view to its side nothing more is seen.
+  // Outwards from the impact: nothing more is seen once the ball has left the view at its side.
   for (auto blend = after; blend != blends.begin();) {
     if (film.add(*--blend, images)) break;
   }

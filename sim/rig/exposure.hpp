@@ -2,6 +2,7 @@
 // Plain values, thread-safe.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <boost/container/static_vector.hpp>
 #include <optional>
@@ -41,6 +42,8 @@ struct Exposure {
   int throws = 0;                  ///< number of the machine's throws for this shot
   std::vector<FaultKind> faults;   ///< that occurred, each once
   bool overrun = false;            ///< the simulation itself could not keep up: edges came late or were lost
+
+  bool has(FaultKind fault) const { return std::ranges::find(faults, fault) != faults.end(); }
 };
 
 /// The pulse's number counted from the touchdown: -1 is the last before, 1 the first after. Returns nullopt

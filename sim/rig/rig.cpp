@@ -28,7 +28,7 @@ Rig::Rig(const Scene& scene, std::uint64_t seed, MonoTime start, const Model& mo
       seed_(seed),
       lamps_{LampModel(scene_, seed, Lamp::a), LampModel(scene_, seed, Lamp::b)} {
   if (needs_calibration(scene_, model_)) {
-    // Where the mean ball stays on the surface every throw is refused likewise.
+    // If the mean ball stays on the surface, every throw is rejected likewise.
     if (const auto reduced = calibrate(scene_, model_)) reduced_ = *reduced;
   }
   restart(1, start);
@@ -263,7 +263,7 @@ void Rig::schedule(const Drive& drive) {
 void Rig::note_faults(const std::vector<FaultKind>& kinds) {
   if (!current_) return;
   for (const FaultKind kind : kinds) {
-    if (std::ranges::find(current_->faults, kind) == current_->faults.end()) current_->faults.push_back(kind);
+    if (!current_->has(kind)) current_->faults.push_back(kind);
   }
 }
 

@@ -18,10 +18,6 @@ constexpr Duration kLead = milliseconds(1);
 
 void set(SimulatedShot& shot, ShotFlag flag) { shot.flags.set(static_cast<std::size_t>(flag)); }
 
-bool occurred(const Exposure& exposure, FaultKind kind) {
-  return std::ranges::find(exposure.faults, kind) != exposure.faults.end();
-}
-
 }  // namespace
 
 Shooter::Shooter(const Scene& scene, std::uint64_t seed, const Model& model, const ShootSettings& settings)
@@ -110,8 +106,7 @@ SimulatedShot Shooter::shoot(int shot) {
     if (!shows_impact(result.exposure)) set(result, ShotFlag::impact_unseen);
     result.truth = true_readout(scene(), result.exposure.ball->path);
   } else {
-    set(result,
-        occurred(result.exposure, FaultKind::ball_misses) ? ShotFlag::ball_missed : ShotFlag::no_ball);
+    set(result, result.exposure.has(FaultKind::ball_misses) ? ShotFlag::ball_missed : ShotFlag::no_ball);
   }
   return result;
 }

@@ -33,12 +33,9 @@ bool has_numbers(const reduction::Readout& readout) {
 /// A flash without an image, or with two, or with a fault of its time or sensor.
 bool images_are_ambiguous(const sim::Scene& scene, const sim::Exposure& exposure) {
   using sim::FaultKind;
-  const auto occurred = [&](FaultKind kind) {
-    return std::find(exposure.faults.begin(), exposure.faults.end(), kind) != exposure.faults.end();
-  };
-  return occurred(FaultKind::flash_dim) || occurred(FaultKind::flash_double) ||
-         occurred(FaultKind::flash_late) || occurred(FaultKind::flash_missing) ||
-         occurred(FaultKind::sensor_bounce) || occurred(FaultKind::sensor_dropout) ||
+  return exposure.has(FaultKind::flash_dim) || exposure.has(FaultKind::flash_double) ||
+         exposure.has(FaultKind::flash_late) || exposure.has(FaultKind::flash_missing) ||
+         exposure.has(FaultKind::sensor_bounce) || exposure.has(FaultKind::sensor_dropout) ||
          shot_fault(scene.faults, FaultKind::image_unseen, exposure.shot) != nullptr;
 }
 

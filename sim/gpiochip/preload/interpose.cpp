@@ -1,4 +1,4 @@
-// The libc functions that a program reaches the chip by. Everything that is not the chip goes to the next
+// The libc functions through which a program accesses the chip. Calls on anything else go to the next
 // library.
 #include <dirent.h>
 #include <dlfcn.h>

@@ -49,7 +49,7 @@ std::uint32_t config_flags(std::uint32_t flags) {
 }
 
 /// Sets flags and direction of a line in one store together with `owner`, and only then touches the pin: at
-/// no instant is a line driven that would not be put back if its owner died.
+/// no instant is a line driven that would not be released if its owner died.
 void configure_line(State& state, std::uint32_t line, std::uint32_t flags, unsigned value,
                     std::uint32_t owner, std::int64_t now) {
   std::atomic<std::uint32_t>& word = state.lines[line].config;
@@ -134,7 +134,7 @@ int open_event(std::uint32_t line) {
   return sys::open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
 }
 
-/// Events that nobody read before the last owner let go.
+/// Discards events that the previous owner did not read.
 void drain(int fd) {
   char rest[4096];
   while (sys::read(fd, rest, sizeof(rest)) > 0) {

@@ -9,13 +9,7 @@
 using namespace strobe;
 using namespace strobe::sim;
 
-TEST_GROUP(LineFault) {
-  Scene scene = test::plain_scene();
-
-  bool occurred(const Exposure& exposure, FaultKind kind) const {
-    return std::ranges::find(exposure.faults, kind) != exposure.faults.end();
-  }
-};
+TEST_GROUP(LineFault) { Scene scene = test::plain_scene(); };
 
 TEST(LineFault, ADimFlashIsSeenByItsSensorAndNotOnTheFilm) {
   test::VirtualRigFixture sound(scene);
@@ -25,7 +19,7 @@ TEST(LineFault, ADimFlashIsSeenByItsSensorAndNotOnTheFilm) {
   const Exposure exposure = fixture.shoot();
   LONGS_EQUAL(all.size() - 1, film_images(scene, exposure).size());
   LONGS_EQUAL(sound.drives_of(RigLine::sensor_a, 1).size(), fixture.drives_of(RigLine::sensor_a, 1).size());
-  CHECK(occurred(exposure, FaultKind::flash_dim));
+  CHECK(exposure.has(FaultKind::flash_dim));
 }
 
 TEST(LineFault, ASensorThatDropsOutLeavesTheFilmAsItIs) {
@@ -38,7 +32,7 @@ TEST(LineFault, ASensorThatDropsOutLeavesTheFilmAsItIs) {
   LONGS_EQUAL(sound.drives_of(RigLine::sensor_a, 1).size() - 1,
               fixture.drives_of(RigLine::sensor_a, 1).size());
   LONGS_EQUAL(sound.drives_of(RigLine::sensor_b, 1).size(), fixture.drives_of(RigLine::sensor_b, 1).size());
-  CHECK(occurred(exposure, FaultKind::sensor_dropout));
+  CHECK(exposure.has(FaultKind::sensor_dropout));
 }
 
 TEST(LineFault, ABouncingSensorRisesTwiceForOneFlash) {
@@ -58,7 +52,7 @@ TEST(LineFault, AChatteringGateIsInterruptedBeforeTheBallComes) {
   sound.shoot();
   scene.faults = {{.kind = FaultKind::gate_chatter, .delay = microseconds(700)}};
   test::VirtualRigFixture fixture(scene);
-  CHECK(occurred(fixture.shoot(), FaultKind::gate_chatter));
+  CHECK(fixture.shoot().has(FaultKind::gate_chatter));
   const auto rises = fixture.drives_of(RigLine::gate, 1);
   LONGS_EQUAL(4, rises.size());
   CHECK(rises.back().at == sound.drives_of(RigLine::gate, 1)[0].at);
@@ -72,5 +66,5 @@ TEST(LineFault, AStuckShutterShowsNothing) {
   CHECK_FALSE(known(exposure.opened));
   CHECK(film_images(scene, exposure).empty());
   CHECK_FALSE(shows_impact(exposure));
-  CHECK(occurred(exposure, FaultKind::shutter_stuck));
+  CHECK(exposure.has(FaultKind::shutter_stuck));
 }

@@ -14,10 +14,6 @@ namespace {
 using namespace strobe;
 using namespace strobe::sim;
 
-bool occurred(const Exposure& exposure, FaultKind kind) {
-  return std::ranges::find(exposure.faults, kind) != exposure.faults.end();
-}
-
 /// Index of the pulse that far from the touchdown.
 std::size_t pulse_at(const Exposure& exposure, int from_impact) {
   for (std::size_t i = 0; i < exposure.pulses.size(); ++i) {
@@ -138,7 +134,7 @@ TEST(Rig, MakesAnImageWithOneLampAlone) {
   CHECK(film_images(scene, exposure).size() >= 10);
   CHECK(fixture.drives_of(RigLine::sensor_a, 1).empty());
   LONGS_EQUAL(exposure.pulses.size(), fixture.drives_of(RigLine::sensor_b, 1).size());
-  CHECK(occurred(exposure, FaultKind::lamp_dead));
+  CHECK(exposure.has(FaultKind::lamp_dead));
 }
 
 TEST(Rig, MakesNoImageWhereBothLampsMiss) {
@@ -160,7 +156,7 @@ TEST(Rig, StrikesTheFlashThatTheFaultCountsFromTheImpact) {
     test::VirtualRigFixture fixture(scene);
     for (int shot = 1; shot <= 3; ++shot) {
       const Exposure exposure = fixture.shoot();
-      CHECK(occurred(exposure, FaultKind::flash_late) == (shot == 2));
+      CHECK(exposure.has(FaultKind::flash_late) == (shot == 2));
       for (std::size_t i = 0; i < exposure.pulses.size(); ++i) {
         const bool late = flash_time(exposure.pulses[i]) - exposure.pulses[i].edge > microseconds(100);
         CHECK(late == (shot == 2 && *place_from_impact(exposure, i) == k));
@@ -221,7 +217,7 @@ TEST(Rig, CrossesTheGateWithABallThatMissesThePlate) {
   LONGS_EQUAL(1, fixture.drives_of(RigLine::gate, 1).size());
   LONGS_EQUAL(1, exposure.throws);
   CHECK(!exposure.ball.has_value());
-  CHECK(occurred(exposure, FaultKind::ball_misses));
+  CHECK(exposure.has(FaultKind::ball_misses));
   CHECK(fixture.shoot().ball.has_value());
 }
 
@@ -231,7 +227,7 @@ TEST(Rig, ThrowsNothingWhenTheMachineMisfires) {
   const Exposure exposure = fixture.shoot();
   LONGS_EQUAL(0, exposure.throws);
   CHECK(fixture.drives_of(RigLine::gate, 1).empty());
-  CHECK(occurred(exposure, FaultKind::machine_misfire));
+  CHECK(exposure.has(FaultKind::machine_misfire));
 }
 
 TEST(Rig, CountsEveryThrowOfAShot) {
