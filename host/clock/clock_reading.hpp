@@ -14,6 +14,13 @@ struct ClockReading {
   std::int64_t boot_time_ns = 0;  ///< as mono_ns, but goes on while the machine is suspended
 };
 
+/// The port that reads the machine's clocks.
+class Clock {
+ public:
+  virtual ~Clock() = default;
+  virtual ClockReading read() = 0;
+};
+
 class ClockStepDetector {
  public:
   struct Change {

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "host/clock/machine_clock.hpp"
 #include "host/commands/command.hpp"
 #include "host/commands/digitize_options.hpp"
 #include "host/commands/digitize_report.hpp"

@@ -5,10 +5,13 @@
 #include <optional>
 
 #include "common/authentication/key_file.hpp"
+#include "host/clock/machine_clock.hpp"
 #include "host/commands/command.hpp"
 #include "host/commands/fire_run.hpp"
+#include "host/commands/photograph_options.hpp"
 #include "host/config/notes.hpp"
 #include "host/config/share.hpp"
+#include "host/session/session_folder.hpp"
 
 namespace strobe::host {
 namespace {
@@ -50,46 +53,44 @@ std::optional<thesis::Condition> condition_of(const FireOptions& options) {
   return std::nullopt;
 }
 
-Result<FireOrder> order_of(const FireOptions& options) {
+Result<FireRequest> request_of(const FireOptions& options) {
   auto rig = load_rig(options.rig_path);
   if (!rig) return tl::unexpected(rig.error());
   const auto key = authentication::find_key({options.key_file, rig->key_file.value_or("")});
   if (!key) return tl::unexpected(key.error());
-  FireOrder order(key->key);
-  order.rig = std::move(*rig);
-  order.series.plan = order.rig.plan;
+  FireRequest request(key->key);
+  request.rig = std::move(*rig);
+  request.series.plan = request.rig.plan;
   if (!options.plan_path.empty()) {
     const auto text = read_file(options.plan_path);
     if (!text) return tl::unexpected(text.error());
-    const auto plan = read_plan(*text, options.plan_path, order.rig.plan);
+    const auto plan = read_plan(*text, options.plan_path, request.rig.plan);
     if (!plan) return tl::unexpected(plan.error());
-    order.series.plan = *plan;
-    order.plan_text = *text;
+    request.series.plan = *plan;
+    request.plan_text = *text;
   } else {
-    order.plan_text = plan_to_toml(order.rig.plan);
+    request.plan_text = plan_to_toml(request.rig.plan);
   }
   auto notes = notes_of(options);
   if (!notes) return tl::unexpected(notes.error());
-  order.series.notes = std::move(*notes);
-  order.series.shots = options.shots;
-  order.series.retries = options.retries.value_or(options.shots);
-  order.series.dry = options.dry;
-  order.series.blocked_timeout_s = options.wait_s;
-  order.series.photograph_timeout_s = order.rig.analysis.photograph_timeout_s;
-  order.series.clear_fault = options.clear_fault;
-  order.url = lcm_url(options.url, order.rig);
-  order.session = options.session.empty() ? "session-" + utc_for_file(wall_now_us()) : options.session;
-  order.photographs = options.photographs;
-  order.condition = condition_of(options);
-  order.style = options.json    ? Terminal::Style::json
-                : options.plain ? Terminal::Style::plain
-                                : Terminal::Style::screen;
-  return order;
+  request.series.notes = std::move(*notes);
+  request.series.shots = options.shots;
+  request.series.retries = options.retries.value_or(options.shots);
+  request.series.dry = options.dry;
+  request.series.blocked_timeout_s = options.wait_s;
+  request.series.photograph_timeout_s = request.rig.analysis.photograph_timeout_s;
+  request.series.clear_fault = options.clear_fault;
+  request.url = lcm_url(options.url, request.rig);
+  request.session = options.session.empty() ? "session-" + utc_for_file(MachineClock().read().wall_ns / 1000) : options.session;
+  request.photographs = options.photographs;
+  request.condition = condition_of(options);
+  request.style = Terminal::style(options.json, options.plain);
+  return request;
 }
 
 int run(const FireOptions& options) {
-  const auto order = order_of(options);
-  return order ? run_fire(*order) : bad_input(order.error().message);
+  const auto request = request_of(options);
+  return request ? run_fire(*request) : bad_input(request.error().message);
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
-// The firing of a series from LCM to the screen. One thread's; blocks until done or interrupted.
+// Fires a series: from LCM to the screen and the session folder. Single-threaded; blocks until the series is
+// over or interrupted.
 #pragma once
 
 #include <optional>
@@ -7,15 +8,14 @@
 #include "common/authentication/key.hpp"
 #include "common/data/thesis_data.hpp"
 #include "host/commands/terminal.hpp"
-#include "host/commands/watched_photographs.hpp"
 #include "host/config/rig_file.hpp"
-#include "host/session/session_folder.hpp"
+#include "host/photographs/open_pipeline.hpp"
 #include "host/session/shot_series.hpp"
 
 namespace strobe::host {
 
-struct FireOrder {
-  explicit FireOrder(const authentication::Key& lab_key) : key(lab_key) {}
+struct FireRequest {
+  explicit FireRequest(const authentication::Key& lab_key) : key(lab_key) {}
 
   authentication::Key key;
   RigFile rig;
@@ -29,6 +29,6 @@ struct FireOrder {
 };
 
 /// Returns the exit status.
-int run_fire(const FireOrder& order);
+int run_fire(const FireRequest& request);
 
 }  // namespace strobe::host

@@ -5,21 +5,17 @@
 #include <optional>
 
 #include "common/authentication/key_file.hpp"
+#include "host/clock/machine_clock.hpp"
 #include "host/commands/command.hpp"
+#include "host/commands/photograph_options.hpp"
 #include "host/commands/terminal.hpp"
-#include "host/commands/watched_photographs.hpp"
 #include "host/config/rig_file.hpp"
-#include "host/loop/session_monitor.hpp"
-#include "host/messages/command_factory.hpp"
+#include "host/loop/host_loop.hpp"
 #include "host/messages/lcm_link.hpp"
-#include "host/messages/message_decoder.hpp"
 #include "host/view/timing.hpp"
 
 namespace strobe::host {
 namespace {
-
-// A firmware that is there would have been heard by then.
-constexpr std::int64_t kSilent_ns = 2'000'000'000;
 
 struct LiveOptions {
   std::string rig_path;
@@ -33,128 +29,99 @@ struct LiveOptions {
   double idle_exit_s = 0.0;
 };
 
-Terminal::Style style_of(const LiveOptions& options) {
-  if (options.json) return Terminal::Style::json;
-  return options.plain ? Terminal::Style::plain : Terminal::Style::screen;
-}
-
-/// After each shot, once the firmware has told of it: its next heartbeat counts the shot's flashes.
-class TimingReport {
+/// Prints the timing after each shot, as the first heartbeat after it tells: it counts the shot's flashes.
+class TimingReport final : public HostListener {
  public:
-  void shot_done(int shot_id, std::int64_t heard_ns) {
-    after_shot_ = shot_id;
-    heard_ns_ = heard_ns;
+  TimingReport(HostLoop& loop, Terminal& terminal, bool json) : loop_(loop), terminal_(terminal), json_(json) {}
+
+  void on_shot_result(const ShotResult& result) override {
+    after_shot_ = result.shot_id;
+    status_heard_ns_ = loop_.session().status_heard_ns();
   }
-  bool due() const { return after_shot_.has_value(); }
-  void print_when_told(SessionMonitor& monitor, const Model& model, bool json) {
-    if (!due() || !model.status || monitor.session().status_heard_ns() <= heard_ns_) return;
-    if (json) {
-      print({timing_json(*model.status, model.clock, *after_shot_)});
+  /// Whether one is still to be printed: not if the firmware is silent.
+  bool due() const { return after_shot_ && loop_.live_status(); }
+  void step() {
+    const auto& status = loop_.session().status();
+    if (!after_shot_ || !status || loop_.session().status_heard_ns() <= status_heard_ns_) return;
+    if (json_) {
+      print({timing_json(*status, terminal_.model().clock, *after_shot_)});
     } else {
-      print(render_timing(*model.status));
+      print(render_timing(*status));
     }
     after_shot_.reset();
   }
 
  private:
+  HostLoop& loop_;
+  Terminal& terminal_;
+  bool json_;
   std::optional<int> after_shot_;
-  std::int64_t heard_ns_ = 0;  ///< the newest heartbeat when the shot was done with
+  std::int64_t status_heard_ns_ = 0;  ///< of the newest heartbeat when the result came
 };
 
-/// Asks strobed for what did not come, also for what was before this listener joined.
-class Asking {
+/// Tells how many events are missing once nothing has changed for five seconds.
+class MissingNotes {
  public:
-  Asking(const authentication::Key& key, const std::string& rig, std::int64_t host_id)
-      : factory_(host_id), sealer_(key, rig) {}
-  void turn(Session& session, LcmLink& link, std::int64_t now_ns) {
-    if (!session.status()) return;
-    for (const EventRange& range : session.ledger().due(now_ns)) {
-      if (const auto sealed = sealer_.seal(factory_.resend(session.status()->boot_id, range)))
-        link.publish_command(*sealed);
-    }
-  }
-
- private:
-  CommandFactory factory_;
-  CommandSealer sealer_;
-};
-
-/// Says what is missing once it is no longer on its way.
-class MissingWords {
- public:
-  std::optional<std::string> turn(std::int64_t missing, std::int64_t now_ns) {
-    constexpr std::int64_t kOnItsWay_ns = 5'000'000'000;
+  std::optional<std::string> update(std::int64_t missing, std::int64_t now_ns) {
+    constexpr std::int64_t kSettled_ns = 5'000'000'000;
     if (missing != missing_) since_ns_ = now_ns;
     missing_ = missing;
-    if (missing <= said_ || now_ns - since_ns_ < kOnItsWay_ns) return std::nullopt;
-    said_ = missing;
+    if (missing <= told_ || now_ns - since_ns_ < kSettled_ns) return std::nullopt;
+    told_ = missing;
     return fmt::format("{} events did not arrive here", missing);
   }
 
  private:
-  std::int64_t missing_ = 0, said_ = 0, since_ns_ = 0;
+  std::int64_t missing_ = 0, told_ = 0, since_ns_ = 0;
 };
+
+/// Returns false if nothing can be received any more.
+bool watch(HostLoop& loop, Terminal& terminal, TimingReport* timing, const LiveOptions& options) {
+  const auto idle_ns = static_cast<std::int64_t>(options.idle_exit_s * 1e9);
+  MissingNotes missing;
+  while (!interrupted()) {
+    if (!loop.run_once()) return false;
+    terminal.show(loop);
+    if (timing) timing->step();
+    if (const auto note = missing.update(terminal.model().events_missing, loop.now_ns())) terminal.note(*note);
+    const bool enough = options.shots > 0 && terminal.model().shots >= options.shots;
+    if (enough && !(timing && timing->due())) break;
+    if (idle_ns > 0 && loop.now_ns() - loop.last_message_ns() > idle_ns) break;
+  }
+  return true;
+}
 
 int run_live(const LiveOptions& options) {
   const auto rig = load_rig(options.rig_path);
   if (!rig) return bad_input(rig.error().message);
   const std::string url = lcm_url(options.url, *rig);
   const auto key = authentication::find_key({options.key_file, rig->key_file.value_or("")});
-  const std::int64_t host_id = random_host_id();
-  SessionMonitor monitor(assembly_settings(*rig), 0, key.has_value(),
-                         fmt::format("strobe live   rig {}", rig->rig));
-  std::optional<Asking> asking;
-  if (key) asking.emplace(key->key, rig->rig, host_id);
-  WatchedPhotographs photographs(*rig, options.photographs, "", host_id, monitor);
-  if (auto watched = photographs.open(); !watched) return bad_input(watched.error().message);
-  MessageDecoder decoder(rig->rig, photographs.sink());
-  std::int64_t last_message_ns = steady_now_ns();
-  auto link =
-      LcmLink::open(url, rig->rig, [&](const std::string& channel, const void* data, std::size_t size) {
-        if (photographs.own_frame(channel, data, size)) return;
-        last_message_ns = steady_now_ns();
-        decoder.receive(channel, data, size, last_message_ns);
-      });
+  HostLoopSettings settings{rig->rig, assembly_settings(*rig), random_host_id()};
+  if (key) settings.key = key->key;
+  MachineClock clock;
+  auto link = LcmLink::open(url, rig->rig);
   if (!link) return failed(link.error().message);
+  HostLoop loop(settings, **link, clock);
+  auto photographs =
+      open_pipeline(*rig, options.photographs, "", settings.host_id, loop.session().clock(), clock.read());
+  if (!photographs) return bad_input(photographs.error().message);
+  loop.set_photographs(std::move(*photographs));
   catch_signals();
-  Terminal terminal(style_of(options));
-  terminal.notify(fmt::format("listening to rig {} on {}", rig->rig, url));
-  TimingReport timing;
-  monitor.on_shot_result = [&](const ShotResult& shot_result) {
-    if (options.shots == 0 || monitor.shot_results() <= options.shots) terminal.shot_result(shot_result);
-    if (options.timing) timing.shot_done(shot_result.shot_id, monitor.session().status_heard_ns());
-  };
-  monitor.on_notification = [&](const std::string& text) { terminal.notify(text); };
-  for (const std::string& text : photographs.opening_words()) monitor.notify(text);
-  if (!key) monitor.notify("what is lost on the way cannot be asked for: " + key.error().message);
-  const auto idle_ns = static_cast<std::int64_t>(options.idle_exit_s * 1e9);
-  MissingWords missing;
-  while (!interrupted()) {
-    if (!(*link)->wait(50, photographs.descriptors()) || !(*link)->drain())
-      return failed("LCM cannot receive any more");
-    for (const auto& frame : photographs.turn(steady_now_ns())) {
-      photographs.sink().frame(frame, steady_now_ns());
-      (*link)->publish(frame);
-    }
-    for (const std::string& text : photographs.take_notifications()) monitor.notify(text);
-    const std::int64_t now_ns = steady_now_ns();
-    monitor.time(now_ns);
-    monitor.local_clocks(read_clocks());
-    const Model& shown = monitor.shown(now_ns);
-    terminal.show(shown, now_ns);
-    if (!terminal.owns_screen()) timing.print_when_told(monitor, shown, options.json);
-    if (asking) asking->turn(monitor.session(), **link, now_ns);
-    if (const auto words = missing.turn(monitor.model().events_missing, now_ns)) terminal.notify(*words);
-    const bool silent = now_ns - monitor.session().status_heard_ns() > kSilent_ns;
-    const bool told = !timing.due() || terminal.owns_screen() || silent;
-    if (options.shots > 0 && monitor.shot_results() >= options.shots && told) break;
-    if (idle_ns > 0 && now_ns - last_message_ns > idle_ns) break;
-  }
+  Terminal terminal(Terminal::style(options.json, options.plain), fmt::format("strobe live   rig {}", rig->rig),
+                    options.shots);
+  loop.add_listener(terminal);
+  terminal.open();
+  TimingReport timing(loop, terminal, options.json);
+  const bool with_timing = options.timing && !terminal.owns_screen();
+  if (with_timing) loop.add_listener(timing);
+  terminal.note(fmt::format("listening to rig {} on {}", rig->rig, url));
+  if (!key) loop.notify("what is lost on the way cannot be asked for: " + key.error().message);
+  const bool receiving = watch(loop, terminal, with_timing ? &timing : nullptr, options);
   terminal.close();
-  if (!options.json && monitor.model().series.shots() > 0) {
-    print(render_series(monitor.model().series, std::nullopt, kPlainWidth));
-  }
-  return options.shots > 0 && monitor.shot_results() < options.shots ? kFailed : kDone;
+  if (!receiving) return failed("LCM cannot receive any more");
+  if (!options.json && terminal.model().series.shots() > 0)
+    print(render_series(terminal.model().series, std::nullopt, kPlainWidth));
+  return terminal.model().shots < options.shots ? kFailed : kDone;
 }
 
 }  // namespace

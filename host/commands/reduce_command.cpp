@@ -16,6 +16,7 @@
 #include "common/reduction/legacy.hpp"
 #include "common/reduction/legacy_file.hpp"
 #include "common/reduction/reduce.hpp"
+#include "host/clock/machine_clock.hpp"
 #include "host/commands/command.hpp"
 #include "host/commands/frontier/frontier_files.hpp"
 #include "host/commands/reduce/reduce_choice.hpp"

@@ -9,8 +9,7 @@
 #include "host/commands/command.hpp"
 #include "host/commands/terminal.hpp"
 #include "host/config/rig_file.hpp"
-#include "host/loop/session_monitor.hpp"
-#include "host/messages/message_decoder.hpp"
+#include "host/loop/host_loop.hpp"
 
 namespace strobe::host {
 namespace {
@@ -29,6 +28,13 @@ std::string rig_path(const ReplayOptions& options) {
   return std::filesystem::exists(beside, error) ? beside.string() : std::string();
 }
 
+/// The clock of whoever wrote the log.
+class LogClock final : public Clock {
+ public:
+  ClockReading read() override { return {now_ns, now_ns, now_ns}; }
+  std::int64_t now_ns = 0;
+};
+
 int run_replay(const ReplayOptions& options) {
   const auto rig = load_rig(rig_path(options));
   if (!rig) return bad_input(rig.error().message);
@@ -36,22 +42,23 @@ int run_replay(const ReplayOptions& options) {
   if (!std::filesystem::is_regular_file(options.log, error)) return bad_input(options.log + ": no such file");
   lcm::LogFile log(options.log, "r");
   if (!log.good()) return bad_input(options.log + ": cannot be read");
-  SessionMonitor monitor(assembly_settings(*rig), 0, "");
-  MessageDecoder decoder(rig->rig, monitor);
-  Terminal terminal(options.json ? Terminal::Style::json : Terminal::Style::plain);
-  monitor.on_shot_result = [&](const ShotResult& shot_result) { terminal.shot_result(shot_result); };
-  monitor.on_notification = [&](const std::string& text) { terminal.notify(text); };
+  LogClock clock;
+  NullTransport transport;
+  HostLoop loop({rig->rig, assembly_settings(*rig)}, transport, clock);
+  Terminal terminal(Terminal::style(options.json, true));
+  loop.add_listener(terminal);
   std::int64_t messages = 0;
   while (const lcm::LogEvent* event = log.readNextEvent()) {
     ++messages;
-    const std::int64_t now_ns = event->timestamp * 1000;
-    monitor.time(now_ns);
-    decoder.receive(event->channel, event->data, static_cast<std::size_t>(event->datalen), now_ns);
+    clock.now_ns = event->timestamp * 1000;
+    loop.step();
+    loop.receive(event->channel, {static_cast<const std::uint8_t*>(event->data),
+                                  static_cast<std::size_t>(event->datalen)});
   }
-  monitor.end();
+  loop.end_session();
   if (messages == 0) return bad_input(options.log + ": not an LCM log, or an empty one");
-  if (!options.json) print(render_series(monitor.model().series, std::nullopt, kPlainWidth));
-  if (monitor.shot_results() == 0) {
+  if (!options.json) print(render_series(terminal.model().series, std::nullopt, kPlainWidth));
+  if (terminal.model().shots == 0) {
     return failed(fmt::format("{}: no shot of rig {} in {} messages", options.log, rig->rig, messages));
   }
   return kDone;

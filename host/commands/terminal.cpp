@@ -2,7 +2,6 @@
 
 #include <csignal>
 #include <cstdio>
-#include <ctime>
 #include <random>
 
 #include "common/messages/channels.hpp"
@@ -17,19 +16,13 @@ volatile std::sig_atomic_t caught = 0;
 
 void mark(int) { caught = 1; }
 
-std::int64_t now_ns(clockid_t clock) {
-  timespec time{};
-  clock_gettime(clock, &time);
-  return static_cast<std::int64_t>(time.tv_sec) * 1'000'000'000 + time.tv_nsec;
+/// The readout, or the train report of a dry shot.
+std::string json_line(const ShotResult& result) {
+  if (result.dry) return train_report_json(result.train, result.shot_id);
+  return messages::readout_to_json(result.readout);
 }
 
 }  // namespace
-
-std::int64_t steady_now_ns() { return now_ns(CLOCK_MONOTONIC); }
-ClockReading read_clocks() {
-  return {now_ns(CLOCK_MONOTONIC), now_ns(CLOCK_REALTIME), now_ns(CLOCK_BOOTTIME)};
-}
-std::int64_t wall_now_us() { return now_ns(CLOCK_REALTIME) / 1000; }
 
 std::int64_t random_host_id() {
   std::random_device device;
@@ -46,38 +39,50 @@ void catch_signals() {
 
 bool interrupted() { return caught != 0; }
 
-Terminal::Terminal(Style style) : style_(style) {
-  if (style == Style::screen && !Screen::possible()) style_ = Style::plain;
+Terminal::Style Terminal::style(bool json, bool plain) {
+  if (json) return Style::json;
+  return plain ? Style::plain : Style::screen;
+}
+
+Terminal::Terminal(Style style, std::string title, int max_shots) : style_(style), max_shots_(max_shots) {
+  model_.title = std::move(title);
+}
+
+void Terminal::open() {
+  if (style_ == Style::screen && !Screen::possible()) style_ = Style::plain;
   if (style_ == Style::screen) screen_ = std::make_unique<Screen>();
 }
 
-void Terminal::shot_result(const ShotResult& shot_result) {
+void Terminal::on_shot_result(const ShotResult& result) {
+  model_.add(result);
+  if (max_shots_ > 0 && model_.shots > max_shots_) return;
   if (style_ == Style::json) {
-    std::puts(shot_result_json(shot_result).c_str());
+    std::puts(json_line(result).c_str());
   } else if (style_ == Style::plain) {
-    print(render_shot(shot_result, kPlainWidth));
+    print(render_shot(result, kPlainWidth));
   }
   std::fflush(stdout);
 }
 
-void Terminal::notify(const std::string& text) {
+void Terminal::on_notification(const std::string& text) {
+  model_.add_notification(text);
+  note(text);
+}
+
+void Terminal::note(const std::string& text) {
   if (!screen_) std::fprintf(stderr, "strobe: %s\n", text.c_str());
 }
 
-void Terminal::show(const Model& model, std::int64_t now_ns) {
-  if (!screen_ || now_ns - painted_ns_ < kRepaint_ns) return;
-  painted_ns_ = now_ns;
-  screen_->paint(render(model, screen_->width()));
+void Terminal::show(HostLoop& loop) {
+  if (const auto warning = model_.update(loop.session(), loop.now_ns())) loop.notify(*warning);
+  if (!screen_ || loop.now_ns() - painted_ns_ < kRepaint_ns) return;
+  painted_ns_ = loop.now_ns();
+  screen_->paint(render(model_, screen_->width()));
 }
 
 void print(const std::vector<std::string>& lines) {
   for (const std::string& line : lines) std::puts(line.c_str());
   std::fflush(stdout);
-}
-
-std::string shot_result_json(const ShotResult& shot_result) {
-  if (shot_result.dry) return train_report_json(shot_result.train, shot_result.shot_id);
-  return messages::readout_to_json(shot_result.readout);
 }
 
 std::string lcm_url(const std::string& given, const RigFile& rig) {

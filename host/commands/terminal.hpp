@@ -1,4 +1,4 @@
-// What the commands share at the edge: clocks, signals, where output goes. One thread's.
+// What the commands share at the edge: signals, and where output goes. Single-threaded.
 #pragma once
 
 #include <cstdint>
@@ -6,53 +6,56 @@
 #include <string>
 #include <vector>
 
-#include "host/session/session.hpp"
+#include "host/config/rig_file.hpp"
+#include "host/loop/host_loop.hpp"
 #include "host/view/render.hpp"
 #include "host/view/screen.hpp"
 
 namespace strobe::host {
 
-std::int64_t steady_now_ns();
-std::int64_t wall_now_us();
-/// All three clocks, read one after the other.
-ClockReading read_clocks();
 /// Random, positive.
 std::int64_t random_host_id();
 
-/// From now on SIGINT, SIGTERM and SIGHUP only set a mark.
+/// From now on SIGINT, SIGTERM and SIGHUP only make interrupted() true.
 void catch_signals();
 bool interrupted();
 
-/// How to tell a person or a script: one JSON object a line, lines of text, or the whole screen.
-class Terminal {
+/// Shows a session to a person or a script: one JSON object a line, lines of text, or the whole screen.
+class Terminal final : public HostListener {
  public:
   enum class Style { json, plain, screen };
+  /// The style that the options --json and --plain name.
+  static Style style(bool json, bool plain);
 
-  /// The screen only where there is one.
-  explicit Terminal(Style style);
+  /// max_shots: results beyond are not printed; 0: no limit.
+  explicit Terminal(Style style, std::string title = "", int max_shots = 0);
 
-  Style style() const { return style_; }
+  /// Takes the screen, if that is the style; where there is none that can be painted on, lines are printed.
+  void open();
   bool owns_screen() const { return screen_ != nullptr; }
-  /// Standard output in json and plain style, flushed; nothing on a screen (the model shows it).
-  void shot_result(const ShotResult& shot_result);
-  /// Standard error; nothing on a screen.
-  void notify(const std::string& text);
-  /// The screen, at most ten times a second.
-  void show(const Model& model, std::int64_t now_ns);
+  ViewModel& model() { return model_; }
+
+  /// Standard output in json and plain style, flushed; on a screen the model shows it.
+  void on_shot_result(const ShotResult& result) override;
+  /// Standard error; on a screen the model shows it.
+  void on_notification(const std::string& text) override;
+  /// For a person who sees no screen.
+  void note(const std::string& text);
+  /// Brings the model up to date and paints the screen, at most ten times a second.
+  void show(HostLoop& loop);
   /// Gives the screen back.
   void close() { screen_.reset(); }
 
  private:
   Style style_;
+  int max_shots_;
+  ViewModel model_;
   std::unique_ptr<Screen> screen_;
   std::int64_t painted_ns_ = 0;
 };
 
 /// Lines on standard output.
 void print(const std::vector<std::string>& lines);
-
-/// The one JSON line of an shot_result: the readout, or the train report of a dry shot.
-std::string shot_result_json(const ShotResult& shot_result);
 
 /// --lcm-url, else the rig file's, else the default.
 std::string lcm_url(const std::string& given, const RigFile& rig);

@@ -9,17 +9,13 @@
 
 namespace strobe::host {
 
-LcmLink::LcmLink(const std::string& url, const std::string& rig, Receiver receiver)
+LcmLink::LcmLink(const std::string& url, const std::string& rig)
     : lcm_(url),
-      receiver_(std::move(receiver)),
       rig_channels_("STROBE/" + rig + "/"),
-      command_channel_(messages::channel_name(rig, messages::Channel::command)),
-      readout_channel_(messages::channel_name(rig, messages::Channel::readout)),
-      frame_channel_(messages::channel_name(rig, messages::Channel::frame)) {}
+      command_channel_(messages::channel_name(rig, messages::Channel::command)) {}
 
-Result<std::unique_ptr<LcmLink>> LcmLink::open(const std::string& url, const std::string& rig,
-                                               Receiver receiver) {
-  std::unique_ptr<LcmLink> link(new LcmLink(url, rig, std::move(receiver)));
+Result<std::unique_ptr<LcmLink>> LcmLink::open(const std::string& url, const std::string& rig) {
+  std::unique_ptr<LcmLink> link(new LcmLink(url, rig));
   if (!link->lcm_.good()) {
     return fail("LCM cannot be opened on " + url +
                 " (is there a route for multicast? ip route add 224.0.0.0/4 dev lo)");
@@ -42,50 +38,42 @@ Result<void> LcmLink::listen(const std::string& url, const std::string& rig) {
 }
 
 void LcmLink::handle(const lcm::ReceiveBuffer* buffer, const std::string& channel) {
-  if (channel != command_channel_) receiver_(channel, buffer->data, buffer->data_size);
+  hand_over(channel, {static_cast<const std::uint8_t*>(buffer->data), buffer->data_size});
 }
 
-bool LcmLink::take_datagram() {
-  const auto received = socket_->receive();
-  if (!received) return false;
-  const auto message = assembler_.take(received->sender, received->bytes);
-  if (!message || !message->channel.starts_with(rig_channels_) || message->channel == command_channel_)
-    return true;
-  receiver_(std::string(message->channel), message->data.data(), message->data.size());
-  return true;
+void LcmLink::hand_over(const std::string& channel, Bytes bytes) {
+  if (channel.starts_with(rig_channels_) && channel != command_channel_) (*receiver_)(channel, bytes);
 }
 
-bool LcmLink::wait(int milliseconds, std::span<const int> others) {
-  std::vector<pollfd> wanted{{socket_ ? socket_->fd() : lcm_.getFileno(), POLLIN, 0}};
-  for (const int other : others) wanted.push_back({other, POLLIN, 0});
-  if (poll(wanted.data(), wanted.size(), milliseconds) < 0 && errno != EINTR) return false;
-  if (wanted[0].revents == 0) return true;
+LcmLink::Taken LcmLink::take() {
   if (socket_) {
-    take_datagram();
-    return true;
+    const auto received = socket_->receive();
+    if (!received) return Taken::nothing;
+    if (const auto message = assembler_.take(received->sender, received->bytes))
+      hand_over(std::string(message->channel), message->data);
+    return Taken::message;
   }
   errno = 0;
-  return lcm_.handleTimeout(0) >= 0 || errno == EINTR;
+  const int handled = lcm_.handleTimeout(0);
+  if (handled < 0 && errno != EINTR) return Taken::failed;
+  return handled > 0 ? Taken::message : Taken::nothing;
 }
 
-bool LcmLink::drain() {
-  for (int i = 0; i < messages::kSubscriptionQueueCapacity; ++i) {
-    if (socket_) {
-      if (!take_datagram()) return true;
-      continue;
-    }
-    errno = 0;
-    const int handled = lcm_.handleTimeout(0);
-    if (handled < 0 && errno != EINTR) return false;
-    if (handled <= 0) return true;
-  }
-  return true;
+bool LcmLink::receive(std::chrono::milliseconds max_wait, std::span<const int> descriptors,
+                      const Receiver& receiver) {
+  std::vector<pollfd> polled{{socket_ ? socket_->fd() : lcm_.getFileno(), POLLIN, 0}};
+  for (const int descriptor : descriptors) polled.push_back({descriptor, POLLIN, 0});
+  if (poll(polled.data(), polled.size(), static_cast<int>(max_wait.count())) < 0 && errno != EINTR)
+    return false;
+  receiver_ = &receiver;
+  Taken taken = Taken::message;
+  for (int i = 0; i < messages::kSubscriptionQueueCapacity && taken == Taken::message; ++i) taken = take();
+  receiver_ = nullptr;
+  return taken != Taken::failed;
 }
 
-void LcmLink::publish_command(std::span<const std::uint8_t> sealed) {
-  lcm_.publish(command_channel_, sealed.data(), static_cast<unsigned>(sealed.size()));
+void LcmLink::publish(const std::string& channel, Bytes bytes) {
+  lcm_.publish(channel, bytes.data(), static_cast<unsigned>(bytes.size()));
 }
-void LcmLink::publish(const strobe_msgs::readout_t& readout) { lcm_.publish(readout_channel_, &readout); }
-void LcmLink::publish(const strobe_msgs::frame_t& frame) { lcm_.publish(frame_channel_, &frame); }
 
 }  // namespace strobe::host

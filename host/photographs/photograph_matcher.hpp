@@ -28,13 +28,10 @@ struct PhotographDecision {
 /// Instants: `local` ones on the caller's steady clock, `device` ones on the firmware's, in nanoseconds.
 class PhotographMatcher {
  public:
-  explicit PhotographMatcher(double timeout_s) : timeout_ns_(static_cast<std::int64_t>(timeout_s * 1e9)) {}
+  /// `clock` relates the firmware's clock to the host's; it must outlive the matcher.
+  PhotographMatcher(const DeviceClock& clock, double timeout_s)
+      : clock_(clock), timeout_ns_(static_cast<std::int64_t>(timeout_s * 1e9)) {}
 
-  /// A heartbeat of the firmware, sent at the instants of its clocks, has been heard at local_ns.
-  void on_heartbeat(std::int64_t boot_id, const ClockReading& device, std::int64_t local_ns) {
-    clock_.on_heartbeat(boot_id, device, local_ns);
-    clock_.take_notifications();  // told by the session
-  }
   /// A shot whose shutter has opened; dry ones have photographs, too. Known shots change nothing.
   void on_shot(const strobe_msgs::shot_t& shot);
   /// Somebody has measured its photograph: it need not be measured here.
@@ -77,8 +74,8 @@ class PhotographMatcher {
   std::string nobody(const Held& held) const;
   std::int64_t own_due_ns(const Exposure& exposure) const;
 
+  const DeviceClock& clock_;
   std::int64_t timeout_ns_;
-  DeviceClock clock_;
   std::optional<std::int64_t> usual_ns_;  ///< longest from closing to arrival so far
   std::vector<Exposure> exposures_;       ///< in order of their closing
   std::vector<Held> held_;                ///< in order of arrival

@@ -1,6 +1,6 @@
-// From the camera's folder to frames: photographs are matched to shots, measured on a thread of their own and
-// kept. Stands between the messages and whoever follows them. Whatever is wrong with a photograph is said and
-// stops nothing else. One thread's; reads and writes files.
+// From the camera's folder to frames: photographs are matched to shots, measured on a thread of their own, and
+// a copy of each is kept. What goes wrong with one photograph is told and stops nothing else. Single-threaded
+// but for the reader's thread; reads and writes files.
 #pragma once
 
 #include <filesystem>
@@ -8,9 +8,10 @@
 #include <memory>
 #include <set>
 #include <string>
+#include <strobe_msgs/frame_t.hpp>
+#include <strobe_msgs/shot_t.hpp>
 #include <vector>
 
-#include "host/messages/message_decoder.hpp"
 #include "host/photographs/camera_folder.hpp"
 #include "host/photographs/photograph_matcher.hpp"
 #include "host/photographs/photograph_reader.hpp"
@@ -20,51 +21,52 @@ namespace strobe::host {
 struct PhotographSettings {
   double timeout_s = 5.0;             ///< of a photograph after its shot
   std::int64_t host_id = 0;           ///< written into the frames, not 0
-  std::filesystem::path keep_folder;  ///< a session's; photographs/ in it keeps them; empty: none are kept
-  double retry_timeout_s = 2.0;       ///< with a file that cannot be read
+  std::filesystem::path keep_folder;  ///< the session's; its photographs/ keeps the copies; empty: no copies
+  double retry_timeout_s = 2.0;       ///< how long a file that cannot be read is tried again
 };
 
-class PhotographPipeline : public MessageHandler {
+class PhotographPipeline {
  public:
-  /// `next` gets every message. It must outlive the pipeline.
-  PhotographPipeline(MessageHandler& next, std::unique_ptr<CameraFolder> folder, MeasurePhotograph measure,
-                     PhotographSettings settings);
+  /// `clock` relates the firmware's clock to the host's; it must outlive the pipeline.
+  PhotographPipeline(const DeviceClock& clock, std::unique_ptr<CameraFolder> folder,
+                     MeasurePhotograph measure, PhotographSettings settings);
 
-  void status(const strobe_msgs::status_t& message, std::int64_t now_ns) override;
-  void event(const strobe_msgs::event_t& message, std::int64_t now_ns) override;
-  void shot(const strobe_msgs::shot_t& message, std::int64_t now_ns) override;
-  void frame(const strobe_msgs::frame_t& message, std::int64_t now_ns) override;
+  /// A shot's summary. When it comes again, somebody has asked for it who may have lost its frame, too: the
+  /// frame is then handed out again.
+  void on_shot(const strobe_msgs::shot_t& shot);
+  /// A frame that anybody has measured, this pipeline included.
+  void on_frame(const strobe_msgs::frame_t& frame);
 
   /// Takes in what has arrived and what has been measured.
-  void turn(std::int64_t now_ns);
-  /// No shot will come any more: says what is left over.
+  void step(std::int64_t now_ns);
+  /// No shot will come any more: tells what is left over.
   void end(std::int64_t now_ns);
 
-  /// Measured photographs, to be handed to everybody, this pipeline included.
+  /// Frames to be published and taken in.
   std::vector<strobe_msgs::frame_t> take_frames() { return std::exchange(frames_, {}); }
   std::vector<std::string> take_notifications() { return std::exchange(notifications_, {}); }
-  /// Readable when turn() has something to do at once.
+  void notify(std::string text) { notifications_.push_back(std::move(text)); }
+  /// Readable when step() has something to do at once.
   std::vector<int> descriptors() const { return {folder_->descriptor(), reader_.descriptor()}; }
   /// Photographs being read.
   std::size_t pending() const { return reader_.pending(); }
 
  private:
-  void arrive(const Arrival& arrival);
-  void follow(const PhotographDecision& decision);
+  void add(const Arrival& arrival);
+  void apply(const PhotographDecision& decision);
   void finish(PhotographResult result);
   std::filesystem::path name_to_keep(const Arrival& arrival, const ShotKey& shot);
-  void notify(std::string text) { notifications_.push_back(std::move(text)); }
 
-  MessageHandler& next_;
   std::unique_ptr<CameraFolder> folder_;
   PhotographSettings settings_;
-  PhotographMatcher match_;
+  PhotographMatcher matcher_;
   std::map<ShotKey, std::vector<double>> flash_times_s_;
-  std::map<int, Arrival> held_;  ///< photographs not yet decided on, by number
+  std::map<int, Arrival> undecided_;  ///< photographs not yet decided on, by number
   int next_photograph_ = 1;
-  std::set<std::filesystem::path> under_way_;
+  std::set<std::filesystem::path> being_read_;
   std::filesystem::path newest_;  ///< the photograph last matched
-  std::set<std::filesystem::path> names_given_;
+  std::set<std::filesystem::path> names_used_;
+  std::map<ShotKey, strobe_msgs::frame_t> measured_;
   std::vector<strobe_msgs::frame_t> frames_;
   std::vector<std::string> notifications_;
   PhotographReader reader_;

@@ -12,7 +12,7 @@ namespace strobe::host {
 namespace {
 
 namespace fs = std::filesystem;
-using Clock = std::chrono::steady_clock;
+using SteadyClock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds kTryEvery{50};
 
@@ -93,7 +93,7 @@ tl::expected<PhotographReading, UnreadPhotograph> PhotographReader::read_once(
 tl::expected<PhotographReading, UnreadPhotograph> PhotographReader::read_when_whole(
     const PhotographJob& job) {
   FileState state = state_of(job.file);
-  Clock::time_point changed = Clock::now();
+  SteadyClock::time_point changed = SteadyClock::now();
   while (true) {
     auto reading = read_once(job);
     if (reading || !reading.error().unfinished) return reading;
@@ -105,9 +105,9 @@ tl::expected<PhotographReading, UnreadPhotograph> PhotographReader::read_when_wh
       lock.unlock();
       const FileState now = state_of(job.file);
       if (fresh && now == state) break;
-      if (now != state) fresh = true, changed = Clock::now();
+      if (now != state) fresh = true, changed = SteadyClock::now();
       state = now;
-      if (std::chrono::duration<double>(Clock::now() - changed).count() > retry_timeout_s_) return reading;
+      if (std::chrono::duration<double>(SteadyClock::now() - changed).count() > retry_timeout_s_) return reading;
     }
   }
 }

@@ -3,21 +3,21 @@
 namespace strobe::host {
 namespace {
 
-constexpr std::int64_t kLongest_ns = 60'000'000'000;
-constexpr std::int64_t kNothingNew_ns = 15'000'000'000;
-// Until then a status that is heard may have been sent before the start.
-constexpr std::int64_t kOnTheWay_ns = 100'000'000;
+constexpr std::int64_t kTimeout_ns = 60'000'000'000;
+constexpr std::int64_t kNoProgressTimeout_ns = 15'000'000'000;
+// A status that arrives within this time may have been sent before the start.
+constexpr std::int64_t kTransit_ns = 100'000'000;
 
 }  // namespace
 
-bool GapRecovery::over(const Session& session, bool firmware_heard, std::int64_t now_ns) {
+bool GapRecovery::finished(const Session& session, std::int64_t now_ns) {
   const EventLedger& ledger = session.ledger();
   if (ledger.received() != received_ || progress_ns_ == 0) progress_ns_ = now_ns;
   received_ = ledger.received();
-  if (now_ns - started_ns_ > kLongest_ns || now_ns - progress_ns_ > kNothingNew_ns) return true;
-  if (!session.status()) return true;  // there is nobody to ask
+  if (now_ns - started_ns_ > kTimeout_ns || now_ns - progress_ns_ > kNoProgressTimeout_ns) return true;
+  if (!session.status()) return true;  // nobody can be asked
   if (!ledger.complete()) return false;
-  return !firmware_heard || session.status_heard_ns() > started_ns_ + kOnTheWay_ns;
+  return !session.live_status(now_ns) || session.status_heard_ns() > started_ns_ + kTransit_ns;
 }
 
 }  // namespace strobe::host

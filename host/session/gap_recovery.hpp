@@ -1,5 +1,5 @@
-// The end of a series: events that were lost on the way are fetched from the journal before the log is
-// closed. No I/O; single-threaded.
+// The end of a series: events that were lost on the way are fetched from strobed's journal before the host's
+// log is closed. No I/O; single-threaded.
 #pragma once
 
 #include <cstdint>
@@ -10,15 +10,13 @@ namespace strobe::host {
 
 class GapRecovery {
  public:
-  /// now_ns: the caller's steady clock, on which the session hears.
+  /// now_ns: on the clock that the session is given.
   explicit GapRecovery(std::int64_t now_ns) : started_ns_(now_ns) {}
 
-  /// Whether all is here, as far as the firmware says, or no more is to be had: nothing was missing when it
-  /// fell silent, or nothing new has come for 15 seconds (a network may be cut for ten), or a minute is over.
-  /// What must have come is told by a status that was sent after the start.
-  bool over(const Session& session, bool firmware_heard, std::int64_t now_ns);
-
-  std::int64_t started_ns() const { return started_ns_; }
+  /// Whether no event is missing, by a status that was sent after the start, or none more is to be had: the
+  /// firmware is silent and nothing was missing, nothing new has come for 15 s (networks are cut for ten), or
+  /// a minute is over. To be called at least every second.
+  bool finished(const Session& session, std::int64_t now_ns);
 
  private:
   std::int64_t started_ns_;

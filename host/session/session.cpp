@@ -60,7 +60,7 @@ void Session::on_status(const strobe_msgs::status_t& status, std::int64_t now_ns
   }
   extend_deadlines_by_outage(status.mono_ns);
   clock_.on_heartbeat(status.boot_id, {status.mono_ns, status.wall_ns, status.boot_time_ns}, now_ns);
-  for (std::string& text : clock_.take_notifications()) notify(std::move(text));
+  report_clock();
   status_ = status;
   status_heard_ns_ = now_ns;
   device_now_ns_ = std::max(device_now_ns_, status.mono_ns);
@@ -70,6 +70,19 @@ void Session::on_status(const strobe_msgs::status_t& status, std::int64_t now_ns
   ledger_.earlier(earlier, now_ns);
   finish_interrupted_shots();
   expire(now_ns);
+}
+
+void Session::on_local_clocks(const ClockReading& reading) {
+  clock_.on_local(reading);
+  report_clock();
+}
+
+void Session::report_clock() {
+  for (std::string& text : clock_.take_notifications()) notify(std::move(text));
+}
+
+std::optional<strobe_msgs::status_t> Session::live_status(std::int64_t now_ns) const {
+  return status_ && now_ns - status_heard_ns_ <= kSilent_ns ? status_ : std::nullopt;
 }
 
 void Session::extend_deadlines_by_outage(std::int64_t mono_ns) {
@@ -298,7 +311,7 @@ bool Session::over(const PendingShot& waiting, bool silent, std::int64_t now_ns)
 }
 
 void Session::expire(std::int64_t now_ns) {
-  const bool silent = !status_ || now_ns - status_heard_ns_ > kSilent_ns;
+  const bool silent = !live_status(now_ns);
   for (auto it = pending_.begin(); it != pending_.end();) {
     if (!over(it->second, silent, now_ns)) {
       ++it;

@@ -57,6 +57,8 @@ class Session {
   void on_shot(const strobe_msgs::shot_t& shot, std::int64_t now_ns);
   void on_frame(const strobe_msgs::frame_t& frame, std::int64_t now_ns);
   void on_time(std::int64_t now_ns);
+  /// This machine's clocks, now and then: tells that its wall clock was set, or that it was suspended.
+  void on_local_clocks(const ClockReading& reading);
   /// No message will come any more: shots that still wait end without a photograph.
   void on_end();
 
@@ -66,10 +68,13 @@ class Session {
   EventLedger& ledger() { return ledger_; }
   const EventLedger& ledger() const { return ledger_; }
   const std::optional<strobe_msgs::status_t>& status() const { return status_; }
+  /// The newest status; absent if the firmware is silent: none has come for 2.5 s, five heartbeats in a row.
+  std::optional<strobe_msgs::status_t> live_status(std::int64_t now_ns) const;
   /// When the newest status arrived, on the caller's clock.
   std::int64_t status_heard_ns() const { return status_heard_ns_; }
   std::size_t waiting_for_photograph() const;
   DeviceClock& clock() { return clock_; }
+  const DeviceClock& clock() const { return clock_; }
 
  private:
   struct PendingShot {
@@ -115,6 +120,7 @@ class Session {
   bool over(const PendingShot& waiting, bool silent, std::int64_t now_ns) const;
   void request_lost_summaries(std::int64_t now_ns);
   void request_lost_photographs(std::int64_t now_ns);
+  void report_clock();
   void notify(std::string text) { notifications_.push_back(std::move(text)); }
 
   AssemblySettings settings_;

@@ -105,7 +105,7 @@ Result<void> SessionFolder::add(const ShotResult& shot_result, const std::string
 
 Result<void> SessionFolder::add(const strobe_msgs::shot_t& shot) { return flashes_->add(shot); }
 
-void SessionFolder::recall(EventLedger& ledger, const std::string& rig) const {
+void SessionFolder::load_events(EventLedger& ledger, const std::string& rig) const {
   const std::string events = messages::channel_name(rig, messages::Channel::event);
   const std::string shots = messages::channel_name(rig, messages::Channel::shot);
   std::map<ShotKey, std::int64_t> ended;

@@ -36,7 +36,7 @@ class SessionFolder {
 
   /// Enters the events in this folder's earlier host logs, so that they are not asked for again; but for the
   /// last ones of shots whose summaries are in none.
-  void recall(EventLedger& ledger, const std::string& rig) const;
+  void load_events(EventLedger& ledger, const std::string& rig) const;
 
   const std::filesystem::path& path() const { return folder_; }
 

@@ -23,7 +23,6 @@ using Lines = std::vector<std::string>;
 constexpr std::size_t kNameWidth = 17;
 constexpr std::size_t kUnitWidth = 6;
 constexpr std::size_t kNumberWidth = 10;
-constexpr double kSilent_s = 2.0;
 constexpr std::size_t kNotificationsShown = 5;
 
 Lines fitted(Lines lines, std::size_t width) {
@@ -64,10 +63,10 @@ std::string rejected_commands_text(const status_t& s) {
 }
 
 /// Why nothing can be fired, if it cannot: the caller's words, else the firmware's.
-std::string blocking_reason_of(const Model& model) {
+std::string blocking_reason_of(const ViewModel& model) {
   if (!model.blocking_reason.empty()) return model.blocking_reason;
   if (!model.status) return "no firmware heard";
-  if (model.status_age_s > kSilent_s)
+  if (model.silent)
     return fmt::format("the firmware has been silent for {:.0f} s", model.status_age_s);
   return model.status->message;
 }
@@ -208,7 +207,7 @@ std::string shot_header() {
 
 constexpr std::string_view kSeriesHeader = "      mean        sd  variation   n";
 
-Lines shot_beside_series(const Model& model) {
+Lines shot_beside_series(const ViewModel& model) {
   Lines lines{shot_header() + std::string(kSeriesHeader)};
   for (std::size_t i = 0; i < reduction::kQuantityCount; ++i) {
     const auto q = static_cast<Quantity>(i);
@@ -219,7 +218,7 @@ Lines shot_beside_series(const Model& model) {
 
 }  // namespace
 
-Lines render_firmware(const Model& model, std::size_t width) {
+Lines render_firmware(const ViewModel& model, std::size_t width) {
   Lines lines;
   if (model.status) {
     const status_t& s = *model.status;
@@ -271,7 +270,7 @@ Lines render_series(const SeriesStatistics& series, const std::optional<thesis::
   return fitted(std::move(lines), width);
 }
 
-Lines render(const Model& model, std::size_t width) {
+Lines render(const ViewModel& model, std::size_t width) {
   Lines lines{model.title};
   append(lines, render_firmware(model, width));
   lines.emplace_back();

@@ -16,8 +16,7 @@
 #include "common/messages/channels.hpp"
 #include "host/assembly/assemble.hpp"
 #include "host/config/rig_file.hpp"
-#include "host/loop/session_monitor.hpp"
-#include "host/messages/message_decoder.hpp"
+#include "host/loop/host_loop.hpp"
 
 namespace {
 
@@ -45,32 +44,33 @@ std::vector<std::uint8_t> with_fingerprint(std::int64_t fingerprint, std::span<c
   return bytes;
 }
 
+struct ManualClock final : host::Clock {
+  std::int64_t now_ns = 1'000'000'000;
+  host::ClockReading read() override { return {now_ns, now_ns, now_ns}; }
+};
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static const host::RigFile rig = host::read_rig("rig = \"bench\"\n", "rig.toml").value();
-  host::SessionMonitor monitor(host::assembly_settings(rig), 1, "fuzz");
-  host::MessageDecoder decoder("bench", monitor);
-  std::int64_t now_ns = 1'000'000'000;
-  std::size_t shot_results = 0;
-  monitor.on_shot_result = [&shot_results](const host::ShotResult&) { ++shot_results; };
+  static const authentication::Key key = authentication::Key::random();
+  ManualClock clock;
+  host::NullTransport transport;
+  host::HostLoop loop({"bench", host::assembly_settings(rig), 1, true, key}, transport, clock);
   for (std::span<const std::uint8_t> left(data, size); left.size() >= 3;) {
     const Kind& kind = kinds()[left[0] % kinds().size()];
     const std::size_t wanted = std::size_t{left[1]} << 8 | left[2];
     left = left.subspan(3);
     const auto body = left.first(std::min(wanted, left.size()));
     left = left.subspan(body.size());
-    const auto bytes = with_fingerprint(kind.fingerprint, body);
-    decoder.receive(messages::channel_name("bench", kind.channel), bytes.data(), bytes.size(), now_ns);
-    now_ns += 50'000'000;
-    monitor.time(now_ns);
-    monitor.session().ledger().due(now_ns);
+    loop.receive(messages::channel_name("bench", kind.channel), with_fingerprint(kind.fingerprint, body));
+    clock.now_ns += 50'000'000;
+    loop.step();
   }
-  monitor.time(now_ns + 100'000'000'000);
-  monitor.shown(now_ns);
-  monitor.end();
-  if (!decoder.fault().empty()) {
-    std::fprintf(stderr, "a handler threw: %s\n", decoder.fault().c_str());
-  }
+  clock.now_ns += 100'000'000'000;
+  loop.step();
+  loop.session().clock().state();
+  loop.end_session();
+  if (!loop.fault().empty()) std::fprintf(stderr, "a handler threw: %s\n", loop.fault().c_str());
   return 0;
 }

@@ -221,20 +221,18 @@ TEST(CommandFeed, IsNotHarmedByDatagramsThatHarmLcm) {
 TEST_GROUP(LcmLink) {
   const std::string url = strobe::testing::private_lcm_url();
   std::vector<std::pair<std::string, Bytes>> received;
-  std::unique_ptr<host::LcmLink> link =
-      host::LcmLink::open(url, "bench",
-                          [this](const std::string& channel, const void* data, std::size_t size) {
-                            const auto* bytes = static_cast<const std::uint8_t*>(data);
-                            received.emplace_back(channel, Bytes(bytes, bytes + size));
-                          })
-          .value();
+  std::unique_ptr<host::LcmLink> link = host::LcmLink::open(url, "bench").value();
   lcm::LCM lcm{url};
 
   void send(const std::string& channel, const Bytes& message) {
     lcm.publish(channel, message.data(), static_cast<unsigned>(message.size()));
   }
   bool receive(std::size_t messages) {
-    for (int i = 0; i < 500 && received.size() < messages; ++i) link->wait(20);
+    for (int i = 0; i < 500 && received.size() < messages; ++i) {
+      link->receive(20ms, {}, [this](const std::string& channel, std::span<const std::uint8_t> bytes) {
+        received.emplace_back(channel, Bytes(bytes.begin(), bytes.end()));
+      });
+    }
     return received.size() >= messages;
   }
 };

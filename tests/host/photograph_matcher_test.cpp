@@ -20,9 +20,10 @@ std::int64_t at(double seconds) { return kOffset + static_cast<std::int64_t>(sec
 
 /// Instants are seconds of the firmware's clock; photographs may come 5 s after their shot.
 struct Bench {
-  PhotographMatcher match{5.0};
+  strobe::host::DeviceClock clock;
+  PhotographMatcher match{clock, 5.0};
 
-  Bench() { match.on_heartbeat(7, {0, 0, 0}, kOffset); }
+  Bench() { clock.on_heartbeat(7, {0, 0, 0}, kOffset); }
   void shot(int id, double closed_s, bool dry = false) {
     strobe_msgs::shot_t shot{};
     shot.boot_id = 7;
@@ -182,7 +183,7 @@ TEST(PhotographsToShots, AfterOneThatCannotBeReadAnotherMayCome) {
 
 TEST(PhotographsToShots, TheClockIsThatOfThePromptestMessage) {
   Bench bench;
-  bench.match.on_heartbeat(7, {kSecond, kSecond, kSecond}, kOffset + 9 * kSecond);  // heard 8 s late
+  bench.clock.on_heartbeat(7, {kSecond, kSecond, kSecond}, kOffset + 9 * kSecond);  // heard 8 s late
   bench.shot(1, 10.0);
   bench.photograph(1, 10.6);
   STRCMP_EQUAL("1>1", bench.decided(10.6).c_str());
@@ -196,13 +197,13 @@ TEST(PhotographsToShots, TheClockIsFollowedThroughDriftAndSuspension) {
   for (int i = 1; i <= 7200; ++i) {
     sent_ns = i * kSecond / 2;
     heard_ns = kOffset + sent_ns + sent_ns / 2000;
-    bench.match.on_heartbeat(7, {sent_ns, sent_ns, sent_ns}, heard_ns);
+    bench.clock.on_heartbeat(7, {sent_ns, sent_ns, sent_ns}, heard_ns);
   }
   bench.shot(1, 3599.5);
   const std::int64_t minute_ns = 60 * kSecond;
   for (int i = 1; i <= 2; ++i) {
     const std::int64_t woken_ns = sent_ns + i * kSecond;
-    bench.match.on_heartbeat(7, {woken_ns, woken_ns + minute_ns, woken_ns + minute_ns},
+    bench.clock.on_heartbeat(7, {woken_ns, woken_ns + minute_ns, woken_ns + minute_ns},
                              heard_ns + i * kSecond + minute_ns);
   }
   bench.shot(2, 3601.5);

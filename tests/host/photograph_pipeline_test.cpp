@@ -26,14 +26,6 @@ using testing::write_text;
 
 constexpr std::int64_t kSecond = 1'000'000'000;
 
-struct CountingSink : host::MessageHandler {
-  int shots = 0, frames = 0, others = 0;
-  void status(const strobe_msgs::status_t&, std::int64_t) override { ++others; }
-  void event(const strobe_msgs::event_t&, std::int64_t) override { ++others; }
-  void shot(const strobe_msgs::shot_t&, std::int64_t) override { ++shots; }
-  void frame(const strobe_msgs::frame_t&, std::int64_t) override { ++frames; }
-};
-
 /// A photograph is the text "ball X"; anything else may be half-written.
 tl::expected<host::PhotographReading, host::UnreadPhotograph> measure(const fs::path& file,
                                                                       const std::vector<double>& times) {
@@ -148,7 +140,7 @@ TEST(FolderOfTheCamera, ThatIsNotThereIsAnError) {
 TEST_GROUP(PipelineOfPhotographs) {
   testing::TemporaryFolder folder;
   testing::TemporaryFolder session;
-  CountingSink sink;
+  host::DeviceClock clock;
   std::unique_ptr<host::PhotographPipeline> pipeline;
   std::string said;
 
@@ -160,10 +152,9 @@ TEST_GROUP(PipelineOfPhotographs) {
     settings.keep_folder = session.path();
     settings.retry_timeout_s = retry_timeout_s;
     auto camera = std::move(*CameraFolder::open(folder.path(), monotonic_now_ns()));
-    pipeline = std::make_unique<host::PhotographPipeline>(sink, std::move(camera), measure, settings);
-    strobe_msgs::status_t status{};
-    status.mono_ns = monotonic_now_ns();
-    pipeline->status(status, monotonic_now_ns());
+    pipeline = std::make_unique<host::PhotographPipeline>(clock, std::move(camera), measure, settings);
+    const std::int64_t now_ns = monotonic_now_ns();
+    clock.on_heartbeat(77, {now_ns, now_ns, now_ns}, now_ns);
   }
   /// A shot whose shutter has just closed.
   void shot(int id) {
@@ -171,18 +162,18 @@ TEST_GROUP(PipelineOfPhotographs) {
     made.shot.shot_id = id;
     made.shot.shutter_close_ns = monotonic_now_ns();
     made.shot.shutter_open_ns = made.shot.shutter_close_ns - kSecond / 2;
-    pipeline->shot(made.shot, monotonic_now_ns());
+    pipeline->on_shot(made.shot);
   }
   void put(const std::string& name, const std::string& text) {
     write_text(folder / (name + ".tmp"), text);
     fs::rename(folder / (name + ".tmp"), folder / name);
   }
   /// Until that many frames have been measured, or that much has been said.
-  std::vector<strobe_msgs::frame_t> turn_until(std::size_t frames, const std::string& words) {
+  std::vector<strobe_msgs::frame_t> step_until(std::size_t frames, const std::string& words) {
     std::vector<strobe_msgs::frame_t> result;
     testing::wait_until(
         [&] {
-          pipeline->turn(monotonic_now_ns());
+          pipeline->step(monotonic_now_ns());
           for (auto& frame : pipeline->take_frames()) result.push_back(std::move(frame));
           said += all(pipeline->take_notifications());
           return result.size() >= frames && said.find(words) != std::string::npos;
@@ -197,8 +188,7 @@ TEST_GROUP(PipelineOfPhotographs) {
 TEST(PipelineOfPhotographs, MakesTheFrameOfAShotAndKeepsThePhotograph) {
   shot(3);
   put("IMG_1.tif", "ball 700");
-  const auto frame = turn_until(1, "photograph of shot 3: dim").front();
-  LONGS_EQUAL(1, sink.shots);
+  const auto frame = step_until(1, "photograph of shot 3: dim").front();
   LONGS_EQUAL(77, frame.boot_id);
   LONGS_EQUAL(3, frame.shot_id);
   LONGS_EQUAL(5, frame.host_id);
@@ -213,7 +203,7 @@ TEST(PipelineOfPhotographs, KeepsTwoOfOneNameBoth) {
   for (const char* text : {"ball 1", "ball 2"}) {
     shot(text[5] - '0');
     put("latest.tif", text);
-    const auto frame = turn_until(1, "").front();
+    const auto frame = step_until(1, "").front();
     STRCMP_EQUAL(text, testing::read_text(session / frame.photograph).c_str());
   }
   STRCMP_EQUAL("ball 1", testing::read_text(session / "photographs/shot-0001-latest.tif").c_str());
@@ -222,39 +212,39 @@ TEST(PipelineOfPhotographs, KeepsTwoOfOneNameBoth) {
 TEST(PipelineOfPhotographs, AnUnreadableOneIsSaidAndAnotherMayFollow) {
   shot(1);
   put("a.tif", "garbage");
-  turn_until(0, "photograph of shot 1: a.tif: cut short");
+  step_until(0, "photograph of shot 1: a.tif: cut short");
   put("b.tif", "ball 2");
-  turn_until(1, "");
+  step_until(1, "");
 }
 
 TEST(PipelineOfPhotographs, AHalfWrittenOneIsReadOnceItIsWhole) {
   open(20.0);  // longer than a busy machine takes for the second half
   shot(1);
   write_text(folder / "a.tif", "bal");  // closed, and opened again
-  pipeline->turn(monotonic_now_ns());
+  pipeline->step(monotonic_now_ns());
   testing::sleep_for(60ms);
   write_text(folder / "a.tif", "ball 4");
-  turn_until(1, "dim");
+  step_until(1, "dim");
 }
 
 TEST(PipelineOfPhotographs, WhatTheDigitizerThrowsIsSaid) {
   shot(1);
   put("a.tif", "throw");
-  turn_until(0, "a.tif: thrown");
+  step_until(0, "a.tif: thrown");
 }
 
 TEST(PipelineOfPhotographs, TwoFormatsOfAnExposureAreOnePhotograph) {
   shot(1);
   put("a.tif", "ball 1");
   put("a.jpg", "ball 1");
-  turn_until(1, "");
+  step_until(1, "");
   pipeline->end(monotonic_now_ns());
   STRCMP_EQUAL("", all(pipeline->take_notifications()).c_str());
 }
 
 TEST(PipelineOfPhotographs, AnExtraOneIsSaidAtTheEndAtLatest) {
   put("a.tif", "ball 1");
-  pipeline->turn(monotonic_now_ns());
+  pipeline->step(monotonic_now_ns());
   pipeline->end(monotonic_now_ns());
   STRCMP_EQUAL("photograph a.tif: no shot waits for a photograph: not used\n",
                all(pipeline->take_notifications()).c_str());
@@ -265,12 +255,11 @@ TEST(PipelineOfPhotographs, OneThatSomebodyElseMeasuredIsOnlyKept) {
   strobe_msgs::frame_t frame{};
   frame.boot_id = 77;
   frame.shot_id = 1;
-  pipeline->frame(frame, monotonic_now_ns());
-  LONGS_EQUAL(1, sink.frames);
+  pipeline->on_frame(frame);
   put("a.tif", "ball 1");
   CHECK_TRUE(testing::wait_until(
       [&] {
-        pipeline->turn(monotonic_now_ns());
+        pipeline->step(monotonic_now_ns());
         return fs::exists(session / "photographs/shot-0001-a.tif") && pipeline->pending() == 0;
       },
       20s));

@@ -87,7 +87,7 @@ TEST(FolderOfASession, EventsOfEarlierRunsAreNotAskedForAgain) {
   }
   auto second = SessionFolder::open(folder.path(), kUtc, "", "");
   EventLedger ledger(true);
-  (*second)->recall(ledger, "bench");
+  (*second)->load_events(ledger, "bench");
   ledger.status(77, 4, 0);
   LONGS_EQUAL(3, ledger.received());
   LONGS_EQUAL(1, ledger.missing());
@@ -116,11 +116,11 @@ TEST(FolderOfASession, ASummaryThatAnEarlierRunDidNotGetIsAskedFor) {
   }
   auto second = SessionFolder::open(folder.path(), kUtc, "", "");
   EventLedger ledger(true);
-  (*second)->recall(ledger, "bench");
+  (*second)->load_events(ledger, "bench");
   ledger.status(77, 2, 0);
   const auto asks = ledger.due(1'000'000'000);
   LONGS_EQUAL(1, asks.size());
-  LONGS_EQUAL(2, asks[0].first);
+  LONGS_EQUAL(2, asks[0].sequences.first);
 }
 
 TEST(FolderOfASession, AFolderThatCannotBeMadeIsNamed) {

@@ -269,7 +269,7 @@ TEST(SessionOfMessages, APhotographThatIsLateIsAskedForByItsShot) {
   bench.session.on_time(bench.local_ns + 2 * kSecond);
   const auto asks = bench.session.ledger().due(bench.local_ns + 2 * kSecond);
   LONGS_EQUAL(1, asks.size());
-  LONGS_EQUAL(1, asks[0].first);
+  LONGS_EQUAL(1, asks[0].sequences.first);
 }
 
 /// Events 1 to 4 of boot 77: armed by host 5, shot 6 started, two flashes; then the firmware dies.
@@ -354,7 +354,7 @@ TEST(SessionOfMessages, TheSummaryOfAShotThatEndedIsAskedForWhenItIsLost) {
   bench.session.on_time(bench.local_ns + kSecond);
   const auto asks = bench.session.ledger().due(bench.local_ns + kSecond);
   LONGS_EQUAL(1, asks.size());
-  LONGS_EQUAL(9, asks[0].first);
+  LONGS_EQUAL(9, asks[0].sequences.first);
 }
 
 TEST(SessionOfMessages, AShotDuringWhichTheFirmwaresMachineWasSuspendedHasNoTimesToTrust) {

@@ -13,7 +13,7 @@
 namespace {
 
 using namespace strobe;
-using host::Model;
+using host::ViewModel;
 using host::render;
 using host::ShotResult;
 using reduction::Flag;
@@ -68,8 +68,8 @@ strobe_msgs::status_t idle() {
   return status;
 }
 
-Model model() {
-  Model m;
+ViewModel model() {
+  ViewModel m;
   m.title = "strobe live   rig bench";
   m.status = idle();
   m.last = example();
@@ -82,7 +82,7 @@ Model model() {
 TEST_GROUP(ScreenLines){};
 
 TEST(ScreenLines, ShowTheShotWithBothUncertaintiesBesideTheSeries) {
-  Model m = model();
+  ViewModel m = model();
   m.series.add(example(5, 15.7).readout);
   const auto lines = render(m, 120);
   STRCMP_CONTAINS("shot 4 grips series of 2 shots", row(lines, "shot 4").c_str());
@@ -100,7 +100,7 @@ TEST(ScreenLines, SayWhatTheFirmwareIsDoing) {
   // Eighths of ln n / ln 128, the rarest still one: 128 is all, 1 the least, 11 half.
   STRCMP_EQUAL("lateness 0.02 0.02 0.00 0.01 0.50 2.00 - 166 -0.1 [ █▁▄] 0.3",
                row(lines, "lateness").c_str());
-  Model m = model();
+  ViewModel m = model();
   m.status->state = strobe_msgs::status_t::ARMED;
   m.status->mono_ns = 100;
   m.status->arm_expires_ns = 100 + 21'400'000'000;
@@ -111,7 +111,7 @@ TEST(ScreenLines, SayWhatTheFirmwareIsDoing) {
 }
 
 TEST(ScreenLines, SayHowTheFirmwaresClockStands) {
-  Model m = model();
+  ViewModel m = model();
   m.status_age_s = 0.21;
   STRCMP_EQUAL("clock: heard 0.2 s ago", row(render(m, 160), "clock").c_str());
   m.clock.latency_s = 0.00012;
@@ -127,7 +127,7 @@ TEST(ScreenLines, SayHowTheFirmwaresClockStands) {
 }
 
 TEST(ScreenLines, SayWhichCommandsWereIgnored) {
-  Model m = model();
+  ViewModel m = model();
   m.status->rejected_forged = 3;
   m.status->rejected_replayed = 1;
   STRCMP_EQUAL("lost: queue 0, kernel 0, link 0 commands ignored: 3 forged, 1 replayed",
@@ -135,7 +135,7 @@ TEST(ScreenLines, SayWhichCommandsWereIgnored) {
 }
 
 TEST(ScreenLines, TellAProgramTheSame) {
-  Model m = model();
+  ViewModel m = model();
   m.status->boot_id = 0x2a;
   m.status->rejected_forged = 3, m.status->rejected_other_rig = 1;
   const std::string line = timing_json(*m.status, m.clock, 4);
@@ -152,7 +152,7 @@ TEST(ScreenLines, TellAProgramTheSame) {
 }
 
 TEST(ScreenLines, SayWhatIsMissing) {
-  Model m = model();
+  ViewModel m = model();
   STRCMP_EQUAL("", row(render(m, 120), "MISSING").c_str());
   m.status->message = "the key is off";
   STRCMP_EQUAL("MISSING: the key is off", row(render(m, 120), "MISSING").c_str());
@@ -160,6 +160,7 @@ TEST(ScreenLines, SayWhatIsMissing) {
   STRCMP_EQUAL("MISSING: another host has armed the rig", row(render(m, 120), "MISSING").c_str());
   m.blocking_reason.clear();
   m.status_age_s = 7;
+  m.silent = true;
   STRCMP_CONTAINS("silent for 7 s", row(render(m, 120), "MISSING").c_str());
   m.status.reset();
   STRCMP_EQUAL("MISSING: no firmware heard", row(render(m, 120), "MISSING").c_str());
@@ -167,7 +168,7 @@ TEST(ScreenLines, SayWhatIsMissing) {
 
 TEST(ScreenLines, GiveEveryFlagInWords) {
   for (std::size_t i = 0; i < reduction::kFlagCount; ++i) {
-    Model m = model();
+    ViewModel m = model();
     const auto flag = static_cast<Flag>(i);
     m.last->readout.flags.set(flag);
     CHECK_FALSE(host::words(flag).empty());
@@ -176,7 +177,7 @@ TEST(ScreenLines, GiveEveryFlagInWords) {
 }
 
 TEST(ScreenLines, TellWhichFlashesOfACodedTrainShowTheBall) {
-  Model m = model();
+  ViewModel m = model();
   m.last->readout.flashes = reduction::ImagedFlashes{25, 37, 0.99, false};
   STRCMP_EQUAL("", row(render(m, 120), "code:").c_str());
   m.last->readout.flashes = reduction::ImagedFlashes{25, 37, 0.000123, true};
@@ -187,7 +188,7 @@ TEST(ScreenLines, TellWhichFlashesOfACodedTrainShowTheBall) {
 }
 
 TEST(ScreenLines, ASpoiltShotWithoutNumbersSaysWhy) {
-  Model m = model();
+  ViewModel m = model();
   m.last = ShotResult{};
   m.last->shot_id = 9;
   m.last->readout.flags.set(Flag::no_photograph);
@@ -200,7 +201,7 @@ TEST(ScreenLines, ASpoiltShotWithoutNumbersSaysWhy) {
 }
 
 TEST(ScreenLines, FitAnyWidthAndHoldNoEscapeCodes) {
-  Model m = model();
+  ViewModel m = model();
   m.notifications = {
       "a notify with an umlaut ü and much too long a text for a narrow window, cut at its end"};
   m.last->readout.record["remarks"] = "\x1b[31mred";
@@ -228,7 +229,7 @@ TEST(ScreenLines, ThesisRowsStandBesideTheSeries) {
 }
 
 TEST(ScreenLines, ADryShotShowsItsTrain) {
-  Model m = model();
+  ViewModel m = model();
   m.last = ShotResult{};
   m.last->shot_id = 2;
   m.last->dry = true;

@@ -132,6 +132,7 @@ class Lab final : firmware::Clock, firmware::OutputLines, firmware::EdgeSource, 
   void deliver();
   /// Of a sealed command; empty if it is none of this lab's.
   std::vector<std::uint8_t> body_of(const std::vector<std::uint8_t>& sealed) const;
+  void trace_command(const std::vector<std::uint8_t>& sealed);
   void tablet_operator_turn();
   void note_shot(std::span<const std::uint8_t> bytes);
   void on_shot_result(const host::ShotResult& shot_result);

@@ -249,26 +249,26 @@ void Lab::start_host() {
   ++counts_.hosts;
   const std::int64_t host_id = random_.id();
   trace("host {:x} starts", host_id);
-  const auto send = [this](const strobe_msgs::command_t& command) {
-    std::vector<std::uint8_t> bytes = host::CommandSealer(lab_key_, files_.host.rig).seal(command).value();
-    trace("command {} of kind {}", command.command_id, static_cast<int>(command.kind));
+  const auto send = [this](std::span<const std::uint8_t> sealed) {
+    std::vector<std::uint8_t> bytes(sealed.begin(), sealed.end());
+    trace_command(bytes);
     bus_.send(Receiver::firmware, messages::channel_name(files_.host.rig, messages::Channel::command), bytes,
               time_);
     old_commands_.push_back(std::move(bytes));
     if (old_commands_.size() > kOldCommands) old_commands_.pop_front();
   };
   host_ = std::make_unique<VirtualHost>(
-      settings, host_id, host_log_, send,
+      settings, host_id, lab_key_, host_log_, send,
       [this](const host::ShotResult& shot_result) { on_shot_result(shot_result); }, host_now());
   host_due_ = time_;
 }
 
 void Lab::host_turn() {
   host_due_ = time_ + kHostTurn;
-  host_->turn(host_now());
+  host_->step(host_now());
   for (const std::string& text : host_->take_notifications()) trace("host: {}", text);
   if (!host_->firing() && !hazards_stopped_) {
-    if (!host_->run().succeeded()) ++counts_.unfinished;
+    if (!host_->series().succeeded()) ++counts_.unfinished;
     stop_hazards();
   }
   if (!host_->fault().empty()) {
@@ -276,6 +276,14 @@ void Lab::host_turn() {
     finished_ = true;
   }
   if (host_->ended()) finished_ = true;
+}
+
+void Lab::trace_command(const std::vector<std::uint8_t>& sealed) {
+  if (settings_.trace == nullptr) return;
+  const std::vector<std::uint8_t> body = body_of(sealed);
+  strobe_msgs::command_t command;
+  if (command.decode(body.data(), 0, static_cast<int>(body.size())) >= 0)
+    trace("command {} of kind {}", command.command_id, static_cast<int>(command.kind));
 }
 
 std::vector<std::uint8_t> Lab::body_of(const std::vector<std::uint8_t>& sealed) const {

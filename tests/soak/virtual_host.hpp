@@ -1,18 +1,14 @@
-// The host that fires a series, as `strobe fire` does, on a virtual clock: the shipped shot series, session
-// and decoder between a bus and nothing. One object for each life of the process. One thread's; allocates.
+// The host that fires a series, as `strobe fire` is: the shipped host loop on the soak's bus and virtual clock.
+// One object for each life of the process. Single-threaded; allocates.
 #pragma once
 
 #include <cstdint>
 #include <functional>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "host/loop/session_monitor.hpp"
-#include "host/messages/message_decoder.hpp"
-#include "host/session/gap_recovery.hpp"
-#include "host/session/shot_series.hpp"
+#include "host/loop/series_runner.hpp"
 
 namespace strobe::soak {
 
@@ -25,41 +21,45 @@ struct HostSettings {
 /// The session folder's log of a host, of which events are known when another host starts there.
 using HostLog = std::vector<std::pair<std::int64_t, std::int64_t>>;  ///< boot, sequence
 
-class VirtualHost {
+class VirtualHost final : host::Transport, host::Clock, host::HostListener {
  public:
-  using Send = std::function<void(const strobe_msgs::command_t&)>;
+  using Send = std::function<void(Bytes sealed_command)>;
   using Done = std::function<void(const host::ShotResult&)>;
 
   /// now_ns: of the host's own steady clock.
-  VirtualHost(const HostSettings& settings, std::int64_t host_id, HostLog& log, Send send, Done done,
-              std::int64_t now_ns);
+  VirtualHost(const HostSettings& settings, std::int64_t host_id, const authentication::Key& key, HostLog& log,
+              Send send, Done done, std::int64_t now_ns);
 
-  void receive(const std::string& channel, const std::vector<std::uint8_t>& bytes, std::int64_t now_ns);
+  void receive(const std::string& channel, Bytes bytes, std::int64_t now_ns);
   /// What is due: every 20 ms at the latest, and after messages.
-  void turn(std::int64_t now_ns);
+  void step(std::int64_t now_ns);
 
   /// The series is over, and what was lost on the way has been fetched or given up.
-  bool ended() const { return ended_; }
-  bool firing() const { return !series_.finished(); }
-  const host::ShotSeries& run() const { return series_; }
-  std::int64_t id() const { return factory_.host_id(); }
-  /// Text of an exception thrown on a message; empty if none.
-  const std::string& fault() const { return decoder_.fault(); }
+  bool ended() const { return runner_.finished(); }
+  bool firing() const { return !runner_.series().finished(); }
+  const host::ShotSeries& series() const { return runner_.series(); }
+  std::int64_t id() const { return loop_.settings().host_id; }
+  /// What an exception on a message said; empty: there was none.
+  const std::string& fault() const { return loop_.fault(); }
   std::vector<std::string> take_notifications() { return std::exchange(notifications_, {}); }
 
  private:
-  void collect(std::int64_t now_ns);
+  // Ports of the loop
+  bool receive(std::chrono::milliseconds, std::span<const int>, const Receiver&) override { return true; }
+  void publish(const std::string& channel, Bytes bytes) override;
+  host::ClockReading read() override { return {now_ns_, now_ns_, now_ns_}; }
 
-  const HostSettings& settings_;
+  void on_shot_result(const host::ShotResult& result) override { done_(result); }
+  void on_event(const strobe_msgs::event_t& event) override;
+  void on_notification(const std::string& text) override { notifications_.push_back(text); }
+
   HostLog& log_;
   Send send_;
-  host::CommandFactory factory_;
-  host::ShotSeries series_;
-  host::SessionMonitor monitor_;
-  host::MessageDecoder decoder_;
-  std::int64_t started_ns_;
-  std::optional<host::GapRecovery> recovery_;
-  bool ended_ = false;
+  Done done_;
+  std::int64_t now_ns_;
+  std::string command_channel_;
+  host::HostLoop loop_;
+  host::SeriesRunner runner_;
   std::vector<std::string> notifications_;
 };
 

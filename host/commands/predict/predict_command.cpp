@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "common/units/angles.hpp"
+#include "host/clock/machine_clock.hpp"
 #include "host/commands/command.hpp"
 #include "host/commands/frontier/frontier_files.hpp"
 #include "host/commands/predict/predict_choice.hpp"

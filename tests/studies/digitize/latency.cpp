@@ -11,9 +11,12 @@
 #include <numeric>
 #include <thread>
 
+#include "common/messages/channels.hpp"
+#include "common/messages/encode.hpp"
+#include "host/clock/machine_clock.hpp"
 #include "host/commands/terminal.hpp"
-#include "host/commands/watched_photographs.hpp"
-#include "host/loop/session_monitor.hpp"
+#include "host/loop/host_loop.hpp"
+#include "host/photographs/open_pipeline.hpp"
 #include "sim/loading/scene_files.hpp"
 #include "tests/studies/digitize/accuracy.hpp"
 #include "tests/studies/digitize/photographs.hpp"
@@ -43,48 +46,51 @@ struct Timing {
 };
 
 /// A running `strobe live`, without the network: messages are handed to it here.
-class Live {
+class Live final : host::Transport, host::HostListener {
  public:
-  Live(const host::RigFile& rig, const std::string& effort, const fs::path& folder)
-      : monitor_(host::assembly_settings(rig), 0, "bench"),
-        photographs_(rig, {folder.string(), effort}, "", host::random_host_id(), monitor_) {
-    monitor_.on_shot_result = [this](const host::ShotResult& shot_result) { shot_result_ = shot_result; };
+  explicit Live(const host::RigFile& rig)
+      : loop_({rig.rig, host::assembly_settings(rig), host::random_host_id()}, *this, clock_) {
+    loop_.add_listener(*this);
   }
 
-  Result<void> open() { return photographs_.open(); }
+  Result<void> open(const host::RigFile& rig, const std::string& effort, const fs::path& folder) {
+    auto photographs =
+        host::open_pipeline(rig, {folder.string(), effort}, "", loop_.settings().host_id,
+                            loop_.session().clock(), clock_.read());
+    if (!photographs) return tl::unexpected(photographs.error());
+    loop_.set_photographs(std::move(*photographs));
+    return {};
+  }
 
-  void announce(const strobe_msgs::shot_t& shot) {
+  void announce(const std::string& rig, const strobe_msgs::shot_t& shot) {
     strobe_msgs::status_t status{};
     status.schema_version = strobe_msgs::status_t::SCHEMA_VERSION;
     status.boot_id = shot.boot_id;
     status.mono_ns = steady_now_ns();
-    photographs_.sink().status(status, steady_now_ns());
-    photographs_.sink().shot(shot, steady_now_ns());
-    turn();
+    loop_.receive(messages::channel_name(rig, messages::Channel::status), messages::encode(status));
+    loop_.receive(messages::channel_name(rig, messages::Channel::shot), messages::encode(shot));
+    loop_.step();
   }
 
-  /// As run_live() waits and turns, until the readout is there.
   std::optional<host::ShotResult> wait_for_readout(std::int64_t until_ns) {
-    while (!shot_result_ && steady_now_ns() < until_ns) {
-      std::vector<pollfd> polled;
-      for (const int descriptor : photographs_.descriptors()) polled.push_back({descriptor, POLLIN, 0});
-      ::poll(polled.data(), polled.size(), 50);
-      turn();
-    }
-    return std::exchange(shot_result_, std::nullopt);
+    while (!result_ && steady_now_ns() < until_ns) loop_.run_once();
+    return std::exchange(result_, std::nullopt);
   }
 
  private:
-  void turn() {
-    for (const auto& frame : photographs_.turn(steady_now_ns()))
-      photographs_.sink().frame(frame, steady_now_ns());
-    for (const std::string& text : photographs_.take_notifications()) monitor_.notify(text);
-    monitor_.time(steady_now_ns());
+  bool receive(std::chrono::milliseconds max_wait, std::span<const int> descriptors,
+               const Receiver&) override {
+    std::vector<pollfd> polled;
+    for (const int descriptor : descriptors) polled.push_back({descriptor, POLLIN, 0});
+    ::poll(polled.data(), polled.size(), static_cast<int>(max_wait.count()));
+    return true;
   }
+  void publish(const std::string&, Bytes) override {}
+  void on_shot_result(const host::ShotResult& result) override { result_ = result; }
 
-  host::SessionMonitor monitor_;
-  host::WatchedPhotographs photographs_;
-  std::optional<host::ShotResult> shot_result_;
+  host::MachineClock clock_;
+  host::HostLoop loop_;
+  std::optional<host::ShotResult> result_;
 };
 
 Result<std::vector<Shot>> render_all(const LatencyOptions& options) {
@@ -108,9 +114,9 @@ Result<std::vector<Shot>> render_all(const LatencyOptions& options) {
 Result<Timing> time_one(const Shot& shot, int shot_id, const std::string& effort, const fs::path& folder) {
   const host::RigFile rig =
       rig_of(shot.scene, {shot.known.scene_truth.px_per_m, 2.0, shot.scene.ball.diameter_m, 0.0001});
-  Live live(rig, effort, folder);
-  if (auto opened = live.open(); !opened) return tl::unexpected(opened.error());
-  live.announce(shot_message(shot.known, shot.scene, shot_id, steady_now_ns()));
+  Live live(rig);
+  if (auto opened = live.open(rig, effort, folder); !opened) return tl::unexpected(opened.error());
+  live.announce(rig.rig, shot_message(shot.known, shot.scene, shot_id, steady_now_ns()));
   const fs::path whole = folder / fmt::format("exposure-{:04}.tif", shot_id);
   const fs::path part = whole.string() + ".part";
   std::ofstream file(part, std::ios::binary);

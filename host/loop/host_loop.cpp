@@ -1,0 +1,139 @@
+#include "host/loop/host_loop.hpp"
+
+#include <strobe_msgs/readout_t.hpp>
+
+#include "common/messages/encode.hpp"
+#include "common/messages/lcm_conversions.hpp"
+
+namespace strobe::host {
+namespace {
+
+constexpr std::chrono::milliseconds kMaxWait{20};
+
+}  // namespace
+
+HostLoop::HostLoop(HostLoopSettings settings, Transport& transport, Clock& clock)
+    : settings_(std::move(settings)),
+      transport_(transport),
+      clock_(clock),
+      commands_(settings_.host_id),
+      session_(settings_.assembly, settings_.fires ? settings_.host_id : 0, settings_.key.has_value()),
+      decoder_(settings_.rig, *this),
+      now_ns_(clock.read().mono_ns),
+      last_message_ns_(now_ns_) {
+  if (settings_.key) sealer_.emplace(*settings_.key, settings_.rig);
+}
+
+bool HostLoop::run_once() {
+  const std::vector<int> descriptors = photographs_ ? photographs_->descriptors() : std::vector<int>();
+  const bool receiving = transport_.receive(
+      kMaxWait, descriptors,
+      [this](const std::string& channel, Transport::Bytes bytes) { receive(channel, bytes); });
+  if (receiving) step();
+  return receiving;
+}
+
+void HostLoop::receive(const std::string& channel, Transport::Bytes bytes) {
+  now_ns_ = last_message_ns_ = clock_.read().mono_ns;
+  decoder_.receive(channel, bytes);
+}
+
+void HostLoop::step() {
+  const ClockReading reading = clock_.read();
+  now_ns_ = reading.mono_ns;
+  if (photographs_) {
+    photographs_->step(now_ns_);
+    publish_photographs();
+  }
+  session_.on_time(now_ns_);
+  session_.on_local_clocks(reading);
+  report();
+  request_lost_events();
+}
+
+void HostLoop::on_status(const strobe_msgs::status_t& message) {
+  session_.on_status(message, now_ns_);
+  report();
+}
+
+void HostLoop::on_event(const strobe_msgs::event_t& message) {
+  session_.on_event(message, now_ns_);
+  for (HostListener* listener : listeners_) listener->on_event(message);
+  report();
+}
+
+void HostLoop::on_shot(const strobe_msgs::shot_t& message) {
+  if (photographs_) photographs_->on_shot(message);
+  session_.on_shot(message, now_ns_);
+  for (HostListener* listener : listeners_) listener->on_shot(message);
+  report();
+}
+
+void HostLoop::on_frame(const strobe_msgs::frame_t& message) {
+  // Its own are taken in as they are published.
+  if (photographs_ && message.host_id == settings_.host_id) return;
+  take_in(message);
+}
+
+void HostLoop::take_in(const strobe_msgs::frame_t& frame) {
+  if (photographs_) photographs_->on_frame(frame);
+  session_.on_frame(frame, now_ns_);
+  report();
+}
+
+void HostLoop::publish_photographs() {
+  for (const auto& frame : photographs_->take_frames()) {
+    publish(messages::Channel::frame, frame);  // first, so that a log holds what a result came from
+    take_in(frame);
+  }
+  for (const std::string& text : photographs_->take_notifications()) notify(text);
+}
+
+void HostLoop::end_photographs() {
+  if (!photographs_) return;
+  photographs_->end(now_ns_);
+  publish_photographs();
+}
+
+void HostLoop::end_session() {
+  session_.on_end();
+  report();
+}
+
+void HostLoop::request_lost_events() {
+  const auto& status = session_.status();
+  if (!sealer_ || !status) return;
+  for (const EventRange& range : session_.ledger().due(now_ns_))
+    send(commands_.resend(status->boot_id, range));
+}
+
+void HostLoop::send(const strobe_msgs::command_t& command) {
+  if (!sealer_) return;
+  if (const auto sealed = sealer_->seal(command)) {
+    transport_.publish(messages::channel_name(settings_.rig, messages::Channel::command), *sealed);
+  } else {
+    notify(sealed.error().message);
+  }
+}
+
+template <typename Message>
+void HostLoop::publish(messages::Channel channel, const Message& message) {
+  transport_.publish(messages::channel_name(settings_.rig, channel), messages::encode(message));
+}
+
+void HostLoop::report() {
+  for (const std::string& text : session_.take_notifications()) notify(text);
+  for (const ShotResult& result : session_.take_shot_results()) {
+    if (settings_.fires && result.host_id == settings_.host_id && !result.dry) {
+      publish(messages::Channel::readout,
+              messages::readout_to_lcm(result.readout, settings_.host_id, result.boot_id));
+    }
+    for (HostListener* listener : listeners_) listener->on_shot_result(result);
+  }
+}
+
+void HostLoop::notify(const std::string& text) {
+  for (HostListener* listener : listeners_) listener->on_notification(text);
+}
+
+}  // namespace strobe::host

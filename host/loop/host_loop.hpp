@@ -1,0 +1,106 @@
+// The one loop of a host, whatever runs it (fire, live, replay, the soak test): messages in, the session kept,
+// photographs matched and measured, lost events requested again, shot results handed to the listeners.
+// Transport and clock are ports, so that it runs on virtual time as well. Single-threaded; run_once() blocks
+// in the transport, for 20 ms at most, nothing else does.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/authentication/key.hpp"
+#include "common/messages/channels.hpp"
+#include "host/clock/clock_reading.hpp"
+#include "host/messages/command_factory.hpp"
+#include "host/messages/message_decoder.hpp"
+#include "host/messages/transport.hpp"
+#include "host/photographs/photograph_pipeline.hpp"
+#include "host/session/session.hpp"
+
+namespace strobe::host {
+
+struct HostLoopSettings {
+  std::string rig;
+  AssemblySettings assembly;
+  std::int64_t host_id = 0;  ///< random, of this process; not 0
+  bool fires = false;        ///< this host's own shots each get a readout, which is published
+  std::optional<authentication::Key> key = {};  ///< absent: lost events cannot be requested again
+};
+
+/// Hears what happens in a session. The default is to ignore it.
+class HostListener {
+ public:
+  virtual ~HostListener() = default;
+  virtual void on_shot_result(const ShotResult&) {}
+  /// Each new event, after the session has it.
+  virtual void on_event(const strobe_msgs::event_t&) {}
+  /// Each shot's summary, as often as it comes.
+  virtual void on_shot(const strobe_msgs::shot_t&) {}
+  /// A line that a person should read.
+  virtual void on_notification(const std::string&) {}
+};
+
+class HostLoop final : private MessageHandler {
+ public:
+  /// The ports must outlive the loop.
+  HostLoop(HostLoopSettings settings, Transport& transport, Clock& clock);
+
+  /// Listeners are called in the order of their adding and must outlive the loop.
+  void add_listener(HostListener& listener) { listeners_.push_back(&listener); }
+  /// Photographs are taken from this pipeline. Null: none are.
+  void set_photographs(std::unique_ptr<PhotographPipeline> pipeline) { photographs_ = std::move(pipeline); }
+
+  /// Waits for messages, takes them in, does what is due. Returns false if the transport has failed.
+  bool run_once();
+  /// The parts of run_once() but for the wait, for callers that have messages and time from elsewhere.
+  void receive(const std::string& channel, Transport::Bytes bytes);
+  void step();
+  /// No photograph will come any more: what was measured is published, what is left over is told.
+  void end_photographs();
+  /// No message will come any more: shots that wait for a photograph end without.
+  void end_session();
+
+  /// Seals and publishes a command; without a key it is dropped.
+  void send(const strobe_msgs::command_t& command);
+  void notify(const std::string& text);
+
+  const HostLoopSettings& settings() const { return settings_; }
+  CommandFactory& commands() { return commands_; }
+  Session& session() { return session_; }
+  const Session& session() const { return session_; }
+  /// The newest status if the firmware is not silent.
+  std::optional<strobe_msgs::status_t> live_status() const { return session_.live_status(now_ns_); }
+  std::int64_t now_ns() const { return now_ns_; }
+  /// When the last message came.
+  std::int64_t last_message_ns() const { return last_message_ns_; }
+  /// What the last exception on a message said; empty: there was none.
+  const std::string& fault() const { return decoder_.fault(); }
+
+ private:
+  void on_status(const strobe_msgs::status_t& message) override;
+  void on_event(const strobe_msgs::event_t& message) override;
+  void on_shot(const strobe_msgs::shot_t& message) override;
+  void on_frame(const strobe_msgs::frame_t& message) override;
+  void take_in(const strobe_msgs::frame_t& frame);
+  void publish_photographs();
+  void request_lost_events();
+  void report();
+  template <typename Message>
+  void publish(messages::Channel channel, const Message& message);
+
+  HostLoopSettings settings_;
+  Transport& transport_;
+  Clock& clock_;
+  CommandFactory commands_;
+  std::optional<CommandSealer> sealer_;
+  Session session_;
+  std::unique_ptr<PhotographPipeline> photographs_;
+  MessageDecoder decoder_;
+  std::vector<HostListener*> listeners_;
+  std::int64_t now_ns_ = 0;
+  std::int64_t last_message_ns_ = 0;
+};
+
+}  // namespace strobe::host

@@ -1,0 +1,35 @@
+// The port through which a host's messages come and go: LCM in the programs, a virtual bus in the soak test.
+// Single-threaded.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+
+namespace strobe::host {
+
+class Transport {
+ public:
+  using Bytes = std::span<const std::uint8_t>;
+  /// Called with each message: its channel and its bytes as they came. Must not throw.
+  using Receiver = std::function<void(const std::string& channel, Bytes)>;
+
+  virtual ~Transport() = default;
+
+  /// Waits until a message is there or one of the descriptors is readable, at most max_wait, then hands over
+  /// what has arrived. Returns false if nothing can be received any more.
+  virtual bool receive(std::chrono::milliseconds max_wait, std::span<const int> descriptors,
+                       const Receiver& receiver) = 0;
+  virtual void publish(const std::string& channel, Bytes bytes) = 0;
+};
+
+/// Nothing comes and nothing goes: messages are handed over by other ways.
+class NullTransport final : public Transport {
+ public:
+  bool receive(std::chrono::milliseconds, std::span<const int>, const Receiver&) override { return false; }
+  void publish(const std::string&, Bytes) override {}
+};
+
+}  // namespace strobe::host

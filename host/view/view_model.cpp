@@ -1,0 +1,35 @@
+#include "host/view/view_model.hpp"
+
+#include <fmt/format.h>
+
+namespace strobe::host {
+namespace {
+
+constexpr std::size_t kMaxNotifications = 50;
+
+}  // namespace
+
+void ViewModel::add(const ShotResult& result) {
+  ++shots;
+  if (!result.rejected && !result.dry) series.add(result.readout);
+  last = result;
+}
+
+void ViewModel::add_notification(const std::string& text) {
+  notifications.push_back(text);
+  if (notifications.size() > kMaxNotifications) notifications.erase(notifications.begin());
+}
+
+std::optional<std::string> ViewModel::update(Session& session, std::int64_t now_ns) {
+  status = session.status();
+  silent = !session.live_status(now_ns);
+  status_age_s = static_cast<double>(now_ns - session.status_heard_ns()) * 1e-9;
+  events_missing = session.ledger().missing();
+  const bool suspect_before = clock.suspect;
+  clock = session.clock().state();
+  if (!clock.suspect || suspect_before) return std::nullopt;
+  return fmt::format("the firmware's clock drifts by {:.0f} ppm against this machine's: not plausible",
+                     *clock.drift_ppm);
+}
+
+}  // namespace strobe::host

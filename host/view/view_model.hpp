@@ -1,0 +1,38 @@
+// What the screen of `strobe fire` and `strobe live` shows. Plain values; single-threaded.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <strobe_msgs/status_t.hpp>
+#include <vector>
+
+#include "common/data/thesis_data.hpp"
+#include "host/clock/device_clock.hpp"
+#include "host/session/series_statistics.hpp"
+#include "host/session/session.hpp"
+
+namespace strobe::host {
+
+struct ViewModel {
+  std::string title;                            ///< command, rig, session
+  std::string activity;                         ///< what is under way; empty: nothing to say
+  std::string blocking_reason;                  ///< why nothing can be fired; empty: nothing is known of
+  std::optional<strobe_msgs::status_t> status;  ///< newest; absent: no firmware was ever heard
+  bool silent = false;                          ///< the firmware has not been heard for a while
+  double status_age_s = 0.0;
+  ClockState clock;
+  std::int64_t events_missing = 0;  ///< that did not arrive here
+  int shots = 0;                    ///< whose results have come
+  std::optional<ShotResult> last;
+  SeriesStatistics series;                  ///< of the shots that count
+  std::optional<thesis::Condition> thesis;  ///< the thesis's series of the same spin and angle
+  std::vector<std::string> notifications;   ///< newest last; the last 50 are kept
+
+  void add(const ShotResult& result);
+  void add_notification(const std::string& text);
+  /// Brings up to date what is read from the session. Returns a line for a person if the clocks have become
+  /// implausible.
+  std::optional<std::string> update(Session& session, std::int64_t now_ns);
+};
+
+}  // namespace strobe::host
