@@ -91,6 +91,9 @@ bool has_no_rebound(const nlohmann::json& readout) {
 /// A freeze between the machine's pulse and the ball's arrival may let it pass unseen.
 bool saw_no_ball(const Shot& shot) { return is_rejected(shot.readout) && has_no_rebound(shot.readout); }
 
+/// Sensors' edges that the simulated rig was too late with are a fault of its own, with flags of its own.
+bool rig_was_late(const Shot& shot) { return shot.truth.at("spoilt").get<bool>(); }
+
 /// Fires it all once more, on another bench, where host freezes left no faulty exposure. unseen: the fault
 /// itself makes the ball unseen; else such exposures say nothing of it either.
 Outcome fire_with(const std::string& faults, int exposures, bool unseen = false) {
@@ -98,7 +101,10 @@ Outcome fire_with(const std::string& faults, int exposures, bool unseen = false)
   options.scene_addition = faults;
   options.rig_edits = kShortExposure;  // the faults lie within three flashes of the impact
   Outcome outcome;
-  for (options.seed = 7; options.seed < 7 + kRounds && outcome.struck.empty(); ++options.seed) {
+  const auto nothing_to_judge = [&outcome] {
+    return std::all_of(outcome.struck.begin(), outcome.struck.end(), rig_was_late);
+  };
+  for (options.seed = 7; options.seed < 7 + kRounds && nothing_to_judge(); ++options.seed) {
     outcome = fire_once(options, exposures);
     if (!unseen) std::erase_if(outcome.struck, saw_no_ball);
   }
@@ -120,6 +126,7 @@ void expect_no_wrong_number(const Outcome& outcome) {
 void expect_flag(const Outcome& outcome, const std::vector<std::string>& any_of) {
   std::size_t named = 0;
   for (const Shot& shot : outcome.struck) {
+    if (rig_was_late(shot)) continue;
     const bool says = std::any_of(any_of.begin(), any_of.end(),
                                   [&](const auto& flag) { return has_flag(shot.readout, flag); });
     CHECK_TEXT(says || has_flag(shot.readout, "flash_match_ambiguous"), shot.readout.dump().c_str());

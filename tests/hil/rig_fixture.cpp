@@ -37,6 +37,15 @@ std::string edited(std::string text, const std::vector<std::pair<std::string, st
   return text;
 }
 
+/// The rig file as shipped, or for a loop that is not awake before each flash: $STROBE_HIL_WAKE_AHEAD is 0 where
+/// another rig runs beside this one.
+std::string shipped_rig() {
+  const std::string text = testing::read_text(share("rig.toml"));
+  const char* const wake_ahead = std::getenv("STROBE_HIL_WAKE_AHEAD");
+  if (wake_ahead == nullptr) return text;
+  return replaced(text, "wake_ahead_us = 4000", std::string("wake_ahead_us = ") + wake_ahead);
+}
+
 }  // namespace
 
 RigFixture::RigFixture(const RigFixtureOptions& options)
@@ -44,7 +53,7 @@ RigFixture::RigFixture(const RigFixtureOptions& options)
         const std::string scene = testing::read_text(share("scenes") / (options.scene + ".toml"));
         testing::write_text(folder_ / (options.scene + ".toml"),
                             edited(scene, options.scene_edits) + "\n" + options.scene_addition + "\n");
-        testing::write_text(rig_file(), edited(testing::read_text(share("rig.toml")), options.rig_edits));
+        testing::write_text(rig_file(), edited(shipped_rig(), options.rig_edits));
         std::filesystem::create_directory(session());
         return testing::Process(sim_command(options), folder_.path());
       }()) {}

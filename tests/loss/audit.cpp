@@ -8,6 +8,7 @@
 #include <strobe_msgs/event_t.hpp>
 #include <strobe_msgs/readout_t.hpp>
 #include <strobe_msgs/shot_t.hpp>
+#include <strobe_msgs/status_t.hpp>
 
 #include "common/shot/shot_key.hpp"
 #include "firmware/publisher/log_reader.hpp"
@@ -60,6 +61,7 @@ class Auditor {
           violate(
               fmt::format("{}: event {} follows {}", path.filename().string(), event.sequence, expected - 1));
         expected = event.sequence + 1;
+        newest_boot_ = event.boot_id;
         journalled_[{event.boot_id, event.sequence}] = record.bytes;
         if (event.kind == event_t::SHOT_STARTED) started_.insert({event.boot_id, event.shot_id});
         if (event.kind == event_t::REPAIRED) repairs_.push_back(event.detail);
@@ -76,6 +78,7 @@ class Auditor {
       event_t event{};
       shot_t shot{};
       readout_t readout{};
+      strobe_msgs::status_t status{};
       if (decode(record, "/EVENT", event)) {
         const auto journalled = journalled_.find({event.boot_id, event.sequence});
         if (journalled == journalled_.end()) {
@@ -90,6 +93,9 @@ class Auditor {
         shots_here_.insert({shot.boot_id, shot.shot_id});
       } else if (decode(record, "/READOUT", readout)) {
         read_out(readout);
+      } else if (decode(record, "/STATUS", status)) {
+        std::int64_t& heard = heard_[status.boot_id];
+        heard = std::max(heard, status.last_sequence);
       }
     }
   }
@@ -98,12 +104,16 @@ class Auditor {
     audit_.journalled = static_cast<std::int64_t>(journalled_.size());
     for (const auto& [key, bytes] : journalled_) {
       if (here_.contains(key)) continue;
+      if (!due(key.first, key.second)) {
+        ++audit_.later;
+        continue;
+      }
       ++audit_.missing;
       violate(fmt::format("event {} of boot {:x} is in the journal and on no host", key.second, key.first));
     }
     audit_.shots = static_cast<int>(shots_.size());
     for (const auto& [key, range] : shots_) {
-      if (shots_here_.contains(key)) continue;
+      if (shots_here_.contains(key) || !due(key.boot_id, range.last)) continue;
       ++audit_.shots_missing;
       violate(fmt::format("the summary of shot {} is in the journal and on no host", key.shot_id));
     }
@@ -115,6 +125,11 @@ class Auditor {
 
  private:
   void violate(std::string what) { audit_.violations.push_back(std::move(what)); }
+
+  bool due(std::int64_t boot, std::int64_t sequence) const {
+    const auto heard = heard_.find(boot);
+    return boot != newest_boot_ || heard == heard_.end() || sequence <= heard->second;
+  }
 
   void read_out(const readout_t& readout) {
     const ShotKey key{readout.boot_id, readout.shot_id};
@@ -159,6 +174,8 @@ class Auditor {
   std::map<ShotKey, Range> shots_;
   std::set<ShotKey> started_;
   std::vector<std::string> repairs_;
+  std::int64_t newest_boot_ = 0;
+  std::map<std::int64_t, std::int64_t> heard_;  // by boot: the newest event that a status told of
   std::set<EventKey> here_;
   std::set<ShotKey> shots_here_, read_out_;
 };
@@ -169,6 +186,7 @@ void Audit::add(const Audit& other) {
   boots += other.boots;
   journalled += other.journalled;
   missing += other.missing;
+  later += other.later;
   torn += other.torn;
   shots += other.shots;
   shots_missing += other.shots_missing;

@@ -1,5 +1,8 @@
 // Holds what a host has in its session folder against what the firmware has journalled in its own: read by
 // bytes, without the product's own bookkeeping. Pure but for reading files.
+//
+// The newest boot may outlive the host. Of it a host must have what was journalled when the firmware sent the
+// newest status that the host has heard: it could not know of more. Of earlier boots it must have everything.
 #pragma once
 
 #include <cstdint>
@@ -13,6 +16,7 @@ struct Audit {
   int boots = 0;
   std::int64_t journalled = 0;   ///< events in the journals
   std::int64_t missing = 0;      ///< of them, on no host in the end
+  std::int64_t later = 0;        ///< of them, journalled after the newest status that a host has heard
   std::int64_t torn = 0;         ///< bytes in journals that belong to no whole record
   int shots = 0;                 ///< summaries in the journals
   int shots_missing = 0;         ///< of them, on no host in the end

@@ -4,6 +4,7 @@
 #include <strobe_msgs/event_t.hpp>
 #include <strobe_msgs/readout_t.hpp>
 #include <strobe_msgs/shot_t.hpp>
+#include <strobe_msgs/status_t.hpp>
 
 #include "firmware/publisher/journal.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -43,6 +44,13 @@ firmware::Message shot(std::int32_t shot_id, std::int64_t first, std::int64_t la
   content.first_sequence = first;
   content.last_sequence = last;
   return message("SHOT", content);
+}
+
+firmware::Message status(std::int64_t last_sequence) {
+  strobe_msgs::status_t content{};
+  content.boot_id = kBoot;
+  content.last_sequence = last_sequence;
+  return message("STATUS", content);
 }
 
 firmware::Message readout(std::int32_t shot_id, bool flagged) {
@@ -91,6 +99,23 @@ TEST(Audit, FindsEventsAndSummariesThatAreOnNoHost) {
   LONGS_EQUAL(1, result().missing);
   LONGS_EQUAL(1, result().shots_missing);
   LONGS_EQUAL(2, result().violations.size());
+}
+
+TEST(Audit, ExpectsOfTheNewestBootWhatItsLastHeardStatusTellsOf) {
+  journal({event(1), event(2), event(3), shot(1, 1, 2), shot(2, 3, 3)});
+  host({event(1), status(2)});
+  LONGS_EQUAL(1, result().missing);
+  LONGS_EQUAL(1, result().later);
+  LONGS_EQUAL(1, result().shots_missing);
+}
+
+TEST(Audit, ExpectsEverythingOfAnEarlierBoot) {
+  firmware::Message of_next_boot = event(1);
+  of_next_boot.bytes[19] = 8;  // the boot's last byte
+  journal({event(1), event(2)});
+  journal({of_next_boot});
+  host({event(1), status(1), of_next_boot});
+  LONGS_EQUAL(1, result().missing);
 }
 
 TEST(Audit, FindsWhatDiffersFromTheJournalOrIsInNone) {

@@ -25,7 +25,7 @@ TrialResult expect_kills_survived(Victim victim) {
   KillTrial trial;
   trial.victim = victim;
   trial.kills = 2;
-  const TrialResult result = run(trial);
+  const TrialResult result = run_trial(trial);
   LONGS_EQUAL(trial.kills, result.kills);
   expect_nothing_lost(result);
   return result;
@@ -38,7 +38,7 @@ TEST_GROUP(Loss){};
 TEST(Loss, OfAFifthWithDoublesAndLatecomersLeavesNothingMissingInTheEnd) {
   LinkTrial trial;
   trial.faults = {0.2, 0.1, 0.2, 60};
-  const TrialResult result = run(trial);
+  const TrialResult result = run_trial(trial);
   CHECK(result.link.lost > 10 && result.link.doubled > 5 && result.link.delayed > 10);
   expect_nothing_lost(result);
 }
@@ -46,7 +46,7 @@ TEST(Loss, OfAFifthWithDoublesAndLatecomersLeavesNothingMissingInTheEnd) {
 TEST(Loss, OfTheWholeLinkForAWhileInTheMiddleOfAShotLeavesNothingMissingInTheEnd) {
   LinkTrial trial;
   trial.cut_s = 1.5;
-  const TrialResult result = run(trial);
+  const TrialResult result = run_trial(trial);
   CHECK(result.link.cut > 0);
   expect_nothing_lost(result);
 }

@@ -85,7 +85,7 @@ int main(int argc, char** argv) {
   int status = kDone;
   if (links) {
     for (const Row& row : link_rows())
-      status |= say(row.name, run(LinkTrial{row.faults, row.cut_s, shots, seed++, !full}));
+      status |= say(row.name, run_trial(LinkTrial{row.faults, row.cut_s, shots, seed++, !full}));
   }
   if (kills > 0) {
     for (const Victim victim : {Victim::host, Victim::firmware}) {
@@ -96,7 +96,7 @@ int main(int argc, char** argv) {
           fmt::print(stderr, "{}: {} of {}\n", name, done, kills);
       };
       status |=
-          say(kill_loss > 0 ? fmt::format("{}, {:.0f} % loss", name, kill_loss * 100) : name, run(trial));
+          say(kill_loss > 0 ? fmt::format("{}, {:.0f} % loss", name, kill_loss * 100) : name, run_trial(trial));
     }
   }
   return status;

@@ -145,7 +145,7 @@ class KillSequence {
 };
 
 /// What happens in a lab whose firmware is up.
-TrialResult run(const RigFixtureOptions& options, const LinkFaults& faults, std::uint64_t seed,
+TrialResult run_trial(const RigFixtureOptions& options, const LinkFaults& faults, std::uint64_t seed,
                 const std::function<void(LossFixture&, TrialResult&)>& happen) {
   TrialResult result;
   const std::int64_t start_ns = testing::monotonic_now_ns();
@@ -161,9 +161,9 @@ TrialResult run(const RigFixtureOptions& options, const LinkFaults& faults, std:
 
 }  // namespace
 
-TrialResult run(const LinkTrial& trial) {
+TrialResult run_trial(const LinkTrial& trial) {
   const RigFixtureOptions options = rig_options(trial.short_exposure, trial.seed);
-  return run(options, trial.faults, trial.seed, [&trial](LossFixture& lab, TrialResult& result) {
+  return run_trial(options, trial.faults, trial.seed, [&trial](LossFixture& lab, TrialResult& result) {
     LineWatcher watch(lab.bench().chip_dir());
     Process host = lab.fire(trial.shots, 1000);
     if (trial.cut_s > 0.0 && watch.wait_for("SHUTTER", 1, kShotComes) != 0) {
@@ -174,20 +174,21 @@ TrialResult run(const LinkTrial& trial) {
       lab.relay().cut(false);
     }
     end_series(host, result);
+    take_down(lab.bench());
     lab.audit_into(result);
   });
 }
 
-TrialResult run(const KillTrial& trial) {
+TrialResult run_trial(const KillTrial& trial) {
   RigFixtureOptions options = rig_options(trial.short_exposure, trial.seed);
   options.shell = kAgain;
   LinkFaults faults;
   faults.loss = trial.loss;
-  return run(options, faults, trial.seed, [&trial](LossFixture& lab, TrialResult& result) {
+  return run_trial(options, faults, trial.seed, [&trial](LossFixture& lab, TrialResult& result) {
     KillSequence killing(trial, lab, result);
     trial.victim == Victim::host ? killing.hosts() : killing.firmwares();
-    lab.audit_into(result);  // what follows no host hears
-    take_down(lab.bench());
+    take_down(lab.bench());  // so that every shot has its end
+    lab.audit_into(result);
     result.words += lab.bench().log();
   });
 }

@@ -27,7 +27,7 @@ struct LinkTrial {
   std::uint64_t seed = 1;
   bool short_exposure = true;  ///< a third of the flashes
 };
-TrialResult run(const LinkTrial& trial);
+TrialResult run_trial(const LinkTrial& trial);
 
 enum class Victim { host, firmware };
 
@@ -39,6 +39,6 @@ struct KillTrial {
   bool short_exposure = true;
   std::function<void(int kills)> progress = [](int) {};
 };
-TrialResult run(const KillTrial& trial);
+TrialResult run_trial(const KillTrial& trial);
 
 }  // namespace strobe::loss

@@ -21,6 +21,7 @@ std::set<std::string> calls_in(const SourceFile& file) {
   static const std::regex call("\\b(gpiod_\\w+)\\(");
   std::set<std::string> found;
   for (const std::string& line : file.lines) {
+    if (line.find("gpiod_") == std::string::npos) continue;
     for (auto it = std::sregex_iterator(line.begin(), line.end(), call); it != std::sregex_iterator(); ++it)
       found.insert((*it)[1]);
   }

@@ -33,7 +33,9 @@ bool starts_with(const std::string& text, const std::string& prefix) { return te
 
 std::string top_folder(const std::string& path) { return path.substr(0, path.find('/')); }
 
-std::vector<SourceFile> source_files() {
+namespace {
+
+std::vector<SourceFile> read_source_files() {
   const std::filesystem::path root = repository_root();
   std::vector<SourceFile> files;
   for (const std::string& folder : kFolders) {
@@ -53,11 +55,21 @@ std::vector<SourceFile> source_files() {
   return files;
 }
 
-std::vector<SourceFile> cpp_files() {
-  std::vector<SourceFile> files = source_files();
-  std::erase_if(files, [](const SourceFile& file) {
-    return kCppSuffixes.count(std::filesystem::path(file.path).extension().string()) == 0;
-  });
+}  // namespace
+
+const std::vector<SourceFile>& source_files() {
+  static const std::vector<SourceFile> files = read_source_files();
+  return files;
+}
+
+const std::vector<SourceFile>& cpp_files() {
+  static const std::vector<SourceFile> files = [] {
+    std::vector<SourceFile> all = source_files();
+    std::erase_if(all, [](const SourceFile& file) {
+      return kCppSuffixes.count(std::filesystem::path(file.path).extension().string()) == 0;
+    });
+    return all;
+  }();
   return files;
 }
 

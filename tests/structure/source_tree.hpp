@@ -1,4 +1,4 @@
-// The project's own text files as the structure tests see them. Reads the disk; not thread-safe.
+// The project's own text files as the structure tests see them. Reads the disk, once.
 #pragma once
 
 #include <filesystem>
@@ -22,10 +22,10 @@ struct Include {
 std::filesystem::path repository_root();
 
 /// Every text file of the project's folders (not build, not data), sorted by path.
-std::vector<SourceFile> source_files();
+const std::vector<SourceFile>& source_files();
 
 /// C and C++ sources and headers among them.
-std::vector<SourceFile> cpp_files();
+const std::vector<SourceFile>& cpp_files();
 
 std::vector<Include> includes_of(const SourceFile& file);
 

@@ -82,6 +82,8 @@ struct Prepared {
   dup2(prepared.null, STDIN_FILENO);
   dup2(prepared.out, STDOUT_FILENO);
   dup2(prepared.err, STDERR_FILENO);
+  // Signals as a shell would give them: what starts the tests may ignore some (nohup, a background job).
+  for (int number = 1; number < NSIG; ++number) signal(number, SIG_DFL);
   sigset_t nothing;
   sigemptyset(&nothing);
   sigprocmask(SIG_SETMASK, &nothing, nullptr);

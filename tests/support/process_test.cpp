@@ -33,6 +33,13 @@ TEST(Process, TellsTheSignalThatEndedIt) {
   CHECK(finished.status == ExitStatus({-1, SIGTERM}));
 }
 
+TEST(Process, HeedsSignalsThatTheTestItselfIgnores) {
+  const auto before = std::signal(SIGINT, SIG_IGN);
+  const CompletedProcess finished = run_process(shell("kill -INT $$; exit 3"), 10s);
+  std::signal(SIGINT, before);
+  CHECK(finished.status == ExitStatus({-1, SIGINT}));
+}
+
 TEST(Process, HasNoStandardInput) {
   const CompletedProcess finished = run_process({{"cat"}, {}, {}, Privileges::inherited}, 10s);
   CHECK(finished.status == ExitStatus({0, 0}));
