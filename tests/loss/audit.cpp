@@ -61,7 +61,10 @@ class Auditor {
           violate(
               fmt::format("{}: event {} follows {}", path.filename().string(), event.sequence, expected - 1));
         expected = event.sequence + 1;
-        newest_boot_ = event.boot_id;
+        if (record.wall_us >= newest_us_) {
+          newest_us_ = record.wall_us;
+          newest_boot_ = event.boot_id;
+        }
         journalled_[{event.boot_id, event.sequence}] = record.bytes;
         if (event.kind == event_t::SHOT_STARTED) started_.insert({event.boot_id, event.shot_id});
         if (event.kind == event_t::REPAIRED) repairs_.push_back(event.detail);
@@ -175,6 +178,7 @@ class Auditor {
   std::set<ShotKey> started_;
   std::vector<std::string> repairs_;
   std::int64_t newest_boot_ = 0;
+  std::int64_t newest_us_ = 0;  // its last record
   std::map<std::int64_t, std::int64_t> heard_;  // by boot: the newest event that a status told of
   std::set<EventKey> here_;
   std::set<ShotKey> shots_here_, read_out_;
