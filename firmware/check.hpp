@@ -1,4 +1,4 @@
-// strobed --check: tries what strobed needs and tells what is wrong in words.
+// strobed --check: tries everything that strobed needs and reports what is missing.
 #pragma once
 
 #include "firmware/core/rig.hpp"
@@ -6,12 +6,12 @@
 
 namespace strobe::firmware {
 
-/// Prints one line (or JSON object) per item; returns 0 if all are well, else 1. Takes and changes no line.
-/// Advice and what --allow-no-rt tolerates do not count.
+/// Prints one line (or JSON object) per item. Returns 0 if none is a fault, else 1; advice, and with
+/// --allow-no-rt missing real-time rights, are no faults. Changes nothing.
 int check_rig(const Rig& rig, const Options& options);
 
-/// Keeps every interrupt that can be moved off the loop's CPU; prints what was moved, refused, and is fixed.
-/// 2: the rig file names no CPU; 1: some were refused.
+/// Moves every movable interrupt off the loop's CPU; prints which were moved, refused and cannot be moved.
+/// Returns 2 if the rig file names no CPU, 1 if some were refused, else 0.
 int move_interrupts(const Rig& rig);
 
 }  // namespace strobe::firmware

@@ -1,4 +1,4 @@
-// What strobed's command line asks for.
+// strobed's command line.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@
 
 namespace strobe::firmware {
 
-/// What --drill can let happen, to prove on the real rig that the outputs become safe.
+/// Failures that --drill provokes, to prove on the real rig that the outputs become safe.
 inline constexpr std::array<std::string_view, 4> kDrills{"publisher-exception", "publisher-hang", "loop-hang",
                                                          "output-failure"};
 
@@ -19,14 +19,15 @@ struct Options {
   std::string config;
   std::filesystem::path session;
   std::string lcm_url;                     ///< resolved: command line, rig file, default
-  std::string key_file;                    ///< --key-file; empty: not given
-  std::optional<authentication::Key> key;  ///< of the lab; there whenever the worker runs
+  std::string key_file;                    ///< --key-file; empty if not given
+  std::optional<authentication::Key> key;  ///< the lab's; has a value whenever the worker runs
   std::string key_words;                   ///< the key's file and fingerprint
   bool allow_no_rt = false;
   bool verbose = false;
   bool json = false;
-  std::string drill;      ///< one of kDrills; empty: none
-  int drill_at_shot = 0;  ///< of this start, from 1, or the first later one that flashes; 0: none
+  std::string drill;  ///< one of kDrills; empty: none
+  int drill_at_shot =
+      0;  ///< counted from 1 since this start; a shot without flashes delays it to the next; 0: none
 };
 
 }  // namespace strobe::firmware

@@ -201,9 +201,8 @@ int run_worker(const Rig& rig, const Options& options, SharedStatus& page) {
   Mailbox mailbox;
   const FolderFindings earlier = repair_journals(options.session);
   for (const std::string& line : earlier.repaired) std::fprintf(stderr, "strobed: %s\n", line.c_str());
-  Rig found = rig;
-  found.real_time.tick = find_tick(rig.real_time);
-  Sequencer sequencer(found, {clock, **lines, **lines, queue, commands}, earlier.last_shot_id);
+  Sequencer sequencer(rig, {clock, **lines, **lines, queue, commands}, earlier.last_shot_id,
+                      find_tick(rig.real_time));
 
   std::vector<std::string> faults;
   if (std::string fault = lock_memory(); !fault.empty()) faults.push_back(std::move(fault));

@@ -1,4 +1,4 @@
-// The worker: takes the lines, starts the loop, the publisher and the receiver, and ends them in order.
+// The worker process: takes the lines, runs the loop, the publisher and the receiver, ends them in order.
 #pragma once
 
 #include "firmware/core/rig.hpp"
@@ -7,8 +7,8 @@
 
 namespace strobe::firmware {
 
-/// Returns the exit status once a stop signal came (0), or at once if something is missing (2, one line on
-/// stderr).
+/// Runs until a stop signal and returns 0, or 1 if the outputs could not be made safe. Returns 2 at once,
+/// with one line on stderr, if something is missing.
 int run_worker(const Rig& rig, const Options& options, SharedStatus& page);
 
 }  // namespace strobe::firmware

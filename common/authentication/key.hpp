@@ -1,5 +1,5 @@
-// A lab's key: 32 secret bytes. Who has them may command the lab's rigs. Kept in a file as 64 hexadecimal
-// digits. Values, wiped when they end; thread-safe; not for the real-time path.
+// A lab's key: 32 secret bytes that authorize commands to the lab's rigs, kept in a file as 64 hexadecimal
+// digits. Values, wiped by their destructor; thread-safe; not for the real-time path.
 #pragma once
 
 #include <array>
@@ -28,7 +28,7 @@ class Key {
   std::span<const std::uint8_t, kBytes> bytes() const { return bytes_; }
   /// 64 hexadecimal digits.
   std::string text() const;
-  /// 8 hexadecimal digits that tell keys apart and tell nothing about the key itself.
+  /// 8 hexadecimal digits that identify a key without revealing it.
   std::string fingerprint() const;
 
  private:

@@ -1,5 +1,5 @@
-// Why a message on the command channel is not obeyed, nor answered: its sender is not known to be one of the
-// lab's hosts, or it was not meant for this firmware now.
+// Why a message on the command channel is ignored: its sender is not authenticated, or it is not for this
+// firmware now.
 #pragma once
 
 #include <cstddef>
@@ -7,10 +7,10 @@
 namespace strobe::authentication {
 
 enum class Rejection {
-  malformed,  ///< not a sealed command, or one whose body is no command
+  malformed,  ///< no sealed command, or its body is no command
   oversized,  ///< larger than any command
   forged,     ///< not sealed with this lab's key, or altered since
-  replayed,   ///< this host's command of that number, or a later one, came before
+  replayed,   ///< a command of this host with that number or a later one came before
   stale,      ///< for an earlier start of this firmware
   other_rig,  ///< for another rig of the same lab
 };

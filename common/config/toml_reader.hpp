@@ -1,4 +1,4 @@
-// Strict reading of TOML: every key is asked for by name, type and range; what nobody asked for is an error.
+// Strict reading of TOML: every key is read by name, type and range; keys that were not read are errors.
 // Errors read "FILE:LINE: table.key: what is wrong". No I/O of its own; thread-safe per object; allocates.
 //
 //   TomlReader reader(text, "rig.toml");
@@ -28,8 +28,8 @@ struct Range {
 
 class TomlReader;
 
-/// One table of the document, or an absent one: reading from an absent table gives the defaults, and for a
-/// required key an error that names the table's path.
+/// A table of the document, or an absent one: reading an absent table gives the defaults, and for a required
+/// key an error that names the table's path.
 class TomlTable {
  public:
   bool present() const;
@@ -53,11 +53,11 @@ class TomlTable {
   bool is_integer(std::string_view key) const;  ///< present and an integer
   bool is_string(std::string_view key) const;
   bool is_table(std::string_view key) const;
-  /// Line of the key's value in the file, from 1; the table's own if there is no such key; 0 if absent
-  /// altogether.
+  /// Line of the key's value in the file, from 1; the table's line if there is no such key; 0 if the table is
+  /// absent.
   std::uint32_t line_of(std::string_view key) const;
 
-  /// Accepts everything in this table unread: keys that are another program's business.
+  /// Accepts everything in this table unread: keys for other programs.
   void accept_all() const;
 
   /// Reports an error of the caller's own at the key's line (or at the table's, if there is no such key).
@@ -78,22 +78,22 @@ class TomlReader {
   TomlReader(TomlReader&&) noexcept;
   TomlReader& operator=(TomlReader&&) noexcept;
 
-  /// Takes what `parent` has and this document lacks, table by table; arrays, those of tables included, are
-  /// taken or left as a whole. Errors in what was taken name the parent's file. What was read of this
-  /// document stays read; tables got from the parent become invalid.
+  /// Adds what `parent` has and this document lacks, table by table; arrays, also of tables, are added or not
+  /// as a whole. Errors in what was added name the parent's file. What was read of this document stays read;
+  /// TomlTables of the parent become invalid.
   void inherit(TomlReader&& parent);
 
-  /// Takes a key out of a table of the document's root ("": out of the root itself) as if it had not been
-  /// written; nothing happens if it was not. Call it before reading; what was read so far counts as unread.
+  /// Removes a key from a table of the document's root ("": from the root itself), if it is there. Call it
+  /// before reading: what was read so far counts as unread.
   void remove(std::string_view table, std::string_view key);
 
   TomlTable root();
 
   /// The first error so far: syntax, a value out of range or of another type, a required key that is missing;
-  /// if there was none, the first key of the document that nobody asked for. Call it last.
+  /// if there was none, the first key of the document that was not read. Call it last.
   std::optional<Error> error() const;
 
-  /// The same without keys that nobody has asked for yet.
+  /// The same without keys that were not read yet.
   std::optional<Error> error_so_far() const;
 
  private:

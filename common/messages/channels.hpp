@@ -6,7 +6,7 @@
 
 namespace strobe::messages {
 
-/// Sized so that no event is lost in the socket at a bench's rates; ttl 0 keeps it on this machine.
+/// The buffer is large enough that the socket loses no event at a rig's rates; ttl 0: this machine only.
 inline constexpr const char* kDefaultLcmUrl = "udpm://239.255.76.67:7667?ttl=0&recv_buf_size=2097152";
 
 /// LCM drops silently when a subscription's queue (30 by default) is full; a shot has some 700 events.

@@ -14,10 +14,10 @@ namespace strobe::messages {
 
 /// Reads one frame. Unknown keys are ignored; null means absent. An error names the field and what it must
 /// be, as in "images[3].centre_px: must be two numbers", or the column where the text stops being JSON.
-/// Whether the frame can be reduced (order of times, ranges) is for reduce() to say.
+/// reduce() checks whether the frame can be reduced (order of times, ranges).
 Result<reduction::Frame> frame_from_json(std::string_view text);
 
-/// Numbers that are not finite come out as null, which no reader takes for a number.
+/// Numbers that are not finite become null.
 std::string frame_to_json(const reduction::Frame& frame);
 
 std::string readout_to_json(const reduction::Readout& readout);

@@ -1,5 +1,5 @@
 // Frames and readouts to and from their LCM messages. What is absent is NaN (numbers) or empty (text) there.
-// Messages come from outside: every conversion checks before it copies, and an error names the field.
+// Messages come from outside: every conversion checks before it copies; an error names the field.
 // Pure functions; thread-safe; they allocate.
 #pragma once
 
@@ -17,8 +17,8 @@ class readout_t;
 namespace strobe::messages {
 
 /// The message knows neither times nor the ball: time_s is 0 in every image and ball_diameter_m is 0; the
-/// caller sets both before it reduces the frame. Record and surface angle likewise are the caller's. A frame
-/// without a surface line is converted, too (it cannot be reduced). A contact image without a diameter has 0.
+/// caller sets both before it reduces the frame, and record and surface angle. A frame without a surface line
+/// is converted, too (it cannot be reduced). A contact image without a diameter has 0.
 Result<reduction::Frame> frame_from_lcm(const strobe_msgs::frame_t& message);
 
 /// Times and flash indices are not carried. boot_id, host_id and photograph are the caller's to set. Sources

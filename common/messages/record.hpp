@@ -1,4 +1,4 @@
-// The session's record: free notes that go with a shot, and the keys among them that have a meaning.
+// The session's record: free notes to a shot, and the keys among them that have a meaning.
 // Pure functions; thread-safe; they allocate.
 //
 // Keys with a meaning (values are text; numbers in decimal point notation):
@@ -8,7 +8,7 @@
 //   camera_distance_m, machine_distance_m, machine_angle_deg, surface_angle_deg
 //   spin, angle_deg       label of the series: "zero", "top" or "back", and the machine's nominal angle
 //   operator, remarks
-// Any other key of [a-z0-9_.] is kept and handed on.
+// Any other key of [a-z0-9_.] is passed on.
 #pragma once
 
 #include <string_view>

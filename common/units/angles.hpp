@@ -1,4 +1,4 @@
-// Angles: radians inside, degrees at the edge; lines, which are the same after half a turn.
+// Angles: radians inside, degrees in input and output; differences of directions modulo one or half a turn.
 // Pure functions; thread-safe, real-time safe.
 #pragma once
 

@@ -1,4 +1,4 @@
-// Messages from datagrams, those of several parts as well. Whatever arrives, it holds no more than a few
+// Assembles messages from datagrams of one or several parts. Whatever arrives, it holds at most a few
 // unfinished messages of bounded size. One thread's; allocates only for messages of several parts.
 #pragma once
 
@@ -20,10 +20,10 @@ struct Message {
 class Assembler {
  public:
   static constexpr std::uint32_t kMaxMessage_bytes = 1 << 20;
-  static constexpr std::size_t kMaxUnfinished = 8;  ///< the oldest gives way
+  static constexpr std::size_t kMaxUnfinished = 8;  ///< the oldest is dropped
 
-  /// The message that this datagram is, or completes; valid until the next call and while the datagram's
-  /// bytes are. sender: tells senders apart.
+  /// The message that this datagram is or completes, valid until the next call and as long as `bytes`;
+  /// nullopt if there is none. sender: identifies the sender.
   std::optional<Message> take(std::uint64_t sender, std::span<const std::uint8_t> bytes);
 
  private:

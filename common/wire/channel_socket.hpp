@@ -1,8 +1,7 @@
-// The datagrams of some LCM channels, from a UDP socket of its own. A program in the kernel lets no others
-// through: neither one's own messages on other channels, which multicast brings back, nor a flood of a
-// stranger's there ever wakes the reader. With key_file.cpp the only part of common/ that calls the system:
-// firmware and host must meet strangers' bytes in the same way. One thread's, after it was opened; allocates
-// at the start only.
+// Receives the datagrams of some LCM channels through a UDP socket of its own. A packet filter in the kernel
+// drops all others, so that neither the program's own messages on other channels, which multicast returns,
+// nor a flood there wakes the reader. It calls the system, as firmware and host must treat untrusted bytes
+// alike. One thread's once open; allocates at the start only.
 #pragma once
 
 #include <cstdint>
@@ -17,14 +16,14 @@
 namespace strobe::wire {
 
 struct ChannelChoice {
-  std::string wanted;    ///< a channel, or what channels begin with
+  std::string wanted;    ///< a channel, or the beginning of channels
   bool whole = true;     ///< `wanted` is a whole channel; of messages of several parts the first part comes
   std::string unwanted;  ///< one channel that is not wanted; empty: none
 };
 
 class ChannelSocket {
  public:
-  /// Fails where the group cannot be joined.
+  /// Fails if the group cannot be joined.
   static Result<ChannelSocket> open(const MulticastGroup& group, const ChannelChoice& choice);
 
   ChannelSocket(ChannelSocket&& other) noexcept;
@@ -38,7 +37,8 @@ class ChannelSocket {
     /// Valid until the next call; empty if the network reported an error.
     std::span<const std::uint8_t> bytes;
   };
-  /// The next datagram; nothing: none is waiting. May be of another channel where the kernel has no filters.
+  /// The next datagram; nullopt if none is waiting. May be of another channel where the kernel has no
+  /// filters.
   std::optional<Received> receive();
 
  private:

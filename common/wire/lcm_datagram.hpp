@@ -1,9 +1,9 @@
-// LCM's UDP multicast as it is on the wire: the URL, and what a datagram holds. LCM's own receiver is not for
-// bytes of strangers. In version 1.3.1 lcm_udpm.c, _recv_message_fragment(), holds
-// "fragment_offset + frag_size > fbuf->data_size" in 32 bits against the buffer, then copies to
-// fbuf->data + fragment_offset: a part of 32 bytes at offset 0xfffffff0 passes and is written outside, which
-// ends lcm-logger with SIGSEGV; the size in a first part, up to 256 MB, is allocated on its word alone. Pure;
-// thread-safe. Wire format: LCM's documentation, "UDP Multicast Protocol Description".
+// LCM's UDP multicast protocol: the URL and the datagrams. LCM's own receiver is not safe for untrusted
+// bytes: in version 1.3.1 lcm_udpm.c, _recv_message_fragment(), holds "fragment_offset + frag_size >
+// fbuf->data_size" in 32 bits against the buffer, then copies to fbuf->data + fragment_offset: a part of 32
+// bytes at offset 0xfffffff0 passes and is written outside, which ends lcm-logger with SIGSEGV; the size in a
+// first part, up to 256 MB, is allocated on its word alone. Pure; thread-safe. Wire format: LCM's
+// documentation, "UDP Multicast Protocol Description".
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,7 @@ struct MulticastGroup {
   int receive_buffer_bytes = 0;  ///< 0: as the system has it
 };
 
-/// The group of an LCM URL udpm://ADDRESS:PORT?...; nothing if it is of another kind or cannot be read.
+/// The group of an LCM URL udpm://ADDRESS:PORT?...; nullopt if it is of another kind or malformed.
 std::optional<MulticastGroup> multicast_group(std::string_view url);
 
 /// A message's datagram, or one of several. Views into the datagram.
@@ -34,7 +34,7 @@ struct Datagram {
   std::uint16_t parts = 1;  ///< 1: the message is whole
 };
 
-/// Nothing: not LCM's. Any bytes; a part's data always lies within its message.
+/// Returns nullopt if it is not LCM's. Valid: any bytes. A part's data always lies within its message.
 std::optional<Datagram> read_datagram(std::span<const std::uint8_t> bytes);
 
 /// A UDP datagram's data at most.

@@ -1,6 +1,7 @@
 #include "firmware/core/edge_assignment.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <iterator>
 
 namespace strobe::firmware {
@@ -21,6 +22,7 @@ void EdgeAssignment::open(ShotRecord& record, Duration shortest) noexcept {
 
 void EdgeAssignment::plan(MonoTime commanded, Lamps lamps) noexcept {
   if (record_->flashes.size() == record_->flashes.capacity()) return;
+  assert(record_->flashes.empty() || record_->flashes.back().commanded < commanded);
   FlashRecord flash;
   flash.lamps = lamps;
   flash.commanded = commanded;
@@ -28,6 +30,7 @@ void EdgeAssignment::plan(MonoTime commanded, Lamps lamps) noexcept {
 }
 
 void EdgeAssignment::issued(std::int32_t flash_index, MonoTime start, MonoTime end) noexcept {
+  assert(flash_index >= 0 && static_cast<std::size_t>(flash_index) < record_->flashes.size());
   FlashRecord& flash = record_->flashes[static_cast<std::size_t>(flash_index)];
   flash.issue_start = start;
   flash.issue_end = end;

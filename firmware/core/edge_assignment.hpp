@@ -1,9 +1,9 @@
-// Assigns the sensors' edges to flashes. A flash's window runs from a little before it was issued (commanded,
-// if it never was) for half the train's shortest interval: its first edge of each sensor is the flash.
-// Further edges there, and every edge until the next flash is due, are light that nobody asked for and are
-// counted as extra: such light makes an image as well. Edges before the first flash and a shortest interval
-// after the last are not the train's. Either sensor may see either lamp: which one was to flash does not
-// matter here. Real-time safe; no allocation beyond the record's capacity.
+// Assigns the sensors' edges to flashes. A flash's window begins shortly before it was issued (commanded, if
+// it never was) and lasts half the train's shortest interval; the first edge of each sensor in it is the
+// flash. Further edges there, and every edge until the next flash is due, count as extra edges: stray light
+// makes an image, too. Edges before the first flash, or more than a shortest interval after the last, are
+// ignored. Either sensor may see either lamp, so that the lamps do not matter here. Real-time safe; no
+// allocation beyond the record's capacity.
 #pragma once
 
 #include "firmware/ports/edge_source.hpp"
@@ -13,16 +13,15 @@ namespace strobe::firmware {
 
 class EdgeAssignment {
  public:
-  /// A window begins this much before the flash was issued: covers what a configured sensor delay is wrong
-  /// by.
+  /// A window begins this much before the flash was issued: more than the error of a configured sensor delay.
   static constexpr Duration kEarly = microseconds(20);
 
-  /// shortest: interval between two of its flashes.
+  /// shortest: the shortest interval between two flashes of the train.
   void open(ShotRecord& record, Duration shortest) noexcept;
-  /// Enters a planned flash; in order of their instants.
+  /// Adds a planned flash; call it in order of time.
   void plan(MonoTime commanded, Lamps lamps = Lamps::both) noexcept;
   void issued(std::int32_t flash_index, MonoTime start, MonoTime end) noexcept;
-  /// seen: the stamp with the sensor's delay subtracted.
+  /// seen: the edge's stamp less the sensor's delay.
   void edge(Input sensor, MonoTime seen) noexcept;
 
  private:

@@ -1,5 +1,5 @@
-// The only way to an output: every switching on comes with an end that is no later than the output's longest
-// on-time, whatever the plan says. Real-time safe; one thread's.
+// The only access to the outputs: each is switched on only together with the instant at which it is switched
+// off, no later than its longest on-time whatever the plan says. Real-time safe; one thread's.
 #pragma once
 
 #include <array>
@@ -31,18 +31,18 @@ class GuardedOutputs {
   Issue activate(Output output, MonoTime commanded, Duration width, MonoTime now,
                  Lamps lamps = Lamps::both) noexcept;
   Issue deactivate(Output output, MonoTime now) noexcept;
-  /// Everything inactive now, the machine first. False: a call failed, the lines are not known to be safe.
+  /// Switches everything off now, the machine first. Returns false if a call failed: the lines may be active.
   bool all_off() noexcept;
 
   bool active(Output output) const noexcept { return pulses_[index_of(output)].active; }
-  /// How long it was on when last switched off.
+  /// How long it was on before it was last switched off.
   Duration last_on_time(Output output) const noexcept { return pulses_[index_of(output)].last_on_time; }
   Duration max_on_time(Output output) const noexcept { return pulses_[index_of(output)].longest; }
   bool any_active() const noexcept;
-  MonoTime next_off() const noexcept;               ///< kNoDeadline: all are inactive
-  Output next_off_output() const noexcept;          ///< the one that next_off() is of
+  MonoTime next_off() const noexcept;               ///< kNoDeadline if all are inactive
+  Output next_off_output() const noexcept;          ///< the output of next_off()
   bool broken() const noexcept { return broken_; }  ///< an output could not be switched off
-  /// Whether a call failed since this was asked last.
+  /// Whether a call failed since the last call of this.
   bool take_failure() noexcept { return std::exchange(failed_, false); }
 
  private:

@@ -6,8 +6,8 @@ namespace {
 
 using Effect = Interlock::Effect;
 
-const char* refusal_in(State state, InterlockEvent input) {
-  if (input == InterlockEvent::clear) return "there is no fault to clear";
+const char* refusal_in(State state, InterlockEvent event) {
+  if (event == InterlockEvent::clear) return "there is no fault to clear";
   if (state == State::firing) return "a shot is being fired";
   if (state == State::spent) return "the shot is spent: arm for another";
   return "not armed";
@@ -15,24 +15,24 @@ const char* refusal_in(State state, InterlockEvent input) {
 
 }  // namespace
 
-const char* Interlock::forbidden(std::uint32_t guards) const noexcept {
+const char* Interlock::blocked_by_permission(std::uint32_t guards) const noexcept {
   if ((guards & guard::no_fault) != 0 && fault_[0] != '\0') return fault_;
   if ((guards & guard::estop_off) != 0 && estop_) return "the e-stop is pressed";
   if ((guards & guard::key_on) != 0 && !key_) return "the key is off";
   return nullptr;
 }
 
-const char* Interlock::missing(std::uint32_t guards, const Request& request) const noexcept {
-  const auto lacks = [guards](std::uint32_t bit, bool holds) { return (guards & bit) != 0 && !holds; };
-  if (lacks(guard::named_host, request.host != 0 && request.token != 0)) return "the command names no host";
-  if (lacks(guard::own_arming, state_ != State::armed || host_ == request.host))
+const char* Interlock::blocked_by_request(std::uint32_t guards, const Request& request) const noexcept {
+  const auto fails = [guards](std::uint32_t bit, bool holds) { return (guards & bit) != 0 && !holds; };
+  if (fails(guard::named_host, request.host != 0 && request.token != 0)) return "the command names no host";
+  if (fails(guard::own_arming, state_ != State::armed || host_ == request.host))
     return "another host has armed";
-  if (lacks(guard::in_time, request.now < expires_)) return "the arming has expired";
-  if (lacks(guard::token, request.host == host_ && request.token == token_))
+  if (fails(guard::in_time, request.now < expires_)) return "the arming has expired";
+  if (fails(guard::token, request.host == host_ && request.token == token_))
     return "not the token that was given to this host";
-  if (lacks(guard::new_shot, request.shot_id > shot_id_)) return "a shot of this number is spent";
-  if (lacks(guard::this_shot, request.shot_id == shot_id_)) return "another shot is being fired";
-  if (lacks(guard::trigger_pending, trigger_pending_)) return "the shot has no trigger left";
+  if (fails(guard::new_shot, request.shot_id > shot_id_)) return "a shot of this number is spent";
+  if (fails(guard::this_shot, request.shot_id == shot_id_)) return "another shot is being fired";
+  if (fails(guard::trigger_pending, trigger_pending_)) return "the shot has no trigger left";
   return nullptr;
 }
 
@@ -63,35 +63,35 @@ void Interlock::enter(State next) noexcept {
   state_ = latched && (next == State::idle || next == State::spent) ? State::fault : next;
 }
 
-const char* Interlock::try_transition(InterlockEvent input, const Request& request) noexcept {
-  const TransitionRow& rules = row(input);
-  if (const char* why = forbidden(rules.guards)) return why;
-  const Transition answer = transition(input);
-  if (answer.answer != Answer::grant) return refusal_in(state_, input);
-  if (const char* why = missing(rules.guards, request)) return why;
+const char* Interlock::try_transition(InterlockEvent event, const Request& request) noexcept {
+  const TransitionRow& rules = row(event);
+  if (const char* why = blocked_by_permission(rules.guards)) return why;
+  const Transition chosen = transition(event);
+  if (chosen.kind != TransitionKind::grant) return refusal_in(state_, event);
+  if (const char* why = blocked_by_request(rules.guards, request)) return why;
   perform(rules.actions, request, "");
-  enter(answer.next);
+  enter(chosen.next);
   return nullptr;
 }
 
-Effect Interlock::dispatch(InterlockEvent input, const char* why) noexcept {
-  const Transition answer = transition(input);
-  if (answer.answer == Answer::refuse) return {};
-  perform(row(input).actions, {}, why);
-  enter(answer.next);
-  if (answer.answer == Answer::disarm) {
+Effect Interlock::dispatch(InterlockEvent event, const char* why) noexcept {
+  const Transition chosen = transition(event);
+  if (chosen.kind == TransitionKind::refuse) return {};
+  perform(row(event).actions, {}, why);
+  enter(chosen.next);
+  if (chosen.kind == TransitionKind::disarm) {
     drop_token();
     return {Effect::Kind::disarmed, why};
   }
-  if (answer.answer == Answer::abort) {
+  if (chosen.kind == TransitionKind::abort) {
     trigger_pending_ = false;
     return {Effect::Kind::abort, why};
   }
   return {};
 }
 
-const char* Interlock::arm(std::int64_t host, std::int64_t fresh_token, MonoTime now) noexcept {
-  return try_transition(InterlockEvent::arm, {host, fresh_token, 0, false, now});
+const char* Interlock::arm(std::int64_t host, std::int64_t new_token, MonoTime now) noexcept {
+  return try_transition(InterlockEvent::arm, {host, new_token, 0, false, now});
 }
 
 const char* Interlock::fire(std::int64_t host, std::int64_t token, std::int32_t shot_id, bool dry,

@@ -1,16 +1,16 @@
-// Who may fire, and when: a state machine without clock, I/O or allocation, obeyed by Sequencer and
-// ShotPlayer. It runs from the table below, every input in every state; nothing else decides.
+// The interlock: who may fire, and when. A state machine without clock, I/O or allocation that Sequencer and
+// ShotPlayer run by. The table below decides on every event in every state; nothing else does.
 //
-// What follows from it, and is proved in tests/firmware over all reachable states:
-//  1. The trigger is released only in `firing`, once a shot, for the shot that was granted, while the key is
-//     on, the e-stop released and no fault latched; never in a dry or aborted shot.
-//  2. A shot is granted only to the host that armed, with the token it got last, before that expired, and
-//     only under a number that no shot had before. The token goes with it: a fired or aborted shot is spent.
-//  3. Key off, e-stop, disarm and fault end an arming and abort a shot, from whatever state, in that very
-//  call.
-//  4. A fault stays until CLEAR; nothing is armed, granted or released while it lasts.
+// Its safety invariants, proved in tests/firmware over all reachable states:
+//  1. The trigger is released only in state `firing`, once per shot, for the shot that was granted, while the
+//     key is on, the e-stop released and no fault latched; never in a dry or aborted shot.
+//  2. A shot is granted only to the host that armed, with the newest token it was given, before that expired,
+//     and only under a number that no shot had before. The shot uses the token up: fired or aborted, it is
+//     spent.
+//  3. Key off, e-stop, disarm and fault end an arming and abort a shot, in whatever state, within that call.
+//  4. A fault stays latched until CLEAR; nothing is armed, granted or released while it is.
 //
-// All calls are real-time safe; one thread's. Refusals are words (static storage); nullptr is "granted".
+// All calls are real-time safe; one thread's. Refusals are texts in static storage; nullptr means granted.
 #pragma once
 
 #include <array>
@@ -39,41 +39,42 @@ enum class InterlockEvent : std::uint8_t {
 inline constexpr std::size_t kInterlockEventCount = 13;
 inline constexpr std::size_t kStateCount = 5;
 
-enum class Answer : std::uint8_t { nothing, grant, refuse, disarm, abort };
-
-/// What must hold for a grant, beside the state.
+/// Conditions for a grant, besides the state.
 namespace guard {
 inline constexpr std::uint32_t no_fault = 1U << 0;
 inline constexpr std::uint32_t estop_off = 1U << 1;
 inline constexpr std::uint32_t key_on = 1U << 2;
 inline constexpr std::uint32_t permission = no_fault | estop_off | key_on;
-inline constexpr std::uint32_t named_host = 1U << 3;       ///< host and fresh token are not 0
+inline constexpr std::uint32_t named_host = 1U << 3;       ///< host and new token are not 0
 inline constexpr std::uint32_t own_arming = 1U << 4;       ///< not armed by another host
 inline constexpr std::uint32_t in_time = 1U << 5;          ///< the arming has not expired
 inline constexpr std::uint32_t token = 1U << 6;            ///< the arming's host and token
 inline constexpr std::uint32_t new_shot = 1U << 7;         ///< a number above every shot before
 inline constexpr std::uint32_t this_shot = 1U << 8;        ///< the number of the shot that is being fired
-inline constexpr std::uint32_t trigger_pending = 1U << 9;  ///< live, not aborted, not yet released
+inline constexpr std::uint32_t trigger_pending = 1U << 9;  ///< not dry, not aborted, not yet released
 }  // namespace guard
 
-/// What happens unless it is refused, beside the change of state. An Answer::disarm drops the token, an
-/// Answer::abort withholds the trigger.
+/// What a transition does unless it is refused, besides the change of state.
 namespace action {
 inline constexpr std::uint32_t take_token = 1U << 0;
 inline constexpr std::uint32_t drop_token = 1U << 1;
-inline constexpr std::uint32_t begin_shot = 1U << 2;  ///< its number is used up, its trigger ready unless dry
+inline constexpr std::uint32_t begin_shot = 1U
+                                            << 2;  ///< uses its number up; its trigger is pending unless dry
 inline constexpr std::uint32_t cancel_trigger = 1U << 3;
 inline constexpr std::uint32_t latch_fault = 1U << 4;
 inline constexpr std::uint32_t unlatch_fault = 1U << 5;
 }  // namespace action
 
+/// disarm also drops the token, abort also cancels the trigger.
+enum class TransitionKind : std::uint8_t { none, grant, refuse, disarm, abort };
+
 struct Transition {
-  Answer answer;
+  TransitionKind kind;
   State next;
 };
 
 struct TransitionRow {
-  std::uint32_t guards = 0;                  ///< bits of guard: for an Answer::grant
+  std::uint32_t guards = 0;                  ///< bits of guard, for a grant
   std::uint32_t actions = 0;                 ///< bits of action
   std::array<Transition, kStateCount> in{};  ///< indexed by State
 };
@@ -81,51 +82,51 @@ struct TransitionRow {
 using TransitionTable = std::array<TransitionRow, kInterlockEventCount>;  ///< indexed by InterlockEvent
 
 // clang-format off
-/// `next` of a shot that is over, and of a CLEAR, is `fault` as long as one is latched.
+/// As long as a fault is latched, the next state of shot_over and clear is `fault`.
 inline constexpr TransitionTable kTransitionTable = [] {
-  using enum Answer;
+  using enum TransitionKind;
   constexpr State idle = State::idle, armed = State::armed, firing = State::firing, broken = State::fault,
                   spent = State::spent;
-  namespace n = guard;
-  namespace d = action;
+  namespace g = guard;
+  namespace a = action;
   return TransitionTable{{
-  //                                                                           in idle           armed             firing           fault             spent
-  /* arm       */ {n::permission | n::named_host | n::own_arming,
-                   d::take_token,                                         {{{grant, armed},   {grant, armed},   {refuse, firing},  {refuse, broken},  {grant, armed}}}},
-  /* fire      */ {n::permission | n::in_time | n::token | n::new_shot,
-                   d::drop_token | d::begin_shot,                         {{{refuse, idle},   {grant, firing},  {refuse, firing},  {refuse, broken},  {refuse, spent}}}},
-  /* disarm    */ {0, 0,                                                  {{{nothing, idle},  {disarm, idle},   {abort, firing},   {nothing, broken}, {nothing, spent}}}},
-  /* expiry    */ {0, 0,                                                  {{{nothing, idle},  {disarm, idle},   {nothing, firing}, {nothing, broken}, {nothing, spent}}}},
-  /* key_off   */ {0, 0,                                                  {{{nothing, idle},  {disarm, idle},   {abort, firing},   {nothing, broken}, {nothing, spent}}}},
-  /* key_on    */ {0, 0,                                                  {{{nothing, idle},  {nothing, armed}, {nothing, firing}, {nothing, broken}, {nothing, spent}}}},
-  /* estop_on  */ {0, 0,                                                  {{{nothing, idle},  {disarm, idle},   {abort, firing},   {nothing, broken}, {nothing, spent}}}},
-  /* estop_off */ {0, 0,                                                  {{{nothing, idle},  {nothing, armed}, {nothing, firing}, {nothing, broken}, {nothing, spent}}}},
-  /* fault     */ {0, d::latch_fault,                                     {{{nothing, broken},{disarm, broken}, {abort, firing},   {nothing, broken}, {nothing, broken}}}},
-  /* clear     */ {0, d::unlatch_fault,                                   {{{refuse, idle},   {refuse, armed},  {refuse, firing},  {grant, idle},     {refuse, spent}}}},
-  /* trigger   */ {n::permission | n::this_shot | n::trigger_pending,
-                   d::cancel_trigger,                                   {{{refuse, idle},   {refuse, armed},  {grant, firing},   {refuse, broken},  {refuse, spent}}}},
-  /* aborted   */ {0, d::cancel_trigger,                                {{{nothing, idle},  {nothing, armed}, {nothing, firing}, {nothing, broken}, {nothing, spent}}}},
-  /* shot_over */ {0, d::cancel_trigger,                                {{{nothing, idle},  {nothing, armed}, {nothing, spent},  {nothing, broken}, {nothing, spent}}}},
+  //                                                                       in idle           armed             firing            fault             spent
+  /* arm       */ {g::permission | g::named_host | g::own_arming,
+                   a::take_token,                                       {{{grant, armed},   {grant, armed},   {refuse, firing}, {refuse, broken}, {grant, armed}}}},
+  /* fire      */ {g::permission | g::in_time | g::token | g::new_shot,
+                   a::drop_token | a::begin_shot,                       {{{refuse, idle},   {grant, firing},  {refuse, firing}, {refuse, broken}, {refuse, spent}}}},
+  /* disarm    */ {0, 0,                                                {{{none, idle},     {disarm, idle},   {abort, firing},  {none, broken},   {none, spent}}}},
+  /* expiry    */ {0, 0,                                                {{{none, idle},     {disarm, idle},   {none, firing},   {none, broken},   {none, spent}}}},
+  /* key_off   */ {0, 0,                                                {{{none, idle},     {disarm, idle},   {abort, firing},  {none, broken},   {none, spent}}}},
+  /* key_on    */ {0, 0,                                                {{{none, idle},     {none, armed},    {none, firing},   {none, broken},   {none, spent}}}},
+  /* estop_on  */ {0, 0,                                                {{{none, idle},     {disarm, idle},   {abort, firing},  {none, broken},   {none, spent}}}},
+  /* estop_off */ {0, 0,                                                {{{none, idle},     {none, armed},    {none, firing},   {none, broken},   {none, spent}}}},
+  /* fault     */ {0, a::latch_fault,                                   {{{none, broken},   {disarm, broken}, {abort, firing},  {none, broken},   {none, broken}}}},
+  /* clear     */ {0, a::unlatch_fault,                                 {{{refuse, idle},   {refuse, armed},  {refuse, firing}, {grant, idle},    {refuse, spent}}}},
+  /* trigger   */ {g::permission | g::this_shot | g::trigger_pending,
+                   a::cancel_trigger,                                   {{{refuse, idle},   {refuse, armed},  {grant, firing},  {refuse, broken}, {refuse, spent}}}},
+  /* aborted   */ {0, a::cancel_trigger,                                {{{none, idle},     {none, armed},    {none, firing},   {none, broken},   {none, spent}}}},
+  /* shot_over */ {0, a::cancel_trigger,                                {{{none, idle},     {none, armed},    {none, spent},    {none, broken},   {none, spent}}}},
   }};
 }();
 // clang-format on
 
 class Interlock {
  public:
-  /// last_shot_id: the highest number any shot had. table: must outlive this; another than the shipped one is
-  /// for proofs that a wrong one would be noticed.
+  /// last_shot_id: the highest number that any shot had. table: must outlive this; tests give wrong ones, to
+  /// prove that they would be noticed.
   explicit Interlock(Duration arming_expires, std::int32_t last_shot_id = 0,
                      const TransitionTable& table = kTransitionTable)
       : table_(&table), expires_after_(arming_expires), shot_id_(last_shot_id) {}
 
-  /// What the caller has to do after an input: at most one of them, with the reason in words.
+  /// What the caller has to do after an event, and why.
   struct Effect {
     enum class Kind { none, disarmed, abort } kind = Kind::none;
     const char* why = "";
   };
 
-  const char* arm(std::int64_t host, std::int64_t fresh_token, MonoTime now) noexcept;
-  /// shot_id: the number under which it will be fired.
+  const char* arm(std::int64_t host, std::int64_t new_token, MonoTime now) noexcept;
+  /// shot_id: the number that the shot will have.
   const char* fire(std::int64_t host, std::int64_t token, std::int32_t shot_id, bool dry,
                    MonoTime now) noexcept;
   Effect disarm() noexcept;
@@ -137,16 +138,16 @@ class Interlock {
   void aborted() noexcept { dispatch(InterlockEvent::aborted, ""); }
   void shot_over() noexcept { dispatch(InterlockEvent::shot_over, ""); }
 
-  /// True once per shot at most; then the trigger's pulse may be issued, now.
+  /// Returns true at most once per shot: the trigger's pulse may be issued now.
   bool release_trigger(std::int32_t shot_id) noexcept;
 
   State state() const noexcept { return state_; }
   bool key_active() const noexcept { return key_; }
   bool estop_active() const noexcept { return estop_; }
-  std::int64_t arm_host() const noexcept { return host_; }  ///< 0: not armed
+  std::int64_t arm_host() const noexcept { return host_; }  ///< 0 if not armed
   std::int64_t arm_token() const noexcept { return token_; }
   MonoTime arm_expires() const noexcept { return expires_; }
-  std::int32_t shot_id() const noexcept { return shot_id_; }  ///< newest number used
+  std::int32_t shot_id() const noexcept { return shot_id_; }  ///< the highest number used
   bool trigger_pending() const noexcept { return trigger_pending_; }
   const char* fault_text() const noexcept { return fault_; }  ///< "": none
 
@@ -158,16 +159,16 @@ class Interlock {
     bool dry = false;
     MonoTime now;
   };
-  const TransitionRow& row(InterlockEvent input) const noexcept {
-    return (*table_)[static_cast<std::size_t>(input)];
+  const TransitionRow& row(InterlockEvent event) const noexcept {
+    return (*table_)[static_cast<std::size_t>(event)];
   }
-  const Transition& transition(InterlockEvent input) const noexcept {
-    return row(input).in[static_cast<std::size_t>(state_)];
+  const Transition& transition(InterlockEvent event) const noexcept {
+    return row(event).in[static_cast<std::size_t>(state_)];
   }
-  const char* try_transition(InterlockEvent input, const Request& request) noexcept;
-  Effect dispatch(InterlockEvent input, const char* why) noexcept;
-  const char* forbidden(std::uint32_t guards) const noexcept;
-  const char* missing(std::uint32_t guards, const Request& request) const noexcept;
+  const char* try_transition(InterlockEvent event, const Request& request) noexcept;
+  Effect dispatch(InterlockEvent event, const char* why) noexcept;
+  const char* blocked_by_permission(std::uint32_t guards) const noexcept;
+  const char* blocked_by_request(std::uint32_t guards, const Request& request) const noexcept;
   void perform(std::uint32_t actions, const Request& request, const char* why) noexcept;
   void enter(State next) noexcept;
   void drop_token() noexcept;

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "common/units/time.hpp"
-#include "firmware/core/tick.hpp"
 #include "firmware/ports/event_sink.hpp"
 
 namespace strobe::firmware {
@@ -30,7 +29,7 @@ struct Rig {
   std::string file_name;
   std::string name = "bench";
   std::string lcm_url;   ///< empty: the default
-  std::string key_file;  ///< of the lab's key; empty: where it is looked for otherwise
+  std::string key_file;  ///< the lab's key; empty: the usual places
   std::string chip = "gpiochip0";
   std::uint32_t chip_file_line = 0;
   std::array<LineConfig, kLineCount> lines;  ///< indexed by Line
@@ -50,26 +49,24 @@ struct Rig {
   struct Shutter {
     Duration lag = milliseconds(45);
     Duration max_open = milliseconds(2000);
-    Duration late = milliseconds(20);  ///< its contact may come so much off the lag
+    Duration late = milliseconds(20);  ///< how far off the lag its contact may switch
   } shutter;
   struct Machine {
     Duration lag = milliseconds(310);
     Duration pulse = milliseconds(20);
     Duration max_on = milliseconds(100);
   } machine;
-  PlanRequest plan;  ///< default shot; its impact_at stands in where a request has none
+  ShotPlan plan;  ///< default shot; its impact_at serves plans that have none
   struct Tolerance {
     Duration late = microseconds(100);
     Duration abort_late = microseconds(1500);
     Duration spin = microseconds(200);
-    Duration wake_ahead =
-        microseconds(4000);  ///< not asleep so long before a pulse, if it is longer than spin
+    Duration wake_ahead = microseconds(4000);  ///< awake for so long before a pulse, if longer than spin
   } tolerance;
   Duration arming_expires = milliseconds(30'000);
   struct RealTime {
     int priority = 80;
     int cpu = -1;
-    Tick tick;  ///< not of the file: found at the start
   } real_time;
   std::vector<Note> record;
 

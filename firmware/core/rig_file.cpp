@@ -5,7 +5,7 @@
 
 #include "common/config/toml_reader.hpp"
 #include "common/messages/channels.hpp"
-#include "firmware/core/shot_plan.hpp"
+#include "firmware/core/pulse_schedule.hpp"
 
 namespace strobe::firmware {
 
@@ -100,7 +100,7 @@ void read_movers(TomlTable shutter, TomlTable machine, Rig& rig) {
 
 void read_plan(TomlTable& root, Rig& rig) {
   TomlTable table = root.table("plan");
-  PlanRequest& plan = rig.plan;
+  ShotPlan& plan = rig.plan;
   plan.train = table.choice_or("train", "free", {"free", "gated"}) == "gated" ? Train::gated : Train::free;
   plan.period = rounded(table.number("period_us", {1, 1e7}), kNsPerUs);
   plan.exposure = rounded(table.number("shutter_open_ms", {0.001, 60'000}), kNsPerMs);

@@ -1,4 +1,4 @@
-// rig.toml to Rig. Every value is checked; the first error names file, line and key. Pure; allocates;
+// Reads rig.toml. Every value is checked; the first error names file, line and key. Pure; allocates;
 // thread-safe.
 #pragma once
 
@@ -10,7 +10,7 @@
 
 namespace strobe::firmware {
 
-/// file_name is for messages only. [ball], [analysis] and [camera] are the host's and accepted as they stand.
+/// file_name: for errors. [ball], [analysis] and [camera] belong to the host and are not checked.
 Result<Rig> read_rig(std::string_view text, const std::string& file_name);
 
 }  // namespace strobe::firmware

@@ -1,10 +1,11 @@
 #include "firmware/core/sequencer.hpp"
 
 #include <algorithm>
+#include <cassert>
 
 namespace strobe::firmware {
 
-Sequencer::Sequencer(const Rig& rig, const Ports& ports, std::int32_t last_shot_id)
+Sequencer::Sequencer(const Rig& rig, const Ports& ports, std::int32_t last_shot_id, const Tick& tick)
     : rig_(rig),
       clock_(ports.clock),
       edges_(ports.edges),
@@ -12,7 +13,7 @@ Sequencer::Sequencer(const Rig& rig, const Ports& ports, std::int32_t last_shot_
       commands_(ports.commands),
       interlock_(rig.arming_expires, last_shot_id),
       outputs_(rig_, ports.clock, ports.outputs),
-      player_(rig_, ports.clock, ports.edges, ports.sink, interlock_, outputs_),
+      player_(rig_, ports.clock, ports.edges, ports.sink, interlock_, outputs_, tick),
       awake_(rig.tolerance),
       woken_(ports.clock.now()) {}
 
@@ -85,7 +86,7 @@ void Sequencer::read_levels() noexcept {
 void Sequencer::arm(const Command& command) noexcept {
   if (!sink_.journal_ok()) return refuse(command, "the journal cannot be written");
   read_levels();
-  if (const char* why = interlock_.arm(command.host_id, command.fresh_token, clock_.now())) {
+  if (const char* why = interlock_.arm(command.host_id, command.new_token, clock_.now())) {
     return refuse(command, why);
   }
   ShortText host;
@@ -158,6 +159,8 @@ bool Sequencer::step(MonoTime latest) noexcept {
   player_.run_due();
   if (outputs_.take_failure()) fault("an output line could not be set");
   report_status();
+  assert((interlock_.state() == State::firing) == player_.busy());
+  assert(player_.busy() || !outputs_.any_active());
   return !outputs_.broken();
 }
 
@@ -183,7 +186,7 @@ void Sequencer::report_status() noexcept {
   status.arm_token = interlock_.arm_token();
   status.arm_expires = interlock_.arm_expires();
   status.last_shot_id = interlock_.shot_id();
-  status.kernel_overflows = edges_.overflows();
+  status.kernel_overflows = edges_.kernel_overflows();
   status.fault = interlock_.fault_text();
   if (reported_ == status) return;
   reported_ = status;

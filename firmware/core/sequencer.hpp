@@ -1,6 +1,6 @@
-// The real-time loop, one turn at a time: wait for the next instant, an edge or a command; dispatch the
-// interlock; play the shot. Knows no Linux: it runs on the ports, on a real clock or a virtual one. After
-// start() no call allocates, locks or logs. One thread's.
+// The real-time loop, one turn at a time: wait for the next instant, an edge or a command; apply the
+// interlock; play the shot. Runs on the ports alone, on a real clock or a virtual one. After start() no call
+// allocates, locks or logs. One thread's.
 #pragma once
 
 #include <array>
@@ -21,23 +21,25 @@ struct Ports {
 
 class Sequencer {
  public:
-  /// Longest sleep: inputs are read anew at least this often, should an edge have been lost.
+  /// Longest sleep: the levels of key and e-stop are read at least this often, in case an edge was lost.
   static constexpr Duration kLongestSleep = milliseconds(50);
   /// Longest stretch awake in one turn.
   static constexpr Duration kLongestPoll = milliseconds(1);
 
-  Sequencer(const Rig& rig, const Ports& ports, std::int32_t last_shot_id);
+  /// last_shot_id: the highest number that any shot of the session folder had.
+  /// tick: the kernel's timer tick, unknown: shots start at once.
+  Sequencer(const Rig& rig, const Ports& ports, std::int32_t last_shot_id, const Tick& tick = {});
 
-  /// Outputs inactive, inputs read, STARTED reported. False: an output could not be driven.
+  /// Makes the outputs inactive, reads the inputs, reports STARTED. Returns false if an output failed.
   bool start(const ShortText& detail) noexcept;
 
   /// One turn; returns no later than kLongestSleep or `latest` from now.
-  /// False: an output can no longer be made inactive. The caller must end the process, so that the guardian
-  /// does it.
+  /// Returns false if an output can no longer be made inactive: the caller must end the process, so that the
+  /// guardian takes the outputs over.
   bool step(MonoTime latest) noexcept;
 
-  /// Outputs inactive, a running shot aborted and handed over, STOPPED reported. False: an output could not
-  /// be driven.
+  /// Makes the outputs inactive, aborts a running shot and hands it over, reports STOPPED. Returns false if
+  /// an output failed.
   bool stop(const ShortText& why) noexcept;
 
   State state() const noexcept { return interlock_.state(); }

@@ -1,6 +1,7 @@
 #include "firmware/core/shot_player.hpp"
 
 #include <algorithm>
+#include <cassert>
 
 namespace strobe::firmware {
 
@@ -13,15 +14,15 @@ Line line_of(Lamps lamps) {
 }  // namespace
 
 ShotPlayer::ShotPlayer(const Rig& rig, Clock& clock, EdgeSource& edges, EventSink& sink, Interlock& interlock,
-                       GuardedOutputs& outputs)
+                       GuardedOutputs& outputs, const Tick& tick)
     : rig_(rig),
       clock_(clock),
       edges_(edges),
       sink_(sink),
       interlock_(interlock),
       outputs_(outputs),
-      tick_avoidance_(rig.real_time.tick) {
-  plan_.reserve(rig.lamps.max_flashes);
+      tick_avoidance_(tick) {
+  schedule_.reserve(rig.lamps.max_flashes);
 }
 
 void ShotPlayer::report(EventKind kind, Line line, int level, const Issue& issue,
@@ -49,6 +50,7 @@ void ShotPlayer::report(EventKind kind, MonoTime time, const ShortText& detail) 
 }
 
 void ShotPlayer::begin(const Command& fire, std::int32_t shot_id, ShotRecord& record) noexcept {
+  assert(phase_ == Phase::idle && interlock_.state() == State::firing);
   const MonoTime now = clock_.now();
   record_ = &record;
   record.shot_id = shot_id;
@@ -62,11 +64,11 @@ void ShotPlayer::begin(const Command& fire, std::int32_t shot_id, ShotRecord& re
   record.shutter_feedback = ShutterFeedback::none;
   record.abort_reason = ShortText();
   overflows_before_ = sink_.overflows();
-  kernel_overflows_before_ = edges_.overflows();
-  build_plan(record.plan, rig_, plan_);
-  record.start = record.start + tick_avoidance_.delay(record.start, plan_);
-  edge_assignment_.open(record, plan_.shortest_interval);
-  for (const PlannedPulse& pulse : plan_.pulses) {
+  kernel_overflows_before_ = edges_.kernel_overflows();
+  build_schedule(record.plan, rig_, schedule_);
+  record.start = record.start + tick_avoidance_.delay(record.start, schedule_);
+  edge_assignment_.open(record, schedule_.shortest_interval);
+  for (const PlannedPulse& pulse : schedule_.pulses) {
     if (pulse.output == Output::strobes) edge_assignment_.plan(at(pulse.at), pulse.lamps);
   }
   next_pulse_ = 0;
@@ -79,7 +81,7 @@ void ShotPlayer::begin(const Command& fire, std::int32_t shot_id, ShotRecord& re
 
 MonoTime ShotPlayer::next_issue() const noexcept {
   MonoTime next = outputs_.next_off();
-  if (next_pulse_ < plan_.pulses.size()) next = std::min(next, at(plan_.pulses[next_pulse_].at));
+  if (next_pulse_ < schedule_.pulses.size()) next = std::min(next, at(schedule_.pulses[next_pulse_].at));
   return next;
 }
 
@@ -89,7 +91,7 @@ MonoTime ShotPlayer::next_due() const noexcept {
       return kNoDeadline;
     case Phase::playing: {
       const MonoTime issue = next_issue();
-      return issue == kNoDeadline || awaits_gate() ? std::min(issue, at(plan_.exposure_end)) : issue;
+      return issue == kNoDeadline || awaits_gate() ? std::min(issue, at(schedule_.exposure_end)) : issue;
     }
     case Phase::closing:
       return closes_at_;
@@ -109,10 +111,11 @@ void ShotPlayer::run_due() noexcept {
 }
 
 void ShotPlayer::issue_next(MonoTime due, MonoTime now) noexcept {
+  assert(now >= due && next_pulse_ <= schedule_.pulses.size());
   if (outputs_.next_off() <= due) {
     switch_off(outputs_.next_off_output(), now);
   } else {
-    issue(plan_.pulses[next_pulse_++], now);
+    issue(schedule_.pulses[next_pulse_++], now);
   }
 }
 
@@ -274,15 +277,15 @@ void ShotPlayer::gate(MonoTime stamp) noexcept {
   const bool is_the_ball = known(gate_counts_from_) && stamp >= gate_counts_from_;
   if (phase_ != Phase::playing || !is_the_ball || known(record_->gate)) return;
   record_->gate = stamp;
-  if (!plan_.gated) return;
+  if (!schedule_.gated) return;
   const Duration first = stamp + record_->plan.gate_delay - record_->start;
-  if (first < plan_.exposure_begin) return abort("the gate was interrupted before the shutter was open");
-  if (!add_burst(record_->plan, rig_, first, plan_)) {
+  if (first < schedule_.exposure_begin) return abort("the gate was interrupted before the shutter was open");
+  if (!add_burst(record_->plan, rig_, first, schedule_)) {
     return abort("the gate was interrupted too late for the burst to end within the exposure");
   }
-  for (std::size_t k = next_pulse_; k < plan_.pulses.size(); ++k) {
-    if (plan_.pulses[k].output == Output::strobes)
-      edge_assignment_.plan(at(plan_.pulses[k].at), plan_.pulses[k].lamps);
+  for (std::size_t k = next_pulse_; k < schedule_.pulses.size(); ++k) {
+    if (schedule_.pulses[k].output == Output::strobes)
+      edge_assignment_.plan(at(schedule_.pulses[k].at), schedule_.pulses[k].lamps);
   }
 }
 
@@ -301,10 +304,10 @@ void ShotPlayer::abort(const ShortText& why) noexcept {
 }
 
 void ShotPlayer::end_if_over() noexcept {
-  if (phase_ == Phase::playing && clock_.now() >= at(plan_.exposure_end)) {
+  if (phase_ == Phase::playing && clock_.now() >= at(schedule_.exposure_end)) {
     if (awaits_gate()) {
       abort("gate never seen");
-    } else if (next_pulse_ == plan_.pulses.size() && !outputs_.any_active()) {
+    } else if (next_pulse_ == schedule_.pulses.size() && !outputs_.any_active()) {
       close();
     }
   }
@@ -312,7 +315,7 @@ void ShotPlayer::end_if_over() noexcept {
     if (record_->abort_reason.empty()) report(EventKind::shot_ended, clock_.now(), "");
     record_->shutter_feedback = shutter_feedback();
     record_->queue_overflows = sink_.overflows() - overflows_before_;
-    record_->kernel_overflows = edges_.overflows() - kernel_overflows_before_;
+    record_->kernel_overflows = edges_.kernel_overflows() - kernel_overflows_before_;
     phase_ = Phase::handing_over;
   }
   if (phase_ == Phase::handing_over && sink_.shot_done(record_)) {

@@ -1,12 +1,12 @@
-// Plays one shot on the ports: pulses at their instants, flashes entered in the book, the gate's burst, the
-// abort. A pulse that is late beyond the limit is not issued at all: the shot is aborted, never caught up
-// with. Real-time safe; one thread's. Driven by Sequencer.
+// Plays one shot on the ports: pulses at their instants, edges assigned to flashes, the gate's burst, the
+// abort. A pulse that would be later than the limit is not issued: the shot is aborted, there is no catching
+// up. Real-time safe; one thread's. Driven by Sequencer.
 #pragma once
 
 #include "firmware/core/edge_assignment.hpp"
 #include "firmware/core/guarded_outputs.hpp"
 #include "firmware/core/interlock.hpp"
-#include "firmware/core/shot_plan.hpp"
+#include "firmware/core/pulse_schedule.hpp"
 #include "firmware/core/tick_avoidance.hpp"
 #include "firmware/ports/command_source.hpp"
 #include "firmware/ports/edge_source.hpp"
@@ -15,23 +15,22 @@ namespace strobe::firmware {
 
 class ShotPlayer {
  public:
-  /// From FIRE to the plan's first instant: room for the loop to come round and for the event to be
-  /// journalled.
+  /// From FIRE to the schedule's first instant: time for the event to be journalled.
   static constexpr Duration kLead = milliseconds(20);
-  /// After the plan's end the sensors' last edges are waited for.
+  /// How long to wait for the sensors' last edges after the schedule's end.
   static constexpr Duration kEdgeTimeout = milliseconds(2);
 
   ShotPlayer(const Rig& rig, Clock& clock, EdgeSource& edges, EventSink& sink, Interlock& interlock,
-             GuardedOutputs& outputs);
+             GuardedOutputs& outputs, const Tick& tick);
 
-  /// The interlock has granted it; the plan has been checked.
+  /// Requires: the interlock has granted the shot, and its plan has been checked.
   void begin(const Command& fire, std::int32_t shot_id, ShotRecord& record) noexcept;
   bool busy() const noexcept { return phase_ != Phase::idle; }
   std::int32_t shot_id() const noexcept { return busy() ? record_->shot_id : 0; }
-  MonoTime next_due() const noexcept;    ///< kNoDeadline: nothing to do
+  MonoTime next_due() const noexcept;    ///< kNoDeadline if there is nothing to do
   void edge(const Edge& edge) noexcept;  ///< of a sensor, the gate or the shutter's contact
   void abort(const ShortText& why) noexcept;
-  /// Issues what is due within the spinning stretch, and ends the shot when its time has come.
+  /// Issues what is due within the spin time, and ends the shot when it is over.
   void run_due() noexcept;
 
  private:
@@ -50,7 +49,7 @@ class ShotPlayer {
   void close() noexcept;
   ShutterFeedback shutter_feedback() const noexcept;
   bool lamps_recharged(const PlannedPulse& pulse, MonoTime now) noexcept;
-  bool awaits_gate() const noexcept { return plan_.gated && !known(record_->gate); }
+  bool awaits_gate() const noexcept { return schedule_.gated && !known(record_->gate); }
   void end_if_over() noexcept;
   void report(EventKind kind, Line line, int level, const Issue& issue,
               std::int32_t flash_index = -1) noexcept;
@@ -64,7 +63,7 @@ class ShotPlayer {
   GuardedOutputs& outputs_;
   TickAvoidance tick_avoidance_;
   EdgeAssignment edge_assignment_;
-  ShotPlan plan_;
+  PulseSchedule schedule_;
   std::size_t next_pulse_ = 0;
   Phase phase_ = Phase::idle;
   ShotRecord* record_ = nullptr;
@@ -72,7 +71,7 @@ class ShotPlayer {
   std::array<MonoTime, 2> last_flash_;  ///< of lamp A and of lamp B
   bool shutter_seen_open_ = false;
   bool shutter_seen_closed_ = false;
-  MonoTime gate_counts_from_ = kNoTime;  ///< never: the machine was not yet triggered
+  MonoTime gate_counts_from_ = kNoTime;  ///< kNoTime: not triggered yet
   std::int64_t overflows_before_ = 0;
   std::int64_t kernel_overflows_before_ = 0;
 };

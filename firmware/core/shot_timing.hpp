@@ -1,5 +1,6 @@
-// The timing of all flashes since the start, as it is published: lateness and length of the call as each is
-// issued, what the sensors saw as each shot ends. Fixed memory (0.3 MB); one thread's.
+// Timing of all flashes since the start, as published in the status: lateness and duration of each
+// set-values call as it is issued, the sensors' delays when a shot has ended. Fixed memory (0.3 MB); one
+// thread's.
 #pragma once
 
 #include <array>

@@ -1,10 +1,9 @@
-// The kernel's timer tick, found from how it interrupts a thread that spins.
+// The kernel's timer tick, detected from how it interrupts a spinning thread.
 //
-// Every CPU that is awake is interrupted at each tick (CONFIG_HZ: 100 to 1000 a second) for some
-// microseconds, at multiples of one period on CLOCK_MONOTONIC, and on all CPUs at once. A pulse that is due
-// within that time is late by what is left of it; only the kernel's option nohz_full takes the tick away. So
-// the tick is looked for at the start, and shots begin so that their flashes fall between ticks
-// (quiet_start.hpp).
+// Each tick (CONFIG_HZ: 100 to 1000 a second) interrupts every CPU that is awake for some microseconds, at
+// multiples of one period of CLOCK_MONOTONIC. A pulse due within that time is late by the rest of it; only
+// the kernel's option nohz_full avoids this. So the tick is measured at the start, and shots begin so that
+// their flashes fall between ticks (tick_avoidance.hpp).
 #pragma once
 
 #include <span>
@@ -21,14 +20,14 @@ struct Tick {
   bool known() const noexcept { return period > Duration{}; }
 };
 
-/// Two readings of the clock, one right after the other, that lie apart.
+/// Two consecutive readings of the clock that are far apart: the thread was interrupted.
 struct Gap {
   MonoTime at;  ///< the first reading
   Duration length{};
 };
 
-/// The tick of a given period in a spin over so many periods; unknown if fewer than three in five of them
-/// were interrupted at one phase (within 40 us). Allocates.
+/// The tick of a given period in a spin over so many periods. Unknown if fewer than three in five of them
+/// were interrupted at the same phase (within 40 us). Allocates.
 Tick detect_tick(std::span<const Gap> gaps, Duration period, int periods);
 
 }  // namespace strobe::firmware

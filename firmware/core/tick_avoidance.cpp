@@ -31,10 +31,10 @@ std::size_t TickAvoidance::step_of(Duration after_tick) const noexcept {
   return static_cast<std::size_t>(phase * static_cast<std::int64_t>(kSteps) / tick_.period) % kSteps;
 }
 
-Duration TickAvoidance::delay(MonoTime earliest, const ShotPlan& plan) const noexcept {
+Duration TickAvoidance::delay(MonoTime earliest, const PulseSchedule& schedule) const noexcept {
   if (!tick_.known()) return {};
   std::array<std::int64_t, kSteps> flashes{};
-  for (const PlannedPulse& pulse : plan.pulses) {
+  for (const PlannedPulse& pulse : schedule.pulses) {
     if (pulse.output == Output::strobes) ++flashes[step_of(earliest + pulse.at - MonoTime{tick_.phase})];
   }
   std::size_t best = 0;

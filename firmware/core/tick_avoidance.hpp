@@ -1,13 +1,13 @@
-// Picks a shot's start within one period of the kernel's tick, so that its flashes fall between ticks.
+// Chooses a shot's start within one period of the kernel's timer tick so that its flashes fall between ticks.
 //
-// A train whose period and the tick's have a large common divisor (3 ms and 4 ms: 1 ms) either meets the tick
-// with one flash in a few, or with none, as its start has it. Other trains lose nothing. A burst that a gate
-// starts has its instants from the ball: nothing can be chosen there.
+// If the periods of train and tick have a large common divisor (3 ms and 4 ms: 1 ms), it depends on the start
+// whether one flash in a few meets the tick, or none. Other trains lose nothing. The ball times a gated
+// burst: it is not moved.
 #pragma once
 
 #include <array>
 
-#include "firmware/core/shot_plan.hpp"
+#include "firmware/core/pulse_schedule.hpp"
 #include "firmware/core/tick.hpp"
 
 namespace strobe::firmware {
@@ -17,9 +17,9 @@ class TickAvoidance {
  public:
   explicit TickAvoidance(const Tick& tick) noexcept;
 
-  /// How much later than `earliest` the plan's first instant should be: 0 to one period of the tick, the
-  /// least where several are as good; 0 if no tick is known or the plan has no flash.
-  Duration delay(MonoTime earliest, const ShotPlan& plan) const noexcept;
+  /// How much later than `earliest` the schedule's first instant should be: less than one period of the tick,
+  /// the shortest of equally good delays. Returns 0 if no tick is known or there are no flashes.
+  Duration delay(MonoTime earliest, const PulseSchedule& schedule) const noexcept;
 
  private:
   static constexpr std::size_t kSteps = 128;  ///< of the tick's period

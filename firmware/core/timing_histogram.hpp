@@ -13,12 +13,12 @@ namespace strobe::firmware {
 class TimingHistogram {
  public:
   /// Some 20 equal bins over the middle 99 %, of a width that is 1, 2 or 5 times a power of ten [ns]. The
-  /// first and the last hold what lies beyond them, too.
+  /// first and the last also count what lies beyond them.
   struct Coarse {
     static constexpr std::size_t kMax = 24;
     Duration first{};  ///< lower edge of the first bin
     Duration width{};
-    std::size_t count = 0;  ///< of bins; 0: there are no values
+    std::size_t count = 0;  ///< of bins; 0 if there are no values
     std::array<std::int64_t, kMax> bins{};
   };
 

@@ -1,4 +1,4 @@
-// A wake-up through an eventfd: what sleeps polls the descriptor. Thread-safe, real-time safe.
+// A wake-up through an eventfd: the thread that sleeps polls the descriptor. Thread-safe, real-time safe.
 #pragma once
 
 #include <sys/eventfd.h>

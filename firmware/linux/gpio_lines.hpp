@@ -25,12 +25,12 @@ class GpioLines final : public OutputLines, public EdgeSource {
 
   bool set(Output output, bool active) noexcept override;
   bool set_lamps(Lamps lamps) noexcept override;
-  /// Lets go of the output lines, as they are, so that the guardian can take them; then set() fails.
+  /// Releases the output lines, as they are, so that the guardian can take them; set() fails afterwards.
   void release_outputs() noexcept;
   std::optional<std::size_t> wait(MonoTime until, std::span<Edge> edges) noexcept override;
   std::optional<std::size_t> poll(MonoTime until, std::span<Edge> edges) noexcept override;
   std::optional<bool> level(Input input) noexcept override;
-  std::int64_t overflows() const noexcept override;
+  std::int64_t kernel_overflows() const noexcept override;
 
  private:
   struct Impl;
@@ -38,7 +38,7 @@ class GpioLines final : public OutputLines, public EdgeSource {
   std::unique_ptr<Impl> impl_;
 };
 
-/// The outputs of a rig found but not taken, ready to be taken and driven inactive at once.
+/// The output lines of a rig, found but not yet requested, so that they can be taken at once.
 class OutputTakeover {
  public:
   static Result<OutputTakeover> prepare(const Rig& rig);
@@ -46,8 +46,8 @@ class OutputTakeover {
   OutputTakeover& operator=(OutputTakeover&&) noexcept;
   ~OutputTakeover();
 
-  /// Takes every output and drives it inactive, trigger first; a busy line is tried again until the time is
-  /// up. The lines stay taken until destruction. Error: which lines could not be had, and why.
+  /// Requests every output as inactive, trigger first; retries a busy line for up to `patience`. The lines
+  /// stay requested until destruction. Fails with the lines that could not be requested, and why.
   Result<void> drive_inactive(Duration patience);
 
  private:
@@ -58,9 +58,9 @@ class OutputTakeover {
 
 struct LineReport {
   std::string key;    ///< in the rig file, e.g. "lines.strobe_a", or "chip.name"
-  std::string fault;  ///< empty: it can be had
+  std::string fault;  ///< empty if there is none
 };
-/// Tries chip and lines without taking or changing any.
+/// Checks chip and lines without requesting or changing any.
 std::vector<LineReport> inspect_lines(const Rig& rig);
 
 }  // namespace strobe::firmware

@@ -261,7 +261,7 @@ std::optional<bool> GpioLines::level(Input input) noexcept {
   return std::nullopt;
 }
 
-std::int64_t GpioLines::overflows() const noexcept { return impl_->overflows; }
+std::int64_t GpioLines::kernel_overflows() const noexcept { return impl_->overflows; }
 
 struct OutputTakeover::Impl {
   struct Target {

@@ -83,7 +83,7 @@ class Guardian {
     const int worker = static_cast<int>(syscall(SYS_pidfd_open, worker_, 0));
     pollfd polled[] = {{worker, POLLIN, 0}, {signals, POLLIN, 0}, {page_.event_fd, POLLIN, 0}};
     for (;;) {
-      poll(polled, 3, worker >= 0 ? static_cast<int>(watchdog_.until_next_look() / milliseconds(1)) : 1);
+      poll(polled, 3, worker >= 0 ? static_cast<int>(watchdog_.until_next_check() / milliseconds(1)) : 1);
       if (worker >= 0 ? polled[0].revents != 0 : dead_without_pidfd()) return;
       page_.guardian_heartbeat_ns = to_ns(clock_.now());
       pass_stops_on(signals);
@@ -128,10 +128,10 @@ class Guardian {
     // A worker that stops, or whose loop had to end, turns no more.
     const bool watched = !page_.outputs_safe && !page_.lines_released;
     const Watchdog::Verdict verdict =
-        watched ? watchdog_.look(marks, now, current_core_ >= 0) : Watchdog::Verdict::well;
+        watched ? watchdog_.check(marks, now, current_core_ >= 0) : Watchdog::Verdict::healthy;
     move_to_loop_core(watched && real_time_ && watchdog_.suspect() ? page_.loop_cpu.load() : kAnywhere);
-    if (verdict == Watchdog::Verdict::well) return beat(now);
-    if (hung_ != Watchdog::Verdict::well) return;
+    if (verdict == Watchdog::Verdict::healthy) return beat(now);
+    if (hung_ != Watchdog::Verdict::healthy) return;
     hung_ = verdict;
     const bool loop = verdict == Watchdog::Verdict::loop_hung;
     kill_at_ = now + kGrace;
@@ -183,7 +183,7 @@ class Guardian {
   }
 
   int report(int status) const {
-    if (WIFEXITED(status) && !safe_ && hung_ == Watchdog::Verdict::well) return WEXITSTATUS(status);
+    if (WIFEXITED(status) && !safe_ && hung_ == Watchdog::Verdict::healthy) return WEXITSTATUS(status);
     std::string words = cause(status) + "; ";
     if (!safe_) {
       words += page_.outputs_safe ? "it had made the outputs inactive" : "it had no outputs";
@@ -206,7 +206,7 @@ class Guardian {
   std::optional<OutputTakeover> takeover_;
   std::optional<Result<void>> safe_;  ///< once it was tried to make the outputs safe
   Duration took_{};
-  Watchdog::Verdict hung_ = Watchdog::Verdict::well;
+  Watchdog::Verdict hung_ = Watchdog::Verdict::healthy;
   MonoTime kill_at_ = kNoTime;  ///< however well it seems
   MonoTime next_beat_{};
   bool real_time_ = false;

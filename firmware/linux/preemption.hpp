@@ -10,16 +10,16 @@ namespace strobe::firmware {
 
 enum class Preemption {
   none,       ///< a wake-up waits until a system call on its CPU returns or blocks
-  voluntary,  ///< or until it passes a place that the kernel's writers marked
-  full,  ///< until locks are let go and interrupt handlers end (also: lazy, the same for real-time threads)
-  real_time,  ///< PREEMPT_RT: these give way, too
-  unknown     ///< not told, at least not to this user
+  voluntary,  ///< or reaches an explicit preemption point
+  full,       ///< until locks are released and interrupt handlers end (also: lazy)
+  real_time,  ///< PREEMPT_RT: those are preempted, too
+  unknown     ///< cannot be read
 };
 
 struct PreemptionModel {
   Preemption model = Preemption::unknown;
   std::string source;       ///< the file it was read from
-  bool switchable = false;  ///< preempt=... on the kernel's command line, or root at any time, chooses it
+  bool switchable = false;  ///< by preempt=... on the kernel's command line, or by root at run time
 };
 
 /// From /sys/kernel/realtime, the kernel's version, and for one built with PREEMPT_DYNAMIC: debugfs, the

@@ -8,28 +8,28 @@
 
 namespace strobe::firmware {
 
-/// Holds /dev/cpu_dma_latency at 0 as long as it lives.
+/// Holds /dev/cpu_dma_latency at 0 during its lifetime.
 class LatencyRequest {
  public:
   LatencyRequest();
   LatencyRequest(const LatencyRequest&) = delete;
   LatencyRequest& operator=(const LatencyRequest&) = delete;
   ~LatencyRequest();
-  const std::string& fault() const { return fault_; }  ///< empty: granted
+  const std::string& fault() const { return fault_; }  ///< empty if granted
 
  private:
   int fd_ = -1;
   std::string fault_;
 };
 
-/// Each returns what is wrong and what to do about it, in one line; empty: done.
+/// Each returns one line that says what is wrong and what to do about it; empty if done.
 std::string lock_memory();
 std::string become_real_time(int priority);  ///< the calling thread, SCHED_FIFO
-std::string pin_to_cpu(int cpu);             ///< the calling thread; -1: nothing to do
-/// The calling thread and those it starts, where there is another CPU to run on; -1: nothing to do.
+std::string pin_to_cpu(int cpu);             ///< the calling thread; -1: does nothing
+/// Keeps the calling thread and those it starts off the CPU, if there is another one; -1: does nothing.
 void exclude_cpu(int cpu);
 
-/// What is wrong with each right, as above; empty: it can be had.
+/// What is wrong with each right, as above; empty if it is granted.
 struct RealTimeRights {
   std::string policy;
   std::string priority;
@@ -41,7 +41,7 @@ struct RealTimeRights {
 /// Tries all of the above without keeping any (in a child process).
 RealTimeRights probe_real_time(const Rig::RealTime& wanted);
 
-/// Touches the calling thread's stack so that no page of it faults later.
+/// Touches the calling thread's stack, so that no page of it faults later.
 void prefault_stack();
 /// Keeps freed memory in the process, so that an allocation after locking does not fault.
 void keep_memory();

@@ -1,11 +1,12 @@
-// What `strobed --check` says of the machine's real-time set-up: rights, power saving, what else may run on
-// the loop's CPU, the clock. Set-up only, not real-time.
+// `strobed --check` on the machine's real-time set-up: rights, power saving, what else may run on the loop's
+// CPU, the clock. Set-up only, not real-time.
 #pragma once
 
 #include <string>
 #include <vector>
 
 #include "firmware/core/rig.hpp"
+#include "firmware/core/tick.hpp"
 #include "firmware/linux/real_time.hpp"
 #include "firmware/linux/system_files.hpp"
 
@@ -13,9 +14,9 @@ namespace strobe::firmware {
 
 struct CheckItem {
   enum class Verdict {
-    ok,      ///< words: what was found
-    advice,  ///< it runs, but better so: words say how
-    fault    ///< strobed would not start, or not keep its times: words say what to do
+    ok,      ///< text: what was found
+    advice,  ///< it runs, but could be better: text says how
+    fault    ///< strobed would not start, or miss its times: text says what to do
   };
   std::string name;
   Verdict verdict = Verdict::ok;

@@ -1,5 +1,5 @@
-// Tells the service manager how strobed does: sd_notify(3)'s protocol, one datagram to $NOTIFY_SOCKET.
-// Without a manager every call does nothing. Never blocks; one thread's.
+// Notifies the service manager: sd_notify(3)'s protocol, one datagram to $NOTIFY_SOCKET. Without a manager
+// every call does nothing. Never blocks; one thread's.
 #pragma once
 
 #include <string>
@@ -20,11 +20,11 @@ class ServiceNotify {
   ServiceNotify& operator=(ServiceNotify&&) = delete;
   ~ServiceNotify();
 
-  /// E.g. "READY=1\nSTATUS=ready". What a manager that does not read misses is lost.
+  /// E.g. "READY=1\nSTATUS=ready". Lost if the manager does not read.
   void say(std::string_view assignments) const noexcept;
 
   bool managed() const { return fd_ >= 0; }
-  /// The manager acts when it hears no WATCHDOG=1 for so long; 0: it does not watch.
+  /// The manager expects WATCHDOG=1 at least this often; 0 if it does not.
   Duration watchdog() const { return watchdog_; }
 
  private:

@@ -15,20 +15,20 @@ class SystemFiles {
   /// root: "/" on a real system; paths below are given without a leading slash.
   explicit SystemFiles(std::filesystem::path root = "/") : root_(std::move(root)) {}
 
-  /// Whole content without white space at its end; nothing: absent or not to be read.
+  /// The content without white space at its end. Returns nullopt if the file is absent or not readable.
   std::optional<std::string> read(const std::string& path) const;
-  bool write(const std::string& path, const std::string& text) const;  ///< false: refused
+  bool write(const std::string& path, const std::string& text) const;  ///< false if refused
   /// Names in a folder, sorted: numbers by value; empty if there is no such folder.
   std::vector<std::string> list(const std::string& path) const;
   bool is_folder(const std::string& path) const;
-  /// Whether the owner may write it by its mode, whoever asks.
+  /// Whether its mode lets the owner write, whoever calls.
   bool owner_may_write(const std::string& path) const;
 
  private:
   std::filesystem::path root_;
 };
 
-/// "0-2,5" as {0, 1, 2, 5}, as the kernel writes lists of CPUs; what is not well formed is left out.
+/// "0-2,5" as {0, 1, 2, 5}, as the kernel writes lists of CPUs; malformed parts are skipped.
 std::set<int> parse_cpu_list(const std::string& list);
 /// The reverse: {0, 1, 2, 5} as "0-2,5".
 std::string format_cpu_list(const std::set<int>& cpus);

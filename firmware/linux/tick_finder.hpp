@@ -1,4 +1,4 @@
-// Looks for the kernel's timer tick by spinning for some 60 ms. Set-up only.
+// Measures the kernel's timer tick by spinning for some 60 ms. Set-up only.
 #pragma once
 
 #include "firmware/core/rig.hpp"
@@ -6,8 +6,8 @@
 
 namespace strobe::firmware {
 
-/// In a thread of its own with the loop's priority and CPU, as far as they can be had. Unknown: the tick does
-/// not reach that CPU (nohz_full), is shorter than 1 us, or too much else interrupts it.
+/// In a thread of its own with the loop's priority and CPU, as far as they are granted. Unknown if the tick
+/// does not reach that CPU (nohz_full), is shorter than 1 us, or too much else interrupts it.
 Tick find_tick(const Rig::RealTime& wanted);
 
 }  // namespace strobe::firmware

@@ -18,13 +18,13 @@ Duration Watchdog::publisher_timeout_for(Duration watchdog) {
 void Watchdog::see_core(MonoTime loop, MonoTime now, bool in_time) {
   const bool turned = loop != loop_;
   suspect_ = stale(loop, now, kLoopSuspectAfter);
-  core_seen_running_ = suspect_ && in_time && !turned ? core_seen_running_ + (now - looked_) : Duration{};
+  core_seen_running_ = suspect_ && in_time && !turned ? core_seen_running_ + (now - last_check_) : Duration{};
   loop_ = loop;
-  looked_ = now;
+  last_check_ = now;
 }
 
-Watchdog::Verdict Watchdog::look(const Heartbeats& marks, MonoTime now, bool on_loop_core) {
-  const Duration passed = looked_ == MonoTime{} ? Duration{} : now - looked_;
+Watchdog::Verdict Watchdog::check(const Heartbeats& marks, MonoTime now, bool on_loop_core) {
+  const Duration passed = last_check_ == MonoTime{} ? Duration{} : now - last_check_;
   see_core(marks.loop, now, on_loop_core && passed <= kInTime);
   // A longer time between two looks may have been a standstill of the machine, and counts as little.
   const Duration counted = std::min(passed, kInTime);
@@ -32,14 +32,15 @@ Watchdog::Verdict Watchdog::look(const Heartbeats& marks, MonoTime now, bool on_
   loop_stale_ = loop ? loop_stale_ + counted : Duration{};
   const bool publisher = stale(marks.publisher, now, publisher_timeout_);
   publisher_stale_ = publisher ? publisher_stale_ + counted : Duration{};
-  if (loop_stale_ >= kTurn || core_seen_running_ >= kCoreSeenRunning) return Verdict::loop_hung;
-  if (publisher_stale_ >= kTurn) return Verdict::publisher_hung;
-  return Verdict::well;
+  if (loop_stale_ >= kGrace || core_seen_running_ >= kCoreSeenRunning) return Verdict::loop_hung;
+  if (publisher_stale_ >= kGrace) return Verdict::publisher_hung;
+  return Verdict::healthy;
 }
 
-Duration Watchdog::until_next_look() const {
-  if (loop_ == MonoTime{}) return kLook;
-  return std::clamp(loop_ + kLoopSuspectAfter + milliseconds(1) - looked_, kCloseLook, kLook);
+Duration Watchdog::until_next_check() const {
+  if (loop_ == MonoTime{}) return kCheckInterval;
+  return std::clamp(loop_ + kLoopSuspectAfter + milliseconds(1) - last_check_, kCloseCheckInterval,
+                    kCheckInterval);
 }
 
 }  // namespace strobe::firmware

@@ -10,7 +10,7 @@ class Clock {
  public:
   virtual ~Clock() = default;
   virtual MonoTime now() noexcept = 0;
-  /// Spins until the instant has come; returns the clock's reading that ended it (>= instant).
+  /// Spins until the instant; returns the first reading of the clock that is not before it.
   virtual MonoTime spin_until(MonoTime instant) noexcept = 0;
 };
 

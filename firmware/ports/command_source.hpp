@@ -1,4 +1,4 @@
-// Port: commands that were addressed to this firmware, decoded and checked for form; the interlock decides.
+// Port: commands to this firmware, decoded and well-formed; the interlock decides on them.
 #pragma once
 
 #include <cstdint>
@@ -19,16 +19,16 @@ struct Command {
   CommandKind kind = CommandKind::arm;
   std::int64_t host_id = 0;
   std::int64_t command_id = 0;
-  std::int64_t token = 0;        ///< FIRE: the token it carries
-  std::int64_t fresh_token = 0;  ///< ARM: random, drawn by the receiver; what the host gets if it is armed
-  PlanRequest plan;              ///< FIRE
-  ShortText defect;              ///< why it must be refused whatever the interlock says; empty: well-formed
+  std::int64_t token = 0;      ///< FIRE: the token it carries
+  std::int64_t new_token = 0;  ///< ARM: drawn by the receiver; the host's token if it is armed
+  ShotPlan plan;               ///< FIRE
+  ShortText defect;            ///< why it must be refused; empty if it is valid
 };
 
 class CommandSource {
  public:
   virtual ~CommandSource() = default;
-  virtual bool pop(Command& command) noexcept = 0;  ///< false: none waits. Real-time safe
+  virtual bool pop(Command& command) noexcept = 0;  ///< returns false if there is none; real-time safe
 };
 
 }  // namespace strobe::firmware

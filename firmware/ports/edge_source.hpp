@@ -21,17 +21,17 @@ struct Edge {
 class EdgeSource {
  public:
   virtual ~EdgeSource() = default;
-  /// Sleeps until an edge, a wake-up (a command) or the instant; at once if it has passed. Fills `edges` from
-  /// its start and returns how many there are; what did not fit comes with the next call. Nothing: the inputs
-  /// are broken.
+  /// Sleeps until an edge, a wake-up (a command) or the instant; not at all if that has passed. Fills `edges`
+  /// from its start and returns their number; what did not fit comes with the next call. Returns nullopt if
+  /// the inputs cannot be read.
   virtual std::optional<std::size_t> wait(MonoTime until, std::span<Edge> edges) noexcept = 0;
-  /// The same without sleeping: looks at the inputs once, and again until there is something or the instant
-  /// has come. A virtual clock need not step through it.
+  /// The same without sleeping: polls the inputs until there is something or the instant has come. A virtual
+  /// clock may skip the time between.
   virtual std::optional<std::size_t> poll(MonoTime until, std::span<Edge> edges) noexcept = 0;
-  /// Logical level now; nothing: it cannot be read.
+  /// Logical level now. Returns nullopt if it cannot be read.
   virtual std::optional<bool> level(Input input) noexcept = 0;
-  /// Times that a kernel buffer was found full, so that edges may have been lost, since the start.
-  virtual std::int64_t overflows() const noexcept = 0;
+  /// How often since the start a kernel buffer was found full, so that edges may have been lost.
+  virtual std::int64_t kernel_overflows() const noexcept = 0;
 };
 
 }  // namespace strobe::firmware

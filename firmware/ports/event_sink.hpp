@@ -1,10 +1,10 @@
-// Port: where the loop leaves what happened. Everything here is copied or handed over; nothing waits.
+// Port: where the loop reports what happened. Everything is copied or handed over; no call waits.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
-#include "common/shot/coded_train.hpp"
+#include "common/shot/shot_plan.hpp"
 #include "common/units/time.hpp"
 #include "firmware/ports/fixed_text.hpp"
 
@@ -60,10 +60,10 @@ struct Event {
   ShortText detail;
 };
 
-/// Values are those of status_t. Spent: the last shot was fired or aborted and can never be fired again.
+/// Values are those of status_t. Spent: the last shot was fired or aborted; only another can be armed.
 enum class State : std::int8_t { idle = 0, armed, firing, fault, spent };
 
-/// What the loop knows of itself; handed over at every change.
+/// The loop's state; reported at every change.
 struct LoopStatus {
   State state = State::idle;
   bool key_active = false;
@@ -78,25 +78,11 @@ struct LoopStatus {
   bool operator==(const LoopStatus&) const = default;
 };
 
-enum class Train : std::int8_t { free = 0, gated };  ///< values are those of plan_t
-
-/// A shot that is asked for; see plan_t. An impact_at of 0 is the rig file's.
-struct PlanRequest {
-  Train train = Train::free;
-  Duration period{};
-  std::int32_t flash_count = 0;
-  Duration exposure{};
-  Duration gate_delay{};
-  Duration impact_at{};
-  bool dry = false;
-  CodedTrain code;  ///< empty: an even train
-};
-
-/// What the shutter's own contact told; values are those of shot_t.
+/// What the shutter's contact reported; values are those of shot_t.
 enum class ShutterFeedback : std::int8_t { none = 0, seen, missing, late };
 
 struct FlashRecord {
-  Lamps lamps = Lamps::both;  ///< those that were to flash
+  Lamps lamps = Lamps::both;  ///< that were to flash
   MonoTime commanded;
   MonoTime issue_start = kNoTime;
   MonoTime issue_end = kNoTime;
@@ -105,17 +91,17 @@ struct FlashRecord {
   std::int32_t extra_edges = 0;
 };
 
-/// One shot as it was obeyed and seen. `flashes` has its capacity from the start, so that filling never
+/// One shot as executed and observed. `flashes` has its capacity from the start, so that filling it never
 /// allocates.
 struct ShotRecord {
   std::int32_t shot_id = 0;
   std::int64_t host_id = 0;
   std::int64_t command_id = 0;  ///< of the FIRE: finds the notes that came with it
-  PlanRequest plan;
+  ShotPlan plan;
   MonoTime start;
   MonoTime shutter_on = kNoTime;  ///< its line, issue_end
   MonoTime shutter_off = kNoTime;
-  MonoTime shutter_open = kNoTime;  ///< as its contact told, else line and lag
+  MonoTime shutter_open = kNoTime;  ///< by its contact, else line and lag
   MonoTime shutter_close = kNoTime;
   MonoTime trigger = kNoTime;
   MonoTime gate = kNoTime;
@@ -132,9 +118,9 @@ class EventSink {
   virtual ~EventSink() = default;
   virtual void event(const Event& event) noexcept = 0;  ///< a full queue is counted, see overflows()
   virtual void status(const LoopStatus& status) noexcept = 0;
-  virtual ShotRecord* free_record() noexcept = 0;           ///< null: all are still being written
-  virtual bool shot_done(ShotRecord* record) noexcept = 0;  ///< hands it over; false: no room yet, try again
-  virtual void flush() noexcept = 0;  ///< before sleeping: wakes who writes, if there is something
+  virtual ShotRecord* free_record() noexcept = 0;           ///< nullptr if all are still being written
+  virtual bool shot_done(ShotRecord* record) noexcept = 0;  ///< hands it over; false if there is no room yet
+  virtual void flush() noexcept = 0;  ///< before sleeping: wakes the reader, if there is news
   virtual std::int64_t overflows() const noexcept = 0;  ///< events lost since the start
   virtual bool journal_ok() const noexcept = 0;
 };

@@ -1,4 +1,4 @@
-// Port: where encoded messages go, to everybody who listens. May lose, double or reorder them.
+// Port: publishes encoded messages to all subscribers. May lose, duplicate or reorder them.
 #pragma once
 
 #include <cstdint>

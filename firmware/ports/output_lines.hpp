@@ -17,10 +17,11 @@ constexpr std::size_t index_of(Output output) { return static_cast<std::size_t>(
 class OutputLines {
  public:
   virtual ~OutputLines() = default;
-  /// Drives every line of the output to the logical level in one call. Real-time safe. False: the call
-  /// failed.
+  /// Drives every line of the output to the logical level in one call. Returns false if it failed. Real-time
+  /// safe.
   virtual bool set(Output output, bool active) noexcept = 0;
-  /// Output::strobes: makes the named lamps' lines active and the other's inactive, in one call. Likewise.
+  /// Output::strobes: makes the named lamps' lines active and the others inactive, in one call; otherwise
+  /// likewise.
   virtual bool set_lamps(Lamps lamps) noexcept = 0;
 };
 

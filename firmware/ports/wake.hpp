@@ -1,13 +1,13 @@
-// Port: tells a thread that sleeps that there is something to do.
+// Port: wakes a sleeping thread.
 #pragma once
 
 namespace strobe::firmware {
 
-/// Real-time safe, from any thread; wakes that nobody has seen yet become one.
+/// Real-time safe, from any thread; several calls before the thread wakes count as one.
 class Wake {
  public:
   virtual ~Wake() = default;
-  virtual bool wake() noexcept = 0;  ///< false: it failed, try again
+  virtual bool wake() noexcept = 0;  ///< false if it failed: try again
 };
 
 }  // namespace strobe::firmware

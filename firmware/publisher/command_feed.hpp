@@ -1,6 +1,6 @@
-// The command channel's messages as they come from the network: from a UDP socket of its own, which takes
-// nothing but this channel, holds one datagram at a time and allocates nothing, so that no packet can harm
-// and no flood can grow; or, where the LCM URL is not one of UDP multicast, by LCM's subscription.
+// The command channel's messages from the network: through a UDP socket of its own that receives only this
+// channel, holds one datagram at a time and allocates nothing, so that no packet can do harm and no flood can
+// fill memory; or, where the LCM URL is not one of UDP multicast, through an LCM subscription.
 #pragma once
 
 #include <cstdint>
@@ -19,8 +19,8 @@ class CommandFeed {
  public:
   struct Handlers {
     std::function<void(std::span<const std::uint8_t>)> message;  ///< must not throw
-    std::function<void()> oversized;  ///< one came that is larger than a datagram holds
-    std::function<void()> turn;       ///< at least ten times a second
+    std::function<void()> oversized;                             ///< a message larger than a datagram came
+    std::function<void()> turn;                                  ///< at least ten times a second
   };
 
   CommandFeed() = default;
@@ -28,12 +28,12 @@ class CommandFeed {
   CommandFeed& operator=(const CommandFeed&) = delete;
   virtual ~CommandFeed() = default;
 
-  /// lcm: opened with the same URL; must outlive the feed. Fails where the socket cannot be had.
+  /// lcm: opened with the same URL; must outlive the feed. Fails if the socket cannot be opened.
   static Result<std::unique_ptr<CommandFeed>> open(lcm::LCM& lcm, const std::string& url,
                                                    const std::string& channel);
 
-  /// Until asked to stop, which takes up to 0.1 s. Blocks; calls the handlers on this thread.
-  /// std::runtime_error: nothing can be received any more.
+  /// Blocks until `stop` is requested, plus at most 0.1 s; calls the handlers on this thread. Throws
+  /// std::runtime_error if nothing can be received any more.
   virtual void run(const std::stop_token& stop, const Handlers& handlers) = 0;
 };
 

@@ -7,6 +7,7 @@
 #include <sys/statvfs.h>
 #include <unistd.h>
 
+#include <cassert>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -135,6 +136,8 @@ Result<void> Journal::append(const std::vector<Message>& messages, std::int64_t 
   size_ += static_cast<std::int64_t>(bytes.size());
   count_ += static_cast<std::int64_t>(places.size());
   entries_.insert(entries_.end(), places.begin(), places.end());
+  assert(count_ == static_cast<std::int64_t>(entries_.size()) && entries_.back().offset < size_);
+  assert(lseek(fd_, 0, SEEK_CUR) == size_);
   return {};
 }
 

@@ -1,6 +1,6 @@
 // The journal: a standard LCM log, one file per boot, DIR/journal-<boot id in hex>.lcmlog. Each append is one
 // write, so that what was appended survives the process; sync() makes it survive the machine. The file is
-// locked (flock) as long as it is written, so that nobody else mends it. Not real-time; one thread's.
+// locked (flock) while it is open, so that no other daemon repairs it. Not real-time; one thread's.
 #pragma once
 
 #include <cstdint>
@@ -14,8 +14,7 @@
 
 namespace strobe::firmware {
 
-/// One encoded message. An event has its sequence in both ends of `sequences`, a shot its first and last
-/// event's.
+/// One encoded message. `sequences`: of an event its own, of a shot those of its first and last event.
 struct Message {
   enum class Kind { event, shot } kind = Kind::event;
   SequenceRange sequences;
@@ -36,24 +35,24 @@ std::filesystem::path journal_path(const std::filesystem::path& dir, std::int64_
 
 class Journal {
  public:
-  /// Room on the disk that a shot may need, in bytes: 4,000 events and the summary. A shot of 200 flashes
-  /// takes 90,000.
+  /// Disk space that a shot may need [bytes]: 4,000 events and the summary. A shot of 200 flashes takes
+  /// 90,000.
   static constexpr std::int64_t kShotRoom = std::int64_t{512} << 10;
 
-  /// Makes the folder if need be. Error: names the path and the cause.
+  /// Creates the folder if it does not exist. Fails with the path and the cause.
   static Result<Journal> create(const std::filesystem::path& dir, std::int64_t boot_id);
   Journal(Journal&& other) noexcept;
   Journal& operator=(Journal&&) = delete;
   ~Journal();
 
-  /// All or nothing: on failure the file is cut back to what it was.
+  /// All or nothing: on failure the file is truncated to what it was.
   Result<void> append(const std::vector<Message>& messages, std::int64_t wall_us);
-  /// After a failure the journal is broken for good: the system may have dropped what it could not write.
+  /// After a failure the journal stays broken: the system may have dropped what it could not write.
   Result<void> sync();
-  /// Whether what is appended will be found again: the file is where it was made and as it was left, the
-  /// folder can be written. Error: what has become of it, and what to do.
+  /// Fails, saying what happened and what to do, if the file was moved, removed, replaced or changed by
+  /// others or the folder is not writable: what is appended might not be found again.
   Result<void> check() const;
-  /// Sets room for a shot aside on the disk, where that is not done yet. Error: there is too little.
+  /// Reserves disk space for a shot, unless it already is. Fails if there is too little.
   Result<void> make_room();
 
   const std::filesystem::path& path() const { return path_; }
@@ -66,19 +65,19 @@ class Journal {
   std::filesystem::path path_;
   int fd_ = -1;
   std::int64_t size_ = 0;
-  std::int64_t reserved_ = 0;  ///< bytes of the file that the disk has room for, as far as was asked
+  std::int64_t reserved_ = 0;  ///< up to here the file's space is reserved [bytes]
   std::int64_t count_ = 0;
   std::string broken_;
   std::vector<JournalEntry> entries_;
 };
 
-/// An LCM log's record as an entry, and the shot that it belongs to. False: neither an event nor a shot that
-/// can be decoded.
+/// An LCM log's record as an entry, and the shot that it belongs to. Returns false unless it is an event or a
+/// shot that can be decoded.
 bool entry_of(const LogRecord& record, JournalEntry& entry, std::int32_t& shot_id);
 /// The entries of a journal of an earlier boot; see LogReader for damaged ones.
 std::vector<JournalEntry> scan_journal(const std::filesystem::path& path);
-/// The message at an entry's place, also in a journal that is still being written; empty bytes: it cannot be
-/// read.
+/// The message at an entry's offset, also of a journal that is still being written. Its bytes are empty if it
+/// cannot be read.
 Message read_entry(LogReader& reader, const JournalEntry& entry);
 
 }  // namespace strobe::firmware

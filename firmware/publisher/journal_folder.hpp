@@ -1,7 +1,6 @@
-// The journals of earlier starts in a session folder: what they hold, and what their ends left to mend. A
-// torn end (the machine died, or the disk was full, in the middle of a write) is cut off, so that what
-// follows in time is never taken for it; a shot without an end is named. A journal that another daemon is
-// writing is left alone. At the start of the daemon, not real-time.
+// The journals of earlier starts in a session folder: reads and repairs them. A torn record at the end (power
+// or disk space ran out during a write) is cut off; a shot without an end is reported. A journal that another
+// daemon is writing is left alone. At the daemon's start, not real-time.
 #pragma once
 
 #include <cstdint>
@@ -19,12 +18,12 @@ struct EarlierBoot {
 };
 
 struct FolderFindings {
-  std::int32_t last_shot_id = 0;      ///< largest in the folder; 0: none
+  std::int32_t last_shot_id = 0;      ///< highest in the folder; 0 if there is none
   std::vector<EarlierBoot> earlier;   ///< with at least one event, newest first
-  std::vector<std::string> repaired;  ///< what was mended or is lost, a line each; at most 160 characters
+  std::vector<std::string> repaired;  ///< what was repaired or is lost, a line each of at most 160 characters
 };
 
-/// Reads all journals of the folder and mends them. What cannot be mended is named, too.
+/// Reads all journals of the folder and repairs them; also reports what cannot be repaired.
 FolderFindings repair_journals(const std::filesystem::path& dir);
 
 }  // namespace strobe::firmware

@@ -1,4 +1,4 @@
-// The message bus over LCM, outwards. What comes in takes another way (command_feed.hpp).
+// Publishes over LCM. Commands are received elsewhere (command_feed.hpp).
 #pragma once
 
 #include <lcm/lcm-cpp.hpp>

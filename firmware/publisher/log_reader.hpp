@@ -1,5 +1,5 @@
-// Reads LCM's log format record by record and, unlike LCM's own reader, goes on after damage: a torn or
-// zero-filled tail hides no record before it, a damaged stretch none after it. Not real-time; one thread's.
+// Reads LCM's log format record by record and, unlike LCM's own reader, continues after damage: a torn or
+// zero-filled tail hides no record before it, a damaged part none after it. Not real-time; one thread's.
 #pragma once
 
 #include <cstdint>
@@ -20,10 +20,10 @@ struct LogRecord {
 class LogReader {
  public:
   explicit LogReader(const std::filesystem::path& path) : file_(path, std::ios::binary) {}
-  /// False: no whole record follows. More may follow later, if the file is still being written.
+  /// Returns false if no whole record follows; more may follow later if the file is still being written.
   bool next(LogRecord& record);
   void seek(std::int64_t offset) { at_ = offset; }
-  /// Where the record that came last ends.
+  /// Offset at which the last record ends.
   std::int64_t at() const { return at_; }
 
  private:
@@ -34,7 +34,7 @@ class LogReader {
   void fill(std::int64_t offset, std::size_t size);
 
   std::ifstream file_;
-  std::vector<std::uint8_t> part_;  ///< of the file, from part_at_; what is written is never changed
+  std::vector<std::uint8_t> part_;  ///< of the file, from part_at_; written parts never change
   std::int64_t part_at_ = 0;
   std::int64_t at_ = 0;
 };

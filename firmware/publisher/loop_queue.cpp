@@ -1,5 +1,8 @@
 #include "firmware/publisher/loop_queue.hpp"
 
+#include <algorithm>
+#include <cassert>
+
 namespace strobe::firmware {
 
 LoopQueue::LoopQueue(const Rig& rig, Wake& publisher) : queue_(kCapacity), publisher_(publisher) {
@@ -26,10 +29,15 @@ ShotRecord* LoopQueue::free_record() noexcept {
   return nullptr;
 }
 
+LoopQueue::Slot& LoopQueue::slot_of(const ShotRecord* record) noexcept {
+  const auto slot = std::find_if(slots_.begin(), slots_.end(),
+                                 [record](const Slot& each) { return &each.record == record; });
+  assert(slot != slots_.end());
+  return *slot;
+}
+
 bool LoopQueue::shot_done(ShotRecord* record) noexcept {
-  for (Slot& slot : slots_) {
-    if (&slot.record == record) slot.free.store(false, std::memory_order_relaxed);
-  }
+  slot_of(record).free.store(false, std::memory_order_relaxed);
   const Item item(record);
   const bool taken = queue_.try_enqueue(item);
   news_ = news_ || taken;
@@ -37,9 +45,9 @@ bool LoopQueue::shot_done(ShotRecord* record) noexcept {
 }
 
 void LoopQueue::give_back(ShotRecord* record) {
-  for (Slot& slot : slots_) {
-    if (&slot.record == record) slot.free.store(true, std::memory_order_release);
-  }
+  Slot& slot = slot_of(record);
+  assert(!slot.free.load(std::memory_order_relaxed));
+  slot.free.store(true, std::memory_order_release);
 }
 
 void LoopQueue::flush() noexcept {

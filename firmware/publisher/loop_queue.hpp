@@ -1,5 +1,5 @@
 // From the loop to the publisher: a lock-free queue of one producer and one consumer, allocated at the start.
-// What the loop calls is EventSink (real-time safe); what the publisher calls is pop() and the rest below.
+// The loop calls the EventSink (real-time safe), the publisher pop() and what follows it.
 #pragma once
 
 #include <atomic>
@@ -17,7 +17,7 @@ namespace strobe::firmware {
 
 class LoopQueue final : public EventSink {
  public:
-  /// A shot's events: two sensor edges, one issue per flash, and a sensor that chatters.
+  /// More than a shot's events: for each flash an issue and two sensor edges, and a sensor that chatters.
   static constexpr std::size_t kCapacity = 16384;
   static constexpr std::size_t kRecords = 4;
   using Item = std::variant<Event, LoopStatus, ShotRecord*>;
@@ -42,6 +42,7 @@ class LoopQueue final : public EventSink {
     ShotRecord record;
     std::atomic<bool> free{true};
   };
+  Slot& slot_of(const ShotRecord* record) noexcept;
 
   SpscQueue<Item> queue_;
   std::array<Slot, kRecords> slots_;

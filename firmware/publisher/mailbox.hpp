@@ -1,4 +1,4 @@
-// From the receiver to the publisher: what is not for the loop. Not real-time (a mutex); any thread.
+// From the receiver to the publisher: what does not concern the loop. Not real-time (a mutex); any thread.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace strobe::firmware {
 
-/// The record that came with a FIRE, until its shot is over.
+/// The notes that came with a FIRE, kept until its shot is over.
 struct ShotNotes {
   std::int64_t host_id = 0;
   std::int64_t command_id = 0;

@@ -36,7 +36,7 @@ strobe_msgs::event_t to_message(const Event& event, std::int64_t boot_id, std::i
   return message;
 }
 
-strobe_msgs::plan_t to_message(const PlanRequest& plan) {
+strobe_msgs::plan_t to_message(const ShotPlan& plan) {
   strobe_msgs::plan_t message{};
   message.train = static_cast<std::int8_t>(plan.train);
   message.period_ns = plan.period.count();
@@ -45,28 +45,29 @@ strobe_msgs::plan_t to_message(const PlanRequest& plan) {
   message.gate_delay_ns = plan.gate_delay.count();
   message.impact_at_ns = plan.impact_at.count();
   message.dry = plan.dry;
-  message.code_count = static_cast<std::int32_t>(plan.code.size());
-  message.code.resize(plan.code.size());
-  for (std::size_t i = 0; i < plan.code.size(); ++i) {
-    message.code[i].offset_ns = plan.code[i].offset.count();
-    message.code[i].lamps = static_cast<std::int8_t>(plan.code[i].lamps);
+  for (const CodedFlash& flash : plan.code) {
+    message.code.emplace_back();
+    message.code.back().offset_ns = flash.offset.count();
+    message.code.back().lamps = static_cast<std::int8_t>(flash.lamps);
   }
+  message.code_count = static_cast<std::int32_t>(message.code.size());
   return message;
 }
 
-PlanRequest from_message(const strobe_msgs::plan_t& plan) {
-  PlanRequest request;
-  request.train = static_cast<Train>(plan.train);
-  request.period = nanoseconds(plan.period_ns);
-  request.flash_count = plan.flash_count;
-  request.exposure = nanoseconds(plan.shutter_open_ns);
-  request.gate_delay = nanoseconds(plan.gate_delay_ns);
-  request.impact_at = nanoseconds(plan.impact_at_ns);
-  request.dry = plan.dry != 0;
-  for (const auto& flash : plan.code) {
-    if (!request.code.push_back({nanoseconds(flash.offset_ns), static_cast<Lamps>(flash.lamps)})) break;
+ShotPlan from_message(const strobe_msgs::plan_t& message) {
+  ShotPlan plan;
+  plan.train = static_cast<Train>(message.train);
+  plan.period = nanoseconds(message.period_ns);
+  plan.flash_count = message.flash_count;
+  plan.exposure = nanoseconds(message.shutter_open_ns);
+  plan.gate_delay = nanoseconds(message.gate_delay_ns);
+  plan.impact_at = nanoseconds(message.impact_at_ns);
+  plan.dry = message.dry != 0;
+  for (const auto& flash : message.code) {
+    if (plan.code.size() == kMaxCodedFlashes) break;
+    plan.code.push_back({nanoseconds(flash.offset_ns), static_cast<Lamps>(flash.lamps)});
   }
-  return request;
+  return plan;
 }
 
 std::vector<Note> merged(const std::vector<Note>& rig_record, const std::vector<Note>& command) {

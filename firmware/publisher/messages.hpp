@@ -1,4 +1,4 @@
-// The loop's records to LCM messages. Pure; allocate; thread-safe.
+// From the loop's records to LCM messages. Pure; they allocate; thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -14,14 +14,14 @@
 namespace strobe::firmware {
 
 strobe_msgs::event_t to_message(const Event& event, std::int64_t boot_id, std::int64_t sequence);
-strobe_msgs::plan_t to_message(const PlanRequest& plan);
-/// Of a code that is longer than CodedTrain can be, only the first part: to be refused before.
-PlanRequest from_message(const strobe_msgs::plan_t& plan);
+strobe_msgs::plan_t to_message(const ShotPlan& plan);
+/// Of a code longer than kMaxCodedFlashes only the first part (well_formed() refuses it before).
+ShotPlan from_message(const strobe_msgs::plan_t& message);
 
 strobe_msgs::shot_t to_message(const ShotRecord& record, const Rig& rig, std::int64_t boot_id,
                                SequenceRange sequences, const std::vector<Note>& notes);
 
-/// The rig file's entries, overridden by the command's of the same key, which come after them otherwise.
+/// The rig file's notes; the command's replace those of the same key and follow otherwise.
 std::vector<Note> merged(const std::vector<Note>& rig_record, const std::vector<Note>& command);
 
 }  // namespace strobe::firmware

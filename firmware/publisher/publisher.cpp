@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cassert>
 #include <cstdio>
 #include <stdexcept>
 #include <utility>
@@ -163,6 +164,7 @@ void Publisher::write_and_publish() {
 
 void Publisher::publish_outbox() {
   for (const Message& message : outbox_) {
+    assert(message.kind != Message::Kind::event || message.sequences.first == journalled_sequence_ + 1);
     bus_.publish(message.channel, message.bytes);
     if (message.kind == Message::Kind::event) journalled_sequence_ = message.sequences.last;
   }

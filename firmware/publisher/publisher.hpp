@@ -1,6 +1,6 @@
-// The loop's records to the journal, then to the message bus; the heartbeat; resends from the journal. Runs
-// on a thread of its own, without real-time rights. An exception here ends the process, and the guardian
-// makes the outputs safe.
+// Writes the loop's records to the journal, then publishes them; publishes the status; resends from the
+// journal. Runs on a thread of its own, without real-time rights. An exception here ends the process, and
+// the guardian makes the outputs safe.
 #pragma once
 
 #include <atomic>
@@ -33,10 +33,10 @@ struct PublisherSettings {
   std::function<std::int64_t()> boot_time_ns = system_boot_time_ns;
   std::function<RejectedCommands()> rejected = [] { return RejectedCommands{}; };  ///< so far
   std::function<void(const std::string&)> say = log_to_stderr;
-  std::atomic<std::int64_t>* heartbeat_ns = nullptr;  ///< gets the time of each turn, for whoever watches
-  int drill_at_shot = 0;  ///< at flashes from the n-th shot of this boot on; 0: none
+  std::atomic<std::int64_t>* heartbeat_ns = nullptr;  ///< set at each turn, for the watchdog
+  int drill_at_shot = 0;  ///< `drill` is called at flashes from the n-th shot of this boot on; 0: never
   std::function<void()> drill;
-  FolderFindings found;  ///< told by events after STARTED, and in the status
+  FolderFindings found;  ///< reported by events after STARTED, and in the status
 };
 
 class Publisher {
@@ -44,13 +44,14 @@ class Publisher {
   Publisher(const Rig& rig, PublisherSettings settings, LoopQueue& queue, Mailbox& mailbox, Journal& journal,
             MessageBus& bus, Clock& clock);
 
-  /// turn() whenever wake_fd (an eventfd) or the time asks for one, until asked to stop; then finish().
+  /// Calls turn() when wake_fd (an eventfd) is written or a turn is due, until stop is requested; then
+  /// finish().
   void run(const std::stop_token& stop, int wake_fd);
-  /// Writes and publishes what the loop has left, goes on with resends, beats. Does not wait.
+  /// Writes and publishes the queue, continues resends, publishes the status when due. Does not wait.
   void turn();
-  /// When a turn is due even if the loop leaves nothing; in the past: at once.
+  /// When a turn is due even if the queue is empty; may be in the past.
   MonoTime next_turn() const;
-  /// Writes what is left in the queue, for good.
+  /// Writes and syncs what is left in the queue.
   void finish();
 
  private:
@@ -84,7 +85,7 @@ class Publisher {
   std::string event_channel_, shot_channel_, status_channel_;
   std::vector<Message> outbox_;
   std::deque<Resend> resends_;
-  std::int64_t scanned_boot_ = 0;  ///< earlier boot whose journal was last asked for
+  std::int64_t scanned_boot_ = 0;  ///< earlier boot whose journal was last read
   std::vector<JournalEntry> scanned_;
   std::int64_t sequence_ = 0;  ///< of the newest event made
   std::int64_t journalled_sequence_ = 0;

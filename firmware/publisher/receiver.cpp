@@ -9,7 +9,7 @@
 
 #include "common/authentication/seal.hpp"
 #include "common/messages/well_formed.hpp"
-#include "firmware/core/shot_plan.hpp"
+#include "firmware/core/pulse_schedule.hpp"
 
 namespace strobe::firmware {
 
@@ -107,7 +107,7 @@ void Receiver::dispatch(const strobe_msgs::command_t& message) {
   command.token = message.arm_token;
   command.plan = from_message(message.plan);
   command.defect = ShortText(defect);
-  if (command.kind == CommandKind::arm) command.fresh_token = draw_token_();
+  if (command.kind == CommandKind::arm) command.new_token = draw_token_();
   if (command.kind == CommandKind::fire && defect.empty()) {
     ShotNotes notes{message.host_id, message.command_id, {}};
     for (const auto& note : message.notes) notes.notes.push_back({note.key, note.value});

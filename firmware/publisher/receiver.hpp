@@ -1,6 +1,6 @@
-// Commands from the message bus: sealed with the lab's key for this rig, addressed to this start of the
-// firmware, not repeated, well-formed; then to the loop or to the publisher. What is not is counted and
-// ignored. On a thread of its own, without real-time rights.
+// Commands from the message bus: checks that each is sealed with the lab's key for this rig, well-formed,
+// addressed to this start of the firmware and not a repetition, then passes it to the loop or the publisher;
+// others are counted and ignored. On a thread of its own, without real-time rights.
 #pragma once
 
 #include <cstdint>
@@ -24,7 +24,7 @@ class CommandQueue final : public CommandSource {
  public:
   explicit CommandQueue(Wake& loop) : queue_(kCapacity), loop_(loop) {}
   bool pop(Command& command) noexcept override { return queue_.try_dequeue(command); }
-  bool push(const Command& command);  ///< false: full
+  bool push(const Command& command);  ///< false if full
 
  private:
   static constexpr std::size_t kCapacity = 256;
@@ -32,30 +32,31 @@ class CommandQueue final : public CommandSource {
   Wake& loop_;
 };
 
-/// Remembers the last command of each host: what is not newer is a repetition, e.g. a log that is played
-/// back. Nothing is forgotten before the next start, so that nothing old ever becomes news again.
+/// Remembers the last command of each host: one that is not newer is a repetition, e.g. of a log played back.
+/// Nothing is forgotten before the next start.
 class RepetitionFilter {
  public:
-  /// Hosts are processes that have the key; a day of one `strobe fire` each second has more, and then needs
-  /// a new start of the firmware.
+  /// Hosts are processes that have the key. A day of one `strobe fire` a second has more: the firmware must
+  /// then be restarted.
   static constexpr std::size_t kMaxHosts = 65'536;
 
-  /// False: a command of this host with this id or a later one came before, or it is one host too many.
+  /// Returns false if a command of this host with this id or a later one came before, or there are too many
+  /// hosts.
   bool is_new(std::int64_t host_id, std::int64_t command_id);
 
  private:
   std::map<std::int64_t, std::int64_t> newest_;  ///< by host
 };
 
-/// What is wrong with the form of a command, or with a FIRE's plan; empty: nothing.
+/// What is wrong with a command or with a FIRE's plan; empty if nothing is.
 std::string find_defect(const strobe_msgs::command_t& command, const Rig& rig);
 
-/// A random number that is not 0, from the kernel's generator.
+/// A random positive number, from the kernel's generator.
 std::int64_t random_id();
 
 class Receiver {
  public:
-  /// draw_token: a fresh arm token; not 0.
+  /// draw_token: returns a new arm token, not 0.
   Receiver(const Rig& rig, std::int64_t boot_id, const authentication::Key& key, CommandQueue& commands,
            Mailbox& mailbox, Rejections& rejections, std::function<std::int64_t()> draw_token = random_id);
 

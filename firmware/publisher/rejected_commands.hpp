@@ -1,5 +1,4 @@
-// How many packets of the command channel were ignored since the start, by what was wrong with them. A plain
-// value.
+// How many packets of the command channel were rejected since the start, by reason. A plain value.
 #pragma once
 
 #include <array>

@@ -1,5 +1,5 @@
-// Counts the commands that were ignored, and tells of them at a bounded rate, however many come: the first
-// at once, then at most one line in ten seconds. Counts may be read on any thread; all else is one thread's.
+// Counts rejected commands and logs them at a limited rate: the first at once, then at most one line in ten
+// seconds. Counts may be read on any thread; all else is one thread's.
 #pragma once
 
 #include <array>
@@ -23,7 +23,7 @@ class Rejections {
   Rejections(Clock& clock, Say say) : clock_(clock), say_(std::move(say)) {}
 
   void note(authentication::Rejection why);
-  /// Says what was held back, once it may. Call it now and then.
+  /// Logs what was held back, when it may. Call it now and then.
   void turn();
 
   /// Since start.

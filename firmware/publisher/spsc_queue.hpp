@@ -1,5 +1,5 @@
-// The lock-free queue of one producer and one consumer: moodycamel's, told to the thread sanitizer, which
-// does not see its fences under g++ and would take every hand-over for a race.
+// The lock-free queue of one producer and one consumer: moodycamel's, annotated for the thread sanitizer,
+// which does not see its fences under g++ and would report every hand-over as a race.
 #pragma once
 
 #ifdef __SANITIZE_THREAD__

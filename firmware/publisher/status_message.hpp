@@ -1,5 +1,5 @@
-// The heartbeat as a message: what the loop, the journal and the timing say at one instant. Pure but for the
-// system's clocks where named; allocates; not real-time.
+// The status message: state of the loop, the journal and the timing at one instant. Pure except for the
+// clocks where named; allocates; not real-time.
 #pragma once
 
 #include <cstdint>
@@ -27,7 +27,7 @@ struct ClockReading {
   std::int64_t boot_time_ns = 0;
 };
 
-/// Reads them within 20 us of each other if that can be had in four tries; else as close as the best of them.
+/// Reads them within 20 us of each other, or as close together as the best of four attempts.
 ClockReading read_clocks(Clock& clock, const std::function<std::int64_t()>& wall_ns,
                          const std::function<std::int64_t()>& boot_time_ns);
 
@@ -37,15 +37,15 @@ struct StatusParts {
   ClockReading clocks;
   LoopStatus loop;
   bool real_time = false;
-  std::string journal_fault;  ///< empty: it can be written
+  std::string journal_fault;  ///< empty if it can be written
   std::int64_t queue_overflows = 0;
   RejectedCommands rejected;
-  std::vector<EarlierBoot> earlier;  ///< newest first; the first 16 are told
+  std::vector<EarlierBoot> earlier;  ///< newest first; the message has the first 16
 };
 
 strobe_msgs::status_t to_message(const StatusParts& parts, const ShotTiming& timing);
 
-/// Microseconds; NaN and no bins without values.
+/// In microseconds; without values all are NaN and there are no bins.
 strobe_msgs::histogram_t to_message(TimingQuantity quantity, const TimingHistogram& histogram);
 
 }  // namespace strobe::firmware

@@ -28,30 +28,16 @@ CodedTrain some_code() {
   return code;
 }
 
-std::string refusal(const PlanRequest& request, const Rig& rig) {
+std::string refusal(const ShotPlan& request, const Rig& rig) {
   const auto checked = check_plan(request, rig);
   return checked ? "" : checked.error().message;
 }
 
 }  // namespace
 
-TEST_GROUP(CodedTrainOfAPlan){};
-
-TEST(CodedTrainOfAPlan, HoldsWhatWasPutInAndNoMoreThanItsRoom) {
-  CodedTrain code;
-  CHECK(code.empty());
-  for (std::size_t i = 0; i < kMaxCodedFlashes; ++i)
-    CHECK(code.push_back({milliseconds(static_cast<std::int64_t>(i)), i % 2 == 0 ? Lamps::a : Lamps::b}));
-  CHECK_FALSE(code.push_back({milliseconds(5000), Lamps::both}));
-  CHECK_EQUAL(kMaxCodedFlashes, code.size());
-  const CodedTrain copy = code;
-  CHECK(copy[7] == (CodedFlash{milliseconds(7), Lamps::b}));
-  CHECK(copy.back() == code.back());
-}
-
 TEST_GROUP(CodedPlan) {
   Rig rig = shipped_rig();
-  PlanRequest request = rig.plan;
+  ShotPlan request = rig.plan;
 
   void add(std::int64_t us, Lamps lamps = Lamps::both) { request.code.push_back({microseconds(us), lamps}); }
 };
@@ -59,9 +45,9 @@ TEST_GROUP(CodedPlan) {
 TEST(CodedPlan, HasItsFlashesAtTheirOffsetsFromTheOpening) {
   request.code = some_code();
   CHECK_EQUAL(std::string(), refusal(request, rig));
-  ShotPlan plan;
+  PulseSchedule plan;
   plan.reserve(rig.lamps.max_flashes);
-  build_plan(request, rig, plan);
+  build_schedule(request, rig, plan);
   CHECK_EQUAL(12, plan.flash_count);
   CHECK(plan.shortest_interval == milliseconds(3));
   std::size_t k = 0;
@@ -289,7 +275,7 @@ bool any_too_soon(const CodedTrain& code, int lamps, Duration least) {
 TEST(CodedTrain, IsGrantedExactlyWhereTheLampsAndTheLoopCanFollow) {
   const bool holds = rc::check("granted where two flashes are far enough apart", [] {
     const Rig rig = shipped_rig();
-    PlanRequest request = rig.plan;
+    ShotPlan request = rig.plan;
     Duration at{};
     for (const Step& step : *steps()) {
       request.code.push_back({at, static_cast<Lamps>(step.lamps)});
@@ -449,4 +435,15 @@ TEST(ShutterContact, OfAnAbortedShotIsWaitedForWithTheOutputsSafe) {
   bench.play();
   CHECK(bench.shot().shutter_feedback == ShutterFeedback::seen);
   CHECK(bench.shot().shutter_close >= pressed);
+}
+
+TEST(ShutterContact, OfTheShotBeforeTellsNothingOfThisOne) {
+  bench.rig.xsync_works = true;
+  shoot();
+  bench.rig.xsync_works = false;
+  bench.fire();
+  bench.play();
+  CHECK(bench.shot(0).shutter_feedback == ShutterFeedback::seen);
+  CHECK(bench.shot(1).shutter_feedback == ShutterFeedback::missing);
+  CHECK(bench.shot(1).shutter_open == bench.shot(1).shutter_on + bench.config.shutter.lag);
 }

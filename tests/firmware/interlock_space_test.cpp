@@ -376,11 +376,11 @@ TEST(InterlockSpace, KeepsThemInEverySequenceOfFourInputsToo) {
   CHECK_EQUAL(1u + 23 + 23 * 23 + 23 * 23 * 23 + 23 * 23 * 23 * 23, sequences);
 }
 
-// The judge knows the one right answer to every input, and the state after it: a table that it takes for good
-// cannot be told from the shipped one by any sequence of inputs. Such are, of the cells' 204 wrong next
+// The judge knows the one right transition for every input, and the state after it: a table that it takes for
+// good cannot be told from the shipped one by any sequence of inputs. Such are, of the cells' 204 wrong next
 // states and 110 wrong answers, those that another barrier makes harmless: a latched fault keeps its state
 // whatever the cell says; expiry is put in only while armed; the trigger is asked for only in `firing`, where
-// alone there is one left; CLEAR with nothing latched, where only its answer matters.
+// alone there is one left; CLEAR with nothing latched, where only its kind matters.
 TEST(InterlockSpace, WouldNoticeAWrongCellOfTheTable) {
   Mutants states, answers;
   for (std::size_t input = 0; input < kInterlockEventCount; ++input) {
@@ -389,14 +389,14 @@ TEST(InterlockSpace, WouldNoticeAWrongCellOfTheTable) {
       TransitionTable table = kTransitionTable;
       for (std::size_t other = 0; other < kStateCount; ++other) {
         // What is refused changes no state.
-        if (static_cast<State>(other) == good.next || good.answer == Answer::refuse) continue;
-        table[input].in[state] = {good.answer, static_cast<State>(other)};
+        if (static_cast<State>(other) == good.next || good.kind == TransitionKind::refuse) continue;
+        table[input].in[state] = {good.kind, static_cast<State>(other)};
         states.judge(table);
       }
-      using enum Answer;
-      for (const Answer other :
-           is_asked(input) ? std::vector{grant, refuse} : std::vector{nothing, disarm, abort}) {
-        if (other == good.answer) continue;
+      using enum TransitionKind;
+      for (const TransitionKind other :
+           is_asked(input) ? std::vector{grant, refuse} : std::vector{none, disarm, abort}) {
+        if (other == good.kind) continue;
         table[input].in[state] = {other, good.next};
         answers.judge(table);
       }
@@ -408,19 +408,19 @@ TEST(InterlockSpace, WouldNoticeAWrongCellOfTheTable) {
   CHECK_EQUAL(75, answers.noticed);
 }
 
-TEST(InterlockSpace, WouldNoticeAMissingNeed) {
+TEST(InterlockSpace, WouldNoticeAMissingGuard) {
   for (const std::uint32_t needed : {guard::estop_off, guard::key_on, guard::named_host, guard::own_arming})
     CHECK_TRUE(notices_without(InterlockEvent::arm, needed));
   for (const std::uint32_t needed : {guard::in_time, guard::token, guard::new_shot})
     CHECK_TRUE(notices_without(InterlockEvent::fire, needed));
   for (const std::uint32_t needed : {guard::this_shot, guard::trigger_pending})
     CHECK_TRUE(notices_without(InterlockEvent::trigger, needed));
-  // A stop has already ended the arming, or withheld the trigger: the second barrier behind the first.
+  // A stop has already ended the arming, or cancelled the trigger: the second barrier behind the first.
   CHECK_FALSE(notices_without(InterlockEvent::fire, guard::permission));
   CHECK_FALSE(notices_without(InterlockEvent::trigger, guard::permission));
 }
 
-TEST(InterlockSpace, WouldNoticeAMissingDeed) {
+TEST(InterlockSpace, WouldNoticeAMissingAction) {
   Mutants mutants;
   for (std::size_t input = 0; input < kInterlockEventCount; ++input) {
     for (std::uint32_t bit = action::take_token; bit <= action::unlatch_fault; bit <<= 1) {
@@ -430,7 +430,7 @@ TEST(InterlockSpace, WouldNoticeAMissingDeed) {
       mutants.judge(table);
     }
   }
-  // All but one: the trigger of a shot that is over is withheld twice, by the state as well.
+  // All but one: the trigger of a shot that is over is cancelled twice, by the state as well.
   CHECK_EQUAL(8, mutants.made);
   CHECK_EQUAL(7, mutants.noticed);
 }
@@ -439,7 +439,7 @@ TEST(InterlockSpace, WithholdsTheTriggerByASecondBarrierIfStopsWereForgotten) {
   TransitionTable deaf = kTransitionTable;
   for (const InterlockEvent input :
        {InterlockEvent::key_off, InterlockEvent::estop_on, InterlockEvent::fault}) {
-    for (Transition& cell : deaf[static_cast<std::size_t>(input)].in) cell.answer = Answer::nothing;
+    for (Transition& cell : deaf[static_cast<std::size_t>(input)].in) cell.kind = TransitionKind::none;
   }
   CHECK_TRUE(search(deaf).complaint.find("withdrawn") != std::string::npos);
   // With every other complaint put aside, none is of the trigger: it asks for the permission itself.

@@ -169,49 +169,51 @@ constexpr std::array kInputNames{"arm",     "fire",      "disarm",     "expiry",
 static_assert(kInputNames.size() == kInterlockEventCount);
 
 struct Outcome {
-  Answer answer = Answer::nothing;
+  TransitionKind kind = TransitionKind::none;
   State state = State::idle;
 };
 
-Answer answer_of(const char* refusal) { return refusal == nullptr ? Answer::grant : Answer::refuse; }
-Answer answer_of(Interlock::Effect effect) {
-  return effect.kind == Kind::abort      ? Answer::abort
-         : effect.kind == Kind::disarmed ? Answer::disarm
-                                         : Answer::nothing;
+TransitionKind kind_of(const char* refusal) {
+  return refusal == nullptr ? TransitionKind::grant : TransitionKind::refuse;
+}
+TransitionKind kind_of(Interlock::Effect effect) {
+  return effect.kind == Kind::abort      ? TransitionKind::abort
+         : effect.kind == Kind::disarmed ? TransitionKind::disarm
+                                         : TransitionKind::none;
 }
 
 /// The input, with all that a grant needs.
 Outcome given(Interlock lock, InterlockEvent input) {
-  Answer answer = Answer::nothing;
+  TransitionKind kind = TransitionKind::none;
   switch (input) {
     case InterlockEvent::arm:
-      answer = answer_of(lock.arm(kHost, kToken + 1, kNow));
+      kind = kind_of(lock.arm(kHost, kToken + 1, kNow));
       break;
     case InterlockEvent::fire:
-      answer = answer_of(lock.fire(kHost, kToken, kShot + 1, false, kNow));
+      kind = kind_of(lock.fire(kHost, kToken, kShot + 1, false, kNow));
       break;
     case InterlockEvent::disarm:
-      answer = answer_of(lock.disarm());
+      kind = kind_of(lock.disarm());
       break;
     case InterlockEvent::expiry:
-      answer = answer_of(lock.tick(kNow + kExpires));
+      kind = kind_of(lock.tick(kNow + kExpires));
       break;
     case InterlockEvent::key_off:
     case InterlockEvent::key_on:
-      answer = answer_of(lock.key(input == InterlockEvent::key_on));
+      kind = kind_of(lock.key(input == InterlockEvent::key_on));
       break;
     case InterlockEvent::estop_on:
     case InterlockEvent::estop_off:
-      answer = answer_of(lock.estop(input == InterlockEvent::estop_on));
+      kind = kind_of(lock.estop(input == InterlockEvent::estop_on));
       break;
     case InterlockEvent::fault:
-      answer = answer_of(lock.fault("broken"));
+      kind = kind_of(lock.fault("broken"));
       break;
     case InterlockEvent::clear:
-      answer = answer_of(lock.clear());
+      kind = kind_of(lock.clear());
       break;
     case InterlockEvent::trigger:
-      answer = lock.release_trigger(kShot) ? Answer::grant : Answer::refuse;
+      kind = lock.release_trigger(kShot) ? TransitionKind::grant : TransitionKind::refuse;
       break;
     case InterlockEvent::aborted:
       lock.aborted();
@@ -220,12 +222,12 @@ Outcome given(Interlock lock, InterlockEvent input) {
       lock.shot_over();
       break;
   }
-  return {answer, lock.state()};
+  return {kind, lock.state()};
 }
 
 }  // namespace
 
-TEST(Interlock, AnswersEveryInputInEveryStateAsItsTableSays) {
+TEST(Interlock, HandlesEveryEventInEveryStateAsItsTableSays) {
   for (std::size_t state = 0; state < kStateCount; ++state) {
     for (std::size_t input = 0; input < kInterlockEventCount; ++input) {
       lock = Interlock{kExpires};
@@ -234,7 +236,7 @@ TEST(Interlock, AnswersEveryInputInEveryStateAsItsTableSays) {
       const Outcome seen = given(lock, static_cast<InterlockEvent>(input));
       const Transition& cell = kTransitionTable[input].in[state];
       const std::string place = std::string(kInputNames[input]) + " in state " + std::to_string(state);
-      CHECK_EQUAL_TEXT(static_cast<int>(cell.answer), static_cast<int>(seen.answer), place.c_str());
+      CHECK_EQUAL_TEXT(static_cast<int>(cell.kind), static_cast<int>(seen.kind), place.c_str());
       CHECK_EQUAL_TEXT(static_cast<int>(cell.next), static_cast<int>(seen.state), place.c_str());
     }
   }

@@ -2,8 +2,10 @@
 #include "firmware/publisher/publisher.hpp"
 
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <string>
 #include <strobe_msgs/status_t.hpp>
@@ -18,6 +20,16 @@
 
 using namespace strobe;
 using namespace strobe::firmware;
+
+namespace {
+std::atomic<int> syncs{0};
+}
+
+/// Stands in for the C library's, which the journal calls.
+extern "C" int fdatasync(int fd) {
+  ++syncs;
+  return fsync(fd);
+}
 
 namespace {
 
@@ -124,6 +136,20 @@ TEST(Publisher, JournalsAndPublishesAShotWithItsEvents) {
   CHECK_EQUAL(102, shot.last_sequence);
   CHECK_EQUAL(std::string("host"), shot.notes[0].value);
   CHECK_EQUAL(103u, scan_journal(journal->path()).size());
+}
+
+TEST(Publisher, SyncsTheJournalAfterEachShotAndAtTheEnd) {
+  start();
+  CHECK_TRUE(until([&] { return !listener.statuses.empty(); }));
+  const int before = syncs;
+  play_shot(1, 10);
+  CHECK_TRUE(until([&] { return listener.shots.size() == 1; }));
+  CHECK_TRUE(until([&] { return syncs == before + 1; }));
+  play_shot(2, 10);
+  CHECK_TRUE(until([&] { return listener.shots.size() == 2; }));
+  CHECK_TRUE(until([&] { return syncs == before + 2; }));
+  stop();
+  CHECK_EQUAL(before + 3, syncs.load());
 }
 
 TEST(Publisher, BeatsAtLeastTwiceASecondAndTellsLateness) {

@@ -102,12 +102,12 @@ TEST(Receiver, WakesTheLoopWithACommand) {
 
 TEST(Receiver, GivesEachArmATokenOfItsOwn) {
   CHECK_TRUE(deliver());
-  const std::int64_t first = command.fresh_token;
+  const std::int64_t first = command.new_token;
   ++message.command_id;
   CHECK_TRUE(deliver());
   CHECK(first != 0);
-  CHECK(command.fresh_token != 0);
-  CHECK(command.fresh_token != first);
+  CHECK(command.new_token != 0);
+  CHECK(command.new_token != first);
 }
 
 TEST(Receiver, IgnoresCommandsForAnotherBoot) {
@@ -224,8 +224,8 @@ TEST(Receiver, PassesAResendToThePublisher) {
   CHECK_FALSE(deliver());
   const auto requests = mailbox.requests();
   CHECK_EQUAL(2u, requests.size());
-  CHECK_EQUAL(3, requests[0].wanted.first);
-  CHECK_EQUAL(8, requests[0].wanted.last);
+  CHECK_EQUAL(3, requests[0].sequences.first);
+  CHECK_EQUAL(8, requests[0].sequences.last);
   CHECK_EQUAL(1, requests[1].boot_id);
 }
 

@@ -202,6 +202,36 @@ TEST(Sequencer, LetsTheArmingExpireByItself) {
   STRCMP_EQUAL("the arming has expired", std::string(rig.find(EventKind::disarmed)->detail.view()).c_str());
 }
 
+TEST(Sequencer, ReadsTheLevelsBeforeItArmsOrFiresInCaseAnEdgeWasLost) {
+  const std::int64_t token = bench.arm();
+  rig.key = false;  // without an edge
+  bench.give(bench.fire_command(token));
+  CHECK_EQUAL(0u, rig.count(EventKind::shot_started));
+  STRCMP_EQUAL("FIRE: the key is off", refusal().c_str());
+  rig.key = true;
+  bench.arm();
+  rig.estop = true;
+  bench.give(bench.arm_command());
+  STRCMP_EQUAL("ARM: the e-stop is pressed", refusal().c_str());
+}
+
+TEST(Sequencer, CountsTheOverflowsOfEachShotAlone) {
+  rig.lost = 5;
+  rig.kernel_lost = 7;
+  const MonoTime start = bench.fire();
+  while (rig.time < start + milliseconds(100)) bench.step();
+  rig.lost += 2;
+  rig.kernel_lost += 3;
+  bench.play();
+  bench.fire();
+  bench.play();
+  CHECK_EQUAL(2, bench.shot(0).queue_overflows);
+  CHECK_EQUAL(3, bench.shot(0).kernel_overflows);
+  CHECK_EQUAL(0, bench.shot(1).queue_overflows);
+  CHECK_EQUAL(0, bench.shot(1).kernel_overflows);
+  CHECK_EQUAL(10, rig.statuses.back().kernel_overflows);
+}
+
 TEST(Sequencer, NoticesAKeyWhoseEdgeWasLost) {
   bench.arm();
   rig.key = false;  // without an edge

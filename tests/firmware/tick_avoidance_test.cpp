@@ -16,8 +16,8 @@ namespace {
 
 const Tick kTick{milliseconds(4), microseconds(700), microseconds(20)};
 
-ShotPlan train(Duration first, Duration period, int count) {
-  ShotPlan plan;
+PulseSchedule train(Duration first, Duration period, int count) {
+  PulseSchedule plan;
   for (int k = 0; k < count; ++k)
     plan.pulses.push_back({first + period * k, Output::strobes, microseconds(50), k});
   return plan;
@@ -28,7 +28,7 @@ Duration distance_to_tick(MonoTime at, const Tick& tick) {
   return std::min(after, tick.period - after);
 }
 
-Duration nearest(MonoTime start, const ShotPlan& plan, const Tick& tick) {
+Duration nearest(MonoTime start, const PulseSchedule& plan, const Tick& tick) {
   Duration least = tick.period;
   for (const PlannedPulse& pulse : plan.pulses) {
     if (pulse.output == Output::strobes) least = std::min(least, distance_to_tick(start + pulse.at, tick));
@@ -42,19 +42,19 @@ TEST_GROUP(TickAvoidance){};
 
 TEST(TickAvoidance, ChangesNothingWithoutATickOrAFlash) {
   CHECK(TickAvoidance({}).delay(from_ns(123), train({}, milliseconds(3), 5)) == Duration{});
-  CHECK(TickAvoidance(kTick).delay(from_ns(123), ShotPlan{}) == Duration{});
+  CHECK(TickAvoidance(kTick).delay(from_ns(123), PulseSchedule{}) == Duration{});
 }
 
 TEST(TickAvoidance, LeavesAShotAloneThatIsWellPlacedAlready) {
   const TickAvoidance quiet(kTick);
-  const ShotPlan plan = train(milliseconds(60), milliseconds(3), 100);
+  const PulseSchedule plan = train(milliseconds(60), milliseconds(3), 100);
   const MonoTime earliest = from_ns(777'000'000);
   const MonoTime start = earliest + quiet.delay(earliest, plan);
   CHECK(quiet.delay(start, plan) == Duration{});
 }
 
 TEST(TickAvoidance, LooksAtFlashesOnly) {
-  ShotPlan plan;
+  PulseSchedule plan;
   plan.pulses.push_back({milliseconds(5), Output::shutter, milliseconds(500), -1});
   CHECK(TickAvoidance(kTick).delay(MonoTime{} + kTick.phase, plan) == Duration{});
 }
@@ -64,7 +64,7 @@ TEST(TickAvoidance, LooksAtFlashesOnly) {
 TEST(TickAvoidance, PutsATrainOfThreeMillisecondsMidwayBetweenTicksOfFour) {
   rc::check("wherever it would start", [] {
     const MonoTime earliest = from_ns(*rc::gen::inRange<std::int64_t>(0, 1'000'000'000'000));
-    const ShotPlan plan = train(milliseconds(60), milliseconds(3), 167);
+    const PulseSchedule plan = train(milliseconds(60), milliseconds(3), 167);
     const Duration delay = TickAvoidance(kTick).delay(earliest, plan);
     RC_ASSERT(delay.count() >= 0 && delay < kTick.period);
     RC_ASSERT(nearest(earliest + delay, plan, kTick) >= microseconds(420));
@@ -76,7 +76,7 @@ TEST(TickAvoidance, PutsATrainOfThreeMillisecondsMidwayBetweenTicksOfFour) {
 TEST(TickAvoidance, FindsAPlaceForAnyFewFlashes) {
   rc::check("for up to ten flashes", [] {
     const auto count = *rc::gen::inRange(1, 11);
-    ShotPlan plan;
+    PulseSchedule plan;
     for (int k = 0; k < count; ++k) {
       const Duration at = nanoseconds(*rc::gen::inRange<std::int64_t>(0, 100'000'000));
       plan.pulses.push_back({at, Output::strobes, microseconds(50), k});
@@ -88,11 +88,7 @@ TEST(TickAvoidance, FindsAPlaceForAnyFewFlashes) {
 }
 
 TEST(TickAvoidance, MovesTheShotOfARunningSequencer) {
-  testing::SequencerFixture bench([] {
-    Rig rig = testing::shipped_rig();
-    rig.real_time.tick = kTick;
-    return rig;
-  }());
+  testing::SequencerFixture bench(testing::shipped_rig(), kTick);
   bench.start();
   const MonoTime earliest = bench.fire(true);
   bench.play();

@@ -16,7 +16,7 @@ using Verdict = Watchdog::Verdict;
 namespace {
 
 constexpr MonoTime kNow = from_ns(100'000'000'000);
-constexpr Duration kLook = milliseconds(100);
+constexpr Duration kCheckInterval = milliseconds(100);
 
 /// A core, in milliseconds: it runs and stands still by turns.
 class Core {
@@ -54,9 +54,9 @@ struct Machine {
         loop_due_ms = loop_ms + 50;
       }
       const MonoTime now = kNow + milliseconds(now_ms);
-      if (judge.look({kNow + milliseconds(loop_ms), now}, now, beside) == Verdict::loop_hung) return now_ms;
+      if (judge.check({kNow + milliseconds(loop_ms), now}, now, beside) == Verdict::loop_hung) return now_ms;
       beside = judge.suspect();
-      const int due_ms = now_ms + static_cast<int>(judge.until_next_look() / milliseconds(1));
+      const int due_ms = now_ms + static_cast<int>(judge.until_next_check() / milliseconds(1));
       now_ms = (beside ? loops : others).turn_ms(due_ms);
     }
     return -1;
@@ -84,18 +84,18 @@ TEST_GROUP(Watchdog) {
   /// From `from` on, every 10 ms, with the other thread well; the first verdict that is not `well`, and when.
   Verdict look_on(Heartbeats marks, MonoTime from, Duration for_long, MonoTime* when = nullptr) {
     for (MonoTime now = from; now <= from + for_long; now = now + milliseconds(10)) {
-      const Verdict verdict = judge.look(marks, now);
+      const Verdict verdict = judge.check(marks, now);
       if (when != nullptr) *when = now;
-      if (verdict != Verdict::well) return verdict;
+      if (verdict != Verdict::healthy) return verdict;
     }
-    return Verdict::well;
+    return Verdict::healthy;
   }
 };
 
 TEST(Watchdog, FindsNothingInThreadsThatTurnOrHaveNotBegun) {
   for (int look = 0; look < 3; ++look) {
-    CHECK(judge.look({}, kNow, true) == Verdict::well);
-    CHECK(judge.look({kNow - milliseconds(60), kNow - milliseconds(600)}, kNow, true) == Verdict::well);
+    CHECK(judge.check({}, kNow, true) == Verdict::healthy);
+    CHECK(judge.check({kNow - milliseconds(60), kNow - milliseconds(600)}, kNow, true) == Verdict::healthy);
   }
 }
 
@@ -107,18 +107,18 @@ TEST(Watchdog, SaysByTimeAloneThatTheLoopHangs) {
 
 TEST(Watchdog, GivesTheLoopItsTurnAfterTheWholeMachineStoodStill) {
   const MonoTime stood = kNow - milliseconds(3'000);
-  judge.look({stood, kNow}, stood);
-  CHECK(look_on({stood, kNow}, kNow, milliseconds(40)) == Verdict::well);
-  CHECK(judge.look({kNow + milliseconds(50), kNow}, kNow + milliseconds(50)) == Verdict::well);
+  judge.check({stood, kNow}, stood);
+  CHECK(look_on({stood, kNow}, kNow, milliseconds(40)) == Verdict::healthy);
+  CHECK(judge.check({kNow + milliseconds(50), kNow}, kNow + milliseconds(50)) == Verdict::healthy);
 }
 
 TEST(Watchdog, LooksCloselyOnceTheLoopHasMissedATurn) {
-  judge.look({kNow, kNow}, kNow + milliseconds(40));
+  judge.check({kNow, kNow}, kNow + milliseconds(40));
   CHECK_FALSE(judge.suspect());
-  CHECK(judge.until_next_look() == milliseconds(61));
-  judge.look({kNow, kNow}, kNow + milliseconds(101));
+  CHECK(judge.until_next_check() == milliseconds(61));
+  judge.check({kNow, kNow}, kNow + milliseconds(101));
   CHECK(judge.suspect());
-  CHECK(judge.until_next_look() == milliseconds(10));
+  CHECK(judge.until_next_check() == milliseconds(10));
 }
 
 TEST(Watchdog, SaysThatALoopHangsWhoseCoreRuns) {
@@ -158,15 +158,15 @@ TEST(Watchdog, TakesNoStandstillForAHangAndLeavesNoHangForLong) {
 }
 
 TEST(Watchdog, HasPatienceWithAPublisherOnASlowDisk) {
-  for (Duration passed{}; passed <= milliseconds(10'000); passed = passed + kLook)
-    CHECK(judge.look({kNow + passed, kNow}, kNow + passed) == Verdict::well);
+  for (Duration passed{}; passed <= milliseconds(10'000); passed = passed + kCheckInterval)
+    CHECK(judge.check({kNow + passed, kNow}, kNow + passed) == Verdict::healthy);
   const MonoTime later = kNow + milliseconds(10'010);
   CHECK(look_on({later, kNow}, later, milliseconds(150)) == Verdict::publisher_hung);
 }
 
 TEST(Watchdog, TakesTheLoopMoreSeriously) {
   const MonoTime stood = kNow - milliseconds(20'000);
-  CHECK(look_on({stood, stood}, kNow, kLook * 2) == Verdict::loop_hung);
+  CHECK(look_on({stood, stood}, kNow, kCheckInterval * 2) == Verdict::loop_hung);
 }
 
 TEST(Watchdog, IsDoneWithThePublisherBeforeTheServiceManagerLosesPatience) {

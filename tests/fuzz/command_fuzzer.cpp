@@ -7,7 +7,7 @@
 
 #include "common/authentication/seal.hpp"
 #include "common/messages/well_formed.hpp"
-#include "firmware/core/shot_plan.hpp"
+#include "firmware/core/pulse_schedule.hpp"
 #include "firmware/publisher/receiver.hpp"
 
 namespace {

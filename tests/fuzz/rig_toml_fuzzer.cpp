@@ -4,8 +4,8 @@
 #include <cstdlib>
 #include <string_view>
 
+#include "firmware/core/pulse_schedule.hpp"
 #include "firmware/core/rig_file.hpp"
-#include "firmware/core/shot_plan.hpp"
 
 namespace {
 
@@ -27,10 +27,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   require(rig->lamps.pulse <= rig->lamps.max_on && rig->lamps.max_on < rig->lamps.min_period);
   require(rig->machine.pulse <= rig->machine.max_on);
   require(check_plan(rig->plan, *rig).has_value());
-  ShotPlan plan;
+  PulseSchedule plan;
   plan.reserve(rig->lamps.max_flashes);
   const auto capacity = plan.pulses.capacity();
-  build_plan(rig->plan, *rig, plan);
+  build_schedule(rig->plan, *rig, plan);
   require(plan.pulses.capacity() == capacity);
   require(plan.pulses.front().at == strobe::Duration{});
   return 0;

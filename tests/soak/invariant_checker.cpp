@@ -60,7 +60,7 @@ bool InvariantChecker::unsafe_before(MonoTime at) const {
   return known(unsafe_since_) && at - unsafe_since_ > kMakesSafe + excused(unsafe_since_, at);
 }
 
-void InvariantChecker::output(Output output, bool active, MonoTime at, firmware::Lamps lamps) {
+void InvariantChecker::output(Output output, bool active, MonoTime at, strobe::Lamps lamps) {
   Watched& watched = outputs_[index_of(output)];
   if (watched.active == active) return;
   if (!active) {
@@ -107,7 +107,7 @@ void InvariantChecker::check_trigger(MonoTime at) {
   violate(fmt::format("trigger at {} without a fresh token", to_ns(at)));
 }
 
-void InvariantChecker::check_lamps(firmware::Lamps lamps, MonoTime at) {
+void InvariantChecker::check_lamps(strobe::Lamps lamps, MonoTime at) {
   std::optional<Duration> shortest;
   for (std::size_t lamp = 0; lamp < last_flash_.size(); ++lamp) {
     if (lamp == 0 ? !has_a(lamps) : !has_b(lamps)) continue;

@@ -39,7 +39,7 @@ class InvariantChecker {
 
   // The rig
   void output(firmware::Output output, bool active, MonoTime at,
-              firmware::Lamps lamps = firmware::Lamps::both);
+              strobe::Lamps lamps = strobe::Lamps::both);
   void key(bool on, MonoTime at);
   void estop(bool pressed, MonoTime at);
 
@@ -89,7 +89,7 @@ class InvariantChecker {
   };
 
   void check_trigger(MonoTime at);
-  void check_lamps(firmware::Lamps lamps, MonoTime at);
+  void check_lamps(strobe::Lamps lamps, MonoTime at);
   void check_end(firmware::Output output, const Watched& watched, MonoTime at);
   void became_unsafe(MonoTime at);
   Duration excused(MonoTime from, MonoTime to) const;

@@ -154,7 +154,7 @@ bool Lab::set(Output output, bool active) noexcept {
   return true;
 }
 
-bool Lab::set_lamps(firmware::Lamps lamps) noexcept {
+bool Lab::set_lamps(strobe::Lamps lamps) noexcept {
   count_down_call_hazards();
   pass(kHalfASet);
   if (dead_) return true;
@@ -215,7 +215,7 @@ void Lab::publish(const std::string& channel, std::span<const std::uint8_t> byte
 
 // Rig -----------------------------------------------------------------------------------------------------
 
-void Lab::drive(Output output, bool active, firmware::Lamps lamps) {
+void Lab::drive(Output output, bool active, strobe::Lamps lamps) {
   bool& driven = driven_[index_of(output)];
   if (driven == active) return;
   driven = active;

@@ -86,11 +86,11 @@ class Lab final : firmware::Clock, firmware::OutputLines, firmware::EdgeSource, 
   MonoTime now() noexcept override;
   MonoTime spin_until(MonoTime instant) noexcept override;
   bool set(firmware::Output output, bool active) noexcept override;
-  bool set_lamps(firmware::Lamps lamps) noexcept override;
+  bool set_lamps(strobe::Lamps lamps) noexcept override;
   std::optional<std::size_t> wait(MonoTime until, std::span<firmware::Edge> edges) noexcept override;
   std::optional<std::size_t> poll(MonoTime until, std::span<firmware::Edge> edges) noexcept override;
   std::optional<bool> level(firmware::Input input) noexcept override;
-  std::int64_t overflows() const noexcept override { return overflows_; }
+  std::int64_t kernel_overflows() const noexcept override { return overflows_; }
   // Port of the firmware's publisher
   void publish(const std::string& channel, std::span<const std::uint8_t> bytes) override;
 
@@ -107,7 +107,7 @@ class Lab final : firmware::Clock, firmware::OutputLines, firmware::EdgeSource, 
   void in(Duration delay, Action action) { schedule(delay, {action, {}}); }
 
   // Bench
-  void drive(firmware::Output output, bool active, firmware::Lamps lamps = firmware::Lamps::both);
+  void drive(firmware::Output output, bool active, strobe::Lamps lamps = strobe::Lamps::both);
   void set_key(bool on);
   void set_estop(bool pressed);
   void edge(firmware::Input input, bool active, MonoTime at);

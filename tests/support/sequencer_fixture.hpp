@@ -16,10 +16,10 @@ struct SequencerFixture {
   std::int64_t last_command = 0;
   std::int64_t next_token = 500;
 
-  explicit SequencerFixture(const Rig& rig_config = shipped_rig())
+  explicit SequencerFixture(const Rig& rig_config = shipped_rig(), const Tick& tick = {})
       : config(rig_config),
         rig(static_cast<std::size_t>(rig_config.lamps.max_flashes)),
-        sequencer(config, rig.ports(), 0) {}
+        sequencer(config, rig.ports(), 0, tick) {}
 
   void start() { sequencer.start("test"); }
   Command arm_command() {
@@ -27,7 +27,7 @@ struct SequencerFixture {
     command.kind = CommandKind::arm;
     command.host_id = kHost;
     command.command_id = ++last_command;
-    command.fresh_token = next_token++;
+    command.new_token = next_token++;
     return command;
   }
   Command fire_command(std::int64_t token) {

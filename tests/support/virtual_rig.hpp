@@ -149,7 +149,8 @@ class VirtualRig final : public Clock,
     }
     return input == Input::key ? key_now : input == Input::estop ? estop_now : false;
   }
-  std::int64_t overflows() const noexcept override { return lost; }  // of queue and kernel alike
+  std::int64_t overflows() const noexcept override { return lost; }
+  std::int64_t kernel_overflows() const noexcept override { return kernel_lost; }
   void event(const Event& event) noexcept override { events.push_back(event); }
   void status(const LoopStatus& status) noexcept override { statuses.push_back(status); }
   ShotRecord* free_record() noexcept override {

@@ -49,7 +49,6 @@ Rig rig_for(const LoopSettings& settings) {
   if (settings.wake_ahead) rig->tolerance.wake_ahead = *settings.wake_ahead;
   rig->real_time.priority = settings.priority;
   rig->real_time.cpu = settings.cpu;
-  if (settings.tick_avoidance) rig->real_time.tick = find_tick(rig->real_time);
   return *rig;
 }
 
@@ -62,7 +61,7 @@ class NoOutputs final : public OutputLines {
 /// ARM and FIRE in turn, as the state allows. The loop's thread only.
 class Operator final : public CommandSource {
  public:
-  explicit Operator(const PlanRequest& plan) : plan_(plan) {}
+  explicit Operator(const ShotPlan& plan) : plan_(plan) {}
   void see(State state) { state_ = state; }
   bool pop(Command& command) noexcept override {
     if (state_ == State::firing || asked_ == state_) return false;
@@ -73,7 +72,7 @@ class Operator final : public CommandSource {
                                             : CommandKind::arm;
     command.host_id = kHost;
     command.command_id = ++last_command_;
-    command.fresh_token = last_command_;
+    command.new_token = last_command_;
     command.token = last_command_ - 1;
     command.plan = plan_;
     return true;
@@ -81,7 +80,7 @@ class Operator final : public CommandSource {
   void forget() { asked_.reset(); }
 
  private:
-  PlanRequest plan_;
+  ShotPlan plan_;
   State state_ = State::idle;
   std::optional<State> asked_;
   std::int64_t last_command_ = 0;
@@ -163,7 +162,8 @@ int run_loop(const LoopSettings& settings) {
   NoOutputs nothing;
   OutputLines& outputs =
       settings.outputs == benchmarks::timing::Outputs::none ? static_cast<OutputLines&>(nothing) : **lines;
-  Sequencer sequencer(rig, {clock, outputs, **lines, queue, commands}, 0);
+  const Tick tick = settings.tick_avoidance ? find_tick(rig.real_time) : Tick{};
+  Sequencer sequencer(rig, {clock, outputs, **lines, queue, commands}, 0, tick);
   Collector collector(queue, publisher_wake);
   std::string faults = lock_memory();
   const LatencyRequest latency;

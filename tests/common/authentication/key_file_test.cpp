@@ -127,6 +127,17 @@ TEST(KeyFile, IsFoundInTheOrderThatTheHeaderSays) {
   STRCMP_EQUAL(of[4].c_str(), found().c_str());
 }
 
+TEST(KeyFile, OfSystemdMayBeReadByAGroupButChangedByNobodyElse) {
+  for (const mode_t mode : {0460, 0420, 0404, 0402}) {
+    const fs::path path = file("credentials/lab.key", kText, mode);
+    setenv("CREDENTIALS_DIRECTORY", path.parent_path().c_str(), 1);
+    STRCMP_CONTAINS("others can read or change", find_key({}).error().message.c_str());
+    fs::remove(path);
+  }
+  file("credentials/lab.key", kText, 0440);
+  STRCMP_EQUAL(kText.c_str(), find_key({}).value().key.text().c_str());
+}
+
 TEST(KeyFile, ThatIsNamedIsNeitherMadeNorReplacedByAnother) {
   file(".config/strobe/lab.key");
   STRCMP_CONTAINS("no such key", find_key({folder / "none", ""}).error().message.c_str());

@@ -1,4 +1,4 @@
-#include "firmware/core/shot_plan.hpp"
+#include "firmware/core/pulse_schedule.hpp"
 
 #include <string>
 
@@ -9,10 +9,10 @@
 using namespace strobe;
 using namespace strobe::firmware;
 
-TEST_GROUP(ShotPlan) {
+TEST_GROUP(PulseScheduleOfAPlan) {
   Rig rig = strobe::testing::shipped_rig();
-  PlanRequest request = rig.plan;
-  ShotPlan plan;
+  ShotPlan request = rig.plan;
+  PulseSchedule plan;
 
   void setup() override { plan.reserve(rig.lamps.max_flashes); }
   const PlannedPulse* first(Output output) {
@@ -31,8 +31,8 @@ TEST_GROUP(ShotPlan) {
   }
 };
 
-TEST(ShotPlan, FlashesFromTheShuttersOpeningToItsClosing) {
-  build_plan(request, rig, plan);
+TEST(PulseScheduleOfAPlan, FlashesFromTheShuttersOpeningToItsClosing) {
+  build_schedule(request, rig, plan);
   // 500 ms / 3 ms = 166.7: the 167th flash is at 498 ms, the next would be at 501 ms.
   CHECK_EQUAL(167, plan.flash_count);
   CHECK(first(Output::strobes)->at == plan.exposure_begin);
@@ -41,61 +41,61 @@ TEST(ShotPlan, FlashesFromTheShuttersOpeningToItsClosing) {
   CHECK(first(Output::shutter)->width == milliseconds(500));
 }
 
-TEST(ShotPlan, TimesTheTriggerSoThatTheBallIsAtThePlateAsAsked) {
-  build_plan(request, rig, plan);
+TEST(PulseScheduleOfAPlan, TimesTheTriggerSoThatTheBallIsAtThePlateAsAsked) {
+  build_schedule(request, rig, plan);
   const Duration ball_at_plate = first(Output::trigger)->at + rig.machine.lag;
   CHECK(ball_at_plate - plan.exposure_begin == milliseconds(250));
 }
 
-TEST(ShotPlan, StartsWithTheEarliestPulseWhicheverItIs) {
-  build_plan(request, rig, plan);
+TEST(PulseScheduleOfAPlan, StartsWithTheEarliestPulseWhicheverItIs) {
+  build_schedule(request, rig, plan);
   CHECK(plan.pulses.front().output == Output::trigger);
   CHECK(plan.pulses.front().at == Duration{});
   request.impact_at = milliseconds(400);
-  build_plan(request, rig, plan);
+  build_schedule(request, rig, plan);
   CHECK(plan.pulses.front().output == Output::shutter);
   CHECK(plan.pulses.front().at == Duration{});
   CHECK(first(Output::trigger)->at == milliseconds(45 + 400 - 310));
 }
 
-TEST(ShotPlan, TakesTheRigFilesImpactWhereTheRequestHasNone) {
+TEST(PulseScheduleOfAPlan, TakesTheRigFilesImpactWhereTheRequestHasNone) {
   request.impact_at = {};
-  build_plan(request, rig, plan);
+  build_schedule(request, rig, plan);
   CHECK(first(Output::trigger)->at + rig.machine.lag - plan.exposure_begin == rig.plan.impact_at);
 }
 
-TEST(ShotPlan, HasNoTriggerInADryShot) {
+TEST(PulseScheduleOfAPlan, HasNoTriggerInADryShot) {
   request.dry = true;
-  build_plan(request, rig, plan);
+  build_schedule(request, rig, plan);
   POINTERS_EQUAL(nullptr, first(Output::trigger));
   CHECK(first(Output::shutter)->at == Duration{});
 }
 
-TEST(ShotPlan, IsSortedByInstant) {
-  build_plan(request, rig, plan);
+TEST(PulseScheduleOfAPlan, IsSortedByInstant) {
+  build_schedule(request, rig, plan);
   for (std::size_t i = 1; i < plan.pulses.size(); ++i) CHECK(plan.pulses[i - 1].at <= plan.pulses[i].at);
 }
 
-TEST(ShotPlan, HasNoFlashesInAGatedShotUntilTheGateIsSeen) {
+TEST(PulseScheduleOfAPlan, HasNoFlashesInAGatedShotUntilTheGateIsSeen) {
   gated(5);
   CHECK_EQUAL(std::string(), refusal());
-  build_plan(request, rig, plan);
+  build_schedule(request, rig, plan);
   POINTERS_EQUAL(nullptr, first(Output::strobes));
   CHECK(add_burst(request, rig, plan.exposure_begin + milliseconds(100), plan));
   CHECK_EQUAL(5u + 2u, plan.pulses.size());
   CHECK(first(Output::strobes)->at == plan.exposure_begin + milliseconds(100));
 }
 
-TEST(ShotPlan, AddsNoBurstThatWouldOutlastTheExposure) {
+TEST(PulseScheduleOfAPlan, AddsNoBurstThatWouldOutlastTheExposure) {
   gated(5);
-  build_plan(request, rig, plan);
+  build_schedule(request, rig, plan);
   const Duration burst = request.period * 4 + rig.lamps.pulse;
   CHECK_FALSE(add_burst(request, rig, plan.exposure_end - burst + nanoseconds(1), plan));
   CHECK_EQUAL(2u, plan.pulses.size());
   CHECK(add_burst(request, rig, plan.exposure_end - burst, plan));
 }
 
-TEST(ShotPlan, RefusesAPeriodShorterThanTheLampsRecharge) {
+TEST(PulseScheduleOfAPlan, RefusesAPeriodShorterThanTheLampsRecharge) {
   request.period = rig.lamps.min_period - nanoseconds(1);
   STRCMP_CONTAINS("shorter than the lamps'", refusal().c_str());
   request.period = rig.lamps.min_period;
@@ -103,7 +103,7 @@ TEST(ShotPlan, RefusesAPeriodShorterThanTheLampsRecharge) {
   CHECK_EQUAL(std::string(), refusal());
 }
 
-TEST(ShotPlan, RefusesMoreFlashesThanAShotMayHave) {
+TEST(PulseScheduleOfAPlan, RefusesMoreFlashesThanAShotMayHave) {
   request.period = rig.lamps.min_period;
   request.exposure = rig.lamps.min_period * rig.lamps.max_flashes;
   CHECK_EQUAL(std::string(), refusal());
@@ -111,18 +111,18 @@ TEST(ShotPlan, RefusesMoreFlashesThanAShotMayHave) {
   STRCMP_CONTAINS("401 flashes are more than the 400", refusal().c_str());
 }
 
-TEST(ShotPlan, RefusesAnExposureLongerThanTheShutterStands) {
+TEST(PulseScheduleOfAPlan, RefusesAnExposureLongerThanTheShutterStands) {
   request.period = microseconds(10'000);
   request.exposure = rig.shutter.max_open + nanoseconds(1);
   STRCMP_CONTAINS("longer than the shutter's 2000 ms", refusal().c_str());
 }
 
-TEST(ShotPlan, RefusesABallThatComesAfterTheExposure) {
+TEST(PulseScheduleOfAPlan, RefusesABallThatComesAfterTheExposure) {
   request.impact_at = request.exposure;
   STRCMP_CONTAINS("after the shutter opened", refusal().c_str());
 }
 
-TEST(ShotPlan, RefusesAGatedTrainWithoutAGateOrABurst) {
+TEST(PulseScheduleOfAPlan, RefusesAGatedTrainWithoutAGateOrABurst) {
   gated(0);
   STRCMP_CONTAINS("flash_count of at least 1", refusal().c_str());
   gated(5);
@@ -130,18 +130,18 @@ TEST(ShotPlan, RefusesAGatedTrainWithoutAGateOrABurst) {
   STRCMP_CONTAINS("lines.gate", refusal().c_str());
 }
 
-TEST(ShotPlan, RefusesABurstLongerThanTheExposure) {
+TEST(PulseScheduleOfAPlan, RefusesABurstLongerThanTheExposure) {
   gated(167);
   CHECK_EQUAL(std::string(), refusal());
   gated(168);
   STRCMP_CONTAINS("longer than the exposure", refusal().c_str());
 }
 
-TEST(ShotPlan, RefusesNumbersThatNoRigHas) {
+TEST(PulseScheduleOfAPlan, RefusesNumbersThatNoRigHas) {
   const std::int64_t extremes[] = {INT64_MIN, -1, INT64_MAX};
   for (const std::int64_t extreme : extremes) {
-    for (Duration PlanRequest::*field :
-         {&PlanRequest::period, &PlanRequest::exposure, &PlanRequest::gate_delay, &PlanRequest::impact_at}) {
+    for (Duration ShotPlan::*field :
+         {&ShotPlan::period, &ShotPlan::exposure, &ShotPlan::gate_delay, &ShotPlan::impact_at}) {
       request = rig.plan;
       request.*field = nanoseconds(extreme);
       CHECK(!refusal().empty());
