@@ -102,6 +102,12 @@ std::string today() {
                      static_cast<unsigned>(date.day()));
 }
 
+/// Counts without a decimal point.
+Json json_number(double x) {
+  const auto whole = static_cast<std::int64_t>(x);
+  return static_cast<double>(whole) == x ? Json(whole) : Json(x);
+}
+
 /// Measures one figure, prints each of its values, and stores them in the record where that is asked for.
 int measure_one(const std::string& name, Json& figure, const Options& options) {
   const std::string command = figure["command"];
@@ -126,7 +132,7 @@ int measure_one(const std::string& name, Json& figure, const Options& options) {
     const Change change = compare(recorded, *measured, value);
     fmt::print("{:<44} {:>12} -> {:>12}   {}\n", label, recorded, *measured, in_words(change));
     if (change != Change::same) status = kDiffers;
-    if (options.update) value["value"] = *measured;
+    if (options.update) value["value"] = json_number(*measured);
   }
   if (options.update && is_complete) {
     figure["measured"] = today();
