@@ -4,10 +4,14 @@
 #include <cmath>
 #include <limits>
 
+#include "common/geometry/rotation.hpp"
+#include "common/impact/closed_form/rebound.hpp"
 #include "common/reduction/observations.hpp"
 
 namespace strobe::reduction {
 namespace {
+
+using impact::Motion;
 
 constexpr double kDegrees = 57.3;  // the program's constants
 constexpr double kPiLegacy = 3.1416;
@@ -20,60 +24,52 @@ struct LevelImage {
   double diameter = 0.0;
 };
 
-struct LegacyTurn {
-  double cos;
-  double sin;
-  PointPx operator()(const PointPx& p) const { return {p.x * cos - p.y * sin, p.x * sin + p.y * cos}; }
-};
+Eigen::Vector2d vector(const PointPx& p) { return {p.x, p.y}; }
 
-LevelImage level_image(const LegacyImage& image, const LegacyTurn& turn) {
-  const PointPx centre = turn(image.centre);
-  const PointPx edge = turn(image.edge);
-  const PointPx a = turn(image.equator_1);
-  const PointPx b = turn(image.equator_2);
-  return {centre.x, centre.y, (b.y - a.y) / (b.x - a.x),
-          2.0 * std::hypot(edge.x - centre.x, edge.y - centre.y)};
+LevelImage level_image(const LegacyImage& image, const geometry::Rotation2d& rotation) {
+  const Eigen::Vector2d centre = rotation * vector(image.centre);
+  const Eigen::Vector2d edge = rotation * vector(image.edge);
+  const Eigen::Vector2d a = rotation * vector(image.equator_1);
+  const Eigen::Vector2d b = rotation * vector(image.equator_2);
+  return {centre.x(), centre.y(), (b.y() - a.y()) / (b.x() - a.x()),
+          2.0 * std::hypot(edge.x() - centre.x(), edge.y() - centre.y())};
 }
 
 /// Change of the equator's angle between two images, by the program's rules.
-double turned(double slope_a, double slope_b) {
+double equator_rotation_rad(double slope_a, double slope_b) {
   const double difference = std::atan(slope_b) - std::atan(slope_a);
   if (slope_a > 1.0 && slope_b < -1.0) return difference + kPiLegacy;
   if (slope_a < 0.0 && slope_b > 0.0) return difference - kPiLegacy;
   return difference;
 }
 
-struct LegacyMotion {
-  double vx = 0.0;
-  double vy = 0.0;
-  double omega = 0.0;
-  double speed() const { return std::hypot(vx, vy); }
-};
+double speed_mps(const Motion& m) { return std::hypot(m.vx_mps, m.vy_mps); }
 
-LegacyMotion between(const LevelImage& a, const LevelImage& b, double m_per_px, double period_s) {
+Motion between(const LevelImage& a, const LevelImage& b, double m_per_px, double period_s) {
   const double per_second = m_per_px / period_s;
-  return {(b.x - a.x) * per_second, (b.y - a.y) * per_second, turned(a.slope, b.slope) / period_s};
+  return {(b.x - a.x) * per_second, (b.y - a.y) * per_second,
+          equator_rotation_rad(a.slope, b.slope) / period_s};
 }
 
 void put(Quantities& q, Quantity which, double value) {
   if (std::isfinite(value)) q[which] = value;
 }
 
-Quantities motions(const LegacyMotion& td, const LegacyMotion& lo, double radius_m) {
+Quantities motions(const Motion& td, const Motion& lo, double radius_m) {
   Quantities q;
-  put(q, Quantity::theta_in_deg, std::atan(td.vy / td.vx) * kDegrees);
-  put(q, Quantity::theta_out_deg, std::atan(lo.vy / lo.vx) * kDegrees);
-  put(q, Quantity::vx_td_mps, td.vx);
-  put(q, Quantity::vy_td_mps, td.vy);
-  put(q, Quantity::v_td_mps, td.speed());
-  put(q, Quantity::omega_td_radps, td.omega);
-  put(q, Quantity::vx_lo_mps, lo.vx);
-  put(q, Quantity::vy_lo_mps, lo.vy);
-  put(q, Quantity::v_lo_mps, lo.speed());
-  put(q, Quantity::omega_lo_radps, lo.omega);
-  put(q, Quantity::slip_lo_mps, lo.vx + radius_m * lo.omega);
-  put(q, Quantity::e, -lo.vy / td.vy);
-  put(q, Quantity::mu, (td.vx - lo.vx) / (lo.vy - td.vy));
+  put(q, Quantity::theta_in_deg, std::atan(td.vy_mps / td.vx_mps) * kDegrees);
+  put(q, Quantity::theta_out_deg, std::atan(lo.vy_mps / lo.vx_mps) * kDegrees);
+  put(q, Quantity::vx_td_mps, td.vx_mps);
+  put(q, Quantity::vy_td_mps, td.vy_mps);
+  put(q, Quantity::v_td_mps, speed_mps(td));
+  put(q, Quantity::omega_td_radps, td.omega_radps);
+  put(q, Quantity::vx_lo_mps, lo.vx_mps);
+  put(q, Quantity::vy_lo_mps, lo.vy_mps);
+  put(q, Quantity::v_lo_mps, speed_mps(lo));
+  put(q, Quantity::omega_lo_radps, lo.omega_radps);
+  put(q, Quantity::slip_lo_mps, lo.vx_mps + radius_m * lo.omega_radps);
+  put(q, Quantity::e, -lo.vy_mps / td.vy_mps);
+  put(q, Quantity::mu, (td.vx_mps - lo.vx_mps) / (lo.vy_mps - td.vy_mps));
   return q;
 }
 
@@ -85,14 +81,15 @@ struct Prepared {
   double diameter = 0.0;
 };
 
-Prepared prepare(const LegacyFrame& frame, const LegacyTurn& turn) {
+Prepared prepare(const LegacyFrame& frame, const geometry::Rotation2d& rotation) {
   Prepared p;
   for (std::size_t i = 0; i < 6; ++i) {
-    p.flight[i] = level_image(frame.flight[i], turn);
+    p.flight[i] = level_image(frame.flight[i], rotation);
     p.diameter += p.flight[i].diameter / 6.0;
   }
-  p.surface_td = 0.5 * (turn(frame.surface[0]).y + turn(frame.surface[1]).y);
-  p.surface_lo = 0.5 * (turn(frame.surface[2]).y + turn(frame.surface[3]).y);
+  const auto height = [&](std::size_t i) { return (rotation * vector(frame.surface[i])).y(); };
+  p.surface_td = 0.5 * (height(0) + height(1));
+  p.surface_lo = 0.5 * (height(2) + height(3));
   return p;
 }
 
@@ -103,10 +100,10 @@ struct PathEnd {
   double time_s = 0.0;
 };
 
-PathEnd path_end(const LevelImage& from, const LegacyMotion& motion, double height, double m_per_px) {
-  const double x = from.x + (height - from.y) * motion.vx / motion.vy;
+PathEnd path_end(const LevelImage& from, const Motion& motion, double height, double m_per_px) {
+  const double x = from.x + (height - from.y) * motion.vx_mps / motion.vy_mps;
   const double length = std::hypot(x - from.x, height - from.y) * m_per_px;
-  return {x, height, length / motion.speed()};
+  return {x, height, length / speed_mps(motion)};
 }
 
 struct Impact {
@@ -134,14 +131,14 @@ ContactImage contact_image(const LevelImage& image, const Impact& impact, const 
   return out;
 }
 
-Impact impact_of(const LegacyFrame& frame, const Prepared& p, const LegacyMotion& td, const LegacyMotion& lo,
+Impact impact_of(const LegacyFrame& frame, const Prepared& p, const Motion& td, const Motion& lo,
                  double m_per_px) {
   Impact impact;
   impact.td = path_end(p.flight[2], td, p.surface_td + 0.5 * p.diameter, m_per_px);
   impact.lo = path_end(p.flight[3], lo, p.surface_lo + 0.5 * p.diameter, m_per_px);
   impact.dwell_s = (frame.contact_count + 1) * frame.period_s - impact.td.time_s - impact.lo.time_s;
-  impact.angle_td = std::atan(p.flight[2].slope) + td.omega * impact.td.time_s;
-  impact.angle_total = std::atan(p.flight[3].slope) - lo.omega * impact.lo.time_s - impact.angle_td;
+  impact.angle_td = std::atan(p.flight[2].slope) + td.omega_radps * impact.td.time_s;
+  impact.angle_total = std::atan(p.flight[3].slope) - lo.omega_radps * impact.lo.time_s - impact.angle_td;
   if (impact.angle_total > 0.0) impact.angle_total -= kPiLegacy;
   return impact;
 }
@@ -154,12 +151,12 @@ Readout reduce_legacy(const LegacyFrame& frame, double ball_diameter_m) {
   readout.method = "legacy";
   const double angle =
       std::atan2(frame.surface[2].y - frame.surface[0].y, frame.surface[2].x - frame.surface[0].x);
-  const LegacyTurn turn{std::cos(angle), std::sin(angle)};  // by +a: the program's doubling of the tilt
-  const Prepared p = prepare(frame, turn);
+  const geometry::Rotation2d rotation(angle);  // by +a: the program's doubling of the tilt
+  const Prepared p = prepare(frame, rotation);
   const double m_per_px = ball_diameter_m / p.diameter;
   const auto& f = p.flight;
-  const LegacyMotion td = between(f[1], f[2], m_per_px, frame.period_s);
-  const LegacyMotion lo = between(f[3], f[4], m_per_px, frame.period_s);
+  const Motion td = between(f[1], f[2], m_per_px, frame.period_s);
+  const Motion lo = between(f[3], f[4], m_per_px, frame.period_s);
   readout.value = motions(td, lo, 0.5 * ball_diameter_m);
   const Impact impact = impact_of(frame, p, td, lo, m_per_px);
   put(readout.value, Quantity::dwell_time_ms, impact.dwell_s * 1e3);
@@ -171,7 +168,7 @@ Readout reduce_legacy(const LegacyFrame& frame, double ball_diameter_m) {
   for (std::size_t i = 0; i < frame.contact.size(); ++i) {
     const double time_s = static_cast<double>(i + 1) * frame.period_s;
     readout.legacy->contact.push_back(
-        contact_image(level_image(frame.contact[i], turn), impact, p, time_s, ball_diameter_m));
+        contact_image(level_image(frame.contact[i], rotation), impact, p, time_s, ball_diameter_m));
   }
   if (frame.contact.empty()) readout.flags.set(Flag::no_contact_image);
   return readout;

@@ -277,9 +277,9 @@ TEST(LeastSquares, AgreesWhereCentresAreKnownOnlyAcrossALine) {
   }
 }
 
-TEST_GROUP(RowReductions){};
+TEST_GROUP(LegFactorization){};
 
-TEST(RowReductions, ManyRowsMakeTheTriangleOfTheirProducts) {
+TEST(LegFactorization, ManyRowsMakeTheTriangleOfTheirProducts) {
   // R^T R = A^T A, whatever the number of rows that are reflected together.
   for (const int count : {1, 2, 3, 15, 16, 17, 40, 200}) {
     HouseholderQr<3, 4> reduction;

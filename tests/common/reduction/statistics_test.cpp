@@ -11,9 +11,9 @@
 using namespace strobe;
 using namespace strobe::reduction;
 
-TEST_GROUP(SeriesRounding){};
+TEST_GROUP(RunningStatisticsRounding){};
 
-TEST(SeriesRounding, IdenticalValuesHaveNoSpread) {
+TEST(RunningStatisticsRounding, IdenticalValuesHaveNoSpread) {
   for (const double value : {0.1, 15.62, -1e15, 1e-300, 0.0}) {
     RunningStatistics series;
     for (int i = 0; i < 1000; ++i) series.add(value);
@@ -23,7 +23,7 @@ TEST(SeriesRounding, IdenticalValuesHaveNoSpread) {
   }
 }
 
-TEST(SeriesRounding, ALargeOffsetCostsOnlyItsOwnRounding) {
+TEST(RunningStatisticsRounding, ALargeOffsetCostsOnlyItsOwnRounding) {
   // 1, 2, 3 ... 9 on top of 1e9: sd sqrt(60 / 9). The sum of squares less the square of the sum would keep
   // no digit. Values at 1e9 are rounded to 1e-7, here not at all.
   RunningStatistics series;
