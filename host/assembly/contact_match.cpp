@@ -9,9 +9,9 @@
 namespace strobe::host {
 namespace {
 
-// A cubic between the ends' velocities leaves out how friction is spread over the contact: about 3 mm.
+// The cubic leaves out the true course of the friction: about 3 mm.
 constexpr double kContactModelSd_m = 3e-3;
-// The half sine leaves out how the force is spread: this share of the depth, beside the model's sd along.
+// The half sine leaves out the force's true course: this share of the depth, beside kContactModelSd_m.
 constexpr double kDepthModelShare = 0.15;
 // Distance over dwell lies between the two velocities; this part of their difference is allowed beyond.
 constexpr double kMeanMargin = 0.1;
@@ -37,7 +37,7 @@ double place_at(double time_s, const geometry::Crossing& down, const geometry::C
          s * r * dwell * (r * down.velocity.x() - s * off.velocity.x());
 }
 
-/// By how much the centre is below its height at touchdown: a half sine that keeps both ends' velocity.
+/// How far the centre is below its height at touchdown: a half sine that keeps both ends' velocity.
 double depth_at(double time_s, const geometry::Crossing& down, const geometry::Crossing& off) {
   const double dwell = off.time_s - down.time_s;
   const double s = std::clamp((time_s - down.time_s) / dwell, 0.0, 1.0);
@@ -51,7 +51,7 @@ std::vector<int> between(const LegCandidate& in, const LegCandidate& out) {
   return slots;
 }
 
-/// Beside the one leg that is known, or nowhere in particular.
+/// Next to the one leg that is known, else from the first flash on.
 std::vector<int> adjacent(std::size_t count, const LegCandidate& in, const LegCandidate& out) {
   std::vector<int> slots(count);
   const int first = !in.empty() ? in.last() + 1 : !out.empty() ? out.first() - static_cast<int>(count) : 0;
@@ -61,10 +61,10 @@ std::vector<int> adjacent(std::size_t count, const LegCandidate& in, const LegCa
 
 }  // namespace
 
-Rebound rebound_of(const LegCandidate& in, const LegCandidate& out, const Track& track) {
+BounceEstimate estimate_bounce(const LegCandidate& in, const LegCandidate& out, const Track& track) {
   const geometry::Crossing& down = *in.crossing;
   const geometry::Crossing& off = *out.crossing;
-  Rebound r;
+  BounceEstimate r;
   const double dwell = off.time_s - down.time_s;
   r.value = {down.velocity.x(),
              down.velocity.y(),
@@ -86,7 +86,7 @@ Rebound rebound_of(const LegCandidate& in, const LegCandidate& out, const Track&
   return r;
 }
 
-double contact_penalty(const Rebound& r) {
+double contact_penalty(const BounceEstimate& r) {
   const auto& [vx_td, vy_td, vx_lo, vy_lo, dwell, distance] = r.value;
   if (vy_td >= 0.0 || vy_lo <= 0.0) return std::numeric_limits<double>::infinity();
   double penalty = squared(outside(dwell, kShortestDwell_s, kLongestDwell_s) / r.sd[4]);
@@ -117,7 +117,7 @@ ContactFlashes contact_flashes(std::span<const TrackPoint> images, const LegCand
     return best;
   }
   const double variance = squared(track.sd_px) + squared(kContactModelSd_m * track.px_per_m);
-  // Dynamic programme over (image, slot): the cheapest way to put the first i images into the first j slots.
+  // Dynamic programming over (image, slot): the least cost of the first i images in the first j slots.
   const std::size_t n = images.size(), m = slots.size();
   constexpr double kNever = std::numeric_limits<double>::infinity();
   std::vector<double> cost((n + 1) * (m + 1), kNever);

@@ -12,23 +12,22 @@ namespace strobe::host {
 inline constexpr double kShortestDwell_s = 1.5e-3;
 inline constexpr double kLongestDwell_s = 9e-3;
 
-/// The six numbers that follow from two legs with velocities, and their standard deviations for unit noise
-/// scale.
-struct Rebound {
+/// What two legs with velocities say of the bounce, and its standard deviations.
+struct BounceEstimate {
   /// v along and up at touchdown, at lift-off [px/s], dwell [s], distance [px].
   std::array<double, 6> value{};
   std::array<double, 6> sd{};
   /// Of the distance: friction may drive the ball on beyond both velocities.
   double contact_model_sd_px = 0.0;
 };
-Rebound rebound_of(const LegCandidate& in, const LegCandidate& out, const Track& track);
+BounceEstimate estimate_bounce(const LegCandidate& in, const LegCandidate& out, const Track& track);
 
-/// -2 ln likelihood (0: wholly plausible) of dwell, of distance over dwell against the velocities before and
-/// after (friction acts one way, so the mean lies between them), and of the restitution.
-double contact_penalty(const Rebound& rebound);
+/// -2 ln likelihood, 0 where all are plausible: of the dwell time, of the mean velocity along the surface (it
+/// lies between those before and after, as friction acts one way), and of the restitution.
+double contact_penalty(const BounceEstimate& bounce);
 
-/// The flashes of the contact images, chosen among those between the legs to suit their places along the
-/// surface and their heights: a ball is pressed down by a half sine.
+/// The most likely flashes of the contact images among those between the legs, by dynamic programming. Model:
+/// along the surface a cubic that keeps both velocities, into it a half sine.
 struct ContactFlashes {
   std::vector<int> flash;
   double chi_squared = 0.0;

@@ -101,7 +101,7 @@ class Matcher {
     Pair pair{&in, &out, in.chi_squared + out.chi_squared, kMissedPenalty * missed};
     if (pair.score(scale_) > best_score_ + kNegligible) return;
     pair.penalty += prior_penalty(in, out, times_s_, prior_);
-    if (in.crossing && out.crossing) pair.penalty += contact_penalty(rebound_of(in, out, track_));
+    if (in.crossing && out.crossing) pair.penalty += contact_penalty(estimate_bounce(in, out, track_));
     if (!std::isfinite(pair.penalty) || pair.score(scale_) > best_score_ + kNegligible) return;
     pair.penalty += contact_flashes(legs_.contact, in, out, times_s_, track_).chi_squared;
     best_score_ = std::min(best_score_, pair.score(scale_));
@@ -195,8 +195,8 @@ class Matcher {
   double squared_error(const Pair& a, const Pair& b) const {
     double worst = std::max(squared_leg_error(*a.in, *b.in), squared_leg_error(*a.out, *b.out));
     if (!a.in->crossing || !a.out->crossing || !b.in->crossing || !b.out->crossing) return worst;
-    const Rebound ra = rebound_of(*a.in, *a.out, track_);
-    const Rebound rb = rebound_of(*b.in, *b.out, track_);
+    const BounceEstimate ra = estimate_bounce(*a.in, *a.out, track_);
+    const BounceEstimate rb = estimate_bounce(*b.in, *b.out, track_);
     for (std::size_t i = 0; i < ra.value.size(); ++i) {
       const double z = (ra.value[i] - rb.value[i]) / rb.sd[i];
       worst = std::max(worst, z * z);

@@ -174,22 +174,23 @@ TEST(ContactFlashes, BesideOneLegAloneAreNextToIt) {
 }
 
 TEST(ContactFlashes, ABallCanHaveThisContactButNotOneThatGivesEnergy) {
-  DOUBLES_EQUAL(0.0, host::contact_penalty(host::rebound_of(in, out, track)), 1e-9);
+  DOUBLES_EQUAL(0.0, host::contact_penalty(host::estimate_bounce(in, out, track)), 1e-9);
   // e beyond 0.2 to 1, in units of its sd; velocities of either leg have those of three images, see below.
   const double v_in = 0.2 / std::sqrt(19.0 / 6.0 * 1e-6), v_out = 0.2 / std::sqrt(4.5e-6);
   for (const auto& [e, outside] : {std::pair{1.2, 0.2}, std::pair{0.1, 0.1}}) {
     const host::LegCandidate other = leg({16.0, 32.0}, 4e-3, {3000.0, e * 5000.0}, {19, 22, 25});
     const double sd = std::hypot(v_out, e * v_in) / 5000.0;
-    DOUBLES_EQUAL(std::pow(outside / sd, 2), host::contact_penalty(host::rebound_of(in, other, track)), 1e-6);
+    DOUBLES_EQUAL(std::pow(outside / sd, 2), host::contact_penalty(host::estimate_bounce(in, other, track)),
+                  1e-6);
   }
   const host::LegCandidate far = leg({60.0, 32.0}, 4e-3, {3000.0, 4000.0}, {19, 22, 25});
-  CHECK_TRUE(host::contact_penalty(host::rebound_of(in, far, track)) > 10.0);  // 15 m/s between 6 and 3
+  CHECK_TRUE(host::contact_penalty(host::estimate_bounce(in, far, track)) > 10.0);  // 15 m/s between 6 and 3
   const host::LegCandidate falls = leg({16.0, 32.0}, 4e-3, {3000.0, -4000.0}, {19, 22, 25});
-  CHECK_TRUE(std::isinf(host::contact_penalty(host::rebound_of(in, falls, track))));
+  CHECK_TRUE(std::isinf(host::contact_penalty(host::estimate_bounce(in, falls, track))));
 }
 
 TEST(ContactFlashes, OfASetOfLegsKnowTheirSd) {
-  const host::Rebound r = host::rebound_of(in, out, track);
+  const host::BounceEstimate r = host::estimate_bounce(in, out, track);
   DOUBLES_EQUAL(4e-3, r.value[4], 1e-12);
   DOUBLES_EQUAL(16.0, r.value[5], 1e-9);
   // Times -3, -1.5, -0.5 ms: mean -5/3 ms, squares about it 3.1667e-6. Noise 0.2 px.
