@@ -98,8 +98,7 @@ Segments measure_segments(std::span<const LinePoint> points, const EquatorLine& 
     result.segments.push_back(segment);
     result.shift.push_back(fit[3]);
     result.shift_variance.push_back(inverse(3, 3));
-    const double mean_weight = s.weight / s.count;
-    result.residual += std::max(0.0, s.square - fit.dot(s.right)) / mean_weight * mean_weight;
+    result.residual += std::max(0.0, s.square - fit.dot(s.right));
     result.degrees_of_freedom += std::max(0.0, s.count - 4.0);
   }
   return result;

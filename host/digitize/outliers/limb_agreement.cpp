@@ -7,8 +7,8 @@
 #include <numbers>
 #include <opencv2/core/utility.hpp>
 
+#include "host/digitize/core/eigen.hpp"
 #include "host/digitize/core/statistics.hpp"
-#include "host/digitize/surface/surface_frame.hpp"
 
 namespace strobe::digitize {
 namespace {
@@ -61,7 +61,7 @@ class Reader {
   float light(const Place& place, double angle_rad, double beyond) const {
     const double r = place.reach(angle_rad) + beyond;
     const cv::Point2d at = place.ellipse.centre + r * cv::Point2d(std::cos(angle_rad), std::sin(angle_rad));
-    if (axes_ && axes_->from_plane(at).y < 0.0) return kNone;
+    if (axes_ && axes_->from_image(to_eigen(at)).y() < 0.0) return kNone;
     const cv::Point2d image = map_.to_image(at);
     const int column = cvRound(image.x), row = cvRound(image.y);
     if (column < 0 || row < 0 || column >= photograph_.width() || row >= photograph_.height()) return kNone;
@@ -71,7 +71,7 @@ class Reader {
 
   const Photograph& photograph_;
   const PlaneMap& map_;
-  std::optional<SurfaceFrame> axes_;
+  std::optional<geometry::SurfaceFrame> axes_;
 };
 
 /// Median over the directions, or the outlines, that can be observed.

@@ -1,9 +1,11 @@
 #include "host/digitize/outline/outline_fit.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <numbers>
 
+#include "host/digitize/core/covariance.hpp"
 #include "host/digitize/core/statistics.hpp"
 
 namespace strobe::digitize {
@@ -109,6 +111,7 @@ class Fit {
     fitted.sigma_px = sigma_;
     fitted.covariance = covariance();
     summarize(fitted);
+    assert(is_covariance(fitted.covariance));
     return fitted;
   }
 
@@ -353,6 +356,7 @@ std::optional<FittedOutline> fit_outline(const Photograph& photograph, const Loc
 }
 
 void apply_oval_prior(FittedOutline& fitted, cv::Vec2d oval, double sd, double former_sd) {
+  assert(sd > 0.0 && sd < former_sd);
   constexpr double kMaxMahalanobis2 = 16.0;
   OutlineShape& shape = fitted.shape;
   // Only the new information: precisions add up, and so do their products with the expected values.
@@ -370,6 +374,7 @@ void apply_oval_prior(FittedOutline& fitted, cv::Vec2d oval, double sd, double f
   shape.oval_cos += change(3);
   shape.oval_sin += change(4);
   fitted.covariance = before - gain * before.get_minor<2, kOutlineParameters>(3, 0);
+  assert(is_covariance(fitted.covariance));
 }
 
 }  // namespace strobe::digitize

@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <opencv2/core/utility.hpp>
 
+#include "host/digitize/core/covariance.hpp"
 #include "host/digitize/outline/bagged_fit.hpp"
 #include "host/digitize/outline/circle_ransac.hpp"
 #include "host/digitize/outline/outline_fit.hpp"
@@ -239,6 +241,7 @@ class OutlineFitter {
     const cv::Vec3d unit(1.0 / scale, 1.0 / scale, 2.0 / scale);
     for (int a = 0; a < 3; ++a)
       for (int b = 0; b < 3; ++b) outline.covariance(a, b) = fitted.covariance(a, b) * unit[a] * unit[b];
+    assert(is_covariance(outline.covariance));
     outline.visible_arcs = fitted.visible_arcs;
     outline.visible_fraction = fitted.visible_fraction;
     outline.rms_px = fitted.rms_px / scale;

@@ -1,9 +1,12 @@
 #include "host/digitize/path/image_order.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <limits>
 
+#include "common/flight/parabola.hpp"
+#include "common/units/angles.hpp"
 #include "host/digitize/path/time_order.hpp"
 
 namespace strobe::digitize {
@@ -12,8 +15,6 @@ namespace {
 using reduction::BallImage;
 using reduction::Frame;
 using reduction::Leg;
-
-constexpr double kGravity_mps2 = 9.81;
 
 std::optional<SurfaceLine> line_of(const Frame& frame) {
   if (frame.surface_px.size() < 2) return std::nullopt;
@@ -81,13 +82,13 @@ void order_images(Frame& frame, std::vector<Outline>& outlines, const OrderSetti
   TimeContext context;
   context.path = path_context(outlines, surface);
   context.px_per_m = context.path.diameter_px / settings.ball_diameter_m;
-  const double slope = frame.surface_angle_deg * CV_PI / 180.0;
-  context.gravity_mps2 = -kGravity_mps2 * cv::Point2d(std::sin(slope), std::cos(slope));
+  context.gravity_mps2 = flight::gravity_mps2(radians(frame.surface_angle_deg));
   context.leftwards = settings.leftwards;
   context.flash_times_s = settings.flash_times_s;
   Path path = find_path(points, context.path);
   if (!path.outliers.empty()) assign_outliers(path, points, context.path);
   TimeOrder order = order_in_time(points, path, context);
+  assert(order.sequence.size() == outlines.size());
   frame.images = permuted(frame.images, order.sequence);
   outlines = permuted(outlines, order.sequence);
   set_legs_and_times(order, settings, frame);

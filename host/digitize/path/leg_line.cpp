@@ -1,8 +1,12 @@
 #include "host/digitize/path/leg_line.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <set>
+
+#include "common/geometry/line.hpp"
+#include "host/digitize/core/eigen.hpp"
 
 namespace strobe::digitize {
 namespace {
@@ -11,55 +15,47 @@ namespace {
 constexpr double kMaxBendOfDiameter = 0.02;
 constexpr double kLooseOfDiameter = 0.12;
 constexpr double kTightOfDiameter = 0.02;
-// Closer than this two centres give no direction.
+// Two centres closer than this give no direction.
 constexpr double kMinStepOfDiameter = 0.1;
 
-struct Straight {
-  cv::Point2d origin, along;
-};
-
-Straight straight(std::span<const PathPoint> points, const std::vector<int>& members) {
-  Straight line;
-  double sum = 0.0;
+/// The members are not all at one place.
+LegLine straight(std::span<const PathPoint> points, const std::vector<int>& members) {
+  std::vector<Eigen::Vector2d> centres;
+  std::vector<double> weights;
   for (const int i : members) {
     const PathPoint& p = points[static_cast<std::size_t>(i)];
-    line.origin += p.weight * p.at;
-    sum += p.weight;
+    centres.push_back(to_eigen(p.at));
+    weights.push_back(p.weight);
   }
-  line.origin *= 1.0 / sum;
-  double sxx = 0.0, sxy = 0.0, syy = 0.0;
-  for (const int i : members) {
-    const PathPoint& p = points[static_cast<std::size_t>(i)];
-    const cv::Point2d d = p.at - line.origin;
-    sxx += p.weight * d.x * d.x;
-    sxy += p.weight * d.x * d.y;
-    syy += p.weight * d.y * d.y;
-  }
-  const double angle = 0.5 * std::atan2(2.0 * sxy, sxx - syy);
-  line.along = {std::cos(angle), std::sin(angle)};
+  const auto fitted = geometry::fit_line(centres, weights);
+  assert(fitted.has_value());
+  LegLine line;
+  line.origin = to_point(fitted->origin());
+  line.along = to_point(fitted->direction());
   return line;
 }
 
-/// off = a + b place + c place² by least squares; c.
-double curvature(std::span<const PathPoint> points, const std::vector<int>& members, const Straight& line,
-                 cv::Vec3d& coefficients) {
-  cv::Matx33d normal = cv::Matx33d::zeros();
-  cv::Vec3d right(0, 0, 0);
+/// Bends the line by least squares, off = a + b place + c place², unless c is more than gravity explains.
+void bend(std::span<const PathPoint> points, const std::vector<int>& members, double diameter_px,
+          LegLine& line) {
   double scale = 1.0;
   for (const int i : members)
-    scale = std::max(scale, std::abs((points[static_cast<std::size_t>(i)].at - line.origin).dot(line.along)));
+    scale = std::max(scale, std::abs(line.place(points[static_cast<std::size_t>(i)].at)));
+  cv::Matx33d normal = cv::Matx33d::zeros();
+  cv::Vec3d right(0, 0, 0);
   for (const int i : members) {
     const PathPoint& p = points[static_cast<std::size_t>(i)];
-    const cv::Point2d d = p.at - line.origin;
-    const double s = d.dot(line.along) / scale;
+    const double s = line.place(p.at) / scale;
     const cv::Vec3d row(1.0, s, s * s);
     normal += p.weight * (row * row.t());
-    right += p.weight * line.along.cross(d) * row;
+    right += p.weight * line.off(p.at) * row;
   }
-  coefficients = normal.solve(right, cv::DECOMP_SVD);
-  coefficients[1] /= scale;
-  coefficients[2] /= scale * scale;
-  return coefficients[2];
+  const cv::Vec3d c = normal.solve(right, cv::DECOMP_SVD);
+  const double bend_per_px = c[2] / (scale * scale);
+  if (!(std::abs(bend_per_px) <= kMaxBendOfDiameter / diameter_px)) return;
+  line.bend_per_px = bend_per_px;
+  line.origin += c[0] * cv::Point2d(-line.along.y, line.along.x);
+  line.along = to_point(geometry::Rotation2d(std::atan(c[1] / scale)) * to_eigen(line.along));
 }
 
 std::vector<int> near_line(std::span<const PathPoint> points, std::span<const int> eligible,
@@ -109,30 +105,15 @@ double leg_tolerance(const PathPoint& point, double diameter_px) {
 }
 
 LegLine fit_leg_line(std::span<const PathPoint> points, std::vector<int> members, double diameter_px) {
-  LegLine line;
-  const Straight first = straight(points, members);
-  line.origin = first.origin;
-  line.along = first.along;
-  if (members.size() >= 4) {
-    cv::Vec3d c;
-    const double most = kMaxBendOfDiameter / diameter_px;
-    line.bend_per_px = std::clamp(curvature(points, members, first, c), -most, most);
-    if (line.bend_per_px == c[2]) {  // the offset and the tilt that go with the bend
-      line.origin += c[0] * cv::Point2d(-first.along.y, first.along.x);
-      const double angle = std::atan(c[1]);
-      line.along = {first.along.x * std::cos(angle) - first.along.y * std::sin(angle),
-                    first.along.y * std::cos(angle) + first.along.x * std::sin(angle)};
-    } else {
-      line.bend_per_px = 0.0;
-    }
-  }
+  LegLine line = straight(points, members);
+  if (members.size() >= 4) bend(points, members, diameter_px, line);
   for (const int i : members) line.weight += points[static_cast<std::size_t>(i)].weight;
   line.members = std::move(members);
   return line;
 }
 
 std::vector<LegLine> leg_lines(std::span<const PathPoint> points, std::span<const int> eligible,
-                               double diameter_px, std::size_t most) {
+                               double diameter_px, std::size_t max_lines) {
   std::vector<LegLine> lines;
   std::set<std::vector<int>> known;
   const auto offer = [&](std::vector<int> members) {
@@ -155,7 +136,7 @@ std::vector<LegLine> leg_lines(std::span<const PathPoint> points, std::span<cons
   }
   std::stable_sort(lines.begin(), lines.end(),
                    [](const LegLine& x, const LegLine& y) { return x.weight > y.weight; });
-  if (lines.size() > most) lines.resize(most);
+  if (lines.size() > max_lines) lines.resize(max_lines);
   return lines;
 }
 

@@ -49,6 +49,9 @@ struct Path {
   bool bounces() const { return !legs[0].empty() && !legs[1].empty(); }
 };
 
+/// Whether each of the points is in exactly one list: what find_path() guarantees.
+bool is_partition(const Path& path, std::size_t points);
+
 Path find_path(std::span<const PathPoint> points, const PathContext& context);
 
 /// Whether a ball with its centre at that height touches the surface.

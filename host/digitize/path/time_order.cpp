@@ -93,8 +93,8 @@ class Orderer {
     host::Track track;
     track.radius_px = 0.5 * context_.path.diameter_px;
     track.px_per_m = context_.px_per_m;
-    track.gravity_pxps2 = {order.towards * context_.gravity_mps2.x * context_.px_per_m,
-                           context_.gravity_mps2.y * context_.px_per_m};
+    track.gravity_pxps2 = {order.towards * context_.gravity_mps2.x() * context_.px_per_m,
+                           context_.gravity_mps2.y() * context_.px_per_m};
     double variance = 0.0;
     for (std::size_t k = 0; k < order.sequence.size(); ++k) {
       const PathPoint& p = at(points_, order.sequence[k]);

@@ -2,6 +2,7 @@
 // along the surface's normal, as a bounce adds no energy. Deterministic; no I/O; thread-safe; allocates.
 #pragma once
 
+#include <Eigen/Core>
 #include <optional>
 #include <span>
 #include <string>
@@ -15,9 +16,9 @@ namespace strobe::digitize {
 struct TimeContext {
   PathContext path;
   double px_per_m = 0.0;
-  cv::Point2d gravity_mps2;               ///< in the axes of the points
-  std::optional<bool> leftwards;          ///< known direction of flight
-  std::span<const double> flash_times_s;  ///< ascending; empty: not known
+  Eigen::Vector2d gravity_mps2 = Eigen::Vector2d::Zero();  ///< in the axes of the points
+  std::optional<bool> leftwards;                           ///< known direction of flight
+  std::span<const double> flash_times_s;                   ///< ascending; empty: not known
 };
 
 struct TimeOrder {

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "host/digitize/surface/surface_frame.hpp"
+#include "host/digitize/core/eigen.hpp"
 
 namespace strobe::digitize {
 namespace {
@@ -16,8 +16,8 @@ constexpr double kMaxWidthSdOfDiameter = 0.15;
 }  // namespace
 
 Measured<ContactImage> measure_contact(const Outline& outline, const SurfaceLine& surface) {
-  const SurfaceFrame axes = surface_frame(surface);
-  const cv::Point2d up = axes.up();
+  const geometry::SurfaceFrame axes = surface_frame(surface);
+  const cv::Point2d up = to_point(axes.line.tilt * Eigen::Vector2d::UnitY());
   const double radius = 0.5 * outline.diameter;
   ContactImage contact;
   contact.top = outline.centre + radius * up;
@@ -27,13 +27,13 @@ Measured<ContactImage> measure_contact(const Outline& outline, const SurfaceLine
     return tl::unexpected(Rejection{
         Reason::imprecise, fmt::format("the top of the ball is known to {:.1f} px only", contact.top_sd_px)});
   }
-  const double height = axes.from_plane(outline.centre).y;
+  const double height = axes.from_image(to_eigen(outline.centre)).y();
   const double half2 = radius * radius - height * height;
   if (half2 <= 0.0) return contact;
   // The chord that the surface cuts off: (w/2)² = r² - h².
   const double half = std::sqrt(half2);
   const cv::Vec3d width_by(-2.0 * height / half * up.x, -2.0 * height / half * up.y, radius / half);
-  const double surface_part = 2.0 * height / half * axes.sd_px;
+  const double surface_part = 2.0 * height / half * height_sd_px(surface);
   const double sd = std::sqrt(width_by.dot(outline.covariance * width_by) + surface_part * surface_part);
   if (sd > kMaxWidthSdOfDiameter * outline.diameter) return contact;
   contact.width_px = 2.0 * half;

@@ -7,6 +7,7 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
+#include "common/geometry/regression.hpp"
 #include "host/digitize/core/statistics.hpp"
 
 namespace strobe::digitize {
@@ -113,20 +114,10 @@ Line ransac_line(const std::vector<Crossing>& found) {
   return best;
 }
 
-Line least_squares(const std::vector<Crossing>& found) {
-  Line line;
-  const auto n = static_cast<double>(found.size());
-  for (const Crossing& c : found) {
-    line.x0 += c.plane.x / n;
-    line.y0 += c.plane.y / n;
-  }
-  double sxx = 0.0, sxy = 0.0;
-  for (const Crossing& c : found) {
-    sxx += (c.plane.x - line.x0) * (c.plane.x - line.x0);
-    sxy += (c.plane.x - line.x0) * (c.plane.y - line.y0);
-  }
-  line.slope = sxx > 0.0 ? sxy / sxx : 0.0;
-  return line;
+Line least_squares(const std::vector<Crossing>& inliers) {
+  geometry::LinearRegression<double> fit;
+  for (const Crossing& c : inliers) fit.add(c.plane.x, c.plane.y, 1.0);
+  return {fit.mean_x(), fit.mean(), fit.moment() > 0.0 ? fit.slope() : 0.0};
 }
 
 /// Standard deviations from the means of blocks, as neighbouring profiles' errors are correlated by the

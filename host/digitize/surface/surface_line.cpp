@@ -8,6 +8,7 @@
 #include <opencv2/core/utility.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "host/digitize/core/eigen.hpp"
 #include "host/digitize/surface/edge_line.hpp"
 #include "host/digitize/surface/hough_lines.hpp"
 
@@ -143,6 +144,19 @@ SurfaceLine four_points(const EdgeLine& edge) {
 }
 
 }  // namespace
+
+geometry::SurfaceFrame surface_frame(const SurfaceLine& line) {
+  std::vector<Eigen::Vector2d> points;
+  for (const cv::Point2d& p : line.points) points.push_back(to_eigen(p));
+  geometry::SurfaceFrame frame;
+  frame.line.reference = points.front();
+  if (const auto fitted = geometry::fit_line(points)) frame.line = *fitted;
+  return frame;
+}
+
+double height_sd_px(const SurfaceLine& line) {
+  return line.sd_px / std::sqrt(std::max(1.0, static_cast<double>(line.points.size()) - 1.0));
+}
 
 Measured<SurfaceLine> find_surface_line(const Photograph& photograph, const PlaneMap& map,
                                         std::span<const Outline> outlines) {

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "common/geometry/surface_frame.hpp"
 #include "host/digitize/core/plane_map.hpp"
 #include "host/digitize/core/types.hpp"
 #include "host/digitize/image/photograph.hpp"
@@ -19,6 +20,12 @@ struct SurfaceLine {
   /// somewhere between: the line lies half-way, and sd_px covers both.
   double edge_separation_px = 0.0;
 };
+
+/// The surface's axes on the photograph: along the line and up from it [px]. Horizontal if all points are one.
+geometry::SurfaceFrame surface_frame(const SurfaceLine& line);
+
+/// Sd of a height above the line.
+double height_sd_px(const SurfaceLine& line);
 
 /// `outlines`: the ball's images, none of which lies below the surface; parts of the line that they cover are
 /// not used. Rejections: no_plate, imprecise.

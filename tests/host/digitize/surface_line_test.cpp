@@ -5,8 +5,6 @@
 #include <numbers>
 #include <opencv2/core.hpp>
 
-#include "host/digitize/surface/surface_frame.hpp"
-
 #include <CppUTest/TestHarness.h>
 
 namespace {
@@ -47,6 +45,10 @@ Measured<SurfaceLine> found(const Photograph& photograph) {
   return find_surface_line(photograph, PlaneMap::uncalibrated(kHeight), outlines);
 }
 
+double height_above(const SurfaceLine& line, const Eigen::Vector2d& point) {
+  return surface_frame(line).from_image(point).y();
+}
+
 }  // namespace
 
 TEST_GROUP(SurfaceLine){};
@@ -55,26 +57,24 @@ TEST(SurfaceLine, OfAPlateSeenEdgeOnIsItsEdge) {
   const auto line = found(stepped({220.3}, 0.01));
   CHECK_TRUE(line.has_value());
   DOUBLES_EQUAL(0.0, line->edge_separation_px, 0.0);
-  const SurfaceFrame axes = surface_frame(*line);
-  DOUBLES_EQUAL(0.0, axes.from_plane({300.0, kHeight - 1 - 220.3}).y, 0.1);
-  CHECK_TRUE(axes.sd_px < 0.15);
+  DOUBLES_EQUAL(0.0, height_above(*line, {300.0, kHeight - 1 - 220.3}), 0.1);
+  CHECK_TRUE(height_sd_px(*line) < 0.15);
 }
 
 TEST(SurfaceLine, OfAPlateSeenFromAboveLiesBetweenItsEdgesAndSaysSo) {
   const auto line = found(stepped({212.0, 236.0}));
   CHECK_TRUE(line.has_value());
   DOUBLES_EQUAL(24.0, line->edge_separation_px, 0.2);
-  const SurfaceFrame axes = surface_frame(*line);
-  DOUBLES_EQUAL(0.0, axes.from_plane({300.0, kHeight - 1 - 224.0}).y, 0.2);
+  DOUBLES_EQUAL(0.0, height_above(*line, {300.0, kHeight - 1 - 224.0}), 0.2);
   // Anywhere between them alike: 24 px/sqrt(12) = 6.9; of four points as if of three: 8.
-  CHECK_TRUE(axes.sd_px > 6.8 && axes.sd_px < 8.1);
+  CHECK_TRUE(height_sd_px(*line) > 6.8 && height_sd_px(*line) < 8.1);
 }
 
 TEST(SurfaceLine, OfAPlateIsNotDrawnToAFaintEdgeOfTheBackground) {
   const auto line = found(stepped({190.0, 220.3}, 0.0, 0.03));
   CHECK_TRUE(line.has_value());
   DOUBLES_EQUAL(0.0, line->edge_separation_px, 0.0);
-  DOUBLES_EQUAL(0.0, surface_frame(*line).from_plane({300.0, kHeight - 1 - 220.3}).y, 0.1);
+  DOUBLES_EQUAL(0.0, height_above(*line, {300.0, kHeight - 1 - 220.3}), 0.1);
 }
 
 TEST(SurfaceLine, IsNotDrawnToTheTopOfAClampThatBallsReachBelow) {
@@ -84,7 +84,7 @@ TEST(SurfaceLine, IsNotDrawnToTheTopOfAClampThatBallsReachBelow) {
   const auto line = find_surface_line(stepped({176.3, 220.3}), PlaneMap::uncalibrated(kHeight), balls);
   CHECK_TRUE(line.has_value());
   DOUBLES_EQUAL(0.0, line->edge_separation_px, 0.0);
-  DOUBLES_EQUAL(0.0, surface_frame(*line).from_plane({300.0, kHeight - 1 - 220.3}).y, 0.1);
+  DOUBLES_EQUAL(0.0, height_above(*line, {300.0, kHeight - 1 - 220.3}), 0.1);
 }
 
 TEST(SurfaceLine, OfABarFarBelowThePlateIsNotItsOtherEdge) {
@@ -99,7 +99,7 @@ TEST(SurfaceLine, IsNotOneThatBallsAreSeenBelow) {
   for (Outline& ball : balls) ball.visible_arcs = {{0.0, 2.0 * std::numbers::pi}};
   const auto lower = find_surface_line(stepped({150.0, 220.3}), PlaneMap::uncalibrated(kHeight), balls);
   CHECK_TRUE(lower.has_value());
-  DOUBLES_EQUAL(0.0, surface_frame(*lower).from_plane({300.0, kHeight - 1 - 220.3}).y, 0.1);
+  DOUBLES_EQUAL(0.0, height_above(*lower, {300.0, kHeight - 1 - 220.3}), 0.1);
   const auto none = find_surface_line(stepped({150.0}), PlaneMap::uncalibrated(kHeight), balls);
   CHECK_FALSE(none.has_value());
   CHECK_TRUE(none.error().reason == Reason::no_plate);
@@ -112,7 +112,7 @@ TEST(SurfaceLine, MayCutOffWhatIsNotSeenOfABall) {
   const auto line =
       find_surface_line(stepped({220.3}), PlaneMap::uncalibrated(kHeight), std::vector<Outline>{pressed});
   CHECK_TRUE(line.has_value());
-  DOUBLES_EQUAL(0.0, surface_frame(*line).from_plane({300.0, kHeight - 1 - 220.3}).y, 0.1);
+  DOUBLES_EQUAL(0.0, height_above(*line, {300.0, kHeight - 1 - 220.3}), 0.1);
 }
 
 TEST(SurfaceLine, OfNoPlateIsNone) {
