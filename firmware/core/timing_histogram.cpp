@@ -24,6 +24,12 @@ std::int64_t floor_to(std::int64_t value, std::int64_t step) {
   return value - (rest < 0 ? rest + step : rest);
 }
 
+/// Also of the least number, which has no positive counterpart.
+std::uint64_t magnitude(Duration value) {
+  const auto ns = static_cast<std::uint64_t>(value.count());
+  return value < Duration{} ? -ns : ns;
+}
+
 }  // namespace
 
 std::size_t TimingHistogram::bin_of(std::uint64_t magnitude_ns) noexcept {
@@ -43,10 +49,7 @@ std::int64_t TimingHistogram::first_of(std::size_t bin) noexcept {
 std::int64_t TimingHistogram::last_of(std::size_t bin) noexcept { return first_of(bin + 1) - 1; }
 
 void TimingHistogram::add(Duration value) noexcept {
-  const bool below = value < Duration{};
-  const auto magnitude =
-      below ? -static_cast<std::uint64_t>(value.count()) : static_cast<std::uint64_t>(value.count());
-  std::uint32_t& bin = (below ? negative_ : positive_)[bin_of(magnitude)];
+  std::uint32_t& bin = (value < Duration{} ? negative_ : positive_)[bin_of(magnitude(value))];
   if (bin < std::numeric_limits<std::uint32_t>::max()) ++bin;
   min_ = count_ == 0 ? value : std::min(min_, value);
   max_ = count_ == 0 ? value : std::max(max_, value);
@@ -65,18 +68,15 @@ double TimingHistogram::sd_ns() const noexcept {
 template <typename Visit>
 void TimingHistogram::visit_in_order(Visit&& visit) const noexcept {
   if (count_ == 0) return;
-  const auto bin = [](Duration magnitude) {
-    return bin_of(static_cast<std::uint64_t>(std::max(Duration{}, magnitude).count()));
-  };
   if (min_ < Duration{}) {
-    const std::size_t end = bin(-max_);
-    for (std::size_t i = bin(-min_) + 1; i-- > end;) {
+    const std::size_t end = max_ < Duration{} ? bin_of(magnitude(max_)) : 0;
+    for (std::size_t i = bin_of(magnitude(min_)) + 1; i-- > end;) {
       if (negative_[i] > 0 && visit(-last_of(i), -first_of(i), negative_[i])) return;
     }
   }
   if (max_ >= Duration{}) {
-    const std::size_t end = bin(max_) + 1;
-    for (std::size_t i = bin(min_); i < end; ++i) {
+    const std::size_t end = bin_of(magnitude(max_)) + 1;
+    for (std::size_t i = min_ > Duration{} ? bin_of(magnitude(min_)) : 0; i < end; ++i) {
       if (positive_[i] > 0 && visit(first_of(i), last_of(i), positive_[i])) return;
     }
   }

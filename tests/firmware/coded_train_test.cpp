@@ -447,3 +447,14 @@ TEST(ShutterContact, OfTheShotBeforeTellsNothingOfThisOne) {
   CHECK(bench.shot(1).shutter_feedback == ShutterFeedback::missing);
   CHECK(bench.shot(1).shutter_open == bench.shot(1).shutter_on + bench.config.shutter.lag);
 }
+
+TEST(ShutterContact, ThatClosesBeforeTheLineIsSetIsNotTheShutter) {
+  bench.rig.xsync_works = true;
+  bench.rig.opening_lag = milliseconds(49);
+  bench.start();
+  const MonoTime start = bench.fire();
+  bench.rig.schedule({Input::xsync, start - milliseconds(1), true});
+  bench.play();
+  CHECK(bench.shot().shutter_feedback == ShutterFeedback::seen);
+  CHECK(bench.shot().shutter_open - bench.shot().shutter_on > milliseconds(48));
+}

@@ -32,6 +32,15 @@ TEST(EdgeAssignment, GivesAnEdgeToTheFlashThatWasIssuedJustBefore) {
   CHECK_FALSE(known(record.flashes[1].observed_b));
 }
 
+TEST(EdgeAssignment, HasAWindowOfHalfAPeriodFromTheIssue) {
+  issue(0);
+  book.edge(Input::sensor_a, at(0) + kPeriod / 2 - nanoseconds(1));
+  book.edge(Input::sensor_b, at(0) + kPeriod / 2);
+  CHECK(known(record.flashes[0].observed_a));
+  CHECK_FALSE(known(record.flashes[0].observed_b));
+  CHECK_EQUAL(1, record.flashes[0].extra_edges);
+}
+
 TEST(EdgeAssignment, KeepsTheSensorsApart) {
   issue(0);
   book.edge(Input::sensor_b, at(0) + kDelay);

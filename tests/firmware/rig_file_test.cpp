@@ -120,8 +120,8 @@ TEST(RigFile, LeavesACodedTrainOfThePlanToTheHost) {
 }
 
 TEST(RigFile, AcceptsWhatIsTheHosts) {
-  text = replaced(text, "[analysis]",
-                  "[analysis]\nanything = [1, 2, { x = true }]\n[camera]\nrectify = [1, 2]\n[analysis.more]");
+  text = replaced(text, "[analysis]", "[analysis]\nanything = [1, 2, { x = true }]\n[analysis.more]");
+  text = replaced(text, "[camera]", "[camera]\nrectify = [1, 2]");
   CHECK_EQUAL(std::string(), error_of(text));
 }
 

@@ -54,6 +54,15 @@ TEST(SequencerGate, IsAbortedWhenTheGateIsNeverSeen) {
   CHECK_TRUE(rig.all_inactive());
 }
 
+TEST(SequencerGate, IgnoresAGateBeforeTheTriggerOfASecondShotToo) {
+  bench.fire();
+  bench.play();
+  const MonoTime start = bench.fire();
+  gate(start - milliseconds(5));
+  bench.play();
+  CHECK_FALSE(known(bench.shot(1).gate));
+}
+
 TEST(SequencerGate, IgnoresAGateThatWasInterruptedBeforeTheTrigger) {
   const MonoTime start = bench.fire();
   gate(start - milliseconds(5));

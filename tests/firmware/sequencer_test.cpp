@@ -215,6 +215,31 @@ TEST(Sequencer, ReadsTheLevelsBeforeItArmsOrFiresInCaseAnEdgeWasLost) {
   STRCMP_EQUAL("ARM: the e-stop is pressed", refusal().c_str());
 }
 
+TEST(Sequencer, LeavesNothingOfAnEarlierShotInItsRecord) {
+  rig.reuses_records = true;
+  const MonoTime start = bench.fire();
+  rig.schedule({Input::gate, start + milliseconds(200), true});
+  while (rig.time < start + milliseconds(300)) bench.step();
+  bench.give(bench.plain_command(CommandKind::disarm));
+  bench.play();
+  CHECK(known(bench.shot().trigger) && known(bench.shot().gate) && known(bench.shot().shutter_off));
+  CHECK_FALSE(bench.shot().abort_reason.empty());
+  bench.fire(true);
+  CHECK(bench.shot().abort_reason.empty());
+  CHECK_FALSE(known(bench.shot().trigger) || known(bench.shot().gate));
+  CHECK_FALSE(known(bench.shot().shutter_on) || known(bench.shot().shutter_off));
+  CHECK_FALSE(known(bench.shot().shutter_open) || known(bench.shot().shutter_close));
+}
+
+TEST(Sequencer, EndsAPulseItsWidthAfterTheLineHasSurelyChanged) {
+  rig.set_cost = microseconds(30);
+  bench.fire();
+  bench.play();
+  const auto on = rig.instants(Output::strobes), off = rig.instants(Output::strobes, false);
+  for (std::size_t k = 0; k < on.size(); ++k)
+    CHECK(off.at(k) - on[k] >= rig.set_cost + bench.config.lamps.pulse);
+}
+
 TEST(Sequencer, CountsTheOverflowsOfEachShotAlone) {
   rig.lost = 5;
   rig.kernel_lost = 7;

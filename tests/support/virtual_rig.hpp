@@ -47,6 +47,7 @@ class VirtualRig final : public Clock,
   bool levels_readable = true;
   bool edges_readable = true;
   bool journal = true;
+  bool reuses_records = false;  ///< each shot gets the record of the one before
   Duration set_cost = nanoseconds(300);
   Duration wake_delay{};  ///< whoever sleeps is woken so late
   Duration lamp_delay = microseconds(12);
@@ -154,6 +155,7 @@ class VirtualRig final : public Clock,
   void event(const Event& event) noexcept override { events.push_back(event); }
   void status(const LoopStatus& status) noexcept override { statuses.push_back(status); }
   ShotRecord* free_record() noexcept override {
+    if (reuses_records) return records_.data();
     return shots.size() < records_.size() ? &records_[shots.size()] : nullptr;
   }
   bool shot_done(ShotRecord* record) noexcept override {

@@ -93,6 +93,13 @@ TEST(Assembler, HoldsOnlyTheNewestUnfinishedMessages) {
   CHECK_TRUE(completes(1, parts_of(message, "X", Assembler::kMaxUnfinished, 500)[1]));
 }
 
+TEST(Assembler, TakesTheLargestMessage) {
+  message.resize(Assembler::kMaxMessage_bytes);
+  const std::vector<Bytes> parts = parts_of(message, "X", 1, 60'000);
+  for (std::size_t i = 0; i + 1 < parts.size(); ++i) CHECK_FALSE(completes(1, parts[i]));
+  CHECK(completes(1, parts.back()));
+}
+
 TEST(Assembler, MakesNoRoomForHugeMessages) {
   message.resize(Assembler::kMaxMessage_bytes + 1);
   for (const Bytes& part : parts_of(message, "X", 1, 60'000)) CHECK_FALSE(completes(1, part));
