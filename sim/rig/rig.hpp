@@ -61,7 +61,6 @@ class Rig {
 
   /// The shutter line's change that began the current exposure. Returns nullopt between exposures.
   std::optional<MonoTime> exposing_since() const;
-  int exposures_begun() const { return exposures_; }
   const Scene& scene() const { return scene_; }
   const Model& model() const { return model_; }
   std::uint64_t seed() const { return seed_; }

@@ -37,6 +37,24 @@ TEST(LampModel, CountsRechargingFromTheFlashAndNotFromAPulseThatMadeNone) {
   LONGS_EQUAL(1, pulse(lamp, from_ns(1500000), 2).size());
 }
 
+TEST(LampModel, RechargesFromTheSecondOfTwoFlashes) {
+  scene.faults = {{.kind = FaultKind::flash_double, .flash_index = 0, .delay = milliseconds(1)}};
+  LampModel lamp(scene, 1, Lamp::a);
+  LONGS_EQUAL(2, pulse(lamp, MonoTime{}, 0).size());
+  LONGS_EQUAL(0, pulse(lamp, from_ns(2'399'000), 1).size());
+  LONGS_EQUAL(1, pulse(lamp, from_ns(2'400'000), 2).size());
+}
+
+TEST(LampModel, NeverFlashesBeforeItsPulseHoweverLargeTheJitter) {
+  scene.lamps.jitter_s = 1e-3;
+  scene.lamps.recharge_s = 0.0;
+  LampModel lamp(scene, 1, Lamp::a);
+  for (int i = 0; i < 100; ++i) {
+    const MonoTime edge = MonoTime{} + i * milliseconds(100);
+    CHECK(pulse(lamp, edge, i)[0] >= edge);
+  }
+}
+
 TEST(LampModel, FlashesLateByTheFaultsDelayOnlyWhereTheFaultStrikes) {
   scene.faults = {
       {.kind = FaultKind::flash_late, .shot = 1, .flash_from_impact = -2, .delay = microseconds(160)}};

@@ -127,6 +127,74 @@ TEST(Rig, PhotographsTheBallOnlyWhileTheShutterIsOpen) {
   CHECK(shows_impact(fixture.shoot()));
 }
 
+TEST(Rig, PhotographsNoFlashAfterTheShutterHasClosed) {
+  test::VirtualRigFixture fixture(scene);
+  Exposure exposure = fixture.shoot();
+  const std::size_t all = film_images(scene, exposure).size();
+  exposure.closed = exposure.ball->touchdown;
+  const auto images = film_images(scene, exposure);
+  CHECK(!images.empty() && images.size() < all);
+  for (const FilmImage& image : images) CHECK(image.time <= exposure.closed);
+}
+
+TEST(Rig, PhotographsNoBallThatWouldHaveMetThePlateAgain) {
+  // Rises at 1 m/s from a steep impact: down again after 0.2 s, still in view.
+  scene.machine.speed_mps = 5.0;
+  scene.machine.angle_rad = -80.0 * std::numbers::pi / 180.0;
+  scene.bounce.e = 0.2;
+  scene.bounce.e_speed_mps = 5.0;
+  test::VirtualRigFixture fixture(scene);
+  const Exposure exposure = fixture.shoot();
+  const auto images = film_images(scene, exposure);
+  CHECK(images.back().time < exposure.ball->touchdown + milliseconds(225));
+  CHECK(images.back().time > exposure.ball->touchdown + milliseconds(150));
+}
+
+TEST(Rig, NumbersAnExposuresFlashesFromItsOwnFirst) {
+  scene.faults = {{.kind = FaultKind::flash_missing, .flash_index = 0}};
+  Rig rig(scene, 1, MonoTime{});
+  std::vector<Exposure> exposures;
+  const auto pulse = [&rig](MonoTime at) {
+    rig.line_changed(RigLine::strobe_a, 1, at);
+    rig.line_changed(RigLine::strobe_a, 0, at + microseconds(50));
+  };
+  pulse(from_ns(10'000'000));
+  pulse(from_ns(20'000'000));
+  rig.line_changed(RigLine::shutter, 1, from_ns(30'000'000));
+  pulse(from_ns(100'000'000));
+  pulse(from_ns(110'000'000));
+  rig.finish(from_ns(200'000'000), exposures);
+  LONGS_EQUAL(2, exposures[0].pulses.size());
+  CHECK(exposures[0].pulses[0].flashes.empty());
+  LONGS_EQUAL(1, exposures[0].pulses[1].flashes.size());
+}
+
+TEST(Rig, LeavesTheGateAloneIfTheMachineStandsBeyondIt) {
+  scene.gate.distance_m = 10.0;  // the ball would have passed it before it was thrown
+  test::VirtualRigFixture fixture(scene);
+  CHECK(fixture.shoot().ball.has_value());
+  CHECK(fixture.drives_of(RigLine::gate, 1).empty());
+}
+
+TEST(Rig, HasNoBallOrExposureFromBeforeARestart) {
+  Rig rig(scene, 1, MonoTime{});
+  std::vector<Drive> drives;
+  std::vector<Exposure> exposures;
+  rig.line_changed(RigLine::shutter, 1, MonoTime{});
+  rig.line_changed(RigLine::shutter, 0, from_ns(100'000'000));
+  rig.line_changed(RigLine::shutter, 1, from_ns(110'000'000));
+  rig.line_changed(RigLine::shutter, 0, from_ns(200'000'000));
+  rig.restart(1, from_ns(1'000'000'000));
+  rig.collect(from_ns(1'000'000'000), drives, exposures);
+  CHECK(exposures.empty());
+  rig.line_changed(RigLine::trigger, 1, from_ns(1'000'000'000));
+  rig.restart(1, from_ns(1'100'000'000));
+  rig.line_changed(RigLine::shutter, 1, from_ns(1'100'000'000));
+  rig.finish(from_ns(2'000'000'000), exposures);
+  LONGS_EQUAL(1, exposures.size());
+  LONGS_EQUAL(0, exposures[0].throws);
+}
+
 TEST(Rig, MakesAnImageWithOneLampAlone) {
   scene.faults = {{.kind = FaultKind::lamp_dead, .lamp_b = false}};
   test::VirtualRigFixture fixture(scene);
@@ -324,6 +392,46 @@ TEST(Rig, KeepsBothExposuresWhenTheShutterOpensAgainAtOnce) {
   LONGS_EQUAL(2, exposures.size());
   LONGS_EQUAL(1, exposures[0].shot);
   LONGS_EQUAL(2, exposures[1].shot);
+}
+
+TEST(Rig, ReturnsAnExposureWhenItsLastEdgesMustHaveBeenReported) {
+  Rig rig(scene, 1, MonoTime{});
+  std::vector<Drive> drives;
+  std::vector<Exposure> exposures;
+  rig.line_changed(RigLine::shutter, 1, MonoTime{});
+  rig.line_changed(RigLine::shutter, 0, from_ns(100'000'000));
+  // Closed 45 ms after its line; edges may be reported for another 20 ms.
+  rig.collect(from_ns(164'999'999), drives, exposures);
+  CHECK(exposures.empty());
+  CHECK(rig.next_due() == from_ns(165'000'000));
+  CHECK(rig.exposing_since() == MonoTime{});
+  rig.collect(from_ns(165'000'000), drives, exposures);
+  LONGS_EQUAL(1, exposures.size());
+  CHECK(exposures[0].closed == from_ns(145'000'000));
+  CHECK(!rig.exposing_since());
+}
+
+TEST(Rig, ClosesAnOpenShutterAtTheEndAsIfItsLineWereReleasedThen) {
+  Rig rig(scene, 1, MonoTime{});
+  std::vector<Exposure> exposures;
+  rig.line_changed(RigLine::shutter, 1, MonoTime{});
+  rig.finish(from_ns(500'000'000), exposures);
+  LONGS_EQUAL(1, exposures.size());
+  CHECK(exposures[0].closed == from_ns(545'000'000));
+}
+
+TEST(Rig, MarksOnlyTheExposureDuringWhichItFellBehind) {
+  Rig rig(scene, 1, MonoTime{});
+  std::vector<Exposure> exposures;
+  rig.mark_overrun();  // between exposures
+  for (const std::int64_t start_ns : {0, 1'000'000'000, 2'000'000'000}) {
+    rig.line_changed(RigLine::shutter, 1, from_ns(start_ns));
+    if (start_ns == 1'000'000'000) rig.mark_overrun();
+    rig.finish(from_ns(start_ns + 500'000'000), exposures);
+    rig.line_changed(RigLine::shutter, 0, from_ns(start_ns + 500'000'000));
+  }
+  LONGS_EQUAL(3, exposures.size());
+  CHECK(!exposures[0].overrun && exposures[1].overrun && !exposures[2].overrun);
 }
 
 TEST(Rig, RepeatsARunFromItsSeed) {
