@@ -3,8 +3,9 @@
 
 #include <algorithm>
 
-#include "common/contact/differentiation/constrained_motion.hpp"
-#include "common/contact/integration/integration.hpp"
+#include "common/contact/integration/peaks.hpp"
+#include "common/contact/integration/stiffness.hpp"
+#include "common/contact/standard_error.hpp"
 #include "common/data/thesis_data.hpp"
 
 namespace strobe::contact {
@@ -37,13 +38,13 @@ inline SpinPulseSd spin_pulse_sd(const thesis::Condition& c) {
 }
 
 /// With the means' largest measured drop, for explain_stiffness().
-inline PublishedStiffness published_stiffness(const thesis::Condition& c, const ContactSet& set,
+inline PublishedStiffness published_stiffness(const thesis::Condition& c, const data::ContactSet& set,
                                               double stiffness_npm) {
   PublishedStiffness out{.input = spin_pulse_input(c, impact::PulseForm::exact),
                          .vy_lo_mps = c.vy_lo_mps.mean,
                          .stiffness = stiffness_npm,
                          .measured_drop_m = 0.0};
-  for (const ContactRow& row : set.rows)
+  for (const data::ContactRow& row : set.rows)
     out.measured_drop_m = std::max(out.measured_drop_m, -row.y_fraction * out.input.ball.diameter_m);
   return out;
 }
@@ -54,7 +55,7 @@ inline EndVelocities end_velocities(const thesis::Condition& c) {
           of(c.vy_lo_mps), of(c.omega_td_radps), of(c.omega_lo_radps)};
 }
 
-inline SetScale set_scale(const thesis::Condition& c) {
+inline FractionScale fraction_scale(const thesis::Condition& c) {
   return {.dwell_distance_m = c.dwell_distance_cm.mean / 1e2, .total_rotation_rad = std::nullopt};
 }
 

@@ -9,14 +9,14 @@ namespace strobe::thesis {
 
 namespace {
 
-using contact::ContactRow;
-using contact::ContactSet;
+using data::ContactRow;
+using data::ContactSet;
 
 tl::unexpected<Error> mismatch(const Correction& c, std::string_view column, std::string_view what) {
   return data::csv_error("corrections", c.line, column, c.set + ": " + std::string(what));
 }
 
-/// The column as an optional number; nothing for a name that is no column.
+/// The column as an optional number. Returns nullopt if there is no column of that name.
 std::optional<std::optional<double>> read_field(const ContactRow& row, std::string_view field) {
   if (field == "time_fraction") return row.time_fraction;
   if (field == "x_fraction") return row.x_fraction;

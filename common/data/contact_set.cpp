@@ -5,31 +5,31 @@
 
 #include "common/data/csv.hpp"
 
-namespace strobe::contact {
+namespace strobe::data {
 
 namespace {
 
 constexpr std::array<std::string_view, 4> kColumns{"time_fraction", "x_fraction", "y_fraction",
                                                    "rotation_fraction"};
 
-/// Far beyond any measured fraction (rotations of backspin reach some units); keeps sums of squares finite.
-constexpr double kLargestFraction = 1e6;
+/// Measured fractions of rotation reach some units (backspin); sums of squares stay finite.
+constexpr double kMaxFraction = 1e6;
 
-/// Measured times reach 1.005; a file of milliseconds is not meant to pass for one of fractions.
-constexpr double kEarliestTime = -0.5;
-constexpr double kLatestTime = 1.5;
+/// A file of milliseconds is refused.
+constexpr double kMinTime = -0.5;
+constexpr double kMaxTime = 1.5;
 
-Result<ContactRow> parse_row(const data::CsvRow& row, std::string_view source) {
+Result<ContactRow> parse_row(const CsvRow& row, std::string_view source) {
   std::array<double, 4> values{};
   for (std::size_t i = 0; i < values.size(); ++i) {
-    const auto value = data::parse_number(row.cells[i], source, row.line, kColumns[i]);
+    const auto value = parse_number(row.cells[i], source, row.line, kColumns[i]);
     if (!value) return tl::unexpected(value.error());
-    if (std::abs(*value) >= kLargestFraction)
-      return data::csv_error(source, row.line, kColumns[i], "is not a fraction: 1e6 or more");
+    if (std::abs(*value) >= kMaxFraction)
+      return csv_error(source, row.line, kColumns[i], "is not a fraction: 1e6 or more");
     values[i] = *value;
   }
-  if (values[0] < kEarliestTime || values[0] > kLatestTime)
-    return data::csv_error(source, row.line, kColumns[0], "must be within -0.5 and 1.5");
+  if (values[0] < kMinTime || values[0] > kMaxTime)
+    return csv_error(source, row.line, kColumns[0], "must be within -0.5 and 1.5");
   return ContactRow{values[0], values[1], values[2], values[3]};
 }
 
@@ -39,12 +39,16 @@ bool is_end_point(const ContactRow& row) {
   return row == ContactRow{0.0, 0.0, 0.0, 0.0} || row == ContactRow{1.0, 1.0, 0.0, 1.0};
 }
 
+bool is_interior(const ContactRow& row) {
+  return !is_end_point(row) && row.time_fraction >= 0.0 && row.time_fraction <= 1.0;
+}
+
 Result<ContactSet> parse_contact_csv(std::string_view text, std::string_view source) {
-  const auto rows = data::parse_csv(text, source, kColumns);
+  const auto rows = parse_csv(text, source, kColumns);
   if (!rows) return tl::unexpected(rows.error());
-  if (rows->empty()) return data::csv_error(source, 1, "", "has no rows below the header");
+  if (rows->empty()) return csv_error(source, 1, "", "has no rows below the header");
   ContactSet set{.name = std::string(source), .rows = {}};
-  for (const data::CsvRow& cells : *rows) {
+  for (const CsvRow& cells : *rows) {
     const auto row = parse_row(cells, source);
     if (!row) return tl::unexpected(row.error());
     set.rows.push_back(*row);
@@ -52,4 +56,4 @@ Result<ContactSet> parse_contact_csv(std::string_view text, std::string_view sou
   return set;
 }
 
-}  // namespace strobe::contact
+}  // namespace strobe::data

@@ -1,6 +1,7 @@
-// The images of a ball in contact with the surface, as fractions of what happens between touchdown and
-// lift-off: time, distance along the surface, drop of the top of the ball over its diameter (negative),
-// rotation. Plain values. Parsing is pure, thread-safe, and allocates.
+// The images of a ball in contact with the surface, as fractions of the contact: time over the dwell time,
+// displacement along the surface over the dwell distance, height of the top of the ball less that at
+// touchdown over the diameter (negative), rotation over that from touchdown to lift-off. Plain values.
+// Parsing is pure, thread-safe, and allocates.
 #pragma once
 
 #include <optional>
@@ -11,7 +12,7 @@
 
 #include "common/result.hpp"
 
-namespace strobe::contact {
+namespace strobe::data {
 
 struct ContactRow {
   double time_fraction = 0.0;
@@ -30,9 +31,13 @@ struct ContactSet {
 /// One of the two rows that hold by definition: touchdown (0,0,0,0) or lift-off (1,1,0,1).
 bool is_end_point(const ContactRow& row);
 
-/// From CSV text with the header time_fraction,x_fraction,y_fraction,rotation_fraction. Fractions outside 0…1
-/// are kept: they were measured so. Refused: a missing or other header, a wrong number of columns, anything
-/// that is not a finite number of magnitude below 1e6, no rows. The message says "SOURCE:LINE: column: what".
+/// A measured image with a time fraction in 0…1.
+bool is_interior(const ContactRow& row);
+
+/// Parses CSV text with the header time_fraction,x_fraction,y_fraction,rotation_fraction. Valid: time
+/// fractions in -0.5…1.5 (measured ones reach 1.005), other fractions of magnitude below 1e6. Fails on a
+/// missing or other header, a wrong number of columns, a value out of range, and no rows, as "SOURCE:LINE:
+/// column: what is wrong".
 Result<ContactSet> parse_contact_csv(std::string_view text, std::string_view source);
 
-}  // namespace strobe::contact
+}  // namespace strobe::data

@@ -2,6 +2,8 @@
 
 #include <charconv>
 #include <cmath>
+#include <fstream>
+#include <iterator>
 #include <string>
 #include <system_error>
 
@@ -99,6 +101,14 @@ Result<double> parse_number(std::string_view cell, std::string_view source, int 
   if (error != std::errc{} || end != cell.data() + cell.size() || !std::isfinite(value))
     return csv_error(source, line, column, shown(cell) + " is not a number");
   return value;
+}
+
+Result<std::string> read_text(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file || std::filesystem::is_directory(path)) return fail(path.string() + ": cannot be read");
+  std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  if (file.bad()) return fail(path.string() + ": cannot be read");
+  return text;
 }
 
 }  // namespace strobe::data

@@ -2,8 +2,6 @@
 
 #include <array>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 
 #include "common/data/csv.hpp"
 
@@ -38,11 +36,9 @@ Result<std::vector<PrintedValue>> parse_printed_values(std::string_view text, st
 
 Result<std::vector<PrintedValue>> load_printed_values(const std::filesystem::path& folder) {
   const std::filesystem::path path = folder / "printed_values.csv";
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return fail(path.string() + ": cannot be read");
-  const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-  if (file.bad()) return fail(path.string() + ": cannot be read");
-  return parse_printed_values(text, path.string());
+  const auto text = data::read_text(path);
+  if (!text) return tl::unexpected(text.error());
+  return parse_printed_values(*text, path.string());
 }
 
 const PrintedValue* find(std::span<const PrintedValue> values, std::string_view table, std::string_view set,

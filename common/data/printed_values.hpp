@@ -1,6 +1,6 @@
-// Printed values of the thesis beyond its Tables 2–10, as far as they are at hand: single numbers by table,
-// set and quantity, each with its provenance. Parsing is pure; load_printed_values() alone reads a file.
-// Thread-safe; allocates.
+// Printed values of the thesis beyond its Tables 2–10 that are known: single numbers by table, set and
+// quantity, each with its provenance. Parsing is pure; load_printed_values() reads a file. Thread-safe;
+// allocates.
 #pragma once
 
 #include <filesystem>
@@ -14,7 +14,7 @@
 namespace strobe::thesis {
 
 struct PrintedValue {
-  std::string table;  ///< "15"; or the name of whom the thesis cites
+  std::string table;  ///< "15", or the name of a source that the thesis cites
   std::string set;    ///< e.g. "zero_23"
   std::string quantity;
   std::string unit;
@@ -29,7 +29,7 @@ Result<std::vector<PrintedValue>> parse_printed_values(std::string_view text, st
 /// Reads `folder`/printed_values.csv.
 Result<std::vector<PrintedValue>> load_printed_values(const std::filesystem::path& folder);
 
-/// Null if there is none.
+/// Returns nullptr if there is none.
 const PrintedValue* find(std::span<const PrintedValue> values, std::string_view table, std::string_view set,
                          std::string_view quantity);
 

@@ -2,8 +2,6 @@
 
 #include <array>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 
 #include "common/data/csv.hpp"
 
@@ -83,19 +81,11 @@ double* find_number(Condition& condition, std::string_view column) {
   return nullptr;
 }
 
-Result<std::string> read_text(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return fail(path.string() + ": cannot be read");
-  std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-  if (file.bad()) return fail(path.string() + ": cannot be read");
-  return text;
-}
-
-Result<contact::ContactSet> load_contact(const std::filesystem::path& folder, const std::string& name) {
+Result<data::ContactSet> load_contact(const std::filesystem::path& folder, const std::string& name) {
   const std::filesystem::path path = folder / "contact" / (name + ".csv");
-  const auto text = read_text(path);
+  const auto text = data::read_text(path);
   if (!text) return tl::unexpected(text.error());
-  auto set = contact::parse_contact_csv(*text, path.string());
+  auto set = data::parse_contact_csv(*text, path.string());
   if (set) set->name = name;
   return set;
 }
@@ -156,9 +146,9 @@ Result<std::vector<Condition>> corrected(std::vector<Condition> conditions,
 }
 
 Result<Data> load(const std::filesystem::path& folder, Version version) {
-  const auto corrections_text = read_text(folder / "corrections.csv");
+  const auto corrections_text = data::read_text(folder / "corrections.csv");
   if (!corrections_text) return tl::unexpected(corrections_text.error());
-  const auto tables_text = read_text(folder / "tables_02_to_10.csv");
+  const auto tables_text = data::read_text(folder / "tables_02_to_10.csv");
   if (!tables_text) return tl::unexpected(tables_text.error());
   auto corrections = parse_corrections(*corrections_text, (folder / "corrections.csv").string());
   if (!corrections) return tl::unexpected(corrections.error());

@@ -1,6 +1,6 @@
 // The thesis's data: means of its 21 conditions (Tables 2–10) and the contact images of each (Appendix), as
-// printed, and a separate list of corrections, each with its reason, that is applied on loading unless asked
-// not to. Parsing works on text; load() alone reads files. Thread-safe; allocates.
+// printed, and a separate list of corrections, each with its reason, applied on loading by default. Parsing
+// is pure; load() reads files. Thread-safe; allocates.
 #pragma once
 
 #include <filesystem>
@@ -17,14 +17,14 @@ namespace strobe::thesis {
 
 enum class Version { corrected, as_printed };
 
-/// One line of corrections.csv. `table` is "tables_02_to_10" or "contact" for what the project ships; lines
-/// about other tables of the thesis are for the reader and change nothing.
+/// One line of corrections.csv. `table` is "tables_02_to_10" or "contact" for the shipped data; lines about
+/// other tables of the thesis are documentation and change nothing.
 struct Correction {
   std::string set;  ///< e.g. "zero_23"
   std::string table;
   std::string row;        ///< contact: the printed time fraction, or "all"
   std::string field;      ///< a column; or "row"
-  std::string printed;    ///< checked before it is replaced; may be empty
+  std::string printed;    ///< compared with the data before it is replaced; may be empty
   std::string corrected;  ///< a number, "exclude", "negate" or "sort"
   std::string reason;
   int line = 0;
@@ -50,11 +50,11 @@ struct Condition {
 };
 
 struct Data {
-  std::vector<Condition> conditions;                   ///< in printed order: zero, top, back, by angle
-  std::map<std::string, contact::ContactSet> contact;  ///< by name, e.g. "zero_23"
+  std::vector<Condition> conditions;                ///< in printed order: zero, top, back, by angle
+  std::map<std::string, data::ContactSet> contact;  ///< by name, e.g. "zero_23"
   std::vector<Correction> corrections;
 
-  const Condition* condition(std::string_view name) const;  ///< null if there is none of that name
+  const Condition* condition(std::string_view name) const;  ///< nullptr if there is none of that name
 };
 
 Result<std::vector<Correction>> parse_corrections(std::string_view text, std::string_view source);
@@ -62,11 +62,11 @@ Result<std::vector<Correction>> parse_corrections(std::string_view text, std::st
 /// tables_02_to_10.csv as printed.
 Result<std::vector<Condition>> parse_conditions(std::string_view text, std::string_view source);
 
-/// Applies those of the corrections that concern the conditions or the set. Fails when a correction does not
-/// find what it corrects (set, row, field or printed value): the list and the data would not belong together.
+/// Applies the corrections of the conditions or of the set. Fails when a correction's set, row, field or
+/// printed value is not in the data: the list and the data do not belong together.
 Result<std::vector<Condition>> corrected(std::vector<Condition> conditions,
                                          std::span<const Correction> corrections);
-Result<contact::ContactSet> corrected(contact::ContactSet set, std::span<const Correction> corrections);
+Result<data::ContactSet> corrected(data::ContactSet set, std::span<const Correction> corrections);
 
 /// Reads `folder`/tables_02_to_10.csv, `folder`/corrections.csv and `folder`/contact/<name>.csv for each
 /// condition.

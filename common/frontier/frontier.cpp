@@ -35,7 +35,7 @@ bool cheaper(const Row& a, const Row& b) {
   return a.cost_us != b.cost_us ? a.cost_us < b.cost_us : a.error < b.error;
 }
 
-bool more_exact(const Row& a, const Row& b) {
+bool more_accurate(const Row& a, const Row& b) {
   return a.error != b.error ? a.error < b.error : a.cost_us < b.cost_us;
 }
 
@@ -60,55 +60,55 @@ std::optional<std::string_view> parameter_value(std::string_view parameter, std:
   return std::nullopt;
 }
 
-tl::expected<Row, Nearest> choose(std::span<const Row> rows, const Demand& demand) {
-  const auto meets = [&](const Row& row) { return demand.met_by(row); };
-  const auto chosen = demand.tolerance ? best(rows, meets, cheaper) : best(rows, meets, more_exact);
+tl::expected<Row, NearestMethods> choose(std::span<const Row> rows, const Requirement& requirement) {
+  const auto meets = [&](const Row& row) { return requirement.is_met_by(row); };
+  const auto chosen = requirement.tolerance ? best(rows, meets, cheaper) : best(rows, meets, more_accurate);
   if (chosen) return *chosen;
-  const auto in_time = [&](const Row& row) { return demand.in_time(row); };
-  const auto exact_enough = [&](const Row& row) { return demand.exact_enough(row); };
+  const auto meets_deadline = [&](const Row& row) { return requirement.meets_deadline(row); };
+  const auto meets_tolerance = [&](const Row& row) { return requirement.meets_tolerance(row); };
   const auto any = [](const Row&) { return true; };
-  return tl::unexpected(Nearest{.exactest_in_time = best(rows, in_time, more_exact),
-                                .fastest_exact_enough = best(rows, exact_enough, cheaper),
-                                .fastest = best(rows, any, cheaper),
-                                .exactest = best(rows, any, more_exact)});
+  return tl::unexpected(NearestMethods{.most_accurate_in_time = best(rows, meets_deadline, more_accurate),
+                                       .fastest_accurate_enough = best(rows, meets_tolerance, cheaper),
+                                       .fastest = best(rows, any, cheaper),
+                                       .most_accurate = best(rows, any, more_accurate)});
 }
 
-std::string title(const Row& row) {
+std::string label(const Row& row) {
   return row.parameter.empty() ? row.method : row.method + " " + row.parameter;
 }
 
-std::string promise(const Row& row) {
+std::string accuracy_and_cost(const Row& row) {
   return percent(row.error) + " " + row.error_unit + " in " + brief(row.cost_us) + " us";
 }
 
-std::string demand_text(const Demand& demand) {
-  std::string text = demand.tolerance ? tolerance_text(*demand.tolerance) : "";
-  if (demand.deadline_us) {
+std::string requirement_text(const Requirement& requirement) {
+  std::string text = requirement.tolerance ? tolerance_text(*requirement.tolerance) : "";
+  if (requirement.deadline_us) {
     if (!text.empty()) text += " and ";
-    text += brief(*demand.deadline_us) + " us";
+    text += brief(*requirement.deadline_us) + " us";
   }
-  return text.empty() ? "no demand" : text;
+  return text.empty() ? "no requirement" : text;
 }
 
-std::string reason(std::span<const Row> rows, const Demand& demand) {
+std::string reason(std::span<const Row> rows, const Requirement& requirement) {
   const std::string of = rows.size() == 1 ? "" : " of " + std::to_string(rows.size()) + " methods";
-  const std::string what = demand.tolerance ? "the cheapest" : "the most exact";
-  return rows.size() == 1 ? "the only method, and it meets " + demand_text(demand)
-                          : what + of + " that meets " + demand_text(demand);
+  const std::string what = requirement.tolerance ? "the cheapest" : "the most exact";
+  return rows.size() == 1 ? "the only method, and it meets " + requirement_text(requirement)
+                          : what + of + " that meets " + requirement_text(requirement);
 }
 
-std::string refusal(const Nearest& nearest, const Demand& demand) {
+std::string failure_text(const NearestMethods& nearest, const Requirement& requirement) {
   if (!nearest.fastest) return "the frontier holds no method that could be taken";
-  const auto with_promise = [](const Row& row) { return title(row) + " (" + promise(row) + ")"; };
-  std::string text = "no method meets " + demand_text(demand);
-  if (demand.deadline_us)
-    text += nearest.exactest_in_time
-                ? "; in time the most exact is " + with_promise(*nearest.exactest_in_time)
-                : "; the fastest of all is " + with_promise(*nearest.fastest);
-  if (demand.tolerance)
-    text += nearest.fastest_exact_enough
-                ? "; exact enough the fastest is " + with_promise(*nearest.fastest_exact_enough)
-                : "; the most exact of all is " + with_promise(*nearest.exactest);
+  const auto with_accuracy = [](const Row& row) { return label(row) + " (" + accuracy_and_cost(row) + ")"; };
+  std::string text = "no method meets " + requirement_text(requirement);
+  if (requirement.deadline_us)
+    text += nearest.most_accurate_in_time
+                ? "; in time the most exact is " + with_accuracy(*nearest.most_accurate_in_time)
+                : "; the fastest of all is " + with_accuracy(*nearest.fastest);
+  if (requirement.tolerance)
+    text += nearest.fastest_accurate_enough
+                ? "; exact enough the fastest is " + with_accuracy(*nearest.fastest_accurate_enough)
+                : "; the most exact of all is " + with_accuracy(*nearest.most_accurate);
   return text;
 }
 

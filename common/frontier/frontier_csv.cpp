@@ -69,7 +69,7 @@ Result<std::vector<Row>> parse_frontier(std::string_view text, std::string_view 
     for (const Row& other : rows) {
       if (other.study != row.study) continue;
       if (other.method == row.method && other.parameter == row.parameter)
-        cells.wrong(1, title(row) + " is there twice");
+        cells.wrong(1, label(row) + " is there twice");
       if (other.error_unit != row.error_unit)
         cells.wrong(5, "differs from " + other.error_unit + " in the same study");
     }

@@ -1,4 +1,4 @@
-// What can be wrong with the inputs of the impact models. An enumeration, so that the models allocate
+// Errors of the impact models: what is wrong with their inputs. An enumeration, so that the models allocate
 // nothing.
 #pragma once
 
@@ -24,13 +24,13 @@ enum class InputError {
   too_many_steps,          ///< more steps or events than an integration allows
 };
 
-/// Largest and smallest magnitude of the numbers that the closed forms take: no product or quotient of theirs
-/// overflows within it. Beyond it: magnitude_out_of_range. What is divided by (vy, diameter, mass, alpha,
-/// dwell time, reference speed) may not be smaller either; all others may be as small as they like, or 0.
+/// Largest and smallest magnitude of the closed forms' inputs, within which none of their products or
+/// quotients overflows; beyond it magnitude_out_of_range. The smallest applies to divisors (vy, diameter,
+/// mass, alpha, dwell time, reference speed); all other inputs may be smaller, or 0.
 inline constexpr double kMaxMagnitude = 1e30;
 inline constexpr double kMinMagnitude = 1e-30;
 
-/// Of no number (NaN) both are true.
+/// Both are true of NaN.
 constexpr bool too_large(double value) { return !(value <= kMaxMagnitude && value >= -kMaxMagnitude); }
 constexpr bool too_small(double value) { return !(value >= kMinMagnitude); }
 

@@ -140,17 +140,17 @@ class Reducer {
     std::string line = messages::readout_to_json(readout);
     if (choice != nullptr) {
       line.back() = ',';
-      line += "\"choice\":" + choice_json(*choice, chooser_->demand()) + "}";
+      line += "\"choice\":" + choice_json(*choice, chooser_->requirement()) + "}";
     }
     std::puts(line.c_str());
   }
 
   void time(const EstimatorChoice& choice) {
-    const double took_us = static_cast<double>(choice.took_ns) / 1e3;
+    const double took_us = static_cast<double>(choice.duration_ns) / 1e3;
     ++timed_;
     took_us_ += took_us;
     longest_us_ = std::max(longest_us_, took_us);
-    const auto& deadline_us = chooser_->demand().deadline_us;
+    const auto& deadline_us = chooser_->requirement().deadline_us;
     if (deadline_us && took_us > *deadline_us) ++late_;
   }
 
@@ -158,7 +158,7 @@ class Reducer {
   std::string timing() const {
     std::string line = fmt::format("strobe: reduce: took {:.1f} us a frame, {:.1f} us the longest of {}",
                                    took_us_ / timed_, longest_us_, timed_);
-    if (chooser_->demand().deadline_us) line += fmt::format(", {} past the deadline", late_);
+    if (chooser_->requirement().deadline_us) line += fmt::format(", {} past the deadline", late_);
     return line + "\n";
   }
 
@@ -216,12 +216,12 @@ Result<std::optional<EstimatorChooser>> chooser_of(const ReduceOptions& options)
     if (!options.frontier_file.empty()) return fail("--frontier is for --tolerance and --deadline-us");
     return std::nullopt;
   }
-  const auto demand = parse_demand(options.tolerance, options.deadline_us);
-  if (!demand) return tl::unexpected(demand.error());
+  const auto requirement = parse_requirement(options.tolerance, options.deadline_us);
+  if (!requirement) return tl::unexpected(requirement.error());
   auto files = read_frontier(options.frontier_file);
   if (!files) return tl::unexpected(files.error());
   return EstimatorChooser::make(files->rows, std::move(files->ranges),
-                                {.demand = *demand,
+                                {.requirement = *requirement,
                                  .estimator = options.estimator_given ? options.estimator : "",
                                  .flight = options.flight_given ? options.flight : ""},
                                 steady_now_ns)

@@ -79,24 +79,24 @@ std::optional<double> Cell::difference() const {
 
 bool Cell::differs() const { return difference() && reason != Reason::agrees && reason != Reason::rounding; }
 
-Cell compared(const Printed& printed, double computed, const Allowance& allowance) {
+Cell compared(const Printed& printed, double computed, const Tolerance& tolerance) {
   Cell cell{.printed = printed.value, .last_digit = printed.last_digit, .printed_sd = printed.sd};
   cell.computed = computed;
   const double difference = std::abs(printed.value - computed);
   const double half = printed.last_digit * (0.5 + kSlack);
-  const double rounding = half + allowance.rounding;
+  const double rounding = half + tolerance.rounding;
   if (difference <= half) {
     cell.reason = Reason::agrees;
     cell.allowed = half;
   } else if (difference <= rounding) {
     cell.reason = Reason::rounding;
     cell.allowed = rounding;
-  } else if (difference <= rounding + allowance.second_order) {
+  } else if (difference <= rounding + tolerance.second_order) {
     cell.reason = Reason::mean_of_function;
-    cell.allowed = rounding + allowance.second_order;
+    cell.allowed = rounding + tolerance.second_order;
   } else {
     cell.reason = Reason::unexplained;
-    cell.allowed = rounding + allowance.second_order;
+    cell.allowed = rounding + tolerance.second_order;
   }
   return cell;
 }

@@ -1,5 +1,5 @@
-// A table of the thesis computed anew: what is printed beside what is computed, with the reason for every
-// difference. Plain values and pure functions; thread-safe; allocates.
+// A table of the thesis recomputed: printed beside computed values, with the reason for every difference.
+// Plain values and pure functions; thread-safe; allocates.
 #pragma once
 
 #include <optional>
@@ -9,10 +9,10 @@
 
 namespace strobe::report {
 
-/// Why a printed and a computed value differ, or why there is but one of them.
+/// Why a printed and a computed value differ, or why there is only one of them.
 enum class Reason {
   none,              ///< a value beyond the thesis: nothing is printed
-  as_measured,       ///< a mean of replicates, which are not at hand: nothing to compute it from
+  as_measured,       ///< a mean of replicates, which are not available: it cannot be computed
   agrees,            ///< the same to the last printed digit
   rounding,          ///< within what the rounding of the printed numbers gives
   mean_of_function,  ///< a mean of angles, speeds or ratios is not that of the means: within the second order
@@ -20,12 +20,12 @@ enum class Reason {
   simplified_form,   ///< the thesis's simplified integral of the pulse
   model,             ///< a model's value beside a measured one
   misprint,          ///< an erratum; the remark gives its reason
-  inconsistent,      ///< does not fit the other printed numbers, and the right value is not known
-  not_at_hand,       ///< the printed value is not at hand
+  inconsistent,      ///< contradicts the other printed numbers; the right value is unknown
+  not_at_hand,       ///< the printed value is not available
   unexplained,
 };
 
-/// A word for scripts ("mean_of_function") and a phrase for people.
+/// An identifier ("mean_of_function") and a phrase.
 std::string_view name(Reason reason);
 std::string_view phrase(Reason reason);
 
@@ -37,12 +37,12 @@ struct Cell {
   std::optional<double> computed_sd{};
   std::string text{};  ///< instead of numbers
   Reason reason = Reason::none;
-  double allowed = 0.0;  ///< how large a difference the reason explains; 0: the reason has no measure
+  double allowed = 0.0;  ///< largest difference that the reason explains; 0 if it has no limit
   std::string remark{};
 
-  /// Printed less computed; absent unless there are both.
+  /// Printed less computed. Returns nullopt unless both are present.
   std::optional<double> difference() const;
-  /// A difference larger than what rounding explains.
+  /// Whether the difference is larger than rounding explains.
   bool differs() const;
 };
 
@@ -54,7 +54,7 @@ struct Column {
 };
 
 struct Row {
-  std::string label;        ///< a set's name, or what the row is about
+  std::string label;        ///< a set's name, or the row's subject
   std::vector<Cell> cells;  ///< one for each column
 };
 
@@ -72,14 +72,15 @@ struct Printed {
   std::optional<double> sd;
 };
 
-/// What may separate a printed value from the one computed from the other printed values.
-struct Allowance {
-  double rounding = 0.0;      ///< the inputs' roundings carried through, at most
-  double second_order = 0.0;  ///< mean of the function less function of the means, at most
+/// Largest differences expected between a printed value and the one computed from the other printed values.
+struct Tolerance {
+  double rounding = 0.0;      ///< the inputs' rounding, propagated
+  double second_order = 0.0;  ///< mean of the function less function of the means
 };
 
-/// A computed value beside the printed one: agrees, rounding, mean_of_function or unexplained.
-Cell compared(const Printed& printed, double computed, const Allowance& allowance = {});
+/// A computed value beside the printed one, with the reason agrees, rounding, mean_of_function or
+/// unexplained.
+Cell compared(const Printed& printed, double computed, const Tolerance& tolerance = {});
 
 /// A printed mean with nothing to compute it from.
 Cell as_measured(const Printed& printed);

@@ -4,15 +4,15 @@
 
 namespace strobe::report {
 
-std::vector<const thesis::Condition*> Material::conditions(std::string_view spin) const {
+std::vector<const thesis::Condition*> ThesisInputs::conditions(std::string_view spin) const {
   std::vector<const thesis::Condition*> out;
   for (const thesis::Condition& c : used.conditions)
     if ((spin.empty() || c.spin == spin) && shows(c.name())) out.push_back(&c);
   return out;
 }
 
-Result<Material> load_material(const std::filesystem::path& folder, thesis::Version version,
-                               const std::string& only_set) {
+Result<ThesisInputs> load_inputs(const std::filesystem::path& folder, thesis::Version version,
+                                 const std::string& only_set) {
   auto printed = thesis::load(folder, thesis::Version::as_printed);
   if (!printed) return tl::unexpected(printed.error());
   auto used = version == thesis::Version::as_printed ? printed : thesis::load(folder, version);
@@ -21,19 +21,19 @@ Result<Material> load_material(const std::filesystem::path& folder, thesis::Vers
   if (!values) return tl::unexpected(values.error());
   if (!only_set.empty() && !printed->condition(only_set))
     return fail("no set " + only_set + "; the thesis has zero_17 to back_68");
-  Material material{.printed = *std::move(printed),
-                    .used = *std::move(used),
-                    .corrected = version == thesis::Version::corrected,
-                    .values = *std::move(values),
-                    .only_set = only_set,
-                    .observations = {},
-                    .mechanics = {}};
-  for (const thesis::Condition& c : material.used.conditions)
-    material.observations.push_back(impact::observation_of(c));
-  auto fit = impact::fit_contact(material.observations);
+  ThesisInputs inputs{.printed = *std::move(printed),
+                      .used = *std::move(used),
+                      .corrected = version == thesis::Version::corrected,
+                      .values = *std::move(values),
+                      .only_set = only_set,
+                      .observations = {},
+                      .mechanics = {}};
+  for (const thesis::Condition& c : inputs.used.conditions)
+    inputs.observations.push_back(impact::observation_of(c));
+  auto fit = impact::fit_contact(inputs.observations);
   if (!fit) return fail("contact mechanics: " + fit.error().message);
-  material.mechanics = *std::move(fit);
-  return material;
+  inputs.mechanics = *std::move(fit);
+  return inputs;
 }
 
 std::string_view spin_phrase(std::string_view spin) {
@@ -41,8 +41,9 @@ std::string_view spin_phrase(std::string_view spin) {
   return spin == "back" ? "backspin" : "no spin";
 }
 
-std::optional<impact::ContactTrajectory> course_of(const Material& material, const thesis::Condition& c) {
-  const impact::ContactVector& fitted = material.mechanics.value;
+std::optional<impact::ContactTrajectory> simulate_contact(const ThesisInputs& inputs,
+                                                          const thesis::Condition& c) {
+  const impact::ContactVector& fitted = inputs.mechanics.value;
   auto course = impact::ContactTrajectory::make(
       impact::ball_of(fitted), {c.vx_td_mps.mean, c.vy_td_mps.mean, c.omega_td_radps.mean},
       impact::coefficients_of(impact::observation_of(c), fitted, {}));
@@ -50,9 +51,9 @@ std::optional<impact::ContactTrajectory> course_of(const Material& material, con
   return *std::move(course);
 }
 
-const thesis::Correction* erratum(const Material& material, std::string_view set, std::string_view field,
+const thesis::Correction* erratum(const ThesisInputs& inputs, std::string_view set, std::string_view field,
                                   std::initializer_list<std::string_view> tables) {
-  for (const thesis::Correction& c : material.printed.corrections)
+  for (const thesis::Correction& c : inputs.printed.corrections)
     if (c.set == set && c.field == field && std::find(tables.begin(), tables.end(), c.table) != tables.end())
       return &c;
   return nullptr;

@@ -1,5 +1,5 @@
-// What the tables and figures are made from: the thesis's data as printed and as used. Loading reads files;
-// the rest is pure.
+// The inputs of the thesis's tables and figures: its data as printed and as used, and the contact ODE fitted
+// to it. Loading reads files; the rest is pure. Thread-safe; allocates.
 #pragma once
 
 #include <filesystem>
@@ -16,42 +16,41 @@
 
 namespace strobe::report {
 
-struct Material {
+struct ThesisInputs {
   thesis::Data printed;
-  thesis::Data used;  ///< corrected; the same as `printed` where corrections are off
+  thesis::Data used;  ///< corrected, or as printed where corrections are off
   bool corrected = true;
   std::vector<thesis::PrintedValue> values;
   std::string only_set;                                  ///< empty: all
-  std::vector<impact::ContactObservation> observations;  ///< of every set, whichever are shown
-  impact::ContactFit mechanics;                          ///< the contact's mechanics fitted to them
+  std::vector<impact::ContactObservation> observations;  ///< of all sets, not only those shown
+  impact::ContactFit mechanics;                          ///< the contact ODE fitted to them
 
   /// Conditions to show, in printed order; `spin` empty: of every spin.
   std::vector<const thesis::Condition*> conditions(std::string_view spin = {}) const;
   bool shows(std::string_view set) const { return only_set.empty() || only_set == set; }
 };
 
-/// Fails where a file is missing or wrong, where there is no set of that name, or where the fit does.
-Result<Material> load_material(const std::filesystem::path& folder, thesis::Version version,
-                               const std::string& only_set);
+/// Fails if a file is missing or wrong, if there is no set of that name, or if the fit fails.
+Result<ThesisInputs> load_inputs(const std::filesystem::path& folder, thesis::Version version,
+                                 const std::string& only_set);
 
-/// Spins in printed order, and what the thesis calls them.
+/// Spins in printed order, and the thesis's names for them.
 inline constexpr std::string_view kSpins[] = {"zero", "top", "back"};
 std::string_view spin_phrase(std::string_view spin);
 
 /// The thesis's three sets at 23 degrees.
 inline constexpr std::string_view kMainSets[] = {"zero_23", "top_23", "back_22"};
 
-/// The contact of a condition by the fitted mechanics; nothing where it cannot be integrated.
-std::optional<impact::ContactTrajectory> course_of(const Material& material,
-                                                   const thesis::Condition& condition);
+/// The contact of a condition by the fitted ODE. Returns nullopt if it cannot be integrated.
+std::optional<impact::ContactTrajectory> simulate_contact(const ThesisInputs& inputs,
+                                                          const thesis::Condition& condition);
 
-/// The erratum of a printed value, from corrections.csv: `tables` are the names to look under. Null if there
-/// is none.
-const thesis::Correction* erratum(const Material& material, std::string_view set, std::string_view field,
+/// The erratum of a printed value, from corrections.csv, under one of the names `tables`. Returns nullptr if
+/// there is none.
+const thesis::Correction* erratum(const ThesisInputs& inputs, std::string_view set, std::string_view field,
                                   std::initializer_list<std::string_view> tables);
 
-/// Replaces "unexplained" by what the erratum says: misprint where it knows the right value, else
-/// inconsistent.
+/// Replaces the reason "unexplained" by the erratum's: misprint if it has the right value, else inconsistent.
 void explain(Cell& cell, const thesis::Correction* erratum);
 
 }  // namespace strobe::report

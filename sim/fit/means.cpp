@@ -79,10 +79,10 @@ Result<void> fit_coefficients(Scene& scene, const thesis::Condition& condition) 
       .lower = Eigen::VectorXd::Constant(spreads.size(), -kMaxSpreads),
       .upper = Eigen::VectorXd::Constant(spreads.size(), kMaxSpreads),
       .scale = Eigen::VectorXd::Constant(spreads.size(), 0.1),
-      .difference = 1e-4,
-      .least_gain = 1e-10};
+      .difference_step = 1e-4,
+      .function_tolerance = 1e-10};
   for (int round = 0; round < kRounds; ++round) {
-    spreads = impact::levenberg_marquardt(problem, spreads).at;
+    spreads = impact::levenberg_marquardt(problem, spreads).parameters;
     set_coefficients(scene.bounce, spreads);
     const auto settled = correct_for_weight(scene, condition);
     if (!settled) return tl::unexpected(settled.error());

@@ -276,7 +276,7 @@ ContactPath::State ContactPath::at(double time_s) const { return ode_ ? ode_at(t
 ContactPath::State ContactPath::ode_at(double time_s) const {
   if (time_s <= release_.time_s) {
     const impact::ContactState s = ode_->at(time_s);
-    return {s.x_m, std::max(0.0, -s.y_m), s.vx_mps, s.vy_mps, s.omega_radps, s.angle_rad};
+    return {s.x_m, std::max(0.0, -s.y_m), s.vx_mps, s.vy_mps, s.omega_radps, s.rotation_rad};
   }
   const impact::Motion& lo = end_.rebound.lift_off;
   const double left_s = end_.dwell_s - time_s;

@@ -1,11 +1,12 @@
-// Contact sets come from people's files: any bytes are either rows of finite numbers or an error of one line.
+// Contact sets are user files: any bytes are either rows of finite numbers or an error of one line.
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
 #include <string_view>
 
-#include "common/contact/differentiation/analysis.hpp"
+#include "common/contact/differentiation/differentiation.hpp"
+#include "common/contact/standard_error.hpp"
 
 namespace {
 
@@ -18,18 +19,19 @@ void require(bool holds) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace strobe::contact;
   const std::string_view text(reinterpret_cast<const char*>(data), size);
-  const auto set = parse_contact_csv(text, "fuzz.csv");
+  const auto set = strobe::data::parse_contact_csv(text, "fuzz.csv");
   if (!set) {
     require(set.error().message.starts_with("fuzz.csv:"));
     require(set.error().message.find('\n') == std::string::npos);
     return 0;
   }
   require(!set->rows.empty());
-  for (const ContactRow& row : set->rows)
+  for (const strobe::data::ContactRow& row : set->rows)
     require(std::isfinite(row.time_fraction) && std::isfinite(row.x_fraction) &&
             std::isfinite(row.y_fraction) && std::isfinite(row.rotation_fraction.value()));
-  const Inputs inputs{15.62, -6.701, 0.865, 0.55, 5.1996e-3, 0.0629};
-  if (const auto see = estimate_error(*set, inputs)) require(std::isfinite(see->see_x_m) && see->n >= 2);
+  const ContactInputs inputs{15.62, -6.701, 0.865, 0.55, 5.1996e-3, 0.0629};
+  if (const auto see = pulse_standard_errors(*set, inputs))
+    require(std::isfinite(see->see_x_m) && see->n >= 2);
   const FractionFits fits = fit_fractions(*set);
   if (fits.x) require(std::isfinite(fits.x->coefficients[3]));
   return 0;

@@ -1,5 +1,5 @@
 // Measured frontiers come from people's runs: any bytes are either rows and ranges in order or an error of
-// one line, and any demand on the rows is met or refused in words.
+// one line, and any requirement on the rows is met or refused in words.
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -23,12 +23,12 @@ void require_one_line(const strobe::Error& error) {
 
 void choose_each_way(const std::vector<Row>& rows) {
   for (const Row& row : rows) {
-    for (const Demand& demand :
-         {Demand{row.error, {}}, Demand{{}, row.cost_us}, Demand{row.error, row.cost_us},
-          Demand{0.5 * row.error, 0.5 * row.cost_us}}) {
-      const auto chosen = choose(rows, demand);
-      require(chosen ? demand.met_by(*chosen) : !refusal(chosen.error(), demand).empty());
-      require(chosen || !demand.met_by(row));
+    for (const Requirement& requirement :
+         {Requirement{row.error, {}}, Requirement{{}, row.cost_us}, Requirement{row.error, row.cost_us},
+          Requirement{0.5 * row.error, 0.5 * row.cost_us}}) {
+      const auto chosen = choose(rows, requirement);
+      require(chosen ? requirement.is_met_by(*chosen) : !failure_text(chosen.error(), requirement).empty());
+      require(chosen || !requirement.is_met_by(row));
     }
   }
 }
@@ -43,7 +43,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     for (const Row& row : *rows) {
       require(std::isfinite(row.cost_us) && row.cost_us > 0.0 && std::isfinite(row.error) &&
               row.error >= 0.0);
-      require(!row.study.empty() && !row.method.empty() && promise(row).find('\n') == std::string::npos);
+      require(!row.study.empty() && !row.method.empty() &&
+              accuracy_and_cost(row).find('\n') == std::string::npos);
       parameter_value(row.parameter, "tolerance");
     }
     choose_each_way(*rows);

@@ -27,7 +27,7 @@ double condition_of(const Design& a) {
 }
 
 /// G with (AᵀA)⁻¹ = G·Gᵀ from A·P = Q·R: P·R⁻¹.
-Eigen::Matrix4d covariance_root(const Eigen::ColPivHouseholderQR<Design>& qr) {
+Eigen::Matrix4d covariance_factor(const Eigen::ColPivHouseholderQR<Design>& qr) {
   const Eigen::Matrix4d r = qr.matrixR().topLeftCorner<4, 4>();
   const Eigen::Matrix4d inverse = r.triangularView<Eigen::Upper>().solve(Eigen::Matrix4d::Identity());
   return qr.colsPermutation() * inverse;
@@ -65,7 +65,7 @@ double CubicFit::derivative(double t, int order) const {
 }
 
 ValueSd CubicFit::derivative_with_sd(double t, int order) const {
-  const Eigen::Map<const RowMajor4> root(root_.data());
+  const Eigen::Map<const RowMajor4> root(covariance_factor_.data());
   const double u = (t - centre_) / half_width_;
   const double spread = (derivative_row(u, order) * root).norm() / std::pow(half_width_, order);
   return {derivative(t, order), residual_sd.value_or(0.0) * spread};
@@ -96,14 +96,14 @@ Result<CubicFit> fit_cubic(std::span<const double> t, std::span<const double> y)
   const double total = (about.array() - about.mean()).matrix().squaredNorm();
   local(0) += middle;
 
-  const Eigen::Matrix4d root = covariance_root(qr);
+  const Eigen::Matrix4d root = covariance_factor(qr);
   const Eigen::Matrix4d shift = shift_matrix(fit.centre_, fit.half_width_);
   const Eigen::Vector4d coefficients = shift * local;
   if (!shift.allFinite() || !coefficients.allFinite() || !std::isfinite(residual) || !std::isfinite(total))
     return fail("a cubic fit's numbers are beyond double precision");
   Eigen::Map<Eigen::Vector4d>(fit.local_.data()) = local;
   Eigen::Map<Eigen::Vector4d>(fit.coefficients.data()) = coefficients;
-  Eigen::Map<RowMajor4>(fit.root_.data()) = root;
+  Eigen::Map<RowMajor4>(fit.covariance_factor_.data()) = root;
   if (total > 0.0) fit.r_squared = 1.0 - residual / total;
   if (n > 4) {
     fit.residual_sd = std::sqrt(residual / static_cast<double>(n - 4));

@@ -1,15 +1,15 @@
 // Least squares of a cubic polynomial: the thesis's differentiation approach fits one to each contact
-// fraction. Solved by QR with column pivoting, not by normal equations, in u = (t - centre)/half_width, which
-// keeps the digits of times that lie close together or far from zero; the coefficients in powers of t follow
-// from that. Pure; thread-safe; allocates.
+// fraction. Solved by QR with column pivoting in u = (t - centre)/half_width, which keeps the digits of times
+// that lie close together or far from zero; the coefficients in powers of t follow from those in u. Pure;
+// thread-safe; allocates.
 #pragma once
 
 #include <array>
 #include <optional>
 #include <span>
 
-#include "common/contact/integration/value_sd.hpp"
 #include "common/result.hpp"
+#include "common/units/value_sd.hpp"
 
 namespace strobe::contact {
 
@@ -17,7 +17,7 @@ namespace strobe::contact {
 struct DesignCondition {
   double monomial = 0.0;  ///< columns 1, t, t², t³ as the thesis has them
   double scaled = 0.0;    ///< the same columns, each of unit length
-  double centred = 0.0;   ///< powers of u, which is what is solved
+  double centred = 0.0;   ///< powers of u, as solved
 };
 
 class CubicFit {
@@ -36,14 +36,14 @@ class CubicFit {
   double curvature(double t) const { return derivative(t, 2); }
   double derivative(double t, int order) const;  ///< order 0…3
 
-  /// Propagated from the residuals; sd 0 for n = 4, which leaves nothing to judge by. Meaningful as far as
-  /// the residuals are noise and the curve is a cubic.
+  /// The sd is propagated from the residuals: it holds if they are noise and the curve is a cubic; 0 for n =
+  /// 4.
   ValueSd derivative_with_sd(double t, int order) const;
 
  private:
   friend Result<CubicFit> fit_cubic(std::span<const double> t, std::span<const double> y);
-  std::array<double, 4> local_{};  // of powers of u
-  std::array<double, 16> root_{};  // G, row by row: covariance of local_ = residual_sd²·G·Gᵀ
+  std::array<double, 4> local_{};               // of powers of u
+  std::array<double, 16> covariance_factor_{};  // G by rows: covariance of local_ = residual_sd²·G·Gᵀ
   double centre_ = 0.0;
   double half_width_ = 1.0;
 };

@@ -7,6 +7,12 @@ namespace strobe::contact {
 
 namespace {
 
+std::optional<CubicFit> fitted(std::span<const double> t, std::span<const double> y) {
+  auto fit = fit_cubic(t, y);
+  if (!fit) return std::nullopt;
+  return *std::move(fit);
+}
+
 std::optional<ValueSd> scaled(const std::optional<CubicFit>& fit, double t, int order, double factor) {
   if (!fit) return std::nullopt;
   const ValueSd v = fit->derivative_with_sd(t, order);
@@ -59,13 +65,26 @@ std::vector<double> sign_changes(const CubicFit& fit, double low, double high) {
 
 }  // namespace
 
+FractionFits fit_fractions(const data::ContactSet& set) {
+  std::vector<double> t, x, y, t_rotation, rotation;
+  for (const data::ContactRow& row : set.rows) {
+    t.push_back(row.time_fraction);
+    x.push_back(row.x_fraction);
+    y.push_back(row.y_fraction);
+    if (!row.rotation_fraction) continue;
+    t_rotation.push_back(row.time_fraction);
+    rotation.push_back(*row.rotation_fraction);
+  }
+  return {fitted(t, x), fitted(t, y), fitted(t_rotation, rotation)};
+}
+
 std::optional<ValueSd> slip_of(const DerivedState& state, double radius_m) {
   if (!state.vx_mps || !state.omega_radps) return std::nullopt;
   return ValueSd{state.vx_mps->value + radius_m * state.omega_radps->value,
                  std::hypot(state.vx_mps->sd, radius_m * state.omega_radps->sd)};
 }
 
-DerivedState derive(const FractionFits& fits, const Scale& s, double t) {
+DerivedState derive(const FractionFits& fits, const ContactScale& s, double t) {
   const double rate = 1.0 / s.dwell_time_s, rate2 = rate * rate;
   const double x = s.dwell_distance_m, y = s.diameter_m, turn = s.total_rotation_rad;
   DerivedState out{.x_m = scaled(fits.x, t, 0, x),
@@ -82,7 +101,7 @@ DerivedState derive(const FractionFits& fits, const Scale& s, double t) {
   return out;
 }
 
-DerivedPolynomials derived_polynomials(const FractionFits& fits, const Scale& s) {
+DerivedPolynomials derived_polynomials(const FractionFits& fits, const ContactScale& s) {
   return polynomials(fits, s.dwell_distance_m, s.diameter_m, s.total_rotation_rad, 1.0 / s.dwell_time_s,
                      s.mass_kg, s.inertia_kgm2());
 }
@@ -107,7 +126,7 @@ std::vector<double> quadratic_roots(const std::array<double, 3>& c, double low, 
   return roots;
 }
 
-ZeroCrossings zero_crossings(const FractionFits& fits, const Scale& scale) {
+ZeroCrossings zero_crossings(const FractionFits& fits, const ContactScale& scale) {
   ZeroCrossings out;
   const DerivedPolynomials p = derived_polynomials(fits, scale);
   if (fits.rotation) {

@@ -1,22 +1,48 @@
-// The differentiation approach in real units: cubics through the fractions, derived to velocities, forces and
-// torque with standard deviations, the velocities they predict at touchdown and lift-off, where spin and slip
-// pass through zero, and how the errors grow from position to velocity to force (which is why the thesis left
-// this approach). Scales: x by dwell distance, y by the diameter, rotation by the total rotation, each over
-// the dwell time once per derivative. sds are those of the fit alone (see CubicFit); the scales' own are not
-// in them. Pure; thread-safe; what returns vectors allocates.
+// The differentiation approach: cubics through the contact fractions, derived to velocities, forces and
+// torque with standard deviations; the velocities they give at touchdown and lift-off; where spin and slip
+// pass through zero; and how the relative error grows from position to velocity to force, which is why the
+// thesis left this approach. Scales: x by the dwell distance, y by the diameter, rotation by the total
+// rotation, each over the dwell time once per derivative. The sds are those of the fit alone (see CubicFit),
+// not of the scales. Pure; thread-safe; what returns vectors or fits allocates.
 #pragma once
 
 #include <array>
 #include <optional>
 #include <vector>
 
-#include "common/contact/differentiation/analysis.hpp"
-#include "common/contact/integration/value_sd.hpp"
+#include "common/ball/ball.hpp"
+#include "common/contact/differentiation/cubic_fit.hpp"
+#include "common/data/contact_set.hpp"
+#include "common/units/value_sd.hpp"
 
 namespace strobe::contact {
 
-/// Absent: that fit is absent. vy is y'·D/dwell (the thesis's table has half of it). A cubic's force neither
-/// starts nor ends at zero.
+/// Cubics of each fraction on the time fraction over all rows, the end points included; rows without a
+/// rotation are left out of that fit. Absent where the rows do not determine it.
+struct FractionFits {
+  std::optional<CubicFit> x;
+  std::optional<CubicFit> y;
+  std::optional<CubicFit> rotation;
+};
+
+FractionFits fit_fractions(const data::ContactSet& set);
+
+/// Turns fractions per time fraction into velocities and forces.
+struct ContactScale {
+  double dwell_time_s = 0.0;  ///< > 0
+  double dwell_distance_m = 0.0;
+  double total_rotation_rad = 0.0;  ///< angle at lift-off less that at touchdown
+  double diameter_m = ball::kThesisDiameter_m;
+  double mass_kg = ball::kThesisMass_kg;
+  double alpha = ball::kMeasuredAlpha;  ///< for the torque only
+
+  double inertia_kgm2() const {
+    return ball::Ball{.diameter_m = diameter_m, .mass_kg = mass_kg, .alpha = alpha}.inertia_kgm2();
+  }
+};
+
+/// What needs an absent fit is absent. vy is y'·D/dwell (the thesis's table has half of it). A cubic's force
+/// neither starts nor ends at zero.
 struct DerivedState {
   std::optional<ValueSd> x_m, y_m, rotation_rad;
   std::optional<ValueSd> vx_mps, vy_mps, omega_radps;
@@ -24,10 +50,11 @@ struct DerivedState {
   std::optional<ValueSd> slip_mps;               ///< vx + R·omega, the two fits taken as independent
 };
 
-/// Slip of the contact point from vx and omega, their errors taken as independent; absent without both.
+/// Slip of the contact point from vx and omega, their errors taken as independent. Returns nullopt without
+/// both.
 std::optional<ValueSd> slip_of(const DerivedState& state, double radius_m);
 
-DerivedState derive(const FractionFits& fits, const Scale& scale, double time_fraction);
+DerivedState derive(const FractionFits& fits, const ContactScale& scale, double time_fraction);
 
 /// Velocities, forces and torque as polynomials of the time fraction, constant first: the thesis's Table 12
 /// in real units (its own is per unit of fraction: see fraction_polynomials()).
@@ -36,7 +63,7 @@ struct DerivedPolynomials {
   std::optional<std::array<double, 2>> fx_n, fy_n, torque_nm;
 };
 
-DerivedPolynomials derived_polynomials(const FractionFits& fits, const Scale& scale);
+DerivedPolynomials derived_polynomials(const FractionFits& fits, const ContactScale& scale);
 
 /// The same with all scales 1: derivatives of the fractions by the time fraction.
 DerivedPolynomials fraction_polynomials(const FractionFits& fits);
@@ -49,10 +76,9 @@ struct ZeroCrossings {
   std::vector<double> slip;      ///< vx + R·omega = 0
 };
 
-ZeroCrossings zero_crossings(const FractionFits& fits, const Scale& scale);
+ZeroCrossings zero_crossings(const FractionFits& fits, const ContactScale& scale);
 
-/// Roots of c0 + c1·t + c2·t² in [low, high], in order; a double root once; none of a polynomial that is
-/// zero.
+/// Roots of c0 + c1·t + c2·t² in [low, high], in order; a double root once; none if all coefficients are 0.
 std::vector<double> quadratic_roots(const std::array<double, 3>& c, double low, double high);
 
 /// Root mean square over the contact of the sd, over that of the quantity itself: the relative error of each
@@ -64,7 +90,7 @@ struct ErrorGrowth {
   double force_at_ends = 0.0;  ///< the larger of the force's sds at touchdown and lift-off, over the same rms
 };
 
-/// Absent for a fit of four rows (no sd) or of a curve that is zero.
+/// Returns nullopt for a fit of four rows (which has no sd) and for a curve that is zero.
 std::optional<ErrorGrowth> error_growth(const CubicFit& fit);
 
 }  // namespace strobe::contact

@@ -36,7 +36,7 @@ Eigen::RowVectorXd spline_row(int intervals, double t, int order) {
   return row;
 }
 
-Eigen::MatrixXd roughness_root(int intervals) {
+Eigen::MatrixXd roughness_factor(int intervals) {
   constexpr std::array<double, 3> nodes{-0.7745966692414834, 0.0, 0.7745966692414834};  // sqrt(3/5)
   constexpr std::array<double, 3> weights{5.0 / 9.0, 8.0 / 9.0, 5.0 / 9.0};
   Eigen::MatrixXd d(3 * intervals, intervals + kSplineDegree);

@@ -1,4 +1,5 @@
-// Quintic B-splines on uniform knots over 0…1. Pure; thread-safe; allocates.
+// Quintic B-splines on uniform knots over 0…1 (C. de Boor, A Practical Guide to Splines, chapter X).
+// Pure; thread-safe; allocates.
 #pragma once
 
 #include <Eigen/Dense>
@@ -11,6 +12,6 @@ inline constexpr int kSplineDegree = 5;
 Eigen::RowVectorXd spline_row(int intervals, double t, int order);
 
 /// Matrix D with |D·c|² = integral over 0…1 of the squared third derivative (exact: three-point Gauss rule).
-Eigen::MatrixXd roughness_root(int intervals);
+Eigen::MatrixXd roughness_factor(int intervals);
 
 }  // namespace strobe::contact

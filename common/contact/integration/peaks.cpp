@@ -1,17 +1,14 @@
-// Largest force, deformation and friction of the pulse, with their sds.
+#include "common/contact/integration/peaks.hpp"
+
 #include <array>
 #include <cmath>
-#include <numbers>
-
-#include "common/contact/integration/integration.hpp"
-#include "common/contact/integration/pulse_depth.hpp"
+#include <string>
 
 namespace strobe::contact {
 
 namespace {
 
 using impact::InputError;
-using std::numbers::pi;
 
 enum Index {
   kForce,
@@ -43,7 +40,7 @@ double friction_fraction(const SpinPulse& pulse, double peak_fraction) {
 }
 
 double friction_before(const SpinPulse& pulse, double fraction) {
-  const ContactState s = pulse.at_fraction(fraction);
+  const SpinPulseState s = pulse.at_fraction(fraction);
   if (pulse.grip_fraction() == 0.0) return std::abs(s.fx_n);
   return pulse.input().mu * s.fy_n;
 }
@@ -56,8 +53,8 @@ Values evaluate(const SpinPulse& pulse) {
     v.of[size + 1] = fraction;
     v.of[size + 2] = fraction * dwell;
   };
-  const double peak = std::atan2(1.0, pulse.damping()) / pi;
-  const double deepest = deepest_fraction(pulse);
+  const double peak = pulse.largest_force_fraction();
+  const double deepest = pulse.deepest_fraction();
   const double rub = friction_fraction(pulse, peak);
   put(kForce, pulse.at_fraction(peak).fy_n, peak);
   put(kDepth, -pulse.at_fraction(deepest).y_m, deepest);
@@ -117,19 +114,23 @@ Variances propagated(const SpinPulseInput& in, const Values& centre, const SpinP
   return out;
 }
 
-}  // namespace
+struct Drop {
+  double ratio;
+  double sum_squares;
+};
 
-double deepest_fraction(const SpinPulse& pulse) {
-  if (pulse.input().form == impact::PulseForm::simplified) return std::atan2(1.0, pulse.damping()) / pi;
-  const SpinPulseInput& in = pulse.input();
-  const auto unit = impact::SinePulse::make(in.form, {.vx_td_mps = 0.0,
-                                                      .vy_td_mps = in.touchdown.vy_mps,
-                                                      .e = in.e,
-                                                      .impulse_ratio = 0.0,
-                                                      .dwell_s = in.dwell_s,
-                                                      .mass_kg = in.ball.mass_kg});
-  return unit ? unit->fraction_at_impulse(1.0 / (1.0 + in.e)) : 0.5;  // the input was checked before
+Drop fitted_drop(const data::ContactSet& set, const SpinPulse& pulse) {
+  double yy = 0.0, ym = 0.0;
+  for (const data::ContactRow& row : set.rows) {
+    if (is_end_point(row)) continue;
+    const double y = pulse.at_fraction(row.time_fraction).y_m;
+    yy += y * y;
+    ym += y * row.y_fraction * pulse.input().ball.diameter_m;
+  }
+  return {ym / yy, yy};
 }
+
+}  // namespace
 
 tl::expected<Peaks, InputError> peaks(const SpinPulseInput& input, const SpinPulseSd& sd) {
   if (!valid(sd)) return tl::unexpected(InputError::not_finite);
@@ -148,6 +149,33 @@ tl::expected<Peaks, InputError> peaks(const SpinPulseInput& input, const SpinPul
     out.grip_fraction = value(kGripFraction);
     out.grip_time_s = value(kGripTime);
   }
+  return out;
+}
+
+Result<DropRatio> drop_ratio(const data::ContactSet& set, const SpinPulseInput& input,
+                             const SpinPulseSd& sd) {
+  const auto pulse = SpinPulse::make(input);
+  if (!pulse) return fail(std::string(impact::message(pulse.error())));
+  const auto best = peaks(input, sd);
+  if (!best) return fail(std::string(impact::message(best.error())));
+  DropRatio out;
+  for (const data::ContactRow& row : set.rows) out.n += is_end_point(row) ? 0 : 1;
+  const Drop drop = fitted_drop(set, *pulse);
+  if (out.n < 2 || !(drop.sum_squares > 0.0))
+    return fail("at least two rows are needed between touchdown and lift-off");
+  out.ratio = drop.ratio;
+  double squares = 0.0;
+  for (const data::ContactRow& row : set.rows) {
+    if (is_end_point(row)) continue;
+    const double scaled = out.ratio * pulse->at_fraction(row.time_fraction).y_m;
+    squares += std::pow(row.y_fraction * input.ball.diameter_m - scaled, 2);
+  }
+  out.see_m = std::sqrt(squares / (out.n - 1));
+  out.sd_images = out.see_m / std::sqrt(drop.sum_squares);
+  const ValueSd depth = best->deformation.size;
+  const double diameter_share = sd.diameter_m / input.ball.diameter_m;
+  out.sd_inputs = std::abs(out.ratio) * std::hypot(depth.sd / depth.value, diameter_share);
+  out.depth_m = out.ratio * depth.value;
   return out;
 }
 

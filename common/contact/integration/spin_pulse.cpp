@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace strobe::contact {
 
@@ -18,7 +19,7 @@ std::optional<InputError> find_error(const SpinPulseInput& in) {
   return std::nullopt;
 }
 
-bool finite(const ContactState& s) {
+bool finite(const SpinPulseState& s) {
   return std::isfinite(s.x_m) && std::isfinite(s.y_m) && std::isfinite(s.rotation_rad) &&
          std::isfinite(s.vx_mps) && std::isfinite(s.vy_mps) && std::isfinite(s.omega_radps) &&
          std::isfinite(s.slip_mps) && std::isfinite(s.fx_n) && std::isfinite(s.fy_n);
@@ -75,8 +76,15 @@ Regime SpinPulse::regime() const {
   return grip_fraction_ && rolls_ ? Regime::grips : Regime::slides;
 }
 
-ContactState SpinPulse::at_fraction(double asked_fraction) const {
-  const double time_fraction = std::clamp(asked_fraction, impact::kEarliestFraction, impact::kLatestFraction);
+double SpinPulse::largest_force_fraction() const { return std::atan2(1.0, damping()) / std::numbers::pi; }
+
+double SpinPulse::deepest_fraction() const {
+  return input_.form == impact::PulseForm::simplified ? largest_force_fraction()
+                                                      : unit_.fraction_at_impulse(1.0 / (1.0 + input_.e));
+}
+
+SpinPulseState SpinPulse::at_fraction(double asked_fraction) const {
+  const double time_fraction = std::clamp(asked_fraction, impact::kMinTimeFraction, impact::kMaxTimeFraction);
   const impact::PulseState normal = unit_.at_fraction(time_fraction);
   const double radius = input_.ball.radius_m();
   const double alpha = input_.ball.alpha;
@@ -87,27 +95,27 @@ ContactState SpinPulse::at_fraction(double asked_fraction) const {
   // Normal impulse per mass, and its integral, before and after the grip.
   double before_mps = normal.vx_mps, after_mps = 0.0, before_m = normal.x_m, after_m = 0.0;
   if (!slipping) {
-    const double waited_m = grip_speed_mps_ * (time_fraction - *grip_fraction_) * input_.dwell_s;
+    const double rolled_m = grip_speed_mps_ * (time_fraction - *grip_fraction_) * input_.dwell_s;
     before_mps = grip_speed_mps_;
     after_mps = normal.vx_mps - grip_speed_mps_;
-    before_m = grip_length_m_ + waited_m;
-    after_m = normal.x_m - grip_length_m_ - waited_m;
+    before_m = grip_length_m_ + rolled_m;
+    after_m = normal.x_m - grip_length_m_ - rolled_m;
   }
   const double friction_mps = slipping_ratio_ * before_mps + rolling_ratio_ * after_mps;
   const double friction_m = slipping_ratio_ * before_m + rolling_ratio_ * after_m;
-  const double turned_mps = (lever * normal.vx_mps - friction_mps) / alpha;  // R·(omega - omega_TD)
-  const double turned_m = (lever * normal.x_m - friction_m) / alpha;
+  const double spin_change_mps = (lever * normal.vx_mps - friction_mps) / alpha;  // R·(omega - omega_TD)
+  const double rotation_change_m = (lever * normal.x_m - friction_m) / alpha;
 
-  ContactState s;
+  SpinPulseState s;
   s.x_m = input_.touchdown.vx_mps * time_s - friction_m;
   s.y_m = normal.y_m;
-  s.rotation_rad = input_.touchdown.omega_radps * time_s + turned_m / radius;
+  s.rotation_rad = input_.touchdown.omega_radps * time_s + rotation_change_m / radius;
   s.vx_mps = input_.touchdown.vx_mps - friction_mps;
   s.vy_mps = normal.vy_mps;
-  s.omega_radps = input_.touchdown.omega_radps + turned_mps / radius;
+  s.omega_radps = input_.touchdown.omega_radps + spin_change_mps / radius;
   s.fy_n = normal.fy_n;
   s.fx_n = 0.0 - (slipping ? slipping_ratio_ : rolling_ratio_) * normal.fy_n;
-  if (slipping || !rolls_) s.slip_mps = slip_td_mps_ - friction_mps + turned_mps;
+  if (slipping || !rolls_) s.slip_mps = slip_td_mps_ - friction_mps + spin_change_mps;
   return s;
 }
 

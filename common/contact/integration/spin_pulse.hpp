@@ -1,14 +1,16 @@
-// The damped sine pulse carried through to spin. Slip of the contact point s = vx + R·omega. While it slips,
-// friction is F_x = -sgn(s)·mu·F_y; once s = 0 (located, a root of a closed form) the ball rolls, and
-// friction is only what the moment of the normal force asks for: none with that force under the centre, else
-// F_x = -d/(R(1 + alpha))·F_y (limited to mu·F_y) for a force `offset_m` = d ahead of it (rolling friction).
+// The damped sine pulse extended to spin. Slip of the contact point s = vx + R·omega. While it slips,
+// friction is F_x = -sgn(s)·mu·F_y. Once s = 0 (the root of a closed form) the ball rolls, and friction only
+// balances the moment of the normal force: 0 with that force under the centre, else F_x = -d/(R(1 +
+// alpha))·F_y (limited to mu·F_y) for a force `offset_m` = d ahead of it (rolling friction).
+//
 // With alpha·m·R²·domega = R·F_x·dt + d·F_y·dt every quantity is linear in the pulse's two integrals I1 and
-// I2 (impact/sine_pulse.hpp), so positions and the rotation angle are closed forms throughout; the thesis
-// stopped before the rotation. With d = 0 the lift-off is that of impact::rigid(). The simplified form takes
-// the thesis's approximations of I1 and I2, which are not quite each other's derivative. Axes and signs: x in
-// the direction of travel, omega and rotation counter-clockwise positive. Units: s, m, rad, N. Accuracy:
-// 1e-13 of each quantity's natural scale (the sum of its terms' magnitudes). Pure, no allocation:
-// thread-safe, real-time safe.
+// I2 (impact/closed_form/pulse_integrals.hpp), so positions and the rotation are closed forms throughout; the
+// thesis stopped before the rotation. With d = 0 the lift-off is that of impact::rigid(). The simplified form
+// uses the thesis's approximations of I1 and I2, which are not quite each other's derivative.
+//
+// Axes and signs: x in the direction of travel, omega and rotation counter-clockwise positive. Units: s, m,
+// rad, N. Accuracy: 1e-13 of each quantity's natural scale (the sum of its terms' magnitudes). Pure, no
+// allocation: thread-safe, real-time safe.
 #pragma once
 
 #include <optional>
@@ -25,12 +27,12 @@ struct SpinPulseInput {
   double e = 0.0;         ///< see impact::damping_from_restitution
   double mu = 0.0;        ///< coefficient of friction while the contact point slips, >= 0
   double dwell_s = 0.0;   ///< > 0
-  double offset_m = 0.0;  ///< of the normal force along +x, magnitude below R; the caller sees to its sign
+  double offset_m = 0.0;  ///< of the normal force along +x, magnitude below R; the caller chooses the sign
   impact::PulseForm form = impact::PulseForm::exact;
 };
 
-struct ContactState {
-  double x_m = 0.0;           ///< distance travelled since touchdown
+struct SpinPulseState {
+  double x_m = 0.0;           ///< displacement since touchdown
   double y_m = 0.0;           ///< height of the centre less that at touchdown: <= 0
   double rotation_rad = 0.0;  ///< since touchdown
   double vx_mps = 0.0;
@@ -49,15 +51,22 @@ class SpinPulse {
 
   /// The state at a share of the dwell time, 0…1. Outside of it the formulas are continued, though the ball
   /// no longer touches the surface.
-  ContactState at_fraction(double time_fraction) const;
+  SpinPulseState at_fraction(double time_fraction) const;
 
-  /// Time fraction at which the slip became zero; absent if that does not happen before lift-off.
+  /// Time fraction at which the slip becomes zero; nullopt if that does not happen before lift-off.
   std::optional<double> grip_fraction() const { return grip_fraction_; }
 
-  /// grips: rolls from grip_fraction() on.
+  /// grips if the ball rolls from grip_fraction() on.
   Regime regime() const;
 
-  /// Angle turned from touchdown to lift-off.
+  /// Time fraction of the largest normal force: tan(pi·T) = 1/f.
+  double largest_force_fraction() const;
+
+  /// Time fraction at which y is lowest: where vy = 0; in the simplified form, whose y is not the integral of
+  /// its vy, the instant of the largest force.
+  double deepest_fraction() const;
+
+  /// From touchdown to lift-off.
   double total_rotation_rad() const { return at_fraction(1.0).rotation_rad; }
 
   double damping() const { return unit_.damping(); }

@@ -1,21 +1,16 @@
-// Guesses at how published stiffnesses came about, held against them.
+// explain_stiffness(): hypotheses against published stiffnesses.
 #include <cmath>
 #include <numbers>
 #include <string_view>
 
-#include "common/contact/integration/integration.hpp"
-#include "common/contact/integration/pulse_depth.hpp"
+#include "common/contact/integration/peaks.hpp"
+#include "common/contact/integration/stiffness.hpp"
 
 namespace strobe::contact {
 
 namespace {
 
 using std::numbers::pi;
-
-/// What one condition gives, in the order of kNames.
-struct Guesses {
-  std::vector<double> npm;
-};
 
 /// The last ones are forces, over a length that is left open.
 constexpr std::size_t kOpenLengths = 3;
@@ -46,19 +41,28 @@ double half_wave_force_n(const PublishedStiffness& p) {
   return 0.5 * pi * p.input.ball.mass_kg * (p.vy_lo_mps - p.input.touchdown.vy_mps) / p.input.dwell_s;
 }
 
-tl::expected<Guesses, impact::InputError> guess(const PublishedStiffness& p) {
+/// What each hypothesis gives for one condition, in the order of kNames, N/m.
+tl::expected<std::vector<double>, impact::InputError> predictions(const PublishedStiffness& p) {
   const auto s = stiffness(p.input);
   if (!s) return tl::unexpected(s.error());
   const auto best = peaks(p.input, {});
   if (!best) return tl::unexpected(best.error());
   const double undamped_n = p.input.ball.mass_kg * -p.input.touchdown.vy_mps * pi / p.input.dwell_s;
-  return Guesses{{s->half_period, s->secant, s->energy, s->compression, s->peak_time, s->kelvin_voigt,
-                  power_law_factor(1.5) * s->half_period, power_law_factor(2.6) * s->half_period,
-                  best->normal_force.size.value / p.measured_drop_m, undamped_n,
-                  best->normal_force.size.value, half_wave_force_n(p)}};
+  return std::vector<double>{s->half_period,
+                             s->secant,
+                             s->energy,
+                             s->compression,
+                             s->peak_time,
+                             s->kelvin_voigt,
+                             power_law_factor(1.5) * s->half_period,
+                             power_law_factor(2.6) * s->half_period,
+                             best->normal_force.size.value / p.measured_drop_m,
+                             undamped_n,
+                             best->normal_force.size.value,
+                             half_wave_force_n(p)};
 }
 
-/// Fills in the ratios; a guess that leaves a length open gets the one that fits best.
+/// Fills in the ratios; a hypothesis that leaves a length open gets the one that fits best.
 void compare(StiffnessHypothesis& h, std::span<const PublishedStiffness> published, bool open_length) {
   double sum = 0.0, squares = 0.0;
   const auto n = static_cast<double>(published.size());
@@ -90,9 +94,9 @@ tl::expected<std::vector<StiffnessHypothesis>, impact::InputError> explain_stiff
     if (!(std::isfinite(p.stiffness) && p.stiffness > 0.0 && p.measured_drop_m > 0.0 &&
           std::isfinite(p.measured_drop_m) && std::isfinite(p.vy_lo_mps)))
       return tl::unexpected(impact::InputError::not_finite);
-    const auto guesses = guess(p);
-    if (!guesses) return tl::unexpected(guesses.error());
-    for (std::size_t i = 0; i < kCount; ++i) out[i].predicted.push_back(guesses->npm[i]);
+    const auto predicted = predictions(p);
+    if (!predicted) return tl::unexpected(predicted.error());
+    for (std::size_t i = 0; i < kCount; ++i) out[i].predicted.push_back((*predicted)[i]);
   }
   for (std::size_t i = 0; i < kCount; ++i) {
     out[i].name = kNames[i];

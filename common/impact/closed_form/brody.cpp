@@ -6,7 +6,7 @@ namespace strobe::impact {
 
 namespace {
 
-/// Leaves it to rigid() to say what is wrong with the inputs.
+/// Inputs are checked by rigid().
 tl::expected<double, InputError> normal_impulse(const ball::Ball& ball, const Motion& touchdown, double e,
                                                 double mu) {
   const auto checked = rigid(ball, touchdown, e, mu);
@@ -54,11 +54,12 @@ tl::expected<Rebound, InputError> roll(const ball::Ball& ball, const Motion& tou
   });
 }
 
-tl::expected<Brody, InputError> choose(const ball::Ball& ball, const Motion& touchdown, double e, double mu) {
+tl::expected<SlideOrRoll, InputError> slide_or_roll(const ball::Ball& ball, const Motion& touchdown, double e,
+                                                    double mu) {
   return normal_impulse(ball, touchdown, e, mu).map([&](double impulse) {
-    Brody out{.rebound = rolled(ball, touchdown, e, impulse)};
-    out.friction_needed = std::abs(out.rebound.impulse_ratio);
-    if (mu < out.friction_needed) out.rebound = slid(ball, touchdown, e, mu, impulse);
+    SlideOrRoll out{.rebound = rolled(ball, touchdown, e, impulse)};
+    out.rolling_impulse_ratio = std::abs(out.rebound.impulse_ratio);
+    if (mu < out.rolling_impulse_ratio) out.rebound = slid(ball, touchdown, e, mu, impulse);
     return out;
   });
 }

@@ -1,7 +1,7 @@
-// The rigid-body models of a bounce apart and the choice between them (Brody; thesis eq. 9-16), to compare
-// each with measurements: a ball that slides throughout, one that rolls off, and the rule that tells which.
-// rigid() of rebound.hpp is the choice in one call. Conventions and units as in rebound.hpp. Pure, no
-// allocation: thread-safe, real-time safe.
+// The two rigid-body models of a bounce (H. Brody, That's how the ball bounces, 1984; thesis eq. 9-16) one by
+// one, to compare each with measurements: a ball that slides throughout, one that rolls off, and the
+// criterion that selects one of them. rigid() of rebound.hpp does all in one call. Conventions and units as
+// in rebound.hpp. Pure, no allocation: thread-safe, real-time safe.
 #pragma once
 
 #include <tl/expected.hpp>
@@ -10,22 +10,23 @@
 
 namespace strobe::impact {
 
-/// Friction at its limit mu·J to the end (eq. 9-12 for any alpha), against the slip at touchdown. Also where
-/// the contact point would have stopped before: the lift-off then slips the other way, which no friction can
-/// do. Without slip there is no friction. Errors as for rigid().
+/// Friction at its limit mu·J throughout (eq. 9-12 for any alpha), against the slip at touchdown. Where the
+/// contact point would have stopped before lift-off the result slips the other way, which friction cannot do.
+/// Without slip there is no friction. Errors as for rigid().
 tl::expected<Rebound, InputError> slide(const ball::Ball& ball, const Motion& touchdown, double e, double mu);
 
-/// Rolls at lift-off, whatever friction that takes: vx_LO = (vx - alpha·R·omega)/(1 + alpha) (eq. 14, 15 for
+/// Rolls at lift-off, whatever friction that needs: vx_LO = (vx - alpha·R·omega)/(1 + alpha) (eq. 14, 15 for
 /// any alpha). Errors as for rigid().
 tl::expected<Rebound, InputError> roll(const ball::Ball& ball, const Motion& touchdown, double e);
 
-/// The rule after eq. 16a, put right for signed slip: slides throughout iff the friction that rolling off
-/// needs is more than there is.
-struct Brody {
-  Rebound rebound;               ///< slide() or roll(), whichever the rule chooses
-  double friction_needed = 0.0;  ///< impulse ratio |s|·alpha/((1 + alpha)·J) that rolling off needs
+struct SlideOrRoll {
+  Rebound rebound;                     ///< slide() or roll()
+  double rolling_impulse_ratio = 0.0;  ///< |s|·alpha/((1 + alpha)·J), which rolling off needs
 };
 
-tl::expected<Brody, InputError> choose(const ball::Ball& ball, const Motion& touchdown, double e, double mu);
+/// The criterion after eq. 16a, corrected for signed slip: slides throughout iff mu is less than rolling off
+/// needs.
+tl::expected<SlideOrRoll, InputError> slide_or_roll(const ball::Ball& ball, const Motion& touchdown, double e,
+                                                    double mu);
 
 }  // namespace strobe::impact

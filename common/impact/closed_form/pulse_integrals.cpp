@@ -56,12 +56,12 @@ constexpr auto kCosineTail = [] {
 bool is_small(double x) { return std::abs(x) < kSeriesBelow; }
 
 /// 1 - exp(-x)(1 + x), x = f·theta: of the order x²/2.
-double first_order_rest(double x, double decay) {
+double exp_remainder_2(double x, double decay) {
   return is_small(x) ? decay * x * x * horner(kExponentialTail, x) : 1.0 - decay * (1.0 + x);
 }
 
 /// x(1 + exp(-x)) - 2(1 - exp(-x)): of the order x³/6.
-double third_order_rest(double x, double decay) {
+double exp_remainder_3(double x, double decay) {
   return is_small(x) ? decay * x * x * x * horner(kSecondTail, x) : x * (1.0 + decay) - 2.0 * (1.0 - decay);
 }
 
@@ -89,10 +89,10 @@ double impulse_integral(double f, const PulsePhase& p) {
   const double q = 1.0 / (1.0 + f * f);
   if (!is_small(p.theta_rad)) return q * (1.0 - p.decay * (f * p.sine + p.cosine));
   const double rise = 2.0 * p.half_sine * p.half_sine;  // 1 - cos(theta)
-  return q * (first_order_rest(f * p.theta_rad, p.decay) + p.decay * (f * theta_minus_sine(p) + rise));
+  return q * (exp_remainder_2(f * p.theta_rad, p.decay) + p.decay * (f * theta_minus_sine(p) + rise));
 }
 
-double path_integral(double f, const PulsePhase& p) {
+double displacement_integral(double f, const PulsePhase& p) {
   const double q = 1.0 / (1.0 + f * f);
   if (!is_small(p.theta_rad)) {
     const double swing = p.decay * (1.0 - f * f) * p.sine + 2.0 * f * simplified_impulse(f, p);
@@ -102,7 +102,7 @@ double path_integral(double f, const PulsePhase& p) {
   const double square = p.theta_rad * p.theta_rad;
   const double bend = square * square * horner(kCosineTail, square);
   return q * q *
-         (f * third_order_rest(x, p.decay) + p.theta_rad * first_order_rest(x, p.decay) +
+         (f * exp_remainder_3(x, p.decay) + p.theta_rad * exp_remainder_2(x, p.decay) +
           p.decay * ((1.0 - f * f) * theta_minus_sine(p) + f * bend));
 }
 
@@ -118,7 +118,7 @@ double simplified_impulse(double f, const PulsePhase& p) {
   return -std::expm1(-f * p.theta_rad) + 2.0 * p.decay * p.half_sine * p.half_sine;
 }
 
-double simplified_path(double f, const PulsePhase& p) {
+double simplified_displacement(double f, const PulsePhase& p) {
   return theta_minus_sine(p) - std::expm1(-f * p.theta_rad) * p.sine;
 }
 
@@ -127,7 +127,7 @@ tl::expected<PulseIntegrals, InputError> pulse_integrals(double damping_f, doubl
   if (damping_f < 0.0 || damping_f > kLargestDamping || theta_rad < 0.0 || theta_rad > pi)
     return tl::unexpected(InputError::phase_out_of_range);
   const PulsePhase phase = PulsePhase::at_angle(damping_f, theta_rad);
-  return PulseIntegrals{impulse_integral(damping_f, phase), path_integral(damping_f, phase),
+  return PulseIntegrals{impulse_integral(damping_f, phase), displacement_integral(damping_f, phase),
                         depth_integral(damping_f, phase)};
 }
 

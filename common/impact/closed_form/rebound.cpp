@@ -36,55 +36,53 @@ std::optional<InputError> find_error(const ball::Ball& b, const Motion& m, const
   return std::nullopt;
 }
 
-/// What friction does, per mass: its impulse, and whether that was enough to make the contact point grip.
+/// Friction's impulse per mass, and whether it suffices for the contact point to grip.
 struct Friction {
   double dvx_mps;
   bool grips;
 };
 
-/// `push` = d·J/R, the moment of the normal force.
-Friction friction_impulse(double alpha, double slip, double e_x, double limit, double push) {
-  const double needed = -((1.0 + e_x) * slip * alpha + push) / (1.0 + alpha);
+/// `moment` = d·J/R: the angular impulse of the normal force over R, per mass.
+Friction friction_impulse(double alpha, double slip, double e_x, double limit, double moment) {
+  const double needed = -((1.0 + e_x) * slip * alpha + moment) / (1.0 + alpha);
   const double dvx = std::clamp(needed, -limit, limit);
   return {dvx, dvx == needed};
 }
 
-/// The impact with the normal force in the centre, and what the offset adds to it; speeds at the contact
-/// point.
-struct Steps {
+/// The impact with the normal force under the centre, and the offset's effect on it.
+struct OffsetEffect {
   Friction without;
   Friction with;
   double slip_without;  ///< slip at lift-off
-  double vx_step;       ///< the offset's share of the changes of vx and R·omega
-  double spin_step;
+  double dvx;           ///< changes of vx and R·omega by the offset
+  double dspin;
 };
 
-/// Differences are written out rather than subtracted: the slip left by a grip is -e_x·slip, however small
-/// the slip is beside the speeds, and the offset's step does not drown in the impact's.
-Steps steps_of(double alpha, double slip, const Coefficients& c, double limit, double push) {
-  Steps s{friction_impulse(alpha, slip, c.e_x, limit, 0.0), friction_impulse(alpha, slip, c.e_x, limit, push),
-          0.0, 0.0, 0.0};
+/// Differences are expanded to keep their digits: the slip after a grip is -e_x·slip however small the slip
+/// is beside the speeds, and the offset's effect is not the difference of two larger numbers.
+OffsetEffect offset_effect(double alpha, double slip, const Coefficients& c, double limit, double moment) {
+  OffsetEffect s{friction_impulse(alpha, slip, c.e_x, limit, 0.0),
+                 friction_impulse(alpha, slip, c.e_x, limit, moment), 0.0, 0.0, 0.0};
   s.slip_without = s.without.grips ? -c.e_x * slip : slip + s.without.dvx_mps * (1.0 + 1.0 / alpha);
-  s.vx_step = s.without.grips && s.with.grips ? -push / (1.0 + alpha) : s.with.dvx_mps - s.without.dvx_mps;
-  s.spin_step = (s.vx_step + push) / alpha;
+  s.dvx = s.without.grips && s.with.grips ? -moment / (1.0 + alpha) : s.with.dvx_mps - s.without.dvx_mps;
+  s.dspin = (s.dvx + moment) / alpha;
   return s;
 }
 
-/// Largest share, 0…1, of the offset's step that leaves the tangential energy at or below what it was before
-/// the impact. The energy is a convex parabola in the share, a·share² + b·share + c: c what the impact
-/// without offset changes (never a gain), b the power of friction's and the moment's impulses. One root,
-/// continuous in the inputs; of its two forms the one that adds numbers of like sign.
-double share_without_energy_gain(double alpha, double slip, double e_x, double spin, double push,
-                                 const Steps& s) {
+/// Largest fraction, 0…1, of the offset's effect that does not raise the tangential energy above that before
+/// the impact. The change of energy is a convex parabola in the fraction x, a·x² + b·x + c: c is the change
+/// without offset (never a gain), b·x the work of friction and of the moment. Its root is continuous in the
+/// inputs; of its two forms the one is used that adds numbers of like sign.
+double max_offset_fraction(double alpha, double slip, double e_x, double spin, double moment,
+                           const OffsetEffect& s) {
   const double dvx = s.without.dvx_mps;
-  const double a = 0.5 * (s.vx_step * s.vx_step + alpha * s.spin_step * s.spin_step);
-  const double b = s.vx_step * s.slip_without + push * (spin + dvx / alpha);
+  const double a = 0.5 * (s.dvx * s.dvx + alpha * s.dspin * s.dspin);
+  const double b = s.dvx * s.slip_without + moment * (spin + dvx / alpha);
   const double c = s.without.grips ? -0.5 * (1.0 - e_x) * (1.0 + e_x) * slip * slip * (alpha / (1.0 + alpha))
                                    : std::min(0.0, 0.5 * dvx * (slip + s.slip_without));
   if (a + b + c <= 0.0 || a == 0.0) return 1.0;
   const double root = std::sqrt(b * b - 4.0 * a * c);
-  const double share = b > 0.0 ? -2.0 * c / (b + root) : (root - b) / (2.0 * a);
-  return std::clamp(share, 0.0, 1.0);
+  return std::clamp(b > 0.0 ? -2.0 * c / (b + root) : (root - b) / (2.0 * a), 0.0, 1.0);
 }
 
 }  // namespace
@@ -99,21 +97,21 @@ tl::expected<Rebound, InputError> grip(const ball::Ball& ball, const Motion& tou
   const double impulse = -(1.0 + c.e) * touchdown.vy_mps;
   const double rolling = 0.5 * (vx - spin);
   const double offset = c.offset_m * rolling / std::hypot(rolling, c.offset_reference_mps);
-  const double push = offset * impulse / radius;
+  const double moment = offset * impulse / radius;
 
-  const Steps steps = steps_of(ball.alpha, slip, c, c.mu * impulse, push);
-  const double share =
-      push == 0.0 ? 1.0 : share_without_energy_gain(ball.alpha, slip, c.e_x, spin, push, steps);
-  const double dvx = share < 1.0 ? steps.without.dvx_mps + share * steps.vx_step : steps.with.dvx_mps;
-  const double dspin = (dvx + share * push) / ball.alpha;
-  const bool grips = (share < 1.0 ? steps.without : steps.with).grips;
+  const OffsetEffect effect = offset_effect(ball.alpha, slip, c, c.mu * impulse, moment);
+  const double fraction =
+      moment == 0.0 ? 1.0 : max_offset_fraction(ball.alpha, slip, c.e_x, spin, moment, effect);
+  const double dvx = fraction < 1.0 ? effect.without.dvx_mps + fraction * effect.dvx : effect.with.dvx_mps;
+  const double dspin = (dvx + fraction * moment) / ball.alpha;
+  const bool grips = (fraction < 1.0 ? effect.without : effect.with).grips;
 
   Rebound out;
   out.lift_off = {vx + dvx, -c.e * touchdown.vy_mps, touchdown.omega_radps + dspin / radius};
   out.regime = grips ? Regime::grips : Regime::slides;
-  out.slip_lo_mps = share == 1.0 && grips ? -c.e_x * slip : slip + dvx + dspin;
+  out.slip_lo_mps = fraction == 1.0 && grips ? -c.e_x * slip : slip + dvx + dspin;
   out.impulse_ratio = (0.0 - dvx) / impulse;
-  out.offset_m = share * offset;
+  out.offset_m = fraction * offset;
   return out;
 }
 

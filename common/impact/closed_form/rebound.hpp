@@ -1,10 +1,12 @@
-// In/out models of an impact: from the velocities at touchdown and a few coefficients to those at lift-off.
-// The surface is along x, the ball comes from above (vy < 0); spin is counter-clockwise positive (backspin
-// for a ball moving along +x). Slip of the contact point: s = vx + R·omega. J = (1 + e)|vy| is the normal
-// impulse per mass; the ball's weight is left out (0.1–0.7 % of mu). Values agree with 50-digit arithmetic to
-// 1e-13 of themselves or, where they pass through zero, of the terms that they are the difference of (the
-// slip at lift-off: of the slip and its changes, not of the speeds). Numbers beyond kMaxMagnitude are
-// refused. Pure functions, no allocation: thread-safe, real-time safe. Over a million a second on one core.
+// Rebound models: from the velocities at touchdown and a few coefficients to those at lift-off. The surface
+// is along x, the ball comes from above (vy < 0); spin is counter-clockwise positive (backspin for a ball
+// moving along +x). Slip of the contact point: s = vx + R·omega. J = (1 + e)|vy| is the normal impulse per
+// mass; the ball's weight is neglected (0.1–0.7 % of mu). Values agree with 50-digit arithmetic to 1e-13
+// relative or, where they pass through zero, to 1e-13 of the terms whose difference they are (the slip at
+// lift-off: of the slip and its changes, not of the speeds). Inputs beyond kMaxMagnitude are refused. Pure
+// functions, no allocation: thread-safe, real-time safe. Over a million a second on one core.
+// Sources: H. Brody, That's how the ball bounces, 1984 (thesis eq. 9–16); R. Cross, Grip-slip behavior of a
+// bouncing ball, 2002.
 #pragma once
 
 #include <string_view>
@@ -22,16 +24,16 @@ struct Motion {
   double omega_radps = 0.0;
 };
 
-/// Rolling speed at which the normal force stands 1/sqrt(2) of the full offset ahead of the centre (fit
-/// below).
+/// Rolling speed at which the normal force's offset is 1/sqrt(2) of the full one (fitted, see
+/// kFittedToThesis).
 inline constexpr double kOffsetReferenceSpeed_mps = 2.5;
 
-/// What ball and surface have in common.
+/// Coefficients of a pair of ball and surface.
 struct Coefficients {
   double e = 0.0;         ///< normal restitution, 0…1
   double mu = 0.0;        ///< coefficient of friction, >= 0
   double e_x = 0.0;       ///< tangential restitution of a grip, -1…1; 0: the ball rolls off
-  double offset_m = 0.0;  ///< distance of the normal force ahead of the centre at full rolling speed, 0…R
+  double offset_m = 0.0;  ///< normal force ahead of the centre at full rolling speed, 0…R
   double offset_reference_mps = kOffsetReferenceSpeed_mps;  ///< > 0
 };
 
@@ -48,19 +50,22 @@ struct Rebound {
 };
 
 /// Rigid body: slides throughout (thesis eq. 9–12) unless friction suffices to make it roll (eq. 14, 15 for
-/// any alpha). It slides throughout iff mu·J < |s|·alpha/(1 + alpha): the thesis's table after (16a), put
-/// right for signed slip. Friction acts against the slip, so topspin faster than rolling is driven forward.
+/// any alpha). It slides throughout iff mu·J < |s|·alpha/(1 + alpha): the thesis's table after (16a),
+/// corrected for signed slip. Friction acts against the slip: a ball with topspin faster than rolling is
+/// driven forward. Errors: not_finite, ball_out_of_range, not_approaching, restitution_out_of_range,
+/// friction_negative, magnitude_out_of_range.
 tl::expected<Rebound, InputError> rigid(const ball::Ball& ball, const Motion& touchdown, double e, double mu);
 
 /// Rigid body with tangential restitution e_x of a grip and a normal force ahead of the centre (footprint
 /// asymmetry, the thesis's rolling friction):
 ///   alpha·R²·Δomega = R·Δvx + d·J,   gripping: s_LO = -e_x·s_TD, if that needs no more than mu·J of
 ///   friction.
-/// The friction impulse is clamped to ±mu·J in the direction that gripping requires.
-/// The offset is d = offset_m·u/sqrt(u² + u0²), with u = (vx - R·omega)/2 the speed at which the contact
-/// point rolls over the surface and u0 = offset_reference_mps: odd in the direction of rolling, gone where
-/// nothing rolls. It is lessened, continuously, where it would add to the tangential energy vx² +
-/// alpha·R²·omega². With offset_m = 0 and e_x = 0 this is rigid().
+/// The friction impulse is clamped to ±mu·J in the direction that gripping requires. The offset is d =
+/// offset_m·u/sqrt(u² + u0²), with u = (vx - R·omega)/2 the speed at which the contact point rolls over the
+/// surface and u0 = offset_reference_mps: odd in the direction of rolling, 0 where nothing rolls. It is
+/// reduced, continuously, where it would add to the tangential energy vx² + alpha·R²·omega². With offset_m =
+/// 0 and e_x = 0 this is rigid(). Errors: those of rigid(), tangential_restitution_out_of_range,
+/// offset_out_of_range.
 tl::expected<Rebound, InputError> grip(const ball::Ball& ball, const Motion& touchdown,
                                        const Coefficients& coefficients);
 

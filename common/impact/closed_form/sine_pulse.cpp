@@ -49,8 +49,8 @@ std::optional<InputError> find_error(const PulseInput& in) {
 /// Normal impulse over m·|vy_TD|, with its first two derivatives by theta.
 struct Impulse {
   double value;
-  double slope;
-  double bend;
+  double first;
+  double second;
 };
 
 Impulse impulse_at(PulseForm form, double f, const PulsePhase& p) {
@@ -60,8 +60,8 @@ Impulse impulse_at(PulseForm form, double f, const PulsePhase& p) {
           p.decay * ((1.0 - f * f) * p.cosine - 2.0 * f * p.sine)};
 }
 
-/// Where the undamped pulse has given this share, moved by what small damping changes (first order in f).
-double start_exact(double f, double share) {
+/// Angle at which the undamped pulse has given this share, corrected for the damping to first order in f.
+double initial_exact(double f, double share) {
   const double angle = 2.0 * std::asin(std::sqrt(share));
   if (share < 1e-6) return angle * (1.0 - 0.25 * pi * f);
   if (share > 1.0 - 1e-6) return angle - 0.25 * pi * f * (pi - angle);
@@ -69,29 +69,29 @@ double start_exact(double f, double share) {
   return angle + f * (1.0 - (angle * (1.0 - 2.0 * share) + pi * share) / sine);
 }
 
-double start_simplified(double f, double target) {
+double initial_simplified(double f, double target) {
   const double angle =
       target < 0.5 ? 2.0 * std::asin(std::sqrt(0.5 * target)) : std::acos(std::max(1.0 - target, -1.0));
   return std::acos(std::clamp((1.0 - target) * std::exp(f * angle), -1.0, 1.0));
 }
 
-/// Time fraction in 0…high at which the impulse first reaches `target`, which lies below its largest value.
-/// Halley's steps; bisection wherever one leaves the bracket.
+/// Time fraction in 0…high at which the impulse first reaches `target`, which is below its largest value:
+/// Halley's method, and bisection wherever a step leaves the bracket.
 double fraction_reaching(PulseForm form, double f, double target, double start, double high) {
   double low = 0.0;
   double tau = start;
   for (int i = 0; i < 100; ++i) {
     if (!(tau > low && tau < high)) tau = 0.5 * (low + high);
     const Impulse impulse = impulse_at(form, f, PulsePhase::at_fraction(f, tau));
-    const double miss = impulse.value - target;
-    if (miss == 0.0) return tau;
+    const double excess = impulse.value - target;
+    if (excess == 0.0) return tau;
     const double room = std::min(tau, high - tau);
-    (miss < 0.0 ? low : high) = tau;
+    (excess < 0.0 ? low : high) = tau;
     double step = 0.5 * (low + high) - tau;
-    if (impulse.slope > 0.0) {
-      const double newton = miss / impulse.slope;
-      const double bent = 1.0 - 0.5 * newton * (impulse.bend / impulse.slope);
-      step = -newton / (bent > 0.5 ? bent : 1.0) / pi;
+    if (impulse.first > 0.0) {
+      const double newton = excess / impulse.first;
+      const double halley = 1.0 - 0.5 * newton * (impulse.second / impulse.first);
+      step = -newton / (halley > 0.5 ? halley : 1.0) / pi;
     }
     const double next = tau + step;
     // The error that is left is of the step's third order.
@@ -101,7 +101,7 @@ double fraction_reaching(PulseForm form, double f, double target, double start, 
   return tau;
 }
 
-/// The simplified impulse rises up to tan(theta) = -f only.
+/// The simplified impulse rises only up to tan(theta) = -f.
 double end_of_rise(PulseForm form, double f) {
   return form == PulseForm::exact ? 1.0 : 1.0 - std::atan(f) / pi;
 }
@@ -111,13 +111,13 @@ double fraction_at(PulseForm form, double f, double e, double target) {
   if (!(target > 0.0)) return 0.0;
   const double high = end_of_rise(form, f);
   if (impulse_at(form, f, PulsePhase::at_fraction(f, high)).value <= target) return high;
-  const double start = form == PulseForm::exact ? start_exact(f, std::min(target / (1.0 + e), 1.0))
-                                                : start_simplified(f, target);
+  const double start = form == PulseForm::exact ? initial_exact(f, std::min(target / (1.0 + e), 1.0))
+                                                : initial_simplified(f, target);
   return fraction_reaching(form, f, target, start / pi, high);
 }
 
-double path_at(PulseForm form, double f, const PulsePhase& p) {
-  return form == PulseForm::exact ? path_integral(f, p) : simplified_path(f, p);
+double displacement_at(PulseForm form, double f, const PulsePhase& p) {
+  return form == PulseForm::exact ? displacement_integral(f, p) : simplified_displacement(f, p);
 }
 
 }  // namespace
@@ -140,7 +140,7 @@ tl::expected<SinePulse, InputError> SinePulse::make(PulseForm form, const PulseI
 double SinePulse::max_force_n() const { return -input_.mass_kg * input_.vy_td_mps * pi / input_.dwell_s; }
 
 PulseState SinePulse::at_fraction(double time_fraction) const {
-  const double tau = std::clamp(time_fraction, kEarliestFraction, kLatestFraction);
+  const double tau = std::clamp(time_fraction, kMinTimeFraction, kMaxTimeFraction);
   const PulsePhase p = PulsePhase::at_fraction(damping_, tau);
   const double speed = -input_.vy_td_mps;
   const double length = speed * input_.dwell_s / pi;  // |vy|/w
@@ -151,8 +151,8 @@ PulseState SinePulse::at_fraction(double time_fraction) const {
   PulseState s;
   s.vx_mps = input_.vx_td_mps - input_.impulse_ratio * speed * impulse;
   s.vy_mps = exact ? speed * (impulse - 1.0) : -speed * p.decay * p.cosine;
-  s.x_m =
-      input_.vx_td_mps * (tau * input_.dwell_s) - input_.impulse_ratio * length * path_at(form_, damping_, p);
+  s.x_m = input_.vx_td_mps * (tau * input_.dwell_s) -
+          input_.impulse_ratio * length * displacement_at(form_, damping_, p);
   s.y_m = 0.0 - length * depth;  // not a negative zero
   s.fy_n = max_force_n() * p.decay * p.sine;
   s.fx_n = 0.0 - input_.impulse_ratio * s.fy_n;
@@ -185,19 +185,19 @@ tl::expected<PulseRebound, InputError> pulse_rebound(PulseForm form, const ball:
   out.max_force_n = pulse->max_force_n() * std::exp(-f * peak) / std::sqrt(1.0 + f * f);
   const double length = -touchdown.vy_mps * dwell_s / pi;
   if (form == PulseForm::exact) {
-    const double lowest = fraction_at(form, f, e, 1.0);  // where vy has been used up
+    const double lowest = fraction_at(form, f, e, 1.0);  // where vy = 0
     out.depth_m = length * depth_integral(f, PulsePhase::at_fraction(f, lowest));
   } else {
     out.depth_m = length * std::exp(-f * peak) / std::sqrt(1.0 + f * f);
   }
   if (rebound->regime == Regime::grips) {
-    // Without friction a grip means that there is no slip to speak of.
+    // Without friction the ball grips only where there is no slip.
     const double share = slip == 0.0 || mu == 0.0 ? 0.0 : std::abs(rebound->impulse_ratio) / mu;
     out.grip_fraction = fraction_at(form, f, e, share * (1.0 + e));
   }
-  const double held_back = path_at(form, f, PulsePhase::at_fraction(f, out.grip_fraction));
+  const double lost = displacement_at(form, f, PulsePhase::at_fraction(f, out.grip_fraction));
   out.dwell_distance_m = touchdown.vx_mps * (out.grip_fraction * dwell_s) -
-                         pulse->input().impulse_ratio * length * held_back +
+                         pulse->input().impulse_ratio * length * lost +
                          rebound->lift_off.vx_mps * ((1.0 - out.grip_fraction) * dwell_s);
   return out;
 }

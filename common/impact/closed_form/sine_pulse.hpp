@@ -1,10 +1,11 @@
-// The damped sine pulse: the ball's motion while it touches the surface, under a normal force
-// F_y = F_max·exp(-f·theta)·sin(theta), theta = pi·t/dwell, F_max = m·|vy_TD|·pi/dwell, and F_x = -ratio·F_y.
-// `simplified` is the thesis's integration (f = -ln(e)/pi; velocities short of the true integral by 4.5 % at
-// f = 0.046 and 12 % at 0.128); `exact` integrates the force and takes f from e = (1 + exp(-f·pi))/(1 + f²)
-// - 1. Origin: the point under the centre at touchdown. Units: s, m, m/s, N. Values agree with 50-digit
-// arithmetic to 1e-13 (velocities: relative to the touchdown's speeds, as they pass through zero). Pure, no
-// allocation: thread-safe, real-time safe.
+// The damped sine pulse: the ball's motion in contact under a normal force
+//   F_y = F_max·exp(-f·theta)·sin(theta),  F_x = -ratio·F_y,
+//   theta = pi·t/dwell,  F_max = m·|vy_TD|·pi/dwell.
+// `simplified` is the thesis's integration (f = -ln(e)/pi; its velocities differ from the true integral by up
+// to 4.5 % of |vy_TD| at f = 0.046 and 12 % at 0.128); `exact` integrates the force, with f from e = (1 +
+// exp(-f·pi))/(1 + f²) - 1. Origin: the point under the centre at touchdown. Units: s, m, m/s, N. Values
+// agree with 50-digit arithmetic to 1e-13 (velocities: of the touchdown's speeds, as they pass through zero).
+// Pure, no allocation: thread-safe, real-time safe.
 #pragma once
 
 #include <tl/expected.hpp>
@@ -32,37 +33,39 @@ struct PulseInput {
   double mass_kg = ball::kThesisMass_kg;  ///< > 0; only the forces depend on it
 };
 
-/// How far the formulas are continued beyond the contact: measured times reach 1.005.
-inline constexpr double kEarliestFraction = -0.5;
-inline constexpr double kLatestFraction = 1.5;
+/// Range of time fractions in which the formulas are evaluated: measured times reach 1.005.
+inline constexpr double kMinTimeFraction = -0.5;
+inline constexpr double kMaxTimeFraction = 1.5;
 
 struct PulseState {
   double vx_mps = 0.0;
   double vy_mps = 0.0;
-  double x_m = 0.0;  ///< distance travelled since touchdown
+  double x_m = 0.0;  ///< displacement since touchdown
   double y_m = 0.0;  ///< top of the ball (and its centre) less its height at touchdown: <= 0
   double fx_n = 0.0;
   double fy_n = 0.0;              ///< >= 0
-  double impulse_fraction = 0.0;  ///< share of the normal impulse that has acted; 1 at lift-off
+  double impulse_fraction = 0.0;  ///< of the normal impulse, up to now; 1 at lift-off
 };
 
 class SinePulse {
  public:
+  /// Errors: not_finite, not_approaching, dwell_not_positive, ball_out_of_range, magnitude_out_of_range, and
+  /// those of damping_from_restitution().
   static tl::expected<SinePulse, InputError> make(PulseForm form, const PulseInput& input);
 
-  /// The state at a share of the dwell time, 0…1; a finite number. Outside of it the formulas are continued
-  /// as far as kEarliestFraction and kLatestFraction, though the ball no longer touches the surface; beyond
-  /// those the state stays as it is there.
+  /// The state at time_fraction·dwell after touchdown. Valid: finite. Outside of 0…1, where the ball does not
+  /// touch the surface, the formulas are continued; the fraction is clamped to
+  /// kMinTimeFraction…kMaxTimeFraction.
   PulseState at_fraction(double time_fraction) const;
   PulseState at_time(double time_s) const { return at_fraction(time_s / input_.dwell_s); }
 
-  /// Time fraction at which `fraction` (0…1) of the normal impulse has acted, as exact as the fraction
-  /// determines it; exact form: unique. The simplified form's impulse overshoots 1 before the end at small
-  /// damping; the first such time is given.
+  /// Time fraction at which `fraction` (0…1) of the normal impulse has acted, as accurate as the fraction
+  /// determines it. In the exact form it is unique; the simplified form's impulse passes 1 before the end at
+  /// small damping, and the first such time is returned.
   double fraction_at_impulse(double fraction) const;
 
   double damping() const { return damping_; }
-  double max_force_n() const;  ///< F_max, the force's scale (its largest value is less by the damping)
+  double max_force_n() const;  ///< F_max, the force's scale; its largest value is less by the damping
   PulseForm form() const { return form_; }
   const PulseInput& input() const { return input_; }
 
@@ -75,12 +78,12 @@ class SinePulse {
   double damping_;
 };
 
-/// A rigid rebound seen through the pulse: the same lift-off as rigid(), besides how it came about.
+/// A rigid rebound with the course of its contact by the pulse: the lift-off is that of rigid().
 struct PulseRebound {
   Rebound rebound;
   double damping_f = 0.0;
-  double grip_fraction = 1.0;  ///< time fraction at which the contact point stopped; 1 if it slid throughout
-  double depth_m = 0.0;        ///< how far the centre went down
+  double grip_fraction = 1.0;  ///< time fraction at which the contact point stops; 1 if it slides throughout
+  double depth_m = 0.0;        ///< largest displacement of the centre towards the surface
   double dwell_distance_m = 0.0;
   double max_force_n = 0.0;  ///< largest normal force
 };

@@ -1,6 +1,7 @@
 #include "common/impact/fit/bounded_least_squares.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -14,7 +15,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr int kMaxIterations = 200;
-constexpr double kLargestDamping = 1e16;
+constexpr double kMaxDamping = 1e16;
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 
 VectorXd clamped(const LeastSquaresProblem& problem, const VectorXd& at) {
@@ -28,8 +29,8 @@ VectorXd moved(const VectorXd& at, Index i, double step) {
 }
 
 VectorXd derivative(const LeastSquaresProblem& problem, const VectorXd& at, Index i) {
-  const double wanted = problem.difference * std::max(std::abs(at[i]), problem.scale[i]);
-  const double h = std::min(wanted, 0.25 * (problem.upper[i] - problem.lower[i]));
+  const double step = problem.difference_step * std::max(std::abs(at[i]), problem.scale[i]);
+  const double h = std::min(step, 0.25 * (problem.upper[i] - problem.lower[i]));
   const bool low = at[i] - h < problem.lower[i];
   if (!low && at[i] + h <= problem.upper[i])
     return (problem.residuals(moved(at, i, h)) - problem.residuals(moved(at, i, -h))) / (2.0 * h);
@@ -39,18 +40,19 @@ VectorXd derivative(const LeastSquaresProblem& problem, const VectorXd& at, Inde
          (2.0 * side);
 }
 
-/// Parameters that may move: not those at a bound that the sum of squares presses against.
-std::vector<Index> movable(const LeastSquaresProblem& problem, const VectorXd& at, const VectorXd& gradient) {
+/// Free parameters: those not at a bound with the descent direction pointing out of it.
+std::vector<Index> free_parameters(const LeastSquaresProblem& problem, const VectorXd& at,
+                                   const VectorXd& gradient) {
   std::vector<Index> out;
   for (Index i = 0; i < at.size(); ++i) {
-    const bool pressed = (at[i] <= problem.lower[i] && gradient[i] >= 0.0) ||
-                         (at[i] >= problem.upper[i] && gradient[i] <= 0.0);
-    if (!pressed) out.push_back(i);
+    const bool active = (at[i] <= problem.lower[i] && gradient[i] >= 0.0) ||
+                        (at[i] >= problem.upper[i] && gradient[i] <= 0.0);
+    if (!active) out.push_back(i);
   }
   return out;
 }
 
-/// Minimizes |J·p + r|² + damping·|D·p|² over the movable parameters, D being the columns' lengths.
+/// Minimizes |J·p + r|² + damping·|D·p|² over the free parameters, D being the columns' lengths.
 VectorXd damped_step(const MatrixXd& jac, const VectorXd& r, const std::vector<Index>& free, double damping) {
   const auto n = static_cast<Index>(free.size());
   MatrixXd stacked = MatrixXd::Zero(jac.rows() + n, n);
@@ -68,43 +70,43 @@ VectorXd damped_step(const MatrixXd& jac, const VectorXd& r, const std::vector<I
   return step;
 }
 
-/// One accepted step, or false if none lessens the sum by more than `least_gain`.
+/// Takes one step. Returns false if none reduces the sum of squares by more than the tolerance.
 bool improve(const LeastSquaresProblem& problem, LeastSquaresResult& now, double& damping) {
-  const VectorXd r = problem.residuals(now.at);
-  const MatrixXd jac = jacobian(problem, now.at);
-  const std::vector<Index> free = movable(problem, now.at, jac.transpose() * r);
+  const VectorXd r = problem.residuals(now.parameters);
+  const MatrixXd jac = jacobian(problem, now.parameters);
+  const std::vector<Index> free = free_parameters(problem, now.parameters, jac.transpose() * r);
   if (free.empty()) return false;
-  const double promise = problem.least_gain * now.sum_of_squares;
-  const double least_gain = std::max(problem.least_gain, 4.0 * kEpsilon) * now.sum_of_squares;
-  for (; damping <= kLargestDamping; damping *= 8.0) {
+  const double predicted_gain = problem.function_tolerance * now.sum_of_squares;
+  const double min_gain = std::max(problem.function_tolerance, 4.0 * kEpsilon) * now.sum_of_squares;
+  for (; damping <= kMaxDamping; damping *= 8.0) {
     const VectorXd step = damped_step(jac, r, free, damping);
-    const VectorXd next = clamped(problem, now.at + step);
+    const VectorXd next = clamped(problem, now.parameters + step);
     const double sum = problem.residuals(next).squaredNorm();
     if (!(sum < now.sum_of_squares)) {
-      // More damping promises less still.
+      // With more damping the predicted gain is smaller still.
       const VectorXd change = jac * step;
-      if (-change.dot(2.0 * r + change) <= promise) return false;
+      if (-change.dot(2.0 * r + change) <= predicted_gain) return false;
       continue;
     }
     const double gain = now.sum_of_squares - sum;
-    now.at = next;
+    now.parameters = next;
     now.sum_of_squares = sum;
     damping = std::max(damping / 16.0, 1e-14);
-    return gain > least_gain;
+    return gain > min_gain;
   }
   return false;
 }
 
 /// Steps along the axes, halved when none helps.
-LeastSquaresResult searched(const LeastSquaresProblem& problem, LeastSquaresResult now) {
+LeastSquaresResult search_axes(const LeastSquaresProblem& problem, LeastSquaresResult now) {
   for (double size = 0.05; size > 1e-9;) {
     bool better = false;
-    for (Index i = 0; i < now.at.size(); ++i) {
+    for (Index i = 0; i < now.parameters.size(); ++i) {
       for (const double sign : {1.0, -1.0}) {
-        const VectorXd next = clamped(problem, moved(now.at, i, sign * size * problem.scale[i]));
+        const VectorXd next = clamped(problem, moved(now.parameters, i, sign * size * problem.scale[i]));
         const double sum = problem.residuals(next).squaredNorm();
         if (!(sum < now.sum_of_squares * (1.0 - 4.0 * kEpsilon))) continue;
-        now.at = next;
+        now.parameters = next;
         now.sum_of_squares = sum;
         better = true;
       }
@@ -134,8 +136,8 @@ MatrixXd jacobian(const LeastSquaresProblem& problem, const VectorXd& at) {
 }
 
 LeastSquaresResult levenberg_marquardt(const LeastSquaresProblem& problem, const VectorXd& start) {
-  LeastSquaresResult now{.at = clamped(problem, start)};
-  now.sum_of_squares = problem.residuals(now.at).squaredNorm();
+  LeastSquaresResult now{.parameters = clamped(problem, start)};
+  now.sum_of_squares = problem.residuals(now.parameters).squaredNorm();
   double damping = 1e-3;
   for (; now.iterations < kMaxIterations && !now.converged; ++now.iterations)
     now.converged = !improve(problem, now, damping);
@@ -150,23 +152,25 @@ LeastSquaresResult minimize(const LeastSquaresProblem& problem, const VectorXd& 
     const LeastSquaresResult other = levenberg_marquardt(problem, candidates[order[k]]);
     if (other.sum_of_squares < best.sum_of_squares) best = other;
   }
-  const LeastSquaresResult found = searched(problem, best);
+  const LeastSquaresResult found = search_axes(problem, best);
   if (!(found.sum_of_squares < best.sum_of_squares)) return best;
-  return levenberg_marquardt(problem, found.at);
+  return levenberg_marquardt(problem, found.parameters);
 }
 
-std::optional<MatrixXd> inverse_gram(const MatrixXd& jac, double dependence) {
+std::optional<MatrixXd> unscaled_covariance(const MatrixXd& jac, double rank_tolerance) {
   const Index n = jac.cols();
   if (n == 0) return MatrixXd(0, 0);
   const VectorXd lengths = jac.colwise().stableNorm();
   if (jac.rows() < n || !(lengths.minCoeff() > 0.0) || !jac.allFinite()) return std::nullopt;
   Eigen::ColPivHouseholderQR<MatrixXd> qr(jac * lengths.cwiseInverse().asDiagonal());
-  qr.setThreshold(dependence);
+  qr.setThreshold(rank_tolerance);
   if (qr.rank() < n) return std::nullopt;
   const MatrixXd inverse_r =
       qr.matrixR().topRows(n).triangularView<Eigen::Upper>().solve(MatrixXd::Identity(n, n));
   const MatrixXd half = lengths.cwiseInverse().asDiagonal() * (qr.colsPermutation() * inverse_r);
-  return MatrixXd(half * half.transpose());
+  MatrixXd covariance = half * half.transpose();
+  assert(covariance.isApprox(covariance.transpose(), 1e-12) && covariance.diagonal().minCoeff() > 0.0);
+  return covariance;
 }
 
 }  // namespace strobe::impact

@@ -1,12 +1,12 @@
-#include <cmath>
+#include "common/impact/fit/comparison.hpp"
 
-#include "common/impact/fit/model_fit.hpp"
+#include <cmath>
 
 namespace strobe::impact {
 
 namespace {
 
-std::optional<double> in_sd(double residual, double sd) {
+std::optional<double> z_if_known(double residual, double sd) {
   if (sd > 0.0) return residual / sd;
   return std::nullopt;
 }
@@ -19,16 +19,17 @@ Comparison compare_one(const Observation& o, ReboundModel model, const Parameter
   out.predicted = *rebound_of(model, parameters, diameter_m, o.touchdown, o.e);
   out.vx_residual_mps = o.lift_off.vx_mps - out.predicted.lift_off.vx_mps;
   out.omega_residual_radps = o.lift_off.omega_radps - out.predicted.lift_off.omega_radps;
-  out.z_vx = in_sd(out.vx_residual_mps, o.lift_off_sd.vx_mps);
-  out.z_omega = in_sd(out.omega_residual_radps, o.lift_off_sd.omega_radps);
-  out.z_vx_with_inputs = in_sd(out.vx_residual_mps, std::hypot(o.lift_off_sd.vx_mps, std::sqrt(inputs.vx)));
-  out.z_omega_with_inputs =
-      in_sd(out.omega_residual_radps, std::hypot(o.lift_off_sd.omega_radps, std::sqrt(inputs.spin) / radius));
+  out.z_vx = z_if_known(out.vx_residual_mps, o.lift_off_sd.vx_mps);
+  out.z_omega = z_if_known(out.omega_residual_radps, o.lift_off_sd.omega_radps);
+  out.z_vx_with_inputs =
+      z_if_known(out.vx_residual_mps, std::hypot(o.lift_off_sd.vx_mps, std::sqrt(inputs.vx)));
+  out.z_omega_with_inputs = z_if_known(
+      out.omega_residual_radps, std::hypot(o.lift_off_sd.omega_radps, std::sqrt(inputs.spin) / radius));
   return out;
 }
 
-/// Root mean square of those z-scores that there are, and how many are within one.
-struct Scores {
+/// Root mean square of the z-scores present, and how many are within one sd.
+struct ZScores {
   int count = 0;
   int within = 0;
   double squares = 0.0;
@@ -52,10 +53,10 @@ std::vector<Comparison> compare(std::span<const Observation> observations, Rebou
   return out;
 }
 
-Agreement agreement_of(std::span<const Comparison> comparisons) {
-  Agreement out;
+ResidualStatistics residual_statistics(std::span<const Comparison> comparisons) {
+  ResidualStatistics out;
   if (comparisons.empty()) return out;
-  Scores vx, omega;
+  ZScores vx, omega;
   for (const Comparison& c : comparisons) {
     out.rms_vx_mps += c.vx_residual_mps * c.vx_residual_mps;
     out.rms_omega_radps += c.omega_residual_radps * c.omega_residual_radps;
@@ -70,15 +71,6 @@ Agreement agreement_of(std::span<const Comparison> comparisons) {
   out.within_sd_omega = omega.within;
   out.rms_z_vx = vx.rms();
   out.rms_z_omega = omega.rms();
-  return out;
-}
-
-FitOptions default_options(ReboundModel model) {
-  FitOptions out{.model = model, .start = default_values(model), .free = {}};
-  out.free[index(Parameter::mu)] = true;
-  out.free[index(Parameter::e_x)] = model != ReboundModel::slide_roll;
-  out.free[index(Parameter::offset_m)] = model == ReboundModel::grip_offset;
-  out.free[index(Parameter::offset_reference_mps)] = model == ReboundModel::grip_offset;
   return out;
 }
 

@@ -1,7 +1,9 @@
 #include "common/impact/fit/contact_fit.hpp"
 
+#include <Eigen/Cholesky>
 #include <Eigen/SVD>
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -18,11 +20,11 @@ namespace {
 
 /// Near the published fit of this mechanics (mu .555, k_t/k 1.39, c_t .75, offset .098, alpha .55).
 const ContactVector kStart{0.55, 1.4, 0.7, 0.1, 0.55};
-const ContactVector kLowest{0.0, 1e-2, 0.01, 0.0, 0.1};
-const ContactVector kHighest{10.0, 1e2, 10.0, 1.0, ball::kThinShellAlpha};
+const ContactVector kLowerBounds{0.0, 1e-2, 0.01, 0.0, 0.1};
+const ContactVector kUpperBounds{10.0, 1e2, 10.0, 1.0, ball::kThinShellAlpha};
 
-/// A column that is, but for this share of it, a combination of others: the differences tell no finer.
-constexpr double kDependence = 1e-6;
+/// Limited by the accuracy of the finite differences.
+constexpr double kContactRankTolerance = 1e-6;
 
 Error refused(const ContactObservation& o, InputError error) {
   return Error{o.name + ": " + std::string(message(error))};
@@ -46,14 +48,15 @@ Result<Eigen::VectorXd> residuals(std::span<const ContactObservation> observatio
   return r;
 }
 
-/// The integration is good to 1e-9 or so, not to rounding: wider differences, and an end before its noise.
+/// The integration is accurate to about 1e-9, not to rounding: wider differences, and a tolerance above its
+/// noise.
 LeastSquaresProblem problem_of(std::function<Eigen::VectorXd(const Eigen::VectorXd&)> residuals) {
   return {.residuals = std::move(residuals),
-          .lower = kLowest,
-          .upper = kHighest,
+          .lower = kLowerBounds,
+          .upper = kUpperBounds,
           .scale = ContactVector::Constant(0.01),
-          .difference = 1e-4,
-          .least_gain = 1e-10};
+          .difference_step = 1e-4,
+          .function_tolerance = 1e-10};
 }
 
 struct Optimum {
@@ -74,14 +77,14 @@ Result<Optimum> optimum(std::span<const ContactObservation> observations, const 
   });
   if (problem.residuals(kStart); refusal) return tl::unexpected(*refusal);
   const LeastSquaresResult found = levenberg_marquardt(problem, kStart);
-  Eigen::MatrixXd at_minimum = jacobian(problem, found.at);
+  Eigen::MatrixXd at_minimum = jacobian(problem, found.parameters);
   if (refusal) return tl::unexpected(*refusal);
   if (!found.converged) return fail("the contact's fit does not converge");
-  return Optimum{found.at, found.sum_of_squares, std::move(at_minimum), found.iterations};
+  return Optimum{found.parameters, found.sum_of_squares, std::move(at_minimum), found.iterations};
 }
 
-Result<std::vector<ContactFitPoint>> judge(std::span<const ContactObservation> observations,
-                                           const ContactVector& p, const ContactFitOptions& options) {
+Result<std::vector<ContactFitPoint>> compare_all(std::span<const ContactObservation> observations,
+                                                 const ContactVector& p, const ContactFitOptions& options) {
   std::vector<ContactFitPoint> points;
   for (const ContactObservation& o : observations) {
     const auto computed = compute(o, p, options);
@@ -135,7 +138,7 @@ ContactObservation observation_of(const thesis::Condition& c) {
 }
 
 ContactVector within_bounds(const ContactVector& parameters) {
-  return parameters.cwiseMax(kLowest).cwiseMin(kHighest);
+  return parameters.cwiseMax(kLowerBounds).cwiseMin(kUpperBounds);
 }
 
 double ContactFit::sd(ContactParameter parameter) const {
@@ -161,15 +164,16 @@ Result<ContactFit> fit_contact(std::span<const ContactObservation> observations,
   if (observations.size() < 3) return fail("a fit of the contact needs three conditions or more");
   const auto best = optimum(observations, options);
   if (!best) return tl::unexpected(best.error());
-  const auto inverse = inverse_gram(best->jacobian, kDependence);
+  const auto inverse = unscaled_covariance(best->jacobian, kContactRankTolerance);
   if (!inverse) return fail("the conditions do not tell the contact's parameters apart");
-  auto points = judge(observations, best->value, options);
+  auto points = compare_all(observations, best->value, options);
   if (!points) return tl::unexpected(points.error());
   ContactFit fit;
   fit.value = best->value;
   fit.chi_square = best->chi_square;
   fit.degrees_of_freedom = static_cast<int>(best->jacobian.rows()) - kFitParameters;
   fit.covariance = fit.chi_square / fit.degrees_of_freedom * *inverse;
+  assert(fit.covariance.llt().info() == Eigen::Success);
   fit.coefficients = coefficients_of(observations.front(), best->value, options);
   fit.jacobian_condition = condition_of(best->jacobian);
   fit.iterations = best->iterations;
@@ -180,18 +184,18 @@ Result<ContactFit> fit_contact(std::span<const ContactObservation> observations,
   return fit;
 }
 
-Result<std::vector<ContactLeftOut>> leave_one_group_out(std::span<const ContactObservation> observations,
-                                                        const ContactFitOptions& options) {
+Result<std::vector<ContactHeldOutGroup>> leave_one_group_out(std::span<const ContactObservation> observations,
+                                                             const ContactFitOptions& options) {
   std::set<std::string> groups;
   for (const ContactObservation& o : observations) groups.insert(o.group);
-  std::vector<ContactLeftOut> out;
+  std::vector<ContactHeldOutGroup> out;
   for (const std::string& group : groups) {
     std::vector<ContactObservation> kept;
     std::vector<ContactObservation> left;
     for (const ContactObservation& o : observations) (o.group == group ? left : kept).push_back(o);
     const auto fit = fit_contact(kept, options);
     if (!fit) return tl::unexpected(fit.error());
-    const auto points = judge(left, fit->value, options);
+    const auto points = compare_all(left, fit->value, options);
     if (!points) return tl::unexpected(points.error());
     const Rms rms = rms_of(*points);
     out.push_back({group, fit->value, rms.vx, rms.omega});

@@ -1,6 +1,7 @@
-// The contact mechanics fitted to measured conditions: normal spring and dashpot of each from its restitution
-// and dwell time, and five numbers that all share: mu, k_t/k, c_t, the offset's share of the footprint and
-// the ball's alpha (bounded_least_squares.hpp). Allocates; thread-safe; some 20 ms for 21 conditions.
+// The contact ODE fitted to measured conditions: the normal spring and dashpot of each follow from its
+// restitution and dwell time; five parameters are common to all: mu, k_t/k, c_t, the offset over the
+// footprint's radius and the ball's alpha (bounded_least_squares.hpp). Allocates; thread-safe; some 20 ms for
+// 21 conditions.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,10 +17,10 @@
 
 namespace strobe::impact {
 
-/// One measured condition: means, with the sd of what was measured (0: not known).
+/// One measured condition: means, with the sds of the measured values (0: unknown).
 struct ContactObservation {
   std::string name;
-  std::string group;  ///< left out together by leave-one-group-out, e.g. the spin
+  std::string group;  ///< of leave_one_group_out(), e.g. the spin
   Motion touchdown;
   Motion touchdown_sd;
   Motion lift_off;
@@ -46,7 +47,7 @@ using ContactMatrix = Eigen::Matrix<double, kFitParameters, kFitParameters>;
 struct ContactFitOptions {
   OffsetLaw law = OffsetLaw::against_spin;
   double offset_reference_mps = kContactOffsetReference_mps;
-  double vx_sd_mps = 0.38;  ///< what a residual of lift-off is divided by: the thesis's pooled replicate sd
+  double vx_sd_mps = 0.38;       ///< divisor of lift-off's residuals: the thesis's pooled replicate sd
   double omega_sd_radps = 11.5;  ///< the same for the spin
   double tolerance = 1e-9;       ///< of the integration, 1e-12…1e-6
 };
@@ -63,7 +64,7 @@ struct ContactFitPoint {
 struct ContactFit {
   ContactVector value;               ///< in the order of ContactParameter
   ContactMatrix covariance;          ///< scaled by chi_square/degrees_of_freedom
-  ContactCoefficients coefficients;  ///< the common ones; e and dwell are each condition's
+  ContactCoefficients coefficients;  ///< common to all conditions; e and dwell_s are those of the first
   double chi_square = 0.0;
   int degrees_of_freedom = 0;
   double vx_rms_mps = 0.0;
@@ -80,24 +81,24 @@ ContactCoefficients coefficients_of(const ContactObservation& observation, const
                                     const ContactFitOptions& options);
 ball::Ball ball_of(const ContactVector& parameters);
 
-/// Moved into the bounds of a fit: mu 0…10, k_t/k 1e-2…1e2, c_t 0.01…10, offset 0…1, alpha 0.1…2/3.
+/// Clamped to the bounds of a fit: mu 0…10, k_t/k 1e-2…1e2, c_t 0.01…10, offset 0…1, alpha 0.1…2/3.
 ContactVector within_bounds(const ContactVector& parameters);
 
 /// Fails with fewer than three observations, an observation that simulate() refuses (named), parameters that
-/// the observations do not tell apart, or no convergence in 200 iterations.
+/// the observations do not determine, or no convergence in 200 iterations.
 Result<ContactFit> fit_contact(std::span<const ContactObservation> observations,
                                const ContactFitOptions& options = {});
 
-/// The fit without each group in turn, judged on that group (its own e and dwell times are used).
-struct ContactLeftOut {
+/// The fit without one group, and its prediction of that group (with the group's own e and dwell times).
+struct ContactHeldOutGroup {
   std::string group;
   ContactVector value;
   double vx_rms_mps = 0.0;
   double omega_rms_radps = 0.0;
 };
 
-/// In order of the groups' names. Fails as fit_contact() does, on the first group that makes it fail.
-Result<std::vector<ContactLeftOut>> leave_one_group_out(std::span<const ContactObservation> observations,
-                                                        const ContactFitOptions& options = {});
+/// In order of the groups' names. Fails like fit_contact(), with the first error.
+Result<std::vector<ContactHeldOutGroup>> leave_one_group_out(std::span<const ContactObservation> observations,
+                                                             const ContactFitOptions& options = {});
 
 }  // namespace strobe::impact

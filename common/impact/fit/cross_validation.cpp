@@ -6,20 +6,21 @@ namespace strobe::impact {
 
 namespace {
 
-const std::string& group_of(const Observation& o, LeaveOut by) {
-  return by == LeaveOut::spin ? o.spin : o.series;
+const std::string& group_of(const Observation& o, CrossValidationGroup by) {
+  return by == CrossValidationGroup::spin ? o.spin : o.series;
 }
 
-std::vector<std::string> groups_of(std::span<const Observation> observations, LeaveOut by) {
+std::vector<std::string> groups_of(std::span<const Observation> observations, CrossValidationGroup by) {
   std::vector<std::string> out;
   for (const Observation& o : observations)
     if (std::find(out.begin(), out.end(), group_of(o, by)) == out.end()) out.push_back(group_of(o, by));
   return out;
 }
 
-tl::expected<LeftOut, FitFailure> without(const std::string& group, std::span<const Observation> observations,
-                                          const FitOptions& options, LeaveOut by) {
-  LeftOut out;
+tl::expected<HeldOutGroup, FitFailure> hold_out(const std::string& group,
+                                                std::span<const Observation> observations,
+                                                const FitOptions& options, CrossValidationGroup by) {
+  HeldOutGroup out;
   out.group = group;
   std::vector<Observation> kept, left;
   std::vector<std::size_t> kept_from;
@@ -35,28 +36,29 @@ tl::expected<LeftOut, FitFailure> without(const std::string& group, std::span<co
     return tl::unexpected(failure);
   }
   out.predicted = compare(left, options.model, fitted->values(), options.diameter_m);
-  out.agreement = agreement_of(out.predicted);
+  out.statistics = residual_statistics(out.predicted);
   out.fit = *std::move(fitted);
   return out;
 }
 
 }  // namespace
 
-tl::expected<Validation, FitFailure> leave_out(std::span<const Observation> observations,
-                                               const FitOptions& options, LeaveOut by) {
-  // What is wrong with the observations themselves is said of all of them, also those that are left out.
+tl::expected<CrossValidation, FitFailure> leave_one_group_out(std::span<const Observation> observations,
+                                                              const FitOptions& options,
+                                                              CrossValidationGroup by) {
+  // Errors of the observations themselves are reported before any group is left out.
   if (const auto whole = fit(observations, options); !whole) return tl::unexpected(whole.error());
   const std::vector<std::string> groups = groups_of(observations, by);
-  if (groups.size() < 2) return tl::unexpected(FitFailure{.error = FitError::too_few_numbers});
-  Validation out;
+  if (groups.size() < 2) return tl::unexpected(FitFailure{.error = FitError::underdetermined});
+  CrossValidation out;
   std::vector<Comparison> all;
   for (const std::string& group : groups) {
-    auto left = without(group, observations, options, by);
+    auto left = hold_out(group, observations, options, by);
     if (!left) return tl::unexpected(left.error());
     all.insert(all.end(), left->predicted.begin(), left->predicted.end());
     out.groups.push_back(*std::move(left));
   }
-  out.agreement = agreement_of(all);
+  out.statistics = residual_statistics(all);
   return out;
 }
 

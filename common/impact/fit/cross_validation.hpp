@@ -1,34 +1,36 @@
-// Validation of the in/out models on what they were not fitted to: the fit leaves a group of observations out
-// and predicts it. Deterministic; thread-safe; allocates; a fit for each group.
+// Leave-one-group-out cross-validation of the rebound models: each group of observations is predicted by a
+// fit of the others. Deterministic; thread-safe; allocates; one fit per group.
 #pragma once
 
 #include "common/impact/fit/model_fit.hpp"
 
 namespace strobe::impact {
 
-enum class LeaveOut {
+enum class CrossValidationGroup {
   spin,    ///< all observations of one spin
-  series,  ///< all of one series: one of the conditions, or all shots of one series of shots
+  series,  ///< all observations of one series: a condition, or the shots of a series
 };
 
-struct LeftOut {
+struct HeldOutGroup {
   std::string group;
-  std::vector<std::size_t> observations;  ///< indices of those left out
+  std::vector<std::size_t> observations;  ///< their indices
   ModelFit fit;                           ///< of the others
-  std::vector<Comparison> predicted;      ///< those left out against that fit
-  Agreement agreement;                    ///< of `predicted`
+  std::vector<Comparison> predicted;      ///< the group compared with that fit
+  ResidualStatistics statistics;          ///< of `predicted`
 };
 
-struct Validation {
-  std::vector<LeftOut> groups;  ///< in order of first appearance
-  Agreement agreement;          ///< over all predictions: each observation was predicted once
+struct CrossValidation {
+  std::vector<HeldOutGroup> groups;  ///< in order of first appearance
+  ResidualStatistics statistics;     ///< over all groups: each observation is predicted once
 };
 
-/// Failures as for fit(), where the others do not suffice; too_few_numbers if there is only one group.
-tl::expected<Validation, FitFailure> leave_out(std::span<const Observation> observations,
-                                               const FitOptions& options, LeaveOut by);
+/// Errors as for fit(), of all observations or of those without a group; underdetermined if there is only one
+/// group.
+tl::expected<CrossValidation, FitFailure> leave_one_group_out(std::span<const Observation> observations,
+                                                              const FitOptions& options,
+                                                              CrossValidationGroup by);
 
-/// The observations of one spin, to fit and validate a spin by itself.
+/// The observations of one spin.
 std::vector<Observation> of_spin(std::span<const Observation> observations, std::string_view spin);
 
 }  // namespace strobe::impact

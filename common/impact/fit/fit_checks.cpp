@@ -8,15 +8,13 @@ namespace strobe::impact {
 namespace {
 
 bool positive(double x) { return x >= kMinMagnitude && x <= kMaxMagnitude; }
-/// An sd of 0 is one that is not known.
-bool not_negative(double x) { return x == 0.0 || positive(x); }
-bool measurable(double x) { return std::abs(x) <= kMaxMagnitude; }
+/// An sd of 0 means unknown.
+bool is_sd(double x) { return x == 0.0 || positive(x); }
+bool in_range(double x) { return std::abs(x) <= kMaxMagnitude; }
 
-bool usable(const Motion& sd) {
-  return not_negative(sd.vx_mps) && not_negative(sd.vy_mps) && not_negative(sd.omega_radps);
-}
+bool are_sds(const Motion& sd) { return is_sd(sd.vx_mps) && is_sd(sd.vy_mps) && is_sd(sd.omega_radps); }
 
-std::optional<FitFailure> wrong_options(const FitOptions& o) {
+std::optional<FitFailure> find_option_failure(const FitOptions& o) {
   if (!positive(o.diameter_m) || !positive(o.vx_weight) || !positive(o.spin_weight))
     return FitFailure{.error = FitError::invalid_options};
   for (std::size_t i = 0; i < kParameterCount; ++i) {
@@ -31,27 +29,28 @@ std::optional<FitFailure> wrong_options(const FitOptions& o) {
   return std::nullopt;
 }
 
-std::optional<FitFailure> wrong_observation(const Observation& o, std::size_t at, const FitOptions& options) {
+std::optional<FitFailure> find_observation_failure(const Observation& o, std::size_t at,
+                                                   const FitOptions& options) {
   const auto predicted = rebound_of(options.model, options.start, options.diameter_m, o.touchdown, o.e);
   FitFailure failure{.error = FitError::invalid_observation, .observation = at};
   if (!predicted) {
     failure.input = predicted.error();
     return failure;
   }
-  if (!measurable(o.lift_off.vx_mps) || !measurable(o.lift_off.omega_radps)) return failure;
-  failure.error = FitError::sd_not_usable;
-  if (!usable(o.touchdown_sd) || !usable(o.lift_off_sd) || !not_negative(o.e_sd)) return failure;
+  if (!in_range(o.lift_off.vx_mps) || !in_range(o.lift_off.omega_radps)) return failure;
+  failure.error = FitError::invalid_sd;
+  if (!are_sds(o.touchdown_sd) || !are_sds(o.lift_off_sd) || !is_sd(o.e_sd)) return failure;
   if (moved_inputs_error(options.model, options.start, options.diameter_m, o)) return failure;
-  const bool weightless = o.lift_off_sd.vx_mps == 0.0 || o.lift_off_sd.omega_radps == 0.0;
-  if (options.weighting == Weighting::stated_sd && weightless) return failure;
+  const bool no_weight = o.lift_off_sd.vx_mps == 0.0 || o.lift_off_sd.omega_radps == 0.0;
+  if (options.weighting == Weighting::stated_sd && no_weight) return failure;
   return std::nullopt;
 }
 
-std::string needs(FitError error) {
+std::string text_of(FitError error) {
   switch (error) {
     case FitError::no_observations:
       return "there are no observations to fit to";
-    case FitError::sd_not_usable:
+    case FitError::invalid_sd:
       return "standard deviations must be finite and not negative, those of lift-off positive where they "
              "weight the fit";
     case FitError::invalid_options:
@@ -60,7 +59,7 @@ std::string needs(FitError error) {
       return "the model does not have this parameter";
     case FitError::value_out_of_bounds:
       return "outside of the parameter's range";
-    case FitError::too_few_numbers:
+    case FitError::underdetermined:
       return "too few observations for so many parameters: each gives two numbers (vx and omega)";
     case FitError::not_identifiable:
       return "cannot be told apart from the other parameters by these observations: fix it";
@@ -74,13 +73,13 @@ std::string needs(FitError error) {
 
 std::optional<FitFailure> find_failure(std::span<const Observation> observations, const FitOptions& options) {
   if (observations.empty()) return FitFailure{.error = FitError::no_observations};
-  if (const auto failure = wrong_options(options)) return failure;
+  if (const auto failure = find_option_failure(options)) return failure;
   for (std::size_t i = 0; i < observations.size(); ++i)
-    if (const auto failure = wrong_observation(observations[i], i, options)) return failure;
+    if (const auto failure = find_observation_failure(observations[i], i, options)) return failure;
   const auto parameters =
       static_cast<std::size_t>(std::count(options.free.begin(), options.free.end(), true));
   const std::size_t spare = options.scale == CovarianceScale::residuals && parameters > 0 ? 1 : 0;
-  if (2 * observations.size() < parameters + spare) return FitFailure{.error = FitError::too_few_numbers};
+  if (2 * observations.size() < parameters + spare) return FitFailure{.error = FitError::underdetermined};
   return std::nullopt;
 }
 
@@ -91,14 +90,14 @@ std::string message(const FitFailure& failure, std::span<const Observation> obse
   switch (failure.error) {
     case FitError::invalid_observation:
       return at() + std::string(message(failure.input));
-    case FitError::sd_not_usable:
-      return at() + needs(failure.error);
+    case FitError::invalid_sd:
+      return at() + text_of(failure.error);
     case FitError::parameter_not_in_model:
     case FitError::value_out_of_bounds:
     case FitError::not_identifiable:
-      return std::string(name(failure.parameter)) + ": " + needs(failure.error);
+      return std::string(name(failure.parameter)) + ": " + text_of(failure.error);
     default:
-      return needs(failure.error);
+      return text_of(failure.error);
   }
 }
 

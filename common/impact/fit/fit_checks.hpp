@@ -1,4 +1,4 @@
-// What fit() demands of its inputs. Pure; thread-safe.
+// Checks of the inputs of fit(). Pure; thread-safe.
 #pragma once
 
 #include <optional>
@@ -7,7 +7,7 @@
 
 namespace strobe::impact {
 
-/// The first thing that is wrong, if anything is.
+/// The first error found. Returns nullopt if there is none.
 std::optional<FitFailure> find_failure(std::span<const Observation> observations, const FitOptions& options);
 
 }  // namespace strobe::impact

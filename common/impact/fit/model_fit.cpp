@@ -19,13 +19,13 @@ using Eigen::VectorXd;
 
 constexpr std::size_t kStartsTried = 6;
 constexpr int kMaxReweightings = 12;
-constexpr double kDependence = 1e-8;               // derivatives by differences are good to about 1e-10
+constexpr double kRankTolerance = 1e-8;            // derivatives by differences are good to about 1e-10
 constexpr double kOneSidedZ = 1.6448536269514722;  // normal quantile of kLimitLevel
 
-/// One fit under way: which parameters are free, and how residuals are weighted.
-class Work {
+/// A fit in progress: the free parameters and the weights of the residuals.
+class Fitter {
  public:
-  Work(std::span<const Observation> observations, const FitOptions& options)
+  Fitter(std::span<const Observation> observations, const FitOptions& options)
       : observations_(observations), options_(options), values_(options.start) {
     for (std::size_t i = 0; i < kParameterCount; ++i)
       if (options.free[i]) free_.push_back(static_cast<Parameter>(i));
@@ -35,14 +35,14 @@ class Work {
 
   ModelFit run() {
     fit_once(kStartsTried);
-    if (options_.weighting == Weighting::stated_sd) settle_weights();
+    if (options_.weighting == Weighting::stated_sd) iterate_weights();
     ModelFit out;
     out.converged = converged_;
     out.comparisons = compare(observations_, options_.model, values_, options_.diameter_m);
-    out.agreement = agreement_of(out.comparisons);
+    out.statistics = residual_statistics(out.comparisons);
     out.chi2 = residuals_at(free_values()).squaredNorm();
     out.dof = static_cast<int>(2 * observations_.size()) - static_cast<int>(free_.size());
-    if (options_.scale == CovarianceScale::residuals) out.variance_scale = level(out.chi2, out.dof);
+    if (options_.scale == CovarianceScale::residuals) out.variance_scale = reduced_chi2(out.chi2, out.dof);
     return out;
   }
 
@@ -119,12 +119,13 @@ class Work {
       return;
     }
     const LeastSquaresResult found = minimize(problem(), free_values(), candidates(tries), tries);
-    values_ = with(found.at);
+    values_ = with(found.parameters);
     converged_ = found.converged;
   }
 
-  /// The inputs' share of the weights depends on the parameters: alternate until they stand still.
-  void settle_weights() {
+  /// The weights depend on the parameters through the inputs' errors: alternate until the parameters
+  /// converge.
+  void iterate_weights() {
     const VectorXd scale = problem().scale;
     for (int i = 0; i < kMaxReweightings; ++i) {
       const VectorXd before = free_values();
@@ -157,8 +158,8 @@ class Work {
     return out;
   }
 
-  /// chi2/dof, and 0 where the residuals are no more than the rounding of the numbers.
-  double level(double chi2, int dof) const {
+  /// chi2/dof; 0 where the residuals are within rounding.
+  double reduced_chi2(double chi2, int dof) const {
     double rounding = 0.0;
     for (std::size_t i = 0; i < observations_.size(); ++i) {
       const Observation& o = observations_[i];
@@ -178,7 +179,7 @@ class Work {
   bool converged_ = false;
 };
 
-/// Columns of the Jacobian by what becomes of their parameters.
+/// Columns of the Jacobian by the status of their parameters.
 struct Columns {
   std::vector<Index> fitted;
   std::vector<Index> at_bound;
@@ -190,20 +191,20 @@ MatrixXd picked(const MatrixXd& jac, const std::vector<Index>& columns) {
   return out;
 }
 
-Columns sort_columns(const Work& work, const LeastSquaresProblem& problem, const MatrixXd& jac,
+Columns sort_columns(const Fitter& fitter, const LeastSquaresProblem& problem, const MatrixXd& jac,
                      ModelFit& fit) {
   Columns out;
-  const VectorXd at = work.free_values();
+  const VectorXd at = fitter.free_values();
   const double strongest = (jac * problem.scale.asDiagonal()).colwise().norm().maxCoeff();
   for (Index k = 0; k < at.size(); ++k) {
-    FittedParameter& parameter = fit.parameters[index(work.free()[static_cast<std::size_t>(k)])];
+    FittedParameter& parameter = fit.parameters[index(fitter.free()[static_cast<std::size_t>(k)])];
     const double near = 1e-9 * problem.scale[k];
     parameter.status = ParameterStatus::fitted;
     if (at[k] <= problem.lower[k] + near) parameter.status = ParameterStatus::at_lower_bound;
     if (at[k] >= problem.upper[k] - near) parameter.status = ParameterStatus::at_upper_bound;
     if (parameter.status != ParameterStatus::fitted) {
       out.at_bound.push_back(k);
-    } else if (problem.scale[k] * jac.col(k).norm() <= kDependence * strongest) {
+    } else if (problem.scale[k] * jac.col(k).norm() <= kRankTolerance * strongest) {
       parameter.status = ParameterStatus::undetermined;
     } else {
       out.fitted.push_back(k);
@@ -212,12 +213,12 @@ Columns sort_columns(const Work& work, const LeastSquaresProblem& problem, const
   return out;
 }
 
-/// How far from its bound the parameter may be: where the linearized sum of squares has risen by z².
+/// The distance from its bound at which the linearized sum of squares has risen by z².
 void set_limit(const MatrixXd& fitted, const VectorXd& column, const VectorXd& residuals, double scale,
                const LeastSquaresProblem& problem, Index k, FittedParameter& parameter) {
   VectorXd alone = column;
   if (fitted.cols() > 0) alone -= fitted * fitted.colPivHouseholderQr().solve(column);
-  if (alone.norm() <= kDependence * column.norm() || column.norm() == 0.0) return;
+  if (alone.norm() <= kRankTolerance * column.norm() || column.norm() == 0.0) return;
   const double rise = kOneSidedZ * kOneSidedZ * scale;
   const double slope = std::abs(alone.dot(residuals));
   const double root = slope + std::sqrt(slope * slope + alone.squaredNorm() * rise);
@@ -226,36 +227,37 @@ void set_limit(const MatrixXd& fitted, const VectorXd& column, const VectorXd& r
   parameter.limit = std::clamp(parameter.value + (low ? away : -away), problem.lower[k], problem.upper[k]);
 }
 
-double least_friction(const ModelFit& fit) {
-  double most = 0.0;
-  for (const Comparison& c : fit.comparisons) most = std::max(most, std::abs(c.predicted.impulse_ratio));
-  return most;
+double min_friction(const ModelFit& fit) {
+  double largest = 0.0;
+  for (const Comparison& c : fit.comparisons)
+    largest = std::max(largest, std::abs(c.predicted.impulse_ratio));
+  return largest;
 }
 
-/// The parameter without which the others would not depend on each other.
-Parameter culprit(const MatrixXd& jac, const std::vector<Index>& fitted, const Work& work) {
+/// A parameter without which the others are identifiable.
+Parameter redundant_parameter(const MatrixXd& jac, const std::vector<Index>& fitted, const Fitter& fitter) {
   for (std::size_t k = fitted.size(); k-- > 0;) {
     std::vector<Index> others = fitted;
     others.erase(others.begin() + static_cast<std::ptrdiff_t>(k));
-    if (inverse_gram(picked(jac, others), kDependence))
-      return work.free()[static_cast<std::size_t>(fitted[k])];
+    if (unscaled_covariance(picked(jac, others), kRankTolerance))
+      return fitter.free()[static_cast<std::size_t>(fitted[k])];
   }
-  return work.free()[static_cast<std::size_t>(fitted.front())];
+  return fitter.free()[static_cast<std::size_t>(fitted.front())];
 }
 
-tl::expected<void, FitFailure> add_uncertainty(const Work& work, ModelFit& fit) {
-  if (work.free().empty()) return {};
-  const LeastSquaresProblem problem = work.problem();
-  const VectorXd at = work.free_values();
+tl::expected<void, FitFailure> add_uncertainty(const Fitter& fitter, ModelFit& fit) {
+  if (fitter.free().empty()) return {};
+  const LeastSquaresProblem problem = fitter.problem();
+  const VectorXd at = fitter.free_values();
   const MatrixXd jac = jacobian(problem, at);
-  const Columns columns = sort_columns(work, problem, jac, fit);
+  const Columns columns = sort_columns(fitter, problem, jac, fit);
   const MatrixXd fitted = picked(jac, columns.fitted);
-  const auto covariance = inverse_gram(fitted, kDependence);
+  const auto covariance = unscaled_covariance(fitted, kRankTolerance);
   if (!covariance)
-    return tl::unexpected(
-        FitFailure{.error = FitError::not_identifiable, .parameter = culprit(jac, columns.fitted, work)});
+    return tl::unexpected(FitFailure{.error = FitError::not_identifiable,
+                                     .parameter = redundant_parameter(jac, columns.fitted, fitter)});
   const auto place = [&](std::size_t k) {
-    return index(work.free()[static_cast<std::size_t>(columns.fitted[k])]);
+    return index(fitter.free()[static_cast<std::size_t>(columns.fitted[k])]);
   };
   for (std::size_t a = 0; a < columns.fitted.size(); ++a) {
     for (std::size_t b = 0; b < columns.fitted.size(); ++b)
@@ -264,12 +266,12 @@ tl::expected<void, FitFailure> add_uncertainty(const Work& work, ModelFit& fit) 
     const auto diagonal = static_cast<Index>(place(a));
     fit.parameters[place(a)].sd = std::sqrt(fit.covariance(diagonal, diagonal));
   }
-  const VectorXd residuals = work.residuals_at(at);
+  const VectorXd residuals = fitter.residuals_at(at);
   for (const Index k : columns.at_bound)
     set_limit(fitted, jac.col(k), residuals, fit.variance_scale, problem, k,
-              fit.parameters[index(work.free()[static_cast<std::size_t>(k)])]);
+              fit.parameters[index(fitter.free()[static_cast<std::size_t>(k)])]);
   FittedParameter& mu = fit.parameters[index(Parameter::mu)];
-  if (mu.status == ParameterStatus::undetermined) mu.limit = least_friction(fit);
+  if (mu.status == ParameterStatus::undetermined) mu.limit = min_friction(fit);
   return {};
 }
 
@@ -277,11 +279,20 @@ tl::expected<void, FitFailure> add_uncertainty(const Work& work, ModelFit& fit) 
 
 tl::expected<ModelFit, FitFailure> fit(std::span<const Observation> observations, const FitOptions& options) {
   if (const auto failure = find_failure(observations, options)) return tl::unexpected(*failure);
-  Work work(observations, options);
-  ModelFit out = work.run();
+  Fitter fitter(observations, options);
+  ModelFit out = fitter.run();
   out.covariance.setZero();
-  for (std::size_t i = 0; i < kParameterCount; ++i) out.parameters[i].value = work.values()[i];
-  if (const auto added = add_uncertainty(work, out); !added) return tl::unexpected(added.error());
+  for (std::size_t i = 0; i < kParameterCount; ++i) out.parameters[i].value = fitter.values()[i];
+  if (const auto added = add_uncertainty(fitter, out); !added) return tl::unexpected(added.error());
+  return out;
+}
+
+FitOptions default_options(ReboundModel model) {
+  FitOptions out{.model = model, .start = default_values(model), .free = {}};
+  out.free[index(Parameter::mu)] = true;
+  out.free[index(Parameter::e_x)] = model != ReboundModel::slide_roll;
+  out.free[index(Parameter::offset_m)] = model == ReboundModel::grip_offset;
+  out.free[index(Parameter::offset_reference_mps)] = model == ReboundModel::grip_offset;
   return out;
 }
 

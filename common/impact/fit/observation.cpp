@@ -8,8 +8,8 @@ namespace strobe::impact {
 
 namespace {
 
-/// From a population sd to the sd of the mean, s/sqrt(n) with s² = sd²·n/(n - 1). One replicate says nothing
-/// of its spread: its printed sd is kept.
+/// From a population sd to the sd of the mean, s/sqrt(n) with s² = sd²·n/(n - 1). The sd of a single
+/// replicate is kept as printed.
 double divisor(Spread spread, int n) {
   return spread == Spread::mean ? std::sqrt(static_cast<double>(std::max(n - 1, 1))) : 1.0;
 }

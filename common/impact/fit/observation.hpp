@@ -1,6 +1,6 @@
-// What the inverse of the in/out models is fitted to: the motion measured at touchdown and lift-off of a
-// shot, or its means over the replicates of a condition, with their standard deviations. Plain values;
-// copying allocates (names). Thread-safe; not for the real-time path.
+// The data of a rebound model's fit: the motion measured at touchdown and lift-off of a shot, or its means
+// over the replicates of a condition, with standard deviations. Plain values; copying allocates (names).
+// Thread-safe; not for the real-time path.
 #pragma once
 
 #include <span>
@@ -20,18 +20,18 @@ struct Observation {
   Motion touchdown;
   Motion touchdown_sd;
   Motion lift_off;
-  Motion lift_off_sd;  ///< of vy it is not used: e says the same
+  Motion lift_off_sd;  ///< that of vy is not used, as e is given
   double e = 0.0;      ///< measured restitution, 0…1
   double e_sd = 0.0;
 };
 
-/// Which spread the published tables' standard deviations stand for.
+/// What standard deviations of a condition refer to.
 enum class Spread {
-  /// Of one replicate, as printed. "Within one sd" and the z-scores of the tables are by these.
+  /// One replicate, as printed. "Within one sd" and the z-scores of the tables refer to these.
   replicate,
-  /// Of the mean of n replicates: the printed population sd over sqrt(n - 1). The machine's spread from shot
-  /// to shot is in it, though touchdown and lift-off share it, so that it cancels in part: an upper bound of
-  /// the error with which means can be compared.
+  /// The mean of n replicates: the printed population sd over sqrt(n - 1). It includes the machine's spread
+  /// from shot to shot, which touchdown and lift-off share and which therefore cancels in part: an upper
+  /// bound of the error of a comparison of means.
   mean,
 };
 

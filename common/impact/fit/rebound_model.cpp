@@ -8,8 +8,8 @@ namespace strobe::impact {
 namespace {
 
 constexpr ParameterValues kLower{0.0, -1.0, 0.0, 1e-9, 0.01};
-constexpr double kLargestMu = 10.0;
-constexpr double kLargestReference_mps = 100.0;
+constexpr double kMaxMu = 10.0;
+constexpr double kMaxReference_mps = 100.0;
 
 }  // namespace
 
@@ -18,13 +18,13 @@ double lower_bound(Parameter p) { return kLower[index(p)]; }
 double upper_bound(Parameter p, double radius_m) {
   switch (p) {
     case Parameter::mu:
-      return kLargestMu;
+      return kMaxMu;
     case Parameter::e_x:
       return 1.0;
     case Parameter::offset_m:
       return radius_m * (1.0 - 1e-12);
     case Parameter::offset_reference_mps:
-      return kLargestReference_mps;
+      return kMaxReference_mps;
     case Parameter::alpha:
       return ball::kThinShellAlpha;
   }

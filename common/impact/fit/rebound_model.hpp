@@ -1,4 +1,4 @@
-// The in/out models as functions of parameters that can be fitted. Pure, no allocation: thread-safe,
+// The rebound models as functions of parameters that can be fitted. Pure, no allocation: thread-safe,
 // real-time safe.
 #pragma once
 
@@ -13,15 +13,15 @@
 namespace strobe::impact {
 
 enum class ReboundModel {
-  slide_roll,   ///< Brody's choice, rigid(): mu, alpha
+  slide_roll,   ///< rigid() (Brody): mu, alpha
   grip,         ///< tangential restitution of a grip: mu, e_x, alpha
-  grip_offset,  ///< besides, the normal force ahead of the centre, odd in the rolling: mu, e_x, d, u0, alpha
+  grip_offset,  ///< with the normal force ahead of the centre too: mu, e_x, d, u0, alpha
 };
 
 enum class Parameter { mu, e_x, offset_m, offset_reference_mps, alpha };
 inline constexpr std::size_t kParameterCount = 5;
 
-/// By the order of Parameter; units m, m/s where they have any.
+/// In the order of Parameter; SI units.
 using ParameterValues = std::array<double, kParameterCount>;
 
 constexpr std::size_t index(Parameter p) { return static_cast<std::size_t>(p); }
@@ -46,12 +46,11 @@ constexpr bool has_parameter(ReboundModel model, Parameter p) {
 double lower_bound(Parameter p);
 double upper_bound(Parameter p, double radius_m);
 
-/// Where a fit starts and what a parameter is that is not fitted: mu .55, alpha 2/3 and otherwise nothing for
+/// Start of a fit, and value of a parameter that is not fitted: mu .55, alpha 2/3 and otherwise 0 for
 /// slide_roll, kFittedToThesis and kMeasuredAlpha for the others.
 ParameterValues default_values(ReboundModel model);
 
-/// Lift-off that the model gives. Parameters that the model does not have are taken as absent. Errors as for
-/// grip().
+/// Lift-off by the model; parameters that it does not have are ignored. Errors as for grip().
 tl::expected<Rebound, InputError> rebound_of(ReboundModel model, const ParameterValues& parameters,
                                              double diameter_m, const Motion& touchdown, double e);
 
@@ -62,25 +61,25 @@ struct ModelInputs {
 };
 inline constexpr std::size_t kInputCount = 4;
 
-/// The observation's inputs with one of them (0…3) moved by so many of its standard deviations, kept in its
-/// valid range.
+/// The observation's inputs with one of them (0…3) moved by a number of its standard deviations and clamped
+/// to its valid range.
 ModelInputs moved_inputs(const Observation& observation, std::size_t which, double standard_deviations);
 
-/// What is wrong with the observation's inputs when each is moved by one standard deviation either way: an sd
-/// that is not finite or beyond the models' magnitudes.
+/// The error of the model when each input is moved by one standard deviation either way: an sd that is not
+/// finite or too large. Returns nullopt if there is none.
 std::optional<InputError> moved_inputs_error(ReboundModel model, const ParameterValues& parameters,
                                              double diameter_m, const Observation& observation);
 
-/// What the uncertain inputs make uncertain in the prediction, as variances and covariance of (vx, R·omega)
-/// at lift-off, (m/s)². Each input's share is half the difference between its value plus and less one
-/// standard deviation (a secant, since the regimes' border is a kink).
+/// The inputs' uncertainty propagated to (vx, R·omega) at lift-off: variances and covariance, (m/s)². Each
+/// input contributes half the difference between one standard deviation above and below (a secant, since the
+/// border of the regimes is a kink).
 struct InputCovariance {
   double vx = 0.0;
   double spin = 0.0;
   double cross = 0.0;
 };
 
-/// Precondition: rebound_of() has a value for this observation and moved_inputs_error() finds nothing.
+/// Precondition: rebound_of() has a value for this observation and moved_inputs_error() returns nullopt.
 InputCovariance input_covariance(ReboundModel model, const ParameterValues& parameters, double diameter_m,
                                  const Observation& observation);
 

@@ -1,6 +1,7 @@
 #include "common/impact/fit/regime.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 namespace strobe::impact {
@@ -12,8 +13,8 @@ using Eigen::Index;
 /// Enough to make any contact grip.
 constexpr double kAnyFriction = 1e9;
 
-/// What the model says of inputs.
-struct Said {
+/// The model's friction and slip for given inputs.
+struct Prediction {
   double needed = 0.0;
   double available = 0.0;
   double slip_lo = 0.0;
@@ -21,10 +22,11 @@ struct Said {
   double margin() const { return needed - available; }
 };
 
-Said say(ReboundModel model, const ParameterValues& parameters, double diameter_m, const ModelInputs& in) {
-  ParameterValues rough = parameters;
-  rough[index(Parameter::mu)] = kAnyFriction;
-  const auto gripping = rebound_of(model, rough, diameter_m, in.touchdown, in.e);
+Prediction predict(ReboundModel model, const ParameterValues& parameters, double diameter_m,
+                   const ModelInputs& in) {
+  ParameterValues frictional = parameters;
+  frictional[index(Parameter::mu)] = kAnyFriction;
+  const auto gripping = rebound_of(model, frictional, diameter_m, in.touchdown, in.e);
   const auto actual = rebound_of(model, parameters, diameter_m, in.touchdown, in.e);
   return {.needed = std::abs(gripping->lift_off.vx_mps - in.touchdown.vx_mps),
           .available = parameters[index(Parameter::mu)] * (1.0 + in.e) * std::abs(in.touchdown.vy_mps),
@@ -40,15 +42,15 @@ struct Variances {
 void add_inputs(const Observation& o, ReboundModel model, const ParameterValues& values, double diameter_m,
                 Variances& sum) {
   for (std::size_t which = 0; which < kInputCount; ++which) {
-    const Said more = say(model, values, diameter_m, moved_inputs(o, which, 1.0));
-    const Said less = say(model, values, diameter_m, moved_inputs(o, which, -1.0));
+    const Prediction more = predict(model, values, diameter_m, moved_inputs(o, which, 1.0));
+    const Prediction less = predict(model, values, diameter_m, moved_inputs(o, which, -1.0));
     sum.margin += std::pow(0.5 * (more.margin() - less.margin()), 2);
     sum.slip_lo += std::pow(0.5 * (more.slip_lo - less.slip_lo), 2);
   }
 }
 
-/// Parameters move together along the axes of their covariance, one standard deviation each way, kept in
-/// their bounds.
+/// Moves the parameters along the principal axes of their correlation by one standard deviation either way,
+/// clamped to their bounds.
 void add_parameters(const ModelInputs& in, ReboundModel model, const ModelFit& fit, double diameter_m,
                     Variances& sum) {
   using Square = Eigen::Matrix<double, kParameterCount, kParameterCount>;
@@ -57,6 +59,7 @@ void add_parameters(const ModelInputs& in, ReboundModel model, const ModelFit& f
   const Vector inverse = (sd.array() > 0.0).select(sd.cwiseInverse(), 0.0);
   const Square correlation = inverse.asDiagonal() * fit.covariance * inverse.asDiagonal();
   const Eigen::SelfAdjointEigenSolver<Square> axes(correlation);
+  assert(axes.eigenvalues().minCoeff() > -1e-6);
   const auto moved = [&](Index axis, double sign) {
     const Vector step = sd.cwiseProduct(axes.eigenvectors().col(axis)) *
                         (sign * std::sqrt(std::max(axes.eigenvalues()[axis], 0.0)));
@@ -70,15 +73,16 @@ void add_parameters(const ModelInputs& in, ReboundModel model, const ModelFit& f
     return out;
   };
   for (Index axis = 0; axis < static_cast<Index>(kParameterCount); ++axis) {
-    const Said more = say(model, moved(axis, 1.0), diameter_m, in);
-    const Said less = say(model, moved(axis, -1.0), diameter_m, in);
+    const Prediction more = predict(model, moved(axis, 1.0), diameter_m, in);
+    const Prediction less = predict(model, moved(axis, -1.0), diameter_m, in);
     sum.margin += std::pow(0.5 * (more.margin() - less.margin()), 2);
     sum.slip_lo += std::pow(0.5 * (more.slip_lo - less.slip_lo), 2);
   }
 }
 
-/// What rolling off needs less what happened, in the direction of the slip; vx and omega as independent.
-void add_measured(const Observation& o, double alpha, double radius, RegimeJudgement& out) {
+/// The change of vx that rolling off needs less the measured one, in the direction of the slip; vx and omega
+/// taken as independent.
+void add_measured(const Observation& o, double alpha, double radius, RegimeClassification& out) {
   const double share = alpha / (1.0 + alpha);
   const double slip = o.touchdown.vx_mps + radius * o.touchdown.omega_radps;
   const double sign = slip < 0.0 ? -1.0 : 1.0;
@@ -95,8 +99,9 @@ void add_measured(const Observation& o, double alpha, double radius, RegimeJudge
 
 }  // namespace
 
-tl::expected<RegimeJudgement, InputError> judge_regime(const Observation& observation, ReboundModel model,
-                                                       const ModelFit& fit, double diameter_m) {
+tl::expected<RegimeClassification, InputError> classify_regime(const Observation& observation,
+                                                               ReboundModel model, const ModelFit& fit,
+                                                               double diameter_m) {
   const ParameterValues values = fit.values();
   const ModelInputs in{observation.touchdown, observation.e};
   const auto rebound = rebound_of(model, values, diameter_m, in.touchdown, in.e);
@@ -105,18 +110,18 @@ tl::expected<RegimeJudgement, InputError> judge_regime(const Observation& observ
     return tl::unexpected(*error);
   if (!std::isfinite(observation.lift_off.vx_mps) || !std::isfinite(observation.lift_off.omega_radps))
     return tl::unexpected(InputError::not_finite);
-  const Said said = say(model, values, diameter_m, in);
+  const Prediction predicted = predict(model, values, diameter_m, in);
   Variances variances;
   add_inputs(observation, model, values, diameter_m, variances);
   add_parameters(in, model, fit, diameter_m, variances);
 
-  RegimeJudgement out{.name = observation.name, .predicted = rebound->regime};
-  out.friction_needed_mps = said.needed;
-  out.friction_available_mps = said.available;
+  RegimeClassification out{.name = observation.name, .predicted = rebound->regime};
+  out.friction_needed_mps = predicted.needed;
+  out.friction_available_mps = predicted.available;
   out.margin_sd_mps = std::sqrt(variances.margin);
-  out.z = z_score(said.margin(), out.margin_sd_mps);
+  out.z = z_score(predicted.margin(), out.margin_sd_mps);
   out.probability_slides = 0.5 * std::erfc(-out.z / std::sqrt(2.0));
-  out.slip_lo_predicted_mps = said.slip_lo;
+  out.slip_lo_predicted_mps = predicted.slip_lo;
   out.slip_lo_predicted_sd_mps = std::sqrt(variances.slip_lo);
   add_measured(observation, values[index(Parameter::alpha)], 0.5 * diameter_m, out);
   return out;

@@ -1,7 +1,7 @@
-// Did the ball slide throughout, and how sure is that? Once from the model: the friction that gripping needs
-// against what there is, with the uncertainty of the parameters and of the observation's inputs. Once as
-// measured: the friction that acted against what rolling off needs. Pure; thread-safe; compare_regimes()
-// allocates.
+// Did the ball slide throughout, and with what probability? By the model: the friction that gripping needs
+// less the friction available, with the uncertainty of the parameters and of the observation's inputs. As
+// measured: the change of vx that rolling off needs less the measured one. Pure; thread-safe; copies the
+// observation's name.
 #pragma once
 
 #include <optional>
@@ -11,9 +11,9 @@
 
 namespace strobe::impact {
 
-struct RegimeJudgement {
+struct RegimeClassification {
   std::string name;
-  // By the model. Friction impulses per mass, m/s.
+  // By the model; friction as impulse per mass, m/s.
   Regime predicted = Regime::slides;
   double friction_needed_mps = 0.0;     ///< |change of vx| that gripping takes
   double friction_available_mps = 0.0;  ///< mu·J
@@ -25,16 +25,16 @@ struct RegimeJudgement {
   // As measured. Slip vx + R·omega at lift-off; a ball that rolls off has none.
   double slip_lo_mps = 0.0;
   double slip_lo_sd_mps = 0.0;  ///< vx and omega as independent
-  double shortfall_mps = 0.0;   ///< rolling off needs that much more change of vx than there was
+  double shortfall_mps = 0.0;   ///< change of vx that rolling off needs less the measured one
   double shortfall_sd_mps = 0.0;
-  /// A ball that slid throughout does both: it still slips the way it did at touchdown, and it was braked
-  /// less than rolling off needs. slides: slips by more than two sd, and was braked less; grips: was not
-  /// braked less.
+  /// slides: at lift-off it still slips in the direction of touchdown's slip by more than two sd, and vx
+  /// changed less than rolling off needs; grips: vx changed by at least that; else unclear.
   Regime measured = Regime::unclear;
 };
 
 /// Errors as for rebound_of(). `fit.covariance` is zero for parameters taken as known.
-tl::expected<RegimeJudgement, InputError> judge_regime(const Observation& observation, ReboundModel model,
-                                                       const ModelFit& fit, double diameter_m);
+tl::expected<RegimeClassification, InputError> classify_regime(const Observation& observation,
+                                                               ReboundModel model, const ModelFit& fit,
+                                                               double diameter_m);
 
 }  // namespace strobe::impact

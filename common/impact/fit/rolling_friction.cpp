@@ -9,19 +9,17 @@ namespace strobe::impact {
 
 namespace {
 
-bool usable_sd(double sd) { return sd >= 0.0 && sd <= kMaxMagnitude; }
+bool valid_sd(double sd) { return sd >= 0.0 && sd <= kMaxMagnitude; }
 
-bool usable_sd(const Motion& sd) {
-  return usable_sd(sd.vx_mps) && usable_sd(sd.vy_mps) && usable_sd(sd.omega_radps);
-}
+bool valid_sd(const Motion& sd) { return valid_sd(sd.vx_mps) && valid_sd(sd.vy_mps) && valid_sd(sd.omega_radps); }
 
 /// The inputs that the models check, and those that only this function has.
 std::optional<InputError> find_error(const Observation& o, const ball::Ball& ball, double alpha_sd) {
   const auto checked = rigid(ball, o.touchdown, o.e, 0.0);
   if (!checked) return checked.error();
   const bool finite = std::isfinite(o.lift_off.vx_mps) && std::isfinite(o.lift_off.omega_radps);
-  const bool spreads = usable_sd(o.touchdown_sd) && usable_sd(o.lift_off_sd) && usable_sd(o.e_sd);
-  if (!finite || !spreads || !usable_sd(alpha_sd)) return InputError::not_finite;
+  const bool spreads = valid_sd(o.touchdown_sd) && valid_sd(o.lift_off_sd) && valid_sd(o.e_sd);
+  if (!finite || !spreads || !valid_sd(alpha_sd)) return InputError::not_finite;
   const double largest = std::max(std::abs(o.lift_off.vx_mps), std::abs(o.lift_off.omega_radps));
   if (largest > kMaxMagnitude) return InputError::magnitude_out_of_range;
   return std::nullopt;

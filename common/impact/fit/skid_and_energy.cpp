@@ -13,37 +13,37 @@ namespace {
 
 constexpr int kInputs = 5;  // vx, vy, omega at touchdown; vy at lift-off; dwell time
 
-/// The inputs moved by `share` of the sd of one of them.
-ContactObservation moved(ContactObservation o, int input, double share) {
+/// The inputs with one of them moved by a number of its sds.
+ContactObservation moved(ContactObservation o, int input, double sds) {
   double vy_lo = -o.e * o.touchdown.vy_mps;
   switch (input) {
     case 0:
-      o.touchdown.vx_mps += share * o.touchdown_sd.vx_mps;
+      o.touchdown.vx_mps += sds * o.touchdown_sd.vx_mps;
       break;
     case 1:
-      o.touchdown.vy_mps += share * o.touchdown_sd.vy_mps;
+      o.touchdown.vy_mps += sds * o.touchdown_sd.vy_mps;
       break;
     case 2:
-      o.touchdown.omega_radps += share * o.touchdown_sd.omega_radps;
+      o.touchdown.omega_radps += sds * o.touchdown_sd.omega_radps;
       break;
     case 3:
-      vy_lo += share * o.lift_off_sd.vy_mps;
+      vy_lo += sds * o.lift_off_sd.vy_mps;
       break;
     default:
-      o.dwell_s += share * o.dwell_sd_s;
+      o.dwell_s += sds * o.dwell_sd_s;
   }
   o.e = std::clamp(-vy_lo / o.touchdown.vy_mps, kMinSpringRestitution, 1.0);
   return o;
 }
 
-/// One quantity at the means and at both sides of every standard deviation.
-class Deviation {
+/// Sums the variance of one quantity by central differences.
+class DeltaMethod {
  public:
-  explicit Deviation(std::optional<double> value) : value_(value) {}
+  explicit DeltaMethod(std::optional<double> value) : value_(value) {}
 
   void add(std::optional<double> above, std::optional<double> below) {
     if (!value_) return;
-    // A time that is gone on one side of the means: the other side alone.
+    // Where a time is absent on one side, the other side alone is used.
     const double difference = above && below ? 0.5 * (*above - *below)
                               : above        ? *above - *value_
                               : below        ? *value_ - *below
@@ -51,9 +51,9 @@ class Deviation {
     variance_ += difference * difference;
   }
 
-  std::optional<Uncertain> result() const {
+  std::optional<ValueSd> result() const {
     if (!value_) return std::nullopt;
-    return Uncertain{*value_, std::sqrt(variance_)};
+    return ValueSd{*value_, std::sqrt(variance_)};
   }
 
  private:
@@ -61,7 +61,7 @@ class Deviation {
   double variance_ = 0.0;
 };
 
-double impulse_done(double zeta, double tau) {
+double normal_impulse(double zeta, double tau) {
   const double square = (1.0 - zeta) * (1.0 + zeta);
   const double q = std::sqrt(std::abs(square));
   const double ratio = q * tau < 1e-6 ? tau : (square > 0.0 ? std::sin(q * tau) : std::sinh(q * tau)) / q;
@@ -69,14 +69,14 @@ double impulse_done(double zeta, double tau) {
   return 1.0 - std::exp(-zeta * tau) * (even - zeta * ratio);
 }
 
-/// Time at which the normal force has given `impulse` times its first part, m·|vy_TD|.
+/// Time at which the normal impulse reaches `impulse`·m·|vy_TD|.
 std::optional<double> time_of_impulse(const NormalSpring& spring, double e, double impulse) {
   if (!(impulse < 1.0 + e)) return std::nullopt;
   double low = 0.0;
   double high = release_phase(spring.damping_ratio);
   for (int i = 0; i < 60; ++i) {
     const double middle = 0.5 * (low + high);
-    (impulse_done(spring.damping_ratio, middle) < impulse ? low : high) = middle;
+    (normal_impulse(spring.damping_ratio, middle) < impulse ? low : high) = middle;
   }
   return 0.5 * (low + high) / spring.frequency_radps;
 }
@@ -95,8 +95,8 @@ double kinetic_j(const ball::Ball& ball, const Motion& m) {
          0.5 * ball.inertia_kgm2() * m.omega_radps * m.omega_radps;
 }
 
-/// What is told of a condition, as one row of numbers.
-enum Told : std::size_t {
+/// The quantities of a condition.
+enum Quantity : std::size_t {
   kDwell,
   kGrip,
   kSlipZero,
@@ -107,12 +107,12 @@ enum Told : std::size_t {
   kSliding,
   kTangential,
   kOffset,
-  kTold
+  kQuantities
 };
-using Row = std::array<std::optional<double>, kTold>;
+using Values = std::array<std::optional<double>, kQuantities>;
 
-/// Empty where the model refuses the inputs.
-Row tell(const ContactObservation& o, const ContactVector& p, const ContactFitOptions& options) {
+/// All nullopt where the model refuses the inputs.
+Values evaluate(const ContactObservation& o, const ContactVector& p, const ContactFitOptions& options) {
   const auto s =
       simulate(ball_of(p), o.touchdown, coefficients_of(o, p, options), {.tolerance = options.tolerance});
   if (!s) return {};
@@ -122,35 +122,36 @@ Row tell(const ContactObservation& o, const ContactVector& p, const ContactFitOp
           s->slip_zero_s,
           grip_by_impulse(o, p),
           e.kinetic_td_j,
-          e.lost_j(),
+          e.dissipated_j(),
           e.normal_damping_j + e.normal_spring_left_j,
           e.sliding_j,
           e.tangential_damping_j + e.tangential_spring_left_j,
           e.offset_j};
 }
 
-std::array<std::optional<Uncertain>, kTold> spread_of(const ContactObservation& o, const ContactFit& fit,
-                                                      const ContactFitOptions& options) {
-  const Row middle = tell(o, fit.value, options);
-  std::vector<Deviation> spreads(middle.begin(), middle.end());
-  const auto add = [&spreads](const Row& above, const Row& below) {
-    for (std::size_t i = 0; i < kTold; ++i) spreads[i].add(above[i], below[i]);
+std::array<std::optional<ValueSd>, kQuantities> with_sds(const ContactObservation& o, const ContactFit& fit,
+                                                         const ContactFitOptions& options) {
+  const Values middle = evaluate(o, fit.value, options);
+  std::vector<DeltaMethod> sums(middle.begin(), middle.end());
+  const auto add = [&sums](const Values& above, const Values& below) {
+    for (std::size_t i = 0; i < kQuantities; ++i) sums[i].add(above[i], below[i]);
   };
   for (int input = 0; input < kInputs; ++input)
-    add(tell(moved(o, input, 1.0), fit.value, options), tell(moved(o, input, -1.0), fit.value, options));
-  // Directions of the parameters' covariance, one sd each way.
-  const ContactMatrix root = fit.covariance.llt().matrixL();
+    add(evaluate(moved(o, input, 1.0), fit.value, options),
+        evaluate(moved(o, input, -1.0), fit.value, options));
+  // Columns of the covariance's Cholesky factor.
+  const ContactMatrix factor = fit.covariance.llt().matrixL();
   for (int i = 0; i < kFitParameters; ++i) {
-    const auto at = [&](double sign) { return within_bounds(fit.value + sign * root.col(i)); };
-    add(tell(o, at(1.0), options), tell(o, at(-1.0), options));
+    const auto at = [&](double sign) { return within_bounds(fit.value + sign * factor.col(i)); };
+    add(evaluate(o, at(1.0), options), evaluate(o, at(-1.0), options));
   }
-  std::array<std::optional<Uncertain>, kTold> out;
-  for (std::size_t i = 0; i < kTold; ++i) out[i] = spreads[i].result();
+  std::array<std::optional<ValueSd>, kQuantities> out;
+  for (std::size_t i = 0; i < kQuantities; ++i) out[i] = sums[i].result();
   return out;
 }
 
 /// With the published sd of the six velocities and the fitted alpha's.
-Uncertain measured_loss(const ContactObservation& o, const ContactFit& fit) {
+ValueSd measured_loss(const ContactObservation& o, const ContactFit& fit) {
   const ball::Ball ball = ball_of(fit.value);
   const double m = ball.mass_kg;
   double variance = 0.0;
@@ -171,34 +172,34 @@ Uncertain measured_loss(const ContactObservation& o, const ContactFit& fit) {
 
 }  // namespace
 
-Result<ContactConclusions> conclude(std::span<const ContactObservation> observations, const ContactFit& fit,
-                                    const ContactFitOptions& options) {
-  ContactConclusions out;
+Result<SkidAndEnergy> skid_and_energy(std::span<const ContactObservation> observations, const ContactFit& fit,
+                                      const ContactFitOptions& options) {
+  SkidAndEnergy out;
   for (const ContactObservation& o : observations) {
     const auto computed = simulate(ball_of(fit.value), o.touchdown, coefficients_of(o, fit.value, options),
                                    {.tolerance = options.tolerance});
     if (!computed) return fail(o.name + ": " + std::string(message(computed.error())));
-    const auto told = spread_of(o, fit, options);
+    const auto values = with_sds(o, fit, options);
     const double radius = ball_of(fit.value).radius_m();
     out.skid_to_grip.push_back(
         {.name = o.name,
          .regime = computed->regime,
-         .dwell_s = *told[kDwell],
-         .grip_s = told[kGrip],
-         .slip_zero_s = told[kSlipZero],
-         .by_impulse_s = told[kByImpulse],
+         .dwell_s = *values[kDwell],
+         .grip_s = values[kGrip],
+         .slip_zero_s = values[kSlipZero],
+         .by_impulse_s = values[kByImpulse],
          .slip_lo_mps = computed->slip_lo_mps,
          .measured_slip_lo_mps = {o.lift_off.vx_mps + radius * o.lift_off.omega_radps,
                                   std::hypot(o.lift_off_sd.vx_mps, radius * o.lift_off_sd.omega_radps)},
          .friction_reversals = computed->friction_reversals});
     out.energy.push_back({.name = o.name,
-                          .touchdown_j = *told[kTouchdown],
+                          .touchdown_j = *values[kTouchdown],
                           .measured_loss_j = measured_loss(o, fit),
-                          .computed_loss_j = *told[kLoss],
-                          .normal_damping_j = *told[kNormal],
-                          .sliding_j = *told[kSliding],
-                          .tangential_j = *told[kTangential],
-                          .offset_j = *told[kOffset]});
+                          .computed_loss_j = *values[kLoss],
+                          .normal_damping_j = *values[kNormal],
+                          .sliding_j = *values[kSliding],
+                          .tangential_j = *values[kTangential],
+                          .offset_j = *values[kOffset]});
   }
   return out;
 }

@@ -1,6 +1,7 @@
 #include "common/impact/ode/contact_integrator.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <limits>
 
 #include "common/impact/ode/event_location.hpp"
@@ -10,46 +11,46 @@ namespace strobe::impact::detail {
 
 namespace {
 
-constexpr int kMaxSteps = 200'000;       // of the adaptive method; fixed steps are as many as asked for
-constexpr double kLongest = 400.0;       // about 130 dwell times: gravity holds the ball
-constexpr double kUndecidedStep = 1e-7;  // where rounding cannot tell grip from slip
-constexpr double kLargestStep = 0.25;
+constexpr int kMaxSteps = 200'000;        // of the adaptive method
+constexpr double kMaxTime = 400.0;        // about 130 dwell times: gravity holds the ball
+constexpr double kChatteringStep = 1e-7;  // where rounding cannot tell grip from slip
+constexpr double kMaxStep = 0.25;
 constexpr double kMinScale = 1e-200;  // of a motion that does not take place; its inverse is finite
-constexpr double kSafety = 0.1;       // of the tolerance at release that one step may use
+constexpr double kSafety = 0.1;       // fraction of the tolerance at release that one step may use
 
-class Run {
+class ContactIntegrator {
  public:
-  Run(const System& system, const ContactOptions& options, std::vector<ContactStep>* kept)
-      : s_(system), options_(options), kept_(kept), mode_(first_mode(system)) {
+  ContactIntegrator(const System& system, const ContactOptions& options, std::vector<ContactStep>* steps)
+      : s_(system), options_(options), stored_(steps), mode_(initial_mode(system)) {
     z_[kDepthRate] = 1.0;
     started_gripping_ = mode_ == ContactMode::grips;
     fixed_size_ = release_phase(s_.zeta) / options.steps;
     size_ = options.method == ContactMethod::dormand_prince ? std::min(1e-2, first_size()) : fixed_size_;
     set_scales();
-    if (kept_) kept_->clear();
+    if (stored_) stored_->clear();
     if (s_.slip0 == 0.0) slip_zero_ = 0.0;
     force_max_ = s_.normal_force(z_);
     friction_max_ = std::abs(s_.friction(z_, mode_));
   }
 
-  tl::expected<ContactSummary, InputError> to_release() {
-    slope_ = derivative(s_, z_, mode_);
+  tl::expected<ContactSummary, InputError> integrate_to_release() {
+    derivative_ = derivative(s_, z_, mode_);
     const int most = adaptive() ? kMaxSteps : std::numeric_limits<int>::max();
     for (int i = 0; i < most; ++i) {
       if (!step()) return tl::unexpected(InputError::too_many_steps);
       if (released_) return summary();
-      if (tau_ > kLongest) return tl::unexpected(InputError::no_release);
+      if (tau_ > kMaxTime) return tl::unexpected(InputError::no_release);
     }
     return tl::unexpected(InputError::too_many_steps);
   }
 
  private:
-  /// The footprint's radius sets in as a root of time, which no embedded error sees in full: its share of the
-  /// first step is kept below the tolerance by the step's size.
+  /// The footprint's radius starts as a square root of time, which the embedded error estimate sees only in
+  /// part: its error in the first step is kept below the tolerance by the step's size.
   double first_size() const {
     const double smooth = 0.05 * std::pow(options_.tolerance, 0.2);
     if (s_.delta == 0.0) return smooth;
-    // That share grows as size^1.5 over the root of the time in which the footprint fills.
+    // That error grows as size^1.5 over the root of the time in which the footprint fills.
     return std::min(smooth,
                     0.2 * std::pow(options_.tolerance, 2.0 / 3.0) * std::cbrt(std::min(1.0, s_.radius)));
   }
@@ -68,130 +69,144 @@ class Run {
 
   bool adaptive() const { return options_.method == ContactMethod::dormand_prince; }
 
-  /// One step, up to the next event if there is one. False: out of events.
+  struct Event {
+    double size;  ///< from the step's start
+    EventFunction function;
+  };
+
+  /// The first event in the step that ends it.
+  std::optional<Event> first_event(const DenseStep& dense) const {
+    std::optional<Event> first;
+    const auto consider = [&](EventFunction function) {
+      const auto size = find_crossing(dense, function);
+      // The release wins a tie: mu·N and N vanish together.
+      if (size && (!first || *size < first->size * (1.0 - 1e-13))) first = {*size, function};
+    };
+    consider(EventFunction::release);
+    if (mode_ == ContactMode::grips) {
+      consider(EventFunction::hold_forward);
+      consider(EventFunction::hold_backward);
+    } else {
+      consider(EventFunction::sliding);
+    }
+    if (s_.delta > 0.0) consider(full_ ? EventFunction::footprint_shrinks : EventFunction::footprint_full);
+    return first;
+  }
+
+  static bool switches_mode(EventFunction function) {
+    return function == EventFunction::hold_forward || function == EventFunction::hold_backward ||
+           function == EventFunction::sliding;
+  }
+
+  /// One step, up to the next event if there is one. Returns false if there is no room for more events.
   bool step() {
     const double size = attempt();
-    TakenStep taken{
-        s_,           options_.method, {tau_, size, mode_, z_, slope_}, end_, derivative(s_, end_, mode_),
-        &evaluations_};
+    DenseStep dense{s_,
+                    options_.method,
+                    {tau_, size, mode_, z_, derivative_},
+                    end_,
+                    derivative(s_, end_, mode_),
+                    &evaluations_};
     ++evaluations_;
-    taken.prepare();
-    if (size <= kUndecidedStep && undecided_ > 2) {
-      undecided_ = 0;
-      return advance(taken, size, end_, std::nullopt);
+    dense.interpolate_quarters();
+    if (size <= kChatteringStep && chattering_ > 2) {
+      chattering_ = 0;
+      return advance(dense, size, end_, std::nullopt);
     }
-    std::optional<double> first;
-    Watched what = Watched::release;
-    const auto consider = [&](Watched candidate) {
-      const auto at = find_crossing(taken, candidate);
-      // The release wins a tie: mu·N and N vanish together.
-      if (at && (!first || *at < *first * (1.0 - 1e-13))) {
-        first = at;
-        what = candidate;
-      }
-    };
-    consider(Watched::release);
-    if (mode_ == ContactMode::grips) {
-      consider(Watched::hold_forward);
-      consider(Watched::hold_backward);
-    } else {
-      consider(Watched::sliding);
-    }
-    if (s_.delta > 0.0) consider(full_ ? Watched::footprint_shrinks : Watched::footprint_full);
-    if (!first) return advance(taken, size, end_, std::nullopt);
-    const bool switches =
-        what == Watched::hold_forward || what == Watched::hold_backward || what == Watched::sliding;
-    if (*first == 0.0 && switches) return switch_mode(what, true);
-    return advance(taken, *first, taken.at(*first), what);
+    const auto event = first_event(dense);
+    if (!event) return advance(dense, size, end_, std::nullopt);
+    if (event->size == 0.0 && switches_mode(event->function)) return switch_mode(event->function, true);
+    return advance(dense, event->size, dense.at(event->size), event->function);
   }
 
   /// Takes a step into end_ and returns its size.
   double attempt() {
-    if (undecided_ > 2) size_ = std::min(size_, kUndecidedStep);
+    if (chattering_ > 2) size_ = std::min(size_, kChatteringStep);
     if (!adaptive()) {
-      const double size = undecided_ > 2 ? size_ : fixed_size_;
-      end_ = take_step(s_, options_.method, mode_, z_, slope_, size);
+      const double size = chattering_ > 2 ? size_ : fixed_size_;
+      end_ = take_step(s_, options_.method, mode_, z_, derivative_, size);
       evaluations_ += options_.method == ContactMethod::rk4 ? 3 : 1;
       return size;
     }
     for (;;) {
       State error;
-      end_ = take_step_with_error(s_, mode_, z_, slope_, size_, error);
+      end_ = take_step_with_error(s_, mode_, z_, derivative_, size_, error);
       evaluations_ += 6;
       double worst = 0.0;
       for (std::size_t i = 0; i < kComponents; ++i) worst = std::max(worst, std::abs(error[i]) * scale_[i]);
-      const double tried = size_;
+      const double size = size_;
       const double factor = worst > 0.0 ? std::clamp(0.9 * std::pow(worst, -0.2), 0.2, 5.0) : 5.0;
-      if (worst <= 1.0 || tried <= 1e-14) {
-        next_size_ = std::min(tried * factor, kLargestStep);
-        return tried;
+      if (worst <= 1.0 || size <= 1e-14) {
+        next_size_ = std::min(size * factor, kMaxStep);
+        return size;
       }
-      size_ = tried * factor;
+      size_ = size * factor;
     }
   }
 
-  bool advance(const TakenStep& taken, double size, const State& end, std::optional<Watched> event) {
-    note(taken, size, end);
-    if (kept_) {
-      kept_->push_back(taken.step);
-      kept_->back().size = size;
+  bool advance(const DenseStep& dense, double size, const State& end, std::optional<EventFunction> event) {
+    record_extrema(dense, size, end);
+    if (stored_) {
+      stored_->push_back(dense.step);
+      stored_->back().size = size;
     }
     ++steps_;
-    if (event != Watched::release && tau_ + size > tau_) undecided_ = 0;
+    assert(size >= 0.0 && size <= dense.step.size);
+    if (event != EventFunction::release && tau_ + size > tau_) chattering_ = 0;
     tau_ += size;
     z_ = end;
-    force_max_at(z_, tau_, false);
+    update_force_max(z_, tau_, false);
     friction_max_ = std::max(friction_max_, std::abs(s_.friction(z_, mode_)));
     if (adaptive()) size_ = event ? std::max(size_ - size, 0.1 * size_) : next_size_;
-    if (event == Watched::release) {
+    if (event == EventFunction::release) {
       released_ = true;
       return add(ContactEventKind::release, tau_);
     }
-    if (event == Watched::footprint_full || event == Watched::footprint_shrinks)
-      full_ = event == Watched::footprint_full;
+    if (event == EventFunction::footprint_full || event == EventFunction::footprint_shrinks)
+      full_ = event == EventFunction::footprint_full;
     else if (event)
       return switch_mode(*event, false);
-    slope_ = size == taken.step.size ? taken.end_slope : derivative(s_, z_, mode_);
+    derivative_ = size == dense.step.size ? dense.end_derivative : derivative(s_, z_, mode_);
     return true;
   }
 
-  bool switch_mode(Watched why, bool at_once) {
-    if (at_once) ++undecided_;
+  bool switch_mode(EventFunction why, bool at_once) {
+    if (at_once) ++chattering_;
     const bool was_gripping = mode_ == ContactMode::grips;
-    mode_ = why == Watched::hold_forward    ? ContactMode::slips_forward
-            : why == Watched::hold_backward ? ContactMode::slips_backward
-                                            : ContactMode::grips;
-    // Without a dashpot the stretch is the friction's: rounding is not carried on.
+    mode_ = why == EventFunction::hold_forward    ? ContactMode::slips_forward
+            : why == EventFunction::hold_backward ? ContactMode::slips_backward
+                                                  : ContactMode::grips;
+    // Without a dashpot the stretch follows from the friction: rounding is not accumulated.
     if (s_.ct == 0.0 && mode_ != ContactMode::grips)
       z_[kStretch] = direction(mode_) * s_.mu * s_.normal_force(z_) / s_.kt;
-    slope_ = derivative(s_, z_, mode_);
+    derivative_ = derivative(s_, z_, mode_);
     ++evaluations_;
     if (!was_gripping && !first_grip_) first_grip_ = tau_;
     return add(was_gripping ? ContactEventKind::slip : ContactEventKind::grip, tau_);
   }
 
-  /// Looks for what is noted on the step shortened to `size`.
-  void note(const TakenStep& taken, double size, const State& end) {
-    if (const auto at = find_sign_change(taken, Watched::depth_rate, size, end, -1)) {
+  /// Records extrema and sign changes within the step shortened to `size`.
+  void record_extrema(const DenseStep& dense, double size, const State& end) {
+    if (const auto at = find_sign_change(dense, EventFunction::depth_rate, size, end, -1)) {
       depth_time_ = tau_ + *at;
-      depth_ = taken.at(*at)[kDepth];
+      depth_ = dense.at(*at)[kDepth];
       add(ContactEventKind::deepest, depth_time_);
     }
-    if (const auto at = find_sign_change(taken, Watched::force_rate, size, end, -1))
-      force_max_at(taken.at(*at), tau_ + *at, true);
-    if (const auto at = find_sign_change(taken, Watched::friction_rate, size, end, 0))
-      friction_max_ = std::max(friction_max_, std::abs(s_.friction(taken.at(*at), mode_)));
+    if (const auto at = find_sign_change(dense, EventFunction::force_rate, size, end, -1))
+      update_force_max(dense.at(*at), tau_ + *at, true);
+    if (const auto at = find_sign_change(dense, EventFunction::friction_rate, size, end, 0))
+      friction_max_ = std::max(friction_max_, std::abs(s_.friction(dense.at(*at), mode_)));
     if (!slip_zero_) {
-      if (const auto at = find_sign_change(taken, Watched::slip, size, end, 0)) slip_zero_ = tau_ + *at;
+      if (const auto at = find_sign_change(dense, EventFunction::slip, size, end, 0)) slip_zero_ = tau_ + *at;
     }
     if (mode_ != ContactMode::grips) return;
-    if (const auto at = find_sign_change(taken, Watched::friction, size, end, 0)) {
+    if (const auto at = find_sign_change(dense, EventFunction::friction, size, end, 0)) {
       ++reversals_;
       add(ContactEventKind::friction_reversal, tau_ + *at);
     }
   }
 
-  void force_max_at(const State& z, double tau, bool turning_point) {
+  void update_force_max(const State& z, double tau, bool turning_point) {
     const double force = s_.normal_force(z);
     if (turning_point) add(ContactEventKind::largest_force, tau);
     if (force <= force_max_) return;
@@ -202,7 +217,7 @@ class Run {
   bool add(ContactEventKind kind, double tau) {
     if (event_count_ == kMaxContactEvents) return false;
     const ContactEvent event{tau / s_.frequency_radps, kind};
-    // In order of time: what is noted within a step may come before what was noted first.
+    // In order of time: function is noted within a step may come before function was noted first.
     auto place = events_.begin() + event_count_++;
     for (; place != events_.begin() && (place - 1)->time_s > event.time_s; --place) *place = *(place - 1);
     *place = event;
@@ -211,13 +226,14 @@ class Run {
 
   ContactSummary summary() const;
   ContactEnergy energy() const;
+  bool is_consistent(const ContactSummary& summary) const;
 
   const System& s_;
   const ContactOptions& options_;
-  std::vector<ContactStep>* kept_;
+  std::vector<ContactStep>* stored_;
   ContactMode mode_;
   State z_{};
-  State slope_{};
+  State derivative_{};
   State end_{};
   State scale_{};
   double tau_ = 0.0;
@@ -227,7 +243,7 @@ class Run {
   bool released_ = false;
   bool full_ = false;  ///< the depth is past the radius: the footprint has its largest size
   bool started_gripping_ = false;
-  int undecided_ = 0;
+  int chattering_ = 0;
   int steps_ = 0;
   int evaluations_ = 1;
   int reversals_ = 0;
@@ -242,7 +258,7 @@ class Run {
   double friction_max_ = 0.0;
 };
 
-ContactEnergy Run::energy() const {
+ContactEnergy ContactIntegrator::energy() const {
   const double unit = s_.mass_kg * s_.speed_mps * s_.speed_mps;
   const double vy = z_[kDepthRate];
   const double dx = z_[kVxChange];
@@ -265,7 +281,7 @@ ContactEnergy Run::energy() const {
   return e;
 }
 
-ContactSummary Run::summary() const {
+ContactSummary ContactIntegrator::summary() const {
   const double second = 1.0 / s_.frequency_radps;
   const double metre = s_.speed_mps * second;
   const double newton = s_.mass_kg * s_.speed_mps * s_.frequency_radps;
@@ -296,20 +312,47 @@ ContactSummary Run::summary() const {
   out.event_count = event_count_;
   out.steps = steps_;
   out.evaluations = evaluations_;
+  assert(is_consistent(out));
   return out;
+}
+
+/// Events are in order of time, and no loss of energy is negative beyond the tolerance of its scale. With a
+/// constant offset, and with fixed steps however coarse, losses are not bounded.
+bool ContactIntegrator::is_consistent(const ContactSummary& summary) const {
+  const auto events = summary.event_list();
+  const bool sorted =
+      std::is_sorted(events.begin(), events.end(),
+                     [](const ContactEvent& a, const ContactEvent& b) { return a.time_s < b.time_s; });
+  if (!sorted || events.empty() || events.back().kind != ContactEventKind::release) return false;
+  if (!adaptive() || s_.ahead != 0.0) return true;
+  for (const Component loss : {kDampingLoss, kSlidingLoss, kTangentialLoss, kOffsetLoss})
+    if (z_[loss] * scale_[loss] < -10.0 / kSafety) return false;
+  return true;
 }
 
 }  // namespace
 
-tl::expected<ContactSummary, InputError> run(const System& system, const ContactOptions& options,
-                                             std::vector<ContactStep>* kept) {
+tl::expected<ContactSummary, InputError> integrate(const System& system, const ContactOptions& options,
+                                                   std::vector<ContactStep>* steps) {
   const bool adaptive = options.method == ContactMethod::dormand_prince;
   if (adaptive && !(options.tolerance >= 1e-12 && options.tolerance <= 1e-3))
     return tl::unexpected(InputError::tolerance_out_of_range);
   if (!adaptive && (options.steps < 4 || options.steps > 10'000'000))
     return tl::unexpected(InputError::tolerance_out_of_range);
-  Run contact(system, options, kept);
-  return contact.to_release();
+  ContactIntegrator contact(system, options, steps);
+  return contact.integrate_to_release();
 }
 
 }  // namespace strobe::impact::detail
+
+namespace strobe::impact {
+
+tl::expected<ContactSummary, InputError> simulate(const ball::Ball& ball, const Motion& touchdown,
+                                                  const ContactCoefficients& coefficients,
+                                                  const ContactOptions& options) {
+  const auto system = detail::make_system(ball, touchdown, coefficients);
+  if (!system) return tl::unexpected(system.error());
+  return detail::integrate(*system, options, nullptr);
+}
+
+}  // namespace strobe::impact

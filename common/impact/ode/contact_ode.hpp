@@ -1,34 +1,33 @@
-// The mechanics of a contact, integrated: normal spring and dashpot, Coulomb friction, a tangential spring
-// and dashpot at the contact point that grip and slip, and a normal force that stands ahead of the centre.
+// The contact ODE: normal spring and dashpot, Coulomb friction, a tangential spring and dashpot at the
+// contact point that grip and slip, and a normal force that acts ahead of the centre.
 //
-// With y the depth of the centre below its height at touchdown, u the stretch of the tangential spring,
-// s = vx + R·omega, a(y) = sqrt(y(2R - y)) the footprint's radius (R beyond y = R):
+// With y the depth of the centre below its height at touchdown, u the stretch of the tangential spring, s =
+// vx + R·omega, a(y) = sqrt(y(2R - y)) the footprint's radius (R beyond y = R):
 //   N  = k·y + c·dy/dt (only pushes; the ball leaves where N = 0),        m·d²y/dt² = -N + m·g,
 //   F  = k_t·u + c_t·du/dt,  |F| <= mu·N,                                m·dvx/dt = -F,
 //   alpha·m·R²·domega/dt = -R·F + d·N,
 //   grips: du/dt = s;   slips in direction sigma = ±1: F = sigma·mu·N, with sigma·(s - du/dt) > 0.
 //
-// The offset d. Pressure under a turning footprint: the point at xi ahead of the centre goes down at
-// -vy - omega·xi, so that with damping the pressure is higher where the turning presses down and its centre
-// stands off by an amount odd in omega, ahead of the centre when the ball rolls forward (omega < 0). Hence
+// The offset d. Pressure under a rotating footprint: the point at xi ahead of the centre moves down at -vy -
+// omega·xi, so that with damping the pressure is higher where the rotation presses down, and its centre is
+// displaced by an amount odd in omega, ahead of the centre when the ball rolls forward (omega < 0). Hence
 //   d = -delta·a(y)·w/sqrt(w² + w0²),   w = R·omega,
-// odd in the direction of turning, gone with it and with the footprint. Its couple has the power
-// d·N·omega <= 0 at every instant, by its sign alone. With
+// odd in the spin, 0 without spin and without footprint. Its couple has the power d·N·omega <= 0 at every
+// instant. With
 //   E = m(vx² + vy² + alpha·R²·omega²)/2 + k·y²/2 + k_t·u²/2 (- m·g·y):
 //   dE/dt = -c(dy/dt)² - F(s - du/dt) - c_t(du/dt)² + d·N·omega,
 // each term <= 0 (F and s - du/dt have the same sign), so energy never grows. A mirrored contact is the
 // mirror image to the last bit.
 //
 // Numerics. Integrated in units of |vy|, sqrt(m/k) and m, as changes since touchdown, so that no range of
-// speeds loses digits. Dormand and Prince's embedded pair 5(4) with the error of the speeds, distances and
-// energies held to the tolerance; or fixed steps of RK4 or semi-implicit Euler. Changes of mode and the
-// release are bracketed on the step's cubic through its ends and then located to rounding by repeating the
-// step at its fraction, so that no step spans a change of law and the order of the method is kept; so are
-// the reversals of friction, the deepest point and the largest force. Where rounding cannot tell grip from
-// slip, the present mode is kept for 1e-7 of sqrt(m/k). No allocation in simulate(); thread-safe,
-// real-time safe.
-// Source: tiers 4 and 5 after R. Cross (grip and slip of balls); E. Hairer, S. P. Nørsett, G. Wanner, Solving
-// Ordinary Differential Equations I, II.5, II.6.
+// speeds loses digits. Dormand and Prince's embedded pair 5(4) with the error of speeds, displacements and
+// energies within the tolerance; or fixed steps of RK4 or semi-implicit Euler. Mode changes and the release
+// are bracketed on the step's cubic Hermite interpolant and then located to rounding by repeating the step
+// with that size, so that no step spans a change of mode and the method keeps its order; likewise friction
+// reversals, the deepest point and the largest force. Where rounding decides between grip and slip, the
+// present mode is kept for 1e-7 of sqrt(m/k). No allocation in simulate(); thread-safe, real-time safe.
+// Sources: R. Cross, Grip-slip behavior of a bouncing ball, 2002 (tangential spring, grip and slip); E.
+// Hairer, S. P. Nørsett, G. Wanner, Solving Ordinary Differential Equations I, II.5, II.6.
 #pragma once
 
 #include <array>
@@ -41,25 +40,24 @@
 
 namespace strobe::impact {
 
-/// Turning speed R·|omega| at which the offset is 1/sqrt(2) of the full one. Of 2.5 to 50 m/s the value that
-/// fits the thesis best (chi-square 42.2; 45.0 at 2.5, 48.1 at 50): the data hardly tell.
+/// Speed R·|omega| at which the offset is 1/sqrt(2) of the full one. Of 2.5 to 50 m/s the value that
+/// fits the thesis best (chi-square 42.2; 45.0 at 2.5, 48.1 at 50): the data constrain it weakly.
 inline constexpr double kContactOffsetReference_mps = 6.0;
 
-/// alpha of the fit below.
+/// alpha of the fit in ContactCoefficients.
 inline constexpr double kContactAlpha = 0.579;
 
-/// How the normal force stands off from the centre.
+/// How the normal force is offset from the centre.
 enum class OffsetLaw {
   against_spin,  ///< the law above: never adds energy
-  /// d = delta·a(y) ahead of the ball as it moves at touchdown, whatever it does then. For comparison with
-  /// published fits only: it adds energy where the ball spins backward, and does not vanish without a spin.
+  /// d = delta·a(y) ahead, in the direction of vx at touchdown, throughout. For comparison with published
+  /// fits only: it adds energy where the ball spins backward, and is not 0 without spin.
   constant_ahead,
 };
 
-/// What ball and surface have in common; the values set are those fitted to the thesis's 21 conditions
-/// (contact_fit.hpp: rms .397 m/s and 11.0 rad/s, where single shots spread by .38 and 11.5). The springs are
-/// given by what they do: k and c by e and the dwell time (normal_spring.hpp), the tangential ones relative
-/// to k.
+/// Coefficients of a pair of ball and surface; the defaults are fitted to the thesis's 21 conditions
+/// (contact_fit.hpp: rms .397 m/s and 11.0 rad/s, where single shots have sds of .38 and 11.5). k and c
+/// follow from e and the dwell time (normal_spring.hpp), the tangential ones are relative to k.
 struct ContactCoefficients {
   double e = 0.75;                 ///< normal restitution, 1e-3…1
   double dwell_s = 5e-3;           ///< touchdown to release, 1e-9…1e3
@@ -113,19 +111,19 @@ struct ContactEvent {
 
 inline constexpr int kMaxContactEvents = 64;
 
-/// In joules. lost() accounts for kinetic_td - kinetic_lo to the tolerance (with gravity also for its work).
+/// In joules. dissipated_j() equals kinetic_td_j - kinetic_lo_j within the tolerance.
 struct ContactEnergy {
   double kinetic_td_j = 0.0;  ///< of translation and rotation
   double kinetic_lo_j = 0.0;
-  double kinetic_lost_j = 0.0;  ///< their difference, without its cancellation
+  double kinetic_lost_j = 0.0;  ///< their difference, computed without cancellation
   double normal_damping_j = 0.0;
   double sliding_j = 0.0;
   double tangential_damping_j = 0.0;
   double offset_j = 0.0;              ///< taken from the spin by the offset normal force
-  double normal_spring_left_j = 0.0;  ///< in the compressed spring at release: lost, as the ball is gone
+  double normal_spring_left_j = 0.0;  ///< in the compressed spring at release: lost, as the ball has left
   double tangential_spring_left_j = 0.0;
   double gravity_work_j = 0.0;  ///< done by the weight from touchdown to release (0 without gravity)
-  double lost_j() const {
+  double dissipated_j() const {
     return normal_damping_j + sliding_j + tangential_damping_j + offset_j + normal_spring_left_j +
            tangential_spring_left_j - gravity_work_j;
   }
@@ -136,16 +134,16 @@ struct ContactSummary {
   /// grips: the contact point stuck, or came to a stop as a rigid one (s = 0), before release.
   Regime regime = Regime::slides;
   double dwell_s = 0.0;  ///< touchdown to release
-  /// When skidding ended: the first grip after slipping; 0 where the ball gripped from touchdown on; empty
-  /// where it never sticks (a tangential spring may hold briefly as the force sets in: no grip).
+  /// Skidding ends: the first grip after slipping; 0 where the ball grips from touchdown on; nullopt where it
+  /// never sticks (the tangential spring may hold briefly as the force sets in: that is no grip).
   std::optional<double> skid_to_grip_s;
-  /// When the ball's rigid contact point stopped, s = vx + R·omega = 0 (what velocities alone show). The
-  /// tangential spring's give parts it from skid_to_grip_s; empty if it did not.
+  /// The ball's rigid contact point stops, s = vx + R·omega = 0, as seen from the velocities alone; the
+  /// tangential spring's stretch separates it from skid_to_grip_s. nullopt if it does not stop.
   std::optional<double> slip_zero_s;
   int friction_reversals = 0;
   double max_depth_m = 0.0;
   double max_depth_time_s = 0.0;
-  double max_force_n = 0.0;  ///< largest N; at touchdown if the dashpot outweighs the spring
+  double max_force_n = 0.0;  ///< largest N; at touchdown where the dashpot dominates
   double max_force_time_s = 0.0;
   double max_friction_n = 0.0;    ///< largest |F| at the ends of steps and events
   double dwell_distance_m = 0.0;  ///< of the centre along the surface
@@ -173,14 +171,13 @@ struct ContactOptions {
   int steps = 200;  ///< fixed-step methods: steps from touchdown to release without gravity, 4…1e7
 };
 
-/// One contact, without its course. Errors: not_finite, ball_out_of_range, not_approaching,
-/// restitution_out_of_range, friction_negative, spring_out_of_range, offset_out_of_range,
-/// dwell_not_positive, tolerance_out_of_range; magnitude_out_of_range (|vx|, |vy| above 1e9 m/s, |vy| below
-/// 1e-15 m/s, |omega| above 1e9 rad/s, |R·omega| or |vx| above 1e15·|vy|, diameter or mass outside
-/// 1e-9…1e9, alpha below 1e-6, mu, dwell time or gravity beyond the ranges above); no_release
-/// (gravity); too_many_steps beyond 64 events or 200,000 adaptive steps. A reference speed below
-/// |vy|/10,000 makes the offset a dry friction of its own and may need that many; with 1 m/s and more no
-/// contact drawn over the whole range of speeds did.
+/// One contact, without its trajectory. Errors: not_finite, ball_out_of_range, not_approaching,
+/// restitution_out_of_range, friction_negative, spring_out_of_range, offset_out_of_range, dwell_not_positive,
+/// tolerance_out_of_range; magnitude_out_of_range (|vx|, |vy| above 1e9 m/s, |vy| below 1e-15 m/s, |omega|
+/// above 1e9 rad/s, |R·omega| or |vx| above 1e15·|vy|, diameter or mass outside 1e-9…1e9, alpha below 1e-6,
+/// mu, dwell time or gravity beyond the ranges above); no_release (gravity); too_many_steps beyond 64 events
+/// or 200,000 adaptive steps. A reference speed below |vy|/10,000 makes the offset act like dry friction and
+/// may need that many; with 1 m/s or more no contact drawn over the whole range of speeds did.
 tl::expected<ContactSummary, InputError> simulate(const ball::Ball& ball, const Motion& touchdown,
                                                   const ContactCoefficients& coefficients,
                                                   const ContactOptions& options = {});

@@ -1,6 +1,7 @@
 #include "common/impact/ode/contact_system.hpp"
 
 #include <algorithm>
+#include <cassert>
 
 #include "common/impact/ode/normal_spring.hpp"
 
@@ -46,7 +47,7 @@ std::optional<InputError> find_coefficient_error(const ContactCoefficients& c) {
 }
 
 struct Term {
-  const State* slope;
+  const State* derivative;
   double weight;
 };
 
@@ -55,7 +56,7 @@ State combine(const State& z, double h, const std::array<Term, n>& terms) {
   State out;
   for (std::size_t i = 0; i < kComponents; ++i) {
     double sum = 0.0;
-    for (const Term& term : terms) sum += term.weight * (*term.slope)[i];
+    for (const Term& term : terms) sum += term.weight * (*term.derivative)[i];
     out[i] = z[i] + h * sum;
   }
   return out;
@@ -68,7 +69,7 @@ State rk4(const System& s, ContactMode mode, const State& z, const State& k1, do
   return combine<4>(z, h, {{{&k1, 1.0 / 6.0}, {&k2, 1.0 / 3.0}, {&k3, 1.0 / 3.0}, {&k4, 1.0 / 6.0}}});
 }
 
-/// Speeds by the slopes at the start, then everything else by the slopes at the new speeds.
+/// Speeds by the derivatives at the start, then everything else by the derivatives at the new speeds.
 State semi_implicit_euler(const System& s, ContactMode mode, const State& z, const State& k1, double h) {
   State speeds = z;
   for (const std::size_t i : {kDepthRate, kVxChange, kSpinChange}) speeds[i] += h * k1[i];
@@ -122,6 +123,7 @@ tl::expected<System, InputError> make_system(const ball::Ball& ball, const Motio
   s.frequency_radps = spring->frequency_radps;
   s.mass_kg = ball.mass_kg;
   s.radius_m = ball.radius_m();
+  assert(s.zeta >= 0.0 && s.kt > 0.0 && s.radius > 0.0 && s.w_ref > 0.0 && std::isfinite(s.slip0));
   return s;
 }
 
@@ -156,7 +158,7 @@ State derivative(const System& s, const State& z, ContactMode mode) {
   return d;
 }
 
-ContactMode first_mode(const System& s) {
+ContactMode initial_mode(const System& s) {
   // With nothing stretched yet: by the dashpot's force, and where there is none by how fast the spring's
   // force and its limit rise.
   const double limit = s.mu * 2.0 * s.zeta;

@@ -1,6 +1,6 @@
-// The contact's equations without units, and one step of each method: the inside of contact_ode.hpp, which
-// states the mechanics. Speeds in |vy_TD|, times in sqrt(m/k), masses in m; tangential motion as changes
-// since touchdown. Pure, no allocation: thread-safe, real-time safe.
+// Implementation of contact_ode.hpp, which states the mechanics: the dimensionless equations, and one step of
+// each method. Speeds in |vy_TD|, times in sqrt(m/k), masses in m; tangential motion as changes since
+// touchdown. Pure, no allocation: thread-safe, real-time safe.
 #pragma once
 
 #include <array>
@@ -28,7 +28,7 @@ enum Component : std::size_t {
 
 using State = std::array<double, kComponents>;
 
-/// Plain numbers of one contact.
+/// The dimensionless coefficients of one contact.
 struct System {
   double zeta = 0.0;
   double mu = 0.0;
@@ -75,7 +75,7 @@ tl::expected<System, InputError> make_system(const ball::Ball& ball, const Motio
 
 State derivative(const System& system, const State& z, ContactMode mode);
 
-ContactMode first_mode(const System& system);
+ContactMode initial_mode(const System& system);
 
 /// The end of a step of size h from z with slope k1 = derivative(z).
 State take_step(const System& system, ContactMethod method, ContactMode mode, const State& z, const State& k1,

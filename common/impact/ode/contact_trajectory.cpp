@@ -14,7 +14,7 @@ tl::expected<ContactTrajectory, InputError> ContactTrajectory::make(const ball::
   ContactTrajectory out;
   out.system_ = *system;
   out.method_ = options.method;
-  const auto summary = detail::run(out.system_, options, &out.steps_);
+  const auto summary = detail::integrate(out.system_, options, &out.steps_);
   if (!summary) return tl::unexpected(summary.error());
   out.summary_ = *summary;
   return out;
@@ -28,7 +28,8 @@ ContactState ContactTrajectory::at(double time_s) const {
   const detail::ContactStep& step = after == steps_.begin() ? steps_.front() : *std::prev(after);
   const double part = std::min(tau - step.tau, step.size);
   const detail::State z =
-      part > 0.0 ? detail::take_step(system_, method_, step.mode, step.start, step.slope, part) : step.start;
+      part > 0.0 ? detail::take_step(system_, method_, step.mode, step.start, step.derivative, part)
+                 : step.start;
   return state_of(z, tau, step.mode);
 }
 
@@ -55,7 +56,7 @@ ContactState ContactTrajectory::state_of(const detail::State& z, double tau, Con
   out.time_s = tau * second;
   out.x_m = metre * (s.vx0 * tau + z[detail::kPathChange]);
   out.y_m = 0.0 - metre * depth;
-  out.angle_rad = metre * (s.w0 * tau + z[detail::kAngleChange]) / s.radius_m;
+  out.rotation_rad = metre * (s.w0 * tau + z[detail::kAngleChange]) / s.radius_m;
   out.vx_mps = s.speed_mps * vx;
   out.vy_mps = -s.speed_mps * vy;
   out.omega_radps = s.speed_mps * w / s.radius_m;
@@ -65,11 +66,11 @@ ContactState ContactTrajectory::state_of(const detail::State& z, double tau, Con
   out.slip_mps = s.speed_mps * s.slip(z);
   out.stretch_m = metre * stretch;
   out.offset_m = s.radius_m * s.offset(z);
-  out.mechanical_j =
+  out.mechanical_energy_j =
       joule * (0.5 * (vx * vx + vy * vy + s.alpha * w * w + depth * depth + s.kt * stretch * stretch) -
                s.gravity * depth);
-  out.lost_j = joule * (z[detail::kDampingLoss] + z[detail::kSlidingLoss] + z[detail::kTangentialLoss] +
-                        z[detail::kOffsetLoss]);
+  out.dissipated_j = joule * (z[detail::kDampingLoss] + z[detail::kSlidingLoss] + z[detail::kTangentialLoss] +
+                              z[detail::kOffsetLoss]);
   return out;
 }
 

@@ -1,7 +1,6 @@
-// The course of a contact, to be asked at any time: the steps that simulate() takes are kept, and a state
-// between two of them is one step of the method from the nearest before it, so that it is as exact as the
-// steps themselves. Allocates for the steps (none once the vector is large enough); at() allocates nothing.
-// Thread-safe for reading.
+// Dense output of the contact ODE: the steps of simulate() are stored, and a state between two of them is one
+// step of the method from the one before it, as accurate as the steps themselves. make() allocates for the
+// steps; at() does not allocate. Thread-safe for reading.
 #pragma once
 
 #include <vector>
@@ -13,20 +12,20 @@ namespace strobe::impact {
 
 struct ContactState {
   double time_s = 0.0;
-  double x_m = 0.0;        ///< of the centre, since touchdown
-  double y_m = 0.0;        ///< height of the centre less that at touchdown: <= 0 in contact
-  double angle_rad = 0.0;  ///< turned since touchdown, counter-clockwise
+  double x_m = 0.0;           ///< displacement of the centre since touchdown
+  double y_m = 0.0;           ///< height of the centre less that at touchdown: <= 0 in contact
+  double rotation_rad = 0.0;  ///< since touchdown, counter-clockwise
   double vx_mps = 0.0;
   double vy_mps = 0.0;
   double omega_radps = 0.0;
   double fx_n = 0.0;  ///< on the ball
   double fy_n = 0.0;  ///< >= 0
   ContactMode mode = ContactMode::grips;
-  double slip_mps = 0.0;      ///< vx + R·omega
-  double stretch_m = 0.0;     ///< of the tangential spring
-  double offset_m = 0.0;      ///< of the normal force ahead of the centre
-  double mechanical_j = 0.0;  ///< kinetic, springs' and (with gravity) weight's: never grows
-  double lost_j = 0.0;        ///< to dampers, sliding and offset since touchdown
+  double slip_mps = 0.0;             ///< vx + R·omega
+  double stretch_m = 0.0;            ///< of the tangential spring
+  double offset_m = 0.0;             ///< of the normal force ahead of the centre
+  double mechanical_energy_j = 0.0;  ///< kinetic, springs, weight: never grows
+  double dissipated_j = 0.0;         ///< by dashpots, sliding and offset since touchdown
 };
 
 class ContactTrajectory {
@@ -38,11 +37,11 @@ class ContactTrajectory {
 
   const ContactSummary& summary() const { return summary_; }
 
-  /// The state at a time from touchdown (0) to release; the nearest of them outside. At an event: the state
-  /// after it, but at release the last in contact.
+  /// The state at a time after touchdown, clamped to 0…release. At an event: the state after it, but at
+  /// release the last in contact.
   ContactState at(double time_s) const;
 
-  /// Ends of the steps taken, touchdown and release included: an event is one of them.
+  /// Ends of the steps, touchdown and release included; every mode change is one of them.
   std::vector<double> step_times_s() const;
 
  private:

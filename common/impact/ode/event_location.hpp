@@ -1,5 +1,5 @@
-// Where along a step a function of the contact's state passes zero: the inside of contact_ode.hpp.
-// Pure, no allocation: thread-safe, real-time safe.
+// Implementation of contact_ode.hpp: locates where along a step a function of the contact's state passes
+// zero. Pure, no allocation: thread-safe, real-time safe.
 #pragma once
 
 #include <optional>
@@ -8,9 +8,9 @@
 
 namespace strobe::impact::detail {
 
-/// The functions that are watched. The first six end a step where they become negative; of the others the
-/// time is noted where they change sign.
-enum class Watched {
+/// The first six end a step where they become negative; of the others the times of their sign changes are
+/// recorded.
+enum class EventFunction {
   release,            ///< N
   hold_forward,       ///< gripping: mu·N - F
   hold_backward,      ///< gripping: mu·N + F
@@ -24,37 +24,37 @@ enum class Watched {
   slip,           ///< vx + R·omega
 };
 
-struct Value {
+struct EventValue {
   double value;
-  double noise;  ///< what rounding may have made of it
+  double noise;  ///< bound of its rounding error
 };
 
-Value watch(const System& system, Watched what, ContactMode mode, const State& z);
+EventValue event_value(const System& system, EventFunction function, ContactMode mode, const State& z);
 
-/// A step taken, for looking into it. Call prepare() before find_crossing().
-struct TakenStep {
+/// Dense output of one step. Call interpolate_quarters() before find_crossing().
+struct DenseStep {
   const System& system;
   ContactMethod method;
   ContactStep step;
   State end;
-  State end_slope;
+  State end_derivative;
   int* evaluations;
-  std::array<State, 3> between{};  ///< glances at its quarters
+  std::array<State, 3> quarters{};  ///< cubic interpolants at 1/4, 1/2, 3/4
 
-  void prepare();
-  /// State a part of the step's size on, with the method's full order.
-  State at(double part_size) const;
-  /// Cubic through both ends, for finding where to look; the components that are watched.
-  State glance(double fraction) const;
+  void interpolate_quarters();
+  /// State `size` after the step's start, by one step of the method.
+  State at(double size) const;
+  /// Cubic Hermite interpolant of the components that event functions use, to bracket their zeros.
+  State interpolate(double fraction) const;
 };
 
-/// First part size at which the function has become negative (beyond its noise), located to rounding: 0 if it
-/// is negative from the start, empty if it does not.
-std::optional<double> find_crossing(const TakenStep& taken, Watched what);
+/// First size at which the function has become negative (beyond its noise), located to rounding: 0 if it is
+/// negative at the start. Returns nullopt if it does not become negative.
+std::optional<double> find_crossing(const DenseStep& dense, EventFunction function);
 
-/// Part size at which the function changes sign between the ends of the step shortened to `size`, if it
-/// does. `sign` picks the direction: +1 rising, -1 falling, 0 both.
-std::optional<double> find_sign_change(const TakenStep& taken, Watched what, double size, const State& end,
-                                       int sign);
+/// Size at which the function changes sign between the ends of the step shortened to `size`. `sign` selects
+/// the direction: +1 rising, -1 falling, 0 both. Returns nullopt if it does not change sign.
+std::optional<double> find_sign_change(const DenseStep& dense, EventFunction function, double size,
+                                       const State& end, int sign);
 
 }  // namespace strobe::impact::detail

@@ -35,7 +35,7 @@ double light_damping(double half_log) {
 /// sqrt(z)·cot(sqrt(z)) and its derivative, continued to z < 0 by the hyperbolic functions.
 struct Cotangent {
   double value;
-  double slope;
+  double derivative;
 };
 
 Cotangent arc_cotangent(double z) {
@@ -46,9 +46,9 @@ Cotangent arc_cotangent(double z) {
         z * (1.0 / 3.0 +
              z * (1.0 / 45.0 +
                   z * (2.0 / 945.0 + z * (1.0 / 4725.0 + z * (2.0 / 93555.0 + z * (1382.0 / 638512875.0))))));
-    const double slope =
+    const double derivative =
         -(1.0 / 3.0 + z * (2.0 / 45.0 + z * (6.0 / 945.0 + z * (4.0 / 4725.0 + z * (10.0 / 93555.0)))));
-    return {value, slope};
+    return {value, derivative};
   }
   if (z > 0.0) {
     const double x = std::sqrt(z);
@@ -64,7 +64,7 @@ double heavy_damping(double half_log) {
   double z = 3.0 * (1.0 - half_log);
   for (int i = 0; i < 50; ++i) {
     const Cotangent at = arc_cotangent(z);
-    const double step = (at.value - half_log) / at.slope;
+    const double step = (at.value - half_log) / at.derivative;
     z -= step;
     if (std::abs(step) <= 4e-16 * (1.0 + std::abs(z))) break;
   }

@@ -1,13 +1,13 @@
-// The spring and dashpot under a bouncing ball (Kelvin–Voigt), N = k·y + c·dy/dt: closed forms between its
-// constants and what a photograph shows, restitution and dwell time. The surface can only push, so the ball
-// leaves where N = 0, with the spring still compressed, and not where y = 0. In units of the undamped
-// oscillation (tau = t·sqrt(k/m), zeta = c/(2·sqrt(k·m))):
+// The Kelvin–Voigt spring and dashpot under a bouncing ball, N = k·y + c·dy/dt: closed forms between its
+// constants and the measured restitution and dwell time. The surface can only push, so the ball leaves where
+// N = 0, with the spring still compressed, and not where y = 0. In units of the undamped oscillation (tau =
+// t·sqrt(k/m), zeta = c/(2·sqrt(k·m))):
 //   zeta < 1:  tau_release = 2·acos(zeta)/sqrt(1 - zeta²),   e = exp(-zeta·tau_release)
 //   zeta > 1:  tau_release = 2·acosh(zeta)/sqrt(zeta² - 1),  the same e
 // the first of which is e = exp(-(zeta/q)(pi - atan2(2·zeta·q, 1 - 2·zeta²))), q = sqrt(1 - zeta²). The two
-// meet at zeta = 1, tau = 2, e = exp(-2) = 0.135; with zeta² = cos²(sqrt z) they are one analytic function
-// of z = acos(zeta)², which is how the inverse is found without loss of digits. Pure, no allocation:
-// thread-safe, real-time safe.
+// meet at zeta = 1, tau = 2, e = exp(-2) = 0.135; with zeta² = cos²(sqrt z) they are one analytic function of
+// z = acos(zeta)², by which the inverse is found without loss of digits. Pure, no allocation: thread-safe,
+// real-time safe.
 #pragma once
 
 #include <tl/expected.hpp>

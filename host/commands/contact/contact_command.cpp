@@ -2,11 +2,10 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <memory>
 
 #include "common/contact/condition_inputs.hpp"
+#include "common/data/csv.hpp"
 #include "common/data/thesis_data.hpp"
 #include "common/units/angles.hpp"
 #include "host/commands/command.hpp"
@@ -41,16 +40,14 @@ struct ContactOptions {
 
 /// Defaults that a project's set brings with it; none for a file.
 struct Source {
-  contact::ContactSet set;
+  data::ContactSet set;
   std::optional<thesis::Condition> means;
 };
 
-Result<contact::ContactSet> read_contacts(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return fail(path.string() + ": cannot be read");
-  const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-  if (file.bad()) return fail(path.string() + ": cannot be read");
-  return contact::parse_contact_csv(text, path.string());
+Result<data::ContactSet> read_contacts(const std::string& path) {
+  const auto text = data::read_text(path);
+  if (!text) return tl::unexpected(text.error());
+  return data::parse_contact_csv(*text, path);
 }
 
 /// A pipe counts: the shell's <(...) and /dev/stdin.
@@ -94,7 +91,7 @@ std::optional<double> value_if_known(const std::optional<double>& given, const S
   return ((*source.means).*mean).mean;
 }
 
-Result<contact::Inputs> thesis_inputs(const ContactOptions& o, const Source& source) {
+Result<contact::ContactInputs> thesis_inputs(const ContactOptions& o, const Source& source) {
   using thesis::Condition;
   const auto vx = value_or_mean(o.vx_td_mps, "--vx-td", source, &Condition::vx_td_mps);
   const auto vy = value_or_mean(o.vy_td_mps, "--vy-td", source, &Condition::vy_td_mps);
@@ -105,7 +102,7 @@ Result<contact::Inputs> thesis_inputs(const ContactOptions& o, const Source& sou
       value_or_mean(o.dwell_distance_cm, "--dwell-distance-cm", source, &Condition::dwell_distance_cm);
   for (const auto* value : {&vx, &vy, &e, &mu, &time, &distance})
     if (!*value) return tl::unexpected(value->error());
-  return contact::Inputs{
+  return contact::ContactInputs{
       .vx_td_mps = *vx,
       .vy_td_mps = *vy,
       .e = *e,
@@ -116,7 +113,8 @@ Result<contact::Inputs> thesis_inputs(const ContactOptions& o, const Source& sou
       .form = o.form == "simplified" ? impact::PulseForm::simplified : impact::PulseForm::exact};
 }
 
-contact::SpinPulseInput pulse_input(const ContactOptions& o, const contact::Inputs& in, double omega_radps) {
+contact::SpinPulseInput pulse_input(const ContactOptions& o, const contact::ContactInputs& in,
+                                    double omega_radps) {
   return {.ball = {.diameter_m = in.diameter_m, .mass_kg = o.mass_kg, .alpha = o.alpha},
           .touchdown = {in.vx_td_mps, in.vy_td_mps, omega_radps},
           .e = in.e,
@@ -129,11 +127,10 @@ contact::SpinPulseInput pulse_input(const ContactOptions& o, const contact::Inpu
 /// What the splines must meet. Lift-off velocities that are not given follow from e and mu, which are ratios
 /// of them. The published sds belong to the means; what was given instead has none.
 contact::EndVelocities end_velocities(const ContactOptions& o, const ContactJob& job, const Source& source) {
-  const contact::Inputs& in = job.inputs;
+  const contact::ContactInputs& in = job.inputs;
   contact::EndVelocities ends;
   if (source.means) ends = contact::end_velocities(*source.means);
-  const auto take = [](contact::ValueSd& into, const std::optional<double>& given, bool known,
-                       double derived) {
+  const auto take = [](ValueSd& into, const std::optional<double>& given, bool known, double derived) {
     if (given || !known) into = {given.value_or(derived), 0.0};
   };
   take(ends.vx_td_mps, o.vx_td_mps, source.means.has_value(), in.vx_td_mps);

@@ -13,7 +13,6 @@ namespace strobe::host {
 namespace {
 
 using contact::CubicFit;
-using contact::ValueSd;
 using nlohmann::ordered_json;
 
 ordered_json poly(const std::optional<CubicFit>& fit) {
@@ -60,25 +59,25 @@ void put_peaks(ordered_json& out, const ContactJob& job, const ContactReport& r)
 }
 
 /// With the total rotation given, else with each motion's best.
-const contact::RotationError& error_used(const contact::RotationScore& score) {
-  return score.given_total ? *score.given_total : score.fitted_total;
+const contact::RotationError& error_used(const contact::RotationErrors& errors) {
+  return errors.given_total ? *errors.given_total : errors.fitted_total;
 }
 
 void put_spin(ordered_json& out, const ContactReport& r) {
   out["see_rotation_rad"] = nullptr;
   out["see_rotation_fraction"] = nullptr;
-  if (!r.spin_score) return;
-  out["see_grip_x_m"] = r.spin_score->see_x_m;
+  if (!r.spin_errors) return;
+  out["see_grip_x_m"] = r.spin_errors->see_x_m;
   out["vx_lo_mps"] = r.lift_off.vx_mps;
   out["omega_lo_radps"] = r.lift_off.omega_radps;
-  if (!r.spin_score->rotation) return;
-  const contact::RotationScore& score = *r.spin_score->rotation;
-  const contact::RotationError& used = error_used(score);
+  if (!r.spin_errors->rotation) return;
+  const contact::RotationErrors& errors = *r.spin_errors->rotation;
+  const contact::RotationError& used = error_used(errors);
   out["see_rotation_rad"] = used.see_rad;
   out["see_rotation_fraction"] = or_null(used.see_fraction);
   out["total_rotation_deg"] = degrees(used.total_rad);
   out["total_rotation_sd_deg"] =
-      score.given_total ? ordered_json() : ordered_json(degrees(score.fitted_total_sd_rad));
+      errors.given_total ? ordered_json() : ordered_json(degrees(errors.fitted_total_sd_rad));
   out["total_rotation_source"] = r.rotation_source;
 }
 
@@ -115,11 +114,11 @@ ordered_json cubic_json(const ContactReport& r) {
 
 ordered_json spline_json(const ContactReport& r) {
   ordered_json out;
-  out["see_x_m"] = r.spline.x ? ordered_json(r.spline_score.see_x_m) : ordered_json();
-  out["see_y_m"] = r.spline.y ? ordered_json(r.spline_score.see_y_m) : ordered_json();
-  const bool turns = r.spline.rotation && r.spline_score.rotation && r.spline_score.rotation->given_total;
+  out["see_x_m"] = r.spline.x ? ordered_json(r.spline_errors.see_x_m) : ordered_json();
+  out["see_y_m"] = r.spline.y ? ordered_json(r.spline_errors.see_y_m) : ordered_json();
+  const bool turns = r.spline.rotation && r.spline_errors.rotation && r.spline_errors.rotation->given_total;
   out["see_rotation_rad"] =
-      turns ? ordered_json(r.spline_score.rotation->given_total->see_rad) : ordered_json();
+      turns ? ordered_json(r.spline_errors.rotation->given_total->see_rad) : ordered_json();
   if (r.spline_force) {
     out["max_normal_force_n"] = r.spline_force->force_n.value;
     out["max_normal_force_sd_n"] = r.spline_force->force_n.sd;
@@ -130,10 +129,10 @@ ordered_json spline_json(const ContactReport& r) {
 
 ordered_json mechanics_json(const ContactReport& r) {
   if (!r.mechanics) return nullptr;
-  const contact::MechanicsScore& m = *r.mechanics;
-  ordered_json out{{"see_x_m", m.score.see_x_m}, {"see_y_m", m.score.see_y_m}};
+  const MechanicsReport& m = *r.mechanics;
+  ordered_json out{{"see_x_m", m.errors.see_x_m}, {"see_y_m", m.errors.see_y_m}};
   out["see_rotation_rad"] =
-      m.score.rotation ? ordered_json(error_used(*m.score.rotation).see_rad) : ordered_json();
+      m.errors.rotation ? ordered_json(error_used(*m.errors.rotation).see_rad) : ordered_json();
   out["rotation_deg"] = degrees(m.summary.rotation_rad);
   out["skid_to_grip_ms"] =
       m.summary.skid_to_grip_s ? ordered_json(1e3 * *m.summary.skid_to_grip_s) : ordered_json();
@@ -142,7 +141,7 @@ ordered_json mechanics_json(const ContactReport& r) {
   return out;
 }
 
-ordered_json left_out_json(const contact::LeaveOneOut& l) {
+ordered_json left_out_json(const contact::LeaveOneOutRms& l) {
   return {{"cubic", or_null(l.cubic)}, {"spline", or_null(l.spline)}, {"pulse", or_null(l.pulse)}};
 }
 
@@ -157,7 +156,7 @@ ordered_json stiffness_json(const contact::Stiffness& s) {
 }
 
 ordered_json inputs_json(const ContactJob& job) {
-  const contact::Inputs& in = job.inputs;
+  const contact::ContactInputs& in = job.inputs;
   ordered_json out{{"set", job.name},
                    {"corrected", job.corrected},
                    {"vx_td_mps", in.vx_td_mps},
@@ -183,9 +182,10 @@ ordered_json inputs_json(const ContactJob& job) {
 // --- For people ------------------------------------------------------------------------------------------
 
 void print_head(const ContactJob& job, const ContactReport& r) {
-  const contact::Inputs& in = job.inputs;
+  const contact::ContactInputs& in = job.inputs;
   const char* version = !job.project_set ? "" : job.corrected ? " (corrected)" : " (as printed)";
-  std::printf("%s%s: %d images between touchdown and lift-off\n", job.name.c_str(), version, r.estimate.n);
+  std::printf("%s%s: %d images between touchdown and lift-off\n", job.name.c_str(), version,
+              r.thesis_errors.n);
   std::printf("  touchdown vx %g, vy %g m/s", in.vx_td_mps, in.vy_td_mps);
   if (job.omega_td_radps) std::printf(", spin %g rad/s", *job.omega_td_radps);
   std::printf("; e %g, mu %g; dwell %g ms, %g cm; diameter %g m\n", in.e, in.mu, job.dwell_time_ms,
@@ -203,7 +203,7 @@ void print_value(const char* what, const ValueSd& v, double unit, const char* na
 
 void print_pulse(const ContactJob& job, const ContactReport& r) {
   std::printf("\nDamped sine pulse, %s form (damping f %.5f)\n",
-              std::string(impact::name(job.inputs.form)).c_str(), r.estimate.damping_f);
+              std::string(impact::name(job.inputs.form)).c_str(), r.damping_f);
   print_value("largest normal force", r.peaks.normal_force.size, 1.0, "N");
   print_value("  at", r.peaks.normal_force.time_s, 1e3, "ms");
   print_value("deepest", r.peaks.deformation.size, 1e3, "mm");
@@ -231,7 +231,7 @@ std::string cell(const std::optional<double>& value, double unit) {
   return text;
 }
 
-void print_left_out(const char* what, const contact::LeaveOneOut& l, double unit, const char* name) {
+void print_left_out(const char* what, const contact::LeaveOneOutRms& l, double unit, const char* name) {
   std::printf("  %-22s %8s %8s %8s  %s\n", what, cell(l.pulse, unit).c_str(), cell(l.cubic, unit).c_str(),
               cell(l.spline, unit).c_str(), name);
 }
@@ -274,11 +274,11 @@ void print_cubics(const ContactJob& job, const ContactReport& r) {
 
 void print_comparison(const ContactReport& r) {
   std::printf("\nDistance from the images, sqrt(sum/(N - 1))\n");
-  std::printf("  pulse, friction throughout: along %.3f mm, normal %.3f mm\n", 1e3 * r.estimate.see_x_m,
-              1e3 * r.estimate.see_y_m);
-  if (r.spin_score) {
-    std::printf("  pulse, rolling once it grips: along %.3f mm", 1e3 * r.spin_score->see_x_m);
-    if (const auto& rotation = r.spin_score->rotation) {
+  std::printf("  pulse, friction throughout: along %.3f mm, normal %.3f mm\n", 1e3 * r.thesis_errors.see_x_m,
+              1e3 * r.thesis_errors.see_y_m);
+  if (r.spin_errors) {
+    std::printf("  pulse, rolling once it grips: along %.3f mm", 1e3 * r.spin_errors->see_x_m);
+    if (const auto& rotation = r.spin_errors->rotation) {
       const contact::RotationError& used = error_used(*rotation);
       std::printf(", rotation %.2f degrees of %.1f in all (%s)", degrees(used.see_rad),
                   degrees(used.total_rad), r.rotation_source);
@@ -286,17 +286,17 @@ void print_comparison(const ContactReport& r) {
     std::printf("\n");
   }
   if (r.mechanics) {
-    const contact::MechanicsScore& m = *r.mechanics;
+    const MechanicsReport& m = *r.mechanics;
     std::printf("  contact mechanics (springs and grip): along %.3f mm, normal %.3f mm",
-                1e3 * m.score.see_x_m, 1e3 * m.score.see_y_m);
-    if (m.score.rotation)
-      std::printf(", rotation %.2f degrees of %.1f", degrees(error_used(*m.score.rotation).see_rad),
-                  degrees(error_used(*m.score.rotation).total_rad));
+                1e3 * m.errors.see_x_m, 1e3 * m.errors.see_y_m);
+    if (m.errors.rotation)
+      std::printf(", rotation %.2f degrees of %.1f", degrees(error_used(*m.errors.rotation).see_rad),
+                  degrees(error_used(*m.errors.rotation).total_rad));
     std::printf("\n");
   }
   if (r.spline.x && r.spline.y)
     std::printf("  spline through the measured end velocities: along %.3f mm, normal %.3f mm\n",
-                1e3 * r.spline_score.see_x_m, 1e3 * r.spline_score.see_y_m);
+                1e3 * r.spline_errors.see_x_m, 1e3 * r.spline_errors.see_y_m);
   if (r.spline_force)
     std::printf(
         "  the spline's largest normal force: %.0f +- %.0f N at %.0f %% (of the top, not the centre)\n",
@@ -310,10 +310,13 @@ void print_comparison(const ContactReport& r) {
 }  // namespace
 
 void print_contact_json(const ContactJob& job, const ContactReport& r) {
-  ordered_json out{
-      {"see_x_m", r.estimate.see_x_m},         {"see_y_m", r.estimate.see_y_m}, {"n", r.estimate.n},
-      {"damping_f", r.estimate.damping_f},     {"x_poly", poly(r.fits.x)},      {"y_poly", poly(r.fits.y)},
-      {"rotation_poly", poly(r.fits.rotation)}};
+  ordered_json out{{"see_x_m", r.thesis_errors.see_x_m},
+                   {"see_y_m", r.thesis_errors.see_y_m},
+                   {"n", r.thesis_errors.n},
+                   {"damping_f", r.damping_f},
+                   {"x_poly", poly(r.fits.x)},
+                   {"y_poly", poly(r.fits.y)},
+                   {"rotation_poly", poly(r.fits.rotation)}};
   out["r2"] = {
       {"x", r_squared(r.fits.x)}, {"y", r_squared(r.fits.y)}, {"rotation", r_squared(r.fits.rotation)}};
   out["poly_se"] = {

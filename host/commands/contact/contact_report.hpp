@@ -1,14 +1,14 @@
-// What `strobe contact` reports about one set: computed by analyse(), printed as JSON or for people. Not
-// thread-safe where it prints (stdout).
+// The analysis and the report of `strobe contact` for one set. analyse() is pure and thread-safe; the print
+// functions write to stdout and are not thread-safe.
 #pragma once
 
 #include <optional>
 #include <string>
 
-#include "common/contact/differentiation/analysis.hpp"
-#include "common/contact/differentiation/constrained_motion.hpp"
-#include "common/contact/integration/integration.hpp"
-#include "common/contact/mechanics_score.hpp"
+#include "common/contact/cross_validation.hpp"
+#include "common/contact/integration/peaks.hpp"
+#include "common/contact/integration/stiffness.hpp"
+#include "common/contact/standard_error.hpp"
 
 namespace strobe::host {
 
@@ -16,37 +16,44 @@ struct ContactJob {
   std::string name;  ///< as given: a file or a project's set
   bool project_set = false;
   bool corrected = false;
-  contact::ContactSet set;
-  contact::Inputs inputs;
+  data::ContactSet set;
+  contact::ContactInputs inputs;
   double dwell_time_ms = 0.0;
   double dwell_distance_cm = 0.0;
   contact::SpinPulseInput pulse;  ///< its mu is the magnitude of inputs.mu
   contact::SpinPulseSd pulse_sd;  ///< zero for a file
   contact::EndVelocities ends;
-  std::optional<double> omega_td_radps;  ///< absent: nothing is said about spin
+  std::optional<double> omega_td_radps;  ///< absent: no results about spin
   std::optional<double> omega_lo_radps;
-  std::optional<double> total_rotation_rad;  ///< given; else the total that fits the pulse best
+  std::optional<double> total_rotation_rad;  ///< absent: the total that fits the pulse best
+};
+
+/// The contact ODE with the fitted coefficients.
+struct MechanicsReport {
+  contact::StandardErrors errors;
+  impact::ContactSummary summary;
 };
 
 struct ContactReport {
-  contact::Estimate estimate;  ///< friction throughout, as in the thesis
+  contact::StandardErrors thesis_errors;  ///< of the pulse with friction throughout, as in the thesis
+  double damping_f = 0.0;
   contact::FractionFits fits;
-  contact::Scale scale;
+  contact::ContactScale scale;
   contact::Peaks peaks;
   contact::Stiffness stiffness;
   contact::DropRatio drop;
   contact::ZeroCrossings zeros;
-  std::optional<contact::Score> spin_score;  ///< of the pulse with its grip; absent without a spin
-  contact::ContactState lift_off;
-  const char* rotation_source = "unknown";           ///< "given", "fitted to the pulse" or "unknown"
-  std::optional<contact::MechanicsScore> mechanics;  ///< fitted defaults; absent without a spin
+  std::optional<contact::StandardErrors> spin_errors;  ///< of the pulse with its grip; absent without a spin
+  contact::SpinPulseState lift_off;
+  const char* rotation_source = "unknown";   ///< "given", "fitted to the pulse" or "unknown"
+  std::optional<MechanicsReport> mechanics;  ///< absent without a spin
   contact::ConstrainedMotion spline;
-  contact::Score spline_score;
+  contact::StandardErrors spline_errors;
   std::optional<contact::ForcePeak> spline_force;
   contact::CrossValidation cross;
 };
 
-/// The message does not name the set.
+/// Errors: those of the contact analysis; the message does not name the set.
 Result<ContactReport> analyse(const ContactJob& job);
 
 void print_contact_json(const ContactJob& job, const ContactReport& report);

@@ -26,7 +26,7 @@ struct Arguments {
   std::string model = "grip-offset";
   std::vector<std::string> free;
   std::vector<std::string> fix;
-  std::string leave_out = "none";
+  std::string leave_one_group_out = "none";
   std::string weights = "equal";
   std::string covariance = "residuals";
   std::string spread = "replicate";
@@ -62,7 +62,7 @@ Result<std::pair<Parameter, double>> fixed_value(const std::string& text) {
   const auto read = std::from_chars(begin, end, value);
   if (read.ec != std::errc{} || read.ptr != end || !std::isfinite(value))
     return fail("fit: --fix " + text + ": the value is not a number");
-  return std::pair(*p, from_the_edge(*p, value));
+  return std::pair(*p, from_display_unit(*p, value));
 }
 
 Result<impact::FitOptions> options_of(const Arguments& a) {
@@ -85,12 +85,13 @@ Result<impact::FitOptions> options_of(const Arguments& a) {
     if (!impact::has_parameter(out.model, fixed->first))
       return fail("fit: " + std::string(impact::name(fixed->first)) +
                   ": the model does not have this parameter");
-    const double lowest = at_the_edge(fixed->first, impact::lower_bound(fixed->first));
-    const double highest = at_the_edge(fixed->first, impact::upper_bound(fixed->first, 0.5 * a.diameter_m));
-    const double given = at_the_edge(fixed->first, fixed->second);
+    const double lowest = to_display_unit(fixed->first, impact::lower_bound(fixed->first));
+    const double highest =
+        to_display_unit(fixed->first, impact::upper_bound(fixed->first, 0.5 * a.diameter_m));
+    const double given = to_display_unit(fixed->first, fixed->second);
     if (given < lowest || given > highest)
       return fail(fmt::format("fit: --fix {}: must be from {} to {:.4g}{}", text, lowest, highest,
-                              unit_at_the_edge(fixed->first)));
+                              display_unit(fixed->first)));
     out.start[i] = fixed->second;
     out.free[i] = false;
   }
@@ -125,7 +126,7 @@ void judge(FitReport& report) {
   const ball::Ball ball{.diameter_m = report.options.diameter_m, .alpha = alpha};
   for (const impact::Observation& o : report.data.observations) {
     report.regimes.push_back(
-        impact::judge_regime(o, report.options.model, report.fit, report.options.diameter_m).value());
+        impact::classify_regime(o, report.options.model, report.fit, report.options.diameter_m).value());
     report.rolling_friction.push_back(impact::rolling_friction(o, ball).value());
   }
 }
@@ -145,9 +146,11 @@ int run_fit(const Arguments& a) {
   if (!fit) return explain(fit.error(), report.data);
   report.fit = *std::move(fit);
   judge(report);
-  if (a.leave_out != "none") {
-    report.left_out_by = a.leave_out == "spin" ? impact::LeaveOut::spin : impact::LeaveOut::series;
-    auto validation = impact::leave_out(report.data.observations, report.options, report.left_out_by);
+  if (a.leave_one_group_out != "none") {
+    report.grouped_by = a.leave_one_group_out == "spin" ? impact::CrossValidationGroup::spin
+                                                        : impact::CrossValidationGroup::series;
+    auto validation =
+        impact::leave_one_group_out(report.data.observations, report.options, report.grouped_by);
     if (!validation) return explain(validation.error(), report.data);
     report.validation = *std::move(validation);
   }
@@ -192,7 +195,7 @@ void add_data_options(CLI::App& command, Arguments& a) {
       ->check(CLI::IsMember({"zero", "top", "back"}));
   command.add_flag("--as-printed", a.as_printed, "The conditions without their corrections");
   command
-      .add_option("--leave-out", a.leave_out,
+      .add_option("--leave-out", a.leave_one_group_out,
                   "Fit without each spin or condition in turn and predict it: spin, condition or none")
       ->check(CLI::IsMember({"spin", "condition", "none"}))
       ->capture_default_str();

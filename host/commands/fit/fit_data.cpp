@@ -194,11 +194,9 @@ Result<FitData> parse_results(std::string_view text, const std::string& source) 
 }
 
 Result<FitData> read_results(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file || std::filesystem::is_directory(path)) return fail(path.string() + ": cannot be read");
-  const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-  if (file.bad()) return fail(path.string() + ": cannot be read");
-  return parse_results(text, path.string());
+  const auto text = data::read_text(path);
+  if (!text) return tl::unexpected(text.error());
+  return parse_results(*text, path.string());
 }
 
 }  // namespace strobe::host

@@ -1,4 +1,4 @@
-// What `strobe fit` fits to: the thesis's conditions, or the shots of sessions' results.csv.
+// The data of `strobe fit`: the thesis's conditions, or the shots of sessions' results.csv.
 // Reads files; thread-safe; allocates.
 #pragma once
 
@@ -14,17 +14,18 @@ namespace strobe::host {
 
 struct FitData {
   std::vector<impact::Observation> observations;
-  int rejected = 0;    ///< shots left out since they were marked rejected
+  int rejected = 0;    ///< shots marked rejected
   int incomplete = 0;  ///< shots left out since a velocity, spin or e is missing or the spin may be aliased
 };
 
-/// The conditions that come with the program.
+/// The shipped conditions of the thesis.
 Result<FitData> conditions_to_fit(thesis::Version version, impact::Spread spread);
 
-/// Shots of a results.csv (host/session/results_csv.hpp), one observation each, named "SOURCE:LINE". Columns
-/// are found by name: vx_td_mps, vy_td_mps, omega_td_radps, vx_lo_mps, omega_lo_radps and e must be there;
-/// their sd_ columns, rejected, flags, spin and angle_deg may be. An sd that is missing is 0. A series is a
-/// spin and an angle, or the file where they are not noted. Errors: "SOURCE:LINE: column: what".
+/// Parses the shots of a results.csv (host/session/results_csv.hpp), one observation each, named
+/// "SOURCE:LINE". Columns are found by name: vx_td_mps, vy_td_mps, omega_td_radps, vx_lo_mps, omega_lo_radps
+/// and e are required; their sd_ columns, rejected, flags, spin and angle_deg are optional. An sd that is
+/// missing is 0. A series is a spin and an angle, or the file where they are not noted. Fails with
+/// "SOURCE:LINE: column: what is wrong".
 Result<FitData> parse_results(std::string_view text, const std::string& source);
 Result<FitData> read_results(const std::filesystem::path& path);
 

@@ -9,11 +9,11 @@ namespace strobe::host {
 
 namespace {
 
-using impact::Agreement;
 using impact::FittedParameter;
 using impact::kParameterCount;
 using impact::Parameter;
 using impact::ParameterStatus;
+using impact::ResidualStatistics;
 using nlohmann::ordered_json;
 
 void print_line(const ordered_json& object) {
@@ -25,7 +25,7 @@ ordered_json number(const std::optional<double>& value) {
 }
 
 ordered_json edge_number(Parameter p, const std::optional<double>& value) {
-  return value ? ordered_json(at_the_edge(p, *value)) : ordered_json();
+  return value ? ordered_json(to_display_unit(p, *value)) : ordered_json();
 }
 
 std::string key(Parameter p) {
@@ -39,7 +39,7 @@ ordered_json parameters_json(const impact::ModelFit& fit, impact::ReboundModel m
     const auto p = static_cast<Parameter>(i);
     if (!impact::has_parameter(model, p)) continue;
     const FittedParameter& f = fit.parameters[i];
-    out[key(p)] = {{"value", at_the_edge(p, f.value)},
+    out[key(p)] = {{"value", to_display_unit(p, f.value)},
                    {"sd", edge_number(p, f.sd)},
                    {"limit", edge_number(p, f.limit)},
                    {"status", impact::name(f.status)}};
@@ -64,7 +64,7 @@ ordered_json correlations_json(const impact::ModelFit& fit) {
   return out;
 }
 
-ordered_json agreement_json(const Agreement& a) {
+ordered_json statistics_json(const ResidualStatistics& a) {
   return {{"count", a.count},
           {"rms_vx_mps", a.rms_vx_mps},
           {"rms_omega_radps", a.rms_omega_radps},
@@ -90,7 +90,7 @@ ordered_json comparison_json(const impact::Observation& o, const impact::Compari
           {"z_omega_with_inputs", number(c.z_omega_with_inputs)}};
 }
 
-void add_regime(const impact::RegimeJudgement& r, ordered_json& out) {
+void add_regime(const impact::RegimeClassification& r, ordered_json& out) {
   out["regime"] = name(r.predicted);
   out["probability_slides"] = r.probability_slides;
   out["friction_needed_mps"] = r.friction_needed_mps;
@@ -121,7 +121,7 @@ ordered_json fit_json(const FitReport& r) {
   out["dof"] = r.fit.dof;
   out["variance_scale"] = r.fit.variance_scale;
   out["converged"] = r.fit.converged;
-  out.update(agreement_json(r.fit.agreement));
+  out.update(statistics_json(r.fit.statistics));
   out["inputs"] = {{"weights", by_sd ? "sd" : "equal"},
                    {"covariance", scaled ? "residuals" : "stated"},
                    {"diameter_m", r.options.diameter_m},
@@ -132,10 +132,10 @@ ordered_json fit_json(const FitReport& r) {
 
 }  // namespace
 
-double at_the_edge(Parameter p, double value) { return p == Parameter::offset_m ? 1e3 * value : value; }
-double from_the_edge(Parameter p, double value) { return p == Parameter::offset_m ? value / 1e3 : value; }
+double to_display_unit(Parameter p, double value) { return p == Parameter::offset_m ? 1e3 * value : value; }
+double from_display_unit(Parameter p, double value) { return p == Parameter::offset_m ? value / 1e3 : value; }
 
-const char* unit_at_the_edge(Parameter p) {
+const char* display_unit(Parameter p) {
   return p == Parameter::offset_m ? " mm" : p == Parameter::offset_reference_mps ? " m/s" : "";
 }
 
@@ -149,15 +149,15 @@ void print_fit_json(const FitReport& r) {
     print_line(out);
   }
   if (!r.validation) return;
-  for (const impact::LeftOut& group : r.validation->groups) {
+  for (const impact::HeldOutGroup& group : r.validation->groups) {
     ordered_json out{{"type", "left_out"}, {"group", group.group}};
     out["parameters"] = parameters_json(group.fit, r.options.model);
-    out.update(agreement_json(group.agreement));
+    out.update(statistics_json(group.statistics));
     print_line(out);
   }
   ordered_json out{{"type", "validation"},
-                   {"left_out", r.left_out_by == impact::LeaveOut::spin ? "spin" : "condition"}};
-  out.update(agreement_json(r.validation->agreement));
+                   {"left_out", r.grouped_by == impact::CrossValidationGroup::spin ? "spin" : "condition"}};
+  out.update(statistics_json(r.validation->statistics));
   print_line(out);
 }
 

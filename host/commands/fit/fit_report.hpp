@@ -1,4 +1,4 @@
-// What `strobe fit` found, as text or as JSON objects. Writes to stdout; one thread's.
+// The results of `strobe fit` as text or as JSON objects. Writes to stdout; single-threaded.
 #pragma once
 
 #include <optional>
@@ -15,16 +15,16 @@ struct FitReport {
   FitData data;
   impact::FitOptions options;
   impact::ModelFit fit;
-  std::vector<impact::RegimeJudgement> regimes;           ///< one for each observation
+  std::vector<impact::RegimeClassification> regimes;      ///< one for each observation
   std::vector<impact::RollingFriction> rolling_friction;  ///< one for each observation
-  std::optional<impact::Validation> validation;
-  impact::LeaveOut left_out_by = impact::LeaveOut::spin;
+  std::optional<impact::CrossValidation> validation;
+  impact::CrossValidationGroup grouped_by = impact::CrossValidationGroup::spin;
 };
 
-/// A parameter's value as the command line has it: d in mm, the others as they are.
-double at_the_edge(impact::Parameter parameter, double value);
-double from_the_edge(impact::Parameter parameter, double value);
-const char* unit_at_the_edge(impact::Parameter parameter);  ///< " mm", " m/s" or ""
+/// A parameter's value in the unit of the command line, and back: d in mm, the others in SI units.
+double to_display_unit(impact::Parameter parameter, double value);
+double from_display_unit(impact::Parameter parameter, double value);
+const char* display_unit(impact::Parameter parameter);  ///< " mm", " m/s" or ""
 
 /// Lines of type "fit", then "observation" for each, then "left_out" for each group and "validation".
 void print_fit_json(const FitReport& report);

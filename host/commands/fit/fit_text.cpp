@@ -16,7 +16,7 @@ using impact::kParameterCount;
 using impact::Parameter;
 using impact::ParameterStatus;
 
-void say(const std::string& text) { std::fputs(text.c_str(), stdout); }
+void write_out(const std::string& text) { std::fputs(text.c_str(), stdout); }
 
 /// With as many digits as the sd bears: two of the sd's.
 std::string with_sd(double value, double sd) {
@@ -29,26 +29,27 @@ std::string limit_text(Parameter p, const FittedParameter& f) {
   if (!f.limit) return {};
   const bool upper = f.status == ParameterStatus::at_lower_bound;
   if (f.status == ParameterStatus::undetermined)
-    return fmt::format("; at least {:.4g} lets all grip", at_the_edge(p, *f.limit));
+    return fmt::format("; at least {:.4g} lets all grip", to_display_unit(p, *f.limit));
   return fmt::format("; {} {:.4g} ({:.0f} % one-sided)", upper ? "at most" : "at least",
-                     at_the_edge(p, *f.limit), 100.0 * impact::kLimitLevel);
+                     to_display_unit(p, *f.limit), 100.0 * impact::kLimitLevel);
 }
 
 std::string value_text(Parameter p, const FittedParameter& f) {
-  const double value = at_the_edge(p, f.value);
-  if (f.sd) return with_sd(value, at_the_edge(p, *f.sd)) + unit_at_the_edge(p);
-  return fmt::format("{:.5g}{}  {}{}", value, unit_at_the_edge(p), impact::name(f.status), limit_text(p, f));
+  const double value = to_display_unit(p, f.value);
+  if (f.sd) return with_sd(value, to_display_unit(p, *f.sd)) + display_unit(p);
+  return fmt::format("{:.5g}{}  {}{}", value, display_unit(p), impact::name(f.status), limit_text(p, f));
 }
 
 void print_parameters(const FitReport& r) {
-  say(fmt::format("model {}: {} observations", impact::name(r.options.model), r.data.observations.size()));
+  write_out(
+      fmt::format("model {}: {} observations", impact::name(r.options.model), r.data.observations.size()));
   if (r.data.rejected + r.data.incomplete > 0)
-    say(fmt::format(" ({} rejected and {} incomplete left out)", r.data.rejected, r.data.incomplete));
-  say("\n");
+    write_out(fmt::format(" ({} rejected and {} incomplete left out)", r.data.rejected, r.data.incomplete));
+  write_out("\n");
   for (std::size_t i = 0; i < kParameterCount; ++i) {
     const auto p = static_cast<Parameter>(i);
     if (!impact::has_parameter(r.options.model, p)) continue;
-    say(fmt::format("  {:<6} {}\n", impact::name(p), value_text(p, r.fit.parameters[i])));
+    write_out(fmt::format("  {:<6} {}\n", impact::name(p), value_text(p, r.fit.parameters[i])));
   }
 }
 
@@ -62,10 +63,10 @@ void print_correlations(const impact::ModelFit& fit) {
       line += fmt::format("  {},{} {:+.2f}", impact::name(a), impact::name(b), fit.correlation(a, b));
     }
   }
-  if (!line.empty()) say("correlations:" + line + "\n");
+  if (!line.empty()) write_out("correlations:" + line + "\n");
 }
 
-std::string agreement_text(const impact::Agreement& a) {
+std::string statistics_text(const impact::ResidualStatistics& a) {
   return fmt::format("rms {:.3f} m/s, {:.2f} rad/s; rms z {:.2f}, {:.2f}; within one sd {}, {} of {}",
                      a.rms_vx_mps, a.rms_omega_radps, a.rms_z_vx, a.rms_z_omega, a.within_sd_vx,
                      a.within_sd_omega, a.count);
@@ -74,11 +75,12 @@ std::string agreement_text(const impact::Agreement& a) {
 void print_quality(const FitReport& r) {
   const bool by_sd = r.options.weighting == impact::Weighting::stated_sd;
   const bool scaled = r.options.scale == impact::CovarianceScale::residuals;
-  say(fmt::format("chi2 {:.4g} for {} degrees of freedom, weights {}; sd {}\n", r.fit.chi2, r.fit.dof,
-                  by_sd ? "by the stated sd" : "1 per (m/s)^2 of vx and of R omega",
-                  scaled ? "scaled to the residuals (chi2/dof)" : "from the weights alone"));
-  say("vx, omega at lift-off: " + agreement_text(r.fit.agreement) + "\n");
-  if (!r.fit.converged) say("the search stopped at its limit of steps: the minimum may not be reached\n");
+  write_out(fmt::format("chi2 {:.4g} for {} degrees of freedom, weights {}; sd {}\n", r.fit.chi2, r.fit.dof,
+                        by_sd ? "by the stated sd" : "1 per (m/s)^2 of vx and of R omega",
+                        scaled ? "scaled to the residuals (chi2/dof)" : "from the weights alone"));
+  write_out("vx, omega at lift-off: " + statistics_text(r.fit.statistics) + "\n");
+  if (!r.fit.converged)
+    write_out("the search stopped at its limit of steps: the minimum may not be reached\n");
 }
 
 std::string z_text(const std::optional<double>& z) { return z ? fmt::format("{:+.1f}", *z) : "-"; }
@@ -86,16 +88,16 @@ std::string z_text(const std::optional<double>& z) { return z ? fmt::format("{:+
 void print_observations(const FitReport& r) {
   std::size_t width = 10;
   for (const impact::Observation& o : r.data.observations) width = std::max(width, o.name.size());
-  say(
+  write_out(
       fmt::format("\n{:<{}}   vx m/s  model     z   omega  model     z  regime  P(slides)  measured"
                   "   slip m/s     d mm (+- alpha)\n",
                   "", width));
   for (std::size_t i = 0; i < r.data.observations.size(); ++i) {
     const impact::Observation& o = r.data.observations[i];
     const impact::Comparison& c = r.fit.comparisons[i];
-    const impact::RegimeJudgement& g = r.regimes[i];
+    const impact::RegimeClassification& g = r.regimes[i];
     const impact::RollingFriction& f = r.rolling_friction[i];
-    say(
+    write_out(
         fmt::format("{:<{}}  {:7.2f} {:6.2f} {:>5}  {:6.1f} {:6.1f} {:>5}  {:<6}  {:9.3f}  {:<8} "
                     "{:5.2f} +- {:4.2f} {:5.1f} +- {:3.1f} ({:3.1f})\n",
                     o.name, width, o.lift_off.vx_mps, c.predicted.lift_off.vx_mps, z_text(c.z_vx),
@@ -108,7 +110,7 @@ void print_observations(const FitReport& r) {
 void print_rolling_friction(const FitReport& r) {
   const double alpha = r.fit.parameters[impact::index(Parameter::alpha)].value;
   const auto s = impact::summarize(r.rolling_friction, alpha);
-  say(
+  write_out(
       fmt::format("\nrolling friction from angular momentum (alpha {:.3g}): d {:.2f} mm, {:.2f} between "
                   "observations, positive in {} of {}; systematic {:.2f} mm from alpha +- {:g}\n",
                   alpha, 1e3 * s.mean_m, 1e3 * s.scatter_m, s.positive, s.count, 1e3 * s.mean_sd_alpha_m,
@@ -117,19 +119,19 @@ void print_rolling_friction(const FitReport& r) {
 
 void print_validation(const FitReport& r) {
   if (!r.validation) return;
-  say(fmt::format("\nleft out in turn, by {}:\n",
-                  r.left_out_by == impact::LeaveOut::spin ? "spin" : "condition"));
-  for (const impact::LeftOut& group : r.validation->groups) {
+  write_out(fmt::format("\nleft out in turn, by {}:\n",
+                        r.grouped_by == impact::CrossValidationGroup::spin ? "spin" : "condition"));
+  for (const impact::HeldOutGroup& group : r.validation->groups) {
     std::string values;
     for (std::size_t i = 0; i < kParameterCount; ++i) {
       const auto p = static_cast<Parameter>(i);
       if (r.options.free[i])
-        values += fmt::format(" {} {:.4g}{}", impact::name(p), at_the_edge(p, group.fit.parameters[i].value),
-                              unit_at_the_edge(p));
+        values += fmt::format(" {} {:.4g}{}", impact::name(p),
+                              to_display_unit(p, group.fit.parameters[i].value), display_unit(p));
     }
-    say(fmt::format("  {:<10} {}  with{}\n", group.group, agreement_text(group.agreement), values));
+    write_out(fmt::format("  {:<10} {}  with{}\n", group.group, statistics_text(group.statistics), values));
   }
-  say("  all        " + agreement_text(r.validation->agreement) + "\n");
+  write_out("  all        " + statistics_text(r.validation->statistics) + "\n");
 }
 
 }  // namespace

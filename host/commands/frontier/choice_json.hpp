@@ -1,4 +1,4 @@
-// The parts of a choice's JSON that `strobe predict` and `strobe reduce` share.
+// JSON of a measured method, shared by `strobe predict` and `strobe reduce`. Pure; thread-safe.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -8,7 +8,7 @@
 
 namespace strobe::host {
 
-/// The method, its parameter, and what the measured frontier says of its error and cost.
+/// Method, parameter, and the measured error and cost.
 nlohmann::ordered_json row_json(const frontier::Row& row);
 
 }  // namespace strobe::host

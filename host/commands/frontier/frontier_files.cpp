@@ -35,14 +35,15 @@ Result<FrontierFiles> read_frontier(const std::string& file) {
   return files;
 }
 
-Result<frontier::Demand> parse_demand(const std::string& tolerance, std::optional<double> deadline_us) {
-  frontier::Demand demand{.tolerance = std::nullopt, .deadline_us = deadline_us};
+Result<frontier::Requirement> parse_requirement(const std::string& tolerance,
+                                                std::optional<double> deadline_us) {
+  frontier::Requirement requirement{.tolerance = std::nullopt, .deadline_us = deadline_us};
   if (deadline_us && !(*deadline_us > 0.0)) return fail("--deadline-us must be above 0");
-  if (tolerance.empty()) return demand;
+  if (tolerance.empty()) return requirement;
   const auto value = parse_tolerance(tolerance);
   if (!value) return fail("--tolerance: " + value.error().message);
-  demand.tolerance = *value;
-  return demand;
+  requirement.tolerance = *value;
+  return requirement;
 }
 
 }  // namespace strobe::host

@@ -1,4 +1,4 @@
-// The measured frontier's files and the demands on it, as the commands take them. Reads files; one thread's.
+// The measured frontier's files and the options --tolerance and --deadline-us. Reads files; single-threaded.
 #pragma once
 
 #include <optional>
@@ -11,13 +11,14 @@ namespace strobe::host {
 
 struct FrontierFiles {
   std::vector<frontier::Row> rows;
-  std::vector<frontier::Range> ranges;  ///< none without a ranges.csv
+  std::vector<frontier::Range> ranges;  ///< empty without a ranges.csv
 };
 
-/// The file and ranges.csv beside it. Empty: the shipped ones. The error names the file.
+/// Reads the file and ranges.csv beside it; the shipped ones if `file` is empty. The error names the file.
 Result<FrontierFiles> read_frontier(const std::string& file);
 
-/// The error names the option.
-Result<frontier::Demand> parse_demand(const std::string& tolerance, std::optional<double> deadline_us);
+/// Parses the two options. The error names the option.
+Result<frontier::Requirement> parse_requirement(const std::string& tolerance,
+                                                std::optional<double> deadline_us);
 
 }  // namespace strobe::host

@@ -16,8 +16,8 @@ using frontier::Row;
 
 constexpr std::string_view kStudy = "lift_off";
 
-/// A check has to be so many times as exact as what it checks, and as what is asked for.
-constexpr double kCheckTimesAsExact = 10.0;
+/// A check must be this many times as accurate as the checked method and as the tolerance.
+constexpr double kCheckAccuracyFactor = 10.0;
 
 template <typename Number>
 std::optional<Number> number(const Row& row, std::string_view name) {
@@ -61,15 +61,16 @@ double difference(const PredictInput& in, const impact::Motion& a, const impact:
   return std::hypot(a.vx_mps - b.vx_mps, a.vy_mps - b.vy_mps, spin_mps) / speed_mps(in);
 }
 
-/// The least ratio drawn is no limit: spins of both signs were, and none lies between them.
-double judged_spin_ratio(const MeasuredImpacts& measured, double ratio) {
+/// The lowest ratio measured is no limit, since spins of both signs were measured and no spin lies between
+/// them.
+double limited_spin_ratio(const MeasuredModels& measured, double ratio) {
   for (const frontier::Range& range : measured.ranges) {
     if (range.study == kStudy && range.quantity == "spin_ratio") return std::max(ratio, range.lowest);
   }
   return ratio;
 }
 
-std::vector<std::string> outside(const MeasuredImpacts& measured, const PredictInput& in) {
+std::vector<std::string> outside(const MeasuredModels& measured, const PredictInput& in) {
   const impact::ContactCoefficients c = contact_of(in);
   const ball::Ball ball = ball_of(in);
   const std::array quantities{
@@ -80,7 +81,7 @@ std::vector<std::string> outside(const MeasuredImpacts& measured, const PredictI
       frontier::Quantity{"omega_radps", std::copysign(1.0, in.touchdown.vx_mps) * in.touchdown.omega_radps},
       frontier::Quantity{
           "spin_ratio",
-          judged_spin_ratio(measured, std::abs(ball.radius_m() * in.touchdown.omega_radps) / speed_mps(in))},
+          limited_spin_ratio(measured, std::abs(ball.radius_m() * in.touchdown.omega_radps) / speed_mps(in))},
       frontier::Quantity{"e", c.e}, frontier::Quantity{"mu", c.mu}, frontier::Quantity{"alpha", ball.alpha},
       frontier::Quantity{"diameter_m", ball.diameter_m}, frontier::Quantity{"mass_kg", ball.mass_kg},
       frontier::Quantity{"dwell_time_ms", in.dwell_time_ms},
@@ -93,12 +94,16 @@ std::vector<std::string> outside(const MeasuredImpacts& measured, const PredictI
 
 bool same_method(const Row& a, const Row& b) { return a.method == b.method && a.parameter == b.parameter; }
 
-/// Runs and checks what is taken, one method after another.
+/// Runs and checks the chosen methods, one after another.
 class Runs {
  public:
-  Runs(const MeasuredImpacts& measured, std::vector<Row> rows, const frontier::Demand& demand,
+  Runs(const MeasuredModels& measured, std::vector<Row> rows, const frontier::Requirement& requirement,
        const PredictInput& in, std::int64_t (*now_ns)())
-      : rows_(std::move(rows)), integrations_(measured.rows), demand_(demand), in_(in), now_ns_(now_ns) {
+      : rows_(std::move(rows)),
+        integrations_(measured.rows),
+        requirement_(requirement),
+        in_(in),
+        now_ns_(now_ns) {
     std::erase_if(integrations_, [](const Row& row) { return row.method != "ode"; });
   }
 
@@ -107,8 +112,8 @@ class Runs {
     return run(row, choice);
   }
 
-  /// Compares with a more exact run if there is time for one. Where that shows an error beyond the tolerance
-  /// it takes its place, if it may, and true is returned: it is to be checked in turn.
+  /// Compares with a more accurate run if there is time for one. If that shows an error beyond the tolerance
+  /// and may be taken, it replaces the prediction. Returns true if so: it is to be checked in turn.
   bool replaced_after_check(Prediction& prediction, ImpactChoice& choice) const {
     const auto check = check_for(choice);
     if (!check) return false;
@@ -117,23 +122,24 @@ class Runs {
     choice.taken.checked_by = *check;
     choice.taken.error_estimate =
         difference(in_, prediction.rebound.lift_off, checked->rebound.lift_off) + check->error;
-    if (!demand_.tolerance) return false;
-    choice.within_tolerance = *choice.taken.error_estimate <= *demand_.tolerance;
+    if (!requirement_.tolerance) return false;
+    choice.within_tolerance = *choice.taken.error_estimate <= *requirement_.tolerance;
     if (*choice.within_tolerance || !may_be_taken(*check)) return false;
-    choice.replaced.push_back(std::exchange(choice.taken, TriedImpact{*check, {}, {}}));
+    choice.replaced.push_back(std::exchange(choice.taken, TriedModel{*check, {}, {}}));
     choice.within_tolerance.reset();
     prediction = std::move(*checked);
     return true;
   }
 
  private:
-  /// The cheapest integration exact enough to judge by, within the time left.
+  /// The cheapest integration accurate enough for a check, within the time left.
   std::optional<Row> check_for(const ImpactChoice& choice) const {
     const double to_judge =
-        std::min(choice.taken.row.error, demand_.tolerance.value_or(choice.taken.row.error));
-    frontier::Demand demand{.tolerance = to_judge / kCheckTimesAsExact, .deadline_us = {}};
-    if (demand_.deadline_us) demand.deadline_us = *demand_.deadline_us - choice.expected_cost_us;
-    const auto check = frontier::choose(integrations_, demand);
+        std::min(choice.taken.row.error, requirement_.tolerance.value_or(choice.taken.row.error));
+    frontier::Requirement requirement{.tolerance = to_judge / kCheckAccuracyFactor, .deadline_us = {}};
+    if (requirement_.deadline_us)
+      requirement.deadline_us = *requirement_.deadline_us - choice.expected_cost_us;
+    const auto check = frontier::choose(integrations_, requirement);
     return check ? std::optional(*check) : std::nullopt;
   }
 
@@ -147,8 +153,8 @@ class Runs {
     auto prediction = predict(with);
     const std::int64_t middle_ns = now_ns_();
     const auto again = predict(with);
-    choice.took_ns += middle_ns - begin_ns;
-    choice.took_again_ns += now_ns_() - middle_ns;
+    choice.duration_ns += middle_ns - begin_ns;
+    choice.repeated_duration_ns += now_ns_() - middle_ns;
     choice.expected_cost_us += row.cost_us;
     if (!prediction) return fail(std::string(impact::message(prediction.error())));
     return std::move(*prediction);
@@ -156,7 +162,7 @@ class Runs {
 
   std::vector<Row> rows_;
   std::vector<Row> integrations_;
-  const frontier::Demand& demand_;
+  const frontier::Requirement& requirement_;
   const PredictInput& in_;
   std::int64_t (*now_ns_)();
 };
@@ -180,25 +186,25 @@ std::optional<PredictInput> input_for(const Row& row, PredictInput in) {
   return known ? std::optional(std::move(in)) : std::nullopt;
 }
 
-MeasuredImpacts impacts_of(const std::vector<Row>& rows, const std::vector<frontier::Range>& ranges) {
-  MeasuredImpacts measured{.rows = frontier::of_study(rows, kStudy), .ranges = ranges};
+MeasuredModels measured_models(const std::vector<Row>& rows, const std::vector<frontier::Range>& ranges) {
+  MeasuredModels measured{.rows = frontier::of_study(rows, kStudy), .ranges = ranges};
   std::erase_if(measured.rows, [](const Row& row) { return !input_for(row, {}); });
   return measured;
 }
 
-Result<ImpactChoice> choose_impact(const MeasuredImpacts& measured, const frontier::Demand& demand,
+Result<ImpactChoice> choose_impact(const MeasuredModels& measured, const frontier::Requirement& requirement,
                                    const std::string& model, PredictInput in, std::int64_t (*now_ns)()) {
   in.mu = in.mu.value_or(default_mu("ode"));
   in.alpha = in.alpha.value_or(default_alpha("ode"));
   std::vector<Row> rows = measured.rows;
   std::erase_if(rows, [&](const Row& row) { return !model.empty() && input_for(row, in)->model != model; });
-  const auto first = frontier::choose(rows, demand);
-  if (!first) return fail(frontier::refusal(first.error(), demand));
+  const auto first = frontier::choose(rows, requirement);
+  if (!first) return fail(frontier::failure_text(first.error(), requirement));
 
   ImpactChoice choice;
-  choice.reason = frontier::reason(rows, demand);
+  choice.reason = frontier::reason(rows, requirement);
   choice.outside = outside(measured, in);
-  const Runs runs(measured, std::move(rows), demand, in, now_ns);
+  const Runs runs(measured, std::move(rows), requirement, in, now_ns);
   auto prediction = runs.take(*first, choice);
   if (!prediction) return tl::unexpected(prediction.error());
   while (runs.replaced_after_check(*prediction, choice)) {

@@ -1,8 +1,8 @@
-// How `strobe predict --tolerance --deadline-us` chooses: among the measured impact models the cheapest that
-// meets both, then checked on this very impact by a more exact one where the deadline leaves time for it.
-// The error is against the contact's mechanics (ode), as the vector (vx, vy, R omega) at lift-off over the
-// speed of touchdown; what a method is relied on for is the largest error over all the contacts measured.
-// Every model gets the same material: mu and alpha, where not given, are those of the contact's mechanics.
+// `strobe predict --tolerance --deadline-us`: chooses among the measured impact models the cheapest that
+// meets both, then checks it on this impact by a more accurate one if the deadline leaves time. Errors are
+// relative to the contact ODE: the vector (vx, vy, R·omega) at lift-off over the speed of touchdown; a
+// method's error is the largest over all contacts measured. All models use the same mu and alpha; where not
+// given, those of the contact ODE. Deterministic but for the times; thread-safe; allocates.
 #pragma once
 
 #include <cstdint>
@@ -14,41 +14,42 @@
 
 namespace strobe::host {
 
-/// The measured methods that predict can run, and what they were measured over.
-struct MeasuredImpacts {
+/// The measured methods that predict can run, and the ranges they were measured over.
+struct MeasuredModels {
   std::vector<frontier::Row> rows;
   std::vector<frontier::Range> ranges;
 };
 
-MeasuredImpacts impacts_of(const std::vector<frontier::Row>& rows,
-                           const std::vector<frontier::Range>& ranges);
+MeasuredModels measured_models(const std::vector<frontier::Row>& rows,
+                               const std::vector<frontier::Range>& ranges);
 
-/// One method as run, or as looked at.
-struct TriedImpact {
+/// One method that was run.
+struct TriedModel {
   frontier::Row row;
-  std::optional<double> error_estimate;  ///< of this impact, by `checked_by`; none: no time for a check
+  std::optional<double> error_estimate;  ///< on this impact, against `checked_by`; absent without a check
   std::optional<frontier::Row> checked_by;
 };
 
 struct ImpactChoice {
-  TriedImpact taken;
+  TriedModel taken;
   Prediction prediction;
-  PredictInput input;                    ///< with the model and its parameter as chosen
-  std::string reason;                    ///< part of a sentence
-  std::vector<std::string> outside;      ///< quantities beyond those measured
-  std::vector<TriedImpact> replaced;     ///< whose check showed an error beyond the tolerance here
-  double expected_cost_us = 0.0;         ///< of all that was run
-  std::int64_t took_ns = 0;              ///< what it took, on the clock given: code and data not yet at hand
-  std::int64_t took_again_ns = 0;        ///< the same once more
-  std::optional<bool> within_tolerance;  ///< as far as checked; none: not checked, or no tolerance
+  PredictInput input;                     ///< with the model and its parameter as chosen
+  std::string reason;                     ///< part of a sentence
+  std::vector<std::string> outside;       ///< quantities beyond those measured
+  std::vector<TriedModel> replaced;       ///< methods whose check showed an error beyond the tolerance
+  double expected_cost_us = 0.0;          ///< of all runs
+  std::int64_t duration_ns = 0;           ///< measured, of the first calls (cold caches)
+  std::int64_t repeated_duration_ns = 0;  ///< measured, of the same calls repeated
+  std::optional<bool> within_tolerance;   ///< absent without a check or a tolerance
 };
 
-/// Input with which to run a row; absent: not a method of predict's, or its parameter says nothing.
+/// Input with which to run a row. Returns nullopt if it is not a method of predict or its parameter is not
+/// understood.
 std::optional<PredictInput> input_for(const frontier::Row& row, PredictInput in);
 
-/// Among the methods of `model` (empty: of any). Fails with the refusal or with what is wrong with the
-/// impact, as one line. `now_ns` is a clock to time the models by; nothing else depends on it.
-Result<ImpactChoice> choose_impact(const MeasuredImpacts& measured, const frontier::Demand& demand,
+/// Chooses among the methods of `model` (empty: of all). Fails, with one line, if no method meets the
+/// requirement, and on an impact that the models refuse. `now_ns` is the clock for the durations.
+Result<ImpactChoice> choose_impact(const MeasuredModels& measured, const frontier::Requirement& requirement,
                                    const std::string& model, PredictInput in, std::int64_t (*now_ns)());
 
 }  // namespace strobe::host

@@ -11,23 +11,23 @@ namespace {
 
 using nlohmann::ordered_json;
 
-ordered_json checked_json(ordered_json out, const TriedImpact& tried) {
+ordered_json checked_json(ordered_json out, const TriedModel& tried) {
   out["error_estimate"] = or_null(tried.error_estimate);
   out["checked_by"] = tried.checked_by ? row_json(*tried.checked_by) : ordered_json(nullptr);
   return out;
 }
 
-std::string check_text(const TriedImpact& tried) {
+std::string check_text(const TriedModel& tried) {
   return fmt::format("{:.2g}% on this impact, by {}", *tried.error_estimate * 100.0,
-                     frontier::title(*tried.checked_by));
+                     frontier::label(*tried.checked_by));
 }
 
 }  // namespace
 
-ordered_json choice_json(const ImpactChoice& choice, const frontier::Demand& demand) {
+ordered_json choice_json(const ImpactChoice& choice, const frontier::Requirement& requirement) {
   ordered_json out{{"study", choice.taken.row.study},
-                   {"tolerance", or_null(demand.tolerance)},
-                   {"deadline_us", or_null(demand.deadline_us)}};
+                   {"tolerance", or_null(requirement.tolerance)},
+                   {"deadline_us", or_null(requirement.deadline_us)}};
   out.update(row_json(choice.taken.row));
   out["error_unit"] = choice.taken.row.error_unit;
   out["reason"] = choice.reason;
@@ -35,25 +35,26 @@ ordered_json choice_json(const ImpactChoice& choice, const frontier::Demand& dem
   out["within_tolerance"] = or_null(choice.within_tolerance);
   out["outside_measured"] = choice.outside;
   out["replaced"] = ordered_json::array();
-  for (const TriedImpact& tried : choice.replaced)
+  for (const TriedModel& tried : choice.replaced)
     out["replaced"].push_back(checked_json(row_json(tried.row), tried));
   out["total_expected_cost_us"] = choice.expected_cost_us;
   return out;
 }
 
-std::vector<std::string> choice_lines(const ImpactChoice& choice, const frontier::Demand& demand) {
+std::vector<std::string> choice_lines(const ImpactChoice& choice, const frontier::Requirement& requirement) {
   std::vector<std::string> lines;
-  const TriedImpact& taken = choice.taken;
-  for (const TriedImpact& tried : choice.replaced)
-    lines.push_back(fmt::format("not {}: error {}", frontier::title(tried.row), check_text(tried)));
-  lines.push_back(fmt::format("chosen {}: {}{}; at most {} as measured", frontier::title(taken.row),
+  const TriedModel& taken = choice.taken;
+  for (const TriedModel& tried : choice.replaced)
+    lines.push_back(fmt::format("not {}: error {}", frontier::label(tried.row), check_text(tried)));
+  lines.push_back(fmt::format("chosen {}: {}{}; at most {} as measured", frontier::label(taken.row),
                               choice.replaced.empty() ? "" : "what the check ran, instead of ", choice.reason,
-                              frontier::promise(taken.row)));
+                              frontier::accuracy_and_cost(taken.row)));
   if (taken.error_estimate)
     lines.push_back("error " + check_text(taken));
   else
-    lines.push_back(demand.deadline_us ? "not checked on this impact: no time for a more exact run"
-                                       : "not checked on this impact: no more exact method was measured");
+    lines.push_back(requirement.deadline_us
+                        ? "not checked on this impact: no time for a more exact run"
+                        : "not checked on this impact: no more exact method was measured");
   if (!choice.outside.empty())
     lines.push_back(fmt::format("outside of what was measured: {}", fmt::join(choice.outside, ", ")));
   return lines;

@@ -1,4 +1,4 @@
-// How `strobe predict` tells what it chose: as JSON and as text.
+// The choice of `strobe predict` as JSON and as text. Pure; thread-safe.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -9,8 +9,8 @@
 
 namespace strobe::host {
 
-nlohmann::ordered_json choice_json(const ImpactChoice& choice, const frontier::Demand& demand);
+nlohmann::ordered_json choice_json(const ImpactChoice& choice, const frontier::Requirement& requirement);
 
-std::vector<std::string> choice_lines(const ImpactChoice& choice, const frontier::Demand& demand);
+std::vector<std::string> choice_lines(const ImpactChoice& choice, const frontier::Requirement& requirement);
 
 }  // namespace strobe::host

@@ -110,8 +110,8 @@ void print_table(const PredictInput& o, const Prediction& p) {
 
 constexpr int kDefaultSamples = 201;
 
-/// What of the course is asked for outside of the JSON: a file, or the table's rows.
-int write_course(const PredictOptions& options, const impact::ContactTrajectory& contact) {
+/// Writes the trajectory where it is not part of the JSON: to the file, or below the table.
+int write_trajectory(const PredictOptions& options, const impact::ContactTrajectory& contact) {
   if (options.trajectory_file.empty()) {
     if (options.samples > 0 && !options.json)
       std::fputs(contact_csv(contact, options.samples).c_str(), stdout);
@@ -124,16 +124,16 @@ int write_course(const PredictOptions& options, const impact::ContactTrajectory&
   return kDone;
 }
 
-/// What is told about a choice besides the prediction: nothing if none was asked for.
-struct Told {
+/// Output about a choice besides the prediction; empty without one.
+struct ChoiceOutput {
   ordered_json json;
   std::vector<std::string> lines;
 };
 
-int tell(const PredictOptions& options, const PredictInput& in, const Prediction& prediction,
-         const Told& choice) {
+int print_prediction(const PredictOptions& options, const PredictInput& in, const Prediction& prediction,
+                     const ChoiceOutput& choice) {
   if (!options.trajectory_file.empty()) {
-    const int written = write_course(options, *prediction.contact);
+    const int written = write_trajectory(options, *prediction.contact);
     if (written != kDone) return written;
   }
   if (options.json) {
@@ -144,41 +144,45 @@ int tell(const PredictOptions& options, const PredictInput& in, const Prediction
     print_table(in, prediction);
     for (const std::string& line : choice.lines) std::printf("%s\n", line.c_str());
   }
-  if (options.course() && options.trajectory_file.empty()) return write_course(options, *prediction.contact);
+  if (options.wants_trajectory() && options.trajectory_file.empty())
+    return write_trajectory(options, *prediction.contact);
   return kDone;
 }
 
-/// A time never belongs to a result's bytes: it is for standard error.
-std::string took_line(const ImpactChoice& choice, const frontier::Demand& demand) {
-  const double again_us = static_cast<double>(choice.took_again_ns) / 1e3;
+/// For stderr: times are not part of a result, whose bytes are reproducible.
+std::string timing_line(const ImpactChoice& choice, const frontier::Requirement& requirement) {
+  const double again_us = static_cast<double>(choice.repeated_duration_ns) / 1e3;
   std::string line = fmt::format(
       "strobe: predict: took {:.1f} us at its first call, {:.1f} us when repeated ({:.3g} us expected)",
-      static_cast<double>(choice.took_ns) / 1e3, again_us, choice.expected_cost_us);
-  if (demand.deadline_us && again_us > *demand.deadline_us) line += ", past the deadline";
+      static_cast<double>(choice.duration_ns) / 1e3, again_us, choice.expected_cost_us);
+  if (requirement.deadline_us && again_us > *requirement.deadline_us) line += ", past the deadline";
   return line + "\n";
 }
 
 int run_choice(const PredictOptions& options) {
-  const auto demand = parse_demand(options.tolerance, options.deadline_us);
-  if (!demand) return bad_input("predict: " + demand.error().message);
+  const auto requirement = parse_requirement(options.tolerance, options.deadline_us);
+  if (!requirement) return bad_input("predict: " + requirement.error().message);
   const auto files = read_frontier(options.frontier_file);
   if (!files) return bad_input("predict: " + files.error().message);
-  const std::string model = options.model_given ? options.input.model : options.course() ? "ode" : "";
-  const auto choice =
-      choose_impact(impacts_of(files->rows, files->ranges), *demand, model, options.input, steady_now_ns);
+  const std::string model = options.model_given          ? options.input.model
+                            : options.wants_trajectory() ? "ode"
+                                                         : "";
+  const auto choice = choose_impact(measured_models(files->rows, files->ranges), *requirement, model,
+                                    options.input, steady_now_ns);
   if (!choice) return bad_input("predict: " + choice.error().message);
-  const int told = tell(options, choice->input, choice->prediction,
-                        {choice_json(*choice, *demand), choice_lines(*choice, *demand)});
-  std::fputs(took_line(*choice, *demand).c_str(), stderr);
-  if (told != kDone || choice->within_tolerance.value_or(true)) return told;
-  return failed("predict: " + frontier::title(choice->taken.row) + " misses the tolerance on this impact");
+  const int status =
+      print_prediction(options, choice->input, choice->prediction,
+                       {choice_json(*choice, *requirement), choice_lines(*choice, *requirement)});
+  std::fputs(timing_line(*choice, *requirement).c_str(), stderr);
+  if (status != kDone || choice->within_tolerance.value_or(true)) return status;
+  return failed("predict: " + frontier::label(choice->taken.row) + " misses the tolerance on this impact");
 }
 
 int run_predict(const PredictOptions& options) {
   if (options.chooses()) return run_choice(options);
   const auto prediction = predict(options.input);
   if (!prediction) return bad_input("predict: " + std::string(impact::message(prediction.error())));
-  return tell(options, options.input, *prediction, {});
+  return print_prediction(options, options.input, *prediction, {});
 }
 
 }  // namespace
@@ -196,7 +200,7 @@ void add_predict_command(CLI::App& app, int& exit_status) {
       "bad\n"
       "input and if no model meets tolerance and deadline.");
   command->callback([options, command, &exit_status] {
-    const std::string wrong = conflict(*command, *options);
+    const std::string wrong = find_conflict(*command, *options);
     exit_status = wrong.empty() ? run_predict(*options) : bad_input("predict: " + wrong);
   });
 }

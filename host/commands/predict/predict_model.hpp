@@ -1,4 +1,4 @@
-// What `strobe predict` computes: one impact by the model named. Pure functions; thread-safe.
+// The computation of `strobe predict`: one impact by the named model. Pure functions; thread-safe.
 #pragma once
 
 #include <optional>
@@ -29,7 +29,8 @@ struct PredictInput {
   impact::ContactOptions integration;
 };
 
-/// The thesis's rigid body has its thin shell; grip and ode were fitted with alpha of their own.
+/// alpha and mu of a model where they are not given: the thesis's thin shell for rigid and pulse, fitted
+/// values for grip and ode.
 double default_alpha(std::string_view model);
 double default_mu(std::string_view model);
 
@@ -43,7 +44,7 @@ struct Prediction {
   std::optional<impact::ContactTrajectory> contact = std::nullopt;
 };
 
-/// Errors are the model's.
+/// Errors: those of the model.
 tl::expected<Prediction, impact::InputError> predict(const PredictInput& in);
 
 }  // namespace strobe::host

@@ -37,9 +37,15 @@ impact::ContactState sample(const impact::ContactTrajectory& contact, int i, int
 }
 
 ordered_json state_json(const impact::ContactState& s) {
-  return {{"time_ms", s.time_s * 1e3},         {"x_m", s.x_m},       {"y_m", s.y_m},
-          {"angle_deg", degrees(s.angle_rad)}, {"vx_mps", s.vx_mps}, {"vy_mps", s.vy_mps},
-          {"omega_radps", s.omega_radps},      {"fx_n", s.fx_n},     {"fy_n", s.fy_n},
+  return {{"time_ms", s.time_s * 1e3},
+          {"x_m", s.x_m},
+          {"y_m", s.y_m},
+          {"angle_deg", degrees(s.rotation_rad)},
+          {"vx_mps", s.vx_mps},
+          {"vy_mps", s.vy_mps},
+          {"omega_radps", s.omega_radps},
+          {"fx_n", s.fx_n},
+          {"fy_n", s.fy_n},
           {"mode", impact::name(s.mode)}};
 }
 
@@ -82,15 +88,16 @@ void print_contact(const impact::ContactTrajectory& contact) {
       "offset,\n"
       "  %.4f and %.4f left in the normal and tangential springs; sum %.4f of %.4f\n",
       e.kinetic_td_j, e.normal_damping_j, e.sliding_j, e.tangential_damping_j, e.offset_j,
-      e.normal_spring_left_j, e.tangential_spring_left_j, e.lost_j(), e.kinetic_lost_j);
+      e.normal_spring_left_j, e.tangential_spring_left_j, e.dissipated_j(), e.kinetic_lost_j);
 }
 
 std::string contact_csv(const impact::ContactTrajectory& contact, int samples) {
   std::string out = "time_ms,x_m,y_m,angle_deg,vx_mps,vy_mps,omega_radps,fx_n,fy_n,mode\n";
   for (int i = 0; i < samples; ++i) {
     const impact::ContactState s = sample(contact, i, samples);
-    out += fmt::format("{},{},{},{},{},{},{},{},{},{}\n", s.time_s * 1e3, s.x_m, s.y_m, degrees(s.angle_rad),
-                       s.vx_mps, s.vy_mps, s.omega_radps, s.fx_n, s.fy_n, impact::name(s.mode));
+    out +=
+        fmt::format("{},{},{},{},{},{},{},{},{},{}\n", s.time_s * 1e3, s.x_m, s.y_m, degrees(s.rotation_rad),
+                    s.vx_mps, s.vy_mps, s.omega_radps, s.fx_n, s.fy_n, impact::name(s.mode));
   }
   return out;
 }

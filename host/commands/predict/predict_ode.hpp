@@ -1,4 +1,5 @@
-// How `strobe predict --model ode` tells a contact: as JSON, as text, and its course as CSV.
+// Output of `strobe predict --model ode`: the contact as JSON and text, its trajectory as CSV. Prints to
+// stdout.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -8,7 +9,7 @@
 
 namespace strobe::host {
 
-/// Adds what the contact's course tells besides lift-off: times, extremes, events, energy budget, and with
+/// Adds the contact's results besides lift-off: times, extremes, events, energy budget, and with
 /// `samples` > 0 that many states from touchdown to release.
 void add_contact_json(nlohmann::ordered_json& out, const impact::ContactTrajectory& contact, int samples);
 

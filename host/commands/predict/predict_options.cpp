@@ -12,23 +12,23 @@ namespace strobe::host {
 
 namespace {
 
-/// Options that only some models know.
-struct Owned {
-  const char* option;
+/// Options of some models only.
+struct ModelOption {
+  const char* name;
   std::string_view models;
-  bool material;  ///< the contact's mechanics know it: it stays with a method chosen
+  bool physical;  ///< a property of ball or surface: may be given with --tolerance
 };
-constexpr std::array kOwned{Owned{"--ex", "grip", false},
-                            Owned{"--offset-mm", "grip", false},
-                            Owned{"--form", "pulse", false},
-                            Owned{"--ode-tolerance", "ode", false},
-                            Owned{"--mass-kg", "pulse or ode", true},
-                            Owned{"--dwell-time-ms", "pulse or ode", true},
-                            Owned{"--kt-ratio", "ode", true},
-                            Owned{"--ct", "ode", true},
-                            Owned{"--offset-footprint", "ode", true},
-                            Owned{"--offset-reference-mps", "ode", true},
-                            Owned{"--gravity-mps2", "ode", true}};
+constexpr std::array kModelOptions{ModelOption{"--ex", "grip", false},
+                                   ModelOption{"--offset-mm", "grip", false},
+                                   ModelOption{"--form", "pulse", false},
+                                   ModelOption{"--ode-tolerance", "ode", false},
+                                   ModelOption{"--mass-kg", "pulse or ode", true},
+                                   ModelOption{"--dwell-time-ms", "pulse or ode", true},
+                                   ModelOption{"--kt-ratio", "ode", true},
+                                   ModelOption{"--ct", "ode", true},
+                                   ModelOption{"--offset-footprint", "ode", true},
+                                   ModelOption{"--offset-reference-mps", "ode", true},
+                                   ModelOption{"--gravity-mps2", "ode", true}};
 
 /// The model's default where the option is left out, for the help.
 std::string defaults(double (*of)(std::string_view)) {
@@ -88,7 +88,7 @@ void add_ode_options(CLI::App& command, PredictOptions& options) {
                   "ode: relative error that the integration is held to, 1e-12 to 1e-3")
       ->capture_default_str();
   command.add_option("--trajectory", options.trajectory_file,
-                     "ode: write the course of the contact to this CSV file");
+                     "ode: write the trajectory of the contact to this CSV file");
   command
       .add_option(
           "--samples", options.samples,
@@ -98,7 +98,7 @@ void add_ode_options(CLI::App& command, PredictOptions& options) {
 }
 
 void add_choice_options(CLI::App& command, PredictOptions& options) {
-  const std::string material =
+  const std::string defaults_text =
       fmt::format("All models then take the mu ({:g}) and alpha ({:g}) of ode unless given",
                   default_mu("ode"), default_alpha("ode"));
   command.add_option(
@@ -107,7 +107,7 @@ void add_choice_options(CLI::App& command, PredictOptions& options) {
       "lift-off's vx, vy and R omega together over the touchdown's speed, against the contact's mechanics "
       "(ode, exact), the largest over the contacts measured. Where the deadline leaves time it is checked "
       "on this impact by a more exact run, which is taken instead if it shows more. " +
-          material + "; --model restricts the choice to it");
+          defaults_text + "; --model restricts the choice to it");
   command.add_option(
       "--deadline-us", options.deadline_us,
       "choose a model and parameter that take at most this long, in microseconds as measured, checks "
@@ -118,9 +118,9 @@ void add_choice_options(CLI::App& command, PredictOptions& options) {
 }
 
 std::string conflict_of_choice(const CLI::App& command, const PredictOptions& options) {
-  for (const Owned& owned : kOwned) {
-    if (!owned.material && command.count(owned.option) > 0)
-      return fmt::format("{} is chosen with --tolerance or --deadline-us: leave it out", owned.option);
+  for (const ModelOption& option : kModelOptions) {
+    if (!option.physical && command.count(option.name) > 0)
+      return fmt::format("{} is chosen with --tolerance or --deadline-us: leave it out", option.name);
   }
   if (options.deadline_us && !(*options.deadline_us > 0.0)) return "--deadline-us must be above 0";
   return {};
@@ -141,17 +141,18 @@ void add_predict_options(CLI::App& command, PredictOptions& options) {
   command.add_flag("--json", options.json, "One JSON object on stdout");
 }
 
-std::string conflict(const CLI::App& command, PredictOptions& options) {
+std::string find_conflict(const CLI::App& command, PredictOptions& options) {
   options.model_given = command.count("--model") > 0;
   const std::string& model = options.input.model;
   const bool any_model = options.chooses() && !options.model_given;
-  if (options.course() && model != "ode" && !any_model) return "--samples and --trajectory need --model ode";
+  if (options.wants_trajectory() && model != "ode" && !any_model)
+    return "--samples and --trajectory need --model ode";
   if (command.count("--frontier") > 0 && !options.chooses())
     return "--frontier is for --tolerance and --deadline-us";
   if (options.chooses()) return conflict_of_choice(command, options);
-  for (const Owned& owned : kOwned) {
-    if (command.count(owned.option) > 0 && owned.models.find(model) == std::string_view::npos)
-      return fmt::format("{} is for --model {}, not {}", owned.option, owned.models, model);
+  for (const ModelOption& option : kModelOptions) {
+    if (command.count(option.name) > 0 && option.models.find(model) == std::string_view::npos)
+      return fmt::format("{} is for --model {}, not {}", option.name, option.models, model);
   }
   return {};
 }

@@ -16,7 +16,7 @@ namespace strobe::host {
 struct PredictOptions {
   PredictInput input;
   bool model_given = false;
-  std::string tolerance;  ///< as written; empty: none
+  std::string tolerance;  ///< as typed; empty: none
   std::optional<double> deadline_us;
   std::string frontier_file;  ///< empty: the shipped one
   std::string trajectory_file;
@@ -24,13 +24,12 @@ struct PredictOptions {
   bool json = false;
 
   bool chooses() const { return !tolerance.empty() || deadline_us.has_value(); }
-  bool course() const { return samples > 0 || !trajectory_file.empty(); }
+  bool wants_trajectory() const { return samples > 0 || !trajectory_file.empty(); }
 };
 
 void add_predict_options(CLI::App& command, PredictOptions& options);
 
-/// After parsing: what of the options given does not go together, or an empty text. Notes whether a model was
-/// given.
-std::string conflict(const CLI::App& command, PredictOptions& options);
+/// To be called after parsing: the first conflict between options, or an empty text. Sets model_given.
+std::string find_conflict(const CLI::App& command, PredictOptions& options);
 
 }  // namespace strobe::host

@@ -65,17 +65,15 @@ std::optional<flight::Effects> effects_from(std::string_view text) {
   return effects;
 }
 
-/// The rows' errors less, in squares, the least of them. Equal photographs went to all, so that this is each
-/// one's own part.
-void keep_own_part(std::vector<Row>& rows) {
+/// Subtracts the smallest error in squares: all rows were measured on the same photographs.
+void subtract_best_error(std::vector<Row>& rows) {
   double least = std::numeric_limits<double>::infinity();
   for (const Row& row : rows) least = std::min(least, row.error);
   for (Row& row : rows) row.error = std::sqrt((row.error - least) * (row.error + least));
 }
 
-/// What a method adds to photographs measured finely is bias for the most part, which noise hides but does
-/// not take away: it is never taken for less on others.
-void keep_at_least(std::vector<Row>& rows, const std::vector<Row>& fine) {
+/// On photographs with little noise an excess error is mostly bias, which noise hides but does not remove.
+void raise_to_fine_error(std::vector<Row>& rows, const std::vector<Row>& fine) {
   for (Row& row : rows) {
     for (const Row& other : fine) {
       if (other.method == row.method && other.parameter == row.parameter)
@@ -84,17 +82,18 @@ void keep_at_least(std::vector<Row>& rows, const std::vector<Row>& fine) {
   }
 }
 
-/// The rows of a study that reduce() can run, with their own parts of the error.
-std::vector<Row> own_parts(const std::vector<Row>& rows, std::string_view study) {
+/// The rows of a study that reduce() can run, with their excess errors.
+std::vector<Row> excess_errors(const std::vector<Row>& rows, std::string_view study) {
   std::vector<Row> own = frontier::of_study(rows, study);
   std::erase_if(own, [](const Row& row) { return !estimator_for(row); });
-  keep_own_part(own);
+  subtract_best_error(own);
   return own;
 }
 
-bool left_to_choose(const Row& row, const EstimatorDemand& demand) {
-  if (!demand.estimator.empty() && row.method != demand.estimator) return false;
-  return demand.flight.empty() || frontier::parameter_value(row.parameter, "effects") == demand.flight;
+bool is_allowed(const Row& row, const EstimatorRequirement& requirement) {
+  if (!requirement.estimator.empty() && row.method != requirement.estimator) return false;
+  return requirement.flight.empty() ||
+         frontier::parameter_value(row.parameter, "effects") == requirement.flight;
 }
 
 double scale_of(Quantity quantity, const reduction::Readout& readout, double speed_mps, double radius_m) {
@@ -158,26 +157,26 @@ std::optional<LargestSd> largest_sd(const reduction::Readout& readout, double ba
 }
 
 Result<EstimatorChooser> EstimatorChooser::make(const std::vector<Row>& rows,
-                                                std::vector<frontier::Range> ranges, EstimatorDemand demand,
-                                                std::int64_t (*now_ns)()) {
+                                                std::vector<frontier::Range> ranges,
+                                                EstimatorRequirement requirement, std::int64_t (*now_ns)()) {
   EstimatorChooser chooser;
   chooser.ranges_ = std::move(ranges);
   chooser.now_ns_ = now_ns;
-  const std::vector<Row> fine = own_parts(rows, kFineStudy);
+  const std::vector<Row> fine = excess_errors(rows, kFineStudy);
   for (const std::string_view study : kStudies) {
-    std::vector<Row> kind = own_parts(rows, study);
+    std::vector<Row> kind = excess_errors(rows, study);
     if (kind.empty()) continue;
-    keep_at_least(kind, fine);
-    std::erase_if(kind, [&](const Row& row) { return !left_to_choose(row, demand); });
-    const auto chosen = frontier::choose(kind, demand.demand);
+    raise_to_fine_error(kind, fine);
+    std::erase_if(kind, [&](const Row& row) { return !is_allowed(row, requirement); });
+    const auto chosen = frontier::choose(kind, requirement.requirement);
     chooser.kinds_.push_back({std::string(study), std::move(kind), chosen});
   }
-  chooser.demand_ = std::move(demand);
+  chooser.requirement_ = std::move(requirement);
   if (std::ranges::any_of(chooser.kinds_, [](const Kind& kind) { return kind.chosen.has_value(); }))
     return chooser;
-  return fail(
-      frontier::refusal(chooser.kinds_.empty() ? frontier::Nearest{} : chooser.kinds_[0].chosen.error(),
-                        chooser.demand_.demand));
+  return fail(frontier::failure_text(
+      chooser.kinds_.empty() ? frontier::NearestMethods{} : chooser.kinds_[0].chosen.error(),
+      chooser.requirement_.requirement));
 }
 
 const EstimatorChooser::Kind* EstimatorChooser::kind_of(const reduction::Frame& frame) const {
@@ -190,7 +189,7 @@ const EstimatorChooser::Kind* EstimatorChooser::kind_of(const reduction::Frame& 
   return kind != nullptr ? kind : &kinds_.front();
 }
 
-/// Work is a share for each image and one for the frame: more images than were measured cost at most in
+/// The cost has a part per image and a constant part: more images than were measured cost at most in
 /// proportion.
 EstimatorChooser::Kind EstimatorChooser::with_costs_of(Kind kind, const reduction::Frame& frame) const {
   for (const frontier::Range& range : ranges_) {
@@ -198,7 +197,7 @@ EstimatorChooser::Kind EstimatorChooser::with_costs_of(Kind kind, const reductio
     const double times = images_per_leg(frame) / range.highest;
     if (!(times > 1.0) || !std::isfinite(times)) continue;
     for (Row& row : kind.rows) row.cost_us *= times;
-    kind.chosen = frontier::choose(kind.rows, demand_.demand);
+    kind.chosen = frontier::choose(kind.rows, requirement_.requirement);
   }
   return kind;
 }
@@ -208,21 +207,21 @@ Result<reduction::Readout> EstimatorChooser::timed(const Row& row, const reducti
   const MeasuredEstimator with = *estimator_for(row);
   const std::int64_t begin_ns = now_ns_();
   auto readout = reduction::reduce(frame, with.estimator, with.options);
-  choice.took_ns += now_ns_() - begin_ns;
+  choice.duration_ns += now_ns_() - begin_ns;
   choice.expected_cost_us += row.cost_us;
   if (!readout) return readout;
   choice.row = row;
   choice.noise = largest_sd(*readout, frame.ball_diameter_m);
-  choice.noise_beyond_tolerance =
-      demand_.demand.tolerance && choice.noise && choice.noise->share > *demand_.demand.tolerance;
+  choice.noise_beyond_tolerance = requirement_.requirement.tolerance && choice.noise &&
+                                  choice.noise->share > *requirement_.requirement.tolerance;
   return readout;
 }
 
-/// Less than the tolerance of an estimator's sd is noise, the more so the less exact it is: the most exact in
-/// the time left may do better.
+/// A less accurate estimator has a larger sd: the most accurate one in the time left may do better.
 std::optional<Row> EstimatorChooser::better(const Kind& kind, const EstimatorChoice& choice) const {
-  frontier::Demand rest;
-  if (demand_.demand.deadline_us) rest.deadline_us = *demand_.demand.deadline_us - choice.expected_cost_us;
+  frontier::Requirement rest;
+  if (requirement_.requirement.deadline_us)
+    rest.deadline_us = *requirement_.requirement.deadline_us - choice.expected_cost_us;
   const auto most_exact = frontier::choose(kind.rows, rest);
   if (!most_exact || most_exact->error >= choice.row.error || most_exact->method == choice.row.method)
     return std::nullopt;
@@ -231,12 +230,12 @@ std::optional<Row> EstimatorChooser::better(const Kind& kind, const EstimatorCho
 
 Result<ChosenReadout> EstimatorChooser::reduce(const reduction::Frame& frame) const {
   const Kind kind = with_costs_of(*kind_of(frame), frame);
-  if (!kind.chosen) return fail(frontier::refusal(kind.chosen.error(), demand_.demand));
+  if (!kind.chosen) return fail(frontier::failure_text(kind.chosen.error(), requirement_.requirement));
   ChosenReadout result;
   EstimatorChoice& choice = result.choice;
   auto readout = timed(*kind.chosen, frame, choice);
   if (!readout) return tl::unexpected(readout.error());
-  choice.reason = frontier::reason(kind.rows, demand_.demand);
+  choice.reason = frontier::reason(kind.rows, requirement_.requirement);
   if (choice.noise_beyond_tolerance) {
     if (const auto row = better(kind, choice)) {
       const auto first = choice.row;

@@ -1,12 +1,12 @@
-// How `strobe reduce --tolerance --deadline-us` chooses an estimator for a frame.
+// Chooses an estimator for a frame: `strobe reduce --tolerance --deadline-us`.
 //
-// What an estimator is relied on for is its own part of the error: the measured rms error (against the truth,
-// of the worst condition and number, in the scales below) less, in squares, that of the best estimator of the
-// same study, and no less than on photographs measured finely, where no noise hides a bias. The noise of the
-// photograph itself no estimator can mend; where the readout's own stated sd is beyond the tolerance, that is
-// said. Scales of an error: the speed of touchdown for speeds and slip, the same over R for spins, one radian
-// for angles, 1 for e and mu, the dwell time, the speed times the dwell time for the distance; the court
-// pace, which follows from e and mu, is not judged.
+// An estimator is rated by its excess error: sqrt(rms² - best²), where rms is its measured error (against the
+// truth, of the worst condition and number, in the scales below) and best that of the best estimator of the
+// same study; but at least its excess error on photographs with little noise, where noise does not hide a
+// bias. The photograph's own noise no estimator can remove; where the readout's stated sd exceeds the
+// tolerance, the choice says so. Scales of an error: the speed of touchdown for speeds and slip, the same
+// over R for spins, one radian for angles, 1 for e and mu, the dwell time, the speed times the dwell time for
+// the distance; the court pace follows from e and mu and is not rated.
 #pragma once
 
 #include <cstdint>
@@ -26,11 +26,11 @@ struct MeasuredEstimator {
   reduction::ReduceOptions options;
 };
 
-/// Absent: not an estimator, or its parameter says nothing.
+/// Returns nullopt if the row is not an estimator or its parameter is not understood.
 std::optional<MeasuredEstimator> estimator_for(const frontier::Row& row);
 
-/// Which frames were measured as this one is: "reduce" (noise stated), "reduce_fine" (stated, and nearer to
-/// .02 mm than to .5 mm), "reduce_estimated" (some noise is to be estimated from the shot).
+/// The study whose frames are like this one: "reduce" (noise stated), "reduce_fine" (stated, and nearer to
+/// .02 mm than to .5 mm), "reduce_estimated" (some noise is estimated from the shot).
 std::string study_for(const reduction::Frame& frame);
 
 /// The largest sd of a readout in its number's scale, of those that have one.
@@ -40,23 +40,23 @@ struct LargestSd {
 };
 std::optional<LargestSd> largest_sd(const reduction::Readout& readout, double ball_diameter_m);
 
-/// What is asked for: the demand, and what the user left to choose.
-struct EstimatorDemand {
-  frontier::Demand demand;
+/// The requirement, and the options that the user fixed.
+struct EstimatorRequirement {
+  frontier::Requirement requirement;
   std::string estimator;  ///< "best", "two-point", "legacy"; empty: any
   std::string flight;     ///< "auto", "none", "gravity", "all"; empty: any
 };
 
-/// One frame's choice, told beside the readout.
+/// The choice for one frame.
 struct EstimatorChoice {
-  frontier::Row row;  ///< `error` is its own part
+  frontier::Row row;  ///< `error` is the excess error
   std::string reason;
   std::optional<LargestSd> noise;
   bool noise_beyond_tolerance = false;
-  std::optional<frontier::Row> replaced;  ///< a cheaper one, whose own sd was beyond the tolerance here
+  std::optional<frontier::Row> replaced;  ///< a cheaper one whose sd exceeded the tolerance on this frame
   std::vector<std::string> outside;       ///< quantities beyond those measured
-  double expected_cost_us = 0.0;          ///< of all that was run
-  std::int64_t took_ns = 0;
+  double expected_cost_us = 0.0;          ///< of all runs
+  std::int64_t duration_ns = 0;
 };
 
 struct ChosenReadout {
@@ -65,25 +65,25 @@ struct ChosenReadout {
 };
 
 /// Chooses for each kind of frame, then reduces frame by frame; frames of more images than were measured are
-/// reckoned to cost in proportion. One thread's.
+/// assumed to cost in proportion. Not thread-safe.
 class EstimatorChooser {
  public:
-  /// Fails with the refusal if no kind of frame has an estimator that meets the demand. `now_ns` is a clock
-  /// to time by; nothing else depends on it.
+  /// Fails if no kind of frame has an estimator that meets the requirement. `now_ns` is the clock for the
+  /// durations.
   static Result<EstimatorChooser> make(const std::vector<frontier::Row>& rows,
-                                       std::vector<frontier::Range> ranges, EstimatorDemand demand,
+                                       std::vector<frontier::Range> ranges, EstimatorRequirement requirement,
                                        std::int64_t (*now_ns)());
 
-  /// Fails as reduce() does, and with the refusal for this kind of frame.
+  /// Fails like reduce(), and if no estimator meets the requirement for this kind of frame.
   Result<ChosenReadout> reduce(const reduction::Frame& frame) const;
 
-  const frontier::Demand& demand() const { return demand_.demand; }
+  const frontier::Requirement& requirement() const { return requirement_.requirement; }
 
  private:
   struct Kind {
     std::string study;
     std::vector<frontier::Row> rows;
-    tl::expected<frontier::Row, frontier::Nearest> chosen;
+    tl::expected<frontier::Row, frontier::NearestMethods> chosen;
   };
 
   const Kind* kind_of(const reduction::Frame& frame) const;
@@ -92,14 +92,14 @@ class EstimatorChooser {
                                    EstimatorChoice& choice) const;
   std::optional<frontier::Row> better(const Kind& kind, const EstimatorChoice& choice) const;
 
-  EstimatorDemand demand_;
+  EstimatorRequirement requirement_;
   std::vector<Kind> kinds_;
   std::vector<frontier::Range> ranges_;
   std::int64_t (*now_ns_)() = nullptr;
 };
 
-/// As a JSON object, and as lines of text.
-std::string choice_json(const EstimatorChoice& choice, const frontier::Demand& demand);
+/// A JSON object, and lines of text.
+std::string choice_json(const EstimatorChoice& choice, const frontier::Requirement& requirement);
 std::vector<std::string> choice_lines(const EstimatorChoice& choice);
 
 }  // namespace strobe::host

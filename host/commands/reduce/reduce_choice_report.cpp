@@ -12,10 +12,10 @@ using nlohmann::ordered_json;
 
 }  // namespace
 
-std::string choice_json(const EstimatorChoice& choice, const frontier::Demand& demand) {
+std::string choice_json(const EstimatorChoice& choice, const frontier::Requirement& requirement) {
   ordered_json out{{"study", choice.row.study},
-                   {"tolerance", or_null(demand.tolerance)},
-                   {"deadline_us", or_null(demand.deadline_us)}};
+                   {"tolerance", or_null(requirement.tolerance)},
+                   {"deadline_us", or_null(requirement.deadline_us)}};
   out.update(row_json(choice.row));
   out["error_unit"] = choice.row.error_unit;
   out["reason"] = choice.reason;
@@ -32,10 +32,10 @@ std::vector<std::string> choice_lines(const EstimatorChoice& choice) {
   std::vector<std::string> lines;
   if (choice.replaced)
     lines.push_back(fmt::format("not {}: its sd on this frame is beyond the tolerance",
-                                frontier::title(*choice.replaced)));
-  lines.push_back(fmt::format("chosen {}: {}{}; adds {} as measured", frontier::title(choice.row),
+                                frontier::label(*choice.replaced)));
+  lines.push_back(fmt::format("chosen {}: {}{}; adds {} as measured", frontier::label(choice.row),
                               choice.replaced ? "the most exact in time, instead of " : "", choice.reason,
-                              frontier::promise(choice.row)));
+                              frontier::accuracy_and_cost(choice.row)));
   if (choice.noise_beyond_tolerance)
     lines.push_back(fmt::format("the photograph's own noise is beyond the tolerance: sd of {} {:.2g}%",
                                 name(choice.noise->quantity), choice.noise->share * 100.0));

@@ -1,4 +1,4 @@
-// strobe thesis: every table of the thesis computed anew beside the printed values, and its figures.
+// strobe thesis: recomputes every table of the thesis beside the printed values, and draws its figures.
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -31,7 +31,7 @@ struct ThesisOptions {
 
 std::string ids() {
   std::string text;
-  for (const report::TableEntry& entry : report::catalogue()) text += (text.empty() ? "" : ", ") + entry.id;
+  for (const report::TableEntry& entry : report::all_tables()) text += (text.empty() ? "" : ", ") + entry.id;
   return text;
 }
 
@@ -39,18 +39,18 @@ std::string not_empty(const std::string& text) { return text.empty() ? "must not
 
 std::string contents() {
   std::string text;
-  for (const report::TableEntry& entry : report::catalogue())
+  for (const report::TableEntry& entry : report::all_tables())
     text += "  " + entry.id + std::string(entry.id.size() < 13 ? 13 - entry.id.size() : 1, ' ') +
             entry.title + "\n";
   return text;
 }
 
-/// A table that has nothing of the set asked for is left out.
-int print_tables(const report::Material& material, const ThesisOptions& options) {
+/// Tables without a row of the selected set are left out.
+int print_tables(const report::ThesisInputs& inputs, const ThesisOptions& options) {
   bool first = true;
-  for (const report::TableEntry& entry : report::catalogue()) {
+  for (const report::TableEntry& entry : report::all_tables()) {
     if (!options.table.empty() && entry.id != options.table) continue;
-    const report::Table table = entry.make(material);
+    const report::Table table = entry.make(inputs);
     if (table.rows.empty() && !options.set.empty()) continue;
     if (options.json) {
       std::printf("%s\n", report::json(table).c_str());
@@ -68,12 +68,12 @@ struct Sheet {
   std::vector<std::string> sets;
 };
 
-std::vector<Sheet> sheets(const report::Material& material, const ThesisOptions& options) {
+std::vector<Sheet> sheets(const report::ThesisInputs& inputs, const ThesisOptions& options) {
   const fs::path folder(options.figures);
   if (!options.set.empty()) return {{folder / options.set, {options.set}}};
   std::vector<Sheet> out{{folder, {std::begin(report::kMainSets), std::end(report::kMainSets)}}};
   if (!options.all_sets) return out;
-  for (const thesis::Condition* c : material.conditions()) out.push_back({folder / c->name(), {c->name()}});
+  for (const thesis::Condition* c : inputs.conditions()) out.push_back({folder / c->name(), {c->name()}});
   return out;
 }
 
@@ -100,16 +100,16 @@ Result<void> check_folder(const fs::path& folder) {
   return {};
 }
 
-int draw_figures(const report::Material& material, const ThesisOptions& options) {
+int draw_figures(const report::ThesisInputs& inputs, const ThesisOptions& options) {
   if (const auto usable = check_folder(options.figures); !usable) return bad_input(usable.error().message);
   const auto gnuplot = report::find_gnuplot();
   if (!gnuplot) return failed(gnuplot.error().message);
   catch_signals();
-  const std::vector<Sheet> all = sheets(material, options);
+  const std::vector<Sheet> all = sheets(inputs, options);
   const std::size_t of = all.size() * (report::kLastFigure - report::kFirstFigure + 1);
   std::size_t done = 0;
   for (const Sheet& sheet : all) {
-    const auto figures = report::figures(material, sheet.sets);
+    const auto figures = report::figures(inputs, sheet.sets);
     if (!figures) return failed("thesis: " + figures.error().message);
     for (const report::Figure& figure : *figures) {
       if (interrupted()) return failed("thesis: interrupted; the figures drawn so far are whole");
@@ -132,9 +132,9 @@ int run_thesis(const ThesisOptions& options) {
   const auto share = share_folder();
   if (!share) return bad_input(share.error().message);
   const auto version = options.as_printed ? thesis::Version::as_printed : thesis::Version::corrected;
-  const auto material = report::load_material(*share / "thesis", version, options.set);
-  if (!material) return bad_input("thesis: " + material.error().message);
-  return options.figures.empty() ? print_tables(*material, options) : draw_figures(*material, options);
+  const auto inputs = report::load_inputs(*share / "thesis", version, options.set);
+  if (!inputs) return bad_input("thesis: " + inputs.error().message);
+  return options.figures.empty() ? print_tables(*inputs, options) : draw_figures(*inputs, options);
 }
 
 }  // namespace

@@ -73,9 +73,9 @@ struct InOut {
   std::vector<impact::Comparison> offset;
 };
 
-std::optional<InOut> in_out(const Material& material) {
+std::optional<InOut> in_out(const ThesisInputs& inputs) {
   InOut out;
-  out.observations = impact::observations_of(material.used.conditions, impact::Spread::replicate);
+  out.observations = impact::observations_of(inputs.used.conditions, impact::Spread::replicate);
   const auto rigid = impact::fit(out.observations, impact::default_options(impact::ReboundModel::slide_roll));
   const auto offset =
       impact::fit(out.observations, impact::default_options(impact::ReboundModel::grip_offset));
@@ -150,14 +150,14 @@ Panel in_out_panel(const InOut& data, const Sets& sets, Component of, const char
   return panel;
 }
 
-Figure in_out_figure(const Material& material, const Sets& sets) {
+Figure in_out_figure(const ThesisInputs& inputs, const Sets& sets) {
   Figure figure{
       .number = 17,
       .title = "Speed and spin at lift-off from those at touchdown, all 21 sets",
       .caption =
           "bars: printed sd of the measured means; line: computed = measured; models fitted to all sets",
       .columns = 2};
-  const auto data = in_out(material);
+  const auto data = in_out(inputs);
   if (!data) return figure;
   figure.panels.push_back(in_out_panel(*data, sets, &impact::Motion::vx_mps, "vx at lift-off, m/s", true));
   figure.panels.push_back(
@@ -168,9 +168,9 @@ Figure in_out_figure(const Material& material, const Sets& sets) {
 
 }  // namespace
 
-std::vector<Figure> comparison_figures(const Material& material, const Sets& sets) {
+std::vector<Figure> comparison_figures(const ThesisInputs& inputs, const Sets& sets) {
   return {approaches(15, sets, {Quantity::vx_mps, Quantity::vy_mps, Quantity::omega_radps}, "Velocities"),
-          approaches(16, sets, {Quantity::fx_n, Quantity::fy_n}, "Forces"), in_out_figure(material, sets)};
+          approaches(16, sets, {Quantity::fx_n, Quantity::fy_n}, "Forces"), in_out_figure(inputs, sets)};
 }
 
 }  // namespace strobe::report

@@ -9,11 +9,11 @@ namespace strobe::report {
 
 namespace {
 
-using contact::ContactRow;
 using contact::SpinPulse;
 using contact::SpinPulseInput;
+using data::ContactRow;
 
-double state_value(const contact::ContactState& s, Quantity quantity) {
+double state_value(const contact::SpinPulseState& s, Quantity quantity) {
   switch (quantity) {
     case Quantity::x_cm:
       return 1e2 * s.x_m;
@@ -60,7 +60,7 @@ double cubic_value(const SetCurves& c, double t, Quantity quantity) {
 
 /// Value and sd of differentiation in the figures' units.
 PlotPoint derived_point(const contact::DerivedState& state, Quantity quantity, bool band) {
-  const auto point = [band](const std::optional<contact::ValueSd>& v, double unit) {
+  const auto point = [band](const std::optional<ValueSd>& v, double unit) {
     if (!v) return PlotPoint{0.0, kNoValue};
     const double y = unit * v->value;
     const double sd = band ? std::abs(unit) * v->sd : kNoValue;
@@ -89,7 +89,7 @@ PlotPoint derived_point(const contact::DerivedState& state, Quantity quantity, b
   return {};
 }
 
-using Motion = std::function<contact::ContactState(double)>;
+using Motion = std::function<contact::SpinPulseState(double)>;
 
 /// Integration as a function of the time fraction; nothing for inputs out of range.
 std::optional<Motion> motion_of(const SpinPulseInput& input, bool grips) {
@@ -107,7 +107,7 @@ std::optional<Motion> motion_of(const SpinPulseInput& input, bool grips) {
   if (!pulse) return std::nullopt;
   return [p = *pulse](double t) {
     const impact::PulseState s = p.at_fraction(t);
-    contact::ContactState out;
+    contact::SpinPulseState out;
     out.x_m = s.x_m;
     out.y_m = s.y_m;
     out.vx_mps = s.vx_mps;
@@ -194,7 +194,7 @@ const char* axis_label(Quantity quantity) {
   return "";
 }
 
-bool turns(Quantity quantity) {
+bool is_rotational(Quantity quantity) {
   return quantity == Quantity::rotation_deg || quantity == Quantity::omega_radps ||
          quantity == Quantity::slip_mps;
 }
@@ -216,17 +216,17 @@ const char* short_label(Quantity quantity) {
   }
 }
 
-Result<SetCurves> set_curves(const Material& material, const std::string& set) {
+Result<SetCurves> set_curves(const ThesisInputs& inputs, const std::string& set) {
   SetCurves c;
-  c.condition = material.used.condition(set);
+  c.condition = inputs.used.condition(set);
   if (!c.condition) return fail("no set " + set);
-  c.set = &material.used.contact.at(set);
+  c.set = &inputs.used.contact.at(set);
   c.dwell_ms = c.condition->dwell_time_ms.mean;
   c.fits = contact::fit_fractions(*c.set);
-  c.scale = scale_of(material, *c.condition);
+  c.scale = contact_scale(inputs, *c.condition);
   if (auto spline = contact::fit_constrained_motion(*c.set, c.scale, contact::end_velocities(*c.condition)))
     c.spline = *std::move(spline);
-  c.mechanics = course_of(material, *c.condition);
+  c.mechanics = simulate_contact(inputs, *c.condition);
   return c;
 }
 
@@ -235,7 +235,7 @@ std::vector<PlotPoint> measured(const SetCurves& c, Quantity quantity) {
   std::vector<PlotPoint> points;
   for (const ContactRow& row : c.set->rows) {
     const auto value = image_value(c, row, quantity);
-    if (!value || contact::is_end_point(row)) continue;
+    if (!value || data::is_end_point(row)) continue;
     points.push_back({row.time_fraction * c.dwell_ms, *value, *value - sd, *value + sd});
   }
   return points;
@@ -296,8 +296,8 @@ std::vector<PlotPoint> by_mechanics(const SetCurves& c, Quantity quantity) {
   for (int i = 0; i <= kCurveSteps; ++i) {
     const double time_s = c.mechanics->summary().dwell_s * i / kCurveSteps;
     const impact::ContactState s = c.mechanics->at(time_s);
-    const contact::ContactState state{s.x_m,         s.y_m,      s.angle_rad, s.vx_mps, s.vy_mps,
-                                      s.omega_radps, s.slip_mps, s.fx_n,      s.fy_n};
+    const contact::SpinPulseState state{s.x_m,         s.y_m,      s.rotation_rad, s.vx_mps, s.vy_mps,
+                                        s.omega_radps, s.slip_mps, s.fx_n,         s.fy_n};
     points.push_back({1e3 * time_s, state_value(state, quantity)});
   }
   return points;
@@ -305,7 +305,7 @@ std::vector<PlotPoint> by_mechanics(const SetCurves& c, Quantity quantity) {
 
 std::vector<PlotPoint> integrated(const SetCurves& c, Approach approach, Quantity quantity, bool band) {
   const bool grips = approach == Approach::pulse_grip;
-  if (turns(quantity) && !grips) return {};
+  if (is_rotational(quantity) && !grips) return {};
   const SpinPulseInput input = contact::spin_pulse_input(*c.condition, approach == Approach::pulse_simplified
                                                                            ? impact::PulseForm::simplified
                                                                            : impact::PulseForm::exact);

@@ -15,19 +15,19 @@
 
 namespace strobe::report {
 
-/// What is drawn over time. Units: ms; cm, mm, degrees; m/s, rad/s; N.
+/// Quantities drawn over time, in the units of their names.
 enum class Quantity { x_cm, y_mm, rotation_deg, vx_mps, vy_mps, omega_radps, slip_mps, fx_n, fy_n };
 
 const char* axis_label(Quantity quantity);
 const char* short_label(Quantity quantity);  ///< for narrow panels
-bool turns(Quantity quantity);               ///< rotation, spin and slip
+bool is_rotational(Quantity quantity);       ///< rotation, spin and slip
 
 struct SetCurves {
   const thesis::Condition* condition = nullptr;
-  const contact::ContactSet* set = nullptr;
+  const data::ContactSet* set = nullptr;
   double dwell_ms = 0.0;
   contact::FractionFits fits;
-  contact::Scale scale;
+  contact::ContactScale scale;
   std::optional<contact::ConstrainedMotion> spline;
   std::optional<impact::ContactTrajectory> mechanics;
 };
@@ -38,11 +38,11 @@ enum class Approach {
   pulse_exact,       ///< integration, friction throughout
   pulse_simplified,  ///< the same in the thesis's form
   pulse_grip,        ///< integration with friction until the contact point stops
-  mechanics,         ///< the contact's mechanics fitted to all sets
+  mechanics,         ///< the contact ODE fitted to all sets
 };
 
-/// Fails where the images or the means do not allow the analysis.
-Result<SetCurves> set_curves(const Material& material, const std::string& set);
+/// Fails if there is no set of that name.
+Result<SetCurves> set_curves(const ThesisInputs& inputs, const std::string& set);
 
 /// Number of steps of a curve from touchdown to lift-off.
 inline constexpr int kCurveSteps = 120;
@@ -53,7 +53,7 @@ std::vector<PlotPoint> measured(const SetCurves& curves, Quantity quantity);
 /// The means at touchdown and lift-off with their printed sd; only for velocities, spin and slip.
 std::vector<PlotPoint> measured_ends(const SetCurves& curves, Quantity quantity);
 
-/// The approach's curve from touchdown to lift-off; with its band of one sd, if asked for: of the fit for
+/// The approach's curve from touchdown to lift-off, optionally with a band of one sd: of the fit for
 /// differentiation, of a single shot by the printed sds for integration. Empty where the approach does not
 /// have the quantity.
 std::vector<PlotPoint> curve(const SetCurves& curves, Approach approach, Quantity quantity, bool band);

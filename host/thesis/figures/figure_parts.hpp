@@ -1,4 +1,4 @@
-// What the figures share. Pure; thread-safe.
+// Parts shared by the figures. Pure; thread-safe.
 #pragma once
 
 #include <string>
@@ -26,6 +26,6 @@ Panel time_panel(const Sets& sets, Quantity quantity);
 /// Figures 4–9, 10–14 and 15–17.
 std::vector<Figure> differentiation_figures(const Sets& sets);
 std::vector<Figure> integration_figures(const Sets& sets);
-std::vector<Figure> comparison_figures(const Material& material, const Sets& sets);
+std::vector<Figure> comparison_figures(const ThesisInputs& inputs, const Sets& sets);
 
 }  // namespace strobe::report

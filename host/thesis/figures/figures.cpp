@@ -24,7 +24,7 @@ Figure positions(int number, const Sets& sets, Quantity quantity, const char* wh
   Figure figure{.number = number,
                 .title = fmt::format("{}, with the cubics through the images: {}", what, labels_of(sets)),
                 .caption = fmt::format("points: images in contact ({}); lines: least-squares cubics; {}{}",
-                                       kBars, kFitBand, turns(quantity) ? kScale : "")};
+                                       kBars, kFitBand, is_rotational(quantity) ? kScale : "")};
   Panel panel = time_panel(sets, quantity);
   for (const SetCurves& c : sets) {
     panel.series.push_back(
@@ -70,7 +70,7 @@ Panel integration_panel(const Sets& sets, Quantity quantity, bool legend) {
     auto images = measured(c, quantity);
     if (images.empty()) images = measured_ends(c, quantity);
     add("measured", Stroke::points, std::move(images));
-    if (turns(quantity)) {
+    if (is_rotational(quantity)) {
       add("integrated", Stroke::solid, curve(c, Approach::pulse_grip, quantity, true));
       add("mechanics", Stroke::dash_dotted, curve(c, Approach::mechanics, quantity, false));
       continue;
@@ -123,16 +123,16 @@ std::vector<Figure> integration_figures(const Sets& sets) {
   };
 }
 
-Result<std::vector<Figure>> figures(const Material& material, const std::vector<std::string>& names) {
+Result<std::vector<Figure>> figures(const ThesisInputs& inputs, const std::vector<std::string>& names) {
   Sets sets;
   for (const std::string& name : names) {
-    auto curves = set_curves(material, name);
+    auto curves = set_curves(inputs, name);
     if (!curves) return tl::unexpected(curves.error());
     sets.push_back(*std::move(curves));
   }
   std::vector<Figure> all = differentiation_figures(sets);
   for (Figure& figure : integration_figures(sets)) all.push_back(std::move(figure));
-  for (Figure& figure : comparison_figures(material, sets)) all.push_back(std::move(figure));
+  for (Figure& figure : comparison_figures(inputs, sets)) all.push_back(std::move(figure));
   return all;
 }
 

@@ -16,6 +16,6 @@ inline constexpr int kFirstFigure = 4;
 inline constexpr int kLastFigure = 17;
 
 /// All of them for the sets given, overlaid or beside each other: the thesis's three (kMainSets), or one.
-Result<std::vector<Figure>> figures(const Material& material, const std::vector<std::string>& sets);
+Result<std::vector<Figure>> figures(const ThesisInputs& inputs, const std::vector<std::string>& sets);
 
 }  // namespace strobe::report

@@ -1,5 +1,5 @@
 // Figures to files through gnuplot: for each the data (.csv), the script (.gp) and what it draws (.svg,
-// .png). The text functions are pure; draw() writes files and runs a program. One thread's.
+// .png). The text functions are pure; draw() writes files and runs gnuplot; single-threaded.
 #pragma once
 
 #include <filesystem>
@@ -23,8 +23,8 @@ std::string script_text(const Figure& figure);
 /// Path of gnuplot, searched in $PATH. Fails with one line that names the package to install.
 Result<std::filesystem::path> find_gnuplot();
 
-/// Draws into a new folder beside the files and moves them into `folder` (which it makes) when all four are
-/// whole, so that none is ever half-written.
+/// Draws into a temporary folder and moves the four files into `folder` (created if missing) once all are
+/// complete.
 Result<void> draw(const Figure& figure, const std::filesystem::path& folder,
                   const std::filesystem::path& gnuplot);
 

@@ -50,8 +50,7 @@ struct Figure {
   int legend_columns = 3;
 };
 
-/// One colour for each spin, told apart by the colour-blind too (Okabe and Ito), and for methods beside each
-/// other.
+/// One colour for each spin and method, distinguishable by the colour-blind (M. Okabe and K. Ito).
 namespace colours {
 inline constexpr const char* kZero = "#0072B2";
 inline constexpr const char* kTop = "#D55E00";

@@ -2,17 +2,18 @@
 
 namespace strobe::report {
 
-const std::vector<TableEntry>& catalogue() {
+const std::vector<TableEntry>& all_tables() {
   static const std::vector<TableEntry> entries{
-      {"2", "incoming, no spin", [](const Material& m) { return incoming_table(m, 2, "zero"); }},
-      {"3", "incoming, topspin", [](const Material& m) { return incoming_table(m, 3, "top"); }},
-      {"4", "incoming, backspin", [](const Material& m) { return incoming_table(m, 4, "back"); }},
-      {"5", "rebounding, no spin", [](const Material& m) { return rebound_table(m, 5, "zero"); }},
-      {"6", "rebounding, topspin", [](const Material& m) { return rebound_table(m, 6, "top"); }},
-      {"7", "rebounding, backspin", [](const Material& m) { return rebound_table(m, 7, "back"); }},
-      {"8", "system parameters, no spin", [](const Material& m) { return system_table(m, 8, "zero"); }},
-      {"9", "system parameters, topspin", [](const Material& m) { return system_table(m, 9, "top"); }},
-      {"10", "system parameters, backspin", [](const Material& m) { return system_table(m, 10, "back"); }},
+      {"2", "incoming, no spin", [](const ThesisInputs& m) { return incoming_table(m, 2, "zero"); }},
+      {"3", "incoming, topspin", [](const ThesisInputs& m) { return incoming_table(m, 3, "top"); }},
+      {"4", "incoming, backspin", [](const ThesisInputs& m) { return incoming_table(m, 4, "back"); }},
+      {"5", "rebounding, no spin", [](const ThesisInputs& m) { return rebound_table(m, 5, "zero"); }},
+      {"6", "rebounding, topspin", [](const ThesisInputs& m) { return rebound_table(m, 6, "top"); }},
+      {"7", "rebounding, backspin", [](const ThesisInputs& m) { return rebound_table(m, 7, "back"); }},
+      {"8", "system parameters, no spin", [](const ThesisInputs& m) { return system_table(m, 8, "zero"); }},
+      {"9", "system parameters, topspin", [](const ThesisInputs& m) { return system_table(m, 9, "top"); }},
+      {"10", "system parameters, backspin",
+       [](const ThesisInputs& m) { return system_table(m, 10, "back"); }},
       {"11", "cubics through the images in contact", cubic_table},
       {"12", "derivatives of the cubics", derivative_table},
       {"13", "velocities at the ends by differentiation", end_velocity_table},
@@ -27,7 +28,7 @@ const std::vector<TableEntry>& catalogue() {
       {"stiffness", "stiffness of the contact", stiffness_table},
       {"freund", "what Freund's stiffnesses may come from", freund_table},
       {"depth", "drop of the top over that of the centre", depth_table},
-      {"foretell", "images foretold by each approach", foretell_table},
+      {"cross_validation", "images predicted without them, by each approach", cross_validation_table},
       {"vx-models", "in/out models: speed at lift-off", vx_model_table},
       {"omega-models", "in/out models: spin at lift-off", omega_model_table},
       {"fits", "in/out models fitted", fit_table},
@@ -41,7 +42,7 @@ const std::vector<TableEntry>& catalogue() {
 }
 
 const TableEntry* find_table(std::string_view id) {
-  for (const TableEntry& entry : catalogue())
+  for (const TableEntry& entry : all_tables())
     if (entry.id == id) return &entry;
   return nullptr;
 }

@@ -13,7 +13,6 @@ namespace {
 
 using contact::CubicFit;
 using contact::FractionFits;
-using contact::ValueSd;
 
 /// One set's images, as printed or as corrected.
 struct Images {
@@ -21,16 +20,16 @@ struct Images {
   std::string set;
   const thesis::Condition* condition;
   FractionFits fits;
-  contact::Scale scale;
+  contact::ContactScale scale;
 };
 
 /// The thesis fitted the rows as it printed them; where a correction changes them, they are fitted again.
-std::vector<Images> images_of(const Material& m, bool all) {
+std::vector<Images> images_of(const ThesisInputs& m, bool all) {
   std::vector<Images> out;
   const auto add = [&](const std::string& name, const thesis::Data& data, const std::string& label) {
-    const contact::ContactSet& set = data.contact.at(name);
+    const data::ContactSet& set = data.contact.at(name);
     const thesis::Condition& c = *m.used.condition(name);
-    out.push_back({label, name, &c, contact::fit_fractions(set), scale_of(m, c)});
+    out.push_back({label, name, &c, contact::fit_fractions(set), contact_scale(m, c)});
   };
   for (const std::string& name : contact_sets(m, all)) {
     const bool changed = m.printed.contact.at(name).rows != m.used.contact.at(name).rows;
@@ -40,8 +39,8 @@ std::vector<Images> images_of(const Material& m, bool all) {
   return out;
 }
 
-/// A coefficient whose printed value is not at hand: whether it is known to be a misprint.
-Cell coefficient_cell(const Material& m, const Images& images, const std::string& table,
+/// A coefficient whose printed value is not available, with its misprint if that is known.
+Cell coefficient_cell(const ThesisInputs& m, const Images& images, const std::string& table,
                       const std::string& field, std::optional<double> value, std::optional<double> se) {
   Cell cell = computed_only(value, se, Reason::not_at_hand);
   if (images.label != images.set) {
@@ -55,7 +54,7 @@ Cell coefficient_cell(const Material& m, const Images& images, const std::string
   return cell;
 }
 
-Row cubic_row(const Material& m, const Images& images, const char* curve,
+Row cubic_row(const ThesisInputs& m, const Images& images, const char* curve,
               const std::optional<CubicFit>& fit) {
   Row row{fmt::format("{} {}", images.label, curve), {}};
   for (std::size_t i = 0; i < 4; ++i) {
@@ -74,7 +73,7 @@ Row cubic_row(const Material& m, const Images& images, const char* curve,
 }
 
 template <std::size_t N>
-Row polynomial_row(const Material& m, const Images& images, const char* quantity,
+Row polynomial_row(const ThesisInputs& m, const Images& images, const char* quantity,
                    const std::optional<std::array<double, N>>& polynomial) {
   Row row{fmt::format("{} {}", images.label, quantity), {}};
   for (std::size_t i = 0; i < 3; ++i) {
@@ -89,7 +88,7 @@ Row polynomial_row(const Material& m, const Images& images, const char* quantity
 }
 
 /// The mean of Tables 2 to 7 beside the slope of the fit.
-Cell slope_cell(const Material& m, const Images& images, const char* field, const thesis::MeanSd& mean,
+Cell slope_cell(const ThesisInputs& m, const Images& images, const char* field, const thesis::MeanSd& mean,
                 const std::optional<ValueSd>& slope) {
   Cell cell = as_measured({mean.mean, 0.0, mean.sd});
   if (!slope) return cell;
@@ -109,14 +108,14 @@ std::string joined(const std::vector<double>& values) {
 
 }  // namespace
 
-std::vector<std::string> contact_sets(const Material& m, bool all) {
+std::vector<std::string> contact_sets(const ThesisInputs& m, bool all) {
   std::vector<std::string> names;
   if (!all && m.only_set.empty()) return {std::begin(kMainSets), std::end(kMainSets)};
   for (const thesis::Condition* c : m.conditions()) names.push_back(c->name());
   return names;
 }
 
-Table cubic_table(const Material& m) {
+Table cubic_table(const ThesisInputs& m) {
   Table table{.id = "11", .title = "Cubics of the fractions on the time fraction T, ± standard error"};
   table.columns = {{"c0", "1", "", 4},   {"c1", "T", "", 4},   {"c2", "T^2", "", 4},
                    {"c3", "T^3", "", 4}, {"r2", "R^2", "", 4}, {"n", "rows", "", 0}};
@@ -133,7 +132,7 @@ Table cubic_table(const Material& m) {
   return table;
 }
 
-Table derivative_table(const Material& m) {
+Table derivative_table(const ThesisInputs& m) {
   Table table{.id = "12", .title = "Derivatives of the cubics, per unit of fraction and of time fraction"};
   table.columns = {{"c0", "1", "", 4}, {"c1", "T", "", 4}, {"c2", "T^2", "", 4}};
   for (const Images& images : images_of(m, false)) {
@@ -151,7 +150,7 @@ Table derivative_table(const Material& m) {
   return table;
 }
 
-Table end_velocity_table(const Material& m) {
+Table end_velocity_table(const ThesisInputs& m) {
   Table table{.id = "13",
               .title = "Velocities at touchdown and lift-off: measured, and as the cubics' slopes"};
   table.columns = {{"vx_td_mps", "vx TD", "m/s", 2},           {"vx_lo_mps", "vx LO", "m/s", 2},
@@ -182,7 +181,7 @@ Table end_velocity_table(const Material& m) {
   return table;
 }
 
-Table zero_table(const Material& m) {
+Table zero_table(const ThesisInputs& m) {
   Table table{.id = "14", .title = "When skidding stops, as a fraction of the dwell time"};
   table.columns = {{"rotation_zero", "rotation = 0", "", 3},
                    {"omega_zero", "omega = 0", "", 3},
@@ -207,7 +206,7 @@ Table zero_table(const Material& m) {
   return table;
 }
 
-Table growth_table(const Material& m) {
+Table growth_table(const ThesisInputs& m) {
   Table table{.id = "growth",
               .title = "How errors grow from position to velocity to force (differentiation)"};
   table.columns = {{"condition_number", "condition", "", 1},

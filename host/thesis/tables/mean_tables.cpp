@@ -20,13 +20,13 @@ struct Quantity {
   const char* head;
   const char* unit;
   MeanSd Condition::*member;
-  Derived (*derive)(const Condition&);
+  DerivedValue (*derive)(const Condition&);
 };
 
-Derived theta_in(const Condition& c) { return angle_deg(c.vx_td_mps, c.vy_td_mps); }
-Derived theta_out(const Condition& c) { return angle_deg(c.vx_lo_mps, c.vy_lo_mps); }
-Derived v_td(const Condition& c) { return speed(c.vx_td_mps, c.vy_td_mps); }
-Derived v_lo(const Condition& c) { return speed(c.vx_lo_mps, c.vy_lo_mps); }
+DerivedValue theta_in(const Condition& c) { return angle_deg(c.vx_td_mps, c.vy_td_mps); }
+DerivedValue theta_out(const Condition& c) { return angle_deg(c.vx_lo_mps, c.vy_lo_mps); }
+DerivedValue v_td(const Condition& c) { return speed(c.vx_td_mps, c.vy_td_mps); }
+DerivedValue v_lo(const Condition& c) { return speed(c.vx_lo_mps, c.vy_lo_mps); }
 
 constexpr Quantity kIncoming[] = {
     {"theta_in_deg", "theta in", "deg", &Condition::theta_in_deg, theta_in},
@@ -56,7 +56,7 @@ Printed printed_of(const Condition& c, const Quantity& q) {
 }
 
 /// A mean without anything to compute it from: as it stands, or as corrected.
-Cell mean_cell(const Material& m, const Condition& printed, const Condition& used, const Quantity& q,
+Cell mean_cell(const ThesisInputs& m, const Condition& printed, const Condition& used, const Quantity& q,
                const thesis::Correction* erratum) {
   Cell cell = as_measured(printed_of(printed, q));
   const MeanSd& value = used.*q.member;
@@ -71,18 +71,18 @@ Cell mean_cell(const Material& m, const Condition& printed, const Condition& use
   return cell;
 }
 
-Cell cell_of(const Material& m, const Condition& used, const Quantity& q, const std::string& own_table) {
+Cell cell_of(const ThesisInputs& m, const Condition& used, const Quantity& q, const std::string& own_table) {
   const Condition& printed = *m.printed.condition(used.name());
   const auto* reason = erratum(m, used.name(), q.field, {"tables_02_to_10", own_table});
   if (!q.derive) return mean_cell(m, printed, used, q, reason);
-  const Derived derived = q.derive(used);
-  Cell cell = compared(printed_of(printed, q), derived.value, derived.allowance);
+  const DerivedValue derived = q.derive(used);
+  Cell cell = compared(printed_of(printed, q), derived.value, derived.tolerance);
   explain(cell, reason);
   return cell;
 }
 
 template <std::size_t N>
-Table mean_table(const Material& m, int number, std::string_view spin, std::string title,
+Table mean_table(const ThesisInputs& m, int number, std::string_view spin, std::string title,
                  const Quantity (&quantities)[N], int Condition::*count) {
   Table table{.id = std::to_string(number), .title = std::move(title)};
   table.columns.push_back({"n", "n", "", 0});
@@ -97,7 +97,7 @@ Table mean_table(const Material& m, int number, std::string_view spin, std::stri
 }
 
 /// The thesis repeats the angle of incidence with the system's parameters.
-Cell repeated_angle(const Material& m, const Condition& c, const std::string& number) {
+Cell repeated_angle(const ThesisInputs& m, const Condition& c, const std::string& number) {
   const auto* printed = thesis::find(m.values, number, c.name(), "theta_in");
   if (!printed) {
     Cell cell = computed_only(c.theta_in_deg.mean, {}, Reason::not_at_hand);
@@ -120,7 +120,7 @@ Cell pulse_distance(const Condition& c, impact::PulseForm form) {
 
 }  // namespace
 
-Table incoming_table(const Material& m, int number, std::string_view spin) {
+Table incoming_table(const ThesisInputs& m, int number, std::string_view spin) {
   Table table = mean_table(m, number, spin, fmt::format("Incoming ball, {}: mean ± sd", spin_phrase(spin)),
                            kIncoming, &Condition::n_incoming);
   table.notes.push_back(
@@ -129,7 +129,7 @@ Table incoming_table(const Material& m, int number, std::string_view spin) {
   return table;
 }
 
-Table rebound_table(const Material& m, int number, std::string_view spin) {
+Table rebound_table(const ThesisInputs& m, int number, std::string_view spin) {
   Table table = mean_table(m, number, spin, fmt::format("Rebounding ball, {}: mean ± sd", spin_phrase(spin)),
                            kRebound, &Condition::n_rebound);
   table.columns.push_back({"slip_lo_mps", "slip LO", "m/s", 2});
@@ -146,7 +146,7 @@ Table rebound_table(const Material& m, int number, std::string_view spin) {
   return table;
 }
 
-Table system_table(const Material& m, int number, std::string_view spin) {
+Table system_table(const ThesisInputs& m, int number, std::string_view spin) {
   Table table =
       mean_table(m, number, spin, fmt::format("System parameters, {}: mean ± sd", spin_phrase(spin)), kSystem,
                  &Condition::n_system);
@@ -170,7 +170,7 @@ Table system_table(const Material& m, int number, std::string_view spin) {
   return table;
 }
 
-Table spread_table(const Material& m) {
+Table spread_table(const ThesisInputs& m) {
   Table table{.id = "spread", .title = "Spread of the angles against those of components and speed"};
   table.columns = {{"theta_in_sd_deg", "sd theta in", "deg", 2},
                    {"theta_out_sd_deg", "sd theta out", "deg", 2}};
@@ -178,10 +178,10 @@ Table spread_table(const Material& m) {
     // The spreads belong to each other as they are printed.
     const Condition& c = *m.printed.condition(used->name());
     Row row{c.name(), {}};
-    const Derived in = angle_sd_deg(c.vx_td_mps, c.vy_td_mps, c.v_td_mps);
-    const Derived out = angle_sd_deg(c.vx_lo_mps, c.vy_lo_mps, c.v_lo_mps);
-    row.cells.push_back(compared({c.theta_in_deg.sd, kLastDigit, {}}, in.value, in.allowance));
-    row.cells.push_back(compared({c.theta_out_deg.sd, kLastDigit, {}}, out.value, out.allowance));
+    const DerivedValue in = angle_sd_deg(c.vx_td_mps, c.vy_td_mps, c.v_td_mps);
+    const DerivedValue out = angle_sd_deg(c.vx_lo_mps, c.vy_lo_mps, c.v_lo_mps);
+    row.cells.push_back(compared({c.theta_in_deg.sd, kLastDigit, {}}, in.value, in.tolerance));
+    row.cells.push_back(compared({c.theta_out_deg.sd, kLastDigit, {}}, out.value, out.tolerance));
     explain(row.cells[0], erratum(m, c.name(), "theta_in_sd_deg", {"table_02", "table_03", "table_04"}));
     explain(row.cells[1], erratum(m, c.name(), "theta_out_sd_deg", {"table_05", "table_06", "table_07"}));
     table.rows.push_back(std::move(row));

@@ -10,13 +10,10 @@ namespace strobe::report {
 namespace {
 
 using impact::ContactFit;
-using impact::Uncertain;
 
-Cell cell_of(const Uncertain& value, double unit) {
-  return computed_only(unit * value.value, unit * value.sd);
-}
+Cell cell_of(const ValueSd& value, double unit) { return computed_only(unit * value.value, unit * value.sd); }
 
-Cell time_cell(const std::optional<Uncertain>& value, const char* otherwise) {
+Cell time_cell(const std::optional<ValueSd>& value, const char* otherwise) {
   return value ? cell_of(*value, 1e3) : text_cell(otherwise);
 }
 
@@ -27,7 +24,7 @@ Table failed(Table table, const std::string& why) {
 
 }  // namespace
 
-Table mechanics_table(const Material& m) {
+Table mechanics_table(const ThesisInputs& m) {
   Table table{.id = "mechanics",
               .title = "Contact mechanics fitted to all sets, and judged on spins left out"};
   table.columns = {{"mu", "mu", "", 3},
@@ -45,7 +42,7 @@ Table mechanics_table(const Material& m) {
   row.cells.push_back(computed_only(fit.omega_rms_radps));
   table.rows.push_back(std::move(row));
   if (const auto left_out = impact::leave_one_group_out(m.observations)) {
-    for (const impact::ContactLeftOut& left : *left_out) {
+    for (const impact::ContactHeldOutGroup& left : *left_out) {
       Row without{"without " + left.group, {}};
       for (int i = 0; i < impact::kFitParameters; ++i) without.cells.push_back(computed_only(left.value[i]));
       without.cells.push_back(computed_only(left.vx_rms_mps));
@@ -59,7 +56,7 @@ Table mechanics_table(const Material& m) {
   return table;
 }
 
-Table skid_table(const Material& m) {
+Table skid_table(const ThesisInputs& m) {
   Table table{.id = "skid", .title = "When skidding stops: three ways, for all sets"};
   table.columns = {{"dwell_ms", "dwell", "ms", 2},
                    {"grip_ms", "mechanics: grips", "ms", 2},
@@ -69,7 +66,7 @@ Table skid_table(const Material& m) {
                    {"reversals", "reversals", "", 0},
                    {"slip_lo_mps", "slip LO computed", "m/s", 2},
                    {"measured_slip_lo_mps", "measured", "m/s", 2}};
-  const auto conclusions = impact::conclude(m.observations, m.mechanics);
+  const auto conclusions = impact::skid_and_energy(m.observations, m.mechanics);
   if (!conclusions) return failed(std::move(table), conclusions.error().message);
   for (const impact::SkidToGrip& s : conclusions->skid_to_grip) {
     if (!m.shows(s.name)) continue;
@@ -94,13 +91,13 @@ Table skid_table(const Material& m) {
   return table;
 }
 
-Table energy_table(const Material& m) {
+Table energy_table(const ThesisInputs& m) {
   Table table{.id = "energy", .title = "Where the energy of each set goes"};
   table.columns = {{"touchdown_j", "touchdown", "J", 2},    {"measured_loss_j", "lost, measured", "J", 2},
                    {"computed_loss_j", "computed", "J", 2}, {"normal_j", "normal damping", "J", 2},
                    {"sliding_j", "sliding", "J", 2},        {"tangential_j", "tangential", "J", 2},
                    {"offset_j", "rolling friction", "J", 2}};
-  const auto conclusions = impact::conclude(m.observations, m.mechanics);
+  const auto conclusions = impact::skid_and_energy(m.observations, m.mechanics);
   if (!conclusions) return failed(std::move(table), conclusions.error().message);
   for (const impact::EnergyBalance& e : conclusions->energy) {
     if (!m.shows(e.name)) continue;

@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "common/contact/differentiation/analysis.hpp"
 #include "common/contact/condition_inputs.hpp"
+#include "common/contact/standard_error.hpp"
 #include "common/units/angles.hpp"
 #include "host/thesis/contact_scale.hpp"
 #include "host/thesis/tables/tables.hpp"
@@ -19,13 +19,13 @@ using thesis::Condition;
 
 /// The thesis's numbers behind its equations where they are printed, else the means.
 struct Equation {
-  contact::Inputs inputs;
+  contact::ContactInputs inputs;
   const thesis::PrintedValue* e = nullptr;
   const thesis::PrintedValue* vy = nullptr;
   const thesis::PrintedValue* dwell = nullptr;
 };
 
-Equation equation_of(const Material& m, const Condition& c, PulseForm form) {
+Equation equation_of(const ThesisInputs& m, const Condition& c, PulseForm form) {
   Equation out;
   out.e = thesis::find(m.values, "15", c.name(), "e");
   out.vy = thesis::find(m.values, "15", c.name(), "vy_td");
@@ -40,10 +40,10 @@ Equation equation_of(const Material& m, const Condition& c, PulseForm form) {
   return out;
 }
 
-Cell printed_or_not(const Material& m, const thesis::PrintedValue* printed, double computed,
-                    const Allowance& allowance, const char* field) {
+Cell printed_or_not(const ThesisInputs& m, const thesis::PrintedValue* printed, double computed,
+                    const Tolerance& tolerance, const char* field) {
   if (!printed) return computed_only(computed, {}, Reason::not_at_hand);
-  Cell cell = compared({printed->value, printed->last_digit, {}}, computed, allowance);
+  Cell cell = compared({printed->value, printed->last_digit, {}}, computed, tolerance);
   explain(cell, erratum(m, printed->set, field, {fmt::format("table_{}", printed->table)}));
   return cell;
 }
@@ -54,7 +54,7 @@ Cell damping_cell(PulseForm form, double e) {
 }
 
 /// In the thesis's order: velocities, then top and distance, with theta = pi t/dwell.
-std::string equations(const std::string& set, const contact::Inputs& in) {
+std::string equations(const std::string& set, const contact::ContactInputs& in) {
   const auto f = impact::damping_from_restitution(PulseForm::simplified, in.e);
   const double speed = std::abs(in.vy_td_mps);
   const double length_mm = 1e3 * speed * in.dwell_time_s / kPi;
@@ -70,21 +70,21 @@ struct See {
   double y_mm = 0.0;
 };
 
-std::optional<See> see_of(const contact::ContactSet& set, const contact::Inputs& in) {
-  const auto estimate = contact::estimate_error(set, in);
-  if (!estimate) return std::nullopt;
-  return See{1e3 * estimate->see_x_m, 1e3 * estimate->see_y_m};
+std::optional<See> see_of(const data::ContactSet& set, const contact::ContactInputs& in) {
+  const auto errors = contact::pulse_standard_errors(set, in);
+  if (!errors) return std::nullopt;
+  return See{1e3 * errors->see_x_m, 1e3 * errors->see_y_m};
 }
 
 /// How far the rounding of the equation's inputs moves the errors of estimate.
-See see_rounding(const contact::ContactSet& set, const Equation& equation) {
+See see_rounding(const data::ContactSet& set, const Equation& equation) {
   See sum;
   const auto base = see_of(set, equation.inputs);
-  const auto add = [&](double contact::Inputs::*input, double half_digit) {
+  const auto add = [&](double contact::ContactInputs::*input, double half_digit) {
     double x = 0.0;
     double y = 0.0;
     for (const double sign : {-1.0, 1.0}) {
-      contact::Inputs moved = equation.inputs;
+      contact::ContactInputs moved = equation.inputs;
       moved.*input += sign * half_digit;
       const auto see = see_of(set, moved);
       if (!see || !base) continue;
@@ -97,32 +97,32 @@ See see_rounding(const contact::ContactSet& set, const Equation& equation) {
   const auto half = [](const thesis::PrintedValue* printed) {
     return printed ? printed->last_digit / 2.0 : kHalfDigit;
   };
-  add(&contact::Inputs::vx_td_mps, kHalfDigit);
-  add(&contact::Inputs::vy_td_mps, half(equation.vy));
-  add(&contact::Inputs::e, half(equation.e));
-  add(&contact::Inputs::mu, kHalfDigit);
-  add(&contact::Inputs::dwell_time_s, half(equation.dwell) / 1e3);
-  add(&contact::Inputs::dwell_distance_m, kHalfDigit / 1e2);
+  add(&contact::ContactInputs::vx_td_mps, kHalfDigit);
+  add(&contact::ContactInputs::vy_td_mps, half(equation.vy));
+  add(&contact::ContactInputs::e, half(equation.e));
+  add(&contact::ContactInputs::mu, kHalfDigit);
+  add(&contact::ContactInputs::dwell_time_s, half(equation.dwell) / 1e3);
+  add(&contact::ContactInputs::dwell_distance_m, kHalfDigit / 1e2);
   return sum;
 }
 
 /// Of the fitted mechanics: X, Y, rotation and the R² of the latter.
-std::vector<Cell> mechanics_scores(const Material& m, const Condition& c, const contact::ContactSet& set) {
-  const auto course = course_of(m, c);
-  if (!course) return std::vector<Cell>(4, text_cell("-"));
-  const auto score = contact::score(set, trajectory_of(*course), contact::set_scale(c));
-  if (!score) return std::vector<Cell>(4, text_cell("-"));
-  const auto& rotation = score->rotation;
-  return {computed_only(1e3 * score->see_x_m), computed_only(1e3 * score->see_y_m),
+std::vector<Cell> mechanics_errors(const ThesisInputs& m, const Condition& c, const data::ContactSet& set) {
+  const auto ode = simulate_contact(m, c);
+  if (!ode) return std::vector<Cell>(4, text_cell("-"));
+  const auto errors = contact::standard_errors(set, contact::trajectory_of(*ode), contact::fraction_scale(c));
+  if (!errors) return std::vector<Cell>(4, text_cell("-"));
+  const auto& rotation = errors->rotation;
+  return {computed_only(1e3 * errors->see_x_m), computed_only(1e3 * errors->see_y_m),
           rotation ? computed_only(degrees(rotation->own_total.see_rad)) : text_cell("-"),
           rotation ? computed_only(rotation->r_squared) : text_cell("-")};
 }
 
-Cell peak_cell(const contact::ValueSd& value, double unit) {
+Cell peak_cell(const ValueSd& value, double unit) {
   return computed_only(unit * value.value, unit * value.sd, Reason::not_at_hand);
 }
 
-Table peak_rows(const Material& m, Table table, bool all) {
+Table peak_rows(const ThesisInputs& m, Table table, bool all) {
   table.columns = {{"force_n", "max Fy", "N", 0},
                    {"force_fraction", "at T", "", 3},
                    {"deformation_mm", "deformation", "mm", 2},
@@ -151,7 +151,7 @@ Table peak_rows(const Material& m, Table table, bool all) {
 
 }  // namespace
 
-Table equation_table(const Material& m) {
+Table equation_table(const ThesisInputs& m) {
   Table table{.id = "15", .title = "Integration: what the equations of the damped sine pulse are made of"};
   table.columns = {{"e", "e", "", 4},
                    {"vy_td_mps", "vy TD", "m/s", 3},
@@ -161,9 +161,9 @@ Table equation_table(const Material& m) {
   for (const std::string& name : contact_sets(m, false)) {
     const Condition& c = *m.used.condition(name);
     const Equation q = equation_of(m, c, PulseForm::simplified);
-    const Derived e = restitution(c);
+    const DerivedValue e = restitution(c);
     Row row{name, {}};
-    row.cells.push_back(printed_or_not(m, q.e, e.value, e.allowance, "e"));
+    row.cells.push_back(printed_or_not(m, q.e, e.value, e.tolerance, "e"));
     row.cells.push_back(printed_or_not(m, q.vy, c.vy_td_mps.mean, {kHalfDigit, 0.0}, "vy_td"));
     row.cells.push_back(printed_or_not(m, q.dwell, c.dwell_time_ms.mean, {kHalfDigit, 0.0}, "dwell_time"));
     row.cells.push_back(damping_cell(PulseForm::simplified, q.inputs.e));
@@ -180,7 +180,7 @@ Table equation_table(const Material& m) {
   return table;
 }
 
-Table peak_table(const Material& m) {
+Table peak_table(const ThesisInputs& m) {
   Table table{.id = "16", .title = "Largest forces and deformation, times and fractions (exact pulse)"};
   table = peak_rows(m, std::move(table), false);
   table.notes = {
@@ -189,17 +189,17 @@ Table peak_table(const Material& m) {
   return table;
 }
 
-Table peaks_of_all_table(const Material& m) {
+Table peaks_of_all_table(const ThesisInputs& m) {
   Table table{.id = "peaks", .title = "Table 16 for all sets"};
   return peak_rows(m, std::move(table), true);
 }
 
-Table see_table(const Material& m) {
+Table see_table(const ThesisInputs& m) {
   Table table{.id = "17", .title = "Standard error of estimate of the pulse, simplified form"};
   table.columns = {{"see_x_mm", "X", "mm", 3}, {"see_y_mm", "Y", "mm", 3}};
   for (const std::string& name : contact_sets(m, false)) {
     const Equation q = equation_of(m, *m.used.condition(name), PulseForm::simplified);
-    const contact::ContactSet& set = m.printed.contact.at(name);
+    const data::ContactSet& set = m.printed.contact.at(name);
     const auto see = see_of(set, q.inputs);
     if (!see) continue;
     const See rounding = see_rounding(set, q);
@@ -216,7 +216,7 @@ Table see_table(const Material& m) {
   return table;
 }
 
-Table see_of_all_table(const Material& m) {
+Table see_of_all_table(const ThesisInputs& m) {
   Table table{.id = "see",
               .title = "Standard error of estimate for all sets, by each form of the integration"};
   table.columns = {{"n", "n", "", 0},
@@ -230,23 +230,24 @@ Table see_of_all_table(const Material& m) {
                    {"rotation_deg", "rotation", "deg", 1},
                    {"rotation_r2", "R^2", "", 3}};
   for (const Condition* c : m.conditions()) {
-    const contact::ContactSet& set = m.used.contact.at(c->name());
+    const data::ContactSet& set = m.used.contact.at(c->name());
     Row row{c->name(), {}};
     for (const PulseForm form : {PulseForm::simplified, PulseForm::exact}) {
       Equation q = equation_of(m, *c, form);
-      const auto see = contact::estimate_error(set, q.inputs);
+      const auto see = contact::pulse_standard_errors(set, q.inputs);
       if (form == PulseForm::simplified) row.cells.push_back(see ? computed_only(see->n) : text_cell("-"));
       row.cells.push_back(see ? computed_only(1e3 * see->see_x_m) : text_cell("-"));
       row.cells.push_back(see ? computed_only(1e3 * see->see_y_m) : text_cell("-"));
     }
     const auto pulse = contact::SpinPulse::make(contact::spin_pulse_input(*c, PulseForm::exact));
-    std::optional<contact::Score> score;
+    std::optional<contact::StandardErrors> errors;
     if (pulse) {
-      auto result = contact::score(set, contact::trajectory_of(*pulse), contact::set_scale(*c));
-      if (result) score = *result;
+      auto result =
+          contact::standard_errors(set, contact::trajectory_of(*pulse), contact::fraction_scale(*c));
+      if (result) errors = *result;
     }
-    row.cells.push_back(score ? computed_only(1e3 * score->see_x_m) : text_cell("-"));
-    for (Cell& cell : mechanics_scores(m, *c, set)) row.cells.push_back(std::move(cell));
+    row.cells.push_back(errors ? computed_only(1e3 * errors->see_x_m) : text_cell("-"));
+    for (Cell& cell : mechanics_errors(m, *c, set)) row.cells.push_back(std::move(cell));
     table.rows.push_back(std::move(row));
   }
   table.notes = {

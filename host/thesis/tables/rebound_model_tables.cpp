@@ -1,5 +1,5 @@
-// Beyond the thesis: the in/out models fitted to all sets and held against them, what slides and what grips,
-// and the rolling friction.
+// Beyond the thesis: the rebound models fitted to all sets and compared with them, what slides and what
+// grips, and the rolling friction.
 #include <fmt/format.h>
 
 #include "common/impact/fit/cross_validation.hpp"
@@ -11,17 +11,17 @@ namespace strobe::report {
 
 namespace {
 
-using impact::Agreement;
 using impact::Comparison;
 using impact::FittedParameter;
 using impact::ModelFit;
 using impact::Observation;
 using impact::Parameter;
 using impact::ReboundModel;
+using impact::ResidualStatistics;
 
 constexpr ReboundModel kModels[] = {ReboundModel::slide_roll, ReboundModel::grip, ReboundModel::grip_offset};
 
-std::vector<Observation> observations(const Material& m) {
+std::vector<Observation> observations(const ThesisInputs& m) {
   return impact::observations_of(m.used.conditions, impact::Spread::replicate);
 }
 
@@ -46,7 +46,7 @@ struct Side {
   std::optional<double> Comparison::*z_with_inputs;
 };
 
-Table model_table(const Material& m, const Side& side) {
+Table model_table(const ThesisInputs& m, const Side& side) {
   Table table{.id = side.id, .title = side.title};
   table.columns.push_back({"measured", "measured", side.unit, side.decimals});
   for (const ReboundModel model : kModels) {
@@ -100,26 +100,27 @@ Cell parameter_cell(ReboundModel model, const ModelFit& fit, Parameter p) {
   return cell;
 }
 
-void add_agreement(Row& row, const Agreement& a) {
+void add_statistics(Row& row, const ResidualStatistics& a) {
   row.cells.push_back(computed_only(a.rms_vx_mps));
   row.cells.push_back(computed_only(a.rms_omega_radps));
   row.cells.push_back(text_cell(fmt::format("{} of {}", a.within_sd_vx, a.count)));
   row.cells.push_back(text_cell(fmt::format("{} of {}", a.within_sd_omega, a.count)));
 }
 
-Row fit_row(const std::string& label, ReboundModel model, const ModelFit& fit, const Agreement& agreement) {
+Row fit_row(const std::string& label, ReboundModel model, const ModelFit& fit,
+            const ResidualStatistics& statistics) {
   Row row{label, {}};
   for (const Parameter p : {Parameter::mu, Parameter::e_x, Parameter::offset_m,
                             Parameter::offset_reference_mps, Parameter::alpha})
     row.cells.push_back(parameter_cell(model, fit, p));
-  add_agreement(row, agreement);
+  add_statistics(row, statistics);
   return row;
 }
 
-Row agreement_row(const std::string& label, const Agreement& agreement) {
+Row statistics_row(const std::string& label, const ResidualStatistics& statistics) {
   Row row{label, {}};
   row.cells.resize(5);
-  add_agreement(row, agreement);
+  add_statistics(row, statistics);
   return row;
 }
 
@@ -127,19 +128,19 @@ void add_model(Table& table, std::span<const Observation> all, const std::string
                const impact::FitOptions& options) {
   const auto fit = impact::fit(all, options);
   if (!fit) return;
-  table.rows.push_back(fit_row(name, model, *fit, fit->agreement));
-  if (const auto spins = impact::leave_out(all, options, impact::LeaveOut::spin)) {
-    for (const impact::LeftOut& left : spins->groups)
-      table.rows.push_back(fit_row("  without " + left.group, model, left.fit, left.agreement));
-    table.rows.push_back(agreement_row("  each spin left out", spins->agreement));
+  table.rows.push_back(fit_row(name, model, *fit, fit->statistics));
+  if (const auto spins = impact::leave_one_group_out(all, options, impact::CrossValidationGroup::spin)) {
+    for (const impact::HeldOutGroup& left : spins->groups)
+      table.rows.push_back(fit_row("  without " + left.group, model, left.fit, left.statistics));
+    table.rows.push_back(statistics_row("  each spin left out", spins->statistics));
   }
-  if (const auto series = impact::leave_out(all, options, impact::LeaveOut::series))
-    table.rows.push_back(agreement_row("  each set left out", series->agreement));
+  if (const auto series = impact::leave_one_group_out(all, options, impact::CrossValidationGroup::series))
+    table.rows.push_back(statistics_row("  each set left out", series->statistics));
 }
 
 }  // namespace
 
-Table vx_model_table(const Material& m) {
+Table vx_model_table(const ThesisInputs& m) {
   return model_table(m, {"vx-models", "In/out models against all sets: speed along the surface at lift-off",
                          "m/s", 2, [](const Observation& o) { return o.lift_off.vx_mps; },
                          [](const Observation& o) { return o.lift_off_sd.vx_mps; },
@@ -147,7 +148,7 @@ Table vx_model_table(const Material& m) {
                          &Comparison::z_vx_with_inputs});
 }
 
-Table omega_model_table(const Material& m) {
+Table omega_model_table(const ThesisInputs& m) {
   return model_table(m, {"omega-models", "In/out models against all sets: spin at lift-off", "rad/s", 1,
                          [](const Observation& o) { return o.lift_off.omega_radps; },
                          [](const Observation& o) { return o.lift_off_sd.omega_radps; },
@@ -155,7 +156,7 @@ Table omega_model_table(const Material& m) {
                          &Comparison::z_omega, &Comparison::z_omega_with_inputs});
 }
 
-Table fit_table(const Material& m) {
+Table fit_table(const ThesisInputs& m) {
   Table table{.id = "fits", .title = "In/out models fitted to all sets, and judged on what was left out"};
   table.columns.assign(std::begin(kFitColumns), std::end(kFitColumns));
   const std::vector<Observation> all = observations(m);
@@ -172,7 +173,7 @@ Table fit_table(const Material& m) {
   return table;
 }
 
-Table regime_table(const Material& m) {
+Table regime_table(const ThesisInputs& m) {
   Table table{.id = "regimes", .title = "What slides throughout and what grips, measured and by the models"};
   table.columns = {{"measured", "measured", "", 0},
                    {"slip_lo_mps", "slip LO", "m/s", 2},
@@ -188,8 +189,8 @@ Table regime_table(const Material& m) {
   if (!rigid || !offset) return table;
   for (const Observation& o : all) {
     if (!m.shows(o.name)) continue;
-    const auto a = impact::judge_regime(o, ReboundModel::slide_roll, *rigid, ball::kThesisDiameter_m);
-    const auto b = impact::judge_regime(o, ReboundModel::grip_offset, *offset, ball::kThesisDiameter_m);
+    const auto a = impact::classify_regime(o, ReboundModel::slide_roll, *rigid, ball::kThesisDiameter_m);
+    const auto b = impact::classify_regime(o, ReboundModel::grip_offset, *offset, ball::kThesisDiameter_m);
     if (!a || !b) continue;
     table.rows.push_back(
         {o.name,
@@ -207,7 +208,7 @@ Table regime_table(const Material& m) {
   return table;
 }
 
-Table rolling_table(const Material& m) {
+Table rolling_table(const ThesisInputs& m) {
   Table table{.id = "rolling", .title = "Rolling friction of each set, from angular momentum alone"};
   table.columns = {{"offset_mm", "d", "mm", 2},
                    {"sd_alpha_mm", "sd by alpha", "mm", 2},

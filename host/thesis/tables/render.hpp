@@ -7,13 +7,13 @@
 
 namespace strobe::report {
 
-/// Title, a line or two for each row (printed, computed anew; a * marks what differs by more than rounding),
+/// Title, one or two lines for each row (printed, recomputed; a * marks differences larger than rounding),
 /// then every difference with its reason, then the notes.
 std::string text(const Table& table);
 
 /// One object without line breaks: table, title, columns (key, unit), rows (label and, by the columns' keys,
 /// printed, printed_sd, computed, sd, difference, last_digits, difference_over_sd, reason, allowed, remark;
-/// absent what there is not), notes. Numbers are printed shortest-round-trip.
+/// absent values left out), notes. Numbers are printed shortest-round-trip.
 std::string json(const Table& table);
 
 }  // namespace strobe::report

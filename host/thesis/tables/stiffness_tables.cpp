@@ -12,7 +12,7 @@ using thesis::Condition;
 
 }  // namespace
 
-Table stiffness_table(const Material& m) {
+Table stiffness_table(const ThesisInputs& m) {
   Table table{.id = "stiffness", .title = "Stiffness of the contact by several readings"};
   table.columns = {{"half_period_knpm", "m(pi/dwell)^2", "kN/m", 1},
                    {"secant_knpm", "Fmax/depth", "kN/m", 1},
@@ -40,7 +40,7 @@ Table stiffness_table(const Material& m) {
   return table;
 }
 
-Table freund_table(const Material& m) {
+Table freund_table(const ThesisInputs& m) {
   Table table{.id = "freund", .title = "What Freund's stiffnesses may have been computed from"};
   std::vector<contact::PublishedStiffness> published;
   for (const thesis::PrintedValue& v : m.values) {
@@ -71,7 +71,7 @@ Table freund_table(const Material& m) {
   return table;
 }
 
-Table depth_table(const Material& m) {
+Table depth_table(const ThesisInputs& m) {
   Table table{.id = "depth", .title = "Measured drop of the ball's top over the pulse's drop of its centre"};
   table.columns = {{"ratio", "ratio", "", 2},
                    {"sd_inputs", "sd by inputs", "", 2},

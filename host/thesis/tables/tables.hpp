@@ -1,4 +1,4 @@
-// The tables: 2 to 17 as in the thesis, and those beyond it. Each is computed from the material by the
+// The tables: 2 to 17 as in the thesis, and those beyond it. Each is computed from the inputs by the
 // analysis core. Pure; thread-safe; allocates.
 #pragma once
 
@@ -12,57 +12,57 @@
 namespace strobe::report {
 
 /// Tables 2–4, 5–7 and 8–10.
-Table incoming_table(const Material& material, int number, std::string_view spin);
-Table rebound_table(const Material& material, int number, std::string_view spin);
-Table system_table(const Material& material, int number, std::string_view spin);
+Table incoming_table(const ThesisInputs& inputs, int number, std::string_view spin);
+Table rebound_table(const ThesisInputs& inputs, int number, std::string_view spin);
+Table system_table(const ThesisInputs& inputs, int number, std::string_view spin);
 /// Printed sds of the angles against those of the components and of the speed.
-Table spread_table(const Material& material);
+Table spread_table(const ThesisInputs& inputs);
 
-/// The thesis's three sets, or the one asked for; with `all`, every set that is shown.
-std::vector<std::string> contact_sets(const Material& material, bool all);
+/// The thesis's three sets, or the selected one; with `all`, every set shown.
+std::vector<std::string> contact_sets(const ThesisInputs& inputs, bool all);
 
-/// Tables 11–14, and the growth of errors that made the thesis leave the differentiation approach.
-Table cubic_table(const Material& material);
-Table derivative_table(const Material& material);
-Table end_velocity_table(const Material& material);
-Table zero_table(const Material& material);
-Table growth_table(const Material& material);
+/// Tables 11–14, and the growth of errors for which the thesis left the differentiation approach.
+Table cubic_table(const ThesisInputs& inputs);
+Table derivative_table(const ThesisInputs& inputs);
+Table end_velocity_table(const ThesisInputs& inputs);
+Table zero_table(const ThesisInputs& inputs);
+Table growth_table(const ThesisInputs& inputs);
 
 /// Tables 15–17, and the same and more of all sets.
-Table equation_table(const Material& material);
-Table peak_table(const Material& material);
-Table peaks_of_all_table(const Material& material);
-Table see_table(const Material& material);
-Table see_of_all_table(const Material& material);
-Table stiffness_table(const Material& material);
-Table freund_table(const Material& material);
-Table depth_table(const Material& material);
+Table equation_table(const ThesisInputs& inputs);
+Table peak_table(const ThesisInputs& inputs);
+Table peaks_of_all_table(const ThesisInputs& inputs);
+Table see_table(const ThesisInputs& inputs);
+Table see_of_all_table(const ThesisInputs& inputs);
+Table stiffness_table(const ThesisInputs& inputs);
+Table freund_table(const ThesisInputs& inputs);
+Table depth_table(const ThesisInputs& inputs);
 
-/// Each image in contact foretold without it: by the pulse, by cubics and by splines.
-Table foretell_table(const Material& material);
+/// Leave-one-out cross-validation of the pulse, of cubics and of splines.
+Table cross_validation_table(const ThesisInputs& inputs);
 
-/// In/out models: speed and spin at lift-off against all sets, their fits, regimes, rolling friction.
-Table vx_model_table(const Material& material);
-Table omega_model_table(const Material& material);
-Table fit_table(const Material& material);
-Table regime_table(const Material& material);
-Table rolling_table(const Material& material);
+/// Rebound models: speed and spin at lift-off against all sets, their fits, regimes, rolling friction.
+Table vx_model_table(const ThesisInputs& inputs);
+Table omega_model_table(const ThesisInputs& inputs);
+Table fit_table(const ThesisInputs& inputs);
+Table regime_table(const ThesisInputs& inputs);
+Table rolling_table(const ThesisInputs& inputs);
 
-/// Contact mechanics: its fit, the skid-to-grip time, the energy.
-Table mechanics_table(const Material& material);
-Table skid_table(const Material& material);
-Table energy_table(const Material& material);
+/// Contact ODE: its fit, the skid-to-grip time, the energy.
+Table mechanics_table(const ThesisInputs& inputs);
+Table skid_table(const ThesisInputs& inputs);
+Table energy_table(const ThesisInputs& inputs);
 
 struct TableEntry {
   std::string id;
   std::string title;
-  Table (*make)(const Material&);
+  Table (*make)(const ThesisInputs&);
 };
 
-/// In the order in which they are printed.
-const std::vector<TableEntry>& catalogue();
+/// All tables, in the order in which they are printed.
+const std::vector<TableEntry>& all_tables();
 
-/// Null if there is none of that id.
+/// Returns nullptr if there is none of that id.
 const TableEntry* find_table(std::string_view id);
 
 }  // namespace strobe::report

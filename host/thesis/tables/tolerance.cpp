@@ -21,7 +21,7 @@ double second_order(const Curvature& h, double sd_x, double sd_y) {
 }
 
 /// a/b of two means.
-Derived ratio(double a, double sd_a, double half_a, double b, double sd_b, double half_b) {
+DerivedValue ratio(double a, double sd_a, double half_a, double b, double sd_b, double half_b) {
   const double value = a / b;
   const double rounding = (half_a + std::abs(value) * half_b) / std::abs(b);
   const Curvature h{0.0, -1.0 / (b * b), 2.0 * a / (b * b * b)};
@@ -30,7 +30,7 @@ Derived ratio(double a, double sd_a, double half_a, double b, double sd_b, doubl
 
 }  // namespace
 
-Derived angle_deg(const thesis::MeanSd& vx, const thesis::MeanSd& vy) {
+DerivedValue angle_deg(const thesis::MeanSd& vx, const thesis::MeanSd& vy) {
   const double x = vx.mean;
   const double y = vy.mean;
   const double squared = x * x + y * y;
@@ -40,7 +40,7 @@ Derived angle_deg(const thesis::MeanSd& vx, const thesis::MeanSd& vy) {
   return {degrees(std::atan2(y, x)), {degrees(rounding), degrees(second_order(h, vx.sd, vy.sd))}};
 }
 
-Derived speed(const thesis::MeanSd& vx, const thesis::MeanSd& vy) {
+DerivedValue speed(const thesis::MeanSd& vx, const thesis::MeanSd& vy) {
   const double x = vx.mean;
   const double y = vy.mean;
   const double v = std::hypot(x, y);
@@ -49,16 +49,16 @@ Derived speed(const thesis::MeanSd& vx, const thesis::MeanSd& vy) {
   return {v, {kHalfDigit * (std::abs(x) + std::abs(y)) / v, second_order(h, vx.sd, vy.sd)}};
 }
 
-Derived restitution(const thesis::Condition& c) {
+DerivedValue restitution(const thesis::Condition& c) {
   return ratio(c.vy_lo_mps.mean, c.vy_lo_mps.sd, kHalfDigit, -c.vy_td_mps.mean, c.vy_td_mps.sd, kHalfDigit);
 }
 
-Derived impulse_ratio(const thesis::Condition& c) {
+DerivedValue impulse_ratio(const thesis::Condition& c) {
   return ratio(c.vx_td_mps.mean - c.vx_lo_mps.mean, c.vx_td_mps.sd + c.vx_lo_mps.sd, 2.0 * kHalfDigit,
                c.vy_lo_mps.mean - c.vy_td_mps.mean, c.vy_lo_mps.sd + c.vy_td_mps.sd, 2.0 * kHalfDigit);
 }
 
-Derived angle_sd_deg(const thesis::MeanSd& vx, const thesis::MeanSd& vy, const thesis::MeanSd& v) {
+DerivedValue angle_sd_deg(const thesis::MeanSd& vx, const thesis::MeanSd& vy, const thesis::MeanSd& v) {
   const double left = vx.sd * vx.sd + vy.sd * vy.sd - v.sd * v.sd;
   const double slack = 2.0 * kHalfDigit * (vx.sd + vy.sd + v.sd);
   const double speed = std::hypot(vx.mean, vy.mean);

@@ -4,8 +4,8 @@
 
 #include <CppUTest/TestHarness.h>
 
-using strobe::contact::is_end_point;
-using strobe::contact::parse_contact_csv;
+using strobe::data::is_end_point;
+using strobe::data::parse_contact_csv;
 
 namespace {
 

@@ -62,7 +62,7 @@ struct Columns {
   std::vector<double> t, x, y, rotation;
 };
 
-Columns columns_of(const contact::ContactSet& set) {
+Columns columns_of(const data::ContactSet& set) {
   Columns out;
   for (const auto& row : set.rows) {
     out.t.push_back(row.time_fraction);
@@ -142,7 +142,7 @@ TEST(CubicFits, GiveTheDerivativesOfTable12) {
 
 // Half of the last digit of 8.04 is 0.005; the dwell distance of 6.29 cm is good to a thousandth of that.
 TEST(CubicFits, PredictTheLiftOffSpeedOfTable13) {
-  const contact::Scale scale{.dwell_time_s = 5.2e-3, .dwell_distance_m = 0.0629};
+  const contact::ContactScale scale{.dwell_time_s = 5.2e-3, .dwell_distance_m = 0.0629};
   const auto motion = contact::derive(fits_as_printed("zero_23"), scale, 1.0);
   DOUBLES_EQUAL(8.04, motion.vx_mps->value, 0.011);
 }
@@ -152,14 +152,15 @@ TEST(CubicFits, PredictTheLiftOffSpeedOfTable13) {
 // sign of a ball that turned clockwise in total, as its -313 rad/s at lift-off demands.
 TEST(CubicFits, PredictTheSpinsOfTable13WithOneTotalRotation) {
   const auto back = fits_as_printed("back_22");
-  const contact::Scale unit{.dwell_time_s = 5.1241e-3, .dwell_distance_m = 1.0, .total_rotation_rad = 1.0};
+  const contact::ContactScale unit{
+      .dwell_time_s = 5.1241e-3, .dwell_distance_m = 1.0, .total_rotation_rad = 1.0};
   const double total_rad = 580.0 / contact::derive(back, unit, 0.0).omega_radps->value;
-  contact::Scale scale = unit;
+  contact::ContactScale scale = unit;
   scale.total_rotation_rad = total_rad;
   DOUBLES_EQUAL(-15.0, contact::derive(back, scale, 1.0).omega_radps->value, 0.1);
 
   const auto zero = fits_as_printed("zero_23");
-  const contact::Scale zero_unit{
+  const contact::ContactScale zero_unit{
       .dwell_time_s = 5.1996e-3, .dwell_distance_m = 1.0, .total_rotation_rad = 1.0};
   const double zero_total_rad = 129.9 / contact::derive(zero, zero_unit, 0.0).omega_radps->value;
   CHECK(zero_total_rad < 0.0);

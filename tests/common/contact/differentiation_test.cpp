@@ -168,7 +168,7 @@ TEST(Differentiation, GivesTheDerivedTableOfTheThesis) {
 
 TEST(Differentiation, InRealUnitsAgreesWithItsPolynomials) {
   const auto fits = fits_as_printed("zero_23");
-  const contact::Scale scale{
+  const contact::ContactScale scale{
       .dwell_time_s = 5.1996e-3, .dwell_distance_m = 0.0629, .total_rotation_rad = -0.89};
   const auto p = contact::derived_polynomials(fits, scale);
   for (const double t : {0.0, 0.4, 1.0}) {
@@ -225,9 +225,22 @@ TEST(Differentiation, LosesPrecisionWithEachDerivative) {
   }
 }
 
+// The mean square of y'' = 2·c2 + 6·c3·t over 0…1 is 4(c2² + 3·c2·c3 + 3·c3²); a sum over 201 points is within
+// a hundredth of it.
+TEST(Differentiation, StatesTheErrorOfTheForceWhereItIsLargest) {
+  const std::array t{0.0, 0.1, 0.2, 0.3, 0.4, 0.6};  // few images near lift-off
+  const std::array y{0.0, 0.31, 0.52, 0.71, 0.78, 0.93};
+  const auto fit = contact::fit_cubic(t, y);
+  const double c2 = fit->coefficients[2], c3 = fit->coefficients[3];
+  const double rms = 2.0 * std::sqrt(c2 * c2 + 3.0 * c2 * c3 + 3.0 * c3 * c3);
+  const auto growth = contact::error_growth(*fit);
+  DOUBLES_EQUAL(1.0, growth->force_at_ends * rms / fit->derivative_with_sd(1.0, 2).sd, 0.01);
+  CHECK(fit->derivative_with_sd(1.0, 2).sd > fit->derivative_with_sd(0.0, 2).sd);
+}
+
 TEST(Differentiation, FindsWhereSpinAndSlipPassThroughZero) {
   const auto fits = fits_as_printed("back_22");
-  const contact::Scale scale{
+  const contact::ContactScale scale{
       .dwell_time_s = 5.1241e-3, .dwell_distance_m = 0.0648, .total_rotation_rad = -0.17};
   const auto zeros = contact::zero_crossings(fits, scale);
   CHECK(!zeros.omega.empty() && !zeros.rotation.empty());

@@ -1,4 +1,4 @@
-// Scores, largest values, stiffness and depth.
+// Standard errors of trajectories, largest values, stiffness and depth.
 #include <array>
 #include <boost/math/tools/minima.hpp>
 #include <cmath>
@@ -7,23 +7,23 @@
 #include <string>
 
 #include "common/contact/condition_inputs.hpp"
-#include "common/contact/integration/integration.hpp"
-#include "common/contact/mechanics_score.hpp"
+#include "common/contact/standard_error.hpp"
 #include "tests/common/physics/thesis_folder.hpp"
 
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe;
-using contact::ContactSet;
 using contact::SpinPulse;
 using contact::SpinPulseInput;
+using data::ContactSet;
 using impact::PulseForm;
 using std::numbers::pi;
 using testing::thesis_data;
 
 namespace {
 
-const contact::SetScale kScale{.dwell_distance_m = 0.06, .diameter_m = 0.065, .total_rotation_rad = -0.8};
+const contact::FractionScale kScale{
+    .dwell_distance_m = 0.06, .diameter_m = 0.065, .total_rotation_rad = -0.8};
 
 contact::TrajectoryPoint arc(double t) { return {0.06 * t, -0.01 * std::sin(pi * t), -0.8 * t * t}; }
 
@@ -54,15 +54,15 @@ std::vector<contact::PublishedStiffness> freund() {
 
 }  // namespace
 
-TEST_GROUP(ContactScores){};
+TEST_GROUP(StandardErrorsOfTrajectories){};
 
-TEST(ContactScores, OfImagesOnTheTrajectoryAreZeroAndOfErrorsTheirRootMeanSquare) {
-  const auto none = contact::score(set_on_arc(0.0), arc, kScale);
+TEST(StandardErrorsOfTrajectories, OfImagesOnTheTrajectoryAreZeroAndOfErrorsTheirRootMeanSquare) {
+  const auto none = contact::standard_errors(set_on_arc(0.0), arc, kScale);
   DOUBLES_EQUAL(0.0, none->see_x_m, 1e-17);
   DOUBLES_EQUAL(0.0, none->rotation->given_total->see_rad, 1e-16);
   DOUBLES_EQUAL(1.0, none->rotation->r_squared, 1e-15);
   DOUBLES_EQUAL(-0.8, none->rotation->fitted_total.total_rad, 1e-15);
-  const auto some = contact::score(set_on_arc(1e-3), arc, kScale);
+  const auto some = contact::standard_errors(set_on_arc(1e-3), arc, kScale);
   DOUBLES_EQUAL(std::sqrt(1.25) * 1e-3, some->see_x_m, 1e-15);
   DOUBLES_EQUAL(std::sqrt(1.25) * 2e-3, some->see_y_m, 1e-15);
   DOUBLES_EQUAL(std::sqrt(1.25) * 3e-3, some->rotation->given_total->see_rad, 1e-15);
@@ -72,18 +72,19 @@ TEST(ContactScores, OfImagesOnTheTrajectoryAreZeroAndOfErrorsTheirRootMeanSquare
   LONGS_EQUAL(5, some->rotation->n);
 }
 
-TEST(ContactScores, FindTheTotalRotationThatFitsAndSayHowSurely) {
+TEST(StandardErrorsOfTrajectories, FindTheTotalRotationThatFitsAndSayHowSurely) {
   const auto half = [](double t) { return contact::TrajectoryPoint{0.06 * t, 0.0, -0.4 * t * t}; };
-  const auto score = contact::score(set_on_arc(0.0), half, kScale);
-  DOUBLES_EQUAL(-0.4, score->rotation->fitted_total.total_rad, 1e-15);
-  DOUBLES_EQUAL(0.0, score->rotation->fitted_total_sd_rad, 1e-15);
-  DOUBLES_EQUAL(-0.4, score->rotation->own_total.total_rad, 1e-15);
-  DOUBLES_EQUAL(-0.8, score->rotation->given_total->total_rad, 0.0);
+  const auto errors = contact::standard_errors(set_on_arc(0.0), half, kScale);
+  DOUBLES_EQUAL(-0.4, errors->rotation->fitted_total.total_rad, 1e-15);
+  DOUBLES_EQUAL(0.0, errors->rotation->fitted_total_sd_rad, 1e-15);
+  DOUBLES_EQUAL(-0.4, errors->rotation->own_total.total_rad, 1e-15);
+  DOUBLES_EQUAL(-0.8, errors->rotation->given_total->total_rad, 0.0);
 }
 
-TEST(ContactScores, RefuseWhatCannotBeScored) {
-  const auto message = [](const ContactSet& set, const contact::Trajectory& of, contact::SetScale scale) {
-    return contact::score(set, of, scale).error().message;
+TEST(StandardErrorsOfTrajectories, RefuseSetsScalesAndTrajectoriesThatAreOutOfRange) {
+  const auto message = [](const ContactSet& set, const contact::Trajectory& of,
+                          contact::FractionScale scale) {
+    return contact::standard_errors(set, of, scale).error().message;
   };
   const auto set = set_on_arc(0.0);
   STRCMP_EQUAL("dwell distance must be positive", message(set, arc, {}).c_str());
@@ -101,54 +102,36 @@ TEST(ContactScores, RefuseWhatCannotBeScored) {
                message(one, arc, kScale).c_str());
 }
 
-// A cubic with the end spins given and the total -0.7 rad is met exactly.
-TEST(ContactScores, EndSpinsAndFractionsTellTheTotalRotation) {
-  const double dwell = 5e-3, td = 40.0, lo = -310.0, total = -0.7;
-  ContactSet set{.name = "hermite", .rows = {{0, 0, 0, 0}}};
-  for (const double t : {0.05, 0.2, 0.45, 0.6, 0.85}) {
-    const double rest = 1 - t;
-    const double angle = total * t * t * (3 - 2 * t) + dwell * t * rest * (td * rest - lo * t);
-    set.rows.push_back({t, t, 0, angle / total});
-  }
-  const auto found = contact::end_spin_total(set, td, lo, dwell);
-  DOUBLES_EQUAL(total, found->total_rad, 1e-14);
-  DOUBLES_EQUAL(0.0, found->sd_rad, 1e-9);  // root of what rounding leaves
-  CHECK_FALSE(contact::end_spin_total(set, td, lo, 0.0).has_value());
-  CHECK_FALSE(contact::end_spin_total(set, NAN, lo, dwell).has_value());
-}
-
 // The spins and the rotation fractions were measured apart: where a topspin or spinless ball's pulse fits its
 // fractions, the angle that it turns must be of the fractions' own scale.
-TEST(ContactScores, ThePulseTurnsAsTheImagesDoWhereTheRotationIsNotNearZero) {
+TEST(StandardErrorsOfTrajectories, ThePulseTurnsAsTheImagesDoWhereTheRotationIsNotNearZero) {
   for (const auto& c : thesis_data(thesis::Version::corrected).conditions) {
     if (c.spin == "back") continue;
     const auto pulse = SpinPulse::make(contact::spin_pulse_input(c, PulseForm::exact));
-    const auto score = contact::score(thesis_data(thesis::Version::corrected).contact.at(c.name()),
-                                      contact::trajectory_of(*pulse), contact::set_scale(c));
-    CHECK_TEXT(score->rotation->r_squared > 0.84, c.name().c_str());
+    const auto errors = contact::standard_errors(thesis_data(thesis::Version::corrected).contact.at(c.name()),
+                                                 contact::trajectory_of(*pulse), contact::fraction_scale(c));
+    CHECK_TEXT(errors->rotation->r_squared > 0.84, c.name().c_str());
     // 5 degrees of digitizing error and model.
-    CHECK_TEXT(score->rotation->fitted_total.see_rad < 0.09, c.name().c_str());
-    CHECK_TEXT(score->rotation->own_total.see_rad < 0.09, c.name().c_str());
+    CHECK_TEXT(errors->rotation->fitted_total.see_rad < 0.09, c.name().c_str());
+    CHECK_TEXT(errors->rotation->own_total.see_rad < 0.09, c.name().c_str());
   }
 }
 
-// The mechanics end where the images do: at the measured dwell time, with the restitution measured.
-TEST(ContactScores, HoldTheMechanicsAgainstAllSets) {
+// The contact ODE ends where the images do: at the measured dwell time, with the restitution measured.
+TEST(StandardErrorsOfTrajectories, TheContactOdeComesNearTheImagesOfAllSets) {
   for (const auto& c : thesis_data(thesis::Version::corrected).conditions) {
     const auto in = contact::spin_pulse_input(c, PulseForm::exact);
-    const auto held =
-        contact::score_mechanics(thesis_data(thesis::Version::corrected).contact.at(c.name()), in.ball,
-                                 in.touchdown, {.e = in.e, .dwell_s = in.dwell_s}, contact::set_scale(c));
-    CHECK_TEXT(held.has_value(), c.name().c_str());
-    DOUBLES_EQUAL(in.dwell_s, held->summary.dwell_s, 1e-6 * in.dwell_s);
+    const auto ode =
+        impact::ContactTrajectory::make(in.ball, in.touchdown, {.e = in.e, .dwell_s = in.dwell_s});
+    const auto errors = contact::standard_errors(thesis_data(thesis::Version::corrected).contact.at(c.name()),
+                                                 contact::trajectory_of(*ode), contact::fraction_scale(c));
+    CHECK_TEXT(errors.has_value(), c.name().c_str());
+    DOUBLES_EQUAL(in.dwell_s, ode->summary().dwell_s, 1e-6 * in.dwell_s);
     // Half of the depth would be no model (see the pulse's).
     const double depth_m = -in.touchdown.vy_mps * in.dwell_s / pi;
-    CHECK_TEXT(held->score.see_y_m < 0.5 * depth_m, c.name().c_str());
-    DOUBLES_EQUAL(held->summary.rotation_rad, held->score.rotation->own_total.total_rad, 1e-12);
+    CHECK_TEXT(errors->see_y_m < 0.5 * depth_m, c.name().c_str());
+    DOUBLES_EQUAL(ode->summary().rotation_rad, errors->rotation->own_total.total_rad, 1e-12);
   }
-  const ContactSet set = set_on_arc(0.0);
-  CHECK_FALSE(contact::score_mechanics(set, {}, {10, 5, 0}, {}, kScale).has_value());
-  CHECK_FALSE(contact::score_mechanics(set, {}, {10, -5, 0}, {}, {}).has_value());
 }
 
 TEST_GROUP(ContactPeaks){};

@@ -14,9 +14,9 @@
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe;
-using contact::ContactState;
 using contact::SpinPulse;
 using contact::SpinPulseInput;
+using contact::SpinPulseState;
 
 namespace {
 
@@ -113,7 +113,7 @@ double relative(double got, const Wide& want, const Wide& scale) {
 }
 
 double worst_error(const SpinPulse& pulse, const Reference& reference, double tau) {
-  const ContactState got = pulse.at_fraction(tau);
+  const SpinPulseState got = pulse.at_fraction(tau);
   const WideState want = reference.at(tau);
   double worst = relative(got.x_m, want.x, want.x_scale);
   worst = std::max(worst, relative(got.rotation_rad, want.rotation, want.rotation_scale));

@@ -10,9 +10,9 @@
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe;
-using contact::ContactState;
 using contact::SpinPulse;
 using contact::SpinPulseInput;
+using contact::SpinPulseState;
 using impact::InputError;
 
 namespace {
@@ -51,7 +51,7 @@ TEST(SpinPulses, LeaveAsTheRigidBodyDoes) {
     const SpinPulseInput in = any_impact();
     const auto pulse = SpinPulse::make(in);
     const auto rigid = impact::rigid(in.ball, in.touchdown, in.e, in.mu);
-    const ContactState lo = pulse->at_fraction(1.0);
+    const SpinPulseState lo = pulse->at_fraction(1.0);
     // Rounding of a dozen operations on terms of at most 100 m/s.
     RC_ASSERT(std::abs(lo.vx_mps - rigid->lift_off.vx_mps) < 1e-12);
     RC_ASSERT(std::abs(lo.vy_mps - rigid->lift_off.vy_mps) < 1e-12);
@@ -68,7 +68,7 @@ TEST(SpinPulses, KeepTheirAngularMomentumAboutTheContactLine) {
     const double t = between(0, 1);
     in.offset_m = 1e-3 * between(-10, 10);
     const auto pulse = SpinPulse::make(in);
-    const ContactState s = pulse->at_fraction(t);
+    const SpinPulseState s = pulse->at_fraction(t);
     const double arm = in.ball.alpha * in.ball.radius_m(), lever = in.offset_m / in.ball.radius_m();
     const double moment = arm * in.touchdown.omega_radps - in.touchdown.vx_mps;
     const double pushed = lever * (s.vy_mps - in.touchdown.vy_mps);
@@ -83,12 +83,12 @@ TEST(SpinPulses, SlipEverLessUntilTheyRollAndLoseEnergyAllTheWay) {
   check(rc::check([] {
     const SpinPulseInput in = any_impact();
     const auto pulse = SpinPulse::make(in);
-    const auto energy = [&in](const ContactState& s) {
+    const auto energy = [&in](const SpinPulseState& s) {
       return s.vx_mps * s.vx_mps + in.ball.alpha * std::pow(in.ball.radius_m() * s.omega_radps, 2);
     };
-    ContactState last = pulse->at_fraction(0.0);
+    SpinPulseState last = pulse->at_fraction(0.0);
     for (int i = 1; i <= 50; ++i) {
-      const ContactState s = pulse->at_fraction(i / 50.0);
+      const SpinPulseState s = pulse->at_fraction(i / 50.0);
       RC_ASSERT(std::abs(s.slip_mps) <= std::abs(last.slip_mps) + 1e-13);
       RC_ASSERT(s.slip_mps * last.slip_mps >= -1e-24);
       RC_ASSERT(energy(s) <= energy(last) * (1.0 + 1e-14) + 1e-12);
@@ -101,8 +101,8 @@ TEST(SpinPulses, SlipEverLessUntilTheyRollAndLoseEnergyAllTheWay) {
 TEST(SpinPulses, AreContinuousAtTheGripWhereFrictionAloneJumps) {
   const auto pulse = SpinPulse::make(zero_23());
   const double grip = *pulse->grip_fraction();
-  const ContactState before = pulse->at_fraction(grip * (1.0 - 1e-13));
-  const ContactState after = pulse->at_fraction(grip * (1.0 + 1e-13));
+  const SpinPulseState before = pulse->at_fraction(grip * (1.0 - 1e-13));
+  const SpinPulseState after = pulse->at_fraction(grip * (1.0 + 1e-13));
   // A share of 2e-13 of 5.2 ms at 15 m/s, 300 rad/s and accelerations of up to 2e5.
   DOUBLES_EQUAL(before.x_m, after.x_m, 1e-13);
   DOUBLES_EQUAL(before.rotation_rad, after.rotation_rad, 1e-12);
@@ -117,7 +117,7 @@ TEST(SpinPulses, OfAnOffsetForceRollOnWithRollingFriction) {
   SpinPulseInput in = zero_23();
   in.offset_m = 0.0025;
   const auto pulse = SpinPulse::make(in);
-  const ContactState s = pulse->at_fraction(0.9);
+  const SpinPulseState s = pulse->at_fraction(0.9);
   DOUBLES_EQUAL(0.0, s.slip_mps, 0.0);
   // R·omega = -vx throughout needs alpha·R·F_x... = -(R·F_x + d·F_y)/R, i.e. F_x = -d/(R(1 + alpha))·F_y.
   DOUBLES_EQUAL(-in.offset_m / (in.ball.radius_m() * 1.55), s.fx_n / s.fy_n, 1e-15);

@@ -84,7 +84,7 @@ TEST(ContactFit, SpringsAndRegimesOfTheConditionsAreAsMeasured) {
 TEST(ContactFit, WhatASpinWouldBeWithoutItsOwnDataStaysNearTheSpreadOfShots) {
   const auto left_out = leave_one_group_out(measured());
   LONGS_EQUAL(3, left_out->size());
-  for (const ContactLeftOut& group : *left_out) {
+  for (const ContactHeldOutGroup& group : *left_out) {
     CHECK(group.vx_rms_mps < 1.5 * 0.38);
     CHECK(group.omega_rms_radps < 1.7 * 11.5);
   }
@@ -138,7 +138,7 @@ TEST(ContactFit, AConditionThatTheMechanicsRefusesIsNamed) {
 TEST(ContactFit, EnergyLossesSumToTheLossAndMeetTheMeasuredOne) {
   const auto observations = measured();
   const auto fit = fit_contact(observations);
-  const auto conclusions = conclude(observations, *fit);
+  const auto conclusions = skid_and_energy(observations, *fit);
   LONGS_EQUAL(21, conclusions->energy.size());
   double chi_square = 0.0;
   for (const EnergyBalance& b : conclusions->energy) {
@@ -150,10 +150,38 @@ TEST(ContactFit, EnergyLossesSumToTheLossAndMeetTheMeasuredOne) {
   CHECK(chi_square < 21.0);
 }
 
+// By the delta method on m·v²/2 and alpha·m·R²·omega²/2: each velocity's term and alpha's, one at a time.
+TEST(ContactFit, TheMeasuredLossHasTheUncertaintyOfItsVelocitiesAndOfAlpha) {
+  ContactObservation o = measured()[1];
+  o.touchdown_sd = o.lift_off_sd = {};
+  o.dwell_sd_s = 0.0;
+  ContactFit fit;
+  fit.value = kTruth;
+  const auto loss = [&] { return skid_and_energy({&o, 1}, fit)->energy[0].measured_loss_j; };
+  fit.covariance = 1e-24 * ContactMatrix::Identity();
+  const ball::Ball ball = ball_of(kTruth);
+  const double inertia = ball.inertia_kgm2();
+  const auto kinetic_j = [&](const Motion& m) {
+    return 0.5 * ball.mass_kg * (m.vx_mps * m.vx_mps + m.vy_mps * m.vy_mps) +
+           0.5 * inertia * m.omega_radps * m.omega_radps;
+  };
+  DOUBLES_EQUAL(kinetic_j(o.touchdown) - kinetic_j(o.lift_off), loss().value, 1e-12);
+  DOUBLES_EQUAL(0.0, loss().sd, 1e-9);
+  o.lift_off_sd.omega_radps = 10.0;
+  DOUBLES_EQUAL(inertia * std::abs(o.lift_off.omega_radps) * 10.0, loss().sd, 1e-9);
+  o.lift_off_sd = {};
+  o.touchdown_sd.vy_mps = 0.2;
+  DOUBLES_EQUAL(ball.mass_kg * std::abs(o.touchdown.vy_mps) * 0.2, loss().sd, 1e-9);
+  o.touchdown_sd = {};
+  fit.covariance(kFitAlpha, kFitAlpha) = 0.02 * 0.02;
+  const double change = std::pow(o.touchdown.omega_radps, 2) - std::pow(o.lift_off.omega_radps, 2);
+  DOUBLES_EQUAL(0.5 * inertia / ball.alpha * std::abs(change) * 0.02, loss().sd, 1e-9);
+}
+
 TEST(ContactFit, SkidToGripIsToldWithItsUncertaintyForTheConditionsThatGrip) {
   const auto observations = measured();
   const auto fit = fit_contact(observations);
-  const auto conclusions = conclude(observations, *fit);
+  const auto conclusions = skid_and_energy(observations, *fit);
   int gripping = 0;
   for (const SkidToGrip& s : conclusions->skid_to_grip) {
     if (s.regime == Regime::slides) {

@@ -84,11 +84,11 @@ TEST(ContactProperties, EnergyNeverGrows) {
     ContactState before = contact->at(0.0);
     for (const double t : times) {
       const ContactState now = contact->at(t);
-      RC_ASSERT(now.mechanical_j <= before.mechanical_j + allowed);
-      RC_ASSERT(now.lost_j >= before.lost_j - allowed);
+      RC_ASSERT(now.mechanical_energy_j <= before.mechanical_energy_j + allowed);
+      RC_ASSERT(now.dissipated_j >= before.dissipated_j - allowed);
       before = now;
     }
-    RC_ASSERT(std::abs(energy.kinetic_lost_j - energy.lost_j()) <= allowed);
+    RC_ASSERT(std::abs(energy.kinetic_lost_j - energy.dissipated_j()) <= allowed);
   });
   CHECK(held);
 }

@@ -42,8 +42,8 @@ struct Draw {
     for (int i = 0; i < count; ++i) all.push_back(row("ode", level(), level(), std::to_string(i)));
     return all;
   }
-  Demand demand() {
-    Demand d;
+  Requirement requirement() {
+    Requirement d;
     if (often()) d.tolerance = level() + 0.5 * (often() ? 0 : 1);
     if (often()) d.deadline_us = level();
     return d;
@@ -55,37 +55,37 @@ struct Draw {
 TEST_GROUP(Choose){};
 
 TEST(Choose, TakesTheCheapestThatIsExactEnough) {
-  STRCMP_EQUAL("rigid", title(*choose(kRows, {.tolerance = 0.1, .deadline_us = {}})).c_str());
-  STRCMP_EQUAL("grip", title(*choose(kRows, {.tolerance = 0.05, .deadline_us = {}})).c_str());
+  STRCMP_EQUAL("rigid", label(*choose(kRows, {.tolerance = 0.1, .deadline_us = {}})).c_str());
+  STRCMP_EQUAL("grip", label(*choose(kRows, {.tolerance = 0.05, .deadline_us = {}})).c_str());
   STRCMP_EQUAL("ode tolerance=0.001",
-               title(*choose(kRows, {.tolerance = 0.01, .deadline_us = 50.0})).c_str());
+               label(*choose(kRows, {.tolerance = 0.01, .deadline_us = 50.0})).c_str());
 }
 
 TEST(Choose, TakesTheMostExactInTimeWithoutATolerance) {
-  STRCMP_EQUAL("ode tolerance=0.001", title(*choose(kRows, {.tolerance = {}, .deadline_us = 10.0})).c_str());
-  STRCMP_EQUAL("ode tolerance=1e-06", title(*choose(kRows, {})).c_str());
+  STRCMP_EQUAL("ode tolerance=0.001", label(*choose(kRows, {.tolerance = {}, .deadline_us = 10.0})).c_str());
+  STRCMP_EQUAL("ode tolerance=1e-06", label(*choose(kRows, {})).c_str());
 }
 
 TEST(Choose, RefusesNamingWhatComesNearest) {
-  const Demand demand{.tolerance = 1e-3, .deadline_us = 5.0};
-  const auto refused = choose(kRows, demand);
+  const Requirement requirement{.tolerance = 1e-3, .deadline_us = 5.0};
+  const auto refused = choose(kRows, requirement);
   CHECK(!refused);
   STRCMP_EQUAL(
       "no method meets 0.1% and 5 us; in time the most exact is grip (4% of v_td in 0.02 us); exact enough "
       "the "
       "fastest is ode tolerance=0.001 (0.04% of v_td in 9 us)",
-      refusal(refused.error(), demand).c_str());
+      failure_text(refused.error(), requirement).c_str());
 }
 
 TEST(Choose, RefusesNamingTheFastestAndTheMostExactWhereNothingComesNear) {
-  const Demand demand{.tolerance = 1e-9, .deadline_us = 1e-3};
+  const Requirement requirement{.tolerance = 1e-9, .deadline_us = 1e-3};
   STRCMP_EQUAL(
       "no method meets 1e-7% and 0.001 us; the fastest of all is rigid (10% of v_td in 0.01 us); the most "
       "exact "
       "of all is ode tolerance=1e-06 (1e-05% of v_td in 20 us)",
-      refusal(choose(kRows, demand).error(), demand).c_str());
+      failure_text(choose(kRows, requirement).error(), requirement).c_str());
   STRCMP_EQUAL("the frontier holds no method that could be taken",
-               refusal(choose({}, demand).error(), demand).c_str());
+               failure_text(choose({}, requirement).error(), requirement).c_str());
 }
 
 TEST(Choose, SaysWhy) {
@@ -101,12 +101,12 @@ TEST(Choose, IsNeverDominatedNeverMissesAndRefusesOnlyWhereNothingMeetsBoth) {
   int refused = 0;
   for (int i = 0; i < 20000; ++i) {
     const std::vector<Row> rows = draw.rows();
-    const Demand demand = draw.demand();
+    const Requirement requirement = draw.requirement();
     const auto meets = [&](const Row& r) {
-      return (!demand.tolerance || r.error <= *demand.tolerance) &&
-             (!demand.deadline_us || r.cost_us <= *demand.deadline_us);
+      return (!requirement.tolerance || r.error <= *requirement.tolerance) &&
+             (!requirement.deadline_us || r.cost_us <= *requirement.deadline_us);
     };
-    const auto chosen = choose(rows, demand);
+    const auto chosen = choose(rows, requirement);
     CHECK_EQUAL(std::ranges::any_of(rows, meets), chosen.has_value());
     if (!chosen) {
       ++refused;
@@ -116,8 +116,8 @@ TEST(Choose, IsNeverDominatedNeverMissesAndRefusesOnlyWhereNothingMeetsBoth) {
     for (const Row& other : rows) {
       CHECK(!dominates(other, *chosen));
       if (!meets(other)) continue;
-      if (demand.tolerance) CHECK(chosen->cost_us <= other.cost_us);
-      if (!demand.tolerance) CHECK(chosen->error <= other.error);
+      if (requirement.tolerance) CHECK(chosen->cost_us <= other.cost_us);
+      if (!requirement.tolerance) CHECK(chosen->error <= other.error);
     }
   }
   CHECK(refused > 1000);
@@ -128,16 +128,17 @@ TEST(Choose, TheNearestMeetOneDemandAndAreTheBestInTheOther) {
   Draw draw{std::mt19937_64(kSeed)};
   for (int i = 0; i < 20000; ++i) {
     const std::vector<Row> rows = draw.rows();
-    const Demand demand{.tolerance = draw.level() - 1.0, .deadline_us = draw.level() - 0.5};
-    const auto chosen = choose(rows, demand);
+    const Requirement requirement{.tolerance = draw.level() - 1.0, .deadline_us = draw.level() - 0.5};
+    const auto chosen = choose(rows, requirement);
     if (chosen) continue;
-    const Nearest& nearest = chosen.error();
+    const NearestMethods& nearest = chosen.error();
     for (const Row& r : rows) {
-      if (demand.in_time(r)) CHECK(nearest.exactest_in_time && nearest.exactest_in_time->error <= r.error);
-      if (demand.exact_enough(r))
-        CHECK(nearest.fastest_exact_enough && nearest.fastest_exact_enough->cost_us <= r.cost_us);
+      if (requirement.meets_deadline(r))
+        CHECK(nearest.most_accurate_in_time && nearest.most_accurate_in_time->error <= r.error);
+      if (requirement.meets_tolerance(r))
+        CHECK(nearest.fastest_accurate_enough && nearest.fastest_accurate_enough->cost_us <= r.cost_us);
     }
-    if (nearest.exactest_in_time) CHECK(demand.in_time(*nearest.exactest_in_time));
-    if (nearest.fastest_exact_enough) CHECK(demand.exact_enough(*nearest.fastest_exact_enough));
+    if (nearest.most_accurate_in_time) CHECK(requirement.meets_deadline(*nearest.most_accurate_in_time));
+    if (nearest.fastest_accurate_enough) CHECK(requirement.meets_tolerance(*nearest.fastest_accurate_enough));
   }
 }

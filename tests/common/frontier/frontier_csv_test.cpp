@@ -49,8 +49,8 @@ TEST(FrontierCsv, HoldsOneMethodALineInTheirOrder) {
                      .error_unit = "of v_td",
                      .note = ""};
   CHECK((*rows)[1] == expected);
-  STRCMP_EQUAL("grip", title((*rows)[0]).c_str());
-  STRCMP_EQUAL("ode tolerance=1e-09", title((*rows)[1]).c_str());
+  STRCMP_EQUAL("grip", label((*rows)[0]).c_str());
+  STRCMP_EQUAL("ode tolerance=1e-09", label((*rows)[1]).c_str());
 }
 
 TEST(FrontierCsv, RefusesWhatIsWrongNamingFileLineAndColumn) {

@@ -40,7 +40,7 @@ TEST(BoundedLeastSquares, TheInverseGramMatrixHoldsUpToConditionNumbersOf1e12) {
     for (Index i = 0; i < 4; ++i) s[i] = std::pow(condition, -static_cast<double>(i) / 3.0);
     const MatrixXd jac = u.leftCols(4) * s.asDiagonal() * v.transpose();
     const MatrixXd expected = v * s.cwiseInverse().cwiseAbs2().asDiagonal() * v.transpose();
-    const auto inverse = inverse_gram(jac);
+    const auto inverse = unscaled_covariance(jac);
     CHECK(inverse.has_value());
     const double error = (*inverse - expected).norm() / expected.norm();
     CHECK_COMPARE(error, <=, 40.0 * condition * 2.2e-16);
@@ -50,7 +50,7 @@ TEST(BoundedLeastSquares, TheInverseGramMatrixHoldsUpToConditionNumbersOf1e12) {
 TEST(BoundedLeastSquares, ColumnsInAnyUnitGiveTheSameInverse) {
   const MatrixXd jac = reflection(9, 0.4).leftCols(3);
   const Eigen::Vector3d units(1e-150, 1.0, 1e150);
-  const auto inverse = inverse_gram(jac * units.asDiagonal());
+  const auto inverse = unscaled_covariance(jac * units.asDiagonal());
   CHECK(inverse.has_value());
   for (Index i = 0; i < 3; ++i) DOUBLES_EQUAL(1.0, (*inverse)(i, i) * units[i] * units[i], 1e-13);
 }
@@ -58,21 +58,21 @@ TEST(BoundedLeastSquares, ColumnsInAnyUnitGiveTheSameInverse) {
 TEST(BoundedLeastSquares, ColumnsThatDependOnEachOtherHaveNoInverse) {
   MatrixXd jac = reflection(8, 0.5).leftCols(3);
   jac.col(2) = 3.0 * jac.col(0) - jac.col(1);
-  CHECK(!inverse_gram(jac));
+  CHECK(!unscaled_covariance(jac));
   jac.col(2).setZero();
-  CHECK(!inverse_gram(jac));
-  CHECK(!inverse_gram(MatrixXd::Ones(2, 3)));
+  CHECK(!unscaled_covariance(jac));
+  CHECK(!unscaled_covariance(MatrixXd::Ones(2, 3)));
   jac(0, 2) = std::nan("");
-  CHECK(!inverse_gram(jac));
-  LONGS_EQUAL(0, inverse_gram(MatrixXd(5, 0))->size());
+  CHECK(!unscaled_covariance(jac));
+  LONGS_EQUAL(0, unscaled_covariance(MatrixXd(5, 0))->size());
 }
 
 TEST(BoundedLeastSquares, FindsTheEndOfRosenbrocksValley) {
   const auto problem = plane(rosenbrock, {-5, -5}, {5, 5});
   const LeastSquaresResult found = levenberg_marquardt(problem, Vector2d(-1.2, 1.0));
   CHECK(found.converged);
-  DOUBLES_EQUAL(1.0, found.at[0], 1e-12);
-  DOUBLES_EQUAL(1.0, found.at[1], 1e-12);
+  DOUBLES_EQUAL(1.0, found.parameters[0], 1e-12);
+  DOUBLES_EQUAL(1.0, found.parameters[1], 1e-12);
 }
 
 // On x = 1/2 the least of 100(y - x²)² + (1 - x)² is at y = 1/4. Its value of 1/4 hides departures of y of up
@@ -81,14 +81,14 @@ TEST(BoundedLeastSquares, StopsAtABoundAndMovesAlongIt) {
   const LeastSquaresResult found =
       levenberg_marquardt(plane(rosenbrock, {-5, -5}, {0.5, 5}), Vector2d(-1.2, 1.0));
   CHECK(found.converged);
-  DOUBLES_EQUAL(0.5, found.at[0], 0.0);
-  DOUBLES_EQUAL(0.25, found.at[1], 1e-8);
+  DOUBLES_EQUAL(0.5, found.parameters[0], 0.0);
+  DOUBLES_EQUAL(0.25, found.parameters[1], 1e-8);
 }
 
 TEST(BoundedLeastSquares, LeavesABoundThatItWasStartedOn) {
   const LeastSquaresResult found =
       levenberg_marquardt(plane(rosenbrock, {-5, 0}, {5, 5}), Vector2d(0.0, 0.0));
-  DOUBLES_EQUAL(1.0, found.at[0], 1e-12);
+  DOUBLES_EQUAL(1.0, found.parameters[0], 1e-12);
 }
 
 // The residuals' derivatives jump where the minimum is, on a ridge along neither axis.
@@ -97,7 +97,7 @@ TEST(BoundedLeastSquares, FindsAMinimumOnAKink) {
     return Vector2d(1.0 + 3.0 * std::abs(x[0] - 0.3), x[1] - x[0]);
   };
   const LeastSquaresResult found = minimize(plane(residuals, {-2, -2}, {2, 2}), Vector2d(-1.0, 1.5), {}, 0);
-  DOUBLES_EQUAL(0.3, found.at[0], 1e-7);
+  DOUBLES_EQUAL(0.3, found.parameters[0], 1e-7);
   DOUBLES_EQUAL(1.0, found.sum_of_squares, 1e-6);
 }
 
@@ -108,15 +108,15 @@ TEST(BoundedLeastSquares, TakesTheBestOfSeveralValleys) {
   const auto problem = plane(residuals, {-2, -2}, {2, 2});
   const LeastSquaresResult found =
       minimize(problem, Vector2d(-1.1, 0.0), {Vector2d(-0.8, 1.0), Vector2d(0.7, 1.0)}, 1);
-  DOUBLES_EQUAL(1.0, found.at[0], 1e-9);
+  DOUBLES_EQUAL(1.0, found.parameters[0], 1e-9);
 }
 
 TEST(BoundedLeastSquares, AParameterWithoutEffectStaysWhereItWas) {
   const auto residuals = [](const VectorXd& x) -> VectorXd { return Vector2d(x[0] - 0.5, 2.0 * x[0]); };
   const LeastSquaresResult found =
       levenberg_marquardt(plane(residuals, {-2, -2}, {2, 2}), Vector2d(1.0, 0.75));
-  DOUBLES_EQUAL(0.1, found.at[0], 1e-14);
-  DOUBLES_EQUAL(0.75, found.at[1], 0.0);
+  DOUBLES_EQUAL(0.1, found.parameters[0], 1e-14);
+  DOUBLES_EQUAL(0.75, found.parameters[1], 0.0);
 }
 
 // The root of 2 has no residual beyond 3/2: the first steps from 1/10 overshoot there.
@@ -128,8 +128,8 @@ TEST(BoundedLeastSquares, KeepsAwayFromWhereResidualsAreInfinite) {
   const LeastSquaresResult found = levenberg_marquardt(plane(residuals, {0, -2}, {9, 2}), Vector2d(0.1, 1.0));
   CHECK(found.converged);
   CHECK(found.iterations > 1);
-  DOUBLES_EQUAL(std::sqrt(2.0), found.at[0], 1e-12);
-  DOUBLES_EQUAL(0.0, found.at[1], 1e-12);
+  DOUBLES_EQUAL(std::sqrt(2.0), found.parameters[0], 1e-12);
+  DOUBLES_EQUAL(0.0, found.parameters[1], 1e-12);
 }
 
 // The least sum is 1; where a step gains less than a hundredth of it the end is near.
@@ -139,7 +139,7 @@ TEST(BoundedLeastSquares, StopsWhereTheGainAskedForIsNotToBeHad) {
   };
   auto problem = plane(residuals, {-5, -5}, {5, 5});
   const LeastSquaresResult whole = levenberg_marquardt(problem, Vector2d(1.0, 1.0));
-  problem.least_gain = 0.01;
+  problem.function_tolerance = 0.01;
   const LeastSquaresResult early = levenberg_marquardt(problem, Vector2d(1.0, 1.0));
   CHECK(whole.converged && early.converged);
   CHECK(early.iterations < whole.iterations);

@@ -55,7 +55,7 @@ TEST(Brody, AngularMomentumAboutTheContactPointIsKeptByAllThree) {
     const double tolerance = 1e-14 * b.speed();
     const auto slid = slide(b.ball, b.touchdown, b.e, b.mu);
     const auto rolled = roll(b.ball, b.touchdown, b.e);
-    const auto chosen = choose(b.ball, b.touchdown, b.e, b.mu);
+    const auto chosen = slide_or_roll(b.ball, b.touchdown, b.e, b.mu);
     RC_ASSERT(std::abs(conserved(b, slid->lift_off) - before) <= tolerance);
     RC_ASSERT(std::abs(conserved(b, rolled->lift_off) - before) <= tolerance);
     RC_ASSERT(std::abs(conserved(b, chosen->rebound.lift_off) - before) <= tolerance);
@@ -77,10 +77,10 @@ TEST(Brody, ARollingBallDoesNotSlipAndASlidingOneLosesMuTimesTheNormalImpulse) {
 TEST(Brody, TheChoiceNeverTurnsTheSlipAround) {
   CHECK(rc::check([] {
     const Bounce b = any_bounce();
-    const auto chosen = choose(b.ball, b.touchdown, b.e, b.mu);
+    const auto chosen = slide_or_roll(b.ball, b.touchdown, b.e, b.mu);
     const double slip = b.touchdown.vx_mps + b.spin();
     RC_ASSERT(chosen->rebound.slip_lo_mps * slip >= -1e-14 * b.speed() * std::abs(slip));
-    RC_ASSERT((chosen->rebound.regime == Regime::slides) == (b.mu < chosen->friction_needed));
+    RC_ASSERT((chosen->rebound.regime == Regime::slides) == (b.mu < chosen->rolling_impulse_ratio));
   }));
 }
 
@@ -88,7 +88,7 @@ TEST(Brody, TheChoiceNeverTurnsTheSlipAround) {
 TEST(Brody, TheChoiceIsTheRigidBodysRebound) {
   CHECK(rc::check([] {
     const Bounce b = any_bounce();
-    const auto chosen = choose(b.ball, b.touchdown, b.e, b.mu);
+    const auto chosen = slide_or_roll(b.ball, b.touchdown, b.e, b.mu);
     const auto whole = rigid(b.ball, b.touchdown, b.e, b.mu);
     RC_ASSERT(std::abs(chosen->rebound.lift_off.vx_mps - whole->lift_off.vx_mps) <= 1e-14 * b.speed());
     RC_ASSERT(std::abs(chosen->rebound.lift_off.omega_radps - whole->lift_off.omega_radps) <=
@@ -113,6 +113,6 @@ TEST(Brody, RefusesWhatTheRigidBodyRefuses) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   CHECK(slide({}, {nan, -8.0, 0.0}, 0.7, 0.5).error() == InputError::not_finite);
   CHECK(roll({}, {1.0, 8.0, 0.0}, 0.7).error() == InputError::not_approaching);
-  CHECK(choose({}, {1.0, -8.0, 0.0}, 1.7, 0.5).error() == InputError::restitution_out_of_range);
-  CHECK(choose({}, {1.0, -8.0, 0.0}, 0.7, -0.5).error() == InputError::friction_negative);
+  CHECK(slide_or_roll({}, {1.0, -8.0, 0.0}, 1.7, 0.5).error() == InputError::restitution_out_of_range);
+  CHECK(slide_or_roll({}, {1.0, -8.0, 0.0}, 0.7, -0.5).error() == InputError::friction_negative);
 }

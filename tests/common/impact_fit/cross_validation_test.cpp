@@ -18,12 +18,12 @@ namespace {
 /// figures by at most .0017 m/s and .094 rad/s (sd of 100 draws); three of those.
 constexpr double kVx = 0.005, kOmega = 0.28;
 
-void check_figures(const FitOptions& options, LeaveOut by, double vx_mps, double omega_radps) {
-  const auto v = leave_out(conditions(), options, by);
+void check_figures(const FitOptions& options, CrossValidationGroup by, double vx_mps, double omega_radps) {
+  const auto v = leave_one_group_out(conditions(), options, by);
   CHECK(v.has_value());
-  DOUBLES_EQUAL(vx_mps, v->agreement.rms_vx_mps, kVx);
-  DOUBLES_EQUAL(omega_radps, v->agreement.rms_omega_radps, kOmega);
-  LONGS_EQUAL(21, v->agreement.count);
+  DOUBLES_EQUAL(vx_mps, v->statistics.rms_vx_mps, kVx);
+  DOUBLES_EQUAL(omega_radps, v->statistics.rms_omega_radps, kOmega);
+  LONGS_EQUAL(21, v->statistics.count);
 }
 
 FitOptions grip_with_alpha() {
@@ -37,24 +37,24 @@ FitOptions grip_with_alpha() {
 TEST_GROUP(LeavingOut){};
 
 TEST(LeavingOut, EachSpinPredictedFromTheOtherTwo) {
-  check_figures(default_options(ReboundModel::slide_roll), LeaveOut::spin, 0.899, 30.82);
-  check_figures(grip_with_alpha(), LeaveOut::spin, 0.686, 29.48);
-  check_figures(default_options(ReboundModel::grip_offset), LeaveOut::spin, 0.436, 17.24);
+  check_figures(default_options(ReboundModel::slide_roll), CrossValidationGroup::spin, 0.899, 30.82);
+  check_figures(grip_with_alpha(), CrossValidationGroup::spin, 0.686, 29.48);
+  check_figures(default_options(ReboundModel::grip_offset), CrossValidationGroup::spin, 0.436, 17.24);
 }
 
 TEST(LeavingOut, EachConditionPredictedFromTheOthers) {
-  check_figures(default_options(ReboundModel::slide_roll), LeaveOut::series, 0.916, 30.12);
-  check_figures(grip_with_alpha(), LeaveOut::series, 0.713, 28.86);
-  check_figures(default_options(ReboundModel::grip_offset), LeaveOut::series, 0.474, 16.78);
+  check_figures(default_options(ReboundModel::slide_roll), CrossValidationGroup::series, 0.916, 30.12);
+  check_figures(grip_with_alpha(), CrossValidationGroup::series, 0.713, 28.86);
+  check_figures(default_options(ReboundModel::grip_offset), CrossValidationGroup::series, 0.474, 16.78);
 }
 
 TEST(LeavingOut, APredictionComesFromAFitThatHasNotSeenIt) {
   const auto observations = conditions();
   const FitOptions options = default_options(ReboundModel::grip_offset);
-  const auto v = leave_out(observations, options, LeaveOut::spin);
+  const auto v = leave_one_group_out(observations, options, CrossValidationGroup::spin);
   LONGS_EQUAL(3, v->groups.size());
   std::set<std::size_t> seen;
-  for (const LeftOut& group : v->groups) {
+  for (const HeldOutGroup& group : v->groups) {
     std::vector<Observation> others;
     for (const Observation& o : observations)
       if (o.spin != group.group) others.push_back(o);
@@ -71,10 +71,10 @@ TEST(LeavingOut, APredictionComesFromAFitThatHasNotSeenIt) {
 
 TEST(LeavingOut, ATrueModelPredictsWhatItHasNotSeen) {
   const ParameterValues truth{0.5, 0.1, 0.003, 2.5, 0.55};
-  const auto v = leave_out(true_rebounds(conditions(), truth), default_options(ReboundModel::grip_offset),
-                           LeaveOut::spin);
-  CHECK_COMPARE(v->agreement.rms_vx_mps, <, 1e-6);
-  CHECK_COMPARE(v->agreement.rms_omega_radps, <, 1e-4);
+  const auto v = leave_one_group_out(true_rebounds(conditions(), truth),
+                                     default_options(ReboundModel::grip_offset), CrossValidationGroup::spin);
+  CHECK_COMPARE(v->statistics.rms_vx_mps, <, 1e-6);
+  CHECK_COMPARE(v->statistics.rms_omega_radps, <, 1e-4);
 }
 
 TEST(LeavingOut, WorksWithinOneSpinToo) {
@@ -83,22 +83,23 @@ TEST(LeavingOut, WorksWithinOneSpinToo) {
   for (const char* spin : {"zero", "top", "back"}) {
     const auto observations = of_spin(conditions(), spin);
     LONGS_EQUAL(7, observations.size());
-    const auto v = leave_out(observations, options, LeaveOut::series);
+    const auto v = leave_one_group_out(observations, options, CrossValidationGroup::series);
     CHECK(v.has_value());
     const auto whole = fit(observations, options);
-    CHECK_COMPARE(v->agreement.rms_vx_mps, >, whole->agreement.rms_vx_mps);
+    CHECK_COMPARE(v->statistics.rms_vx_mps, >, whole->statistics.rms_vx_mps);
   }
 }
 
 TEST(LeavingOut, NeedsTwoGroups) {
-  const auto v =
-      leave_out(of_spin(conditions(), "top"), default_options(ReboundModel::slide_roll), LeaveOut::spin);
-  CHECK(v.error().error == FitError::too_few_numbers);
+  const auto v = leave_one_group_out(of_spin(conditions(), "top"), default_options(ReboundModel::slide_roll),
+                                     CrossValidationGroup::spin);
+  CHECK(v.error().error == FitError::underdetermined);
 }
 
 TEST(LeavingOut, NamesTheObservationThatIsWrong) {
   auto observations = conditions();
   observations[20].e = -0.2;
-  const auto v = leave_out(observations, default_options(ReboundModel::grip), LeaveOut::spin);
+  const auto v =
+      leave_one_group_out(observations, default_options(ReboundModel::grip), CrossValidationGroup::spin);
   LONGS_EQUAL(20, v.error().observation);
 }

@@ -24,7 +24,7 @@ void check_recovered(const FitOptions& options, const ParameterValues& truth) {
   CHECK(fitted.has_value());
   for (std::size_t i = 0; i < kParameterCount; ++i)
     if (options.free[i]) DOUBLES_EQUAL(truth[i], fitted->parameters[i].value, 1e-6 * truth[i]);
-  CHECK_COMPARE(fitted->agreement.rms_vx_mps, <, 1e-7);
+  CHECK_COMPARE(fitted->statistics.rms_vx_mps, <, 1e-7);
 }
 
 FitOptions all_free(ReboundModel model) {
@@ -91,8 +91,8 @@ TEST(ModelFit, NothingFreeJudgesTheModelAsItStands) {
   options.free = {};
   const auto fitted = fit(conditions(thesis::Version::as_printed), options);
   LONGS_EQUAL(42, fitted->dof);
-  DOUBLES_EQUAL(0.88, fitted->agreement.rms_vx_mps, 0.01);
-  DOUBLES_EQUAL(30.0, fitted->agreement.rms_omega_radps, 0.5);
+  DOUBLES_EQUAL(0.88, fitted->statistics.rms_vx_mps, 0.01);
+  DOUBLES_EQUAL(30.0, fitted->statistics.rms_omega_radps, 0.5);
   CHECK(fitted->covariance.isZero(0.0));
 }
 
@@ -106,8 +106,8 @@ TEST(ModelFit, TheGripsInertiaPressesAgainstTheThinShells) {
   CHECK(!alpha.sd.has_value());
   CHECK_COMPARE(*alpha.limit, <, 2.0 / 3.0);
   CHECK_COMPARE(*alpha.limit, >, 0.6);
-  DOUBLES_EQUAL(0.686, fitted->agreement.rms_vx_mps, 0.003);
-  DOUBLES_EQUAL(27.59, fitted->agreement.rms_omega_radps, 0.1);
+  DOUBLES_EQUAL(0.686, fitted->statistics.rms_vx_mps, 0.003);
+  DOUBLES_EQUAL(27.59, fitted->statistics.rms_omega_radps, 0.1);
   DOUBLES_EQUAL(0.081, fitted->parameters[index(Parameter::e_x)].value, 0.005);
 }
 
@@ -121,10 +121,10 @@ TEST(ModelFit, AConstantOffsetFitsAsPublished) {
   DOUBLES_EQUAL(0.567, fitted->parameters[0].value, 0.01);
   DOUBLES_EQUAL(0.089, fitted->parameters[1].value, 0.01);
   DOUBLES_EQUAL(0.0025, fitted->parameters[2].value, 0.0001);
-  DOUBLES_EQUAL(0.495, fitted->agreement.rms_vx_mps, 0.011);
-  DOUBLES_EQUAL(15.4, fitted->agreement.rms_omega_radps, 0.25);
-  LONGS_EQUAL(8, fitted->agreement.within_sd_vx);
-  LONGS_EQUAL(11, fitted->agreement.within_sd_omega);
+  DOUBLES_EQUAL(0.495, fitted->statistics.rms_vx_mps, 0.011);
+  DOUBLES_EQUAL(15.4, fitted->statistics.rms_omega_radps, 0.25);
+  LONGS_EQUAL(8, fitted->statistics.within_sd_vx);
+  LONGS_EQUAL(11, fitted->statistics.within_sd_omega);
   const double radius = options.diameter_m / 2.0;
   CHECK_COMPARE(fitted->chi2, <, 21.0 * (0.495 * 0.495 + std::pow(radius * 15.4, 2)));
 }
@@ -137,10 +137,10 @@ TEST(ModelFit, AnOffsetOddInTheRollingFitsBetterThanAConstantOne) {
   DOUBLES_EQUAL(kFittedToThesis.e_x, fitted->parameters[1].value, 0.001);
   DOUBLES_EQUAL(kFittedToThesis.offset_m, fitted->parameters[2].value, 0.00005);
   DOUBLES_EQUAL(kFittedToThesis.offset_reference_mps, fitted->parameters[3].value, 0.05);
-  DOUBLES_EQUAL(0.42, fitted->agreement.rms_vx_mps, 0.005);
-  DOUBLES_EQUAL(14.3, fitted->agreement.rms_omega_radps, 0.05);
-  LONGS_EQUAL(12, fitted->agreement.within_sd_vx);
-  LONGS_EQUAL(13, fitted->agreement.within_sd_omega);
+  DOUBLES_EQUAL(0.42, fitted->statistics.rms_vx_mps, 0.005);
+  DOUBLES_EQUAL(14.3, fitted->statistics.rms_omega_radps, 0.05);
+  LONGS_EQUAL(12, fitted->statistics.within_sd_vx);
+  LONGS_EQUAL(13, fitted->statistics.within_sd_omega);
 }
 
 TEST(ModelFit, BoundsAreKeptWhereTheTruthLiesBeyondThem) {
@@ -184,12 +184,12 @@ TEST(ModelFit, IdenticalShotsGiveAnSdOfZero) {
 
 TEST(ModelFit, RefusesMoreParametersThanNumbers) {
   const std::vector<Observation> one{conditions()[0]};
-  CHECK(error_of(one, default_options(ReboundModel::grip_offset)) == FitError::too_few_numbers);
+  CHECK(error_of(one, default_options(ReboundModel::grip_offset)) == FitError::underdetermined);
   FitOptions two = default_options(ReboundModel::grip);
-  CHECK(error_of(one, two) == FitError::too_few_numbers);  // none to spare for the level of the sd
+  CHECK(error_of(one, two) == FitError::underdetermined);  // none to spare for the level of the sd
   two.scale = CovarianceScale::stated;
   two.free[index(Parameter::alpha)] = true;
-  CHECK(error_of(one, two) == FitError::too_few_numbers);
+  CHECK(error_of(one, two) == FitError::underdetermined);
   CHECK(error_of({}, two) == FitError::no_observations);
 }
 
@@ -215,12 +215,12 @@ TEST(ModelFit, RefusesWhatIsNotANumberOrOutOfRange) {
   CHECK(error_of(with([&](auto& o) { o.touchdown.omega_radps = INFINITY; }), options) ==
         FitError::invalid_observation);
   CHECK(error_of(with([](auto& o) { o.e = 1.1; }), options) == FitError::invalid_observation);
-  CHECK(error_of(with([](auto& o) { o.lift_off_sd.vx_mps = -1.0; }), options) == FitError::sd_not_usable);
-  CHECK(error_of(with([&](auto& o) { o.e_sd = nan; }), options) == FitError::sd_not_usable);
+  CHECK(error_of(with([](auto& o) { o.lift_off_sd.vx_mps = -1.0; }), options) == FitError::invalid_sd);
+  CHECK(error_of(with([&](auto& o) { o.e_sd = nan; }), options) == FitError::invalid_sd);
   FitOptions by_sd = options;
   by_sd.weighting = Weighting::stated_sd;
   const auto weightless = with([](auto& o) { o.lift_off_sd.omega_radps = 0.0; });
-  CHECK(error_of(weightless, by_sd) == FitError::sd_not_usable);
+  CHECK(error_of(weightless, by_sd) == FitError::invalid_sd);
   CHECK(fit(weightless, options).has_value());
 
   FitOptions wrong = options;
@@ -279,5 +279,5 @@ TEST(ModelFit, ScoresLeaveOutWhatHasNoSd) {
   const auto fitted = fit(observations, default_options(ReboundModel::grip_offset));
   CHECK(!fitted->comparisons[0].z_vx.has_value());
   CHECK(!fitted->comparisons[0].z_omega_with_inputs.has_value());
-  CHECK(std::isfinite(fitted->agreement.rms_z_vx));
+  CHECK(std::isfinite(fitted->statistics.rms_z_vx));
 }

@@ -27,7 +27,7 @@ Sets judge_all(const FitOptions& options, Spread spread) {
   const auto fitted = fit(observations, options);
   Sets out;
   for (const Observation& o : observations) {
-    const auto j = judge_regime(o, options.model, *fitted, options.diameter_m);
+    const auto j = classify_regime(o, options.model, *fitted, options.diameter_m);
     const bool slides = j->predicted == Regime::slides;
     if (slides) out.predicted.insert(o.name);
     if (j->measured == Regime::slides) out.measured.insert(o.name);
@@ -79,7 +79,7 @@ TEST(Regimes, TheUncertaintiesAddUpAsTheFormulaSays) {
   o.e_sd = 0.02;
   const ParameterValues values{0.5, 0.1, 0.0, 2.5, 0.5};
   const ModelFit fitted = known(values, Parameter::mu, 0.03);
-  const auto j = judge_regime(o, ReboundModel::grip_offset, fitted, 0.0651);
+  const auto j = classify_regime(o, ReboundModel::grip_offset, fitted, 0.0651);
   DOUBLES_EQUAL(1.1 * 15.0 / 3.0, j->friction_needed_mps, 1e-12);
   DOUBLES_EQUAL(0.5 * 1.8 * 6.0, j->friction_available_mps, 1e-12);
   const double sd = std::sqrt(std::pow(1.1 / 3.0 * 0.3, 2) + std::pow(0.5 * 1.8 * 0.1, 2) +
@@ -99,7 +99,7 @@ TEST(Regimes, TheProbabilityIsTheShareOfDraws) {
   o.e = 0.8;
   o.e_sd = 0.03;
   const ParameterValues values{0.55, 0.1, 0.003, 2.5, 0.55};
-  const auto j = judge_regime(o, ReboundModel::grip_offset, known(values, Parameter::e_x, 0.03), 0.0651);
+  const auto j = classify_regime(o, ReboundModel::grip_offset, known(values, Parameter::e_x, 0.03), 0.0651);
   int slides = 0;
   constexpr int kDraws = 20000;
   for (int i = 0; i < kDraws; ++i) {
@@ -119,14 +119,31 @@ TEST(Regimes, WithoutAnyUncertaintyTheAnswerIsSure) {
   o.touchdown = {15.0, -2.0, 0.0};
   o.e = 0.8;
   const auto j =
-      judge_regime(o, ReboundModel::grip, known({0.5, 0.1, 0.0, 2.5, 0.5}, Parameter::mu, 0.0), 0.0651);
+      classify_regime(o, ReboundModel::grip, known({0.5, 0.1, 0.0, 2.5, 0.5}, Parameter::mu, 0.0), 0.0651);
   CHECK(std::isinf(j->z) && j->z > 0.0);
   DOUBLES_EQUAL(1.0, j->probability_slides, 0.0);
+}
+
+// Faster than rolling, the contact point slips backward: friction drives the ball forward, and it slides if it
+// still slips backward at lift-off.
+TEST(Regimes, ATopspinFasterThanRollingIsClassifiedByItsOwnDirection) {
+  Observation o;
+  o.touchdown = {5.0, -8.0, -400.0};
+  o.lift_off = {6.0, 6.0, -350.0};  // slip 6.0 - 11.4 m/s
+  o.lift_off_sd = {0.1, 0.1, 2.0};
+  o.e = 0.75;
+  const ModelFit fitted = known({0.07, 0.0, 0.0, 2.5, 0.55}, Parameter::mu, 0.0);
+  CHECK(classify_regime(o, ReboundModel::grip, fitted, 0.0651)->measured == Regime::slides);
+  o.lift_off = {7.9, 6.0, -242.0};  // rolls, and vx has changed by more than rolling needs
+  CHECK(classify_regime(o, ReboundModel::grip, fitted, 0.0651)->measured == Regime::grips);
+  o.lift_off = {7.7, 6.0, -242.0};  // less than rolling needs, but no slip beyond two sd
+  o.lift_off_sd.omega_radps = 10.0;
+  CHECK(classify_regime(o, ReboundModel::grip, fitted, 0.0651)->measured == Regime::unclear);
 }
 
 TEST(Regimes, RefusesWhatTheModelRefuses) {
   Observation o;
   o.touchdown = {15.0, 2.0, 0.0};
   const ModelFit fitted = known({0.5, 0.1, 0.0, 2.5, 0.5}, Parameter::mu, 0.0);
-  CHECK(judge_regime(o, ReboundModel::grip, fitted, 0.0651).error() == InputError::not_approaching);
+  CHECK(classify_regime(o, ReboundModel::grip, fitted, 0.0651).error() == InputError::not_approaching);
 }

@@ -114,6 +114,22 @@ TEST(RollingFriction, WithoutSpreadEveryConditionCountsAlike) {
   LONGS_EQUAL(0, summarize({}, 0.55).count);
 }
 
+TEST(RollingFriction, OfSeveralConditionsTheMeanIsWeightedByTheirVariances) {
+  std::vector<RollingFriction> two(2);
+  two[0].offset_m = 1e-3;
+  two[1].offset_m = 4e-3;
+  two[0].offset_sd_m = two[1].offset_sd_m = 0.5e-3;
+  const RollingFrictionSummary alike = summarize(two, 0.55);
+  DOUBLES_EQUAL(2.5e-3, alike.weighted_mean_m, 1e-15);
+  DOUBLES_EQUAL(0.5e-3 / std::sqrt(2.0), alike.weighted_mean_sd_m, 1e-15);
+  DOUBLES_EQUAL(3e-3 / std::sqrt(2.0), alike.scatter_m, 1e-15);  // n - 1
+  DOUBLES_EQUAL(18.0, alike.chi2_of_one_value, 1e-12);           // 2·(1.5/0.5)²
+  two[1].offset_sd_m = 1e-3;
+  const RollingFrictionSummary weighted = summarize(two, 0.55);
+  DOUBLES_EQUAL((4.0 * 1e-3 + 4e-3) / 5.0, weighted.weighted_mean_m, 1e-15);
+  DOUBLES_EQUAL(1e-3 / std::sqrt(5.0), weighted.weighted_mean_sd_m, 1e-15);
+}
+
 TEST(RollingFriction, RefusesWhatIsOutOfRange) {
   const auto error = [](const std::function<void(Observation&)>& change) {
     Observation o = conditions()[0];

@@ -3,8 +3,8 @@
 #include <array>
 
 #include "common/ball/ball.hpp"
-#include "common/contact/differentiation/analysis.hpp"
 #include "common/contact/integration/spin_pulse.hpp"
+#include "common/contact/standard_error.hpp"
 #include "common/flight/aerodynamics.hpp"
 #include "common/flight/parabola.hpp"
 #include "common/units/angles.hpp"
@@ -106,7 +106,7 @@ TEST(FlightExtremes, PulseCarriedThroughToSpin) {
     check_finite([&] {
       const auto pulse = contact::SpinPulse::make(in);
       if (!pulse) return true;
-      const contact::ContactState s = pulse->at_fraction(fraction);
+      const contact::SpinPulseState s = pulse->at_fraction(fraction);
       return finite(s.x_m, s.y_m, s.rotation_rad, s.vx_mps, s.vy_mps, s.omega_radps, s.slip_mps, s.fx_n,
                     s.fy_n);
     });
@@ -114,19 +114,20 @@ TEST(FlightExtremes, PulseCarriedThroughToSpin) {
 }
 
 TEST(FlightExtremes, ContactAnalysis) {
-  CHECK(rc::check("fit_fractions, estimate_error", [] {
-    contact::ContactSet set{.name = "any", .rows = {{0.0, 0.0, 0.0, 0.0}, {1.0, 1.0, 0.0, 1.0}}};
+  CHECK(rc::check("fit_fractions, pulse_standard_errors", [] {
+    data::ContactSet set{.name = "any", .rows = {{0.0, 0.0, 0.0, 0.0}, {1.0, 1.0, 0.0, 1.0}}};
     const int rows = *rc::gen::inRange(0, 8);
     for (int i = 0; i < rows; ++i)
       set.rows.push_back(
           {ordinary(-0.5, 1.5), large_or_small(0.0, 1.0), large_or_small(-1.0, 0.0), ordinary(-4.0, 4.0)});
-    const contact::Inputs in{hostile(-40.0, 40.0), hostile(-40.0, 0.0), hostile(0.0, 1.0), hostile(-2.0, 2.0),
-                             hostile(1e-6, 1.0),   hostile(1e-3, 0.2),  hostile(0.02, 0.2)};
+    const contact::ContactInputs in{hostile(-40.0, 40.0), hostile(-40.0, 0.0), hostile(0.0, 1.0),
+                                    hostile(-2.0, 2.0),   hostile(1e-6, 1.0),  hostile(1e-3, 0.2),
+                                    hostile(0.02, 0.2)};
     RC_PRE(std::abs(in.dwell_distance_m) < 1e31 || !finite(in.dwell_distance_m));
     RC_PRE(std::abs(in.diameter_m) < 1e31 || !finite(in.diameter_m));
     check_finite([&] {
-      const auto estimate = contact::estimate_error(set, in);
-      return !estimate || finite(estimate->see_x_m, estimate->see_y_m, estimate->damping_f);
+      const auto errors = contact::pulse_standard_errors(set, in);
+      return !errors || finite(errors->see_x_m, errors->see_y_m);
     });
     check_finite([&] {
       const auto fits = contact::fit_fractions(set);

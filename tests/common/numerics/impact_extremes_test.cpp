@@ -53,7 +53,7 @@ void check(Call&& call, IsFinite&& all_finite) {
 TEST_GROUP(ImpactExtremes){};
 
 TEST(ImpactExtremes, InOutModels) {
-  CHECK(rc::check("rigid, grip, slide, roll, choose", [] {
+  CHECK(rc::check("rigid, grip, slide, roll, slide_or_roll", [] {
     const ball::Ball ball = any_ball();
     const Motion m = any_touchdown();
     const Coefficients c = any_coefficients();
@@ -62,8 +62,8 @@ TEST(ImpactExtremes, InOutModels) {
     check([&] { return rigid(ball, m, c.e, c.mu); }, sound);
     check([&] { return slide(ball, m, c.e, c.mu); }, sound);
     check([&] { return roll(ball, m, c.e); }, sound);
-    check([&] { return choose(ball, m, c.e, c.mu); },
-          [](const Brody& b) { return is_finite(b.rebound) && finite(b.friction_needed); });
+    check([&] { return slide_or_roll(ball, m, c.e, c.mu); },
+          [](const SlideOrRoll& b) { return is_finite(b.rebound) && finite(b.rolling_impulse_ratio); });
   }));
 }
 
@@ -119,7 +119,7 @@ TEST(ImpactExtremes, PulseIntegrals) {
   CHECK(rc::check("pulse_integrals", [] {
     const double f = hostile(0.0, 10.0), theta = hostile(0.0, 3.1415);
     check([&] { return pulse_integrals(f, theta); },
-          [](const PulseIntegrals& i) { return finite(i.impulse, i.path, i.depth); });
+          [](const PulseIntegrals& i) { return finite(i.impulse, i.displacement, i.depth); });
   }));
   CHECK(pulse_integrals(10.1, 1.0).error() == InputError::phase_out_of_range);
   CHECK(pulse_integrals(-0.1, 1.0).error() == InputError::phase_out_of_range);
@@ -153,7 +153,7 @@ TEST(ImpactExtremes, IntegratedContact) {
           [](const ContactSummary& s) {
             return is_finite(s.lift_off) &&
                    finite(s.dwell_s, s.max_depth_m, s.max_force_n, s.dwell_distance_m, s.rotation_rad,
-                          s.slip_lo_mps, s.energy.lost_j());
+                          s.slip_lo_mps, s.energy.dissipated_j());
           });
   }));
 }

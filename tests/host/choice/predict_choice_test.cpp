@@ -39,7 +39,7 @@ std::vector<Row> rows() {
           row("grip", "", 0.001, 1e-9)};
 }
 
-MeasuredImpacts measured() { return impacts_of(rows(), {}); }
+MeasuredModels measured() { return measured_models(rows(), {}); }
 
 PredictInput thesis_input() {
   PredictInput in;
@@ -50,9 +50,9 @@ PredictInput thesis_input() {
 
 std::int64_t no_clock() { return 0; }
 
-Result<ImpactChoice> choose(const frontier::Demand& demand, const std::string& model = "",
+Result<ImpactChoice> choose(const frontier::Requirement& requirement, const std::string& model = "",
                             const PredictInput& in = thesis_input()) {
-  return choose_impact(measured(), demand, model, in, no_clock);
+  return choose_impact(measured(), requirement, model, in, no_clock);
 }
 
 /// The contact's mechanics to 1e-12, with the material that all models were given.
@@ -133,11 +133,11 @@ TEST(PredictChoice, LeavesTheCheckOutWhereTheDeadlineHasNoTimeForIt) {
 }
 
 TEST(PredictChoice, TakesTheCheckWhereItShowsMoreErrorThanAllowed) {
-  MeasuredImpacts optimistic{.rows = rows(), .ranges = {}};
-  optimistic.rows = impacts_of(optimistic.rows, {}).rows;
+  MeasuredModels optimistic{.rows = rows(), .ranges = {}};
+  optimistic.rows = measured_models(optimistic.rows, {}).rows;
   optimistic.rows[0].error = 1e-3;  // rigid is off by percents here
-  const frontier::Demand demand{.tolerance = 1e-2, .deadline_us = {}};
-  const auto choice = choose_impact(optimistic, demand, "", thesis_input(), no_clock);
+  const frontier::Requirement requirement{.tolerance = 1e-2, .deadline_us = {}};
+  const auto choice = choose_impact(optimistic, requirement, "", thesis_input(), no_clock);
   LONGS_EQUAL(1, choice->replaced.size());
   STRCMP_EQUAL("rigid", choice->replaced[0].row.method.c_str());
   CHECK(*choice->replaced[0].error_estimate > 1e-2);
@@ -146,7 +146,7 @@ TEST(PredictChoice, TakesTheCheckWhereItShowsMoreErrorThanAllowed) {
   // The one taken instead was checked in turn.
   CHECK(*choice->within_tolerance);
 
-  const auto restricted = choose_impact(optimistic, demand, "rigid", thesis_input(), no_clock);
+  const auto restricted = choose_impact(optimistic, requirement, "rigid", thesis_input(), no_clock);
   STRCMP_EQUAL("rigid", restricted->taken.row.method.c_str());
   CHECK(!*restricted->within_tolerance);
 }
@@ -169,7 +169,7 @@ TEST(PredictChoice, SaysWhatIsWrongWithTheImpact) {
 }
 
 TEST(PredictChoice, NamesWhatLiesOutsideOfWhatWasMeasured) {
-  MeasuredImpacts narrow = measured();
+  MeasuredModels narrow = measured();
   narrow.ranges = {{.study = "lift_off", .quantity = "e", .lowest = 0.5, .highest = 0.85},
                    {.study = "lift_off", .quantity = "v_td_mps", .lowest = 1.0, .highest = 60.0},
                    {.study = "lift_off", .quantity = "theta_in_deg", .lowest = 30.0, .highest = 85.0}};
@@ -181,45 +181,46 @@ TEST(PredictChoice, NamesWhatLiesOutsideOfWhatWasMeasured) {
 }
 
 TEST(PredictChoice, TakesNoSpinForOneBetweenThoseMeasured) {
-  MeasuredImpacts narrow = measured();
+  MeasuredModels narrow = measured();
   narrow.ranges = {{.study = "lift_off", .quantity = "spin_ratio", .lowest = 0.01, .highest = 0.9}};
   PredictInput in = thesis_input();
-  const frontier::Demand demand{.tolerance = 0.5, .deadline_us = {}};
+  const frontier::Requirement requirement{.tolerance = 0.5, .deadline_us = {}};
   in.touchdown.omega_radps = 0.0;
-  LONGS_EQUAL(0, choose_impact(narrow, demand, "", in, no_clock)->outside.size());
+  LONGS_EQUAL(0, choose_impact(narrow, requirement, "", in, no_clock)->outside.size());
   in.touchdown.omega_radps = 500.0;  // R omega is 16.3 m/s of 17
-  LONGS_EQUAL(1, choose_impact(narrow, demand, "", in, no_clock)->outside.size());
+  LONGS_EQUAL(1, choose_impact(narrow, requirement, "", in, no_clock)->outside.size());
 }
 
 TEST(PredictChoice, TakesAMirroredImpactForTheSame) {
-  MeasuredImpacts narrow = measured();
+  MeasuredModels narrow = measured();
   narrow.ranges = {{.study = "lift_off", .quantity = "omega_radps", .lowest = 0.0, .highest = 10.0}};
   PredictInput left = thesis_input();
   left.touchdown.vx_mps = -left.touchdown.vx_mps;
   left.touchdown.omega_radps = -left.touchdown.omega_radps;
-  const frontier::Demand demand{.tolerance = 0.5, .deadline_us = {}};
-  LONGS_EQUAL(0, choose_impact(narrow, demand, "", thesis_input(), no_clock)->outside.size());
-  LONGS_EQUAL(0, choose_impact(narrow, demand, "", left, no_clock)->outside.size());
+  const frontier::Requirement requirement{.tolerance = 0.5, .deadline_us = {}};
+  LONGS_EQUAL(0, choose_impact(narrow, requirement, "", thesis_input(), no_clock)->outside.size());
+  LONGS_EQUAL(0, choose_impact(narrow, requirement, "", left, no_clock)->outside.size());
 }
 
 // The rows' errors are far above the integrations' own, so that what they promise holds; a check that says
-// "within" must then be right against an integration to 1e-12, and no demand may be overrun.
+// "within" must then be right against an integration to 1e-12, and no requirement may be overrun.
 TEST(PredictChoice, OnAnyImpactKeepsTheDeadlineAndNeverCallsAnErrorWithinThatIsNot) {
   constexpr std::uint64_t kSeed = 11;
   Draw draw{std::mt19937_64(kSeed)};
   int checked = 0;
   for (int i = 0; i < 300; ++i) {
     const PredictInput in = draw.impact();
-    frontier::Demand demand{.tolerance = std::pow(10.0, draw.between(-7.0, -0.1)), .deadline_us = {}};
-    if (i % 3 == 0) demand.deadline_us = draw.between(1.0, 150.0);
-    const auto choice = choose(demand, "", in);
+    frontier::Requirement requirement{.tolerance = std::pow(10.0, draw.between(-7.0, -0.1)),
+                                      .deadline_us = {}};
+    if (i % 3 == 0) requirement.deadline_us = draw.between(1.0, 150.0);
+    const auto choice = choose(requirement, "", in);
     if (!choice) continue;
-    CHECK(choice->taken.row.error <= *demand.tolerance);
-    if (demand.deadline_us) CHECK(choice->expected_cost_us <= *demand.deadline_us);
+    CHECK(choice->taken.row.error <= *requirement.tolerance);
+    if (requirement.deadline_us) CHECK(choice->expected_cost_us <= *requirement.deadline_us);
     if (!choice->within_tolerance) continue;
     ++checked;
     CHECK(*choice->within_tolerance);
-    CHECK_TEXT(error_of(*choice) <= *demand.tolerance, choice->taken.row.method.c_str());
+    CHECK_TEXT(error_of(*choice) <= *requirement.tolerance, choice->taken.row.method.c_str());
   }
   CHECK(checked > 100);
 }

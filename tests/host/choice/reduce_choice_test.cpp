@@ -47,15 +47,16 @@ test::Setup of_sd(double sd_m, bool stated = true) {
 
 std::int64_t standing_clock() { return 0; }
 
-Result<EstimatorChooser> chooser(frontier::Demand demand, std::string estimator = "",
+Result<EstimatorChooser> chooser(frontier::Requirement requirement, std::string estimator = "",
                                  std::string flight = "") {
   return EstimatorChooser::make(
-      reduce_rows(), {}, {.demand = demand, .estimator = std::move(estimator), .flight = std::move(flight)},
+      reduce_rows(), {},
+      {.requirement = requirement, .estimator = std::move(estimator), .flight = std::move(flight)},
       standing_clock);
 }
 
-ChosenReadout reduced(frontier::Demand demand, const reduction::Frame& of) {
-  return chooser(demand).value().reduce(of).value();
+ChosenReadout reduced(frontier::Requirement requirement, const reduction::Frame& of) {
+  return chooser(requirement).value().reduce(of).value();
 }
 
 }  // namespace
@@ -87,9 +88,9 @@ TEST(ReduceChoice, TakesABiasThatNoiseHidesForWhatItIsWithoutNoise) {
   biased.push_back(row("reduce", "best", "effects=gravity", 7.0, 0.03));
   biased.push_back(row("reduce_fine", "best", "effects=gravity", 7.0, 0.01));
   const auto own = [&](double tolerance) {
-    const EstimatorDemand demand{
-        .demand = {.tolerance = tolerance, .deadline_us = {}}, .estimator = "best", .flight = ""};
-    return EstimatorChooser::make(biased, {}, demand, standing_clock)->reduce(frame())->choice.row;
+    const EstimatorRequirement requirement{
+        .requirement = {.tolerance = tolerance, .deadline_us = {}}, .estimator = "best", .flight = ""};
+    return EstimatorChooser::make(biased, {}, requirement, standing_clock)->reduce(frame())->choice.row;
   };
   STRCMP_EQUAL("effects=gravity", own(0.0081).parameter.c_str());
   DOUBLES_EQUAL(0.008, own(0.0081).error, 1e-15);
@@ -153,8 +154,8 @@ TEST(ReduceChoice, NamesWhatLiesOutsideOfWhatWasMeasured) {
   const std::vector<frontier::Range> ranges{{"reduce", "images_per_leg", 3.0, 4.0},
                                             {"reduce", "v_td_mps", 10.0, 30.0}};
   const auto narrow = EstimatorChooser::make(
-      reduce_rows(), ranges, {.demand = {.tolerance = 0.9, .deadline_us = {}}, .estimator = "", .flight = ""},
-      standing_clock);
+      reduce_rows(), ranges,
+      {.requirement = {.tolerance = 0.9, .deadline_us = {}}, .estimator = "", .flight = ""}, standing_clock);
   const auto chosen = narrow->reduce(frame());
   LONGS_EQUAL(1, chosen->choice.outside.size());
   STRCMP_EQUAL("images_per_leg", chosen->choice.outside[0].c_str());
@@ -163,9 +164,9 @@ TEST(ReduceChoice, NamesWhatLiesOutsideOfWhatWasMeasured) {
 TEST(ReduceChoice, ReckonsWithMoreImagesThanWereMeasured) {
   const std::vector<frontier::Range> ranges{{"reduce", "images_per_leg", 4.0, 4.0}};
   const auto best_in = [&](double deadline_us) {
-    const EstimatorDemand demand{
-        .demand = {.tolerance = 0.001, .deadline_us = deadline_us}, .estimator = "", .flight = ""};
-    return EstimatorChooser::make(reduce_rows(), ranges, demand, standing_clock)->reduce(frame());
+    const EstimatorRequirement requirement{
+        .requirement = {.tolerance = 0.001, .deadline_us = deadline_us}, .estimator = "", .flight = ""};
+    return EstimatorChooser::make(reduce_rows(), ranges, requirement, standing_clock)->reduce(frame());
   };
   // The best takes 8 us with four images a leg, thus 10 us with five.
   CHECK(!best_in(9.9));

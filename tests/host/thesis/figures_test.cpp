@@ -13,15 +13,15 @@
 
 using namespace strobe;
 using namespace strobe::report;
+using strobe::testing::loaded_thesis;
 using strobe::testing::read_text;
 using strobe::testing::TemporaryFolder;
-using strobe::testing::thesis_material;
 namespace fs = std::filesystem;
 
 namespace {
 
 std::vector<Figure> figures_of(const std::vector<std::string>& sets) {
-  const auto all = figures(thesis_material(thesis::Version::corrected), sets);
+  const auto all = figures(loaded_thesis(thesis::Version::corrected), sets);
   CHECK_TEXT(all.has_value(), all ? "" : all.error().message.c_str());
   return *all;
 }
@@ -75,7 +75,7 @@ TEST(ThesisFigures, HaveUnitsAndFiniteValuesWithinTheirBands) {
 }
 
 TEST(ThesisFigures, CanBeHadOfEverySet) {
-  for (const auto& c : thesis_material(thesis::Version::corrected).used.conditions) {
+  for (const auto& c : loaded_thesis(thesis::Version::corrected).used.conditions) {
     const std::vector<Figure> all = figures_of({c.name()});
     LONGS_EQUAL(kLastFigure - kFirstFigure + 1, all.size());
     for (const Figure& figure : all) check_whole(figure);
@@ -98,7 +98,7 @@ TEST(ThesisFigures, ShowMeasuredValuesAsPointsAndComputedOnesAsLines) {
 
 // The integrated distance of the thesis's form ends at (vx_TD - mu |vy_TD|) dwell.
 TEST(ThesisFigures, DrawTheDistanceThatTheClosedFormGives) {
-  const auto& c = *thesis_material(thesis::Version::corrected).used.condition("zero_23");
+  const auto& c = *loaded_thesis(thesis::Version::corrected).used.condition("zero_23");
   const double expected_cm =
       1e2 * (c.vx_td_mps.mean + c.mu.mean * c.vy_td_mps.mean) * c.dwell_time_ms.mean / 1e3;
   int drawn = 0;

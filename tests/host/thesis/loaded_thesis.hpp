@@ -1,4 +1,4 @@
-// The thesis's material, loaded once for the tests.
+// The thesis's inputs, loaded once for the tests.
 #pragma once
 
 #include <stdexcept>
@@ -7,15 +7,15 @@
 
 namespace strobe::testing {
 
-inline report::Material load_thesis(thesis::Version version, const std::string& set = {}) {
-  auto material = report::load_material(STROBE_THESIS_FOLDER, version, set);
-  if (!material) throw std::runtime_error(material.error().message);
-  return *std::move(material);
+inline report::ThesisInputs load_thesis(thesis::Version version, const std::string& set = {}) {
+  auto inputs = report::load_inputs(STROBE_THESIS_FOLDER, version, set);
+  if (!inputs) throw std::runtime_error(inputs.error().message);
+  return *std::move(inputs);
 }
 
-inline const report::Material& thesis_material(thesis::Version version) {
-  static const report::Material printed = load_thesis(thesis::Version::as_printed);
-  static const report::Material corrected = load_thesis(thesis::Version::corrected);
+inline const report::ThesisInputs& loaded_thesis(thesis::Version version) {
+  static const report::ThesisInputs printed = load_thesis(thesis::Version::as_printed);
+  static const report::ThesisInputs corrected = load_thesis(thesis::Version::corrected);
   return version == thesis::Version::as_printed ? printed : corrected;
 }
 

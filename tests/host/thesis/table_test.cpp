@@ -11,8 +11,8 @@ using namespace strobe::report;
 
 namespace {
 
-Reason reason_of(double printed, double computed, const Allowance& allowance = {}) {
-  return compared({printed, 0.01, {}}, computed, allowance).reason;
+Reason reason_of(double printed, double computed, const Tolerance& tolerance = {}) {
+  return compared({printed, 0.01, {}}, computed, tolerance).reason;
 }
 
 void check_reason(Reason expected, Reason actual) {
@@ -45,11 +45,11 @@ TEST(ThesisTable, ValuesThatRoundToThePrintedOneAgree) {
 }
 
 TEST(ThesisTable, RoundingExplainsBeforeTheSecondOrderDoes) {
-  const Allowance allowance{0.01, 0.1};
-  check_reason(Reason::rounding, reason_of(1.0, 1.0149, allowance));
-  check_reason(Reason::mean_of_function, reason_of(1.0, 1.0151, allowance));
-  check_reason(Reason::mean_of_function, reason_of(1.0, 0.8851, allowance));
-  check_reason(Reason::unexplained, reason_of(1.0, 1.1151, allowance));
+  const Tolerance tolerance{0.01, 0.1};
+  check_reason(Reason::rounding, reason_of(1.0, 1.0149, tolerance));
+  check_reason(Reason::mean_of_function, reason_of(1.0, 1.0151, tolerance));
+  check_reason(Reason::mean_of_function, reason_of(1.0, 0.8851, tolerance));
+  check_reason(Reason::unexplained, reason_of(1.0, 1.1151, tolerance));
 }
 
 TEST(ThesisTable, OnlyLargerThanRoundingCountsAsADifference) {

@@ -18,7 +18,7 @@
 using namespace strobe;
 using namespace strobe::report;
 using strobe::testing::load_thesis;
-using strobe::testing::thesis_material;
+using strobe::testing::loaded_thesis;
 using thesis::Version;
 
 namespace {
@@ -26,7 +26,7 @@ namespace {
 const std::vector<Table>& tables(Version version) {
   const auto make = [](Version v) {
     std::vector<Table> out;
-    for (const TableEntry& entry : catalogue()) out.push_back(entry.make(thesis_material(v)));
+    for (const TableEntry& entry : all_tables()) out.push_back(entry.make(loaded_thesis(v)));
     return out;
   };
   static const std::vector<Table> printed = make(Version::as_printed);
@@ -66,7 +66,7 @@ TEST_GROUP(ThesisTables){};
 
 TEST(ThesisTables, AreAllThereWithDistinctIds) {
   std::set<std::string> seen;
-  for (const TableEntry& entry : catalogue()) CHECK_TEXT(seen.insert(entry.id).second, entry.id.c_str());
+  for (const TableEntry& entry : all_tables()) CHECK_TEXT(seen.insert(entry.id).second, entry.id.c_str());
   for (int number = 2; number <= 17; ++number) CHECK(seen.count(std::to_string(number)) == 1);
   for (const Table& table : tables(Version::corrected)) CHECK_TEXT(!table.rows.empty(), table.id.c_str());
 }
@@ -116,7 +116,7 @@ TEST(ThesisTables, ShowEveryPrintedMeanAndSdOfTables2To10) {
 }
 
 TEST(ThesisTables, ShowEveryOtherPrintedValueAtHand) {
-  for (const thesis::PrintedValue& value : thesis_material(Version::corrected).values) {
+  for (const thesis::PrintedValue& value : loaded_thesis(Version::corrected).values) {
     const Table& table = table_of(value.table == "freund" ? "stiffness" : value.table);
     bool found = false;
     for (const Row& row : table.rows)
@@ -148,7 +148,7 @@ TEST(ThesisTables, FindTheKnownMisprints) {
 }
 
 TEST(ThesisTables, WithoutCorrectionsComputeFromWhatIsPrinted) {
-  const Material& printed = thesis_material(Version::as_printed);
+  const ThesisInputs& printed = loaded_thesis(Version::as_printed);
   const Table table = system_table(printed, 8, "zero");
   const Cell* distance = cell_of(table, "zero_68", "dwell_distance_cm");
   CHECK_FALSE(distance->computed.has_value());
@@ -156,7 +156,7 @@ TEST(ThesisTables, WithoutCorrectionsComputeFromWhatIsPrinted) {
 }
 
 TEST(ThesisTables, OfOneSetHaveItsRowsOnly) {
-  const Material one = load_thesis(Version::corrected, "back_40");
+  const ThesisInputs one = load_thesis(Version::corrected, "back_40");
   CHECK(incoming_table(one, 2, "zero").rows.empty());
   LONGS_EQUAL(1, incoming_table(one, 4, "back").rows.size());
   STRCMP_EQUAL("back_40", see_table(one).rows.at(0).label.c_str());
@@ -165,17 +165,17 @@ TEST(ThesisTables, OfOneSetHaveItsRowsOnly) {
 }
 
 TEST(ThesisTables, ForetellImagesThatLieOnThePulseByThePulse) {
-  Material one = load_thesis(Version::corrected, "top_34");
+  ThesisInputs one = load_thesis(Version::corrected, "top_34");
   const thesis::Condition& c = *one.used.condition("top_34");
-  const contact::Scale scale = scale_of(one, c);
+  const contact::ContactScale scale = contact_scale(one, c);
   const auto pulse = contact::SpinPulse::make(contact::spin_pulse_input(c, impact::PulseForm::exact));
-  for (contact::ContactRow& row : one.used.contact.at("top_34").rows) {
+  for (data::ContactRow& row : one.used.contact.at("top_34").rows) {
     const auto at = contact::trajectory_of(*pulse)(row.time_fraction);
     row.x_fraction = at.x_m / scale.dwell_distance_m;
     row.y_fraction = at.y_m / scale.diameter_m;
     row.rotation_fraction = at.rotation_rad / scale.total_rotation_rad;
   }
-  const Table table = foretell_table(one);
+  const Table table = cross_validation_table(one);
   LONGS_EQUAL(1, table.rows.size());
   for (const char* quantity : {"x_pulse_mm", "y_pulse_mm", "rotation_pulse_deg"})
     DOUBLES_EQUAL(0.0, *cell_of(table, "top_34", quantity)->computed, 1e-10);
@@ -184,14 +184,14 @@ TEST(ThesisTables, ForetellImagesThatLieOnThePulseByThePulse) {
 }
 
 TEST(ThesisTables, ForetellImagesThatLieOnCubicsByTheCubics) {
-  Material one = load_thesis(Version::corrected, "top_34");
-  for (contact::ContactRow& row : one.used.contact.at("top_34").rows) {
+  ThesisInputs one = load_thesis(Version::corrected, "top_34");
+  for (data::ContactRow& row : one.used.contact.at("top_34").rows) {
     const double t = row.time_fraction;
     row.x_fraction = t * (1.5 + t * (-0.7 + 0.2 * t));
     row.y_fraction = -t * (1.0 - t) * (0.8 + 0.3 * t);
     row.rotation_fraction = t * t * (2.5 - 1.5 * t);
   }
-  const Table table = foretell_table(one);
+  const Table table = cross_validation_table(one);
   for (const char* quantity : {"x_cubic_mm", "y_cubic_mm", "rotation_cubic_deg"})
     DOUBLES_EQUAL(0.0, *cell_of(table, "top_34", quantity)->computed, 1e-9);
   for (const char* quantity : {"x_pulse_mm", "y_pulse_mm", "rotation_pulse_deg"})
@@ -200,7 +200,7 @@ TEST(ThesisTables, ForetellImagesThatLieOnCubicsByTheCubics) {
 
 // The CSV files hold 270 images between touchdown and lift-off; the corrections leave out six of them.
 TEST(ThesisTables, ForetellEveryImageOfEverySet) {
-  const Table& table = table_of("foretell");
+  const Table& table = table_of("cross_validation");
   LONGS_EQUAL(22, table.rows.size());
   DOUBLES_EQUAL(264.0, *cell_of(table, "all sets", "n")->computed, 0.0);
   for (const Row& row : table.rows)
@@ -209,8 +209,8 @@ TEST(ThesisTables, ForetellEveryImageOfEverySet) {
 }
 
 TEST(ThesisTables, RefuseASetThatTheThesisDoesNotHave) {
-  const auto material = load_material(STROBE_THESIS_FOLDER, Version::corrected, "zero_24");
-  STRCMP_EQUAL("no set zero_24; the thesis has zero_17 to back_68", material.error().message.c_str());
+  const auto inputs = load_inputs(STROBE_THESIS_FOLDER, Version::corrected, "zero_24");
+  STRCMP_EQUAL("no set zero_24; the thesis has zero_17 to back_68", inputs.error().message.c_str());
 }
 
 TEST(ThesisTables, AreJsonAndTextThroughout) {

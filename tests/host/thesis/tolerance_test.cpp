@@ -62,16 +62,16 @@ TEST(ThesisAllowance, BoundsTheMeanAngleAndSpeedOfAnyReplicates) {
     const double spread = uniform(0.0, 0.5);
     const Replicates x = replicates(vx, spread);
     const Replicates y = replicates(vy, spread);
-    const Derived angle = angle_deg(statistics(x), statistics(y));
-    const Derived v = speed(statistics(x), statistics(y));
+    const DerivedValue angle = angle_deg(statistics(x), statistics(y));
+    const DerivedValue v = speed(statistics(x), statistics(y));
     const auto at = [](int i) { return static_cast<std::size_t>(i); };
     const double mean_angle = mean_of([&](int i) { return degrees(std::atan2(y[at(i)], x[at(i)])); });
     const double mean_speed = mean_of([&](int i) { return std::hypot(x[at(i)], y[at(i)]); });
     const double relative = spread / v.value;
     RC_ASSERT(std::abs(mean_angle - angle.value) <=
-              degrees(with_third_order(radians(angle.allowance.second_order), relative)) + 1e-12);
+              degrees(with_third_order(radians(angle.tolerance.second_order), relative)) + 1e-12);
     RC_ASSERT(std::abs(mean_speed - v.value) <=
-              v.value * with_third_order(v.allowance.second_order / v.value, relative) + 1e-12);
+              v.value * with_third_order(v.tolerance.second_order / v.value, relative) + 1e-12);
   }));
 }
 
@@ -83,11 +83,11 @@ TEST(ThesisAllowance, BoundsTheMeanRestitutionOfAnyReplicates) {
     thesis::Condition c;
     c.vy_td_mps = statistics(down);
     c.vy_lo_mps = statistics(up);
-    const Derived e = restitution(c);
+    const DerivedValue e = restitution(c);
     const double mean =
         mean_of([&](int i) { return -up[static_cast<std::size_t>(i)] / down[static_cast<std::size_t>(i)]; });
     const double relative = spread / std::min(-c.vy_td_mps.mean, c.vy_lo_mps.mean);
-    RC_ASSERT(std::abs(mean - e.value) <= with_third_order(e.allowance.second_order, relative) + 1e-12);
+    RC_ASSERT(std::abs(mean - e.value) <= with_third_order(e.tolerance.second_order, relative) + 1e-12);
   }));
 }
 
@@ -113,8 +113,8 @@ TEST(ThesisAllowance, RoundingIsTheMostThatHalfADigitOfEachInputDoes) {
     const double angle = degrees(std::atan2(moved.vy_td_mps.mean, moved.vx_td_mps.mean));
     most_angle = std::max(most_angle, std::abs(angle - angle_deg(c.vx_td_mps, c.vy_td_mps).value));
   }
-  DOUBLES_EQUAL(most_mu, impulse_ratio(c).allowance.rounding, 0.002 * most_mu);
-  DOUBLES_EQUAL(most_angle, angle_deg(c.vx_td_mps, c.vy_td_mps).allowance.rounding, 0.002 * most_angle);
+  DOUBLES_EQUAL(most_mu, impulse_ratio(c).tolerance.rounding, 0.002 * most_mu);
+  DOUBLES_EQUAL(most_angle, angle_deg(c.vx_td_mps, c.vy_td_mps).tolerance.rounding, 0.002 * most_angle);
 }
 
 TEST(ThesisAllowance, TheAnglesSpreadFollowsFromThoseOfComponentsAndSpeed) {
@@ -128,11 +128,11 @@ TEST(ThesisAllowance, TheAnglesSpreadFollowsFromThoseOfComponentsAndSpeed) {
       angle[i] = degrees(std::atan2(y[i], x[i]));
       v[i] = std::hypot(x[i], y[i]);
     }
-    const Derived sd = angle_sd_deg(statistics(x), statistics(y), statistics(v));
+    const DerivedValue sd = angle_sd_deg(statistics(x), statistics(y), statistics(v));
     // Next order, which the bound gives as a share of the value: relative spread squared. Where nearly all of
     // the spread is in the speed, the difference of squares keeps less: a share of the spread itself.
     const double relative = spread / statistics(v).mean;
-    const double slack = sd.allowance.second_order + 2.0 * degrees(relative) * relative;
+    const double slack = sd.tolerance.second_order + 2.0 * degrees(relative) * relative;
     DOUBLES_EQUAL(statistics(angle).sd, sd.value, slack + 1e-9);
   }));
 }

@@ -1,12 +1,12 @@
 // The rig's contact is the ODE, the analysis's is the damped sine: what images taken in contact show of their
-// difference. A photograph's images, digitized with noise, are scored by the analysis of `strobe contact`;
+// difference. A photograph's images, digitized with noise, are compared by the analysis of `strobe contact`;
 // the difference that they should show is computed by neither of the two (independent_contact.hpp).
 #include <array>
 #include <cmath>
 #include <cstdio>
 #include <vector>
 
-#include "common/contact/integration/integration.hpp"
+#include "common/contact/standard_error.hpp"
 #include "sim/rig/truth.hpp"
 #include "sim/shoot/shoot.hpp"
 #include "tests/sim/truth/independent_contact.hpp"
@@ -83,17 +83,18 @@ impact::SinePulse assumed(const Photographed& p) {
                                                              .dwell_s = p.dwell_s});
 }
 
-contact::Score scored(const Photographed& p, const contact::Trajectory& motion, const Scene& scene) {
-  contact::ContactSet set{.name = "photographed", .rows = {}};
+contact::StandardErrors errors_of(const Photographed& p, const contact::Trajectory& motion,
+                                  const Scene& scene) {
+  data::ContactSet set{.name = "photographed", .rows = {}};
   const double distance_m = *p.truth[Quantity::dwell_distance_cm] / 100.0;
   for (const Seen& s : p.seen)
     set.rows.push_back(
         {s.time_s / p.dwell_s, s.x_m / distance_m, s.y_m / scene.ball.diameter_m, std::nullopt});
-  const auto score = contact::score(
+  const auto errors = contact::standard_errors(
       set, motion,
       {.dwell_distance_m = distance_m, .diameter_m = scene.ball.diameter_m, .total_rotation_rad = {}});
-  CHECK(score.has_value());
-  return *score;
+  CHECK(errors.has_value());
+  return *errors;
 }
 
 /// Where the ball should have been.
@@ -174,14 +175,14 @@ TEST(ContactResiduals, TheStandardErrorOfEstimateIsTheMechanicsDifferenceAndTheN
   });
   CHECK(difference.x > 3.0 * kNoise_m);
   CHECK(difference.y > 1.5 * kNoise_m);
-  const contact::Score score = scored(p, sine, scene);
+  const contact::StandardErrors errors = errors_of(p, sine, scene);
   // The noise adds 2·difference·noise·normal to each square besides its own: both scatters below.
   const auto check = [&](double see, double apart) {
     const double both = std::hypot(apart, kNoise_m);
     DOUBLES_EQUAL(both, see, tolerance(p.seen.size()) * std::sqrt(2.0) * kNoise_m);
   };
-  check(score.see_x_m, difference.x);
-  check(score.see_y_m, difference.y);
+  check(errors.see_x_m, difference.x);
+  check(errors.see_y_m, difference.y);
 }
 
 // Not only as large but of the same course: bin by bin the mean residual is the mean difference.
@@ -232,7 +233,7 @@ TEST(ContactResiduals, WithTheSineInTheRigTheyAreTheNoise) {
     return contact::TrajectoryPoint{s.x_m + free_s * *p.truth[Quantity::vx_lo_mps],
                                     s.y_m + free_s * *p.truth[Quantity::vy_lo_mps], 0.0};
   };
-  const contact::Score score = scored(p, motion, scene);
-  DOUBLES_EQUAL(kNoise_m, score.see_x_m, (tolerance(p.seen.size()) + 0.02) * kNoise_m);
-  DOUBLES_EQUAL(kNoise_m, score.see_y_m, (tolerance(p.seen.size()) + 0.02) * kNoise_m);
+  const contact::StandardErrors errors = errors_of(p, motion, scene);
+  DOUBLES_EQUAL(kNoise_m, errors.see_x_m, (tolerance(p.seen.size()) + 0.02) * kNoise_m);
+  DOUBLES_EQUAL(kNoise_m, errors.see_y_m, (tolerance(p.seen.size()) + 0.02) * kNoise_m);
 }

@@ -27,7 +27,7 @@ reduction::Quantities quantities_of(const impact::Motion& touchdown, const impac
   return q;
 }
 
-std::vector<Cell> cells_of(const thesis::Condition& c, const reduction::Quantities& foretold,
+std::vector<Cell> cells_of(const thesis::Condition& c, const reduction::Quantities& predicted,
                            Vertical vertical) {
   struct Published {
     Quantity quantity;
@@ -45,8 +45,8 @@ std::vector<Cell> cells_of(const thesis::Condition& c, const reduction::Quantiti
                                             {Quantity::dwell_distance_cm, c.dwell_distance_cm, false}}};
   std::vector<Cell> cells;
   for (const Published& p : published) {
-    if (!foretold[p.quantity]) continue;
-    cells.push_back({c.name(), p.quantity, *foretold[p.quantity], p.number.mean, p.number.sd,
+    if (!predicted[p.quantity]) continue;
+    cells.push_back({c.name(), p.quantity, *predicted[p.quantity], p.number.mean, p.number.sd,
                      p.vertical && vertical == Vertical::measured});
   }
   return cells;

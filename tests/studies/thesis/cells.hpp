@@ -1,4 +1,4 @@
-// Foretold numbers against Tables 5 to 10, cell by cell: z = (foretold - published mean)/published sd.
+// Predicted numbers against Tables 5 to 10, cell by cell: z = (predicted - published mean)/published sd.
 #pragma once
 
 #include <cmath>
@@ -7,31 +7,31 @@
 #include <vector>
 
 #include "common/reduction/readout.hpp"
-#include "tests/studies/thesis/forecast.hpp"
+#include "tests/studies/thesis/prediction.hpp"
 
 namespace strobe::studies {
 
 struct Cell {
   std::string condition;
   reduction::Quantity quantity = reduction::Quantity::vx_lo_mps;
-  double foretold = 0.0;
+  double predicted = 0.0;
   double published = 0.0;
   double published_sd = 0.0;
-  /// An input, or what follows from inputs alone (with measured e: vy at lift-off): its z is none of the
-  /// model's merit.
+  /// An input, or a value that follows from inputs alone (with measured e: vy at lift-off): its z does not
+  /// rate the model.
   bool input = false;
-  double z() const { return (foretold - published) / published_sd; }
+  double z() const { return (predicted - published) / published_sd; }
 };
 
-/// The lift-off's velocities and spin, by which a forecast is judged.
+/// The lift-off's velocities and spin, by which a prediction is rated.
 bool is_lift_off_motion(reduction::Quantity quantity);
 
-/// What a perfect readout of a contact shows.
+/// The quantities of an error-free readout.
 reduction::Quantities quantities_of(const impact::Motion& touchdown, const impact::Motion& lift_off,
                                     double dwell_s, double dwell_distance_m);
 
 /// One cell for each published number of the condition that is among the quantities.
-std::vector<Cell> cells_of(const thesis::Condition& condition, const reduction::Quantities& foretold,
+std::vector<Cell> cells_of(const thesis::Condition& condition, const reduction::Quantities& predicted,
                            Vertical vertical);
 
 struct Tally {

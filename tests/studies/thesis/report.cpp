@@ -49,13 +49,14 @@ double pooled_sd(std::span<const Cell> cells, Quantity quantity) {
   return std::sqrt(squares / n);
 }
 
-const Told& told_of(const Forecasts& forecasts, const std::string& condition) {
-  return *std::ranges::find(forecasts.told, condition, [](const Told& t) { return t.condition->name(); });
+const PredictedCondition& predicted_condition(const Predictions& predictions, const std::string& condition) {
+  return *std::ranges::find(predictions.conditions, condition,
+                            [](const PredictedCondition& t) { return t.condition->name(); });
 }
 
 }  // namespace
 
-std::string constants_table(const Forecasts& f) {
+std::string constants_table(const Predictions& f) {
   std::string text = fmt::format("{:<14} {:>6} {:>7} {:>7} {:>7} {:>6} {:>7} {:>6}   {}\n", "fitted without",
                                  "mu", "k_t/k", "c_t", "offset", "alpha", "w0 m/s", "chi2",
                                  "e and dwell time of the kept spins' regressions");
@@ -84,7 +85,7 @@ std::string condition_table(std::span<const Cell> cells) {
       const auto found =
           std::find_if(cell, end, [&](const Cell& c) { return c.quantity == column.quantity; });
       text += found == end ? fmt::format(" {:>14}", "-")
-                           : fmt::format(" {:>8.{}f} {:>5}", found->foretold, column.decimals,
+                           : fmt::format(" {:>8.{}f} {:>5}", found->predicted, column.decimals,
                                          found->input ? "input" : fmt::format("{:+.1f}", found->z()));
     }
     text += "\n";
@@ -105,19 +106,19 @@ std::string summary_line(const std::string& name, std::span<const Cell> cells) {
                      figures(tally(cells, [](const Cell& c) { return !c.input; })));
 }
 
-std::string beyond_3(const Forecasts& forecasts) {
+std::string beyond_3(const Predictions& predictions) {
   std::string text;
-  for (const Cell& cell : forecasts.cells) {
+  for (const Cell& cell : predictions.cells) {
     if (cell.input || std::abs(cell.z()) <= 3.0) continue;
-    const Told& told = told_of(forecasts, cell.condition);
-    const double pooled = pooled_sd(forecasts.cells, cell.quantity);
+    const PredictedCondition& predicted = predicted_condition(predictions, cell.condition);
+    const double pooled = pooled_sd(predictions.cells, cell.quantity);
     text +=
         fmt::format("{} {}: {:.4g} for {:.4g} ± {:.3g}, z {:+.1f}; by the sets' common sd of {:.3g} {:+.1f}",
-                    cell.condition, name(cell.quantity), cell.foretold, cell.published, cell.published_sd,
+                    cell.condition, name(cell.quantity), cell.predicted, cell.published, cell.published_sd,
                     cell.z(), pooled, cell.z() * cell.published_sd / pooled);
     if (is_tangential(cell)) {
       const bool vx = cell.quantity == Quantity::vx_lo_mps;
-      const double spread = vx ? told.spread.vx_mps : told.spread.omega_radps;
+      const double spread = vx ? predicted.spread.vx_mps : predicted.spread.omega_radps;
       text += fmt::format("; with the published sd of what went in ({:.3g}) {:+.1f}", spread,
                           cell.z() * cell.published_sd / std::hypot(cell.published_sd, spread));
     }
@@ -132,7 +133,7 @@ std::string json_lines(const std::string& name, std::span<const Cell> cells) {
     text += nlohmann::json{{"way", name},
                            {"condition", cell.condition},
                            {"quantity", std::string(reduction::name(cell.quantity))},
-                           {"foretold", cell.foretold},
+                           {"predicted", cell.predicted},
                            {"published", cell.published},
                            {"published_sd", cell.published_sd},
                            {"input", cell.input},
@@ -143,13 +144,13 @@ std::string json_lines(const std::string& name, std::span<const Cell> cells) {
   return text;
 }
 
-std::string csv_header() { return "way,condition,quantity,foretold,published,published_sd,input,z\n"; }
+std::string csv_header() { return "way,condition,quantity,predicted,published,published_sd,input,z\n"; }
 
 std::string csv_lines(const std::string& name, std::span<const Cell> cells) {
   std::string text;
   for (const Cell& cell : cells)
     text += fmt::format("\"{}\",{},{},{},{},{},{},{}\n", name, cell.condition, reduction::name(cell.quantity),
-                        cell.foretold, cell.published, cell.published_sd, cell.input ? 1 : 0, cell.z());
+                        cell.predicted, cell.published, cell.published_sd, cell.input ? 1 : 0, cell.z());
   return text;
 }
 
@@ -162,7 +163,7 @@ std::string plot_program(std::span<const Cell> cells, const std::string& title, 
                          : "set terminal svg size 1100,520 font 'sans,12' background '#ffffff'\n";
   text += fmt::format("set output '{}'\nset title '{}'\n", file, title);
   text += fmt::format(
-      "set ylabel '(foretold - published mean) / published sd'\nset xrange [-0.7:{}.7]\nset yrange [-6:6]\n"
+      "set ylabel '(predicted - published mean) / published sd'\nset xrange [-0.7:{}.7]\nset yrange [-6:6]\n"
       "set grid ytics lc rgb '#dddddd'\nset key top left horizontal\nset ytics 1\n"
       "set object 1 rectangle from graph 0,first -2 to graph 1,first 2 fc rgb '#eef4ea' fs solid noborder "
       "behind\n",

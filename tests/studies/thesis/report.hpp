@@ -1,4 +1,4 @@
-// The study in words: tables for people, JSON lines and CSV for programs, a plot for gnuplot.
+// The study's results: tables as text, JSON lines, CSV, and a plot for gnuplot.
 #pragma once
 
 #include <string>
@@ -8,9 +8,9 @@
 namespace strobe::studies {
 
 /// The constants of each pair of spins.
-std::string constants_table(const Forecasts& forecasts);
+std::string constants_table(const Predictions& predictions);
 
-/// One row for each condition: every number of Tables 5 to 10 as foretold, with its z.
+/// One row for each condition: every number of Tables 5 to 10 as predicted, with its z.
 std::string condition_table(std::span<const Cell> cells);
 
 /// rms z, share within 2 and cells beyond 3: one line. vx and omega at lift-off, the same with vy, and all
@@ -18,10 +18,10 @@ std::string condition_table(std::span<const Cell> cells);
 std::string summary_header();
 std::string summary_line(const std::string& name, std::span<const Cell> cells);
 
-/// The cells with |z| > 3 that are no inputs, each with what the tables say about why.
-std::string beyond_3(const Forecasts& forecasts);
+/// The cells with |z| > 3 that are not inputs, each with its reason.
+std::string beyond_3(const Predictions& predictions);
 
-/// Looked up by hand in the tables, for the cells that some way of foretelling misses by more than three sd.
+/// The reason of a cell with |z| > 3, found by hand in the tables.
 std::string reason(const Cell& cell);
 
 std::string json_lines(const std::string& name, std::span<const Cell> cells);

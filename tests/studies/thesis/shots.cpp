@@ -14,21 +14,21 @@ namespace {
 using reduction::kQuantityCount;
 using reduction::Quantity;
 
-Result<sim::Scene> scene_of(const thesis::Condition& condition, const Forecast& forecast) {
+Result<sim::Scene> scene_of(const thesis::Condition& condition, const Prediction& prediction) {
   auto fitted = sim::fit_scene(condition);
   if (!fitted) return tl::unexpected(fitted.error());
   sim::Scene scene = fitted->scene;
-  scene.ball.alpha = forecast.ball.alpha;
+  scene.ball.alpha = prediction.ball.alpha;
   sim::BounceSettings& b = scene.bounce;
   b.contact = sim::ContactLaw::ode;
-  b.e = forecast.coefficients.e;
-  b.e_speed_mps = -forecast.inputs.touchdown.vy_mps;
-  b.mu = forecast.coefficients.mu;
+  b.e = prediction.coefficients.e;
+  b.e_speed_mps = -prediction.inputs.touchdown.vy_mps;
+  b.mu = prediction.coefficients.mu;
   b.mu_sd = 0.0;
-  b.dwell_s = forecast.coefficients.dwell_s;
-  b.stiffness_ratio = forecast.coefficients.stiffness_ratio;
-  b.damping_ratio = forecast.coefficients.damping_ratio;
-  b.offset_share = forecast.coefficients.offset_share;
+  b.dwell_s = prediction.coefficients.dwell_s;
+  b.stiffness_ratio = prediction.coefficients.stiffness_ratio;
+  b.damping_ratio = prediction.coefficients.damping_ratio;
+  b.offset_share = prediction.coefficients.offset_share;
   b.offset_share_sd = b.stiffness_ratio_sd = 0.0;
   return scene;
 }
@@ -52,9 +52,9 @@ struct Sums {
 
 }  // namespace
 
-Result<ShotSeries> shoot_series(const thesis::Condition& condition, const Forecast& forecast, int shots,
+Result<ShotSeries> shoot_series(const thesis::Condition& condition, const Prediction& prediction, int shots,
                                 std::uint64_t seed, bool exact) {
-  auto scene = scene_of(condition, forecast);
+  auto scene = scene_of(condition, prediction);
   if (!scene) return tl::unexpected(scene.error());
   if (exact) make_exact(*scene);
   auto shooter = sim::Shooter::make(*scene, seed, sim::Model::full(), {.perfect_digitizer = exact});

@@ -9,10 +9,10 @@ namespace strobe::studies {
 
 using reduction::Quantity;
 
-Result<Forecasts> foretell_all(const thesis::Data& data, Dashpot dashpot, Vertical vertical) {
+Result<Predictions> predict_all(const thesis::Data& data, Dashpot dashpot, Vertical vertical) {
   std::vector<impact::ContactObservation> observations;
   for (const thesis::Condition& c : data.conditions) observations.push_back(impact::observation_of(c));
-  Forecasts out;
+  Predictions out;
   out.dashpot = dashpot;
   out.vertical = vertical;
   for (const char* spin : {"zero", "top", "back"}) {
@@ -23,11 +23,11 @@ Result<Forecasts> foretell_all(const thesis::Data& data, Dashpot dashpot, Vertic
   for (std::size_t i = 0; i < observations.size(); ++i) {
     const impact::ContactObservation& o = observations[i];
     const auto constants = std::ranges::find(out.constants, o.group, &Constants::left_out);
-    const auto forecast = foretell(o, *constants, vertical);
-    if (!forecast) return tl::unexpected(forecast.error());
-    out.told.push_back(
-        {&data.conditions[i], o, &*constants, *forecast, input_spread(o, *constants, vertical)});
-    const impact::ContactSummary& s = forecast->contact;
+    const auto prediction = predict(o, *constants, vertical);
+    if (!prediction) return tl::unexpected(prediction.error());
+    out.conditions.push_back(
+        {&data.conditions[i], o, &*constants, *prediction, input_spread(o, *constants, vertical)});
+    const impact::ContactSummary& s = prediction->contact;
     for (Cell& cell :
          cells_of(data.conditions[i], quantities_of(o.touchdown, s.lift_off, s.dwell_s, s.dwell_distance_m),
                   vertical))
@@ -41,11 +41,11 @@ Result<std::vector<Algebraic>> algebraic_models(const thesis::Data& data) {
   std::vector<Algebraic> out;
   for (const auto model :
        {impact::ReboundModel::slide_roll, impact::ReboundModel::grip, impact::ReboundModel::grip_offset}) {
-    const auto validation =
-        impact::leave_out(observations, impact::default_options(model), impact::LeaveOut::spin);
+    const auto validation = impact::leave_one_group_out(observations, impact::default_options(model),
+                                                        impact::CrossValidationGroup::spin);
     if (!validation) return fail(impact::message(validation.error(), observations));
     Algebraic one{.model = std::string(impact::name(model)), .cells = {}};
-    for (const impact::LeftOut& group : validation->groups) {
+    for (const impact::HeldOutGroup& group : validation->groups) {
       for (std::size_t i = 0; i < group.observations.size(); ++i) {
         const impact::Observation& o = observations[group.observations[i]];
         const impact::Motion& lift_off = group.predicted[i].predicted.lift_off;
@@ -60,14 +60,14 @@ Result<std::vector<Algebraic>> algebraic_models(const thesis::Data& data) {
   return out;
 }
 
-Result<Shots> shoot_all(const Forecasts& forecasts, int shots, std::uint64_t seed, bool exact) {
+Result<Shots> shoot_all(const Predictions& predictions, int shots, std::uint64_t seed, bool exact) {
   Shots out{.name = exact ? "shots without spread and noise" : "means of shots", .cells = {}};
-  for (const Told& told : forecasts.told) {
-    const auto series = shoot_series(*told.condition, told.forecast, shots, seed, exact);
-    if (!series) return fail(told.condition->name() + ": " + series.error().message);
+  for (const PredictedCondition& predicted : predictions.conditions) {
+    const auto series = shoot_series(*predicted.condition, predicted.prediction, shots, seed, exact);
+    if (!series) return fail(predicted.condition->name() + ": " + series.error().message);
     out.shots += series->shots;
     out.without_readout += series->without_readout;
-    for (Cell& cell : cells_of(*told.condition, series->mean, forecasts.vertical))
+    for (Cell& cell : cells_of(*predicted.condition, series->mean, predictions.vertical))
       out.cells.push_back(std::move(cell));
   }
   return out;

@@ -1,4 +1,4 @@
-// The whole study: every way of foretelling the 21 conditions, three times two spins telling the third.
+// The whole study: every way of predicting the 21 conditions, each spin predicted from the other two.
 #pragma once
 
 #include <cstdint>
@@ -10,42 +10,42 @@
 
 namespace strobe::studies {
 
-/// How one condition was told.
-struct Told {
+/// One condition with its prediction.
+struct PredictedCondition {
   const thesis::Condition* condition = nullptr;
   impact::ContactObservation observation;
   const Constants* constants = nullptr;
-  Forecast forecast;
+  Prediction prediction;
   InputSpread spread;
 };
 
-/// One way of foretelling.
-struct Forecasts {
+/// The predictions by one combination of options.
+struct Predictions {
   Dashpot dashpot = Dashpot::tied;
   Vertical vertical = Vertical::measured;
-  std::vector<Constants> constants;  ///< one for each spin
-  std::vector<Told> told;            ///< in the tables' order
+  std::vector<Constants> constants;            ///< one for each spin
+  std::vector<PredictedCondition> conditions;  ///< in the tables' order
   std::vector<Cell> cells;
 };
 
-/// Fails as constants_without() and foretell().
-Result<Forecasts> foretell_all(const thesis::Data& data, Dashpot dashpot, Vertical vertical);
+/// Fails as constants_without() and predict().
+Result<Predictions> predict_all(const thesis::Data& data, Dashpot dashpot, Vertical vertical);
 
-/// The algebraic in/out models of common/impact/fit under the same rule: fitted to two spins, the third
-/// foretold from its own e. vx and omega at lift-off only: they know no contact.
+/// The rebound models of common/impact/fit in the same cross-validation: fitted to two spins, the third
+/// predicted from its own e. vx and omega at lift-off only.
 struct Algebraic {
   std::string model;
   std::vector<Cell> cells;
 };
 Result<std::vector<Algebraic>> algebraic_models(const thesis::Data& data);
 
-/// Readouts of whole simulated shots of those forecasts.
+/// Readouts of whole simulated shots of those predictions.
 struct Shots {
   std::string name;
   std::vector<Cell> cells;
   int shots = 0;
   int without_readout = 0;
 };
-Result<Shots> shoot_all(const Forecasts& forecasts, int shots, std::uint64_t seed, bool exact);
+Result<Shots> shoot_all(const Predictions& predictions, int shots, std::uint64_t seed, bool exact);
 
 }  // namespace strobe::studies

@@ -60,12 +60,12 @@ int draw(const Way& way, const std::string& file) {
   return pclose(gnuplot) == 0 ? 0 : fail_with({"gnuplot does not draw " + file});
 }
 
-void print_report(const Options& options, const Forecasts& chosen, const std::vector<Way>& ways) {
+void print_report(const Options& options, const Predictions& chosen, const std::vector<Way>& ways) {
   fmt::print(
       "Simulated lift-offs of the thesis's 21 conditions against its Tables 5 to 10. The mechanics' "
       "constants\n"
-      "are fitted to two spins and foretell the third, all three ways. z = (foretold - mean)/published sd.\n"
-      "Inputs of every forecast: vx, vy and spin at touchdown. {}\n\n",
+      "are fitted to two spins and predict the third, all three ways. z = (predicted - mean)/published sd.\n"
+      "Inputs of every prediction: vx, vy and spin at touchdown. {}\n\n",
       options.vertical == "measured"
           ? "Besides: the condition's own e (hence vy at lift-off) and\ndwell time, marked so; of the "
             "figures only the "
@@ -73,7 +73,7 @@ void print_report(const Options& options, const Forecasts& chosen, const std::ve
           : "Nothing else: e and the dwell time follow from\nthe other spins too. (Chosen with all sets in "
             "view: "
             "that e goes with |vy| and s/|vy|, that the dashpot is tied.)");
-  fmt::print("{}: {}\n\n{}\n", ways.front().name, "as foretold, with z", constants_table(chosen));
+  fmt::print("{}: {}\n\n{}\n", ways.front().name, "as predicted, with z", constants_table(chosen));
   fmt::print("{}\n", condition_table(ways.front().cells));
   fmt::print("{}", summary_header());
   for (const Way& way : ways) fmt::print("{}", summary_line(way.name, way.cells));
@@ -81,20 +81,20 @@ void print_report(const Options& options, const Forecasts& chosen, const std::ve
 }
 
 strobe::Result<std::vector<Way>> run(const Options& options, const strobe::thesis::Data& data,
-                                     Forecasts& chosen) {
+                                     Predictions& chosen) {
   std::vector<Way> ways(1);
   for (const Dashpot dashpot : {Dashpot::tied, Dashpot::fitted}) {
     for (const Vertical vertical : {Vertical::measured, Vertical::by_speed, Vertical::by_speed_and_slip}) {
       const std::string title = title_of(dashpot, vertical);
       show(title);
-      auto forecasts = foretell_all(data, dashpot, vertical);
-      if (!forecasts) return tl::unexpected(forecasts.error());
+      auto predictions = predict_all(data, dashpot, vertical);
+      if (!predictions) return tl::unexpected(predictions.error());
       if (kDashpotNames[static_cast<std::size_t>(dashpot)] == options.dashpot &&
           kVerticalNames[static_cast<std::size_t>(vertical)] == options.vertical) {
-        ways.front() = {title, forecasts->cells};
-        chosen = *std::move(forecasts);
+        ways.front() = {title, predictions->cells};
+        chosen = *std::move(predictions);
       } else {
-        ways.push_back({title, std::move(forecasts->cells)});
+        ways.push_back({title, std::move(predictions->cells)});
       }
     }
   }
@@ -118,7 +118,7 @@ strobe::Result<std::vector<Way>> run(const Options& options, const strobe::thesi
 int against_thesis(const Options& options) {
   const auto data = strobe::thesis::load(options.folder, strobe::thesis::Version::corrected);
   if (!data) return fail_with(data.error());
-  Forecasts chosen;
+  Predictions chosen;
   const auto ways = run(options, *data, chosen);
   if (!ways) return fail_with(ways.error());
   if (options.csv) fmt::print("{}", csv_header());
@@ -140,7 +140,7 @@ void add_thesis_command(CLI::App& app, int& exit_status) {
   const auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand(
       "thesis",
-      "the thesis's 21 conditions, each spin foretold from the other two, against its tables.\n"
+      "the thesis's 21 conditions, each spin predicted from the other two, against its tables.\n"
       "Example: strobe-bench thesis --e-and-dwell measured --plot z.svg");
   command
       ->add_option("--dashpot", options->dashpot,

@@ -45,7 +45,7 @@ Course by_ode(const ImpactScene& s, const impact::ContactOptions& options) {
       continue;
     }
     const impact::ContactState state = contact->at(kFractions[i] * s.contact.dwell_s);
-    course[i] = {state.x_m, state.y_m, s.ball.radius_m() * state.angle_rad};
+    course[i] = {state.x_m, state.y_m, s.ball.radius_m() * state.rotation_rad};
   }
   return course;
 }

@@ -76,7 +76,7 @@ void pulses(Grid& grid) {
   for (const double f : {0.0, 0.046, 0.47, 1.0, 10.0}) {
     for (const double fraction : kFractions) {
       const auto i = *impact::pulse_integrals(f, fraction * kPi);
-      grid.add("pulse integrals", i.impulse, i.path, i.depth);
+      grid.add("pulse integrals", i.impulse, i.displacement, i.depth);
     }
   }
 }

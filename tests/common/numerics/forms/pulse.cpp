@@ -29,7 +29,7 @@ void integrals(std::span<const double> x, Tally& tally) {
   const WideIntegrals want = taylor_integrals(f, theta);
   const Plain plain = textbook_integrals(f, theta);
   compare(tally, "I1", got.impulse, plain.first, want.first, 0);
-  compare(tally, "I2", got.path, plain.second, want.second, 0);
+  compare(tally, "I2", got.displacement, plain.second, want.second, 0);
   compare(tally, "theta - I2", got.depth, theta - plain.second, Wide(theta) - want.second, 0);
 }
 

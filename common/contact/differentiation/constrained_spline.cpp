@@ -1,4 +1,4 @@
-#include "common/contact/differentiation/constrained_fit.hpp"
+#include "common/contact/differentiation/constrained_spline.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -17,7 +17,7 @@ using Eigen::VectorXd;
 constexpr double kDegreesWeight = 1.4;
 
 Result<void> check(std::span<const double> t, std::span<const double> y, const EndConditions& e,
-                   const ConstrainedFitOptions& o) {
+                   const SplineOptions& o) {
   if (t.size() != y.size()) return fail("a constrained fit needs as many times as values");
   if (t.size() < 3) return fail("a constrained fit needs at least three images");
   const auto finite = [](double v) { return std::isfinite(v) && std::abs(v) < 1e100; };
@@ -45,27 +45,27 @@ struct Solution {
 
 }  // namespace
 
-class ConstrainedFitter {
+class SplineFitter {
  public:
-  ConstrainedFitter(std::span<const double> t, std::span<const double> y, const EndConditions& ends,
-                    const ConstrainedFitOptions& options)
+  SplineFitter(std::span<const double> t, std::span<const double> y, const EndConditions& ends,
+               const SplineOptions& options)
       : ends_(ends), options_(options), n_(static_cast<Eigen::Index>(t.size())) {
     const int m = options.intervals;
     images_.resize(n_, m + kSplineDegree);
     for (Eigen::Index i = 0; i < n_; ++i) images_.row(i) = spline_row(m, t[static_cast<std::size_t>(i)], 0);
     values_ = Eigen::Map<const VectorXd>(y.data(), n_);
-    rough_ = roughness_root(m);
+    roughness_ = roughness_factor(m);
     constrain();
     reduced_images_ = images_ * null_space_;
-    reduced_rough_ = rough_ * null_space_;
+    reduced_roughness_ = roughness_ * null_space_;
   }
 
-  ConstrainedFit fit() const {
+  ConstrainedSpline fit() const {
     const double weight = options_.smoothing.value_or(0.0) > 0.0 ? *options_.smoothing : best_weight();
     const VectorXd particular = particulars_ * targets_;
     const Solution s = solve(weight, particular, values_);
     const double freedom = static_cast<double>(n_) - s.parameters;
-    ConstrainedFit out;
+    ConstrainedSpline out;
     out.intervals_ = options_.intervals;
     out.n_ = static_cast<int>(n_);
     out.smoothing_ = weight;
@@ -76,11 +76,11 @@ class ConstrainedFitter {
     const MatrixXd inverse =
         s.r.triangularView<Eigen::Upper>().solve(MatrixXd::Identity(s.r.rows(), s.r.cols()));
     const MatrixXd root = options_.noise_sd.value_or(out.residual_sd_) * null_space_ * inverse;
-    out.noise_root_.assign(root.reshaped().begin(), root.reshaped().end());
+    out.covariance_factor_.assign(root.reshaped().begin(), root.reshaped().end());
     for (const auto& [row, sd] : {std::pair{2, ends_.slope_td.sd}, std::pair{3, ends_.slope_lo.sd}}) {
       const VectorXd change = particulars_.col(row) * sd;
       const VectorXd moved = change + null_space_ * solve(weight, change, VectorXd::Zero(n_)).free;
-      out.slope_root_.insert(out.slope_root_.end(), moved.begin(), moved.end());
+      out.end_slope_factor_.insert(out.end_slope_factor_.end(), moved.begin(), moved.end());
     }
     return out;
   }
@@ -104,10 +104,10 @@ class ConstrainedFitter {
 
   Solution solve(double weight, const VectorXd& particular, const VectorXd& values) const {
     const double root = std::sqrt(weight);
-    MatrixXd stacked(reduced_images_.rows() + reduced_rough_.rows(), null_space_.cols());
-    stacked << reduced_images_, root * reduced_rough_;
+    MatrixXd stacked(reduced_images_.rows() + reduced_roughness_.rows(), null_space_.cols());
+    stacked << reduced_images_, root * reduced_roughness_;
     VectorXd right(stacked.rows());
-    right << values - images_ * particular, -root * (rough_ * particular);
+    right << values - images_ * particular, -root * (roughness_ * particular);
     const Eigen::HouseholderQR<MatrixXd> qr(stacked);
     const Eigen::Index p = stacked.cols();
     const MatrixXd thin = qr.householderQ() * MatrixXd::Identity(stacked.rows(), p);
@@ -149,26 +149,27 @@ class ConstrainedFitter {
   }
 
   EndConditions ends_;
-  ConstrainedFitOptions options_;
+  SplineOptions options_;
   Eigen::Index n_;
-  MatrixXd images_, rough_, particulars_, null_space_, reduced_images_, reduced_rough_;
+  MatrixXd images_, roughness_, particulars_, null_space_, reduced_images_, reduced_roughness_;
   VectorXd values_, targets_;
 };
 
-ValueSd ConstrainedFit::derivative_with_sd(double t, int order) const {
+ValueSd ConstrainedSpline::derivative_with_sd(double t, int order) const {
   const Eigen::RowVectorXd row = spline_row(intervals_, std::clamp(t, 0.0, 1.0), order);
   const Eigen::Index rows = row.size();
   const auto columns = [rows](const std::vector<double>& data) {
     return Eigen::Map<const MatrixXd>(data.data(), rows, static_cast<Eigen::Index>(data.size()) / rows);
   };
   const double value = row.dot(columns(coefficients_).col(0));
-  return {value, std::hypot((row * columns(noise_root_)).norm(), (row * columns(slope_root_)).norm())};
+  return {value,
+          std::hypot((row * columns(covariance_factor_)).norm(), (row * columns(end_slope_factor_)).norm())};
 }
 
-Result<ConstrainedFit> fit_constrained(std::span<const double> t, std::span<const double> y,
-                                       const EndConditions& ends, const ConstrainedFitOptions& options) {
+Result<ConstrainedSpline> fit_constrained_spline(std::span<const double> t, std::span<const double> y,
+                                                 const EndConditions& ends, const SplineOptions& options) {
   if (const auto ok = check(t, y, ends, options); !ok) return tl::unexpected(ok.error());
-  return ConstrainedFitter(t, y, ends, options).fit();
+  return SplineFitter(t, y, ends, options).fit();
 }
 
 }  // namespace strobe::contact

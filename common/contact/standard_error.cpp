@@ -1,8 +1,8 @@
-// Trajectories held against the images of a set, and the total rotation of a set.
-#include <cmath>
-#include <vector>
+#include "common/contact/standard_error.hpp"
 
-#include "common/contact/integration/integration.hpp"
+#include <cmath>
+#include <string>
+#include <vector>
 
 namespace strobe::contact {
 
@@ -13,7 +13,7 @@ struct Angles {
   std::vector<double> predicted_rad;
 };
 
-Result<void> check(const SetScale& scale) {
+Result<void> check(const FractionScale& scale) {
   if (!(std::isfinite(scale.dwell_distance_m) && scale.dwell_distance_m > 0.0))
     return fail("dwell distance must be positive");
   if (!(std::isfinite(scale.diameter_m) && scale.diameter_m > 0.0)) return fail("diameter must be positive");
@@ -25,8 +25,8 @@ Result<void> check(const SetScale& scale) {
 RotationError rotation_error(const Angles& a, double total_rad) {
   double squares = 0.0;
   for (std::size_t i = 0; i < a.fraction.size(); ++i) {
-    const double miss = total_rad * a.fraction[i] - a.predicted_rad[i];
-    squares += miss * miss;
+    const double residual = total_rad * a.fraction[i] - a.predicted_rad[i];
+    squares += residual * residual;
   }
   const double see = std::sqrt(squares / static_cast<double>(a.fraction.size() - 1));
   RotationError error{.total_rad = total_rad, .see_rad = see, .see_fraction = std::nullopt};
@@ -34,7 +34,8 @@ RotationError rotation_error(const Angles& a, double total_rad) {
   return error;
 }
 
-std::optional<RotationScore> rotation_score(const Angles& a, double own_total_rad, const SetScale& scale) {
+std::optional<RotationErrors> rotation_errors(const Angles& a, double own_total_rad,
+                                              const FractionScale& scale) {
   double qq = 0.0, qp = 0.0, pp = 0.0;
   for (std::size_t i = 0; i < a.fraction.size(); ++i) {
     qq += a.fraction[i] * a.fraction[i];
@@ -42,7 +43,7 @@ std::optional<RotationScore> rotation_score(const Angles& a, double own_total_ra
     pp += a.predicted_rad[i] * a.predicted_rad[i];
   }
   if (a.fraction.size() < 2 || !(qq > 0.0)) return std::nullopt;
-  RotationScore out;
+  RotationErrors out;
   out.n = static_cast<int>(a.fraction.size());
   out.own_total = rotation_error(a, own_total_rad);
   out.fitted_total = rotation_error(a, qp / qq);
@@ -54,12 +55,13 @@ std::optional<RotationScore> rotation_score(const Angles& a, double own_total_ra
 
 }  // namespace
 
-Result<Score> score(const ContactSet& set, const Trajectory& trajectory, const SetScale& scale) {
+Result<StandardErrors> standard_errors(const data::ContactSet& set, const Trajectory& trajectory,
+                                       const FractionScale& scale) {
   if (const auto ok = check(scale); !ok) return tl::unexpected(ok.error());
-  Score out;
+  StandardErrors out;
   Angles angles;
   double squares_x = 0.0, squares_y = 0.0;
-  for (const ContactRow& row : set.rows) {
+  for (const data::ContactRow& row : set.rows) {
     if (is_end_point(row)) continue;
     const TrajectoryPoint p = trajectory(row.time_fraction);
     if (!std::isfinite(p.x_m) || !std::isfinite(p.y_m) || !std::isfinite(p.rotation_rad))
@@ -74,49 +76,22 @@ Result<Score> score(const ContactSet& set, const Trajectory& trajectory, const S
   if (out.n < 2) return fail("at least two rows are needed between touchdown and lift-off");
   out.see_x_m = std::sqrt(squares_x / (out.n - 1));
   out.see_y_m = std::sqrt(squares_y / (out.n - 1));
-  out.rotation = rotation_score(angles, trajectory(1.0).rotation_rad, scale);
+  out.rotation = rotation_errors(angles, trajectory(1.0).rotation_rad, scale);
   return out;
 }
 
-Trajectory trajectory_of(const SpinPulse& pulse) {
-  return [pulse](double time_fraction) {
-    const ContactState s = pulse.at_fraction(time_fraction);
-    return TrajectoryPoint{s.x_m, s.y_m, s.rotation_rad};
-  };
-}
-
-Trajectory trajectory_of(const impact::SinePulse& pulse) {
-  return [pulse](double time_fraction) {
-    const impact::PulseState s = pulse.at_fraction(time_fraction);
-    return TrajectoryPoint{s.x_m, s.y_m, 0.0};
-  };
-}
-
-/// With the Hermite cubics h = 3T² - 2T³ (rises from 0 to 1) and g (the spins' share) the residual is
-/// S·(q - h) - dwell·g, linear in S.
-Result<EndSpinTotal> end_spin_total(const ContactSet& set, double omega_td_radps, double omega_lo_radps,
-                                    double dwell_s) {
-  if (!std::isfinite(omega_td_radps) || !std::isfinite(omega_lo_radps) || !std::isfinite(dwell_s))
-    return fail("spins and dwell time must be finite numbers");
-  if (dwell_s <= 0.0) return fail("dwell time must be positive");
-  double uu = 0.0, ug = 0.0, gg = 0.0;
-  EndSpinTotal out;
-  for (const ContactRow& row : set.rows) {
-    if (is_end_point(row) || !row.rotation_fraction) continue;
-    const double t = row.time_fraction, rest = 1.0 - t;
-    const double u = *row.rotation_fraction - t * t * (3.0 - 2.0 * t);
-    const double g = dwell_s * t * rest * (omega_td_radps * rest - omega_lo_radps * t);
-    uu += u * u;
-    ug += u * g;
-    gg += g * g;
-    ++out.n;
-  }
-  if (out.n < 2 || !(uu > 0.0))
-    return fail("at least two rotations are needed between touchdown and lift-off");
-  out.total_rad = ug / uu;
-  out.residual_rad = std::sqrt(std::max(0.0, gg - ug * (ug / uu)) / (out.n - 1));
-  out.sd_rad = out.residual_rad / std::sqrt(uu);
-  return out;
+Result<StandardErrors> pulse_standard_errors(const data::ContactSet& set, const ContactInputs& in) {
+  const FractionScale scale{.dwell_distance_m = in.dwell_distance_m,
+                            .diameter_m = in.diameter_m,
+                            .total_rotation_rad = std::nullopt};
+  if (const auto ok = check(scale); !ok) return tl::unexpected(ok.error());
+  const auto pulse = impact::SinePulse::make(in.form, {.vx_td_mps = in.vx_td_mps,
+                                                       .vy_td_mps = in.vy_td_mps,
+                                                       .e = in.e,
+                                                       .impulse_ratio = in.mu,
+                                                       .dwell_s = in.dwell_time_s});
+  if (!pulse) return fail(std::string(impact::message(pulse.error())));
+  return standard_errors(set, trajectory_of(*pulse), scale);
 }
 
 }  // namespace strobe::contact

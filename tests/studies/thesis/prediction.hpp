@@ -1,6 +1,6 @@
-// What the contact mechanics says of a condition of the thesis when its constants come from the other two
-// spins alone. Nothing of the spin foretold enters: neither the five constants, nor the offset's reference
-// speed, nor (where asked for) its restitution and dwell time. Pure; deterministic; thread-safe; allocates.
+// Predicts a condition of the thesis by the contact ODE with constants from the other two spins alone.
+// Nothing of the predicted spin is used: neither for the five constants, nor the offset's reference speed,
+// nor (optionally) its restitution and dwell time. Pure; deterministic; thread-safe; allocates.
 #pragma once
 
 #include <array>
@@ -27,12 +27,12 @@ enum class Vertical {
 };
 inline constexpr std::array<std::string_view, 3> kVerticalNames{"measured", "by-speed", "by-speed-and-slip"};
 
-/// What of the tangential spring's dashpot is fitted.
+/// Whether the tangential dashpot is fitted.
 enum class Dashpot {
   fitted,  ///< c_t with the others: five constants
   /// Its damping ratio c_t/(2·sqrt(k_t·m_t)), m_t = m·alpha/(1 + alpha), is held at 1/2, where dashpot and
   /// spring are equally strong at the tangential oscillation's own frequency: four constants. Two spins
-  /// hardly tell c_t from k_t.
+  /// hardly separate c_t from k_t.
   tied,
 };
 inline constexpr std::array<std::string_view, 2> kDashpotNames{"fitted", "tied"};
@@ -40,7 +40,7 @@ inline constexpr double kTiedDamping = 0.5;
 
 /// Constants from two spins.
 struct Constants {
-  std::string left_out;  ///< the spin that they do not know
+  std::string left_out;  ///< the spin not used
   impact::ContactVector value;
   double offset_reference_mps = 0.0;
   double chi_square = 0.0;           ///< of the fit, with residuals over .38 m/s and 11.5 rad/s
@@ -48,9 +48,9 @@ struct Constants {
   std::array<double, 2> dwell_by{};  ///< ln of s at 1 m/s, exponent
 };
 
-/// One condition foretold.
-struct Forecast {
-  impact::ContactObservation inputs;  ///< as measured, but e and dwell time as they were put in
+/// The prediction of one condition.
+struct Prediction {
+  impact::ContactObservation inputs;  ///< as measured, but for e and dwell time
   impact::ContactCoefficients coefficients;
   ball::Ball ball;
   impact::ContactSummary contact;
@@ -61,11 +61,11 @@ Result<Constants> constants_without(std::string_view spin,
                                     std::span<const impact::ContactObservation> observations,
                                     Vertical vertical, Dashpot dashpot);
 
-/// Fails for inputs that the mechanics refuses.
-Result<Forecast> foretell(const impact::ContactObservation& observation, const Constants& constants,
-                          Vertical vertical);
+/// Fails on inputs that impact::simulate() refuses.
+Result<Prediction> predict(const impact::ContactObservation& observation, const Constants& constants,
+                           Vertical vertical);
 
-/// How far the foretold vx and omega at lift-off move with the published sd of what goes in: the touchdown's
+/// Sd of the predicted vx and omega at lift-off from the published sds of the inputs: the touchdown's
 /// velocities and spin, and where they are measured e (by vy at lift-off) and the dwell time.
 struct InputSpread {
   double vx_mps = 0.0;

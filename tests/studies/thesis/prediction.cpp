@@ -1,4 +1,4 @@
-#include "tests/studies/thesis/forecast.hpp"
+#include "tests/studies/thesis/prediction.hpp"
 
 #include <Eigen/QR>
 #include <algorithm>
@@ -63,13 +63,13 @@ Result<Fitted> fit_tied(std::span<const ContactObservation> kept, const impact::
       .lower = Eigen::Vector4d(0.0, 1e-2, 0.0, 0.1),
       .upper = Eigen::Vector4d(10.0, 1e2, 1.0, ball::kThinShellAlpha),
       .scale = Eigen::Vector4d::Constant(0.01),
-      .difference = 1e-4,
-      .least_gain = 1e-10};
+      .difference_step = 1e-4,
+      .function_tolerance = 1e-10};
   const impact::LeastSquaresResult found =
       impact::levenberg_marquardt(problem, Eigen::Vector4d(0.55, 1.4, 0.1, 0.55));
   if (!found.converged || !std::isfinite(found.sum_of_squares))
     return fail("the fit of two spins does not converge");
-  return Fitted{spread_out(found.at), found.sum_of_squares};
+  return Fitted{spread_out(found.parameters), found.sum_of_squares};
 }
 
 Result<Fitted> fit(std::span<const ContactObservation> kept, Dashpot dashpot, double reference_mps) {
@@ -130,9 +130,9 @@ Result<Constants> constants_without(std::string_view spin, std::span<const Conta
   return out;
 }
 
-Result<Forecast> foretell(const ContactObservation& observation, const Constants& constants,
-                          Vertical vertical) {
-  Forecast out;
+Result<Prediction> predict(const ContactObservation& observation, const Constants& constants,
+                           Vertical vertical) {
+  Prediction out;
   out.inputs = with_vertical(observation, constants, vertical);
   out.coefficients =
       impact::coefficients_of(out.inputs, constants.value, options_of(constants.offset_reference_mps));
@@ -152,9 +152,9 @@ InputSpread input_spread(const ContactObservation& observation, const Constants&
     for (const int side : {0, 1}) {
       ContactObservation o = observation;
       move(o, side == 0 ? -1.0 : 1.0);
-      const auto told = foretell(o, constants, vertical);
-      if (!told) return;
-      ends[static_cast<std::size_t>(side)] = told->contact.lift_off;
+      const auto predicted = predict(o, constants, vertical);
+      if (!predicted) return;
+      ends[static_cast<std::size_t>(side)] = predicted->contact.lift_off;
     }
     vx += std::pow(0.5 * (ends[1].vx_mps - ends[0].vx_mps), 2);
     omega += std::pow(0.5 * (ends[1].omega_radps - ends[0].omega_radps), 2);

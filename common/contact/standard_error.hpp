@@ -1,0 +1,71 @@
+// Standard errors of estimate: how far a computed motion lies from the images in contact,
+//   SEE = sqrt(sum (Y - Y')²/(N - 1))
+// over the N images between the end points (thesis, Table 17). Along the surface: x fraction · dwell
+// distance; normal to it: y fraction · diameter. Pure; thread-safe; allocates.
+#pragma once
+
+#include <optional>
+
+#include "common/contact/trajectory.hpp"
+#include "common/data/contact_set.hpp"
+
+namespace strobe::contact {
+
+/// Turns a set's fractions into metres and radians.
+struct FractionScale {
+  double dwell_distance_m = 0.0;  ///< > 0, along the surface
+  double diameter_m = ball::kThesisDiameter_m;
+  /// Rotation from touchdown to lift-off, counter-clockwise, if known: the thesis prints only fractions of
+  /// it.
+  std::optional<double> total_rotation_rad;
+};
+
+/// For one choice of the total rotation that the rotation fractions refer to.
+struct RotationError {
+  double total_rad = 0.0;
+  double see_rad = 0.0;
+  std::optional<double> see_fraction;  ///< see_rad/|total_rad|; absent for a total of 0
+};
+
+struct RotationErrors {
+  /// The total is the trajectory's own, so that shapes are compared. Where that total is near zero (backspin)
+  /// the measured angles shrink with it: judge those sets by the other two.
+  RotationError own_total;
+  /// The total that fits best, sum(q·phi)/sum(q²) over the images between the end points, with its sd.
+  RotationError fitted_total;
+  double fitted_total_sd_rad = 0.0;
+  /// Fraction of the trajectory's squared rotation (about the touchdown's angle) that the images follow, 0…1.
+  double r_squared = 0.0;
+  std::optional<RotationError> given_total;  ///< with FractionScale::total_rotation_rad
+  int n = 0;                                 ///< images between the end points that have a rotation
+};
+
+struct StandardErrors {
+  double see_x_m = 0.0;
+  double see_y_m = 0.0;
+  int n = 0;                               ///< images between the end points
+  std::optional<RotationErrors> rotation;  ///< absent with fewer than two rotations, or all of them zero
+};
+
+/// Fails on fewer than two images between the end points, on a scale out of range, and on a trajectory that
+/// is not finite at an image.
+Result<StandardErrors> standard_errors(const data::ContactSet& set, const Trajectory& trajectory,
+                                       const FractionScale& scale);
+
+/// The thesis's comparison: the damped sine pulse with friction throughout, without spin.
+struct ContactInputs {
+  double vx_td_mps = 0.0;
+  double vy_td_mps = 0.0;  ///< < 0
+  double e = 0.0;          ///< see impact::damping_from_restitution
+  double mu = 0.0;         ///< impulse ratio; negative where the surface drove the ball forward
+  double dwell_time_s = 0.0;
+  double dwell_distance_m = 0.0;  ///< > 0, along the surface
+  double diameter_m = ball::kThesisDiameter_m;
+  impact::PulseForm form = impact::PulseForm::exact;
+};
+
+/// Fails like standard_errors(), and on inputs out of range. An image after lift-off (time fraction above 1)
+/// is compared with the formula continued beyond it.
+Result<StandardErrors> pulse_standard_errors(const data::ContactSet& set, const ContactInputs& inputs);
+
+}  // namespace strobe::contact
