@@ -49,8 +49,13 @@ std::int64_t TimingHistogram::first_of(std::size_t bin) noexcept {
 std::int64_t TimingHistogram::last_of(std::size_t bin) noexcept { return first_of(bin + 1) - 1; }
 
 void TimingHistogram::add(Duration value) noexcept {
-  std::uint32_t& bin = (value < Duration{} ? negative_ : positive_)[bin_of(magnitude(value))];
-  if (bin < std::numeric_limits<std::uint32_t>::max()) ++bin;
+  const bool below = value < Duration{};
+  const std::size_t index = bin_of(magnitude(value));
+  std::uint32_t& bin = (below ? negative_ : positive_)[index];
+  if (bin < std::numeric_limits<std::uint32_t>::max()) {
+    ++bin;
+    ++in_octave_[below ? 0 : 1][index >> kStepBits];
+  }
   min_ = count_ == 0 ? value : std::min(min_, value);
   max_ = count_ == 0 ? value : std::max(max_, value);
   ++count_;
@@ -64,20 +69,20 @@ double TimingHistogram::sd_ns() const noexcept {
 }
 
 /// From the most negative bin to the most positive: its smallest and largest value, how many are in it. Until
-/// the visitor has seen enough (true).
-template <typename Visit>
-void TimingHistogram::visit_in_order(Visit&& visit) const noexcept {
-  if (count_ == 0) return;
-  if (min_ < Duration{}) {
-    const std::size_t end = max_ < Duration{} ? bin_of(magnitude(max_)) : 0;
-    for (std::size_t i = bin_of(magnitude(min_)) + 1; i-- > end;) {
-      if (negative_[i] > 0 && visit(-last_of(i), -first_of(i), negative_[i])) return;
+/// the visitor has seen enough (true). Octaves are passed over if skip(how many are in it).
+template <typename Skip, typename Visit>
+void TimingHistogram::visit_in_order(Skip&& skip, Visit&& visit) const noexcept {
+  constexpr std::size_t kSteps = std::size_t{1} << kStepBits;
+  for (std::size_t octave = kOctaves; octave-- > 0;) {
+    if (skip(in_octave_[0][octave])) continue;
+    for (std::size_t bin = (octave + 1) * kSteps; bin-- > octave * kSteps;) {
+      if (negative_[bin] > 0 && visit(-last_of(bin), -first_of(bin), negative_[bin])) return;
     }
   }
-  if (max_ >= Duration{}) {
-    const std::size_t end = bin_of(magnitude(max_)) + 1;
-    for (std::size_t i = min_ > Duration{} ? bin_of(magnitude(min_)) : 0; i < end; ++i) {
-      if (positive_[i] > 0 && visit(first_of(i), last_of(i), positive_[i])) return;
+  for (std::size_t octave = 0; octave < kOctaves; ++octave) {
+    if (skip(in_octave_[1][octave])) continue;
+    for (std::size_t bin = octave * kSteps; bin < (octave + 1) * kSteps; ++bin) {
+      if (positive_[bin] > 0 && visit(first_of(bin), last_of(bin), positive_[bin])) return;
     }
   }
 }
@@ -88,7 +93,12 @@ Duration TimingHistogram::percentile(double share) const noexcept {
       std::max<std::int64_t>(1, static_cast<std::int64_t>(std::ceil(share * static_cast<double>(count_))));
   std::int64_t seen = 0;
   std::int64_t value = max_.count();
-  visit_in_order([&](std::int64_t, std::int64_t last, std::uint32_t n) {
+  const auto below_wanted = [&](std::int64_t n) {
+    if (seen + n >= wanted) return false;
+    seen += n;
+    return true;
+  };
+  visit_in_order(below_wanted, [&](std::int64_t, std::int64_t last, std::uint32_t n) {
     seen += n;
     if (seen < wanted) return false;
     value = last;
@@ -112,7 +122,8 @@ TimingHistogram::Coarse TimingHistogram::coarse() const noexcept {
   result.first = nanoseconds(floor_to(low, width));
   result.count = static_cast<std::size_t>(std::min<std::int64_t>((high - result.first.count()) / width + 1,
                                                                  static_cast<std::int64_t>(Coarse::kMax)));
-  visit_in_order([&](std::int64_t first, std::int64_t last, std::uint32_t n) {
+  const auto empty = [](std::int64_t n) { return n == 0; };
+  visit_in_order(empty, [&](std::int64_t first, std::int64_t last, std::uint32_t n) {
     const std::int64_t middle = first + (last - first) / 2;
     const std::int64_t bin = (floor_to(middle, width) - result.first.count()) / width;
     const auto at = std::clamp<std::int64_t>(bin, 0, static_cast<std::int64_t>(result.count) - 1);

@@ -42,11 +42,12 @@ class TimingHistogram {
   static std::size_t bin_of(std::uint64_t magnitude_ns) noexcept;
   static std::int64_t first_of(std::size_t bin) noexcept;  ///< smallest magnitude of the bin
   static std::int64_t last_of(std::size_t bin) noexcept;   ///< largest
-  template <typename Visit>
-  void visit_in_order(Visit&& visit) const noexcept;
+  template <typename Skip, typename Visit>
+  void visit_in_order(Skip&& skip, Visit&& visit) const noexcept;
 
   Table negative_{};
   Table positive_{};
+  std::array<std::array<std::int64_t, kOctaves>, 2> in_octave_{};  ///< sums of either table's octaves
   std::int64_t count_ = 0;
   double mean_ns_ = 0.0;
   double squares_ns2_ = 0.0;  ///< sum of squares about the mean
