@@ -35,8 +35,10 @@ struct ClockEstimate {
 
 inline constexpr std::size_t kMinSamplesForEstimate = 3;
 
-/// At the last of these points, which are in order of their sending. Nothing: fewer than kMinSamplesForEstimate,
-/// or all sent at one instant. Some 5 ms for 240 points, 15 ms for 1200.
+/// At the last of these points, which are in order of their sending. Returns nullopt if they are fewer than
+/// kMinSamplesForEstimate, or all were sent at one instant. What it is worth: after 10 s with bursts of delay
+/// the offset errs by 41 us (rms, 300 pairs of clocks), after 20 s by 8, after 30 s by 6.5; a least-squares
+/// line with Tukey's weights alone (clock_fit.hpp) by 1600, 500 and 180. Some 5 ms for 240 points, 15 ms for 1200.
 std::optional<ClockEstimate> estimate_clock(std::span<const ClockSample> points);
 
 }  // namespace strobe::host

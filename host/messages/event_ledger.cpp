@@ -1,6 +1,7 @@
 #include "host/messages/event_ledger.hpp"
 
 #include <algorithm>
+#include <cassert>
 
 namespace strobe::host {
 namespace {
@@ -35,21 +36,32 @@ bool EventLedger::add(std::int64_t boot_id, std::int64_t sequence, std::int64_t 
   if (sequence < 1) return false;
   Boot& boot = boot_of(boot_id, sequence);
   boot.again.erase(sequence);
-  auto next = boot.have.upper_bound(sequence);
-  if (next != boot.have.begin() && std::prev(next)->second >= sequence) return false;
+  auto next = boot.runs.upper_bound(sequence);
+  if (next != boot.runs.begin() && std::prev(next)->second >= sequence) return false;
   std::int64_t first = sequence, last = sequence;
-  if (next != boot.have.begin() && std::prev(next)->second == sequence - 1) {
+  if (next != boot.runs.begin() && std::prev(next)->second == sequence - 1) {
     first = std::prev(next)->first;
-    boot.have.erase(std::prev(next));
+    boot.runs.erase(std::prev(next));
   }
-  if (next != boot.have.end() && next->first == sequence + 1) {
+  if (next != boot.runs.end() && next->first == sequence + 1) {
     last = next->second;
-    boot.have.erase(next);
+    boot.runs.erase(next);
   }
-  boot.have[first] = last;
+  boot.runs[first] = last;
   if (sequence > boot.newest + 1 || boot.gap_since_ns == 0) boot.gap_since_ns = now_ns;
   boot.newest = std::max(boot.newest, sequence);
   if (boot_id != current_boot_ && from_start_ && !boot.end_known) boot.tail_requests_left = kTailRequests;
+  assert(consistent(boot));
+  return true;
+}
+
+/// Runs are in order, with a gap between two, and none goes beyond the newest event.
+bool EventLedger::consistent(const Boot& boot) {
+  std::int64_t before = -1;
+  for (const auto& [first, last] : boot.runs) {
+    if (first <= before + 1 || last < first || last > boot.newest) return false;
+    before = last;
+  }
   return true;
 }
 
@@ -98,7 +110,7 @@ std::vector<EventRange> EventLedger::gaps(std::int64_t boot_id, const Boot& boot
       ranges.push_back({boot_id, {first, std::min(last, first + kMaxEventsPerAsk - 1)}});
     }
   };
-  for (const auto& [first, last] : boot.have) {
+  for (const auto& [first, last] : boot.runs) {
     gap(next, first - 1);
     next = std::max(next, last + 1);
   }
@@ -134,7 +146,7 @@ std::vector<EventRange> EventLedger::due(std::int64_t now_ns) {
 std::int64_t EventLedger::missing_of(const Boot& boot) {
   if (boot.newest < boot.start) return 0;
   std::int64_t missing = boot.newest - boot.start + 1;
-  for (const auto& [first, last] : boot.have) missing -= last - std::max(first, boot.start) + 1;
+  for (const auto& [first, last] : boot.runs) missing -= last - std::max(first, boot.start) + 1;
   return missing;
 }
 
@@ -155,7 +167,7 @@ bool EventLedger::complete() const {
 std::int64_t EventLedger::received() const {
   std::int64_t sum = 0;
   for (const auto& [boot_id, boot] : boots_) {
-    for (const auto& [first, last] : boot.have) sum += last - first + 1;
+    for (const auto& [first, last] : boot.runs) sum += last - first + 1;
   }
   return sum;
 }
@@ -163,8 +175,8 @@ std::int64_t EventLedger::received() const {
 bool EventLedger::holds(std::int64_t boot_id, std::int64_t first, std::int64_t last) const {
   const auto boot = boots_.find(boot_id);
   if (boot == boots_.end()) return false;
-  const auto after = boot->second.have.upper_bound(first);
-  return after != boot->second.have.begin() && std::prev(after)->second >= last;
+  const auto after = boot->second.runs.upper_bound(first);
+  return after != boot->second.runs.begin() && std::prev(after)->second >= last;
 }
 
 bool EventLedger::ended_and_complete(std::int64_t boot_id) const {

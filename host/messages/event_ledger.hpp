@@ -1,6 +1,6 @@
-// Which journalled events of each firmware start have arrived, and which must be asked for again.
-// Sequences of one boot are 1, 2, 3 ... without gaps, so what is not here was lost on the way.
-// Times are nanoseconds of any steady clock of the caller's. No I/O; single-threaded.
+// Which journalled events of each boot of the firmware have arrived, and which must be requested again. A boot
+// numbers its events 1, 2, 3 ... without gaps, so a missing number was lost on the way. Times are nanoseconds
+// of any steady clock. No I/O; single-threaded.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 
 namespace strobe::host {
 
-/// A boot that has ended, and how far its journal has come.
+/// A boot that has ended, and its journal's last event.
 struct EndedBoot {
   std::int64_t boot_id = 0;
   std::int64_t last_sequence = 0;
@@ -20,40 +20,41 @@ struct EndedBoot {
 
 class EventLedger {
  public:
-  /// from_start: events before the first one heard count as missing too.
+  /// from_start: events before the first one received count as missing, too.
   explicit EventLedger(bool from_start) : from_start_(from_start) {}
 
-  /// An event has arrived. False: it had been here before, or is not a sequence.
+  /// An event has arrived. Returns false if it is a duplicate or its number is below 1.
   bool add(std::int64_t boot_id, std::int64_t sequence, std::int64_t now_ns);
-  /// The firmware that runs now says how far its journal has come. Another boot than before: the old one has
-  /// ended.
+  /// From a heartbeat: the boot that is running and its journal's last event. A change of boot means that the
+  /// one before has ended.
   void status(std::int64_t boot_id, std::int64_t last_sequence, std::int64_t now_ns);
-  /// The firmware that runs now says what earlier starts have left, the newest first. Of those that were
-  /// heard here, and of all that came after one of them, everything is wanted.
+  /// From a heartbeat: the boots before, newest first. All events are requested of those that were heard
+  /// here and of all later ones.
   void earlier(std::span<const EndedBoot> boots, std::int64_t now_ns);
-  /// This event must come again although it has been here (its shot's summary was lost). Of a boot that has
-  /// ended it is asked for 24 times.
+  /// Requests an event although it has arrived: with it comes its shot's summary. Of a boot that has ended it
+  /// is requested 24 times at most.
   void request_again(std::int64_t boot_id, std::int64_t sequence);
-  /// It is not to be had.
+  /// Ends such requests.
   void cancel_request(std::int64_t boot_id, std::int64_t sequence);
 
-  /// Ranges to ask for now. Losses are asked for after a grace for reordering, then again and again; of a
-  /// boot that has ended, what may be behind its last event is asked for until nothing new comes.
+  /// Ranges to request now: missing events, 0.1 s after they were noticed and then every 0.25 s; of a boot
+  /// that has ended also what may follow its last known event, until eight requests brought nothing new.
   std::vector<EventRange> due(std::int64_t now_ns);
 
   /// Events known to be missing, of all boots.
   std::int64_t missing() const;
-  /// Nothing is missing, and no ended boot may hold more.
+  /// Whether nothing is missing, and no ended boot may have more.
   bool complete() const;
+  /// Number of different events that have arrived.
   std::int64_t received() const;
-  /// All events of a range are here.
+  /// Whether all events of a range, both ends included, have arrived.
   bool holds(std::int64_t boot_id, std::int64_t first, std::int64_t last) const;
-  /// The boot has ended, and all that its journal holds is here, as far as that can be known.
+  /// Whether the boot has ended and all events of its journal have arrived, as far as can be known.
   bool ended_and_complete(std::int64_t boot_id) const;
 
  private:
   struct Boot {
-    std::map<std::int64_t, std::int64_t> have;  ///< first -> last of each run of sequences
+    std::map<std::int64_t, std::int64_t> runs;  ///< first to last number of each run of events that have arrived
     std::int64_t start = 0;                     ///< first sequence that counts
     std::int64_t newest = 0;                    ///< largest known to exist
     std::int64_t gap_since_ns = 0;
@@ -67,6 +68,7 @@ class EventLedger {
 
   std::vector<EventRange> gaps(std::int64_t boot_id, const Boot& boot) const;
   static std::int64_t missing_of(const Boot& boot);
+  static bool consistent(const Boot& boot);
 
   bool from_start_;
   std::int64_t current_boot_ = 0;

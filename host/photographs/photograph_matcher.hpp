@@ -19,10 +19,10 @@ namespace strobe::host {
 /// What became of a photograph.
 struct PhotographDecision {
   int photograph = 0;
-  std::optional<ShotKey> shot;  ///< absent: it is nobody's
+  std::optional<ShotKey> shot;  ///< absent: of no shot
   bool wanted = false;          ///< the shot needs it measured
   bool late = false;            ///< the shot has been given up
-  std::string why;              ///< for a person, if it is nobody's
+  std::string why;              ///< for a person, if it is of no shot
 };
 
 /// Instants: `local` ones on the caller's steady clock, `device` ones on the firmware's, in nanoseconds.
@@ -34,16 +34,16 @@ class PhotographMatcher {
 
   /// A shot whose shutter has opened; dry ones have photographs, too. Known shots change nothing.
   void on_shot(const strobe_msgs::shot_t& shot);
-  /// Somebody has measured its photograph: it need not be measured here.
+  /// The photograph of this shot has been measured, here or elsewhere.
   void on_measured(const ShotKey& shot);
-  /// Its photograph turned out to be none: another one may come.
+  /// The photograph assigned to this shot could not be read: another one may come.
   void give_back(const ShotKey& shot);
   /// A photograph has arrived; numbers rise.
   void on_photograph(int photograph, std::int64_t arrived_local_ns, std::int64_t written_local_ns);
 
   /// What can be decided by now.
   std::vector<PhotographDecision> decide(std::int64_t local_ns);
-  /// Nothing more will come: the rest is nobody's.
+  /// Nothing more will come: the rest is of no shot.
   std::vector<PhotographDecision> end(std::int64_t local_ns);
 
  private:

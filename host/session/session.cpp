@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cassert>
 #include <charconv>
 #include <string_view>
 
@@ -204,6 +205,11 @@ bool Session::ball_came_after_abort(const shot_t& shot) const {
   return end_of(shot, shot.trigger_ns) < shot.trigger_ns + earliest;
 }
 
+void Session::mark_finished(const ShotKey& key, FinishedShot how) {
+  assert(!done_.contains(key) && !pending_.contains(key));
+  done_[key] = how;
+}
+
 void Session::push(ShotResult shot_result, const shot_t& shot) {
   shot_result.boot_id = shot.boot_id;
   shot_result.host_id = shot.host_id;
@@ -221,7 +227,7 @@ void Session::add_flags(const shot_t& shot, reduction::FlagSet& flags) const {
 }
 
 void Session::finish(const shot_t& shot, const frame_t& frame) {
-  done_[{shot.boot_id, shot.shot_id}] = {hash_of(frame), false};
+  mark_finished({shot.boot_id, shot.shot_id}, {hash_of(frame), false});
   ShotReadout result = shot_readout(shot, frame, settings_);
   ShotResult shot_result;
   add_flags(shot, result.readout.flags);
@@ -233,7 +239,7 @@ void Session::finish(const shot_t& shot, const frame_t& frame) {
 }
 
 void Session::finish_without_photograph(const shot_t& shot, Flag why, std::string problem) {
-  done_[{shot.boot_id, shot.shot_id}] = {std::nullopt, why == Flag::no_photograph};
+  mark_finished({shot.boot_id, shot.shot_id}, {std::nullopt, why == Flag::no_photograph});
   reduction::FlagSet flags = shot_flags(shot);
   flags.set(why);
   add_flags(shot, flags);
@@ -245,7 +251,7 @@ void Session::finish_without_photograph(const shot_t& shot, Flag why, std::strin
 }
 
 void Session::finish_dry(const shot_t& shot) {
-  done_[{shot.boot_id, shot.shot_id}] = {};
+  mark_finished({shot.boot_id, shot.shot_id}, {});
   ShotResult shot_result;
   shot_result.readout = empty_readout(shot, shot_flags(shot));
   shot_result.problem = shot.abort_reason;
@@ -269,7 +275,7 @@ void Session::finish_interrupted(const ShotKey& key, const OpenShot& open) {
   shot.plan.dry = open.dry;
   shot.aborted = true;
   shot.abort_reason = "the firmware died in it; what it had not yet written is lost";
-  done_[key] = {};
+  mark_finished(key, {});
   reduction::FlagSet flags = shot_flags(shot);
   flags.set(Flag::events_missing);
   ShotResult shot_result;
@@ -326,7 +332,7 @@ void Session::expire(std::int64_t now_ns) {
 void Session::finish_late(const PendingShot& waiting, const std::string& problem) {
   if (waiting.frame) return finish(waiting.shot, *waiting.frame);
   if (!waiting.past) return finish_without_photograph(waiting.shot, Flag::no_photograph, problem);
-  done_[{waiting.shot.boot_id, waiting.shot.shot_id}] = {};
+  mark_finished({waiting.shot.boot_id, waiting.shot.shot_id}, {});
   notify(fmt::format("shot {} was over before this session was joined, and its photograph did not come again",
                      waiting.shot.shot_id));
 }

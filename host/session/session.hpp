@@ -111,6 +111,8 @@ class Session {
   bool own(const strobe_msgs::shot_t& shot) const { return host_id_ != 0 && shot.host_id == host_id_; }
   std::int64_t host_of(const ShotKey& key, const OpenShot& open) const;
   void extend_deadlines_by_outage(std::int64_t mono_ns);
+  /// Each shot is finished once.
+  void mark_finished(const ShotKey& key, FinishedShot how);
   void push(ShotResult shot_result, const strobe_msgs::shot_t& shot);
   bool ball_came_after_abort(const strobe_msgs::shot_t& shot) const;
   std::optional<strobe_msgs::frame_t> take_early_frame(const ShotKey& key);

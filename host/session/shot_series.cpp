@@ -48,25 +48,25 @@ void ShotSeries::give_up(const std::string& why) {
   state_ = State::finished;
 }
 
-void ShotSeries::step(const std::optional<status_t>& heard, std::int64_t now_ns) {
+void ShotSeries::step(const std::optional<status_t>& status, std::int64_t now_ns) {
   now_ns_ = now_ns;
   if (state_ == State::finished) return;
   if (!blocked_since_ns_) blocked_since_ns_ = now_ns;
-  if (!heard) {
+  if (!status) {
     blocking_reason_ = "no firmware heard; is strobed running, with the same rig name and LCM URL?";
   } else {
     switch (state_) {
       case State::waiting:
-        wait_for_readiness(*heard, now_ns);
+        wait_for_readiness(*status, now_ns);
         break;
       case State::arming:
-        arm(*heard, now_ns);
+        arm(*status, now_ns);
         break;
       case State::firing:
-        fire(*heard, now_ns);
+        fire(*status, now_ns);
         break;
       case State::shooting:
-        shoot(*heard, now_ns);
+        shoot(*status, now_ns);
         break;
       case State::finished:
         break;
@@ -132,9 +132,9 @@ void ShotSeries::fire(const status_t& status, std::int64_t now_ns) {
 
 void ShotSeries::shoot(const status_t& status, std::int64_t now_ns) {
   if (status.boot_id != boot_id_ && seconds(now_ns - entered_ns_) > settings_.photograph_timeout_s + 2.0) {
-    rejected("the firmware was started anew during the shot", shots_before_ + 1);
+    on_rejected("the firmware was started anew during the shot", shots_before_ + 1);
   } else if (seconds(now_ns - entered_ns_) > longest_shot_s()) {
-    rejected("nothing more was heard of the shot", shots_before_ + 1);
+    on_rejected("nothing more was heard of the shot", shots_before_ + 1);
   }
 }
 
@@ -155,7 +155,7 @@ void ShotSeries::on_shot_result(const ShotResult& shot_result) {
   if (state_ != State::shooting && state_ != State::firing) return;
   if (shot_result.boot_id != boot_id_ || shot_result.shot_id <= shots_before_) return;
   refusals_ = 0;
-  if (shot_result.rejected) return rejected(*shot_result.rejected, shot_result.shot_id);
+  if (shot_result.rejected) return on_rejected(*shot_result.rejected, shot_result.shot_id);
   ++good_;
   if (good_ >= settings_.shots) {
     state_ = State::finished;
@@ -164,7 +164,7 @@ void ShotSeries::on_shot_result(const ShotResult& shot_result) {
   }
 }
 
-void ShotSeries::rejected(const std::string& why, std::int64_t shot_id) {
+void ShotSeries::on_rejected(const std::string& why, std::int64_t shot_id) {
   if (refired_ >= settings_.retries) {
     return give_up(fmt::format("shot {} is rejected ({}) and no retries are left", shot_id, why));
   }
@@ -174,10 +174,10 @@ void ShotSeries::rejected(const std::string& why, std::int64_t shot_id) {
   enter(State::waiting, now_ns_);
 }
 
-void ShotSeries::stop(const std::optional<status_t>& heard) {
-  if (heard &&
-      (ours(*heard) || state_ == State::arming || state_ == State::firing || state_ == State::shooting)) {
-    commands_.push_back(factory_.disarm(heard->boot_id));
+void ShotSeries::stop(const std::optional<status_t>& status) {
+  if (status &&
+      (ours(*status) || state_ == State::arming || state_ == State::firing || state_ == State::shooting)) {
+    commands_.push_back(factory_.disarm(status->boot_id));
   }
   state_ = State::finished;
 }

@@ -24,8 +24,7 @@ struct ShotSeriesSettings {
   bool dry = false;
   ShotPlan plan;
   reduction::Record notes;
-  double blocked_timeout_s =
-      60.0;  ///< how long nothing may be possible (no firmware, key off ...) before giving up
+  double blocked_timeout_s = 60.0;  ///< gives up if nothing can be fired (no firmware, key off ...) for so long
   double photograph_timeout_s = 5.0;
   bool clear_fault = false;
 };
@@ -36,12 +35,12 @@ class ShotSeries {
       : settings_(std::move(settings)), factory_(factory) {}
 
   void on_event(const strobe_msgs::event_t& event);
-  /// A shot that is done; those of other hosts are ignored.
+  /// The result of a shot; those of other hosts are ignored.
   void on_shot_result(const ShotResult& shot_result);
-  /// What to do now. heard: the newest status, absent if none was heard within two seconds.
-  void step(const std::optional<strobe_msgs::status_t>& heard, std::int64_t now_ns);
-  /// Gives up: the token is given back, a running shot is aborted.
-  void stop(const std::optional<strobe_msgs::status_t>& heard);
+  /// What to do now. status: the newest; absent if the firmware is silent (Session::live_status()).
+  void step(const std::optional<strobe_msgs::status_t>& status, std::int64_t now_ns);
+  /// Ends the series: the arm token is given back, a running shot is aborted.
+  void stop(const std::optional<strobe_msgs::status_t>& status);
 
   std::vector<strobe_msgs::command_t> take_commands() { return std::exchange(commands_, {}); }
   std::vector<std::string> take_notifications() { return std::exchange(notifications_, {}); }
@@ -52,7 +51,7 @@ class ShotSeries {
   int refired() const { return refired_; }
   /// "arming", "shot fired, waiting for the photograph" ...
   std::string activity() const;
-  /// What is missing, for a person; empty if nothing is.
+  /// Why nothing can be fired, for a person; empty if it can.
   const std::string& blocking_reason() const { return blocking_reason_; }
 
  private:
@@ -63,7 +62,7 @@ class ShotSeries {
   void fire(const strobe_msgs::status_t& status, std::int64_t now_ns);
   void shoot(const strobe_msgs::status_t& status, std::int64_t now_ns);
   void enter(State state, std::int64_t now_ns);
-  void rejected(const std::string& why, std::int64_t shot_id);
+  void on_rejected(const std::string& why, std::int64_t shot_id);
   void give_up(const std::string& why);
   void send_fire(const strobe_msgs::status_t& status, std::int64_t now_ns);
   double longest_shot_s() const;

@@ -135,6 +135,28 @@ TEST(ShotSeriesOfAHost, ASpoiltShotIsFiredAgainWithinTheRetries) {
                   play.notifications.at(0).c_str());
 }
 
+TEST(ShotSeriesOfAHost, DryShotsAreFiredDryAndCount) {
+  ShotSeriesSettings settings = series(2);
+  settings.dry = true;
+  Play play(settings);
+  bool armed = false;
+  for (int i = 0; i < 1000 && !play.series.finished(); ++i) {
+    play.now_ns += 20 * kMs;
+    play.series.step(play.firmware.status, play.now_ns);
+    for (const command_t& command : play.series.take_commands()) {
+      if (command.kind == command_t::FIRE) CHECK_TRUE(command.plan.dry);
+      armed = armed || command.kind == command_t::ARM;
+      play.firmware.obey(command, play.series);
+    }
+    if (i % 10 == 8 && play.firmware.fired > play.answered)
+      STRCMP_CONTAINS(": flashing", play.series.activity().c_str());
+    if (i % 10 == 9) play.answer();
+  }
+  CHECK_TRUE(armed);
+  CHECK_TRUE(play.series.succeeded());
+  LONGS_EQUAL(2, play.firmware.fired);
+}
+
 TEST(ShotSeriesOfAHost, WithoutRetriesLeftItGivesUp) {
   Play play(series(2, 1));
   play.verdicts = {"x", "x", ""};

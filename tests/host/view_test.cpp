@@ -259,6 +259,30 @@ TEST(TextForATerminal, NumbersHaveTwoDigitsOfTheirUncertainty) {
   STRCMP_EQUAL("1.000", host::rounded(1.0, 0.0).c_str());
 }
 
+TEST_GROUP(ViewModel){};
+
+TEST(ViewModel, CountsEveryShotAndAddsToTheSeriesOnlyThoseThatCount) {
+  ViewModel m;
+  host::ShotResult result;
+  m.add(result);
+  result.dry = true;
+  m.add(result);
+  result.dry = false;
+  result.rejected = "late";
+  m.add(result);
+  LONGS_EQUAL(3, m.shots);
+  LONGS_EQUAL(1, m.series.shots());
+  STRCMP_EQUAL("late", m.last->rejected->c_str());
+}
+
+TEST(ViewModel, KeepsTheNewestFiftyNotifications) {
+  ViewModel m;
+  for (int i = 1; i <= 51; ++i) m.add_notification(std::to_string(i));
+  LONGS_EQUAL(50, m.notifications.size());
+  STRCMP_EQUAL("2", m.notifications.front().c_str());
+  STRCMP_EQUAL("51", m.notifications.back().c_str());
+}
+
 TEST_GROUP(SeriesStatistics){};
 
 TEST(SeriesStatistics, AreMeanAndPopulationSdOverTheShotsThatHaveTheNumber) {

@@ -166,6 +166,19 @@ TEST(KeyFile, OfTheHomeIsRefusedIfOthersCanReadIt) {
   STRCMP_CONTAINS("chmod 600", find_key({}).error().message.c_str());
 }
 
+TEST(KeyFile, ACredentialMayBeReadByItsGroupButChangedByNobodyElse) {
+  // systemd shows a user's access list as the group's rights.
+  const auto credential_of_mode = [this](mode_t mode) {
+    setenv("CREDENTIALS_DIRECTORY", file("credentials/lab.key", kText, mode).parent_path().c_str(), 1);
+    return find_key({}).has_value();
+  };
+  for (const mode_t mode : {0400, 0440, 0600, 0640}) CHECK_TRUE(credential_of_mode(mode));
+  for (const mode_t mode : {0460, 0420, 0444, 0442, 0441}) {
+    fs::remove(folder / "credentials/lab.key");
+    CHECK_FALSE(credential_of_mode(mode));
+  }
+}
+
 TEST(KeyFile, WithoutAHomeThatCanBeWrittenMustBeNamed) {
   file("no_folder");
   setenv("HOME", (folder / "no_folder").c_str(), 1);
