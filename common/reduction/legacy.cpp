@@ -24,13 +24,13 @@ struct LevelImage {
   double diameter = 0.0;
 };
 
-Eigen::Vector2d vector(const PointPx& p) { return {p.x, p.y}; }
+Eigen::Vector2d position(const PointPx& p) { return {p.x, p.y}; }
 
 LevelImage level_image(const LegacyImage& image, const geometry::Rotation2d& rotation) {
-  const Eigen::Vector2d centre = rotation * vector(image.centre);
-  const Eigen::Vector2d edge = rotation * vector(image.edge);
-  const Eigen::Vector2d a = rotation * vector(image.equator_1);
-  const Eigen::Vector2d b = rotation * vector(image.equator_2);
+  const Eigen::Vector2d centre = rotation * position(image.centre);
+  const Eigen::Vector2d edge = rotation * position(image.edge);
+  const Eigen::Vector2d a = rotation * position(image.equator_1);
+  const Eigen::Vector2d b = rotation * position(image.equator_2);
   return {centre.x(), centre.y(), (b.y() - a.y()) / (b.x() - a.x()),
           2.0 * std::hypot(edge.x() - centre.x(), edge.y() - centre.y())};
 }
@@ -87,7 +87,7 @@ Prepared prepare(const LegacyFrame& frame, const geometry::Rotation2d& rotation)
     p.flight[i] = level_image(frame.flight[i], rotation);
     p.diameter += p.flight[i].diameter / 6.0;
   }
-  const auto height = [&](std::size_t i) { return (rotation * vector(frame.surface[i])).y(); };
+  const auto height = [&](std::size_t i) { return (rotation * position(frame.surface[i])).y(); };
   p.surface_td = 0.5 * (height(0) + height(1));
   p.surface_lo = 0.5 * (height(2) + height(3));
   return p;

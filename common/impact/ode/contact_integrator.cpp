@@ -226,7 +226,7 @@ class ContactIntegrator {
 
   ContactSummary summary() const;
   ContactEnergy energy() const;
-  bool is_consistent(const ContactSummary& summary) const;
+  [[maybe_unused]] bool is_consistent(const ContactSummary& summary) const;
 
   const System& s_;
   const ContactOptions& options_;
