@@ -92,7 +92,7 @@ bool has_no_rebound(const nlohmann::json& readout) {
 bool saw_no_ball(const Shot& shot) { return is_rejected(shot.readout) && has_no_rebound(shot.readout); }
 
 /// Sensors' edges that the simulated rig was too late with are a fault of its own, with flags of its own.
-bool rig_was_late(const Shot& shot) { return shot.truth.at("spoilt").get<bool>(); }
+bool rig_was_late(const Shot& shot) { return shot.truth.at("overrun").get<bool>(); }
 
 /// Fires it all once more, on another bench, where host freezes left no faulty exposure. unseen: the fault
 /// itself makes the ball unseen; else such exposures say nothing of it either.

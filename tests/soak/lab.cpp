@@ -142,7 +142,7 @@ MonoTime Lab::spin_until(MonoTime instant) noexcept {
   if (dead_) return std::max(time_, instant);
   if (instant > time_) pass(instant - time_);
   pass(kSpinsEnd);
-  return time_;
+  return std::max(time_, instant);  // time stands still for a process that dies meanwhile
 }
 
 bool Lab::set(Output output, bool active) noexcept {
