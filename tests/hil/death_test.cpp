@@ -294,18 +294,15 @@ TEST(Death, OfNobodyIsTheEndOfStandardErrorOrOfTheNetwork) {
   RawHost host(bench.lcm_url(), "bench");
   CHECK(host.wait_status());
   LineWatcher watch(bench.chip_dir());
-  int shot = 0;
-  do {
-    CHECK(shot < kAttempts);
-    host.send(host.fire_command(host.arm(), false));
-    ++shot;
-  } while (watch.wait_for("STROBE_A", 1, 3s) == 0);
+  CHECK(host.fire_until_flash(watch,
+                              [&host](std::int64_t token) { return host.fire_command(token, false); }) != 0);
   const strobe::testing::Command no_route{{"ip", "route", "del", "224.0.0.0/4", "dev", "lo"}, {}, {}, {}};
   const strobe::testing::Command route{{"ip", "route", "add", "224.0.0.0/4", "dev", "lo"}, {}, {}, {}};
   const bool cut = strobe::testing::run_process(no_route, 5s).status == strobe::testing::ExitStatus({0, 0});
   CHECK(watch.wait_for("SHUTTER", 0, 5s) != 0);
   if (cut) strobe::testing::run_process(route, 5s);
   CHECK(host.wait([&] { return host.status().state == strobe_msgs::status_t::SPENT; }, 5s));
+  const std::int32_t shot = host.status().last_shot_id;
   const std::int64_t token = host.arm();
   CHECK(token != 0);
   host.send(host.fire_command(token, false));

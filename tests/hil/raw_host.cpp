@@ -98,9 +98,27 @@ void RawHost::send_bytes(std::span<const std::uint8_t> bytes) {
 }
 
 std::int64_t RawHost::arm() {
+  // What was heard meanwhile may name the token of an earlier arming, which is no longer good.
+  while (lcm_.handleTimeout(0) > 0) continue;
+  const std::int64_t earlier = status_.arm_token;
   send(command(strobe_msgs::command_t::ARM));
-  const bool given = wait([this] { return status_.arm_host_id == host_id_ && status_.arm_token != 0; }, 3s);
-  return given ? status_.arm_token : 0;
+  const auto given = [&] {
+    return status_.arm_host_id == host_id_ && status_.arm_token != 0 && status_.arm_token != earlier;
+  };
+  return wait(given, 3s) ? status_.arm_token : 0;
+}
+
+std::int64_t RawHost::fire_until_flash(LineWatcher& watch, const ShotOfToken& shot) {
+  for (int attempt = 0; attempt < kFlashAttempts; ++attempt) {
+    const std::int64_t token = arm();
+    if (token == 0) throw std::runtime_error("no token: " + status_.message);
+    send(shot(token));
+    if (const std::int64_t flash_ns = watch.wait_for("STROBE_A", 1, 3s); flash_ns != 0) return flash_ns;
+    // The shot that was spoiled ends; one that was refused would be so again.
+    if (!wait([this] { return status_.state == strobe_msgs::status_t::SPENT; }, 5s))
+      throw std::runtime_error("no shot: " + (events_.empty() ? "" : events_.back().detail));
+  }
+  return 0;
 }
 
 strobe_msgs::command_t RawHost::fire_command(std::int64_t token, bool dry) {

@@ -17,8 +17,12 @@
 #include <vector>
 
 #include "common/authentication/key.hpp"
+#include "tests/hil/line_watcher.hpp"
 
 namespace strobe::hil {
+
+/// A freeze long enough to spoil a shot falls into one of five; ten in a row are one in ten million.
+inline constexpr int kFlashAttempts = 10;
 
 class RawHost {
  public:
@@ -29,7 +33,11 @@ class RawHost {
   void listen(std::chrono::milliseconds time);
 
   bool wait_status();  ///< the first one of strobed
-  std::int64_t arm();  ///< asks for a token; 0: none was given
+  std::int64_t arm();  ///< asks for a new token; 0: none was given
+  using ShotOfToken = std::function<strobe_msgs::command_t(std::int64_t token)>;
+  /// Arms and fires until a first flash is seen, since a machine that stands still spoils shots before it;
+  /// the instant of that flash, or 0 after kFlashAttempts. std::runtime_error if none can be fired.
+  std::int64_t fire_until_flash(LineWatcher& watch, const ShotOfToken& shot);
   /// A dry or live shot of the rig file's kind: 3 ms, 200 ms exposure.
   strobe_msgs::command_t fire_command(std::int64_t token, bool dry);
   strobe_msgs::command_t command(std::int8_t kind);  ///< addressed to the boot last seen, with the next id

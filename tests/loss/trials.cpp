@@ -146,7 +146,7 @@ class KillSequence {
 
 /// What happens in a lab whose firmware is up.
 TrialResult run_trial(const RigFixtureOptions& options, const LinkFaults& faults, std::uint64_t seed,
-                const std::function<void(LossFixture&, TrialResult&)>& happen) {
+                      const std::function<void(LossFixture&, TrialResult&)>& happen) {
   TrialResult result;
   const std::int64_t start_ns = testing::monotonic_now_ns();
   LossFixture lab(options, faults, seed);
@@ -176,6 +176,7 @@ TrialResult run_trial(const LinkTrial& trial) {
     end_series(host, result);
     take_down(lab.bench());
     lab.audit_into(result);
+    result.words += lab.bench().log();
   });
 }
 
