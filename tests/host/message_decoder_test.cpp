@@ -98,17 +98,6 @@ TEST(DecodingOfMessages, NumbersOutOfRangeAreIgnored) {
   LONGS_EQUAL(3, decoder.undecodable());
 }
 
-TEST(DecodingOfMessages, AReadoutTellsItsHostWithoutBeingDecoded) {
-  strobe_msgs::readout_t readout{};
-  readout.host_id = -0x0123456789abcdef;
-  const std::vector<std::uint8_t> bytes = encode(readout);
-  LONGLONGS_EQUAL(readout.host_id, strobe::messages::readout_host(bytes.data(), bytes.size()));
-  const std::vector<std::uint8_t> other = encode(status());
-  LONGLONGS_EQUAL(0, strobe::messages::readout_host(other.data(), other.size()));
-  for (std::size_t size = 0; size < 20; ++size)
-    LONGLONGS_EQUAL(0, strobe::messages::readout_host(bytes.data(), size));
-}
-
 TEST(DecodingOfMessages, OtherRigsAndTypesAreIgnored) {
   give("STROBE/other/STATUS", encode(status()));
   give("STROBE/bench/READOUT", encode(status()));

@@ -34,8 +34,10 @@ Frame example_frame() {
   Frame frame;
   frame.shot_id = 5;
   frame.surface_px = {{0, 1}, {10, 2}};
-  frame.centre_sd_px = 2.0;
-  frame.images.resize(3);
+  frame.centre_sd_px = 2.0, frame.surface_sd_px = 1.5, frame.diameter_sd_px = 3.0,
+  frame.equator_sd_rad = 0.02;
+  frame.px_per_m = 4000.0, frame.px_per_m_sd = 8.0;
+  frame.images.resize(4);
   frame.images[0].leg = Leg::incoming;
   frame.images[0].equator_rad = 0.4;
   frame.images[1].leg = Leg::contact;
@@ -47,6 +49,7 @@ Frame example_frame() {
   frame.images[2].equator_rad = 0.5;
   frame.images[2].equator_sd_rad = 0.0625;
   frame.images[1].contact_width_px = 88.5;
+  frame.images[3].leg = Leg::rebound;
   return frame;
 }
 
@@ -80,57 +83,85 @@ TEST(FrameMessage, SurvivesTheWire) {
   const auto frame = frame_from_lcm(wired(message));
   CHECK_TRUE(frame.has_value());
   STRCMP_EQUAL(frame_to_json(example_frame()).c_str(), frame_to_json(*frame).c_str());
-  CHECK_FALSE(frame->diameter_sd_px.has_value());
   CHECK_FALSE(frame->images[2].leg.has_value());
   CHECK_FALSE(frame->images[1].equator_rad.has_value());
   CHECK_FALSE(frame->images[0].centre_cov_px2.has_value());
   STRCMP_EQUAL("hand", frame->images[1].source.c_str());
   STRCMP_EQUAL("auto", frame->images[2].source.c_str());
+  // What is absent stays so.
+  Frame bare;
+  bare.surface_px = {{0, 1}, {10, 2}};
+  bare.images.resize(1);
+  bare.images[0].diameter_px = 1.0;
+  STRCMP_EQUAL(frame_to_json(bare).c_str(),
+               frame_to_json(*frame_from_lcm(wired(frame_to_lcm(bare)))).c_str());
+}
+
+TEST(FrameMessage, SaysTheSourceOfMostImagesTheEarlierOfEquals) {
+  Frame frame = example_frame();
+  STRCMP_EQUAL("hand", message.source.c_str());
+  frame.images[0].source = "auto";  // two of each
+  STRCMP_EQUAL("auto", frame_to_lcm(frame).source.c_str());
+  frame.images[3].source = "film";  // no other word has a number of its own
+  STRCMP_EQUAL("auto", frame_from_lcm(frame_to_lcm(frame))->images[3].source.c_str());
 }
 
 TEST(FrameMessage, IsCheckedFieldByField) {
-  auto bad = message;
-  bad.images[2].centre_y_px = kNone;
-  STRCMP_EQUAL("images[2].centre_px: must be two finite numbers", complaint(bad).c_str());
-  bad = message;
-  bad.images[0].diameter_px = -1;
-  STRCMP_EQUAL("images[0].diameter_px: must be positive", complaint(bad).c_str());
-  bad = message;
-  bad.images[0].leg = 9;
-  STRCMP_EQUAL("images[0].leg: unknown leg 9", complaint(bad).c_str());
-  bad = message;
-  bad.images[0].source = 3;
-  STRCMP_EQUAL("images[0].source: unknown source 3", complaint(bad).c_str());
-  bad = message;
-  bad.images[2].centre_xy_px2 = 0.015;
-  STRCMP_CONTAINS("images[2].centre_xx_px2, xy, yy: must be positive definite", complaint(bad).c_str());
-  bad = message;
-  bad.images[0].centre_xx_px2 = 1.0;  // alone
-  STRCMP_CONTAINS("images[0].centre_xx_px2, xy, yy", complaint(bad).c_str());
-  bad = message;
-  bad.images[2].diameter_sd_px = 0.0;
-  STRCMP_CONTAINS("images[2].diameter_sd_px: must be positive", complaint(bad).c_str());
-  bad = message;
-  bad.images[2].equator_sd_rad = INFINITY;
-  STRCMP_CONTAINS("images[2].equator_sd_rad: must be positive", complaint(bad).c_str());
-  bad = message;
-  bad.images[1].contact_width_px = -1.0;
-  STRCMP_CONTAINS("images[1].contact_width_px: must be positive", complaint(bad).c_str());
-  bad = message;
-  bad.centre_sd_px = 0.0;
-  STRCMP_CONTAINS("centre_sd_px: must be positive", complaint(bad).c_str());
-  bad = message;
-  bad.surface[1].x_px = INFINITY;
-  STRCMP_EQUAL("surface[1]: must be two finite numbers", complaint(bad).c_str());
-  bad = message;
-  bad.schema_version = 1;
-  STRCMP_EQUAL("schema_version: is 1, known is 2", complaint(bad).c_str());
-  bad = message;
-  bad.image_count = 1000;
-  STRCMP_CONTAINS("image_count", complaint(bad).c_str());
-  bad = message;
-  bad.surface.resize(1), bad.surface_count = 1;
-  STRCMP_CONTAINS("surface: needs at least two points", complaint(bad).c_str());
+  const auto refused = [&](const char* why, const auto& spoil) {
+    auto bad = message;
+    spoil(bad);
+    STRCMP_EQUAL(why, complaint(bad).c_str());
+  };
+  using M = strobe_msgs::frame_t;
+  const char* const definite =
+      "images[2].centre_xx_px2, xy, yy: must be positive definite, or NaN for unknown";
+  refused("images[2].centre_px: must be two finite numbers", [](M& m) { m.images[2].centre_y_px = kNone; });
+  refused("images[2].centre_px: must be two finite numbers", [](M& m) { m.images[2].centre_x_px = kNone; });
+  refused("images[0].diameter_px: must be positive", [](M& m) { m.images[0].diameter_px = 0.0; });
+  refused("images[0].diameter_px: must be positive", [](M& m) { m.images[0].diameter_px = INFINITY; });
+  refused("images[1].diameter_px: must be positive", [](M& m) { m.images[1].diameter_px = -1.0; });
+  refused("images[1].equator_rad: must be finite, or NaN for not seen",
+          [](M& m) { m.images[1].equator_rad = -INFINITY; });
+  refused("images[0].leg: unknown leg 9", [](M& m) { m.images[0].leg = 9; });
+  refused("images[0].source: unknown source 3", [](M& m) { m.images[0].source = 3; });
+  refused(definite, [](M& m) { m.images[2].centre_xy_px2 = std::sqrt(0.01) * std::sqrt(0.02); });
+  refused(definite, [](M& m) { m.images[2].centre_xy_px2 = kNone; });
+  refused(definite, [](M& m) { m.images[2].centre_xx_px2 = kNone; });
+  refused(definite, [](M& m) { m.images[2].centre_yy_px2 = INFINITY; });
+  refused(definite, [](M& m) { m.images[2].centre_xx_px2 = m.images[2].centre_yy_px2 = -1.0; });
+  const auto positive = [&](const char* field, auto spoil) {
+    for (const double bad : {-1.0, static_cast<double>(INFINITY)})
+      refused((std::string(field) + ": must be positive, or NaN for unknown").c_str(),
+              [&](M& m) { spoil(m) = bad; });
+  };
+  positive("images[2].diameter_sd_px", [](M& m) -> double& { return m.images[2].diameter_sd_px; });
+  positive("images[2].equator_sd_rad", [](M& m) -> double& { return m.images[2].equator_sd_rad; });
+  positive("images[1].contact_width_px", [](M& m) -> double& { return m.images[1].contact_width_px; });
+  positive("centre_sd_px", [](M& m) -> double& { return m.centre_sd_px; });
+  positive("diameter_sd_px", [](M& m) -> double& { return m.diameter_sd_px; });
+  positive("surface_sd_px", [](M& m) -> double& { return m.surface_sd_px; });
+  positive("equator_sd_rad", [](M& m) -> double& { return m.equator_sd_rad; });
+  positive("px_per_m", [](M& m) -> double& { return m.px_per_m; });
+  positive("px_per_m_sd", [](M& m) -> double& { return m.px_per_m_sd; });
+  refused("px_per_m: must be positive, or NaN for unknown", [](M& m) { m.px_per_m = 0.0; });
+  refused("surface[1]: must be two finite numbers", [](M& m) { m.surface[1].x_px = INFINITY; });
+  refused("surface[0]: must be two finite numbers", [](M& m) { m.surface[0].y_px = kNone; });
+  refused("schema_version: is 1, known is 2", [](M& m) { m.schema_version = 1; });
+  const char* const counts = "surface_count, image_count: do not fit the arrays";
+  refused(counts, [](M& m) { m.image_count = 1000; });
+  refused(counts, [](M& m) { m.surface_count = 3; });
+  refused("surface: needs at least two points, or none",
+          [](M& m) { m.surface_count = 1, m.surface.resize(1); });
+  refused("surface: needs at least two points, or none",
+          [](M& m) { m.surface_count = 10001, m.surface.resize(10001); });
+  refused("images: at most 512 are allowed", [](M& m) { m.image_count = 513, m.images.resize(513); });
+  message.surface.resize(10000, message.surface[0]), message.surface_count = 10000;
+  message.images.resize(512, message.images[0]), message.image_count = 512;
+  STRCMP_EQUAL("accepted", complaint(message).c_str());
+  // Arrays that are empty, whatever their counts claim.
+  message.surface.clear(), message.images.clear();
+  message.surface_count = message.image_count = -1;
+  STRCMP_EQUAL("accepted", complaint(message).c_str());
 }
 
 TEST(FrameMessage, MayHaveNoSurfaceAndAContactImageWithoutADiameter) {
@@ -141,6 +172,8 @@ TEST(FrameMessage, MayHaveNoSurfaceAndAContactImageWithoutADiameter) {
   CHECK_TRUE(frame->surface_px.empty());
   DOUBLES_EQUAL(0.0, frame->images[1].diameter_px, 0.0);
   CHECK_TRUE(std::isnan(frame_to_lcm(*frame).images[1].diameter_px));
+  message.images[1].top_x_px = kNone;  // half a point is none
+  CHECK_FALSE(frame_from_lcm(message)->images[1].top_px.has_value());
   message.images[0].diameter_px = kNone;  // in flight it must have one
   STRCMP_EQUAL("images[0].diameter_px: must be positive", complaint(message).c_str());
 }
@@ -162,7 +195,7 @@ TEST_GROUP(ReadoutMessage) {
     }
     readout.sd_systematic[Quantity::v_td_mps] = 0.2;
     readout.regime = Regime::slides;
-    readout.court_pace_conforming = true;
+    readout.court_pace_conforming = readout.mirrored = true;
     readout.method = "two-point";
     readout.flight_effects = {.gravity = true, .drag = true, .magnus = false};
     readout.flags.set(reduction::Flag::sensor_missing);
@@ -178,20 +211,26 @@ TEST(ReadoutMessage, SurvivesTheWire) {
   const auto back = readout_from_lcm(message);
   CHECK_TRUE(back.has_value());
   STRCMP_EQUAL(readout_to_json(readout).c_str(), readout_to_json(*back).c_str());
+  for (const auto regime :
+       {std::optional<Regime>(), std::optional(Regime::grips), std::optional(Regime::unclear)}) {
+    Readout bare;
+    bare.regime = regime;
+    STRCMP_EQUAL(readout_to_json(bare).c_str(),
+                 readout_to_json(*readout_from_lcm(wired(readout_to_lcm(bare, 1, 2)))).c_str());
+  }
 }
 
 TEST(ReadoutMessage, EachFieldCarriesItsOwnQuantity) {
-  // theta_in 1, vx_td 3, v_td 5, vx_lo 7, v_lo 9, slip 11, mu 13, dwell distance 15: index + 1 in
-  // readout.hpp's order.
+  // Index + 1 in readout.hpp's order.
+  for (std::size_t i = 1; i < reduction::kQuantityCount; i += 2)
+    readout.value[static_cast<Quantity>(i)] = 1.0 + static_cast<double>(i);
   const auto m = readout_to_lcm(readout, 1, 1).value;
-  DOUBLES_EQUAL(1.0, m.theta_in_deg, 0.0);
-  DOUBLES_EQUAL(3.0, m.vx_td_mps, 0.0);
-  DOUBLES_EQUAL(5.0, m.v_td_mps, 0.0);
-  DOUBLES_EQUAL(7.0, m.vx_lo_mps, 0.0);
-  DOUBLES_EQUAL(9.0, m.v_lo_mps, 0.0);
-  DOUBLES_EQUAL(11.0, m.slip_lo_mps, 0.0);
-  DOUBLES_EQUAL(13.0, m.mu, 0.0);
-  DOUBLES_EQUAL(15.0, m.dwell_distance_cm, 0.0);
+  const double fields[] = {m.theta_in_deg, m.theta_out_deg,  m.vx_td_mps,         m.vy_td_mps,
+                           m.v_td_mps,     m.omega_td_radps, m.vx_lo_mps,         m.vy_lo_mps,
+                           m.v_lo_mps,     m.omega_lo_radps, m.slip_lo_mps,       m.e,
+                           m.mu,           m.dwell_time_ms,  m.dwell_distance_cm, m.court_pace};
+  for (std::size_t i = 0; i < reduction::kQuantityCount; ++i)
+    DOUBLES_EQUAL(1.0 + static_cast<double>(i), fields[i], 0.0);
 }
 
 TEST(ReadoutMessage, IsChecked) {
@@ -207,6 +246,14 @@ TEST(ReadoutMessage, IsChecked) {
   bad = readout_to_lcm(readout, 1, 1);
   bad.sd.mu = INFINITY;
   STRCMP_CONTAINS("sd.mu: must be finite", complaint(bad).c_str());
+  bad.value.e = -INFINITY;
+  STRCMP_CONTAINS("value.e: must be finite", complaint(bad).c_str());
+  bad = readout_to_lcm(readout, 1, 1);
+  bad.sd_systematic.mu = INFINITY;
+  STRCMP_CONTAINS("sd_systematic.mu: must be finite", complaint(bad).c_str());
+  bad = readout_to_lcm(readout, 1, 1);
+  bad.notes[0].key = "";
+  STRCMP_CONTAINS("notes[0].key", complaint(bad).c_str());
   bad = readout_to_lcm(readout, 1, 1);
   bad.schema_version = 0;
   STRCMP_CONTAINS("schema_version", complaint(bad).c_str());
@@ -229,8 +276,18 @@ TEST(RecordNotes, AreCheckedForKeyAndLength) {
   notes[1].key = "remarks";
   notes[1].value = std::string(1025, 'x');
   STRCMP_CONTAINS("notes[1].value", record_from_notes(notes).error().message.c_str());
+  notes[1].value.pop_back();
+  CHECK_TRUE(record_from_notes(notes).has_value());
   notes.assign(65, notes[0]);
   STRCMP_CONTAINS("at most 64", record_from_notes(notes).error().message.c_str());
+  notes.pop_back();
+  CHECK_TRUE(record_from_notes(notes).has_value());
+  // The ends of what is allowed, and their neighbours.
+  for (const std::string& key : {std::string("az09_."), std::string(64, 'x')})
+    CHECK_TRUE(valid_note_key(key));
+  for (const std::string& key : {std::string(), std::string(65, 'x'), std::string("a`"), std::string("a{"),
+                                 std::string("a/"), std::string("a:"), std::string("a-")})
+    CHECK_FALSE_TEXT(valid_note_key(key), key.c_str());
 }
 
 TEST(RecordNotes, ALaterNoteOverridesAnEarlierOne) {

@@ -158,3 +158,15 @@ TEST(ChecksOfMessages, ANumberThatMayBeAbsentIsNaNOrInRange) {
   shot.late_tolerance_us = std::nan("");
   CHECK_FALSE(in_range(shot));
 }
+
+TEST(ChecksOfMessages, AReadoutTellsItsHostWithoutBeingDecoded) {
+  for (const std::int64_t host : {-0x0123456789abcdef, 0x0123456789abcdef}) {
+    readout_t readout{};
+    readout.host_id = host;
+    const auto bytes = encoded(readout);
+    LONGLONGS_EQUAL(host, readout_host(bytes.data(), bytes.size()));
+    for (std::size_t size = 0; size < 20; ++size) LONGLONGS_EQUAL(0, readout_host(bytes.data(), size));
+  }
+  const auto other = encoded(full_status());
+  LONGLONGS_EQUAL(0, readout_host(other.data(), other.size()));
+}
