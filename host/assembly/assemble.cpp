@@ -44,10 +44,6 @@ void set_rig(Frame& frame, const shot_t& shot, const AssemblySettings& settings)
   frame.temperature_c = note_number(frame.record, "temperature_c");
 }
 
-double since_s(std::int64_t time_ns, std::int64_t origin_ns) {
-  return static_cast<double>(time_ns - origin_ns) * 1e-9;
-}
-
 /// Speed along the path from the first two airborne images, for the time from gate to plate.
 std::optional<double> incoming_speed_mps(const Track& track, const FlashTimes& times) {
   if (track.images.size() < 2 || times.seen.size() < 2) return std::nullopt;
@@ -55,23 +51,24 @@ std::optional<double> incoming_speed_mps(const Track& track, const FlashTimes& t
   const TrackPoint& b = track.images[1];
   if (b.leg != Leg::incoming) return std::nullopt;
   const double step_m = (b.centre_px - a.centre_px).norm() / track.px_per_m;
-  const double interval_s = since_s(times.seen[1].time_ns, times.seen[0].time_ns);
+  const double interval_s = to_seconds(times.seen[1].time - times.seen[0].time);
   if (!(step_m > 0.0) || !(interval_s > 0.0)) return std::nullopt;
   return step_m / interval_s;
 }
 
 std::optional<ArrivalPrior> arrival_prior(const shot_t& shot, const Track& track, const FlashTimes& times,
                                           const AssemblySettings& settings) {
-  const std::int64_t origin = times.seen.front().time_ns;
+  const MonoTime origin = times.seen.front().time, gate = from_ns(shot.gate_ns),
+                 trigger = from_ns(shot.trigger_ns);
   const auto speed = incoming_speed_mps(track, times);
-  if (shot.gate_ns != shot_t::NO_TIME && settings.analysis.gate_distance_m && speed) {
+  if (known(gate) && settings.analysis.gate_distance_m && speed) {
     // The speed itself is known to a few per cent only before the match.
     const double flight_s = *settings.analysis.gate_distance_m / *speed;
     const double scale_s = std::hypot(settings.analysis.gate_distance_sd_m / *speed, 0.05 * flight_s);
-    return ArrivalPrior{since_s(shot.gate_ns, origin) + flight_s, scale_s};
+    return ArrivalPrior{to_seconds(gate - origin) + flight_s, scale_s};
   }
-  if (shot.trigger_ns != shot_t::NO_TIME && settings.machine_lag_s) {
-    return ArrivalPrior{since_s(shot.trigger_ns, origin) + *settings.machine_lag_s, kMachineLagScale_s};
+  if (known(trigger) && settings.machine_lag_s) {
+    return ArrivalPrior{to_seconds(trigger - origin) + *settings.machine_lag_s, kMachineLagScale_s};
   }
   return std::nullopt;
 }
@@ -82,7 +79,7 @@ std::optional<ArrivalPrior> arrival_prior(const shot_t& shot, const Track& track
 FlagSet flash_flags(const FlashTimes& times, const FlashMatch& match, int first, int last) {
   FlagSet flags;
   const auto next_to = [first, last](int index) { return index >= first - 1 && index <= last + 1; };
-  std::int64_t previous_ns = shot_t::NO_TIME;
+  MonoTime previous = kNoTime;
   for (std::size_t i = 0; i < times.seen.size(); ++i) {
     const ObservedFlash& flash = times.seen[i];
     const bool shows = flash.index >= first && flash.index <= last;
@@ -92,8 +89,8 @@ FlagSet flash_flags(const FlashTimes& times, const FlashMatch& match, int first,
     if (!shows) continue;
     if (flash.late) flags.set(Flag::late_flash);
     if (flash.sensor_silent) flags.set(Flag::sensor_missing);
-    if (flash.before_its_pulse || flash.time_ns <= previous_ns) flags.set(Flag::clock_suspect);
-    previous_ns = flash.time_ns;
+    if (flash.before_its_pulse || flash.time <= previous) flags.set(Flag::clock_suspect);
+    previous = flash.time;
   }
   for (const int index : times.missing) {
     if (next_to(index)) flags.set(Flag::missing_flash);
@@ -106,7 +103,7 @@ void set_times(Frame& frame, const FlashTimes& times, const FlashMatch& match) {
     return times.seen[static_cast<std::size_t>(match.flash[image])];
   };
   for (std::size_t i = 0; i < frame.images.size(); ++i) {
-    frame.images[i].time_s = since_s(flash(i).time_ns, flash(0).time_ns);
+    frame.images[i].time_s = to_seconds(flash(i).time - flash(0).time);
     frame.images[i].time_sd_s = flash(i).time_sd_s;
     frame.images[i].flash_index = flash(i).index;
   }
@@ -175,7 +172,7 @@ AssembledShot assemble(const shot_t& shot, const frame_t& message, const Assembl
   std::vector<double> times_s;
   times_s.reserve(times.seen.size());
   for (const ObservedFlash& flash : times.seen)
-    times_s.push_back(since_s(flash.time_ns, times.seen.front().time_ns));
+    times_s.push_back(to_seconds(flash.time - times.seen.front().time));
   const auto match = match_flashes(times_s, *track, arrival_prior(shot, *track, times, settings));
   if (!match) return unmatched(result, Flag::flash_match_ambiguous, "more images than flashes were seen");
   set_times(result.frame, times, *match);

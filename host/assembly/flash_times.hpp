@@ -1,18 +1,19 @@
 // When each flash of a shot was, from what the sensors saw of it. No I/O; thread-safe.
 #pragma once
 
-#include <cstdint>
 #include <strobe_msgs/shot_t.hpp>
 #include <vector>
 
+#include "common/units/time.hpp"
+
 namespace strobe::host {
 
-/// A flash that gave light. time_ns is CLOCK_MONOTONIC: the mean of both sensors' stamps, or the one's that
+/// A flash that gave light. Its time: the mean of both sensors' stamps, or the one's that
 /// fired (of a flash of one lamp: its own sensor's). Where one sensor stands for both lamps, the difference
 /// of their delays is allowed for.
 struct ObservedFlash {
   int index = 0;  ///< flash_t.flash_index
-  std::int64_t time_ns = 0;
+  MonoTime time;
   double time_sd_s = 0.0;
   bool late = false;              ///< observed - commanded - lamp delay beyond the rig's tolerance
   bool doubled = false;           ///< further sensor edges before the next flash

@@ -1,40 +1,46 @@
 // What a machine's own clocks say of each other: whether its wall clock was set, whether it slept.
-// CLOCK_MONOTONIC is immune to the first and stands still in the second. No I/O; a plain value.
+// CLOCK_MONOTONIC is immune to the first and stands still in the second. No I/O; plain values.
 #pragma once
 
-#include <cstdint>
 #include <optional>
+
+#include "common/units/time.hpp"
 
 namespace strobe::host {
 
-/// Read together, in nanoseconds.
+/// A machine's clocks, read together. Time: its CLOCK_MONOTONIC.
+template <typename Time>
 struct ClockReading {
-  std::int64_t mono_ns = 0;
-  std::int64_t wall_ns = 0;
-  std::int64_t boot_time_ns = 0;  ///< as mono_ns, but goes on while the machine is suspended
+  Time mono{};
+  WallTime wall{};
+  Duration since_boot{};  ///< as mono, but goes on while the machine is suspended
 };
+using HostReading = ClockReading<HostTime>;
+using DeviceReading = ClockReading<MonoTime>;
 
 /// The port that reads the machine's clocks.
 class Clock {
  public:
   virtual ~Clock() = default;
-  virtual ClockReading read() = 0;
+  virtual HostReading read() = 0;
 };
 
+struct ClockChange {
+  Duration stepped{};    ///< the wall clock was set by this much; 0: it was not
+  Duration suspended{};  ///< the machine was suspended for this long; 0: it was not
+};
+
+/// Time: MonoTime or HostTime.
+template <typename Time>
 class ClockStepDetector {
  public:
-  struct Change {
-    std::int64_t stepped_ns = 0;    ///< the wall clock was set by this much; 0: it was not
-    std::int64_t suspended_ns = 0;  ///< the machine was suspended for this long; 0: it was not
-  };
-
-  /// What has changed since the reading before; nothing: neither. Less than 50 ms, or half a thousandth of
-  /// the time in between, passes for slewing and for clocks that were not read quite together.
-  std::optional<Change> on_reading(const ClockReading& now);
+  /// What has changed since the reading before. Returns nullopt if neither. Less than 50 ms, or half a
+  /// thousandth of the time in between, passes for slewing and for clocks that were not read quite together.
+  std::optional<ClockChange> on_reading(const ClockReading<Time>& now);
   void forget() { last_.reset(); }
 
  private:
-  std::optional<ClockReading> last_;
+  std::optional<ClockReading<Time>> last_;
 };
 
 }  // namespace strobe::host

@@ -17,56 +17,51 @@ constexpr std::size_t kLateInARow = 8;
 constexpr std::size_t kMaxPoints = 400;  // of a line
 constexpr std::size_t kMaxHeard = 1300;
 constexpr std::size_t kMaxKept = 64;
-constexpr std::int64_t kFitEvery_ns = 5'000'000'000;
+constexpr Duration kFitEvery = std::chrono::seconds{5};
 // From so many heartbeats on, one more changes little.
 constexpr std::size_t kSettled = 40;
 // Kernels discipline a clock by 500 ppm at most; two may be disciplined.
 constexpr double kPlausibleDrift = 1.1e-3;
-constexpr double kNs = 1e-9;
-
-double as_seconds(std::int64_t ns) { return static_cast<double>(ns) * kNs; }
 
 }  // namespace
 
-double DeviceClock::offset_s(const Segment& segment, std::int64_t sent_ns) const {
-  return segment.line ? segment.line->offset_s(as_seconds(sent_ns - segment.first_sent_ns))
-                      : segment.min_offset_s;
+double DeviceClock::offset_s(const Segment& segment, MonoTime sent) const {
+  return segment.line ? segment.line->offset_s(to_seconds(sent - segment.first_sent)) : segment.min_offset_s;
 }
 
 double DeviceClock::lateness_s(const Heartbeat& heartbeat) const {
   const Segment& segment = segments_.back();
-  return as_seconds(heartbeat.heard_ns - heartbeat.sent_ns - segment.origin_ns) -
-         offset_s(segment, heartbeat.sent_ns);
+  return to_seconds(heartbeat.offset() - segment.origin) - offset_s(segment, heartbeat.sent);
 }
 
-void DeviceClock::notify_changes(const ClockStepDetector::Change& change, const std::string& whose) {
-  if (change.stepped_ns != 0) {
+void DeviceClock::notify_changes(const ClockChange& change, const std::string& whose) {
+  if (change.stepped != Duration{}) {
     notifications_.push_back(
         fmt::format("the wall clock of {} was set by {:+.1f} s; times measured are not touched", whose,
-                    as_seconds(change.stepped_ns)));
+                    to_seconds(change.stepped)));
   }
-  if (change.suspended_ns != 0) {
+  if (change.suspended != Duration{}) {
     notifications_.push_back(
-        fmt::format("{} was suspended for {:.1f} s", whose, as_seconds(change.suspended_ns)));
+        fmt::format("{} was suspended for {:.1f} s", whose, to_seconds(change.suspended)));
   }
 }
 
-void DeviceClock::on_local(const ClockReading& local) {
+void DeviceClock::on_local(const HostReading& local) {
   if (const auto change = local_watch_.on_reading(local)) notify_changes(*change, "this machine");
 }
 
-void DeviceClock::on_heartbeat(std::int64_t boot_id, const ClockReading& device, std::int64_t heard_ns) {
-  const Heartbeat heartbeat{device.mono_ns, heard_ns};
+void DeviceClock::on_heartbeat(std::int64_t boot_id, const DeviceReading& device, HostTime heard) {
+  const Heartbeat heartbeat{device.mono, heard};
   const bool anew = boot_id != boot_id_;
   boot_id_ = boot_id;
-  const bool older = !heartbeats_.empty() && heartbeat.sent_ns <= heartbeats_.back().sent_ns;
+  const bool older = !heartbeats_.empty() && heartbeat.sent <= heartbeats_.back().sent;
   if (older && !anew) return;  // overtaken on the way, or doubled
-  const std::int64_t before_ns = heartbeats_.empty() ? heartbeat.sent_ns : heartbeats_.back().sent_ns;
+  const MonoTime before = heartbeats_.empty() ? heartbeat.sent : heartbeats_.back().sent;
   if (older) device_watch_.forget();
   const auto change = device_watch_.on_reading(device);
   if (change) notify_changes(*change, "the firmware's machine");
-  const bool slept = change && change->suspended_ns != 0;
-  if (slept) sleeps_.emplace_back(before_ns, heartbeat.sent_ns);
+  const bool slept = change && change->suspended != Duration{};
+  if (slept) sleeps_.emplace_back(before, heartbeat.sent);
   if (sleeps_.size() > kMaxKept) sleeps_.erase(sleeps_.begin());
   if (heartbeats_.empty() || older || slept) return begin(heartbeat);
   if (broken_by(heartbeat)) {
@@ -88,8 +83,8 @@ bool DeviceClock::earlier_than_any(const Heartbeat& heartbeat) const {
   const double allowed_s = recent < kMinSamplesForLine ? kTooLate_s : kTooEarly_s;
   return std::all_of(heartbeats_.end() - static_cast<std::ptrdiff_t>(recent), heartbeats_.end(),
                      [&](const Heartbeat& before) {
-                       const double passed_s = as_seconds(heartbeat.sent_ns - before.sent_ns);
-                       const double gained_s = as_seconds(heartbeat.heard_ns - before.heard_ns) - passed_s;
+                       const double passed_s = to_seconds(heartbeat.sent - before.sent);
+                       const double gained_s = to_seconds(heartbeat.heard - before.heard) - passed_s;
                        return gained_s < -allowed_s - kPlausibleDrift * passed_s;
                      });
 }
@@ -110,10 +105,10 @@ void DeviceClock::begin(const Heartbeat& heartbeat) {
   heartbeats_.clear();
   late_.clear();
   estimate_.reset();
-  estimated_ns_ = 0;
+  estimated_ = {};
   Segment segment;
-  segment.first_sent_ns = heartbeat.sent_ns;
-  segment.origin_ns = heartbeat.heard_ns - heartbeat.sent_ns;
+  segment.first_sent = heartbeat.sent;
+  segment.origin = heartbeat.offset();
   segments_.push_back(segment);
   if (segments_.size() > kMaxKept) segments_.erase(segments_.begin());
   add(heartbeat);
@@ -121,52 +116,50 @@ void DeviceClock::begin(const Heartbeat& heartbeat) {
 
 void DeviceClock::add(const Heartbeat& heartbeat) {
   heartbeats_.push_back(heartbeat);
-  while (heartbeats_.size() > kMaxHeard || heartbeat.sent_ns - heartbeats_.front().sent_ns > kMemory_ns)
+  while (heartbeats_.size() > kMaxHeard || heartbeat.sent - heartbeats_.front().sent > kMemory)
     heartbeats_.pop_front();
   Segment& segment = segments_.back();
   ++segment.heartbeats;
-  const double offset_s = as_seconds(heartbeat.heard_ns - heartbeat.sent_ns - segment.origin_ns);
-  segment.min_offset_s = std::min(segment.min_offset_s, offset_s);
-  if (segment.line && heartbeat.sent_ns - fitted_ns_ < kFitEvery_ns) return;
+  segment.min_offset_s = std::min(segment.min_offset_s, to_seconds(heartbeat.offset() - segment.origin));
+  if (segment.line && heartbeat.sent - fitted_ < kFitEvery) return;
   if (heartbeats_.size() < kMinSamplesForLine) return;
-  fitted_ns_ = heartbeat.sent_ns;
-  std::vector<ClockSample> recent = points(kWindow_ns);
+  fitted_ = heartbeat.sent;
+  std::vector<ClockSample> recent = points(kWindow);
   if (recent.size() > kMaxPoints) recent.erase(recent.begin(), recent.end() - kMaxPoints);
   if (auto line = fit_clock(recent)) segment.line = *line;
 }
 
-std::vector<ClockSample> DeviceClock::points(std::int64_t last_ns) const {
+std::vector<ClockSample> DeviceClock::points(Duration last) const {
   const Segment& segment = segments_.back();
   std::vector<ClockSample> points;
   for (const Heartbeat& heartbeat : heartbeats_) {
-    if (heartbeats_.back().sent_ns - heartbeat.sent_ns > last_ns) continue;
-    points.push_back({as_seconds(heartbeat.sent_ns - segment.first_sent_ns),
-                      as_seconds(heartbeat.heard_ns - heartbeat.sent_ns - segment.origin_ns)});
+    if (heartbeats_.back().sent - heartbeat.sent > last) continue;
+    points.push_back(
+        {to_seconds(heartbeat.sent - segment.first_sent), to_seconds(heartbeat.offset() - segment.origin)});
   }
   return points;
 }
 
-const DeviceClock::Segment& DeviceClock::of(std::int64_t device_ns) const {
+const DeviceClock::Segment& DeviceClock::of(MonoTime device) const {
   for (std::size_t i = segments_.size(); i-- > 1;) {
-    const bool follows = segments_[i].first_sent_ns > segments_[i - 1].first_sent_ns;
-    if (device_ns >= segments_[i].first_sent_ns || !follows) return segments_[i];
+    const bool follows = segments_[i].first_sent > segments_[i - 1].first_sent;
+    if (device >= segments_[i].first_sent || !follows) return segments_[i];
   }
   return segments_.front();
 }
 
-std::optional<std::int64_t> DeviceClock::local_ns(std::int64_t device_ns) const {
+std::optional<HostTime> DeviceClock::local(MonoTime device) const {
   if (segments_.empty()) return std::nullopt;
-  const Segment& segment = of(device_ns);
-  return device_ns + segment.origin_ns +
-         static_cast<std::int64_t>(std::llround(offset_s(segment, device_ns) / kNs));
+  const Segment& segment = of(device);
+  return HostTime{device.time_since_epoch() + segment.origin + from_seconds(offset_s(segment, device))};
 }
 
 void DeviceClock::renew_estimate() {
-  const std::int64_t newest_ns = heartbeats_.back().sent_ns;
+  const MonoTime newest = heartbeats_.back().sent;
   const bool settled = estimate_ && heartbeats_.size() >= kSettled;
-  if (newest_ns == estimated_ns_ || (settled && newest_ns - estimated_ns_ < kFitEvery_ns)) return;
-  estimated_ns_ = newest_ns;
-  estimate_ = estimate_clock(points(kMemory_ns));
+  if (newest == estimated_ || (settled && newest - estimated_ < kFitEvery)) return;
+  estimated_ = newest;
+  estimate_ = estimate_clock(points(kMemory));
 }
 
 ClockState DeviceClock::state() {
@@ -176,25 +169,24 @@ ClockState DeviceClock::state() {
   state.heartbeats = segment.heartbeats;
   state.latency_s = lateness_s(heartbeats_.back());
   for (const Heartbeat& heartbeat : heartbeats_) {
-    if (heartbeats_.back().sent_ns - heartbeat.sent_ns <= kWindow_ns)
+    if (heartbeats_.back().sent - heartbeat.sent <= kWindow)
       state.worst_latency_s = std::max(state.worst_latency_s, lateness_s(heartbeat));
   }
   renew_estimate();
   if (!estimate_) return state;
-  const ClockEstimate now = estimate_->at(as_seconds(heartbeats_.back().sent_ns - segment.first_sent_ns));
+  const ClockEstimate now = estimate_->at(to_seconds(heartbeats_.back().sent - segment.first_sent));
   state.drift_ppm = now.drift * 1e6;
   state.drift_sd_ppm = std::sqrt(now.drift_var) * 1e6;
-  state.offset_s = as_seconds(segment.origin_ns) + now.offset_s;
+  state.offset_s = to_seconds(segment.origin) + now.offset_s;
   state.offset_sd_s = std::sqrt(now.offset_var_s2);
   state.suspect = heartbeats_.size() >= kMinSamplesForLine &&
                   std::abs(*state.drift_ppm) - 3.0 * state.drift_sd_ppm > kPlausibleDrift * 1e6;
   return state;
 }
 
-bool DeviceClock::suspended_within(std::int64_t from_device_ns, std::int64_t to_device_ns) const {
-  return std::any_of(sleeps_.begin(), sleeps_.end(), [&](const auto& sleep) {
-    return sleep.first < to_device_ns && sleep.second > from_device_ns;
-  });
+bool DeviceClock::suspended_within(MonoTime from, MonoTime to) const {
+  return std::any_of(sleeps_.begin(), sleeps_.end(),
+                     [&](const auto& sleep) { return sleep.first < to && sleep.second > from; });
 }
 
 }  // namespace strobe::host

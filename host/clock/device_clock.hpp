@@ -35,60 +35,63 @@ struct ClockState {
 class DeviceClock {
  public:
   /// The window that instants are told from: longer, and the crystals' wander would count.
-  static constexpr std::int64_t kWindow_ns = 120'000'000'000;
+  static constexpr Duration kWindow = std::chrono::minutes{2};
   /// What the state is taken from, in which the wander has its part: it shows in minutes only.
-  static constexpr std::int64_t kMemory_ns = 600'000'000'000;
+  static constexpr Duration kMemory = std::chrono::minutes{10};
 
-  /// A heartbeat: the firmware's clocks when it was sent, this machine's CLOCK_MONOTONIC when it was heard.
-  void on_heartbeat(std::int64_t boot_id, const ClockReading& device, std::int64_t heard_ns);
+  /// A heartbeat: the firmware's clocks when it was sent, and when it was heard.
+  void on_heartbeat(std::int64_t boot_id, const DeviceReading& device, HostTime heard);
   /// This machine's clocks, now and then.
-  void on_local(const ClockReading& local);
+  void on_local(const HostReading& local);
 
-  /// The firmware's instant on this machine's CLOCK_MONOTONIC; nothing before the first heartbeat. Instants
-  /// from before a break are told by the relation of their time.
-  std::optional<std::int64_t> local_ns(std::int64_t device_ns) const;
+  /// The firmware's instant on this machine's clock. Returns nullopt before the first heartbeat. Instants from
+  /// before a break are told by the relation of their time.
+  std::optional<HostTime> local(MonoTime device) const;
   /// New numbers with each of the first forty heartbeats, then every five seconds: they take some 5 to 15 ms.
   ClockState state();
   /// Whether the firmware's machine was suspended between two of its instants, as its own clocks tell.
-  bool suspended_within(std::int64_t from_device_ns, std::int64_t to_device_ns) const;
+  bool suspended_within(MonoTime from, MonoTime to) const;
 
   std::vector<std::string> take_notifications() { return std::exchange(notifications_, {}); }
 
  private:
   struct Heartbeat {
-    std::int64_t sent_ns = 0;
-    std::int64_t heard_ns = 0;
+    MonoTime sent;
+    HostTime heard;
+    /// This machine's clock less the firmware's, with the delay.
+    Duration offset() const { return heard.time_since_epoch() - sent.time_since_epoch(); }
   };
   /// One relation, as long as it holds.
   struct Segment {
-    std::int64_t first_sent_ns = 0;
-    std::int64_t origin_ns = 0;  ///< heard - sent of the first: numbers are kept relative to it
+    MonoTime first_sent;
+    Duration origin{};  ///< offset of the first: numbers are kept relative to it
     std::int64_t heartbeats = 0;
     double min_offset_s = 0.0;  ///< stands in for the line
     std::optional<ClockLine> line;
   };
 
-  double offset_s(const Segment& segment, std::int64_t sent_ns) const;
+  double offset_s(const Segment& segment, MonoTime sent) const;
   double lateness_s(const Heartbeat& heartbeat) const;
-  void notify_changes(const ClockStepDetector::Change& change, const std::string& whose);
+  void notify_changes(const ClockChange& change, const std::string& whose);
   void begin(const Heartbeat& heartbeat);
   void add(const Heartbeat& heartbeat);
-  /// Of the last so many nanoseconds.
-  std::vector<ClockSample> points(std::int64_t last_ns) const;
+  /// Of the last so much time.
+  std::vector<ClockSample> points(Duration last) const;
   void renew_estimate();
   bool earlier_than_any(const Heartbeat& heartbeat) const;
   bool broken_by(const Heartbeat& heartbeat);
-  const Segment& of(std::int64_t device_ns) const;
+  const Segment& of(MonoTime device) const;
 
-  ClockStepDetector device_watch_, local_watch_;
+  ClockStepDetector<MonoTime> device_watch_;
+  ClockStepDetector<HostTime> local_watch_;
   std::int64_t boot_id_ = 0;
-  std::deque<Heartbeat> heartbeats_;  ///< within kMemory_ns
+  std::deque<Heartbeat> heartbeats_;  ///< within kMemory
   std::vector<Heartbeat> late_;       ///< in a row, by about the same: the relation may have broken
   std::vector<Segment> segments_;
-  std::int64_t fitted_ns_ = 0;             ///< heartbeat that the newest line was fitted at
+  MonoTime fitted_;                        ///< heartbeat that the newest line was fitted at
   std::optional<ClockEstimate> estimate_;  ///< what is told; no instant is computed from it
-  std::int64_t estimated_ns_ = 0;          ///< heartbeat that it was made at
-  std::vector<std::pair<std::int64_t, std::int64_t>> sleeps_;  ///< device instants around each
+  MonoTime estimated_;                     ///< heartbeat that it was made at
+  std::vector<std::pair<MonoTime, MonoTime>> sleeps_;  ///< instants around each
   std::vector<std::string> notifications_;
 };
 

@@ -5,18 +5,18 @@
 namespace strobe::host {
 namespace {
 
-std::int64_t now_ns(clockid_t clock) {
+Duration elapsed(clockid_t clock) {
   timespec time{};
   clock_gettime(clock, &time);
-  return static_cast<std::int64_t>(time.tv_sec) * 1'000'000'000 + time.tv_nsec;
+  return std::chrono::seconds{time.tv_sec} + Duration{time.tv_nsec};
 }
 
 }  // namespace
 
-std::int64_t steady_now_ns() { return now_ns(CLOCK_MONOTONIC); }
+HostTime steady_now() { return HostTime{elapsed(CLOCK_MONOTONIC)}; }
 
-ClockReading MachineClock::read() {
-  return {now_ns(CLOCK_MONOTONIC), now_ns(CLOCK_REALTIME), now_ns(CLOCK_BOOTTIME)};
+HostReading MachineClock::read() {
+  return {steady_now(), WallTime{elapsed(CLOCK_REALTIME)}, elapsed(CLOCK_BOOTTIME)};
 }
 
 }  // namespace strobe::host

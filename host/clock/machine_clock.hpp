@@ -8,10 +8,10 @@ namespace strobe::host {
 class MachineClock final : public Clock {
  public:
   /// All three, one right after the other.
-  ClockReading read() override;
+  HostReading read() override;
 };
 
-/// CLOCK_MONOTONIC, for progress and time limits.
-std::int64_t steady_now_ns();
+/// For progress and time limits.
+HostTime steady_now();
 
 }  // namespace strobe::host

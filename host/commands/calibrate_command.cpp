@@ -2,8 +2,8 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <chrono>
 #include <cstdio>
-#include <ctime>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -83,7 +83,7 @@ Result<Boards> find_boards(const CalibrateOptions& options) {
 CameraTable table_of(const CalibrateOptions& options, const camera::Calibration& found,
                      const Boards& boards) {
   CameraTable table;
-  table.calibrated = options.date.empty() ? date_of(std::time(nullptr)) : options.date;
+  table.calibrated = options.date.empty() ? date_of(std::chrono::system_clock::now()) : options.date;
   table.board = camera::describe(pattern_of(options));
   table.photographs = static_cast<int>(options.images.size());
   table.residual_px = found.fit.rms_px;
@@ -173,7 +173,7 @@ void print_text(const CameraTable& table, const camera::Calibration& found) {
 }
 
 int run_calibrate(const CalibrateOptions& options) {
-  if (!options.date.empty() && !days_since(options.date, 0)) {
+  if (!options.date.empty() && !days_since(options.date, {})) {
     return bad_input("calibrate: --date: must be written 2026-11-21");
   }
   std::optional<std::string> rig_text;

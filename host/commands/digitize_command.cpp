@@ -5,7 +5,6 @@
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdio>
-#include <ctime>
 #include <filesystem>
 #include <memory>
 
@@ -77,7 +76,7 @@ Result<Given> read_given(const DigitizeOptions& options) {
     auto rig = load_rig(options.rig);
     if (!rig) return tl::unexpected(rig.error());
     given.rig = std::move(*rig);
-    if (const auto warning = calibration_warning(given.rig.camera, std::time(nullptr)))
+    if (const auto warning = calibration_warning(given.rig.camera, std::chrono::system_clock::now()))
       fmt::print(stderr, "strobe: digitize: {}: {}\n", options.rig, *warning);
   }
   overrule(given.rig, options);
@@ -163,10 +162,10 @@ class Digitizer {
 
   /// Only where results go elsewhere does a person see no sign of progress otherwise.
   void show_progress(std::size_t done) {
-    constexpr std::int64_t kEvery_ns = 2'000'000'000;
-    const std::int64_t now_ns = steady_now_ns();
-    if (now_ns - progress_ns_ < kEvery_ns || ::isatty(STDOUT_FILENO) == 1) return;
-    progress_ns_ = now_ns;
+    constexpr Duration kEvery = std::chrono::seconds{2};
+    const HostTime now = steady_now();
+    if (now - progress_ < kEvery || ::isatty(STDOUT_FILENO) == 1) return;
+    progress_ = now;
     fmt::print(stderr, "strobe: {} of {} photographs digitized\n", done, options_.images.size());
   }
 
@@ -174,7 +173,7 @@ class Digitizer {
   Given given_;
   std::size_t bad_ = 0;
   std::size_t empty_ = 0;  ///< without an image of the ball
-  std::int64_t progress_ns_ = steady_now_ns();
+  HostTime progress_ = steady_now();
 };
 
 int run_digitize(const DigitizeOptions& options) {

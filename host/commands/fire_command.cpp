@@ -81,7 +81,8 @@ Result<FireRequest> request_of(const FireOptions& options) {
   request.series.photograph_timeout_s = request.rig.analysis.photograph_timeout_s;
   request.series.clear_fault = options.clear_fault;
   request.url = lcm_url(options.url, request.rig);
-  request.session = options.session.empty() ? "session-" + utc_for_file(MachineClock().read().wall_ns / 1000) : options.session;
+  request.session =
+      options.session.empty() ? "session-" + utc_for_file(MachineClock().read().wall) : options.session;
   request.photographs = options.photographs;
   request.condition = condition_of(options);
   request.style = Terminal::style(options.json, options.plain);

@@ -11,7 +11,8 @@
 namespace strobe::host {
 namespace {
 
-constexpr std::int64_t kSecond_ns = 1'000'000'000;
+/// What has lasted for so long is told to a person who sees no screen.
+constexpr Duration kLasting = std::chrono::seconds{2};
 
 /// Whether strobed has another key than this host: it counts a command as forged that this host has just
 /// sent.
@@ -23,41 +24,40 @@ class KeyCheck {
     if (!status) return false;
     if (status->arm_host_id == loop.settings().host_id) accepted_ = true;
     if (!forged_before_) forged_before_ = status->rejected_forged;
-    if (accepted_ || differs_since_ns_ || status->rejected_forged <= *forged_before_) return false;
-    differs_since_ns_ = loop.now_ns();
+    if (accepted_ || differs_since_ || status->rejected_forged <= *forged_before_) return false;
+    differs_since_ = loop.now();
     return true;
   }
   /// Others' forgeries alone do not end a series: it waits for a token as long as for anything else.
-  bool timed_out(std::int64_t now_ns, double timeout_s) const {
-    return differs_since_ns_ && !accepted_ &&
-           static_cast<double>(now_ns - *differs_since_ns_) > timeout_s * 1e9;
+  bool timed_out(HostTime now, double timeout_s) const {
+    return differs_since_ && !accepted_ && to_seconds(now - *differs_since_) > timeout_s;
   }
 
  private:
   bool accepted_ = false;
   std::optional<std::int64_t> forged_before_;
-  std::optional<std::int64_t> differs_since_ns_;
+  std::optional<HostTime> differs_since_;
 };
 
-/// Tells a person who sees no screen what has been lasting for two seconds.
+/// What is going on, told once it is lasting.
 class ActivityNotes {
  public:
-  std::optional<std::string> update(const ShotSeries& series, std::int64_t now_ns) {
+  std::optional<std::string> update(const ShotSeries& series, HostTime now) {
     const std::string activity =
         series.blocking_reason().empty() ? series.activity() : "waiting: " + series.blocking_reason();
     if (activity != activity_) {
       activity_ = activity;
-      since_ns_ = now_ns;
+      since_ = now;
       told_ = false;
     }
-    if (told_ || series.finished() || now_ns - since_ns_ < 2 * kSecond_ns) return std::nullopt;
+    if (told_ || series.finished() || now - since_ < kLasting) return std::nullopt;
     told_ = true;
     return activity_;
   }
 
  private:
   std::string activity_;
-  std::int64_t since_ns_ = 0;
+  HostTime since_;
   bool told_ = false;
 };
 
@@ -69,7 +69,7 @@ class SessionTables final : public HostListener {
 
   void on_shot_result(const ShotResult& result) override {
     if (result.host_id != loop_.settings().host_id || result.dry) return;
-    tell(folder_.add(result, utc_for_table(clock_.read().wall_ns / 1000)));
+    tell(folder_.add(result, utc_for_table(clock_.read().wall)));
   }
   void on_shot(const strobe_msgs::shot_t& shot) override { tell(folder_.add(shot)); }
 
@@ -131,16 +131,15 @@ class FireRun {
                       "key's fingerprint at its start, this host's is {} (see strobe key, --key-file)",
                       request_.key.fingerprint()));
     }
-    if (!runner_.fired() && key_.timed_out(loop_.now_ns(), request_.series.blocked_timeout_s))
-      runner_.abandon();
+    if (!runner_.fired() && key_.timed_out(loop_.now(), request_.series.blocked_timeout_s)) runner_.abandon();
   }
 
   void show() {
     const ShotSeries& series = runner_.series();
     terminal_.model().activity = series.activity();
     terminal_.model().blocking_reason = series.blocking_reason();
-    if (const auto note = activity_.update(series, loop_.now_ns())) terminal_.note(*note);
-    if (!recovery_told_ && runner_.recovering_for_ns() > 2 * kSecond_ns) {
+    if (const auto note = activity_.update(series, loop_.now())) terminal_.note(*note);
+    if (!recovery_told_ && runner_.recovering_for() > kLasting) {
       recovery_told_ = true;
       terminal_.note(fmt::format("fetching {} events that were lost on the way", missing_events()));
     }
@@ -182,8 +181,8 @@ class FireRun {
 
 int run_fire(const FireRequest& request) {
   MachineClock clock;
-  auto folder = SessionFolder::open(request.session, utc_for_file(clock.read().wall_ns / 1000),
-                                    request.rig.text, request.plan_text);
+  auto folder = SessionFolder::open(request.session, utc_for_file(clock.read().wall), request.rig.text,
+                                    request.plan_text);
   if (!folder) return bad_input(folder.error().message);
   auto link = LcmLink::open(request.url, request.rig.rig);
   if (!link) return failed(link.error().message);

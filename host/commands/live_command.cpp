@@ -36,13 +36,13 @@ class TimingReport final : public HostListener {
 
   void on_shot_result(const ShotResult& result) override {
     after_shot_ = result.shot_id;
-    status_heard_ns_ = loop_.session().status_heard_ns();
+    status_heard_ = loop_.session().status_heard();
   }
   /// Whether one is still to be printed: not if the firmware is silent.
   bool due() const { return after_shot_ && loop_.live_status(); }
   void step() {
     const auto& status = loop_.session().status();
-    if (!after_shot_ || !status || loop_.session().status_heard_ns() <= status_heard_ns_) return;
+    if (!after_shot_ || !status || loop_.session().status_heard() <= status_heard_) return;
     if (json_) {
       print({timing_json(*status, terminal_.model().clock, *after_shot_)});
     } else {
@@ -56,37 +56,38 @@ class TimingReport final : public HostListener {
   Terminal& terminal_;
   bool json_;
   std::optional<int> after_shot_;
-  std::int64_t status_heard_ns_ = 0;  ///< of the newest heartbeat when the result came
+  HostTime status_heard_;  ///< of the newest heartbeat when the result came
 };
 
 /// Tells how many events are missing once nothing has changed for five seconds.
 class MissingNotes {
  public:
-  std::optional<std::string> update(std::int64_t missing, std::int64_t now_ns) {
-    constexpr std::int64_t kSettled_ns = 5'000'000'000;
-    if (missing != missing_) since_ns_ = now_ns;
+  std::optional<std::string> update(std::int64_t missing, HostTime now) {
+    constexpr Duration kSettled = std::chrono::seconds{5};
+    if (missing != missing_) since_ = now;
     missing_ = missing;
-    if (missing <= told_ || now_ns - since_ns_ < kSettled_ns) return std::nullopt;
+    if (missing <= told_ || now - since_ < kSettled) return std::nullopt;
     told_ = missing;
     return fmt::format("{} events did not arrive here", missing);
   }
 
  private:
-  std::int64_t missing_ = 0, told_ = 0, since_ns_ = 0;
+  std::int64_t missing_ = 0, told_ = 0;
+  HostTime since_;
 };
 
 /// Returns false if nothing can be received any more.
 bool watch(HostLoop& loop, Terminal& terminal, TimingReport* timing, const LiveOptions& options) {
-  const auto idle_ns = static_cast<std::int64_t>(options.idle_exit_s * 1e9);
+  const Duration idle = from_seconds(options.idle_exit_s);
   MissingNotes missing;
   while (!interrupted()) {
     if (!loop.run_once()) return false;
     terminal.show(loop);
     if (timing) timing->step();
-    if (const auto note = missing.update(terminal.model().events_missing, loop.now_ns())) terminal.note(*note);
+    if (const auto note = missing.update(terminal.model().events_missing, loop.now())) terminal.note(*note);
     const bool enough = options.shots > 0 && terminal.model().shots >= options.shots;
     if (enough && !(timing && timing->due())) break;
-    if (idle_ns > 0 && loop.now_ns() - loop.last_message_ns() > idle_ns) break;
+    if (idle > Duration{} && loop.now() - loop.last_message() > idle) break;
   }
   return true;
 }

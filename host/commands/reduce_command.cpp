@@ -146,7 +146,7 @@ class Reducer {
   }
 
   void time(const EstimatorChoice& choice) {
-    const double took_us = static_cast<double>(choice.duration_ns) / 1e3;
+    const double took_us = to_microseconds(choice.duration);
     ++timed_;
     took_us_ += took_us;
     longest_us_ = std::max(longest_us_, took_us);
@@ -173,10 +173,10 @@ class Reducer {
 
   /// Only a person at a terminal whose results go elsewhere sees no sign of progress otherwise.
   void show_progress() {
-    constexpr std::int64_t kEvery_ns = 2'000'000'000;
-    const std::int64_t now_ns = steady_now_ns();
-    if (now_ns - progress_ns_ < kEvery_ns) return;
-    progress_ns_ = now_ns;
+    constexpr Duration kEvery = std::chrono::seconds{2};
+    const HostTime now = steady_now();
+    if (now - progress_ < kEvery) return;
+    progress_ = now;
     if (::isatty(STDERR_FILENO) == 1 && ::isatty(STDOUT_FILENO) == 0) {
       std::fprintf(stderr, "strobe: %d frames reduced\n", series_.shots());
     }
@@ -207,7 +207,7 @@ class Reducer {
   double longest_us_ = 0.0;
   SeriesStatistics series_;
   int bad_ = 0;
-  std::int64_t progress_ns_ = steady_now_ns();
+  HostTime progress_ = steady_now();
 };
 
 /// What the options leave to choose, or what is wrong with them.
@@ -224,7 +224,7 @@ Result<std::optional<EstimatorChooser>> chooser_of(const ReduceOptions& options)
                                 {.requirement = *requirement,
                                  .estimator = options.estimator_given ? options.estimator : "",
                                  .flight = options.flight_given ? options.flight : ""},
-                                steady_now_ns)
+                                steady_now)
       .map([](EstimatorChooser&& chooser) { return std::optional(std::move(chooser)); });
 }
 

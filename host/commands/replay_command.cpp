@@ -31,8 +31,8 @@ std::string rig_path(const ReplayOptions& options) {
 /// The clock of whoever wrote the log.
 class LogClock final : public Clock {
  public:
-  ClockReading read() override { return {now_ns, now_ns, now_ns}; }
-  std::int64_t now_ns = 0;
+  HostReading read() override { return {HostTime{now}, WallTime{now}, now}; }
+  Duration now{};
 };
 
 int run_replay(const ReplayOptions& options) {
@@ -50,7 +50,7 @@ int run_replay(const ReplayOptions& options) {
   std::int64_t messages = 0;
   while (const lcm::LogEvent* event = log.readNextEvent()) {
     ++messages;
-    clock.now_ns = event->timestamp * 1000;
+    clock.now = microseconds{event->timestamp};
     loop.step();
     loop.receive(event->channel, {static_cast<const std::uint8_t*>(event->data),
                                   static_cast<std::size_t>(event->datalen)});

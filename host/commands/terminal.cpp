@@ -10,7 +10,7 @@
 namespace strobe::host {
 namespace {
 
-constexpr std::int64_t kRepaint_ns = 100'000'000;
+constexpr Duration kRepaint = milliseconds{100};
 
 volatile std::sig_atomic_t caught = 0;
 
@@ -74,9 +74,9 @@ void Terminal::note(const std::string& text) {
 }
 
 void Terminal::show(HostLoop& loop) {
-  if (const auto warning = model_.update(loop.session(), loop.now_ns())) loop.notify(*warning);
-  if (!screen_ || loop.now_ns() - painted_ns_ < kRepaint_ns) return;
-  painted_ns_ = loop.now_ns();
+  if (const auto warning = model_.update(loop.session(), loop.now())) loop.notify(*warning);
+  if (!screen_ || loop.now() - painted_ < kRepaint) return;
+  painted_ = loop.now();
   screen_->paint(render(model_, screen_->width()));
 }
 

@@ -51,7 +51,7 @@ class Terminal final : public HostListener {
   int max_shots_;
   ViewModel model_;
   std::unique_ptr<Screen> screen_;
-  std::int64_t painted_ns_ = 0;
+  HostTime painted_;
 };
 
 /// Lines on standard output.

@@ -82,10 +82,6 @@ std::optional<std::chrono::sys_days> parse_date(const std::string& text) {
   return std::chrono::sys_days(date);
 }
 
-std::chrono::sys_days day_of(std::int64_t unix_s) {
-  return std::chrono::floor<std::chrono::days>(std::chrono::sys_seconds(std::chrono::seconds(unix_s)));
-}
-
 void read_surface(TomlTable& table, CameraTable& camera) {
   camera.surface_px = optional_array<4>(table, "surface_px", kPlace);
   camera.surface_sd_px = table.number_or("surface_sd_px", camera.surface_sd_px, {1e-4, 1000.0});
@@ -130,22 +126,22 @@ CameraTable read_camera(TomlTable table) {
   return camera;
 }
 
-std::optional<std::int64_t> days_since(const std::string& date, std::int64_t unix_s) {
+std::optional<std::int64_t> days_since(const std::string& date, WallTime now) {
   const auto day = parse_date(date);
   if (!day) return std::nullopt;
-  return (day_of(unix_s) - *day).count();
+  return (std::chrono::floor<std::chrono::days>(now) - *day).count();
 }
 
-std::string date_of(std::int64_t unix_s) {
-  const std::chrono::year_month_day date(day_of(unix_s));
+std::string date_of(WallTime now) {
+  const std::chrono::year_month_day date(std::chrono::floor<std::chrono::days>(now));
   return fmt::format("{:04}-{:02}-{:02}", static_cast<int>(date.year()), static_cast<unsigned>(date.month()),
                      static_cast<unsigned>(date.day()));
 }
 
-std::optional<std::string> calibration_warning(const CameraTable& camera, std::int64_t unix_s) {
+std::optional<std::string> calibration_warning(const CameraTable& camera, WallTime now) {
   if (!camera.px_per_m_sd) return std::nullopt;  // a first guess, refined on each photograph
   if (!camera.calibrated) return "the camera's calibration has no date";
-  const auto days = days_since(*camera.calibrated, unix_s);
+  const auto days = days_since(*camera.calibrated, now);
   if (!days || static_cast<double>(*days) <= camera.max_age_days) return std::nullopt;
   return fmt::format(
       "the camera's calibration is of {}, {} days ago (camera.max_age_days is {}): calibrate again",

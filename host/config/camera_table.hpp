@@ -10,6 +10,7 @@
 
 #include "common/config/toml_reader.hpp"
 #include "common/result.hpp"
+#include "common/units/time.hpp"
 
 namespace strobe::host {
 
@@ -48,14 +49,14 @@ struct CameraTable {
 /// Reads it; what is wrong is reported to the table's reader.
 CameraTable read_camera(config::TomlTable table);
 
-/// Whole days from `date` ("2026-11-21") to the day of `unix_s`; absent if it is no date.
-std::optional<std::int64_t> days_since(const std::string& date, std::int64_t unix_s);
+/// Whole days from `date` ("2026-11-21") to the day of `now`; absent if it is no date.
+std::optional<std::int64_t> days_since(const std::string& date, WallTime now);
 
-/// The day of `unix_s` as "2026-11-21", UTC.
-std::string date_of(std::int64_t unix_s);
+/// The day of `now` as "2026-11-21", UTC.
+std::string date_of(WallTime now);
 
 /// One line if the calibration is older than max_age_days or without a date. Returns nullopt if it is neither, or if
 /// the scale has no sd: that is a first guess, refined on each photograph.
-std::optional<std::string> calibration_warning(const CameraTable& camera, std::int64_t unix_s);
+std::optional<std::string> calibration_warning(const CameraTable& camera, WallTime now);
 
 }  // namespace strobe::host

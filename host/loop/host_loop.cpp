@@ -19,8 +19,8 @@ HostLoop::HostLoop(HostLoopSettings settings, Transport& transport, Clock& clock
       commands_(settings_.host_id),
       session_(settings_.assembly, settings_.fires ? settings_.host_id : 0, settings_.key.has_value()),
       decoder_(settings_.rig, *this),
-      now_ns_(clock.read().mono_ns),
-      last_message_ns_(now_ns_) {
+      now_(clock.read().mono),
+      last_message_(now_) {
   if (settings_.key) sealer_.emplace(*settings_.key, settings_.rig);
 }
 
@@ -34,37 +34,37 @@ bool HostLoop::run_once() {
 }
 
 void HostLoop::receive(const std::string& channel, Transport::Bytes bytes) {
-  now_ns_ = last_message_ns_ = clock_.read().mono_ns;
+  now_ = last_message_ = clock_.read().mono;
   decoder_.receive(channel, bytes);
 }
 
 void HostLoop::step() {
-  const ClockReading reading = clock_.read();
-  now_ns_ = reading.mono_ns;
+  const HostReading reading = clock_.read();
+  now_ = reading.mono;
   if (photographs_) {
-    photographs_->step(now_ns_);
+    photographs_->step(now_);
     publish_photographs();
   }
-  session_.on_time(now_ns_);
+  session_.on_time(now_);
   session_.on_local_clocks(reading);
   report();
   request_lost_events();
 }
 
 void HostLoop::on_status(const strobe_msgs::status_t& message) {
-  session_.on_status(message, now_ns_);
+  session_.on_status(message, now_);
   report();
 }
 
 void HostLoop::on_event(const strobe_msgs::event_t& message) {
-  session_.on_event(message, now_ns_);
+  session_.on_event(message, now_);
   for (HostListener* listener : listeners_) listener->on_event(message);
   report();
 }
 
 void HostLoop::on_shot(const strobe_msgs::shot_t& message) {
   if (photographs_) photographs_->on_shot(message);
-  session_.on_shot(message, now_ns_);
+  session_.on_shot(message, now_);
   for (HostListener* listener : listeners_) listener->on_shot(message);
   report();
 }
@@ -77,7 +77,7 @@ void HostLoop::on_frame(const strobe_msgs::frame_t& message) {
 
 void HostLoop::take_in(const strobe_msgs::frame_t& frame) {
   if (photographs_) photographs_->on_frame(frame);
-  session_.on_frame(frame, now_ns_);
+  session_.on_frame(frame, now_);
   report();
 }
 
@@ -91,7 +91,7 @@ void HostLoop::publish_photographs() {
 
 void HostLoop::end_photographs() {
   if (!photographs_) return;
-  photographs_->end(now_ns_);
+  photographs_->end(now_);
   publish_photographs();
 }
 
@@ -103,8 +103,7 @@ void HostLoop::end_session() {
 void HostLoop::request_lost_events() {
   const auto& status = session_.status();
   if (!sealer_ || !status) return;
-  for (const EventRange& range : session_.ledger().due(now_ns_))
-    send(commands_.resend(status->boot_id, range));
+  for (const EventRange& range : session_.ledger().due(now_)) send(commands_.resend(status->boot_id, range));
 }
 
 void HostLoop::send(const strobe_msgs::command_t& command) {

@@ -71,10 +71,10 @@ class HostLoop final : private MessageHandler {
   Session& session() { return session_; }
   const Session& session() const { return session_; }
   /// The newest status if the firmware is not silent.
-  std::optional<strobe_msgs::status_t> live_status() const { return session_.live_status(now_ns_); }
-  std::int64_t now_ns() const { return now_ns_; }
+  std::optional<strobe_msgs::status_t> live_status() const { return session_.live_status(now_); }
+  HostTime now() const { return now_; }
   /// When the last message came.
-  std::int64_t last_message_ns() const { return last_message_ns_; }
+  HostTime last_message() const { return last_message_; }
   /// What the last exception on a message said; empty: there was none.
   const std::string& fault() const { return decoder_.fault(); }
 
@@ -99,8 +99,8 @@ class HostLoop final : private MessageHandler {
   std::unique_ptr<PhotographPipeline> photographs_;
   MessageDecoder decoder_;
   std::vector<HostListener*> listeners_;
-  std::int64_t now_ns_ = 0;
-  std::int64_t last_message_ns_ = 0;
+  HostTime now_;
+  HostTime last_message_;
 };
 
 }  // namespace strobe::host

@@ -3,36 +3,35 @@
 namespace strobe::host {
 namespace {
 
-constexpr std::int64_t kSecond_ns = 1'000'000'000;
 // The first status may take half of it: nothing is missing before it had time to come.
-constexpr std::int64_t kFirstStatus_ns = kSecond_ns;
-constexpr std::int64_t kDisarmTimeout_ns = kSecond_ns;
+constexpr Duration kFirstStatus = std::chrono::seconds{1};
+constexpr Duration kDisarmTimeout = std::chrono::seconds{1};
 
 }  // namespace
 
 SeriesRunner::SeriesRunner(HostLoop& loop, ShotSeriesSettings settings)
-    : loop_(loop), series_(std::move(settings), loop.commands()), entered_ns_(loop.now_ns()) {
+    : loop_(loop), series_(std::move(settings), loop.commands()), entered_(loop.now()) {
   loop.add_listener(*this);
 }
 
 void SeriesRunner::enter(Phase phase) {
   phase_ = phase;
-  entered_ns_ = loop_.now_ns();
-  if (phase == Phase::recovering) recovery_.emplace(loop_.now_ns());
+  entered_ = loop_.now();
+  if (phase == Phase::recovering) recovery_.emplace(loop_.now());
 }
 
 void SeriesRunner::step() {
   if (phase_ == Phase::firing && series_.finished()) enter(Phase::recovering);
-  if (phase_ == Phase::disarming && (disarmed() || loop_.now_ns() - entered_ns_ > kDisarmTimeout_ns))
+  if (phase_ == Phase::disarming && (disarmed() || loop_.now() - entered_ > kDisarmTimeout))
     enter(Phase::recovering);
   if (phase_ == Phase::firing) fire();
-  if (phase_ == Phase::recovering && recovery_->finished(loop_.session(), loop_.now_ns()))
+  if (phase_ == Phase::recovering && recovery_->finished(loop_.session(), loop_.now()))
     phase_ = Phase::finished;
 }
 
 void SeriesRunner::fire() {
   const auto status = loop_.live_status();
-  if (status || loop_.now_ns() - entered_ns_ > kFirstStatus_ns) series_.step(status, loop_.now_ns());
+  if (status || loop_.now() - entered_ > kFirstStatus) series_.step(status, loop_.now());
   send_commands();
 }
 
@@ -54,8 +53,8 @@ bool SeriesRunner::disarmed() const {
   return !status || (status->arm_token == 0 && status->state != strobe_msgs::status_t::FIRING);
 }
 
-std::int64_t SeriesRunner::recovering_for_ns() const {
-  return phase_ == Phase::recovering ? loop_.now_ns() - entered_ns_ : 0;
+Duration SeriesRunner::recovering_for() const {
+  return phase_ == Phase::recovering ? loop_.now() - entered_ : Duration{};
 }
 
 }  // namespace strobe::host

@@ -27,7 +27,7 @@ class SeriesRunner final : public HostListener {
   /// The series has been fired or given up; lost events are being fetched, or have been.
   bool fired() const { return phase_ == Phase::recovering || phase_ == Phase::finished; }
   /// How long lost events have been fetched; 0 before.
-  std::int64_t recovering_for_ns() const;
+  Duration recovering_for() const;
   const ShotSeries& series() const { return series_; }
 
   void on_shot_result(const ShotResult& result) override { series_.on_shot_result(result); }
@@ -44,7 +44,7 @@ class SeriesRunner final : public HostListener {
   HostLoop& loop_;
   ShotSeries series_;
   Phase phase_ = Phase::firing;
-  std::int64_t entered_ns_;
+  HostTime entered_;
   std::optional<GapRecovery> recovery_;
 };
 

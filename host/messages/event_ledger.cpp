@@ -6,8 +6,8 @@
 namespace strobe::host {
 namespace {
 
-constexpr std::int64_t kGrace_ns = 100'000'000;  // datagrams of two senders may overtake each other
-constexpr std::int64_t kAskAgain_ns = 250'000'000;
+constexpr Duration kGrace = milliseconds{100};  // datagrams of two senders may overtake each other
+constexpr Duration kAskAgain = milliseconds{250};
 constexpr std::int64_t kMaxEventsPerAsk = 512;  // so that an answer fits the socket's buffer
 constexpr std::size_t kMaxAsks = 8;
 // Losses this close to each other are asked for as one range; what comes twice is cheaper than more
@@ -32,7 +32,7 @@ EventLedger::Boot& EventLedger::boot_of(std::int64_t boot_id, std::int64_t start
   return boot;
 }
 
-bool EventLedger::add(std::int64_t boot_id, std::int64_t sequence, std::int64_t now_ns) {
+bool EventLedger::add(std::int64_t boot_id, std::int64_t sequence, HostTime now) {
   if (sequence < 1) return false;
   Boot& boot = boot_of(boot_id, sequence);
   boot.again.erase(sequence);
@@ -48,7 +48,7 @@ bool EventLedger::add(std::int64_t boot_id, std::int64_t sequence, std::int64_t 
     boot.runs.erase(next);
   }
   boot.runs[first] = last;
-  if (sequence > boot.newest + 1 || boot.gap_since_ns == 0) boot.gap_since_ns = now_ns;
+  if (sequence > boot.newest + 1 || boot.gap_since == HostTime{}) boot.gap_since = now;
   boot.newest = std::max(boot.newest, sequence);
   if (boot_id != current_boot_ && from_start_ && !boot.end_known) boot.tail_requests_left = kTailRequests;
   assert(consistent(boot));
@@ -65,23 +65,23 @@ bool EventLedger::consistent(const Boot& boot) {
   return true;
 }
 
-void EventLedger::status(std::int64_t boot_id, std::int64_t last_sequence, std::int64_t now_ns) {
+void EventLedger::status(std::int64_t boot_id, std::int64_t last_sequence, HostTime now) {
   current_boot_ = boot_id;
   if (last_sequence < 1) return;
   Boot& boot = boot_of(boot_id, last_sequence + 1);
   if (last_sequence > boot.newest) {
-    boot.gap_since_ns = now_ns;
+    boot.gap_since = now;
     boot.newest = last_sequence;
   }
 }
 
-void EventLedger::earlier(std::span<const EndedBoot> boots, std::int64_t now_ns) {
+void EventLedger::earlier(std::span<const EndedBoot> boots, HostTime now) {
   const auto heard = [this](const EndedBoot& ended) { return boots_.contains(ended.boot_id); };
   const auto oldest = std::find_if(boots.rbegin(), boots.rend(), heard);
   for (auto ended = boots.begin(); ended != oldest.base(); ++ended) {
     Boot& boot = boot_of(ended->boot_id, ended->last_sequence + 1);
     if (ended->last_sequence > boot.newest) {
-      boot.gap_since_ns = now_ns;
+      boot.gap_since = now;
       boot.newest = ended->last_sequence;
     }
     boot.end_known = true;
@@ -118,10 +118,10 @@ std::vector<EventRange> EventLedger::gaps(std::int64_t boot_id, const Boot& boot
   return ranges;
 }
 
-std::vector<EventRange> EventLedger::due(std::int64_t now_ns) {
+std::vector<EventRange> EventLedger::due(HostTime now) {
   std::vector<EventRange> asks;
   for (auto& [boot_id, boot] : boots_) {
-    if (now_ns - boot.gap_since_ns < kGrace_ns || now_ns - boot.asked_ns < kAskAgain_ns) continue;
+    if (now - boot.gap_since < kGrace || now - boot.asked < kAskAgain) continue;
     std::vector<EventRange> ranges = gaps(boot_id, boot);
     // First: with it comes the shot's summary, which somebody waits for.
     std::vector<EventRange> again;
@@ -137,7 +137,7 @@ std::vector<EventRange> EventLedger::due(std::int64_t now_ns) {
       ranges.push_back({boot_id, {boot.newest + 1, boot.newest + kTail}});
     }
     if (ranges.size() > kMaxAsks) ranges.resize(kMaxAsks);
-    if (!ranges.empty()) boot.asked_ns = now_ns;
+    if (!ranges.empty()) boot.asked = now;
     asks.insert(asks.end(), ranges.begin(), ranges.end());
   }
   return asks;

@@ -1,6 +1,5 @@
 // Which journalled events of each boot of the firmware have arrived, and which must be requested again. A boot
-// numbers its events 1, 2, 3 ... without gaps, so a missing number was lost on the way. Times are nanoseconds
-// of any steady clock. No I/O; single-threaded.
+// numbers its events 1, 2, 3 ... without gaps, so a missing number was lost on the way. No I/O; single-threaded.
 #pragma once
 
 #include <cstdint>
@@ -9,6 +8,7 @@
 #include <vector>
 
 #include "common/shot/sequence_range.hpp"
+#include "common/units/time.hpp"
 
 namespace strobe::host {
 
@@ -24,13 +24,13 @@ class EventLedger {
   explicit EventLedger(bool from_start) : from_start_(from_start) {}
 
   /// An event has arrived. Returns false if it is a duplicate or its number is below 1.
-  bool add(std::int64_t boot_id, std::int64_t sequence, std::int64_t now_ns);
+  bool add(std::int64_t boot_id, std::int64_t sequence, HostTime now);
   /// From a heartbeat: the boot that is running and its journal's last event. A change of boot means that the
   /// one before has ended.
-  void status(std::int64_t boot_id, std::int64_t last_sequence, std::int64_t now_ns);
+  void status(std::int64_t boot_id, std::int64_t last_sequence, HostTime now);
   /// From a heartbeat: the boots before, newest first. All events are requested of those that were heard
   /// here and of all later ones.
-  void earlier(std::span<const EndedBoot> boots, std::int64_t now_ns);
+  void earlier(std::span<const EndedBoot> boots, HostTime now);
   /// Requests an event although it has arrived: with it comes its shot's summary. Of a boot that has ended it
   /// is requested 24 times at most.
   void request_again(std::int64_t boot_id, std::int64_t sequence);
@@ -39,7 +39,7 @@ class EventLedger {
 
   /// Ranges to request now: missing events, 0.1 s after they were noticed and then every 0.25 s; of a boot
   /// that has ended also what may follow its last known event, until eight requests brought nothing new.
-  std::vector<EventRange> due(std::int64_t now_ns);
+  std::vector<EventRange> due(HostTime now);
 
   /// Events known to be missing, of all boots.
   std::int64_t missing() const;
@@ -57,8 +57,8 @@ class EventLedger {
     std::map<std::int64_t, std::int64_t> runs;  ///< first to last number of each run of events that have arrived
     std::int64_t start = 0;                     ///< first sequence that counts
     std::int64_t newest = 0;                    ///< largest known to exist
-    std::int64_t gap_since_ns = 0;
-    std::int64_t asked_ns = 0;
+    HostTime gap_since;
+    HostTime asked;
     std::map<std::int64_t, int> again;  ///< sequence, and how often it was asked for
     int tail_requests_left = 0;
     bool end_known = false;  ///< newest is the last one

@@ -3,7 +3,6 @@
 #include <fcntl.h>
 #include <sys/inotify.h>
 #include <sys/stat.h>
-#include <time.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -18,16 +17,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::int64_t kScanEvery_ns = 1'000'000'000;
+constexpr Duration kScanEvery = std::chrono::seconds{1};
 constexpr std::array<std::string_view, 10> kKinds{".tif", ".tiff", ".png", ".jpg", ".jpeg",
                                                   ".bmp", ".pgm",  ".ppm", ".pbm", ".pnm"};
 constexpr std::array<std::string_view, 5> kUnfinished{"~", ".tmp", ".temp", ".part", ".partial"};
-
-std::int64_t wall_now_ns() {
-  timespec now{};
-  clock_gettime(CLOCK_REALTIME, &now);
-  return static_cast<std::int64_t>(now.tv_sec) * 1'000'000'000 + now.tv_nsec;
-}
 
 std::string lower_case(std::string text) {
   for (char& c : text) {
@@ -38,7 +31,7 @@ std::string lower_case(std::string text) {
 
 }  // namespace
 
-Result<std::unique_ptr<CameraFolder>> CameraFolder::open(const fs::path& folder, std::int64_t now_ns) {
+Result<std::unique_ptr<CameraFolder>> CameraFolder::open(const fs::path& folder, HostTime now) {
   std::error_code error;
   if (!fs::is_directory(folder, error)) return fail(folder.string() + ": no such folder");
   const int inotify = inotify_init1(IN_NONBLOCK | IN_CLOEXEC);
@@ -51,7 +44,7 @@ Result<std::unique_ptr<CameraFolder>> CameraFolder::open(const fs::path& folder,
     if (result->identify(name, identity)) result->known_[name] = identity;
   }
   if (error) return fail(folder.string() + ": " + error.message());
-  result->scanned_ns_ = now_ns;
+  result->scanned_ = now;
   return result;
 }
 
@@ -70,8 +63,7 @@ bool CameraFolder::identify(const std::string& name, Identity& identity) const {
   if (stat((folder_ / name).c_str(), &status) != 0 || !S_ISREG(status.st_mode)) return false;
   identity.inode = status.st_ino;
   identity.size = status.st_size;
-  identity.changed_ns =
-      static_cast<std::int64_t>(status.st_mtim.tv_sec) * 1'000'000'000 + status.st_mtim.tv_nsec;
+  identity.changed = WallTime{std::chrono::seconds{status.st_mtim.tv_sec} + Duration{status.st_mtim.tv_nsec}};
   return true;
 }
 
@@ -88,7 +80,7 @@ bool CameraFolder::wanted(const std::string& name) {
   return false;
 }
 
-void CameraFolder::consider(const std::string& name, bool renamed, std::int64_t now_ns,
+void CameraFolder::consider(const std::string& name, bool renamed, HostTime now,
                             std::vector<Arrival>& arrivals) {
   Identity identity;
   if (!identify(name, identity)) return;
@@ -97,11 +89,11 @@ void CameraFolder::consider(const std::string& name, bool renamed, std::int64_t 
   known_[name] = identity;
   changing_.erase(name);
   if (!wanted(name)) return;
-  const std::int64_t age_ns = wall_now_ns() - identity.changed_ns;
-  arrivals.push_back({folder_ / name, now_ns, now_ns - age_ns, renamed});
+  const Duration age = std::chrono::system_clock::now() - identity.changed;
+  arrivals.push_back({folder_ / name, now, now - age, renamed});
 }
 
-void CameraFolder::take_events(std::int64_t now_ns, std::vector<Arrival>& arrivals) {
+void CameraFolder::take_events(HostTime now, std::vector<Arrival>& arrivals) {
   alignas(inotify_event) std::array<char, 16384> buffer{};
   while (true) {
     const ssize_t size = read(inotify_, buffer.data(), buffer.size());
@@ -114,14 +106,14 @@ void CameraFolder::take_events(std::int64_t now_ns, std::vector<Arrival>& arriva
       if (event.wd == watch_ && (event.mask & (IN_IGNORED | IN_DELETE_SELF | IN_MOVE_SELF | IN_UNMOUNT)))
         watch_ = -1;
       if (event.len > 0 && (event.mask & (IN_CLOSE_WRITE | IN_MOVED_TO)))
-        consider(name, (event.mask & IN_MOVED_TO) != 0, now_ns, arrivals);
+        consider(name, (event.mask & IN_MOVED_TO) != 0, now, arrivals);
       at += sizeof event + event.len;
     }
   }
 }
 
 /// A file that the kernel did not tell of has arrived when it is the same as a second ago.
-void CameraFolder::scan(std::int64_t now_ns, std::vector<Arrival>& arrivals) {
+void CameraFolder::scan(HostTime now, std::vector<Arrival>& arrivals) {
   std::map<std::string, Identity> before = std::exchange(changing_, {});
   std::error_code error;
   std::vector<std::string> whole;
@@ -142,22 +134,22 @@ void CameraFolder::scan(std::int64_t now_ns, std::vector<Arrival>& arrivals) {
   }
   if (error) return;
   std::sort(whole.begin(), whole.end());
-  for (const std::string& name : whole) consider(name, false, now_ns, arrivals);
+  for (const std::string& name : whole) consider(name, false, now, arrivals);
   std::erase_if(known_, [&there](const auto& entry) { return !there.contains(entry.first); });
 }
 
-std::vector<Arrival> CameraFolder::look(std::int64_t now_ns) {
+std::vector<Arrival> CameraFolder::look(HostTime now) {
   std::vector<Arrival> arrivals;
   const bool watched = watch_ >= 0;
-  take_events(now_ns, arrivals);
+  take_events(now, arrivals);
   if (watched && watch_ < 0)
     notifications_.push_back(folder_.string() + ": the folder of photographs is gone");
-  if (now_ns - scanned_ns_ >= kScanEvery_ns || rescan_) {
-    scanned_ns_ = now_ns;
+  if (now - scanned_ >= kScanEvery || rescan_) {
+    scanned_ = now;
     rescan_ = false;
     if (watch_ < 0 && watch())
       notifications_.push_back(folder_.string() + ": the folder of photographs is back");
-    scan(now_ns, arrivals);
+    scan(now, arrivals);
   }
   return arrivals;
 }

@@ -14,28 +14,28 @@
 #include <vector>
 
 #include "common/result.hpp"
+#include "common/units/time.hpp"
 
 namespace strobe::host {
 
-/// Times are nanoseconds of the caller's steady clock.
 struct Arrival {
   std::filesystem::path path;
-  std::int64_t arrived_ns = 0;  ///< when it was renamed or closed, as noticed here
-  std::int64_t written_ns = 0;  ///< the file's own time of its last change
-  bool renamed = false;         ///< put there whole under its name: no writer changes it in place
+  HostTime arrived;      ///< when it was renamed or closed, as noticed here
+  HostTime written;      ///< the file's own time of its last change
+  bool renamed = false;  ///< put there whole under its name: no writer changes it in place
 };
 
 class CameraFolder {
  public:
   /// Fails if it is no folder that can be read.
-  static Result<std::unique_ptr<CameraFolder>> open(const std::filesystem::path& folder, std::int64_t now_ns);
+  static Result<std::unique_ptr<CameraFolder>> open(const std::filesystem::path& folder, HostTime now);
   ~CameraFolder();
   CameraFolder(const CameraFolder&) = delete;
   CameraFolder& operator=(const CameraFolder&) = delete;
 
   /// What has arrived since; never waits. Hidden files and those ending in ~, .tmp, .temp, .part or .partial
   /// are not photographs yet.
-  std::vector<Arrival> look(std::int64_t now_ns);
+  std::vector<Arrival> look(HostTime now);
   /// For a person: files of a kind that cannot be read, a folder that went away and came back.
   std::vector<std::string> take_notifications() { return std::exchange(notifications_, {}); }
 
@@ -47,15 +47,15 @@ class CameraFolder {
   struct Identity {
     std::uint64_t inode = 0;
     std::int64_t size = 0;
-    std::int64_t changed_ns = 0;  ///< of the wall clock
+    WallTime changed;
     bool operator==(const Identity&) const = default;
   };
 
   CameraFolder(std::filesystem::path folder, int inotify) : folder_(std::move(folder)), inotify_(inotify) {}
   bool watch();
-  void take_events(std::int64_t now_ns, std::vector<Arrival>& arrivals);
-  void scan(std::int64_t now_ns, std::vector<Arrival>& arrivals);
-  void consider(const std::string& name, bool renamed, std::int64_t now_ns, std::vector<Arrival>& arrivals);
+  void take_events(HostTime now, std::vector<Arrival>& arrivals);
+  void scan(HostTime now, std::vector<Arrival>& arrivals);
+  void consider(const std::string& name, bool renamed, HostTime now, std::vector<Arrival>& arrivals);
   bool wanted(const std::string& name);
   bool identify(const std::string& name, Identity& identity) const;
 
@@ -63,7 +63,7 @@ class CameraFolder {
   int inotify_ = -1;
   int watch_ = -1;
   bool rescan_ = false;
-  std::int64_t scanned_ns_ = 0;
+  HostTime scanned_;
   std::map<std::string, Identity> known_;
   std::map<std::string, Identity> changing_;  ///< seen by looking; arrived once it stays the same
   std::set<std::string> said_kinds_;

@@ -32,17 +32,18 @@ tl::expected<PhotographReading, UnreadPhotograph> measure(const RigFile& rig, di
 
 }  // namespace
 
-Result<std::unique_ptr<PhotographPipeline>> open_pipeline(const RigFile& rig, const PhotographOptions& options,
+Result<std::unique_ptr<PhotographPipeline>> open_pipeline(const RigFile& rig,
+                                                          const PhotographOptions& options,
                                                           const std::filesystem::path& keep_folder,
                                                           std::int64_t host_id, const DeviceClock& clock,
-                                                          const ClockReading& now) {
+                                                          const HostReading& now) {
   const std::string name = options.folder.empty() ? rig.camera.folder.value_or("") : options.folder;
   if (name.empty()) return nullptr;
   if (!rig.camera.px_per_m && !rig.analysis.px_per_m) {
     return fail(
         "photographs need a scale: camera.px_per_m (strobe calibrate) or analysis.px_per_m in the rig file");
   }
-  auto folder = CameraFolder::open(name, now.mono_ns);
+  auto folder = CameraFolder::open(name, now.mono);
   if (!folder) return tl::unexpected(folder.error());
   const digitize::Effort effort = digitize::effort_from_name(options.effort).value();
   auto pipeline = std::make_unique<PhotographPipeline>(
@@ -52,7 +53,7 @@ Result<std::unique_ptr<PhotographPipeline>> open_pipeline(const RigFile& rig, co
       },
       PhotographSettings{rig.analysis.photograph_timeout_s, host_id, keep_folder});
   pipeline->notify("photographs from " + name);
-  if (auto warning = calibration_warning(rig.camera, now.wall_ns / 1'000'000'000)) pipeline->notify(*warning);
+  if (auto warning = calibration_warning(rig.camera, now.wall)) pipeline->notify(*warning);
   return pipeline;
 }
 

@@ -19,9 +19,10 @@ struct PhotographOptions {
 /// Returns null if no folder is named. Fails with one line if the folder cannot be watched or the rig file
 /// gives no scale. The pipeline's first notifications name the folder, and tell if the calibration is old.
 /// keep_folder: the session's; empty: no photograph is copied.
-Result<std::unique_ptr<PhotographPipeline>> open_pipeline(const RigFile& rig, const PhotographOptions& options,
+Result<std::unique_ptr<PhotographPipeline>> open_pipeline(const RigFile& rig,
+                                                          const PhotographOptions& options,
                                                           const std::filesystem::path& keep_folder,
                                                           std::int64_t host_id, const DeviceClock& clock,
-                                                          const ClockReading& now);
+                                                          const HostReading& now);
 
 }  // namespace strobe::host

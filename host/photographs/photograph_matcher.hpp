@@ -25,12 +25,11 @@ struct PhotographDecision {
   std::string why;              ///< for a person, if it is of no shot
 };
 
-/// Instants: `local` ones on the caller's steady clock, `device` ones on the firmware's, in nanoseconds.
 class PhotographMatcher {
  public:
   /// `clock` relates the firmware's clock to the host's; it must outlive the matcher.
   PhotographMatcher(const DeviceClock& clock, double timeout_s)
-      : clock_(clock), timeout_ns_(static_cast<std::int64_t>(timeout_s * 1e9)) {}
+      : clock_(clock), timeout_(from_seconds(timeout_s)) {}
 
   /// A shot whose shutter has opened; dry ones have photographs, too. Known shots change nothing.
   void on_shot(const strobe_msgs::shot_t& shot);
@@ -39,25 +38,25 @@ class PhotographMatcher {
   /// The photograph assigned to this shot could not be read: another one may come.
   void give_back(const ShotKey& shot);
   /// A photograph has arrived; numbers rise.
-  void on_photograph(int photograph, std::int64_t arrived_local_ns, std::int64_t written_local_ns);
+  void on_photograph(int photograph, HostTime arrived, HostTime written);
 
   /// What can be decided by now.
-  std::vector<PhotographDecision> decide(std::int64_t local_ns);
+  std::vector<PhotographDecision> decide(HostTime now);
   /// Nothing more will come: the rest is of no shot.
-  std::vector<PhotographDecision> end(std::int64_t local_ns);
+  std::vector<PhotographDecision> end(HostTime now);
 
  private:
   struct Exposure {
     ShotKey key;
-    std::int64_t opened_ns = 0;  ///< device
-    std::int64_t closed_ns = 0;
+    MonoTime opened;
+    MonoTime closed;
     bool wanted = false;
     bool taken = false;
   };
   struct Held {
     int photograph = 0;
-    std::int64_t arrived_ns = 0;
-    std::int64_t written_ns = 0;
+    HostTime arrived;
+    HostTime written;
   };
   struct Candidates {
     std::vector<std::size_t> waiting;   ///< within the time for photographs
@@ -65,20 +64,23 @@ class PhotographMatcher {
     std::size_t count() const { return waiting.size() + given_up.size(); }
   };
 
-  std::int64_t local(std::int64_t device_ns) const { return clock_.local_ns(device_ns).value_or(device_ns); }
-  Candidates candidates(const Held& held, std::int64_t now_ns) const;
-  std::optional<PhotographDecision> decide_first(std::int64_t now_ns);
-  std::optional<PhotographDecision> choose(const Candidates& candidates, std::int64_t now_ns);
-  PhotographDecision take(std::size_t exposure, std::int64_t now_ns, bool certain);
+  /// Before the first heartbeat the clocks are taken for one.
+  HostTime local(MonoTime device) const {
+    return clock_.local(device).value_or(HostTime{device.time_since_epoch()});
+  }
+  Candidates candidates(const Held& held, HostTime now) const;
+  std::optional<PhotographDecision> decide_first(HostTime now);
+  std::optional<PhotographDecision> choose(const Candidates& candidates, HostTime now);
+  PhotographDecision take(std::size_t exposure, HostTime now, bool certain);
   PhotographDecision reject(std::string why);
   std::string nobody(const Held& held) const;
-  std::int64_t own_due_ns(const Exposure& exposure) const;
+  HostTime own_due(const Exposure& exposure) const;
 
   const DeviceClock& clock_;
-  std::int64_t timeout_ns_;
-  std::optional<std::int64_t> usual_ns_;  ///< longest from closing to arrival so far
-  std::vector<Exposure> exposures_;       ///< in order of their closing
-  std::vector<Held> held_;                ///< in order of arrival
+  Duration timeout_;
+  std::optional<Duration> usual_;    ///< longest from closing to arrival so far
+  std::vector<Exposure> exposures_;  ///< in order of their closing
+  std::vector<Held> held_;           ///< in order of arrival
 };
 
 }  // namespace strobe::host

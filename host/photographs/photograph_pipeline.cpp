@@ -18,7 +18,7 @@ std::vector<double> seconds_of(const FlashTimes& times) {
   std::vector<double> seconds;
   if (!times.in_order) return seconds;
   for (const ObservedFlash& flash : times.seen)
-    seconds.push_back(static_cast<double>(flash.time_ns - times.seen.front().time_ns) * 1e-9);
+    seconds.push_back(to_seconds(flash.time - times.seen.front().time));
   return seconds;
 }
 
@@ -44,16 +44,16 @@ void PhotographPipeline::on_frame(const strobe_msgs::frame_t& frame) {
   matcher_.on_measured({frame.boot_id, frame.shot_id});
 }
 
-void PhotographPipeline::step(std::int64_t now_ns) {
-  for (const Arrival& arrival : folder_->look(now_ns)) add(arrival);
+void PhotographPipeline::step(HostTime now) {
+  for (const Arrival& arrival : folder_->look(now)) add(arrival);
   for (std::string& text : folder_->take_notifications()) notify(std::move(text));
   for (PhotographResult& result : reader_.take_results()) finish(std::move(result));
-  for (const PhotographDecision& decision : matcher_.decide(now_ns)) apply(decision);
+  for (const PhotographDecision& decision : matcher_.decide(now)) apply(decision);
 }
 
-void PhotographPipeline::end(std::int64_t now_ns) {
-  step(now_ns);
-  for (const PhotographDecision& decision : matcher_.end(now_ns)) apply(decision);
+void PhotographPipeline::end(HostTime now) {
+  step(now);
+  for (const PhotographDecision& decision : matcher_.end(now)) apply(decision);
 }
 
 void PhotographPipeline::add(const Arrival& arrival) {
@@ -65,7 +65,7 @@ void PhotographPipeline::add(const Arrival& arrival) {
     if (other.path.stem() == arrival.path.stem()) return;
   }
   undecided_[next_photograph_] = arrival;
-  matcher_.on_photograph(next_photograph_++, arrival.arrived_ns, arrival.written_ns);
+  matcher_.on_photograph(next_photograph_++, arrival.arrived, arrival.written);
 }
 
 /// photographs/shot-0007-NAME in the session's folder, with a number where that is taken.

@@ -38,9 +38,9 @@ class PhotographPipeline {
   void on_frame(const strobe_msgs::frame_t& frame);
 
   /// Takes in what has arrived and what has been measured.
-  void step(std::int64_t now_ns);
+  void step(HostTime now);
   /// No shot will come any more: tells what is left over.
-  void end(std::int64_t now_ns);
+  void end(HostTime now);
 
   /// Frames to be published and taken in.
   std::vector<strobe_msgs::frame_t> take_frames() { return std::exchange(frames_, {}); }

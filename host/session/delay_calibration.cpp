@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "common/reduction/running_statistics.hpp"
+#include "common/units/time.hpp"
 
 namespace strobe::host {
 namespace {
@@ -13,29 +14,30 @@ namespace {
 using strobe_msgs::flash_t;
 using strobe_msgs::shot_t;
 
-bool issued(const flash_t& flash) {
-  return flash.issue_start_ns != flash_t::NO_TIME && flash.issue_end_ns != flash_t::NO_TIME;
+/// How long the call took that set the line. Returns nullopt if there was none.
+std::optional<Duration> call(const flash_t& flash) {
+  const MonoTime start = from_ns(flash.issue_start_ns), end = from_ns(flash.issue_end_ns);
+  return known(start) && known(end) ? std::optional(end - start) : std::nullopt;
 }
 
 /// Of a call that was interrupted nobody knows when the line changed: twice the shortest, and a microsecond.
-std::int64_t longest_call_ns(const shot_t& shot) {
-  constexpr std::int64_t kMargin_ns = 1000;
-  std::optional<std::int64_t> shortest;
+Duration longest_call(const shot_t& shot) {
+  std::optional<Duration> shortest;
   for (const flash_t& flash : shot.flashes) {
-    if (!issued(flash)) continue;
-    const std::int64_t call = flash.issue_end_ns - flash.issue_start_ns;
-    shortest = std::min(shortest.value_or(call), call);
+    if (const auto took = call(flash)) shortest = std::min(shortest.value_or(*took), *took);
   }
-  return 2 * shortest.value_or(0) + kMargin_ns;
+  return 2 * shortest.value_or(Duration{}) + microseconds{1};
 }
 
 std::optional<CalibratedDelay> lamp_delay_us(const shot_t& shot, int lamp, std::int64_t flash_t::*observed) {
   reduction::RunningStatistics series;
-  const std::int64_t longest_ns = longest_call_ns(shot);
+  const Duration longest = longest_call(shot);
   for (const flash_t& flash : shot.flashes) {
-    if ((flash.lamps & lamp) == 0 || !issued(flash) || flash.*observed == flash_t::NO_TIME) continue;
-    if (flash.extra_edges > 0 || flash.issue_end_ns - flash.issue_start_ns > longest_ns) continue;
-    series.add(static_cast<double>(flash.*observed - flash.issue_end_ns) * 1e-3);
+    const auto took = call(flash);
+    const MonoTime seen = from_ns(flash.*observed);
+    if ((flash.lamps & lamp) == 0 || !took || *took > longest || !known(seen) || flash.extra_edges > 0)
+      continue;
+    series.add(to_microseconds(seen - from_ns(flash.issue_end_ns)));
   }
   if (series.count() < 2) return std::nullopt;
   const auto n = static_cast<double>(series.count());
@@ -43,9 +45,9 @@ std::optional<CalibratedDelay> lamp_delay_us(const shot_t& shot, int lamp, std::
   return CalibratedDelay{static_cast<int>(series.count()), series.mean(), sd, sd / std::sqrt(n)};
 }
 
-std::optional<double> lag_ms(std::int64_t seen_ns, std::int64_t line_ns) {
-  if (seen_ns == shot_t::NO_TIME || line_ns == shot_t::NO_TIME) return std::nullopt;
-  return static_cast<double>(seen_ns - line_ns) * 1e-6;
+std::optional<double> lag_ms(MonoTime seen, MonoTime line) {
+  if (!known(seen) || !known(line)) return std::nullopt;
+  return static_cast<double>((seen - line).count()) * 1e-6;
 }
 
 std::string lamp_line(const char* key, const CalibratedDelay& delay) {
@@ -62,8 +64,8 @@ DelayCalibration delay_calibration(const shot_t& shot) {
   const bool told =
       shot.shutter_feedback == shot_t::FEEDBACK_SEEN || shot.shutter_feedback == shot_t::FEEDBACK_LATE;
   if (told) {
-    calibration.opening_lag_ms = lag_ms(shot.shutter_open_ns, shot.shutter_on_ns);
-    calibration.closing_lag_ms = lag_ms(shot.shutter_close_ns, shot.shutter_off_ns);
+    calibration.opening_lag_ms = lag_ms(from_ns(shot.shutter_open_ns), from_ns(shot.shutter_on_ns));
+    calibration.closing_lag_ms = lag_ms(from_ns(shot.shutter_close_ns), from_ns(shot.shutter_off_ns));
   }
   return calibration;
 }

@@ -39,7 +39,7 @@ void LoggedTransport::publish(const std::string& channel, Bytes bytes) {
 }
 
 void LoggedTransport::log(const std::string& channel, Bytes bytes) {
-  folder_.log(channel, bytes.data(), bytes.size(), clock_.read().wall_ns / 1000);
+  folder_.log(channel, bytes.data(), bytes.size(), clock_.read().wall);
 }
 
 }  // namespace strobe::host

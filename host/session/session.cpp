@@ -17,16 +17,15 @@ using strobe_msgs::event_t;
 using strobe_msgs::frame_t;
 using strobe_msgs::shot_t;
 
-constexpr std::int64_t kSecond_ns = 1'000'000'000;
 // Status messages come twice a second; five lost in a row mean that the firmware is gone.
-constexpr std::int64_t kSilent_ns = 5 * kSecond_ns / 2;
+constexpr Duration kSilent = milliseconds{2500};
 // A network that is cut for ten seconds has lost nothing yet.
-constexpr std::int64_t kCutOff_ns = 10 * kSecond_ns;
-constexpr std::int64_t kSummaryGrace_ns = 300'000'000;
+constexpr Duration kCutOff = std::chrono::seconds{10};
+constexpr Duration kSummaryGrace = milliseconds{300};
 // An ask and its answer each pass a lossy link: at 50 % loss 24 in vain have a chance of 0.1 %.
 constexpr int kSummaryRequests = 24;
 // A photograph takes its time; who asks for its shot again gets it, too, if it was lost on the way.
-constexpr std::int64_t kPhotographGrace_ns = kSecond_ns;
+constexpr Duration kPhotographGrace = std::chrono::seconds{1};
 constexpr std::size_t kMaxArmed = 4096;
 constexpr std::size_t kMaxHeldFrames = 64;
 // A machine that is this much early still meets the plate before the abort.
@@ -41,10 +40,10 @@ std::uint64_t hash_of(frame_t frame) {
   return std::hash<std::string_view>{}(bytes);
 }
 
-std::int64_t end_of(const shot_t& shot, std::int64_t now_ns) {
-  std::int64_t end = shot.shutter_close_ns;
-  for (const auto& flash : shot.flashes) end = std::max(end, flash.issue_end_ns);
-  return end != shot_t::NO_TIME && end != 0 ? end : now_ns;
+MonoTime end_of(const shot_t& shot, MonoTime fallback) {
+  std::int64_t end_ns = shot.shutter_close_ns;
+  for (const auto& flash : shot.flashes) end_ns = std::max(end_ns, flash.issue_end_ns);
+  return end_ns != shot_t::NO_TIME && end_ns != 0 ? from_ns(end_ns) : fallback;
 }
 
 std::int64_t host_id_in(const std::string& hex) {
@@ -55,25 +54,27 @@ std::int64_t host_id_in(const std::string& hex) {
 
 }  // namespace
 
-void Session::on_status(const strobe_msgs::status_t& status, std::int64_t now_ns) {
+void Session::on_status(const strobe_msgs::status_t& status, HostTime now) {
   if (status_ && status_->boot_id != status.boot_id) {
     notify(fmt::format("the firmware was started anew (boot {:x})", status.boot_id));
   }
-  extend_deadlines_by_outage(status.mono_ns);
-  clock_.on_heartbeat(status.boot_id, {status.mono_ns, status.wall_ns, status.boot_time_ns}, now_ns);
+  const DeviceReading device{from_ns(status.mono_ns), from_ns<WallTime>(status.wall_ns),
+                             Duration{status.boot_time_ns}};
+  extend_deadlines_by_outage(device.mono);
+  clock_.on_heartbeat(status.boot_id, device, now);
   report_clock();
   status_ = status;
-  status_heard_ns_ = now_ns;
-  device_now_ns_ = std::max(device_now_ns_, status.mono_ns);
-  ledger_.status(status.boot_id, status.last_sequence, now_ns);
+  status_heard_ = now;
+  device_now_ = std::max(device_now_, device.mono);
+  ledger_.status(status.boot_id, status.last_sequence, now);
   std::vector<EndedBoot> earlier;
   for (const auto& boot : status.earlier) earlier.push_back({boot.boot_id, boot.last_sequence});
-  ledger_.earlier(earlier, now_ns);
+  ledger_.earlier(earlier, now);
   finish_interrupted_shots();
-  expire(now_ns);
+  expire(now);
 }
 
-void Session::on_local_clocks(const ClockReading& reading) {
+void Session::on_local_clocks(const HostReading& reading) {
   clock_.on_local(reading);
   report_clock();
 }
@@ -82,18 +83,17 @@ void Session::report_clock() {
   for (std::string& text : clock_.take_notifications()) notify(std::move(text));
 }
 
-std::optional<strobe_msgs::status_t> Session::live_status(std::int64_t now_ns) const {
-  return status_ && now_ns - status_heard_ns_ <= kSilent_ns ? status_ : std::nullopt;
+std::optional<strobe_msgs::status_t> Session::live_status(HostTime now) const {
+  return status_ && now - status_heard_ <= kSilent ? status_ : std::nullopt;
 }
 
-void Session::extend_deadlines_by_outage(std::int64_t mono_ns) {
-  const bool heard_before = device_now_ns_ != shot_t::NO_TIME;
-  if (!heard_before || mono_ns - device_now_ns_ <= kSilent_ns) return;
-  for (auto& [key, waiting] : pending_) waiting.device_deadline_ns += mono_ns - device_now_ns_;
+void Session::extend_deadlines_by_outage(MonoTime device_now) {
+  if (!known(device_now_) || device_now - device_now_ <= kSilent) return;
+  for (auto& [key, waiting] : pending_) waiting.device_deadline += device_now - device_now_;
 }
 
-void Session::on_event(const event_t& event, std::int64_t now_ns) {
-  if (!ledger_.add(event.boot_id, event.sequence, now_ns)) return;
+void Session::on_event(const event_t& event, HostTime now) {
+  if (!ledger_.add(event.boot_id, event.sequence, now)) return;
   const ShotKey key{event.boot_id, event.shot_id};
   if (event.kind == event_t::ARMED) {
     armed_[{event.boot_id, event.sequence}] = host_id_in(event.detail);
@@ -107,7 +107,7 @@ void Session::on_event(const event_t& event, std::int64_t now_ns) {
   }
   if (of_open_shot && (event.kind == event_t::SHOT_ENDED || event.kind == event_t::SHOT_ABORTED)) {
     open_[key].ended = event.sequence;
-    open_[key].since_ns = now_ns;
+    open_[key].since = now;
   }
   finish_complete_shots();
   finish_interrupted_shots();
@@ -117,7 +117,7 @@ bool Session::whole(const shot_t& shot) const {
   return shot.first_sequence < 1 || ledger_.holds(shot.boot_id, shot.first_sequence, shot.last_sequence);
 }
 
-void Session::on_shot(const shot_t& shot, std::int64_t now_ns) {
+void Session::on_shot(const shot_t& shot, HostTime now) {
   const ShotKey key{shot.boot_id, shot.shot_id};
   open_.erase(key);
   if (done_.contains(key) || pending_.contains(key)) return;
@@ -131,19 +131,19 @@ void Session::on_shot(const shot_t& shot, std::int64_t now_ns) {
   PendingShot waiting;
   waiting.shot = shot;
   waiting.frame = std::move(frame);
-  const auto timeout_ns = static_cast<std::int64_t>(settings_.analysis.photograph_timeout_s * 1e9);
-  waiting.device_deadline_ns = end_of(shot, device_now_ns_) + timeout_ns;
-  waiting.local_deadline_ns = now_ns + timeout_ns + kCutOff_ns;
-  waiting.asked_ns = now_ns;
-  if (device_now_ns_ > waiting.device_deadline_ns) {
+  const Duration timeout = from_seconds(settings_.analysis.photograph_timeout_s);
+  waiting.device_deadline = end_of(shot, device_now_) + timeout;
+  waiting.local_deadline = now + timeout + kCutOff;
+  waiting.asked = now;
+  if (device_now_ > waiting.device_deadline) {
     // It was lost until now, and its photograph with it, which may come again as it has.
     waiting.past = !own(shot);
-    waiting.device_deadline_ns = device_now_ns_ + timeout_ns;
+    waiting.device_deadline = device_now_ + timeout;
   }
   pending_[key] = std::move(waiting);
 }
 
-void Session::on_frame(const frame_t& frame, std::int64_t /*now_ns*/) {
+void Session::on_frame(const frame_t& frame, HostTime /*now*/) {
   const auto found = waiting_for(frame);
   if (found == pending_.end()) return keep_or_report_frame(frame);
   if (!whole(found->second.shot)) {
@@ -198,11 +198,11 @@ std::optional<frame_t> Session::take_early_frame(const ShotKey& key) {
 }
 
 bool Session::ball_came_after_abort(const shot_t& shot) const {
-  if (shot.trigger_ns == shot_t::NO_TIME) return true;
+  const MonoTime trigger = from_ns(shot.trigger_ns);
+  if (!known(trigger)) return true;
   if (!settings_.machine_lag_s) return false;
-  const auto earliest =
-      static_cast<std::int64_t>(std::max(0.0, *settings_.machine_lag_s - kMachineLagDoubt_s) * 1e9);
-  return end_of(shot, shot.trigger_ns) < shot.trigger_ns + earliest;
+  const Duration earliest = from_seconds(std::max(0.0, *settings_.machine_lag_s - kMachineLagDoubt_s));
+  return end_of(shot, trigger) < trigger + earliest;
 }
 
 void Session::mark_finished(const ShotKey& key, FinishedShot how) {
@@ -223,7 +223,8 @@ void Session::push(ShotResult shot_result, const shot_t& shot) {
 /// gives the same flags wherever it is played.
 void Session::add_flags(const shot_t& shot, reduction::FlagSet& flags) const {
   if (!whole(shot)) flags.set(Flag::events_missing);
-  if (clock_.suspended_within(shot.start_ns, end_of(shot, shot.start_ns))) flags.set(Flag::clock_suspect);
+  const MonoTime start = from_ns(shot.start_ns);
+  if (clock_.suspended_within(start, end_of(shot, start))) flags.set(Flag::clock_suspect);
 }
 
 void Session::finish(const shot_t& shot, const frame_t& frame) {
@@ -312,14 +313,14 @@ void Session::finish_complete_shots() {
   }
 }
 
-bool Session::over(const PendingShot& waiting, bool silent, std::int64_t now_ns) const {
-  return device_now_ns_ > waiting.device_deadline_ns || (silent && now_ns > waiting.local_deadline_ns);
+bool Session::over(const PendingShot& waiting, bool silent, HostTime now) const {
+  return device_now_ > waiting.device_deadline || (silent && now > waiting.local_deadline);
 }
 
-void Session::expire(std::int64_t now_ns) {
-  const bool silent = !live_status(now_ns);
+void Session::expire(HostTime now) {
+  const bool silent = !live_status(now);
   for (auto it = pending_.begin(); it != pending_.end();) {
-    if (!over(it->second, silent, now_ns)) {
+    if (!over(it->second, silent, now)) {
       ++it;
       continue;
     }
@@ -337,27 +338,27 @@ void Session::finish_late(const PendingShot& waiting, const std::string& problem
                      waiting.shot.shot_id));
 }
 
-void Session::request_lost_summaries(std::int64_t now_ns) {
+void Session::request_lost_summaries(HostTime now) {
   for (auto& [key, open] : open_) {
-    if (open.ended == 0 || now_ns - open.since_ns < kSummaryGrace_ns) continue;
+    if (open.ended == 0 || now - open.since < kSummaryGrace) continue;
     ledger_.request_again(key.boot_id, open.ended);
-    open.since_ns = now_ns;
+    open.since = now;
     ++open.asked;
   }
 }
 
-void Session::request_lost_photographs(std::int64_t now_ns) {
+void Session::request_lost_photographs(HostTime now) {
   for (auto& [key, waiting] : pending_) {
-    if (waiting.frame || !own(waiting.shot) || now_ns - waiting.asked_ns < kPhotographGrace_ns) continue;
+    if (waiting.frame || !own(waiting.shot) || now - waiting.asked < kPhotographGrace) continue;
     ledger_.request_again(key.boot_id, waiting.shot.last_sequence);
-    waiting.asked_ns = now_ns;
+    waiting.asked = now;
   }
 }
 
-void Session::on_time(std::int64_t now_ns) {
-  expire(now_ns);
-  request_lost_summaries(now_ns);
-  request_lost_photographs(now_ns);
+void Session::on_time(HostTime now) {
+  expire(now);
+  request_lost_summaries(now);
+  request_lost_photographs(now);
   finish_interrupted_shots();
 }
 

@@ -3,8 +3,8 @@
 //
 // The time that ends the wait for a photograph is the firmware's own clock as its status messages tell it, so
 // that a log played back at any speed gives the same readouts. Only when the firmware has fallen silent does
-// the caller's clock (nanoseconds, steady, any origin) end it. Time in which the firmware was not heard does
-// not count: what was sent in it comes again.
+// the host's clock end it. Time in which the firmware was not heard does not count: what was sent in it comes
+// again.
 //
 // No number is given without all events of its shot, or else with the flag events_missing. Of a shot that has
 // no end, since the firmware died in it, that is all that can be said.
@@ -52,13 +52,13 @@ class Session {
   Session(AssemblySettings settings, std::int64_t firing_host_id)
       : Session(std::move(settings), firing_host_id, firing_host_id != 0) {}
 
-  void on_status(const strobe_msgs::status_t& status, std::int64_t now_ns);
-  void on_event(const strobe_msgs::event_t& event, std::int64_t now_ns);
-  void on_shot(const strobe_msgs::shot_t& shot, std::int64_t now_ns);
-  void on_frame(const strobe_msgs::frame_t& frame, std::int64_t now_ns);
-  void on_time(std::int64_t now_ns);
+  void on_status(const strobe_msgs::status_t& status, HostTime now);
+  void on_event(const strobe_msgs::event_t& event, HostTime now);
+  void on_shot(const strobe_msgs::shot_t& shot, HostTime now);
+  void on_frame(const strobe_msgs::frame_t& frame, HostTime now);
+  void on_time(HostTime now);
   /// This machine's clocks, now and then: tells that its wall clock was set, or that it was suspended.
-  void on_local_clocks(const ClockReading& reading);
+  void on_local_clocks(const HostReading& reading);
   /// No message will come any more: shots that still wait end without a photograph.
   void on_end();
 
@@ -69,9 +69,9 @@ class Session {
   const EventLedger& ledger() const { return ledger_; }
   const std::optional<strobe_msgs::status_t>& status() const { return status_; }
   /// The newest status; absent if the firmware is silent: none has come for 2.5 s, five heartbeats in a row.
-  std::optional<strobe_msgs::status_t> live_status(std::int64_t now_ns) const;
-  /// When the newest status arrived, on the caller's clock.
-  std::int64_t status_heard_ns() const { return status_heard_ns_; }
+  std::optional<strobe_msgs::status_t> live_status(HostTime now) const;
+  /// When the newest status arrived.
+  HostTime status_heard() const { return status_heard_; }
   std::size_t waiting_for_photograph() const;
   DeviceClock& clock() { return clock_; }
   const DeviceClock& clock() const { return clock_; }
@@ -80,16 +80,16 @@ class Session {
   struct PendingShot {
     strobe_msgs::shot_t shot;
     std::optional<strobe_msgs::frame_t> frame;  ///< is here; events of the shot are not
-    std::int64_t device_deadline_ns = 0;
-    std::int64_t local_deadline_ns = 0;
-    std::int64_t asked_ns = 0;
+    MonoTime device_deadline;
+    HostTime local_deadline;
+    HostTime asked;
     bool past = false;  ///< over before this session was joined: nobody promised a readout
   };
   /// A shot whose start was heard, and not its summary.
   struct OpenShot {
     std::int64_t started = 0;  ///< sequences; 0: not heard
     std::int64_t ended = 0;
-    std::int64_t since_ns = 0;  ///< of the end, or of the last time that the summary was asked for
+    HostTime since;  ///< of the end, or of the last time that the summary was asked for
     int asked = 0;
     bool dry = false;
   };
@@ -110,7 +110,7 @@ class Session {
   void add_flags(const strobe_msgs::shot_t& shot, reduction::FlagSet& flags) const;
   bool own(const strobe_msgs::shot_t& shot) const { return host_id_ != 0 && shot.host_id == host_id_; }
   std::int64_t host_of(const ShotKey& key, const OpenShot& open) const;
-  void extend_deadlines_by_outage(std::int64_t mono_ns);
+  void extend_deadlines_by_outage(MonoTime device_now);
   /// Each shot is finished once.
   void mark_finished(const ShotKey& key, FinishedShot how);
   void push(ShotResult shot_result, const strobe_msgs::shot_t& shot);
@@ -118,10 +118,10 @@ class Session {
   std::optional<strobe_msgs::frame_t> take_early_frame(const ShotKey& key);
   std::map<ShotKey, PendingShot>::iterator waiting_for(const strobe_msgs::frame_t& frame);
   void keep_or_report_frame(const strobe_msgs::frame_t& frame);
-  void expire(std::int64_t now_ns);
-  bool over(const PendingShot& waiting, bool silent, std::int64_t now_ns) const;
-  void request_lost_summaries(std::int64_t now_ns);
-  void request_lost_photographs(std::int64_t now_ns);
+  void expire(HostTime now);
+  bool over(const PendingShot& waiting, bool silent, HostTime now) const;
+  void request_lost_summaries(HostTime now);
+  void request_lost_photographs(HostTime now);
   void report_clock();
   void notify(std::string text) { notifications_.push_back(std::move(text)); }
 
@@ -130,8 +130,8 @@ class Session {
   EventLedger ledger_;
   std::optional<strobe_msgs::status_t> status_;
   DeviceClock clock_;
-  std::int64_t status_heard_ns_ = 0;
-  std::int64_t device_now_ns_ = strobe_msgs::shot_t::NO_TIME;
+  HostTime status_heard_;
+  MonoTime device_now_ = kNoTime;
   std::map<ShotKey, PendingShot> pending_;
   std::map<ShotKey, strobe_msgs::frame_t> early_frames_;  ///< frames that came before their shot
   std::map<ShotKey, FinishedShot> done_;

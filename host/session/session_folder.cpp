@@ -3,7 +3,6 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
-#include <ctime>
 #include <fstream>
 #include <map>
 #include <set>
@@ -57,13 +56,11 @@ fs::path unused(const fs::path& folder, const std::string& utc) {
 
 }  // namespace
 
-std::string utc_for_file(std::int64_t wall_us) {
-  return fmt::format("{:%Y%m%dT%H%M%SZ}", fmt::gmtime(static_cast<std::time_t>(wall_us / 1'000'000)));
-}
+std::string utc_for_file(WallTime wall) { return fmt::format("{:%Y%m%dT%H%M%SZ}", fmt::gmtime(wall)); }
 
-std::string utc_for_table(std::int64_t wall_us) {
-  const std::tm time = fmt::gmtime(static_cast<std::time_t>(wall_us / 1'000'000));
-  return fmt::format("{:%Y-%m-%dT%H:%M:%S}", time) + fmt::format(".{:03}Z", wall_us / 1000 % 1000);
+std::string utc_for_table(WallTime wall) {
+  const auto ms = std::chrono::floor<milliseconds>(wall).time_since_epoch().count();
+  return fmt::format("{:%Y-%m-%dT%H:%M:%S}.{:03}Z", fmt::gmtime(wall), ms % 1000);
 }
 
 Result<std::unique_ptr<SessionFolder>> SessionFolder::open(const fs::path& folder, const std::string& utc,
@@ -87,11 +84,10 @@ Result<std::unique_ptr<SessionFolder>> SessionFolder::open(const fs::path& folde
   return result;
 }
 
-void SessionFolder::log(const std::string& channel, const void* data, std::size_t size,
-                        std::int64_t wall_us) {
+void SessionFolder::log(const std::string& channel, const void* data, std::size_t size, WallTime wall) {
   lcm::LogEvent event{};
   event.eventnum = event_number_++;
-  event.timestamp = wall_us;
+  event.timestamp = std::chrono::floor<microseconds>(wall).time_since_epoch().count();
   event.channel = channel;
   event.datalen = static_cast<std::int32_t>(size);
   event.data = const_cast<void*>(data);  // LCM's interface; it only reads
@@ -116,7 +112,7 @@ void SessionFolder::load_events(EventLedger& ledger, const std::string& rig) con
     if (logged.channel == events) {
       event_t event;
       if (!messages::decode_checked(event, logged.data, size) || !messages::in_range(event)) return;
-      ledger.add(event.boot_id, event.sequence, 0);
+      ledger.add(event.boot_id, event.sequence, HostTime{});
       if (event.kind == event_t::SHOT_ENDED || event.kind == event_t::SHOT_ABORTED)
         ended[{event.boot_id, event.shot_id}] = event.sequence;
     } else if (logged.channel == shots) {

@@ -26,9 +26,9 @@ class SessionFolder {
                                                      const std::string& utc, std::string_view rig_text,
                                                      std::string_view plan_text);
 
-  /// Appends a message as it came, at wall_us. Each is on its way to the disk before the call returns, so
+  /// Appends a message as it came, at `wall`. Each is on its way to the disk before the call returns, so
   /// that a killed host loses none.
-  void log(const std::string& channel, const void* data, std::size_t size, std::int64_t wall_us);
+  void log(const std::string& channel, const void* data, std::size_t size, WallTime wall);
   /// Appends a line to results.csv.
   Result<void> add(const ShotResult& shot_result, const std::string& utc);
   /// Appends a shot's flashes to flashes.csv, once.
@@ -52,8 +52,8 @@ class SessionFolder {
 };
 
 /// "20260131T093000Z" for file names; one more letter makes it unique where needed.
-std::string utc_for_file(std::int64_t wall_us);
+std::string utc_for_file(WallTime wall);
 /// "2026-01-31T09:30:00.123Z"
-std::string utc_for_table(std::int64_t wall_us);
+std::string utc_for_table(WallTime wall);
 
 }  // namespace strobe::host

@@ -8,12 +8,10 @@ namespace {
 using strobe_msgs::event_t;
 using strobe_msgs::status_t;
 
-constexpr std::int64_t kSendAgain_ns = 300'000'000;
+constexpr Duration kSendAgain = milliseconds{300};
 // After a token is gone without a sign of the shot: its events and status may still be on their way.
-constexpr std::int64_t kSignOfShot_ns = 1'500'000'000;
+constexpr Duration kSignOfShot = milliseconds{1500};
 constexpr int kMaxRefusals = 3;
-
-double seconds(std::int64_t ns) { return static_cast<double>(ns) * 1e-9; }
 
 std::string blocking_reason_of(const status_t& status, std::int64_t host_id) {
   if (!status.message.empty()) return status.message;
@@ -28,10 +26,10 @@ std::string blocking_reason_of(const status_t& status, std::int64_t host_id) {
 
 }  // namespace
 
-void ShotSeries::enter(State state, std::int64_t now_ns) {
+void ShotSeries::enter(State state, HostTime now) {
   state_ = state;
-  entered_ns_ = now_ns;
-  sent_ns_ = now_ns;
+  entered_ = now;
+  sent_ = now;
 }
 
 bool ShotSeries::ours(const status_t& status) const {
@@ -48,92 +46,92 @@ void ShotSeries::give_up(const std::string& why) {
   state_ = State::finished;
 }
 
-void ShotSeries::step(const std::optional<status_t>& status, std::int64_t now_ns) {
-  now_ns_ = now_ns;
+void ShotSeries::step(const std::optional<status_t>& status, HostTime now) {
+  now_ = now;
   if (state_ == State::finished) return;
-  if (!blocked_since_ns_) blocked_since_ns_ = now_ns;
+  if (!blocked_since_) blocked_since_ = now;
   if (!status) {
     blocking_reason_ = "no firmware heard; is strobed running, with the same rig name and LCM URL?";
   } else {
     switch (state_) {
       case State::waiting:
-        wait_for_readiness(*status, now_ns);
+        wait_for_readiness(*status, now);
         break;
       case State::arming:
-        arm(*status, now_ns);
+        arm(*status, now);
         break;
       case State::firing:
-        fire(*status, now_ns);
+        fire(*status, now);
         break;
       case State::shooting:
-        shoot(*status, now_ns);
+        shoot(*status, now);
         break;
       case State::finished:
         break;
     }
   }
-  if (blocking_reason_.empty()) blocked_since_ns_ = now_ns;
-  if (state_ != State::finished && seconds(now_ns - *blocked_since_ns_) > settings_.blocked_timeout_s) {
+  if (blocking_reason_.empty()) blocked_since_ = now;
+  if (state_ != State::finished && to_seconds(now - *blocked_since_) > settings_.blocked_timeout_s) {
     give_up(fmt::format("{} (waited {} s)", blocking_reason_, settings_.blocked_timeout_s));
   }
 }
 
-void ShotSeries::wait_for_readiness(const status_t& status, std::int64_t now_ns) {
+void ShotSeries::wait_for_readiness(const status_t& status, HostTime now) {
   blocking_reason_ = ours(status) ? "" : blocking_reason_of(status, factory_.host_id());
-  if (status.state == status_t::FAULT && settings_.clear_fault && now_ns - sent_ns_ > kSendAgain_ns) {
+  if (status.state == status_t::FAULT && settings_.clear_fault && now - sent_ > kSendAgain) {
     commands_.push_back(factory_.clear(status.boot_id));
-    sent_ns_ = now_ns;
+    sent_ = now;
   }
   if (!blocking_reason_.empty()) return;
   if (!refusal_
            .empty()) {  // refused though nothing seemed missing: say so and try at the pace of the retries
     blocking_reason_ = refusal_;
-    if (now_ns - entered_ns_ < kSendAgain_ns) return;
+    if (now - entered_ < kSendAgain) return;
     blocking_reason_.clear();
   }
-  enter(State::arming, now_ns);
+  enter(State::arming, now);
   if (!ours(status)) commands_.push_back(factory_.arm(status.boot_id));
 }
 
-void ShotSeries::arm(const status_t& status, std::int64_t now_ns) {
+void ShotSeries::arm(const status_t& status, HostTime now) {
   if (ours(status)) {
     refusal_.clear();
     blocking_reason_.clear();
     boot_id_ = status.boot_id;
     shots_before_ = status.last_shot_id;
-    enter(State::firing, now_ns);
-    send_fire(status, now_ns);
+    enter(State::firing, now);
+    send_fire(status, now);
     return;
   }
-  if (!blocking_reason_of(status, factory_.host_id()).empty()) return enter(State::waiting, now_ns);
-  if (now_ns - sent_ns_ < kSendAgain_ns) return;
+  if (!blocking_reason_of(status, factory_.host_id()).empty()) return enter(State::waiting, now);
+  if (now - sent_ < kSendAgain) return;
   commands_.push_back(factory_.arm(status.boot_id));
-  sent_ns_ = now_ns;
+  sent_ = now;
 }
 
-void ShotSeries::send_fire(const status_t& status, std::int64_t now_ns) {
+void ShotSeries::send_fire(const status_t& status, HostTime now) {
   commands_.push_back(
       factory_.fire(status.boot_id, status.arm_token, settings_.plan, settings_.dry, settings_.notes));
-  sent_ns_ = now_ns;
+  sent_ = now;
 }
 
-void ShotSeries::fire(const status_t& status, std::int64_t now_ns) {
+void ShotSeries::fire(const status_t& status, HostTime now) {
   const bool same_boot = status.boot_id == boot_id_;
   if (same_boot && (status.state == status_t::FIRING || status.last_shot_id > shots_before_)) {
-    return enter(State::shooting, now_ns);
+    return enter(State::shooting, now);
   }
   // The token is for one shot, so a second FIRE with it can never fire a second one.
   if (same_boot && ours(status)) {
-    if (now_ns - sent_ns_ >= kSendAgain_ns) send_fire(status, now_ns);
+    if (now - sent_ >= kSendAgain) send_fire(status, now);
     return;
   }
-  if (now_ns - sent_ns_ >= kSignOfShot_ns) enter(State::waiting, now_ns);
+  if (now - sent_ >= kSignOfShot) enter(State::waiting, now);
 }
 
-void ShotSeries::shoot(const status_t& status, std::int64_t now_ns) {
-  if (status.boot_id != boot_id_ && seconds(now_ns - entered_ns_) > settings_.photograph_timeout_s + 2.0) {
+void ShotSeries::shoot(const status_t& status, HostTime now) {
+  if (status.boot_id != boot_id_ && to_seconds(now - entered_) > settings_.photograph_timeout_s + 2.0) {
     on_rejected("the firmware was started anew during the shot", shots_before_ + 1);
-  } else if (seconds(now_ns - entered_ns_) > longest_shot_s()) {
+  } else if (to_seconds(now - entered_) > longest_shot_s()) {
     on_rejected("nothing more was heard of the shot", shots_before_ + 1);
   }
 }
@@ -141,13 +139,13 @@ void ShotSeries::shoot(const status_t& status, std::int64_t now_ns) {
 void ShotSeries::on_event(const event_t& event) {
   if (state_ == State::firing && event.kind == event_t::SHOT_STARTED && event.boot_id == boot_id_ &&
       event.shot_id > shots_before_) {
-    enter(State::shooting, now_ns_);
+    enter(State::shooting, now_);
   }
   if (event.kind != event_t::REFUSED || (state_ != State::arming && state_ != State::firing)) return;
   refusal_ = "refused: " + event.detail;
   notifications_.push_back(refusal_);
   if (state_ == State::firing && ++refusals_ >= kMaxRefusals) return give_up(refusal_);
-  enter(State::waiting, now_ns_);
+  enter(State::waiting, now_);
 }
 
 void ShotSeries::on_shot_result(const ShotResult& shot_result) {
@@ -160,7 +158,7 @@ void ShotSeries::on_shot_result(const ShotResult& shot_result) {
   if (good_ >= settings_.shots) {
     state_ = State::finished;
   } else {
-    enter(State::waiting, now_ns_);
+    enter(State::waiting, now_);
   }
 }
 
@@ -171,7 +169,7 @@ void ShotSeries::on_rejected(const std::string& why, std::int64_t shot_id) {
   ++refired_;
   notifications_.push_back(fmt::format("shot {} is rejected ({}): firing again, retry {} of {}", shot_id, why,
                                        refired_, settings_.retries));
-  enter(State::waiting, now_ns_);
+  enter(State::waiting, now_);
 }
 
 void ShotSeries::stop(const std::optional<status_t>& status) {

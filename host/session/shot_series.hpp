@@ -1,6 +1,5 @@
 // Firing a series: arm, fire, wait for the readout, fire rejected shots again, until all have come or the
-// retries are used up. A state machine on messages and the caller's steady clock [ns]; no I/O;
-// single-threaded.
+// retries are used up. A state machine on messages and the host's clock; no I/O; single-threaded.
 #pragma once
 
 #include <cstdint>
@@ -38,7 +37,7 @@ class ShotSeries {
   /// The result of a shot; those of other hosts are ignored.
   void on_shot_result(const ShotResult& shot_result);
   /// What to do now. status: the newest; absent if the firmware is silent (Session::live_status()).
-  void step(const std::optional<strobe_msgs::status_t>& status, std::int64_t now_ns);
+  void step(const std::optional<strobe_msgs::status_t>& status, HostTime now);
   /// Ends the series: the arm token is given back, a running shot is aborted.
   void stop(const std::optional<strobe_msgs::status_t>& status);
 
@@ -57,26 +56,26 @@ class ShotSeries {
  private:
   enum class State { waiting, arming, firing, shooting, finished };
 
-  void wait_for_readiness(const strobe_msgs::status_t& status, std::int64_t now_ns);
-  void arm(const strobe_msgs::status_t& status, std::int64_t now_ns);
-  void fire(const strobe_msgs::status_t& status, std::int64_t now_ns);
-  void shoot(const strobe_msgs::status_t& status, std::int64_t now_ns);
-  void enter(State state, std::int64_t now_ns);
+  void wait_for_readiness(const strobe_msgs::status_t& status, HostTime now);
+  void arm(const strobe_msgs::status_t& status, HostTime now);
+  void fire(const strobe_msgs::status_t& status, HostTime now);
+  void shoot(const strobe_msgs::status_t& status, HostTime now);
+  void enter(State state, HostTime now);
   void on_rejected(const std::string& why, std::int64_t shot_id);
   void give_up(const std::string& why);
-  void send_fire(const strobe_msgs::status_t& status, std::int64_t now_ns);
+  void send_fire(const strobe_msgs::status_t& status, HostTime now);
   double longest_shot_s() const;
   bool ours(const strobe_msgs::status_t& status) const;
 
   ShotSeriesSettings settings_;
   CommandFactory& factory_;
   State state_ = State::waiting;
-  std::int64_t entered_ns_ = 0;
-  std::int64_t sent_ns_ = 0;
-  std::optional<std::int64_t> blocked_since_ns_;
+  HostTime entered_;
+  HostTime sent_;
+  std::optional<HostTime> blocked_since_;
   std::int64_t boot_id_ = 0;       ///< firmware of the shot that is under way
   std::int32_t shots_before_ = 0;  ///< its last_shot_id before the shot
-  std::int64_t now_ns_ = 0;
+  HostTime now_;
   int good_ = 0;
   int refired_ = 0;
   int refusals_ = 0;

@@ -13,12 +13,11 @@ namespace strobe::host {
 namespace {
 
 using strobe_msgs::flash_t;
-constexpr std::int64_t kNoTime = flash_t::NO_TIME;
 
 class Spread {
  public:
-  void add_ns(std::int64_t value_ns) {
-    const double value_us = static_cast<double>(value_ns) * 1e-3;
+  void add(Duration value) {
+    const double value_us = to_microseconds(value);
     series_.add(value_us);
     largest_ = std::max(largest_, std::abs(value_us));
   }
@@ -65,25 +64,24 @@ TrainReport train_report(const strobe_msgs::shot_t& shot) {
   if (shot.sensor_b_fitted) report.seen_by_b = 0;
   Spread lateness, delay, skew;
   for (const flash_t& flash : shot.flashes) {
-    const bool issued = flash.issue_end_ns != kNoTime;
-    const bool a = flash.observed_a_ns != kNoTime;
-    const bool b = flash.observed_b_ns != kNoTime;
+    const MonoTime issued = from_ns(flash.issue_end_ns);
+    const MonoTime a = from_ns(flash.observed_a_ns), b = from_ns(flash.observed_b_ns);
     const bool lamp_a = (flash.lamps & strobe_msgs::coded_flash_t::LAMP_A) != 0;
     const bool lamp_b = (flash.lamps & strobe_msgs::coded_flash_t::LAMP_B) != 0;
     report.planned_a += lamp_a;
     report.planned_b += lamp_b;
-    report.issued += issued;
-    if (issued) lateness.add_ns(flash.issue_end_ns - flash.commanded_ns);
-    if (report.seen_by_a && a && lamp_a) ++*report.seen_by_a;
-    if (report.seen_by_b && b && lamp_b) ++*report.seen_by_b;
-    if (a && b && lamp_a && lamp_b) skew.add_ns(flash.observed_a_ns - flash.observed_b_ns);
+    report.issued += known(issued);
+    if (known(issued)) lateness.add(issued - from_ns(flash.commanded_ns));
+    if (report.seen_by_a && known(a) && lamp_a) ++*report.seen_by_a;
+    if (report.seen_by_b && known(b) && lamp_b) ++*report.seen_by_b;
+    if (known(a) && known(b) && lamp_a && lamp_b) skew.add(a - b);
   }
   const FlashTimes times = flash_times(shot);
   for (const ObservedFlash& flash : times.seen) {
     report.late += flash.late;
     report.doubled += flash.doubled;
-    const std::int64_t issued_ns = shot.flashes[static_cast<std::size_t>(flash.index)].issue_end_ns;
-    if (times.measured && issued_ns != kNoTime) delay.add_ns(flash.time_ns - issued_ns);
+    const MonoTime issued = from_ns(shot.flashes[static_cast<std::size_t>(flash.index)].issue_end_ns);
+    if (times.measured && known(issued)) delay.add(flash.time - issued);
   }
   report.calibration = delay_calibration(shot);
   report.issue_lateness_us = lateness.result();

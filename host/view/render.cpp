@@ -38,7 +38,7 @@ std::string state_name(const status_t& status) {
     case status_t::IDLE:
       return "idle";
     case status_t::ARMED: {
-      const double left_s = static_cast<double>(status.arm_expires_ns - status.mono_ns) * 1e-9;
+      const double left_s = to_seconds(from_ns(status.arm_expires_ns) - from_ns(status.mono_ns));
       return fmt::format("ARMED, for {:.0f} s more", std::max(0.0, left_s));
     }
     case status_t::FIRING:

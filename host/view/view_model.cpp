@@ -20,10 +20,10 @@ void ViewModel::add_notification(const std::string& text) {
   if (notifications.size() > kMaxNotifications) notifications.erase(notifications.begin());
 }
 
-std::optional<std::string> ViewModel::update(Session& session, std::int64_t now_ns) {
+std::optional<std::string> ViewModel::update(Session& session, HostTime now) {
   status = session.status();
-  silent = !session.live_status(now_ns);
-  status_age_s = static_cast<double>(now_ns - session.status_heard_ns()) * 1e-9;
+  silent = !session.live_status(now);
+  status_age_s = to_seconds(now - session.status_heard());
   events_missing = session.ledger().missing();
   const bool suspect_before = clock.suspect;
   clock = session.clock().state();

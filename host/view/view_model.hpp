@@ -32,7 +32,7 @@ struct ViewModel {
   void add_notification(const std::string& text);
   /// Brings up to date what is read from the session. Returns a line for a person if the clocks have become
   /// implausible.
-  std::optional<std::string> update(Session& session, std::int64_t now_ns);
+  std::optional<std::string> update(Session& session, HostTime now);
 };
 
 }  // namespace strobe::host

@@ -117,7 +117,7 @@ Case flash_match_case() {
   std::vector<double> times_s;
   const host::FlashTimes times = host::flash_times(made.shot);
   for (const host::ObservedFlash& flash : times.seen)
-    times_s.push_back(static_cast<double>(flash.time_ns - times.seen.front().time_ns) * 1e-9);
+    times_s.push_back(to_seconds(flash.time - times.seen.front().time));
   return {"flash_match", [times_s, track = *track] { keep(host::match_flashes(times_s, track, std::nullopt)); }};
 }
 

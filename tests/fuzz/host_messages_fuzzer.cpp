@@ -45,8 +45,8 @@ std::vector<std::uint8_t> with_fingerprint(std::int64_t fingerprint, std::span<c
 }
 
 struct ManualClock final : host::Clock {
-  std::int64_t now_ns = 1'000'000'000;
-  host::ClockReading read() override { return {now_ns, now_ns, now_ns}; }
+  Duration now = std::chrono::seconds{1};
+  host::HostReading read() override { return {HostTime{now}, WallTime{now}, now}; }
 };
 
 }  // namespace
@@ -64,10 +64,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const auto body = left.first(std::min(wanted, left.size()));
     left = left.subspan(body.size());
     loop.receive(messages::channel_name("bench", kind.channel), with_fingerprint(kind.fingerprint, body));
-    clock.now_ns += 50'000'000;
+    clock.now += milliseconds{50};
     loop.step();
   }
-  clock.now_ns += 100'000'000'000;
+  clock.now += std::chrono::seconds{100};
   loop.step();
   loop.session().clock().state();
   loop.end_session();

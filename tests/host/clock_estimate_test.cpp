@@ -18,11 +18,11 @@ namespace {
 
 std::vector<ClockSample> points_of(Heartbeats& beats, int heard) {
   std::vector<ClockSample> points;
-  const std::int64_t origin_ns = beats.device_ns(), ahead_ns = beats.local_offset_ns;
+  const strobe::MonoTime origin = beats.device();
+  const strobe::Duration ahead = beats.local_offset;
   while (static_cast<int>(points.size()) < heard) {
     if (const auto beat = beats.next())
-      points.push_back({1e-9 * static_cast<double>(beat->device.mono_ns - origin_ns),
-                        1e-9 * static_cast<double>(beat->heard_ns - beat->device.mono_ns - ahead_ns)});
+      points.push_back({strobe::to_seconds(beat->device.mono - origin), strobe::to_seconds(beat->offset() - ahead)});
   }
   return points;
 }
@@ -75,11 +75,11 @@ TEST(ClockEstimate, KnowsLessTheLongerAgoTheLastMessageIs) {
 TEST(ClockEstimate, HoldsTheTruthWithinItsSdsForAnyDelays) {
   CHECK(rc::check("truth within the sds, whatever the delays", [] {
     Heartbeats beats = any_heartbeats();
-    const std::int64_t from_ns = beats.local_offset_ns;
+    const strobe::Duration from = beats.local_offset;
     const auto estimate = estimate_clock(points_of(beats, *rc::gen::inRange(3, 80)));
     RC_ASSERT(estimate.has_value());
     RC_ASSERT(is_covariance(*estimate));
-    const double offset_s = beats.offset_s() - 1e-9 * static_cast<double>(from_ns) + Heartbeats::kDelay_s;
+    const double offset_s = beats.offset_s() - strobe::to_seconds(from) + Heartbeats::kDelay_s;
     // Tails are wider than normal ones while few messages tell the spread of delays: of 6000 errors at up to
     // 80 messages the largest were some 9 sds.
     RC_ASSERT(std::abs(estimate->offset_s - offset_s) < 15.0 * std::sqrt(estimate->offset_var_s2));

@@ -207,17 +207,18 @@ TEST(CameraTable, NamesWhatIsWrong) {
 }
 
 TEST(CameraTable, WarnsOfAnOldCalibration) {
-  const std::int64_t november_21 = 1795219200;  // 2026-11-21 00:00 UTC
+  using std::chrono::seconds;
+  const WallTime november_21{seconds{1795219200}};  // 2026-11-21 00:00 UTC
   const auto camera = read_rig(kCalibrated, "rig.toml")->camera;
   CHECK_FALSE(host::calibration_warning(camera, november_21).has_value());  // 90 days
   STRCMP_CONTAINS("2026-08-23, 91 days ago",
-                  host::calibration_warning(camera, november_21 + 86'400)->c_str());
+                  host::calibration_warning(camera, november_21 + seconds{86'400})->c_str());
   const auto undated = read_rig(without(kCalibrated, "calibrated"), "rig.toml")->camera;
   STRCMP_CONTAINS("no date", host::calibration_warning(undated, november_21)->c_str());
   CHECK_FALSE(host::calibration_warning({}, november_21).has_value());
   const auto guess = read_rig("rig = \"b\"\n[camera]\npx_per_m = 1000\n", "rig.toml")->camera;
   CHECK_FALSE(host::calibration_warning(guess, november_21).has_value());
-  STRCMP_EQUAL("2026-11-21", host::date_of(november_21 + 86'399).c_str());
+  STRCMP_EQUAL("2026-11-21", host::date_of(november_21 + seconds{86'399}).c_str());
   LONGS_EQUAL(-1, *host::days_since("2026-11-22", november_21));
 }
 

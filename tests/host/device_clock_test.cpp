@@ -8,15 +8,17 @@
 #include <vector>
 
 #include "tests/host/heartbeats.hpp"
+#include "tests/support/string_from.hpp"
 
 #include <CppUTest/TestHarness.h>
 
+using namespace strobe;
 using namespace strobe::host;
 using strobe::host_test::Heartbeats;
 
 namespace {
 
-constexpr std::int64_t kSecond = 1'000'000'000;
+constexpr Duration kSecond = std::chrono::seconds{1};
 
 /// Errors, each with the sd that was stated for it.
 struct Honesty {
@@ -46,8 +48,7 @@ struct Asked {
       beats.burst_share = kind.burst_share, beats.wander = kind.wander;
       DeviceClock clock;
       for (int i = 0; i < heard;) {
-        if (const auto beat = beats.next())
-          clock.on_heartbeat(beats.boot_id, beat->device, beat->heard_ns), ++i;
+        if (const auto beat = beats.next()) clock.on_heartbeat(beats.boot_id, beat->device, beat->heard), ++i;
       }
       const ClockState state = clock.state();
       LONGS_EQUAL(heard, state.heartbeats);
@@ -85,7 +86,7 @@ TEST_GROUP(DeviceClock) {
 };
 
 TEST(DeviceClock, KnowsNothingBeforeTheFirstHeartbeat) {
-  CHECK_FALSE(clock.local_ns(5).has_value());
+  CHECK_FALSE(clock.local(from_ns(5)).has_value());
   LONGS_EQUAL(0, clock.state().heartbeats);
 }
 
@@ -95,7 +96,7 @@ TEST(DeviceClock, StandsOnTheFastestMessageUntilThereAreEnough) {
   CHECK_FALSE(clock.state().drift_ppm.has_value());
   play(beats, 8);
   CHECK(clock.state().drift_ppm.has_value());
-  const double error_s = static_cast<double>(*clock.local_ns(beats.device_ns()) - beats.local_ns()) * 1e-9;
+  const double error_s = to_seconds(*clock.local(beats.device()) - beats.local());
   CHECK(error_s > 0.0 && error_s < 0.001);  // the delay that all messages have
 }
 
@@ -149,7 +150,7 @@ TEST(DeviceClock, TellsTheSameWhetherItWasAskedBeforeOrNot) {
     beats.send(clock);
     same.send(asked);
     asked.state();
-    CHECK_EQUAL(*clock.local_ns(beats.device_ns()), *asked.local_ns(beats.device_ns()));
+    CHECK_EQUAL(*clock.local(beats.device()), *asked.local(beats.device()));
   }
 }
 
@@ -170,25 +171,25 @@ TEST(DeviceClock, IsNotMovedByABurstOfDelay) {
 TEST(DeviceClock, PassesOverMessagesThatWereOvertaken) {
   Heartbeats beats(4);
   play(beats, 50);
-  const std::int64_t local_ns = *clock.local_ns(beats.device_ns());
-  clock.on_heartbeat(beats.boot_id, {beats.device_ns() - kSecond, 0, 0}, beats.local_ns());
+  const HostTime local = *clock.local(beats.device());
+  clock.on_heartbeat(beats.boot_id, {beats.device() - kSecond, {}, {}}, beats.local());
   LONGS_EQUAL(50, clock.state().heartbeats);
-  CHECK_EQUAL(local_ns, *clock.local_ns(beats.device_ns()));
+  CHECK_EQUAL(local, *clock.local(beats.device()));
 }
 
 TEST(DeviceClock, TellsThatAWallClockWasSetAndGoesOnUnmoved) {
   Heartbeats beats(5);
   play(beats, 100);
-  const std::int64_t probe_ns = beats.device_ns();
-  const std::int64_t before_ns = *clock.local_ns(probe_ns);
-  beats.device_wall_ns += 3600 * kSecond;
+  const MonoTime probe = beats.device();
+  const HostTime before = *clock.local(probe);
+  beats.device_wall += 3600 * kSecond;
   play(beats, 9);
   STRCMP_CONTAINS("the wall clock of the firmware's machine was set by +3600.0 s",
                   joined(clock.take_notifications()).c_str());
   LONGS_EQUAL(109, clock.state().heartbeats);
-  CHECK(std::abs(*clock.local_ns(probe_ns) - before_ns) < 100'000);
-  clock.on_local({0, 0, 0});
-  clock.on_local({kSecond, -7 * kSecond, kSecond});
+  CHECK(abs(*clock.local(probe) - before) < microseconds{100});
+  clock.on_local({});
+  clock.on_local({HostTime{kSecond}, WallTime{-7 * kSecond}, kSecond});
   STRCMP_CONTAINS("the wall clock of this machine was set by -8.0 s",
                   joined(clock.take_notifications()).c_str());
 }
@@ -196,32 +197,32 @@ TEST(DeviceClock, TellsThatAWallClockWasSetAndGoesOnUnmoved) {
 TEST(DeviceClock, BeginsAnewWhenTheFirmwaresMachineWasSuspended) {
   Heartbeats beats(6);
   play(beats, 100);
-  const std::int64_t before_ns = beats.device_ns();
-  const std::int64_t before_local_ns = *clock.local_ns(before_ns);
+  const MonoTime before = beats.device();
+  const HostTime before_local = *clock.local(before);
   beats.suspend(60.0);
   play(beats, 1);
   STRCMP_CONTAINS("the firmware's machine was suspended for 60.0 s",
                   joined(clock.take_notifications()).c_str());
   LONGS_EQUAL(1, clock.state().heartbeats);
-  CHECK(clock.suspended_within(before_ns - kSecond, beats.device_ns()));
-  CHECK_FALSE(clock.suspended_within(before_ns - 2 * kSecond, before_ns - kSecond));
-  CHECK_EQUAL(before_local_ns, *clock.local_ns(before_ns));  // instants from before are told as before
-  CHECK(std::abs(*clock.local_ns(beats.device_ns()) - beats.local_ns()) < 5'000'000);
+  CHECK(clock.suspended_within(before - kSecond, beats.device()));
+  CHECK_FALSE(clock.suspended_within(before - 2 * kSecond, before - kSecond));
+  CHECK_EQUAL(before_local, *clock.local(before));  // instants from before are told as before
+  CHECK(abs(*clock.local(beats.device()) - beats.local()) < milliseconds{5});
 }
 
 TEST(DeviceClock, BeginsAnewWhenThisMachineWasSuspended) {
   Heartbeats beats(7);
   play(beats, 100);
-  beats.local_offset_ns -= 60 * kSecond;  // its clock stood still: messages come a minute too early
+  beats.local_offset -= 60 * kSecond;  // its clock stood still: messages come a minute too early
   play(beats, 1);
   STRCMP_CONTAINS("do not go together any more", joined(clock.take_notifications()).c_str());
-  CHECK(std::abs(*clock.local_ns(beats.device_ns()) - beats.local_ns()) < 5'000'000);
+  CHECK(abs(*clock.local(beats.device()) - beats.local()) < milliseconds{5});
 }
 
 TEST(DeviceClock, BeginsAnewWhenAllMessagesComeLateByTheSame) {
   Heartbeats beats(8);
   play(beats, 100);
-  beats.local_offset_ns += 3 * kSecond;
+  beats.local_offset += 3 * kSecond;
   play(beats, 7);
   CHECK_EQUAL(0u, clock.take_notifications().size());
   play(beats, 1);
@@ -244,7 +245,7 @@ TEST(DeviceClock, BeginsAnewWhenTheFirmwaresMachineIsStartedAnew) {
   beats.reboot();
   play(beats, 60);
   LONGS_EQUAL(60, clock.state().heartbeats);
-  CHECK(std::abs(*clock.local_ns(beats.device_ns()) - beats.local_ns()) < 5'000'000);
+  CHECK(abs(*clock.local(beats.device()) - beats.local()) < milliseconds{5});
   CHECK_FALSE(clock.state().suspect);
 }
 

@@ -10,15 +10,15 @@
 
 namespace {
 
+using namespace strobe;
 using strobe::host::EndedBoot;
 using strobe::host::EventLedger;
-using strobe::EventRange;
 
-constexpr std::int64_t kMs = 1'000'000;
+constexpr HostTime at_ms(std::int64_t ms) { return HostTime{milliseconds{ms}}; }
 constexpr std::int64_t kBoot = 0x7700;
 
-void add(EventLedger& ledger, std::int64_t first, std::int64_t last, std::int64_t now_ns = 0) {
-  for (std::int64_t s = first; s <= last; ++s) ledger.add(kBoot, s, now_ns);
+void add(EventLedger& ledger, std::int64_t first, std::int64_t last, HostTime now = {}) {
+  for (std::int64_t s = first; s <= last; ++s) ledger.add(kBoot, s, now);
 }
 
 void everything_comes_at_loss(double loss) {
@@ -27,17 +27,17 @@ void everything_comes_at_loss(double loss) {
     std::bernoulli_distribution lost(loss);
     EventLedger ledger(true);
     std::set<std::int64_t> here;
-    const auto send = [&](std::int64_t s, std::int64_t now_ns) {
-      if (!lost(generator) && ledger.add(kBoot, s, now_ns)) here.insert(s);
+    const auto send = [&](std::int64_t s, HostTime now) {
+      if (!lost(generator) && ledger.add(kBoot, s, now)) here.insert(s);
     };
-    for (std::int64_t s = 1; s <= 3000; ++s) send(s, s * kMs);
-    ledger.status(kBoot, 3000, 3000 * kMs);
-    std::int64_t now_ns = 3000 * kMs;
-    for (int turn = 0; turn < 1000 && !ledger.complete(); ++turn, now_ns += 20 * kMs) {
-      for (const EventRange& range : ledger.due(now_ns)) {
+    for (std::int64_t s = 1; s <= 3000; ++s) send(s, at_ms(s));
+    ledger.status(kBoot, 3000, at_ms(3000));
+    HostTime now = at_ms(3000);
+    for (int turn = 0; turn < 1000 && !ledger.complete(); ++turn, now += milliseconds{20}) {
+      for (const EventRange& range : ledger.due(now)) {
         if (lost(generator)) continue;
         for (std::int64_t s = range.sequences.first; s <= std::min<std::int64_t>(range.sequences.last, 3000); ++s)
-          send(s, now_ns);
+          send(s, now);
       }
     }
     LONGS_EQUAL(3000, here.size());
@@ -51,52 +51,52 @@ TEST_GROUP(EventLedgerOfAHost){};
 
 TEST(EventLedgerOfAHost, AnUnbrokenSequenceMissesNothing) {
   EventLedger ledger(true);
-  ledger.status(kBoot, 0, 0);
+  ledger.status(kBoot, 0, {});
   add(ledger, 1, 500);
   LONGS_EQUAL(0, ledger.missing());
   LONGS_EQUAL(500, ledger.received());
-  CHECK_TRUE(ledger.due(1000 * kMs).empty());
+  CHECK_TRUE(ledger.due(at_ms(1000)).empty());
   CHECK_TRUE(ledger.complete());
 }
 
 TEST(EventLedgerOfAHost, AnEventThatComesTwiceIsNewOnce) {
   EventLedger ledger(true);
-  CHECK_TRUE(ledger.add(kBoot, 1, 0));
-  CHECK_FALSE(ledger.add(kBoot, 1, 0));
-  CHECK_FALSE(ledger.add(kBoot, 0, 0));
-  CHECK_FALSE(ledger.add(kBoot, -5, 0));
+  CHECK_TRUE(ledger.add(kBoot, 1, {}));
+  CHECK_FALSE(ledger.add(kBoot, 1, {}));
+  CHECK_FALSE(ledger.add(kBoot, 0, {}));
+  CHECK_FALSE(ledger.add(kBoot, -5, {}));
   LONGS_EQUAL(1, ledger.received());
 }
 
 TEST(EventLedgerOfAHost, AGapIsAskedForAfterAGraceForReordering) {
   EventLedger ledger(true);
-  ledger.status(kBoot, 1, 0);
-  add(ledger, 1, 10, 1000 * kMs);
-  add(ledger, 13, 20, 1000 * kMs);
+  ledger.status(kBoot, 1, {});
+  add(ledger, 1, 10, at_ms(1000));
+  add(ledger, 13, 20, at_ms(1000));
   LONGS_EQUAL(2, ledger.missing());
-  CHECK_TRUE(ledger.due(1050 * kMs).empty());
-  const auto asks = ledger.due(1200 * kMs);
+  CHECK_TRUE(ledger.due(at_ms(1050)).empty());
+  const auto asks = ledger.due(at_ms(1200));
   LONGS_EQUAL(1, asks.size());
   CHECK_TRUE((asks[0] == EventRange{kBoot, {11, 12}}));
-  CHECK_TRUE(ledger.due(1250 * kMs).empty());     // just asked
-  LONGS_EQUAL(1, ledger.due(1500 * kMs).size());  // and again
-  add(ledger, 11, 12, 1600 * kMs);
-  CHECK_TRUE(ledger.due(3000 * kMs).empty());
+  CHECK_TRUE(ledger.due(at_ms(1250)).empty());     // just asked
+  LONGS_EQUAL(1, ledger.due(at_ms(1500)).size());  // and again
+  add(ledger, 11, 12, at_ms(1600));
+  CHECK_TRUE(ledger.due(at_ms(3000)).empty());
 }
 
 TEST(EventLedgerOfAHost, ReorderedEventsCloseTheirOwnGap) {
   EventLedger ledger(true);
-  ledger.status(kBoot, 0, 0);
-  for (const std::int64_t s : {2, 1, 4, 3, 6, 5}) ledger.add(kBoot, s, 1000 * kMs);
+  ledger.status(kBoot, 0, {});
+  for (const std::int64_t s : {2, 1, 4, 3, 6, 5}) ledger.add(kBoot, s, at_ms(1000));
   LONGS_EQUAL(0, ledger.missing());
-  CHECK_TRUE(ledger.due(2000 * kMs).empty());
+  CHECK_TRUE(ledger.due(at_ms(2000)).empty());
 }
 
 TEST(EventLedgerOfAHost, AStatusTellsOfALossAtTheEnd) {
   EventLedger ledger(true);
-  add(ledger, 1, 10, 0);
-  ledger.status(kBoot, 12, 1000 * kMs);
-  const auto asks = ledger.due(1200 * kMs);
+  add(ledger, 1, 10);
+  ledger.status(kBoot, 12, at_ms(1000));
+  const auto asks = ledger.due(at_ms(1200));
   LONGS_EQUAL(1, asks.size());
   CHECK_TRUE((asks[0] == EventRange{kBoot, {11, 12}}));
 }
@@ -104,8 +104,8 @@ TEST(EventLedgerOfAHost, AStatusTellsOfALossAtTheEnd) {
 TEST(EventLedgerOfAHost, AHostThatFiresWantsWhatWasBeforeItCameAndAPassiveOneDoesNot) {
   EventLedger firing(true), passive(false);
   for (EventLedger* ledger : {&firing, &passive}) {
-    ledger->status(kBoot, 40, 1000 * kMs);
-    ledger->add(kBoot, 41, 1000 * kMs);
+    ledger->status(kBoot, 40, at_ms(1000));
+    ledger->add(kBoot, 41, at_ms(1000));
   }
   LONGS_EQUAL(40, firing.missing());
   LONGS_EQUAL(0, passive.missing());
@@ -113,9 +113,9 @@ TEST(EventLedgerOfAHost, AHostThatFiresWantsWhatWasBeforeItCameAndAPassiveOneDoe
 
 TEST(EventLedgerOfAHost, LossesNearEachOtherAreOneQuestionAndLongOnesAreCut) {
   EventLedger ledger(true);
-  ledger.status(kBoot, 5000, 0);
-  for (std::int64_t s = 1; s <= 200; s += 2) ledger.add(kBoot, s, 0);  // every second one is lost
-  const auto asks = ledger.due(1000 * kMs);
+  ledger.status(kBoot, 5000, {});
+  for (std::int64_t s = 1; s <= 200; s += 2) ledger.add(kBoot, s, {});  // every second one is lost
+  const auto asks = ledger.due(at_ms(1000));
   CHECK_TRUE(asks.size() <= 8);
   for (const EventRange& range : asks) CHECK_TRUE(range.sequences.last - range.sequences.first < 512);
   LONGS_EQUAL(2, asks[0].sequences.first);
@@ -123,33 +123,33 @@ TEST(EventLedgerOfAHost, LossesNearEachOtherAreOneQuestionAndLongOnesAreCut) {
 
 TEST(EventLedgerOfAHost, ALostSummaryIsAskedForFirst) {
   EventLedger ledger(true);
-  ledger.status(kBoot, 1, 0);
-  add(ledger, 1, 5, 0);
-  add(ledger, 9, 9, 0);
+  ledger.status(kBoot, 1, {});
+  add(ledger, 1, 5);
+  add(ledger, 9, 9);
   ledger.request_again(kBoot, 9);
-  const auto asks = ledger.due(1000 * kMs);
+  const auto asks = ledger.due(at_ms(1000));
   LONGS_EQUAL(2, asks.size());
   CHECK_TRUE((asks[0] == EventRange{kBoot, {9, 9}}));
-  ledger.add(kBoot, 9, 1100 * kMs);  // it came again
-  CHECK_TRUE((ledger.due(2000 * kMs)[0] == EventRange{kBoot, {6, 8}}));
+  ledger.add(kBoot, 9, at_ms(1100));  // it came again
+  CHECK_TRUE((ledger.due(at_ms(2000))[0] == EventRange{kBoot, {6, 8}}));
 }
 
 TEST(EventLedgerOfAHost, WhatAnEndedBootMayStillHoldIsAskedForUntilNothingComes) {
   EventLedger ledger(true);
-  ledger.status(kBoot, 3, 0);
-  add(ledger, 1, 3, 0);
-  ledger.status(kBoot + 1, 0, 100 * kMs);  // killed and started anew; its last events never came
+  ledger.status(kBoot, 3, {});
+  add(ledger, 1, 3);
+  ledger.status(kBoot + 1, 0, at_ms(100));  // killed and started anew; its last events never came
   CHECK_FALSE(ledger.complete());
-  const auto asks = ledger.due(1000 * kMs);
+  const auto asks = ledger.due(at_ms(1000));
   LONGS_EQUAL(1, asks.size());
   LONGS_EQUAL(kBoot, asks[0].boot_id);
   LONGS_EQUAL(4, asks[0].sequences.first);
-  ledger.add(kBoot, 4, 1100 * kMs);
-  std::int64_t now_ns = 2000 * kMs;
+  ledger.add(kBoot, 4, at_ms(1100));
+  HostTime now = at_ms(2000);
   int more = 0;
   while (!ledger.complete() && more < 100) {
-    more += static_cast<int>(ledger.due(now_ns).size());
-    now_ns += 300 * kMs;
+    more += static_cast<int>(ledger.due(now).size());
+    now += milliseconds{300};
   }
   LONGS_EQUAL(8, more);  // the answer put the count back to its start
   LONGS_EQUAL(4, ledger.received());
@@ -157,31 +157,31 @@ TEST(EventLedgerOfAHost, WhatAnEndedBootMayStillHoldIsAskedForUntilNothingComes)
 
 TEST(EventLedgerOfAHost, WhatAnEndedBootHoldsIsAskedForToItsEndAndNoFurther) {
   EventLedger ledger(true);
-  ledger.status(kBoot, 3, 0);
-  add(ledger, 1, 3, 0);
-  ledger.status(kBoot + 1, 0, 100 * kMs);
+  ledger.status(kBoot, 3, {});
+  add(ledger, 1, 3);
+  ledger.status(kBoot + 1, 0, at_ms(100));
   const EndedBoot ended{kBoot, 5};
-  ledger.earlier({&ended, 1}, 100 * kMs);
+  ledger.earlier({&ended, 1}, at_ms(100));
   CHECK_FALSE(ledger.ended_and_complete(kBoot));
-  const auto asks = ledger.due(1000 * kMs);
+  const auto asks = ledger.due(at_ms(1000));
   LONGS_EQUAL(1, asks.size());
   CHECK_TRUE((asks[0] == EventRange{kBoot, {4, 5}}));
-  add(ledger, 4, 5, 1100 * kMs);
+  add(ledger, 4, 5, at_ms(1100));
   CHECK_TRUE(ledger.ended_and_complete(kBoot));
   CHECK_TRUE(ledger.complete());
-  CHECK_TRUE(ledger.due(2000 * kMs).empty());
+  CHECK_TRUE(ledger.due(at_ms(2000)).empty());
 }
 
 TEST(EventLedgerOfAHost, ABootBetweenTwoThatWereHeardIsWantedAndOneBeforeThemIsNot) {
   const std::array<EndedBoot, 3> ended{{{kBoot + 2, 7}, {kBoot + 1, 9}, {kBoot, 11}}};
   EventLedger ledger(true);
-  ledger.add(kBoot + 1, 1, 0);  // heard before this host's time, too
-  ledger.status(kBoot + 3, 0, 0);
-  ledger.earlier(ended, 0);
+  ledger.add(kBoot + 1, 1, {});  // heard before this host's time, too
+  ledger.status(kBoot + 3, 0, {});
+  ledger.earlier(ended, {});
   LONGS_EQUAL(8 + 7, ledger.missing());
   EventLedger other(true);
-  other.status(kBoot + 3, 0, 0);
-  other.earlier(ended, 0);
+  other.status(kBoot + 3, 0, {});
+  other.earlier(ended, {});
   LONGS_EQUAL(0, other.missing());
 }
 
@@ -200,27 +200,27 @@ TEST(EventLedgerOfAHost, KnowsWhichRangesAreHere) {
 
 TEST(EventLedgerOfAHost, EveryLostSummaryIsRemembered) {
   EventLedger ledger(true);
-  ledger.status(kBoot, 9, 0);
-  add(ledger, 1, 9, 0);
+  ledger.status(kBoot, 9, {});
+  add(ledger, 1, 9);
   ledger.request_again(kBoot, 4);
   ledger.request_again(kBoot, 9);
-  LONGS_EQUAL(2, ledger.due(1000 * kMs).size());
+  LONGS_EQUAL(2, ledger.due(at_ms(1000)).size());
   CHECK_FALSE(ledger.complete());
   ledger.cancel_request(kBoot, 9);
-  ledger.add(kBoot, 4, 1100 * kMs);
+  ledger.add(kBoot, 4, at_ms(1100));
   CHECK_TRUE(ledger.complete());
 }
 
 TEST(EventLedgerOfAHost, ASummaryThatAnEndedBootNeverWroteIsNotAskedForForEver) {
   EventLedger ledger(true);
-  ledger.add(kBoot, 1, 0);
+  ledger.add(kBoot, 1, {});
   const EndedBoot ended{kBoot, 1};
-  ledger.status(kBoot + 1, 0, 0);
-  ledger.earlier({&ended, 1}, 0);
+  ledger.status(kBoot + 1, 0, {});
+  ledger.earlier({&ended, 1}, {});
   ledger.request_again(kBoot, 1);
   int asks = 0;
-  for (std::int64_t now_ns = 1000 * kMs; asks < 100 && !ledger.complete(); now_ns += 300 * kMs)
-    asks += static_cast<int>(ledger.due(now_ns).size());
+  for (HostTime now = at_ms(1000); asks < 100 && !ledger.complete(); now += milliseconds{300})
+    asks += static_cast<int>(ledger.due(now).size());
   LONGS_EQUAL(24, asks);
 }
 

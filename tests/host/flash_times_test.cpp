@@ -4,11 +4,13 @@
 #include <limits>
 
 #include "tests/host/synthetic_shot.hpp"
+#include "tests/support/string_from.hpp"
 
 #include <CppUTest/TestHarness.h>
 
 namespace {
 
+using strobe::from_ns;
 using strobe::host::flash_times;
 using strobe::host::FlashTimes;
 using strobe_msgs::flash_t;
@@ -43,7 +45,7 @@ TEST_GROUP(FlashTimesOfAShot) {
 TEST(FlashTimesOfAShot, MeanOfBothSensors) {
   shot.flashes = {flash(0, 1'000'000, 1'012'000, 1'013'000)};
   const FlashTimes times = flash_times(shot);
-  LONGS_EQUAL(1'012'500, times.seen[0].time_ns);
+  CHECK_EQUAL(from_ns(1'012'500), times.seen[0].time);
   CHECK_FALSE(times.seen[0].late);
   CHECK_FALSE(times.seen[0].sensor_silent);
   CHECK_TRUE(times.measured);
@@ -52,8 +54,8 @@ TEST(FlashTimesOfAShot, MeanOfBothSensors) {
 TEST(FlashTimesOfAShot, TheSensorThatFiredCountsAloneAndTheOtherIsMissed) {
   shot.flashes = {flash(0, 1'000'000, kNone, 1'013'000), flash(1, 4'000'000, 4'011'000, kNone)};
   const FlashTimes times = flash_times(shot);
-  LONGS_EQUAL(1'013'000, times.seen[0].time_ns);
-  LONGS_EQUAL(4'011'000, times.seen[1].time_ns);
+  CHECK_EQUAL(from_ns(1'013'000), times.seen[0].time);
+  CHECK_EQUAL(from_ns(4'011'000), times.seen[1].time);
   CHECK_TRUE(times.seen[0].sensor_silent);
   CHECK_TRUE(times.seen[1].sensor_silent);
 }
@@ -87,7 +89,7 @@ TEST(FlashTimesOfAShot, WithoutAnySensorIssuedTimesAndTheLampsDelayHaveToDo) {
   const FlashTimes times = flash_times(shot);
   CHECK_FALSE(times.measured);
   LONGS_EQUAL(1, times.seen.size());
-  LONGS_EQUAL(1'012'100, times.seen[0].time_ns);
+  CHECK_EQUAL(from_ns(1'012'100), times.seen[0].time);
   DOUBLES_EQUAL(20e-6, times.seen[0].time_sd_s, 1e-12);
   LONGS_EQUAL(1, times.missing[0]);
 }
@@ -97,8 +99,8 @@ TEST(FlashTimesOfAShot, AFlashOfOneLampIsWhenItsOwnSensorSawIt) {
   shot.flashes[0].lamps = 1;
   shot.flashes[1].lamps = 2;
   const FlashTimes times = flash_times(shot);
-  LONGS_EQUAL(1'012'000, times.seen[0].time_ns);
-  LONGS_EQUAL(4'016'000, times.seen[1].time_ns);
+  CHECK_EQUAL(from_ns(1'012'000), times.seen[0].time);
+  CHECK_EQUAL(from_ns(4'016'000), times.seen[1].time);
 }
 
 TEST(FlashTimesOfAShot, AFlashOfOneLampIsNotMissedByTheOthersSensor) {
@@ -125,8 +127,8 @@ TEST(FlashTimesOfAShot, EachLampHasItsOwnDelay) {
   shot.flashes = {flash(0, 1'000'000, kNone, kNone), flash(1, 4'000'000, kNone, kNone)};
   shot.flashes[1].lamps = 2;
   const FlashTimes unseen = flash_times(shot);
-  LONGS_EQUAL(1'000'100 + 80'000, unseen.seen[0].time_ns);
-  LONGS_EQUAL(4'000'100 + 150'000, unseen.seen[1].time_ns);
+  CHECK_EQUAL(from_ns(1'000'100 + 80'000), unseen.seen[0].time);
+  CHECK_EQUAL(from_ns(4'000'100 + 150'000), unseen.seen[1].time);
 }
 
 TEST(FlashTimesOfAShot, OneSensorForBothLampsAllowsForTheOthersDelay) {
@@ -134,9 +136,9 @@ TEST(FlashTimesOfAShot, OneSensorForBothLampsAllowsForTheOthersDelay) {
   shot.lamp_delay_b_us = 30.0;
   shot.sensor_b_fitted = false;
   shot.flashes = {flash(0, 1'000'000, 1'010'000, kNone)};
-  LONGS_EQUAL(1'020'000, flash_times(shot).seen[0].time_ns);
+  CHECK_EQUAL(from_ns(1'020'000), flash_times(shot).seen[0].time);
   shot.sensor_b_fitted = true;  // it was silent: lamp B may not have flashed at all
-  LONGS_EQUAL(1'010'000, flash_times(shot).seen[0].time_ns);
+  CHECK_EQUAL(from_ns(1'010'000), flash_times(shot).seen[0].time);
 }
 
 TEST(FlashTimesOfAShot, LightBeforeThePulseIsNotPlausible) {
@@ -152,5 +154,5 @@ TEST(FlashTimesOfAShot, TimesOutOfOrderAreNoticed) {
 TEST(FlashTimesOfAShot, ALampDelayThatIsNotANumberCountsAsNone) {
   shot.lamp_delay_a_us = shot.lamp_delay_b_us = std::numeric_limits<double>::quiet_NaN();
   shot.flashes = {flash(0, 1'000'000, kNone, kNone)};
-  LONGS_EQUAL(1'000'100, flash_times(shot).seen[0].time_ns);
+  CHECK_EQUAL(from_ns(1'000'100), flash_times(shot).seen[0].time);
 }

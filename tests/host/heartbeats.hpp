@@ -17,8 +17,8 @@ class Heartbeats {
 
   std::int64_t boot_id = 5;
   double drift = 0.0;  ///< this machine's clock against the device's
-  std::int64_t local_offset_ns = 7'000'000'000;
-  std::int64_t device_wall_ns = 1'700'000'000'000'000'000;  ///< less its CLOCK_BOOTTIME
+  Duration local_offset = std::chrono::seconds{7};
+  WallTime device_wall{std::chrono::seconds{1'700'000'000}};  ///< less its CLOCK_BOOTTIME
   double lost_share = 0.0;
   double long_share = 0.0;   ///< messages with some milliseconds more
   double burst_share = 0.0;  ///< of messages that begin a burst of ten, 5 to 10 ms late
@@ -29,8 +29,10 @@ class Heartbeats {
   static constexpr double kJitter_s = 20e-6;
 
   struct Beat {
-    host::ClockReading device;
-    std::int64_t heard_ns = 0;
+    host::DeviceReading device;
+    HostTime heard;
+    /// This machine's clock less the device's, with the delay.
+    Duration offset() const { return heard.time_since_epoch() - device.mono.time_since_epoch(); }
   };
   /// Half a second later: one more heartbeat, unless it is lost.
   std::optional<Beat> next() {
@@ -38,38 +40,38 @@ class Heartbeats {
     if (wander > 0.0) change_drift(std::normal_distribution<double>(drift, wander * std::sqrt(0.5))(random_));
     const double delay_s = draw_delay_s();
     if (uniform() < lost_share) return std::nullopt;
-    return Beat{{device_ns(), device_wall_ns + device_ns() + slept_ns_, device_ns() + slept_ns_},
-                local_ns() + static_cast<std::int64_t>(delay_s * 1e9)};
+    const Duration since_boot = device().time_since_epoch() + slept_;
+    return Beat{{device(), device_wall + since_boot, since_boot}, local() + ns_of(delay_s)};
   }
   void send(host::DeviceClock& clock) {
-    if (const auto beat = next()) clock.on_heartbeat(boot_id, beat->device, beat->heard_ns);
+    if (const auto beat = next()) clock.on_heartbeat(boot_id, beat->device, beat->heard);
   }
 
-  std::int64_t device_ns() const { return static_cast<std::int64_t>(device_s_ * 1e9); }
-  /// This machine's clock at device_ns().
-  std::int64_t local_ns() const {
-    return local_offset_ns + device_ns() +
-           static_cast<std::int64_t>(drift * (device_s_ - drift_from_s_) * 1e9);
-  }
-  double offset_s() const { return static_cast<double>(local_ns() - device_ns()) * 1e-9; }
+  MonoTime device() const { return MonoTime{ns_of(device_s_)}; }
+  /// This machine's clock less the device's.
+  Duration offset() const { return local_offset + ns_of(drift * (device_s_ - drift_from_s_)); }
+  double offset_s() const { return to_seconds(offset()); }
+  /// This machine's clock at device().
+  HostTime local() const { return HostTime{device().time_since_epoch() + offset()}; }
 
   void change_drift(double to) {
-    local_offset_ns = local_ns() - device_ns();
+    local_offset = offset();
     drift_from_s_ = device_s_;
     drift = to;
   }
   void suspend(double seconds) {
-    slept_ns_ += static_cast<std::int64_t>(seconds * 1e9);
-    local_offset_ns += static_cast<std::int64_t>(seconds * 1e9);
+    slept_ += ns_of(seconds);
+    local_offset += ns_of(seconds);
   }
   void reboot() {
-    local_offset_ns += device_ns() + 40'000'000'000;
+    local_offset += device().time_since_epoch() + std::chrono::seconds{40};
     device_s_ = drift_from_s_ = 10.0;
-    slept_ns_ = 0;
+    slept_ = {};
     boot_id = 99;
   }
 
  private:
+  static Duration ns_of(double s) { return Duration{static_cast<std::int64_t>(s * 1e9)}; }
   double uniform() { return std::uniform_real_distribution<double>()(random_); }
   double draw_delay_s() {
     double delay_s = extra_delay_s + std::normal_distribution<double>(kDelay_s, kJitter_s)(random_);
@@ -85,7 +87,7 @@ class Heartbeats {
   std::mt19937_64 random_;
   double device_s_ = 1000.0;
   double drift_from_s_ = 1000.0;
-  std::int64_t slept_ns_ = 0;
+  Duration slept_{};
   int burst_left_ = 0;
 };
 

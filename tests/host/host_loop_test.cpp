@@ -13,6 +13,7 @@
 #include "host/loop/series_runner.hpp"
 #include "host/session/logged_transport.hpp"
 #include "tests/host/synthetic_shot.hpp"
+#include "tests/support/string_from.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 #include <CppUTest/TestHarness.h>
@@ -28,7 +29,6 @@ using strobe_msgs::command_t;
 using strobe_msgs::event_t;
 using strobe_msgs::status_t;
 
-constexpr std::int64_t kSecond = 1'000'000'000;
 constexpr std::int64_t kHost = 0x1234;
 constexpr std::int64_t kBoot = 77;
 
@@ -51,8 +51,8 @@ struct Bus final : host::Transport {
 };
 
 struct ManualClock final : host::Clock {
-  std::int64_t now_ns = 100 * kSecond;
-  host::ClockReading read() override { return {now_ns, now_ns, now_ns}; }
+  Duration now = std::chrono::seconds{100};
+  host::HostReading read() override { return {HostTime{now}, WallTime{now}, now}; }
 };
 
 struct Results final : host::HostListener {
@@ -92,7 +92,7 @@ TEST_GROUP(HostLoop) {
     bus.arriving.emplace_back(channel(kind), messages::encode(message));
   }
   void pass(HostLoop & loop, double seconds) {
-    clock.now_ns += static_cast<std::int64_t>(seconds * 1e9);
+    clock.now += from_seconds(seconds);
     CHECK_TRUE(loop.run_once());
   }
   command_t last_command() const {
@@ -141,13 +141,13 @@ TEST(HostLoop, AFirmwareIsSilentAfterFiveHeartbeatsThatDidNotCome) {
   CHECK_FALSE(loop.live_status().has_value());
   arrive(Channel::status, idle_status());
   pass(loop, 0.02);
-  const std::int64_t heard_ns = clock.now_ns;
-  LONGLONGS_EQUAL(heard_ns, loop.last_message_ns());
+  const HostTime heard{clock.now};
+  CHECK_EQUAL(heard, loop.last_message());
   pass(loop, 2.5);
   CHECK_TRUE(loop.live_status().has_value());
   pass(loop, 0.001);
   CHECK_FALSE(loop.live_status().has_value());
-  LONGLONGS_EQUAL(heard_ns, loop.last_message_ns());
+  CHECK_EQUAL(heard, loop.last_message());
 }
 
 TEST(HostLoop, EndsWhenNothingCanBeReceived) {
@@ -193,7 +193,7 @@ TEST(HostLoop, ASeriesIsArmedFiredAndItsLostEventsFetched) {
   CHECK_FALSE(runner.finished());  // event 4 is missing
   pass(loop, 1.0);
   runner.step();
-  LONGLONGS_EQUAL(kSecond, runner.recovering_for_ns());
+  CHECK_EQUAL(from_seconds(1.0), runner.recovering_for());
   LONGS_EQUAL(command_t::RESEND, last_command().kind);
   event_t event{};
   event.schema_version = event_t::SCHEMA_VERSION;
@@ -252,7 +252,7 @@ TEST(HostLoop, TheLogHoldsWhatCameAndWhatWasPublishedOnce) {
   std::vector<std::string> logged;
   while (const lcm::LogEvent* event = log.readNextEvent()) {
     logged.push_back(event->channel);
-    LONGLONGS_EQUAL(clock.now_ns / 1000, event->timestamp);
+    CHECK_EQUAL(clock.now, Duration{microseconds{event->timestamp}});
   }
   LONGS_EQUAL(4, logged.size());
   STRCMP_EQUAL(channel(Channel::readout).c_str(), logged[0].c_str());

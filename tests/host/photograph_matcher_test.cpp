@@ -9,21 +9,26 @@
 
 namespace {
 
+using namespace strobe;
 using strobe::host::PhotographDecision;
 using strobe::host::PhotographMatcher;
-using strobe::ShotKey;
 
-constexpr std::int64_t kSecond = 1'000'000'000;
-constexpr std::int64_t kOffset = 1000 * kSecond;  // host's clock minus the firmware's
+constexpr Duration kSecond = std::chrono::seconds{1};
+constexpr HostTime kStart{1000 * kSecond};  // when the firmware's clock is at 0
 
-std::int64_t at(double seconds) { return kOffset + static_cast<std::int64_t>(seconds * 1e9); }
+HostTime at(double seconds) { return kStart + from_seconds(seconds); }
+
+/// The firmware's clocks, its machine having slept for so long.
+host::DeviceReading device(Duration mono, Duration slept = {}) {
+  return {MonoTime{mono}, WallTime{mono + slept}, mono + slept};
+}
 
 /// Instants are seconds of the firmware's clock; photographs may come 5 s after their shot.
 struct Bench {
   strobe::host::DeviceClock clock;
   PhotographMatcher match{clock, 5.0};
 
-  Bench() { clock.on_heartbeat(7, {0, 0, 0}, kOffset); }
+  Bench() { clock.on_heartbeat(7, {}, kStart); }
   void shot(int id, double closed_s, bool dry = false) {
     strobe_msgs::shot_t shot{};
     shot.boot_id = 7;
@@ -183,7 +188,7 @@ TEST(PhotographsToShots, AfterOneThatCannotBeReadAnotherMayCome) {
 
 TEST(PhotographsToShots, TheClockIsThatOfThePromptestMessage) {
   Bench bench;
-  bench.clock.on_heartbeat(7, {kSecond, kSecond, kSecond}, kOffset + 9 * kSecond);  // heard 8 s late
+  bench.clock.on_heartbeat(7, device(kSecond), kStart + 9 * kSecond);  // heard 8 s late
   bench.shot(1, 10.0);
   bench.photograph(1, 10.6);
   STRCMP_EQUAL("1>1", bench.decided(10.6).c_str());
@@ -192,22 +197,19 @@ TEST(PhotographsToShots, TheClockIsThatOfThePromptestMessage) {
 TEST(PhotographsToShots, TheClockIsFollowedThroughDriftAndSuspension) {
   Bench bench;
   // 500 ppm for an hour: 1.8 s by its end. Then the firmware's machine sleeps for a minute.
-  std::int64_t heard_ns = kOffset;
-  std::int64_t sent_ns = 0;
+  HostTime heard;
+  Duration sent{};
   for (int i = 1; i <= 7200; ++i) {
-    sent_ns = i * kSecond / 2;
-    heard_ns = kOffset + sent_ns + sent_ns / 2000;
-    bench.clock.on_heartbeat(7, {sent_ns, sent_ns, sent_ns}, heard_ns);
+    sent = i * kSecond / 2;
+    heard = kStart + sent + sent / 2000;
+    bench.clock.on_heartbeat(7, device(sent), heard);
   }
   bench.shot(1, 3599.5);
-  const std::int64_t minute_ns = 60 * kSecond;
-  for (int i = 1; i <= 2; ++i) {
-    const std::int64_t woken_ns = sent_ns + i * kSecond;
-    bench.clock.on_heartbeat(7, {woken_ns, woken_ns + minute_ns, woken_ns + minute_ns},
-                             heard_ns + i * kSecond + minute_ns);
-  }
+  const Duration minute = std::chrono::minutes{1};
+  for (int i = 1; i <= 2; ++i)
+    bench.clock.on_heartbeat(7, device(sent + i * kSecond, minute), heard + i * kSecond + minute);
   bench.shot(2, 3601.5);
-  bench.match.on_photograph(1, heard_ns + kSecond / 100, heard_ns);
-  bench.match.on_photograph(2, heard_ns + 2 * kSecond + minute_ns, heard_ns + 2 * kSecond + minute_ns);
-  STRCMP_EQUAL("1>1! 2>2", Bench::words(bench.match.decide(heard_ns + 2 * kSecond + minute_ns)).c_str());
+  bench.match.on_photograph(1, heard + kSecond / 100, heard);
+  bench.match.on_photograph(2, heard + 2 * kSecond + minute, heard + 2 * kSecond + minute);
+  STRCMP_EQUAL("1>1! 2>2", Bench::words(bench.match.decide(heard + 2 * kSecond + minute)).c_str());
 }

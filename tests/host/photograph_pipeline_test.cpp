@@ -21,10 +21,9 @@ namespace fs = std::filesystem;
 using namespace strobe;
 using namespace std::chrono_literals;
 using host::CameraFolder;
-using testing::monotonic_now_ns;
 using testing::write_text;
 
-constexpr std::int64_t kSecond = 1'000'000'000;
+HostTime steady_now() { return from_ns<HostTime>(testing::monotonic_now_ns()); }
 
 /// A photograph is the text "ball X"; anything else may be half-written.
 tl::expected<host::PhotographReading, host::UnreadPhotograph> measure(const fs::path& file,
@@ -52,7 +51,7 @@ std::string all(const std::vector<std::string>& lines) {
 
 TEST_GROUP(FolderOfTheCamera) {
   testing::TemporaryFolder folder;
-  std::int64_t now = 100 * kSecond;
+  HostTime now{100s};
   std::unique_ptr<CameraFolder> camera;
 
   void open() { camera = std::move(*CameraFolder::open(folder.path(), now)); }
@@ -114,9 +113,9 @@ TEST(FolderOfTheCamera, WhatTheKernelDoesNotTellIsSeenByLooking) {
   std::error_code error;
   fs::create_hard_link(elsewhere / "a.tif", folder / "a.tif", error);
   CHECK_FALSE(error);
-  now += kSecond;
+  now += 1s;
   STRCMP_EQUAL("", arrived().c_str());  // may be growing
-  now += kSecond;
+  now += 1s;
   STRCMP_EQUAL("a.tif.", arrived().c_str());
 }
 
@@ -126,7 +125,7 @@ TEST(FolderOfTheCamera, ThatGoesAwayAndComesBackIsSaid) {
   STRCMP_EQUAL("", arrived().c_str());
   STRCMP_CONTAINS("is gone", all(camera->take_notifications()).c_str());
   fs::create_directory(folder.path());
-  now += kSecond;
+  now += 1s;
   arrived();
   STRCMP_CONTAINS("is back", all(camera->take_notifications()).c_str());
   write_text(folder / "a.tif", "x");
@@ -151,17 +150,18 @@ TEST_GROUP(PipelineOfPhotographs) {
     settings.host_id = 5;
     settings.keep_folder = session.path();
     settings.retry_timeout_s = retry_timeout_s;
-    auto camera = std::move(*CameraFolder::open(folder.path(), monotonic_now_ns()));
+    auto camera = std::move(*CameraFolder::open(folder.path(), steady_now()));
     pipeline = std::make_unique<host::PhotographPipeline>(clock, std::move(camera), measure, settings);
-    const std::int64_t now_ns = monotonic_now_ns();
-    clock.on_heartbeat(77, {now_ns, now_ns, now_ns}, now_ns);
+    const HostTime now = steady_now();
+    const Duration elapsed = now.time_since_epoch();
+    clock.on_heartbeat(77, {MonoTime{elapsed}, WallTime{elapsed}, elapsed}, now);
   }
   /// A shot whose shutter has just closed.
   void shot(int id) {
     auto made = host_test::make_shot({});
     made.shot.shot_id = id;
-    made.shot.shutter_close_ns = monotonic_now_ns();
-    made.shot.shutter_open_ns = made.shot.shutter_close_ns - kSecond / 2;
+    made.shot.shutter_close_ns = to_ns(steady_now());
+    made.shot.shutter_open_ns = made.shot.shutter_close_ns - 500'000'000;
     pipeline->on_shot(made.shot);
   }
   void put(const std::string& name, const std::string& text) {
@@ -173,7 +173,7 @@ TEST_GROUP(PipelineOfPhotographs) {
     std::vector<strobe_msgs::frame_t> result;
     testing::wait_until(
         [&] {
-          pipeline->step(monotonic_now_ns());
+          pipeline->step(steady_now());
           for (auto& frame : pipeline->take_frames()) result.push_back(std::move(frame));
           said += all(pipeline->take_notifications());
           return result.size() >= frames && said.find(words) != std::string::npos;
@@ -221,7 +221,7 @@ TEST(PipelineOfPhotographs, AHalfWrittenOneIsReadOnceItIsWhole) {
   open(20.0);  // longer than a busy machine takes for the second half
   shot(1);
   write_text(folder / "a.tif", "bal");  // closed, and opened again
-  pipeline->step(monotonic_now_ns());
+  pipeline->step(steady_now());
   testing::sleep_for(60ms);
   write_text(folder / "a.tif", "ball 4");
   step_until(1, "dim");
@@ -238,14 +238,14 @@ TEST(PipelineOfPhotographs, TwoFormatsOfAnExposureAreOnePhotograph) {
   put("a.tif", "ball 1");
   put("a.jpg", "ball 1");
   step_until(1, "");
-  pipeline->end(monotonic_now_ns());
+  pipeline->end(steady_now());
   STRCMP_EQUAL("", all(pipeline->take_notifications()).c_str());
 }
 
 TEST(PipelineOfPhotographs, AnExtraOneIsSaidAtTheEndAtLatest) {
   put("a.tif", "ball 1");
-  pipeline->step(monotonic_now_ns());
-  pipeline->end(monotonic_now_ns());
+  pipeline->step(steady_now());
+  pipeline->end(steady_now());
   STRCMP_EQUAL("photograph a.tif: no shot waits for a photograph: not used\n",
                all(pipeline->take_notifications()).c_str());
 }
@@ -259,7 +259,7 @@ TEST(PipelineOfPhotographs, OneThatSomebodyElseMeasuredIsOnlyKept) {
   put("a.tif", "ball 1");
   CHECK_TRUE(testing::wait_until(
       [&] {
-        pipeline->step(monotonic_now_ns());
+        pipeline->step(steady_now());
         return fs::exists(session / "photographs/shot-0001-a.tif") && pipeline->pending() == 0;
       },
       20s));

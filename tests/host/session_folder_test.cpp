@@ -41,7 +41,7 @@ TEST(FolderOfASession, KeepsEveryMessageAsItCame) {
   {
     auto session = SessionFolder::open(path, kUtc, "rig = \"bench\"\n", "train = \"free\"\n");
     CHECK_TRUE(session.has_value());
-    (*session)->log("STROBE/bench/EVENT", bytes.data(), bytes.size(), 1'000'001);
+    (*session)->log("STROBE/bench/EVENT", bytes.data(), bytes.size(), WallTime{microseconds{1'000'001}});
     // Read while still open, as after a kill: nothing may be left in a buffer.
     lcm::LogFile log((path / "host-20260131T093000Z.lcmlog").string(), "r");
     const lcm::LogEvent* event = log.readNextEvent();
@@ -75,20 +75,20 @@ TEST(FolderOfASession, EventsOfEarlierRunsAreNotAskedForAgain) {
     auto first = SessionFolder::open(folder.path(), kUtc, "", "");
     for (const std::int64_t sequence : {1, 2, 4}) {
       const auto bytes = event_bytes(sequence);
-      (*first)->log("STROBE/bench/EVENT", bytes.data(), bytes.size(), sequence);
+      (*first)->log("STROBE/bench/EVENT", bytes.data(), bytes.size(), from_ns<WallTime>(sequence));
     }
     const auto foreign = event_bytes(3);
-    (*first)->log("STROBE/other/EVENT", foreign.data(), foreign.size(), 9);
-    (*first)->log("STROBE/bench/EVENT", "garbage", 7, 10);
+    (*first)->log("STROBE/other/EVENT", foreign.data(), foreign.size(), {});
+    (*first)->log("STROBE/bench/EVENT", "garbage", 7, {});
     // its last field, an empty text with its end, says that it is -1 bytes long
     auto hostile = event_bytes(3);
     std::fill(hostile.end() - 5, hostile.end() - 1, '\xff');
-    (*first)->log("STROBE/bench/EVENT", hostile.data(), hostile.size(), 11);
+    (*first)->log("STROBE/bench/EVENT", hostile.data(), hostile.size(), {});
   }
   auto second = SessionFolder::open(folder.path(), kUtc, "", "");
   EventLedger ledger(true);
   (*second)->load_events(ledger, "bench");
-  ledger.status(77, 4, 0);
+  ledger.status(77, 4, {});
   LONGS_EQUAL(3, ledger.received());
   LONGS_EQUAL(1, ledger.missing());
 }
@@ -105,20 +105,20 @@ TEST(FolderOfASession, ASummaryThatAnEarlierRunDidNotGetIsAskedFor) {
       event.shot_id = static_cast<std::int32_t>(sequence);
       std::vector<char> bytes(static_cast<std::size_t>(event.getEncodedSize()));
       event.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
-      (*first)->log("STROBE/bench/EVENT", bytes.data(), bytes.size(), sequence);
+      (*first)->log("STROBE/bench/EVENT", bytes.data(), bytes.size(), from_ns<WallTime>(sequence));
     }
     strobe_msgs::shot_t shot{};
     shot.boot_id = 77;
     shot.shot_id = 1;
     std::vector<char> bytes(static_cast<std::size_t>(shot.getEncodedSize()));
     shot.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
-    (*first)->log("STROBE/bench/SHOT", bytes.data(), bytes.size(), 3);
+    (*first)->log("STROBE/bench/SHOT", bytes.data(), bytes.size(), {});
   }
   auto second = SessionFolder::open(folder.path(), kUtc, "", "");
   EventLedger ledger(true);
   (*second)->load_events(ledger, "bench");
-  ledger.status(77, 2, 0);
-  const auto asks = ledger.due(1'000'000'000);
+  ledger.status(77, 2, {});
+  const auto asks = ledger.due(HostTime{milliseconds{1000}});
   LONGS_EQUAL(1, asks.size());
   LONGS_EQUAL(2, asks[0].sequences.first);
 }
@@ -131,6 +131,7 @@ TEST(FolderOfASession, AFolderThatCannotBeMadeIsNamed) {
 
 TEST(FolderOfASession, TimesAreUtc) {
   // 2026-01-31 09:30:00.123 UTC is 1769851800.123 s after 1970 (date -u -d @1769851800).
-  STRCMP_EQUAL("20260131T093000Z", host::utc_for_file(1'769'851'800'123'000).c_str());
-  STRCMP_EQUAL("2026-01-31T09:30:00.123Z", host::utc_for_table(1'769'851'800'123'000).c_str());
+  STRCMP_EQUAL("20260131T093000Z", host::utc_for_file(WallTime{milliseconds{1'769'851'800'123}}).c_str());
+  STRCMP_EQUAL("2026-01-31T09:30:00.123Z",
+               host::utc_for_table(WallTime{milliseconds{1'769'851'800'123}}).c_str());
 }

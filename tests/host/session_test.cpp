@@ -19,7 +19,7 @@ using reduction::Flag;
 using strobe_msgs::event_t;
 using strobe_msgs::status_t;
 
-constexpr std::int64_t kSecond = 1'000'000'000;
+constexpr Duration kSecond = std::chrono::seconds{1};
 
 host::AssemblySettings settings() {
   host::AssemblySettings s;
@@ -32,27 +32,26 @@ host::AssemblySettings settings() {
 struct Bench {
   Session session;
   SyntheticShot made = make_shot({});
-  std::int64_t local_ns = 40 * kSecond;
-  std::int64_t end_ns = made.shot.shutter_close_ns;
+  HostTime local{40 * kSecond};
+  MonoTime end = from_ns(made.shot.shutter_close_ns);
 
-  explicit Bench(std::int64_t host_id = 0) : session(settings(), host_id) { status(end_ns - kSecond / 2); }
+  explicit Bench(std::int64_t host_id = 0) : session(settings(), host_id) { status(end - kSecond / 2); }
 
-  void status(std::int64_t mono_ns, std::int64_t boot_id = 77) {
+  MonoTime newest() const { return from_ns(session.status()->mono_ns); }
+  void status(MonoTime mono, std::int64_t boot_id = 77) {
     status_t status{};
     status.boot_id = boot_id;
-    status.mono_ns = status.boot_time_ns = status.wall_ns = mono_ns;
-    if (session.status()) local_ns += mono_ns - session.status()->mono_ns;
-    session.on_status(status, local_ns);
+    status.mono_ns = status.boot_time_ns = status.wall_ns = to_ns(mono);
+    if (session.status()) local += mono - newest();
+    session.on_status(status, local);
   }
   /// A heartbeat every half second.
-  void beat_until(std::int64_t mono_ns) {
-    for (std::int64_t beat_ns = session.status()->mono_ns + kSecond / 2; beat_ns < mono_ns;
-         beat_ns += kSecond / 2)
-      status(beat_ns);
-    status(mono_ns);
+  void beat_until(MonoTime mono) {
+    for (MonoTime beat = newest() + kSecond / 2; beat < mono; beat += kSecond / 2) status(beat);
+    status(mono);
   }
-  void shot() { session.on_shot(made.shot, local_ns); }
-  void frame() { session.on_frame(made.frame, local_ns); }
+  void shot() { session.on_shot(made.shot, local); }
+  void frame() { session.on_frame(made.frame, local); }
   std::vector<ShotResult> shot_results() { return session.take_shot_results(); }
 };
 
@@ -126,8 +125,8 @@ TEST(SessionOfMessages, AFrameThatDoesNotKnowItsFirmwareGoesToTheNewestShotOfIts
   bench.shot();
   SyntheticShot other = bench.made;
   other.shot.boot_id = 78;
-  other.shot.start_ns += kSecond;
-  bench.session.on_shot(other.shot, bench.local_ns);
+  other.shot.start_ns += 1'000'000'000;
+  bench.session.on_shot(other.shot, bench.local);
   bench.made.frame.boot_id = 0;
   bench.frame();
   LONGS_EQUAL(78, bench.shot_results().at(0).boot_id);
@@ -136,11 +135,11 @@ TEST(SessionOfMessages, AFrameThatDoesNotKnowItsFirmwareGoesToTheNewestShotOfIts
 TEST(SessionOfMessages, TheWaitForThePhotographEndsByTheFirmwaresClock) {
   Bench bench;
   bench.shot();
-  bench.local_ns += 100 * kSecond;  // whatever the host's own clock says, while the firmware is heard
-  bench.beat_until(bench.end_ns + 5 * kSecond);
-  bench.session.on_time(bench.local_ns);
+  bench.local += 100 * kSecond;  // whatever the host's own clock says, while the firmware is heard
+  bench.beat_until(bench.end + 5 * kSecond);
+  bench.session.on_time(bench.local);
   CHECK_TRUE(bench.shot_results().empty());
-  bench.status(bench.end_ns + 5 * kSecond + 1);
+  bench.status(bench.end + 5 * kSecond + Duration{1});
   const auto shot_results = bench.shot_results();
   LONGS_EQUAL(1, shot_results.size());
   CHECK_TRUE(shot_results[0].readout.flags.has(Flag::no_photograph));
@@ -151,16 +150,16 @@ TEST(SessionOfMessages, TheWaitForThePhotographEndsByTheFirmwaresClock) {
 TEST(SessionOfMessages, ASilentFirmwareDoesNotMakeItWaitForEver) {
   Bench bench;
   bench.shot();
-  bench.session.on_time(bench.local_ns + 14 * kSecond);
+  bench.session.on_time(bench.local + 14 * kSecond);
   CHECK_TRUE(bench.shot_results().empty());  // 5 s, and the network may have been cut for ten
-  bench.session.on_time(bench.local_ns + 16 * kSecond);
+  bench.session.on_time(bench.local + 16 * kSecond);
   LONGS_EQUAL(1, bench.shot_results().size());
 }
 
 TEST(SessionOfMessages, ALatePhotographIsSaidAndTheReadoutStands) {
   Bench bench;
   bench.shot();
-  bench.beat_until(bench.end_ns + 6 * kSecond);
+  bench.beat_until(bench.end + 6 * kSecond);
   LONGS_EQUAL(1, bench.shot_results().size());
   bench.frame();
   CHECK_TRUE(bench.shot_results().empty());
@@ -206,17 +205,17 @@ TEST(SessionOfMessages, ADryShotIsDoneWithoutAPhotograph) {
 
 TEST(SessionOfMessages, AShotThatWasOverLongAgoIsNotWaitedForByAPassiveHost) {
   Bench bench;
-  bench.status(bench.end_ns + 60 * kSecond);
+  bench.status(bench.end + 60 * kSecond);
   bench.shot();
   LONGS_EQUAL(0, bench.session.waiting_for_photograph());
-  bench.beat_until(bench.end_ns + 70 * kSecond);
+  bench.beat_until(bench.end + 70 * kSecond);
   CHECK_TRUE(bench.shot_results().empty());
   STRCMP_CONTAINS("before this session was joined", first_notice(bench.session).c_str());
 }
 
 TEST(SessionOfMessages, AShotThatWasOverLongAgoIsReadOutIfItsPhotographComesAfterAll) {
   Bench bench;
-  bench.status(bench.end_ns + 60 * kSecond);
+  bench.status(bench.end + 60 * kSecond);
   bench.shot();
   bench.frame();
   LONGS_EQUAL(1, bench.shot_results().size());
@@ -225,7 +224,7 @@ TEST(SessionOfMessages, AShotThatWasOverLongAgoIsReadOutIfItsPhotographComesAfte
 TEST(SessionOfMessages, TimeInWhichTheFirmwareWasNotHeardDoesNotCountAsWaiting) {
   Bench bench(5);
   bench.shot();
-  bench.status(bench.end_ns + 11 * kSecond);  // after ten seconds of a cut network
+  bench.status(bench.end + 11 * kSecond);  // after ten seconds of a cut network
   CHECK_TRUE(bench.shot_results().empty());
   bench.frame();
   CHECK_FALSE(bench.shot_results().at(0).rejected.has_value());
@@ -235,12 +234,12 @@ TEST(SessionOfMessages, NoNumberIsGivenBeforeAllEventsOfItsShotAreHere) {
   Bench bench(5);
   bench.made.shot.first_sequence = 3;
   bench.made.shot.last_sequence = 5;
-  bench.session.on_event(ended(0, 3), bench.local_ns);
-  bench.session.on_event(ended(0, 5), bench.local_ns);
+  bench.session.on_event(ended(0, 3), bench.local);
+  bench.session.on_event(ended(0, 5), bench.local);
   bench.shot();
   bench.frame();
   CHECK_TRUE(bench.shot_results().empty());
-  bench.session.on_event(ended(0, 4), bench.local_ns);
+  bench.session.on_event(ended(0, 4), bench.local);
   const auto shot_results = bench.shot_results();
   LONGS_EQUAL(1, shot_results.size());
   CHECK_FALSE(shot_results[0].readout.flags.has(Flag::events_missing));
@@ -252,7 +251,7 @@ TEST(SessionOfMessages, NumbersOfAShotWhoseEventsNeverComeAreFlagged) {
   bench.made.shot.last_sequence = 5;
   bench.shot();
   bench.frame();
-  bench.beat_until(bench.end_ns + 6 * kSecond);
+  bench.beat_until(bench.end + 6 * kSecond);
   const auto shot_results = bench.shot_results();
   LONGS_EQUAL(1, shot_results.size());
   CHECK_TRUE(shot_results[0].readout.flags.has(Flag::events_missing));
@@ -262,12 +261,12 @@ TEST(SessionOfMessages, NumbersOfAShotWhoseEventsNeverComeAreFlagged) {
 TEST(SessionOfMessages, APhotographThatIsLateIsAskedForByItsShot) {
   Bench bench(5);
   bench.made.shot.first_sequence = bench.made.shot.last_sequence = 1;
-  bench.session.on_event(ended(0, 1), bench.local_ns);
+  bench.session.on_event(ended(0, 1), bench.local);
   bench.shot();
-  bench.session.on_time(bench.local_ns + kSecond / 2);
-  CHECK_TRUE(bench.session.ledger().due(bench.local_ns + kSecond / 2).empty());
-  bench.session.on_time(bench.local_ns + 2 * kSecond);
-  const auto asks = bench.session.ledger().due(bench.local_ns + 2 * kSecond);
+  bench.session.on_time(bench.local + kSecond / 2);
+  CHECK_TRUE(bench.session.ledger().due(bench.local + kSecond / 2).empty());
+  bench.session.on_time(bench.local + 2 * kSecond);
+  const auto asks = bench.session.ledger().due(bench.local + 2 * kSecond);
   LONGS_EQUAL(1, asks.size());
   LONGS_EQUAL(1, asks[0].sequences.first);
 }
@@ -275,10 +274,10 @@ TEST(SessionOfMessages, APhotographThatIsLateIsAskedForByItsShot) {
 /// Events 1 to 4 of boot 77: armed by host 5, shot 6 started, two flashes; then the firmware dies.
 struct CutOff : Bench {
   explicit CutOff(std::int64_t host_id) : Bench(host_id) {
-    session.on_event(of_kind(event_t::ARMED, 0, 1, "5"), local_ns);
-    session.on_event(of_kind(event_t::SHOT_STARTED, 6, 2, ""), local_ns);
-    session.on_event(of_kind(event_t::FLASH, 6, 3, ""), local_ns);
-    session.on_event(of_kind(event_t::FLASH, 6, 4, ""), local_ns);
+    session.on_event(of_kind(event_t::ARMED, 0, 1, "5"), local);
+    session.on_event(of_kind(event_t::SHOT_STARTED, 6, 2, ""), local);
+    session.on_event(of_kind(event_t::FLASH, 6, 3, ""), local);
+    session.on_event(of_kind(event_t::FLASH, 6, 4, ""), local);
   }
   static event_t of_kind(std::int8_t kind, std::int32_t shot_id, std::int64_t sequence,
                          const std::string& detail) {
@@ -291,13 +290,13 @@ struct CutOff : Bench {
 
 TEST(SessionOfMessages, AShotInWhichTheFirmwareDiedIsReportedOnceAllThatWasWrittenIsHere) {
   CutOff bench(5);
-  bench.status(bench.end_ns, 78);
+  bench.status(bench.end, 78);
   CHECK_TRUE(bench.shot_results().empty());  // more of it may be in the journal
   const host::EndedBoot dead{77, 5};
-  bench.session.ledger().earlier({&dead, 1}, bench.local_ns);
-  bench.session.on_time(bench.local_ns);
+  bench.session.ledger().earlier({&dead, 1}, bench.local);
+  bench.session.on_time(bench.local);
   CHECK_TRUE(bench.shot_results().empty());
-  bench.session.on_event(bench.of_kind(event_t::FLASH, 6, 5, ""), bench.local_ns);
+  bench.session.on_event(bench.of_kind(event_t::FLASH, 6, 5, ""), bench.local);
   const auto shot_results = bench.shot_results();
   LONGS_EQUAL(1, shot_results.size());
   LONGS_EQUAL(77, shot_results[0].boot_id);
@@ -310,20 +309,20 @@ TEST(SessionOfMessages, AShotInWhichTheFirmwareDiedIsReportedOnceAllThatWasWritt
   bench.made.frame.boot_id = 77;
   bench.made.frame.shot_id = 6;
   bench.frame();
-  bench.session.on_time(bench.local_ns + kSecond);
+  bench.session.on_time(bench.local + kSecond);
   CHECK_TRUE(bench.shot_results().empty());
 }
 
 TEST(SessionOfMessages, ASummaryThatNeverWasWrittenIsGivenUp) {
   CutOff bench(5);
-  bench.session.on_event(ended(6, 5), bench.local_ns);
+  bench.session.on_event(ended(6, 5), bench.local);
   const host::EndedBoot dead{77, 5};
-  bench.status(bench.end_ns, 78);
-  bench.session.ledger().earlier({&dead, 1}, bench.local_ns);
+  bench.status(bench.end, 78);
+  bench.session.ledger().earlier({&dead, 1}, bench.local);
   for (int beat = 0; beat < 40; ++beat) {
-    bench.local_ns += kSecond / 2;
-    bench.status(bench.end_ns + beat * kSecond / 2, 78);
-    bench.session.on_time(bench.local_ns);
+    bench.local += kSecond / 2;
+    bench.status(bench.end + beat * kSecond / 2, 78);
+    bench.session.on_time(bench.local);
   }
   const auto shot_results = bench.shot_results();
   LONGS_EQUAL(1, shot_results.size());
@@ -333,11 +332,11 @@ TEST(SessionOfMessages, ASummaryThatNeverWasWrittenIsGivenUp) {
 
 TEST(SessionOfMessages, TheHostThatFiredItGetsAReadoutHoweverLateTheShotIsHeardOf) {
   Bench bench(5);
-  bench.status(bench.end_ns + 60 * kSecond);
+  bench.status(bench.end + 60 * kSecond);
   bench.shot();
-  bench.beat_until(bench.end_ns + 64 * kSecond);
+  bench.beat_until(bench.end + 64 * kSecond);
   CHECK_TRUE(bench.shot_results().empty());  // whoever sends the shot again may send its photograph again
-  bench.beat_until(bench.end_ns + 66 * kSecond);
+  bench.beat_until(bench.end + 66 * kSecond);
   LONGS_EQUAL(1, bench.shot_results().size());
 }
 
@@ -346,13 +345,13 @@ TEST(SessionOfMessages, TheSummaryOfAShotThatEndedIsAskedForWhenItIsLost) {
   for (std::int64_t s = 1; s < 9; ++s) {
     event_t event = ended(0, s);
     event.kind = event_t::FLASH;
-    bench.session.on_event(event, bench.local_ns);
+    bench.session.on_event(event, bench.local);
   }
-  bench.session.on_event(ended(1, 9), bench.local_ns);
-  bench.session.on_time(bench.local_ns + kSecond / 10);
-  CHECK_TRUE(bench.session.ledger().due(bench.local_ns + kSecond / 5).empty());
-  bench.session.on_time(bench.local_ns + kSecond);
-  const auto asks = bench.session.ledger().due(bench.local_ns + kSecond);
+  bench.session.on_event(ended(1, 9), bench.local);
+  bench.session.on_time(bench.local + kSecond / 10);
+  CHECK_TRUE(bench.session.ledger().due(bench.local + kSecond / 5).empty());
+  bench.session.on_time(bench.local + kSecond);
+  const auto asks = bench.session.ledger().due(bench.local + kSecond);
   LONGS_EQUAL(1, asks.size());
   LONGS_EQUAL(9, asks[0].sequences.first);
 }
@@ -362,9 +361,9 @@ TEST(SessionOfMessages, AShotDuringWhichTheFirmwaresMachineWasSuspendedHasNoTime
   bench.shot();
   status_t woken{};
   woken.boot_id = 77;
-  woken.mono_ns = bench.end_ns + kSecond / 10;
-  woken.boot_time_ns = woken.mono_ns + 30 * kSecond;  // the heartbeat before had both at the same
-  bench.session.on_status(woken, bench.local_ns + 30 * kSecond);
+  woken.mono_ns = to_ns(bench.end + kSecond / 10);
+  woken.boot_time_ns = woken.mono_ns + 30'000'000'000;  // the heartbeat before had both at the same
+  bench.session.on_status(woken, bench.local + 30 * kSecond);
   bench.frame();
   const auto shot_results = bench.shot_results();
   LONGS_EQUAL(1, shot_results.size());
@@ -374,7 +373,7 @@ TEST(SessionOfMessages, AShotDuringWhichTheFirmwaresMachineWasSuspendedHasNoTime
 
 TEST(SessionOfMessages, AnotherBootIsSaid) {
   Bench bench;
-  bench.status(bench.end_ns, 78);
+  bench.status(bench.end, 78);
   STRCMP_CONTAINS("started anew", first_notice(bench.session).c_str());
 }
 

@@ -17,7 +17,6 @@ using strobe_msgs::command_t;
 using strobe_msgs::event_t;
 using strobe_msgs::status_t;
 
-constexpr std::int64_t kMs = 1'000'000;
 constexpr std::int64_t kHost = 0x1234;
 constexpr std::int64_t kBoot = 77;
 
@@ -70,7 +69,7 @@ struct Play {
   CommandFactory factory{kHost};
   Firmware firmware;
   ShotSeries series;
-  std::int64_t now_ns = 0;
+  HostTime now;
   int answered = 0;
   std::deque<std::string> verdicts;  // of the shots to come; empty text: good
   std::vector<std::string> notifications;
@@ -79,8 +78,8 @@ struct Play {
   explicit Play(ShotSeriesSettings settings) : series(std::move(settings), factory) {}
 
   void turn() {
-    now_ns += 20 * kMs;
-    series.step(heard ? std::optional(firmware.status) : std::nullopt, now_ns);
+    now += milliseconds{20};
+    series.step(heard ? std::optional(firmware.status) : std::nullopt, now);
     for (const command_t& command : series.take_commands()) firmware.obey(command, series);
     for (const std::string& text : series.take_notifications()) notifications.push_back(text);
   }
@@ -141,8 +140,8 @@ TEST(ShotSeriesOfAHost, DryShotsAreFiredDryAndCount) {
   Play play(settings);
   bool armed = false;
   for (int i = 0; i < 1000 && !play.series.finished(); ++i) {
-    play.now_ns += 20 * kMs;
-    play.series.step(play.firmware.status, play.now_ns);
+    play.now += milliseconds{20};
+    play.series.step(play.firmware.status, play.now);
     for (const command_t& command : play.series.take_commands()) {
       if (command.kind == command_t::FIRE) CHECK_TRUE(command.plan.dry);
       armed = armed || command.kind == command_t::ARM;

@@ -89,7 +89,7 @@ Lab::Lab(const RigFiles& files, const RunSettings& settings)
       {settings.faults.packet_loss, settings.faults.packet_duplication, settings.faults.packet_reordering});
   publisher_latency_ = nanoseconds(std::llround(random_.log_uniform(0.5e6, 30e6)));
   host_rate_ = 1.0 + random_.uniform(-50e-6, 50e-6);
-  host_origin_ns_ = std::llround(random_.uniform(1e9, 1e15));
+  host_origin_ = from_ns<HostTime>(std::llround(random_.uniform(1e9, 1e15)));
 }
 
 Lab::~Lab() = default;

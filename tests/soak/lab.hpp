@@ -139,7 +139,7 @@ class Lab final : firmware::Clock, firmware::OutputLines, firmware::EdgeSource, 
   bool over();
   void trace_lab_setup();
   void settle();
-  std::int64_t host_now() const;
+  HostTime host_now() const;
   std::string trace_time() const;
   template <typename... Args>
   void trace(const char* format, const Args&... args);
@@ -190,7 +190,7 @@ class Lab final : firmware::Clock, firmware::OutputLines, firmware::EdgeSource, 
   HostLog host_log_;
   MonoTime host_due_ = kFarFuture;
   double host_rate_ = 1.0;
-  std::int64_t host_origin_ns_ = 0;
+  HostTime host_origin_;
   int good_ = 0;
   bool hazards_stopped_ = false;
   bool finished_ = false;

@@ -45,8 +45,8 @@ std::string Lab::trace_time() const {
   return fmt::format("{:14.6f}", static_cast<double>(to_ns(time_) - 1'000'000'000'000) * 1e-9);
 }
 
-std::int64_t Lab::host_now() const {
-  return host_origin_ns_ + std::llround(static_cast<double>(to_ns(time_)) * host_rate_);
+HostTime Lab::host_now() const {
+  return host_origin_ + Duration{std::llround(static_cast<double>(to_ns(time_)) * host_rate_)};
 }
 
 // Hazards -----------------------------------------------------------------------------------------------------

@@ -5,25 +5,25 @@
 namespace strobe::soak {
 
 VirtualHost::VirtualHost(const HostSettings& settings, std::int64_t host_id, const authentication::Key& key,
-                         HostLog& log, Send send, Done done, std::int64_t now_ns)
+                         HostLog& log, Send send, Done done, HostTime now)
     : log_(log),
       send_(std::move(send)),
       done_(std::move(done)),
-      now_ns_(now_ns),
+      now_(now),
       command_channel_(messages::channel_name(settings.rig, messages::Channel::command)),
       loop_({settings.rig, settings.assembly, host_id, true, key}, *this, *this),
       runner_(loop_, settings.series) {
   loop_.add_listener(*this);
-  for (const auto& [boot_id, sequence] : log_) loop_.session().ledger().add(boot_id, sequence, 0);
+  for (const auto& [boot_id, sequence] : log_) loop_.session().ledger().add(boot_id, sequence, HostTime{});
 }
 
-void VirtualHost::receive(const std::string& channel, Bytes bytes, std::int64_t now_ns) {
-  now_ns_ = now_ns;
+void VirtualHost::receive(const std::string& channel, Bytes bytes, HostTime now) {
+  now_ = now;
   loop_.receive(channel, bytes);
 }
 
-void VirtualHost::step(std::int64_t now_ns) {
-  now_ns_ = now_ns;
+void VirtualHost::step(HostTime now) {
+  now_ = now;
   loop_.step();
   runner_.step();
 }

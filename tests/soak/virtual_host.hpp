@@ -26,13 +26,12 @@ class VirtualHost final : host::Transport, host::Clock, host::HostListener {
   using Send = std::function<void(Bytes sealed_command)>;
   using Done = std::function<void(const host::ShotResult&)>;
 
-  /// now_ns: of the host's own steady clock.
-  VirtualHost(const HostSettings& settings, std::int64_t host_id, const authentication::Key& key, HostLog& log,
-              Send send, Done done, std::int64_t now_ns);
+  VirtualHost(const HostSettings& settings, std::int64_t host_id, const authentication::Key& key,
+              HostLog& log, Send send, Done done, HostTime now);
 
-  void receive(const std::string& channel, Bytes bytes, std::int64_t now_ns);
+  void receive(const std::string& channel, Bytes bytes, HostTime now);
   /// What is due: every 20 ms at the latest, and after messages.
-  void step(std::int64_t now_ns);
+  void step(HostTime now);
 
   /// The series is over, and what was lost on the way has been fetched or given up.
   bool ended() const { return runner_.finished(); }
@@ -47,7 +46,9 @@ class VirtualHost final : host::Transport, host::Clock, host::HostListener {
   // Ports of the loop
   bool receive(std::chrono::milliseconds, std::span<const int>, const Receiver&) override { return true; }
   void publish(const std::string& channel, Bytes bytes) override;
-  host::ClockReading read() override { return {now_ns_, now_ns_, now_ns_}; }
+  host::HostReading read() override {
+    return {now_, WallTime{now_.time_since_epoch()}, now_.time_since_epoch()};
+  }
 
   void on_shot_result(const host::ShotResult& result) override { done_(result); }
   void on_event(const strobe_msgs::event_t& event) override;
@@ -56,7 +57,7 @@ class VirtualHost final : host::Transport, host::Clock, host::HostListener {
   HostLog& log_;
   Send send_;
   Done done_;
-  std::int64_t now_ns_;
+  HostTime now_;
   std::string command_channel_;
   host::HostLoop loop_;
   host::SeriesRunner runner_;

@@ -98,12 +98,8 @@ bool same_method(const Row& a, const Row& b) { return a.method == b.method && a.
 class Runs {
  public:
   Runs(const MeasuredModels& measured, std::vector<Row> rows, const frontier::Requirement& requirement,
-       const PredictInput& in, std::int64_t (*now_ns)())
-      : rows_(std::move(rows)),
-        integrations_(measured.rows),
-        requirement_(requirement),
-        in_(in),
-        now_ns_(now_ns) {
+       const PredictInput& in, HostTime (*now)())
+      : rows_(std::move(rows)), integrations_(measured.rows), requirement_(requirement), in_(in), now_(now) {
     std::erase_if(integrations_, [](const Row& row) { return row.method != "ode"; });
   }
 
@@ -149,12 +145,12 @@ class Runs {
 
   Result<Prediction> run(const Row& row, ImpactChoice& choice) const {
     const PredictInput with = *input_for(row, in_);
-    const std::int64_t begin_ns = now_ns_();
+    const HostTime begin = now_();
     auto prediction = predict(with);
-    const std::int64_t middle_ns = now_ns_();
+    const HostTime middle = now_();
     const auto again = predict(with);
-    choice.duration_ns += middle_ns - begin_ns;
-    choice.repeated_duration_ns += now_ns_() - middle_ns;
+    choice.duration += middle - begin;
+    choice.repeated_duration += now_() - middle;
     choice.expected_cost_us += row.cost_us;
     if (!prediction) return fail(std::string(impact::message(prediction.error())));
     return std::move(*prediction);
@@ -164,7 +160,7 @@ class Runs {
   std::vector<Row> integrations_;
   const frontier::Requirement& requirement_;
   const PredictInput& in_;
-  std::int64_t (*now_ns_)();
+  HostTime (*now_)();
 };
 
 }  // namespace
@@ -193,7 +189,7 @@ MeasuredModels measured_models(const std::vector<Row>& rows, const std::vector<f
 }
 
 Result<ImpactChoice> choose_impact(const MeasuredModels& measured, const frontier::Requirement& requirement,
-                                   const std::string& model, PredictInput in, std::int64_t (*now_ns)()) {
+                                   const std::string& model, PredictInput in, HostTime (*now)()) {
   in.mu = in.mu.value_or(default_mu("ode"));
   in.alpha = in.alpha.value_or(default_alpha("ode"));
   std::vector<Row> rows = measured.rows;
@@ -204,7 +200,7 @@ Result<ImpactChoice> choose_impact(const MeasuredModels& measured, const frontie
   ImpactChoice choice;
   choice.reason = frontier::reason(rows, requirement);
   choice.outside = outside(measured, in);
-  const Runs runs(measured, std::move(rows), requirement, in, now_ns);
+  const Runs runs(measured, std::move(rows), requirement, in, now);
   auto prediction = runs.take(*first, choice);
   if (!prediction) return tl::unexpected(prediction.error());
   while (runs.replaced_after_check(*prediction, choice)) {

@@ -38,8 +38,8 @@ struct ImpactChoice {
   std::vector<std::string> outside;       ///< quantities beyond those measured
   std::vector<TriedModel> replaced;       ///< methods whose check showed an error beyond the tolerance
   double expected_cost_us = 0.0;          ///< of all runs
-  std::int64_t duration_ns = 0;           ///< measured, of the first calls (cold caches)
-  std::int64_t repeated_duration_ns = 0;  ///< measured, of the same calls repeated
+  Duration duration{};                    ///< measured, of the first calls (cold caches)
+  Duration repeated_duration{};           ///< measured, of the same calls repeated
   std::optional<bool> within_tolerance;   ///< absent without a check or a tolerance
 };
 
@@ -48,8 +48,8 @@ struct ImpactChoice {
 std::optional<PredictInput> input_for(const frontier::Row& row, PredictInput in);
 
 /// Chooses among the methods of `model` (empty: of all). Fails, with one line, if no method meets the
-/// requirement, and on an impact that the models refuse. `now_ns` is the clock for the durations.
+/// requirement, and on an impact that the models refuse. `now` is the clock for the durations.
 Result<ImpactChoice> choose_impact(const MeasuredModels& measured, const frontier::Requirement& requirement,
-                                   const std::string& model, PredictInput in, std::int64_t (*now_ns)());
+                                   const std::string& model, PredictInput in, HostTime (*now)());
 
 }  // namespace strobe::host

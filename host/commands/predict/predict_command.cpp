@@ -151,10 +151,10 @@ int print_prediction(const PredictOptions& options, const PredictInput& in, cons
 
 /// For stderr: times are not part of a result, whose bytes are reproducible.
 std::string timing_line(const ImpactChoice& choice, const frontier::Requirement& requirement) {
-  const double again_us = static_cast<double>(choice.repeated_duration_ns) / 1e3;
+  const double again_us = to_microseconds(choice.repeated_duration);
   std::string line = fmt::format(
       "strobe: predict: took {:.1f} us at its first call, {:.1f} us when repeated ({:.3g} us expected)",
-      static_cast<double>(choice.duration_ns) / 1e3, again_us, choice.expected_cost_us);
+      to_microseconds(choice.duration), again_us, choice.expected_cost_us);
   if (requirement.deadline_us && again_us > *requirement.deadline_us) line += ", past the deadline";
   return line + "\n";
 }
@@ -168,7 +168,7 @@ int run_choice(const PredictOptions& options) {
                             : options.wants_trajectory() ? "ode"
                                                          : "";
   const auto choice = choose_impact(measured_models(files->rows, files->ranges), *requirement, model,
-                                    options.input, steady_now_ns);
+                                    options.input, steady_now);
   if (!choice) return bad_input("predict: " + choice.error().message);
   const int status =
       print_prediction(options, choice->input, choice->prediction,

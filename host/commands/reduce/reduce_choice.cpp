@@ -158,10 +158,10 @@ std::optional<LargestSd> largest_sd(const reduction::Readout& readout, double ba
 
 Result<EstimatorChooser> EstimatorChooser::make(const std::vector<Row>& rows,
                                                 std::vector<frontier::Range> ranges,
-                                                EstimatorRequirement requirement, std::int64_t (*now_ns)()) {
+                                                EstimatorRequirement requirement, HostTime (*now)()) {
   EstimatorChooser chooser;
   chooser.ranges_ = std::move(ranges);
-  chooser.now_ns_ = now_ns;
+  chooser.now_ = now;
   const std::vector<Row> fine = excess_errors(rows, kFineStudy);
   for (const std::string_view study : kStudies) {
     std::vector<Row> kind = excess_errors(rows, study);
@@ -205,9 +205,9 @@ EstimatorChooser::Kind EstimatorChooser::with_costs_of(Kind kind, const reductio
 Result<reduction::Readout> EstimatorChooser::timed(const Row& row, const reduction::Frame& frame,
                                                    EstimatorChoice& choice) const {
   const MeasuredEstimator with = *estimator_for(row);
-  const std::int64_t begin_ns = now_ns_();
+  const HostTime begin = now_();
   auto readout = reduction::reduce(frame, with.estimator, with.options);
-  choice.duration_ns += now_ns_() - begin_ns;
+  choice.duration += now_() - begin;
   choice.expected_cost_us += row.cost_us;
   if (!readout) return readout;
   choice.row = row;

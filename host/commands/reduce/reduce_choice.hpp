@@ -56,7 +56,7 @@ struct EstimatorChoice {
   std::optional<frontier::Row> replaced;  ///< a cheaper one whose sd exceeded the tolerance on this frame
   std::vector<std::string> outside;       ///< quantities beyond those measured
   double expected_cost_us = 0.0;          ///< of all runs
-  std::int64_t duration_ns = 0;
+  Duration duration{};
 };
 
 struct ChosenReadout {
@@ -68,11 +68,11 @@ struct ChosenReadout {
 /// assumed to cost in proportion. Not thread-safe.
 class EstimatorChooser {
  public:
-  /// Fails if no kind of frame has an estimator that meets the requirement. `now_ns` is the clock for the
+  /// Fails if no kind of frame has an estimator that meets the requirement. `now` is the clock for the
   /// durations.
   static Result<EstimatorChooser> make(const std::vector<frontier::Row>& rows,
                                        std::vector<frontier::Range> ranges, EstimatorRequirement requirement,
-                                       std::int64_t (*now_ns)());
+                                       HostTime (*now)());
 
   /// Fails like reduce(), and if no estimator meets the requirement for this kind of frame.
   Result<ChosenReadout> reduce(const reduction::Frame& frame) const;
@@ -95,7 +95,7 @@ class EstimatorChooser {
   EstimatorRequirement requirement_;
   std::vector<Kind> kinds_;
   std::vector<frontier::Range> ranges_;
-  std::int64_t (*now_ns_)() = nullptr;
+  HostTime (*now_)() = nullptr;
 };
 
 /// A JSON object, and lines of text.

@@ -62,12 +62,10 @@ double plain_drift(const std::vector<Heartbeats::Beat>& beats) {
   const auto n = static_cast<double>(beats.size());
   double mx = 0.0, my = 0.0, sxx = 0.0, sxy = 0.0;
   const auto x = [&](const Heartbeats::Beat& b) {
-    return static_cast<double>(b.device.mono_ns - beats.front().device.mono_ns) * 1e-9;
+    return to_seconds(b.device.mono - beats.front().device.mono);
   };
   const auto y = [&](const Heartbeats::Beat& b) {
-    return static_cast<double>(b.heard_ns - b.device.mono_ns - beats.front().heard_ns +
-                               beats.front().device.mono_ns) *
-           1e-9;
+    return to_seconds((b.heard - beats.front().heard) - (b.device.mono - beats.front().device.mono));
   };
   for (const auto& b : beats) mx += x(b) / n, my += y(b) / n;
   for (const auto& b : beats) sxx += (x(b) - mx) * (x(b) - mx), sxy += (x(b) - mx) * (y(b) - my);
@@ -90,7 +88,7 @@ void study(const Delays& delays, int beats, int pairs) {
       const auto beat = sender.next();
       if (!beat) continue;
       heard.push_back(*beat);
-      clock.on_heartbeat(sender.boot_id, beat->device, beat->heard_ns);
+      clock.on_heartbeat(sender.boot_id, beat->device, beat->heard);
     }
     const host::ClockState state = clock.state();
     if (!state.drift_ppm) continue;

@@ -157,7 +157,7 @@ Calibrated calibrated(const ChainOptions& options, const sim::Scene& scene, doub
 std::vector<double> seconds_of(const host::FlashTimes& times) {
   std::vector<double> seconds;
   for (const host::ObservedFlash& flash : times.seen)
-    seconds.push_back(static_cast<double>(flash.time_ns - times.seen.front().time_ns) * 1e-9);
+    seconds.push_back(to_seconds(flash.time - times.seen.front().time));
   return seconds;
 }
 

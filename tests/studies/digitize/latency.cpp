@@ -28,9 +28,8 @@ namespace strobe::studies::digitize {
 namespace {
 
 namespace fs = std::filesystem;
-using host::steady_now_ns;
+using host::steady_now;
 
-constexpr std::int64_t kSecond_ns = 1'000'000'000;
 /// Until what was written is at rest.
 constexpr auto kPause = std::chrono::milliseconds(30);
 
@@ -66,14 +65,14 @@ class Live final : host::Transport, host::HostListener {
     strobe_msgs::status_t status{};
     status.schema_version = strobe_msgs::status_t::SCHEMA_VERSION;
     status.boot_id = shot.boot_id;
-    status.mono_ns = steady_now_ns();
+    status.mono_ns = to_ns(steady_now());
     loop_.receive(messages::channel_name(rig, messages::Channel::status), messages::encode(status));
     loop_.receive(messages::channel_name(rig, messages::Channel::shot), messages::encode(shot));
     loop_.step();
   }
 
-  std::optional<host::ShotResult> wait_for_readout(std::int64_t until_ns) {
-    while (!result_ && steady_now_ns() < until_ns) loop_.run_once();
+  std::optional<host::ShotResult> wait_for_readout(HostTime until) {
+    while (!result_ && steady_now() < until) loop_.run_once();
     return std::exchange(result_, std::nullopt);
   }
 
@@ -116,7 +115,7 @@ Result<Timing> time_one(const Shot& shot, int shot_id, const std::string& effort
       rig_of(shot.scene, {shot.known.scene_truth.px_per_m, 2.0, shot.scene.ball.diameter_m, 0.0001});
   Live live(rig);
   if (auto opened = live.open(rig, effort, folder); !opened) return tl::unexpected(opened.error());
-  live.announce(rig.rig, shot_message(shot.known, shot.scene, shot_id, steady_now_ns()));
+  live.announce(rig.rig, shot_message(shot.known, shot.scene, shot_id, to_ns(steady_now())));
   const fs::path whole = folder / fmt::format("exposure-{:04}.tif", shot_id);
   const fs::path part = whole.string() + ".part";
   std::ofstream file(part, std::ios::binary);
@@ -125,11 +124,11 @@ Result<Timing> time_one(const Shot& shot, int shot_id, const std::string& effort
   file.close();
   std::this_thread::sleep_for(kPause);
   std::error_code error;
-  const std::int64_t start_ns = steady_now_ns();
+  const HostTime start = steady_now();
   fs::rename(part, whole, error);
   if (!file || error) return fail(whole.string() + ": cannot be written");
-  const auto shot_result = live.wait_for_readout(start_ns + 10 * kSecond_ns);
-  const double ms = static_cast<double>(steady_now_ns() - start_ns) * 1e-6;
+  const auto shot_result = live.wait_for_readout(start + std::chrono::seconds{10});
+  const double ms = 1e3 * to_seconds(steady_now() - start);
   fs::remove(whole, error);
   if (!shot_result) return fail(shot.scene.name + ": no readout within 10 s");
   const auto& value = shot_result->readout.value;
