@@ -17,6 +17,7 @@
 #include "firmware/linux/event_fd.hpp"
 #include "firmware/linux/gpio_lines.hpp"
 #include "firmware/linux/real_time.hpp"
+#include "firmware/linux/signals.hpp"
 #include "firmware/linux/system_clock.hpp"
 #include "firmware/linux/tick_finder.hpp"
 #include "firmware/publisher/command_feed.hpp"
@@ -60,9 +61,7 @@ void use_small_stacks() {
 }
 
 void wait_for_stop_signal() {
-  sigset_t set;
-  sigemptyset(&set);
-  for (const int signal : {SIGTERM, SIGINT, SIGHUP}) sigaddset(&set, signal);
+  const sigset_t set = worker_stop_signals();
   int signal = 0;
   sigwait(&set, &signal);
 }

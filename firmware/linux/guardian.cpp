@@ -21,6 +21,7 @@
 #include "firmware/linux/gpio_lines.hpp"
 #include "firmware/linux/real_time.hpp"
 #include "firmware/linux/service_notify.hpp"
+#include "firmware/linux/signals.hpp"
 #include "firmware/linux/system_clock.hpp"
 #include "firmware/linux/watchdog.hpp"
 
@@ -34,15 +35,10 @@ constexpr Duration kTimeToStop = milliseconds(15'000);  // a slow disk may keep 
 // for a worker that was asked to stop since its publisher hangs
 constexpr Duration kGrace = milliseconds(1000);
 
-sigset_t stop_signals() {
-  sigset_t set;
-  sigemptyset(&set);
-  for (const int signal : {SIGTERM, SIGINT, SIGHUP}) sigaddset(&set, signal);
-  return set;
-}
-
 [[noreturn]] void become_worker(pid_t guardian, const std::function<int(SharedStatus&)>& work,
                                 SharedStatus& page) {
+  set_worker_signal_policy();
+  setsid();  // no signal to a terminal's or a shell's group reaches both
   prctl(PR_SET_PDEATHSIG, SIGTERM);
   if (getppid() != guardian) _exit(kExitFailed);
   // A core dump of locked memory would take seconds, with the outputs as they are.
@@ -78,7 +74,7 @@ class Guardian {
  private:
   /// Returns when the worker is dead.
   void watch() {
-    const sigset_t stops = stop_signals();
+    const sigset_t stops = guardian_stop_signals();
     const int signals = signalfd(-1, &stops, SFD_CLOEXEC | SFD_NONBLOCK);
     const int worker = static_cast<int>(syscall(SYS_pidfd_open, worker_, 0));
     pollfd polled[] = {{worker, POLLIN, 0}, {signals, POLLIN, 0}, {page_.event_fd, POLLIN, 0}};
@@ -226,10 +222,7 @@ int run_guardian(const Rig& rig, const std::function<int(SharedStatus&)>& work) 
   }
   auto* page = new (memory) SharedStatus;
   page->event_fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
-  // A terminal that is closed and a limit on file sizes are no reasons to die in the middle of a shot.
-  for (const int signal : {SIGPIPE, SIGXFSZ}) std::signal(signal, SIG_IGN);
-  const sigset_t stops = stop_signals();
-  sigprocmask(SIG_BLOCK, &stops, nullptr);
+  set_signal_policy();
   const pid_t guardian = getpid();
   const pid_t worker = fork();
   if (worker < 0) {

@@ -33,7 +33,7 @@ std::int64_t random_host_id() {
 void catch_signals() {
   struct sigaction action {};
   action.sa_handler = mark;
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaction(signal, &action, nullptr);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) sigaction(signal, &action, nullptr);
   std::signal(SIGPIPE, SIG_IGN);
 }
 

@@ -16,7 +16,7 @@ namespace strobe::host {
 /// Random, positive.
 std::int64_t random_host_id();
 
-/// From now on SIGINT, SIGTERM and SIGHUP only make interrupted() true.
+/// From now on SIGINT, SIGTERM, SIGHUP and SIGQUIT only make interrupted() true.
 void catch_signals();
 bool interrupted();
 

@@ -11,8 +11,8 @@
 
 namespace strobe::sim {
 
-/// Blocks the signals that wait_for_child() handles: SIGINT, SIGTERM, SIGHUP, SIGCHLD. Call it before any
-/// thread is started.
+/// Blocks the signals that wait_for_child() handles: SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGCHLD. Call it
+/// before any thread is started.
 void block_child_signals();
 
 /// Starts `command` (looked up in PATH) with these environment variables set and all others kept. The child
@@ -20,8 +20,8 @@ void block_child_signals();
 Result<int> start_child(const std::vector<std::string>& command,
                         const std::vector<std::pair<std::string, std::string>>& environment);
 
-/// Waits for the child's end, forwarding SIGINT, SIGTERM and SIGHUP (but not those that a terminal sends to
-/// the whole foreground, which the child gets anyway). Gives its exit status, or 128 plus the signal that
+/// Waits for the child's end, forwarding SIGINT, SIGTERM, SIGHUP and SIGQUIT (but not those that a terminal
+/// sends to the whole foreground, which the child gets anyway). Gives its exit status, or 128 plus the signal that
 /// ended it.
 int wait_for_child(int pid);
 

@@ -65,7 +65,17 @@ auto to_guardian(int signal) {
     return now;
   };
 }
-std::int64_t to_both(const RigFixture& bench, LineWatcher&) {
+/// As a terminal, pkill(1) or a service manager sends it.
+auto to_both(int signal) {
+  return [signal](const RigFixture& bench, LineWatcher&) {
+    const pid_t guardian = bench.guardian(), worker = bench.worker();
+    const std::int64_t now = monotonic_now_ns();
+    kill(guardian, signal);
+    kill(worker, signal);
+    return now;
+  };
+}
+std::int64_t kill_both(const RigFixture& bench, LineWatcher&) {
   const pid_t guardian = bench.guardian(), worker = bench.worker();
   const std::int64_t now = monotonic_now_ns();
   kill(guardian, SIGSTOP);  // so that it does not do its work in between
@@ -115,8 +125,12 @@ const std::vector<Way>& ways() {
       {"guardian, SIGINT", Chip::keeps, to_guardian(SIGINT), ""},
       {"guardian, SIGKILL", Chip::keeps, to_guardian(SIGKILL), "stopped: the guardian died"},
       {"guardian, SIGKILL, chip lets go", Chip::lets_go, to_guardian(SIGKILL), "stopped: the guardian died"},
-      {"both, SIGKILL, then --safe", Chip::keeps, to_both, "", 2000 * kMs},
-      {"both, SIGKILL, chip lets go, then --safe", Chip::lets_go, to_both, "", 2000 * kMs},
+      {"both, SIGQUIT", Chip::keeps, to_both(SIGQUIT), ""},
+      {"both, SIGUSR1", Chip::keeps, to_both(SIGUSR1), ""},
+      {"both, last real-time signal", Chip::keeps, to_both(SIGRTMAX), ""},
+      {"both, SIGSEGV", Chip::keeps, to_both(SIGSEGV), "died of signal 11"},
+      {"both, SIGKILL, then --safe", Chip::keeps, kill_both, "", 2000 * kMs},
+      {"both, SIGKILL, chip lets go, then --safe", Chip::lets_go, kill_both, "", 2000 * kMs},
       {"loop hangs", Chip::keeps, hangs, "the loop hung and the worker was killed", hang_known_within(),
        "loop-hang@1"},
       {"worker hangs, chip lets go", Chip::lets_go, to_worker(SIGSTOP),
