@@ -1,8 +1,10 @@
 #include "common/authentication/key_file.hpp"
 
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <csignal>
 #include <cstdlib>
 #include <fstream>
 #include <set>
@@ -106,6 +108,20 @@ TEST(KeyFile, IsMadeForItsOwnerAloneAndNeverTwice) {
   STRCMP_CONTAINS("there is a key already", make_key_file(made->path).error().message.c_str());
   STRCMP_EQUAL(made->key.text().c_str(), read_key_file(made->path)->text().c_str());
   LONGS_EQUAL(1, std::distance(fs::directory_iterator(made->path.parent_path()), {}));
+}
+
+TEST(KeyFile, IsNotLeftHalfWritten) {
+  rlimit usual{};
+  getrlimit(RLIMIT_FSIZE, &usual);
+  const rlimit ten_bytes{10, usual.rlim_max};
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+  setrlimit(RLIMIT_FSIZE, &ten_bytes);
+  const auto made = make_key_file(folder / "lab.key");
+  setrlimit(RLIMIT_FSIZE, &usual);
+  std::signal(SIGXFSZ, handler);
+  CHECK_FALSE(made.has_value());
+  STRCMP_CONTAINS("lab.key: the key cannot be written: File too large", made.error().message.c_str());
+  CHECK_TRUE(fs::is_empty(folder.path()));
 }
 
 TEST(KeyFile, IsFoundInTheOrderThatTheHeaderSays) {

@@ -134,6 +134,7 @@ TEST(SurfaceFrames, MeasureAlongAndUpFromTheSurface) {
   SurfaceFrame frame{.line = *fit_line(points), .px_per_unit = 4.0};
   const Vector2d ball = points[0] + 140.0 * along + 60.0 * up;
   equal({10.0, 15.0}, frame.from_image(ball), 1e-12);
+  equal({40.0, 60.0}, SurfaceFrame{.line = frame.line}.from_image(ball), 1e-12);
   equal({2.0, -3.0}, frame.vector_from_image(8.0 * along - 12.0 * up), 1e-12);
   equal(ball, frame.to_image({10.0, 15.0}), 1e-12);
   frame.mirrored = true;

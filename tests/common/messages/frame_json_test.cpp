@@ -143,7 +143,7 @@ TEST(FrameJson, ReadingAndWritingGivesTheSameBytesOfEveryField) {
       R"({"shot_id":-2147483648,"ball_diameter_m":0.0651,"ball_diameter_sd_m":0.0008,"surface_px":[[0.5,1.0],[10.0,1.5]],)"
       R"("surface_sd_px":1.5,"centre_sd_px":2.0,"diameter_sd_px":3.0,"equator_sd_rad":0.017,"px_per_m":4000.0,)"
       R"("px_per_m_sd":8.0,"surface_angle_deg":-2.5,"temperature_c":21.0,"ball_mass_kg":0.058,"ball_alpha":0.5,)"
-      R"("air_density_kgpm3":1.1,"record":{"dry":"true","n":"12","operator":"A"},"images":[)"
+      R"("air_density_kgpm3":1.1,"record":{"dry":"true","n":"12","operator":"Ä"},"images":[)"
       R"({"time_s":0.25,"leg":"incoming","centre_px":[1.0,2.0],"diameter_px":260.0,"equator_rad":0.30000000000000004,)"
       R"("time_sd_s":1e-06,"flash_index":2147483647,"centre_cov_px2":[[4.0,1.0],[2.0,9.0]],"diameter_sd_px":2.0,)"
       R"("equator_sd_rad":0.02,"top_px":[3.0,9.0],"contact_width_px":30.0,"source":"hand"},)"

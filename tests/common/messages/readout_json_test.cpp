@@ -26,7 +26,7 @@ Readout example() {
   r.mirrored = true;
   r.flags.set(reduction::Flag::outlier_image);
   r.flags.set(reduction::Flag::late_flash);
-  r.record["operator"] = "A \"quoted\" name";
+  r.record["operator"] = "Ä \"quoted\" name";
   return r;
 }
 
@@ -87,6 +87,7 @@ TEST(ReadoutJson, IsTheSameBytesEachTimeWithShortestNumbers) {
   STRCMP_CONTAINS(R"("e":0.30000000000000004,)", text.c_str());
   STRCMP_CONTAINS(R"("flags":["late_flash","outlier_image"])", text.c_str());
   STRCMP_CONTAINS(R"({"shot_id":3,"theta_in_deg":null,)", text.c_str());
+  STRCMP_CONTAINS(R"("record":{"operator":"Ä \"quoted\" name"})", text.c_str());
   CHECK_TRUE(text.find('\n') == std::string::npos);
 }
 

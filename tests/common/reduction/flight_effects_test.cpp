@@ -4,6 +4,7 @@
 
 #include "common/reduction/flight_effects.hpp"
 #include "common/reduction/reduce.hpp"
+#include "common/units/angles.hpp"
 #include "tests/common/reduction/simulated_shot.hpp"
 
 #include <CppUTest/TestHarness.h>
@@ -81,6 +82,92 @@ TEST(FlightEffects, LeavingThemOutChangesNoNumberByMoreThanItsBound) {
       }
     }
   }
+}
+
+TEST_GROUP(ChangeBounds) {
+  Readout readout;
+  ShotFit fit;
+  const Crossings crossings{0.010, 0.015};  // the farthest images are 10 and 20 ms away
+  const std::array<double, 2> acceleration{2.0, 3.0};
+
+  void setup() override {
+    fit.joint.legs[0].first_s = 0.0, fit.joint.legs[0].last_s = 0.009;
+    fit.joint.legs[1].first_s = 0.018, fit.joint.legs[1].last_s = 0.035;
+    auto& v = readout.value;
+    v[Quantity::vx_td_mps] = 4.0, v[Quantity::vy_td_mps] = -3.0, v[Quantity::v_td_mps] = 5.0;
+    v[Quantity::vx_lo_mps] = 2.0, v[Quantity::vy_lo_mps] = 1.5, v[Quantity::v_lo_mps] = 2.5;
+    v[Quantity::slip_lo_mps] = v[Quantity::e] = 0.5, v[Quantity::mu] = -0.4;
+    v[Quantity::court_pace] = 30.0, v[Quantity::dwell_time_ms] = v[Quantity::dwell_distance_cm] = 5.0;
+  }
+};
+
+TEST(ChangeBounds, AreThoseWorkedOutByHand) {
+  // Velocities change by a T: 0.02 and 0.06 m/s; places by a T^2 / 2: 0.1 and 0.6 mm, passed in 0.1/3 and 0.6/1.5 ms.
+  const double e = (0.06 + 0.5 * 0.02) / 3.0, mu = 0.08 * 1.4 / 4.5;
+  const std::pair<Quantity, double> expected[] = {
+      {Quantity::vx_td_mps, 0.02},
+      {Quantity::vy_td_mps, 0.02},
+      {Quantity::v_td_mps, 0.02},
+      {Quantity::vx_lo_mps, 0.06},
+      {Quantity::vy_lo_mps, 0.06},
+      {Quantity::v_lo_mps, 0.06},
+      {Quantity::theta_in_deg, degrees(0.02 / 5.0)},
+      {Quantity::theta_out_deg, degrees(0.06 / 2.5)},
+      {Quantity::slip_lo_mps, 0.06},
+      {Quantity::e, e},
+      {Quantity::mu, mu},
+      {Quantity::court_pace, 100.0 * mu + 150.0 * e},
+      {Quantity::dwell_time_ms, 0.1 / 3.0 + 0.4},
+      {Quantity::dwell_distance_cm, 0.01 + 0.1 * 4.0 * 0.1 / 3.0 + 0.06 + 0.1 * 2.0 * 0.4}};
+  const Quantities bound = change_bound(readout, fit, crossings, acceleration);
+  for (const auto& [q, value] : expected) DOUBLES_EQUAL(value, *bound[q], 1e-12);
+}
+
+TEST(ChangeBounds, AreAbsentWhereTheNumberIs) {
+  const auto bound_of = [&](Quantity q, const Crossings& at) {
+    return change_bound(readout, fit, at, acceleration)[q];
+  };
+  for (const Quantity q :
+       {Quantity::slip_lo_mps, Quantity::court_pace, Quantity::dwell_time_ms, Quantity::mu, Quantity::e}) {
+    readout.value[q].reset();
+    CHECK_FALSE(bound_of(q, crossings).has_value());
+  }
+  CHECK_FALSE(bound_of(Quantity::vx_td_mps, {std::nullopt, 0.015}).has_value());
+  readout.value[Quantity::v_lo_mps].reset();
+  CHECK_FALSE(bound_of(Quantity::vx_lo_mps, crossings).has_value());
+}
+
+TEST(ChangeBounds, OfATwentiethOfAnSdKeepTheEffect) {
+  fit.air = flight::aerodynamics({}, flight::kAirDensity_kgpm3, {});
+  fit.spin[0].emplace().omega_radps = 100.0;
+  fit.spin[1].emplace().omega_radps = -300.0;
+  const auto bounds = [&](auto acceleration_of) {
+    return change_bound(readout, fit, crossings, {acceleration_of(5.0, 100.0), acceleration_of(2.5, -300.0)});
+  };
+  const Quantities drag = bounds([&](double v, double) { return fit.air.drag_mps2(v); });
+  const Quantities lift =
+      bounds([&](double v, double omega) { return std::abs(fit.air.lift_mps2(v, omega)); });
+  const auto kept = [&] { return significant_effects(readout, fit, crossings, {}); };
+  // The sd of all numbers but one leave room for both effects, its own for neither, or is unknown.
+  const auto wide = [&](Quantity q) { return 20.2 * std::max(drag[q].value_or(0.0), lift[q].value_or(0.0)); };
+  for (std::size_t i = 0; i < kQuantityCount; ++i)
+    readout.sd[static_cast<Quantity>(i)] = wide(static_cast<Quantity>(i));
+  CHECK_TRUE((kept() == flight::kGravityOnly));
+  for (std::size_t i = 0; i < kQuantityCount; ++i) {
+    const auto q = static_cast<Quantity>(i);
+    if (!drag[q]) continue;
+    readout.sd[q] = 19.8 * *drag[q];
+    CHECK_TRUE(kept().drag);
+    readout.sd[q] = 19.8 * *lift[q];
+    CHECK_TRUE(kept().magnus);
+    readout.sd[q].reset();
+    CHECK_TRUE((kept() == flight::Effects{}));
+    readout.sd[q] = wide(q);
+  }
+  readout.sd = {};
+  CHECK_TRUE((significant_effects(readout, fit, crossings, flight::kGravityOnly) == flight::kGravityOnly));
+  fit.joint.air_used = false;
+  CHECK_TRUE((kept() == flight::kGravityOnly));
 }
 
 TEST(FlightEffects, AreAllFittedToAFastShot) {

@@ -118,6 +118,25 @@ TEST(LegacyProgram, ContactImagesAreFractions) {
   DOUBLES_EQUAL(0.2 / 0.45, second.rotation_fraction, 1e-12);
 }
 
+TEST(LegacyProgram, ContactImagesTurnOnPastTheVertical) {
+  // Spin 100 rad/s: the equator is at 1.5 rad in image 3 and at 1.7 at touchdown; 1.8 in contact has the slope of
+  // -1.3416 (the program's pi). At lift-off that of 1.85, which the program takes for a turn of -2.9916.
+  LegacyFrame f = hand_frame();
+  const double angles[] = {1.1, 1.3, 1.5, 2.0, 2.3, 2.6};
+  for (std::size_t i = 0; i < 6; ++i)
+    f.flight[i] = image(f.flight[i].centre.x, f.flight[i].centre.y, angles[i]);
+  f.contact[0] = image(165, 122.55, 1.8, 60.0);
+  const double slope_angle = 1.8 - kHalfTurn, lift_off = 2.0 - kHalfTurn - 0.15;
+  DOUBLES_EQUAL((slope_angle - 1.7 + 3.1416) / (lift_off - 1.7),
+                reduce_legacy(f).legacy->contact[0].rotation_fraction, 1e-9);
+  // -0.3 at touchdown and a positive slope in contact: a half turn less; so at lift-off, 1.65.
+  f = hand_frame();
+  f.contact[0] = image(165, 122.55, 1.2, 60.0);
+  f.flight[3] = image(209, 137.55, 1.5), f.flight[4] = image(227, 147.55, 1.2);
+  DOUBLES_EQUAL((1.2 + 0.3 - 3.1416) / (1.65 + 0.3 - 3.1416),
+                reduce_legacy(f).legacy->contact[0].rotation_fraction, 1e-9);
+}
+
 TEST(LegacyProgram, DoublesTheTilt) {
   // A shot of 15.62, -6.71 m/s (-23.25 degrees) photographed with the camera turned by 1 degree reads -21.25.
   LegacyFrame f = hand_frame();
@@ -154,13 +173,68 @@ TEST(LegacyProgram, ReducesADigitizedFrameAsItReducesItsOwn) {
   DOUBLES_EQUAL(direct.legacy->contact[1].x_fraction, by_frame->legacy->contact[1].x_fraction, 1e-9);
 }
 
-TEST(LegacyProgram, WithoutThreeImagesASideItHasNoNumbers) {
+TEST(LegacyProgram, ReducesTheMirrorImageOfADigitizedFrameAlike) {
   Frame frame = frame_from_legacy(hand_frame());
-  frame.images.erase(frame.images.begin());
+  frame.record["operator"] = "A";
+  frame.images.insert(frame.images.begin() + 5, frame.images[4]);  // a third contact image, of no use to it
+  frame.images[5].time_s = 0.010;
+  for (BallImage& i : frame.images) i.centre_px.x = -i.centre_px.x, i.equator_rad = -*i.equator_rad;
+  for (PointPx& p : frame.surface_px) p.x = -p.x;
+  std::swap(frame.surface_px[0], frame.surface_px[2]);
+  const Readout direct = reduce_legacy(hand_frame()), mirrored = *reduce(frame, Estimator::legacy);
+  CHECK_TRUE(mirrored.mirrored);
+  LONGS_EQUAL(41, mirrored.shot_id);
+  CHECK_TRUE(mirrored.record == frame.record && mirrored.flags.empty());
+  for (std::size_t i = 0; i < kQuantityCount; ++i) {
+    const auto q = static_cast<Quantity>(i);
+    CHECK_EQUAL(direct.value[q].has_value(), mirrored.value[q].has_value());
+    if (direct.value[q]) same(*direct.value[q], mirrored.value[q]);
+  }
+  LONGS_EQUAL(2, mirrored.legacy->contact.size());
+  DOUBLES_EQUAL(direct.legacy->contact[1].rotation_fraction, mirrored.legacy->contact[1].rotation_fraction,
+                1e-9);
+}
+
+TEST(LegacyProgram, NeedsNeitherContactImagesNorAllEquators) {
+  Frame frame = frame_from_legacy(hand_frame());
+  frame.images.erase(frame.images.begin() + 3, frame.images.begin() + 5);
+  frame.images[1].equator_rad.reset();
+  const Readout r = *reduce(frame, Estimator::legacy);  // the median of 2, 2, 8, 2 and 2 ms is its period
+  CHECK_TRUE(r.flags.has(Flag::no_contact_image));
+  same(15.0, r.value[Quantity::vx_td_mps]);
+  same(5.0, r.value[Quantity::dwell_time_ms]);
+  CHECK_FALSE(r.value[Quantity::omega_td_radps].has_value());
+  LegacyFrame between = hand_frame();  // two flashes: impact and no image of it
+  between.contact_count = 0, between.contact.clear();
+  same(-1.0, reduce(frame_from_legacy(between), Estimator::legacy)->value[Quantity::dwell_time_ms]);
+}
+
+TEST(LegacyProgram, WithoutThreeImagesASideOrFourSurfacePointsItHasNoNumbers) {
+  for (const int lacking : {0, 1, 2}) {
+    Frame frame = frame_from_legacy(hand_frame());
+    if (lacking == 0) frame.images.erase(frame.images.begin());
+    if (lacking == 1) frame.images.pop_back();
+    if (lacking == 2) frame.surface_px.pop_back();
+    frame.record["operator"] = "A";
+    const auto r = reduce(frame, Estimator::legacy);
+    CHECK_TRUE(r.has_value());
+    CHECK_TRUE(r->flags.has(Flag::too_few_images));
+    CHECK_FALSE(r->value[Quantity::e].has_value());
+    LONGS_EQUAL(41, r->shot_id);
+    CHECK_TRUE(r->record == frame.record);
+  }
+}
+
+TEST(LegacyProgram, LegsInTheWrongOrderAreDegenerate) {
+  Frame frame = frame_from_legacy(hand_frame());
+  for (BallImage& i : frame.images) {
+    if (i.leg != Leg::contact) i.leg = i.leg == Leg::incoming ? Leg::rebound : Leg::incoming;
+  }
   const auto r = reduce(frame, Estimator::legacy);
-  CHECK_TRUE(r.has_value());
-  CHECK_TRUE(r->flags.has(Flag::too_few_images));
+  CHECK_TRUE(r && r->flags.has(Flag::degenerate_geometry));
   CHECK_FALSE(r->value[Quantity::e].has_value());
+  frame.surface_px.assign(4, {10, 100});  // nor is there a surface
+  CHECK_TRUE(reduce(frame, Estimator::legacy)->flags.has(Flag::degenerate_geometry));
 }
 
 TEST_GROUP(LegacyToFrame){};
@@ -174,6 +248,15 @@ TEST(LegacyToFrame, PutsImagesAtWholePeriods) {
   CHECK_TRUE(frame.images[5].leg == Leg::rebound);
   DOUBLES_EQUAL(65.1, frame.images[0].diameter_px, 1e-12);
   STRCMP_EQUAL("41", frame.record.at("frame_number").c_str());
+  LONGS_EQUAL(41, frame.shot_id);
+  LONGS_EQUAL(6, *frame.images[5].flash_index);
+  LegacyFrame level = hand_frame();
+  level.flight[0].equator_2.y = level.flight[0].equator_1.y;  // along x, and along y
+  level.flight[1].equator_2.x = level.flight[1].equator_1.x;
+  level.flight[2].equator_2 = level.flight[2].equator_1;
+  DOUBLES_EQUAL(0.0, *frame_from_legacy(level).images[0].equator_rad, 1e-15);
+  DOUBLES_EQUAL(kHalfTurn / 2, *frame_from_legacy(level).images[1].equator_rad, 1e-15);
+  CHECK_FALSE(frame_from_legacy(level).images[2].equator_rad.has_value());
 }
 
 TEST(LegacyToFrame, TheOtherEstimatorsReadIt) {
@@ -251,6 +334,16 @@ TEST(LegacyFile, NamesFileAndLineOfWhatIsWrong) {
                complaint(with_line(two, 2, "3")).c_str());
   STRCMP_EQUAL("old.txt:2: the contact count must be within 1 and 1000",
                complaint(with_line(two, 2, "0 41")).c_str());
+  for (const char* period : {"0", "1.001", "0.002 1"})
+    STRCMP_CONTAINS("old.txt:1: must be the strobe period", complaint(with_line(two, 1, period)).c_str());
+  STRCMP_EQUAL("accepted", complaint(with_line(two, 1, "+1")).c_str());
+  STRCMP_CONTAINS("old.txt:2: must be two whole", complaint(with_line(two, 2, "3 41 7")).c_str());
+  STRCMP_EQUAL("accepted", complaint(with_line(two, 2, "1000 41")).c_str());
+  STRCMP_CONTAINS("old.txt:2: the contact count", complaint(with_line(two, 2, "1001 41")).c_str());
+  STRCMP_EQUAL("old.txt:9: the edge point of image 1 is its centre",
+               complaint(with_line(two, 9, "58 170.55")).c_str());
+  STRCMP_EQUAL("old.txt:11: the equator points of image 1 are one point",
+               complaint(with_line(with_line(two, 10, "1 2"), 11, "1 2")).c_str());
   STRCMP_EQUAL("old.txt:4: surface point 2 must be two finite numbers",
                complaint(with_line(two, 4, "50 x")).c_str());
   STRCMP_EQUAL("old.txt:4: surface point 2 must be two finite numbers",
@@ -271,6 +364,8 @@ TEST(LegacyFile, ABadFrameDoesNotHideTheNext) {
 }
 
 TEST(LegacyFile, ATruncatedFrameSaysWhereItEnds) {
+  STRCMP_EQUAL("old.txt:47: the frame has more lines than 8 images",
+               complaint(with_line(two, 46, "1 2\n3 4")).c_str());
   const std::string cut = two.substr(0, two.size() - 30);
   STRCMP_CONTAINS("old.txt:", complaint(cut, 1).c_str());
   const std::string one = "0.002\n3 41\n1 2\n3 4\n";

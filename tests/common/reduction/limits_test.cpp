@@ -206,5 +206,7 @@ TEST(FrameLimits, IdenticalImagesAndExactDataGiveNoSpreadAndNoCrash) {
   for (BallImage& image : frame.images)
     image = {image.time_s, image.leg, {0, 500}, 260.0, 0.3, {}, {}, {}, {}, {}, {}, {}, ""};
   STRCMP_EQUAL("", tried(frame).c_str());
-  CHECK_TRUE(reduce(frame, Estimator::best)->flags.has(Flag::degenerate_geometry));
+  const auto still = reduce(frame, Estimator::best);
+  CHECK_TRUE(still->flags.has(Flag::degenerate_geometry));
+  CHECK_FALSE(still->mirrored);
 }

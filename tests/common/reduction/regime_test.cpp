@@ -1,5 +1,7 @@
 // Whether the ball slid or gripped.
+#include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "tests/common/reduction/reduced_frames.hpp"
 
@@ -42,8 +44,25 @@ TEST(Regime21, TheBallsInertiaDecidesWhatRollingNeeds) {
 TEST(Regime21, WithinTwoSdItIsUnclear) {
   Setup setup = vacuum();
   setup.noise_factor = 0.0;
-  const Bounce b = test::thesis_bounces().front();  // 0.95 m/s short of rolling
-  setup.centre_sd_m = 5e-3;
   test::Random random(1);
-  CHECK_TRUE(reduced(test::photograph(b, setup, random)).regime == Regime::unclear);
+  Frame frame = test::photograph(test::thesis_bounces().front(), setup, random);  // 0.95 m/s short of rolling
+  const Readout r = *reduce(frame, Estimator::best, {.effects = flight::kGravityOnly, .covariance = true});
+  // missing = (vx + R omega) alpha / (1 + alpha) - (vx - vx_lo), at an alpha of 0.55
+  const double share = 0.55 / 1.55, radius_m = 0.5 * frame.ball_diameter_m;
+  const double vx = *r.value[Quantity::vx_td_mps];
+  const double missing =
+      (vx + radius_m * *r.value[Quantity::omega_td_radps]) * share - (vx - *r.value[Quantity::vx_lo_mps]);
+  const std::pair<std::size_t, double> gradient[] = {{0, share - 1.0}, {2, radius_m * share}, {4, 1.0}};
+  double variance = 0.0;
+  for (const auto& [i, by_i] : gradient) {
+    for (const auto& [k, by_k] : gradient) variance += by_i * by_k * (*r.covariance)[i][k];
+  }
+  const auto regime_at = [&](double sds) {  // every sd is proportional to the stated ones
+    Frame noisier = frame;
+    const double factor = missing / std::sqrt(variance) / sds;
+    *noisier.centre_sd_px *= factor, *noisier.diameter_sd_px *= factor, *noisier.equator_sd_rad *= factor;
+    return reduced(noisier).regime;
+  };
+  CHECK_TRUE(regime_at(1.99) == Regime::unclear);
+  CHECK_TRUE(regime_at(2.01) == Regime::slides);
 }

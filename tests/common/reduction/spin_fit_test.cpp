@@ -3,6 +3,7 @@
 #include <numbers>
 #include <random>
 
+#include "common/reduction/spin_check.hpp"
 #include "common/reduction/spin_fit.hpp"
 #include "common/units/angles.hpp"
 
@@ -114,4 +115,56 @@ TEST(SpinFitting, SaysWhenAnotherTurnFitsAlike) {
   CHECK_TRUE(fit_spin(readings(515.0, 0.0, kFive))->aliased);
   CHECK_TRUE(fit_spin(readings(-515.0, 0.0, kFive))->aliased);
   CHECK_FALSE(fit_spin(readings(300.0, 0.0, kFive))->aliased);
+}
+
+TEST_GROUP(SpinCheck) {
+  Readout readout;
+  ShotFit fit;
+
+  /// Alpha times the radius is 25 mm, so that 400 rad/s more spin are 10 m/s of the rim; vy is -6 and then 4 m/s.
+  void setup() override {
+    fit.observations.ball = {.diameter_m = 0.1, .mass_kg = 0.0576, .alpha = 0.5};
+    readout.value[Quantity::omega_td_radps] = -100.0;
+    readout.value[Quantity::omega_lo_radps] = 300.0;
+    readout.value[Quantity::vx_td_mps] = 30.0;
+    readout.value[Quantity::vy_td_mps] = -6.0;
+    readout.value[Quantity::vy_lo_mps] = 4.0;
+  }
+  /// Of the shortest intervals of both legs, where friction and travel contradict each other by that much.
+  bool flagged(double incoming_s, double rebound_s, double contradiction_mps) {
+    fit.equators[0] = readings(0.0, 0.0, {0.0, 2.0 * incoming_s, 3.0 * incoming_s});
+    fit.equators[1] = readings(0.0, 0.0, {0.0, rebound_s, 3.0 * rebound_s});
+    readout.value[Quantity::vx_lo_mps] = 30.0 - (contradiction_mps - 10.0);
+    return spins_contradict_friction(readout, fit);
+  }
+  void threshold(double expected_mps, double incoming_s, double rebound_s) {
+    for (const auto& [one, other] : {std::pair(incoming_s, rebound_s), std::pair(rebound_s, incoming_s)}) {
+      CHECK_FALSE(flagged(one, other, expected_mps - 0.01) || flagged(one, other, 0.01 - expected_mps));
+      CHECK_TRUE(flagged(one, other, expected_mps + 0.01) && flagged(one, other, -expected_mps - 0.01));
+    }
+  }
+};
+
+TEST(SpinCheck, AsksForHalfOfAHalfTurnWhereBothLegsAreAsWellKnown) {
+  threshold(0.5 * 0.025 * kPi / 2e-3, 2e-3, 2e-3);
+  threshold(0.5 * 0.025 * kPi / 2.9e-3, 2e-3, 2.9e-3);
+  threshold(0.5 * 0.025 * kPi / 6.9e-3, 6.9e-3, 6.9e-3);
+}
+
+TEST(SpinCheck, AsksForAHalfTurnLessTheOffsetOfTheNormalForceWhereALegHasGaps) {
+  // Half of the radius times the change of vy, 10 m/s.
+  threshold(0.025 * kPi / 3.1e-3 - 5.0, 2e-3, 3.1e-3);
+}
+
+TEST(SpinCheck, SaysNothingWhereAnySpinIsPossibleOrANumberIsMissing) {
+  CHECK_FALSE(flagged(7.1e-3, 7.1e-3, 100.0));
+  for (const Quantity q : {Quantity::omega_td_radps, Quantity::omega_lo_radps, Quantity::vx_td_mps,
+                           Quantity::vx_lo_mps, Quantity::vy_td_mps, Quantity::vy_lo_mps}) {
+    CHECK_TRUE(flagged(2e-3, 2e-3, 100.0));
+    const auto value = std::exchange(readout.value[q], std::nullopt);
+    CHECK_FALSE(spins_contradict_friction(readout, fit));
+    readout.value[q] = value;
+  }
+  fit.equators[1].resize(1);
+  CHECK_FALSE(spins_contradict_friction(readout, fit));
 }
