@@ -20,7 +20,9 @@ struct ShotPlan {
   Duration gate_delay{};         ///< gated: gate edge to first flash
   Duration impact_at{};          ///< shutter's opening to the ball's impact; 0: as the rig file has it
   bool dry = false;              ///< lamps and shutter only, the machine is not triggered
-  CodedTrain code;               ///< empty: an even train
+  CodedTrain code{};             ///< empty: an even train
+
+  bool operator==(const ShotPlan&) const = default;
 };
 
 }  // namespace strobe

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "common/messages/plan_lcm.hpp"
+
 namespace strobe::firmware {
 
 static_assert(static_cast<int>(EventKind::started) == strobe_msgs::event_t::STARTED);
@@ -10,12 +12,9 @@ static_assert(static_cast<int>(EventKind::cleared) == strobe_msgs::event_t::CLEA
 static_assert(static_cast<int>(EventKind::repaired) == strobe_msgs::event_t::REPAIRED);
 static_assert(static_cast<int>(EventKind::xsync) == strobe_msgs::event_t::XSYNC);
 static_assert(static_cast<int>(Line::xsync) == strobe_msgs::event_t::LINE_XSYNC);
-static_assert(static_cast<int>(Lamps::both) == strobe_msgs::coded_flash_t::BOTH_LAMPS);
 static_assert(static_cast<int>(ShutterFeedback::late) == strobe_msgs::shot_t::FEEDBACK_LATE);
 static_assert(static_cast<int>(Line::strobe_a) == strobe_msgs::event_t::LINE_STROBE_A);
 static_assert(static_cast<int>(Line::estop) == strobe_msgs::event_t::LINE_ESTOP);
-static_assert(static_cast<int>(Train::free) == strobe_msgs::plan_t::TRAIN_FREE);
-static_assert(static_cast<int>(Train::gated) == strobe_msgs::plan_t::TRAIN_GATED);
 static_assert(strobe_msgs::event_t::NO_TIME == to_ns(kNoTime));
 
 strobe_msgs::event_t to_message(const Event& event, std::int64_t boot_id, std::int64_t sequence) {
@@ -34,40 +33,6 @@ strobe_msgs::event_t to_message(const Event& event, std::int64_t boot_id, std::i
   message.level = event.level;
   message.detail = event.detail.view();
   return message;
-}
-
-strobe_msgs::plan_t to_message(const ShotPlan& plan) {
-  strobe_msgs::plan_t message{};
-  message.train = static_cast<std::int8_t>(plan.train);
-  message.period_ns = plan.period.count();
-  message.flash_count = plan.flash_count;
-  message.shutter_open_ns = plan.exposure.count();
-  message.gate_delay_ns = plan.gate_delay.count();
-  message.impact_at_ns = plan.impact_at.count();
-  message.dry = plan.dry;
-  for (const CodedFlash& flash : plan.code) {
-    message.code.emplace_back();
-    message.code.back().offset_ns = flash.offset.count();
-    message.code.back().lamps = static_cast<std::int8_t>(flash.lamps);
-  }
-  message.code_count = static_cast<std::int32_t>(message.code.size());
-  return message;
-}
-
-ShotPlan from_message(const strobe_msgs::plan_t& message) {
-  ShotPlan plan;
-  plan.train = static_cast<Train>(message.train);
-  plan.period = nanoseconds(message.period_ns);
-  plan.flash_count = message.flash_count;
-  plan.exposure = nanoseconds(message.shutter_open_ns);
-  plan.gate_delay = nanoseconds(message.gate_delay_ns);
-  plan.impact_at = nanoseconds(message.impact_at_ns);
-  plan.dry = message.dry != 0;
-  for (const auto& flash : message.code) {
-    if (plan.code.size() == kMaxCodedFlashes) break;
-    plan.code.push_back({nanoseconds(flash.offset_ns), static_cast<Lamps>(flash.lamps)});
-  }
-  return plan;
 }
 
 std::vector<Note> merged(const std::vector<Note>& rig_record, const std::vector<Note>& command) {
@@ -115,7 +80,7 @@ strobe_msgs::shot_t to_message(const ShotRecord& record, const Rig& rig, std::in
   message.host_id = record.host_id;
   message.first_sequence = sequences.first;
   message.last_sequence = sequences.last;
-  message.plan = to_message(record.plan);
+  message.plan = messages::plan_to_lcm(record.plan);
   message.start_ns = to_ns(record.start);
   message.shutter_on_ns = to_ns(record.shutter_on);
   message.shutter_off_ns = to_ns(record.shutter_off);

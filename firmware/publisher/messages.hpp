@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <strobe_msgs/event_t.hpp>
-#include <strobe_msgs/plan_t.hpp>
 #include <strobe_msgs/shot_t.hpp>
 #include <vector>
 
@@ -14,9 +13,6 @@
 namespace strobe::firmware {
 
 strobe_msgs::event_t to_message(const Event& event, std::int64_t boot_id, std::int64_t sequence);
-strobe_msgs::plan_t to_message(const ShotPlan& plan);
-/// Of a code longer than kMaxCodedFlashes only the first part (well_formed() refuses it before).
-ShotPlan from_message(const strobe_msgs::plan_t& message);
 
 strobe_msgs::shot_t to_message(const ShotRecord& record, const Rig& rig, std::int64_t boot_id,
                                SequenceRange sequences, const std::vector<Note>& notes);

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "common/authentication/seal.hpp"
+#include "common/messages/plan_lcm.hpp"
 #include "common/messages/well_formed.hpp"
 #include "firmware/core/pulse_schedule.hpp"
 
@@ -57,7 +58,7 @@ std::string find_defect(const strobe_msgs::command_t& command, const Rig& rig) {
   if (command.kind != Type::FIRE) return "";
   if (!std::all_of(command.notes.begin(), command.notes.end(), good_note))
     return "a note's key or length is not allowed";
-  const auto checked = check_plan(from_message(command.plan), rig);
+  const auto checked = check_plan(messages::plan_from_lcm(command.plan), rig);
   return checked ? "" : checked.error().message;
 }
 
@@ -105,7 +106,7 @@ void Receiver::dispatch(const strobe_msgs::command_t& message) {
   command.host_id = message.host_id;
   command.command_id = message.command_id;
   command.token = message.arm_token;
-  command.plan = from_message(message.plan);
+  command.plan = messages::plan_from_lcm(message.plan);
   command.defect = ShortText(defect);
   if (command.kind == CommandKind::arm) command.new_token = draw_token_();
   if (command.kind == CommandKind::fire && defect.empty()) {

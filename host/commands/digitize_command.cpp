@@ -56,16 +56,14 @@ Result<void> read_times(const DigitizeOptions& options, Given& given) {
     given.flash_times_s = std::move(*times);
     return {};
   }
-  std::optional<double> period_s;
-  if (given.has_rig) period_s = given.rig.plan.period_us * 1e-6;
-  if (given.has_rig && !options.period_ms && given.rig.plan.coded()) {
-    given.flash_times_s = {coded_flashes(given.rig.plan)};
-    return {};
+  if (options.period_ms) {
+    given.even = true;
+    given.flash_times_s = {even_flashes(*options.period_ms * 1e-3)};
+  } else if (given.has_rig) {
+    const ShotPlan plan = given.rig.plan.shot();
+    given.even = plan.code.empty();
+    given.flash_times_s = {plan_flashes(plan)};
   }
-  if (options.period_ms) period_s = *options.period_ms * 1e-3;
-  if (!period_s) return {};
-  given.even = true;
-  given.flash_times_s = {even_flashes(*period_s)};
   return {};
 }
 

@@ -54,16 +54,19 @@ Result<std::vector<std::vector<double>>> parse_flash_times(const std::string& te
   return all;
 }
 
-std::vector<double> coded_flashes(const ShotPlan& plan) {
-  std::vector<double> times_s;
-  for (const CodedFlash& flash : train_code(plan)) times_s.push_back(flash.offset_us * 1e-6);
-  return times_s;
-}
-
 std::vector<double> even_flashes(double period_s) {
   constexpr int kFlashes = 166;  // half a second of 20,000 a minute
   std::vector<double> times_s;
   for (int i = 0; i < kFlashes; ++i) times_s.push_back(i * period_s);
+  return times_s;
+}
+
+std::vector<double> plan_flashes(const ShotPlan& plan) {
+  // By the plan file's microseconds, so that its numbers are rounded once.
+  const auto seconds = [](Duration d) { return std::chrono::duration<double, std::micro>(d).count() * 1e-6; };
+  if (plan.code.empty()) return even_flashes(seconds(plan.period));
+  std::vector<double> times_s;
+  for (const CodedFlash& flash : plan.code) times_s.push_back(seconds(flash.offset));
   return times_s;
 }
 

@@ -8,7 +8,7 @@
 
 #include "common/reduction/frame.hpp"
 #include "common/result.hpp"
-#include "host/config/shot_plan.hpp"
+#include "common/shot/shot_plan.hpp"
 
 namespace strobe::host {
 
@@ -20,8 +20,8 @@ Result<std::vector<std::vector<double>>> parse_flash_times(const std::string& te
 /// As many flashes as a photograph may hold, the first at 0.
 std::vector<double> even_flashes(double period_s);
 
-/// The flashes of a coded plan, from the train's first instant.
-std::vector<double> coded_flashes(const ShotPlan& plan);
+/// The flashes of a plan, from the train's first instant.
+std::vector<double> plan_flashes(const ShotPlan& plan);
 
 /// Of an even train no photograph tells which of its flashes were seen: times and flash numbers then count
 /// from the first image.

@@ -60,23 +60,24 @@ Result<FireRequest> request_of(const FireOptions& options) {
   if (!key) return tl::unexpected(key.error());
   FireRequest request(key->key);
   request.rig = std::move(*rig);
-  request.series.plan = request.rig.plan;
+  PlanFile plan = request.rig.plan;
   if (!options.plan_path.empty()) {
     const auto text = read_file(options.plan_path);
     if (!text) return tl::unexpected(text.error());
-    const auto plan = read_plan(*text, options.plan_path, request.rig.plan);
-    if (!plan) return tl::unexpected(plan.error());
-    request.series.plan = *plan;
+    auto read = read_plan(*text, options.plan_path, plan);
+    if (!read) return tl::unexpected(read.error());
+    plan = std::move(*read);
     request.plan_text = *text;
   } else {
-    request.plan_text = plan_to_toml(request.rig.plan);
+    request.plan_text = plan_to_toml(plan);
   }
   auto notes = notes_of(options);
   if (!notes) return tl::unexpected(notes.error());
   request.series.notes = std::move(*notes);
   request.series.shots = options.shots;
   request.series.retries = options.retries.value_or(options.shots);
-  request.series.dry = options.dry;
+  request.series.plan = plan.shot();
+  request.series.plan.dry = options.dry;
   request.series.blocked_timeout_s = options.wait_s;
   request.series.photograph_timeout_s = request.rig.analysis.photograph_timeout_s;
   request.series.clear_fault = options.clear_fault;

@@ -155,7 +155,7 @@ class FireRun {
 
   int conclude() {
     const ShotSeries& series = runner_.series();
-    if (request_.style != Terminal::Style::json && !request_.series.dry)
+    if (request_.style != Terminal::Style::json && !request_.series.plan.dry)
       print(render_series(terminal_.model().series, request_.condition, kPlainWidth));
     const std::string summary =
         fmt::format("{} of {} shots came, {} fired again; session in {}", series.good(),

@@ -9,7 +9,7 @@
 #include "common/reduction/frame.hpp"
 #include "common/result.hpp"
 #include "host/config/camera_table.hpp"
-#include "host/config/shot_plan.hpp"
+#include "host/config/plan_file.hpp"
 
 namespace strobe::host {
 
@@ -37,7 +37,7 @@ struct RigFile {
   AnalysisSettings analysis;
   CameraTable camera;
   reduction::Record record;
-  ShotPlan plan;
+  PlanFile plan;
   std::optional<double> machine_lag_s;  ///< trigger to touchdown
   std::string text;                     ///< the file as it was read
 };

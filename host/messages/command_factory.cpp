@@ -1,35 +1,12 @@
 #include "host/messages/command_factory.hpp"
 
-#include <cmath>
-
 #include "common/authentication/seal.hpp"
+#include "common/messages/plan_lcm.hpp"
 #include "common/messages/record.hpp"
 
 namespace strobe::host {
 
 using strobe_msgs::command_t;
-using strobe_msgs::plan_t;
-
-plan_t plan_message(const ShotPlan& plan, bool dry) {
-  const auto ns = [](double value, double ns_per_unit) { return std::llround(value * ns_per_unit); };
-  const bool gated = plan.train == Train::gated;
-  plan_t message{};
-  message.train = gated ? plan_t::TRAIN_GATED : plan_t::TRAIN_FREE;
-  message.period_ns = ns(plan.period_us, 1e3);
-  message.flash_count = gated ? plan.flash_count : 0;
-  message.shutter_open_ns = ns(plan.shutter_open_ms, 1e6);
-  message.gate_delay_ns = gated ? ns(plan.gate_delay_ms, 1e6) : 0;
-  message.impact_at_ns = ns(plan.impact_at_ms.value_or(0.0), 1e6);
-  message.dry = dry;
-  for (const CodedFlash& flash : train_code(plan)) {
-    message.code.emplace_back();
-    message.code.back().offset_ns = ns(flash.offset_us, 1e3);
-    message.code.back().lamps = static_cast<std::int8_t>(flash.lamps);
-  }
-  message.code_count = static_cast<std::int32_t>(message.code.size());
-  if (gated && plan.coded()) message.flash_count = message.code_count;
-  return message;
-}
 
 command_t CommandFactory::make(std::int64_t boot_id, std::int8_t kind) {
   command_t command{};
@@ -45,11 +22,11 @@ command_t CommandFactory::arm(std::int64_t boot_id) { return make(boot_id, comma
 command_t CommandFactory::disarm(std::int64_t boot_id) { return make(boot_id, command_t::DISARM); }
 command_t CommandFactory::clear(std::int64_t boot_id) { return make(boot_id, command_t::CLEAR); }
 
-command_t CommandFactory::fire(std::int64_t boot_id, std::int64_t arm_token, const ShotPlan& plan, bool dry,
+command_t CommandFactory::fire(std::int64_t boot_id, std::int64_t arm_token, const ShotPlan& plan,
                                const reduction::Record& notes) {
   command_t command = make(boot_id, command_t::FIRE);
   command.arm_token = arm_token;
-  command.plan = plan_message(plan, dry);
+  command.plan = messages::plan_to_lcm(plan);
   command.notes = messages::notes_from_record(notes);
   command.note_count = static_cast<std::int32_t>(command.notes.size());
   return command;

@@ -12,7 +12,7 @@
 #include "common/reduction/frame.hpp"
 #include "common/result.hpp"
 #include "common/shot/sequence_range.hpp"
-#include "host/config/shot_plan.hpp"
+#include "common/shot/shot_plan.hpp"
 
 namespace strobe::host {
 
@@ -23,7 +23,7 @@ class CommandFactory {
 
   std::int64_t host_id() const { return host_id_; }
   strobe_msgs::command_t arm(std::int64_t boot_id);
-  strobe_msgs::command_t fire(std::int64_t boot_id, std::int64_t arm_token, const ShotPlan& plan, bool dry,
+  strobe_msgs::command_t fire(std::int64_t boot_id, std::int64_t arm_token, const ShotPlan& plan,
                               const reduction::Record& notes);
   strobe_msgs::command_t disarm(std::int64_t boot_id);
   strobe_msgs::command_t clear(std::int64_t boot_id);
@@ -48,7 +48,5 @@ class CommandSealer {
   authentication::Key key_;
   std::string rig_;
 };
-
-strobe_msgs::plan_t plan_message(const ShotPlan& plan, bool dry);
 
 }  // namespace strobe::host

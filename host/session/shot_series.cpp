@@ -37,7 +37,7 @@ bool ShotSeries::ours(const status_t& status) const {
 }
 
 double ShotSeries::longest_shot_s() const {
-  return settings_.plan.shutter_open_ms * 1e-3 + settings_.photograph_timeout_s + 15.0;
+  return to_seconds(settings_.plan.exposure) + settings_.photograph_timeout_s + 15.0;
 }
 
 void ShotSeries::give_up(const std::string& why) {
@@ -110,8 +110,7 @@ void ShotSeries::arm(const status_t& status, HostTime now) {
 }
 
 void ShotSeries::send_fire(const status_t& status, HostTime now) {
-  commands_.push_back(
-      factory_.fire(status.boot_id, status.arm_token, settings_.plan, settings_.dry, settings_.notes));
+  commands_.push_back(factory_.fire(status.boot_id, status.arm_token, settings_.plan, settings_.notes));
   sent_ = now;
 }
 
@@ -190,7 +189,7 @@ std::string ShotSeries::activity() const {
     case State::firing:
       return of + ": armed, firing";
     case State::shooting:
-      return of + (settings_.dry ? ": flashing" : ": fired, waiting for the photograph");
+      return of + (settings_.plan.dry ? ": flashing" : ": fired, waiting for the photograph");
     case State::finished:
       return fmt::format("{} of {} shots", good_, settings_.shots);
   }

@@ -20,7 +20,6 @@ namespace strobe::host {
 struct ShotSeriesSettings {
   int shots = 1;
   int retries = 0;  ///< further shots that may be fired for rejected ones, in all
-  bool dry = false;
   ShotPlan plan;
   reduction::Record notes;
   double blocked_timeout_s = 60.0;  ///< gives up if nothing can be fired (no firmware, key off ...) for so long

@@ -7,36 +7,6 @@ using namespace strobe::firmware;
 
 TEST_GROUP(FirmwareMessages){};
 
-TEST(FirmwareMessages, CarryAPlanThereAndBack) {
-  ShotPlan plan;
-  plan.train = Train::gated;
-  plan.period = microseconds(1777);
-  plan.flash_count = 12;
-  plan.exposure = milliseconds(321);
-  plan.gate_delay = microseconds(4001);
-  plan.impact_at = milliseconds(99);
-  plan.dry = true;
-  const ShotPlan back = from_message(to_message(plan));
-  CHECK(back.train == plan.train);
-  CHECK(back.period == plan.period);
-  CHECK_EQUAL(plan.flash_count, back.flash_count);
-  CHECK(back.exposure == plan.exposure);
-  CHECK(back.gate_delay == plan.gate_delay);
-  CHECK(back.impact_at == plan.impact_at);
-  CHECK_EQUAL(plan.dry, back.dry);
-}
-
-TEST(FirmwareMessages, CarryACodedTrainThereAndBack) {
-  ShotPlan plan;
-  for (int k = 0; k < 300; ++k)
-    plan.code.push_back({microseconds(3000 * k + 7 * k * k), k % 3 == 0   ? Lamps::a
-                                                             : k % 3 == 1 ? Lamps::b
-                                                                          : Lamps::both});
-  const ShotPlan back = from_message(to_message(plan));
-  CHECK_EQUAL(plan.code.size(), back.code.size());
-  for (std::size_t k = 0; k < plan.code.size(); ++k) CHECK(back.code[k] == plan.code[k]);
-}
-
 TEST(FirmwareMessages, TellEachFlashsLampsAndTheShutter) {
   ShotRecord record;
   record.flashes.resize(2);

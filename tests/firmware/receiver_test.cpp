@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/authentication/seal.hpp"
+#include "common/messages/plan_lcm.hpp"
 #include "firmware/linux/event_fd.hpp"
 
 #include <CppUTest/TestHarness.h>
@@ -63,7 +64,7 @@ TEST_GROUP(Receiver) {
   void fill_fire() {
     message.kind = Type::FIRE;
     message.arm_token = 99;
-    message.plan = to_message(rig.plan);
+    message.plan = messages::plan_to_lcm(rig.plan);
   }
   void note(const std::string& key_of_note, const std::string& value) {
     message.notes.emplace_back();

@@ -6,6 +6,7 @@
 #include <strobe_msgs/command_t.hpp>
 
 #include "common/authentication/seal.hpp"
+#include "common/messages/plan_lcm.hpp"
 #include "common/messages/well_formed.hpp"
 #include "firmware/core/pulse_schedule.hpp"
 #include "firmware/publisher/receiver.hpp"
@@ -24,7 +25,7 @@ void decode_body(std::span<const std::uint8_t> body) {
   if (!strobe::messages::well_formed<strobe_msgs::command_t>(body.data(), body.size())) return;
   strobe_msgs::command_t command{};
   if (command.decode(body.data(), 0, static_cast<int>(body.size())) < 0) return;
-  const auto plan = from_message(command.plan);
+  const auto plan = messages::plan_from_lcm(command.plan);
   if (!find_defect(command, rig).empty() || command.kind != strobe_msgs::command_t::FIRE) return;
   require(flash_count(plan) >= 1 && flash_count(plan) <= rig.lamps.max_flashes);
   require(!plan.code.empty() || plan.period >= rig.lamps.min_period);

@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "host/config/shot_plan.hpp"
+#include "host/config/plan_file.hpp"
 
 namespace {
 
@@ -24,8 +24,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     require(plan.error().message.find('\n') == std::string::npos);
     return 0;
   }
-  require(plan->period_us >= 100.0 && plan->period_us <= 1000.0 * plan->shutter_open_ms);
-  require((plan->train == Train::gated) == (plan->flash_count >= 1));
+  const strobe::ShotPlan& even = plan->even;
+  require(even.period >= strobe::microseconds{100} && even.period <= even.exposure);
+  require((even.train == strobe::Train::gated) == (even.flash_count >= 1));
+  require(plan->coded() == !plan->shot().code.empty());
   const auto again = read_plan(plan_to_toml(*plan), "again.toml", {});
   require(again.has_value() && *again == *plan);
   return 0;

@@ -4,8 +4,7 @@
 
 #include "host/assembly/assemble.hpp"
 #include "host/assembly/flash_match.hpp"
-#include "host/config/shot_plan.hpp"
-#include "host/messages/command_factory.hpp"
+#include "host/config/plan_file.hpp"
 #include "host/session/rejection.hpp"
 #include "host/session/train_report.hpp"
 #include "tests/host/synthetic_shot.hpp"
@@ -16,11 +15,9 @@ namespace {
 
 using namespace strobe;
 using namespace strobe::host_test;
-using host::FlashLamps;
-using host::ShotPlan;
-using host::Train;
+using host::PlanFile;
 
-Result<ShotPlan> read(const std::string& text, const ShotPlan& defaults = {}) {
+Result<PlanFile> read(const std::string& text, const PlanFile& defaults = {}) {
   return host::read_plan(text, "PLAN.toml", defaults);
 }
 std::string error_of(const std::string& text) {
@@ -34,50 +31,49 @@ TEST_GROUP(CodedPlanFile){};
 
 TEST(CodedPlanFile, RepeatsItsIntervalsOverTheExposure) {
   const auto plan = read("intervals_us = [3000, 3000, 3500]\nshutter_open_ms = 20\n");
-  const auto code = host::train_code(*plan);
-  const double offsets[] = {0, 3000, 6000, 9500, 12500, 15500, 19000};
-  LONGS_EQUAL(std::size(offsets), code.size());
+  const CodedTrain code = plan->shot().code;
+  const int offsets_us[] = {0, 3000, 6000, 9500, 12500, 15500, 19000};
+  LONGS_EQUAL(std::size(offsets_us), code.size());
   for (std::size_t i = 0; i < code.size(); ++i) {
-    DOUBLES_EQUAL(offsets[i], code[i].offset_us, 0.0);
-    CHECK(code[i].lamps == FlashLamps::both);
+    CHECK(code[i] == (CodedFlash{microseconds{offsets_us[i]}, Lamps::both}));
   }
 }
 
 TEST(CodedPlanFile, LeavesFlashesOutAndGivesSomeToOneLamp) {
   const auto plan =
       read("period_us = 3000\nshutter_open_ms = 20\nomit = [3]\nonly_a = [1, 5]\nonly_b = [4]\n");
-  const auto code = host::train_code(*plan);
+  const CodedTrain code = plan->shot().code;
   LONGS_EQUAL(6, code.size());
-  CHECK(code[0] == (host::CodedFlash{0, FlashLamps::both}));
-  CHECK(code[1] == (host::CodedFlash{3000, FlashLamps::a}));
-  CHECK(code[3] == (host::CodedFlash{12000, FlashLamps::b}));
-  CHECK(code[4] == (host::CodedFlash{15000, FlashLamps::a}));
+  CHECK(code[0] == (CodedFlash{{}, Lamps::both}));
+  CHECK(code[1] == (CodedFlash{milliseconds{3}, Lamps::a}));
+  CHECK(code[3] == (CodedFlash{milliseconds{12}, Lamps::b}));
+  CHECK(code[4] == (CodedFlash{milliseconds{15}, Lamps::a}));
 }
 
 TEST(CodedPlanFile, IsAnEvenTrainWithoutThem) {
-  CHECK(host::train_code(*read("period_us = 2000\n")).empty());
-  CHECK(host::train_code(*read("omit = []\n")).empty());
+  CHECK(read("period_us = 2000\n")->shot().code.empty());
+  CHECK(read("omit = []\n")->shot().code.empty());
 }
 
 TEST(CodedPlanFile, HasPeriodOrIntervalsWhicheverItNamesItself) {
-  ShotPlan rig;
-  rig.intervals_us = {3000, 3400};
+  PlanFile rig;
+  rig.intervals = {microseconds{3000}, microseconds{3400}};
   rig.omit = {4};
   const auto even = read("period_us = 2000\nomit = []\n", rig);
   CHECK_FALSE(even->coded());
-  DOUBLES_EQUAL(2000, even->period_us, 0);
+  CHECK(even->even.period == milliseconds{2});
   const auto same = read("shutter_open_ms = 300\n", rig);
-  CHECK(same->intervals_us == rig.intervals_us && same->omit == rig.omit);
+  CHECK(same->intervals == rig.intervals && same->omit == rig.omit);
   STRCMP_EQUAL("PLAN.toml:2: intervals_us: instead of period_us, not beside it",
                error_of("period_us = 3000\nintervals_us = [3000]\n").c_str());
 }
 
 TEST(CodedPlanFile, IsWrittenAsItIsRead) {
-  ShotPlan plan = *read("intervals_us = [3000, 3100.5]\nomit = [9, 3]\nonly_a = [1]\nonly_b = [2]\n");
+  PlanFile plan = *read("intervals_us = [3000, 3100.5]\nomit = [9, 3]\nonly_a = [1]\nonly_b = [2]\n");
   CHECK(plan.omit == (std::vector<int>{3, 9}));
   CHECK(*read(host::plan_to_toml(plan)) == plan);
-  plan.train = Train::gated;
-  plan.flash_count = 20;
+  plan.even.train = Train::gated;
+  plan.even.flash_count = 20;
   CHECK(*read(host::plan_to_toml(plan)) == plan);
 }
 
@@ -96,18 +92,19 @@ TEST(CodedPlanFile, RefusesWhatIsNotInTheTrain) {
 }
 
 TEST(CodedPlanFile, GoesWithTheShot) {
-  const auto message =
-      host::plan_message(*read("intervals_us = [3000, 3400]\nshutter_open_ms = 15\nonly_a = [2]\n"), true);
-  LONGS_EQUAL(5, message.code_count);
-  LONGS_EQUAL(0, message.flash_count);
-  LONGS_EQUAL(3'000'000, message.period_ns);
-  LONGS_EQUAL(6'400'000, message.code[2].offset_ns);
-  LONGS_EQUAL(1, message.code[2].lamps);
-  LONGS_EQUAL(3, message.code[3].lamps);
-  const auto gated = host::plan_message(*read("train = \"gated\"\nflash_count = 9\nomit = [4, 5]\n"), false);
-  LONGS_EQUAL(7, gated.code_count);
+  const ShotPlan plan =
+      read("intervals_us = [3000, 3400]\nshutter_open_ms = 15\nonly_a = [2]\ngate_delay_ms = 2\n")->shot();
+  LONGS_EQUAL(5, plan.code.size());
+  LONGS_EQUAL(0, plan.flash_count);
+  CHECK(plan.period == milliseconds{3} && plan.exposure == milliseconds{15});
+  CHECK(plan.gate_delay == Duration{});  // a free train has no gate
+  CHECK(plan.code[2] == (CodedFlash{microseconds{6400}, Lamps::a}));
+  CHECK(plan.code[3].lamps == Lamps::both);
+  const ShotPlan gated =
+      read("train = \"gated\"\nflash_count = 9\nomit = [4, 5]\ngate_delay_ms = 2\n")->shot();
+  LONGS_EQUAL(7, gated.code.size());
   LONGS_EQUAL(7, gated.flash_count);
-  LONGS_EQUAL(0, host::plan_message(*read("period_us = 3000\n"), false).code_count);
+  CHECK(gated.gate_delay == milliseconds{2});
 }
 
 TEST_GROUP(CodedPhotograph) {

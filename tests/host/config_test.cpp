@@ -1,20 +1,20 @@
 // Rig files, plans and notes as the host reads them; what is wrong is named by file, line and key.
 #include <string>
 
-#include "host/photographs/digitize_settings.hpp"
 #include "host/config/notes.hpp"
+#include "host/config/plan_file.hpp"
 #include "host/config/rig_file.hpp"
-#include "host/config/shot_plan.hpp"
+#include "host/photographs/digitize_settings.hpp"
+#include "tests/support/string_from.hpp"
 
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe;
 using host::add_note;
 using host::note_problem;
+using host::PlanFile;
 using host::read_plan;
 using host::read_rig;
-using host::ShotPlan;
-using host::Train;
 
 namespace {
 
@@ -33,33 +33,33 @@ std::string rig_error(const std::string& text) {
 TEST_GROUP(PlanFile){};
 
 TEST(PlanFile, WhatItLeavesOutIsTheRigFiles) {
-  ShotPlan rig;
-  rig.period_us = 2000;
-  rig.impact_at_ms = 250;
+  PlanFile rig;
+  rig.even.period = milliseconds{2};
+  rig.even.impact_at = milliseconds{250};
   const auto plan = read_plan("shutter_open_ms = 400\n", "PLAN.toml", rig);
   CHECK_TRUE(plan.has_value());
-  DOUBLES_EQUAL(2000, plan->period_us, 0);
-  DOUBLES_EQUAL(400, plan->shutter_open_ms, 0);
-  DOUBLES_EQUAL(250, *plan->impact_at_ms, 0);
+  CHECK_EQUAL(rig.even.period, plan->even.period);
+  CHECK_EQUAL(Duration{milliseconds{400}}, plan->even.exposure);
+  CHECK_EQUAL(rig.even.impact_at, plan->even.impact_at);
 }
 
 TEST(PlanFile, ReadsAGatedTrain) {
   const auto plan = read_plan("train = \"gated\"\nflash_count = 20\ngate_delay_ms = 3.5\n", "PLAN.toml", {});
   CHECK_TRUE(plan.has_value());
-  CHECK_TRUE(plan->train == Train::gated);
-  LONGS_EQUAL(20, plan->flash_count);
-  DOUBLES_EQUAL(3.5, plan->gate_delay_ms, 0);
+  CHECK_TRUE(plan->even.train == Train::gated);
+  LONGS_EQUAL(20, plan->even.flash_count);
+  CHECK_EQUAL(Duration{microseconds{3500}}, plan->even.gate_delay);
 }
 
 TEST(PlanFile, IsWrittenAsItIsRead) {
-  ShotPlan plan;
-  plan.period_us = 2999.5;
-  plan.impact_at_ms = 120.25;
+  PlanFile plan;
+  plan.even.period = nanoseconds{2'999'500};
+  plan.even.impact_at = microseconds{120'250};
   CHECK_TRUE(*read_plan(host::plan_to_toml(plan), "PLAN.toml", {}) == plan);
-  plan.impact_at_ms.reset();
-  plan.train = Train::gated;
-  plan.flash_count = 7;
-  plan.gate_delay_ms = 1;
+  plan.even.impact_at = {};
+  plan.even.train = Train::gated;
+  plan.even.flash_count = 7;
+  plan.even.gate_delay = milliseconds{1};
   CHECK_TRUE(*read_plan(host::plan_to_toml(plan), "PLAN.toml", {}) == plan);
 }
 
@@ -99,7 +99,7 @@ TEST(RigFileOfTheHost, TakesItsOwnTablesAndLeavesTheFirmwares) {
   DOUBLES_EQUAL(2, rig->analysis.photograph_timeout_s, 0);
   DOUBLES_EQUAL(1.5, *rig->analysis.surface_angle_deg, 0);
   DOUBLES_EQUAL(0.31, *rig->machine_lag_s, 1e-12);
-  DOUBLES_EQUAL(2500, rig->plan.period_us, 0);
+  CHECK_EQUAL(Duration{microseconds{2500}}, rig->plan.even.period);
   STRCMP_EQUAL("21.5", rig->record.at("temperature_c").c_str());
   STRCMP_EQUAL("12", rig->record.at("frame_number").c_str());
 }

@@ -1,5 +1,6 @@
 // The flashes' times as the digitizing command reads them.
 #include "host/commands/digitize_times.hpp"
+#include "host/config/plan_file.hpp"
 
 #include <CppUTest/TestHarness.h>
 
@@ -27,7 +28,7 @@ TEST(DigitizeTimes, AreArraysOrObjectsOneALine) {
 TEST(DigitizeTimes, OfACodedPlanAreThoseOfItsFlashes) {
   const auto plan =
       read_plan("intervals_us = [3000, 3400]\nshutter_open_ms = 10\nomit = [1]\n", "p.toml", {});
-  const auto times = coded_flashes(*plan);
+  const auto times = plan_flashes(plan->shot());
   LONGS_EQUAL(3, times.size());
   DOUBLES_EQUAL(0.0, times[0], 0.0);
   DOUBLES_EQUAL(0.0064, times[1], 1e-12);

@@ -136,7 +136,7 @@ TEST(ShotSeriesOfAHost, ASpoiltShotIsFiredAgainWithinTheRetries) {
 
 TEST(ShotSeriesOfAHost, DryShotsAreFiredDryAndCount) {
   ShotSeriesSettings settings = series(2);
-  settings.dry = true;
+  settings.plan.dry = true;
   Play play(settings);
   bool armed = false;
   for (int i = 0; i < 1000 && !play.series.finished(); ++i) {
@@ -284,10 +284,11 @@ TEST(ShotSeriesOfAHost, ALatchedFaultIsClearedOnlyWhenAskedTo) {
 
 TEST(ShotSeriesOfAHost, ThePlanAndTheNotesGoWithTheShot) {
   CommandFactory factory(kHost);
-  host::ShotPlan plan;
-  plan.period_us = 2500;
-  plan.impact_at_ms = 120;
-  const command_t fire = factory.fire(kBoot, 9, plan, true, {{"spin", "top"}, {"angle_deg", "23"}});
+  ShotPlan plan;
+  plan.period = microseconds{2500};
+  plan.impact_at = milliseconds{120};
+  plan.dry = true;
+  const command_t fire = factory.fire(kBoot, 9, plan, {{"spin", "top"}, {"angle_deg", "23"}});
   LONGS_EQUAL(2'500'000, fire.plan.period_ns);
   LONGS_EQUAL(120'000'000, fire.plan.impact_at_ns);
   CHECK_TRUE(fire.plan.dry);

@@ -37,7 +37,7 @@ std::uint64_t seed_of(const RunSettings& settings) {
   return mixed(settings.seed, static_cast<std::uint64_t>(settings.run) + 1);
 }
 
-LabSetup lab_setup_of(const RunSettings& settings, const host::ShotPlan& shipped, Random& random) {
+LabSetup lab_setup_of(const RunSettings& settings, const host::PlanFile& shipped, Random& random) {
   LabSetup lab_setup = draw_lab_setup(settings.plan, shipped, random);
   // Rejected shots are fired again; a run never has more exposures than this.
   lab_setup.scene.faults = draw_rig_faults(settings.faults, 4 * settings.shots + 20, random);
@@ -53,7 +53,7 @@ HostSettings host_settings_of(const RigFiles& files, const RunSettings& settings
       lab_setup.scene.surface_angle_rad * (mirrored ? -1.0 : 1.0) * 180.0 / std::numbers::pi;
   host.series.shots = settings.shots;
   host.series.retries = 2 * settings.shots;
-  host.series.plan = lab_setup.plan;
+  host.series.plan = lab_setup.plan.shot();
   host.series.notes = lab_setup.notes;
   host.series.clear_fault = true;
   host.series.photograph_timeout_s = host.assembly.analysis.photograph_timeout_s;

@@ -403,6 +403,7 @@ void Lab::settle() {
 
 void Lab::trace_lab_setup() {
   const sim::Scene& scene = lab_setup_.scene;
+  const ShotPlan& even = lab_setup_.plan.even;
   const auto degrees = [](double rad) { return rad * 180.0 / std::numbers::pi; };
   trace(
       "scene: {:.2f} m/s at {:.1f} degrees, {:.0f} rad/s, e {:.2f}, mu {:.2f}, dwell {:.2f} ms, tilt {:.1f} "
@@ -411,8 +412,8 @@ void Lab::trace_lab_setup() {
       scene.bounce.mu, scene.bounce.dwell_s * 1e3, degrees(scene.surface_angle_rad),
       scene.camera.mirrored ? ", mirrored" : "");
   trace("plan: {} train, every {:.0f} us, {:.0f} ms; centres to {:.2f} mm, equators to {:.2f} degrees",
-        lab_setup_.plan.train == host::Train::gated ? "gated" : "free", lab_setup_.plan.period_us,
-        lab_setup_.plan.shutter_open_ms, scene.tablet.centre_sd_m * 1e3,
+        even.train == Train::gated ? "gated" : "free", to_microseconds(even.period),
+        1e3 * to_seconds(even.exposure), scene.tablet.centre_sd_m * 1e3,
         degrees(scene.tablet.equator_sd_rad));
 }
 

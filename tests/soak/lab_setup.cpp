@@ -87,36 +87,39 @@ double period_us(const sim::Scene& scene, Random& random) {
   return std::clamp(1e6 * std::min(step_m / scene.machine.speed_mps, turn_rad / spin_radps), 1500.0, 6000.0);
 }
 
+milliseconds rounded_ms(double ms) { return milliseconds{std::llround(ms)}; }
+double in_ms(Duration duration) { return std::chrono::duration<double, std::milli>(duration).count(); }
+
 void plan_brief(LabSetup& lab_setup, Random& random) {
-  host::ShotPlan& plan = lab_setup.plan;
-  plan.period_us = std::round(period_us(lab_setup.scene, random));
-  plan.shutter_open_ms = std::round(random.uniform(70.0, 110.0));
-  plan.impact_at_ms = std::round(random.uniform(0.45, 0.55) * plan.shutter_open_ms);
+  ShotPlan& plan = lab_setup.plan.even;
+  plan.period = microseconds{std::llround(period_us(lab_setup.scene, random))};
+  plan.exposure = rounded_ms(random.uniform(70.0, 110.0));
+  plan.impact_at = rounded_ms(random.uniform(0.45, 0.55) * in_ms(plan.exposure));
 }
 
 void plan_gated(LabSetup& lab_setup, Random& random) {
-  host::ShotPlan& plan = lab_setup.plan;
+  ShotPlan& plan = lab_setup.plan.even;
   plan_brief(lab_setup, random);
-  plan.train = host::Train::gated;
+  plan.train = Train::gated;
   plan.flash_count = random.integer(14, 24);
   const double vx_mps = lab_setup.scene.machine.speed_mps * std::cos(lab_setup.scene.machine.angle_rad);
   const double arrival_ms = 1e3 * (lab_setup.scene.gate.distance_m + 0.03) / vx_mps;
-  const double before_ms = 0.45e-3 * plan.period_us * plan.flash_count;
-  plan.gate_delay_ms = std::max(0.0, std::round(arrival_ms - before_ms));
+  const double before_ms = 0.45 * in_ms(plan.period) * plan.flash_count;
+  plan.gate_delay = std::max(milliseconds{0}, rounded_ms(arrival_ms - before_ms));
   // The gate is passed before the impact by the arrival's time; the burst must end within the exposure.
-  plan.impact_at_ms = std::round(arrival_ms + 20.0);
-  plan.shutter_open_ms = std::round(*plan.impact_at_ms + 1e-3 * plan.period_us * plan.flash_count + 30.0);
+  plan.impact_at = rounded_ms(arrival_ms + 20.0);
+  plan.exposure = rounded_ms(in_ms(plan.impact_at + plan.period * plan.flash_count) + 30.0);
 }
 
 void plan_coded(LabSetup& lab_setup, Random& random) {
-  host::ShotPlan& plan = lab_setup.plan;
+  host::PlanFile& plan = lab_setup.plan;
   plan_brief(lab_setup, random);
-  const double shortest_us = plan.period_us;
+  const auto shortest_us = static_cast<double>(plan.even.period / microseconds{1});
   for (int k = random.integer(2, 7); k > 0; --k)
-    plan.intervals_us.push_back(std::round(shortest_us * (1.0 + 0.1 * random.integer(0, 2))));
-  plan.intervals_us.push_back(shortest_us);
+    plan.intervals.push_back(microseconds{std::llround(shortest_us * (1.0 + 0.1 * random.integer(0, 2)))});
+  plan.intervals.push_back(plan.even.period);
   // 11 at the least: 70 ms at 6 ms, a fifth longer.
-  const int flashes = static_cast<int>(1000.0 * plan.shutter_open_ms / (1.2 * shortest_us));
+  const int flashes = static_cast<int>(1000.0 * in_ms(plan.even.exposure) / (1.2 * shortest_us));
   for (int k = random.integer(0, 3); k < flashes; k += random.integer(5, 12)) {
     auto& list = random.chance(0.3) ? plan.omit : random.chance(0.5) ? plan.only_a : plan.only_b;
     list.push_back(k);
@@ -129,7 +132,7 @@ bool can_be_gated(const sim::Scene& scene) {
 
 }  // namespace
 
-LabSetup draw_lab_setup(PlanKind kind, const host::ShotPlan& shipped, Random& random) {
+LabSetup draw_lab_setup(PlanKind kind, const host::PlanFile& shipped, Random& random) {
   LabSetup lab_setup;
   lab_setup.scene.name = "drawn";
   if (kind == PlanKind::extremes) {

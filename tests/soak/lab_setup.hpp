@@ -6,7 +6,7 @@
 
 #include "common/reduction/frame.hpp"
 #include "common/result.hpp"
-#include "host/config/shot_plan.hpp"
+#include "host/config/plan_file.hpp"
 #include "sim/scene/scene.hpp"
 #include "tests/soak/random.hpp"
 
@@ -23,11 +23,11 @@ enum class PlanKind {
 
 struct LabSetup {
   sim::Scene scene;
-  host::ShotPlan plan;
+  host::PlanFile plan;
   reduction::Record notes;
 };
 
-LabSetup draw_lab_setup(PlanKind kind, const host::ShotPlan& shipped, Random& random);
+LabSetup draw_lab_setup(PlanKind kind, const host::PlanFile& shipped, Random& random);
 
 /// "shipped", "brief", "gated", "coded", "mixed", "extremes".
 Result<PlanKind> find_plan_kind(std::string_view word);
