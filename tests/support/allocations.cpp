@@ -1,7 +1,5 @@
 #include "tests/support/allocations.hpp"
 
-#include <cstdlib>
-
 #include <CppUTest/PlatformSpecificFunctions.h>
 
 namespace strobe::testing {

@@ -35,9 +35,8 @@ std::vector<nlohmann::json> read_json_lines(const std::filesystem::path& path) {
 }
 
 std::size_t CsvTable::column(const std::string& name) const {
-  for (std::size_t i = 0; i < columns.size(); ++i) {
+  for (std::size_t i = 0; i < columns.size(); ++i)
     if (columns[i] == name) return i;
-  }
   throw std::runtime_error("no column " + name);
 }
 

@@ -4,7 +4,7 @@
 
 #include "tests/support/temporary_folder.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe::testing;
 
@@ -26,7 +26,7 @@ TEST(JsonLines, TablesHaveNamedColumnsAndEmptyCells) {
   write_text(folder / "table.csv", "time_ns,line,name\n1,2,\n3,,KEY\n");
   const CsvTable table = read_csv(folder / "table.csv");
   CHECK_EQUAL(2, table.rows.size());
-  STRCMP_EQUAL("", table.rows[0].at(table.column("name")).c_str());
-  STRCMP_EQUAL("KEY", table.rows[1].at(table.column("name")).c_str());
+  CHECK_EQUAL("", table.rows[0].at(table.column("name")));
+  CHECK_EQUAL("KEY", table.rows[1].at(table.column("name")));
   CHECK_THROWS(std::runtime_error, table.column("level"));
 }

@@ -51,13 +51,11 @@ std::string bring_up_loopback(int socket) {
 
 std::string unshare_network() {
   if (unshare(CLONE_NEWNET) == 0) return {};  // root keeps its rights, real-time ones among them
-  const std::string user = std::to_string(geteuid());
-  const std::string group = std::to_string(getegid());
+  const std::string user = std::to_string(geteuid()), group = std::to_string(getegid());
   if (unshare(CLONE_NEWUSER | CLONE_NEWNET) != 0) return because("no network namespace");
   if (!write_line("/proc/self/setgroups", "deny") || !write_line("/proc/self/uid_map", "0 " + user + " 1") ||
-      !write_line("/proc/self/gid_map", "0 " + group + " 1")) {
+      !write_line("/proc/self/gid_map", "0 " + group + " 1"))
     return because("no user namespace");
-  }
   return {};
 }
 

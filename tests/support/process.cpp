@@ -61,9 +61,8 @@ bool drop_rights() {
   const rlimit locked{kLockedBytes, kLockedBytes};
   if (setrlimit(RLIMIT_RTPRIO, &none) != 0 || setrlimit(RLIMIT_MEMLOCK, &locked) != 0) return false;
   if (geteuid() != 0) return true;
-  for (unsigned long capability = 0; prctl(PR_CAPBSET_READ, capability, 0, 0, 0) >= 0; ++capability) {
+  for (unsigned long capability = 0; prctl(PR_CAPBSET_READ, capability, 0, 0, 0) >= 0; ++capability)
     if (prctl(PR_CAPBSET_DROP, capability, 0, 0, 0) != 0) return false;
-  }
   return true;
 }
 
@@ -71,9 +70,7 @@ struct Prepared {
   std::vector<std::string> arguments;
   std::vector<std::string> environment;
   std::string folder;
-  int out = -1;
-  int err = -1;
-  int null = -1;
+  int out = -1, err = -1, null = -1;
 };
 
 [[noreturn]] void become(Prepared& prepared, Privileges rights) {
@@ -110,8 +107,7 @@ struct Stat {
 
 std::optional<Stat> stat_of(pid_t pid) {
   const std::string text = contents("/proc/" + std::to_string(pid) + "/stat");
-  const std::size_t open = text.find('(');
-  const std::size_t close = text.rfind(')');
+  const std::size_t open = text.find('('), close = text.rfind(')');
   if (open == std::string::npos || close == std::string::npos) return std::nullopt;
   Stat stat;
   stat.program = text.substr(open + 1, close - open - 1);

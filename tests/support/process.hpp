@@ -10,6 +10,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,9 @@ struct ExitStatus {
   int code = -1;   ///< exit status; -1 if a signal ended it
   int signal = 0;  ///< 0 if it exited
   bool operator==(const ExitStatus&) const = default;
+  friend std::ostream& operator<<(std::ostream& stream, const ExitStatus& status) {
+    return status.signal == 0 ? stream << "exit " << status.code : stream << "signal " << status.signal;
+  }
 };
 
 /// What a process may do.
@@ -32,8 +36,8 @@ enum class Privileges {
 struct Command {
   /// The program, then its arguments; not searched in PATH if it has a slash.
   std::vector<std::string> arguments;
-  std::map<std::string, std::string> environment;  ///< added to, or replacing, the test's own
-  std::filesystem::path folder;                    ///< working folder; empty: the test's
+  std::map<std::string, std::string> environment{};  ///< added to, or replacing, the test's own
+  std::filesystem::path folder{};                    ///< working folder; empty: the test's
   Privileges rights = Privileges::inherited;
 };
 
@@ -71,8 +75,7 @@ class Process {
 
 struct CompletedProcess {
   std::optional<ExitStatus> status;  ///< nothing: it did not end in time and was killed
-  std::string out;
-  std::string err;
+  std::string out, err;
 };
 
 /// Runs a command to its end.

@@ -9,7 +9,7 @@
 
 #include "tests/support/temporary_folder.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe::testing;
 using namespace std::chrono_literals;
@@ -23,39 +23,38 @@ TEST_GROUP(Process) {
 
 TEST(Process, TellsOutputErrorsAndExitStatus) {
   const CompletedProcess finished = run_process(shell("echo out; echo err >&2; exit 3"), 10s);
-  CHECK(finished.status == ExitStatus({3, 0}));
-  STRCMP_EQUAL("out\n", finished.out.c_str());
-  STRCMP_EQUAL("err\n", finished.err.c_str());
+  CHECK_EQUAL(ExitStatus({3, 0}), finished.status);
+  CHECK_EQUAL("out\n", finished.out);
+  CHECK_EQUAL("err\n", finished.err);
 }
 
 TEST(Process, TellsTheSignalThatEndedIt) {
   const CompletedProcess finished = run_process(shell("kill -TERM $$"), 10s);
-  CHECK(finished.status == ExitStatus({-1, SIGTERM}));
+  CHECK_EQUAL(ExitStatus({-1, SIGTERM}), finished.status);
 }
 
 TEST(Process, HeedsSignalsThatTheTestItselfIgnores) {
   const auto before = std::signal(SIGINT, SIG_IGN);
   const CompletedProcess finished = run_process(shell("kill -INT $$; exit 3"), 10s);
   std::signal(SIGINT, before);
-  CHECK(finished.status == ExitStatus({-1, SIGINT}));
+  CHECK_EQUAL(ExitStatus({-1, SIGINT}), finished.status);
 }
 
 TEST(Process, HasNoStandardInput) {
   const CompletedProcess finished = run_process({{"cat"}, {}, {}, Privileges::inherited}, 10s);
-  CHECK(finished.status == ExitStatus({0, 0}));
+  CHECK_EQUAL(ExitStatus({0, 0}), finished.status);
 }
 
 TEST(Process, AddsToTheEnvironmentAndReplacesInIt) {
   Command command = shell("echo $STROBE_A; echo ${HOME}");
   command.environment = {{"STROBE_A", "1"}, {"HOME", "/elsewhere"}};
-  STRCMP_EQUAL("1\n/elsewhere\n", run_process(command, 10s).out.c_str());
+  CHECK_EQUAL("1\n/elsewhere\n", run_process(command, 10s).out);
 }
 
 TEST(Process, StartsInTheFolderGiven) {
   Command command = shell("pwd");
   command.folder = logs.path();
-  STRCMP_EQUAL((std::filesystem::canonical(logs.path()).string() + "\n").c_str(),
-               run_process(command, 10s).out.c_str());
+  CHECK_EQUAL(std::filesystem::canonical(logs.path()).string() + "\n", run_process(command, 10s).out);
 }
 
 TEST(Process, IsNotWaitedForBeyondTheLimit) {
@@ -63,7 +62,7 @@ TEST(Process, IsNotWaitedForBeyondTheLimit) {
   CHECK_FALSE(process.wait(20ms).has_value());
   CHECK(process.running());
   process.signal_group(SIGTERM);
-  CHECK(process.wait(10s) == ExitStatus({-1, SIGTERM}));
+  CHECK_EQUAL(ExitStatus({-1, SIGTERM}), process.wait(10s));
 }
 
 TEST(Process, LeavesNoneOfItsGroupBehind) {
@@ -99,12 +98,12 @@ TEST(Process, GivesUpOnATextOnceTheProcessEnded) {
 
 TEST(Process, OfAProgramThatIsNotThereExitsAsAShellSays) {
   const CompletedProcess finished = run_process({{"/nowhere/at-all"}, {}, {}, Privileges::inherited}, 10s);
-  CHECK(finished.status == ExitStatus({127, 0}));
+  CHECK_EQUAL(ExitStatus({127, 0}), finished.status);
 }
 
 TEST(Process, WithAnOrdinaryUsersRightsHasNeitherCapabilitiesNorRealTime) {
   Command command = shell("grep CapEff /proc/self/status; ulimit -r; ulimit -l");
   command.arguments[0] = "bash";
   command.rights = Privileges::ordinary;
-  STRCMP_EQUAL("CapEff:\t0000000000000000\n0\n64\n", run_process(command, 10s).out.c_str());
+  CHECK_EQUAL("CapEff:\t0000000000000000\n0\n64\n", run_process(command, 10s).out);
 }

@@ -13,31 +13,13 @@ struct SequencerFixture {
   Rig config;
   VirtualRig rig;
   Sequencer sequencer;
-  std::int64_t last_command = 0;
-  std::int64_t next_token = 500;
+  std::int64_t last_command = 0, next_token = 500;
 
   explicit SequencerFixture(const Rig& rig_config = shipped_rig(), const Tick& tick = {})
       : config(rig_config),
         rig(static_cast<std::size_t>(rig_config.lamps.max_flashes)),
-        sequencer(config, rig.ports(), 0, tick) {}
-
-  void start() { sequencer.start("test"); }
-  Command arm_command() {
-    Command command;
-    command.kind = CommandKind::arm;
-    command.host_id = kHost;
-    command.command_id = ++last_command;
-    command.new_token = next_token++;
-    return command;
-  }
-  Command fire_command(std::int64_t token) {
-    Command command;
-    command.kind = CommandKind::fire;
-    command.host_id = kHost;
-    command.command_id = ++last_command;
-    command.token = token;
-    command.plan = config.plan;
-    return command;
+        sequencer(config, rig.ports(), 0, tick) {
+    sequencer.start("test");
   }
   Command plain_command(CommandKind kind) {
     Command command;
@@ -46,6 +28,18 @@ struct SequencerFixture {
     command.command_id = ++last_command;
     return command;
   }
+  Command arm_command() {
+    Command command = plain_command(CommandKind::arm);
+    command.new_token = next_token++;
+    return command;
+  }
+  Command fire_command(std::int64_t token) {
+    Command command = plain_command(CommandKind::fire);
+    command.token = token;
+    command.plan = config.plan;
+    return command;
+  }
+
   bool step() { return sequencer.step(kNoDeadline); }
   void give(const Command& command) {
     rig.schedule_command(rig.time, command);
@@ -70,6 +64,13 @@ struct SequencerFixture {
       step();
     } while (sequencer.state() == State::firing && rig.time < end);
   }
+  /// A whole shot; returns its start.
+  MonoTime shoot(bool dry = false) {
+    const MonoTime start = fire(dry);
+    play();
+    return start;
+  }
+
   const ShotRecord& shot(std::size_t nth = 0) const { return *rig.shots.at(nth); }
   std::string abort_reason(std::size_t nth = 0) const { return std::string(shot(nth).abort_reason.view()); }
 };

@@ -1,8 +1,8 @@
-// Lets CHECK_EQUAL print what it compares, where CppUTest itself cannot: optionals, enums by their names, times,
-// ranges, pairs, exit statuses and whatever has an operator<<. Included after CppUTest's headers or before them.
+// CppUTest with a CHECK_EQUAL that prints what it compares, where CppUTest itself cannot: optionals, enums by their
+// names, times, ranges, pairs and whatever has an operator<<.
 #pragma once
 
-#include <CppUTest/SimpleString.h>
+#include <CppUTest/TestHarness.h>
 
 #include <array>
 #include <chrono>

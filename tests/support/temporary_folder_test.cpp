@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <string>
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe::testing;
 
@@ -33,7 +33,7 @@ TEST(TemporaryFolder, KeepsWhatIsWrittenByteForByte) {
   const TemporaryFolder folder;
   const std::string text("line\r\n\0end", 10);
   write_text(folder / "file", text);
-  CHECK(read_text(folder / "file") == text);
+  CHECK_EQUAL(text, read_text(folder / "file"));
 }
 
 TEST(TemporaryFolder, ComplainsOfAFileThatCannotBeWritten) {

@@ -4,7 +4,6 @@
 #pragma once
 
 #include <algorithm>
-#include <deque>
 #include <functional>
 #include <set>
 #include <vector>
@@ -42,20 +41,14 @@ class VirtualRig final : public Clock,
   // What the rig does
   // -------------------------------------------------------------------------------------------
   MonoTime time = from_ns(5'000'000'000);
-  bool key = true;
-  bool estop = false;
-  bool levels_readable = true;
-  bool edges_readable = true;
+  bool key = true, estop = false, levels_readable = true, edges_readable = true;
   bool journal = true;
   bool reuses_records = false;  ///< each shot gets the record of the one before
   Duration set_cost = nanoseconds(300);
   Duration wake_delay{};  ///< whoever sleeps is woken so late
   Duration lamp_delay = microseconds(12);
-  bool sensor_a_works = true;
-  bool sensor_b_works = true;
-  bool xsync_works = false;
-  Duration opening_lag = milliseconds(45);
-  Duration closing_lag = milliseconds(45);
+  bool sensor_a_works = true, sensor_b_works = true, xsync_works = false;
+  Duration opening_lag = milliseconds(45), closing_lag = milliseconds(45);
   std::set<int> missing_flashes;  ///< by count of lamp pulses since the start
   std::function<bool(Output, bool)> set_succeeds = [](Output, bool) { return true; };
 
@@ -66,8 +59,7 @@ class VirtualRig final : public Clock,
   std::vector<LoopStatus> statuses;
   std::vector<ShotRecord*> shots;
   Duration slept{};
-  std::int64_t lost = 0;
-  std::int64_t kernel_lost = 0;
+  std::int64_t lost = 0, kernel_lost = 0;
 
   /// The machine stands still from then on, for so long.
   void freeze(MonoTime when, Duration how_long) {
@@ -84,9 +76,8 @@ class VirtualRig final : public Clock,
   void schedule_command(MonoTime when, const Command& command) { commands_.push_back({when, command}); }
 
   const Event* find(EventKind kind, std::size_t nth = 0) const {
-    for (const Event& event : events) {
+    for (const Event& event : events)
       if (event.kind == kind && nth-- == 0) return &event;
-    }
     return nullptr;
   }
   std::size_t count(EventKind kind) const {
@@ -105,9 +96,8 @@ class VirtualRig final : public Clock,
     return result;
   }
   bool level_of(Output output) const {
-    for (auto it = sets.rbegin(); it != sets.rend(); ++it) {
+    for (auto it = sets.rbegin(); it != sets.rend(); ++it)
       if (it->output == output) return it->active;
-    }
     return false;
   }
   bool all_inactive() const {
@@ -213,8 +203,7 @@ class VirtualRig final : public Clock,
     if (edge.input == Input::estop) estop = edge.active;
   }
   bool drive(Output output, bool active, Lamps lamps) noexcept {
-    const bool was = level_of(output);
-    const bool done = set_succeeds(output, active);
+    const bool was = level_of(output), done = set_succeeds(output, active);
     if (done) sets.push_back({time, output, active, lamps});
     pass(set_cost);
     if (done && output == Output::strobes && active && !was) flash(lamps);

@@ -14,7 +14,7 @@
 
 #include "tests/support/temporary_folder.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe::authentication;
 namespace fs = std::filesystem;
@@ -54,14 +54,14 @@ TEST_GROUP(KeyFile) {
     CHECK_FALSE_TEXT(key.has_value(), path.c_str());
     STRCMP_CONTAINS(path.c_str(), key.error().message.c_str());
     STRCMP_CONTAINS(what, key.error().message.c_str());
-    CHECK_TRUE(key.error().message.find('\n') == std::string::npos);
-    CHECK_TRUE(key.error().message.find(kText.substr(0, 8)) == std::string::npos);
+    CHECK_EQUAL(std::string::npos, key.error().message.find('\n'));
+    CHECK_EQUAL(std::string::npos, key.error().message.find(kText.substr(0, 8)));
   }
 };
 
 TEST(KeyFile, IsReadIfOnlyItsOwnerCan) {
-  STRCMP_EQUAL(kText.c_str(), read_key_file(file("a"))->text().c_str());
-  STRCMP_EQUAL(kText.c_str(), read_key_file(file("b", kText, 0400))->text().c_str());
+  CHECK_EQUAL(kText, read_key_file(file("a"))->text());
+  CHECK_EQUAL(kText, read_key_file(file("b", kText, 0400))->text());
 }
 
 TEST(KeyFile, IsRefusedIfOthersCanReadOrChangeIt) {
@@ -104,9 +104,9 @@ TEST(KeyFile, IsMadeForItsOwnerAloneAndNeverTwice) {
   CHECK_TRUE(made->made);
   LONGS_EQUAL(0600, mode_of(made->path));
   LONGS_EQUAL(0700, mode_of(made->path.parent_path()));
-  STRCMP_EQUAL(made->key.text().c_str(), read_key_file(made->path)->text().c_str());
+  CHECK_EQUAL(made->key.text(), read_key_file(made->path)->text());
   STRCMP_CONTAINS("there is a key already", make_key_file(made->path).error().message.c_str());
-  STRCMP_EQUAL(made->key.text().c_str(), read_key_file(made->path)->text().c_str());
+  CHECK_EQUAL(made->key.text(), read_key_file(made->path)->text());
   LONGS_EQUAL(1, std::distance(fs::directory_iterator(made->path.parent_path()), {}));
 }
 
@@ -132,15 +132,15 @@ TEST(KeyFile, IsFoundInTheOrderThatTheHeaderSays) {
   setenv("CREDENTIALS_DIRECTORY", file("credentials/lab.key", of[3], 0440).parent_path().c_str(), 1);
   file(".config/strobe/lab.key", of[4]);
   const auto found = [&] { return find_key(places).value().key.text(); };
-  STRCMP_EQUAL(of[0].c_str(), found().c_str());
+  CHECK_EQUAL(of[0], found());
   places.option.clear();
-  STRCMP_EQUAL(of[1].c_str(), found().c_str());
+  CHECK_EQUAL(of[1], found());
   places.rig_file.clear();
-  STRCMP_EQUAL(of[2].c_str(), found().c_str());
+  CHECK_EQUAL(of[2], found());
   unsetenv("STROBE_KEY_FILE");
-  STRCMP_EQUAL(of[3].c_str(), found().c_str());
+  CHECK_EQUAL(of[3], found());
   fs::remove(folder / "credentials/lab.key");
-  STRCMP_EQUAL(of[4].c_str(), found().c_str());
+  CHECK_EQUAL(of[4], found());
 }
 
 TEST(KeyFile, ThatIsNamedIsNeitherMadeNorReplacedByAnother) {
@@ -163,7 +163,7 @@ TEST(KeyFile, OfTheHomeIsMadeOnceHoweverManyProgramsStartTogether) {
   }
   LONGS_EQUAL(1, std::set<std::string>(texts.begin(), texts.end()).size());
   LONGS_EQUAL(64, texts[0].size());
-  STRCMP_EQUAL(texts[0].c_str(), read_key_file(folder / ".config/strobe/lab.key")->text().c_str());
+  CHECK_EQUAL(texts[0], read_key_file(folder / ".config/strobe/lab.key")->text());
 }
 
 TEST(KeyFile, OfTheHomeIsRefusedIfOthersCanReadIt) {
@@ -179,8 +179,7 @@ TEST(KeyFile, ACredentialMayBeReadByItsGroupButChangedByNobodyElse) {
     const auto found = find_key({});
     return found ? found->key.text() : found.error().message;
   };
-  for (const mode_t mode : {0400, 0440, 0600, 0640})
-    STRCMP_EQUAL(kText.c_str(), credential_of_mode(mode).c_str());
+  for (const mode_t mode : {0400, 0440, 0600, 0640}) CHECK_EQUAL(kText, credential_of_mode(mode));
   for (const mode_t mode : {0460, 0420, 0444, 0442, 0441, 0404, 0402})
     STRCMP_CONTAINS("others can read or change", credential_of_mode(mode).c_str());
 }

@@ -1,9 +1,8 @@
 #include "common/authentication/key.hpp"
 
-#include <algorithm>
 #include <string>
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using strobe::authentication::Key;
 
@@ -19,7 +18,7 @@ TEST(Key, IsReadFromHexadecimalDigits) {
   const auto key = Key::from_text(kText);
   CHECK_TRUE(key.has_value());
   for (std::size_t i = 0; i < Key::kBytes; ++i) LONGS_EQUAL(i, key->bytes()[i]);
-  STRCMP_EQUAL(kText.c_str(), key->text().c_str());
+  CHECK_EQUAL(kText, key->text());
   CHECK_TRUE(Key::from_text(kText + "\r\n").has_value());
   CHECK_TRUE(Key::from_text("00" + kText.substr(2, 60) + "FF").has_value());
 }
@@ -30,7 +29,7 @@ TEST(Key, IsNotReadFromAnythingElseAndNoErrorQuotesTheText) {
         std::string(64, 'g'), "\n" + kText, std::string(64, '\0')}) {
     const auto key = Key::from_text(text);
     CHECK_FALSE(key.has_value());
-    STRCMP_EQUAL("not a key of 64 hexadecimal digits", key.error().message.c_str());
+    CHECK_EQUAL("not a key of 64 hexadecimal digits", key.error().message);
   }
 }
 
@@ -39,7 +38,7 @@ TEST(Key, IsDrawnAnewEachTime) { CHECK_TRUE(Key::random().text() != Key::random(
 TEST(Key, HasAFingerprintThatIsNotPartOfIt) {
   const Key key = Key::from_text(kText).value();
   LONGS_EQUAL(8, key.fingerprint().size());
-  CHECK_TRUE(kText.find(key.fingerprint()) == kText.npos);
-  STRCMP_EQUAL(key.fingerprint().c_str(), Key::from_text(kText)->fingerprint().c_str());
+  CHECK_EQUAL(kText.npos, kText.find(key.fingerprint()));
+  CHECK_EQUAL(key.fingerprint(), Key::from_text(kText)->fingerprint());
   CHECK_TRUE(key.fingerprint() != Key::random().fingerprint());
 }

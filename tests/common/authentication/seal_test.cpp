@@ -6,7 +6,7 @@
 #include <strobe_msgs/sealed_command_t.hpp>
 #include <vector>
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe::authentication;
 using strobe_msgs::sealed_command_t;
@@ -30,14 +30,14 @@ TEST_GROUP(Seal) {
   }
 };
 
-TEST(Seal, IsOpenedByTheSameKeyForTheSameRig) { STRCMP_EQUAL("opened", answer(sealed).c_str()); }
+TEST(Seal, IsOpenedByTheSameKeyForTheSameRig) { CHECK_EQUAL("opened", answer(sealed)); }
 
 TEST(Seal, IsWhatLcmsOwnDecoderReads) {
   sealed_command_t message{};
   LONGS_EQUAL(sealed.size(), message.decode(sealed.data(), 0, static_cast<int>(sealed.size())));
   LONGS_EQUAL(sealed_command_t::SCHEMA_VERSION, message.schema_version);
   STRNCMP_EQUAL("bench", reinterpret_cast<const char*>(message.rig), sizeof message.rig);
-  CHECK_TRUE(message.body == kBody);
+  CHECK_EQUAL(kBody, message.body);
 }
 
 TEST(Seal, IsTheKeyedHashThatItsHeaderNames) {
@@ -49,18 +49,18 @@ TEST(Seal, IsTheKeyedHashThatItsHeaderNames) {
     digits += kDigits[sealed[i] >> 4];
     digits += kDigits[sealed[i] & 15];
   }
-  STRCMP_EQUAL("e881f5edca6416f5fde2329acaf83eeafb047d1e3f069ccf19c8b6fbd7807fb1", digits.c_str());
+  CHECK_EQUAL("e881f5edca6416f5fde2329acaf83eeafb047d1e3f069ccf19c8b6fbd7807fb1", digits);
 }
 
-TEST(Seal, IsNotOpenedByAnotherKey) { STRCMP_EQUAL("forged", answer(sealed, Key::random()).c_str()); }
+TEST(Seal, IsNotOpenedByAnotherKey) { CHECK_EQUAL("forged", answer(sealed, Key::random())); }
 
 TEST(Seal, IsNotOpenedForAnotherRig) {
-  STRCMP_EQUAL("for another rig", answer(sealed, kKey, "bench2").c_str());
-  STRCMP_EQUAL("for another rig", answer(sealed, kKey, "benc").c_str());
+  CHECK_EQUAL("for another rig", answer(sealed, kKey, "bench2"));
+  CHECK_EQUAL("for another rig", answer(sealed, kKey, "benc"));
   const std::string longest(24, 'r');
   const Bytes other = seal(kKey, longest, kBody).value();
-  STRCMP_EQUAL("opened", answer(other, kKey, longest.c_str()).c_str());
-  STRCMP_EQUAL("for another rig", answer(other, kKey, std::string(23, 'r').c_str()).c_str());
+  CHECK_EQUAL("opened", answer(other, kKey, longest.c_str()));
+  CHECK_EQUAL("for another rig", answer(other, kKey, std::string(23, 'r').c_str()));
 }
 
 TEST(Seal, IsBrokenByEveryChangeOfOneBit) {
@@ -70,16 +70,16 @@ TEST(Seal, IsBrokenByEveryChangeOfOneBit) {
     const std::string why = answer(altered);
     // Fingerprint, version and size are looked at before the proof.
     const bool shape = bit / 8 < 12 || (bit / 8 >= 36 && bit / 8 < 40);
-    STRCMP_EQUAL(shape ? "malformed" : "forged", why.c_str());
+    CHECK_EQUAL(shape ? "malformed" : "forged", why);
   }
 }
 
 TEST(Seal, IsBrokenByEveryCutAndEveryAddition) {
   for (std::size_t size = 0; size < sealed.size(); ++size)
-    STRCMP_EQUAL("malformed",
-                 answer(Bytes(sealed.begin(), sealed.begin() + static_cast<std::ptrdiff_t>(size))).c_str());
+    CHECK_EQUAL("malformed",
+                answer(Bytes(sealed.begin(), sealed.begin() + static_cast<std::ptrdiff_t>(size))));
   sealed.push_back(0);
-  STRCMP_EQUAL("malformed", answer(sealed).c_str());
+  CHECK_EQUAL("malformed", answer(sealed));
 }
 
 TEST(Seal, HoldsABodyOfAnyAllowedSize) {
@@ -96,7 +96,7 @@ TEST(Seal, HoldsABodyOfAnyAllowedSize) {
 TEST(Seal, HoldsNothingLarger) {
   const Bytes body(kMaxBody_bytes + 1, 7);
   STRCMP_CONTAINS("too large", seal(kKey, "bench", body).error().message.c_str());
-  STRCMP_EQUAL("oversized", answer(Bytes(kMaxSealed_bytes + 1, 7)).c_str());
+  CHECK_EQUAL("oversized", answer(Bytes(kMaxSealed_bytes + 1, 7)));
 }
 
 TEST(Seal, LooksAtNothingBeyondTheBytes) {

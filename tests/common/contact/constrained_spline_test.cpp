@@ -12,7 +12,7 @@
 #include "common/contact/differentiation/uniform_spline.hpp"
 #include "tests/common/physics/thesis_folder.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe;
 using contact::EndConditions;
@@ -232,21 +232,21 @@ TEST(ConstrainedFits, RefuseWhatTheyCannotUse) {
   const auto message = [&](std::vector<double> t, std::vector<double> y, SplineOptions o) {
     return fit_constrained_spline(t, y, e, o).error().message;
   };
-  STRCMP_EQUAL("a constrained fit needs as many times as values", message({0.1, 0.2}, {1.0}, {}).c_str());
-  STRCMP_EQUAL("a constrained fit needs at least three images", message({0.1, 0.2}, {1.0, 2.0}, {}).c_str());
-  STRCMP_EQUAL("a constrained fit needs time fractions from 0 to 1",
-               message({0.1, 0.2, 1.1}, {1.0, 2.0, 3.0}, {}).c_str());
-  STRCMP_EQUAL("a constrained fit needs finite numbers below 1e100",
-               message({0.1, 0.2, 0.3}, {1.0, NAN, 3.0}, {}).c_str());
+  CHECK_EQUAL("a constrained fit needs as many times as values", message({0.1, 0.2}, {1.0}, {}));
+  CHECK_EQUAL("a constrained fit needs at least three images", message({0.1, 0.2}, {1.0, 2.0}, {}));
+  CHECK_EQUAL("a constrained fit needs time fractions from 0 to 1",
+              message({0.1, 0.2, 1.1}, {1.0, 2.0, 3.0}, {}));
+  CHECK_EQUAL("a constrained fit needs finite numbers below 1e100",
+              message({0.1, 0.2, 0.3}, {1.0, NAN, 3.0}, {}));
   SplineOptions o;
   o.intervals = 0;
-  STRCMP_EQUAL("a constrained fit takes 1 to 32 intervals", message(kTimes, values, o).c_str());
+  CHECK_EQUAL("a constrained fit takes 1 to 32 intervals", message(kTimes, values, o));
   o = {};
   o.smoothing = 0.0;
-  STRCMP_EQUAL("the smoothing of a constrained fit must be positive", message(kTimes, values, o).c_str());
+  CHECK_EQUAL("the smoothing of a constrained fit must be positive", message(kTimes, values, o));
   o = {};
   o.noise_sd = -1.0;
-  STRCMP_EQUAL("the noise of a constrained fit must be positive", message(kTimes, values, o).c_str());
+  CHECK_EQUAL("the noise of a constrained fit must be positive", message(kTimes, values, o));
 }
 
 TEST_GROUP(ConstrainedMotions){};
@@ -324,8 +324,8 @@ TEST(ConstrainedMotions, RefuseScalesOutOfRange) {
   const auto message = [&](contact::ContactScale scale) {
     return contact::fit_constrained_motion(set, scale, {}).error().message;
   };
-  STRCMP_EQUAL("dwell time must be positive", message({}).c_str());
-  STRCMP_EQUAL("dwell distance must be positive", message({.dwell_time_s = 1e-3}).c_str());
-  STRCMP_EQUAL("total rotation must be a finite number",
-               message({.dwell_time_s = 1e-3, .dwell_distance_m = 1, .total_rotation_rad = NAN}).c_str());
+  CHECK_EQUAL("dwell time must be positive", message({}));
+  CHECK_EQUAL("dwell distance must be positive", message({.dwell_time_s = 1e-3}));
+  CHECK_EQUAL("total rotation must be a finite number",
+              message({.dwell_time_s = 1e-3, .dwell_distance_m = 1, .total_rotation_rad = NAN}));
 }

@@ -2,7 +2,7 @@
 
 #include "common/data/contact_set.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using strobe::data::is_end_point;
 using strobe::data::parse_contact_csv;
@@ -17,7 +17,7 @@ std::string complaint(const std::string& text) {
 }
 
 void check_complaint(const std::string& expected, const std::string& text) {
-  STRCMP_EQUAL(expected.c_str(), complaint(text).c_str());
+  CHECK_EQUAL(expected, complaint(text));
 }
 
 }  // namespace

@@ -9,7 +9,7 @@
 #include "common/data/csv.hpp"
 #include "tests/common/physics/thesis_folder.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe;
 using contact::CubicFit;
@@ -194,13 +194,10 @@ TEST(CubicFits, RefuseWhatDoesNotDetermineThem) {
   const std::vector<double> repeated{0.0, 0.5, 0.5, 0.5, 1.0};
   const std::vector<double> five{1.0, 2.0, 3.0, 4.0, 5.0};
   const std::vector<double> nan{0.0, 0.5, 0.7, std::numeric_limits<double>::quiet_NaN(), 1.0};
-  STRCMP_EQUAL("a cubic fit needs at least four rows",
-               contact::fit_cubic(three, three).error().message.c_str());
-  STRCMP_EQUAL("a cubic fit needs four different times",
-               contact::fit_cubic(repeated, five).error().message.c_str());
-  STRCMP_EQUAL("a cubic fit needs as many times as values",
-               contact::fit_cubic(five, three).error().message.c_str());
-  STRCMP_EQUAL("a cubic fit needs finite numbers", contact::fit_cubic(nan, five).error().message.c_str());
+  CHECK_EQUAL("a cubic fit needs at least four rows", contact::fit_cubic(three, three).error().message);
+  CHECK_EQUAL("a cubic fit needs four different times", contact::fit_cubic(repeated, five).error().message);
+  CHECK_EQUAL("a cubic fit needs as many times as values", contact::fit_cubic(five, three).error().message);
+  CHECK_EQUAL("a cubic fit needs finite numbers", contact::fit_cubic(nan, five).error().message);
 }
 
 TEST(CubicFits, OfAConstantHaveNoRSquared) {

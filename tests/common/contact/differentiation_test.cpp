@@ -13,7 +13,6 @@
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe;
-using contact::CubicFit;
 using testing::thesis_data;
 
 namespace {

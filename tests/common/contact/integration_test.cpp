@@ -10,7 +10,7 @@
 #include "common/contact/standard_error.hpp"
 #include "tests/common/physics/thesis_folder.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe;
 using contact::SpinPulse;
@@ -87,19 +87,17 @@ TEST(StandardErrorsOfTrajectories, RefuseSetsScalesAndTrajectoriesThatAreOutOfRa
     return contact::standard_errors(set, of, scale).error().message;
   };
   const auto set = set_on_arc(0.0);
-  STRCMP_EQUAL("dwell distance must be positive", message(set, arc, {}).c_str());
-  STRCMP_EQUAL("diameter must be positive",
-               message(set, arc, {.dwell_distance_m = 1, .diameter_m = 0, .total_rotation_rad = {}}).c_str());
-  STRCMP_EQUAL("the trajectory is not finite at an image", message(
-                                                               set,
-                                                               [](double) {
-                                                                 return contact::TrajectoryPoint{NAN, 0, 0};
-                                                               },
-                                                               kScale)
-                                                               .c_str());
+  CHECK_EQUAL("dwell distance must be positive", message(set, arc, {}));
+  CHECK_EQUAL("diameter must be positive",
+              message(set, arc, {.dwell_distance_m = 1, .diameter_m = 0, .total_rotation_rad = {}}));
+  CHECK_EQUAL("the trajectory is not finite at an image", message(
+                                                              set,
+                                                              [](double) {
+                                                                return contact::TrajectoryPoint{NAN, 0, 0};
+                                                              },
+                                                              kScale));
   const ContactSet one{.name = "one", .rows = {{0.5, 0.5, -0.1, 0.5}}};
-  STRCMP_EQUAL("at least two rows are needed between touchdown and lift-off",
-               message(one, arc, kScale).c_str());
+  CHECK_EQUAL("at least two rows are needed between touchdown and lift-off", message(one, arc, kScale));
 }
 
 // The spins and the rotation fractions were measured apart: where a topspin or spinless ball's pulse fits its

@@ -7,7 +7,6 @@
 #include <cstdint>
 #include <cstdio>
 #include <random>
-#include <string>
 
 #include "common/contact/integration/spin_pulse.hpp"
 

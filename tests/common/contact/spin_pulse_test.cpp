@@ -7,7 +7,7 @@
 #include "common/contact/integration/spin_pulse.hpp"
 #include "tests/common/physics/thesis_folder.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe;
 using contact::SpinPulse;
@@ -110,7 +110,7 @@ TEST(SpinPulses, AreContinuousAtTheGripWhereFrictionAloneJumps) {
   DOUBLES_EQUAL(before.omega_radps, after.omega_radps, 1e-9);
   CHECK(before.fx_n < -10.0);
   DOUBLES_EQUAL(0.0, after.fx_n, 0.0);
-  CHECK(pulse->regime() == Regime::grips);
+  CHECK_EQUAL(Regime::grips, pulse->regime());
 }
 
 TEST(SpinPulses, OfAnOffsetForceRollOnWithRollingFriction) {
@@ -132,7 +132,7 @@ TEST(SpinPulses, WithTooLittleFrictionAreTurnedOverByAnOffset) {
   in.offset_m = 0.02;
   const auto pulse = SpinPulse::make(in);
   CHECK(pulse->grip_fraction().has_value());
-  CHECK(pulse->regime() == Regime::slides);
+  CHECK_EQUAL(Regime::slides, pulse->regime());
   CHECK(pulse->at_fraction(0.01).slip_mps < 0.0);
   CHECK(pulse->at_fraction(1.0).slip_mps > 0.0);
   CHECK(pulse->at_fraction(0.99).fx_n < 0.0);
@@ -171,7 +171,7 @@ TEST(SpinPulses, GripInAllConditionsOfTheThesisButThree) {
         SpinPulse::make(contact::spin_pulse_input(c, impact::PulseForm::exact, ball::kThinShellAlpha));
     if (pulse->regime() == Regime::slides) sliding += c.name() + " ";
   }
-  STRCMP_EQUAL("zero_17 back_17 back_22 ", sliding.c_str());
+  CHECK_EQUAL("zero_17 back_17 back_22 ", sliding);
 }
 
 TEST(SpinPulses, RefuseWhatIsOutOfRangeByType) {

@@ -1,11 +1,10 @@
 #include <cmath>
 #include <numbers>
-#include <string>
 
 #include "common/contact/standard_error.hpp"
 #include "tests/common/physics/thesis_folder.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe;
 using contact::ContactInputs;
@@ -114,19 +113,16 @@ TEST(StandardErrorOfEstimate, RefusesInputsOutOfRangeAndSetsTooShort) {
     change(in);
     return contact::pulse_standard_errors(set, in).error().message;
   };
-  STRCMP_EQUAL("e must be from 0 to 1", complaint([](ContactInputs& in) { in.e = 1.01; }).c_str());
-  STRCMP_EQUAL("the simplified pulse needs e above 0",
-               complaint([](ContactInputs& in) { in.e = 0.0; }).c_str());
-  STRCMP_EQUAL("dwell time must be positive",
-               complaint([](ContactInputs& in) { in.dwell_time_s = 0.0; }).c_str());
-  STRCMP_EQUAL("dwell distance must be positive",
-               complaint([](ContactInputs& in) { in.dwell_distance_m = 0.0; }).c_str());
-  STRCMP_EQUAL("diameter must be positive",
-               complaint([](ContactInputs& in) { in.diameter_m = NAN; }).c_str());
-  STRCMP_EQUAL("inputs must be finite numbers", complaint([](ContactInputs& in) { in.mu = NAN; }).c_str());
-  STRCMP_EQUAL("vy must be negative: the ball must move towards the surface",
-               complaint([](ContactInputs& in) { in.vy_td_mps = 6.7; }).c_str());
+  CHECK_EQUAL("e must be from 0 to 1", complaint([](ContactInputs& in) { in.e = 1.01; }));
+  CHECK_EQUAL("the simplified pulse needs e above 0", complaint([](ContactInputs& in) { in.e = 0.0; }));
+  CHECK_EQUAL("dwell time must be positive", complaint([](ContactInputs& in) { in.dwell_time_s = 0.0; }));
+  CHECK_EQUAL("dwell distance must be positive",
+              complaint([](ContactInputs& in) { in.dwell_distance_m = 0.0; }));
+  CHECK_EQUAL("diameter must be positive", complaint([](ContactInputs& in) { in.diameter_m = NAN; }));
+  CHECK_EQUAL("inputs must be finite numbers", complaint([](ContactInputs& in) { in.mu = NAN; }));
+  CHECK_EQUAL("vy must be negative: the ball must move towards the surface",
+              complaint([](ContactInputs& in) { in.vy_td_mps = 6.7; }));
   const data::ContactSet one{.name = "one", .rows = {{0, 0, 0, 0}, {0.5, 0.5, -0.1, 0.5}, {1, 1, 0, 1}}};
-  STRCMP_EQUAL("at least two rows are needed between touchdown and lift-off",
-               contact::pulse_standard_errors(one, kZero).error().message.c_str());
+  CHECK_EQUAL("at least two rows are needed between touchdown and lift-off",
+              contact::pulse_standard_errors(one, kZero).error().message);
 }

@@ -9,7 +9,7 @@
 #include "common/impact/fit/skid_and_energy.hpp"
 #include "tests/support/repetitions.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe;
 using namespace strobe::impact;
@@ -124,7 +124,7 @@ TEST(ContactFit, ParametersThatTheConditionsDoNotTellApartAreRefused) {
   const std::vector<ContactObservation> alike(3, measured()[1]);
   const auto fit = fit_contact(alike);
   CHECK_FALSE(fit.has_value());
-  STRCMP_EQUAL("the conditions do not tell the contact's parameters apart", fit.error().message.c_str());
+  CHECK_EQUAL("the conditions do not tell the contact's parameters apart", fit.error().message);
 }
 
 TEST(ContactFit, AConditionThatTheMechanicsRefusesIsNamed) {
@@ -132,7 +132,7 @@ TEST(ContactFit, AConditionThatTheMechanicsRefusesIsNamed) {
   conditions[4].e = 1.2;
   const auto fit = fit_contact(conditions);
   CHECK_FALSE(fit.has_value());
-  STRCMP_EQUAL("zero_49: e must be from 0 to 1", fit.error().message.c_str());
+  CHECK_EQUAL("zero_49: e must be from 0 to 1", fit.error().message);
 }
 
 TEST(ContactFit, EnergyLossesSumToTheLossAndMeetTheMeasuredOne) {

@@ -3,17 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <limits>
-#include <numbers>
-#include <vector>
 
 #include "common/impact/ode/contact_system.hpp"
 #include "common/impact/ode/contact_trajectory.hpp"
 #include "common/impact/ode/normal_spring.hpp"
 #include "tests/support/allocations.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe;
 using namespace strobe::impact;
@@ -62,8 +59,7 @@ TEST(ContactOde, TheNormalMotionIsThatOfTheClosedForm) {
     const auto spring = normal_spring(kBall.mass_kg, e, c.dwell_s);
     const double zeta = spring->damping_ratio;
     if (zeta >= 1.0) continue;
-    const double q = std::sqrt(1.0 - zeta * zeta);
-    const double turn = std::atan2(q, zeta);
+    const double q = std::sqrt(1.0 - zeta * zeta), turn = std::atan2(q, zeta);
     DOUBLES_EQUAL(turn / q / spring->frequency_radps, s.max_depth_time_s, 1e-12);
     DOUBLES_EQUAL(8.0 / spring->frequency_radps * std::exp(-zeta / q * turn), s.max_depth_m, 1e-11);
   }
@@ -73,8 +69,8 @@ TEST(ContactOde, SlidingThroughoutIsTheRigidSlide) {
   const Motion shot{20.0, -3.0, 100.0};
   const ContactSummary s = contact_of(shot, plain(0.4));
   const auto slide = rigid(kBall, shot, 0.8, 0.4);
-  CHECK(slide->regime == Regime::slides);
-  CHECK(s.regime == Regime::slides);
+  CHECK_EQUAL(Regime::slides, slide->regime);
+  CHECK_EQUAL(Regime::slides, s.regime);
   DOUBLES_EQUAL(slide->lift_off.vx_mps, s.lift_off.vx_mps, 1e-9);
   DOUBLES_EQUAL(slide->lift_off.omega_radps, s.lift_off.omega_radps, 1e-7);
   DOUBLES_EQUAL(0.4, s.impulse_ratio, 1e-10);
@@ -91,7 +87,7 @@ TEST(ContactOde, AnElasticGripAsLongAsTheContactTurnsTheSlipRound) {
   c.stiffness_ratio = kBall.alpha / (1.0 + kBall.alpha);
   const ContactSummary s = contact_of({4.0, -8.0, 30.0}, c);
   DOUBLES_EQUAL(-(4.0 + kBall.radius_m() * 30.0), s.slip_lo_mps, 1e-8);
-  CHECK(s.regime == Regime::grips);
+  CHECK_EQUAL(Regime::grips, s.regime);
   DOUBLES_EQUAL(0.0, *s.skid_to_grip_s, 0.0);
   DOUBLES_EQUAL(0.0, s.energy.dissipated_j() / s.energy.kinetic_td_j, 1e-9);
 }
@@ -110,7 +106,7 @@ TEST(ContactOde, ADropWithoutSpinStaysUpright) {
     const ContactSummary s = contact_of({0.0, -8.0, 0.0}, c);
     DOUBLES_EQUAL(0.0, s.lift_off.vx_mps, 0.0);
     DOUBLES_EQUAL(0.0, s.lift_off.omega_radps, 0.0);
-    CHECK(s.regime == Regime::grips);
+    CHECK_EQUAL(Regime::grips, s.regime);
   }
 }
 
@@ -140,8 +136,7 @@ TEST(ContactOde, LargestForcesAreThoseOfTheTrajectory) {
   for (const Motion& shot :
        {kShot, Motion{4.0, -8.0, 30.0}, Motion{25.0, -4.0, 0.0}, Motion{-6.0, -9.0, 300.0}}) {
     const auto contact = ContactTrajectory::make(kBall, shot, {});
-    double friction_n = 0.0;
-    double normal_n = 0.0;
+    double friction_n = 0.0, normal_n = 0.0;
     for (int i = 0; i <= 20000; ++i) {
       const ContactState z = contact->at(contact->summary().dwell_s * i / 20000.0);
       friction_n = std::max(friction_n, std::abs(z.fx_n));
@@ -201,7 +196,7 @@ TEST(ContactOde, GravityAddsItsImpulseToThatOfTheRebound) {
 TEST(ContactOde, AWeightThatHoldsTheBallIsNamed) {
   ContactCoefficients c = plain(0.3);
   c.gravity_mps2 = 9.81;
-  CHECK(error_of({1e-3, -1e-6, 0.0}, c) == InputError::no_release);
+  CHECK_EQUAL(InputError::no_release, error_of({1e-3, -1e-6, 0.0}, c));
 }
 
 // Halving the step divides the error of a method of order p by 2^p. One law throughout and no footprint
@@ -231,9 +226,7 @@ TEST(ContactOde, StepsOfTheAdaptiveMethodAreOfFifthOrderWithAFourthOrderError) {
     last_error = std::abs(error[detail::kStretch]);
     return z[detail::kStretch];
   };
-  double e32 = 0.0;
-  double e64 = 0.0;
-  double unused = 0.0;
+  double e32 = 0.0, e64 = 0.0, unused = 0.0;
   const double exact = carry(4000, unused);
   const double ratio = std::abs(carry(32, e32) - exact) / std::abs(carry(64, e64) - exact);
   DOUBLES_EQUAL(5.0, std::log2(ratio), 0.15);
@@ -275,25 +268,28 @@ TEST(ContactOde, InputsOutOfRangeAreNamed) {
     c.*member = value;
     return c;
   };
-  CHECK(error_of({nan, -1.0, 0.0}, {}) == InputError::not_finite);
-  CHECK(error_of({1.0, -inf, 0.0}, {}) == InputError::not_finite);
-  CHECK(error_of({1.0, 0.0, 0.0}, {}) == InputError::not_approaching);
-  CHECK(error_of({1.0, -tiny, 0.0}, {}) == InputError::magnitude_out_of_range);
-  CHECK(error_of({1e300, -1.0, 0.0}, {}) == InputError::magnitude_out_of_range);
-  CHECK(error_of({1.0, -1.0, 1e300}, {}) == InputError::magnitude_out_of_range);
-  CHECK(error_of(kShot, {}, {}, {.diameter_m = 0.0}) == InputError::ball_out_of_range);
-  CHECK(error_of(kShot, {}, {}, {.mass_kg = tiny}) == InputError::magnitude_out_of_range);
-  CHECK(error_of(kShot, with(&ContactCoefficients::e, 1.01)) == InputError::restitution_out_of_range);
-  CHECK(error_of(kShot, with(&ContactCoefficients::e, 1e-4)) == InputError::spring_out_of_range);
-  CHECK(error_of(kShot, with(&ContactCoefficients::mu, -0.1)) == InputError::friction_negative);
-  CHECK(error_of(kShot, with(&ContactCoefficients::mu, 1e300)) == InputError::magnitude_out_of_range);
-  CHECK(error_of(kShot, with(&ContactCoefficients::dwell_s, 0.0)) == InputError::dwell_not_positive);
-  CHECK(error_of(kShot, with(&ContactCoefficients::dwell_s, tiny)) == InputError::magnitude_out_of_range);
-  CHECK(error_of(kShot, with(&ContactCoefficients::stiffness_ratio, 0.0)) == InputError::spring_out_of_range);
-  CHECK(error_of(kShot, with(&ContactCoefficients::damping_ratio, 1e-3)) == InputError::spring_out_of_range);
-  CHECK(error_of(kShot, with(&ContactCoefficients::offset_share, 1.5)) == InputError::offset_out_of_range);
-  CHECK(error_of(kShot, {}, {.tolerance = 1e-14}) == InputError::tolerance_out_of_range);
-  CHECK(error_of(kShot, {}, {.tolerance = nan}) == InputError::tolerance_out_of_range);
-  CHECK(error_of(kShot, {}, {.method = ContactMethod::rk4, .steps = 0}) ==
-        InputError::tolerance_out_of_range);
+  CHECK_EQUAL(InputError::not_finite, error_of({nan, -1.0, 0.0}, {}));
+  CHECK_EQUAL(InputError::not_finite, error_of({1.0, -inf, 0.0}, {}));
+  CHECK_EQUAL(InputError::not_approaching, error_of({1.0, 0.0, 0.0}, {}));
+  CHECK_EQUAL(InputError::magnitude_out_of_range, error_of({1.0, -tiny, 0.0}, {}));
+  CHECK_EQUAL(InputError::magnitude_out_of_range, error_of({1e300, -1.0, 0.0}, {}));
+  CHECK_EQUAL(InputError::magnitude_out_of_range, error_of({1.0, -1.0, 1e300}, {}));
+  CHECK_EQUAL(InputError::ball_out_of_range, error_of(kShot, {}, {}, {.diameter_m = 0.0}));
+  CHECK_EQUAL(InputError::magnitude_out_of_range, error_of(kShot, {}, {}, {.mass_kg = tiny}));
+  CHECK_EQUAL(InputError::restitution_out_of_range, error_of(kShot, with(&ContactCoefficients::e, 1.01)));
+  CHECK_EQUAL(InputError::spring_out_of_range, error_of(kShot, with(&ContactCoefficients::e, 1e-4)));
+  CHECK_EQUAL(InputError::friction_negative, error_of(kShot, with(&ContactCoefficients::mu, -0.1)));
+  CHECK_EQUAL(InputError::magnitude_out_of_range, error_of(kShot, with(&ContactCoefficients::mu, 1e300)));
+  CHECK_EQUAL(InputError::dwell_not_positive, error_of(kShot, with(&ContactCoefficients::dwell_s, 0.0)));
+  CHECK_EQUAL(InputError::magnitude_out_of_range, error_of(kShot, with(&ContactCoefficients::dwell_s, tiny)));
+  CHECK_EQUAL(InputError::spring_out_of_range,
+              error_of(kShot, with(&ContactCoefficients::stiffness_ratio, 0.0)));
+  CHECK_EQUAL(InputError::spring_out_of_range,
+              error_of(kShot, with(&ContactCoefficients::damping_ratio, 1e-3)));
+  CHECK_EQUAL(InputError::offset_out_of_range,
+              error_of(kShot, with(&ContactCoefficients::offset_share, 1.5)));
+  CHECK_EQUAL(InputError::tolerance_out_of_range, error_of(kShot, {}, {.tolerance = 1e-14}));
+  CHECK_EQUAL(InputError::tolerance_out_of_range, error_of(kShot, {}, {.tolerance = nan}));
+  CHECK_EQUAL(InputError::tolerance_out_of_range,
+              error_of(kShot, {}, {.method = ContactMethod::rk4, .steps = 0}));
 }

@@ -22,8 +22,7 @@ double over_decades(double low, double high) { return low * std::pow(high / low,
 const ball::Ball kPropertiesBall{.alpha = 0.579};
 
 Motion any_touchdown() {
-  const double degree = std::numbers::pi / 180.0;
-  const double speed = over_decades(1e-6, 1e3);
+  const double degree = std::numbers::pi / 180.0, speed = over_decades(1e-6, 1e3);
   const double angle = *rc::gen::arbitrary<bool>() ? over_decades(0.01, 90.0) : between(1.0, 90.0);
   const double side = *rc::gen::arbitrary<bool>() ? 1.0 : -1.0;
   Motion m{side * speed * std::cos(angle * degree), -speed * std::sin(angle * degree), 0.0};

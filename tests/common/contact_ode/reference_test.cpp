@@ -38,8 +38,7 @@ class Draws {
 /// Angle .01 to 90 degrees, speed 1e-6 to 1e3 m/s, |omega| 0 to 1e5 rad/s, e .14 to 1, mu 0 to 10, dwell time
 /// 1 us to 1 s; a third with a spin of the order of rolling, where grip and slip change most.
 Case draw(Draws& draws) {
-  const double degree = std::numbers::pi / 180.0;
-  const double speed = draws.over_decades(1e-6, 1e3);
+  const double degree = std::numbers::pi / 180.0, speed = draws.over_decades(1e-6, 1e3);
   const double angle = draws.one_in(2) ? draws.over_decades(0.01, 90.0) : draws.between(5.0, 90.0);
   Case c;
   c.touchdown = {speed * std::cos(angle * degree), -speed * std::sin(angle * degree), 0.0};
@@ -76,8 +75,7 @@ double relative(const testing::Quad& got, const testing::Quad& expected, double 
 double error_of(const Case& c, const impact::ContactSummary& got,
                 const testing::ReferenceContact& reference) {
   const ball::Ball ball{.alpha = impact::kContactAlpha};
-  const double radius = ball.radius_m();
-  const double normal = -c.touchdown.vy_mps;
+  const double radius = ball.radius_m(), normal = -c.touchdown.vy_mps;
   const double slip = std::abs(std::fma(radius, c.touchdown.omega_radps, c.touchdown.vx_mps));
   const double depth = std::min(1.0, normal * c.coefficients.dwell_s / 3.0 / radius);
   const double scale = std::min(2.0 * c.coefficients.mu * normal, slip) +

@@ -7,7 +7,6 @@
 // they do not.
 #include <cmath>
 #include <limits>
-#include <string>
 
 #include "common/impact/ode/contact_system.hpp"
 #include "common/impact/ode/contact_trajectory.hpp"
@@ -46,8 +45,7 @@ detail::State carried(const detail::System& s, ContactMethod method, double time
 
 std::vector<Refinement> depth_errors(ContactMethod method, int fewest, int most) {
   const auto system = detail::make_system(kBall, kShot, coefficients(0.0));
-  const double time = 2.0;
-  const double q = std::sqrt(1.0 - system->zeta * system->zeta);
+  const double time = 2.0, q = std::sqrt(1.0 - system->zeta * system->zeta);
   const double exact = std::exp(-system->zeta * time) * std::sin(q * time) / q;
   std::vector<Refinement> out;
   for (int n = fewest; n <= most; n *= 2)
@@ -85,9 +83,8 @@ TEST(ContactConvergence, TheErrorFallsToRoundingAndStaysThere) {
   for (const ContactMethod method : {ContactMethod::dormand_prince, ContactMethod::rk4}) {
     const auto errors = depth_errors(method, 8, 131072);
     CHECK(least_error(errors) <= 32.0 * kEps);
-    for (const Refinement& r : errors) {
+    for (const Refinement& r : errors)
       if (r.steps >= 4096.0) CHECK(r.error <= std::sqrt(r.steps) * kEps);
-    }
     // Rounding is not reached by luck: past it the error does not fall as the order would have it.
     CHECK(errors.back().error > kEps);
   }

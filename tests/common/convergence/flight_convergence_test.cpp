@@ -1,7 +1,6 @@
 // The two flights of this project against each other: the rig's Runge-Kutta steps, which are its truth, and
 // the reduction's third-order series. They share no code. What a flight without drag keeps, it keeps here
 // too.
-#include <array>
 #include <cmath>
 #include <limits>
 
@@ -87,8 +86,7 @@ TEST(FlightConvergence, TheReductionsSeriesErrsByTheFourthPower) {
   for (const double parts : {1.0, 2.0, 4.0, 8.0}) {
     const double t = 0.08 / parts;
     const sim::FlightState exact = flown(scene, kStart, kSpin_radps, t);
-    const Eigen::Vector2d p = series.position_at(t);
-    const Eigen::Vector2d v = series.velocity_at(t);
+    const Eigen::Vector2d p = series.position_at(t), v = series.velocity_at(t);
     places.push_back({parts, std::hypot(p.x() - exact.x_m, p.y() - exact.y_m)});
     speeds.push_back({parts, std::hypot(v.x() - exact.vx_mps, v.y() - exact.vy_mps)});
   }

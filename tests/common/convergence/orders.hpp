@@ -8,8 +8,7 @@
 namespace strobe::testing {
 
 struct Refinement {
-  double steps = 0.0;
-  double error = 0.0;
+  double steps = 0.0, error = 0.0;
 };
 
 /// Slope of log(error) over -log(steps) by least squares, over those refinements whose error is at least
@@ -18,8 +17,7 @@ inline double order_above(const std::vector<Refinement>& refinements, double flo
   double n = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0;
   for (const Refinement& r : refinements) {
     if (!(r.error >= floor)) continue;
-    const double a = -std::log(r.steps);
-    const double b = std::log(r.error);
+    const double a = -std::log(r.steps), b = std::log(r.error);
     n += 1.0;
     x += a;
     y += b;

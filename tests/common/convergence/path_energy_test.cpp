@@ -1,5 +1,4 @@
 // Energy along the rig's whole paths: flight, contact, flight.
-#include <cmath>
 #include <cstdio>
 #include <random>
 

@@ -1,4 +1,3 @@
-// Air on a ball: its signs and sizes by hand, and the series against an integration of high order.
 #include <array>
 #include <boost/numeric/odeint.hpp>
 #include <cmath>
@@ -18,8 +17,7 @@ namespace {
 const Vector2d kGravity(0.0, -9.80665);
 
 struct State {
-  Vector2d position;
-  Vector2d velocity;
+  Vector2d position, velocity;
 };
 
 /// The equations of motion written out by coefficients and unit vectors, integrated to 1e-13.
@@ -43,7 +41,8 @@ State integrated(const Vector2d& velocity, double omega, double time_s, bool dra
 }
 
 Flight thrown(const Vector2d& velocity, double omega, Effects effects = {}) {
-  return {Vector2d::Zero(), velocity, forcing(aerodynamics({}, kAirDensity_kgpm3, effects), kGravity, velocity, omega)};
+  return {Vector2d::Zero(), velocity,
+          forcing(aerodynamics({}, kAirDensity_kgpm3, effects), kGravity, velocity, omega)};
 }
 
 double distance(const Vector2d& a, const Vector2d& b) { return (a - b).norm(); }

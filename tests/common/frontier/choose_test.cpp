@@ -7,7 +7,7 @@
 #include "common/frontier/frontier.hpp"
 #include "common/units/tolerance.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe::frontier;
 
@@ -55,44 +55,43 @@ struct Draw {
 TEST_GROUP(Choose){};
 
 TEST(Choose, TakesTheCheapestThatIsExactEnough) {
-  STRCMP_EQUAL("rigid", label(*choose(kRows, {.tolerance = 0.1, .deadline_us = {}})).c_str());
-  STRCMP_EQUAL("grip", label(*choose(kRows, {.tolerance = 0.05, .deadline_us = {}})).c_str());
-  STRCMP_EQUAL("ode tolerance=0.001",
-               label(*choose(kRows, {.tolerance = 0.01, .deadline_us = 50.0})).c_str());
+  CHECK_EQUAL("rigid", label(*choose(kRows, {.tolerance = 0.1, .deadline_us = {}})));
+  CHECK_EQUAL("grip", label(*choose(kRows, {.tolerance = 0.05, .deadline_us = {}})));
+  CHECK_EQUAL("ode tolerance=0.001", label(*choose(kRows, {.tolerance = 0.01, .deadline_us = 50.0})));
 }
 
 TEST(Choose, TakesTheMostExactInTimeWithoutATolerance) {
-  STRCMP_EQUAL("ode tolerance=0.001", label(*choose(kRows, {.tolerance = {}, .deadline_us = 10.0})).c_str());
-  STRCMP_EQUAL("ode tolerance=1e-06", label(*choose(kRows, {})).c_str());
+  CHECK_EQUAL("ode tolerance=0.001", label(*choose(kRows, {.tolerance = {}, .deadline_us = 10.0})));
+  CHECK_EQUAL("ode tolerance=1e-06", label(*choose(kRows, {})));
 }
 
 TEST(Choose, RefusesNamingWhatComesNearest) {
   const Requirement requirement{.tolerance = 1e-3, .deadline_us = 5.0};
   const auto refused = choose(kRows, requirement);
   CHECK(!refused);
-  STRCMP_EQUAL(
+  CHECK_EQUAL(
       "no method meets 0.1% and 5 us; in time the most exact is grip (4% of v_td in 0.02 us); exact enough "
       "the "
       "fastest is ode tolerance=0.001 (0.04% of v_td in 9 us)",
-      failure_text(refused.error(), requirement).c_str());
+      failure_text(refused.error(), requirement));
 }
 
 TEST(Choose, RefusesNamingTheFastestAndTheMostExactWhereNothingComesNear) {
   const Requirement requirement{.tolerance = 1e-9, .deadline_us = 1e-3};
-  STRCMP_EQUAL(
+  CHECK_EQUAL(
       "no method meets 1e-7% and 0.001 us; the fastest of all is rigid (10% of v_td in 0.01 us); the most "
       "exact "
       "of all is ode tolerance=1e-06 (1e-05% of v_td in 20 us)",
-      failure_text(choose(kRows, requirement).error(), requirement).c_str());
-  STRCMP_EQUAL("the frontier holds no method that could be taken",
-               failure_text(choose({}, requirement).error(), requirement).c_str());
+      failure_text(choose(kRows, requirement).error(), requirement));
+  CHECK_EQUAL("the frontier holds no method that could be taken",
+              failure_text(choose({}, requirement).error(), requirement));
 }
 
 TEST(Choose, SaysWhy) {
-  STRCMP_EQUAL("the cheapest of 5 methods that meets 0.1% and 50 us",
-               reason(kRows, {.tolerance = 1e-3, .deadline_us = 50.0}).c_str());
-  STRCMP_EQUAL("the most exact of 5 methods that meets 50 us",
-               reason(kRows, {.tolerance = {}, .deadline_us = 50.0}).c_str());
+  CHECK_EQUAL("the cheapest of 5 methods that meets 0.1% and 50 us",
+              reason(kRows, {.tolerance = 1e-3, .deadline_us = 50.0}));
+  CHECK_EQUAL("the most exact of 5 methods that meets 50 us",
+              reason(kRows, {.tolerance = {}, .deadline_us = 50.0}));
 }
 
 TEST(Choose, IsNeverDominatedNeverMissesAndRefusesOnlyWhereNothingMeetsBoth) {

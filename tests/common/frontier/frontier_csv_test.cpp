@@ -5,7 +5,7 @@
 
 #include "common/frontier/frontier.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe::frontier;
 
@@ -16,13 +16,13 @@ const std::string kHeader = "study,method,parameter,cost_us,error,error_unit,not
 void check_refused(const std::string& lines, const char* expected) {
   const auto rows = parse_frontier(kHeader + lines, "f.csv");
   CHECK_TEXT(!rows, lines.c_str());
-  STRCMP_EQUAL(expected, rows.error().message.c_str());
+  CHECK_EQUAL(expected, rows.error().message);
 }
 
 void check_ranges_refused(const std::string& lines, const char* expected) {
   const auto ranges = parse_ranges("study,quantity,lowest,highest\n" + lines, "r.csv");
   CHECK_TEXT(!ranges, lines.c_str());
-  STRCMP_EQUAL(expected, ranges.error().message.c_str());
+  CHECK_EQUAL(expected, ranges.error().message);
 }
 
 std::string text_of(const std::filesystem::path& path) {
@@ -48,9 +48,9 @@ TEST(FrontierCsv, HoldsOneMethodALineInTheirOrder) {
                      .error = 1e-9,
                      .error_unit = "of v_td",
                      .note = ""};
-  CHECK((*rows)[1] == expected);
-  STRCMP_EQUAL("grip", label((*rows)[0]).c_str());
-  STRCMP_EQUAL("ode tolerance=1e-09", label((*rows)[1]).c_str());
+  CHECK_EQUAL(expected, (*rows)[1]);
+  CHECK_EQUAL("grip", label((*rows)[0]));
+  CHECK_EQUAL("ode tolerance=1e-09", label((*rows)[1]));
 }
 
 TEST(FrontierCsv, RefusesWhatIsWrongNamingFileLineAndColumn) {
@@ -74,8 +74,8 @@ TEST(FrontierCsv, RefusesAMethodTwiceAndASecondUnit) {
 
 TEST(FrontierCsv, RefusesAnotherTable) {
   const auto rows = parse_frontier("vx,vy\n1,2\n", "f.csv");
-  STRCMP_EQUAL("f.csv:1: the header must be study,method,parameter,cost_us,error,error_unit,note",
-               rows.error().message.c_str());
+  CHECK_EQUAL("f.csv:1: the header must be study,method,parameter,cost_us,error,error_unit,note",
+              rows.error().message);
   CHECK(parse_frontier("", "f.csv").error().message.starts_with("f.csv:1: is empty"));
 }
 
@@ -98,7 +98,7 @@ TEST(FrontierCsv, AParametersValuesAreFoundByName) {
   CHECK(!parameter_value("effects=auto", "effect"));
   CHECK(!parameter_value("effects", "effects"));
   CHECK(!parameter_value("", "effects"));
-  CHECK(parameter_value("effects=", "effects") == "");
+  CHECK_EQUAL("", parameter_value("effects=", "effects"));
 }
 
 TEST(FrontierCsv, TheShippedFilesAreOnes) {

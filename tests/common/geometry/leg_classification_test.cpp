@@ -1,10 +1,9 @@
-// Finding the legs of a bounce among its images.
 #include <string>
 #include <vector>
 
 #include "common/geometry/leg_classification.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using strobe::Leg;
 using namespace strobe::geometry;
@@ -24,8 +23,7 @@ std::string word(const std::vector<Leg>& legs) {
 std::vector<TimedHeight> bounce(double first_flash_s, int flashes) {
   std::vector<TimedHeight> heights;
   for (int i = 0; i < flashes; ++i) {
-    const double t = first_flash_s + i * 3e-3;
-    const double free = t < 0 ? -6.0 * t : 5.0 * (t - 4e-3);
+    const double t = first_flash_s + i * 3e-3, free = t < 0 ? -6.0 * t : 5.0 * (t - 4e-3);
     const double height = t >= 0 && t <= 4e-3 ? -0.006 : free + 0.5 * kGravity * t * t;
     heights.push_back({t, height, kVariance, std::nullopt});
   }
@@ -42,14 +40,14 @@ LegAssignment find(const std::vector<TimedHeight>& heights) { return find_with(h
 TEST_GROUP(TimedLegs){};
 
 TEST(TimedLegs, FindsFlightContactAndFlight) {
-  STRCMP_EQUAL("iiiicrrr", word(find(bounce(-10e-3, 8)).legs).c_str());     // flashes at -1 and 2 ms
-  STRCMP_EQUAL("iiiiccrrr", word(find(bounce(-11.5e-3, 9)).legs).c_str());  // at 0.5 and 3.5 ms
+  CHECK_EQUAL("iiiicrrr", word(find(bounce(-10e-3, 8)).legs));     // flashes at -1 and 2 ms
+  CHECK_EQUAL("iiiiccrrr", word(find(bounce(-11.5e-3, 9)).legs));  // at 0.5 and 3.5 ms
 }
 
 TEST(TimedLegs, ABounceBetweenTwoFlashesHasNoContactImage) {
   std::vector<TimedHeight> heights = bounce(-10e-3, 8);
   heights.erase(heights.begin() + 4);
-  STRCMP_EQUAL("iiiirrr", word(find(heights).legs).c_str());
+  CHECK_EQUAL("iiiirrr", word(find(heights).legs));
 }
 
 TEST(TimedLegs, JudgesAnImageAtTheSurfaceByItsTimeNotByItsHeight) {
@@ -57,24 +55,24 @@ TEST(TimedLegs, JudgesAnImageAtTheSurfaceByItsTimeNotByItsHeight) {
   for (const double noise : {-1e-3, 1e-3}) {
     std::vector<TimedHeight> before = bounce(-9.1e-3, 7);
     before[3].height_m += noise;
-    STRCMP_EQUAL("iiiicrr", word(find(before).legs).substr(0, 7).c_str());
+    CHECK_EQUAL("iiiicrr", word(find(before).legs).substr(0, 7));
     std::vector<TimedHeight> after = bounce(-8.9e-3, 7);  // 0.1 ms after touchdown: -0.6 mm if it were flight
     after[3].height_m = -0.6e-3 + noise;
-    STRCMP_EQUAL("iiiccrr", word(find(after).legs).c_str());
+    CHECK_EQUAL("iiiccrr", word(find(after).legs));
   }
 }
 
 TEST(TimedLegs, KeepsLabels) {
   std::vector<TimedHeight> heights = bounce(-10e-3, 8);
   heights[5].leg = Leg::contact;
-  STRCMP_EQUAL("iiiiccrr", word(find(heights).legs).c_str());
+  CHECK_EQUAL("iiiiccrr", word(find(heights).legs));
 }
 
 TEST(TimedLegs, LeavesOutAnOverlappingImageThatIsLabelledAirborne) {
   std::vector<TimedHeight> heights = bounce(-10e-3, 8);
   for (std::size_t i = 0; i < heights.size(); ++i) heights[i].leg = i < 5 ? Leg::incoming : Leg::rebound;
   const LegAssignment found = find(heights);
-  STRCMP_EQUAL("iiiicrrr", word(found.legs).c_str());
+  CHECK_EQUAL("iiiicrrr", word(found.legs));
   LONGS_EQUAL(1, found.overlaps.size());
   LONGS_EQUAL(4, found.overlaps[0]);
 }
@@ -82,15 +80,14 @@ TEST(TimedLegs, LeavesOutAnOverlappingImageThatIsLabelledAirborne) {
 TEST(TimedLegs, AnImageInContactButWithinNoiseIsNotAnOverlap) {
   std::vector<TimedHeight> heights = bounce(-8.9e-3, 7);
   heights[3].height_m = -0.6e-3;
-  for (std::size_t i = 0; i < heights.size(); ++i) {
+  for (std::size_t i = 0; i < heights.size(); ++i)
     heights[i].leg = i < 4 ? Leg::incoming : i == 4 ? Leg::contact : Leg::rebound;
-  }
   CHECK_TRUE(find(heights).overlaps.empty());
 }
 
 TEST(TimedLegs, TakesWhatThereIs) {
   CHECK_TRUE(find({}).legs.empty());
-  STRCMP_EQUAL("c", word(find({{0.0, -0.001, kVariance, std::nullopt}}).legs).c_str());
+  CHECK_EQUAL("c", word(find({{0.0, -0.001, kVariance, std::nullopt}}).legs));
   const std::vector<TimedHeight> falling = bounce(-10e-3, 3);
   LONGS_EQUAL(3, find(falling).legs.size());
 }
@@ -106,8 +103,8 @@ TEST(TimedLegs, KnowWhichWayGravityPulls) {
     return heights;
   };
   // 0.0441 m are fallen in 94.8 ms.
-  STRCMP_EQUAL("iiii", word(find_with(slow(0.0945), 1e-8).legs).c_str());
-  STRCMP_EQUAL("iiic", word(find_with(slow(0.0952), 1e-8).legs).c_str());
+  CHECK_EQUAL("iiii", word(find_with(slow(0.0945), 1e-8).legs));
+  CHECK_EQUAL("iiic", word(find_with(slow(0.0952), 1e-8).legs));
 }
 
 TEST_GROUP(UntimedLegs) {
@@ -120,30 +117,27 @@ TEST_GROUP(UntimedLegs) {
 };
 
 TEST(UntimedLegs, ChangeAtTheLowestImage) {
-  STRCMP_EQUAL("", legs({}).c_str());
-  STRCMP_EQUAL("i", legs({{0, 2}}).c_str());
-  STRCMP_EQUAL("iicrr", legs({{0, 3}, {1, 2}, {2, 0.5}, {3, 2}, {4, 3}}).c_str());
-  STRCMP_EQUAL("iiccrr", legs({{0, 3}, {1, 2}, {2, 0.5}, {3, 0.8}, {4, 2}, {5, 3}}).c_str());
+  CHECK_EQUAL("", legs({}));
+  CHECK_EQUAL("i", legs({{0, 2}}));
+  CHECK_EQUAL("iicrr", legs({{0, 3}, {1, 2}, {2, 0.5}, {3, 2}, {4, 3}}));
+  CHECK_EQUAL("iiccrr", legs({{0, 3}, {1, 2}, {2, 0.5}, {3, 0.8}, {4, 2}, {5, 3}}));
 }
 
 TEST(UntimedLegs, GiveALowestImageInTheAirToTheLegOnWhoseLineItIs) {
-  STRCMP_EQUAL("iiirr", legs({{0, 3}, {1, 2}, {2, 1}, {4, 1.5}, {6, 2.5}}).c_str());
-  STRCMP_EQUAL("iirrr", legs({{0, 3}, {1, 1.5}, {3, 1}, {4, 2}, {5, 3}}).c_str());
-  STRCMP_EQUAL("rrr", legs({{0, 1}, {1, 2}, {2, 3}}).c_str());
-  STRCMP_EQUAL("iii", legs({{0, 3}, {1, 2}, {2, 1}}).c_str());
-  STRCMP_EQUAL("ir", legs({{0, 1}, {1, 2}}, {Leg::incoming}).c_str());
+  CHECK_EQUAL("iiirr", legs({{0, 3}, {1, 2}, {2, 1}, {4, 1.5}, {6, 2.5}}));
+  CHECK_EQUAL("iirrr", legs({{0, 3}, {1, 1.5}, {3, 1}, {4, 2}, {5, 3}}));
+  CHECK_EQUAL("rrr", legs({{0, 1}, {1, 2}, {2, 3}}));
+  CHECK_EQUAL("iii", legs({{0, 3}, {1, 2}, {2, 1}}));
+  CHECK_EQUAL("ir", legs({{0, 1}, {1, 2}}, {Leg::incoming}));
 }
 
 TEST(UntimedLegs, KeepLabelsExceptOfImagesThatTouch) {
-  STRCMP_EQUAL("iiirr", legs({{0, 3}, {1, 2}, {2, 1}, {3, 0.95}, {4, 2}},
-                             {std::nullopt, std::nullopt, std::nullopt, Leg::rebound, std::nullopt})
-                            .c_str());
-  STRCMP_EQUAL("iicrr",
-               legs({{0, 3}, {1, 2}, {2, 0.5}, {3, 2}, {4, 3}}, {{}, {}, Leg::incoming, {}, {}}).c_str());
+  CHECK_EQUAL("iiirr", legs({{0, 3}, {1, 2}, {2, 1}, {3, 0.95}, {4, 2}},
+                            {std::nullopt, std::nullopt, std::nullopt, Leg::rebound, std::nullopt}));
+  CHECK_EQUAL("iicrr", legs({{0, 3}, {1, 2}, {2, 0.5}, {3, 2}, {4, 3}}, {{}, {}, Leg::incoming, {}, {}}));
 }
 
 TEST(UntimedLegs, FollowEachOther) {
-  STRCMP_EQUAL("icccr", legs({{0, 3}, {1, 2}, {2, 1}, {3, 2}, {4, 3}},
-                             {Leg::incoming, Leg::rebound, Leg::incoming, Leg::incoming, Leg::rebound})
-                            .c_str());
+  CHECK_EQUAL("icccr", legs({{0, 3}, {1, 2}, {2, 1}, {3, 2}, {4, 3}},
+                            {Leg::incoming, Leg::rebound, Leg::incoming, Leg::incoming, Leg::rebound}));
 }

@@ -1,6 +1,4 @@
 // A leg's flight through its images, and where it meets the surface.
-#include <array>
-#include <cmath>
 
 #include "common/geometry/leg.hpp"
 

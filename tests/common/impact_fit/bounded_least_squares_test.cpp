@@ -4,10 +4,7 @@
 
 #include <CppUTest/TestHarness.h>
 
-using Eigen::Index;
-using Eigen::MatrixXd;
-using Eigen::Vector2d;
-using Eigen::VectorXd;
+using namespace Eigen;
 using namespace strobe::impact;
 
 namespace {

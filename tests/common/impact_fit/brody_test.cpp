@@ -7,7 +7,7 @@
 
 #include "tests/common/impact_fit/check.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe;
 using namespace strobe::impact;
@@ -20,8 +20,7 @@ constexpr double kRadius = ball::kThesisDiameter_m / 2.0;
 struct Bounce {
   ball::Ball ball;
   Motion touchdown;
-  double e = 0.0;
-  double mu = 0.0;
+  double e = 0.0, mu = 0.0;
 
   double spin() const { return ball.radius_m() * touchdown.omega_radps; }
   double speed() const {
@@ -51,8 +50,7 @@ TEST_GROUP(Brody){};
 TEST(Brody, AngularMomentumAboutTheContactPointIsKeptByAllThree) {
   CHECK(rc::check([] {
     const Bounce b = any_bounce();
-    const double before = conserved(b, b.touchdown);
-    const double tolerance = 1e-14 * b.speed();
+    const double before = conserved(b, b.touchdown), tolerance = 1e-14 * b.speed();
     const auto slid = slide(b.ball, b.touchdown, b.e, b.mu);
     const auto rolled = roll(b.ball, b.touchdown, b.e);
     const auto chosen = slide_or_roll(b.ball, b.touchdown, b.e, b.mu);
@@ -96,13 +94,6 @@ TEST(Brody, TheChoiceIsTheRigidBodysRebound) {
   }));
 }
 
-TEST(Brody, RollingOffFollowsTheThesissEquations14And15) {
-  const auto r = roll({.alpha = 2.0 / 3.0}, {10.0, -12.0, 40.0}, 0.7);
-  const double vx = (3.0 * 10.0 - 2.0 * kRadius * 40.0) / 5.0;
-  DOUBLES_EQUAL(vx, r->lift_off.vx_mps, 1e-14);
-  DOUBLES_EQUAL(-vx / kRadius, r->lift_off.omega_radps, 1e-11);
-}
-
 TEST(Brody, WithoutSlipThereIsNoFriction) {
   const auto r = slide({}, {0.0, -8.0, 0.0}, 0.7, 0.5);
   DOUBLES_EQUAL(0.0, r->lift_off.vx_mps, 0.0);
@@ -111,8 +102,8 @@ TEST(Brody, WithoutSlipThereIsNoFriction) {
 
 TEST(Brody, RefusesWhatTheRigidBodyRefuses) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  CHECK(slide({}, {nan, -8.0, 0.0}, 0.7, 0.5).error() == InputError::not_finite);
-  CHECK(roll({}, {1.0, 8.0, 0.0}, 0.7).error() == InputError::not_approaching);
-  CHECK(slide_or_roll({}, {1.0, -8.0, 0.0}, 1.7, 0.5).error() == InputError::restitution_out_of_range);
-  CHECK(slide_or_roll({}, {1.0, -8.0, 0.0}, 0.7, -0.5).error() == InputError::friction_negative);
+  CHECK_EQUAL(InputError::not_finite, slide({}, {nan, -8.0, 0.0}, 0.7, 0.5).error());
+  CHECK_EQUAL(InputError::not_approaching, roll({}, {1.0, 8.0, 0.0}, 0.7).error());
+  CHECK_EQUAL(InputError::restitution_out_of_range, slide_or_roll({}, {1.0, -8.0, 0.0}, 1.7, 0.5).error());
+  CHECK_EQUAL(InputError::friction_negative, slide_or_roll({}, {1.0, -8.0, 0.0}, 0.7, -0.5).error());
 }

@@ -1,11 +1,10 @@
 #include "common/impact/fit/cross_validation.hpp"
 
-#include <cmath>
 #include <set>
 
 #include "tests/common/impact_fit/check.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe;
 using namespace strobe::impact;
@@ -62,7 +61,7 @@ TEST(LeavingOut, APredictionComesFromAFitThatHasNotSeenIt) {
     for (std::size_t i = 0; i < 4; ++i)
       DOUBLES_EQUAL(alone->parameters[i].value, group.fit.parameters[i].value, 0.0);
     for (const std::size_t i : group.observations) {
-      STRCMP_EQUAL(group.group.c_str(), observations[i].spin.c_str());
+      CHECK_EQUAL(group.group, observations[i].spin);
       seen.insert(i);
     }
   }
@@ -93,7 +92,7 @@ TEST(LeavingOut, WorksWithinOneSpinToo) {
 TEST(LeavingOut, NeedsTwoGroups) {
   const auto v = leave_one_group_out(of_spin(conditions(), "top"), default_options(ReboundModel::slide_roll),
                                      CrossValidationGroup::spin);
-  CHECK(v.error().error == FitError::underdetermined);
+  CHECK_EQUAL(FitError::underdetermined, v.error().error);
 }
 
 TEST(LeavingOut, NamesTheObservationThatIsWrong) {

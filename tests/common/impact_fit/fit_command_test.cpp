@@ -1,17 +1,7 @@
-// The command fit as a user runs it.
-#include <chrono>
-#include <string>
-#include <vector>
-
-#include "tests/support/json_lines.hpp"
-#include "tests/support/process.hpp"
+#include "tests/support/program_run.hpp"
 #include "tests/support/temporary_folder.hpp"
 
-#include <CppUTest/TestHarness.h>
-
-using strobe::testing::CompletedProcess;
-using strobe::testing::parse_json_lines;
-using strobe::testing::TemporaryFolder;
+using namespace strobe::testing;
 
 namespace {
 
@@ -32,14 +22,7 @@ const std::string kShots =
 
 CompletedProcess run_fit(std::vector<std::string> arguments) {
   arguments.insert(arguments.begin(), {STROBE_PROGRAM, "fit"});
-  return strobe::testing::run_process({.arguments = std::move(arguments), .environment = {}, .folder = {}},
-                                      std::chrono::seconds(60));
-}
-
-void check_complaint(const CompletedProcess& run, const std::string& expected) {
-  LONGS_EQUAL(2, run.status->code);
-  STRCMP_EQUAL("", run.out.c_str());
-  STRCMP_EQUAL(("strobe: " + expected + "\n").c_str(), run.err.c_str());
+  return run_program(std::move(arguments));
 }
 
 }  // namespace
@@ -48,103 +31,96 @@ TEST_GROUP(FitCommand) {
   TemporaryFolder folder;
 
   std::string file(const std::string& text) {
-    const auto path = folder.path() / "results.csv";
-    strobe::testing::write_text(path, text);
-    return path.string();
+    write_text(folder / "results.csv", text);
+    return folder / "results.csv";
   }
 };
 
 TEST(FitCommand, FitsTheThesissConditionsByDefault) {
-  const CompletedProcess run = run_fit({"--json"});
-  LONGS_EQUAL(0, run.status->code);
-  const auto lines = parse_json_lines(run.out);
+  const auto lines = jsons_of(run_fit({"--json"}));
   LONGS_EQUAL(22, lines.size());
-  STRCMP_EQUAL("fit", lines[0]["type"].get<std::string>().c_str());
+  CHECK_EQUAL("fit", lines[0]["type"]);
   const auto& mu = lines[0]["parameters"]["mu"];
   DOUBLES_EQUAL(0.570, mu["value"].get<double>(), 0.001);
   CHECK(mu["sd"].get<double>() > 0.0);
-  STRCMP_EQUAL("fitted", mu["status"].get<std::string>().c_str());
+  CHECK_EQUAL("fitted", mu["status"]);
   DOUBLES_EQUAL(3.0, lines[0]["parameters"]["d_mm"]["value"].get<double>(), 0.05);
   CHECK(lines[0]["correlation"].contains("d,u0"));
-  STRCMP_EQUAL("zero_17", lines[1]["name"].get<std::string>().c_str());
-  STRCMP_EQUAL("slides", lines[1]["regime"].get<std::string>().c_str());
+  CHECK_EQUAL("zero_17", lines[1]["name"]);
+  CHECK_EQUAL("slides", lines[1]["regime"]);
   CHECK(lines[1]["z_vx"].is_number());
 }
 
 TEST(FitCommand, LeavesSpinsOutInTurn) {
-  const auto lines = parse_json_lines(run_fit({"--json", "--leave-out", "spin"}).out);
+  const auto lines = jsons_of(run_fit({"--json", "--leave-out", "spin"}));
   LONGS_EQUAL(22 + 3 + 1, lines.size());
-  STRCMP_EQUAL("left_out", lines[22]["type"].get<std::string>().c_str());
-  STRCMP_EQUAL("top", lines[23]["group"].get<std::string>().c_str());
-  STRCMP_EQUAL("validation", lines[25]["type"].get<std::string>().c_str());
-  LONGS_EQUAL(21, lines[25]["count"].get<int>());
+  CHECK_EQUAL("left_out", lines[22]["type"]);
+  CHECK_EQUAL("top", lines[23]["group"]);
+  CHECK_EQUAL("validation", lines[25]["type"]);
+  CHECK_EQUAL(21, lines[25]["count"]);
 }
 
 TEST(FitCommand, FitsShotsOfASessionAndSaysWhatItLeftOut) {
   const std::string path = file(kHeader + kShots);
   const CompletedProcess run = run_fit({path, "--json", "--free", "ex,d", "--weights", "sd"});
-  STRCMP_EQUAL("", run.err.c_str());
-  LONGS_EQUAL(0, run.status->code);
-  const auto lines = parse_json_lines(run.out);
+  const auto lines = jsons_of(run);
+  CHECK_EQUAL("", run.err);
   LONGS_EQUAL(1 + 4, lines.size());
-  LONGS_EQUAL(1, lines[0]["inputs"]["rejected"].get<int>());
-  LONGS_EQUAL(2, lines[0]["inputs"]["incomplete"].get<int>());
-  STRCMP_EQUAL("fixed", lines[0]["parameters"]["mu"]["status"].get<std::string>().c_str());
-  STRCMP_EQUAL((path + ":3").c_str(), lines[2]["name"].get<std::string>().c_str());
-  STRCMP_EQUAL("zero_34", lines[2]["series"].get<std::string>().c_str());
+  CHECK_EQUAL(1, lines[0]["inputs"]["rejected"]);
+  CHECK_EQUAL(2, lines[0]["inputs"]["incomplete"]);
+  CHECK_EQUAL("fixed", lines[0]["parameters"]["mu"]["status"]);
+  CHECK_EQUAL(path + ":3", lines[2]["name"].get<std::string>());
+  CHECK_EQUAL("zero_34", lines[2]["series"]);
 }
 
 TEST(FitCommand, TextNamesEachParameterWithItsUncertainty) {
-  const CompletedProcess run = run_fit({"--model", "grip", "--free", "mu,ex,alpha"});
-  LONGS_EQUAL(0, run.status->code);
-  CHECK(run.out.find("mu     0.580 +- 0.026") != std::string::npos);
-  CHECK(run.out.find("at upper bound; at least 0.645") != std::string::npos);
+  check_prints(run_fit({"--model", "grip", "--free", "mu,ex,alpha"}),
+               {"mu     0.580 +- 0.026", "at upper bound; at least 0.645"});
 }
 
 TEST(FitCommand, FixedValuesAreKept) {
-  const auto lines = parse_json_lines(run_fit({"--json", "--fix", "d=2.5", "--fix", "u0=1e-9"}).out);
+  const auto lines = jsons_of(run_fit({"--json", "--fix", "d=2.5", "--fix", "u0=1e-9"}));
   DOUBLES_EQUAL(2.5, lines[0]["parameters"]["d_mm"]["value"].get<double>(), 1e-12);
-  STRCMP_EQUAL("fixed", lines[0]["parameters"]["d_mm"]["status"].get<std::string>().c_str());
+  CHECK_EQUAL("fixed", lines[0]["parameters"]["d_mm"]["status"]);
 }
 
 TEST(FitCommand, TakesFixedValuesOneByOneOrInAList) {
   const auto apart = run_fit({"--json", "--fix", "d=2.5", "--fix", "mu=0.5"});
   LONGS_EQUAL(0, apart.status->code);
-  STRCMP_EQUAL(apart.out.c_str(), run_fit({"--json", "--fix", "d=2.5,mu=0.5"}).out.c_str());
+  CHECK_EQUAL(apart.out, run_fit({"--json", "--fix", "d=2.5,mu=0.5"}).out);
 }
 
 TEST(FitCommand, RefusesParametersThatThereAreNot) {
-  check_complaint(run_fit({"--free", "mu,friction"}),
-                  "fit: no parameter \"friction\": mu, ex, d, u0 or alpha");
-  check_complaint(run_fit({"--model", "slide-roll", "--free", "mu,ex"}),
-                  "fit: ex: the model does not have this parameter");
-  check_complaint(run_fit({"--free", "mu", "--fix", "mu=0.5"}), "fit: mu is both free and fixed");
-  check_complaint(run_fit({"--fix", "mu"}), "fit: --fix mu: must be name=value");
-  check_complaint(run_fit({"--fix", "mu=nan"}), "fit: --fix mu=nan: the value is not a number");
-  check_complaint(run_fit({"--fix", "d=40"}), "fit: --fix d=40: must be from 0 to 32.55 mm");
+  check_refused(run_fit({"--free", "mu,friction"}), "fit: no parameter \"friction\": mu, ex, d, u0 or alpha");
+  check_refused(run_fit({"--model", "slide-roll", "--free", "mu,ex"}),
+                "fit: ex: the model does not have this parameter");
+  check_refused(run_fit({"--free", "mu", "--fix", "mu=0.5"}), "fit: mu is both free and fixed");
+  check_refused(run_fit({"--fix", "mu"}), "fit: --fix mu: must be name=value");
+  check_refused(run_fit({"--fix", "mu=nan"}), "fit: --fix mu=nan: the value is not a number");
+  check_refused(run_fit({"--fix", "d=40"}), "fit: --fix d=40: must be from 0 to 32.55 mm");
 }
 
 TEST(FitCommand, NamesFileLineAndColumnOfWhatIsWrong) {
   std::string path = file(kHeader + "t,1,,15.62,-6.71,fast,8.8,-300,0.86,,,,,,,,zero,23,\n");
-  check_complaint(run_fit({path}), path + ":2: omega_td_radps: 'fast' is not a number");
+  check_refused(run_fit({path}), path + ":2: omega_td_radps: 'fast' is not a number");
   path = file(kHeader + "t,1,,15.62,-6.71,1,8.8,-300,1.86,,,,,,,,zero,23,\n" + kShots);
-  check_complaint(run_fit({path}), "fit: " + path + ":2: e must be from 0 to 1");
+  check_refused(run_fit({path}), "fit: " + path + ":2: e must be from 0 to 1");
   path = file(kHeader + "t,1,,15.62\n");
-  check_complaint(run_fit({path}), path + ":2: 4 cells where the header has 19");
+  check_refused(run_fit({path}), path + ":2: 4 cells where the header has 19");
   path = file("shot_id,vx_td_mps\n1,2\n");
-  check_complaint(run_fit({path}), path + ":1: vy_td_mps: is missing in the header");
+  check_refused(run_fit({path}), path + ":1: vy_td_mps: is missing in the header");
   path = file("");
-  check_complaint(run_fit({path}), path + ": is empty");
+  check_refused(run_fit({path}), path + ": is empty");
   path = file(kHeader);
-  check_complaint(run_fit({path}),
-                  path + ": no shot with vx, vy, omega at touchdown, vx, omega at lift-off and e");
-  check_complaint(run_fit({folder.path().string()}), folder.path().string() + ": cannot be read");
+  check_refused(run_fit({path}),
+                path + ": no shot with vx, vy, omega at touchdown, vx, omega at lift-off and e");
+  check_refused(run_fit({folder.path().string()}), folder.path().string() + ": cannot be read");
 }
 
 TEST(FitCommand, RefusesMoreParametersThanTheShotsGiveNumbers) {
   const std::string path = file(kHeader + "t,1,,15.62,-6.71,1,8.8,-300,0.86,,,,,,,,zero,23,\n");
-  check_complaint(run_fit({path}),
-                  "fit: too few observations for so many parameters: each gives two numbers (vx and omega)");
+  check_refused(run_fit({path}),
+                "fit: too few observations for so many parameters: each gives two numbers (vx and omega)");
 }
 
 TEST(FitCommand, FailsWhereParametersCannotBeToldApart) {

@@ -1,7 +1,6 @@
 // Do the stated uncertainties hold? Many fits of measurements simulated from a truth that the impulse balance
-// gives, with the noise that the fit is told of.
+// gives, with the noise that is stated to the fit.
 #include <Eigen/Dense>
-#include <algorithm>
 #include <cmath>
 
 #include "common/impact/fit/model_fit.hpp"
@@ -12,11 +11,7 @@
 
 using namespace strobe;
 using namespace strobe::impact;
-using strobe::testing::conditions;
-using strobe::testing::measured;
-using strobe::testing::Noise;
-using strobe::testing::random_source;
-using strobe::testing::true_rebounds;
+using namespace strobe::testing;
 
 namespace {
 

@@ -6,7 +6,7 @@
 
 #include "tests/common/impact_fit/check.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe;
 using namespace strobe::impact;
@@ -101,7 +101,7 @@ TEST(ModelFit, NothingFreeJudgesTheModelAsItStands) {
 TEST(ModelFit, TheGripsInertiaPressesAgainstTheThinShells) {
   const auto fitted = fit(conditions(thesis::Version::as_printed), all_free(ReboundModel::grip));
   const FittedParameter& alpha = fitted->parameters[index(Parameter::alpha)];
-  CHECK(alpha.status == ParameterStatus::at_upper_bound);
+  CHECK_EQUAL(ParameterStatus::at_upper_bound, alpha.status);
   DOUBLES_EQUAL(2.0 / 3.0, alpha.value, 0.0);
   CHECK(!alpha.sd.has_value());
   CHECK_COMPARE(*alpha.limit, <, 2.0 / 3.0);
@@ -147,7 +147,7 @@ TEST(ModelFit, BoundsAreKeptWhereTheTruthLiesBeyondThem) {
   auto observations = true_rebounds(conditions(), {0.5, 0.0, -0.002, 2.5, 0.55});
   const auto fitted = fit(observations, default_options(ReboundModel::grip_offset));
   const FittedParameter& offset = fitted->parameters[index(Parameter::offset_m)];
-  CHECK(offset.status == ParameterStatus::at_lower_bound);
+  CHECK_EQUAL(ParameterStatus::at_lower_bound, offset.status);
   DOUBLES_EQUAL(0.0, offset.value, 0.0);
   CHECK(offset.limit.has_value() && *offset.limit > 0.0 && *offset.limit < 0.002);
 }
@@ -160,7 +160,7 @@ TEST(ModelFit, FrictionIsUndeterminedWhereAllGripButNotLessThanTheyNeed) {
   options.free[index(Parameter::offset_reference_mps)] = false;
   const auto fitted = fit(observations, options);
   const FittedParameter& mu = fitted->parameters[index(Parameter::mu)];
-  CHECK(mu.status == ParameterStatus::undetermined);
+  CHECK_EQUAL(ParameterStatus::undetermined, mu.status);
   CHECK(!mu.sd.has_value());
   double most = 0.0;
   for (const Observation& o : observations)
@@ -184,13 +184,13 @@ TEST(ModelFit, IdenticalShotsGiveAnSdOfZero) {
 
 TEST(ModelFit, RefusesMoreParametersThanNumbers) {
   const std::vector<Observation> one{conditions()[0]};
-  CHECK(error_of(one, default_options(ReboundModel::grip_offset)) == FitError::underdetermined);
+  CHECK_EQUAL(FitError::underdetermined, error_of(one, default_options(ReboundModel::grip_offset)));
   FitOptions two = default_options(ReboundModel::grip);
-  CHECK(error_of(one, two) == FitError::underdetermined);  // none to spare for the level of the sd
+  CHECK_EQUAL(FitError::underdetermined, error_of(one, two));  // none to spare for the level of the sd
   two.scale = CovarianceScale::stated;
   two.free[index(Parameter::alpha)] = true;
-  CHECK(error_of(one, two) == FitError::underdetermined);
-  CHECK(error_of({}, two) == FitError::no_observations);
+  CHECK_EQUAL(FitError::underdetermined, error_of(one, two));
+  CHECK_EQUAL(FitError::no_observations, error_of({}, two));
 }
 
 TEST(ModelFit, SaysWhichParametersCannotBeToldApart) {
@@ -199,7 +199,7 @@ TEST(ModelFit, SaysWhichParametersCannotBeToldApart) {
   const FitOptions options = default_options(ReboundModel::grip_offset);
   const auto fitted = fit(observations, options);
   CHECK(!fitted.has_value());
-  CHECK(fitted.error().error == FitError::not_identifiable);
+  CHECK_EQUAL(FitError::not_identifiable, fitted.error().error);
   CHECK(has_parameter(options.model, fitted.error().parameter));
 }
 
@@ -220,21 +220,21 @@ TEST(ModelFit, RefusesWhatIsNotANumberOrOutOfRange) {
   FitOptions by_sd = options;
   by_sd.weighting = Weighting::stated_sd;
   const auto weightless = with([](auto& o) { o.lift_off_sd.omega_radps = 0.0; });
-  CHECK(error_of(weightless, by_sd) == FitError::invalid_sd);
+  CHECK_EQUAL(FitError::invalid_sd, error_of(weightless, by_sd));
   CHECK(fit(weightless, options).has_value());
 
   FitOptions wrong = options;
   wrong.start[index(Parameter::alpha)] = 0.7;
-  CHECK(error_of(conditions(), wrong) == FitError::value_out_of_bounds);
+  CHECK_EQUAL(FitError::value_out_of_bounds, error_of(conditions(), wrong));
   wrong = options;
   wrong.start[index(Parameter::mu)] = nan;
-  CHECK(error_of(conditions(), wrong) == FitError::value_out_of_bounds);
+  CHECK_EQUAL(FitError::value_out_of_bounds, error_of(conditions(), wrong));
   wrong = default_options(ReboundModel::slide_roll);
   wrong.free[index(Parameter::e_x)] = true;
-  CHECK(error_of(conditions(), wrong) == FitError::parameter_not_in_model);
+  CHECK_EQUAL(FitError::parameter_not_in_model, error_of(conditions(), wrong));
   wrong = options;
   wrong.vx_weight = 0.0;
-  CHECK(error_of(conditions(), wrong) == FitError::invalid_options);
+  CHECK_EQUAL(FitError::invalid_options, error_of(conditions(), wrong));
 }
 
 // Whatever is not refused gives numbers.
@@ -268,7 +268,7 @@ TEST(ModelFit, NamesTheObservationThatIsWrong) {
   auto observations = conditions();
   observations[5].e = 1.1;
   const auto fitted = fit(observations, default_options(ReboundModel::grip));
-  STRCMP_EQUAL("zero_60: e must be from 0 to 1", message(fitted.error(), observations).c_str());
+  CHECK_EQUAL("zero_60: e must be from 0 to 1", message(fitted.error(), observations));
 }
 
 TEST(ModelFit, ScoresLeaveOutWhatHasNoSd) {

@@ -6,7 +6,7 @@
 
 #include "tests/common/impact_fit/check.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe;
 using namespace strobe::impact;
@@ -55,16 +55,16 @@ TEST(Regimes, All21ConditionsArePredictedAsMeasured) {
   for (const ReboundModel model : {ReboundModel::slide_roll, ReboundModel::grip, ReboundModel::grip_offset}) {
     for (const Spread spread : {Spread::replicate, Spread::mean}) {
       const Sets sets = judge_all(default_options(model), spread);
-      CHECK(sets.measured == kSlide);
-      if (model != ReboundModel::grip) CHECK(sets.predicted == kSlide);
+      CHECK_EQUAL(kSlide, sets.measured);
+      if (model != ReboundModel::grip) CHECK_EQUAL(kSlide, sets.predicted);
     }
   }
 }
 
 // The border is nearest at zero -23: the mean grips, one shot in nine of its spread would slide.
-TEST(Regimes, OnlyTheConditionNextToTheBorderIsInDoubt) {
+TEST(Regimes, OnlyTheConditionNextToTheBorderIsUncertain) {
   const Sets sets = judge_all(default_options(ReboundModel::grip_offset), Spread::replicate);
-  CHECK(sets.predicted == kSlide);
+  CHECK_EQUAL(kSlide, sets.predicted);
   DOUBLES_EQUAL(0.89, sets.least_sure, 0.02);
 }
 
@@ -133,17 +133,17 @@ TEST(Regimes, ATopspinFasterThanRollingIsClassifiedByItsOwnDirection) {
   o.lift_off_sd = {0.1, 0.1, 2.0};
   o.e = 0.75;
   const ModelFit fitted = known({0.07, 0.0, 0.0, 2.5, 0.55}, Parameter::mu, 0.0);
-  CHECK(classify_regime(o, ReboundModel::grip, fitted, 0.0651)->measured == Regime::slides);
+  CHECK_EQUAL(Regime::slides, classify_regime(o, ReboundModel::grip, fitted, 0.0651)->measured);
   o.lift_off = {7.9, 6.0, -242.0};  // rolls, and vx has changed by more than rolling needs
-  CHECK(classify_regime(o, ReboundModel::grip, fitted, 0.0651)->measured == Regime::grips);
+  CHECK_EQUAL(Regime::grips, classify_regime(o, ReboundModel::grip, fitted, 0.0651)->measured);
   o.lift_off = {7.7, 6.0, -242.0};  // less than rolling needs, but no slip beyond two sd
   o.lift_off_sd.omega_radps = 10.0;
-  CHECK(classify_regime(o, ReboundModel::grip, fitted, 0.0651)->measured == Regime::unclear);
+  CHECK_EQUAL(Regime::unclear, classify_regime(o, ReboundModel::grip, fitted, 0.0651)->measured);
 }
 
 TEST(Regimes, RefusesWhatTheModelRefuses) {
   Observation o;
   o.touchdown = {15.0, 2.0, 0.0};
   const ModelFit fitted = known({0.5, 0.1, 0.0, 2.5, 0.5}, Parameter::mu, 0.0);
-  CHECK(classify_regime(o, ReboundModel::grip, fitted, 0.0651).error() == InputError::not_approaching);
+  CHECK_EQUAL(InputError::not_approaching, classify_regime(o, ReboundModel::grip, fitted, 0.0651).error());
 }

@@ -7,7 +7,7 @@
 
 #include "tests/common/impact_fit/check.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe;
 using namespace strobe::impact;
@@ -141,6 +141,6 @@ TEST(RollingFriction, RefusesWhatIsOutOfRange) {
   CHECK(error([&](auto& o) { o.lift_off_sd.vx_mps = -1.0; }) == InputError::not_finite);
   CHECK(error([&](auto& o) { o.touchdown.vy_mps = 1.0; }) == InputError::not_approaching);
   CHECK(error([&](auto& o) { o.e = 2.0; }) == InputError::restitution_out_of_range);
-  CHECK(rolling_friction(conditions()[0], {.alpha = 0.8}).error() == InputError::ball_out_of_range);
-  CHECK(rolling_friction(conditions()[0], {}, nan).error() == InputError::not_finite);
+  CHECK_EQUAL(InputError::ball_out_of_range, rolling_friction(conditions()[0], {.alpha = 0.8}).error());
+  CHECK_EQUAL(InputError::not_finite, rolling_friction(conditions()[0], {}, nan).error());
 }

@@ -1,6 +1,6 @@
 #include "common/messages/channels.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe::messages;
 
@@ -11,9 +11,9 @@ TEST(Channels, AreNamedAfterRigAndKind) {
                          Channel::shot,    Channel::frame, Channel::readout};
   std::string names;
   for (const Channel channel : all) names += channel_name("b", channel) + " ";
-  STRCMP_EQUAL(
+  CHECK_EQUAL(
       "STROBE/b/COMMAND STROBE/b/EVENT STROBE/b/STATUS STROBE/b/SHOT STROBE/b/FRAME STROBE/b/READOUT ",
-      names.c_str());
+      names);
 }
 
 TEST(Channels, ARigsNameHas1To24LettersDigitsAndDashes) {

@@ -3,7 +3,7 @@
 
 #include "common/messages/json_conversions.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe;
 using namespace strobe::messages;
@@ -41,7 +41,7 @@ TEST(FrameJson, ReadsTheDocumentedExample) {
   DOUBLES_EQUAL(3.0, *frame->diameter_sd_px, 0.0);
   CHECK_FALSE(frame->px_per_m.has_value());
   LONGS_EQUAL(2, frame->images.size());
-  CHECK_TRUE(frame->images[1].leg == Leg::contact);
+  CHECK_EQUAL(Leg::contact, frame->images[1].leg);
   DOUBLES_EQUAL(0.3, *frame->images[0].equator_rad, 0.0);
   CHECK_FALSE(frame->images[1].equator_rad.has_value());
 }
@@ -63,14 +63,14 @@ TEST(FrameJson, ReadsWhatIsOptional) {
   DOUBLES_EQUAL(1.1, *frame->air_density_kgpm3, 0.0);
   DOUBLES_EQUAL(-2.5, frame->surface_angle_deg, 0.0);
   DOUBLES_EQUAL(21.0, *frame->temperature_c, 0.0);
-  STRCMP_EQUAL("12", frame->record.at("n").c_str());
-  STRCMP_EQUAL("0.1", frame->record.at("x").c_str());
+  CHECK_EQUAL("12", frame->record.at("n"));
+  CHECK_EQUAL("0.1", frame->record.at("x"));
   CHECK_FALSE(frame->record.contains("none"));
   const auto& image = frame->images[0];
   LONGS_EQUAL(77, *image.flash_index);
   DOUBLES_EQUAL(9.0, (*image.centre_cov_px2)[3], 0.0);
   DOUBLES_EQUAL(9.0, image.top_px->y, 0.0);
-  STRCMP_EQUAL("hand", image.source.c_str());
+  CHECK_EQUAL("hand", image.source);
 }
 
 TEST(FrameJson, IgnoresUnknownKeysAndTakesNullForAbsent) {
@@ -81,60 +81,53 @@ TEST(FrameJson, IgnoresUnknownKeysAndTakesNullForAbsent) {
 }
 
 TEST(FrameJson, AnErrorNamesTheField) {
-  STRCMP_EQUAL("images[1].centre_px: must be two numbers",
-               complaint(replaced(kExample, "[3,4]", "[3]")).c_str());
-  STRCMP_EQUAL("images[1].centre_px: must be two numbers",
-               complaint(replaced(kExample, "[3,4]", R"([3,"4"])")).c_str());
-  STRCMP_EQUAL("images[0].diameter_px: must be a number",
-               complaint(replaced(kExample, "260.0", R"("260")")).c_str());
-  STRCMP_EQUAL("images[0].leg: must be incoming, contact or rebound",
-               complaint(replaced(kExample, "incoming", "upward")).c_str());
-  STRCMP_EQUAL("images[0].time_s: is missing", complaint(replaced(kExample, R"("time_s":0.0,)", "")).c_str());
-  STRCMP_EQUAL("ball_diameter_m: is missing",
-               complaint(replaced(kExample, R"("ball_diameter_m":0.0651,)", "")).c_str());
-  STRCMP_EQUAL("surface_px[2]: must be two numbers", complaint(replaced(kExample, "[20,2]", "20")).c_str());
-  STRCMP_EQUAL("surface_px: must be an array of at least two points",
-               complaint(R"({"ball_diameter_m":1,"surface_px":[[0,0]],"images":[]})").c_str());
-  STRCMP_EQUAL("shot_id: must be a whole number of 32 bits",
-               complaint(replaced(kExample, R"("shot_id":1)", R"("shot_id":2147483648)")).c_str());
+  CHECK_EQUAL("images[1].centre_px: must be two numbers", complaint(replaced(kExample, "[3,4]", "[3]")));
+  CHECK_EQUAL("images[1].centre_px: must be two numbers",
+              complaint(replaced(kExample, "[3,4]", R"([3,"4"])")));
+  CHECK_EQUAL("images[0].diameter_px: must be a number", complaint(replaced(kExample, "260.0", R"("260")")));
+  CHECK_EQUAL("images[0].leg: must be incoming, contact or rebound",
+              complaint(replaced(kExample, "incoming", "upward")));
+  CHECK_EQUAL("images[0].time_s: is missing", complaint(replaced(kExample, R"("time_s":0.0,)", "")));
+  CHECK_EQUAL("ball_diameter_m: is missing",
+              complaint(replaced(kExample, R"("ball_diameter_m":0.0651,)", "")));
+  CHECK_EQUAL("surface_px[2]: must be two numbers", complaint(replaced(kExample, "[20,2]", "20")));
+  CHECK_EQUAL("surface_px: must be an array of at least two points",
+              complaint(R"({"ball_diameter_m":1,"surface_px":[[0,0]],"images":[]})"));
+  CHECK_EQUAL("shot_id: must be a whole number of 32 bits",
+              complaint(replaced(kExample, R"("shot_id":1)", R"("shot_id":2147483648)")));
   for (const char* wrong : {"-2147483649", "1.5", R"("1")"}) {
-    STRCMP_EQUAL(
-        "shot_id: must be a whole number of 32 bits",
-        complaint(replaced(kExample, R"("shot_id":1)", std::string(R"("shot_id":)") + wrong)).c_str());
+    CHECK_EQUAL("shot_id: must be a whole number of 32 bits",
+                complaint(replaced(kExample, R"("shot_id":1)", std::string(R"("shot_id":)") + wrong)));
   }
   for (const char* wrong : {"1", "[[4,1]]", "[[4,1],[1,9],[1,1]]", "[[4,1],7]", "[[4,1],[1]]",
                             "[[4,1],[1,null]]", "[[null,1],[1,9]]"}) {
-    STRCMP_EQUAL("images[0].centre_cov_px2: must be two rows of two numbers",
-                 complaint(replaced(kExample, R"("time_s":0.0)",
-                                    std::string(R"("time_s":0.0,"centre_cov_px2":)") + wrong))
-                     .c_str());
+    CHECK_EQUAL("images[0].centre_cov_px2: must be two rows of two numbers",
+                complaint(replaced(kExample, R"("time_s":0.0)",
+                                   std::string(R"("time_s":0.0,"centre_cov_px2":)") + wrong)));
   }
-  STRCMP_EQUAL("images[1].diameter_px: must be a number",
-               complaint(replaced(kExample, ":250", R"(:"250")")).c_str());
-  STRCMP_EQUAL("images[0].diameter_px: is missing",
-               complaint(replaced(kExample, R"("diameter_px":260.0,)", "")).c_str());
-  STRCMP_EQUAL("images[0].source: must be text",
-               complaint(replaced(kExample, R"("time_s":0.0)", R"("time_s":0.0,"source":1)")).c_str());
-  STRCMP_EQUAL(
+  CHECK_EQUAL("images[1].diameter_px: must be a number", complaint(replaced(kExample, ":250", R"(:"250")")));
+  CHECK_EQUAL("images[0].diameter_px: is missing",
+              complaint(replaced(kExample, R"("diameter_px":260.0,)", "")));
+  CHECK_EQUAL("images[0].source: must be text",
+              complaint(replaced(kExample, R"("time_s":0.0)", R"("time_s":0.0,"source":1)")));
+  CHECK_EQUAL(
       "images[0].time_s: must be a number",
-      complaint(replaced(kExample, R"("time_s":0.0,"leg":"incoming")", R"("time_s":"0","leg":"upward")"))
-          .c_str());
-  STRCMP_EQUAL("record.a: must be text or a number",
-               complaint(replaced(kExample, R"("shot_id":1)", R"("record":{"a":[]})")).c_str());
-  STRCMP_EQUAL("images: must be an array",
-               complaint(R"({"ball_diameter_m":1,"surface_px":[[0,0],[1,0]],"images":7})").c_str());
-  STRCMP_EQUAL("surface_px: must be an array of at least two points",
-               complaint(R"({"ball_diameter_m":1,"surface_px":7,"images":[]})").c_str());
-  STRCMP_EQUAL("record: must be an object",
-               complaint(replaced(kExample, R"("shot_id":1)", R"("record":[])")).c_str());
-  STRCMP_EQUAL("images[0]: must be an object",
-               complaint(R"({"ball_diameter_m":1,"surface_px":[[0,0],[1,0]],"images":[7]})").c_str());
+      complaint(replaced(kExample, R"("time_s":0.0,"leg":"incoming")", R"("time_s":"0","leg":"upward")")));
+  CHECK_EQUAL("record.a: must be text or a number",
+              complaint(replaced(kExample, R"("shot_id":1)", R"("record":{"a":[]})")));
+  CHECK_EQUAL("images: must be an array",
+              complaint(R"({"ball_diameter_m":1,"surface_px":[[0,0],[1,0]],"images":7})"));
+  CHECK_EQUAL("surface_px: must be an array of at least two points",
+              complaint(R"({"ball_diameter_m":1,"surface_px":7,"images":[]})"));
+  CHECK_EQUAL("record: must be an object", complaint(replaced(kExample, R"("shot_id":1)", R"("record":[])")));
+  CHECK_EQUAL("images[0]: must be an object",
+              complaint(R"({"ball_diameter_m":1,"surface_px":[[0,0],[1,0]],"images":[7]})"));
 }
 
 TEST(FrameJson, TextThatIsNotJsonIsSaidByColumn) {
-  STRCMP_EQUAL("column 2: is not JSON", complaint("{,}").c_str());
+  CHECK_EQUAL("column 2: is not JSON", complaint("{,}"));
   STRCMP_CONTAINS("is not JSON", complaint("").c_str());
-  STRCMP_EQUAL("must be a JSON object", complaint("[1,2]").c_str());
+  CHECK_EQUAL("must be a JSON object", complaint("[1,2]"));
   STRCMP_CONTAINS("out of range", complaint(R"({"ball_diameter_m":1e999})").c_str());
 }
 
@@ -150,7 +143,7 @@ TEST(FrameJson, ReadingAndWritingGivesTheSameBytesOfEveryField) {
       R"({"time_s":0.5,"leg":"contact","centre_px":[3.0,4.0]},)"
       R"({"time_s":0.75,"leg":"rebound","centre_px":[5.0,6.0],"diameter_px":250.0},)"
       R"({"time_s":1.0,"centre_px":[5.0,6.0],"diameter_px":0.0}]})";
-  STRCMP_EQUAL(text.c_str(), frame_to_json(frame_from_json(text).value()).c_str());
+  CHECK_EQUAL(text, frame_to_json(frame_from_json(text).value()));
 }
 
 TEST(FrameJson, BytesThatAreNotUtf8DoNotThrow) {

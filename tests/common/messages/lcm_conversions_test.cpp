@@ -17,14 +17,11 @@
 #include "common/messages/lcm_conversions.hpp"
 #include "common/messages/record.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe;
 using namespace strobe::messages;
-using reduction::Frame;
-using reduction::Leg;
-using reduction::Quantity;
-using reduction::Readout;
+using namespace reduction;
 
 namespace {
 
@@ -82,35 +79,34 @@ TEST_GROUP(FrameMessage) { strobe_msgs::frame_t message = frame_to_lcm(example_f
 TEST(FrameMessage, SurvivesTheWire) {
   const auto frame = frame_from_lcm(wired(message));
   CHECK_TRUE(frame.has_value());
-  STRCMP_EQUAL(frame_to_json(example_frame()).c_str(), frame_to_json(*frame).c_str());
+  CHECK_EQUAL(frame_to_json(example_frame()), frame_to_json(*frame));
   CHECK_FALSE(frame->images[2].leg.has_value());
   CHECK_FALSE(frame->images[1].equator_rad.has_value());
   CHECK_FALSE(frame->images[0].centre_cov_px2.has_value());
-  STRCMP_EQUAL("hand", frame->images[1].source.c_str());
-  STRCMP_EQUAL("auto", frame->images[2].source.c_str());
+  CHECK_EQUAL("hand", frame->images[1].source);
+  CHECK_EQUAL("auto", frame->images[2].source);
   // What is absent stays so.
   Frame bare;
   bare.surface_px = {{0, 1}, {10, 2}};
   bare.images.resize(1);
   bare.images[0].diameter_px = 1.0;
-  STRCMP_EQUAL(frame_to_json(bare).c_str(),
-               frame_to_json(*frame_from_lcm(wired(frame_to_lcm(bare)))).c_str());
+  CHECK_EQUAL(frame_to_json(bare), frame_to_json(*frame_from_lcm(wired(frame_to_lcm(bare)))));
 }
 
 TEST(FrameMessage, SaysTheSourceOfMostImagesTheEarlierOfEquals) {
   Frame frame = example_frame();
-  STRCMP_EQUAL("hand", message.source.c_str());
+  CHECK_EQUAL("hand", message.source);
   frame.images[0].source = "auto";  // two of each
-  STRCMP_EQUAL("auto", frame_to_lcm(frame).source.c_str());
+  CHECK_EQUAL("auto", frame_to_lcm(frame).source);
   frame.images[3].source = "film";  // no other word has a number of its own
-  STRCMP_EQUAL("auto", frame_from_lcm(frame_to_lcm(frame))->images[3].source.c_str());
+  CHECK_EQUAL("auto", frame_from_lcm(frame_to_lcm(frame))->images[3].source);
 }
 
 TEST(FrameMessage, IsCheckedFieldByField) {
-  const auto refused = [&](const char* why, const auto& spoil) {
+  const auto refused = [&](const char* why, const auto& change) {
     auto bad = message;
-    spoil(bad);
-    STRCMP_EQUAL(why, complaint(bad).c_str());
+    change(bad);
+    CHECK_EQUAL(why, complaint(bad));
   };
   using M = strobe_msgs::frame_t;
   const char* const definite =
@@ -129,10 +125,10 @@ TEST(FrameMessage, IsCheckedFieldByField) {
   refused(definite, [](M& m) { m.images[2].centre_xx_px2 = kNone; });
   refused(definite, [](M& m) { m.images[2].centre_yy_px2 = INFINITY; });
   refused(definite, [](M& m) { m.images[2].centre_xx_px2 = m.images[2].centre_yy_px2 = -1.0; });
-  const auto positive = [&](const char* field, auto spoil) {
+  const auto positive = [&](const char* field, auto change) {
     for (const double bad : {-1.0, static_cast<double>(INFINITY)})
       refused((std::string(field) + ": must be positive, or NaN for unknown").c_str(),
-              [&](M& m) { spoil(m) = bad; });
+              [&](M& m) { change(m) = bad; });
   };
   positive("images[2].diameter_sd_px", [](M& m) -> double& { return m.images[2].diameter_sd_px; });
   positive("images[2].equator_sd_rad", [](M& m) -> double& { return m.images[2].equator_sd_rad; });
@@ -157,11 +153,11 @@ TEST(FrameMessage, IsCheckedFieldByField) {
   refused("images: at most 512 are allowed", [](M& m) { m.image_count = 513, m.images.resize(513); });
   message.surface.resize(10000, message.surface[0]), message.surface_count = 10000;
   message.images.resize(512, message.images[0]), message.image_count = 512;
-  STRCMP_EQUAL("accepted", complaint(message).c_str());
+  CHECK_EQUAL("accepted", complaint(message));
   // Arrays that are empty, whatever their counts claim.
   message.surface.clear(), message.images.clear();
   message.surface_count = message.image_count = -1;
-  STRCMP_EQUAL("accepted", complaint(message).c_str());
+  CHECK_EQUAL("accepted", complaint(message));
 }
 
 TEST(FrameMessage, MayHaveNoSurfaceAndAContactImageWithoutADiameter) {
@@ -175,7 +171,7 @@ TEST(FrameMessage, MayHaveNoSurfaceAndAContactImageWithoutADiameter) {
   message.images[1].top_x_px = kNone;  // half a point is none
   CHECK_FALSE(frame_from_lcm(message)->images[1].top_px.has_value());
   message.images[0].diameter_px = kNone;  // in flight it must have one
-  STRCMP_EQUAL("images[0].diameter_px: must be positive", complaint(message).c_str());
+  CHECK_EQUAL("images[0].diameter_px: must be positive", complaint(message));
 }
 
 TEST(FrameMessage, AnExactScaleSurvives) {
@@ -210,13 +206,12 @@ TEST(ReadoutMessage, SurvivesTheWire) {
   CHECK_TRUE(std::isnan(message.value.theta_out_deg));
   const auto back = readout_from_lcm(message);
   CHECK_TRUE(back.has_value());
-  STRCMP_EQUAL(readout_to_json(readout).c_str(), readout_to_json(*back).c_str());
+  CHECK_EQUAL(readout_to_json(readout), readout_to_json(*back));
   for (const auto regime :
        {std::optional<Regime>(), std::optional(Regime::grips), std::optional(Regime::unclear)}) {
     Readout bare;
     bare.regime = regime;
-    STRCMP_EQUAL(readout_to_json(bare).c_str(),
-                 readout_to_json(*readout_from_lcm(wired(readout_to_lcm(bare, 1, 2)))).c_str());
+    CHECK_EQUAL(readout_to_json(bare), readout_to_json(*readout_from_lcm(wired(readout_to_lcm(bare, 1, 2)))));
   }
 }
 
@@ -236,13 +231,13 @@ TEST(ReadoutMessage, EachFieldCarriesItsOwnQuantity) {
 TEST(ReadoutMessage, IsChecked) {
   auto bad = readout_to_lcm(readout, 1, 1);
   bad.flags[0] = "haunted";
-  STRCMP_EQUAL("flags: unknown flag \"haunted\"", complaint(bad).c_str());
+  CHECK_EQUAL("flags: unknown flag \"haunted\"", complaint(bad));
   bad = readout_to_lcm(readout, 1, 1);
   bad.flight_effects[1] = "wind";
-  STRCMP_EQUAL("flight_effects: unknown effect \"wind\"", complaint(bad).c_str());
+  CHECK_EQUAL("flight_effects: unknown effect \"wind\"", complaint(bad));
   bad = readout_to_lcm(readout, 1, 1);
   bad.regime = "floats";
-  STRCMP_EQUAL("regime: unknown word \"floats\"", complaint(bad).c_str());
+  CHECK_EQUAL("regime: unknown word \"floats\"", complaint(bad));
   bad = readout_to_lcm(readout, 1, 1);
   bad.sd.mu = INFINITY;
   STRCMP_CONTAINS("sd.mu: must be finite", complaint(bad).c_str());
@@ -265,7 +260,7 @@ TEST(RecordNotes, KeepEveryEntry) {
   const reduction::Record record{{"operator", "A"}, {"remarks", "wind, rain"}, {"angle_deg", "23"}};
   const auto back = record_from_notes(notes_from_record(record));
   CHECK_TRUE(back.has_value());
-  CHECK_TRUE(*back == record);
+  CHECK_EQUAL(record, *back);
 }
 
 TEST(RecordNotes, AreCheckedForKeyAndLength) {
@@ -295,5 +290,5 @@ TEST(RecordNotes, ALaterNoteOverridesAnEarlierOne) {
   notes[0].key = notes[1].key = "operator";
   notes[0].value = "A";
   notes[1].value = "B";
-  STRCMP_EQUAL("B", record_from_notes(notes)->at("operator").c_str());
+  CHECK_EQUAL("B", record_from_notes(notes)->at("operator"));
 }

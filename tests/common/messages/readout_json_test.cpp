@@ -1,11 +1,10 @@
-// Readouts as lines of JSON.
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <string>
 
 #include "common/messages/json_conversions.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe;
 using namespace strobe::messages;
@@ -38,9 +37,8 @@ TEST(ReadoutJson, HasEveryDocumentedName) {
   const json object = json::parse(readout_to_json(example()));
   for (const char* key :
        {"shot_id", "regime", "court_pace_conforming", "method", "mirrored", "flight_effects", "flags",
-        "record", "sd", "sd_systematic", "first_flash", "last_flash", "misassignment_probability"}) {
+        "record", "sd", "sd_systematic", "first_flash", "last_flash", "misassignment_probability"})
     CHECK_TRUE_TEXT(object.contains(key), key);
-  }
   for (const char* key : {"theta_in_deg", "theta_out_deg", "vx_td_mps", "vy_td_mps", "v_td_mps",
                           "omega_td_radps", "vx_lo_mps", "vy_lo_mps", "v_lo_mps", "omega_lo_radps",
                           "slip_lo_mps", "e", "mu", "dwell_time_ms", "dwell_distance_cm", "court_pace"}) {
@@ -52,9 +50,9 @@ TEST(ReadoutJson, HasEveryDocumentedName) {
 
 TEST(ReadoutJson, NamesTheEffectsOfTheFlight) {
   Readout r = example();
-  CHECK_TRUE(json::parse(readout_to_json(r))["flight_effects"] == json::array());
+  CHECK_EQUAL(json::array(), json::parse(readout_to_json(r))["flight_effects"]);
   r.flight_effects = {.gravity = true, .drag = false, .magnus = true};
-  CHECK_TRUE(json::parse(readout_to_json(r))["flight_effects"] == json::array({"gravity", "magnus"}));
+  CHECK_EQUAL(json::array({"gravity", "magnus"}), json::parse(readout_to_json(r))["flight_effects"]);
 }
 
 TEST(ReadoutJson, WhatIsAbsentIsNull) {
@@ -67,7 +65,7 @@ TEST(ReadoutJson, WhatIsAbsentIsNull) {
   CHECK_FALSE(object.contains("far"));
 }
 
-TEST(ReadoutJson, TellsTheFlashesOfAMatchedPhotographAndHowDoubtfulTheyAre) {
+TEST(ReadoutJson, NamesTheFlashesOfAMatchedPhotographAndTheirMisassignmentProbability) {
   Readout r = example();
   CHECK_TRUE(json::parse(readout_to_json(r))["misassignment_probability"].is_null());
   r.flashes = reduction::ImagedFlashes{25, 37, 0.0625, true};
@@ -83,7 +81,7 @@ TEST(ReadoutJson, ANumberThatIsNotFiniteIsNull) {
 
 TEST(ReadoutJson, IsTheSameBytesEachTimeWithShortestNumbers) {
   const std::string text = readout_to_json(example());
-  STRCMP_EQUAL(text.c_str(), readout_to_json(example()).c_str());
+  CHECK_EQUAL(text, readout_to_json(example()));
   STRCMP_CONTAINS(R"("e":0.30000000000000004,)", text.c_str());
   STRCMP_CONTAINS(R"("flags":["late_flash","outlier_image"])", text.c_str());
   STRCMP_CONTAINS(R"({"shot_id":3,"theta_in_deg":null,)", text.c_str());

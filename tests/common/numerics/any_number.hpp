@@ -5,7 +5,6 @@
 #include <rapidcheck.h>
 
 #include <cmath>
-#include <cstdint>
 #include <limits>
 #include <vector>
 

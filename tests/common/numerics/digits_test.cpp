@@ -1,13 +1,11 @@
 // Every closed form against 50 digits; `strobe-bench digits` does the same with more samples and prints them.
 #include "tests/common/numerics/forms/digits.hpp"
 
-#include <array>
 #include <cstdio>
-#include <string>
 
 #include "tests/common/numerics/forms/wide_pulse.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe::numerics;
 
@@ -66,6 +64,6 @@ TEST(Digits, TheSameSeedGivesTheSameRows) {
   const Form form = all_forms().front();
   const auto once = measure(form, 50, 7);
   const auto again = measure(form, 50, 7);
-  STRCMP_EQUAL(once[0].worst.argument.c_str(), again[0].worst.argument.c_str());
-  CHECK(once[0].worst.error == again[0].worst.error);
+  CHECK_EQUAL(once[0].worst.argument, again[0].worst.argument);
+  CHECK_EQUAL(again[0].worst.error, once[0].worst.error);
 }

@@ -9,7 +9,7 @@
 #include "tests/common/numerics/any_number.hpp"
 #include "tests/support/floating_point_traps.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe;
 using namespace strobe::impact;
@@ -36,7 +36,7 @@ bool is_finite(const Rebound& r) {
   return is_finite(r.lift_off) && finite(r.slip_lo_mps, r.impulse_ratio, r.offset_m);
 }
 
-/// Calls without traps, so that a failure can be told with its arguments, then with them.
+/// Calls without traps, so that a failure is reported with its arguments, then with them.
 template <typename Call, typename IsFinite>
 void check(Call&& call, IsFinite&& all_finite) {
   RC_ASSERT_FALSE(raises_exception([&] {
@@ -121,10 +121,10 @@ TEST(ImpactExtremes, PulseIntegrals) {
     check([&] { return pulse_integrals(f, theta); },
           [](const PulseIntegrals& i) { return finite(i.impulse, i.displacement, i.depth); });
   }));
-  CHECK(pulse_integrals(10.1, 1.0).error() == InputError::phase_out_of_range);
-  CHECK(pulse_integrals(-0.1, 1.0).error() == InputError::phase_out_of_range);
-  CHECK(pulse_integrals(0.1, 3.15).error() == InputError::phase_out_of_range);
-  CHECK(pulse_integrals(0.1, NAN).error() == InputError::not_finite);
+  CHECK_EQUAL(InputError::phase_out_of_range, pulse_integrals(10.1, 1.0).error());
+  CHECK_EQUAL(InputError::phase_out_of_range, pulse_integrals(-0.1, 1.0).error());
+  CHECK_EQUAL(InputError::phase_out_of_range, pulse_integrals(0.1, 3.15).error());
+  CHECK_EQUAL(InputError::not_finite, pulse_integrals(0.1, NAN).error());
 }
 
 TEST(ImpactExtremes, ContactSpring) {
@@ -159,9 +159,9 @@ TEST(ImpactExtremes, IntegratedContact) {
 }
 
 TEST(ImpactExtremes, NumbersTooLargeToComputeWithAreNamed) {
-  CHECK(grip({}, {1e31, -1.0, 0.0}, {}).error() == InputError::magnitude_out_of_range);
-  CHECK(rigid({.diameter_m = 1e-31}, {1.0, -1.0, 0.0}, 0.5, 0.5).error() ==
-        InputError::magnitude_out_of_range);
-  CHECK(SinePulse::make(PulseForm::exact, {1.0, -1.0, 0.5, 0.5, 1e-31}).error() ==
-        InputError::magnitude_out_of_range);
+  CHECK_EQUAL(InputError::magnitude_out_of_range, grip({}, {1e31, -1.0, 0.0}, {}).error());
+  CHECK_EQUAL(InputError::magnitude_out_of_range,
+              rigid({.diameter_m = 1e-31}, {1.0, -1.0, 0.0}, 0.5, 0.5).error());
+  CHECK_EQUAL(InputError::magnitude_out_of_range,
+              SinePulse::make(PulseForm::exact, {1.0, -1.0, 0.5, 0.5, 1e-31}).error());
 }

@@ -2,7 +2,6 @@
 // (RC_PARAMS).
 #include <rapidcheck.h>
 
-#include <algorithm>
 #include <cmath>
 
 #include "common/impact/closed_form/rebound.hpp"
@@ -87,8 +86,7 @@ TEST(ReboundProperties, FrictionStaysWithinItsLimitAndTheTorquesBalance) {
     const Case x = any_impact();
     const auto r = *grip(x.ball, x.in, x.c);
     const double impulse = (1.0 + x.c.e) * std::abs(x.in.vy_mps);
-    const double dvx = r.lift_off.vx_mps - x.in.vx_mps;
-    const double slack = 1e-13 * speed_scale(x);
+    const double dvx = r.lift_off.vx_mps - x.in.vx_mps, slack = 1e-13 * speed_scale(x);
     RC_ASSERT(std::abs(dvx) <= x.c.mu * impulse + slack);
     const double radius = x.ball.radius_m();
     const double turning = x.ball.alpha * radius * (r.lift_off.omega_radps - x.in.omega_radps);
@@ -103,8 +101,7 @@ TEST(ReboundProperties, FrictionStaysWithinItsLimitAndTheTorquesBalance) {
 TEST(ReboundProperties, ReboundsAreContinuousInTheTouchdown) {
   CHECK(rc::check("continuity", [] {
     const Case x = any_impact();
-    const double scale = speed_scale(x);
-    const double radius = x.ball.radius_m();
+    const double scale = speed_scale(x), radius = x.ball.radius_m();
     Motion near = x.in;
     near.vx_mps += 1e-10 * scale * *rc::gen::inRange(-1, 2);
     near.vy_mps *= 1.0 + 1e-10 * *rc::gen::inRange(-1, 2);

@@ -4,7 +4,7 @@
 
 #include "common/impact/closed_form/sine_pulse.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using strobe::Regime;
 using namespace strobe::impact;
@@ -129,7 +129,7 @@ TEST(DampedSinePulse, CarriesTheSpinToWhereItStopsSlipping) {
   const Ball ball{.alpha = 2.0 / 3.0};
   const Motion touchdown{14.49, -9.95, 0.0};
   const auto p = pulse_rebound(PulseForm::exact, ball, touchdown, 0.77, 0.55, 4.84e-3);
-  CHECK(p->rebound.regime == Regime::grips);
+  CHECK_EQUAL(Regime::grips, p->rebound.regime);
   DOUBLES_EQUAL(0.6 * 14.49, p->rebound.lift_off.vx_mps, 1e-12);  // (3·vx - 2·R·omega)/5
   // Until it grips, friction has taken 2/5 of vx: the impulse that this needs over the one there is.
   const auto sliding = SinePulse::make(PulseForm::exact, {14.49, -9.95, 0.77, 0.55, 4.84e-3});

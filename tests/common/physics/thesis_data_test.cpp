@@ -4,7 +4,7 @@
 
 #include "tests/common/physics/thesis_folder.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe;
 using strobe::testing::thesis_data;
@@ -24,7 +24,8 @@ TEST_GROUP(ThesisData) {
 TEST(ThesisData, HoldsTwentyOneConditionsWithAContactSetEach) {
   LONGS_EQUAL(21, corrected.conditions.size());
   LONGS_EQUAL(21, corrected.contact.size());
-  for (const auto& condition : corrected.conditions) CHECK(corrected.contact.count(condition.name()) == 1);
+  for (const auto& condition : corrected.conditions)
+    CHECK_EQUAL(1, corrected.contact.count(condition.name()));
 }
 
 TEST(ThesisData, IsLeftAsPrintedWhenAsked) {
@@ -99,24 +100,24 @@ TEST(ThesisData, EveryCorrectionOfTheDataHasAReasonAndChangesSomething) {
 TEST(ThesisData, ACorrectionThatDoesNotFindWhatItCorrectsIsAnError) {
   thesis::Correction stale{"zero_68", "tables_02_to_10", "", "dwell_distance_cm", "0.17", "1.61", "why", 4};
   auto result = thesis::corrected(printed.conditions, std::span(&stale, 1));
-  STRCMP_EQUAL("corrections:4: printed: is not what the data has", result.error().message.c_str());
+  CHECK_EQUAL("corrections:4: printed: is not what the data has", result.error().message);
   stale.field = "height";
   result = thesis::corrected(printed.conditions, std::span(&stale, 1));
-  STRCMP_EQUAL("corrections:4: field: zero_68 has no number named height", result.error().message.c_str());
+  CHECK_EQUAL("corrections:4: field: zero_68 has no number named height", result.error().message);
   const thesis::Correction row{"zero_49", "contact", "1.0054", "row", "", "exclude", "why", 5};
   const auto set = thesis::corrected(printed.contact.at("zero_49"), std::span(&row, 1));
-  STRCMP_EQUAL("corrections:5: row: zero_49: has no row at that time", set.error().message.c_str());
+  CHECK_EQUAL("corrections:5: row: zero_49: has no row at that time", set.error().message);
 }
 
 TEST(ThesisData, RefusesTablesThatAreNotTheTables) {
   std::string text = strobe::testing::thesis_file("tables_02_to_10.csv");
   CHECK(thesis::parse_conditions(text, "t.csv").has_value());
   text.replace(text.find("15.62"), 5, "fifty");
-  STRCMP_EQUAL("t.csv:2: vx_td_mps: 'fifty' is not a number",
-               thesis::parse_conditions(text, "t.csv").error().message.c_str());
+  CHECK_EQUAL("t.csv:2: vx_td_mps: 'fifty' is not a number",
+              thesis::parse_conditions(text, "t.csv").error().message);
 }
 
 TEST(ThesisData, AFolderThatIsNotThereIsNamed) {
   const auto data = thesis::load("/no/such/folder", Version::corrected);
-  STRCMP_EQUAL("/no/such/folder/corrections.csv: cannot be read", data.error().message.c_str());
+  CHECK_EQUAL("/no/such/folder/corrections.csv: cannot be read", data.error().message);
 }

@@ -5,7 +5,7 @@
 
 #include "tests/common/reduction/reduced_frames.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe;
 using namespace strobe::reduction;
@@ -120,7 +120,7 @@ TEST(BestEstimator, LegsThatNobodyNamedAreFoundUnderGravity) {
   const Readout labelled = reduced(frame);
   for (BallImage& image : frame.images) image.leg.reset();
   const Readout found = reduced(frame);
-  CHECK_TRUE(found.flags == labelled.flags);
+  CHECK_EQUAL(labelled.flags, found.flags);
   equal(*labelled.value[Quantity::vy_td_mps], found.value[Quantity::vy_td_mps]);
   equal(*labelled.sd[Quantity::vy_td_mps], found.sd[Quantity::vy_td_mps]);
 }
@@ -175,7 +175,7 @@ TEST(BestEstimator, ABallOfUncertainSizeDoesNotOverruleABetterCalibratedScale) {
     CHECK_TRUE(*known.sd[q] >= *as_stated.sd[q]);
     CHECK_TRUE(*larger.sd_systematic[q] < *larger.sd[q]);
   }
-  // A scale that is less well known than the ball is told by both.
+  // A scale that is less well known than the ball follows from both.
   frame.px_per_m_sd = 80.0;
   CHECK_TRUE(std::abs(*reduced(frame).value[Quantity::vx_td_mps] / *known.value[Quantity::vx_td_mps] - 1.0) >
              0.005);

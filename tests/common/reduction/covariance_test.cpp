@@ -23,10 +23,9 @@ using Matrix8 = Eigen::Matrix<double, 8, 8>;
 
 Matrix8 matrix(const PrimaryCovariance& covariance) {
   Matrix8 m;
-  for (int i = 0; i < 8; ++i) {
+  for (int i = 0; i < 8; ++i)
     for (int k = 0; k < 8; ++k)
       m(i, k) = covariance[static_cast<std::size_t>(i)][static_cast<std::size_t>(k)];
-  }
   return m;
 }
 
@@ -70,10 +69,8 @@ TEST(JointCovariance, HasTheReadoutsSdOnItsDiagonalAndExplainsTheRatios) {
   dwell(7) = 1e3, dwell(3) = -1e3;
   const auto sd = [&](const Vector8& g) { return std::sqrt(g.dot(m * g)); };
   DOUBLES_EQUAL(*r.sd[Quantity::dwell_time_ms], sd(dwell), 1e-9);
-  const double vx = *r.value[Quantity::vx_td_mps];
-  const double vy = *r.value[Quantity::vy_td_mps];
-  const double ux = *r.value[Quantity::vx_lo_mps];
-  const double uy = *r.value[Quantity::vy_lo_mps];
+  const double vx = *r.value[Quantity::vx_td_mps], vy = *r.value[Quantity::vy_td_mps];
+  const double ux = *r.value[Quantity::vx_lo_mps], uy = *r.value[Quantity::vy_lo_mps];
   Vector8 e = Vector8::Zero();
   e(1) = uy / (vy * vy), e(5) = -1.0 / vy;
   DOUBLES_EQUAL(*r.sd[Quantity::e], sd(e), 1e-10);
@@ -155,8 +152,7 @@ TEST(JointCovariance, NormalizedErrorsOfTheVelocitiesAreChiSquared) {
   const auto bounces = test::thesis_bounces();
   constexpr int kShots = 20000;
   double sum = 0.0;
-  int beyond_10 = 0;
-  int beyond_1 = 0;
+  int beyond_10 = 0, beyond_1 = 0;
   for (int shot = 0; shot < kShots; ++shot) {
     const Bounce& bounce = bounces[static_cast<std::size_t>(shot) % bounces.size()];
     Setup setup;

@@ -7,7 +7,7 @@
 #include "common/units/angles.hpp"
 #include "tests/common/reduction/simulated_shot.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe;
 using namespace strobe::reduction;
@@ -172,7 +172,7 @@ TEST(ChangeBounds, OfATwentiethOfAnSdKeepTheEffect) {
 
 TEST(FlightEffects, AreAllFittedToAFastShot) {
   const Readout r = reduced(photograph(Bounce{}, Setup{}));
-  CHECK_TRUE((r.flight_effects == flight::Effects{true, true, true}));
+  CHECK_EQUAL((flight::Effects{true, true, true}), r.flight_effects);
 }
 
 TEST(FlightEffects, WhatDoesNotMatterIsLeftOutAndSaid) {
@@ -182,25 +182,24 @@ TEST(FlightEffects, WhatDoesNotMatterIsLeftOutAndSaid) {
   Setup setup = exact();
   Frame frame = photograph(bounce, setup);
   for (BallImage& image : frame.images) image.equator_rad = 0.3;
-  CHECK_TRUE((reduced(frame).flight_effects == flight::Effects{true, true, false}));
+  CHECK_EQUAL((flight::Effects{true, true, false}), reduced(frame).flight_effects);
   // A slow ball, coarsely digitized: 1.5 m/s has 43 mm/s^2 of drag, half a millimetre a second in 14 ms.
   bounce.vx_td = 1.4, bounce.vy_td = -0.7, bounce.vx_lo = 1.0, bounce.vy_lo = 0.6, bounce.dwell_x_m = 0.006;
-  CHECK_TRUE((reduced(photograph(bounce, setup)).flight_effects == flight::kGravityOnly));
+  CHECK_EQUAL(flight::kGravityOnly, reduced(photograph(bounce, setup)).flight_effects);
   // In a vacuum there is nothing to leave out, at any speed.
   setup.air = {.drag_coefficient = 0.0, .lift = false, .spin_decay_per_m = 0.0};
   frame = photograph(Bounce{}, setup);
   frame.air_density_kgpm3 = 0.0;
   const Readout r = reduced(frame);
-  CHECK_TRUE((r.flight_effects == flight::kGravityOnly));
+  CHECK_EQUAL(flight::kGravityOnly, r.flight_effects);
   DOUBLES_EQUAL(Bounce{}.vx_td, *r.value[Quantity::vx_td_mps], 1e-8);
 }
 
 TEST(FlightEffects, AreThoseThatAreAskedFor) {
   const Frame frame = photograph(Bounce{}, exact());
   for (const flight::Effects effects :
-       {flight::kNoEffects, flight::kGravityOnly, flight::Effects{true, true, false}}) {
-    CHECK_TRUE(reduced(frame, {.effects = effects}).flight_effects == effects);
-  }
+       {flight::kNoEffects, flight::kGravityOnly, flight::Effects{true, true, false}})
+    CHECK_EQUAL(effects, reduced(frame, {.effects = effects}).flight_effects);
   // Drag over half a leg: 5.5 m/s^2 for about 8 ms.
   const double with = *reduced(frame).value[Quantity::vx_td_mps];
   const double without = *reduced(frame, {.effects = flight::kGravityOnly}).value[Quantity::vx_td_mps];

@@ -40,15 +40,13 @@ Quantities plain_sd(const reduction::Readout& r) {
   if (!r.covariance) return sd;
   const auto of = [&](const std::array<double, kPrimaryCount>& slope) {
     double sum = 0.0;
-    for (std::size_t i = 0; i < kPrimaryCount; ++i) {
+    for (std::size_t i = 0; i < kPrimaryCount; ++i)
       for (std::size_t k = 0; k < kPrimaryCount; ++k) sum += slope[i] * (*r.covariance)[i][k] * slope[k];
-    }
     return std::sqrt(sum);
   };
   const double vx_td = *r.value[Quantity::vx_td_mps], vy_td = *r.value[Quantity::vy_td_mps];
   const double vx_lo = *r.value[Quantity::vx_lo_mps], vy_lo = *r.value[Quantity::vy_lo_mps];
-  const double impulse = vy_lo - vy_td;
-  const double mu = (vx_td - vx_lo) / impulse;
+  const double impulse = vy_lo - vy_td, mu = (vx_td - vx_lo) / impulse;
   sd[Quantity::vx_td_mps] = of({1});
   sd[Quantity::vy_td_mps] = of({0, 1});
   sd[Quantity::omega_td_radps] = of({0, 0, 1});

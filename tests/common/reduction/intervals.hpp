@@ -3,8 +3,6 @@
 // ratio of the two tells nu. Thread-safe.
 #pragma once
 
-#include <optional>
-
 #include "common/reduction/readout.hpp"
 
 namespace strobe::test {

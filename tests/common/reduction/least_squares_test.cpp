@@ -66,8 +66,7 @@ BigRows rows_about(const Observations& all, const JointFit& layout, const BigVec
   BigRows system;
   const auto zeros = [] { return BigVector(kJointCount, Big(0)); };
   for (const Observation& o : all.images) {
-    const std::size_t leg = leg_index(*o.leg);
-    const std::size_t k = kLegStart[leg];
+    const std::size_t leg = leg_index(*o.leg), k = kLegStart[leg];
     const Big s = (Big(o.time_s) - layout.legs[leg].origin_s) / layout.legs[leg].span_s;
     const Big rx = Big(o.centre_m.x()) - z[k] - z[k + 2] * s;
     const Big ry = Big(o.centre_m.y()) - z[k + 1] - z[k + 3] * s;
@@ -97,9 +96,8 @@ BigRows rows_about(const Observations& all, const JointFit& layout, const BigVec
 BigMatrix normal(const BigRows& system) {
   BigMatrix m(kJointCount, BigVector(kJointCount, Big(0)));
   for (const BigVector& row : system.rows) {
-    for (std::size_t i = 0; i < kJointCount; ++i) {
+    for (std::size_t i = 0; i < kJointCount; ++i)
       for (std::size_t k = 0; k < kJointCount; ++k) m[i][k] += row[i] * row[k];
-    }
   }
   return m;
 }
@@ -109,9 +107,8 @@ BigMatrix normal(const BigRows& system) {
 double condition_number(BigMatrix m) {
   BigVector length(kJointCount);
   for (std::size_t i = 0; i < kJointCount; ++i) length[i] = sqrt(m[i][i]);
-  for (std::size_t i = 0; i < kJointCount; ++i) {
+  for (std::size_t i = 0; i < kJointCount; ++i)
     for (std::size_t k = 0; k < kJointCount; ++k) m[i][k] /= length[i] * length[k];
-  }
   const auto norm = [](const BigVector& v) {
     Big sum = 0;
     for (const Big& x : v) sum += x * x;
@@ -127,9 +124,8 @@ double condition_number(BigMatrix m) {
     least = 1 / norm(small);
     for (Big& x : small) x *= least;
     BigVector next(kJointCount, Big(0));
-    for (std::size_t i = 0; i < kJointCount; ++i) {
+    for (std::size_t i = 0; i < kJointCount; ++i)
       for (std::size_t k = 0; k < kJointCount; ++k) next[i] += m[i][k] * large[k];
-    }
     most = norm(next);
     for (Big& x : next) x /= most;
     large = next;
@@ -146,9 +142,8 @@ Reference reference(const Observations& all, const JointFit& layout) {
     const BigRows system = rows_about(all, layout, result.unknowns);
     m = normal(system);
     BigVector right(kJointCount, Big(0));
-    for (std::size_t r = 0; r < system.rows.size(); ++r) {
+    for (std::size_t r = 0; r < system.rows.size(); ++r)
       for (std::size_t i = 0; i < kJointCount; ++i) right[i] += system.rows[r][i] * system.right[r];
-    }
     const BigVector change = solved(m, right);
     for (std::size_t i = 0; i < kJointCount; ++i) result.unknowns[i] += change[i];
   }
@@ -288,9 +283,8 @@ TEST(LegFactorization, ManyRowsMakeTheTriangleOfTheirProducts) {
     const auto next = [&](const std::array<double, 1>& r) { rest += r[0] * r[0]; };
     for (int i = 0; i < count; ++i) {
       const std::array<double, 4> row{1.0, 0.1 * i, std::sin(i), std::cos(0.7 * i)};
-      for (std::size_t a = 0; a < 4; ++a) {
+      for (std::size_t a = 0; a < 4; ++a)
         for (std::size_t b = 0; b < 4; ++b) products[a][b] += row[a] * row[b];
-      }
       reduction.add(row, next);
     }
     reduction.reflect(next);

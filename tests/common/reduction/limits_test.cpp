@@ -10,7 +10,7 @@
 #include "common/reduction/reduce.hpp"
 #include "tests/common/reduction/simulated_shot.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe;
 using namespace strobe::reduction;
@@ -47,9 +47,8 @@ void check_finite(const Readout& r) {
     if (r.sd_systematic[q]) RC_ASSERT(std::isfinite(*r.sd_systematic[q]) && *r.sd_systematic[q] >= 0.0);
   }
   if (!r.covariance) return;
-  for (const auto& row : *r.covariance) {
+  for (const auto& row : *r.covariance)
     for (const double x : row) RC_ASSERT(std::isfinite(x));
-  }
 }
 
 /// Reduced by every estimator, with exceptions trapped but for the legacy one, which divides as its program
@@ -132,7 +131,7 @@ TEST(FrameLimits, TinyAndSubnormalNumbersAreRefusedByNameOrHarmless) {
       const NamedNumber number = numbers_of(changed)[i];
       *number.value = tiny;
       const std::string complaint = tried(changed);
-      // A time that is out of order is told at the image where the order breaks.
+      // A time that is out of order is reported at the image where the order breaks.
       const bool time = std::string(number.name) == "images[2].time_s";
       CHECK_TRUE_TEXT(complaint.empty() || time || complaint.rfind(number.name, 0) == 0, complaint.c_str());
     }
@@ -178,8 +177,7 @@ TEST(FrameLimits, NoFrameWithinThemGivesANumberThatIsNone) {
         if (maybe()) image.equator_rad = sign() * power(-9, 5);
         if (*rc::gen::inRange(0, 4) == 0) image.time_sd_s = power(-12, -1);
         if (*rc::gen::inRange(0, 4) == 0) {
-          const double x = power(-9, 11);
-          const double y = power(-9, 11);
+          const double x = power(-9, 11), y = power(-9, 11);
           const double correlation = *rc::gen::inRange(-999, 1000) * 1e-3;
           image.centre_cov_px2 = std::array{x * x, correlation * x * y, correlation * x * y, y * y};
         }
@@ -197,7 +195,7 @@ TEST(FrameLimits, IdenticalImagesAndExactDataGiveNoSpreadAndNoCrash) {
   setup.air = {.drag_coefficient = 0.0, .lift = false, .spin_decay_per_m = 0.0};
   Frame frame = limiting_photograph(setup);
   frame.air_density_kgpm3 = 0.0;
-  STRCMP_EQUAL("", tried(frame).c_str());
+  CHECK_EQUAL("", tried(frame));
   const auto r = reduce(frame, Estimator::best);
   DOUBLES_EQUAL(0.0, *r->sd[Quantity::vx_td_mps], 1e-7);
   DOUBLES_EQUAL(0.0, *r->sd[Quantity::e], 1e-7);

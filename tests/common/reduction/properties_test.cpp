@@ -1,7 +1,6 @@
 // What must hold for any photograph. A failure prints the RC_PARAMS that repeat it.
 #include <rapidcheck.h>
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -96,8 +95,7 @@ TEST(ReductionProperties, TurningShiftingAndScalingThePhotographChangesNothing) 
     const Readout before = reduced(frame);
     // with the roll: less than the quarter turn at which up becomes down
     const double turn = real(-1.0, 1.0);
-    const double scale = std::pow(10.0, real(-3.0, 3.0));
-    const double dx = real(-1e4, 1e4) * scale;
+    const double scale = std::pow(10.0, real(-3.0, 3.0)), dx = real(-1e4, 1e4) * scale;
     const double dy = real(-1e4, 1e4) * scale;
     const auto move = [&](PointPx& p) {
       p = {scale * (std::cos(turn) * p.x - std::sin(turn) * p.y) + dx,

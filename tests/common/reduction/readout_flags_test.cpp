@@ -1,4 +1,3 @@
-// What a readout says of frames that are poor or wrong.
 #include <cmath>
 #include <random>
 #include <string>

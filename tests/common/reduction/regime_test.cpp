@@ -5,7 +5,7 @@
 
 #include "tests/common/reduction/reduced_frames.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe;
 using namespace strobe::reduction;
@@ -32,13 +32,13 @@ TEST(Regime21, TheBallsInertiaDecidesWhatRollingNeeds) {
   // that vx lost, so it gripped.
   Frame frame = straight_frame();
   frame.images[1].equator_rad = 0.1 - 0.2 + std::numbers::pi;
-  CHECK_TRUE(reduced(frame).regime == Regime::grips);
+  CHECK_EQUAL(Regime::grips, reduced(frame).regime);
   // With backspin the slip is 18.25 m/s.
   frame.images[1].equator_rad = 0.1 + 0.2;
   frame.ball_alpha = 0.3;
-  CHECK_TRUE(reduced(frame).regime == Regime::grips);  // needs 4.21
+  CHECK_EQUAL(Regime::grips, reduced(frame).regime);  // needs 4.21
   frame.ball_alpha = 2.0 / 3.0;
-  CHECK_TRUE(reduced(frame).regime == Regime::slides);  // needs 7.3
+  CHECK_EQUAL(Regime::slides, reduced(frame).regime);  // needs 7.3
 }
 
 TEST(Regime21, WithinTwoSdItIsUnclear) {

@@ -5,19 +5,13 @@
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
-#include <functional>
 #include <numbers>
 #include <sstream>
 
 namespace strobe::test {
 namespace {
 
-using reduction::BallImage;
-using reduction::Frame;
-using reduction::Leg;
-using reduction::PointPx;
-using reduction::Quantities;
-using reduction::Quantity;
+using namespace reduction;
 
 constexpr double kPi = std::numbers::pi;
 
@@ -100,8 +94,7 @@ class Flight {
   }
 
   State start_;
-  double spin_ = 0.0, fading_ = 0.0;
-  double rim_;
+  double spin_ = 0.0, fading_ = 0.0, rim_;
   Point gravity_;
   double drag_ = 0.0, lift_ = 0.0;
 };
@@ -280,8 +273,7 @@ Quantities readout_of(const Unknowns& u, const Bounce& b, const Setup& s) {
   };
   const Flight in(u.in, b.diameter_m / 2, s);
   const Flight out(u.out, b.diameter_m / 2, s);
-  const double td = cross(in);
-  const double lo = cross(out);
+  const double td = cross(in), lo = cross(out);
   const Flight::State at_td = in.at(td);
   const Flight::State at_lo = out.at(lo);
   Bounce seen = b;
@@ -311,9 +303,8 @@ Quantities cramer_rao(const Bounce& b, const Setup& s) {
     entry(down, i) -= kSteps[i];
     const auto m_up = measurements(up, b, s);
     const auto m_down = measurements(down, b, s);
-    for (std::size_t k = 0; k < count; ++k) {
+    for (std::size_t k = 0; k < count; ++k)
       jacobian(static_cast<Eigen::Index>(k), i) = (m_up[k] - m_down[k]) / (2 * kSteps[i]);
-    }
     const Quantities q_up = readout_of(up, b, s);
     const Quantities q_down = readout_of(down, b, s);
     for (std::size_t k = 0; k < reduction::kQuantityCount; ++k) {

@@ -17,8 +17,7 @@ struct Bounce {
   std::string label;
   double vx_td = 15.62, vy_td = -6.71, omega_td = 2.61;
   double vx_lo = 8.84, vy_lo = 5.76, omega_lo = -313.2;
-  double dwell_s = 5.20e-3, dwell_x_m = 0.0629;
-  double diameter_m = 0.0651;
+  double dwell_s = 5.20e-3, dwell_x_m = 0.0629, diameter_m = 0.0651;
 };
 
 /// What the air does to the ball: dv/dt = g - q·C_D·|v|·v + q·C_L·|v|·(z × v), q = density·pi·R²/(2·mass),
@@ -26,16 +25,13 @@ struct Bounce {
 struct Air {
   double drag_coefficient = 0.55;
   bool lift = true;
-  double density_kgpm3 = 1.204;
-  double mass_kg = 0.0576;
+  double density_kgpm3 = 1.204, mass_kg = 0.0576;
   double spin_decay_per_m = 0.01;  ///< domega/dt = -spin_decay_per_m·|v|·omega, at 1.204 kg/m³
 };
 
 /// A camera, a flash train and a person who digitizes.
 struct Setup {
-  double px_per_m = 4000.0;
-  double roll_rad = 0.005;
-  double origin_x_px = 1200.0, origin_y_px = 300.0;
+  double px_per_m = 4000.0, roll_rad = 0.005, origin_x_px = 1200.0, origin_y_px = 300.0;
   double period_s = 3.0e-3;
   double phase = 0.4;  ///< of a period between the last flash before touchdown and touchdown
   int incoming = 5, rebound = 5;
@@ -44,9 +40,7 @@ struct Setup {
   Air air;
   std::vector<double> surface_x_m = {-0.20, -0.12, 0.18, 0.26};
   double time_origin_s = 0.0;
-  bool mirror = false;
-  bool labels = true;
-  bool state_noise = true;
+  bool mirror = false, labels = true, state_noise = true;
   // Noise of digitizing by hand: half a millimetre, one degree.
   double centre_sd_m = 0.5e-3, diameter_sd_m = 0.5e-3, equator_sd_rad = 0.0175, surface_sd_m = 0.5e-3;
   double flash_jitter_s = 0.0;    ///< of the true flash times; the frame has them exactly

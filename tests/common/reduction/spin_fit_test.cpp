@@ -1,6 +1,4 @@
-// Spin from a line that is known modulo half a turn.
 #include <cmath>
-#include <numbers>
 #include <random>
 
 #include "common/reduction/spin_check.hpp"

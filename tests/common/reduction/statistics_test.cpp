@@ -11,9 +11,18 @@
 using namespace strobe;
 using namespace strobe::reduction;
 
-TEST_GROUP(RunningStatisticsRounding){};
+TEST_GROUP(RunningStatistics){};
 
-TEST(RunningStatisticsRounding, IdenticalValuesHaveNoSpread) {
+TEST(RunningStatistics, AreThoseOfTheThesis) {
+  RunningStatistics s;
+  for (const double v : {2.0, 4.0, 4.0, 4.0, 5.0, 5.0, 7.0, 9.0}) s.add(v);
+  DOUBLES_EQUAL(5.0, s.mean(), 1e-15);
+  DOUBLES_EQUAL(2.0, s.population_sd(), 1e-15);  // squares 9 1 1 1 0 0 4 16 = 32, over 8
+  DOUBLES_EQUAL(0.4, s.coefficient_of_variation(), 1e-15);
+  DOUBLES_EQUAL(std::sqrt(32.0 / 7.0), s.sample_sd(), 1e-15);
+}
+
+TEST(RunningStatistics, IdenticalValuesHaveNoSpread) {
   for (const double value : {0.1, 15.62, -1e15, 1e-300, 0.0}) {
     RunningStatistics series;
     for (int i = 0; i < 1000; ++i) series.add(value);
@@ -23,7 +32,7 @@ TEST(RunningStatisticsRounding, IdenticalValuesHaveNoSpread) {
   }
 }
 
-TEST(RunningStatisticsRounding, ALargeOffsetCostsOnlyItsOwnRounding) {
+TEST(RunningStatistics, ALargeOffsetCostsOnlyItsOwnRounding) {
   // 1, 2, 3 ... 9 on top of 1e9: sd sqrt(60 / 9). The sum of squares less the square of the sum would keep
   // no digit. Values at 1e9 are rounded to 1e-7, here not at all.
   RunningStatistics series;
@@ -36,12 +45,9 @@ TEST_GROUP(StudentT){};
 
 TEST(StudentT, HoldsAsMuchAsOneSigmaOfANormal) {
   // GUM, table G.2, column 68.27 %: 1.84, 1.32, 1.20, 1.14, 1.11; 1.05 at 10; 1.03 at 20.
-  DOUBLES_EQUAL(1.84, student_t_sigma(1), 0.005);
-  DOUBLES_EQUAL(1.32, student_t_sigma(2), 0.005);
-  DOUBLES_EQUAL(1.20, student_t_sigma(3), 0.005);
-  DOUBLES_EQUAL(1.11, student_t_sigma(5), 0.005);
-  DOUBLES_EQUAL(1.05, student_t_sigma(10), 0.005);
-  DOUBLES_EQUAL(1.03, student_t_sigma(20), 0.005);
+  for (const auto& [degrees, factor] :
+       {std::pair{1, 1.84}, {2, 1.32}, {3, 1.20}, {5, 1.11}, {10, 1.05}, {20, 1.03}})
+    DOUBLES_EQUAL(factor, student_t_sigma(degrees), 0.005);
   DOUBLES_EQUAL(1.0, student_t_sigma(1e9), 1e-12);
 }
 
@@ -73,9 +79,7 @@ TEST(Derivatives, AgreeWithDifferencesOfTheValue) {
   const auto formula = [](const Dual<2>& a, const Dual<2>& b) {
     return atan2(sqrt(a * b + 2.0) - b / a, 3.0 - a) * hypot(a, -b) + 0.5 * (a - 1.0) / b;
   };
-  const double a = 1.3;
-  const double b = 0.7;
-  const double h = 1e-6;
+  const double a = 1.3, b = 0.7, h = 1e-6;
   const auto f = formula(Dual<2>::variable(a, 0), Dual<2>::variable(b, 1));
   // Central differences: rounding 1e-16 / 1e-6 and h^2 leave 1e-9.
   DOUBLES_EQUAL((formula(a + h, b).value - formula(a - h, b).value) / (2 * h), f.grad[0], 1e-8);

@@ -33,8 +33,7 @@ struct Spread {
 using Spreads = std::array<Spread, kQuantityCount>;
 
 struct Study {
-  int phases = 20;
-  int shots_per_phase = 500;
+  int phases = 20, shots_per_phase = 500;
   Estimator estimator = Estimator::best;
 };
 
@@ -328,9 +327,8 @@ TEST(TruthOf21Conditions, TwoPointIsTrueToItsStatedErrorButWiderThanTheBound) {
       check(spread, bounces[i].label, {.by_bound = loss * 1.05 - 1.0});
       const auto worse = [&](Quantity q) { return spread[static_cast<std::size_t>(q)].by_bound; };
       DOUBLES_EQUAL(loss, worse(Quantity::omega_td_radps), widened(0.05) * loss);
-      for (const Quantity q : {Quantity::theta_in_deg, Quantity::e, Quantity::mu, Quantity::dwell_time_ms}) {
+      for (const Quantity q : {Quantity::theta_in_deg, Quantity::e, Quantity::mu, Quantity::dwell_time_ms})
         CHECK_TRUE_TEXT(worse(q) > 1.1, std::string(name(q)).c_str());
-      }
     }
   }
 }

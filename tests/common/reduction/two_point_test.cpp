@@ -3,7 +3,7 @@
 
 #include "tests/common/reduction/reduced_frames.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe;
 using namespace strobe::reduction;
@@ -16,7 +16,7 @@ TEST(TwoPoint, GivesTheNumbersWorkedOutByHand) {
   frame.temperature_c = 13.0;
   const Readout r = reduced(frame, Estimator::two_point);
   LONGS_EQUAL(7, r.shot_id);
-  STRCMP_EQUAL("two-point", r.method.c_str());
+  CHECK_EQUAL("two-point", r.method);
   equal(15.0, r.value[Quantity::vx_td_mps]);
   equal(-6.0, r.value[Quantity::vy_td_mps]);
   equal(std::sqrt(261.0), r.value[Quantity::v_td_mps]);

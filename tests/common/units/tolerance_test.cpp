@@ -5,7 +5,7 @@
 #include <random>
 #include <string>
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using strobe::parse_tolerance;
 using strobe::tolerance_text;
@@ -21,7 +21,7 @@ void check_value(double expected, const char* text) {
 void check_error(const char* expected, const char* text) {
   const auto value = parse_tolerance(text);
   CHECK_TEXT(!value.has_value(), text);
-  STRCMP_EQUAL(expected, value.error().message.c_str());
+  CHECK_EQUAL(expected, value.error().message);
 }
 
 }  // namespace
@@ -72,14 +72,14 @@ TEST(Tolerance, AsksWhetherAPercentSignWasLeftOut) {
 }
 
 TEST(Tolerance, IsShownAsAPercentageInFewDigits) {
-  STRCMP_EQUAL("0.5%", tolerance_text(5e-3).c_str());
-  STRCMP_EQUAL("0.1%", tolerance_text(1e-3).c_str());
-  STRCMP_EQUAL("5%", tolerance_text(0.05).c_str());
-  STRCMP_EQUAL("12.5%", tolerance_text(0.125).c_str());
-  STRCMP_EQUAL("100%", tolerance_text(1.0).c_str());
-  STRCMP_EQUAL("0.0001%", tolerance_text(1e-6).c_str());
-  STRCMP_EQUAL("1e-10%", tolerance_text(1e-12).c_str());
-  STRCMP_EQUAL("1.25e-6%", tolerance_text(1.25e-8).c_str());
+  CHECK_EQUAL("0.5%", tolerance_text(5e-3));
+  CHECK_EQUAL("0.1%", tolerance_text(1e-3));
+  CHECK_EQUAL("5%", tolerance_text(0.05));
+  CHECK_EQUAL("12.5%", tolerance_text(0.125));
+  CHECK_EQUAL("100%", tolerance_text(1.0));
+  CHECK_EQUAL("0.0001%", tolerance_text(1e-6));
+  CHECK_EQUAL("1e-10%", tolerance_text(1e-12));
+  CHECK_EQUAL("1.25e-6%", tolerance_text(1.25e-8));
 }
 
 TEST(Tolerance, ComesBackFromItsTextToTheLastBit) {

@@ -13,7 +13,7 @@
 
 #include "tests/support/private_network.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe::wire;
 
@@ -117,7 +117,7 @@ TEST(ChannelSocket, LetsAWholeChannelThroughAndNoOther) {
                        {whole(other, "x"), first_part(other, "x"), whole(wanted.substr(0, at), "x")});
     }
     datagrams.pop_back();  // the channel itself
-    STRCMP_EQUAL("12.", passed({wanted, true, ""}, datagrams).c_str());
+    CHECK_EQUAL("12.", passed({wanted, true, ""}, datagrams));
   }
 }
 
@@ -136,7 +136,7 @@ TEST(ChannelSocket, LetsChannelsOfOneBeginningThroughButTheOneThatIsUnwanted) {
       other[at] ^= 1;
       datagrams.insert(datagrams.end(), {whole(other, "x"), first_part(other, "x")});
     }
-    STRCMP_EQUAL("1234.", passed({beginning, false, unwanted}, datagrams).c_str());
+    CHECK_EQUAL("1234.", passed({beginning, false, unwanted}, datagrams));
   }
 }
 
@@ -151,7 +151,7 @@ TEST(ChannelSocket, TellsTheSenderAndWhenNothingIsWaiting) {
     pollfd readable{socket->fd(), POLLIN, 0};
     poll(&readable, 1, 10000);
     senders.push_back(socket->receive()->sender);
-    CHECK_TRUE(next(*beside) == whole("X", "data"));
+    CHECK_EQUAL(whole("X", "data"), next(*beside));
   }
   CHECK_TRUE(senders[0] == senders[2] && senders[0] != senders[1]);
 }

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe::wire;
 using Bytes = std::vector<std::uint8_t>;
@@ -43,7 +43,7 @@ TEST(LcmDatagram, HoldsAWholeMessage) {
   const Bytes bytes = whole(kChannel, "arm");
   const auto read = read_datagram(bytes);
   CHECK_TRUE(read.has_value());
-  CHECK_TRUE(read->channel == kChannel);
+  CHECK_EQUAL(kChannel, read->channel);
   CHECK_TRUE(std::ranges::equal(read->data, bytes_of("arm")));
   LONGS_EQUAL(1, read->parts);
   LONGS_EQUAL(7, read->number);
@@ -98,7 +98,7 @@ TEST_GROUP(MulticastGroup){};
 TEST(MulticastGroup, IsReadFromTheUrl) {
   const auto group = multicast_group("udpm://239.255.76.67:7667?ttl=0&recv_buf_size=2097152");
   CHECK_TRUE(group.has_value());
-  STRCMP_EQUAL("239.255.76.67", group->address.c_str());
+  CHECK_EQUAL("239.255.76.67", group->address);
   LONGS_EQUAL(7667, group->port);
   LONGS_EQUAL(2'097'152, group->receive_buffer_bytes);
   LONGS_EQUAL(0, multicast_group("udpm://239.1.2.3:1")->receive_buffer_bytes);

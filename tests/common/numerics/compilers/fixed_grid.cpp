@@ -87,7 +87,8 @@ void flights(Grid& grid) {
     for (const double spin : kSpins) {
       const Eigen::Vector2d v{0.9 * speed, -0.4 * speed};
       const auto f = flight::forcing(air, flight::gravity_mps2(0.1), v, spin);
-      grid.add("drag and lift", f.acceleration_mps2.x(), f.acceleration_mps2.y(), f.jerk_mps3.x(), f.jerk_mps3.y());
+      grid.add("drag and lift", f.acceleration_mps2.x(), f.acceleration_mps2.y(), f.jerk_mps3.x(),
+               f.jerk_mps3.y());
       const flight::Parabola path{{0.0, 0.1}, v, flight::gravity_mps2(0.1)};
       grid.add("time at a height", path.time_falling_through_s(0.03).value_or(-1.0));
       grid.add("angles", wrap_half_turn(speed * spin), wrap_turn(speed * spin));

@@ -28,10 +28,9 @@ std::array<Wide, 3> lagrange(const std::array<double, 4>& times, std::size_t i, 
 /// Coefficients from the normal equations in powers of the time.
 Eigen::Vector4d normal_equations(const std::array<double, 4>& times, const std::array<double, 4>& values) {
   Eigen::Matrix4d design;
-  for (int i = 0; i < 4; ++i) {
+  for (int i = 0; i < 4; ++i)
     for (int power = 0; power < 4; ++power)
       design(i, power) = std::pow(times[static_cast<std::size_t>(i)], power);
-  }
   const Eigen::Vector4d y = Eigen::Map<const Eigen::Vector4d>(values.data());
   return (design.transpose() * design).ldlt().solve(design.transpose() * y);
 }

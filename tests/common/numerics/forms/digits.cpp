@@ -21,9 +21,8 @@ std::vector<double> log_grid(double low, double high, const std::vector<double>&
     values.push_back(low * std::pow(high / low, static_cast<double>(i) / steps));
   for (const double x : special) {
     values.push_back(x);
-    for (const double next : {std::nextafter(x, kInfinity), std::nextafter(x, -kInfinity)}) {
+    for (const double next : {std::nextafter(x, kInfinity), std::nextafter(x, -kInfinity)})
       if (next >= low && next <= high) values.push_back(next);
-    }
   }
   return values;
 }
@@ -112,9 +111,8 @@ void Tally::record(const std::string& output, double error, double ulps,
 std::vector<Form> all_forms() {
   std::vector<Form> forms;
   for (const auto group :
-       {unit_forms, impact_forms, pulse_forms, flight_forms, reduction_forms, contact_forms}) {
+       {unit_forms, impact_forms, pulse_forms, flight_forms, reduction_forms, contact_forms})
     for (Form& form : group()) forms.push_back(std::move(form));
-  }
   return forms;
 }
 

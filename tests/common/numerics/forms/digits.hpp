@@ -66,10 +66,7 @@ struct Form {
 };
 
 struct Measured {
-  std::string form;
-  std::string output;
-  std::string scale;
-  std::string rewritten;
+  std::string form, output, scale, rewritten;
   double tolerance = 0.0;
   Worst worst;
 };

@@ -12,8 +12,7 @@ namespace {
 using flight::Parabola;
 
 struct Crossing {
-  Wide velocity_squared;
-  Wide time;
+  Wide velocity_squared, time;
 };
 
 /// drop = v·t + a·t²/2 at the root where the velocity is sign·sqrt(v² + 2·a·drop).

@@ -64,8 +64,7 @@ Wide energy(const WideInput& in, const Wide& vx, const Wide& omega) {
 }
 
 WideRebound reference(const WideInput& in) {
-  const Wide impulse = (1 + in.e) * -in.vy;
-  const Wide rolling = (in.vx - in.radius * in.omega) / 2;
+  const Wide impulse = (1 + in.e) * -in.vy, rolling = (in.vx - in.radius * in.omega) / 2;
   const Wide d = in.offset * rolling / sqrt(rolling * rolling + in.reference * in.reference);
   const Solution without = solve(in, 0, impulse);
   const Solution with = solve(in, d, impulse);
@@ -111,8 +110,7 @@ struct Textbook {
 };
 
 Textbook textbook(const ball::Ball& ball, const Motion& m, const Coefficients& c) {
-  const double radius = ball.radius_m();
-  const double slip = m.vx_mps + radius * m.omega_radps;
+  const double radius = ball.radius_m(), slip = m.vx_mps + radius * m.omega_radps;
   const double impulse = (1.0 + c.e) * -m.vy_mps;
   const double rolling = 0.5 * (m.vx_mps - radius * m.omega_radps);
   const double d =
@@ -133,8 +131,7 @@ void compare_impact(const ball::Ball& ball, const Motion& m, const Coefficients&
   const double outputs[] = {got.lift_off.vx_mps, got.lift_off.omega_radps, got.slip_lo_mps, got.impulse_ratio,
                             got.offset_m};
   const char* const names[] = {"vx_lo", "omega_lo", "slip_lo", "impulse_ratio", "offset"};
-  const Wide impulse = (1 + in.e) * -in.vy;
-  const Wide push = abs(want.offset) * impulse / in.radius;
+  const Wide impulse = (1 + in.e) * -in.vy, push = abs(want.offset) * impulse / in.radius;
   const Wide dspin_scale = (want.dvx_scale + push) / in.alpha;
   Wide scales[] = {abs(in.vx) + want.dvx_scale, abs(in.omega) + dspin_scale / in.radius,
                    abs(in.vx + in.radius * in.omega) + want.dvx_scale + dspin_scale, want.dvx_scale / impulse,

@@ -68,8 +68,7 @@ void state(PulseForm form, std::span<const double> x, Tally& tally) {
   const Wide f = wide.damping(), theta = wide_pi() * tau, speed = x[1], t = Wide(tau) * in.dwell_s;
   const Wide decay = exp(-f * theta), length = speed * in.dwell_s / wide_pi();
   const Wide impulse = exact ? wide.impulse(theta) : Wide(1 - decay * cosine_at(tau));
-  const Wide path = wide.path(theta);
-  const Wide ratio = in.impulse_ratio, vx = in.vx_td_mps;
+  const Wide path = wide.path(theta), ratio = in.impulse_ratio, vx = in.vx_td_mps;
   const Wide force = Wide(in.mass_kg) * speed * (wide_pi() / in.dwell_s) * decay * sine_at(tau);
   const Wide depth = exact ? Wide(theta - path) : Wide(decay * sine_at(tau));
 

@@ -10,9 +10,7 @@ namespace {
 /// Mass of the shell's layers times (2/3)·r², summed: the quotient of the moments of r⁴ and r². A shell of no
 /// thickness is the limit (2/3)·m·a².
 void thick_shell(std::span<const double> x, Tally& tally) {
-  const double mass = x[0];
-  const double outer = x[1];
-  const double inner = std::min(outer * (1.0 - x[2]), outer);
+  const double mass = x[0], outer = x[1], inner = std::min(outer * (1.0 - x[2]), outer);
   const Wide a = outer, b = inner;
   const Wide want = a == b
                         ? Wide(2) / 3 * mass * a * a
