@@ -1,7 +1,6 @@
 #include "tests/costs/cases.hpp"
 
 #include <array>
-#include <cmath>
 #include <memory>
 #include <random>
 #include <stdexcept>
@@ -35,7 +34,9 @@ reduction::Frame typical_frame(bool noise_stated) {
   constexpr double kScale_pxpm = 4000.0, kPeriod_s = 3e-3, kRadius_m = 0.0651 / 2;
   std::mt19937_64 random(1);
   // Not std::normal_distribution, whose draws each library makes in its own way.
-  const auto error = [&random](double sd) { return sd * (static_cast<double>(random() >> 11) * 0x1p-52 - 1.0); };
+  const auto error = [&random](double sd) {
+    return sd * (static_cast<double>(random() >> 11) * 0x1p-52 - 1.0);
+  };
   reduction::Frame frame;
   frame.shot_id = 1;
   frame.ball_diameter_m = 2 * kRadius_m;
@@ -69,7 +70,9 @@ reduction::Frame typical_frame(bool noise_stated) {
 }
 
 Case reduction_case(const std::string& name, bool noise_stated) {
-  return {name, [frame = typical_frame(noise_stated)] { keep(reduction::reduce(frame, reduction::Estimator::best)); }};
+  return {name, [frame = typical_frame(noise_stated)] {
+            keep(reduction::reduce(frame, reduction::Estimator::best));
+          }};
 }
 
 struct Bounce {
@@ -105,7 +108,8 @@ Case contact_case(const std::string& name, double tolerance) {
   return {name, [tolerance] {
             const ball::Ball ball{.alpha = impact::kContactAlpha};
             for (const Bounce& b : kBounces)
-              keep(impact::simulate(ball, b.touchdown, {.e = b.e, .dwell_s = b.dwell_s}, {.tolerance = tolerance}));
+              keep(impact::simulate(ball, b.touchdown, {.e = b.e, .dwell_s = b.dwell_s},
+                                    {.tolerance = tolerance}));
           }};
 }
 
@@ -118,7 +122,8 @@ Case flash_match_case() {
   const host::FlashTimes times = host::flash_times(made.shot);
   for (const host::ObservedFlash& flash : times.seen)
     times_s.push_back(to_seconds(flash.time - times.seen.front().time));
-  return {"flash_match", [times_s, track = *track] { keep(host::match_flashes(times_s, track, std::nullopt)); }};
+  return {"flash_match",
+          [times_s, track = *track] { keep(host::match_flashes(times_s, track, std::nullopt)); }};
 }
 
 /// A painted bounce: five images down, one pressed flat on the plate, five up.
@@ -147,7 +152,8 @@ Case digitize_case() {
   settings.effort = digitize::Effort::fast;
   return {"digitize_fast", [photograph = testing::paint(painting), settings] {
             const auto result = digitize::digitize(photograph, settings);
-            if (!result || result->frame.images.size() != 11) throw std::runtime_error("images were not found");
+            if (!result || result->frame.images.size() != 11)
+              throw std::runtime_error("images were not found");
           }};
 }
 
@@ -171,7 +177,8 @@ Case soak_case(const std::string& name, soak::PlanKind plan) {
             settings.plan = plan;
             soak::Lab lab(files, settings);
             const soak::SoakCounts counts = lab.run();
-            if (counts.violations != 0 || counts.good < 2) throw std::runtime_error("shots of the soak do not count");
+            if (counts.violations != 0 || counts.good < 2)
+              throw std::runtime_error("shots of the soak do not count");
           }};
 }
 
@@ -190,11 +197,11 @@ Case decode_case() {
 /// A hundred turns in the middle of a train: waits, flashes, sensor edges.
 Case sequencer_case() {
   const auto rig = std::make_shared<testing::SequencerFixture>();
-  rig->start();
   rig->fire();
   return {"sequencer_100_turns", [rig] {
             for (int i = 0; i < 100; ++i) rig->step();
-            if (rig->sequencer.state() != firmware::State::firing) throw std::runtime_error("no shot is playing");
+            if (rig->sequencer.state() != firmware::State::firing)
+              throw std::runtime_error("no shot is playing");
           }};
 }
 

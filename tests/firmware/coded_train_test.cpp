@@ -7,7 +7,7 @@
 
 #include "tests/support/sequencer_fixture.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe;
 using namespace strobe::firmware;
@@ -49,12 +49,12 @@ TEST(CodedPlan, HasItsFlashesAtTheirOffsetsFromTheOpening) {
   plan.reserve(rig.lamps.max_flashes);
   build_schedule(request, rig, plan);
   CHECK_EQUAL(12, plan.flash_count);
-  CHECK(plan.shortest_interval == milliseconds(3));
+  CHECK_EQUAL(milliseconds(3), plan.shortest_interval);
   std::size_t k = 0;
   for (const PlannedPulse& pulse : plan.pulses) {
     if (pulse.output != Output::strobes) continue;
-    CHECK(pulse.at - plan.exposure_begin == request.code[k].offset);
-    CHECK(pulse.lamps == request.code[k].lamps);
+    CHECK_EQUAL(request.code[k].offset, pulse.at - plan.exposure_begin);
+    CHECK_EQUAL(request.code[k].lamps, pulse.lamps);
     CHECK_EQUAL(static_cast<std::int32_t>(k), pulse.flash_index);
     ++k;
   }
@@ -68,9 +68,9 @@ TEST(CodedPlan, GivesEachLampItsOwnRechargeTime) {
   add(2250, Lamps::b);
   CHECK_EQUAL(std::string(), refusal(request, rig));
   add(3700, Lamps::b);
-  STRCMP_EQUAL(
+  CHECK_EQUAL(
       "flash 4 of the coded train comes 1450 us after lamp B's one before, shorter than the lamps' 1500 us",
-      refusal(request, rig).c_str());
+      refusal(request, rig));
 }
 
 TEST(CodedPlan, CountsAFlashOfBothForEither) {
@@ -83,9 +83,9 @@ TEST(CodedPlan, RefusesFlashesOfDifferentLampsBetweenWhichTheLoopCouldNotLookAtT
   // A pulse of at most 200 us and a spin of 200 us must fit between.
   add(0, Lamps::a);
   add(400, Lamps::b);
-  STRCMP_EQUAL(
+  CHECK_EQUAL(
       "flash 1 of the coded train comes 400 us after the one before, where more than 400 us are needed",
-      refusal(request, rig).c_str());
+      refusal(request, rig));
   request.code = {};
   add(0, Lamps::a);
   add(401, Lamps::b);
@@ -150,42 +150,36 @@ return rig;
 
 TEST(CodedTrain, IsPlayedAsPlannedAndTellsItsLamps) {
   SequencerFixture bench(coded(some_code()));
-  bench.start();
-  const MonoTime start = bench.fire();
-  bench.play();
+  const MonoTime start = bench.shoot();
   const ShotRecord& shot = bench.shot();
   CHECK(shot.abort_reason.empty());
   const CodedTrain code = some_code();
   CHECK_EQUAL(code.size(), shot.flashes.size());
   for (std::size_t k = 0; k < code.size(); ++k) {
     const FlashRecord& flash = shot.flashes[k];
-    CHECK(flash.lamps == code[k].lamps);
-    CHECK(flash.commanded == start + kFirstFlashAt + code[k].offset);
+    CHECK_EQUAL(code[k].lamps, flash.lamps);
+    CHECK_EQUAL(start + kFirstFlashAt + code[k].offset, flash.commanded);
     CHECK(flash.issue_start >= flash.commanded && flash.issue_start - flash.commanded < microseconds(1));
     CHECK_EQUAL(has_a(flash.lamps), known(flash.observed_a));
     CHECK_EQUAL(has_b(flash.lamps), known(flash.observed_b));
     CHECK_EQUAL(0, flash.extra_edges);
     const Line line = k == 2 ? Line::strobe_a : k == 5 ? Line::strobe_b : Line::none;
-    CHECK(bench.rig.find(EventKind::flash, k)->line == line);
+    CHECK_EQUAL(line, bench.rig.find(EventKind::flash, k)->line);
   }
 }
 
 TEST(CodedTrain, DrivesTheLinesOfTheNamedLampsOnly) {
   SequencerFixture bench(coded(some_code()));
-  bench.start();
-  bench.fire();
-  bench.play();
+  bench.shoot();
   std::vector<Lamps> driven;
-  for (const auto& set : bench.rig.sets) {
+  for (const auto& set : bench.rig.sets)
     if (set.output == Output::strobes && set.active) driven.push_back(set.lamps);
-  }
   CHECK_EQUAL(12u, driven.size());
-  for (std::size_t k = 0; k < driven.size(); ++k) CHECK(driven[k] == some_code()[k].lamps);
+  for (std::size_t k = 0; k < driven.size(); ++k) CHECK_EQUAL(some_code()[k].lamps, driven[k]);
 }
 
 TEST(CodedTrain, CountsLightInTheGapOfAnOmittedFlash) {
   SequencerFixture bench(coded(some_code()));
-  bench.start();
   const MonoTime start = bench.fire();
   const MonoTime omitted = start + kFirstFlashAt + some_code()[7].offset + milliseconds(3);
   bench.rig.schedule({Input::sensor_a, omitted, true});
@@ -196,7 +190,6 @@ TEST(CodedTrain, CountsLightInTheGapOfAnOmittedFlash) {
 
 TEST(CodedTrain, IsStoppedByAFlashThatIsLateBeyondTheLimitAndTheShotIsSpent) {
   SequencerFixture bench(coded(some_code()));
-  bench.start();
   const MonoTime start = bench.fire();
   const MonoTime sixth = start + kFirstFlashAt + some_code()[6].offset;
   bench.rig.freeze(sixth - microseconds(300),
@@ -205,7 +198,7 @@ TEST(CodedTrain, IsStoppedByAFlashThatIsLateBeyondTheLimitAndTheShotIsSpent) {
   STRCMP_CONTAINS("flash 6 would have been", bench.abort_reason().c_str());
   CHECK(bench.rig.all_inactive());
   CHECK_EQUAL(6u, bench.rig.instants(Output::strobes).size());
-  CHECK(bench.sequencer.state() == State::spent);
+  CHECK_EQUAL(State::spent, bench.sequencer.state());
   const auto refused = bench.rig.count(EventKind::refused);
   bench.give(bench.fire_command(1));
   CHECK_EQUAL(refused + 1, bench.rig.count(EventKind::refused));
@@ -218,9 +211,7 @@ TEST(CodedTrain, IsStoppedRatherThanCaughtUpWith) {
   CodedTrain code;
   for (int k = 0; k < 20; ++k) code.push_back({microseconds(800) * k, k % 2 == 0 ? Lamps::a : Lamps::b});
   SequencerFixture bench(coded(code));
-  bench.start();
-  const MonoTime start = bench.fire();
-  const MonoTime tenth = start + kFirstFlashAt + code[10].offset;
+  const MonoTime start = bench.fire(), tenth = start + kFirstFlashAt + code[10].offset;
   bench.rig.freeze(tenth - microseconds(100),
                    microseconds(800));  // flash 10 is 700 us late, 11 is due in 100 us
   bench.play();
@@ -234,22 +225,19 @@ TEST(CodedTrain, OfTheGateStartsWhenTheGateSaysSo) {
   rig.plan.train = Train::gated;
   rig.plan.flash_count = 12;
   SequencerFixture bench(rig);
-  bench.start();
-  const MonoTime start = bench.fire();
-  const MonoTime ball = start + kFirstFlashAt + milliseconds(200);
+  const MonoTime start = bench.fire(), ball = start + kFirstFlashAt + milliseconds(200);
   bench.rig.schedule({Input::gate, ball, true});
   bench.play();
   CHECK(bench.shot().abort_reason.empty());
-  CHECK(bench.shot().flashes[4].commanded == ball + some_code()[4].offset);
-  CHECK(bench.shot().flashes[5].lamps == Lamps::b);
+  CHECK_EQUAL(ball + some_code()[4].offset, bench.shot().flashes[4].commanded);
+  CHECK_EQUAL(Lamps::b, bench.shot().flashes[5].lamps);
   CHECK_FALSE(known(bench.shot().flashes[5].observed_a));
 }
 
 namespace {
 
 struct Step {
-  int gap_us;
-  int lamps;
+  int gap_us, lamps;
 };
 
 rc::Gen<std::vector<Step>> steps() {
@@ -310,13 +298,11 @@ TEST(CodedTrain, KeepsEveryLampsLimitsThroughFreezes) {
     if (config.plan.code.empty()) config.plan.code.push_back({Duration{}, Lamps::both});
     RC_ASSERT(refusal(config.plan, config) == "");
     SequencerFixture bench(config);
-    bench.start();
     const MonoTime start = bench.fire();
     const auto freezes = *rc::gen::inRange(0, 3);
-    for (int i = 0; i < freezes; ++i) {
+    for (int i = 0; i < freezes; ++i)
       bench.rig.freeze(start + milliseconds(260) + microseconds(*rc::gen::inRange(0, 100'000)),
                        microseconds(*rc::gen::inRange(1, 2'500)));
-    }
     bench.play();
     RC_ASSERT(bench.rig.all_inactive());
     const Duration late = config.tolerance.late;
@@ -352,11 +338,7 @@ TEST_GROUP(ShutterContact) {
     return rig;
   }
   SequencerFixture bench{fitted()};
-  void shoot() {
-    bench.start();
-    bench.fire();
-    bench.play();
-  }
+  void shoot() { bench.shoot(); }
 };
 
 TEST(ShutterContact, TellsWhenTheShutterReallyOpenedAndClosed) {
@@ -365,30 +347,30 @@ TEST(ShutterContact, TellsWhenTheShutterReallyOpenedAndClosed) {
   bench.rig.closing_lag = milliseconds(58);
   shoot();
   const ShotRecord& shot = bench.shot();
-  CHECK(shot.shutter_feedback == ShutterFeedback::seen);
+  CHECK_EQUAL(ShutterFeedback::seen, shot.shutter_feedback);
   CHECK(known(shot.shutter_on) && known(shot.shutter_off));
   // The kernel's stamp is that of the line's change, the issue ends a little later.
   CHECK(shot.shutter_open - shot.shutter_on <= milliseconds(49));
   CHECK(shot.shutter_open - shot.shutter_on > milliseconds(49) - microseconds(1));
   CHECK(shot.shutter_close - shot.shutter_off > milliseconds(58) - microseconds(1));
   CHECK_EQUAL(2u, bench.rig.count(EventKind::xsync));
-  CHECK(bench.rig.find(EventKind::xsync)->line == Line::xsync);
+  CHECK_EQUAL(Line::xsync, bench.rig.find(EventKind::xsync)->line);
   CHECK_EQUAL(1, bench.rig.find(EventKind::xsync)->level);
   CHECK_EQUAL(0, bench.rig.find(EventKind::xsync, 1)->level);
 }
 
 TEST(ShutterContact, ThatSaysNothingIsMissedAndTheLagHasToDo) {
   shoot();
-  CHECK(bench.shot().shutter_feedback == ShutterFeedback::missing);
-  CHECK(bench.shot().shutter_open == bench.shot().shutter_on + bench.config.shutter.lag);
-  CHECK(bench.shot().shutter_close == bench.shot().shutter_off + bench.config.shutter.lag);
+  CHECK_EQUAL(ShutterFeedback::missing, bench.shot().shutter_feedback);
+  CHECK_EQUAL(bench.shot().shutter_on + bench.config.shutter.lag, bench.shot().shutter_open);
+  CHECK_EQUAL(bench.shot().shutter_off + bench.config.shutter.lag, bench.shot().shutter_close);
 }
 
 TEST(ShutterContact, FarOffTheLagIsLate) {
   bench.rig.xsync_works = true;
   bench.rig.opening_lag = bench.config.shutter.lag + bench.config.shutter.late + milliseconds(1);
   shoot();
-  CHECK(bench.shot().shutter_feedback == ShutterFeedback::late);
+  CHECK_EQUAL(ShutterFeedback::late, bench.shot().shutter_feedback);
 }
 
 TEST(ShutterContact, IsWaitedForNoLongerThanItsTolerance) {
@@ -396,14 +378,13 @@ TEST(ShutterContact, IsWaitedForNoLongerThanItsTolerance) {
   bench.rig.closing_lag = milliseconds(400);
   shoot();
   const ShotRecord& shot = bench.shot();
-  CHECK(shot.shutter_feedback == ShutterFeedback::missing);
+  CHECK_EQUAL(ShutterFeedback::missing, shot.shutter_feedback);
   const MonoTime ended = bench.rig.find(EventKind::shot_ended)->device_time;
   CHECK(ended - shot.shutter_close < bench.config.shutter.late + milliseconds(1));
 }
 
 TEST(ShutterContact, MayBounce) {
   bench.rig.xsync_works = true;
-  bench.start();
   const MonoTime start = bench.fire();
   const MonoTime opened = start + bench.rig.opening_lag + milliseconds(310 - 50 - 45);
   for (const std::int64_t us : {300, 900}) {
@@ -411,29 +392,25 @@ TEST(ShutterContact, MayBounce) {
     bench.rig.schedule({Input::xsync, opened + microseconds(us + 200), true});
   }
   bench.play();
-  CHECK(bench.shot().shutter_feedback == ShutterFeedback::seen);
+  CHECK_EQUAL(ShutterFeedback::seen, bench.shot().shutter_feedback);
   CHECK(bench.shot().shutter_open - bench.shot().shutter_on <= bench.rig.opening_lag);
   CHECK(bench.shot().shutter_close > bench.shot().shutter_off + milliseconds(44));
 }
 
 TEST(ShutterContact, ThatIsNotFittedIsNotMissed) {
   SequencerFixture without;
-  without.start();
-  without.fire();
-  without.play();
-  CHECK(without.shot().shutter_feedback == ShutterFeedback::none);
+  without.shoot();
+  CHECK_EQUAL(ShutterFeedback::none, without.shot().shutter_feedback);
 }
 
 TEST(ShutterContact, OfAnAbortedShotIsWaitedForWithTheOutputsSafe) {
   bench.rig.xsync_works = true;
-  bench.start();
-  const MonoTime start = bench.fire();
-  const MonoTime pressed = start + milliseconds(310);
+  const MonoTime start = bench.fire(), pressed = start + milliseconds(310);
   bench.rig.schedule({Input::estop, pressed, true});
   while (bench.rig.time < pressed + milliseconds(1)) bench.step();
   CHECK(bench.rig.all_inactive());
   bench.play();
-  CHECK(bench.shot().shutter_feedback == ShutterFeedback::seen);
+  CHECK_EQUAL(ShutterFeedback::seen, bench.shot().shutter_feedback);
   CHECK(bench.shot().shutter_close >= pressed);
 }
 
@@ -441,20 +418,18 @@ TEST(ShutterContact, OfTheShotBeforeTellsNothingOfThisOne) {
   bench.rig.xsync_works = true;
   shoot();
   bench.rig.xsync_works = false;
-  bench.fire();
-  bench.play();
-  CHECK(bench.shot(0).shutter_feedback == ShutterFeedback::seen);
-  CHECK(bench.shot(1).shutter_feedback == ShutterFeedback::missing);
-  CHECK(bench.shot(1).shutter_open == bench.shot(1).shutter_on + bench.config.shutter.lag);
+  bench.shoot();
+  CHECK_EQUAL(ShutterFeedback::seen, bench.shot(0).shutter_feedback);
+  CHECK_EQUAL(ShutterFeedback::missing, bench.shot(1).shutter_feedback);
+  CHECK_EQUAL(bench.shot(1).shutter_on + bench.config.shutter.lag, bench.shot(1).shutter_open);
 }
 
 TEST(ShutterContact, ThatClosesBeforeTheLineIsSetIsNotTheShutter) {
   bench.rig.xsync_works = true;
   bench.rig.opening_lag = milliseconds(49);
-  bench.start();
   const MonoTime start = bench.fire();
   bench.rig.schedule({Input::xsync, start - milliseconds(1), true});
   bench.play();
-  CHECK(bench.shot().shutter_feedback == ShutterFeedback::seen);
+  CHECK_EQUAL(ShutterFeedback::seen, bench.shot().shutter_feedback);
   CHECK(bench.shot().shutter_open - bench.shot().shutter_on > milliseconds(48));
 }

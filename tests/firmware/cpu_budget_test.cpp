@@ -1,6 +1,6 @@
 #include "firmware/core/cpu_budget.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe;
 using namespace strobe::firmware;
@@ -29,22 +29,22 @@ TEST_GROUP(CpuBudget) {
 };
 
 TEST(CpuBudget, LastsForAShotOfMoreThanEightHundredMilliseconds) {
-  CHECK(ahead() == kAhead);
+  CHECK_EQUAL(kAhead, ahead());
   awake(milliseconds(870));
-  CHECK(ahead() == kAhead);
+  CHECK_EQUAL(kAhead, ahead());
   awake(milliseconds(20));
-  CHECK(ahead() == kSpin);
+  CHECK_EQUAL(kSpin, ahead());
 }
 
 TEST(CpuBudget, ComesBackAsTheSecondThatUsedItPasses) {
   awake(milliseconds(900));
   asleep(milliseconds(60));
-  CHECK(ahead() == kSpin);
+  CHECK_EQUAL(kSpin, ahead());
   asleep(milliseconds(100));
-  CHECK(ahead() == kAhead);
+  CHECK_EQUAL(kAhead, ahead());
   asleep(milliseconds(10'000));
   awake(milliseconds(870));
-  CHECK(ahead() == kAhead);
+  CHECK_EQUAL(kAhead, ahead());
 }
 
 TEST(CpuBudget, BoundsTheTimeAwakeInEverySecond) {

@@ -1,6 +1,6 @@
 #include "firmware/core/edge_assignment.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe;
 using namespace strobe::firmware;
@@ -27,7 +27,7 @@ TEST(EdgeAssignment, GivesAnEdgeToTheFlashThatWasIssuedJustBefore) {
   issue(0);
   issue(1);
   book.edge(Input::sensor_a, at(1) + kDelay);
-  CHECK(record.flashes[1].observed_a == at(1) + kDelay);
+  CHECK_EQUAL(at(1) + kDelay, record.flashes[1].observed_a);
   CHECK_FALSE(known(record.flashes[0].observed_a));
   CHECK_FALSE(known(record.flashes[1].observed_b));
 }
@@ -44,7 +44,7 @@ TEST(EdgeAssignment, HasAWindowOfHalfAPeriodFromTheIssue) {
 TEST(EdgeAssignment, KeepsTheSensorsApart) {
   issue(0);
   book.edge(Input::sensor_b, at(0) + kDelay);
-  CHECK(record.flashes[0].observed_b == at(0) + kDelay);
+  CHECK_EQUAL(at(0) + kDelay, record.flashes[0].observed_b);
   CHECK_FALSE(known(record.flashes[0].observed_a));
 }
 
@@ -53,7 +53,7 @@ TEST(EdgeAssignment, CountsASecondEdgeAsExtra) {
   book.edge(Input::sensor_a, at(0) + kDelay);
   book.edge(Input::sensor_a, at(0) + microseconds(700));
   book.edge(Input::sensor_b, at(0) + kDelay);
-  CHECK(record.flashes[0].observed_a == at(0) + kDelay);
+  CHECK_EQUAL(at(0) + kDelay, record.flashes[0].observed_a);
   CHECK_EQUAL(1, record.flashes[0].extra_edges);
 }
 
@@ -71,7 +71,7 @@ TEST(EdgeAssignment, FollowsAFlashThatWasIssuedLate) {
   issue(0);
   issue(1, late);
   book.edge(Input::sensor_a, at(1) + late + kDelay);
-  CHECK(record.flashes[1].observed_a == at(1) + late + kDelay);
+  CHECK_EQUAL(at(1) + late + kDelay, record.flashes[1].observed_a);
 }
 
 TEST(EdgeAssignment, CountsLightBetweenTwoFlashesAsExtra) {
@@ -79,7 +79,7 @@ TEST(EdgeAssignment, CountsLightBetweenTwoFlashesAsExtra) {
   book.edge(Input::sensor_a, at(1) + kDelay);
   book.edge(Input::sensor_a, at(1) + microseconds(1500));  // half a period: too late to be the flash
   book.edge(Input::sensor_b, at(2) - microseconds(21));
-  CHECK(record.flashes[1].observed_a == at(1) + kDelay);
+  CHECK_EQUAL(at(1) + kDelay, record.flashes[1].observed_a);
   CHECK_FALSE(known(record.flashes[1].observed_b));
   CHECK_EQUAL(2, record.flashes[1].extra_edges);
   CHECK_EQUAL(0, record.flashes[2].extra_edges);

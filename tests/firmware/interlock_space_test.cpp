@@ -13,7 +13,7 @@
 
 #include "firmware/core/interlock.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe;
 using namespace strobe::firmware;
@@ -53,12 +53,9 @@ constexpr int kInputs = static_cast<int>(In::count);
 
 /// What may be known from outside, and what follows from it.
 struct Judge {
-  bool key = false;
-  bool estop = true;
-  bool latched = false;
+  bool key = false, estop = true, latched = false;
   std::int64_t host = 0;  ///< that armed and may still fire; 0: none
-  std::int64_t token = 0;
-  std::int64_t old_token = 0;
+  std::int64_t token = 0, old_token = 0;
   bool expired = false;
   bool running = false;  ///< a shot was granted and is not over
   bool live = false;     ///< and is neither dry nor aborted nor was its trigger released
@@ -225,7 +222,7 @@ Complaint inspect(const Walk& walk) {
   if (judge.host != 0 && lock.arm_token() != judge.token) return "another token than the last";
   if (judge.host == 0 && lock.arm_token() != 0) return "a token without a host";
   if (lock.shot_id() != judge.shot) return "another number of the last shot";
-  // Whatever comes next, a stop is obeyed in one call.
+  // Whatever comes next, a stop takes effect in one call.
   for (const bool by_key : {true, false}) {
     Interlock stopped = lock;
     by_key ? stopped.key(false) : stopped.estop(true);
@@ -255,8 +252,7 @@ Key key_of(const Walk& walk) {
 }
 
 struct Found {
-  std::size_t states = 0;
-  std::size_t transitions = 0;
+  std::size_t states = 0, transitions = 0;
   std::size_t depth = 0;  ///< of the state that takes the longest sequence
   std::size_t released = 0;
   std::array<std::size_t, kStateCount> of_state{};
@@ -268,7 +264,7 @@ struct Place {
   std::vector<In> path;
 };
 
-std::string told(const std::string& complaint, const std::vector<In>& path, In last) {
+std::string complaint_text(const std::string& complaint, const std::vector<In>& path, In last) {
   std::string text = complaint + " after inputs";
   for (const In input : path) text += " " + std::to_string(static_cast<int>(input));
   return text + " " + std::to_string(static_cast<int>(last));
@@ -297,11 +293,10 @@ Found search(const TransitionTable& table, Severity severity = Severity::all) {
       if (!complaint) complaint = inspect(next.walk);
       ++found.transitions;
       const bool released = left && input == In::trigger && !next.walk.lock.trigger_pending();
-      if (severity == Severity::trigger_without_permission) {
+      if (severity == Severity::trigger_without_permission)
         complaint = expect(!released || next.walk.judge.permitted(), "RELEASED WITHOUT PERMISSION");
-      }
       if (complaint) {
-        found.complaint = told(*complaint, place.path, input);
+        found.complaint = complaint_text(*complaint, place.path, input);
         return found;
       }
       if (released) ++found.released;
@@ -328,8 +323,7 @@ Complaint try_all(const Walk& walk, int depth, std::size_t& sequences) {
 }
 
 struct Mutants {
-  int made = 0;
-  int noticed = 0;
+  int made = 0, noticed = 0;
 
   void judge(const TransitionTable& table) {
     ++made;
@@ -362,7 +356,7 @@ TEST(InterlockSpace, KeepsEveryRuleInEveryStateThatCanBeReached) {
       "at depth %zu\n",
       found.states, found.of_state[0], found.of_state[1], found.of_state[2], found.of_state[3],
       found.of_state[4], found.transitions, found.depth);
-  STRCMP_EQUAL("", found.complaint.c_str());
+  CHECK_EQUAL("", found.complaint);
   CHECK(found.released > 0);  // the rules are not kept by never firing at all
   for (const std::size_t states : found.of_state) CHECK(states > 0);
 }
@@ -372,7 +366,7 @@ TEST(InterlockSpace, KeepsThemInEverySequenceOfFourInputsToo) {
   put_in(walk, In::key_on);
   put_in(walk, In::estop_off);
   std::size_t sequences = 0;
-  STRCMP_EQUAL("", try_all(walk, 4, sequences).value_or("").c_str());
+  CHECK_EQUAL("", try_all(walk, 4, sequences).value_or(""));
   CHECK_EQUAL(1u + 23 + 23 * 23 + 23 * 23 * 23 + 23 * 23 * 23 * 23, sequences);
 }
 
@@ -438,12 +432,11 @@ TEST(InterlockSpace, WouldNoticeAMissingAction) {
 TEST(InterlockSpace, WithholdsTheTriggerByASecondBarrierIfStopsWereForgotten) {
   TransitionTable deaf = kTransitionTable;
   for (const InterlockEvent input :
-       {InterlockEvent::key_off, InterlockEvent::estop_on, InterlockEvent::fault}) {
+       {InterlockEvent::key_off, InterlockEvent::estop_on, InterlockEvent::fault})
     for (Transition& cell : deaf[static_cast<std::size_t>(input)].in) cell.kind = TransitionKind::none;
-  }
   CHECK_TRUE(search(deaf).complaint.find("withdrawn") != std::string::npos);
   // With every other complaint put aside, none is of the trigger: it asks for the permission itself.
-  STRCMP_EQUAL("", search(deaf, Severity::trigger_without_permission).complaint.c_str());
+  CHECK_EQUAL("", search(deaf, Severity::trigger_without_permission).complaint);
   deaf[static_cast<std::size_t>(InterlockEvent::trigger)].guards &= ~guard::permission;
   CHECK_TRUE(search(deaf, Severity::trigger_without_permission).complaint.find("PERMISSION") !=
              std::string::npos);

@@ -3,7 +3,7 @@
 #include <array>
 #include <string>
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe;
 using namespace strobe::firmware;
@@ -35,13 +35,13 @@ TEST_GROUP(Interlock) {
       fire();
       lock.shot_over();
     }
-    CHECK(lock.state() == state);
+    CHECK_EQUAL(state, lock.state());
   }
 };
 
 TEST(Interlock, StartsIdleAndUnsafe) {
   Interlock fresh{kExpires};
-  CHECK(fresh.state() == State::idle);
+  CHECK_EQUAL(State::idle, fresh.state());
   STRCMP_EQUAL("the e-stop is pressed", fresh.arm(kHost, kToken, kNow));
 }
 
@@ -53,16 +53,16 @@ TEST(Interlock, ArmsOnlyWithTheKeyOnAndTheEStopReleased) {
   STRCMP_EQUAL("the e-stop is pressed", lock.arm(kHost, kToken, kNow));
   lock.estop(false);
   arm();
-  CHECK(lock.arm_host() == kHost);
-  CHECK(lock.arm_token() == kToken);
-  CHECK(lock.arm_expires() == kNow + kExpires);
+  CHECK_EQUAL(kHost, lock.arm_host());
+  CHECK_EQUAL(kToken, lock.arm_token());
+  CHECK_EQUAL(kNow + kExpires, lock.arm_expires());
 }
 
 TEST(Interlock, FiresOnceForAToken) {
   fire();
   CHECK_EQUAL(0, lock.arm_token());
   lock.shot_over();
-  CHECK(lock.state() == State::spent);
+  CHECK_EQUAL(State::spent, lock.state());
   STRCMP_EQUAL("the shot is spent: arm for another", lock.fire(kHost, kToken, kShot + 1, false, kNow));
 }
 
@@ -70,7 +70,7 @@ TEST(Interlock, ArmsForAnotherShotAfterASpentOne) {
   fire();
   lock.aborted();
   lock.shot_over();
-  CHECK(lock.state() == State::spent);
+  CHECK_EQUAL(State::spent, lock.state());
   arm();
   STRCMP_EQUAL("a shot of this number is spent", lock.fire(kHost, kToken, kShot, false, kNow));
   POINTERS_EQUAL(nullptr, lock.fire(kHost, kToken, kShot + 1, false, kNow));
@@ -98,13 +98,13 @@ TEST(Interlock, RefusesAnotherTokenOrAnotherHostAndStaysArmed) {
   STRCMP_EQUAL(refusal, lock.fire(kHost, kToken + 1, kShot, false, kNow));
   STRCMP_EQUAL(refusal, lock.fire(kOther, kToken, kShot, false, kNow));
   STRCMP_EQUAL(refusal, lock.fire(kHost, 0, kShot, false, kNow));
-  CHECK(lock.state() == State::armed);
+  CHECK_EQUAL(State::armed, lock.state());
 }
 
 TEST(Interlock, LetsNoOtherHostTakeOverAnArming) {
   arm();
   STRCMP_EQUAL("another host has armed", lock.arm(kOther, kToken + 5, kNow));
-  CHECK(lock.arm_host() == kHost);
+  CHECK_EQUAL(kHost, lock.arm_host());
 }
 
 TEST(Interlock, ForgetsTheOldTokenWhenTheHostArmsAnew) {
@@ -116,9 +116,9 @@ TEST(Interlock, ForgetsTheOldTokenWhenTheHostArmsAnew) {
 
 TEST(Interlock, LetsTheArmingExpire) {
   arm();
-  CHECK(lock.tick(kNow + kExpires - nanoseconds(1)).kind == Kind::none);
-  CHECK(lock.tick(kNow + kExpires).kind == Kind::disarmed);
-  CHECK(lock.state() == State::idle);
+  CHECK_EQUAL(Kind::none, lock.tick(kNow + kExpires - nanoseconds(1)).kind);
+  CHECK_EQUAL(Kind::disarmed, lock.tick(kNow + kExpires).kind);
+  CHECK_EQUAL(State::idle, lock.state());
 }
 
 TEST(Interlock, RefusesAFireAfterTheExpiryEvenBeforeItWasNoticed) {
@@ -155,10 +155,10 @@ TEST(Interlock, LatchesTheFirstFaultUntilItIsCleared) {
 
 TEST(Interlock, GoesToFaultOnlyOnceAnAbortedShotIsOver) {
   fire();
-  CHECK(lock.fault("broken").kind == Kind::abort);
-  CHECK(lock.state() == State::firing);
+  CHECK_EQUAL(Kind::abort, lock.fault("broken").kind);
+  CHECK_EQUAL(State::firing, lock.state());
   lock.shot_over();
-  CHECK(lock.state() == State::fault);
+  CHECK_EQUAL(State::fault, lock.state());
 }
 
 namespace {

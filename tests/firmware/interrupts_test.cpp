@@ -2,7 +2,7 @@
 
 #include "tests/firmware/system_tree.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe::firmware;
 
@@ -20,7 +20,7 @@ TEST(Interrupts, AreReadWithTheirDevicesAndCpus) {
   CHECK_EQUAL(std::string("ttyS0"), all[0].name);
   CHECK_TRUE(all[0].movable);
   CHECK_EQUAL(std::string("virtio1-req.0"), all[1].name);
-  CHECK((all[1].cpus == std::set<int>{0, 1}));
+  CHECK_EQUAL((std::set<int>{0, 1}), all[1].cpus);
   CHECK_FALSE(all[1].movable);
 }
 

@@ -9,7 +9,7 @@
 #include "tests/firmware/journal_messages.hpp"
 #include "tests/support/temporary_folder.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe;
 using namespace strobe::firmware;
@@ -47,7 +47,7 @@ TEST(JournalFolder, GivesTheLargestShotOfAllBoots) {
   strobe::testing::write_text(folder / "journal-garbage.lcmlog", std::string(1000, '\xed'));
   const FolderFindings findings = repair();
   CHECK_EQUAL(8, findings.last_shot_id);
-  STRCMP_EQUAL("", joined(findings.repaired).c_str());
+  CHECK_EQUAL("", joined(findings.repaired));
 }
 
 TEST(JournalFolder, ListsEarlierBootsTheNewestFirst) {
@@ -56,8 +56,8 @@ TEST(JournalFolder, ListsEarlierBootsTheNewestFirst) {
   journal(5, {}, 3'000);  // ended before its first event was written
   const FolderFindings findings = repair();
   CHECK_EQUAL(2u, findings.earlier.size());
-  CHECK(findings.earlier[0] == EarlierBoot({7, 2}));
-  CHECK(findings.earlier[1] == EarlierBoot({9, 3}));
+  CHECK_EQUAL(EarlierBoot({7, 2}), findings.earlier[0]);
+  CHECK_EQUAL(EarlierBoot({9, 3}), findings.earlier[1]);
 }
 
 TEST(JournalFolder, CutsATornEndAtAnyByteAndSaysSo) {
@@ -74,15 +74,15 @@ TEST(JournalFolder, CutsATornEndAtAnyByteAndSaysSo) {
     STRCMP_CONTAINS(") after event 2 were cut off", findings.repaired[0].c_str());
     CHECK(findings.repaired[0].size() <= 160);
   }
-  STRCMP_EQUAL("", joined(repair().repaired).c_str());  // once is enough
+  CHECK_EQUAL("", joined(repair().repaired));  // once is enough
 }
 
 TEST(JournalFolder, CutsZerosThatTheFileSystemLeft) {
   const auto path = journal(kBoot, {event(1), shot(1, {1, 1})});
   const auto size = std::filesystem::file_size(path);
   std::filesystem::resize_file(path, size + 5000);
-  STRCMP_EQUAL("boot 1122334455667788: 5000 bytes (zeros) after event 1 were cut off\n",
-               joined(repair().repaired).c_str());
+  CHECK_EQUAL("boot 1122334455667788: 5000 bytes (zeros) after event 1 were cut off\n",
+              joined(repair().repaired));
   CHECK_EQUAL(size, std::filesystem::file_size(path));
 }
 
@@ -93,15 +93,15 @@ TEST(JournalFolder, KeepsWhatFollowsADamagedStretch) {
   strobe::testing::write_text(path, text);
   STRCMP_CONTAINS("bytes in the middle of its journal are damaged", joined(repair().repaired).c_str());
   CHECK_EQUAL(text.size(), std::filesystem::file_size(path));
-  CHECK(repair().earlier.front() == EarlierBoot({kBoot, 3}));
+  CHECK_EQUAL(EarlierBoot({kBoot, 3}), repair().earlier.front());
 }
 
 TEST(JournalFolder, LeavesAloneWhatIsNoJournal) {
   const auto path = folder / "journal-00000000000000aa.lcmlog";
   strobe::testing::write_text(path, "the notes of last week");
-  STRCMP_EQUAL("journal-00000000000000aa.lcmlog is no journal, and is left as it is\n",
-               joined(repair().repaired).c_str());
-  STRCMP_EQUAL("the notes of last week", strobe::testing::read_text(path).c_str());
+  CHECK_EQUAL("journal-00000000000000aa.lcmlog is no journal, and is left as it is\n",
+              joined(repair().repaired));
+  CHECK_EQUAL("the notes of last week", strobe::testing::read_text(path));
 }
 
 TEST(JournalFolder, LeavesAloneAJournalThatIsBeingWritten) {
@@ -118,9 +118,9 @@ TEST(JournalFolder, LeavesAloneAJournalThatIsBeingWritten) {
 TEST(JournalFolder, NamesTheShotThatHasNoEnd) {
   journal(kBoot, {event(1, 6), event(2, 6), shot(6, {1, 2}), event(3), event(4, 7), event(5, 7)}, 1'000);
   const std::string lost = "boot 1122334455667788: shot 7 has no end; what came after event 5 is lost\n";
-  STRCMP_EQUAL(lost.c_str(), joined(repair().repaired).c_str());
-  journal(2, {event(1)}, 2'000);  // it has told it
-  STRCMP_EQUAL("", joined(repair().repaired).c_str());
+  CHECK_EQUAL(lost, joined(repair().repaired));
+  journal(2, {event(1)}, 2'000);  // it has reported it
+  CHECK_EQUAL("", joined(repair().repaired));
 }
 
 TEST(JournalFolder, GivesBackTheRoomThatADeadDaemonHadSetAside) {
@@ -130,7 +130,7 @@ TEST(JournalFolder, GivesBackTheRoomThatADeadDaemonHadSetAside) {
   const bool set_aside = fallocate(fd, FALLOC_FL_KEEP_SIZE, size, 2 * Journal::kShotRoom) == 0;
   close(fd);
   if (!set_aside) return;  // this file system cannot
-  STRCMP_EQUAL("", joined(repair().repaired).c_str());
+  CHECK_EQUAL("", joined(repair().repaired));
   struct stat file {};
   CHECK_EQUAL(0, stat(path.c_str(), &file));
   CHECK(file.st_blocks * 512 < Journal::kShotRoom / 2);

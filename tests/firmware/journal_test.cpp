@@ -12,7 +12,7 @@
 #include "tests/firmware/journal_messages.hpp"
 #include "tests/support/temporary_folder.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe;
 using namespace strobe::firmware;
@@ -75,10 +75,10 @@ TEST(Journal, CanBeReadWhileItIsWritten) {
   auto journal = Journal::create(folder.path(), kBoot);
   CHECK(journal->append({event(1)}, 0).has_value());
   LogReader reader(journal->path());
-  CHECK(read_entry(reader, journal->entries()[0]).bytes == event(1).bytes);
+  CHECK_EQUAL(event(1).bytes, read_entry(reader, journal->entries()[0]).bytes);
   CHECK(journal->append({event(2), event(3)}, 0).has_value());
-  CHECK(read_entry(reader, journal->entries()[2]).bytes == event(3).bytes);
-  CHECK(read_entry(reader, journal->entries()[0]).bytes == event(1).bytes);
+  CHECK_EQUAL(event(3).bytes, read_entry(reader, journal->entries()[2]).bytes);
+  CHECK_EQUAL(event(1).bytes, read_entry(reader, journal->entries()[0]).bytes);
 }
 
 TEST(Journal, KnowsWhereItsMessagesAre) {
@@ -89,7 +89,7 @@ TEST(Journal, KnowsWhereItsMessagesAre) {
   CHECK_EQUAL(journal->entries().size(), scanned.size());
   for (std::size_t i = 0; i < scanned.size(); ++i) {
     CHECK_EQUAL(journal->entries()[i].offset, scanned[i].offset);
-    CHECK(journal->entries()[i].kind == scanned[i].kind);
+    CHECK_EQUAL(scanned[i].kind, journal->entries()[i].kind);
     CHECK_EQUAL(journal->entries()[i].sequences.last, scanned[i].sequences.last);
   }
 }
@@ -175,7 +175,7 @@ TEST(Journal, NoticesThatItsFolderWasRenamedAndThatItIsBack) {
   STRCMP_CONTAINS("the journal was moved away (No such file or directory); put it back",
                   journal.fault().c_str());
   std::filesystem::rename(journal.parent / "elsewhere", journal.folder);
-  STRCMP_EQUAL("", journal.fault().c_str());
+  CHECK_EQUAL("", journal.fault());
 }
 
 TEST(Journal, NoticesThatItWasRotated) {
@@ -199,7 +199,7 @@ TEST(Journal, NoticesThatItsFolderCannotBeWritten) {
   if (is_root) CHECK_EQUAL(0, seteuid(0));
   STRCMP_CONTAINS("the folder cannot be written: Permission denied", fault.c_str());
   std::filesystem::permissions(journal.folder, std::filesystem::perms(0755));
-  STRCMP_EQUAL("", journal.fault().c_str());
+  CHECK_EQUAL("", journal.fault());
 }
 
 TEST(Journal, SaysBeforeAShotThatThereIsNoRoomForIt) {

@@ -1,6 +1,6 @@
 #include "firmware/publisher/messages.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe;
 using namespace strobe::firmware;
@@ -34,10 +34,10 @@ TEST(FirmwareMessages, SayWhatWasNotSeen) {
   CHECK_EQUAL(2, shot.flash_count);
   CHECK_EQUAL(1, shot.flashes[1].flash_index);
   CHECK_EQUAL(123, shot.flashes[1].observed_a_ns);
-  CHECK(shot.flashes[1].observed_b_ns == strobe_msgs::flash_t::NO_TIME);
-  CHECK(shot.flashes[0].issue_end_ns == strobe_msgs::flash_t::NO_TIME);
-  CHECK(shot.trigger_ns == strobe_msgs::shot_t::NO_TIME);
-  CHECK(shot.gate_ns == strobe_msgs::shot_t::NO_TIME);
+  CHECK_EQUAL(strobe_msgs::flash_t::NO_TIME, shot.flashes[1].observed_b_ns);
+  CHECK_EQUAL(strobe_msgs::flash_t::NO_TIME, shot.flashes[0].issue_end_ns);
+  CHECK_EQUAL(strobe_msgs::shot_t::NO_TIME, shot.trigger_ns);
+  CHECK_EQUAL(strobe_msgs::shot_t::NO_TIME, shot.gate_ns);
   CHECK_FALSE(shot.aborted);
   CHECK_FALSE(shot.sensor_a_fitted);
 }

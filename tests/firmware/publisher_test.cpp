@@ -128,9 +128,8 @@ TEST(Publisher, JournalsAndPublishesAShotWithItsEvents) {
   play_shot(3, 100);
   CHECK_TRUE(until([&] { return listener.shots.size() == 1; }));
   CHECK_EQUAL(102u, listener.events.size());
-  for (std::size_t k = 0; k < listener.events.size(); ++k) {
+  for (std::size_t k = 0; k < listener.events.size(); ++k)
     CHECK_EQUAL(static_cast<std::int64_t>(k) + 1, listener.events[k].sequence);
-  }
   const auto& shot = listener.shots[0];
   CHECK_EQUAL(1, shot.first_sequence);
   CHECK_EQUAL(102, shot.last_sequence);
@@ -157,9 +156,8 @@ TEST(Publisher, BeatsAtLeastTwiceASecondAndTellsLateness) {
   CHECK_TRUE(until([&] { return listener.statuses.size() >= 5; }));
   CHECK_TRUE(std::isnan(listener.statuses[0].histograms.at(0).p50_us));
   std::int64_t shortest_ns = INT64_MAX;  // a machine that stands still makes any single gap longer
-  for (std::size_t k = 2; k < 5; ++k) {
+  for (std::size_t k = 2; k < 5; ++k)
     shortest_ns = std::min(shortest_ns, listener.statuses[k].mono_ns - listener.statuses[k - 1].mono_ns);
-  }
   CHECK(shortest_ns <= 510'000'000);
   play_shot(1, 10);
   CHECK_TRUE(until([&] { return listener.statuses.back().histograms.at(0).count == 10; }));

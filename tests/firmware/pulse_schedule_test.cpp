@@ -4,7 +4,7 @@
 
 #include "tests/support/virtual_rig.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe;
 using namespace strobe::firmware;
@@ -16,9 +16,8 @@ TEST_GROUP(PulseScheduleOfAPlan) {
 
   void setup() override { plan.reserve(rig.lamps.max_flashes); }
   const PlannedPulse* first(Output output) {
-    for (const PlannedPulse& pulse : plan.pulses) {
+    for (const PlannedPulse& pulse : plan.pulses)
       if (pulse.output == output) return &pulse;
-    }
     return nullptr;
   }
   std::string refusal() {
@@ -35,40 +34,40 @@ TEST(PulseScheduleOfAPlan, FlashesFromTheShuttersOpeningToItsClosing) {
   build_schedule(request, rig, plan);
   // 500 ms / 3 ms = 166.7: the 167th flash is at 498 ms, the next would be at 501 ms.
   CHECK_EQUAL(167, plan.flash_count);
-  CHECK(first(Output::strobes)->at == plan.exposure_begin);
-  CHECK(plan.exposure_end - plan.exposure_begin == milliseconds(500));
-  CHECK(plan.exposure_begin - first(Output::shutter)->at == rig.shutter.lag);
-  CHECK(first(Output::shutter)->width == milliseconds(500));
+  CHECK_EQUAL(plan.exposure_begin, first(Output::strobes)->at);
+  CHECK_EQUAL(milliseconds(500), plan.exposure_end - plan.exposure_begin);
+  CHECK_EQUAL(rig.shutter.lag, plan.exposure_begin - first(Output::shutter)->at);
+  CHECK_EQUAL(milliseconds(500), first(Output::shutter)->width);
 }
 
 TEST(PulseScheduleOfAPlan, TimesTheTriggerSoThatTheBallIsAtThePlateAsAsked) {
   build_schedule(request, rig, plan);
   const Duration ball_at_plate = first(Output::trigger)->at + rig.machine.lag;
-  CHECK(ball_at_plate - plan.exposure_begin == milliseconds(250));
+  CHECK_EQUAL(milliseconds(250), ball_at_plate - plan.exposure_begin);
 }
 
 TEST(PulseScheduleOfAPlan, StartsWithTheEarliestPulseWhicheverItIs) {
   build_schedule(request, rig, plan);
-  CHECK(plan.pulses.front().output == Output::trigger);
-  CHECK(plan.pulses.front().at == Duration{});
+  CHECK_EQUAL(Output::trigger, plan.pulses.front().output);
+  CHECK_EQUAL(Duration{}, plan.pulses.front().at);
   request.impact_at = milliseconds(400);
   build_schedule(request, rig, plan);
-  CHECK(plan.pulses.front().output == Output::shutter);
-  CHECK(plan.pulses.front().at == Duration{});
-  CHECK(first(Output::trigger)->at == milliseconds(45 + 400 - 310));
+  CHECK_EQUAL(Output::shutter, plan.pulses.front().output);
+  CHECK_EQUAL(Duration{}, plan.pulses.front().at);
+  CHECK_EQUAL(milliseconds(45 + 400 - 310), first(Output::trigger)->at);
 }
 
 TEST(PulseScheduleOfAPlan, TakesTheRigFilesImpactWhereTheRequestHasNone) {
   request.impact_at = {};
   build_schedule(request, rig, plan);
-  CHECK(first(Output::trigger)->at + rig.machine.lag - plan.exposure_begin == rig.plan.impact_at);
+  CHECK_EQUAL(rig.plan.impact_at, first(Output::trigger)->at + rig.machine.lag - plan.exposure_begin);
 }
 
 TEST(PulseScheduleOfAPlan, HasNoTriggerInADryShot) {
   request.dry = true;
   build_schedule(request, rig, plan);
   POINTERS_EQUAL(nullptr, first(Output::trigger));
-  CHECK(first(Output::shutter)->at == Duration{});
+  CHECK_EQUAL(Duration{}, first(Output::shutter)->at);
 }
 
 TEST(PulseScheduleOfAPlan, IsSortedByInstant) {
@@ -83,7 +82,7 @@ TEST(PulseScheduleOfAPlan, HasNoFlashesInAGatedShotUntilTheGateIsSeen) {
   POINTERS_EQUAL(nullptr, first(Output::strobes));
   CHECK(add_burst(request, rig, plan.exposure_begin + milliseconds(100), plan));
   CHECK_EQUAL(5u + 2u, plan.pulses.size());
-  CHECK(first(Output::strobes)->at == plan.exposure_begin + milliseconds(100));
+  CHECK_EQUAL(plan.exposure_begin + milliseconds(100), first(Output::strobes)->at);
 }
 
 TEST(PulseScheduleOfAPlan, AddsNoBurstThatWouldOutlastTheExposure) {

@@ -4,7 +4,7 @@
 
 #include "tests/firmware/system_tree.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe::firmware;
 using Verdict = CheckItem::Verdict;
@@ -87,7 +87,7 @@ TEST(RealTimeReport, ThrottlingMustLeaveTheTimeThatTheLoopIsAwake) {
 TEST(RealTimeReport, NamesWhatTheKernelsCommandLineLacks) {
   tree.put("sys/devices/system/cpu/nohz_full", "(null)");
   says("isolation", Verdict::advice, "nohz_full=1");
-  CHECK(item("isolation").words.find("isolcpus=1") == std::string::npos);
+  CHECK_EQUAL(std::string::npos, item("isolation").words.find("isolcpus=1"));
   tree.put("sys/devices/system/cpu/isolated", "");
   says("isolation", Verdict::advice, "isolcpus=1 nohz_full=1");
 }

@@ -8,7 +8,7 @@
 #include "common/messages/plan_lcm.hpp"
 #include "firmware/linux/event_fd.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe;
 using namespace strobe::firmware;
@@ -95,7 +95,7 @@ TEST_GROUP(Receiver) {
 
 TEST(Receiver, WakesTheLoopWithACommand) {
   CHECK_TRUE(deliver());
-  CHECK(command.kind == CommandKind::arm);
+  CHECK_EQUAL(CommandKind::arm, command.kind);
   CHECK_EQUAL(5, command.host_id);
   CHECK_EQUAL(std::string(), defect());
   CHECK_EQUAL(1u, wake.take());
@@ -167,7 +167,7 @@ TEST(Receiver, TakesAPlanAndKeepsItsNotes) {
   note("operator", "M");
   CHECK_TRUE(deliver());
   CHECK_EQUAL(std::string(), defect());
-  CHECK(command.plan.period == rig.plan.period);
+  CHECK_EQUAL(rig.plan.period, command.plan.period);
   CHECK_EQUAL(99, command.token);
   const auto notes = mailbox.take(5, 1);
   CHECK_EQUAL(1u, notes.size());
@@ -177,7 +177,7 @@ TEST(Receiver, TakesAPlanAndKeepsItsNotes) {
 
 TEST(Receiver, FindsWhatIsWrongWithAFire) {
   struct Row {
-    void (*spoil)(Type&);
+    void (*corrupt)(Type&);
     const char* defect;
   };
   const Row rows[] = {
@@ -207,7 +207,7 @@ TEST(Receiver, FindsWhatIsWrongWithAFire) {
     setup();
     message.command_id = id + 1;
     fill_fire();
-    row.spoil(message);
+    row.corrupt(message);
     CHECK_TRUE(deliver());
     STRCMP_CONTAINS(row.defect, defect().c_str());
   }
@@ -260,9 +260,8 @@ TEST(Receiver, SurvivesAnyBodyUnderAGoodSeal) {
     for (int k = 0; k < 3 && bytes.size() > 8; ++k)
       bytes[8 + random() % (bytes.size() - 8)] ^= static_cast<std::uint8_t>(random());
     receiver.receive(authentication::seal(key, rig.name, bytes).value());
-    while (commands.pop(command)) {
+    while (commands.pop(command))
       CHECK_TEXT(command.defect.view().size() <= 160, std::to_string(seed).c_str());
-    }
   }
 }
 
@@ -286,7 +285,7 @@ TEST_GROUP(Rejections) {
 TEST(Rejections, AreToldAtOnceThenOnceInTenSeconds) {
   rejections.note(Rejection::malformed);
   LONGS_EQUAL(1, said.size());
-  STRCMP_EQUAL("commands ignored: 1 malformed", said[0].c_str());
+  CHECK_EQUAL("commands ignored: 1 malformed", said[0]);
   for (int i = 0; i < 1'000'000; ++i) {
     rejections.note(i % 4 == 0 ? Rejection::replayed : Rejection::forged);
     clock.pass(microseconds(30));

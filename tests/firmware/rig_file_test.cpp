@@ -5,7 +5,7 @@
 #include <sstream>
 #include <string>
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe;
 using namespace strobe::firmware;
@@ -49,16 +49,16 @@ TEST(RigFile, ReadsTheShippedRig) {
   CHECK_EQUAL(std::string("STROBE_A"), rig->line(Line::strobe_a).name);
   CHECK_FALSE(rig->line(Line::key).active_low);
   CHECK_TRUE(rig->line(Line::estop).active_low);
-  CHECK(rig->lamps.pulse == microseconds(50));
-  CHECK(rig->lamps.min_period == microseconds(1500));
-  CHECK(rig->shutter.lag == milliseconds(45));
-  CHECK(rig->shutter.max_open == milliseconds(2000));
-  CHECK(rig->machine.lag == milliseconds(310));
-  CHECK(rig->plan.period == microseconds(3000));
-  CHECK(rig->plan.exposure == milliseconds(500));
-  CHECK(rig->plan.impact_at == milliseconds(250));
-  CHECK(rig->tolerance.abort_late == microseconds(1500));
-  CHECK(rig->arming_expires == milliseconds(30'000));
+  CHECK_EQUAL(microseconds(50), rig->lamps.pulse);
+  CHECK_EQUAL(microseconds(1500), rig->lamps.min_period);
+  CHECK_EQUAL(milliseconds(45), rig->shutter.lag);
+  CHECK_EQUAL(milliseconds(2000), rig->shutter.max_open);
+  CHECK_EQUAL(milliseconds(310), rig->machine.lag);
+  CHECK_EQUAL(microseconds(3000), rig->plan.period);
+  CHECK_EQUAL(milliseconds(500), rig->plan.exposure);
+  CHECK_EQUAL(milliseconds(250), rig->plan.impact_at);
+  CHECK_EQUAL(microseconds(1500), rig->tolerance.abort_late);
+  CHECK_EQUAL(milliseconds(30'000), rig->arming_expires);
   CHECK_EQUAL(80, rig->real_time.priority);
 }
 
@@ -99,8 +99,8 @@ TEST(RigFile, GivesLampsAndSensorsOneDelayOrEachItsOwn) {
   CHECK_EQUAL(std::string(), error_of(text));
   DOUBLES_EQUAL(12.25, own->lamps.delay_a_us, 0.0);
   DOUBLES_EQUAL(13.5, own->lamps.delay_b_us, 0.0);
-  CHECK(own->sensors.delay_a == nanoseconds(1500));
-  CHECK(own->sensors.delay_b == nanoseconds(2000));
+  CHECK_EQUAL(nanoseconds(1500), own->sensors.delay_a);
+  CHECK_EQUAL(nanoseconds(2000), own->sensors.delay_b);
 }
 
 TEST(RigFile, TakesTheShuttersContactWhereThereIsOne) {
@@ -110,7 +110,7 @@ TEST(RigFile, TakesTheShuttersContactWhereThereIsOne) {
   const auto rig = read_rig(text, "rig.toml");
   CHECK_EQUAL(std::string(), error_of(text));
   CHECK_EQUAL(std::string("XSYNC"), rig->line(Line::xsync).name);
-  CHECK(rig->shutter.late == milliseconds(20));
+  CHECK_EQUAL(milliseconds(20), rig->shutter.late);
 }
 
 TEST(RigFile, LeavesACodedTrainOfThePlanToTheHost) {

@@ -3,7 +3,7 @@
 
 #include "tests/support/sequencer_fixture.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe;
 using namespace strobe::testing;
@@ -11,13 +11,26 @@ using namespace strobe::testing;
 TEST_GROUP(SequencerAbort) {
   SequencerFixture bench;
   VirtualRig& rig = bench.rig;
-  void setup() override { bench.start(); }
   void expect_aborted(const char* why) {
     CHECK_EQUAL(1u, rig.shots.size());
     STRCMP_CONTAINS(why, bench.abort_reason().c_str());
     CHECK_EQUAL(1u, rig.count(EventKind::shot_aborted));
     CHECK_EQUAL(0u, rig.count(EventKind::shot_ended));
     CHECK_TRUE(rig.all_inactive());
+  }
+
+  static void press_estop_at_many_instants(const Rig& config, Duration from_start, Duration step) {
+    for (int i = 0; i < 97; ++i) {
+      SequencerFixture trial(config);
+      const MonoTime pressed = trial.fire() + from_start + (step + nanoseconds(13)) * i;
+      trial.rig.schedule({Input::estop, pressed, true});
+      trial.play();
+      CHECK_EQUAL(1u, trial.rig.shots.size());
+      CHECK_EQUAL("the e-stop is pressed", trial.abort_reason());
+      CHECK_TRUE(trial.rig.all_inactive());
+      CHECK(trial.rig.sets.back().time < pressed + milliseconds(1));
+      CHECK_EQUAL(2u, trial.rig.count(EventKind::estop));  // the first at the start: released
+    }
   }
 };
 
@@ -40,7 +53,6 @@ TEST(SequencerAbort, CountsTheLampsPauseFromTheEndOfTheCallThatFlashed) {
     config.plan.exposure = milliseconds(400);
     return config;
   }());
-  tight.start();
   const MonoTime start = tight.fire();
   // The machine stands still within the call: the line may have changed as late as at its end.
   tight.rig.freeze(start + kFirstFlashAt + nanoseconds(200), microseconds(200));
@@ -55,7 +67,7 @@ TEST(SequencerAbort, ToleratesAndRecordsAFlashThatIsLateWithinTheLimit) {
   bench.play();
   CHECK(bench.shot().abort_reason.empty());
   const FlashRecord& late = bench.shot().flashes[50];
-  CHECK(late.commanded == due);
+  CHECK_EQUAL(due, late.commanded);
   CHECK(late.issue_start - due >= microseconds(989));
   CHECK(known(late.observed_a));
   CHECK(bench.shot().flashes[51].issue_start - bench.shot().flashes[51].commanded < microseconds(1));
@@ -80,7 +92,6 @@ TEST(SequencerAbort, ComesBeforeALampThatHasNotRecharged) {
   Rig config = shipped_rig();
   config.plan.period = microseconds(1600);
   SequencerFixture fast(config);
-  fast.start();
   const MonoTime start = fast.fire();
   // 1.4 ms late is within the limit, but the next flash is then due after 0.2 ms.
   fast.rig.freeze(start + kFirstFlashAt + microseconds(1600) * 20 - microseconds(10), microseconds(1410));
@@ -91,22 +102,7 @@ TEST(SequencerAbort, ComesBeforeALampThatHasNotRecharged) {
 
 TEST(SequencerAbort, FollowsTheEStopWithinAMillisecondAtAnyInstant) {
   // Across the whole shot, in steps that are no divisor of the period, so that spins and pulses are hit too.
-  for (int i = 0; i < 97; ++i) {
-    SequencerFixture trial;
-    trial.start();
-    const MonoTime start = trial.fire();
-    const MonoTime pressed = start + microseconds(5791) * i + nanoseconds(13) * i;
-    trial.rig.schedule({Input::estop, pressed, true});
-    trial.play();
-    CHECK_EQUAL(1u, trial.rig.shots.size());
-    STRCMP_EQUAL("the e-stop is pressed", trial.abort_reason().c_str());
-    CHECK_TRUE(trial.rig.all_inactive());
-    for (const auto& set : trial.rig.sets) {
-      if (set.active) CHECK(set.time < pressed + milliseconds(1));
-    }
-    CHECK(trial.rig.sets.back().time < pressed + milliseconds(1));
-    CHECK_EQUAL(1u, trial.rig.count(EventKind::estop) - 1u);  // one at the start: released
-  }
+  press_estop_at_many_instants(shipped_rig(), {}, microseconds(5791));
 }
 
 TEST(SequencerAbort, FollowsTheKeyAndTheDisarmCommand) {
@@ -116,11 +112,10 @@ TEST(SequencerAbort, FollowsTheKeyAndTheDisarmCommand) {
   expect_aborted("the key is off");
 
   SequencerFixture other;
-  other.start();
   start = other.fire();
   other.rig.schedule_command(start + milliseconds(100), other.plain_command(CommandKind::disarm));
   other.play();
-  STRCMP_EQUAL("disarmed by command", other.abort_reason().c_str());
+  CHECK_EQUAL("disarmed by command", other.abort_reason());
 }
 
 TEST(SequencerAbort, ReadsTheEStopAgainJustBeforeTheTrigger) {
@@ -156,15 +151,13 @@ TEST(SequencerAbort, FollowsALineThatCannotBeSet) {
   rig.set_succeeds = [&pulses](Output output, bool active) {
     return !(output == Output::strobes && active && ++pulses == 30);
   };
-  bench.fire();
-  bench.play();
+  bench.shoot();
   expect_aborted("the lamps' lines could not be set");
   CHECK_EQUAL(29u, rig.instants(Output::strobes).size());
-  CHECK(bench.sequencer.state() == State::fault);  // until somebody has looked, and says so
-  STRCMP_EQUAL("an output line could not be set",
-               std::string(rig.find(EventKind::fault)->detail.view()).c_str());
+  CHECK_EQUAL(State::fault, bench.sequencer.state());  // until somebody has looked, and says so
+  CHECK_EQUAL("an output line could not be set", std::string(rig.find(EventKind::fault)->detail.view()));
   bench.give(bench.plain_command(CommandKind::clear));
-  CHECK(bench.sequencer.state() == State::idle);
+  CHECK_EQUAL(State::idle, bench.sequencer.state());
 }
 
 TEST(SequencerAbort, EndsTheLoopWhenALineCannotBeSwitchedOff) {
@@ -186,18 +179,7 @@ TEST(SequencerAbort, FollowsTheEStopWithinAMillisecondAtAnyInstantOfACodedTrain)
   config.plan.exposure = milliseconds(60);
   config.plan.impact_at = milliseconds(30);
   for (int k = 0; k < 100; ++k) config.plan.code.push_back({gap * k, k % 2 == 0 ? Lamps::a : Lamps::b});
-  for (int i = 0; i < 97; ++i) {
-    SequencerFixture trial(config);
-    trial.start();
-    const MonoTime start = trial.fire();
-    const MonoTime pressed = start + milliseconds(310 - 30) + microseconds(431) * i + nanoseconds(13) * i;
-    trial.rig.schedule({Input::estop, pressed, true});
-    trial.play();
-    CHECK_EQUAL(1u, trial.rig.shots.size());
-    STRCMP_EQUAL("the e-stop is pressed", trial.abort_reason().c_str());
-    CHECK_TRUE(trial.rig.all_inactive());
-    CHECK(trial.rig.sets.back().time < pressed + milliseconds(1));
-  }
+  press_estop_at_many_instants(config, milliseconds(310 - 30), microseconds(431));
 }
 
 TEST(SequencerAbort, LatchesAFaultWhenTheInputsAreGone) {
@@ -219,9 +201,7 @@ TEST(SequencerAbort, LimitsEveryOutputsOnTimeWhateverThePlanSays) {
   config.machine.pulse = milliseconds(5000);
   config.shutter.max_open = milliseconds(100);
   SequencerFixture wild(config);
-  wild.start();
-  wild.fire();
-  wild.play();
+  wild.shoot();
   const auto longest = [&wild](Output output) {
     const auto on = wild.rig.instants(output), off = wild.rig.instants(output, false);
     Duration result{};
@@ -239,7 +219,7 @@ TEST(SequencerAbort, HandsTheShotOverWhenTheDaemonIsStopped) {
   while (rig.time < start + milliseconds(100)) bench.step();
   bench.sequencer.stop("stopped by a signal");
   expect_aborted("stopped by a signal");
-  CHECK(rig.events.back().kind == EventKind::stopped);
+  CHECK_EQUAL(EventKind::stopped, rig.events.back().kind);
 }
 
 TEST(SequencerAbort, StillCollectsTheLastFlashsLight) {

@@ -1,7 +1,6 @@
 // The shipped loop in every state that operators, hosts and time can bring it into: from each state that was
 // found, by the shortest way there, every input once more, until no new state turns up. What the lines did is
 // judged from outside: by who armed and fired what, and by when key and e-stop were turned.
-#include <array>
 #include <cstdio>
 #include <deque>
 #include <set>
@@ -61,10 +60,10 @@ struct Press {
   MonoTime pressed, released;
 };
 
-/// One history of the rig, and what an onlooker knows of it.
-class Story {
+/// One sequence of inputs, and what an observer knows of it.
+class History {
  public:
-  explicit Story(const Rig& config) : bench_(config) { bench_.start(); }
+  explicit History(const Rig& config) : bench_(config) {}
 
   void put_in(In input) {
     VirtualRig& rig = bench_.rig;
@@ -120,7 +119,7 @@ class Story {
     }
   }
 
-  /// What future answers depend on, and what the onlooker knows.
+  /// What future answers depend on, and what the observer knows.
   using Key =
       std::tuple<int, bool, bool, bool, bool, std::int64_t, bool, bool, bool, bool, bool, bool, bool, bool>;
   Key key() const {
@@ -158,9 +157,8 @@ class Story {
           wrong += "; inactive only late after the e-stop";
       }
     }
-    for (const ShotRecord* shot : rig.shots) {
+    for (const ShotRecord* shot : rig.shots)
       if (!shot_ids_.insert(shot->shot_id).second) wrong += "; a shot was fired twice";
-    }
     if (rig.count(EventKind::shot_started) != rig.shots.size()) wrong += "; a shot without a record";
     return wrong + on_times();
   }
@@ -241,9 +239,8 @@ class Story {
   }
   bool key_on_at(MonoTime when) const {
     bool on = true;
-    for (const auto& [time, active] : keys_) {
+    for (const auto& [time, active] : keys_)
       if (time <= when) on = active;
-    }
     return on;
   }
   std::string judge_triggers() const {
@@ -253,14 +250,12 @@ class Story {
     if (triggers.size() > live) return "; MORE TRIGGERS THAN LIVE SHOTS";
     for (const MonoTime trigger : triggers) {
       const Granted* last = nullptr;
-      for (const Granted& grant : granted_) {
+      for (const Granted& grant : granted_)
         if (grant.from <= trigger) last = &grant;
-      }
       if (last == nullptr || !last->live) return "; A TRIGGER WITHOUT A SHOT";
       if (!key_on_at(trigger)) return "; A TRIGGER WITH THE KEY OFF";
-      for (const Press& press : presses_) {
+      for (const Press& press : presses_)
         if (trigger > press.pressed && trigger < press.released) return "; A TRIGGER WITH THE E-STOP PRESSED";
-      }
     }
     return "";
   }
@@ -272,9 +267,8 @@ class Story {
                                : output == Output::strobes ? bench_.config.lamps.max_on
                                                            : bench_.config.shutter.max_open;
       if (on.size() != off.size()) return "; an output stays on";
-      for (std::size_t k = 0; k < on.size(); ++k) {
+      for (std::size_t k = 0; k < on.size(); ++k)
         if (off[k] - on[k] > longest + microseconds(2)) wrong = "; on for too long";
-      }
     }
     return wrong;
   }
@@ -291,7 +285,7 @@ class Story {
   std::string withheld_;
 };
 
-std::string told(const std::vector<In>& path) {
+std::string path_text(const std::vector<In>& path) {
   std::string text = " after";
   for (const In input : path) text += " " + std::to_string(static_cast<int>(input));
   return text;
@@ -303,10 +297,10 @@ TEST_GROUP(SequencerSpace){};
 
 TEST(SequencerSpace, KeepsTheRulesFromEveryStateWithEveryInput) {
   const Rig config = short_shots();
-  std::set<Story::Key> known;
+  std::set<History::Key> known;
   std::deque<std::vector<In>> open{{}};
-  known.insert(Story(config).key());
-  std::size_t states = 0, stories = 0, fired = 0, stopped = 0, depth = 0;
+  known.insert(History(config).key());
+  std::size_t states = 0, histories = 0, fired = 0, stopped = 0, depth = 0;
   while (!open.empty()) {
     const std::vector<In> path = open.front();
     open.pop_front();
@@ -315,19 +309,19 @@ TEST(SequencerSpace, KeepsTheRulesFromEveryStateWithEveryInput) {
     for (int i = 0; i < kInputs; ++i) {
       std::vector<In> longer = path;
       longer.push_back(static_cast<In>(i));
-      Story story(config);
-      for (const In input : longer) story.put_in(input);
-      if (known.insert(story.key()).second) open.push_back(longer);
-      const std::string wrong = story.verdict();
-      if (!wrong.empty()) FAIL((wrong + told(longer)).c_str());
-      ++stories;
-      fired += story.triggers() > 0 ? 1 : 0;
-      stopped += story.presses() > 0 ? 1 : 0;
+      History history(config);
+      for (const In input : longer) history.put_in(input);
+      if (known.insert(history.key()).second) open.push_back(longer);
+      const std::string wrong = history.verdict();
+      if (!wrong.empty()) FAIL((wrong + path_text(longer)).c_str());
+      ++histories;
+      fired += history.triggers() > 0 ? 1 : 0;
+      stopped += history.presses() > 0 ? 1 : 0;
     }
   }
   std::printf(
-      "sequencer: %zu states, %zu stories (%zu with a trigger, %zu with an e-stop), longest way %zu\n",
-      states, stories, fired, stopped, depth);
+      "sequencer: %zu states, %zu histories (%zu with a trigger, %zu with an e-stop), longest way %zu\n",
+      states, histories, fired, stopped, depth);
   CHECK(fired > 100);
   CHECK(stopped > 100);
 }

@@ -1,4 +1,3 @@
-// Shots that go well, and what they report; refusals and arming.
 #include "firmware/core/sequencer.hpp"
 
 #include <string>
@@ -6,7 +5,7 @@
 #include "tests/support/allocations.hpp"
 #include "tests/support/sequencer_fixture.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe;
 using namespace strobe::testing;
@@ -19,7 +18,6 @@ constexpr Duration kIssueCost = nanoseconds(100);
 TEST_GROUP(Sequencer) {
   SequencerFixture bench;
   VirtualRig& rig = bench.rig;
-  void setup() override { bench.start(); }
   std::string refusal() {
     const Event* event = rig.find(EventKind::refused, rig.count(EventKind::refused) - 1);
     return event ? std::string(event->detail.view()) : "";
@@ -29,13 +27,12 @@ TEST_GROUP(Sequencer) {
 TEST(Sequencer, MakesTheOutputsInactiveBeforeAnythingElse) {
   CHECK_EQUAL(3u, rig.sets.size());
   for (const auto& set : rig.sets) CHECK_FALSE(set.active);
-  CHECK(rig.sets.front().output == Output::trigger);
-  CHECK(rig.events.front().kind == EventKind::started);
+  CHECK_EQUAL(Output::trigger, rig.sets.front().output);
+  CHECK_EQUAL(EventKind::started, rig.events.front().kind);
 }
 
 TEST(Sequencer, PlaysEveryFlashAtItsInstant) {
-  const MonoTime start = bench.fire();
-  bench.play();
+  const MonoTime start = bench.shoot();
   const auto flashes = rig.instants(Output::strobes);
   CHECK_EQUAL(167u, flashes.size());
   for (std::size_t k = 0; k < flashes.size(); ++k) {
@@ -46,8 +43,7 @@ TEST(Sequencer, PlaysEveryFlashAtItsInstant) {
 }
 
 TEST(Sequencer, EndsEachPulseAfterItsWidth) {
-  const MonoTime start = bench.fire();
-  bench.play();
+  const MonoTime start = bench.shoot();
   const auto on = rig.instants(Output::strobes), off = rig.instants(Output::strobes, false);
   CHECK_EQUAL(on.size(), off.size());
   for (std::size_t k = 0; k < on.size(); ++k) {
@@ -62,19 +58,18 @@ TEST(Sequencer, EndsEachPulseAfterItsWidth) {
 }
 
 TEST(Sequencer, HandsOverAWholeRecord) {
-  const MonoTime start = bench.fire();
-  bench.play();
+  const MonoTime start = bench.shoot();
   CHECK_EQUAL(1u, rig.shots.size());
   const ShotRecord& shot = bench.shot();
   CHECK(shot.abort_reason.empty());
-  CHECK(shot.start == start);
-  CHECK(shot.host_id == kHost);
+  CHECK_EQUAL(start, shot.start);
+  CHECK_EQUAL(kHost, shot.host_id);
   CHECK_EQUAL(167u, shot.flashes.size());
   for (const FlashRecord& flash : shot.flashes) {
     CHECK(flash.issue_start >= flash.commanded);
     CHECK(flash.issue_end > flash.issue_start);
     CHECK(flash.observed_a - flash.issue_start <= rig.lamp_delay + kIssueCost);
-    CHECK(flash.observed_b == flash.observed_a);
+    CHECK_EQUAL(flash.observed_a, flash.observed_b);
     CHECK_EQUAL(0, flash.extra_edges);
   }
   CHECK(shot.shutter_close - shot.shutter_open >= milliseconds(500));
@@ -85,38 +80,34 @@ TEST(Sequencer, SubtractsTheSensorsDelay) {
   Rig config = shipped_rig();
   config.sensors.delay_a = config.sensors.delay_b = microseconds(5);
   SequencerFixture slow(config);
-  slow.start();
-  slow.fire();
-  slow.play();
+  slow.shoot();
   const FlashRecord& flash = slow.shot().flashes[3];
   CHECK(flash.observed_a - flash.issue_start <= slow.rig.lamp_delay - microseconds(5) + kIssueCost);
 }
 
 TEST(Sequencer, ReportsTheShotInOrder) {
-  bench.fire();
-  bench.play();
+  bench.shoot();
   CHECK_EQUAL(1u, rig.count(EventKind::shot_started));
   CHECK_EQUAL(167u, rig.count(EventKind::flash));
   CHECK_EQUAL(334u, rig.count(EventKind::sensor));
   CHECK_EQUAL(2u, rig.count(EventKind::trigger));
   CHECK_EQUAL(2u, rig.count(EventKind::shutter));
-  CHECK(rig.events.back().kind == EventKind::shot_ended);
+  CHECK_EQUAL(EventKind::shot_ended, rig.events.back().kind);
   int index = 0;
   for (const Event& event : rig.events) {
     if (event.kind != EventKind::flash) continue;
     CHECK_EQUAL(index, event.flash_index);
     ++index;
     CHECK_EQUAL(1, event.shot_id);
-    CHECK(event.device_time == event.issue_end);
+    CHECK_EQUAL(event.issue_end, event.device_time);
   }
 }
 
 TEST(Sequencer, LeavesTheMachineAloneInADryShot) {
-  bench.fire(true);
-  bench.play();
+  bench.shoot(true);
   CHECK_EQUAL(0u, rig.instants(Output::trigger).size());
   CHECK_EQUAL(167u, rig.instants(Output::strobes).size());
-  STRCMP_EQUAL("dry", std::string(rig.find(EventKind::shot_started)->detail.view()).c_str());
+  CHECK_EQUAL("dry", std::string(rig.find(EventKind::shot_started)->detail.view()));
 }
 
 TEST(Sequencer, AllocatesNothingWhileItPlaysAShot) {
@@ -144,10 +135,8 @@ TEST(Sequencer, NumbersShotsFromTheLastOneOfTheSession) {
 }
 
 TEST(Sequencer, FiresAgainAfterANewArming) {
-  bench.fire();
-  bench.play();
-  bench.fire();
-  bench.play();
+  bench.shoot();
+  bench.shoot();
   CHECK_EQUAL(2u, rig.instants(Output::trigger).size());
   CHECK_EQUAL(2, bench.shot(1).shot_id);
 }
@@ -160,12 +149,12 @@ TEST(Sequencer, RefusesAFireThatIsPlayedBack) {
   bench.give(fire);
   bench.play();
   CHECK_EQUAL(1u, rig.instants(Output::trigger).size());
-  STRCMP_EQUAL("FIRE: the shot is spent: arm for another", refusal().c_str());
+  CHECK_EQUAL("FIRE: the shot is spent: arm for another", refusal());
 }
 
 TEST(Sequencer, RefusesAWrongToken) {
   bench.give(bench.fire_command(bench.arm() + 1));
-  STRCMP_EQUAL("FIRE: not the token that was given to this host", refusal().c_str());
+  CHECK_EQUAL("FIRE: not the token that was given to this host", refusal());
   CHECK_EQUAL(0u, rig.count(EventKind::shot_started));
 }
 
@@ -173,14 +162,14 @@ TEST(Sequencer, RefusesWhatTheReceiverFoundWrong) {
   Command fire = bench.fire_command(bench.arm());
   fire.defect = "a repeated command";
   bench.give(fire);
-  STRCMP_EQUAL("FIRE: a repeated command", refusal().c_str());
-  CHECK(bench.sequencer.state() == State::armed);
+  CHECK_EQUAL("FIRE: a repeated command", refusal());
+  CHECK_EQUAL(State::armed, bench.sequencer.state());
 }
 
 TEST(Sequencer, RefusesToArmWithTheKeyOff) {
   rig.key = false;
   bench.give(bench.arm_command());
-  STRCMP_EQUAL("ARM: the key is off", refusal().c_str());
+  CHECK_EQUAL("ARM: the key is off", refusal());
   CHECK_EQUAL(0, rig.statuses.back().arm_token);
 }
 
@@ -188,9 +177,9 @@ TEST(Sequencer, RefusesWhileTheJournalCannotBeWritten) {
   const std::int64_t token = bench.arm();
   rig.journal = false;
   bench.give(bench.fire_command(token));
-  STRCMP_EQUAL("FIRE: the journal cannot be written", refusal().c_str());
+  CHECK_EQUAL("FIRE: the journal cannot be written", refusal());
   bench.give(bench.arm_command());
-  STRCMP_EQUAL("ARM: the journal cannot be written", refusal().c_str());
+  CHECK_EQUAL("ARM: the journal cannot be written", refusal());
 }
 
 TEST(Sequencer, LetsTheArmingExpireByItself) {
@@ -199,7 +188,7 @@ TEST(Sequencer, LetsTheArmingExpireByItself) {
   while (bench.sequencer.state() == State::armed && rig.time < armed + milliseconds(40'000)) bench.step();
   CHECK(rig.time >= armed + milliseconds(29'999));
   CHECK(rig.time <= armed + milliseconds(30'000) + Sequencer::kLongestSleep);
-  STRCMP_EQUAL("the arming has expired", std::string(rig.find(EventKind::disarmed)->detail.view()).c_str());
+  CHECK_EQUAL("the arming has expired", std::string(rig.find(EventKind::disarmed)->detail.view()));
 }
 
 TEST(Sequencer, ReadsTheLevelsBeforeItArmsOrFiresInCaseAnEdgeWasLost) {
@@ -207,12 +196,12 @@ TEST(Sequencer, ReadsTheLevelsBeforeItArmsOrFiresInCaseAnEdgeWasLost) {
   rig.key = false;  // without an edge
   bench.give(bench.fire_command(token));
   CHECK_EQUAL(0u, rig.count(EventKind::shot_started));
-  STRCMP_EQUAL("FIRE: the key is off", refusal().c_str());
+  CHECK_EQUAL("FIRE: the key is off", refusal());
   rig.key = true;
   bench.arm();
   rig.estop = true;
   bench.give(bench.arm_command());
-  STRCMP_EQUAL("ARM: the e-stop is pressed", refusal().c_str());
+  CHECK_EQUAL("ARM: the e-stop is pressed", refusal());
 }
 
 TEST(Sequencer, LeavesNothingOfAnEarlierShotInItsRecord) {
@@ -233,8 +222,7 @@ TEST(Sequencer, LeavesNothingOfAnEarlierShotInItsRecord) {
 
 TEST(Sequencer, EndsAPulseItsWidthAfterTheLineHasSurelyChanged) {
   rig.set_cost = microseconds(30);
-  bench.fire();
-  bench.play();
+  bench.shoot();
   const auto on = rig.instants(Output::strobes), off = rig.instants(Output::strobes, false);
   for (std::size_t k = 0; k < on.size(); ++k)
     CHECK(off.at(k) - on[k] >= rig.set_cost + bench.config.lamps.pulse);
@@ -248,8 +236,7 @@ TEST(Sequencer, CountsTheOverflowsOfEachShotAlone) {
   rig.lost += 2;
   rig.kernel_lost += 3;
   bench.play();
-  bench.fire();
-  bench.play();
+  bench.shoot();
   CHECK_EQUAL(2, bench.shot(0).queue_overflows);
   CHECK_EQUAL(3, bench.shot(0).kernel_overflows);
   CHECK_EQUAL(0, bench.shot(1).queue_overflows);
@@ -261,7 +248,7 @@ TEST(Sequencer, NoticesAKeyWhoseEdgeWasLost) {
   bench.arm();
   rig.key = false;  // without an edge
   for (int turn = 0; turn < 3; ++turn) bench.step();
-  CHECK(bench.sequencer.state() == State::idle);
+  CHECK_EQUAL(State::idle, bench.sequencer.state());
   CHECK_EQUAL(1u, rig.count(EventKind::disarmed));
 }
 
@@ -286,8 +273,7 @@ TEST(Sequencer, EndsTheLoopWhenTheChipGoesAfterAFaultOfAnotherCause) {
 TEST(Sequencer, FlashesInTimeThoughWhoeverSleepsIsWokenAMillisecondLate) {
   // A sleeper would be 800 us late; one that is awake 4 ms ahead only sees its own turn, of some 3 us, end.
   rig.wake_delay = milliseconds(1);
-  bench.fire();
-  bench.play();
+  bench.shoot();
   CHECK_TRUE(bench.shot().abort_reason.empty());
   const auto flashes = rig.instants(Output::strobes);
   CHECK_EQUAL(167u, flashes.size());
@@ -303,7 +289,6 @@ TEST(Sequencer, IsNeverAwakeForMoreThanItsShareOfASecondHoweverCloseTheFlashes) 
   config.lamps.max_flashes = 2000;
   config.plan.exposure = milliseconds(1990);
   SequencerFixture close(config);
-  close.start();
   MonoTime until = close.fire() + milliseconds(310 - 250);  // the train's begin
   while (close.rig.time < until) close.sequencer.step(until);
   for (int window = 0; window < 2; ++window) {
@@ -329,14 +314,13 @@ TEST(Sequencer, IsAwakeThroughAWholeShotAsShipped) {
 TEST(Sequencer, LatchesAFaultWhileTheInputsCannotBeRead) {
   rig.levels_readable = false;
   for (int turn = 0; turn < 3; ++turn) bench.step();
-  CHECK(bench.sequencer.state() == State::fault);
+  CHECK_EQUAL(State::fault, bench.sequencer.state());
   CHECK_EQUAL(1u, rig.count(EventKind::fault));
   bench.give(bench.plain_command(CommandKind::clear));
-  CHECK(bench.sequencer.state() == State::fault);  // the cause is still there
+  CHECK_EQUAL(State::fault, bench.sequencer.state());  // the cause is still there
   rig.levels_readable = true;
   bench.give(bench.plain_command(CommandKind::clear));
-  CHECK(bench.sequencer.state() == State::idle);
-  bench.fire();
-  bench.play();
+  CHECK_EQUAL(State::idle, bench.sequencer.state());
+  bench.shoot();
   CHECK(bench.shot().abort_reason.empty());
 }

@@ -8,7 +8,7 @@
 #include "tests/support/fake_service_manager.hpp"
 #include "tests/support/temporary_folder.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe;
 using strobe::firmware::ServiceNotify;
@@ -28,25 +28,25 @@ TEST(ServiceNotify, SpeaksToTheManagerThatTheEnvironmentNames) {
   setenv("WATCHDOG_PID", std::to_string(getpid()).c_str(), 1);
   const ServiceNotify service = ServiceNotify::from_environment();
   CHECK(service.managed());
-  CHECK(service.watchdog() == milliseconds(4'000));
+  CHECK_EQUAL(milliseconds(4'000), service.watchdog());
   service.say("READY=1\nSTATUS=ready");
   service.say("WATCHDOG=1");
   CHECK_EQUAL(2u, manager.heard().size());
-  STRCMP_EQUAL("READY=1\nSTATUS=ready", manager.heard()[0].c_str());
+  CHECK_EQUAL("READY=1\nSTATUS=ready", manager.heard()[0]);
   CHECK_EQUAL(1, manager.count("WATCHDOG"));
 }
 
 TEST(ServiceNotify, IsSilentWithoutAManager) {
   const ServiceNotify service = ServiceNotify::from_environment();
   CHECK_FALSE(service.managed());
-  CHECK(service.watchdog() == milliseconds(0));
+  CHECK_EQUAL(milliseconds(0), service.watchdog());
   service.say("READY=1");
 }
 
 TEST(ServiceNotify, LeavesAWatchdogOfAnotherProcessAlone) {
   setenv("WATCHDOG_USEC", "4000000", 1);
   setenv("WATCHDOG_PID", "1", 1);
-  CHECK(ServiceNotify::from_environment().watchdog() == milliseconds(0));
+  CHECK_EQUAL(ServiceNotify::from_environment().watchdog(), milliseconds(0));
 }
 
 TEST(ServiceNotify, DoesNotWaitForAManagerThatDoesNotRead) {

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <memory>
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe;
 using namespace strobe::firmware;
@@ -60,14 +60,14 @@ TEST(StatusMessage, TellsTimingInMicroseconds) {
 
 TEST(StatusMessage, SaysTheGravestThingThatIsMissing) {
   parts.loop.estop_active = false;
-  STRCMP_EQUAL("the key is off", to_message(parts, *timing).message.c_str());
+  CHECK_EQUAL("the key is off", to_message(parts, *timing).message);
   parts.loop.estop_active = true;
-  STRCMP_EQUAL("the e-stop is pressed, or its wire is broken", to_message(parts, *timing).message.c_str());
+  CHECK_EQUAL("the e-stop is pressed, or its wire is broken", to_message(parts, *timing).message);
   parts.journal_fault = "the disk is full";
-  STRCMP_EQUAL("the journal cannot be written: the disk is full", to_message(parts, *timing).message.c_str());
+  CHECK_EQUAL("the journal cannot be written: the disk is full", to_message(parts, *timing).message);
   CHECK_FALSE(to_message(parts, *timing).journal_ok);
   parts.loop.fault = "broken";
-  STRCMP_EQUAL("fault: broken", to_message(parts, *timing).message.c_str());
+  CHECK_EQUAL("fault: broken", to_message(parts, *timing).message);
 }
 
 TEST(StatusMessage, CountsWhatWasIgnored) {

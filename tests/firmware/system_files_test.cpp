@@ -2,7 +2,7 @@
 
 #include "tests/firmware/system_tree.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe::firmware;
 
@@ -24,7 +24,7 @@ TEST(SystemFiles, WhatIsAbsentIsNothing) {
 TEST(SystemFiles, ListsNumbersByTheirValue) {
   tree.interrupt(100, "a", "0");
   tree.interrupt(3, "b", "0");
-  CHECK((files.list("proc/irq") == std::vector<std::string>{"3", "24", "100"}));
+  CHECK_EQUAL((std::vector<std::string>{"3", "24", "100"}), files.list("proc/irq"));
 }
 
 TEST(SystemFiles, TellsWhatTheOwnerMayWriteEvenToRoot) {
@@ -42,12 +42,12 @@ TEST(SystemFiles, WritesWhatCanBeReadBack) {
 TEST_GROUP(CpuList){};
 
 TEST(CpuList, ReadsNumbersAndRanges) {
-  CHECK((parse_cpu_list("0-2,5\n") == std::set<int>{0, 1, 2, 5}));
+  CHECK_EQUAL((std::set<int>{0, 1, 2, 5}), parse_cpu_list("0-2,5\n"));
   CHECK(parse_cpu_list("").empty());
 }
 
 TEST(CpuList, LeavesOutWhatIsNotWellFormed) {
-  CHECK((parse_cpu_list("x,3,-4,7-6") == std::set<int>{3}));
+  CHECK_EQUAL(std::set<int>{3}, parse_cpu_list("x,3,-4,7-6"));
   CHECK_EQUAL(8193U, parse_cpu_list("0-999999999").size());
 }
 

@@ -7,7 +7,7 @@
 #include "tests/support/sequencer_fixture.hpp"
 #include "tests/support/virtual_rig.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe;
 using namespace strobe::firmware;
@@ -30,9 +30,8 @@ Duration distance_to_tick(MonoTime at, const Tick& tick) {
 
 Duration nearest(MonoTime start, const PulseSchedule& plan, const Tick& tick) {
   Duration least = tick.period;
-  for (const PlannedPulse& pulse : plan.pulses) {
+  for (const PlannedPulse& pulse : plan.pulses)
     if (pulse.output == Output::strobes) least = std::min(least, distance_to_tick(start + pulse.at, tick));
-  }
   return least;
 }
 
@@ -41,8 +40,8 @@ Duration nearest(MonoTime start, const PulseSchedule& plan, const Tick& tick) {
 TEST_GROUP(TickAvoidance){};
 
 TEST(TickAvoidance, ChangesNothingWithoutATickOrAFlash) {
-  CHECK(TickAvoidance({}).delay(from_ns(123), train({}, milliseconds(3), 5)) == Duration{});
-  CHECK(TickAvoidance(kTick).delay(from_ns(123), PulseSchedule{}) == Duration{});
+  CHECK_EQUAL(Duration{}, TickAvoidance({}).delay(from_ns(123), train({}, milliseconds(3), 5)));
+  CHECK_EQUAL(Duration{}, TickAvoidance(kTick).delay(from_ns(123), PulseSchedule{}));
 }
 
 TEST(TickAvoidance, LeavesAShotAloneThatIsWellPlacedAlready) {
@@ -50,31 +49,31 @@ TEST(TickAvoidance, LeavesAShotAloneThatIsWellPlacedAlready) {
   const PulseSchedule plan = train(milliseconds(60), milliseconds(3), 100);
   const MonoTime earliest = from_ns(777'000'000);
   const MonoTime start = earliest + quiet.delay(earliest, plan);
-  CHECK(quiet.delay(start, plan) == Duration{});
+  CHECK_EQUAL(Duration{}, quiet.delay(start, plan));
 }
 
 TEST(TickAvoidance, LooksAtFlashesOnly) {
   PulseSchedule plan;
   plan.pulses.push_back({milliseconds(5), Output::shutter, milliseconds(500), -1});
-  CHECK(TickAvoidance(kTick).delay(MonoTime{} + kTick.phase, plan) == Duration{});
+  CHECK_EQUAL(Duration{}, TickAvoidance(kTick).delay(MonoTime{} + kTick.phase, plan));
 }
 
 // 3 ms and 4 ms: the flashes fall on a grid of 1 ms relative to the tick, whose middle is 500 us away. The
 // tick's end and margins move the best place by less than 40 us, a step is 31 us.
 TEST(TickAvoidance, PutsATrainOfThreeMillisecondsMidwayBetweenTicksOfFour) {
-  rc::check("wherever it would start", [] {
+  CHECK_TRUE(rc::check("wherever it would start", [] {
     const MonoTime earliest = from_ns(*rc::gen::inRange<std::int64_t>(0, 1'000'000'000'000));
     const PulseSchedule plan = train(milliseconds(60), milliseconds(3), 167);
     const Duration delay = TickAvoidance(kTick).delay(earliest, plan);
     RC_ASSERT(delay.count() >= 0 && delay < kTick.period);
     RC_ASSERT(nearest(earliest + delay, plan, kTick) >= microseconds(420));
-  });
+  }));
 }
 
 // A tick that takes 20 us, with the margins of 10 us, hides 2 % of a period: a few flashes always find a
 // place.
 TEST(TickAvoidance, FindsAPlaceForAnyFewFlashes) {
-  rc::check("for up to ten flashes", [] {
+  CHECK_TRUE(rc::check("for up to ten flashes", [] {
     const auto count = *rc::gen::inRange(1, 11);
     PulseSchedule plan;
     for (int k = 0; k < count; ++k) {
@@ -84,19 +83,16 @@ TEST(TickAvoidance, FindsAPlaceForAnyFewFlashes) {
     const MonoTime earliest = from_ns(*rc::gen::inRange<std::int64_t>(0, 1'000'000'000'000));
     const Duration delay = TickAvoidance(kTick).delay(earliest, plan);
     RC_ASSERT(nearest(earliest + delay, plan, kTick) >= microseconds(10));
-  });
+  }));
 }
 
 TEST(TickAvoidance, MovesTheShotOfARunningSequencer) {
   testing::SequencerFixture bench(testing::shipped_rig(), kTick);
-  bench.start();
-  const MonoTime earliest = bench.fire(true);
-  bench.play();
+  const MonoTime earliest = bench.shoot(true);
   const ShotRecord& shot = bench.shot();
   CHECK(shot.start >= earliest && shot.start < earliest + kTick.period);
   CHECK_TRUE(shot.abort_reason.empty());
   CHECK(shot.flashes.size() > 100);
-  for (const FlashRecord& flash : shot.flashes) {
+  for (const FlashRecord& flash : shot.flashes)
     CHECK(distance_to_tick(flash.commanded, kTick) >= microseconds(420));
-  }
 }

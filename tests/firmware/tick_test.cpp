@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe;
 using namespace strobe::firmware;
@@ -28,14 +28,14 @@ TEST(Tick, IsFoundAtItsPhase) {
   ticks(kPeriods, microseconds(1234), microseconds(18));
   const Tick tick = found();
   CHECK_TRUE(tick.known());
-  CHECK(tick.period == kPeriod);
-  CHECK(tick.phase == microseconds(1234));
+  CHECK_EQUAL(kPeriod, tick.period);
+  CHECK_EQUAL(microseconds(1234), tick.phase);
   CHECK(tick.length >= microseconds(18) && tick.length <= microseconds(27));
 }
 
 TEST(Tick, IsFoundAcrossTheEndOfAPeriod) {
   ticks(kPeriods, kPeriod - microseconds(3), microseconds(18));
-  CHECK(found().phase == kPeriod - microseconds(3));
+  CHECK_EQUAL(kPeriod - microseconds(3), found().phase);
 }
 
 TEST(Tick, IsFoundThoughSomePeriodsDoNotShowIt) {

@@ -81,9 +81,8 @@ TEST(TimingHistogram, ShowsTheMiddleInRoundBinsAndTheRestInTheOuterOnes) {
   // A lamp: 12 us ± 0.5 us, and one flash in a thousand 100 us late.
   std::mt19937_64 random(7);
   std::normal_distribution<double> delay(12'000.0, 500.0);
-  for (int i = 0; i < 10'000; ++i) {
+  for (int i = 0; i < 10'000; ++i)
     histogram.add(nanoseconds(static_cast<std::int64_t>(delay(random)) + (i % 1000 == 0 ? 100'000 : 0)));
-  }
   const auto coarse = histogram.coarse();
   CHECK_EQUAL(200,
               coarse.width.count());  // 99 % of a normal are 5.15 sd = 2.6 us wide: over 22 bins, rounded up

@@ -5,7 +5,7 @@
 #include "tests/support/allocations.hpp"
 #include "tests/support/virtual_rig.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe;
 using namespace strobe::testing;
@@ -26,7 +26,7 @@ TEST(VirtualRig, WakesAtAnEdgeAndChangesTheLevelWithIt) {
   const MonoTime stamp = rig.time + milliseconds(2);
   rig.schedule({Input::estop, stamp, true});
   CHECK_EQUAL(1u, rig.wait(rig.time + milliseconds(7), edges).value());
-  CHECK(edges[0].time == stamp);
+  CHECK_EQUAL(stamp, edges[0].time);
   CHECK(rig.estop);
 }
 
@@ -50,7 +50,7 @@ TEST(VirtualRig, AnswersAFlashWithBothSensors) {
   rig.set(Output::strobes, true);
   const MonoTime flashed = rig.sets.back().time;
   CHECK_EQUAL(2u, rig.wait(rig.time + milliseconds(1), edges).value());
-  CHECK(edges[0].time == flashed + microseconds(12));
+  CHECK_EQUAL(flashed + microseconds(12), edges[0].time);
 }
 
 TEST_GROUP(Allocations){};

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe;
 using namespace strobe::firmware;
@@ -24,9 +24,8 @@ class Core {
   void stand_still(int from_ms, int for_ms) { stills_.emplace_back(from_ms, from_ms + for_ms); }
   /// When something that is due then gets its turn.
   int turn_ms(int due_ms) const {
-    for (const auto& [from, until] : stills_) {
+    for (const auto& [from, until] : stills_)
       if (due_ms >= from && due_ms < until) due_ms = until;
-    }
     return due_ms;
   }
 
@@ -94,31 +93,32 @@ TEST_GROUP(Watchdog) {
 
 TEST(Watchdog, FindsNothingInThreadsThatTurnOrHaveNotBegun) {
   for (int look = 0; look < 3; ++look) {
-    CHECK(judge.check({}, kNow, true) == Verdict::healthy);
-    CHECK(judge.check({kNow - milliseconds(60), kNow - milliseconds(600)}, kNow, true) == Verdict::healthy);
+    CHECK_EQUAL(Verdict::healthy, judge.check({}, kNow, true));
+    CHECK_EQUAL(Verdict::healthy,
+                judge.check({kNow - milliseconds(60), kNow - milliseconds(600)}, kNow, true));
   }
 }
 
 TEST(Watchdog, SaysByTimeAloneThatTheLoopHangs) {
   MonoTime when{};
-  CHECK(look_on({kNow, kNow}, kNow, milliseconds(2'000), &when) == Verdict::loop_hung);
+  CHECK_EQUAL(Verdict::loop_hung, look_on({kNow, kNow}, kNow, milliseconds(2'000), &when));
   CHECK(when - kNow > Watchdog::kLoopTimeout && when - kNow <= milliseconds(500 + 100 + 10));
 }
 
 TEST(Watchdog, GivesTheLoopItsTurnAfterTheWholeMachineStoodStill) {
   const MonoTime stood = kNow - milliseconds(3'000);
   judge.check({stood, kNow}, stood);
-  CHECK(look_on({stood, kNow}, kNow, milliseconds(40)) == Verdict::healthy);
-  CHECK(judge.check({kNow + milliseconds(50), kNow}, kNow + milliseconds(50)) == Verdict::healthy);
+  CHECK_EQUAL(Verdict::healthy, look_on({stood, kNow}, kNow, milliseconds(40)));
+  CHECK_EQUAL(Verdict::healthy, judge.check({kNow + milliseconds(50), kNow}, kNow + milliseconds(50)));
 }
 
 TEST(Watchdog, LooksCloselyOnceTheLoopHasMissedATurn) {
   judge.check({kNow, kNow}, kNow + milliseconds(40));
   CHECK_FALSE(judge.suspect());
-  CHECK(judge.until_next_check() == milliseconds(61));
+  CHECK_EQUAL(milliseconds(61), judge.until_next_check());
   judge.check({kNow, kNow}, kNow + milliseconds(101));
   CHECK(judge.suspect());
-  CHECK(judge.until_next_check() == milliseconds(10));
+  CHECK_EQUAL(milliseconds(10), judge.until_next_check());
 }
 
 TEST(Watchdog, SaysThatALoopHangsWhoseCoreRuns) {
@@ -159,18 +159,18 @@ TEST(Watchdog, TakesNoStandstillForAHangAndLeavesNoHangForLong) {
 
 TEST(Watchdog, HasPatienceWithAPublisherOnASlowDisk) {
   for (Duration passed{}; passed <= milliseconds(10'000); passed = passed + kCheckInterval)
-    CHECK(judge.check({kNow + passed, kNow}, kNow + passed) == Verdict::healthy);
+    CHECK_EQUAL(Verdict::healthy, judge.check({kNow + passed, kNow}, kNow + passed));
   const MonoTime later = kNow + milliseconds(10'010);
-  CHECK(look_on({later, kNow}, later, milliseconds(150)) == Verdict::publisher_hung);
+  CHECK_EQUAL(Verdict::publisher_hung, look_on({later, kNow}, later, milliseconds(150)));
 }
 
 TEST(Watchdog, TakesTheLoopMoreSeriously) {
   const MonoTime stood = kNow - milliseconds(20'000);
-  CHECK(look_on({stood, stood}, kNow, kCheckInterval * 2) == Verdict::loop_hung);
+  CHECK_EQUAL(Verdict::loop_hung, look_on({stood, stood}, kNow, kCheckInterval * 2));
 }
 
 TEST(Watchdog, IsDoneWithThePublisherBeforeTheServiceManagerLosesPatience) {
-  CHECK(Watchdog::publisher_timeout_for(milliseconds(0)) == Watchdog::kPublisherTimeout);
-  CHECK(Watchdog::publisher_timeout_for(milliseconds(4'000)) == milliseconds(2'000));
-  CHECK(Watchdog::publisher_timeout_for(milliseconds(60'000)) == Watchdog::kPublisherTimeout);
+  CHECK_EQUAL(Watchdog::kPublisherTimeout, Watchdog::publisher_timeout_for(milliseconds(0)));
+  CHECK_EQUAL(Watchdog::publisher_timeout_for(milliseconds(4'000)), milliseconds(2'000));
+  CHECK_EQUAL(Watchdog::kPublisherTimeout, Watchdog::publisher_timeout_for(milliseconds(60'000)));
 }
