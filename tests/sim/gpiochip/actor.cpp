@@ -102,8 +102,7 @@ void orphan(unsigned line) {
 }
 
 void copy(unsigned line) {
-  const int handle = outputs({line}, {0});
-  const int kept = dup(handle);
+  const int handle = outputs({line}, {0}), kept = dup(handle);
   close(handle);
   std::puts("ready");
   wait_for_signal(SIGUSR1);
@@ -116,9 +115,8 @@ void print_events(int descriptor, std::size_t most) {
   gpioevent_data events[64];
   const ssize_t size = read(descriptor, events, most * sizeof(events[0]));
   if (size < 0) give_up("read", -errno);
-  for (std::size_t i = 0; i < static_cast<std::size_t>(size) / sizeof(events[0]); ++i) {
+  for (std::size_t i = 0; i < static_cast<std::size_t>(size) / sizeof(events[0]); ++i)
     std::printf("%u %llu\n", events[i].id, static_cast<unsigned long long>(events[i].timestamp));
-  }
 }
 
 void events(unsigned line, std::uint32_t edges, std::uint32_t flags) {

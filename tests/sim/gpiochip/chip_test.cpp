@@ -5,7 +5,7 @@
 #include "sim/gpiochip/chip.hpp"
 #include "tests/sim/gpiochip/fixture.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe;
 using namespace strobe::sim;
@@ -24,7 +24,7 @@ TEST(SimulatedChip, FindsItsLinesByName) {
   LONGS_EQUAL(16, fixture.chip().line_count());
   LONGS_EQUAL(3, fixture.chip().line_named("TRIGGER").value());
   CHECK_FALSE(fixture.chip().line_named("NOWHERE").has_value());
-  STRCMP_EQUAL("SPARE_15", fixture.chip().line_name(15).c_str());
+  CHECK_EQUAL("SPARE_15", fixture.chip().line_name(15));
 }
 
 TEST(SimulatedChip, StartsWithTheBoardsLevels) {
@@ -48,10 +48,10 @@ TEST(SimulatedChip, ReportsADriveWithItsVeryStamp) {
   const MonoTime stamp = now() - microseconds(7);
   fixture.chip().drive(4, 1, stamp);
   const std::vector<Change> changes = fixture.changes(1);
-  CHECK_TRUE(changes[0].time == stamp);
+  CHECK_EQUAL(stamp, changes[0].time);
   LONGS_EQUAL(4, changes[0].line);
   LONGS_EQUAL(1, changes[0].level);
-  CHECK_TRUE(changes[0].cause == Cause::drive);
+  CHECK_EQUAL(Cause::drive, changes[0].cause);
 }
 
 TEST(SimulatedChip, ReturnsAtTheDeadlineWhenNothingHappens) {
@@ -97,7 +97,7 @@ TEST(SimulatedChip, TakesThePlaceOfOneWhoseCreatorWasKilled) {
   CHECK_TRUE(refusal(standard_chip()).find("already") != std::string::npos);
   host.signal(SIGKILL);
   host.wait(kLimit);
-  STRCMP_EQUAL("", refusal(standard_chip()).c_str());
+  CHECK_EQUAL("", refusal(standard_chip()));
 }
 
 TEST(SimulatedChip, CannotBeAttachedToWhereThereIsNone) {

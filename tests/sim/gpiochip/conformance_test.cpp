@@ -7,7 +7,7 @@
 #include "tests/sim/gpiochip/conformance/requests.hpp"
 #include "tests/sim/gpiochip/fixture.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe;
 using namespace strobe::sim;
@@ -25,7 +25,7 @@ TEST(Conformance, SystemCallsAreAnsweredAsByTheKernel) {
   const testing::CompletedProcess finished =
       fixture.run({built_program("gpio_kernel_calls").string(), "/dev/gpiochip0", "10", "11"});
   LONGS_EQUAL(0, finished.status.value().code);
-  STRCMP_EQUAL(testing::read_text(STROBE_TEST_DATA "/gpio_kernel_calls.txt").c_str(), finished.out.c_str());
+  CHECK_EQUAL(testing::read_text(STROBE_TEST_DATA "/gpio_kernel_calls.txt"), finished.out);
 }
 
 TEST(Conformance, LibgpiodIsAnsweredAsByTheKernel) {
@@ -45,6 +45,6 @@ TEST(Conformance, LibgpiodIsAnsweredAsByTheKernel) {
         return !process.running();
       },
       kLimit));
-  STRCMP_EQUAL("", process.err().c_str());
-  STRCMP_EQUAL(testing::read_text(STROBE_TEST_DATA "/gpio_library_calls.txt").c_str(), process.out().c_str());
+  CHECK_EQUAL("", process.err());
+  CHECK_EQUAL(testing::read_text(STROBE_TEST_DATA "/gpio_library_calls.txt"), process.out());
 }

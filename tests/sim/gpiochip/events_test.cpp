@@ -5,7 +5,7 @@
 
 #include "tests/sim/gpiochip/fixture.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe;
 using namespace strobe::sim;
@@ -61,28 +61,28 @@ TEST(EdgeEvents, CarryTheStampsThatWereGiven) {
   auto reader = fixture.actor({"events", "4", kBothEdges, kNoFlags});
   const auto stamps = drive(4, {1, 0, 1});
   const std::vector<Event> expected = {{kRising, stamps[0]}, {kFalling, stamps[1]}, {kRising, stamps[2]}};
-  CHECK_TRUE(wait_for(reader, 3) == expected);
+  CHECK_EQUAL(expected, wait_for(reader, 3));
 }
 
 TEST(EdgeEvents, ComeOnlyForTheEdgesAskedFor) {
   auto reader = fixture.actor({"events", "4", kRisingEdge, kNoFlags});
   const auto stamps = drive(4, {1, 0, 1});
   const std::vector<Event> expected = {{kRising, stamps[0]}, {kRising, stamps[2]}};
-  CHECK_TRUE(wait_for(reader, 2) == expected);
+  CHECK_EQUAL(expected, wait_for(reader, 2));
 }
 
 TEST(EdgeEvents, OfAnActiveLowLineRiseWhenTheLevelFalls) {
   auto reader = fixture.actor({"events", "8", kRisingEdge, std::to_string(GPIOHANDLE_REQUEST_ACTIVE_LOW)});
   const auto stamps = drive(8, {0, 1, 0});
   const std::vector<Event> expected = {{kRising, stamps[0]}, {kRising, stamps[2]}};
-  CHECK_TRUE(wait_for(reader, 2) == expected);
+  CHECK_EQUAL(expected, wait_for(reader, 2));
 }
 
 TEST(EdgeEvents, DoNotComeForALevelThatStays) {
   auto reader = fixture.actor({"events", "4", kBothEdges, kNoFlags});
   const auto stamps = drive(4, {0, 1, 1, 0});
   const std::vector<Event> expected = {{kRising, stamps[1]}, {kFalling, stamps[3]}};
-  CHECK_TRUE(wait_for(reader, 2) == expected);
+  CHECK_EQUAL(expected, wait_for(reader, 2));
 }
 
 TEST(EdgeEvents, AreQueuedSixteenDeepAndTheNewestAreLost) {
@@ -94,7 +94,7 @@ TEST(EdgeEvents, AreQueuedSixteenDeepAndTheNewestAreLost) {
   CHECK_TRUE(reader.wait_for_out("end", kLimit));
   const std::vector<Event> found = events_in(reader.out());
   LONGS_EQUAL(16, found.size());
-  for (std::size_t i = 0; i < 16; ++i) CHECK_TRUE(found[i].stamp_ns == stamps[i]);
+  for (std::size_t i = 0; i < 16; ++i) CHECK_EQUAL(stamps[i], found[i].stamp_ns);
 }
 
 TEST(EdgeEvents, OfAnEarlierOwnerAreNotHandedToTheNext) {
@@ -105,7 +105,7 @@ TEST(EdgeEvents, OfAnEarlierOwnerAreNotHandedToTheNext) {
   auto second = fixture.actor({"events", "4", kBothEdges, kNoFlags});
   const auto stamps = drive(4, {0});
   const std::vector<Event> expected = {{kFalling, stamps[0]}};
-  CHECK_TRUE(wait_for(second, 1) == expected);
+  CHECK_EQUAL(expected, wait_for(second, 1));
 }
 
 TEST(EdgeEvents, EndWhenTheDeviceIsUnplugged) {
@@ -113,8 +113,7 @@ TEST(EdgeEvents, EndWhenTheDeviceIsUnplugged) {
   fixture.chip().unplug();
   actor.signal(SIGUSR1);
   LONGS_EQUAL(0, actor.wait(kLimit).value().code);
-  STRCMP_EQUAL("ready\nset ENODEV\nget ENODEV\npoll 1 hang-up\nread ENODEV\nopen ENOENT\n",
-               actor.out().c_str());
+  CHECK_EQUAL("ready\nset ENODEV\nget ENODEV\npoll 1 hang-up\nread ENODEV\nopen ENOENT\n", actor.out());
 }
 
 TEST(EdgeEvents, EndForAReaderWhoWaitsWhenAnotherProcessUnplugsTheDevice) {
@@ -150,5 +149,5 @@ TEST(UnpluggedChip, LetsGoOfAllItsLinesWhereItDoesNot) {
   LONGS_EQUAL(0, fixture.chip().state(0).level);
   const std::vector<Change> changes = fixture.changes(2);
   LONGS_EQUAL(2, changes.size());
-  CHECK_TRUE(changes[0].cause == Cause::release);
+  CHECK_EQUAL(Cause::release, changes[0].cause);
 }

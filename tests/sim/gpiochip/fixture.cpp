@@ -36,9 +36,8 @@ testing::Process ChipFixture::actor(std::vector<std::string> role, const std::st
                                     const std::string& program) const {
   role.insert(role.begin(), built_program(program).string());
   testing::Process process(preloaded(std::move(role)), logs_.path());
-  if (!process.wait_for_out(until, kLimit)) {
+  if (!process.wait_for_out(until, kLimit))
     throw std::runtime_error("the actor did not start: " + process.out() + process.err());
-  }
   return process;
 }
 
@@ -49,17 +48,15 @@ testing::CompletedProcess ChipFixture::run(std::vector<std::string> arguments) c
 std::vector<Change> ChipFixture::changes(std::size_t count) {
   std::vector<Change> found;
   const MonoTime limit = now() + milliseconds(kLimit.count());
-  while (found.size() < count && now() < limit) {
+  while (found.size() < count && now() < limit)
     if (!chip_->wait_changes(cursor_, limit, found)) throw std::runtime_error("the ring lapped the test");
-  }
   return found;
 }
 
 std::vector<int> ChipFixture::levels(const std::vector<Change>& changes, std::uint32_t line) {
   std::vector<int> found;
-  for (const Change& change : changes) {
+  for (const Change& change : changes)
     if (change.line == line) found.push_back(change.level);
-  }
   return found;
 }
 

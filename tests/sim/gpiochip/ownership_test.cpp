@@ -3,7 +3,7 @@
 
 #include "tests/sim/gpiochip/fixture.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe;
 using namespace strobe::sim;
@@ -31,7 +31,7 @@ TEST(LineOwnership, IsSeenByTheRig) {
   CHECK_TRUE(state.requested);
   CHECK_TRUE(state.is_output);
   LONGS_EQUAL(1, state.level);
-  STRCMP_EQUAL("actor", state.consumer.c_str());
+  CHECK_EQUAL("actor", state.consumer);
 }
 
 TEST(LineOwnership, RecordsTheLevelsOfARequest) {
@@ -39,8 +39,8 @@ TEST(LineOwnership, RecordsTheLevelsOfARequest) {
   const auto holder = fixture.actor({"hold", "0,1,2", "1,0,1"});
   const std::vector<Change> changes = fixture.changes(2);
   LONGS_EQUAL(2, changes.size());
-  CHECK_TRUE(changes[0].cause == Cause::request);
-  CHECK_TRUE(changes[0].time == changes[1].time);
+  CHECK_EQUAL(Cause::request, changes[0].cause);
+  CHECK_EQUAL(changes[1].time, changes[0].time);
 }
 
 TEST(LineOwnership, IsExclusive) {
@@ -69,13 +69,13 @@ TEST(LineOwnership, EndsWhenItsProcessIsKilledAndTheLevelStays) {
   holder.wait(kLimit);
   const LineState state = fixture.chip().state(2);
   CHECK_FALSE(state.requested);
-  STRCMP_EQUAL("", state.consumer.c_str());
+  CHECK_EQUAL("", state.consumer);
   LONGS_EQUAL(1, state.level);
   fixture.changes(2);
-  CHECK_TRUE(
-      testing::run_process(fixture.preloaded({"gpioset", "gpiochip0", "2=0"}), kLimit).status.value().code ==
-      0);
-  CHECK_TRUE(fixture.levels(fixture.changes(1), 2) == std::vector<int>{0});
+  CHECK_EQUAL(
+      0,
+      testing::run_process(fixture.preloaded({"gpioset", "gpiochip0", "2=0"}), kLimit).status.value().code);
+  CHECK_EQUAL(std::vector<int>{0}, fixture.levels(fixture.changes(1), 2));
 }
 
 TEST(LineOwnership, EndsWithAnInputOnChipsOfThatKindAndAWaitingRigIsTold) {
@@ -85,9 +85,9 @@ TEST(LineOwnership, EndsWithAnInputOnChipsOfThatKindAndAWaitingRigIsTold) {
   const MonoTime killed = now();
   holder.signal(SIGKILL);
   const std::vector<Change> changes = fixture.changes(2);
-  CHECK_TRUE(fixture.levels(changes, 2) == std::vector<int>{0});
-  CHECK_TRUE(fixture.levels(changes, 3) == std::vector<int>{0});
-  CHECK_TRUE(changes[0].cause == Cause::release);
+  CHECK_EQUAL(std::vector<int>{0}, fixture.levels(changes, 2));
+  CHECK_EQUAL(std::vector<int>{0}, fixture.levels(changes, 3));
+  CHECK_EQUAL(Cause::release, changes[0].cause);
   CHECK_TRUE(changes[0].time >= killed);
   CHECK_FALSE(fixture.chip().state(2).is_output);
 }
@@ -106,7 +106,7 @@ TEST(LineOwnership, IsSharedWithACopyOfTheDescriptor) {
   auto holder = fixture.actor({"copy", "2"});
   CHECK_TRUE(fixture.chip().state(2).requested);
   holder.signal(SIGUSR1);
-  CHECK_TRUE(fixture.levels(fixture.changes(1), 2) == std::vector<int>{1});
+  CHECK_EQUAL(std::vector<int>{1}, fixture.levels(fixture.changes(1), 2));
   CHECK_TRUE(fixture.chip().state(2).requested);
 }
 
@@ -114,7 +114,7 @@ TEST(LineOwnership, WorksForAnOrdinaryUser) {
   if (getuid() != 0) return;  // already one, and so is every other test here
   ChipFixture fixture;
   auto ordinary = fixture.actor({"nobody", "4"});
-  CHECK_TRUE(fixture.levels(fixture.changes(2), 4) == (std::vector<int>{1, 0}));  // 0 as an input again
+  CHECK_EQUAL((std::vector<int>{1, 0}), fixture.levels(fixture.changes(2), 4));  // 0 as an input again
   CHECK_TRUE(testing::wait_until([&] { return fixture.chip().state(4).requested; }, kLimit));
   const MonoTime stamp = now();
   fixture.chip().drive(4, 1, stamp);

@@ -4,7 +4,7 @@
 
 #include "sim/gpiochip/levels.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe::sim::gpio;
 
@@ -48,7 +48,7 @@ TEST(LevelRing, HoldsEveryChangeInOrder) {
   CHECK_TRUE(set(4, 1, 100));
   CHECK_TRUE(set(3, 0, 250));
   const std::vector<std::uint64_t> expected = {entry(3, 1, 100), entry(4, 1, 100), entry(3, 0, 250)};
-  CHECK_TRUE(entries() == expected);
+  CHECK_EQUAL(expected, entries());
 }
 
 TEST(LevelRing, DoesNotRecordALevelThatStays) {
@@ -64,7 +64,7 @@ TEST(LevelRing, RecordsWhatLettingGoOfALineChanges) {
   CHECK_TRUE(change_line(*state, 2, float_edit(), CauseCode::release, 30));
   const std::vector<std::uint64_t> found = entries();
   CHECK_EQUAL(3, found.size());
-  CHECK_TRUE(found[2] == (entry(2, 1, 30) | std::uint64_t{2} << RingWord::kCauseShift));
+  CHECK_EQUAL(entry(2, 1, 30) | std::uint64_t{2} << RingWord::kCauseShift, found[2]);
 }
 
 TEST(LevelRing, KeepsTheOutsideLevelOfAnOutputUntilItIsLetGo) {
@@ -80,14 +80,14 @@ TEST(LevelRing, GetsAChangeThatADeadProcessDidNotRecord) {
   finish_pending(*state);
   finish_pending(*state);
   const std::vector<std::uint64_t> expected = {entry(5, 1, 70)};
-  CHECK_TRUE(entries() == expected);
+  CHECK_EQUAL(expected, entries());
 }
 
 TEST(LevelRing, GetsAMissingChangeBeforeTheLinesNextOne) {
   leave_pending(5, 1, 70);
   set(5, 0, 90);
   const std::vector<std::uint64_t> expected = {entry(5, 1, 70), entry(5, 0, 90)};
-  CHECK_TRUE(entries() == expected);
+  CHECK_EQUAL(expected, entries());
 }
 
 TEST(LevelRing, DoesNotRepeatAChangeWhoseProcessDiedAfterRecordingIt) {
@@ -102,22 +102,22 @@ TEST(LevelRing, ShowsAnEntryWhoseProcessDiedBeforeAdvancingTheHead) {
   state->ring[0].store(entry(1, 1, 40) | RingWord::tag(0));
   set(2, 1, 50);
   const std::vector<std::uint64_t> expected = {entry(1, 1, 40), entry(2, 1, 50)};
-  CHECK_TRUE(entries() == expected);
+  CHECK_EQUAL(expected, entries());
 }
 
 TEST(LevelRing, TellsAReaderThatItWasLapped) {
   std::uint64_t word = 0;
   for (std::uint64_t i = 0; i < kRingSize; ++i) set(0, (i + 1) % 2, static_cast<std::int64_t>(i));
-  CHECK_TRUE(read_slot(*state, 0, word) == Slot::ready);
+  CHECK_EQUAL(Slot::ready, read_slot(*state, 0, word));
   set(0, 1, 1'000'000);
-  CHECK_TRUE(read_slot(*state, 0, word) == Slot::lapped);
-  CHECK_TRUE(read_slot(*state, 1, word) == Slot::ready);
+  CHECK_EQUAL(Slot::lapped, read_slot(*state, 0, word));
+  CHECK_EQUAL(Slot::ready, read_slot(*state, 1, word));
 }
 
 TEST(LevelRing, TellsSoAfterEightLapsWhenTheTagsAreTheSameAgain) {
   std::uint64_t word = 0;
   for (std::uint64_t i = 0; i < 8 * kRingSize + 1; ++i) set(0, (i + 1) % 2, static_cast<std::int64_t>(i));
-  CHECK_TRUE(read_slot(*state, 0, word) == Slot::lapped);
+  CHECK_EQUAL(Slot::lapped, read_slot(*state, 0, word));
 }
 
 TEST(LevelRing, LosesAndRepeatsNothingWhenThreadsShareLines) {

@@ -24,8 +24,7 @@ std::uint64_t chosen_seed() {
 struct Reader {
   Chip& chip;
   ChangeCursor cursor{};
-  bool lapped = false;
-  bool in_order = true;
+  bool lapped = false, in_order = true;
   std::vector<std::size_t> count = std::vector<std::size_t>(16, 0);
   std::vector<int> level = std::vector<int>(16, 0);
 
@@ -92,7 +91,7 @@ TEST(ChipUnderStress, StaysUsableWhenItsUsersAreKilledInTheMiddle) {
   for (std::uint32_t line = 0; line < 4; ++line) {
     const LineState state = fixture.chip().state(line);
     CHECK_FALSE(state.requested);
-    LONGS_EQUAL(state.level, reader.level[line]);  // the last change of every line was told
+    LONGS_EQUAL(state.level, reader.level[line]);  // the last change of every line was reported
   }
   LONGS_EQUAL(0, fixture.run({"gpioset", "gpiochip0", "0=1", "1=1", "2=1", "3=1"}).status.value().code);
 }

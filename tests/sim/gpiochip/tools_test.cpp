@@ -2,11 +2,9 @@
 #include <signal.h>
 #include <unistd.h>
 
-#include <regex>
-
 #include "tests/sim/gpiochip/fixture.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe;
 using namespace strobe::sim;
@@ -39,27 +37,27 @@ TEST(GpioTools, GpioinfoShowsLinesAndOwners) {
 }
 
 TEST(GpioTools, GpiofindFindsALineByName) {
-  STRCMP_EQUAL("gpiochip0 8\n", output_of({"gpiofind", "ESTOP"}).c_str());
+  CHECK_EQUAL("gpiochip0 8\n", output_of({"gpiofind", "ESTOP"}));
   LONGS_EQUAL(1, fixture.run({"gpiofind", "NOWHERE"}).status.value().code);
 }
 
 TEST(GpioTools, GpiogetReadsLevels) {
   fixture.chip().drive(4, 1, now());
-  STRCMP_EQUAL("0 1 1\n", output_of({"gpioget", "gpiochip0", "0", "4", "8"}).c_str());
-  STRCMP_EQUAL("1 0 0\n", output_of({"gpioget", "--active-low", "gpiochip0", "0", "4", "8"}).c_str());
+  CHECK_EQUAL("0 1 1\n", output_of({"gpioget", "gpiochip0", "0", "4", "8"}));
+  CHECK_EQUAL("1 0 0\n", output_of({"gpioget", "--active-low", "gpiochip0", "0", "4", "8"}));
 }
 
 TEST(GpioTools, GpiogetFindsTheChipByLabelAndPath) {
-  STRCMP_EQUAL("1\n", output_of({"gpioget", "strobe-sim-rig", "8"}).c_str());
-  STRCMP_EQUAL("1\n", output_of({"gpioget", "/dev/gpiochip0", "8"}).c_str());
-  STRCMP_EQUAL("1\n", output_of({"gpioget", "0", "8"}).c_str());
+  CHECK_EQUAL("1\n", output_of({"gpioget", "strobe-sim-rig", "8"}));
+  CHECK_EQUAL("1\n", output_of({"gpioget", "/dev/gpiochip0", "8"}));
+  CHECK_EQUAL("1\n", output_of({"gpioget", "0", "8"}));
 }
 
 TEST(GpioTools, GpiosetSetsLinesTogether) {
   output_of({"gpioset", "gpiochip0", "0=1", "2=1", "3=0"});
   const std::vector<Change> changes = fixture.changes(2);
   LONGS_EQUAL(2, changes.size());
-  CHECK_TRUE(changes[0].time == changes[1].time);
+  CHECK_EQUAL(changes[1].time, changes[0].time);
   LONGS_EQUAL(1, fixture.chip().state(2).level);
 }
 
@@ -78,8 +76,7 @@ TEST(GpioTools, GpiomonPrintsEdges) {
       fixture.logs());
   CHECK_TRUE(
       testing::wait_until([&] { return fixture.chip().state(4).requested || !monitor.running(); }, kLimit));
-  const MonoTime rise = now();
-  const MonoTime fall = rise + nanoseconds(1);
+  const MonoTime rise = now(), fall = rise + nanoseconds(1);
   fixture.chip().drive(4, 1, rise);
   fixture.chip().drive(4, 0, fall);
   LONGS_EQUAL(0, monitor.wait(kLimit).value().code);
@@ -87,7 +84,7 @@ TEST(GpioTools, GpiomonPrintsEdges) {
     return std::to_string(rising) + " 4 " + std::to_string(to_ns(time) / 1'000'000'000) + "." +
            std::to_string(to_ns(time) % 1'000'000'000) + "\n";
   };
-  STRCMP_EQUAL((line(1, rise) + line(0, fall)).c_str(), monitor.out().c_str());
+  CHECK_EQUAL(line(1, rise) + line(0, fall), monitor.out());
 }
 
 TEST_GROUP(PreloadedLibrary) { ChipFixture fixture; };
@@ -97,8 +94,8 @@ TEST(PreloadedLibrary, DoesNothingWithoutItsVariable) {
   command.environment.erase(kChipDirVariable);
   command.arguments = {"env", "-u", kChipDirVariable, "gpiodetect"};
   const CompletedProcess finished = testing::run_process(command, kLimit);
-  STRCMP_EQUAL("", finished.err.c_str());
-  CHECK_TRUE(finished.out.find("strobe-sim-rig") == std::string::npos);
+  CHECK_EQUAL("", finished.err);
+  CHECK_EQUAL(std::string::npos, finished.out.find("strobe-sim-rig"));
 }
 
 TEST(PreloadedLibrary, ComplainsInOneLineWhenItsVariableIsWrong) {
@@ -121,7 +118,7 @@ TEST(PreloadedLibrary, RunsBesideAddressSanitizer) {
       fixture.preloaded({built_program("gpio_actor_asan").string(), "toggle", "0,1", "1000", "0"},
                         STROBE_ASAN_LIBRARY),
       kLimit);
-  STRCMP_EQUAL("", finished.err.c_str());
+  CHECK_EQUAL("", finished.err);
   LONGS_EQUAL(0, finished.status.value().code);
   LONGS_EQUAL(2'000, fixture.changes(2'000).size());
 }

@@ -1,4 +1,3 @@
-// The several ways of saying what ball and surface are, and the keys of lens, lamps and readout.
 #include <cmath>
 #include <string>
 
@@ -6,7 +5,7 @@
 #include "sim/motion/contact_path.hpp"
 #include "sim/scene/spring.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 namespace {
 
@@ -30,13 +29,17 @@ std::string refusal_of(const std::string& text) {
   return scene ? "" : scene.error().message;
 }
 
+void refuses(const char* expected, const std::string& text) {
+  STRCMP_CONTAINS(expected, refusal_of(text).c_str());
+}
+
 }  // namespace
 
 TEST_GROUP(SceneKeys){};
 
 TEST(SceneKeys, TakeTheContactsMechanicsUnlessToldOtherwise) {
   const Scene scene = scene_of(kSmallest);
-  CHECK(scene.bounce.contact == ContactLaw::ode);
+  CHECK_EQUAL(ContactLaw::ode, scene.bounce.contact);
   DOUBLES_EQUAL(impact::ContactCoefficients{}.offset_share, scene.bounce.offset_share, 0.0);
   const Scene other = scene_of(kThrow +
                                "[bounce]\ne = 0.8\nmu = 0.6\ndwell_ms = 5\nstiffness_ratio = 1.1\n"
@@ -46,20 +49,17 @@ TEST(SceneKeys, TakeTheContactsMechanicsUnlessToldOtherwise) {
   DOUBLES_EQUAL(0.2, other.bounce.stiffness_ratio_sd, 0.0);
   DOUBLES_EQUAL(0.0, other.bounce.damping_ratio, 0.0);
   DOUBLES_EQUAL(0.03, other.bounce.offset_share_sd, 0.0);
-  STRCMP_CONTAINS(
-      "some.toml:9: bounce.damping_ratio: must be 0 or at least 0.01",
-      refusal_of(kThrow + "[bounce]\ne = 0.8\nmu = 0.6\ndwell_ms = 5\ndamping_ratio = 0.001\n").c_str());
-  STRCMP_CONTAINS(
-      "some.toml:9: bounce.contact: must be one of ode, grip",
-      refusal_of(kThrow + "[bounce]\ne = 0.8\nmu = 0.6\ndwell_ms = 5\ncontact = \"sine\"\n").c_str());
+  refuses("some.toml:9: bounce.damping_ratio: must be 0 or at least 0.01",
+          kThrow + "[bounce]\ne = 0.8\nmu = 0.6\ndwell_ms = 5\ndamping_ratio = 0.001\n");
+  refuses("some.toml:9: bounce.contact: must be one of ode, grip",
+          kThrow + "[bounce]\ne = 0.8\nmu = 0.6\ndwell_ms = 5\ncontact = \"sine\"\n");
 }
 
 TEST(SceneKeys, RefuseABallThatItsWeightKeepsOnTheSurface) {
   // It comes down with 9 cm/s; in 50 ms of contact its weight adds 49.
-  STRCMP_CONTAINS("some.toml:2: machine.speed_mps: the mean ball cannot bounce: ",
-                  refusal_of("[machine]\nspeed_mps = 1\nangle_deg = -5\nspin_radps = 0\n"
-                             "[bounce]\ne = 0.5\nmu = 0.6\ndwell_ms = 50\n")
-                      .c_str());
+  refuses("some.toml:2: machine.speed_mps: the mean ball cannot bounce: ",
+          "[machine]\nspeed_mps = 1\nangle_deg = -5\nspin_radps = 0\n"
+          "[bounce]\ne = 0.5\nmu = 0.6\ndwell_ms = 50\n");
 }
 
 TEST(SceneKeys, GiveTheBallsInertiaByNumberOrByModel) {
@@ -74,13 +74,13 @@ TEST(SceneKeys, GiveTheBallsInertiaByNumberOrByModel) {
   DOUBLES_EQUAL(0.5075, alpha("inertia = \"rubber_shell_mean_radius\"\nmass_kg = 0.05\n"), 1e-4);
   const Scene thick = scene_of(kSmallest + "[ball]\ninertia = \"thick_shell\"\nmass_kg = 0.0576\n");
   DOUBLES_EQUAL(3.11e-5, thick.ball.inertia_kgm2(), 0.005e-5);
-  STRCMP_EQUAL("some.toml:12: ball.alpha: excludes ball.inertia",
-               refusal_of(kSmallest + "[ball]\ninertia = \"solid\"\nalpha = 0.4\n").c_str());
-  STRCMP_CONTAINS("some.toml:11: ball.inertia: must be one of thin_shell",
-                  refusal_of(kSmallest + "[ball]\ninertia = \"cube\"\n").c_str());
+  CHECK_EQUAL("some.toml:12: ball.alpha: excludes ball.inertia",
+              refusal_of(kSmallest + "[ball]\ninertia = \"solid\"\nalpha = 0.4\n"));
+  refuses("some.toml:11: ball.inertia: must be one of thin_shell",
+          kSmallest + "[ball]\ninertia = \"cube\"\n");
   // The rubber's shell does not fit into a golf ball.
-  STRCMP_CONTAINS("some.toml:11: ball.inertia: makes alpha",
-                  refusal_of(kSmallest + "[ball]\ninertia = \"thick_shell\"\ndiameter_m = 0.043\n").c_str());
+  refuses("some.toml:11: ball.inertia: makes alpha",
+          kSmallest + "[ball]\ninertia = \"thick_shell\"\ndiameter_m = 0.043\n");
 }
 
 TEST(SceneKeys, GiveTheReboundByRestitutionAndDwellOrBySprings) {
@@ -98,15 +98,12 @@ TEST(SceneKeys, GiveTheReboundByRestitutionAndDwellOrBySprings) {
   DOUBLES_EQUAL(5e-3, end->dwell_s, 1e-8);
   DOUBLES_EQUAL(-0.8 * thrown.touchdown.vy_mps, end->rebound.lift_off.vy_mps, 1e-5);
   DOUBLES_EQUAL(0.0, scene.bounce.e_slope_spm, 0.0);
-  STRCMP_CONTAINS("ball.damping_nspm: is missing",
-                  refusal_of(kThrow + "[bounce]\nmu = 0.6\n[ball]\nstiffness_npm = 20000\n").c_str());
-  STRCMP_EQUAL("some.toml:6: bounce.e: excludes ball.stiffness_npm and ball.damping_nspm",
-               refusal_of(kSmallest + "[ball]\nstiffness_npm = 20000\ndamping_nspm = 2\n").c_str());
-  STRCMP_CONTAINS(
-      "some.toml:9: ball.damping_nspm: makes the restitution",
-      refusal_of(kThrow + "[bounce]\nmu = 0.6\n[ball]\nstiffness_npm = 20000\ndamping_nspm = 0\n").c_str());
-  STRCMP_CONTAINS("bounce.dwell_ms: is missing",
-                  refusal_of(kThrow + "[bounce]\nmu = 0.6\ne = 0.8\n").c_str());
+  refuses("ball.damping_nspm: is missing", kThrow + "[bounce]\nmu = 0.6\n[ball]\nstiffness_npm = 20000\n");
+  CHECK_EQUAL("some.toml:6: bounce.e: excludes ball.stiffness_npm and ball.damping_nspm",
+              refusal_of(kSmallest + "[ball]\nstiffness_npm = 20000\ndamping_nspm = 2\n"));
+  refuses("some.toml:9: ball.damping_nspm: makes the restitution",
+          kThrow + "[bounce]\nmu = 0.6\n[ball]\nstiffness_npm = 20000\ndamping_nspm = 0\n");
+  refuses("bounce.dwell_ms: is missing", kThrow + "[bounce]\nmu = 0.6\ne = 0.8\n");
 }
 
 TEST(SceneKeys, GiveTheFrictionByOneOfFourKeys) {
@@ -118,13 +115,12 @@ TEST(SceneKeys, GiveTheFrictionByOneOfFourKeys) {
   DOUBLES_EQUAL(0.63, scene_of(bounce + "court_pace = 37\n").bounce.mu, 1e-12);
   DOUBLES_EQUAL(0.73, scene_of(bounce + "pace_grade = \"slow\"\n").bounce.mu, 1e-12);
   DOUBLES_EQUAL(0.53, scene_of(bounce + "pace_grade = \"fast\"\n").bounce.mu, 1e-12);
-  STRCMP_EQUAL("some.toml:11: surface.court_pace: excludes surface.friction: one of them says the friction",
-               refusal_of(bounce + "court_pace = 37\nfriction = 0.7\n").c_str());
-  STRCMP_EQUAL("some.toml:11: surface.friction: excludes bounce.mu: one of them says the friction",
-               refusal_of(kSmallest + "[surface]\nfriction = 0.7\n").c_str());
-  STRCMP_CONTAINS("some.toml:11: surface.court_pace: needs a friction of -",
-                  refusal_of(bounce + "court_pace = 150\n").c_str());
-  STRCMP_CONTAINS("bounce.mu: is missing", refusal_of(bounce).c_str());
+  CHECK_EQUAL("some.toml:11: surface.court_pace: excludes surface.friction: one of them says the friction",
+              refusal_of(bounce + "court_pace = 37\nfriction = 0.7\n"));
+  CHECK_EQUAL("some.toml:11: surface.friction: excludes bounce.mu: one of them says the friction",
+              refusal_of(kSmallest + "[surface]\nfriction = 0.7\n"));
+  refuses("some.toml:11: surface.court_pace: needs a friction of -", bounce + "court_pace = 150\n");
+  refuses("bounce.mu: is missing", bounce);
 }
 
 TEST(SceneKeys, CountThePacesRestitutionAtTheTestsSpeedAndTemperature) {
@@ -145,8 +141,8 @@ TEST(SceneKeys, GiveTheTiltByOneOfTwoKeys) {
   DOUBLES_EQUAL(
       2.0, scene_of(kSmallest + "[surface]\ntilt_deg = 2\n").surface_angle_rad * 180.0 / std::numbers::pi,
       1e-12);
-  STRCMP_CONTAINS("some.toml:12: surface.tilt_deg: excludes surface_angle_deg",
-                  refusal_of("surface_angle_deg = 2\n" + kSmallest + "[surface]\ntilt_deg = 2\n").c_str());
+  refuses("some.toml:12: surface.tilt_deg: excludes surface_angle_deg",
+          "surface_angle_deg = 2\n" + kSmallest + "[surface]\ntilt_deg = 2\n");
 }
 
 TEST(SceneKeys, ReadTheLensTheFlashAndTheSpinsDecay) {
@@ -165,14 +161,13 @@ TEST(SceneKeys, ReadTheLensTheFlashAndTheSpinsDecay) {
 }
 
 TEST(SceneKeys, RefuseALensThatCannotBe) {
-  STRCMP_CONTAINS("some.toml:11: camera.distance_m: must be at least 0.1",
-                  refusal_of(kSmallest + "[camera]\ndistance_m = 0\n").c_str());
-  STRCMP_CONTAINS("some.toml:11: camera.distance_m: balls may fly up to the lens",
-                  refusal_of(kSmallest + "[camera]\ndistance_m = 0.3\noff_plane_sd_mm = 50\n").c_str());
-  STRCMP_CONTAINS("some.toml:11: camera.distortion: must be at least -0.3",
-                  refusal_of(kSmallest + "[camera]\ndistortion = -0.4\n").c_str());
-  STRCMP_CONTAINS("some.toml:11: camera.rendering: must be one of points, pixels",
-                  refusal_of(kSmallest + "[camera]\nrendering = \"film\"\n").c_str());
+  refuses("some.toml:11: camera.distance_m: must be at least 0.1", kSmallest + "[camera]\ndistance_m = 0\n");
+  refuses("some.toml:11: camera.distance_m: balls may fly up to the lens",
+          kSmallest + "[camera]\ndistance_m = 0.3\noff_plane_sd_mm = 50\n");
+  refuses("some.toml:11: camera.distortion: must be at least -0.3",
+          kSmallest + "[camera]\ndistortion = -0.4\n");
+  refuses("some.toml:11: camera.rendering: must be one of points, pixels",
+          kSmallest + "[camera]\nrendering = \"film\"\n");
 }
 
 TEST(SceneKeys, ReadWhatIsToBeReadOut) {
@@ -180,14 +175,12 @@ TEST(SceneKeys, ReadWhatIsToBeReadOut) {
       scene_of(kSmallest + "[readout]\ntolerance_percent = 0.5\nmu = 0.01\ncourt_pace = \"any\"\n");
   DOUBLES_EQUAL(0.005, scene.readout.tolerance, 1e-15);
   LONGS_EQUAL(2, scene.readout.absolute.size());
-  CHECK(scene.readout.absolute[0].first == reduction::Quantity::mu);
+  CHECK_EQUAL(reduction::Quantity::mu, scene.readout.absolute[0].first);
   DOUBLES_EQUAL(0.01, scene.readout.absolute[0].second, 0.0);
-  CHECK(scene.readout.absolute[1].first == reduction::Quantity::court_pace);
+  CHECK_EQUAL(reduction::Quantity::court_pace, scene.readout.absolute[1].first);
   CHECK(scene.readout.absolute[1].second < 0.0);
-  STRCMP_EQUAL("some.toml:11: readout.speed: unknown key",
-               refusal_of(kSmallest + "[readout]\nspeed = 1\n").c_str());
-  STRCMP_CONTAINS("some.toml:11: readout.mu: must be a tolerance or \"any\"",
-                  refusal_of(kSmallest + "[readout]\nmu = \"all\"\n").c_str());
-  STRCMP_CONTAINS("some.toml:11: readout.mu: must be at least",
-                  refusal_of(kSmallest + "[readout]\nmu = 0\n").c_str());
+  CHECK_EQUAL("some.toml:11: readout.speed: unknown key", refusal_of(kSmallest + "[readout]\nspeed = 1\n"));
+  refuses("some.toml:11: readout.mu: must be a tolerance or \"any\"",
+          kSmallest + "[readout]\nmu = \"all\"\n");
+  refuses("some.toml:11: readout.mu: must be at least", kSmallest + "[readout]\nmu = 0\n");
 }

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 namespace {
 
@@ -18,6 +18,10 @@ std::string error_of(const std::string& text) {
   return scene ? "" : scene.error().message;
 }
 
+void refuses(const char* expected, const std::string& text) {
+  STRCMP_CONTAINS(expected, error_of(text).c_str());
+}
+
 }  // namespace
 
 TEST_GROUP(SceneFile){};
@@ -25,7 +29,7 @@ TEST_GROUP(SceneFile){};
 TEST(SceneFile, NeedsOnlyMachineAndBounce) {
   const auto scene = parse_scene(kMin, "scenes/some.toml");
   CHECK(scene.has_value());
-  STRCMP_EQUAL("some", scene->name.c_str());
+  CHECK_EQUAL("some", scene->name);
   DOUBLES_EQUAL(0.0025, scene->bounce.offset_m, 1e-15);
   DOUBLES_EQUAL(0.310, scene->machine.lag_s, 1e-15);
   DOUBLES_EQUAL(12e-6, scene->lamps.delay_s, 1e-18);
@@ -34,17 +38,15 @@ TEST(SceneFile, NeedsOnlyMachineAndBounce) {
 }
 
 TEST(SceneFile, RefusesAnUnknownKeyWithItsLine) {
-  STRCMP_EQUAL("scenes/some.toml:13: lamps.dealy_us: unknown key",
-               error_of(kMin + "[lamps]\ndealy_us = 3\n").c_str());
+  CHECK_EQUAL("scenes/some.toml:13: lamps.dealy_us: unknown key", error_of(kMin + "[lamps]\ndealy_us = 3\n"));
 }
 
 TEST(SceneFile, NamesWhatIsMissing) {
-  STRCMP_CONTAINS("machine.speed_mps: is missing", error_of("[machine]\nangle_deg = -23\n").c_str());
+  refuses("machine.speed_mps: is missing", "[machine]\nangle_deg = -23\n");
 }
 
 TEST(SceneFile, RefusesAValueOutOfItsRange) {
-  STRCMP_CONTAINS("some.toml:13: lamps.delay_us: must be at least 0",
-                  error_of(kMin + "[lamps]\ndelay_us = -3\n").c_str());
+  refuses("some.toml:13: lamps.delay_us: must be at least 0", kMin + "[lamps]\ndelay_us = -3\n");
 }
 
 TEST(SceneFile, ReadsTheAir) {
@@ -61,28 +63,24 @@ TEST(SceneFile, ReadsTheAir) {
 }
 
 TEST(SceneFile, RefusesAirThatCannotBe) {
-  STRCMP_CONTAINS("some.toml:13: air.drag_coefficient: must be at least 0",
-                  error_of(kMin + "[air]\ndrag_coefficient = -0.1\n").c_str());
-  STRCMP_CONTAINS("some.toml:13: air.density_kgpm3: must be at least 0",
-                  error_of(kMin + "[air]\ndensity_kgpm3 = -1\n").c_str());
-  STRCMP_CONTAINS("some.toml:13: air.lift_law: must be one of",
-                  error_of(kMin + "[air]\nlift_law = \"magnus\"\n").c_str());
+  refuses("some.toml:13: air.drag_coefficient: must be at least 0",
+          kMin + "[air]\ndrag_coefficient = -0.1\n");
+  refuses("some.toml:13: air.density_kgpm3: must be at least 0", kMin + "[air]\ndensity_kgpm3 = -1\n");
+  refuses("some.toml:13: air.lift_law: must be one of", kMin + "[air]\nlift_law = \"magnus\"\n");
 }
 
-TEST(SceneFile, RefusesWhatIsNoToml) {
-  STRCMP_CONTAINS("scenes/some.toml:1", error_of("[machine\n").c_str());
-}
+TEST(SceneFile, RefusesWhatIsNoToml) { refuses("scenes/some.toml:1", "[machine\n"); }
 
 TEST(SceneFile, ReadsWhatTheOperatorDoes) {
   const auto scene =
       parse_scene(kMin + "[[operator]]\nat_s = 1.5\nline = \"ESTOP\"\nlevel = 0\n", "some.toml");
   LONGS_EQUAL(1, scene->operator_actions.size());
-  CHECK(scene->operator_actions[0].line == RigLine::estop);
+  CHECK_EQUAL(RigLine::estop, scene->operator_actions[0].line);
 }
 
 TEST(SceneFile, LetsTheOperatorTouchInputsOnly) {
-  STRCMP_CONTAINS("operator[1].line: must be one of",
-                  error_of(kMin + "[[operator]]\nat_s = 1\nline = \"TRIGGER\"\nlevel = 1\n").c_str());
+  refuses("operator[1].line: must be one of",
+          kMin + "[[operator]]\nat_s = 1\nline = \"TRIGGER\"\nlevel = 1\n");
 }
 
 TEST(SceneFile, ReadsFaults) {
@@ -100,12 +98,9 @@ TEST(SceneFile, ReadsFaults) {
 }
 
 TEST(SceneFile, RefusesAFaultThatCannotBe) {
-  STRCMP_CONTAINS("fault[1].kind: must be one of", error_of(kMin + "[[fault]]\nkind = \"flood\"\n").c_str());
-  STRCMP_CONTAINS("fault[1].kind: is missing", error_of(kMin + "[[fault]]\nshot = 1\n").c_str());
-  STRCMP_CONTAINS("fault[1].delay_us: is missing",
-                  error_of(kMin + "[[fault]]\nkind = \"flash_late\"\n").c_str());
-  STRCMP_CONTAINS("must not be 0",
-                  error_of(kMin + "[[fault]]\nkind = \"flash_missing\"\nflash_from_impact = 0\n").c_str());
-  STRCMP_CONTAINS("fault[1].lamp: unknown key",
-                  error_of(kMin + "[[fault]]\nkind = \"ball_misses\"\nlamp = \"a\"\n").c_str());
+  refuses("fault[1].kind: must be one of", kMin + "[[fault]]\nkind = \"flood\"\n");
+  refuses("fault[1].kind: is missing", kMin + "[[fault]]\nshot = 1\n");
+  refuses("fault[1].delay_us: is missing", kMin + "[[fault]]\nkind = \"flash_late\"\n");
+  refuses("must not be 0", kMin + "[[fault]]\nkind = \"flash_missing\"\nflash_from_impact = 0\n");
+  refuses("fault[1].lamp: unknown key", kMin + "[[fault]]\nkind = \"ball_misses\"\nlamp = \"a\"\n");
 }

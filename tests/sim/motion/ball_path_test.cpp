@@ -119,8 +119,7 @@ TEST(BallPath, TurnsFrictionIntoSpinByTheMomentEquation) {
   for_many_balls([](const Scene& scene, const ShotConditions& thrown, const BallPath& path) {
     const impact::Motion& td = thrown.touchdown;
     const impact::Motion& lo = path.rebound().lift_off;
-    const double r = scene.ball.radius_m();
-    const double impulse = lo.vy_mps - td.vy_mps;
+    const double r = scene.ball.radius_m(), impulse = lo.vy_mps - td.vy_mps;
     DOUBLES_EQUAL(scene.ball.alpha * r * r * (lo.omega_radps - td.omega_radps),
                   r * (lo.vx_mps - td.vx_mps) + path.rebound().offset_m * impulse, 1e-12);
     // The weight makes the contact deeper and so takes a little more, in the ODE's law.

@@ -46,10 +46,9 @@ ContactPath course_of(const Scene& scene, int shot, const Model& model) {
 template <typename Check>
 void for_all(Check check) {
   for (const Scene& scene : kScenes) {
-    for (const Model& model : kModels) {
+    for (const Model& model : kModels)
       for (int shot = 1; shot <= 5; ++shot)
         check(scene, draw_shot_conditions(scene, 4, shot), course_of(scene, shot, model));
-    }
   }
 }
 

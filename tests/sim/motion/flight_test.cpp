@@ -50,8 +50,7 @@ TEST(RigFlight, IsAParabolaWithoutAir) {
   Scene scene = scene_of({.drag = 0.55, .lift = true, .density = 0.0});
   scene.surface_angle_rad = 0.3;
   const Flight flight(scene, kStart, 200.0);
-  const double gx = -kGravity_mps2 * std::sin(0.3);
-  const double gy = -kGravity_mps2 * std::cos(0.3);
+  const double gx = -kGravity_mps2 * std::sin(0.3), gy = -kGravity_mps2 * std::cos(0.3);
   for (const double t : {-0.4, -0.01, 0.0, 0.003, 0.7}) {
     const FlightState s = flight.at(t);
     DOUBLES_EQUAL(kStart.x_m + t * (kStart.vx_mps + 0.5 * gx * t), s.x_m, 1e-12);
@@ -65,8 +64,7 @@ TEST(RigFlight, SlowsDownAsASquareLawDoes) {
   // Straight down without spin, v' = g - k·v²: v = w·tanh(g·t/w + artanh(v0/w)), w² = g/k.
   const double k = 0.6 * per_metre(1.2);
   const Flight flight(scene_of({.drag = 0.6}), {0.0, 0.0, 0.0, -12.0}, 0.0);
-  const double w = std::sqrt(kGravity_mps2 / k);
-  const double phase = std::atanh(12.0 / w);
+  const double w = std::sqrt(kGravity_mps2 / k), phase = std::atanh(12.0 / w);
   for (const double t : {-0.2, -0.004, 0.015, 0.5, 3.0}) {
     const double argument = kGravity_mps2 * t / w + phase;
     DOUBLES_EQUAL(-w * std::tanh(argument), flight.at(t).vy_mps, 1e-10);
@@ -86,8 +84,7 @@ TEST(RigFlight, LiftTurnsThePathAndDoesNoWork) {
   constexpr double h = 1e-4;  // the angle's third derivative is of order 1 rad/s³: h²/6 of it is 2e-9
   const FlightState a = flight.at(-h);
   const FlightState b = flight.at(h);
-  const double rim = 0.0651 / 2 * 300.0;
-  const double lift = rim / (2.0 * rim + kSpeed_mps);
+  const double rim = 0.0651 / 2 * 300.0, lift = rim / (2.0 * rim + kSpeed_mps);
   const double turn = (std::atan2(b.vy_mps, b.vx_mps) - std::atan2(a.vy_mps, a.vx_mps)) / (2 * h);
   DOUBLES_EQUAL(
       per_metre(1.2) * lift * kSpeed_mps - kGravity_mps2 * kStart.vx_mps / (kSpeed_mps * kSpeed_mps), turn,

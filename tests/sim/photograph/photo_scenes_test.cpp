@@ -11,7 +11,7 @@
 #include "sim/photograph/render.hpp"
 #include "sim/shoot/shoot.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 namespace {
 
@@ -70,9 +70,8 @@ double left_over_right(const std::string& name) {
   scene.photograph.black_level = 0.0;
   Exposure exposure = shot_of(scene);
   const ImageTruth image = rendered(scene, exposure).truth.images.at(4);
-  for (std::size_t i = 0; i < exposure.pulses.size(); ++i) {
+  for (std::size_t i = 0; i < exposure.pulses.size(); ++i)
     if (static_cast<int>(i) != image.flash_index) exposure.pulses[i].flashes = {};
-  }
   const cv::Mat pixels = rendered(scene, exposure).pixels;
   const int middle = cvRound(image.centre_px.x);
   return cv::sum(pixels.colRange(0, middle))[0] / cv::sum(pixels.colRange(middle, pixels.cols))[0];
@@ -134,7 +133,7 @@ TEST(PhotographScenes, MissOneFlashBeforeTheBounce) {
     if (flash == before + 1) continue;
     LONGS_EQUAL(before + 2, flash);
     CHECK_FALSE(truth.flash_times_s.at(static_cast<std::size_t>(before) + 1).has_value());
-    CHECK(truth.images[i].leg == reduction::Leg::incoming);
+    CHECK_EQUAL(reduction::Leg::incoming, truth.images[i].leg);
     ++gaps;
   }
   LONGS_EQUAL(1, gaps);

@@ -1,4 +1,3 @@
-// Photographs as files: whole under their names or not there at all.
 #include "sim/photograph/photograph_file.hpp"
 
 #include <sys/inotify.h>
@@ -11,7 +10,7 @@
 
 #include "tests/support/temporary_folder.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 namespace {
 
@@ -79,7 +78,7 @@ TEST(PhotographFile, KeepsEveryNumber) {
       CHECK_TRUE(write_photograph(path, pixels, format).has_value());
       const cv::Mat read = cv::imread(path.string(), cv::IMREAD_UNCHANGED);
       LONGS_EQUAL(type, read.type());
-      CHECK(cv::norm(pixels, read, cv::NORM_INF) == 0.0);
+      CHECK_EQUAL(0.0, cv::norm(pixels, read, cv::NORM_INF));
     }
   }
 }
@@ -93,7 +92,7 @@ TEST(PhotographFile, IsAsLargeAsItsPixelsWhereItIsNotCompressed) {
 TEST(PhotographFile, AppearsUnderItsNameOnlyWhenItIsWhole) {
   FolderEar ear(folder.path());
   CHECK_TRUE(write_photograph(folder / "a.tif", numbers(CV_8UC1, 1), PhotographFormat::tiff).has_value());
-  STRCMP_EQUAL("a.tif.part:created a.tif.part:closed a.tif.part:from a.tif:to ", ear.heard().c_str());
+  CHECK_EQUAL("a.tif.part:created a.tif.part:closed a.tif.part:from a.tif:to ", ear.heard());
 }
 
 TEST(PhotographFile, ThatCannotBeWrittenIsNamedAndLeavesNothing) {

@@ -1,4 +1,3 @@
-// Rendered photographs against the truth that is told of them.
 #include <cmath>
 #include <string>
 
@@ -8,7 +7,7 @@
 #include "sim/rig/camera.hpp"
 #include "sim/shoot/shoot.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 namespace {
 
@@ -33,9 +32,8 @@ Scene clean_scene(const std::string& camera = "") {
 
 /// The exposure with none but the flash of one pulse.
 Exposure only(Exposure exposure, std::size_t pulse) {
-  for (std::size_t i = 0; i < exposure.pulses.size(); ++i) {
+  for (std::size_t i = 0; i < exposure.pulses.size(); ++i)
     if (i != pulse) exposure.pulses[i].flashes = {};
-  }
   return exposure;
 }
 
@@ -212,7 +210,8 @@ TEST(Render, IsRepeatedBySeedAndDiffersByShot) {
   const Exposure exposure = rendered_shot(scene);
   const cv::Mat first = rendered(scene, exposure, draw_appearance(scene, 5, 1)).pixels;
   LONGS_EQUAL(CV_8UC1, first.type());
-  CHECK(cv::norm(first, rendered(scene, exposure, draw_appearance(scene, 5, 1)).pixels, cv::NORM_INF) == 0.0);
+  CHECK_EQUAL(0.0,
+              cv::norm(first, rendered(scene, exposure, draw_appearance(scene, 5, 1)).pixels, cv::NORM_INF));
   CHECK(cv::norm(first, rendered(scene, exposure, draw_appearance(scene, 5, 2)).pixels, cv::NORM_INF) > 0.0);
 }
 

@@ -1,6 +1,5 @@
 #include "sim/plan/camera_bounds.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -86,8 +85,7 @@ TEST(CameraBounds, OfPixelsHoldForPicturesMeasured) {
     const CameraBounds bounds(scene);
     const Camera points(scene);
     for (int k = 0; k < 60; ++k) {
-      const double x = 0.0013 * k;
-      const double angle = 0.11 * k;
+      const double x = 0.0013 * k, angle = 0.11 * k;
       const BallView view = points.view(x, 0.1 + 0.0007 * k, 0.0, angle);
       const PixelMeasurement seen = grid.measure(view, {});
       const BoundedDisplacement d = bounds.of_ball(Effect::pixels, x, 0.1, 0.0, angle);

@@ -42,9 +42,7 @@ std::vector<Extreme> extremes() {
 }
 
 struct Rest {
-  double x_m = 0.0;
-  double y_m = 0.0;
-  double equator_rad = 0.0;
+  double x_m = 0.0, y_m = 0.0, equator_rad = 0.0;
 };
 
 /// What is left of the difference between two simulated paths when the known part is taken away.
@@ -80,9 +78,8 @@ void check_bound(const Extreme& extreme, Effect effect, const Model& others) {
 TEST_GROUP(FlightBounds){};
 
 TEST(FlightBounds, HoldForPathsSimulatedWithAndWithoutAnEffect) {
-  for (const Extreme& extreme : extremes()) {
+  for (const Extreme& extreme : extremes())
     for (const Effect effect : kFlight) check_bound(extreme, effect, Model::full());
-  }
 }
 
 TEST(FlightBounds, HoldWhicheverOfTheOtherEffectsAreThere) {

@@ -1,7 +1,6 @@
 #include "sim/plan/plan.hpp"
 
 #include <cmath>
-#include <limits>
 
 #include "sim/loading/scene_files.hpp"
 #include "sim/motion/shot_conditions.hpp"
@@ -9,7 +8,7 @@
 #include "sim/plan/corners.hpp"
 #include "sim/random/draws.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe;
 using namespace strobe::sim;
@@ -24,9 +23,8 @@ Scene top_23() {
 }
 
 bool fewer_or_same(const Model& a, const Model& b) {
-  for (std::size_t i = 0; i < kEffectCount; ++i) {
+  for (std::size_t i = 0; i < kEffectCount; ++i)
     if (a.has(static_cast<Effect>(i)) && !b.has(static_cast<Effect>(i))) return false;
-  }
   return true;
 }
 
@@ -58,8 +56,8 @@ TEST(Plan, IsTheSameEveryTime) {
   SceneBounds second(scene);
   const Plan a = plan(first, 0.01);
   const Plan b = plan(second, 0.01);
-  CHECK_TRUE(a.model == b.model);
-  CHECK_TRUE(a.left_out == b.left_out);
+  CHECK_EQUAL(b.model, a.model);
+  CHECK_EQUAL(b.left_out, a.left_out);
 }
 
 TEST(Plan, NeedsLittleForAGreatToleranceAndNearlyEverythingForNone) {
@@ -87,10 +85,9 @@ TEST(Plan, LeavesOutAtOnceWhatTheSceneHasNot) {
 TEST(Plan, TakesTheScenesOwnTolerances) {
   Scene scene = top_23();
   scene.readout.absolute = {{Quantity::vx_td_mps, 0.02}};
-  for (std::size_t i = 0; i < reduction::kQuantityCount; ++i) {
+  for (std::size_t i = 0; i < reduction::kQuantityCount; ++i)
     if (static_cast<Quantity>(i) != Quantity::vx_td_mps)
       scene.readout.absolute.emplace_back(static_cast<Quantity>(i), -1.0);
-  }
   SceneBounds bounds(scene);
   const Plan p = plan(bounds, 1e-9);
   DOUBLES_EQUAL(0.02, p.tolerance[Quantity::vx_td_mps], 0.0);
@@ -107,7 +104,7 @@ TEST(Plan, KeepsAllThatDisplacesImagesWhereFaultsDecideWhichThereAre) {
   SceneBounds bounds(scene);
   const Plan p = plan(bounds, 0.05);
   CHECK_FALSE(p.warning.empty());
-  for (const PlannedEffect& e : p.effects) CHECK_TRUE(e.needed == !e.bound.all_zero());
+  for (const PlannedEffect& e : p.effects) CHECK_EQUAL(!e.bound.all_zero(), e.needed);
 }
 
 TEST(Plan, KnowsAScalesMeaning) {
@@ -124,7 +121,7 @@ TEST(Plan, WithADeadlineThatNothingMeetsNamesTheNearest) {
   // No shot takes a nanosecond, whatever the machine.
   const auto refused = choose(scene, {.tolerance = 1e-4, .deadline_us = 1e-3}, {});
   CHECK_FALSE(refused.has_value());
-  CHECK_TRUE(refused.error().message.find("--deadline-us") == 0);
+  CHECK_EQUAL(0, refused.error().message.find("--deadline-us"));
   CHECK_TRUE(refused.error().message.find("the fastest takes") != std::string::npos);
   const auto ample = choose(scene, {.tolerance = {}, .deadline_us = 1e9}, {});
   CHECK_TRUE(ample.has_value());
@@ -136,9 +133,8 @@ TEST_GROUP(Corners){};
 TEST(Corners, AreWithinTheDrawsAndBeginWithTheMean) {
   const std::vector<Corner> all = corners(top_23());
   for (const double z : all.front().z) DOUBLES_EQUAL(0.0, z, 0.0);
-  for (const Corner& corner : all) {
+  for (const Corner& corner : all)
     for (const double z : corner.z) CHECK_TRUE(std::abs(z) <= kLargestNormal);
-  }
 }
 
 TEST(Corners, OfASceneWithoutSpreadAreItsMean) {
@@ -152,9 +148,8 @@ TEST(Corners, OfTwoSpreadsHaveAllFourCombinations) {
   scene.machine.speed_sd_mps = 0.1;
   scene.bounce.e_sd = 0.01;
   int combinations = 0;
-  for (const Corner& c : corners(scene)) {
+  for (const Corner& c : corners(scene))
     if (c[Spread::speed] != 0.0 && c[Spread::e] != 0.0) ++combinations;
-  }
   LONGS_EQUAL(4, combinations);
 }
 

@@ -1,6 +1,5 @@
 #include "sim/plan/sensitivity.hpp"
 
-#include <cmath>
 #include <random>
 
 #include "sim/plan/nominal_shot.hpp"

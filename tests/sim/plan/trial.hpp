@@ -16,8 +16,7 @@ struct Violation {
   double tolerance = 0.0;
   int shot = 0;
   reduction::Quantity quantity = reduction::Quantity::vx_td_mps;
-  double difference = 0.0;
-  double allowed = 0.0;
+  double difference = 0.0, allowed = 0.0;
 };
 
 struct ToleranceOutcome {

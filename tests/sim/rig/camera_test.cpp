@@ -120,8 +120,7 @@ TEST(RigCamera, SeesTheEquatorBetweenTheTwoPlacesWhereItLeavesTheOutline) {
         return (p[0] - c[0]) * -p[0] + (p[1] - c[1]) * -p[1] + (p[2] - c[2]) * (distance - p[2]) > 0.0;
       };
       for (std::size_t side = 0; side < 2; ++side) {
-        double seen = 0.5 * kPi;
-        double hidden = side == 0 ? -0.5 * kPi : 1.5 * kPi;
+        double seen = 0.5 * kPi, hidden = side == 0 ? -0.5 * kPi : 1.5 * kPi;
         for (int i = 0; i < 60; ++i) {
           const double middle = 0.5 * (seen + hidden);
           (faces(middle) ? seen : hidden) = middle;
@@ -140,16 +139,14 @@ TEST(RigCamera, BendsTheBallsImageAsItsOutlineIsBent) {
   // To first order in the distortion: what is left is its square, times the same geometry.
   const double k = 1e-4;
   const Scene scene = scene_of(0.0, k);
-  const double r = scene.ball.radius_m();
-  const double r0 = 0.30 * 0.30 + 0.175 * 0.175;
+  const double r = scene.ball.radius_m(), r0 = 0.30 * 0.30 + 0.175 * 0.175;
   for (const Place& place : kPlaces) {
     constexpr int n = 20000;
     const auto lens = [&](double x, double y) {
       const double stretch = 1.0 + k * (x * x + y * y) / r0;
       return PointPx{1500.0 + 4000.0 * stretch * x, 300.0 + 4000.0 * (0.175 + stretch * y)};
     };
-    const double x = place.x_m;
-    const double y = place.y_m - 0.175;
+    const double x = place.x_m, y = place.y_m - 0.175;
     const Region seen = region(n, [&](int i) {
       return lens(x + r * std::cos(2.0 * kPi * i / n), y + r * std::sin(2.0 * kPi * i / n));
     });

@@ -2,7 +2,7 @@
 
 #include "tests/sim/rig/virtual_rig_fixture.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe;
 using namespace strobe::sim;
@@ -20,7 +20,7 @@ TEST(LampModel, FlashesADelayAfterTheEdge) {
   LampModel lamp(scene, 1, Lamp::a);
   const auto flashes = pulse(lamp, from_ns(1000000));
   LONGS_EQUAL(1, flashes.size());
-  CHECK(flashes[0] == from_ns(1012000));
+  CHECK_EQUAL(from_ns(1012000), flashes[0]);
 }
 
 TEST(LampModel, DoesNotFlashBeforeItHasRecharged) {
@@ -59,10 +59,10 @@ TEST(LampModel, FlashesLateByTheFaultsDelayOnlyWhereTheFaultStrikes) {
   scene.faults = {
       {.kind = FaultKind::flash_late, .shot = 1, .flash_from_impact = -2, .delay = microseconds(160)}};
   LampModel lamp(scene, 1, Lamp::a);
-  CHECK(pulse(lamp, MonoTime{}, 0, -3)[0] == from_ns(12000));
+  CHECK_EQUAL(from_ns(12000), pulse(lamp, MonoTime{}, 0, -3)[0]);
   CHECK(occurred.empty());
-  CHECK(pulse(lamp, from_ns(3000000), 1, -2)[0] == from_ns(3172000));
-  CHECK(occurred == std::vector{FaultKind::flash_late});
+  CHECK_EQUAL(from_ns(3172000), pulse(lamp, from_ns(3000000), 1, -2)[0]);
+  CHECK_EQUAL(std::vector{FaultKind::flash_late}, occurred);
 }
 
 TEST(LampModel, LeavesTheOtherLampAloneWhenTheFaultNamesOne) {
@@ -78,7 +78,7 @@ TEST(LampModel, FlashesTwiceForOnePulse) {
   LampModel lamp(scene, 1, Lamp::a);
   const auto flashes = pulse(lamp, MonoTime{});
   LONGS_EQUAL(2, flashes.size());
-  CHECK(flashes[1] - flashes[0] == microseconds(300));
+  CHECK_EQUAL(microseconds(300), flashes[1] - flashes[0]);
 }
 
 TEST(LampModel, NeverFlashesWhenDead) {
@@ -96,6 +96,6 @@ TEST(LampModel, KeepsTheJitterOfOtherFlashesWhenOneIsMissing) {
   for (int i = 0; i < 4; ++i) {
     const auto expected = pulse(sound, from_ns(3000000LL * i), i);
     const auto flashes = pulse(faulty, from_ns(3000000LL * i), i);
-    if (i != 1) CHECK(flashes == expected);
+    if (i != 1) CHECK_EQUAL(expected, flashes);
   }
 }

@@ -1,10 +1,9 @@
 // Faults of single lines and of the shutter: what the rig's lines and its film then show.
-#include <algorithm>
 
 #include "sim/rig/exposure.hpp"
 #include "tests/sim/rig/virtual_rig_fixture.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe;
 using namespace strobe::sim;
@@ -42,7 +41,7 @@ TEST(LineFault, ABouncingSensorRisesTwiceForOneFlash) {
     fixture.shoot();
     const auto rises = fixture.drives_of(RigLine::sensor_a, 1);
     LONGS_EQUAL(fixture.drives_of(RigLine::sensor_b, 1).size() + 1, rises.size());
-    CHECK(rises[6].at - rises[5].at == delay);
+    CHECK_EQUAL(delay, rises[6].at - rises[5].at);
     LONGS_EQUAL(rises.size(), fixture.drives_of(RigLine::sensor_a, 0).size());
   }
 }
@@ -55,8 +54,8 @@ TEST(LineFault, AChatteringGateIsInterruptedBeforeTheBallComes) {
   CHECK(fixture.shoot().has(FaultKind::gate_chatter));
   const auto rises = fixture.drives_of(RigLine::gate, 1);
   LONGS_EQUAL(4, rises.size());
-  CHECK(rises.back().at == sound.drives_of(RigLine::gate, 1)[0].at);
-  CHECK(rises[3].at - rises[2].at == microseconds(700));
+  CHECK_EQUAL(sound.drives_of(RigLine::gate, 1)[0].at, rises.back().at);
+  CHECK_EQUAL(microseconds(700), rises[3].at - rises[2].at);
 }
 
 TEST(LineFault, AStuckShutterShowsNothing) {

@@ -82,8 +82,7 @@ TEST(PixelGrid, DrawsABrightDiscWithADarkBar) {
   const auto& picture = grid.picture();
   LONGS_EQUAL(PixelGrid::kBall, *std::ranges::max_element(picture));
   const auto at = [&](int x, int y) {
-    const int left = -grid.width() / 2;
-    const int bottom = -grid.height() / 2;
+    const int left = -grid.width() / 2, bottom = -grid.height() / 2;
     return static_cast<int>(picture[static_cast<std::size_t>((y - bottom) * grid.width() + (x - left))]);
   };
   LONGS_EQUAL(PixelGrid::kBar, at(0, 0));

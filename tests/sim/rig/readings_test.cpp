@@ -41,7 +41,8 @@ reduction::Frame timed_frame(const Scene& scene, const Exposure& exposure) {
 void score(const Scene& scene, std::array<Scores, reduction::kQuantityCount>& scores) {
   test::VirtualRigFixture fixture(scene, kSeed);
   for (int shot = 0; shot < kShotsOfEach; ++shot) {
-    const Exposure exposure = fixture.shoot({.exposure = milliseconds(100), .impact_after = milliseconds(50)});
+    const Exposure exposure =
+        fixture.shoot({.exposure = milliseconds(100), .impact_after = milliseconds(50)});
     const auto readout = reduction::reduce(timed_frame(scene, exposure), reduction::Estimator::best);
     CHECK(readout.has_value());
     const reduction::Quantities truth = true_readout(scene, exposure.ball->path);
@@ -106,8 +107,7 @@ TEST(Readings, AreTrueWithinTheUncertaintyTheyState) {
   }
   for (std::size_t i = 0; i < scores.size(); ++i) {
     const Scores& s = scores[i];
-    const double mean = s.sum / s.n;
-    const double rms = std::sqrt(s.square / s.n);
+    const double mean = s.sum / s.n, rms = std::sqrt(s.square / s.n);
     const std::string what = fmt::format("{}: mean z {:.3f}, rms {:.3f} of {} (seed {})",
                                          reduction::kQuantityNames[i], mean, rms, s.n, kSeed);
     // Four standard errors (1/sqrt(n), 1/sqrt(2n)) and, for the rms, the 5 % to which a stated sd is held;

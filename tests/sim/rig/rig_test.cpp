@@ -7,7 +7,7 @@
 #include "sim/rig/truth.hpp"
 #include "tests/sim/rig/virtual_rig_fixture.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 namespace {
 
@@ -16,16 +16,24 @@ using namespace strobe::sim;
 
 /// Index of the pulse that far from the touchdown.
 std::size_t pulse_at(const Exposure& exposure, int from_impact) {
-  for (std::size_t i = 0; i < exposure.pulses.size(); ++i) {
+  for (std::size_t i = 0; i < exposure.pulses.size(); ++i)
     if (*place_from_impact(exposure, i) == from_impact) return i;
-  }
   FAIL("no such pulse");
   return 0;
 }
 
 }  // namespace
 
-TEST_GROUP(Rig) { Scene scene = test::plain_scene(); };
+TEST_GROUP(Rig) {
+  Scene scene = test::plain_scene();
+  std::vector<Drive> drives;
+  std::vector<Exposure> exposures;
+
+  static void pulse(Rig & rig, RigLine line, std::int64_t on_ns, std::int64_t off_ns) {
+    rig.line_changed(line, 1, from_ns(on_ns));
+    rig.line_changed(line, 0, from_ns(off_ns));
+  }
+};
 
 TEST(Rig, AnswersEveryPulseWithBothSensorsAtTheTrueFlashes) {
   scene.lamps.jitter_s = 1e-6;
@@ -40,8 +48,8 @@ TEST(Rig, AnswersEveryPulseWithBothSensorsAtTheTrueFlashes) {
     LONGS_EQUAL(167, falls.size());
     const std::size_t lamp = line == RigLine::sensor_a ? 0 : 1;
     for (std::size_t i = 0; i < rises.size(); ++i) {
-      CHECK(rises[i].at == exposure.pulses[i].flashes[lamp] + microseconds(2));
-      CHECK(falls[i].at - rises[i].at == microseconds(100));
+      CHECK_EQUAL(exposure.pulses[i].flashes[lamp] + microseconds(2), rises[i].at);
+      CHECK_EQUAL(microseconds(100), falls[i].at - rises[i].at);
     }
   }
 }
@@ -49,9 +57,7 @@ TEST(Rig, AnswersEveryPulseWithBothSensorsAtTheTrueFlashes) {
 TEST(Rig, GivesNothingBeforeItsInstant) {
   Rig rig(scene, 1, MonoTime{});
   rig.line_changed(RigLine::strobe_a, 1, from_ns(1000000));
-  CHECK(rig.next_due() == from_ns(1012000));
-  std::vector<Drive> drives;
-  std::vector<Exposure> exposures;
+  CHECK_EQUAL(from_ns(1012000), rig.next_due());
   rig.collect(from_ns(1011999), drives, exposures);
   CHECK(drives.empty());
   rig.collect(from_ns(1012000), drives, exposures);
@@ -64,16 +70,13 @@ TEST(Rig, OpensAndClosesTheShutterItsLagsAfterTheLine) {
   scene.shutter.close_lag_s = 0.030;
   test::VirtualRigFixture fixture(scene);
   const Exposure exposure = fixture.shoot();
-  CHECK(exposure.opened - exposure.line_on == milliseconds(45));
-  CHECK(exposure.closed - exposure.line_on == milliseconds(530));
+  CHECK_EQUAL(milliseconds(45), exposure.opened - exposure.line_on);
+  CHECK_EQUAL(milliseconds(530), exposure.closed - exposure.line_on);
 }
 
 TEST(Rig, TakesNoPhotographWhenTheLineIsReleasedBeforeTheShutterMoved) {
   Rig rig(scene, 1, MonoTime{});
-  std::vector<Drive> drives;
-  std::vector<Exposure> exposures;
-  rig.line_changed(RigLine::shutter, 1, MonoTime{});
-  rig.line_changed(RigLine::shutter, 0, from_ns(10'000'000));
+  pulse(rig, RigLine::shutter, 0, 10'000'000);
   rig.collect(from_ns(1'000'000'000), drives, exposures);
   LONGS_EQUAL(1, exposures.size());
   CHECK(!known(exposures[0].opened));
@@ -86,7 +89,7 @@ TEST(Rig, MeetsThePlateTheMachinesLagAfterTheTrigger) {
   CHECK(exposure.ball.has_value());
   LONGS_EQUAL(1, exposure.throws);
   // The trigger was set such that the ball meets the plate 250 ms after the shutter opened.
-  CHECK(exposure.ball->touchdown - exposure.opened == milliseconds(250));
+  CHECK_EQUAL(milliseconds(250), exposure.ball->touchdown - exposure.opened);
 }
 
 TEST(Rig, SpreadsTheMachinesLagFromShotToShot) {
@@ -153,16 +156,12 @@ TEST(Rig, PhotographsNoBallThatWouldHaveMetThePlateAgain) {
 TEST(Rig, NumbersAnExposuresFlashesFromItsOwnFirst) {
   scene.faults = {{.kind = FaultKind::flash_missing, .flash_index = 0}};
   Rig rig(scene, 1, MonoTime{});
-  std::vector<Exposure> exposures;
-  const auto pulse = [&rig](MonoTime at) {
-    rig.line_changed(RigLine::strobe_a, 1, at);
-    rig.line_changed(RigLine::strobe_a, 0, at + microseconds(50));
-  };
-  pulse(from_ns(10'000'000));
-  pulse(from_ns(20'000'000));
+  const auto flash = [&rig](std::int64_t at_ns) { pulse(rig, RigLine::strobe_a, at_ns, at_ns + 50'000); };
+  flash(10'000'000);
+  flash(20'000'000);
   rig.line_changed(RigLine::shutter, 1, from_ns(30'000'000));
-  pulse(from_ns(100'000'000));
-  pulse(from_ns(110'000'000));
+  flash(100'000'000);
+  flash(110'000'000);
   rig.finish(from_ns(200'000'000), exposures);
   LONGS_EQUAL(2, exposures[0].pulses.size());
   CHECK(exposures[0].pulses[0].flashes.empty());
@@ -178,12 +177,8 @@ TEST(Rig, LeavesTheGateAloneIfTheMachineStandsBeyondIt) {
 
 TEST(Rig, HasNoBallOrExposureFromBeforeARestart) {
   Rig rig(scene, 1, MonoTime{});
-  std::vector<Drive> drives;
-  std::vector<Exposure> exposures;
-  rig.line_changed(RigLine::shutter, 1, MonoTime{});
-  rig.line_changed(RigLine::shutter, 0, from_ns(100'000'000));
-  rig.line_changed(RigLine::shutter, 1, from_ns(110'000'000));
-  rig.line_changed(RigLine::shutter, 0, from_ns(200'000'000));
+  pulse(rig, RigLine::shutter, 0, 100'000'000);
+  pulse(rig, RigLine::shutter, 110'000'000, 200'000'000);
   rig.restart(1, from_ns(1'000'000'000));
   rig.collect(from_ns(1'000'000'000), drives, exposures);
   CHECK(exposures.empty());
@@ -224,10 +219,10 @@ TEST(Rig, StrikesTheFlashThatTheFaultCountsFromTheImpact) {
     test::VirtualRigFixture fixture(scene);
     for (int shot = 1; shot <= 3; ++shot) {
       const Exposure exposure = fixture.shoot();
-      CHECK(exposure.has(FaultKind::flash_late) == (shot == 2));
+      CHECK_EQUAL(shot == 2, exposure.has(FaultKind::flash_late));
       for (std::size_t i = 0; i < exposure.pulses.size(); ++i) {
         const bool late = flash_time(exposure.pulses[i]) - exposure.pulses[i].edge > microseconds(100);
-        CHECK(late == (shot == 2 && *place_from_impact(exposure, i) == k));
+        CHECK_EQUAL(shot == 2 && *place_from_impact(exposure, i) == k, late);
       }
     }
   }
@@ -243,7 +238,7 @@ TEST(Rig, BlendsTheTwoLampsOfAPulseIntoOneImageBetweenThem) {
   for (const FilmImage& image : film_images(scene, exposure)) {
     if (image.pulse != late) continue;
     ++seen;
-    CHECK(image.time - exposure.pulses[static_cast<std::size_t>(late)].edge == microseconds(12 + 80));
+    CHECK_EQUAL(microseconds(12 + 80), image.time - exposure.pulses[static_cast<std::size_t>(late)].edge);
   }
   LONGS_EQUAL(1, seen);
 }
@@ -267,7 +262,7 @@ TEST(Rig, LengthensASensorsPulseByLightThatComesDuringIt) {
   const auto falls = fixture.drives_of(RigLine::sensor_a, 0);
   LONGS_EQUAL(exposure.pulses.size(), rises.size());
   LONGS_EQUAL(exposure.pulses.size(), falls.size());
-  CHECK(falls[5].at - rises[5].at == microseconds(160));
+  CHECK_EQUAL(microseconds(160), falls[5].at - rises[5].at);
 }
 
 TEST(Rig, SilencesADeadSensorButNotItsLamp) {
@@ -300,13 +295,9 @@ TEST(Rig, ThrowsNothingWhenTheMachineMisfires) {
 
 TEST(Rig, CountsEveryThrowOfAShot) {
   Rig rig(scene, 1, MonoTime{});
-  std::vector<Drive> drives;
-  std::vector<Exposure> exposures;
   rig.line_changed(RigLine::shutter, 1, MonoTime{});
-  for (int i = 0; i < 3; ++i) {
-    rig.line_changed(RigLine::trigger, 1, from_ns(50'000'000LL * (i + 1)));
-    rig.line_changed(RigLine::trigger, 0, from_ns(50'000'000LL * (i + 1) + 20'000'000));
-  }
+  for (int i = 0; i < 3; ++i)
+    pulse(rig, RigLine::trigger, 50'000'000LL * (i + 1), 50'000'000LL * (i + 1) + 20'000'000);
   rig.finish(from_ns(500'000'000), exposures);
   LONGS_EQUAL(1, exposures.size());
   LONGS_EQUAL(3, exposures[0].throws);
@@ -319,8 +310,8 @@ TEST(Rig, TellsWhenTheShutterIsOpenByItsContact) {
   const auto opened = fixture.drives_of(RigLine::xsync, 1), closed = fixture.drives_of(RigLine::xsync, 0);
   LONGS_EQUAL(1, opened.size());
   LONGS_EQUAL(1, closed.size());
-  CHECK(opened[0].at == exposure.opened);
-  CHECK(closed[0].at == exposure.closed);
+  CHECK_EQUAL(exposure.opened, opened[0].at);
+  CHECK_EQUAL(exposure.closed, closed[0].at);
 }
 
 TEST(Rig, TellsNothingOfAShutterThatDoesNotMove) {
@@ -330,10 +321,7 @@ TEST(Rig, TellsNothingOfAShutterThatDoesNotMove) {
   CHECK(stuck.drives_of(RigLine::xsync, 1).empty());
   scene.faults.clear();
   Rig rig(scene, 1, MonoTime{});
-  rig.line_changed(RigLine::shutter, 1, MonoTime{});
-  rig.line_changed(RigLine::shutter, 0, from_ns(1'000'000));  // let go long before it opens
-  std::vector<Drive> drives;
-  std::vector<Exposure> exposures;
+  pulse(rig, RigLine::shutter, 0, 1'000'000);  // let go long before it opens
   rig.collect(from_ns(1'000'000'000), drives, exposures);
   CHECK(drives.empty());
 }
@@ -343,11 +331,8 @@ TEST(Rig, FlashesTheLampWhoseLineRises) {
   rig.line_changed(RigLine::shutter, 1, MonoTime{});
   for (int k = 0; k < 4; ++k) {
     const RigLine lamp = k % 2 == 0 ? RigLine::strobe_a : RigLine::strobe_b;
-    rig.line_changed(lamp, 1, from_ns(100'000'000 + 800'000 * k));
-    rig.line_changed(lamp, 0, from_ns(100'050'000 + 800'000 * k));
+    pulse(rig, lamp, 100'000'000 + 800'000 * k, 100'050'000 + 800'000 * k);
   }
-  std::vector<Drive> drives;
-  std::vector<Exposure> exposures;
   rig.finish(from_ns(500'000'000), exposures);
   LONGS_EQUAL(4, exposures[0].pulses.size());
   for (std::size_t k = 0; k < 4; ++k) {
@@ -360,7 +345,6 @@ TEST(Rig, FlashesTheLampWhoseLineRises) {
 
 TEST(Rig, ForgetsABallThrownLongBeforeTheShutterOpens) {
   Rig rig(scene, 1, MonoTime{});
-  std::vector<Exposure> exposures;
   rig.line_changed(RigLine::trigger, 1, MonoTime{});
   rig.line_changed(RigLine::shutter, 1, from_ns(20'000'000'000));
   rig.finish(from_ns(21'000'000'000), exposures);
@@ -371,23 +355,17 @@ TEST(Rig, DoesWhatTheOperatorDoes) {
   scene.operator_actions = {{.at_s = 0.5, .line = RigLine::estop, .level = 0},
                             {.at_s = 0.2, .line = RigLine::key, .level = 0}};
   Rig rig(scene, 1, from_ns(1'000'000'000));
-  CHECK(rig.next_due() == from_ns(1'200'000'000));
-  std::vector<Drive> drives;
-  std::vector<Exposure> exposures;
+  CHECK_EQUAL(from_ns(1'200'000'000), rig.next_due());
   rig.collect(from_ns(2'000'000'000), drives, exposures);
   LONGS_EQUAL(2, drives.size());
   CHECK(drives[0].line == RigLine::key && drives[1].line == RigLine::estop);
-  CHECK(drives[1].at == from_ns(1'500'000'000));
+  CHECK_EQUAL(from_ns(1'500'000'000), drives[1].at);
 }
 
 TEST(Rig, KeepsBothExposuresWhenTheShutterOpensAgainAtOnce) {
   Rig rig(scene, 1, MonoTime{});
-  std::vector<Drive> drives;
-  std::vector<Exposure> exposures;
-  rig.line_changed(RigLine::shutter, 1, MonoTime{});
-  rig.line_changed(RigLine::shutter, 0, from_ns(100'000'000));
-  rig.line_changed(RigLine::shutter, 1, from_ns(110'000'000));
-  rig.line_changed(RigLine::shutter, 0, from_ns(300'000'000));
+  pulse(rig, RigLine::shutter, 0, 100'000'000);
+  pulse(rig, RigLine::shutter, 110'000'000, 300'000'000);
   rig.collect(from_ns(1'000'000'000), drives, exposures);
   LONGS_EQUAL(2, exposures.size());
   LONGS_EQUAL(1, exposures[0].shot);
@@ -396,33 +374,28 @@ TEST(Rig, KeepsBothExposuresWhenTheShutterOpensAgainAtOnce) {
 
 TEST(Rig, ReturnsAnExposureWhenItsLastEdgesMustHaveBeenReported) {
   Rig rig(scene, 1, MonoTime{});
-  std::vector<Drive> drives;
-  std::vector<Exposure> exposures;
-  rig.line_changed(RigLine::shutter, 1, MonoTime{});
-  rig.line_changed(RigLine::shutter, 0, from_ns(100'000'000));
+  pulse(rig, RigLine::shutter, 0, 100'000'000);
   // Closed 45 ms after its line; edges may be reported for another 20 ms.
   rig.collect(from_ns(164'999'999), drives, exposures);
   CHECK(exposures.empty());
-  CHECK(rig.next_due() == from_ns(165'000'000));
-  CHECK(rig.exposing_since() == MonoTime{});
+  CHECK_EQUAL(from_ns(165'000'000), rig.next_due());
+  CHECK_EQUAL(MonoTime{}, rig.exposing_since());
   rig.collect(from_ns(165'000'000), drives, exposures);
   LONGS_EQUAL(1, exposures.size());
-  CHECK(exposures[0].closed == from_ns(145'000'000));
+  CHECK_EQUAL(from_ns(145'000'000), exposures[0].closed);
   CHECK(!rig.exposing_since());
 }
 
 TEST(Rig, ClosesAnOpenShutterAtTheEndAsIfItsLineWereReleasedThen) {
   Rig rig(scene, 1, MonoTime{});
-  std::vector<Exposure> exposures;
   rig.line_changed(RigLine::shutter, 1, MonoTime{});
   rig.finish(from_ns(500'000'000), exposures);
   LONGS_EQUAL(1, exposures.size());
-  CHECK(exposures[0].closed == from_ns(545'000'000));
+  CHECK_EQUAL(from_ns(545'000'000), exposures[0].closed);
 }
 
 TEST(Rig, MarksOnlyTheExposureDuringWhichItFellBehind) {
   Rig rig(scene, 1, MonoTime{});
-  std::vector<Exposure> exposures;
   rig.mark_overrun();  // between exposures
   for (const std::int64_t start_ns : {0, 1'000'000'000, 2'000'000'000}) {
     rig.line_changed(RigLine::shutter, 1, from_ns(start_ns));
@@ -443,7 +416,7 @@ TEST(Rig, RepeatsARunFromItsSeed) {
   test::VirtualRigFixture other(scene, 12);
   for (int shot = 1; shot <= 3; ++shot) {
     const std::string line = truth_line(scene, a.shoot(), shot);
-    STRCMP_EQUAL(line.c_str(), truth_line(scene, b.shoot(), shot).c_str());
+    CHECK_EQUAL(line, truth_line(scene, b.shoot(), shot));
     CHECK(line != truth_line(scene, other.shoot(), shot));
   }
 }
@@ -458,5 +431,5 @@ TEST(Rig, ThrowsTheSameBallHoweverManyFlashesCameBefore) {
   const Exposure a = few.shoot();
   const Exposure b = many.shoot();
   DOUBLES_EQUAL(a.ball->path.touchdown().vx_mps, b.ball->path.touchdown().vx_mps, 0.0);
-  CHECK(a.pulses[7].flashes[0] - a.pulses[7].edge == b.pulses[7].flashes[0] - b.pulses[7].edge);
+  CHECK_EQUAL(b.pulses[7].flashes[0] - b.pulses[7].edge, a.pulses[7].flashes[0] - a.pulses[7].edge);
 }

@@ -6,7 +6,7 @@
 #include "sim/rig/camera.hpp"
 #include "tests/sim/rig/virtual_rig_fixture.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 namespace {
 
@@ -39,7 +39,7 @@ TEST(Tablet, LabelsLegsInTheirOrder) {
   for (std::size_t i = 0; i < d.frame.images.size(); ++i) {
     if (i > 0) CHECK(*d.frame.images[i - 1].leg <= *d.frame.images[i].leg);
     contacts += *d.frame.images[i].leg == Leg::contact ? 1 : 0;
-    CHECK(d.frame.images[i].top_px.has_value() == (*d.frame.images[i].leg == Leg::contact));
+    CHECK_EQUAL(*d.frame.images[i].leg == Leg::contact, d.frame.images[i].top_px.has_value());
   }
   CHECK(contacts >= 1 && contacts <= 2);  // 5 ms of contact, 3 ms apart
 }
@@ -156,7 +156,7 @@ TEST(Tablet, OverlooksTheImageThatTheFaultNames) {
     const bool kept = std::ranges::find(less.image_pulse, pulse) != less.image_pulse.end();
     test::VirtualRigFixture fixture(scene);
     const auto place = place_from_impact(fixture.shoot(), static_cast<std::size_t>(pulse));
-    CHECK(kept == (*place != -1));
+    CHECK_EQUAL(*place != -1, kept);
   }
 }
 

@@ -16,7 +16,7 @@
 #include "sim/rig/truth.hpp"
 #include "tests/sim/rig/virtual_rig_fixture.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 namespace {
 
@@ -95,11 +95,10 @@ bool measure(const reduction::Frame& frame, double diameter_m, Measured& measure
       in[0] = in[1];
       in[1] = &image;
     } else if (image.leg == reduction::Leg::rebound) {
-      if (!out[0]) {
+      if (!out[0])
         out[0] = &image;
-      } else if (!out[1]) {
+      else if (!out[1])
         out[1] = &image;
-      }
     }
   }
   if (!in[0] || !out[1]) return false;
@@ -150,7 +149,8 @@ const Series& series_of(const thesis::Condition& condition) {
   const Scene scene = scene_of(condition);
   test::VirtualRigFixture fixture(scene, kThesisSeed);
   for (int i = 0; i < kShots; ++i) {
-    const Exposure exposure = fixture.shoot({.exposure = milliseconds(100), .impact_after = milliseconds(50)});
+    const Exposure exposure =
+        fixture.shoot({.exposure = milliseconds(100), .impact_after = milliseconds(50)});
     Measured measured;
     CHECK(measure(digitize(scene, kThesisSeed, exposure).frame, scene.ball.diameter_m, measured));
     place->second.in.add(measured.in);
@@ -215,9 +215,8 @@ TEST_GROUP(ThesisScenes){};
 TEST(ThesisScenes, AreTwentyOne) { LONGS_EQUAL(21, conditions().size()); }
 
 TEST(ThesisScenes, FilesAreWhatTheFitDerivesFromTheTables) {
-  for (const auto& condition : conditions()) {
-    STRCMP_EQUAL(to_toml(fitted_of(condition), condition).c_str(), scene_text(condition).c_str());
-  }
+  for (const auto& condition : conditions())
+    CHECK_EQUAL(to_toml(fitted_of(condition), condition), scene_text(condition));
 }
 
 TEST(ThesisScenes, WithoutSpreadReboundAsTheTablesMeans) {
@@ -242,8 +241,7 @@ TEST(ThesisScenes, WithoutSpreadReboundAsTheTablesMeans) {
     near(Quantity::omega_lo_radps, c.omega_lo_radps.mean + fitted.left_omega_radps, 1e-4);
     near(Quantity::dwell_time_ms, c.dwell_time_ms.mean, 1e-6);
     const auto angle_tolerance = [](const thesis::MeanSd& vx, const thesis::MeanSd& vy) {
-      const double v = std::hypot(vx.mean, vy.mean);
-      const double degrees = 180.0 / std::numbers::pi;
+      const double v = std::hypot(vx.mean, vy.mean), degrees = 180.0 / std::numbers::pi;
       return degrees * (0.00707 / v + (vx.sd * vx.sd + vy.sd * vy.sd) / (2.0 * v * v)) + 0.005;
     };
     near(Quantity::theta_in_deg, c.theta_in_deg.mean, angle_tolerance(c.vx_td_mps, c.vy_td_mps));

@@ -5,7 +5,7 @@
 #include "sim/rig/tablet.hpp"
 #include "tests/sim/rig/virtual_rig_fixture.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe;
 using namespace strobe::sim;
@@ -67,5 +67,5 @@ TEST(TruthLine, TellsAFlashThatWasNone) {
   const auto line = line_of(fixture.shoot(), 7);
   CHECK(line["flash_true_ns"][3].is_null());
   CHECK(line["flash_true_ns"][4].is_number());
-  STRCMP_EQUAL("[\"flash_missing\"]", line["faults"].dump().c_str());
+  CHECK_EQUAL("[\"flash_missing\"]", line["faults"].dump());
 }

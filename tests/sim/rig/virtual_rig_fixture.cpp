@@ -18,8 +18,7 @@ constexpr Duration kMachineLag = milliseconds(310);
 constexpr Duration kPulse = microseconds(50);
 
 std::vector<Event> plan(MonoTime start, const ShotTimes& times) {
-  const MonoTime shutter = start + milliseconds(300);
-  const MonoTime open = shutter + kShutterLag;
+  const MonoTime shutter = start + milliseconds(300), open = shutter + kShutterLag;
   std::vector<Event> events{{shutter, RigLine::shutter, 1}, {shutter + times.exposure, RigLine::shutter, 0}};
   if (times.throw_ball) {
     const MonoTime trigger = open + times.impact_after - kMachineLag;

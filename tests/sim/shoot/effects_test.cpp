@@ -33,8 +33,7 @@ reduction::Frame frame_of(const Scene& scene, const Model& model = Model::full()
 
 /// Of the images before the impact: how the centre moves on average between two of them. [px]
 struct Steps {
-  double x = 0.0;
-  double y = 0.0;
+  double x = 0.0, y = 0.0;
 };
 Steps steps(const reduction::Frame& frame) {
   int n = 0;

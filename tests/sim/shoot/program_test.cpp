@@ -1,5 +1,3 @@
-// strobe-sim shoot as a program.
-#include <filesystem>
 #include <fstream>
 #include <sstream>
 #include <string>
@@ -9,15 +7,14 @@
 #include "tests/support/process.hpp"
 #include "tests/support/temporary_folder.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe;
 using strobe::testing::Process;
 
 TEST_GROUP(ShootProgram) {
   strobe::testing::TemporaryFolder folder;
-  std::string out;
-  std::string err;
+  std::string out, err;
 
   int shoot(std::vector<std::string> arguments) {
     arguments.insert(arguments.begin(), {STROBE_BUILD_DIR "/bin/strobe-sim", "shoot"});
@@ -32,7 +29,7 @@ TEST_GROUP(ShootProgram) {
 TEST(ShootProgram, PrintsFramesThatReduceAndTheSameOnesAgain) {
   const std::string truth = (folder.path() / "truth.jsonl").string();
   LONGS_EQUAL(0, shoot({"--scene", "zero_23", "--shots", "4", "--seed", "9", "--truth", truth}));
-  STRCMP_EQUAL("", err.c_str());
+  CHECK_EQUAL("", err);
   const std::string first = out;
   std::istringstream lines(first);
   int shots = 0;
@@ -50,7 +47,7 @@ TEST(ShootProgram, PrintsFramesThatReduceAndTheSameOnesAgain) {
     truths += line.find("\"readout\"") != std::string::npos ? 1 : 0;
   LONGS_EQUAL(4, truths);
   LONGS_EQUAL(0, shoot({"--scene", "zero_23", "--shots", "4", "--seed", "9", "--json"}));
-  STRCMP_EQUAL(first.c_str(), out.c_str());
+  CHECK_EQUAL(first, out);
   LONGS_EQUAL(0, shoot({"--scene", "zero_23", "--shots", "4", "--seed", "10"}));
   CHECK(first != out);
 }
@@ -58,7 +55,7 @@ TEST(ShootProgram, PrintsFramesThatReduceAndTheSameOnesAgain) {
 TEST(ShootProgram, RefusesWhatItDoesNotKnowInOneLine) {
   const auto refused = [&](std::vector<std::string> arguments, const char* what) {
     LONGS_EQUAL(2, shoot(std::move(arguments)));
-    STRCMP_EQUAL("", out.c_str());
+    CHECK_EQUAL("", out);
     STRCMP_CONTAINS(what, err.c_str());
     LONGS_EQUAL(err.size() - 1, err.find('\n'));
   };

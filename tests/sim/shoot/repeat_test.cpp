@@ -7,7 +7,7 @@
 #include "sim/rig/truth.hpp"
 #include "sim/shoot/shoot.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 namespace {
 
@@ -51,8 +51,7 @@ TEST(ShootRepeat, GivesTheSameBytesInAnotherThreadUnderLoad) {
   constexpr int kShots = 12;
   const std::string quiet = bytes_of(7, kShots);
   std::atomic<bool> done{false};
-  std::string loaded;
-  std::string beside;
+  std::string loaded, beside;
   {
     const std::jthread load([&] {
       for (volatile unsigned spin = 0; !done;) spin = spin + 1;
@@ -61,7 +60,7 @@ TEST(ShootRepeat, GivesTheSameBytesInAnotherThreadUnderLoad) {
     std::jthread([&] { loaded = bytes_of(7, kShots); }).join();
     done = true;
   }
-  CHECK(quiet == loaded);
+  CHECK_EQUAL(loaded, quiet);
   CHECK(quiet != beside);
-  CHECK(beside == bytes_of(8, kShots));
+  CHECK_EQUAL(bytes_of(8, kShots), beside);
 }

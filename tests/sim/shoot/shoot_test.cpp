@@ -1,7 +1,5 @@
 #include "sim/shoot/shoot.hpp"
 
-#include <cmath>
-
 #include "common/reduction/reduce.hpp"
 
 #include <CppUTest/TestHarness.h>

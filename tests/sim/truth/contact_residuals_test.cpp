@@ -3,7 +3,6 @@
 // the difference that they should show is computed by neither of the two (independent_contact.hpp).
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <vector>
 
 #include "common/contact/standard_error.hpp"
@@ -227,8 +226,7 @@ TEST(ContactResiduals, WithTheSineInTheRigTheyAreTheNoise) {
   input.dwell_s *= p.dwell_s / (p.dwell_s + left_s);
   const auto pulse = *impact::SinePulse::make(impact::PulseForm::exact, input);
   const contact::Trajectory motion = [&](double fraction) {
-    const double t = fraction * p.dwell_s;
-    const double free_s = std::max(0.0, t - input.dwell_s);
+    const double t = fraction * p.dwell_s, free_s = std::max(0.0, t - input.dwell_s);
     const impact::PulseState s = pulse.at_time(std::min(t, input.dwell_s));
     return contact::TrajectoryPoint{s.x_m + free_s * *p.truth[Quantity::vx_lo_mps],
                                     s.y_m + free_s * *p.truth[Quantity::vy_lo_mps], 0.0};

@@ -3,13 +3,11 @@
 // it should; a mirrored photograph reads the same.
 #include <Eigen/Cholesky>
 #include <cmath>
-#include <cstdio>
-#include <string>
 
 #include "common/reduction/reduce.hpp"
 #include "sim/shoot/shoot.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 namespace {
 
@@ -60,8 +58,7 @@ TEST_GROUP(EstimatorsOfTheOde){};
 
 // Six degrees of freedom a shot: a mean of 6 with a standard deviation of sqrt(12/n).
 TEST(EstimatorsOfTheOde, TheBestOneFindsTheBallWithinItsStatedCovariance) {
-  double sum = 0.0;
-  double n = 0.0;
+  double sum = 0.0, n = 0.0;
   for (const double angle_deg : {-17.0, -35.0, -60.0}) {
     for (const double spin : {-150.0, 0.0, 165.0}) {
       auto shooter = Shooter::make(scene_at(angle_deg, spin), kEstimatorsSeed);
@@ -145,7 +142,7 @@ TEST(EstimatorsOfTheOde, AMirroredPhotographReadsTheSame) {
     CHECK(!a->mirrored && b->mirrored);
     for (std::size_t i = 0; i < reduction::kQuantityCount; ++i) {
       const auto q = static_cast<Quantity>(i);
-      CHECK(a->value[q].has_value() == b->value[q].has_value());
+      CHECK_EQUAL(b->value[q].has_value(), a->value[q].has_value());
       if (a->value[q]) DOUBLES_EQUAL(*a->value[q], *b->value[q], 1e-7 * (1.0 + std::abs(*a->value[q])));
     }
   }

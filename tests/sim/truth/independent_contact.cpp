@@ -43,8 +43,7 @@ std::vector<ContactPoint> contact_course(const ContactInput& in, int steps) {
   const Oscillation o{damping_ratio_of(in.e)};
   // Released at o.release() with depth 2·zeta·speed: that much longer until the centre is back.
   const double frequency = (o.release() + 2.0 * o.zeta) / in.dwell_s;
-  const double k = in.mass_kg * frequency * frequency;
-  const double kt = in.stiffness_ratio * k;
+  const double k = in.mass_kg * frequency * frequency, kt = in.stiffness_ratio * k;
   const double ct = in.damping_ratio * std::sqrt(kt * in.mass_kg);
   const double metre = -in.vy_mps / frequency;
   const auto depth_m = [&](double tau) {
@@ -54,14 +53,12 @@ std::vector<ContactPoint> contact_course(const ContactInput& in, int steps) {
   const auto slope = [&](const Tangential& z, double tau) {
     const double normal = tau < o.release() ? k * metre * (o.depth(tau) + 2.0 * o.zeta * o.speed(tau)) : 0.0;
     const double slip = z.vx + in.radius_m * z.omega;
-    double force = kt * z.stretch + ct * slip;
-    double stretching = slip;
+    double force = kt * z.stretch + ct * slip, stretching = slip;
     if (std::abs(force) > in.mu * normal) {
       force = std::copysign(in.mu * normal, force);
       stretching = (force - kt * z.stretch) / ct;
     }
-    const double y = std::clamp(depth_m(tau), 0.0, in.radius_m);
-    const double w = in.radius_m * z.omega;
+    const double y = std::clamp(depth_m(tau), 0.0, in.radius_m), w = in.radius_m * z.omega;
     const double offset = -in.offset_share * std::sqrt(y * (2.0 * in.radius_m - y)) * w /
                           std::hypot(w, in.offset_reference_mps);
     const double inertia = in.alpha * in.mass_kg * in.radius_m * in.radius_m;

@@ -16,8 +16,7 @@ struct ContactInput {
 
 struct ContactPoint {
   double x_m = 0.0, y_m = 0.0;  ///< of the centre since touchdown; y <= 0
-  double rotation_rad = 0.0;
-  double vx_mps = 0.0, omega_radps = 0.0;
+  double rotation_rad = 0.0, vx_mps = 0.0, omega_radps = 0.0;
 };
 
 /// The course at equal steps from touchdown (first) to lift-off (last). Errors fall with the square of the

@@ -63,9 +63,8 @@ std::string info_of(unsigned line) {
                {GPIOLINE_FLAG_BIAS_PULL_UP, "pull-up"},
                {GPIOLINE_FLAG_BIAS_PULL_DOWN, "pull-down"},
                {GPIOLINE_FLAG_BIAS_DISABLE, "bias-disable"}};
-  for (const auto& flag : flags) {
+  for (const auto& flag : flags)
     if ((info.flags & flag.flag) != 0) text += std::string(flag.name) + " ";
-  }
   return text + "consumer '" + info.consumer + "'";
 }
 

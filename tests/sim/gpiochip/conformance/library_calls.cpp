@@ -121,17 +121,17 @@ void outputs() {
 }
 
 void output_of_a_killed_owner() {
-  int told[2];
-  if (pipe(told) != 0) std::exit(1);
+  int pipes[2];
+  if (pipe(pipes) != 0) std::exit(1);
   const pid_t child = fork();
   if (child == 0) {
     gpiod_chip* own = gpiod_chip_open_lookup(gpiod_chip_name(chip));
     const int taken = gpiod_line_request_output(gpiod_chip_get_line(own, line_a), "victim", 1);
-    if (write(told[1], &taken, sizeof taken) == sizeof taken) pause();
+    if (write(pipes[1], &taken, sizeof taken) == sizeof taken) pause();
     _exit(0);
   }
   int taken = -1;
-  if (read(told[0], &taken, sizeof taken) != sizeof taken) std::exit(1);
+  if (read(pipes[0], &taken, sizeof taken) != sizeof taken) std::exit(1);
   say_outcome("taken by another process", taken);
   say_outcome("request meanwhile", gpiod_line_request_output(line(line_a), kConsumer, 0));
   kill(child, SIGKILL);

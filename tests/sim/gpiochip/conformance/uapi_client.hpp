@@ -28,9 +28,8 @@ inline gpiohandle_request handle_request(const std::vector<unsigned>& lines, std
   request.lines = static_cast<std::uint32_t>(lines.size());
   request.flags = flags;
   for (std::size_t i = 0; i < lines.size() && i < GPIOHANDLES_MAX; ++i) request.lineoffsets[i] = lines[i];
-  for (std::size_t i = 0; i < values.size() && i < GPIOHANDLES_MAX; ++i) {
+  for (std::size_t i = 0; i < values.size() && i < GPIOHANDLES_MAX; ++i)
     request.default_values[i] = static_cast<std::uint8_t>(values[i]);
-  }
   strncpy(request.consumer_label, label, sizeof(request.consumer_label) - 1);
   return request;
 }
