@@ -3,6 +3,7 @@
 #include <cmath>
 #include <set>
 #include <string>
+#include <utility>
 
 #include "tests/common/impact_fit/check.hpp"
 
@@ -72,7 +73,7 @@ TEST(Regimes, OnlyTheConditionNextToTheBorderIsUncertain) {
 TEST(Regimes, TheUncertaintiesAddUpAsTheFormulaSays) {
   Observation o;
   o.touchdown = {15.0, -6.0, 0.0};
-  o.touchdown_sd = {0.3, 0.1, 0.0};
+  o.touchdown_sd = {0.3, 0.1, 5.0};
   o.lift_off = {9.0, 5.0, -250.0};
   o.lift_off_sd = {0.3, 0.1, 4.0};
   o.e = 0.8;
@@ -82,12 +83,23 @@ TEST(Regimes, TheUncertaintiesAddUpAsTheFormulaSays) {
   const auto j = classify_regime(o, ReboundModel::grip_offset, fitted, 0.0651);
   DOUBLES_EQUAL(1.1 * 15.0 / 3.0, j->friction_needed_mps, 1e-12);
   DOUBLES_EQUAL(0.5 * 1.8 * 6.0, j->friction_available_mps, 1e-12);
-  const double sd = std::sqrt(std::pow(1.1 / 3.0 * 0.3, 2) + std::pow(0.5 * 1.8 * 0.1, 2) +
-                              std::pow(0.5 * 6.0 * 0.02, 2) + std::pow(1.8 * 6.0 * 0.03, 2));
+  const double sd =
+      std::sqrt(std::pow(1.1 / 3.0 * 0.3, 2) + std::pow(1.1 / 3.0 * 0.03255 * 5.0, 2) +
+                std::pow(0.5 * 1.8 * 0.1, 2) + std::pow(0.5 * 6.0 * 0.02, 2) + std::pow(1.8 * 6.0 * 0.03, 2));
   DOUBLES_EQUAL(sd, j->margin_sd_mps, 1e-9);
   DOUBLES_EQUAL((5.5 - 5.4) / sd, j->z, 1e-9);
   DOUBLES_EQUAL(9.0 - 0.03255 * 250.0, j->slip_lo_mps, 1e-12);
-  DOUBLES_EQUAL(std::hypot(0.3, 0.03255 * 4.0), j->slip_lo_sd_mps, 1e-12);
+  const double slip_lo_sd = std::hypot(0.3, 0.03255 * 4.0);
+  DOUBLES_EQUAL(slip_lo_sd, j->slip_lo_sd_mps, 1e-12);
+  // Rolling off needs a third of 15 m/s, and 6 were lost.
+  DOUBLES_EQUAL(5.0 - 6.0, j->shortfall_mps, 1e-12);
+  DOUBLES_EQUAL(std::hypot(2.0 / 3.0 * 0.3, 0.3, 0.03255 * 5.0 / 3.0), j->shortfall_sd_mps, 1e-12);
+  // With 4 lost it slid if it still slips by more than two sd.
+  o.lift_off.vx_mps = 11.0;
+  for (const auto& [sds, regime] : {std::pair(1.99, Regime::unclear), std::pair(2.01, Regime::slides)}) {
+    o.lift_off.omega_radps = (sds * slip_lo_sd - 11.0) / 0.03255;
+    CHECK(classify_regime(o, ReboundModel::grip_offset, fitted, 0.0651)->measured == regime);
+  }
 }
 
 TEST(Regimes, TheProbabilityIsTheShareOfDraws) {
