@@ -188,9 +188,15 @@ TEST(ReadoutFlags, ASpinBeyondAQuarterTurnIsFlaggedByWhatFrictionTookFromTheTrav
   b.omega_td = -100.0;
   b.omega_lo = -692.0;
   test::Random random(6);
-  const Readout r = reduced(test::photograph(b, vacuum(), random));
+  const Frame frame = test::photograph(b, vacuum(), random);
+  const Readout r = reduced(frame);
   CHECK_TRUE(*r.value[Quantity::omega_lo_radps] > 0.0);
   CHECK_TRUE(r.flags.has(Flag::spin_aliased));
+  // Likewise where the first fit is the last one, and of two images.
+  CHECK_TRUE(reduce(frame, Estimator::best)->flags.has(Flag::spin_aliased));
+  CHECK_TRUE(
+      reduce(frame, Estimator::best, {.effects = flight::kGravityOnly})->flags.has(Flag::spin_aliased));
+  CHECK_TRUE(reduced(frame, Estimator::two_point).flags.has(Flag::spin_aliased));
 }
 
 TEST(ReadoutFlags, ASpinThatALegWithGapsCannotTellIsFlaggedThoughFrictionAllowsIt) {
