@@ -66,8 +66,7 @@ std::string rejected_commands_text(const status_t& s) {
 std::string blocking_reason_of(const ViewModel& model) {
   if (!model.blocking_reason.empty()) return model.blocking_reason;
   if (!model.status) return "no firmware heard";
-  if (model.silent)
-    return fmt::format("the firmware has been silent for {:.0f} s", model.status_age_s);
+  if (model.silent) return fmt::format("the firmware has been silent for {:.0f} s", model.status_age_s);
   return model.status->message;
 }
 
@@ -178,8 +177,9 @@ Lines remarks(const ShotResult& shot_result) {
   const auto& flashes = shot_result.readout.flashes;
   if (flashes && flashes->coded) {
     // Rivals that are hopeless are left out of the sum, so that 0 is not to be taken at its word.
-    const double doubt = 100.0 * flashes->misassignment_probability;
-    const std::string others = doubt < 0.01 ? "less than 0.01" : fmt::format("{:.2g}", doubt);
+    const double misassigned_percent = 100.0 * flashes->misassignment_probability;
+    const std::string others =
+        misassigned_percent < 0.01 ? "less than 0.01" : fmt::format("{:.2g}", misassigned_percent);
     lines.push_back(fmt::format("code: flashes {} to {} show the ball; that it was others is {} % probable",
                                 flashes->first, flashes->last, others));
   }

@@ -3,7 +3,6 @@
 
 #include <rapidcheck.h>
 
-#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -22,7 +21,8 @@ std::vector<ClockSample> points_of(Heartbeats& beats, int heard) {
   const strobe::Duration ahead = beats.local_offset;
   while (static_cast<int>(points.size()) < heard) {
     if (const auto beat = beats.next())
-      points.push_back({strobe::to_seconds(beat->device.mono - origin), strobe::to_seconds(beat->offset() - ahead)});
+      points.push_back(
+          {strobe::to_seconds(beat->device.mono - origin), strobe::to_seconds(beat->offset() - ahead)});
   }
   return points;
 }

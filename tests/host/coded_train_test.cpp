@@ -171,7 +171,7 @@ TEST(CodedPhotograph, IsToldAlsoWhereTheMachineWasFarOffItsLag) {
   for (int k = 5; k < 200; k += 11) omitted.omitted.insert(k);
   for (int k = 8; k < 200; k += 13) omitted.omitted.insert(k);
   const SyntheticShot made_even = make_shot(even), made = make_shot(omitted);
-  CHECK_FALSE(flashes_of(assembled(made_even)) == made_even.image_flash);  // believes the machine
+  CHECK_FALSE(flashes_of(assembled(made_even)) == made_even.image_flash);  // follows the machine's lag
   CHECK(flashes_of(assembled(made)) == made.image_flash);
 }
 

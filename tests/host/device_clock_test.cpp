@@ -3,7 +3,6 @@
 
 #include <cmath>
 #include <cstdio>
-#include <random>
 #include <string>
 #include <vector>
 
@@ -47,9 +46,8 @@ struct Asked {
       beats.lost_share = kind.lost_share, beats.long_share = kind.long_share;
       beats.burst_share = kind.burst_share, beats.wander = kind.wander;
       DeviceClock clock;
-      for (int i = 0; i < heard;) {
+      for (int i = 0; i < heard;)
         if (const auto beat = beats.next()) clock.on_heartbeat(beats.boot_id, beat->device, beat->heard), ++i;
-      }
       const ClockState state = clock.state();
       LONGS_EQUAL(heard, state.heartbeats);
       drift.add(*state.drift_ppm - 1e6 * beats.drift, state.drift_sd_ppm);

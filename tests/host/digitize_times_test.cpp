@@ -1,8 +1,7 @@
-// The flashes' times as the digitizing command reads them.
 #include "host/commands/digitize_times.hpp"
 #include "host/config/plan_file.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe::host;
 
@@ -39,19 +38,18 @@ TEST(DigitizeTimes, LeaveOutFlashesThatNoSensorSaw) {
   const auto times = parse_flash_times("[null, 0.003, null, 0.009]", "t.json").value();
   LONGS_EQUAL(2, times[0].size());
   DOUBLES_EQUAL(0.009, times[0].at(1), 0.0);
-  STRCMP_EQUAL("t.json:1: no flash was seen", complaint("[null]").c_str());
+  CHECK_EQUAL("t.json:1: no flash was seen", complaint("[null]"));
 }
 
 TEST(DigitizeTimes, ThatAreWrongAreNamedByFileAndLine) {
-  STRCMP_EQUAL("t.json: no flashes", complaint("\n").c_str());
-  STRCMP_EQUAL("t.json:2: is not JSON", complaint("[0]\n[1,\n").c_str());
-  STRCMP_EQUAL("t.json:1: no flash_times_s", complaint("{\"times\": [0]}").c_str());
-  STRCMP_EQUAL("t.json:1: must be an array of seconds, or an object with flash_times_s",
-               complaint("3").c_str());
-  STRCMP_EQUAL("t.json:1: must be 1 to 100000 flashes", complaint("[]").c_str());
-  STRCMP_EQUAL("t.json:1: flash 1 is not a number", complaint("[0, \"1\"]").c_str());
-  STRCMP_EQUAL("t.json:1: flash 2 is not after the one before", complaint("[0, 1, 1]").c_str());
-  STRCMP_EQUAL("t.json:1: flash 0 is beyond 1e9 s", complaint("[1e10]").c_str());
+  CHECK_EQUAL("t.json: no flashes", complaint("\n"));
+  CHECK_EQUAL("t.json:2: is not JSON", complaint("[0]\n[1,\n"));
+  CHECK_EQUAL("t.json:1: no flash_times_s", complaint("{\"times\": [0]}"));
+  CHECK_EQUAL("t.json:1: must be an array of seconds, or an object with flash_times_s", complaint("3"));
+  CHECK_EQUAL("t.json:1: must be 1 to 100000 flashes", complaint("[]"));
+  CHECK_EQUAL("t.json:1: flash 1 is not a number", complaint("[0, \"1\"]"));
+  CHECK_EQUAL("t.json:1: flash 2 is not after the one before", complaint("[0, 1, 1]"));
+  CHECK_EQUAL("t.json:1: flash 0 is beyond 1e9 s", complaint("[1e10]"));
 }
 
 TEST(DigitizeTimes, OfAnEvenTrainCountFromTheFirstImage) {

@@ -1,5 +1,4 @@
 // The parts of the flash match: the track of a frame, the prior of the gate, the flashes of contact images.
-#include <array>
 #include <cmath>
 #include <numbers>
 #include <vector>
@@ -10,7 +9,7 @@
 #include "host/assembly/image_track.hpp"
 #include "tests/host/synthetic_shot.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 namespace {
 
@@ -82,7 +81,7 @@ TEST(ArrivalPriors, TheGateTellsWhichFlashesOfAnEvenTrain) {
     host::AssemblySettings settings;
     settings.analysis.gate_distance_m = 2.0;
     const host::AssembledShot shot = host::assemble(made.shot, made.frame, settings);
-    CHECK_TRUE(flashes_of(shot) == made.image_flash);
+    CHECK_EQUAL(made.image_flash, flashes_of(shot));
     // Places 3 ms apart under a Cauchy density: its half-width is the gate's 50 mm and 5 % of the way. The sum
     // of 1/(1 + (a k)^2) over all k is (pi/a) coth(pi/a); the train's ends cut off less than 0.02 of it.
     const double width_s = std::hypot(0.05, 0.05 * 2.0) / 2.0 * flight_s;
@@ -91,7 +90,7 @@ TEST(ArrivalPriors, TheGateTellsWhichFlashesOfAnEvenTrain) {
   }
 }
 
-TEST(ArrivalPriors, TheGateIsBelievedAsFarAsItsDistanceIsKnown) {
+TEST(ArrivalPriors, TheGateWeighsAsMuchAsItsDistanceIsKnown) {
   // The machine's lag says 30 ms later than the gate. Both at once: the gate counts.
   Scenario sc;
   sc.machine_error_s = -0.030;
@@ -101,7 +100,7 @@ TEST(ArrivalPriors, TheGateIsBelievedAsFarAsItsDistanceIsKnown) {
   host::AssemblySettings settings;
   settings.machine_lag_s = kMachineLag_s;
   settings.analysis.gate_distance_m = 2.0;
-  CHECK_TRUE(flashes_of(host::assemble(made.shot, made.frame, settings)) == made.image_flash);
+  CHECK_EQUAL(made.image_flash, flashes_of(host::assemble(made.shot, made.frame, settings)));
 }
 
 TEST_GROUP(ContactFlashes) {
@@ -150,7 +149,7 @@ TEST(ContactFlashes, AreThoseWhereTheBallWas) {
   for (int a = 1; a <= 7; ++a) {
     for (int b = a + 1; b <= 7; ++b) {
       const auto found = matched({a * 5e-4, b * 5e-4});
-      CHECK_TRUE((found.flash == std::vector<int>{10 + a, 10 + b}));
+      CHECK_EQUAL((std::vector<int>{10 + a, 10 + b}), found.flash);
       DOUBLES_EQUAL(0.0, found.chi_squared, 1e-12);
     }
   }
@@ -161,8 +160,7 @@ TEST(ContactFlashes, CostMoreTheFurtherTheyAreFromThere) {
   const auto found = matched({2.25e-3});
   CHECK_TRUE(found.flash[0] == 14 || found.flash[0] == 15);
   const Vector2d ball = pressed(2.25e-3), flash = pressed(found.flash[0] == 14 ? 2e-3 : 2.5e-3);
-  const double variance = 0.2 * 0.2 + 3.0 * 3.0;
-  const double depth = 32.0 - flash.y();
+  const double variance = 0.2 * 0.2 + 3.0 * 3.0, depth = 32.0 - flash.y();
   const double expected = std::pow(ball.x() - flash.x(), 2) / variance +
                           std::pow(ball.y() - flash.y(), 2) / (variance + std::pow(0.15 * depth, 2));
   DOUBLES_EQUAL(expected, found.chi_squared, 1e-9);
@@ -171,8 +169,8 @@ TEST(ContactFlashes, CostMoreTheFurtherTheyAreFromThere) {
 TEST(ContactFlashes, BesideOneLegAloneAreNextToIt) {
   const host::LegCandidate none;
   const std::vector<host::TrackPoint> two{{Leg::contact, pressed(1e-3)}, {Leg::contact, pressed(2e-3)}};
-  CHECK_TRUE((host::contact_flashes(two, in, none, times_s, track).flash == std::vector<int>{10, 11}));
-  CHECK_TRUE((host::contact_flashes(two, none, out, times_s, track).flash == std::vector<int>{17, 18}));
+  CHECK_EQUAL((std::vector<int>{10, 11}), host::contact_flashes(two, in, none, times_s, track).flash);
+  CHECK_EQUAL((std::vector<int>{17, 18}), host::contact_flashes(two, none, out, times_s, track).flash);
 }
 
 TEST(ContactFlashes, ABallCanHaveThisContactButNotOneThatGivesEnergy) {

@@ -1,4 +1,3 @@
-// What the sensors saw of each flash, as the time of the flash.
 #include "host/assembly/flash_times.hpp"
 
 #include <limits>

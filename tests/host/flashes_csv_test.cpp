@@ -1,11 +1,8 @@
-// flashes.csv over several runs.
 #include "host/session/flashes_csv.hpp"
-
-#include <string>
 
 #include "tests/support/temporary_folder.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 namespace {
 
@@ -45,8 +42,7 @@ TEST_GROUP(FlashesTable) { TemporaryFolder folder; };
 TEST(FlashesTable, HasEachFlashOnALineWithWhatWasNotThereEmpty) {
   auto csv = FlashesCsv::open(folder / "flashes.csv");
   CHECK(csv->add(example(3)).has_value());
-  STRCMP_EQUAL((host::flashes_header() + "\n" + kOfShotThree).c_str(),
-               read_text(folder / "flashes.csv").c_str());
+  CHECK_EQUAL(host::flashes_header() + "\n" + kOfShotThree, read_text(folder / "flashes.csv"));
 }
 
 TEST(FlashesTable, HasEachShotOnceOverSeveralRuns) {
@@ -54,8 +50,7 @@ TEST(FlashesTable, HasEachShotOnceOverSeveralRuns) {
     auto csv = FlashesCsv::open(folder / "flashes.csv");
     for (int again = 0; again < 2; ++again) CHECK(csv->add(example(3)).has_value());
   }
-  STRCMP_EQUAL((host::flashes_header() + "\n" + kOfShotThree).c_str(),
-               read_text(folder / "flashes.csv").c_str());
+  CHECK_EQUAL(host::flashes_header() + "\n" + kOfShotThree, read_text(folder / "flashes.csv"));
 }
 
 TEST(FlashesTable, TakesAShotWithoutFlashes) {
@@ -63,7 +58,7 @@ TEST(FlashesTable, TakesAShotWithoutFlashes) {
   auto shot = example(4);
   shot.flashes.clear(), shot.flash_count = 0;
   CHECK(csv->add(shot).has_value());
-  STRCMP_EQUAL((host::flashes_header() + "\n").c_str(), read_text(folder / "flashes.csv").c_str());
+  CHECK_EQUAL(host::flashes_header() + "\n", read_text(folder / "flashes.csv"));
 }
 
 TEST(FlashesTable, RefusesAnotherVersionsColumns) {

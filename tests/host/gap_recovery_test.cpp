@@ -1,4 +1,3 @@
-// When the end of a series has been fetched, or is given up.
 #include "host/session/gap_recovery.hpp"
 
 #include "tests/host/synthetic_shot.hpp"

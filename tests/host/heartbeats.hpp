@@ -85,8 +85,7 @@ class Heartbeats {
   }
 
   std::mt19937_64 random_;
-  double device_s_ = 1000.0;
-  double drift_from_s_ = 1000.0;
+  double device_s_ = 1000.0, drift_from_s_ = 1000.0;
   Duration slept_{};
   int burst_left_ = 0;
 };

@@ -16,7 +16,7 @@
 #include "tests/support/string_from.hpp"
 #include "tests/support/temporary_folder.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 namespace {
 
@@ -244,9 +244,8 @@ TEST(HostLoop, TheLogHoldsWhatCameAndWhatWasPublishedOnce) {
   arrive(Channel::frame, frame);
   arrive(Channel::status, idle_status());
   std::vector<std::string> received;
-  CHECK_TRUE(transport.receive({}, {}, [&](const std::string& name, std::span<const std::uint8_t>) {
-    received.push_back(name);
-  }));
+  CHECK_TRUE(transport.receive(
+      {}, {}, [&](const std::string& name, std::span<const std::uint8_t>) { received.push_back(name); }));
   LONGS_EQUAL(3, received.size());
   lcm::LogFile log((folder / "host-20260131T093000Z.lcmlog").string(), "r");
   std::vector<std::string> logged;
@@ -255,6 +254,6 @@ TEST(HostLoop, TheLogHoldsWhatCameAndWhatWasPublishedOnce) {
     CHECK_EQUAL(clock.now, Duration{microseconds{event->timestamp}});
   }
   LONGS_EQUAL(4, logged.size());
-  STRCMP_EQUAL(channel(Channel::readout).c_str(), logged[0].c_str());
-  for (std::size_t i = 0; i < received.size(); ++i) STRCMP_EQUAL(received[i].c_str(), logged[i + 1].c_str());
+  CHECK_EQUAL(channel(Channel::readout), logged[0]);
+  for (std::size_t i = 0; i < received.size(); ++i) CHECK_EQUAL(received[i], logged[i + 1]);
 }

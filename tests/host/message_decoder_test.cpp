@@ -13,7 +13,7 @@
 #include "common/messages/well_formed.hpp"
 #include "tests/host/synthetic_shot.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 namespace {
 
@@ -80,7 +80,7 @@ TEST(DecodingOfMessages, AnEventWhoseTextClaimsALengthBelowOneIsCountedAndHarmle
   }
   LONGS_EQUAL(1, handler.events);
   LONGS_EQUAL(3, decoder.undecodable());
-  STRCMP_EQUAL("", decoder.fault().c_str());
+  CHECK_EQUAL("", decoder.fault());
 }
 
 TEST(DecodingOfMessages, NumbersOutOfRangeAreIgnored) {
@@ -114,18 +114,16 @@ TEST(DecodingOfMessages, OtherRigsAndTypesAreIgnored) {
 TEST(DecodingOfMessages, WhatTheHandlerThrowsEndsHere) {
   handler.throws = true;
   give("STROBE/bench/STATUS", encode(status()));
-  STRCMP_EQUAL("the disk is full", decoder.fault().c_str());
+  CHECK_EQUAL("the disk is full", decoder.fault());
 }
 
 TEST(DecodingOfMessages, CutBytesAreNoMessage) {
   const auto made = strobe::host_test::make_shot({});
   for (const auto& [channel, whole] : {std::pair{"STROBE/bench/FRAME", encode(made.frame)},
                                        std::pair{"STROBE/bench/SHOT", encode(made.shot)},
-                                       std::pair{"STROBE/bench/STATUS", encode(status())}}) {
-    for (std::size_t length = 0; length < whole.size(); ++length) {
+                                       std::pair{"STROBE/bench/STATUS", encode(status())}})
+    for (std::size_t length = 0; length < whole.size(); ++length)
       give(channel, {whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(length)});
-    }
-  }
   LONGS_EQUAL(0, handler.frames + handler.shots + handler.statuses);
 }
 

@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 namespace {
 
@@ -23,12 +23,14 @@ host::DeviceReading device(Duration mono, Duration slept = {}) {
   return {MonoTime{mono}, WallTime{mono + slept}, mono + slept};
 }
 
+}  // namespace
+
 /// Instants are seconds of the firmware's clock; photographs may come 5 s after their shot.
-struct Bench {
+TEST_GROUP(PhotographsToShots) {
   strobe::host::DeviceClock clock;
   PhotographMatcher match{clock, 5.0};
 
-  Bench() { clock.on_heartbeat(7, {}, kStart); }
+  void setup() override { clock.on_heartbeat(7, {}, kStart); }
   void shot(int id, double closed_s, bool dry = false) {
     strobe_msgs::shot_t shot{};
     shot.boot_id = 7;
@@ -58,158 +60,139 @@ struct Bench {
   }
 };
 
-}  // namespace
-
-TEST_GROUP(PhotographsToShots){};
-
 TEST(PhotographsToShots, EachShotGetsTheOneThatFollowsIt) {
-  Bench bench;
-  bench.shot(1, 10.0);
-  bench.photograph(1, 10.6);
-  STRCMP_EQUAL("1>1", bench.decided(10.6).c_str());
-  bench.shot(2, 14.0);
-  bench.photograph(2, 14.6);
-  STRCMP_EQUAL("2>2", bench.decided(14.6).c_str());
+  shot(1, 10.0);
+  photograph(1, 10.6);
+  CHECK_EQUAL("1>1", decided(10.6));
+  shot(2, 14.0);
+  photograph(2, 14.6);
+  CHECK_EQUAL("2>2", decided(14.6));
 }
 
 TEST(PhotographsToShots, APhotographMayBeHereBeforeTheWordOfItsShot) {
-  Bench bench;
-  bench.photograph(1, 10.6);
-  STRCMP_EQUAL("", bench.decided(11.0).c_str());
-  bench.shot(1, 10.0);
-  STRCMP_EQUAL("1>1", bench.decided(11.1).c_str());
+  photograph(1, 10.6);
+  CHECK_EQUAL("", decided(11.0));
+  shot(1, 10.0);
+  CHECK_EQUAL("1>1", decided(11.1));
 }
 
 TEST(PhotographsToShots, OneBeforeTheShutterHasClosedIsNobodys) {
-  Bench bench;
-  bench.shot(1, 10.0);
-  bench.photograph(1, 9.8);
-  STRCMP_EQUAL("", bench.decided(10.5).c_str());
-  STRCMP_EQUAL("1:no shot waits for a photograph: not used", bench.decided(15.0).c_str());
-  bench.photograph(2, 10.9);
-  STRCMP_EQUAL("2>1!", bench.decided(15.1).c_str());
+  shot(1, 10.0);
+  photograph(1, 9.8);
+  CHECK_EQUAL("", decided(10.5));
+  CHECK_EQUAL("1:no shot waits for a photograph: not used", decided(15.0));
+  photograph(2, 10.9);
+  CHECK_EQUAL("2>1!", decided(15.1));
 }
 
 TEST(PhotographsToShots, AnOldFileThatIsMovedIntoTheFolderIsNobodys) {
-  Bench bench;
-  bench.shot(1, 10.0);
-  bench.photograph(1, 10.6, 3.0);
-  STRCMP_EQUAL("1:its file is 6.5 s older than shot 1: not used", bench.left(11.0).c_str());
+  shot(1, 10.0);
+  photograph(1, 10.6, 3.0);
+  CHECK_EQUAL("1:its file is 6.5 s older than shot 1: not used", left(11.0));
 }
 
 TEST(PhotographsToShots, AnExtraOneIsSaidAndHarmsNothing) {
-  Bench bench;
-  bench.shot(1, 10.0);
-  bench.photograph(1, 10.6);
-  bench.photograph(2, 11.0);
-  STRCMP_EQUAL("1>1", bench.decided(11.0).c_str());
-  bench.shot(2, 14.0);
-  bench.photograph(3, 14.6);
+  shot(1, 10.0);
+  photograph(1, 10.6);
+  photograph(2, 11.0);
+  CHECK_EQUAL("1>1", decided(11.0));
+  shot(2, 14.0);
+  photograph(3, 14.6);
   // The extra one came before shot 2 and blocks nobody for longer than it may wait for word of its shot.
-  STRCMP_EQUAL("2:no shot waits for a photograph: not used 3>2", bench.decided(16.1).c_str());
+  CHECK_EQUAL("2:no shot waits for a photograph: not used 3>2", decided(16.1));
 }
 
 TEST(PhotographsToShots, ALateOneIsKeptForItsShotWhileNoOtherWasExposed) {
-  Bench bench;
-  bench.shot(1, 10.0);
-  bench.photograph(1, 17.0);
-  STRCMP_EQUAL("1>1!", bench.decided(17.0).c_str());
+  shot(1, 10.0);
+  photograph(1, 17.0);
+  CHECK_EQUAL("1>1!", decided(17.0));
 }
 
 TEST(PhotographsToShots, ALateOneIsNeverTakenForTheNextShots) {
-  Bench bench;
-  bench.shot(1, 10.0);  // whose photograph is late
-  bench.shot(2, 16.0);
-  bench.photograph(1, 16.3);
-  STRCMP_EQUAL("", bench.decided(16.4).c_str());
-  bench.photograph(2, 16.7);
-  STRCMP_EQUAL("1>1! 2>2", bench.decided(16.7).c_str());
+  shot(1, 10.0);  // whose photograph is late
+  shot(2, 16.0);
+  photograph(1, 16.3);
+  CHECK_EQUAL("", decided(16.4));
+  photograph(2, 16.7);
+  CHECK_EQUAL("1>1! 2>2", decided(16.7));
 }
 
 TEST(PhotographsToShots, AfterAMissingOneTheNextShotsIsTakenOnceNoOtherCame) {
-  Bench bench;
-  bench.shot(1, 10.0);
-  bench.photograph(1, 10.6);
-  STRCMP_EQUAL("1>1", bench.decided(10.6).c_str());
-  bench.shot(2, 14.0);  // which gets none
-  bench.shot(3, 20.0);
-  bench.photograph(2, 20.6);
-  STRCMP_EQUAL("", bench.decided(20.7).c_str());
+  shot(1, 10.0);
+  photograph(1, 10.6);
+  CHECK_EQUAL("1>1", decided(10.6));
+  shot(2, 14.0);  // which gets none
+  shot(3, 20.0);
+  photograph(2, 20.6);
+  CHECK_EQUAL("", decided(20.7));
   // Its own would have come by twice the usual 0.6 s and a fifth of a second.
-  STRCMP_EQUAL("", bench.decided(21.39).c_str());
-  STRCMP_EQUAL("2>3", bench.decided(21.41).c_str());
-  bench.shot(4, 25.0);
-  bench.photograph(3, 25.6);
-  STRCMP_EQUAL("3>4", bench.decided(25.6).c_str());
+  CHECK_EQUAL("", decided(21.39));
+  CHECK_EQUAL("2>3", decided(21.41));
+  shot(4, 25.0);
+  photograph(3, 25.6);
+  CHECK_EQUAL("3>4", decided(25.6));
 }
 
 TEST(PhotographsToShots, OfShotsInQuickSuccessionTheyComeInOrder) {
-  Bench bench;
-  bench.shot(1, 10.0);
-  bench.shot(2, 11.0);
-  bench.photograph(1, 12.0);
-  STRCMP_EQUAL("", bench.decided(12.0).c_str());
-  bench.photograph(2, 13.0);
-  STRCMP_EQUAL("1>1 2>2", bench.decided(13.0).c_str());
+  shot(1, 10.0);
+  shot(2, 11.0);
+  photograph(1, 12.0);
+  CHECK_EQUAL("", decided(12.0));
+  photograph(2, 13.0);
+  CHECK_EQUAL("1>1 2>2", decided(13.0));
 }
 
 TEST(PhotographsToShots, WhatMayBeOfEitherOfTwoShotsIsNobodys) {
-  Bench bench;
-  bench.shot(1, 10.0);
-  bench.shot(2, 11.0);
-  bench.photograph(1, 17.0);
-  STRCMP_EQUAL("1:it came too late, of shot 1 or 2: not used", bench.decided(17.0).c_str());
+  shot(1, 10.0);
+  shot(2, 11.0);
+  photograph(1, 17.0);
+  CHECK_EQUAL("1:it came too late, of shot 1 or 2: not used", decided(17.0));
 }
 
 TEST(PhotographsToShots, ADryShotTakesItsOwnUnmeasured) {
-  Bench bench;
-  bench.shot(1, 10.0, true);
-  bench.photograph(1, 10.6);
-  STRCMP_EQUAL("1>1~", bench.decided(10.6).c_str());
+  shot(1, 10.0, true);
+  photograph(1, 10.6);
+  CHECK_EQUAL("1>1~", decided(10.6));
 }
 
 TEST(PhotographsToShots, OneThatSomebodyElseMeasuredIsNotWanted) {
-  Bench bench;
-  bench.shot(1, 10.0);
-  bench.match.on_measured({7, 1});
-  bench.photograph(1, 10.6);
-  STRCMP_EQUAL("1>1~", bench.decided(10.6).c_str());
+  shot(1, 10.0);
+  match.on_measured({7, 1});
+  photograph(1, 10.6);
+  CHECK_EQUAL("1>1~", decided(10.6));
 }
 
 TEST(PhotographsToShots, AfterOneThatCannotBeReadAnotherMayCome) {
-  Bench bench;
-  bench.shot(1, 10.0);
-  bench.photograph(1, 10.6);
-  STRCMP_EQUAL("1>1", bench.decided(10.6).c_str());
-  bench.match.give_back({7, 1});
-  bench.photograph(2, 11.5);
-  STRCMP_EQUAL("2>1", bench.decided(11.5).c_str());
+  shot(1, 10.0);
+  photograph(1, 10.6);
+  CHECK_EQUAL("1>1", decided(10.6));
+  match.give_back({7, 1});
+  photograph(2, 11.5);
+  CHECK_EQUAL("2>1", decided(11.5));
 }
 
 TEST(PhotographsToShots, TheClockIsThatOfThePromptestMessage) {
-  Bench bench;
-  bench.clock.on_heartbeat(7, device(kSecond), kStart + 9 * kSecond);  // heard 8 s late
-  bench.shot(1, 10.0);
-  bench.photograph(1, 10.6);
-  STRCMP_EQUAL("1>1", bench.decided(10.6).c_str());
+  clock.on_heartbeat(7, device(kSecond), kStart + 9 * kSecond);  // heard 8 s late
+  shot(1, 10.0);
+  photograph(1, 10.6);
+  CHECK_EQUAL("1>1", decided(10.6));
 }
 
 TEST(PhotographsToShots, TheClockIsFollowedThroughDriftAndSuspension) {
-  Bench bench;
   // 500 ppm for an hour: 1.8 s by its end. Then the firmware's machine sleeps for a minute.
   HostTime heard;
   Duration sent{};
   for (int i = 1; i <= 7200; ++i) {
     sent = i * kSecond / 2;
     heard = kStart + sent + sent / 2000;
-    bench.clock.on_heartbeat(7, device(sent), heard);
+    clock.on_heartbeat(7, device(sent), heard);
   }
-  bench.shot(1, 3599.5);
+  shot(1, 3599.5);
   const Duration minute = std::chrono::minutes{1};
   for (int i = 1; i <= 2; ++i)
-    bench.clock.on_heartbeat(7, device(sent + i * kSecond, minute), heard + i * kSecond + minute);
-  bench.shot(2, 3601.5);
-  bench.match.on_photograph(1, heard + kSecond / 100, heard);
-  bench.match.on_photograph(2, heard + 2 * kSecond + minute, heard + 2 * kSecond + minute);
-  STRCMP_EQUAL("1>1! 2>2", Bench::words(bench.match.decide(heard + 2 * kSecond + minute)).c_str());
+    clock.on_heartbeat(7, device(sent + i * kSecond, minute), heard + i * kSecond + minute);
+  shot(2, 3601.5);
+  match.on_photograph(1, heard + kSecond / 100, heard);
+  match.on_photograph(2, heard + 2 * kSecond + minute, heard + 2 * kSecond + minute);
+  CHECK_EQUAL("1>1! 2>2", words(match.decide(heard + 2 * kSecond + minute)));
 }

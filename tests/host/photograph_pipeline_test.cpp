@@ -5,7 +5,6 @@
 #include <time.h>
 #include <unistd.h>
 
-#include <atomic>
 #include <fstream>
 #include <string>
 
@@ -13,7 +12,7 @@
 #include "tests/support/process.hpp"
 #include "tests/support/temporary_folder.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 namespace {
 
@@ -66,18 +65,18 @@ TEST_GROUP(FolderOfTheCamera) {
 TEST(FolderOfTheCamera, OldFilesAreLeftAlone) {
   write_text(folder / "old.tif", "x");
   open();
-  STRCMP_EQUAL("", arrived().c_str());
+  CHECK_EQUAL("", arrived());
   write_text(folder / "new.tif", "x");
-  STRCMP_EQUAL("new.tif.", arrived().c_str());
-  STRCMP_EQUAL("", arrived().c_str());
+  CHECK_EQUAL("new.tif.", arrived());
+  CHECK_EQUAL("", arrived());
 }
 
 TEST(FolderOfTheCamera, ATemporaryNameIsNoPhotographUntilItIsRenamed) {
   open();
   for (const char* name : {"a.tif.tmp", ".a.tif", "a.tif.part", "a.tif~"}) write_text(folder / name, "x");
-  STRCMP_EQUAL("", arrived().c_str());
+  CHECK_EQUAL("", arrived());
   fs::rename(folder / "a.tif.tmp", folder / "a.tif");
-  STRCMP_EQUAL("a.tif>", arrived().c_str());
+  CHECK_EQUAL("a.tif>", arrived());
   CHECK_TRUE(camera->take_notifications().empty());
 }
 
@@ -85,16 +84,16 @@ TEST(FolderOfTheCamera, AFileIsThereOnceItsWriterHasClosedIt) {
   open();
   std::ofstream file(folder / "a.tif");
   file << "half" << std::flush;
-  STRCMP_EQUAL("", arrived().c_str());
+  CHECK_EQUAL("", arrived());
   file << "whole" << std::flush;
   file.close();
-  STRCMP_EQUAL("a.tif.", arrived().c_str());
+  CHECK_EQUAL("a.tif.", arrived());
 }
 
 TEST(FolderOfTheCamera, OtherFilesAreSaidOncePerKind) {
   open();
   for (const char* name : {"a.cr2", "b.cr2", "notes.txt"}) write_text(folder / name, "x");
-  STRCMP_EQUAL("", arrived().c_str());
+  CHECK_EQUAL("", arrived());
   LONGS_EQUAL(2, camera->take_notifications().size());
 }
 
@@ -102,7 +101,7 @@ TEST(FolderOfTheCamera, ANameThatIsUsedAgainIsANewPhotograph) {
   write_text(folder / "latest.tif", "one");
   open();
   write_text(folder / "latest.tif", "three");
-  STRCMP_EQUAL("latest.tif.", arrived().c_str());
+  CHECK_EQUAL("latest.tif.", arrived());
 }
 
 TEST(FolderOfTheCamera, WhatTheKernelDoesNotTellIsSeenByLooking) {
@@ -114,22 +113,22 @@ TEST(FolderOfTheCamera, WhatTheKernelDoesNotTellIsSeenByLooking) {
   fs::create_hard_link(elsewhere / "a.tif", folder / "a.tif", error);
   CHECK_FALSE(error);
   now += 1s;
-  STRCMP_EQUAL("", arrived().c_str());  // may be growing
+  CHECK_EQUAL("", arrived());  // may be growing
   now += 1s;
-  STRCMP_EQUAL("a.tif.", arrived().c_str());
+  CHECK_EQUAL("a.tif.", arrived());
 }
 
 TEST(FolderOfTheCamera, ThatGoesAwayAndComesBackIsSaid) {
   open();
   fs::remove_all(folder.path());
-  STRCMP_EQUAL("", arrived().c_str());
+  CHECK_EQUAL("", arrived());
   STRCMP_CONTAINS("is gone", all(camera->take_notifications()).c_str());
   fs::create_directory(folder.path());
   now += 1s;
   arrived();
   STRCMP_CONTAINS("is back", all(camera->take_notifications()).c_str());
   write_text(folder / "a.tif", "x");
-  STRCMP_EQUAL("a.tif.", arrived().c_str());
+  CHECK_EQUAL("a.tif.", arrived());
 }
 
 TEST(FolderOfTheCamera, ThatIsNotThereIsAnError) {
@@ -192,11 +191,11 @@ TEST(PipelineOfPhotographs, MakesTheFrameOfAShotAndKeepsThePhotograph) {
   LONGS_EQUAL(77, frame.boot_id);
   LONGS_EQUAL(3, frame.shot_id);
   LONGS_EQUAL(5, frame.host_id);
-  STRCMP_EQUAL("auto", frame.source.c_str());
+  CHECK_EQUAL("auto", frame.source);
   DOUBLES_EQUAL(700.0, frame.images.at(0).centre_x_px, 0.0);
   DOUBLES_EQUAL(166.0, frame.images.at(0).centre_y_px, 0.0);  // all flashes' times were given
-  STRCMP_EQUAL("photographs/shot-0003-IMG_1.tif", frame.photograph.c_str());
-  STRCMP_EQUAL("ball 700", testing::read_text(session / frame.photograph).c_str());
+  CHECK_EQUAL("photographs/shot-0003-IMG_1.tif", frame.photograph);
+  CHECK_EQUAL("ball 700", testing::read_text(session / frame.photograph));
 }
 
 TEST(PipelineOfPhotographs, KeepsTwoOfOneNameBoth) {
@@ -204,9 +203,9 @@ TEST(PipelineOfPhotographs, KeepsTwoOfOneNameBoth) {
     shot(text[5] - '0');
     put("latest.tif", text);
     const auto frame = step_until(1, "").front();
-    STRCMP_EQUAL(text, testing::read_text(session / frame.photograph).c_str());
+    CHECK_EQUAL(text, testing::read_text(session / frame.photograph));
   }
-  STRCMP_EQUAL("ball 1", testing::read_text(session / "photographs/shot-0001-latest.tif").c_str());
+  CHECK_EQUAL("ball 1", testing::read_text(session / "photographs/shot-0001-latest.tif"));
 }
 
 TEST(PipelineOfPhotographs, AnUnreadableOneIsSaidAndAnotherMayFollow) {
@@ -239,15 +238,15 @@ TEST(PipelineOfPhotographs, TwoFormatsOfAnExposureAreOnePhotograph) {
   put("a.jpg", "ball 1");
   step_until(1, "");
   pipeline->end(steady_now());
-  STRCMP_EQUAL("", all(pipeline->take_notifications()).c_str());
+  CHECK_EQUAL("", all(pipeline->take_notifications()));
 }
 
 TEST(PipelineOfPhotographs, AnExtraOneIsSaidAtTheEndAtLatest) {
   put("a.tif", "ball 1");
   pipeline->step(steady_now());
   pipeline->end(steady_now());
-  STRCMP_EQUAL("photograph a.tif: no shot waits for a photograph: not used\n",
-               all(pipeline->take_notifications()).c_str());
+  CHECK_EQUAL("photograph a.tif: no shot waits for a photograph: not used\n",
+              all(pipeline->take_notifications()));
 }
 
 TEST(PipelineOfPhotographs, OneThatSomebodyElseMeasuredIsOnlyKept) {

@@ -1,4 +1,3 @@
-// results.csv over several runs, and after a killed one.
 #include "host/session/results_csv.hpp"
 
 #include <algorithm>
@@ -7,7 +6,7 @@
 #include "host/session/csv_file.hpp"
 #include "tests/support/temporary_folder.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 namespace {
 
@@ -22,17 +21,15 @@ using testing::write_text;
 std::vector<std::string> fields(const std::string& line) {
   std::vector<std::string> result{""};
   bool quoted = false;
-  for (std::size_t i = 0; i < line.size(); ++i) {
-    if (line[i] == '"' && quoted && i + 1 < line.size() && line[i + 1] == '"') {
+  for (std::size_t i = 0; i < line.size(); ++i)
+    if (line[i] == '"' && quoted && i + 1 < line.size() && line[i + 1] == '"')
       result.back() += line[i++];
-    } else if (line[i] == '"') {
+    else if (line[i] == '"')
       quoted = !quoted;
-    } else if (line[i] == ',' && !quoted) {
+    else if (line[i] == ',' && !quoted)
       result.emplace_back();
-    } else {
+    else
       result.back() += line[i];
-    }
-  }
   return result;
 }
 
@@ -66,21 +63,21 @@ TEST_GROUP(ResultsTable){};
 
 TEST(ResultsTable, ALineHasAFieldForEachColumn) {
   const ShotResult shot_result = example();
-  STRCMP_EQUAL("2a", field(shot_result, "boot_id").c_str());
-  STRCMP_EQUAL("3", field(shot_result, "shot_id").c_str());
-  STRCMP_EQUAL("late", field(shot_result, "rejected").c_str());
-  STRCMP_EQUAL("0.1", field(shot_result, "e").c_str());
-  STRCMP_EQUAL("0.002", field(shot_result, "sd_e").c_str());
-  STRCMP_EQUAL("", field(shot_result, "sd_systematic_e").c_str());
-  STRCMP_EQUAL("", field(shot_result, "mu").c_str());
-  STRCMP_EQUAL("late_flash;sensor_missing", field(shot_result, "flags").c_str());
-  STRCMP_EQUAL("wet, \"fast\"", field(shot_result, "remarks").c_str());
-  STRCMP_EQUAL("23", field(shot_result, "angle_deg").c_str());
-  STRCMP_EQUAL("string_tension=25", field(shot_result, "other_notes").c_str());
-  STRCMP_EQUAL("25", field(shot_result, "first_flash").c_str());
-  STRCMP_EQUAL("37", field(shot_result, "last_flash").c_str());
-  STRCMP_EQUAL("0.001", field(shot_result, "misassignment_probability").c_str());
-  STRCMP_EQUAL("", field(ShotResult{}, "misassignment_probability").c_str());
+  CHECK_EQUAL("2a", field(shot_result, "boot_id"));
+  CHECK_EQUAL("3", field(shot_result, "shot_id"));
+  CHECK_EQUAL("late", field(shot_result, "rejected"));
+  CHECK_EQUAL("0.1", field(shot_result, "e"));
+  CHECK_EQUAL("0.002", field(shot_result, "sd_e"));
+  CHECK_EQUAL("", field(shot_result, "sd_systematic_e"));
+  CHECK_EQUAL("", field(shot_result, "mu"));
+  CHECK_EQUAL("late_flash;sensor_missing", field(shot_result, "flags"));
+  CHECK_EQUAL("wet, \"fast\"", field(shot_result, "remarks"));
+  CHECK_EQUAL("23", field(shot_result, "angle_deg"));
+  CHECK_EQUAL("string_tension=25", field(shot_result, "other_notes"));
+  CHECK_EQUAL("25", field(shot_result, "first_flash"));
+  CHECK_EQUAL("37", field(shot_result, "last_flash"));
+  CHECK_EQUAL("0.001", field(shot_result, "misassignment_probability"));
+  CHECK_EQUAL("", field(ShotResult{}, "misassignment_probability"));
 }
 
 TEST(ResultsTable, ASecondRunAppendsWithoutASecondHeader) {
@@ -90,7 +87,7 @@ TEST(ResultsTable, ASecondRunAppendsWithoutASecondHeader) {
     CHECK_TRUE(csv.has_value());
     CHECK_TRUE(csv->append(line).has_value());
   }
-  STRCMP_EQUAL((host::results_header() + "\none\ntwo\n").c_str(), read_text(folder / "results.csv").c_str());
+  CHECK_EQUAL(host::results_header() + "\none\ntwo\n", read_text(folder / "results.csv"));
 }
 
 TEST(ResultsTable, ALineThatAKilledRunLeftOpenIsClosedFirst) {
@@ -98,8 +95,7 @@ TEST(ResultsTable, ALineThatAKilledRunLeftOpenIsClosedFirst) {
   write_text(folder / "results.csv", host::results_header() + "\nhalf a li");
   auto csv = CsvFile::open(folder / "results.csv", host::results_header());
   CHECK_TRUE(csv->append("whole").has_value());
-  STRCMP_EQUAL((host::results_header() + "\nhalf a li\nwhole\n").c_str(),
-               read_text(folder / "results.csv").c_str());
+  CHECK_EQUAL(host::results_header() + "\nhalf a li\nwhole\n", read_text(folder / "results.csv"));
 }
 
 TEST(ResultsTable, ATableOfAnEarlierVersionGoesOnWithItsColumns) {
@@ -111,7 +107,7 @@ TEST(ResultsTable, ATableOfAnEarlierVersionGoesOnWithItsColumns) {
   const std::string line = host::results_line(example(), "2026-01-31T09:30:00.000Z");
   CHECK_TRUE(csv->append(line).has_value());
   const std::string without_flashes = line.substr(0, line.size() - std::string(",25,37,0.001").size());
-  STRCMP_EQUAL((earlier + "\n" + without_flashes + "\n").c_str(), read_text(folder / "results.csv").c_str());
+  CHECK_EQUAL(earlier + "\n" + without_flashes + "\n", read_text(folder / "results.csv"));
   LONGS_EQUAL(fields(earlier).size(), fields(without_flashes).size());
 }
 

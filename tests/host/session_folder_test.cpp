@@ -9,7 +9,7 @@
 
 #include "tests/support/temporary_folder.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 namespace {
 
@@ -46,27 +46,25 @@ TEST(FolderOfASession, KeepsEveryMessageAsItCame) {
     lcm::LogFile log((path / "host-20260131T093000Z.lcmlog").string(), "r");
     const lcm::LogEvent* event = log.readNextEvent();
     CHECK_TRUE(event != nullptr);
-    STRCMP_EQUAL("STROBE/bench/EVENT", event->channel.c_str());
+    CHECK_EQUAL("STROBE/bench/EVENT", event->channel);
     LONGS_EQUAL(1'000'001, event->timestamp);
     LONGS_EQUAL(bytes.size(), event->datalen);
     MEMCMP_EQUAL(bytes.data(), event->data, bytes.size());
     CHECK_TRUE(log.readNextEvent() == nullptr);
   }
-  STRCMP_EQUAL("rig = \"bench\"\n", read_text(path / "rig.toml").c_str());
-  STRCMP_EQUAL("train = \"free\"\n", read_text(path / "plan.toml").c_str());
+  CHECK_EQUAL("rig = \"bench\"\n", read_text(path / "rig.toml"));
+  CHECK_EQUAL("train = \"free\"\n", read_text(path / "plan.toml"));
 }
 
 TEST(FolderOfASession, ASecondRunOverwritesNothing) {
   TemporaryFolder folder;
-  for (const char* rig : {"rig = \"one\"\n", "rig = \"one\"\n", "rig = \"two\"\n"}) {
+  for (const char* rig : {"rig = \"one\"\n", "rig = \"one\"\n", "rig = \"two\"\n"})
     CHECK_TRUE(SessionFolder::open(folder.path(), kUtc, rig, "").has_value());
-  }
-  STRCMP_EQUAL("rig = \"one\"\n", read_text(folder / "rig.toml").c_str());
-  STRCMP_EQUAL("rig = \"two\"\n", read_text(folder / "rig-20260131T093000Z.toml").c_str());
+  CHECK_EQUAL("rig = \"one\"\n", read_text(folder / "rig.toml"));
+  CHECK_EQUAL("rig = \"two\"\n", read_text(folder / "rig-20260131T093000Z.toml"));
   for (const char* log :
-       {"host-20260131T093000Z.lcmlog", "host-20260131T093000Zb.lcmlog", "host-20260131T093000Zc.lcmlog"}) {
+       {"host-20260131T093000Z.lcmlog", "host-20260131T093000Zb.lcmlog", "host-20260131T093000Zc.lcmlog"})
     CHECK_TRUE_TEXT(std::filesystem::exists(folder / log), log);
-  }
 }
 
 TEST(FolderOfASession, EventsOfEarlierRunsAreNotAskedForAgain) {
@@ -131,7 +129,6 @@ TEST(FolderOfASession, AFolderThatCannotBeMadeIsNamed) {
 
 TEST(FolderOfASession, TimesAreUtc) {
   // 2026-01-31 09:30:00.123 UTC is 1769851800.123 s after 1970 (date -u -d @1769851800).
-  STRCMP_EQUAL("20260131T093000Z", host::utc_for_file(WallTime{milliseconds{1'769'851'800'123}}).c_str());
-  STRCMP_EQUAL("2026-01-31T09:30:00.123Z",
-               host::utc_for_table(WallTime{milliseconds{1'769'851'800'123}}).c_str());
+  CHECK_EQUAL("20260131T093000Z", host::utc_for_file(WallTime{milliseconds{1'769'851'800'123}}));
+  CHECK_EQUAL("2026-01-31T09:30:00.123Z", host::utc_for_table(WallTime{milliseconds{1'769'851'800'123}}));
 }

@@ -6,7 +6,7 @@
 #include "common/messages/json_conversions.hpp"
 #include "tests/host/synthetic_shot.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 namespace {
 
@@ -94,8 +94,8 @@ TEST(SessionOfMessages, TheFrameMayComeBeforeTheShot) {
   reversed.frame();
   CHECK_TRUE(reversed.shot_results().empty());
   reversed.shot();
-  STRCMP_EQUAL(messages::readout_to_json(usual.shot_results().at(0).readout).c_str(),
-               messages::readout_to_json(reversed.shot_results().at(0).readout).c_str());
+  CHECK_EQUAL(messages::readout_to_json(usual.shot_results().at(0).readout),
+              messages::readout_to_json(reversed.shot_results().at(0).readout));
 }
 
 TEST(SessionOfMessages, DuplicatesChangeNothing) {

@@ -4,15 +4,12 @@
 #include <deque>
 #include <string>
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 namespace {
 
 using namespace strobe;
-using host::CommandFactory;
-using host::ShotResult;
-using host::ShotSeries;
-using host::ShotSeriesSettings;
+using namespace host;
 using strobe_msgs::command_t;
 using strobe_msgs::event_t;
 using strobe_msgs::status_t;
@@ -20,12 +17,10 @@ using strobe_msgs::status_t;
 constexpr std::int64_t kHost = 0x1234;
 constexpr std::int64_t kBoot = 77;
 
-/// Obeys as the firmware's interlock does, and counts what it did.
+/// Dispatches as the firmware's interlock does, and counts what it did.
 struct Firmware {
   status_t status{};
-  int fired = 0;
-  int disarmed = 0;
-  int cleared = 0;
+  int fired = 0, disarmed = 0, cleared = 0;
   bool deaf = false;         // commands are lost
   std::string refuses_fire;  // why
 
@@ -35,7 +30,7 @@ struct Firmware {
     status.journal_ok = true;
     status.last_shot_id = 3;
   }
-  void obey(const command_t& command, ShotSeries& series) {
+  void dispatch(const command_t& command, ShotSeries& series) {
     if (deaf || command.boot_id != status.boot_id) return;
     if (command.kind == command_t::ARM && status.state == status_t::IDLE) {
       status.state = status_t::ARMED;
@@ -80,7 +75,7 @@ struct Play {
   void turn() {
     now += milliseconds{20};
     series.step(heard ? std::optional(firmware.status) : std::nullopt, now);
-    for (const command_t& command : series.take_commands()) firmware.obey(command, series);
+    for (const command_t& command : series.take_commands()) firmware.dispatch(command, series);
     for (const std::string& text : series.take_notifications()) notifications.push_back(text);
   }
   void answer() {
@@ -123,7 +118,7 @@ TEST(ShotSeriesOfAHost, FiresAsManyAsWereAskedForAndNoMore) {
   LONGS_EQUAL(3, play.firmware.fired);
 }
 
-TEST(ShotSeriesOfAHost, ASpoiltShotIsFiredAgainWithinTheRetries) {
+TEST(ShotSeriesOfAHost, ARejectedShotIsFiredAgainWithinTheRetries) {
   Play play(series(2, 2));
   play.verdicts = {"the shot was aborted", "", "the photograph did not come in time", ""};
   play.run(2000);
@@ -145,7 +140,7 @@ TEST(ShotSeriesOfAHost, DryShotsAreFiredDryAndCount) {
     for (const command_t& command : play.series.take_commands()) {
       if (command.kind == command_t::FIRE) CHECK_TRUE(command.plan.dry);
       armed = armed || command.kind == command_t::ARM;
-      play.firmware.obey(command, play.series);
+      play.firmware.dispatch(command, play.series);
     }
     if (i % 10 == 8 && play.firmware.fired > play.answered)
       STRCMP_CONTAINS(": flashing", play.series.activity().c_str());
@@ -184,10 +179,10 @@ TEST(ShotSeriesOfAHost, SaysWhatIsMissing) {
   play.heard = true;
   play.firmware.status.key_active = false;
   play.turn();
-  STRCMP_EQUAL("the key is off", play.series.blocking_reason().c_str());
+  CHECK_EQUAL("the key is off", play.series.blocking_reason());
   play.firmware.status.message = "the e-stop is pressed, or its wire is broken";
   play.turn();
-  STRCMP_EQUAL("the e-stop is pressed, or its wire is broken", play.series.blocking_reason().c_str());
+  CHECK_EQUAL("the e-stop is pressed, or its wire is broken", play.series.blocking_reason());
   play.firmware.status.message.clear();
   play.firmware.status.key_active = true;
   play.run(1000);
@@ -201,7 +196,7 @@ TEST(ShotSeriesOfAHost, DoesNotTakeTheRigFromAnotherHost) {
   play.firmware.status.arm_token = 5;
   play.run(100);
   LONGS_EQUAL(0, play.firmware.fired);
-  STRCMP_EQUAL("another host has armed the rig", play.series.blocking_reason().c_str());
+  CHECK_EQUAL("another host has armed the rig", play.series.blocking_reason());
 }
 
 TEST(ShotSeriesOfAHost, GivesUpWhenNothingIsPossibleForTooLong) {
@@ -263,7 +258,7 @@ TEST(ShotSeriesOfAHost, StoppingGivesTheTokenBackOrAbortsTheShot) {
   Play play(series(1));
   for (int i = 0; i < 8; ++i) play.turn();
   play.series.stop(play.firmware.status);
-  for (const command_t& command : play.series.take_commands()) play.firmware.obey(command, play.series);
+  for (const command_t& command : play.series.take_commands()) play.firmware.dispatch(command, play.series);
   LONGS_EQUAL(1, play.firmware.disarmed);
   CHECK_TRUE(play.series.finished());
   CHECK_FALSE(play.series.succeeded());
@@ -293,7 +288,7 @@ TEST(ShotSeriesOfAHost, ThePlanAndTheNotesGoWithTheShot) {
   LONGS_EQUAL(120'000'000, fire.plan.impact_at_ns);
   CHECK_TRUE(fire.plan.dry);
   LONGS_EQUAL(2, fire.note_count);
-  STRCMP_EQUAL("angle_deg", fire.notes[0].key.c_str());
+  CHECK_EQUAL("angle_deg", fire.notes[0].key);
   LONGS_EQUAL(1, fire.command_id);
   LONGS_EQUAL(2, factory.arm(kBoot).command_id);
 }

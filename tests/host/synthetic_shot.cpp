@@ -32,8 +32,7 @@ struct State {
 /// 1.204 kg/m3.
 State rate(const State& s, double omega) {
   constexpr double kPerM = 1.204 * std::numbers::pi * kRadius_m * kRadius_m / (2 * 0.0576);
-  const double speed = std::hypot(s.vx, s.vy);
-  const double drag = kPerM * 0.55 * speed;
+  const double speed = std::hypot(s.vx, s.vy), drag = kPerM * 0.55 * speed;
   const double lift = kPerM * kRadius_m * omega / (2 * kRadius_m * std::abs(omega) + speed) * speed;
   return {s.vx, s.vy, -drag * s.vx - lift * s.vy, -kG - drag * s.vy + lift * s.vx};
 }

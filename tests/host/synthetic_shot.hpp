@@ -30,8 +30,7 @@ struct Scenario {
   std::set<int> doubled;
   std::set<int> unseen;                   // flashes whose image nobody digitized
   bool sensor_a = true, sensor_b = true;  // what fires; both are fitted
-  bool leftwards = false;
-  bool legs_named = true;
+  bool leftwards = false, legs_named = true;
   double noise_mm = 0.2, equator_noise_rad = 0.004;
   bool noise_stated = true;
   double machine_error_s = 0.0;  // how far the machine is off its lag
