@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "common/frontier/frontier.hpp"
+#include "common/units/time.hpp"
 #include "host/commands/predict/predict_model.hpp"
 
 namespace strobe::host {
