@@ -17,6 +17,7 @@
 #include "common/frontier/frontier.hpp"
 #include "common/reduction/frame.hpp"
 #include "common/reduction/reduce.hpp"
+#include "common/units/time.hpp"
 
 namespace strobe::host {
 

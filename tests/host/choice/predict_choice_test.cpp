@@ -48,7 +48,7 @@ PredictInput thesis_input() {
   return in;
 }
 
-std::int64_t no_clock() { return 0; }
+HostTime no_clock() { return {}; }
 
 Result<ImpactChoice> choose(const frontier::Requirement& requirement, const std::string& model = "",
                             const PredictInput& in = thesis_input()) {

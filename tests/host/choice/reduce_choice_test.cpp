@@ -45,7 +45,7 @@ test::Setup of_sd(double sd_m, bool stated = true) {
   return setup;
 }
 
-std::int64_t standing_clock() { return 0; }
+HostTime standing_clock() { return {}; }
 
 Result<EstimatorChooser> chooser(frontier::Requirement requirement, std::string estimator = "",
                                  std::string flight = "") {
