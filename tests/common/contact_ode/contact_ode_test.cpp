@@ -172,6 +172,34 @@ TEST(ContactOde, TheCourseBetweenStepsKeepsTheTolerance) {
   }
 }
 
+// Central differences over 2e-7 s: third derivatives are some v·omega², 8·630² m/s³, which leaves 1e-8 of a velocity, and
+// 1e-5 of the force per mass; rounding leaves as much.
+TEST(ContactOde, TheCourseIsOneMotionFromTouchdownToLiftOff) {
+  const auto contact = ContactTrajectory::make(kBall, kShot, {}, {.tolerance = 1e-10});
+  const ContactSummary& summary = contact->summary();
+  constexpr double kStep_s = 1e-7;
+  for (double share = 0.05; share < 1.0; share += 0.1) {
+    const double t = share * summary.dwell_s;
+    const ContactState z = contact->at(t), before = contact->at(t - kStep_s),
+                       after = contact->at(t + kStep_s);
+    const auto rate = [&](double ContactState::*number) {
+      return (after.*number - before.*number) / (2.0 * kStep_s);
+    };
+    DOUBLES_EQUAL(rate(&ContactState::x_m), z.vx_mps, 1e-6);
+    DOUBLES_EQUAL(rate(&ContactState::y_m), z.vy_mps, 1e-6);
+    DOUBLES_EQUAL(rate(&ContactState::rotation_rad), z.omega_radps, 1e-4);
+    DOUBLES_EQUAL(kBall.mass_kg * rate(&ContactState::vx_mps), z.fx_n, 1e-3);
+    DOUBLES_EQUAL(kBall.mass_kg * rate(&ContactState::vy_mps), z.fy_n, 1e-3);
+    DOUBLES_EQUAL(z.vx_mps + kBall.radius_m() * z.omega_radps, z.slip_mps, 1e-12);
+  }
+  const ContactState end = contact->at(summary.dwell_s);
+  DOUBLES_EQUAL(summary.lift_off.vx_mps, end.vx_mps, 1e-8);
+  DOUBLES_EQUAL(summary.lift_off.vy_mps, end.vy_mps, 1e-8);
+  DOUBLES_EQUAL(summary.lift_off.omega_radps, end.omega_radps, 1e-6);
+  DOUBLES_EQUAL(summary.dwell_distance_m, end.x_m, 1e-11);
+  DOUBLES_EQUAL(summary.rotation_rad, end.rotation_rad, 1e-9);
+}
+
 // The sum of the losses is what the motion has lost, although neither is computed from the other.
 TEST(ContactOde, LossesSumToTheKineticEnergyLost) {
   for (const double gravity : {0.0, 9.81}) {

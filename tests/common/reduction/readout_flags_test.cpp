@@ -146,6 +146,18 @@ TEST(ReadoutFlags, AWrongEquatorOfFiveIsLeftOutAndTheFlightKept) {
   equal(*clean.value[Quantity::vx_td_mps], r.value[Quantity::vx_td_mps]);
 }
 
+TEST(ReadoutFlags, AnImageWhoseTimeIsUncertainIsNoOutlierForBeingEarlyOrLate) {
+  Setup setup = vacuum();
+  setup.noise_factor = 0.0;
+  setup.equator_sd_rad = 0.001;
+  Frame frame = noisy(setup);
+  BallImage& image = frame.images[frame.images.size() - 3];
+  image.time_s += 60e-6;  // at -313 rad/s 19 sd of the equator
+  CHECK_TRUE(reduced(frame).flags.has(Flag::outlier_image));
+  image.time_sd_s = 100e-6;
+  CHECK_FALSE(reduced(frame).flags.has(Flag::outlier_image));
+}
+
 TEST(ReadoutFlags, CleanPhotographsLoseAnImageOnceInAThousand) {
   // Of which a third each to a centre, a diameter and an equator: 4 of 12,000, sd 2, whether noise is stated or
   // estimated.
