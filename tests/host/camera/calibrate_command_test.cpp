@@ -1,4 +1,3 @@
-// `strobe calibrate` from a photograph to the rig file, and how the rig file's other bytes fare.
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -12,7 +11,7 @@
 #include "host/photographs/digitize_settings.hpp"
 #include "tests/host/camera/pinhole.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe;
 using host::CameraTable;
@@ -73,7 +72,7 @@ TEST(CameraWriter, ReplacesWhatWasMeasuredAndNothingElse) {
 
 TEST(CameraWriter, WritingTwiceIsWritingOnce) {
   const auto once = with_calibration("rig = \"b\"\r\n[ball]\r\nmass_kg = 0.06\r\n", "rig.toml", measured());
-  CHECK_TRUE(*with_calibration(*once, "rig.toml", measured()) == *once);
+  CHECK_EQUAL(*once, *with_calibration(*once, "rig.toml", measured()));
   CHECK_TRUE(once->find("px_per_m_sd = 0.1\r\n") != std::string::npos);
 }
 
@@ -135,10 +134,9 @@ TEST(CalibrateCommand, SaysWhatIsWrongAndLeavesTheRigFileAlone) {
   write("rig.toml", "rig = \"b\"\n");
   write("text.png", "no picture");
   cv::imwrite(in("empty.png"), cv::Mat(120, 160, CV_8UC1, cv::Scalar(90)));
-  for (const char* image : {"text.png", "empty.png", "absent.png"}) {
+  for (const char* image : {"text.png", "empty.png", "absent.png"})
     LONGS_EQUAL(host::kBadInput, run({in(image), "--rig", in("rig.toml"), "--spacing-mm", "20"}));
-  }
   LONGS_EQUAL(host::kBadInput, run({in("empty.png"), "--rig", in("none.toml"), "--spacing-mm", "20"}));
   LONGS_EQUAL(host::kBadInput, run({in("empty.png"), "--date", "today", "--spacing-mm", "20"}));
-  STRCMP_EQUAL("rig = \"b\"\n", contents(folder / "rig.toml").c_str());
+  CHECK_EQUAL("rig = \"b\"\n", contents(folder / "rig.toml"));
 }

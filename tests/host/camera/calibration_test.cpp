@@ -46,9 +46,8 @@ TEST_GROUP(Calibration) {
   std::vector<camera::BoardView> slanted(const Pose& plane, double noise_px) {
     std::vector<camera::BoardView> views{testing::view(pinhole, plane, board, noise_px, random)};
     for (const cv::Vec3d& turns : {cv::Vec3d(0.5, 0.0, 0.0), cv::Vec3d(-0.5, 0.1, 0.0),
-                                   cv::Vec3d(0.0, 0.5, 0.1), cv::Vec3d(0.1, -0.5, 0.0)}) {
+                                   cv::Vec3d(0.0, 0.5, 0.1), cv::Vec3d(0.1, -0.5, 0.0)})
       views.push_back(testing::view(pinhole, testing::pose(board, 1.0, turns), board, noise_px, random));
-    }
     return views;
   }
 };

@@ -14,9 +14,8 @@ cv::Matx33d turned(double angle, int axis) {
 }
 
 cv::Point2d middle(const camera::BoardPattern& p) {
-  if (p.kind == camera::BoardKind::staggered_circles) {
+  if (p.kind == camera::BoardKind::staggered_circles)
     return {0.5 * p.spacing_m * (p.columns - 0.5), 0.25 * p.spacing_m * (p.rows - 1)};
-  }
   return {0.5 * p.spacing_m * (p.columns - 1), 0.5 * p.spacing_m * (p.rows - 1)};
 }
 
@@ -33,9 +32,8 @@ bool black(const camera::BoardPattern& p, cv::Point2d at) {
     return on && (static_cast<int>(column + row) & 1) == 0;
   }
   for (int row = 0; row < p.rows; ++row) {
-    for (int column = 0; column < p.columns; ++column) {
+    for (int column = 0; column < p.columns; ++column)
       if (cv::norm(at - place(p, column, row)) < 0.22 * p.spacing_m) return true;
-    }
   }
   return false;
 }

@@ -10,8 +10,7 @@
 namespace strobe::testing {
 
 struct Pinhole {
-  int width = 640;
-  int height = 480;
+  int width = 640, height = 480;
   double focal_px = 2500.0;
   double k1 = 0.0, k2 = 0.0;  ///< of the argument (x/z, y/z)
   cv::Point2d centre;         ///< of the lens on the photograph, image px

@@ -1,15 +1,7 @@
-// predict and reduce with a tolerance and a deadline, as a user runs them.
-#include <chrono>
-#include <string>
-#include <vector>
-
-#include "tests/support/json_lines.hpp"
-#include "tests/support/process.hpp"
+#include "tests/support/program_run.hpp"
 #include "tests/support/temporary_folder.hpp"
 
-#include <CppUTest/TestHarness.h>
-
-using strobe::testing::CompletedProcess;
+using namespace strobe::testing;
 
 namespace {
 
@@ -28,46 +20,37 @@ constexpr const char* kFrontier =
 }  // namespace
 
 TEST_GROUP(ChoiceCommands) {
-  strobe::testing::TemporaryFolder folder;
+  TemporaryFolder folder;
   std::string frontier;
 
   void setup() override {
     frontier = (folder.path() / "frontier.csv").string();
-    strobe::testing::write_text(frontier, kFrontier);
+    write_text(frontier, kFrontier);
   }
 
   CompletedProcess run(std::vector<std::string> arguments, bool chooses = true) const {
     arguments.insert(arguments.begin(), STROBE_PROGRAM);
     if (chooses) arguments.insert(arguments.end(), {"--frontier", frontier});
-    return strobe::testing::run_process({.arguments = std::move(arguments), .environment = {}, .folder = {}},
-                                        std::chrono::seconds(30));
+    return run_program(std::move(arguments));
   }
 
   CompletedProcess predict(std::vector<std::string> more, bool chooses = true) const {
     more.insert(more.begin(), {"predict", "--vx", "15.62", "--vy", "-6.71", "--e", "0.86"});
     return run(std::move(more), chooses);
   }
-
-  void check_refused(const CompletedProcess& run, const std::string& complaint) const {
-    LONGS_EQUAL(2, run.status->code);
-    STRCMP_EQUAL("", run.out.c_str());
-    STRCMP_EQUAL(("strobe: " + complaint + "\n").c_str(), run.err.c_str());
-  }
 };
 
 TEST(ChoiceCommands, PredictSaysWhatItTookAndWhy) {
   const CompletedProcess run = predict({"--tolerance", "0.1%", "--deadline-us", "50", "--json"});
-  LONGS_EQUAL(0, run.status->code);
-  const auto json = strobe::testing::parse_json_lines(run.out).at(0);
-  STRCMP_EQUAL("ode", json["inputs"]["model"].get<std::string>().c_str());
-  DOUBLES_EQUAL(1e-6, json["inputs"]["tolerance"].get<double>(), 0.0);
+  const auto json = json_of(run);
+  CHECK_EQUAL("ode", json["inputs"]["model"]);
+  CHECK_EQUAL(1e-6, json["inputs"]["tolerance"]);
   const auto& choice = json["choice"];
-  STRCMP_EQUAL("tolerance=1e-06", choice["parameter"].get<std::string>().c_str());
-  DOUBLES_EQUAL(1e-5, choice["expected_error"].get<double>(), 0.0);
-  DOUBLES_EQUAL(14.0, choice["expected_cost_us"].get<double>(), 0.0);
-  DOUBLES_EQUAL(44.0, choice["total_expected_cost_us"].get<double>(), 0.0);
-  STRCMP_EQUAL("the cheapest of 5 methods that meets 0.1% and 50 us",
-               choice["reason"].get<std::string>().c_str());
+  CHECK_EQUAL("tolerance=1e-06", choice["parameter"]);
+  CHECK_EQUAL(1e-5, choice["expected_error"]);
+  CHECK_EQUAL(14.0, choice["expected_cost_us"]);
+  CHECK_EQUAL(44.0, choice["total_expected_cost_us"]);
+  CHECK_EQUAL("the cheapest of 5 methods that meets 0.1% and 50 us", choice["reason"]);
   CHECK(choice["error_estimate"].get<double>() < 1e-3);
   CHECK(choice["within_tolerance"].get<bool>());
   CHECK(run.err.starts_with("strobe: predict: took "));
@@ -77,26 +60,24 @@ TEST(ChoiceCommands, PredictGivesTheSameBytesEachTime) {
   const CompletedProcess once = predict({"--tolerance", "1e-6", "--json"});
   const CompletedProcess again = predict({"--tolerance", "1e-6", "--json"});
   CHECK(!once.out.empty());
-  STRCMP_EQUAL(once.out.c_str(), again.out.c_str());
+  CHECK_EQUAL(once.out, again.out);
 }
 
 TEST(ChoiceCommands, PredictTellsItsChoiceInWords) {
-  const CompletedProcess run = predict({"--deadline-us", "10"});
-  LONGS_EQUAL(0, run.status->code);
-  CHECK(
-      run.out.find("chosen ode tolerance=0.001: the most exact of 5 methods that meets 10 us; at most 1% of "
-                   "v_td in 9 us as measured\n") != std::string::npos);
-  CHECK(run.out.find("not checked on this impact: no time for a more exact run\n") != std::string::npos);
+  check_prints(predict({"--deadline-us", "10"}),
+               {"chosen ode tolerance=0.001: the most exact of 5 methods that meets 10 us; at most 1% of "
+                "v_td in 9 us as measured\n",
+                "not checked on this impact: no time for a more exact run\n"});
 }
 
 TEST(ChoiceCommands, PredictSaysWithHowManyStepsItIntegrated) {
-  strobe::testing::write_text(frontier,
-                              "study,method,parameter,cost_us,error,error_unit,note\n"
-                              "lift_off,ode_rk4,steps=50,12,0.001,of v_td,\n");
+  write_text(frontier,
+             "study,method,parameter,cost_us,error,error_unit,note\n"
+             "lift_off,ode_rk4,steps=50,12,0.001,of v_td,\n");
   const CompletedProcess run = predict({"--tolerance", "1%", "--json"});
-  const auto inputs = strobe::testing::parse_json_lines(run.out).at(0)["inputs"];
-  STRCMP_EQUAL("rk4", inputs["integrator"].get<std::string>().c_str());
-  LONGS_EQUAL(50, inputs["steps"].get<int>());
+  const auto inputs = parse_json_lines(run.out).at(0)["inputs"];
+  CHECK_EQUAL("rk4", inputs["integrator"]);
+  CHECK_EQUAL(50, inputs["steps"]);
   CHECK(!inputs.contains("tolerance"));
 }
 
@@ -128,41 +109,38 @@ TEST(ChoiceCommands, PredictRefusesOptionsOfAnotherModel) {
 }
 
 TEST(ChoiceCommands, PredictNamesLineAndColumnOfAWrongFrontier) {
-  strobe::testing::write_text(frontier,
-                              "study,method,parameter,cost_us,error,error_unit,note\na,b,,x,1,u,\n");
+  write_text(frontier, "study,method,parameter,cost_us,error,error_unit,note\na,b,,x,1,u,\n");
   check_refused(predict({"--tolerance", "1%"}), "predict: " + frontier + ":2: cost_us: 'x' is not a number");
 }
 
 TEST(ChoiceCommands, PredictFailsWhereTheModelAskedForMissesTheToleranceOnThisImpact) {
-  strobe::testing::write_text(frontier,
-                              "study,method,parameter,cost_us,error,error_unit,note\n"
-                              "lift_off,rigid,,0.01,0.001,of v_td,\n"
-                              "lift_off,ode,tolerance=1e-06,14,1e-5,of v_td,\n");
+  write_text(frontier,
+             "study,method,parameter,cost_us,error,error_unit,note\n"
+             "lift_off,rigid,,0.01,0.001,of v_td,\n"
+             "lift_off,ode,tolerance=1e-06,14,1e-5,of v_td,\n");
   const CompletedProcess run = predict({"--tolerance", "1%", "--model", "rigid", "--json"});
   LONGS_EQUAL(1, run.status->code);
-  const auto json = strobe::testing::parse_json_lines(run.out).at(0);
+  const auto json = parse_json_lines(run.out).at(0);
   CHECK(!json["choice"]["within_tolerance"].get<bool>());
   CHECK(run.err.find("strobe: predict: rigid misses the tolerance on this impact\n") != std::string::npos);
-  const CompletedProcess free = predict({"--tolerance", "1%", "--json"});
-  LONGS_EQUAL(0, free.status->code);
-  const auto instead = strobe::testing::parse_json_lines(free.out).at(0);
-  STRCMP_EQUAL("ode", instead["choice"]["method"].get<std::string>().c_str());
-  STRCMP_EQUAL("rigid", instead["choice"]["replaced"][0]["method"].get<std::string>().c_str());
+  const auto instead = json_of(predict({"--tolerance", "1%", "--json"}));
+  CHECK_EQUAL("ode", instead["choice"]["method"]);
+  CHECK_EQUAL("rigid", instead["choice"]["replaced"][0]["method"]);
 }
 
 TEST(ChoiceCommands, ReduceSaysWhatItTookAndWhatNoiseIsLeft) {
   const CompletedProcess run = this->run({"reduce", STROBE_FRAME, "--tolerance", "0.5%", "--json"});
-  LONGS_EQUAL(0, run.status->code);
-  const auto json = strobe::testing::parse_json_lines(run.out).at(0);
-  STRCMP_EQUAL("best", json["method"].get<std::string>().c_str());
-  STRCMP_EQUAL("effects=auto", json["choice"]["parameter"].get<std::string>().c_str());
-  DOUBLES_EQUAL(0.0, json["choice"]["expected_error"].get<double>(), 0.0);
+  const auto json = json_of(run);
+  CHECK_EQUAL("best", json["method"]);
+  CHECK_EQUAL("effects=auto", json["choice"]["parameter"]);
+  CHECK_EQUAL(0.0, json["choice"]["expected_error"]);
   CHECK(json["choice"]["noise_beyond_tolerance"].get<bool>());
   CHECK(run.err.starts_with("strobe: reduce: took "));
-  const CompletedProcess words = this->run({"reduce", STROBE_FRAME, "--tolerance", "0.5%"});
-  CHECK(words.out.find("chosen best effects=auto: the cheapest of 2 methods that meets 0.5%; adds 0% of the "
-                       "readouts' scales in 8 us as measured\n") != std::string::npos);
-  CHECK(words.out.find("the photograph's own noise is beyond the tolerance: sd of ") != std::string::npos);
+  check_prints(
+      this->run({"reduce", STROBE_FRAME, "--tolerance", "0.5%"}),
+      {"chosen best effects=auto: the cheapest of 2 methods that meets 0.5%; adds 0% of the readouts' "
+       "scales in 8 us as measured\n",
+       "the photograph's own noise is beyond the tolerance: sd of "});
 }
 
 TEST(ChoiceCommands, ReduceAddsNothingButTheChoice) {
@@ -170,7 +148,7 @@ TEST(ChoiceCommands, ReduceAddsNothingButTheChoice) {
   const CompletedProcess chosen = run({"reduce", STROBE_FRAME, "--deadline-us", "10", "--json"});
   const auto end = chosen.out.find(",\"choice\":");
   CHECK(end != std::string::npos);
-  STRCMP_EQUAL(plain.out.c_str(), (chosen.out.substr(0, end) + "}\n").c_str());
+  CHECK_EQUAL(plain.out, chosen.out.substr(0, end) + "}\n");
 }
 
 TEST(ChoiceCommands, ReduceRefusesWhatNoEstimatorMeets) {

@@ -1,12 +1,11 @@
 #include "host/commands/predict/predict_choice.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <random>
 #include <string>
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe;
 using namespace strobe::host;
@@ -80,8 +79,7 @@ struct Draw {
   }
   PredictInput impact() {
     PredictInput in;
-    const double speed = std::exp(between(0.0, std::log(50.0)));
-    const double angle = between(0.1, 1.45);
+    const double speed = std::exp(between(0.0, std::log(50.0))), angle = between(0.1, 1.45);
     in.touchdown = {speed * std::cos(angle), -speed * std::sin(angle), between(-1.0, 1.0) * speed / 0.033};
     in.e = between(0.5, 0.9);
     in.mu = between(0.3, 0.9);
@@ -97,7 +95,7 @@ TEST_GROUP(PredictChoice){};
 TEST(PredictChoice, KnowsOnlyMethodsThatItCanRun) {
   LONGS_EQUAL(rows().size() - 2, measured().rows.size());
   const auto grip = input_for(row("grip_offset", "ex=0.35;offset_mm=1.5", 1.0, 1.0), {});
-  STRCMP_EQUAL("grip", grip->model.c_str());
+  CHECK_EQUAL("grip", grip->model);
   DOUBLES_EQUAL(0.35, grip->e_x, 0.0);
   DOUBLES_EQUAL(1.5, grip->offset_mm, 0.0);
   DOUBLES_EQUAL(0.0, input_for(row("grip", "ex=0.35", 1.0, 1.0), {})->offset_mm, 0.0);
@@ -109,14 +107,14 @@ TEST(PredictChoice, KnowsOnlyMethodsThatItCanRun) {
 
 TEST(PredictChoice, GivesEveryModelTheMaterialOfTheContactsMechanics) {
   const auto choice = choose({.tolerance = 0.9, .deadline_us = 1.0});
-  STRCMP_EQUAL("rigid", choice->taken.row.method.c_str());
+  CHECK_EQUAL("rigid", choice->taken.row.method);
   DOUBLES_EQUAL(impact::ContactCoefficients{}.mu, *choice->input.mu, 0.0);
   DOUBLES_EQUAL(impact::kContactAlpha, *choice->input.alpha, 0.0);
 }
 
 TEST(PredictChoice, ChecksOnTheImpactAskedForWhereThereIsTime) {
   const auto choice = choose({.tolerance = 0.9, .deadline_us = {}});
-  STRCMP_EQUAL("rigid", choice->taken.row.method.c_str());
+  CHECK_EQUAL("rigid", choice->taken.row.method);
   const double error = error_of(*choice);
   // The check's own error, 1 %, is counted in and may act either way.
   CHECK(*choice->taken.error_estimate >= error);
@@ -139,33 +137,33 @@ TEST(PredictChoice, TakesTheCheckWhereItShowsMoreErrorThanAllowed) {
   const frontier::Requirement requirement{.tolerance = 1e-2, .deadline_us = {}};
   const auto choice = choose_impact(optimistic, requirement, "", thesis_input(), no_clock);
   LONGS_EQUAL(1, choice->replaced.size());
-  STRCMP_EQUAL("rigid", choice->replaced[0].row.method.c_str());
+  CHECK_EQUAL("rigid", choice->replaced[0].row.method);
   CHECK(*choice->replaced[0].error_estimate > 1e-2);
-  STRCMP_EQUAL("ode", choice->taken.row.method.c_str());
+  CHECK_EQUAL("ode", choice->taken.row.method);
   CHECK(error_of(*choice) <= 1e-2);
   // The one taken instead was checked in turn.
   CHECK(*choice->within_tolerance);
 
   const auto restricted = choose_impact(optimistic, requirement, "rigid", thesis_input(), no_clock);
-  STRCMP_EQUAL("rigid", restricted->taken.row.method.c_str());
+  CHECK_EQUAL("rigid", restricted->taken.row.method);
   CHECK(!*restricted->within_tolerance);
 }
 
 TEST(PredictChoice, KeepsToTheModelGiven) {
   const auto choice = choose({.tolerance = 0.02, .deadline_us = {}}, "ode");
-  STRCMP_EQUAL("tolerance=0.001", choice->taken.row.parameter.c_str());
+  CHECK_EQUAL("tolerance=0.001", choice->taken.row.parameter);
   const auto refused = choose({.tolerance = 0.02, .deadline_us = {}}, "grip");
-  STRCMP_EQUAL(
+  CHECK_EQUAL(
       "no method meets 2%; the most exact of all is grip_offset ex=0.35;offset_mm=1.5 (30% of v_td in 0.03 "
       "us)",
-      refused.error().message.c_str());
+      refused.error().message);
 }
 
 TEST(PredictChoice, SaysWhatIsWrongWithTheImpact) {
   PredictInput away = thesis_input();
   away.touchdown.vy_mps = 1.0;
-  STRCMP_EQUAL("vy must be negative: the ball must move towards the surface",
-               choose({.tolerance = 0.02, .deadline_us = {}}, "", away).error().message.c_str());
+  CHECK_EQUAL("vy must be negative: the ball must move towards the surface",
+              choose({.tolerance = 0.02, .deadline_us = {}}, "", away).error().message);
 }
 
 TEST(PredictChoice, NamesWhatLiesOutsideOfWhatWasMeasured) {
@@ -176,8 +174,8 @@ TEST(PredictChoice, NamesWhatLiesOutsideOfWhatWasMeasured) {
   const auto choice =
       choose_impact(narrow, {.tolerance = 0.5, .deadline_us = {}}, "", thesis_input(), no_clock);
   LONGS_EQUAL(2, choice->outside.size());
-  STRCMP_EQUAL("theta_in_deg", choice->outside[0].c_str());
-  STRCMP_EQUAL("e", choice->outside[1].c_str());
+  CHECK_EQUAL("theta_in_deg", choice->outside[0]);
+  CHECK_EQUAL("e", choice->outside[1]);
 }
 
 TEST(PredictChoice, TakesNoSpinForOneBetweenThoseMeasured) {

@@ -4,7 +4,7 @@
 
 #include "tests/common/reduction/simulated_shot.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe;
 using namespace strobe::host;
@@ -64,21 +64,21 @@ ChosenReadout reduced(frontier::Requirement requirement, const reduction::Frame&
 TEST_GROUP(ReduceChoice){};
 
 TEST(ReduceChoice, TellsFramesApartByTheirNoise) {
-  STRCMP_EQUAL("reduce", study_for(frame()).c_str());
-  STRCMP_EQUAL("reduce_fine", study_for(frame(of_sd(3e-5))).c_str());
-  STRCMP_EQUAL("reduce_estimated", study_for(frame(of_sd(3e-5, false))).c_str());
+  CHECK_EQUAL("reduce", study_for(frame()));
+  CHECK_EQUAL("reduce_fine", study_for(frame(of_sd(3e-5))));
+  CHECK_EQUAL("reduce_estimated", study_for(frame(of_sd(3e-5, false))));
   reduction::Frame partly = frame();
   partly.equator_sd_rad.reset();
-  STRCMP_EQUAL("reduce_estimated", study_for(partly).c_str());
+  CHECK_EQUAL("reduce_estimated", study_for(partly));
 }
 
 TEST(ReduceChoice, CountsOnlyTheEstimatorsOwnPartOfTheError) {
   // sqrt(5² - 3²) = 4 %: two-point and the flight without effects add it, the best adds nothing.
   const auto wide = reduced({.tolerance = 0.0401, .deadline_us = {}}, frame(of_sd(1.2e-4)));
-  STRCMP_EQUAL("two-point", wide.readout.method.c_str());
+  CHECK_EQUAL("two-point", wide.readout.method);
   DOUBLES_EQUAL(0.04, wide.choice.row.error, 1e-15);
   const auto narrow = reduced({.tolerance = 0.0399, .deadline_us = {}}, frame(of_sd(1.2e-4)));
-  STRCMP_EQUAL("best", narrow.readout.method.c_str());
+  CHECK_EQUAL("best", narrow.readout.method);
   DOUBLES_EQUAL(0.0, narrow.choice.row.error, 0.0);
 }
 
@@ -92,28 +92,28 @@ TEST(ReduceChoice, TakesABiasThatNoiseHidesForWhatItIsWithoutNoise) {
         .requirement = {.tolerance = tolerance, .deadline_us = {}}, .estimator = "best", .flight = ""};
     return EstimatorChooser::make(biased, {}, requirement, standing_clock)->reduce(frame())->choice.row;
   };
-  STRCMP_EQUAL("effects=gravity", own(0.0081).parameter.c_str());
+  CHECK_EQUAL("effects=gravity", own(0.0081).parameter);
   DOUBLES_EQUAL(0.008, own(0.0081).error, 1e-15);
-  STRCMP_EQUAL("effects=auto", own(0.0079).parameter.c_str());
+  CHECK_EQUAL("effects=auto", own(0.0079).parameter);
 }
 
 TEST(ReduceChoice, GivesTheReadoutThatTheEstimatorGives) {
   const auto chosen = reduced({.tolerance = 0.005, .deadline_us = {}}, frame(of_sd(3e-5)));
   const auto plain = reduction::reduce(frame(of_sd(3e-5)), reduction::Estimator::best,
                                        {.effects = flight::Effects{true, true, false}});
-  CHECK(plain->value == chosen.readout.value);
-  CHECK(plain->sd == chosen.readout.sd);
+  CHECK_EQUAL(chosen.readout.value, plain->value);
+  CHECK_EQUAL(chosen.readout.sd, plain->sd);
 }
 
 TEST(ReduceChoice, GivesWayToTheBestWhereTheReadoutsOwnSdIsBeyondTheTolerance) {
   // By hand, half a millimetre: two-point's spins and times are off by several percent, the best's by less.
   const auto chosen = reduced({.tolerance = 0.045, .deadline_us = {}}, frame());
   CHECK(chosen.choice.replaced.has_value());
-  STRCMP_EQUAL("best", chosen.readout.method.c_str());
+  CHECK_EQUAL("best", chosen.readout.method);
   DOUBLES_EQUAL(13.0, chosen.choice.expected_cost_us, 0.0);
   const auto no_time = reduced({.tolerance = 0.045, .deadline_us = 12.0}, frame());
   CHECK(!no_time.choice.replaced);
-  STRCMP_EQUAL("two-point", no_time.readout.method.c_str());
+  CHECK_EQUAL("two-point", no_time.readout.method);
   CHECK(no_time.choice.noise_beyond_tolerance);
 }
 
@@ -128,26 +128,26 @@ TEST(ReduceChoice, SaysWhatNoiseNoEstimatorMends) {
 
 TEST(ReduceChoice, KeepsToWhatTheUserStates) {
   const auto two_point = chooser({.tolerance = {}, .deadline_us = 100.0}, "two-point");
-  STRCMP_EQUAL("two-point", two_point->reduce(frame())->readout.method.c_str());
+  CHECK_EQUAL("two-point", two_point->reduce(frame())->readout.method);
   const auto automatic = chooser({.tolerance = 0.9, .deadline_us = {}}, "", "auto");
-  STRCMP_EQUAL("effects=auto", automatic->reduce(frame())->choice.row.parameter.c_str());
+  CHECK_EQUAL("effects=auto", automatic->reduce(frame())->choice.row.parameter);
 }
 
 TEST(ReduceChoice, RefusesWhatNoKindOfFrameAllowsAndElseTheFrameConcerned) {
-  STRCMP_EQUAL(
+  CHECK_EQUAL(
       "no method meets 0.1% and 2 us; the fastest of all is two-point (4% of the readouts' scales in 5 us); "
       "exact "
       "enough the fastest is best effects=auto (0% of the readouts' scales in 8 us)",
-      chooser({.tolerance = 1e-3, .deadline_us = 2.0}).error().message.c_str());
+      chooser({.tolerance = 1e-3, .deadline_us = 2.0}).error().message);
   const auto mixed = chooser({.tolerance = 1e-3, .deadline_us = 20.0});
   CHECK(mixed->reduce(frame()).has_value());
   const auto refused = mixed->reduce(frame(of_sd(5e-4, false)));
   CHECK(!refused);
-  STRCMP_EQUAL(
+  CHECK_EQUAL(
       "no method meets 0.1% and 20 us; the fastest of all is two-point (4% of the readouts' scales in 30 "
       "us); "
       "exact enough the fastest is best effects=auto (0% of the readouts' scales in 50 us)",
-      refused.error().message.c_str());
+      refused.error().message);
 }
 
 TEST(ReduceChoice, NamesWhatLiesOutsideOfWhatWasMeasured) {
@@ -158,7 +158,7 @@ TEST(ReduceChoice, NamesWhatLiesOutsideOfWhatWasMeasured) {
       {.requirement = {.tolerance = 0.9, .deadline_us = {}}, .estimator = "", .flight = ""}, standing_clock);
   const auto chosen = narrow->reduce(frame());
   LONGS_EQUAL(1, chosen->choice.outside.size());
-  STRCMP_EQUAL("images_per_leg", chosen->choice.outside[0].c_str());
+  CHECK_EQUAL("images_per_leg", chosen->choice.outside[0]);
 }
 
 TEST(ReduceChoice, ReckonsWithMoreImagesThanWereMeasured) {
@@ -176,6 +176,6 @@ TEST(ReduceChoice, ReckonsWithMoreImagesThanWereMeasured) {
 
 TEST(ReduceChoice, TakesNoFrameForOneThatIsNot) {
   const auto any = chooser({.tolerance = 0.9, .deadline_us = {}});
-  STRCMP_EQUAL(reduction::reduce({}, reduction::Estimator::best).error().message.c_str(),
-               any->reduce({}).error().message.c_str());
+  CHECK_EQUAL(reduction::reduce({}, reduction::Estimator::best).error().message,
+              any->reduce({}).error().message);
 }

@@ -9,7 +9,7 @@
 #include "tests/host/commands/shipped_programs.hpp"
 #include "tests/support/json_lines.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe;
 using namespace strobe::chain;
@@ -55,13 +55,13 @@ TEST(PhotographChain, ReadsWhatTheTruthTells) {
     const Run reduced = run_program("strobe", {"reduce", folder / "frames.jsonl", "--json"});
     CHECK_TEXT(reduced.code == 0, reduced.err.c_str());
     const json readout = parse_json_lines(reduced.out).at(0), truth = truths.at(0);
-    const std::string told = readout.dump();
+    const std::string text = readout.dump();
     // A quarter of a pixel at both ends of a leg of seven images is .24 mm in 18 ms; e is a ratio of two such
     // in 10 m/s.
-    CHECK_TEXT(worst_velocity_mps(readout, truth) < 0.02, told.c_str());
+    CHECK_TEXT(worst_velocity_mps(readout, truth) < 0.02, text.c_str());
     const auto e = truth.at("readout").at("e").get<double>();
-    DOUBLES_EQUAL_TEXT(e, readout.at("e").get<double>(), 0.003, told.c_str());
-    CHECK_TEXT(spins_are_right(readout, truth), told.c_str());
+    DOUBLES_EQUAL_TEXT(e, readout.at("e").get<double>(), 0.003, text.c_str());
+    CHECK_TEXT(spins_are_right(readout, truth), text.c_str());
   }
 }
 
@@ -74,7 +74,7 @@ TEST(PhotographChain, DrawsWhatItFoundOnThePhotograph) {
   const cv::Mat drawn = cv::imread((folder / "one.png").string(), cv::IMREAD_UNCHANGED);
   CHECK(bare.size() == drawn.size() && drawn.channels() == 3);
   const std::vector<std::string> two{shot("a", 1), shot("a", 2), "--effort", "fast", "--overlay"};
-  CHECK(run_program("strobe", digitize(with(two, {folder / "many.png"}))).code == 2);
+  CHECK_EQUAL(2, run_program("strobe", digitize(with(two, {folder / "many.png"}))).code);
   std::filesystem::create_directory(folder / "drawn");
   const Run both = run_program("strobe", digitize(with(two, {folder / "drawn"})));
   CHECK_TEXT(both.code == 0, both.err.c_str());
@@ -107,9 +107,9 @@ TEST(PhotographChain, TakesAPersonsCorrections) {
     DOUBLES_EQUAL(y, image["centre_px"][1].get<double>(), 0.0);
   }
   LONGS_EQUAL(1, by_hand);
-  bool told = false;
-  for (const json& each : after.at("unmeasured")) told = told || each.at("reason") == "by_hand";
-  CHECK(told);
+  bool reported = false;
+  for (const json& each : after.at("unmeasured")) reported = reported || each.at("reason") == "by_hand";
+  CHECK(reported);
 
   for (const auto& [text, place] : {std::pair{"[[remove]]\nat_px = [1, 1]\n", "edit.toml:1: "},
                                     {"[[move]]\nat_pixel = [1, 1]\n", "edit.toml:1: move[1]: at_px"},
@@ -121,7 +121,7 @@ TEST(PhotographChain, TakesAPersonsCorrections) {
         run_program("strobe", digitize({shot("a"), "--effort", "fast", "--edit", folder / "edit.toml"}));
     LONGS_EQUAL_TEXT(2, wrong.code, text);
     LONGS_EQUAL_TEXT(1, wrong.complaints(), wrong.err.c_str());
-    STRCMP_EQUAL("", wrong.out.c_str());
+    CHECK_EQUAL("", wrong.out);
     STRCMP_CONTAINS(place, wrong.err.c_str());
   }
 }
@@ -133,7 +133,7 @@ TEST(PhotographChain, SaysWhyAPlaceIsNoBall) {
   CHECK(!frame.at("unmeasured").empty());
   for (const json& each : frame.at("unmeasured")) {
     CHECK(!each.at("reason").get<std::string>().empty());
-    CHECK(each.at("centre_px").size() == 2);
+    CHECK_EQUAL(2, each.at("centre_px").size());
   }
   STRCMP_CONTAINS("strobe: digitize: took ", found.err.c_str());
 }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 
 #include "tests/support/json_lines.hpp"
 
@@ -45,9 +44,9 @@ double worst_velocity_mps(const nlohmann::json& readout, const nlohmann::json& t
 bool spins_are_right(const nlohmann::json& readout, const nlohmann::json& truth) {
   bool right = true;
   for (const char* name : {"omega_td_radps", "omega_lo_radps"}) {
-    const auto told = truth.at("readout").at(name).get<double>();
+    const auto expected = truth.at("readout").at(name).get<double>();
     right = right && readout.at(name).is_number() &&
-            std::abs(readout.at(name).get<double>() - told) < std::max(0.01 * std::abs(told), 1.5);
+            std::abs(readout.at(name).get<double>() - expected) < std::max(0.01 * std::abs(expected), 1.5);
   }
   return right;
 }

@@ -16,8 +16,7 @@ inline constexpr double kPxPerM = 1500.0;
 /// A run's end; the exit status is -1 where it did not end by itself.
 struct Run {
   int code = -1;
-  std::string out;
-  std::string err;
+  std::string out, err;
   int complaints() const;  ///< lines on standard error
 };
 

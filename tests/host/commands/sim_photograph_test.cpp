@@ -1,10 +1,9 @@
-// strobe-sim photograph as a program.
 #include <filesystem>
 
 #include "tests/host/commands/shipped_programs.hpp"
 #include "tests/support/json_lines.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe;
 using namespace strobe::chain;
@@ -26,12 +25,12 @@ TEST(SimPhotograph, WritesPhotographsAndTheirTruthAndTheSameOnesAgain) {
   STRCMP_CONTAINS("a/b/shot_0002.tif: 720 x 460, 8 bits, ", first.out.c_str());
   const auto truths = testing::read_json_lines(folder / "a/b/truth.jsonl");
   LONGS_EQUAL(2, truths.size());
-  STRCMP_EQUAL("shot_0002.tif", truths[1].at("file").get<std::string>().c_str());
+  CHECK_EQUAL("shot_0002.tif", truths[1].at("file").get<std::string>());
   LONGS_EQUAL(720, truths[1].at("width_px").get<int>());
   const Run again = take("c", {"--shots", "2", "--json"});
-  STRCMP_EQUAL(testing::read_text(folder / "a/b/truth.jsonl").c_str(), again.out.c_str());
+  CHECK_EQUAL(testing::read_text(folder / "a/b/truth.jsonl"), again.out);
   for (const char* name : {"shot_0001.tif", "shot_0002.tif"})
-    CHECK(testing::read_text(folder / "a/b" / name) == testing::read_text(folder / "c" / name));
+    CHECK_EQUAL(testing::read_text(folder / "c" / name), testing::read_text(folder / "a/b" / name));
   int files = 0;  // and nothing under a temporary name
   for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator(folder / "c")) ++files;
   LONGS_EQUAL(3, files);

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <functional>
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 namespace {
 
@@ -107,5 +107,5 @@ TEST(ContactImage, OfAnUncertainOutlineIsRejected) {
   outline.covariance = cv::Matx33d::eye() * 200.0;  // sd of the top: sqrt(200·1.25) = 15.8 px of 260
   const auto contact = measure_contact(outline, surface(0.0));
   CHECK_FALSE(contact.has_value());
-  CHECK_TRUE(contact.error().reason == Reason::imprecise);
+  CHECK_EQUAL(Reason::imprecise, contact.error().reason);
 }

@@ -1,12 +1,10 @@
-// A person's corrections: the file, and what becomes of the images.
 #include "host/digitize/corrections/corrections.hpp"
 
 #include <fmt/format.h>
 
-#include <cmath>
 #include <numbers>
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe::digitize;
 using strobe::reduction::BallImage;
@@ -89,7 +87,7 @@ std::string refusal(const std::string& text) {
   Digitization made = digitized();
   const auto applied = apply_corrections(made, parsed(text), settings());
   LONGS_EQUAL(8, made.frame.images.size());
-  for (const BallImage& image : made.frame.images) STRCMP_EQUAL("auto", image.source.c_str());
+  for (const BallImage& image : made.frame.images) CHECK_EQUAL("auto", image.source);
   return applied ? "" : applied.error().message;
 }
 
@@ -103,22 +101,22 @@ TEST(CorrectionsFile, HoldsWhatIsToBeAddedMovedAndRemoved) {
       "[[remove]]\nat_px = [1, 2]\n"
       "[[move]]\nat_image_px = [3, 4]\nequator_deg = 90\nequator_sd_deg = 2\n");
   LONGS_EQUAL(3, read.size());
-  CHECK(read[0].kind == Correction::Kind::remove);
+  CHECK_EQUAL(Correction::Kind::remove, read[0].kind);
   DOUBLES_EQUAL(2.0, read[0].at.point.y, 0.0);
   CHECK(!read[0].at.in_image);
-  STRCMP_EQUAL("fix.toml:6", read[0].location.c_str());
-  CHECK(read[1].kind == Correction::Kind::move);
+  CHECK_EQUAL("fix.toml:6", read[0].location);
+  CHECK_EQUAL(Correction::Kind::move, read[1].kind);
   CHECK(read[1].at.in_image);
   DOUBLES_EQUAL(std::numbers::pi / 2, read[1].measured.equator_rad.value(), 1e-15);
   DOUBLES_EQUAL(std::numbers::pi / 90, read[1].measured.equator_sd_rad.value(), 1e-15);
-  CHECK(read[2].kind == Correction::Kind::add);
+  CHECK_EQUAL(Correction::Kind::add, read[2].kind);
   CHECK(read[2].measured.centre->in_image);
-  CHECK(read[2].measured.leg == Leg::contact);
+  CHECK_EQUAL(Leg::contact, read[2].measured.leg);
   DOUBLES_EQUAL(9.0, read[2].measured.top->point.y, 0.0);
 }
 
 TEST(CorrectionsFile, NamesTheLineAndKeyThatIsWrong) {
-  STRCMP_EQUAL("fix.toml: no [[add]], [[move]] or [[remove]]", complaint("").c_str());
+  CHECK_EQUAL("fix.toml: no [[add]], [[move]] or [[remove]]", complaint(""));
   STRCMP_CONTAINS("fix.toml:1: ", complaint("[[remove]]\n").c_str());
   STRCMP_CONTAINS("at_px (or at_image_px) is missing", complaint("[[remove]]\n").c_str());
   STRCMP_CONTAINS("centre_px (or centre_image_px) is missing", complaint("[[add]]\n").c_str());
@@ -142,10 +140,10 @@ TEST(Corrections, ARemovedImageIsListedAsRemovedByHand) {
   const Digitization made = corrected("[[remove]]\n" + at(2));
   LONGS_EQUAL(7, made.frame.images.size());
   LONGS_EQUAL(1, made.unmeasured.size());
-  CHECK(made.unmeasured[0].why.reason == Reason::by_hand);
-  STRCMP_EQUAL("removed by fix.toml:1", made.unmeasured[0].why.detail.c_str());
+  CHECK_EQUAL(Reason::by_hand, made.unmeasured[0].why.reason);
+  CHECK_EQUAL("removed by fix.toml:1", made.unmeasured[0].why.detail);
   DOUBLES_EQUAL(centre_of(2).x, made.unmeasured[0].centre.x, 0.0);
-  for (const BallImage& image : made.frame.images) STRCMP_EQUAL("auto", image.source.c_str());
+  for (const BallImage& image : made.frame.images) CHECK_EQUAL("auto", image.source);
 }
 
 TEST(Corrections, TheTimesOfTheOthersStayWhereOneIsRemoved) {
@@ -158,7 +156,7 @@ TEST(Corrections, TheTimesOfTheOthersStayWhereOneIsRemoved) {
 TEST(Corrections, AMovedImageKeepsWhatIsNotOverruledAndIsMarked) {
   const Digitization made = corrected("[[move]]\n" + at(5) + "centre_px = [1302, 526]\n");
   const BallImage& image = made.frame.images.at(5);
-  STRCMP_EQUAL("hand", image.source.c_str());
+  CHECK_EQUAL("hand", image.source);
   DOUBLES_EQUAL(1302.0, image.centre_px.x, 0.0);
   DOUBLES_EQUAL(526.0, image.centre_px.y, 0.0);
   DOUBLES_EQUAL(0.5, image.equator_rad.value(), 0.0);
@@ -166,16 +164,15 @@ TEST(Corrections, AMovedImageKeepsWhatIsNotOverruledAndIsMarked) {
   // Half a millimetre at 4000 px/m is 2 px.
   DOUBLES_EQUAL(4.0, image.centre_cov_px2.value()[0], 1e-12);
   DOUBLES_EQUAL(1302.0, made.outlines.at(5).centre.x, 0.0);
-  for (std::size_t i = 0; i < made.frame.images.size(); ++i) {
-    if (i != 5) STRCMP_EQUAL("auto", made.frame.images[i].source.c_str());
-  }
+  for (std::size_t i = 0; i < made.frame.images.size(); ++i)
+    if (i != 5) CHECK_EQUAL("auto", made.frame.images[i].source);
 }
 
 TEST(Corrections, ALineThatIsNoneIsTakenAway) {
   const Digitization made = corrected("[[move]]\n" + at(0) + "no_equator = true\n");
   CHECK(!made.frame.images[0].equator_rad.has_value());
   CHECK(!made.frame.images[0].equator_sd_rad.has_value());
-  STRCMP_EQUAL("hand", made.frame.images[0].source.c_str());
+  CHECK_EQUAL("hand", made.frame.images[0].source);
 }
 
 TEST(Corrections, AnAddedImageComesIntoItsPlaceWithItsTime) {
@@ -185,20 +182,20 @@ TEST(Corrections, AnAddedImageComesIntoItsPlaceWithItsTime) {
                                                   next.x, kHeight_px - 1 - next.y));
   LONGS_EQUAL(9, made.frame.images.size());
   const BallImage& image = made.frame.images.back();
-  STRCMP_EQUAL("hand", image.source.c_str());
+  CHECK_EQUAL("hand", image.source);
   DOUBLES_EQUAL(next.y, image.centre_px.y, 1e-9);
   DOUBLES_EQUAL(kDiameter_px, image.diameter_px, 1e-12);
   CHECK(image.diameter_sd_px.value() > 1.0);
-  CHECK(image.leg == Leg::rebound);
+  CHECK_EQUAL(Leg::rebound, image.leg);
   DOUBLES_EQUAL(kPeriod_s, image.time_s - made.frame.images[7].time_s, 1e-12);
 }
 
 TEST(Corrections, OneThatMeansNoImageIsRefusedAndChangesNothing) {
-  STRCMP_EQUAL("fix.toml:1: no image within 130 px of (50.0, 60.0)",
-               refusal("[[remove]]\nat_px = [50, 60]\n").c_str());
+  CHECK_EQUAL("fix.toml:1: no image within 130 px of (50.0, 60.0)",
+              refusal("[[remove]]\nat_px = [50, 60]\n"));
 }
 
 TEST(Corrections, TwoThatMeanTheSameImageAreRefused) {
-  STRCMP_EQUAL("fix.toml:3: means the same image as fix.toml:1",
-               refusal("[[remove]]\n" + at(1) + "[[move]]\n" + at(1) + "diameter_px = 250\n").c_str());
+  CHECK_EQUAL("fix.toml:3: means the same image as fix.toml:1",
+              refusal("[[remove]]\n" + at(1) + "[[move]]\n" + at(1) + "diameter_px = 250\n"));
 }

@@ -7,7 +7,7 @@
 #include "common/reduction/reduce.hpp"
 #include "tests/host/digitize/painter.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 namespace {
 
@@ -113,13 +113,13 @@ TEST(Digitize, FindsAllImagesOfABounceInOrderWithTheSurface) {
   const auto& frame = result->frame;
   LONGS_EQUAL(placed.size(), frame.images.size());
   for (std::size_t i = 0; i < placed.size(); ++i) {
-    CHECK_TRUE(frame.images[i].leg == placed[i].leg);
+    CHECK_EQUAL(placed[i].leg, frame.images[i].leg);
     // Half a per cent of the diameter: far below the distance of images, far above the fit's error.
     DOUBLES_EQUAL(placed[i].centre.x, frame.images[i].centre_px.x, 0.5);
     DOUBLES_EQUAL(placed[i].centre.y, frame.images[i].centre_px.y, 0.5);
     DOUBLES_EQUAL(kDiameter_px, frame.images[i].diameter_px, 1.0);
     CHECK_TRUE(frame.images[i].centre_cov_px2.has_value());
-    STRCMP_EQUAL("auto", frame.images[i].source.c_str());
+    CHECK_EQUAL("auto", frame.images[i].source);
     if (i > 0) DOUBLES_EQUAL(3e-3, frame.images[i].time_s - frame.images[i - 1].time_s, 1e-9);
   }
   LONGS_EQUAL(result->outlines.size(), frame.images.size());
@@ -172,7 +172,7 @@ TEST(Digitize, OfAShotToTheLeftIsInOrderAndSaysTrulyWhereACutImageIs) {
   const std::size_t cut = placed.size() - images.size();
   for (std::size_t i = 0; i < images.size(); ++i) {
     const Placed& truth = placed[i + cut];
-    CHECK_TRUE(images[i].leg == truth.leg);
+    CHECK_EQUAL(truth.leg, images[i].leg);
     const auto& cov = *images[i].centre_cov_px2;
     // Five sds, and what the tests above allow for little.
     DOUBLES_EQUAL(truth.centre.x, images[i].centre_px.x, 5.0 * std::sqrt(cov[0]) + 0.3);
@@ -216,8 +216,8 @@ TEST(Digitize, IsTheSameForAnyNumberOfThreads) {
   cv::setNumThreads(threads);
   LONGS_EQUAL(several->frame.images.size(), one->frame.images.size());
   for (std::size_t i = 0; i < one->frame.images.size(); ++i) {
-    CHECK_TRUE(one->frame.images[i].centre_px.x == several->frame.images[i].centre_px.x);
-    CHECK_TRUE(one->frame.images[i].diameter_px == several->frame.images[i].diameter_px);
-    CHECK_TRUE(one->frame.images[i].equator_rad == several->frame.images[i].equator_rad);
+    CHECK_EQUAL(several->frame.images[i].centre_px.x, one->frame.images[i].centre_px.x);
+    CHECK_EQUAL(several->frame.images[i].diameter_px, one->frame.images[i].diameter_px);
+    CHECK_EQUAL(several->frame.images[i].equator_rad, one->frame.images[i].equator_rad);
   }
 }

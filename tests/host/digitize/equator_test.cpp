@@ -5,20 +5,10 @@
 
 #include "tests/host/digitize/painter.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
-using strobe::digitize::Effort;
-using strobe::digitize::Equator;
-using strobe::digitize::measure_equators;
-using strobe::digitize::Measured;
-using strobe::digitize::Outline;
-using strobe::digitize::Photograph;
-using strobe::digitize::PlaneMap;
-using strobe::digitize::Reason;
-using strobe::testing::next_image;
-using strobe::testing::paint;
-using strobe::testing::PaintedBall;
-using strobe::testing::Painting;
+using namespace strobe::digitize;
+using namespace strobe::testing;
 
 namespace {
 constexpr double kDegree = std::numbers::pi / 180.0;
@@ -204,7 +194,7 @@ TEST(Equators, AreSaidToBeSaturatedWhereNothingElseIsSeen) {
   add_three(bright, 170.0, 0.4);
   for (const auto& one : measured()) {
     CHECK_FALSE(one.has_value());
-    CHECK_TRUE(one.error().reason == Reason::saturated);
+    CHECK_EQUAL(Reason::saturated, one.error().reason);
   }
 }
 

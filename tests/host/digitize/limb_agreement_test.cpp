@@ -1,4 +1,4 @@
-// Outlines told from arcs that only look like one, by the light across them.
+// Outlines distinguished from arcs that only look like one, by the light across them.
 #include "host/digitize/outliers/limb_agreement.hpp"
 
 #include <random>

@@ -7,10 +7,7 @@
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe::digitize;
-using strobe::testing::next_image;
-using strobe::testing::paint;
-using strobe::testing::Painting;
-using strobe::testing::random_ball;
+using namespace strobe::testing;
 
 namespace {
 

@@ -1,4 +1,3 @@
-// What was found, drawn on the photograph.
 #include "host/digitize/overlay/overlay.hpp"
 
 #include <opencv2/imgcodecs.hpp>
@@ -67,9 +66,8 @@ TEST(Overlay, HasThePhotographsSizeAndLeavesItGreyWhereNothingWasFound) {
   LONGS_EQUAL(kWidth, picture.cols);
   LONGS_EQUAL(kHeight, picture.rows);
   LONGS_EQUAL(CV_8UC3, picture.type());
-  for (int row = 0; row < kHeight; ++row) {
+  for (int row = 0; row < kHeight; ++row)
     for (int column = 0; column < kWidth; ++column) CHECK(is_grey(picture.at<cv::Vec3b>(row, column)));
-  }
 }
 
 TEST(Overlay, DrawsEachOutlineWhereItIsAndInAColourOfItsOwn) {

@@ -45,8 +45,7 @@ struct PaintedBall {
 };
 
 struct Painting {
-  int width = 640;
-  int height = 480;
+  int width = 640, height = 480;
   int flashes = 30;                   ///< over which the background's light adds up
   double background = 0.05;           ///< sum over all flashes, in the middle
   cv::Point2d background_slope_px{};  ///< relative, per px along x and down the rows

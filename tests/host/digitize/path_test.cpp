@@ -8,7 +8,7 @@
 #include "host/digitize/path/path.hpp"
 #include "host/digitize/path/time_order.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 namespace {
 
@@ -21,13 +21,9 @@ constexpr double kScale_px = 4000.0;
 
 /// A ball that bounces at x = 0 above a level surface at y = 0, as every flash sees it.
 struct Shot {
-  double angle_deg = -23.0;
-  double speed_mps = 17.0;
-  double restitution = 0.75;
-  double friction = 0.2;
+  double angle_deg = -23.0, speed_mps = 17.0, restitution = 0.75, friction = 0.2;
   double first_flash_s = 0.0007;  ///< after the ball is in view
-  double reach_px = 1200.0;
-  double dwell_s = 4.5e-3;
+  double reach_px = 1200.0, dwell_s = 4.5e-3;
   bool leftwards = false;
 
   struct Image {
@@ -40,8 +36,7 @@ struct Shot {
     const double vx = speed_mps * std::cos(angle_deg * CV_PI / 180.0) * kScale_px;
     const double vy = speed_mps * std::sin(angle_deg * CV_PI / 180.0) * kScale_px;
     const double out_y = -restitution * vy, out_x = vx - friction * (out_y - vy);
-    const double radius = 0.5 * kDiameter_px;
-    const double contact_x = 0.5 * (vx + out_x) * dwell_s;
+    const double radius = 0.5 * kDiameter_px, contact_x = 0.5 * (vx + out_x) * dwell_s;
     std::vector<Image> all;
     for (int k = -20; k < 20; ++k) {
       const double t = k * kPeriod_s + first_flash_s;
@@ -106,7 +101,7 @@ void check_order(const Shot& shot, const TimeContext& s, bool contacts = true) {
   LONGS_EQUAL(images.size(), result.sequence.size());
   for (std::size_t k = 0; k < images.size(); ++k) {
     LONGS_EQUAL(k, order[static_cast<std::size_t>(result.sequence[k])]);
-    CHECK_TRUE(result.leg[k] == images[k].leg);
+    CHECK_EQUAL(images[k].leg, result.leg[k]);
   }
 }
 
@@ -180,7 +175,7 @@ TEST(BallPath, OfOneLegGoesTheWayTheFlashesSay) {
     }
     const TimeContext s = scene(false, times);
     const TimeOrder result = order_in_time(points, find_path(points, s.path), s);
-    CHECK_TRUE(result.leftwards == leftwards);
+    CHECK_EQUAL(leftwards, result.leftwards);
     for (std::size_t k = 0; k < times.size(); ++k) LONGS_EQUAL(k, result.sequence[k]);
   }
 }

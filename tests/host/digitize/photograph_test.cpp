@@ -1,19 +1,14 @@
 #include "host/digitize/image/photograph.hpp"
 
-#include <cstdio>
-#include <filesystem>
 #include <opencv2/imgcodecs.hpp>
 #include <string>
 #include <vector>
 
 #include "host/digitize/image/image_header.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
-using strobe::digitize::decode_photograph;
-using strobe::digitize::load_photograph;
-using strobe::digitize::Photograph;
-using strobe::digitize::saturation_level;
+using namespace strobe::digitize;
 
 namespace {
 
@@ -62,7 +57,7 @@ std::string complaint(const Bytes& bytes) {
 TEST_GROUP(Photograph){void check_complaint(const Bytes& bytes, const std::string& part){
     const std::string message = complaint(bytes);
 CHECK_TRUE(message.starts_with("shot.tif: "));
-CHECK_TRUE(message.find('\n') == std::string::npos);
+CHECK_EQUAL(std::string::npos, message.find('\n'));
 if (message.find(part) == std::string::npos) FAIL(("\"" + part + "\" is not in: " + message).c_str());
 }
 }
@@ -196,5 +191,5 @@ TEST(Photograph, OfPlainTiffWithZeroForWhiteIsTurnedAboutAndTheFileLeftAlone) {
   const auto photograph = decode_photograph(bytes, "negative");
   CHECK_TRUE(photograph.has_value());
   DOUBLES_EQUAL(1.0 - 5.0 / 255.0, photograph->intensity.at<float>(0, 5), 1e-6);
-  CHECK_TRUE(bytes == before);
+  CHECK_EQUAL(before, bytes);
 }

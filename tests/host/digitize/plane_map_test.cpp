@@ -2,7 +2,6 @@
 #include "host/digitize/core/plane_map.hpp"
 
 #include <cmath>
-#include <random>
 #include <vector>
 
 #include <CppUTest/TestHarness.h>
@@ -20,9 +19,8 @@ PlaneMap bent_and_tilted(std::optional<Viewpoint> viewpoint = {}) {
 
 std::vector<cv::Point2d> places() {
   std::vector<cv::Point2d> points;
-  for (double y = -50.0; y < 1900.0; y += 237.0) {
+  for (double y = -50.0; y < 1900.0; y += 237.0)
     for (double x = -50.0; x < 2950.0; x += 311.0) points.emplace_back(x, y);
-  }
   return points;
 }
 
@@ -52,9 +50,8 @@ TEST(PlaneMap, WithoutACalibrationTurnsRowsUpsideDown) {
 
 TEST(PlaneMap, LeadsBackToWhereItCameFrom) {
   // Rounding: some 1e-16 of 3000 px, a few operations; Newton's iteration ends below 1e-13 focal lengths.
-  for (const PlaneMap& map : {PlaneMap::uncalibrated(1840), bent_and_tilted()}) {
+  for (const PlaneMap& map : {PlaneMap::uncalibrated(1840), bent_and_tilted()})
     for (const cv::Point2d& p : places()) CHECK_TRUE(cv::norm(map.to_image(map.to_plane(p)) - p) < 1e-8);
-  }
 }
 
 TEST(PlaneMap, KnowsItsSlope) {

@@ -1,4 +1,3 @@
-// Images too near to each other for one ball, from places alone.
 #include "host/digitize/outliers/spacing.hpp"
 
 #include <cmath>

@@ -1,11 +1,10 @@
-// The surface's line on small pictures of plates.
 #include "host/digitize/surface/surface_line.hpp"
 
 #include <cmath>
 #include <numbers>
 #include <opencv2/core.hpp>
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 namespace {
 
@@ -21,8 +20,7 @@ Photograph stepped(const std::vector<double>& rows, double slope = 0.0, double f
   cv::RNG random(3);
   for (int y = 0; y < kHeight; ++y) {
     for (int x = 0; x < kWidth; ++x) {
-      double light = 0.05 + random.gaussian(0.002);
-      double rise = 0.1 * first;
+      double light = 0.05 + random.gaussian(0.002), rise = 0.1 * first;
       for (const double row : rows) {
         light += rise * std::erfc(-(y - row - slope * (x - 300)) / 1.5);
         rise = 0.1;
@@ -102,7 +100,7 @@ TEST(SurfaceLine, IsNotOneThatBallsAreSeenBelow) {
   DOUBLES_EQUAL(0.0, height_above(*lower, {300.0, kHeight - 1 - 220.3}), 0.1);
   const auto none = find_surface_line(stepped({150.0}), PlaneMap::uncalibrated(kHeight), balls);
   CHECK_FALSE(none.has_value());
-  CHECK_TRUE(none.error().reason == Reason::no_plate);
+  CHECK_EQUAL(Reason::no_plate, none.error().reason);
 }
 
 TEST(SurfaceLine, MayCutOffWhatIsNotSeenOfABall) {
@@ -118,5 +116,5 @@ TEST(SurfaceLine, MayCutOffWhatIsNotSeenOfABall) {
 TEST(SurfaceLine, OfNoPlateIsNone) {
   const auto line = found(stepped({}));
   CHECK_FALSE(line.has_value());
-  CHECK_TRUE(line.error().reason == Reason::no_plate);
+  CHECK_EQUAL(Reason::no_plate, line.error().reason);
 }

@@ -1,4 +1,3 @@
-// The figures as data, and as files through gnuplot.
 #include <cmath>
 #include <filesystem>
 #include <set>
@@ -9,12 +8,11 @@
 #include "tests/host/thesis/loaded_thesis.hpp"
 #include "tests/support/temporary_folder.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe;
 using namespace strobe::report;
 using strobe::testing::loaded_thesis;
-using strobe::testing::read_text;
 using strobe::testing::TemporaryFolder;
 namespace fs = std::filesystem;
 
@@ -117,8 +115,7 @@ TEST_GROUP(Gnuplot) { TemporaryFolder folder; };
 
 TEST(Gnuplot, IsGivenDataInColumnsAndTextInQuotes) {
   const Figure figure = simple();
-  STRCMP_EQUAL("series,x,y,low,high\na; b,0.1,0.2,0.15,0.25\n\n\nline,0,0,,\nline,1,1,,\n",
-               csv_text(figure).c_str());
+  CHECK_EQUAL("series,x,y,low,high\na; b,0.1,0.2,0.15,0.25\n\n\nline,0,0,,\nline,1,1,,\n", csv_text(figure));
   CHECK(script_text(figure).find("'Figure 4. Bob''s ball'") != std::string::npos);
 }
 
@@ -130,7 +127,8 @@ TEST(Gnuplot, DrawsSvgAndPngAndLeavesDataAndScriptBesideThem) {
   std::set<std::string> names;
   for (const auto& entry : fs::directory_iterator(folder / "new" / "folder"))
     names.insert(entry.path().filename().string());
-  CHECK((names == std::set<std::string>{"figure_04.csv", "figure_04.gp", "figure_04.png", "figure_04.svg"}));
+  CHECK_EQUAL((std::set<std::string>{"figure_04.csv", "figure_04.gp", "figure_04.png", "figure_04.svg"}),
+              names);
 }
 
 TEST(Gnuplot, ThatFailsLeavesNothing) {
@@ -142,7 +140,7 @@ TEST(Gnuplot, ThatFailsLeavesNothing) {
 
 TEST(Gnuplot, ThatDrawsNothingIsNoticed) {
   const auto drawn = draw(simple(), folder / "out", "/bin/true");
-  STRCMP_EQUAL("gnuplot did not finish figure_04.svg: no message", drawn.error().message.c_str());
+  CHECK_EQUAL("gnuplot did not finish figure_04.svg: no message", drawn.error().message);
   CHECK(fs::is_empty(folder / "out"));
 }
 

@@ -1,11 +1,10 @@
-// Cells and their reasons, and how a table is printed.
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "host/thesis/tables/render.hpp"
 #include "host/thesis/table.hpp"
+#include "host/thesis/tables/render.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe::report;
 
@@ -16,7 +15,7 @@ Reason reason_of(double printed, double computed, const Tolerance& tolerance = {
 }
 
 void check_reason(Reason expected, Reason actual) {
-  STRCMP_EQUAL(std::string(name(expected)).c_str(), std::string(name(actual)).c_str());
+  CHECK_EQUAL(std::string(name(expected)), std::string(name(actual)));
 }
 
 Table example() {
@@ -75,14 +74,14 @@ TEST(ThesisTable, TextShowsBothValuesMarksTheDifferenceAndTellsItsReason) {
 
 TEST(ThesisTable, JsonHasEveryNumberToItsLastBit) {
   const std::string line = json(example());
-  CHECK(line.find('\n') == std::string::npos);
+  CHECK_EQUAL(std::string::npos, line.find('\n'));
   const auto parsed = nlohmann::json::parse(line);
-  STRCMP_EQUAL("5", parsed["table"].get<std::string>().c_str());
+  CHECK_EQUAL("5", parsed["table"].get<std::string>());
   const auto& first = parsed["rows"][0];
-  STRCMP_EQUAL("zero_17", first["label"].get<std::string>().c_str());
+  CHECK_EQUAL("zero_17", first["label"].get<std::string>());
   DOUBLES_EQUAL(11.73, first["v_mps"]["printed"].get<double>(), 0.0);
   DOUBLES_EQUAL(11.73 - 11.866, first["v_mps"]["difference"].get<double>(), 0.0);
-  STRCMP_EQUAL("misprint", first["v_mps"]["reason"].get<std::string>().c_str());
+  CHECK_EQUAL("misprint", first["v_mps"]["reason"].get<std::string>());
   DOUBLES_EQUAL(1.0 / 3.0, parsed["rows"][1]["e"]["computed"].get<double>(), 0.0);
   CHECK_FALSE(parsed["rows"][1]["e"].contains("printed"));
 }

@@ -1,6 +1,5 @@
 // Every table over the thesis's data: what is printed appears, and every difference has its reason.
 #include <cmath>
-#include <fstream>
 #include <set>
 #include <string>
 
@@ -13,7 +12,7 @@
 #include "tests/support/json_lines.hpp"
 #include "tests/support/temporary_folder.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe;
 using namespace strobe::report;
@@ -67,7 +66,7 @@ TEST_GROUP(ThesisTables){};
 TEST(ThesisTables, AreAllThereWithDistinctIds) {
   std::set<std::string> seen;
   for (const TableEntry& entry : all_tables()) CHECK_TEXT(seen.insert(entry.id).second, entry.id.c_str());
-  for (int number = 2; number <= 17; ++number) CHECK(seen.count(std::to_string(number)) == 1);
+  for (int number = 2; number <= 17; ++number) CHECK_EQUAL(1, seen.count(std::to_string(number)));
   for (const Table& table : tables(Version::corrected)) CHECK_TEXT(!table.rows.empty(), table.id.c_str());
 }
 
@@ -159,7 +158,7 @@ TEST(ThesisTables, OfOneSetHaveItsRowsOnly) {
   const ThesisInputs one = load_thesis(Version::corrected, "back_40");
   CHECK(incoming_table(one, 2, "zero").rows.empty());
   LONGS_EQUAL(1, incoming_table(one, 4, "back").rows.size());
-  STRCMP_EQUAL("back_40", see_table(one).rows.at(0).label.c_str());
+  CHECK_EQUAL("back_40", see_table(one).rows.at(0).label);
   LONGS_EQUAL(3, cubic_table(one).rows.size());
   LONGS_EQUAL(1, vx_model_table(one).rows.size());
 }
@@ -210,7 +209,7 @@ TEST(ThesisTables, ForetellEveryImageOfEverySet) {
 
 TEST(ThesisTables, RefuseASetThatTheThesisDoesNotHave) {
   const auto inputs = load_inputs(STROBE_THESIS_FOLDER, Version::corrected, "zero_24");
-  STRCMP_EQUAL("no set zero_24; the thesis has zero_17 to back_68", inputs.error().message.c_str());
+  CHECK_EQUAL("no set zero_24; the thesis has zero_17 to back_68", inputs.error().message);
 }
 
 TEST(ThesisTables, AreJsonAndTextThroughout) {
@@ -238,12 +237,10 @@ TEST(PrintedValues, KeepTheUnitOfTheirLastDigit) {
 
 TEST(PrintedValues, AreRefusedWithoutProvenanceOrNumber) {
   const std::string header = "table,set,quantity,unit,value,provenance\n";
-  STRCMP_EQUAL(
-      "p.csv:2: provenance: is missing",
-      thesis::parse_printed_values(header + "17,zero_23,see_x,mm,1.070,\n", "p.csv").error().message.c_str());
-  STRCMP_EQUAL(
-      "p.csv:2: value: 'one' is not a number",
-      thesis::parse_printed_values(header + "17,zero_23,see_x,mm,one,T\n", "p.csv").error().message.c_str());
-  STRCMP_EQUAL("/no/such/folder/printed_values.csv: cannot be read",
-               thesis::load_printed_values("/no/such/folder").error().message.c_str());
+  CHECK_EQUAL("p.csv:2: provenance: is missing",
+              thesis::parse_printed_values(header + "17,zero_23,see_x,mm,1.070,\n", "p.csv").error().message);
+  CHECK_EQUAL("p.csv:2: value: 'one' is not a number",
+              thesis::parse_printed_values(header + "17,zero_23,see_x,mm,one,T\n", "p.csv").error().message);
+  CHECK_EQUAL("/no/such/folder/printed_values.csv: cannot be read",
+              thesis::load_printed_values("/no/such/folder").error().message);
 }

@@ -57,8 +57,7 @@ TEST_GROUP(ThesisAllowance){};
 
 TEST(ThesisAllowance, BoundsTheMeanAngleAndSpeedOfAnyReplicates) {
   CHECK(rc::check([] {
-    const double vx = uniform(5.0, 16.0);
-    const double vy = uniform(-16.0, -4.0);
+    const double vx = uniform(5.0, 16.0), vy = uniform(-16.0, -4.0);
     const double spread = uniform(0.0, 0.5);
     const Replicates x = replicates(vx, spread);
     const Replicates y = replicates(vy, spread);
@@ -98,8 +97,7 @@ TEST(ThesisAllowance, RoundingIsTheMostThatHalfADigitOfEachInputDoes) {
   c.vy_td_mps.mean = -6.71;
   c.vx_lo_mps.mean = 8.84;
   c.vy_lo_mps.mean = 5.76;
-  double most_mu = 0.0;
-  double most_angle = 0.0;
+  double most_mu = 0.0, most_angle = 0.0;
   for (int corner = 0; corner < 16; ++corner) {
     thesis::Condition moved = c;
     const auto half = [corner](int bit) { return (corner >> bit & 1) != 0 ? kHalfDigit : -kHalfDigit; };
