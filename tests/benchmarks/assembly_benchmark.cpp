@@ -19,9 +19,8 @@ host_test::SyntheticShot shot_of_kind(int kind, std::uint32_t seed) {
   scenario.seed = seed;
   const int around = host_test::last_flash_before_touchdown(scenario);
   if (kind == 1) scenario.late_us[around - 1] = 160;
-  if (kind == 2) {  // every flash late by another amount
+  if (kind == 2)  // every flash late by another amount
     for (int k = 0; k < scenario.flash_count; ++k) scenario.late_us[k] = static_cast<double>((k * 37) % 91);
-  }
   return host_test::make_shot(scenario);
 }
 

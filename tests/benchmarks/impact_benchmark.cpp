@@ -17,9 +17,7 @@ using namespace strobe::impact;
 
 struct Shot {
   Motion touchdown;
-  double e;
-  double mu;
-  double dwell_s;
+  double e, mu, dwell_s;
 };
 
 constexpr std::size_t kShots = 1024;
@@ -33,8 +31,7 @@ const std::array<Shot, kShots>& shots() {
       return std::uniform_real_distribution<double>(low, high)(random);
     };
     for (Shot& s : made) {
-      const double speed = between(10.0, 40.0);
-      const double angle = between(0.26, 1.31);
+      const double speed = between(10.0, 40.0), angle = between(0.26, 1.31);
       s = {{speed * std::cos(angle), -speed * std::sin(angle), between(-400.0, 400.0)},
            between(0.6, 0.95),
            between(0.4, 0.7),

@@ -1,7 +1,6 @@
 // Frames reduced with covariance per second, on one core.
 #include <benchmark/benchmark.h>
 
-#include <cmath>
 #include <random>
 
 #include "common/messages/json_conversions.hpp"

@@ -3,9 +3,7 @@
 #include <fmt/format.h>
 #include <sys/utsname.h>
 
-#include <fstream>
 #include <regex>
-#include <sstream>
 
 #include "tests/support/process.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -17,7 +15,8 @@ using namespace std::chrono_literals;
 
 /// The C library and OpenCV choose code by the processor; this keeps to what every x86-64 has, so that counts agree.
 const std::map<std::string, std::string> kPlainProcessor{
-    {"GLIBC_TUNABLES", "glibc.cpu.hwcaps=-AVX2_Usable,-AVX2,-FMA_Usable,-FMA,-FMA4_Usable,-FMA4,-AVX_Usable,-AVX"},
+    {"GLIBC_TUNABLES",
+     "glibc.cpu.hwcaps=-AVX2_Usable,-AVX2,-FMA_Usable,-FMA,-FMA4_Usable,-FMA4,-AVX_Usable,-AVX"},
     {"OPENCV_CPU_DISABLE", "SSE4.1,SSE4.2,AVX,FP16,AVX2,FMA3,AVX512F,AVX512_SKX"}};
 
 std::string machine() {
@@ -50,7 +49,8 @@ Result<Counts> count(const std::vector<std::string>& names) {
        {},
        {}},
       600s);
-  if (finished.status != testing::ExitStatus{0, 0}) return fail("callgrind did not run to its end:\n" + finished.err);
+  if (finished.status != testing::ExitStatus{0, 0})
+    return fail("callgrind did not run to its end:\n" + finished.err);
   Counts counts;
   for (std::size_t i = 0; i < names.size(); ++i) {
     const auto total = total_of(testing::read_text(fmt::format("{}.{}", output, i + 1)));
@@ -67,14 +67,13 @@ std::vector<std::string> complaints(const Counts& recorded, const Counts& counte
     if (record == recorded.end()) {
       lines.push_back(fmt::format("{} is not recorded: {} instructions", name, count));
     } else if (static_cast<double>(count) > kMaxGrowth * static_cast<double>(record->second)) {
-      lines.push_back(fmt::format("{} costs {} instructions, {:+.1f} % on the record's {}", name, count,
-                                  100.0 * (static_cast<double>(count) / static_cast<double>(record->second) - 1.0),
-                                  record->second));
+      lines.push_back(fmt::format(
+          "{} costs {} instructions, {:+.1f} % on the record's {}", name, count,
+          100.0 * (static_cast<double>(count) / static_cast<double>(record->second) - 1.0), record->second));
     }
   }
-  for (const auto& [name, count] : recorded) {
+  for (const auto& [name, count] : recorded)
     if (counted.count(name) == 0) lines.push_back(name + " is recorded but no longer counted");
-  }
   return lines;
 }
 

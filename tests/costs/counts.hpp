@@ -1,7 +1,6 @@
 // Instruction counts: taken by valgrind's callgrind, kept in costs.json by machine and compiler. Single-threaded.
 #pragma once
 
-#include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>

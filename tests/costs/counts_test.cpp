@@ -1,6 +1,6 @@
 #include "tests/costs/counts.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe::costs;
 
@@ -18,7 +18,7 @@ TEST(Costs, GrowthUpToATenthIsAccepted) {
 
 TEST(Costs, MoreFailsWithTheNameAndBothNumbers) {
   const auto lines = complaints({{"reduce", 1000}}, {{"reduce", 1101}});
-  STRCMP_EQUAL("reduce costs 1101 instructions, +10.1 % on the record's 1000", lines.at(0).c_str());
+  CHECK_EQUAL("reduce costs 1101 instructions, +10.1 % on the record's 1000", lines.at(0));
 }
 
 TEST(Costs, CasesWithoutARecordAndRecordsWithoutACaseFail) {

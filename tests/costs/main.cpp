@@ -86,7 +86,9 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   int status = kDone;
   app.add_subcommand("check", "Count, and compare with the record")->callback([&] { status = check(); });
-  app.add_subcommand("record", "Count, and store the counts as the record")->callback([&] { status = store(); });
+  app.add_subcommand("record", "Count, and store the counts as the record")->callback([&] {
+    status = store();
+  });
   app.add_subcommand("run", "Run every case twice (under callgrind)")->callback([&] { status = run_all(); });
   CLI11_PARSE(app, argc, argv);
   return status;

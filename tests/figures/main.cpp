@@ -78,7 +78,8 @@ std::optional<std::string> output_of(const std::string& command) {
   if (pipe == nullptr) return std::nullopt;
   std::string output;
   std::array<char, 4096> part{};
-  while (const std::size_t count = std::fread(part.data(), 1, part.size(), pipe)) output.append(part.data(), count);
+  while (const std::size_t count = std::fread(part.data(), 1, part.size(), pipe))
+    output.append(part.data(), count);
   if (pclose(pipe) != 0) return std::nullopt;
   return output;
 }
@@ -148,9 +149,8 @@ int measure(const Options& options) {
   const std::string path = (fs::path(STROBE_BUILD_DIR) / "bin").string() + ":" + std::getenv("PATH");
   setenv("PATH", path.c_str(), 1);
   std::vector<std::string> names = options.names;
-  if (names.empty()) {
+  if (names.empty())
     for (const auto& [name, figure] : (*record)["figures"].items()) names.push_back(name);
-  }
   int status = kSame;
   for (const std::string& name : names) {
     if (!(*record)["figures"].contains(name)) return bad_input("no figure is named " + name);

@@ -13,18 +13,16 @@
 namespace strobe::figures {
 namespace {
 
-double rounded(double x, int digits) {
-  return std::stod(fmt::format("{:.{}g}", x, digits));
-}
+double rounded(double x, int digits) { return std::stod(fmt::format("{:.{}g}", x, digits)); }
 
 /// What is wrong with a figure of the record; empty if nothing is.
 std::string fault_of(const Json& figure) {
-  for (const char* key : {"what", "command", "text", "measured", "machine"}) {
+  for (const char* key : {"what", "command", "text", "measured", "machine"})
     if (!figure.contains(key) || !figure[key].is_string()) return fmt::format("has no text \"{}\"", key);
-  }
   if (!figure.contains("values") || !figure["values"].is_object()) return "has no \"values\"";
   for (const auto& [name, value] : figure["values"].items()) {
-    if (!value.contains("value") || !value["value"].is_number()) return fmt::format("{} has no \"value\"", name);
+    if (!value.contains("value") || !value["value"].is_number())
+      return fmt::format("{} has no \"value\"", name);
     if (!value.contains("tolerance") || !value["tolerance"].is_number())
       return fmt::format("{} has no \"tolerance\"", name);
   }
@@ -55,10 +53,9 @@ Result<Json> load(const std::filesystem::path& file) {
   const Json record = Json::parse(stream, nullptr, false);
   if (record.is_discarded() || !record.contains("figures") || !record.contains("groups"))
     return fail(fmt::format("{}: cannot be read, or is not a record of figures", file.string()));
-  for (const auto& [name, figure] : record["figures"].items()) {
+  for (const auto& [name, figure] : record["figures"].items())
     if (const std::string fault = fault_of(figure); !fault.empty())
       return fail(fmt::format("{}: {} {}", file.string(), name, fault));
-  }
   return record;
 }
 

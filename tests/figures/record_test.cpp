@@ -1,6 +1,6 @@
 #include "tests/figures/record.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe::figures;
 
@@ -23,7 +23,8 @@ TEST(FiguresRecord, ATableIsGeneratedBetweenItsMarkers) {
   const auto text = regenerated("a\n<!-- figures: all -->\nold\n<!-- end of figures -->\nb", kRecord);
   STRCMP_EQUAL(
       "a\n<!-- figures: all -->\n| what | measured | when | command |\n|---|---|---|---|\n"
-      "| e-stop | median 43 µs, largest 217.5 µs | 2026-11-22 | `stop --press` |\n\nOn: m.\n<!-- end of figures -->\nb",
+      "| e-stop | median 43 µs, largest 217.5 µs | 2026-11-22 | `stop --press` |\n\nOn: m.\n<!-- end of "
+      "figures -->\nb",
       text->c_str());
   STRCMP_EQUAL(text->c_str(), regenerated(*text, kRecord)->c_str());
 }
@@ -47,8 +48,8 @@ TEST(FiguresRecord, ValuesAreFoundInAnOutput) {
 }
 
 TEST(FiguresRecord, AChangeBeyondTheToleranceIsBetterOrWorse) {
-  CHECK(compare(43, 47, value("median")) == Change::same);
-  CHECK(compare(43, 48, value("median")) == Change::worse);
-  CHECK(compare(43, 38, value("median")) == Change::moved);
-  CHECK(compare(217.5, 100, value("max")) == Change::worse);  // either direction
+  CHECK_EQUAL(Change::same, compare(43, 47, value("median")));
+  CHECK_EQUAL(Change::worse, compare(43, 48, value("median")));
+  CHECK_EQUAL(Change::moved, compare(43, 38, value("median")));
+  CHECK_EQUAL(Change::worse, compare(217.5, 100, value("max")));  // either direction
 }

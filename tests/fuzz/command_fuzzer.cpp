@@ -1,8 +1,7 @@
-// Commands come from the network: any bytes are ignored unless sealed; sealed ones are obeyed by the rules or
-// ignored, without much memory.
+// Commands come from the network: any bytes are ignored unless sealed; sealed ones are executed by the rules
+// or ignored, without much memory.
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <strobe_msgs/command_t.hpp>
 
 #include "common/authentication/seal.hpp"
@@ -10,14 +9,13 @@
 #include "common/messages/well_formed.hpp"
 #include "firmware/core/pulse_schedule.hpp"
 #include "firmware/publisher/receiver.hpp"
+#include "tests/fuzz/require.hpp"
+
+using namespace strobe::fuzz;
 
 namespace {
 
 using namespace strobe;
-
-void require(bool holds) {
-  if (!holds) std::abort();
-}
 
 void decode_body(std::span<const std::uint8_t> body) {
   using namespace strobe::firmware;

@@ -2,29 +2,19 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <string_view>
 
 #include "common/contact/differentiation/differentiation.hpp"
 #include "common/contact/standard_error.hpp"
+#include "tests/fuzz/require.hpp"
 
-namespace {
-
-void require(bool holds) {
-  if (!holds) std::abort();
-}
-
-}  // namespace
+using namespace strobe::fuzz;
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace strobe::contact;
-  const std::string_view text(reinterpret_cast<const char*>(data), size);
+  const std::string_view text = text_of(data, size);
   const auto set = strobe::data::parse_contact_csv(text, "fuzz.csv");
-  if (!set) {
-    require(set.error().message.starts_with("fuzz.csv:"));
-    require(set.error().message.find('\n') == std::string::npos);
-    return 0;
-  }
+  if (!set) return require_one_line(set.error().message, "fuzz.csv:"), 0;
   require(!set->rows.empty());
   for (const strobe::data::ContactRow& row : set->rows)
     require(std::isfinite(row.time_fraction) && std::isfinite(row.x_fraction) &&

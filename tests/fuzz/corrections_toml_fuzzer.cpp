@@ -3,19 +3,17 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <string_view>
 
 #include "host/digitize/corrections/corrections.hpp"
+#include "tests/fuzz/require.hpp"
+
+using namespace strobe::fuzz;
 
 namespace {
 
 using namespace strobe;
 using namespace strobe::digitize;
-
-void require(bool holds) {
-  if (!holds) std::abort();
-}
 
 Digitization three_images() {
   Digitization found;
@@ -39,13 +37,9 @@ Digitization three_images() {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const std::string_view text(reinterpret_cast<const char*>(data), size);
+  const std::string_view text = text_of(data, size);
   const auto corrections = parse_corrections(text, "edit.toml");
-  if (!corrections) {
-    require(corrections.error().message.starts_with("edit.toml:"));
-    require(corrections.error().message.find('\n') == std::string::npos);
-    return 0;
-  }
+  if (!corrections) return require_one_line(corrections.error().message, "edit.toml:"), 0;
   require(!corrections->empty());
   DigitizeSettings settings;
   settings.px_per_m = 800.0;

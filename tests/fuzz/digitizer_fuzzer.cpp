@@ -1,13 +1,14 @@
 // Any pixels at all, under settings of any kind: the digitizer ends, and what it measured are numbers with
 // standard deviations, in order of time. Six bytes of settings, then a small photograph's rows.
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <opencv2/core.hpp>
 
 #include "host/digitize/digitize.hpp"
+#include "tests/fuzz/require.hpp"
+
+using namespace strobe::fuzz;
 
 namespace {
 
@@ -16,10 +17,6 @@ using namespace strobe::digitize;
 
 constexpr std::size_t kSettings = 6;
 constexpr double kBall_m = 0.065;
-
-void require(bool holds) {
-  if (!holds) std::abort();
-}
 
 bool has(std::uint8_t byte, int bit) { return ((byte >> bit) & 1) != 0; }
 

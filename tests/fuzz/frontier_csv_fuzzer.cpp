@@ -3,23 +3,16 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <string_view>
 
 #include "common/frontier/frontier.hpp"
+#include "tests/fuzz/require.hpp"
+
+using namespace strobe::fuzz;
 
 namespace {
 
 using namespace strobe::frontier;
-
-void require(bool holds) {
-  if (!holds) std::abort();
-}
-
-void require_one_line(const strobe::Error& error) {
-  require(error.message.starts_with("fuzz.csv:"));
-  require(error.message.find('\n') == std::string::npos);
-}
 
 void choose_each_way(const std::vector<Row>& rows) {
   for (const Row& row : rows) {
@@ -36,9 +29,9 @@ void choose_each_way(const std::vector<Row>& rows) {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const std::string_view text(reinterpret_cast<const char*>(data), size);
+  const std::string_view text = text_of(data, size);
   const auto rows = parse_frontier(text, "fuzz.csv");
-  if (!rows) require_one_line(rows.error());
+  if (!rows) require_one_line(rows.error().message, "fuzz.csv:");
   if (rows && rows->size() < 200) {
     for (const Row& row : *rows) {
       require(std::isfinite(row.cost_us) && row.cost_us > 0.0 && std::isfinite(row.error) &&
@@ -50,9 +43,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     choose_each_way(*rows);
   }
   const auto ranges = parse_ranges(text, "fuzz.csv");
-  if (!ranges) require_one_line(ranges.error());
-  if (ranges) {
+  if (!ranges) require_one_line(ranges.error().message, "fuzz.csv:");
+  if (ranges)
     for (const Range& range : *ranges) require(range.lowest <= range.highest);
-  }
   return 0;
 }

@@ -4,9 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <span>
-#include <string>
 #include <strobe_msgs/event_t.hpp>
 #include <strobe_msgs/frame_t.hpp>
 #include <strobe_msgs/shot_t.hpp>

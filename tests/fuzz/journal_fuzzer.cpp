@@ -4,19 +4,17 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <string>
 
 #include "firmware/publisher/journal_folder.hpp"
 #include "firmware/publisher/log_reader.hpp"
+#include "tests/fuzz/require.hpp"
+
+using namespace strobe::fuzz;
 
 namespace {
-
-void require(bool holds) {
-  if (!holds) std::abort();
-}
 
 /// In memory, of this process alone.
 std::filesystem::path folder() {

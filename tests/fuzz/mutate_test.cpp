@@ -4,14 +4,14 @@
 #include <string>
 #include <vector>
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using strobe::fuzz::mutated;
 
 TEST_GROUP(Mutate) { const std::vector<std::string> seeds{"{\"a\":12.5,\"b\":[1,2]}", "key = 3\n"}; };
 
 TEST(Mutate, RepeatsARunFromItsSeedAndNumber) {
-  for (std::uint64_t run = 0; run < 100; ++run) CHECK(mutated(seeds, 7, run) == mutated(seeds, 7, run));
+  for (std::uint64_t run = 0; run < 100; ++run) CHECK_EQUAL(mutated(seeds, 7, run), mutated(seeds, 7, run));
 }
 
 TEST(Mutate, ReachesManyDifferentInputs) {

@@ -2,30 +2,20 @@
 // its limits, in which the search for the ball ends, or an error of one line.
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <opencv2/core.hpp>
 
 #include "host/digitize/candidates/candidates.hpp"
 #include "host/digitize/image/photograph.hpp"
+#include "tests/fuzz/require.hpp"
 
-namespace {
-
-void require(bool holds) {
-  if (!holds) std::abort();
-}
-
-}  // namespace
+using namespace strobe::fuzz;
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace strobe::digitize;
   // Large pictures are for a test: here they only cost rounds.
   constexpr std::int64_t kMaxSearched = 100'000;
   const auto photograph = decode_photograph({data, size}, "fuzz.tif");
-  if (!photograph) {
-    require(photograph.error().message.starts_with("fuzz.tif: "));
-    require(photograph.error().message.find('\n') == std::string::npos);
-    return 0;
-  }
+  if (!photograph) return require_one_line(photograph.error().message, "fuzz.tif: "), 0;
   require(photograph->width() >= 16 && photograph->height() >= 16);
   require(photograph->bits == 1 || photograph->bits == 8 || photograph->bits == 16);
   require(photograph->saturation > 0.0F && photograph->saturation <= 1.0F);

@@ -4,16 +4,18 @@
 
 #include "common/reduction/legacy_file.hpp"
 #include "common/reduction/reduce.hpp"
+#include "tests/fuzz/require.hpp"
+
+using namespace strobe::fuzz;
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace strobe::reduction;
-  const std::string_view text(reinterpret_cast<const char*>(data), size);
+  const std::string_view text = text_of(data, size);
   for (const auto& legacy : parse_legacy(text, "file")) {
     if (!legacy) continue;
     (void)reduce_legacy(*legacy);
-    for (const Estimator estimator : {Estimator::best, Estimator::two_point, Estimator::legacy}) {
+    for (const Estimator estimator : {Estimator::best, Estimator::two_point, Estimator::legacy})
       (void)reduce(frame_from_legacy(*legacy), estimator);
-    }
   }
   return 0;
 }

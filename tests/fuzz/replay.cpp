@@ -31,7 +31,7 @@ struct Options {
   std::vector<std::string> files;
 };
 
-char now_running[512] = "";  // told by the handler of a crash
+char now_running[512] = "";  // printed by the handler of a crash
 
 void tell_what_crashed(int signal_number) {
   std::size_t length = 0;
@@ -90,10 +90,9 @@ Options parse(int argc, char** argv) {
 
 int replay_corpus(const Options& options) {
   std::vector<std::filesystem::path> paths;
-  if (std::filesystem::is_directory(options.corpus)) {
+  if (std::filesystem::is_directory(options.corpus))
     for (const auto& entry : std::filesystem::directory_iterator(options.corpus))
       paths.push_back(entry.path());
-  }
   if (paths.empty()) {
     std::fprintf(stderr, "no seeds in %s\n", options.corpus.c_str());
     return EXIT_FAILURE;

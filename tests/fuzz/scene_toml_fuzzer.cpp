@@ -11,6 +11,9 @@
 
 #include "sim/loading/parse_scene.hpp"
 #include "sim/motion/ball_path.hpp"
+#include "tests/fuzz/require.hpp"
+
+using namespace strobe::fuzz;
 
 namespace {
 
@@ -48,12 +51,11 @@ bool begins_with_a_file(const std::string& what) {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const std::string_view text(reinterpret_cast<const char*>(data), size);
+  const std::string_view text = text_of(data, size);
   const auto resolve = [&](const std::string& name, const std::string&) -> Result<SceneText> {
     if (name == "fuzz") return SceneText{std::string(text), "fuzz.toml"};
-    for (const Parent& parent : kParents) {
+    for (const Parent& parent : kParents)
       if (parent.name == name) return SceneText{std::string(parent.text), name + ".toml"};
-    }
     return fail("no scene of that name");
   };
   const auto scene = parse_scene(text, "fuzz.toml", resolve);

@@ -45,12 +45,10 @@ TEST(Check, FindsEveryItemOfABenchThatIsReady) {
     CHECK_TEXT(item["ok"] || item["tolerated"], item.dump().c_str());
     items[item["item"]] = item;
   }
-  for (const char* name :
-       {"rig file", "chip.name", "lines.strobe_a", "lines.estop", "policy", "priority", "memory", "pinning",
-        "latency", "tick", "governor", "throttling", "isolation", "preemption", "interrupts",
-        "fixed_interrupts", "clock_source", "session", "lcm"}) {
+  for (const char* name : {"rig file", "chip.name", "lines.strobe_a", "lines.estop", "policy", "priority",
+                           "memory", "pinning", "latency", "tick", "governor", "throttling", "isolation",
+                           "preemption", "interrupts", "fixed_interrupts", "clock_source", "session", "lcm"})
     CHECK_TEXT(items.contains(name), name);
-  }
 }
 
 TEST(Check, NamesWhatIsMissingAndFails) {

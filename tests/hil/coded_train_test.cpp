@@ -6,7 +6,7 @@
 #include "tests/hil/rig_fixture.hpp"
 #include "tests/support/json_lines.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe::hil;
 using namespace std::chrono_literals;
@@ -29,9 +29,8 @@ int lamps_of(int k) {
 }
 
 const shot_t* whole_shot(const LogContents& journal, bool dry) {
-  for (const shot_t& shot : journal.shots) {
+  for (const shot_t& shot : journal.shots)
     if (!shot.aborted && (shot.plan.dry != 0) == dry) return &shot;
-  }
   return nullptr;
 }
 
@@ -61,8 +60,8 @@ TEST(CodedTrain, IsFiredAsPlannedSeenByItsLampsAndReadOut) {
   CHECK(readout.at("first_flash").get<int>() >= 0);
   CHECK(readout.at("last_flash").get<int>() > readout.at("first_flash").get<int>());
   CHECK(readout.at("last_flash").get<int>() < kFlashes);
-  const double doubt = readout.at("misassignment_probability").get<double>();
-  CHECK_EQUAL(doubt > 0.01, has_flag(readout, "flash_index_ambiguous"));
+  const double misassignment = readout.at("misassignment_probability").get<double>();
+  CHECK_EQUAL(misassignment > 0.01, has_flag(readout, "flash_index_ambiguous"));
   const auto dry = strobe::testing::run_process(bench.fire(1, kRetries, {"--plan", plan, "--dry"}), 60s);
   CHECK_TEXT(dry.status == ExitStatus({0, 0}), dry.err.c_str());
 
@@ -79,8 +78,8 @@ TEST(CodedTrain, IsFiredAsPlannedSeenByItsLampsAndReadOut) {
                 flash.commanded_ns - shot->flashes[0].commanded_ns);
     of_a += flash.lamps & 1;
     of_b += flash.lamps >> 1;
-    if (flash.lamps == 1) CHECK(flash.observed_b_ns == shot_t::NO_TIME);
-    if (flash.lamps == 2) CHECK(flash.observed_a_ns == shot_t::NO_TIME);
+    if (flash.lamps == 1) CHECK_EQUAL(shot_t::NO_TIME, flash.observed_b_ns);
+    if (flash.lamps == 2) CHECK_EQUAL(shot_t::NO_TIME, flash.observed_a_ns);
   }
   LONGS_EQUAL(kFlashes - 1, of_a);
   LONGS_EQUAL(kFlashes - 2, of_b);

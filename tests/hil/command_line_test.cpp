@@ -8,7 +8,7 @@
 #include "tests/hil/rig_fixture.hpp"
 #include "tests/support/private_network.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe::hil;
 using namespace std::chrono_literals;
@@ -72,10 +72,8 @@ TEST(CommandLine, WrongRigFilesAreNamedWithTheirLine) {
     return Command{
         {program("strobed"), "--config", config, "--session", session, "--allow-no-rt"}, {}, {}, {}};
   };
-  STRCMP_EQUAL(
-      "",
-      complaints(
-          {
+  CHECK_EQUAL(
+      "", complaints({
               {"no such file", strobed(folder / "none.toml"), 2, "none.toml"},
               {"not TOML", strobed(file("broken.toml", "rig = \"bench\"\n[chip\n")), 2, "broken.toml:2"},
               {"unknown key", strobed(rig("unknown.toml", "priority = 80", "prority = 80")), 2, "prority"},
@@ -89,8 +87,7 @@ TEST(CommandLine, WrongRigFilesAreNamedWithTheirLine) {
               {"one line twice", strobed(rig("twice.toml", "line = \"STROBE_B\"", "line = \"STROBE_A\"")), 2,
                "strobe_b"},
               {"bad rig name", strobed(rig("name.toml", "rig = \"bench\"", "rig = \"a/b\"")), 2, "rig"},
-          })
-          .c_str());
+          }));
 }
 
 TEST(CommandLine, ChipsAndLinesThatCannotBeHadAreNamed) {
@@ -105,16 +102,13 @@ TEST(CommandLine, ChipsAndLinesThatCannotBeHadAreNamed) {
   };
   Command no_chip = strobed(share("rig.toml"));
   no_chip.environment.clear();
-  STRCMP_EQUAL(
-      "",
-      complaints(
-          {
+  CHECK_EQUAL(
+      "", complaints({
               {"no chip", no_chip, 2, "gpiochip0"},
               {"no such chip", strobed(rig("chip.toml", "\"gpiochip0\"", "\"gpiochip7\"")), 2, "gpiochip7"},
               {"no such line", strobed(rig("line.toml", "\"SHUTTER\"", "\"SHUTER\"")), 2, "SHUTER"},
               {"no such number", strobed(rig("offset.toml", "\"SHUTTER\"", "99")), 2, "99"},
-          })
-          .c_str());
+          }));
 }
 
 TEST(CommandLine, KeysThatAreNotKeptWellAreNamed) {
@@ -128,21 +122,18 @@ TEST(CommandLine, KeysThatAreNotKeptWellAreNamed) {
     words.insert(words.end(), more.begin(), more.end());
     return Command{words, {}, {}, {}};
   };
-  STRCMP_EQUAL(
-      "",
-      complaints({
-                     {"no such key", strobed({"--config", share("rig.toml"), "--key-file", folder / "none"}),
-                      2, "strobe key --new"},
-                     {"others can read it", strobed({"--config", share("rig.toml"), "--key-file", loose}), 2,
-                      "chmod 600"},
-                     {"the rig file's", strobed({"--config", rig_with_key}), 2, "chmod 600"},
-                     {"not a key", strobed({"--config", share("rig.toml"), "--key-file", short_one}), 2,
-                      "64 hexadecimal digits"},
-                     {"the host's", with_strobe({"fire", "--key-file", loose}), 2, "chmod 600"},
-                     {"the host's rig file's", with_strobe({"fire", "--rig", rig_with_key}), 2, "loose.key"},
-                     {"a new key over an old one", with_strobe({"key", "--new", loose}), 2, "already"},
-                 })
-          .c_str());
+  CHECK_EQUAL("", complaints({
+                      {"no such key", strobed({"--config", share("rig.toml"), "--key-file", folder / "none"}),
+                       2, "strobe key --new"},
+                      {"others can read it", strobed({"--config", share("rig.toml"), "--key-file", loose}), 2,
+                       "chmod 600"},
+                      {"the rig file's", strobed({"--config", rig_with_key}), 2, "chmod 600"},
+                      {"not a key", strobed({"--config", share("rig.toml"), "--key-file", short_one}), 2,
+                       "64 hexadecimal digits"},
+                      {"the host's", with_strobe({"fire", "--key-file", loose}), 2, "chmod 600"},
+                      {"the host's rig file's", with_strobe({"fire", "--rig", rig_with_key}), 2, "loose.key"},
+                      {"a new key over an old one", with_strobe({"key", "--new", loose}), 2, "already"},
+                  }));
 }
 
 TEST(CommandLine, LinesThatAnotherProgramHoldsAreNamed) {
@@ -151,10 +142,9 @@ TEST(CommandLine, LinesThatAnotherProgramHoldsAreNamed) {
   const Command second = bench.strobed({"--config", bench.rig_file(), "--session", folder / "session",
                                         "--allow-no-rt", "--lcm-url", bench.lcm_url()});
   const Command safe = bench.strobed({"--safe", "--config", bench.rig_file()});
-  STRCMP_EQUAL(
+  CHECK_EQUAL(
       "", complaints({{"busy chip", second, 2, "busy"},
-                      {"busy outputs", safe, 1, "strobe_a: cannot take line 0: Device or resource busy"}})
-              .c_str());
+                      {"busy outputs", safe, 1, "strobe_a: cannot take line 0: Device or resource busy"}}));
 }
 
 TEST(CommandLine, WrongFramesAreNamedWithTheirLine) {
@@ -162,31 +152,28 @@ TEST(CommandLine, WrongFramesAreNamedWithTheirLine) {
     return with_strobe({"reduce", path, "--format", "frame"});
   };
   const std::string good = std::string(kFrame) + "\n";
-  STRCMP_EQUAL(
+  CHECK_EQUAL(
       "",
-      complaints(
-          {
-              {"no such file", reduce(folder / "none.jsonl"), 2, "none.jsonl"},
-              {"letters in a number", reduce(file("letters.jsonl", replaced(good, "0.003", "0.0O3"))), 2,
-               "letters.jsonl:1"},
-              {"NaN", reduce(file("nan.jsonl", good + replaced(good, "0.003", "NaN"))), 1, "nan.jsonl:2"},
-              {"cut in the middle", reduce(file("cut.jsonl", good + good.substr(0, good.size() / 2))), 1,
-               "cut.jsonl:2"},
-              {"no images", reduce(file("none_key.jsonl", "{\"shot_id\":1}\n")), 2, "none_key.jsonl:1"},
-              {"no frames", reduce(file("empty.jsonl", "\n \n")), 2, "empty.jsonl: no frames"},
-              {"a flight for another estimator",
-               with_strobe(
-                   {"reduce", file("good.jsonl", good), "--estimator", "two-point", "--flight", "all"}),
-               2, "--flight"},
-              {"unknown estimator",
-               with_strobe({"reduce", file("good.jsonl", good), "--format", "frame", "--estimator", "guess"}),
-               2, "guess"},
-              {"unknown format", with_strobe({"reduce", file("good.jsonl", good), "--format", "card"}), 2,
-               "card"},
-          })
-          .c_str());
-  CHECK(strobe::testing::run_process(reduce(file("good.jsonl", good)), 20s).status ==
-        strobe::testing::ExitStatus({0, 0}));
+      complaints({
+          {"no such file", reduce(folder / "none.jsonl"), 2, "none.jsonl"},
+          {"letters in a number", reduce(file("letters.jsonl", replaced(good, "0.003", "0.0O3"))), 2,
+           "letters.jsonl:1"},
+          {"NaN", reduce(file("nan.jsonl", good + replaced(good, "0.003", "NaN"))), 1, "nan.jsonl:2"},
+          {"cut in the middle", reduce(file("cut.jsonl", good + good.substr(0, good.size() / 2))), 1,
+           "cut.jsonl:2"},
+          {"no images", reduce(file("none_key.jsonl", "{\"shot_id\":1}\n")), 2, "none_key.jsonl:1"},
+          {"no frames", reduce(file("empty.jsonl", "\n \n")), 2, "empty.jsonl: no frames"},
+          {"a flight for another estimator",
+           with_strobe({"reduce", file("good.jsonl", good), "--estimator", "two-point", "--flight", "all"}),
+           2, "--flight"},
+          {"unknown estimator",
+           with_strobe({"reduce", file("good.jsonl", good), "--format", "frame", "--estimator", "guess"}), 2,
+           "guess"},
+          {"unknown format", with_strobe({"reduce", file("good.jsonl", good), "--format", "card"}), 2,
+           "card"},
+      }));
+  CHECK_EQUAL(strobe::testing::ExitStatus({0, 0}),
+              strobe::testing::run_process(reduce(file("good.jsonl", good)), 20s).status);
 }
 
 TEST(CommandLine, LegacyFilesCutOrWithLettersAreNamedWithTheirLine) {
@@ -195,47 +182,42 @@ TEST(CommandLine, LegacyFilesCutOrWithLettersAreNamedWithTheirLine) {
   };
   const std::string start =
       "0.003\n2 17\n0 100\n100 100\n900 100\n1000 100\n\n100 600\n230 600\n50 590\n150 610\n\n250 450\n";
-  STRCMP_EQUAL(
+  CHECK_EQUAL(
       "",
       complaints({
-                     {"cut in the middle", reduce(file("cut.dat", start)), 2, "cut.dat"},
-                     {"letters in a number",
-                      reduce(file("letters.dat", replaced(start, "900 100", "9OO 100"))), 2, "letters.dat:5"},
-                     {"not a number", reduce(file("nan.dat", replaced(start, "900 100", "nan 100"))), 2,
-                      "nan.dat:5"},
-                     {"no period", reduce(file("period.dat", "period\n")), 2, "period.dat:1"},
-                     {"empty", reduce(file("empty.dat", "")), 2, "empty.dat"},
-                 })
-          .c_str());
+          {"cut in the middle", reduce(file("cut.dat", start)), 2, "cut.dat"},
+          {"letters in a number", reduce(file("letters.dat", replaced(start, "900 100", "9OO 100"))), 2,
+           "letters.dat:5"},
+          {"not a number", reduce(file("nan.dat", replaced(start, "900 100", "nan 100"))), 2, "nan.dat:5"},
+          {"no period", reduce(file("period.dat", "period\n")), 2, "period.dat:1"},
+          {"empty", reduce(file("empty.dat", "")), 2, "empty.dat"},
+      }));
 }
 
 TEST(CommandLine, WrongOptionsOfStrobeAreNamed) {
-  STRCMP_EQUAL(
-      "", complaints(
-              {
-                  {"no such command", with_strobe({"explode"}), 2, "explode"},
-                  {"letters in a number", with_strobe({"fire", "--shots", "nine"}), 2, "nine"},
-                  {"no shots", with_strobe({"fire", "--shots", "0"}), 2, "shots"},
-                  {"unknown spin", with_strobe({"fire", "--shots", "1", "--spin", "side"}), 2, "side"},
-                  {"a note without a value", with_strobe({"fire", "--shots", "1", "--note", "remarks"}), 2,
-                   "remarks"},
-                  {"no such plan", with_strobe({"fire", "--shots", "1", "--plan", folder / "none.toml"}), 2,
-                   "none.toml"},
-                  {"wrong plan",
-                   with_strobe({"fire", "--shots", "1", "--plan",
-                                file("plan.toml", "period_us = 3000\nperid = 1\n")}),
-                   2, "plan.toml:2"},
-                  {"no such log", with_strobe({"replay", folder / "none.lcmlog"}), 2, "none.lcmlog"},
-                  {"no such rig file", with_strobe({"live", "--rig", folder / "none.toml"}), 2, "none.toml"},
-                  {"restitution above 1",
-                   with_strobe({"predict", "--vx", "15", "--vy", "-6", "--omega", "0", "--e", "1.5"}), 2,
-                   "e must"},
-                  {"ball leaving the surface",
-                   with_strobe({"predict", "--vx", "15", "--vy", "6", "--omega", "0"}), 2, "vy"},
-                  {"not a number", with_strobe({"predict", "--vx", "nan", "--vy", "-6", "--omega", "0"}), 2,
-                   "vx"},
-              })
-              .c_str());
+  CHECK_EQUAL(
+      "",
+      complaints({
+          {"no such command", with_strobe({"explode"}), 2, "explode"},
+          {"letters in a number", with_strobe({"fire", "--shots", "nine"}), 2, "nine"},
+          {"no shots", with_strobe({"fire", "--shots", "0"}), 2, "shots"},
+          {"unknown spin", with_strobe({"fire", "--shots", "1", "--spin", "side"}), 2, "side"},
+          {"a note without a value", with_strobe({"fire", "--shots", "1", "--note", "remarks"}), 2,
+           "remarks"},
+          {"no such plan", with_strobe({"fire", "--shots", "1", "--plan", folder / "none.toml"}), 2,
+           "none.toml"},
+          {"wrong plan",
+           with_strobe(
+               {"fire", "--shots", "1", "--plan", file("plan.toml", "period_us = 3000\nperid = 1\n")}),
+           2, "plan.toml:2"},
+          {"no such log", with_strobe({"replay", folder / "none.lcmlog"}), 2, "none.lcmlog"},
+          {"no such rig file", with_strobe({"live", "--rig", folder / "none.toml"}), 2, "none.toml"},
+          {"restitution above 1",
+           with_strobe({"predict", "--vx", "15", "--vy", "-6", "--omega", "0", "--e", "1.5"}), 2, "e must"},
+          {"ball leaving the surface", with_strobe({"predict", "--vx", "15", "--vy", "6", "--omega", "0"}), 2,
+           "vy"},
+          {"not a number", with_strobe({"predict", "--vx", "nan", "--vy", "-6", "--omega", "0"}), 2, "vx"},
+      }));
 }
 
 TEST(CommandLine, FiringWithoutAStrobedEndsWithAClearMessage) {

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <csignal>
 #include <cstdio>
-#include <deque>
 #include <functional>
 #include <memory>
 #include <string>
@@ -42,8 +41,8 @@ enum class Chip { keeps, lets_go };
 struct Way {
   const char* name;
   Chip chip;
-  std::function<std::int64_t(const RigFixture&, LineWatcher&)> deed;  ///< gives the instant of the end
-  const char* said;                                                   ///< in its last words
+  std::function<std::int64_t(const RigFixture&, LineWatcher&)> end;  ///< gives the instant of the end
+  const char* said;                                                  ///< in its last words
   std::int64_t safe_within_ns = kAtOnce;
   const char* drill = "";
   bool stays_active = false;  ///< on a chip that keeps its lines and can no longer be reached
@@ -97,7 +96,7 @@ std::int64_t unplug(const RigFixture&, LineWatcher& watch) {
 }
 
 /// A loop that was to turn within 50 ms is looked at closely after 100 ms and known to hang when its core was
-/// seen to run for another 60; twice that and some, since a busy machine spoils looks. Without real-time
+/// seen to run for another 60; twice that and some, since looks are lost on a busy machine. Without real-time
 /// priorities the guardian sees nothing of the core, and waits for 0.5 s and 0.1 s of looks.
 std::int64_t hang_known_within() {
   static const bool real_time = [] {
@@ -164,7 +163,7 @@ RigFixtureOptions options_of(const Way& way) {
   return options;
 }
 
-/// Fires a shot and lets the deed be done after its first flash; the instant of it, or 0 if a freeze aborted
+/// Fires a shot and ends the process after its first flash; the instant of that, or 0 if a freeze aborted
 /// the shot before that.
 std::int64_t do_in_mid_train(const RigFixture& bench, RawHost& host, const Way& way) {
   LineWatcher watch(bench.chip_dir());
@@ -175,7 +174,7 @@ std::int64_t do_in_mid_train(const RigFixture& bench, RawHost& host, const Way& 
   fire.plan.impact_at_ns = 50 * kMs;
   host.send(fire);
   if (watch.wait_for("STROBE_A", 1, 3s) == 0) return 0;
-  return way.deed(bench, watch);
+  return way.end(bench, watch);
 }
 
 /// Whether the outputs were inactive in time.
@@ -215,9 +214,8 @@ std::vector<const Way*> try_together(const std::vector<const Way*>& tried) {
     trial.death = do_in_mid_train(*trial.bench, *trial.host, *trial.way);
   }
   std::vector<const Way*> late;
-  for (Trial& trial : trials) {
+  for (Trial& trial : trials)
     if (trial.death == 0 || !ended_well(*trial.bench, *trial.way, trial.death)) late.push_back(trial.way);
-  }
   return late;
 }
 

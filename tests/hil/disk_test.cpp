@@ -8,7 +8,7 @@
 #include "tests/hil/raw_host.hpp"
 #include "tests/hil/rig_fixture.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe::hil;
 using namespace std::chrono_literals;
@@ -75,7 +75,7 @@ TEST(Disk, FullOrTakenAwayItRefusesShotsWithTheReasonAndARunningOneEndsSafely) {
   STRCMP_CONTAINS("no room for another shot: No space left on device", host.status().message.c_str());
   expect_no_token(host);
   const auto refused = strobe::testing::run_process(fire_elsewhere(bench, "0.7"), 20s);
-  CHECK(refused.status == ExitStatus({1, 0}));
+  CHECK_EQUAL(ExitStatus({1, 0}), refused.status);
   STRCMP_CONTAINS("no room for another shot", refused.err.c_str());
 
   enlarge_disk(bench);

@@ -2,10 +2,8 @@
 // spinning before a flash, within a lamp's or the machine's pulse, in a fast train of single lamps, or
 // closing a shot. The chip's recorded changes are the judge; a freeze detector tells which attempts the machine
 // itself stood still in.
-#include <algorithm>
 #include <cstdio>
 #include <functional>
-#include <string>
 #include <vector>
 
 #include "tests/benchmarks/timing/freeze_detector.hpp"
@@ -84,8 +82,7 @@ strobe_msgs::command_t shot(RawHost& host, std::int64_t token, bool fast_train) 
 
 struct Press {
   const Situation* situation;
-  std::int64_t pressed = 0;
-  std::int64_t released = 0;
+  std::int64_t pressed = 0, released = 0;
 };
 
 /// One shot that is stopped; nothing if a freeze had aborted it before.
@@ -128,9 +125,8 @@ Session press_in_all_situations() {
   CHECK(host.wait_status());
   strobe::benchmarks::timing::FreezeDetector detector(kDetectorPriority);
   std::vector<Press> presses;
-  for (int round = 0; round < kPresses; ++round) {
+  for (int round = 0; round < kPresses; ++round)
     for (const Situation& situation : situations()) presses.push_back(stop_a_shot(host, bench, situation));
-  }
   auto freezes = detector.stop();
   return {std::move(presses), std::move(freezes), bench.finish()};
 }

@@ -12,7 +12,7 @@
 #include "tests/hil/rig_fixture.hpp"
 #include "tests/hil/truth_score.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe::hil;
 using namespace std::chrono_literals;
@@ -44,9 +44,8 @@ std::string fault(const std::string& kind, int shot, const std::string& more = "
 std::string faults_twice(const std::vector<std::pair<std::string, std::string>>& kinds) {
   std::string text;
   int shot = 0;
-  for (int round = 0; round < 2; ++round) {
+  for (int round = 0; round < 2; ++round)
     for (const auto& [kind, more] : kinds) text += fault(kind, ++shot, more);
-  }
   return text;
 }
 
@@ -74,11 +73,10 @@ Outcome fire_once(const RigFixtureOptions& options, int exposures) {
       if (truth.at("shot_id") != readout.at("shot_id") || truth.at("faults").empty()) continue;
       std::printf("%s: shot %s flags %s\n", truth.at("faults").dump().c_str(),
                   readout.at("shot_id").dump().c_str(), readout.at("flags").dump().c_str());
-      if (has_flag(readout, "shot_aborted")) {
+      if (has_flag(readout, "shot_aborted"))
         ++outcome.aborted;
-      } else {
+      else
         outcome.struck.push_back({readout, truth});
-      }
     }
   }
   return outcome;
@@ -114,11 +112,10 @@ Outcome fire_with(const std::string& faults, int exposures, bool unseen = false)
 /// No number of any shot is wrong, whatever its flags; nulls are fine.
 void expect_no_wrong_number(const Outcome& outcome) {
   TruthScore score;
-  for (const Shot& shot : outcome.struck) {
+  for (const Shot& shot : outcome.struck)
     if (shot.truth.at("ball").get<bool>())
       score.add(shot.readout, shot.truth, "shot " + shot.readout.at("shot_id").dump());
-  }
-  STRCMP_EQUAL("", score.beyond(4.5).c_str());
+  CHECK_EQUAL("", score.beyond(4.5));
 }
 
 /// Where a busy machine makes the match of images to flashes ambiguous, the readout says that instead: which
@@ -149,9 +146,8 @@ TEST_GROUP(Fault){};
 TEST(Fault, ALateFlashIsFlaggedAndItsMeasuredTimeKeepsTheVelocitiesRight) {
   std::string faults;
   int shot = 0;
-  for (const int place : {-3, -2, -1, 1, 2, 3, -2, 2}) {
+  for (const int place : {-3, -2, -1, 1, 2, 3, -2, 2})
     faults += fault("flash_late", ++shot, at(place, "delay_us = 160\nlamp = \"both\""));
-  }
   const Outcome outcome = fire_with(faults, shot);
   expect_some(outcome);
   expect_flag(outcome, {"late_flash"});
@@ -197,20 +193,20 @@ TEST(Fault, APhotographThatNeverComesIsSaidWithinASecond) {
   options.rig_edits = {{"photograph_timeout_s = 5", "photograph_timeout_s = 1"}};
   RigFixture bench(options);
   if (!bench.ready()) FAIL(("strobed did not come up:\n" + bench.log()).c_str());
-  bool told = false;
-  for (int attempt = 0; attempt < 5 && !told; ++attempt) {  // an aborted shot is not waited for
+  bool reported = false;
+  for (int attempt = 0; attempt < 5 && !reported; ++attempt) {  // an aborted shot is not waited for
     LineWatcher watch(bench.chip_dir());
     strobe::testing::Process fire = bench.start(bench.fire(1, 0));
     const std::int64_t closed = watch.wait_for("SHUTTER", 0, fire);
     CHECK(fire.wait_for_out("vx_td_mps", 30s));
     const std::int64_t took = strobe::testing::monotonic_now_ns() - closed;
-    CHECK(fire.wait(30s) == strobe::testing::ExitStatus({1, 0}));
-    const std::vector<nlohmann::json> told_readouts = readouts(fire.out());
-    LONGS_EQUAL(1, told_readouts.size());
-    CHECK(has_no_rebound(told_readouts[0]));
-    told = has_flag(told_readouts[0], "no_photograph") && took < kSaidWithin_ns;
+    CHECK_EQUAL(strobe::testing::ExitStatus({1, 0}), fire.wait(30s));
+    const std::vector<nlohmann::json> answers = readouts(fire.out());
+    LONGS_EQUAL(1, answers.size());
+    CHECK(has_no_rebound(answers[0]));
+    reported = has_flag(answers[0], "no_photograph") && took < kSaidWithin_ns;
   }
-  CHECK(told);
+  CHECK(reported);
 }
 
 TEST(Fault, AFrameThatComesAfterAllIsStillRead) {

@@ -36,7 +36,7 @@ class Flooder {
   enum Kind { forged, replayed, garbage, oversized };
   static constexpr std::size_t kKinds = 4;
 
-  /// true_command: sealed bytes that the firmware has obeyed before.
+  /// true_command: sealed bytes that the firmware has executed before.
   Flooder(const std::string& lcm_url, const std::string& rig, const Bytes& true_command);
   ~Flooder() { stop(); }
 

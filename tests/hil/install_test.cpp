@@ -1,6 +1,4 @@
-// The installed tree is complete and runs from wherever it was put.
 #include <string>
-#include <vector>
 
 #include "tests/hil/rig_fixture.hpp"
 #include "tests/support/private_network.hpp"
@@ -9,7 +7,6 @@
 
 using namespace strobe::hil;
 using namespace std::chrono_literals;
-using strobe::testing::Command;
 using strobe::testing::ExitStatus;
 using strobe::testing::run_process;
 
@@ -34,11 +31,9 @@ TEST(Install, HasProgramsLibraryMessagesUnitRigScenesAndData) {
         "share/strobe/scenes/zero_23.toml", "share/strobe/scenes/back_68.toml",
         "share/strobe/thesis/tables_02_to_10.csv", "share/strobe/thesis/contact/zero_23.csv",
         "share/strobe/lcm/event_t.lcm", "share/strobe/lcm/sealed_command_t.lcm", "lib/sysusers.d/strobe.conf",
-        "lib/udev/rules.d/60-strobe.rules"}) {
+        "lib/udev/rules.d/60-strobe.rules"})
     CHECK_TEXT(std::filesystem::exists(moved / file), file);
-  }
-  bool library = false;
-  bool unit = false;
+  bool library = false, unit = false;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(moved)) {
     library = library || entry.path().filename() == "libstrobe-gpiochip.so";
     unit = unit || entry.path().filename() == "strobed.service";

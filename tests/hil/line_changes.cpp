@@ -9,14 +9,11 @@ namespace {
 
 std::vector<LineChange> read_changes(const std::filesystem::path& csv) {
   const testing::CsvTable table = testing::read_csv(csv);
-  const std::size_t time = table.column("time_ns");
-  const std::size_t name = table.column("name");
-  const std::size_t level = table.column("level");
-  const std::size_t cause = table.column("cause");
+  const std::size_t time = table.column("time_ns"), name = table.column("name");
+  const std::size_t level = table.column("level"), cause = table.column("cause");
   std::vector<LineChange> changes;
-  for (const auto& row : table.rows) {
+  for (const auto& row : table.rows)
     changes.push_back({std::stoll(row.at(time)), row.at(name), std::stoi(row.at(level)), row.at(cause)});
-  }
   return changes;
 }
 
@@ -30,8 +27,7 @@ LineChanges::LineChanges(std::vector<LineChange> changes) : changes_(std::move(c
 }
 
 int LineChanges::rises(const std::string& line, std::int64_t from_ns, std::int64_t to_ns) const {
-  int count = 0;
-  int level = 0;
+  int count = 0, level = 0;
   for (const LineChange& change : changes_) {
     if (change.line != line) continue;
     if (level == 0 && change.level == 1 && change.time_ns >= from_ns && change.time_ns <= to_ns) ++count;
@@ -42,9 +38,8 @@ int LineChanges::rises(const std::string& line, std::int64_t from_ns, std::int64
 
 int LineChanges::level_at(const std::string& line, std::int64_t time_ns) const {
   int level = 0;
-  for (const LineChange& change : changes_) {
+  for (const LineChange& change : changes_)
     if (change.line == line && change.time_ns <= time_ns) level = change.level;
-  }
   return level;
 }
 

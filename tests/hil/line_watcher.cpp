@@ -44,9 +44,8 @@ std::int64_t LineWatcher::wait_for_nth(const std::string& line, int level, int n
   while (testing::monotonic_now_ns() < to_ns(end)) {
     changes.clear();
     chip_.wait_changes(cursor_, end, changes);
-    for (const sim::Change& change : changes) {
+    for (const sim::Change& change : changes)
       if (change.line == wanted && change.level == level && --n == 0) return to_ns(change.time);
-    }
   }
   return 0;
 }

@@ -1,4 +1,4 @@
-// Sessions as standard LCM logs: recorded, played back, recomputed to the same bytes; and never obeyed again.
+// Sessions as standard LCM logs: recorded, played back, recomputed to the same bytes; and never executed again.
 #include <algorithm>
 #include <csignal>
 #include <cstdio>
@@ -9,7 +9,7 @@
 #include "tests/hil/raw_host.hpp"
 #include "tests/hil/rig_fixture.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe::hil;
 using namespace std::chrono_literals;
@@ -38,9 +38,8 @@ std::set<int> whole_shots(const std::filesystem::path& log) {
   const LogContents contents = read_log(log);
   std::set<int> summarized, whole;
   for (const auto& shot : contents.shots) summarized.insert(shot.shot_id);
-  for (const auto& frame : contents.frames) {
+  for (const auto& frame : contents.frames)
     if (summarized.contains(frame.shot_id)) whole.insert(frame.shot_id);
-  }
   return whole;
 }
 
@@ -112,17 +111,17 @@ TEST(Log, RecordedAndPlayedBackShowsTheSameNumbers) {
   const auto replayed = strobe::testing::run_process(
       bench.strobe({"replay", bench.folder() / "recorded.lcmlog", "--json"}), 30s);
   CHECK_TEXT(replayed.status == ExitStatus({0, 0}), replayed.err.c_str());
-  STRCMP_EQUAL(expected.c_str(), measured(replayed.out, whole).c_str());
+  CHECK_EQUAL(expected, measured(replayed.out, whole));
 
   Process live = bench.start(bench.strobe({"live", "--json"}));
   CHECK(live.wait_for_err("listening to rig", 20s));
   const auto played =
       strobe::testing::run_process(player(bench.lcm_url(), bench.folder() / "recorded.lcmlog"), 60s);
-  CHECK(played.status == ExitStatus({0, 0}));
+  CHECK_EQUAL(ExitStatus({0, 0}), played.status);
   strobe::testing::wait_until([&] { return measured(live.out(), whole).size() >= expected.size(); }, 20s);
   live.signal(SIGINT);
   CHECK(live.wait(10s).has_value());
-  STRCMP_EQUAL(expected.c_str(), measured(live.out(), whole).c_str());
+  CHECK_EQUAL(expected, measured(live.out(), whole));
 }
 
 TEST(Log, OfTheSessionsFolderIsRecomputedToTheSameBytes) {
@@ -132,13 +131,12 @@ TEST(Log, OfTheSessionsFolderIsRecomputedToTheSameBytes) {
   CHECK_TEXT(fired.status == ExitStatus({0, 0}), fired.err.c_str());
   bench.finish();
   std::filesystem::path host_log;
-  for (const auto& entry : std::filesystem::directory_iterator(bench.session())) {
+  for (const auto& entry : std::filesystem::directory_iterator(bench.session()))
     if (entry.path().filename().string().rfind("host-", 0) == 0) host_log = entry.path();
-  }
   CHECK(!host_log.empty());
   const auto replayed = strobe::testing::run_process(bench.strobe({"replay", host_log, "--json"}), 30s);
-  CHECK(replayed.status == ExitStatus({0, 0}));
-  STRCMP_EQUAL(readout_lines(fired.out).c_str(), readout_lines(replayed.out).c_str());
+  CHECK_EQUAL(ExitStatus({0, 0}), replayed.status);
+  CHECK_EQUAL(readout_lines(fired.out), readout_lines(replayed.out));
 }
 
 TEST(Log, WithCommandsInItNeverFiresARigAgain) {
@@ -185,6 +183,5 @@ TEST(Log, OfAListenerThatJoinsLateHoldsTheShotsBeforeItAndThoseToCome) {
   strobe::testing::wait_until([&] { return readouts(live.out()).size() >= past + expected.size(); }, 8s);
   live.signal(SIGINT);
   CHECK(live.wait(10s).has_value());
-  STRCMP_EQUAL((readout_lines(before.out) + readout_lines(fired.out)).c_str(),
-               readout_lines(live.out()).c_str());
+  CHECK_EQUAL(readout_lines(before.out) + readout_lines(fired.out), readout_lines(live.out()));
 }

@@ -8,7 +8,7 @@
 #include "tests/hil/truth_score.hpp"
 #include "tests/support/json_lines.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe::hil;
 using namespace std::chrono_literals;
@@ -28,9 +28,8 @@ RigFixtureOptions small_sensor(const std::filesystem::path& photographs) {
 }
 
 std::filesystem::path host_log(const RigFixture& bench) {
-  for (const auto& entry : std::filesystem::directory_iterator(bench.session())) {
+  for (const auto& entry : std::filesystem::directory_iterator(bench.session()))
     if (entry.path().filename().string().rfind("host-", 0) == 0) return entry.path();
-  }
   return {};
 }
 
@@ -86,5 +85,5 @@ TEST(Photographs, AreReadOutAsTheyArriveAndAJunkFileStopsNothing) {
   const auto replayed =
       strobe::testing::run_process(bench.strobe({"replay", host_log(bench), "--json"}), 30s);
   CHECK_TEXT(replayed.status == ExitStatus({0, 0}), replayed.err.c_str());
-  STRCMP_EQUAL(readout_lines(printed).c_str(), readout_lines(replayed.out).c_str());
+  CHECK_EQUAL(readout_lines(printed), readout_lines(replayed.out));
 }

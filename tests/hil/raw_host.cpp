@@ -114,7 +114,7 @@ std::int64_t RawHost::fire_until_flash(LineWatcher& watch, const ShotOfToken& sh
     if (token == 0) throw std::runtime_error("no token: " + status_.message);
     send(shot(token));
     if (const std::int64_t flash_ns = watch.wait_for("STROBE_A", 1, 3s); flash_ns != 0) return flash_ns;
-    // The shot that was spoiled ends; one that was refused would be so again.
+    // The shot that came late ends; one that was refused would be so again.
     if (!wait([this] { return status_.state == strobe_msgs::status_t::SPENT; }, 5s))
       throw std::runtime_error("no shot: " + (events_.empty() ? "" : events_.back().detail));
   }

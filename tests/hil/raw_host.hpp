@@ -21,7 +21,7 @@
 
 namespace strobe::hil {
 
-/// A freeze long enough to spoil a shot falls into one of five; ten in a row are one in ten million.
+/// A freeze long enough to make a shot late falls into one of five; ten in a row are one in ten million.
 inline constexpr int kFlashAttempts = 10;
 
 class RawHost {
@@ -35,7 +35,7 @@ class RawHost {
   bool wait_status();  ///< the first one of strobed
   std::int64_t arm();  ///< asks for a new token; 0: none was given
   using ShotOfToken = std::function<strobe_msgs::command_t(std::int64_t token)>;
-  /// Arms and fires until a first flash is seen, since a machine that stands still spoils shots before it;
+  /// Arms and fires until a first flash is seen, since a machine that stands still is late with shots before it;
   /// the instant of that flash, or 0 after kFlashAttempts. std::runtime_error if none can be fired.
   std::int64_t fire_until_flash(LineWatcher& watch, const ShotOfToken& shot);
   /// A dry or live shot of the rig file's kind: 3 ms, 200 ms exposure.

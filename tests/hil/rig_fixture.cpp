@@ -95,9 +95,8 @@ namespace {
 
 std::vector<pid_t> daemons_under(pid_t sim) {
   std::vector<pid_t> daemons;
-  for (const pid_t pid : testing::descendants_of(sim)) {
+  for (const pid_t pid : testing::descendants_of(sim))
     if (testing::program_of(pid) == "strobed") daemons.push_back(pid);
-  }
   return daemons;
 }
 
@@ -185,16 +184,14 @@ std::vector<nlohmann::json> readouts(const std::string& out) {
 std::string readout_lines(const std::string& out) {
   std::string lines;
   std::istringstream stream(out);
-  for (std::string line; std::getline(stream, line);) {
+  for (std::string line; std::getline(stream, line);)
     if (!readouts(line + "\n").empty()) lines += line + "\n";
-  }
   return lines;
 }
 
 bool has_flag(const nlohmann::json& readout, const std::string& flag) {
-  for (const auto& each : readout.at("flags")) {
+  for (const auto& each : readout.at("flags"))
     if (each.get<std::string>() == flag) return true;
-  }
   return false;
 }
 

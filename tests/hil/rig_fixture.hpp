@@ -2,13 +2,10 @@
 // fires it. Everything is in a temporary folder and goes with the object. One thread.
 #pragma once
 
-#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <map>
-#include <memory>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -37,7 +34,7 @@ struct RigFixtureOptions {
 /// frozen machine can make late. For RigFixtureOptions::rig_edits.
 inline const std::vector<std::pair<std::string, std::string>> kShortExposure{
     {"shutter_open_ms = 500", "shutter_open_ms = 160"}, {"impact_at_ms = 250", "impact_at_ms = 80"}};
-/// Shots that may be fired again where any but the last are to count. Such a machine spoils one in five;
+/// Shots that may be fired again where any but the last are to count. Such a machine makes one in five late;
 /// where others compile beside it, one in two has been seen: a dozen in a row is then one in 4000.
 inline constexpr int kRetries = 12;
 

@@ -6,7 +6,7 @@
 #include "tests/hil/rig_fixture.hpp"
 #include "tests/support/json_lines.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe::hil;
 using namespace std::chrono_literals;
@@ -26,7 +26,7 @@ TEST(Session, AnOrdinaryUserFiresWithAWarning) {
   const auto fired = strobe::testing::run_process(fire, 60s);
   CHECK(!readouts(fired.out).empty());
   if (fired.status == ExitStatus({0, 0})) return;
-  // Without its rights a busy machine spoils shots: then each must say so.
+  // Without its rights a busy machine makes shots late: then each must say so.
   CHECK_TEXT(fired.status == ExitStatus({1, 0}), fired.err.c_str());
   for (const auto& readout : readouts(fired.out)) CHECK_TEXT(!readout.at("flags").empty(), fired.err.c_str());
 }
@@ -36,7 +36,7 @@ TEST(Session, WithoutRealTimeRightsStrobedRefusesUnlessToldOtherwise) {
   options.rights = strobe::testing::Privileges::ordinary;
   options.shell = "\"$1\" --config \"$3\" --session \"$5\" --lcm-url \"$7\"";
   RigFixture bench(options);
-  CHECK(bench.sim().wait(20s) == ExitStatus({2, 0}));
+  CHECK_EQUAL(ExitStatus({2, 0}), bench.sim().wait(20s));
   CHECK_TEXT(bench.log().find("--allow-no-rt") != std::string::npos, bench.log().c_str());
 }
 
@@ -56,10 +56,9 @@ TEST(Session, FolderHoldsAllThatIsNeededToRecomputeIt) {
   std::size_t planned = 0;
   for (const auto& shot : journal.shots) planned += shot.flashes.size();
   LONGS_EQUAL(planned, flashes.rows.size());
-  STRCMP_EQUAL(std::to_string(journal.shots.front().flashes.front().commanded_ns).c_str(),
-               flashes.rows.front().at(flashes.column("commanded_ns")).c_str());
-  STRCMP_EQUAL("two shots",
-               readouts(fired.out).front().at("record").at("remarks").get<std::string>().c_str());
+  CHECK_EQUAL(std::to_string(journal.shots.front().flashes.front().commanded_ns),
+              flashes.rows.front().at(flashes.column("commanded_ns")));
+  CHECK_EQUAL("two shots", readouts(fired.out).front().at("record").at("remarks").get<std::string>());
 }
 
 TEST(Session, ShotNumbersGoOnInTheSameFolder) {

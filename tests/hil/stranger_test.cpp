@@ -1,7 +1,6 @@
-// Strangers on the bus: nothing that they send is obeyed, answered or harmful, however fast they send it.
+// Strangers on the bus: nothing that they send is executed, answered or harmful, however fast they send it.
 #include <algorithm>
 #include <string>
-#include <thread>
 
 #include "common/authentication/key_file.hpp"
 #include "common/authentication/seal.hpp"
@@ -13,7 +12,7 @@
 #include "tests/hil/rig_fixture.hpp"
 #include "tests/support/private_network.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe;
 using namespace strobe::hil;
@@ -41,7 +40,7 @@ std::int64_t rejected_by(const strobe_msgs::status_t& status) {
 
 TEST_GROUP(Stranger){};
 
-TEST(Stranger, IsNeverObeyedAndAnsweredOnlyInTheCounts) {
+TEST(Stranger, IsNeverExecutedAndShowsOnlyInTheCounts) {
   RigFixture bench;
   CHECK_TEXT(bench.ready(), bench.log().c_str());
   RawHost host(bench.lcm_url(), "bench");
@@ -162,7 +161,7 @@ TEST(CommandFeed, TakesInWhatLcmSends) {
   lcm.publish(channel, message.data(), 300);
   receive();
   LONGS_EQUAL(2, messages_in.size());
-  CHECK(messages_in[0] == message);
+  CHECK_EQUAL(message, messages_in[0]);
 }
 
 TEST(CommandFeed, IsReplacedByLcmsOwnWhereTheUrlIsAnother) {
@@ -176,7 +175,7 @@ TEST(CommandFeed, IsReplacedByLcmsOwnWhereTheUrlIsAnother) {
                                  stop.request_stop();
                                },
                                [] {}, [] {}});
-  CHECK(messages_in == std::vector<Bytes>{message});
+  CHECK_EQUAL(std::vector<Bytes>{message}, messages_in);
 }
 
 TEST(CommandFeed, TakesInNoOtherChannel) {
@@ -244,8 +243,8 @@ TEST(LcmLink, TakesInWhatLcmSendsSmallAndInParts) {
   send("STROBE/bench/SHOT", large);
   send("STROBE/bench/STATUS", {});
   CHECK(receive(3));
-  CHECK(received[0] == std::pair(std::string("STROBE/bench/EVENT"), Bytes({1, 2, 3})));
-  CHECK(received[1] == std::pair(std::string("STROBE/bench/SHOT"), large));
+  CHECK_EQUAL(std::pair(std::string("STROBE/bench/EVENT"), Bytes({1, 2, 3})), received[0]);
+  CHECK_EQUAL(std::pair(std::string("STROBE/bench/SHOT"), large), received[1]);
   CHECK(received[2].second.empty());
 }
 
@@ -256,5 +255,5 @@ TEST(LcmLink, TakesInNeitherCommandsNorOtherRigs) {
   send("STROBE/bench/COMMAND", Bytes(200'000));
   send("STROBE/bench/EVENT", {4});
   CHECK(receive(1));
-  CHECK(received[0].second == Bytes{4});
+  CHECK_EQUAL(Bytes{4}, received[0].second);
 }

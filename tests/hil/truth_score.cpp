@@ -13,8 +13,8 @@
 namespace strobe::hil {
 namespace {
 
-constexpr std::array<const char*, 5> kSpoiltFlags{"shot_aborted", "no_photograph", "flash_match_ambiguous",
-                                                  "too_few_images", "degenerate_geometry"};
+constexpr std::array<const char*, 5> kInvalidatingFlags{
+    "shot_aborted", "no_photograph", "flash_match_ambiguous", "too_few_images", "degenerate_geometry"};
 
 double rms(const std::vector<double>& values) {
   double sum = 0.0;
@@ -32,15 +32,15 @@ double number_or_nan(const nlohmann::json& object, const std::string& key) {
 bool is_rejected(const nlohmann::json& readout) {
   for (const auto& flag : readout.at("flags")) {
     const std::string name = flag.get<std::string>();
-    if (std::find(kSpoiltFlags.begin(), kSpoiltFlags.end(), name) != kSpoiltFlags.end()) return true;
+    if (std::find(kInvalidatingFlags.begin(), kInvalidatingFlags.end(), name) != kInvalidatingFlags.end())
+      return true;
   }
   return false;
 }
 
 bool is_complete(const nlohmann::json& readout) {
-  for (const std::string_view name : reduction::kQuantityNames) {
+  for (const std::string_view name : reduction::kQuantityNames)
     if (name != "court_pace" && !readout.at(std::string(name)).is_number()) return false;
-  }
   return true;
 }
 
@@ -60,10 +60,9 @@ void TruthScore::add(const nlohmann::json& readout, const nlohmann::json& truth,
 std::string TruthScore::beyond(double limit) const {
   std::string lines;
   for (const auto& [quantity, errors] : errors_) {
-    for (const Error& error : errors) {
+    for (const Error& error : errors)
       if (std::abs(error.z) > limit)
         lines += fmt::format("\n  {}: {} is off by {:.2f} sd", error.shot, quantity, error.z);
-    }
   }
   return lines;
 }

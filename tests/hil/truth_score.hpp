@@ -8,7 +8,7 @@
 
 namespace strobe::hil {
 
-/// Shots that nobody should believe are told by their flags: their numbers are not judged, but they are
+/// Shots whose numbers are not valid say so by their flags: they are not judged, but they are
 /// counted.
 bool is_rejected(const nlohmann::json& readout);
 

@@ -3,7 +3,7 @@
 #include <random>
 #include <string>
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe::hil;
 
@@ -32,7 +32,7 @@ TEST(TruthScore, NamesANumberThatIsOffByMoreThanItsSdAllows) {
   TruthScore score;
   score.add(readout_with(0.80, 0.01), kTruth, "shot 1");
   CHECK(score.beyond(4.5).find("shot 1: e is off by 5.00 sd") != std::string::npos);
-  STRCMP_EQUAL("", score.beyond(5.1).c_str());
+  CHECK_EQUAL("", score.beyond(5.1));
 }
 
 TEST(TruthScore, TakesANumberWithoutAnSdForWrong) {
@@ -42,7 +42,7 @@ TEST(TruthScore, TakesANumberWithoutAnSdForWrong) {
 }
 
 TEST(TruthScore, AcceptsErrorsAsLargeAsStated) {
-  STRCMP_EQUAL("", shots_with_noise(1.0, 60).implausible_rms(1e-3).c_str());
+  CHECK_EQUAL("", shots_with_noise(1.0, 60).implausible_rms(1e-3));
 }
 
 TEST(TruthScore, RejectsStatedSdsThatAreTooSmallOrTooLarge) {
@@ -54,5 +54,5 @@ TEST(TruthScore, RejectsStatedSdsThatAreTooSmallOrTooLarge) {
 TEST(TruthScore, DoesNotJudgeWhatWasNotMeasured) {
   TruthScore score;
   score.add(readout_with(0.75, 0.01), kTruth, "shot 1");
-  CHECK(score.table().find("mu") == std::string::npos);
+  CHECK_EQUAL(std::string::npos, score.table().find("mu"));
 }

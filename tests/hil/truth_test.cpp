@@ -8,7 +8,7 @@
 #include "tests/hil/rig_fixture.hpp"
 #include "tests/hil/truth_score.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe::hil;
 using namespace std::chrono_literals;
@@ -27,9 +27,8 @@ const std::vector<std::string> kConditions{"zero_17", "zero_23", "zero_34", "zer
                                            "back_45", "back_59", "back_68"};
 
 const nlohmann::json* truth_of(const std::vector<nlohmann::json>& truths, int shot_id) {
-  for (const auto& truth : truths) {
+  for (const auto& truth : truths)
     if (truth.at("shot_id").get<int>() == shot_id) return &truth;
-  }
   return nullptr;
 }
 
@@ -50,9 +49,8 @@ void score_condition(const std::string& condition, std::uint64_t seed, Tally& ta
     return;
   }
   const auto fired = strobe::testing::run_process(bench.fire(kGoodShots, kSpareShots), 60s);
-  if (fired.status != strobe::testing::ExitStatus({0, 0})) {
+  if (fired.status != strobe::testing::ExitStatus({0, 0}))
     tally.trouble += fmt::format("\n  {}: strobe fire did not end well: {}", condition, fired.err);
-  }
   int good = 0;
   for (const auto& readout : readouts(fired.out)) {
     const int shot_id = readout.at("shot_id").get<int>();
@@ -79,8 +77,8 @@ TEST(Truth, EveryNumberOfEveryConditionIsRightWithinItsStatedUncertainty) {
   std::uint64_t seed = 100;
   for (const std::string& condition : kConditions) score_condition(condition, ++seed, tally);
   std::printf("%sshots %zu, rejected %d\n", tally.score.table().c_str(), tally.score.shots(), tally.rejected);
-  STRCMP_EQUAL("", tally.trouble.c_str());
+  CHECK_EQUAL("", tally.trouble);
   // 670 numbers of 16 kinds: the chance of any normal error beyond 4.5 is 0.5 %.
-  STRCMP_EQUAL("", tally.score.beyond(4.5).c_str());
-  STRCMP_EQUAL("", tally.score.implausible_rms(1e-3).c_str());
+  CHECK_EQUAL("", tally.score.beyond(4.5));
+  CHECK_EQUAL("", tally.score.implausible_rms(1e-3));
 }

@@ -32,9 +32,8 @@ constexpr std::array<std::pair<Pin, RigLine>, kPins> kWiring{{{Pin::strobe_a, Ri
 
 RigLine line_at(Pin pin) { return kWiring[static_cast<std::size_t>(pin)].second; }
 std::optional<Pin> pin_of(RigLine line) {
-  for (const auto& [pin, wired] : kWiring) {
+  for (const auto& [pin, wired] : kWiring)
     if (wired == line) return pin;
-  }
   return std::nullopt;
 }
 
@@ -167,9 +166,8 @@ void KernelFixture::give_drives() {
   std::vector<sim::Drive> drives;
   std::vector<sim::Exposure> exposures;
   rig_->collect(there(), drives, exposures);
-  for (const sim::Drive& drive : drives) {
+  for (const sim::Drive& drive : drives)
     if (const auto pin = pin_of(drive.line)) drive_pin(*pin, drive.level);
-  }
   for (sim::Exposure& exposure : exposures) exposure_store_.add(std::move(exposure));
   exposure_store_.set_exposing(rig_->exposing_since());
 }
@@ -188,10 +186,9 @@ void KernelFixture::run() {
 
 bool outputs_inactive(const std::vector<LineEvent>& events) {
   std::array<int, kOutputPins> levels{};
-  for (const LineEvent& event : events) {
+  for (const LineEvent& event : events)
     if (static_cast<unsigned>(event.pin) < kOutputPins)
       levels[static_cast<std::size_t>(event.pin)] = event.level;
-  }
   return std::all_of(levels.begin(), levels.end(), [](int level) { return level == 0; });
 }
 

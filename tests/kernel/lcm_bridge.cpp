@@ -146,9 +146,8 @@ LcmBridge::LcmBridge(Multicast multicast, const std::filesystem::path& ours,
 LcmBridge::~LcmBridge() {
   stopping_ = true;
   if (thread_.joinable()) thread_.join();
-  for (const int fd : {cable_, listener_, sender_}) {
+  for (const int fd : {cable_, listener_, sender_})
     if (fd >= 0) close(fd);
-  }
 }
 
 void LcmBridge::from_machine() {
@@ -159,9 +158,8 @@ void LcmBridge::from_machine() {
     if (!payload) continue;
     const sockaddr_in group = inet_address(address_of(multicast_.group), multicast_.port);
     if (sendto(sender_, payload->data(), payload->size(), 0, reinterpret_cast<const sockaddr*>(&group),
-               sizeof group) >= 0) {
+               sizeof group) >= 0)
       ++sent_out_;
-    }
   }
 }
 
@@ -176,9 +174,8 @@ void LcmBridge::from_here() {
     if (ntohs(from.sin_port) == sender_port_) continue;  // what the machine itself has said
     const auto frame = frame_of(multicast_, {buffer_.data(), static_cast<std::size_t>(size)});
     if (sendto(cable_, frame.data(), frame.size(), 0, reinterpret_cast<const sockaddr*>(&machine),
-               sizeof machine) >= 0) {
+               sizeof machine) >= 0)
       ++sent_in_;
-    }
   }
 }
 

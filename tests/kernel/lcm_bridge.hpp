@@ -44,9 +44,7 @@ class LcmBridge {
 
   Multicast multicast_;
   std::filesystem::path theirs_;
-  int cable_ = -1;
-  int listener_ = -1;
-  int sender_ = -1;
+  int cable_ = -1, listener_ = -1, sender_ = -1;
   std::uint16_t sender_port_ = 0;
   std::vector<std::uint8_t> buffer_;
   std::atomic<int> sent_in_{0};

@@ -4,7 +4,7 @@
 
 #include "tests/kernel/lcm_bridge.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe::kernel;
 
@@ -23,14 +23,14 @@ TEST(CableFrames, CarryADatagramAndGiveItBack) {
   const auto frame = frame_of(kGroup, payload);
   const auto back = payload_of(kGroup, frame);
   CHECK_TRUE(back.has_value());
-  CHECK_TRUE(std::vector<std::uint8_t>(back->begin(), back->end()) == payload);
+  CHECK_EQUAL(std::vector<std::uint8_t>(back->begin(), back->end()), payload);
 }
 
 TEST(CableFrames, AreAddressedToTheGroup) {
   const auto frame = frame_of(kGroup, bytes("x"));
   const std::vector<std::uint8_t> ethernet{0x01, 0x00, 0x5e,
                                            0x7f, 0x4c, 0x43};  // 239.255.76.67's lower 23 bits
-  CHECK_TRUE(std::vector<std::uint8_t>(frame.begin(), frame.begin() + 6) == ethernet);
+  CHECK_EQUAL(std::vector<std::uint8_t>(frame.begin(), frame.begin() + 6), ethernet);
   LONGS_EQUAL(42 + 1, frame.size());
 }
 
@@ -56,7 +56,6 @@ TEST(CableFrames, OfOtherPortsGroupsAndKindsAreNotForUs) {
 
 TEST(CableFrames, CutShortAreDropped) {
   const auto frame = frame_of(kGroup, bytes("whole"));
-  for (std::size_t size = 0; size < frame.size(); ++size) {
+  for (std::size_t size = 0; size < frame.size(); ++size)
     CHECK_FALSE(payload_of(kGroup, {frame.data(), size}).has_value());
-  }
 }

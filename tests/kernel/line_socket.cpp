@@ -32,9 +32,8 @@ LineSocket::LineSocket(const std::filesystem::path& path) {
   std::memcpy(address.sun_path, path.c_str(), path.string().size() + 1);
   listener_ = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
   if (listener_ < 0 || bind(listener_, reinterpret_cast<sockaddr*>(&address), sizeof address) != 0 ||
-      listen(listener_, 1) != 0) {
+      listen(listener_, 1) != 0)
     give_up(path.string());
-  }
 }
 
 LineSocket::~LineSocket() {

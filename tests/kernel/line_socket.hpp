@@ -27,8 +27,7 @@ class LineSocket {
   std::optional<std::string> receive(std::chrono::milliseconds limit);
 
  private:
-  int listener_ = -1;
-  int peer_ = -1;
+  int listener_ = -1, peer_ = -1;
   std::string waiting_;
 };
 

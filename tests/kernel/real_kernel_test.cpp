@@ -10,12 +10,11 @@
 #include "tests/sim/gpiochip/conformance/requests.hpp"
 #include "tests/support/json_lines.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe;
 using namespace strobe::kernel;
 using testing::CompletedProcess;
-using testing::ExitStatus;
 
 namespace {
 
@@ -37,17 +36,14 @@ bool has_flag(const nlohmann::json& readout, const std::string& flag) {
 /// The firmware itself says that it could not play the shot as planned.
 bool was_disturbed(const nlohmann::json& readout) {
   for (const char* flag :
-       {"shot_aborted", "missing_flash", "double_flash", "sensor_missing", "no_photograph", "late_flash"}) {
+       {"shot_aborted", "missing_flash", "double_flash", "sensor_missing", "no_photograph", "late_flash"})
     if (has_flag(readout, flag)) return true;
-  }
   return false;
 }
 
 /// What one lamp and its sensor did in one shot: from the shutter's line going up to the next time it does.
 struct Course {
-  int flashes = 0;
-  int sensor_edges = 0;
-  int effects_without_cause = 0;
+  int flashes = 0, sensor_edges = 0, effects_without_cause = 0;
 };
 
 /// One for each shot; [0]: what came before the first.
@@ -135,7 +131,7 @@ TEST_GROUP(RealKernel) {
 
 TEST(RealKernel, SystemCallsAreAnsweredAsOnTheSimulatedChip) {
   const std::string answers = bench.machine().run("gpio_kernel_calls /dev/gpiochip0 0 1");
-  STRCMP_EQUAL(testing::read_text(STROBE_TEST_DATA "/gpio_kernel_calls.txt").c_str(), answers.c_str());
+  CHECK_EQUAL(testing::read_text(STROBE_TEST_DATA "/gpio_kernel_calls.txt"), answers);
 }
 
 TEST(RealKernel, LibgpiodIsAnsweredAsOnTheSimulatedChip) {
@@ -157,12 +153,12 @@ TEST(RealKernel, LibgpiodIsAnsweredAsOnTheSimulatedChip) {
       },
       kTimeout));
   out = machine.run("cat /tmp/out");
-  STRCMP_EQUAL(testing::read_text(STROBE_TEST_DATA "/gpio_library_calls.txt").c_str(), out.c_str());
+  CHECK_EQUAL(testing::read_text(STROBE_TEST_DATA "/gpio_library_calls.txt"), out);
 }
 
 TEST(RealKernel, WholeShotsAreFiredAndReadOutByTheHostOutside) {
   // A machine that stands still for long ends a shot as flagged, and stamps that are some milliseconds off
-  // against the ball's flight leave numbers in doubt: such a shot is fired again.
+  // against the ball's flight leave numbers ambiguous: such a shot is fired again.
   start();
   const CompletedProcess fired = testing::run_process(fire(2, 4), kTimeout);
   const auto readouts = readouts_in(fired.out);
@@ -225,7 +221,7 @@ TEST(RealKernel, OutputsAreMadeInactiveByHandAfterWorkerAndGuardianWereKilled) {
   start();
   const auto firing = fire_and_wait_for_the_train();
   bench.machine().run("kill -9 $(pidof strobed); while pidof strobed >/dev/null; do :; done");
-  STRCMP_EQUAL("0\n", bench.machine().run("strobed --safe --config /rig.toml; echo $?").c_str());
+  CHECK_EQUAL("0\n", bench.machine().run("strobed --safe --config /rig.toml; echo $?"));
   outputs_become_inactive();
   const std::size_t safe = bench.events().size();
   bench.machine().run("sleep 1");

@@ -98,9 +98,8 @@ std::string VirtualMachine::find_chip() {
   };
   ask({{"execute", "qmp_capabilities"}});
   const std::string parent = "/machine/unattached";
-  for (const auto& child : ask({{"execute", "qom-list"}, {"arguments", {{"path", parent}}}})) {
+  for (const auto& child : ask({{"execute", "qom-list"}, {"arguments", {{"path", parent}}}}))
     if (child.at("type") == "child<pl061>") return parent + "/" + child.at("name").get<std::string>();
-  }
   throw std::runtime_error("it has no PL061");
 }
 

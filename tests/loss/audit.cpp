@@ -120,9 +120,8 @@ class Auditor {
       ++audit_.shots_missing;
       violate(fmt::format("the summary of shot {} is in the journal and on no host", key.shot_id));
     }
-    for (const ShotKey& key : started_) {
+    for (const ShotKey& key : started_)
       if (!shots_.contains(key)) account_for(key);
-    }
     return std::move(audit_);
   }
 
@@ -152,9 +151,8 @@ class Auditor {
   bool whole(const ShotKey& key) const {
     const auto shot = shots_.find(key);
     if (shot == shots_.end()) return false;
-    for (std::int64_t sequence = shot->second.first; sequence <= shot->second.last; ++sequence) {
+    for (std::int64_t sequence = shot->second.first; sequence <= shot->second.last; ++sequence)
       if (!here_.contains({key.boot_id, sequence})) return false;
-    }
     return true;
   }
 
@@ -163,13 +161,12 @@ class Auditor {
     ++audit_.cut_off;
     const std::string words =
         fmt::format("boot {:016x}: shot {} has no end", static_cast<std::uint64_t>(key.boot_id), key.shot_id);
-    const bool told = std::any_of(repairs_.begin(), repairs_.end(),
-                                  [&](const std::string& detail) { return detail.starts_with(words); });
-    if (told) {
+    const bool reported = std::any_of(repairs_.begin(), repairs_.end(),
+                                      [&](const std::string& detail) { return detail.starts_with(words); });
+    if (reported)
       ++audit_.cut_off_reported;
-    } else {
+    else
       violate(fmt::format("nobody said that shot {} has no end", key.shot_id));
-    }
   }
 
   Audit audit_;
@@ -178,8 +175,8 @@ class Auditor {
   std::set<ShotKey> started_;
   std::vector<std::string> repairs_;
   std::int64_t newest_boot_ = 0;
-  std::int64_t newest_us_ = 0;  // its last record
-  std::map<std::int64_t, std::int64_t> heard_;  // by boot: the newest event that a status told of
+  std::int64_t newest_us_ = 0;                  // its last record
+  std::map<std::int64_t, std::int64_t> heard_;  // by boot: the newest event that a status reported
   std::set<EventKey> here_;
   std::set<ShotKey> shots_here_, read_out_;
 };

@@ -21,7 +21,7 @@ struct Audit {
   int shots = 0;                 ///< summaries in the journals
   int shots_missing = 0;         ///< of them, on no host in the end
   int cut_off = 0;               ///< shots without a summary, since the firmware died in them
-  int cut_off_reported = 0;      ///< of them, told by the next boot's firmware, or read out with a flag
+  int cut_off_reported = 0;      ///< of them, reported by the next boot's firmware, or read out with a flag
   int readouts = 0;              ///< published by a host
   int flagged = 0;               ///< of them, with events_missing
   int twice = 0;                 ///< shots that were read out more than once

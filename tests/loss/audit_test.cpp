@@ -140,9 +140,9 @@ TEST(Audit, WantsAShotWithoutAnEndToBeTold) {
   LONGS_EQUAL(1, result().cut_off);
   LONGS_EQUAL(0, result().cut_off_reported);
   LONGS_EQUAL(1, result().violations.size());
-  const auto told = event(1, event_t::REPAIRED, 0,
-                          "boot 0000000000000007: shot 4 has no end; what came after event 1 is lost");
-  firmware::Message of_next_boot = told;
+  const auto reported = event(1, event_t::REPAIRED, 0,
+                              "boot 0000000000000007: shot 4 has no end; what came after event 1 is lost");
+  firmware::Message of_next_boot = reported;
   of_next_boot.bytes[19] = 8;  // the boot's last byte
   journal({of_next_boot});
   host({of_next_boot});

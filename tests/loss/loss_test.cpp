@@ -1,6 +1,5 @@
 // The shipped programs across a link that loses, and killed in the middle of shots: a few of each, for the
 // many are tests/loss/run's. Nothing here judges time.
-#include <cstdio>
 #include <string>
 
 #include "tests/loss/trials.hpp"

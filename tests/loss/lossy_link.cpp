@@ -91,8 +91,7 @@ class MulticastEndpoint {
 
  private:
   sockaddr_in group_;
-  int hears_ = -1;
-  int speaks_ = -1;
+  int hears_ = -1, speaks_ = -1;
   in_port_t own_port_ = 0;
 };
 

@@ -3,7 +3,6 @@
 // any thread. Deterministic in its decisions from a seed and the order in which datagrams come.
 #pragma once
 
-#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -18,10 +17,7 @@ struct LinkFaults {
 };
 
 struct LinkCounts {
-  std::int64_t came = 0;
-  std::int64_t lost = 0;
-  std::int64_t doubled = 0;
-  std::int64_t delayed = 0;
+  std::int64_t came = 0, lost = 0, doubled = 0, delayed = 0;
   std::int64_t cut = 0;  ///< came while the link was cut
 };
 

@@ -1,4 +1,3 @@
-// The relay does to datagrams what it says, and no more.
 #include "tests/loss/lossy_link.hpp"
 
 #include <chrono>

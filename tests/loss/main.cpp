@@ -56,7 +56,7 @@ void head() {
   fmt::print(
       "| what | kills | boots | packets | lost | events journalled | missing events/summaries | shots cut "
       "off, "
-      "told/all | readouts | twice | incomplete unflagged | s "
+      "reported/all | readouts | twice | incomplete unflagged | s "
       "|\n|---|---|---|---|---|---|---|---|---|---|---|---|\n");
 }
 
@@ -83,10 +83,9 @@ int main(int argc, char** argv) {
   fmt::print("seed {}\n", seed);
   head();
   int status = kDone;
-  if (links) {
+  if (links)
     for (const Row& row : link_rows())
       status |= say(row.name, run_trial(LinkTrial{row.faults, row.cut_s, shots, seed++, !full}));
-  }
   if (kills > 0) {
     for (const Victim victim : {Victim::host, Victim::firmware}) {
       const char* name = victim == Victim::host ? "the host killed" : "strobed killed";
@@ -95,8 +94,8 @@ int main(int argc, char** argv) {
         if (isatty(STDERR_FILENO) != 0 || done % 10 == 0)
           fmt::print(stderr, "{}: {} of {}\n", name, done, kills);
       };
-      status |=
-          say(kill_loss > 0 ? fmt::format("{}, {:.0f} % loss", name, kill_loss * 100) : name, run_trial(trial));
+      status |= say(kill_loss > 0 ? fmt::format("{}, {:.0f} % loss", name, kill_loss * 100) : name,
+                    run_trial(trial));
     }
   }
   return status;

@@ -51,7 +51,8 @@ std::vector<std::string> first_cells(const std::string& text) {
   std::vector<std::string> cells;
   for (const std::string& line : lines_of(text)) {
     std::smatch match;
-    if (std::regex_search(line, match, row, std::regex_constants::match_continuous)) cells.push_back(match[1]);
+    if (std::regex_search(line, match, row, std::regex_constants::match_continuous))
+      cells.push_back(match[1]);
   }
   return cells;
 }
@@ -62,9 +63,8 @@ std::vector<std::string> commands_of(const std::string& text) {
   static const std::regex separator(R"(\s*(\n|\||&&|;|&)\s*)");
   const std::string joined = std::regex_replace(std::regex_replace(text, comment, "$1"), continued, " ");
   std::vector<std::string> commands;
-  for (std::sregex_token_iterator part(joined.begin(), joined.end(), separator, -1), end; part != end; ++part) {
+  for (std::sregex_token_iterator part(joined.begin(), joined.end(), separator, -1), end; part != end; ++part)
     if (!words_of(*part).empty()) commands.push_back(*part);
-  }
   return commands;
 }
 

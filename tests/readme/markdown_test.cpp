@@ -1,6 +1,6 @@
 #include "tests/readme/markdown.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe::readme;
 
@@ -19,29 +19,29 @@ TEST_GROUP(Markdown){};
 TEST(Markdown, BlocksHaveAnInfoStringATextAndALine) {
   const auto blocks = parse(kText).blocks;
   LONGS_EQUAL(2, blocks.size());
-  STRCMP_EQUAL("sh", blocks[0].info.c_str());
+  CHECK_EQUAL("sh", blocks[0].info);
   LONGS_EQUAL(4, blocks[0].line);
-  STRCMP_EQUAL("sh not-run-in-tests: needs a rig", blocks[1].info.c_str());
-  STRCMP_EQUAL("stop\n", blocks[1].text.c_str());
+  CHECK_EQUAL("sh not-run-in-tests: needs a rig", blocks[1].info);
+  CHECK_EQUAL("stop\n", blocks[1].text);
 }
 
 TEST(Markdown, SpansAndLinksAreFoundOutsideBlocks) {
   const Markdown markdown = parse(kText);
-  STRCMP_EQUAL("strobe fire --shots 3", markdown.spans.at(0).c_str());
+  CHECK_EQUAL("strobe fire --shots 3", markdown.spans.at(0));
   LONGS_EQUAL(1, markdown.links.size());
-  STRCMP_EQUAL("host/README.md", markdown.links.at(0).c_str());
+  CHECK_EQUAL("host/README.md", markdown.links.at(0));
 }
 
 TEST(Markdown, CommandsLoseCommentsAndAreSplitAtPipes) {
   const auto commands = commands_of(parse(kText).blocks.at(0).text);
   LONGS_EQUAL(3, commands.size());
-  STRCMP_EQUAL("make all", commands[0].c_str());
+  CHECK_EQUAL("make all", commands[0]);
   LONGS_EQUAL(3, words_of(commands[1]).size());
-  STRCMP_EQUAL("wc", commands[2].c_str());
+  CHECK_EQUAL("wc", commands[2]);
 }
 
 TEST(Markdown, FirstCellsAreThoseWithOneCodeSpan) {
   const auto cells = first_cells(kText);
   LONGS_EQUAL(1, cells.size());
-  STRCMP_EQUAL("late_flash", cells[0].c_str());
+  CHECK_EQUAL("late_flash", cells[0]);
 }

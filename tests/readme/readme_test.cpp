@@ -15,8 +15,8 @@
 #include "common/reduction/flags.hpp"
 #include "tests/readme/markdown.hpp"
 #include "tests/support/process.hpp"
+#include "tests/support/string_from.hpp"
 #include "tests/support/temporary_folder.hpp"
-#include <CppUTest/TestHarness.h>
 
 using namespace strobe::readme;
 using namespace std::chrono_literals;
@@ -40,9 +40,8 @@ bool is_marked(const Block& block) { return block.info.rfind("sh not-run-in-test
 std::vector<std::string> readmes() {
   std::vector<std::string> found{"README.md"};
   for (const char* folder : {"common", "firmware", "host", "sim", "tests"}) {
-    for (const auto& entry : fs::recursive_directory_iterator(kRoot / folder)) {
+    for (const auto& entry : fs::recursive_directory_iterator(kRoot / folder))
       if (entry.path().filename() == "README.md") found.push_back(fs::relative(entry.path(), kRoot).string());
-    }
   }
   std::sort(found.begin() + 1, found.end());
   return found;
@@ -77,9 +76,8 @@ std::string script_of(const std::string& readme, const std::vector<Block>& block
       "set -eo pipefail\n"
       "trap 'status=$?; set +e; trap - ERR; jobs -p | xargs -r kill; wait; exit $status' EXIT\n"
       "trap 'echo \"failed ($?): $BASH_COMMAND\" >&2' ERR\n";
-  for (const Block& block : blocks) {
+  for (const Block& block : blocks)
     if (runs(block)) script += fmt::format("echo '-- {}:{}' >&2\n{}", readme, block.line, block.text);
-  }
   return script;
 }
 
@@ -106,7 +104,8 @@ bool is_subcommand(const std::string& word) {
 
 /// What a command names that its program's help does not.
 std::vector<std::string> unknown_names(const std::string& command) {
-  static const std::set<std::string> programs{"strobe", "strobed", "strobe-sim", "strobe-bench", "strobe-soak"};
+  static const std::set<std::string> programs{"strobe", "strobed", "strobe-sim", "strobe-bench",
+                                              "strobe-soak"};
   static const std::regex option("--[a-z][a-z-]*");
   const std::vector<std::string> words = words_of(command);
   if (words.empty() || programs.count(words[0]) == 0) return {};
@@ -115,7 +114,8 @@ std::vector<std::string> unknown_names(const std::string& command) {
     return {};
   }
   const bool has_subcommands = words[0] != "strobed" && words[0] != "strobe-soak";
-  const std::string subcommand = has_subcommands && words.size() > 1 && is_subcommand(words[1]) ? words[1] : "";
+  const std::string subcommand =
+      has_subcommands && words.size() > 1 && is_subcommand(words[1]) ? words[1] : "";
   const std::string& help = help_of(words[0], subcommand);
   if (help.empty()) return {words[0] + " " + subcommand};
   std::vector<std::string> unknown;
@@ -130,24 +130,23 @@ std::vector<std::string> unknown_names(const std::string& command) {
 
 }  // namespace
 
-TEST_GROUP(Readme) {
-  /// Runs the blocks of one README in order, in a folder that looks like a built clone.
-  void check_commands(const std::string& readme) {
-    const strobe::testing::TemporaryFolder clone;
-    imitate_repository(clone.path());
-    const std::string script = script_of(readme, parse(text_of(readme)).blocks);
-    const auto finished = strobe::testing::run_process({{"bash", "-c", script}, {}, clone.path(), {}}, 900s);
-    CHECK_TEXT(finished.status == ExitStatus({0, 0}), (readme + "\n" + tail(finished.err, 4000)).c_str());
-  }
-};
+TEST_GROUP(Readme){
+    /// Runs the blocks of one README in order, in a folder that looks like a built clone.
+    void check_commands(const std::string& readme){const strobe::testing::TemporaryFolder clone;
+imitate_repository(clone.path());
+const std::string script = script_of(readme, parse(text_of(readme)).blocks);
+const auto finished = strobe::testing::run_process({{"bash", "-c", script}, {}, clone.path(), {}}, 900s);
+CHECK_TEXT(finished.status == ExitStatus({0, 0}), (readme + "\n" + tail(finished.err, 4000)).c_str());
+}
+}
+;
 
 TEST(Readme, CommandsOfTheFrontPageWorkAsTyped) { check_commands("README.md"); }
 TEST(Readme, CommandsOfTheHostWorkAsTyped) { check_commands("host/README.md"); }
 
 TEST(Readme, CommandsOfAllOthersWorkAsTyped) {
-  for (const std::string& readme : readmes()) {
+  for (const std::string& readme : readmes())
     if (readme != "README.md" && readme != "host/README.md") check_commands(readme);
-  }
 }
 
 TEST(Readme, TheDemoFiresItsShots) {
@@ -178,16 +177,14 @@ TEST(Readme, NamesOnlyProgramsSubcommandsAndOptionsThatExist) {
   for (const std::string& readme : readmes()) {
     const Markdown markdown = parse(text_of(readme));
     std::vector<std::string> texts = markdown.spans;
-    for (const Block& block : markdown.blocks) {
+    for (const Block& block : markdown.blocks)
       if (block.info.rfind("sh", 0) == 0) texts.push_back(block.text);
-    }
     for (const std::string& text : texts) {
-      for (const std::string& command : commands_of(text)) {
+      for (const std::string& command : commands_of(text))
         for (const std::string& name : unknown_names(command)) unknown += readme + ": " + name + "\n";
-      }
     }
   }
-  STRCMP_EQUAL("", unknown.c_str());
+  CHECK_EQUAL("", unknown);
 }
 
 TEST(Readme, LinksLeadSomewhere) {
@@ -200,17 +197,18 @@ TEST(Readme, LinksLeadSomewhere) {
   }
 }
 
-TEST(Readme, TheFrontPageIsShort) {
-  CHECK(words_of(text_of("README.md")).size() <= kMaxWordsOfFrontPage);
-}
+TEST(Readme, TheFrontPageIsShort) { CHECK(words_of(text_of("README.md")).size() <= kMaxWordsOfFrontPage); }
 
 TEST(Readme, TheFrontPageSaysWhatEachPackageIsFor) {
-  const std::vector<std::string> words = words_of(std::regex_replace(text_of("README.md"), std::regex(","), " "));
+  const std::vector<std::string> words =
+      words_of(std::regex_replace(text_of("README.md"), std::regex(","), " "));
   std::istringstream packages(strobe::testing::read_text(kRoot / "tests/packages.txt"));
   for (std::string line; std::getline(packages, line);) {
     const std::vector<std::string> entry = words_of(line);  // what for, name
     if (entry.size() != 2 || entry[0] == "#") continue;
-    const auto names_it = [&](const std::string& word) { return fnmatch(word.c_str(), entry[1].c_str(), 0) == 0; };
+    const auto names_it = [&](const std::string& word) {
+      return fnmatch(word.c_str(), entry[1].c_str(), 0) == 0;
+    };
     CHECK_TEXT(std::any_of(words.begin(), words.end(), names_it), entry[1].c_str());
   }
 }

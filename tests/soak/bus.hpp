@@ -18,16 +18,12 @@ enum class Receiver { firmware, host, tablet };
 inline constexpr std::size_t kReceivers = 3;
 
 struct BusFaults {
-  double loss = 0.0;
-  double duplication = 0.0;
-  double reordering = 0.0;
+  double loss = 0.0, duplication = 0.0, reordering = 0.0;
 };
 
 struct BusCounts {
   std::int64_t sent = 0;  ///< packets, times their receivers
-  std::int64_t lost = 0;
-  std::int64_t doubled = 0;
-  std::int64_t reordered = 0;
+  std::int64_t lost = 0, doubled = 0, reordered = 0;
 };
 
 class VirtualBus {

@@ -3,7 +3,7 @@
 #include <map>
 #include <vector>
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe;
 using namespace strobe::soak;
@@ -80,7 +80,7 @@ TEST(VirtualBus, RepeatsItselfFromItsSeed) {
   const auto first = arrivals(2'000);
   bus = VirtualBus(7);
   bus.set_faults(faults);
-  CHECK(first == arrivals(2'000));
+  CHECK_EQUAL(arrivals(2'000), first);
   bus = VirtualBus(8);
   bus.set_faults(faults);
   CHECK(first != arrivals(2'000));

@@ -40,9 +40,8 @@ void SoakCounts::add(const SoakCounts& other) {
                            &SoakCounts::events_missing,
                            &SoakCounts::events_never_received,
                            &SoakCounts::events_lost_dying,
-                           &SoakCounts::violations}) {
+                           &SoakCounts::violations})
     sum(field);
-  }
   add_each(flags, other.flags);
   add_each(explained_by, other.explained_by);
   add_each(rig_faults, other.rig_faults);

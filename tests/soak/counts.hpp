@@ -16,9 +16,7 @@ struct SoakCounts {
   std::int64_t shots = 0;       ///< fired: their summaries were published
   std::int64_t planned = 0;     ///< shots that were to count
   std::int64_t unfinished = 0;  ///< runs that gave up: no retries left, or the firmware not ready
-  std::int64_t triggers = 0;
-  std::int64_t boots = 0;
-  std::int64_t hosts = 0;
+  std::int64_t triggers = 0, boots = 0, hosts = 0;
   std::int64_t good = 0;        ///< readouts that count
   std::int64_t flagged = 0;     ///< readouts with numbers that do not count
   std::int64_t withheld = 0;    ///< readouts without any number

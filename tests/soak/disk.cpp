@@ -31,9 +31,8 @@ VirtualDisk::~VirtualDisk() {
 void VirtualDisk::fill(std::uint64_t room) {
   std::uint64_t largest = 0;
   std::error_code error;
-  for (const auto& entry : fs::directory_iterator(path_, error)) {
+  for (const auto& entry : fs::directory_iterator(path_, error))
     if (entry.is_regular_file(error)) largest = std::max<std::uint64_t>(largest, entry.file_size(error));
-  }
   most_ = largest + room;
 }
 

@@ -102,9 +102,8 @@ Fault draw_fault(FaultKind kind, int shot, Random& random) {
 std::vector<Fault> draw_rig_faults(const FaultPlan& plan, int shots, Random& random) {
   std::vector<Fault> faults;
   for (int shot = 1; shot <= shots; ++shot) {
-    for (std::size_t i = 0; i < plan.rig.size(); ++i) {
+    for (std::size_t i = 0; i < plan.rig.size(); ++i)
       if (random.chance(plan.rig[i])) faults.push_back(draw_fault(static_cast<FaultKind>(i), shot, random));
-    }
   }
   return faults;
 }

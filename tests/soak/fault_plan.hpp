@@ -37,8 +37,7 @@ struct FaultPlan {
   std::array<double, sim::kFaultNames.size()> rig{};  ///< of each kind of sim::FaultKind, per exposure
   std::array<double, kHazardCount> hazard{};          ///< per second of virtual time
   double packet_loss = 0.0;                           ///< per packet and receiver
-  double packet_duplication = 0.0;
-  double packet_reordering = 0.0;
+  double packet_duplication = 0.0, packet_reordering = 0.0;
 
   double& operator[](sim::FaultKind kind) { return rig[static_cast<std::size_t>(kind)]; }
   double operator[](Hazard which) const { return hazard[static_cast<std::size_t>(which)]; }

@@ -119,16 +119,14 @@ void InvariantChecker::check_lamps(strobe::Lamps lamps, MonoTime at) {
     violate(fmt::format("a lamp flashed {} us after its flash before, at {}", *shortest / microseconds(1),
                         to_ns(at)));
   }
-  if (++flashes_of_shot_ > limits_.lamps.max_flashes) {
+  if (++flashes_of_shot_ > limits_.lamps.max_flashes)
     violate(fmt::format("{} flashes in one shot, at {}", flashes_of_shot_, to_ns(at)));
-  }
 }
 
 void InvariantChecker::became_unsafe(MonoTime at) {
   if (!known(unsafe_since_)) unsafe_since_ = at;
-  for (Watched& watched : outputs_) {
+  for (Watched& watched : outputs_)
     if (watched.active && !known(watched.must_end)) watched.must_end = at;
-  }
 }
 
 void InvariantChecker::key(bool on, MonoTime at) {
@@ -168,9 +166,8 @@ void InvariantChecker::at_host(const std::string& channel, const std::vector<std
   const std::int64_t sequence = big_endian(&bytes[kSequence]);
   if (sequence < 1 || sequence > 10'000'000) return violate("an event's sequence is absurd");
   std::vector<bool>& have = on_host_[big_endian(&bytes[kBoot])];
-  if (have.size() <= static_cast<std::size_t>(sequence)) {
+  if (have.size() <= static_cast<std::size_t>(sequence))
     have.resize(std::max(2 * have.size(), static_cast<std::size_t>(sequence) + 1));
-  }
   have[static_cast<std::size_t>(sequence)] = true;
 }
 
@@ -215,9 +212,8 @@ void InvariantChecker::read_journal(const std::filesystem::path& path) {
     ++journalled_;
     const std::int64_t boot_id = big_endian(&text[begin + kBoot]);
     const std::int64_t sequence = big_endian(&text[begin + kSequence]);
-    if (sequence != expected) {
+    if (sequence != expected)
       violate(fmt::format("{}: event {} follows {}", path.filename().string(), sequence, expected - 1));
-    }
     expected = sequence + 1;
     const auto have = on_host_.find(boot_id);
     const auto index = static_cast<std::size_t>(sequence);
@@ -232,14 +228,12 @@ void InvariantChecker::read_journal(const std::filesystem::path& path) {
 }
 
 void InvariantChecker::end(const std::filesystem::path& session) {
-  for (std::size_t i = 0; i < outputs_.size(); ++i) {
+  for (std::size_t i = 0; i < outputs_.size(); ++i)
     if (outputs_[i].active) violate(fmt::format("{} still active in the end", kOutputNames[i]));
-  }
   std::error_code error;
   std::vector<std::filesystem::path> journals;
-  for (const auto& entry : std::filesystem::directory_iterator(session, error)) {
+  for (const auto& entry : std::filesystem::directory_iterator(session, error))
     if (entry.path().extension() == ".lcmlog") journals.push_back(entry.path());
-  }
   std::sort(journals.begin(), journals.end());
   for (const auto& journal : journals) read_journal(journal);
 }

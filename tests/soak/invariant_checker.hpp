@@ -38,8 +38,7 @@ class InvariantChecker {
   explicit InvariantChecker(const firmware::Rig& limits) : limits_(limits) {}
 
   // The rig
-  void output(firmware::Output output, bool active, MonoTime at,
-              strobe::Lamps lamps = strobe::Lamps::both);
+  void output(firmware::Output output, bool active, MonoTime at, strobe::Lamps lamps = strobe::Lamps::both);
   void key(bool on, MonoTime at);
   void estop(bool pressed, MonoTime at);
 
@@ -72,12 +71,9 @@ class InvariantChecker {
 
  private:
   struct Token {
-    std::int64_t host_id = 0;
-    std::int64_t boot_id = 0;
-    MonoTime armed;
-    MonoTime fired = kNoTime;
-    bool dry = false;
-    bool spent = false;
+    std::int64_t host_id = 0, boot_id = 0;
+    MonoTime armed, fired = kNoTime;
+    bool dry = false, spent = false;
   };
   struct Still {
     MonoTime from, until;
@@ -99,23 +95,17 @@ class InvariantChecker {
 
   firmware::Rig limits_;
   std::array<Watched, firmware::kOutputs.size()> outputs_{};
-  bool key_ = true;
-  bool estop_ = false;
-  MonoTime unsafe_since_ = kNoTime;
-  MonoTime died_ = kNoTime;
+  bool key_ = true, estop_ = false;
+  MonoTime unsafe_since_ = kNoTime, died_ = kNoTime;
   std::vector<Still> still_;
-  std::int64_t boot_id_ = 0;
-  std::int64_t arming_host_ = 0;
+  std::int64_t boot_id_ = 0, arming_host_ = 0;
   std::map<std::int64_t, Token> tokens_;
   std::array<MonoTime, 2> last_flash_{kNoTime, kNoTime};  ///< of lamp A, of lamp B
-  int flashes_of_shot_ = 0;
-  int triggers_ = 0;
+  int flashes_of_shot_ = 0, triggers_ = 0;
   std::map<std::int64_t, std::vector<bool>> on_host_;  ///< of each boot, by sequence
   std::set<std::pair<std::int64_t, ShotKey>> read_out_;
   std::optional<TruthComparison> comparison_;
-  std::int64_t journalled_ = 0;
-  std::int64_t missing_ = 0;
-  std::int64_t never_received_ = 0;
+  std::int64_t journalled_ = 0, missing_ = 0, never_received_ = 0;
   std::vector<std::string> violations_;
 };
 

@@ -277,10 +277,9 @@ void Lab::collect_rig() {
   for (sim::Exposure& exposure : exposures_) {
     for (const sim::FaultKind kind : exposure.faults) ++counts_.rig_faults[static_cast<std::size_t>(kind)];
     for (const auto kind :
-         {sim::FaultKind::no_photograph, sim::FaultKind::frame_late, sim::FaultKind::image_unseen}) {
+         {sim::FaultKind::no_photograph, sim::FaultKind::frame_late, sim::FaultKind::image_unseen})
       if (shot_fault(lab_setup_.scene.faults, kind, exposure.shot))
         ++counts_.rig_faults[static_cast<std::size_t>(kind)];
-    }
     if (settings_.trace != nullptr) {
       std::string faults;
       for (const sim::FaultKind kind : exposure.faults) faults.append(" ").append(name(kind));

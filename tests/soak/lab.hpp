@@ -74,8 +74,7 @@ class Lab final : firmware::Clock, firmware::OutputLines, firmware::EdgeSource, 
     Hazard hazard;
   };
   struct Shot {
-    MonoTime start;
-    MonoTime end;
+    MonoTime start, end;
     bool dry = false;
   };
   class PublisherClock;
@@ -163,8 +162,7 @@ class Lab final : firmware::Clock, firmware::OutputLines, firmware::EdgeSource, 
   SoakCounts counts_;
   std::uint64_t digest_ = 0;
 
-  bool key_ = true;
-  bool estop_ = false;
+  bool key_ = true, estop_ = false;
   std::array<std::deque<firmware::Edge>, 6> kernel_;
   std::size_t waiting_edges_ = 0;
   std::int64_t overflows_ = 0;
@@ -180,8 +178,7 @@ class Lab final : firmware::Clock, firmware::OutputLines, firmware::EdgeSource, 
   std::unique_ptr<LoopWake> loop_wake_;
   std::array<bool, firmware::kOutputs.size()> driven_{};
   bool dead_ = true;  ///< the process has ended, its objects may still be unwinding
-  bool stop_asked_ = false;
-  bool woken_ = false;
+  bool stop_asked_ = false, woken_ = false;
   MonoTime publisher_due_ = kFarFuture;
   Duration publisher_latency_{};
   Duration wall_offset_{};
@@ -192,8 +189,7 @@ class Lab final : firmware::Clock, firmware::OutputLines, firmware::EdgeSource, 
   double host_rate_ = 1.0;
   HostTime host_origin_;
   int good_ = 0;
-  bool hazards_stopped_ = false;
-  bool finished_ = false;
+  bool hazards_stopped_ = false, finished_ = false;
   std::map<ShotKey, Shot> shots_;
   std::deque<std::vector<std::uint8_t>> old_commands_;
   std::size_t violations_traced_ = 0;

@@ -24,9 +24,8 @@ constexpr Duration kLongestRun = milliseconds(1'800'000);
 constexpr std::size_t kOldCommands = 64;
 
 bool has_numbers(const reduction::Readout& readout) {
-  for (std::size_t i = 0; i < reduction::kQuantityCount; ++i) {
+  for (std::size_t i = 0; i < reduction::kQuantityCount; ++i)
     if (readout.value[static_cast<reduction::Quantity>(i)]) return true;
-  }
   return false;
 }
 
@@ -57,11 +56,10 @@ void Lab::draw_hazards() {
   for (std::size_t i = 0; i < kHazardCount; ++i) {
     const auto hazard = static_cast<Hazard>(i);
     if (!random_.chance(settings_.faults[hazard] * to_seconds(kHazardInterval))) continue;
-    if (random_.chance(0.5)) {
+    if (random_.chance(0.5))
       schedule(random_.between(Duration{}, kHazardInterval), {Action::hazard, hazard});
-    } else {
+    else
       call_hazards_.push_back({random_.integer(1, 100), hazard});  // at an instant at which an output changes
-    }
   }
 }
 
@@ -342,9 +340,8 @@ void Lab::on_shot_result(const host::ShotResult& shot_result) {
   const sim::Exposure* taken =
       shot == shots_.end() ? nullptr : tablet_operator_.exposure_of(shot->second.start, shot->second.end);
   Truth truth;
-  if (taken != nullptr && shows_impact(*taken)) {
+  if (taken != nullptr && shows_impact(*taken))
     truth.value = sim::true_readout(rig_.scene(), taken->ball->path);
-  }
   truth.images_ambiguous = taken != nullptr && images_are_ambiguous(lab_setup_.scene, *taken);
   const reduction::Readout& readout = shot_result.readout;
   checker_.readout(host_->id(), key, readout, truth, shot_result.dry);

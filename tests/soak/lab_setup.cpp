@@ -135,11 +135,10 @@ bool can_be_gated(const sim::Scene& scene) {
 LabSetup draw_lab_setup(PlanKind kind, const host::PlanFile& shipped, Random& random) {
   LabSetup lab_setup;
   lab_setup.scene.name = "drawn";
-  if (kind == PlanKind::extremes) {
+  if (kind == PlanKind::extremes)
     draw_extreme_throw(lab_setup.scene, random);
-  } else {
+  else
     draw_shot_conditions(lab_setup.scene, random);
-  }
   draw_ball(lab_setup.scene, random);
   draw_camera(lab_setup, random);
   lab_setup.plan = shipped;
@@ -147,13 +146,12 @@ LabSetup draw_lab_setup(PlanKind kind, const host::PlanFile& shipped, Random& ra
   const bool any = kind == PlanKind::mixed || kind == PlanKind::extremes;
   const bool gated = kind == PlanKind::gated || (any && which < 0.1);
   const bool as_shipped = kind == PlanKind::shipped || (any && which > 0.9);
-  if (gated && can_be_gated(lab_setup.scene)) {
+  if (gated && can_be_gated(lab_setup.scene))
     plan_gated(lab_setup, random);
-  } else if (kind == PlanKind::coded) {
+  else if (kind == PlanKind::coded)
     plan_coded(lab_setup, random);
-  } else if (!as_shipped) {
+  else if (!as_shipped)
     plan_brief(lab_setup, random);
-  }
   lab_setup.notes = {{"surface_angle_deg", fmt::format("{}", lab_setup.scene.surface_angle_rad / kDegree)},
                      {"temperature_c", fmt::format("{}", lab_setup.scene.air.temperature_c)}};
   return lab_setup;

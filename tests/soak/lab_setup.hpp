@@ -1,7 +1,6 @@
 // Set-up of one run: scene and shot plan, drawn from a seed. Pure; thread-safe.
 #pragma once
 
-#include <string>
 #include <string_view>
 
 #include "common/reduction/frame.hpp"

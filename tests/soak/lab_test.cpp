@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <string>
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe;
 using namespace strobe::soak;
@@ -28,7 +28,7 @@ TEST_GROUP(VirtualLab) {
       for (const std::string& violation : lab.invariant_checker().violations())
         violations += "\nseed " + std::to_string(seed) + ", run " + std::to_string(run) + ": " + violation;
     }
-    STRCMP_EQUAL("", violations.c_str());
+    CHECK_EQUAL("", violations);
     return sum;
   }
   template <std::size_t N>
@@ -68,6 +68,6 @@ TEST(VirtualLab, IsRightOrSaysThatItIsNotAtTheExtremes) {
 
 TEST(VirtualLab, RepeatsItselfToTheLastBitFromItsSeed) {
   const std::uint64_t digest = run(wild_faults(), PlanKind::mixed, 4, 5).digest;
-  CHECK(digest == run(wild_faults(), PlanKind::mixed, 4, 5).digest);
+  CHECK_EQUAL(run(wild_faults(), PlanKind::mixed, 4, 5).digest, digest);
   CHECK(digest != run(wild_faults(), PlanKind::mixed, 4, 5, 2027).digest);
 }

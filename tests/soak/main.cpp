@@ -19,15 +19,11 @@ constexpr int kShotsPerRun = 10;
 constexpr int kDone = 0, kFailed = 1, kBadInput = 2;
 
 struct Options {
-  std::int64_t shots = 10'000;
-  std::int64_t from = 0;
+  std::int64_t shots = 10'000, from = 0;
   std::uint64_t seed = 1;
-  std::string faults = "wild";
-  std::string plan = "mixed";
-  std::string rig = STROBE_SHIPPED_RIG;
+  std::string faults = "wild", plan = "mixed", rig = STROBE_SHIPPED_RIG;
   int jobs = 1;
-  bool trace = false;
-  bool quiet = false;
+  bool trace = false, quiet = false;
 };
 
 struct Work {
@@ -57,9 +53,8 @@ SoakCounts run_lab(const Options& options, const Work& work, std::int64_t run) {
   settings.trace = options.trace ? stdout : nullptr;
   Lab lab(work.files, settings);
   const SoakCounts counts = lab.run();
-  for (const std::string& violation : lab.invariant_checker().violations()) {
+  for (const std::string& violation : lab.invariant_checker().violations())
     fmt::print(stderr, "VIOLATION: {}\n  repeat it: {}\n", violation, repetition(options, run));
-  }
   return counts;
 }
 

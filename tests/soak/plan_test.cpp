@@ -1,10 +1,7 @@
-// The virtual clock's order, and the fault plans.
-#include <string>
-
 #include "tests/soak/fault_plan.hpp"
 #include "tests/soak/timeline.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe;
 using namespace strobe::soak;
@@ -13,13 +10,13 @@ TEST_GROUP(Timeline){};
 
 TEST(Timeline, GivesWhatHappensInOrderOfTimeAndAtOneInstantAsItWasScheduled) {
   Timeline<int> timeline;
-  CHECK(timeline.next() == kFarFuture);
+  CHECK_EQUAL(kFarFuture, timeline.next());
   timeline.schedule(from_ns(20), 3);
   timeline.schedule(from_ns(10), 1);
   timeline.schedule(from_ns(20), 4);
   timeline.schedule(from_ns(10), 2);
   for (int expected = 1; expected <= 4; ++expected) {
-    CHECK(timeline.next() == from_ns(expected <= 2 ? 10 : 20));
+    CHECK_EQUAL(from_ns(expected <= 2 ? 10 : 20), timeline.next());
     LONGS_EQUAL(expected, timeline.take().item);
   }
   CHECK_TRUE(timeline.empty());
@@ -51,7 +48,7 @@ TEST(FaultPlan, StrikesWithTheStatedProbability) {
   plan[sim::FaultKind::flash_dim] = 0.25;
   Random random(3);
   const auto faults = draw_rig_faults(plan, 4000, random);
-  for (const auto& fault : faults) CHECK(fault.kind == sim::FaultKind::flash_dim);
+  for (const auto& fault : faults) CHECK_EQUAL(sim::FaultKind::flash_dim, fault.kind);
   CHECK(faults.size() > 850 && faults.size() < 1150);  // 1000 with a sd of 27
   CHECK_TRUE(draw_rig_faults(no_faults(), 4000, random).empty());
 }

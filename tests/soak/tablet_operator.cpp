@@ -1,7 +1,5 @@
 #include "tests/soak/tablet_operator.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <strobe_msgs/frame_t.hpp>
 
 #include "common/messages/lcm_conversions.hpp"
@@ -22,9 +20,8 @@ void VirtualTabletOperator::add(sim::Exposure exposure) {
 }
 
 const sim::Exposure* VirtualTabletOperator::exposure_of(MonoTime shot_start, MonoTime shot_end) const {
-  for (const auto& exposure : exposures_) {
+  for (const auto& exposure : exposures_)
     if (exposure->line_on >= shot_start - kStartSlack && exposure->line_on <= shot_end) return exposure.get();
-  }
   return nullptr;
 }
 
@@ -43,9 +40,8 @@ std::vector<std::uint8_t> VirtualTabletOperator::take(MonoTime now) {
     if (now - task.announced < kExposureMissing) tasks_.schedule(now + kLookAgain, task);
     return {};
   }
-  if (!known(exposure->opened) || shot_fault(scene_.faults, sim::FaultKind::no_photograph, exposure->shot)) {
+  if (!known(exposure->opened) || shot_fault(scene_.faults, sim::FaultKind::no_photograph, exposure->shot))
     return {};
-  }
   const sim::Fault* late = shot_fault(scene_.faults, sim::FaultKind::frame_late, exposure->shot);
   const MonoTime due =
       task.announced + from_seconds(scene_.tablet.digitize_delay_s) + (late ? late->delay : Duration{});

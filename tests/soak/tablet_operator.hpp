@@ -5,8 +5,6 @@
 #include <cstdint>
 #include <map>
 #include <memory>
-#include <string>
-#include <utility>
 #include <vector>
 
 #include "common/shot/shot_key.hpp"
@@ -17,7 +15,6 @@ namespace strobe::soak {
 
 class VirtualTabletOperator {
  public:
-
   VirtualTabletOperator(const sim::Scene& scene, std::uint64_t seed) : scene_(scene), seed_(seed) {}
 
   void add(sim::Exposure exposure);
@@ -32,8 +29,7 @@ class VirtualTabletOperator {
  private:
   struct Task {
     ShotKey key;
-    MonoTime start;
-    MonoTime announced;
+    MonoTime start, announced;
   };
   const sim::Scene& scene_;
   std::uint64_t seed_;

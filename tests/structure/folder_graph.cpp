@@ -13,17 +13,15 @@ using Graph = std::map<std::string, std::set<std::string>>;
 class Tarjan {
  public:
   explicit Tarjan(const Graph& graph) : graph_(graph) {
-    for (const auto& [folder, targets] : graph_) {
+    for (const auto& [folder, targets] : graph_)
       if (!nodes_.contains(folder)) visit(folder);
-    }
   }
 
   int component(const std::string& folder) const { return nodes_.at(folder).component; }
 
  private:
   struct Node {
-    int index = 0;
-    int low = 0;
+    int index = 0, low = 0;
     int component = -1;  // not yet known: on the stack
   };
 
@@ -33,11 +31,10 @@ class Tarjan {
     stack_.push_back(folder);
     for (const std::string& target : graph_.at(folder)) {
       const auto seen = nodes_.find(target);
-      if (seen == nodes_.end()) {
+      if (seen == nodes_.end())
         node.low = std::min(node.low, visit(target));
-      } else if (seen->second.component < 0) {
+      else if (seen->second.component < 0)
         node.low = std::min(node.low, seen->second.index);
-      }
     }
     if (node.low == node.index) close_component(folder);
     return node.low;

@@ -1,7 +1,6 @@
 // The graph of the project's folders: an edge for each include from one folder into another. Values only.
 #pragma once
 
-#include <map>
 #include <string>
 #include <vector>
 

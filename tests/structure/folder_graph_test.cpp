@@ -1,6 +1,6 @@
 #include "tests/structure/folder_graph.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe::structure;
 
@@ -20,8 +20,8 @@ TEST(FolderGraph, HasAnEdgeForEachQuotedIncludeOfAnotherFolder) {
       {"#include <vector>", "#include \"host/session/a.hpp\"", "  # include \"common/b.hpp\""}};
   const auto found = includes_between_folders({file});
   LONGS_EQUAL(1, found.size());
-  STRCMP_EQUAL("host/session", found[0].from.c_str());
-  STRCMP_EQUAL("common", found[0].to.c_str());
+  CHECK_EQUAL("host/session", found[0].from);
+  CHECK_EQUAL("common", found[0].to);
   LONGS_EQUAL(3, found[0].line);
 }
 
@@ -34,7 +34,7 @@ TEST(FolderGraph, NamesTheIncludesOfEachCycleAndNoOthers) {
                              include("c", "base"), include("x", "y"), include("y", "x"), include("x", "a")});
   LONGS_EQUAL(2, found.size());
   LONGS_EQUAL(3, found[0].size());
-  STRCMP_EQUAL("a", found[0][0].from.c_str());
+  CHECK_EQUAL("a", found[0][0].from);
   LONGS_EQUAL(2, found[1].size());
 }
 

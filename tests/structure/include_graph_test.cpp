@@ -9,7 +9,7 @@
 
 #include "tests/structure/source_tree.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 namespace {
 
@@ -104,13 +104,11 @@ TEST_GROUP(IncludeGraph){};
 TEST(IncludeGraph, QuotedIncludesAreWrittenFromTheRootAndExist) {
   std::string wrong;
   for (const SourceFile& file : cpp_files()) {
-    for (const Include& include : includes_of(file)) {
-      if (include.quoted && !std::filesystem::exists(repository_root() / include.target)) {
+    for (const Include& include : includes_of(file))
+      if (include.quoted && !std::filesystem::exists(repository_root() / include.target))
         wrong += complaint(file, include, "is not a file of the repository");
-      }
-    }
   }
-  STRCMP_EQUAL("", wrong.c_str());
+  CHECK_EQUAL("", wrong);
 }
 
 TEST(IncludeGraph, FoldersIncludeOnlyWhatTheyMayDependOn) {
@@ -118,13 +116,11 @@ TEST(IncludeGraph, FoldersIncludeOnlyWhatTheyMayDependOn) {
   for (const SourceFile& file : cpp_files()) {
     const auto allowed = kMayInclude.find(top_folder(file.path));
     if (allowed == kMayInclude.end()) continue;
-    for (const Include& include : includes_of(file)) {
-      if (include.quoted && allowed->second.count(top_folder(include.target)) == 0) {
+    for (const Include& include : includes_of(file))
+      if (include.quoted && allowed->second.count(top_folder(include.target)) == 0)
         wrong += complaint(file, include, "points the wrong way");
-      }
-    }
   }
-  STRCMP_EQUAL("", wrong.c_str());
+  CHECK_EQUAL("", wrong);
 }
 
 TEST(IncludeGraph, TheFirmwaresCoreSeesOnlyPortsAndCommon) {
@@ -141,7 +137,7 @@ TEST(IncludeGraph, TheFirmwaresCoreSeesOnlyPortsAndCommon) {
         wrong += complaint(file, include, "lets the system into the core");
     }
   }
-  STRCMP_EQUAL("", wrong.c_str());
+  CHECK_EQUAL("", wrong);
 }
 
 TEST(IncludeGraph, PortsAreHeadersOnly) {
@@ -165,12 +161,11 @@ TEST(IncludeGraph, TheAnalysisCoreSeesNoSystemThreadsOrClocks) {
       if (!is_pure(include) && !time_type) wrong += complaint(file, include, "is not for deterministic code");
     }
     for (const std::string& line : file.lines) {
-      for (const char* clock : {"steady_clock", "system_clock", "high_resolution_clock"}) {
+      for (const char* clock : {"steady_clock", "system_clock", "high_resolution_clock"})
         if (line.find(clock) != std::string::npos) wrong += fmt::format("\n  {}: {}", file.path, clock);
-      }
     }
   }
-  STRCMP_EQUAL("", wrong.c_str());
+  CHECK_EQUAL("", wrong);
 }
 
 TEST(IncludeGraph, CommonHasNoLinuxOrPosixHeaders) {
@@ -188,10 +183,9 @@ TEST(IncludeGraph, CommonHasNoLinuxOrPosixHeaders) {
       if (include.quoted) continue;
       const std::string folder = directory_of(include.target);
       if (system.count(include.target) != 0 || folder == "sys" || folder == "linux" || folder == "net" ||
-          folder == "netinet" || folder == "arpa") {
+          folder == "netinet" || folder == "arpa")
         wrong += complaint(file, include, "is the operating system's");
-      }
     }
   }
-  STRCMP_EQUAL("", wrong.c_str());
+  CHECK_EQUAL("", wrong);
 }

@@ -1,12 +1,12 @@
 // Inside common, firmware, host and sim, folders are layers: each includes lower ones only. No cycle anywhere.
 #include <fmt/format.h>
 
-#include <CppUTest/TestHarness.h>
 #include <map>
 #include <optional>
 #include <set>
 #include <string>
 #include <vector>
+#include "tests/support/string_from.hpp"
 
 #include "tests/structure/folder_graph.hpp"
 
@@ -47,7 +47,7 @@ const std::map<std::string, std::vector<Layer>> kLayers{
          {"host/commands/frontier", "host/digitize", "host/thesis/tables"},
          {"host/commands/reduce", "host/digitize/corrections", "host/digitize/overlay", "host/photographs"},
          {"host/loop"},
-      {"host/commands"},
+         {"host/commands"},
          {"host/commands/contact", "host/commands/fit", "host/commands/predict", "host/commands/thesis"},
          {"host"},
      }},
@@ -66,9 +66,8 @@ const std::map<std::string, std::vector<Layer>> kLayers{
 std::optional<std::size_t> layer_of(const std::string& folder) {
   const auto layers = kLayers.find(top_folder(folder));
   if (layers == kLayers.end()) return std::nullopt;
-  for (std::size_t i = 0; i < layers->second.size(); ++i) {
+  for (std::size_t i = 0; i < layers->second.size(); ++i)
     if (layers->second[i].contains(folder)) return i;
-  }
   return std::nullopt;
 }
 
@@ -89,17 +88,15 @@ TEST_GROUP(Layers){};
 TEST(Layers, KnowEveryFolderAndNoOther) {
   const std::set<std::string> folders = folders_with_code();
   std::string wrong;
-  for (const std::string& folder : folders) {
+  for (const std::string& folder : folders)
     if (kLayers.contains(top_folder(folder)) && !layer_of(folder)) wrong += "\n  in no layer: " + folder;
-  }
   for (const auto& [top, layers] : kLayers) {
     for (const Layer& layer : layers) {
-      for (const std::string& folder : layer) {
+      for (const std::string& folder : layer)
         if (!folders.contains(folder)) wrong += "\n  no such folder: " + folder;
-      }
     }
   }
-  STRCMP_EQUAL("", wrong.c_str());
+  CHECK_EQUAL("", wrong);
 }
 
 TEST(Layers, IncludeOnlyLowerOnes) {
@@ -109,7 +106,7 @@ TEST(Layers, IncludeOnlyLowerOnes) {
     const auto from = layer_of(include.from), to = layer_of(include.to);
     if (from && to && *to >= *from) wrong += text_of(include);
   }
-  STRCMP_EQUAL("", wrong.c_str());
+  CHECK_EQUAL("", wrong);
 }
 
 TEST(Layers, FormNoCycleInProductAndTests) {
@@ -118,5 +115,5 @@ TEST(Layers, FormNoCycleInProductAndTests) {
     wrong += "\ncycle:";
     for (const FolderInclude& include : cycle) wrong += text_of(include);
   }
-  STRCMP_EQUAL("", wrong.c_str());
+  CHECK_EQUAL("", wrong);
 }

@@ -35,10 +35,9 @@ TEST(Layout, ScriptsThatPeopleRunAreExecutable) {
 }
 
 TEST(Layout, FilesHaveOneDutyAndAReadableLength) {
-  for (const SourceFile& file : cpp_files()) {
+  for (const SourceFile& file : cpp_files())
     if (top_folder(file.path) != "tests")
       CHECK_TEXT(file.lines.size() <= 400, (file.path + " is longer than 400 lines").c_str());
-  }
 }
 
 TEST(Layout, EveryHeaderIsIncludedOnce) {

@@ -6,7 +6,7 @@
 
 #include "tests/structure/source_tree.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 namespace {
 
@@ -53,7 +53,7 @@ TEST(LeftoverWords, NoneInTheSources) {
       }
     }
   }
-  STRCMP_EQUAL("", found.c_str());
+  CHECK_EQUAL("", found);
 }
 
 TEST(LeftoverWords, NoConflictMarkersOrTrailingBlanks) {
@@ -71,5 +71,5 @@ TEST(LeftoverWords, NoConflictMarkersOrTrailingBlanks) {
       if (conflict || blank) found += fmt::format("\n  {}:{}", file.path, i + 1);
     }
   }
-  STRCMP_EQUAL("", found.c_str());
+  CHECK_EQUAL("", found);
 }

@@ -8,7 +8,7 @@
 
 #include "tests/structure/source_tree.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 namespace {
 
@@ -29,9 +29,8 @@ std::set<std::string> calls_in(const SourceFile& file) {
 }
 
 std::set<std::string> calls_in(const std::string& path) {
-  for (const SourceFile& file : cpp_files()) {
+  for (const SourceFile& file : cpp_files())
     if (file.path == path) return calls_in(file);
-  }
   return {};
 }
 
@@ -43,21 +42,19 @@ TEST(Libgpiod, IsUsedInOneFileOfTheProduct) {
   std::string elsewhere;
   for (const SourceFile& file : cpp_files()) {
     if (file.path == kTheOnePlace || top_folder(file.path) == "tests") continue;
-    for (const Include& include : includes_of(file)) {
+    for (const Include& include : includes_of(file))
       if (starts_with(include.target, "gpiod"))
         elsewhere += fmt::format("\n  {}:{}: {}", file.path, include.line, include.target);
-    }
     for (const std::string& call : calls_in(file)) elsewhere += fmt::format("\n  {}: {}", file.path, call);
   }
-  STRCMP_EQUAL("", elsewhere.c_str());
+  CHECK_EQUAL("", elsewhere);
   CHECK_FALSE(calls_in(kTheOnePlace).empty());
 }
 
 TEST(Libgpiod, IsAskedInTheConformanceProgramForEveryCallThatTheFirmwareMakes) {
   const std::set<std::string> asked = calls_in(kConformance);
   std::string missing;
-  for (const std::string& call : calls_in(kTheOnePlace)) {
+  for (const std::string& call : calls_in(kTheOnePlace))
     if (asked.count(call) == 0) missing += "\n  " + call;
-  }
-  STRCMP_EQUAL("", missing.c_str());
+  CHECK_EQUAL("", missing);
 }

@@ -46,11 +46,9 @@ std::vector<SourceFile> read_source_files() {
       if (code || !in_data_folder(file.path)) files.push_back(std::move(file));
     }
   }
-  for (const auto& entry : std::filesystem::directory_iterator(root)) {
-    if (entry.is_regular_file() && kTextSuffixes.count(entry.path().extension().string()) != 0) {
+  for (const auto& entry : std::filesystem::directory_iterator(root))
+    if (entry.is_regular_file() && kTextSuffixes.count(entry.path().extension().string()) != 0)
       files.push_back(read(entry.path(), root));
-    }
-  }
   std::sort(files.begin(), files.end(), [](const auto& a, const auto& b) { return a.path < b.path; });
   return files;
 }

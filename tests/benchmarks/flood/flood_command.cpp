@@ -36,10 +36,7 @@ constexpr const char* kOwn = "own";
 constexpr const char* kShared = "shared";
 
 struct Options {
-  int rounds = 6;
-  int senders = 2;
-  int priority = 80;
-  int cpu = -1;
+  int rounds = 6, senders = 2, priority = 80, cpu = -1;
   std::vector<int> sender_cpus;
   std::vector<std::string> layouts{kOwn, kShared};
   bool json = false;
@@ -92,8 +89,7 @@ class Placed {
 };
 
 struct Span {
-  std::int64_t begin_ns = 0;
-  std::int64_t end_ns = 0;
+  std::int64_t begin_ns = 0, end_ns = 0;
 };
 
 struct Run {

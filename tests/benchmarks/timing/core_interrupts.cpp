@@ -80,9 +80,8 @@ std::optional<CoreInterrupts> CoreInterrupts::open(int cpu) {
   }
   CoreInterrupts interrupts(fd, static_cast<char*>(pages));
   const Visit visit(cpu);
-  for (int trial = 0; trial < kTrials; ++trial) {
+  for (int trial = 0; trial < kTrials; ++trial)
     if (interrupts.in_place()) return interrupts;
-  }
   return std::nullopt;
 }
 

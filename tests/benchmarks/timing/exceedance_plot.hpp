@@ -13,11 +13,8 @@ struct Curve {
 };
 
 struct Panel {
-  std::string title;
-  std::string x_label;
-  std::string y_label;
-  bool log_x = true;
-  bool log_y = true;
+  std::string title, x_label, y_label;
+  bool log_x = true, log_y = true;
   std::vector<Curve> curves;
 };
 

@@ -5,7 +5,7 @@
 #include "tests/benchmarks/timing/sample.hpp"
 #include "tests/benchmarks/timing/table.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe;
 using namespace strobe::benchmarks::timing;
@@ -39,7 +39,7 @@ TEST(TimingFigures, SamplesThatAFreezeTouchesAreLeftOut) {
                                     {from_ns(150), from_ns(160), 3.0},
                                     {from_ns(200), from_ns(300), 4.0},
                                     {from_ns(201), from_ns(300), 5.0}};
-  CHECK((outside(samples, freezes) == std::vector<double>{1.0, 5.0}));
+  CHECK_EQUAL((std::vector<double>{1.0, 5.0}), outside(samples, freezes));
   CHECK_EQUAL(5U, latenesses(samples).size());
 }
 

@@ -54,16 +54,14 @@ FreezeDetector::FreezeDetector(int priority, Method wanted)
       threads_.emplace_back([this, cpu] { keep_ticking(static_cast<int>(cpu)); });
     return;
   }
-  for (std::size_t cpu = 0; cpu < seen_.size(); ++cpu) {
+  for (std::size_t cpu = 0; cpu < seen_.size(); ++cpu)
     threads_.emplace_back([this, cpu, priority] { watch(static_cast<int>(cpu), priority, seen_[cpu]); });
-  }
 }
 
 FreezeDetector::~FreezeDetector() {
   running_ = false;
-  for (std::thread& thread : threads_) {
+  for (std::thread& thread : threads_)
     if (thread.joinable()) thread.join();
-  }
 }
 
 bool FreezeDetector::open_interrupts(std::size_t cores) {
@@ -113,9 +111,8 @@ void FreezeDetector::watch(int cpu, int priority, std::vector<Freeze>& seen) {
 
 std::vector<Freeze> FreezeDetector::stop() {
   running_ = false;
-  for (std::thread& thread : threads_) {
+  for (std::thread& thread : threads_)
     if (thread.joinable()) thread.join();
-  }
   if (!fault_.empty()) throw std::runtime_error(fault_);
   for (std::size_t cpu = 0; cpu < taken_.size(); ++cpu)
     seen_[cpu] = stops_of(taken_[cpu], static_cast<int>(cpu));
@@ -134,7 +131,7 @@ std::string freezes_in_words(const std::vector<Freeze>& freezes, FreezeDetector:
   }
   return std::to_string(freezes.size()) +
          (by == FreezeDetector::Method::interrupts ? " stops of a core, "
-                                               : " stops of a core or late wake-ups on it, ") +
+                                                   : " stops of a core or late wake-ups on it, ") +
          std::to_string(sum / milliseconds(1)) + " ms in all, longest " +
          std::to_string(longest / milliseconds(1)) + " ms";
 }

@@ -26,7 +26,6 @@
 #pragma once
 
 #include <atomic>
-#include <optional>
 #include <span>
 #include <string>
 #include <thread>

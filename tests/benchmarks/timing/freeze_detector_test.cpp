@@ -4,7 +4,7 @@
 #include "tests/benchmarks/timing/cyclictest.hpp"
 #include "tests/benchmarks/timing/kernel_activity.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe;
 using namespace strobe::benchmarks::timing;
@@ -112,11 +112,11 @@ TEST(CyclictestsWakeUps, AreNotDueWhileItIsBusyWithALateOne) {
       wake_ups_of({microseconds(20), microseconds(14'669), microseconds(3'000), microseconds(1)},
                   at_us(7'012'000), milliseconds(3), -1);
   CHECK(samples[1].from == at_us(7'006'500) && samples[1].to == at_us(7'021'169));
-  CHECK(samples[2].from == at_us(7'021'500));
-  CHECK(samples[3].from == at_us(7'024'500));  // woken just when it was due: not passed
+  CHECK_EQUAL(at_us(7'021'500), samples[2].from);
+  CHECK_EQUAL(at_us(7'024'500), samples[3].from);  // woken just when it was due: not passed
 }
 
 TEST(CyclictestsWakeUps, BelongToTheSecondBeforeTheFirstWasHeardOf) {
   const auto late = wake_ups_of({microseconds(600'000)}, at_us(7'010'000), milliseconds(3), -1);
-  CHECK(late[0].from == at_us(6'003'500));
+  CHECK_EQUAL(at_us(6'003'500), late[0].from);
 }

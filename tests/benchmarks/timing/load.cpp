@@ -45,9 +45,8 @@ char* pages(std::size_t bytes) {
   const char* block = pages(kBlock);
   const int file = open(path, O_CREAT | O_WRONLY | O_TRUNC | O_CLOEXEC, 0600);
   for (;;) {
-    for (std::size_t done = 0; done < kBytes; done += kBlock) {
+    for (std::size_t done = 0; done < kBytes; done += kBlock)
       if (write(file, block, kBlock) < 0) _exit(1);
-    }
     if (fdatasync(file) != 0 || lseek(file, 0, SEEK_SET) != 0) _exit(1);
   }
 }

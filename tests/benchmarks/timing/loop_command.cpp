@@ -87,9 +87,7 @@ class Operator final : public CommandSource {
 };
 
 struct Flash {
-  MonoTime commanded;
-  MonoTime start;
-  MonoTime end;
+  MonoTime commanded, start, end;
 };
 
 /// Empties the loop's queue, as the publisher does.
@@ -109,8 +107,7 @@ class Collector {
   }
 
   std::vector<Flash> flashes;
-  int shots = 0;
-  int aborted = 0;
+  int shots = 0, aborted = 0;
 
  private:
   void take_all() {
@@ -211,11 +208,9 @@ namespace strobe::benchmarks {
 void add_loop_command(CLI::App& app, int& exit_status) {
   struct Options {
     LoopSettings settings;
-    double period_us = 3000;
-    double spin_us = 200;
+    double period_us = 3000, spin_us = 200;
     std::optional<double> wake_ahead_us;
-    bool no_outputs = false;
-    bool any_start = false;
+    bool no_outputs = false, any_start = false;
   };
   const auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("loop", "one run of the loop, for timing and spin")->group("");

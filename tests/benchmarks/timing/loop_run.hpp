@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "common/units/time.hpp"
@@ -20,11 +19,9 @@ enum class Outputs {
 };
 
 struct LoopSettings {
-  int seconds = 10;
-  int priority = 80;
+  int seconds = 10, priority = 80;
   int cpu = -1;  ///< -1: any
-  Duration period = milliseconds(3);
-  Duration spin = microseconds(200);
+  Duration period = milliseconds(3), spin = microseconds(200);
   std::optional<Duration> wake_ahead;  ///< none: the shipped rig file's
   Outputs outputs = Outputs::chip;
   bool tick_avoidance = true;  ///< false: shots start wherever they fall relative to the kernel's tick

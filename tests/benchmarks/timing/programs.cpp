@@ -74,9 +74,8 @@ LoopRun run_programs(const LoopSettings& like, const std::filesystem::path& fold
   const int status = std::system(("bash " + script.string() + " >> " + log.string() + " 2>&1").c_str());
   if (status == -1 || !WIFEXITED(status)) throw std::runtime_error("cannot run " + script.string());
   LoopRun run;
-  for (const auto& entry : std::filesystem::directory_iterator(session)) {
+  for (const auto& entry : std::filesystem::directory_iterator(session))
     if (entry.path().filename().string().starts_with("journal-")) add_flashes(entry.path(), like.cpu, run);
-  }
   if (run.issue.empty()) throw std::runtime_error("no flash was fired: see " + log.string());
   return run;
 }

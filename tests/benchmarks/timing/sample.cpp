@@ -27,9 +27,8 @@ std::vector<double> latenesses(const std::vector<Sample>& samples) {
 
 std::vector<double> outside(const std::vector<Sample>& samples, const std::vector<Freeze>& freezes) {
   std::vector<double> values;
-  for (const Sample& sample : samples) {
+  for (const Sample& sample : samples)
     if (!within_freeze(freezes, sample.from, sample.to, sample.cpu)) values.push_back(sample.lateness_us);
-  }
   return values;
 }
 

@@ -21,10 +21,7 @@ Sample sample_of(MonoTime due, MonoTime done, int cpu);
 
 struct Percentiles {
   std::size_t count = 0;
-  double p50_us = 0.0;
-  double p99_us = 0.0;
-  double p999_us = 0.0;
-  double max_us = 0.0;
+  double p50_us = 0.0, p99_us = 0.0, p999_us = 0.0, max_us = 0.0;
 };
 
 /// Nearest-rank percentiles; zeros where there are no samples.

@@ -19,8 +19,7 @@ struct Options : StudyOptions {
 };
 
 struct Cell {
-  int wake_ahead_us = 0;
-  int spin_us = 0;
+  int wake_ahead_us = 0, spin_us = 0;
   std::vector<Sample> samples;
   double cpu_percent_sum = 0.0;
 
@@ -35,9 +34,8 @@ constexpr double kEnoughP99Us = 1.0;
 std::vector<Cell> cells_of(const Options& options) {
   std::vector<Cell> cells;
   for (const int wake_ahead_us : options.wake_aheads_us) {
-    for (const int spin_us : options.spins_us) {
+    for (const int spin_us : options.spins_us)
       if (wake_ahead_us == 0 || wake_ahead_us > spin_us) cells.push_back({wake_ahead_us, spin_us, {}, 0.0});
-    }
   }
   return cells;
 }
@@ -93,8 +91,7 @@ void print_cheapest(const std::vector<Row>& rows, std::size_t cells) {
   const Row* best = nullptr;
   double best_percent = 0.0;
   for (std::size_t cell = 0; cell < cells; ++cell) {
-    double p99_us = 0.0;
-    double percent = 0.0;
+    double p99_us = 0.0, percent = 0.0;
     for (std::size_t i = cell; i < rows.size(); i += cells) {
       p99_us = std::max(p99_us, rows[i].lateness.p99_us);
       percent = std::max(percent, rows[i].cpu_percent);

@@ -23,8 +23,7 @@ struct StudyOptions {
   LoopSettings loop;
   std::vector<std::string> loads = kLoads;
   bool json = false;
-  std::string csv;
-  std::string plot;
+  std::string csv, plot;
 };
 
 /// --rounds, --seconds, --priority, --cpu, --loads, --json, --csv and --plot. `options` must outlive the

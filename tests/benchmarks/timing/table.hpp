@@ -9,8 +9,7 @@
 namespace strobe::benchmarks::timing {
 
 struct Row {
-  std::string load;
-  std::string what;
+  std::string load, what;
   std::string freezes;  ///< "left out" or "included"
   Percentiles lateness;
   double cpu_percent = -1.0;  ///< negative: not measured

@@ -20,8 +20,7 @@ namespace strobe::benchmarks::timing {
 namespace {
 
 struct Options : StudyOptions {
-  bool programs = false;
-  bool compare = false;
+  bool programs = false, compare = false;
 };
 
 /// What is measured in turns; the first is what the ratios are of, the second what they are to.
@@ -113,9 +112,8 @@ class LoadStudy {
   }
 
   Part& part(const std::string& name) {
-    for (Part& each : parts_) {
+    for (Part& each : parts_)
       if (each.name == name) return each;
-    }
     return parts_.emplace_back(Part{name, {}, -1.0});
   }
   LoopRun loop(bool rig_waits, Outputs outputs, bool tick_avoidance) {
@@ -142,8 +140,7 @@ class LoadStudy {
   std::vector<Part> parts_;
   std::map<std::string, std::vector<Sample>> calls_;
   LoadRun watched_;
-  int shots_ = 0;
-  int aborted_ = 0;
+  int shots_ = 0, aborted_ = 0;
 };
 
 int run_timing(const Options& options) {

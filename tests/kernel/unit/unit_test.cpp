@@ -10,7 +10,7 @@
 #include "tests/kernel/kernel_fixture.hpp"
 #include "tests/support/json_lines.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 using namespace strobe;
 using namespace strobe::kernel;
@@ -58,17 +58,15 @@ std::vector<std::string> status_field(const std::string& process, const std::str
 }
 
 struct Scheduling {
-  int policy = 0;
-  int priority = 0;
+  int policy = 0, priority = 0;
 };
 
 /// The highest of a process's threads. Fields 40 and 41 of proc(5)'s stat; no name here has a space.
 Scheduling highest_of(const std::string& process) {
   Scheduling highest;
   std::istringstream lines(shell("awk '{print $40, $41}' /proc/" + process + "/task/*/stat"));
-  for (Scheduling each; lines >> each.priority >> each.policy;) {
+  for (Scheduling each; lines >> each.priority >> each.policy;)
     if (each.priority > highest.priority) highest = each;
-  }
   return highest;
 }
 
@@ -160,19 +158,19 @@ TEST(Unit, RunsAsItsOwnUserWithoutAnyCapability) {
   const auto both = processes();
   LONGS_EQUAL(2, both.size());
   for (const std::string& process : both) {
-    for (const std::string& each : status_field(process, "Uid")) STRCMP_EQUAL(user.c_str(), each.c_str());
+    for (const std::string& each : status_field(process, "Uid")) CHECK_EQUAL(user, each);
     const auto groups = status_field(process, "Groups");
     CHECK_TRUE(std::find(groups.begin(), groups.end(), group) != groups.end());
     for (const char* set : {"CapInh", "CapPrm", "CapEff", "CapBnd", "CapAmb"})
-      STRCMP_EQUAL("0000000000000000", status_field(process, set).at(0).c_str());
-    STRCMP_EQUAL("1", status_field(process, "NoNewPrivs").at(0).c_str());
-    STRCMP_EQUAL("2", status_field(process, "Seccomp").at(0).c_str());  // a filter
+      CHECK_EQUAL("0000000000000000", status_field(process, set).at(0));
+    CHECK_EQUAL("1", status_field(process, "NoNewPrivs").at(0));
+    CHECK_EQUAL("2", status_field(process, "Seccomp").at(0));  // a filter
   }
 }
 
 TEST(Unit, IsActiveOnceTheGuardianSaysSoAndKeepsItsRealTimeRights) {
-  STRCMP_EQUAL("notify", property("Type").c_str());
-  STRCMP_EQUAL("ready", property("StatusText").c_str());
+  CHECK_EQUAL("notify", property("Type"));
+  CHECK_EQUAL("ready", property("StatusText"));
   const std::string guardian = property("MainPID");
   for (const std::string& process : processes()) {
     const Scheduling highest = highest_of(process);
@@ -181,7 +179,7 @@ TEST(Unit, IsActiveOnceTheGuardianSaysSoAndKeepsItsRealTimeRights) {
     CHECK_TRUE(std::stol(status_field(process, "VmLck").at(0)) > 0);
   }
   STRCMP_CONTAINS("key /run/credentials/strobed.service/lab.key", journal().c_str());
-  CHECK_TRUE(journal().find("warning") == std::string::npos);
+  CHECK_EQUAL(std::string::npos, journal().find("warning"));
 }
 
 TEST(Unit, FiresAWholeShotForTheHostOutside) {
@@ -203,7 +201,7 @@ TEST(Unit, LeavesTheOutputsInactiveWhenItIsStoppedInTheMiddleOfATrain) {
   shell("systemctl stop strobed");
   outputs_become_inactive();
   STRCMP_EQUAL_TEXT("inactive", property("ActiveState").c_str(), journal().c_str());
-  STRCMP_EQUAL("success", property("Result").c_str());
+  CHECK_EQUAL("success", property("Result"));
   LONGS_EQUAL(0, processes().size());
   firing->signal(15);
 }
@@ -274,7 +272,7 @@ TEST(Unit, OpensNoDeviceBesideThoseItNeeds) {
 TEST(Unit, SendsToPrivateNetworksOnly) {
   shell("ip route add default dev eth0");
   const std::string ping = "ping -c 1 -W 1 ";
-  STRCMP_EQUAL("refused", refused(in_its_group(ping + "192.0.2.1")).c_str());
+  CHECK_EQUAL("refused", refused(in_its_group(ping + "192.0.2.1")));
   STRCMP_CONTAINS("100% packet loss", shell(ping + "192.0.2.1 2>&1").c_str());
   STRCMP_CONTAINS("0% packet loss", in_its_group(ping + "10.76.0.2").c_str());
   shell("ip route del default dev eth0");

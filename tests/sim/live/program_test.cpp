@@ -1,4 +1,3 @@
-// strobe-sim as a program: what it does with commands, lines and files.
 #include <algorithm>
 #include <csignal>
 #include <filesystem>
@@ -9,15 +8,12 @@
 #include "tests/support/process.hpp"
 #include "tests/support/temporary_folder.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 namespace {
 
 using namespace std::chrono_literals;
-using strobe::testing::Command;
-using strobe::testing::CompletedProcess;
-using strobe::testing::ExitStatus;
-using strobe::testing::Process;
+using namespace strobe::testing;
 
 const std::string kSim = std::string(STROBE_BUILD_DIR) + "/bin/strobe-sim";
 constexpr auto kLimit = 20s;
@@ -53,7 +49,7 @@ TEST_GROUP(SimProgram) {
 
 TEST(SimProgram, PassesTheCommandsExitStatusOn) {
   const CompletedProcess finished = strobe::testing::run_process(on_rig({}, {"sh", "-c", "exit 7"}), kLimit);
-  CHECK(finished.status == ExitStatus({7, 0}));
+  CHECK_EQUAL(ExitStatus({7, 0}), finished.status);
   STRCMP_CONTAINS("strobe-sim: scene zero_23, seed 42 (repeat with --seed 42), chip /dev/gpiochip0 in ",
                   finished.err.c_str());
 }
@@ -61,7 +57,7 @@ TEST(SimProgram, PassesTheCommandsExitStatusOn) {
 TEST(SimProgram, AddsTheSignalTo128) {
   const CompletedProcess finished =
       strobe::testing::run_process(on_rig({}, {"sh", "-c", "kill -KILL $$"}), kLimit);
-  CHECK(finished.status == ExitStatus({128 + SIGKILL, 0}));
+  CHECK_EQUAL(ExitStatus({128 + SIGKILL, 0}), finished.status);
 }
 
 TEST(SimProgram, ForwardsSignalsAndWaitsForTheCommandsOwnEnd) {
@@ -71,7 +67,7 @@ TEST(SimProgram, ForwardsSignalsAndWaitsForTheCommandsOwnEnd) {
     Process process(on_rig({}, {"sh", "-c", script}), folder.path());
     CHECK(process.wait_for_out("up", kLimit));
     process.signal(signal);
-    CHECK(process.wait(kLimit) == ExitStatus({9, 0}));
+    CHECK_EQUAL(ExitStatus({9, 0}), process.wait(kLimit));
   }
 }
 
@@ -107,7 +103,7 @@ TEST(SimProgram, RefusesWhatItCannotDoInOneLine) {
 
 TEST(SimProgram, NamesACommandThatIsNotThere) {
   const CompletedProcess finished = strobe::testing::run_process(on_rig({}, {"/nowhere/strobed"}), kLimit);
-  CHECK(finished.status == ExitStatus({2, 0}));
+  CHECK_EQUAL(ExitStatus({2, 0}), finished.status);
   STRCMP_CONTAINS("/nowhere/strobed: No such file", finished.err.c_str());
 }
 
@@ -120,8 +116,8 @@ TEST(SimProgram, ShowsAndDrivesLinesOfARunningChip) {
   CHECK_TEXT(finished.status == ExitStatus({0, 0}), finished.err.c_str());
   const auto lines = strobe::testing::parse_json_lines(finished.out);
   LONGS_EQUAL(32, lines.size());
-  STRCMP_EQUAL("STROBE_A", lines[0]["name"].get<std::string>().c_str());
-  STRCMP_EQUAL("input", lines[0]["direction"].get<std::string>().c_str());
+  CHECK_EQUAL("STROBE_A", lines[0]["name"].get<std::string>());
+  CHECK_EQUAL("input", lines[0]["direction"].get<std::string>());
   LONGS_EQUAL(1, lines[7]["level"].get<int>());
   LONGS_EQUAL(1, lines[8]["level"].get<int>());
   LONGS_EQUAL(0, lines[16 + 7]["level"].get<int>());
@@ -129,9 +125,9 @@ TEST(SimProgram, ShowsAndDrivesLinesOfARunningChip) {
 
   const auto changes = strobe::testing::read_csv(folder / "changes.csv");
   LONGS_EQUAL(2, changes.rows.size());
-  STRCMP_EQUAL("KEY", changes.rows[0][changes.column("name")].c_str());
-  STRCMP_EQUAL("0", changes.rows[0][changes.column("level")].c_str());
-  STRCMP_EQUAL("drive", changes.rows[1][changes.column("cause")].c_str());
+  CHECK_EQUAL("KEY", changes.rows[0][changes.column("name")]);
+  CHECK_EQUAL("0", changes.rows[0][changes.column("level")]);
+  CHECK_EQUAL("drive", changes.rows[1][changes.column("cause")]);
   CHECK(!std::filesystem::exists(chip) || std::filesystem::is_empty(chip));
 }
 
@@ -179,23 +175,23 @@ TEST(SimProgram, PlaysTheOperatorInRealTime) {
       strobe::testing::run_process(sim({"run", "--scene", folder / "stop.toml", "--no-digitizer", "--changes",
                                         folder / "changes.csv", "--", "sleep", "0.6"}),
                                    kLimit);
-  CHECK(finished.status == ExitStatus({0, 0}));
+  CHECK_EQUAL(ExitStatus({0, 0}), finished.status);
   const auto changes = strobe::testing::read_csv(folder / "changes.csv");
   LONGS_EQUAL(1, changes.rows.size());
-  STRCMP_EQUAL("ESTOP", changes.rows[0][changes.column("name")].c_str());
+  CHECK_EQUAL("ESTOP", changes.rows[0][changes.column("name")]);
 }
 
 TEST(SimProgram, ListsTheScenes) {
   const CompletedProcess finished = strobe::testing::run_process(sim({"scenes", "--json"}), kLimit);
-  CHECK(finished.status == ExitStatus({0, 0}));
+  CHECK_EQUAL(ExitStatus({0, 0}), finished.status);
   const auto scenes = strobe::testing::parse_json_lines(finished.out);
-  STRCMP_EQUAL("back_17", scenes[0]["scene"].get<std::string>().c_str());
+  CHECK_EQUAL("back_17", scenes[0]["scene"].get<std::string>());
   std::size_t of_the_thesis = 0;
   for (const auto& scene : scenes) {
     const std::string name = scene["scene"];
     if (name.starts_with("zero_") || name.starts_with("top_") || name.starts_with("back_")) ++of_the_thesis;
     CHECK(scene["stiffness_npm"].get<double>() > 0.0);
-    if (name == "drop_100in_low") STRCMP_EQUAL("drop_100in", scene["inherits"].get<std::string>().c_str());
+    if (name == "drop_100in_low") CHECK_EQUAL("drop_100in", scene["inherits"].get<std::string>());
     if (name == "zero_23") CHECK(scene["inherits"].is_null());
   }
   LONGS_EQUAL(21, of_the_thesis);
@@ -210,7 +206,7 @@ TEST(SimProgram, TellsBrokenScenesAndListsTheOthers) {
   Command command = sim({"scenes"});
   command.environment["STROBE_SHARE"] = folder / "";
   const CompletedProcess finished = strobe::testing::run_process(command, kLimit);
-  CHECK(finished.status == ExitStatus({1, 0}));
+  CHECK_EQUAL(ExitStatus({1, 0}), finished.status);
   STRCMP_CONTAINS("bad                    broken", finished.out.c_str());
   STRCMP_CONTAINS("good ", finished.out.c_str());
   STRCMP_CONTAINS("bad.toml:3: bounce.ex: belongs to contact = \"grip\"", finished.err.c_str());
@@ -231,7 +227,7 @@ TEST(SimProgram, ReadsAParentByPathOrByName) {
 TEST(SimProgram, HelpsWithAnExample) {
   for (const char* command : {"run", "scenes", "lines", "drive", "fit"}) {
     const CompletedProcess finished = strobe::testing::run_process(sim({command, "--help"}), kLimit);
-    CHECK(finished.status == ExitStatus({0, 0}));
+    CHECK_EQUAL(ExitStatus({0, 0}), finished.status);
     STRCMP_CONTAINS("Example: strobe-sim ", finished.out.c_str());
   }
 }

@@ -1,4 +1,3 @@
-// The person at the tablet, over LCM.
 #include "sim/live/tablet_operator.hpp"
 
 #include <nlohmann/json.hpp>
@@ -10,7 +9,7 @@
 #include "tests/support/private_network.hpp"
 #include "tests/support/temporary_folder.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 namespace {
 
@@ -99,11 +98,11 @@ TEST(TabletOperator, SendsTheFrameOfTheShotThatWasAnnounced) {
   listener->announce(7, exposure.line_on - milliseconds(20));
   CHECK(listener->hear(1, kFrameLimit_ms));
   const strobe_msgs::frame_t& frame = listener->frames()[0];
-  CHECK(frame.boot_id == kBoot);
+  CHECK_EQUAL(kBoot, frame.boot_id);
   LONGS_EQUAL(7, frame.shot_id);
   LONGS_EQUAL(4, frame.surface_count);
   LONGS_EQUAL(digitize(scene, 1, exposure).frame.images.size(), frame.image_count);
-  STRCMP_EQUAL("hand", frame.source.c_str());
+  CHECK_EQUAL("hand", frame.source);
   LONGS_EQUAL(1, truths().size());
   LONGS_EQUAL(7, truths()[0]["shot_id"].get<int>());
 }
@@ -171,7 +170,7 @@ TEST(TabletOperator, LeavesAPhotographLyingOrTakesItsTimeWhenTheSceneSaysSo) {
   exposure_store.add(exposure);
   listener->announce(1, exposure.line_on);
   CHECK(!listener->hear(1, kSilence_ms));
-  STRCMP_EQUAL("[\"no_photograph\"]", truths()[0]["faults"].dump().c_str());
+  CHECK_EQUAL("[\"no_photograph\"]", truths()[0]["faults"].dump());
 }
 
 TEST(TabletOperator, SendsALateFrameLate) {

@@ -1,4 +1,4 @@
-// The rig's camera, which writes what the exposure_store's exposures show.
+// The rig's camera, which writes what the exposure store's exposures show.
 #include "sim/live/tethered_camera.hpp"
 #include "sim/loading/parse_scene.hpp"
 
@@ -12,7 +12,7 @@
 #include "tests/support/process.hpp"
 #include "tests/support/temporary_folder.hpp"
 
-#include <CppUTest/TestHarness.h>
+#include "tests/support/string_from.hpp"
 
 namespace {
 
@@ -60,11 +60,7 @@ TEST_GROUP(TetheredCamera) {
     for (const auto& entry : fs::directory_iterator(folder / "camera")) names.insert(entry.path().filename());
     return names;
   }
-  void check_files(const std::set<std::string>& expected) {
-    std::string told;
-    for (const auto& name : files()) told += name + " ";
-    CHECK_TEXT(files() == expected, told.c_str());
-  }
+  void check_files(const std::set<std::string>& expected) { CHECK_EQUAL(expected, files()); }
 };
 
 TEST(TetheredCamera, WritesAPhotographOfEachExposureAsItEnds) {
@@ -92,7 +88,7 @@ TEST(TetheredCamera, NeverWritesOverAnOlderFile) {
   stop();
   check_files({"exposure-0001.tif", "exposure-0002.tif", "exposure-0003.tif", "exposure-0004.tif"});
   for (const char* name : {"camera/exposure-0001.tif", "camera/exposure-0003.tif"})
-    STRCMP_EQUAL("of yesterday", strobe::testing::read_text(folder / name).c_str());
+    CHECK_EQUAL("of yesterday", strobe::testing::read_text(folder / name));
 }
 
 TEST(TetheredCamera, WritesWhatIsStillDueWhenItIsStopped) {

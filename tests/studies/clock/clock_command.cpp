@@ -118,9 +118,8 @@ void add_clock_command(CLI::App& app, int& exit_status) {
     fmt::print("{:<34} {:>5} {:>9} {:>9} {:>6} {:>12} {:>10} {:>9} {:>6} {:>9}\n",
                "delays (beats 0.5 s apart)", "heard", "rms error", "stated", "z rms", "rms error",
                "rms error", "stated", "z rms", "mean");
-    for (const Delays& delays : kDelays) {
+    for (const Delays& delays : kDelays)
       for (const int beats : kHeard) study(delays, beats, *pairs);
-    }
     exit_status = 0;
   });
 }

@@ -1,10 +1,7 @@
-#include "tests/studies/digitize/accuracy.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -16,6 +13,7 @@
 #include "tests/studies/digitize/hough.hpp"
 #include "tests/studies/digitize/in_order.hpp"
 #include "tests/studies/digitize/photographs.hpp"
+#include "tests/studies/digitize/studies.hpp"
 #include "tests/studies/digitize/tables.hpp"
 
 namespace strobe::studies::digitize {
@@ -103,7 +101,7 @@ void save(const std::string& to, const std::string& name, const KnownPhotograph&
 
 class Study {
  public:
-  Study(const AccuracyOptions& options, std::vector<sim::Scene> scenes)
+  Study(const Options& options, std::vector<sim::Scene> scenes)
       : options_(options), scenes_(std::move(scenes)), trials_(hough_trials()) {}
 
   Result<void> run() {
@@ -113,33 +111,24 @@ class Study {
       if (!csv_) return fail(options_.csv + ": cannot be written");
     }
     print_score_head(kNameWidth);
-    const auto shots = static_cast<std::size_t>(options_.shots);
-    Progress progress(scenes_.size() * shots);
-    std::optional<Error> error;
-    in_order(
+    const auto shots = static_cast<std::size_t>(options_.shots.value_or(1));
+    const auto done = try_in_order(
         scenes_.size() * shots, options_.jobs,
         [&](std::size_t i) {
           return one(i / shots, i % shots + static_cast<std::size_t>(options_.first_shot));
         },
-        [&](std::size_t i, Result<Done>& done) {
-          if (!done) {
-            error = done.error();
-            return false;
-          }
-          take(*done);
+        [&](std::size_t i, const Done& one_done) {
+          take(one_done);
           if ((i + 1) % shots == 0) end_scene(scenes_[i / shots].name);
-          progress.done(i + 1);
-          return true;
         });
-    if (error) return tl::unexpected(*error);
-    tell();
-    return {};
+    if (done) print_sums();
+    return done;
   }
 
  private:
   Result<Done> one(std::size_t scene, std::size_t shot) const {
     Done done;
-    auto known = known_photograph({scenes_[scene], options_.seed, static_cast<int>(shot), options_.kept_in});
+    auto known = known_photograph({scenes_[scene], options_.seed, static_cast<int>(shot), options_.keep});
     if (!known) return tl::unexpected(known.error());
     known->settings.effort = options_.effort;
     done.stages.add("decode", known->decode_ms);
@@ -150,7 +139,7 @@ class Study {
       digitization = std::move(*result);
       for (const auto& [stage, ms] : digitization.stage_ms) done.stages.add(stage, ms);
     }
-    const Score& s = done.score = score(known->truth, digitization.frame, told_places(digitization));
+    const Score& s = done.score = score(known->truth, digitization.frame, reported_places(digitization));
     done.times = count_times(known->truth, known->times_s, digitization.frame);
     const std::string& name = scenes_[scene].name;
     if (!options_.csv.empty()) done.csv = image_csv(name, static_cast<int>(shot), *known, digitization);
@@ -191,7 +180,7 @@ class Study {
     of_scene_ = {};
   }
 
-  void tell() const {
+  void print_sums() const {
     print_score("all", kNameWidth, all_);
     fmt::print(
         "\n{} photographs; of {} images with a time {} are not as far from the others' as they truly are; "
@@ -208,7 +197,7 @@ class Study {
         centre_rms_px(best->score), best->score.diameter_px.rms(), best->ms / photographs_);
   }
 
-  const AccuracyOptions& options_;
+  const Options& options_;
   std::vector<sim::Scene> scenes_;
   std::vector<HoughSettings> trials_;
   std::ofstream csv_;
@@ -241,7 +230,7 @@ Result<std::vector<sim::Scene>> load_scenes(const std::vector<std::string>& name
   return scenes;
 }
 
-Result<void> study_accuracy(const AccuracyOptions& options) {
+Result<void> study_accuracy(const Options& options) {
   const auto names = scene_names(options.scenes);
   if (!names) return tl::unexpected(names.error());
   auto scenes = load_scenes(*names);

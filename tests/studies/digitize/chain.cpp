@@ -1,5 +1,3 @@
-#include "tests/studies/digitize/chain.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -14,10 +12,10 @@
 #include "host/assembly/flash_times.hpp"
 #include "host/photographs/digitize_settings.hpp"
 #include "sim/random/draws.hpp"
-#include "tests/studies/digitize/accuracy.hpp"
 #include "tests/studies/digitize/in_order.hpp"
 #include "tests/studies/digitize/photographs.hpp"
 #include "tests/studies/digitize/shot_message.hpp"
+#include "tests/studies/digitize/studies.hpp"
 
 namespace strobe::studies::digitize {
 
@@ -143,14 +141,14 @@ std::uint64_t hash_of(const std::string& name) {
 }
 
 /// A calibration and a ball that are off by their standard deviations.
-Calibrated calibrated(const ChainOptions& options, const sim::Scene& scene, double px_per_m, int shot) {
+Calibrated calibrated(const Options& options, const sim::Scene& scene, double px_per_m, int shot) {
   sim::Draws draws(options.seed ^ hash_of(scene.name), sim::Purpose::tablet,
                    static_cast<std::uint64_t>(shot));
   Calibrated c;
-  c.px_per_m = px_per_m * (1.0 + options.scale_sd * draws.normal());
-  c.px_per_m_sd = px_per_m * options.scale_sd;
-  c.ball_diameter_m = scene.ball.diameter_m + options.ball_diameter_sd_m * draws.normal();
-  c.ball_diameter_sd_m = options.ball_diameter_sd_m;
+  c.px_per_m = px_per_m * (1.0 + 0.01 * options.scale_sd_percent * draws.normal());
+  c.px_per_m_sd = px_per_m * (0.01 * options.scale_sd_percent);
+  c.ball_diameter_sd_m = 1e-3 * options.ball_sd_mm;
+  c.ball_diameter_m = scene.ball.diameter_m + c.ball_diameter_sd_m * draws.normal();
   return c;
 }
 
@@ -161,7 +159,7 @@ std::vector<double> seconds_of(const host::FlashTimes& times) {
   return seconds;
 }
 
-Result<Done> run_shot(const ChainOptions& options, const Take& take) {
+Result<Done> run_shot(const Options& options, const Take& take) {
   const auto known = known_photograph(take);
   if (!known) return tl::unexpected(known.error());
   const host::RigFile rig =
@@ -192,10 +190,9 @@ Result<Done> run_shot(const ChainOptions& options, const Take& take) {
 /// What is beyond its tolerance: name, error and stated sd.
 std::string words_of(const Errors& errors) {
   std::string words;
-  for (std::size_t i = 0; i < kCount; ++i) {
+  for (std::size_t i = 0; i < kCount; ++i)
     if (!errors.within[i])
       words += fmt::format(" {} {:.3g} (sd {:.2g})", name(kChecked[i]), errors.error[i], errors.sd[i]);
-  }
   return words;
 }
 
@@ -219,45 +216,36 @@ class Tally {
   double normalized(std::size_t i) const { return std::sqrt(normalized_[i] / counted_[i]); }
 
  private:
-  int shots_ = 0;
-  int all_within_ = 0;
+  int shots_ = 0, all_within_ = 0;
   std::array<int, kCount> within_{}, counted_{};
   std::array<double, kCount> squares_{}, normalized_{};
 };
 
 class Study {
  public:
-  Study(const ChainOptions& options, std::vector<sim::Scene> scenes)
+  Study(const Options& options, std::vector<sim::Scene> scenes)
       : options_(options), scenes_(std::move(scenes)) {}
 
   Result<void> run() {
-    const auto shots = static_cast<std::size_t>(options_.shots);
+    const auto shots = static_cast<std::size_t>(options_.shots.value_or(1));
     print_head();
-    Progress progress(scenes_.size() * shots);
-    std::optional<Error> error;
-    in_order(
+    const auto done = try_in_order(
         scenes_.size() * shots, options_.jobs,
         [&](std::size_t i) {
-          return run_shot(options_, {scenes_[i / shots], options_.seed, static_cast<int>(i % shots) + 1,
-                                     options_.kept_in});
+          return run_shot(
+              options_, {scenes_[i / shots], options_.seed, static_cast<int>(i % shots) + 1, options_.keep});
         },
-        [&](std::size_t i, Result<Done>& done) {
-          if (!done) {
-            error = done.error();
-            return false;
-          }
-          take(*done);
-          if (!done->shot.all_within())
-            problems_.push_back(fmt::format("{} shot {}: beyond:{}", scenes_[i / shots].name, i % shots + 1,
-                                            words_of(done->shot)));
-          if (!done->problem.empty())
-            problems_.push_back(
-                fmt::format("{} shot {}: {}", scenes_[i / shots].name, i % shots + 1, done->problem));
-          if ((i + 1) % shots == 0) end_scene(scenes_[i / shots].name);
-          progress.done(i + 1);
-          return true;
+        [&](std::size_t i, const Done& one) {
+          const std::string& name = scenes_[i / shots].name;
+          const auto note = [&](const std::string& text) {
+            problems_.push_back(fmt::format("{} shot {}: {}", name, i % shots + 1, text));
+          };
+          take(one);
+          if (!one.shot.all_within()) note("beyond:" + words_of(one.shot));
+          if (!one.problem.empty()) note(one.problem);
+          if ((i + 1) % shots == 0) end_scene(name);
         });
-    if (error) return tl::unexpected(*error);
+    if (!done) return done;
     if (scenes_.size() > 1) print_shares("all", all_);
     print_parts();
     return {};
@@ -310,14 +298,14 @@ class Study {
     print_row("  over its stated sd", [&](std::size_t i) { return all_.normalized(i); });
     fmt::print(
         "\n{} shots, {} without matched images; scale known to {:.3f} %, the ball to {:.2f} mm; flags:",
-        all_.shots(), unmatched_, 100.0 * options_.scale_sd, 1e3 * options_.ball_diameter_sd_m);
+        all_.shots(), unmatched_, options_.scale_sd_percent, options_.ball_sd_mm);
     for (std::size_t f = 0; f < reduction::kFlagCount; ++f)
       if (flagged_[f] > 0) fmt::print(" {} {}", reduction::kFlagNames[f], flagged_[f]);
     fmt::print("\n");
     for (const std::string& problem : problems_) fmt::print("  {}\n", problem);
   }
 
-  const ChainOptions& options_;
+  const Options& options_;
   std::vector<sim::Scene> scenes_;
   Tally of_scene_, all_;
   std::array<Tally, kParts.size()> parts_;
@@ -328,7 +316,7 @@ class Study {
 
 }  // namespace
 
-Result<void> study_chain(const ChainOptions& options) {
+Result<void> study_chain(const Options& options) {
   auto names = scene_names(options.scenes);
   if (!names) return tl::unexpected(names.error());
   if (options.scenes.empty()) names->insert(names->begin(), "itf_pace_medium");

@@ -3,78 +3,44 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
-#include <map>
 #include <memory>
 #include <opencv2/core.hpp>
 #include <string>
-#include <vector>
 
 #include "tests/benchmarks/command.hpp"
-#include "tests/studies/digitize/accuracy.hpp"
-#include "tests/studies/digitize/chain.hpp"
-#include "tests/studies/digitize/latency.hpp"
-#include "tests/studies/digitize/robustness.hpp"
+#include "tests/studies/digitize/studies.hpp"
 
 namespace {
 
 using namespace strobe;
 using namespace strobe::studies::digitize;
-using strobe::digitize::Effort;
 
-struct Options {
-  bool robustness = false;
-  bool chain = false;
-  bool latency = false;
-  std::vector<std::string> scenes;
-  std::vector<std::string> axes;
-  std::optional<int> shots;
-  int first_shot = 1;
-  std::uint64_t seed = 1;
+/// Which study, and what is asked of it.
+struct Request {
+  bool robustness = false, chain = false, latency = false;
   std::string effort = "standard";
-  int rounds = 2;
-  int jobs = 1;
-  bool hough = true;
-  double scale_sd_percent = 0.05;
-  double ball_sd_mm = 0.0;
-  std::string save;
-  std::string keep;
-  std::string csv;
-  std::string plot;
+  Options options;
 };
 
-Effort effort_of(const Options& options) {
-  return strobe::digitize::effort_from_name(options.effort).value();
-}
-
-Result<void> study(const Options& o) {
-  if (o.robustness) {
-    return study_robustness(
-        {o.scenes, o.axes, o.shots.value_or(2), o.seed, effort_of(o), o.jobs, o.csv, o.plot});
-  }
-  if (o.chain) {
-    return study_chain({o.scenes, o.shots.value_or(1), o.seed, effort_of(o), o.jobs,
-                        0.01 * o.scale_sd_percent, 1e-3 * o.ball_sd_mm, o.keep});
-  }
-  if (o.latency)
-    return study_latency({o.scenes, o.shots.value_or(21), o.rounds, o.seed, {"fast", "standard"}, o.keep});
-  return study_accuracy({o.scenes, o.shots.value_or(1), o.first_shot, o.seed, effort_of(o), o.rounds, o.jobs,
-                         o.hough, o.save, o.keep, o.csv});
-}
-
-int run(const Options& options) {
-  if (options.robustness + options.chain + options.latency > 1) {
+int run(Request& request) {
+  if (request.robustness + request.chain + request.latency > 1) {
     fmt::print(stderr, "strobe-bench: digitize: --robustness, --chain and --latency exclude each other\n");
     return 2;
   }
+  request.options.effort = strobe::digitize::effort_from_name(request.effort).value();
   // Photographs side by side: threads within one only get in each other's way.
-  if (options.jobs > 1) cv::setNumThreads(1);
-  const auto done = study(options);
+  if (request.options.jobs > 1) cv::setNumThreads(1);
+  const auto study = request.robustness ? study_robustness
+                     : request.chain    ? study_chain
+                     : request.latency  ? study_latency
+                                        : study_accuracy;
+  const auto done = study(request.options);
   if (done) return 0;
   fmt::print(stderr, "strobe-bench: {}\n", done.error().message);
   return 1;
 }
 
-void add_studies(CLI::App& command, Options& o) {
+void add_studies(CLI::App& command, Request& o) {
   command.add_flag("--robustness", o.robustness,
                    "How far conditions may go until it breaks, one at a time (--axis, --csv, --plot)");
   command.add_flag("--chain", o.chain,
@@ -83,7 +49,8 @@ void add_studies(CLI::App& command, Options& o) {
                    "Time from a photograph's arrival to the readout, as in strobe live (--shots: in all)");
 }
 
-void add_what(CLI::App& command, Options& o) {
+void add_what(CLI::App& command, Request& request) {
+  Options& o = request.options;
   command.add_option("scenes", o.scenes, "Scenes; without, the thesis's 21 conditions");
   command.add_option("--shots", o.shots, "Photographs of each [1; robustness 2; latency 21 in all]")
       ->check(CLI::Range(1, 100000));
@@ -91,7 +58,7 @@ void add_what(CLI::App& command, Options& o) {
       ->capture_default_str()
       ->check(CLI::Range(1, 1000000));
   command.add_option("--seed", o.seed, "Of the simulation")->capture_default_str();
-  command.add_option("--effort", o.effort, "fast, standard or thorough")
+  command.add_option("--effort", request.effort, "fast, standard or thorough")
       ->check(CLI::IsMember({"fast", "standard", "thorough"}))
       ->capture_default_str();
   command.add_option("--axis", o.axes, "Of the robustness; without, all");
@@ -109,7 +76,7 @@ void add_how(CLI::App& command, Options& o) {
   command.add_option("--rounds", o.rounds, "Digitized so often; the least time counts")
       ->capture_default_str()
       ->check(CLI::Range(1, 1000));
-  command.add_option("--jobs", o.jobs, "Photographs at a time; with more than one no times are told")
+  command.add_option("--jobs", o.jobs, "Photographs at a time; with more than one no times are shown")
       ->capture_default_str()
       ->check(CLI::Range(1, 256));
   command.add_flag("!--no-hough", o.hough, "Leave out HoughCircles");
@@ -127,13 +94,13 @@ void add_how(CLI::App& command, Options& o) {
 namespace strobe::studies {
 
 void add_digitize_command(CLI::App& app, int& exit_status) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<Request>();
   CLI::App* command =
       app.add_subcommand("digitize", "Rendered photographs digitized, held against the truth");
   command->footer(
       "By scene: images found of those there, in the air and in contact; of the others those that were said "
       "to\n"
-      "be unmeasurable (told); invented ones; those cut off by the border; rms errors of centre [px], "
+      "be unmeasurable (said); invented ones; those cut off by the border; rms errors of centre [px], "
       "diameter "
       "[px],\n"
       "equator [degrees], contact top and width [px], the same over the stated standard deviations (1: they "
@@ -146,7 +113,7 @@ void add_digitize_command(CLI::App& app, int& exit_status) {
       "          strobe-bench digitize --latency --rounds 3");
   add_studies(*command, *options);
   add_what(*command, *options);
-  add_how(*command, *options);
+  add_how(*command, options->options);
   command->callback([options, &exit_status] { exit_status = run(*options); });
 }
 

@@ -45,7 +45,8 @@ reduction::Frame hough_circles(const strobe::digitize::Photograph& photograph,
                                const strobe::digitize::DigitizeSettings& ball,
                                const HoughSettings& settings) {
   cv::Mat small;
-  cv::resize(photograph.intensity, small, {}, 1.0 / settings.reduction, 1.0 / settings.reduction, cv::INTER_AREA);
+  cv::resize(photograph.intensity, small, {}, 1.0 / settings.reduction, 1.0 / settings.reduction,
+             cv::INTER_AREA);
   cv::Mat picture = eight_bits(small);
   cv::GaussianBlur(picture, picture, {}, 1.0);
   const double radius = 0.5 * ball.px_per_m * ball.ball_diameter_m / settings.reduction;

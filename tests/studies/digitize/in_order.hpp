@@ -12,6 +12,8 @@
 #include <thread>
 #include <vector>
 
+#include "common/result.hpp"
+
 namespace strobe::studies::digitize {
 
 /// make(i) for i in [0, count) on `threads` threads; take(i, result) here. take returns false: no more is
@@ -51,14 +53,31 @@ class Progress {
   explicit Progress(std::size_t of) : of_(of) {}
   void done(std::size_t count) {
     const auto now = std::chrono::steady_clock::now();
-    if (now - told_ < std::chrono::seconds(10)) return;
-    told_ = now;
+    if (now - last_ < std::chrono::seconds(10)) return;
+    last_ = now;
     std::fprintf(stderr, "strobe-bench: %zu of %zu photographs\n", count, of_);
   }
 
  private:
   std::size_t of_;
-  std::chrono::steady_clock::time_point told_ = std::chrono::steady_clock::now();
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
+
+/// make(i) as above gives a Result; take(i, value) of each until one is an error, which is returned. Shows progress.
+template <typename Make, typename Take>
+Result<void> try_in_order(std::size_t count, int threads, const Make& make, const Take& take) {
+  Progress progress(count);
+  Result<void> all;
+  in_order(count, threads, make, [&](std::size_t i, auto& made) {
+    if (!made) {
+      all = tl::unexpected(made.error());
+      return false;
+    }
+    take(i, *made);
+    progress.done(i + 1);
+    return true;
+  });
+  return all;
+}
 
 }  // namespace strobe::studies::digitize

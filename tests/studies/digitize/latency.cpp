@@ -1,5 +1,3 @@
-#include "tests/studies/digitize/latency.hpp"
-
 #include <fmt/format.h>
 #include <poll.h>
 
@@ -8,7 +6,6 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
-#include <numeric>
 #include <thread>
 
 #include "common/messages/channels.hpp"
@@ -18,9 +15,9 @@
 #include "host/loop/host_loop.hpp"
 #include "host/photographs/open_pipeline.hpp"
 #include "sim/loading/scene_files.hpp"
-#include "tests/studies/digitize/accuracy.hpp"
 #include "tests/studies/digitize/photographs.hpp"
 #include "tests/studies/digitize/shot_message.hpp"
+#include "tests/studies/digitize/studies.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace strobe::studies::digitize {
@@ -53,9 +50,8 @@ class Live final : host::Transport, host::HostListener {
   }
 
   Result<void> open(const host::RigFile& rig, const std::string& effort, const fs::path& folder) {
-    auto photographs =
-        host::open_pipeline(rig, {folder.string(), effort}, "", loop_.settings().host_id,
-                            loop_.session().clock(), clock_.read());
+    auto photographs = host::open_pipeline(rig, {folder.string(), effort}, "", loop_.settings().host_id,
+                                           loop_.session().clock(), clock_.read());
     if (!photographs) return tl::unexpected(photographs.error());
     loop_.set_photographs(std::move(*photographs));
     return {};
@@ -92,15 +88,15 @@ class Live final : host::Transport, host::HostListener {
   std::optional<host::ShotResult> result_;
 };
 
-Result<std::vector<Shot>> render_all(const LatencyOptions& options) {
+Result<std::vector<Shot>> render_all(const Options& options) {
   const auto names = scene_names(options.scenes);
   if (!names) return tl::unexpected(names.error());
   std::vector<Shot> shots;
-  for (int i = 0; i < options.photographs; ++i) {
+  for (int i = 0; i < options.shots.value_or(21); ++i) {
     const auto count = static_cast<int>(names->size());
     auto scene = sim::load_scene((*names)[static_cast<std::size_t>(i % count)]);
     if (!scene) return tl::unexpected(scene.error());
-    const Take take{*scene, options.seed, i / count + 1, options.kept_in};
+    const Take take{*scene, options.seed, i / count + 1, options.keep};
     auto known = known_photograph(take);
     if (!known) return tl::unexpected(known.error());
     auto bytes = photograph_bytes(take, known->shot);
@@ -139,12 +135,10 @@ double percentile(const std::vector<double>& sorted, double share) {
   return sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1) + 0.5)];
 }
 
-Result<void> study_effort(const LatencyOptions& options, const std::string& effort,
-                          const std::vector<Shot>& shots) {
+Result<void> study_effort(const Options& options, const std::string& effort, const std::vector<Shot>& shots) {
   const testing::TemporaryFolder folder;
   std::vector<double> times_ms;
-  int whole = 0;
-  int shot_id = 0;
+  int whole = 0, shot_id = 0;
   for (const Shot& shot : shots) {
     double least_ms = 1e300;
     for (int round = 0; round < options.rounds; ++round) {
@@ -165,7 +159,7 @@ Result<void> study_effort(const LatencyOptions& options, const std::string& effo
 
 }  // namespace
 
-Result<void> study_latency(const LatencyOptions& options) {
+Result<void> study_latency(const Options& options) {
   const auto shots = render_all(options);
   if (!shots) return tl::unexpected(shots.error());
   const auto& first = shots->front().known.photograph;
@@ -173,9 +167,8 @@ Result<void> study_latency(const LatencyOptions& options) {
              first.height(), options.rounds, options.rounds == 1 ? "" : "s");
   fmt::print("{:<9} {:>11} {:>6} {:>8} {:>7} {:>7} {:>7} {:>14}\n", "effort", "photographs", "least",
              "median", "p90", "p99", "most", "both legs read");
-  for (const std::string& effort : options.efforts) {
+  for (const char* effort : {"fast", "standard"})
     if (auto done = study_effort(options, effort, *shots); !done) return done;
-  }
   return {};
 }
 

@@ -1,16 +1,13 @@
-#include "tests/studies/digitize/robustness.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <fstream>
 #include <functional>
 
 #include "common/units/angles.hpp"
-#include "tests/studies/digitize/accuracy.hpp"
 #include "tests/studies/digitize/in_order.hpp"
 #include "tests/studies/digitize/photographs.hpp"
+#include "tests/studies/digitize/studies.hpp"
 #include "tests/studies/digitize/tables.hpp"
 
 namespace strobe::studies::digitize {
@@ -66,13 +63,14 @@ bool holds(const Score& s) {
 
 std::string missed_words(const Score& s) {
   std::vector<std::string> words;
-  if (s.found < s.airborne) words.push_back(fmt::format("{} missed ({} said)", s.airborne - s.found, s.told));
+  if (s.found < s.airborne)
+    words.push_back(fmt::format("{} missed ({} said)", s.airborne - s.found, s.reported));
   if (s.invented > 0) words.push_back(fmt::format("{} invented", s.invented));
   if (!(centre_rms_px(s) <= 0.1)) words.push_back(fmt::format("centre {:.2f} px", centre_rms_px(s)));
   if (!(s.diameter_px.rms() <= 0.2)) words.push_back(fmt::format("diameter {:.2f} px", s.diameter_px.rms()));
   if (s.lines_found < s.lines)
-    words.push_back(
-        fmt::format("{} of {} equators not told ({} said)", s.lines - s.lines_found, s.lines, s.lines_told));
+    words.push_back(fmt::format("{} of {} equators not reported ({} said)", s.lines - s.lines_found, s.lines,
+                                s.lines_reported));
   if (s.lines_found > 0 && !(degrees(s.equator_rad.rms()) <= 0.2))
     words.push_back(fmt::format("equator {:.2f} deg", degrees(s.equator_rad.rms())));
   return fmt::format("{}", fmt::join(words, ", "));
@@ -114,21 +112,20 @@ Result<Measured> measure(const Take& take, strobe::digitize::Effort effort) {
   known->settings.effort = effort;
   const auto result = strobe::digitize::digitize(known->photograph, known->settings);
   if (!result) return tl::unexpected(result.error());
-  return Measured{score(known->truth, result->frame, told_places(*result)),
+  return Measured{score(known->truth, result->frame, reported_places(*result)),
                   count_times(known->truth, known->times_s, result->frame)};
 }
 
-Result<std::vector<Scene>> scenes_of(const RobustnessOptions& options) {
+Result<std::vector<Scene>> scenes_of(const Options& options) {
   std::vector<std::string> names = options.scenes;
   if (names.empty()) names = {"zero_41", "top_34", "back_59"};
   return load_scenes(names);
 }
 
 Result<std::vector<Condition>> wanted(const std::vector<std::string>& axes) {
-  for (const std::string& axis : axes) {
+  for (const std::string& axis : axes)
     if (std::ranges::none_of(robustness_axes(), [&](const auto& known) { return known.name == axis; }))
       return fail("--axis " + axis + ": is none");
-  }
   std::vector<Condition> all = conditions();
   if (!axes.empty())
     std::erase_if(all, [&](const Condition& c) { return std::ranges::find(axes, c.axis) == axes.end(); });
@@ -150,38 +147,30 @@ const std::vector<RobustnessAxis>& robustness_axes() {
   return axes;
 }
 
-Result<void> study_robustness(const RobustnessOptions& options) {
+Result<void> study_robustness(const Options& options) {
   const auto scenes = scenes_of(options);
   if (!scenes) return tl::unexpected(scenes.error());
   const auto all = wanted(options.axes);
   if (!all) return tl::unexpected(all.error());
-  const auto shots = static_cast<std::size_t>(options.shots);
+  const auto shots = static_cast<std::size_t>(options.shots.value_or(2));
   const std::size_t of_point = scenes->size() * shots;
   std::vector<RobustnessPoint> points;
-  std::optional<Error> error;
   print_score_head(kShotNameWidth);
-  Progress progress(all->size() * of_point);
-  in_order(
+  const auto done = try_in_order(
       all->size() * of_point, options.jobs,
       [&](std::size_t i) {
         Take take{(*scenes)[i % of_point / shots], options.seed, static_cast<int>(i % shots) + 1, {}};
         (*all)[i / of_point].apply(take.scene);
         return measure(take, options.effort);
       },
-      [&](std::size_t i, Result<Measured>& measured) {
-        if (!measured) {
-          error = measured.error();
-          return false;
-        }
+      [&](std::size_t i, const Measured& measured) {
         const Condition& c = (*all)[i / of_point];
         if (i % of_point == 0) points.push_back({c.axis, c.value, c.label, {}, {}});
-        points.back().score.add(measured->score);
-        points.back().times.add(measured->times);
+        points.back().score.add(measured.score);
+        points.back().times.add(measured.times);
         if ((i + 1) % of_point == 0) print_score(c.axis + " " + c.label, kShotNameWidth, points.back().score);
-        progress.done(i + 1);
-        return true;
       });
-  if (error) return tl::unexpected(*error);
+  if (!done) return done;
   tell(points);
   if (!options.csv.empty()) {
     if (auto written = write_csv(points, options.csv); !written) return written;

@@ -7,7 +7,7 @@
 #include <fstream>
 
 #include "common/units/angles.hpp"
-#include "tests/studies/digitize/robustness.hpp"
+#include "tests/studies/digitize/studies.hpp"
 #include "tests/studies/digitize/tables.hpp"
 
 namespace strobe::studies::digitize {
@@ -42,7 +42,7 @@ std::string row(const RobustnessPoint& p) {
   const double airborne = std::max(1, s.airborne);
   std::string text = p.label;
   for (const double value :
-       {s.found / airborne, (s.found + s.told) / airborne,
+       {s.found / airborne, (s.found + s.reported) / airborne,
         s.lines_found / std::max(1.0, static_cast<double>(s.lines)), s.invented / airborne, centre_rms_px(s),
         s.diameter_px.rms(), degrees(s.equator_rad.rms()), s.mahalanobis.normalized(),
         s.diameter_px.normalized(), s.equator_rad.normalized()})
@@ -94,9 +94,8 @@ std::string panels(const RobustnessAxis& axis, std::size_t index, const std::vec
 
 std::string script_text(const std::vector<RobustnessPoint>& points, const std::string& file) {
   std::vector<RobustnessAxis> axes;
-  for (const RobustnessAxis& axis : robustness_axes()) {
+  for (const RobustnessAxis& axis : robustness_axes())
     if (std::ranges::any_of(points, [&](const auto& p) { return p.axis == axis.name; })) axes.push_back(axis);
-  }
   const int bands = (static_cast<int>(axes.size()) + kColumns - 1) / kColumns;
   const int width = kPanelWidth * std::min(kColumns, static_cast<int>(axes.size()));
   const int height = kTop + 3 * bands * kPanelHeight;

@@ -16,8 +16,9 @@ using reduction::Leg;
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 /// Said of this image, and not of the next one.
-bool is_told(const TrueImage& image, const std::string& what, const std::vector<ToldPlace>& told) {
-  return std::ranges::any_of(told, [&](const ToldPlace& place) {
+bool is_reported(const TrueImage& image, const std::string& what,
+                 const std::vector<ReportedPlace>& reported) {
+  return std::ranges::any_of(reported, [&](const ReportedPlace& place) {
     return place.what == what && std::hypot(place.at_px.x - image.centre_px.x,
                                             place.at_px.y - image.centre_px.y) <= 0.25 * image.diameter_px;
   });
@@ -107,28 +108,27 @@ double ErrorTally::normalized() const {
 void Score::add(const Score& other) {
   airborne += other.airborne;
   found += other.found;
-  told += other.told;
+  reported += other.reported;
   contact += other.contact;
   contact_found += other.contact_found;
   cut += other.cut;
   invented += other.invented;
   lines += other.lines;
   lines_found += other.lines_found;
-  lines_told += other.lines_told;
+  lines_reported += other.lines_reported;
   for (const auto member : {&Score::x_px, &Score::y_px, &Score::mahalanobis, &Score::diameter_px,
                             &Score::equator_rad, &Score::top_px, &Score::contact_width_px})
     (this->*member).add(other.*member);
 }
 
 Score score(const std::vector<TrueImage>& truth, const reduction::Frame& frame,
-            const std::vector<ToldPlace>& told) {
+            const std::vector<ReportedPlace>& reported) {
   Score result;
-  for (const TrueImage& image : truth) {
+  for (const TrueImage& image : truth)
     if (!image.whole)
       ++result.cut;
     else
       ++(image.leg == Leg::contact ? result.contact : result.airborne);
-  }
   const auto pairs = pairs_of(truth, frame.images);
   result.invented = static_cast<int>(frame.images.size() - pairs.size());
   std::vector<char> found(truth.size());
@@ -139,12 +139,12 @@ Score score(const std::vector<TrueImage>& truth, const reduction::Frame& frame,
     const auto measure = image.leg == Leg::contact ? measure_contact : measure_airborne;
     const int lines_missed = result.lines - result.lines_found;
     measure(image, frame.images[pair.image], result);
-    if (result.lines - result.lines_found > lines_missed && is_told(image, "equator", told))
-      ++result.lines_told;
+    if (result.lines - result.lines_found > lines_missed && is_reported(image, "equator", reported))
+      ++result.lines_reported;
   }
   for (std::size_t t = 0; t < truth.size(); ++t) {
     const bool missed = truth[t].whole && truth[t].leg != Leg::contact && found[t] == 0;
-    if (missed && is_told(truth[t], "image", told)) ++result.told;
+    if (missed && is_reported(truth[t], "image", reported)) ++result.reported;
   }
   return result;
 }

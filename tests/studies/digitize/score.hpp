@@ -27,7 +27,7 @@ struct TrueImage {
 inline constexpr double kWild_sd = 5.0;
 
 /// A place of the frame at which the digitizer said that there is something it could not measure.
-struct ToldPlace {
+struct ReportedPlace {
   reduction::PointPx at_px;
   std::string what;  ///< "image", "equator" ...
 };
@@ -35,9 +35,7 @@ struct ToldPlace {
 /// Sums of squares of errors, and of errors over their stated sd.
 struct ErrorTally {
   int count = 0;
-  double squares = 0.0;
-  double sum = 0.0;
-  double largest = 0.0;
+  double squares = 0.0, sum = 0.0, largest = 0.0;
   int stated = 0;
   double normalized_squares = 0.0;
   int wild = 0;  ///< of the stated ones, those beyond kWild_sd
@@ -52,14 +50,13 @@ struct ErrorTally {
 struct Score {
   int airborne = 0;  ///< whole airborne images there are
   int found = 0;     ///< of those
-  int told = 0;      ///< of those not found, where something was said to be that could not be measured
-  int contact = 0;
-  int contact_found = 0;
+  int reported = 0;  ///< of those not found, where something was said to be that could not be measured
+  int contact = 0, contact_found = 0;
   int cut = 0;  ///< cut off by the border; neither missed nor invented
   int invented = 0;
   int lines = 0;  ///< of the found airborne images, those with a line that shows
   int lines_found = 0;
-  int lines_told = 0;      ///< of those not found, said to be unmeasured
+  int lines_reported = 0;  ///< of those not found, said to be unmeasured
   ErrorTally x_px, y_px;   ///< of the found airborne images
   ErrorTally mahalanobis;  ///< of the centre: its normalized squares are halved, so that 1 is true
   ErrorTally diameter_px;
@@ -74,8 +71,7 @@ struct Score {
 
 /// A true image and the frame's image that was taken of it.
 struct Pair {
-  std::size_t truth = 0;
-  std::size_t image = 0;
+  std::size_t truth = 0, image = 0;
   double distance_px = 0.0;
 };
 
@@ -86,14 +82,13 @@ std::vector<Pair> pairs_of(const std::vector<TrueImage>& truth,
 /// An image is found if one of the frame's has its centre within a tenth of the diameter of the true one (a
 /// contact image: a quarter, as its outline is not round); each of the frame's images counts once.
 Score score(const std::vector<TrueImage>& truth, const reduction::Frame& frame,
-            const std::vector<ToldPlace>& told = {});
+            const std::vector<ReportedPlace>& reported = {});
 
 /// Times of found images that are not as far from the others' as they truly are, by more than a millisecond:
 /// taken for another flash's. Which flash was the first cannot be seen on images at even intervals, so that
 /// all may be off by the same time: the middle one of the differences is left out. `times_s`: of `truth`.
 struct TimeCount {
-  int measured = 0;
-  int wrong = 0;
+  int measured = 0, wrong = 0;
   void add(const TimeCount& other);
 };
 TimeCount count_times(const std::vector<TrueImage>& truth, const std::vector<double>& times_s,

@@ -101,7 +101,7 @@ TEST(DigitizeScore, AMissedImageIsToldWhereItWasSaidToBeUnmeasurable) {
   const Score s = score(truth, Frame{},
                         {{{120.0, 510.0}, "image"}, {{810.0, 500.0}, "equator"}, {{1600.0, 500.0}, "image"}});
   LONGS_EQUAL(3, s.airborne - s.found);
-  LONGS_EQUAL(1, s.told);
+  LONGS_EQUAL(1, s.reported);
 }
 
 TEST(DigitizeScore, AMissedLineIsToldWhereItWasSaidToBeUnmeasurable) {
@@ -112,7 +112,7 @@ TEST(DigitizeScore, AMissedLineIsToldWhereItWasSaidToBeUnmeasurable) {
   const Score s = score({first, second}, frame, {{{800.0, 500.0}, "equator"}});
   LONGS_EQUAL(2, s.lines);
   LONGS_EQUAL(0, s.lines_found);
-  LONGS_EQUAL(1, s.lines_told);
+  LONGS_EQUAL(1, s.lines_reported);
 }
 
 TEST(DigitizeScore, WildErrorsAreThoseFarBeyondTheirStatedSd) {

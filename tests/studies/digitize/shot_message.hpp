@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
 #include <strobe_msgs/shot_t.hpp>
 
 #include "host/config/rig_file.hpp"
@@ -19,10 +18,7 @@ strobe_msgs::shot_t shot_message(const KnownPhotograph& known, const sim::Scene&
 /// What a person would have written of the scene: the ball, the inclination of the plate, and a calibrated
 /// scale.
 struct Calibrated {
-  double px_per_m = 0.0;
-  double px_per_m_sd = 0.0;
-  double ball_diameter_m = 0.0;
-  double ball_diameter_sd_m = 0.0;
+  double px_per_m = 0.0, px_per_m_sd = 0.0, ball_diameter_m = 0.0, ball_diameter_sd_m = 0.0;
 };
 host::RigFile rig_of(const sim::Scene& scene, const Calibrated& calibrated);
 

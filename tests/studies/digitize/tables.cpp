@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <limits>
 
 #include "common/units/angles.hpp"
 
@@ -63,32 +62,32 @@ void print_score_head(int name_width) {
   fmt::print(
       "{:<{}} {:>11} {:>5} {:>8} {:>8} {:>4} | {:>6} {:>5} {:>6} | {:>6} {:>5} {:>6} | {:>11} {:>5} {:>6} "
       "{:>5} {:>6} | {:>6} {:>6} | {:>5}\n",
-      "", name_width, "airborne", "told", "contact", "invented", "cut", "centre", "norm.", "worst", "diam.",
-      "norm.", "worst", "equators", "told", "deg", "norm.", "worst", "top px", "width", ">5 sd");
+      "", name_width, "airborne", "said", "contact", "invented", "cut", "centre", "norm.", "worst", "diam.",
+      "norm.", "worst", "equators", "said", "deg", "norm.", "worst", "top px", "width", ">5 sd");
 }
 
 void print_score(const std::string& name, int name_width, const Score& s) {
   fmt::print(
       "{:<{}} {:>5}/{:<5} {:>5} {:>4}/{:<3} {:>8} {:>4} | {:>6.3f} {:>5.2f} {:>6.2f} | {:>6.3f} {:>5.2f} "
       "{:>6.2f} | {:>5}/{:<5} {:>5} {:>6.3f} {:>5.2f} {:>6.2f} | {:>6.2f} {:>6.2f} | {:>5}\n",
-      name, name_width, s.found, s.airborne, s.told, s.contact_found, s.contact, s.invented, s.cut,
+      name, name_width, s.found, s.airborne, s.reported, s.contact_found, s.contact, s.invented, s.cut,
       centre_rms_px(s), s.mahalanobis.normalized(), std::max(s.x_px.largest, s.y_px.largest),
       s.diameter_px.rms(), s.diameter_px.normalized(), s.diameter_px.largest, s.lines_found, s.lines,
-      s.lines_told, degrees(s.equator_rad.rms()), s.equator_rad.normalized(), degrees(s.equator_rad.largest),
-      s.top_px.rms(), s.contact_width_px.rms(), s.wild());
+      s.lines_reported, degrees(s.equator_rad.rms()), s.equator_rad.normalized(),
+      degrees(s.equator_rad.largest), s.top_px.rms(), s.contact_width_px.rms(), s.wild());
   std::fflush(stdout);
 }
 
 std::string score_csv_head() {
-  return "airborne,found,told,contact,contact_found,invented,cut,centre_px,centre_normalized,diameter_px,"
-         "diameter_normalized,lines,lines_found,lines_told,equator_deg,equator_normalized,top_px,wild";
+  return "airborne,found,reported,contact,contact_found,invented,cut,centre_px,centre_normalized,diameter_px,"
+         "diameter_normalized,lines,lines_found,lines_reported,equator_deg,equator_normalized,top_px,wild";
 }
 
 std::string score_csv(const Score& s) {
-  return fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}", s.airborne, s.found, s.told,
+  return fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}", s.airborne, s.found, s.reported,
                      s.contact, s.contact_found, s.invented, s.cut, field(centre_rms_px(s)),
                      field(s.mahalanobis.normalized()), field(s.diameter_px.rms()),
-                     field(s.diameter_px.normalized()), s.lines, s.lines_found, s.lines_told,
+                     field(s.diameter_px.normalized()), s.lines, s.lines_found, s.lines_reported,
                      field(degrees(s.equator_rad.rms())), field(s.equator_rad.normalized()),
                      field(s.top_px.rms()), s.wild());
 }
@@ -122,8 +121,8 @@ std::string image_csv(const std::string& name, int shot, const KnownPhotograph& 
   return text;
 }
 
-std::vector<ToldPlace> told_places(const strobe::digitize::Digitization& digitization) {
-  std::vector<ToldPlace> places;
+std::vector<ReportedPlace> reported_places(const strobe::digitize::Digitization& digitization) {
+  std::vector<ReportedPlace> places;
   for (const strobe::digitize::Unmeasured& u : digitization.unmeasured)
     places.push_back({{u.centre.x, u.centre.y}, u.what});
   return places;

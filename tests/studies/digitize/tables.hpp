@@ -1,4 +1,4 @@
-// How the digitizer's scores are told: tables on standard output and lines of CSV. Not thread-safe.
+// How the digitizer's scores are reported: tables on standard output and lines of CSV. Not thread-safe.
 #pragma once
 
 #include <string>
@@ -25,6 +25,6 @@ std::string image_csv(const std::string& name, int shot, const KnownPhotograph& 
                       const strobe::digitize::Digitization& digitization);
 
 /// Where the digitizer said that something could not be measured.
-std::vector<ToldPlace> told_places(const strobe::digitize::Digitization& digitization);
+std::vector<ReportedPlace> reported_places(const strobe::digitize::Digitization& digitization);
 
 }  // namespace strobe::studies::digitize

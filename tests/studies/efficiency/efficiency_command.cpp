@@ -21,8 +21,7 @@ struct Options {
   int threads = 2;
   std::vector<std::string> conditions;
   std::vector<std::string> scenarios;
-  bool rows = false;
-  bool json = false;
+  bool rows = false, json = false;
 };
 
 /// Those of `all` that are asked for by name, or all. A name that is none stops the program.
@@ -81,13 +80,11 @@ int efficiency(const Options& options) {
         "{} shots of each of {} conditions over 50 phases of the flash train, seed {}\n"
         "centre, diameter, surface 0.5 mm, equator 1 degree; flight with gravity, drag and Magnus lift\n",
         options.shots, plan.bounces.size(), options.seed);
-  for (const Result& result : results) {
-    if (options.json) {
+  for (const Result& result : results)
+    if (options.json)
       fmt::print("{}", json_lines(result));
-    } else {
+    else
       fmt::print("{}{}{}", summary(result), times_worse(result), options.rows ? long_table(result) : "");
-    }
-  }
   return 0;
 }
 

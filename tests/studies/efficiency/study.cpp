@@ -4,19 +4,15 @@
 #include <cmath>
 #include <numbers>
 #include <random>
-#include <thread>
 
 #include "tests/common/reduction/intervals.hpp"
+#include "tests/studies/in_parallel.hpp"
 
 namespace strobe::studies {
 
 namespace {
 
-using reduction::Estimator;
-using reduction::kQuantityCount;
-using reduction::Quantities;
-using reduction::Quantity;
-using reduction::Readout;
+using namespace reduction;
 
 constexpr int kPhases = 50;
 constexpr double kDegree = std::numbers::pi / 180.0;
@@ -174,16 +170,10 @@ std::vector<Scenario> all_scenarios() {
 
 std::vector<Condition> run(const Plan& plan, const Scenario& scenario, std::atomic<int>& done) {
   std::vector<Condition> conditions(plan.bounces.size());
-  std::atomic<std::size_t> next = 0;
-  const auto work = [&] {
-    for (std::size_t i = next++; i < conditions.size(); i = next++) {
-      conditions[i] = run_one(plan, scenario, i);
-      ++done;
-    }
-  };
-  std::vector<std::jthread> threads;
-  for (int i = 0; i < plan.threads; ++i) threads.emplace_back(work);
-  threads.clear();
+  in_parallel(conditions.size(), static_cast<unsigned>(plan.threads), [&](std::size_t i) {
+    conditions[i] = run_one(plan, scenario, i);
+    ++done;
+  });
   return conditions;
 }
 

@@ -22,8 +22,7 @@ using namespace strobe;
 using namespace strobe::sim;
 
 struct Options {
-  int scenes = 2000;
-  int shots = 4;
+  int scenes = 2000, shots = 4;
   std::uint64_t first = 0;
   int threads = 2;
   std::vector<std::string> tolerances{"0.01%", "0.1%", "1%", "5%"};
@@ -68,9 +67,8 @@ class Findings {
       largest_share_[i] = std::max(largest_share_[i], trial.tolerances[i].largest_share);
       speed_ups_[i].push_back(speed_ups[i]);
     }
-    for (std::size_t e = 0; e < kEffectCount; ++e) {
+    for (std::size_t e = 0; e < kEffectCount; ++e)
       if (trial.effects[e].bounded) tightness_[e].push_back(trial.effects[e].largest_share);
-    }
     for (const test::Violation& v : trial.violations) {
       ++violations_;
       fmt::print("{}, shot {}, {}: {} changes by {:.4g}, allowed {:.4g}\n{}\n", random.scene.name, v.shot,
@@ -103,9 +101,7 @@ class Findings {
  private:
   const std::vector<double>& tolerances_;
   std::mutex mutex_;
-  int scenes_ = 0;
-  int cautious_ = 0;
-  int violations_ = 0;
+  int scenes_ = 0, cautious_ = 0, violations_ = 0;
   std::vector<double> largest_share_;
   std::vector<std::vector<double>> speed_ups_;
   std::array<std::vector<double>, kEffectCount> tightness_;

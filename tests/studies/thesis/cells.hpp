@@ -14,9 +14,7 @@ namespace strobe::studies {
 struct Cell {
   std::string condition;
   reduction::Quantity quantity = reduction::Quantity::vx_lo_mps;
-  double predicted = 0.0;
-  double published = 0.0;
-  double published_sd = 0.0;
+  double predicted = 0.0, published = 0.0, published_sd = 0.0;
   /// An input, or a value that follows from inputs alone (with measured e: vy at lift-off): its z does not
   /// rate the model.
   bool input = false;
@@ -36,8 +34,7 @@ std::vector<Cell> cells_of(const thesis::Condition& condition, const reduction::
 
 struct Tally {
   int count = 0;
-  double rms_z = 0.0;
-  double share_within_2 = 0.0;
+  double rms_z = 0.0, share_within_2 = 0.0;
   int beyond_3 = 0;
 };
 

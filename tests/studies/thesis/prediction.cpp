@@ -145,8 +145,7 @@ Result<Prediction> predict(const ContactObservation& observation, const Constant
 
 InputSpread input_spread(const ContactObservation& observation, const Constants& constants,
                          Vertical vertical) {
-  double vx = 0.0;
-  double omega = 0.0;
+  double vx = 0.0, omega = 0.0;
   const auto add = [&](auto move) {
     std::array<impact::Motion, 2> ends{};
     for (const int side : {0, 1}) {

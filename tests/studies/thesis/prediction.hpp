@@ -6,7 +6,6 @@
 #include <array>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "common/data/thesis_data.hpp"
 #include "common/impact/fit/contact_fit.hpp"
@@ -68,8 +67,7 @@ Result<Prediction> predict(const impact::ContactObservation& observation, const 
 /// Sd of the predicted vx and omega at lift-off from the published sds of the inputs: the touchdown's
 /// velocities and spin, and where they are measured e (by vy at lift-off) and the dwell time.
 struct InputSpread {
-  double vx_mps = 0.0;
-  double omega_radps = 0.0;
+  double vx_mps = 0.0, omega_radps = 0.0;
 };
 InputSpread input_spread(const impact::ContactObservation& observation, const Constants& constants,
                          Vertical vertical);

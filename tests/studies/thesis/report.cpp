@@ -39,8 +39,7 @@ std::string figures(const Tally& t) {
 
 /// Root mean square of the sets' sd: what a spread is worth that 8 to 12 shots gave.
 double pooled_sd(std::span<const Cell> cells, Quantity quantity) {
-  double squares = 0.0;
-  double n = 0.0;
+  double squares = 0.0, n = 0.0;
   for (const Cell& cell : cells) {
     if (cell.quantity != quantity) continue;
     squares += cell.published_sd * cell.published_sd;

@@ -1,7 +1,6 @@
 #include "tests/studies/thesis/shots.hpp"
 
 #include <cmath>
-#include <vector>
 
 #include "common/reduction/reduce.hpp"
 #include "sim/fit/fit.hpp"
@@ -68,9 +67,8 @@ Result<ShotSeries> shoot_series(const thesis::Condition& condition, const Predic
       ++series.without_readout;
       continue;
     }
-    for (std::size_t i = 0; i < kQuantityCount; ++i) {
+    for (std::size_t i = 0; i < kQuantityCount; ++i)
       if (const auto value = readout->value[static_cast<Quantity>(i)]) sums[i].add(*value);
-    }
   }
   for (std::size_t i = 0; i < kQuantityCount; ++i) {
     if (sums[i].n == 0.0) continue;

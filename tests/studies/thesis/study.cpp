@@ -1,7 +1,6 @@
 #include "tests/studies/thesis/study.hpp"
 
 #include <algorithm>
-#include <array>
 
 #include "common/impact/fit/cross_validation.hpp"
 

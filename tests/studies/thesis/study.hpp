@@ -43,8 +43,7 @@ Result<std::vector<Algebraic>> algebraic_models(const thesis::Data& data);
 struct Shots {
   std::string name;
   std::vector<Cell> cells;
-  int shots = 0;
-  int without_readout = 0;
+  int shots = 0, without_readout = 0;
 };
 Result<Shots> shoot_all(const Predictions& predictions, int shots, std::uint64_t seed, bool exact);
 

@@ -15,12 +15,10 @@ namespace {
 using namespace strobe::studies;
 
 struct Options {
-  std::string dashpot = "tied";
-  std::string vertical = "by-speed-and-slip";
+  std::string dashpot = "tied", vertical = "by-speed-and-slip";
   int shots = 50;
   std::uint64_t seed = 1;
-  bool json = false;
-  bool csv = false;
+  bool json = false, csv = false;
   std::vector<std::string> plots;
   std::string folder = STROBE_THESIS_FOLDER;
 };

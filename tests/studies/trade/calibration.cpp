@@ -10,9 +10,7 @@ namespace {
 
 double golden_least(const std::function<double(double)>& of, double low, double high) {
   constexpr double kRatio = 0.6180339887498949;
-  double a = high - kRatio * (high - low);
-  double b = low + kRatio * (high - low);
-  double of_a = of(a);
+  double a = high - kRatio * (high - low), b = low + kRatio * (high - low), of_a = of(a);
   double of_b = of(b);
   for (int i = 0; i < 30; ++i) {
     if (of_a < of_b) {
@@ -79,11 +77,10 @@ Grip calibrated_at(const ImpactScene& scene) {
   const double slip = scene.touchdown.vx_mps + rim;
   const double rolling = 0.5 * (scene.touchdown.vx_mps - rim);
   Grip grip;
-  if (run->regime == Regime::grips) {
+  if (run->regime == Regime::grips)
     grip.e_x = std::clamp(-run->slip_lo_mps / slip, -1.0, 1.0);
-  } else {
+  else
     grip.mu_factor = std::min(1.0, std::abs(run->impulse_ratio) / scene.contact.mu);
-  }
   const double share = rolling / std::hypot(rolling, impact::kOffsetReferenceSpeed_mps);
   grip.offset_m = std::clamp(run->mean_offset_m / share, 0.0, 0.9 * scene.ball.radius_m());
   if (!std::isfinite(grip.e_x)) grip.e_x = 0.0;

@@ -15,9 +15,7 @@ struct KnownImpact {
 
 /// What grip() adds to the e and mu of a scene.
 struct Grip {
-  double e_x = 0.0;
-  double offset_m = 0.0;
-  double mu_factor = 1.0;
+  double e_x = 0.0, offset_m = 0.0, mu_factor = 1.0;
 };
 
 impact::Coefficients coefficients(const ImpactScene& scene, const Grip& grip);

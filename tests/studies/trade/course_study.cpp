@@ -4,7 +4,6 @@
 
 #include <array>
 #include <cmath>
-#include <optional>
 
 #include "common/impact/closed_form/sine_pulse.hpp"
 #include "common/impact/ode/contact_trajectory.hpp"
@@ -25,8 +24,7 @@ constexpr std::array kFractions{0.2, 0.45, 0.7, 1.0};
 constexpr double kTightest = 1e-12;
 
 struct Place {
-  double x_m = 0.0;
-  double y_m = 0.0;
+  double x_m = 0.0, y_m = 0.0;
   double turned_m = 0.0;  ///< R phi
 };
 using Course = std::array<Place, kFractions.size()>;

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <limits>
 
 #include "common/impact/closed_form/rebound.hpp"
@@ -43,8 +42,7 @@ std::vector<EngineBounce> bounces_of(const std::vector<ImpactScene>& scenes, con
 /// rigid() in long double: slides, or rolls if friction suffices.
 impact::Motion exact_rigid(const EngineBounce& b) {
   using Real = long double;
-  const Real alpha = b.ball.alpha;
-  const Real radius = Real(b.ball.diameter_m) / 2;
+  const Real alpha = b.ball.alpha, radius = Real(b.ball.diameter_m) / 2;
   const Real spin = radius * Real(b.touchdown.omega_radps);
   const Real slip = Real(b.touchdown.vx_mps) + spin;
   const Real limit = Real(b.mu) * (1 + Real(b.e)) * -Real(b.touchdown.vy_mps);
@@ -61,8 +59,7 @@ impact::Motion exact_of(EngineLaw law, const EngineBounce& b) {
 
 struct Measured {
   Tally tally;
-  double us = 0.0;
-  double simulated_s = 0.0;
+  double us = 0.0, simulated_s = 0.0;
   int runs = 0;
   int lost = 0;  ///< the ball did not leave
 };
@@ -206,11 +203,10 @@ Study engine_study(const Effort& effort, std::vector<std::string>& missing) {
       .shipped = false};
   add_own(study, practical, thesis, effort);
   const auto try_engine = [&](const char* name, const std::unique_ptr<Engine>& engine) {
-    if (engine) {
+    if (engine)
       add_engine(study, *engine, practical, thesis, effort);
-    } else {
+    else
       missing.emplace_back(name);
-    }
   };
   try_engine("Bullet", make_bullet());
   try_engine("ODE", make_open_dynamics());

@@ -3,14 +3,13 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <thread>
 
 #include "common/reduction/reduce.hpp"
 #include "tests/common/reduction/simulated_shot.hpp"
+#include "tests/studies/in_parallel.hpp"
 #include "tests/studies/trade/impact_scenes.hpp"
 #include "tests/studies/trade/stopwatch.hpp"
 #include "tests/studies/trade/studies.hpp"
@@ -137,14 +136,8 @@ std::vector<Condition> measure_all(const std::vector<test::Bounce>& bounces, con
   std::vector<Condition> conditions;
   for (const test::Bounce& b : bounces) conditions.push_back({.bounce = b});
   const auto all = estimates();
-  std::atomic<std::size_t> next = 0;
-  const auto work = [&] {
-    for (std::size_t i = next++; i < conditions.size(); i = next++)
-      measure(conditions[i], setup, all, shots, seed + i);
-  };
-  std::vector<std::jthread> threads;
-  for (unsigned i = 0; i < std::max(1U, std::thread::hardware_concurrency()); ++i) threads.emplace_back(work);
-  threads.clear();
+  in_parallel(conditions.size(), std::thread::hardware_concurrency(),
+              [&](std::size_t i) { measure(conditions[i], setup, all, shots, seed + i); });
   return conditions;
 }
 
@@ -239,9 +232,9 @@ std::vector<Study> estimator_studies(const Effort& effort) {
                    .what = "centre, diameter, surface .02 mm, equator .05 degree"};
   std::vector<Study> studies;
   studies.push_back(study_of(stated, setup, effort));
-  test::Setup untold = setup;
-  untold.state_noise = false;
-  studies.push_back(study_of(estimated, untold, effort));
+  test::Setup unstated = setup;
+  unstated.state_noise = false;
+  studies.push_back(study_of(estimated, unstated, effort));
   test::Setup sharp = setup;
   sharp.centre_sd_m = sharp.diameter_sd_m = sharp.surface_sd_m = 2e-5;
   sharp.equator_sd_rad = 0.05 * std::numbers::pi / 180.0;

@@ -32,8 +32,7 @@ struct Start {
 };
 
 struct End {
-  Vector2d position_m = Vector2d::Zero();
-  Vector2d velocity_mps = Vector2d::Zero();
+  Vector2d position_m = Vector2d::Zero(), velocity_mps = Vector2d::Zero();
 };
 
 struct KnownFlight {
@@ -48,11 +47,9 @@ End exact_end(const Start& s, int steps) {
   const Real radius = scene.ball.radius_m();
   const Real q = Real(scene.air.density_kgpm3) * boost::math::constants::pi<Real>() * radius * radius /
                  (2 * Real(scene.ball.mass_kg));
-  const Real gravity = flight::kStandardGravity_mps2;
-  const Real incline = scene.surface_angle_rad;
+  const Real gravity = flight::kStandardGravity_mps2, incline = scene.surface_angle_rad;
   const auto slope = [&](const State& z, State& d, Real) {
-    const Real v = std::sqrt(z[2] * z[2] + z[3] * z[3]);
-    const Real rim = radius * z[4];
+    const Real v = std::sqrt(z[2] * z[2] + z[3] * z[3]), rim = radius * z[4];
     const Real drag = q * Real(scene.air.drag_coefficient) * v;
     const Real lift = q * v * rim / (2 * std::abs(rim) + v);
     d = {z[2], z[3], -gravity * std::sin(incline) - drag * z[2] - lift * z[3],
@@ -104,11 +101,10 @@ std::vector<KnownFlight> practical_flights(int count, std::uint64_t seed) {
 
 std::vector<KnownFlight> thesis_flights() {
   std::vector<KnownFlight> flights;
-  for (const test::Bounce& b : test::thesis_bounces()) {
+  for (const test::Bounce& b : test::thesis_bounces())
     for (const Start& s : {start_of(std::hypot(b.vx_td, b.vy_td), std::atan2(b.vy_td, b.vx_td), b.omega_td),
                            start_of(std::hypot(b.vx_lo, b.vy_lo), std::atan2(b.vy_lo, b.vx_lo), b.omega_lo)})
       flights.push_back({s, exact_end(s, 32)});
-  }
   return flights;
 }
 
@@ -117,9 +113,7 @@ flight::Forcing forcing_of(const Start& s, flight::Effects effects) {
   return flight::forcing(air, flight::gravity_mps2(s.scene.surface_angle_rad), s.velocity_mps, s.omega_radps);
 }
 
-End straight(const Start& s) {
-  return {s.velocity_mps * kLeg_s, s.velocity_mps};
-}
+End straight(const Start& s) { return {s.velocity_mps * kLeg_s, s.velocity_mps}; }
 
 End parabola(const Start& s, flight::Effects effects) {
   const flight::Parabola path{Vector2d::Zero(), s.velocity_mps, forcing_of(s, effects).acceleration_mps2};
@@ -127,7 +121,8 @@ End parabola(const Start& s, flight::Effects effects) {
 }
 
 End gravity_alone(const Start& s) {
-  const flight::Parabola path{Vector2d::Zero(), s.velocity_mps, flight::gravity_mps2(s.scene.surface_angle_rad)};
+  const flight::Parabola path{Vector2d::Zero(), s.velocity_mps,
+                              flight::gravity_mps2(s.scene.surface_angle_rad)};
   return {path.position_at(kLeg_s), path.velocity_at(kLeg_s)};
 }
 

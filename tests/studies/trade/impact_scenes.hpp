@@ -31,10 +31,8 @@ std::vector<ImpactScene> thesis_impacts();
 
 /// What scenes span in one quantity.
 struct Range {
-  std::string study;
-  std::string quantity;
-  double lowest = 0.0;
-  double highest = 0.0;
+  std::string study, quantity;
+  double lowest = 0.0, highest = 0.0;
 };
 
 std::vector<Range> ranges_of(const std::vector<ImpactScene>& scenes, const std::string& study);

@@ -1,10 +1,10 @@
 #include "tests/studies/trade/known_impacts.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <thread>
 
 #include "tests/common/contact_ode/reference.hpp"
+#include "tests/studies/in_parallel.hpp"
 
 namespace strobe::studies::trade {
 
@@ -23,14 +23,9 @@ impact::Motion exact_lift_off(const ImpactScene& s, int intervals) {
 
 std::vector<KnownImpact> known_impacts(const std::vector<ImpactScene>& scenes) {
   std::vector<KnownImpact> known(scenes.size());
-  std::atomic<std::size_t> next = 0;
-  const auto work = [&] {
-    for (std::size_t i = next++; i < scenes.size(); i = next++)
-      known[i] = {scenes[i], exact_lift_off(scenes[i], kIntervals)};
-  };
-  std::vector<std::jthread> threads;
-  for (unsigned i = 0; i < std::max(1U, std::thread::hardware_concurrency()); ++i) threads.emplace_back(work);
-  threads.clear();
+  in_parallel(scenes.size(), std::thread::hardware_concurrency(), [&](std::size_t i) {
+    known[i] = {scenes[i], exact_lift_off(scenes[i], kIntervals)};
+  });
   return known;
 }
 

@@ -14,10 +14,7 @@ namespace strobe::studies::trade {
 
 namespace {
 
-using impact::ContactMethod;
-using impact::ContactOptions;
-using impact::Motion;
-using impact::PulseForm;
+using namespace impact;
 
 struct Sets {
   std::vector<KnownImpact> practical;

@@ -48,8 +48,7 @@ std::string short_value(const std::string& parameter) {
 
 struct Curve {
   std::string title;
-  bool line = false;
-  bool general = false;
+  bool line = false, general = false;
   std::vector<const Row*> rows;
 };
 
@@ -97,8 +96,7 @@ std::string labels_of(const Curve& curve) {
 }
 
 struct Range {
-  double low = INFINITY;
-  double high = 0.0;
+  double low = INFINITY, high = 0.0;
   void add(double value) {
     low = std::min(low, value);
     high = std::max(high, value);
@@ -136,8 +134,7 @@ std::string panel_text(const Study& study, std::size_t index, int width, int hei
   out += fmt::format("set xrange {}\nset yrange {}\n",
                      costs.text(0.06 * decades + 0.05, 0.12 * decades + 0.1), errors.text(0.3, 0.3));
   for (const Curve& curve : curves) out += labels_of(curve);
-  std::string data;
-  std::string plots;
+  std::string data, plots;
   data += "$frontier << EOD\n" + frontier_data(study) + "EOD\n";
   plots += "  $frontier using 1:2 with lines lw 6 lc rgb '#e4e4e4' title 'frontier', \\\n";
   for (std::size_t i = 0; i < curves.size(); ++i) {
@@ -159,8 +156,7 @@ std::string panel_text(const Study& study, std::size_t index, int width, int hei
 
 std::string script_text(const std::vector<Study>& studies, const std::string& name) {
   const int rows = (static_cast<int>(studies.size()) + kColumns - 1) / kColumns;
-  const int width = kColumns * kPanelWidth;
-  const int height = kTop + rows * kPanelHeight;
+  const int width = kColumns * kPanelWidth, height = kTop + rows * kPanelHeight;
   constexpr double kPngScale = 1.4;
   std::string body;
   for (std::size_t i = 0; i < studies.size(); ++i) body += panel_text(studies[i], i, width, height);

@@ -15,8 +15,7 @@ enum class Source { model, numerical, noise };
 
 /// Over scenes. Where noise decides, a scene's error is the rms over its shots.
 struct Error {
-  double rms = 0.0;
-  double worst = 0.0;
+  double rms = 0.0, worst = 0.0;
 };
 
 struct Row {
@@ -31,8 +30,7 @@ struct Row {
 };
 
 struct Study {
-  std::string name;
-  std::string title;
+  std::string name, title;
   std::string what;        ///< scenes, norm of the error, reference: for the table's head
   std::string unit{};      ///< of the errors, as in the frontier's file
   double reference = 0.0;  ///< error of the reference itself, same norm; 0: closed form in many digits

@@ -1,7 +1,6 @@
 // Sums that an Error is made of. Plain values.
 #pragma once
 
-#include <algorithm>
 #include <cmath>
 
 #include "tests/studies/trade/study.hpp"
@@ -19,8 +18,7 @@ class Tally {
   Error error() const { return {count_ > 0 ? std::sqrt(square_ / count_) : 0.0, worst_}; }
 
  private:
-  double square_ = 0.0;
-  double worst_ = 0.0;
+  double square_ = 0.0, worst_ = 0.0;
   int count_ = 0;
 };
 

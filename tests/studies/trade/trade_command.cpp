@@ -22,9 +22,7 @@ using namespace trade;
 
 struct Options {
   Effort effort;
-  std::string csv;
-  std::string plot;
-  std::string frontier;
+  std::string csv, plot, frontier;
   std::vector<std::string> only;
   bool json = false;
 };

@@ -6,7 +6,6 @@
 #include <btBulletDynamicsCommon.h>
 
 #include <chrono>
-#include <cmath>
 
 namespace strobe::studies::trade {
 

@@ -16,17 +16,14 @@ namespace strobe::studies::trade {
 /// surface, (R - y) beneath the centre.
 struct HertzContact {
   double stiffness = 0.0;  ///< N/m^1.5
-  double dissipation_spm = 0.0;
-  double transition_mps = 0.0;
+  double dissipation_spm = 0.0, transition_mps = 0.0;
 };
 
 /// What an engine is to simulate; no gravity, no offset, no tangential compliance.
 struct EngineBounce {
   ball::Ball ball;
   impact::Motion touchdown;
-  double e = 0.0;
-  double mu = 0.0;
-  double dwell_s = 0.0;
+  double e = 0.0, mu = 0.0, dwell_s = 0.0;
   HertzContact hertz{};  ///< with that e and dwell time, for engines of that law
 };
 

@@ -49,8 +49,7 @@ std::pair<State, Real> to_release(const Slope& slope, State z, Real h) {
 
 /// y'' = -y^1.5·(1 + q·y'), y' = 1 at first: e and the dwell time without units.
 struct Shape {
-  Real e;
-  Real dwell;
+  Real e, dwell;
 };
 
 Shape shape_of(Real q) {
@@ -65,8 +64,7 @@ Shape shape_of(Real q) {
 }  // namespace
 
 HertzContact hertz_contact(const EngineBounce& b, double transition_mps) {
-  Real low = 0;
-  Real high = 3;
+  Real low = 0, high = 3;
   for (int i = 0; i < 40; ++i) {
     const Real middle = (low + high) / 2;
     (shape_of(middle).e > b.e ? low : high) = middle;
@@ -84,13 +82,11 @@ HertzContact hertz_contact(const EngineBounce& b, double transition_mps) {
 
 impact::Motion hertz_lift_off(const EngineBounce& b, int steps) {
   const HertzContact& c = b.hertz;
-  const Real radius = b.ball.radius_m();
-  const Real mass = b.ball.mass_kg;
+  const Real radius = b.ball.radius_m(), mass = b.ball.mass_kg;
   const auto slope = [&](const State& z, State& d, Real) {
     const Real depth = std::max<Real>(z[0], 0);
     const Real force = c.stiffness * depth * std::sqrt(depth) * (1 + Real(1.5) * c.dissipation_spm * z[1]);
-    const Real lever = (radius - depth) / radius;
-    const Real slip = z[2] + lever * z[3];
+    const Real lever = (radius - depth) / radius, slip = z[2] + lever * z[3];
     const Real friction = b.mu * force * std::clamp<Real>(slip / c.transition_mps, -1, 1);
     d = {z[1], -std::max<Real>(0, force) / mass, -friction / mass,
          -lever * friction / (Real(b.ball.alpha) * mass)};

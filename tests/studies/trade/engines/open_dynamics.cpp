@@ -6,7 +6,6 @@
 #include <ode/ode.h>
 
 #include <chrono>
-#include <cmath>
 
 namespace strobe::studies::trade {
 
@@ -71,11 +70,10 @@ class OpenDynamics : public Engine {
       dContact touching = contact;
       if (dCollide(sphere, plane, 1, &touching.geom, sizeof(dContact)) > 0)
         dJointAttach(dJointCreateContact(world, joints, &touching), ball, nullptr);
-      if (quick) {
+      if (quick)
         dWorldQuickStep(world, step_s);
-      } else {
+      else
         dWorldStep(world, step_s);
-      }
       dJointGroupEmpty(joints);
       ++run.steps;
       run.left = dBodyGetLinearVel(ball)[1] > 0 && dBodyGetPosition(ball)[1] >= radius;

@@ -41,8 +41,7 @@ class Simbody : public Engine {
     GeneralForceSubsystem forces(system);
     GeneralContactSubsystem contacts(system);
     const ContactSetIndex set = contacts.createContactSet();
-    const double radius = b.ball.radius_m();
-    const double inertia = b.ball.inertia_kgm2();
+    const double radius = b.ball.radius_m(), inertia = b.ball.inertia_kgm2();
     Body::Rigid body(MassProperties(b.ball.mass_kg, Vec3(0), Inertia(inertia)));
     MobilizedBody::Planar ball(matter.Ground(), body);
     // A half space is on the side of its +x.
