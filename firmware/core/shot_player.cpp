@@ -61,7 +61,6 @@ void ShotPlayer::begin(const Command& fire, std::int32_t shot_id, ShotRecord& re
   record.start = now + kLead;
   record.shutter_on = record.shutter_off = record.shutter_open = record.shutter_close = kNoTime;
   record.trigger = record.gate = kNoTime;
-  record.shutter_feedback = ShutterFeedback::none;
   record.abort_reason = ShortText();
   overflows_before_ = sink_.overflows();
   kernel_overflows_before_ = edges_.kernel_overflows();

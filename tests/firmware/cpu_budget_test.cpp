@@ -32,7 +32,7 @@ TEST(CpuBudget, LastsForAShotOfMoreThanEightHundredMilliseconds) {
   CHECK_EQUAL(kAhead, ahead());
   awake(milliseconds(870));
   CHECK_EQUAL(kAhead, ahead());
-  awake(milliseconds(20));
+  awake(milliseconds(10));
   CHECK_EQUAL(kSpin, ahead());
 }
 

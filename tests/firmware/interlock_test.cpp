@@ -61,6 +61,8 @@ TEST(Interlock, ArmsOnlyWithTheKeyOnAndTheEStopReleased) {
 TEST(Interlock, FiresOnceForAToken) {
   fire();
   CHECK_EQUAL(0, lock.arm_token());
+  CHECK_EQUAL(0, lock.arm_host());
+  CHECK(lock.arm_expires() == MonoTime{});
   lock.shot_over();
   CHECK_EQUAL(State::spent, lock.state());
   STRCMP_EQUAL("the shot is spent: arm for another", lock.fire(kHost, kToken, kShot + 1, false, kNow));

@@ -41,7 +41,7 @@ TEST_GROUP(JournalFolder) {
 TEST(JournalFolder, GivesTheLargestShotOfAllBoots) {
   CHECK_EQUAL(0, repair().last_shot_id);
   CHECK_EQUAL(0, repair_journals(folder / "none").last_shot_id);
-  journal(1, {event(1, 8), shot(8, {1, 1})});
+  journal(1, {event(1, 8), shot(8, {1, 1}), event(2, 8)}, 1);  // the last comes late, and opens no shot
   journal(2, {event(1, 3), shot(3, {1, 1})});
   strobe::testing::write_text(folder / "host-20260101T000000Z.lcmlog", "not the firmware's");
   strobe::testing::write_text(folder / "journal-garbage.lcmlog", std::string(1000, '\xed'));

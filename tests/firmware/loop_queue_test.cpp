@@ -47,6 +47,12 @@ TEST(LoopQueue, WakesThePublisherOnlyWhenThereIsNews) {
   CHECK_TRUE(woken());
   queue.flush();
   CHECK_FALSE(woken());
+  queue.status(LoopStatus{});
+  queue.flush();
+  CHECK_TRUE(woken());
+  CHECK_TRUE(queue.shot_done(queue.free_record()));
+  queue.flush();
+  CHECK_TRUE(woken());
 }
 
 TEST(LoopQueue, CountsWhatItCannotTakeAndNeverWaits) {
@@ -69,6 +75,21 @@ TEST(LoopQueue, DeliversTheLastStatusAfterItWasFull) {
   queue.flush();
   CHECK_TRUE(queue.pop(item));
   CHECK_EQUAL(5, std::get<LoopStatus>(item).last_shot_id);
+}
+
+TEST(LoopQueue, DeliversNoStatusAfterANewerOne) {
+  while (queue.overflows() == 0) queue.event(numbered(0));
+  LoopStatus status;
+  queue.status(status);  // finds no room
+  LoopQueue::Item item;
+  while (queue.pop(item)) {
+  }
+  status.last_shot_id = 6;
+  queue.status(status);
+  queue.flush();
+  CHECK_TRUE(queue.pop(item));
+  CHECK_EQUAL(6, std::get<LoopStatus>(item).last_shot_id);
+  CHECK_FALSE(queue.pop(item));
 }
 
 TEST(LoopQueue, LendsEachRecordOnceUntilItIsGivenBack) {

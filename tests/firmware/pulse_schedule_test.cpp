@@ -134,6 +134,12 @@ TEST(PulseScheduleOfAPlan, RefusesABurstLongerThanTheExposure) {
   CHECK_EQUAL(std::string(), refusal());
   gated(168);
   STRCMP_CONTAINS("longer than the exposure", refusal().c_str());
+  gated(5);
+  request.gate_delay = request.impact_at = milliseconds(1);
+  request.exposure = request.gate_delay + request.period * 4 + rig.lamps.pulse;
+  CHECK_EQUAL(std::string(), refusal());
+  request.exposure = request.exposure - nanoseconds(1);
+  STRCMP_CONTAINS("longer than the exposure", refusal().c_str());
 }
 
 TEST(PulseScheduleOfAPlan, RefusesNumbersThatNoRigHas) {

@@ -165,12 +165,15 @@ TEST(Receiver, IsNotDeafenedByWhatAStrangerClaims) {
 TEST(Receiver, TakesAPlanAndKeepsItsNotes) {
   fill_fire();
   note("operator", "M");
+  note(std::string(64, 'k'), std::string(1024, 'v'));  // the longest
   CHECK_TRUE(deliver());
   CHECK_EQUAL(std::string(), defect());
+  CHECK_EQUAL(1, command.command_id);
+  CHECK_EQUAL(0, command.new_token);
   CHECK_EQUAL(rig.plan.period, command.plan.period);
   CHECK_EQUAL(99, command.token);
   const auto notes = mailbox.take(5, 1);
-  CHECK_EQUAL(1u, notes.size());
+  CHECK_EQUAL(2u, notes.size());
   CHECK_EQUAL(std::string("M"), notes[0].value);
   CHECK_EQUAL(0u, mailbox.take(5, 1).size());
 }
@@ -200,6 +203,12 @@ TEST(Receiver, FindsWhatIsWrongWithAFire) {
          m.notes[0].value.assign(1025, 'x');
        },
        "note's key or length"},
+      {[](Type& m) {
+         m.notes.resize(1);
+         m.note_count = 1;
+         m.notes[0].key.assign(65, 'a');
+       },
+       "note's key or length"},
   };
   for (const Row& row : rows) {
     const std::int64_t id = message.command_id;
@@ -210,6 +219,7 @@ TEST(Receiver, FindsWhatIsWrongWithAFire) {
     row.corrupt(message);
     CHECK_TRUE(deliver());
     STRCMP_CONTAINS(row.defect, defect().c_str());
+    CHECK_EQUAL(0u, mailbox.take(5, id + 1).size());
   }
 }
 
@@ -265,6 +275,21 @@ TEST(Receiver, SurvivesAnyBodyUnderAGoodSeal) {
   }
 }
 
+TEST_GROUP(Mailbox) { Mailbox mailbox; };
+
+TEST(Mailbox, KeepsTheNotesOfTheLast64Commands) {
+  for (std::int64_t id = 0; id <= 64; ++id) mailbox.keep({5, id, {{"id", std::to_string(id)}}});
+  CHECK_TRUE(mailbox.take(5, 0).empty());
+  CHECK_TRUE(mailbox.take(6, 7).empty());
+  for (std::int64_t id = 1; id <= 64; ++id) CHECK_EQUAL(std::to_string(id), mailbox.take(5, id).at(0).value);
+}
+
+TEST(Mailbox, TakesNoMoreThan256RequestsAtOnce) {
+  for (int i = 0; i < 300; ++i) mailbox.ask({1, {1, 2}});
+  CHECK_EQUAL(256u, mailbox.requests().size());
+  CHECK_TRUE(mailbox.requests().empty());
+}
+
 TEST_GROUP(RepetitionFilter){};
 
 TEST(RepetitionFilter, ForgetsNoHostAndRefusesOneTooMany) {
@@ -283,6 +308,8 @@ TEST_GROUP(Rejections) {
 };
 
 TEST(Rejections, AreToldAtOnceThenOnceInTenSeconds) {
+  rejections.turn();
+  LONGS_EQUAL(0, said.size());
   rejections.note(Rejection::malformed);
   LONGS_EQUAL(1, said.size());
   CHECK_EQUAL("commands ignored: 1 malformed", said[0]);

@@ -1,6 +1,7 @@
 #include "firmware/core/rig_file.hpp"
 
 #include <algorithm>
+#include <array>
 #include <fstream>
 #include <sstream>
 #include <string>
@@ -62,6 +63,53 @@ TEST(RigFile, ReadsTheShippedRig) {
   CHECK_EQUAL(80, rig->real_time.priority);
 }
 
+TEST(RigFile, ReadsEveryNumberIntoItsPlace) {
+  const std::array<std::array<const char*, 2>, 22> rows{
+      {{"pulse_us = 50", "pulse_us = 51"},
+       {"min_period_us = 1500", "min_period_us = 1600"},
+       {"max_flashes_per_shot = 400", "max_flashes_per_shot = 401"},
+       {"max_on_us = 200", "max_on_us = 201"},
+       {"lag_ms = 45", "late_ms = 21\nlag_ms = 46"},
+       {"max_open_s = 2.0", "max_open_s = 2.1"},
+       {"lag_ms = 310", "lag_ms = 311"},
+       {"pulse_ms = 20", "pulse_ms = 22"},
+       {"max_on_ms = 100", "max_on_ms = 101"},
+       {"train = \"free\"", "train = \"gated\""},
+       {"period_us = 3000", "period_us = 3001\nflash_count = 12\ngate_delay_ms = 4"},
+       {"shutter_open_ms = 500", "shutter_open_ms = 502"},
+       {"impact_at_ms = 250", "impact_at_ms = 251"},
+       {"late_us = 100 ", "late_us = 102 "},
+       {"abort_late_us = 1500", "abort_late_us = 1501"},
+       {"spin_us = 200", "spin_us = 202"},
+       {"wake_ahead_us = 4000", "wake_ahead_us = 4001"},
+       {"expires_s = 30", "expires_s = 31"},
+       {"priority = 80", "priority = 81"},
+       {"cpu = -1", "cpu = 3"},
+       {"[commands]", "[commands]\nkey_file = \"lab.key\""},
+       {"[chip]", "lcm_url = \"memq://\"\n[chip]"}}};
+  for (const auto& [from, to] : rows) text = replaced(text, from, to);
+  const auto read = read_rig(text, "rig.toml");
+  CHECK_EQUAL(std::string(), error_of(text));
+  const Rig& rig = *read;
+  CHECK(rig.lamps.pulse == microseconds(51) && rig.lamps.max_on == microseconds(201));
+  CHECK(rig.lamps.min_period == microseconds(1600) && rig.lamps.max_flashes == 401);
+  CHECK(rig.shutter.late == milliseconds(21) && rig.shutter.lag == milliseconds(46));
+  CHECK(rig.shutter.max_open == milliseconds(2100));
+  CHECK(rig.machine.lag == milliseconds(311) && rig.machine.pulse == milliseconds(22));
+  CHECK(rig.machine.max_on == milliseconds(101));
+  CHECK(rig.plan.train == Train::gated && rig.plan.flash_count == 12 &&
+        rig.plan.gate_delay == milliseconds(4));
+  CHECK(rig.plan.period == microseconds(3001) && rig.plan.exposure == milliseconds(502));
+  CHECK(rig.plan.impact_at == milliseconds(251));
+  CHECK(rig.tolerance.late == microseconds(102) && rig.tolerance.abort_late == microseconds(1501));
+  CHECK(rig.tolerance.spin == microseconds(202) && rig.tolerance.wake_ahead == microseconds(4001));
+  CHECK(rig.arming_expires == milliseconds(31'000));
+  CHECK(rig.real_time.priority == 81 && rig.real_time.cpu == 3);
+  CHECK_EQUAL(std::string("lab.key"), rig.key_file);
+  CHECK_EQUAL(std::string("memq://"), rig.lcm_url);
+  CHECK_EQUAL(std::string("rig.toml"), rig.file_name);
+}
+
 TEST(RigFile, RemembersTheLinesOfTheFileForLaterErrors) {
   const auto rig = read_rig(text, "rig.toml");
   CHECK_EQUAL(line_of(text, "shutter  ="), std::to_string(rig->line(Line::shutter).file_line));
@@ -86,7 +134,7 @@ TEST(RigFile, TakesLinesByOffsetAndLeavesTheOptionalOnesOut) {
   CHECK_EQUAL(17, rig->line(Line::strobe_a).offset);
   CHECK_TRUE(rig->line(Line::strobe_a).active_low);
   CHECK_FALSE(rig->line(Line::sensor_b).fitted);
-  CHECK_FALSE(rig->line(Line::gate).fitted);
+  CHECK_FALSE(rig->line(Line::gate).fitted || rig->line(Line::gate).active_low);
 }
 
 TEST(RigFile, GivesLampsAndSensorsOneDelayOrEachItsOwn) {

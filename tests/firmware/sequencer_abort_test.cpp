@@ -110,6 +110,9 @@ TEST(SequencerAbort, FollowsTheKeyAndTheDisarmCommand) {
   rig.schedule({Input::key, start + milliseconds(100), false});
   bench.play();
   expect_aborted("the key is off");
+  const Event& key = *rig.find(EventKind::key, 1);  // the first told that it is on
+  CHECK(key.line == Line::key && key.level == 0 && key.shot_id == 1);
+  CHECK(key.device_time == start + milliseconds(100));
 
   SequencerFixture other;
   start = other.fire();
@@ -220,6 +223,8 @@ TEST(SequencerAbort, HandsTheShotOverWhenTheDaemonIsStopped) {
   bench.sequencer.stop("stopped by a signal");
   expect_aborted("stopped by a signal");
   CHECK_EQUAL(EventKind::stopped, rig.events.back().kind);
+  CHECK(rig.statuses.back().state != State::firing);
+  CHECK_EQUAL(rig.events.size() + rig.statuses.size(), rig.flushed);
 }
 
 TEST(SequencerAbort, StillCollectsTheLastFlashsLight) {

@@ -29,6 +29,8 @@ TEST(Sequencer, MakesTheOutputsInactiveBeforeAnythingElse) {
   for (const auto& set : rig.sets) CHECK_FALSE(set.active);
   CHECK_EQUAL(Output::trigger, rig.sets.front().output);
   CHECK_EQUAL(EventKind::started, rig.events.front().kind);
+  CHECK_EQUAL(1u, rig.statuses.size());
+  CHECK_EQUAL(rig.events.size() + 1, rig.flushed);
 }
 
 TEST(Sequencer, PlaysEveryFlashAtItsInstant) {
@@ -64,6 +66,8 @@ TEST(Sequencer, HandsOverAWholeRecord) {
   CHECK(shot.abort_reason.empty());
   CHECK_EQUAL(start, shot.start);
   CHECK_EQUAL(kHost, shot.host_id);
+  CHECK_EQUAL(bench.last_command, shot.command_id);
+  CHECK_EQUAL(1, shot.shot_id);
   CHECK_EQUAL(167u, shot.flashes.size());
   for (const FlashRecord& flash : shot.flashes) {
     CHECK(flash.issue_start >= flash.commanded);
@@ -100,6 +104,18 @@ TEST(Sequencer, ReportsTheShotInOrder) {
     ++index;
     CHECK_EQUAL(1, event.shot_id);
     CHECK_EQUAL(event.issue_end, event.device_time);
+  }
+  const FlashRecord& flash = bench.shot().flashes[0];
+  const Event& told = *rig.find(EventKind::flash);
+  CHECK(told.commanded == flash.commanded && told.issue_start == flash.issue_start);
+  CHECK(told.issue_end == flash.issue_end);
+  const Event& seen = *rig.find(EventKind::sensor);
+  CHECK(seen.line == Line::sensor_a && seen.device_time == flash.observed_a);
+  CHECK(rig.find(EventKind::sensor, 1)->line == Line::sensor_b);
+  for (const EventKind kind : {EventKind::trigger, EventKind::shutter}) {
+    CHECK_EQUAL(1, rig.find(kind, 0)->level);
+    CHECK_EQUAL(0, rig.find(kind, 1)->level);
+    CHECK(rig.find(kind)->line == (kind == EventKind::trigger ? Line::trigger : Line::shutter));
   }
 }
 
@@ -180,6 +196,14 @@ TEST(Sequencer, RefusesWhileTheJournalCannotBeWritten) {
   CHECK_EQUAL("FIRE: the journal cannot be written", refusal());
   bench.give(bench.arm_command());
   CHECK_EQUAL("ARM: the journal cannot be written", refusal());
+}
+
+TEST(Sequencer, WakesThePublisherForWhatTheTurnBeforeReported) {
+  bench.arm();
+  const std::size_t reported = rig.events.size() + rig.statuses.size();
+  CHECK(rig.flushed < reported);
+  bench.step();
+  CHECK_EQUAL(reported, rig.flushed);
 }
 
 TEST(Sequencer, LetsTheArmingExpireByItself) {

@@ -51,7 +51,12 @@ TEST(StatusMessage, TellsTimingInMicroseconds) {
   DOUBLES_EQUAL(0.2, lateness.mean_us, 1e-12);
   DOUBLES_EQUAL(std::sqrt(0.02), lateness.sd_us, 1e-12);  // population: (0.1² + 0.1² + 0.2²)/3
   DOUBLES_EQUAL(0.1, lateness.p50_us, 1e-12);
+  DOUBLES_EQUAL(0.1, lateness.min_us, 1e-12);
+  DOUBLES_EQUAL(0.4, lateness.p99_us, 1e-12);
+  DOUBLES_EQUAL(0.4, lateness.p999_us, 1e-12);
   DOUBLES_EQUAL(0.4, lateness.max_us, 1e-12);
+  DOUBLES_EQUAL(0.1, lateness.bin_first_us, 1e-12);
+  DOUBLES_EQUAL(0.02, lateness.bin_width_us, 1e-12);
   std::int64_t in_bins = 0;
   for (const std::int64_t n : lateness.bins) in_bins += n;
   CHECK_EQUAL(3, in_bins);
@@ -68,6 +73,22 @@ TEST(StatusMessage, SaysTheGravestThingThatIsMissing) {
   CHECK_FALSE(to_message(parts, *timing).journal_ok);
   parts.loop.fault = "broken";
   CHECK_EQUAL("fault: broken", to_message(parts, *timing).message);
+}
+
+TEST(StatusMessage, TellsAllOfTheLoopAndTheClocks) {
+  parts = {1,  2,  {from_ns(3), 4, 5}, {State::armed, true, false, 6, 7, from_ns(8), 9, 10, ""}, true, "",
+           11, {}, {{12, 13}}};
+  const auto message = to_message(parts, *timing);
+  CHECK_EQUAL(+strobe_msgs::status_t::SCHEMA_VERSION, message.schema_version);
+  CHECK(message.boot_id == 1 && message.last_sequence == 2);
+  CHECK(message.mono_ns == 3 && message.wall_ns == 4 && message.boot_time_ns == 5);
+  CHECK_EQUAL(+strobe_msgs::status_t::ARMED, message.state);
+  CHECK(message.key_active && !message.estop_active && message.real_time && message.journal_ok);
+  CHECK(message.arm_host_id == 6 && message.arm_token == 7 && message.arm_expires_ns == 8);
+  CHECK(message.last_shot_id == 9 && message.kernel_overflows == 10 && message.queue_overflows == 11);
+  CHECK_EQUAL(1, message.earlier_count);
+  CHECK(message.earlier.at(0).boot_id == 12 && message.earlier.at(0).last_sequence == 13);
+  CHECK_FALSE(to_message(StatusParts{}, *timing).real_time);
 }
 
 TEST(StatusMessage, CountsWhatWasIgnored) {

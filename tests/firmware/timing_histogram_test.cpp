@@ -102,3 +102,28 @@ TEST(TimingHistogram, OfOneValueHasOneBin) {
   CHECK_EQUAL(1, coarse.bins[0]);
   CHECK(coarse.first.count() <= -1234 && -1234 < (coarse.first + coarse.width).count());
 }
+
+// 22 bins hold the middle 99 %: of so few values, all. No bin is narrower than four steps of the table, which are
+// 1 ns wide below 512 ns, 2 ns up to 1024 ns and 4 ns above.
+TEST(TimingHistogram, MakesTheNarrowestRoundBinsThatHoldTheMiddle) {
+  struct Row {
+    std::vector<std::int64_t> values;
+    std::int64_t first, width;
+    std::size_t bins;
+  };
+  std::vector<std::int64_t> from_100(23);
+  std::iota(from_100.begin(), from_100.end(), 100);
+  std::vector<std::int64_t> one_more = from_100;
+  one_more.push_back(123);
+  for (const Row& row :
+       {Row{from_100, 100, 1, 23}, Row{one_more, 100, 2, 12}, Row{{100, 1600}, 100, 100, 16},
+        Row{{600}, 600, 10, 1}, Row{{1000, 1030}, 1000, 20, 2}, Row{{-1030, -1000}, -1040, 20, 3}}) {
+    auto some = std::make_unique<TimingHistogram>();
+    for (const std::int64_t value : row.values) some->add(nanoseconds(value));
+    const auto coarse = some->coarse();
+    CHECK_EQUAL(row.first, coarse.first.count());
+    CHECK_EQUAL(row.width, coarse.width.count());
+    CHECK_EQUAL(row.bins, coarse.count);
+    CHECK_EQUAL(static_cast<std::int64_t>(row.values.size()), sum(coarse));
+  }
+}

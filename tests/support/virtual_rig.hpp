@@ -58,6 +58,7 @@ class VirtualRig final : public Clock,
   std::vector<Event> events;
   std::vector<LoopStatus> statuses;
   std::vector<ShotRecord*> shots;
+  std::size_t flushed = 0;  ///< events and statuses that the publisher was woken for
   Duration slept{};
   std::int64_t lost = 0, kernel_lost = 0;
 
@@ -152,7 +153,7 @@ class VirtualRig final : public Clock,
     shots.push_back(record);
     return true;
   }
-  void flush() noexcept override {}
+  void flush() noexcept override { flushed = events.size() + statuses.size(); }
   bool journal_ok() const noexcept override { return journal; }
   bool pop(Command& command) noexcept override {
     for (auto it = commands_.begin(); it != commands_.end(); ++it) {
