@@ -71,7 +71,6 @@ void ShotPlayer::begin(const Command& fire, std::int32_t shot_id, ShotRecord& re
     if (pulse.output == Output::strobes) edge_assignment_.plan(at(pulse.at), pulse.lamps);
   }
   next_pulse_ = 0;
-  last_flash_ = {kNoTime, kNoTime};
   gate_counts_from_ = kNoTime;
   shutter_seen_open_ = shutter_seen_closed_ = false;
   phase_ = Phase::playing;

@@ -68,7 +68,7 @@ class ShotPlayer {
   Phase phase_ = Phase::idle;
   ShotRecord* record_ = nullptr;
   MonoTime closes_at_;
-  std::array<MonoTime, 2> last_flash_;  ///< of lamp A and of lamp B
+  std::array<MonoTime, 2> last_flash_{kNoTime, kNoTime};  ///< of lamp A and of lamp B, of any shot
   bool shutter_seen_open_ = false;
   bool shutter_seen_closed_ = false;
   MonoTime gate_counts_from_ = kNoTime;  ///< kNoTime: not triggered yet
