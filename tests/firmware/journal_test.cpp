@@ -120,6 +120,16 @@ TEST(Journal, IsReadOnAfterADamagedStretch) {
   CHECK_EQUAL(3, entries[1].sequences.first);
 }
 
+TEST(Journal, PassesOverRecordsThatAreNoMessagesOfItsOwn) {
+  auto journal = Journal::create(folder.path(), kBoot);
+  Message torn_event = event(2), torn_shot = shot(1, {1, 2}), other = event(3);
+  torn_event.bytes.pop_back();
+  torn_shot.bytes.pop_back();
+  other.channel = "STROBE/bench/STATUS";
+  CHECK(journal->append({event(1), torn_event, torn_shot, other}, 0).has_value());
+  CHECK_EQUAL(1u, scan_journal(journal->path()).size());
+}
+
 TEST(Journal, NeverOverwritesAnother) {
   CHECK_TRUE(Journal::create(folder.path(), kBoot).has_value());
   const auto second = Journal::create(folder.path(), kBoot);

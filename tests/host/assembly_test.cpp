@@ -11,6 +11,7 @@
 #include "host/assembly/assemble.hpp"
 #include "host/session/rejection.hpp"
 #include "tests/host/synthetic_shot.hpp"
+#include "tests/support/recorded.hpp"
 
 #include "tests/support/string_from.hpp"
 
@@ -325,6 +326,57 @@ TEST(Assembly, TheRecordComesWithTheShotAndGivesTheTemperature) {
   DOUBLES_EQUAL(23.0, *assembled(made).frame.temperature_c, 0.0);
   CHECK_EQUAL("A. Author", readout(made).record.at("operator"));
   CHECK_TRUE(readout(made).value[Quantity::court_pace].has_value());
+}
+
+// What the tolerances of these tests let pass: per mille and us. Rounding changes them by less than 1e-6.
+TEST(Assembly, GivesTheNumbersOnRecord) {
+  std::string found;
+  const auto add = [&found](const char* name, const SyntheticShot& made, const host::AssemblySettings& s) {
+    const AssembledShot shot = host::assemble(made.shot, made.frame, s);
+    found += fmt::format("# {}\nflags {}problem {}\nambiguity {:.6f}", name, flags_of(shot.flags),
+                         shot.problem, 1e3 * shot.match_ambiguity);
+    if (shot.flashes)
+      found += fmt::format(" misassigned {:.6f}", 1e3 * shot.flashes->misassignment_probability);
+    for (const auto& image : shot.frame.images) found += fmt::format(" {}", image.flash_index.value_or(-1));
+    if (!shot.frame.images.empty())
+      found += fmt::format(" until {:.6f}", 1e6 * shot.frame.images.back().time_s);
+    found += "\n";
+  };
+  for (const double noise_mm : {0.2, 1.0}) {
+    for (const Bounce& bounce : {Bounce{}, steep(), shallow()}) {
+      for (const bool gated : {false, true}) {
+        Scenario sc;
+        sc.bounce = bounce;
+        sc.noise_mm = noise_mm;
+        sc.noise_stated = !gated;
+        sc.leftwards = gated;
+        sc.legs_named = !gated;
+        sc.machine_error_s = 0.004;
+        sc.unseen = {last_flash_before_touchdown(sc)};
+        SyntheticShot made = make_shot(sc);
+        if (noise_mm > 0.5) made.frame.centre_sd_px *= 3.0;  // larger than it is
+        host::AssemblySettings s = settings();
+        s.analysis.surface_angle_deg = gated ? 30.0 : 0.0;
+        if (gated) {
+          made.shot.gate_ns = made.shot.trigger_ns + 250'000'000;
+          s.analysis.gate_distance_m = 1.0;
+        }
+        add(fmt::format("noise {} mm, gated {}, vy {}", noise_mm, gated, bounce.vy_td).c_str(), made, s);
+      }
+    }
+  }
+  Scenario one_leg;
+  one_leg.view_after_m = -0.1;
+  add("no rebound", make_shot(one_leg), settings());
+  one_leg.view_after_m = 0.25;
+  one_leg.view_before_m = -0.001;
+  add("no incoming leg", make_shot(one_leg), settings());
+  Scenario coded;
+  coded.intervals_s = {3e-3, 3.4e-3, 3e-3, 2.7e-3};
+  coded.omitted = {70, 84};
+  coded.noise_mm = 0.6;
+  add("coded", make_shot(coded), settings());
+  STRCMP_EQUAL("", strobe::testing::difference_from_record("assembly", found, 1e-5).c_str());
 }
 
 TEST_GROUP(AssemblyOverManyShots){};

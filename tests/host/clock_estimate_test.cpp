@@ -1,12 +1,14 @@
 // Offset, drift and their covariance from simulated messages, for any delays.
 #include "host/clock/clock_estimate.hpp"
 
+#include <fmt/format.h>
 #include <rapidcheck.h>
 
 #include <cmath>
 #include <vector>
 
 #include "tests/host/heartbeats.hpp"
+#include "tests/support/recorded.hpp"
 
 #include <CppUTest/TestHarness.h>
 
@@ -102,4 +104,30 @@ TEST(ClockEstimate, DoesNotDependOnTheOriginOfTimesAndOffsets) {
     RC_ASSERT(std::abs(std::sqrt(there->offset_var_s2) - sd_s) < 0.01 * sd_s);
     RC_ASSERT(std::abs(there->drift - here->drift) < 0.01 * std::sqrt(here->drift_var));
   }));
+}
+
+// What the properties above let pass, in us and ppm. Rounding changes it by less than 1e-6.
+TEST(ClockEstimate, GivesTheNumbersOnRecord) {
+  std::string found;
+  for (unsigned seed = 1; seed <= 12; ++seed) {
+    Heartbeats beats(seed);
+    beats.drift = 1e-5 * (static_cast<double>(seed) - 6.0);
+    beats.lost_share = 0.1, beats.long_share = 0.15, beats.burst_share = 0.03;
+    beats.wander = seed % 2 == 0 ? 5e-8 : 0.0;
+    for (const int heard : {3, 4, 8, 20, 60}) {
+      const std::vector<ClockSample> points = points_of(beats, heard);
+      const ClockEstimate e = *estimate_clock(points);
+      found += fmt::format(
+          "# seed {}, {} heard\noffset {:.6f} sd {:.6f} drift {:.6f} sd {:.6f} correlation {:.6f} wander "
+          "{:.6f}",
+          seed, heard, 1e6 * e.offset_s, 1e6 * std::sqrt(e.offset_var_s2), 1e6 * e.drift,
+          1e6 * std::sqrt(e.drift_var), e.covariance_s / std::sqrt(e.offset_var_s2 * e.drift_var),
+          1e12 * e.wander_per_s);
+      if (const auto line = fit_clock(points))
+        found += fmt::format(" line {:.6f} {:.6f} spread {:.6f} used {}", 1e6 * line->offset_at_centre_s,
+                             1e6 * line->drift, 1e6 * line->spread_s, line->used);
+      found += "\n";
+    }
+  }
+  STRCMP_EQUAL("", strobe::testing::difference_from_record("clock", found, 1e-5).c_str());
 }

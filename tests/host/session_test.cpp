@@ -233,13 +233,15 @@ TEST(SessionOfMessages, TimeInWhichTheFirmwareWasNotHeardDoesNotCountAsWaiting) 
 TEST(SessionOfMessages, NoNumberIsGivenBeforeAllEventsOfItsShotAreHere) {
   Bench bench(5);
   bench.made.shot.first_sequence = 3;
-  bench.made.shot.last_sequence = 5;
+  bench.made.shot.last_sequence = 6;
   bench.session.on_event(ended(0, 3), bench.local);
-  bench.session.on_event(ended(0, 5), bench.local);
+  bench.session.on_event(ended(0, 6), bench.local);
   bench.shot();
   bench.frame();
   CHECK_TRUE(bench.shot_results().empty());
   bench.session.on_event(ended(0, 4), bench.local);
+  CHECK_TRUE(bench.shot_results().empty());
+  bench.session.on_event(ended(0, 5), bench.local);
   const auto shot_results = bench.shot_results();
   LONGS_EQUAL(1, shot_results.size());
   CHECK_FALSE(shot_results[0].readout.flags.has(Flag::events_missing));

@@ -3,6 +3,7 @@
 #include <numbers>
 #include <random>
 
+#include "host/digitize/equator/shading.hpp"
 #include "tests/host/digitize/painter.hpp"
 
 #include "tests/support/string_from.hpp"
@@ -220,4 +221,20 @@ TEST(Equators, AreNoneWhereNoOutlineIsSeenAtAll) {
   CHECK_FALSE(results.front().has_value());
   painting.balls.clear();
   CHECK_TRUE(measured().empty());
+}
+
+TEST(Equators, LookAtTheBinsWhoseMiddlesAreWithinTheDisc) {
+  strobe::digitize::BinnedImage image;
+  image.intensity = cv::Mat::zeros(60, 80, CV_32F);
+  Outline outline;
+  outline.diameter = 20.5;
+  const auto around = [&](cv::Point2d centre_image) {
+    outline.centre = {centre_image.x, 59.0 - centre_image.y};
+    return image.around(strobe::digitize::make_disc(PlaneMap::uncalibrated(60), outline), 1.0);
+  };
+  CHECK_TRUE(around({30.0, 20.0}) == cv::Rect(20, 10, 21, 21));
+  CHECK_TRUE(around({75.0, 5.0}) == cv::Rect(65, 0, 15, 16));
+  CHECK_TRUE(around({-20.0, 20.0}).empty() && around({30.0, 90.0}).empty());
+  image.stride = 2;
+  CHECK_TRUE(around({60.5, 40.5}) == cv::Rect(25, 15, 11, 11));  // middles at 50.5, 52.5 ... 70.5
 }
