@@ -252,6 +252,18 @@ TEST(Differentiation, FindsWhereSpinAndSlipPassThroughZero) {
   CHECK(zeros.slip.empty());
 }
 
+TEST(Differentiation, FindsNoZeroBeyondLiftOff) {
+  const std::array t{0.0, 0.2, 0.4, 0.6, 0.8, 1.0};
+  std::array<double, 6> fraction{};
+  for (std::size_t i = 0; i < t.size(); ++i)
+    fraction[i] = t[i] * (0.5 * t[i] - 1.05);  // its slope ends at 1.05
+  contact::FractionFits fits;
+  fits.x = fits.rotation = *contact::fit_cubic(t, fraction);
+  const auto zeros = contact::zero_crossings(
+      fits, {.dwell_time_s = 5e-3, .dwell_distance_m = 0.06, .total_rotation_rad = -0.2});
+  CHECK(zeros.omega.empty() && zeros.slip.empty());
+}
+
 TEST(Differentiation, SolvesQuadraticsWithoutCancellation) {
   const auto roots = [](std::array<double, 3> c) { return contact::quadratic_roots(c, 0.0, 1.0); };
   DOUBLES_EQUAL(1e-12, roots({1e-12, -1.0, 1e-3}).at(0), 1e-26);
