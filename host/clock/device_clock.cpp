@@ -57,7 +57,10 @@ void DeviceClock::on_heartbeat(std::int64_t boot_id, const DeviceReading& device
   const bool older = !heartbeats_.empty() && heartbeat.sent <= heartbeats_.back().sent;
   if (older && !anew) return;  // overtaken on the way, or doubled
   const MonoTime before = heartbeats_.empty() ? heartbeat.sent : heartbeats_.back().sent;
-  if (older) device_watch_.forget();
+  if (older) {
+    device_watch_.forget();
+    sleeps_.clear();
+  }
   const auto change = device_watch_.on_reading(device);
   if (change) notify_changes(*change, "the firmware's machine");
   const bool slept = change && change->suspended != Duration{};

@@ -137,7 +137,16 @@ std::optional<PhotographDecision> PhotographMatcher::decide_first(HostTime now) 
   return reject(nobody(held_.front()));
 }
 
+/// A machine that was started anew begins its clock again: what would be in the future was before that.
+void PhotographMatcher::forget_earlier_boots(HostTime now) {
+  std::erase_if(exposures_, [&](const Exposure& exposure) {
+    const auto closed = clock_.local(exposure.closed);
+    return closed && *closed > now + kForgotten;
+  });
+}
+
 std::vector<PhotographDecision> PhotographMatcher::decide(HostTime now) {
+  forget_earlier_boots(now);
   std::vector<PhotographDecision> decisions;
   while (!held_.empty()) {
     auto decision = decide_first(now);

@@ -68,6 +68,7 @@ class PhotographMatcher {
   HostTime local(MonoTime device) const {
     return clock_.local(device).value_or(HostTime{device.time_since_epoch()});
   }
+  void forget_earlier_boots(HostTime now);
   Candidates candidates(const Held& held, HostTime now) const;
   std::optional<PhotographDecision> decide_first(HostTime now);
   std::optional<PhotographDecision> choose(const Candidates& candidates, HostTime now);

@@ -41,9 +41,9 @@ std::uint64_t hash_of(frame_t frame) {
 }
 
 MonoTime end_of(const shot_t& shot, MonoTime fallback) {
-  std::int64_t end_ns = shot.shutter_close_ns;
-  for (const auto& flash : shot.flashes) end_ns = std::max(end_ns, flash.issue_end_ns);
-  return end_ns != shot_t::NO_TIME && end_ns != 0 ? from_ns(end_ns) : fallback;
+  MonoTime end = from_ns(shot.shutter_close_ns);
+  for (const auto& flash : shot.flashes) end = std::max(end, from_ns(flash.issue_end_ns));
+  return known(end) && end != MonoTime{} ? end : fallback;
 }
 
 std::int64_t host_id_in(const std::string& hex) {
@@ -60,12 +60,11 @@ void Session::on_status(const strobe_msgs::status_t& status, HostTime now) {
   }
   const DeviceReading device{from_ns(status.mono_ns), from_ns<WallTime>(status.wall_ns),
                              Duration{status.boot_time_ns}};
-  extend_deadlines_by_outage(device.mono);
+  follow_device_clock(device.mono, status.boot_id);
   clock_.on_heartbeat(status.boot_id, device, now);
   report_clock();
   status_ = status;
   status_heard_ = now;
-  device_now_ = std::max(device_now_, device.mono);
   ledger_.status(status.boot_id, status.last_sequence, now);
   std::vector<EndedBoot> earlier;
   for (const auto& boot : status.earlier) earlier.push_back({boot.boot_id, boot.last_sequence});
@@ -87,9 +86,14 @@ std::optional<strobe_msgs::status_t> Session::live_status(HostTime now) const {
   return status_ && now - status_heard_ <= kSilent ? status_ : std::nullopt;
 }
 
-void Session::extend_deadlines_by_outage(MonoTime device_now) {
-  if (!known(device_now_) || device_now - device_now_ <= kSilent) return;
-  for (auto& [key, waiting] : pending_) waiting.device_deadline += device_now - device_now_;
+/// Deadlines are put off by an outage. The clock of a machine that was started anew begins again; they go along.
+void Session::follow_device_clock(MonoTime device_now, std::int64_t boot_id) {
+  const Duration passed = known(device_now_) ? device_now - device_now_ : Duration{};
+  const bool started_anew = passed < -kSilent && status_->boot_id != boot_id;
+  if (passed > kSilent || started_anew) {
+    for (auto& [key, waiting] : pending_) waiting.device_deadline += passed;
+  }
+  device_now_ = started_anew ? device_now : std::max(device_now_, device_now);
 }
 
 void Session::on_event(const event_t& event, HostTime now) {

@@ -110,7 +110,7 @@ class Session {
   void add_flags(const strobe_msgs::shot_t& shot, reduction::FlagSet& flags) const;
   bool own(const strobe_msgs::shot_t& shot) const { return host_id_ != 0 && shot.host_id == host_id_; }
   std::int64_t host_of(const ShotKey& key, const OpenShot& open) const;
-  void extend_deadlines_by_outage(MonoTime device_now);
+  void follow_device_clock(MonoTime device_now, std::int64_t boot_id);
   /// Each shot is finished once.
   void mark_finished(const ShotKey& key, FinishedShot how);
   void push(ShotResult shot_result, const strobe_msgs::shot_t& shot);

@@ -240,9 +240,13 @@ TEST(DeviceClock, GoesOnWhenTheFirmwareIsStartedAnew) {
 TEST(DeviceClock, BeginsAnewWhenTheFirmwaresMachineIsStartedAnew) {
   Heartbeats beats(10);
   play(beats, 100);
+  beats.suspend(60.0);
+  play(beats, 1);
+  CHECK(clock.suspended_within({}, beats.device()));
   beats.reboot();
   play(beats, 60);
   LONGS_EQUAL(60, clock.state().heartbeats);
+  CHECK_FALSE(clock.suspended_within({}, MonoTime::max()));  // that was before
   CHECK(abs(*clock.local(beats.device()) - beats.local()) < milliseconds{5});
   CHECK_FALSE(clock.state().suspect);
 }

@@ -31,9 +31,9 @@ TEST_GROUP(PhotographsToShots) {
   PhotographMatcher match{clock, 5.0};
 
   void setup() override { clock.on_heartbeat(7, {}, kStart); }
-  void shot(int id, double closed_s, bool dry = false) {
+  void shot(int id, double closed_s, bool dry = false, std::int64_t boot_id = 7) {
     strobe_msgs::shot_t shot{};
-    shot.boot_id = 7;
+    shot.boot_id = boot_id;
     shot.shot_id = id;
     shot.shutter_open_ns = static_cast<std::int64_t>((closed_s - 0.5) * 1e9);
     shot.shutter_close_ns = static_cast<std::int64_t>(closed_s * 1e9);
@@ -195,4 +195,15 @@ TEST(PhotographsToShots, TheClockIsFollowedThroughDriftAndSuspension) {
   match.on_photograph(1, heard + kSecond / 100, heard);
   match.on_photograph(2, heard + 2 * kSecond + minute, heard + 2 * kSecond + minute);
   CHECK_EQUAL("1>1! 2>2", words(match.decide(heard + 2 * kSecond + minute)));
+}
+
+TEST(PhotographsToShots, AreMatchedAfterTheFirmwaresMachineWasStartedAnew) {
+  clock.on_heartbeat(7, device(5000 * kSecond), at(5000.0));
+  shot(1, 5000.0);
+  photograph(1, 5000.6);
+  CHECK_EQUAL("1>1", decided(5000.6));
+  clock.on_heartbeat(8, device(30 * kSecond), at(5100.0));  // its clock began at 0 half a minute ago
+  shot(1, 32.0, false, 8);
+  photograph(2, 5102.6);
+  CHECK_EQUAL("2>1", decided(5102.6));
 }

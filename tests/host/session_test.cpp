@@ -373,6 +373,23 @@ TEST(SessionOfMessages, AShotDuringWhichTheFirmwaresMachineWasSuspendedHasNoTime
   CHECK_TRUE(shot_results[0].rejected.has_value());
 }
 
+TEST(SessionOfMessages, TheWaitForThePhotographEndsAlsoAfterTheFirmwaresMachineWasStartedAnew) {
+  Bench bench(5);
+  bench.shot();
+  const HostTime before = bench.local;
+  bench.status(MonoTime{30 * kSecond}, 78);  // its clock began at 0
+  bench.local = before + 60 * kSecond;
+  CHECK_TRUE(bench.shot_results().empty());
+  SyntheticShot made = bench.made;
+  made.shot.boot_id = 78;
+  made.shot.shutter_close_ns = to_ns(bench.newest());
+  made.shot.flashes.clear();
+  bench.session.on_shot(made.shot, bench.local);
+  LONGS_EQUAL(2, bench.session.waiting_for_photograph());
+  for (int beat = 1; beat <= 12; ++beat) bench.status(MonoTime{30 * kSecond + beat * kSecond / 2}, 78);
+  LONGS_EQUAL(2, bench.shot_results().size());
+}
+
 TEST(SessionOfMessages, AnotherBootIsSaid) {
   Bench bench;
   bench.status(bench.end, 78);
