@@ -1,3 +1,4 @@
+#include <array>
 #include <cmath>
 #include <random>
 #include <string>
@@ -284,4 +285,14 @@ TEST(ReadoutFlags, NoResidualsMeanNoSd) {
   CHECK_FALSE(r.sd[Quantity::omega_td_radps].has_value());
   CHECK_FALSE(r.sd[Quantity::slip_lo_mps].has_value());
   CHECK_TRUE(r.sd[Quantity::vx_td_mps].has_value());
+}
+
+TEST(ReadoutFlags, ALineThroughTwoPointsOfUnknownNoiseLeavesAnglesWithoutSd) {
+  Frame frame = straight_frame();
+  frame.surface_px.resize(2);
+  frame.centre_sd_px.reset();
+  for (BallImage& image : frame.images) image.centre_cov_px2 = std::array{0.25, 0.0, 0.0, 0.25};
+  const Readout r = reduced(frame);
+  CHECK_FALSE(r.sd[Quantity::theta_in_deg].has_value());
+  CHECK_TRUE(r.sd[Quantity::omega_td_radps].has_value());
 }
