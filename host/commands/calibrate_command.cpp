@@ -1,9 +1,11 @@
-// strobe calibrate: photographs of a printed board to the rig file's [camera].
+// strobe calibrate: photographs of a printed board to the calibration file that the rig file names.
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -13,7 +15,6 @@
 
 #include "host/camera/calibration.hpp"
 #include "host/commands/command.hpp"
-#include "host/config/camera_writer.hpp"
 #include "host/config/rig_file.hpp"
 #include "host/digitize/image/photograph.hpp"
 
@@ -172,18 +173,39 @@ void print_text(const CameraTable& table, const camera::Calibration& found) {
              100.0 * found.covered_share);
 }
 
+/// Where the calibration goes: beside the rig file, as that says.
+Result<std::filesystem::path> calibration_path(const std::string& rig_path) {
+  const auto text = read_file(rig_path);
+  if (!text) return tl::unexpected(text.error());
+  const auto rig = read_rig(*text, rig_path);
+  if (!rig) return tl::unexpected(rig.error());
+  const std::filesystem::path path(rig_path);
+  if (!rig->camera.calibration || *rig->camera.calibration == path.filename())
+    return fail(rig_path + ": camera.calibration: must name the file to write, such as \"camera.toml\"");
+  return path.parent_path() / *rig->camera.calibration;
+}
+
+/// At any time there is a whole file: the new one is renamed to it.
+Result<void> replace_file(const std::string& path, const std::string& text) {
+  const std::string draft = path + ".new";
+  std::FILE* file = std::fopen(draft.c_str(), "wb");
+  bool good =
+      file && std::fputs(text.c_str(), file) >= 0 && std::fflush(file) == 0 && fsync(fileno(file)) == 0;
+  good = file && std::fclose(file) == 0 && good;
+  if (good && std::rename(draft.c_str(), path.c_str()) == 0) return {};
+  std::remove(draft.c_str());
+  return fail(path + ": cannot be written");
+}
+
 int run_calibrate(const CalibrateOptions& options) {
   if (!options.date.empty() && !days_since(options.date, {})) {
     return bad_input("calibrate: --date: must be written 2026-11-21");
   }
-  std::optional<std::string> rig_text;
+  std::filesystem::path path;
   if (!options.rig_path.empty()) {
-    const auto text = read_file(options.rig_path);
-    if (!text) return bad_input("calibrate: " + text.error().message);
-    rig_text = *text;
-    if (const auto rig = read_rig(*text, options.rig_path); !rig) {
-      return bad_input("calibrate: " + rig.error().message);
-    }
+    const auto named = calibration_path(options.rig_path);
+    if (!named) return bad_input("calibrate: " + named.error().message);
+    path = *named;
   }
   const auto boards = find_boards(options);
   if (!boards) return bad_input("calibrate: " + boards.error().message);
@@ -197,12 +219,9 @@ int run_calibrate(const CalibrateOptions& options) {
   const auto found = camera::calibrate(boards->views, settings);
   if (!found) return bad_input("calibrate: " + found.error().message);
   const CameraTable table = table_of(options, *found, *boards);
-  if (rig_text && !options.dry) {
-    const auto text = with_calibration(*rig_text, options.rig_path, table);
-    if (!text) return bad_input("calibrate: " + text.error().message);
-    if (const auto done = replace_file(options.rig_path, *text); !done) {
+  if (!path.empty() && !options.dry) {
+    if (const auto done = replace_file(path.string(), calibration_text(table)); !done)
       return bad_input("calibrate: " + done.error().message);
-    }
   }
   options.json ? print_json(options, table, *found) : print_text(table, *found);
   for (const std::string& remark : found->remarks) {
@@ -223,7 +242,8 @@ void add_calibrate_command(CLI::App& app, int& exit_status) {
           "Photographs of the board: the first with the board in the plane in which balls fly, the others "
           "slanted, anywhere")
       ->required();
-  command->add_option("--rig", options->rig_path, "Rig file whose [camera] is written; all else of it stays");
+  command->add_option("--rig", options->rig_path,
+                      "Rig file whose camera.calibration names the file to write");
   command->add_option("--board", options->board, "What is printed")
       ->check(CLI::IsMember({"chessboard", "circles", "staggered"}))
       ->capture_default_str();
@@ -258,7 +278,7 @@ void add_calibrate_command(CLI::App& app, int& exit_status) {
       ->check(CLI::Range(1e-4, 1000.0))
       ->capture_default_str();
   command->add_option("--date", options->date, "Day of the photographs, 2026-11-21; today if left out");
-  command->add_flag("--dry", options->dry, "Leave the rig file as it is");
+  command->add_flag("--dry", options->dry, "Write no file");
   command->add_flag("--json", options->json, "One JSON object");
   command->footer(
       "Example: strobe calibrate plane.tif slanted1.tif slanted2.tif --spacing-mm 20.02 --rig rig.toml\n"

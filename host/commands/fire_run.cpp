@@ -89,7 +89,8 @@ class FireRun {
           std::int64_t host_id)
       : request_(request),
         transport_(link, folder, clock, request.rig.rig, host_id),
-        loop_({request.rig.rig, assembly_settings(request.rig), host_id, true, request.key}, transport_, clock),
+        loop_({request.rig.rig, assembly_settings(request.rig), host_id, true, request.key}, transport_,
+              clock),
         terminal_(request.style,
                   fmt::format("strobe fire   rig {}   session {}", request.rig.rig, request.session)),
         tables_(folder, loop_, clock),
@@ -181,8 +182,9 @@ class FireRun {
 
 int run_fire(const FireRequest& request) {
   MachineClock clock;
-  auto folder = SessionFolder::open(request.session, utc_for_file(clock.read().wall), request.rig.text,
-                                    request.plan_text);
+  auto folder = SessionFolder::open(
+      request.session, utc_for_file(clock.read().wall), request.rig.text, request.plan_text,
+      {request.rig.camera.calibration.value_or(""), request.rig.calibration_text});
   if (!folder) return bad_input(folder.error().message);
   auto link = LcmLink::open(request.url, request.rig.rig);
   if (!link) return failed(link.error().message);

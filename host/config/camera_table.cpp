@@ -1,6 +1,7 @@
 #include "host/config/camera_table.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <chrono>
 #include <cmath>
@@ -100,13 +101,7 @@ void read_viewpoint(TomlTable& table, CameraTable& camera) {
   }
 }
 
-}  // namespace
-
-CameraTable read_camera(TomlTable table) {
-  CameraTable camera;
-  camera.folder = optional_text(table, "folder");
-  if (camera.folder && camera.folder->empty()) table.error_at("folder", "must not be empty");
-  camera.max_age_days = table.number_or("max_age_days", camera.max_age_days, {0.01, 100'000.0});
+void read_calibration(TomlTable& table, CameraTable& camera) {
   camera.width_px = optional_count(table, "width_px", {16, 100'000});
   camera.height_px = optional_count(table, "height_px", {16, 100'000});
   camera.px_per_m = table.optional_number("px_per_m", {1.0, 1e7});
@@ -123,7 +118,62 @@ CameraTable read_camera(TomlTable table) {
   camera.photographs = optional_count(table, "photographs", {1, 1000});
   camera.residual_px = table.optional_number("residual_px", {0.0, 1e6});
   camera.tilt_deg = table.optional_number("tilt_deg", {0.0, 90.0});
+}
+
+template <typename Value>
+std::string line(std::string_view key, const std::optional<Value>& value, std::string_view remark = "") {
+  return value ? fmt::format("{} = {}{}\n", key, *value, remark) : "";
+}
+
+std::optional<std::string> quoted(const std::optional<std::string>& text) {
+  return text ? std::optional("\"" + *text + "\"") : std::nullopt;
+}
+
+}  // namespace
+
+CameraTable read_camera(TomlTable table) {
+  CameraTable camera;
+  camera.folder = optional_text(table, "folder");
+  if (camera.folder && camera.folder->empty()) table.error_at("folder", "must not be empty");
+  camera.max_age_days = table.number_or("max_age_days", camera.max_age_days, {0.01, 100'000.0});
+  camera.calibration = optional_text(table, "calibration");
+  const auto& name = camera.calibration;
+  if (name && (name->find('/') != std::string::npos || !name->ends_with("camera.toml")))
+    table.error_at("calibration", "must be the name of a file beside this one, ending in camera.toml");
+  read_calibration(table, camera);
   return camera;
+}
+
+Result<CameraTable> with_calibration(const CameraTable& camera, std::string_view text,
+                                     const std::string& file_name) {
+  config::TomlReader reader(text, file_name);
+  CameraTable calibrated;
+  calibrated.folder = camera.folder;
+  calibrated.max_age_days = camera.max_age_days;
+  calibrated.calibration = camera.calibration;
+  TomlTable root = reader.root();
+  read_calibration(root, calibrated);
+  if (const auto bad = reader.error()) return fail(bad->message);
+  return calibrated;
+}
+
+std::string calibration_text(const CameraTable& camera) {
+  std::string text = "# Written by strobe calibrate; its next run replaces this file.\n";
+  text += line("calibrated", quoted(camera.calibrated)) + line("board", quoted(camera.board)) +
+          line("photographs", camera.photographs) + line("residual_px", camera.residual_px) +
+          line("tilt_deg", camera.tilt_deg) + line("width_px", camera.width_px) +
+          line("height_px", camera.height_px) + line("px_per_m", camera.px_per_m) +
+          line("px_per_m_sd", camera.px_per_m_sd);
+  if (const auto& map = camera.map) {
+    text +=
+        line("lens_centre_px", std::optional(map->lens_centre_px)) +
+        line("lens_focal_px", std::optional(map->lens_focal_px), "   # unit of the distortion's argument") +
+        line("lens_distortion", std::optional(map->lens_distortion), "   # k1, k2, p1, p2") +
+        line("rectify", std::optional(map->rectify));
+  }
+  text += line("viewpoint_px", camera.viewpoint_px, "   # foot of the lens on the plane, its distance") +
+          line("viewpoint_sd_px", camera.viewpoint_sd_px) + line("surface_px", camera.surface_px);
+  return camera.surface_px ? text + line("surface_sd_px", std::optional(camera.surface_sd_px)) : text;
 }
 
 std::optional<std::int64_t> days_since(const std::string& date, WallTime now) {

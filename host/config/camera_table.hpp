@@ -1,12 +1,14 @@
-// The rig file's [camera]: where its photographs arrive, and what `strobe calibrate` has measured of it. Each
-// field is a key of that name. Coordinates: image px, x the column, y the row from the top, and plane px, x
-// to the right, y up, one scale everywhere (host/digitize/core/plane_map.hpp). Values; thread-safe.
+// The rig file's [camera]: where its photographs arrive, and what is known of its picture, there or in the
+// file that `strobe calibrate` writes. Each field is a key of that name. Coordinates: image px, x the column,
+// y the row from the top, and plane px, x to the right, y up, one scale everywhere
+// (host/digitize/core/plane_map.hpp). No I/O; thread-safe.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "common/config/toml_reader.hpp"
 #include "common/result.hpp"
@@ -25,6 +27,8 @@ struct CameraMap {
 struct CameraTable {
   std::optional<std::string> folder;  ///< where the camera's photographs arrive; ~ is not expanded
   double max_age_days = 90.0;         ///< 0.01 to 100,000; an older calibration is warned of
+  /// Name of a file beside the rig file, …camera.toml: what follows is read from it, not from the rig file.
+  std::optional<std::string> calibration;
 
   std::optional<int> width_px;  ///< of the photographs that the calibration is for
   std::optional<int> height_px;
@@ -46,8 +50,15 @@ struct CameraTable {
   std::optional<double> tilt_deg;         ///< of the optical axis against the plane's normal
 };
 
-/// Reads it; what is wrong is reported to the table's reader.
+/// Reads [camera]; what is wrong is reported to the table's reader.
 CameraTable read_camera(config::TomlTable table);
+
+/// The same camera, but with what the calibration file's text says. Fails with "FILE:LINE: key: what".
+Result<CameraTable> with_calibration(const CameraTable& camera, std::string_view text,
+                                     const std::string& file_name);
+
+/// The calibration file of it, which reads back to the same bits.
+std::string calibration_text(const CameraTable& camera);
 
 /// Whole days from `date` ("2026-11-21") to the day of `now`; absent if it is no date.
 std::optional<std::int64_t> days_since(const std::string& date, WallTime now);

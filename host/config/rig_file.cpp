@@ -107,8 +107,17 @@ Result<RigFile> load_rig(const std::string& path) {
   if (!text) return tl::unexpected(text.error());
   auto rig = read_rig(*text, file);
   const std::filesystem::path beside = file == "-" ? "" : std::filesystem::path(file).parent_path();
-  if (rig && rig->camera.folder) rig->camera.folder = (beside / *rig->camera.folder).string();
-  if (rig && rig->key_file) rig->key_file = (beside / *rig->key_file).string();
+  if (!rig) return rig;
+  if (rig->key_file) rig->key_file = (beside / *rig->key_file).string();
+  if (rig->camera.folder) rig->camera.folder = (beside / *rig->camera.folder).string();
+  if (!rig->camera.calibration) return rig;
+  const std::string name = (beside / *rig->camera.calibration).string();
+  const auto calibration = read_file(name);
+  if (!calibration) return tl::unexpected(calibration.error());
+  const auto calibrated = with_calibration(rig->camera, *calibration, name);
+  if (!calibrated) return tl::unexpected(calibrated.error());
+  rig->calibration_text = *calibration;
+  rig->camera = *calibrated;
   return rig;
 }
 

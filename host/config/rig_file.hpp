@@ -40,13 +40,14 @@ struct RigFile {
   PlanFile plan;
   std::optional<double> machine_lag_s;  ///< trigger to touchdown
   std::string text;                     ///< the file as it was read
+  std::string calibration_text;         ///< likewise that which camera.calibration names
 };
 
 /// Fails with "FILE:LINE: table.key: what".
 Result<RigFile> read_rig(std::string_view text, const std::string& file_name);
 
-/// Reads the file, or the shipped example if the path is empty; relative camera.folder and key_file are then
-/// beside the file. Fails with the file's name.
+/// Reads the file, or the shipped example if the path is empty, and the calibration that it names; relative
+/// camera.folder and key_file are then beside the file. Fails with the file's name.
 Result<RigFile> load_rig(const std::string& path);
 
 /// The whole file as text, at most 16 MB. "-" is standard input. Fails with the file's name.

@@ -36,13 +36,11 @@ std::string text_of(const fs::path& path) {
 }
 
 /// name.toml, or name-<utc>.toml where an earlier run in this folder used another one.
-Result<void> keep(const fs::path& folder, const std::string& name, std::string_view text,
-                  const std::string& utc) {
-  const fs::path path = folder / (name + ".toml");
+Result<void> keep(const fs::path& path, std::string_view text, const std::string& utc) {
   std::error_code error;
   if (!fs::exists(path, error)) return write_text(path, text);
   if (text_of(path) == text) return {};
-  return write_text(folder / (name + "-" + utc + ".toml"), text);
+  return write_text(path.parent_path() / (path.stem().string() + "-" + utc + ".toml"), text);
 }
 
 fs::path unused(const fs::path& folder, const std::string& utc) {
@@ -65,13 +63,16 @@ std::string utc_for_table(WallTime wall) {
 
 Result<std::unique_ptr<SessionFolder>> SessionFolder::open(const fs::path& folder, const std::string& utc,
                                                            std::string_view rig_text,
-                                                           std::string_view plan_text) {
+                                                           std::string_view plan_text,
+                                                           const KeptFile& calibration) {
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) return fail(folder.string() + ": " + error.message());
   std::unique_ptr<SessionFolder> result(new SessionFolder(folder, unused(folder, utc)));
-  for (const auto& [name, text] : {std::pair{"rig", rig_text}, std::pair{"plan", plan_text}}) {
-    if (auto kept = keep(folder, name, text, utc); !kept) return tl::unexpected(kept.error());
+  for (const auto& [name, text] :
+       {KeptFile{"rig.toml", rig_text}, KeptFile{"plan.toml", plan_text}, calibration}) {
+    if (name.empty()) continue;
+    if (auto kept = keep(folder / name, text, utc); !kept) return tl::unexpected(kept.error());
   }
   auto results = CsvFile::open(folder / "results.csv", results_header(), earlier_results_header());
   if (!results) return tl::unexpected(results.error());
@@ -117,8 +118,7 @@ void SessionFolder::load_events(EventLedger& ledger, const std::string& rig) con
         ended[{event.boot_id, event.shot_id}] = event.sequence;
     } else if (logged.channel == shots) {
       shot_t shot;
-      if (messages::decode_checked(shot, logged.data, size))
-        summed_up.insert({shot.boot_id, shot.shot_id});
+      if (messages::decode_checked(shot, logged.data, size)) summed_up.insert({shot.boot_id, shot.shot_id});
     }
   };
   std::error_code error;

@@ -1,5 +1,5 @@
 // What a host keeps of a session: DIR/host-<UTC>.lcmlog (every message received, its own readouts),
-// results.csv, flashes.csv, and the rig and plan files as used. Writes files; one thread's.
+// results.csv, flashes.csv, and the rig, plan and calibration files as used. Writes files; one thread's.
 #pragma once
 
 #include <filesystem>
@@ -18,13 +18,20 @@
 
 namespace strobe::host {
 
+struct KeptFile {
+  std::string_view name;  ///< ends in .toml; empty: no such file
+  std::string_view text;
+};
+
 class SessionFolder {
  public:
   /// Makes the folder if need be, opens a new log and results.csv for appending, keeps the rig and plan
-  /// files. utc: as in utc_now(). Fails with the path that cannot be written.
+  /// files and the camera's calibration. utc: as of utc_for_file(). Fails with the path that cannot be
+  /// written.
   static Result<std::unique_ptr<SessionFolder>> open(const std::filesystem::path& folder,
                                                      const std::string& utc, std::string_view rig_text,
-                                                     std::string_view plan_text);
+                                                     std::string_view plan_text,
+                                                     const KeptFile& calibration = {});
 
   /// Appends a message as it came, at `wall`. Each is on its way to the disk before the call returns, so
   /// that a killed host loses none.

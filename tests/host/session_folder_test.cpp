@@ -39,7 +39,8 @@ TEST(FolderOfASession, KeepsEveryMessageAsItCame) {
   const auto path = folder / "a/b";
   const std::string bytes("\0\1binary\xff", 9);
   {
-    auto session = SessionFolder::open(path, kUtc, "rig = \"bench\"\n", "train = \"free\"\n");
+    auto session = SessionFolder::open(path, kUtc, "rig = \"bench\"\n", "train = \"free\"\n",
+                                       {"my_camera.toml", "px_per_m = 9\n"});
     CHECK_TRUE(session.has_value());
     (*session)->log("STROBE/bench/EVENT", bytes.data(), bytes.size(), WallTime{microseconds{1'000'001}});
     // Read while still open, as after a kill: nothing may be left in a buffer.
@@ -54,6 +55,7 @@ TEST(FolderOfASession, KeepsEveryMessageAsItCame) {
   }
   CHECK_EQUAL("rig = \"bench\"\n", read_text(path / "rig.toml"));
   CHECK_EQUAL("train = \"free\"\n", read_text(path / "plan.toml"));
+  CHECK_EQUAL("px_per_m = 9\n", read_text(path / "my_camera.toml"));
 }
 
 TEST(FolderOfASession, ASecondRunOverwritesNothing) {
