@@ -3,8 +3,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <optional>
-#include <span>
 
 #include "common/geometry/line.hpp"
 

@@ -1,8 +1,5 @@
 #include "common/wire/lcm_datagram.hpp"
 
-#include <algorithm>
-#include <charconv>
-
 namespace strobe::wire {
 
 namespace {

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <array>
-#include <limits>
 #include <utility>
 
 #include "firmware/core/rig.hpp"

@@ -6,7 +6,6 @@
 #include <atomic>
 #include <deque>
 #include <functional>
-#include <optional>
 #include <stop_token>
 
 #include "firmware/core/shot_timing.hpp"

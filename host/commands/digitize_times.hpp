@@ -2,7 +2,6 @@
 // state.
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 

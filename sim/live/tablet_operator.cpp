@@ -1,7 +1,6 @@
 #include "sim/live/tablet_operator.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "common/messages/channels.hpp"
 #include "common/messages/lcm_conversions.hpp"

@@ -1,6 +1,5 @@
 #include "sim/motion/ball_path.hpp"
 
-#include <array>
 #include <cmath>
 
 namespace strobe::sim {

@@ -1,7 +1,5 @@
 #include "sim/plan/plan.hpp"
 
-#include <algorithm>
-
 namespace strobe::sim {
 
 namespace {

@@ -1,7 +1,6 @@
 #include "sim/rig/lamp.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 namespace strobe::sim {
 

@@ -1,7 +1,6 @@
 #include "sim/rig/rig.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <iterator>
 
 #include "sim/scene/reduced_scene.hpp"

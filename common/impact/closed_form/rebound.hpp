@@ -9,7 +9,6 @@
 // bouncing ball, 2002.
 #pragma once
 
-#include <string_view>
 #include <tl/expected.hpp>
 
 #include "common/ball/ball.hpp"

@@ -4,7 +4,6 @@
 // observation's name.
 #pragma once
 
-#include <optional>
 #include <string>
 
 #include "common/impact/fit/model_fit.hpp"

@@ -10,7 +10,6 @@
 #include <span>
 #include <string>
 #include <tl/expected.hpp>
-#include <vector>
 
 #include "common/impact/fit/observation.hpp"
 

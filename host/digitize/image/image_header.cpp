@@ -7,7 +7,6 @@
 #include <bit>
 #include <cctype>
 #include <optional>
-#include <string>
 
 namespace strobe::digitize {
 
