@@ -2,6 +2,7 @@
 // nothing.
 #pragma once
 
+#include <array>
 #include <string_view>
 
 namespace strobe::impact {
@@ -35,39 +36,24 @@ constexpr bool too_large(double value) { return !(value <= kMaxMagnitude && valu
 constexpr bool too_small(double value) { return !(value >= kMinMagnitude); }
 
 constexpr std::string_view message(InputError error) {
-  switch (error) {
-    case InputError::not_finite:
-      return "inputs must be finite numbers";
-    case InputError::not_approaching:
-      return "vy must be negative: the ball must move towards the surface";
-    case InputError::restitution_out_of_range:
-      return "e must be from 0 to 1";
-    case InputError::friction_negative:
-      return "mu must not be negative";
-    case InputError::tangential_restitution_out_of_range:
-      return "ex must be from -1 to 1";
-    case InputError::offset_out_of_range:
-      return "offset must be at least 0 and less than the radius";
-    case InputError::ball_out_of_range:
-      return "diameter and mass must be positive, alpha in (0, 2/3]";
-    case InputError::dwell_not_positive:
-      return "dwell time must be positive";
-    case InputError::damping_undefined:
-      return "the simplified pulse needs e above 0";
-    case InputError::phase_out_of_range:
-      return "damping must be from 0 to 10, the pulse's angle from 0 to pi";
-    case InputError::magnitude_out_of_range:
-      return "a speed, a length, a mass or a time is too large or too small to compute with";
-    case InputError::spring_out_of_range:
-      return "e is below 0.001, or a spring or damping ratio is out of its range";
-    case InputError::tolerance_out_of_range:
-      return "tolerance or number of steps is out of its range";
-    case InputError::no_release:
-      return "the ball does not leave the surface: its weight holds it there";
-    case InputError::too_many_steps:
-      return "the contact takes more steps or events than the integration allows";
-  }
-  return "invalid input";
+  constexpr std::array<std::string_view, 15> words{
+      "inputs must be finite numbers",
+      "vy must be negative: the ball must move towards the surface",
+      "e must be from 0 to 1",
+      "mu must not be negative",
+      "ex must be from -1 to 1",
+      "offset must be at least 0 and less than the radius",
+      "diameter and mass must be positive, alpha in (0, 2/3]",
+      "dwell time must be positive",
+      "the simplified pulse needs e above 0",
+      "damping must be from 0 to 10, the pulse's angle from 0 to pi",
+      "a speed, a length, a mass or a time is too large or too small to compute with",
+      "e is below 0.001, or a spring or damping ratio is out of its range",
+      "tolerance or number of steps is out of its range",
+      "the ball does not leave the surface: its weight holds it there",
+      "the contact takes more steps or events than the integration allows",
+  };
+  return words[static_cast<std::size_t>(error)];
 }
 
 }  // namespace strobe::impact

@@ -1,7 +1,9 @@
 // Names of the LCM channels: STROBE/<rig>/<KIND>. Pure functions, thread-safe; they allocate.
 #pragma once
 
+#include <array>
 #include <string>
+#include <string_view>
 
 namespace strobe::messages {
 
@@ -13,23 +15,7 @@ inline constexpr int kSubscriptionQueueCapacity = 10000;
 
 enum class Channel { command, event, status, shot, frame, readout };
 
-constexpr std::string_view kind_name(Channel channel) {
-  switch (channel) {
-    case Channel::command:
-      return "COMMAND";
-    case Channel::event:
-      return "EVENT";
-    case Channel::status:
-      return "STATUS";
-    case Channel::shot:
-      return "SHOT";
-    case Channel::frame:
-      return "FRAME";
-    case Channel::readout:
-      return "READOUT";
-  }
-  return "UNKNOWN";
-}
+inline constexpr std::array kChannelKinds{"COMMAND", "EVENT", "STATUS", "SHOT", "FRAME", "READOUT"};
 
 /// A rig's name: 1 to 24 of [A-Za-z0-9_-]. LCM limits a channel's name to 63 characters.
 constexpr bool valid_rig_name(std::string_view rig) {
@@ -42,7 +28,7 @@ constexpr bool valid_rig_name(std::string_view rig) {
 }
 
 inline std::string channel_name(std::string_view rig, Channel channel) {
-  return "STROBE/" + std::string(rig) + "/" + std::string(kind_name(channel));
+  return "STROBE/" + std::string(rig) + "/" + kChannelKinds[static_cast<std::size_t>(channel)];
 }
 
 }  // namespace strobe::messages

@@ -1,5 +1,5 @@
-// The closed list of what a readout can be flagged with. Names are stable: scripts rely on them. README.md
-// lists them. Values only; thread-safe, real-time safe.
+// The closed list of what a readout can be flagged with. Names are stable: scripts rely on them.
+// common/reduction/README.md describes them. Values only; thread-safe, real-time safe.
 #pragma once
 
 #include <array>
@@ -34,27 +34,12 @@ enum class Flag {
                           // do not depend on it
 };
 
-inline constexpr std::array kFlagNames{
-    std::string_view{"late_flash"},
-    std::string_view{"missing_flash"},
-    std::string_view{"double_flash"},
-    std::string_view{"flash_match_ambiguous"},
-    std::string_view{"spin_aliased"},
-    std::string_view{"too_few_images"},
-    std::string_view{"outlier_image"},
-    std::string_view{"no_redundancy"},
-    std::string_view{"no_contact_image"},
-    std::string_view{"overlaps_surface"},
-    std::string_view{"degenerate_geometry"},
-    std::string_view{"sd_from_residuals"},
-    std::string_view{"shot_aborted"},
-    std::string_view{"no_photograph"},
-    std::string_view{"sensor_missing"},
-    std::string_view{"clock_suspect"},
-    std::string_view{"events_missing"},
-    std::string_view{"shutter_suspect"},
-    std::string_view{"flash_index_ambiguous"},
-};
+inline constexpr std::array<std::string_view, 19> kFlagNames{
+    "late_flash",       "missing_flash",    "double_flash",         "flash_match_ambiguous",
+    "spin_aliased",     "too_few_images",   "outlier_image",        "no_redundancy",
+    "no_contact_image", "overlaps_surface", "degenerate_geometry",  "sd_from_residuals",
+    "shot_aborted",     "no_photograph",    "sensor_missing",       "clock_suspect",
+    "events_missing",   "shutter_suspect",  "flash_index_ambiguous"};
 inline constexpr std::size_t kFlagCount = kFlagNames.size();
 
 constexpr std::string_view name(Flag flag) { return kFlagNames[static_cast<std::size_t>(flag)]; }

@@ -1,5 +1,6 @@
 #include "host/thesis/table.hpp"
 
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -10,67 +11,31 @@ namespace {
 /// Printed decimals are not exact in binary: a difference of half a digit may come out a little larger.
 constexpr double kSlack = 1e-9;
 
+struct ReasonText {
+  std::string_view name, phrase;
+};
+
+/// In the order of Reason.
+constexpr std::array<ReasonText, 12> kReasons{{
+    {"none", "beyond the thesis"},
+    {"as_measured", "mean of replicates"},
+    {"agrees", "same to the last printed digit"},
+    {"rounding", "rounding of the printed numbers"},
+    {"mean_of_function", "the mean of a function is not the function of the means"},
+    {"unrounded_inputs", "computed by the thesis from unrounded numbers"},
+    {"simplified_form", "the thesis's simplified integral"},
+    {"model", "a model's value beside a measured one"},
+    {"misprint", "misprint"},
+    {"inconsistent", "does not fit the other printed numbers; the right value is not known"},
+    {"not_at_hand", "printed value not at hand"},
+    {"unexplained", "unexplained"},
+}};
+static_assert(kReasons.size() == static_cast<std::size_t>(Reason::unexplained) + 1);
+
 }  // namespace
 
-std::string_view name(Reason reason) {
-  switch (reason) {
-    case Reason::none:
-      return "none";
-    case Reason::as_measured:
-      return "as_measured";
-    case Reason::agrees:
-      return "agrees";
-    case Reason::rounding:
-      return "rounding";
-    case Reason::mean_of_function:
-      return "mean_of_function";
-    case Reason::unrounded_inputs:
-      return "unrounded_inputs";
-    case Reason::simplified_form:
-      return "simplified_form";
-    case Reason::model:
-      return "model";
-    case Reason::misprint:
-      return "misprint";
-    case Reason::inconsistent:
-      return "inconsistent";
-    case Reason::not_at_hand:
-      return "not_at_hand";
-    case Reason::unexplained:
-      return "unexplained";
-  }
-  return "unexplained";
-}
-
-std::string_view phrase(Reason reason) {
-  switch (reason) {
-    case Reason::none:
-      return "beyond the thesis";
-    case Reason::as_measured:
-      return "mean of replicates";
-    case Reason::agrees:
-      return "same to the last printed digit";
-    case Reason::rounding:
-      return "rounding of the printed numbers";
-    case Reason::mean_of_function:
-      return "the mean of a function is not the function of the means";
-    case Reason::unrounded_inputs:
-      return "computed by the thesis from unrounded numbers";
-    case Reason::simplified_form:
-      return "the thesis's simplified integral";
-    case Reason::model:
-      return "a model's value beside a measured one";
-    case Reason::misprint:
-      return "misprint";
-    case Reason::inconsistent:
-      return "does not fit the other printed numbers; the right value is not known";
-    case Reason::not_at_hand:
-      return "printed value not at hand";
-    case Reason::unexplained:
-      return "unexplained";
-  }
-  return "unexplained";
-}
+std::string_view name(Reason reason) { return kReasons[static_cast<std::size_t>(reason)].name; }
+std::string_view phrase(Reason reason) { return kReasons[static_cast<std::size_t>(reason)].phrase; }
 
 std::optional<double> Cell::difference() const {
   if (!printed || !computed) return std::nullopt;

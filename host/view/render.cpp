@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -101,42 +102,24 @@ std::string series_cells(const reduction::RunningStatistics& series) {
          right(std::to_string(series.count()), 5);
 }
 
-const thesis::MeanSd* thesis_value(const thesis::Condition& c, Quantity q) {
-  switch (q) {
-    case Quantity::theta_in_deg:
-      return &c.theta_in_deg;
-    case Quantity::theta_out_deg:
-      return &c.theta_out_deg;
-    case Quantity::vx_td_mps:
-      return &c.vx_td_mps;
-    case Quantity::vy_td_mps:
-      return &c.vy_td_mps;
-    case Quantity::v_td_mps:
-      return &c.v_td_mps;
-    case Quantity::omega_td_radps:
-      return &c.omega_td_radps;
-    case Quantity::vx_lo_mps:
-      return &c.vx_lo_mps;
-    case Quantity::vy_lo_mps:
-      return &c.vy_lo_mps;
-    case Quantity::v_lo_mps:
-      return &c.v_lo_mps;
-    case Quantity::omega_lo_radps:
-      return &c.omega_lo_radps;
-    case Quantity::e:
-      return &c.e;
-    case Quantity::mu:
-      return &c.mu;
-    case Quantity::dwell_time_ms:
-      return &c.dwell_time_ms;
-    case Quantity::dwell_distance_cm:
-      return &c.dwell_distance_cm;
-    case Quantity::slip_lo_mps:
-    case Quantity::court_pace:
-      return nullptr;
-  }
-  return nullptr;
-}
+/// The thesis's column of each quantity, in the order of Quantity; null: it has none.
+using C = thesis::Condition;
+constexpr std::array<thesis::MeanSd C::*, reduction::kQuantityCount> kThesisColumns{&C::theta_in_deg,
+                                                                                    &C::theta_out_deg,
+                                                                                    &C::vx_td_mps,
+                                                                                    &C::vy_td_mps,
+                                                                                    &C::v_td_mps,
+                                                                                    &C::omega_td_radps,
+                                                                                    &C::vx_lo_mps,
+                                                                                    &C::vy_lo_mps,
+                                                                                    &C::v_lo_mps,
+                                                                                    &C::omega_lo_radps,
+                                                                                    nullptr,
+                                                                                    &C::e,
+                                                                                    &C::mu,
+                                                                                    &C::dwell_time_ms,
+                                                                                    &C::dwell_distance_cm,
+                                                                                    nullptr};
 
 /// Tables 2-4 hold the incoming, 5-7 the rebounding ball, 8-10 the parameters; one each for zero, top, back
 /// spin.
@@ -144,8 +127,9 @@ int first_table(const thesis::Condition& c) { return c.spin == "top" ? 3 : c.spi
 
 std::string thesis_cells(const thesis::Condition& condition, Quantity q,
                          const reduction::RunningStatistics& series) {
-  const thesis::MeanSd* printed = thesis_value(condition, q);
-  if (!printed) return "";
+  const auto column = kThesisColumns[static_cast<std::size_t>(q)];
+  if (!column) return "";
+  const thesis::MeanSd* printed = &(condition.*column);
   std::string cells = right(fmt::format("{:.2f}", printed->mean), kNumberWidth) +
                       right(fmt::format("± {:.2f}", printed->sd), kNumberWidth);
   if (series.count() > 0 && printed->sd > 0.0) {

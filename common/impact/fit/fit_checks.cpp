@@ -1,6 +1,7 @@
 #include "common/impact/fit/fit_checks.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace strobe::impact {
@@ -47,26 +48,17 @@ std::optional<FitFailure> find_observation_failure(const Observation& o, std::si
 }
 
 std::string text_of(FitError error) {
-  switch (error) {
-    case FitError::no_observations:
-      return "there are no observations to fit to";
-    case FitError::invalid_sd:
-      return "standard deviations must be finite and not negative, those of lift-off positive where they "
-             "weight the fit";
-    case FitError::invalid_options:
-      return "diameter and weights must be positive";
-    case FitError::parameter_not_in_model:
-      return "the model does not have this parameter";
-    case FitError::value_out_of_bounds:
-      return "outside of the parameter's range";
-    case FitError::underdetermined:
-      return "too few observations for so many parameters: each gives two numbers (vx and omega)";
-    case FitError::not_identifiable:
-      return "cannot be told apart from the other parameters by these observations: fix it";
-    case FitError::invalid_observation:
-      break;
-  }
-  return "invalid observation";
+  constexpr std::array<const char*, 8> texts{
+      "there are no observations to fit to",
+      "invalid observation",
+      "standard deviations must be finite and not negative, those of lift-off positive where they weight the "
+      "fit",
+      "diameter and weights must be positive",
+      "the model does not have this parameter",
+      "outside of the parameter's range",
+      "too few observations for so many parameters: each gives two numbers (vx and omega)",
+      "cannot be separated from the other parameters by these observations: fix it"};
+  return texts[static_cast<std::size_t>(error)];
 }
 
 }  // namespace

@@ -73,35 +73,16 @@ struct ContactCoefficients {
 enum class ContactMode { slips_forward, slips_backward, grips };
 
 constexpr std::string_view name(ContactMode mode) {
-  switch (mode) {
-    case ContactMode::slips_forward:
-      return "slips_forward";
-    case ContactMode::slips_backward:
-      return "slips_backward";
-    case ContactMode::grips:
-      return "grips";
-  }
-  return "";
+  constexpr std::array<std::string_view, 3> names{"slips_forward", "slips_backward", "grips"};
+  return names[static_cast<std::size_t>(mode)];
 }
 
 enum class ContactEventKind { grip, slip, friction_reversal, deepest, largest_force, release };
 
 constexpr std::string_view name(ContactEventKind kind) {
-  switch (kind) {
-    case ContactEventKind::grip:
-      return "grip";
-    case ContactEventKind::slip:
-      return "slip";
-    case ContactEventKind::friction_reversal:
-      return "friction_reversal";
-    case ContactEventKind::deepest:
-      return "deepest";
-    case ContactEventKind::largest_force:
-      return "largest_force";
-    case ContactEventKind::release:
-      return "release";
-  }
-  return "";
+  constexpr std::array<std::string_view, 6> names{"grip",    "slip",          "friction_reversal",
+                                                  "deepest", "largest_force", "release"};
+  return names[static_cast<std::size_t>(kind)];
 }
 
 struct ContactEvent {

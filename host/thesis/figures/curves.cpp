@@ -1,5 +1,6 @@
 #include "host/thesis/figures/curves.hpp"
 
+#include <array>
 #include <cmath>
 
 #include "common/units/angles.hpp"
@@ -13,28 +14,37 @@ using contact::SpinPulse;
 using contact::SpinPulseInput;
 using data::ContactRow;
 
-double state_value(const contact::SpinPulseState& s, Quantity quantity) {
-  switch (quantity) {
-    case Quantity::x_cm:
-      return 1e2 * s.x_m;
-    case Quantity::y_mm:
-      return 1e3 * s.y_m;
-    case Quantity::rotation_deg:
-      return degrees(s.rotation_rad);
-    case Quantity::vx_mps:
-      return s.vx_mps;
-    case Quantity::vy_mps:
-      return s.vy_mps;
-    case Quantity::omega_radps:
-      return s.omega_radps;
-    case Quantity::slip_mps:
-      return s.slip_mps;
-    case Quantity::fx_n:
-      return s.fx_n;
-    case Quantity::fy_n:
-      return s.fy_n;
-  }
-  return kNoValue;
+using contact::DerivedState;
+using contact::SpinPulseState;
+
+/// What is drawn of a quantity, and where integration and differentiation have it.
+struct Drawn {
+  const char* axis;
+  const char* narrow;
+  double SpinPulseState::*integrated;
+  std::optional<ValueSd> DerivedState::*derived;
+  double unit;
+};
+
+/// In the order of Quantity.
+constexpr std::array<Drawn, 9> kDrawn{{
+    {"distance along the surface x, cm", nullptr, &SpinPulseState::x_m, &DerivedState::x_m, 1e2},
+    {"height of the top less that at touchdown y, mm", nullptr, &SpinPulseState::y_m, &DerivedState::y_m,
+     1e3},
+    {"rotation since touchdown, degrees", nullptr, &SpinPulseState::rotation_rad, &DerivedState::rotation_rad,
+     degrees(1.0)},
+    {"velocity along the surface vx, m/s", "vx, m/s", &SpinPulseState::vx_mps, &DerivedState::vx_mps, 1.0},
+    {"velocity normal to it vy, m/s", "vy, m/s", &SpinPulseState::vy_mps, &DerivedState::vy_mps, 1.0},
+    {"spin omega, rad/s", "spin, rad/s", &SpinPulseState::omega_radps, &DerivedState::omega_radps, 1.0},
+    {"slip vx + R omega, m/s", nullptr, &SpinPulseState::slip_mps, &DerivedState::slip_mps, 1.0},
+    {"friction force Fx, N", "Fx, N", &SpinPulseState::fx_n, &DerivedState::fx_n, 1.0},
+    {"normal force Fy, N", "Fy, N", &SpinPulseState::fy_n, &DerivedState::fy_n, 1.0},
+}};
+
+const Drawn& drawn(Quantity quantity) { return kDrawn[static_cast<std::size_t>(quantity)]; }
+
+double state_value(const SpinPulseState& s, Quantity quantity) {
+  return drawn(quantity).unit * s.*drawn(quantity).integrated;
 }
 
 /// A fraction of the images in the figures' units; nothing for what images do not show.
@@ -59,34 +69,12 @@ double cubic_value(const SetCurves& c, double t, Quantity quantity) {
 }
 
 /// Value and sd of differentiation in the figures' units.
-PlotPoint derived_point(const contact::DerivedState& state, Quantity quantity, bool band) {
-  const auto point = [band](const std::optional<ValueSd>& v, double unit) {
-    if (!v) return PlotPoint{0.0, kNoValue};
-    const double y = unit * v->value;
-    const double sd = band ? std::abs(unit) * v->sd : kNoValue;
-    return PlotPoint{0.0, y, y - sd, y + sd};
-  };
-  switch (quantity) {
-    case Quantity::x_cm:
-      return point(state.x_m, 1e2);
-    case Quantity::y_mm:
-      return point(state.y_m, 1e3);
-    case Quantity::rotation_deg:
-      return point(state.rotation_rad, degrees(1.0));
-    case Quantity::vx_mps:
-      return point(state.vx_mps, 1.0);
-    case Quantity::vy_mps:
-      return point(state.vy_mps, 1.0);
-    case Quantity::omega_radps:
-      return point(state.omega_radps, 1.0);
-    case Quantity::slip_mps:
-      return point(state.slip_mps, 1.0);
-    case Quantity::fx_n:
-      return point(state.fx_n, 1.0);
-    case Quantity::fy_n:
-      return point(state.fy_n, 1.0);
-  }
-  return {};
+PlotPoint derived_point(const DerivedState& state, Quantity quantity, bool band) {
+  const std::optional<ValueSd>& v = state.*drawn(quantity).derived;
+  if (!v) return {0.0, kNoValue};
+  const double y = drawn(quantity).unit * v->value;
+  const double sd = band ? drawn(quantity).unit * v->sd : kNoValue;
+  return {0.0, y, y - sd, y + sd};
 }
 
 using Motion = std::function<contact::SpinPulseState(double)>;
@@ -170,29 +158,7 @@ double residual_sd(const SetCurves& c, Quantity quantity) {
 
 }  // namespace
 
-const char* axis_label(Quantity quantity) {
-  switch (quantity) {
-    case Quantity::x_cm:
-      return "distance along the surface x, cm";
-    case Quantity::y_mm:
-      return "height of the top less that at touchdown y, mm";
-    case Quantity::rotation_deg:
-      return "rotation since touchdown, degrees";
-    case Quantity::vx_mps:
-      return "velocity along the surface vx, m/s";
-    case Quantity::vy_mps:
-      return "velocity normal to it vy, m/s";
-    case Quantity::omega_radps:
-      return "spin omega, rad/s";
-    case Quantity::slip_mps:
-      return "slip vx + R omega, m/s";
-    case Quantity::fx_n:
-      return "friction force Fx, N";
-    case Quantity::fy_n:
-      return "normal force Fy, N";
-  }
-  return "";
-}
+const char* axis_label(Quantity quantity) { return drawn(quantity).axis; }
 
 bool is_rotational(Quantity quantity) {
   return quantity == Quantity::rotation_deg || quantity == Quantity::omega_radps ||
@@ -200,20 +166,7 @@ bool is_rotational(Quantity quantity) {
 }
 
 const char* short_label(Quantity quantity) {
-  switch (quantity) {
-    case Quantity::vx_mps:
-      return "vx, m/s";
-    case Quantity::vy_mps:
-      return "vy, m/s";
-    case Quantity::omega_radps:
-      return "spin, rad/s";
-    case Quantity::fx_n:
-      return "Fx, N";
-    case Quantity::fy_n:
-      return "Fy, N";
-    default:
-      return axis_label(quantity);
-  }
+  return drawn(quantity).narrow ? drawn(quantity).narrow : axis_label(quantity);
 }
 
 Result<SetCurves> set_curves(const ThesisInputs& inputs, const std::string& set) {
