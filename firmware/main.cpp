@@ -5,10 +5,9 @@
 #include <cstdio>
 #include <exception>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 
 #include "common/authentication/key_file.hpp"
+#include "common/config/files.hpp"
 #include "common/messages/channels.hpp"
 #include "firmware/check.hpp"
 #include "firmware/core/rig_file.hpp"
@@ -27,11 +26,9 @@ constexpr const char* kFooter =
     "that thread stand still, output-failure lets every further setting of an output fail.";
 
 strobe::Result<Rig> load_rig(const std::string& path) {
-  std::ifstream file(path);
-  if (!file) return strobe::fail(path + ": cannot be read");
-  std::ostringstream text;
-  text << file.rdbuf();
-  auto rig = read_rig(text.str(), path);
+  const auto text = strobe::config::read_file(path);
+  if (!text) return tl::unexpected(text.error());
+  auto rig = read_rig(*text, path);
   if (rig && !rig->key_file.empty())
     rig->key_file = (std::filesystem::path(path).parent_path() / rig->key_file).string();
   return rig;
@@ -42,7 +39,7 @@ int bad_input(const std::string& what) {
   return kExitBadInput;
 }
 
-/// The lab's key; its fingerprint is told at the start, so that it can be compared with a host's.
+/// The lab's key; its fingerprint is printed at the start, so that it can be compared with a host's.
 strobe::Result<void> take_key(const Rig& rig, Options& options) {
   const auto found = strobe::authentication::find_key({options.key_file, rig.key_file});
   if (!found) return tl::unexpected(found.error());

@@ -26,8 +26,8 @@ struct Options {
   bool verbose = false;
   bool json = false;
   std::string drill;  ///< one of kDrills; empty: none
-  int drill_at_shot =
-      0;  ///< counted from 1 since this start; a shot without flashes delays it to the next; 0: none
+  /// counted from 1 since this start; a shot without flashes delays it to the next; 0: none
+  int drill_at_shot = 0;
 };
 
 }  // namespace strobe::firmware

@@ -88,8 +88,8 @@ class TimedClassifier {
       const std::vector<std::size_t> indices = of(leg);
       if (indices.empty()) return;
       const bool incoming = leg == Leg::incoming;
-      const std::size_t next =
-          incoming ? indices.back() + 1 : indices.front() - 1;  // wraps below 0: beyond size
+      // wraps below 0: beyond size
+      const std::size_t next = incoming ? indices.back() + 1 : indices.front() - 1;
       if (next >= images_.size() || legs_[next]) return;
       const auto cross = predict(indices, leg);
       const bool above =

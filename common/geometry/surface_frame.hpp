@@ -18,10 +18,6 @@ struct SurfaceFrame {
   Eigen::Vector2d from_image(const Eigen::Vector2d& point_px) const {
     return scaled(line.coordinates(point_px));
   }
-  /// Of a displacement.
-  Eigen::Vector2d vector_from_image(const Eigen::Vector2d& d_px) const {
-    return scaled(line.tilt.inverse() * d_px);
-  }
   Eigen::Vector2d to_image(const Eigen::Vector2d& point) const {
     const Eigen::Vector2d px = point * px_per_unit;
     return line.origin() + line.tilt * Eigen::Vector2d(mirrored ? -px.x() : px.x(), px.y());

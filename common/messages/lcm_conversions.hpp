@@ -1,5 +1,5 @@
-// Frames and readouts to and from their LCM messages. What is absent is NaN (numbers) or empty (text) there.
-// Messages come from outside: every conversion checks before it copies; an error names the field.
+// Frames to and from their LCM messages, readouts to theirs. What is absent is NaN (numbers) or empty (text)
+// there. Messages come from outside: they are checked before they are copied; an error names the field.
 // Pure functions; thread-safe; they allocate.
 #pragma once
 
@@ -25,10 +25,8 @@ Result<reduction::Frame> frame_from_lcm(const strobe_msgs::frame_t& message);
 /// other than "auto" and "hand" become the frame's, which is that of most images.
 strobe_msgs::frame_t frame_to_lcm(const reduction::Frame& frame);
 
+/// The legacy estimator's `far` and `contact` are not carried.
 strobe_msgs::readout_t readout_to_lcm(const reduction::Readout& readout, std::int64_t host_id,
                                       std::int64_t boot_id);
-
-/// host_id and boot_id are in the message. The legacy estimator's `far` and `contact` are not carried.
-Result<reduction::Readout> readout_from_lcm(const strobe_msgs::readout_t& message);
 
 }  // namespace strobe::messages

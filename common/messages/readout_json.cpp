@@ -1,6 +1,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/messages/json_conversions.hpp"
+#include "common/messages/or_null.hpp"
 
 namespace strobe::messages {
 namespace {
@@ -12,8 +13,7 @@ using reduction::Readout;
 void put(ordered_json& object, const Quantities& quantities) {
   for (std::size_t i = 0; i < reduction::kQuantityCount; ++i) {
     const auto quantity = static_cast<reduction::Quantity>(i);
-    const auto& value = quantities[quantity];
-    object[std::string(name(quantity))] = value ? ordered_json(*value) : ordered_json();
+    object[std::string(name(quantity))] = or_null(quantities[quantity]);
   }
 }
 

@@ -4,7 +4,6 @@
 
 #include <array>
 #include <bitset>
-#include <optional>
 #include <string_view>
 
 namespace strobe::reduction {
@@ -43,14 +42,6 @@ inline constexpr std::array<std::string_view, 19> kFlagNames{
 inline constexpr std::size_t kFlagCount = kFlagNames.size();
 
 constexpr std::string_view name(Flag flag) { return kFlagNames[static_cast<std::size_t>(flag)]; }
-
-/// Returns nullopt if there is no flag of that name.
-constexpr std::optional<Flag> flag_from_name(std::string_view text) {
-  for (std::size_t i = 0; i < kFlagCount; ++i) {
-    if (kFlagNames[i] == text) return static_cast<Flag>(i);
-  }
-  return std::nullopt;
-}
 
 /// A set of flags, iterated in the order of the list.
 class FlagSet {

@@ -21,10 +21,6 @@ class RunningStatistics {
   double population_sd() const {
     return count_ > 0 ? std::sqrt(squares_ / static_cast<double>(count_)) : 0.0;
   }
-  /// Dividing by n - 1; NaN for fewer than two values.
-  double sample_sd() const {
-    return count_ > 1 ? std::sqrt(squares_ / static_cast<double>(count_ - 1)) : std::nan("");
-  }
   /// Population sd over |mean|; infinite or NaN at mean 0.
   double coefficient_of_variation() const { return population_sd() / std::abs(mean_); }
 

@@ -48,7 +48,7 @@ class Filter {
   void jump_over_next_if(std::uint32_t value) {
     program_.push_back(BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, value, 1, 0));
   }
-  /// Goes on here if the value is loaded, else where it is told to land.
+  /// Goes on here if the value is loaded, else at the given instruction.
   std::size_t branch(std::uint32_t value) {
     program_.push_back(BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, value, 0, 0));
     return program_.size() - 1;

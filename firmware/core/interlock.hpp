@@ -58,8 +58,8 @@ inline constexpr std::uint32_t trigger_pending = 1U << 9;  ///< not dry, not abo
 namespace action {
 inline constexpr std::uint32_t take_token = 1U << 0;
 inline constexpr std::uint32_t drop_token = 1U << 1;
-inline constexpr std::uint32_t begin_shot = 1U
-                                            << 2;  ///< uses its number up; its trigger is pending unless dry
+/// uses its number up; its trigger is pending unless dry
+inline constexpr std::uint32_t begin_shot = 1U << 2;
 inline constexpr std::uint32_t cancel_trigger = 1U << 3;
 inline constexpr std::uint32_t latch_fault = 1U << 4;
 inline constexpr std::uint32_t unlatch_fault = 1U << 5;

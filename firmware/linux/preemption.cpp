@@ -32,7 +32,7 @@ std::optional<Preemption> in_brackets(const std::string& models) {
   return by_name(models.substr(open + 1, close - open - 1));
 }
 
-/// The kernel obeys the last one.
+/// Of several the last one counts.
 std::optional<Preemption> on_command_line(const std::string& line) {
   const std::string key = "preempt=";
   std::optional<Preemption> chosen;

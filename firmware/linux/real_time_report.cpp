@@ -164,7 +164,7 @@ void interrupts(const Rig& rig, const SystemFiles& files, std::vector<CheckItem>
 CheckItem clock_source(const SystemFiles& files) {
   const std::string folder = "sys/devices/system/clocksource/clocksource0/";
   const std::string current = files.read(folder + "current_clocksource").value_or("");
-  if (current.empty()) return ok("clock_source", "not told by the kernel");
+  if (current.empty()) return ok("clock_source", "the kernel does not say");
   constexpr std::array<const char*, 5> kSlow{"hpet", "acpi_pm", "jiffies", "pit", "refined-jiffies"};
   if (std::find(kSlow.begin(), kSlow.end(), current) == kSlow.end()) return ok("clock_source", current);
   return {"clock_source", Verdict::fault,
@@ -205,11 +205,11 @@ CheckItem preemption(const Rig& rig, const SystemFiles& files) {
   }
   if (found.switchable) {
     return advice(name,
-                  "PREEMPT_DYNAMIC, and this user is not told the model: as root look into "
+                  "PREEMPT_DYNAMIC, whose model this user may not read: as root look into "
                   "/sys/kernel/debug/sched/preempt; " +
                       cure);
   }
-  if (found.source.empty()) return ok(name, "not told by the kernel");
+  if (found.source.empty()) return ok(name, "the kernel does not say");
   return advice(name, "none or voluntary: the loop waits for other programs' system calls" + late + cure);
 }
 

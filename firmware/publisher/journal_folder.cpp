@@ -174,7 +174,7 @@ FolderFindings repair_journals(const fs::path& dir) {
   std::sort(boots.begin(), boots.end(),
             [](const Contents& a, const Contents& b) { return a.wall_us > b.wall_us; });
   for (const Contents& boot : boots) findings.earlier.push_back({boot.boot_id, boot.last_sequence});
-  // Of the last one only: what earlier ones lost was told then.
+  // Of the last one only: what earlier ones lost was reported then.
   if (!boots.empty()) name_losses(boots.front(), findings.repaired);
   return findings;
 }

@@ -24,8 +24,8 @@ struct AssemblySettings {
 AssemblySettings assembly_settings(const RigFile& rig);
 
 struct AssembledShot {
-  reduction::Frame
-      frame;  ///< images with the times of their flashes, from the first image's; empty if unmatched
+  /// images with the times of their flashes, from the first image's; empty if unmatched
+  reduction::Frame frame;
   reduction::FlagSet flags;      ///< of the flashes that show the ball, the match, the sensors and the shot
   double match_ambiguity = 0.0;  ///< FlashMatch::ambiguity
   std::optional<reduction::ImagedFlashes> flashes;  ///< absent if unmatched

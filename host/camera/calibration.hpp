@@ -43,8 +43,8 @@ struct LensPosition {
 
 struct Calibration {
   digitize::LensDistortion lens;
-  cv::Matx33d
-      rectify;  ///< undistorted image px to plane px; near the photograph's centre plane px are image px
+  /// undistorted image px to plane px; near the photograph's centre plane px are image px
+  cv::Matx33d rectify;
   double px_per_m = 0.0;  ///< of plane px
   ScaleErrors scale_errors;
   std::optional<LensPosition> place;  ///< absent: the distance would be uncertain by more than a quarter

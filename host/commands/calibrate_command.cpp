@@ -13,6 +13,8 @@
 #include <string>
 #include <vector>
 
+#include "common/config/files.hpp"
+#include "common/messages/or_null.hpp"
 #include "host/camera/calibration.hpp"
 #include "host/commands/command.hpp"
 #include "host/config/rig_file.hpp"
@@ -116,17 +118,13 @@ CameraTable table_of(const CalibrateOptions& options, const camera::Calibration&
 
 using nlohmann::ordered_json;
 
-ordered_json number_or_null(std::optional<double> value) {
-  return value ? ordered_json(*value) : ordered_json();
-}
-
 void print_json(const CalibrateOptions& options, const CameraTable& table, const camera::Calibration& found) {
   ordered_json out;
   out["px_per_m"] = *table.px_per_m;
   out["px_per_m_sd"] = *table.px_per_m_sd;
   out["sd_share"] = {{"points", found.scale_errors.points},
                      {"print", found.scale_errors.print},
-                     {"off_plane", number_or_null(found.scale_errors.off_plane)}};
+                     {"off_plane", messages::or_null(found.scale_errors.off_plane)}};
   out["residual_px"] = found.fit.rms_px;
   out["residuals_px"] = found.fit.view_rms_px;
   out["points"] = found.fit.points;
@@ -135,7 +133,7 @@ void print_json(const CalibrateOptions& options, const CameraTable& table, const
   out["lens_distortion"] = table.map->lens_distortion;
   out["lens_terms"] = found.fit.lens_terms;
   out["largest_shift_px"] = found.largest_shift_px;
-  out["tilt_deg"] = number_or_null(table.tilt_deg);
+  out["tilt_deg"] = messages::or_null(table.tilt_deg);
   out["lens_distance_m"] = ordered_json();
   out["lens_distance_sd_m"] = ordered_json();
   if (found.place) {
@@ -175,7 +173,7 @@ void print_text(const CameraTable& table, const camera::Calibration& found) {
 
 /// Where the calibration goes: beside the rig file, as that says.
 Result<std::filesystem::path> calibration_path(const std::string& rig_path) {
-  const auto text = read_file(rig_path);
+  const auto text = config::read_file(rig_path);
   if (!text) return tl::unexpected(text.error());
   const auto rig = read_rig(*text, rig_path);
   if (!rig) return tl::unexpected(rig.error());

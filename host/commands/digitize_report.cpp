@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "common/messages/json_conversions.hpp"
+#include "common/messages/or_null.hpp"
 #include "common/units/angles.hpp"
-#include "host/view/or_null.hpp"
 #include "host/view/text.hpp"
 
 namespace strobe::host {
@@ -28,9 +28,9 @@ std::string_view leg_name(const std::optional<Leg>& leg) {
 ordered_json inputs_json(const DigitizeSettings& settings) {
   ordered_json inputs;
   inputs["px_per_m"] = settings.px_per_m;
-  inputs["px_per_m_sd"] = or_null(settings.px_per_m_sd);
+  inputs["px_per_m_sd"] = messages::or_null(settings.px_per_m_sd);
   inputs["ball_diameter_m"] = settings.ball_diameter_m;
-  inputs["ball_diameter_sd_m"] = or_null(settings.ball_diameter_sd_m);
+  inputs["ball_diameter_sd_m"] = messages::or_null(settings.ball_diameter_sd_m);
   inputs["size_tolerance_percent"] = 100.0 * settings.size_tolerance;
   inputs["calibrated"] = !settings.map.is_uncalibrated();
   inputs["flashes"] =

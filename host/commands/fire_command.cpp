@@ -5,12 +5,12 @@
 #include <optional>
 
 #include "common/authentication/key_file.hpp"
+#include "common/config/files.hpp"
 #include "host/clock/machine_clock.hpp"
 #include "host/commands/command.hpp"
 #include "host/commands/fire_run.hpp"
 #include "host/commands/photograph_options.hpp"
 #include "host/config/notes.hpp"
-#include "host/config/share.hpp"
 #include "host/session/session_folder.hpp"
 
 namespace strobe::host {
@@ -40,9 +40,9 @@ Result<reduction::Record> notes_of(const FireOptions& options) {
 /// The thesis's series that --spin and --angle name, if they do; angles of incidence are labelled without
 /// sign.
 std::optional<thesis::Condition> condition_of(const FireOptions& options) {
-  const auto share = share_folder();
+  const auto share = config::share_folder();
   if (options.spin.empty() || !options.angle_deg || !share) return std::nullopt;
-  const auto text = read_file((*share / "thesis" / "tables_02_to_10.csv").string());
+  const auto text = config::read_file((*share / "thesis" / "tables_02_to_10.csv").string());
   if (!text) return std::nullopt;
   const auto conditions = thesis::parse_conditions(*text, "tables_02_to_10.csv");
   if (!conditions) return std::nullopt;
@@ -62,7 +62,7 @@ Result<FireRequest> request_of(const FireOptions& options) {
   request.rig = std::move(*rig);
   PlanFile plan = request.rig.plan;
   if (!options.plan_path.empty()) {
-    const auto text = read_file(options.plan_path);
+    const auto text = config::read_file(options.plan_path);
     if (!text) return tl::unexpected(text.error());
     auto read = read_plan(*text, options.plan_path, plan);
     if (!read) return tl::unexpected(read.error());

@@ -39,7 +39,7 @@ class KeyCheck {
   std::optional<HostTime> differs_since_;
 };
 
-/// What is going on, told once it is lasting.
+/// Prints, where there is no screen, what has lasted for two seconds.
 class ActivityNotes {
  public:
   std::optional<std::string> update(const ShotSeries& series, HostTime now) {

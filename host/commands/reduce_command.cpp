@@ -12,6 +12,7 @@
 #include <optional>
 #include <system_error>
 
+#include "common/config/files.hpp"
 #include "common/messages/json_conversions.hpp"
 #include "common/reduction/legacy.hpp"
 #include "common/reduction/legacy_file.hpp"
@@ -84,7 +85,7 @@ class Reducer {
   }
 
   Result<void> legacy(const std::string& file) {
-    const auto text = read_file(file);
+    const auto text = config::read_file(file);
     if (!text) return tl::unexpected(text.error());
     int number = 0;
     for (const auto& frame : reduction::parse_legacy(*text, file)) {

@@ -2,24 +2,20 @@
 
 #include <fmt/format.h>
 
-#include <array>
-#include <cerrno>
-#include <cstdio>
-#include <cstring>
 #include <filesystem>
-#include <memory>
 #include <set>
 
 #include "common/ball/ball.hpp"
+#include "common/config/files.hpp"
 #include "common/config/toml_reader.hpp"
 #include "common/messages/channels.hpp"
 #include "common/messages/record.hpp"
 #include "host/config/notes.hpp"
-#include "host/config/share.hpp"
 
 namespace strobe::host {
 namespace {
 
+using config::read_file;
 using config::TomlTable;
 
 BallSettings read_ball(TomlTable table) {
@@ -63,12 +59,6 @@ void accept_firmware_tables(TomlTable root) {
   }
 }
 
-struct FileCloser {
-  void operator()(std::FILE* file) const {
-    if (file != stdin) std::fclose(file);
-  }
-};
-
 }  // namespace
 
 Result<RigFile> read_rig(std::string_view text, const std::string& file_name) {
@@ -99,7 +89,7 @@ Result<RigFile> read_rig(std::string_view text, const std::string& file_name) {
 Result<RigFile> load_rig(const std::string& path) {
   std::string file = path;
   if (file.empty()) {
-    const auto share = share_folder();
+    const auto share = config::share_folder();
     if (!share) return fail("no --rig given, and " + share.error().message);
     file = (*share / "rig.toml").string();
   }
@@ -119,20 +109,6 @@ Result<RigFile> load_rig(const std::string& path) {
   rig->calibration_text = *calibration;
   rig->camera = *calibrated;
   return rig;
-}
-
-Result<std::string> read_file(const std::string& path) {
-  constexpr std::size_t kMaxBytes = 16u << 20;
-  const std::unique_ptr<std::FILE, FileCloser> file(path == "-" ? stdin : std::fopen(path.c_str(), "rb"));
-  if (!file) return fail(path + ": " + std::strerror(errno));
-  std::string text;
-  std::array<char, 65536> block{};
-  while (const std::size_t n = std::fread(block.data(), 1, block.size(), file.get())) {
-    text.append(block.data(), n);
-    if (text.size() > kMaxBytes) return fail(path + ": larger than 16 MB");
-  }
-  if (std::ferror(file.get())) return fail(path + ": " + std::strerror(errno));
-  return text;
 }
 
 }  // namespace strobe::host

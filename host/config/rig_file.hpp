@@ -50,7 +50,4 @@ Result<RigFile> read_rig(std::string_view text, const std::string& file_name);
 /// camera.folder and key_file are then beside the file. Fails with the file's name.
 Result<RigFile> load_rig(const std::string& path);
 
-/// The whole file as text, at most 16 MB. "-" is standard input. Fails with the file's name.
-Result<std::string> read_file(const std::string& path);
-
 }  // namespace strobe::host

@@ -55,7 +55,7 @@ class Stopwatch {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-// With fewer outlines their common size is too uncertain to doubt one.
+// With fewer outlines their common size is too uncertain to reject one by it.
 constexpr std::size_t kMinForRefit = 4;
 constexpr double kInconsistent_sd = 4.0;
 constexpr double kNeighbourOfDiameter = 1.2;

@@ -20,7 +20,7 @@ std::optional<Duration> call(const flash_t& flash) {
   return known(start) && known(end) ? std::optional(end - start) : std::nullopt;
 }
 
-/// Of a call that was interrupted nobody knows when the line changed: twice the shortest, and a microsecond.
+/// An interrupted call does not show when the line changed. Longest other one: twice the shortest, and 1 us.
 Duration longest_call(const shot_t& shot) {
   std::optional<Duration> shortest;
   for (const flash_t& flash : shot.flashes) {
@@ -61,9 +61,7 @@ DelayCalibration delay_calibration(const shot_t& shot) {
   DelayCalibration calibration;
   calibration.lamp_a_us = lamp_delay_us(shot, strobe_msgs::coded_flash_t::LAMP_A, &flash_t::observed_a_ns);
   calibration.lamp_b_us = lamp_delay_us(shot, strobe_msgs::coded_flash_t::LAMP_B, &flash_t::observed_b_ns);
-  const bool told =
-      shot.shutter_feedback == shot_t::FEEDBACK_SEEN || shot.shutter_feedback == shot_t::FEEDBACK_LATE;
-  if (told) {
+  if (shot.shutter_feedback == shot_t::FEEDBACK_SEEN || shot.shutter_feedback == shot_t::FEEDBACK_LATE) {
     calibration.opening_lag_ms = lag_ms(from_ns(shot.shutter_open_ns), from_ns(shot.shutter_on_ns));
     calibration.closing_lag_ms = lag_ms(from_ns(shot.shutter_close_ns), from_ns(shot.shutter_off_ns));
   }

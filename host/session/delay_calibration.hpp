@@ -1,4 +1,4 @@
-// What a shot tells of the bench's own delays, as values for the rig file. No I/O; thread-safe; allocates.
+// What a shot shows of the bench's own delays, as values for the rig file. No I/O; thread-safe; allocates.
 #pragma once
 
 #include <optional>

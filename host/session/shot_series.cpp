@@ -83,8 +83,8 @@ void ShotSeries::wait_for_readiness(const status_t& status, HostTime now) {
     sent_ = now;
   }
   if (!blocking_reason_.empty()) return;
-  if (!refusal_
-           .empty()) {  // refused though nothing seemed missing: say so and try at the pace of the retries
+  // refused though nothing seemed missing: say so and try at the pace of the retries
+  if (!refusal_.empty()) {
     blocking_reason_ = refusal_;
     if (now - entered_ < kSendAgain) return;
     blocking_reason_.clear();

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "common/messages/or_null.hpp"
 #include "common/reduction/running_statistics.hpp"
 #include "host/assembly/flash_times.hpp"
 
@@ -41,13 +42,10 @@ nlohmann::ordered_json to_json(const std::optional<CalibratedDelay>& delay) {
 }
 
 nlohmann::ordered_json to_json(const DelayCalibration& calibration) {
-  const auto number = [](const std::optional<double>& value) {
-    return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
-  };
   return {{"lamp_delay_a_us", to_json(calibration.lamp_a_us)},
           {"lamp_delay_b_us", to_json(calibration.lamp_b_us)},
-          {"shutter_opening_lag_ms", number(calibration.opening_lag_ms)},
-          {"shutter_closing_lag_ms", number(calibration.closing_lag_ms)}};
+          {"shutter_opening_lag_ms", messages::or_null(calibration.opening_lag_ms)},
+          {"shutter_closing_lag_ms", messages::or_null(calibration.closing_lag_ms)}};
 }
 
 std::string spread_words(const MeanSdMax& value) {
@@ -119,17 +117,14 @@ bool sound(const TrainReport& report) {
 }
 
 std::string train_report_json(const TrainReport& report, int shot_id) {
-  const auto count = [](const std::optional<int>& n) {
-    return n ? nlohmann::ordered_json(*n) : nlohmann::ordered_json(nullptr);
-  };
   const nlohmann::ordered_json json{{"shot_id", shot_id},
                                     {"dry", true},
                                     {"planned", report.planned},
                                     {"planned_a", report.planned_a},
                                     {"planned_b", report.planned_b},
                                     {"issued", report.issued},
-                                    {"seen_by_a", count(report.seen_by_a)},
-                                    {"seen_by_b", count(report.seen_by_b)},
+                                    {"seen_by_a", messages::or_null(report.seen_by_a)},
+                                    {"seen_by_b", messages::or_null(report.seen_by_b)},
                                     {"late", report.late},
                                     {"double", report.doubled},
                                     {"issue_lateness_us", to_json(report.issue_lateness_us)},

@@ -6,49 +6,25 @@
 #include <cmath>
 
 namespace strobe::host {
-namespace {
-
-bool continues(char c) { return (static_cast<unsigned char>(c) & 0xC0) == 0x80; }
-
-std::size_t bytes_of(std::string_view text, std::size_t width) {
-  std::size_t seen = 0;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    if (!continues(text[i]) && seen++ == width) return i;
-  }
-  return text.size();
-}
-
-std::string spaces(std::size_t count) { return std::string(count, ' '); }
-
-}  // namespace
 
 std::size_t columns(std::string_view text) {
-  return static_cast<std::size_t>(
-      std::count_if(text.begin(), text.end(), [](char c) { return !continues(c); }));
+  return static_cast<std::size_t>(std::ranges::count_if(text, [](char c) { return (c & 0xC0) != 0x80; }));
 }
 
 std::string cut(std::string_view text, std::size_t width) {
-  std::string result;
-  if (columns(text) <= width) {
-    result = text;
-  } else if (width > 0) {
-    result = std::string(text.substr(0, bytes_of(text, width - 1))) + "…";
-  }
-  for (char& c : result) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (byte < 0x20 || byte == 0x7F) c = ' ';
-  }
+  std::string result = fmt::format("{:.{}}", text, width);
+  if (result.size() < text.size()) result = width > 0 ? fmt::format("{:.{}}…", text, width - 1) : "";
+  std::replace_if(
+      result.begin(), result.end(), [](char c) { return (c >= 0 && c < 0x20) || c == 0x7F; }, ' ');
   return result;
 }
 
 std::string left(std::string_view text, std::size_t width) {
-  const std::string shown = cut(text, width);
-  return shown + spaces(width - columns(shown));
+  return fmt::format("{:<{}}", cut(text, width), width);
 }
 
 std::string right(std::string_view text, std::size_t width) {
-  const std::string shown = cut(text, width);
-  return spaces(width - columns(shown)) + shown;
+  return fmt::format("{:>{}}", cut(text, width), width);
 }
 
 std::string rounded(double value, double sd, int least) {

@@ -1,4 +1,5 @@
-// Text for a terminal, without escape codes. No I/O; thread-safe.
+// Text for a terminal, without escape codes; widths by fmt, which unlike wcwidth() needs no locale. No I/O;
+// thread-safe.
 #pragma once
 
 #include <string>
@@ -6,7 +7,7 @@
 
 namespace strobe::host {
 
-/// Number of characters (UTF-8 code points; each is taken as one column wide).
+/// Number of characters (UTF-8 code points).
 std::size_t columns(std::string_view text);
 
 /// Cut to at most width columns; a cut text ends in "…". Control characters become spaces.

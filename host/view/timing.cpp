@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <string_view>
 
+#include "common/messages/or_null.hpp"
 #include "host/view/rejected_commands.hpp"
 #include "host/view/text.hpp"
 
@@ -49,27 +50,19 @@ std::string bars(const histogram_t& histogram) {
   return text;
 }
 
-nlohmann::ordered_json finite_or_null(double value) {
-  return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
-}
-
 nlohmann::ordered_json histogram_json(const histogram_t* h) {
   if (h == nullptr) return nullptr;
   return {{"n", h->count},
-          {"mean", finite_or_null(h->mean_us)},
-          {"sd", finite_or_null(h->sd_us)},
-          {"min", finite_or_null(h->min_us)},
-          {"p50", finite_or_null(h->p50_us)},
-          {"p99", finite_or_null(h->p99_us)},
-          {"p99_9", finite_or_null(h->p999_us)},
-          {"max", finite_or_null(h->max_us)},
-          {"bin_first", finite_or_null(h->bin_first_us)},
-          {"bin_width", finite_or_null(h->bin_width_us)},
+          {"mean", h->mean_us},
+          {"sd", h->sd_us},
+          {"min", h->min_us},
+          {"p50", h->p50_us},
+          {"p99", h->p99_us},
+          {"p99_9", h->p999_us},
+          {"max", h->max_us},
+          {"bin_first", h->bin_first_us},
+          {"bin_width", h->bin_width_us},
           {"bins", h->bins}};
-}
-
-nlohmann::ordered_json number_or_null(const std::optional<double>& value) {
-  return value ? finite_or_null(*value) : nlohmann::ordered_json(nullptr);
 }
 
 std::string line_of(std::string_view words, const histogram_t& h) {
@@ -132,11 +125,11 @@ std::string timing_json(const status_t& status, const ClockState& clock, int aft
       {"timing", timing},
       {"clock",
        {{"heartbeats", clock.heartbeats},
-        {"drift_ppm", number_or_null(clock.drift_ppm)},
+        {"drift_ppm", messages::or_null(clock.drift_ppm)},
         {"drift_sd_ppm", clock.drift_ppm ? nlohmann::ordered_json(clock.drift_sd_ppm) : nullptr},
-        {"offset_s", number_or_null(clock.offset_s)},
+        {"offset_s", messages::or_null(clock.offset_s)},
         {"offset_sd_s", clock.offset_s ? nlohmann::ordered_json(clock.offset_sd_s) : nullptr},
-        {"latency_s", number_or_null(clock.latency_s)},
+        {"latency_s", messages::or_null(clock.latency_s)},
         {"worst_latency_s", clock.worst_latency_s},
         {"suspect", clock.suspect}}},
       {"rejected", rejected}};

@@ -1,7 +1,6 @@
 // Loads scenes by name or by path. Reads files; for program start.
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -9,10 +8,6 @@
 #include "sim/loading/parse_scene.hpp"
 
 namespace strobe::sim {
-
-/// Folder of the data that come with the program: $STROBE_SHARE, else ../share/strobe beside the executable's
-/// folder.
-Result<std::filesystem::path> share_folder();
 
 /// A scene of the scenes' folder by its name (zero_23), or any file (with a slash or ending in .toml) by its
 /// path.
@@ -30,10 +25,5 @@ struct SceneFile {
 
 /// By the name's first word and then by name. Fails if the folder cannot be read.
 Result<std::vector<SceneFile>> shipped_scene_files();
-
-/// The scenes of these files. Fails at the first with an error.
-Result<std::vector<Scene>> shipped_scenes();
-
-Result<std::string> read_text_file(const std::filesystem::path& path);
 
 }  // namespace strobe::sim

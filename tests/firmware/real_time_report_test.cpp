@@ -132,7 +132,7 @@ TEST(RealTimeReport, TellsHowFarTheKernelGivesWayToTheLoop) {
 
 TEST(RealTimeReport, TellsTheModelThatADynamicKernelRunsWith) {
   tree.put("proc/sys/kernel/version", "#1 SMP PREEMPT_DYNAMIC Debian 6.1.176-1 (2026-11-02)");
-  says("preemption", Verdict::advice, "this user is not told");
+  says("preemption", Verdict::advice, "this user may not read");
   says("preemption", Verdict::advice, "preempt=full");
   tree.put("boot/config-6.1.0-50-amd64", "CONFIG_PREEMPT_NONE=y\nCONFIG_PREEMPT_DYNAMIC=y");
   says("preemption", Verdict::advice, "none: ");

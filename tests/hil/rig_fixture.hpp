@@ -67,8 +67,8 @@ class RigFixture {
   /// A command of strobe with this bench's rig file; fire and live also with its network.
   testing::Command strobe(std::vector<std::string> words) const;
   testing::Command fire(int shots, int retries, const std::vector<std::string>& more = {}) const;
-  testing::Command strobed(
-      const std::vector<std::string>& words) const;  ///< on this bench's chip, beside its strobed
+  /// on this bench's chip, beside its strobed
+  testing::Command strobed(const std::vector<std::string>& words) const;
   void drive(const std::string& line_and_level) const;
 
   testing::Process start(const testing::Command& command) { return {command, folder_.path()}; }

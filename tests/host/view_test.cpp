@@ -235,6 +235,7 @@ TEST(TextForATerminal, IsCutAndPaddedByCharacters) {
   CHECK_EQUAL("", host::cut("abc", 0));
   CHECK_EQUAL("a b", host::cut("a\tb", 9));
   LONGS_EQUAL(4, host::columns("aü日🎾"));
+  STRCMP_EQUAL("日 ", host::left("日", 3).c_str());  // two columns wide
 }
 
 TEST(TextForATerminal, NumbersHaveTwoDigitsOfTheirUncertainty) {

@@ -69,7 +69,6 @@ class SplineFitter {
     out.intervals_ = options_.intervals;
     out.n_ = static_cast<int>(n_);
     out.smoothing_ = weight;
-    out.effective_parameters_ = s.parameters;
     out.residual_sd_ = freedom > 0.0 ? std::sqrt(s.rss / freedom) : 0.0;
     const VectorXd c = particular + null_space_ * s.free;
     out.coefficients_.assign(c.begin(), c.end());

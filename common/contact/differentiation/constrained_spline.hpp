@@ -48,7 +48,6 @@ class ConstrainedSpline {
 
   double smoothing() const { return smoothing_; }
   double residual_sd() const { return residual_sd_; }  ///< root of RSS/(n - effective parameters)
-  double effective_parameters() const { return effective_parameters_; }  ///< trace of the hat matrix
   int n() const { return n_; }
 
  private:
@@ -59,7 +58,6 @@ class ConstrainedSpline {
   std::vector<double> end_slope_factor_;   // two columns: coefficients' change per sd of each end slope
   double smoothing_ = 0.0;
   double residual_sd_ = 0.0;
-  double effective_parameters_ = 0.0;
   int n_ = 0;
 };
 

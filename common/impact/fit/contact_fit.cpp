@@ -1,7 +1,6 @@
 #include "common/impact/fit/contact_fit.hpp"
 
 #include <Eigen/Cholesky>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -116,12 +115,6 @@ Rms rms_of(std::span<const ContactFitPoint> points) {
   return {std::sqrt(sum.vx / n), std::sqrt(sum.omega / n)};
 }
 
-double condition_of(Eigen::MatrixXd j) {
-  for (int i = 0; i < kFitParameters; ++i) j.col(i) /= std::max(j.col(i).norm(), 1e-300);
-  const auto values = Eigen::JacobiSVD<Eigen::MatrixXd>(j).singularValues();
-  return values[0] / std::max(values[values.size() - 1], 1e-300);
-}
-
 }  // namespace
 
 ContactObservation observation_of(const thesis::Condition& c) {
@@ -165,7 +158,7 @@ Result<ContactFit> fit_contact(std::span<const ContactObservation> observations,
   const auto best = optimum(observations, options);
   if (!best) return tl::unexpected(best.error());
   const auto inverse = unscaled_covariance(best->jacobian, kContactRankTolerance);
-  if (!inverse) return fail("the conditions do not tell the contact's parameters apart");
+  if (!inverse) return fail("the conditions do not determine the contact's parameters");
   auto points = compare_all(observations, best->value, options);
   if (!points) return tl::unexpected(points.error());
   ContactFit fit;
@@ -175,7 +168,6 @@ Result<ContactFit> fit_contact(std::span<const ContactObservation> observations,
   fit.covariance = fit.chi_square / fit.degrees_of_freedom * *inverse;
   assert(fit.covariance.llt().info() == Eigen::Success);
   fit.coefficients = coefficients_of(observations.front(), best->value, options);
-  fit.jacobian_condition = condition_of(best->jacobian);
   fit.iterations = best->iterations;
   fit.points = std::move(*points);
   const Rms rms = rms_of(fit.points);

@@ -69,7 +69,6 @@ struct ContactFit {
   int degrees_of_freedom = 0;
   double vx_rms_mps = 0.0;
   double omega_rms_radps = 0.0;
-  double jacobian_condition = 0.0;  ///< of the Jacobian with columns scaled to length 1
   int iterations = 0;
   std::vector<ContactFitPoint> points;
 

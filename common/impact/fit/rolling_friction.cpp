@@ -11,7 +11,9 @@ namespace {
 
 bool valid_sd(double sd) { return sd >= 0.0 && sd <= kMaxMagnitude; }
 
-bool valid_sd(const Motion& sd) { return valid_sd(sd.vx_mps) && valid_sd(sd.vy_mps) && valid_sd(sd.omega_radps); }
+bool valid_sd(const Motion& sd) {
+  return valid_sd(sd.vx_mps) && valid_sd(sd.vy_mps) && valid_sd(sd.omega_radps);
+}
 
 /// The inputs that the models check, and those that only this function has.
 std::optional<InputError> find_error(const Observation& o, const ball::Ball& ball, double alpha_sd) {
@@ -73,7 +75,7 @@ tl::expected<RollingFriction, InputError> rolling_friction(const Observation& o,
   return out;
 }
 
-RollingFrictionSummary summarize(std::span<const RollingFriction> conditions, double alpha) {
+RollingFrictionSummary summarize(std::span<const RollingFriction> conditions) {
   RollingFrictionSummary out;
   if (conditions.empty()) return out;
   const auto n = static_cast<double>(conditions.size());
@@ -81,12 +83,10 @@ RollingFrictionSummary summarize(std::span<const RollingFriction> conditions, do
   const bool alike =
       std::any_of(conditions.begin(), conditions.end(), [](const auto& r) { return r.offset_sd_m == 0.0; });
   double weights = 0.0;
-  double by_alpha = 0.0;
   double sd_alpha = 0.0;
   for (const RollingFriction& r : conditions) {
     out.positive += r.offset_m > 0.0 ? 1 : 0;
     out.mean_m += r.offset_m / n;
-    by_alpha += r.offset_by_alpha_m / n;
     sd_alpha += std::copysign(r.offset_sd_alpha_m, r.offset_by_alpha_m) / n;
     weights += weight_of(r, alike);
     out.weighted_mean_m += weight_of(r, alike) * r.offset_m;
@@ -95,11 +95,9 @@ RollingFrictionSummary summarize(std::span<const RollingFriction> conditions, do
   out.scatter_m = scatter_about(conditions, out.mean_m);
   out.weighted_mean_sd_m = alike ? out.scatter_m / std::sqrt(n) : 1.0 / std::sqrt(weights);
   out.mean_sd_alpha_m = std::abs(sd_alpha);
-  out.alpha_without_offset = alpha - out.mean_m / by_alpha;
   for (const RollingFriction& r : conditions) {
     if (alike) break;
     out.chi2_of_one_value += std::pow((r.offset_m - out.weighted_mean_m) / r.offset_sd_m, 2);
-    out.chi2_of_symmetry += r.z_from_symmetry * r.z_from_symmetry;
   }
   return out;
 }

@@ -50,13 +50,11 @@ struct RollingFrictionSummary {
   double mean_m = 0.0;     ///< equally weighted
   double scatter_m = 0.0;  ///< sd between conditions (n - 1); 0 for one
   double weighted_mean_m = 0.0;
-  double weighted_mean_sd_m = 0.0;    ///< statistical
-  double mean_sd_alpha_m = 0.0;       ///< systematic, of both means
-  double chi2_of_one_value = 0.0;     ///< of the weighted mean for all, count - 1 degrees of freedom
-  double chi2_of_symmetry = 0.0;      ///< of d = 0 for all, count degrees of freedom
-  double alpha_without_offset = 0.0;  ///< the alpha that makes mean_m 0
+  double weighted_mean_sd_m = 0.0;  ///< statistical
+  double mean_sd_alpha_m = 0.0;     ///< systematic, of both means
+  double chi2_of_one_value = 0.0;   ///< of the weighted mean for all, count - 1 degrees of freedom
 };
 
-RollingFrictionSummary summarize(std::span<const RollingFriction> conditions, double alpha);
+RollingFrictionSummary summarize(std::span<const RollingFriction> conditions);
 
 }  // namespace strobe::impact

@@ -64,7 +64,6 @@ ContactState ContactTrajectory::state_of(const detail::State& z, double tau, Con
   out.fy_n = newton * std::max(s.normal_force(z), 0.0);
   out.mode = mode;
   out.slip_mps = s.speed_mps * s.slip(z);
-  out.stretch_m = metre * stretch;
   out.offset_m = s.radius_m * s.offset(z);
   out.mechanical_energy_j =
       joule * (0.5 * (vx * vx + vy * vy + s.alpha * w * w + depth * depth + s.kt * stretch * stretch) -

@@ -22,7 +22,6 @@ struct ContactState {
   double fy_n = 0.0;  ///< >= 0
   ContactMode mode = ContactMode::grips;
   double slip_mps = 0.0;             ///< vx + R·omega
-  double stretch_m = 0.0;            ///< of the tangential spring
   double offset_m = 0.0;             ///< of the normal force ahead of the centre
   double mechanical_energy_j = 0.0;  ///< kinetic, springs, weight: never grows
   double dissipated_j = 0.0;         ///< by dashpots, sliding and offset since touchdown

@@ -4,13 +4,13 @@
 #include <filesystem>
 #include <memory>
 
+#include "common/config/files.hpp"
 #include "common/contact/condition_inputs.hpp"
 #include "common/data/csv.hpp"
 #include "common/data/thesis_data.hpp"
 #include "common/units/angles.hpp"
 #include "host/commands/command.hpp"
 #include "host/commands/contact/contact_report.hpp"
-#include "host/config/share.hpp"
 
 namespace strobe::host {
 
@@ -65,7 +65,7 @@ Result<Source> find_source(const ContactOptions& options) {
     if (!set) return tl::unexpected(set.error());
     return Source{*std::move(set), std::nullopt};
   }
-  const auto share = share_folder();
+  const auto share = config::share_folder();
   if (!share) return tl::unexpected(share.error());
   const auto version = options.as_printed ? thesis::Version::as_printed : thesis::Version::corrected;
   auto data = thesis::load(*share / "thesis", version);

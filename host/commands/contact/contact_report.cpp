@@ -5,8 +5,8 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "common/messages/or_null.hpp"
 #include "common/units/angles.hpp"
-#include "host/view/or_null.hpp"
 
 namespace strobe::host {
 
@@ -20,11 +20,11 @@ ordered_json poly(const std::optional<CubicFit>& fit) {
 }
 
 ordered_json poly_errors(const std::optional<CubicFit>& fit) {
-  return fit ? or_null(fit->standard_errors) : ordered_json();
+  return fit ? messages::or_null(fit->standard_errors) : ordered_json();
 }
 
 ordered_json r_squared(const std::optional<CubicFit>& fit) {
-  return fit ? or_null(fit->r_squared) : ordered_json();
+  return fit ? messages::or_null(fit->r_squared) : ordered_json();
 }
 
 /// Number by number into `values`, its sd under the same name into `sds`.
@@ -74,7 +74,7 @@ void put_spin(ordered_json& out, const ContactReport& r) {
   const contact::RotationErrors& errors = *r.spin_errors->rotation;
   const contact::RotationError& used = error_used(errors);
   out["see_rotation_rad"] = used.see_rad;
-  out["see_rotation_fraction"] = or_null(used.see_fraction);
+  out["see_rotation_fraction"] = messages::or_null(used.see_fraction);
   out["total_rotation_deg"] = degrees(used.total_rad);
   out["total_rotation_sd_deg"] =
       errors.given_total ? ordered_json() : ordered_json(degrees(errors.fitted_total_sd_rad));
@@ -142,7 +142,9 @@ ordered_json mechanics_json(const ContactReport& r) {
 }
 
 ordered_json left_out_json(const contact::LeaveOneOutRms& l) {
-  return {{"cubic", or_null(l.cubic)}, {"spline", or_null(l.spline)}, {"pulse", or_null(l.pulse)}};
+  return {{"cubic", messages::or_null(l.cubic)},
+          {"spline", messages::or_null(l.spline)},
+          {"pulse", messages::or_null(l.pulse)}};
 }
 
 ordered_json stiffness_json(const contact::Stiffness& s) {
@@ -167,8 +169,8 @@ ordered_json inputs_json(const ContactJob& job) {
                    {"dwell_distance_cm", job.dwell_distance_cm},
                    {"diameter_m", in.diameter_m},
                    {"form", impact::name(in.form)}};
-  out["omega_td_radps"] = or_null(job.omega_td_radps);
-  out["omega_lo_radps"] = or_null(job.omega_lo_radps);
+  out["omega_td_radps"] = messages::or_null(job.omega_td_radps);
+  out["omega_lo_radps"] = messages::or_null(job.omega_lo_radps);
   out["vx_lo_mps"] = job.ends.vx_lo_mps.value;
   out["vy_lo_mps"] = job.ends.vy_lo_mps.value;
   out["mass_kg"] = job.pulse.ball.mass_kg;

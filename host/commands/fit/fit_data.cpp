@@ -5,9 +5,9 @@
 #include <iterator>
 #include <optional>
 
+#include "common/config/files.hpp"
 #include "common/data/csv.hpp"
 #include "common/reduction/flags.hpp"
-#include "host/config/share.hpp"
 
 namespace strobe::host {
 
@@ -166,7 +166,7 @@ Result<void> check_header(const std::vector<std::string>& header, int line, cons
 }  // namespace
 
 Result<FitData> conditions_to_fit(thesis::Version version, impact::Spread spread) {
-  const auto share = share_folder();
+  const auto share = config::share_folder();
   if (!share) return tl::unexpected(share.error());
   const auto loaded = thesis::load(*share / "thesis", version);
   if (!loaded) return tl::unexpected(loaded.error());

@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "common/messages/or_null.hpp"
+
 namespace strobe::host {
 
 namespace {
@@ -18,10 +20,6 @@ using nlohmann::ordered_json;
 
 void print_line(const ordered_json& object) {
   std::printf("%s\n", object.dump(-1, ' ', false, ordered_json::error_handler_t::replace).c_str());
-}
-
-ordered_json number(const std::optional<double>& value) {
-  return value ? ordered_json(*value) : ordered_json();
 }
 
 ordered_json edge_number(Parameter p, const std::optional<double>& value) {
@@ -81,13 +79,13 @@ ordered_json comparison_json(const impact::Observation& o, const impact::Compari
           {"vx_lo_mps", o.lift_off.vx_mps},
           {"vx_lo_predicted_mps", c.predicted.lift_off.vx_mps},
           {"sd_vx_lo_mps", o.lift_off_sd.vx_mps},
-          {"z_vx", number(c.z_vx)},
-          {"z_vx_with_inputs", number(c.z_vx_with_inputs)},
+          {"z_vx", messages::or_null(c.z_vx)},
+          {"z_vx_with_inputs", messages::or_null(c.z_vx_with_inputs)},
           {"omega_lo_radps", o.lift_off.omega_radps},
           {"omega_lo_predicted_radps", c.predicted.lift_off.omega_radps},
           {"sd_omega_lo_radps", o.lift_off_sd.omega_radps},
-          {"z_omega", number(c.z_omega)},
-          {"z_omega_with_inputs", number(c.z_omega_with_inputs)}};
+          {"z_omega", messages::or_null(c.z_omega)},
+          {"z_omega_with_inputs", messages::or_null(c.z_omega_with_inputs)}};
 }
 
 void add_regime(const impact::RegimeClassification& r, ordered_json& out) {

@@ -109,7 +109,7 @@ void print_observations(const FitReport& r) {
 
 void print_rolling_friction(const FitReport& r) {
   const double alpha = r.fit.parameters[impact::index(Parameter::alpha)].value;
-  const auto s = impact::summarize(r.rolling_friction, alpha);
+  const auto s = impact::summarize(r.rolling_friction);
   write_out(
       fmt::format("\nrolling friction from angular momentum (alpha {:.3g}): d {:.2f} mm, {:.2f} between "
                   "observations, positive in {} of {}; systematic {:.2f} mm from alpha +- {:g}\n",

@@ -4,7 +4,6 @@
 #include <nlohmann/json.hpp>
 
 #include "common/frontier/frontier.hpp"
-#include "host/view/or_null.hpp"
 
 namespace strobe::host {
 

@@ -3,9 +3,9 @@
 #include <filesystem>
 #include <system_error>
 
+#include "common/config/files.hpp"
 #include "common/units/tolerance.hpp"
 #include "host/config/rig_file.hpp"
-#include "host/config/share.hpp"
 
 namespace strobe::host {
 
@@ -13,12 +13,12 @@ Result<FrontierFiles> read_frontier(const std::string& file) {
   namespace fs = std::filesystem;
   fs::path path = file;
   if (file.empty()) {
-    const auto share = share_folder();
+    const auto share = config::share_folder();
     if (!share) return tl::unexpected(share.error());
     path = *share / "frontier" / "frontier.csv";
   }
   FrontierFiles files;
-  const auto text = read_file(path.string());
+  const auto text = config::read_file(path.string());
   if (!text) return tl::unexpected(text.error());
   auto rows = frontier::parse_frontier(*text, path.string());
   if (!rows) return tl::unexpected(rows.error());
@@ -27,7 +27,7 @@ Result<FrontierFiles> read_frontier(const std::string& file) {
   const fs::path beside = path.parent_path() / "ranges.csv";
   std::error_code error;
   if (!fs::exists(beside, error)) return files;
-  const auto ranges_text = read_file(beside.string());
+  const auto ranges_text = config::read_file(beside.string());
   if (!ranges_text) return tl::unexpected(ranges_text.error());
   auto ranges = frontier::parse_ranges(*ranges_text, beside.string());
   if (!ranges) return tl::unexpected(ranges.error());

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "common/messages/or_null.hpp"
 #include "host/commands/frontier/choice_json.hpp"
 
 namespace strobe::host {
@@ -12,7 +13,7 @@ namespace {
 using nlohmann::ordered_json;
 
 ordered_json checked_json(ordered_json out, const TriedModel& tried) {
-  out["error_estimate"] = or_null(tried.error_estimate);
+  out["error_estimate"] = messages::or_null(tried.error_estimate);
   out["checked_by"] = tried.checked_by ? row_json(*tried.checked_by) : ordered_json(nullptr);
   return out;
 }
@@ -26,13 +27,13 @@ std::string check_text(const TriedModel& tried) {
 
 ordered_json choice_json(const ImpactChoice& choice, const frontier::Requirement& requirement) {
   ordered_json out{{"study", choice.taken.row.study},
-                   {"tolerance", or_null(requirement.tolerance)},
-                   {"deadline_us", or_null(requirement.deadline_us)}};
+                   {"tolerance", messages::or_null(requirement.tolerance)},
+                   {"deadline_us", messages::or_null(requirement.deadline_us)}};
   out.update(row_json(choice.taken.row));
   out["error_unit"] = choice.taken.row.error_unit;
   out["reason"] = choice.reason;
   out = checked_json(std::move(out), choice.taken);
-  out["within_tolerance"] = or_null(choice.within_tolerance);
+  out["within_tolerance"] = messages::or_null(choice.within_tolerance);
   out["outside_measured"] = choice.outside;
   out["replaced"] = ordered_json::array();
   for (const TriedModel& tried : choice.replaced)

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "common/messages/or_null.hpp"
 #include "host/commands/frontier/choice_json.hpp"
 #include "host/commands/reduce/reduce_choice.hpp"
 
@@ -14,8 +15,8 @@ using nlohmann::ordered_json;
 
 std::string choice_json(const EstimatorChoice& choice, const frontier::Requirement& requirement) {
   ordered_json out{{"study", choice.row.study},
-                   {"tolerance", or_null(requirement.tolerance)},
-                   {"deadline_us", or_null(requirement.deadline_us)}};
+                   {"tolerance", messages::or_null(requirement.tolerance)},
+                   {"deadline_us", messages::or_null(requirement.deadline_us)}};
   out.update(row_json(choice.row));
   out["error_unit"] = choice.row.error_unit;
   out["reason"] = choice.reason;

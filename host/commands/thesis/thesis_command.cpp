@@ -6,9 +6,9 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "common/config/files.hpp"
 #include "host/commands/command.hpp"
 #include "host/commands/terminal.hpp"
-#include "host/config/share.hpp"
 #include "host/thesis/figures/figures.hpp"
 #include "host/thesis/figures/gnuplot.hpp"
 #include "host/thesis/tables/render.hpp"
@@ -129,7 +129,7 @@ int run_thesis(const ThesisOptions& options) {
     return bad_input("thesis: no table " + options.table + "; there are " + ids());
   if (options.all_sets && options.figures.empty())
     return bad_input("thesis: --all-sets is for --figures; tables show all sets anyway");
-  const auto share = share_folder();
+  const auto share = config::share_folder();
   if (!share) return bad_input(share.error().message);
   const auto version = options.as_printed ? thesis::Version::as_printed : thesis::Version::corrected;
   const auto inputs = report::load_inputs(*share / "thesis", version, options.set);

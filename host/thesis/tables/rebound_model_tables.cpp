@@ -195,10 +195,9 @@ Table regime_table(const ThesisInputs& m) {
     table.rows.push_back(
         {o.name,
          {text_cell(std::string(name(a->measured))), computed_only(b->slip_lo_mps, b->slip_lo_sd_mps),
-          computed_only(a->shortfall_mps, a->shortfall_sd_mps),
-          text_cell(std::string(name(a->predicted))), computed_only(a->probability_slides),
-          text_cell(std::string(name(b->predicted))), computed_only(b->z),
-          computed_only(b->probability_slides)}});
+          computed_only(a->shortfall_mps, a->shortfall_sd_mps), text_cell(std::string(name(a->predicted))),
+          computed_only(a->probability_slides), text_cell(std::string(name(b->predicted))),
+          computed_only(b->z), computed_only(b->probability_slides)}});
   }
   table.notes = {
       "measured: slides when the change of vx is more than two sd short of what rolling off needs, grips "
@@ -227,7 +226,7 @@ Table rolling_table(const ThesisInputs& m) {
           computed_only(r->coefficient, r->coefficient_sd), computed_only(r->z_from_symmetry),
           computed_only(r->rolling_speed_mps)}});
   }
-  const impact::RollingFrictionSummary s = impact::summarize(each, ball::Ball{}.alpha);
+  const impact::RollingFrictionSummary s = impact::summarize(each);
   table.notes = {
       fmt::format(
           "all {} sets: d = {:.2f} ± {:.2f} mm (sd between sets), {} positive; weighted {:.2f} ± {:.2f} "

@@ -135,10 +135,8 @@ TEST(SurfaceFrames, MeasureAlongAndUpFromTheSurface) {
   const Vector2d ball = points[0] + 140.0 * along + 60.0 * up;
   equal({10.0, 15.0}, frame.from_image(ball), 1e-12);
   equal({40.0, 60.0}, SurfaceFrame{.line = frame.line}.from_image(ball), 1e-12);
-  equal({2.0, -3.0}, frame.vector_from_image(8.0 * along - 12.0 * up), 1e-12);
   equal(ball, frame.to_image({10.0, 15.0}), 1e-12);
   frame.mirrored = true;
   equal({-10.0, 15.0}, frame.from_image(ball), 1e-12);
-  equal({-2.0, -3.0}, frame.vector_from_image(8.0 * along - 12.0 * up), 1e-12);
   equal(ball, frame.to_image({-10.0, 15.0}), 1e-12);
 }

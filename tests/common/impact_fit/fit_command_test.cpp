@@ -127,5 +127,5 @@ TEST(FitCommand, FailsWhereParametersCannotBeToldApart) {
   const std::string row = "t,1,,11.70,-13.25,5.6,6.2,-215,0.71,.05,.05,1,.05,2,.01,,zero,49,\n";
   const CompletedProcess run = run_fit({file(kHeader + row + row + row + row)});
   LONGS_EQUAL(1, run.status->code);
-  CHECK(run.err.find("cannot be told apart") != std::string::npos);
+  CHECK(run.err.find("cannot be separated") != std::string::npos);
 }

@@ -45,23 +45,13 @@ TEST(RollingFriction, FindsTheOffsetThatMadeTheReboundWithoutKnowingTheFriction)
 // Published for the 21 sets: 2.4 ± .85 mm (population sd), positive in all.
 TEST(RollingFriction, IsPositiveInAll21Conditions) {
   const auto all = of(conditions(thesis::Version::as_printed));
-  const RollingFrictionSummary s = summarize(all, 0.55);
+  const RollingFrictionSummary s = summarize(all);
   LONGS_EQUAL(21, s.count);
   LONGS_EQUAL(21, s.positive);
   DOUBLES_EQUAL(2.4e-3, s.mean_m, 0.05e-3);
   DOUBLES_EQUAL(0.85e-3, s.scatter_m * std::sqrt(20.0 / 21.0), 0.005e-3);
-  // One value for all 21 is well within the replicates' spread, none at all is not.
+  // One value for all 21 is well within the replicates' spread.
   CHECK_COMPARE(s.chi2_of_one_value, <, 31.4);  // 95 % of chi-square with 20
-  CHECK_COMPARE(s.chi2_of_symmetry, >, 100.0);
-}
-
-TEST(RollingFriction, WithTheOffsetlessAlphaTheMeanVanishes) {
-  const RollingFrictionSummary s = summarize(of(conditions()), 0.55);
-  DOUBLES_EQUAL(0.0,
-                summarize(of(conditions(), 0.6), 0.6).mean_m - s.mean_m -
-                    (s.mean_m / (0.55 - s.alpha_without_offset)) * 0.05,
-                1e-15);
-  CHECK_COMPARE(s.alpha_without_offset, >, 2.0 / 3.0);  // more than any ball can have
 }
 
 // Each input moved by its sd: d is linear in all but vy and e, where second order is below 1e-3 of the sd.
@@ -109,9 +99,9 @@ TEST(RollingFriction, WithoutSpreadEveryConditionCountsAlike) {
   const auto all = of(observations);
   DOUBLES_EQUAL(0.0, all[0].offset_sd_m, 0.0);
   CHECK(std::isinf(all[0].z_from_symmetry));
-  const RollingFrictionSummary s = summarize(all, 0.55);
+  const RollingFrictionSummary s = summarize(all);
   DOUBLES_EQUAL(s.mean_m, s.weighted_mean_m, 1e-17);
-  LONGS_EQUAL(0, summarize({}, 0.55).count);
+  LONGS_EQUAL(0, summarize({}).count);
 }
 
 TEST(RollingFriction, OfSeveralConditionsTheMeanIsWeightedByTheirVariances) {
@@ -119,13 +109,13 @@ TEST(RollingFriction, OfSeveralConditionsTheMeanIsWeightedByTheirVariances) {
   two[0].offset_m = 1e-3;
   two[1].offset_m = 4e-3;
   two[0].offset_sd_m = two[1].offset_sd_m = 0.5e-3;
-  const RollingFrictionSummary alike = summarize(two, 0.55);
+  const RollingFrictionSummary alike = summarize(two);
   DOUBLES_EQUAL(2.5e-3, alike.weighted_mean_m, 1e-15);
   DOUBLES_EQUAL(0.5e-3 / std::sqrt(2.0), alike.weighted_mean_sd_m, 1e-15);
   DOUBLES_EQUAL(3e-3 / std::sqrt(2.0), alike.scatter_m, 1e-15);  // n - 1
   DOUBLES_EQUAL(18.0, alike.chi2_of_one_value, 1e-12);           // 2·(1.5/0.5)²
   two[1].offset_sd_m = 1e-3;
-  const RollingFrictionSummary weighted = summarize(two, 0.55);
+  const RollingFrictionSummary weighted = summarize(two);
   DOUBLES_EQUAL((4.0 * 1e-3 + 4e-3) / 5.0, weighted.weighted_mean_m, 1e-15);
   DOUBLES_EQUAL(1e-3 / std::sqrt(5.0), weighted.weighted_mean_sd_m, 1e-15);
 }

@@ -63,12 +63,13 @@ double cost_us(const sim::Scene& scene, const sim::Model& model, const Effort& e
 }  // namespace
 
 std::optional<Study> shot_study(const Effort& effort) {
-  const auto scenes = sim::shipped_scenes();
+  const auto scenes = sim::shipped_scene_files();
   if (!scenes) return std::nullopt;
   const int shots = effort.quick ? 5 : 100;
   std::vector<Known> known;
   std::vector<sim::SceneBounds> bounds;
-  for (const sim::Scene& scene : *scenes) {
+  for (const sim::SceneFile& file : *scenes) {
+    const sim::Scene& scene = file.scene.value();
     if (scene.camera.pixels || (effort.quick && known.size() == 2)) continue;
     bounds.emplace_back(scene);
     known.push_back({scene, of_the_thesis(scene), sim::readout_scales(scene),
