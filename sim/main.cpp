@@ -13,6 +13,23 @@ using strobe::sim::PhotographOptions;
 using strobe::sim::PlanOptions;
 using strobe::sim::RunOptions;
 using strobe::sim::ShootOptions;
+using strobe::sim::SimulatedOptions;
+
+void add_scene(CLI::App& command, std::string& scene) {
+  command.add_option("--scene", scene, "Scene's name (see `strobe-sim scenes`) or a scene file")->required();
+}
+
+void add_shots(CLI::App& command, SimulatedOptions& options) {
+  add_scene(command, options.scene);
+  command.add_option("--shots", options.shots, "How many")->capture_default_str();
+  command.add_option("--seed", options.seed, "Seed of every random draw")->capture_default_str();
+}
+
+void add_train(CLI::App& command, SimulatedOptions& options) {
+  command.add_option("--period-ms", options.period_ms, "Between flashes")->capture_default_str();
+  command.add_option("--exposure-ms", options.exposure_ms,
+                     "Length of the train of flashes (0: while balls cross the view)");
+}
 
 void add_run(CLI::App& app, RunOptions& options, bool& no_digitizer) {
   CLI::App* run = app.add_subcommand("run", "Run a command on a simulated rig");
@@ -24,8 +41,7 @@ void add_run(CLI::App& app, RunOptions& options, bool& no_digitizer) {
       "that `strobe-sim lines` and `drive` can be used on it meanwhile; strobe-sim removes what it put "
       "there.\n\n"
       "Example: strobe-sim run --scene zero_23 --seed 42 -- strobed --config rig.toml --session today");
-  run->add_option("--scene", options.scene, "Scene's name (see `strobe-sim scenes`) or a scene file")
-      ->required();
+  add_scene(*run, options.scene);
   run->add_option("--seed", options.seed, "Seed of every random draw (default: a fresh one, printed)");
   run->add_option("--lcm-url", options.lcm_url, "LCM network of the tablet")->capture_default_str();
   run->add_option("--rig", options.rig_name, "Rig's name in the LCM channels")->capture_default_str();
@@ -50,10 +66,7 @@ void add_shoot(CLI::App& app, ShootOptions& options, bool& json) {
       "(gravity,grip) or those\n"
       "to leave out (--model=-pixels,-drag).\n\n"
       "Example: strobe-sim shoot --scene zero_23 --shots 9 --seed 42 | strobe reduce - --format frame");
-  shoot->add_option("--scene", options.scene, "Scene's name (see `strobe-sim scenes`) or a scene file")
-      ->required();
-  shoot->add_option("--shots", options.shots, "How many")->capture_default_str();
-  shoot->add_option("--seed", options.seed, "Seed of every random draw")->capture_default_str();
+  add_shots(*shoot, options);
   auto* model = shoot->add_option("--model", options.model, "Effects to simulate")->capture_default_str();
   shoot
       ->add_option("--tolerance", options.tolerance,
@@ -61,9 +74,7 @@ void add_shoot(CLI::App& app, ShootOptions& options, bool& json) {
       ->excludes(model);
   shoot->add_option("--deadline-us", options.deadline_us, "Longest that computing a shot may take")
       ->excludes(model);
-  shoot->add_option("--period-ms", options.period_ms, "Between flashes")->capture_default_str();
-  shoot->add_option("--exposure-ms", options.exposure_ms,
-                    "Length of the train of flashes (0: while balls cross the view)");
+  add_train(*shoot, options);
   shoot->add_flag("--perfect", options.perfect_digitizer, "Digitize without error, though stating one");
   shoot->add_option("--truth", options.truth_file, "Write what truly happened, one JSON object per shot");
   shoot->add_flag("--json", json, "As for other commands; frames are JSON anyway");
@@ -78,14 +89,9 @@ void add_photograph(CLI::App& app, PhotographOptions& options) {
       "and truth.jsonl: one JSON object per photograph with what a perfect measurement would read. The same\n"
       "scene, seed and settings write the same photographs.\n\n"
       "Example: strobe-sim photograph --scene zero_23 --shots 3 --seed 42 --out photographs");
-  photograph->add_option("--scene", options.scene, "Scene's name (see `strobe-sim scenes`) or a scene file")
-      ->required();
-  photograph->add_option("--shots", options.shots, "How many")->capture_default_str();
-  photograph->add_option("--seed", options.seed, "Seed of every random draw")->capture_default_str();
+  add_shots(*photograph, options);
   photograph->add_option("--out", options.folder, "Folder for the photographs, made if missing")->required();
-  photograph->add_option("--period-ms", options.period_ms, "Between flashes")->capture_default_str();
-  photograph->add_option("--exposure-ms", options.exposure_ms,
-                         "Length of the train of flashes (0: while balls cross the view)");
+  add_train(*photograph, options);
   photograph->add_flag("--json", options.json, "Print the lines of truth instead of the files' names");
 }
 
@@ -97,12 +103,9 @@ void add_plan(CLI::App& app, PlanOptions& options) {
       "the speed for velocities, of v/R for spins, of a radian for angles, .01 for e and mu, 1 % of the\n"
       "dwell time, 1 for the court pace; a scene's [readout] may say otherwise.\n\n"
       "Example: strobe-sim plan --scene top_23 --tolerance 1%");
-  plan->add_option("--scene", options.scene, "Scene's name (see `strobe-sim scenes`) or a scene file")
-      ->required();
+  add_scene(*plan, options.scene);
   plan->add_option("--tolerance", options.tolerance, "0.5%, 5e-3 (default: the scene's own)");
-  plan->add_option("--period-ms", options.period_ms, "Between flashes")->capture_default_str();
-  plan->add_option("--exposure-ms", options.exposure_ms,
-                   "Length of the train of flashes (0: while balls cross the view)");
+  add_train(*plan, options);
   plan->add_flag("--all", options.all, "Every number's bound");
   plan->add_flag("--json", options.json, "One JSON object per effect, and one for all");
 }

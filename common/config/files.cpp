@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <fstream>
 #include <memory>
 #include <system_error>
 
@@ -31,6 +32,14 @@ Result<std::string> read_file(const std::string& path) {
   }
   if (std::ferror(file.get())) return fail(path + ": " + std::strerror(errno));
   return text;
+}
+
+Result<void> write_file(const std::filesystem::path& path, std::string_view text) {
+  std::ofstream file(path, std::ios::binary);
+  file << text;
+  file.close();
+  if (!file) return fail(path.string() + ": cannot be written");
+  return {};
 }
 
 Result<std::filesystem::path> share_folder() {

@@ -16,16 +16,12 @@ struct SurfaceFrame {
   bool mirrored = false;     ///< x points to the left
 
   Eigen::Vector2d from_image(const Eigen::Vector2d& point_px) const {
-    return scaled(line.coordinates(point_px));
+    const Eigen::Vector2d px = line.coordinates(point_px);
+    return {(mirrored ? -px.x() : px.x()) / px_per_unit, px.y() / px_per_unit};
   }
   Eigen::Vector2d to_image(const Eigen::Vector2d& point) const {
     const Eigen::Vector2d px = point * px_per_unit;
     return line.origin() + line.tilt * Eigen::Vector2d(mirrored ? -px.x() : px.x(), px.y());
-  }
-
- private:
-  Eigen::Vector2d scaled(const Eigen::Vector2d& px) const {
-    return {(mirrored ? -px.x() : px.x()) / px_per_unit, px.y() / px_per_unit};
   }
 };
 

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <type_traits>
@@ -91,14 +92,9 @@ class Fields {
 void read_leg(Fields& fields, std::optional<Leg>& into) {
   std::string word;
   fields.text("leg", word);
-  if (word == "incoming")
-    into = Leg::incoming;
-  else if (word == "contact")
-    into = Leg::contact;
-  else if (word == "rebound")
-    into = Leg::rebound;
-  else if (!word.empty())
-    fields.wrong("leg", "must be incoming, contact or rebound");
+  const auto* const found = std::ranges::find(kLegNames, word);
+  if (found != kLegNames.end()) into = static_cast<Leg>(found - kLegNames.begin());
+  if (!word.empty() && !into) fields.wrong("leg", "must be incoming, contact or rebound");
 }
 
 void read_covariance(Fields& fields, std::optional<std::array<double, 4>>& into) {
@@ -213,22 +209,10 @@ void put(ordered_json& object, const char* key, const std::optional<T>& value) {
     object[key] = *value;
 }
 
-constexpr const char* leg_name(Leg leg) {
-  switch (leg) {
-    case Leg::incoming:
-      return "incoming";
-    case Leg::contact:
-      return "contact";
-    case Leg::rebound:
-      return "rebound";
-  }
-  return "contact";
-}
-
 ordered_json image_json(const BallImage& image) {
   ordered_json object;
   object["time_s"] = image.time_s;
-  if (image.leg) object["leg"] = leg_name(*image.leg);
+  if (image.leg) object["leg"] = name(*image.leg);
   object["centre_px"] = point(image.centre_px);
   if (image.leg != Leg::contact || image.diameter_px > 0.0) object["diameter_px"] = image.diameter_px;
   put(object, "equator_rad", image.equator_rad);

@@ -1,5 +1,6 @@
 // Frames to and from their LCM messages.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <strobe_msgs/frame_t.hpp>
@@ -42,16 +43,9 @@ Result<std::optional<Leg>> leg_from(std::int8_t leg, const std::string& field) {
 }
 
 std::int8_t leg_to(std::optional<Leg> leg) {
-  if (!leg) return ball_image_t::LEG_UNKNOWN;
-  switch (*leg) {
-    case Leg::incoming:
-      return ball_image_t::LEG_INCOMING;
-    case Leg::contact:
-      return ball_image_t::LEG_CONTACT;
-    case Leg::rebound:
-      return ball_image_t::LEG_REBOUND;
-  }
-  return ball_image_t::LEG_UNKNOWN;
+  constexpr std::array kLegs{ball_image_t::LEG_INCOMING, ball_image_t::LEG_CONTACT,
+                             ball_image_t::LEG_REBOUND};
+  return leg ? kLegs[static_cast<std::size_t>(*leg)] : ball_image_t::LEG_UNKNOWN;
 }
 
 std::int8_t source_to(const std::string& source, const std::string& of_frame) {

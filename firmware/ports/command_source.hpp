@@ -7,13 +7,8 @@
 
 namespace strobe::firmware {
 
-enum class CommandKind : std::int8_t {
-  arm = 1,
-  fire,
-  disarm,
-  resend,
-  clear
-};  ///< values are those of command_t
+/// Values are those of command_t.
+enum class CommandKind : std::int8_t { arm = 1, fire, disarm, resend, clear };
 
 struct Command {
   CommandKind kind = CommandKind::arm;

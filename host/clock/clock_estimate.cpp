@@ -1,5 +1,6 @@
 #include "host/clock/clock_estimate.hpp"
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -22,7 +23,7 @@ constexpr double kBurstEnds = 0.1;
 constexpr double kBurstShare = kBurstBegins / (kBurstBegins + kBurstEnds);
 // The spread of usual delays: 30 us, within a factor of 3.3 in two cases of three.
 constexpr double kSpread_s = 30e-6;
-constexpr double kSpreadDoubt = 1.2;
+constexpr double kSpreadLogSd = 1.2;
 constexpr double kNarrowest_s = 1e-6;
 constexpr double kWidest_s = 3e-3;
 constexpr double kSpreadStep = 0.5;
@@ -47,15 +48,15 @@ constexpr std::array<Lateness, 9> kLateness{{{0.2e-3, 0.06},
                                              {40e-3, 0.04},
                                              {150e-3, 0.02}}};
 constexpr int kLatenesses = static_cast<int>(kLateness.size());
-constexpr double kLatenessDoubt = 0.35;  // sd of each of these, of its mean
-constexpr double kStrange_per_s = 1e-5;  // density of messages that fit nothing, also of early ones
+constexpr double kLatenessSd = 0.35;     // sd of each of these, of its mean
+constexpr double kOutlier_per_s = 1e-5;  // density of messages that fit nothing, also of early ones
 
-constexpr double kCredible = 0.01;  // share from which a slew is told
-constexpr std::size_t kMaxStories = 40;
-constexpr double kHopeless_per_s = 1e-9;
-constexpr double kForgotten = 1e-6;  // share of a story that is dropped
-constexpr double kBeaten = 1e-6;     // of a filter that is given up
-constexpr double kAlike = 1.0;       // squared distance, in sds, of stories that are told as one
+constexpr double kCredibleSlew = 0.01;  // share from which a slew is reported
+constexpr std::size_t kMaxHypotheses = 40;
+constexpr double kMinWeight_per_s = 1e-9;
+constexpr double kMinWeight = 1e-6;      // share of a hypothesis that is dropped
+constexpr double kMinLikelihood = 1e-6;  // of a filter that is given up, over the best
+constexpr double kMergeDistance = 1.0;   // squared distance, in sds, of hypotheses that are merged
 
 const Lateness& late_by(int i) { return kLateness[static_cast<std::size_t>(i)]; }
 
@@ -67,79 +68,76 @@ constexpr int kNoBurst = -1;
 
 bool as_wide(double one, double other) { return one < 9.0 * other && other < 9.0 * one; }
 
-/// Offset and drift as one story has them.
-struct Story {
+/// A Kalman filter of offset and drift, under one choice of which messages were late.
+struct Hypothesis {
   double weight = 0.0;
-  double a = 0.0, b = 0.0;
-  double paa = 0.0, pab = 0.0, pbb = 0.0;
-  double squares = 0.0, count = 0.0;  ///< of innovations in spreads, as far as they tell of the spread
+  Eigen::Vector2d mean{0.0, 0.0};
+  Eigen::Matrix2d covariance{{1.0, 0.0}, {0.0, 0.0}};  // the first message shows the offset
+  double squares = 0.0, count = 0.0;  ///< of innovations in spreads, as far as they show the spread
   bool slewed = false;                ///< a clock's rate was set lately, which nothing else confirms yet
   int burst = kNoBurst;               ///< how late messages are in the burst that goes on
 
-  void pass(double s, double wander_per_s) {
-    a += b * s;
-    paa += 2.0 * s * pab + s * s * pbb + wander_per_s * s * s * s / 3.0;
-    pab += s * pbb + wander_per_s * s * s / 2.0;
-    pbb += wander_per_s * s;
+  double offset_s() const { return mean[0]; }
+  double offset_var() const { return covariance(0, 0); }
+
+  void predict(double s, double wander_per_s) {
+    const Eigen::Matrix2d step{{1.0, s}, {0.0, 1.0}};
+    const Eigen::Matrix2d wander{{s * s * s / 3.0, s * s / 2.0}, {s * s / 2.0, s}};
+    mean = step * mean;
+    covariance = step * covariance * step.transpose() + wander_per_s * wander;
   }
 
-  void hear(double innovation, double variance) {
-    const double gain_a = paa / variance, gain_b = pab / variance;
-    a += gain_a * innovation;
-    b += gain_b * innovation;
-    pbb -= gain_b * pab;
-    pab -= gain_a * pab;
-    paa -= gain_a * paa;
+  void update(double innovation, double variance) {
+    const Eigen::Vector2d gain = covariance.col(0) / variance;
+    mean += gain * innovation;
+    covariance -= (gain * covariance.row(0)).eval();
   }
 
   /// Squared distance of the other, in this one's sds.
-  double distance(const Story& other) const {
-    const double da = other.a - a, db = other.b - b;
-    return (da * da * pbb - 2.0 * da * db * pab + db * db * paa) / (paa * pbb - pab * pab);
+  double distance(const Hypothesis& other) const {
+    const Eigen::Vector2d apart = other.mean - mean;
+    return apart.dot(covariance.inverse() * apart);
   }
 
-  void take(const Story& other) {
+  /// Keeps the mean and the covariance of the sum of both.
+  void merge(const Hypothesis& other) {
     const double sum = weight + other.weight;
     const double mine = weight / sum, its = other.weight / sum;
-    const double da = other.a - a, db = other.b - b;
-    a += its * da;
-    b += its * db;
-    paa = mine * paa + its * other.paa + mine * its * da * da;
-    pab = mine * pab + its * other.pab + mine * its * da * db;
-    pbb = mine * pbb + its * other.pbb + mine * its * db * db;
+    const Eigen::Vector2d apart = other.mean - mean;
+    mean += its * apart;
+    covariance = mine * covariance + its * other.covariance + mine * its * apart * apart.transpose();
     squares = mine * squares + its * other.squares;
     count = mine * count + its * other.count;
     weight = sum;
   }
 };
 
-/// All stories under one spread of usual delays and one wander.
-class StorySum {
+/// A sum of Gaussians: all hypotheses under one spread of usual delays and one wander.
+class GaussianSum {
  public:
-  StorySum(double spread_s, double wander, double share)
+  GaussianSum(double spread_s, double wander, double share)
       : spread_s_(spread_s), wander_per_s_(wander * wander), evidence_(std::log(share)) {
     for (const bool odd : {false, true}) {
-      Story story;
-      story.pbb = odd ? kOddDrift * kOddDrift : kUsualDrift * kUsualDrift;
-      story.paa = 1.0;  // the first message tells the offset
+      Hypothesis h;
+      h.covariance(1, 1) = odd ? kOddDrift * kOddDrift : kUsualDrift * kUsualDrift;
       const double pairs = odd ? kOddPairs : 1.0 - kOddPairs;
-      story.weight = pairs * (1.0 - kBurstShare);
-      stories_.push_back(story);
-      for (story.burst = 0; story.burst < kLatenesses; ++story.burst) {
-        story.weight = pairs * kBurstShare * late_by(story.burst).share;
-        stories_.push_back(story);
+      h.weight = pairs * (1.0 - kBurstShare);
+      hypotheses_.push_back(h);
+      for (h.burst = 0; h.burst < kLatenesses; ++h.burst) {
+        h.weight = pairs * kBurstShare * late_by(h.burst).share;
+        hypotheses_.push_back(h);
       }
     }
   }
 
-  void hear(const ClockSample& point, double passed_s) {
-    told_.clear();
-    for (Story& story : stories_) {
-      story.pass(passed_s, wander_per_s_);
+  void update(const ClockSample& point, double passed_s) {
+    next_.clear();
+    for (Hypothesis& h : hypotheses_) {
+      h.predict(passed_s, wander_per_s_);
       passed_s_ = passed_s;
-      tell_on(story, point.offset_s - story.a);
+      extend(h, point.offset_s - h.offset_s());
     }
-    std::swap(stories_, told_);
+    std::swap(hypotheses_, next_);
     normalize();
     merge();
   }
@@ -147,62 +145,62 @@ class StorySum {
   double evidence() const { return evidence_; }
   double spread_s() const { return spread_s_; }
   double wander_per_s() const { return wander_per_s_; }
-  const std::vector<Story>& stories() const { return stories_; }
+  const std::vector<Hypothesis>& hypotheses() const { return hypotheses_; }
 
   /// All as one, but for rates that may just have been set: that can never be excluded, and would be all of
   /// the sd.
-  Story whole() const {
-    Story all = stories_.front();
-    for (std::size_t i = 1; i < stories_.size(); ++i) {
-      if (!stories_[i].slewed || stories_[i].weight > kCredible) all.take(stories_[i]);
+  Hypothesis whole() const {
+    Hypothesis all = hypotheses_.front();
+    for (std::size_t i = 1; i < hypotheses_.size(); ++i) {
+      if (!hypotheses_[i].slewed || hypotheses_[i].weight > kCredibleSlew) all.merge(hypotheses_[i]);
     }
     return all;
   }
 
  private:
-  void tell_on(const Story& story, double innovation) {
-    const double calm = story.burst == kNoBurst ? 1.0 - kBurstBegins : kBurstEnds;
-    tell_usual(story, innovation, calm * (1.0 - kLone));
-    tell_slewed(story, innovation, calm * kSlew);
-    Story strange = story;
-    strange.weight *= kStrange_per_s;
-    add(strange);
+  void extend(const Hypothesis& h, double innovation) {
+    const double calm = h.burst == kNoBurst ? 1.0 - kBurstBegins : kBurstEnds;
+    extend_usual(h, innovation, calm * (1.0 - kLone));
+    extend_slewed(h, innovation, calm * kSlew);
+    Hypothesis outlier = h;
+    outlier.weight *= kOutlier_per_s;
+    add(outlier);
     for (int late = 0; late < kLatenesses; ++late) {
       const double lone = calm * kLone * late_by(late).share;
-      double burst = story.burst == late ? 1.0 - kBurstEnds : 0.0;
-      if (story.burst == kNoBurst) burst = kBurstBegins * late_by(late).share;
-      tell_late(story, innovation, late, lone, burst);
+      double burst = h.burst == late ? 1.0 - kBurstEnds : 0.0;
+      if (h.burst == kNoBurst) burst = kBurstBegins * late_by(late).share;
+      extend_late(h, innovation, late, lone, burst);
     }
   }
 
-  void tell_usual(const Story& story, double innovation, double share) {
-    const double variance = story.paa + spread_s_ * spread_s_;
-    Story next = story;
+  void extend_usual(const Hypothesis& h, double innovation, double share) {
+    const double variance = h.offset_var() + spread_s_ * spread_s_;
+    Hypothesis next = h;
     next.weight *= share * gaussian(innovation, variance);
     next.burst = kNoBurst;
-    const double told = spread_s_ * spread_s_ / variance;
-    next.squares += told * innovation * innovation / variance;
-    next.count += told;
-    next.hear(innovation, variance);
+    const double share_of_spread = spread_s_ * spread_s_ / variance;
+    next.squares += share_of_spread * innovation * innovation / variance;
+    next.count += share_of_spread;
+    next.update(innovation, variance);
     add(next);
   }
 
   /// As a usual one, but the drift is another since the message before.
-  void tell_slewed(Story story, double innovation, double share) {
-    story.pass(-passed_s_, 0.0);
-    story.pbb += kUsualDrift * kUsualDrift;
-    story.pass(passed_s_, 0.0);
-    story.slewed = true;
-    tell_usual(story, innovation, share);
+  void extend_slewed(Hypothesis h, double innovation, double share) {
+    h.predict(-passed_s_, 0.0);
+    h.covariance(1, 1) += kUsualDrift * kUsualDrift;
+    h.predict(passed_s_, 0.0);
+    h.slewed = true;
+    extend_usual(h, innovation, share);
   }
 
-  void tell_late(const Story& story, double innovation, int late, double lone, double burst) {
+  void extend_late(const Hypothesis& h, double innovation, int late, double lone, double burst) {
     const double mean_s = late_by(late).mean_s;
-    const double doubt_s = kLatenessDoubt * mean_s;
-    const double variance = story.paa + spread_s_ * spread_s_ + doubt_s * doubt_s;
-    const double weight = story.weight * gaussian(innovation - mean_s, variance);
-    Story next = story;
-    next.hear(innovation - mean_s, variance);
+    const double sd_s = kLatenessSd * mean_s;
+    const double variance = h.offset_var() + spread_s_ * spread_s_ + sd_s * sd_s;
+    const double weight = h.weight * gaussian(innovation - mean_s, variance);
+    Hypothesis next = h;
+    next.update(innovation - mean_s, variance);
     next.burst = kNoBurst;
     next.weight = weight * lone;
     add(next);
@@ -211,76 +209,78 @@ class StorySum {
     add(next);
   }
 
-  void add(const Story& story) {
-    if (story.weight > kHopeless_per_s) told_.push_back(story);
+  void add(const Hypothesis& h) {
+    if (h.weight > kMinWeight_per_s) next_.push_back(h);
   }
 
   void normalize() {
     double sum = 0.0;
-    for (const Story& story : stories_) sum += story.weight;
+    for (const Hypothesis& h : hypotheses_) sum += h.weight;
     if (!(sum > 0.0)) return;
     evidence_ += std::log(sum);
-    for (Story& story : stories_) story.weight /= sum;
+    for (Hypothesis& h : hypotheses_) h.weight /= sum;
   }
 
   void merge() {
-    std::erase_if(stories_, [](const Story& story) { return story.weight < kForgotten; });
-    std::sort(stories_.begin(), stories_.end(),
-              [](const Story& x, const Story& y) { return x.weight > y.weight; });
+    std::erase_if(hypotheses_, [](const Hypothesis& h) { return h.weight < kMinWeight; });
+    std::sort(hypotheses_.begin(), hypotheses_.end(),
+              [](const Hypothesis& x, const Hypothesis& y) { return x.weight > y.weight; });
     // What is likeliest is what has happened.
-    if (!stories_.empty()) stories_.front().slewed = false;
-    told_.clear();
-    for (const Story& story : stories_) {
-      const auto same = std::find_if(told_.begin(), told_.end(), [&](const Story& kept) {
-        return kept.burst == story.burst && kept.slewed == story.slewed && as_wide(kept.pbb, story.pbb) &&
-               as_wide(kept.paa, story.paa) && kept.distance(story) < kAlike;
+    if (!hypotheses_.empty()) hypotheses_.front().slewed = false;
+    next_.clear();
+    for (const Hypothesis& h : hypotheses_) {
+      const auto same = std::find_if(next_.begin(), next_.end(), [&](const Hypothesis& kept) {
+        return kept.burst == h.burst && kept.slewed == h.slewed &&
+               as_wide(kept.covariance(1, 1), h.covariance(1, 1)) &&
+               as_wide(kept.offset_var(), h.offset_var()) && kept.distance(h) < kMergeDistance;
       });
-      if (same != told_.end()) {
-        same->take(story);
-      } else if (told_.size() < kMaxStories) {
-        told_.push_back(story);
+      if (same != next_.end()) {
+        same->merge(h);
+      } else if (next_.size() < kMaxHypotheses) {
+        next_.push_back(h);
       }
     }
-    std::swap(stories_, told_);
+    std::swap(hypotheses_, next_);
   }
 
   double spread_s_;
   double wander_per_s_;
   double evidence_;
   double passed_s_ = 0.0;  ///< since the message before
-  std::vector<Story> stories_, told_;
+  std::vector<Hypothesis> hypotheses_, next_;
 };
 
-using Filters = std::vector<StorySum>;
+using Filters = std::vector<GaussianSum>;
 
 double best_evidence(const Filters& filters) {
   double best = -HUGE_VAL;
-  for (const StorySum& filter : filters) best = std::max(best, filter.evidence());
+  for (const GaussianSum& filter : filters) best = std::max(best, filter.evidence());
   return best;
 }
 
-void hear_all(Filters& filters, std::span<const ClockSample> points) {
+void update_all(Filters& filters, std::span<const ClockSample> points) {
   for (std::size_t i = 0; i < points.size(); ++i) {
     const double passed_s = i == 0 ? 0.0 : points[i].sent_s - points[i - 1].sent_s;
-    for (StorySum& filter : filters) filter.hear(points[i], passed_s);
-    const double least = best_evidence(filters) + std::log(kBeaten);
+    for (GaussianSum& filter : filters) filter.update(points[i], passed_s);
+    const double least = best_evidence(filters) + std::log(kMinLikelihood);
     std::erase_if(filters,
-                  [&](const StorySum& f) { return f.stories().empty() || !(f.evidence() >= least); });
+                  [&](const GaussianSum& f) { return f.hypotheses().empty() || !(f.evidence() >= least); });
   }
 }
 
 Filters of_any_spread() {
   Filters filters;
   for (double spread_s = kNarrowest_s; spread_s < kWidest_s; spread_s *= std::exp(kSpreadStep)) {
-    const double from_usual = std::log(spread_s / kSpread_s) / kSpreadDoubt;
+    const double from_usual = std::log(spread_s / kSpread_s) / kSpreadLogSd;
     filters.emplace_back(spread_s, kEarlyWander, std::exp(-0.5 * from_usual * from_usual));
   }
   return filters;
 }
 
-const StorySum& likeliest(const Filters& filters) {
-  return *std::max_element(filters.begin(), filters.end(),
-                           [](const StorySum& x, const StorySum& y) { return x.evidence() < y.evidence(); });
+const GaussianSum& likeliest(const Filters& filters) {
+  return *std::max_element(filters.begin(), filters.end(), [](const GaussianSum& x, const GaussianSum& y) {
+    return x.evidence() < y.evidence();
+  });
 }
 
 Filters of_any_wander(double spread_s) {
@@ -292,20 +292,26 @@ Filters of_any_wander(double spread_s) {
 
 ClockEstimate summary(const Filters& filters, double at_s) {
   const double best = best_evidence(filters);
-  Story all;
+  Hypothesis all;
   double wander_per_s = 0.0, weights = 0.0;
-  for (const StorySum& filter : filters) {
-    Story one = filter.whole();
+  for (const GaussianSum& filter : filters) {
+    Hypothesis one = filter.whole();
     one.weight = std::exp(filter.evidence() - best);
     wander_per_s += one.weight * filter.wander_per_s();
     weights += one.weight;
     if (all.weight == 0.0) {
       all = one;
     } else {
-      all.take(one);
+      all.merge(one);
     }
   }
-  return {at_s, all.a, all.b, all.paa, all.pbb, all.pab, wander_per_s / weights};
+  return {at_s,
+          all.mean[0],
+          all.mean[1],
+          all.covariance(0, 0),
+          all.covariance(1, 1),
+          all.covariance(0, 1),
+          wander_per_s / weights};
 }
 
 }  // namespace
@@ -330,15 +336,15 @@ std::optional<ClockEstimate> estimate_clock(std::span<const ClockSample> given) 
   const double origin_s = points.front().offset_s;
   for (ClockSample& point : points) point.offset_s -= origin_s;
   Filters filters = of_any_spread();
-  hear_all(filters, points);
+  update_all(filters, points);
   if (filters.empty()) return std::nullopt;
   if (points.size() >= kEnoughForSpread) {
-    const StorySum& best = likeliest(filters);
-    const Story whole = best.whole();
+    const GaussianSum& best = likeliest(filters);
+    const Hypothesis whole = best.whole();
     const double spread_s =
         best.spread_s() * std::sqrt(std::max(0.01, whole.squares / std::max(1.0, whole.count - 2.0)));
     filters = of_any_wander(spread_s);
-    hear_all(filters, points);
+    update_all(filters, points);
     if (filters.empty()) return std::nullopt;
   }
   ClockEstimate now = summary(filters, points.back().sent_s);

@@ -1,13 +1,13 @@
 // How two machines' clocks stand to each other now, and how well that is known: from the third message on,
 // through bursts of delay, and while a crystal's rate wanders.
 //
-// A sum of Gaussians (D. L. Alspach, H. W. Sorenson: IEEE Trans. Automatic Control 17, 1972) over the stories
-// that the messages allow. Each story is a Kalman filter of offset and drift, which message was late in it
-// and how late; the sds are those of the whole sum, so that they are wide as long as the messages so far may
-// all have been late. The spread of usual delays and the wander of the crystals are found with them; what is
-// assumed of delays, drift and wander before the first message is in clock_estimate.cpp.
+// A sum of Gaussians (D. L. Alspach, H. W. Sorenson: IEEE Trans. Automatic Control 17, 1972) over hypotheses
+// of which messages were late, and how late. Each is a Kalman filter of offset and drift; the sds are those of
+// the whole sum, so that they are wide as long as all messages so far may have been late. The spread of usual
+// delays and the wander of the crystals are found with them; what is assumed of delays, drift and wander
+// before the first message is in clock_estimate.cpp.
 //
-// What no one-way message can tell is the delay that all of them have: it is part of the offset.
+// What no one-way message can show is the delay that all of them have: it is part of the offset.
 // Pure functions; thread-safe; they allocate.
 #pragma once
 
@@ -27,7 +27,7 @@ struct ClockEstimate {
   double offset_var_s2 = 0.0;
   double drift_var = 0.0;
   double covariance_s = 0.0;
-  double wander_per_s = 0.0;  ///< variance that the drift gains in a second, as far as the points tell
+  double wander_per_s = 0.0;  ///< variance that the drift gains in a second, as far as the points show
 
   /// The same some time later, or earlier by little.
   ClockEstimate at(double sent_s) const;

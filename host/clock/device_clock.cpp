@@ -80,7 +80,7 @@ void DeviceClock::on_heartbeat(std::int64_t boot_id, const DeviceReading& device
 }
 
 /// Than the latest heartbeats and any plausible drift allow: of forty some were not late. The line alone
-/// cannot tell: a young one may be of late heartbeats.
+/// does not show it: a young one may be of late heartbeats.
 bool DeviceClock::earlier_than_any(const Heartbeat& heartbeat) const {
   const std::size_t recent = std::min(heartbeats_.size(), kMinSamplesForLine);
   const double allowed_s = recent < kMinSamplesForLine ? kTooLate_s : kTooEarly_s;

@@ -1,6 +1,6 @@
 // The firmware's CLOCK_MONOTONIC on this machine's: offset, drift and how well they are known, from its
-// heartbeats. Wall clocks have no part in it, so that setting one changes nothing; it is told. Where the
-// relation breaks (a machine was suspended or started anew) a new one begins, and that is told, too. A
+// heartbeats. Wall clocks have no part in it, so that setting one changes nothing; it is reported. Where
+// the relation breaks (a machine was suspended or started anew) a new one begins; that is reported, too. A
 // restart of strobed alone does not break it.
 //
 // The delay that every message has is part of the offset: instants come out that much late, on one machine
@@ -34,7 +34,7 @@ struct ClockState {
 
 class DeviceClock {
  public:
-  /// The window that instants are told from: longer, and the crystals' wander would count.
+  /// The window that instants are computed from: longer, and the crystals' wander would count.
   static constexpr Duration kWindow = std::chrono::minutes{2};
   /// What the state is taken from, in which the wander has its part: it shows in minutes only.
   static constexpr Duration kMemory = std::chrono::minutes{10};
@@ -45,11 +45,11 @@ class DeviceClock {
   void on_local(const HostReading& local);
 
   /// The firmware's instant on this machine's clock. Returns nullopt before the first heartbeat. Instants from
-  /// before a break are told by the relation of their time.
+  /// before a break are computed by the relation of their time.
   std::optional<HostTime> local(MonoTime device) const;
   /// New numbers with each of the first forty heartbeats, then every five seconds: they take some 5 to 15 ms.
   ClockState state();
-  /// Whether the firmware's machine was suspended between two of its instants, as its own clocks tell.
+  /// Whether the firmware's machine was suspended between two of its instants, as its own clocks show.
   bool suspended_within(MonoTime from, MonoTime to) const;
 
   std::vector<std::string> take_notifications() { return std::exchange(notifications_, {}); }
@@ -89,7 +89,7 @@ class DeviceClock {
   std::vector<Heartbeat> late_;       ///< in a row, by about the same: the relation may have broken
   std::vector<Segment> segments_;
   MonoTime fitted_;                        ///< heartbeat that the newest line was fitted at
-  std::optional<ClockEstimate> estimate_;  ///< what is told; no instant is computed from it
+  std::optional<ClockEstimate> estimate_;  ///< what is shown; no instant is computed from it
   MonoTime estimated_;                     ///< heartbeat that it was made at
   std::vector<std::pair<MonoTime, MonoTime>> sleeps_;  ///< instants around each
   std::vector<std::string> notifications_;

@@ -36,8 +36,7 @@ void add_times(CLI::App& command, DigitizeOptions& options) {
 
 void add_results(CLI::App& command, DigitizeOptions& options) {
   command.add_option("--shot-id", options.shot_id, "of the first photograph; the others count on")
-      ->check(CLI::Range(0, 1000000000))
-      ->capture_default_str();
+      ->check(CLI::Range(0, 1000000000));
   command.add_option("--edit", options.edit_file,
                      "a person's corrections, applied to what was found; one photograph only");
   command.add_option("--overlay", options.overlay,
@@ -52,16 +51,15 @@ void add_results(CLI::App& command, DigitizeOptions& options) {
 
 void add_digitize_options(CLI::App& command, DigitizeOptions& options) {
   command.add_option("IMAGE", options.images, "photographs: TIFF, PNG, JPEG, BMP, PGM")->required();
+  command.option_defaults()->always_capture_default();
   add_scale(command, options);
   add_times(command, options);
   command
       .add_option("--effort", options.effort,
                   "fast, standard, or thorough (outlines measured five times over)")
-      ->check(CLI::IsMember({"fast", "standard", "thorough"}))
-      ->capture_default_str();
+      ->check(CLI::IsMember({"fast", "standard", "thorough"}));
   command.add_option("--direction", options.direction, "of flight; auto: the bounce tells")
-      ->check(CLI::IsMember({"auto", "right", "left"}))
-      ->capture_default_str();
+      ->check(CLI::IsMember({"auto", "right", "left"}));
   add_results(command, options);
 }
 

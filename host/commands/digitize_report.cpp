@@ -20,10 +20,7 @@ using nlohmann::ordered_json;
 using reduction::BallImage;
 using reduction::Leg;
 
-std::string_view leg_name(const std::optional<Leg>& leg) {
-  if (!leg) return "";
-  return *leg == Leg::incoming ? "incoming" : *leg == Leg::contact ? "contact" : "rebound";
-}
+std::string_view leg_name(const std::optional<Leg>& leg) { return leg ? name(*leg) : ""; }
 
 ordered_json inputs_json(const DigitizeSettings& settings) {
   ordered_json inputs;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <Eigen/Dense>
 #include <chrono>
 #include <cmath>
 #include <string_view>
@@ -46,11 +47,6 @@ std::optional<std::string> optional_text(TomlTable& table, std::string_view key)
   return table.string(key);
 }
 
-double determinant(const std::array<double, 9>& m) {
-  return m[0] * (m[4] * m[8] - m[5] * m[7]) - m[1] * (m[3] * m[8] - m[5] * m[6]) +
-         m[2] * (m[3] * m[7] - m[4] * m[6]);
-}
-
 std::optional<CameraMap> read_map(TomlTable& table) {
   const auto rectify = optional_array<9>(table, "rectify", kFactor);
   for (const char* key : {"lens_centre_px", "lens_focal_px", "lens_distortion"}) {
@@ -59,7 +55,8 @@ std::optional<CameraMap> read_map(TomlTable& table) {
   if (!rectify) return std::nullopt;
   CameraMap map;
   map.rectify = *rectify;
-  if (!(std::abs(determinant(map.rectify)) > 1e-12)) table.error_at("rectify", "must not be singular");
+  const double determinant = Eigen::Map<const Eigen::Matrix3d>(map.rectify.data()).determinant();
+  if (!(std::abs(determinant) > 1e-12)) table.error_at("rectify", "must not be singular");
   map.lens_centre_px = required_array<2>(table, "lens_centre_px", kPlace);
   map.lens_focal_px = table.number("lens_focal_px", {1.0, 1e9});
   map.lens_distortion = required_array<4>(table, "lens_distortion", kFactor);

@@ -1,5 +1,8 @@
 #include "host/config/notes.hpp"
 
+#include <glib.h>
+
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 
@@ -14,33 +17,9 @@ std::string_view trimmed(std::string_view text) {
   return text;
 }
 
-/// Bytes of the UTF-8 sequence at the front, 0 if there is none. Overlong forms and surrogates are refused
-/// (RFC 3629).
-std::size_t utf8_length(std::string_view text) {
-  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
-  const unsigned char first = byte(0);
-  if (first < 0x80) return 1;
-  const std::size_t length = first >= 0xF0 ? 4 : first >= 0xE0 ? 3 : 2;
-  if (first < 0xC2 || first > 0xF4 || text.size() < length) return 0;
-  for (std::size_t i = 1; i < length; ++i) {
-    if ((byte(i) & 0xC0) != 0x80) return 0;
-  }
-  if (first == 0xE0 && byte(1) < 0xA0) return 0;
-  if (first == 0xED && byte(1) > 0x9F) return 0;
-  if (first == 0xF0 && byte(1) < 0x90) return 0;
-  if (first == 0xF4 && byte(1) > 0x8F) return 0;
-  return length;
-}
-
 bool valid_text(std::string_view text) {
-  while (!text.empty()) {
-    const std::size_t length = utf8_length(text);
-    if (length == 0) return false;
-    const auto first = static_cast<unsigned char>(text.front());
-    if (first < 0x20 || first == 0x7F) return false;
-    text.remove_prefix(length);
-  }
-  return true;
+  const bool utf8 = g_utf8_validate(text.data(), static_cast<gssize>(text.size()), nullptr) != FALSE;
+  return utf8 && std::ranges::none_of(text, [](unsigned char c) { return c < 0x20 || c == 0x7F; });
 }
 
 }  // namespace

@@ -12,9 +12,9 @@ namespace strobe::host {
 /// A flag as a sentence for a person.
 std::string_view words(reduction::Flag flag);
 
-/// Why the shot does not count and is fired again, in words; nothing: it counts. A shot is rejected when it was
-/// aborted, has no photograph or too few images of the ball, or when a flash that shows the ball was late,
-/// missing, double or not to be told from others, or when its flash times are not plausible.
+/// Why the shot does not count and is fired again, in words. Returns nullopt if it counts. A shot is rejected
+/// when it was aborted, has no photograph or too few images of the ball, when a flash that shows the ball was
+/// late, missing, double or indistinguishable from others, or when its flash times are not plausible.
 std::optional<std::string> rejection_reason(const reduction::Readout& readout);
 
 }  // namespace strobe::host

@@ -3,12 +3,11 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
-#include <fstream>
 #include <map>
 #include <set>
-#include <sstream>
 #include <system_error>
 
+#include "common/config/files.hpp"
 #include "common/messages/channels.hpp"
 #include "common/messages/well_formed.hpp"
 #include "common/shot/shot_key.hpp"
@@ -20,27 +19,12 @@ namespace fs = std::filesystem;
 using strobe_msgs::event_t;
 using strobe_msgs::shot_t;
 
-Result<void> write_text(const fs::path& path, std::string_view text) {
-  std::ofstream file(path, std::ios::binary);
-  file << text;
-  file.close();
-  if (!file) return fail(path.string() + ": cannot be written");
-  return {};
-}
-
-std::string text_of(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
-
 /// name.toml, or name-<utc>.toml where an earlier run in this folder used another one.
 Result<void> keep(const fs::path& path, std::string_view text, const std::string& utc) {
   std::error_code error;
-  if (!fs::exists(path, error)) return write_text(path, text);
-  if (text_of(path) == text) return {};
-  return write_text(path.parent_path() / (path.stem().string() + "-" + utc + ".toml"), text);
+  if (!fs::exists(path, error)) return config::write_file(path, text);
+  if (config::read_file(path.string()) == text) return {};
+  return config::write_file(path.parent_path() / (path.stem().string() + "-" + utc + ".toml"), text);
 }
 
 fs::path unused(const fs::path& folder, const std::string& utc) {

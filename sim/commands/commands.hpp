@@ -28,39 +28,35 @@ struct RunOptions {
 /// Exit status of the command; 128 plus the signal that ended it.
 int run_command(const RunOptions& options);
 
-struct ShootOptions {
+/// Of simulated shots.
+struct SimulatedOptions {
   std::string scene;
   int shots = 1;
   std::uint64_t seed = 1;
+  double period_ms = 3.0;
+  double exposure_ms = 0.0;  ///< 0: as long as the balls take to cross the view
+};
+
+struct ShootOptions : SimulatedOptions {
   std::string model = "full";
   std::string tolerance;              ///< empty: none
   std::optional<double> deadline_us;  ///< per computed shot
-  double period_ms = 3.0;
-  double exposure_ms = 0.0;  ///< 0: as long as the balls take to cross the view
   bool perfect_digitizer = false;
   std::string truth_file;  ///< empty: none
 };
 /// Prints the frames of simulated shots, one per line.
 int shoot_command(const ShootOptions& options);
 
-struct PlanOptions {
-  std::string scene;
+struct PlanOptions : SimulatedOptions {
   std::string tolerance;  ///< empty: the scene's own
-  double period_ms = 3.0;
-  double exposure_ms = 0.0;
   bool all = false;
   bool json = false;
 };
 /// Prints which effects a scene needs at a tolerance, and what they cost.
 int plan_command(const PlanOptions& options);
 
-struct PhotographOptions {
-  std::string scene;
-  int shots = 1;
-  std::uint64_t seed = 1;
+struct PhotographOptions : SimulatedOptions {
   std::string folder;
-  double period_ms = 3.0;
-  double exposure_ms = 0.0;  ///< 0: as long as the balls take to cross the view
   bool json = false;
 };
 /// Writes photographs of simulated shots, and the truth about them.

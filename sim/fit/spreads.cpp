@@ -18,26 +18,14 @@ constexpr int kRounds = 6;
 
 double square(double x) { return x * x; }
 
-/// Parameters of a shot's lift-off.
+/// Parameters of a shot's lift-off, in the order of field().
 enum Parameter : std::size_t { kSpeed, kAngle, kSpin, kRestitution, kMu, kStiffness, kOffset };
 
 double& field(Scene& scene, Parameter parameter) {
-  switch (parameter) {
-    case kSpeed:
-      return scene.machine.speed_mps;
-    case kAngle:
-      return scene.machine.angle_rad;
-    case kSpin:
-      return scene.machine.spin_radps;
-    case kRestitution:
-      return scene.bounce.e;
-    case kMu:
-      return scene.bounce.mu;
-    case kStiffness:
-      return scene.bounce.stiffness_ratio;
-    default:
-      return scene.bounce.offset_share;
-  }
+  double* const fields[] = {
+      &scene.machine.speed_mps, &scene.machine.angle_rad,      &scene.machine.spin_radps, &scene.bounce.e,
+      &scene.bounce.mu,         &scene.bounce.stiffness_ratio, &scene.bounce.offset_share};
+  return *fields[parameter];
 }
 
 impact::Motion moved(Scene scene, Parameter parameter, double step) {

@@ -142,17 +142,11 @@ std::optional<double> stamp_s(const Pulse& pulse, MonoTime origin) {
 json point(const PointPx& p) { return json::array({p.x, p.y}); }
 
 json image_json(const ImageTruth& i) {
-  static constexpr std::array kLegs{"incoming", "contact", "rebound"};
-  json object = {{"flash_index", i.flash_index},
-                 {"time_s", i.time_s},
-                 {"leg", kLegs[static_cast<std::size_t>(i.leg)]},
-                 {"centre_px", point(i.centre_px)},
-                 {"diameter_px", i.diameter_px},
-                 {"equator_rad", i.equator_rad},
-                 {"top_px", point(i.top_px)},
-                 {"top_drop_px", i.top_drop_px},
-                 {"whole", i.whole},
-                 {"share_on_sensor", i.share_on_sensor}};
+  json object = {
+      {"flash_index", i.flash_index},        {"time_s", i.time_s},           {"leg", name(i.leg)},
+      {"centre_px", point(i.centre_px)},     {"diameter_px", i.diameter_px}, {"equator_rad", i.equator_rad},
+      {"top_px", point(i.top_px)},           {"top_drop_px", i.top_drop_px}, {"whole", i.whole},
+      {"share_on_sensor", i.share_on_sensor}};
   object["contact_width_px"] = i.contact_width_px ? json(*i.contact_width_px) : json(nullptr);
   return object;
 }

@@ -242,7 +242,7 @@ class CornerStudy {
 
 SceneBounds::SceneBounds(const Scene& scene, const ShootSettings& settings)
     : scene_(scene), contact_(scene, settings) {
-  for (std::size_t i = 0; i < kEffectCount; ++i) present_[i] = scene_has(scene, static_cast<Effect>(i));
+  present_ = effects_of(scene);
   measure(settings);
   look_for_warnings(settings);
 }

@@ -83,7 +83,7 @@ class SceneBounds {
   std::string warning_;
 };
 
-/// Whether the scene has the effect: its parameters are not those without effect.
-bool scene_has(const Scene& scene, Effect effect);
+/// Which effects the scene has: their parameters are not those without effect. In the order of Effect.
+std::array<bool, kEffectCount> effects_of(const Scene& scene);
 
 }  // namespace strobe::sim

@@ -16,19 +16,9 @@ constexpr double kMaxReference_mps = 100.0;
 double lower_bound(Parameter p) { return kLower[index(p)]; }
 
 double upper_bound(Parameter p, double radius_m) {
-  switch (p) {
-    case Parameter::mu:
-      return kMaxMu;
-    case Parameter::e_x:
-      return 1.0;
-    case Parameter::offset_m:
-      return radius_m * (1.0 - 1e-12);
-    case Parameter::offset_reference_mps:
-      return kMaxReference_mps;
-    case Parameter::alpha:
-      return ball::kThinShellAlpha;
-  }
-  return 0.0;
+  const ParameterValues upper{kMaxMu, 1.0, radius_m * (1.0 - 1e-12), kMaxReference_mps,
+                              ball::kThinShellAlpha};
+  return upper[index(p)];
 }
 
 ParameterValues default_values(ReboundModel model) {

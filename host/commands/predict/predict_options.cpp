@@ -42,50 +42,34 @@ void add_model_options(CLI::App& command, PredictInput& o) {
           "rigid: slides or rolls off; grip: with tangential restitution and an offset normal force, "
           "fitted to 21 conditions; pulse: rigid, with what happens in contact; ode: springs, dashpots, "
           "grip and slip through the contact, fitted to 21 conditions")
-      ->check(CLI::IsMember({"rigid", "grip", "pulse", "ode"}))
-      ->capture_default_str();
-  command.add_option("--e", o.e, "Coefficient of restitution, 0 to 1 (ode: from 0.001)")
-      ->capture_default_str();
+      ->check(CLI::IsMember({"rigid", "grip", "pulse", "ode"}));
+  command.add_option("--e", o.e, "Coefficient of restitution, 0 to 1 (ode: from 0.001)");
   command.add_option("--mu", o.mu, "Coefficient of friction " + defaults(default_mu));
-  command.add_option("--ex", o.e_x, "grip: tangential restitution, -1 to 1")->capture_default_str();
-  command
-      .add_option("--offset-mm", o.offset_mm,
-                  "grip: normal force ahead of the centre at full rolling speed, mm")
-      ->capture_default_str();
+  command.add_option("--ex", o.e_x, "grip: tangential restitution, -1 to 1");
+  command.add_option("--offset-mm", o.offset_mm,
+                     "grip: normal force ahead of the centre at full rolling speed, mm");
   command.add_option("--alpha", o.alpha, "Moment of inertia over m R^2 " + defaults(default_alpha));
-  command.add_option("--diameter-m", o.diameter_m, "Diameter of the ball, m")->capture_default_str();
-  command.add_option("--mass-kg", o.mass_kg, "pulse, ode: mass of the ball, kg")->capture_default_str();
-  command.add_option("--dwell-time-ms", o.dwell_time_ms, "pulse, ode: touchdown to lift-off, ms")
-      ->capture_default_str();
+  command.add_option("--diameter-m", o.diameter_m, "Diameter of the ball, m");
+  command.add_option("--mass-kg", o.mass_kg, "pulse, ode: mass of the ball, kg");
+  command.add_option("--dwell-time-ms", o.dwell_time_ms, "pulse, ode: touchdown to lift-off, ms");
   command.add_option("--form", o.form, "pulse: exact, or simplified as in the thesis")
-      ->check(CLI::IsMember({"exact", "simplified"}))
-      ->capture_default_str();
+      ->check(CLI::IsMember({"exact", "simplified"}));
 }
 
 void add_ode_options(CLI::App& command, PredictOptions& options) {
   PredictInput& o = options.input;
-  command
-      .add_option("--kt-ratio", o.contact.stiffness_ratio,
-                  "ode: tangential over normal stiffness, 0.001 to 1000")
-      ->capture_default_str();
-  command
-      .add_option("--ct", o.contact.damping_ratio,
-                  "ode: tangential damping over sqrt(kt m), 0 (none) or 0.01 to 10")
-      ->capture_default_str();
-  command
-      .add_option("--offset-footprint", o.contact.offset_share,
-                  "ode: offset of the normal force over the footprint's radius at full turning speed, 0 to 1")
-      ->capture_default_str();
-  command
-      .add_option("--offset-reference-mps", o.contact.offset_reference_mps,
-                  "ode: turning speed R omega at which 0.71 of that offset is reached, m/s")
-      ->capture_default_str();
-  command.add_option("--gravity-mps2", o.contact.gravity_mps2, "ode: weight during the contact, m/s^2")
-      ->capture_default_str();
-  command
-      .add_option("--ode-tolerance", o.integration.tolerance,
-                  "ode: relative error that the integration is held to, 1e-12 to 1e-3")
-      ->capture_default_str();
+  command.add_option("--kt-ratio", o.contact.stiffness_ratio,
+                     "ode: tangential over normal stiffness, 0.001 to 1000");
+  command.add_option("--ct", o.contact.damping_ratio,
+                     "ode: tangential damping over sqrt(kt m), 0 (none) or 0.01 to 10");
+  command.add_option(
+      "--offset-footprint", o.contact.offset_share,
+      "ode: offset of the normal force over the footprint's radius at full turning speed, 0 to 1");
+  command.add_option("--offset-reference-mps", o.contact.offset_reference_mps,
+                     "ode: turning speed R omega at which 0.71 of that offset is reached, m/s");
+  command.add_option("--gravity-mps2", o.contact.gravity_mps2, "ode: weight during the contact, m/s^2");
+  command.add_option("--ode-tolerance", o.integration.tolerance,
+                     "ode: relative error that the integration is held to, 1e-12 to 1e-3");
   command.add_option("--trajectory", options.trajectory_file,
                      "ode: write the trajectory of the contact to this CSV file");
   command
@@ -93,7 +77,8 @@ void add_ode_options(CLI::App& command, PredictOptions& options) {
           "--samples", options.samples,
           "ode: states from touchdown to release, equally spaced: in the file [201], else in the JSON "
           "as `trajectory`, else as CSV after the table")
-      ->check(CLI::Range(2, 1'000'000));
+      ->check(CLI::Range(2, 1'000'000))
+      ->default_str("");
 }
 
 void add_choice_options(CLI::App& command, PredictOptions& options) {
@@ -132,8 +117,8 @@ void add_predict_options(CLI::App& command, PredictOptions& options) {
   command.add_option("--vx", in.touchdown.vx_mps, "Speed along the surface, m/s")->required();
   command.add_option("--vy", in.touchdown.vy_mps, "Speed normal to the surface, m/s; negative towards it")
       ->required();
-  command.add_option("--omega", in.touchdown.omega_radps, "Spin, rad/s; backspin positive")
-      ->capture_default_str();
+  command.option_defaults()->always_capture_default();
+  command.add_option("--omega", in.touchdown.omega_radps, "Spin, rad/s; backspin positive");
   add_model_options(command, in);
   add_ode_options(command, options);
   add_choice_options(command, options);

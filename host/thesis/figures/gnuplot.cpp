@@ -9,9 +9,9 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
-#include <fstream>
-#include <iterator>
 #include <sstream>
+
+#include "common/config/files.hpp"
 
 namespace strobe::report {
 
@@ -43,18 +43,7 @@ class Workshop {
   fs::path path_;
 };
 
-Result<void> write(const fs::path& path, const std::string& text) {
-  std::ofstream file(path, std::ios::binary);
-  file << text;
-  file.close();
-  if (!file) return fail(path.string() + ": cannot be written");
-  return {};
-}
-
-std::string read(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-}
+std::string read(const fs::path& path) { return config::read_file(path.string()).value_or(""); }
 
 std::string first_complaint(const std::string& log) {
   std::istringstream lines(log);
@@ -114,8 +103,8 @@ Result<void> draw(const Figure& figure, const fs::path& folder, const fs::path& 
   if (!workshop) return tl::unexpected(workshop.error());
   const std::string stem = file_stem(figure);
   const fs::path& in = workshop->path();
-  if (const auto done = write(in / (stem + ".csv"), csv_text(figure)); !done) return done;
-  if (const auto done = write(in / (stem + ".gp"), script_text(figure)); !done) return done;
+  if (const auto done = config::write_file(in / (stem + ".csv"), csv_text(figure)); !done) return done;
+  if (const auto done = config::write_file(in / (stem + ".gp"), script_text(figure)); !done) return done;
   if (const auto done = run(gnuplot, stem + ".gp", in); !done) return done;
   for (const char* kind : {".svg", ".png"})
     if (!whole(in / (stem + kind)))
