@@ -207,13 +207,12 @@ TEST(ReadoutMessage, SurvivesTheWire) {
   STRCMP_EQUAL("slides", message.regime.c_str());
   LONGS_EQUAL(1, message.court_pace_conforming);
   STRCMP_EQUAL("two-point", message.method.c_str());
-  LONGS_EQUAL(0, message.mirrored);
+  LONGS_EQUAL(1, message.mirrored);
   CHECK_TRUE(message.flight_effects == (std::vector<std::string>{"gravity", "drag"}));
   CHECK_TRUE(message.flags == std::vector<std::string>{"sensor_missing"});
   CHECK_TRUE(*record_from_notes(message.notes) == readout.record);
   readout = {};
-  readout.mirrored = true;
-  LONGS_EQUAL(1, readout_to_lcm(readout, 11, 22).mirrored);
+  LONGS_EQUAL(0, readout_to_lcm(readout, 11, 22).mirrored);
   LONGS_EQUAL(0, readout_to_lcm(readout, 11, 22).court_pace_conforming);
   STRCMP_EQUAL("", readout_to_lcm(readout, 11, 22).regime.c_str());
   for (const auto regime : {Regime::grips, Regime::unclear}) {
