@@ -3,6 +3,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
+#include <span>
 
 #include "common/geometry/line.hpp"
 

@@ -1,4 +1,5 @@
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "common/messages/json_conversions.hpp"
 #include "common/messages/or_null.hpp"

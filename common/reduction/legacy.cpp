@@ -1,6 +1,8 @@
 #include "common/reduction/legacy.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "common/geometry/rotation.hpp"
 #include "common/impact/closed_form/rebound.hpp"

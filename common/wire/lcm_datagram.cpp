@@ -1,5 +1,8 @@
 #include "common/wire/lcm_datagram.hpp"
 
+#include <algorithm>
+#include <charconv>
+
 namespace strobe::wire {
 
 namespace {

@@ -3,8 +3,10 @@
 #pragma once
 
 #include <atomic>
+#include <memory>
 #include <optional>
 #include <variant>
+#include <vector>
 
 #include "firmware/core/rig.hpp"
 #include "firmware/ports/event_sink.hpp"

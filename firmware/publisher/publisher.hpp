@@ -6,6 +6,7 @@
 #include <atomic>
 #include <deque>
 #include <functional>
+#include <optional>
 #include <stop_token>
 
 #include "firmware/core/shot_timing.hpp"

@@ -2,6 +2,7 @@
 // state.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 

@@ -6,6 +6,7 @@
 #include <Eigen/Dense>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <string_view>
 #include <vector>
 

@@ -1,6 +1,7 @@
 #include "sim/live/tablet_operator.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "common/messages/channels.hpp"
 #include "common/messages/lcm_conversions.hpp"

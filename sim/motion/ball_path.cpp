@@ -1,5 +1,6 @@
 #include "sim/motion/ball_path.hpp"
 
+#include <array>
 #include <cmath>
 
 namespace strobe::sim {

@@ -1,5 +1,7 @@
 #include "sim/plan/plan.hpp"
 
+#include <algorithm>
+
 namespace strobe::sim {
 
 namespace {

@@ -1,6 +1,7 @@
 #include "sim/rig/lamp.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace strobe::sim {
 

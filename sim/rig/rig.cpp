@@ -1,6 +1,7 @@
 #include "sim/rig/rig.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 
 #include "sim/scene/reduced_scene.hpp"

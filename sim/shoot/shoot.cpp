@@ -1,6 +1,7 @@
 #include "sim/shoot/shoot.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "sim/rig/tablet.hpp"
 #include "sim/rig/truth.hpp"

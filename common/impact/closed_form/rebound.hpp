@@ -9,6 +9,7 @@
 // bouncing ball, 2002.
 #pragma once
 
+#include <string_view>
 #include <tl/expected.hpp>
 
 #include "common/ball/ball.hpp"

@@ -4,6 +4,7 @@
 // observation's name.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "common/impact/fit/model_fit.hpp"

@@ -10,6 +10,7 @@
 #include <span>
 #include <string>
 #include <tl/expected.hpp>
+#include <vector>
 
 #include "common/impact/fit/observation.hpp"
 

@@ -1,6 +1,7 @@
 // The options of `strobe predict`. Single-threaded.
 #pragma once
 
+#include <memory>
 #include <string>
 
 #include "common/frontier/frontier.hpp"

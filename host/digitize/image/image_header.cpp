@@ -7,6 +7,7 @@
 #include <bit>
 #include <cctype>
 #include <optional>
+#include <string>
 
 namespace strobe::digitize {
 

@@ -1,5 +1,6 @@
 // Beyond the thesis: leave-one-out cross-validation of the approaches to the contact.
 #include <cmath>
+#include <initializer_list>
 
 #include "common/contact/condition_inputs.hpp"
 #include "common/contact/cross_validation.hpp"

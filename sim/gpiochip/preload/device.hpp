@@ -1,6 +1,7 @@
 // The chip as the preloaded library knows it: mapped once at start from STROBE_GPIOCHIP_DIR.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 #include "sim/gpiochip/ownership.hpp"
