@@ -13,7 +13,7 @@ TEST_GROUP(VirtualLab) {
   RigFiles files = *read_rig_files(STROBE_SHIPPED_RIG);
   std::string violations;
 
-  SoakCounts run(const FaultPlan& faults, PlanKind plan, int runs, int shots = 10,
+  SoakCounts run_lab(const FaultPlan& faults, PlanKind plan, int runs, int shots = 10,
                  std::uint64_t seed = 2026) {
     SoakCounts sum;
     for (int run = 0; run < runs; ++run) {
@@ -38,7 +38,7 @@ TEST_GROUP(VirtualLab) {
 };
 
 TEST(VirtualLab, ReadsEveryShotOutWhenNothingGoesWrong) {
-  const SoakCounts counts = run(no_faults(), PlanKind::brief, 60);
+  const SoakCounts counts = run_lab(no_faults(), PlanKind::brief, 60);
   LONGS_EQUAL(600, counts.good);
   LONGS_EQUAL(counts.shots, counts.triggers);
   LONGS_EQUAL(0, counts.unfinished);
@@ -47,13 +47,13 @@ TEST(VirtualLab, ReadsEveryShotOutWhenNothingGoesWrong) {
 }
 
 TEST(VirtualLab, PlaysTheShippedPlanAndBurstsAfterTheGate) {
-  LONGS_EQUAL(60, run(no_faults(), PlanKind::shipped, 6).good);
-  LONGS_EQUAL(100, run(no_faults(), PlanKind::gated, 10).good);
-  LONGS_EQUAL(100, run(no_faults(), PlanKind::coded, 10).good);
+  LONGS_EQUAL(60, run_lab(no_faults(), PlanKind::shipped, 6).good);
+  LONGS_EQUAL(100, run_lab(no_faults(), PlanKind::gated, 10).good);
+  LONGS_EQUAL(100, run_lab(no_faults(), PlanKind::coded, 10).good);
 }
 
 TEST(VirtualLab, HoldsWhatMustHoldThroughEveryKindOfFault) {
-  const SoakCounts counts = run(wild_faults(), PlanKind::brief, 60);
+  const SoakCounts counts = run_lab(wild_faults(), PlanKind::brief, 60);
   CHECK_TRUE(all_occurred(counts.rig_faults));
   CHECK_TRUE(all_occurred(counts.hazards));
   CHECK(counts.packets_lost > 0 && counts.packets_doubled > 0 && counts.packets_reordered > 0);
@@ -62,12 +62,12 @@ TEST(VirtualLab, HoldsWhatMustHoldThroughEveryKindOfFault) {
 }
 
 TEST(VirtualLab, IsRightOrSaysThatItIsNotAtTheExtremes) {
-  const SoakCounts counts = run(no_faults(), PlanKind::extremes, 40);
+  const SoakCounts counts = run_lab(no_faults(), PlanKind::extremes, 40);
   CHECK(counts.compared > 1'000);
 }
 
 TEST(VirtualLab, RepeatsItselfToTheLastBitFromItsSeed) {
-  const std::uint64_t digest = run(wild_faults(), PlanKind::mixed, 4, 5).digest;
-  CHECK_EQUAL(run(wild_faults(), PlanKind::mixed, 4, 5).digest, digest);
-  CHECK(digest != run(wild_faults(), PlanKind::mixed, 4, 5, 2027).digest);
+  const std::uint64_t digest = run_lab(wild_faults(), PlanKind::mixed, 4, 5).digest;
+  CHECK_EQUAL(run_lab(wild_faults(), PlanKind::mixed, 4, 5).digest, digest);
+  CHECK(digest != run_lab(wild_faults(), PlanKind::mixed, 4, 5, 2027).digest);
 }

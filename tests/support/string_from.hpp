@@ -19,7 +19,9 @@ namespace strobe::testing {
 
 template <typename Enum, Enum value>
 constexpr std::string_view spelled() {
-  return __PRETTY_FUNCTION__;  // "... [with Enum = E; Enum value = E::name; ...]", or "(E)7" without a name
+  // "... [with Enum = E; Enum value = E::name; ...]", or "(E)7" without a name; "[Enum = E, value = E::name]" by clang,
+  // where E may begin with "(anonymous namespace)::".
+  return __PRETTY_FUNCTION__;
 }
 
 /// The enumerator's name, or its number. Names are known for values 0 to 63.
@@ -34,7 +36,8 @@ std::string enum_text(Enum value) {
   std::string_view text = names[static_cast<std::size_t>(number)];
   text = text.substr(text.find("value = ") + 8);
   text = text.substr(0, text.find_first_of(";]"));
-  if (text.starts_with('(')) return std::to_string(number);
+  const std::size_t cast = text.rfind(')');
+  if (cast != text.npos && text[cast + 1] != ':') return std::to_string(number);
   return std::string(text.substr(text.rfind(':') + 1));
 }
 

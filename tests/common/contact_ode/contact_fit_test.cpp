@@ -123,7 +123,7 @@ TEST(ContactFit, ParametersThatTheConditionsDoNotTellApartAreRefused) {
   const std::vector<ContactObservation> alike(3, measured()[1]);
   const auto fit = fit_contact(alike);
   CHECK_FALSE(fit.has_value());
-  CHECK_EQUAL("the conditions do not tell the contact's parameters apart", fit.error().message);
+  CHECK_EQUAL("the conditions do not determine the contact's parameters", fit.error().message);
 }
 
 TEST(ContactFit, AConditionThatTheMechanicsRefusesIsNamed) {
