@@ -11,9 +11,9 @@ using strobe_msgs::shot_t;
 
 // The firmware's clock is known here but for the time that a message takes, and to far less than that later
 // on.
-constexpr Duration kClockDoubt = milliseconds{100};
+constexpr Duration kClockTolerance = milliseconds{100};
 // Some file systems keep times to two seconds.
-constexpr Duration kFileTimeDoubt = std::chrono::seconds{2};
+constexpr Duration kFileTimeTolerance = std::chrono::seconds{2};
 // Longest that a photograph waits for word of its shot, which may have to be asked for again.
 constexpr Duration kClaim = std::chrono::seconds{5};
 // Longest after a shot that a photograph may still be its.
@@ -58,8 +58,8 @@ PhotographMatcher::Candidates PhotographMatcher::candidates(const Held& held, Ho
   for (std::size_t i = exposures_.size(); i-- > 0 && !exposures_[i].taken;) {
     const Exposure& exposure = exposures_[i];
     const HostTime closed = local(exposure.closed);
-    if (held.arrived < closed - kClockDoubt || held.arrived > closed + kForgotten) continue;
-    if (held.written < local(exposure.opened) - kFileTimeDoubt) continue;
+    if (held.arrived < closed - kClockTolerance || held.arrived > closed + kForgotten) continue;
+    if (held.written < local(exposure.opened) - kFileTimeTolerance) continue;
     auto& list = now <= closed + timeout_ ? result.waiting : result.given_up;
     list.insert(list.begin(), i);
   }
@@ -98,9 +98,9 @@ PhotographDecision PhotographMatcher::reject(std::string why) {
 std::string PhotographMatcher::nobody(const Held& held) const {
   for (const Exposure& exposure : exposures_) {
     const HostTime closed = local(exposure.closed);
-    const bool in_time = held.arrived >= closed - kClockDoubt && held.arrived <= closed + timeout_;
+    const bool in_time = held.arrived >= closed - kClockTolerance && held.arrived <= closed + timeout_;
     const Duration before = local(exposure.opened) - held.written;
-    if (in_time && !exposure.taken && before > kFileTimeDoubt) {
+    if (in_time && !exposure.taken && before > kFileTimeTolerance) {
       return fmt::format("its file is {:.1f} s older than shot {}: not used", to_seconds(before),
                          exposure.key.shot_id);
     }

@@ -29,7 +29,7 @@ constexpr Duration kPhotographGrace = std::chrono::seconds{1};
 constexpr std::size_t kMaxArmed = 4096;
 constexpr std::size_t kMaxHeldFrames = 64;
 // A machine that is this much early still meets the plate before the abort.
-constexpr double kMachineLagDoubt_s = 0.1;
+constexpr double kMachineLagTolerance_s = 0.1;
 
 /// Of what was measured: two hosts that measure one photograph alike give the same frame.
 std::uint64_t hash_of(frame_t frame) {
@@ -205,7 +205,7 @@ bool Session::ball_came_after_abort(const shot_t& shot) const {
   const MonoTime trigger = from_ns(shot.trigger_ns);
   if (!known(trigger)) return true;
   if (!settings_.machine_lag_s) return false;
-  const Duration earliest = from_seconds(std::max(0.0, *settings_.machine_lag_s - kMachineLagDoubt_s));
+  const Duration earliest = from_seconds(std::max(0.0, *settings_.machine_lag_s - kMachineLagTolerance_s));
   return end_of(shot, trigger) < trigger + earliest;
 }
 

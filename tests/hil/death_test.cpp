@@ -85,7 +85,8 @@ std::int64_t kill_both(const RigFixture& bench, LineWatcher&) {
 /// Seen from outside: the worker is a zombie or gone.
 std::int64_t dies(const RigFixture& bench, LineWatcher&) {
   const pid_t worker = bench.worker();
-  CHECK(strobe::testing::wait_until([&] { return strobe::testing::program_of(worker).empty(); }, 20s));
+  CHECK(
+      strobe::testing::wait_until([&] { return strobe::testing::program_of(worker).empty(); }, kLongestWait));
   return monotonic_now_ns();
 }
 std::int64_t hangs(const RigFixture&, LineWatcher&) { return monotonic_now_ns(); }
@@ -230,7 +231,8 @@ class StandingGuardian {
     kill(guardian_, SIGSTOP);
   }
   void expect_that_the_worker_stopped() {
-    CHECK(strobe::testing::wait_until([&] { return strobe::testing::program_of(worker_).empty(); }, 20s));
+    CHECK(strobe::testing::wait_until([&] { return strobe::testing::program_of(worker_).empty(); },
+                                      kLongestWait));
     kill(guardian_, SIGCONT);
     bench_.changes();
     CHECK_TEXT(bench_.log().find("stopped: the guardian hangs") != std::string::npos, bench_.log().c_str());
@@ -270,7 +272,8 @@ TEST(Death, FollowsTheLossOfTheChipThoughNothingIsFired) {
   if (!bench.ready()) FAIL(("strobed did not come up:\n" + bench.log()).c_str());
   const pid_t worker = bench.worker();
   LineWatcher(bench.chip_dir()).unplug();
-  CHECK(strobe::testing::wait_until([&] { return strobe::testing::program_of(worker).empty(); }, 20s));
+  CHECK(
+      strobe::testing::wait_until([&] { return strobe::testing::program_of(worker).empty(); }, kLongestWait));
   bench.changes();
   CHECK_TEXT(bench.log().find("stopped: an output could not be switched off") != std::string::npos,
              bench.log().c_str());
@@ -285,7 +288,7 @@ TEST(Death, OfAPublisherThatHangsIsOrderlyAndTheServiceManagerHearsOfIt) {
   options.strobed_options = {"--drill", "publisher-hang@1"};
   RigFixture bench(options);
   if (!bench.ready()) FAIL(("strobed did not come up:\n" + bench.log()).c_str());
-  CHECK(strobe::testing::wait_until([&] { return manager.count("READY=1") == 1; }, 5s));
+  CHECK(strobe::testing::wait_until([&] { return manager.count("READY=1") == 1; }, kLongestWait));
   RawHost host(bench.lcm_url(), "bench");
   int attempt = 0;
   while (do_in_mid_train(bench, host, {"publisher hangs", Chip::keeps, hangs, ""}) == 0)
@@ -313,14 +316,15 @@ TEST(Death, OfNobodyIsTheEndOfStandardErrorOrOfTheNetwork) {
   const bool cut = strobe::testing::run_process(no_route, 5s).status == strobe::testing::ExitStatus({0, 0});
   CHECK(watch.wait_for("SHUTTER", 0, 5s) != 0);
   if (cut) strobe::testing::run_process(route, 5s);
-  CHECK(host.wait([&] { return host.status().state == strobe_msgs::status_t::SPENT; }, 5s));
+  CHECK(host.wait([&] { return host.status().state == strobe_msgs::status_t::SPENT; }, kLongestWait));
   const std::int32_t shot = host.status().last_shot_id;
   const std::int64_t token = host.arm();
   CHECK(token != 0);
   host.send(host.fire_command(token, false));
-  CHECK_TEXT(host.wait([&] { return host.status().last_shot_id == shot + 1; }, 5s),
+  CHECK_TEXT(host.wait([&] { return host.status().last_shot_id == shot + 1; }, kLongestWait),
              host.status().message.c_str());
-  CHECK(host.wait([&] { return !host.shots().empty() && host.shots().back().shot_id == shot + 1; }, 5s));
+  CHECK(host.wait([&] { return !host.shots().empty() && host.shots().back().shot_id == shot + 1; },
+                  kLongestWait));
   bench.finish();
   expect_whole_journal(bench, "no network");
   LONGS_EQUAL(shot + 1, read_log(bench.journal()).shots.size());

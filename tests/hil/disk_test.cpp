@@ -40,7 +40,7 @@ void enlarge_disk(RigFixture& bench) {
                                                   {},
                                                   {}},
                                                  5s);
-  CHECK_TEXT(done.status == ExitStatus({0, 0}), done.err.c_str());
+  CHECK_TEXT(done.status == ExitStatus({0, 0}), (done.err + bench.log()).c_str());
 }
 
 Command fire_elsewhere(RigFixture& bench, const std::string& wait_s) {
@@ -51,10 +51,10 @@ Command fire_elsewhere(RigFixture& bench, const std::string& wait_s) {
 /// A refusal cannot be journalled, so that it is not published either; the status has said why. Judged by one
 /// of later than the command, once that of the shot before is no longer on its way.
 void expect_no_token(RawHost& host) {
-  CHECK(host.wait([&] { return host.status().arm_token == 0; }, 10s));
+  CHECK(host.wait([&] { return host.status().arm_token == 0; }, kLongestWait));
   const std::int64_t sent_ns = strobe::testing::monotonic_now_ns();
   host.send(host.command(strobe_msgs::command_t::ARM));
-  CHECK(host.wait([&] { return host.status().mono_ns > sent_ns + 100'000'000; }, 10s));
+  CHECK(host.wait([&] { return host.status().mono_ns > sent_ns + 100'000'000; }, kLongestWait));
   LONGS_EQUAL(0, host.status().arm_token);
 }
 
@@ -79,8 +79,8 @@ TEST(Disk, FullOrTakenAwayItRefusesShotsWithTheReasonAndARunningOneEndsSafely) {
   STRCMP_CONTAINS("no room for another shot", refused.err.c_str());
 
   enlarge_disk(bench);
-  CHECK(host.wait([&] { return host.status().journal_ok != 0; }, 10s));
-  const auto fired = strobe::testing::run_process(fire_elsewhere(bench, "20"), 60s);
+  CHECK(host.wait([&] { return host.status().journal_ok != 0; }, kLongestWait));
+  const auto fired = strobe::testing::run_process(fire_elsewhere(bench, "20"), kLongestWait);
   CHECK_TEXT(fired.status == ExitStatus({0, 0}), fired.err.c_str());
 
   LineWatcher watch(bench.chip_dir());
@@ -90,7 +90,7 @@ TEST(Disk, FullOrTakenAwayItRefusesShotsWithTheReasonAndARunningOneEndsSafely) {
   for (const auto& entry : std::filesystem::directory_iterator(seen_by_strobed(bench, bench.session())))
     std::filesystem::remove(entry.path());
   CHECK(watch.wait_for("SHUTTER", 0, 5s) != 0);
-  CHECK(host.wait([&] { return !host.status().journal_ok; }, 10s));
+  CHECK(host.wait([&] { return !host.status().journal_ok; }, kLongestWait));
   STRCMP_CONTAINS("the journal was removed; start strobed anew", host.status().message.c_str());
   expect_no_token(host);
   last.signal(SIGINT);

@@ -106,7 +106,7 @@ Press stop_a_shot(RawHost& host, const RigFixture& bench, const Situation& situa
   host.listen(20ms);
   press.released = monotonic_now_ns();
   watch.drive("ESTOP", 1);
-  CHECK(host.wait([&] { return !host.status().estop_active; }, 5s));
+  CHECK(host.wait([&] { return !host.status().estop_active; }, kLongestWait));
   return press;
 }
 

@@ -16,8 +16,8 @@ TEST_GROUP(Install) {
   const std::filesystem::path moved = folder / "moved here";
 
   void setup() override {
-    const auto installed =
-        run_process({{STROBE_CMAKE, "--install", STROBE_BUILD_DIR, "--prefix", first}, {}, {}, {}}, 60s);
+    const auto installed = run_process(
+        {{STROBE_CMAKE, "--install", STROBE_BUILD_DIR, "--prefix", first}, {}, {}, {}}, kLongestWait);
     CHECK_TEXT(installed.status == ExitStatus({0, 0}), installed.err.c_str());
     std::filesystem::rename(first, moved);
   }
@@ -47,7 +47,8 @@ TEST(Install, RunsFromWhereItWasMoved) {
   CHECK_TEXT(scenes.status == ExitStatus({0, 0}), scenes.err.c_str());
   CHECK(scenes.out.find("zero_23") != std::string::npos);
   const auto predicted = run_process(
-      {{bin("strobe"), "predict", "--vx", "15", "--vy", "-6", "--omega", "0", "--json"}, {}, {}, {}}, 30s);
+      {{bin("strobe"), "predict", "--vx", "15", "--vy", "-6", "--omega", "0", "--json"}, {}, {}, {}},
+      kLongestWait);
   CHECK_TEXT(predicted.status == ExitStatus({0, 0}), predicted.err.c_str());
 }
 
@@ -62,7 +63,7 @@ TEST(Install, FiresAShotFromWhereItWasMoved) {
        {},
        {}},
       folder.path());
-  CHECK_TEXT(sim.wait_for_err("strobed: ready", 20s), sim.err().c_str());
+  CHECK_TEXT(sim.wait_for_err("strobed: ready", kLongestWait), sim.err().c_str());
   const auto fired = run_process({{bin("strobe"), "fire", "--shots", "1", "--retries", "9", "--session",
                                    session, "--lcm-url", url, "--json"},
                                   {},

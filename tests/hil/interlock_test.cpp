@@ -62,7 +62,7 @@ Span stop_in_mid_train(const RigFixture& bench, RawHost& host, const std::string
     const auto closed = [&] {
       return !host.shots().empty() && host.shots().back().shutter_off_ns > flash_ns;
     };
-    CHECK_TEXT(host.wait(closed, 10s), bench.log().c_str());
+    CHECK_TEXT(host.wait(closed, kLongestWait), bench.log().c_str());
     if (!in_time) continue;
     CHECK_TEXT(host.shots().back().aborted, how.c_str());
     return {how, flash_ns, host.shots().back().shutter_off_ns};
@@ -78,18 +78,18 @@ TEST_GROUP(Interlock){};
 TEST(Interlock, FiresTheMachineOnceAShotWhenAllIsWellAndElseRefusesInWords) {
   RigFixture bench;
   expect_ready(bench);
-  const auto fired = strobe::testing::run_process(bench.fire(1, kRetries), 60s);
+  const auto fired = strobe::testing::run_process(bench.fire(1, kRetries), kLongestWait);
   CHECK_TEXT(fired.status == ExitStatus({0, 0}), fired.err.c_str());
   const std::size_t live = shots_fired(bench);
   const std::int64_t dry_from = monotonic_now_ns();
-  const auto dry = strobe::testing::run_process(bench.fire(1, kRetries, {"--dry"}), 60s);
+  const auto dry = strobe::testing::run_process(bench.fire(1, kRetries, {"--dry"}), kLongestWait);
   CHECK_TEXT(dry.status == ExitStatus({0, 0}), dry.err.c_str());
   const std::size_t all = shots_fired(bench);
   std::vector<Span> refusals;
   for (const auto& [line, word] : {std::pair{"KEY", "key"}, std::pair{"ESTOP", "stop"}}) {
     Span refused{line};
     bench.drive(std::string(line) + "=0");
-    const auto tried = strobe::testing::run_process(bench.fire(1, 0, {"--wait", "1"}), 30s);
+    const auto tried = strobe::testing::run_process(bench.fire(1, 0, {"--wait", "1"}), kLongestWait);
     CHECK_TEXT(tried.status == ExitStatus({1, 0}), tried.err.c_str());
     CHECK_TEXT(tried.err.find(word) != std::string::npos, tried.err.c_str());
     refused.to_ns = monotonic_now_ns();
@@ -120,7 +120,7 @@ TEST(Interlock, FiresNoShotWithoutItsTokenNorTwice) {
   CHECK(host.status().arm_token == 0);
   const std::int64_t expired = host.arm();
   CHECK(expired != 0);
-  CHECK(host.wait([&] { return host.saw(strobe_msgs::event_t::DISARMED); }, 5s));
+  CHECK(host.wait([&] { return host.saw(strobe_msgs::event_t::DISARMED); }, kLongestWait));
   host.send(host.fire_command(expired, false));
   const std::int64_t token = host.arm();
   CHECK(token != 0);
@@ -130,14 +130,14 @@ TEST(Interlock, FiresNoShotWithoutItsTokenNorTwice) {
   CHECK(host.saw(strobe_msgs::event_t::REFUSED));
   LONGS_EQUAL(0, host.status().last_shot_id);
   host.send(host.command(strobe_msgs::command_t::DISARM));
-  CHECK(host.wait([&] { return host.status().arm_token == 0; }, 5s));
+  CHECK(host.wait([&] { return host.status().arm_token == 0; }, kLongestWait));
   // The same command however often, and its token again in another.
   const strobe_msgs::command_t fire = host.fire_command(host.arm(), false);
   for (int i = 0; i < 5; ++i) host.send(fire);
-  CHECK(host.wait([&] { return !host.shots().empty(); }, 10s));
+  CHECK(host.wait([&] { return !host.shots().empty(); }, kLongestWait));
   for (int i = 0; i < 5; ++i) host.send(fire);
   host.send(host.fire_command(fire.arm_token, false));
-  CHECK(host.wait([&] { return host.status().state == strobe_msgs::status_t::SPENT; }, 5s));
+  CHECK(host.wait([&] { return host.status().state == strobe_msgs::status_t::SPENT; }, kLongestWait));
   host.listen(kNothingHappens);
   LONGS_EQUAL(1, host.shots().size());
   CHECK(bench.finish().rises("TRIGGER") <= 1);
@@ -153,7 +153,7 @@ TEST(Interlock, StopsAShotByKeyEStopAndDisarm) {
     stopped.push_back(
         stop_in_mid_train(bench, host, line, [&](LineWatcher& watch) { watch.drive(line, 0); }));
     bench.drive(line + "=1");
-    CHECK(host.wait([&] { return host.status().key_active && !host.status().estop_active; }, 5s));
+    CHECK(host.wait([&] { return host.status().key_active && !host.status().estop_active; }, kLongestWait));
   }
   stopped.push_back(stop_in_mid_train(
       bench, host, "disarm", [&](LineWatcher&) { host.send(host.command(strobe_msgs::command_t::DISARM)); }));

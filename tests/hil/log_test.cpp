@@ -86,7 +86,7 @@ std::size_t recorded(const std::filesystem::path& log, const std::string& kind) 
 std::string record_session(RigFixture& bench, int shots, const std::filesystem::path& log) {
   Process recorder = bench.start(logger(bench, log));
   CHECK(hears(log));  // the firmware's heartbeat
-  const auto fired = strobe::testing::run_process(bench.fire(shots, kRetries), 60s);
+  const auto fired = strobe::testing::run_process(bench.fire(shots, kRetries), kLongestWait);
   CHECK_TEXT(fired.status == ExitStatus({0, 0}), fired.err.c_str());
   const std::size_t sent = readouts(fired.out).size();
   // What its queue has dropped it never writes.
@@ -109,14 +109,14 @@ TEST(Log, RecordedAndPlayedBackShowsTheSameNumbers) {
   const std::string expected = measured(fired, whole);
   CHECK(!expected.empty());
   const auto replayed = strobe::testing::run_process(
-      bench.strobe({"replay", bench.folder() / "recorded.lcmlog", "--json"}), 30s);
+      bench.strobe({"replay", bench.folder() / "recorded.lcmlog", "--json"}), kLongestWait);
   CHECK_TEXT(replayed.status == ExitStatus({0, 0}), replayed.err.c_str());
   CHECK_EQUAL(expected, measured(replayed.out, whole));
 
   Process live = bench.start(bench.strobe({"live", "--json"}));
-  CHECK(live.wait_for_err("listening to rig", 20s));
+  CHECK(live.wait_for_err("listening to rig", kLongestWait));
   const auto played =
-      strobe::testing::run_process(player(bench.lcm_url(), bench.folder() / "recorded.lcmlog"), 60s);
+      strobe::testing::run_process(player(bench.lcm_url(), bench.folder() / "recorded.lcmlog"), kLongestWait);
   CHECK_EQUAL(ExitStatus({0, 0}), played.status);
   strobe::testing::wait_until([&] { return measured(live.out(), whole).size() >= expected.size(); }, 20s);
   live.signal(SIGINT);
@@ -127,14 +127,15 @@ TEST(Log, RecordedAndPlayedBackShowsTheSameNumbers) {
 TEST(Log, OfTheSessionsFolderIsRecomputedToTheSameBytes) {
   RigFixture bench(short_shots());
   expect_ready(bench);
-  const auto fired = strobe::testing::run_process(bench.fire(2, kRetries), 60s);
+  const auto fired = strobe::testing::run_process(bench.fire(2, kRetries), kLongestWait);
   CHECK_TEXT(fired.status == ExitStatus({0, 0}), fired.err.c_str());
   bench.finish();
   std::filesystem::path host_log;
   for (const auto& entry : std::filesystem::directory_iterator(bench.session()))
     if (entry.path().filename().string().rfind("host-", 0) == 0) host_log = entry.path();
   CHECK(!host_log.empty());
-  const auto replayed = strobe::testing::run_process(bench.strobe({"replay", host_log, "--json"}), 30s);
+  const auto replayed =
+      strobe::testing::run_process(bench.strobe({"replay", host_log, "--json"}), kLongestWait);
   CHECK_EQUAL(ExitStatus({0, 0}), replayed.status);
   CHECK_EQUAL(readout_lines(fired.out), readout_lines(replayed.out));
 }
@@ -151,7 +152,7 @@ TEST(Log, WithCommandsInItNeverFiresARigAgain) {
   CHECK(host.wait_status());
   CHECK(host.arm() != 0);
   const std::int64_t before = strobe::testing::monotonic_now_ns();
-  strobe::testing::run_process(player(first.lcm_url(), log), 60s);
+  strobe::testing::run_process(player(first.lcm_url(), log), kLongestWait);
   host.listen(1s);
   const LineChanges changes = first.finish();
   for (const std::string& output : kOutputs) LONGS_EQUAL(0, changes.rises(output, before));
@@ -162,7 +163,7 @@ TEST(Log, WithCommandsInItNeverFiresARigAgain) {
   RawHost other(second.lcm_url(), "bench");
   CHECK(other.wait_status());
   CHECK(other.arm() != 0);
-  strobe::testing::run_process(player(second.lcm_url(), log), 60s);
+  strobe::testing::run_process(player(second.lcm_url(), log), kLongestWait);
   other.listen(1s);
   const LineChanges untouched = second.finish();
   for (const std::string& output : kOutputs) LONGS_EQUAL(0, untouched.rises(output));
@@ -171,13 +172,13 @@ TEST(Log, WithCommandsInItNeverFiresARigAgain) {
 TEST(Log, OfAListenerThatJoinsLateHoldsTheShotsBeforeItAndThoseToCome) {
   RigFixture bench(short_shots());
   expect_ready(bench);
-  const auto before = strobe::testing::run_process(bench.fire(1, kRetries), 60s);
+  const auto before = strobe::testing::run_process(bench.fire(1, kRetries), kLongestWait);
   CHECK_TEXT(before.status == ExitStatus({0, 0}), before.err.c_str());
   Process live = bench.start(bench.strobe({"live", "--json"}));
   // The journal is asked for what was; whoever measured its photographs sends them again.
   const std::size_t past = readouts(before.out).size();
   CHECK(strobe::testing::wait_until([&] { return readouts(live.out()).size() >= past; }, 8s));
-  const auto fired = strobe::testing::run_process(bench.fire(1, kRetries), 60s);
+  const auto fired = strobe::testing::run_process(bench.fire(1, kRetries), kLongestWait);
   CHECK_TEXT(fired.status == ExitStatus({0, 0}), fired.err.c_str());
   const std::vector<nlohmann::json> expected = readouts(fired.out);
   strobe::testing::wait_until([&] { return readouts(live.out()).size() >= past + expected.size(); }, 8s);

@@ -60,7 +60,7 @@ TEST(Photographs, AreReadOutAsTheyArriveAndAJunkFileStopsNothing) {
   RigFixture bench(small_sensor(camera.path()));
   if (!bench.ready()) FAIL(("strobed did not come up:\n" + bench.log()).c_str());
   auto fire = bench.start(bench.fire(2, kRetries, {"--photographs", camera.path(), "--effort", "fast"}));
-  CHECK(fire.wait_for_err("photographs from", 20s));
+  CHECK(fire.wait_for_err("photographs from", kLongestWait));
   strobe::testing::write_text(camera / "junk.tif", "no photograph");
   const auto status = fire.wait(240s);
   CHECK_TEXT(status == ExitStatus({0, 0}), fire.err().c_str());
@@ -83,7 +83,7 @@ TEST(Photographs, AreReadOutAsTheyArriveAndAJunkFileStopsNothing) {
 
   std::filesystem::remove_all(bench.session() / "photographs");
   const auto replayed =
-      strobe::testing::run_process(bench.strobe({"replay", host_log(bench), "--json"}), 30s);
+      strobe::testing::run_process(bench.strobe({"replay", host_log(bench), "--json"}), kLongestWait);
   CHECK_TEXT(replayed.status == ExitStatus({0, 0}), replayed.err.c_str());
   CHECK_EQUAL(readout_lines(printed), readout_lines(replayed.out));
 }

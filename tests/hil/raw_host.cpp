@@ -6,6 +6,7 @@
 #include "common/authentication/key_file.hpp"
 #include "common/authentication/seal.hpp"
 #include "common/messages/channels.hpp"
+#include "tests/hil/rig_fixture.hpp"
 #include "tests/support/process.hpp"
 
 namespace strobe::hil {
@@ -66,7 +67,7 @@ void RawHost::listen(std::chrono::milliseconds time) {
 }
 
 bool RawHost::wait_status() {
-  return wait([this] { return status_seen_; }, 10s);
+  return wait([this] { return status_seen_; }, kLongestWait);
 }
 
 strobe_msgs::command_t RawHost::command(std::int8_t kind) {
@@ -105,7 +106,7 @@ std::int64_t RawHost::arm() {
   const auto given = [&] {
     return status_.arm_host_id == host_id_ && status_.arm_token != 0 && status_.arm_token != earlier;
   };
-  return wait(given, 3s) ? status_.arm_token : 0;
+  return wait(given, 10s) ? status_.arm_token : 0;
 }
 
 std::int64_t RawHost::fire_until_flash(LineWatcher& watch, const ShotOfToken& shot) {
@@ -115,7 +116,7 @@ std::int64_t RawHost::fire_until_flash(LineWatcher& watch, const ShotOfToken& sh
     send(shot(token));
     if (const std::int64_t flash_ns = watch.wait_for("STROBE_A", 1, 3s); flash_ns != 0) return flash_ns;
     // The shot that came late ends; one that was refused would be so again.
-    if (!wait([this] { return status_.state == strobe_msgs::status_t::SPENT; }, 5s))
+    if (!wait([this] { return status_.state == strobe_msgs::status_t::SPENT; }, 10s))
       throw std::runtime_error("no shot: " + (events_.empty() ? "" : events_.back().detail));
   }
   return 0;

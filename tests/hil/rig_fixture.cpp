@@ -89,7 +89,7 @@ Command RigFixture::sim_command(const RigFixtureOptions& options) const {
   return command;
 }
 
-bool RigFixture::ready() { return sim_.wait_for_err("strobed: ready", 20s); }
+bool RigFixture::ready() { return sim_.wait_for_err("strobed: ready", kLongestWait); }
 
 namespace {
 

@@ -16,6 +16,9 @@
 
 namespace strobe::hil {
 
+/// For what must come: only a failure waits so long, however busy the machine.
+inline constexpr std::chrono::seconds kLongestWait{180};
+
 struct RigFixtureOptions {
   std::string scene = "zero_23";                                 ///< a shipped scene
   std::string scene_addition;                                    ///< TOML put after it: faults, actions

@@ -23,7 +23,7 @@ TEST(Session, AnOrdinaryUserFiresWithAWarning) {
   CHECK_TEXT(bench.log().find("warn") != std::string::npos, bench.log().c_str());
   strobe::testing::Command fire = bench.fire(1, kRetries);
   fire.rights = strobe::testing::Privileges::ordinary;
-  const auto fired = strobe::testing::run_process(fire, 60s);
+  const auto fired = strobe::testing::run_process(fire, kLongestWait);
   CHECK(!readouts(fired.out).empty());
   if (fired.status == ExitStatus({0, 0})) return;
   // Without its rights a busy machine makes shots late: then each must say so.
@@ -44,7 +44,7 @@ TEST(Session, FolderHoldsAllThatIsNeededToRecomputeIt) {
   RigFixture bench;
   if (!bench.ready()) FAIL(("strobed did not come up:\n" + bench.log()).c_str());
   const auto fired =
-      strobe::testing::run_process(bench.fire(2, kRetries, {"--note", "remarks=two shots"}), 60s);
+      strobe::testing::run_process(bench.fire(2, kRetries, {"--note", "remarks=two shots"}), kLongestWait);
   CHECK_TEXT(fired.status == ExitStatus({0, 0}), fired.err.c_str());
   bench.finish();
   CHECK(std::filesystem::exists(bench.session() / "rig.toml"));
@@ -64,8 +64,8 @@ TEST(Session, FolderHoldsAllThatIsNeededToRecomputeIt) {
 TEST(Session, ShotNumbersGoOnInTheSameFolder) {
   RigFixture bench;
   if (!bench.ready()) FAIL(("strobed did not come up:\n" + bench.log()).c_str());
-  strobe::testing::run_process(bench.fire(1, 0), 60s);
-  strobe::testing::run_process(bench.fire(1, 0), 60s);
+  strobe::testing::run_process(bench.fire(1, 0), kLongestWait);
+  strobe::testing::run_process(bench.fire(1, 0), kLongestWait);
   const LogContents journal = read_log(bench.journal());
   LONGS_EQUAL(2, journal.shots.size());
   LONGS_EQUAL(1, journal.shots[0].shot_id);
@@ -77,14 +77,14 @@ TEST(Session, StartsAgainBesideTheOldJournalAndGoesOnCounting) {
   options.shell = "\"$@\"; \"$@\"";  // strobed again once it was ended
   RigFixture bench(options);
   if (!bench.ready()) FAIL(("strobed did not come up:\n" + bench.log()).c_str());
-  strobe::testing::run_process(bench.fire(1, 0), 60s);
+  strobe::testing::run_process(bench.fire(1, 0), kLongestWait);
   const std::filesystem::path old_journal = bench.journal();
   const pid_t guardian = bench.guardian();
   kill(guardian, SIGTERM);
   CHECK(
       strobe::testing::wait_until([&] { return bench.guardian() != guardian && bench.worker() != 0; }, 10s));
-  CHECK(strobe::testing::wait_until([&] { return bench.journal() != old_journal; }, 10s));
-  strobe::testing::run_process(bench.fire(1, 0), 60s);
+  CHECK(strobe::testing::wait_until([&] { return bench.journal() != old_journal; }, kLongestWait));
+  strobe::testing::run_process(bench.fire(1, 0), kLongestWait);
   const LogContents journal = read_log(bench.journal());
   LONGS_EQUAL(1, journal.shots.size());
   LONGS_EQUAL(2, journal.shots[0].shot_id);

@@ -87,6 +87,6 @@ TEST(Signals, OfJobControlStopNeitherProcessNorShot) {
     }
   }
   const auto closed = [&] { return !host.shots().empty() && host.shots().back().shutter_off_ns > flash_ns; };
-  CHECK_TEXT(host.wait(closed, 10s), bench.log().c_str());
+  CHECK_TEXT(host.wait(closed, kLongestWait), bench.log().c_str());
   CHECK(bench.worker() != 0);
 }

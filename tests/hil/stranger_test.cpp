@@ -66,7 +66,7 @@ TEST(Stranger, IsNeverExecutedAndShowsOnlyInTheCounts) {
     host.send_bytes(Bytes(65'000, 1));
     host.send_bytes(Bytes(100'000, 1));
     // No more at a time than the socket holds.
-    CHECK(host.wait([&] { return rejected_by(host.status()) >= std::int64_t{8} * i; }, 10s));
+    CHECK(host.wait([&] { return rejected_by(host.status()) >= std::int64_t{8} * i; }, kLongestWait));
   }
   LONGS_EQUAL(0, host.status().arm_token);
   LONGS_EQUAL(2 * kRounds, host.status().rejected_forged);
@@ -82,16 +82,16 @@ TEST(Stranger, IsNeverExecutedAndShowsOnlyInTheCounts) {
   CHECK(token != 0);
   const command_t fire = host.fire_command(token, true);
   host.send(fire);
-  CHECK(host.wait([&] { return host.shots().size() == 1; }, 10s));
+  CHECK(host.wait([&] { return host.shots().size() == 1; }, kLongestWait));
   for (int i = 0; i < kRounds; ++i) host.send(fire);
-  CHECK(host.wait([&] { return host.status().rejected_replayed >= kRounds; }, 10s));
+  CHECK(host.wait([&] { return host.status().rejected_replayed >= kRounds; }, kLongestWait));
   LONGS_EQUAL(1, host.shots().size());
   LONGS_EQUAL(kRounds, host.status().rejected_replayed);
   CHECK_FALSE(host.saw(event_t::REFUSED));
 
   const auto key = authentication::make_key_file(bench.folder() / "another.key").value();
   const auto fired =
-      strobe::testing::run_process(bench.fire(1, 0, {"--key-file", key.path, "--wait", "2"}), 30s);
+      strobe::testing::run_process(bench.fire(1, 0, {"--key-file", key.path, "--wait", "2"}), kLongestWait);
   CHECK_TEXT(fired.status == strobe::testing::ExitStatus({1, 0}), fired.err.c_str());
   CHECK_TEXT(fired.err.find("another key") != std::string::npos, fired.err.c_str());
   CHECK_TEXT(fired.err.find(key.key.fingerprint()) != std::string::npos, fired.err.c_str());

@@ -158,7 +158,8 @@ TEST(SystemCalls, OfAShotAnEmergencyStopAndAllWaysOutAreInTheUnitsList) {
     watch.drive("ESTOP", 1);
   }
   kill(first, SIGTERM);
-  CHECK(strobe::testing::wait_until([&] { return bench.guardian() != first && bench.worker() != 0; }, 10s));
+  CHECK(strobe::testing::wait_until([&] { return bench.guardian() != first && bench.worker() != 0; },
+                                    kLongestWait));
   {
     RawHost host(bench.lcm_url(), "bench");
     fire(bench, host, watch);

@@ -48,7 +48,7 @@ void score_condition(const std::string& condition, std::uint64_t seed, Tally& ta
     tally.trouble += fmt::format("\n  {}: strobed did not come up:\n{}", condition, bench.log());
     return;
   }
-  const auto fired = strobe::testing::run_process(bench.fire(kGoodShots, kSpareShots), 60s);
+  const auto fired = strobe::testing::run_process(bench.fire(kGoodShots, kSpareShots), kLongestWait);
   if (fired.status != strobe::testing::ExitStatus({0, 0}))
     tally.trouble += fmt::format("\n  {}: strobe fire did not end well: {}", condition, fired.err);
   int good = 0;

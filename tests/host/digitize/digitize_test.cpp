@@ -308,5 +308,6 @@ TEST(Digitize, GivesTheNumbersOnRecord) {
   s.flash_times_s = times;
   add("close together, without a plate", crowd, s);
 
-  STRCMP_EQUAL("", painter::difference_from_record("digitizations", found, 1e-5).c_str());
+  // Without AVX a centre differs by 1e-4 px and a variance by 2e-3.
+  STRCMP_EQUAL("", painter::difference_from_record("digitizations", found, 5e-3).c_str());
 }
