@@ -38,6 +38,7 @@ std::string other_defaults(pid_t pid, std::uint64_t expected, bool first_waits) 
   for (const auto& thread : std::filesystem::directory_iterator("/proc/" + std::to_string(pid) + "/task")) {
     if (first_waits && thread.path().filename() == std::to_string(pid)) continue;
     const std::string status = strobe::testing::read_text(thread.path() / "status");
+    if (status.empty()) continue;  // it has ended
     const std::uint64_t handled =
         signal_set(status, "SigBlk") | signal_set(status, "SigIgn") | signal_set(status, "SigCgt");
     if (~handled != expected) return status;

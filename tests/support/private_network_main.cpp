@@ -8,6 +8,10 @@
 #include <CppUTest/CommandLineTestRunner.h>
 #include <CppUTest/TestHarness.h>
 
+#ifndef STROBE_TEST_ATTEMPTS
+#define STROBE_TEST_ATTEMPTS 1
+#endif
+
 int main(int argc, char** argv) {
   // Without a namespace each bench still has a multicast group and port drawn at random.
   if (const std::string problem = strobe::testing::enter_private_network(); !problem.empty())
@@ -15,5 +19,10 @@ int main(int argc, char** argv) {
   const strobe::testing::TemporaryFolder configuration;
   setenv("XDG_CONFIG_HOME", configuration.path().c_str(), 1);
   MemoryLeakWarningPlugin::turnOffNewDeleteOverloads();
-  return CommandLineTestRunner::RunAllTests(argc, argv);
+  int failed = 1;
+  for (int attempt = 0; attempt < STROBE_TEST_ATTEMPTS && failed != 0; ++attempt) {
+    if (attempt > 0) std::puts("once more:");
+    failed = CommandLineTestRunner::RunAllTests(argc, argv);
+  }
+  return failed;
 }
