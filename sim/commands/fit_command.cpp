@@ -2,9 +2,9 @@
 
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "common/config/files.hpp"
 #include "sim/commands/command_line.hpp"
 #include "sim/commands/commands.hpp"
 #include "sim/fit/fit.hpp"
@@ -48,10 +48,8 @@ int fit_command(const std::string& tables, const std::string& folder, bool json)
     const auto fitted = fit_scene(condition);
     if (!fitted) return report_error(fitted.error().message, 1);
     const std::filesystem::path path = std::filesystem::path(folder) / (condition.name() + ".toml");
-    std::ofstream file(path);
-    file << to_toml(*fitted, condition);
-    file.flush();
-    if (!file) return report_error(path.string() + ": cannot be written", 2);
+    if (const auto written = config::write_file(path, to_toml(*fitted, condition)); !written)
+      return report_error(written.error().message, 2);
     json ? print_json(*fitted, condition) : print_text(*fitted, condition);
   }
   return 0;

@@ -48,32 +48,21 @@ struct Way {
   bool stays_active = false;  ///< on a chip that keeps its lines and can no longer be reached
 };
 
-auto to_worker(int signal) {
-  return [signal](const RigFixture& bench, LineWatcher&) {
-    const pid_t worker = bench.worker();
+using Victim = pid_t (RigFixture::*)() const;
+
+/// Sent to all of them at once, as a terminal, pkill(1) or a service manager does.
+auto sent_to(std::vector<Victim> victims, int signal) {
+  return [victims, signal](const RigFixture& bench, LineWatcher&) {
+    std::vector<pid_t> pids;
+    for (const Victim victim : victims) pids.push_back((bench.*victim)());
     const std::int64_t now = monotonic_now_ns();
-    kill(worker, signal);
+    for (const pid_t pid : pids) kill(pid, signal);
     return now;
   };
 }
-auto to_guardian(int signal) {
-  return [signal](const RigFixture& bench, LineWatcher&) {
-    const pid_t guardian = bench.guardian();
-    const std::int64_t now = monotonic_now_ns();
-    kill(guardian, signal);
-    return now;
-  };
-}
-/// As a terminal, pkill(1) or a service manager sends it.
-auto to_both(int signal) {
-  return [signal](const RigFixture& bench, LineWatcher&) {
-    const pid_t guardian = bench.guardian(), worker = bench.worker();
-    const std::int64_t now = monotonic_now_ns();
-    kill(guardian, signal);
-    kill(worker, signal);
-    return now;
-  };
-}
+auto to_worker(int signal) { return sent_to({&RigFixture::worker}, signal); }
+auto to_guardian(int signal) { return sent_to({&RigFixture::guardian}, signal); }
+auto to_both(int signal) { return sent_to({&RigFixture::guardian, &RigFixture::worker}, signal); }
 std::int64_t kill_both(const RigFixture& bench, LineWatcher&) {
   const pid_t guardian = bench.guardian(), worker = bench.worker();
   const std::int64_t now = monotonic_now_ns();

@@ -4,12 +4,12 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
+#include "common/config/files.hpp"
 #include "common/units/angles.hpp"
 #include "host/clock/machine_clock.hpp"
 #include "host/commands/command.hpp"
@@ -117,11 +117,9 @@ int write_trajectory(const PredictOptions& options, const impact::ContactTraject
       std::fputs(contact_csv(contact, options.samples).c_str(), stdout);
     return kDone;
   }
-  std::ofstream file(options.trajectory_file, std::ios::binary);
-  file << contact_csv(contact, options.samples > 0 ? options.samples : kDefaultSamples);
-  file.close();
-  if (!file) return bad_input("predict: " + options.trajectory_file + ": cannot be written");
-  return kDone;
+  const std::string csv = contact_csv(contact, options.samples > 0 ? options.samples : kDefaultSamples);
+  const auto written = config::write_file(options.trajectory_file, csv);
+  return written ? kDone : bad_input("predict: " + written.error().message);
 }
 
 /// Output about a choice besides the prediction; empty without one.
