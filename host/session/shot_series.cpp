@@ -24,6 +24,11 @@ std::string blocking_reason_of(const status_t& status, std::int64_t host_id) {
   return "";
 }
 
+std::string rejection_in_full(const ShotResult& shot_result) {
+  const std::string& flag = *shot_result.rejected;
+  return shot_result.problem.empty() ? flag : flag + ": " + shot_result.problem;
+}
+
 }  // namespace
 
 void ShotSeries::enter(State state, HostTime now) {
@@ -152,7 +157,7 @@ void ShotSeries::on_shot_result(const ShotResult& shot_result) {
   if (state_ != State::shooting && state_ != State::firing) return;
   if (shot_result.boot_id != boot_id_ || shot_result.shot_id <= shots_before_) return;
   refusals_ = 0;
-  if (shot_result.rejected) return on_rejected(*shot_result.rejected, shot_result.shot_id);
+  if (shot_result.rejected) return on_rejected(rejection_in_full(shot_result), shot_result.shot_id);
   ++good_;
   if (good_ >= settings_.shots) {
     state_ = State::finished;

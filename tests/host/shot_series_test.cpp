@@ -67,6 +67,7 @@ struct Play {
   HostTime now;
   int answered = 0;
   std::deque<std::string> verdicts;  // of the shots to come; empty text: good
+  std::string problem;               // of the rejected ones
   std::vector<std::string> notifications;
   bool heard = true;
 
@@ -85,7 +86,10 @@ struct Play {
     shot_result.host_id = kHost;
     shot_result.shot_id = firmware.status.last_shot_id;
     if (!verdicts.empty()) {
-      if (!verdicts.front().empty()) shot_result.rejected = verdicts.front();
+      if (!verdicts.front().empty()) {
+        shot_result.rejected = verdicts.front();
+        shot_result.problem = problem;
+      }
       verdicts.pop_front();
     }
     ++answered;
@@ -127,6 +131,16 @@ TEST(ShotSeriesOfAHost, ARejectedShotIsFiredAgainWithinTheRetries) {
   LONGS_EQUAL(2, play.series.refired());
   STRCMP_CONTAINS("shot 4 is rejected (the shot was aborted): firing again, retry 1 of 2",
                   play.notifications.at(0).c_str());
+}
+
+TEST(ShotSeriesOfAHost, TheFirmwaresReasonForAnAbortIsToldWithTheRejection) {
+  Play play(series(1));
+  play.verdicts = {"the shot was aborted"};
+  play.problem = "the trigger was on for 130000 us";
+  play.run(1000);
+  CHECK_EQUAL(
+      "shot 4 is rejected (the shot was aborted: the trigger was on for 130000 us) and no retries are left",
+      play.series.blocking_reason());
 }
 
 TEST(ShotSeriesOfAHost, DryShotsAreFiredDryAndCount) {
