@@ -19,9 +19,9 @@ using testing::CompletedProcess;
 
 namespace {
 
-constexpr int kFlashes = 30;  // of rig.toml's plan: 1200 ms, one each 40 ms
+constexpr int kFlashes = 20;  // of rig.toml's plan: 2600 ms, one each 130 ms
 constexpr int kMidTrain = 10;
-constexpr int kLongTrain = 100;
+constexpr int kLongTrain = 75;  // 10 s, one each 130 ms: 76
 
 std::vector<nlohmann::json> readouts_in(const std::string& out) {
   std::vector<nlohmann::json> found = testing::parse_json_lines(out);
@@ -88,12 +88,12 @@ TEST_GROUP(RealKernel) {
                          "--json", "--session", (bench.folder() / "session").string()});
   }
 
-  /// Fires a train of 4 s, and waits until it is under way; again, if a machine that stood still ended it.
+  /// Fires a train of 10 s, and waits until it is under way; again, if a machine that stood still ended it.
   std::unique_ptr<testing::Process> fire_and_wait_for_the_train() {
     testing::Command command = fire(1);
     const std::filesystem::path plan = bench.folder() / "plan.toml";
-    testing::write_text(plan,
-                        "train = \"free\"\nperiod_us = 40000\nshutter_open_ms = 4000\nimpact_at_ms = 600\n");
+    testing::write_text(
+        plan, "train = \"free\"\nperiod_us = 130000\nshutter_open_ms = 10000\nimpact_at_ms = 1300\n");
     command.arguments.insert(command.arguments.end(), {"--plan", plan.string()});
     for (int attempt = 0; attempt < 3; ++attempt) {
       auto firing = std::make_unique<testing::Process>(command, bench.folder());
@@ -161,7 +161,7 @@ TEST(RealKernel, WholeShotsAreFiredAndReadOutByTheHostOutside) {
   // A machine that stands still for long ends a shot as flagged, and stamps that are some milliseconds off
   // against the ball's flight leave numbers ambiguous: such a shot is fired again.
   start();
-  const CompletedProcess fired = testing::run_process(fire(2, 4), kTimeout);
+  const CompletedProcess fired = testing::run_process(fire(2, 2), kTimeout);
   const auto readouts = readouts_in(fired.out);
   const std::string said = fired.out + fired.err + bench.strobed_log();
   CHECK_TRUE_TEXT(readouts.size() >= 2, said.c_str());
