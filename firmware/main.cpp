@@ -9,6 +9,7 @@
 #include "common/authentication/key_file.hpp"
 #include "common/config/files.hpp"
 #include "common/messages/channels.hpp"
+#include "common/wire/lcm_url.hpp"
 #include "firmware/check.hpp"
 #include "firmware/core/rig_file.hpp"
 #include "firmware/linux/gpio_lines.hpp"
@@ -80,8 +81,9 @@ int run(int argc, char** argv) {
   app.add_option("--config", options.config, "rig file (rig.toml)")->required();
   app.add_option("--session", session, "folder of the journal; made if need be");
   app.add_option(
-      "--lcm-url", options.lcm_url,
-      "overrides the rig file's lcm_url (default " + std::string(strobe::messages::kDefaultLcmUrl) + ")");
+         "--lcm-url", options.lcm_url,
+         "overrides the rig file's lcm_url (default " + std::string(strobe::messages::kDefaultLcmUrl) + ")")
+      ->check(strobe::wire::lcm_url_problem);
   app.add_option("--key-file", options.key_file,
                  "the lab's key, which commands must be sealed with (default: the rig file's, "
                  "$STROBE_KEY_FILE, systemd's credential lab.key, ~/.config/strobe/lab.key)");
@@ -111,6 +113,7 @@ int run(int argc, char** argv) {
   if (!rig) return bad_input(rig.error().message);
   if (options.lcm_url.empty()) options.lcm_url = rig->lcm_url;
   if (options.lcm_url.empty()) options.lcm_url = strobe::messages::kDefaultLcmUrl;
+  options.lcm_url = strobe::wire::to_text(strobe::wire::read_lcm_url(options.lcm_url).value());
   if (safe) return make_safe(*rig);
   if (check) return check_rig(*rig, options);
   if (move) return move_interrupts(*rig);

@@ -191,7 +191,7 @@ int run_worker(const Rig& rig, const Options& options, SharedStatus& page) {
   if (!lcm.good()) return give_up_safely(no_lcm(options.lcm_url));
   LcmBus bus(lcm);
   const auto commands_in =
-      CommandFeed::open(lcm, options.lcm_url, messages::channel_name(rig.name, messages::Channel::command));
+      CommandFeed::open(options.lcm_url, messages::channel_name(rig.name, messages::Channel::command));
   if (!commands_in) return give_up_safely(commands_in.error().message);
   const std::int64_t boot_id = random_id();
   SystemClock clock;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/messages/channels.hpp"
+#include "common/wire/lcm_url.hpp"
 #include "sim/commands/commands.hpp"
 
 namespace {
@@ -43,7 +44,9 @@ void add_run(CLI::App& app, RunOptions& options, bool& no_digitizer) {
       "Example: strobe-sim run --scene zero_23 --seed 42 -- strobed --config rig.toml --session today");
   add_scene(*run, options.scene);
   run->add_option("--seed", options.seed, "Seed of every random draw (default: a fresh one, printed)");
-  run->add_option("--lcm-url", options.lcm_url, "LCM network of the tablet")->capture_default_str();
+  run->add_option("--lcm-url", options.lcm_url, "LCM URL of the tablet")
+      ->capture_default_str()
+      ->check(strobe::wire::lcm_url_problem);
   run->add_option("--rig", options.rig_name, "Rig's name in the LCM channels")->capture_default_str();
   run->add_option("--chip-dir", options.chip_dir, "Folder for the chip (default: a temporary one)");
   run->add_option("--truth", options.truth_file, "Write what truly happened, one JSON object per shot");

@@ -12,6 +12,7 @@
 
 #include "common/result.hpp"
 #include "common/wire/lcm_datagram.hpp"
+#include "common/wire/lcm_url.hpp"
 
 namespace strobe::wire {
 

@@ -1,30 +1,10 @@
 #include "common/wire/lcm_datagram.hpp"
 
 #include <algorithm>
-#include <charconv>
 
 namespace strobe::wire {
 
 namespace {
-
-constexpr std::string_view kScheme = "udpm://";
-constexpr std::string_view kDefaultGroup = "239.255.76.67:7667";  // LCM's, where a URL names none
-
-template <typename Number>
-std::optional<Number> number(std::string_view text) {
-  Number value{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
-  return value;
-}
-
-/// What precedes the separator; `text` becomes what follows it.
-std::string_view part(std::string_view& text, char separator) {
-  const std::size_t at = std::min(text.find(separator), text.size());
-  const std::string_view before = text.substr(0, at);
-  text.remove_prefix(std::min(at + 1, text.size()));
-  return before;
-}
 
 std::uint32_t number_at(std::span<const std::uint8_t> bytes, std::size_t at, std::size_t size) {
   std::uint32_t value = 0;
@@ -70,23 +50,6 @@ std::optional<Datagram> read_part(std::span<const std::uint8_t> bytes) {
 }
 
 }  // namespace
-
-std::optional<MulticastGroup> multicast_group(std::string_view url) {
-  if (!url.starts_with(kScheme)) return std::nullopt;
-  url.remove_prefix(kScheme.size());
-  std::string_view where = part(url, '?');
-  if (where.empty()) where = kDefaultGroup;
-  MulticastGroup group;
-  group.address = part(where, ':');
-  const auto port = number<std::uint16_t>(where);
-  if (!port || *port == 0) return std::nullopt;
-  group.port = *port;
-  while (!url.empty()) {
-    std::string_view value = part(url, '&');
-    if (part(value, '=') == "recv_buf_size") group.receive_buffer_bytes = number<int>(value).value_or(0);
-  }
-  return group;
-}
 
 std::optional<Datagram> read_datagram(std::span<const std::uint8_t> bytes) {
   if (bytes.size() < kWholeHeader_bytes) return std::nullopt;

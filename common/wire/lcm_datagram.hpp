@@ -1,4 +1,4 @@
-// LCM's UDP multicast protocol: the URL and the datagrams. LCM's own receiver is not safe for untrusted
+// LCM's UDP multicast protocol: the datagrams. LCM's own receiver is not safe for untrusted
 // bytes: in version 1.3.1 lcm_udpm.c, _recv_message_fragment(), holds "fragment_offset + frag_size >
 // fbuf->data_size" in 32 bits against the buffer, then copies to fbuf->data + fragment_offset: a part of 32
 // bytes at offset 0xfffffff0 passes and is written outside, which ends lcm-logger with SIGSEGV; the size in a
@@ -9,19 +9,9 @@
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <string>
 #include <string_view>
 
 namespace strobe::wire {
-
-struct MulticastGroup {
-  std::string address;           ///< IPv4, dotted
-  std::uint16_t port = 0;        ///< 1 to 65535
-  int receive_buffer_bytes = 0;  ///< 0: as the system has it
-};
-
-/// The group of an LCM URL udpm://ADDRESS:PORT?...; nullopt if it is of another kind or malformed.
-std::optional<MulticastGroup> multicast_group(std::string_view url);
 
 /// A message's datagram, or one of several. Views into the datagram.
 struct Datagram {

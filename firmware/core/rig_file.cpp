@@ -5,6 +5,7 @@
 
 #include "common/config/toml_reader.hpp"
 #include "common/messages/channels.hpp"
+#include "common/wire/lcm_url.hpp"
 #include "firmware/core/pulse_schedule.hpp"
 
 namespace strobe::firmware {
@@ -149,6 +150,12 @@ void read_record(TomlTable& root, Rig& rig) {
   if (rig.record.size() > kMaxNotes) root.error_at("record", "must have at most 64 entries");
 }
 
+std::string read_lcm_url(TomlTable root) {
+  const std::string url = root.string("lcm_url");
+  if (const auto problem = wire::lcm_url_problem(url); !problem.empty()) root.error_at("lcm_url", problem);
+  return url;
+}
+
 }  // namespace
 
 const char* line_key(Line line) {
@@ -166,7 +173,7 @@ Result<Rig> read_rig(std::string_view text, const std::string& file_name) {
   rig.name = root.string("rig");
   if (!messages::valid_rig_name(rig.name))
     root.error_at("rig", "must be 1 to 24 characters of [A-Za-z0-9_-]");
-  rig.lcm_url = root.string_or("lcm_url", "");
+  if (root.has("lcm_url")) rig.lcm_url = read_lcm_url(root);
   rig.key_file = root.table("commands").string_or("key_file", "");
   TomlTable chip = root.table("chip");
   rig.chip = chip.string("name");

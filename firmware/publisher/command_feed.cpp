@@ -6,7 +6,6 @@
 #include <cstring>
 #include <stdexcept>
 
-#include "common/messages/channels.hpp"
 #include "common/wire/channel_socket.hpp"
 
 namespace strobe::firmware {
@@ -53,35 +52,12 @@ class UdpFeed final : public CommandFeed {
   std::string channel_;
 };
 
-class LcmFeed final : public CommandFeed {
- public:
-  LcmFeed(lcm::LCM& lcm, const std::string& channel) : lcm_(lcm) {
-    lcm_.subscribe(channel, &LcmFeed::handle, this)->setQueueCapacity(messages::kSubscriptionQueueCapacity);
-  }
-  void run(const std::stop_token& stop, const Handlers& handlers) override {
-    handlers_ = &handlers;
-    while (!stop.stop_requested()) {
-      if (lcm_.handleTimeout(kTurn_ms) < 0) throw std::runtime_error("LCM cannot receive any more");
-      handlers.turn();
-    }
-  }
-
- private:
-  void handle(const lcm::ReceiveBuffer* buffer, const std::string&) {
-    handlers_->message({static_cast<const std::uint8_t*>(buffer->data), buffer->data_size});
-  }
-
-  lcm::LCM& lcm_;
-  const Handlers* handlers_ = nullptr;
-};
-
 }  // namespace
 
-Result<std::unique_ptr<CommandFeed>> CommandFeed::open(lcm::LCM& lcm, const std::string& url,
-                                                       const std::string& channel) {
-  const auto group = wire::multicast_group(url);
-  if (!group) return std::make_unique<LcmFeed>(lcm, channel);
-  auto socket = wire::ChannelSocket::open(*group, {channel, true, ""});
+Result<std::unique_ptr<CommandFeed>> CommandFeed::open(const std::string& url, const std::string& channel) {
+  const auto read = wire::read_lcm_url(url);
+  if (!read) return tl::unexpected(read.error());
+  auto socket = wire::ChannelSocket::open(read->group, {channel, true, ""});
   if (!socket) return tl::unexpected(socket.error());
   return std::make_unique<UdpFeed>(std::move(*socket), channel);
 }

@@ -1,11 +1,10 @@
 // The command channel's messages from the network: through a UDP socket of its own that receives only this
 // channel, holds one datagram at a time and allocates nothing, so that no packet can do harm and no flood can
-// fill memory; or, where the LCM URL is not one of UDP multicast, through an LCM subscription.
+// fill memory.
 #pragma once
 
 #include <cstdint>
 #include <functional>
-#include <lcm/lcm-cpp.hpp>
 #include <memory>
 #include <span>
 #include <stop_token>
@@ -28,9 +27,8 @@ class CommandFeed {
   CommandFeed& operator=(const CommandFeed&) = delete;
   virtual ~CommandFeed() = default;
 
-  /// lcm: opened with the same URL; must outlive the feed. Fails if the socket cannot be opened.
-  static Result<std::unique_ptr<CommandFeed>> open(lcm::LCM& lcm, const std::string& url,
-                                                   const std::string& channel);
+  /// Fails if the socket cannot be opened, or the URL is not one of common/wire/lcm_url.hpp.
+  static Result<std::unique_ptr<CommandFeed>> open(const std::string& url, const std::string& channel);
 
   /// Blocks until `stop` is requested, plus at most 0.1 s; calls the handlers on this thread. Throws
   /// std::runtime_error if nothing can be received any more.

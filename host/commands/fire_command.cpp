@@ -6,6 +6,7 @@
 
 #include "common/authentication/key_file.hpp"
 #include "common/config/files.hpp"
+#include "common/wire/lcm_url.hpp"
 #include "host/clock/machine_clock.hpp"
 #include "host/commands/command.hpp"
 #include "host/commands/fire_run.hpp"
@@ -121,7 +122,8 @@ void add_fire_command(CLI::App& app, int& exit_status) {
   command->add_option("--wait", options->wait_s, "seconds to wait while the rig cannot be armed (default 60)")
       ->check(CLI::Range(0.1, 1e6));
   add_photograph_options(*command, options->photographs);
-  command->add_option("--lcm-url", options->url, "LCM URL (default: the rig file's, else this machine only)");
+  command->add_option("--lcm-url", options->url, "LCM URL (default: the rig file's, else this machine only)")
+      ->check(wire::lcm_url_problem);
   command->add_option("--key-file", options->key_file,
                       "the lab's key (default: the rig file's, $STROBE_KEY_FILE, ~/.config/strobe/lab.key)");
   command->add_flag("--json", options->json,

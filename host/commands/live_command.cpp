@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "common/authentication/key_file.hpp"
+#include "common/wire/lcm_url.hpp"
 #include "host/clock/machine_clock.hpp"
 #include "host/commands/command.hpp"
 #include "host/commands/photograph_options.hpp"
@@ -32,7 +33,8 @@ struct LiveOptions {
 /// Prints the timing after each shot, as the first heartbeat after it tells: it counts the shot's flashes.
 class TimingReport final : public HostListener {
  public:
-  TimingReport(HostLoop& loop, Terminal& terminal, bool json) : loop_(loop), terminal_(terminal), json_(json) {}
+  TimingReport(HostLoop& loop, Terminal& terminal, bool json)
+      : loop_(loop), terminal_(terminal), json_(json) {}
 
   void on_shot_result(const ShotResult& result) override {
     after_shot_ = result.shot_id;
@@ -108,8 +110,8 @@ int run_live(const LiveOptions& options) {
   if (!photographs) return bad_input(photographs.error().message);
   loop.set_photographs(std::move(*photographs));
   catch_signals();
-  Terminal terminal(Terminal::style(options.json, options.plain), fmt::format("strobe live   rig {}", rig->rig),
-                    options.shots);
+  Terminal terminal(Terminal::style(options.json, options.plain),
+                    fmt::format("strobe live   rig {}", rig->rig), options.shots);
   loop.add_listener(terminal);
   terminal.open();
   TimingReport timing(loop, terminal, options.json);
@@ -132,7 +134,8 @@ void add_live_command(CLI::App& app, int& exit_status) {
   CLI::App* command =
       app.add_subcommand("live", "Watch a session: each shot's readout, the series, the firmware");
   command->add_option("--rig", options->rig_path, "rig file (default: the example that comes with strobe)");
-  command->add_option("--lcm-url", options->url, "LCM URL (default: the rig file's, else this machine only)");
+  command->add_option("--lcm-url", options->url, "LCM URL (default: the rig file's, else this machine only)")
+      ->check(wire::lcm_url_problem);
   command->add_option("--key-file", options->key_file,
                       "the lab's key, to ask strobed for what did not come (default: as `strobe key` tells)");
   add_photograph_options(*command, options->photographs);

@@ -10,6 +10,7 @@
 #include "common/config/toml_reader.hpp"
 #include "common/messages/channels.hpp"
 #include "common/messages/record.hpp"
+#include "common/wire/lcm_url.hpp"
 #include "host/config/notes.hpp"
 
 namespace strobe::host {
@@ -51,6 +52,12 @@ reduction::Record read_record(TomlTable table) {
   return record;
 }
 
+std::string read_lcm_url(TomlTable root) {
+  const std::string url = root.string("lcm_url");
+  if (const auto problem = wire::lcm_url_problem(url); !problem.empty()) root.error_at("lcm_url", problem);
+  return url;
+}
+
 void accept_firmware_tables(TomlTable root) {
   const std::set<std::string> own{"rig",    "lcm_url", "commands", "ball",   "analysis",
                                   "camera", "record",  "plan",     "machine"};
@@ -70,7 +77,7 @@ Result<RigFile> read_rig(std::string_view text, const std::string& file_name) {
   if (root.has("rig") && !messages::valid_rig_name(rig.rig)) {
     root.error_at("rig", "must be 1 to 24 letters, digits, - or _");
   }
-  if (root.has("lcm_url")) rig.lcm_url = root.string("lcm_url");
+  if (root.has("lcm_url")) rig.lcm_url = read_lcm_url(root);
   TomlTable commands = root.table("commands");
   if (commands.has("key_file")) rig.key_file = commands.string("key_file");
   rig.ball = read_ball(root.table("ball"));

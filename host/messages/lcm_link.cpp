@@ -9,67 +9,56 @@
 
 namespace strobe::host {
 
-LcmLink::LcmLink(const std::string& url, const std::string& rig)
-    : lcm_(url),
+namespace {
+
+constexpr int kMaxDatagrams = 10000;  // a shot has some 700 events
+
+}  // namespace
+
+LcmLink::LcmLink(const wire::LcmUrl& url, wire::ChannelSocket socket, const std::string& rig)
+    : lcm_(wire::to_text(url)),
+      socket_(std::move(socket)),
       rig_channels_("STROBE/" + rig + "/"),
       command_channel_(messages::channel_name(rig, messages::Channel::command)) {}
 
 Result<std::unique_ptr<LcmLink>> LcmLink::open(const std::string& url, const std::string& rig) {
-  std::unique_ptr<LcmLink> link(new LcmLink(url, rig));
+  const auto read = wire::read_lcm_url(url);
+  if (!read) return tl::unexpected(read.error());
+  const wire::ChannelChoice choice{"STROBE/" + rig + "/", false,
+                                   messages::channel_name(rig, messages::Channel::command)};
+  auto socket = wire::ChannelSocket::open(read->group, choice);
+  if (!socket) return tl::unexpected(socket.error());
+  std::unique_ptr<LcmLink> link(new LcmLink(*read, std::move(*socket), rig));
   if (!link->lcm_.good()) {
     return fail("LCM cannot be opened on " + url +
                 " (is there a route for multicast? ip route add 224.0.0.0/4 dev lo)");
   }
-  if (auto listening = link->listen(url, rig); !listening) return tl::unexpected(listening.error());
   return link;
-}
-
-Result<void> LcmLink::listen(const std::string& url, const std::string& rig) {
-  if (const auto group = wire::multicast_group(url)) {
-    auto socket = wire::ChannelSocket::open(*group, {rig_channels_, false, command_channel_});
-    if (!socket) return tl::unexpected(socket.error());
-    socket_.emplace(std::move(*socket));
-    return {};
-  }
-  // A rig's name has no character that means something in a regular expression.
-  auto* subscription = lcm_.subscribe("STROBE/" + rig + "/.*", &LcmLink::handle, this);
-  subscription->setQueueCapacity(messages::kSubscriptionQueueCapacity);
-  return {};
-}
-
-void LcmLink::handle(const lcm::ReceiveBuffer* buffer, const std::string& channel) {
-  hand_over(channel, {static_cast<const std::uint8_t*>(buffer->data), buffer->data_size});
 }
 
 void LcmLink::hand_over(const std::string& channel, Bytes bytes) {
   if (channel.starts_with(rig_channels_) && channel != command_channel_) (*receiver_)(channel, bytes);
 }
 
-LcmLink::Taken LcmLink::take() {
-  if (socket_) {
-    const auto received = socket_->receive();
-    if (!received) return Taken::nothing;
-    if (const auto message = assembler_.take(received->sender, received->bytes))
-      hand_over(std::string(message->channel), message->data);
-    return Taken::message;
-  }
-  errno = 0;
-  const int handled = lcm_.handleTimeout(0);
-  if (handled < 0 && errno != EINTR) return Taken::failed;
-  return handled > 0 ? Taken::message : Taken::nothing;
+bool LcmLink::take() {
+  const auto received = socket_.receive();
+  if (!received) return false;
+  if (const auto message = assembler_.take(received->sender, received->bytes))
+    hand_over(std::string(message->channel), message->data);
+  return true;
 }
 
 bool LcmLink::receive(std::chrono::milliseconds max_wait, std::span<const int> descriptors,
                       const Receiver& receiver) {
-  std::vector<pollfd> polled{{socket_ ? socket_->fd() : lcm_.getFileno(), POLLIN, 0}};
+  std::vector<pollfd> polled{{socket_.fd(), POLLIN, 0}};
   for (const int descriptor : descriptors) polled.push_back({descriptor, POLLIN, 0});
   if (poll(polled.data(), polled.size(), static_cast<int>(max_wait.count())) < 0 && errno != EINTR)
     return false;
   receiver_ = &receiver;
-  Taken taken = Taken::message;
-  for (int i = 0; i < messages::kSubscriptionQueueCapacity && taken == Taken::message; ++i) taken = take();
+  for (int i = 0; i < kMaxDatagrams && take(); ++i) {
+  }
   receiver_ = nullptr;
-  return taken != Taken::failed;
+  return true;
 }
 
 void LcmLink::publish(const std::string& channel, Bytes bytes) {

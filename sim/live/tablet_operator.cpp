@@ -1,10 +1,14 @@
 #include "sim/live/tablet_operator.hpp"
 
+#include <poll.h>
+
 #include <algorithm>
 #include <cmath>
 
 #include "common/messages/channels.hpp"
 #include "common/messages/lcm_conversions.hpp"
+#include "common/messages/well_formed.hpp"
+#include "common/wire/lcm_url.hpp"
 #include "sim/live/rig_runner.hpp"
 
 namespace strobe::sim {
@@ -12,6 +16,7 @@ namespace strobe::sim {
 namespace {
 
 constexpr int kPoll_ms = 10;
+constexpr int kMaxDatagrams = 1000;  // between two looks at the tasks
 // the shot's start and the shutter line's edge may coincide
 constexpr Duration kStartSlack = milliseconds(1);
 constexpr Duration kExposureMissing = milliseconds(5000);  // longer than any exposure
@@ -44,15 +49,22 @@ Result<std::unique_ptr<TabletOperator>> TabletOperator::create(const std::string
                                                                TruthFile& truth) {
   std::unique_ptr<TabletOperator> tablet_operator(
       new TabletOperator(scene, seed, exposure_store, truth, rig_name));
-  tablet_operator->lcm_ = std::make_unique<lcm::LCM>(lcm_url);
-  if (!tablet_operator->lcm_->good())
-    return fail("cannot join LCM at " + lcm_url +
-                " (is there a multicast route?); --no-digitizer does without");
-  lcm::Subscription* subscription =
-      tablet_operator->lcm_->subscribe(messages::channel_name(rig_name, messages::Channel::shot),
-                                       &TabletOperator::on_shot, tablet_operator.get());
-  subscription->setQueueCapacity(messages::kSubscriptionQueueCapacity);
+  if (auto joined = tablet_operator->join(lcm_url); !joined)
+    return fail("cannot join LCM: " + joined.error().message + "; --no-digitizer does without");
   return tablet_operator;
+}
+
+Result<void> TabletOperator::join(const std::string& lcm_url) {
+  const auto url = wire::read_lcm_url(lcm_url);
+  if (!url) return tl::unexpected(url.error());
+  // Wanted by its beginning: a shot's message may have several parts.
+  auto socket = wire::ChannelSocket::open(
+      url->group, {messages::channel_name(rig_name_, messages::Channel::shot), false, ""});
+  if (!socket) return tl::unexpected(socket.error());
+  socket_.emplace(std::move(*socket));
+  lcm_ = std::make_unique<lcm::LCM>(wire::to_text(*url));
+  if (!lcm_->good()) return fail(lcm_url + " (is there a multicast route?)");
+  return {};
 }
 
 void TabletOperator::start() {
@@ -65,14 +77,30 @@ void TabletOperator::stop() {
   thread_.join();
 }
 
-void TabletOperator::on_shot(const lcm::ReceiveBuffer*, const std::string&, const strobe_msgs::shot_t* shot) {
-  const ShotKey key{shot->boot_id, shot->shot_id};
+void TabletOperator::receive() {
+  pollfd readable{socket_->fd(), POLLIN, 0};
+  poll(&readable, 1, kPoll_ms);
+  const std::string channel = messages::channel_name(rig_name_, messages::Channel::shot);
+  for (int i = 0; i < kMaxDatagrams; ++i) {
+    const auto received = socket_->receive();
+    if (!received) return;
+    const auto message = assembler_.take(received->sender, received->bytes);
+    if (!message || message->channel != channel) continue;
+    strobe_msgs::shot_t shot;
+    if (messages::decode_checked(shot, message->data.data(), message->data.size()) &&
+        messages::in_range(shot))
+      on_shot(shot);
+  }
+}
+
+void TabletOperator::on_shot(const strobe_msgs::shot_t& shot) {
+  const ShotKey key{shot.boot_id, shot.shot_id};
   if (const auto known = sent_.find(key); known != sent_.end()) {
     lcm_->publish(messages::channel_name(rig_name_, messages::Channel::frame), &known->second);
     return;
   }
   if (announced_.insert(key).second)
-    tasks_.push_back({key, from_ns(shot->start_ns), monotonic_now(), nullptr});
+    tasks_.push_back({key, from_ns(shot.start_ns), monotonic_now(), nullptr});
 }
 
 bool TabletOperator::find_exposure(Task& task, MonoTime now) {
@@ -106,7 +134,7 @@ void TabletOperator::send(const Task& task) {
 
 void TabletOperator::run() {
   while (!stopping_) {
-    lcm_->handleTimeout(kPoll_ms);
+    receive();
     const MonoTime now = monotonic_now();
     std::erase_if(tasks_, [&](Task& task) { return process(task, now); });
   }

@@ -17,6 +17,8 @@
 #include <vector>
 
 #include "common/shot/shot_key.hpp"
+#include "common/wire/assembler.hpp"
+#include "common/wire/channel_socket.hpp"
 #include "sim/live/exposure_store.hpp"
 #include "sim/live/truth_file.hpp"
 #include "sim/rig/tablet.hpp"
@@ -28,7 +30,7 @@ strobe_msgs::frame_t to_message(const reduction::Frame& frame, std::int64_t boot
 
 class TabletOperator {
  public:
-  /// Fails if LCM cannot be joined. `exposure_store` and `truth` must outlive it.
+  /// Fails if LCM cannot be joined (wire/lcm_url.hpp). `exposure_store` and `truth` must outlive it.
   static Result<std::unique_ptr<TabletOperator>> create(const std::string& lcm_url,
                                                         const std::string& rig_name, const Scene& scene,
                                                         std::uint64_t seed, ExposureStore& exposure_store,
@@ -55,8 +57,11 @@ class TabletOperator {
 
   TabletOperator(const Scene& scene, std::uint64_t seed, ExposureStore& exposure_store, TruthFile& truth,
                  std::string rig_name);
+  Result<void> join(const std::string& lcm_url);
   void run();
-  void on_shot(const lcm::ReceiveBuffer* buffer, const std::string& channel, const strobe_msgs::shot_t* shot);
+  /// Takes in what has arrived, after waiting for it a moment.
+  void receive();
+  void on_shot(const strobe_msgs::shot_t& shot);
   /// True if the task is finished.
   bool process(Task& task, MonoTime now);
   bool find_exposure(Task& task, MonoTime now);
@@ -68,7 +73,9 @@ class TabletOperator {
   TruthFile& truth_;
   std::string rig_name_;
   bool sends_ = true;
-  std::unique_ptr<lcm::LCM> lcm_;
+  std::unique_ptr<lcm::LCM> lcm_;  ///< sends only
+  std::optional<wire::ChannelSocket> socket_;
+  wire::Assembler assembler_;
   std::vector<Task> tasks_;
   std::set<ShotKey> announced_;
   std::map<ShotKey, strobe_msgs::frame_t> sent_;

@@ -6,6 +6,7 @@
 #include <sstream>
 #include <string>
 
+#include "common/wire/lcm_url.hpp"
 #include "tests/support/string_from.hpp"
 
 using namespace strobe;
@@ -86,7 +87,7 @@ TEST(RigFile, ReadsEveryNumberIntoItsPlace) {
        {"priority = 80", "priority = 81"},
        {"cpu = -1", "cpu = 3"},
        {"[commands]", "[commands]\nkey_file = \"lab.key\""},
-       {"[chip]", "lcm_url = \"memq://\"\n[chip]"}}};
+       {"[chip]", "lcm_url = \"udpm://239.1.2.3:7000\"\n[chip]"}}};
   for (const auto& [from, to] : rows) text = replaced(text, from, to);
   const auto read = read_rig(text, "rig.toml");
   CHECK_EQUAL(std::string(), error_of(text));
@@ -106,7 +107,7 @@ TEST(RigFile, ReadsEveryNumberIntoItsPlace) {
   CHECK(rig.arming_expires == milliseconds(31'000));
   CHECK(rig.real_time.priority == 81 && rig.real_time.cpu == 3);
   CHECK_EQUAL(std::string("lab.key"), rig.key_file);
-  CHECK_EQUAL(std::string("memq://"), rig.lcm_url);
+  CHECK_EQUAL(std::string("udpm://239.1.2.3:7000"), rig.lcm_url);
   CHECK_EQUAL(std::string("rig.toml"), rig.file_name);
 }
 
@@ -177,11 +178,15 @@ TEST(RigFile, NamesFileLineAndKeyOfEveryMistake) {
   struct Row {
     const char* from;
     const char* to;
-    const char* error;  // without "rig.toml:LINE: "
+    std::string error;  // without "rig.toml:LINE: "
   };
   const Row rows[] = {
       {"rig = \"bench\"", "rig = \"be nch\"", "rig: must be 1 to 24 characters of [A-Za-z0-9_-]"},
       {"rig = \"bench\"", "rig = 7", "rig: must be text in quotes"},
+      {"rig = \"bench\"", "rig = \"bench\"\nlcm_url = 5", "lcm_url: must be text in quotes"},
+      {"rig = \"bench\"", "rig = \"bench\"\nlcm_url = \"udpm://239.1.2.3\"",
+       "lcm_url: " + wire::lcm_url_problem("udpm://239.1.2.3")},
+      {"rig = \"bench\"", "rig = \"bench\"\nlcm_url = \"\"", "lcm_url: " + wire::lcm_url_problem("")},
       {"rig = \"bench\"", "rig = \"bench\"\nspeed = 3", "speed: unknown key"},
       {"name = \"gpiochip0\"", "name = 0", "chip.name: must be text in quotes"},
       {"trigger  = { line = \"TRIGGER\" }", "trigger = { line = 2.5 }",

@@ -90,6 +90,36 @@ TEST(CommandLine, WrongRigFilesAreNamedWithTheirLine) {
           }));
 }
 
+TEST(CommandLine, LcmUrlsThatAreNotReadToTheLastCharacterAreRefusedInOptionAndRigFile) {
+  const std::string session = folder / "session";
+  std::vector<Case> cases;
+  for (const char* url : {"udpm://239.255.76.67", "udpm://239.255.76.67:0x1df3", "udpm://239.255.76.67: 7667",
+                          "tcpq://127.0.0.1:7700", "memq://", ""}) {
+    const std::string config = rig("url" + std::to_string(cases.size()) + ".toml", "[chip]",
+                                   "lcm_url = \"" + std::string(url) + "\"\n[chip]");
+    const std::vector<std::string> firmware{program("strobed"), "--session", session, "--allow-no-rt",
+                                            "--config"};
+    const std::vector<std::string> simulator{program("strobe-sim"), "run", "--scene", "zero_23"};
+    const auto with = [](std::vector<std::string> words, const std::vector<std::string>& more) {
+      words.insert(words.end(), more.begin(), more.end());
+      return Command{words, {}, {}, {}};
+    };
+    const std::string fine = share("rig.toml");
+    cases.push_back({url, with(firmware, {fine, "--lcm-url", url}), 2, "--lcm-url"});
+    cases.push_back({url, with(firmware, {fine, "--check", "--lcm-url", url}), 2, "--lcm-url"});
+    cases.push_back({url, with(firmware, {config}), 2, "lcm_url"});
+    cases.push_back({url, with_strobe({"live", "--rig", fine, "--lcm-url", url}), 2, "--lcm-url"});
+    cases.push_back({url, with_strobe({"live", "--rig", config}), 2, "lcm_url"});
+    cases.push_back(
+        {url, with_strobe({"fire", "--rig", fine, "--session", session, "--lcm-url", url}), 2, "--lcm-url"});
+    cases.push_back({url, with_strobe({"fire", "--rig", config, "--session", session}), 2, "lcm_url"});
+    cases.push_back({url, with(simulator, {"--lcm-url", url, "--", "true"}), 2, "--lcm-url"});
+  }
+  for (Case& each : cases)
+    each.command.environment["LCM_DEFAULT_URL"] = "udpm://239.255.76.67";  // never read
+  CHECK_EQUAL("", complaints(cases));
+}
+
 TEST(CommandLine, ChipsAndLinesThatCannotBeHadAreNamed) {
   RigFixtureOptions options;
   options.shell = "sleep 100";  // a chip with nobody on it

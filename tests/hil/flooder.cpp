@@ -12,16 +12,17 @@
 #include "common/authentication/seal.hpp"
 #include "common/messages/channels.hpp"
 #include "common/wire/lcm_datagram.hpp"
+#include "common/wire/lcm_url.hpp"
 
 namespace strobe::hil {
 
 RawSender::RawSender(const std::string& lcm_url) : fd_(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
-  const auto group = wire::multicast_group(lcm_url);
-  if (!group || fd_ < 0) throw std::runtime_error("no multicast group in " + lcm_url);
+  const auto url = wire::read_lcm_url(lcm_url);
+  if (!url || fd_ < 0) throw std::runtime_error("no multicast group in " + lcm_url);
   sockaddr_in address{};
   address.sin_family = AF_INET;
-  address.sin_port = htons(group->port);
-  inet_pton(AF_INET, group->address.c_str(), &address.sin_addr);
+  address.sin_port = htons(url->group.port);
+  inet_pton(AF_INET, url->group.address.c_str(), &address.sin_addr);
   const int ttl = 0;
   setsockopt(fd_, IPPROTO_IP, IP_MULTICAST_TTL, &ttl, sizeof ttl);
   if (connect(fd_, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)

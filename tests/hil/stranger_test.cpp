@@ -133,8 +133,7 @@ TEST_GROUP(CommandFeed) {
   const std::string url = strobe::testing::private_lcm_url();
   const std::string channel = messages::channel_name("bench", messages::Channel::command);
   lcm::LCM lcm{url};
-  std::unique_ptr<firmware::CommandFeed> feed =
-      std::move(firmware::CommandFeed::open(lcm, url, channel)).value();
+  std::unique_ptr<firmware::CommandFeed> feed = std::move(firmware::CommandFeed::open(url, channel)).value();
   RawSender sender{url};
   std::vector<Bytes> messages_in;
   int oversized = 0;
@@ -162,20 +161,6 @@ TEST(CommandFeed, TakesInWhatLcmSends) {
   receive();
   LONGS_EQUAL(2, messages_in.size());
   CHECK_EQUAL(message, messages_in[0]);
-}
-
-TEST(CommandFeed, IsReplacedByLcmsOwnWhereTheUrlIsAnother) {
-  lcm::LCM memory("memq://");
-  feed = std::move(firmware::CommandFeed::open(memory, "memq://", channel)).value();
-  std::stop_source stop;
-  const Bytes message(300, 7);
-  memory.publish(channel, message.data(), 300);
-  feed->run(stop.get_token(), {[&](std::span<const std::uint8_t> taken) {
-                                 messages_in.emplace_back(taken.begin(), taken.end());
-                                 stop.request_stop();
-                               },
-                               [] {}, [] {}});
-  CHECK_EQUAL(std::vector<Bytes>{message}, messages_in);
 }
 
 TEST(CommandFeed, TakesInNoOtherChannel) {

@@ -124,6 +124,11 @@ TEST(RigFileOfTheHost, NamesWhatIsWrongInItsOwnTables) {
                   rig_error("rig = \"b\"\n[ball]\nmass_kg = 0.058\nalpha = 0.7\n").c_str());
   STRCMP_CONTAINS("rig: is missing", rig_error("[ball]\n").c_str());
   STRCMP_CONTAINS("rig.toml:1: rig: must be 1 to 24", rig_error("rig = \"no/slash\"\n").c_str());
+  STRCMP_CONTAINS("rig.toml:2: lcm_url: \"udpm://239.1.1.1\" is no udpm://",
+                  rig_error("rig = \"b\"\nlcm_url = \"udpm://239.1.1.1\"\n").c_str());
+  STRCMP_CONTAINS("rig.toml:2: lcm_url: \"\" is no udpm://",
+                  rig_error("rig = \"b\"\nlcm_url = \"\"\n").c_str());
+  STRCMP_CONTAINS("rig.toml:2: lcm_url: must be", rig_error("rig = \"b\"\nlcm_url = 5\n").c_str());
   STRCMP_CONTAINS("rig.toml:3: record.Operator: note",
                   rig_error("rig = \"b\"\n[record]\nOperator = \"x\"\n").c_str());
   STRCMP_CONTAINS("rig.toml:3: record.operator: must be a number",

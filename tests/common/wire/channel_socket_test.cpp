@@ -75,7 +75,7 @@ TEST_GROUP(ChannelSocket) {
 
   void setup() override {
     [[maybe_unused]] static const std::string problem = strobe::testing::enter_private_network();
-    group = *multicast_group(strobe::testing::private_lcm_url());
+    group = read_lcm_url(strobe::testing::private_lcm_url())->group;
   }
 
   static std::string next(ChannelSocket & socket) {

@@ -92,25 +92,3 @@ TEST(LcmDatagram, MayBeCutAnywhere) {
     }
   }
 }
-
-TEST_GROUP(MulticastGroup){};
-
-TEST(MulticastGroup, IsReadFromTheUrl) {
-  const auto group = multicast_group("udpm://239.255.76.67:7667?ttl=0&recv_buf_size=2097152");
-  CHECK_TRUE(group.has_value());
-  CHECK_EQUAL("239.255.76.67", group->address);
-  LONGS_EQUAL(7667, group->port);
-  LONGS_EQUAL(2'097'152, group->receive_buffer_bytes);
-  LONGS_EQUAL(0, multicast_group("udpm://239.1.2.3:1")->receive_buffer_bytes);
-}
-
-TEST(MulticastGroup, IsLcmsOwnWhereTheUrlNamesNone) {
-  STRCMP_EQUAL("239.255.76.67", multicast_group("udpm://?ttl=1")->address.c_str());
-  LONGS_EQUAL(7667, multicast_group("udpm://")->port);
-}
-
-TEST(MulticastGroup, IsNotReadFromOtherUrls) {
-  for (const char* url : {"", "memq://", "tcpq://127.0.0.1:7700", "udpm:/", "udpm://239.1.2.3",
-                          "udpm://239.1.2.3:0", "udpm://239.1.2.3:65536", "udpm://239.1.2.3:x"})
-    CHECK_FALSE_TEXT(multicast_group(url).has_value(), url);
-}

@@ -1,8 +1,13 @@
 #include "sim/live/tablet_operator.hpp"
 
+#include <arpa/inet.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
 #include <nlohmann/json.hpp>
 
 #include "common/messages/channels.hpp"
+#include "common/wire/lcm_url.hpp"
 #include "sim/live/rig_runner.hpp"
 #include "tests/sim/rig/virtual_rig_fixture.hpp"
 #include "tests/support/json_lines.hpp"
@@ -77,13 +82,34 @@ TEST_GROUP(TabletOperator) {
   std::unique_ptr<TabletOperator> desk;
   std::unique_ptr<Listener> listener;
 
-  void sit_down() {
+  /// A part of 32 bytes at offset 0xfffffff0 of a message of 64: LCM's receiver writes it outside.
+  void send_what_harms_lcm() const {
+    const auto group = wire::read_lcm_url(url)->group;
+    const int fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(group.port);
+    inet_pton(AF_INET, group.address.c_str(), &address.sin_addr);
+    std::vector<std::uint8_t> first{'L', 'C', '0', '3', 0, 0, 0, 9, 0, 0, 0, 64, 0, 0, 0, 0, 0, 0, 0, 3};
+    std::vector<std::uint8_t> second{'L', 'C', '0',  '3',  0,    0,    0, 9, 0, 0,
+                                     0,   64,  0xff, 0xff, 0xff, 0xf0, 0, 1, 0, 3};
+    const std::string channel = messages::channel_name("bench", messages::Channel::shot);
+    first.insert(first.end(), channel.c_str(), channel.c_str() + channel.size() + 1);
+    for (auto* part : {&first, &second}) {
+      part->resize(part->size() + 32);
+      CHECK(sendto(fd, part->data(), part->size(), 0, reinterpret_cast<const sockaddr*>(&address),
+                   sizeof address) > 0);
+    }
+    close(fd);
+  }
+  void sit_down(bool attacked = false) {
     scene.tablet.digitize_delay_s = 0.05;
     truth = *TruthFile::create(folder / "truth.jsonl", scene);
     auto made = TabletOperator::create(url, "bench", scene, 1, exposure_store, *truth);
     CHECK_TEXT(made.has_value(), made ? "" : made.error().message.c_str());
     desk = std::move(*made);
     desk->start();
+    if (attacked) send_what_harms_lcm();  // before the listener, which has LCM's receiver
     listener = std::make_unique<Listener>(url);
   }
   std::vector<nlohmann::json> truths() const {
@@ -119,6 +145,14 @@ TEST(TabletOperator, SendsTheSameFrameAgainWhenTheShotIsAnnouncedAgain) {
   DOUBLES_EQUAL(listener->frames()[0].images[0].centre_x_px, listener->frames()[1].images[0].centre_x_px,
                 0.0);
   LONGS_EQUAL(1, truths().size());
+}
+
+TEST(TabletOperator, IsNotHarmedByDatagramsThatHarmLcm) {
+  sit_down(true);
+  const Exposure exposure = exposure_now(scene);
+  exposure_store.add(exposure);
+  listener->announce(7, exposure.line_on);
+  CHECK(listener->hear(1, kFrameLimit_ms));
 }
 
 TEST(TabletOperator, WaitsForAnExposureThatIsStillUnderWay) {
