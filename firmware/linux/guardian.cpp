@@ -65,7 +65,7 @@ class Guardian {
     sched_getaffinity(0, sizeof anywhere_, &anywhere_);
     prefault_stack();
     watch();
-    if (page_.lines_taken && !page_.outputs_safe) make_safe();
+    if (page_.lines_taken && !page_.outputs_safe && !(safe_ && *safe_)) make_safe();
     int status = 0;
     while (waitpid(worker_, &status, 0) < 0 && errno == EINTR) continue;
     return report(status);
@@ -132,6 +132,8 @@ class Guardian {
     const bool loop = verdict == Watchdog::Verdict::loop_hung;
     kill_at_ = now + kGrace;
     kill(worker_, loop ? SIGKILL : SIGTERM);
+    // Its lines are free once it is dead, but word of that may not come: a debugger that stands still keeps it.
+    if (loop && page_.lines_taken) make_safe();
   }
 
   /// On the core that the loop ran on last: what keeps the loop from turning there keeps the guardian, too,

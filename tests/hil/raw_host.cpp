@@ -98,7 +98,7 @@ void RawHost::send_bytes(std::span<const std::uint8_t> bytes) {
   lcm_.publish(channel_name(rig_, Channel::command), bytes.data(), static_cast<unsigned>(bytes.size()));
 }
 
-std::int64_t RawHost::arm() {
+std::int64_t RawHost::arm(std::chrono::milliseconds limit) {
   // What was heard meanwhile may name the token of an earlier arming, which is no longer good.
   while (lcm_.handleTimeout(0) > 0) continue;
   const std::int64_t earlier = status_.arm_token;
@@ -106,7 +106,7 @@ std::int64_t RawHost::arm() {
   const auto given = [&] {
     return status_.arm_host_id == host_id_ && status_.arm_token != 0 && status_.arm_token != earlier;
   };
-  return wait(given, 10s) ? status_.arm_token : 0;
+  return wait(given, limit) ? status_.arm_token : 0;
 }
 
 std::int64_t RawHost::fire_until_flash(LineWatcher& watch, const ShotOfToken& shot) {

@@ -33,7 +33,8 @@ class RawHost {
   void listen(std::chrono::milliseconds time);
 
   bool wait_status();  ///< the first one of strobed
-  std::int64_t arm();  ///< asks for a new token; 0: none was given
+  /// Asks for a new token; 0: none was given.
+  std::int64_t arm(std::chrono::milliseconds limit = std::chrono::seconds(10));
   using ShotOfToken = std::function<strobe_msgs::command_t(std::int64_t token)>;
   /// Arms and fires until a first flash is seen, since a machine that stands still is late with shots before it;
   /// the instant of that flash, or 0 after kFlashAttempts. std::runtime_error if none can be fired.
