@@ -66,6 +66,27 @@ TEST(ImageTracks, PullTheBallDownThePlate) {
   }
 }
 
+TEST(ImageTracks, TouchTheSurfaceATwentiethOfTheirRadiusLowerHoweverSmallTheNoise) {
+  Scenario sc;
+  sc.legs_named = false;
+  sc.noise_mm = 0.0;
+  made = make_shot(sc);
+  made.frame.centre_sd_px = 0.01;
+  for (auto& image : made.frame.images) image.centre_xx_px2 = image.centre_yy_px2 = std::nan("");
+  const auto in_the_air = track();
+  std::size_t last = 0;
+  while (in_the_air.images[last + 1].leg == Leg::incoming) ++last;
+  // The surface is level: what the centre moves in the photograph it moves above the surface.
+  const double height_px = in_the_air.images[last].centre_px.y();
+  const double y_px = made.frame.images[last].centre_y_px;
+  const auto leg_at = [&](double height_of_radius) {
+    made.frame.images[last].centre_y_px = y_px + height_of_radius * in_the_air.radius_px - height_px;
+    return track().images[last].leg;
+  };
+  CHECK_TRUE(leg_at(0.96) == Leg::incoming);
+  CHECK_TRUE(leg_at(0.94) == Leg::contact);
+}
+
 TEST_GROUP(ArrivalPriors){};
 
 TEST(ArrivalPriors, TheGateTellsWhichFlashesOfAnEvenTrain) {
@@ -101,6 +122,30 @@ TEST(ArrivalPriors, TheGateWeighsAsMuchAsItsDistanceIsKnown) {
   settings.machine_lag_s = kMachineLag_s;
   settings.analysis.gate_distance_m = 2.0;
   CHECK_EQUAL(made.image_flash, flashes_of(host::assemble(made.shot, made.frame, settings)));
+}
+
+TEST(ArrivalPriors, OneImageBeforeTheBounceTellsNoSpeedForTheGate) {
+  // The gate says 30 ms too late: without the ball's speed it says nothing, and the machine's lag counts.
+  Scenario sc;
+  SyntheticShot made = make_shot(sc);
+  auto& images = made.frame.images;
+  while (images.at(1).leg == strobe_msgs::ball_image_t::LEG_INCOMING) {
+    images.erase(images.begin());
+    made.image_flash.erase(made.image_flash.begin());
+  }
+  made.frame.image_count = static_cast<std::int32_t>(images.size());
+  const double speed = std::hypot(sc.bounce.vx_td, sc.bounce.vy_td);
+  made.shot.gate_ns =
+      made.shot.flashes[0].commanded_ns + std::llround((sc.touchdown_s - 2.0 / speed + 0.030) * 1e9);
+  host::AssemblySettings settings;
+  settings.machine_lag_s = kMachineLag_s;
+  settings.analysis.gate_distance_m = 2.0;
+  const host::AssembledShot with_gate = host::assemble(made.shot, made.frame, settings);
+  settings.analysis.gate_distance_m.reset();
+  const host::AssembledShot without = host::assemble(made.shot, made.frame, settings);
+  CHECK_EQUAL(flashes_of(without), flashes_of(with_gate));
+  DOUBLES_EQUAL(without.flashes->misassignment_probability, with_gate.flashes->misassignment_probability,
+                0.0);
 }
 
 TEST_GROUP(ContactFlashes) {

@@ -275,9 +275,9 @@ TEST(SessionOfMessages, APhotographThatIsLateIsAskedForByItsShot) {
 
 /// Events 1 to 4 of boot 77: armed by host 5, shot 6 started, two flashes; then the firmware dies.
 struct CutOff : Bench {
-  explicit CutOff(std::int64_t host_id) : Bench(host_id) {
+  explicit CutOff(std::int64_t host_id, const std::string& kind_of_shot = "") : Bench(host_id) {
     session.on_event(of_kind(event_t::ARMED, 0, 1, "5"), local);
-    session.on_event(of_kind(event_t::SHOT_STARTED, 6, 2, ""), local);
+    session.on_event(of_kind(event_t::SHOT_STARTED, 6, 2, kind_of_shot), local);
     session.on_event(of_kind(event_t::FLASH, 6, 3, ""), local);
     session.on_event(of_kind(event_t::FLASH, 6, 4, ""), local);
   }
@@ -313,6 +313,17 @@ TEST(SessionOfMessages, AShotInWhichTheFirmwareDiedIsReportedOnceAllThatWasWritt
   bench.frame();
   bench.session.on_time(bench.local + kSecond);
   CHECK_TRUE(bench.shot_results().empty());
+}
+
+TEST(SessionOfMessages, ADryShotInWhichTheFirmwareDiedIsReportedAsDry) {
+  CutOff bench(5, "dry");
+  bench.status(bench.end, 78);
+  const host::EndedBoot dead{77, 4};
+  bench.session.ledger().earlier({&dead, 1}, bench.local);
+  bench.session.on_time(bench.local);
+  const auto shot_results = bench.shot_results();
+  LONGS_EQUAL(1, shot_results.size());
+  CHECK_TRUE(shot_results[0].dry);
 }
 
 TEST(SessionOfMessages, ASummaryThatNeverWasWrittenIsGivenUp) {
