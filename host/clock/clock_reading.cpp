@@ -1,5 +1,7 @@
 #include "host/clock/clock_reading.hpp"
 
+#include <fmt/format.h>
+
 #include <utility>
 
 namespace strobe::host {
@@ -9,6 +11,17 @@ constexpr Duration kApart = milliseconds{50};
 constexpr int kSlewedShare = 2000;  // 500 ppm, the most that a kernel's clock discipline slews
 
 }  // namespace
+
+std::vector<std::string> in_words(const ClockChange& change, const std::string& whose) {
+  std::vector<std::string> lines;
+  if (change.stepped != Duration{}) {
+    lines.push_back(fmt::format("the wall clock of {} was set by {:+.1f} s; times measured are not touched",
+                                whose, to_seconds(change.stepped)));
+  }
+  if (change.suspended != Duration{})
+    lines.push_back(fmt::format("{} was suspended for {:.1f} s", whose, to_seconds(change.suspended)));
+  return lines;
+}
 
 template <typename Time>
 std::optional<ClockChange> ClockStepDetector<Time>::on_reading(const ClockReading<Time>& now) {

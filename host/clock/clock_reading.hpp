@@ -3,6 +3,8 @@
 #pragma once
 
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "common/units/time.hpp"
 
@@ -30,6 +32,9 @@ struct ClockChange {
   Duration suspended{};  ///< the machine was suspended for this long; 0: it was not
 };
 
+/// For a person, a line each. whose: "this machine".
+std::vector<std::string> in_words(const ClockChange& change, const std::string& whose);
+
 /// Time: MonoTime or HostTime.
 template <typename Time>
 class ClockStepDetector {
@@ -37,7 +42,6 @@ class ClockStepDetector {
   /// What has changed since the reading before. Returns nullopt if neither. Less than 50 ms, or half a
   /// thousandth of the time in between, passes for slewing and for clocks that were not read quite together.
   std::optional<ClockChange> on_reading(const ClockReading<Time>& now);
-  void forget() { last_.reset(); }
 
  private:
   std::optional<ClockReading<Time>> last_;

@@ -1,195 +1,46 @@
 #include "host/clock/device_clock.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <cmath>
 
 namespace strobe::host {
-namespace {
 
-// A message that comes earlier than this was not sent by the clock that is known here.
-constexpr double kTooEarly_s = 0.005;
-// Heartbeats that are all late by as much as this, and by the same, are not late: the clock was stopped.
-constexpr double kTooLate_s = 0.25;
-constexpr double kAlike_s = 0.05;
-constexpr std::size_t kLateInARow = 8;
-constexpr std::size_t kMaxPoints = 400;  // of a line
-constexpr std::size_t kMaxHeard = 1300;
-constexpr std::size_t kMaxKept = 64;
-constexpr Duration kFitEvery = std::chrono::seconds{5};
-// From so many heartbeats on, one more changes little.
-constexpr std::size_t kSettled = 40;
-// Kernels discipline a clock by 500 ppm at most; two may be disciplined.
-constexpr double kPlausibleDrift = 1.1e-3;
-
-}  // namespace
-
-double DeviceClock::offset_s(const Segment& segment, MonoTime sent) const {
-  return segment.line ? segment.line->offset_s(to_seconds(sent - segment.first_sent)) : segment.min_offset_s;
+const DeviceClock::Boot* DeviceClock::find(std::int64_t boot_id) const {
+  const auto found = std::ranges::find(boots_, boot_id, &Boot::id);
+  return found == boots_.end() ? nullptr : &*found;
 }
 
-double DeviceClock::lateness_s(const Heartbeat& heartbeat) const {
-  const Segment& segment = segments_.back();
-  return to_seconds(heartbeat.offset() - segment.origin) - offset_s(segment, heartbeat.sent);
-}
-
-void DeviceClock::notify_changes(const ClockChange& change, const std::string& whose) {
-  if (change.stepped != Duration{}) {
-    notifications_.push_back(
-        fmt::format("the wall clock of {} was set by {:+.1f} s; times measured are not touched", whose,
-                    to_seconds(change.stepped)));
-  }
-  if (change.suspended != Duration{}) {
-    notifications_.push_back(
-        fmt::format("{} was suspended for {:.1f} s", whose, to_seconds(change.suspended)));
-  }
-}
-
-void DeviceClock::on_local(const HostReading& local) {
-  if (const auto change = local_watch_.on_reading(local)) notify_changes(*change, "this machine");
+DeviceClock::Boot DeviceClock::first_heard(std::int64_t boot_id, const DeviceReading& device,
+                                           HostTime heard) const {
+  const bool same_clock = !boots_.empty() && boots_.back().relation->may_hold_for(device, heard);
+  return {boot_id, same_clock ? boots_.back().relation : std::make_shared<ClockRelation>()};
 }
 
 void DeviceClock::on_heartbeat(std::int64_t boot_id, const DeviceReading& device, HostTime heard) {
-  const Heartbeat heartbeat{device.mono, heard};
-  const bool anew = boot_id != boot_id_;
-  boot_id_ = boot_id;
-  const bool older = !heartbeats_.empty() && heartbeat.sent <= heartbeats_.back().sent;
-  if (older && !anew) return;  // overtaken on the way, or doubled
-  const MonoTime before = heartbeats_.empty() ? heartbeat.sent : heartbeats_.back().sent;
-  if (older) {
-    device_watch_.forget();
-    sleeps_.clear();
+  if (!find(boot_id)) {
+    boots_.push_back(first_heard(boot_id, device, heard));
+    if (boots_.size() > kMaxBoots) boots_.pop_front();
   }
-  const auto change = device_watch_.on_reading(device);
-  if (change) notify_changes(*change, "the firmware's machine");
-  const bool slept = change && change->suspended != Duration{};
-  if (slept) sleeps_.emplace_back(before, heartbeat.sent);
-  if (sleeps_.size() > kMaxKept) sleeps_.erase(sleeps_.begin());
-  if (heartbeats_.empty() || older || slept) return begin(heartbeat);
-  if (broken_by(heartbeat)) {
-    notifications_.push_back(
-        "the firmware's clock and this machine's do not go together any more; their relation "
-        "begins anew");
-    const std::vector<Heartbeat> kept = std::exchange(late_, {});
-    begin(kept.empty() ? heartbeat : kept.front());
-    for (std::size_t i = 1; i < kept.size(); ++i) add(kept[i]);
-    return;
-  }
-  add(heartbeat);
+  ClockRelation& relation = *find(boot_id)->relation;
+  relation.on_heartbeat(device, heard);
+  for (std::string& text : relation.take_notifications()) notifications_.push_back(std::move(text));
 }
 
-/// Than the latest heartbeats and any plausible drift allow: of forty some were not late. The line alone
-/// does not show it: a young one may be of late heartbeats.
-bool DeviceClock::earlier_than_any(const Heartbeat& heartbeat) const {
-  const std::size_t recent = std::min(heartbeats_.size(), kMinSamplesForLine);
-  const double allowed_s = recent < kMinSamplesForLine ? kTooLate_s : kTooEarly_s;
-  return std::all_of(heartbeats_.end() - static_cast<std::ptrdiff_t>(recent), heartbeats_.end(),
-                     [&](const Heartbeat& before) {
-                       const double passed_s = to_seconds(heartbeat.sent - before.sent);
-                       const double gained_s = to_seconds(heartbeat.heard - before.heard) - passed_s;
-                       return gained_s < -allowed_s - kPlausibleDrift * passed_s;
-                     });
+void DeviceClock::on_local(const HostReading& local) {
+  const auto change = local_watch_.on_reading(local);
+  if (!change) return;
+  for (std::string& text : in_words(*change, "this machine")) notifications_.push_back(std::move(text));
 }
 
-bool DeviceClock::broken_by(const Heartbeat& heartbeat) {
-  const double late_s = lateness_s(heartbeat);
-  if (late_s < -kTooEarly_s && earlier_than_any(heartbeat)) {
-    late_.clear();
-    return true;
-  }
-  const bool alike = late_.empty() || std::abs(late_s - lateness_s(late_.front())) < kAlike_s;
-  if (late_s < kTooLate_s || !alike) late_.clear();
-  if (late_s >= kTooLate_s) late_.push_back(heartbeat);
-  return late_.size() >= kLateInARow;
+std::optional<HostTime> DeviceClock::local(std::int64_t boot_id, MonoTime device) const {
+  const Boot* boot = find(boot_id);
+  return boot ? std::optional(boot->relation->local(device)) : std::nullopt;
 }
 
-void DeviceClock::begin(const Heartbeat& heartbeat) {
-  heartbeats_.clear();
-  late_.clear();
-  estimate_.reset();
-  estimated_ = {};
-  Segment segment;
-  segment.first_sent = heartbeat.sent;
-  segment.origin = heartbeat.offset();
-  segments_.push_back(segment);
-  if (segments_.size() > kMaxKept) segments_.erase(segments_.begin());
-  add(heartbeat);
-}
+ClockState DeviceClock::state() { return boots_.empty() ? ClockState() : boots_.back().relation->state(); }
 
-void DeviceClock::add(const Heartbeat& heartbeat) {
-  heartbeats_.push_back(heartbeat);
-  while (heartbeats_.size() > kMaxHeard || heartbeat.sent - heartbeats_.front().sent > kMemory)
-    heartbeats_.pop_front();
-  Segment& segment = segments_.back();
-  ++segment.heartbeats;
-  segment.min_offset_s = std::min(segment.min_offset_s, to_seconds(heartbeat.offset() - segment.origin));
-  if (segment.line && heartbeat.sent - fitted_ < kFitEvery) return;
-  if (heartbeats_.size() < kMinSamplesForLine) return;
-  fitted_ = heartbeat.sent;
-  std::vector<ClockSample> recent = points(kWindow);
-  if (recent.size() > kMaxPoints) recent.erase(recent.begin(), recent.end() - kMaxPoints);
-  if (auto line = fit_clock(recent)) segment.line = *line;
-}
-
-std::vector<ClockSample> DeviceClock::points(Duration last) const {
-  const Segment& segment = segments_.back();
-  std::vector<ClockSample> points;
-  for (const Heartbeat& heartbeat : heartbeats_) {
-    if (heartbeats_.back().sent - heartbeat.sent > last) continue;
-    points.push_back(
-        {to_seconds(heartbeat.sent - segment.first_sent), to_seconds(heartbeat.offset() - segment.origin)});
-  }
-  return points;
-}
-
-const DeviceClock::Segment& DeviceClock::of(MonoTime device) const {
-  for (std::size_t i = segments_.size(); i-- > 1;) {
-    const bool follows = segments_[i].first_sent > segments_[i - 1].first_sent;
-    if (device >= segments_[i].first_sent || !follows) return segments_[i];
-  }
-  return segments_.front();
-}
-
-std::optional<HostTime> DeviceClock::local(MonoTime device) const {
-  if (segments_.empty()) return std::nullopt;
-  const Segment& segment = of(device);
-  return HostTime{device.time_since_epoch() + segment.origin + from_seconds(offset_s(segment, device))};
-}
-
-void DeviceClock::renew_estimate() {
-  const MonoTime newest = heartbeats_.back().sent;
-  const bool settled = estimate_ && heartbeats_.size() >= kSettled;
-  if (newest == estimated_ || (settled && newest - estimated_ < kFitEvery)) return;
-  estimated_ = newest;
-  estimate_ = estimate_clock(points(kMemory));
-}
-
-ClockState DeviceClock::state() {
-  ClockState state;
-  if (segments_.empty()) return state;
-  const Segment& segment = segments_.back();
-  state.heartbeats = segment.heartbeats;
-  state.latency_s = lateness_s(heartbeats_.back());
-  for (const Heartbeat& heartbeat : heartbeats_) {
-    if (heartbeats_.back().sent - heartbeat.sent <= kWindow)
-      state.worst_latency_s = std::max(state.worst_latency_s, lateness_s(heartbeat));
-  }
-  renew_estimate();
-  if (!estimate_) return state;
-  const ClockEstimate now = estimate_->at(to_seconds(heartbeats_.back().sent - segment.first_sent));
-  state.drift_ppm = now.drift * 1e6;
-  state.drift_sd_ppm = std::sqrt(now.drift_var) * 1e6;
-  state.offset_s = to_seconds(segment.origin) + now.offset_s;
-  state.offset_sd_s = std::sqrt(now.offset_var_s2);
-  state.suspect = heartbeats_.size() >= kMinSamplesForLine &&
-                  std::abs(*state.drift_ppm) - 3.0 * state.drift_sd_ppm > kPlausibleDrift * 1e6;
-  return state;
-}
-
-bool DeviceClock::suspended_within(MonoTime from, MonoTime to) const {
-  return std::any_of(sleeps_.begin(), sleeps_.end(),
-                     [&](const auto& sleep) { return sleep.first < to && sleep.second > from; });
+bool DeviceClock::suspended_within(std::int64_t boot_id, MonoTime from, MonoTime to) const {
+  const Boot* boot = find(boot_id);
+  return boot && boot->relation->suspended_within(from, to);
 }
 
 }  // namespace strobe::host

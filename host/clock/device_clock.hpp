@@ -1,97 +1,50 @@
-// The firmware's CLOCK_MONOTONIC on this machine's: offset, drift and how well they are known, from its
-// heartbeats. Wall clocks have no part in it, so that setting one changes nothing; it is reported. Where
-// the relation breaks (a machine was suspended or started anew) a new one begins; that is reported, too. A
-// restart of strobed alone does not break it.
-//
-// The delay that every message has is part of the offset: instants come out that much late, on one machine
-// some 0.1 ms. No I/O; deterministic; one thread's.
+// Every boot's CLOCK_MONOTONIC on this machine's. An instant means nothing without its boot: a rig's machine that
+// was started anew begins its clock again, one that stands in for it has a clock of its own, and what the
+// earlier boot sent may still come. A restart of strobed alone goes on with the machine's clock, and with its
+// relation (clock_relation.hpp). No I/O; deterministic; one thread's.
 #pragma once
 
 #include <cstdint>
 #include <deque>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "host/clock/clock_estimate.hpp"
-#include "host/clock/clock_fit.hpp"
-#include "host/clock/clock_reading.hpp"
+#include "host/clock/clock_relation.hpp"
 
 namespace strobe::host {
 
-/// How the clocks stand now. Numbers that are not known yet are absent: they take three heartbeats.
-struct ClockState {
-  std::int64_t heartbeats = 0;      ///< since the relation began
-  std::optional<double> drift_ppm;  ///< this machine's clock against the firmware's; positive: it gains
-  double drift_sd_ppm = 0.0;
-  std::optional<double> offset_s;  ///< this clock less the firmware's at the newest heartbeat, with the delay
-  double offset_sd_s = 0.0;
-  std::optional<double> latency_s;  ///< of the newest heartbeat, beyond the delay that all have
-  double worst_latency_s = 0.0;     ///< of those in the window
-  bool suspect = false;             ///< no two machines' clocks differ like this
-};
-
 class DeviceClock {
  public:
-  /// The window that instants are computed from: longer, and the crystals' wander would count.
-  static constexpr Duration kWindow = std::chrono::minutes{2};
-  /// What the state is taken from, in which the wander has its part: it shows in minutes only.
-  static constexpr Duration kMemory = std::chrono::minutes{10};
+  /// So many boots are known, those first heard latest.
+  static constexpr std::size_t kMaxBoots = 64;
 
   /// A heartbeat: the firmware's clocks when it was sent, and when it was heard.
   void on_heartbeat(std::int64_t boot_id, const DeviceReading& device, HostTime heard);
   /// This machine's clocks, now and then.
   void on_local(const HostReading& local);
 
-  /// The firmware's instant on this machine's clock. Returns nullopt before the first heartbeat. Instants from
-  /// before a break are computed by the relation of their time.
-  std::optional<HostTime> local(MonoTime device) const;
-  /// New numbers with each of the first forty heartbeats, then every five seconds: they take some 5 to 15 ms.
+  /// A boot's instant on this machine's clock. Returns nullopt if no heartbeat of that boot has come.
+  std::optional<HostTime> local(std::int64_t boot_id, MonoTime device) const;
+  /// Of the boot that was heard first latest.
   ClockState state();
-  /// Whether the firmware's machine was suspended between two of its instants, as its own clocks show.
-  bool suspended_within(MonoTime from, MonoTime to) const;
+  /// Whether the boot's machine was suspended between two of its instants, as its own clocks show.
+  bool suspended_within(std::int64_t boot_id, MonoTime from, MonoTime to) const;
 
   std::vector<std::string> take_notifications() { return std::exchange(notifications_, {}); }
 
  private:
-  struct Heartbeat {
-    MonoTime sent;
-    HostTime heard;
-    /// This machine's clock less the firmware's, with the delay.
-    Duration offset() const { return heard.time_since_epoch() - sent.time_since_epoch(); }
+  struct Boot {
+    std::int64_t id = 0;
+    std::shared_ptr<ClockRelation> relation;  ///< other boots of one run of the machine have the same
   };
-  /// One relation, as long as it holds.
-  struct Segment {
-    MonoTime first_sent;
-    Duration origin{};  ///< offset of the first: numbers are kept relative to it
-    std::int64_t heartbeats = 0;
-    double min_offset_s = 0.0;  ///< stands in for the line
-    std::optional<ClockLine> line;
-  };
+  const Boot* find(std::int64_t boot_id) const;
+  Boot first_heard(std::int64_t boot_id, const DeviceReading& device, HostTime heard) const;
 
-  double offset_s(const Segment& segment, MonoTime sent) const;
-  double lateness_s(const Heartbeat& heartbeat) const;
-  void notify_changes(const ClockChange& change, const std::string& whose);
-  void begin(const Heartbeat& heartbeat);
-  void add(const Heartbeat& heartbeat);
-  /// Of the last so much time.
-  std::vector<ClockSample> points(Duration last) const;
-  void renew_estimate();
-  bool earlier_than_any(const Heartbeat& heartbeat) const;
-  bool broken_by(const Heartbeat& heartbeat);
-  const Segment& of(MonoTime device) const;
-
-  ClockStepDetector<MonoTime> device_watch_;
+  std::deque<Boot> boots_;  ///< in the order of their first heartbeats
   ClockStepDetector<HostTime> local_watch_;
-  std::int64_t boot_id_ = 0;
-  std::deque<Heartbeat> heartbeats_;  ///< within kMemory
-  std::vector<Heartbeat> late_;       ///< in a row, by about the same: the relation may have broken
-  std::vector<Segment> segments_;
-  MonoTime fitted_;                        ///< heartbeat that the newest line was fitted at
-  std::optional<ClockEstimate> estimate_;  ///< what is shown; no instant is computed from it
-  MonoTime estimated_;                     ///< heartbeat that it was made at
-  std::vector<std::pair<MonoTime, MonoTime>> sleeps_;  ///< instants around each
   std::vector<std::string> notifications_;
 };
 

@@ -31,9 +31,23 @@ void PhotographMatcher::on_shot(const shot_t& shot) {
   const MonoTime closed = std::max(from_ns(shot.shutter_close_ns), opened);
   const Exposure exposure{key, opened, closed, !shot.plan.dry, false};
   const auto later = std::find_if(exposures_.begin(), exposures_.end(),
-                                  [&](const Exposure& other) { return other.closed > closed; });
+                                  [&](const Exposure& other) { return closed_later(other, exposure); });
   exposures_.insert(later, exposure);
   if (exposures_.size() > kMaxExposures) exposures_.erase(exposures_.begin());
+}
+
+/// Boots may have different clocks: instants of two are compared on this machine's.
+bool PhotographMatcher::closed_later(const Exposure& one, const Exposure& other) const {
+  if (one.key.boot_id == other.key.boot_id) return one.closed > other.closed;
+  const auto one_local = clock_.local(one.key.boot_id, one.closed);
+  const auto other_local = clock_.local(other.key.boot_id, other.closed);
+  return one_local && other_local && *one_local > *other_local;
+}
+
+std::optional<PhotographMatcher::Local> PhotographMatcher::local(const Exposure& exposure) const {
+  const auto opened = clock_.local(exposure.key.boot_id, exposure.opened);
+  const auto closed = clock_.local(exposure.key.boot_id, exposure.closed);
+  return opened && closed ? std::optional(Local{*opened, *closed}) : std::nullopt;
 }
 
 void PhotographMatcher::on_measured(const ShotKey& shot) {
@@ -57,10 +71,11 @@ PhotographMatcher::Candidates PhotographMatcher::candidates(const Held& held, Ho
   Candidates result;
   for (std::size_t i = exposures_.size(); i-- > 0 && !exposures_[i].taken;) {
     const Exposure& exposure = exposures_[i];
-    const HostTime closed = local(exposure.closed);
-    if (held.arrived < closed - kClockTolerance || held.arrived > closed + kForgotten) continue;
-    if (held.written < local(exposure.opened) - kFileTimeTolerance) continue;
-    auto& list = now <= closed + timeout_ ? result.waiting : result.given_up;
+    const auto when = local(exposure);
+    if (!when) continue;  // until its boot's clock is known
+    if (held.arrived < when->closed - kClockTolerance || held.arrived > when->closed + kForgotten) continue;
+    if (held.written < when->opened - kFileTimeTolerance) continue;
+    auto& list = now <= when->closed + timeout_ ? result.waiting : result.given_up;
     list.insert(list.begin(), i);
   }
   return result;
@@ -69,7 +84,7 @@ PhotographMatcher::Candidates PhotographMatcher::candidates(const Held& held, Ho
 /// When the photograph of an exposure should have come, as far as earlier ones tell.
 HostTime PhotographMatcher::own_due(const Exposure& exposure) const {
   const Duration usual = usual_ ? 2 * *usual_ + milliseconds{200} : timeout_ / 2;
-  return local(exposure.closed) + std::min(usual, timeout_ / 5 * 4);
+  return local(exposure)->closed + std::min(usual, timeout_ / 5 * 4);
 }
 
 PhotographDecision PhotographMatcher::take(std::size_t i, HostTime now, bool certain) {
@@ -77,7 +92,7 @@ PhotographDecision PhotographMatcher::take(std::size_t i, HostTime now, bool cer
   const Held held = held_.front();
   held_.erase(held_.begin());
   exposure.taken = true;
-  const HostTime closed = local(exposure.closed);
+  const HostTime closed = local(exposure)->closed;
   if (certain) usual_ = std::max(usual_.value_or(Duration{}), held.arrived - closed);
   PhotographDecision decision;
   decision.photograph = held.photograph;
@@ -97,9 +112,11 @@ PhotographDecision PhotographMatcher::reject(std::string why) {
 
 std::string PhotographMatcher::nobody(const Held& held) const {
   for (const Exposure& exposure : exposures_) {
-    const HostTime closed = local(exposure.closed);
-    const bool in_time = held.arrived >= closed - kClockTolerance && held.arrived <= closed + timeout_;
-    const Duration before = local(exposure.opened) - held.written;
+    const auto when = local(exposure);
+    if (!when) continue;
+    const bool in_time =
+        held.arrived >= when->closed - kClockTolerance && held.arrived <= when->closed + timeout_;
+    const Duration before = when->opened - held.written;
     if (in_time && !exposure.taken && before > kFileTimeTolerance) {
       return fmt::format("its file is {:.1f} s older than shot {}: not used", to_seconds(before),
                          exposure.key.shot_id);
@@ -137,16 +154,7 @@ std::optional<PhotographDecision> PhotographMatcher::decide_first(HostTime now) 
   return reject(nobody(held_.front()));
 }
 
-/// A machine that was started anew begins its clock again: what would be in the future was before that.
-void PhotographMatcher::forget_earlier_boots(HostTime now) {
-  std::erase_if(exposures_, [&](const Exposure& exposure) {
-    const auto closed = clock_.local(exposure.closed);
-    return closed && *closed > now + kForgotten;
-  });
-}
-
 std::vector<PhotographDecision> PhotographMatcher::decide(HostTime now) {
-  forget_earlier_boots(now);
   std::vector<PhotographDecision> decisions;
   while (!held_.empty()) {
     auto decision = decide_first(now);

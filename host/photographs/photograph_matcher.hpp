@@ -1,7 +1,7 @@
 // Which photograph shows which shot. A photograph comes after its exposure has ended, its file is not older
 // than the opening of the shutter, and photographs come in the order of the exposures. What these leave open
 // is waited for, and in the end left unmatched: a shot without a photograph is fired again, one with the
-// wrong photograph is a wrong number. No I/O; deterministic; single-threaded.
+// wrong photograph is a wrong number. Shots of several boots may be waiting, each on its own boot's clock. No I/O; deterministic; single-threaded.
 #pragma once
 
 #include <cstdint>
@@ -64,11 +64,15 @@ class PhotographMatcher {
     std::size_t count() const { return waiting.size() + given_up.size(); }
   };
 
-  /// Before the first heartbeat the clocks are taken for one.
-  HostTime local(MonoTime device) const {
-    return clock_.local(device).value_or(HostTime{device.time_since_epoch()});
-  }
-  void forget_earlier_boots(HostTime now);
+  /// On this machine's clock.
+  struct Local {
+    HostTime opened;
+    HostTime closed;
+  };
+
+  /// Returns nullopt before the first heartbeat of its boot.
+  std::optional<Local> local(const Exposure& exposure) const;
+  bool closed_later(const Exposure& one, const Exposure& other) const;
   Candidates candidates(const Held& held, HostTime now) const;
   std::optional<PhotographDecision> decide_first(HostTime now);
   std::optional<PhotographDecision> choose(const Candidates& candidates, HostTime now);

@@ -12,8 +12,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kMaxShots = 200;
-
 std::vector<double> seconds_of(const FlashTimes& times) {
   std::vector<double> seconds;
   if (!times.in_order) return seconds;
@@ -34,10 +32,8 @@ PhotographPipeline::PhotographPipeline(const DeviceClock& clock, std::unique_ptr
 void PhotographPipeline::on_shot(const strobe_msgs::shot_t& shot) {
   matcher_.on_shot(shot);
   const ShotKey key{shot.boot_id, shot.shot_id};
-  if (flash_times_s_.size() >= kMaxShots) flash_times_s_.erase(flash_times_s_.begin());
-  flash_times_s_[key] = seconds_of(flash_times(shot));
-  if (const auto measured = measured_.find(key); measured != measured_.end())
-    frames_.push_back(measured->second);
+  flash_times_s_.put(key, seconds_of(flash_times(shot)));
+  if (const auto* measured = measured_.find(key)) frames_.push_back(*measured);
 }
 
 void PhotographPipeline::on_frame(const strobe_msgs::frame_t& frame) {
@@ -93,7 +89,7 @@ void PhotographPipeline::apply(const PhotographDecision& decision) {
   job.measure = decision.wanted;
   job.keep_as = name_to_keep(arrival, job.shot);
   job.may_link = arrival.renamed;
-  job.flash_times_s = flash_times_s_[job.shot];
+  if (const auto* times = flash_times_s_.find(job.shot)) job.flash_times_s = *times;
   newest_ = arrival.path;
   being_read_.insert(arrival.path);
   reader_.add(std::move(job));
@@ -119,7 +115,7 @@ void PhotographPipeline::finish(PhotographResult result) {
   const bool kept = !job.keep_as.empty() && result.not_kept.empty();
   frame.photograph =
       kept ? (fs::path("photographs") / job.keep_as.filename()).string() : job.file.filename().string();
-  measured_.insert_or_assign(job.shot, frame);
+  measured_.put(job.shot, frame);
   frames_.push_back(std::move(frame));
 }
 

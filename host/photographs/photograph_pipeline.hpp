@@ -12,6 +12,7 @@
 #include <strobe_msgs/shot_t.hpp>
 #include <vector>
 
+#include "common/shot/recent_map.hpp"
 #include "host/photographs/camera_folder.hpp"
 #include "host/photographs/photograph_matcher.hpp"
 #include "host/photographs/photograph_reader.hpp"
@@ -52,6 +53,9 @@ class PhotographPipeline {
   std::size_t pending() const { return reader_.pending(); }
 
  private:
+  static constexpr std::size_t kMaxShots = 200;
+  static constexpr std::size_t kMaxMeasured = 1000;
+
   void add(const Arrival& arrival);
   void apply(const PhotographDecision& decision);
   void finish(PhotographResult result);
@@ -60,13 +64,13 @@ class PhotographPipeline {
   std::unique_ptr<CameraFolder> folder_;
   PhotographSettings settings_;
   PhotographMatcher matcher_;
-  std::map<ShotKey, std::vector<double>> flash_times_s_;
+  RecentMap<ShotKey, std::vector<double>> flash_times_s_{kMaxShots};
   std::map<int, Arrival> undecided_;  ///< photographs not yet decided on, by number
   int next_photograph_ = 1;
   std::set<std::filesystem::path> being_read_;
   std::filesystem::path newest_;  ///< the photograph last matched
   std::set<std::filesystem::path> names_used_;
-  std::map<ShotKey, strobe_msgs::frame_t> measured_;
+  RecentMap<ShotKey, strobe_msgs::frame_t> measured_{kMaxMeasured};
   std::vector<strobe_msgs::frame_t> frames_;
   std::vector<std::string> notifications_;
   PhotographReader reader_;

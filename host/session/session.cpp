@@ -17,8 +17,6 @@ using strobe_msgs::event_t;
 using strobe_msgs::frame_t;
 using strobe_msgs::shot_t;
 
-// Status messages come twice a second; five lost in a row mean that the firmware is gone.
-constexpr Duration kSilent = milliseconds{2500};
 // A network that is cut for ten seconds has lost nothing yet.
 constexpr Duration kCutOff = std::chrono::seconds{10};
 constexpr Duration kSummaryGrace = milliseconds{300};
@@ -26,8 +24,6 @@ constexpr Duration kSummaryGrace = milliseconds{300};
 constexpr int kSummaryRequests = 24;
 // A photograph takes its time; who asks for its shot again gets it, too, if it was lost on the way.
 constexpr Duration kPhotographGrace = std::chrono::seconds{1};
-constexpr std::size_t kMaxArmed = 4096;
-constexpr std::size_t kMaxHeldFrames = 64;
 // A machine that is this much early still meets the plate before the abort.
 constexpr double kMachineLagTolerance_s = 0.1;
 
@@ -55,12 +51,13 @@ std::int64_t host_id_in(const std::string& hex) {
 }  // namespace
 
 void Session::on_status(const strobe_msgs::status_t& status, HostTime now) {
+  if (outdated(status, now)) return;
   if (status_ && status_->boot_id != status.boot_id) {
     notify(fmt::format("the firmware was started anew (boot {:x})", status.boot_id));
   }
   const DeviceReading device{from_ns(status.mono_ns), from_ns<WallTime>(status.wall_ns),
                              Duration{status.boot_time_ns}};
-  follow_device_clock(device.mono, status.boot_id);
+  heard_.on_heartbeat(status.boot_id, device.mono);
   clock_.on_heartbeat(status.boot_id, device, now);
   report_clock();
   status_ = status;
@@ -86,22 +83,39 @@ std::optional<strobe_msgs::status_t> Session::live_status(HostTime now) const {
   return status_ && now - status_heard_ <= kSilent ? status_ : std::nullopt;
 }
 
-/// Deadlines are put off by an outage. The clock of a machine that was started anew begins again; they go along.
-void Session::follow_device_clock(MonoTime device_now, std::int64_t boot_id) {
-  const Duration passed = known(device_now_) ? device_now - device_now_ : Duration{};
-  const bool started_anew = passed < -kSilent && status_->boot_id != boot_id;
-  if (passed > kSilent || started_anew) {
-    for (auto& [key, waiting] : pending_) waiting.device_deadline += passed;
-  }
-  device_now_ = started_anew ? device_now : std::max(device_now_, device_now);
+bool Session::ran_earlier(std::int64_t boot_id) const {
+  return status_ && std::ranges::any_of(status_->earlier,
+                                        [boot_id](const auto& boot) { return boot.boot_id == boot_id; });
+}
+
+/// Overtaken on the way. Of two boots the later one lists the other; where their session folders differ, a boot
+/// that was heard before is believed again only when the other has fallen silent.
+bool Session::outdated(const strobe_msgs::status_t& status, HostTime now) const {
+  if (!status_) return false;
+  if (status.boot_id == status_->boot_id) return status.mono_ns < status_->mono_ns;
+  if (ran_earlier(status.boot_id)) return true;
+  const bool follows = std::ranges::any_of(
+      status.earlier, [this](const auto& boot) { return boot.boot_id == status_->boot_id; });
+  return !follows && heard_.knows(status.boot_id) && live_status(now);
+}
+
+/// The photograph's time runs from the end of the shot, or from now if that is over or cannot be known.
+void Session::set_deadline(PendingShot& waiting) const {
+  const Duration timeout = from_seconds(settings_.analysis.photograph_timeout_s);
+  const MonoTime end = end_of(waiting.shot, kNoTime);
+  const auto ended = known(end) ? heard_.at(waiting.shot.boot_id, end) : heard_.now();
+  waiting.deadline = ended.value_or(heard_.now()) + timeout;
+  if (ended && waiting.deadline >= heard_.now()) return;
+  // It was lost until now, and its photograph with it, which may come again as it has.
+  waiting.deadline = heard_.now() + timeout;
+  waiting.past = !own(waiting.shot) && (ended || ran_earlier(waiting.shot.boot_id));
 }
 
 void Session::on_event(const event_t& event, HostTime now) {
   if (!ledger_.add(event.boot_id, event.sequence, now)) return;
   const ShotKey key{event.boot_id, event.shot_id};
   if (event.kind == event_t::ARMED) {
-    armed_[{event.boot_id, event.sequence}] = host_id_in(event.detail);
-    if (armed_.size() > kMaxArmed) armed_.erase(armed_.begin());
+    armed_.put({event.boot_id, event.sequence}, host_id_in(event.detail));
   }
   if (event.kind == event_t::REPAIRED) notify("strobed found when it started: " + event.detail);
   const bool of_open_shot = event.shot_id > 0 && !done_.contains(key) && !pending_.contains(key);
@@ -135,15 +149,10 @@ void Session::on_shot(const shot_t& shot, HostTime now) {
   PendingShot waiting;
   waiting.shot = shot;
   waiting.frame = std::move(frame);
-  const Duration timeout = from_seconds(settings_.analysis.photograph_timeout_s);
-  waiting.device_deadline = end_of(shot, device_now_) + timeout;
-  waiting.local_deadline = now + timeout + kCutOff;
+  waiting.local_deadline = now + from_seconds(settings_.analysis.photograph_timeout_s) + kCutOff;
   waiting.asked = now;
-  if (device_now_ > waiting.device_deadline) {
-    // It was lost until now, and its photograph with it, which may come again as it has.
-    waiting.past = !own(shot);
-    waiting.device_deadline = device_now_ + timeout;
-  }
+  waiting.number = ++arrivals_;
+  set_deadline(waiting);
   pending_[key] = std::move(waiting);
 }
 
@@ -159,13 +168,14 @@ void Session::on_frame(const frame_t& frame, HostTime /*now*/) {
   finish(shot, frame);
 }
 
-/// A frame that does not know its firmware belongs to the newest shot of that number.
+/// A frame that does not know its firmware belongs to the running one's shot of that number, or else to the newest.
 std::map<ShotKey, Session::PendingShot>::iterator Session::waiting_for(const frame_t& frame) {
   if (frame.boot_id != 0) return pending_.find({frame.boot_id, frame.shot_id});
   auto newest = pending_.end();
   for (auto it = pending_.begin(); it != pending_.end(); ++it) {
     if (it->first.shot_id != frame.shot_id) continue;
-    if (newest == pending_.end() || it->second.shot.start_ns > newest->second.shot.start_ns) newest = it;
+    if (status_ && it->first.boot_id == status_->boot_id) return it;
+    if (newest == pending_.end() || it->second.number > newest->second.number) newest = it;
   }
   return newest;
 }
@@ -177,8 +187,7 @@ void Session::keep_or_report_frame(const frame_t& frame) {
   };
   const auto done = std::find_if(done_.begin(), done_.end(), same);
   if (done == done_.end()) {
-    if (early_frames_.size() >= kMaxHeldFrames) early_frames_.erase(early_frames_.begin());
-    early_frames_[{frame.boot_id, frame.shot_id}] = frame;
+    early_frames_.put({frame.boot_id, frame.shot_id}, frame);
     return;
   }
   const std::uint64_t hash = hash_of(frame);
@@ -193,12 +202,8 @@ void Session::keep_or_report_frame(const frame_t& frame) {
 }
 
 std::optional<frame_t> Session::take_early_frame(const ShotKey& key) {
-  auto held = early_frames_.find(key);
-  if (held == early_frames_.end()) held = early_frames_.find({0, key.shot_id});
-  if (held == early_frames_.end()) return std::nullopt;
-  frame_t frame = std::move(held->second);
-  early_frames_.erase(held);
-  return frame;
+  auto frame = early_frames_.take(key);
+  return frame ? frame : early_frames_.take({0, key.shot_id});
 }
 
 bool Session::ball_came_after_abort(const shot_t& shot) const {
@@ -228,7 +233,7 @@ void Session::push(ShotResult shot_result, const shot_t& shot) {
 void Session::add_flags(const shot_t& shot, reduction::FlagSet& flags) const {
   if (!whole(shot)) flags.set(Flag::events_missing);
   const MonoTime start = from_ns(shot.start_ns);
-  if (clock_.suspended_within(start, end_of(shot, start))) flags.set(Flag::clock_suspect);
+  if (clock_.suspended_within(shot.boot_id, start, end_of(shot, start))) flags.set(Flag::clock_suspect);
 }
 
 void Session::finish(const shot_t& shot, const frame_t& frame) {
@@ -266,8 +271,9 @@ void Session::finish_dry(const shot_t& shot) {
 
 /// Who armed for it: the last one before its start.
 std::int64_t Session::host_of(const ShotKey& key, const OpenShot& open) const {
-  const auto after = armed_.lower_bound({key.boot_id, open.started});
-  if (open.started < 1 || after == armed_.begin() || std::prev(after)->first.first != key.boot_id) return 0;
+  const auto& armed = armed_.all();
+  const auto after = armed.lower_bound({key.boot_id, open.started});
+  if (open.started < 1 || after == armed.begin() || std::prev(after)->first.first != key.boot_id) return 0;
   return std::prev(after)->second;
 }
 
@@ -318,7 +324,7 @@ void Session::finish_complete_shots() {
 }
 
 bool Session::over(const PendingShot& waiting, bool silent, HostTime now) const {
-  return device_now_ > waiting.device_deadline || (silent && now > waiting.local_deadline);
+  return heard_.now() > waiting.deadline || (silent && now > waiting.local_deadline);
 }
 
 void Session::expire(HostTime now) {

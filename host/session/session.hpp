@@ -4,7 +4,7 @@
 // The time that ends the wait for a photograph is the firmware's own clock as its status messages tell it, so
 // that a log played back at any speed gives the same readouts. Only when the firmware has fallen silent does
 // the host's clock end it. Time in which the firmware was not heard does not count: what was sent in it comes
-// again.
+// again. An instant of a boot is only ever compared with that boot's: the next one's clock may begin anew.
 //
 // No number is given without all events of its shot, or else with the flag events_missing. Of a shot that has
 // no end, since the firmware died in it, that is all that can be said.
@@ -21,10 +21,12 @@
 #include <utility>
 #include <vector>
 
+#include "common/shot/recent_map.hpp"
 #include "common/shot/shot_key.hpp"
 #include "host/assembly/assemble.hpp"
 #include "host/clock/device_clock.hpp"
 #include "host/messages/event_ledger.hpp"
+#include "host/session/heard_time.hpp"
 #include "host/session/series_statistics.hpp"
 #include "host/session/train_report.hpp"
 
@@ -77,11 +79,15 @@ class Session {
   const DeviceClock& clock() const { return clock_; }
 
  private:
+  static constexpr std::size_t kMaxArmed = 4096;
+  static constexpr std::size_t kMaxHeldFrames = 64;
+
   struct PendingShot {
     strobe_msgs::shot_t shot;
     std::optional<strobe_msgs::frame_t> frame;  ///< is here; events of the shot are not
-    MonoTime device_deadline;
+    Duration deadline{};                        ///< as heard_
     HostTime local_deadline;
+    std::int64_t number = 0;  ///< in the order of arrival
     HostTime asked;
     bool past = false;  ///< over before this session was joined: nobody promised a readout
   };
@@ -110,7 +116,9 @@ class Session {
   void add_flags(const strobe_msgs::shot_t& shot, reduction::FlagSet& flags) const;
   bool own(const strobe_msgs::shot_t& shot) const { return host_id_ != 0 && shot.host_id == host_id_; }
   std::int64_t host_of(const ShotKey& key, const OpenShot& open) const;
-  void follow_device_clock(MonoTime device_now, std::int64_t boot_id);
+  bool outdated(const strobe_msgs::status_t& status, HostTime now) const;
+  bool ran_earlier(std::int64_t boot_id) const;
+  void set_deadline(PendingShot& waiting) const;
   /// Each shot is finished once.
   void mark_finished(const ShotKey& key, FinishedShot how);
   void push(ShotResult shot_result, const strobe_msgs::shot_t& shot);
@@ -131,12 +139,14 @@ class Session {
   std::optional<strobe_msgs::status_t> status_;
   DeviceClock clock_;
   HostTime status_heard_;
-  MonoTime device_now_ = kNoTime;
+  HeardTime heard_;
+  std::int64_t arrivals_ = 0;
   std::map<ShotKey, PendingShot> pending_;
-  std::map<ShotKey, strobe_msgs::frame_t> early_frames_;  ///< frames that came before their shot
+  RecentMap<ShotKey, strobe_msgs::frame_t> early_frames_{kMaxHeldFrames};  ///< that came before their shot
   std::map<ShotKey, FinishedShot> done_;
   std::map<ShotKey, OpenShot> open_;
-  std::map<std::pair<std::int64_t, std::int64_t>, std::int64_t> armed_;  ///< boot, sequence: by which host
+  RecentMap<std::pair<std::int64_t, std::int64_t>, std::int64_t> armed_{
+      kMaxArmed};  ///< boot, sequence: by whom
   std::vector<ShotResult> shot_results_;
   std::vector<std::string> notifications_;
 };

@@ -84,7 +84,7 @@ TEST_GROUP(DeviceClock) {
 };
 
 TEST(DeviceClock, KnowsNothingBeforeTheFirstHeartbeat) {
-  CHECK_FALSE(clock.local(from_ns(5)).has_value());
+  CHECK_FALSE(clock.local(5, from_ns(5)).has_value());
   LONGS_EQUAL(0, clock.state().heartbeats);
 }
 
@@ -94,7 +94,7 @@ TEST(DeviceClock, StandsOnTheFastestMessageUntilThereAreEnough) {
   CHECK_FALSE(clock.state().drift_ppm.has_value());
   play(beats, 8);
   CHECK(clock.state().drift_ppm.has_value());
-  const double error_s = to_seconds(*clock.local(beats.device()) - beats.local());
+  const double error_s = to_seconds(*clock.local(beats.boot_id, beats.device()) - beats.local());
   CHECK(error_s > 0.0 && error_s < 0.001);  // the delay that all messages have
 }
 
@@ -148,7 +148,7 @@ TEST(DeviceClock, TellsTheSameWhetherItWasAskedBeforeOrNot) {
     beats.send(clock);
     same.send(asked);
     asked.state();
-    CHECK_EQUAL(*clock.local(beats.device()), *asked.local(beats.device()));
+    CHECK_EQUAL(*clock.local(beats.boot_id, beats.device()), *asked.local(beats.boot_id, beats.device()));
   }
 }
 
@@ -169,23 +169,23 @@ TEST(DeviceClock, IsNotMovedByABurstOfDelay) {
 TEST(DeviceClock, PassesOverMessagesThatWereOvertaken) {
   Heartbeats beats(4);
   play(beats, 50);
-  const HostTime local = *clock.local(beats.device());
+  const HostTime local = *clock.local(beats.boot_id, beats.device());
   clock.on_heartbeat(beats.boot_id, {beats.device() - kSecond, {}, {}}, beats.local());
   LONGS_EQUAL(50, clock.state().heartbeats);
-  CHECK_EQUAL(local, *clock.local(beats.device()));
+  CHECK_EQUAL(local, *clock.local(beats.boot_id, beats.device()));
 }
 
 TEST(DeviceClock, TellsThatAWallClockWasSetAndGoesOnUnmoved) {
   Heartbeats beats(5);
   play(beats, 100);
   const MonoTime probe = beats.device();
-  const HostTime before = *clock.local(probe);
+  const HostTime before = *clock.local(beats.boot_id, probe);
   beats.device_wall += 3600 * kSecond;
   play(beats, 9);
   STRCMP_CONTAINS("the wall clock of the firmware's machine was set by +3600.0 s",
                   joined(clock.take_notifications()).c_str());
   LONGS_EQUAL(109, clock.state().heartbeats);
-  CHECK(abs(*clock.local(probe) - before) < microseconds{100});
+  CHECK(abs(*clock.local(beats.boot_id, probe) - before) < microseconds{100});
   clock.on_local({});
   clock.on_local({HostTime{kSecond}, WallTime{-7 * kSecond}, kSecond});
   STRCMP_CONTAINS("the wall clock of this machine was set by -8.0 s",
@@ -196,16 +196,16 @@ TEST(DeviceClock, BeginsAnewWhenTheFirmwaresMachineWasSuspended) {
   Heartbeats beats(6);
   play(beats, 100);
   const MonoTime before = beats.device();
-  const HostTime before_local = *clock.local(before);
+  const HostTime before_local = *clock.local(beats.boot_id, before);
   beats.suspend(60.0);
   play(beats, 1);
   STRCMP_CONTAINS("the firmware's machine was suspended for 60.0 s",
                   joined(clock.take_notifications()).c_str());
   LONGS_EQUAL(1, clock.state().heartbeats);
-  CHECK(clock.suspended_within(before - kSecond, beats.device()));
-  CHECK_FALSE(clock.suspended_within(before - 2 * kSecond, before - kSecond));
-  CHECK_EQUAL(before_local, *clock.local(before));  // instants from before are told as before
-  CHECK(abs(*clock.local(beats.device()) - beats.local()) < milliseconds{5});
+  CHECK(clock.suspended_within(beats.boot_id, before - kSecond, beats.device()));
+  CHECK_FALSE(clock.suspended_within(beats.boot_id, before - 2 * kSecond, before - kSecond));
+  CHECK_EQUAL(before_local, *clock.local(beats.boot_id, before));  // instants from before are told as before
+  CHECK(abs(*clock.local(beats.boot_id, beats.device()) - beats.local()) < milliseconds{5});
 }
 
 TEST(DeviceClock, BeginsAnewWhenThisMachineWasSuspended) {
@@ -214,7 +214,7 @@ TEST(DeviceClock, BeginsAnewWhenThisMachineWasSuspended) {
   beats.local_offset -= 60 * kSecond;  // its clock stood still: messages come a minute too early
   play(beats, 1);
   STRCMP_CONTAINS("do not go together any more", joined(clock.take_notifications()).c_str());
-  CHECK(abs(*clock.local(beats.device()) - beats.local()) < milliseconds{5});
+  CHECK(abs(*clock.local(beats.boot_id, beats.device()) - beats.local()) < milliseconds{5});
 }
 
 TEST(DeviceClock, BeginsAnewWhenAllMessagesComeLateByTheSame) {
@@ -242,13 +242,77 @@ TEST(DeviceClock, BeginsAnewWhenTheFirmwaresMachineIsStartedAnew) {
   play(beats, 100);
   beats.suspend(60.0);
   play(beats, 1);
-  CHECK(clock.suspended_within({}, beats.device()));
+  CHECK(clock.suspended_within(beats.boot_id, {}, beats.device()));
+  const std::int64_t before = beats.boot_id;
   beats.reboot();
   play(beats, 60);
   LONGS_EQUAL(60, clock.state().heartbeats);
-  CHECK_FALSE(clock.suspended_within({}, MonoTime::max()));  // that was before
-  CHECK(abs(*clock.local(beats.device()) - beats.local()) < milliseconds{5});
+  CHECK(clock.suspended_within(before, {}, MonoTime::max()));
+  CHECK_FALSE(clock.suspended_within(beats.boot_id, {}, MonoTime::max()));  // that was before
+  CHECK(abs(*clock.local(beats.boot_id, beats.device()) - beats.local()) < milliseconds{5});
   CHECK_FALSE(clock.state().suspect);
+}
+
+TEST(DeviceClock, TellsInstantsOfABootByItsOwnClockHoweverManyFollow) {
+  Heartbeats first(20);
+  play(first, 100);
+  const MonoTime probe = first.device();
+  const HostTime before = *clock.local(first.boot_id, probe);
+  Heartbeats below(21), above(22);
+  below.boot_id = 6;
+  below.reboot_to(3.0, first.local());
+  play(below, 60);
+  above.boot_id = 7;
+  above.reboot_to(1e6, below.local());  // another machine stands in, which has run for days
+  play(above, 60);
+  CHECK_EQUAL(before, *clock.local(first.boot_id, probe));
+  for (const Heartbeats* beats : {&below, &above})
+    CHECK(abs(*clock.local(beats->boot_id, beats->device()) - beats->local()) < milliseconds{1});
+  LONGS_EQUAL(60, clock.state().heartbeats);
+  CHECK_EQUAL(0u, clock.take_notifications().size());
+}
+
+TEST(DeviceClock, IsNotMovedByWhatAnEarlierBootSentAndComesLate) {
+  Heartbeats first(23), late(23), second(24);
+  play(first, 100);
+  DeviceClock alone;
+  for (int i = 0; i < 100; ++i) late.send(alone);
+  second.boot_id = 6;
+  second.reboot_to(3.0, first.local());
+  for (int i = 0; i < 60; ++i) {
+    play(second, 1);
+    if (i % 4 == 0) play(first, 1);
+  }
+  CHECK(abs(*clock.local(second.boot_id, second.device()) - second.local()) < milliseconds{1});
+  CHECK(abs(*clock.local(first.boot_id, late.device()) - late.local()) < milliseconds{1});
+  LONGS_EQUAL(60, clock.state().heartbeats);
+}
+
+TEST(DeviceClock, KnowsNothingOfABootThatWasNotHeard) {
+  Heartbeats beats(25);
+  play(beats, 10);
+  CHECK_FALSE(clock.local(beats.boot_id + 1, beats.device()).has_value());
+  CHECK_FALSE(clock.suspended_within(beats.boot_id + 1, {}, MonoTime::max()));
+}
+
+TEST(DeviceClock, RemembersABoundedNumberOfBoots) {
+  Heartbeats beats(26);
+  beats.boot_id = 1000;  // each later boot has a smaller number
+  for (std::size_t i = 0; i <= DeviceClock::kMaxBoots; ++i, --beats.boot_id) play(beats, 1);
+  CHECK_FALSE(clock.local(1000, beats.device()).has_value());
+  CHECK(clock.local(999, beats.device()).has_value());
+  CHECK(clock.local(beats.boot_id + 1, beats.device()).has_value());
+}
+
+TEST(DeviceClock, TellsThatTheMachineSleptBetweenTwoStartsOfTheFirmware) {
+  Heartbeats beats(27);
+  play(beats, 100);
+  beats.suspend(60.0);
+  beats.boot_id = 6;
+  play(beats, 5);
+  STRCMP_CONTAINS("the firmware's machine was suspended for 60.0 s",
+                  joined(clock.take_notifications()).c_str());
+  CHECK(abs(*clock.local(6, beats.device()) - beats.local()) < milliseconds{5});
 }
 
 TEST(DeviceClock, FollowsADriftThatChanges) {

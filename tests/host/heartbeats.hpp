@@ -64,10 +64,14 @@ class Heartbeats {
     local_offset += ns_of(seconds);
   }
   void reboot() {
-    local_offset += device().time_since_epoch() + std::chrono::seconds{40};
-    device_s_ = drift_from_s_ = 10.0;
-    slept_ = {};
+    reboot_to(10.0, local() + std::chrono::seconds{30});
     boot_id = 99;
+  }
+  /// The clock of a machine that was started so long ago, at an instant of this machine's.
+  void reboot_to(double device_s, HostTime at) {
+    device_s_ = drift_from_s_ = device_s;
+    local_offset = at - HostTime{device().time_since_epoch()};
+    slept_ = {};
   }
 
  private:

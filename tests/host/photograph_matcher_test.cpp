@@ -197,13 +197,39 @@ TEST(PhotographsToShots, TheClockIsFollowedThroughDriftAndSuspension) {
   CHECK_EQUAL("1>1! 2>2", words(match.decide(heard + 2 * kSecond + minute)));
 }
 
-TEST(PhotographsToShots, AreMatchedAfterTheFirmwaresMachineWasStartedAnew) {
-  clock.on_heartbeat(7, device(5000 * kSecond), at(5000.0));
-  shot(1, 5000.0);
-  photograph(1, 5000.6);
-  CHECK_EQUAL("1>1", decided(5000.6));
-  clock.on_heartbeat(8, device(30 * kSecond), at(5100.0));  // its clock began at 0 half a minute ago
+TEST(PhotographsToShots, OfBothBootsAreMatchedAfterTheFirmwaresMachineWasStartedAnew) {
+  for (const double anew_s : {30.0, 90'000.0}) {  // its clock; or that of a machine that stands in for it
+    host::DeviceClock clocks;
+    PhotographMatcher matcher(clocks, 5.0);
+    const auto of = [&matcher](std::int64_t boot_id, int id, double closed_s) {
+      strobe_msgs::shot_t shot{};
+      shot.boot_id = boot_id;
+      shot.shot_id = id;
+      shot.shutter_open_ns = static_cast<std::int64_t>((closed_s - 0.5) * 1e9);
+      shot.shutter_close_ns = static_cast<std::int64_t>(closed_s * 1e9);
+      matcher.on_shot(shot);
+    };
+    clocks.on_heartbeat(8, device(5000 * kSecond), at(5000.0));
+    of(8, 1, 5000.0);  // its photograph takes its time
+    clocks.on_heartbeat(7, device(from_seconds(anew_s)), at(5002.0));
+    clocks.on_heartbeat(8, device(5001 * kSecond), at(5002.1));  // comes late
+    matcher.on_photograph(1, at(5003.0), at(5003.0));
+    CHECK_EQUAL("1>1", words(matcher.decide(at(5003.0))));
+    of(7, 1, anew_s + 2.0);
+    of(8, 2, 5001.0);  // fetched from the earlier boot's journal: closed before boot 7's
+    matcher.on_photograph(2, at(5004.6), at(5004.6));
+    matcher.on_photograph(3, at(5004.9), at(5004.9));
+    const auto decisions = matcher.decide(at(5005.0));
+    CHECK_EQUAL("2>2 3>1", words(decisions));
+    LONGS_EQUAL(8, decisions[0].shot->boot_id);
+    LONGS_EQUAL(7, decisions[1].shot->boot_id);
+  }
+}
+
+TEST(PhotographsToShots, AreMatchedWhenTheClockOfTheirBootIsKnown) {
+  photograph(1, 10.6);
   shot(1, 32.0, false, 8);
-  photograph(2, 5102.6);
-  CHECK_EQUAL("2>1", decided(5102.6));
+  CHECK_EQUAL("", decided(10.7));
+  clock.on_heartbeat(8, device(32 * kSecond + kSecond / 2), at(10.8));
+  CHECK_EQUAL("1>1", decided(10.9));
 }

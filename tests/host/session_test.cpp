@@ -129,7 +129,20 @@ TEST(SessionOfMessages, AFrameThatDoesNotKnowItsFirmwareGoesToTheNewestShotOfIts
   bench.session.on_shot(other.shot, bench.local);
   bench.made.frame.boot_id = 0;
   bench.frame();
-  LONGS_EQUAL(78, bench.shot_results().at(0).boot_id);
+  LONGS_EQUAL(77, bench.shot_results().at(0).boot_id);  // which is running
+}
+
+TEST(SessionOfMessages, AFrameThatDoesNotKnowItsFirmwareIsNotGivenByTheClocksOfTwoBoots) {
+  Bench bench;
+  bench.shot();
+  bench.status(MonoTime{3 * kSecond}, 76);  // its clock began at 0
+  SyntheticShot other = bench.made;
+  other.shot.boot_id = 76;
+  other.shot.start_ns = to_ns(bench.newest());
+  bench.session.on_shot(other.shot, bench.local);
+  bench.made.frame.boot_id = 0;
+  bench.frame();
+  LONGS_EQUAL(76, bench.shot_results().at(0).boot_id);
 }
 
 TEST(SessionOfMessages, TheWaitForThePhotographEndsByTheFirmwaresClock) {
@@ -399,6 +412,123 @@ TEST(SessionOfMessages, TheWaitForThePhotographEndsAlsoAfterTheFirmwaresMachineW
   LONGS_EQUAL(2, bench.session.waiting_for_photograph());
   for (int beat = 1; beat <= 12; ++beat) bench.status(MonoTime{30 * kSecond + beat * kSecond / 2}, 78);
   LONGS_EQUAL(2, bench.shot_results().size());
+}
+
+/// A boot that follows, with its own clock; the earlier one is in its list.
+struct Restarted : Bench {
+  MonoTime began;
+  explicit Restarted(MonoTime clock, std::int64_t host_id = 0) : Bench(host_id), began(clock) {}
+  static constexpr std::int64_t kBoot = 6;  // less than the earlier one's
+
+  void beat(double seconds) {
+    status_t status{};
+    status.boot_id = kBoot;
+    status.mono_ns = status.boot_time_ns = status.wall_ns = to_ns(began + from_seconds(seconds));
+    status.earlier.push_back({77, 1});
+    status.earlier_count = 1;
+    session.on_status(status, local + from_seconds(seconds));
+  }
+  void beat_until(double from_s, double to_s) {
+    for (double t = from_s; t <= to_s; t += 0.5) beat(t);
+  }
+  /// Of the new boot: its shutter closes so long after the boot's first heartbeat.
+  void shot_of_new_boot(double closed_s) {
+    strobe_msgs::shot_t shot = made.shot;
+    shot.boot_id = kBoot;
+    shot.shutter_close_ns = to_ns(began + from_seconds(closed_s));
+    shot.flashes.clear();
+    session.on_shot(shot, local + from_seconds(closed_s));
+  }
+};
+
+/// Smaller than the earlier boot's clock, about the same, larger by months.
+const MonoTime kClocks[] = {MonoTime{30 * kSecond}, MonoTime{200 * kSecond}, MonoTime{10'000'000 * kSecond}};
+
+TEST(SessionOfMessages, ShotsOfBothBootsAreWaitedForByTheirOwnClocks) {
+  for (const MonoTime clock : kClocks) {
+    Restarted bench(clock);
+    bench.shot();
+    bench.beat_until(0.0, 2.0);
+    bench.shot_of_new_boot(2.0);
+    LONGS_EQUAL(2, bench.session.waiting_for_photograph());  // neither is over before the session was joined
+    // The earlier boot was last heard half a second before its shot ended: 5.5 s of heartbeats from there.
+    bench.beat_until(2.5, 5.5);
+    CHECK_TRUE(bench.shot_results().empty());
+    bench.beat(5.6);
+    auto results = bench.shot_results();
+    LONGS_EQUAL(1, results.size());
+    LONGS_EQUAL(77, results[0].boot_id);
+    bench.beat_until(6.0, 7.0);
+    CHECK_TRUE(bench.shot_results().empty());
+    bench.beat(7.1);
+    results = bench.shot_results();
+    LONGS_EQUAL(1, results.size());
+    LONGS_EQUAL(Restarted::kBoot, results[0].boot_id);
+    CHECK_TRUE(results[0].readout.flags.has(Flag::no_photograph));
+  }
+}
+
+TEST(SessionOfMessages, ShotsOfANewBootAreReadOutByAPassiveHostWhateverTheClockOfTheOneBefore) {
+  for (const MonoTime clock : kClocks) {
+    Restarted bench(clock);
+    bench.beat_until(0.0, 2.0);
+    bench.shot_of_new_boot(2.0);
+    bench.beat_until(2.5, 4.0);
+    bench.made.frame.boot_id = Restarted::kBoot;
+    bench.frame();
+    LONGS_EQUAL(1, bench.shot_results().size());
+  }
+}
+
+TEST(SessionOfMessages, WhatAnEarlierBootSentAndComesLateChangesNothing) {
+  for (const MonoTime clock : kClocks) {
+    Restarted bench(clock);
+    bench.beat_until(0.0, 1.0);
+    bench.session.take_notifications();
+    bench.shot_of_new_boot(1.0);
+    for (double t = 1.5; t <= 6.0; t += 0.5) {
+      bench.beat(t);
+      status_t late{};
+      late.boot_id = 77;
+      late.mono_ns = late.boot_time_ns = late.wall_ns = to_ns(bench.end + from_seconds(t));
+      bench.session.on_status(late, bench.local + from_seconds(t));
+      LONGS_EQUAL(Restarted::kBoot, bench.session.status()->boot_id);
+    }
+    CHECK_TRUE(bench.shot_results().empty());
+    CHECK_TRUE(bench.session.take_notifications().empty());
+    bench.beat(6.1);
+    LONGS_EQUAL(1, bench.shot_results().size());
+  }
+}
+
+TEST(SessionOfMessages, AStatusThatWasOvertakenChangesNothing) {
+  Bench bench;
+  bench.status(bench.end + kSecond);
+  bench.status(bench.end);
+  CHECK(bench.newest() == bench.end + kSecond);
+}
+
+TEST(SessionOfMessages, AShotOfABootThatEndedBeforeTheSessionWasJoinedIsNotWaitedFor) {
+  Restarted bench(kClocks[2]);
+  bench.beat(0.0);
+  SyntheticShot other = bench.made;
+  other.shot.boot_id = 5;
+  status_t status = *bench.session.status();
+  status.earlier.push_back({5, 10});
+  status.earlier_count = 2;
+  bench.session.on_status(status, bench.local);
+  bench.session.on_shot(other.shot, bench.local);
+  LONGS_EQUAL(0, bench.session.waiting_for_photograph());
+}
+
+TEST(SessionOfMessages, OfTwoFirmwaresThatDoNotKnowEachOtherTheOtherIsBelievedWhenOneFallsSilent) {
+  Bench bench;
+  bench.status(bench.end, 78);
+  bench.status(bench.end + kSecond / 10, 77);  // a log that is played, or a late packet
+  LONGS_EQUAL(78, bench.session.status()->boot_id);
+  bench.local += 10 * kSecond;
+  bench.status(bench.end + kSecond, 77);
+  LONGS_EQUAL(77, bench.session.status()->boot_id);
 }
 
 TEST(SessionOfMessages, AnotherBootIsSaid) {
