@@ -49,24 +49,17 @@ bool write_all(int fd, const std::vector<std::uint8_t>& bytes) {
 
 }  // namespace
 
-bool entry_of(const LogRecord& record, JournalEntry& entry, std::int32_t& shot_id) {
-  entry.offset = record.offset;
+std::optional<JournalEntry> entry_of(const LogRecord& record) {
   if (record.channel.ends_with("/EVENT")) {
     strobe_msgs::event_t event{};
-    if (!messages::decode_checked(event, record.bytes.data(), record.bytes.size())) return false;
-    entry.kind = Message::Kind::event;
-    entry.sequences = {event.sequence, event.sequence};
-    shot_id = event.shot_id;
-    return true;
+    if (!messages::decode_checked(event, record.bytes.data(), record.bytes.size())) return std::nullopt;
+    return JournalEntry{Message::Kind::event, {event.sequence, event.sequence}, event.shot_id};
   }
   strobe_msgs::shot_t shot{};
   if (!record.channel.ends_with("/SHOT") ||
       !messages::decode_checked(shot, record.bytes.data(), record.bytes.size()))
-    return false;
-  entry.kind = Message::Kind::shot;
-  entry.sequences = {shot.first_sequence, shot.last_sequence};
-  shot_id = shot.shot_id;
-  return true;
+    return std::nullopt;
+  return JournalEntry{Message::Kind::shot, {shot.first_sequence, shot.last_sequence}, shot.shot_id};
 }
 
 std::string boot_in_hex(std::int64_t boot_id) {
@@ -102,8 +95,7 @@ Journal::Journal(Journal&& other) noexcept
       size_(other.size_),
       reserved_(other.reserved_),
       count_(other.count_),
-      broken_(std::move(other.broken_)),
-      entries_(std::move(other.entries_)) {
+      broken_(std::move(other.broken_)) {
   other.fd_ = -1;
 }
 
@@ -120,11 +112,8 @@ Journal::~Journal() {
 Result<void> Journal::append(const std::vector<Message>& messages, std::int64_t wall_us) {
   if (messages.empty()) return {};
   std::vector<std::uint8_t> bytes;
-  std::vector<JournalEntry> places;
-  for (const Message& message : messages) {
-    places.push_back({message.kind, message.sequences, size_ + static_cast<std::int64_t>(bytes.size())});
-    put_record(bytes, message, count_ + static_cast<std::int64_t>(places.size()) - 1, wall_us);
-  }
+  std::int64_t count = count_;
+  for (const Message& message : messages) put_record(bytes, message, count++, wall_us);
   if (!write_all(fd_, bytes)) {
     const std::string cause = std::strerror(errno);
     reserved_ = size_;
@@ -134,9 +123,7 @@ Result<void> Journal::append(const std::vector<Message>& messages, std::int64_t 
     return fail(path_.string() + ": " + cause);
   }
   size_ += static_cast<std::int64_t>(bytes.size());
-  count_ += static_cast<std::int64_t>(places.size());
-  entries_.insert(entries_.end(), places.begin(), places.end());
-  assert(count_ == static_cast<std::int64_t>(entries_.size()) && entries_.back().offset < size_);
+  count_ = count;
   assert(lseek(fd_, 0, SEEK_CUR) == size_);
   return {};
 }
@@ -193,27 +180,6 @@ Result<void> Journal::free_room() const {
   const auto wanted = static_cast<std::uintmax_t>(kShotRoom);
   if (std::uintmax_t{system.f_bavail} * system.f_frsize >= wanted) return {};
   return fail(path_.string() + ": no room for another shot: " + std::strerror(ENOSPC));
-}
-
-std::vector<JournalEntry> scan_journal(const std::filesystem::path& path) {
-  std::vector<JournalEntry> entries;
-  LogReader log(path);
-  for (LogRecord record; log.next(record);) {
-    JournalEntry entry;
-    std::int32_t shot_id = 0;
-    if (entry_of(record, entry, shot_id)) entries.push_back(entry);
-  }
-  return entries;
-}
-
-Message read_entry(LogReader& reader, const JournalEntry& entry) {
-  Message message{entry.kind, entry.sequences, "", {}};
-  LogRecord record;
-  reader.seek(entry.offset);
-  if (!reader.next(record) || record.offset != entry.offset) return message;
-  message.channel = std::move(record.channel);
-  message.bytes = std::move(record.bytes);
-  return message;
 }
 
 }  // namespace strobe::firmware

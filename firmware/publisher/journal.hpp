@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,11 +23,11 @@ struct Message {
   std::vector<std::uint8_t> bytes;
 };
 
-/// Where a message begins in a journal.
+/// What a record of a journal is. A journal is in order of its entries' last sequences.
 struct JournalEntry {
   Message::Kind kind = Message::Kind::event;
   SequenceRange sequences;
-  std::int64_t offset = 0;
+  std::int32_t shot_id = 0;  ///< 0: outside a shot
 };
 
 /// Sixteen digits, as in the journal's name.
@@ -56,7 +57,6 @@ class Journal {
   Result<void> make_room();
 
   const std::filesystem::path& path() const { return path_; }
-  const std::vector<JournalEntry>& entries() const { return entries_; }
 
  private:
   Journal(std::filesystem::path path, int fd) : path_(std::move(path)), fd_(fd) {}
@@ -68,16 +68,9 @@ class Journal {
   std::int64_t reserved_ = 0;  ///< up to here the file's space is reserved [bytes]
   std::int64_t count_ = 0;
   std::string broken_;
-  std::vector<JournalEntry> entries_;
 };
 
-/// An LCM log's record as an entry, and the shot that it belongs to. Returns false unless it is an event or a
-/// shot that can be decoded.
-bool entry_of(const LogRecord& record, JournalEntry& entry, std::int32_t& shot_id);
-/// The entries of a journal of an earlier boot; see LogReader for damaged ones.
-std::vector<JournalEntry> scan_journal(const std::filesystem::path& path);
-/// The message at an entry's offset, also of a journal that is still being written. Its bytes are empty if it
-/// cannot be read.
-Message read_entry(LogReader& reader, const JournalEntry& entry);
+/// Returns nullopt unless the record is an event or a shot that can be decoded.
+std::optional<JournalEntry> entry_of(const LogRecord& record);
 
 }  // namespace strobe::firmware

@@ -13,6 +13,7 @@
 #include <fstream>
 #include <optional>
 #include <string_view>
+#include <utility>
 
 #include "firmware/publisher/journal.hpp"
 
@@ -48,6 +49,11 @@ class LockedFile {
     if (fd_ < 0 || fstat(fd_, &file) != 0 || file.st_blocks * 512 < size + Journal::kShotRoom / 2) return;
     if (ftruncate(fd_, size) != 0) return;  // a pity, no more
   }
+  /// A repair makes no journal newer than it is.
+  void set_written(const timespec& when) {
+    const timespec times[2] = {{0, UTIME_OMIT}, when};
+    if (fd_ >= 0) futimens(fd_, times);  // without it the order of starts may be wrong, no more
+  }
 
  private:
   int fd_;
@@ -61,9 +67,16 @@ struct Contents {
   std::int32_t open_shot = 0;  ///< started, without a summary; 0: none
   std::int32_t closed_shot = 0;
   std::int64_t wall_us = 0;    ///< of the newest record
+  std::int64_t begin = 0;      ///< read from here to the end
   std::int64_t whole_end = 0;  ///< where the last whole record ends
   std::int64_t damaged = 0;    ///< bytes between whole records
   bool any = false;
+};
+
+struct JournalFile {
+  fs::path path;
+  std::int64_t boot_id = 0;
+  timespec written{};  ///< last, by the file system
 };
 
 std::optional<std::int64_t> boot_of(const std::string& name) {
@@ -77,32 +90,54 @@ std::optional<std::int64_t> boot_of(const std::string& name) {
   return static_cast<std::int64_t>(value);
 }
 
-void enter(const LogRecord& record, Contents& contents) {
-  JournalEntry entry;
-  std::int32_t shot_id = 0;
-  if (!entry_of(record, entry, shot_id)) return;
-  contents.last_shot_id = std::max(contents.last_shot_id, shot_id);
+void enter(const JournalEntry& entry, Contents& contents) {
+  contents.last_shot_id = std::max(contents.last_shot_id, entry.shot_id);
   if (entry.kind == Message::Kind::shot) {
-    contents.closed_shot = shot_id;
-    if (contents.open_shot == shot_id) contents.open_shot = 0;
+    contents.closed_shot = entry.shot_id;
+    if (contents.open_shot == entry.shot_id) contents.open_shot = 0;
     return;
   }
   contents.last_sequence = std::max(contents.last_sequence, entry.sequences.last);
-  if (shot_id > contents.closed_shot) contents.open_shot = shot_id;
+  if (entry.shot_id > contents.closed_shot) contents.open_shot = entry.shot_id;
 }
 
-Contents contents_of(const fs::path& path, std::int64_t boot_id) {
+Contents contents_from(const JournalFile& file, std::int64_t begin) {
   Contents contents;
-  contents.boot_id = boot_id;
-  LogReader log(path);
+  contents.boot_id = file.boot_id;
+  contents.begin = contents.whole_end = begin;
+  LogReader log(file.path);
+  log.seek(begin);
   for (LogRecord record; log.next(record);) {
+    const auto entry = entry_of(record);
+    if (!contents.any && begin > 0) {
+      // The reading began anywhere: what looks like a record may be a part of one.
+      if (!entry) {
+        log.seek(record.offset + 1);
+        continue;
+      }
+      contents.whole_end = record.offset;
+    }
     contents.any = true;
     contents.wall_us = record.wall_us;
     contents.damaged += record.offset - contents.whole_end;
     contents.whole_end = log.at();
-    enter(record, contents);
+    if (entry) enter(*entry, contents);
   }
   return contents;
+}
+
+constexpr std::int64_t kEnd_bytes = std::int64_t{64} << 10;
+constexpr std::int64_t kLongestEnd_bytes = std::int64_t{16} << 20;
+
+/// A journal's end: as much of it as has a record and a shot's number, within the limit.
+Contents end_of(const JournalFile& file) {
+  std::error_code error;
+  const std::uintmax_t size = fs::file_size(file.path, error);
+  const std::int64_t bytes = error ? 0 : static_cast<std::int64_t>(size);
+  for (std::int64_t end = kEnd_bytes;; end *= 16) {
+    Contents contents = contents_from(file, std::max<std::int64_t>(bytes - end, 0));
+    if (contents.last_shot_id > 0 || contents.begin == 0 || end >= kLongestEnd_bytes) return contents;
+  }
 }
 
 /// What begins in a journal's torn end, in words: "an EVENT", "zeros" ...
@@ -113,8 +148,7 @@ std::string tail_in_words(const fs::path& path, std::int64_t from) {
   file.read(bytes.data(), bytes.size());
   const std::string_view begin(bytes.data(), static_cast<std::size_t>(file.gcount()));
   if (begin.find_first_not_of('\0') == std::string_view::npos) return "zeros";
-  if (!begin.starts_with(std::string_view("\xED\xA1\xDA\x01", std::min<std::size_t>(4, begin.size()))))
-    return "no record";
+  if (!begin.starts_with(kLogSync_bytes.substr(0, begin.size()))) return "no record";
   for (const std::string_view kind : {"/EVENT", "/SHOT"}) {
     if (begin.find(kind) != std::string_view::npos) return std::string("a torn ").append(kind.substr(1));
   }
@@ -135,8 +169,10 @@ void mend(const fs::path& path, LockedFile& file, const Contents& contents,
   const std::string tail = tail_in_words(path, contents.whole_end);
   const std::string what = boot(contents) + std::to_string(size - contents.whole_end) + " bytes (" + tail +
                            ") after event " + std::to_string(contents.last_sequence);
-  if (!contents.any && tail == "no record") {
-    repaired.push_back(path.filename().string() + " is no journal, and is left as it is");
+  if (!contents.any && (tail == "no record" || contents.begin > 0)) {
+    repaired.push_back(path.filename().string() +
+                       (contents.begin > 0 ? " has no record in its last 16 MiB" : " is no journal") +
+                       ", and is left as it is");
     return;
   }
   const std::string fault = file.cut(contents.whole_end);
@@ -144,7 +180,7 @@ void mend(const fs::path& path, LockedFile& file, const Contents& contents,
 }
 
 void name_losses(const Contents& last, std::vector<std::string>& repaired) {
-  if (last.damaged > 0) {
+  if (last.begin == 0 && last.damaged > 0) {
     repaired.push_back(boot(last) + std::to_string(last.damaged) +
                        " bytes in the middle of its journal are damaged");
   }
@@ -155,27 +191,53 @@ void name_losses(const Contents& last, std::vector<std::string>& repaired) {
   }
 }
 
+std::vector<JournalFile> newest_first(const fs::path& dir) {
+  std::vector<JournalFile> files;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(dir, error)) {
+    const auto boot_id = boot_of(entry.path().filename().string());
+    struct stat file {};
+    if (boot_id && stat(entry.path().c_str(), &file) == 0)
+      files.push_back({entry.path(), *boot_id, file.st_mtim});
+  }
+  const auto time = [](const JournalFile& file) {
+    return std::pair(file.written.tv_sec, file.written.tv_nsec);
+  };
+  std::ranges::sort(files, std::ranges::greater(), time);
+  return files;
+}
+
+/// Nullopt: another daemon is writing it, or it has no event.
+std::optional<Contents> repair(const JournalFile& journal, FolderFindings& findings) {
+  LockedFile file(journal.path);
+  Contents contents = end_of(journal);
+  findings.last_shot_id = std::max(findings.last_shot_id, contents.last_shot_id);
+  if (file.in_use()) return std::nullopt;
+  mend(journal.path, file, contents, findings.repaired);
+  file.set_written(journal.written);
+  if (contents.last_sequence == 0) return std::nullopt;
+  return contents;
+}
+
 }  // namespace
 
 FolderFindings repair_journals(const fs::path& dir) {
   FolderFindings findings;
   std::vector<Contents> boots;
-  std::error_code error;
-  for (const auto& entry : fs::directory_iterator(dir, error)) {
-    const auto boot_id = boot_of(entry.path().filename().string());
-    if (!boot_id) continue;
-    LockedFile file(entry.path());
-    Contents contents = contents_of(entry.path(), *boot_id);
-    findings.last_shot_id = std::max(findings.last_shot_id, contents.last_shot_id);
-    if (file.in_use()) continue;
-    mend(entry.path(), file, contents, findings.repaired);
-    if (contents.last_sequence > 0) boots.push_back(contents);
+  std::size_t seen = 0;
+  for (const JournalFile& journal : newest_first(dir)) {
+    if (++seen > FolderFindings::kLatest) {
+      findings.last_shot_id = std::max(findings.last_shot_id, end_of(journal).last_shot_id);
+    } else if (const auto contents = repair(journal, findings)) {
+      boots.push_back(*contents);
+    }
   }
-  std::sort(boots.begin(), boots.end(),
-            [](const Contents& a, const Contents& b) { return a.wall_us > b.wall_us; });
+  std::ranges::sort(boots, std::ranges::greater(), &Contents::wall_us);
   for (const Contents& boot : boots) findings.earlier.push_back({boot.boot_id, boot.last_sequence});
+  if (boots.empty()) return findings;
   // Of the last one only: what earlier ones lost was reported then.
-  if (!boots.empty()) name_losses(boots.front(), findings.repaired);
+  name_losses(boots.front(), findings.repaired);
+  if (boots.front().begin > 0) findings.unchecked_boot = boots.front().boot_id;
   return findings;
 }
 

@@ -1,10 +1,12 @@
-// The journals of earlier starts in a session folder: reads and repairs them. A torn record at the end (power
-// or disk space ran out during a write) is cut off; a shot without an end is reported. A journal that another
-// daemon is writing is left alone. At the daemon's start, not real-time.
+// The journals of earlier starts in a session folder: looks at their ends and repairs them. A torn record at the
+// end (power or disk space ran out during a write) is cut off; a shot without an end is reported. A journal that
+// another daemon is writing is left alone. Only ends are read, so that a start takes as long whatever the
+// journals' sizes. At the daemon's start, not real-time.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,12 +20,18 @@ struct EarlierBoot {
 };
 
 struct FolderFindings {
+  /// So many of the newest are repaired and listed; older ones were so when they were new.
+  static constexpr std::size_t kLatest = 16;
+
   std::int32_t last_shot_id = 0;      ///< highest in the folder; 0 if there is none
   std::vector<EarlierBoot> earlier;   ///< with at least one event, newest first
   std::vector<std::string> repaired;  ///< what was repaired or is lost, a line each of at most 160 characters
+  /// The newest boot, if more than its journal's end remains to be looked through for damage.
+  std::optional<std::int64_t> unchecked_boot;
 };
 
-/// Reads all journals of the folder and repairs them; also reports what cannot be repaired.
+/// Of each journal reads the last 64 KiB; more, up to 16 MiB, only where these hold no record or no shot.
+/// Repairs the latest ones; also reports what cannot be repaired.
 FolderFindings repair_journals(const std::filesystem::path& dir);
 
 }  // namespace strobe::firmware

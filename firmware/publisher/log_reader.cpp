@@ -8,9 +8,6 @@ namespace strobe::firmware {
 namespace {
 
 constexpr std::uint32_t kLongestChannel = 1000;
-constexpr std::size_t kPart = std::size_t{16} << 10;  // of the file, read at once
-constexpr std::uint32_t kLargestMessage = std::uint32_t{16} << 20;
-
 std::uint32_t big_endian(const std::uint8_t* bytes) {
   return std::uint32_t{bytes[0]} << 24 | std::uint32_t{bytes[1]} << 16 | std::uint32_t{bytes[2]} << 8 |
          std::uint32_t{bytes[3]};
@@ -18,22 +15,26 @@ std::uint32_t big_endian(const std::uint8_t* bytes) {
 
 }  // namespace
 
-void LogReader::fill(std::int64_t offset, std::size_t size) {
-  part_.resize(size);
+bool LogReader::holds(std::int64_t offset, std::size_t size) const {
+  return offset >= part_at_ && size <= part_.size() &&
+         static_cast<std::size_t>(offset - part_at_) <= part_.size() - size;
+}
+
+/// Reads a part of the file that begins at the offset, unless these bytes are there already.
+bool LogReader::hold(std::int64_t offset, std::size_t size) {
+  if (holds(offset, size)) return true;
+  part_.resize(std::max(size, kPart_bytes));
   file_.clear();
   file_.seekg(offset);
-  file_.read(reinterpret_cast<char*>(part_.data()), static_cast<std::streamsize>(size));
+  file_.read(reinterpret_cast<char*>(part_.data()), static_cast<std::streamsize>(part_.size()));
   part_.resize(static_cast<std::size_t>(file_.gcount()));
   part_at_ = offset;
+  bytes_read_ += file_.gcount();
+  return holds(offset, size);
 }
 
 bool LogReader::read(std::int64_t offset, std::uint8_t* bytes, std::size_t size) {
-  const auto holds = [&] {
-    return offset >= part_at_ && size <= part_.size() &&
-           static_cast<std::size_t>(offset - part_at_) <= part_.size() - size;
-  };
-  if (!holds()) fill(offset, std::max(size, kPart));
-  if (!holds()) return false;
+  if (!hold(offset, size)) return false;
   std::copy_n(part_.begin() + (offset - part_at_), size, bytes);
   return true;
 }
@@ -42,7 +43,7 @@ bool LogReader::read_record(std::int64_t offset, LogRecord& record) {
   std::array<std::uint8_t, kLogHeaderSize> header{};
   if (!read(offset, header.data(), header.size()) || big_endian(header.data()) != kLogSyncWord) return false;
   const std::uint32_t channel = big_endian(&header[20]), data = big_endian(&header[24]);
-  if (channel == 0 || channel > kLongestChannel || data > kLargestMessage) return false;
+  if (channel == 0 || channel > kLongestChannel || data > kLargestMessage_bytes) return false;
   std::vector<std::uint8_t> body(std::size_t{channel} + data);
   if (!read(offset + static_cast<std::int64_t>(header.size()), body.data(), body.size())) return false;
   record.offset = offset;
@@ -54,30 +55,25 @@ bool LogReader::read_record(std::int64_t offset, LogRecord& record) {
   return true;
 }
 
-bool LogReader::find_sync(std::int64_t from, std::int64_t& found) {
-  constexpr std::array<std::uint8_t, 4> kSync{0xED, 0xA1, 0xDA, 0x01};
-  std::vector<std::uint8_t> part(65536);
-  for (std::int64_t offset = from;;) {
-    file_.clear();
-    file_.seekg(offset);
-    file_.read(reinterpret_cast<char*>(part.data()), static_cast<std::streamsize>(part.size()));
-    const auto got = static_cast<std::ptrdiff_t>(file_.gcount());
-    if (got < static_cast<std::ptrdiff_t>(kSync.size())) return false;
-    const auto hit = std::search(part.begin(), part.begin() + got, kSync.begin(), kSync.end());
-    if (hit != part.begin() + got) {
-      found = offset + (hit - part.begin());
-      return true;
-    }
-    offset += got - static_cast<std::ptrdiff_t>(kSync.size()) + 1;  // a sync word may lie across two parts
-  }
+LogReader::Step LogReader::advance(LogRecord& record) {
+  if (read_record(at_, record)) return Step::record;
+  const std::int64_t from = at_ + 1;
+  if (!hold(from, kLogSync_bytes.size())) return Step::end;
+  const auto same = [](std::uint8_t byte, char sync) { return byte == static_cast<std::uint8_t>(sync); };
+  const auto hit = std::search(part_.begin() + (from - part_at_), part_.end(), kLogSync_bytes.begin(),
+                               kLogSync_bytes.end(), same);
+  // Without a hit: a sync word may lie across two parts.
+  at_ = part_at_ +
+        (hit != part_.end() ? hit - part_.begin() : std::ssize(part_) - std::ssize(kLogSync_bytes) + 1);
+  return Step::searching;
 }
 
 bool LogReader::next(LogRecord& record) {
-  if (read_record(at_, record)) return true;
-  for (std::int64_t candidate = at_; find_sync(candidate, candidate); ++candidate) {
-    if (read_record(candidate, record)) return true;
-  }
-  return false;
+  const std::int64_t from = at_;
+  Step step = advance(record);
+  while (step == Step::searching) step = advance(record);
+  if (step == Step::end) at_ = from;
+  return step == Step::record;
 }
 
 }  // namespace strobe::firmware

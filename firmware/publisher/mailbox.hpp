@@ -3,10 +3,12 @@
 
 #include <cstdint>
 #include <mutex>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "firmware/publisher/messages.hpp"
+#include "firmware/publisher/resend_queue.hpp"
 
 namespace strobe::firmware {
 
@@ -19,13 +21,18 @@ struct ShotNotes {
 
 class Mailbox {
  public:
-  void ask(const EventRange& request) {
+  void ask(const ResendRequest& request) {
     const std::lock_guard lock(mutex_);
-    if (requests_.size() < kMaxRequests) requests_.push_back(request);
+    resends_.add(request);
   }
-  std::vector<EventRange> requests() {
+  /// What is to be sent again next; whatever was before it has been sent.
+  std::optional<EventRange> next_resend() {
     const std::lock_guard lock(mutex_);
-    return std::exchange(requests_, {});
+    return resends_.next();
+  }
+  bool resends_wait() const {
+    const std::lock_guard lock(mutex_);
+    return !resends_.empty();
   }
   void keep(ShotNotes notes) {
     const std::lock_guard lock(mutex_);
@@ -44,10 +51,9 @@ class Mailbox {
   }
 
  private:
-  static constexpr std::size_t kMaxRequests = 256;
   static constexpr std::size_t kMaxNotes = 64;
-  std::mutex mutex_;
-  std::vector<EventRange> requests_;
+  mutable std::mutex mutex_;
+  ResendQueue resends_;
   std::vector<ShotNotes> notes_;
 };
 

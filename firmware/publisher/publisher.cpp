@@ -19,7 +19,7 @@ constexpr Duration kHeartbeat = milliseconds(500);
 constexpr std::size_t kBatch = 512;        // so that a burst is published while it goes on
 constexpr std::size_t kResendBatch = 128;  // so that new events do not wait for a long resend
 constexpr std::size_t kMaxUnwritten = 100'000;
-constexpr Duration kResendPause = milliseconds(2);  // leaves the receiver's socket time to empty
+constexpr Duration kPause = milliseconds(2);  // leaves the receiver's socket time to empty
 
 template <typename T>
 std::vector<std::uint8_t> encoded(const T& message) {
@@ -59,23 +59,25 @@ void Publisher::finish() {
   if (auto synced = journal_.sync(); !synced) settings_.say(synced.error().message);
 }
 
+bool Publisher::at_work() const { return resend_ || check_ || mailbox_.resends_wait(); }
+
 MonoTime Publisher::next_turn() const {
-  return resends_.empty() ? next_status_ : std::min(next_status_, clock_.now() + kResendPause);
+  return at_work() ? std::min(next_status_, clock_.now() + kPause) : next_status_;
 }
 
 void Publisher::wait_for_work(int wake_fd) const {
   const std::int64_t left_ms = (next_turn() - clock_.now()) / milliseconds(1);
   pollfd wake{wake_fd, POLLIN, 0};
-  poll(&wake, 1, static_cast<int>(std::clamp<std::int64_t>(left_ms, resends_.empty() ? 0 : 2, 500)));
+  poll(&wake, 1, static_cast<int>(std::clamp<std::int64_t>(left_ms, at_work() ? 2 : 0, 500)));
   std::uint64_t count = 0;
   if ((wake.revents & POLLIN) != 0 && read(wake_fd, &count, sizeof count) < 0) count = 0;
 }
 
 void Publisher::turn() {
   empty_queue();
-  for (const EventRange& request : mailbox_.requests()) start_resend(request);
-  resend_some();
   if (clock_.now() >= next_status_) publish_status();
+  resend_some();
+  if (!resend_) check_some();
 }
 
 void Publisher::empty_queue() {
@@ -119,13 +121,17 @@ void Publisher::take(const Event& event) {
 }
 
 void Publisher::report_earlier_boots(MonoTime now) {
-  for (const std::string& line : std::exchange(settings_.found.repaired, {})) {
-    Event event;
-    event.kind = EventKind::repaired;
-    event.device_time = now;
-    event.detail = ShortText(std::string_view(line));
-    take(event);
-  }
+  for (const std::string& line : std::exchange(settings_.found.repaired, {})) report_repaired(line, now);
+  const auto unchecked = std::exchange(settings_.found.unchecked_boot, std::nullopt);
+  if (unchecked) check_.emplace(journal_path(settings_.session, *unchecked), *unchecked);
+}
+
+void Publisher::report_repaired(const std::string& line, MonoTime now) {
+  Event event;
+  event.kind = EventKind::repaired;
+  event.device_time = now;
+  event.detail = ShortText(std::string_view(line));
+  take(event);
 }
 
 void Publisher::take(const LoopStatus& status) {
@@ -187,35 +193,34 @@ void Publisher::publish_status() {
   if (settings_.on_first_status && sequence_ > 0) std::exchange(settings_.on_first_status, nullptr)();
 }
 
-const std::vector<JournalEntry>& Publisher::entries_of(std::int64_t boot_id) {
-  if (boot_id == settings_.boot_id) return journal_.entries();
-  if (boot_id != scanned_boot_) scanned_ = scan_journal(journal_path(settings_.session, boot_id));
-  scanned_boot_ = boot_id;  // it grows no more
-  return scanned_;
-}
-
-void Publisher::start_resend(const EventRange& request) {
-  const bool this_boot = request.boot_id == settings_.boot_id;
-  Resend resend{
-      LogReader(this_boot ? journal_.path() : journal_path(settings_.session, request.boot_id)), {}, 0};
-  for (const JournalEntry& entry : entries_of(request.boot_id)) {
-    if (entry.sequences.last >= request.sequences.first && entry.sequences.first <= request.sequences.last) {
-      resend.entries.push_back(entry);
-    }
-  }
-  if (!resend.entries.empty()) resends_.push_back(std::move(resend));
-}
-
 void Publisher::resend_some() {
-  if (resends_.empty()) return;
-  Resend& resend = resends_.front();
-  const std::size_t end = std::min(resend.entries.size(), resend.next + kResendBatch);
-  for (; resend.next < end; ++resend.next) {
-    const Message message = read_entry(resend.reader, resend.entries[resend.next]);
-    if (message.bytes.empty()) continue;
-    bus_.publish(message.channel, message.bytes);
+  if (!resend_) {
+    const auto wanted = mailbox_.next_resend();
+    if (!wanted) return;
+    resend_.emplace(journal_path(settings_.session, wanted->boot_id), wanted->sequences);
   }
-  if (resend.next == resend.entries.size()) resends_.pop_front();
+  const std::int64_t until = resend_->bytes_read() + kTurn_bytes;
+  LogRecord record;
+  for (std::size_t sent = 0; sent < kResendBatch && resend_->bytes_read() < until;) {
+    const RangeReader::Step step = resend_->step(record);
+    if (step == RangeReader::Step::done) return resend_.reset();
+    if (step == RangeReader::Step::searching) continue;
+    bus_.publish(record.channel, record.bytes);
+    ++sent;
+  }
+}
+
+void Publisher::check_some() {
+  if (!check_) return;
+  const std::int64_t until = check_->bytes_read() + kTurn_bytes;
+  while (check_->bytes_read() < until) {
+    if (check_->step()) continue;
+    if (const std::string damage = check_->finding(); !damage.empty()) {
+      settings_.say(damage);
+      report_repaired(damage, clock_.now());
+    }
+    return check_.reset();
+  }
 }
 
 }  // namespace strobe::firmware

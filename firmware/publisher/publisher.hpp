@@ -4,7 +4,6 @@
 #pragma once
 
 #include <atomic>
-#include <deque>
 #include <functional>
 #include <optional>
 #include <stop_token>
@@ -12,10 +11,12 @@
 #include "firmware/core/shot_timing.hpp"
 #include "firmware/ports/clock.hpp"
 #include "firmware/ports/message_bus.hpp"
+#include "firmware/publisher/damage_check.hpp"
 #include "firmware/publisher/journal.hpp"
 #include "firmware/publisher/journal_folder.hpp"
 #include "firmware/publisher/loop_queue.hpp"
 #include "firmware/publisher/mailbox.hpp"
+#include "firmware/publisher/range_reader.hpp"
 #include "firmware/publisher/status_message.hpp"
 
 namespace strobe::firmware {
@@ -47,7 +48,10 @@ class Publisher {
   /// Calls turn() when wake_fd (an eventfd) is written or a turn is due, until stop is requested; then
   /// finish().
   void run(const std::stop_token& stop, int wake_fd);
-  /// Writes and publishes the queue, continues resends, publishes the status when due. Does not wait.
+  /// Longest part of journals that a turn reads [bytes], besides one record.
+  static constexpr std::int64_t kTurn_bytes = std::int64_t{64} << 10;
+  /// Writes and publishes the queue; publishes the status when due; goes on with a resend or, if there is none,
+  /// with the check of the last boot's journal. Does not wait.
   void turn();
   /// When a turn is due even if the queue is empty; may be in the past.
   MonoTime next_turn() const;
@@ -59,21 +63,16 @@ class Publisher {
   bool collect();
   void take(const Event& event);
   void report_earlier_boots(MonoTime now);
+  void report_repaired(const std::string& line, MonoTime now);
   void take(const LoopStatus& status);
   void take(ShotRecord* record);
   void write_and_publish();
   void publish_outbox();
   void publish_status();
-  void start_resend(const EventRange& request);
-  const std::vector<JournalEntry>& entries_of(std::int64_t boot_id);
+  bool at_work() const;
   void resend_some();
+  void check_some();
   void wait_for_work(int wake_fd) const;
-
-  struct Resend {
-    LogReader reader;
-    std::vector<JournalEntry> entries;
-    std::size_t next = 0;
-  };
 
   const Rig& rig_;
   PublisherSettings settings_;
@@ -84,9 +83,8 @@ class Publisher {
   Clock& clock_;
   std::string event_channel_, shot_channel_, status_channel_;
   std::vector<Message> outbox_;
-  std::deque<Resend> resends_;
-  std::int64_t scanned_boot_ = 0;  ///< earlier boot whose journal was last read
-  std::vector<JournalEntry> scanned_;
+  std::optional<RangeReader> resend_;
+  std::optional<DamageCheck> check_;
   std::int64_t sequence_ = 0;  ///< of the newest event made
   std::int64_t journalled_sequence_ = 0;
   std::int64_t shot_first_sequence_ = 0;

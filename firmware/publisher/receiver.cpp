@@ -11,6 +11,7 @@
 #include "common/messages/plan_lcm.hpp"
 #include "common/messages/well_formed.hpp"
 #include "firmware/core/pulse_schedule.hpp"
+#include "firmware/publisher/log_reader.hpp"
 
 namespace strobe::firmware {
 
@@ -41,8 +42,10 @@ bool RepetitionFilter::is_new(std::int64_t host_id, std::int64_t command_id) {
 
 namespace {
 
+/// No value may look like a journal's record, which the journal's readers search for.
 bool good_note(const strobe_msgs::note_t& note) {
-  return !note.key.empty() && note.key.size() <= 64 && note.value.size() <= 1024 &&
+  return note.value.find(kLogSync_bytes) == std::string::npos && !note.key.empty() && note.key.size() <= 64 &&
+         note.value.size() <= 1024 &&
          note.key.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_.") == std::string::npos;
 }
 
@@ -57,7 +60,7 @@ std::string find_defect(const strobe_msgs::command_t& command, const Rig& rig) {
   if (command.host_id == 0) return "the command names no host";
   if (command.kind != Type::FIRE) return "";
   if (!std::all_of(command.notes.begin(), command.notes.end(), good_note))
-    return "a note's key or length is not allowed";
+    return "a note's key, length or text is not allowed";
   const auto checked = check_plan(messages::plan_from_lcm(command.plan), rig);
   return checked ? "" : checked.error().message;
 }
@@ -98,7 +101,8 @@ void Receiver::dispatch(const strobe_msgs::command_t& message) {
   if (!filter_.is_new(message.host_id, message.command_id)) return rejections_.note(Rejection::replayed);
   const std::string defect = find_defect(message, rig_);
   if (message.kind == strobe_msgs::command_t::RESEND) {
-    if (defect.empty()) mailbox_.ask({message.resend_boot_id, {message.resend_first, message.resend_last}});
+    const EventRange range{message.resend_boot_id, {message.resend_first, message.resend_last}};
+    if (defect.empty()) mailbox_.ask({message.host_id, range, range.boot_id == boot_id_});
     return;
   }
   Command command;

@@ -4,9 +4,11 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <string>
 
 #include "tests/firmware/journal_messages.hpp"
+#include "tests/support/journal_entries.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 #include "tests/support/string_from.hpp"
@@ -63,7 +65,7 @@ TEST(JournalFolder, ListsEarlierBootsTheNewestFirst) {
 TEST(JournalFolder, CutsATornEndAtAnyByteAndSaysSo) {
   const auto path = journal(kBoot, {event(1), event(2), event(3)});
   const std::string whole = strobe::testing::read_text(path);
-  const auto last = static_cast<std::size_t>(scan_journal(path)[2].offset);
+  const auto last = static_cast<std::size_t>(strobe::testing::journal_entries(path)[2].offset);
   for (std::size_t size = last + 1; size < whole.size(); ++size) {
     strobe::testing::write_text(path, whole.substr(0, size));
     const FolderFindings findings = repair();
@@ -89,11 +91,60 @@ TEST(JournalFolder, CutsZerosThatTheFileSystemLeft) {
 TEST(JournalFolder, KeepsWhatFollowsADamagedStretch) {
   const auto path = journal(kBoot, {event(1), event(2), event(3)});
   std::string text = strobe::testing::read_text(path);
-  text.replace(static_cast<std::size_t>(scan_journal(path)[1].offset), 40, std::string(40, '\0'));
+  text.replace(static_cast<std::size_t>(strobe::testing::journal_entries(path)[1].offset), 40,
+               std::string(40, '\0'));
   strobe::testing::write_text(path, text);
   STRCMP_CONTAINS("bytes in the middle of its journal are damaged", joined(repair().repaired).c_str());
   CHECK_EQUAL(text.size(), std::filesystem::file_size(path));
   CHECK_EQUAL(EarlierBoot({kBoot, 3}), repair().earlier.front());
+}
+
+TEST(JournalFolder, RepairsAndListsALargeJournalByItsEnd) {
+  std::vector<Message> messages;
+  for (std::int64_t k = 1; k <= 5'000; ++k) messages.push_back(event(k, k > 4'990 ? 3 : 0));
+  const auto path = journal(kBoot, messages);
+  const auto size = std::filesystem::file_size(path);
+  std::filesystem::resize_file(path, size - 1);
+  const FolderFindings findings = repair();
+  CHECK_EQUAL(3, findings.last_shot_id);
+  CHECK_EQUAL(EarlierBoot({kBoot, 4'999}), findings.earlier.at(0));
+  CHECK_EQUAL(2u, findings.repaired.size());
+  STRCMP_CONTAINS("after event 4999 were cut off", findings.repaired[0].c_str());
+  STRCMP_CONTAINS("shot 3 has no end; what came after event 4999 is lost", findings.repaired[1].c_str());
+  CHECK(findings.unchecked_boot == kBoot);
+  CHECK_EQUAL(4'999u, strobe::testing::journal_entries(path).size());
+}
+
+TEST(JournalFolder, FindsAnEndBeforeAnyStretchOfZeros) {
+  const auto path = journal(kBoot, {event(1), event(2)});
+  const auto size = std::filesystem::file_size(path);
+  for (const std::uintmax_t zeros : {std::uintmax_t{70'000}, std::uintmax_t{2'000'000}}) {
+    std::filesystem::resize_file(path, size + zeros);
+    CHECK_EQUAL(
+        "boot 1122334455667788: " + std::to_string(zeros) + " bytes (zeros) after event 2 were cut off\n",
+        joined(repair().repaired));
+    CHECK_EQUAL(size, std::filesystem::file_size(path));
+  }
+  std::filesystem::resize_file(path, size + (std::uintmax_t{17} << 20));
+  CHECK_EQUAL("journal-1122334455667788.lcmlog has no record in its last 16 MiB, and is left as it is\n",
+              joined(repair().repaired));
+}
+
+TEST(JournalFolder, RepairsTheLatestJournalsOnlyAndKeepsTheirOrder) {
+  using namespace std::chrono_literals;
+  const auto now = std::filesystem::file_time_type::clock::now();
+  for (std::int64_t boot = 1; boot <= 20; ++boot) {
+    const auto path = journal(boot, {event(1), event(2)}, boot);
+    std::filesystem::resize_file(path, std::filesystem::file_size(path) - 1);
+    std::filesystem::last_write_time(path, now - 1h * (20 - boot));
+  }
+  for (int start = 0; start < 2; ++start) {
+    const FolderFindings findings = repair();
+    CHECK_EQUAL(FolderFindings::kLatest, findings.earlier.size());
+    CHECK_EQUAL(EarlierBoot({20, 1}), findings.earlier.front());
+    CHECK_EQUAL(EarlierBoot({5, 1}), findings.earlier.back());
+    CHECK_EQUAL(start == 0 ? FolderFindings::kLatest : 0u, findings.repaired.size());
+  }
 }
 
 TEST(JournalFolder, LeavesAloneWhatIsNoJournal) {
@@ -134,5 +185,5 @@ TEST(JournalFolder, GivesBackTheRoomThatADeadDaemonHadSetAside) {
   struct stat file {};
   CHECK_EQUAL(0, stat(path.c_str(), &file));
   CHECK(file.st_blocks * 512 < Journal::kShotRoom / 2);
-  CHECK_EQUAL(1u, scan_journal(path).size());
+  CHECK_EQUAL(1u, strobe::testing::journal_entries(path).size());
 }

@@ -17,7 +17,8 @@ std::vector<std::uint8_t> encoded(const T& message) {
   return bytes;
 }
 
-inline firmware::Message event(std::int64_t sequence, std::int32_t shot_id = 0) {
+inline firmware::Message event(std::int64_t sequence, std::int32_t shot_id = 0,
+                               std::int64_t boot_id = kBoot) {
   firmware::Event content;
   content.kind = firmware::EventKind::flash;
   content.shot_id = shot_id;
@@ -25,7 +26,7 @@ inline firmware::Message event(std::int64_t sequence, std::int32_t shot_id = 0) 
   return {firmware::Message::Kind::event,
           {sequence, sequence},
           "STROBE/bench/EVENT",
-          encoded(to_message(content, kBoot, sequence))};
+          encoded(to_message(content, boot_id, sequence))};
 }
 
 inline firmware::Message shot(std::int32_t shot_id, SequenceRange sequences) {

@@ -42,7 +42,7 @@ TEST(LogReader, GivesTimeChannelAndBytes) {
 }
 
 TEST(LogReader, TakesNoLengthsThatOnlyDamageMakes) {
-  constexpr std::size_t kLargest = std::size_t{16} << 20;
+  constexpr std::size_t kLargest = LogReader::kLargestMessage_bytes;
   CHECK_TRUE(reads(record(1000, kLargest)));
   CHECK_FALSE(reads(record(1000, kLargest + 1)));
   CHECK_FALSE(reads(record(1001, 1)));
@@ -51,7 +51,7 @@ TEST(LogReader, TakesNoLengthsThatOnlyDamageMakes) {
 }
 
 TEST(LogReader, FindsARecordWhereverTheDamageBeforeItEnds) {
-  for (std::size_t damaged = 65'530; damaged <= 65'540; ++damaged) {  // it looks through 64 KiB at once
+  for (std::size_t damaged = 65'530; damaged <= 65'540; ++damaged) {  // it looks through 16 KiB at once
     CHECK_TRUE(reads(std::string(damaged, '\0') + record(1, 1)));
     CHECK_EQUAL(static_cast<std::int64_t>(damaged), found.offset);
   }

@@ -14,6 +14,7 @@
 #include "firmware/linux/event_fd.hpp"
 #include "firmware/linux/system_clock.hpp"
 #include "firmware/publisher/lcm_bus.hpp"
+#include "tests/support/journal_entries.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 #include <CppUTest/TestHarness.h>
@@ -136,7 +137,7 @@ TEST(Publisher, JournalsAndPublishesAShotWithItsEvents) {
   CHECK_EQUAL(1, shot.first_sequence);
   CHECK_EQUAL(102, shot.last_sequence);
   CHECK_EQUAL(std::string("host"), shot.notes[0].value);
-  CHECK_EQUAL(103u, scan_journal(journal->path()).size());
+  CHECK_EQUAL(103u, strobe::testing::journal_entries(journal->path()).size());
 }
 
 TEST(Publisher, SyncsTheJournalAfterEachShotAndAtTheEnd) {
@@ -219,13 +220,13 @@ TEST(Publisher, SendsAgainWhatIsAskedForAndTheShotsAmongIt) {
   play_shot(1, 1000);
   CHECK_TRUE(until([&] { return listener.shots.size() == 1; }));
   listener = Listener{};
-  mailbox.ask({kBoot, {500, 505}});
+  mailbox.ask({5, {kBoot, {500, 505}}});
   wake();
   CHECK_TRUE(until([&] { return listener.events.size() == 6 && listener.shots.size() == 1; }));
   CHECK_EQUAL(500, listener.events.front().sequence);
   CHECK_EQUAL(505, listener.events.back().sequence);
   listener = Listener{};
-  mailbox.ask({kBoot, {1, INT64_MAX}});
+  mailbox.ask({5, {kBoot, {1, INT64_MAX}}});
   wake();
   CHECK_TRUE(until([&] { return listener.events.size() == 1002 && listener.shots.size() == 1; }));
 }
@@ -234,7 +235,7 @@ TEST(Publisher, GoesOnWithAResendLongBeforeItsNextHeartbeat) {
   make();
   play_shot(1, 1000);
   publisher->turn();
-  mailbox.ask({kBoot, {1, INT64_MAX}});
+  mailbox.ask({5, {kBoot, {1, INT64_MAX}}});
   publisher->turn();
   CHECK(publisher->next_turn() < clock.now() + milliseconds(100));
   for (int turn = 0; turn < 8; ++turn) publisher->turn();  // 128 messages each
@@ -251,8 +252,8 @@ TEST(Publisher, SendsAgainWhatAnEarlierBootJournalled) {
     CHECK(earlier->append({{Message::Kind::event, {1, 1}, "STROBE/bench/EVENT", bytes}}, 0).has_value());
   }
   start();
-  mailbox.ask({77, {1, INT64_MAX}});
-  mailbox.ask({78, {1, INT64_MAX}});  // no such boot: nothing to send, no harm
+  mailbox.ask({5, {77, {1, INT64_MAX}}, false});
+  mailbox.ask({5, {78, {1, INT64_MAX}}, false});  // no such boot: nothing to send, no harm
   wake();
   CHECK_TRUE(until([&] { return listener.events.size() == 1; }));
   CHECK_EQUAL(77, listener.events[0].boot_id);
@@ -307,5 +308,5 @@ TEST(Publisher, WritesWhatIsLeftWhenItIsStopped) {
   start();
   play_shot(1, 2000);
   stop();
-  CHECK_EQUAL(2003u, scan_journal(journal->path()).size());
+  CHECK_EQUAL(2003u, strobe::testing::journal_entries(journal->path()).size());
 }

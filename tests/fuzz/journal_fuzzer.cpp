@@ -1,5 +1,5 @@
 // A journal is read again after anything may have happened to it: any bytes in its folder are read to their
-// end, mended once, and then found whole.
+// end, mended once, and then found whole; ranges of events are found in bounded steps, and nothing else is given.
 #include <unistd.h>
 
 #include <cstddef>
@@ -10,6 +10,7 @@
 
 #include "firmware/publisher/journal_folder.hpp"
 #include "firmware/publisher/log_reader.hpp"
+#include "firmware/publisher/range_reader.hpp"
 #include "tests/fuzz/require.hpp"
 
 using namespace strobe::fuzz;
@@ -35,6 +36,22 @@ int records_of(const std::filesystem::path& path, std::size_t size) {
   return records;
 }
 
+/// Whatever the bytes, a search ends: each step reads on, or halves what is left.
+void read_range(const std::filesystem::path& path, std::size_t size, const strobe::SequenceRange& wanted) {
+  using strobe::firmware::RangeReader;
+  RangeReader reader(path, wanted);
+  strobe::firmware::LogRecord record;
+  const std::size_t most = 64 * (size + 64);
+  std::size_t steps = 0;
+  for (RangeReader::Step step{}; step != RangeReader::Step::done; ++steps) {
+    require(steps < most);
+    step = reader.step(record);
+    if (step != RangeReader::Step::message) continue;
+    const auto entry = strobe::firmware::entry_of(record);
+    require(entry && entry->sequences.first <= wanted.last && entry->sequences.last >= wanted.first);
+  }
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -43,6 +60,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   std::ofstream(path, std::ios::binary)
       .write(reinterpret_cast<const char*>(data), static_cast<std::streamsize>(size));
   records_of(path, size);
+  for (const std::int64_t first : {std::int64_t{1}, std::int64_t{3}, std::int64_t{1} << 40})
+    read_range(path, size, {first, first + 5});
   const auto first = strobe::firmware::repair_journals(dir);
   for (const std::string& line : first.repaired) require(!line.empty() && line.size() <= 160);
   std::error_code error;

@@ -3,6 +3,7 @@
 #include <strobe_msgs/event_t.hpp>
 
 #include "firmware/publisher/journal.hpp"
+#include "tests/support/journal_entries.hpp"
 
 #include <CppUTest/TestHarness.h>
 
@@ -36,11 +37,11 @@ TEST(VirtualDisk, CutsAWriteShortWhereItIsFullAndTakesItWhenThereIsRoomAgain) {
     bool done = true;
     disk.write([&] { done = journal->append(event(2), 0).has_value(); });
     CHECK_FALSE(done);
-    LONGS_EQUAL(1, firmware::scan_journal(journal->path()).size());
+    LONGS_EQUAL(1, testing::journal_entries(journal->path()).size());
   }
   disk.make_room();
   disk.write([&] { CHECK_TRUE(journal->append(event(2), 0).has_value()); });
-  LONGS_EQUAL(2, firmware::scan_journal(journal->path()).size());
+  LONGS_EQUAL(2, testing::journal_entries(journal->path()).size());
 }
 
 TEST(VirtualDisk, KeepsWhatWasWrittenAfterItsWriterHasEnded) {
@@ -49,7 +50,7 @@ TEST(VirtualDisk, KeepsWhatWasWrittenAfterItsWriterHasEnded) {
     auto journal = firmware::Journal::create(disk.path(), 5);
     CHECK_TRUE(journal->append(event(1), 0).has_value());
   }
-  LONGS_EQUAL(1, firmware::scan_journal(firmware::journal_path(disk.path(), 5)).size());
+  LONGS_EQUAL(1, testing::journal_entries(firmware::journal_path(disk.path(), 5)).size());
 }
 
 TEST(VirtualDisk, LeavesNothingBehind) {

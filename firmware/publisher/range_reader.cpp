@@ -1,0 +1,67 @@
+#include "firmware/publisher/range_reader.hpp"
+
+namespace strobe::firmware {
+
+namespace {
+
+std::int64_t size_of(const std::filesystem::path& path) {
+  std::error_code error;
+  const std::uintmax_t size = std::filesystem::file_size(path, error);
+  return error ? 0 : static_cast<std::int64_t>(size);
+}
+
+}  // namespace
+
+RangeReader::RangeReader(const std::filesystem::path& path, const SequenceRange& wanted)
+    : log_(path), wanted_(wanted) {
+  narrow(0, wanted.first > 1 ? size_of(path) : 0);
+}
+
+void RangeReader::narrow(std::int64_t begin, std::int64_t end) {
+  begin_ = begin;
+  end_ = end;
+  middle_ = begin + (end - begin) / 2;
+  log_.seek(found() ? begin_ : middle_);
+}
+
+RangeReader::Step RangeReader::step(LogRecord& record) {
+  if (over_) return Step::done;
+  if (found()) return collect(record);
+  halve();
+  return Step::searching;
+}
+
+/// One step of the search for a record behind the middle, and once it is found, of the halving.
+void RangeReader::halve() {
+  LogRecord record;
+  const LogReader::Step step = log_.advance(record);
+  if (step == LogReader::Step::end || (step == LogReader::Step::searching && log_.at() >= end_))
+    return narrow(begin_, middle_);
+  if (step == LogReader::Step::searching) return;
+  const auto entry = entry_of(record);
+  // The search began anywhere: what looks like a record may be a part of one.
+  if (!entry) return log_.seek(record.offset + 1);
+  if (record.offset < end_ && entry->sequences.last < wanted_.first) return narrow(log_.at(), end_);
+  narrow(begin_, middle_);
+}
+
+RangeReader::Step RangeReader::collect(LogRecord& record) {
+  const LogReader::Step step = log_.advance(record);
+  over_ = step == LogReader::Step::end;
+  if (step != LogReader::Step::record) return over_ ? Step::done : Step::searching;
+  const auto entry = entry_of(record);
+  if (!entry || entry->sequences.last < wanted_.first) return Step::searching;
+  if (entry->kind == Message::Kind::shot) {
+    over_ = entry->sequences.last >= wanted_.last;
+    return entry->sequences.first <= wanted_.last ? Step::message : Step::done;
+  }
+  if (entry->sequences.last <= wanted_.last) {
+    shot_id_ = entry->shot_id;
+    return Step::message;
+  }
+  // The summary of the shot that the last event belongs to comes behind all of that shot's events.
+  over_ = shot_id_ == 0 || entry->shot_id != shot_id_;
+  return over_ ? Step::done : Step::searching;
+}
+
+}  // namespace strobe::firmware
