@@ -188,7 +188,7 @@ void Publisher::publish_status() {
   parts.queue_overflows = queue_.overflows();
   parts.earlier = settings_.found.earlier;
   parts.rejected = settings_.rejected();
-  bus_.publish(status_channel_, encoded(to_message(parts, timing_)));
+  bus_.publish(status_channel_, encoded(to_message(parts, timing_, histograms_)));
   next_status_ = clock_.now() + kHeartbeat;
   if (settings_.on_first_status && sequence_ > 0) std::exchange(settings_.on_first_status, nullptr)();
 }

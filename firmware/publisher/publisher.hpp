@@ -91,6 +91,7 @@ class Publisher {
   int shots_started_ = 0;
   bool sync_due_ = false;
   ShotTiming timing_;
+  HistogramMessages histograms_;
   LoopStatus status_;
   std::string journal_fault_;
   MonoTime next_status_{};

@@ -111,7 +111,13 @@ histogram_t to_message(TimingQuantity quantity, const TimingHistogram& histogram
   return message;
 }
 
-status_t to_message(const StatusParts& parts, const ShotTiming& timing) {
+const histogram_t& HistogramMessages::of(TimingQuantity quantity, const TimingHistogram& histogram) {
+  const auto last = last_.find(quantity);
+  if (last != last_.end() && last->second.count == histogram.count()) return last->second;
+  return last_.insert_or_assign(quantity, to_message(quantity, histogram)).first->second;
+}
+
+status_t to_message(const StatusParts& parts, const ShotTiming& timing, HistogramMessages& histograms) {
   status_t message{};
   message.schema_version = status_t::SCHEMA_VERSION;
   message.boot_id = parts.boot_id;
@@ -126,7 +132,7 @@ status_t to_message(const StatusParts& parts, const ShotTiming& timing) {
   put_rejected(message, parts.rejected);
   put_earlier(message, parts.earlier);
   for (const TimingQuantity quantity : kTimingQuantities)
-    message.histograms.push_back(to_message(quantity, timing.of(quantity)));
+    message.histograms.push_back(histograms.of(quantity, timing.of(quantity)));
   message.histogram_count = static_cast<std::int32_t>(message.histograms.size());
   message.message = lacking(parts);
   return message;

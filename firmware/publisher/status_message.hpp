@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <string>
 #include <strobe_msgs/status_t.hpp>
 #include <vector>
@@ -43,9 +44,20 @@ struct StatusParts {
   std::vector<EarlierBoot> earlier;  ///< newest first; the message has the first 16
 };
 
-strobe_msgs::status_t to_message(const StatusParts& parts, const ShotTiming& timing);
-
 /// In microseconds; without values all are NaN and there are no bins.
 strobe_msgs::histogram_t to_message(TimingQuantity quantity, const TimingHistogram& histogram);
+
+/// The last message of each histogram, made anew only once a value was added: percentiles cost more than the rest
+/// of a status.
+class HistogramMessages {
+ public:
+  const strobe_msgs::histogram_t& of(TimingQuantity quantity, const TimingHistogram& histogram);
+
+ private:
+  std::map<TimingQuantity, strobe_msgs::histogram_t> last_;
+};
+
+strobe_msgs::status_t to_message(const StatusParts& parts, const ShotTiming& timing,
+                                 HistogramMessages& histograms);
 
 }  // namespace strobe::firmware

@@ -263,7 +263,9 @@ class Attempt {
     testing::wait_until(
         [&] {
           if (!inactive()) quiet_since = monotonic_now_ns();
-          return gone() || monotonic_now_ns() - quiet_since > (fires ? 400 : 100) * kMs;
+          const std::int64_t now = monotonic_now_ns();
+          const bool over = inactive() || now - begin > kBySafe;
+          return (gone() && over) || now - quiet_since > (fires ? 400 : 100) * kMs;
         },
         kSettle);
     settled_ = monotonic_now_ns();

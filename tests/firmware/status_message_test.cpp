@@ -29,10 +29,11 @@ struct SteppingClock : Clock {
 TEST_GROUP(StatusMessage) {
   std::unique_ptr<ShotTiming> timing = std::make_unique<ShotTiming>();
   StatusParts parts;
+  HistogramMessages histograms;
 };
 
 TEST(StatusMessage, HasEveryQuantityFromTheStart) {
-  const auto message = to_message(parts, *timing);
+  const auto message = to_message(parts, *timing, histograms);
   CHECK_EQUAL(6, message.histogram_count);
   for (int k = 0; k < 6; ++k) {
     CHECK_EQUAL(k + 1, message.histograms[static_cast<std::size_t>(k)].quantity);
@@ -45,7 +46,7 @@ TEST(StatusMessage, HasEveryQuantityFromTheStart) {
 TEST(StatusMessage, TellsTimingInMicroseconds) {
   for (const std::int64_t late_ns : {100, 100, 400})
     timing->issued(MonoTime{}, from_ns(late_ns), from_ns(late_ns + 250));
-  const auto message = to_message(parts, *timing);
+  const auto message = to_message(parts, *timing, histograms);
   const auto& lateness = message.histograms[0];
   CHECK_EQUAL(3, lateness.count);
   DOUBLES_EQUAL(0.2, lateness.mean_us, 1e-12);
@@ -63,22 +64,34 @@ TEST(StatusMessage, TellsTimingInMicroseconds) {
   DOUBLES_EQUAL(0.25, message.histograms[1].p99_us, 1e-12);
 }
 
+TEST(StatusMessage, TellsEveryValueThatCameSinceTheLast) {
+  for (const std::int64_t late_ns : {100, 300, 200}) {
+    timing->issued(MonoTime{}, from_ns(late_ns), from_ns(late_ns + 250));
+    const auto made_now = to_message(TimingQuantity::lateness, timing->of(TimingQuantity::lateness));
+    const auto message = to_message(parts, *timing, histograms).histograms[0];
+    CHECK_EQUAL(made_now.count, message.count);
+    DOUBLES_EQUAL(made_now.mean_us, message.mean_us, 0.0);
+    DOUBLES_EQUAL(made_now.max_us, message.max_us, 0.0);
+  }
+}
+
 TEST(StatusMessage, SaysTheGravestThingThatIsMissing) {
   parts.loop.estop_active = false;
-  CHECK_EQUAL("the key is off", to_message(parts, *timing).message);
+  CHECK_EQUAL("the key is off", to_message(parts, *timing, histograms).message);
   parts.loop.estop_active = true;
-  CHECK_EQUAL("the e-stop is pressed, or its wire is broken", to_message(parts, *timing).message);
+  CHECK_EQUAL("the e-stop is pressed, or its wire is broken", to_message(parts, *timing, histograms).message);
   parts.journal_fault = "the disk is full";
-  CHECK_EQUAL("the journal cannot be written: the disk is full", to_message(parts, *timing).message);
-  CHECK_FALSE(to_message(parts, *timing).journal_ok);
+  CHECK_EQUAL("the journal cannot be written: the disk is full",
+              to_message(parts, *timing, histograms).message);
+  CHECK_FALSE(to_message(parts, *timing, histograms).journal_ok);
   parts.loop.fault = "broken";
-  CHECK_EQUAL("fault: broken", to_message(parts, *timing).message);
+  CHECK_EQUAL("fault: broken", to_message(parts, *timing, histograms).message);
 }
 
 TEST(StatusMessage, TellsAllOfTheLoopAndTheClocks) {
   parts = {1,  2,  {from_ns(3), 4, 5}, {State::armed, true, false, 6, 7, from_ns(8), 9, 10, ""}, true, "",
            11, {}, {{12, 13}}};
-  const auto message = to_message(parts, *timing);
+  const auto message = to_message(parts, *timing, histograms);
   CHECK_EQUAL(+strobe_msgs::status_t::SCHEMA_VERSION, message.schema_version);
   CHECK(message.boot_id == 1 && message.last_sequence == 2);
   CHECK(message.mono_ns == 3 && message.wall_ns == 4 && message.boot_time_ns == 5);
@@ -88,12 +101,12 @@ TEST(StatusMessage, TellsAllOfTheLoopAndTheClocks) {
   CHECK(message.last_shot_id == 9 && message.kernel_overflows == 10 && message.queue_overflows == 11);
   CHECK_EQUAL(1, message.earlier_count);
   CHECK(message.earlier.at(0).boot_id == 12 && message.earlier.at(0).last_sequence == 13);
-  CHECK_FALSE(to_message(StatusParts{}, *timing).real_time);
+  CHECK_FALSE(to_message(StatusParts{}, *timing, histograms).real_time);
 }
 
 TEST(StatusMessage, CountsWhatWasIgnored) {
   parts.rejected = {1, 2, 3, 4, 5, 6};
-  const auto message = to_message(parts, *timing);
+  const auto message = to_message(parts, *timing, histograms);
   CHECK_EQUAL(1, message.rejected_malformed);
   CHECK_EQUAL(2, message.rejected_oversized);
   CHECK_EQUAL(3, message.rejected_forged);
