@@ -235,7 +235,7 @@ int run_worker(const Rig& rig, const Options& options, SharedStatus& page) {
     page.notify();
   };
   Publisher publisher(rig, settings, queue, mailbox, *journal, bus, clock);
-  Receiver receiver(rig, boot_id, options.key.value(), commands, mailbox, rejections);
+  Receiver receiver(rig, boot_id, options.key.value(), commands, mailbox, rejections, system_boot_time_ns);
   const CommandFeed::Handlers on_command{
       [&receiver](std::span<const std::uint8_t> sealed) { receiver.receive(sealed); },
       [&rejections] { rejections.note(authentication::Rejection::oversized); },

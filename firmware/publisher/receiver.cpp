@@ -65,15 +65,30 @@ std::string find_defect(const strobe_msgs::command_t& command, const Rig& rig) {
   return checked ? "" : checked.error().message;
 }
 
+std::string find_age(const strobe_msgs::command_t& command, std::int64_t boot_time_ns) {
+  using Type = strobe_msgs::command_t;
+  if (command.kind == Type::DISARM || command.kind == Type::RESEND) return "";
+  const std::int64_t age_ns = boot_time_ns - command.sent_boot_time_ns;
+  constexpr std::int64_t kMillisecond_ns = 1'000'000;
+  if (command.sent_boot_time_ns == 0) return "it does not say when it was sent";
+  if (age_ns > Type::LONGEST_LIFE_NS) {
+    return "it came " + std::to_string(age_ns / kMillisecond_ns) + " ms after it was sent, and is good for " +
+           std::to_string(Type::LONGEST_LIFE_NS / kMillisecond_ns) + " ms";
+  }
+  if (age_ns <= -Type::EARLIEST_NS) return "it was sent in the future: does its host hear this rig's status?";
+  return "";
+}
+
 Receiver::Receiver(const Rig& rig, std::int64_t boot_id, const authentication::Key& key,
                    CommandQueue& commands, Mailbox& mailbox, Rejections& rejections,
-                   std::function<std::int64_t()> draw_token)
+                   std::function<std::int64_t()> boot_time_ns, std::function<std::int64_t()> draw_token)
     : rig_(rig),
       boot_id_(boot_id),
       key_(key),
       commands_(commands),
       mailbox_(mailbox),
       rejections_(rejections),
+      boot_time_ns_(std::move(boot_time_ns)),
       draw_token_(std::move(draw_token)) {}
 
 void Receiver::receive(std::span<const std::uint8_t> sealed) noexcept {
@@ -99,7 +114,8 @@ void Receiver::dispatch(const strobe_msgs::command_t& message) {
   if (message.kind < strobe_msgs::command_t::ARM || message.kind > strobe_msgs::command_t::CLEAR)
     return rejections_.note(Rejection::malformed);
   if (!filter_.is_new(message.host_id, message.command_id)) return rejections_.note(Rejection::replayed);
-  const std::string defect = find_defect(message, rig_);
+  std::string defect = find_defect(message, rig_);
+  if (defect.empty()) defect = find_age(message, boot_time_ns_());
   if (message.kind == strobe_msgs::command_t::RESEND) {
     const EventRange range{message.resend_boot_id, {message.resend_first, message.resend_last}};
     if (defect.empty()) mailbox_.ask({message.host_id, range, range.boot_id == boot_id_});

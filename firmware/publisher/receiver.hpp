@@ -1,5 +1,5 @@
 // Commands from the message bus: checks that each is sealed with the lab's key for this rig, well-formed,
-// addressed to this start of the firmware and not a repetition, then passes it to the loop or the publisher;
+// addressed to this start of the firmware, not a repetition and not too old, then passes it to the loop or the publisher;
 // others are counted and ignored. On a thread of its own, without real-time rights.
 #pragma once
 
@@ -51,14 +51,19 @@ class RepetitionFilter {
 /// What is wrong with a command or with a FIRE's plan; empty if nothing is.
 std::string find_defect(const strobe_msgs::command_t& command, const Rig& rig);
 
+/// Why a command that arrives at this instant of CLOCK_BOOTTIME is too old to be obeyed; empty if it is not.
+/// A DISARM never is; a RESEND does no harm.
+std::string find_age(const strobe_msgs::command_t& command, std::int64_t boot_time_ns);
+
 /// A random positive number, from the kernel's generator.
 std::int64_t random_id();
 
 class Receiver {
  public:
-  /// draw_token: returns a new arm token, not 0.
+  /// boot_time_ns: reads CLOCK_BOOTTIME. draw_token: returns a new arm token, not 0.
   Receiver(const Rig& rig, std::int64_t boot_id, const authentication::Key& key, CommandQueue& commands,
-           Mailbox& mailbox, Rejections& rejections, std::function<std::int64_t()> draw_token = random_id);
+           Mailbox& mailbox, Rejections& rejections, std::function<std::int64_t()> boot_time_ns,
+           std::function<std::int64_t()> draw_token = random_id);
 
   /// One message of the command channel as received. Never throws.
   void receive(std::span<const std::uint8_t> sealed) noexcept;
@@ -73,6 +78,7 @@ class Receiver {
   CommandQueue& commands_;
   Mailbox& mailbox_;
   Rejections& rejections_;
+  std::function<std::int64_t()> boot_time_ns_;
   std::function<std::int64_t()> draw_token_;
   RepetitionFilter filter_;
 };

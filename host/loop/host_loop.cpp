@@ -53,6 +53,7 @@ void HostLoop::step() {
 
 void HostLoop::on_status(const strobe_msgs::status_t& message) {
   session_.on_status(message, now_);
+  if (session_.status() && session_.status()->boot_time_ns == message.boot_time_ns) last_status_ = now_;
   report();
 }
 
@@ -106,8 +107,16 @@ void HostLoop::request_lost_events() {
   for (const EventRange& range : session_.ledger().due(now_)) send(commands_.resend(status->boot_id, range));
 }
 
-void HostLoop::send(const strobe_msgs::command_t& command) {
+/// The firmware's CLOCK_BOOTTIME now, or earlier by what its status was on its way. 0: it is not heard.
+std::int64_t HostLoop::firmware_boot_time_ns(std::int64_t boot_id) {
+  const auto& status = session_.status();
+  if (!status || status->boot_id != boot_id) return 0;
+  return status->boot_time_ns + (clock_.read().mono - last_status_).count();
+}
+
+void HostLoop::send(strobe_msgs::command_t command) {
   if (!sealer_) return;
+  command.sent_boot_time_ns = firmware_boot_time_ns(command.boot_id);
   if (const auto sealed = sealer_->seal(command)) {
     transport_.publish(messages::channel_name(settings_.rig, messages::Channel::command), *sealed);
   } else {

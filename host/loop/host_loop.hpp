@@ -62,8 +62,8 @@ class HostLoop final : private MessageHandler {
   /// No message will come any more: shots that wait for a photograph end without.
   void end_session();
 
-  /// Seals and publishes a command; without a key it is dropped.
-  void send(const strobe_msgs::command_t& command);
+  /// Seals and publishes a command, with the instant on the firmware's clock; without a key it is dropped.
+  void send(strobe_msgs::command_t command);
   void notify(const std::string& text);
 
   const HostLoopSettings& settings() const { return settings_; }
@@ -84,6 +84,7 @@ class HostLoop final : private MessageHandler {
   void on_shot(const strobe_msgs::shot_t& message) override;
   void on_frame(const strobe_msgs::frame_t& message) override;
   void take_in(const strobe_msgs::frame_t& frame);
+  std::int64_t firmware_boot_time_ns(std::int64_t boot_id);
   void publish_photographs();
   void request_lost_events();
   void report();
@@ -101,6 +102,7 @@ class HostLoop final : private MessageHandler {
   std::vector<HostListener*> listeners_;
   HostTime now_;
   HostTime last_message_;
+  HostTime last_status_;  ///< when the session's status came
 };
 
 }  // namespace strobe::host

@@ -50,7 +50,8 @@ TEST_GROUP(Receiver) {
   std::vector<std::string> said;
   Rejections rejections{clock, [this](const std::string& line) { said.push_back(line); }};
   Key key = Key::random();
-  Receiver receiver{rig, kBoot, key, commands, mailbox, rejections};
+  std::int64_t boot_time_ns = 50'000'000'000;
+  Receiver receiver{rig, kBoot, key, commands, mailbox, rejections, [this] { return boot_time_ns; }};
   Type message{};
   Command command;
 
@@ -60,6 +61,7 @@ TEST_GROUP(Receiver) {
     message.command_id = 1;
     message.boot_id = kBoot;
     message.kind = Type::ARM;
+    message.sent_boot_time_ns = boot_time_ns;
   }
   void fill_fire() {
     message.kind = Type::FIRE;
@@ -228,6 +230,52 @@ TEST(Receiver, FindsWhatIsWrongWithAFire) {
     STRCMP_CONTAINS(row.defect, defect().c_str());
     CHECK_EQUAL(0u, mailbox.take(5, id + 1).size());
   }
+}
+
+TEST(Receiver, RefusesWhatIsOlderThanASecondWithTheReason) {
+  for (const std::int8_t kind : {Type::ARM, Type::FIRE, Type::CLEAR}) {
+    fill_fire();
+    message.kind = kind;
+    for (const std::int64_t age_ms : {0, 1000}) {
+      boot_time_ns = message.sent_boot_time_ns + age_ms * 1'000'000;
+      ++message.command_id;
+      CHECK_TRUE(deliver());
+      CHECK_EQUAL(std::string(), defect());
+    }
+    ++boot_time_ns;
+    ++message.command_id;
+    CHECK_TRUE(deliver());
+    CHECK_EQUAL(std::string("it came 1000 ms after it was sent, and is good for 1000 ms"), defect());
+    CHECK(command.kind == static_cast<CommandKind>(kind));
+  }
+}
+
+TEST(Receiver, RefusesWhatWasSentInTheFutureOrAtNoTime) {
+  fill_fire();
+  message.sent_boot_time_ns = boot_time_ns + 99'999'999;
+  CHECK_TRUE(deliver());
+  CHECK_EQUAL(std::string(), defect());
+  ++message.sent_boot_time_ns;
+  ++message.command_id;
+  CHECK_TRUE(deliver());
+  STRCMP_CONTAINS("sent in the future", defect().c_str());
+  message.sent_boot_time_ns = 0;
+  ++message.command_id;
+  CHECK_TRUE(deliver());
+  CHECK_EQUAL(std::string("it does not say when it was sent"), defect());
+  for (const std::int64_t extreme : {-(std::int64_t{1} << 60), std::int64_t{1} << 60}) {
+    message.sent_boot_time_ns = extreme;
+    ++message.command_id;
+    CHECK_TRUE(deliver());
+    CHECK_FALSE(defect().empty());
+  }
+}
+
+TEST(Receiver, HearsADisarmHoweverOldItIs) {
+  message.kind = Type::DISARM;
+  boot_time_ns += 3'600'000'000'000;
+  CHECK_TRUE(deliver());
+  CHECK_EQUAL(std::string(), defect());
 }
 
 TEST(Receiver, PassesAResendToThePublisher) {

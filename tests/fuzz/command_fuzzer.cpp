@@ -23,6 +23,7 @@ void decode_body(std::span<const std::uint8_t> body) {
   if (!strobe::messages::well_formed<strobe_msgs::command_t>(body.data(), body.size())) return;
   strobe_msgs::command_t command{};
   if (command.decode(body.data(), 0, static_cast<int>(body.size())) < 0) return;
+  require(find_age(command, 50'000'000'000).size() <= 160);
   const auto plan = messages::plan_from_lcm(command.plan);
   if (!find_defect(command, rig).empty() || command.kind != strobe_msgs::command_t::FIRE) return;
   require(flash_count(plan) >= 1 && flash_count(plan) <= rig.lamps.max_flashes);

@@ -143,6 +143,26 @@ TEST(Interlock, FiresNoShotWithoutItsTokenNorTwice) {
   CHECK(bench.finish().rises("TRIGGER") <= 1);
 }
 
+TEST(Interlock, FiresNothingThatWasLongerThanASecondOnItsWay) {
+  RigFixture bench;
+  expect_ready(bench);
+  RawHost host(bench.lcm_url(), "bench");
+  CHECK(host.wait_status());
+  const std::int64_t token = host.arm();
+  CHECK(token != 0);
+  strobe_msgs::command_t late = host.fire_command(token, false);
+  late.sent_boot_time_ns -= 1'001 * kMs;
+  host.send(late);
+  CHECK(host.wait([&] { return host.saw(strobe_msgs::event_t::REFUSED); }, kLongestWait));
+  STRCMP_CONTAINS("after it was sent, and is good for 1000 ms", host.events().back().detail.c_str());
+  LONGS_EQUAL(0, host.status().last_shot_id);
+  strobe_msgs::command_t disarm = host.command(strobe_msgs::command_t::DISARM);
+  disarm.sent_boot_time_ns = 0;
+  host.send(disarm);
+  CHECK(host.wait([&] { return host.status().arm_token == 0; }, kLongestWait));
+  LONGS_EQUAL(0, bench.finish().rises("TRIGGER"));
+}
+
 TEST(Interlock, StopsAShotByKeyEStopAndDisarm) {
   RigFixture bench;
   expect_ready(bench);

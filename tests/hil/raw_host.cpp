@@ -1,5 +1,6 @@
 #include "tests/hil/raw_host.hpp"
 
+#include <ctime>
 #include <random>
 #include <stdexcept>
 
@@ -20,6 +21,13 @@ namespace {
 std::int64_t random_id() {
   std::random_device random;
   return std::uniform_int_distribution<std::int64_t>(1)(random);
+}
+
+/// Strobed's too: it runs on this machine.
+std::int64_t boot_time_ns() {
+  timespec t{};
+  clock_gettime(CLOCK_BOOTTIME, &t);
+  return t.tv_sec * 1'000'000'000 + t.tv_nsec;
 }
 
 bool ends_with(const std::string& text, const std::string& end) {
@@ -76,6 +84,7 @@ strobe_msgs::command_t RawHost::command(std::int8_t kind) {
   command.host_id = host_id_;
   command.command_id = next_command_++;
   command.boot_id = status_.boot_id;
+  command.sent_boot_time_ns = boot_time_ns();
   command.kind = kind;
   command.note_count = 0;
   return command;

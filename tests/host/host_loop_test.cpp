@@ -150,6 +150,20 @@ TEST(HostLoop, AFirmwareIsSilentAfterFiveHeartbeatsThatDidNotCome) {
   CHECK_EQUAL(heard, loop.last_message());
 }
 
+TEST(HostLoop, SaysWithACommandWhenItWasSentByTheFirmwaresClock) {
+  HostLoop loop(settings(true), bus, clock);
+  status_t status = idle_status();
+  status.boot_time_ns = 7'000'000'000;
+  arrive(Channel::status, status);
+  pass(loop, 0.0);
+  pass(loop, 0.3);
+  clock.now += from_seconds(0.1);  // what the host does before it sends
+  loop.send(loop.commands().arm(kBoot));
+  CHECK_EQUAL(7'400'000'000, last_command().sent_boot_time_ns);
+  loop.send(loop.commands().arm(kBoot + 1));  // not heard
+  CHECK_EQUAL(0, last_command().sent_boot_time_ns);
+}
+
 TEST(HostLoop, EndsWhenNothingCanBeReceived) {
   HostLoop loop(settings(false), bus, clock);
   bus.failed = true;

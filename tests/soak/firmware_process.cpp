@@ -35,7 +35,9 @@ FirmwareProcess::FirmwareProcess(const firmware::Rig& rig, const FirmwarePorts& 
       publisher_(rig, publisher_settings(settings, found, ports.publisher_clock), queue_, mailbox_, journal_,
                  ports.bus, ports.publisher_clock),
       rejections_(ports.publisher_clock, settings.say),
-      receiver_(rig, settings.boot_id, settings.key, commands_, mailbox_, rejections_, settings.draw_token) {}
+      receiver_(
+          rig, settings.boot_id, settings.key, commands_, mailbox_, rejections_,
+          [&clock = ports.publisher_clock] { return to_ns(clock.now()); }, settings.draw_token) {}
 
 Result<std::unique_ptr<FirmwareProcess>> FirmwareProcess::start(const firmware::Rig& rig,
                                                                 const FirmwarePorts& ports,

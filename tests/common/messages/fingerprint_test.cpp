@@ -34,7 +34,7 @@ const std::map<std::string, Pin>& pins() {
   static const std::map<std::string, Pin> table{
       {"ball_image_t", {strobe_msgs::ball_image_t::getHash(), 0xc4e7715c496d5f93}},
       {"coded_flash_t", {strobe_msgs::coded_flash_t::getHash(), 0xca8d3fdb380ff32a}},
-      {"command_t", {strobe_msgs::command_t::getHash(), 0xe51d1e971e37524a}},
+      {"command_t", {strobe_msgs::command_t::getHash(), 0x93f0d571328d2e0d}},
       {"earlier_boot_t", {strobe_msgs::earlier_boot_t::getHash(), 0x27c50a9305638140}},
       {"event_t", {strobe_msgs::event_t::getHash(), 0x5d73a8136a3a7405}},
       {"flash_t", {strobe_msgs::flash_t::getHash(), 0x6bcbfe82d3bd0204}},
