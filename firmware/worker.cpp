@@ -200,7 +200,12 @@ int run_worker(const Rig& rig, const Options& options, SharedStatus& page) {
   Mailbox mailbox;
   const FolderFindings earlier = repair_journals(options.session);
   for (const std::string& line : earlier.repaired) std::fprintf(stderr, "strobed: %s\n", line.c_str());
-  Sequencer sequencer(rig, {clock, **lines, **lines, queue, commands}, earlier.last_shot_id,
+  ShotNumbers numbers(options.session, earlier.last_shot_id);
+  // Before the loop runs: with none set aside it refuses shots until the publisher could.
+  if (auto done = numbers.set_aside(numbers.last_before()); !done)
+    std::fprintf(stderr, "strobed: %s\n", done.error().message.c_str());
+  queue.set_shot_id_limit(numbers.limit());
+  Sequencer sequencer(rig, {clock, **lines, **lines, queue, commands}, numbers.last_before(),
                       find_tick(rig.real_time));
 
   std::vector<std::string> faults;
@@ -223,6 +228,7 @@ int run_worker(const Rig& rig, const Options& options, SharedStatus& page) {
   settings.boot_id = boot_id;
   settings.session = options.session;
   settings.found = earlier;
+  settings.numbers = &numbers;
   settings.real_time = faults.empty();
   settings.verbose = options.verbose;
   settings.heartbeat_ns = &page.publisher_heartbeat_ns;

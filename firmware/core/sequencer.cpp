@@ -83,8 +83,15 @@ void Sequencer::read_levels() noexcept {
   level(Input::key, *key, levels_read_);
 }
 
+/// Why the next shot could not be recorded; null if it could.
+const char* Sequencer::unready() const noexcept {
+  if (!sink_.journal_ok()) return "the journal cannot be written";
+  if (interlock_.shot_id() >= sink_.shot_id_limit()) return "no number is set aside for the shot yet";
+  return nullptr;
+}
+
 void Sequencer::arm(const Command& command) noexcept {
-  if (!sink_.journal_ok()) return refuse(command, "the journal cannot be written");
+  if (const char* why = unready()) return refuse(command, why);
   read_levels();
   if (const char* why = interlock_.arm(command.host_id, command.new_token, clock_.now())) {
     return refuse(command, why);
@@ -94,7 +101,7 @@ void Sequencer::arm(const Command& command) noexcept {
 }
 
 void Sequencer::fire(const Command& command) noexcept {
-  if (!sink_.journal_ok()) return refuse(command, "the journal cannot be written");
+  if (const char* why = unready()) return refuse(command, why);
   ShotRecord* record = sink_.free_record();
   if (record == nullptr) return refuse(command, "earlier shots are still being written");
   read_levels();

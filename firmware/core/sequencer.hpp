@@ -49,6 +49,7 @@ class Sequencer {
   void read_levels() noexcept;
   void level(Input input, bool active, MonoTime stamp) noexcept;
   void dispatch(const Command& command) noexcept;
+  const char* unready() const noexcept;
   void arm(const Command& command) noexcept;
   void fire(const Command& command) noexcept;
   void apply(Interlock::Effect effect) noexcept;

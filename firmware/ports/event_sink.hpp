@@ -123,6 +123,7 @@ class EventSink {
   virtual void flush() noexcept = 0;  ///< before sleeping: wakes the reader, if there is news
   virtual std::int64_t overflows() const noexcept = 0;  ///< events lost since the start
   virtual bool journal_ok() const noexcept = 0;
+  virtual std::int32_t shot_id_limit() const noexcept = 0;  ///< the highest that a shot may have now
 };
 
 }  // namespace strobe::firmware

@@ -16,6 +16,7 @@
 #include <utility>
 
 #include "firmware/publisher/journal.hpp"
+#include "firmware/publisher/shot_numbers.hpp"
 
 namespace strobe::firmware {
 
@@ -129,14 +130,15 @@ Contents contents_from(const JournalFile& file, std::int64_t begin) {
 constexpr std::int64_t kEnd_bytes = std::int64_t{64} << 10;
 constexpr std::int64_t kLongestEnd_bytes = std::int64_t{16} << 20;
 
-/// A journal's end: as much of it as has a record and a shot's number, within the limit.
-Contents end_of(const JournalFile& file) {
+/// A journal's end: as much of it as has an event and, if that is wanted, a shot's number, within the limit.
+Contents end_of(const JournalFile& file, bool find_shot) {
   std::error_code error;
   const std::uintmax_t size = fs::file_size(file.path, error);
   const std::int64_t bytes = error ? 0 : static_cast<std::int64_t>(size);
   for (std::int64_t end = kEnd_bytes;; end *= 16) {
     Contents contents = contents_from(file, std::max<std::int64_t>(bytes - end, 0));
-    if (contents.last_shot_id > 0 || contents.begin == 0 || end >= kLongestEnd_bytes) return contents;
+    const bool found = contents.last_sequence > 0 && (contents.last_shot_id > 0 || !find_shot);
+    if (found || contents.begin == 0 || end >= kLongestEnd_bytes) return contents;
   }
 }
 
@@ -208,9 +210,9 @@ std::vector<JournalFile> newest_first(const fs::path& dir) {
 }
 
 /// Nullopt: another daemon is writing it, or it has no event.
-std::optional<Contents> repair(const JournalFile& journal, FolderFindings& findings) {
+std::optional<Contents> repair(const JournalFile& journal, bool find_shot, FolderFindings& findings) {
   LockedFile file(journal.path);
-  Contents contents = end_of(journal);
+  Contents contents = end_of(journal, find_shot);
   findings.last_shot_id = std::max(findings.last_shot_id, contents.last_shot_id);
   if (file.in_use()) return std::nullopt;
   mend(journal.path, file, contents, findings.repaired);
@@ -224,11 +226,13 @@ std::optional<Contents> repair(const JournalFile& journal, FolderFindings& findi
 FolderFindings repair_journals(const fs::path& dir) {
   FolderFindings findings;
   std::vector<Contents> boots;
+  const bool find_shots = !ShotNumbers::read(dir);
   std::size_t seen = 0;
   for (const JournalFile& journal : newest_first(dir)) {
     if (++seen > FolderFindings::kLatest) {
-      findings.last_shot_id = std::max(findings.last_shot_id, end_of(journal).last_shot_id);
-    } else if (const auto contents = repair(journal, findings)) {
+      if (!find_shots) break;
+      findings.last_shot_id = std::max(findings.last_shot_id, end_of(journal, true).last_shot_id);
+    } else if (const auto contents = repair(journal, find_shots, findings)) {
       boots.push_back(*contents);
     }
   }

@@ -23,15 +23,16 @@ struct FolderFindings {
   /// So many of the newest are repaired and listed; older ones were so when they were new.
   static constexpr std::size_t kLatest = 16;
 
-  std::int32_t last_shot_id = 0;      ///< highest in the folder; 0 if there is none
+  /// Highest in the folder's journals, or, where numbers are set aside on the disk, in the latest ones; 0: none.
+  std::int32_t last_shot_id = 0;
   std::vector<EarlierBoot> earlier;   ///< with at least one event, newest first
   std::vector<std::string> repaired;  ///< what was repaired or is lost, a line each of at most 160 characters
   /// The newest boot, if more than its journal's end remains to be looked through for damage.
   std::optional<std::int64_t> unchecked_boot;
 };
 
-/// Of each journal reads the last 64 KiB; more, up to 16 MiB, only where these hold no record or no shot.
-/// Repairs the latest ones; also reports what cannot be repaired.
+/// Reads the last 64 KiB of the latest journals; more, up to 16 MiB, only where these hold no event. Without a file of
+/// shots' numbers (shot_numbers.hpp) older ones, too, are read like this, as far as their last shot. Repairs the latest ones; also reports what cannot be repaired.
 FolderFindings repair_journals(const std::filesystem::path& dir);
 
 }  // namespace strobe::firmware

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <atomic>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <variant>
@@ -33,9 +34,15 @@ class LoopQueue final : public EventSink {
   std::int64_t overflows() const noexcept override { return overflows_.load(std::memory_order_relaxed); }
   bool journal_ok() const noexcept override { return journal_ok_.load(std::memory_order_relaxed); }
 
+  std::int32_t shot_id_limit() const noexcept override {
+    return shot_id_limit_.load(std::memory_order_relaxed);
+  }
+
   bool pop(Item& item) { return queue_.try_dequeue(item); }
   void give_back(ShotRecord* record);
   void set_journal_ok(bool ok) { journal_ok_.store(ok, std::memory_order_relaxed); }
+  /// Until it is set there is none.
+  void set_shot_id_limit(std::int32_t limit) { shot_id_limit_.store(limit, std::memory_order_relaxed); }
 
  private:
   struct Slot {
@@ -49,6 +56,7 @@ class LoopQueue final : public EventSink {
   std::optional<LoopStatus> unsent_status_;
   std::atomic<std::int64_t> overflows_{0};
   std::atomic<bool> journal_ok_{true};
+  std::atomic<std::int32_t> shot_id_limit_{std::numeric_limits<std::int32_t>::max()};
   Wake& publisher_;
   bool news_ = false;
 };

@@ -56,7 +56,9 @@ void Publisher::run(const std::stop_token& stop, int wake_fd) {
 void Publisher::finish() {
   empty_queue();
   publish_status();
-  if (auto synced = journal_.sync(); !synced) settings_.say(synced.error().message);
+  auto done = journal_.sync();
+  if (done) done = give_numbers_back();
+  if (!done) settings_.say(done.error().message);
 }
 
 bool Publisher::at_work() const { return resend_ || check_ || mailbox_.resends_wait(); }
@@ -157,6 +159,7 @@ void Publisher::write_and_publish() {
   if (done && std::exchange(sync_due_, false)) done = journal_.sync();
   // A shot that runs may use up its room; the next one must have it before it is armed for.
   if (done) done = journal_.make_room();
+  if (done) done = set_numbers_aside();
   const std::string fault = done ? "" : done.error().message;
   if (fault != journal_fault_) {
     settings_.say(fault.empty() ? "the journal can be written again" : fault);
@@ -166,6 +169,21 @@ void Publisher::write_and_publish() {
   queue_.set_journal_ok(fault.empty());
   // What is left is tried again with the next batch or heartbeat.
   if (outbox_.size() > kMaxUnwritten) throw std::runtime_error("too many events wait for the journal");
+}
+
+/// As long as it fails, shots may use up what there is.
+Result<void> Publisher::set_numbers_aside() {
+  if (settings_.numbers == nullptr) return {};
+  const auto done =
+      settings_.numbers->set_aside(std::max(status_.last_shot_id, settings_.numbers->last_before()));
+  queue_.set_shot_id_limit(settings_.numbers->limit());
+  return done;
+}
+
+/// What could not be journalled has used numbers that nobody will find there.
+Result<void> Publisher::give_numbers_back() {
+  if (settings_.numbers == nullptr || !outbox_.empty() || queue_.overflows() > 0) return {};
+  return settings_.numbers->give_back(std::max(status_.last_shot_id, settings_.numbers->last_before()));
 }
 
 void Publisher::publish_outbox() {

@@ -17,6 +17,7 @@
 #include "firmware/publisher/loop_queue.hpp"
 #include "firmware/publisher/mailbox.hpp"
 #include "firmware/publisher/range_reader.hpp"
+#include "firmware/publisher/shot_numbers.hpp"
 #include "firmware/publisher/status_message.hpp"
 
 namespace strobe::firmware {
@@ -38,6 +39,8 @@ struct PublisherSettings {
   int drill_at_shot = 0;  ///< `drill` is called at flashes from the n-th shot of this boot on; 0: never
   std::function<void()> drill;
   FolderFindings found;  ///< reported by events after STARTED, and in the status
+  ShotNumbers* numbers =
+      nullptr;  ///< sets numbers for shots aside; null: none need be. Outlives the publisher
 };
 
 class Publisher {
@@ -68,6 +71,8 @@ class Publisher {
   void take(ShotRecord* record);
   void write_and_publish();
   void publish_outbox();
+  Result<void> set_numbers_aside();
+  Result<void> give_numbers_back();
   void publish_status();
   bool at_work() const;
   void resend_some();

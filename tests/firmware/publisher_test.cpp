@@ -259,6 +259,34 @@ TEST(Publisher, SendsAgainWhatAnEarlierBootJournalled) {
   CHECK_EQUAL(77, listener.events[0].boot_id);
 }
 
+TEST(Publisher, KeepsNumbersForShotsAheadAndGivesTheRestBack) {
+  ShotNumbers numbers(folder.path(), 0);
+  settings.numbers = &numbers;
+  make();
+  publisher->turn();
+  CHECK_EQUAL(ShotNumbers::kAtOnce, queue.shot_id_limit());
+  LoopStatus status;
+  for (status.last_shot_id = 1; status.last_shot_id <= 100; ++status.last_shot_id) {
+    queue.status(status);
+    publisher->turn();
+    CHECK(queue.shot_id_limit() >= status.last_shot_id + ShotNumbers::kAtOnce / 2);
+    CHECK(ShotNumbers::read(folder.path()) == queue.shot_id_limit());
+  }
+  publisher->finish();
+  CHECK(ShotNumbers::read(folder.path()) == 100);
+}
+
+TEST(Publisher, GivesNoNumberBackWhileEventsAreNotJournalled) {
+  ShotNumbers numbers(folder.path(), 0);
+  settings.numbers = &numbers;
+  make();
+  publisher->turn();
+  std::filesystem::remove(journal->path());
+  play_shot(1, 3);
+  publisher->finish();
+  CHECK(ShotNumbers::read(folder.path()) == ShotNumbers::kAtOnce);
+}
+
 TEST(Publisher, TellsWhatEarlierStartsLeftAfterItsOwnStart) {
   found.repaired = {"boot 77: 12 bytes were cut off", "boot 77: shot 3 has no end"};
   found.earlier = std::vector<EarlierBoot>(20, EarlierBoot{77, 5});

@@ -198,6 +198,23 @@ TEST(Sequencer, RefusesWhileTheJournalCannotBeWritten) {
   CHECK_EQUAL("ARM: the journal cannot be written", refusal());
 }
 
+TEST(Sequencer, FiresNoShotWhoseNumberIsNotSetAside) {
+  rig.last_number = 1;
+  bench.shoot();
+  const std::string none = "no number is set aside for the shot yet";
+  bench.give(bench.arm_command());
+  CHECK_EQUAL("ARM: " + none, refusal());
+  rig.last_number = 2;
+  const std::int64_t token = bench.arm();
+  rig.last_number = 1;
+  bench.give(bench.fire_command(token));
+  CHECK_EQUAL("FIRE: " + none, refusal());
+  rig.last_number = 2;
+  bench.give(bench.fire_command(token));
+  bench.play();
+  CHECK_EQUAL(2, bench.shot(1).shot_id);
+}
+
 TEST(Sequencer, WakesThePublisherForWhatTheTurnBeforeReported) {
   bench.arm();
   const std::size_t reported = rig.events.size() + rig.statuses.size();

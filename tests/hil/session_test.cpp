@@ -72,6 +72,25 @@ TEST(Session, ShotNumbersGoOnInTheSameFolder) {
   LONGS_EQUAL(2, journal.shots[1].shot_id);
 }
 
+TEST(Session, UsesNoShotsNumberTwiceAfterADeath) {
+  RigFixtureOptions options;
+  options.shell = "\"$@\"; rm \"$5\"/journal-*; \"$@\"";  // nothing of the journal had come to the disk
+  RigFixture bench(options);
+  if (!bench.ready()) FAIL(("strobed did not come up:\n" + bench.log()).c_str());
+  strobe::testing::run_process(bench.fire(1, 0), kLongestWait);
+  const std::filesystem::path old_journal = bench.journal();
+  const pid_t guardian = bench.guardian();
+  kill(bench.worker(), SIGKILL);
+  CHECK(strobe::testing::wait_until([&] { return bench.guardian() != guardian && bench.worker() != 0; },
+                                    kLongestWait));
+  CHECK(strobe::testing::wait_until([&] { return bench.journal() != old_journal; }, kLongestWait));
+  strobe::testing::run_process(bench.fire(1, 0), kLongestWait);
+  const LogContents journal = read_log(bench.journal());
+  LONGS_EQUAL(1, journal.shots.size());
+  CHECK(journal.shots[0].shot_id > 1);
+  kill(bench.guardian(), SIGTERM);
+}
+
 TEST(Session, StartsAgainBesideTheOldJournalAndGoesOnCounting) {
   RigFixtureOptions options;
   options.shell = "\"$@\"; \"$@\"";  // strobed again once it was ended

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <limits>
 #include <set>
 #include <vector>
 
@@ -43,6 +44,7 @@ class VirtualRig final : public Clock,
   MonoTime time = from_ns(5'000'000'000);
   bool key = true, estop = false, levels_readable = true, edges_readable = true;
   bool journal = true;
+  std::int32_t last_number = std::numeric_limits<std::int32_t>::max();  ///< that is set aside
   bool reuses_records = false;  ///< each shot gets the record of the one before
   Duration set_cost = nanoseconds(300);
   Duration wake_delay{};  ///< whoever sleeps is woken so late
@@ -155,6 +157,7 @@ class VirtualRig final : public Clock,
   }
   void flush() noexcept override { flushed = events.size() + statuses.size(); }
   bool journal_ok() const noexcept override { return journal; }
+  std::int32_t shot_id_limit() const noexcept override { return last_number; }
   bool pop(Command& command) noexcept override {
     for (auto it = commands_.begin(); it != commands_.end(); ++it) {
       if (it->when > time) continue;
