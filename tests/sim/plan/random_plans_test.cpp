@@ -3,6 +3,7 @@
 #include <string>
 
 #include "tests/sim/plan/trial.hpp"
+#include "tests/support/repetitions.hpp"
 
 #include <CppUTest/TestHarness.h>
 
@@ -15,12 +16,7 @@ namespace {
 /// allow.
 int scenes() {
   const char* text = std::getenv("STROBE_PLAN_SCENES");
-#ifdef __SANITIZE_ADDRESS__
-  constexpr int kDefault = 2;
-#else
-  constexpr int kDefault = 6;
-#endif
-  return text ? std::atoi(text) : kDefault;
+  return text ? std::atoi(text) : strobe::testing::kSanitized ? 2 : 6;
 }
 
 }  // namespace
