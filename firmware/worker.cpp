@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <csignal>
-#include <cstdio>
 #include <functional>
 #include <future>
 #include <stdexcept>
@@ -14,6 +13,7 @@
 
 #include "common/messages/channels.hpp"
 #include "firmware/core/sequencer.hpp"
+#include "firmware/linux/console.hpp"
 #include "firmware/linux/event_fd.hpp"
 #include "firmware/linux/gpio_lines.hpp"
 #include "firmware/linux/real_time.hpp"
@@ -30,8 +30,8 @@ namespace strobe::firmware {
 
 namespace {
 
-int give_up(const std::string& why) {
-  std::fprintf(stderr, "strobed: %s\n", why.c_str());
+int give_up(Console& console, const std::string& why) {
+  console.say(why);
   return kExitBadInput;
 }
 
@@ -71,8 +71,8 @@ void wait_for_stop_signal() {
 class LoopThread {
  public:
   LoopThread(Sequencer& sequencer, GpioLines& lines, const Rig::RealTime& wanted, SharedStatus& page,
-             EventFd& wake)
-      : sequencer_(sequencer), lines_(lines), page_(page), wake_(wake) {
+             EventFd& wake, Console& console)
+      : sequencer_(sequencer), lines_(lines), page_(page), wake_(wake), console_(console) {
     thread_ = std::thread([this, wanted] { run(wanted); });
   }
   /// Never started: ends without having touched an output.
@@ -112,7 +112,7 @@ class LoopThread {
     if (failure == kNoSwitchingOff) let_go();
     page_.outputs_safe = sequencer_.stop(well_ ? "stopped by a signal" : failure) && !page_.lines_released;
     if (well_) return;
-    std::fprintf(stderr, "strobed: stopped: %s\n", failure);
+    console_.say(std::string("stopped: ") + failure);
     kill(getpid(), SIGTERM);
   }
 
@@ -145,6 +145,7 @@ class LoopThread {
   GpioLines& lines_;
   SharedStatus& page_;
   EventFd& wake_;
+  Console& console_;
   mutable SystemClock clock_;
   const pid_t guardian_ = getppid();
   const MonoTime started_ = clock_.now();
@@ -176,15 +177,16 @@ int run_worker(const Rig& rig, const Options& options, SharedStatus& page) {
   keep_memory();
   // What the journal's disk and the network complete in the kernel would come to the CPU that asked for it.
   exclude_cpu(rig.real_time.cpu);
+  Console console;
   EventFd loop_wake;
   EventFd publisher_wake;
   auto lines = GpioLines::open(rig, loop_wake.fd());
-  if (!lines) return give_up(lines.error().message);
+  if (!lines) return give_up(console, lines.error().message);
   page.lines_taken = true;
   // Taken inactive; only the loop sets them, so until it starts there is nothing for the guardian to do.
-  const auto give_up_safely = [&page](const std::string& why) {
+  const auto give_up_safely = [&page, &console](const std::string& why) {
     page.outputs_safe = true;
-    return give_up(why);
+    return give_up(console, why);
   };
 
   lcm::LCM lcm(options.lcm_url);
@@ -199,11 +201,10 @@ int run_worker(const Rig& rig, const Options& options, SharedStatus& page) {
   CommandQueue commands(loop_wake);
   Mailbox mailbox;
   const FolderFindings earlier = repair_journals(options.session);
-  for (const std::string& line : earlier.repaired) std::fprintf(stderr, "strobed: %s\n", line.c_str());
+  for (const std::string& line : earlier.repaired) console.say(line);
   ShotNumbers numbers(options.session, earlier.last_shot_id);
   // Before the loop runs: with none set aside it refuses shots until the publisher could.
-  if (auto done = numbers.set_aside(numbers.last_before()); !done)
-    std::fprintf(stderr, "strobed: %s\n", done.error().message.c_str());
+  if (auto done = numbers.set_aside(numbers.last_before()); !done) console.say(done.error().message);
   queue.set_shot_id_limit(numbers.limit());
   Sequencer sequencer(rig, {clock, **lines, **lines, queue, commands}, numbers.last_before(),
                       find_tick(rig.real_time));
@@ -211,22 +212,24 @@ int run_worker(const Rig& rig, const Options& options, SharedStatus& page) {
   std::vector<std::string> faults;
   if (std::string fault = lock_memory(); !fault.empty()) faults.push_back(std::move(fault));
   const LatencyRequest latency;
-  LoopThread loop(sequencer, **lines, rig.real_time, page, loop_wake);
+  LoopThread loop(sequencer, **lines, rig.real_time, page, loop_wake, console);
   for (std::string& fault : loop.set_up()) faults.push_back(std::move(fault));
   if (!faults.empty() && !options.allow_no_rt) {
     return give_up_safely("no real-time rights: " + joined(faults) +
                           "; or start with --allow-no-rt and worse timing");
   }
   if (!latency.fault().empty()) faults.push_back(latency.fault());
-  for (const std::string& fault : faults) std::fprintf(stderr, "strobed: warning: %s\n", fault.c_str());
+  for (const std::string& fault : faults) console.say("warning: " + fault);
 
   auto journal = Journal::create(options.session, boot_id);
   if (!journal) return give_up_safely(journal.error().message);
-  Rejections rejections(clock, log_to_stderr);
+  const auto say = [&console](const std::string& line) { console.say(line); };
+  Rejections rejections(clock, say);
   PublisherSettings settings;
   settings.rejected = [&rejections] { return rejections.counts(); };
   settings.boot_id = boot_id;
   settings.session = options.session;
+  settings.say = say;
   settings.found = earlier;
   settings.numbers = &numbers;
   settings.real_time = faults.empty();
@@ -234,9 +237,8 @@ int run_worker(const Rig& rig, const Options& options, SharedStatus& page) {
   settings.heartbeat_ns = &page.publisher_heartbeat_ns;
   settings.drill_at_shot = options.drill_at_shot;
   settings.drill = drill(options.drill, loop);
-  settings.on_first_status = [&rig, &options, &page, boot_id] {
-    std::fprintf(stderr, "strobed: ready, rig %s, boot %016llx, key %s\n", rig.name.c_str(),
-                 static_cast<unsigned long long>(boot_id), options.key_words.c_str());
+  settings.on_first_status = [&rig, &options, &page, &console, boot_id] {
+    console.say("ready, rig " + rig.name + ", boot " + boot_in_hex(boot_id) + ", key " + options.key_words);
     page.ready = true;
     page.notify();
   };

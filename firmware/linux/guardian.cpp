@@ -18,6 +18,7 @@
 #include <optional>
 #include <string>
 
+#include "firmware/linux/console.hpp"
 #include "firmware/linux/gpio_lines.hpp"
 #include "firmware/linux/real_time.hpp"
 #include "firmware/linux/service_notify.hpp"
@@ -190,7 +191,7 @@ class Guardian {
     } else {
       words += "THE OUTPUTS MAY BE ACTIVE: " + safe_->error().message;
     }
-    std::fprintf(stderr, "strobed: %s\n", words.c_str());
+    Console().say(words);
     service_.say("STATUS=" + words);
     return kExitFailed;
   }

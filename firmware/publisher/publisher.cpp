@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cassert>
-#include <cstdio>
 #include <stdexcept>
 #include <utility>
 
@@ -28,9 +27,14 @@ std::vector<std::uint8_t> encoded(const T& message) {
   return bytes;
 }
 
-}  // namespace
+std::string in_words(const Event& event, std::int64_t sequence) {
+  std::string words = "event " + std::to_string(sequence);
+  words += " kind " + std::to_string(static_cast<int>(event.kind)) + " shot " + std::to_string(event.shot_id);
+  words += " flash " + std::to_string(event.flash_index) + " level " + std::to_string(event.level) + " ";
+  return words.append(event.detail.view());
+}
 
-void log_to_stderr(const std::string& line) { std::fprintf(stderr, "strobed: %s\n", line.c_str()); }
+}  // namespace
 
 Publisher::Publisher(const Rig& rig, PublisherSettings settings, LoopQueue& queue, Mailbox& mailbox,
                      Journal& journal, MessageBus& bus, Clock& clock)
@@ -109,12 +113,7 @@ void Publisher::take(const Event& event) {
     if (settings_.drill_at_shot > 0 && shots_started_ >= settings_.drill_at_shot) settings_.drill();
   }
   ++sequence_;
-  if (settings_.verbose) {
-    std::fprintf(stderr, "strobed: event %lld kind %d shot %d flash %d level %d %.*s\n",
-                 static_cast<long long>(sequence_), static_cast<int>(event.kind), event.shot_id,
-                 event.flash_index, event.level, static_cast<int>(event.detail.view().size()),
-                 event.detail.view().data());
-  }
+  if (settings_.verbose) settings_.say(in_words(event, sequence_));
   outbox_.push_back({Message::Kind::event,
                      {sequence_, sequence_},
                      event_channel_,

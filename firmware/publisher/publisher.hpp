@@ -22,9 +22,6 @@
 
 namespace strobe::firmware {
 
-/// A line on standard error, after the program's name.
-void log_to_stderr(const std::string& line);
-
 struct PublisherSettings {
   std::int64_t boot_id = 0;
   std::filesystem::path session;
@@ -34,7 +31,8 @@ struct PublisherSettings {
   std::function<std::int64_t()> wall_ns = system_wall_ns;
   std::function<std::int64_t()> boot_time_ns = system_boot_time_ns;
   std::function<RejectedCommands()> rejected = [] { return RejectedCommands{}; };  ///< so far
-  std::function<void(const std::string&)> say = log_to_stderr;
+  std::function<void(const std::string&)> say = [](const std::string&) {
+  };                                                  ///< a line for a person; must not wait
   std::atomic<std::int64_t>* heartbeat_ns = nullptr;  ///< set at each turn, for the watchdog
   int drill_at_shot = 0;  ///< `drill` is called at flashes from the n-th shot of this boot on; 0: never
   std::function<void()> drill;

@@ -3,7 +3,6 @@
 #include <sodium.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <exception>
 #include <utility>
 
@@ -96,7 +95,7 @@ void Receiver::receive(std::span<const std::uint8_t> sealed) noexcept {
     open(sealed);
   } catch (const std::exception& error) {
     // Out of a message handler an exception would cross C code.
-    std::fprintf(stderr, "strobed: a command was dropped: %s\n", error.what());
+    rejections_.tell(std::string("a command was dropped: ") + error.what());
   }
 }
 
@@ -134,7 +133,7 @@ void Receiver::dispatch(const strobe_msgs::command_t& message) {
     for (const auto& note : message.notes) notes.notes.push_back({note.key, note.value});
     mailbox_.keep(std::move(notes));
   }
-  if (!commands_.push(command)) std::fprintf(stderr, "strobed: a command was dropped: too many at once\n");
+  if (!commands_.push(command)) rejections_.tell("a command was dropped: too many at once");
 }
 
 }  // namespace strobe::firmware

@@ -19,10 +19,12 @@ class Rejections {
   using Say = std::function<void(const std::string&)>;
   static constexpr Duration kQuiet = milliseconds(10'000);
 
-  /// say: a line for a person.
+  /// say: a line for a person; must not wait.
   Rejections(Clock& clock, Say say) : clock_(clock), say_(std::move(say)) {}
 
   void note(authentication::Rejection why);
+  /// A line about a command that was lost.
+  void tell(const std::string& line) { say_(line); }
   /// Logs what was held back, when it may. Call it now and then.
   void turn();
 
