@@ -151,8 +151,8 @@ void assign_legs(const Frame& frame, Observations& all, FlagSet& flags) {
   if (!contact) flags.set(Flag::no_contact_image);
 }
 
-/// A ball within 3 degrees of the vertical has no direction of travel and is left as it is.
-bool travels_left(const std::vector<Observation>& images, Leg leg) {
+/// By its first and last image, of which the fit may leave one out: see orient().
+bool seems_to_travel_left(const std::vector<Observation>& images, Leg leg) {
   const Observation* first = nullptr;
   const Observation* last = nullptr;
   for (const Observation& o : images) {
@@ -160,20 +160,7 @@ bool travels_left(const std::vector<Observation>& images, Leg leg) {
     if (!first) first = &o;
     last = &o;
   }
-  if (first == last) return false;
-  const Eigen::Vector2d step = last->centre_m - first->centre_m;
-  return step.x() < -0.05 * std::abs(step.y());
-}
-
-void mirror(Observations& all) {
-  all.surface.mirrored = true;
-  all.gravity_mps2.x() = -all.gravity_mps2.x();
-  for (Eigen::Vector2d& p : all.surface_m) p.x() = -p.x();
-  for (Observation& o : all.images) {
-    o.centre_m.x() = -o.centre_m.x();
-    o.centre_cholesky_m.yx = -o.centre_cholesky_m.yx;
-    o.equator_rad = -o.equator_rad;
-  }
+  return first != last && travels_left(last->centre_m - first->centre_m);
 }
 
 }  // namespace
@@ -215,8 +202,21 @@ std::optional<Observations> observe(const Frame& frame, FlagSet& flags) {
   assign_legs(frame, all, flags);
   const bool any_incoming = std::any_of(all.images.begin(), all.images.end(),
                                         [](const Observation& o) { return o.leg == Leg::incoming; });
-  if (travels_left(all.images, any_incoming ? Leg::incoming : Leg::rebound)) mirror(all);
+  if (seems_to_travel_left(all.images, any_incoming ? Leg::incoming : Leg::rebound)) mirror(all);
   return all;
+}
+
+bool travels_left(const Eigen::Vector2d& way) { return way.x() < -0.05 * std::abs(way.y()); }
+
+void mirror(Observations& all) {
+  all.surface.mirrored = !all.surface.mirrored;
+  all.gravity_mps2.x() = -all.gravity_mps2.x();
+  for (Eigen::Vector2d& p : all.surface_m) p.x() = -p.x();
+  for (Observation& o : all.images) {
+    o.centre_m.x() = -o.centre_m.x();
+    o.centre_cholesky_m.yx = -o.centre_cholesky_m.yx;
+    o.equator_rad = -o.equator_rad;
+  }
 }
 
 }  // namespace strobe::reduction

@@ -94,4 +94,11 @@ std::optional<double> temperature_c(const Frame& frame);
 /// if no line goes through the surface points (flag degenerate_geometry). The frame must be valid.
 std::optional<Observations> observe(const Frame& frame, FlagSet& flags);
 
+/// Of a displacement or a velocity along the path. A ball within 3 degrees of the vertical has no direction of travel:
+/// false.
+bool travels_left(const Eigen::Vector2d& way);
+
+/// As a mirror at the surface's normal shows them: a ball that travelled to the left then travels to the right.
+void mirror(Observations& all);
+
 }  // namespace strobe::reduction

@@ -49,11 +49,11 @@ Readout two_point_readout(const Frame& frame, const PropagationOptions& propagat
   Readout readout = empty_readout(frame, Estimator::two_point);
   std::optional<Observations> observations = observe(frame, readout.flags);
   if (!observations) return readout;
-  readout.mirrored = observations->surface.mirrored;
   flag_redundancy(*observations, readout.flags);
   keep_nearest(*observations);
   const ShotFit fit = fit_shot(std::move(*observations),
                                {.effects = flight::kNoEffects, .reject_outliers = false}, readout.flags);
+  readout.mirrored = fit.observations.surface.mirrored;
   propagate(fit, propagation, readout);
   if (spins_contradict_friction(readout, fit)) readout.flags.set(Flag::spin_aliased);
   return readout;
@@ -65,10 +65,10 @@ Readout best_readout(const Frame& frame, const PropagationOptions& propagation,
   Readout readout = empty_readout(frame, Estimator::best);
   std::optional<Observations> observations = observe(frame, readout.flags);
   if (!observations) return readout;
-  readout.mirrored = observations->surface.mirrored;
   const FitOptions fitting{.effects = options.effects.value_or(flight::Effects{}),
                            .reject_outliers = options.reject_outliers};
   ShotFit fit = fit_shot(std::move(*observations), fitting, readout.flags);
+  readout.mirrored = fit.observations.surface.mirrored;
   flag_redundancy(fit.observations, readout.flags);
   Readout reduced = readout;
   const Crossings crossings = propagate(fit, propagation, reduced);

@@ -48,6 +48,17 @@ void fit_once(ShotFit& fit) {
   }
 }
 
+/// Mirrors where the legs as fitted, without the images left out, say otherwise than the first and last image did.
+void orient(ShotFit& fit) {
+  const std::size_t leg = fit.joint.legs[0].fitted ? 0 : 1;
+  if (fit.joint.degenerate || !fit.joint.legs[leg].fitted) return;
+  const double* way = &fit.joint.unknowns[kLegStart[leg] + 2];
+  const bool mirrored = fit.observations.surface.mirrored;
+  if (travels_left({mirrored ? -way[0] : way[0], way[1]}) == mirrored) return;
+  mirror(fit.observations);
+  fit_once(fit);
+}
+
 }  // namespace
 
 void refit(ShotFit& fit, flight::Effects effects) {
@@ -69,6 +80,7 @@ ShotFit fit_shot(Observations observations, FitOptions options, FlagSet& flags) 
     flags.set(Flag::outlier_image);
     fit_once(fit);
   }
+  orient(fit);
   for (const auto& spin : fit.spin) {
     if (spin && spin->aliased) flags.set(Flag::spin_aliased);
   }

@@ -105,6 +105,25 @@ TEST(BestEstimator, ABallToTheLeftIsMirrored) {
   }
 }
 
+TEST(BestEstimator, AnImageThatIsLeftOutDoesNotDecideTheDirectionOfTravel) {
+  // Steep: 0.18 m along the surface in five images, less than the first one is off.
+  for (const bool to_the_left : {false, true}) {
+    Setup setup = vacuum();
+    setup.mirror = to_the_left;
+    Bounce steep;
+    steep.vx_td = 5.0, steep.vy_td = -12.0, steep.vx_lo = 4.0, steep.vy_lo = 9.0;
+    Random random(5);
+    Frame frame = photograph(steep, setup, random);
+    frame.images.front().centre_px.x += to_the_left ? -900.0 : 900.0;
+    const Readout r = reduced(frame);
+    CHECK_TRUE(r.flags.has(Flag::outlier_image));
+    CHECK_EQUAL(to_the_left, r.mirrored);
+    for (const Quantity q :
+         {Quantity::vx_td_mps, Quantity::vx_lo_mps, Quantity::omega_td_radps, Quantity::omega_lo_radps})
+      DOUBLES_EQUAL(*truth(steep)[q], *r.value[q], 5.0 * *r.sd[q]);
+  }
+}
+
 TEST(BestEstimator, LegsThatNobodyNamedAreFoundUnderGravity) {
   // A slow ball, 10 ms between flashes, 0.3 ms and half a millimetre past touchdown at one of them: only the
   // fall of the others, 2 mm within a leg, tells that it is in contact.
