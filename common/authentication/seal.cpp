@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <strobe_msgs/sealed_command_t.hpp>
 
+#include "common/authentication/big_endian.hpp"
+
 namespace strobe::authentication {
 
 namespace {
@@ -33,12 +35,6 @@ Mac mac_of(const Key& key, std::span<const std::uint8_t> bytes) {
   crypto_generichash_blake2b_salt_personal(mac.data(), mac.size(), bytes.data(), bytes.size(),
                                            key.bytes().data(), Key::kBytes, nullptr, kPurpose.data());
   return mac;
-}
-
-std::uint64_t big_endian(std::span<const std::uint8_t> bytes) {
-  std::uint64_t value = 0;
-  for (const std::uint8_t byte : bytes) value = value << 8 | byte;
-  return value;
 }
 
 bool shaped(std::span<const std::uint8_t> sealed) {
