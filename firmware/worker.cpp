@@ -25,6 +25,7 @@
 #include "firmware/publisher/lcm_bus.hpp"
 #include "firmware/publisher/publisher.hpp"
 #include "firmware/publisher/receiver.hpp"
+#include "firmware/publisher/sealed_bus.hpp"
 
 namespace strobe::firmware {
 
@@ -191,11 +192,12 @@ int run_worker(const Rig& rig, const Options& options, SharedStatus& page) {
 
   lcm::LCM lcm(options.lcm_url);
   if (!lcm.good()) return give_up_safely(no_lcm(options.lcm_url));
-  LcmBus bus(lcm);
   const auto commands_in =
       CommandFeed::open(options.lcm_url, messages::channel_name(rig.name, messages::Channel::command));
   if (!commands_in) return give_up_safely(commands_in.error().message);
   const std::int64_t boot_id = random_id();
+  LcmBus network(lcm);
+  SealedBus bus(network, options.key.value(), boot_id);
   SystemClock clock;
   LoopQueue queue(rig, publisher_wake);
   CommandQueue commands(loop_wake);

@@ -47,6 +47,9 @@ void add_run(CLI::App& app, RunOptions& options, bool& no_digitizer) {
   run->add_option("--lcm-url", options.lcm_url, "LCM URL of the tablet")
       ->capture_default_str()
       ->check(strobe::wire::lcm_url_problem);
+  run->add_option("--key-file", options.key_file,
+                  "the lab's key, for the tablet's operator (default: $STROBE_KEY_FILE, "
+                  "~/.config/strobe/lab.key)");
   run->add_option("--rig", options.rig_name, "Rig's name in the LCM channels")->capture_default_str();
   run->add_option("--chip-dir", options.chip_dir, "Folder for the chip (default: a temporary one)");
   run->add_option("--truth", options.truth_file, "Write what truly happened, one JSON object per shot");

@@ -32,8 +32,8 @@ PacketMac packet_mac_of(const Key& key, std::string_view channel, Bytes message,
   put_big_endian(std::span(first).subspan(kSealHeader_bytes, 8), channel.size());
   put_big_endian(std::span(first).last(8), message.size());
   crypto_generichash_blake2b_state state;
-  crypto_generichash_blake2b_init_salt_personal(&state, key.bytes().data(), Key::kBytes, kPacketMac_bytes, nullptr,
-                                                kPurpose.data());
+  crypto_generichash_blake2b_init_salt_personal(&state, key.bytes().data(), Key::kBytes, kPacketMac_bytes,
+                                                nullptr, kPurpose.data());
   crypto_generichash_blake2b_update(&state, first.data(), first.size());
   crypto_generichash_blake2b_update(&state, reinterpret_cast<const std::uint8_t*>(channel.data()),
                                     channel.size());

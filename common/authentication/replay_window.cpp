@@ -26,8 +26,8 @@ bool ReplayWindows::accept(const PacketNumber& number) {
   auto found = senders_.find(number.sender);
   if (found == senders_.end()) {
     if (senders_.size() >= kMaxSenders) {
-      senders_.erase(std::ranges::min_element(
-          senders_, {}, [](const auto& sender) { return sender.second->used; }));
+      senders_.erase(
+          std::ranges::min_element(senders_, {}, [](const auto& sender) { return sender.second->used; }));
     }
     found = senders_.emplace(number.sender, std::make_unique<Sender>()).first;
   }

@@ -14,29 +14,18 @@ namespace {
 /// What has lasted for so long is told to a person who sees no screen.
 constexpr Duration kLasting = std::chrono::seconds{2};
 
-/// Whether strobed has another key than this host: it counts a command as forged that this host has just
-/// sent.
+/// Whether strobed has another key than this host: nothing of it can be believed, not even its status.
 class KeyCheck {
  public:
   /// Returns true once, when the keys turn out to differ.
   bool update(const HostLoop& loop) {
-    const auto& status = loop.session().status();
-    if (!status) return false;
-    if (status->arm_host_id == loop.settings().host_id) accepted_ = true;
-    if (!forged_before_) forged_before_ = status->rejected_forged;
-    if (accepted_ || differs_since_ || status->rejected_forged <= *forged_before_) return false;
-    differs_since_ = loop.now();
-    return true;
-  }
-  /// Others' forgeries alone do not end a series: it waits for a token as long as for anything else.
-  bool timed_out(HostTime now, double timeout_s) const {
-    return differs_since_ && !accepted_ && to_seconds(now - *differs_since_) > timeout_s;
+    if (told_ || loop.session().status() || loop.unverified()[authentication::Unverified::other_key] == 0)
+      return false;
+    return told_ = true;
   }
 
  private:
-  bool accepted_ = false;
-  std::optional<std::int64_t> forged_before_;
-  std::optional<HostTime> differs_since_;
+  bool told_ = false;
 };
 
 /// Prints, where there is no screen, what has lasted for two seconds.
@@ -88,7 +77,7 @@ class FireRun {
   FireRun(const FireRequest& request, SessionFolder& folder, Transport& link, Clock& clock,
           std::int64_t host_id)
       : request_(request),
-        transport_(link, folder, clock, request.rig.rig, host_id),
+        transport_(link, folder, clock),
         loop_({request.rig.rig, assembly_settings(request.rig), host_id, true, request.key}, transport_,
               clock),
         terminal_(request.style,
@@ -97,8 +86,9 @@ class FireRun {
         runner_(loop_, request.series) {
     loop_.add_listener(tables_);
     loop_.add_listener(terminal_);
+    terminal_.show_only(host_id);
     terminal_.model().thesis = request.condition;
-    folder.load_events(loop_.session().ledger(), request.rig.rig);
+    folder.load_events(loop_.session().ledger(), request.rig.rig, request.key);
   }
 
   HostLoop& loop() { return loop_; }
@@ -126,13 +116,11 @@ class FireRun {
   }
 
   void check_key() {
-    if (key_.update(loop_)) {
-      terminal_.note(
-          fmt::format("strobed ignores commands that are sealed with another key than its own: it tells its "
-                      "key's fingerprint at its start, this host's is {} (see strobe key, --key-file)",
-                      request_.key.fingerprint()));
-    }
-    if (!runner_.fired() && key_.timed_out(loop_.now(), request_.series.blocked_timeout_s)) runner_.abandon();
+    if (!key_.update(loop_)) return;
+    terminal_.note(
+        fmt::format("a firmware here has another key than this host, and is not believed: it tells its key's "
+                    "fingerprint at its start, this host's is {} (see strobe key, --key-file)",
+                    request_.key.fingerprint()));
   }
 
   void show() {

@@ -26,6 +26,7 @@ struct LiveOptions {
   bool json = false;
   bool plain = false;
   bool timing = false;
+  bool unverified = false;
   int shots = 0;
   double idle_exit_s = 0.0;
 };
@@ -46,7 +47,7 @@ class TimingReport final : public HostListener {
     const auto& status = loop_.session().status();
     if (!after_shot_ || !status || loop_.session().status_heard() <= status_heard_) return;
     if (json_) {
-      print({timing_json(*status, terminal_.model().clock, *after_shot_)});
+      print({timing_json(*status, terminal_.model().clock, *after_shot_, loop_.unverified())});
     } else {
       print(render_timing(*status));
     }
@@ -100,7 +101,7 @@ int run_live(const LiveOptions& options) {
   const std::string url = lcm_url(options.url, *rig);
   const auto key = authentication::find_key({options.key_file, rig->key_file.value_or("")});
   HostLoopSettings settings{rig->rig, assembly_settings(*rig), random_host_id()};
-  if (key) settings.key = key->key;
+  if (key && !options.unverified) settings.key = key->key;
   MachineClock clock;
   auto link = LcmLink::open(url, rig->rig);
   if (!link) return failed(link.error().message);
@@ -118,7 +119,10 @@ int run_live(const LiveOptions& options) {
   const bool with_timing = options.timing && !terminal.owns_screen();
   if (with_timing) loop.add_listener(timing);
   terminal.note(fmt::format("listening to rig {} on {}", rig->rig, url));
-  if (!key) loop.notify("what is lost on the way cannot be asked for: " + key.error().message);
+  if (!loop.verifies()) {
+    loop.notify("unverified: anybody's messages are shown, and what is lost on the way cannot be asked for" +
+                (key ? "" : ": " + key.error().message));
+  }
   const bool receiving = watch(loop, terminal, with_timing ? &timing : nullptr, options);
   terminal.close();
   if (!receiving) return failed("LCM cannot receive any more");
@@ -136,8 +140,12 @@ void add_live_command(CLI::App& app, int& exit_status) {
   command->add_option("--rig", options->rig_path, "rig file (default: the example that comes with strobe)");
   command->add_option("--lcm-url", options->url, "LCM URL (default: the rig file's, else this machine only)")
       ->check(wire::lcm_url_problem);
-  command->add_option("--key-file", options->key_file,
-                      "the lab's key, to ask strobed for what did not come (default: as `strobe key` tells)");
+  command->add_option(
+      "--key-file", options->key_file,
+      "the lab's key, to know its messages and to ask strobed for what did not come (default: as "
+      "`strobe key` tells)");
+  command->add_flag("--unverified", options->unverified,
+                    "watch without a key: show everybody's messages, the lab's or not, marked as unverified");
   add_photograph_options(*command, options->photographs);
   command->add_flag("--json", options->json,
                     "one JSON object per readout on standard output, nothing else there");

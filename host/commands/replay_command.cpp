@@ -6,6 +6,8 @@
 #include <memory>
 #include <system_error>
 
+#include "common/authentication/key_file.hpp"
+#include "common/authentication/packet_seal.hpp"
 #include "host/commands/command.hpp"
 #include "host/commands/terminal.hpp"
 #include "host/config/rig_file.hpp"
@@ -17,6 +19,7 @@ namespace {
 struct ReplayOptions {
   std::string log;
   std::string rig_path;
+  std::string key_file;
   bool json = false;
 };
 
@@ -35,6 +38,29 @@ class LogClock final : public Clock {
   Duration now{};
 };
 
+/// Whether a log has a packet that is sealed with the lab's key. It is then reduced from those alone; a log
+/// without, of another lab or of a journal, which is never sealed, as unverified.
+bool is_sealed(const std::string& path, const std::string& rig, const authentication::Key& key) {
+  const std::string channels = "STROBE/" + rig + "/";
+  const authentication::PacketSeal seal(key);
+  lcm::LogFile log(path, "r");
+  while (const lcm::LogEvent* event = log.readNextEvent()) {
+    if (event->channel.starts_with(channels) &&
+        seal.open(event->channel,
+                  {static_cast<const std::uint8_t*>(event->data), static_cast<std::size_t>(event->datalen)}))
+      return true;
+  }
+  return false;
+}
+
+HostLoopSettings loop_settings(const ReplayOptions& options, const RigFile& rig) {
+  HostLoopSettings settings{rig.rig, assembly_settings(rig)};
+  settings.replays = true;
+  const auto key = authentication::find_key({options.key_file, rig.key_file.value_or("")});
+  if (key && is_sealed(options.log, rig.rig, key->key)) settings.key = key->key;
+  return settings;
+}
+
 int run_replay(const ReplayOptions& options) {
   const auto rig = load_rig(rig_path(options));
   if (!rig) return bad_input(rig.error().message);
@@ -44,9 +70,10 @@ int run_replay(const ReplayOptions& options) {
   if (!log.good()) return bad_input(options.log + ": cannot be read");
   LogClock clock;
   NullTransport transport;
-  HostLoop loop({rig->rig, assembly_settings(*rig)}, transport, clock);
+  HostLoop loop(loop_settings(options, *rig), transport, clock);
   Terminal terminal(Terminal::style(options.json, true));
   loop.add_listener(terminal);
+  if (!loop.verifies()) terminal.note("unverified: the log has no seal of this host's key (see strobe key)");
   std::int64_t messages = 0;
   while (const lcm::LogEvent* event = log.readNextEvent()) {
     ++messages;
@@ -73,6 +100,10 @@ void add_replay_command(CLI::App& app, int& exit_status) {
       ->required();
   command->add_option("--rig", options->rig_path,
                       "rig file (default: rig.toml beside the log, else the example that comes with strobe)");
+  command->add_option(
+      "--key-file", options->key_file,
+      "the lab's key, to know the lab's messages (default: as `strobe key` tells); a log without "
+      "its seal is shown as unverified");
   command->add_flag("--json", options->json,
                     "one JSON object per readout on standard output, nothing else there");
   command->footer("Example: strobe replay run1/host-20260131T093000Z.lcmlog --json");

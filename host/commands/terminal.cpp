@@ -16,10 +16,12 @@ volatile std::sig_atomic_t caught = 0;
 
 void mark(int) { caught = 1; }
 
-/// The readout, or the train report of a dry shot.
+/// The readout, or the train report of a dry shot; and whether they are the lab's.
 std::string json_line(const ShotResult& result) {
-  if (result.dry) return train_report_json(result.train, result.shot_id);
-  return messages::readout_to_json(result.readout);
+  std::string line = result.dry ? train_report_json(result.train, result.shot_id)
+                                : messages::readout_to_json(result.readout);
+  line.pop_back();
+  return line + (result.verified ? ",\"verified\":true}" : ",\"verified\":false}");
 }
 
 }  // namespace
@@ -54,6 +56,7 @@ void Terminal::open() {
 }
 
 void Terminal::on_shot_result(const ShotResult& result) {
+  if (only_host_ && result.host_id != *only_host_) return;
   model_.add(result);
   if (max_shots_ > 0 && model_.shots > max_shots_) return;
   if (style_ == Style::json) {
@@ -74,6 +77,8 @@ void Terminal::note(const std::string& text) {
 }
 
 void Terminal::show(HostLoop& loop) {
+  model_.verified = loop.verifies();
+  model_.unverified = loop.unverified();
   if (const auto warning = model_.update(loop.session(), loop.now())) loop.notify(*warning);
   if (!screen_ || loop.now() - painted_ < kRepaint) return;
   painted_ = loop.now();

@@ -30,6 +30,9 @@ class Terminal final : public HostListener {
   /// max_shots: results beyond are not printed; 0: no limit.
   explicit Terminal(Style style, std::string title = "", int max_shots = 0);
 
+  /// From now on only the results of this host's shots are shown: others', or those of a log that is played
+  /// back, are none of its series.
+  void show_only(std::int64_t host_id) { only_host_ = host_id; }
   /// Takes the screen, if that is the style; where there is none that can be painted on, lines are printed.
   void open();
   bool owns_screen() const { return screen_ != nullptr; }
@@ -49,6 +52,7 @@ class Terminal final : public HostListener {
  private:
   Style style_;
   int max_shots_;
+  std::optional<std::int64_t> only_host_;
   ViewModel model_;
   std::unique_ptr<Screen> screen_;
   HostTime painted_;

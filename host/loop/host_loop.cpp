@@ -1,5 +1,7 @@
 #include "host/loop/host_loop.hpp"
 
+#include <fmt/format.h>
+
 #include <strobe_msgs/readout_t.hpp>
 
 #include "common/messages/encode.hpp"
@@ -17,11 +19,17 @@ HostLoop::HostLoop(HostLoopSettings settings, Transport& transport, Clock& clock
       transport_(transport),
       clock_(clock),
       commands_(settings_.host_id),
-      session_(settings_.assembly, settings_.fires ? settings_.host_id : 0, settings_.key.has_value()),
+      rig_channels_("STROBE/" + settings_.rig + "/"),
+      command_channel_(messages::channel_name(settings_.rig, messages::Channel::command)),
+      check_(settings_.key, settings_.host_id),
+      session_(settings_.assembly, settings_.fires ? settings_.host_id : 0,
+               settings_.key.has_value() && !settings_.replays),
       decoder_(settings_.rig, *this),
       now_(clock.read().mono),
       last_message_(now_) {
-  if (settings_.key) sealer_.emplace(*settings_.key, settings_.rig);
+  if (!settings_.key || settings_.replays) return;
+  sealer_.emplace(*settings_.key, settings_.rig);
+  seal_.emplace(*settings_.key);
 }
 
 bool HostLoop::run_once() {
@@ -34,8 +42,13 @@ bool HostLoop::run_once() {
 }
 
 void HostLoop::receive(const std::string& channel, Transport::Bytes bytes) {
-  now_ = last_message_ = clock_.read().mono;
-  decoder_.receive(channel, bytes);
+  if (channel == command_channel_ || !channel.starts_with(rig_channels_)) return;
+  now_ = clock_.read().mono;
+  const auto message = check_.open(channel, bytes);
+  if (!message) return;
+  last_message_ = now_;
+  transport_.keep(channel, bytes);  // first, so that a log holds what a result came from
+  decoder_.receive(channel, *message);
 }
 
 void HostLoop::step() {
@@ -47,6 +60,7 @@ void HostLoop::step() {
   }
   session_.on_time(now_);
   session_.on_local_clocks(reading);
+  if (const auto line = check_.due_line(now_)) notify(*line);
   report();
   request_lost_events();
 }
@@ -73,6 +87,10 @@ void HostLoop::on_shot(const strobe_msgs::shot_t& message) {
 void HostLoop::on_frame(const strobe_msgs::frame_t& message) {
   // Its own are taken in as they are published.
   if (photographs_ && message.host_id == settings_.host_id) return;
+  // Of which session? It could be any day's, played back.
+  if (verifies() && message.boot_id == 0)
+    return notify(fmt::format(
+        "a frame of shot {} is not used: it does not say of which start of the firmware", message.shot_id));
   take_in(message);
 }
 
@@ -118,7 +136,7 @@ void HostLoop::send(strobe_msgs::command_t command) {
   if (!sealer_) return;
   command.sent_boot_time_ns = firmware_boot_time_ns(command.boot_id);
   if (const auto sealed = sealer_->seal(command)) {
-    transport_.publish(messages::channel_name(settings_.rig, messages::Channel::command), *sealed);
+    transport_.publish(command_channel_, *sealed);
   } else {
     notify(sealed.error().message);
   }
@@ -126,12 +144,15 @@ void HostLoop::send(strobe_msgs::command_t command) {
 
 template <typename Message>
 void HostLoop::publish(messages::Channel channel, const Message& message) {
-  transport_.publish(messages::channel_name(settings_.rig, channel), messages::encode(message));
+  const std::string name = messages::channel_name(settings_.rig, channel);
+  const std::vector<std::uint8_t> bytes = messages::encode(message);
+  transport_.publish(name, seal_ ? seal_->seal(name, bytes, {settings_.host_id, ++packets_sealed_}) : bytes);
 }
 
 void HostLoop::report() {
   for (const std::string& text : session_.take_notifications()) notify(text);
-  for (const ShotResult& result : session_.take_shot_results()) {
+  for (ShotResult& result : session_.take_shot_results()) {
+    result.verified = verifies();
     if (settings_.fires && result.host_id == settings_.host_id && !result.dry) {
       publish(messages::Channel::readout,
               messages::readout_to_lcm(result.readout, settings_.host_id, result.boot_id));

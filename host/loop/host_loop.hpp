@@ -1,5 +1,8 @@
 // The one loop of a host, whatever runs it (fire, live, replay, the soak test): messages in, the session kept,
 // photographs matched and measured, lost events requested again, shot results handed to the listeners.
+// With the lab's key, nothing is acted on that is not sealed with it (packet_check.hpp); without one, what is
+// seen is marked as unverified, and nothing can be sent.
+//
 // Transport and clock are ports, so that it runs on virtual time as well. Single-threaded; run_once() blocks
 // in the transport, for 20 ms at most, nothing else does.
 #pragma once
@@ -15,6 +18,7 @@
 #include "host/clock/clock_reading.hpp"
 #include "host/messages/command_factory.hpp"
 #include "host/messages/message_decoder.hpp"
+#include "host/messages/packet_check.hpp"
 #include "host/messages/transport.hpp"
 #include "host/photographs/photograph_pipeline.hpp"
 #include "host/session/session.hpp"
@@ -26,7 +30,8 @@ struct HostLoopSettings {
   AssemblySettings assembly;
   std::int64_t host_id = 0;  ///< random, of this process; not 0
   bool fires = false;        ///< this host's own shots each get a readout, which is published
-  std::optional<authentication::Key> key = {};  ///< absent: lost events cannot be requested again
+  std::optional<authentication::Key> key = {};  ///< absent: nothing is verified, requested or fired
+  bool replays = false;                         ///< a log: verified, but nobody is there to be asked
 };
 
 /// Hears what happens in a session. The default is to ignore it.
@@ -75,6 +80,10 @@ class HostLoop final : private MessageHandler {
   HostTime now() const { return now_; }
   /// When the last message came.
   HostTime last_message() const { return last_message_; }
+  /// Whether all that this loop acts on is sealed with the lab's key.
+  bool verifies() const { return settings_.key.has_value(); }
+  /// Packets that were not acted on.
+  const authentication::UnverifiedCounts& unverified() const { return check_.unverified(); }
   /// What the last exception on a message said; empty: there was none.
   const std::string& fault() const { return decoder_.fault(); }
 
@@ -96,6 +105,10 @@ class HostLoop final : private MessageHandler {
   Clock& clock_;
   CommandFactory commands_;
   std::optional<CommandSealer> sealer_;
+  std::optional<authentication::PacketSeal> seal_;
+  std::int64_t packets_sealed_ = 0;
+  std::string rig_channels_, command_channel_;
+  PacketCheck check_;
   Session session_;
   std::unique_ptr<PhotographPipeline> photographs_;
   MessageDecoder decoder_;

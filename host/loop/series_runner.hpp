@@ -20,8 +20,6 @@ class SeriesRunner final : public HostListener {
   /// Ends the series before its time: disarms, which may take a second, then recovers lost events. Returns
   /// false if it had ended already.
   bool stop();
-  /// Ends it at once: the firmware does not take this host's commands.
-  void abandon() { phase_ = Phase::finished; }
 
   bool finished() const { return phase_ == Phase::finished; }
   /// The series has been fired or given up; lost events are being fetched, or have been.

@@ -14,6 +14,8 @@ constexpr std::size_t kMaxAsks = 8;
 // questions.
 constexpr std::int64_t kMergeWithin = 64;
 constexpr std::int64_t kTail = 1'000'000;
+// A lab's are few; a log of years that is played back, or strangers where nothing is verified, have any number.
+constexpr std::size_t kMaxBoots = 256;
 // An ask and its answer each pass a lossy link: at 20 % loss eight in vain have a chance of 0.36^8 = 0.03 %.
 constexpr int kTailRequests = 8;
 // At 50 % loss 24 in vain have a chance of 0.1 %.
@@ -26,15 +28,27 @@ EventLedger::Boot& EventLedger::boot_of(std::int64_t boot_id, std::int64_t start
   const auto [found, is_new] = boots_.try_emplace(boot_id);
   Boot& boot = found->second;
   if (is_new) {
+    if (boots_.size() > kMaxBoots) forget_one_but(boot_id);
     boot.start = from_start_ ? 1 : start;
     boot.tail_requests_left = from_start_ ? kTailRequests : 0;
   }
   return boot;
 }
 
+/// The one heard longest ago.
+void EventLedger::forget_one_but(std::int64_t newest) {
+  auto oldest = boots_.end();
+  for (auto it = boots_.begin(); it != boots_.end(); ++it) {
+    if (it->first == newest || it->first == current_boot_) continue;
+    if (oldest == boots_.end() || it->second.heard < oldest->second.heard) oldest = it;
+  }
+  boots_.erase(oldest);
+}
+
 bool EventLedger::add(std::int64_t boot_id, std::int64_t sequence, HostTime now) {
   if (sequence < 1) return false;
   Boot& boot = boot_of(boot_id, sequence);
+  boot.heard = now;
   boot.again.erase(sequence);
   auto next = boot.runs.upper_bound(sequence);
   if (next != boot.runs.begin() && std::prev(next)->second >= sequence) return false;

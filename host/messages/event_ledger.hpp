@@ -1,5 +1,6 @@
 // Which journalled events of each boot of the firmware have arrived, and which must be requested again. A boot
-// numbers its events 1, 2, 3 ... without gaps, so a missing number was lost on the way. No I/O; single-threaded.
+// numbers its events 1, 2, 3 ... without gaps, so a missing number was lost on the way. Of more than 256 boots the
+// one heard longest ago is forgotten. No I/O; single-threaded.
 #pragma once
 
 #include <cstdint>
@@ -57,6 +58,7 @@ class EventLedger {
     std::map<std::int64_t, std::int64_t> runs;  ///< first to last number of each run of events that have arrived
     std::int64_t start = 0;                     ///< first sequence that counts
     std::int64_t newest = 0;                    ///< largest known to exist
+    HostTime heard;
     HostTime gap_since;
     HostTime asked;
     std::map<std::int64_t, int> again;  ///< sequence, and how often it was asked for
@@ -65,6 +67,7 @@ class EventLedger {
   };
 
   Boot& boot_of(std::int64_t boot_id, std::int64_t start);
+  void forget_one_but(std::int64_t newest);
 
   std::vector<EventRange> gaps(std::int64_t boot_id, const Boot& boot) const;
   static std::int64_t missing_of(const Boot& boot);

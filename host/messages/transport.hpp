@@ -23,6 +23,8 @@ class Transport {
   virtual bool receive(std::chrono::milliseconds max_wait, std::span<const int> descriptors,
                        const Receiver& receiver) = 0;
   virtual void publish(const std::string& channel, Bytes bytes) = 0;
+  /// Called with each message handed over that will be acted on, before it is.
+  virtual void keep(const std::string& /*channel*/, Bytes) {}
 };
 
 /// Nothing comes and nothing goes: messages are handed over by other ways.

@@ -20,7 +20,6 @@ class HeardTime {
 
   void on_heartbeat(std::int64_t boot_id, MonoTime sent);
   Duration now() const { return now_; }
-  bool knows(std::int64_t boot_id) const { return boots_.find(boot_id) != nullptr; }
   /// A boot's instant, before or after its newest heartbeat; nullopt if no heartbeat of that boot has come.
   std::optional<Duration> at(std::int64_t boot_id, MonoTime instant) const;
 

@@ -1,5 +1,6 @@
-// A transport whose messages are kept in a session's log: those received, and those published as they are
-// published. What this host has published comes back by multicast; it is neither logged nor handed on again.
+// A transport whose messages are kept in a session's log: those received that the loop acts on, and those
+// published as they are published; with their seals, so that a replay can verify them too. What strangers send
+// fills no disk.
 // Writes files; single-threaded.
 #pragma once
 
@@ -13,23 +14,21 @@ namespace strobe::host {
 
 class LoggedTransport final : public Transport {
  public:
-  /// host_id: of this host. All references must outlive the object.
-  LoggedTransport(Transport& transport, SessionFolder& folder, Clock& clock, const std::string& rig,
-                  std::int64_t host_id);
+  /// All references must outlive the object.
+  LoggedTransport(Transport& transport, SessionFolder& folder, Clock& clock)
+      : transport_(transport), folder_(folder), clock_(clock) {}
 
   bool receive(std::chrono::milliseconds max_wait, std::span<const int> descriptors,
                const Receiver& receiver) override;
   void publish(const std::string& channel, Bytes bytes) override;
+  void keep(const std::string& channel, Bytes bytes) override { log(channel, bytes); }
 
  private:
-  bool published_here(const std::string& channel, Bytes bytes) const;
   void log(const std::string& channel, Bytes bytes);
 
   Transport& transport_;
   SessionFolder& folder_;
   Clock& clock_;
-  std::string frame_channel_, readout_channel_;
-  std::int64_t host_id_;
 };
 
 }  // namespace strobe::host

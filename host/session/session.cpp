@@ -88,15 +88,16 @@ bool Session::ran_earlier(std::int64_t boot_id) const {
                                         [boot_id](const auto& boot) { return boot.boot_id == boot_id; });
 }
 
-/// Overtaken on the way. Of two boots the later one lists the other; where their session folders differ, a boot
-/// that was heard before is believed again only when the other has fallen silent.
+/// Overtaken on the way, or of a log that is played back, whose seals are good. Of two boots the later one lists
+/// the other; where their session folders differ, another is believed only when the one heard has fallen silent,
+/// and by a firing host, whose shots end with their boot, only after a cut's time.
 bool Session::outdated(const strobe_msgs::status_t& status, HostTime now) const {
   if (!status_) return false;
   if (status.boot_id == status_->boot_id) return status.mono_ns < status_->mono_ns;
   if (ran_earlier(status.boot_id)) return true;
   const bool follows = std::ranges::any_of(
       status.earlier, [this](const auto& boot) { return boot.boot_id == status_->boot_id; });
-  return !follows && heard_.knows(status.boot_id) && live_status(now);
+  return !follows && now - status_heard_ <= (host_id_ != 0 ? kCutOff : kSilent);
 }
 
 /// The photograph's time runs from the end of the shot, or from now if that is over or cannot be known.

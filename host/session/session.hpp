@@ -42,6 +42,7 @@ struct ShotResult {
   TrainReport train;
   std::optional<std::string> rejected;  ///< why it does not count; nothing: it counts
   std::string problem;                  ///< more words for a person; may be empty
+  bool verified = true;                 ///< false: nothing proves that its messages are the lab's
 };
 
 class Session {

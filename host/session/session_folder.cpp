@@ -7,6 +7,7 @@
 #include <set>
 #include <system_error>
 
+#include "common/authentication/packet_seal.hpp"
 #include "common/config/files.hpp"
 #include "common/messages/channels.hpp"
 #include "common/messages/well_formed.hpp"
@@ -86,23 +87,27 @@ Result<void> SessionFolder::add(const ShotResult& shot_result, const std::string
 
 Result<void> SessionFolder::add(const strobe_msgs::shot_t& shot) { return flashes_->add(shot); }
 
-void SessionFolder::load_events(EventLedger& ledger, const std::string& rig) const {
+void SessionFolder::load_events(EventLedger& ledger, const std::string& rig,
+                                const authentication::Key& key) const {
+  const authentication::PacketSeal seal(key);
   const std::string events = messages::channel_name(rig, messages::Channel::event);
   const std::string shots = messages::channel_name(rig, messages::Channel::shot);
   std::map<ShotKey, std::int64_t> ended;
   std::set<ShotKey> summed_up;
-  // Strangers' messages are kept as they came.
   const auto enter = [&](const lcm::LogEvent& logged) {
-    const auto size = static_cast<std::size_t>(logged.datalen);
+    const auto opened = seal.open(logged.channel, {static_cast<const std::uint8_t*>(logged.data),
+                                                   static_cast<std::size_t>(logged.datalen)});
+    if (!opened) return;
+    const auto [data, size] = std::pair(opened->message.data(), opened->message.size());
     if (logged.channel == events) {
       event_t event;
-      if (!messages::decode_checked(event, logged.data, size) || !messages::in_range(event)) return;
+      if (!messages::decode_checked(event, data, size) || !messages::in_range(event)) return;
       ledger.add(event.boot_id, event.sequence, HostTime{});
       if (event.kind == event_t::SHOT_ENDED || event.kind == event_t::SHOT_ABORTED)
         ended[{event.boot_id, event.shot_id}] = event.sequence;
     } else if (logged.channel == shots) {
       shot_t shot;
-      if (messages::decode_checked(shot, logged.data, size)) summed_up.insert({shot.boot_id, shot.shot_id});
+      if (messages::decode_checked(shot, data, size)) summed_up.insert({shot.boot_id, shot.shot_id});
     }
   };
   std::error_code error;
@@ -113,8 +118,8 @@ void SessionFolder::load_events(EventLedger& ledger, const std::string& rig) con
     if (!log.good()) continue;
     while (const lcm::LogEvent* logged = log.readNextEvent()) enter(*logged);
   }
-  for (const auto& [key, sequence] : ended) {
-    if (!summed_up.contains(key)) ledger.request_again(key.boot_id, sequence);
+  for (const auto& [shot, sequence] : ended) {
+    if (!summed_up.contains(shot)) ledger.request_again(shot.boot_id, sequence);
   }
 }
 

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <strobe_msgs/readout_t.hpp>
 
+#include "common/authentication/key.hpp"
 #include "common/result.hpp"
 #include "host/messages/event_ledger.hpp"
 #include "host/session/csv_file.hpp"
@@ -41,9 +42,10 @@ class SessionFolder {
   /// Appends a shot's flashes to flashes.csv, once.
   Result<void> add(const strobe_msgs::shot_t& shot);
 
-  /// Enters the events in this folder's earlier host logs, so that they are not asked for again; but for the
+  /// Enters the events in this folder's earlier host logs that are sealed with the lab's key, so that they are
+  /// not asked for again; but for the
   /// last ones of shots whose summaries are in none.
-  void load_events(EventLedger& ledger, const std::string& rig) const;
+  void load_events(EventLedger& ledger, const std::string& rig, const authentication::Key& key) const;
 
   const std::filesystem::path& path() const { return folder_; }
 

@@ -82,6 +82,9 @@ void ShotSeries::step(const std::optional<status_t>& status, HostTime now) {
 }
 
 void ShotSeries::wait_for_readiness(const status_t& status, HostTime now) {
+  // FIRE seemed refused or lost, and was not: another shot now would be one too many.
+  if (fired_ && status.boot_id == boot_id_ && status.last_shot_id > shots_before_)
+    return enter(State::shooting, now);
   blocking_reason_ = ours(status) ? "" : blocking_reason_of(status, factory_.host_id());
   if (status.state == status_t::FAULT && settings_.clear_fault && now - sent_ > kSendAgain) {
     commands_.push_back(factory_.clear(status.boot_id));
@@ -95,7 +98,7 @@ void ShotSeries::wait_for_readiness(const status_t& status, HostTime now) {
     blocking_reason_.clear();
   }
   enter(State::arming, now);
-  if (!ours(status)) commands_.push_back(factory_.arm(status.boot_id));
+  if (!ours(status)) send_arm(status, now);
 }
 
 void ShotSeries::arm(const status_t& status, HostTime now) {
@@ -110,13 +113,24 @@ void ShotSeries::arm(const status_t& status, HostTime now) {
   }
   if (!blocking_reason_of(status, factory_.host_id()).empty()) return enter(State::waiting, now);
   if (now - sent_ < kSendAgain) return;
+  send_arm(status, now);
+}
+
+void ShotSeries::send_arm(const status_t& status, HostTime now) {
   commands_.push_back(factory_.arm(status.boot_id));
-  sent_ = now;
+  sent(status, now);
 }
 
 void ShotSeries::send_fire(const status_t& status, HostTime now) {
   commands_.push_back(factory_.fire(status.boot_id, status.arm_token, settings_.plan, settings_.notes));
+  fired_ = true;
+  sent(status, now);
+}
+
+void ShotSeries::sent(const status_t& status, HostTime now) {
   sent_ = now;
+  asked_boot_ = status.boot_id;
+  asked_after_ = status.last_sequence;
 }
 
 void ShotSeries::fire(const status_t& status, HostTime now) {
@@ -145,7 +159,10 @@ void ShotSeries::on_event(const event_t& event) {
       event.shot_id > shots_before_) {
     enter(State::shooting, now_);
   }
-  if (event.kind != event_t::REFUSED || (state_ != State::arming && state_ != State::firing)) return;
+  // A refusal from before the command is none of it: it was lost and came late, or a log is played back.
+  const bool answers = event.boot_id == asked_boot_ && event.sequence > asked_after_;
+  if (event.kind != event_t::REFUSED || !answers || (state_ != State::arming && state_ != State::firing))
+    return;
   refusal_ = "refused: " + event.detail;
   notifications_.push_back(refusal_);
   if (state_ == State::firing && ++refusals_ >= kMaxRefusals) return give_up(refusal_);
@@ -157,6 +174,7 @@ void ShotSeries::on_shot_result(const ShotResult& shot_result) {
   if (state_ != State::shooting && state_ != State::firing) return;
   if (shot_result.boot_id != boot_id_ || shot_result.shot_id <= shots_before_) return;
   refusals_ = 0;
+  fired_ = false;
   if (shot_result.rejected) return on_rejected(rejection_in_full(shot_result), shot_result.shot_id);
   ++good_;
   if (good_ >= settings_.shots) {
@@ -171,6 +189,7 @@ void ShotSeries::on_rejected(const std::string& why, std::int64_t shot_id) {
     return give_up(fmt::format("shot {} is rejected ({}) and no retries are left", shot_id, why));
   }
   ++refired_;
+  fired_ = false;
   notifications_.push_back(fmt::format("shot {} is rejected ({}): firing again, retry {} of {}", shot_id, why,
                                        refired_, settings_.retries));
   enter(State::waiting, now_);

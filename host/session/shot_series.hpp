@@ -1,5 +1,7 @@
 // Firing a series: arm, fire, wait for the readout, fire rejected shots again, until all have come or the
-// retries are used up. A state machine on messages and the host's clock; no I/O; single-threaded.
+// retries are used up. It acts only on what answers it: on shots of the boot that gave this host the token, with
+// this host's id, later than the token; on refusals later than the command. So a log that is played back, whose
+// seals are good, ends no shot. A state machine on messages and the host's clock; no I/O; single-threaded.
 #pragma once
 
 #include <cstdint>
@@ -62,7 +64,9 @@ class ShotSeries {
   void enter(State state, HostTime now);
   void on_rejected(const std::string& why, std::int64_t shot_id);
   void give_up(const std::string& why);
+  void send_arm(const strobe_msgs::status_t& status, HostTime now);
   void send_fire(const strobe_msgs::status_t& status, HostTime now);
+  void sent(const strobe_msgs::status_t& status, HostTime now);
   double longest_shot_s() const;
   bool ours(const strobe_msgs::status_t& status) const;
 
@@ -74,6 +78,9 @@ class ShotSeries {
   std::optional<HostTime> blocked_since_;
   std::int64_t boot_id_ = 0;       ///< firmware of the shot that is under way
   std::int32_t shots_before_ = 0;  ///< its last_shot_id before the shot
+  bool fired_ = false;             ///< FIRE was sent, and the shot has no result yet
+  std::int64_t asked_boot_ = 0;    ///< whom the newest command went to
+  std::int64_t asked_after_ = 0;   ///< its newest event then
   HostTime now_;
   int good_ = 0;
   int refired_ = 0;

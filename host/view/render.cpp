@@ -63,6 +63,18 @@ std::string rejected_commands_text(const status_t& s) {
   return words;
 }
 
+std::string unverified_text(const ViewModel& model) {
+  if (!model.verified) return "UNVERIFIED: without the lab's key, anybody's messages are shown";
+  std::string words;
+  for (std::size_t i = 0; i < authentication::kUnverifiedCount; ++i) {
+    const auto why = static_cast<authentication::Unverified>(i);
+    if (model.unverified[why] > 0)
+      words += fmt::format("{}{} {}", words.empty() ? "packets ignored: " : ", ", model.unverified[why],
+                           authentication::words(why));
+  }
+  return words;
+}
+
 /// Why nothing can be fired, if it cannot: the caller's words, else the firmware's.
 std::string blocking_reason_of(const ViewModel& model) {
   if (!model.blocking_reason.empty()) return model.blocking_reason;
@@ -148,6 +160,7 @@ std::string headline(const ShotResult& shot_result) {
     text += "   court pace indicative";
   }
   if (shot_result.rejected) text += "   REJECTED";
+  if (!shot_result.verified) text += "   unverified";
   return text;
 }
 
@@ -214,6 +227,7 @@ Lines render_firmware(const ViewModel& model, std::size_t width) {
     lines.push_back(clock_line(model.clock, model.status_age_s));
     append(lines, render_timing(s));
   }
+  if (const std::string unverified = unverified_text(model); !unverified.empty()) lines.push_back(unverified);
   if (const std::string blocking_reason = blocking_reason_of(model); !blocking_reason.empty())
     lines.push_back("MISSING: " + blocking_reason);
   if (!model.activity.empty()) lines.push_back(model.activity);

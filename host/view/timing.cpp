@@ -112,13 +112,19 @@ std::vector<std::string> render_timing(const status_t& status) {
   return lines;
 }
 
-std::string timing_json(const status_t& status, const ClockState& clock, int after_shot) {
+std::string timing_json(const status_t& status, const ClockState& clock, int after_shot,
+                        const authentication::UnverifiedCounts& unverified) {
   nlohmann::ordered_json timing;
   for (const Label& label : kLabels)
     timing[std::string(label.key)] = histogram_json(histogram_of(status, label.quantity));
   nlohmann::ordered_json rejected;
   for (const RejectedCommandLabel& label : kRejectedCommandLabels)
     rejected[std::string(label.key)] = status.*label.count;
+  nlohmann::ordered_json ignored;
+  for (std::size_t i = 0; i < authentication::kUnverifiedCount; ++i) {
+    const auto why = static_cast<authentication::Unverified>(i);
+    ignored[authentication::name(why)] = unverified[why];
+  }
   const nlohmann::ordered_json json{
       {"timing_after_shot", after_shot},
       {"boot_id", fmt::format("{:x}", static_cast<std::uint64_t>(status.boot_id))},
@@ -132,7 +138,8 @@ std::string timing_json(const status_t& status, const ClockState& clock, int aft
         {"latency_s", messages::or_null(clock.latency_s)},
         {"worst_latency_s", clock.worst_latency_s},
         {"suspect", clock.suspect}}},
-      {"rejected", rejected}};
+      {"rejected", rejected},
+      {"unverified", ignored}};
   return json.dump();
 }
 

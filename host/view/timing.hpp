@@ -6,6 +6,7 @@
 #include <strobe_msgs/status_t.hpp>
 #include <vector>
 
+#include "common/authentication/unverified.hpp"
 #include "host/clock/device_clock.hpp"
 
 namespace strobe::host {
@@ -23,6 +24,7 @@ std::vector<std::string> render_timing(const strobe_msgs::status_t& status);
 
 /// {"timing_after_shot":…,"boot_id":"…","timing":{"lateness_us":{"n":…,"mean":…, …},…},"clock":{…},…} on one
 /// line; keys in fixed order, what is not known null.
-std::string timing_json(const strobe_msgs::status_t& status, const ClockState& clock, int after_shot);
+std::string timing_json(const strobe_msgs::status_t& status, const ClockState& clock, int after_shot,
+                        const authentication::UnverifiedCounts& unverified);
 
 }  // namespace strobe::host

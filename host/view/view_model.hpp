@@ -6,6 +6,7 @@
 #include <strobe_msgs/status_t.hpp>
 #include <vector>
 
+#include "common/authentication/unverified.hpp"
 #include "common/data/thesis_data.hpp"
 #include "host/clock/device_clock.hpp"
 #include "host/session/series_statistics.hpp"
@@ -22,6 +23,8 @@ struct ViewModel {
   double status_age_s = 0.0;
   ClockState clock;
   std::int64_t events_missing = 0;  ///< that did not arrive here
+  bool verified = true;             ///< false: whatever comes is shown, the lab's or not
+  authentication::UnverifiedCounts unverified;  ///< packets that were not acted on
   int shots = 0;                    ///< whose results have come
   std::optional<ShotResult> last;
   SeriesStatistics series;                  ///< of the shots that count

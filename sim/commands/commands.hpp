@@ -15,6 +15,7 @@ struct RunOptions {
   std::string scene;
   std::optional<std::uint64_t> seed;  ///< absent: a random one, printed
   std::string lcm_url;
+  std::string key_file;  ///< of the lab; empty: where strobe looks for it
   std::string rig_name = "bench";
   std::string chip_dir;      ///< empty: a temporary folder
   std::string truth_file;    ///< empty: none

@@ -9,6 +9,7 @@
 #include <random>
 #include <thread>
 
+#include "common/authentication/key_file.hpp"
 #include "common/messages/channels.hpp"
 #include "sim/commands/command_line.hpp"
 #include "sim/commands/commands.hpp"
@@ -135,7 +136,9 @@ class Session {
     session->runner_ = std::make_unique<RigRunner>(std::move(*chip), scene, seed, session->exposure_store_,
                                                    !options.changes_file.empty(), model);
     if (options.digitizer) {
-      auto tablet_operator = TabletOperator::create(options.lcm_url, options.rig_name, scene, seed,
+      const auto key = authentication::find_key({options.key_file, ""});
+      if (!key) return tl::unexpected(key.error());
+      auto tablet_operator = TabletOperator::create(options.lcm_url, options.rig_name, key->key, scene, seed,
                                                     session->exposure_store_, *session->truth_);
       if (!tablet_operator) return tl::unexpected(tablet_operator.error());
       session->tablet_operator_ = std::move(*tablet_operator);

@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
 
 #include "common/messages/channels.hpp"
+#include "common/messages/encode.hpp"
 #include "common/messages/lcm_conversions.hpp"
 #include "common/messages/well_formed.hpp"
 #include "common/wire/lcm_url.hpp"
@@ -22,6 +24,11 @@ constexpr Duration kStartSlack = milliseconds(1);
 constexpr Duration kExposureMissing = milliseconds(5000);  // longer than any exposure
 constexpr std::size_t kRememberedFrames = 256;
 
+std::int64_t random_id() {
+  std::random_device random;
+  return std::uniform_int_distribution<std::int64_t>(1)(random);
+}
+
 }  // namespace
 
 strobe_msgs::frame_t to_message(const reduction::Frame& frame, std::int64_t boot_id, int shot_id) {
@@ -33,22 +40,22 @@ strobe_msgs::frame_t to_message(const reduction::Frame& frame, std::int64_t boot
 }
 
 TabletOperator::TabletOperator(const Scene& scene, std::uint64_t seed, ExposureStore& exposure_store,
-                               TruthFile& truth, std::string rig_name)
+                               TruthFile& truth, std::string rig_name, const authentication::Key& key)
     : scene_(scene),
       seed_(seed),
       exposure_store_(exposure_store),
       truth_(truth),
-      rig_name_(std::move(rig_name)) {}
+      rig_name_(std::move(rig_name)),
+      seal_(key),
+      packet_{random_id(), 0} {}
 
 TabletOperator::~TabletOperator() { stop(); }
 
-Result<std::unique_ptr<TabletOperator>> TabletOperator::create(const std::string& lcm_url,
-                                                               const std::string& rig_name,
-                                                               const Scene& scene, std::uint64_t seed,
-                                                               ExposureStore& exposure_store,
-                                                               TruthFile& truth) {
+Result<std::unique_ptr<TabletOperator>> TabletOperator::create(
+    const std::string& lcm_url, const std::string& rig_name, const authentication::Key& key,
+    const Scene& scene, std::uint64_t seed, ExposureStore& exposure_store, TruthFile& truth) {
   std::unique_ptr<TabletOperator> tablet_operator(
-      new TabletOperator(scene, seed, exposure_store, truth, rig_name));
+      new TabletOperator(scene, seed, exposure_store, truth, rig_name, key));
   if (auto joined = tablet_operator->join(lcm_url); !joined)
     return fail("cannot join LCM: " + joined.error().message + "; --no-digitizer does without");
   return tablet_operator;
@@ -84,10 +91,11 @@ void TabletOperator::receive() {
   for (int i = 0; i < kMaxDatagrams; ++i) {
     const auto received = socket_->receive();
     if (!received) return;
-    const auto message = assembler_.take(received->sender, received->bytes);
-    if (!message || message->channel != channel) continue;
+    const auto packet = assembler_.take(received->sender, received->bytes);
+    if (!packet || packet->channel != channel) continue;
+    const auto opened = seal_.open(channel, packet->data);
     strobe_msgs::shot_t shot;
-    if (messages::decode_checked(shot, message->data.data(), message->data.size()) &&
+    if (opened && messages::decode_checked(shot, opened->message.data(), opened->message.size()) &&
         messages::in_range(shot))
       on_shot(shot);
   }
@@ -95,12 +103,16 @@ void TabletOperator::receive() {
 
 void TabletOperator::on_shot(const strobe_msgs::shot_t& shot) {
   const ShotKey key{shot.boot_id, shot.shot_id};
-  if (const auto known = sent_.find(key); known != sent_.end()) {
-    lcm_->publish(messages::channel_name(rig_name_, messages::Channel::frame), &known->second);
-    return;
-  }
+  if (const auto known = sent_.find(key); known != sent_.end()) return publish(known->second);
   if (announced_.insert(key).second)
     tasks_.push_back({key, from_ns(shot.start_ns), monotonic_now(), nullptr});
+}
+
+void TabletOperator::publish(const strobe_msgs::frame_t& frame) {
+  const std::string channel = messages::channel_name(rig_name_, messages::Channel::frame);
+  ++packet_.sequence;
+  const auto packet = seal_.seal(channel, messages::encode(frame), packet_);
+  lcm_->publish(channel, packet.data(), static_cast<unsigned>(packet.size()));
 }
 
 bool TabletOperator::find_exposure(Task& task, MonoTime now) {
@@ -129,7 +141,7 @@ void TabletOperator::send(const Task& task) {
   if (sent_.size() >= kRememberedFrames) sent_.erase(sent_.begin());
   const auto [entry, inserted] =
       sent_.insert_or_assign(task.key, to_message(digitized.frame, task.key.boot_id, task.key.shot_id));
-  lcm_->publish(messages::channel_name(rig_name_, messages::Channel::frame), &entry->second);
+  publish(entry->second);
 }
 
 void TabletOperator::run() {

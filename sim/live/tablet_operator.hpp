@@ -1,6 +1,7 @@
 // The simulated operator of the digitizing tablet, on LCM: when a shot is announced (SHOT), finds the
 // exposure of that time in the store, digitizes it and sends the frame (FRAME). A shot announced again is
-// sent again. A thread of its own; start and stop from one thread.
+// sent again. One of the lab: he believes no announcement without its seal, and seals his frames. A thread of
+// its own; start and stop from one thread.
 #pragma once
 
 #include <atomic>
@@ -16,6 +17,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/authentication/packet_seal.hpp"
 #include "common/shot/shot_key.hpp"
 #include "common/wire/assembler.hpp"
 #include "common/wire/channel_socket.hpp"
@@ -32,7 +34,8 @@ class TabletOperator {
  public:
   /// Fails if LCM cannot be joined (wire/lcm_url.hpp). `exposure_store` and `truth` must outlive it.
   static Result<std::unique_ptr<TabletOperator>> create(const std::string& lcm_url,
-                                                        const std::string& rig_name, const Scene& scene,
+                                                        const std::string& rig_name,
+                                                        const authentication::Key& key, const Scene& scene,
                                                         std::uint64_t seed, ExposureStore& exposure_store,
                                                         TruthFile& truth);
   ~TabletOperator();
@@ -56,12 +59,13 @@ class TabletOperator {
   };
 
   TabletOperator(const Scene& scene, std::uint64_t seed, ExposureStore& exposure_store, TruthFile& truth,
-                 std::string rig_name);
+                 std::string rig_name, const authentication::Key& key);
   Result<void> join(const std::string& lcm_url);
   void run();
   /// Takes in what has arrived, after waiting for it a moment.
   void receive();
   void on_shot(const strobe_msgs::shot_t& shot);
+  void publish(const strobe_msgs::frame_t& frame);
   /// True if the task is finished.
   bool process(Task& task, MonoTime now);
   bool find_exposure(Task& task, MonoTime now);
@@ -72,6 +76,8 @@ class TabletOperator {
   ExposureStore& exposure_store_;
   TruthFile& truth_;
   std::string rig_name_;
+  authentication::PacketSeal seal_;
+  authentication::PacketNumber packet_;  ///< the newest sent
   bool sends_ = true;
   std::unique_ptr<lcm::LCM> lcm_;  ///< sends only
   std::optional<wire::ChannelSocket> socket_;

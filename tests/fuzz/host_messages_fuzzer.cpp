@@ -1,5 +1,6 @@
-// What comes over the bus to a host may be a stranger's: any sequence of messages is shown, or counted as
-// undecodable, without much memory. Input: records of a kind, two bytes of size, and a message behind its
+// What comes over the bus to a host without a key may be a stranger's, and a sealed message may be badly made:
+// any sequence is shown, or counted as undecodable, without much memory; with a key, every other packet is bare
+// and changes nothing. Input: records of a kind, two bytes of size, and a message behind its
 // fingerprint, which is put before it here.
 #include <algorithm>
 #include <cstddef>
@@ -15,10 +16,12 @@
 #include "host/assembly/assemble.hpp"
 #include "host/config/rig_file.hpp"
 #include "host/loop/host_loop.hpp"
+#include "tests/fuzz/require.hpp"
 
 namespace {
 
 using namespace strobe;
+using namespace strobe::fuzz;
 using messages::Channel;
 
 struct Kind {
@@ -55,13 +58,21 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   ManualClock clock;
   host::NullTransport transport;
   host::HostLoop loop({"bench", host::assembly_settings(rig), 1, true, key}, transport, clock);
+  const authentication::PacketSeal seal(key);
+  std::int64_t packets = 0, bare = 0;
   for (std::span<const std::uint8_t> left(data, size); left.size() >= 3;) {
     const Kind& kind = kinds()[left[0] % kinds().size()];
     const std::size_t wanted = std::size_t{left[1]} << 8 | left[2];
     left = left.subspan(3);
     const auto body = left.first(std::min(wanted, left.size()));
     left = left.subspan(body.size());
-    loop.receive(messages::channel_name("bench", kind.channel), with_fingerprint(kind.fingerprint, body));
+    const std::string channel = messages::channel_name("bench", kind.channel);
+    const std::vector<std::uint8_t> message = with_fingerprint(kind.fingerprint, body);
+    loop.receive(channel, seal.seal(channel, message, {2, ++packets}));
+    const HostTime heard = loop.last_message();
+    clock.now += milliseconds{1};
+    loop.receive(channel, message);
+    require(loop.last_message() == heard && loop.unverified().sum() == ++bare);
     clock.now += milliseconds{50};
     loop.step();
   }

@@ -1,6 +1,8 @@
 // Strangers on the bus: nothing that they send is executed, answered or harmful, however fast they send it.
 #include <algorithm>
+#include <atomic>
 #include <string>
+#include <thread>
 
 #include "common/authentication/key_file.hpp"
 #include "common/authentication/seal.hpp"
@@ -11,6 +13,7 @@
 #include "tests/hil/raw_host.hpp"
 #include "tests/hil/rig_fixture.hpp"
 #include "tests/support/private_network.hpp"
+#include "tests/support/sealed_sender.hpp"
 
 #include "tests/support/string_from.hpp"
 
@@ -34,6 +37,25 @@ std::size_t count_of(const std::string& text, const std::string& what) {
 std::int64_t rejected_by(const strobe_msgs::status_t& status) {
   return std::int64_t{status.rejected_forged} + status.rejected_malformed + status.rejected_oversized +
          status.rejected_stale + status.rejected_other_rig + status.rejected_replayed;
+}
+
+/// Ends the bench: as many balls as the operator asked for, and one more for each shot that the firmware itself
+/// calls aborted (a machine that stands still does that) or whose readout is rejected for what truly happened.
+void check_balls(RigFixture& bench, strobe::testing::Process& fire, int asked) {
+  const auto shots = read_log(bench.journal()).shots;
+  const auto told = readouts(fire.out());
+  LONGS_EQUAL(shots.size(), told.size());
+  for (std::size_t i = 0; i < told.size(); ++i) {
+    CHECK_TRUE(told[i].at("verified").get<bool>());
+    CHECK_EQUAL(shots[i].aborted != 0, has_flag(told[i], "shot_aborted"));
+    CHECK_FALSE(has_flag(told[i], "no_photograph"));
+  }
+  const std::size_t again = count_of(fire.err(), "firing again, retry");
+  LONGS_EQUAL(told.size(), static_cast<std::size_t>(asked) + again);
+  const auto never_thrown = std::count_if(shots.begin(), shots.end(), [](const strobe_msgs::shot_t& shot) {
+    return shot.trigger_ns == strobe_msgs::event_t::NO_TIME;
+  });
+  LONGS_EQUAL(static_cast<long>(told.size()) - never_thrown, bench.finish().rises("TRIGGER"));
 }
 
 }  // namespace
@@ -101,6 +123,93 @@ TEST(Stranger, IsNeverExecutedAndShowsOnlyInTheCounts) {
   const auto lines = static_cast<std::int64_t>(count_of(bench.log(), "commands ignored"));
   CHECK_TEXT(lines >= 1 && lines <= 2 + took_s / 10, bench.log().c_str());
   LONGS_EQUAL(0, bench.finish().rises("TRIGGER"));
+}
+
+TEST(Stranger, WhoForgesAbortedShotsHasNoneFiredAgain) {
+  RigFixtureOptions options;
+  options.rig_edits = kShortExposure;
+  RigFixture bench(options);
+  CHECK_TEXT(bench.ready(), bench.log().c_str());
+  RawHost ear(bench.lcm_url(), "bench");
+  CHECK(ear.wait_status());
+  lcm::LCM lcm(bench.lcm_url());
+  const std::string channel = messages::channel_name("bench", messages::Channel::shot);
+  const auto send = [&](const Bytes& packet) {
+    lcm.publish(channel, packet.data(), static_cast<unsigned>(packet.size()));
+  };
+  strobe::testing::SealedSender stranger(Key::random()), lab(ear.key());
+  auto fire = bench.start(bench.fire(2, kRetries));
+  std::size_t heard = 0;
+  int forged = 0;
+  std::int64_t host = 0;
+  const auto forge = [&](const event_t& started) {
+    strobe_msgs::shot_t shot{};
+    shot.schema_version = strobe_msgs::shot_t::SCHEMA_VERSION;
+    shot.boot_id = started.boot_id;
+    shot.shot_id = started.shot_id;
+    shot.host_id = host;
+    shot.aborted = true;
+    shot.abort_reason = "a stranger says so";
+    Bytes altered = lab.packet(channel, shot);
+    altered[20] ^= 1;
+    send(messages::encode(shot));
+    send(stranger.packet(channel, shot));
+    send(altered);
+    ++forged;
+  };
+  const auto ended = [&] {
+    for (; heard < ear.events().size(); ++heard) {
+      const event_t& event = ear.events()[heard];
+      if (event.kind == event_t::ARMED) host = std::stoll(event.detail, nullptr, 16);
+      if (event.kind == event_t::SHOT_STARTED) forge(event);
+    }
+    return fire.err().find("fired again; session in") != std::string::npos;
+  };
+  CHECK_TEXT(ear.wait(ended, kLongestWait), fire.err().c_str());
+  CHECK_TEXT(fire.wait(30s) == strobe::testing::ExitStatus({0, 0}), fire.err().c_str());
+  CHECK(forged >= 2);
+  CHECK_TEXT(fire.err().find("a stranger says so") == std::string::npos, fire.err().c_str());
+  STRCMP_CONTAINS("packets ignored that are not the lab's", fire.err().c_str());
+  check_balls(bench, fire, 2);
+}
+
+TEST(Stranger, WhoPlaysALogBackWhileShotsAreFiredHasNoBallMoreThrown) {
+  RigFixtureOptions options;
+  options.rig_edits = kShortExposure;
+  std::vector<std::pair<std::string, Bytes>> packets;
+  {
+    RigFixture yesterday(options);
+    CHECK_TEXT(yesterday.ready(), yesterday.log().c_str());
+    const auto fired = strobe::testing::run_process(yesterday.fire(1, kRetries), kLongestWait);
+    CHECK_TEXT(fired.status == strobe::testing::ExitStatus({0, 0}), fired.err.c_str());
+    for (const auto& file : std::filesystem::directory_iterator(yesterday.session())) {
+      if (!file.path().filename().string().starts_with("host-")) continue;
+      lcm::LogFile log(file.path(), "r");
+      while (const lcm::LogEvent* event = log.readNextEvent()) {
+        const auto* bytes = static_cast<const std::uint8_t*>(event->data);
+        packets.emplace_back(event->channel, Bytes(bytes, bytes + event->datalen));
+      }
+    }
+  }
+  CHECK(packets.size() > 50);
+  RigFixture bench(options);
+  CHECK_TEXT(bench.ready(), bench.log().c_str());
+  auto fire = bench.start(bench.fire(2, kRetries));
+  std::atomic<int> rounds = 0;
+  {
+    std::jthread player([&](const std::stop_token& stop) {
+      lcm::LCM lcm(bench.lcm_url());
+      for (std::size_t at = 0; !stop.stop_requested(); at = (at + 1) % packets.size()) {
+        const auto& [channel, packet] = packets[at];
+        lcm.publish(channel, packet.data(), static_cast<unsigned>(packet.size()));
+        if (at + 1 == packets.size()) ++rounds;
+        std::this_thread::sleep_for(200us);
+      }
+    });
+    CHECK_TEXT(fire.wait(kLongestWait) == strobe::testing::ExitStatus({0, 0}), fire.err().c_str());
+  }
+  CHECK(rounds >= 1);
+  check_balls(bench, fire, 2);
 }
 
 TEST(Stranger, WhoFloodsTheBusDuringAShotCostsNoEvent) {

@@ -13,6 +13,7 @@
 #include "host/loop/series_runner.hpp"
 #include "host/session/logged_transport.hpp"
 #include "tests/host/synthetic_shot.hpp"
+#include "tests/support/sealed_sender.hpp"
 #include "tests/support/string_from.hpp"
 #include "tests/support/temporary_folder.hpp"
 
@@ -37,6 +38,7 @@ std::string channel(Channel kind) { return messages::channel_name("bench", kind)
 struct Bus final : host::Transport {
   std::vector<std::pair<std::string, std::vector<std::uint8_t>>> arriving;
   std::map<std::string, int> published;
+  std::vector<std::pair<std::string, std::vector<std::uint8_t>>> sent;
   std::vector<std::vector<std::uint8_t>> commands;
   bool failed = false;
 
@@ -46,6 +48,7 @@ struct Bus final : host::Transport {
   }
   void publish(const std::string& name, Bytes bytes) override {
     ++published[name];
+    sent.emplace_back(name, std::vector<std::uint8_t>(bytes.begin(), bytes.end()));
     if (name == channel(Channel::command)) commands.emplace_back(bytes.begin(), bytes.end());
   }
 };
@@ -77,6 +80,7 @@ status_t idle_status(std::int64_t last_sequence = 0) {
 
 TEST_GROUP(HostLoop) {
   const authentication::Key key = authentication::Key::random();
+  testing::SealedSender lab{key};
   Bus bus;
   ManualClock clock;
   Results results;
@@ -89,7 +93,7 @@ TEST_GROUP(HostLoop) {
   }
   template <typename Message>
   void arrive(Channel kind, const Message& message) {
-    bus.arriving.emplace_back(channel(kind), messages::encode(message));
+    bus.arriving.emplace_back(channel(kind), lab.packet(channel(kind), message));
   }
   void pass(HostLoop & loop, double seconds) {
     clock.now += from_seconds(seconds);
@@ -241,33 +245,154 @@ TEST(HostLoop, AStoppedSeriesIsDisarmedWithinASecondOrLeft) {
   CHECK_TRUE(runner.fired());
 }
 
-TEST(HostLoop, TheLogHoldsWhatCameAndWhatWasPublishedOnce) {
+TEST(HostLoop, TheLogHoldsWhatIsActedOnAndWhatWasPublishedOnceWithItsSeals) {
   testing::TemporaryFolder folder;
   auto session = host::SessionFolder::open(folder.path(), "20260131T093000Z", "", "");
-  host::LoggedTransport transport(bus, **session, clock, "bench", kHost);
+  host::LoggedTransport transport(bus, **session, clock);
+  HostLoop loop(settings(true), transport, clock);
+  made.shot.host_id = kHost;
+  made.shot.first_sequence = made.shot.last_sequence = 0;
+  arrive(Channel::status, idle_status());
+  bus.arriving.emplace_back(channel(Channel::shot), messages::encode(made.shot));  // a stranger's
+  bus.arriving.push_back(bus.arriving.front());                                    // came before
+  arrive(Channel::shot, made.shot);
+  arrive(Channel::frame, made.frame);
+  pass(loop, 0.02);
+  bus.arriving = bus.sent;  // comes back by multicast
   strobe_msgs::readout_t readout{};
   readout.schema_version = strobe_msgs::readout_t::SCHEMA_VERSION;
-  readout.host_id = kHost;
-  strobe_msgs::frame_t frame = made.frame;
-  frame.host_id = kHost;
-  transport.publish(channel(Channel::readout), messages::encode(readout));
-  arrive(Channel::readout, readout);  // both come back by multicast
-  arrive(Channel::frame, frame);
-  frame.host_id = readout.host_id = kHost + 1;
+  readout.host_id = kHost + 1;
   arrive(Channel::readout, readout);
-  arrive(Channel::frame, frame);
-  arrive(Channel::status, idle_status());
-  std::vector<std::string> received;
-  CHECK_TRUE(transport.receive(
-      {}, {}, [&](const std::string& name, std::span<const std::uint8_t>) { received.push_back(name); }));
-  LONGS_EQUAL(3, received.size());
+  pass(loop, 0.02);
   lcm::LogFile log((folder / "host-20260131T093000Z.lcmlog").string(), "r");
+  const authentication::PacketSeal seal(key);
   std::vector<std::string> logged;
   while (const lcm::LogEvent* event = log.readNextEvent()) {
     logged.push_back(event->channel);
-    CHECK_EQUAL(clock.now, Duration{microseconds{event->timestamp}});
+    CHECK_TRUE(seal.open(event->channel, {static_cast<const std::uint8_t*>(event->data),
+                                          static_cast<std::size_t>(event->datalen)})
+                   .has_value());
   }
-  LONGS_EQUAL(4, logged.size());
-  CHECK_EQUAL(channel(Channel::readout), logged[0]);
-  for (std::size_t i = 0; i < received.size(); ++i) CHECK_EQUAL(received[i], logged[i + 1]);
+  const std::vector<std::string> expected{channel(Channel::status), channel(Channel::shot),
+                                          channel(Channel::frame), channel(Channel::readout),
+                                          channel(Channel::readout)};
+  CHECK_EQUAL(expected, logged);
+}
+
+TEST(HostLoop, ActsOnNothingThatIsNotTheLabs) {
+  HostLoop loop(settings(true), bus, clock);
+  loop.add_listener(results);
+  SeriesRunner runner(loop, {});
+  strobe::testing::SealedSender stranger{authentication::Key::random()};
+  event_t event{};
+  event.schema_version = event_t::SCHEMA_VERSION;
+  event.boot_id = kBoot;
+  event.sequence = 7;  // six before it would be missing
+  made.shot.host_id = kHost;
+  made.shot.aborted = true;
+  made.shot.first_sequence = made.shot.last_sequence = 0;
+  const auto forge = [&](Channel kind, const auto& message) {
+    const std::string name = channel(kind);
+    const std::vector<std::uint8_t> bare = messages::encode(message);
+    bus.arriving.emplace_back(name, bare);
+    bus.arriving.emplace_back(name, stranger.packet(name, message));
+    std::vector<std::uint8_t> altered = lab.packet(name, message);
+    altered[bare.size() / 2] ^= 1;
+    bus.arriving.emplace_back(name, altered);
+    // Another channel's packet, and another rig's.
+    bus.arriving.emplace_back(name, lab.packet(channel(Channel::readout), message));
+    bus.arriving.emplace_back(name, lab.packet("STROBE/pitch/SHOT", message));
+  };
+  status_t armed = idle_status(9);
+  armed.state = status_t::ARMED;
+  armed.arm_host_id = kHost;
+  armed.arm_token = 9;
+  forge(Channel::status, armed);
+  forge(Channel::event, event);
+  forge(Channel::shot, made.shot);
+  forge(Channel::frame, made.frame);
+  forge(Channel::readout, strobe_msgs::readout_t{});
+  for (int i = 0; i < 200; ++i) {
+    pass(loop, 0.02);
+    runner.step();
+  }
+  LONGS_EQUAL(0, bus.sent.size());
+  LONGS_EQUAL(0, results.results.size());
+  CHECK_FALSE(loop.session().status().has_value());
+  LONGS_EQUAL(0, loop.session().ledger().received() + loop.session().ledger().missing());
+  using authentication::Unverified;
+  LONGS_EQUAL(5, loop.unverified()[Unverified::unsealed]);
+  LONGS_EQUAL(5, loop.unverified()[Unverified::other_key]);
+  LONGS_EQUAL(15 - 1, loop.unverified()[Unverified::altered]);  // the readout's own channel is its own
+  LONGS_EQUAL(1, results.notifications.size());
+  STRCMP_CONTAINS(
+      "packets ignored that are not the lab's: 5 not sealed, 5 sealed with another key, 14 altered",
+      results.notifications[0].c_str());
+}
+
+TEST(HostLoop, ActsOnEachPacketOnce) {
+  HostLoop loop(settings(true), bus, clock);
+  loop.add_listener(results);
+  arrive(Channel::status, idle_status());
+  const auto old_status = bus.arriving.back();
+  pass(loop, 0.02);
+  const HostTime heard = loop.session().status_heard();
+  for (int i = 0; i < 100; ++i) {
+    bus.arriving.push_back(old_status);
+    pass(loop, 0.1);
+  }
+  CHECK_EQUAL(heard, loop.session().status_heard());
+  CHECK_FALSE(loop.live_status().has_value());
+  LONGS_EQUAL(100, loop.unverified()[authentication::Unverified::replayed]);
+  LONGS_EQUAL(0, results.notifications.size());  // networks repeat packets, too
+}
+
+TEST(HostLoop, TellsOfStrangersInALineInTenSecondsHoweverManyTheyAre) {
+  HostLoop loop(settings(false), bus, clock);
+  loop.add_listener(results);
+  for (int second = 0; second < 100; ++second) {
+    for (int i = 0; i < 800; ++i) {
+      event_t event{};
+      event.schema_version = event_t::SCHEMA_VERSION;
+      event.boot_id = 1 + second * 800 + i;
+      event.sequence = 1;
+      event.kind = event_t::REPAIRED;
+      bus.arriving.emplace_back(channel(Channel::event), messages::encode(event));
+    }
+    pass(loop, 1.0);
+  }
+  LONGS_EQUAL(80'000, loop.unverified()[authentication::Unverified::unsealed]);
+  LONGS_EQUAL(10, results.notifications.size());
+  LONGS_EQUAL(0, bus.sent.size());
+}
+
+TEST(HostLoop, WithoutAKeyShowsWhateverComesAsUnverified) {
+  HostLoop loop(settings(false, false), bus, clock);
+  loop.add_listener(results);
+  made.shot.first_sequence = made.shot.last_sequence = 0;
+  bus.arriving.emplace_back(channel(Channel::shot), messages::encode(made.shot));
+  arrive(Channel::frame, made.frame);  // sealed: read all the same
+  pass(loop, 0.02);
+  LONGS_EQUAL(1, results.results.size());
+  CHECK_FALSE(results.results[0].verified);
+  CHECK_FALSE(loop.verifies());
+  LONGS_EQUAL(0, bus.sent.size());
+}
+
+TEST(HostLoop, UsesNoFrameThatMayBeOfAnySession) {
+  HostLoop loop(settings(true), bus, clock);
+  loop.add_listener(results);
+  made.shot.host_id = kHost;
+  made.shot.first_sequence = made.shot.last_sequence = 0;
+  arrive(Channel::shot, made.shot);
+  strobe_msgs::frame_t anywhere = made.frame;
+  anywhere.boot_id = 0;
+  arrive(Channel::frame, anywhere);
+  pass(loop, 0.02);
+  LONGS_EQUAL(0, results.results.size());
+  LONGS_EQUAL(1, results.notifications.size());
+  arrive(Channel::frame, made.frame);
+  pass(loop, 0.02);
+  LONGS_EQUAL(1, results.results.size());
+  CHECK_TRUE(results.results[0].verified);
 }

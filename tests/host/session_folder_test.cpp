@@ -7,6 +7,7 @@
 #include <strobe_msgs/shot_t.hpp>
 #include <vector>
 
+#include "tests/support/sealed_sender.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 #include "tests/support/string_from.hpp"
@@ -21,13 +22,14 @@ using testing::TemporaryFolder;
 
 constexpr const char* kUtc = "20260131T093000Z";
 
-std::vector<char> event_bytes(std::int64_t sequence) {
+const authentication::Key kKey = authentication::Key::random();
+constexpr const char* kEvents = "STROBE/bench/EVENT";
+
+strobe_msgs::event_t event_of(std::int64_t sequence) {
   strobe_msgs::event_t event{};
   event.boot_id = 77;
   event.sequence = sequence;
-  std::vector<char> bytes(static_cast<std::size_t>(event.getEncodedSize()));
-  event.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
-  return bytes;
+  return event;
 }
 
 }  // namespace
@@ -71,23 +73,25 @@ TEST(FolderOfASession, ASecondRunOverwritesNothing) {
 
 TEST(FolderOfASession, EventsOfEarlierRunsAreNotAskedForAgain) {
   TemporaryFolder folder;
+  testing::SealedSender lab{kKey};
   {
     auto first = SessionFolder::open(folder.path(), kUtc, "", "");
-    for (const std::int64_t sequence : {1, 2, 4}) {
-      const auto bytes = event_bytes(sequence);
-      (*first)->log("STROBE/bench/EVENT", bytes.data(), bytes.size(), from_ns<WallTime>(sequence));
-    }
-    const auto foreign = event_bytes(3);
-    (*first)->log("STROBE/other/EVENT", foreign.data(), foreign.size(), {});
-    (*first)->log("STROBE/bench/EVENT", "garbage", 7, {});
+    const auto log = [&first](const char* channel, const std::vector<std::uint8_t>& bytes) {
+      (*first)->log(channel, bytes.data(), bytes.size(), {});
+    };
+    for (const std::int64_t sequence : {1, 2, 4}) log(kEvents, lab.packet(kEvents, event_of(sequence)));
+    log("STROBE/other/EVENT", lab.packet("STROBE/other/EVENT", event_of(3)));
+    log(kEvents, {1, 2, 3});
+    // What a host without the key has kept may be anybody's.
+    log(kEvents, messages::encode(event_of(3)));
     // its last field, an empty text with its end, says that it is -1 bytes long
-    auto hostile = event_bytes(3);
-    std::fill(hostile.end() - 5, hostile.end() - 1, '\xff');
-    (*first)->log("STROBE/bench/EVENT", hostile.data(), hostile.size(), {});
+    auto hostile = messages::encode(event_of(3));
+    std::fill(hostile.end() - 5, hostile.end() - 1, std::uint8_t{0xff});
+    log(kEvents, lab.packet(kEvents, authentication::Bytes(hostile)));
   }
   auto second = SessionFolder::open(folder.path(), kUtc, "", "");
   EventLedger ledger(true);
-  (*second)->load_events(ledger, "bench");
+  (*second)->load_events(ledger, "bench", kKey);
   ledger.status(77, 4, {});
   LONGS_EQUAL(3, ledger.received());
   LONGS_EQUAL(1, ledger.missing());
@@ -95,28 +99,25 @@ TEST(FolderOfASession, EventsOfEarlierRunsAreNotAskedForAgain) {
 
 TEST(FolderOfASession, ASummaryThatAnEarlierRunDidNotGetIsAskedFor) {
   TemporaryFolder folder;
+  testing::SealedSender lab{kKey};
   {
     auto first = SessionFolder::open(folder.path(), kUtc, "", "");
     for (const std::int64_t sequence : {1, 2}) {
-      strobe_msgs::event_t event{};
-      event.boot_id = 77;
-      event.sequence = sequence;
+      strobe_msgs::event_t event = event_of(sequence);
       event.kind = strobe_msgs::event_t::SHOT_ENDED;
       event.shot_id = static_cast<std::int32_t>(sequence);
-      std::vector<char> bytes(static_cast<std::size_t>(event.getEncodedSize()));
-      event.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+      const auto bytes = lab.packet(kEvents, event);
       (*first)->log("STROBE/bench/EVENT", bytes.data(), bytes.size(), from_ns<WallTime>(sequence));
     }
     strobe_msgs::shot_t shot{};
     shot.boot_id = 77;
     shot.shot_id = 1;
-    std::vector<char> bytes(static_cast<std::size_t>(shot.getEncodedSize()));
-    shot.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+    const auto bytes = lab.packet("STROBE/bench/SHOT", shot);
     (*first)->log("STROBE/bench/SHOT", bytes.data(), bytes.size(), {});
   }
   auto second = SessionFolder::open(folder.path(), kUtc, "", "");
   EventLedger ledger(true);
-  (*second)->load_events(ledger, "bench");
+  (*second)->load_events(ledger, "bench", kKey);
   ledger.status(77, 2, {});
   const auto asks = ledger.due(HostTime{milliseconds{1000}});
   LONGS_EQUAL(1, asks.size());

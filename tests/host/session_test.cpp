@@ -34,6 +34,7 @@ struct Bench {
   SyntheticShot made = make_shot({});
   HostTime local{40 * kSecond};
   MonoTime end = from_ns(made.shot.shutter_close_ns);
+  std::int64_t last_written = 5;  ///< of boot 77, as later ones say
 
   explicit Bench(std::int64_t host_id = 0) : session(settings(), host_id) { status(end - kSecond / 2); }
 
@@ -42,6 +43,8 @@ struct Bench {
     status_t status{};
     status.boot_id = boot_id;
     status.mono_ns = status.boot_time_ns = status.wall_ns = to_ns(mono);
+    if (boot_id != 77) status.earlier.push_back({77, last_written});
+    status.earlier_count = static_cast<std::int32_t>(status.earlier.size());
     if (session.status()) local += mono - newest();
     session.on_status(status, local);
   }
@@ -330,6 +333,7 @@ TEST(SessionOfMessages, AShotInWhichTheFirmwareDiedIsReportedOnceAllThatWasWritt
 
 TEST(SessionOfMessages, ADryShotInWhichTheFirmwareDiedIsReportedAsDry) {
   CutOff bench(5, "dry");
+  bench.last_written = 4;
   bench.status(bench.end, 78);
   const host::EndedBoot dead{77, 4};
   bench.session.ledger().earlier({&dead, 1}, bench.local);
@@ -521,14 +525,50 @@ TEST(SessionOfMessages, AShotOfABootThatEndedBeforeTheSessionWasJoinedIsNotWaite
   LONGS_EQUAL(0, bench.session.waiting_for_photograph());
 }
 
-TEST(SessionOfMessages, OfTwoFirmwaresThatDoNotKnowEachOtherTheOtherIsBelievedWhenOneFallsSilent) {
-  Bench bench;
-  bench.status(bench.end, 78);
-  bench.status(bench.end + kSecond / 10, 77);  // a log that is played, or a late packet
-  LONGS_EQUAL(78, bench.session.status()->boot_id);
-  bench.local += 10 * kSecond;
-  bench.status(bench.end + kSecond, 77);
-  LONGS_EQUAL(77, bench.session.status()->boot_id);
+TEST(SessionOfMessages, AnEarlierBootThatIsPlayedBackEndsNoShot) {
+  // The firmware heard says that boot 76 came before it; of boot 75 neither says anything.
+  for (const std::int64_t played_back : {76, 75}) {
+    CutOff bench(5);
+    status_t running{};
+    running.boot_id = 77;
+    running.mono_ns = running.boot_time_ns = running.wall_ns = to_ns(bench.end);
+    running.earlier.push_back({76, 1000});
+    running.earlier_count = 1;
+    running.last_sequence = 4;
+    bench.session.on_status(running, bench.local);
+    // Eight requests for a tail that never comes would end an ended boot's shot.
+    for (int i = 0; i < 100; ++i) {
+      status_t old{};
+      old.boot_id = played_back;
+      old.mono_ns = old.boot_time_ns = to_ns(bench.end) + std::int64_t{i} * 500'000'000;
+      bench.local += kSecond / 10;
+      bench.session.on_status(old, bench.local);
+      bench.session.on_time(bench.local);
+      bench.session.ledger().due(bench.local);
+      if (played_back == 75) {  // told apart by the one that is still heard
+        running.mono_ns += 100'000'000;
+        running.boot_time_ns = running.wall_ns = running.mono_ns;
+        bench.session.on_status(running, bench.local);
+      }
+    }
+    CHECK_EQUAL(std::int64_t{77}, bench.session.status()->boot_id);
+    CHECK_TRUE(bench.shot_results().empty());
+    for (const std::string& text : bench.session.take_notifications())
+      CHECK_TEXT(text.find("started anew") == text.npos, text.c_str());
+  }
+}
+
+TEST(SessionOfMessages, ABootOfAnotherFolderIsHeardOnceTheOneBeforeIsSilent) {
+  for (const auto& [host_id, silence_ms] : {std::pair{0, 2'500}, std::pair{5, 10'000}}) {
+    Bench bench(host_id);
+    status_t other{};
+    other.boot_id = 75;
+    const HostTime heard = bench.local;
+    bench.session.on_status(other, heard + milliseconds{silence_ms});
+    CHECK_EQUAL(std::int64_t{77}, bench.session.status()->boot_id);
+    bench.session.on_status(other, heard + milliseconds{silence_ms + 1});
+    CHECK_EQUAL(std::int64_t{75}, bench.session.status()->boot_id);
+  }
 }
 
 TEST(SessionOfMessages, AnotherBootIsSaid) {

@@ -44,6 +44,7 @@ struct Firmware {
         event_t refused{};
         refused.boot_id = status.boot_id;
         refused.kind = event_t::REFUSED;
+        refused.sequence = ++status.last_sequence;
         refused.detail = "FIRE: " + refuses_fire;
         series.on_event(refused);
         return;
@@ -232,6 +233,40 @@ TEST(ShotSeriesOfAHost, APlanThatTheFirmwareRefusesEndsIt) {
   CHECK_TRUE(play.series.finished());
   CHECK_FALSE(play.series.succeeded());
   STRCMP_CONTAINS("period shorter", play.series.blocking_reason().c_str());
+}
+
+TEST(ShotSeriesOfAHost, ARefusalFromBeforeTheCommandIsNone) {
+  for (const auto& [boot_id, sequence] : {std::pair{kBoot, 10}, std::pair{kBoot - 1, 1000}}) {
+    Play play(series(1));
+    play.firmware.status.last_sequence = 10;
+    event_t old{};
+    old.boot_id = boot_id;
+    old.sequence = sequence;
+    old.kind = event_t::REFUSED;
+    for (int i = 0; i < 200 && play.firmware.fired == 0; ++i) {
+      play.turn();
+      play.series.on_event(old);
+    }
+    LONGS_EQUAL(1, play.firmware.fired);
+    LONGS_EQUAL(0, play.notifications.size());
+    play.run(300);
+    CHECK_TRUE(play.series.succeeded());
+    LONGS_EQUAL(1, play.firmware.fired);
+  }
+}
+
+TEST(ShotSeriesOfAHost, AShotThatSeemedRefusedAndWasNotIsWaitedFor) {
+  Play play(series(1));
+  while (play.firmware.fired == 0) play.turn();
+  event_t another_hosts{};
+  another_hosts.boot_id = kBoot;
+  another_hosts.sequence = 1000;
+  another_hosts.kind = event_t::REFUSED;
+  play.series.on_event(another_hosts);
+  for (int i = 0; i < 100; ++i) play.turn();
+  play.run(300);
+  CHECK_TRUE(play.series.succeeded());
+  LONGS_EQUAL(1, play.firmware.fired);
 }
 
 TEST(ShotSeriesOfAHost, OtherHostsShotsDoNotCount) {

@@ -126,10 +126,22 @@ TEST(ScreenLines, SayWhichCommandsWereIgnored) {
               row(render(m, 160), "lost"));
 }
 
+TEST(ScreenLines, SayWhichPacketsWereNotTheLabsOrThatNobodyKnows) {
+  CHECK_EQUAL("", row(render(m, 160), "packets ignored"));
+  m.unverified[strobe::authentication::Unverified::unsealed] = 12;
+  m.unverified[strobe::authentication::Unverified::altered] = 1;
+  CHECK_EQUAL("packets ignored: 12 not sealed, 1 altered", row(render(m, 160), "packets ignored"));
+  CHECK_EQUAL("", row(render(m, 160), "UNVERIFIED"));
+  m.verified = false;
+  CHECK_EQUAL("UNVERIFIED: without the lab's key, anybody's messages are shown",
+              row(render(m, 160), "UNVERIFIED"));
+}
+
 TEST(ScreenLines, TellAProgramTheSame) {
   m.status->boot_id = 0x2a;
   m.status->rejected_forged = 3, m.status->rejected_other_rig = 1;
-  const std::string line = timing_json(*m.status, m.clock, 4);
+  m.unverified[strobe::authentication::Unverified::altered] = 2;
+  const std::string line = timing_json(*m.status, m.clock, 4, m.unverified);
   STRCMP_CONTAINS("{\"timing_after_shot\":4,\"boot_id\":\"2a\",\"timing\":{\"lateness_us\":{\"n\":166,",
                   line.c_str());
   STRCMP_CONTAINS("\"max\":null,\"bin_first\":-0.1,\"bin_width\":0.1,\"bins\":[0,128,1,11]}", line.c_str());
@@ -137,7 +149,7 @@ TEST(ScreenLines, TellAProgramTheSame) {
   STRCMP_CONTAINS("\"drift_ppm\":null,\"drift_sd_ppm\":null", line.c_str());
   STRCMP_CONTAINS(
       "\"rejected\":{\"malformed\":0,\"oversized\":0,\"forged\":3,\"replayed\":0,\"stale\":0,"
-      "\"other_rig\":1}}",
+      "\"other_rig\":1},\"unverified\":{\"unsealed\":0,\"other_key\":0,\"altered\":2,\"replayed\":0}}",
       line.c_str());
   CHECK_EQUAL(std::string::npos, line.find('\n'));
 }

@@ -5,6 +5,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "common/authentication/key_file.hpp"
 #include "sim/live/rig_runner.hpp"
 #include "sim/loading/scene_files.hpp"
 
@@ -59,7 +60,8 @@ KernelFixture::KernelFixture(const std::filesystem::path& boot)
   if (!truth) throw std::runtime_error(truth.error().message);
   truth_ = std::move(*truth);
   rig_ = std::make_unique<sim::Rig>(*scene, 1, there());
-  auto desk = sim::TabletOperator::create(kLcmUrl, "emulated", *scene, 1, exposure_store_, *truth_);
+  auto desk = sim::TabletOperator::create(kLcmUrl, "emulated", authentication::read_key_file(key).value(),
+                                          *scene, 1, exposure_store_, *truth_);
   if (!desk) throw std::runtime_error(desk.error().message);
   tablet_operator_ = std::move(*desk);
   tablet_operator_->start();

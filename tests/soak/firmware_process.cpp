@@ -31,9 +31,10 @@ FirmwareProcess::FirmwareProcess(const firmware::Rig& rig, const FirmwarePorts& 
       queue_(rig, ports.publisher_wake),
       commands_(ports.loop_wake),
       journal_(std::move(journal)),
+      bus_(ports.bus, settings.key, settings.boot_id),
       sequencer_(rig, {ports.loop_clock, ports.outputs, ports.edges, queue_, commands_}, found.last_shot_id),
       publisher_(rig, publisher_settings(settings, found, ports.publisher_clock), queue_, mailbox_, journal_,
-                 ports.bus, ports.publisher_clock),
+                 bus_, ports.publisher_clock),
       rejections_(ports.publisher_clock, settings.say),
       receiver_(
           rig, settings.boot_id, settings.key, commands_, mailbox_, rejections_,

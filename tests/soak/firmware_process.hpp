@@ -10,6 +10,7 @@
 #include "firmware/ports/message_bus.hpp"
 #include "firmware/publisher/publisher.hpp"
 #include "firmware/publisher/receiver.hpp"
+#include "firmware/publisher/sealed_bus.hpp"
 
 namespace strobe::soak {
 
@@ -56,6 +57,7 @@ class FirmwareProcess {
   firmware::CommandQueue commands_;
   firmware::Mailbox mailbox_;
   firmware::Journal journal_;
+  firmware::SealedBus bus_;
   firmware::Sequencer sequencer_;
   firmware::Publisher publisher_;
   firmware::Rejections rejections_;

@@ -23,6 +23,7 @@
 #include "tests/soak/lab_setup.hpp"
 #include "tests/soak/tablet_operator.hpp"
 #include "tests/soak/virtual_host.hpp"
+#include "tests/support/sealed_sender.hpp"
 
 namespace strobe::soak {
 
@@ -159,6 +160,7 @@ class Lab final : firmware::Clock, firmware::OutputLines, firmware::EdgeSource, 
   VirtualTabletOperator tablet_operator_;
   InvariantChecker checker_;
   authentication::Key lab_key_ = authentication::Key::random();
+  testing::SealedSender tablet_{lab_key_};
   SoakCounts counts_;
   std::uint64_t digest_ = 0;
 

@@ -318,7 +318,8 @@ void Lab::tablet_operator_turn() {
   const std::vector<std::uint8_t> frame = tablet_operator_.take(time_);
   if (frame.empty()) return;
   trace("frame sent");
-  bus_.send(Receiver::host, messages::channel_name(files_.host.rig, messages::Channel::frame), frame, time_);
+  const std::string channel = messages::channel_name(files_.host.rig, messages::Channel::frame);
+  bus_.send(Receiver::host, channel, tablet_.packet(channel, authentication::Bytes(frame)), time_);
 }
 
 void Lab::note_shot(std::span<const std::uint8_t> bytes) {

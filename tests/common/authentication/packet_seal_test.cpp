@@ -80,14 +80,15 @@ TEST(PacketSeal, IsNotOpenedByAnotherKeyNorWhereTheFingerprintIsMadeToFit) {
 }
 
 TEST(PacketSeal, IsOfOneChannelOfOneRig) {
-  for (const char* channel : {"STROBE/bench/EVENT", "STROBE/benc/SHOT", "STROBE/bench2/SHOT", "STROBE/bench/SHO",
-                              "STROBE/bench/SHOTS", ""})
+  for (const char* channel : {"STROBE/bench/EVENT", "STROBE/benc/SHOT", "STROBE/bench2/SHOT",
+                              "STROBE/bench/SHO", "STROBE/bench/SHOTS", ""})
     CHECK_EQUAL("altered", answer(packet, seal, channel));
 }
 
 TEST(PacketSeal, DoesNotLetBytesMoveBetweenChannelAndMessage) {
   // What is hashed is the same but for the sizes.
-  const Packet moved = seal.seal("STROBE/bench/SHO", Packet{'T', 1, 2, 3, 4, 5, 6, 7}, {0x1122334455667788, 9});
+  const Packet moved =
+      seal.seal("STROBE/bench/SHO", Packet{'T', 1, 2, 3, 4, 5, 6, 7}, {0x1122334455667788, 9});
   Packet pieced = packet;
   std::copy(moved.end() - 16, moved.end(), pieced.end() - 16);
   CHECK_EQUAL("altered", answer(pieced));

@@ -12,6 +12,7 @@
 #include "tests/sim/rig/virtual_rig_fixture.hpp"
 #include "tests/support/json_lines.hpp"
 #include "tests/support/private_network.hpp"
+#include "tests/support/sealed_sender.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 #include "tests/support/string_from.hpp"
@@ -28,16 +29,18 @@ constexpr int kSilence_ms = 400;       // many of the desk's rounds
 /// A host's ear and a firmware's mouth.
 class Listener {
  public:
-  explicit Listener(const std::string& url) : lcm_(url) {
+  Listener(const std::string& url, const authentication::Key& key) : lcm_(url), lab_(key), seal_(key) {
     lcm_.subscribe(messages::channel_name("bench", messages::Channel::frame), &Listener::on_frame, this);
   }
-  void announce(int shot_id, MonoTime start) {
+  void announce(int shot_id, MonoTime start, bool sealed = true) {
     strobe_msgs::shot_t shot{};
     shot.schema_version = strobe_msgs::shot_t::SCHEMA_VERSION;
     shot.boot_id = kBoot;
     shot.shot_id = shot_id;
     shot.start_ns = to_ns(start);
-    lcm_.publish(messages::channel_name("bench", messages::Channel::shot), &shot);
+    const std::string channel = messages::channel_name("bench", messages::Channel::shot);
+    const auto packet = sealed ? lab_.packet(channel, shot) : messages::encode(shot);
+    lcm_.publish(channel, packet.data(), static_cast<unsigned>(packet.size()));
   }
   /// Waits for so many frames in all, or until the limit.
   bool hear(std::size_t frames, int limit_ms) {
@@ -48,10 +51,14 @@ class Listener {
   const std::vector<strobe_msgs::frame_t>& frames() const { return frames_; }
 
  private:
-  void on_frame(const lcm::ReceiveBuffer*, const std::string&, const strobe_msgs::frame_t* frame) {
-    frames_.push_back(*frame);
+  void on_frame(const lcm::ReceiveBuffer* buffer, const std::string& channel,
+                const strobe_msgs::frame_t* frame) {
+    if (seal_.open(channel, {static_cast<const std::uint8_t*>(buffer->data), buffer->data_size}))
+      frames_.push_back(*frame);
   }
   lcm::LCM lcm_;
+  strobe::testing::SealedSender lab_;
+  authentication::PacketSeal seal_;
   std::vector<strobe_msgs::frame_t> frames_;
 };
 
@@ -77,6 +84,7 @@ TEST_GROUP(TabletOperator) {
   Scene scene = test::plain_scene();
   strobe::testing::TemporaryFolder folder;
   std::string url = strobe::testing::private_lcm_url();
+  authentication::Key key = authentication::Key::random();
   ExposureStore exposure_store;
   std::unique_ptr<TruthFile> truth;
   std::unique_ptr<TabletOperator> desk;
@@ -105,12 +113,12 @@ TEST_GROUP(TabletOperator) {
   void sit_down(bool attacked = false) {
     scene.tablet.digitize_delay_s = 0.05;
     truth = *TruthFile::create(folder / "truth.jsonl", scene);
-    auto made = TabletOperator::create(url, "bench", scene, 1, exposure_store, *truth);
+    auto made = TabletOperator::create(url, "bench", key, scene, 1, exposure_store, *truth);
     CHECK_TEXT(made.has_value(), made ? "" : made.error().message.c_str());
     desk = std::move(*made);
     desk->start();
     if (attacked) send_what_harms_lcm();  // before the listener, which has LCM's receiver
-    listener = std::make_unique<Listener>(url);
+    listener = std::make_unique<Listener>(url, key);
   }
   std::vector<nlohmann::json> truths() const {
     return strobe::testing::read_json_lines(folder / "truth.jsonl");
@@ -153,6 +161,17 @@ TEST(TabletOperator, IsNotHarmedByDatagramsThatHarmLcm) {
   exposure_store.add(exposure);
   listener->announce(7, exposure.line_on);
   CHECK(listener->hear(1, kFrameLimit_ms));
+}
+
+TEST(TabletOperator, BelievesNoAnnouncementWithoutItsSeal) {
+  sit_down();
+  const Exposure exposure = exposure_now(scene);
+  exposure_store.add(exposure);
+  listener->announce(8, exposure.line_on, false);
+  listener->announce(7, exposure.line_on);  // in order, so that nothing comes of the first
+  CHECK(listener->hear(1, kFrameLimit_ms));
+  LONGS_EQUAL(7, listener->frames()[0].shot_id);
+  LONGS_EQUAL(1, truths().size());
 }
 
 TEST(TabletOperator, WaitsForAnExposureThatIsStillUnderWay) {
