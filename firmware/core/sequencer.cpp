@@ -104,6 +104,12 @@ void Sequencer::fire(const Command& command) noexcept {
   if (const char* why = unready()) return refuse(command, why);
   ShotRecord* record = sink_.free_record();
   if (record == nullptr) return refuse(command, "earlier shots are still being written");
+  // Before the machine's trigger: a ball without a flash is none for the reduction.
+  if (const Duration left = player_.busy() ? Duration{} : player_.recharge_left(command.plan);
+      left > Duration{}) {
+    ShortText why("the lamps have not recharged: again in ");
+    return refuse(command, why.append((left + milliseconds(1)) / milliseconds(1)).append(" ms").view());
+  }
   read_levels();
   const std::int32_t shot_id = interlock_.shot_id() + 1;
   if (const char* why =

@@ -21,7 +21,8 @@ ShotPlayer::ShotPlayer(const Rig& rig, Clock& clock, EdgeSource& edges, EventSin
       sink_(sink),
       interlock_(interlock),
       outputs_(outputs),
-      tick_avoidance_(tick) {
+      tick_avoidance_(tick),
+      last_flash_{clock.now(), clock.now()} {
   schedule_.reserve(rig.lamps.max_flashes);
 }
 
@@ -140,9 +141,28 @@ void ShotPlayer::issue(const PlannedPulse& pulse, MonoTime now) noexcept {
   }
 }
 
+Duration ShotPlayer::recharge_left(const ShotPlan& plan) noexcept {
+  assert(!busy());
+  const MonoTime start = clock_.now() + kLead;
+  const auto left = [&](Duration at, Lamps lamps) {
+    Duration longest{};
+    for (std::size_t lamp = 0; lamp < last_flash_.size(); ++lamp) {
+      if (lamp == 0 ? has_a(lamps) : has_b(lamps))
+        longest = std::max(longest, last_flash_[lamp] + rig_.lamps.min_period - (start + at));
+    }
+    return longest;
+  };
+  build_schedule(plan, rig_, schedule_);
+  if (schedule_.gated) return left(schedule_.exposure_begin, Lamps::both);
+  Duration longest{};
+  for (const PlannedPulse& pulse : schedule_.pulses) {
+    if (pulse.output == Output::strobes) longest = std::max(longest, left(pulse.at, pulse.lamps));
+  }
+  return longest;
+}
+
 bool ShotPlayer::lamps_recharged(const PlannedPulse& pulse, MonoTime now) noexcept {
   for (std::size_t lamp = 0; lamp < last_flash_.size(); ++lamp) {
-    if (!known(last_flash_[lamp])) continue;
     const bool flashes = lamp == 0 ? has_a(pulse.lamps) : has_b(pulse.lamps);
     const Duration least = flashes ? rig_.lamps.min_period : min_flash_interval(rig_);
     const Duration gap = now - last_flash_[lamp];

@@ -25,6 +25,20 @@ TEST_GROUP(SequencerGate) {
   void gate(MonoTime when) { rig.schedule({Input::gate, when, true}); }
 };
 
+TEST(SequencerGate, WaitsForLampsThatWouldNotHaveRechargedWhenTheShutterOpens) {
+  Rig config = gated_rig();
+  config.lamps.min_period = config.plan.period = milliseconds(100);
+  config.plan.flash_count = 2;
+  SequencerFixture slow(config);
+  const std::int64_t token = slow.arm();
+  slow.give(slow.fire_command(token));  // the shutter would be open 80 ms after the start of the firmware
+  CHECK_EQUAL(1u, slow.rig.count(EventKind::refused));
+  for (const MonoTime end = slow.rig.time + milliseconds(21); slow.rig.time < end;) slow.step();
+  slow.give(slow.fire_command(token));
+  CHECK_EQUAL(1u, slow.rig.count(EventKind::refused));
+  CHECK_EQUAL(1u, slow.rig.count(EventKind::shot_started));
+}
+
 TEST(SequencerGate, StartsTheBurstADelayAfterItsStamp) {
   const MonoTime start = bench.fire();
   const MonoTime stamp = start + milliseconds(200) + nanoseconds(123'457);

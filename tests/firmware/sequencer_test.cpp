@@ -215,6 +215,41 @@ TEST(Sequencer, FiresNoShotWhoseNumberIsNotSetAside) {
   CHECK_EQUAL(2, bench.shot(1).shot_id);
 }
 
+TEST(Sequencer, FiresNoBallAtLampsThatHaveNotRechargedSinceTheStartOrTheShotBefore) {
+  Rig config = shipped_rig();
+  config.lamps.min_period = config.plan.period = milliseconds(490);
+  SequencerFixture slow(config);
+  const MonoTime started = slow.rig.time;
+  const auto last_refusal = [&slow] {
+    return std::string(
+        slow.rig.find(EventKind::refused, slow.rig.count(EventKind::refused) - 1)->detail.view());
+  };
+  const auto pass = [&slow](Duration time) {
+    for (const MonoTime end = slow.rig.time + time; slow.rig.time < end;) slow.step();
+  };
+  // Whatever flashed before the start may have done so just then.
+  const std::int64_t token = slow.arm();
+  slow.give(slow.fire_command(token));
+  // The first flash would come 20 ms (the lead) and 60 ms (the ball's way) later.
+  STRCMP_CONTAINS("FIRE: the lamps have not recharged: again in 41", last_refusal().c_str());
+  CHECK_EQUAL(0u, slow.rig.shots.size());
+  pass(milliseconds(411));
+  slow.give(slow.fire_command(token));  // the token is not spent
+  slow.play();
+  CHECK_EQUAL("", slow.abort_reason());
+  slow.give(slow.fire_command(slow.arm()));
+  STRCMP_CONTAINS("FIRE: the lamps have not recharged: again in ", last_refusal().c_str());
+  pass(config.lamps.min_period);
+  slow.shoot();
+  CHECK_EQUAL("", slow.abort_reason(1));
+  CHECK_EQUAL(2u, slow.rig.instants(Output::trigger).size());
+  MonoTime last = started;
+  for (const MonoTime flash : slow.rig.instants(Output::strobes)) {
+    CHECK(flash - last >= config.lamps.min_period - config.tolerance.late);
+    last = flash;
+  }
+}
+
 TEST(Sequencer, WakesThePublisherForWhatTheTurnBeforeReported) {
   bench.arm();
   const std::size_t reported = rig.events.size() + rig.statuses.size();
