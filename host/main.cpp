@@ -1,6 +1,8 @@
 // strobe: the host's commands.
 #include <CLI/CLI.hpp>
 #include <cmath>
+#include <csignal>
+#include <cstdio>
 #include <cstdlib>
 #include <exception>
 #include <string>
@@ -68,11 +70,19 @@ int run(int argc, char** argv) {
   return exit_status;
 }
 
+/// What was printed may still be on its way to a full disk.
+int finish_output(int exit_status) {
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return exit_status;
+  const int failed = strobe::host::failed("standard output: not everything could be written");
+  return exit_status == strobe::host::kDone ? failed : exit_status;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
+  std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is told like a full disk
   try {
-    return run(argc, argv);
+    return finish_output(run(argc, argv));
   } catch (const std::exception& error) {
     return strobe::host::failed(error.what());
   }

@@ -1,5 +1,6 @@
 // strobe-sim: the simulated rig as a program.
 #include <CLI/CLI.hpp>
+#include <csignal>
 #include <iostream>
 #include <string>
 #include <vector>
@@ -120,6 +121,7 @@ void add_plan(CLI::App& app, PlanOptions& options) {
 
 int main(int argc, char** argv) {
   namespace sim = strobe::sim;
+  std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is told like a full disk
   CLI::App app(
       "Simulated strobe rig: a GPIO chip with lamps, shutter, pitching machine, ball and camera behind it.");
   app.require_subcommand(1);

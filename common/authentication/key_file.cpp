@@ -87,6 +87,11 @@ bool write_all(int fd, std::string_view text) {
   return fsync(fd) == 0;
 }
 
+bool sync_folder(const fs::path& folder) {
+  const Descriptor opened(open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  return opened.get() >= 0 && (fsync(opened.get()) == 0 || errno == EINVAL || errno == ENOTSUP);
+}
+
 /// Writes the key to a file of a name of its own, then gives it the name wanted, which only one can get.
 Result<void> write_new(const Key& key, const fs::path& path) {
   std::string own_name = path.string() + ".XXXXXX";
@@ -96,9 +101,12 @@ Result<void> write_new(const Key& key, const fs::path& path) {
   const bool written = write_all(file.get(), text);
   sodium_memzero(text.data(), text.size());
   const int error = written && link(own_name.c_str(), path.c_str()) == 0 ? 0 : errno;
-  unlink(own_name.c_str());
+  const bool unlinked = unlink(own_name.c_str()) == 0;
   if (error == EEXIST) return bad(path, "there is a key already");
   if (error != 0) return bad(path, std::string("the key cannot be written: ") + std::strerror(error));
+  if (!unlinked) return bad(path, "a copy of the key is left in " + own_name + "; remove it");
+  if (!sync_folder(path.parent_path()))
+    return bad(path, std::string("the key may not last: its folder: ") + std::strerror(errno));
   return {};
 }
 

@@ -183,18 +183,6 @@ Result<std::filesystem::path> calibration_path(const std::string& rig_path) {
   return path.parent_path() / *rig->camera.calibration;
 }
 
-/// At any time there is a whole file: the new one is renamed to it.
-Result<void> replace_file(const std::string& path, const std::string& text) {
-  const std::string draft = path + ".new";
-  std::FILE* file = std::fopen(draft.c_str(), "wb");
-  bool good =
-      file && std::fputs(text.c_str(), file) >= 0 && std::fflush(file) == 0 && fsync(fileno(file)) == 0;
-  good = file && std::fclose(file) == 0 && good;
-  if (good && std::rename(draft.c_str(), path.c_str()) == 0) return {};
-  std::remove(draft.c_str());
-  return fail(path + ": cannot be written");
-}
-
 int run_calibrate(const CalibrateOptions& options) {
   if (!options.date.empty() && !days_since(options.date, {})) {
     return bad_input("calibrate: --date: must be written 2026-11-21");
@@ -218,7 +206,7 @@ int run_calibrate(const CalibrateOptions& options) {
   if (!found) return bad_input("calibrate: " + found.error().message);
   const CameraTable table = table_of(options, *found, *boards);
   if (!path.empty() && !options.dry) {
-    if (const auto done = replace_file(path.string(), calibration_text(table)); !done)
+    if (const auto done = config::write_file(path.string(), calibration_text(table)); !done)
       return bad_input("calibrate: " + done.error().message);
   }
   options.json ? print_json(options, table, *found) : print_text(table, *found);

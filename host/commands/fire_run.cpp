@@ -4,9 +4,8 @@
 
 #include "host/clock/machine_clock.hpp"
 #include "host/commands/command.hpp"
-#include "host/loop/series_runner.hpp"
+#include "host/loop/stored_series.hpp"
 #include "host/messages/lcm_link.hpp"
-#include "host/session/logged_transport.hpp"
 
 namespace strobe::host {
 namespace {
@@ -50,45 +49,20 @@ class ActivityNotes {
   bool told_ = false;
 };
 
-/// Keeps results.csv and flashes.csv.
-class SessionTables final : public HostListener {
- public:
-  SessionTables(SessionFolder& folder, HostLoop& loop, Clock& clock)
-      : folder_(folder), loop_(loop), clock_(clock) {}
-
-  void on_shot_result(const ShotResult& result) override {
-    if (result.host_id != loop_.settings().host_id || result.dry) return;
-    tell(folder_.add(result, utc_for_table(clock_.read().wall)));
-  }
-  void on_shot(const strobe_msgs::shot_t& shot) override { tell(folder_.add(shot)); }
-
- private:
-  void tell(const Result<void>& added) {
-    if (!added) loop_.notify(added.error().message);
-  }
-
-  SessionFolder& folder_;
-  HostLoop& loop_;
-  Clock& clock_;
-};
-
 class FireRun {
  public:
   FireRun(const FireRequest& request, SessionFolder& folder, Transport& link, Clock& clock,
           std::int64_t host_id)
       : request_(request),
-        transport_(link, folder, clock),
-        loop_({request.rig.rig, assembly_settings(request.rig), host_id, true, request.key}, transport_,
-              clock),
+        stored_({request.rig.rig, assembly_settings(request.rig), host_id, true, request.key}, request.series,
+                folder, link, clock),
+        loop_(stored_.loop()),
+        runner_(stored_.runner()),
         terminal_(request.style,
-                  fmt::format("strobe fire   rig {}   session {}", request.rig.rig, request.session)),
-        tables_(folder, loop_, clock),
-        runner_(loop_, request.series) {
-    loop_.add_listener(tables_);
+                  fmt::format("strobe fire   rig {}   session {}", request.rig.rig, request.session)) {
     loop_.add_listener(terminal_);
     terminal_.show_only(host_id);
     terminal_.model().thesis = request.condition;
-    folder.load_events(loop_.session().ledger(), request.rig.rig, request.key);
   }
 
   HostLoop& loop() { return loop_; }
@@ -97,14 +71,15 @@ class FireRun {
     terminal_.open();
     terminal_.note(fmt::format("session {}, rig {} on {}", request_.session, request_.rig.rig, request_.url));
     bool receiving = true;
-    while (!runner_.finished() && (receiving = loop_.run_once())) {
+    while (!runner_.finished() && (receiving = stored_.run_once())) {
       if (interrupted()) stop();
-      runner_.step();
+      check_output();
       check_key();
       show();
     }
     if (!receiving) loop_.notify("LCM cannot receive any more");
     loop_.end_photographs();
+    stored_.close();
     report_missing_events();
     terminal_.close();
     return conclude();
@@ -113,6 +88,11 @@ class FireRun {
  private:
   void stop() {
     if (runner_.stop()) loop_.notify("interrupted: disarming");
+  }
+
+  /// Readouts that nobody gets are no reason to throw on.
+  void check_output() {
+    if (const auto problem = terminal_.output_problem()) runner_.end_after_shot(*problem);
   }
 
   void check_key() {
@@ -149,18 +129,19 @@ class FireRun {
     const std::string summary =
         fmt::format("{} of {} shots came, {} fired again; session in {}", series.good(),
                     request_.series.shots, series.refired(), request_.session);
-    if (!series.succeeded())
-      return failed(summary + (series.blocking_reason().empty() ? "" : ": " + series.blocking_reason()));
+    std::string problem = series.succeeded() ? "" : series.blocking_reason();
+    for (const std::string& line : stored_.unstored()) problem += (problem.empty() ? "" : "; ") + line;
+    if (!series.succeeded() || !problem.empty())
+      return failed(summary + (problem.empty() ? "" : ": " + problem));
     std::fprintf(stderr, "strobe: %s\n", summary.c_str());
     return kDone;
   }
 
   const FireRequest& request_;
-  LoggedTransport transport_;
-  HostLoop loop_;
+  StoredSeries stored_;
+  HostLoop& loop_;
+  SeriesRunner& runner_;
   Terminal terminal_;
-  SessionTables tables_;
-  SeriesRunner runner_;
   KeyCheck key_;
   ActivityNotes activity_;
   bool recovery_told_ = false;

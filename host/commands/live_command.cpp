@@ -87,6 +87,7 @@ bool watch(HostLoop& loop, Terminal& terminal, TimingReport* timing, const LiveO
     if (!loop.run_once()) return false;
     terminal.show(loop);
     if (timing) timing->step();
+    if (terminal.output_problem()) break;
     if (const auto note = missing.update(terminal.model().events_missing, loop.now())) terminal.note(*note);
     const bool enough = options.shots > 0 && terminal.model().shots >= options.shots;
     if (enough && !(timing && timing->due())) break;
@@ -128,6 +129,7 @@ int run_live(const LiveOptions& options) {
   if (!receiving) return failed("LCM cannot receive any more");
   if (!options.json && terminal.model().series.shots() > 0)
     print(render_series(terminal.model().series, std::nullopt, kPlainWidth));
+  if (terminal.output_problem()) return failed(*terminal.output_problem());
   return terminal.model().shots < options.shots ? kFailed : kDone;
 }
 

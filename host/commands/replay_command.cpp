@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include <algorithm>
 #include <filesystem>
 #include <lcm/lcm-cpp.hpp>
 #include <memory>
@@ -77,10 +78,11 @@ int run_replay(const ReplayOptions& options) {
   std::int64_t messages = 0;
   while (const lcm::LogEvent* event = log.readNextEvent()) {
     ++messages;
-    clock.now = microseconds{event->timestamp};
+    clock.now =
+        std::max(clock.now, Duration{microseconds{event->timestamp}});  // a wall clock may have been set
     loop.step();
-    loop.receive(event->channel, {static_cast<const std::uint8_t*>(event->data),
-                                  static_cast<std::size_t>(event->datalen)});
+    loop.receive(event->channel,
+                 {static_cast<const std::uint8_t*>(event->data), static_cast<std::size_t>(event->datalen)});
   }
   loop.end_session();
   if (messages == 0) return bad_input(options.log + ": not an LCM log, or an empty one");

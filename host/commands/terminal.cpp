@@ -1,7 +1,9 @@
 #include "host/commands/terminal.hpp"
 
+#include <cerrno>
 #include <csignal>
 #include <cstdio>
+#include <cstring>
 #include <random>
 
 #include "common/messages/channels.hpp"
@@ -64,7 +66,10 @@ void Terminal::on_shot_result(const ShotResult& result) {
   } else if (style_ == Style::plain) {
     print(render_shot(result, kPlainWidth));
   }
-  std::fflush(stdout);
+  if ((std::fflush(stdout) != 0 || std::ferror(stdout) != 0) && !output_problem_) {
+    output_problem_ = std::string("standard output: cannot be written: ") + std::strerror(errno);
+    on_notification(*output_problem_);
+  }
 }
 
 void Terminal::on_notification(const std::string& text) {

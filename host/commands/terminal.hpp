@@ -46,6 +46,8 @@ class Terminal final : public HostListener {
   void note(const std::string& text);
   /// Brings the model up to date and paints the screen, at most ten times a second.
   void show(HostLoop& loop);
+  /// Why standard output did not take all that was printed on it; nothing: it did.
+  const std::optional<std::string>& output_problem() const { return output_problem_; }
   /// Gives the screen back.
   void close() { screen_.reset(); }
 
@@ -56,6 +58,7 @@ class Terminal final : public HostListener {
   ViewModel model_;
   std::unique_ptr<Screen> screen_;
   HostTime painted_;
+  std::optional<std::string> output_problem_;
 };
 
 /// Lines on standard output.

@@ -106,6 +106,10 @@ void HostLoop::publish_photographs() {
     take_in(frame);
   }
   for (const std::string& text : photographs_->take_notifications()) notify(text);
+  for (const std::string& text : photographs_->take_not_kept()) {
+    notify(text);
+    for (HostListener* listener : listeners_) listener->on_not_kept(text);
+  }
 }
 
 void HostLoop::end_photographs() {

@@ -43,6 +43,8 @@ class HostListener {
   virtual void on_event(const strobe_msgs::event_t&) {}
   /// Each shot's summary, as often as it comes.
   virtual void on_shot(const strobe_msgs::shot_t&) {}
+  /// A photograph that the session should have kept has not been; told as a notification, too.
+  virtual void on_not_kept(const std::string&) {}
   /// A line that a person should read.
   virtual void on_notification(const std::string&) {}
 };

@@ -43,6 +43,12 @@ bool SeriesRunner::stop() {
   return true;
 }
 
+void SeriesRunner::end_after_shot(const std::string& why) {
+  if (phase_ != Phase::firing) return;
+  series_.end_after_shot(why, loop_.live_status());
+  send_commands();
+}
+
 void SeriesRunner::send_commands() {
   for (const auto& command : series_.take_commands()) loop_.send(command);
   for (const std::string& text : series_.take_notifications()) loop_.notify(text);

@@ -20,6 +20,8 @@ class SeriesRunner final : public HostListener {
   /// Ends the series before its time: disarms, which may take a second, then recovers lost events. Returns
   /// false if it had ended already.
   bool stop();
+  /// No shot after the one under way, if one is.
+  void end_after_shot(const std::string& why);
 
   bool finished() const { return phase_ == Phase::finished; }
   /// The series has been fired or given up; lost events are being fetched, or have been.

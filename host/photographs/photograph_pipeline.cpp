@@ -104,7 +104,7 @@ void PhotographPipeline::finish(PhotographResult result) {
     newest_.clear();
     return notify(fmt::format("{}: {}", what, result.reading.error().message));
   }
-  if (!result.not_kept.empty()) notify(fmt::format("{}: not kept: {}", what, result.not_kept));
+  if (!result.not_kept.empty()) not_kept_.push_back(fmt::format("{}: not kept: {}", what, result.not_kept));
   for (const std::string& remark : result.reading->remarks) notify(fmt::format("{}: {}", what, remark));
   if (!job.measure) return;
   strobe_msgs::frame_t frame = messages::frame_to_lcm(result.reading->frame);

@@ -46,6 +46,8 @@ class PhotographPipeline {
   /// Frames to be published and taken in.
   std::vector<strobe_msgs::frame_t> take_frames() { return std::exchange(frames_, {}); }
   std::vector<std::string> take_notifications() { return std::exchange(notifications_, {}); }
+  /// Photographs that could not be kept, in words.
+  std::vector<std::string> take_not_kept() { return std::exchange(not_kept_, {}); }
   void notify(std::string text) { notifications_.push_back(std::move(text)); }
   /// Readable when step() has something to do at once.
   std::vector<int> descriptors() const { return {folder_->descriptor(), reader_.descriptor()}; }
@@ -72,7 +74,7 @@ class PhotographPipeline {
   std::set<std::filesystem::path> names_used_;
   RecentMap<ShotKey, strobe_msgs::frame_t> measured_{kMaxMeasured};
   std::vector<strobe_msgs::frame_t> frames_;
-  std::vector<std::string> notifications_;
+  std::vector<std::string> notifications_, not_kept_;
   PhotographReader reader_;
 };
 

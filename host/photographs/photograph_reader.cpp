@@ -8,6 +8,8 @@
 #include <system_error>
 #include <utility>
 
+#include "common/config/files.hpp"
+
 namespace strobe::host {
 namespace {
 
@@ -32,13 +34,14 @@ FileState state_of(const fs::path& file) {
 
 std::string keep(const PhotographJob& job) {
   std::error_code error;
-  fs::create_directories(job.keep_as.parent_path(), error);
+  const fs::path folder = job.keep_as.parent_path();
+  fs::create_directories(folder, error);
   if (job.may_link) {
     fs::create_hard_link(job.file, job.keep_as, error);
-    if (!error) return {};
+    if (!error && config::sync_folder(folder)) return {};
   }
-  fs::copy_file(job.file, job.keep_as, error);
-  return error ? job.keep_as.string() + ": " + error.message() : std::string();
+  const auto copied = config::copy_file(job.file, job.keep_as);
+  return copied ? std::string() : copied.error().message;
 }
 
 }  // namespace
@@ -107,7 +110,8 @@ tl::expected<PhotographReading, UnreadPhotograph> PhotographReader::read_when_wh
       if (fresh && now == state) break;
       if (now != state) fresh = true, changed = SteadyClock::now();
       state = now;
-      if (std::chrono::duration<double>(SteadyClock::now() - changed).count() > retry_timeout_s_) return reading;
+      if (std::chrono::duration<double>(SteadyClock::now() - changed).count() > retry_timeout_s_)
+        return reading;
     }
   }
 }

@@ -1,69 +1,83 @@
 #include "host/session/csv_file.hpp"
 
-#include <fcntl.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstring>
-#include <fstream>
-#include <utility>
+#include <optional>
 
 namespace strobe::host {
 namespace {
 
-Error errno_error(const std::filesystem::path& path) { return {path.string() + ": " + std::strerror(errno)}; }
-
-bool write_all(int fd, const std::string& text) {
-  const ssize_t written = ::write(fd, text.data(), text.size());
-  return written == static_cast<ssize_t>(text.size());
+std::ptrdiff_t columns(std::string_view line) {
+  bool quoted = false;
+  std::ptrdiff_t count = 1;
+  for (const char c : line) {
+    if (c == '"') quoted = !quoted;
+    if (c == ',' && !quoted) ++count;
+  }
+  return count;
 }
 
-std::ptrdiff_t columns(const std::string& header) {
-  return 1 + std::count(header.begin(), header.end(), ',');
+Result<std::string> read_all(const RecordFile& file) {
+  std::string text;
+  std::array<char, 65536> block{};
+  while (true) {
+    const ssize_t size = ::pread(file.fd(), block.data(), block.size(), static_cast<off_t>(text.size()));
+    if (size < 0 && errno == EINTR) continue;
+    if (size < 0) return fail(file.path().string() + ": " + std::strerror(errno));
+    if (size == 0) return text;
+    text.append(block.data(), static_cast<std::size_t>(size));
+  }
+}
+
+/// The last line, if it has no end.
+std::optional<std::string> torn_line(const std::string& text) {
+  if (text.empty() || text.back() == '\n') return std::nullopt;
+  return text.substr(text.rfind('\n') + 1);  // npos + 1: all of it
+}
+
+/// full: the number of columns.
+Result<void> mend(RecordFile& file, const std::string& text, std::ptrdiff_t full) {
+  const auto torn = torn_line(text);
+  if (!torn) return {};
+  const auto size = static_cast<off_t>(text.size());
+  if (columns(*torn) == full) return file.append("\n", "line's end");
+  if (file.cut(size - static_cast<off_t>(torn->size()), size)) return {};
+  return fail(file.path().string() + ": a torn line cannot be removed: " + std::strerror(errno));
 }
 
 }  // namespace
 
 Result<CsvFile> CsvFile::open(const std::filesystem::path& path, const std::string& header,
                               const std::string& earlier) {
-  std::string first;
-  {
-    std::ifstream existing(path);
-    if (existing) std::getline(existing, first);
-  }
-  if (!first.empty() && first != header && first != earlier) {
+  auto file = RecordFile::open(path, RecordFile::Use::shared);
+  if (!file) return tl::unexpected(file.error());
+  const auto text = read_all(*file);
+  if (!text) return tl::unexpected(text.error());
+  std::string first = text->substr(0, text->find('\n'));
+  // Cut short, or not yet written.
+  const bool unfinished =
+      first.size() == text->size() && header.starts_with(first) && (first.empty() || first != earlier);
+  if (!unfinished && first != header && first != earlier)
     return fail(path.string() + ":1: another version's columns; use another session folder");
+  if (unfinished) {
+    if (!file->cut(0, static_cast<off_t>(text->size())))
+      return fail(path.string() + ": cannot be written: " + std::strerror(errno));
+    if (auto written = file->append(header + "\n", "header"); !written)
+      return tl::unexpected(written.error());
+    return CsvFile(std::move(*file), 0);
   }
-  const int fd = ::open(path.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
-  if (fd < 0) return tl::unexpected(errno_error(path));
-  CsvFile csv(path, fd, first.empty() ? 0 : columns(header) - columns(first));
-  if (first.empty()) {
-    if (!write_all(fd, header + "\n")) return tl::unexpected(errno_error(path));
-    return csv;
-  }
-  char last = '\n';
-  struct stat status {};
-  if (::fstat(fd, &status) == 0 && status.st_size > 0 && ::pread(fd, &last, 1, status.st_size - 1) == 1 &&
-      last != '\n') {
-    if (!write_all(fd, "\n")) return tl::unexpected(errno_error(path));
-  }
-  return csv;
-}
-
-CsvFile::CsvFile(CsvFile&& other) noexcept
-    : path_(std::move(other.path_)), fd_(std::exchange(other.fd_, -1)), left_out_(other.left_out_) {}
-
-CsvFile::~CsvFile() {
-  if (fd_ >= 0) ::close(fd_);
+  if (auto mended = mend(*file, *text, columns(first)); !mended) return tl::unexpected(mended.error());
+  return CsvFile(std::move(*file), columns(header) - columns(first));
 }
 
 Result<void> CsvFile::append(const std::string& line) {
   std::string kept = line;
   for (std::ptrdiff_t i = 0; i < left_out_; ++i) kept.resize(kept.rfind(','));
-  if (!write_all(fd_, kept + "\n")) return tl::unexpected(errno_error(path_));
-  return {};
+  return file_.append(kept + "\n", "lines");
 }
 
 }  // namespace strobe::host

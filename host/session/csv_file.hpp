@@ -7,30 +7,30 @@
 #include <string>
 
 #include "common/result.hpp"
+#include "host/session/record_file.hpp"
 
 namespace strobe::host {
 
 class CsvFile {
  public:
-  /// Opens for appending; writes the header if the file is new. A last line that a killed process left
-  /// without its end is closed first. A file with the header of an earlier version, which lacked the last
-  /// columns, keeps it: they are then left out of each line, and must hold plain numbers. Fails if the file
-  /// has any other header.
+  /// Opens for appending; writes the header if the file is new. A last line without its end is closed if it has
+  /// all columns, as a person's editor may leave it; else a write was cut short there, and it is removed. A file
+  /// with the header of an earlier version, which lacked the last columns, keeps it: they are then left out of
+  /// each line, and must hold plain numbers. Fails if the file has any other header, or cannot be read or written.
   static Result<CsvFile> open(const std::filesystem::path& path, const std::string& header,
                               const std::string& earlier = "");
-  CsvFile(CsvFile&& other) noexcept;
-  CsvFile& operator=(CsvFile&&) = delete;
-  ~CsvFile();
 
-  /// One write per line: lines of several processes do not mix.
+  /// One write per line, or lines: those of several processes do not mix. What cannot be written waits and is
+  /// tried again (record_file.hpp).
   Result<void> append(const std::string& line);
 
- private:
-  CsvFile(std::filesystem::path path, int fd, std::ptrdiff_t left_out)
-      : path_(std::move(path)), fd_(fd), left_out_(left_out) {}
+  RecordFile& file() { return file_; }
+  const RecordFile& file() const { return file_; }
 
-  std::filesystem::path path_;
-  int fd_ = -1;
+ private:
+  CsvFile(RecordFile file, std::ptrdiff_t left_out) : file_(std::move(file)), left_out_(left_out) {}
+
+  RecordFile file_;
   std::ptrdiff_t left_out_ = 0;  ///< columns at the end of a line that the file does not have
 };
 

@@ -16,16 +16,15 @@ std::string instant(std::int64_t ns) {
 
 std::string_view lamps_word(int lamps) { return lamps == 1 ? "a" : lamps == 2 ? "b" : "ab"; }
 
-/// The shot of a line. Returns nullopt if the line has none.
-std::optional<ShotKey> shot_of(std::string_view line) {
-  std::uint64_t boot = 0;
-  std::int32_t shot = 0;
-  const char* end = line.data() + line.size();
-  const auto first = std::from_chars(line.data(), end, boot, 16);
-  if (first.ec != std::errc() || first.ptr == end || *first.ptr != ',') return std::nullopt;
-  const auto second = std::from_chars(first.ptr + 1, end, shot);
-  if (second.ec != std::errc() || second.ptr == end || *second.ptr != ',') return std::nullopt;
-  return ShotKey{static_cast<std::int64_t>(boot), shot};
+/// The number before the next comma, which `text` then follows. Returns nullopt if there is none.
+template <typename Number>
+std::optional<Number> take_number(std::string_view& text, int base) {
+  Number number{};
+  const char* end = text.data() + text.size();
+  const auto read = std::from_chars(text.data(), end, number, base);
+  if (read.ec != std::errc() || read.ptr == end || *read.ptr != ',') return std::nullopt;
+  text = std::string_view(read.ptr + 1, end);
+  return number;
 }
 
 }  // namespace
@@ -35,31 +34,51 @@ std::string flashes_header() {
          "observed_b_ns,extra_edges";
 }
 
+namespace {
+
+std::string flash_line(const strobe_msgs::shot_t& shot, const strobe_msgs::flash_t& flash) {
+  return fmt::format("{:x},{},{},{},{},{},{},{},{},{}\n", static_cast<std::uint64_t>(shot.boot_id),
+                     shot.shot_id, flash.flash_index, lamps_word(flash.lamps), flash.commanded_ns,
+                     instant(flash.issue_start_ns), instant(flash.issue_end_ns), instant(flash.observed_a_ns),
+                     instant(flash.observed_b_ns), flash.extra_edges);
+}
+
+}  // namespace
+
 std::string flashes_lines(const strobe_msgs::shot_t& shot) {
   std::string lines;
-  for (const auto& flash : shot.flashes) {
-    lines += fmt::format("{:x},{},{},{},{},{},{},{},{},{}\n", static_cast<std::uint64_t>(shot.boot_id),
-                         shot.shot_id, flash.flash_index, lamps_word(flash.lamps), flash.commanded_ns,
-                         instant(flash.issue_start_ns), instant(flash.issue_end_ns),
-                         instant(flash.observed_a_ns), instant(flash.observed_b_ns), flash.extra_edges);
-  }
+  for (const auto& flash : shot.flashes) lines += flash_line(shot, flash);
   return lines;
+}
+
+std::set<FlashesCsv::FlashKey> FlashesCsv::flashes_in(std::istream& lines) {
+  std::set<FlashKey> known;
+  for (std::string line; std::getline(lines, line);) {
+    std::string_view rest = line;
+    const auto boot = take_number<std::uint64_t>(rest, 16);
+    const auto shot = boot ? take_number<std::int32_t>(rest, 10) : std::nullopt;
+    const auto flash = shot ? take_number<std::int32_t>(rest, 10) : std::nullopt;
+    if (flash) known.insert({ShotKey{static_cast<std::int64_t>(*boot), *shot}, *flash});
+  }
+  return known;
 }
 
 Result<FlashesCsv> FlashesCsv::open(const std::filesystem::path& path) {
   auto file = CsvFile::open(path, flashes_header());
   if (!file) return tl::unexpected(file.error());
-  std::set<ShotKey> known;
   std::ifstream lines(path);
-  for (std::string line; std::getline(lines, line);) {
-    if (const auto key = shot_of(line)) known.insert(*key);
-  }
+  auto known = flashes_in(lines);
+  if (lines.bad()) return fail(path.string() + ": cannot be read");
   return FlashesCsv(std::move(*file), std::move(known));
 }
 
 Result<void> FlashesCsv::add(const strobe_msgs::shot_t& shot) {
-  if (!known_.insert({shot.boot_id, shot.shot_id}).second || shot.flashes.empty()) return {};
-  std::string lines = flashes_lines(shot);
+  std::string lines;
+  for (const auto& flash : shot.flashes) {
+    if (known_.insert({{shot.boot_id, shot.shot_id}, flash.flash_index}).second)
+      lines += flash_line(shot, flash);
+  }
+  if (lines.empty()) return {};
   lines.pop_back();  // the file ends each append itself
   return file_.append(lines);
 }

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <iosfwd>
 #include <set>
 #include <string>
 #include <strobe_msgs/shot_t.hpp>
@@ -22,18 +23,22 @@ std::string flashes_lines(const strobe_msgs::shot_t& shot);
 
 class FlashesCsv {
  public:
-  /// Fails where CsvFile does. Shots that the file already has are known.
+  /// Fails where CsvFile does. Flashes that the file already has are known.
   static Result<FlashesCsv> open(const std::filesystem::path& path);
 
-  /// A known shot changes nothing.
+  /// Known flashes change nothing; those that a cut-short write left out are added.
   Result<void> add(const strobe_msgs::shot_t& shot);
 
- private:
+  RecordFile& file() { return file_.file(); }
+  const RecordFile& file() const { return file_.file(); }
 
-  FlashesCsv(CsvFile file, std::set<ShotKey> known) : file_(std::move(file)), known_(std::move(known)) {}
+ private:
+  using FlashKey = std::pair<ShotKey, std::int32_t>;
+  static std::set<FlashKey> flashes_in(std::istream& lines);
+  FlashesCsv(CsvFile file, std::set<FlashKey> known) : file_(std::move(file)), known_(std::move(known)) {}
 
   CsvFile file_;
-  std::set<ShotKey> known_;
+  std::set<FlashKey> known_;
 };
 
 }  // namespace strobe::host

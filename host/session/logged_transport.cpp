@@ -13,7 +13,7 @@ void LoggedTransport::publish(const std::string& channel, Bytes bytes) {
 }
 
 void LoggedTransport::log(const std::string& channel, Bytes bytes) {
-  folder_.log(channel, bytes.data(), bytes.size(), clock_.read().wall);
+  folder_.log(channel, bytes, started_.wall + (clock_.read().mono - started_.mono));
 }
 
 }  // namespace strobe::host

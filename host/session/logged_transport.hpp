@@ -1,7 +1,7 @@
 // A transport whose messages are kept in a session's log: those received that the loop acts on, and those
 // published as they are published; with their seals, so that a replay can verify them too. What strangers send
-// fills no disk.
-// Writes files; single-threaded.
+// fills no disk. Times in the log are those of the start, gone on by CLOCK_MONOTONIC: setting the wall clock does not
+// make a replay wait, or believe that the firmware was silent. Writes files; single-threaded.
 #pragma once
 
 #include <string>
@@ -16,7 +16,7 @@ class LoggedTransport final : public Transport {
  public:
   /// All references must outlive the object.
   LoggedTransport(Transport& transport, SessionFolder& folder, Clock& clock)
-      : transport_(transport), folder_(folder), clock_(clock) {}
+      : transport_(transport), folder_(folder), clock_(clock), started_(clock.read()) {}
 
   bool receive(std::chrono::milliseconds max_wait, std::span<const int> descriptors,
                const Receiver& receiver) override;
@@ -29,6 +29,7 @@ class LoggedTransport final : public Transport {
   Transport& transport_;
   SessionFolder& folder_;
   Clock& clock_;
+  HostReading started_;
 };
 
 }  // namespace strobe::host

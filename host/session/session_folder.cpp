@@ -3,8 +3,9 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
-#include <map>
-#include <set>
+#include <cerrno>
+#include <cstring>
+#include <lcm/lcm-cpp.hpp>
 #include <system_error>
 
 #include "common/authentication/packet_seal.hpp"
@@ -28,13 +29,12 @@ Result<void> keep(const fs::path& path, std::string_view text, const std::string
   return config::write_file(path.parent_path() / (path.stem().string() + "-" + utc + ".toml"), text);
 }
 
-fs::path unused(const fs::path& folder, const std::string& utc) {
-  std::error_code error;
-  fs::path path = folder / ("host-" + utc + ".lcmlog");
-  for (char letter = 'b'; fs::exists(path, error) && letter <= 'z'; ++letter) {
-    path = folder / ("host-" + utc + letter + ".lcmlog");
-  }
-  return path;
+/// "2 FRAME, 1 READOUT"
+std::string listed(const std::map<std::string, int>& kinds) {
+  std::string text;
+  for (const auto& [kind, count] : kinds)
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, kind);
+  return text;
 }
 
 }  // namespace
@@ -53,7 +53,6 @@ Result<std::unique_ptr<SessionFolder>> SessionFolder::open(const fs::path& folde
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) return fail(folder.string() + ": " + error.message());
-  std::unique_ptr<SessionFolder> result(new SessionFolder(folder, unused(folder, utc)));
   for (const auto& [name, text] :
        {KeptFile{"rig.toml", rig_text}, KeptFile{"plan.toml", plan_text}, calibration}) {
     if (name.empty()) continue;
@@ -61,34 +60,61 @@ Result<std::unique_ptr<SessionFolder>> SessionFolder::open(const fs::path& folde
   }
   auto results = CsvFile::open(folder / "results.csv", results_header(), earlier_results_header());
   if (!results) return tl::unexpected(results.error());
-  result->results_ = std::make_unique<CsvFile>(std::move(*results));
   auto flashes = FlashesCsv::open(folder / "flashes.csv");
   if (!flashes) return tl::unexpected(flashes.error());
-  result->flashes_ = std::make_unique<FlashesCsv>(std::move(*flashes));
-  result->log_ = std::make_unique<lcm::LogFile>(result->log_path_.string(), "w");
-  if (!result->log_->good()) return fail(result->log_path_.string() + ": cannot be written");
-  return result;
+  auto log = EventLog::create(folder, utc);
+  if (!log) return tl::unexpected(log.error());
+  if (!config::sync_folder(folder))
+    return fail(folder.string() + ": cannot be written: " + std::strerror(errno));
+  return std::unique_ptr<SessionFolder>(
+      new SessionFolder(folder, std::move(*log), std::move(*results), std::move(*flashes)));
 }
 
-void SessionFolder::log(const std::string& channel, const void* data, std::size_t size, WallTime wall) {
-  lcm::LogEvent event{};
-  event.eventnum = event_number_++;
-  event.timestamp = std::chrono::floor<microseconds>(wall).time_since_epoch().count();
-  event.channel = channel;
-  event.datalen = static_cast<std::int32_t>(size);
-  event.data = const_cast<void*>(data);  // LCM's interface; it only reads
-  log_->writeEvent(&event);
-  std::fflush(log_->getFilePtr());
+void SessionFolder::note(const Result<void>& done) {
+  if (!done && told_.insert(done.error().message).second) failures_.push_back(done.error().message);
 }
 
-Result<void> SessionFolder::add(const ShotResult& shot_result, const std::string& utc) {
-  return results_->append(results_line(shot_result, utc));
+void SessionFolder::log(const std::string& channel, std::span<const std::uint8_t> message, WallTime wall) {
+  note(log_.append(channel, message, wall));
 }
 
-Result<void> SessionFolder::add(const strobe_msgs::shot_t& shot) { return flashes_->add(shot); }
+void SessionFolder::add(const ShotResult& shot_result, const std::string& utc) {
+  note(results_.append(results_line(shot_result, utc)));
+}
 
-void SessionFolder::load_events(EventLedger& ledger, const std::string& rig,
-                                const authentication::Key& key) const {
+void SessionFolder::add(const strobe_msgs::shot_t& shot) { note(flashes_.add(shot)); }
+
+void SessionFolder::tend() {
+  for (RecordFile* file : files()) {
+    note(file->retry());
+    const auto there = file->still_there();
+    note(there);
+    if (!there) gone_[file->path()] = there.error().message;
+  }
+}
+
+void SessionFolder::sync() {
+  for (RecordFile* file : files()) note(file->sync());
+}
+
+void SessionFolder::close() {
+  tend();
+  for (RecordFile* file : files()) note(file->close());
+}
+
+std::vector<std::string> SessionFolder::unstored() const {
+  std::vector<std::string> lines;
+  for (const RecordFile* file : {&log_.file(), &results_.file(), &flashes_.file()}) {
+    const auto kinds = file->unstored();
+    if (!kinds.empty())
+      lines.push_back(fmt::format("{}: not stored: {}", file->path().string(), listed(kinds)));
+    if (!file->doubt().empty()) lines.push_back(fmt::format("{}: {}", file->path().string(), file->doubt()));
+  }
+  for (const auto& [path, why] : gone_) lines.push_back(why);
+  return lines;
+}
+
+void SessionFolder::load_events(EventLedger& ledger, const std::string& rig, const authentication::Key& key) {
   const authentication::PacketSeal seal(key);
   const std::string events = messages::channel_name(rig, messages::Channel::event);
   const std::string shots = messages::channel_name(rig, messages::Channel::shot);
@@ -107,13 +133,16 @@ void SessionFolder::load_events(EventLedger& ledger, const std::string& rig,
         ended[{event.boot_id, event.shot_id}] = event.sequence;
     } else if (logged.channel == shots) {
       shot_t shot;
-      if (messages::decode_checked(shot, data, size)) summed_up.insert({shot.boot_id, shot.shot_id});
+      if (!messages::decode_checked(shot, data, size)) return;
+      summed_up.insert({shot.boot_id, shot.shot_id});
+      if (messages::in_range(shot)) add(shot);
     }
   };
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(folder_, error)) {
     const std::string name = entry.path().filename().string();
-    if (!name.starts_with("host-") || !name.ends_with(".lcmlog") || entry.path() == log_path_) continue;
+    if (!name.starts_with("host-") || !name.ends_with(".lcmlog") || entry.path() == log_.file().path())
+      continue;
     lcm::LogFile log(entry.path().string(), "r");
     if (!log.good()) continue;
     while (const lcm::LogEvent* logged = log.readNextEvent()) enter(*logged);

@@ -1,18 +1,26 @@
 // What a host keeps of a session: DIR/host-<UTC>.lcmlog (every message received, its own readouts),
-// results.csv, flashes.csv, and the rig, plan and calibration files as used. Writes files; one thread's.
+// results.csv, flashes.csv, and the rig, plan and calibration files as used. A failing disk stops no
+// call: it is told (take_failures), and what was not written is counted (unstored). Writes files; one thread's.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <filesystem>
-#include <lcm/lcm-cpp.hpp>
+#include <map>
 #include <memory>
+#include <set>
+#include <span>
 #include <string>
 #include <string_view>
 #include <strobe_msgs/readout_t.hpp>
+#include <utility>
+#include <vector>
 
 #include "common/authentication/key.hpp"
 #include "common/result.hpp"
 #include "host/messages/event_ledger.hpp"
 #include "host/session/csv_file.hpp"
+#include "host/session/event_log.hpp"
 #include "host/session/flashes_csv.hpp"
 #include "host/session/results_csv.hpp"
 #include "host/session/session.hpp"
@@ -36,28 +44,49 @@ class SessionFolder {
 
   /// Appends a message as it came, at `wall`. Each is on its way to the disk before the call returns, so
   /// that a killed host loses none.
-  void log(const std::string& channel, const void* data, std::size_t size, WallTime wall);
+  void log(const std::string& channel, std::span<const std::uint8_t> message, WallTime wall);
   /// Appends a line to results.csv.
-  Result<void> add(const ShotResult& shot_result, const std::string& utc);
+  void add(const ShotResult& shot_result, const std::string& utc);
   /// Appends a shot's flashes to flashes.csv, once.
-  Result<void> add(const strobe_msgs::shot_t& shot);
+  void add(const strobe_msgs::shot_t& shot);
+
+  /// Writes what could not be written before, and looks whether the files are still in their places.
+  void tend();
+  /// Returns once all that was written is on the disk. May take long.
+  void sync();
+  /// As tend() and sync(), and closes the files: the last call.
+  void close();
+
+  /// New failures in words, each once: which file, why.
+  std::vector<std::string> take_failures() { return std::exchange(failures_, {}); }
+  /// Whether there ever was one.
+  bool failed() const { return !told_.empty(); }
+  /// What is not stored, a line for each file: nothing, or what waits, is lost or may be.
+  std::vector<std::string> unstored() const;
 
   /// Enters the events in this folder's earlier host logs that are sealed with the lab's key, so that they are
-  /// not asked for again; but for the
-  /// last ones of shots whose summaries are in none.
-  void load_events(EventLedger& ledger, const std::string& rig, const authentication::Key& key) const;
+  /// not asked for again; but for the last ones of shots whose summaries are in none. Flashes of those summaries
+  /// that flashes.csv lacks are added.
+  void load_events(EventLedger& ledger, const std::string& rig, const authentication::Key& key);
 
   const std::filesystem::path& path() const { return folder_; }
 
  private:
-  SessionFolder(std::filesystem::path folder, std::filesystem::path log_path)
-      : folder_(std::move(folder)), log_path_(std::move(log_path)) {}
+  explicit SessionFolder(std::filesystem::path folder, EventLog log, CsvFile results, FlashesCsv flashes)
+      : folder_(std::move(folder)),
+        log_(std::move(log)),
+        results_(std::move(results)),
+        flashes_(std::move(flashes)) {}
+  std::array<RecordFile*, 3> files() { return {&log_.file(), &results_.file(), &flashes_.file()}; }
+  void note(const Result<void>& done);
 
-  std::filesystem::path folder_, log_path_;
-  std::unique_ptr<lcm::LogFile> log_;
-  std::int64_t event_number_ = 0;
-  std::unique_ptr<CsvFile> results_;
-  std::unique_ptr<FlashesCsv> flashes_;
+  std::filesystem::path folder_;
+  EventLog log_;
+  CsvFile results_;
+  FlashesCsv flashes_;
+  std::vector<std::string> failures_;
+  std::set<std::string> told_;
+  std::map<std::filesystem::path, std::string> gone_;  ///< files that are no longer in their places, and why
 };
 
 /// "20260131T093000Z" for file names; one more letter makes it unique where needed.

@@ -32,6 +32,7 @@ std::string rejection_in_full(const ShotResult& shot_result) {
 }  // namespace
 
 void ShotSeries::enter(State state, HostTime now) {
+  if (state == State::waiting && !ending_.empty()) return give_up(ending_);
   state_ = state;
   entered_ = now;
   sent_ = now;
@@ -49,6 +50,16 @@ void ShotSeries::give_up(const std::string& why) {
   notifications_.push_back("giving up: " + why);
   blocking_reason_ = why;
   state_ = State::finished;
+}
+
+void ShotSeries::give_back(const status_t& status) { commands_.push_back(factory_.disarm(status.boot_id)); }
+
+void ShotSeries::end_after_shot(const std::string& why, const std::optional<status_t>& status) {
+  if (state_ == State::finished || !ending_.empty()) return;
+  ending_ = why;
+  if (state_ == State::firing || state_ == State::shooting) return;
+  if (status && (ours(*status) || state_ == State::arming)) give_back(*status);
+  give_up(why);
 }
 
 void ShotSeries::step(const std::optional<status_t>& status, HostTime now) {
@@ -140,8 +151,10 @@ void ShotSeries::fire(const status_t& status, HostTime now) {
   }
   // The token is for one shot, so a second FIRE with it can never fire a second one.
   if (same_boot && ours(status)) {
-    if (now - sent_ >= kSendAgain) send_fire(status, now);
-    return;
+    if (now - sent_ < kSendAgain) return;
+    if (ending_.empty()) return send_fire(status, now);
+    give_back(status);  // what was sent got lost, and is not sent again
+    return give_up(ending_);
   }
   if (now - sent_ >= kSignOfShot) enter(State::waiting, now);
 }
@@ -198,7 +211,7 @@ void ShotSeries::on_rejected(const std::string& why, std::int64_t shot_id) {
 void ShotSeries::stop(const std::optional<status_t>& status) {
   if (status &&
       (ours(*status) || state_ == State::arming || state_ == State::firing || state_ == State::shooting)) {
-    commands_.push_back(factory_.disarm(status->boot_id));
+    give_back(*status);
   }
   state_ = State::finished;
 }

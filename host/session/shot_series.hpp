@@ -24,7 +24,8 @@ struct ShotSeriesSettings {
   int retries = 0;  ///< further shots that may be fired for rejected ones, in all
   ShotPlan plan;
   reduction::Record notes;
-  double blocked_timeout_s = 60.0;  ///< gives up if nothing can be fired (no firmware, key off ...) for so long
+  double blocked_timeout_s =
+      60.0;  ///< gives up if nothing can be fired (no firmware, key off ...) for so long
   double photograph_timeout_s = 5.0;
   bool clear_fault = false;
 };
@@ -39,6 +40,8 @@ class ShotSeries {
   void on_shot_result(const ShotResult& shot_result);
   /// What to do now. status: the newest; absent if the firmware is silent (Session::live_status()).
   void step(const std::optional<strobe_msgs::status_t>& status, HostTime now);
+  /// Ends the series with the shot under way; if there is none, at once. why: for a person.
+  void end_after_shot(const std::string& why, const std::optional<strobe_msgs::status_t>& status);
   /// Ends the series: the arm token is given back, a running shot is aborted.
   void stop(const std::optional<strobe_msgs::status_t>& status);
 
@@ -64,6 +67,7 @@ class ShotSeries {
   void enter(State state, HostTime now);
   void on_rejected(const std::string& why, std::int64_t shot_id);
   void give_up(const std::string& why);
+  void give_back(const strobe_msgs::status_t& status);
   void send_arm(const strobe_msgs::status_t& status, HostTime now);
   void send_fire(const strobe_msgs::status_t& status, HostTime now);
   void sent(const strobe_msgs::status_t& status, HostTime now);
@@ -87,6 +91,7 @@ class ShotSeries {
   int refusals_ = 0;
   std::string blocking_reason_;
   std::string refusal_;
+  std::string ending_;  ///< why there is no further shot; empty: there may be
   std::vector<strobe_msgs::command_t> commands_;
   std::vector<std::string> notifications_;
 };

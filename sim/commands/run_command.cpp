@@ -5,11 +5,11 @@
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <random>
 #include <thread>
 
 #include "common/authentication/key_file.hpp"
+#include "common/config/files.hpp"
 #include "common/messages/channels.hpp"
 #include "sim/commands/command_line.hpp"
 #include "sim/commands/commands.hpp"
@@ -80,15 +80,13 @@ const char* cause_name(Cause cause) {
   return "unknown";
 }
 
-bool write_changes(const std::string& path, const std::vector<Change>& changes) {
-  std::ofstream file(path);
-  file << "time_ns,line,name,level,cause\n";
+Result<void> write_changes(const std::string& path, const std::vector<Change>& changes) {
+  std::string text = "time_ns,line,name,level,cause\n";
   for (const Change& c : changes) {
     const std::string_view line = c.line < kLineNames.size() ? kLineNames[c.line] : std::string_view{};
-    file << fmt::format("{},{},{},{},{}\n", to_ns(c.time), c.line, line, c.level, cause_name(c.cause));
+    text += fmt::format("{},{},{},{},{}\n", to_ns(c.time), c.line, line, c.level, cause_name(c.cause));
   }
-  file.flush();
-  return file.good();
+  return config::write_file(path, text);
 }
 
 std::uint64_t fresh_seed() {
@@ -131,8 +129,9 @@ class Session {
       session->photographer_ = std::move(*tethered_camera);
       session->truth_->include_photographs(seed);
     }
-    if (!options.changes_file.empty() && !write_changes(options.changes_file, {}))
-      return fail(options.changes_file + ": cannot be written");
+    if (auto made = options.changes_file.empty() ? Result<void>() : write_changes(options.changes_file, {});
+        !made)
+      return tl::unexpected(made.error());
     session->runner_ = std::make_unique<RigRunner>(std::move(*chip), scene, seed, session->exposure_store_,
                                                    !options.changes_file.empty(), model);
     if (options.digitizer) {
@@ -156,9 +155,12 @@ class Session {
     runner_->stop();
     if (tablet_operator_) tablet_operator_->stop();
     for (const auto& exposure : exposure_store_.all()) truth_->write(*exposure, 0);
-    if (!options_.changes_file.empty() && !write_changes(options_.changes_file, runner_->changes()))
-      return fail(options_.changes_file + ": could not be written");
-    return photographer_ ? photographer_->stop() : Result<void>{};
+    const auto photographs = photographer_ ? photographer_->stop() : Result<void>{};
+    const auto changes = options_.changes_file.empty()
+                             ? Result<void>{}
+                             : write_changes(options_.changes_file, runner_->changes());
+    const auto truth = truth_->close();
+    return !photographs ? photographs : !changes ? changes : truth;
   }
 
  private:

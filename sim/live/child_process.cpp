@@ -24,6 +24,7 @@ sigset_t child_signals() {
 [[noreturn]] void become(const std::vector<std::string>& command,
                          const std::vector<std::pair<std::string, std::string>>& environment, int report) {
   prctl(PR_SET_PDEATHSIG, SIGTERM);
+  signal(SIGXFSZ, SIG_DFL);  // which strobe-sim ignores
   const sigset_t set = child_signals();
   sigprocmask(SIG_UNBLOCK, &set, nullptr);
   for (const auto& [name, value] : environment) setenv(name.c_str(), value.c_str(), 1);

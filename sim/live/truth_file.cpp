@@ -1,5 +1,8 @@
 #include "sim/live/truth_file.hpp"
 
+#include <cerrno>
+#include <cstring>
+
 #include "sim/photograph/photograph_truth.hpp"
 #include "sim/rig/truth.hpp"
 
@@ -8,8 +11,9 @@ namespace strobe::sim {
 Result<std::unique_ptr<TruthFile>> TruthFile::create(const std::filesystem::path& path, const Scene& scene) {
   std::unique_ptr<TruthFile> truth(new TruthFile(scene));
   if (!path.empty()) {
+    truth->path_ = path;
     truth->file_.open(path);
-    if (!truth->file_) return fail(path.string() + ": cannot be written");
+    if (!truth->file_) return fail(path.string() + ": cannot be written: " + std::strerror(errno));
   }
   return truth;
 }
@@ -27,6 +31,14 @@ void TruthFile::write(const Exposure& exposure, int shot_id) {
   if (!file_.is_open()) return;
   if (exposure.shot != 0 && !written_.insert(exposure.shot).second) return;
   file_ << line(exposure, shot_id) << std::endl;
+}
+
+Result<void> TruthFile::close() {
+  const std::lock_guard lock(mutex_);
+  if (!file_.is_open()) return {};
+  file_.close();
+  if (!file_) return fail(path_.string() + ": not all could be written");
+  return {};
 }
 
 }  // namespace strobe::sim

@@ -24,6 +24,8 @@ class TruthFile {
 
   /// Writes the exposure's line unless it was written before. shot_id 0: unknown.
   void write(const Exposure& exposure, int shot_id);
+  /// No more lines. Fails if not all could be written.
+  Result<void> close();
 
  private:
   explicit TruthFile(const Scene& scene) : scene_(scene) {}
@@ -33,6 +35,7 @@ class TruthFile {
   const Scene scene_;
   std::optional<std::uint64_t> photograph_seed_;
   std::mutex mutex_;
+  std::filesystem::path path_;
   std::ofstream file_;
   std::set<int> written_;  ///< numbers of exposures
 };

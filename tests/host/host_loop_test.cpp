@@ -1,6 +1,7 @@
 // The host's loop on a bus and a clock of this test's, and a series fired on it.
 #include "host/loop/host_loop.hpp"
 
+#include <lcm/lcm-cpp.hpp>
 #include <map>
 #include <string>
 
@@ -55,7 +56,8 @@ struct Bus final : host::Transport {
 
 struct ManualClock final : host::Clock {
   Duration now = std::chrono::seconds{100};
-  host::HostReading read() override { return {HostTime{now}, WallTime{now}, now}; }
+  Duration wall_ahead{};
+  host::HostReading read() override { return {HostTime{now}, WallTime{now + wall_ahead}, now}; }
 };
 
 struct Results final : host::HostListener {
@@ -395,4 +397,20 @@ TEST(HostLoop, UsesNoFrameThatMayBeOfAnySession) {
   pass(loop, 0.02);
   LONGS_EQUAL(1, results.results.size());
   CHECK_TRUE(results.results[0].verified);
+}
+
+TEST(HostLoop, TimesInTheLogGoOnWhenTheWallClockIsSet) {
+  testing::TemporaryFolder folder;
+  auto session = host::SessionFolder::open(folder.path(), "20260131T093000Z", "", "");
+  clock.wall_ahead = std::chrono::hours{1000};
+  host::LoggedTransport transport(bus, **session, clock);
+  const Duration start = clock.now + clock.wall_ahead;
+  for (const int hours : {1000, 1001, 900}) {
+    clock.wall_ahead = std::chrono::hours{hours};
+    transport.publish(channel(Channel::status), messages::encode(idle_status()));
+    clock.now += milliseconds{500};
+  }
+  lcm::LogFile log((folder / "host-20260131T093000Z.lcmlog").string(), "r");
+  for (int i = 0; i < 3; ++i)
+    CHECK_EQUAL(start + i * milliseconds{500}, Duration{microseconds{log.readNextEvent()->timestamp}});
 }

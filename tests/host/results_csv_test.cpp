@@ -90,12 +90,26 @@ TEST(ResultsTable, ASecondRunAppendsWithoutASecondHeader) {
   CHECK_EQUAL(host::results_header() + "\none\ntwo\n", read_text(folder / "results.csv"));
 }
 
-TEST(ResultsTable, ALineThatAKilledRunLeftOpenIsClosedFirst) {
+TEST(ResultsTable, ALineThatWasCutShortIsRemovedAndOneWithAllColumnsIsClosed) {
   TemporaryFolder folder;
-  write_text(folder / "results.csv", host::results_header() + "\nhalf a li");
-  auto csv = CsvFile::open(folder / "results.csv", host::results_header());
-  CHECK_TRUE(csv->append("whole").has_value());
-  CHECK_EQUAL(host::results_header() + "\nhalf a li\nwhole\n", read_text(folder / "results.csv"));
+  for (const char* last : {"4,\"x,y", "4,5", "4", "1,2,3\n4,\"5,6\""}) {
+    write_text(folder / "table.csv", "a,b,c\n1,2,3\n" + std::string(last));
+    CHECK_TRUE(CsvFile::open(folder / "table.csv", "a,b,c")->append("7,8,9").has_value());
+    const std::string whole = last[0] == '1' ? "1,2,3\n" : "";
+    CHECK_EQUAL("a,b,c\n1,2,3\n" + whole + "7,8,9\n", read_text(folder / "table.csv"));
+  }
+  write_text(folder / "table.csv", "a,b,c\n1,\"2,\",3");  // as an editor may leave it
+  CHECK_TRUE(CsvFile::open(folder / "table.csv", "a,b,c")->append("7,8,9").has_value());
+  CHECK_EQUAL("a,b,c\n1,\"2,\",3\n7,8,9\n", read_text(folder / "table.csv"));
+}
+
+TEST(ResultsTable, AHeaderThatWasCutShortIsWrittenAnew) {
+  TemporaryFolder folder;
+  for (const char* header : {"", "a,", "a,b", "a,b,c"}) {
+    write_text(folder / "table.csv", header);
+    CHECK_TRUE(CsvFile::open(folder / "table.csv", "a,b,c")->append("7,8,9").has_value());
+    CHECK_EQUAL("a,b,c\n7,8,9\n", read_text(folder / "table.csv"));
+  }
 }
 
 TEST(ResultsTable, ATableOfAnEarlierVersionGoesOnWithItsColumns) {
@@ -120,6 +134,6 @@ TEST(ResultsTable, AnotherVersionsColumnsAreNotMixed) {
 }
 
 TEST(ResultsTable, AFolderThatIsNotThereIsNamed) {
-  STRCMP_CONTAINS("/nowhere/results.csv: No such file",
+  STRCMP_CONTAINS("/nowhere/results.csv: cannot be written: No such file",
                   CsvFile::open("/nowhere/results.csv", host::results_header()).error().message.c_str());
 }

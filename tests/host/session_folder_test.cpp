@@ -2,6 +2,7 @@
 #include "host/session/session_folder.hpp"
 
 #include <algorithm>
+#include <lcm/lcm-cpp.hpp>
 #include <string>
 #include <strobe_msgs/event_t.hpp>
 #include <strobe_msgs/shot_t.hpp>
@@ -44,7 +45,8 @@ TEST(FolderOfASession, KeepsEveryMessageAsItCame) {
     auto session = SessionFolder::open(path, kUtc, "rig = \"bench\"\n", "train = \"free\"\n",
                                        {"my_camera.toml", "px_per_m = 9\n"});
     CHECK_TRUE(session.has_value());
-    (*session)->log("STROBE/bench/EVENT", bytes.data(), bytes.size(), WallTime{microseconds{1'000'001}});
+    (*session)->log("STROBE/bench/EVENT", {reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()},
+                    WallTime{microseconds{1'000'001}});
     // Read while still open, as after a kill: nothing may be left in a buffer.
     lcm::LogFile log((path / "host-20260131T093000Z.lcmlog").string(), "r");
     const lcm::LogEvent* event = log.readNextEvent();
@@ -77,7 +79,7 @@ TEST(FolderOfASession, EventsOfEarlierRunsAreNotAskedForAgain) {
   {
     auto first = SessionFolder::open(folder.path(), kUtc, "", "");
     const auto log = [&first](const char* channel, const std::vector<std::uint8_t>& bytes) {
-      (*first)->log(channel, bytes.data(), bytes.size(), {});
+      (*first)->log(channel, bytes, {});
     };
     for (const std::int64_t sequence : {1, 2, 4}) log(kEvents, lab.packet(kEvents, event_of(sequence)));
     log("STROBE/other/EVENT", lab.packet("STROBE/other/EVENT", event_of(3)));
@@ -107,13 +109,13 @@ TEST(FolderOfASession, ASummaryThatAnEarlierRunDidNotGetIsAskedFor) {
       event.kind = strobe_msgs::event_t::SHOT_ENDED;
       event.shot_id = static_cast<std::int32_t>(sequence);
       const auto bytes = lab.packet(kEvents, event);
-      (*first)->log("STROBE/bench/EVENT", bytes.data(), bytes.size(), from_ns<WallTime>(sequence));
+      (*first)->log("STROBE/bench/EVENT", bytes, from_ns<WallTime>(sequence));
     }
     strobe_msgs::shot_t shot{};
     shot.boot_id = 77;
     shot.shot_id = 1;
     const auto bytes = lab.packet("STROBE/bench/SHOT", shot);
-    (*first)->log("STROBE/bench/SHOT", bytes.data(), bytes.size(), {});
+    (*first)->log("STROBE/bench/SHOT", bytes, {});
   }
   auto second = SessionFolder::open(folder.path(), kUtc, "", "");
   EventLedger ledger(true);

@@ -7,6 +7,9 @@
 #include <numbers>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+#include <vector>
+
+#include "common/config/files.hpp"
 
 namespace strobe::digitize {
 
@@ -226,13 +229,15 @@ cv::Mat draw_overlay(const Photograph& photograph, const PlaneMap& map, const Di
 Result<void> write_overlay(const std::filesystem::path& path, const Photograph& photograph,
                            const PlaneMap& map, const Digitization& digitization,
                            const OverlaySettings& settings) {
-  const std::string what = path.string() + ": cannot be written";
+  std::vector<std::uint8_t> bytes;
+  bool encoded = false;
   try {
-    if (!cv::imwrite(path.string(), draw_overlay(photograph, map, digitization, settings))) return fail(what);
+    encoded =
+        cv::imencode(path.extension().string(), draw_overlay(photograph, map, digitization, settings), bytes);
   } catch (const cv::Exception&) {
-    return fail(what + " (an extension such as .png is needed)");
   }
-  return {};
+  if (!encoded) return fail(path.string() + ": cannot be written (an extension such as .png is needed)");
+  return config::write_file(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
 }  // namespace strobe::digitize

@@ -138,7 +138,7 @@ TEST(PhysicsCommands, PredictOdeWritesTheCourseAsCsv) {
   CHECK(text.starts_with("time_ms,x_m,y_m,angle_deg,vx_mps,vy_mps,omega_radps,fx_n,fy_n,mode\n"));
   LONGS_EQUAL(1 + 5, std::count(text.begin(), text.end(), '\n'));
   check_refused(predict("10", "-12", {"--model", "ode", "--trajectory", nowhere}),
-                "predict: " + nowhere + ": cannot be written");
+                "predict: " + nowhere + ": cannot be written: No such file or directory");
 }
 
 TEST(PhysicsCommands, PredictNamesWhatIsWrongWithAContact) {

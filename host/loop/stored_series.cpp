@@ -1,0 +1,69 @@
+#include "host/loop/stored_series.hpp"
+
+namespace strobe::host {
+namespace {
+
+// What cannot be written is told within a second; what has vanished is looked for as often.
+constexpr Duration kTendEvery = milliseconds{500};
+
+}  // namespace
+
+StoredSeries::StoredSeries(const HostLoopSettings& settings, const ShotSeriesSettings& series,
+                           SessionFolder& folder, Transport& transport, Clock& clock)
+    : folder_(folder),
+      clock_(clock),
+      transport_(transport, folder, clock),
+      loop_(settings, transport_, clock),
+      runner_(loop_, series) {
+  loop_.add_listener(*this);
+  if (settings.key) folder.load_events(loop_.session().ledger(), settings.rig, *settings.key);
+}
+
+void StoredSeries::on_shot_result(const ShotResult& result) {
+  if (result.host_id != loop_.settings().host_id) return;
+  if (!result.dry) folder_.add(result, utc_for_table(clock_.read().wall));
+  unsynced_ = true;
+}
+
+void StoredSeries::on_shot(const strobe_msgs::shot_t& shot) { folder_.add(shot); }
+
+void StoredSeries::on_not_kept(const std::string& what) {
+  not_kept_.push_back(what);
+  runner_.end_after_shot(what);
+}
+
+void StoredSeries::tell_failures() {
+  for (const std::string& failure : folder_.take_failures()) {
+    loop_.notify(failure);
+    runner_.end_after_shot(failure);
+  }
+}
+
+bool StoredSeries::run_once() {
+  const bool receiving = loop_.run_once();
+  if (receiving) step();
+  return receiving;
+}
+
+void StoredSeries::step() {
+  if (std::exchange(unsynced_, false)) folder_.sync();
+  if (loop_.now() - tended_ >= kTendEvery) {
+    folder_.tend();
+    tended_ = loop_.now();
+  }
+  tell_failures();  // before the series goes on
+  runner_.step();
+}
+
+void StoredSeries::close() {
+  folder_.close();
+  tell_failures();
+}
+
+std::vector<std::string> StoredSeries::unstored() const {
+  std::vector<std::string> lines = folder_.unstored();
+  lines.insert(lines.end(), not_kept_.begin(), not_kept_.end());
+  return lines;
+}
+
+}  // namespace strobe::host

@@ -1,0 +1,150 @@
+#include "host/session/record_file.hpp"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+
+#include "common/config/files.hpp"
+
+namespace strobe::host {
+namespace {
+
+/// Records of several processes do not mix, nor does one cut off another's. Where the file system has no locks,
+/// one process alone may use the file.
+class Lock {
+ public:
+  Lock(int fd, bool needed) : fd_(needed ? fd : -1) {
+    if (fd_ >= 0) ::flock(fd_, LOCK_EX);
+  }
+  Lock(const Lock&) = delete;
+  Lock& operator=(const Lock&) = delete;
+  ~Lock() {
+    if (fd_ >= 0) ::flock(fd_, LOCK_UN);
+  }
+
+ private:
+  int fd_;
+};
+
+std::optional<off_t> size_of(int fd) {
+  struct stat status {};
+  return ::fstat(fd, &status) == 0 ? std::optional(status.st_size) : std::nullopt;
+}
+
+}  // namespace
+
+tl::unexpected<Error> RecordFile::because() const {
+  return fail(path_.string() + ": cannot be written: " + std::strerror(errno));
+}
+
+tl::unexpected<Error> RecordFile::doubtful(std::string why) {
+  if (doubt_.empty()) doubt_ = std::move(why);
+  return fail(path_.string() + ": " + doubt_);
+}
+
+Result<RecordFile> RecordFile::open(const std::filesystem::path& path, Use use) {
+  const int flags = use == Use::alone ? O_WRONLY | O_EXCL : O_RDWR;
+  const int fd = ::open(path.c_str(), flags | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
+  if (fd < 0) return fail(path.string() + ": cannot be written: " + std::strerror(errno));
+  return RecordFile(path, fd, use);
+}
+
+RecordFile::RecordFile(RecordFile&& other) noexcept
+    : path_(std::move(other.path_)),
+      fd_(std::exchange(other.fd_, -1)),
+      use_(other.use_),
+      waiting_(std::move(other.waiting_)),
+      waiting_bytes_(other.waiting_bytes_),
+      lost_(std::move(other.lost_)),
+      torn_(other.torn_),
+      doubt_(std::move(other.doubt_)) {}
+
+RecordFile::~RecordFile() {
+  if (fd_ >= 0) ::close(fd_);
+}
+
+Result<void> RecordFile::append(std::string record, std::string_view kind) {
+  if (waiting_bytes_ + record.size() > kMaxWaiting_bytes) {
+    ++lost_[std::string(kind)];
+    return fail(path_.string() + ": more waits to be written than memory is kept for");
+  }
+  waiting_bytes_ += record.size();
+  waiting_.push_back({std::move(record), std::string(kind)});
+  return retry();
+}
+
+Result<void> RecordFile::retry() {
+  while (!waiting_.empty()) {
+    if (!write_whole(waiting_.front().record)) return because();
+    waiting_bytes_ -= waiting_.front().record.size();
+    waiting_.pop_front();
+  }
+  return {};
+}
+
+bool RecordFile::cut(off_t to, off_t size) {
+  const auto now = size_of(fd_);
+  return now && (*now != size || ::ftruncate(fd_, to) == 0);
+}
+
+bool RecordFile::mend() {
+  if (torn_ && !cut(torn_->first, torn_->second)) return false;
+  torn_.reset();
+  return true;
+}
+
+bool RecordFile::write_whole(const std::string& record) {
+  const Lock lock(fd_, use_ == Use::shared);
+  if (!mend()) return false;
+  const auto before = size_of(fd_);
+  if (!before) return false;
+  if (config::write_all(fd_, record)) return true;
+  const int why = errno;
+  const auto after = size_of(fd_);
+  if (!after || (*after > *before && ::ftruncate(fd_, *before) != 0))
+    torn_ = {*before, after.value_or(*before + static_cast<off_t>(record.size()))};
+  errno = why;
+  return false;
+}
+
+Result<void> RecordFile::sync() {
+  if (!doubt_.empty()) return doubtful("");
+  int failed = 0;
+  do failed = ::fsync(fd_);
+  while (failed != 0 && errno == EINTR);
+  if (failed != 0 && errno != EINVAL && errno != ENOTSUP)
+    return doubtful(std::string("what was written last may be lost: ") + std::strerror(errno));
+  return {};
+}
+
+Result<void> RecordFile::still_there() const {
+  struct stat here {
+  }, there{};
+  if (::fstat(fd_, &here) != 0 || ::stat(path_.c_str(), &there) != 0)
+    return fail(path_.string() + ": is no longer there: " + std::strerror(errno));
+  if (here.st_ino == there.st_ino && here.st_dev == there.st_dev) return {};
+  return fail(path_.string() + ": is no longer there: another file has its name");
+}
+
+Result<void> RecordFile::close() {
+  if (fd_ < 0) return {};
+  const auto written = retry();
+  const auto there = still_there();
+  const auto synced = sync();
+  if (::close(std::exchange(fd_, -1)) != 0)
+    return doubtful(std::string("what was written last may be lost: ") + std::strerror(errno));
+  if (!written) return written;
+  return there ? synced : there;
+}
+
+std::map<std::string, int> RecordFile::unstored() const {
+  std::map<std::string, int> kinds = lost_;
+  for (const Waiting& waiting : waiting_) ++kinds[waiting.kind];
+  return kinds;
+}
+
+}  // namespace strobe::host

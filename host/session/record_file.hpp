@@ -1,0 +1,82 @@
+// A file that grows by whole records. A record that cannot be written leaves nothing of itself behind: what was
+// written of it is cut off again. It waits in memory with those that follow and is tried again, in order. The
+// caller is told of every failure. Writes a file; one thread's.
+#pragma once
+
+#include <sys/types.h>
+
+#include <cstddef>
+#include <deque>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "common/result.hpp"
+
+namespace strobe::host {
+
+class RecordFile {
+ public:
+  /// So much waits; what comes then is lost, and counted.
+  static constexpr std::size_t kMaxWaiting_bytes = std::size_t{64} << 20;
+
+  enum class Use {
+    alone,   ///< a file that did not exist
+    shared,  ///< other processes may append to it, too
+  };
+  /// Fails with the path and the system's reason, which errno has, too.
+  static Result<RecordFile> open(const std::filesystem::path& path, Use use);
+
+  RecordFile(RecordFile&& other) noexcept;
+  RecordFile& operator=(RecordFile&&) = delete;
+  ~RecordFile();
+
+  const std::filesystem::path& path() const { return path_; }
+  int fd() const { return fd_; }
+
+  /// kind: what it is, for unstored(). Fails if it could not be written yet.
+  Result<void> append(std::string record, std::string_view kind);
+  /// Writes what waits.
+  Result<void> retry();
+  /// Returns once what was written is on the disk. A disk that fails in this may have lost any of it, and does
+  /// not say so again: all later calls fail, too.
+  Result<void> sync();
+  /// Whether what is written still reaches a file of this name.
+  Result<void> still_there() const;
+  /// Writes what waits, syncs, closes. Fails as these do.
+  Result<void> close();
+
+  /// Records not written, by kind.
+  std::map<std::string, int> unstored() const;
+  /// Why what was written is not certain to last; empty: there is no reason.
+  const std::string& doubt() const { return doubt_; }
+
+  /// Cuts the file off there, unless another process has appended to it since it had this size.
+  bool cut(off_t to, off_t size);
+
+ private:
+  struct Waiting {
+    std::string record;
+    std::string kind;
+  };
+  RecordFile(std::filesystem::path path, int fd, Use use) : path_(std::move(path)), fd_(fd), use_(use) {}
+  bool write_whole(const std::string& record);
+  bool mend();
+  tl::unexpected<Error> because() const;
+  tl::unexpected<Error> doubtful(std::string why);
+
+  std::filesystem::path path_;
+  int fd_ = -1;
+  Use use_;
+  std::deque<Waiting> waiting_;
+  std::size_t waiting_bytes_ = 0;
+  std::map<std::string, int> lost_;
+  std::optional<std::pair<off_t, off_t>>
+      torn_;  ///< from, to: what a failed write left and could not be cut off
+  std::string doubt_;
+};
+
+}  // namespace strobe::host
