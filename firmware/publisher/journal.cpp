@@ -15,6 +15,7 @@
 #include <strobe_msgs/shot_t.hpp>
 
 #include "common/messages/well_formed.hpp"
+#include "firmware/publisher/start_order.hpp"
 
 namespace strobe::firmware {
 
@@ -80,7 +81,8 @@ Result<Journal> Journal::create(const std::filesystem::path& dir, std::int64_t b
   const int fd = open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
   if (fd < 0) return fail(path.string() + ": the journal cannot be made: " + std::strerror(errno));
   flock(fd, LOCK_EX | LOCK_NB);  // where the file system knows no locks nobody can ask for one either
-  Journal journal(path, fd);
+  Journal journal(path, fd, boot_id);
+  [[maybe_unused]] const auto listed = journal.list_start();  // else make_room() tries again, and tells
   const int dir_fd = open(dir.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (dir_fd >= 0) {
     fsync(dir_fd);  // the file's name, too, is to survive the machine
@@ -92,6 +94,8 @@ Result<Journal> Journal::create(const std::filesystem::path& dir, std::int64_t b
 Journal::Journal(Journal&& other) noexcept
     : path_(std::move(other.path_)),
       fd_(other.fd_),
+      boot_id_(other.boot_id_),
+      listed_(other.listed_),
       size_(other.size_),
       reserved_(other.reserved_),
       count_(other.count_),
@@ -158,7 +162,15 @@ Result<void> Journal::check() const {
   return {};
 }
 
+Result<void> Journal::list_start() {
+  if (listed_) return {};
+  auto done = StartOrder::add(path_.parent_path(), boot_id_);
+  listed_ = done.has_value();
+  return done;
+}
+
 Result<void> Journal::make_room() {
+  if (auto listed = list_start(); !listed) return listed;
   // Room for the next shot is asked for while there still is that of a whole one.
   constexpr std::int64_t kAhead = 2 * kShotRoom;
   rlimit limit{};

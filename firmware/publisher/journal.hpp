@@ -53,17 +53,21 @@ class Journal {
   /// Fails, saying what happened and what to do, if the file was moved, removed, replaced or changed by
   /// others or the folder is not writable: what is appended might not be found again.
   Result<void> check() const;
-  /// Reserves disk space for a shot, unless it already is. Fails if there is too little.
+  /// Reserves disk space for a shot, unless it already is. Fails if there is too little, or none to list this start.
   Result<void> make_room();
 
   const std::filesystem::path& path() const { return path_; }
 
  private:
-  Journal(std::filesystem::path path, int fd) : path_(std::move(path)), fd_(fd) {}
+  Journal(std::filesystem::path path, int fd, std::int64_t boot_id)
+      : path_(std::move(path)), fd_(fd), boot_id_(boot_id) {}
+  Result<void> list_start();
   Result<void> free_room() const;
 
   std::filesystem::path path_;
   int fd_ = -1;
+  std::int64_t boot_id_ = 0;
+  bool listed_ = false;  ///< in the folder's order of starts
   std::int64_t size_ = 0;
   std::int64_t reserved_ = 0;  ///< up to here the file's space is reserved [bytes]
   std::int64_t count_ = 0;

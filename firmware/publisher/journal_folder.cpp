@@ -13,10 +13,11 @@
 #include <fstream>
 #include <optional>
 #include <string_view>
-#include <utility>
+#include <tuple>
 
 #include "firmware/publisher/journal.hpp"
 #include "firmware/publisher/shot_numbers.hpp"
+#include "firmware/publisher/start_order.hpp"
 
 namespace strobe::firmware {
 
@@ -67,7 +68,6 @@ struct Contents {
   std::int32_t last_shot_id = 0;
   std::int32_t open_shot = 0;  ///< started, without a summary; 0: none
   std::int32_t closed_shot = 0;
-  std::int64_t wall_us = 0;    ///< of the newest record
   std::int64_t begin = 0;      ///< read from here to the end
   std::int64_t whole_end = 0;  ///< where the last whole record ends
   std::int64_t damaged = 0;    ///< bytes between whole records
@@ -77,7 +77,8 @@ struct Contents {
 struct JournalFile {
   fs::path path;
   std::int64_t boot_id = 0;
-  timespec written{};  ///< last, by the file system
+  std::size_t position = 0;  ///< in the order of starts
+  timespec written{};        ///< last, by the file system
 };
 
 std::optional<std::int64_t> boot_of(const std::string& name) {
@@ -119,7 +120,6 @@ Contents contents_from(const JournalFile& file, std::int64_t begin) {
       contents.whole_end = record.offset;
     }
     contents.any = true;
-    contents.wall_us = record.wall_us;
     contents.damaged += record.offset - contents.whole_end;
     contents.whole_end = log.at();
     if (entry) enter(*entry, contents);
@@ -195,17 +195,18 @@ void name_losses(const Contents& last, std::vector<std::string>& repaired) {
 
 std::vector<JournalFile> newest_first(const fs::path& dir) {
   std::vector<JournalFile> files;
+  const StartOrder order(dir);
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(dir, error)) {
     const auto boot_id = boot_of(entry.path().filename().string());
     struct stat file {};
     if (boot_id && stat(entry.path().c_str(), &file) == 0)
-      files.push_back({entry.path(), *boot_id, file.st_mtim});
+      files.push_back({entry.path(), *boot_id, order.position(*boot_id), file.st_mtim});
   }
-  const auto time = [](const JournalFile& file) {
-    return std::pair(file.written.tv_sec, file.written.tv_nsec);
+  const auto when = [](const JournalFile& file) {
+    return std::tuple(file.position, file.written.tv_sec, file.written.tv_nsec);
   };
-  std::ranges::sort(files, std::ranges::greater(), time);
+  std::ranges::sort(files, std::ranges::greater(), when);
   return files;
 }
 
@@ -236,7 +237,6 @@ FolderFindings repair_journals(const fs::path& dir) {
       boots.push_back(*contents);
     }
   }
-  std::ranges::sort(boots, std::ranges::greater(), &Contents::wall_us);
   for (const Contents& boot : boots) findings.earlier.push_back({boot.boot_id, boot.last_sequence});
   if (boots.empty()) return findings;
   // Of the last one only: what earlier ones lost was reported then.

@@ -52,9 +52,11 @@ TEST(JournalFolder, GivesTheLargestShotOfAllBoots) {
   CHECK_EQUAL("", joined(findings.repaired));
 }
 
-TEST(JournalFolder, ListsEarlierBootsTheNewestFirst) {
-  journal(7, {event(1), event(2)}, 2'000);
-  journal(9, {event(1), event(2), event(3)}, 1'000);
+TEST(JournalFolder, ListsEarlierBootsTheNewestFirstAlsoWhereTheClockWasSetBack) {
+  using namespace std::chrono_literals;
+  const auto older = journal(9, {event(1), event(2), event(3)}, 2'000);
+  journal(7, {event(1), event(2)}, 1'000);
+  std::filesystem::last_write_time(older, std::filesystem::file_time_type::clock::now() + 24h);
   journal(5, {}, 3'000);  // ended before its first event was written
   const FolderFindings findings = repair();
   CHECK_EQUAL(2u, findings.earlier.size());

@@ -7,8 +7,10 @@
 
 #include <csignal>
 #include <lcm/lcm-cpp.hpp>
+#include <optional>
 #include <string>
 
+#include "firmware/publisher/start_order.hpp"
 #include "tests/firmware/journal_messages.hpp"
 #include "tests/support/journal_entries.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -228,6 +230,24 @@ TEST(Journal, SaysBeforeAShotThatThereIsNoRoomForIt) {
     CHECK(journal->append({event(2)}, 0).has_value());  // what there is room for is still written
   }
   CHECK(journal->make_room().has_value());
+}
+
+TEST(Journal, GivesNoShotRoomBeforeItsStartIsListed) {
+  std::optional<Result<Journal>> journal;
+  {
+    const FullDisk disk(0);
+    journal.emplace(Journal::create(folder.path(), kBoot));
+  }
+  CHECK_TRUE(journal->has_value());
+  CHECK_EQUAL(0u, StartOrder(folder.path()).position(kBoot));
+  std::filesystem::remove(folder / "starts");
+  std::filesystem::create_directory(folder / "starts");  // nobody can write there
+  const auto failed = (*journal)->make_room();
+  CHECK_FALSE(failed.has_value());
+  STRCMP_CONTAINS("starts: this start cannot be listed: Is a directory", failed.error().message.c_str());
+  std::filesystem::remove(folder / "starts");
+  CHECK((*journal)->make_room().has_value());
+  CHECK_EQUAL(1u, StartOrder(folder.path()).position(kBoot));
 }
 
 TEST(Journal, TakesNoMoreOfTheDiskThanItHoldsOnceItIsClosed) {
