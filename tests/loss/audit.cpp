@@ -10,6 +10,7 @@
 #include <strobe_msgs/shot_t.hpp>
 #include <strobe_msgs/status_t.hpp>
 
+#include "common/authentication/packet_seal.hpp"
 #include "common/shot/shot_key.hpp"
 #include "firmware/publisher/log_reader.hpp"
 
@@ -87,7 +88,7 @@ class Auditor {
         if (journalled == journalled_.end()) {
           violate(fmt::format("event {} of boot {:x} is on the host and in no journal", event.sequence,
                               event.boot_id));
-        } else if (journalled->second != record.bytes) {
+        } else if (!std::ranges::equal(journalled->second, authentication::message_of(record.bytes))) {
           violate(
               fmt::format("event {} of boot {:x} differs from its journal", event.sequence, event.boot_id));
         }
