@@ -1,5 +1,7 @@
 // What resends cost the publisher, counted in bytes and in messages of each turn, never in time: STATUS and new
 // events come between the parts of an answer however much hosts ask for.
+#include <sys/resource.h>
+
 #include <cstdio>
 #include <map>
 #include <string>
@@ -143,6 +145,28 @@ TEST(ResendWork, AnswersInPartsUntilAHostHasAll) {
     CHECK(bus.newest[1] > before);
   }
   CHECK_EQUAL(kEvents, static_cast<std::int64_t>(bus.count["STROBE/bench/EVENT"]));
+}
+
+TEST(ResendWork, IsLeftOutWhileThereIsNoDescriptorAndTheRestGoesOn) {
+  earlier_boot(1);
+  start();
+  rlimit before{};
+  getrlimit(RLIMIT_NOFILE, &before);
+  const rlimit none{0, before.rlim_max};
+  setrlimit(RLIMIT_NOFILE, &none);
+  mailbox.ask({5, {1, {1, 100}}, false});
+  happen();
+  const int statuses = bus.count["STROBE/bench/STATUS"];
+  clock.time = clock.time + milliseconds(500);
+  for (int turn = 0; turn < 10; ++turn) publisher->turn();
+  setrlimit(RLIMIT_NOFILE, &before);
+  CHECK_EQUAL(0, bus.newest[1]);
+  CHECK_EQUAL(1, bus.newest[kThisBoot]);
+  CHECK_EQUAL(statuses + 1, bus.count["STROBE/bench/STATUS"]);
+  CHECK_TRUE(queue.journal_ok());
+  mailbox.ask({5, {1, {1, 100}}, false});  // as a host does, once more
+  for (int turn = 0; turn < 10; ++turn) publisher->turn();
+  CHECK_EQUAL(100, bus.newest[1]);
 }
 
 TEST(ResendWork, OfAStartDoesNotGrowWithTheJournals) {
