@@ -21,6 +21,12 @@ constexpr std::size_t kStartsTried = 6;
 constexpr int kMaxReweightings = 12;
 constexpr double kRankTolerance = 1e-8;            // derivatives by differences are good to about 1e-10
 constexpr double kOneSidedZ = 1.6448536269514722;  // normal quantile of kLimitLevel
+/// Least twice the logarithm of the likelihood ratio for a contact that slides: 3.5 sd, as the contact that looks most
+/// like it is one of many.
+constexpr double kSlidingEvidence = 12.0;
+constexpr int kBisections = 30;
+constexpr double kJustEnough =
+    1.0001;  // of the friction that all need: more than the finite differences move it
 
 /// A fit in progress: the free parameters and the weights of the residuals.
 class Fitter {
@@ -36,17 +42,20 @@ class Fitter {
   ModelFit run() {
     fit_once(kStartsTried);
     if (options_.weighting == Weighting::stated_sd) iterate_weights();
+    settle_friction();
     ModelFit out;
     out.converged = converged_;
     out.comparisons = compare(observations_, options_.model, values_, options_.diameter_m);
     out.statistics = residual_statistics(out.comparisons);
-    out.chi2 = residuals_at(free_values()).squaredNorm();
-    out.dof = static_cast<int>(2 * observations_.size()) - static_cast<int>(free_.size());
+    out.chi2 = chi2();
+    out.dof = degrees_of_freedom();
     if (options_.scale == CovarianceScale::residuals) out.variance_scale = reduced_chi2(out.chi2, out.dof);
     return out;
   }
 
   const std::vector<Parameter>& free() const { return free_; }
+  /// Of mu, where the observations may all grip: what settle_friction() found.
+  const std::optional<double>& least_friction() const { return least_friction_; }
   const ParameterValues& values() const { return values_; }
 
   VectorXd free_values() const {
@@ -171,12 +180,67 @@ class Fitter {
     return chi2 <= rounding ? 0.0 : chi2 / dof;
   }
 
+  double chi2() const { return residuals_at(free_values()).squaredNorm(); }
+
+  /// The same fit with another friction, which is not fitted; under the same weights.
+  Fitter with_friction(double mu) const {
+    Fitter out(*this);
+    out.values_[index(Parameter::mu)] = mu;
+    std::erase(out.free_, Parameter::mu);
+    out.fit_once(kStartsTried);
+    return out;
+  }
+
+  /// Whether noise alone may have made one contact look as if it slid. Where all grip the sum of squares does not
+  /// depend on mu, but has its least just below what the contact with the most friction needs: its noise is then
+  /// fitted by a little sliding. A likelihood ratio, of unknown variance where that is estimated.
+  bool may_all_grip(double least, double gripping) const {
+    const int dof = degrees_of_freedom();
+    if (options_.scale == CovarianceScale::stated) return gripping - least < kSlidingEvidence;
+    if (dof < 1 || !(reduced_chi2(gripping, dof) > 0.0)) return true;
+    return reduced_chi2(least, dof) > 0.0 && dof * std::log(gripping / least) < kSlidingEvidence;
+  }
+
+  /// Where all may grip mu is not determined, and a lower limit is found: where the sum of squares has risen by
+  /// kOneSidedZ². The values stay those of the least sum of squares.
+  void settle_friction() {
+    if (std::find(free_.begin(), free_.end(), Parameter::mu) == free_.end()) return;
+    const Fitter gripping = with_friction(upper_bound(Parameter::mu, 0.5 * options_.diameter_m));
+    if (!may_all_grip(chi2(), gripping.chi2())) return;
+    const double variance = options_.scale == CovarianceScale::stated
+                                ? 1.0
+                                : reduced_chi2(gripping.chi2(), degrees_of_freedom() + 1);
+    least_friction_ = gripping.lower_limit(gripping.chi2() + kOneSidedZ * kOneSidedZ * variance);
+  }
+
+  double largest_impulse_ratio() const {
+    double largest = 0.0;
+    for (const Comparison& c : compare(observations_, options_.model, values_, options_.diameter_m))
+      largest = std::max(largest, std::abs(c.predicted.impulse_ratio));
+    return largest;
+  }
+
+  /// The least friction whose sum of squares is at most `limit`.
+  double lower_limit(double limit) const {
+    double low = 0.0, high = largest_impulse_ratio();
+    for (int i = 0; i < kBisections; ++i) {
+      const double middle = 0.5 * (low + high);
+      (with_friction(middle).chi2() <= limit ? high : low) = middle;
+    }
+    return high;
+  }
+
+  int degrees_of_freedom() const {
+    return static_cast<int>(2 * observations_.size()) - static_cast<int>(free_.size());
+  }
+
   std::span<const Observation> observations_;
   const FitOptions& options_;
   ParameterValues values_;
   std::vector<Parameter> free_;
   std::vector<Matrix2d> weights_;
   bool converged_ = false;
+  std::optional<double> least_friction_;
 };
 
 /// Columns of the Jacobian by the status of their parameters.
@@ -199,7 +263,10 @@ Columns sort_columns(const Fitter& fitter, const LeastSquaresProblem& problem, c
   for (Index k = 0; k < at.size(); ++k) {
     FittedParameter& parameter = fit.parameters[index(fitter.free()[static_cast<std::size_t>(k)])];
     const double near = 1e-9 * problem.scale[k];
-    parameter.status = ParameterStatus::fitted;
+    const bool any_friction =
+        fitter.free()[static_cast<std::size_t>(k)] == Parameter::mu && fitter.least_friction();
+    parameter.status = any_friction ? ParameterStatus::undetermined : ParameterStatus::fitted;
+    if (any_friction) continue;
     if (at[k] <= problem.lower[k] + near) parameter.status = ParameterStatus::at_lower_bound;
     if (at[k] >= problem.upper[k] - near) parameter.status = ParameterStatus::at_upper_bound;
     if (parameter.status != ParameterStatus::fitted) {
@@ -225,13 +292,6 @@ void set_limit(const MatrixXd& fitted, const VectorXd& column, const VectorXd& r
   const double away = root > 0.0 ? rise / root : 0.0;
   const bool low = parameter.status == ParameterStatus::at_lower_bound;
   parameter.limit = std::clamp(parameter.value + (low ? away : -away), problem.lower[k], problem.upper[k]);
-}
-
-double min_friction(const ModelFit& fit) {
-  double largest = 0.0;
-  for (const Comparison& c : fit.comparisons)
-    largest = std::max(largest, std::abs(c.predicted.impulse_ratio));
-  return largest;
 }
 
 /// A parameter without which the others are identifiable.
@@ -271,7 +331,7 @@ tl::expected<void, FitFailure> add_uncertainty(const Fitter& fitter, ModelFit& f
     set_limit(fitted, jac.col(k), residuals, fit.variance_scale, problem, k,
               fit.parameters[index(fitter.free()[static_cast<std::size_t>(k)])]);
   FittedParameter& mu = fit.parameters[index(Parameter::mu)];
-  if (mu.status == ParameterStatus::undetermined) mu.limit = min_friction(fit);
+  if (mu.status == ParameterStatus::undetermined) mu.limit = fitter.least_friction();
   return {};
 }
 

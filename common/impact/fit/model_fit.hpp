@@ -55,8 +55,9 @@ enum class ParameterStatus {
   /// changes with the parameter.
   at_lower_bound,
   at_upper_bound,
-  /// Nothing changes with it at the minimum. Of mu, where all observations grip, `limit` is the smallest that
-  /// does.
+  /// Nothing changes with it at the minimum; or mu, where noise alone may explain that a contact seems to slide: all
+  /// may grip (likelihood ratio below that of 3.5 sd). Of mu, `limit` is the lower end of a one-sided interval of
+  /// kLimitLevel, and the value the one with the least chi2.
   undetermined,
 };
 

@@ -51,8 +51,8 @@ void add_inputs(const Observation& o, ReboundModel model, const ParameterValues&
 
 /// Moves the parameters along the principal axes of their correlation by one standard deviation either way,
 /// clamped to their bounds.
-void add_parameters(const ModelInputs& in, ReboundModel model, const ModelFit& fit, double diameter_m,
-                    Variances& sum) {
+void add_parameters(const ModelInputs& in, ReboundModel model, const ModelFit& fit,
+                    const ParameterValues& values, double diameter_m, Variances& sum) {
   using Square = Eigen::Matrix<double, kParameterCount, kParameterCount>;
   using Vector = Eigen::Matrix<double, kParameterCount, 1>;
   const Vector sd = fit.covariance.diagonal().cwiseSqrt();
@@ -63,7 +63,7 @@ void add_parameters(const ModelInputs& in, ReboundModel model, const ModelFit& f
   const auto moved = [&](Index axis, double sign) {
     const Vector step = sd.cwiseProduct(axes.eigenvectors().col(axis)) *
                         (sign * std::sqrt(std::max(axes.eigenvalues()[axis], 0.0)));
-    ParameterValues out = fit.values();
+    ParameterValues out = values;
     for (std::size_t i = 0; i < kParameterCount; ++i) {
       const auto p = static_cast<Parameter>(i);
       if (sd[static_cast<Index>(i)] > 0.0)
@@ -102,7 +102,9 @@ void add_measured(const Observation& o, double alpha, double radius, RegimeClass
 tl::expected<RegimeClassification, InputError> classify_regime(const Observation& observation,
                                                                ReboundModel model, const ModelFit& fit,
                                                                double diameter_m) {
-  const ParameterValues values = fit.values();
+  ParameterValues values = fit.values();
+  const bool friction_known = fit.parameters[index(Parameter::mu)].status != ParameterStatus::undetermined;
+  if (!friction_known) values[index(Parameter::mu)] = kAnyFriction;
   const ModelInputs in{observation.touchdown, observation.e};
   const auto rebound = rebound_of(model, values, diameter_m, in.touchdown, in.e);
   if (!rebound) return tl::unexpected(rebound.error());
@@ -113,14 +115,18 @@ tl::expected<RegimeClassification, InputError> classify_regime(const Observation
   const Prediction predicted = predict(model, values, diameter_m, in);
   Variances variances;
   add_inputs(observation, model, values, diameter_m, variances);
-  add_parameters(in, model, fit, diameter_m, variances);
+  add_parameters(in, model, fit, values, diameter_m, variances);
 
-  RegimeClassification out{.name = observation.name, .predicted = rebound->regime};
+  RegimeClassification out;
+  out.name = observation.name;
+  out.predicted = rebound->regime;
   out.friction_needed_mps = predicted.needed;
-  out.friction_available_mps = predicted.available;
-  out.margin_sd_mps = std::sqrt(variances.margin);
-  out.z = z_score(predicted.margin(), out.margin_sd_mps);
-  out.probability_slides = 0.5 * std::erfc(-out.z / std::sqrt(2.0));
+  if (friction_known) {
+    out.friction_available_mps = predicted.available;
+    out.margin_sd_mps = std::sqrt(variances.margin);
+    out.z = z_score(predicted.margin(), *out.margin_sd_mps);
+    out.probability_slides = 0.5 * std::erfc(-*out.z / std::sqrt(2.0));
+  }
   out.slip_lo_predicted_mps = predicted.slip_lo;
   out.slip_lo_predicted_sd_mps = std::sqrt(variances.slip_lo);
   add_measured(observation, values[index(Parameter::alpha)], 0.5 * diameter_m, out);

@@ -15,11 +15,12 @@ struct RegimeClassification {
   std::string name;
   // By the model; friction as impulse per mass, m/s.
   Regime predicted = Regime::slides;
-  double friction_needed_mps = 0.0;     ///< |change of vx| that gripping takes
-  double friction_available_mps = 0.0;  ///< mu·J
-  double margin_sd_mps = 0.0;           ///< of needed less available: parameters and inputs together
-  double z = 0.0;  ///< (needed less available)/sd; positive slides. ±infinity for an sd of 0.
-  double probability_slides = 0.0;  ///< normal distribution of that z
+  double friction_needed_mps = 0.0;  ///< |change of vx| that gripping takes
+  /// mu·J; this, the margin's sd, z and the probability are absent where mu is undetermined: no contact is known to slide.
+  std::optional<double> friction_available_mps;
+  std::optional<double> margin_sd_mps;  ///< of needed less available: parameters and inputs together
+  std::optional<double> z;  ///< (needed less available)/sd; positive slides. ±infinity for an sd of 0.
+  std::optional<double> probability_slides;  ///< normal distribution of that z
   double slip_lo_predicted_mps = 0.0;
   double slip_lo_predicted_sd_mps = 0.0;
   // As measured. Slip vx + R·omega at lift-off; a ball that rolls off has none.

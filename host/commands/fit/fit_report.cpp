@@ -90,10 +90,10 @@ ordered_json comparison_json(const impact::Observation& o, const impact::Compari
 
 void add_regime(const impact::RegimeClassification& r, ordered_json& out) {
   out["regime"] = name(r.predicted);
-  out["probability_slides"] = r.probability_slides;
+  out["probability_slides"] = messages::or_null(r.probability_slides);
   out["friction_needed_mps"] = r.friction_needed_mps;
-  out["friction_available_mps"] = r.friction_available_mps;
-  out["sd_friction_margin_mps"] = r.margin_sd_mps;
+  out["friction_available_mps"] = messages::or_null(r.friction_available_mps);
+  out["sd_friction_margin_mps"] = messages::or_null(r.margin_sd_mps);
   out["slip_lo_mps"] = r.slip_lo_mps;
   out["sd_slip_lo_mps"] = r.slip_lo_sd_mps;
   out["slip_lo_predicted_mps"] = r.slip_lo_predicted_mps;

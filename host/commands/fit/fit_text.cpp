@@ -29,7 +29,8 @@ std::string limit_text(Parameter p, const FittedParameter& f) {
   if (!f.limit) return {};
   const bool upper = f.status == ParameterStatus::at_lower_bound;
   if (f.status == ParameterStatus::undetermined)
-    return fmt::format("; at least {:.4g} lets all grip", to_display_unit(p, *f.limit));
+    return fmt::format("; at least {:.4g} ({:.0f} % one-sided): no shot is known to slide",
+                       to_display_unit(p, *f.limit), 100.0 * impact::kLimitLevel);
   return fmt::format("; {} {:.4g} ({:.0f} % one-sided)", upper ? "at most" : "at least",
                      to_display_unit(p, *f.limit), 100.0 * impact::kLimitLevel);
 }
@@ -84,6 +85,7 @@ void print_quality(const FitReport& r) {
 }
 
 std::string z_text(const std::optional<double>& z) { return z ? fmt::format("{:+.1f}", *z) : "-"; }
+std::string probability_text(const std::optional<double>& p) { return p ? fmt::format("{:.3f}", *p) : "-"; }
 
 void print_observations(const FitReport& r) {
   std::size_t width = 10;
@@ -97,13 +99,13 @@ void print_observations(const FitReport& r) {
     const impact::Comparison& c = r.fit.comparisons[i];
     const impact::RegimeClassification& g = r.regimes[i];
     const impact::RollingFriction& f = r.rolling_friction[i];
-    write_out(
-        fmt::format("{:<{}}  {:7.2f} {:6.2f} {:>5}  {:6.1f} {:6.1f} {:>5}  {:<6}  {:9.3f}  {:<8} "
-                    "{:5.2f} +- {:4.2f} {:5.1f} +- {:3.1f} ({:3.1f})\n",
-                    o.name, width, o.lift_off.vx_mps, c.predicted.lift_off.vx_mps, z_text(c.z_vx),
-                    o.lift_off.omega_radps, c.predicted.lift_off.omega_radps, z_text(c.z_omega),
-                    name(g.predicted), g.probability_slides, name(g.measured), g.slip_lo_mps,
-                    g.slip_lo_sd_mps, 1e3 * f.offset_m, 1e3 * f.offset_sd_m, 1e3 * f.offset_sd_alpha_m));
+    write_out(fmt::format(
+        "{:<{}}  {:7.2f} {:6.2f} {:>5}  {:6.1f} {:6.1f} {:>5}  {:<6}  {:>9}  {:<8} "
+        "{:5.2f} +- {:4.2f} {:5.1f} +- {:3.1f} ({:3.1f})\n",
+        o.name, width, o.lift_off.vx_mps, c.predicted.lift_off.vx_mps, z_text(c.z_vx), o.lift_off.omega_radps,
+        c.predicted.lift_off.omega_radps, z_text(c.z_omega), name(g.predicted),
+        probability_text(g.probability_slides), name(g.measured), g.slip_lo_mps, g.slip_lo_sd_mps,
+        1e3 * f.offset_m, 1e3 * f.offset_sd_m, 1e3 * f.offset_sd_alpha_m));
   }
 }
 

@@ -196,8 +196,8 @@ Table regime_table(const ThesisInputs& m) {
         {o.name,
          {text_cell(std::string(name(a->measured))), computed_only(b->slip_lo_mps, b->slip_lo_sd_mps),
           computed_only(a->shortfall_mps, a->shortfall_sd_mps), text_cell(std::string(name(a->predicted))),
-          computed_only(a->probability_slides), text_cell(std::string(name(b->predicted))),
-          computed_only(b->z), computed_only(b->probability_slides)}});
+          or_dash(a->probability_slides), text_cell(std::string(name(b->predicted))), or_dash(b->z),
+          or_dash(b->probability_slides)}});
   }
   table.notes = {
       "measured: slides when the change of vx is more than two sd short of what rolling off needs, grips "

@@ -33,7 +33,7 @@ Sets judge_all(const FitOptions& options, Spread spread) {
     if (slides) out.predicted.insert(o.name);
     if (j->measured == Regime::slides) out.measured.insert(o.name);
     CHECK(j->measured != Regime::unclear);
-    out.least_sure = std::min(out.least_sure, slides ? j->probability_slides : 1.0 - j->probability_slides);
+    out.least_sure = std::min(out.least_sure, slides ? *j->probability_slides : 1.0 - *j->probability_slides);
   }
   return out;
 }
@@ -82,12 +82,12 @@ TEST(Regimes, TheUncertaintiesAddUpAsTheFormulaSays) {
   const ModelFit fitted = known(values, Parameter::mu, 0.03);
   const auto j = classify_regime(o, ReboundModel::grip_offset, fitted, 0.0651);
   DOUBLES_EQUAL(1.1 * 15.0 / 3.0, j->friction_needed_mps, 1e-12);
-  DOUBLES_EQUAL(0.5 * 1.8 * 6.0, j->friction_available_mps, 1e-12);
+  DOUBLES_EQUAL(0.5 * 1.8 * 6.0, *j->friction_available_mps, 1e-12);
   const double sd =
       std::sqrt(std::pow(1.1 / 3.0 * 0.3, 2) + std::pow(1.1 / 3.0 * 0.03255 * 5.0, 2) +
                 std::pow(0.5 * 1.8 * 0.1, 2) + std::pow(0.5 * 6.0 * 0.02, 2) + std::pow(1.8 * 6.0 * 0.03, 2));
-  DOUBLES_EQUAL(sd, j->margin_sd_mps, 1e-9);
-  DOUBLES_EQUAL((5.5 - 5.4) / sd, j->z, 1e-9);
+  DOUBLES_EQUAL(sd, *j->margin_sd_mps, 1e-9);
+  DOUBLES_EQUAL((5.5 - 5.4) / sd, *j->z, 1e-9);
   DOUBLES_EQUAL(9.0 - 0.03255 * 250.0, j->slip_lo_mps, 1e-12);
   const double slip_lo_sd = std::hypot(0.3, 0.03255 * 4.0);
   DOUBLES_EQUAL(slip_lo_sd, j->slip_lo_sd_mps, 1e-12);
@@ -123,7 +123,7 @@ TEST(Regimes, TheProbabilityIsTheShareOfDraws) {
     slides += r->regime == Regime::slides ? 1 : 0;
   }
   // Sampling is worth .0035; products of the inputs' errors, a few hundredths of an sd, bend the normal.
-  DOUBLES_EQUAL(slides / static_cast<double>(kDraws), j->probability_slides, 0.02);
+  DOUBLES_EQUAL(slides / static_cast<double>(kDraws), *j->probability_slides, 0.02);
 }
 
 TEST(Regimes, WithoutAnyUncertaintyTheAnswerIsSure) {
@@ -132,8 +132,8 @@ TEST(Regimes, WithoutAnyUncertaintyTheAnswerIsSure) {
   o.e = 0.8;
   const auto j =
       classify_regime(o, ReboundModel::grip, known({0.5, 0.1, 0.0, 2.5, 0.5}, Parameter::mu, 0.0), 0.0651);
-  CHECK(std::isinf(j->z) && j->z > 0.0);
-  DOUBLES_EQUAL(1.0, j->probability_slides, 0.0);
+  CHECK(std::isinf(*j->z) && *j->z > 0.0);
+  DOUBLES_EQUAL(1.0, *j->probability_slides, 0.0);
 }
 
 // Faster than rolling, the contact point slips backward: friction drives the ball forward, and it slides if it
