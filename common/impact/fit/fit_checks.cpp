@@ -30,6 +30,22 @@ std::optional<FitFailure> find_option_failure(const FitOptions& o) {
   return std::nullopt;
 }
 
+std::string text_of(FitError error) {
+  constexpr std::array<const char*, 8> texts{
+      "there are no observations to fit to",
+      "invalid observation",
+      "standard deviations must be finite and not negative, those of lift-off positive where they weight the "
+      "fit",
+      "diameter and weights must be positive",
+      "the model does not have this parameter",
+      "outside of the parameter's range",
+      "too few observations for so many parameters: each gives two numbers (vx and omega)",
+      "cannot be separated from the other parameters by these observations: fix it"};
+  return texts[static_cast<std::size_t>(error)];
+}
+
+}  // namespace
+
 std::optional<FitFailure> find_observation_failure(const Observation& o, std::size_t at,
                                                    const FitOptions& options) {
   const auto predicted = rebound_of(options.model, options.start, options.diameter_m, o.touchdown, o.e);
@@ -46,22 +62,6 @@ std::optional<FitFailure> find_observation_failure(const Observation& o, std::si
   if (options.weighting == Weighting::stated_sd && no_weight) return failure;
   return std::nullopt;
 }
-
-std::string text_of(FitError error) {
-  constexpr std::array<const char*, 8> texts{
-      "there are no observations to fit to",
-      "invalid observation",
-      "standard deviations must be finite and not negative, those of lift-off positive where they weight the "
-      "fit",
-      "diameter and weights must be positive",
-      "the model does not have this parameter",
-      "outside of the parameter's range",
-      "too few observations for so many parameters: each gives two numbers (vx and omega)",
-      "cannot be separated from the other parameters by these observations: fix it"};
-  return texts[static_cast<std::size_t>(error)];
-}
-
-}  // namespace
 
 std::optional<FitFailure> find_failure(std::span<const Observation> observations, const FitOptions& options) {
   if (observations.empty()) return FitFailure{.error = FitError::no_observations};

@@ -7,6 +7,11 @@
 
 namespace strobe::impact {
 
+/// What is wrong with one observation: invalid_observation (no impact has such numbers) or invalid_sd. `at`: its place,
+/// for the failure. Returns nullopt if nothing is.
+std::optional<FitFailure> find_observation_failure(const Observation& observation, std::size_t at,
+                                                   const FitOptions& options);
+
 /// The first error found. Returns nullopt if there is none.
 std::optional<FitFailure> find_failure(std::span<const Observation> observations, const FitOptions& options);
 

@@ -8,6 +8,7 @@
 #include <iterator>
 #include <memory>
 
+#include "common/impact/fit/fit_checks.hpp"
 #include "host/commands/command.hpp"
 #include "host/commands/fit/fit_report.hpp"
 
@@ -115,6 +116,16 @@ Result<FitData> data_of(const Arguments& a) {
   return out;
 }
 
+/// A shot whose numbers no impact can have, as e above 1 by its noise, is told and left out: the others can be fitted.
+void leave_impossible_out(const impact::FitOptions& options, FitData& data) {
+  std::erase_if(data.observations, [&](const impact::Observation& o) {
+    const auto failure = impact::find_observation_failure(o, 0, options);
+    if (!failure || failure->error != FitError::invalid_observation) return false;
+    data.impossible.push_back(impact::message(*failure, {&o, 1}));
+    return true;
+  });
+}
+
 int explain(const FitFailure& failure, const FitData& data) {
   const std::string what = "fit: " + impact::message(failure, data.observations);
   return failure.error == FitError::not_identifiable ? failed(what) : bad_input(what);
@@ -138,6 +149,9 @@ int run_fit(const Arguments& a) {
   if (!data) return bad_input(data.error().message);
   if (!a.spin.empty()) data->observations = impact::of_spin(data->observations, a.spin);
   if (data->observations.empty()) return bad_input("fit: no observations of " + a.spin + " spin");
+  leave_impossible_out(*options, *data);
+  if (data->observations.empty())
+    return bad_input("fit: " + data->impossible.front() + ", and no other shot is left");
 
   FitReport report;
   report.data = *std::move(data);

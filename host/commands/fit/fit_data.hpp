@@ -16,6 +16,7 @@ struct FitData {
   std::vector<impact::Observation> observations;
   int rejected = 0;    ///< shots marked rejected
   int incomplete = 0;  ///< shots left out since a velocity, spin or e is missing or the spin may be aliased
+  std::vector<std::string> impossible;  ///< "SOURCE:LINE: what no impact can have", of shots left out for it
 };
 
 /// The shipped conditions of the thesis.

@@ -120,11 +120,9 @@ ordered_json fit_json(const FitReport& r) {
   out["variance_scale"] = r.fit.variance_scale;
   out["converged"] = r.fit.converged;
   out.update(statistics_json(r.fit.statistics));
-  out["inputs"] = {{"weights", by_sd ? "sd" : "equal"},
-                   {"covariance", scaled ? "residuals" : "stated"},
-                   {"diameter_m", r.options.diameter_m},
-                   {"rejected", r.data.rejected},
-                   {"incomplete", r.data.incomplete}};
+  out["inputs"] = {{"weights", by_sd ? "sd" : "equal"},  {"covariance", scaled ? "residuals" : "stated"},
+                   {"diameter_m", r.options.diameter_m}, {"rejected", r.data.rejected},
+                   {"incomplete", r.data.incomplete},    {"impossible", r.data.impossible}};
   return out;
 }
 

@@ -47,6 +47,7 @@ void print_parameters(const FitReport& r) {
   if (r.data.rejected + r.data.incomplete > 0)
     write_out(fmt::format(" ({} rejected and {} incomplete left out)", r.data.rejected, r.data.incomplete));
   write_out("\n");
+  for (const std::string& shot : r.data.impossible) write_out("  left out: " + shot + "\n");
   for (std::size_t i = 0; i < kParameterCount; ++i) {
     const auto p = static_cast<Parameter>(i);
     if (!impact::has_parameter(r.options.model, p)) continue;

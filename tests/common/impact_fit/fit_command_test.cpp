@@ -60,6 +60,20 @@ TEST(FitCommand, LeavesSpinsOutInTurn) {
   CHECK_EQUAL(21, lines[25]["count"]);
 }
 
+TEST(FitCommand, LeavesAShotOutWhoseNumbersNoImpactCanHaveAndNamesIt) {
+  const std::string bad = "t,8,,11.70,-13.25,5.6,6.2,-215,1.004,.05,.05,1,.05,2,.01,,zero,49,\n";
+  const std::string path = file(kHeader + kShots + bad);
+  const auto lines = jsons_of(run_fit({path, "--json", "--free", "ex,d"}));
+  LONGS_EQUAL(1 + 4, lines.size());
+  CHECK_EQUAL(path + ":9: e must be from 0 to 1", lines[0]["inputs"]["impossible"][0].get<std::string>());
+  STRCMP_CONTAINS(("left out: " + path + ":9: e must be from 0 to 1\n").c_str(),
+                  run_fit({path, "--free", "ex,d"}).out.c_str());
+  file(kHeader + bad);
+  const CompletedProcess nothing = run_fit({path});
+  CHECK_EQUAL(ExitStatus({2, 0}), *nothing.status);
+  STRCMP_CONTAINS(":2: e must be from 0 to 1, and no other shot is left", nothing.err.c_str());
+}
+
 TEST(FitCommand, FitsShotsOfASessionAndSaysWhatItLeftOut) {
   const std::string path = file(kHeader + kShots);
   const CompletedProcess run = run_fit({path, "--json", "--free", "ex,d", "--weights", "sd"});
@@ -103,8 +117,10 @@ TEST(FitCommand, RefusesParametersThatThereAreNot) {
 TEST(FitCommand, NamesFileLineAndColumnOfWhatIsWrong) {
   std::string path = file(kHeader + "t,1,,15.62,-6.71,fast,8.8,-300,0.86,,,,,,,,zero,23,\n");
   check_refused(run_fit({path}), path + ":2: omega_td_radps: 'fast' is not a number");
-  path = file(kHeader + "t,1,,15.62,-6.71,1,8.8,-300,1.86,,,,,,,,zero,23,\n" + kShots);
-  check_refused(run_fit({path}), "fit: " + path + ":2: e must be from 0 to 1");
+  path = file(kHeader + "t,1,,15.62,-6.71,1,8.8,-300,0.86,-0.1,,,,,,,zero,23,\n" + kShots);
+  check_refused(run_fit({path}), "fit: " + path +
+                                     ":2: standard deviations must be finite and not negative, those of "
+                                     "lift-off positive where they weight the fit");
   path = file(kHeader + "t,1,,15.62\n");
   check_refused(run_fit({path}), path + ":2: 4 cells where the header has 19");
   path = file("shot_id,vx_td_mps\n1,2\n");
