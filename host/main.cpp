@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <new>
 #include <string>
 
 #include "host/commands/command.hpp"
@@ -83,6 +84,8 @@ int main(int argc, char** argv) {
   std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is told like a full disk
   try {
     return finish_output(run(argc, argv));
+  } catch (const std::bad_alloc&) {
+    return strobe::host::failed("there is not enough memory");
   } catch (const std::exception& error) {
     return strobe::host::failed(error.what());
   }

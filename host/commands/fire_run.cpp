@@ -67,7 +67,14 @@ class FireRun {
 
   HostLoop& loop() { return loop_; }
 
-  int run() {
+  int run() try { return fire(); } catch (const std::exception&) {
+    terminal_.close();
+    stored_.abandon();
+    throw;
+  }
+
+ private:
+  int fire() {
     terminal_.open();
     terminal_.note(fmt::format("session {}, rig {} on {}", request_.session, request_.rig.rig, request_.url));
     bool receiving = true;
@@ -85,7 +92,6 @@ class FireRun {
     return conclude();
   }
 
- private:
   void stop() {
     if (runner_.stop()) loop_.notify("interrupted: disarming");
   }

@@ -62,7 +62,20 @@ void HostLoop::step() {
   session_.on_local_clocks(reading);
   if (const auto line = check_.due_line(now_)) notify(*line);
   report();
+  report_fault();
   request_lost_events();
+}
+
+/// Of the handling of a message, such as memory that was not to be had.
+void HostLoop::report_fault() {
+  if (decoder_.fault() == told_fault_) return;
+  told_fault_ = decoder_.fault();
+  tell_not_kept("a message could not be taken in: " + told_fault_);
+}
+
+void HostLoop::tell_not_kept(const std::string& text) {
+  notify(text);
+  for (HostListener* listener : listeners_) listener->on_not_kept(text);
 }
 
 void HostLoop::on_status(const strobe_msgs::status_t& message) {
@@ -106,10 +119,7 @@ void HostLoop::publish_photographs() {
     take_in(frame);
   }
   for (const std::string& text : photographs_->take_notifications()) notify(text);
-  for (const std::string& text : photographs_->take_not_kept()) {
-    notify(text);
-    for (HostListener* listener : listeners_) listener->on_not_kept(text);
-  }
+  for (const std::string& text : photographs_->take_not_kept()) tell_not_kept(text);
 }
 
 void HostLoop::end_photographs() {

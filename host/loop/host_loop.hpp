@@ -43,7 +43,8 @@ class HostListener {
   virtual void on_event(const strobe_msgs::event_t&) {}
   /// Each shot's summary, as often as it comes.
   virtual void on_shot(const strobe_msgs::shot_t&) {}
-  /// A photograph that the session should have kept has not been; told as a notification, too.
+  /// A photograph that the session should have kept has not been, or a message has not been taken in; told as a
+  /// notification, too.
   virtual void on_not_kept(const std::string&) {}
   /// A line that a person should read.
   virtual void on_notification(const std::string&) {}
@@ -99,6 +100,8 @@ class HostLoop final : private MessageHandler {
   void publish_photographs();
   void request_lost_events();
   void report();
+  void report_fault();
+  void tell_not_kept(const std::string& text);
   template <typename Message>
   void publish(messages::Channel channel, const Message& message);
 
@@ -115,6 +118,7 @@ class HostLoop final : private MessageHandler {
   std::unique_ptr<PhotographPipeline> photographs_;
   MessageDecoder decoder_;
   std::vector<HostListener*> listeners_;
+  std::string told_fault_;
   HostTime now_;
   HostTime last_message_;
   HostTime last_status_;  ///< when the session's status came

@@ -1,5 +1,7 @@
 #include "host/loop/stored_series.hpp"
 
+#include <exception>
+
 namespace strobe::host {
 namespace {
 
@@ -58,6 +60,17 @@ void StoredSeries::step() {
 void StoredSeries::close() {
   folder_.close();
   tell_failures();
+}
+
+void StoredSeries::abandon() noexcept {
+  try {
+    runner_.stop();
+  } catch (const std::exception&) {  // its arming expires by itself
+  }
+  try {
+    folder_.close();
+  } catch (const std::exception&) {  // what was written is with the system
+  }
 }
 
 std::vector<std::string> StoredSeries::unstored() const {

@@ -30,6 +30,9 @@ class StoredSeries final : private HostListener {
   /// No more messages: the rest is stored, the files are closed.
   void close();
 
+  /// In place of close() after an exception: disarms and stores what it can.
+  void abandon() noexcept;
+
   /// What is not stored, a line each; empty: all is.
   std::vector<std::string> unstored() const;
 

@@ -32,16 +32,19 @@ FileState state_of(const fs::path& file) {
   return state;
 }
 
-std::string keep(const PhotographJob& job) {
+/// A link lasts once its folder is synced, which takes its time: before the next shot (SessionFolder::sync).
+std::string keep(const PhotographJob& job) try {
   std::error_code error;
   const fs::path folder = job.keep_as.parent_path();
   fs::create_directories(folder, error);
   if (job.may_link) {
     fs::create_hard_link(job.file, job.keep_as, error);
-    if (!error && config::sync_folder(folder)) return {};
+    if (!error) return {};
   }
   const auto copied = config::copy_file(job.file, job.keep_as);
   return copied ? std::string() : copied.error().message;
+} catch (const std::exception& error) {
+  return job.keep_as.string() + ": " + error.what();
 }
 
 }  // namespace

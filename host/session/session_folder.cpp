@@ -6,6 +6,7 @@
 #include <cerrno>
 #include <cstring>
 #include <lcm/lcm-cpp.hpp>
+#include <new>
 #include <system_error>
 
 #include "common/authentication/packet_seal.hpp"
@@ -78,23 +79,41 @@ void SessionFolder::log(const std::string& channel, std::span<const std::uint8_t
   note(log_.append(channel, message, wall));
 }
 
-void SessionFolder::add(const ShotResult& shot_result, const std::string& utc) {
+void SessionFolder::add(const ShotResult& shot_result, const std::string& utc) try {
   note(results_.append(results_line(shot_result, utc)));
+} catch (const std::bad_alloc&) {
+  lost_for_want_of_memory(results_.file().path(), shot_result.shot_id);
 }
 
-void SessionFolder::add(const strobe_msgs::shot_t& shot) { note(flashes_.add(shot)); }
+void SessionFolder::add(const strobe_msgs::shot_t& shot) try {
+  note(flashes_.add(shot));
+} catch (const std::bad_alloc&) {
+  lost_for_want_of_memory(flashes_.file().path(), shot.shot_id);
+}
+
+void SessionFolder::lost_for_want_of_memory(const fs::path& path, int shot_id) {
+  doubts_[path] =
+      fmt::format("{}: shot {} is not stored: there is not enough memory", path.string(), shot_id);
+  note(fail(doubts_[path]));
+}
 
 void SessionFolder::tend() {
   for (RecordFile* file : files()) {
     note(file->retry());
     const auto there = file->still_there();
     note(there);
-    if (!there) gone_[file->path()] = there.error().message;
+    if (!there) doubts_[file->path()] = there.error().message;
   }
 }
 
 void SessionFolder::sync() {
   for (RecordFile* file : files()) note(file->sync());
+  const fs::path photographs = folder_ / "photographs";
+  std::error_code error;
+  if (!fs::is_directory(photographs, error) || config::sync_folder(photographs)) return;
+  doubts_[photographs] =
+      fmt::format("{}: what was kept last may be lost: {}", photographs.string(), std::strerror(errno));
+  note(fail(doubts_[photographs]));
 }
 
 void SessionFolder::close() {
@@ -110,7 +129,7 @@ std::vector<std::string> SessionFolder::unstored() const {
       lines.push_back(fmt::format("{}: not stored: {}", file->path().string(), listed(kinds)));
     if (!file->doubt().empty()) lines.push_back(fmt::format("{}: {}", file->path().string(), file->doubt()));
   }
-  for (const auto& [path, why] : gone_) lines.push_back(why);
+  for (const auto& [path, why] : doubts_) lines.push_back(why);
   return lines;
 }
 

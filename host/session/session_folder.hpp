@@ -79,6 +79,7 @@ class SessionFolder {
         flashes_(std::move(flashes)) {}
   std::array<RecordFile*, 3> files() { return {&log_.file(), &results_.file(), &flashes_.file()}; }
   void note(const Result<void>& done);
+  void lost_for_want_of_memory(const std::filesystem::path& path, int shot_id);
 
   std::filesystem::path folder_;
   EventLog log_;
@@ -86,7 +87,8 @@ class SessionFolder {
   FlashesCsv flashes_;
   std::vector<std::string> failures_;
   std::set<std::string> told_;
-  std::map<std::filesystem::path, std::string> gone_;  ///< files that are no longer in their places, and why
+  std::map<std::filesystem::path, std::string>
+      doubts_;  ///< what may be lost or is no longer in its place, and why
 };
 
 /// "20260131T093000Z" for file names; one more letter makes it unique where needed.

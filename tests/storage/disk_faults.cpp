@@ -14,6 +14,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <mutex>
+#include <new>
 #include <sstream>
 #include <string_view>
 
@@ -33,6 +34,18 @@ State& state() {
 }
 
 std::atomic<bool> armed{false};
+
+// Of memory: apart, as the rest allocates.
+std::atomic<bool> memory_armed{false};
+std::atomic<int> memory_first{0}, memory_last{0}, memory_seen{0}, memory_refused{0};
+
+bool memory_refuses() {
+  if (!memory_armed) return false;
+  const int number = ++memory_seen;
+  const bool refused = number >= memory_first && number <= memory_last;
+  if (refused) ++memory_refused;
+  return refused;
+}
 
 bool concerns(const DiskFault& fault, std::string_view path) {
   return path.starts_with(fault.folder) && path.substr(fault.folder.size()).find(fault.file) != path.npos;
@@ -123,19 +136,23 @@ void set_disk_fault(const DiskFault& fault) {
   const std::lock_guard lock(now.mutex);
   now.fault = fault;
   now.seen = now.injected = 0;
-  armed = true;
+  memory_seen = memory_refused = 0;
+  memory_first = fault.nth;
+  memory_last = fault.nth + std::min(fault.times, 1000) - 1;
+  memory_armed = fault.call == "memory";
+  armed = !memory_armed;
 }
 
 void clear_disk_fault() {
   State& now = state();
   const std::lock_guard lock(now.mutex);
   now.fault.reset();
-  armed = false;
+  armed = memory_armed = false;
 }
 
 int disk_faults_injected() {
   const std::lock_guard lock(state().mutex);
-  return state().injected;
+  return state().injected + memory_refused;
 }
 
 }  // namespace strobe::testing
@@ -143,6 +160,15 @@ int disk_faults_injected() {
 using strobe::testing::due_at;
 using strobe::testing::due_on;
 using strobe::testing::failing;
+
+void* operator new(std::size_t size) {
+  void* memory = strobe::testing::memory_refuses() ? nullptr : std::malloc(size == 0 ? 1 : size);
+  if (!memory) throw std::bad_alloc();
+  return memory;
+}
+
+void operator delete(void* memory) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 
 extern "C" {
 

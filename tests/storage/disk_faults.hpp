@@ -9,13 +9,14 @@
 namespace strobe::testing {
 
 struct DiskFault {
-  std::string folder;   ///< absolute; files elsewhere are left alone
-  std::string file;     ///< a part of the path
-  std::string call;     ///< write, fsync, close, rename, open (of files to be written), truncate, link, flock
-  int nth = 1;          ///< of the matching calls, from 1
-  int times = 1;        ///< so many in a row fail
-  int error = 0;        ///< errno
-  int short_bytes = 0;  ///< write: the first call writes so many bytes and says so, the next ones fail
+  std::string folder;  ///< absolute; files elsewhere are left alone
+  std::string file;    ///< a part of the path
+  std::string call;    ///< write, fsync, close, rename, open (of files to be written), truncate, link, flock;
+                       ///< memory: allocations, wherever they are made
+  int nth = 1;         ///< of the matching calls, from 1
+  int times = 1;       ///< so many in a row fail
+  int error = 0;       ///< errno
+  int short_bytes = 0;        ///< write: the first call writes so many bytes and says so, the next ones fail
   bool truncate_too = false;  ///< while it lasts, nothing can be cut off either
 };
 

@@ -8,6 +8,13 @@
 
 #include "tests/storage/trial.hpp"
 
+namespace {
+
+/// Memory that is refused and files that are taken away have no errno.
+bool is_error(const std::string& call) { return call != "memory" && call.find(' ') == call.npos; }
+
+}  // namespace
+
 int main(int argc, char** argv) {
   using namespace strobe::storage;
   CLI::App app("Faults of the disk while a host stores, drawn from a seed.");
@@ -27,7 +34,8 @@ int main(int argc, char** argv) {
     const std::string file = trial.target == "session"
                                  ? trial.fault.file.empty() ? "any of a session" : trial.fault.file
                                  : trial.target;
-    ++table[fmt::format("{:<18} {:<7} {:<6}", file, trial.fault.call, strerrorname_np(trial.fault.error))]
+    ++table[fmt::format("{:<18} {:<7} {:<6}", file, trial.fault.call,
+                        is_error(trial.fault.call) ? strerrorname_np(trial.fault.error) : "")]
            [verdict.ending];
     if (verbose)
       fmt::print("{} {}: {}; told: {}\n", trial.seed, to_text(trial.fault), name(verdict.ending),

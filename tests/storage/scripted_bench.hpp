@@ -37,6 +37,7 @@ class ScriptedBench final : public host::Transport, public host::Clock {
   const std::vector<Message>& messages() const { return messages_; }
   /// When each FIRE came.
   const std::vector<Duration>& fires() const { return fires_; }
+  bool armed() const { return status_.state == strobe_msgs::status_t::ARMED; }
   /// The shots whose summaries were sent.
   const std::vector<strobe_msgs::shot_t>& shots() const { return shots_; }
 

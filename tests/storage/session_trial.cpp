@@ -8,6 +8,7 @@
 #include <fstream>
 #include <lcm/lcm-cpp.hpp>
 #include <map>
+#include <new>
 #include <optional>
 #include <set>
 #include <sstream>
@@ -54,6 +55,7 @@ struct Run {
   std::optional<Duration> failed_at;  ///< of the first call that failed
   bool succeeded = false, finished = false;
   bool taken_away = false;
+  bool out_of_memory = false;  ///< ended by it, as the program would
   std::vector<std::string> unstored;
 };
 
@@ -94,12 +96,17 @@ void fire(Run& run, const fs::path& folder, const char* utc, int shots, const te
       run.failed_at = run.bench.now();
   };
   const Duration end = run.bench.now() + kLongest;
-  while (!stored.runner().finished() && run.bench.now() < end) {
-    stored.run_once();
-    watch();
+  try {
+    while (!stored.runner().finished() && run.bench.now() < end) {
+      stored.run_once();
+      watch();
+    }
+    run.finished = stored.runner().finished();
+    stored.close();
+  } catch (const std::bad_alloc&) {
+    stored.abandon();
+    throw;
   }
-  run.finished = stored.runner().finished();
-  stored.close();
   if (!run.failed_at && testing::disk_faults_injected() > 0) run.failed_at = run.bench.now();
   run.succeeded = stored.runner().series().succeeded();
   run.unstored = stored.unstored();
@@ -160,6 +167,7 @@ class Judge {
       : folder_(folder), fault_(fault), run_(run), before_(before) {}
 
   Verdict verdict() {
+    if (run_.out_of_memory) return judge_unfinished();
     if (run_.taken_away) {
       judge_what_is_gone();
     } else {
@@ -200,6 +208,19 @@ class Judge {
     if (now.log != before_.log) violated("the earlier log has changed");
     if (!now.results.starts_with(before_.results)) violated("earlier results are lost");
     if (!now.flashes.starts_with(before_.flashes)) violated("earlier flashes are lost");
+  }
+
+  /// The program has said that there is not enough memory, and ended.
+  Verdict judge_unfinished() {
+    keeps_what_was_stored();
+    const fs::path path = folder_ / (std::string("host-") + kUtc + ".lcmlog");
+    const Log log = read_log(path);
+    std::error_code error;
+    if (fs::exists(path, error) && fs::file_size(path, error) != log.bytes)
+      violated("the log holds a torn record");
+    if (missing(run_.bench.messages(), log.messages) < 0) violated("the log holds what never came");
+    if (run_.bench.armed()) violated("left armed");
+    return {Ending::told_unstored, violation_, "not enough memory"};
   }
 
   void judge_what_is_gone() {
@@ -302,7 +323,11 @@ Verdict run_session(const fs::path& folder, const testing::DiskFault& fault) {
   const Before before(folder);
   Run run(1);
   testing::set_disk_fault(fault);
-  fire(run, folder, kUtc, kShots, fault);
+  try {
+    fire(run, folder, kUtc, kShots, fault);
+  } catch (const std::bad_alloc&) {
+    run.out_of_memory = true;
+  }
   testing::clear_disk_fault();
   return Judge(folder, fault, run, before).verdict();
 }

@@ -63,6 +63,17 @@ TEST(Storage, AFolderThatCannotBeWrittenIsRefusedAtTheStart) {
           Ending::refused);
 }
 
+TEST(Storage, MemoryThatIsRefusedIsToldOrEndsTheProgramDisarmed) {
+  for (int nth = 500; nth < 8000; nth += 250)
+    session(fmt::format("file=,call=memory,nth={},times=1,error=0", nth).c_str());
+}
+
+TEST(Storage, AFolderOrFileThatIsTakenAwayEndsTheSeries) {
+  for (const char* what :
+       {"file=,call=remove folder", "file=,call=rename folder", "file=results.csv,call=remove file"})
+    CHECK(session(fmt::format("{},nth=5", what).c_str()).ending == Ending::told_unstored);
+}
+
 TEST(Storage, AFaultIsReadFromItsOwnText) {
   const DiskFault fault = draw(7).fault;
   STRCMP_EQUAL(to_text(fault).c_str(), to_text(*parse_disk_fault(to_text(fault))).c_str());

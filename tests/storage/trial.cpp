@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 using testing::DiskFault;
 
-constexpr std::array kErrors{ENOSPC, EROFS, EDQUOT, EIO, ESTALE, EFBIG};
+constexpr std::array kErrors{ENOSPC, EROFS, EDQUOT, EIO, ESTALE, EFBIG, EMFILE};
 
 class Draws {
  public:
@@ -59,6 +59,8 @@ constexpr std::array kSessionPlaces{Place{"host-20260131T10", "write", 120},
                                     Place{"flashes.csv", "close", 1},
                                     Place{"flashes.csv", "open", 1},
                                     Place{"", "fsync", 14},
+                                    Place{"", "memory", 20'000},
+                                    Place{"", "memory", 20'000},
                                     Place{"", "remove folder", 14},
                                     Place{"", "rename folder", 14},
                                     Place{"results.csv", "remove file", 14},
