@@ -23,18 +23,17 @@ static_assert(kPacketMac_bytes >= crypto_generichash_blake2b_BYTES_MIN);
 
 using PacketMac = std::array<std::uint8_t, kPacketMac_bytes>;
 
-PacketMac packet_mac_of(const Key& key, std::string_view channel, Bytes message, Bytes header) {
+PacketMac packet_mac_of(const Key& key, std::string_view channel, Bytes message, Bytes number) {
   // Of a purpose of its own, so that no proof made for another use of the key ever fits here.
   constexpr std::array<std::uint8_t, crypto_generichash_blake2b_PERSONALBYTES> kPurpose{
       's', 't', 'r', 'o', 'b', 'e', '.', 'p', 'a', 'c', 'k', 'e', 't', '.', '.', '1'};
-  std::array<std::uint8_t, kSealHeader_bytes + 16> first{};
-  std::copy(header.begin(), header.end(), first.begin());
-  put_big_endian(std::span(first).subspan(kSealHeader_bytes, 8), channel.size());
-  put_big_endian(std::span(first).last(8), message.size());
+  std::array<std::uint8_t, 8> channel_size{};
+  put_big_endian(channel_size, channel.size());
   crypto_generichash_blake2b_state state;
   crypto_generichash_blake2b_init_salt_personal(&state, key.bytes().data(), Key::kBytes, kPacketMac_bytes,
                                                 nullptr, kPurpose.data());
-  crypto_generichash_blake2b_update(&state, first.data(), first.size());
+  crypto_generichash_blake2b_update(&state, number.data(), number.size());
+  crypto_generichash_blake2b_update(&state, channel_size.data() + 6, 2);
   crypto_generichash_blake2b_update(&state, reinterpret_cast<const std::uint8_t*>(channel.data()),
                                     channel.size());
   crypto_generichash_blake2b_update(&state, message.data(), message.size());
@@ -69,7 +68,7 @@ std::vector<std::uint8_t> PacketSeal::seal(std::string_view channel, Bytes messa
   put_big_endian(header.subspan(kFingerprintAt, 4), fingerprint_);
   put_big_endian(header.subspan(kSenderAt, 8), static_cast<std::uint64_t>(number.sender));
   put_big_endian(header.subspan(kSequenceAt, 8), static_cast<std::uint64_t>(number.sequence));
-  const PacketMac mac = packet_mac_of(key_, channel, message, header);
+  const PacketMac mac = packet_mac_of(key_, channel, message, header.subspan(kSenderAt));
   std::copy(mac.begin(), mac.end(), packet.end() - kPacketMac_bytes);
   return packet;
 }
@@ -80,7 +79,7 @@ tl::expected<PacketSeal::Opened, Unverified> PacketSeal::open(std::string_view c
   const Bytes header = packet.last(kPacketSeal_bytes).first(kSealHeader_bytes);
   if (big_endian(header.subspan(kFingerprintAt, 4)) != fingerprint_)
     return tl::unexpected(Unverified::other_key);
-  const PacketMac mac = packet_mac_of(key_, channel, message, header);
+  const PacketMac mac = packet_mac_of(key_, channel, message, header.subspan(kSenderAt));
   if (sodium_memcmp(mac.data(), packet.last(kPacketMac_bytes).data(), kPacketMac_bytes) != 0)
     return tl::unexpected(Unverified::altered);
   return Opened{message,

@@ -3,8 +3,9 @@
 //
 // The seal, numbers big-endian: 8 bytes "STROBES1"; the key's fingerprint, 4 bytes; the sender, 8 bytes (a
 // firmware's boot id, a host's id); the sender's number of the packet, 8 bytes; 16 bytes of keyed BLAKE2b (RFC
-// 7693) of the 28 bytes before, the sizes of channel and message (8 bytes each), the channel, which names the
-// rig, and the message. The sizes keep one packet's parts from being read as another's.
+// 7693) of sender, number, the channel's size (2 bytes), the channel, which names the rig, and the message. The
+// size keeps one packet's parts from being read as another's. No more is hashed than must be, since most events
+// then fit one block of the hash. The first two fields are what a host expects, or the packet is not opened.
 //
 // Pure; allocates; thread-safe; not for the real-time path.
 #pragma once
@@ -36,7 +37,7 @@ class PacketSeal {
  public:
   explicit PacketSeal(const Key& key);
 
-  /// Message and seal.
+  /// Message and seal. channel: below 65,536 bytes; LCM allows 63.
   std::vector<std::uint8_t> seal(std::string_view channel, Bytes message, const PacketNumber& number) const;
 
   struct Opened {

@@ -62,6 +62,7 @@ void Session::on_status(const strobe_msgs::status_t& status, HostTime now) {
   report_clock();
   status_ = status;
   status_heard_ = now;
+  if (host_id_ != 0 && status.arm_host_id == host_id_) answered_boot_ = status.boot_id;
   ledger_.status(status.boot_id, status.last_sequence, now);
   std::vector<EndedBoot> earlier;
   for (const auto& boot : status.earlier) earlier.push_back({boot.boot_id, boot.last_sequence});
@@ -89,15 +90,18 @@ bool Session::ran_earlier(std::int64_t boot_id) const {
 }
 
 /// Overtaken on the way, or of a log that is played back, whose seals are good. Of two boots the later one lists
-/// the other; where their session folders differ, another is believed only when the one heard has fallen silent,
-/// and by a firing host, whose shots end with their boot, only after a cut's time.
+/// the other; where their session folders differ, another is believed only when the one heard has fallen silent.
+/// A firing host believes any until one has answered it, which no log can, and that one then for a cut's time, as
+/// a boot's end is its shots' end.
 bool Session::outdated(const strobe_msgs::status_t& status, HostTime now) const {
   if (!status_) return false;
   if (status.boot_id == status_->boot_id) return status.mono_ns < status_->mono_ns;
   if (ran_earlier(status.boot_id)) return true;
   const bool follows = std::ranges::any_of(
       status.earlier, [this](const auto& boot) { return boot.boot_id == status_->boot_id; });
-  return !follows && now - status_heard_ <= (host_id_ != 0 ? kCutOff : kSilent);
+  if (follows) return false;
+  if (host_id_ == 0) return now - status_heard_ <= kSilent;
+  return status_->boot_id == answered_boot_ && now - status_heard_ <= kCutOff;
 }
 
 /// The photograph's time runs from the end of the shot, or from now if that is over or cannot be known.

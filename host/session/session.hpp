@@ -140,6 +140,7 @@ class Session {
   std::optional<strobe_msgs::status_t> status_;
   DeviceClock clock_;
   HostTime status_heard_;
+  std::int64_t answered_boot_ = 0;  ///< that gave this host a token
   HeardTime heard_;
   std::int64_t arrivals_ = 0;
   std::map<ShotKey, PendingShot> pending_;

@@ -535,6 +535,7 @@ TEST(SessionOfMessages, AnEarlierBootThatIsPlayedBackEndsNoShot) {
     running.earlier.push_back({76, 1000});
     running.earlier_count = 1;
     running.last_sequence = 4;
+    running.arm_host_id = 5;
     bench.session.on_status(running, bench.local);
     // Eight requests for a tail that never comes would end an ended boot's shot.
     for (int i = 0; i < 100; ++i) {
@@ -563,12 +564,30 @@ TEST(SessionOfMessages, ABootOfAnotherFolderIsHeardOnceTheOneBeforeIsSilent) {
     Bench bench(host_id);
     status_t other{};
     other.boot_id = 75;
+    status_t answer = *bench.session.status();
+    answer.arm_host_id = 5;
+    bench.session.on_status(answer, bench.local);
     const HostTime heard = bench.local;
     bench.session.on_status(other, heard + milliseconds{silence_ms});
     CHECK_EQUAL(std::int64_t{77}, bench.session.status()->boot_id);
     bench.session.on_status(other, heard + milliseconds{silence_ms + 1});
     CHECK_EQUAL(std::int64_t{75}, bench.session.status()->boot_id);
   }
+}
+
+TEST(SessionOfMessages, AFiringHostBelievesAnyBootUntilOneHasAnsweredIt) {
+  Bench bench(5);  // may be the one that is played back
+  status_t other{};
+  other.boot_id = 75;
+  bench.session.on_status(other, bench.local);
+  CHECK_EQUAL(std::int64_t{75}, bench.session.status()->boot_id);
+  other.arm_host_id = 5;
+  bench.session.on_status(other, bench.local);
+  status_t first{};
+  first.boot_id = 77;
+  first.mono_ns = to_ns(bench.end);
+  bench.session.on_status(first, bench.local);
+  CHECK_EQUAL(std::int64_t{75}, bench.session.status()->boot_id);
 }
 
 TEST(SessionOfMessages, AnotherBootIsSaid) {

@@ -36,6 +36,7 @@ void SoakCounts::add(const SoakCounts& other) {
                            &SoakCounts::packets_lost,
                            &SoakCounts::packets_doubled,
                            &SoakCounts::packets_reordered,
+                           &SoakCounts::strangers,
                            &SoakCounts::events_journalled,
                            &SoakCounts::events_missing,
                            &SoakCounts::events_never_received,
@@ -85,6 +86,7 @@ std::string table_of(const SoakCounts& counts) {
   line("packets, times receivers", counts.packets);
   line("  lost, doubled, reordered",
        fmt::format("{}, {}, {}", counts.packets_lost, counts.packets_doubled, counts.packets_reordered));
+  line("  sent by strangers", fmt::format("{}", counts.strangers));
   line("events journalled", counts.events_journalled);
   line("  missing on the hosts in the end", counts.events_missing);
   line("  of boots that ended before a host heard them", counts.events_never_received);

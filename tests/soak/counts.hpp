@@ -29,6 +29,7 @@ struct SoakCounts {
   std::array<std::int64_t, sim::kFaultNames.size()> rig_faults{};  ///< exposures that each struck
   std::array<std::int64_t, kHazardCount> hazards{};
   std::int64_t packets = 0, packets_lost = 0, packets_doubled = 0, packets_reordered = 0;
+  std::int64_t strangers = 0;  ///< packets that strangers sent
   std::int64_t events_journalled = 0;
   std::int64_t events_missing = 0;         ///< journalled and on no host in the end
   std::int64_t events_never_received = 0;  ///< of boots that ended before any host heard of them

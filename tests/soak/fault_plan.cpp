@@ -36,6 +36,7 @@ FaultPlan wild_faults() {
   plan.packet_loss = 0.1;
   plan.packet_duplication = 0.05;
   plan.packet_reordering = 0.1;
+  plan.strangers = 0.05;
   return plan;
 }
 
@@ -52,6 +53,8 @@ Result<FaultPlan> read_fault_plan(std::string_view text, const std::string& file
   plan.packet_loss = root.number_or("packet_loss", 0.0, {0.0, 0.9});
   plan.packet_duplication = root.number_or("packet_duplication", 0.0, kProbability);
   plan.packet_reordering = root.number_or("packet_reordering", 0.0, kProbability);
+  plan.strangers = root.number_or("strangers", 0.0, kProbability);
+  plan.played_back = root.number_or("played_back", 0.0, kProbability);
   if (auto bad = reader.error()) return fail(bad->message);
   return plan;
 }

@@ -38,6 +38,8 @@ struct FaultPlan {
   std::array<double, kHazardCount> hazard{};          ///< per second of virtual time
   double packet_loss = 0.0;                           ///< per packet and receiver
   double packet_duplication = 0.0, packet_reordering = 0.0;
+  double strangers = 0.0;    ///< per packet to the host: one that is forged, altered or late comes, too
+  double played_back = 0.0;  ///< likewise: one of yesterday's, sealed with the lab's key
 
   double& operator[](sim::FaultKind kind) { return rig[static_cast<std::size_t>(kind)]; }
   double operator[](Hazard which) const { return hazard[static_cast<std::size_t>(which)]; }
@@ -51,7 +53,7 @@ FaultPlan mild_faults();
 FaultPlan wild_faults();
 
 /// A file with keys of the names above at its top level: the kinds of sim/scene/faults.hpp, of Hazard, and
-/// packet_loss, packet_duplication, packet_reordering; 0 to 1, 0 where absent. Error: "FILE:LINE: key: what".
+/// packet_loss, packet_duplication, packet_reordering, strangers, played_back; 0 to 1, 0 where absent. Error: "FILE:LINE: key: what".
 Result<FaultPlan> read_fault_plan(std::string_view text, const std::string& file_name);
 
 /// "none", "mild", "wild", or a file's name.

@@ -82,11 +82,14 @@ Lab::Lab(const RigFiles& files, const RunSettings& settings)
       rig_(lab_setup_.scene, random_.bits() >> 1, time_),
       tablet_operator_(lab_setup_.scene, rig_.seed()),
       checker_(files.firmware),
+      stranger_(mixed(seed_of(settings), 3), files.host.rig, lab_key_),
+      strangers_bus_(mixed(seed_of(settings), 4)),
       publisher_clock_(std::make_unique<PublisherClock>(*this)),
       publisher_wake_(std::make_unique<PublisherWake>(*this)),
       loop_wake_(std::make_unique<LoopWake>(*this)) {
   bus_.set_faults(
       {settings.faults.packet_loss, settings.faults.packet_duplication, settings.faults.packet_reordering});
+  strangers_bus_.set_faults({0.0, 0.1, 0.5});
   publisher_latency_ = nanoseconds(std::llround(random_.log_uniform(0.5e6, 30e6)));
   host_rate_ = 1.0 + random_.uniform(-50e-6, 50e-6);
   host_origin_ = from_ns<HostTime>(std::llround(random_.uniform(1e9, 1e15)));
@@ -98,7 +101,7 @@ Lab::~Lab() = default;
 
 MonoTime Lab::next() {
   if (schedule_changed_) {
-    next_ = std::min({timeline_.next(), bus_.next_due(), rig_.next_due(), tablet_operator_.next_due(),
+    next_ = std::min({timeline_.next(), bus_.next_due(), strangers_bus_.next_due(), rig_.next_due(), tablet_operator_.next_due(),
                       publisher_due_, host_due_});
     schedule_changed_ = false;
   }
@@ -111,6 +114,7 @@ void Lab::process_next() {
   time_ = std::max(time_, at);
   if (rig_.next_due() <= at) return collect_rig();
   if (bus_.next_due() <= at) return deliver();
+  if (strangers_bus_.next_due() <= at) return deliver_strangers();
   if (publisher_due_ <= at) return publisher_turn();
   if (host_due_ <= at) return host_turn();
   if (tablet_operator_.next_due() <= at) return tablet_operator_turn();
@@ -207,7 +211,7 @@ std::optional<bool> Lab::level(Input input) noexcept {
 }
 
 void Lab::publish(const std::string& channel, std::span<const std::uint8_t> bytes) {
-  bus_.send(Receiver::host, channel, bytes, time_);
+  send_to_host(channel, bytes);
   if (!channel.ends_with("/SHOT")) return;
   bus_.send(Receiver::tablet, channel, bytes, time_);
   note_shot(bytes);

@@ -21,6 +21,7 @@
 #include "tests/soak/firmware_process.hpp"
 #include "tests/soak/invariant_checker.hpp"
 #include "tests/soak/lab_setup.hpp"
+#include "tests/soak/stranger.hpp"
 #include "tests/soak/tablet_operator.hpp"
 #include "tests/soak/virtual_host.hpp"
 #include "tests/support/sealed_sender.hpp"
@@ -130,6 +131,9 @@ class Lab final : firmware::Clock, firmware::OutputLines, firmware::EdgeSource, 
   void start_host();
   void host_turn();
   void deliver();
+  void deliver_strangers();
+  /// To the host, and whoever listens.
+  void send_to_host(const std::string& channel, std::span<const std::uint8_t> packet);
   /// Of a sealed command; empty if it is none of this lab's.
   std::vector<std::uint8_t> body_of(const std::vector<std::uint8_t>& sealed) const;
   void trace_command(const std::vector<std::uint8_t>& sealed);
@@ -161,6 +165,8 @@ class Lab final : firmware::Clock, firmware::OutputLines, firmware::EdgeSource, 
   InvariantChecker checker_;
   authentication::Key lab_key_ = authentication::Key::random();
   testing::SealedSender tablet_{lab_key_};
+  Stranger stranger_;
+  VirtualBus strangers_bus_;  ///< of its own, so that what the lab draws does not depend on strangers
   SoakCounts counts_;
   std::uint64_t digest_ = 0;
 

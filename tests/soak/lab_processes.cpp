@@ -319,7 +319,25 @@ void Lab::tablet_operator_turn() {
   if (frame.empty()) return;
   trace("frame sent");
   const std::string channel = messages::channel_name(files_.host.rig, messages::Channel::frame);
-  bus_.send(Receiver::host, channel, tablet_.packet(channel, authentication::Bytes(frame)), time_);
+  send_to_host(channel, tablet_.packet(channel, authentication::Bytes(frame)));
+}
+
+void Lab::send_to_host(const std::string& channel, std::span<const std::uint8_t> packet) {
+  bus_.send(Receiver::host, channel, packet, time_);
+  const auto send = [this](const Stranger::Packet& sent) {
+    ++counts_.strangers;
+    strangers_bus_.send(Receiver::host, sent.channel, sent.bytes, time_);
+  };
+  const FaultPlan& faults = settings_.faults;
+  if (faults.strangers > 0.0 && stranger_.random().chance(faults.strangers)) send(stranger_.forge(channel, packet));
+  if (faults.played_back > 0.0 && stranger_.random().chance(faults.played_back))
+    send(stranger_.of_yesterday(channel, packet));
+}
+
+void Lab::deliver_strangers() {
+  const VirtualBus::Delivery delivery = strangers_bus_.take();
+  if (host_) host_->receive(delivery.packet->channel, delivery.packet->bytes, host_now());
+  strangers_bus_.done(delivery);
 }
 
 void Lab::note_shot(std::span<const std::uint8_t> bytes) {
@@ -335,6 +353,7 @@ void Lab::note_shot(std::span<const std::uint8_t> bytes) {
 }
 
 void Lab::on_shot_result(const host::ShotResult& shot_result) {
+  if (shot_result.boot_id == stranger_.old_boot()) return;  // shown, and nobody's of this day
   if (shot_result.host_id == host_->id() && !shot_result.rejected) ++good_;
   const ShotKey key{shot_result.boot_id, shot_result.shot_id};
   const auto shot = shots_.find(key);

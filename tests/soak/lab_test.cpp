@@ -61,6 +61,25 @@ TEST(VirtualLab, HoldsWhatMustHoldThroughEveryKindOfFault) {
   LONGS_EQUAL(0, counts.events_missing);
 }
 
+TEST(VirtualLab, IsTheSameToTheLastBitWhateverStrangersSend) {
+  FaultPlan plan;
+  const SoakCounts alone = run_lab(plan, PlanKind::brief, 20);
+  plan.strangers = 1.0;
+  const SoakCounts attacked = run_lab(plan, PlanKind::brief, 20);
+  CHECK(attacked.strangers > 10'000);
+  CHECK_EQUAL(alone.digest, attacked.digest);
+  LONGS_EQUAL(200, attacked.triggers);
+}
+
+TEST(VirtualLab, ThrowsTheBallsAskedForWhileALogOfAnotherDayIsPlayedBack) {
+  FaultPlan plan;
+  plan.played_back = 0.5;
+  const SoakCounts counts = run_lab(plan, PlanKind::brief, 20);
+  CHECK(counts.strangers > 5'000);
+  LONGS_EQUAL(200, counts.good);
+  LONGS_EQUAL(200, counts.triggers);
+}
+
 TEST(VirtualLab, IsRightOrSaysThatItIsNotAtTheExtremes) {
   const SoakCounts counts = run_lab(no_faults(), PlanKind::extremes, 40);
   CHECK(counts.compared > 1'000);

@@ -42,17 +42,16 @@ TEST(PacketSeal, IsOpenedByTheSameKeyOnTheSameChannelAndTellsItsNumber) {
 
 TEST(PacketSeal, IsTheKeyedHashThatItsHeaderNames) {
   // By another implementation, Python's: message = bytes(range(1, 8)); key = bytes(range(32));
-  // header = b"STROBES1" + blake2b(key, digest_size=32).digest()[:4] + bytes.fromhex("1122334455667788") +
-  // (9).to_bytes(8, "big"); channel = b"STROBE/bench/SHOT";
-  // blake2b(header + (17).to_bytes(8, "big") + (7).to_bytes(8, "big") + channel + message, key=key,
-  // digest_size=16, person=b"strobe.packet..1").
+  // number = bytes.fromhex("1122334455667788") + (9).to_bytes(8, "big"); channel = b"STROBE/bench/SHOT";
+  // blake2b(number + (17).to_bytes(2, "big") + channel + message, key=key, digest_size=16,
+  // person=b"strobe.packet..1").
   std::string digits;
   for (std::size_t i = packet.size() - 16; i < packet.size(); ++i) {
     constexpr const char* kDigits = "0123456789abcdef";
     digits += kDigits[packet[i] >> 4];
     digits += kDigits[packet[i] & 15];
   }
-  CHECK_EQUAL("4325d1c1da7f32ec659e0ee66e3f4676", digits);
+  CHECK_EQUAL("340cc9624a07fa5d45cb9215a4f2d7ff", digits);
   LONGS_EQUAL(kMessage.size() + 44, packet.size());
 }
 
@@ -86,7 +85,7 @@ TEST(PacketSeal, IsOfOneChannelOfOneRig) {
 }
 
 TEST(PacketSeal, DoesNotLetBytesMoveBetweenChannelAndMessage) {
-  // What is hashed is the same but for the sizes.
+  // What is hashed is the same but for the size.
   const Packet moved =
       seal.seal("STROBE/bench/SHO", Packet{'T', 1, 2, 3, 4, 5, 6, 7}, {0x1122334455667788, 9});
   Packet pieced = packet;
