@@ -80,11 +80,15 @@ class Guardian {
     const int worker = static_cast<int>(syscall(SYS_pidfd_open, worker_, 0));
     pollfd polled[] = {{worker, POLLIN, 0}, {signals, POLLIN, 0}, {page_.event_fd, POLLIN, 0}};
     for (;;) {
-      poll(polled, 3, worker >= 0 ? static_cast<int>(watchdog_.until_next_check() / milliseconds(1)) : 1);
-      if (worker >= 0 ? polled[0].revents != 0 : dead_without_pidfd()) return;
+      const int timeout_ms =
+          worker >= 0 ? static_cast<int>(watchdog_.until_next_check() / milliseconds(1)) : 1;
+      // Without the right to descriptors poll(2) tells nothing of those that are open.
+      const bool blind = poll(polled, 3, timeout_ms) < 0 && errno != EINTR;
+      if (blind) poll(nullptr, 0, 1);
+      if (worker >= 0 && !blind ? polled[0].revents != 0 : dead_without_pidfd()) return;
       page_.guardian_heartbeat_ns = to_ns(clock_.now());
       pass_stops_on(signals);
-      if (polled[2].revents != 0) handle_notification();
+      if (blind || polled[2].revents != 0) handle_notification();
       watch_for_hangs();
     }
   }

@@ -30,6 +30,13 @@ TEST(Ends, ADebuggerThatHoldsAThreadOfTheWorkerKeepsNoOutputActive) {
   }
 }
 
+TEST(Ends, OfAWorkerAreSeenByAGuardianThatMayHaveNoMoreDescriptors) {
+  const Trial trial{Victim::both, FaultKind::no_descriptors, 0, Moment::flash, 5};
+  const Outcome outcome = run_trial(trial);
+  CHECK_TRUE_TEXT(outcome.violations.empty(), outcome.log.c_str());
+  CHECK_TRUE_TEXT(outcome.ended || !outcome.done, outcome.log.c_str());
+}
+
 TEST(Ends, LeaveNoOutputActiveAndNoEventLost) {
   const char* const repeated = std::getenv("STROBE_ENDS_SEED");
   const std::uint64_t seed = repeated != nullptr ? std::stoull(repeated) : std::random_device{}();
