@@ -55,9 +55,10 @@ class EventLedger {
 
  private:
   struct Boot {
-    std::map<std::int64_t, std::int64_t> runs;  ///< first to last number of each run of events that have arrived
-    std::int64_t start = 0;                     ///< first sequence that counts
-    std::int64_t newest = 0;                    ///< largest known to exist
+    std::map<std::int64_t, std::int64_t>
+        runs;                 ///< first to last number of each run of events that have arrived
+    std::int64_t start = 0;   ///< first sequence that counts
+    std::int64_t newest = 0;  ///< largest known to exist
     HostTime heard;
     HostTime gap_since;
     HostTime asked;

@@ -22,10 +22,10 @@ struct ViewModel {
   bool silent = false;                          ///< the firmware has not been heard for a while
   double status_age_s = 0.0;
   ClockState clock;
-  std::int64_t events_missing = 0;  ///< that did not arrive here
-  bool verified = true;             ///< false: whatever comes is shown, the lab's or not
+  std::int64_t events_missing = 0;              ///< that did not arrive here
+  bool verified = true;                         ///< false: whatever comes is shown, the lab's or not
   authentication::UnverifiedCounts unverified;  ///< packets that were not acted on
-  int shots = 0;                    ///< whose results have come
+  int shots = 0;                                ///< whose results have come
   std::optional<ShotResult> last;
   SeriesStatistics series;                  ///< of the shots that count
   std::optional<thesis::Condition> thesis;  ///< the thesis's series of the same spin and angle

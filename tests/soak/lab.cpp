@@ -101,8 +101,8 @@ Lab::~Lab() = default;
 
 MonoTime Lab::next() {
   if (schedule_changed_) {
-    next_ = std::min({timeline_.next(), bus_.next_due(), strangers_bus_.next_due(), rig_.next_due(), tablet_operator_.next_due(),
-                      publisher_due_, host_due_});
+    next_ = std::min({timeline_.next(), bus_.next_due(), strangers_bus_.next_due(), rig_.next_due(),
+                      tablet_operator_.next_due(), publisher_due_, host_due_});
     schedule_changed_ = false;
   }
   return next_;

@@ -329,7 +329,8 @@ void Lab::send_to_host(const std::string& channel, std::span<const std::uint8_t>
     strangers_bus_.send(Receiver::host, sent.channel, sent.bytes, time_);
   };
   const FaultPlan& faults = settings_.faults;
-  if (faults.strangers > 0.0 && stranger_.random().chance(faults.strangers)) send(stranger_.forge(channel, packet));
+  if (faults.strangers > 0.0 && stranger_.random().chance(faults.strangers))
+    send(stranger_.forge(channel, packet));
   if (faults.played_back > 0.0 && stranger_.random().chance(faults.played_back))
     send(stranger_.of_yesterday(channel, packet));
 }

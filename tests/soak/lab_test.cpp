@@ -14,7 +14,7 @@ TEST_GROUP(VirtualLab) {
   std::string violations;
 
   SoakCounts run_lab(const FaultPlan& faults, PlanKind plan, int runs, int shots = 10,
-                 std::uint64_t seed = 2026) {
+                     std::uint64_t seed = 2026) {
     SoakCounts sum;
     for (int run = 0; run < runs; ++run) {
       RunSettings settings;
