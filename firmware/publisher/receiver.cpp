@@ -67,9 +67,13 @@ std::string find_defect(const strobe_msgs::command_t& command, const Rig& rig) {
 std::string find_age(const strobe_msgs::command_t& command, std::int64_t boot_time_ns) {
   using Type = strobe_msgs::command_t;
   if (command.kind == Type::DISARM || command.kind == Type::RESEND) return "";
-  const std::int64_t age_ns = boot_time_ns - command.sent_boot_time_ns;
   constexpr std::int64_t kMillisecond_ns = 1'000'000;
-  if (command.sent_boot_time_ns == 0) return "it does not say when it was sent";
+  constexpr std::int64_t kNoClock_ns = std::int64_t{1}
+                                       << 60;  // 36 years: no instant, and no difference overflows
+  const std::int64_t sent_ns = command.sent_boot_time_ns;
+  if (sent_ns == 0 || sent_ns < -kNoClock_ns || sent_ns > kNoClock_ns)
+    return "it does not say when it was sent";
+  const std::int64_t age_ns = boot_time_ns - sent_ns;
   if (age_ns > Type::LONGEST_LIFE_NS) {
     return "it came " + std::to_string(age_ns / kMillisecond_ns) + " ms after it was sent, and is good for " +
            std::to_string(Type::LONGEST_LIFE_NS / kMillisecond_ns) + " ms";

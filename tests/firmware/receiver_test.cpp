@@ -1,5 +1,6 @@
 #include "firmware/publisher/receiver.hpp"
 
+#include <limits>
 #include <random>
 #include <string>
 #include <vector>
@@ -263,7 +264,9 @@ TEST(Receiver, RefusesWhatWasSentInTheFutureOrAtNoTime) {
   ++message.command_id;
   CHECK_TRUE(deliver());
   CHECK_EQUAL(std::string("it does not say when it was sent"), defect());
-  for (const std::int64_t extreme : {-(std::int64_t{1} << 60), std::int64_t{1} << 60}) {
+  for (const std::int64_t extreme :
+       {-(std::int64_t{1} << 60), std::int64_t{1} << 60, std::numeric_limits<std::int64_t>::min(),
+        std::numeric_limits<std::int64_t>::max()}) {
     message.sent_boot_time_ns = extreme;
     ++message.command_id;
     CHECK_TRUE(deliver());
