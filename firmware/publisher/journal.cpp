@@ -14,41 +14,12 @@
 #include <strobe_msgs/event_t.hpp>
 #include <strobe_msgs/shot_t.hpp>
 
+#include "common/config/files.hpp"
 #include "common/messages/well_formed.hpp"
+#include "common/wire/lcm_log_record.hpp"
 #include "firmware/publisher/start_order.hpp"
 
 namespace strobe::firmware {
-
-namespace {
-
-void put(std::vector<std::uint8_t>& out, std::uint64_t value, int bytes) {
-  for (int shift = 8 * (bytes - 1); shift >= 0; shift -= 8) {
-    out.push_back(static_cast<std::uint8_t>(value >> shift));
-  }
-}
-
-void put_record(std::vector<std::uint8_t>& out, const Message& message, std::int64_t number,
-                std::int64_t wall_us) {
-  put(out, kLogSyncWord, 4);
-  put(out, static_cast<std::uint64_t>(number), 8);
-  put(out, static_cast<std::uint64_t>(wall_us), 8);
-  put(out, message.channel.size(), 4);
-  put(out, message.bytes.size(), 4);
-  out.insert(out.end(), message.channel.begin(), message.channel.end());
-  out.insert(out.end(), message.bytes.begin(), message.bytes.end());
-}
-
-bool write_all(int fd, const std::vector<std::uint8_t>& bytes) {
-  for (std::size_t done = 0; done < bytes.size();) {
-    const ssize_t n = write(fd, bytes.data() + done, bytes.size() - done);
-    if (n < 0 && errno == EINTR) continue;
-    if (n <= 0) return false;
-    done += static_cast<std::size_t>(n);
-  }
-  return true;
-}
-
-}  // namespace
 
 std::optional<JournalEntry> entry_of(const LogRecord& record) {
   if (record.channel.ends_with("/EVENT")) {
@@ -83,11 +54,7 @@ Result<Journal> Journal::create(const std::filesystem::path& dir, std::int64_t b
   flock(fd, LOCK_EX | LOCK_NB);  // where the file system knows no locks nobody can ask for one either
   Journal journal(path, fd, boot_id);
   [[maybe_unused]] const auto listed = journal.list_start();  // else make_room() tries again, and tells
-  const int dir_fd = open(dir.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (dir_fd >= 0) {
-    fsync(dir_fd);  // the file's name, too, is to survive the machine
-    close(dir_fd);
-  }
+  config::sync_folder(dir);  // the file's name, too, is to survive the machine
   return journal;
 }
 
@@ -117,8 +84,9 @@ Result<void> Journal::append(const std::vector<Message>& messages, std::int64_t 
   if (messages.empty()) return {};
   std::vector<std::uint8_t> bytes;
   std::int64_t count = count_;
-  for (const Message& message : messages) put_record(bytes, message, count++, wall_us);
-  if (!write_all(fd_, bytes)) {
+  for (const Message& message : messages)
+    wire::append_log_record(bytes, count++, wall_us, message.channel, message.bytes);
+  if (!config::write_all(fd_, {reinterpret_cast<const char*>(bytes.data()), bytes.size()})) {
     const std::string cause = std::strerror(errno);
     reserved_ = size_;
     if (ftruncate(fd_, size_) != 0 || lseek(fd_, size_, SEEK_SET) != size_) {

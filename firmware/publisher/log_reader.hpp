@@ -9,6 +9,8 @@
 #include <string_view>
 #include <vector>
 
+#include "common/wire/lcm_log_record.hpp"
+
 namespace strobe::firmware {
 
 struct LogRecord {
@@ -51,9 +53,8 @@ class LogReader {
   std::int64_t bytes_read_ = 0;
 };
 
-inline constexpr std::uint32_t kLogSyncWord = 0xEDA1DA01;
-/// The same as in a file. No text in UTF-8 holds it.
-inline constexpr std::string_view kLogSync_bytes = "\xED\xA1\xDA\x01";
+using wire::kLogSync_bytes;
+using wire::kLogSyncWord;
 /// Sync word, number, time, channel's length, data's length.
 inline constexpr std::size_t kLogHeaderSize = 28;
 

@@ -12,6 +12,8 @@
 #include <fstream>
 #include <string>
 
+#include "common/config/files.hpp"
+
 namespace strobe::firmware {
 
 namespace {
@@ -24,17 +26,8 @@ constexpr std::int32_t kHighest = 2'000'000'000;
 std::string write_synced(const std::filesystem::path& path, const std::string& text) {
   const int fd = open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
   if (fd < 0) return std::strerror(errno);
-  errno = EIO;  // of a write that was cut short
-  const bool done = ::write(fd, text.data(), text.size()) == std::ssize(text) && fsync(fd) == 0;
+  const bool done = config::write_all(fd, text) && fsync(fd) == 0;
   const std::string fault = done ? "" : std::strerror(errno);
-  close(fd);
-  return fault;
-}
-
-std::string sync_folder(const std::filesystem::path& dir) {
-  const int fd = open(dir.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (fd < 0) return std::strerror(errno);
-  const std::string fault = fsync(fd) == 0 || errno == EINVAL ? "" : std::strerror(errno);
   close(fd);
   return fault;
 }
@@ -72,7 +65,7 @@ Result<void> ShotNumbers::write(std::int32_t highest) const {
     return failed(fault);
   if (std::rename((dir_ / kNewName).c_str(), (dir_ / kName).c_str()) != 0)
     return failed(std::strerror(errno));
-  if (const std::string fault = sync_folder(dir_); !fault.empty()) return failed(fault);
+  if (!config::sync_folder(dir_)) return failed(std::strerror(errno));
   return {};
 }
 

@@ -2,16 +2,10 @@
 
 #include <cerrno>
 
+#include "common/wire/lcm_log_record.hpp"
+
 namespace strobe::host {
 namespace {
-
-constexpr std::uint32_t kRecordMark = 0xEDA1DA01;  // lcm/eventlog.c
-
-template <typename Number>
-void put(std::string& record, Number number) {
-  for (int shift = 8 * static_cast<int>(sizeof number) - 8; shift >= 0; shift -= 8)
-    record.push_back(static_cast<char>(number >> shift & 0xff));
-}
 
 /// "FRAME" of STROBE/bench/FRAME.
 std::string_view kind_of(const std::string& channel) {
@@ -35,13 +29,7 @@ Result<void> EventLog::append(const std::string& channel, std::span<const std::u
   const auto time_us = std::chrono::floor<microseconds>(wall).time_since_epoch().count();
   std::string record;
   record.reserve(28 + channel.size() + message.size());
-  put(record, kRecordMark);
-  put(record, static_cast<std::uint64_t>(next_number_++));
-  put(record, static_cast<std::uint64_t>(time_us));
-  put(record, static_cast<std::uint32_t>(channel.size()));
-  put(record, static_cast<std::uint32_t>(message.size()));
-  record += channel;
-  record.append(reinterpret_cast<const char*>(message.data()), message.size());
+  wire::append_log_record(record, next_number_++, time_us, channel, message);
   return file_.append(std::move(record), kind_of(channel));
 }
 
