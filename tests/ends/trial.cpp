@@ -2,8 +2,6 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <pthread.h>
-#include <sched.h>
 #include <sys/resource.h>
 #include <sys/syscall.h>
 
@@ -11,7 +9,6 @@
 #include <csignal>
 #include <filesystem>
 #include <memory>
-#include <thread>
 
 #include "tests/ends/failing_calls.hpp"
 #include "tests/ends/remote_call.hpp"
@@ -41,19 +38,6 @@ constexpr std::int64_t kBySafe = 2000 * kMs;
 /// Longest that a trial waits for what its fault leads to: a guardian that hangs is given up after 5 s.
 constexpr auto kSettle = 8s;
 
-/// A hung loop is known within this: see firmware/README.md; without real-time priorities later.
-std::int64_t hang_known_within() {
-  static const bool real_time = [] {
-    bool granted = false;
-    std::thread([&granted] {
-      const sched_param wanted{81};
-      granted = pthread_setschedparam(pthread_self(), SCHED_FIFO, &wanted) == 0;
-    }).join();
-    return granted;
-  }();
-  return (real_time ? 400 : 850) * kMs;
-}
-
 bool is_stop(const Trial& trial) {
   return trial.fault == FaultKind::stop || (trial.fault == FaultKind::signal && trial.argument == SIGSTOP);
 }
@@ -62,7 +46,7 @@ std::int64_t stated_ns(const Trial& trial) {
   if (trial.fault == FaultKind::signal && trial.victim == Victim::both)
     return trial.argument == SIGKILL ? kBySafe : kAtOnce;
   if (trial.fault == FaultKind::signal && !is_stop(trial)) return kAtOnce;
-  return trial.victim == Victim::both ? kBySafe : hang_known_within();
+  return trial.victim == Victim::both ? kBySafe : hil::hang_known_within();
 }
 
 std::int64_t planned_on(const std::string& output) {

@@ -1,7 +1,5 @@
 // However strobed ends in the middle of a train, every output is inactive at once, on chips that keep a dead
 // process's lines as they were and on chips that let them go; and its journal can be read to the last event.
-#include <pthread.h>
-#include <sched.h>
 
 #include <algorithm>
 #include <csignal>
@@ -9,7 +7,6 @@
 #include <functional>
 #include <memory>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "tests/hil/line_watcher.hpp"
@@ -83,21 +80,6 @@ std::int64_t unplug(const RigFixture&, LineWatcher& watch) {
   const std::int64_t now = monotonic_now_ns();
   watch.unplug();
   return now;
-}
-
-/// A loop that was to turn within 50 ms is looked at closely after 100 ms and known to hang when its core was
-/// seen to run for another 60; twice that and some, since looks are lost on a busy machine. Without real-time
-/// priorities the guardian sees nothing of the core, and waits for 0.5 s and 0.1 s of looks.
-std::int64_t hang_known_within() {
-  static const bool real_time = [] {
-    bool granted = false;
-    std::thread([&granted] {
-      const sched_param wanted{81};  // the guardian's
-      granted = pthread_setschedparam(pthread_self(), SCHED_FIFO, &wanted) == 0;
-    }).join();
-    return granted;
-  }();
-  return (real_time ? 400 : 850) * kMs;
 }
 
 const std::vector<Way>& ways() {

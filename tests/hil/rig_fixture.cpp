@@ -1,9 +1,13 @@
 #include "tests/hil/rig_fixture.hpp"
 
+#include <pthread.h>
+#include <sched.h>
+
 #include <csignal>
 #include <cstdlib>
 #include <sstream>
 #include <stdexcept>
+#include <thread>
 
 #include "tests/support/json_lines.hpp"
 #include "tests/support/private_network.hpp"
@@ -12,6 +16,18 @@ namespace strobe::hil {
 
 using testing::Command;
 using namespace std::chrono_literals;
+
+std::int64_t hang_known_within() {
+  static const bool real_time = [] {
+    bool granted = false;
+    std::thread([&granted] {
+      const sched_param wanted{81};  // the guardian's
+      granted = pthread_setschedparam(pthread_self(), SCHED_FIFO, &wanted) == 0;
+    }).join();
+    return granted;
+  }();
+  return (real_time ? 400 : 850) * std::int64_t{1'000'000};
+}
 
 std::filesystem::path program(const std::string& name) {
   const char* const firmware = std::getenv("STROBE_HIL_STROBED");

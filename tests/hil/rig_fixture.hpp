@@ -41,6 +41,11 @@ inline const std::vector<std::pair<std::string, std::string>> kShortExposure{
 /// where others compile beside it, one in two has been seen: a dozen in a row is then one in 4000.
 inline constexpr int kRetries = 12;
 
+/// A loop that was to turn within 50 ms is looked at closely after 100 ms and known to hang when its core was
+/// seen to run for another 60; twice that and some, since looks are lost on a busy machine. Without real-time
+/// priorities the guardian sees nothing of the core, and waits for 0.5 s and 0.1 s of looks. [ns]
+std::int64_t hang_known_within();
+
 /// A shipped program. $STROBE_HIL_STROBED: another build of strobed, such as one with the thread sanitizer.
 std::filesystem::path program(const std::string& name);
 std::filesystem::path share(const std::filesystem::path& name);  ///< a shipped data file
