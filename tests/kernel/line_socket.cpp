@@ -14,6 +14,8 @@ namespace strobe::kernel {
 namespace {
 
 [[noreturn]] void give_up(const std::string& what) {
+  // A peer that ended with unread input resets the connection.
+  if (errno == ECONNRESET || errno == EPIPE) throw PeerGone();
   throw std::runtime_error(what + ": " + std::strerror(errno));
 }
 
@@ -69,7 +71,7 @@ std::optional<std::string> LineSocket::receive(std::chrono::milliseconds limit) 
     if (!readable(peer_, std::max(left, std::chrono::milliseconds(0)))) return std::nullopt;
     char part[4096];
     const ssize_t n = read(peer_, part, sizeof part);
-    if (n == 0) throw std::runtime_error("the other side is gone");
+    if (n == 0) throw PeerGone();
     if (n < 0 && errno != EINTR) give_up("read");
     if (n > 0) waiting_.append(part, static_cast<std::size_t>(n));
   }

@@ -1,13 +1,19 @@
 // One end of a stream socket that speaks in lines, to a program that this one waits for. Failures are
-// std::runtime_error: without its machine a test cannot go on. One thread may send while another receives.
+// std::runtime_error, PeerGone where the other side has ended. One thread may send while another receives.
 #pragma once
 
 #include <chrono>
 #include <filesystem>
 #include <optional>
+#include <stdexcept>
 #include <string>
 
 namespace strobe::kernel {
+
+class PeerGone : public std::runtime_error {
+ public:
+  PeerGone() : std::runtime_error("the other side is gone") {}
+};
 
 class LineSocket {
  public:
@@ -22,8 +28,7 @@ class LineSocket {
 
   void send(const std::string& text);
 
-  /// The next line without its end; nothing if none came in time. std::runtime_error once the other side is
-  /// gone.
+  /// The next line without its end; nothing if none came in time.
   std::optional<std::string> receive(std::chrono::milliseconds limit);
 
  private:

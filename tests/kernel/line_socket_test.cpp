@@ -56,5 +56,13 @@ TEST(LineSocket, SaysWhenTheOtherSideIsGone) {
   close(theirs);
   theirs = -1;
   STRCMP_EQUAL("last", ours.receive(1s)->c_str());
-  CHECK_THROWS(std::runtime_error, ours.receive(1s));
+  CHECK_THROWS(PeerGone, ours.receive(1s));
+  CHECK_THROWS(PeerGone, ours.send("abc"));
+}
+
+TEST(LineSocket, SaysTheSameWhenTheOtherSideHadNotReadAll) {
+  ours.send("unread");
+  close(theirs);
+  theirs = -1;
+  CHECK_THROWS(PeerGone, ours.receive(1s));
 }

@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <csignal>
 #include <cstdio>
-#include <stdexcept>
+#include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -77,84 +78,104 @@ std::size_t place_of(const std::vector<LineEvent>& events, Pin pin, int level) {
 }  // namespace
 
 TEST_GROUP(RealKernel) {
-  KernelFixture bench{STROBE_KERNEL_BOOT};
+  std::optional<KernelFixture> bench{std::in_place, STROBE_KERNEL_BOOT};
 
   void start() {
-    if (!bench.start_strobed()) FAIL(("strobed is not ready: " + bench.strobed_log()).c_str());
+    if (!bench->start_strobed()) FAIL(("strobed is not ready: " + bench->strobed_log()).c_str());
   }
 
   testing::Command fire(int shots, int retries = 0) const {
-    return bench.strobe({"fire", "--shots", std::to_string(shots), "--retries", std::to_string(retries),
-                         "--json", "--session", (bench.folder() / "session").string()});
+    return bench->strobe({"fire", "--shots", std::to_string(shots), "--retries", std::to_string(retries),
+                          "--json", "--session", (bench->folder() / "session").string()});
   }
 
   /// Fires a train of 10 s, and waits until it is under way; again, if a machine that stood still ended it.
   std::unique_ptr<testing::Process> fire_and_wait_for_the_train() {
     testing::Command command = fire(1);
-    const std::filesystem::path plan = bench.folder() / "plan.toml";
+    const std::filesystem::path plan = bench->folder() / "plan.toml";
     testing::write_text(
         plan, "train = \"free\"\nperiod_us = 130000\nshutter_open_ms = 10000\nimpact_at_ms = 1300\n");
     command.arguments.insert(command.arguments.end(), {"--plan", plan.string()});
     for (int attempt = 0; attempt < 3; ++attempt) {
-      auto firing = std::make_unique<testing::Process>(command, bench.folder());
+      auto firing = std::make_unique<testing::Process>(command, bench->folder());
       testing::wait_until([&] { return under_way() || !firing->running(); }, kTimeout);
       if (under_way()) return firing;
     }
-    FAIL(("no train: " + bench.strobed_log()).c_str());
+    FAIL(("no train: " + bench->strobed_log()).c_str());
     return nullptr;
   }
 
-  bool under_way() const { return bench.rises(Pin::strobe_a) >= kMidTrain; }
+  bool under_way() const { return bench->rises(Pin::strobe_a) >= kMidTrain; }
 
   /// Edges that come faster than the processor takes interrupts are one edge.
   void drive_and_let_it_see(Pin pin, int level) {
-    bench.drive(pin, level);
-    testing::wait_until([this] { return bench.scheduled_drives() == 0; }, kTimeout);
-    bench.machine().run(":");
+    bench->drive(pin, level);
+    testing::wait_until([this] { return bench->scheduled_drives() == 0; }, kTimeout);
+    bench->machine().run(":");
   }
 
   void take_the_driver_away() {
-    bench.machine().run("cd /sys/bus/amba/drivers/pl061_gpio && echo *.pl061 >unbind; cd /");
+    bench->machine().run("cd /sys/bus/amba/drivers/pl061_gpio && echo *.pl061 >unbind; cd /");
+  }
+
+  /// Debian's kernel itself panics in some of the cases where a driver goes whose lines are held, and its machine with
+  /// it: tried again on another one.
+  void on_a_kernel_that_survives(const std::function<void()>& trial) {
+    for (int attempt = 0; attempt < 4; ++attempt) {
+      try {
+        return trial();
+      } catch (const PeerGone&) {
+        std::printf("the machine is gone:\n%s\n", bench->machine().log().c_str());
+        bench.reset();
+        bench.emplace(STROBE_KERNEL_BOOT);
+      }
+    }
+    FAIL("the machine ended each time that its driver was taken away");
   }
 
   /// Whatever strobed was doing: of a shot that a standing machine has ended early nothing is left to fail.
   void strobed_ends() {
     CHECK_TRUE_TEXT(
-        testing::wait_until([this] { return bench.machine().run("pidof strobed").empty(); }, kTimeout),
-        (bench.strobed_log() + bench.machine().log()).c_str());
+        testing::wait_until([this] { return bench->machine().run("pidof strobed").empty(); }, kTimeout),
+        (bench->strobed_log() + bench->machine().log()).c_str());
+  }
+
+  /// What the program of the conformance test printed, each of its requests carried out.
+  std::string answers_of_libgpiod() {
+    VirtualMachine& machine = bench->machine();
+    machine.run("mkfifo /tmp/answers; gpio_library_calls gpiochip0 0 1 4 /tmp/answers >/tmp/out 2>&1 &");
+    std::size_t done = 0;
+    CHECK_TRUE(testing::wait_until(
+        [&] {
+          const auto requests = testing::conformance::requests_in(machine.run("cat /tmp/out"));
+          if (requests.size() > done) {
+            const auto& request = requests[done++];
+            for (const int level : request.levels) drive_and_let_it_see(Pin::sensor_a, level);
+            if (request.unplug) take_the_driver_away();
+            machine.run(": >/tmp/answers");
+          }
+          return machine.run("pidof gpio_library_calls").empty();
+        },
+        kTimeout));
+    return machine.run("cat /tmp/out");
   }
 
   void outputs_become_inactive() {
-    CHECK_TRUE_TEXT(testing::wait_until([this] { return outputs_inactive(bench.events()); }, kTimeout),
-                    (bench.strobed_log() + bench.machine().log()).c_str());
+    CHECK_TRUE_TEXT(testing::wait_until([this] { return outputs_inactive(bench->events()); }, kTimeout),
+                    (bench->strobed_log() + bench->machine().log()).c_str());
   }
 };
 
 TEST(RealKernel, SystemCallsAreAnsweredAsOnTheSimulatedChip) {
-  const std::string answers = bench.machine().run("gpio_kernel_calls /dev/gpiochip0 0 1");
+  const std::string answers = bench->machine().run("gpio_kernel_calls /dev/gpiochip0 0 1");
   CHECK_EQUAL(testing::read_text(STROBE_TEST_DATA "/gpio_kernel_calls.txt"), answers);
 }
 
 TEST(RealKernel, LibgpiodIsAnsweredAsOnTheSimulatedChip) {
-  VirtualMachine& machine = bench.machine();
-  machine.run("mkfifo /tmp/answers; gpio_library_calls gpiochip0 0 1 4 /tmp/answers >/tmp/out 2>&1 &");
-  std::size_t done = 0;
-  std::string out;
-  CHECK_TRUE(testing::wait_until(
-      [&] {
-        out = machine.run("cat /tmp/out");
-        const auto requests = testing::conformance::requests_in(out);
-        if (requests.size() > done) {
-          const auto& request = requests[done++];
-          for (const int level : request.levels) drive_and_let_it_see(Pin::sensor_a, level);
-          if (request.unplug) take_the_driver_away();
-          machine.run(": >/tmp/answers");
-        }
-        return machine.run("pidof gpio_library_calls").empty();
-      },
-      kTimeout));
-  out = machine.run("cat /tmp/out");
-  CHECK_EQUAL(testing::read_text(STROBE_TEST_DATA "/gpio_library_calls.txt"), out);
+  on_a_kernel_that_survives([this] {
+    const std::string out = answers_of_libgpiod();
+    CHECK_EQUAL(testing::read_text(STROBE_TEST_DATA "/gpio_library_calls.txt"), out);
+  });
 }
 
 TEST(RealKernel, WholeShotsAreFiredAndReadOutByTheHostOutside) {
@@ -163,9 +184,9 @@ TEST(RealKernel, WholeShotsAreFiredAndReadOutByTheHostOutside) {
   start();
   const CompletedProcess fired = testing::run_process(fire(2, 2), kTimeout);
   const auto readouts = readouts_in(fired.out);
-  const std::string said = fired.out + fired.err + bench.strobed_log();
+  const std::string said = fired.out + fired.err + bench->strobed_log();
   CHECK_TRUE_TEXT(readouts.size() >= 2, said.c_str());
-  const auto events = bench.events();
+  const auto events = bench->events();
   const auto a = courses_of(events, Pin::strobe_a, Pin::sensor_a);
   const auto b = courses_of(events, Pin::strobe_b, Pin::sensor_b);
   CHECK_TRUE_TEXT(a.size() == readouts.size() + 1 && b.size() == a.size(), said.c_str());
@@ -185,72 +206,68 @@ TEST(RealKernel, WholeShotsAreFiredAndReadOutByTheHostOutside) {
       CHECK_TRUE_TEXT(count == kFlashes, said.c_str());
   }
   CHECK_TRUE_TEXT(whole >= 1, said.c_str());
-  CHECK_TRUE(bench.rises(Pin::trigger) <= static_cast<int>(readouts.size()));
-  CHECK_TRUE(bench.rises(Pin::trigger) >= whole);
+  CHECK_TRUE(bench->rises(Pin::trigger) <= static_cast<int>(readouts.size()));
+  CHECK_TRUE(bench->rises(Pin::trigger) >= whole);
   outputs_become_inactive();
 }
 
 TEST(RealKernel, OutputsAreInactiveAfterAnEmergencyStopInTheMiddleOfATrain) {
   start();
-  bench.drive_at_flash(kMidTrain, Pin::estop, 0);
+  bench->drive_at_flash(kMidTrain, Pin::estop, 0);
   const auto firing = fire_and_wait_for_the_train();
   outputs_become_inactive();
   firing->wait(kTimeout);
-  const auto events = bench.events();
+  const auto events = bench->events();
   const std::size_t pressed = place_of(events, Pin::estop, 0);
   // An edge that was on its way when the line fell, and no more.
   CHECK_TRUE(rises_after(events, pressed) <= 2);
-  CHECK_TRUE(bench.rises(Pin::strobe_a) < kLongTrain);
-  CHECK_TRUE(outputs_inactive(bench.events()));
+  CHECK_TRUE(bench->rises(Pin::strobe_a) < kLongTrain);
+  CHECK_TRUE(outputs_inactive(bench->events()));
 }
 
 TEST(RealKernel, OutputsAreInactiveAfterTheWorkerWasKilledInTheMiddleOfATrain) {
   start();
   const auto firing = fire_and_wait_for_the_train();
-  bench.machine().run("for p in $(pidof strobed); do [ $p = $(cat /tmp/pid) ] || kill -9 $p; done");
+  bench->machine().run("for p in $(pidof strobed); do [ $p = $(cat /tmp/pid) ] || kill -9 $p; done");
   outputs_become_inactive();
-  const std::size_t safe = bench.events().size();
+  const std::size_t safe = bench->events().size();
   strobed_ends();
-  STRCMP_CONTAINS("the guardian made the outputs inactive", bench.strobed_log().c_str());
-  const auto events = bench.events();
+  STRCMP_CONTAINS("the guardian made the outputs inactive", bench->strobed_log().c_str());
+  const auto events = bench->events();
   LONGS_EQUAL(0, rises_after(events, safe));
-  CHECK_TRUE(bench.rises(Pin::strobe_a) < kLongTrain);
+  CHECK_TRUE(bench->rises(Pin::strobe_a) < kLongTrain);
   firing->signal(SIGTERM);
 }
 
 TEST(RealKernel, OutputsAreMadeInactiveByHandAfterWorkerAndGuardianWereKilled) {
   start();
   const auto firing = fire_and_wait_for_the_train();
-  bench.machine().run("kill -9 $(pidof strobed); while pidof strobed >/dev/null; do :; done");
-  CHECK_EQUAL("0\n", bench.machine().run("strobed --safe --config /rig.toml; echo $?"));
+  bench->machine().run("kill -9 $(pidof strobed); while pidof strobed >/dev/null; do :; done");
+  CHECK_EQUAL("0\n", bench->machine().run("strobed --safe --config /rig.toml; echo $?"));
   outputs_become_inactive();
-  const std::size_t safe = bench.events().size();
-  bench.machine().run("sleep 1");
-  LONGS_EQUAL(0, rises_after(bench.events(), safe));
-  CHECK_TRUE(bench.rises(Pin::strobe_a) < kLongTrain);
+  const std::size_t safe = bench->events().size();
+  bench->machine().run("sleep 1");
+  LONGS_EQUAL(0, rises_after(bench->events(), safe));
+  CHECK_TRUE(bench->rises(Pin::strobe_a) < kLongTrain);
   firing->signal(SIGTERM);
 }
 
 TEST(RealKernel, EndsAsFailedWhenTheDriverIsTakenAwayInTheMiddleOfATrain) {
-  start();
-  const auto firing = fire_and_wait_for_the_train();
-  try {
+  on_a_kernel_that_survives([this] {
+    start();
+    const auto firing = fire_and_wait_for_the_train();
     take_the_driver_away();
     strobed_ends();
-  } catch (const std::runtime_error& gone) {
-    // Seen once in some fifteen times: the emulated machine itself ends when a driver goes that is in use.
-    std::printf("not judged, the machine is gone: %s\n%s\n", gone.what(), bench.machine().log().c_str());
+    CHECK_TRUE(bench->rises(Pin::strobe_a) < kLongTrain);
     firing->signal(SIGTERM);
-    return;
-  }
-  const int flashes = bench.rises(Pin::strobe_a);
-  CHECK_TRUE(flashes < kLongTrain);
-  firing->signal(SIGTERM);
+  });
 }
 
 TEST(RealKernel, EndsAsFailedWhenTheDriverIsTakenAwayThoughNothingIsFired) {
-  start();
-  take_the_driver_away();
-  strobed_ends();
-  STRCMP_CONTAINS("THE OUTPUTS MAY BE ACTIVE", bench.strobed_log().c_str());
+  on_a_kernel_that_survives([this] {
+    start();
+    take_the_driver_away();
+    strobed_ends();
+    STRCMP_CONTAINS("THE OUTPUTS MAY BE ACTIVE", bench->strobed_log().c_str());
+  });
 }
