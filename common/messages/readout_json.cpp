@@ -3,6 +3,7 @@
 
 #include "common/messages/json_conversions.hpp"
 #include "common/messages/or_null.hpp"
+#include "common/reduction/expanded_uncertainty.hpp"
 
 namespace strobe::messages {
 namespace {
@@ -22,6 +23,15 @@ ordered_json quantities_json(const Quantities& quantities) {
   ordered_json object = ordered_json::object();
   put(object, quantities);
   return object;
+}
+
+ordered_json expanded_json(const Readout& readout) {
+  Quantities expanded;
+  for (std::size_t i = 0; i < reduction::kQuantityCount; ++i) {
+    const auto quantity = static_cast<reduction::Quantity>(i);
+    expanded[quantity] = reduction::expanded_uncertainty(readout, quantity);
+  }
+  return quantities_json(expanded);
 }
 
 ordered_json flags_json(const reduction::FlagSet& flags) {
@@ -69,6 +79,8 @@ std::string readout_to_json(const Readout& readout) {
   put_flashes(object, readout.flashes);
   object["sd"] = quantities_json(readout.sd);
   object["sd_systematic"] = quantities_json(readout.sd_systematic);
+  object["degrees_of_freedom"] = quantities_json(readout.degrees_of_freedom);
+  object["expanded_uncertainty"] = expanded_json(readout);
   if (readout.legacy) {
     object["far"] = quantities_json(readout.legacy->far);
     object["contact"] = ordered_json::array();

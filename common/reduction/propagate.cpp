@@ -160,11 +160,16 @@ class Uncertainty {
     by_diameter_ = fit.joint.factor.unknowns(fit.joint.factor.whitened(scale));
   }
 
+  struct Statistical {
+    double sd = 0.0;
+    std::optional<double> degrees_of_freedom;  ///< absent: infinitely many
+  };
+
   /// Returns nullopt if the number depends on a variance component that no residuals tell.
-  std::optional<double> statistical(const Number& q) const {
+  std::optional<Statistical> statistical(const Number& q) const {
     const JointVector y = fit_.joint.factor.whitened(joint_gradient(q));
     const double variance = dot(y, y) + spin_covariance(q, q, &SpinFit::variance);
-    if (!any_estimated_ || variance == 0.0) return std::sqrt(variance);
+    if (!any_estimated_ || variance == 0.0) return Statistical{std::sqrt(variance), {}};
     const auto parts = variance_shares(q, y);
     double uncertain = 0.0;  // sum of (estimated share)^2 / its degrees of freedom
     double fewest = std::numeric_limits<double>::infinity();
@@ -178,8 +183,9 @@ class Uncertainty {
       fewest = std::min(fewest, component.degrees_of_freedom);
     }
     const double sd = std::sqrt(variance);
-    if (!(uncertain > 0.0)) return sd;
-    return sd * student_t_sigma(std::max(1.0 / uncertain, fewest));  // Welch-Satterthwaite
+    if (!(uncertain > 0.0)) return Statistical{sd, {}};
+    const double freedom = std::max(1.0 / uncertain, fewest);  // Welch-Satterthwaite
+    return Statistical{sd * student_t_sigma(freedom), freedom};
   }
 
   std::optional<double> systematic(const Number& q) const {
@@ -348,7 +354,10 @@ class Propagation {
   void put(Quantity quantity, const Number& number) {
     if (!std::isfinite(number.value)) return;
     readout_.value[quantity] = number.value;
-    readout_.sd[quantity] = uncertainty_.statistical(number);
+    if (const auto statistical = uncertainty_.statistical(number)) {
+      readout_.sd[quantity] = statistical->sd;
+      readout_.degrees_of_freedom[quantity] = statistical->degrees_of_freedom;
+    }
     readout_.sd_systematic[quantity] = uncertainty_.systematic(number);
   }
 
@@ -357,11 +366,12 @@ class Propagation {
     const auto size = [](const Number& n) { return n.value < 0.0 ? -n : n; };
     const double alpha = fit_.observations.ball.alpha;
     const Number missing = size(slip) * (alpha / (1.0 + alpha)) - size(lost);
-    const std::optional<double> sd = uncertainty_.statistical(missing);
+    const auto statistical = uncertainty_.statistical(missing);
     if (missing.value <= 0.0) {
       readout_.regime = Regime::grips;
     } else {
-      readout_.regime = sd && missing.value > 2.0 * *sd ? Regime::slides : Regime::unclear;
+      readout_.regime =
+          statistical && missing.value > 2.0 * statistical->sd ? Regime::slides : Regime::unclear;
     }
   }
 

@@ -95,6 +95,8 @@ struct Readout {
   Quantities value;
   Quantities sd;             ///< statistical standard deviation, given the ball's diameter
   Quantities sd_systematic;  ///< standard deviation from the diameter's tolerance
+  /// Of sd, where noise was estimated: effective ones (Welch-Satterthwaite). Absent: infinitely many.
+  Quantities degrees_of_freedom;
   std::optional<Regime> regime;
   bool court_pace_conforming = false;
   std::string method;  ///< "best", "two-point", "legacy"

@@ -1,5 +1,6 @@
 #include "common/reduction/student_t.hpp"
 
+#include <boost/math/distributions/normal.hpp>
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 
@@ -19,6 +20,13 @@ double student_t_sigma(double degrees_of_freedom) {
   if (degrees_of_freedom > kAsGoodAsNormal) return 1.0;
   const Distribution distribution(degrees_of_freedom);
   return boost::math::quantile(boost::math::complement(distribution, kAboveOneSd));
+}
+
+double student_t_half_width(double share, double degrees_of_freedom) {
+  const double above = 0.5 * (1.0 - share);
+  if (degrees_of_freedom > kAsGoodAsNormal)
+    return boost::math::quantile(boost::math::complement(boost::math::normal(), above));
+  return boost::math::quantile(boost::math::complement(Distribution(degrees_of_freedom), above));
 }
 
 double student_t_tail(double t, double degrees_of_freedom) {

@@ -35,9 +35,9 @@ TEST_GROUP(ReadoutJson){};
 
 TEST(ReadoutJson, HasEveryDocumentedName) {
   const json object = json::parse(readout_to_json(example()));
-  for (const char* key :
-       {"shot_id", "regime", "court_pace_conforming", "method", "mirrored", "flight_effects", "flags",
-        "record", "sd", "sd_systematic", "first_flash", "last_flash", "misassignment_probability"})
+  for (const char* key : {"shot_id", "regime", "court_pace_conforming", "method", "mirrored",
+                          "flight_effects", "flags", "record", "sd", "sd_systematic", "degrees_of_freedom",
+                          "expanded_uncertainty", "first_flash", "last_flash", "misassignment_probability"})
     CHECK_TRUE_TEXT(object.contains(key), key);
   for (const char* key : {"theta_in_deg", "theta_out_deg", "vx_td_mps", "vy_td_mps", "v_td_mps",
                           "omega_td_radps", "vx_lo_mps", "vy_lo_mps", "v_lo_mps", "omega_lo_radps",
@@ -45,7 +45,19 @@ TEST(ReadoutJson, HasEveryDocumentedName) {
     CHECK_TRUE_TEXT(object.contains(key), key);
     CHECK_TRUE_TEXT(object["sd"].contains(key), key);
     CHECK_TRUE_TEXT(object["sd_systematic"].contains(key), key);
+    CHECK_TRUE_TEXT(object["degrees_of_freedom"].contains(key), key);
+    CHECK_TRUE_TEXT(object["expanded_uncertainty"].contains(key), key);
   }
+}
+
+TEST(ReadoutJson, StatesTheExpandedUncertaintyBesideTheSd) {
+  Readout r = example();
+  r.degrees_of_freedom[Quantity::e] = 2.0;
+  const json object = json::parse(readout_to_json(r));
+  CHECK_EQUAL(json(2.0), object["degrees_of_freedom"]["e"]);
+  // Student's t of two degrees of freedom: 4.303 for 95 %, 1.321 for 68.27 %.
+  DOUBLES_EQUAL(0.047 * 4.303 / 1.321, object["expanded_uncertainty"]["e"].get<double>(), 1e-4);
+  CHECK_TRUE(object["expanded_uncertainty"]["mu"].is_null());
 }
 
 TEST(ReadoutJson, NamesTheEffectsOfTheFlight) {

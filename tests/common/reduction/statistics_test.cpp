@@ -3,6 +3,7 @@
 
 #include "common/reduction/court_pace.hpp"
 #include "common/reduction/dual.hpp"
+#include "common/reduction/expanded_uncertainty.hpp"
 #include "common/reduction/running_statistics.hpp"
 #include "common/reduction/student_t.hpp"
 
@@ -49,9 +50,41 @@ TEST(StudentT, HoldsAsMuchAsOneSigmaOfANormal) {
   DOUBLES_EQUAL(1.0, student_t_sigma(1e9), 1e-12);
 }
 
+TEST(StudentT, HalfWidthsAreThoseOfTheTables) {
+  // GUM, table G.2, column 95 %.
+  for (const auto& [degrees, factor] : {std::pair{1, 12.71}, {2, 4.30}, {3, 3.18}, {10, 2.23}})
+    DOUBLES_EQUAL(factor, student_t_half_width(0.95, degrees), 0.005);
+  DOUBLES_EQUAL(1.95996, student_t_half_width(0.95, 1e9), 1e-5);
+}
+
 TEST(StudentT, TailsAreThoseOfTheTables) {
   DOUBLES_EQUAL(0.05, student_t_tail(2.228, 10), 1e-4);  // the 95 % point of ten degrees of freedom
   DOUBLES_EQUAL(0.3173, student_t_tail(1.0, 1e9), 1e-4);
+}
+
+TEST_GROUP(ExpandedUncertainty) { Readout readout; };
+
+TEST(ExpandedUncertainty, IsTwiceTheSdOfAKnownNoise) {
+  readout.sd[Quantity::e] = 0.01;
+  DOUBLES_EQUAL(0.0196, *expanded_uncertainty(readout, Quantity::e), 1e-6);
+}
+
+TEST(ExpandedUncertainty, IsThatOfStudentsTWhereTheNoiseWasEstimated) {
+  // Of two degrees of freedom 68.27 % are within 1.321 of an estimated sd, 95 % within 4.303.
+  readout.sd[Quantity::e] = 1.321;
+  readout.degrees_of_freedom[Quantity::e] = 2.0;
+  DOUBLES_EQUAL(4.303, *expanded_uncertainty(readout, Quantity::e), 2e-3);
+}
+
+TEST(ExpandedUncertainty, HoldsWhatTolerancesAdd) {
+  readout.sd[Quantity::e] = 0.03;
+  readout.sd_systematic[Quantity::e] = 0.04;
+  DOUBLES_EQUAL(1.95996 * 0.05, *expanded_uncertainty(readout, Quantity::e), 1e-6);
+}
+
+TEST(ExpandedUncertainty, OfANumberWithoutSdIsNone) {
+  readout.value[Quantity::e] = 0.7;
+  CHECK_FALSE(expanded_uncertainty(readout, Quantity::e).has_value());
 }
 
 TEST_GROUP(CourtPace){};

@@ -43,7 +43,7 @@ const std::vector<NamedMeasure>& measures() {
       {"bias/bound", [](const Score& s) { return s.bias; }},
       {"rms error/stated sd", [](const Score& s) { return s.by_sd; }},
       {"share within 68.27 %", [](const Score& s) { return s.within_68; }},
-      {"share within 95.45 %", [](const Score& s) { return s.within_95; }}};
+      {"share within the 95 % interval", [](const Score& s) { return s.within_95; }}};
   return all;
 }
 

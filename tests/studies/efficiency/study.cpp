@@ -5,7 +5,7 @@
 #include <numbers>
 #include <random>
 
-#include "tests/common/reduction/intervals.hpp"
+#include "common/reduction/expanded_uncertainty.hpp"
 #include "tests/studies/in_parallel.hpp"
 
 namespace strobe::studies {
@@ -20,8 +20,7 @@ constexpr double kDegree = std::numbers::pi / 180.0;
 /// The sums that a score is made of.
 class Errors {
  public:
-  /// half_width_95: in stated sd.
-  void add(double error, double bound, std::optional<double> sd, std::optional<double> half_width_95) {
+  void add(double error, double bound, std::optional<double> sd, std::optional<double> expanded) {
     ++count_;
     square_ += error * error;
     const double relative = error / bound;
@@ -33,9 +32,7 @@ class Errors {
     ++stated_;
     by_sd_ += normalized * normalized;
     within_68_ += std::abs(normalized) < 1.0 ? 1 : 0;
-    if (!half_width_95) return;
-    ++widened_;
-    within_95_ += std::abs(normalized) < *half_width_95 ? 1 : 0;
+    within_95_ += std::abs(error) < *expanded ? 1 : 0;
   }
   void add_absent() { ++absent_; }
 
@@ -53,35 +50,28 @@ class Errors {
     if (stated_ == 0) return s;
     s.by_sd = std::sqrt(by_sd_ / stated_);
     s.within_68 = within_68_ / static_cast<double>(stated_);
-    if (widened_ > 0) s.within_95 = within_95_ / static_cast<double>(widened_);
+    s.within_95 = within_95_ / static_cast<double>(stated_);
     return s;
   }
 
  private:
-  int count_ = 0, absent_ = 0, stated_ = 0, widened_ = 0, within_68_ = 0, within_95_ = 0;
+  int count_ = 0, absent_ = 0, stated_ = 0, within_68_ = 0, within_95_ = 0;
   double square_ = 0.0, bias_ = 0.0, by_bound_ = 0.0, by_sd_ = 0.0;
   std::vector<double> sizes_;
 };
 
 using AllErrors = std::vector<std::array<Errors, kQuantityCount>>;
 
-std::optional<double> half_width_95(const Readout& readout, const Quantities& plain, Quantity q) {
-  if (!readout.flags.has(reduction::Flag::sd_from_residuals)) return 2.0;
-  if (!readout.sd[q] || !plain[q]) return std::nullopt;
-  return test::widening(*readout.sd[q] / *plain[q]);
-}
-
 void reduce_one(const reduction::Frame& frame, const std::vector<Method>& methods, const Quantities& truth,
                 const Quantities& bound, AllErrors& errors) {
   for (std::size_t m = 0; m < methods.size(); ++m) {
     const auto readout = reduction::reduce(frame, methods[m].estimator, methods[m].options);
-    const Quantities plain = readout && readout->covariance ? test::plain_sd(*readout) : Quantities{};
     for (std::size_t i = 0; i < kQuantityCount; ++i) {
       const auto q = static_cast<Quantity>(i);
       if (!truth[q]) continue;
       if (readout && readout->value[q]) {
         errors[m][i].add(*readout->value[q] - *truth[q], *bound[q], readout->sd[q],
-                         half_width_95(*readout, plain, q));
+                         reduction::expanded_uncertainty(*readout, q));
       } else {
         errors[m][i].add_absent();
       }
@@ -131,7 +121,7 @@ Condition run_one(const Plan& plan, const Scenario& scenario, std::size_t index)
 }  // namespace
 
 std::vector<Method> all_methods() {
-  return {{.name = "best", .estimator = Estimator::best, .options = {.effects = {}, .covariance = true}},
+  return {{.name = "best", .estimator = Estimator::best, .options = {}},
           {.name = "best, no air",
            .estimator = Estimator::best,
            .options = {.effects = flight::kGravityOnly, .covariance = false}},

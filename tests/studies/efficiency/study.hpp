@@ -49,7 +49,7 @@ struct Score {
   // Of the shots with a stated sd; NaN if there is none.
   double by_sd = kUnknown;      ///< rms of error/stated sd
   double within_68 = kUnknown;  ///< share of errors within the 68.27 % interval
-  /// Within 95.45 %; if Student's factor is known, as of primary numbers, e, mu.
+  /// Within the expanded uncertainty.
   double within_95 = kUnknown;
 };
 
