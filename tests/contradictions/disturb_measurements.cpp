@@ -1,0 +1,219 @@
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "tests/contradictions/shot.hpp"
+
+namespace strobe::contradictions {
+namespace {
+
+using reduction::BallImage;
+using reduction::PointPx;
+
+constexpr double kPi = std::numbers::pi;
+
+/// In standard deviations.
+double drawn_severity(Random& random) { return random.logarithmic(1.0, 100.0); }
+
+/// Airborne images of one leg, or of both.
+std::vector<std::size_t> airborne(const Photograph& p, std::optional<Leg> leg = {}) {
+  std::vector<std::size_t> found;
+  for (std::size_t i = 0; i < p.legs.size(); ++i) {
+    if (leg ? p.legs[i] == *leg : p.legs[i] != Leg::contact) found.push_back(i);
+  }
+  return found;
+}
+
+Leg either(Random& random) { return random.chance(0.5) ? Leg::incoming : Leg::rebound; }
+
+void shift(PointPx& p, double distance_px, Random& random) {
+  const double direction = random.within(0.0, 2.0 * kPi);
+  p.x += distance_px * std::cos(direction);
+  p.y += distance_px * std::sin(direction);
+}
+
+double worse(const BallImage& image, const Scene& scene) {
+  return image.diameter_sd_px ? *image.diameter_sd_px / scene.stated.diameter_px : 1.0;
+}
+
+void shift_centre(Photograph& p, std::size_t i, double severity, const Scene& scene, Random& random) {
+  BallImage& image = p.frame.images[i];
+  shift(image.centre_px, severity * worse(image, scene) * scene.stated.centre_px, random);
+}
+
+void turn_equator(Photograph& p, std::size_t i, double severity, const Scene& scene, Random& random) {
+  BallImage& image = p.frame.images[i];
+  *image.equator_rad += random.sign() * severity * worse(image, scene) * scene.stated.equator_rad;
+}
+
+double off_surface(const Scene& scene, Photograph& p, Random& random) {
+  const double severity = drawn_severity(random);
+  PointPx& point = p.frame.surface_px[random.index(p.frame.surface_px.size())];
+  const double distance = random.sign() * severity * scene.stated.surface_px;
+  point.x -= distance * std::sin(scene.tilt_rad);
+  point.y += distance * std::cos(scene.tilt_rad);
+  return severity;
+}
+
+double off_diameter(const Scene& scene, Photograph& p, Random& random) {
+  const double severity = drawn_severity(random);
+  const auto images = airborne(p);
+  BallImage& image = p.frame.images[images[random.index(images.size())]];
+  const double off = severity * worse(image, scene) * scene.stated.diameter_px;
+  // A diameter stays one.
+  image.diameter_px = random.chance(0.5) ? image.diameter_px + off
+                                         : std::max(image.diameter_px - off, 0.1 * image.diameter_px);
+  return severity;
+}
+
+using Shift = void (*)(Photograph&, std::size_t, double, const Scene&, Random&);
+
+double off_images(const Scene& scene, Photograph& p, std::size_t count, Shift shift_one, Random& random) {
+  auto images = airborne(p, either(random));
+  const double severity = drawn_severity(random);
+  for (std::size_t done = 0; done < count && !images.empty(); ++done) {
+    const std::size_t k = random.index(images.size());
+    shift_one(p, images[k], severity, scene, random);
+    images.erase(images.begin() + static_cast<std::ptrdiff_t>(k));
+  }
+  return severity;
+}
+
+/// Neighbours of one leg that share a shift.
+double share_shift(const Scene& scene, Photograph& p, Random& random) {
+  const double severity = random.logarithmic(0.5, 5.0);
+  for (const Leg leg : {Leg::incoming, Leg::rebound}) {
+    const auto images = airborne(p, leg);
+    const auto together = static_cast<std::size_t>(random.integer(2, 4));
+    double x = 0.0, y = 0.0;
+    for (std::size_t k = 0; k < images.size(); ++k) {
+      if (k % together == 0) {
+        x = severity * scene.stated.centre_px * random.normal();
+        y = severity * scene.stated.centre_px * random.normal();
+      }
+      p.frame.images[images[k]].centre_px.x += x;
+      p.frame.images[images[k]].centre_px.y += y;
+    }
+  }
+  return severity;
+}
+
+/// Moves a time by `by_s`, but never past a neighbour's.
+void shift_time(std::vector<BallImage>& images, std::size_t i, double by_s) {
+  constexpr double kCloser = 0.95;
+  const double before = i > 0 ? images[i - 1].time_s - images[i].time_s : -1.0;
+  const double after = i + 1 < images.size() ? images[i + 1].time_s - images[i].time_s : 1.0;
+  images[i].time_s += std::clamp(by_s, kCloser * before, kCloser * after);
+}
+
+double off_time(const Scene& scene, Photograph& p, Random& random) {
+  const auto images = airborne(p);
+  const double share = random.logarithmic(0.01, 1.0);
+  shift_time(p.frame.images, images[random.index(images.size())], random.sign() * share * scene.period_s);
+  return share;
+}
+
+double shake_times(const Scene& scene, Photograph& p, Random& random) {
+  const double severity = random.logarithmic(0.3, 10.0);
+  const double speed = std::hypot(scene.impact.vx_mps, scene.impact.vy_mps) * scene.px_per_m;
+  const double sd_s = severity * scene.stated.centre_px / speed;
+  for (std::size_t i = 0; i < p.frame.images.size(); ++i)
+    shift_time(p.frame.images, i,
+               std::clamp(sd_s * random.normal(), -0.4 * scene.period_s, 0.4 * scene.period_s));
+  return severity;
+}
+
+double unread_equators(Photograph& p, Random& random) {
+  const double share = random.within(0.05, 0.9);
+  const bool pattern = random.chance(0.3);
+  const std::size_t every = 2 + random.index(2);
+  const std::size_t first = random.index(every);
+  for (std::size_t i = 0; i < p.frame.images.size(); ++i) {
+    const bool unread = pattern ? i % every != first : random.chance(share);
+    if (unread) p.frame.images[i].equator_rad.reset();
+  }
+  return pattern ? 1.0 - 1.0 / static_cast<double>(every) : share;
+}
+
+double mislabel(Photograph& p, Random& random) {
+  const std::size_t i = random.index(p.frame.images.size());
+  const auto other = (static_cast<std::size_t>(p.legs[i]) + 1 + random.index(2)) % 3;
+  p.frame.images[i].leg = static_cast<Leg>(other);
+  return 1.0;
+}
+
+void remove(Photograph& p, const std::vector<bool>& missing) {
+  std::vector<BallImage> images;
+  std::vector<Leg> legs;
+  for (std::size_t i = 0; i < missing.size(); ++i) {
+    if (missing[i]) continue;
+    images.push_back(std::move(p.frame.images[i]));
+    legs.push_back(p.legs[i]);
+  }
+  p.frame.images = std::move(images);
+  p.legs = std::move(legs);
+}
+
+/// At least two images stay in each leg.
+double make_gap(Photograph& p, Random& random) {
+  const double share = random.within(0.05, 0.7);
+  const bool row = random.chance(0.5);
+  std::vector<bool> missing(p.frame.images.size(), false);
+  for (const Leg leg : {Leg::incoming, Leg::rebound}) {
+    auto images = airborne(p, leg);
+    if (images.size() <= 2) continue;
+    const auto most = static_cast<double>(images.size() - 2);
+    const auto count =
+        static_cast<std::size_t>(std::min(std::ceil(share * static_cast<double>(images.size())), most));
+    const std::size_t first = random.index(images.size() - count + 1);
+    for (std::size_t k = 0; k < count; ++k) {
+      const std::size_t at = row ? first : random.index(images.size());
+      missing[images[at]] = true;
+      images.erase(images.begin() + static_cast<std::ptrdiff_t>(at));
+    }
+  }
+  remove(p, missing);
+  return share;
+}
+
+}  // namespace
+
+double disturb_measurements(Kind kind, const Scene& scene, Photograph& p, Random& random) {
+  switch (kind) {
+    case Kind::unread_equators:
+      return unread_equators(p, random);
+    case Kind::surface_point:
+    case Kind::surface_pair:
+      return off_surface(scene, p, random);
+    case Kind::correlated:
+      return share_shift(scene, p, random);
+    case Kind::outlier_centre:
+      return off_images(scene, p, 1, shift_centre, random);
+    case Kind::two_centres:
+      return off_images(scene, p, 2, shift_centre, random);
+    case Kind::outlier_equator:
+      return off_images(scene, p, 1, turn_equator, random);
+    case Kind::two_equators:
+      return off_images(scene, p, 2, turn_equator, random);
+    case Kind::outlier_first_image: {
+      const double severity = drawn_severity(random);
+      shift_centre(p, 0, severity, scene, random);
+      return severity;
+    }
+    case Kind::outlier_diameter:
+      return off_diameter(scene, p, random);
+    case Kind::image_time:
+      return off_time(scene, p, random);
+    case Kind::time_noise:
+      return shake_times(scene, p, random);
+    case Kind::wrong_leg:
+      return mislabel(p, random);
+    case Kind::gap:
+      return make_gap(p, random);
+    default:
+      return 0.0;
+  }
+}
+
+}  // namespace strobe::contradictions

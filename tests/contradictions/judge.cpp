@@ -1,0 +1,146 @@
+#include "tests/contradictions/judge.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace strobe::contradictions {
+namespace {
+
+using reduction::kQuantityCount;
+using reduction::Quantity;
+using reduction::Readout;
+
+using FlagNames = std::array<std::string_view, 8>;
+
+/// Flags are looked up by name, so that those to come can be told here first.
+struct Explanation {
+  Kind kind;
+  FlagNames of_all;   ///< explain every number
+  FlagNames of_spin;  ///< explain spins and what follows from them
+};
+
+constexpr std::string_view kMisfit = "residuals_exceed_noise", kOutlier = "outlier_image",
+                           kFew = "no_redundancy", kAliased = "spin_aliased",
+                           kBall = "scale_contradicts_ball", kPoint = "outlier_surface_point",
+                           kOverlaps = "overlaps_surface", kDegenerate = "degenerate_geometry";
+
+constexpr std::array kExplanations{
+    Explanation{Kind::none, {}, {}},
+    Explanation{Kind::unread_equators, {}, {kAliased}},
+    Explanation{Kind::long_period, {}, {kAliased}},
+    Explanation{Kind::surface_point, {kPoint, kMisfit}, {}},
+    Explanation{Kind::surface_pair, {kPoint, kMisfit, kOverlaps}, {}},
+    Explanation{Kind::scale, {kBall, kMisfit}, {}},
+    Explanation{Kind::ball_size, {kBall, kMisfit}, {}},
+    Explanation{Kind::ball_size_uncalibrated, {kBall, kMisfit}, {}},
+    Explanation{Kind::noise_understated, {kMisfit, kOutlier, kPoint, kBall, kFew}, {kAliased}},
+    Explanation{Kind::noise_overstated, {}, {kAliased}},
+    Explanation{Kind::heavy_tails, {kMisfit, kOutlier, kPoint, kBall, kFew}, {kAliased}},
+    Explanation{Kind::correlated, {kMisfit, kOutlier, kFew, kOverlaps}, {}},
+    Explanation{Kind::outlier_centre, {kOutlier, kMisfit, kFew, kOverlaps, kDegenerate}, {}},
+    Explanation{Kind::outlier_first_image, {kOutlier, kMisfit, kFew, kOverlaps, kDegenerate}, {}},
+    Explanation{Kind::outlier_diameter, {kOutlier, kMisfit, kBall, kFew}, {}},
+    Explanation{Kind::outlier_equator, {kOutlier, kMisfit, kFew}, {kAliased}},
+    Explanation{Kind::two_equators, {kOutlier, kMisfit, kFew}, {kAliased}},
+    Explanation{Kind::two_centres, {kOutlier, kMisfit, kFew, kOverlaps, kDegenerate}, {}},
+    Explanation{Kind::image_time, {kOutlier, kMisfit, kFew, kOverlaps, kDegenerate}, {kAliased}},
+    Explanation{Kind::time_noise, {kOutlier, kMisfit, kFew, kOverlaps}, {kAliased}},
+    Explanation{Kind::alpha, {}, {}},
+    Explanation{Kind::drag, {kMisfit}, {}},
+    Explanation{Kind::spin_decay, {kMisfit}, {}},
+    Explanation{Kind::surface_angle, {kOutlier, kMisfit}, {}},
+    Explanation{Kind::wrong_leg, {kOutlier, kMisfit, kFew, kOverlaps, kDegenerate}, {kAliased}},
+    Explanation{Kind::gap, {}, {kAliased}},
+};
+static_assert(kExplanations.size() == kKindCount);
+
+constexpr bool in_order() {
+  for (std::size_t i = 0; i < kExplanations.size(); ++i)
+    if (kExplanations[i].kind != static_cast<Kind>(i)) return false;
+  return true;
+}
+static_assert(in_order());
+
+bool contains(const FlagNames& names, std::string_view flag) {
+  return std::find(names.begin(), names.end(), flag) != names.end();
+}
+
+bool follows_from_spin(Quantity q) {
+  return q == Quantity::omega_td_radps || q == Quantity::omega_lo_radps || q == Quantity::slip_lo_mps;
+}
+
+bool explained(const Readout& readout, Quantity q, Kind kind) {
+  for (std::size_t i = 0; i < reduction::kFlagCount; ++i) {
+    const bool set = readout.flags.has(static_cast<reduction::Flag>(i));
+    if (set && explains(reduction::kFlagNames[i], q, kind)) return true;
+  }
+  return false;
+}
+
+double sd_or_zero(const Readout& readout, Quantity q) { return combined_sd(readout, q).value_or(0.0); }
+
+/// Of the change of vx that is missing, by its parts.
+double missing_sd_mps(const Readout& readout, const Truth& truth) {
+  const double share = truth.alpha / (1.0 + truth.alpha);
+  return std::hypot((1.0 - share) * sd_or_zero(readout, Quantity::vx_td_mps),
+                    sd_or_zero(readout, Quantity::vx_lo_mps),
+                    share * truth.radius_m * sd_or_zero(readout, Quantity::omega_td_radps));
+}
+
+void judge_regime(const Readout& readout, const Truth& truth, Kind kind, Judgement& j) {
+  if (!readout.regime || explained(readout, Quantity::omega_td_radps, kind)) return;
+  // Rounding of a ball that rolls exactly.
+  constexpr double kRounding_mps = 1e-9;
+  j.slides_wrongly = *readout.regime == Regime::slides && truth.missing_mps < kRounding_mps;
+  const double limit = std::max(kWrong_sd * missing_sd_mps(readout, truth), error_floor(Quantity::vx_td_mps));
+  j.grips_wrongly = *readout.regime == Regime::grips && truth.missing_mps > limit;
+}
+
+}  // namespace
+
+double error_floor(Quantity quantity) {
+  // In the order of Quantity. Digitizing by hand: vx 0.24 m/s, e 0.047, mu 0.030, spin 8.2 rad/s, dwell 0.29 ms and
+  // 3.7 mm; angles and the rest follow at 17 m/s.
+  constexpr std::array<double, kQuantityCount> kFloors{0.08,   0.08,  0.024, 0.024, 0.024, 0.82,
+                                                       0.024,  0.024, 0.024, 0.82,  0.036, 0.0047,
+                                                       0.0030, 0.029, 0.037, 0.77};
+  return kFloors[static_cast<std::size_t>(quantity)];
+}
+
+bool is_fact(std::string_view flag) {
+  constexpr std::array<std::string_view, 4> kFacts{"no_contact_image", "no_redundancy", "too_few_images",
+                                                   "sd_from_residuals"};
+  return std::find(kFacts.begin(), kFacts.end(), flag) != kFacts.end();
+}
+
+bool explains(std::string_view flag, Quantity quantity, Kind kind) {
+  const Explanation& e = kExplanations[static_cast<std::size_t>(kind)];
+  return contains(e.of_all, flag) || (follows_from_spin(quantity) && contains(e.of_spin, flag));
+}
+
+std::optional<double> combined_sd(const Readout& readout, Quantity quantity) {
+  if (!readout.sd[quantity]) return std::nullopt;
+  return std::hypot(*readout.sd[quantity], readout.sd_systematic[quantity].value_or(0.0));
+}
+
+Judgement judged(const Readout& readout, const Truth& truth, Kind kind) {
+  Judgement j;
+  for (std::size_t i = 0; i < kQuantityCount; ++i) {
+    const auto q = static_cast<Quantity>(i);
+    const auto sd = combined_sd(readout, q);
+    if (!readout.value[q] || !sd) continue;
+    const double error = std::abs(*readout.value[q] - *truth.value[q]);
+    if (!(error > std::max(kWrong_sd * *sd, error_floor(q)))) continue;
+    if (explained(readout, q, kind)) {
+      j.flagged.set(i);
+      continue;
+    }
+    j.silent.set(i);
+    j.worst = std::max(j.worst, error / std::max(*sd, 1e-12));
+  }
+  judge_regime(readout, truth, kind, j);
+  return j;
+}
+
+}  // namespace strobe::contradictions
