@@ -31,14 +31,15 @@ enum class Flag {
   shutter_suspect,  // the shutter's contact (X-sync) did not tell of opening or closing, or well off its lag
   flash_index_ambiguous,  // the code of a coded train leaves open which flashes made the images; the numbers
                           // do not depend on it
+  air_not_fitted,  // drag or lift matters, but a leg is too long for their series: it was fitted without them
 };
 
-inline constexpr std::array<std::string_view, 19> kFlagNames{
-    "late_flash",       "missing_flash",    "double_flash",         "flash_match_ambiguous",
-    "spin_aliased",     "too_few_images",   "outlier_image",        "no_redundancy",
-    "no_contact_image", "overlaps_surface", "degenerate_geometry",  "sd_from_residuals",
-    "shot_aborted",     "no_photograph",    "sensor_missing",       "clock_suspect",
-    "events_missing",   "shutter_suspect",  "flash_index_ambiguous"};
+inline constexpr std::array<std::string_view, 20> kFlagNames{
+    "late_flash",       "missing_flash",    "double_flash",          "flash_match_ambiguous",
+    "spin_aliased",     "too_few_images",   "outlier_image",         "no_redundancy",
+    "no_contact_image", "overlaps_surface", "degenerate_geometry",   "sd_from_residuals",
+    "shot_aborted",     "no_photograph",    "sensor_missing",        "clock_suspect",
+    "events_missing",   "shutter_suspect",  "flash_index_ambiguous", "air_not_fitted"};
 inline constexpr std::size_t kFlagCount = kFlagNames.size();
 
 constexpr std::string_view name(Flag flag) { return kFlagNames[static_cast<std::size_t>(flag)]; }

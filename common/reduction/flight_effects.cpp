@@ -76,10 +76,8 @@ flight::Effects significant_effects(const Readout& readout, const ShotFit& fit, 
     if (fit.spin[leg]) lift[leg] = std::abs(fit.air.lift_mps2(speed, fit.spin[leg]->omega_radps));
   }
   flight::Effects kept = candidates;
-  kept.drag =
-      kept.drag && fit.joint.air_used && significant(readout, change_bound(readout, fit, crossings, drag));
-  kept.magnus =
-      kept.magnus && fit.joint.air_used && significant(readout, change_bound(readout, fit, crossings, lift));
+  kept.drag = kept.drag && significant(readout, change_bound(readout, fit, crossings, drag));
+  kept.magnus = kept.magnus && significant(readout, change_bound(readout, fit, crossings, lift));
   return kept;
 }
 

@@ -17,7 +17,8 @@ Quantities change_bound(const Readout& readout, const ShotFit& fit, const Crossi
                         const std::array<double, 2>& acceleration_mps2);
 
 /// `candidates` without those of drag and Magnus whose bound is below kNegligibleShareOfSd of the statistical
-/// sd of every number. An effect stays if a number has no sd.
+/// sd of every number. An effect stays if a number has no sd. Without regard to whether the fit could have it
+/// (JointFit::air_used).
 flight::Effects significant_effects(const Readout& readout, const ShotFit& fit, const Crossings& crossings,
                                     flight::Effects candidates);
 

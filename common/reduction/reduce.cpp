@@ -77,8 +77,13 @@ Readout best_readout(const Frame& frame, const PropagationOptions& propagation,
     reduced.flags.set(Flag::spin_aliased);
   }
   reduced.flight_effects = fit.effects;
-  if (options.effects) return reduced;
-  const flight::Effects kept = significant_effects(reduced, fit, crossings, fit.effects);
+  flight::Effects kept =
+      options.effects ? fit.effects : significant_effects(reduced, fit, crossings, fit.effects);
+  if (!fit.joint.air_used && (kept.drag || kept.magnus)) {
+    readout.flags.set(Flag::air_not_fitted);
+    reduced.flags.set(Flag::air_not_fitted);
+    kept.drag = kept.magnus = false;
+  }
   if (kept == fit.effects) return reduced;
   refit(fit, kept);
   propagate(fit, propagation, readout);

@@ -29,6 +29,7 @@ constexpr std::array<std::string_view, reduction::kFlagCount> kWords{
     "events of the shot were lost",
     "the shutter's contact did not show it opening and closing as it should",
     "the train's code leaves open which of its flashes made the images",
+    "the air matters, but a leg is too long to be fitted with drag and lift",
 };
 
 }  // namespace

@@ -35,6 +35,7 @@ bool explains(Flag flag) {
     case Flag::sensor_missing:
     case Flag::events_missing:
     case Flag::spin_aliased:
+    case Flag::air_not_fitted:
       return true;
     case Flag::outlier_image:
     case Flag::no_redundancy:
