@@ -17,7 +17,8 @@ enum class Flag {
                      // two spins contradict friction
   too_few_images,    // a leg has too few airborne images for some number, which is null
   outlier_image,     // an image did not fit its leg and was left out
-  no_redundancy,     // a leg has fewer than four images: a bad one could not be found
+  no_redundancy,     // a leg has fewer than four images, or the surface fewer than four points: a bad
+                     // one could not be found
   no_contact_image,  // no image between touchdown and lift-off
   overlaps_surface,  // an image given as airborne overlaps the surface line and was left out
   degenerate_geometry,  // no line through the surface, a leg that does not meet it, or no scale: numbers are
@@ -32,14 +33,33 @@ enum class Flag {
   flash_index_ambiguous,  // the code of a coded train leaves open which flashes made the images; the numbers
                           // do not depend on it
   air_not_fitted,  // drag or lift matters, but a leg is too long for their series: it was fitted without them
+  outlier_surface_point,  // a surface point did not lie on the line through the others and was left out
+  surface_suspect,  // the surface points disagree and none could be singled out (their sd was scaled to their
+                    // scatter), or an image in contact contradicts the line
 };
 
-inline constexpr std::array<std::string_view, 20> kFlagNames{
-    "late_flash",       "missing_flash",    "double_flash",          "flash_match_ambiguous",
-    "spin_aliased",     "too_few_images",   "outlier_image",         "no_redundancy",
-    "no_contact_image", "overlaps_surface", "degenerate_geometry",   "sd_from_residuals",
-    "shot_aborted",     "no_photograph",    "sensor_missing",        "clock_suspect",
-    "events_missing",   "shutter_suspect",  "flash_index_ambiguous", "air_not_fitted"};
+inline constexpr std::array<std::string_view, 22> kFlagNames{"late_flash",
+                                                             "missing_flash",
+                                                             "double_flash",
+                                                             "flash_match_ambiguous",
+                                                             "spin_aliased",
+                                                             "too_few_images",
+                                                             "outlier_image",
+                                                             "no_redundancy",
+                                                             "no_contact_image",
+                                                             "overlaps_surface",
+                                                             "degenerate_geometry",
+                                                             "sd_from_residuals",
+                                                             "shot_aborted",
+                                                             "no_photograph",
+                                                             "sensor_missing",
+                                                             "clock_suspect",
+                                                             "events_missing",
+                                                             "shutter_suspect",
+                                                             "flash_index_ambiguous",
+                                                             "air_not_fitted",
+                                                             "outlier_surface_point",
+                                                             "surface_suspect"};
 inline constexpr std::size_t kFlagCount = kFlagNames.size();
 
 constexpr std::string_view name(Flag flag) { return kFlagNames[static_cast<std::size_t>(flag)]; }

@@ -7,6 +7,7 @@
 #include "common/reduction/propagate.hpp"
 #include "common/reduction/shot_fit.hpp"
 #include "common/reduction/spin_check.hpp"
+#include "common/reduction/surface_check.hpp"
 
 namespace strobe::reduction {
 namespace {
@@ -32,9 +33,9 @@ void flag_redundancy(const Observations& all, FlagSet& flags) {
   for (const Observation& o : all.images) {
     if (o.use_centre) ++count[leg_index(*o.leg)];
   }
-  // Of three images that disagree none can be singled out.
+  // Of three images, or points of the surface, that disagree none can be singled out.
   const auto few = [](int images) { return images == 2 || images == 3; };
-  if (few(count[0]) || few(count[1])) flags.set(Flag::no_redundancy);
+  if (few(count[0]) || few(count[1]) || all.surface_m.size() < 4) flags.set(Flag::no_redundancy);
 }
 
 Readout empty_readout(const Frame& frame, Estimator estimator) {
@@ -59,17 +60,38 @@ Readout two_point_readout(const Frame& frame, const PropagationOptions& propagat
   return readout;
 }
 
+/// Fits what the frame holds; where its surface points disagree, once more with those that agree, since the line
+/// says which images are airborne. Returns nullopt if there is no line.
+std::optional<ShotFit> fit_frame(const Frame& frame, const FitOptions& fitting, FlagSet& flags) {
+  FlagSet found;
+  std::optional<Observations> observations = observe(frame, found);
+  std::optional<ShotFit> fit;
+  if (observations) fit = fit_shot(std::move(*observations), fitting, found);
+  const auto surface = fit && fitting.reject_outliers ? consistent_surface(frame, *fit) : std::nullopt;
+  if (surface) {
+    found = {};
+    found.set(surface->flag);
+    observations = observe(surface->frame, found);
+    fit.reset();
+    if (observations) fit = fit_shot(std::move(*observations), fitting, found);
+  }
+  flags.merge(found);
+  return fit;
+}
+
 /// Air is fitted first and left out again where it does not matter: it nearly always does, and costs nothing.
 Readout best_readout(const Frame& frame, const PropagationOptions& propagation,
                      const ReduceOptions& options) {
   Readout readout = empty_readout(frame, Estimator::best);
-  std::optional<Observations> observations = observe(frame, readout.flags);
-  if (!observations) return readout;
-  const FitOptions fitting{.effects = options.effects.value_or(flight::Effects{}),
-                           .reject_outliers = options.reject_outliers};
-  ShotFit fit = fit_shot(std::move(*observations), fitting, readout.flags);
+  std::optional<ShotFit> fitted = fit_frame(
+      frame,
+      {.effects = options.effects.value_or(flight::Effects{}), .reject_outliers = options.reject_outliers},
+      readout.flags);
+  if (!fitted) return readout;
+  ShotFit& fit = *fitted;
   readout.mirrored = fit.observations.surface.mirrored;
   flag_redundancy(fit.observations, readout.flags);
+  if (contact_contradicts_surface(fit)) readout.flags.set(Flag::surface_suspect);
   Readout reduced = readout;
   const Crossings crossings = propagate(fit, propagation, reduced);
   if (spins_contradict_friction(reduced, fit)) {

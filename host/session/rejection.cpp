@@ -17,7 +17,8 @@ constexpr std::array<std::string_view, reduction::kFlagCount> kWords{
     "the ball may have turned more than a quarter turn between images",
     "too few images of the ball",
     "an image did not fit and was left out",
-    "a leg has fewer than four images: a bad one could not be recognized",
+    "a leg has fewer than four images, or the surface fewer than four points: a bad one could not be "
+    "recognized",
     "no image in contact",
     "an image given as airborne overlaps the surface and was left out",
     "the points do not make a surface and a path that meets it",
@@ -30,6 +31,8 @@ constexpr std::array<std::string_view, reduction::kFlagCount> kWords{
     "the shutter's contact did not show it opening and closing as it should",
     "the train's code leaves open which of its flashes made the images",
     "the air matters, but a leg is too long to be fitted with drag and lift",
+    "a surface point did not lie on the line through the others and was left out",
+    "the surface line is in doubt: its points disagree, or an image in contact contradicts it",
 };
 
 }  // namespace

@@ -36,8 +36,10 @@ bool explains(Flag flag) {
     case Flag::events_missing:
     case Flag::spin_aliased:
     case Flag::air_not_fitted:
+    case Flag::surface_suspect:
       return true;
     case Flag::outlier_image:
+    case Flag::outlier_surface_point:
     case Flag::no_redundancy:
     case Flag::no_contact_image:
     case Flag::overlaps_surface:

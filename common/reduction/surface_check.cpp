@@ -1,0 +1,171 @@
+#include "common/reduction/surface_check.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "common/geometry/line.hpp"
+#include "common/reduction/variance_test.hpp"
+
+namespace strobe::reduction {
+namespace {
+
+constexpr double kFalseAlarms = 1e-3;  // of a photograph
+/// Two lines whose chi squared differs by less than 3 sd are indistinguishable.
+constexpr double kComparable = 9.0;
+constexpr std::size_t kMaxExhaustive = 12;  ///< points; 2^12 subsets at most
+constexpr std::size_t kMinAgreeing = 3;     ///< any two lie on a line
+
+/// The variance that the points are held against.
+struct PointNoise {
+  double variance_m2 = 0.0;
+  double degrees_of_freedom = std::numeric_limits<double>::infinity();
+};
+
+double square_sum(const ShotFit& fit) {
+  double sum = 0.0;
+  for (const Eigen::Vector2d& p : fit.observations.surface_m) {
+    const double r = surface_residual(fit.joint, p);
+    sum += r * r;
+  }
+  return sum;
+}
+
+/// As stated, or the centres' as estimated less the part that the points themselves have in it.
+std::optional<PointNoise> point_noise(const ShotFit& fit) {
+  const Observations& all = fit.observations;
+  const double variance = all.surface_sd() * all.surface_sd();
+  if (all.surface_noise == NoiseGroup::stated) return PointNoise{variance};
+  const VarianceComponent& component = fit.variance_components[static_cast<std::size_t>(all.surface_noise)];
+  const double own = static_cast<double>(all.surface_m.size()) - 2.0;
+  const double rest = component.degrees_of_freedom - own;
+  const double rest_sum = component.degrees_of_freedom * variance - square_sum(fit);
+  if (!(rest > 0.5) || !(rest_sum > 0.0)) return std::nullopt;
+  return PointNoise{rest_sum / rest, rest};
+}
+
+bool agree(const ShotFit& fit, const PointNoise& noise) {
+  const auto& points = fit.observations.surface_m;
+  const double sd = fit.observations.surface_sd();
+  // Three points have one degree of freedom, and with it one chance of a false alarm.
+  const double chances = points.size() == 3 ? 1.0 : static_cast<double>(points.size());
+  constexpr double kRounding = 1e-9;
+  for (const Eigen::Vector2d& p : points) {
+    const auto row = fit.joint.factor.shared(surface_lever_m(fit.joint, p) / sd, 1.0 / sd, 0.0);
+    const double left = 1.0 - dot(row, row);
+    if (!(left > kRounding)) continue;
+    const double r = surface_residual(fit.joint, p);
+    const double square = r * r / (left * noise.variance_m2);
+    if (square < 9.0) continue;  // cannot be beyond chance
+    if (chances * chance_of_scatter(square, 1.0, noise.degrees_of_freedom) < kFalseAlarms) return false;
+  }
+  return true;
+}
+
+/// Some of the points, as bits.
+using Subset = std::uint32_t;
+
+/// Sum of squared distances from their own line, in variances.
+double scatter_of(const std::vector<Eigen::Vector2d>& points, Subset kept, const PointNoise& noise) {
+  std::vector<Eigen::Vector2d> some;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if ((kept >> i & 1U) != 0) some.push_back(points[i]);
+  }
+  const auto line = geometry::fit_line(some);
+  if (!line) return std::numeric_limits<double>::infinity();
+  double sum = 0.0;
+  for (const Eigen::Vector2d& p : some) {
+    const double off = line->coordinates(p).y();
+    sum += off * off;
+  }
+  return sum / noise.variance_m2;
+}
+
+/// The largest subset whose points agree. Returns nullopt if there is none of three or more and half of all, or if
+/// another of its size fits nearly as well.
+std::optional<Subset> agreeing_subset(const std::vector<Eigen::Vector2d>& points, const PointNoise& noise) {
+  const std::size_t count = points.size();
+  for (std::size_t left_out = 1; left_out <= (count - 1) / 2 && count - left_out >= kMinAgreeing;
+       ++left_out) {
+    double best = std::numeric_limits<double>::infinity();
+    double second = best;
+    Subset found = 0;
+    for (Subset kept = 0; kept < (Subset{1} << count); ++kept) {
+      if (static_cast<std::size_t>(std::popcount(kept)) != count - left_out) continue;
+      const double scatter = scatter_of(points, kept, noise);
+      second = std::min(second, std::max(scatter, best));
+      if (scatter < best) best = scatter, found = kept;
+    }
+    const double freedom = static_cast<double>(count - left_out) - 2.0;
+    if (chance_of_scatter(best, freedom, noise.degrees_of_freedom) < kFalseAlarms) continue;
+    if (second < best + kComparable) return std::nullopt;
+    return found;
+  }
+  return std::nullopt;
+}
+
+/// Of more points than all subsets of can be tried: one after the other the furthest from the rest, until they
+/// agree. So many do not hide one another. Returns those kept.
+std::optional<std::vector<bool>> agreeing_points(const std::vector<Eigen::Vector2d>& points,
+                                                 const PointNoise& noise) {
+  std::vector<bool> kept(points.size(), true);
+  std::vector<Eigen::Vector2d> some = points;
+  std::vector<std::size_t> index(points.size());
+  for (std::size_t i = 0; i < index.size(); ++i) index[i] = i;
+  while (2 * some.size() > points.size()) {
+    const auto line = geometry::fit_line(some);
+    if (!line) return std::nullopt;
+    double sum = 0.0;
+    double largest = -1.0;
+    std::size_t worst = 0;
+    for (std::size_t i = 0; i < some.size(); ++i) {
+      const double square = std::pow(line->coordinates(some[i]).y(), 2);
+      sum += square;
+      if (square > largest) largest = square, worst = i;
+    }
+    const double freedom = static_cast<double>(some.size()) - 2.0;
+    if (chance_of_scatter(sum / noise.variance_m2, freedom, noise.degrees_of_freedom) >= kFalseAlarms)
+      return kept;
+    kept[index[worst]] = false;
+    some.erase(some.begin() + static_cast<std::ptrdiff_t>(worst));
+    index.erase(index.begin() + static_cast<std::ptrdiff_t>(worst));
+  }
+  return std::nullopt;
+}
+
+std::optional<std::vector<bool>> points_to_keep(const std::vector<Eigen::Vector2d>& points,
+                                                const PointNoise& noise) {
+  if (points.size() > kMaxExhaustive) return agreeing_points(points, noise);
+  const auto subset = agreeing_subset(points, noise);
+  if (!subset) return std::nullopt;
+  std::vector<bool> kept(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) kept[i] = (*subset >> i & 1U) != 0;
+  return kept;
+}
+
+}  // namespace
+
+std::optional<ConsistentSurface> consistent_surface(const Frame& frame, const ShotFit& fit) {
+  const auto& points = fit.observations.surface_m;
+  if (points.size() < kMinAgreeing || fit.joint.degenerate) return std::nullopt;
+  const auto noise = point_noise(fit);
+  if (!noise || agree(fit, *noise)) return std::nullopt;
+  ConsistentSurface consistent{frame, Flag::outlier_surface_point};
+  if (const auto kept = points_to_keep(points, *noise)) {
+    consistent.frame.surface_px.clear();
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      if ((*kept)[i]) consistent.frame.surface_px.push_back(frame.surface_px[i]);
+    }
+    return consistent;
+  }
+  consistent.flag = Flag::surface_suspect;
+  const double freedom = static_cast<double>(points.size()) - 2.0;
+  consistent.frame.surface_sd_px =
+      std::sqrt(square_sum(fit) / freedom) * fit.observations.surface.px_per_unit;
+  return consistent;
+}
+
+}  // namespace strobe::reduction
