@@ -36,9 +36,11 @@ enum class Flag {
   outlier_surface_point,  // a surface point did not lie on the line through the others and was left out
   surface_suspect,  // the surface points disagree and none could be singled out (their sd was scaled to their
                     // scatter), or an image in contact contradicts the line
+  scale_contradicts_ball,  // the images' diameters together contradict the calibrated scale, which was believed as far
+                           // as its sd says
 };
 
-inline constexpr std::array<std::string_view, 22> kFlagNames{"late_flash",
+inline constexpr std::array<std::string_view, 23> kFlagNames{"late_flash",
                                                              "missing_flash",
                                                              "double_flash",
                                                              "flash_match_ambiguous",
@@ -59,7 +61,8 @@ inline constexpr std::array<std::string_view, 22> kFlagNames{"late_flash",
                                                              "flash_index_ambiguous",
                                                              "air_not_fitted",
                                                              "outlier_surface_point",
-                                                             "surface_suspect"};
+                                                             "surface_suspect",
+                                                             "scale_contradicts_ball"};
 inline constexpr std::size_t kFlagCount = kFlagNames.size();
 
 constexpr std::string_view name(Flag flag) { return kFlagNames[static_cast<std::size_t>(flag)]; }

@@ -3,12 +3,13 @@
 #include <cmath>
 #include <limits>
 
+#include "common/reduction/scale_check.hpp"
 #include "common/reduction/student_t.hpp"
+#include "common/reduction/variance_test.hpp"
 
 namespace strobe::reduction {
 namespace {
 
-constexpr double kFalseAlarms = 1e-3;  // of a photograph
 constexpr int kMinImages = 4;
 /// A residual variance below this share of the measurement's is rounding: the fit must pass through the
 /// measurement, which no other can contradict.
@@ -76,20 +77,17 @@ void suspect_centres(const ShotFit& fit, Suspect& worst) {
 }
 
 void suspect_diameters(const ShotFit& fit, Suspect& worst) {
-  int count = 0;
-  for (const Observation& o : fit.observations.images) count += o.use_diameter ? 1 : 0;
-  if (count < kMinImages) return;
-  const auto scale = fit.joint.factor.shared(0.0, 0.0, fit.observations.ball_diameter_m);
-  const double own = dot(scale, scale);
+  const MeanDiameter diameters = mean_diameter(fit);
+  if (diameters.count < kMinImages) return;
   for (std::size_t i = 0; i < fit.observations.images.size(); ++i) {
     const Observation& o = fit.observations.images[i];
     if (!o.use_diameter) continue;
-    const double residual = o.diameter_m - fit.joint.unknowns[kScale] * fit.observations.ball_diameter_m;
+    const double residual = o.diameter_m - diameters.mean_m;
     const double sd = fit.observations.diameter_sd(o);
-    const double variance = sd * sd - own;
+    const double variance = sd * sd - 1.0 / diameters.weight;
     const double square = variance > kRounding * sd * sd ? residual * residual / variance : 0.0;
     if (square < 4.0) continue;
-    consider(worst, chance_of_square(square, freedom(fit, o.diameter_noise), 1), count, i,
+    consider(worst, chance_of_square(square, freedom(fit, o.diameter_noise), 1), diameters.count, i,
              Suspect::What::diameter);
   }
 }

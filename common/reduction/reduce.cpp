@@ -5,6 +5,7 @@
 #include "common/reduction/flight_effects.hpp"
 #include "common/reduction/legacy.hpp"
 #include "common/reduction/propagate.hpp"
+#include "common/reduction/scale_check.hpp"
 #include "common/reduction/shot_fit.hpp"
 #include "common/reduction/spin_check.hpp"
 #include "common/reduction/surface_check.hpp"
@@ -92,6 +93,7 @@ Readout best_readout(const Frame& frame, const PropagationOptions& propagation,
   readout.mirrored = fit.observations.surface.mirrored;
   flag_redundancy(fit.observations, readout.flags);
   if (contact_contradicts_surface(fit)) readout.flags.set(Flag::surface_suspect);
+  if (scale_contradicts_ball(fit)) readout.flags.set(Flag::scale_contradicts_ball);
   Readout reduced = readout;
   const Crossings crossings = propagate(fit, propagation, reduced);
   if (spins_contradict_friction(reduced, fit)) {

@@ -13,7 +13,6 @@
 namespace strobe::reduction {
 namespace {
 
-constexpr double kFalseAlarms = 1e-3;  // of a photograph
 /// Two lines whose chi squared differs by less than 3 sd are indistinguishable.
 constexpr double kComparable = 9.0;
 constexpr std::size_t kMaxExhaustive = 12;  ///< points; 2^12 subsets at most

@@ -3,6 +3,9 @@
 
 namespace strobe::reduction {
 
+/// Share of clean photographs that each check of consistency may take for bad.
+inline constexpr double kFalseAlarms = 1e-3;
+
 /// Probability that normal errors give a sum of squares, over their variance, of at least this much.
 /// `noise_freedom` are the degrees of freedom which that variance was estimated with: infinity where it is known
 /// (chi squared), else F. 1 for no degrees of freedom.

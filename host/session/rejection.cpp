@@ -33,6 +33,7 @@ constexpr std::array<std::string_view, reduction::kFlagCount> kWords{
     "the air matters, but a leg is too long to be fitted with drag and lift",
     "a surface point did not lie on the line through the others and was left out",
     "the surface line is in doubt: its points disagree, or an image in contact contradicts it",
+    "the balls' diameters contradict the calibrated scale, which was believed as far as its sd says",
 };
 
 }  // namespace

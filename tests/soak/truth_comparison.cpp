@@ -37,6 +37,7 @@ bool explains(Flag flag) {
     case Flag::spin_aliased:
     case Flag::air_not_fitted:
     case Flag::surface_suspect:
+    case Flag::scale_contradicts_ball:
       return true;
     case Flag::outlier_image:
     case Flag::outlier_surface_point:

@@ -179,10 +179,11 @@ TEST(BestEstimator, ACalibratedScaleReplacesTheBallsAndItsTolerance) {
 TEST(BestEstimator, ABallOfUncertainSizeDoesNotOverruleABetterCalibratedScale) {
   // The ball is 1 % larger than what is stated, well within its tolerance of 1.2 %; its diameters are
   // measured to .04 %, the scale to .05 %.
-  Frame frame = noisy();
+  Setup setup = vacuum();
+  setup.diameter_sd_m = 0.1 / setup.px_per_m;
+  Frame frame = noisy(setup);
   frame.px_per_m = 4000.0;
   frame.px_per_m_sd = 2.0;
-  for (BallImage& image : frame.images) image.diameter_sd_px = 0.1;
   const Readout as_stated = reduced(frame);
   frame.ball_diameter_sd_m = 0.0008;
   const Readout known = reduced(frame);
