@@ -44,7 +44,9 @@ void shift_centre(Photograph& p, std::size_t i, double severity, const Scene& sc
 
 void turn_equator(Photograph& p, std::size_t i, double severity, const Scene& scene, Random& random) {
   BallImage& image = p.frame.images[i];
-  *image.equator_rad += random.sign() * severity * worse(image, scene) * scene.stated.equator_rad;
+  const double off_rad = random.sign() * severity * worse(image, scene) * scene.stated.equator_rad;
+  // Another line on the ball may be taken for the equator.
+  *image.equator_rad += random.chance(0.5) ? off_rad : random.within(-0.5 * kPi, 0.5 * kPi);
 }
 
 double off_surface(const Scene& scene, Photograph& p, Random& random) {

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "common/reduction/expanded_uncertainty.hpp"
+
 namespace strobe::contradictions {
 namespace {
 
@@ -70,12 +72,24 @@ bool follows_from_spin(Quantity q) {
   return q == Quantity::omega_td_radps || q == Quantity::omega_lo_radps || q == Quantity::slip_lo_mps;
 }
 
-bool explained(const Readout& readout, Quantity q, Kind kind) {
+enum class Found { nothing, few, flag };
+
+Found explanation(const Readout& readout, Quantity q, Kind kind) {
+  Found found = Found::nothing;
   for (std::size_t i = 0; i < reduction::kFlagCount; ++i) {
     const bool set = readout.flags.has(static_cast<reduction::Flag>(i));
-    if (set && explains(reduction::kFlagNames[i], q, kind)) return true;
+    if (!set || !explains(reduction::kFlagNames[i], q, kind)) continue;
+    if (reduction::kFlagNames[i] != kFew) return Found::flag;
+    found = Found::few;
   }
-  return false;
+  return found;
+}
+
+/// 6 sd; where the noise was estimated, as much wider as the interval that holds 95 % is.
+double largest_error(const Readout& readout, Quantity q, double sd) {
+  constexpr double kHalfWidth95 = 1.959963984540054;  // of a normal distribution
+  if (!readout.degrees_of_freedom[q]) return kWrong_sd * sd;
+  return kWrong_sd / kHalfWidth95 * reduction::expanded_uncertainty(readout, q).value_or(sd);
 }
 
 double sd_or_zero(const Readout& readout, Quantity q) { return combined_sd(readout, q).value_or(0.0); }
@@ -89,7 +103,7 @@ double missing_sd_mps(const Readout& readout, const Truth& truth) {
 }
 
 void judge_regime(const Readout& readout, const Truth& truth, Kind kind, Judgement& j) {
-  if (!readout.regime || explained(readout, Quantity::omega_td_radps, kind)) return;
+  if (!readout.regime || explanation(readout, Quantity::omega_td_radps, kind) != Found::nothing) return;
   // Rounding of a ball that rolls exactly.
   constexpr double kRounding_mps = 1e-9;
   j.slides_wrongly = *readout.regime == Regime::slides && truth.missing_mps < kRounding_mps;
@@ -131,11 +145,11 @@ Judgement judged(const Readout& readout, const Truth& truth, Kind kind) {
     const auto sd = combined_sd(readout, q);
     if (!readout.value[q] || !sd) continue;
     const double error = std::abs(*readout.value[q] - *truth.value[q]);
-    if (!(error > std::max(kWrong_sd * *sd, error_floor(q)))) continue;
-    if (explained(readout, q, kind)) {
-      j.flagged.set(i);
-      continue;
-    }
+    if (!(error > std::max(largest_error(readout, q, *sd), error_floor(q)))) continue;
+    const Found found = explanation(readout, q, kind);
+    if (found == Found::flag) j.flagged.set(i);
+    if (found == Found::few) j.few.set(i);
+    if (found != Found::nothing) continue;
     j.silent.set(i);
     j.worst = std::max(j.worst, error / std::max(*sd, 1e-12));
   }

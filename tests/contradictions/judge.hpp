@@ -29,6 +29,7 @@ using Quantities = std::bitset<reduction::kQuantityCount>;
 struct Judgement {
   Quantities silent;            ///< wrong, and no flag explains it
   Quantities flagged;           ///< wrong, and a flag explains it
+  Quantities few;               ///< wrong, and nothing but no_redundancy explains it
   double worst = 0.0;           ///< largest error of a silently wrong number, in stated sd
   bool slides_wrongly = false;  ///< "slides" of a ball that gripped
   bool grips_wrongly =

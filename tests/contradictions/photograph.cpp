@@ -21,6 +21,7 @@ constexpr double kCode = 0.2;
 
 struct Instant {
   double time_s = 0.0;  ///< from touchdown
+  int flash = 0;
   Leg leg = Leg::incoming;
   Motion motion;
 };
@@ -47,7 +48,8 @@ void fly(const Scene& scene, const Motion& at_surface, double from_s, double fir
     motion = flown(motion, f, direction * (next_s - from_surface_s));
     from_surface_s = next_s;
     if (i >= 2 && leaves_the_scene(motion, at_surface)) return;
-    instants.push_back({from_s + direction * from_surface_s, before ? Leg::incoming : Leg::rebound, motion});
+    instants.push_back(
+        {from_s + direction * from_surface_s, 0, before ? Leg::incoming : Leg::rebound, motion});
     next_s += interval_s(scene, random);
   }
 }
@@ -70,12 +72,16 @@ std::vector<Instant> instants(const Scene& scene, Random& random) {
   const double phase_s = scene.period_s * random.uniform();
   fly(scene, b.td, 0.0, phase_s, true, all, random);
   std::reverse(all.begin(), all.end());
+  int flash = 0;
+  for (Instant& instant : all) instant.flash = flash++;
   double next_s = interval_s(scene, random) - phase_s;
   while (next_s < 0.0) next_s += scene.period_s;
-  for (; next_s < scene.impact.dwell_s; next_s += interval_s(scene, random)) {
-    if (scene.contact_images) all.push_back({next_s, Leg::contact, in_contact(scene, b, next_s)});
+  for (; next_s < scene.impact.dwell_s; next_s += interval_s(scene, random), ++flash) {
+    if (scene.contact_images) all.push_back({next_s, flash, Leg::contact, in_contact(scene, b, next_s)});
   }
+  const std::size_t before = all.size();
   fly(scene, b.lo, scene.impact.dwell_s, next_s - scene.impact.dwell_s, false, all, random);
+  for (std::size_t i = before; i < all.size(); ++i) all[i].flash = flash++;
   return all;
 }
 
@@ -202,7 +208,9 @@ Photograph photograph(const Scene& scene, Random& random) {
   for (Instant& instant : instants(scene, random)) {
     instant.motion.angle_rad += phase_rad;
     BallImage image = digitized(scene, camera, instant, random);
-    image.time_s = origin_s + instant.time_s;
+    image.time_s = origin_s + instant.time_s + scene.time_sd_s * random.normal();
+    if (scene.time_sd_s > 0.0) image.time_sd_s = scene.time_sd_s;
+    if (scene.flash_indices) image.flash_index = instant.flash;
     p.frame.images.push_back(std::move(image));
     p.legs.push_back(instant.leg);
   }

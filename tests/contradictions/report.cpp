@@ -49,15 +49,16 @@ double rms_z(const Coverage& c) {
 }  // namespace
 
 std::string table(const std::vector<Row>& rows) {
-  std::string text = fmt::format(
-      "| kind | shots | silently wrong, % (95 % limit) | wrong and flagged, % | \"slides\" of gripping, % | "
-      "\"grips\" of sliding, % | which | worst shots |\n|---|---|---|---|---|---|---|---|\n");
+  std::string text =
+      "| kind | shots | silently wrong, % (95 % limit) | wrong, told only that images are few, % | "
+      "wrong and flagged, % | \"slides\" of gripping, % | \"grips\" of sliding, % | which | worst shots |\n"
+      "|---|---|---|---|---|---|---|---|---|\n";
   for (const auto& [run, t] : rows)
-    text +=
-        fmt::format("| {} | {} | {:.3f} ({:.3f}) | {:.2f} | {:.2f} | {:.2f} | {} | {} |\n", name(run.kind),
-                    t.shots, percent(t.silent, t.shots), 100.0 * upper_limit_95(t.silent, t.shots),
-                    percent(t.flagged, t.shots), percent(t.slides_wrongly, t.gripped),
-                    percent(t.grips_wrongly, t.slid), most_wrong(t), worst_shots(t));
+    text += fmt::format("| {} | {} | {:.3f} ({:.3f}) | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {} | {} |\n",
+                        name(run.kind), t.shots, percent(t.silent, t.shots),
+                        100.0 * upper_limit_95(t.silent, t.shots), percent(t.few, t.shots),
+                        percent(t.flagged, t.shots), percent(t.slides_wrongly, t.gripped),
+                        percent(t.grips_wrongly, t.slid), most_wrong(t), worst_shots(t));
   return text;
 }
 
@@ -105,6 +106,7 @@ std::string json_line(const Row& row) {
                   {"silent", t.silent},
                   {"silent_share", t.silent_share()},
                   {"silent_share_limit_95", upper_limit_95(t.silent, t.shots)},
+                  {"wrong_and_few_images", t.few},
                   {"wrong_and_flagged", t.flagged},
                   {"slides_wrongly", share(t.slides_wrongly, t.gripped)},
                   {"grips_wrongly", share(t.grips_wrongly, t.slid)},

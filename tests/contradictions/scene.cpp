@@ -124,6 +124,8 @@ Scene drawn_scene(const Settings& settings, Random& random) {
   scene.noise_stated = settings.noise_stated;
   scene.noise_by_image = scene.noise_stated && random.chance(0.2);
   scene.stated = drawn_noise(settings.noise, random);
+  scene.flash_indices = random.chance(0.5);
+  if (random.chance(0.2)) scene.time_sd_s = random.logarithmic(1e-6, 2e-5);
   return scene;
 }
 

@@ -53,6 +53,8 @@ struct Scene {
   int incoming = 5, rebound = 5;
   // What is written down.
   bool labels = true, contact_images = true, noise_stated = true, noise_by_image = false;
+  bool flash_indices = false;
+  double time_sd_s = 0.0;  ///< stated with each image, if above 0
   bool heavy_tails = false;
   Noise stated, true_over_stated{1.0, 1.0, 1.0, 1.0};
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/reduction/expanded_uncertainty.hpp"
 #include "common/reduction/reduce.hpp"
 
 namespace strobe::contradictions {
@@ -13,7 +14,7 @@ using reduction::kQuantityCount;
 
 constexpr std::size_t kWorstKept = 3;
 /// Of a normal distribution.
-constexpr double kHalfWidth95 = 1.959963984540054, kOneSided95 = 1.6448536269514722;
+constexpr double kOneSided95 = 1.6448536269514722;
 
 void keep_worst(std::vector<WorstShot>& worst, const WorstShot& shot) {
   const auto worse = [](const WorstShot& a, const WorstShot& b) { return a.error_sd > b.error_sd; };
@@ -26,12 +27,14 @@ void cover(const reduction::Readout& readout, const Truth& truth,
   for (std::size_t i = 0; i < kQuantityCount; ++i) {
     const auto q = static_cast<reduction::Quantity>(i);
     const auto sd = combined_sd(readout, q);
-    if (!readout.value[q] || !sd || !(*sd > 0.0)) continue;
-    const double z = std::abs(*readout.value[q] - *truth.value[q]) / *sd;
+    const auto expanded = reduction::expanded_uncertainty(readout, q);
+    if (!readout.value[q] || !sd || !expanded || !(*sd > 0.0)) continue;
+    const double error = std::abs(*readout.value[q] - *truth.value[q]);
+    const double z = error / *sd;
     Coverage& c = coverage[i];
     ++c.count;
     c.within_68 += z < 1.0 ? 1 : 0;
-    c.within_95 += z < kHalfWidth95 ? 1 : 0;
+    c.within_95 += error < *expanded ? 1 : 0;
     c.square += z * z;
   }
 }
@@ -48,7 +51,8 @@ void Tally::add(const Shot& shot, std::uint64_t number) {
   const Truth& truth = shot.photograph.truth;
   const Judgement j = judged(*readout, truth, shot.kind);
   silent += j.silent.any() ? 1 : 0;
-  flagged += j.silent.none() && j.flagged.any() ? 1 : 0;
+  few += j.silent.none() && j.few.any() ? 1 : 0;
+  flagged += j.silent.none() && j.few.none() && j.flagged.any() ? 1 : 0;
   slides_wrongly += j.slides_wrongly ? 1 : 0;
   grips_wrongly += j.grips_wrongly ? 1 : 0;
   (truth.slid ? slid : gripped) += 1;
@@ -63,6 +67,7 @@ void Tally::merge(const Tally& other) {
   shots += other.shots;
   refused += other.refused;
   silent += other.silent;
+  few += other.few;
   flagged += other.flagged;
   slides_wrongly += other.slides_wrongly;
   grips_wrongly += other.grips_wrongly;

@@ -26,7 +26,8 @@ struct WorstShot {
 struct Tally {
   std::int64_t shots = 0, refused = 0;
   std::int64_t silent = 0;   ///< shots with a silently wrong number
-  std::int64_t flagged = 0;  ///< shots with wrong numbers, all of them explained by a flag
+  std::int64_t few = 0;      ///< of the others, shots with one that nothing but no_redundancy explains
+  std::int64_t flagged = 0;  ///< of the others, shots with a wrong number
   std::int64_t slides_wrongly = 0, grips_wrongly = 0, gripped = 0, slid = 0;
   std::array<std::int64_t, reduction::kQuantityCount> silent_by_quantity{};
   std::array<std::int64_t, reduction::kFlagCount> flags{};
