@@ -13,7 +13,7 @@ using reduction::kQuantityCount;
 using reduction::Quantity;
 using reduction::Readout;
 
-using FlagNames = std::array<std::string_view, 8>;
+using FlagNames = std::array<std::string_view, 10>;
 
 /// Flags are looked up by name, so that those to come can be told here first.
 struct Explanation {
@@ -25,20 +25,21 @@ struct Explanation {
 constexpr std::string_view kMisfit = "residuals_exceed_noise", kOutlier = "outlier_image",
                            kFew = "no_redundancy", kAliased = "spin_aliased",
                            kBall = "scale_contradicts_ball", kPoint = "outlier_surface_point",
-                           kOverlaps = "overlaps_surface", kDegenerate = "degenerate_geometry";
+                           kSurface = "surface_suspect", kOverlaps = "overlaps_surface",
+                           kDegenerate = "degenerate_geometry";
 
 constexpr std::array kExplanations{
     Explanation{Kind::none, {}, {}},
     Explanation{Kind::unread_equators, {}, {kAliased}},
     Explanation{Kind::long_period, {}, {kAliased}},
-    Explanation{Kind::surface_point, {kPoint, kMisfit}, {}},
-    Explanation{Kind::surface_pair, {kPoint, kMisfit, kOverlaps}, {}},
+    Explanation{Kind::surface_point, {kPoint, kSurface, kMisfit}, {}},
+    Explanation{Kind::surface_pair, {kPoint, kSurface, kMisfit, kOverlaps}, {}},
     Explanation{Kind::scale, {kBall, kMisfit}, {}},
     Explanation{Kind::ball_size, {kBall, kMisfit}, {}},
     Explanation{Kind::ball_size_uncalibrated, {kBall, kMisfit}, {}},
-    Explanation{Kind::noise_understated, {kMisfit, kOutlier, kPoint, kBall, kFew}, {kAliased}},
+    Explanation{Kind::noise_understated, {kMisfit, kOutlier, kPoint, kSurface, kBall, kFew}, {kAliased}},
     Explanation{Kind::noise_overstated, {}, {kAliased}},
-    Explanation{Kind::heavy_tails, {kMisfit, kOutlier, kPoint, kBall, kFew}, {kAliased}},
+    Explanation{Kind::heavy_tails, {kMisfit, kOutlier, kPoint, kSurface, kBall, kFew}, {kAliased}},
     Explanation{Kind::correlated, {kMisfit, kOutlier, kFew, kOverlaps}, {}},
     Explanation{Kind::outlier_centre, {kOutlier, kMisfit, kFew, kOverlaps, kDegenerate}, {}},
     Explanation{Kind::outlier_first_image, {kOutlier, kMisfit, kFew, kOverlaps, kDegenerate}, {}},
