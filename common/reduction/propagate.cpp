@@ -320,8 +320,7 @@ class Propagation {
   }
 
  private:
-  /// A steady spin fitted to one that decays is that of the readings' mean time, to second order in the
-  /// decay where they are evenly spaced; with one image missing 1e-4 of it off.
+  /// From the instant that the spin was fitted for, by the decay over the path between.
   Number spin_at_surface(std::size_t leg) const {
     const SpinFit& spin = *fit_.spin[leg];
     const Number mean = Number::variable(spin.omega_radps, kSpin[leg]);
@@ -330,10 +329,10 @@ class Propagation {
     const double crossing_s = crossing_[leg]->time_s.value;
     const flight::Flight flight = path(fit_, leg).values();
     const Eigen::Vector2d d =
-        flight.position_at(spin.mean_time_s - origin_s) - flight.position_at(crossing_s - origin_s);
+        flight.position_at(spin.time_s - origin_s) - flight.position_at(crossing_s - origin_s);
     constexpr double kMaxDisplacement_m = 100.0;  // a frame of no ball may have any, and overflow
     if (!(std::abs(d.x()) < kMaxDisplacement_m && std::abs(d.y()) < kMaxDisplacement_m)) return mean;
-    const double displacement_m = std::copysign(std::hypot(d.x(), d.y()), spin.mean_time_s - crossing_s);
+    const double displacement_m = std::copysign(std::hypot(d.x(), d.y()), spin.time_s - crossing_s);
     return mean * std::exp(fit_.spin_decay_per_m * displacement_m);
   }
 

@@ -47,6 +47,13 @@ Readout empty_readout(const Frame& frame, Estimator estimator) {
   return readout;
 }
 
+/// What hangs on a spin that may be another.
+void withhold_doubtful(Readout& readout) {
+  if (!readout.flags.has(Flag::spin_aliased)) return;
+  if (readout.regime) readout.regime = Regime::unclear;
+  readout.court_pace_conforming = false;
+}
+
 Readout two_point_readout(const Frame& frame, const PropagationOptions& propagation) {
   Readout readout = empty_readout(frame, Estimator::two_point);
   std::optional<Observations> observations = observe(frame, readout.flags);
@@ -57,7 +64,8 @@ Readout two_point_readout(const Frame& frame, const PropagationOptions& propagat
                                {.effects = flight::kNoEffects, .reject_outliers = false}, readout.flags);
   readout.mirrored = fit.observations.surface.mirrored;
   propagate(fit, propagation, readout);
-  if (spins_contradict_friction(readout, fit)) readout.flags.set(Flag::spin_aliased);
+  if (spins_in_doubt(readout, fit)) readout.flags.set(Flag::spin_aliased);
+  withhold_doubtful(readout);
   return readout;
 }
 
@@ -96,10 +104,11 @@ Readout best_readout(const Frame& frame, const PropagationOptions& propagation,
   if (scale_contradicts_ball(fit)) readout.flags.set(Flag::scale_contradicts_ball);
   Readout reduced = readout;
   const Crossings crossings = propagate(fit, propagation, reduced);
-  if (spins_contradict_friction(reduced, fit)) {
+  if (spins_in_doubt(reduced, fit)) {
     readout.flags.set(Flag::spin_aliased);
     reduced.flags.set(Flag::spin_aliased);
   }
+  withhold_doubtful(reduced);
   reduced.flight_effects = fit.effects;
   flight::Effects kept =
       options.effects ? fit.effects : significant_effects(reduced, fit, crossings, fit.effects);
@@ -111,6 +120,7 @@ Readout best_readout(const Frame& frame, const PropagationOptions& propagation,
   if (kept == fit.effects) return reduced;
   refit(fit, kept);
   propagate(fit, propagation, readout);
+  withhold_doubtful(readout);
   readout.flight_effects = kept;
   return readout;
 }

@@ -1,5 +1,9 @@
 #include "common/reduction/shot_fit.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
 #include <utility>
 
 #include "common/reduction/noise.hpp"
@@ -8,7 +12,44 @@
 namespace strobe::reduction {
 namespace {
 
-void fit_spins(ShotFit& fit) {
+/// Between any two airborne images of the shot, of whichever leg.
+double shortest_interval_s(const Observations& all) {
+  double shortest = std::numeric_limits<double>::infinity();
+  const Observation* before = nullptr;
+  for (const Observation& o : all.images) {
+    if (o.leg == Leg::contact) continue;
+    if (before) shortest = std::min(shortest, o.time_s - before->time_s);
+    before = &o;
+  }
+  return shortest;
+}
+
+/// Between a leg's first and last image. [m/s]
+double mean_speed(const Observations& all, std::size_t leg) {
+  const Observation* first = nullptr;
+  const Observation* last = nullptr;
+  for (const Observation& o : all.images) {
+    if (!o.use_centre || leg_index(*o.leg) != leg) continue;
+    if (!first) first = &o;
+    last = &o;
+  }
+  if (first == last) return 0.0;
+  const Eigen::Vector2d way = last->centre_m - first->centre_m;
+  return std::hypot(way.x(), way.y()) / (last->time_s - first->time_s);
+}
+
+/// The bounce adds no energy: v^2 + alpha (R omega)^2 does not grow, alpha being half or more.
+std::array<SpinSearch, 2> spin_search(const Observations& all, double decay_per_m) {
+  const double interval_s = shortest_interval_s(all);
+  const double radius_m = all.ball.radius_m();
+  const std::array<double, 2> speed_mps{mean_speed(all, 0), mean_speed(all, 1)};
+  const double faster_mps = std::max(speed_mps[0], speed_mps[1]);
+  const double rebound_mps = std::hypot(kFastestRim_mps, std::numbers::sqrt2 * faster_mps);
+  return {SpinSearch{interval_s, kFastestRim_mps / radius_m, decay_per_m * speed_mps[0]},
+          SpinSearch{interval_s, rebound_mps / radius_m, decay_per_m * speed_mps[1]}};
+}
+
+void fit_spins(ShotFit& fit, const std::array<SpinSearch, 2>& search) {
   for (auto& readings : fit.equators) readings.clear();
   std::array<std::vector<EquatorReading>, 2> left_out;
   for (std::size_t i = 0; i < fit.observations.images.size(); ++i) {
@@ -18,7 +59,8 @@ void fit_spins(ShotFit& fit) {
     readings[leg_index(*o.leg)].push_back({o.time_s, o.equator_rad, fit.observations.equator_sd(o),
                                            o.time_sd_s, o.equator_noise != NoiseGroup::stated, i});
   }
-  for (std::size_t leg = 0; leg < 2; ++leg) fit.spin[leg] = fit_spin(fit.equators[leg], left_out[leg]);
+  for (std::size_t leg = 0; leg < 2; ++leg)
+    fit.spin[leg] = fit_spin(fit.equators[leg], left_out[leg], search[leg]);
 }
 
 bool any_estimated(const Observations& all) {
@@ -35,17 +77,35 @@ void fit_once(ShotFit& fit) {
   // The variances hardly change the fit, and the fit hardly the variances: three rounds reach rounding.
   constexpr int kMaxRounds = 6;
   const bool estimated = any_estimated(fit.observations);
+  const std::array<SpinSearch, 2> search = spin_search(fit.observations, fit.spin_decay_per_m);
   FlightModel model;
   if (fit.effects.gravity) model.gravity_mps2 = fit.observations.gravity_mps2;
   model.air = fit.air;
   for (int round = 0; round < kMaxRounds; ++round) {
-    fit_spins(fit);
+    fit_spins(fit, search);
     for (std::size_t leg = 0; leg < 2; ++leg) {
       model.omega_radps[leg] = fit.spin[leg] ? fit.spin[leg]->omega_radps : 0.0;
     }
     fit.joint = fit_joint(fit.observations, model);
     if (!estimated || estimate_variance_components(fit) < 1e-6) return;
   }
+}
+
+/// Whether the angles leave the spin open within the window of the train, where an image of the leg that could have
+/// told is lacking or has no equator in use. Where all have theirs friction decides: see spin_check.hpp.
+bool aliased(const ShotFit& fit, std::size_t leg) {
+  const auto& spin = fit.spin[leg];
+  if (!spin) return false;
+  if (spin->near_limit) return true;
+  const auto& images = fit.observations.images;
+  const bool unread = std::ranges::any_of(images, [&](const Observation& o) {
+    return o.leg != Leg::contact && leg_index(*o.leg) == leg && !o.use_equator;
+  });
+  // Between one interval of the train and two; a code varies them by less.
+  const bool lacking = spin->interval_s > 1.5 * shortest_interval_s(fit.observations);
+  return (unread || lacking) && std::ranges::any_of(spin->alternatives_radps, [&](double omega) {
+           return std::abs(omega) <= spin->window_radps;
+         });
 }
 
 /// Mirrors where the legs as fitted, without the images left out, say otherwise than the first and last image did.
@@ -81,8 +141,8 @@ ShotFit fit_shot(Observations observations, FitOptions options, FlagSet& flags) 
     fit_once(fit);
   }
   orient(fit);
-  for (const auto& spin : fit.spin) {
-    if (spin && spin->aliased) flags.set(Flag::spin_aliased);
+  for (std::size_t leg = 0; leg < 2; ++leg) {
+    if (aliased(fit, leg)) flags.set(Flag::spin_aliased);
   }
   if (any_estimated(fit.observations)) flags.set(Flag::sd_from_residuals);
   return fit;

@@ -1,45 +1,166 @@
 #include "common/reduction/spin_check.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
-#include <numbers>
+#include <vector>
+
+#include "common/ball/ball.hpp"
 
 namespace strobe::reduction {
 
 namespace {
 
-double shortest_interval_s(const std::vector<EquatorReading>& readings) {
-  double shortest = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i + 1 < readings.size(); ++i)
-    shortest = std::min(shortest, readings[i + 1].time_s - readings[i].time_s);
-  return shortest;
+/// Half a shell's: no ball of rubber and felt has less (thesis, 0.508).
+constexpr double kLeastAlpha = 0.5;
+/// The weight during the contact, and the air that the two-point estimator leaves out.
+constexpr double kLeftOut_mps = 0.1;
+
+struct Hypothesis {
+  double omega_radps = 0.0;
+  bool in_window = false;  ///< no flash of the train tells that it is too fast
+};
+
+/// At the surface: what the readings may mean besides the spin as fitted comes first.
+std::vector<Hypothesis> hypotheses(const Readout& readout, const ShotFit& fit, std::size_t leg) {
+  const auto& value = readout.value[leg == 0 ? Quantity::omega_td_radps : Quantity::omega_lo_radps];
+  if (!value || !fit.spin[leg]) return {};
+  const SpinFit& spin = *fit.spin[leg];
+  std::vector<Hypothesis> all{{*value, true}};
+  for (const double other : spin.alternatives_radps)
+    all.push_back({*value + (other - spin.omega_radps), std::abs(other) <= spin.window_radps});
+  return all;
 }
 
 }  // namespace
 
-bool spins_contradict_friction(const Readout& readout, const ShotFit& fit) {
-  constexpr double kMaxInterval_s = 7e-3;
-  constexpr double kGap = 1.5;
-  constexpr double kLargestOffset = 0.5;  // of the radius
+std::optional<Friction> Friction::of(const Readout& readout, const ShotFit& fit) {
   const Quantities& value = readout.value;
-  const auto& before = value[Quantity::omega_td_radps];
-  const auto& after = value[Quantity::omega_lo_radps];
-  const auto& vx_before = value[Quantity::vx_td_mps];
-  const auto& vx_after = value[Quantity::vx_lo_mps];
-  const auto& vy_before = value[Quantity::vy_td_mps];
-  const auto& vy_after = value[Quantity::vy_lo_mps];
-  if (!before || !after || !vx_before || !vx_after || !vy_before || !vy_after) return false;
-  const auto [shorter_s, interval_s] =
-      std::minmax({shortest_interval_s(fit.equators[0]), shortest_interval_s(fit.equators[1])});
-  if (!(interval_s > 0.0) || interval_s > kMaxInterval_s) return false;
+  const auto& before = value[Quantity::vx_td_mps];
+  const auto& after = value[Quantity::vx_lo_mps];
+  const auto& down = value[Quantity::vy_td_mps];
+  const auto& up = value[Quantity::vy_lo_mps];
+  if (!before || !after || !down || !up) return std::nullopt;
   const ball::Ball& ball = fit.observations.ball;
-  // As speeds of the rim, times alpha: no quotient of a ball's size overflows.
-  const double lever_m = ball.alpha * ball.radius_m();
-  const double contradiction_mps = std::abs(lever_m * (*after - *before) - (*vx_after - *vx_before));
-  const double half_turn_mps = lever_m * std::numbers::pi / interval_s;
-  if (interval_s <= kGap * shorter_s) return contradiction_mps > 0.5 * half_turn_mps;
-  return contradiction_mps > half_turn_mps - kLargestOffset * (*vy_after - *vy_before);
+  Friction f;
+  f.radius_m_ = ball.radius_m();
+  f.least_alpha_ = std::min(kLeastAlpha, ball.alpha);
+  f.greatest_alpha_ = std::max(ball::kThinShellAlpha, ball.alpha);
+  f.vx_td_mps_ = *before;
+  f.vx_lo_mps_ = *after;
+  f.vy_td_mps_ = *down;
+  f.vy_lo_mps_ = *up;
+  f.impulse_mps_ = *up - *down;
+  f.change_sd_mps_ = std::hypot(readout.sd[Quantity::vx_td_mps].value_or(0.0),
+                                readout.sd[Quantity::vx_lo_mps].value_or(0.0));
+  const auto spin_sd = [&](std::size_t leg) {
+    return fit.spin[leg] ? std::sqrt(fit.spin[leg]->variance) : 0.0;
+  };
+  f.rim_sd_mps_ = f.radius_m_ * std::hypot(spin_sd(0), spin_sd(1));
+  return f;
+}
+
+double Friction::gain_mps(double omega_td_radps, double omega_lo_radps) const {
+  double least = std::numeric_limits<double>::infinity();
+  for (const double alpha : {least_alpha_, greatest_alpha_}) {
+    const double rim = std::sqrt(alpha) * radius_m_;
+    const double before = std::hypot(vx_td_mps_, vy_td_mps_, rim * omega_td_radps);
+    least = std::min(least, std::hypot(vx_lo_mps_, vy_lo_mps_, rim * omega_lo_radps) - before);
+  }
+  return least;
+}
+
+double Friction::contradiction_mps(double omega_td_radps, double omega_lo_radps) const {
+  // As speeds of the rim: no quotient of a ball's size overflows.
+  const double change = vx_lo_mps_ - vx_td_mps_;
+  const double turn = radius_m_ * (omega_lo_radps - omega_td_radps);
+  const double offset = kLargestOffset * impulse_mps_;
+  const double tolerance =
+      kLeftOut_mps + kLimit_sd * std::hypot(change_sd_mps_, greatest_alpha_ * rim_sd_mps_);
+  const double least = std::min(least_alpha_ * turn, greatest_alpha_ * turn);
+  const double greatest = std::max(least_alpha_ * turn, greatest_alpha_ * turn);
+  const double turned =
+      std::max({0.0, least - change - offset - tolerance, change - greatest - offset - tolerance});
+  const double slip = vx_td_mps_ + radius_m_ * omega_td_radps;
+  const double slip_after = vx_lo_mps_ + radius_m_ * omega_lo_radps;
+  const double by_offset = offset / least_alpha_;
+  const double slip_tolerance = kLeftOut_mps + kLimit_sd * std::hypot(change_sd_mps_, rim_sd_mps_);
+  if (gain_mps(omega_td_radps, omega_lo_radps) > slip_tolerance)
+    return std::numeric_limits<double>::infinity();
+  const double gained = std::max(0.0, std::abs(slip_after) - std::abs(slip) - by_offset - slip_tolerance);
+  if (std::abs(slip) < slip_tolerance) return turned + gained;
+  // Where the ball grips, so much of the offset's turn goes into its travel; where it slid throughout, none.
+  const bool slid = slip * slip_after > 0.0 && std::abs(slip_after) > by_offset + slip_tolerance;
+  const double driven = tolerance + (slid ? 0.0 : offset / (1.0 + least_alpha_));
+  return turned + gained + std::max(0.0, std::copysign(change, change * slip) - driven);
+}
+
+bool Friction::slides_too_easily(double omega_td_radps, double omega_lo_radps) const {
+  const double slip = vx_td_mps_ + radius_m_ * omega_td_radps;
+  const double slip_after = vx_lo_mps_ + radius_m_ * omega_lo_radps;
+  const double tolerance = kLeftOut_mps + kLimit_sd * std::hypot(change_sd_mps_, rim_sd_mps_);
+  const double by_offset = kLargestOffset * impulse_mps_ / least_alpha_;
+  const bool slid = slip * slip_after > 0.0 && std::abs(slip_after) > by_offset + tolerance;
+  return slid && std::abs(vx_lo_mps_ - vx_td_mps_) + tolerance < kLeastCoefficient * impulse_mps_;
+}
+
+bool Friction::likely(double omega_td_radps, double omega_lo_radps) const {
+  return allows(omega_td_radps, omega_lo_radps) && !slides_too_easily(omega_td_radps, omega_lo_radps);
+}
+
+std::array<double, 6> Friction::turns_radps() const {
+  std::array<double, 6> turns{};
+  std::size_t i = 0;
+  for (const double alpha : {least_alpha_, greatest_alpha_}) {
+    for (const double offset : {-kLargestOffset, 0.0, kLargestOffset})
+      turns[i++] = (vx_lo_mps_ - vx_td_mps_ + offset * impulse_mps_) / alpha / radius_m_;
+  }
+  return turns;
+}
+
+bool Friction::likely_before(double omega_td_radps) const {
+  return std::ranges::any_of(turns_radps(),
+                             [&](double turn) { return likely(omega_td_radps, omega_td_radps + turn); });
+}
+
+bool Friction::likely_after(double omega_lo_radps) const {
+  const double fastest = kFastestRim_mps / radius_m_;
+  return std::ranges::any_of(turns_radps(), [&](double turn) {
+    return std::abs(omega_lo_radps - turn) <= fastest && likely(omega_lo_radps - turn, omega_lo_radps);
+  });
+}
+
+bool spins_in_doubt(const Readout& readout, const ShotFit& fit) {
+  const std::vector<Hypothesis> before = hypotheses(readout, fit, 0);
+  const std::vector<Hypothesis> after = hypotheses(readout, fit, 1);
+  const auto friction = Friction::of(readout, fit);
+  const auto others = [](const std::vector<Hypothesis>& all, const auto& likely) {
+    return !all.empty() && std::any_of(all.begin() + 1, all.end(),
+                                       [&](const Hypothesis& h) { return likely(h.omega_radps); });
+  };
+  if (!friction) {
+    const auto possible = [&](double omega) {
+      return std::abs(omega) * fit.observations.ball.radius_m() <= kFastestRim_mps;
+    };
+    return others(before, possible) || others(after, possible);
+  }
+  if (before.empty()) return others(after, [&](double omega) { return friction->likely_after(omega); });
+  if (after.empty()) return others(before, [&](double omega) { return friction->likely_before(omega); });
+  const auto possible = [&](const Hypothesis& td, const Hypothesis& lo) {
+    return td.in_window && lo.in_window ? friction->allows(td.omega_radps, lo.omega_radps)
+                                        : friction->likely(td.omega_radps, lo.omega_radps);
+  };
+  const auto contradiction = [&](const Hypothesis& td, const Hypothesis& lo) {
+    return friction->contradiction_mps(td.omega_radps, lo.omega_radps);
+  };
+  const double as_fitted = contradiction(before.front(), after.front());
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    for (std::size_t k = i == 0 ? 1 : 0; k < after.size(); ++k) {
+      if (possible(before[i], after[k]) || contradiction(before[i], after[k]) < as_fitted) return true;
+    }
+  }
+  return false;
 }
 
 }  // namespace strobe::reduction

@@ -1,21 +1,76 @@
-// Whether the spins before and after the bounce can belong together. Part of the reduction, not of its
-// interface. Pure; thread-safe.
+// Whether the spins before and after the bounce can belong together, and whether others could as well. Part of
+// the reduction, not of its interface. Pure; thread-safe.
 #pragma once
+
+#include <array>
+#include <optional>
 
 #include "common/reduction/readout.hpp"
 #include "common/reduction/shot_fit.hpp"
 
 namespace strobe::reduction {
 
-/// Friction turns the ball by as much as it takes from its travel: alpha·R·(omega_LO - omega_TD) =
-/// vx_LO - vx_TD (thesis, eq. 9 to 12). A spin that was read modulo half a turn between images is wrong by
-/// pi/T or a multiple of it, T being the interval. True where the two spins contradict friction by more than
-/// half of that: one of them then turned by more than a quarter turn between images, which the angles
-/// themselves cannot show. What alpha (0.55 or 2/3), the offset of the normal force and noise can make of
-/// the difference is some 200 rad/s at 20 m/s, in proportion to the speed, less than half of pi/T for any T
-/// below 7 ms; false for longer intervals. Where images of one leg are lacking, so that its T is
-/// longer than the other's, spins are to be expected that it cannot tell: there it is enough that a spin read
-/// wrong could hide behind an offset d of half a radius, d·J/(alpha·R²). False where a number is lacking.
-bool spins_contradict_friction(const Readout& readout, const ShotFit& fit);
+/// What friction makes of one bounce: a spin read modulo half a turn between images, wrong by a multiple of pi over
+/// the interval, mostly contradicts it.
+///
+/// With slip s = vx + R·omega, J = vy_LO - vy_TD, and the normal force at most kLargestOffset of the radius beside the
+/// centre, whatever the coefficient of friction:
+///  - friction turns the ball by as much as it takes from its travel (thesis, eq. 9 to 12):
+///    |alpha·R·(omega_LO - omega_TD) - (vx_LO - vx_TD)| <= offset·J, offset as a share of R, alpha from 1/2 to 2/3;
+///  - it opposes the slip: (vx_LO - vx_TD) has the sign of -s_TD, unless the offset drives it;
+///  - it does not make the slip grow, |s_LO| <= |s_TD|, but for what the offset adds;
+///  - the bounce adds no energy: v^2 + alpha (R·omega)^2 does not grow;
+/// each within kLimit_sd of its numbers' own sd.
+class Friction {
+ public:
+  /// Returns nullopt if a velocity is lacking.
+  static std::optional<Friction> of(const Readout& readout, const ShotFit& fit);
+
+  /// By how much the spins at touchdown and lift-off contradict it, together; 0: the bounce can have had them; infinite:
+  /// they would need energy from nowhere.
+  double contradiction_mps(double omega_td_radps, double omega_lo_radps) const;
+  bool allows(double omega_td_radps, double omega_lo_radps) const {
+    return contradiction_mps(omega_td_radps, omega_lo_radps) == 0.0;
+  }
+
+  /// The same, and with a coefficient of friction that a surface has: a ball that still slips at lift-off slid
+  /// throughout, so that its impulse ratio is the coefficient.
+  bool likely(double omega_td_radps, double omega_lo_radps) const;
+
+  /// Likewise where one of the spins is not known: for some spin before, no faster than a ball spins in flight, or
+  /// after.
+  bool likely_before(double omega_td_radps) const;
+  bool likely_after(double omega_lo_radps) const;
+
+  /// Of the normal force, as a share of the radius. Twice the mean of the thesis's sets, 2.4 ± 0.85 mm of 32.5.
+  static constexpr double kLargestOffset = 0.15;
+  /// Chance passes it once in 16,000 shots.
+  static constexpr double kLimit_sd = 4.0;
+  /// The fastest courts rate CPR 60 in the ITF's scheme, 100(1 - mu) + ..., that is a mu of some 0.4: half of that.
+  static constexpr double kLeastCoefficient = 0.2;
+
+ private:
+  /// Of the speed whose kinetic energy is all that the ball has.
+  double gain_mps(double omega_td_radps, double omega_lo_radps) const;
+  /// By how much the spin may change: at the ends of alpha's range and of the offset's.
+  std::array<double, 6> turns_radps() const;
+  bool slides_too_easily(double omega_td_radps, double omega_lo_radps) const;
+
+  double radius_m_ = 0.0;
+  double least_alpha_ = 0.0;
+  double greatest_alpha_ = 0.0;
+  double vx_td_mps_ = 0.0;
+  double vx_lo_mps_ = 0.0;
+  double vy_td_mps_ = 0.0;
+  double vy_lo_mps_ = 0.0;
+  double impulse_mps_ = 0.0;
+  double change_sd_mps_ = 0.0;  ///< of vx_LO - vx_TD
+  double rim_sd_mps_ = 0.0;     ///< of R (omega_LO - omega_TD)
+};
+
+/// True where the readings allow other spins (SpinFit::alternatives_radps) that friction allows too, or that contradict it
+/// less than those fitted do: images cannot tell a turn more between two flashes, whatever the interval. False where no
+/// spin is known.
+bool spins_in_doubt(const Readout& readout, const ShotFit& fit);
 
 }  // namespace strobe::reduction

@@ -17,6 +17,8 @@ constexpr double kCostLimit = 16.0;
 constexpr double kComparable = 9.0;
 /// Half turns tried between two readings far apart; more are beyond any flash train.
 constexpr int kMaxBranches = 1000;
+/// Times flight::kSpinDecay_per_m: no ball's spin decays faster.
+constexpr double kMostDecay = 3.0;
 /// Share of the window's width next to its limit where a turn more is as likely as the spin itself.
 constexpr double kNearLimit = 0.05;
 
@@ -77,20 +79,27 @@ double robust_cost(const std::vector<EquatorReading>& readings, const Line& line
   return cost;
 }
 
-/// Shortest interval between two of both, each in order of time.
-double shortest_interval(const std::vector<EquatorReading>& readings,
-                         const std::vector<EquatorReading>& left_out) {
-  double shortest = std::numeric_limits<double>::infinity();
+struct Interval {
+  double from_s = 0.0;
+  double length_s = std::numeric_limits<double>::infinity();
+};
+
+/// The shortest between two of both, each in order of time.
+Interval shortest_interval(const std::vector<EquatorReading>& readings,
+                           const std::vector<EquatorReading>& left_out) {
+  Interval shortest;
   std::optional<double> before;
   for (std::size_t i = 0, j = 0; i < readings.size() || j < left_out.size();) {
     const bool first =
         j >= left_out.size() || (i < readings.size() && readings[i].time_s < left_out[j].time_s);
     const double time = first ? readings[i++].time_s : left_out[j++].time_s;
-    if (before && time > *before) shortest = std::min(shortest, time - *before);
+    if (before && time > *before && time - *before < shortest.length_s) shortest = {*before, time - *before};
     before = time;
   }
   return shortest;
 }
+
+bool within(double omega, double limit) { return std::abs(omega) <= limit * (1.0 + 1e-12); }
 
 std::vector<Proposal> propose(const std::vector<EquatorReading>& readings,
                               const std::vector<EquatorReading>& left_out, double limit) {
@@ -104,9 +113,9 @@ std::vector<Proposal> propose(const std::vector<EquatorReading>& readings,
     const int most = branches < kMaxBranches ? static_cast<int>(branches) : kMaxBranches;
     for (int k = -most; k <= most; ++k) {
       const double omega = base + k * branch;
-      if (std::abs(omega) > limit * (1.0 + 1e-12)) continue;
+      if (!within(omega, limit)) continue;
       const Line line = follow(readings, i, omega);
-      if (std::abs(line.slope()) > limit * (1.0 + 1e-12)) continue;
+      if (!within(line.slope(), limit)) continue;
       proposals.push_back({line, line.slope(), robust_cost(readings, line) + robust_cost(left_out, line)});
     }
   }
@@ -116,8 +125,6 @@ std::vector<Proposal> propose(const std::vector<EquatorReading>& readings,
 void finish(const std::vector<EquatorReading>& readings, const Line& line, SpinFit& fit) {
   fit.omega_radps = line.slope();
   fit.variance = 1.0 / line.moment();
-  fit.mean_time_s = line.mean_x();
-  fit.angle_rad = line.mean();
   for (const EquatorReading& r : readings) {
     const double dt = r.time_s - line.mean_x();
     const double w = weight(r, fit.omega_radps);
@@ -130,34 +137,179 @@ void finish(const std::vector<EquatorReading>& readings, const Line& line, SpinF
   }
 }
 
+/// The likeliest spin of the window; the slower of two that are as likely.
+Proposal best_of(const std::vector<Proposal>& proposals, const std::vector<EquatorReading>& readings,
+                 double window) {
+  constexpr double kAsLikely = 1.0;  // a likelihood ratio of 1.6
+  double least = std::numeric_limits<double>::infinity();
+  for (const Proposal& p : proposals) {
+    if (within(p.omega, window)) least = std::min(least, p.cost);
+  }
+  const Proposal* best = nullptr;
+  for (const Proposal& p : proposals) {
+    if (!within(p.omega, window) || p.cost > least + kAsLikely) continue;
+    if (!best || std::abs(p.omega) < std::abs(best->omega)) best = &p;
+  }
+  if (best) return *best;
+  // Noise at the very edge of the window took every line out of it: keep the first pair's own spin.
+  const double omega = wrap_half_turn(readings[1].angle_rad - readings[0].angle_rad) /
+                       (readings[1].time_s - readings[0].time_s);
+  const Line line = follow(readings, 0, omega);
+  return {line, line.slope(), robust_cost(readings, line)};
+}
+
+/// The same line with another spin, about the reading that both go through, fitted once more.
+Line turned(const std::vector<EquatorReading>& readings, const Line& line, double by_radps, double time_s) {
+  Line other;
+  for (const EquatorReading& r : readings) {
+    const double expected = line.at(r.time_s) + by_radps * (r.time_s - time_s);
+    other.add(r.time_s, expected + wrap_half_turn(r.angle_rad - expected),
+              weight(r, line.slope() + by_radps));
+  }
+  return other;
+}
+
+/// The cost with the decay that suits the line best, from none to kMostDecay of what it was stretched with: a faster spin
+/// bends the angle more, which is no evidence against it as long as nobody knows the decay well.
+double cost_at_any_decay(const std::vector<EquatorReading>& readings, const Line& line, double decay_per_s) {
+  const auto miss = [&](const EquatorReading& r) { return wrap_half_turn(r.angle_rad - line.at(r.time_s)); };
+  Line bend;
+  for (const EquatorReading& r : readings) {
+    const double t = r.time_s - line.mean_x();
+    bend.add(t, t * t, weight(r, line.slope()));
+  }
+  const auto shape = [&](const EquatorReading& r) {
+    const double t = r.time_s - line.mean_x();
+    return t * t - bend.at(t);
+  };
+  double by_shape = 0.0, squares = 0.0;
+  for (const EquatorReading& r : readings) {
+    const double w = weight(r, line.slope());
+    by_shape += w * miss(r) * shape(r);
+    squares += w * shape(r) * shape(r);
+  }
+  const double one = -0.5 * line.slope() * decay_per_s;  // of a decay that is larger by itself
+  const auto [least, most] = std::minmax({-one, (kMostDecay - 1.0) * one});
+  const double coefficient = squares > 0.0 ? std::clamp(by_shape / squares, least, most) : 0.0;
+  double cost = 0.0;
+  for (const EquatorReading& r : readings) {
+    const double rest = miss(r) - coefficient * shape(r);
+    cost += std::min(rest * rest * weight(r, line.slope()), kCostLimit);
+  }
+  return cost;
+}
+
+/// Whatever explains the readings as well must turn by whole half turns more in the shortest interval.
+class Alternatives {
+ public:
+  Alternatives(const std::vector<EquatorReading>& readings, const std::vector<EquatorReading>& left_out,
+               const Proposal& best, double decay_per_s, SpinFit& fit)
+      : readings_(readings),
+        left_out_(left_out),
+        best_(best),
+        sd_(std::sqrt(fit.variance)),
+        decay_per_s_(decay_per_s),
+        least_(cost(best.line)),
+        fit_(fit) {}
+
+  void within_window(const std::vector<Proposal>& proposals) {
+    for (const Proposal& other : proposals) add(other.line);
+  }
+
+  void beyond(double window, const Interval& shortest, double fastest_radps) {
+    const double branch = kPi / shortest.length_s;
+    const double most = (fastest_radps + std::abs(best_.omega)) / branch;
+    if (!(most >= 1.0)) return;
+    const int count = most < kMaxBranches ? static_cast<int>(most) : kMaxBranches;
+    for (int k = -count; k <= count; ++k) {
+      const double omega = best_.omega + k * branch;
+      if (k == 0 || within(omega, window) || !within(omega, fastest_radps)) continue;
+      const Line line = turned(readings_, best_.line, k * branch, shortest.from_s);
+      add(line);
+    }
+  }
+
+ private:
+  double cost(const Line& line) const {
+    if (decay_per_s_ == 0.0) return robust_cost(readings_, line) + robust_cost(left_out_, line);
+    return cost_at_any_decay(readings_, line, decay_per_s_) + robust_cost(left_out_, line);
+  }
+
+  void add(const Line& line) {
+    const double omega = line.slope();
+    const auto same = [&](double known) { return std::abs(known - omega) <= 6.0 * sd_; };
+    if (same(best_.omega) || !(cost(line) < least_ + kComparable)) return;
+    if (std::ranges::none_of(fit_.alternatives_radps, same)) fit_.alternatives_radps.push_back(omega);
+  }
+
+  const std::vector<EquatorReading>& readings_;
+  const std::vector<EquatorReading>& left_out_;
+  const Proposal& best_;
+  double sd_;
+  double decay_per_s_;
+  double least_;
+  SpinFit& fit_;
+};
+
+/// In a time that runs slower as the spin decays: the angle is straight in it.
+std::vector<EquatorReading> stretched(std::vector<EquatorReading> readings, double from_s,
+                                      double decay_per_s) {
+  for (EquatorReading& r : readings)
+    r.time_s = from_s - std::expm1(-decay_per_s * (r.time_s - from_s)) / decay_per_s;
+  return readings;
+}
+
+double mean_time_s(const std::vector<EquatorReading>& readings) {
+  double mean = 0.0;
+  for (const EquatorReading& r : readings) mean += r.time_s / static_cast<double>(readings.size());
+  return mean;
+}
+
+/// Of chi squared with two degrees of freedom less than readings, by more than 4 of its sd.
+bool improbable(double chi_squared, std::size_t readings) {
+  const double freedom = static_cast<double>(readings) - 2.0;
+  return chi_squared > freedom + 4.0 * std::sqrt(2.0 * freedom);
+}
+
+SpinFit fit_steady_spin(const std::vector<EquatorReading>& readings,
+                        const std::vector<EquatorReading>& left_out, const SpinSearch& search) {
+  const Interval shortest = shortest_interval(readings, left_out);
+  const double of_train = kPi / (2.0 * search.shortest_interval_s);
+  const double window = std::max(kPi / (2.0 * shortest.length_s), std::min(of_train, search.fastest_radps));
+  std::vector<Proposal> proposals = propose(readings, left_out, window);
+  Proposal best = best_of(proposals, readings, window);
+  if (improbable(best.cost, readings.size()) && search.fastest_radps > window) {
+    // Unequal intervals tell a spin beyond the window from those within.
+    proposals = propose(readings, left_out, search.fastest_radps);
+    const Proposal faster = best_of(proposals, readings, search.fastest_radps);
+    if (faster.cost + kComparable < best.cost) best = faster;
+  }
+  SpinFit fit;
+  fit.window_radps = window;
+  fit.interval_s = shortest.length_s;
+  finish(readings, through_all(readings, best.line), fit);
+  fit.near_limit =
+      std::abs(fit.omega_radps) + std::max(3.0 * std::sqrt(fit.variance), kNearLimit * window) > window;
+  Alternatives alternatives(readings, left_out, best, search.decay_per_s, fit);
+  alternatives.within_window(proposals);
+  alternatives.beyond(window, shortest, search.fastest_radps);
+  return fit;
+}
+
 }  // namespace
 
 std::optional<SpinFit> fit_spin(const std::vector<EquatorReading>& readings,
-                                const std::vector<EquatorReading>& left_out) {
+                                const std::vector<EquatorReading>& left_out, const SpinSearch& search) {
   assert(
       std::is_sorted(readings.begin(), readings.end(),
                      [](const EquatorReading& a, const EquatorReading& b) { return a.time_s < b.time_s; }));
   if (readings.size() < 2) return std::nullopt;
-  const double limit = kPi / (2.0 * shortest_interval(readings, left_out));
-  std::vector<Proposal> proposals = propose(readings, left_out, limit);
-  if (proposals.empty()) {
-    // Noise at the very edge of the window took every line out of it: keep the first pair's own spin.
-    const double omega = wrap_half_turn(readings[1].angle_rad - readings[0].angle_rad) /
-                         (readings[1].time_s - readings[0].time_s);
-    const Line line = follow(readings, 0, omega);
-    proposals.push_back({line, line.slope(), robust_cost(readings, line)});
-  }
-  const Proposal best =
-      *std::min_element(proposals.begin(), proposals.end(),
-                        [](const Proposal& a, const Proposal& b) { return a.cost < b.cost; });
-  SpinFit fit;
-  finish(readings, through_all(readings, best.line), fit);
-  const double sd = std::sqrt(fit.variance);
-  fit.aliased = std::abs(fit.omega_radps) + std::max(3.0 * sd, kNearLimit * limit) > limit;
-  for (const Proposal& other : proposals) {
-    const bool distinct = std::abs(other.omega - best.omega) > 6.0 * sd;
-    fit.aliased = fit.aliased || (distinct && other.cost < best.cost + kComparable);
-  }
+  const double time_s = mean_time_s(readings);
+  const double decay = search.decay_per_s;
+  SpinFit fit = decay == 0.0 ? fit_steady_spin(readings, left_out, search)
+                             : fit_steady_spin(stretched(readings, time_s, decay),
+                                               stretched(left_out, time_s, decay), search);
+  fit.time_s = time_s;
   return fit;
 }
 

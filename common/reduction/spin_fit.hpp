@@ -2,6 +2,7 @@
 // Part of the reduction, not of its interface. Thread-safe; allocates.
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -18,25 +19,45 @@ struct EquatorReading {
 };
 
 struct SpinFit {
-  double omega_radps = 0.0;
+  double omega_radps = 0.0;         ///< at time_s
   double variance = 0.0;            ///< of omega [rad^2/s^2]
   double estimated_variance = 0.0;  ///< the part of it that comes from estimated noise
-  double angle_rad = 0.0;           ///< at time mean_time_s, unwrapped
-  double mean_time_s = 0.0;
+  double time_s = 0.0;              ///< mean of the readings'
   double chi_squared = 0.0;
-  bool aliased = false;              ///< another half turn between the images explains them as well
+  double window_radps = 0.0;
+  double interval_s = 0.0;  ///< the shortest between two readings
+  bool near_limit = false;  ///< so near the window's limit that a turn the other way is as likely
+  /// Spins that explain them as well, within the window and beyond it up to SpinSearch::fastest_radps.
+  std::vector<double> alternatives_radps;
   std::vector<double> residual_rad;  ///< per reading
   std::vector<double> leverage;      ///< per reading: share of its own in its fitted angle
 };
 
-/// The most likely steady spin with |omega| < pi / (2 T), T being the shortest interval between two readings.
-/// Each pair of neighbours proposes spins; each proposal is followed outward image by image, so that noise
+/// The fastest rim of a ball in flight: 6,000 revolutions a minute of a tennis ball, a fifth more than the strongest
+/// topspin filmed in play (4,900: J. Yandell, high-speed films of professional forehands).
+inline constexpr double kFastestRim_mps = 20.5;
+
+/// Which spins to try.
+struct SpinSearch {
+  /// Between any two images of the ball that the flash train made, whether they show an equator or not.
+  double shortest_interval_s = std::numeric_limits<double>::infinity();
+  /// No ball spins faster. The readings' own window is searched in any case.
+  double fastest_radps = 0.0;
+  /// What friction of the air takes of the spin, domega/dt over -omega: flight::kSpinDecay_per_m times the speed.
+  double decay_per_s = 0.0;
+};
+
+/// The most likely spin within the window |omega| < pi / (2 T), T being the shortest interval of the train or
+/// between two readings: an image without an equator does not make the ball turn slower. Each pair of neighbours
+/// proposes all spins of the window that it allows; each proposal is followed outward image by image, so that noise
 /// over a long leg cannot lose a half turn; the likeliest one is kept, by a cost that one bad reading cannot
-/// dominate. Returns nullopt for fewer than two readings. Readings are in order of time, times differ.
+/// dominate. The spin decays exponentially: the angle is a straight line over (1 - exp(-decay t)) / decay. What else
+/// explains the readings need not decay at that rate, which is known to a factor of three only. Returns nullopt for fewer than two readings. Readings are in order of time, times differ.
 ///
 /// `left_out`: readings whose image did not fit its leg. The line does not go through them, but they count
 /// for T and for the cost: with every second image left out the others alone could not tell half a turn more.
 std::optional<SpinFit> fit_spin(const std::vector<EquatorReading>& readings,
-                                const std::vector<EquatorReading>& left_out = {});
+                                const std::vector<EquatorReading>& left_out = {},
+                                const SpinSearch& search = {});
 
 }  // namespace strobe::reduction

@@ -14,7 +14,8 @@ constexpr std::array<std::string_view, reduction::kFlagCount> kWords{
     "a flash among those that show the ball was missing",
     "a lamp flashed twice among the flashes that show the ball",
     "which flash made which image is not certain, and the numbers depend on it",
-    "the ball may have turned more than a quarter turn between images",
+    "another spin explains the equators as well: the ball may have turned a half turn more or less between "
+    "images",
     "too few images of the ball",
     "an image did not fit and was left out",
     "a leg has fewer than four images, or the surface fewer than four points: a bad one could not be "

@@ -224,6 +224,36 @@ TEST(ReadoutFlags, ASpinThatALegWithGapsCannotTellIsFlaggedThoughFrictionAllowsI
   CHECK_TRUE(r.flags.has(Flag::spin_aliased));
 }
 
+TEST(ReadoutFlags, ASpinThatUnreadEquatorsLeaveOpenIsFlaggedAndTheRegimeUnclear) {
+  // Equators of the first and fourth image alone, 9 ms: 259 rad/s, 349 less or 349 less again.
+  Bounce b;
+  b.vx_td = 9.0, b.vy_td = -15.3, b.omega_td = 259.0;
+  b.vx_lo = 3.2, b.vy_lo = 12.7, b.omega_lo = -65.0;
+  Frame frame = noisy();
+  test::Random random(3);
+  frame = test::photograph(b, vacuum(), random);
+  CHECK_FALSE(reduced(frame).flags.has(Flag::spin_aliased));
+  for (const std::size_t unread : {1U, 2U, 4U}) frame.images[unread].equator_rad.reset();
+  const Readout r = reduced(frame);
+  CHECK_TRUE(r.flags.has(Flag::spin_aliased));
+  CHECK_TRUE(r.regime == Regime::unclear);
+}
+
+TEST(ReadoutFlags, NoPeriodIsSoLongThatAnAliasedSpinGoesUnflagged) {
+  // Friction allows both: a topspin that hardly slips, and half a turn a flash more with which the ball slid.
+  Bounce b;
+  b.omega_td = -350.0, b.vx_lo = 13.6, b.omega_lo = -450.0;
+  for (const double period_s : {5e-3, 6.9e-3, 7.1e-3, 9e-3, 15e-3}) {
+    Setup setup = vacuum();
+    setup.period_s = period_s;
+    test::Random random(4);
+    const Readout r = reduced(test::photograph(b, setup, random));
+    CHECK_TRUE(std::abs(*r.value[Quantity::omega_td_radps] + 350.0) > 100.0);
+    CHECK_TRUE(r.flags.has(Flag::spin_aliased));
+    CHECK_FALSE(r.court_pace_conforming);
+  }
+}
+
 TEST(ReadoutFlags, NoBounceOfTheThesisBelowTheLimitContradictsFriction) {
   test::Random random(7);
   for (const Bounce& b : test::thesis_bounces()) {
