@@ -49,13 +49,14 @@ void turn_equator(Photograph& p, std::size_t i, double severity, const Scene& sc
   *image.equator_rad += random.chance(0.5) ? off_rad : random.within(-0.5 * kPi, 0.5 * kPi);
 }
 
-double off_surface(const Scene& scene, Photograph& p, Random& random) {
+Disturbance off_surface(const Scene& scene, Photograph& p, Random& random) {
   const double severity = drawn_severity(random);
-  PointPx& point = p.frame.surface_px[random.index(p.frame.surface_px.size())];
+  const std::size_t index = random.index(p.frame.surface_px.size());
+  PointPx& point = p.frame.surface_px[index];
   const double distance = random.sign() * severity * scene.stated.surface_px;
   point.x -= distance * std::sin(scene.tilt_rad);
   point.y += distance * std::cos(scene.tilt_rad);
-  return severity;
+  return {severity, index};
 }
 
 double off_diameter(const Scene& scene, Photograph& p, Random& random) {
@@ -181,40 +182,40 @@ double make_gap(Photograph& p, Random& random) {
 
 }  // namespace
 
-double disturb_measurements(Kind kind, const Scene& scene, Photograph& p, Random& random) {
+Disturbance disturb_measurements(Kind kind, const Scene& scene, Photograph& p, Random& random) {
   switch (kind) {
     case Kind::unread_equators:
-      return unread_equators(p, random);
+      return {unread_equators(p, random)};
     case Kind::surface_point:
     case Kind::surface_pair:
       return off_surface(scene, p, random);
     case Kind::correlated:
-      return share_shift(scene, p, random);
+      return {share_shift(scene, p, random)};
     case Kind::outlier_centre:
-      return off_images(scene, p, 1, shift_centre, random);
+      return {off_images(scene, p, 1, shift_centre, random)};
     case Kind::two_centres:
-      return off_images(scene, p, 2, shift_centre, random);
+      return {off_images(scene, p, 2, shift_centre, random)};
     case Kind::outlier_equator:
-      return off_images(scene, p, 1, turn_equator, random);
+      return {off_images(scene, p, 1, turn_equator, random)};
     case Kind::two_equators:
-      return off_images(scene, p, 2, turn_equator, random);
+      return {off_images(scene, p, 2, turn_equator, random)};
     case Kind::outlier_first_image: {
       const double severity = drawn_severity(random);
       shift_centre(p, 0, severity, scene, random);
-      return severity;
+      return {severity};
     }
     case Kind::outlier_diameter:
-      return off_diameter(scene, p, random);
+      return {off_diameter(scene, p, random)};
     case Kind::image_time:
-      return off_time(scene, p, random);
+      return {off_time(scene, p, random)};
     case Kind::time_noise:
-      return shake_times(scene, p, random);
+      return {shake_times(scene, p, random)};
     case Kind::wrong_leg:
-      return mislabel(p, random);
+      return {mislabel(p, random)};
     case Kind::gap:
-      return make_gap(p, random);
+      return {make_gap(p, random)};
     default:
-      return 0.0;
+      return {};
   }
 }
 

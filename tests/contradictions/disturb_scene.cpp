@@ -22,7 +22,7 @@ double disturb_scale(Scene& scene, Random& random) {
 }
 
 double disturb_ball(Scene& scene, bool calibrated, Random& random) {
-  const double severity = random.logarithmic(0.005, 0.08);
+  const double severity = random.logarithmic(0.01, 0.08);
   scene.told_diameter_sd_m.reset();
   if (random.chance(0.5)) scene.told_diameter_sd_m = random.logarithmic(1e-4, 3e-4);
   scene.diameter_m = scene.told_diameter_m * off(severity, random);

@@ -20,7 +20,7 @@ struct Options {
   std::int64_t shots = 20000;
   std::uint64_t seed = 1, write = 0;
   std::string noise = "hand", images = "2:40";
-  double limit_percent = 0.2;
+  double limit_percent = 0.2, limit_unprovable_percent = 2.0;
   bool json = false, coverage = false, noise_absent = false;
 };
 
@@ -103,7 +103,9 @@ int contradictions(const Options& options) {
   print(rows, options);
   int status = kDone;
   for (const auto& [run, tally] : rows)
-    if (100.0 * tally.silent_share() > options.limit_percent) status = kBeyondLimit;
+    if (100.0 * tally.share(tally.silent) > options.limit_percent ||
+        100.0 * tally.share(tally.unprovable) > options.limit_unprovable_percent)
+      status = kBeyondLimit;
   return status;
 }
 
@@ -113,7 +115,7 @@ int main(int argc, char** argv) {
   CLI::App app(
       "Draws shots with trouble of each kind and counts wrong numbers that no flag explains: beyond 6 stated "
       "sd and\n"
-      "beyond a tenth of what digitizing by hand does. Status 1 if a kind has more of them than --limit.\n"
+      "beyond a tenth of what digitizing by hand does. Status 1 if a kind has more of them than the limits.\n"
       "Example: strobe-contradictions --kind outlier_centre --shots 100000 --seed 7\n"
       "One of its shots, with its truth: strobe-contradictions --kind outlier_centre --seed 7 --write 123 | "
       "strobe "
@@ -131,6 +133,9 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--images", options.images, "least and most images of a leg")->capture_default_str();
   app.add_option("--limit", options.limit_percent, "silently wrong shots of a kind, in percent")
+      ->capture_default_str();
+  app.add_option("--limit-unprovable", options.limit_unprovable_percent,
+                 "likewise, of trouble that a shot's data cannot prove")
       ->capture_default_str();
   app.add_option("--write", options.write, "print this shot of each kind as a frame in JSON, with its truth");
   app.add_flag("--noise-absent", options.noise_absent, "frames state no noise");

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/messages/json_conversions.hpp"
+#include "tests/contradictions/proof.hpp"
 
 namespace strobe::contradictions {
 namespace {
@@ -35,9 +36,9 @@ std::string most_wrong(const Tally& tally) {
   return text;
 }
 
-std::string worst_shots(const Tally& tally) {
+std::string worst_shots(const std::vector<WorstShot>& worst) {
   std::string text;
-  for (const WorstShot& w : tally.worst)
+  for (const WorstShot& w : worst)
     text += fmt::format("{}{} ({:.3g} sd)", text.empty() ? "" : ", ", w.number, w.error_sd);
   return text;
 }
@@ -50,15 +51,16 @@ double rms_z(const Coverage& c) {
 
 std::string table(const std::vector<Row>& rows) {
   std::string text =
-      "| kind | shots | silently wrong, % (95 % limit) | wrong, told only that images are few, % | "
-      "wrong and flagged, % | \"slides\" of gripping, % | \"grips\" of sliding, % | which | worst shots |\n"
-      "|---|---|---|---|---|---|---|---|---|\n";
+      "| kind | shots | silently wrong, % (95 % limit) | likewise, beyond proof, % | "
+      "wrong, told only that images are few, % | wrong and flagged, % | \"slides\" of gripping, % | "
+      "\"grips\" of sliding, % | which | worst shots |\n|---|---|---|---|---|---|---|---|---|---|\n";
   for (const auto& [run, t] : rows)
-    text += fmt::format("| {} | {} | {:.3f} ({:.3f}) | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {} | {} |\n",
-                        name(run.kind), t.shots, percent(t.silent, t.shots),
-                        100.0 * upper_limit_95(t.silent, t.shots), percent(t.few, t.shots),
-                        percent(t.flagged, t.shots), percent(t.slides_wrongly, t.gripped),
-                        percent(t.grips_wrongly, t.slid), most_wrong(t), worst_shots(t));
+    text += fmt::format(
+        "| {} | {} | {:.3f} ({:.3f}) | {:.3f} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {} | {} |\n",
+        name(run.kind), t.shots, percent(t.silent, t.shots), 100.0 * upper_limit_95(t.silent, t.shots),
+        percent(t.unprovable, t.shots), percent(t.few, t.shots), percent(t.flagged, t.shots),
+        percent(t.slides_wrongly, t.gripped), percent(t.grips_wrongly, t.slid), most_wrong(t),
+        worst_shots(t.worst.empty() ? t.worst_unprovable : t.worst));
   return text;
 }
 
@@ -104,8 +106,9 @@ std::string json_line(const Row& row) {
                   {"shots", t.shots},
                   {"refused", t.refused},
                   {"silent", t.silent},
-                  {"silent_share", t.silent_share()},
+                  {"silent_share", t.share(t.silent)},
                   {"silent_share_limit_95", upper_limit_95(t.silent, t.shots)},
+                  {"unprovable", t.unprovable},
                   {"wrong_and_few_images", t.few},
                   {"wrong_and_flagged", t.flagged},
                   {"slides_wrongly", share(t.slides_wrongly, t.gripped)},
@@ -124,7 +127,8 @@ std::string shot_line(const Shot& shot) {
   truth["mirrored"] = shot.photograph.truth.mirrored;
   truth["regime"] = shot.photograph.truth.missing_mps < 1e-9 ? "grips" : "slides";
   line["truth"] = truth;
-  line["trouble"] = {{"kind", name(shot.kind)}, {"severity", shot.severity}};
+  line["trouble"] = {
+      {"kind", name(shot.kind)}, {"severity", shot.severity}, {"provable", shot.proof_sd >= kProof_sd}};
   return line.dump() + "\n";
 }
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "tests/contradictions/proof.hpp"
+
 namespace strobe::contradictions {
 
 Shot drawn_shot(Kind kind, const Settings& settings, std::uint64_t seed, std::uint64_t number) {
@@ -12,7 +14,9 @@ Shot drawn_shot(Kind kind, const Settings& settings, std::uint64_t seed, std::ui
   const double before = disturb_scene(kind, scene, random);
   shot.photograph = photograph(scene, random);
   shot.photograph.frame.shot_id = static_cast<int>(number % 1'000'000'000U);
-  shot.severity = std::max(before, disturb_measurements(kind, scene, shot.photograph, random));
+  const Disturbance after = disturb_measurements(kind, scene, shot.photograph, random);
+  shot.severity = std::max(before, after.severity);
+  shot.proof_sd = proof_sd(kind, scene, shot.photograph, {shot.severity, after.index});
   return shot;
 }
 

@@ -14,6 +14,7 @@ struct Shot {
   Photograph photograph;
   double severity =
       0.0;  ///< in the unit that the kind's words name; 0 where the draw left nothing to disturb
+  double proof_sd = 0.0;  ///< see proof.hpp
 };
 
 Shot drawn_shot(Kind kind, const Settings& settings, std::uint64_t seed, std::uint64_t number);
@@ -21,7 +22,12 @@ Shot drawn_shot(Kind kind, const Settings& settings, std::uint64_t seed, std::ui
 /// Changes what is true, or what is told of it, before the photograph is taken. Returns the severity.
 double disturb_scene(Kind kind, Scene& scene, Random& random);
 
-/// Changes what was measured. Returns the severity.
-double disturb_measurements(Kind kind, const Scene& scene, Photograph& photograph, Random& random);
+struct Disturbance {
+  double severity = 0.0;
+  std::size_t index = 0;  ///< of the surface point, if it was one
+};
+
+/// Changes what was measured.
+Disturbance disturb_measurements(Kind kind, const Scene& scene, Photograph& photograph, Random& random);
 
 }  // namespace strobe::contradictions

@@ -5,6 +5,7 @@
 
 #include "common/reduction/expanded_uncertainty.hpp"
 #include "common/reduction/reduce.hpp"
+#include "tests/contradictions/proof.hpp"
 
 namespace strobe::contradictions {
 namespace {
@@ -50,7 +51,11 @@ void Tally::add(const Shot& shot, std::uint64_t number) {
   }
   const Truth& truth = shot.photograph.truth;
   const Judgement j = judged(*readout, truth, shot.kind);
-  silent += j.silent.any() ? 1 : 0;
+  const bool provable = shot.proof_sd >= kProof_sd;
+  if (j.silent.any()) {
+    (provable ? silent : unprovable) += 1;
+    keep_worst(provable ? worst : worst_unprovable, {number, j.worst});
+  }
   few += j.silent.none() && j.few.any() ? 1 : 0;
   flagged += j.silent.none() && j.few.none() && j.flagged.any() ? 1 : 0;
   slides_wrongly += j.slides_wrongly ? 1 : 0;
@@ -59,7 +64,6 @@ void Tally::add(const Shot& shot, std::uint64_t number) {
   for (std::size_t i = 0; i < kQuantityCount; ++i) silent_by_quantity[i] += j.silent.test(i) ? 1 : 0;
   for (std::size_t i = 0; i < kFlagCount; ++i)
     flags[i] += readout->flags.has(static_cast<reduction::Flag>(i)) ? 1 : 0;
-  if (j.silent.any()) keep_worst(worst, {number, j.worst});
   cover(*readout, truth, coverage);
 }
 
@@ -67,6 +71,7 @@ void Tally::merge(const Tally& other) {
   shots += other.shots;
   refused += other.refused;
   silent += other.silent;
+  unprovable += other.unprovable;
   few += other.few;
   flagged += other.flagged;
   slides_wrongly += other.slides_wrongly;
@@ -82,6 +87,7 @@ void Tally::merge(const Tally& other) {
     coverage[i].square += other.coverage[i].square;
   }
   for (const WorstShot& w : other.worst) keep_worst(worst, w);
+  for (const WorstShot& w : other.worst_unprovable) keep_worst(worst_unprovable, w);
 }
 
 double upper_limit_95(std::int64_t count, std::int64_t of) {

@@ -25,20 +25,22 @@ struct WorstShot {
 
 struct Tally {
   std::int64_t shots = 0, refused = 0;
-  std::int64_t silent = 0;   ///< shots with a silently wrong number
-  std::int64_t few = 0;      ///< of the others, shots with one that nothing but no_redundancy explains
-  std::int64_t flagged = 0;  ///< of the others, shots with a wrong number
+  std::int64_t silent = 0;      ///< shots with a silently wrong number
+  std::int64_t unprovable = 0;  ///< likewise, of trouble that their data cannot prove; not counted above
+  std::int64_t few = 0;         ///< of the others, shots with one that nothing but no_redundancy explains
+  std::int64_t flagged = 0;     ///< of the others, shots with a wrong number
   std::int64_t slides_wrongly = 0, grips_wrongly = 0, gripped = 0, slid = 0;
   std::array<std::int64_t, reduction::kQuantityCount> silent_by_quantity{};
   std::array<std::int64_t, reduction::kFlagCount> flags{};
   std::array<Coverage, reduction::kQuantityCount> coverage{};
   std::vector<WorstShot> worst;  ///< at most three, the worst first
+  std::vector<WorstShot> worst_unprovable;
 
   void add(const Shot& shot, std::uint64_t number);
   void merge(const Tally& other);
 
-  double silent_share() const {
-    return shots > 0 ? static_cast<double>(silent) / static_cast<double>(shots) : 0.0;
+  double share(std::int64_t count) const {
+    return shots > 0 ? static_cast<double>(count) / static_cast<double>(shots) : 0.0;
   }
 };
 

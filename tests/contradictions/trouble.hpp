@@ -51,7 +51,7 @@ inline constexpr std::array<KindInWords, 26> kKinds{{
     {"surface_point", "one of 3-6 surface points 1-100 sd off the line"},
     {"surface_pair", "one of two surface points 1-100 sd off the line"},
     {"scale", "calibrated scale 0.5-10 % off, stated to 0.2 %"},
-    {"ball_size", "ball 0.5-8 % larger or smaller than told, scale calibrated to 0.2 %"},
+    {"ball_size", "ball 1-8 % larger or smaller than told, scale calibrated to 0.2 %"},
     {"ball_size_uncalibrated", "likewise, scale from the ball"},
     {"noise_understated", "noise 1-3.3 times what is stated, of all measurements or of one kind"},
     {"noise_overstated", "noise 0.3-1 times what is stated, of all measurements or of one kind"},
