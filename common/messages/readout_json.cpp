@@ -60,6 +60,13 @@ void put_flashes(ordered_json& object, const std::optional<reduction::ImagedFlas
       flashes ? ordered_json(flashes->misassignment_probability) : ordered_json();
 }
 
+void put_residual_ratios(ordered_json& object, const reduction::ResidualRatios& ratios) {
+  object["residual_ratio"] = or_null(ratios.all);
+  ordered_json& by_kind = object["residual_ratio_by_kind"] = ordered_json::object();
+  for (std::size_t i = 0; i < reduction::kMeasurementKindCount; ++i)
+    by_kind[std::string(reduction::kMeasurementKindNames[i])] = or_null(ratios.by_kind[i]);
+}
+
 }  // namespace
 
 std::string readout_to_json(const Readout& readout) {
@@ -81,6 +88,7 @@ std::string readout_to_json(const Readout& readout) {
   object["sd_systematic"] = quantities_json(readout.sd_systematic);
   object["degrees_of_freedom"] = quantities_json(readout.degrees_of_freedom);
   object["expanded_uncertainty"] = expanded_json(readout);
+  put_residual_ratios(object, readout.residual_ratios);
   if (readout.legacy) {
     object["far"] = quantities_json(readout.legacy->far);
     object["contact"] = ordered_json::array();

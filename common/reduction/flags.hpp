@@ -38,9 +38,10 @@ enum class Flag {
                     // scatter), or an image in contact contradicts the line
   scale_contradicts_ball,  // the images' diameters together contradict the calibrated scale, which was believed as far
                            // as its sd says
+  residuals_exceed_noise,  // the residuals are larger than the stated noise explains: the sds are too small
 };
 
-inline constexpr std::array<std::string_view, 23> kFlagNames{"late_flash",
+inline constexpr std::array<std::string_view, 24> kFlagNames{"late_flash",
                                                              "missing_flash",
                                                              "double_flash",
                                                              "flash_match_ambiguous",
@@ -62,7 +63,8 @@ inline constexpr std::array<std::string_view, 23> kFlagNames{"late_flash",
                                                              "air_not_fitted",
                                                              "outlier_surface_point",
                                                              "surface_suspect",
-                                                             "scale_contradicts_ball"};
+                                                             "scale_contradicts_ball",
+                                                             "residuals_exceed_noise"};
 inline constexpr std::size_t kFlagCount = kFlagNames.size();
 
 constexpr std::string_view name(Flag flag) { return kFlagNames[static_cast<std::size_t>(flag)]; }

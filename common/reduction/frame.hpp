@@ -6,6 +6,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/shot/leg.hpp"
@@ -67,5 +68,18 @@ struct Frame {
   Record record;
   std::vector<BallImage> images;
 };
+
+/// What the noise that a frame states is taken for.
+enum class NoiseSource {
+  stated,  ///< it is believed
+  residuals,  ///< relative weights: one factor for each kind of measurement is estimated from the residuals, and sds are
+              ///< scaled by Student's t
+};
+
+constexpr std::optional<NoiseSource> noise_source_from_name(std::string_view text) {
+  if (text == "stated") return NoiseSource::stated;
+  if (text == "residuals") return NoiseSource::residuals;
+  return std::nullopt;
+}
 
 }  // namespace strobe::reduction

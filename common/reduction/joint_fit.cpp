@@ -25,9 +25,9 @@ struct Whitening {
 /// A flash's error in time moves the image along its path by `shift`. The determinant of L L^T + s s^T is a
 /// sum of squares, of which none can cancel another, however long the shift.
 Whitening whitening(const Observations& all, const Observation& o, const Eigen::Vector2d& shift) {
-  const double sd = all.group_sd[NoiseGroup::centre];
-  const CholeskyFactor l =
-      o.centre_noise == NoiseGroup::stated ? o.centre_cholesky_m : CholeskyFactor{sd, 0.0, sd};
+  const double unit = all.unit(o.centre_noise);
+  const CholeskyFactor& own = o.centre_cholesky_m;
+  const CholeskyFactor l{unit * own.xx, unit * own.yx, unit * own.yy};
   if (shift.isZero(0.0)) return {1.0 / l.xx, -l.yx / l.xx / l.yy, 1.0 / l.yy};
   const double xx = std::hypot(l.xx, shift.x());
   const double yx = (l.xx * l.yx + shift.x() * shift.y()) / xx;

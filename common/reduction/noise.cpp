@@ -34,14 +34,14 @@ void add_centre(const ShotFit& fit, const Observation& o, Scatter& s) {
 
 void add_diameter(const ShotFit& fit, const Observation& o, Scatter& s) {
   const Observations& all = fit.observations;
-  const double r = o.diameter_m - fit.joint.unknowns[kScale] * all.ball_diameter_m;
+  const double r = (o.diameter_m - fit.joint.unknowns[kScale] * all.ball_diameter_m) / o.diameter_sd_m;
   s.sum_of_squares += r * r;
   s.count += 1.0;
   s.leverage += square(fit.joint.factor.shared(0.0, 0.0, all.ball_diameter_m / all.diameter_sd(o)));
 }
 
 void add_surface(const ShotFit& fit, Eigen::Vector2d point, Scatter& s) {
-  const double r = surface_residual(fit.joint, point);
+  const double r = surface_residual(fit.joint, point) / fit.observations.surface_sd_m;
   const double sd = fit.observations.surface_sd();
   s.sum_of_squares += r * r;
   s.count += 1.0;
@@ -73,7 +73,8 @@ Scatter equator_scatter(const ShotFit& fit) {
       // Less the part of a stated error in time.
       const double by_time = fit.spin[leg]->omega_radps * reading.time_sd_s;
       const double square = reading.sd_rad * reading.sd_rad;
-      const double residual = fit.spin[leg]->residual_rad[i];
+      const double residual =
+          fit.spin[leg]->residual_rad[i] / fit.observations.images[reading.index].equator_sd_rad;
       s.sum_of_squares += residual * residual * (square / (square + by_time * by_time));
       s.count += 1.0;
       s.leverage += fit.spin[leg]->leverage[i];

@@ -94,6 +94,26 @@ Observation observation(const BallImage& image, const Frame& frame, const geomet
   return o;
 }
 
+/// Stated noise as relative weights, of each kind that has it for all airborne images; the rest is as it was.
+/// The centres' factor is the surface's too, whose few points could not tell one of their own.
+void weigh_by_stated_noise(Observations& all) {
+  const auto all_stated = [&](NoiseGroup Observation::*noise) {
+    return std::ranges::all_of(all.images, [&](const Observation& o) {
+      return o.leg == Leg::contact || o.*noise == NoiseGroup::stated;
+    });
+  };
+  const auto weigh = [&](NoiseGroup Observation::*noise, NoiseGroup group) {
+    for (Observation& o : all.images) o.*noise = group;
+    all.group_sd[group] = 1.0;
+  };
+  if (all_stated(&Observation::centre_noise)) {
+    weigh(&Observation::centre_noise, NoiseGroup::centre);
+    if (all.surface_noise == NoiseGroup::stated) all.surface_noise = NoiseGroup::centre;
+  }
+  if (all_stated(&Observation::diameter_noise)) weigh(&Observation::diameter_noise, NoiseGroup::diameter);
+  if (all_stated(&Observation::equator_noise)) weigh(&Observation::equator_noise, NoiseGroup::equator);
+}
+
 void set_surface(const Frame& frame, Observations& all) {
   for (const PointPx& p : frame.surface_px) all.surface_m.push_back(all.surface.from_image(vector(p)));
   if (const auto sd = frame.surface_sd_px ? frame.surface_sd_px : frame.centre_sd_px) {
@@ -176,7 +196,7 @@ std::optional<double> temperature_c(const Frame& frame) {
   return value >= kMinTemperature_degC && value <= kMaxTemperature_degC ? std::optional(value) : std::nullopt;
 }
 
-std::optional<Observations> observe(const Frame& frame, FlagSet& flags) {
+std::optional<Observations> observe(const Frame& frame, FlagSet& flags, NoiseSource noise) {
   const std::optional<geometry::SurfaceFrame> surface = surface_frame(frame);
   if (!surface) {
     flags.set(Flag::degenerate_geometry);
@@ -200,6 +220,7 @@ std::optional<Observations> observe(const Frame& frame, FlagSet& flags) {
   set_surface(frame, all);
   set_scale(frame, all);
   assign_legs(frame, all, flags);
+  if (noise == NoiseSource::residuals) weigh_by_stated_noise(all);
   const bool any_incoming = std::any_of(all.images.begin(), all.images.end(),
                                         [](const Observation& o) { return o.leg == Leg::incoming; });
   if (seems_to_travel_left(all.images, any_incoming ? Leg::incoming : Leg::rebound)) mirror(all);

@@ -14,12 +14,13 @@
 
 namespace strobe::reduction {
 
-/// Measurements that share one variance. `stated` is noise that came with the frame; the others' variance
-/// components are estimated from the residuals.
+/// Measurements that share one unknown factor of their variances. `stated` is noise that came with the frame and is
+/// believed; the others' variance components are estimated from the residuals.
 enum class NoiseGroup { stated, centre, surface, diameter, equator };
 inline constexpr std::size_t kNoiseGroupCount = 5;
 
-/// Standard deviations of the groups that are not stated. [m, m, m, rad]
+/// Standard deviations of the groups that are not stated, in units of the measurements' own ones: these are 1 m or
+/// 1 rad, or what the frame states where that is taken for a relative weight.
 struct GroupSds {
   std::array<double, kNoiseGroupCount> sd{};
   double operator[](NoiseGroup n) const { return sd[static_cast<std::size_t>(n)]; }
@@ -39,9 +40,10 @@ struct Observation {
   Eigen::Vector2d centre_m = Eigen::Vector2d::Zero();
   double diameter_m = 0.0;
   double equator_rad = 0.0;
-  CholeskyFactor centre_cholesky_m;  ///< if stated
-  double diameter_sd_m = 0.0;        ///< if stated
-  double equator_sd_rad = 0.0;       ///< if stated
+  // To be multiplied by the group's standard deviation, 1 for `stated`.
+  CholeskyFactor centre_cholesky_m{1.0, 0.0, 1.0};
+  double diameter_sd_m = 1.0;
+  double equator_sd_rad = 1.0;
   double time_sd_s = 0.0;
   NoiseGroup centre_noise = NoiseGroup::stated;
   NoiseGroup diameter_noise = NoiseGroup::stated;
@@ -55,7 +57,7 @@ struct Observation {
 struct Observations {
   std::vector<Observation> images;
   std::vector<Eigen::Vector2d> surface_m;
-  double surface_sd_m = 0.0;  ///< if stated
+  double surface_sd_m = 1.0;  ///< to be multiplied likewise
   NoiseGroup surface_noise = NoiseGroup::stated;
   double ball_diameter_m = 0.0;
   std::optional<double> ball_diameter_sd_m;
@@ -68,20 +70,15 @@ struct Observations {
   GroupSds group_sd;
 
   bool scale_exact() const { return scale && scale_sd == 0.0; }
+  double unit(NoiseGroup noise) const { return noise == NoiseGroup::stated ? 1.0 : group_sd[noise]; }
   double centre_variance(const Observation& o) const {
     const CholeskyFactor& l = o.centre_cholesky_m;
-    return o.centre_noise == NoiseGroup::stated ? 0.5 * (l.xx * l.xx + l.yx * l.yx + l.yy * l.yy)
-                                                : group_sd[NoiseGroup::centre] * group_sd[NoiseGroup::centre];
+    const double u = unit(o.centre_noise);
+    return u * u * (0.5 * (l.xx * l.xx + l.yx * l.yx + l.yy * l.yy));
   }
-  double diameter_sd(const Observation& o) const {
-    return o.diameter_noise == NoiseGroup::stated ? o.diameter_sd_m : group_sd[NoiseGroup::diameter];
-  }
-  double equator_sd(const Observation& o) const {
-    return o.equator_noise == NoiseGroup::stated ? o.equator_sd_rad : group_sd[NoiseGroup::equator];
-  }
-  double surface_sd() const {
-    return surface_noise == NoiseGroup::stated ? surface_sd_m : group_sd[surface_noise];
-  }
+  double diameter_sd(const Observation& o) const { return unit(o.diameter_noise) * o.diameter_sd_m; }
+  double equator_sd(const Observation& o) const { return unit(o.equator_noise) * o.equator_sd_rad; }
+  double surface_sd() const { return unit(surface_noise) * surface_sd_m; }
 };
 
 /// What is wrong with the frame, naming the field. Returns nullopt if it can be reduced.
@@ -92,7 +89,8 @@ std::optional<double> temperature_c(const Frame& frame);
 
 /// Measurements in the surface's axes, with the images' legs; sets the flags of what it found. Returns nullopt
 /// if no line goes through the surface points (flag degenerate_geometry). The frame must be valid.
-std::optional<Observations> observe(const Frame& frame, FlagSet& flags);
+std::optional<Observations> observe(const Frame& frame, FlagSet& flags,
+                                    NoiseSource noise = NoiseSource::stated);
 
 /// Of a displacement or a velocity along the path. A ball within 3 degrees of the vertical has no direction of travel:
 /// false.

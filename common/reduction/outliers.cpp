@@ -1,8 +1,12 @@
 #include "common/reduction/outliers.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <vector>
 
+#include "common/reduction/residual_test.hpp"
 #include "common/reduction/scale_check.hpp"
 #include "common/reduction/student_t.hpp"
 #include "common/reduction/variance_test.hpp"
@@ -17,18 +21,57 @@ constexpr double kRounding = 1e-9;
 
 struct Suspect {
   double probability = 1.0;  // of so large a deviation by chance, times the number of measurements
+  double square = 0.0;       // of the deviation, in variances
   std::size_t image = 0;
-  enum class What { centre, diameter, equator } what = What::centre;
+  MeasurementKind kind = MeasurementKind::centre;
+  bool worse_than(const Suspect& other) const {  // far out no probability is left to compare
+    return probability < other.probability || (probability == other.probability && square > other.square);
+  }
 };
 
-void consider(Suspect& worst, double probability, double chances, std::size_t image, Suspect::What what) {
-  if (probability * chances < worst.probability) worst = {probability * chances, image, what};
+/// What measurements are held against: their stated noise, or for a kind whose residuals exceed that the residuals' own
+/// scatter.
+struct Yardstick {
+  double variance = 1.0;  ///< over the stated one
+  double degrees_of_freedom = std::numeric_limits<double>::infinity();
+};
+using Yardsticks = std::array<Yardstick, kMeasurementKindCount>;
+
+using Kinds = std::array<bool, kMeasurementKindCount>;
+
+Yardsticks yardsticks_of(const ShotFit& fit, const Kinds& by_scatter) {
+  Yardsticks yardsticks;
+  for (std::size_t kind = 0; kind < kMeasurementKindCount; ++kind) {
+    if (!by_scatter[kind]) continue;
+    const ResidualScatter scatter = scatter_of(fit, static_cast<MeasurementKind>(kind));
+    if (scatter.degrees_of_freedom > 0.0 && scatter.sum_of_squares > 0.0)
+      yardsticks[kind] = {scatter.sum_of_squares / scatter.degrees_of_freedom, scatter.degrees_of_freedom};
+  }
+  return yardsticks;
 }
 
-double freedom(const ShotFit& fit, NoiseGroup noise) {
-  if (noise == NoiseGroup::stated) return std::numeric_limits<double>::infinity();
-  return fit.variance_components[static_cast<std::size_t>(noise)].degrees_of_freedom;
-}
+/// A photograph's kinds of measurement that are looked at here share its false alarms.
+constexpr double kThreshold = kFalseAlarms / 3.0;
+
+/// Beyond chance, in one round.
+class Suspects {
+ public:
+  Suspects(const ShotFit& fit, const Kinds& by_scatter)
+      : fit_(fit), yardsticks_(yardsticks_of(fit, by_scatter)) {}
+
+  /// One of `chances` measurements, its squared deviation over its variance.
+  void consider(double square, NoiseGroup noise, int dimensions, double chances, std::size_t image,
+                MeasurementKind kind);
+
+  std::vector<Suspect> found;
+
+ private:
+  const ShotFit& fit_;
+  Yardsticks yardsticks_;
+};
+
+/// Share of a kind beyond which so many outliers are not to be believed: with more of them the stated noise is wrong.
+constexpr double kMostOf = 0.25;
 
 /// Of a square with `dimensions` degrees of freedom, in units of a variance that was estimated with it
 /// included: by the variance without it, F.
@@ -43,6 +86,18 @@ double chance_of_square(double square, double degrees_of_freedom, int dimensions
   if (dimensions == 2)
     return std::pow(1.0 + square / (rest * left), -0.5 * left);  // F(2, left) in closed form
   return student_t_tail(std::sqrt(square / rest), left);
+}
+
+void Suspects::consider(double square, NoiseGroup noise, int dimensions, double chances, std::size_t image,
+                        MeasurementKind kind) {
+  if (square < (dimensions == 2 ? 9.0 : 4.0)) return;  // cannot be beyond chance
+  Yardstick yardstick = yardsticks_[static_cast<std::size_t>(kind)];
+  if (noise != NoiseGroup::stated)
+    yardstick.degrees_of_freedom =
+        fit_.variance_components[static_cast<std::size_t>(noise)].degrees_of_freedom;
+  const double chance =
+      chance_of_square(square / yardstick.variance, yardstick.degrees_of_freedom, dimensions);
+  if (chance * chances < kThreshold) found.push_back({chance * chances, square, image, kind});
 }
 
 /// Squared deviation from the prediction by the other images: the whitened residual r has covariance I - H,
@@ -61,7 +116,7 @@ double deleted_square(const ShotFit& fit, const Observation& o) {
   return (yy * rx * rx - 2.0 * xy * rx * ry + xx * ry * ry) / determinant;
 }
 
-void suspect_centres(const ShotFit& fit, Suspect& worst) {
+void suspect_centres(const ShotFit& fit, Suspects& suspects) {
   int count[2] = {0, 0};
   for (const Observation& o : fit.observations.images) {
     if (o.use_centre) ++count[leg_index(*o.leg)];
@@ -69,14 +124,12 @@ void suspect_centres(const ShotFit& fit, Suspect& worst) {
   for (std::size_t i = 0; i < fit.observations.images.size(); ++i) {
     const Observation& o = fit.observations.images[i];
     if (!o.use_centre || count[leg_index(*o.leg)] < kMinImages) continue;
-    const double square = deleted_square(fit, o);
-    if (square < 9.0) continue;  // cannot be beyond chance
-    consider(worst, chance_of_square(square, freedom(fit, o.centre_noise), 2), count[0] + count[1], i,
-             Suspect::What::centre);
+    suspects.consider(deleted_square(fit, o), o.centre_noise, 2, count[0] + count[1], i,
+                      MeasurementKind::centre);
   }
 }
 
-void suspect_diameters(const ShotFit& fit, Suspect& worst) {
+void suspect_diameters(const ShotFit& fit, Suspects& suspects) {
   const MeanDiameter diameters = mean_diameter(fit);
   if (diameters.count < kMinImages) return;
   for (std::size_t i = 0; i < fit.observations.images.size(); ++i) {
@@ -86,13 +139,11 @@ void suspect_diameters(const ShotFit& fit, Suspect& worst) {
     const double sd = fit.observations.diameter_sd(o);
     const double variance = sd * sd - 1.0 / diameters.weight;
     const double square = variance > kRounding * sd * sd ? residual * residual / variance : 0.0;
-    if (square < 4.0) continue;
-    consider(worst, chance_of_square(square, freedom(fit, o.diameter_noise), 1), diameters.count, i,
-             Suspect::What::diameter);
+    suspects.consider(square, o.diameter_noise, 1, diameters.count, i, MeasurementKind::diameter);
   }
 }
 
-void suspect_equators(const ShotFit& fit, Suspect& worst) {
+void suspect_equators(const ShotFit& fit, Suspects& suspects) {
   const double chances = static_cast<double>(fit.equators[0].size() + fit.equators[1].size());
   for (std::size_t leg = 0; leg < 2; ++leg) {
     const auto& readings = fit.equators[leg];
@@ -103,37 +154,121 @@ void suspect_equators(const ShotFit& fit, Suspect& worst) {
       const double variance = noise * (1.0 - fit.spin[leg]->leverage[i]);
       const double residual = fit.spin[leg]->residual_rad[i];
       const double square = variance > kRounding * noise ? residual * residual / variance : 0.0;
-      if (square < 4.0) continue;
       const NoiseGroup group = readings[i].estimated_noise ? NoiseGroup::equator : NoiseGroup::stated;
-      consider(worst, chance_of_square(square, freedom(fit, group), 1), chances, readings[i].index,
-               Suspect::What::equator);
+      suspects.consider(square, group, 1, chances, readings[i].index, MeasurementKind::equator);
     }
   }
 }
 
+/// A measurement left out, with what was used of its image before.
+struct LeftOut {
+  std::size_t image = 0;
+  MeasurementKind kind = MeasurementKind::centre;
+  bool use_centre = false, use_diameter = false, use_equator = false;
+};
+
+class Rejection {
+ public:
+  Rejection(ShotFit& fit, const std::function<void()>& fit_again) : fit_(fit), fit_again_(fit_again) {
+    for (const Observation& o : fit.observations.images) {
+      most_[static_cast<std::size_t>(MeasurementKind::centre)] += o.use_centre ? kMostOf : 0.0;
+      most_[static_cast<std::size_t>(MeasurementKind::diameter)] += o.use_diameter ? kMostOf : 0.0;
+      most_[static_cast<std::size_t>(MeasurementKind::equator)] += o.use_equator ? kMostOf : 0.0;
+    }
+  }
+
+  bool any() const { return !left_out_.empty(); }
+  bool too_many(std::size_t kind) const { return count_[kind] > most_[kind]; }
+
+  /// Kinds whose noise rather than whose measurements may be wrong: too many had to go, or what is left of them, or of
+  /// all kinds together, still scatters as one in twenty would by chance. Where it was chance, what stands far out is
+  /// left out all the same.
+  Kinds doubted() const {
+    constexpr double kWellExplained = 0.05;
+    const auto explained = [](const ResidualScatter& rest) {
+      constexpr double kKnown = std::numeric_limits<double>::infinity();
+      return chance_of_scatter(rest.sum_of_squares, rest.degrees_of_freedom, kKnown) >= kWellExplained;
+    };
+    ResidualScatter all;
+    Kinds doubted{};
+    for (std::size_t kind = 0; kind < kMeasurementKindCount; ++kind) {
+      const ResidualScatter rest = scatter_of(fit_, static_cast<MeasurementKind>(kind));
+      all.sum_of_squares += rest.sum_of_squares;
+      all.degrees_of_freedom += rest.degrees_of_freedom;
+      doubted[kind] = too_many(kind) || !explained(rest);
+    }
+    const bool all_explained = explained(all);
+    for (std::size_t kind = 0; kind < kMeasurementKindCount; ++kind)
+      doubted[kind] = count_[kind] > 0.0 && (doubted[kind] || !all_explained);
+    return doubted;
+  }
+
+  /// Leaves out the worst until all that are left fit. Returns false if that takes too many of a kind.
+  bool converge(const Kinds& by_scatter) {
+    for (;;) {
+      Suspects suspects(fit_, by_scatter);
+      suspect_centres(fit_, suspects);
+      suspect_diameters(fit_, suspects);
+      suspect_equators(fit_, suspects);
+      if (suspects.found.empty()) return true;
+      std::ranges::sort(suspects.found, [](const Suspect& a, const Suspect& b) { return a.worse_than(b); });
+      leave_out(suspects.found);
+      for (std::size_t kind = 0; kind < kMeasurementKindCount; ++kind) {
+        if (too_many(kind)) return false;
+      }
+      fit_again_();
+    }
+  }
+
+  void restore() {
+    for (auto last = left_out_.rbegin(); last != left_out_.rend(); ++last) {
+      Observation& o = fit_.observations.images[last->image];
+      o.use_centre = last->use_centre;
+      o.use_diameter = last->use_diameter;
+      o.use_equator = last->use_equator;
+    }
+    left_out_.clear();
+    count_ = {};
+    fit_again_();
+  }
+
+ private:
+  /// The worst; of many images all that are nearly as bad, for one bad image hardly moves so many.
+  void leave_out(const std::vector<Suspect>& suspects) {
+    constexpr double kNearly = 0.25;  // of the worst one's square: half as far out
+    const std::size_t at_once = 1 + fit_.observations.images.size() / 32;
+    for (std::size_t i = 0; i < suspects.size() && i < at_once; ++i) {
+      if (suspects[i].square >= kNearly * suspects[0].square) leave_out(suspects[i]);
+    }
+  }
+
+  void leave_out(const Suspect& suspect) {
+    Observation& o = fit_.observations.images[suspect.image];
+    left_out_.push_back({suspect.image, suspect.kind, o.use_centre, o.use_diameter, o.use_equator});
+    ++count_[static_cast<std::size_t>(suspect.kind)];
+    if (suspect.kind == MeasurementKind::centre) o.use_centre = o.use_diameter = o.use_equator = false;
+    if (suspect.kind == MeasurementKind::diameter) o.use_diameter = false;
+    if (suspect.kind == MeasurementKind::equator) o.use_equator = false;
+  }
+
+  ShotFit& fit_;
+  const std::function<void()>& fit_again_;
+  std::vector<LeftOut> left_out_;
+  std::array<double, kMeasurementKindCount> most_{};
+  std::array<double, kMeasurementKindCount> count_{};
+};
+
 }  // namespace
 
-bool reject_worst_outlier(ShotFit& fit) {
-  Suspect worst;
-  worst.probability = kFalseAlarms / 3.0;  // three kinds of measurement share the false alarms
-  const double threshold = worst.probability;
-  suspect_centres(fit, worst);
-  suspect_diameters(fit, worst);
-  suspect_equators(fit, worst);
-  if (!(worst.probability < threshold)) return false;
-  Observation& o = fit.observations.images[worst.image];
-  switch (worst.what) {
-    case Suspect::What::centre:
-      o.use_centre = o.use_diameter = o.use_equator = false;
-      break;
-    case Suspect::What::diameter:
-      o.use_diameter = false;
-      break;
-    case Suspect::What::equator:
-      o.use_equator = false;
-      break;
-  }
-  return true;
+bool reject_outliers(ShotFit& fit, const std::function<void()>& fit_again) {
+  Rejection rejection(fit, fit_again);
+  const bool converged = rejection.converge({});
+  if (!rejection.any()) return false;
+  const Kinds by_scatter = rejection.doubted();
+  if (converged && by_scatter == Kinds{}) return true;
+  rejection.restore();
+  if (!rejection.converge(by_scatter)) rejection.restore();
+  return rejection.any();
 }
 
 }  // namespace strobe::reduction

@@ -1,15 +1,21 @@
 // Images that do not fit their leg. Part of the reduction, not of its interface. Thread-safe.
 #pragma once
 
+#include <functional>
+
 #include "common/reduction/shot_fit.hpp"
 
 namespace strobe::reduction {
 
-/// Marks the worst measurement as not to be used if it is further from what the others predict than chance
-/// explains: one clean photograph in a thousand loses a measurement, however many images it has (Bonferroni).
-/// The test is leave-one-out: chi squared where the noise is stated, F or t where it was estimated. Needs at
-/// least four measurements of a kind: of three that disagree none can be singled out. Returns whether one was
-/// marked; the caller fits again.
-bool reject_worst_outlier(ShotFit& fit);
+/// Marks measurements as not to be used that are further from what the others predict than chance explains: one
+/// clean photograph in a thousand loses a measurement, however many images it has (Bonferroni). The test is
+/// leave-one-out: chi squared where the noise is stated, F or t where it was estimated. The worst goes first, and
+/// `fit_again` is called before the rest is judged. Needs at least four measurements of a kind: of three that
+/// disagree none can be singled out.
+///
+/// Where more than a quarter of a kind would have to go, or the rest still scatters as one in twenty would with the
+/// stated noise, the noise may be wrong and not the images: all are taken back and judged by their own scatter (F), so
+/// that only what stands out of that is left out. Returns whether some measurement is.
+bool reject_outliers(ShotFit& fit, const std::function<void()>& fit_again);
 
 }  // namespace strobe::reduction

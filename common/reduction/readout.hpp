@@ -90,6 +90,18 @@ struct ImagedFlashes {
   bool operator==(const ImagedFlashes&) const = default;
 };
 
+enum class MeasurementKind { centre, equator, diameter, surface };
+inline constexpr std::array<std::string_view, 4> kMeasurementKindNames{"centre", "equator", "diameter",
+                                                                       "surface"};
+inline constexpr std::size_t kMeasurementKindCount = kMeasurementKindNames.size();
+
+/// Residuals over the noise that the frame states: root of chi squared over its degrees of freedom, about 1. Absent where
+/// no noise is stated or nothing is left to residuals. Of few degrees of freedom nu it scatters by 1 / sqrt(2 nu).
+struct ResidualRatios {
+  std::optional<double> all;
+  std::array<std::optional<double>, kMeasurementKindCount> by_kind;  ///< index: MeasurementKind
+};
+
 struct Readout {
   int shot_id = 0;
   Quantities value;
@@ -102,6 +114,7 @@ struct Readout {
   std::string method;  ///< "best", "two-point", "legacy"
   bool mirrored = false;
   FlagSet flags;
+  ResidualRatios residual_ratios;  ///< only with method "best"
   Record record;
   std::optional<ImagedFlashes> flashes;  ///< only of a photograph that a host matched with its shot
   flight::Effects flight_effects = flight::kNoEffects;  ///< what the paths were fitted with

@@ -5,6 +5,7 @@
 #include "common/reduction/flight_effects.hpp"
 #include "common/reduction/legacy.hpp"
 #include "common/reduction/propagate.hpp"
+#include "common/reduction/residual_test.hpp"
 #include "common/reduction/scale_check.hpp"
 #include "common/reduction/shot_fit.hpp"
 #include "common/reduction/spin_check.hpp"
@@ -71,16 +72,18 @@ Readout two_point_readout(const Frame& frame, const PropagationOptions& propagat
 
 /// Fits what the frame holds; where its surface points disagree, once more with those that agree, since the line
 /// says which images are airborne. Returns nullopt if there is no line.
-std::optional<ShotFit> fit_frame(const Frame& frame, const FitOptions& fitting, FlagSet& flags) {
+std::optional<ShotFit> fit_frame(const Frame& frame, const ReduceOptions& options, FlagSet& flags) {
+  const FitOptions fitting{.effects = options.effects.value_or(flight::Effects{}),
+                           .reject_outliers = options.reject_outliers};
   FlagSet found;
-  std::optional<Observations> observations = observe(frame, found);
+  std::optional<Observations> observations = observe(frame, found, options.noise);
   std::optional<ShotFit> fit;
   if (observations) fit = fit_shot(std::move(*observations), fitting, found);
   const auto surface = fit && fitting.reject_outliers ? consistent_surface(frame, *fit) : std::nullopt;
   if (surface) {
     found = {};
     found.set(surface->flag);
-    observations = observe(surface->frame, found);
+    observations = observe(surface->frame, found, options.noise);
     fit.reset();
     if (observations) fit = fit_shot(std::move(*observations), fitting, found);
   }
@@ -92,16 +95,16 @@ std::optional<ShotFit> fit_frame(const Frame& frame, const FitOptions& fitting, 
 Readout best_readout(const Frame& frame, const PropagationOptions& propagation,
                      const ReduceOptions& options) {
   Readout readout = empty_readout(frame, Estimator::best);
-  std::optional<ShotFit> fitted = fit_frame(
-      frame,
-      {.effects = options.effects.value_or(flight::Effects{}), .reject_outliers = options.reject_outliers},
-      readout.flags);
+  std::optional<ShotFit> fitted = fit_frame(frame, options, readout.flags);
   if (!fitted) return readout;
   ShotFit& fit = *fitted;
   readout.mirrored = fit.observations.surface.mirrored;
   flag_redundancy(fit.observations, readout.flags);
   if (contact_contradicts_surface(fit)) readout.flags.set(Flag::surface_suspect);
   if (scale_contradicts_ball(fit)) readout.flags.set(Flag::scale_contradicts_ball);
+  const ResidualTest residuals = test_residuals(fit);
+  readout.residual_ratios = residuals.ratios;
+  if (residuals.exceeded) readout.flags.set(Flag::residuals_exceed_noise);
   Readout reduced = readout;
   const Crossings crossings = propagate(fit, propagation, reduced);
   if (spins_in_doubt(reduced, fit)) {

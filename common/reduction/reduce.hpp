@@ -30,6 +30,8 @@ struct ReduceOptions {
   /// What the flight is fitted with. Absent: gravity, and drag and Magnus where they matter to this shot.
   /// With drag comes the spin's decay, which stays where drag is then left out.
   std::optional<flight::Effects> effects{};
+  /// For the best estimator.
+  NoiseSource noise = NoiseSource::stated;
   /// Leave out images that do not fit and say so (outlier_image), best estimator only. Without it every image
   /// counts and the readout is a smooth function of the measurements, as studies of small displacements need.
   bool reject_outliers = true;

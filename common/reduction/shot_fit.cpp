@@ -136,10 +136,8 @@ ShotFit fit_shot(Observations observations, FitOptions options, FlagSet& flags) 
         flight::kSpinDecay_per_m * fit.observations.air_density_kgpm3 / flight::kAirDensity_kgpm3;
   }
   refit(fit, options.effects);
-  while (options.reject_outliers && reject_worst_outlier(fit)) {
+  if (options.reject_outliers && reject_outliers(fit, [&fit] { fit_once(fit); }))
     flags.set(Flag::outlier_image);
-    fit_once(fit);
-  }
   orient(fit);
   for (std::size_t leg = 0; leg < 2; ++leg) {
     if (aliased(fit, leg)) flags.set(Flag::spin_aliased);

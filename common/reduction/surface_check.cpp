@@ -8,13 +8,14 @@
 #include <vector>
 
 #include "common/geometry/line.hpp"
+#include "common/reduction/residual_test.hpp"
 #include "common/reduction/variance_test.hpp"
 
 namespace strobe::reduction {
 namespace {
 
 /// Two lines whose chi squared differs by less than 3 sd are indistinguishable.
-constexpr double kComparable = 9.0;
+constexpr double kIndistinguishable = 9.0;
 constexpr std::size_t kMaxExhaustive = 12;  ///< points; 2^12 subsets at most
 constexpr std::size_t kMinAgreeing = 3;     ///< any two lie on a line
 
@@ -33,11 +34,17 @@ double square_sum(const ShotFit& fit) {
   return sum;
 }
 
-/// As stated, or the centres' as estimated less the part that the points themselves have in it.
+/// As stated, and larger by as much as the centres scatter more than stated; or the centres' as estimated less the part
+/// that the points themselves have in it.
 std::optional<PointNoise> point_noise(const ShotFit& fit) {
   const Observations& all = fit.observations;
   const double variance = all.surface_sd() * all.surface_sd();
-  if (all.surface_noise == NoiseGroup::stated) return PointNoise{variance};
+  if (all.surface_noise == NoiseGroup::stated) {
+    const ResidualScatter centres = scatter_of(fit, MeasurementKind::centre);
+    if (!exceeds_noise(centres)) return PointNoise{variance};
+    return PointNoise{variance * centres.sum_of_squares / centres.degrees_of_freedom,
+                      centres.degrees_of_freedom};
+  }
   const VarianceComponent& component = fit.variance_components[static_cast<std::size_t>(all.surface_noise)];
   const double own = static_cast<double>(all.surface_m.size()) - 2.0;
   const double rest = component.degrees_of_freedom - own;
@@ -68,7 +75,7 @@ bool agree(const ShotFit& fit, const PointNoise& noise) {
 using Subset = std::uint32_t;
 
 /// Sum of squared distances from their own line, in variances.
-double scatter_of(const std::vector<Eigen::Vector2d>& points, Subset kept, const PointNoise& noise) {
+double scatter_about_line(const std::vector<Eigen::Vector2d>& points, Subset kept, const PointNoise& noise) {
   std::vector<Eigen::Vector2d> some;
   for (std::size_t i = 0; i < points.size(); ++i) {
     if ((kept >> i & 1U) != 0) some.push_back(points[i]);
@@ -94,13 +101,13 @@ std::optional<Subset> agreeing_subset(const std::vector<Eigen::Vector2d>& points
     Subset found = 0;
     for (Subset kept = 0; kept < (Subset{1} << count); ++kept) {
       if (static_cast<std::size_t>(std::popcount(kept)) != count - left_out) continue;
-      const double scatter = scatter_of(points, kept, noise);
+      const double scatter = scatter_about_line(points, kept, noise);
       second = std::min(second, std::max(scatter, best));
       if (scatter < best) best = scatter, found = kept;
     }
     const double freedom = static_cast<double>(count - left_out) - 2.0;
     if (chance_of_scatter(best, freedom, noise.degrees_of_freedom) < kFalseAlarms) continue;
-    if (second < best + kComparable) return std::nullopt;
+    if (second < best + kIndistinguishable) return std::nullopt;
     return found;
   }
   return std::nullopt;

@@ -37,6 +37,7 @@ struct ReduceOptions {
   std::string format = "frame";
   std::string estimator = "best";
   std::string flight = "auto";
+  std::string noise = "stated";
   std::string tolerance;  ///< as written; empty: none
   std::optional<double> deadline_us;
   std::string frontier_file;  ///< empty: the shipped one
@@ -47,8 +48,9 @@ struct ReduceOptions {
   bool chooses() const { return !tolerance.empty() || deadline_us.has_value(); }
 };
 
-reduction::ReduceOptions reduction_options(const std::string& flight) {
+reduction::ReduceOptions reduction_options(const std::string& flight, const std::string& noise) {
   reduction::ReduceOptions options;
+  options.noise = *reduction::noise_source_from_name(noise);
   if (flight == "none") options.effects = flight::kNoEffects;
   if (flight == "gravity") options.effects = flight::kGravityOnly;
   if (flight == "all") options.effects = flight::Effects{};
@@ -62,7 +64,7 @@ class Reducer {
   Reducer(const ReduceOptions& options, std::optional<EstimatorChooser> chooser)
       : json_(options.json),
         estimator_(*reduction::estimator_from_name(options.estimator)),
-        options_(reduction_options(options.flight)),
+        options_(reduction_options(options.flight, options.noise)),
         chooser_(std::move(chooser)) {}
 
   Result<void> frames(const std::string& file) {
@@ -133,6 +135,7 @@ class Reducer {
     shot_result.readout = *readout;
     print(render_shot(shot_result, kPlainWidth));
     if (readout->method == "best") print({flight_line(readout->flight_effects)});
+    if (readout->residual_ratios.all) print({residual_line(readout->residual_ratios)});
     if (readout->legacy) print(legacy_lines(*readout->legacy));
     if (choice != nullptr) print(choice_lines(*choice));
   }
@@ -170,6 +173,16 @@ class Reducer {
       names += (names.empty() ? "" : ", ") + std::string(flight::kEffectNames[i]);
     }
     return "flight fitted with: " + (names.empty() ? "nothing" : names);
+  }
+
+  static std::string residual_line(const reduction::ResidualRatios& ratios) {
+    std::string kinds;
+    for (std::size_t i = 0; i < reduction::kMeasurementKindCount; ++i) {
+      if (!ratios.by_kind[i]) continue;
+      kinds += fmt::format("{}{} {:.2f}", kinds.empty() ? "" : ", ", reduction::kMeasurementKindNames[i],
+                           *ratios.by_kind[i]);
+    }
+    return fmt::format("residuals over stated noise: {:.2f} ({})", *ratios.all, kinds);
   }
 
   /// Only a person at a terminal whose results go elsewhere sees no sign of progress otherwise.
@@ -232,6 +245,8 @@ Result<std::optional<EstimatorChooser>> chooser_of(const ReduceOptions& options)
 int run_reduce(const ReduceOptions& options) {
   if (options.flight != "auto" && options.estimator != "best")
     return bad_input("reduce: --flight is for the best estimator");
+  if (options.noise != "stated" && (options.estimator != "best" || options.chooses()))
+    return bad_input("reduce: --noise is for the best estimator, without --tolerance and --deadline-us");
   for (const std::string& file : options.files) {
     std::error_code error;
     if (file == "-") continue;
@@ -268,6 +283,14 @@ void add_reduce_command(CLI::App& app, int& exit_status) {
           "lift where they matter; spins corrected for the air's friction), none, gravity (neither corrects "
           "spins), or all")
       ->check(CLI::IsMember({"auto", "none", "gravity", "all"}));
+  command
+      ->add_option("--noise", options->noise,
+                   "what the sds that a frame states are taken for: stated (default: the noise), or "
+                   "residuals (relative "
+                   "weights: the noise of each kind of measurement is estimated from the shot's own "
+                   "residuals, and sds are "
+                   "widened by Student's t)")
+      ->check(CLI::IsMember({"stated", "residuals"}));
   command->add_option(
       "--tolerance", options->tolerance,
       "choose for each frame the cheapest estimator and flight that add at most this to the error which the "

@@ -35,6 +35,7 @@ constexpr std::array<std::string_view, reduction::kFlagCount> kWords{
     "a surface point did not lie on the line through the others and was left out",
     "the surface line is in doubt: its points disagree, or an image in contact contradicts it",
     "the balls' diameters contradict the calibrated scale, which was believed as far as its sd says",
+    "the measurements scatter more than their stated noise explains: uncertainties are too small",
 };
 
 }  // namespace

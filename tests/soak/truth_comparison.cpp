@@ -38,6 +38,7 @@ bool explains(Flag flag) {
     case Flag::air_not_fitted:
     case Flag::surface_suspect:
     case Flag::scale_contradicts_ball:
+    case Flag::residuals_exceed_noise:
       return true;
     case Flag::outlier_image:
     case Flag::outlier_surface_point:

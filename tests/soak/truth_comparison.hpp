@@ -18,7 +18,7 @@ double soak_sigma_limit();
 /// Whether the flag says that numbers may be wrong beyond their stated uncertainty:
 ///  - flags of a shot that does not count and is fired again do, and sensor_missing, since a flash's time is
 ///    then that of one lamp, or of none;
-///  - spin_aliased, surface_suspect and scale_contradicts_ball do: every number of the shot;
+///  - spin_aliased, surface_suspect, scale_contradicts_ball and residuals_exceed_noise do: every number of the shot;
 ///  - the other flags (an image or a surface point left out, few images, sds from residuals) excuse no wrong number.
 bool explains(reduction::Flag flag);
 

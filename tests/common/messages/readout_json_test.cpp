@@ -35,9 +35,10 @@ TEST_GROUP(ReadoutJson){};
 
 TEST(ReadoutJson, HasEveryDocumentedName) {
   const json object = json::parse(readout_to_json(example()));
-  for (const char* key : {"shot_id", "regime", "court_pace_conforming", "method", "mirrored",
-                          "flight_effects", "flags", "record", "sd", "sd_systematic", "degrees_of_freedom",
-                          "expanded_uncertainty", "first_flash", "last_flash", "misassignment_probability"})
+  for (const char* key :
+       {"shot_id", "regime", "court_pace_conforming", "method", "mirrored", "flight_effects", "flags",
+        "record", "sd", "sd_systematic", "degrees_of_freedom", "expanded_uncertainty", "residual_ratio",
+        "residual_ratio_by_kind", "first_flash", "last_flash", "misassignment_probability"})
     CHECK_TRUE_TEXT(object.contains(key), key);
   for (const char* key : {"theta_in_deg", "theta_out_deg", "vx_td_mps", "vy_td_mps", "v_td_mps",
                           "omega_td_radps", "vx_lo_mps", "vy_lo_mps", "v_lo_mps", "omega_lo_radps",
@@ -75,6 +76,16 @@ TEST(ReadoutJson, WhatIsAbsentIsNull) {
   without.regime.reset();
   CHECK_TRUE(json::parse(readout_to_json(without))["regime"].is_null());
   CHECK_FALSE(object.contains("far"));
+}
+
+TEST(ReadoutJson, StatesTheResidualsOverTheirNoiseWhereItIsStated) {
+  Readout r = example();
+  CHECK_TRUE(json::parse(readout_to_json(r))["residual_ratio"].is_null());
+  r.residual_ratios.all = 2.5;
+  r.residual_ratios.by_kind[static_cast<std::size_t>(reduction::MeasurementKind::surface)] = 0.5;
+  STRCMP_CONTAINS(
+      R"("residual_ratio":2.5,"residual_ratio_by_kind":{"centre":null,"equator":null,"diameter":null,"surface":0.5},)",
+      readout_to_json(r).c_str());
 }
 
 TEST(ReadoutJson, NamesTheFlashesOfAMatchedPhotographAndTheirMisassignmentProbability) {

@@ -163,3 +163,23 @@ TEST(ChoiceCommands, ReduceRefusesWhatNoEstimatorMeets) {
   check_refused(run({"reduce", STROBE_FRAME, "--tolerance", "much"}),
                 "reduce: --tolerance: 'much' is not a tolerance; write one as 0.5% or 5e-3");
 }
+
+TEST(ChoiceCommands, NoiseFromResidualsTakesStatedSdsForRelativeWeights) {
+  const auto believed = json_of(run({"reduce", STROBE_FRAME, "--json"}, false));
+  const auto weights = json_of(run({"reduce", STROBE_FRAME, "--noise", "residuals", "--json"}, false));
+  CHECK_TRUE(believed["residual_ratio"].is_number());
+  CHECK_TRUE(weights["residual_ratio"].is_null());
+  CHECK_TRUE(believed["degrees_of_freedom"]["e"].is_null());
+  CHECK_TRUE(weights["degrees_of_freedom"]["e"].is_number());
+}
+
+TEST(ChoiceCommands, NoiseFromResidualsIsForTheBestEstimatorAlone) {
+  check_refused(run({"reduce", STROBE_FRAME, "--noise", "residuals", "--estimator", "two-point"}, false),
+                "reduce: --noise is for the best estimator, without --tolerance and --deadline-us");
+  check_refused(run({"reduce", STROBE_FRAME, "--noise", "residuals", "--tolerance", "1%"}),
+                "reduce: --noise is for the best estimator, without --tolerance and --deadline-us");
+}
+
+TEST(ChoiceCommands, ReduceShowsTheRatioOfResidualsToStatedNoise) {
+  STRCMP_CONTAINS("residuals over stated noise: ", run({"reduce", STROBE_FRAME}, false).out.c_str());
+}
