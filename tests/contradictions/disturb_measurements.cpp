@@ -72,15 +72,17 @@ double off_diameter(const Scene& scene, Photograph& p, Random& random) {
 
 using Shift = void (*)(Photograph&, std::size_t, double, const Scene&, Random&);
 
-double off_images(const Scene& scene, Photograph& p, std::size_t count, Shift shift_one, Random& random) {
+Disturbance off_images(const Scene& scene, Photograph& p, std::size_t count, Shift shift_one,
+                       Random& random) {
   auto images = airborne(p, either(random));
   const double severity = drawn_severity(random);
+  const std::size_t first = images.front();
   for (std::size_t done = 0; done < count && !images.empty(); ++done) {
     const std::size_t k = random.index(images.size());
     shift_one(p, images[k], severity, scene, random);
     images.erase(images.begin() + static_cast<std::ptrdiff_t>(k));
   }
-  return severity;
+  return {severity, first};
 }
 
 /// Neighbours of one leg that share a shift.
@@ -110,11 +112,12 @@ void shift_time(std::vector<BallImage>& images, std::size_t i, double by_s) {
   images[i].time_s += std::clamp(by_s, kCloser * before, kCloser * after);
 }
 
-double off_time(const Scene& scene, Photograph& p, Random& random) {
+Disturbance off_time(const Scene& scene, Photograph& p, Random& random) {
   const auto images = airborne(p);
   const double share = random.logarithmic(0.01, 1.0);
-  shift_time(p.frame.images, images[random.index(images.size())], random.sign() * share * scene.period_s);
-  return share;
+  const std::size_t index = images[random.index(images.size())];
+  shift_time(p.frame.images, index, random.sign() * share * scene.period_s);
+  return {share, index};
 }
 
 double shake_times(const Scene& scene, Photograph& p, Random& random) {
@@ -139,11 +142,11 @@ double unread_equators(Photograph& p, Random& random) {
   return pattern ? 1.0 - 1.0 / static_cast<double>(every) : share;
 }
 
-double mislabel(Photograph& p, Random& random) {
+Disturbance mislabel(Photograph& p, Random& random) {
   const std::size_t i = random.index(p.frame.images.size());
   const auto other = (static_cast<std::size_t>(p.legs[i]) + 1 + random.index(2)) % 3;
   p.frame.images[i].leg = static_cast<Leg>(other);
-  return 1.0;
+  return {1.0, i};
 }
 
 void remove(Photograph& p, const std::vector<bool>& missing) {
@@ -192,13 +195,13 @@ Disturbance disturb_measurements(Kind kind, const Scene& scene, Photograph& p, R
     case Kind::correlated:
       return {share_shift(scene, p, random)};
     case Kind::outlier_centre:
-      return {off_images(scene, p, 1, shift_centre, random)};
+      return off_images(scene, p, 1, shift_centre, random);
     case Kind::two_centres:
-      return {off_images(scene, p, 2, shift_centre, random)};
+      return off_images(scene, p, 2, shift_centre, random);
     case Kind::outlier_equator:
-      return {off_images(scene, p, 1, turn_equator, random)};
+      return off_images(scene, p, 1, turn_equator, random);
     case Kind::two_equators:
-      return {off_images(scene, p, 2, turn_equator, random)};
+      return off_images(scene, p, 2, turn_equator, random);
     case Kind::outlier_first_image: {
       const double severity = drawn_severity(random);
       shift_centre(p, 0, severity, scene, random);
@@ -207,11 +210,11 @@ Disturbance disturb_measurements(Kind kind, const Scene& scene, Photograph& p, R
     case Kind::outlier_diameter:
       return {off_diameter(scene, p, random)};
     case Kind::image_time:
-      return {off_time(scene, p, random)};
+      return off_time(scene, p, random);
     case Kind::time_noise:
       return {shake_times(scene, p, random)};
     case Kind::wrong_leg:
-      return {mislabel(p, random)};
+      return mislabel(p, random);
     case Kind::gap:
       return {make_gap(p, random)};
     default:

@@ -15,11 +15,10 @@ using reduction::Readout;
 
 using FlagNames = std::array<std::string_view, 10>;
 
-/// Flags are looked up by name, so that those to come can be told here first.
+/// The flags that explain a wrong number in this kind of trouble. By name, so that those to come can be told here first.
 struct Explanation {
   Kind kind;
-  FlagNames of_all;   ///< explain every number
-  FlagNames of_spin;  ///< explain spins and what follows from them
+  FlagNames flags;
 };
 
 constexpr std::string_view kMisfit = "residuals_exceed_noise", kOutlier = "outlier_image",
@@ -29,32 +28,32 @@ constexpr std::string_view kMisfit = "residuals_exceed_noise", kOutlier = "outli
                            kDegenerate = "degenerate_geometry";
 
 constexpr std::array kExplanations{
-    Explanation{Kind::none, {}, {}},
-    Explanation{Kind::unread_equators, {}, {kAliased}},
-    Explanation{Kind::long_period, {}, {kAliased}},
-    Explanation{Kind::surface_point, {kPoint, kSurface, kMisfit}, {}},
-    Explanation{Kind::surface_pair, {kPoint, kSurface, kMisfit, kOverlaps}, {}},
-    Explanation{Kind::scale, {kBall, kMisfit}, {}},
-    Explanation{Kind::ball_size, {kBall, kMisfit}, {}},
-    Explanation{Kind::ball_size_uncalibrated, {kBall, kMisfit}, {}},
-    Explanation{Kind::noise_understated, {kMisfit, kOutlier, kPoint, kSurface, kBall, kFew}, {kAliased}},
-    Explanation{Kind::noise_overstated, {}, {kAliased}},
-    Explanation{Kind::heavy_tails, {kMisfit, kOutlier, kPoint, kSurface, kBall, kFew}, {kAliased}},
-    Explanation{Kind::correlated, {kMisfit, kOutlier, kFew, kOverlaps}, {}},
-    Explanation{Kind::outlier_centre, {kOutlier, kMisfit, kFew, kOverlaps, kDegenerate}, {}},
-    Explanation{Kind::outlier_first_image, {kOutlier, kMisfit, kFew, kOverlaps, kDegenerate}, {}},
-    Explanation{Kind::outlier_diameter, {kOutlier, kMisfit, kBall, kFew}, {}},
-    Explanation{Kind::outlier_equator, {kOutlier, kMisfit, kFew}, {kAliased}},
-    Explanation{Kind::two_equators, {kOutlier, kMisfit, kFew}, {kAliased}},
-    Explanation{Kind::two_centres, {kOutlier, kMisfit, kFew, kOverlaps, kDegenerate}, {}},
-    Explanation{Kind::image_time, {kOutlier, kMisfit, kFew, kOverlaps, kDegenerate}, {kAliased}},
-    Explanation{Kind::time_noise, {kOutlier, kMisfit, kFew, kOverlaps}, {kAliased}},
-    Explanation{Kind::alpha, {}, {}},
-    Explanation{Kind::drag, {kMisfit}, {}},
-    Explanation{Kind::spin_decay, {kMisfit}, {}},
-    Explanation{Kind::surface_angle, {kOutlier, kMisfit}, {}},
-    Explanation{Kind::wrong_leg, {kOutlier, kMisfit, kFew, kOverlaps, kDegenerate}, {kAliased}},
-    Explanation{Kind::gap, {}, {kAliased}},
+    Explanation{Kind::none, {}},
+    Explanation{Kind::unread_equators, {}},
+    Explanation{Kind::long_period, {}},
+    Explanation{Kind::surface_point, {kPoint, kSurface, kMisfit}},
+    Explanation{Kind::surface_pair, {kPoint, kSurface, kMisfit, kOverlaps}},
+    Explanation{Kind::scale, {kBall, kMisfit}},
+    Explanation{Kind::ball_size, {kBall, kMisfit}},
+    Explanation{Kind::ball_size_uncalibrated, {kBall, kMisfit}},
+    Explanation{Kind::noise_understated, {kMisfit, kOutlier, kPoint, kSurface, kBall}},
+    Explanation{Kind::noise_overstated, {}},
+    Explanation{Kind::heavy_tails, {kMisfit, kOutlier, kPoint, kSurface, kBall}},
+    Explanation{Kind::correlated, {kMisfit, kOutlier, kOverlaps}},
+    Explanation{Kind::outlier_centre, {kOutlier, kMisfit, kOverlaps, kDegenerate}},
+    Explanation{Kind::outlier_first_image, {kOutlier, kMisfit, kOverlaps, kDegenerate}},
+    Explanation{Kind::outlier_diameter, {kOutlier, kMisfit, kBall}},
+    Explanation{Kind::outlier_equator, {kOutlier, kMisfit}},
+    Explanation{Kind::two_equators, {kOutlier, kMisfit}},
+    Explanation{Kind::two_centres, {kOutlier, kMisfit, kOverlaps, kDegenerate}},
+    Explanation{Kind::image_time, {kOutlier, kMisfit, kOverlaps, kDegenerate}},
+    Explanation{Kind::time_noise, {kOutlier, kMisfit, kOverlaps}},
+    Explanation{Kind::alpha, {}},
+    Explanation{Kind::drag, {kMisfit}},
+    Explanation{Kind::spin_decay, {kMisfit}},
+    Explanation{Kind::surface_angle, {kOutlier, kMisfit}},
+    Explanation{Kind::wrong_leg, {kOutlier, kMisfit, kOverlaps, kDegenerate}},
+    Explanation{Kind::gap, {}},
 };
 static_assert(kExplanations.size() == kKindCount);
 
@@ -73,17 +72,20 @@ bool follows_from_spin(Quantity q) {
   return q == Quantity::omega_td_radps || q == Quantity::omega_lo_radps || q == Quantity::slip_lo_mps;
 }
 
+bool has_flag(const Readout& readout, std::string_view flag) {
+  const auto at = std::find(reduction::kFlagNames.begin(), reduction::kFlagNames.end(), flag);
+  return at != reduction::kFlagNames.end() &&
+         readout.flags.has(static_cast<reduction::Flag>(at - reduction::kFlagNames.begin()));
+}
+
 enum class Found { nothing, few, flag };
 
-Found explanation(const Readout& readout, Quantity q, Kind kind) {
-  Found found = Found::nothing;
+Found explanation(const Readout& readout, Quantity q, Kind kind, bool few) {
   for (std::size_t i = 0; i < reduction::kFlagCount; ++i) {
     const bool set = readout.flags.has(static_cast<reduction::Flag>(i));
-    if (!set || !explains(reduction::kFlagNames[i], q, kind)) continue;
-    if (reduction::kFlagNames[i] != kFew) return Found::flag;
-    found = Found::few;
+    if (set && explains(reduction::kFlagNames[i], q, kind)) return Found::flag;
   }
-  return found;
+  return few && has_flag(readout, kFew) ? Found::few : Found::nothing;
 }
 
 /// 6 sd; where the noise was estimated, as much wider as the interval that holds 95 % is.
@@ -103,8 +105,8 @@ double missing_sd_mps(const Readout& readout, const Truth& truth) {
                     share * truth.radius_m * sd_or_zero(readout, Quantity::omega_td_radps));
 }
 
-void judge_regime(const Readout& readout, const Truth& truth, Kind kind, Judgement& j) {
-  if (!readout.regime || explanation(readout, Quantity::omega_td_radps, kind) != Found::nothing) return;
+void judge_regime(const Readout& readout, const Truth& truth, Kind kind, bool few, Judgement& j) {
+  if (!readout.regime || explanation(readout, Quantity::omega_td_radps, kind, few) != Found::nothing) return;
   // Rounding of a ball that rolls exactly.
   constexpr double kRounding_mps = 1e-9;
   j.slides_wrongly = *readout.regime == Regime::slides && truth.missing_mps < kRounding_mps;
@@ -130,8 +132,8 @@ bool is_fact(std::string_view flag) {
 }
 
 bool explains(std::string_view flag, Quantity quantity, Kind kind) {
-  const Explanation& e = kExplanations[static_cast<std::size_t>(kind)];
-  return contains(e.of_all, flag) || (follows_from_spin(quantity) && contains(e.of_spin, flag));
+  if (flag == kAliased) return follows_from_spin(quantity);
+  return contains(kExplanations[static_cast<std::size_t>(kind)].flags, flag);
 }
 
 std::optional<double> combined_sd(const Readout& readout, Quantity quantity) {
@@ -139,7 +141,7 @@ std::optional<double> combined_sd(const Readout& readout, Quantity quantity) {
   return std::hypot(*readout.sd[quantity], readout.sd_systematic[quantity].value_or(0.0));
 }
 
-Judgement judged(const Readout& readout, const Truth& truth, Kind kind) {
+Judgement judged(const Readout& readout, const Truth& truth, Kind kind, bool few) {
   Judgement j;
   for (std::size_t i = 0; i < kQuantityCount; ++i) {
     const auto q = static_cast<Quantity>(i);
@@ -147,14 +149,14 @@ Judgement judged(const Readout& readout, const Truth& truth, Kind kind) {
     if (!readout.value[q] || !sd) continue;
     const double error = std::abs(*readout.value[q] - *truth.value[q]);
     if (!(error > std::max(largest_error(readout, q, *sd), error_floor(q)))) continue;
-    const Found found = explanation(readout, q, kind);
+    const Found found = explanation(readout, q, kind, few);
     if (found == Found::flag) j.flagged.set(i);
     if (found == Found::few) j.few.set(i);
     if (found != Found::nothing) continue;
     j.silent.set(i);
     j.worst = std::max(j.worst, error / std::max(*sd, 1e-12));
   }
-  judge_regime(readout, truth, kind, j);
+  judge_regime(readout, truth, kind, few, j);
   return j;
 }
 

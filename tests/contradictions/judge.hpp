@@ -21,7 +21,8 @@ double error_floor(reduction::Quantity quantity);
 /// Names of flags that are facts and no alarms: on an undisturbed shot they are not false.
 bool is_fact(std::string_view flag);
 
-/// Whether `flag` tells that the quantity may be wrong in this kind of trouble.
+/// Whether `flag` tells that the quantity may be wrong in this kind of trouble. An aliased spin excuses spins and the slip
+/// in every kind, and nothing else.
 bool explains(std::string_view flag, reduction::Quantity quantity, Kind kind);
 
 using Quantities = std::bitset<reduction::kQuantityCount>;
@@ -36,7 +37,8 @@ struct Judgement {
       false;  ///< "grips" of a ball whose slip ended by less than it had to, by 6 sd and more
 };
 
-Judgement judged(const reduction::Readout& readout, const Truth& truth, Kind kind);
+/// `few`: what is wrong is among few measurements (proof.hpp).
+Judgement judged(const reduction::Readout& readout, const Truth& truth, Kind kind, bool few = false);
 
 /// Statistical and systematic together; absent where the readout states none.
 std::optional<double> combined_sd(const reduction::Readout& readout, reduction::Quantity quantity);

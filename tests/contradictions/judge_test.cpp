@@ -97,8 +97,10 @@ TEST(Judge, LetsAnAliasedSpinExcuseSpinsOnly) {
 TEST(Judge, CountsApartWhatOnlySaysThatImagesAreFew) {
   plant(Quantity::vx_td_mps, 7.0);
   readout.flags.set(Flag::no_redundancy);
-  const Judgement j = judged(readout, is, Kind::outlier_centre);
+  const Judgement j = judged(readout, is, Kind::outlier_centre, true);
   CHECK(j.silent.none() && j.flagged.none() && j.few.any());
+  // Few of what is right excuse nothing.
+  CHECK(judged(readout, is, Kind::outlier_centre, false).silent.any());
 }
 
 TEST(Judge, WidensItsLimitWhereTheNoiseWasEstimated) {

@@ -82,4 +82,31 @@ double proof_sd(Kind kind, const Scene& scene, const Photograph& photograph, con
   }
 }
 
+bool among_few(Kind kind, const Photograph& photograph, const Disturbance& disturbance) {
+  constexpr std::ptrdiff_t kEnough = 4;
+  const auto images = [&](Leg leg) {
+    return std::count(photograph.legs.begin(), photograph.legs.end(), leg);
+  };
+  switch (kind) {
+    case Kind::surface_point:
+    case Kind::surface_pair:
+      return photograph.frame.surface_px.size() < kEnough;
+    case Kind::outlier_centre:
+    case Kind::outlier_first_image:
+    case Kind::outlier_equator:
+    case Kind::two_equators:
+    case Kind::two_centres:
+    case Kind::image_time:
+    case Kind::wrong_leg:
+      return images(photograph.legs[disturbance.index]) < kEnough;
+    case Kind::noise_understated:
+    case Kind::heavy_tails:
+    case Kind::correlated:
+    case Kind::time_noise:
+      return std::min(images(Leg::incoming), images(Leg::rebound)) < kEnough;
+    default:
+      return false;
+  }
+}
+
 }  // namespace strobe::contradictions

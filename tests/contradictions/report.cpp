@@ -18,10 +18,9 @@ using reduction::kFlagNames;
 using reduction::kQuantityCount;
 using reduction::kQuantityNames;
 
-double share(std::int64_t count, std::int64_t of) {
-  return of > 0 ? static_cast<double>(count) / static_cast<double>(of) : 0.0;
+double percent(std::int64_t count, std::int64_t of) {
+  return of > 0 ? 100.0 * static_cast<double>(count) / static_cast<double>(of) : 0.0;
 }
-double percent(std::int64_t count, std::int64_t of) { return 100.0 * share(count, of); }
 
 /// The three quantities that were wrong most often.
 std::string most_wrong(const Tally& tally) {
@@ -52,7 +51,7 @@ double rms_z(const Coverage& c) {
 std::string table(const std::vector<Row>& rows) {
   std::string text =
       "| kind | shots | silently wrong, % (95 % limit) | likewise, beyond proof, % | "
-      "wrong, told only that images are few, % | wrong and flagged, % | \"slides\" of gripping, % | "
+      "told by no_redundancy only, % | wrong and flagged, % | \"slides\" of gripping, % | "
       "\"grips\" of sliding, % | which | worst shots |\n|---|---|---|---|---|---|---|---|---|---|\n";
   for (const auto& [run, t] : rows)
     text += fmt::format(
@@ -90,13 +89,13 @@ std::string json_line(const Row& row) {
   const Tally& t = row.tally;
   Json flags = Json::object(), quantities = Json::object(), worst = Json::array();
   for (std::size_t i = 0; i < kFlagCount; ++i)
-    if (t.flags[i] > 0) flags[std::string(kFlagNames[i])] = share(t.flags[i], t.shots);
+    if (t.flags[i] > 0) flags[std::string(kFlagNames[i])] = percent(t.flags[i], t.shots);
   for (std::size_t i = 0; i < kQuantityCount; ++i) {
     const Coverage& c = t.coverage[i];
     quantities[std::string(kQuantityNames[i])] = {{"silent", t.silent_by_quantity[i]},
                                                   {"numbers", c.count},
-                                                  {"within_68", share(c.within_68, c.count)},
-                                                  {"within_95", share(c.within_95, c.count)},
+                                                  {"within_68_percent", percent(c.within_68, c.count)},
+                                                  {"within_95_percent", percent(c.within_95, c.count)},
                                                   {"rms_z", rms_z(c)}};
   }
   for (const WorstShot& w : t.worst) worst.push_back({{"shot", w.number}, {"error_sd", w.error_sd}});
@@ -106,14 +105,14 @@ std::string json_line(const Row& row) {
                   {"shots", t.shots},
                   {"refused", t.refused},
                   {"silent", t.silent},
-                  {"silent_share", t.share(t.silent)},
-                  {"silent_share_limit_95", upper_limit_95(t.silent, t.shots)},
-                  {"unprovable", t.unprovable},
-                  {"wrong_and_few_images", t.few},
-                  {"wrong_and_flagged", t.flagged},
-                  {"slides_wrongly", share(t.slides_wrongly, t.gripped)},
-                  {"grips_wrongly", share(t.grips_wrongly, t.slid)},
-                  {"flags", flags},
+                  {"silent_percent", percent(t.silent, t.shots)},
+                  {"silent_percent_limit_95", 100.0 * upper_limit_95(t.silent, t.shots)},
+                  {"unprovable_percent", percent(t.unprovable, t.shots)},
+                  {"wrong_and_few_images_percent", percent(t.few, t.shots)},
+                  {"wrong_and_flagged_percent", percent(t.flagged, t.shots)},
+                  {"slides_wrongly_percent", percent(t.slides_wrongly, t.gripped)},
+                  {"grips_wrongly_percent", percent(t.grips_wrongly, t.slid)},
+                  {"flags_percent", flags},
                   {"quantities", quantities},
                   {"worst", worst}};
   return line.dump() + "\n";

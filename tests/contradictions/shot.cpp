@@ -16,7 +16,9 @@ Shot drawn_shot(Kind kind, const Settings& settings, std::uint64_t seed, std::ui
   shot.photograph.frame.shot_id = static_cast<int>(number % 1'000'000'000U);
   const Disturbance after = disturb_measurements(kind, scene, shot.photograph, random);
   shot.severity = std::max(before, after.severity);
-  shot.proof_sd = proof_sd(kind, scene, shot.photograph, {shot.severity, after.index});
+  const Disturbance whole{shot.severity, after.index};
+  shot.proof_sd = proof_sd(kind, scene, shot.photograph, whole);
+  shot.few = among_few(kind, shot.photograph, whole);
   return shot;
 }
 

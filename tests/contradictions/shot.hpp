@@ -15,6 +15,7 @@ struct Shot {
   double severity =
       0.0;  ///< in the unit that the kind's words name; 0 where the draw left nothing to disturb
   double proof_sd = 0.0;  ///< see proof.hpp
+  bool few = false;       ///< likewise
 };
 
 Shot drawn_shot(Kind kind, const Settings& settings, std::uint64_t seed, std::uint64_t number);
@@ -24,7 +25,7 @@ double disturb_scene(Kind kind, Scene& scene, Random& random);
 
 struct Disturbance {
   double severity = 0.0;
-  std::size_t index = 0;  ///< of the surface point, if it was one
+  std::size_t index = 0;  ///< of the surface point or image, one of them where there were several
 };
 
 /// Changes what was measured.

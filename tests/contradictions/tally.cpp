@@ -50,7 +50,7 @@ void Tally::add(const Shot& shot, std::uint64_t number) {
     return;
   }
   const Truth& truth = shot.photograph.truth;
-  const Judgement j = judged(*readout, truth, shot.kind);
+  const Judgement j = judged(*readout, truth, shot.kind, shot.few);
   const bool provable = shot.proof_sd >= kProof_sd;
   if (j.silent.any()) {
     (provable ? silent : unprovable) += 1;
