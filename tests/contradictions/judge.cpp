@@ -52,7 +52,7 @@ constexpr std::array kExplanations{
     Explanation{Kind::drag, {kMisfit}},
     Explanation{Kind::spin_decay, {kMisfit}},
     Explanation{Kind::surface_angle, {kOutlier, kMisfit}},
-    Explanation{Kind::wrong_leg, {kOutlier, kMisfit, kOverlaps, kDegenerate}},
+    Explanation{Kind::wrong_leg, {kOutlier, kMisfit, kSurface, kOverlaps, kDegenerate}},
     Explanation{Kind::gap, {}},
 };
 static_assert(kExplanations.size() == kKindCount);

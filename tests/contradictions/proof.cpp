@@ -83,14 +83,16 @@ double proof_sd(Kind kind, const Scene& scene, const Photograph& photograph, con
 }
 
 bool among_few(Kind kind, const Photograph& photograph, const Disturbance& disturbance) {
-  constexpr std::ptrdiff_t kEnough = 4;
+  constexpr std::size_t kEnoughPoints = 4;
+  // Of five, one may be so near the surface that it is taken for an image in contact.
+  constexpr std::ptrdiff_t kEnoughImages = 5;
   const auto images = [&](Leg leg) {
     return std::count(photograph.legs.begin(), photograph.legs.end(), leg);
   };
   switch (kind) {
     case Kind::surface_point:
     case Kind::surface_pair:
-      return photograph.frame.surface_px.size() < kEnough;
+      return photograph.frame.surface_px.size() < kEnoughPoints;
     case Kind::outlier_centre:
     case Kind::outlier_first_image:
     case Kind::outlier_equator:
@@ -98,12 +100,12 @@ bool among_few(Kind kind, const Photograph& photograph, const Disturbance& distu
     case Kind::two_centres:
     case Kind::image_time:
     case Kind::wrong_leg:
-      return images(photograph.legs[disturbance.index]) < kEnough;
+      return images(photograph.legs[disturbance.index]) < kEnoughImages;
     case Kind::noise_understated:
     case Kind::heavy_tails:
     case Kind::correlated:
     case Kind::time_noise:
-      return std::min(images(Leg::incoming), images(Leg::rebound)) < kEnough;
+      return std::min(images(Leg::incoming), images(Leg::rebound)) < kEnoughImages;
     default:
       return false;
   }

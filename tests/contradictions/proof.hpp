@@ -14,8 +14,8 @@ inline constexpr double kProof_sd = 5.0;
 /// ball without a calibrated scale. Infinite for trouble that is not a contradiction between measurements.
 double proof_sd(Kind kind, const Scene& scene, const Photograph& photograph, const Disturbance& disturbance);
 
-/// Whether what is wrong is one of fewer than four surface points, or of images of a leg, so that it cannot be singled
-/// out: then, and only then, no_redundancy tells of it.
+/// Whether what is wrong is one of fewer than four surface points, or of fewer than five images of a leg, so that it
+/// cannot be singled out: then, and only then, no_redundancy tells of it.
 bool among_few(Kind kind, const Photograph& photograph, const Disturbance& disturbance);
 
 }  // namespace strobe::contradictions
