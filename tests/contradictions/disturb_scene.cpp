@@ -84,7 +84,7 @@ double disturb_scene(Kind kind, Scene& scene, Random& random) {
       scene.drag_coefficient *= random.within(0.8, 1.2);
       return 100.0 * std::abs(scene.drag_coefficient / 0.55 - 1.0);
     case Kind::spin_decay:
-      scene.spin_decay_per_m = random.within(0.0, 0.03);
+      scene.spin_decay_per_m = random.within(0.005, 0.02);
       return 100.0 * scene.spin_decay_per_m;
     case Kind::surface_angle: {
       const double severity = random.logarithmic(0.5, 15.0);

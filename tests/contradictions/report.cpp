@@ -87,9 +87,12 @@ std::string coverage_table(const Row& row) {
 
 std::string json_line(const Row& row) {
   const Tally& t = row.tally;
+  std::int64_t alarms = 0;  // of the most frequent one
   Json flags = Json::object(), quantities = Json::object(), worst = Json::array();
-  for (std::size_t i = 0; i < kFlagCount; ++i)
+  for (std::size_t i = 0; i < kFlagCount; ++i) {
     if (t.flags[i] > 0) flags[std::string(kFlagNames[i])] = percent(t.flags[i], t.shots);
+    if (!is_fact(kFlagNames[i])) alarms = std::max(alarms, t.flags[i]);
+  }
   for (std::size_t i = 0; i < kQuantityCount; ++i) {
     const Coverage& c = t.coverage[i];
     quantities[std::string(kQuantityNames[i])] = {{"silent", t.silent_by_quantity[i]},
@@ -112,6 +115,7 @@ std::string json_line(const Row& row) {
                   {"wrong_and_flagged_percent", percent(t.flagged, t.shots)},
                   {"slides_wrongly_percent", percent(t.slides_wrongly, t.gripped)},
                   {"grips_wrongly_percent", percent(t.grips_wrongly, t.slid)},
+                  {"largest_alarm_percent", percent(alarms, t.shots)},
                   {"flags_percent", flags},
                   {"quantities", quantities},
                   {"worst", worst}};

@@ -19,7 +19,7 @@ using strobe::testing::repetitions;
 
 namespace {
 
-constexpr std::int64_t kShots = 2000;
+constexpr int kShots = 2000;
 
 struct Shares {
   double silent = 0.2, unprovable = 0.0;  ///< in percent
@@ -53,7 +53,7 @@ constexpr std::array kLimits{
     Limits{Kind::time_noise, {0.2, 0}, {0.2, 0}},
     Limits{Kind::alpha, {0.2, 0}, {0.4, 0}},
     Limits{Kind::drag, {0.53, 0}, {11, 0}},
-    Limits{Kind::spin_decay, {8.7, 0}, {20, 0}},
+    Limits{Kind::spin_decay, {2.7, 0}, {4.6, 0}},
     Limits{Kind::surface_angle, {1.4, 1.1}, {1.4, 1.7}},
     Limits{Kind::wrong_leg, {0.2, 0}, {0.2, 0}},
     Limits{Kind::gap, {0.2, 0}, {1.6, 0}},
@@ -71,11 +71,8 @@ std::int64_t most_by_chance(double percent, std::int64_t shots) {
   return static_cast<std::int64_t>(mean + 4.0 * std::sqrt(mean) + 3.0);
 }
 
-Tally drawn(Kind kind, NoiseLevel noise, std::int64_t shots, int least_images = 2) {
-  return tallied({.kind = kind,
-                  .settings = {.noise = noise, .least_images = least_images},
-                  .seed = seed(),
-                  .shots = repetitions(static_cast<int>(shots))});
+Tally drawn(Kind kind, NoiseLevel noise, int shots) {
+  return tallied({.kind = kind, .settings = {.noise = noise}, .seed = seed(), .shots = repetitions(shots)});
 }
 
 const char* words(NoiseLevel noise) { return noise == NoiseLevel::hand ? "hand" : "digitizer"; }
@@ -105,8 +102,9 @@ void check_false_flags(NoiseLevel noise, double percent) {
 }
 
 /// `off_percent`: of the coverage, besides what chance does.
-void check_coverage(NoiseLevel noise, double off_percent) {
-  const Tally t = drawn(Kind::none, noise, 4 * kShots, 5);
+void check_coverage(const Settings& settings, double off_percent) {
+  const Tally t =
+      tallied({.kind = Kind::none, .settings = settings, .seed = seed(), .shots = repetitions(4 * kShots)});
   for (std::size_t i = 0; i < reduction::kQuantityCount; ++i) {
     const Coverage& c = t.coverage[i];
     const double n = static_cast<double>(c.count);
@@ -114,7 +112,7 @@ void check_coverage(NoiseLevel noise, double off_percent) {
       const double share = static_cast<double>(within) / n;
       const double chance = 4.0 * std::sqrt(level * (1.0 - level) / n);
       const std::string text =
-          fmt::format("{}, {} noise, seed {}", reduction::kQuantityNames[i], words(noise), seed());
+          fmt::format("{}, {} noise, seed {}", reduction::kQuantityNames[i], words(settings.noise), seed());
       DOUBLES_EQUAL_TEXT(level, share, 0.01 * off_percent + chance, text.c_str());
     };
     check(c.within_68, 0.6827);
@@ -144,6 +142,11 @@ TEST(Contradictions, OfUndisturbedShotsAreHardlyEverTold) {
 }
 
 TEST(Contradictions, AbsentLeaveTheIntervalsWithTheirShare) {
-  check_coverage(NoiseLevel::hand, 1.0);
-  check_coverage(NoiseLevel::digitizer, 5.0);
+  check_coverage({.noise = NoiseLevel::hand, .least_images = 5}, 1.0);
+  check_coverage({.noise = NoiseLevel::digitizer, .least_images = 5}, 5.0);
+}
+
+TEST(Contradictions, AbsentLeaveTheIntervalsOfEstimatedNoiseWithTheirShare) {
+  check_coverage({.noise = NoiseLevel::hand, .least_images = 3, .most_images = 3, .noise_stated = false},
+                 2.0);
 }

@@ -67,7 +67,7 @@ inline constexpr std::array<KindInWords, 26> kKinds{{
     {"time_noise", "times with noise of 0.3-10 centre sd along the path, not stated"},
     {"alpha", "the ball's alpha 0.51-0.60, 0.55 is told"},
     {"drag", "drag coefficient up to 20 % off"},
-    {"spin_decay", "spin's decay in flight 0-3 % a metre for 1 %"},
+    {"spin_decay", "spin's decay in flight 0.5-2 % a metre, 1 % is assumed"},
     {"surface_angle", "told inclination of the plate 0.5-15 degrees off"},
     {"wrong_leg", "one image labelled with a wrong leg"},
     {"gap", "5-70 % of the images missing, at random or in a row"},
