@@ -85,6 +85,12 @@ Disturbance off_images(const Scene& scene, Photograph& p, std::size_t count, Shi
   return {severity, first};
 }
 
+Disturbance off_first_image(const Scene& scene, Photograph& p, Random& random) {
+  const double severity = drawn_severity(random);
+  shift_centre(p, 0, severity, scene, random);
+  return {severity, 0};
+}
+
 /// Neighbours of one leg that share a shift.
 double share_shift(const Scene& scene, Photograph& p, Random& random) {
   const double severity = random.logarithmic(0.5, 5.0);
@@ -202,11 +208,8 @@ Disturbance disturb_measurements(Kind kind, const Scene& scene, Photograph& p, R
       return off_images(scene, p, 1, turn_equator, random);
     case Kind::two_equators:
       return off_images(scene, p, 2, turn_equator, random);
-    case Kind::outlier_first_image: {
-      const double severity = drawn_severity(random);
-      shift_centre(p, 0, severity, scene, random);
-      return {severity};
-    }
+    case Kind::outlier_first_image:
+      return off_first_image(scene, p, random);
     case Kind::outlier_diameter:
       return {off_diameter(scene, p, random)};
     case Kind::image_time:

@@ -54,6 +54,12 @@ double disturb_alpha(Scene& scene, Random& random) {
   return std::abs(scene.alpha - 0.55);
 }
 
+double disturb_inclination(Scene& scene, Random& random) {
+  const double severity = random.logarithmic(0.5, 15.0);
+  scene.told_inclination_deg += severity * random.sign();
+  return severity;
+}
+
 }  // namespace
 
 double disturb_scene(Kind kind, Scene& scene, Random& random) {
@@ -86,11 +92,8 @@ double disturb_scene(Kind kind, Scene& scene, Random& random) {
     case Kind::spin_decay:
       scene.spin_decay_per_m = random.within(0.005, 0.02);
       return 100.0 * scene.spin_decay_per_m;
-    case Kind::surface_angle: {
-      const double severity = random.logarithmic(0.5, 15.0);
-      scene.told_inclination_deg += severity * random.sign();
-      return severity;
-    }
+    case Kind::surface_angle:
+      return disturb_inclination(scene, random);
     case Kind::wrong_leg:
       scene.labels = true;
       return 0.0;

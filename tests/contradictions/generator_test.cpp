@@ -1,6 +1,7 @@
 // The generator against closed forms and against itself: a judge is as good as its truth.
+#include <algorithm>
 #include <cmath>
-#include <numbers>
+#include <string>
 
 #include "common/reduction/reduce.hpp"
 #include "tests/contradictions/shot.hpp"
@@ -14,7 +15,6 @@ using strobe::testing::repetitions;
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kGravity = 9.80665;
 
 Motion thrown() {

@@ -116,18 +116,7 @@ int contradictions(const Options& options) {
   return status;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
-  CLI::App app(
-      "Draws shots with trouble of each kind and counts wrong numbers that no flag explains: beyond 6 stated "
-      "sd and\n"
-      "beyond a tenth of what digitizing by hand does. Status 1 if a kind has more of them than the limits.\n"
-      "Example: strobe-contradictions --kind outlier_centre --shots 100000 --seed 7\n"
-      "One of its shots, with its truth: strobe-contradictions --kind outlier_centre --seed 7 --write 123 | "
-      "strobe "
-      "reduce - --format frame");
-  Options options;
+void add_options(CLI::App& app, Options& options) {
   app.add_option("--kind", options.kinds,
                  "of trouble; several, or all if not given. An unknown one lists them");
   app.add_option("--shots", options.shots, "of each kind")
@@ -149,6 +138,21 @@ int main(int argc, char** argv) {
   app.add_flag("--noise-absent", options.noise_absent, "frames state no noise");
   app.add_flag("--coverage", options.coverage, "print each kind's coverage");
   app.add_flag("--json", options.json, "one object for each kind");
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app(
+      "Draws shots with trouble of each kind and counts wrong numbers that no flag explains: beyond 6 stated "
+      "sd and\n"
+      "beyond a tenth of what digitizing by hand does. Status 1 if a kind has more of them than the limits.\n"
+      "Example: strobe-contradictions --kind outlier_centre --shots 100000 --seed 7\n"
+      "One of its shots, with its truth: strobe-contradictions --kind outlier_centre --seed 7 --write 123 | "
+      "strobe "
+      "reduce - --format frame");
+  Options options;
+  add_options(app, options);
   CLI11_PARSE(app, argc, argv);
   try {
     return contradictions(options);
