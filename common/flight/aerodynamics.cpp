@@ -38,13 +38,13 @@ Aerodynamics aerodynamics(const ball::Ball& ball, double air_density_kgpm3, Effe
 }
 
 Forcing forcing(const Aerodynamics& air, const Eigen::Vector2d& gravity_mps2, const Eigen::Vector2d& v,
-                double omega_radps) {
+                double omega_radps, double more_lift_per_s) {
   const double speed = std::hypot(v.x(), v.y());
   if (!(speed > 0.0)) return {gravity_mps2};
   // Lift is f(speed) (z x v) with f = lift_per_m R omega speed / (2 R|omega| + speed).
   const double rim = air.radius_m * omega_radps;
   const double sum = 2.0 * std::abs(rim) + speed;
-  const double f = air.lift_per_m * rim * speed / sum;
+  const double f = air.lift_per_m * rim * speed / sum + more_lift_per_s;
   const double df = air.lift_per_m * rim * (2.0 * std::abs(rim) / sum) / sum;  // by the speed
   const double drag = air.drag_per_m * speed;
   const Eigen::Vector2d a{gravity_mps2.x() - drag * v.x() - f * v.y(),

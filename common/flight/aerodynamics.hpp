@@ -16,10 +16,18 @@ namespace strobe::flight {
 
 /// Of used balls, as experiments have them: between the smooth-felted and the new ball above.
 inline constexpr double kDragCoefficient = 0.55;
+/// Its standard deviation over balls and their wear: the measurements above lie within two.
+inline constexpr double kDragCoefficientSd = 0.05;
+
+/// Standard deviation of the lift coefficient as a share of it: measurements of several authors scatter by a fifth
+/// about the form above (Cross, Lindsey 2013).
+inline constexpr double kLiftCoefficientShareSd = 0.2;
 
 /// Friction of the air slows a spin, domega/dt = -kSpinDecay_per_m·|v|·omega, in the air below; .05 % in 3 ms
 /// at 17 m/s.
 inline constexpr double kSpinDecay_per_m = 0.01;
+/// Known in its order only: felt and seam decide it.
+inline constexpr double kSpinDecaySd_per_m = 0.005;
 
 /// Dry air at 20 degrees Celsius and 101 325 Pa.
 inline constexpr double kAirDensity_kgpm3 = 1.204;
@@ -54,9 +62,9 @@ struct Forcing {
 };
 
 /// Of a ball with velocity and (constant) spin, in gravity. The jerk is the exact time derivative of the
-/// acceleration there.
+/// acceleration there. `more_lift_per_s`: lift over speed, as acceleration, besides that of the spin.
 Forcing forcing(const Aerodynamics& air, const Eigen::Vector2d& gravity_mps2,
-                const Eigen::Vector2d& velocity_mps, double omega_radps);
+                const Eigen::Vector2d& velocity_mps, double omega_radps, double more_lift_per_s = 0.0);
 
 /// Flight as a third-order series about t = 0: position and velocity there, acceleration and jerk. What is
 /// left out is the fourth order: at 45 m/s (drag 39 m/s^2) 0.002 mm/s and 5 nm after 6 ms, at 17 m/s a

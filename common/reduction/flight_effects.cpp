@@ -74,6 +74,8 @@ flight::Effects significant_effects(const Readout& readout, const ShotFit& fit, 
     const double speed = *readout.value[kSpeed[leg]];
     drag[leg] = fit.air.drag_mps2(speed);
     if (fit.spin[leg]) lift[leg] = std::abs(fit.air.lift_mps2(speed, fit.spin[leg]->omega_radps));
+    const AirError& error = fit.air_fit.prior[kLiftError[leg]];
+    if (error.open) lift[leg] += speed * (std::abs(error.mean) + 2.0 * error.sd);
   }
   flight::Effects kept = candidates;
   kept.drag = kept.drag && significant(readout, change_bound(readout, fit, crossings, drag));

@@ -70,6 +70,8 @@ ImageRows rows_of(const Observations& all, const JointFit& fit, const Rotation2d
     rows.row[0][c] = w.first(columns[c].x());
     rows.row[1][c] = w.second(columns[c].x(), columns[c].y());
   }
+  rows.time_s = t;
+  rows.white[0] = w.xx, rows.white[1] = w.yx, rows.white[2] = w.yy;
   rows.residual[0] = w.first(residual.x());
   rows.residual[1] = w.second(residual.x(), residual.y());
   return rows;
@@ -185,21 +187,19 @@ void start(const Observations& all, JointFit& fit) {
 
 /// Forcing at the legs' present velocities.
 void update_forcing(const FlightModel& model, JointFit& fit) {
-  const Rotation2d to_surface = tilt_of(fit).inverse();
   // The series of drag and lift is one in their share of the velocity; this bound leaves 1e-4 of it.
   constexpr double kLongest = 0.1;
   std::array<Eigen::Vector2d, 2> velocity{Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};
   for (std::size_t leg = 0; leg < 2; ++leg) {
     if (!fit.legs[leg].fitted) continue;
-    const double* z = &fit.unknowns[kLegStart[leg]];
-    const double per_second = fit.unknowns[kScale] * fit.legs[leg].span_s;
-    velocity[leg] = to_surface * Eigen::Vector2d(z[2] / per_second, z[3] / per_second);
+    velocity[leg] = leg_velocity_mps(fit, leg);
     const double path_m = std::hypot(velocity[leg].x(), velocity[leg].y()) * fit.legs[leg].span_s;
     if (!(path_m * std::max(model.air.drag_per_m, model.air.lift_per_m) < kLongest)) fit.air_used = false;
   }
   const flight::Aerodynamics air = fit.air_used ? model.air : flight::Aerodynamics{};
   for (std::size_t leg = 0; leg < 2; ++leg) {
-    fit.forcing[leg] = flight::forcing(air, model.gravity_mps2, velocity[leg], model.omega_radps[leg]);
+    fit.forcing[leg] = flight::forcing(air, model.gravity_mps2, velocity[leg], model.omega_radps[leg],
+                                       fit.air_used ? model.more_lift_per_s[leg] : 0.0);
   }
 }
 
@@ -216,6 +216,18 @@ bool diverged(const JointFit& fit, double first_scale) {
 
 ImageRows image_rows(const Observations& all, const JointFit& fit, const Observation& image) {
   return rows_of(all, fit, tilt_of(fit), image);
+}
+
+Eigen::Vector2d ImageRows::moved_by(const Eigen::Vector2d& acceleration_mps2, const JointFit& fit) const {
+  const double factor = 0.5 * time_s * time_s * fit.unknowns[kScale];
+  const Eigen::Vector2d way = factor * (tilt_of(fit) * acceleration_mps2);
+  return {white[0] * way.x(), white[1] * way.x() + white[2] * way.y()};
+}
+
+Eigen::Vector2d leg_velocity_mps(const JointFit& fit, std::size_t leg) {
+  const double* z = &fit.unknowns[kLegStart[leg]];
+  const double per_second = fit.unknowns[kScale] * fit.legs[leg].span_s;
+  return tilt_of(fit).inverse() * Eigen::Vector2d(z[2] / per_second, z[3] / per_second);
 }
 
 double surface_residual(const JointFit& fit, const Eigen::Vector2d& point) {

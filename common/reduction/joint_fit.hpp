@@ -28,6 +28,7 @@ struct FlightModel {
   Eigen::Vector2d gravity_mps2 = Eigen::Vector2d::Zero();
   flight::Aerodynamics air;
   std::array<double, 2> omega_radps{};
+  std::array<double, 2> more_lift_per_s{};  ///< see flight::forcing
 };
 
 struct JointFit {
@@ -51,9 +52,17 @@ JointFit fit_joint(const Observations& all, const FlightModel& model);
 struct ImageRows {
   std::array<double, 6> row[2];
   double residual[2];
+  double time_s = 0.0;   ///< from the leg's origin
+  double white[3] = {};  ///< xx, yx, yy of the inverse Cholesky factor of its noise
+
+  /// By how much an acceleration in the surface's axes moves the image, divided by its noise.
+  Eigen::Vector2d moved_by(const Eigen::Vector2d& acceleration_mps2, const JointFit& fit) const;
 };
 /// `image` is airborne, its leg fitted.
 ImageRows image_rows(const Observations& all, const JointFit& fit, const Observation& image);
+
+/// At the leg's origin of time, in the surface's axes.
+Eigen::Vector2d leg_velocity_mps(const JointFit& fit, std::size_t leg);
 
 /// Distance of a surface point from the fitted line. [m]
 double surface_residual(const JointFit& fit, const Eigen::Vector2d& point);

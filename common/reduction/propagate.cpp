@@ -14,10 +14,13 @@
 namespace strobe::reduction {
 namespace {
 
-// Variables of the derivatives: the joint fit's unknowns, both spins, the ball's diameter.
+// Variables of the derivatives: the joint fit's unknowns, both spins, the ball's diameter, the spin's decay, and the
+// errors of the air.
 constexpr std::size_t kSpin[2] = {kJointCount, kJointCount + 1};
 constexpr std::size_t kDiameter = kJointCount + 2;
-using Number = Dual<kJointCount + 3>;
+constexpr std::size_t kDecay = kJointCount + 3;
+constexpr std::size_t kAir = kJointCount + 4;  // the first of AirErrors
+using Number = Dual<kAir + kAirErrorCount>;
 
 /// A leg where its centre is one radius above the surface, in the surface's axes.
 struct SurfaceCrossing {
@@ -27,8 +30,11 @@ struct SurfaceCrossing {
   Number vy_mps;
 };
 
+/// Follows the errors of the air: what they bend the fit straightens as far as it can.
 Number unknown(const ShotFit& fit, std::size_t index) {
-  return Number::variable(fit.joint.unknowns[index], index);
+  Number u = Number::variable(fit.joint.unknowns[index], index);
+  for (std::size_t p = 0; p < kAirErrorCount; ++p) u.grad[kAir + p] = fit.air_fit.response[p][index];
+  return u;
 }
 
 Number radius(const ShotFit& fit) {
@@ -86,6 +92,11 @@ std::optional<SurfaceCrossing> crossing(const ShotFit& fit, std::size_t leg) {
   const Eigen::Matrix2d& by_v = p.forcing.by_velocity_per_s;
   add_derivatives(p.vx_mps, p.vy_mps, by_v(0, 0), by_v(0, 1), ax);
   add_derivatives(p.vx_mps, p.vy_mps, by_v(1, 0), by_v(1, 1), ay);
+  for (std::size_t i = 0; i < kAirErrorCount; ++i) {
+    if (!(fit.air_fit.prior[i].sd > 0.0)) continue;
+    ax.grad[kAir + i] += fit.air_fit.acceleration_mps2[i][leg].x();
+    ay.grad[kAir + i] += fit.air_fit.acceleration_mps2[i][leg].y();
+  }
   const Eigen::Vector2d& j = p.forcing.jerk_mps3;
   Number time = -1.0 / there.y() * (p.height_m + p.vy_mps * t + ay * (0.5 * t * t));
   time.value = t;
@@ -168,7 +179,7 @@ class Uncertainty {
   /// Returns nullopt if the number depends on a variance component that no residuals tell.
   std::optional<Statistical> statistical(const Number& q) const {
     const JointVector y = fit_.joint.factor.whitened(joint_gradient(q));
-    const double variance = dot(y, y) + spin_covariance(q, q, &SpinFit::variance);
+    const double variance = dot(y, y) + spin_covariance(q, q, &SpinFit::variance) + statistical_air(q, q);
     if (!any_estimated_ || variance == 0.0) return Statistical{std::sqrt(variance), {}};
     const auto parts = variance_shares(q, y);
     double uncertain = 0.0;  // sum of (estimated share)^2 / its degrees of freedom
@@ -188,15 +199,18 @@ class Uncertainty {
     return Statistical{sd * student_t_sigma(freedom), freedom};
   }
 
+  /// Of the ball's diameter, where its tolerance is known, and of the air.
   std::optional<double> systematic(const Number& q) const {
-    if (!fit_.observations.ball_diameter_sd_m) return std::nullopt;
+    const double by_decay = q.grad[kDecay] * fit_.spin_decay_sd_per_m;
+    const double air = std::sqrt(air_tolerance(q) + by_decay * by_decay);
+    if (!fit_.observations.ball_diameter_sd_m) return air > 0.0 ? std::optional(air) : std::nullopt;
     const double derivative = q.grad[kDiameter] + dot(joint_gradient(q), by_diameter_);
-    return std::abs(derivative) * *fit_.observations.ball_diameter_sd_m;
+    return std::hypot(derivative * *fit_.observations.ball_diameter_sd_m, air);
   }
 
   double covariance(const Number& a, const Number& b) const {
     return dot(fit_.joint.factor.whitened(joint_gradient(a)), fit_.joint.factor.whitened(joint_gradient(b))) +
-           spin_covariance(a, b, &SpinFit::variance);
+           spin_covariance(a, b, &SpinFit::variance) + statistical_air(a, b);
   }
 
  private:
@@ -212,6 +226,33 @@ class Uncertainty {
       if (fit_.spin[leg]) sum += a.grad[kSpin[leg]] * b.grad[kSpin[leg]] * (*fit_.spin[leg]).*which;
     }
     return sum;
+  }
+
+  /// What the images' noise makes of the air's errors, and the range of a lift that is open.
+  double statistical_air(const Number& a, const Number& b) const {
+    const AirFit& air = fit_.air_fit;
+    double sum = 0.0;
+    for (std::size_t p = 0; p < kAirErrorCount; ++p) {
+      for (std::size_t q = 0; q < kAirErrorCount; ++q) {
+        const bool open = air.prior[p].open && air.prior[q].open;
+        const double covariance = air.by_noise[p][q] + (open ? air.by_prior[p][q] : 0.0);
+        sum += a.grad[kAir + p] * b.grad[kAir + q] * covariance;
+      }
+    }
+    return sum;
+  }
+
+  /// Variance by what is left of the tolerances of drag and lift.
+  double air_tolerance(const Number& a) const {
+    const AirFit& air = fit_.air_fit;
+    double sum = 0.0;
+    for (std::size_t p = 0; p < kAirErrorCount; ++p) {
+      for (std::size_t q = 0; q < kAirErrorCount; ++q) {
+        if (air.prior[p].open || air.prior[q].open) continue;
+        sum += a.grad[kAir + p] * a.grad[kAir + q] * air.by_prior[p][q];
+      }
+    }
+    return std::max(sum, 0.0);
   }
 
   /// The part of the variance that each variance component accounts for: the number moves by the sum of
@@ -333,7 +374,9 @@ class Propagation {
     constexpr double kMaxDisplacement_m = 100.0;  // a frame of no ball may have any, and overflow
     if (!(std::abs(d.x()) < kMaxDisplacement_m && std::abs(d.y()) < kMaxDisplacement_m)) return mean;
     const double displacement_m = std::copysign(std::hypot(d.x(), d.y()), spin.time_s - crossing_s);
-    return mean * std::exp(fit_.spin_decay_per_m * displacement_m);
+    Number at_surface = mean * std::exp(fit_.spin_decay_per_m * displacement_m);
+    at_surface.grad[kDecay] = at_surface.value * displacement_m;
+    return at_surface;
   }
 
   struct LegQuantities {

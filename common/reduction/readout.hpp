@@ -106,7 +106,7 @@ struct Readout {
   int shot_id = 0;
   Quantities value;
   Quantities sd;             ///< statistical standard deviation, given the ball's diameter
-  Quantities sd_systematic;  ///< standard deviation from the diameter's tolerance
+  Quantities sd_systematic;  ///< standard deviation from the tolerances of the ball's diameter and of the air
   /// Of sd, where noise was estimated: effective ones (Welch-Satterthwaite). Absent: infinitely many.
   Quantities degrees_of_freedom;
   std::optional<Regime> regime;

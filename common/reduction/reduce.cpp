@@ -72,9 +72,11 @@ Readout two_point_readout(const Frame& frame, const PropagationOptions& propagat
 
 /// Fits what the frame holds; where its surface points disagree, once more with those that agree, since the line
 /// says which images are airborne. Returns nullopt if there is no line.
-std::optional<ShotFit> fit_frame(const Frame& frame, const ReduceOptions& options, FlagSet& flags) {
+std::optional<ShotFit> fit_frame(const Frame& frame, const ReduceOptions& options, bool spins_open,
+                                 FlagSet& flags) {
   const FitOptions fitting{.effects = options.effects.value_or(flight::Effects{}),
-                           .reject_outliers = options.reject_outliers};
+                           .reject_outliers = options.reject_outliers,
+                           .spins_open = spins_open};
   FlagSet found;
   std::optional<Observations> observations = observe(frame, found, options.noise);
   std::optional<ShotFit> fit;
@@ -92,10 +94,12 @@ std::optional<ShotFit> fit_frame(const Frame& frame, const ReduceOptions& option
 }
 
 /// Air is fitted first and left out again where it does not matter: it nearly always does, and costs nothing.
-Readout best_readout(const Frame& frame, const PropagationOptions& propagation,
-                     const ReduceOptions& options) {
+/// `spins_open`: a first fit left open which spin it was. Its lift is then open too, and what it made of the images.
+Readout best_readout(const Frame& frame, const PropagationOptions& propagation, const ReduceOptions& options,
+                     bool spins_open = false) {
   Readout readout = empty_readout(frame, Estimator::best);
-  std::optional<ShotFit> fitted = fit_frame(frame, options, readout.flags);
+  if (spins_open) readout.flags.set(Flag::spin_aliased);
+  std::optional<ShotFit> fitted = fit_frame(frame, options, spins_open, readout.flags);
   if (!fitted) return readout;
   ShotFit& fit = *fitted;
   readout.mirrored = fit.observations.surface.mirrored;
@@ -111,6 +115,8 @@ Readout best_readout(const Frame& frame, const PropagationOptions& propagation,
     readout.flags.set(Flag::spin_aliased);
     reduced.flags.set(Flag::spin_aliased);
   }
+  if (reduced.flags.has(Flag::spin_aliased) && !spins_open)
+    return best_readout(frame, propagation, options, true);
   withhold_doubtful(reduced);
   reduced.flight_effects = fit.effects;
   flight::Effects kept =

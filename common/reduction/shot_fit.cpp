@@ -8,6 +8,7 @@
 
 #include "common/reduction/noise.hpp"
 #include "common/reduction/outliers.hpp"
+#include "common/reduction/running_statistics.hpp"
 
 namespace strobe::reduction {
 namespace {
@@ -73,6 +74,55 @@ bool any_estimated(const Observations& all) {
   return any;
 }
 
+/// Lift over speed, as acceleration. [1/s]
+double lift_per_s(const flight::Aerodynamics& air, double speed_mps, double omega_radps) {
+  return speed_mps > 0.0 ? air.lift_mps2(speed_mps, omega_radps) / speed_mps : 0.0;
+}
+
+/// What is known of a leg's lift besides the spin as fitted: its sd, or that it may be another, or any.
+AirError lift_error(const ShotFit& fit, std::size_t leg, double fastest_radps) {
+  const double speed = mean_speed(fit.observations, leg);
+  const auto lift = [&](double omega) { return lift_per_s(fit.air, speed, omega); };
+  const auto& spin = fit.spin[leg];
+  // Uniform between the fastest topspin and backspin.
+  if (!spin) return {0.0, lift(fastest_radps) / std::numbers::sqrt3, true};
+  const double as_fitted = lift(spin->omega_radps);
+  const double by_spin = lift(spin->omega_radps + std::sqrt(spin->variance)) - as_fitted;
+  if (!fit.spins_open || spin->alternatives_radps.empty())
+    return {0.0, std::hypot(by_spin, flight::kLiftCoefficientShareSd * as_fitted), false};
+  RunningStatistics lifts;
+  double largest = std::abs(as_fitted);
+  lifts.add(as_fitted);
+  for (const double omega : spin->alternatives_radps) {
+    lifts.add(lift(omega));
+    largest = std::max(largest, std::abs(lift(omega)));
+  }
+  const double spread = lifts.population_sd();
+  return {lifts.mean() - as_fitted, std::hypot(spread, flight::kLiftCoefficientShareSd * largest), true};
+}
+
+AirErrors air_errors(const ShotFit& fit) {
+  AirErrors errors;
+  const double fastest_radps = kFastestRim_mps / fit.observations.ball.radius_m();
+  if (fit.effects.drag) errors[kDragError].sd = flight::kDragCoefficientSd / flight::kDragCoefficient;
+  if (fit.effects.magnus) {
+    for (std::size_t leg = 0; leg < 2; ++leg) errors[kLiftError[leg]] = lift_error(fit, leg, fastest_radps);
+  }
+  return errors;
+}
+
+/// One step suffices for errors within tolerances; an open lift is large enough to bend the path's own jerk.
+void fit_paths(ShotFit& fit, FlightModel model) {
+  const AirErrors errors = air_errors(fit);
+  fit.joint = fit_joint(fit.observations, model);
+  fit.air_fit = fit_air(fit.observations, fit.air, errors, {}, fit.joint);
+  if (std::ranges::none_of(errors, [](const AirError& e) { return e.open; })) return;
+  model.air.drag_per_m *= 1.0 + fit.air_fit.value[kDragError];
+  for (std::size_t leg = 0; leg < 2; ++leg) model.more_lift_per_s[leg] = fit.air_fit.value[kLiftError[leg]];
+  fit.joint = fit_joint(fit.observations, model);
+  fit.air_fit = fit_air(fit.observations, fit.air, errors, fit.air_fit.value, fit.joint);
+}
+
 void fit_once(ShotFit& fit) {
   // The variances hardly change the fit, and the fit hardly the variances: three rounds reach rounding.
   constexpr int kMaxRounds = 6;
@@ -86,7 +136,7 @@ void fit_once(ShotFit& fit) {
     for (std::size_t leg = 0; leg < 2; ++leg) {
       model.omega_radps[leg] = fit.spin[leg] ? fit.spin[leg]->omega_radps : 0.0;
     }
-    fit.joint = fit_joint(fit.observations, model);
+    fit_paths(fit, model);
     if (!estimated || estimate_variance_components(fit) < 1e-6) return;
   }
 }
@@ -106,6 +156,25 @@ bool aliased(const ShotFit& fit, std::size_t leg) {
   return (unread || lacking) && std::ranges::any_of(spin->alternatives_radps, [&](double omega) {
            return std::abs(omega) <= spin->window_radps;
          });
+}
+
+/// Returns whether any was. The lift of a wrong spin bends the path away from good images: where the spin may be
+/// another, only what fits no lift is an outlier.
+bool leave_out_misfits(ShotFit& fit) {
+  const auto fit_again = [&fit] { fit_once(fit); };
+  const bool closed = !fit.spins_open && std::ranges::any_of(fit.spin, [](const auto& spin) {
+    return spin && !spin->alternatives_radps.empty();
+  });
+  if (!closed) return reject_outliers(fit, fit_again);
+  const std::vector<Observation> images = fit.observations.images;
+  if (!reject_outliers(fit, fit_again)) return false;
+  fit.observations.images = images;
+  fit.spins_open = true;
+  fit_once(fit);
+  const bool any = reject_outliers(fit, fit_again);
+  fit.spins_open = false;
+  fit_once(fit);
+  return any;
 }
 
 /// Mirrors where the legs as fitted, without the images left out, say otherwise than the first and last image did.
@@ -131,13 +200,14 @@ ShotFit fit_shot(Observations observations, FitOptions options, FlagSet& flags) 
   ShotFit fit;
   fit.observations = std::move(observations);
   for (const Observation& o : fit.observations.images) fit.equator_seen.push_back(o.use_equator);
+  fit.spins_open = options.spins_open;
   if (options.effects.drag) {
-    fit.spin_decay_per_m =
-        flight::kSpinDecay_per_m * fit.observations.air_density_kgpm3 / flight::kAirDensity_kgpm3;
+    const double density = fit.observations.air_density_kgpm3 / flight::kAirDensity_kgpm3;
+    fit.spin_decay_per_m = flight::kSpinDecay_per_m * density;
+    fit.spin_decay_sd_per_m = flight::kSpinDecaySd_per_m * density;
   }
   refit(fit, options.effects);
-  if (options.reject_outliers && reject_outliers(fit, [&fit] { fit_once(fit); }))
-    flags.set(Flag::outlier_image);
+  if (options.reject_outliers && leave_out_misfits(fit)) flags.set(Flag::outlier_image);
   orient(fit);
   for (std::size_t leg = 0; leg < 2; ++leg) {
     if (aliased(fit, leg)) flags.set(Flag::spin_aliased);

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "common/reduction/air_fit.hpp"
 #include "common/reduction/joint_fit.hpp"
 #include "common/reduction/observations.hpp"
 #include "common/reduction/spin_fit.hpp"
@@ -25,7 +26,11 @@ struct ShotFit {
   /// domega/dt over -|v|·omega: friction goes with drag, but matters to the spin alone, so that it stays
   /// where drag is left out because it does not matter to the path.
   double spin_decay_per_m = 0.0;
+  double spin_decay_sd_per_m = 0.0;
+  /// A spin may be any of its alternatives as well: the lift's whole range is left to the path.
+  bool spins_open = false;
   JointFit joint;
+  AirFit air_fit;
   std::array<std::optional<SpinFit>, 2> spin;           ///< incoming, rebound
   std::array<std::vector<EquatorReading>, 2> equators;  ///< what the spins were fitted to
   std::vector<bool> equator_seen;  ///< per image: it came with an equator, whether it is used or was left out
@@ -35,6 +40,7 @@ struct ShotFit {
 struct FitOptions {
   flight::Effects effects;
   bool reject_outliers = true;
+  bool spins_open = false;  ///< see ShotFit
 };
 
 /// Sets the flags outlier_image, sd_from_residuals and spin_aliased.

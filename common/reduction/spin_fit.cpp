@@ -14,7 +14,7 @@ namespace {
 /// A reading further out than this many sd costs no more: it is wrong, not unlikely.
 constexpr double kCostLimit = 16.0;
 /// Spins whose chi squared differs by less than 3 sd are indistinguishable.
-constexpr double kComparable = 9.0;
+constexpr double kComparableSpins = 9.0;
 /// Half turns tried between two readings far apart; more are beyond any flash train.
 constexpr int kMaxBranches = 1000;
 /// Times flight::kSpinDecay_per_m: no ball's spin decays faster.
@@ -238,7 +238,7 @@ class Alternatives {
   void add(const Line& line) {
     const double omega = line.slope();
     const auto same = [&](double known) { return std::abs(known - omega) <= 6.0 * sd_; };
-    if (same(best_.omega) || !(cost(line) < least_ + kComparable)) return;
+    if (same(best_.omega) || !(cost(line) < least_ + kComparableSpins)) return;
     if (std::ranges::none_of(fit_.alternatives_radps, same)) fit_.alternatives_radps.push_back(omega);
   }
 
@@ -282,7 +282,7 @@ SpinFit fit_steady_spin(const std::vector<EquatorReading>& readings,
     // Unequal intervals tell a spin beyond the window from those within.
     proposals = propose(readings, left_out, search.fastest_radps);
     const Proposal faster = best_of(proposals, readings, search.fastest_radps);
-    if (faster.cost + kComparable < best.cost) best = faster;
+    if (faster.cost + kComparableSpins < best.cost) best = faster;
   }
   SpinFit fit;
   fit.window_radps = window;

@@ -1,0 +1,105 @@
+#include "common/reduction/air_fit.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+namespace strobe::reduction {
+namespace {
+
+using AirMatrix = Eigen::Matrix<double, kAirErrorCount, kAirErrorCount>;
+using AirVector = Eigen::Matrix<double, kAirErrorCount, 1>;
+
+constexpr auto index(std::size_t i) { return static_cast<Eigen::Index>(i); }
+
+void set_accelerations(const flight::Aerodynamics& air, const JointFit& joint, AirFit& fit) {
+  for (auto& of_error : fit.acceleration_mps2) of_error.fill(Eigen::Vector2d::Zero());
+  for (std::size_t leg = 0; leg < 2; ++leg) {
+    if (!joint.legs[leg].fitted) continue;
+    const Eigen::Vector2d v = leg_velocity_mps(joint, leg);
+    const double speed = std::hypot(v.x(), v.y());
+    fit.acceleration_mps2[kDragError][leg] = -air.drag_per_m * speed * v;
+    fit.acceleration_mps2[kLiftError[leg]][leg] = {-v.y(), v.x()};
+  }
+}
+
+/// Of the whitened images: by each error, and with the joint fit's unknowns.
+struct Normal {
+  std::array<JointVector, kAirErrorCount> with_unknowns{};
+  AirMatrix errors = AirMatrix::Zero();
+  AirVector right = AirVector::Zero();
+};
+
+Normal normal_equations(const Observations& all, const JointFit& joint, const AirFit& fit) {
+  Normal n;
+  for (const Observation& o : all.images) {
+    if (!o.use_centre || !joint.legs[leg_index(*o.leg)].fitted) continue;
+    const std::size_t leg = leg_index(*o.leg);
+    const ImageRows rows = image_rows(all, joint, o);
+    std::array<Eigen::Vector2d, kAirErrorCount> moved;
+    for (std::size_t p = 0; p < kAirErrorCount; ++p)
+      moved[p] = rows.moved_by(fit.acceleration_mps2[p][leg], joint);
+    for (std::size_t p = 0; p < kAirErrorCount; ++p) {
+      for (std::size_t k = 0; k < 2; ++k) {
+        const double m = moved[p][index(k)];
+        if (m == 0.0) continue;
+        JointVector& b = n.with_unknowns[p];
+        for (std::size_t i = 0; i < 4; ++i) b[kLegStart[leg] + i] += m * rows.row[k][i];
+        b[kTilt] += m * rows.row[k][4];
+        b[kScale] += m * rows.row[k][5];
+        n.right[index(p)] += m * rows.residual[k];
+      }
+      for (std::size_t q = 0; q <= p; ++q) n.errors(index(p), index(q)) += moved[p].dot(moved[q]);
+    }
+  }
+  return n;
+}
+
+}  // namespace
+
+AirFit fit_air(const Observations& all, const flight::Aerodynamics& air, const AirErrors& prior,
+               const std::array<double, kAirErrorCount>& fitted_with, JointFit& joint) {
+  AirFit fit;
+  fit.prior = prior;
+  const bool any = std::ranges::any_of(prior, [](const AirError& e) { return e.sd > 0.0; });
+  if (!any || joint.degenerate || !joint.air_used) return fit;
+  set_accelerations(air, joint, fit);
+  const Normal n = normal_equations(all, joint, fit);
+  std::array<JointVector, kAirErrorCount> whitened;
+  for (std::size_t p = 0; p < kAirErrorCount; ++p) whitened[p] = joint.factor.whitened(n.with_unknowns[p]);
+  AirMatrix by_images = AirMatrix::Zero();
+  AirMatrix by_prior = AirMatrix::Identity();
+  AirVector right = AirVector::Zero();
+  for (std::size_t p = 0; p < kAirErrorCount; ++p) {
+    if (!(prior[p].sd > 0.0)) continue;
+    by_prior(index(p), index(p)) = 1.0 / (prior[p].sd * prior[p].sd);
+    right[index(p)] = n.right[index(p)] + by_prior(index(p), index(p)) * (prior[p].mean - fitted_with[p]);
+    for (std::size_t q = 0; q <= p; ++q) {
+      if (!(prior[q].sd > 0.0)) continue;
+      by_images(index(p), index(q)) = by_images(index(q), index(p)) =
+          n.errors(index(p), index(q)) - dot(whitened[p], whitened[q]);
+    }
+  }
+  const AirMatrix covariance = (by_images + by_prior).inverse();
+  const AirVector more = covariance * right;
+  if (!covariance.allFinite() || !more.allFinite()) return fit;
+  const AirMatrix of_noise = covariance * by_images * covariance;
+  const AirMatrix of_prior = covariance * by_prior * covariance;
+  for (std::size_t p = 0; p < kAirErrorCount; ++p) {
+    if (!(prior[p].sd > 0.0)) continue;
+    fit.value[p] = fitted_with[p] + more[index(p)];
+    for (std::size_t q = 0; q < kAirErrorCount; ++q) {
+      if (!(prior[q].sd > 0.0)) continue;
+      fit.by_noise[p][q] = of_noise(index(p), index(q));
+      fit.by_prior[p][q] = of_prior(index(p), index(q));
+    }
+    fit.response[p] = joint.factor.unknowns(whitened[p]);
+    for (double& x : fit.response[p]) x = -x;
+    for (std::size_t i = 0; i < kJointCount; ++i) joint.unknowns[i] += more[index(p)] * fit.response[p][i];
+    for (std::size_t leg = 0; leg < 2; ++leg)
+      joint.forcing[leg].acceleration_mps2 += more[index(p)] * fit.acceleration_mps2[p][leg];
+  }
+  return fit;
+}
+
+}  // namespace strobe::reduction
