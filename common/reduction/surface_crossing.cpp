@@ -1,0 +1,98 @@
+#include "common/reduction/surface_crossing.hpp"
+
+#include <cmath>
+
+namespace strobe::reduction {
+namespace {
+
+/// Follows the errors of the air: what they bend the fit straightens as far as it can.
+Number unknown(const ShotFit& fit, std::size_t index) {
+  Number u = Number::variable(fit.joint.unknowns[index], index);
+  for (std::size_t p = 0; p < kAirErrorCount; ++p) u.grad[kAir + p] = fit.air_fit.response[p][index];
+  return u;
+}
+
+/// Flight of one leg about its origin of time in the surface's axes; the height is less a radius.
+struct Path {
+  Number x_m, height_m, vx_mps, vy_mps;
+  const flight::Forcing& forcing;
+
+  flight::Flight values() const {
+    return {{x_m.value, height_m.value}, {vx_mps.value, vy_mps.value}, forcing};
+  }
+};
+
+Path path(const ShotFit& fit, std::size_t leg) {
+  const std::size_t k = kLegStart[leg];
+  const Number tilt = unknown(fit, kTilt);
+  const Number cos = chain(tilt, std::cos(tilt.value), -std::sin(tilt.value));
+  const Number sin = chain(tilt, std::sin(tilt.value), std::cos(tilt.value));
+  const Number scale = unknown(fit, kScale);
+  const Number per_second = scale * fit.joint.legs[leg].span_s;
+  const Number px = unknown(fit, k);
+  const Number py = unknown(fit, k + 1);
+  const Number ux = unknown(fit, k + 2);
+  const Number uy = unknown(fit, k + 3);
+  return {(cos * px + sin * py) / scale, (cos * py - sin * px - unknown(fit, kHeight)) / scale - radius(fit),
+          (cos * ux + sin * uy) / per_second, (cos * uy - sin * ux) / per_second, fit.joint.forcing[leg]};
+}
+
+/// Adds the derivatives of a force that depends on the velocity.
+void add_derivatives(const Number& vx, const Number& vy, double by_vx, double by_vy, Number& into) {
+  for (std::size_t i = 0; i < into.grad.size(); ++i) into.grad[i] += by_vx * vx.grad[i] + by_vy * vy.grad[i];
+}
+
+}  // namespace
+
+Number radius(const ShotFit& fit) {
+  return Number::variable(fit.observations.ball_diameter_m, kDiameter) * 0.5;
+}
+
+flight::Flight flight_of(const ShotFit& fit, std::size_t leg) { return path(fit, leg).values(); }
+
+/// The instant is found in plain numbers; one Newton step in dual ones from there gives its
+/// derivatives.
+std::optional<SurfaceCrossing> crossing(const ShotFit& fit, std::size_t leg) {
+  const LegTime& times = fit.joint.legs[leg];
+  if (!times.fitted || fit.joint.degenerate) return std::nullopt;
+  const Path p = path(fit, leg);
+  const flight::Flight values = p.values();
+  const bool falls = leg == 0;
+  const double edge = (falls ? times.last_s : times.first_s) - times.origin_s;
+  const double vy_edge = values.velocity_at(edge).y();
+  if (falls ? !(vy_edge < 0.0) : !(vy_edge > 0.0)) return std::nullopt;
+  const auto at = falls ? values.time_falling_through_s(0.0) : values.time_rising_through_s(0.0);
+  if (!at) return std::nullopt;
+  const double t = *at;
+  const Eigen::Vector2d there = values.velocity_at(t);
+  if (falls ? !(there.y() < 0.0) : !(there.y() > 0.0)) return std::nullopt;
+  Number ax = p.forcing.acceleration_mps2.x();
+  Number ay = p.forcing.acceleration_mps2.y();
+  const Eigen::Matrix2d& by_v = p.forcing.by_velocity_per_s;
+  add_derivatives(p.vx_mps, p.vy_mps, by_v(0, 0), by_v(0, 1), ax);
+  add_derivatives(p.vx_mps, p.vy_mps, by_v(1, 0), by_v(1, 1), ay);
+  for (std::size_t i = 0; i < kAirErrorCount; ++i) {
+    if (!(fit.air_fit.prior[i].sd > 0.0)) continue;
+    ax.grad[kAir + i] += fit.air_fit.acceleration_mps2[i][leg].x();
+    ay.grad[kAir + i] += fit.air_fit.acceleration_mps2[i][leg].y();
+  }
+  const Eigen::Vector2d& j = p.forcing.jerk_mps3;
+  Number time = -1.0 / there.y() * (p.height_m + p.vy_mps * t + ay * (0.5 * t * t));
+  time.value = t;
+  // By the chain rule through the crossing's time.
+  Number x = p.x_m + p.vx_mps * t + ax * (0.5 * t * t);
+  Number vx = p.vx_mps + ax * t;
+  Number vy = p.vy_mps + ay * t;
+  x.value += j.x() * t * t * t / 6.0;
+  vx.value = there.x();
+  vy.value = there.y();
+  for (std::size_t i = 0; i < time.grad.size(); ++i) {
+    x.grad[i] += there.x() * time.grad[i];
+    vx.grad[i] += (ax.value + j.x() * t) * time.grad[i];
+    vy.grad[i] += (ay.value + j.y() * t) * time.grad[i];
+  }
+  time.value += times.origin_s;
+  return SurfaceCrossing{time, x, vx, vy};
+}
+
+}  // namespace strobe::reduction
