@@ -10,6 +10,9 @@ namespace {
 using AirMatrix = Eigen::Matrix<double, kAirErrorCount, kAirErrorCount>;
 using AirVector = Eigen::Matrix<double, kAirErrorCount, 1>;
 
+/// Chance passes it once in 16,000.
+constexpr double kFarthest_sd = 4.0;
+
 constexpr auto index(std::size_t i) { return static_cast<Eigen::Index>(i); }
 
 void set_accelerations(const flight::Aerodynamics& air, const JointFit& joint, AirFit& fit) {
@@ -31,25 +34,30 @@ struct Normal {
 };
 
 Normal normal_equations(const Observations& all, const JointFit& joint, const AirFit& fit) {
+  const geometry::Rotation2d tilt = tilt_of(joint);
+  std::array<std::array<Eigen::Vector2d, 2>, 2> pull;  // of each leg: drag's error, lift's
+  for (std::size_t leg = 0; leg < 2; ++leg) {
+    pull[leg][0] = joint.unknowns[kScale] * (tilt * fit.acceleration_mps2[kDragError][leg]);
+    pull[leg][1] = joint.unknowns[kScale] * (tilt * fit.acceleration_mps2[kLiftError[leg]][leg]);
+  }
   Normal n;
   for (const Observation& o : all.images) {
     if (!o.use_centre || !joint.legs[leg_index(*o.leg)].fitted) continue;
     const std::size_t leg = leg_index(*o.leg);
     const ImageRows rows = image_rows(all, joint, o);
-    std::array<Eigen::Vector2d, kAirErrorCount> moved;
-    for (std::size_t p = 0; p < kAirErrorCount; ++p)
-      moved[p] = rows.moved_by(fit.acceleration_mps2[p][leg], joint);
-    for (std::size_t p = 0; p < kAirErrorCount; ++p) {
+    const std::array<std::size_t, 2> errors{kDragError, kLiftError[leg]};
+    const std::array<Eigen::Vector2d, 2> moved{rows.moved_by(pull[leg][0]), rows.moved_by(pull[leg][1])};
+    for (std::size_t e = 0; e < 2; ++e) {
+      JointVector& b = n.with_unknowns[errors[e]];
       for (std::size_t k = 0; k < 2; ++k) {
-        const double m = moved[p][index(k)];
-        if (m == 0.0) continue;
-        JointVector& b = n.with_unknowns[p];
+        const double m = moved[e][index(k)];
         for (std::size_t i = 0; i < 4; ++i) b[kLegStart[leg] + i] += m * rows.row[k][i];
         b[kTilt] += m * rows.row[k][4];
         b[kScale] += m * rows.row[k][5];
-        n.right[index(p)] += m * rows.residual[k];
+        n.right[index(errors[e])] += m * rows.residual[k];
       }
-      for (std::size_t q = 0; q <= p; ++q) n.errors(index(p), index(q)) += moved[p].dot(moved[q]);
+      for (std::size_t f = 0; f <= e; ++f)
+        n.errors(index(errors[e]), index(errors[f])) += moved[e].dot(moved[f]);
     }
   }
   return n;
@@ -81,13 +89,16 @@ AirFit fit_air(const Observations& all, const flight::Aerodynamics& air, const A
     }
   }
   const AirMatrix covariance = (by_images + by_prior).inverse();
-  const AirVector more = covariance * right;
+  AirVector more = covariance * right;
   if (!covariance.allFinite() || !more.allFinite()) return fit;
   const AirMatrix of_noise = covariance * by_images * covariance;
   const AirMatrix of_prior = covariance * by_prior * covariance;
   for (std::size_t p = 0; p < kAirErrorCount; ++p) {
     if (!(prior[p].sd > 0.0)) continue;
-    fit.value[p] = fitted_with[p] + more[index(p)];
+    // Images that ask for more are wrong themselves: their residuals must show it.
+    const double reach = kFarthest_sd * prior[p].sd;
+    fit.value[p] = std::clamp(fitted_with[p] + more[index(p)], prior[p].mean - reach, prior[p].mean + reach);
+    more[index(p)] = fit.value[p] - fitted_with[p];
     for (std::size_t q = 0; q < kAirErrorCount; ++q) {
       if (!(prior[q].sd > 0.0)) continue;
       fit.by_noise[p][q] = of_noise(index(p), index(q));

@@ -10,9 +10,6 @@ namespace {
 
 using geometry::Rotation2d;
 
-/// From the surface's axes as fitted to those of the observations.
-Rotation2d tilt_of(const JointFit& fit) { return Rotation2d(fit.unknowns[kTilt]); }
-
 /// Inverse of the Cholesky factor of an image's covariance.
 struct Whitening {
   double xx = 1.0;
@@ -218,11 +215,7 @@ ImageRows image_rows(const Observations& all, const JointFit& fit, const Observa
   return rows_of(all, fit, tilt_of(fit), image);
 }
 
-Eigen::Vector2d ImageRows::moved_by(const Eigen::Vector2d& acceleration_mps2, const JointFit& fit) const {
-  const double factor = 0.5 * time_s * time_s * fit.unknowns[kScale];
-  const Eigen::Vector2d way = factor * (tilt_of(fit) * acceleration_mps2);
-  return {white[0] * way.x(), white[1] * way.x() + white[2] * way.y()};
-}
+geometry::Rotation2d tilt_of(const JointFit& fit) { return Rotation2d(fit.unknowns[kTilt]); }
 
 Eigen::Vector2d leg_velocity_mps(const JointFit& fit, std::size_t leg) {
   const double* z = &fit.unknowns[kLegStart[leg]];

@@ -55,11 +55,18 @@ struct ImageRows {
   double time_s = 0.0;   ///< from the leg's origin
   double white[3] = {};  ///< xx, yx, yy of the inverse Cholesky factor of its noise
 
-  /// By how much an acceleration in the surface's axes moves the image, divided by its noise.
-  Eigen::Vector2d moved_by(const Eigen::Vector2d& acceleration_mps2, const JointFit& fit) const;
+  /// By how much an acceleration moves the image, divided by its noise. In the observations' axes, times the scale.
+  Eigen::Vector2d moved_by(const Eigen::Vector2d& acceleration_mps2) const {
+    const double factor = 0.5 * time_s * time_s;
+    const double x = factor * acceleration_mps2.x();
+    return {white[0] * x, white[1] * x + white[2] * factor * acceleration_mps2.y()};
+  }
 };
 /// `image` is airborne, its leg fitted.
 ImageRows image_rows(const Observations& all, const JointFit& fit, const Observation& image);
+
+/// From the surface's axes as fitted to those of the observations.
+geometry::Rotation2d tilt_of(const JointFit& fit);
 
 /// At the leg's origin of time, in the surface's axes.
 Eigen::Vector2d leg_velocity_mps(const JointFit& fit, std::size_t leg);

@@ -57,6 +57,7 @@ class Uncertainty {
     for (const VarianceComponent& component : fit.variance_components)
       any_estimated_ = any_estimated_ || component.used;
     if (any_estimated_) rows_ = group_rows(fit);
+    split_air();
     // The diameter enters the fit through the diameters' images only: they say scale * diameter.
     double pull = 0.0;
     for (const Observation& o : fit.observations.images) {
@@ -77,7 +78,8 @@ class Uncertainty {
   /// Returns nullopt if the number depends on a variance component that no residuals tell.
   std::optional<Statistical> statistical(const Number& q) const {
     const JointVector y = fit_.joint.factor.whitened(joint_gradient(q));
-    const double variance = dot(y, y) + spin_covariance(q, q, &SpinFit::variance) + statistical_air(q, q);
+    const double variance =
+        dot(y, y) + spin_covariance(q, q, &SpinFit::variance) + by_air(q, q, statistical_air_);
     if (!any_estimated_ || variance == 0.0) return Statistical{std::sqrt(variance), {}};
     const auto parts = variance_shares(q, y);
     double uncertain = 0.0;  // sum of (estimated share)^2 / its degrees of freedom
@@ -100,7 +102,7 @@ class Uncertainty {
   /// Of the ball's diameter, where its tolerance is known, and of the air.
   std::optional<double> systematic(const Number& q) const {
     const double by_decay = q.grad[kDecay] * fit_.spin_decay_sd_per_m;
-    const double air = std::sqrt(air_tolerance(q) + by_decay * by_decay);
+    const double air = std::sqrt(std::max(by_air(q, q, air_tolerance_), 0.0) + by_decay * by_decay);
     if (!fit_.observations.ball_diameter_sd_m) return air > 0.0 ? std::optional(air) : std::nullopt;
     const double derivative = q.grad[kDiameter] + dot(joint_gradient(q), by_diameter_);
     return std::hypot(derivative * *fit_.observations.ball_diameter_sd_m, air);
@@ -108,7 +110,7 @@ class Uncertainty {
 
   double covariance(const Number& a, const Number& b) const {
     return dot(fit_.joint.factor.whitened(joint_gradient(a)), fit_.joint.factor.whitened(joint_gradient(b))) +
-           spin_covariance(a, b, &SpinFit::variance) + statistical_air(a, b);
+           spin_covariance(a, b, &SpinFit::variance) + by_air(a, b, statistical_air_);
   }
 
  private:
@@ -126,31 +128,27 @@ class Uncertainty {
     return sum;
   }
 
-  /// What the images' noise makes of the air's errors, and the range of a lift that is open.
-  double statistical_air(const Number& a, const Number& b) const {
-    const AirFit& air = fit_.air_fit;
+  /// What the images' noise makes of the air's errors, and the range of a lift that is open; or what is left of the
+  /// tolerances of drag and lift.
+  static double by_air(const Number& a, const Number& b, const AirCovariance& covariance) {
     double sum = 0.0;
     for (std::size_t p = 0; p < kAirErrorCount; ++p) {
-      for (std::size_t q = 0; q < kAirErrorCount; ++q) {
-        const bool open = air.prior[p].open && air.prior[q].open;
-        const double covariance = air.by_noise[p][q] + (open ? air.by_prior[p][q] : 0.0);
-        sum += a.grad[kAir + p] * b.grad[kAir + q] * covariance;
-      }
+      for (std::size_t q = 0; q < kAirErrorCount; ++q)
+        sum += a.grad[kAir + p] * b.grad[kAir + q] * covariance[p][q];
     }
     return sum;
   }
 
-  /// Variance by what is left of the tolerances of drag and lift.
-  double air_tolerance(const Number& a) const {
+  void split_air() {
     const AirFit& air = fit_.air_fit;
-    double sum = 0.0;
     for (std::size_t p = 0; p < kAirErrorCount; ++p) {
       for (std::size_t q = 0; q < kAirErrorCount; ++q) {
-        if (air.prior[p].open || air.prior[q].open) continue;
-        sum += a.grad[kAir + p] * a.grad[kAir + q] * air.by_prior[p][q];
+        const bool open = air.prior[p].open && air.prior[q].open;
+        const bool known = !air.prior[p].open && !air.prior[q].open;
+        statistical_air_[p][q] = air.by_noise[p][q] + (open ? air.by_prior[p][q] : 0.0);
+        air_tolerance_[p][q] = known ? air.by_prior[p][q] : 0.0;
       }
     }
-    return std::max(sum, 0.0);
   }
 
   /// The part of the variance that each variance component accounts for: the number moves by the sum of
@@ -170,6 +168,8 @@ class Uncertainty {
   const ShotFit& fit_;
   std::vector<GroupRow> rows_;
   JointVector by_diameter_{};
+  AirCovariance statistical_air_{};
+  AirCovariance air_tolerance_{};
   bool any_estimated_ = false;
 };
 
