@@ -192,6 +192,7 @@ Frame read_frame(const json& object, std::optional<Error>& error) {
   fields.number("temperature_c", frame.temperature_c);
   fields.number("ball_mass_kg", frame.ball_mass_kg);
   fields.number("ball_alpha", frame.ball_alpha);
+  fields.number("ball_alpha_sd", frame.ball_alpha_sd);
   fields.number("air_density_kgpm3", frame.air_density_kgpm3);
   read_record(fields, frame);
   read_images(fields, frame, error);
@@ -265,6 +266,7 @@ std::string frame_to_json(const Frame& frame) {
   put(object, "temperature_c", frame.temperature_c);
   put(object, "ball_mass_kg", frame.ball_mass_kg);
   put(object, "ball_alpha", frame.ball_alpha);
+  put(object, "ball_alpha_sd", frame.ball_alpha_sd);
   put(object, "air_density_kgpm3", frame.air_density_kgpm3);
   if (!frame.record.empty()) object["record"] = frame.record;
   object["images"] = ordered_json::array();

@@ -65,6 +65,7 @@ struct Observations {
   double scale_sd = 0.0;                                   ///< 0: exact
   Eigen::Vector2d gravity_mps2 = Eigen::Vector2d::Zero();  ///< in the surface's axes
   ball::Ball ball;
+  double alpha_sd = ball::kAlphaSd;
   double air_density_kgpm3 = flight::kAirDensity_kgpm3;
   geometry::SurfaceFrame surface;
   GroupSds group_sd;

@@ -301,18 +301,21 @@ class Propagation {
     readout_.sd_systematic[quantity] = uncertainty_.systematic(number);
   }
 
-  /// What is missing of the change of vx that ends the slip: |slip| alpha / (1 + alpha), against its own sd.
+  /// What is missing of the change of vx that ends the slip, |slip| alpha / (1 + alpha), against its own sd: that of the
+  /// measurements, of the ball's diameter, and of its alpha.
   void regime(const Number& lost, const Number& slip) {
     const auto size = [](const Number& n) { return n.value < 0.0 ? -n : n; };
     const double alpha = fit_.observations.ball.alpha;
     const Number missing = size(slip) * (alpha / (1.0 + alpha)) - size(lost);
-    const auto statistical = uncertainty_.statistical(missing);
     if (missing.value <= 0.0) {
       readout_.regime = Regime::grips;
-    } else {
-      readout_.regime =
-          statistical && missing.value > 2.0 * statistical->sd ? Regime::slides : Regime::unclear;
+      return;
     }
+    const auto statistical = uncertainty_.statistical(missing);
+    const double by_alpha = size(slip).value / ((1.0 + alpha) * (1.0 + alpha)) * fit_.observations.alpha_sd;
+    const double tolerance = std::hypot(by_alpha, uncertainty_.systematic(missing).value_or(0.0));
+    const bool certain = statistical && missing.value > 2.0 * std::hypot(statistical->sd, tolerance);
+    readout_.regime = certain ? Regime::slides : Regime::unclear;
   }
 
   const ShotFit& fit_;

@@ -86,6 +86,7 @@ Complaint invalid_constants(const Frame& frame) {
       (!within(*frame.ball_alpha, 0.0, ball::kThinShellAlpha) || *frame.ball_alpha == 0.0)) {
     return "ball_alpha: must be above 0 and at most 2/3";
   }
+  if (bad(frame.ball_alpha_sd, 0.0, ball::kThinShellAlpha)) return "ball_alpha_sd: must be within 0 and 2/3";
   if (bad(frame.air_density_kgpm3, 0.0, 100.0)) return "air_density_kgpm3: must be within 0 and 100";
   if (!within(frame.surface_angle_deg, -90.0, 90.0)) return "surface_angle_deg: must be within -90 and 90";
   if (bad(frame.temperature_c, kMinTemperature_degC, kMaxTemperature_degC)) {

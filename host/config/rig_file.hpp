@@ -14,10 +14,11 @@
 namespace strobe::host {
 
 struct BallSettings {
-  double diameter_m = 0.0651;     ///< 0.01 to 1
-  double diameter_sd_m = 0.0008;  ///< 0 to 0.1; the diameter's tolerance as a standard deviation
-  std::optional<double> mass_kg;  ///< 0.001 to 10; absent: the thesis's
-  std::optional<double> alpha;    ///< inertia over m R^2, 0.01 to 2/3; absent: as measured on tennis balls
+  double diameter_m = 0.0651;      ///< 0.01 to 1
+  double diameter_sd_m = 0.0008;   ///< 0 to 0.1; the diameter's tolerance as a standard deviation
+  std::optional<double> mass_kg;   ///< 0.001 to 10; absent: the thesis's
+  std::optional<double> alpha;     ///< inertia over m R^2, 0.01 to 2/3; absent: as measured on tennis balls
+  std::optional<double> alpha_sd;  ///< 0 to 2/3; absent: as balls differ
 };
 
 struct AnalysisSettings {

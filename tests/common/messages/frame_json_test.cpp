@@ -50,7 +50,7 @@ TEST(FrameJson, ReadsWhatIsOptional) {
   std::string text = replaced(
       kExample, R"("centre_sd_px":2.0)",
       R"("px_per_m":4000,"px_per_m_sd":8,"ball_diameter_sd_m":0.0008,"surface_angle_deg":-2.5,)"
-      R"("ball_mass_kg":0.058,"ball_alpha":0.5,"air_density_kgpm3":1.1,"temperature_c":21,"surface_sd_px":1.5,"record":{"operator":"A","n":12,"x":0.1,"none":null})");
+      R"("ball_mass_kg":0.058,"ball_alpha":0.5,"ball_alpha_sd":0.02,"air_density_kgpm3":1.1,"temperature_c":21,"surface_sd_px":1.5,"record":{"operator":"A","n":12,"x":0.1,"none":null})");
   text = replaced(
       text, R"("equator_rad":0.3)",
       R"("equator_rad":0.3,"time_sd_s":1e-6,"flash_index":77,"centre_cov_px2":[[4,1],[1,9]],)"
@@ -60,6 +60,7 @@ TEST(FrameJson, ReadsWhatIsOptional) {
   DOUBLES_EQUAL(4000.0, *frame->px_per_m, 0.0);
   DOUBLES_EQUAL(0.058, *frame->ball_mass_kg, 0.0);
   DOUBLES_EQUAL(0.5, *frame->ball_alpha, 0.0);
+  DOUBLES_EQUAL(0.02, *frame->ball_alpha_sd, 0.0);
   DOUBLES_EQUAL(1.1, *frame->air_density_kgpm3, 0.0);
   DOUBLES_EQUAL(-2.5, frame->surface_angle_deg, 0.0);
   DOUBLES_EQUAL(21.0, *frame->temperature_c, 0.0);
@@ -135,7 +136,7 @@ TEST(FrameJson, ReadingAndWritingGivesTheSameBytesOfEveryField) {
   const std::string text =
       R"({"shot_id":-2147483648,"ball_diameter_m":0.0651,"ball_diameter_sd_m":0.0008,"surface_px":[[0.5,1.0],[10.0,1.5]],)"
       R"("surface_sd_px":1.5,"centre_sd_px":2.0,"diameter_sd_px":3.0,"equator_sd_rad":0.017,"px_per_m":4000.0,)"
-      R"("px_per_m_sd":8.0,"surface_angle_deg":-2.5,"temperature_c":21.0,"ball_mass_kg":0.058,"ball_alpha":0.5,)"
+      R"("px_per_m_sd":8.0,"surface_angle_deg":-2.5,"temperature_c":21.0,"ball_mass_kg":0.058,"ball_alpha":0.5,"ball_alpha_sd":0.02,)"
       R"("air_density_kgpm3":1.1,"record":{"dry":"true","n":"12","operator":"Ä"},"images":[)"
       R"({"time_s":0.25,"leg":"incoming","centre_px":[1.0,2.0],"diameter_px":260.0,"equator_rad":0.30000000000000004,)"
       R"("time_sd_s":1e-06,"flash_index":2147483647,"centre_cov_px2":[[4.0,1.0],[2.0,9.0]],"diameter_sd_px":2.0,)"

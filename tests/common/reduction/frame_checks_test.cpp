@@ -41,6 +41,7 @@ TEST(FrameChecks, NameTheFieldThatIsWrong) {
        }},
       {"centre_sd_px: must be a positive number within 1e-9 and 1e12",
        [](Frame& f) { f.centre_sd_px = 0.0; }},
+      {"ball_alpha_sd: must be within 0 and 2/3", [](Frame& f) { f.ball_alpha_sd = -0.01; }},
       {"surface_angle_deg: must be within -90 and 90", [](Frame& f) { f.surface_angle_deg = 100.0; }},
       {"images[2].equator_sd_rad: must be positive, within 1e-9 and 1e6",
        [](Frame& f) { f.images[2].equator_sd_rad = 0.0; }},

@@ -91,6 +91,7 @@ std::vector<NamedNumber> numbers_of(Frame& f) {
           {"temperature_c", &f.temperature_c.emplace(20.0)},
           {"ball_mass_kg", &f.ball_mass_kg.emplace(0.0576)},
           {"ball_alpha", &f.ball_alpha.emplace(0.55)},
+          {"ball_alpha_sd", &f.ball_alpha_sd.emplace(0.02)},
           {"air_density_kgpm3", &f.air_density_kgpm3.emplace(1.2)},
           {"images[2].time_s", &image.time_s},
           {"images[2].centre_px", &image.centre_px.x},

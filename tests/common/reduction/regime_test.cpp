@@ -46,6 +46,7 @@ TEST(Regime21, WithinTwoSdItIsUnclear) {
   setup.noise_factor = 0.0;
   test::Random random(1);
   Frame frame = test::photograph(test::thesis_bounces().front(), setup, random);  // 0.95 m/s short of rolling
+  frame.ball_alpha_sd = 0.0;
   const Readout r = *reduce(frame, Estimator::best, {.effects = flight::kGravityOnly, .covariance = true});
   // missing = (vx + R omega) alpha / (1 + alpha) - (vx - vx_lo), at an alpha of 0.55
   const double share = 0.55 / 1.55, radius_m = 0.5 * frame.ball_diameter_m;
@@ -65,4 +66,27 @@ TEST(Regime21, WithinTwoSdItIsUnclear) {
   };
   CHECK_TRUE(regime_at(1.99) == Regime::unclear);
   CHECK_TRUE(regime_at(2.01) == Regime::slides);
+}
+
+TEST(Regime21, ABallThatRolledIsNotCalledSlidingForAnAlphaWithinItsTolerance) {
+  // Balls of 0.51 to 0.60, told 0.55, that just come to roll: vx loses |slip| alpha / (1 + alpha). The noise is
+  // a hundredth of the tolerance's 0.12 m/s, and 0.51 is 1.7 of its sd.
+  Setup setup = vacuum();
+  setup.noise_factor = 0.0;
+  setup.centre_sd_m = setup.diameter_sd_m = setup.surface_sd_m = 0.01e-3;
+  setup.equator_sd_rad = 0.0003;
+  for (const double alpha : {0.51, 0.53, 0.549, 0.60}) {
+    Bounce b;
+    b.omega_td = 100.0;
+    const double lost = (b.vx_td + 0.5 * b.diameter_m * b.omega_td) * alpha / (1.0 + alpha);
+    b.vx_lo = b.vx_td - lost;
+    b.omega_lo = -b.vx_lo / (0.5 * b.diameter_m);
+    test::Random random(1);
+    Frame frame = test::photograph(b, setup, random);
+    CHECK_TRUE(reduced(frame).regime == (alpha < 0.55 ? Regime::unclear : Regime::grips));
+    frame.ball_alpha_sd = 0.0;
+    CHECK_TRUE(reduced(frame).regime == (alpha < 0.55 ? Regime::slides : Regime::grips));
+    frame.ball_alpha = alpha - 1e-3;
+    CHECK_TRUE(reduced(frame).regime == Regime::grips);
+  }
 }
