@@ -70,7 +70,7 @@ std::optional<FitFailure> find_failure(std::span<const Observation> observations
     if (const auto failure = find_observation_failure(observations[i], i, options)) return failure;
   const auto parameters =
       static_cast<std::size_t>(std::count(options.free.begin(), options.free.end(), true));
-  const std::size_t spare = options.scale == CovarianceScale::residuals && parameters > 0 ? 1 : 0;
+  const std::size_t spare = options.scale != CovarianceScale::stated && parameters > 0 ? 1 : 0;
   if (2 * observations.size() < parameters + spare) return FitFailure{.error = FitError::underdetermined};
   return std::nullopt;
 }

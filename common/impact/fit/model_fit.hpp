@@ -26,9 +26,17 @@ enum class Weighting {
 };
 
 enum class CovarianceScale {
-  residuals,  ///< times chi2/dof: the weights are relative, the variance comes from the residuals (dof >= 1)
-  stated,     ///< that of the weights: valid if no other errors exist (chi2/dof near 1)
+  /// From the residuals, whatever their variances and however alike the shots of a series are: clustered_covariance.hpp,
+  /// each series a cluster. What misfits of the model and scatter of the conditions add is in it.
+  clustered,
+  residuals,  ///< times chi2/dof: the residuals are independent, their variances as the weights have them (dof >= 1)
+  stated,  ///< that of the weights: valid if no other errors exist (chi2/dof near 1)
 };
+
+constexpr std::string_view name(CovarianceScale scale) {
+  constexpr std::array<std::string_view, 3> names{"clustered", "residuals", "stated"};
+  return names[static_cast<std::size_t>(scale)];
+}
 
 using FreeParameters = std::array<bool, kParameterCount>;
 
@@ -38,7 +46,7 @@ struct FitOptions {
   ParameterValues start = default_values(ReboundModel::grip_offset);  ///< or fixed value
   FreeParameters free{true, true, true, true, false};  ///< none free: the model is evaluated at `start`
   Weighting weighting = Weighting::equal;
-  CovarianceScale scale = CovarianceScale::residuals;
+  CovarianceScale scale = CovarianceScale::clustered;
   double vx_weight = 1.0;    ///< of a squared residual of vx; > 0. Only with Weighting::equal.
   double spin_weight = 1.0;  ///< of a squared residual of R·omega
 };
@@ -56,8 +64,8 @@ enum class ParameterStatus {
   at_lower_bound,
   at_upper_bound,
   /// Nothing changes with it at the minimum; or mu, where noise alone may explain that a contact seems to slide: all
-  /// may grip (likelihood ratio below that of 3.5 sd). Of mu, `limit` is the lower end of a one-sided interval of
-  /// kLimitLevel, and the value the one with the least chi2.
+  /// may grip (likelihood ratio below that of 3.5 sd); or e_x, where all may slide. `limit` is then the lower end of a
+  /// one-sided interval of kLimitLevel, and the value the one with the least chi2.
   undetermined,
 };
 
@@ -67,22 +75,32 @@ constexpr std::string_view name(ParameterStatus status) {
   return names[static_cast<std::size_t>(status)];
 }
 
-inline constexpr double kLimitLevel = 0.95;  ///< of the one-sided intervals
+inline constexpr double kLimitLevel = 0.95;     ///< of the one-sided intervals
+inline constexpr double kIntervalLevel = 0.95;  ///< of the two-sided intervals
 
 struct FittedParameter {
   double value = 0.0;
   ParameterStatus status = ParameterStatus::fixed;
-  std::optional<double> sd;     ///< fitted only
+  /// Fitted only. With CovarianceScale::clustered scaled by Student's t, so that it holds 68 % of the deviations.
+  std::optional<double> sd;
   std::optional<double> limit;  ///< see ParameterStatus
+  /// The interval of kIntervalLevel where fitted (profile_interval()): an end is absent where nothing speaks against any value
+  /// up to the parameter's bound. Else one end is the limit.
+  std::optional<double> lower;
+  std::optional<double> upper;
+  std::optional<double> degrees_of_freedom;  ///< of Student's t in sd, limit and interval
 };
 
 struct ModelFit {
   std::array<FittedParameter, kParameterCount> parameters;
   /// Of all parameters, in their units; rows and columns of those that are not `fitted` are 0.
   Eigen::Matrix<double, kParameterCount, kParameterCount> covariance;
-  double chi2 = 0.0;            ///< weighted sum of squares; (m/s)² with Weighting::equal
-  int dof = 0;                  ///< two per observation, less the free parameters
-  double variance_scale = 1.0;  ///< factor of the covariance
+  double chi2 = 0.0;  ///< weighted sum of squares; (m/s)² with Weighting::equal
+  int clusters =
+      0;  ///< shots, or the series where these scatter: what CovarianceScale::clustered takes as independent
+  int dof = 0;  ///< two per observation, less the free parameters
+  double variance_scale =
+      1.0;  ///< chi2/dof: factor of the covariance with CovarianceScale::residuals; 1 with stated
   bool converged = false;
   std::vector<Comparison> comparisons;  ///< one for each observation, in order
   ResidualStatistics statistics;

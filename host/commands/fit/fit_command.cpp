@@ -28,8 +28,8 @@ struct Arguments {
   std::vector<std::string> free;
   std::vector<std::string> fix;
   std::string leave_one_group_out = "none";
-  std::string weights = "equal";
-  std::string covariance = "residuals";
+  std::string weights = "auto";
+  std::string covariance = "clustered";
   std::string spread = "replicate";
   std::string spin;
   double diameter_m = ball::kThesisDiameter_m;
@@ -70,6 +70,7 @@ Result<impact::FitOptions> options_of(const Arguments& a) {
   impact::FitOptions out = impact::default_options(model_of(a.model));
   out.diameter_m = a.diameter_m;
   if (a.weights == "sd") out.weighting = impact::Weighting::stated_sd;
+  if (a.covariance == "residuals") out.scale = impact::CovarianceScale::residuals;
   if (a.covariance == "stated") out.scale = impact::CovarianceScale::stated;
   impact::FreeParameters asked{};
   for (const std::string& text : a.free) {
@@ -116,6 +117,17 @@ Result<FitData> data_of(const Arguments& a) {
   return out;
 }
 
+/// By the sds where every shot has them. Those of the thesis's conditions are the machine's spread, which touchdown and
+/// lift-off share: no errors of the comparison.
+void weigh_by_sd_where_stated(const Arguments& a, const FitData& data, impact::FitOptions& options) {
+  if (a.weights != "auto" || a.files.empty()) return;
+  const bool stated =
+      std::all_of(data.observations.begin(), data.observations.end(), [](const impact::Observation& o) {
+        return o.lift_off_sd.vx_mps > 0.0 && o.lift_off_sd.omega_radps > 0.0;
+      });
+  if (stated) options.weighting = impact::Weighting::stated_sd;
+}
+
 /// A shot whose numbers no impact can have, as e above 1 by its noise, is told and left out: the others can be fitted.
 void leave_impossible_out(const impact::FitOptions& options, FitData& data) {
   std::erase_if(data.observations, [&](const impact::Observation& o) {
@@ -143,12 +155,13 @@ void judge(FitReport& report) {
 }
 
 int run_fit(const Arguments& a) {
-  const auto options = options_of(a);
+  auto options = options_of(a);
   if (!options) return bad_input(options.error().message);
   auto data = data_of(a);
   if (!data) return bad_input(data.error().message);
   if (!a.spin.empty()) data->observations = impact::of_spin(data->observations, a.spin);
   if (data->observations.empty()) return bad_input("fit: no observations of " + a.spin + " spin");
+  weigh_by_sd_where_stated(a, *data, *options);
   leave_impossible_out(*options, *data);
   if (data->observations.empty())
     return bad_input("fit: " + data->impossible.front() + ", and no other shot is left");
@@ -189,13 +202,19 @@ void add_model_options(CLI::App& command, Arguments& a) {
       ->allow_extra_args(false);
   command
       .add_option("--weights", a.weights,
-                  "equal: 1 m/s of vx counts like 1 m/s of R omega; sd: by each observation's sd")
-      ->check(CLI::IsMember({"equal", "sd"}))
+                  "equal: 1 m/s of vx counts like 1 m/s of R omega; sd: by each observation's sd; auto: sd "
+                  "for the shots of "
+                  "a FILE if each has them, else equal")
+      ->check(CLI::IsMember({"auto", "equal", "sd"}))
       ->capture_default_str();
   command
       .add_option("--covariance", a.covariance,
-                  "Level of the sd: residuals (times chi2/dof), or stated (from the weights alone)")
-      ->check(CLI::IsMember({"residuals", "stated"}))
+                  "What sd and interval are made from: clustered (residuals, however they scatter and "
+                  "however alike shots of "
+                  "one condition are), residuals (taken as alike and independent: times chi2/dof), or stated "
+                  "(the weights "
+                  "alone)")
+      ->check(CLI::IsMember({"clustered", "residuals", "stated"}))
       ->capture_default_str();
   command.add_option("--diameter-m", a.diameter_m, "Diameter of the ball, m")->capture_default_str();
 }

@@ -39,6 +39,8 @@ ordered_json parameters_json(const impact::ModelFit& fit, impact::ReboundModel m
     const FittedParameter& f = fit.parameters[i];
     out[key(p)] = {{"value", to_display_unit(p, f.value)},
                    {"sd", edge_number(p, f.sd)},
+                   {"interval_95", {edge_number(p, f.lower), edge_number(p, f.upper)}},
+                   {"degrees_of_freedom", messages::or_null(f.degrees_of_freedom)},
                    {"limit", edge_number(p, f.limit)},
                    {"status", impact::name(f.status)}};
   }
@@ -111,7 +113,6 @@ void add_rolling_friction(const impact::RollingFriction& r, ordered_json& out) {
 
 ordered_json fit_json(const FitReport& r) {
   const bool by_sd = r.options.weighting == impact::Weighting::stated_sd;
-  const bool scaled = r.options.scale == impact::CovarianceScale::residuals;
   ordered_json out{{"type", "fit"}, {"model", impact::name(r.options.model)}};
   out["parameters"] = parameters_json(r.fit, r.options.model);
   out["correlation"] = correlations_json(r.fit);
@@ -120,7 +121,8 @@ ordered_json fit_json(const FitReport& r) {
   out["variance_scale"] = r.fit.variance_scale;
   out["converged"] = r.fit.converged;
   out.update(statistics_json(r.fit.statistics));
-  out["inputs"] = {{"weights", by_sd ? "sd" : "equal"},  {"covariance", scaled ? "residuals" : "stated"},
+  out["clusters"] = r.fit.clusters;
+  out["inputs"] = {{"weights", by_sd ? "sd" : "equal"},  {"covariance", impact::name(r.options.scale)},
                    {"diameter_m", r.options.diameter_m}, {"rejected", r.data.rejected},
                    {"incomplete", r.data.incomplete},    {"impossible", r.data.impossible}};
   return out;

@@ -25,19 +25,32 @@ std::string with_sd(double value, double sd) {
   return fmt::format("{:.{}f} +- {:.{}f}", value, decimals, sd, decimals);
 }
 
+std::string percent(double level) { return fmt::format("{:.0f} %", 100.0 * level); }
+
+/// The interval's ends with the sd's digits and one more; an end that is not there is the parameter's bound.
+std::string interval_text(Parameter p, const FittedParameter& f) {
+  if (!f.lower && !f.upper) return "; " + percent(impact::kIntervalLevel) + ": any value";
+  const double sd = to_display_unit(p, *f.sd);
+  const int decimals = sd > 0.0 ? std::clamp(2 - static_cast<int>(std::floor(std::log10(sd))), 0, 12) : 6;
+  const auto end = [&](double value) { return fmt::format("{:.{}f}", to_display_unit(p, value), decimals); };
+  const std::string level = "; " + percent(impact::kIntervalLevel) + ": ";
+  if (!f.lower) return level + "at most " + end(*f.upper);
+  if (!f.upper) return level + "at least " + end(*f.lower);
+  return level + end(*f.lower) + " to " + end(*f.upper);
+}
+
 std::string limit_text(Parameter p, const FittedParameter& f) {
   if (!f.limit) return {};
   const bool upper = f.status == ParameterStatus::at_lower_bound;
-  if (f.status == ParameterStatus::undetermined)
-    return fmt::format("; at least {:.4g} ({:.0f} % one-sided): no shot is known to slide",
-                       to_display_unit(p, *f.limit), 100.0 * impact::kLimitLevel);
-  return fmt::format("; {} {:.4g} ({:.0f} % one-sided)", upper ? "at most" : "at least",
-                     to_display_unit(p, *f.limit), 100.0 * impact::kLimitLevel);
+  const std::string limit = fmt::format("; {} {:.4g} ({} one-sided)", upper ? "at most" : "at least",
+                                        to_display_unit(p, *f.limit), percent(impact::kLimitLevel));
+  if (f.status != ParameterStatus::undetermined) return limit;
+  return limit + (p == Parameter::mu ? ": no shot is known to slide" : ": no shot is known to grip");
 }
 
 std::string value_text(Parameter p, const FittedParameter& f) {
   const double value = to_display_unit(p, f.value);
-  if (f.sd) return with_sd(value, to_display_unit(p, *f.sd)) + display_unit(p);
+  if (f.sd) return with_sd(value, to_display_unit(p, *f.sd)) + display_unit(p) + interval_text(p, f);
   return fmt::format("{:.5g}{}  {}{}", value, display_unit(p), impact::name(f.status), limit_text(p, f));
 }
 
@@ -74,12 +87,19 @@ std::string statistics_text(const impact::ResidualStatistics& a) {
                      a.within_sd_omega, a.count);
 }
 
+std::string spread_text(const FitReport& r) {
+  if (r.options.scale == impact::CovarianceScale::stated) return "from the weights alone";
+  if (r.options.scale == impact::CovarianceScale::residuals) return "scaled to the residuals (chi2/dof)";
+  const bool by_shot = r.fit.clusters == static_cast<int>(r.data.observations.size());
+  return fmt::format("from the residuals, {} {} being independent (cluster-robust, CR2)", r.fit.clusters,
+                     by_shot ? "observations" : "conditions");
+}
+
 void print_quality(const FitReport& r) {
   const bool by_sd = r.options.weighting == impact::Weighting::stated_sd;
-  const bool scaled = r.options.scale == impact::CovarianceScale::residuals;
-  write_out(fmt::format("chi2 {:.4g} for {} degrees of freedom, weights {}; sd {}\n", r.fit.chi2, r.fit.dof,
-                        by_sd ? "by the stated sd" : "1 per (m/s)^2 of vx and of R omega",
-                        scaled ? "scaled to the residuals (chi2/dof)" : "from the weights alone"));
+  write_out(fmt::format("chi2 {:.4g} for {} degrees of freedom, weights {}; sd and interval {}\n", r.fit.chi2,
+                        r.fit.dof, by_sd ? "by the stated sd" : "1 per (m/s)^2 of vx and of R omega",
+                        spread_text(r)));
   write_out("vx, omega at lift-off: " + statistics_text(r.fit.statistics) + "\n");
   if (!r.fit.converged)
     write_out("the search stopped at its limit of steps: the minimum may not be reached\n");

@@ -89,7 +89,23 @@ TEST(FitCommand, FitsShotsOfASessionAndSaysWhatItLeftOut) {
 
 TEST(FitCommand, TextNamesEachParameterWithItsUncertainty) {
   check_prints(run_fit({"--model", "grip", "--free", "mu,ex,alpha"}),
-               {"mu     0.580 +- 0.026", "at upper bound; at least 0.645"});
+               {"mu     0.580 +- 0.028; 95 %: 0.52", "at upper bound; at least 0.65",
+                "21 observations being independent"});
+}
+
+TEST(FitCommand, GivesTheIntervalAndSaysFromWhatItWasMade) {
+  const auto thesis = jsons_of(run_fit({"--json"}))[0];
+  const auto& mu = thesis["parameters"]["mu"];
+  CHECK(mu["interval_95"][0].get<double>() < 0.57 && mu["interval_95"][1].get<double>() > 0.57);
+  CHECK(mu["degrees_of_freedom"].get<double>() > 0.0);
+  CHECK_EQUAL(21, thesis["clusters"]);
+  CHECK_EQUAL("equal", thesis["inputs"]["weights"]);
+  CHECK_EQUAL("clustered", thesis["inputs"]["covariance"]);
+  const std::string path = file(kHeader + kShots);
+  CHECK_EQUAL("sd", jsons_of(run_fit({path, "--json", "--free", "ex,d"}))[0]["inputs"]["weights"]);
+  const std::string without = "t,8,,11.70,-13.25,5.6,6.2,-215,0.71,,,,,,,,zero,49,\n";
+  file(kHeader + kShots + without);
+  CHECK_EQUAL("equal", jsons_of(run_fit({path, "--json", "--free", "ex,d"}))[0]["inputs"]["weights"]);
 }
 
 TEST(FitCommand, FixedValuesAreKept) {

@@ -45,7 +45,7 @@ std::vector<Observation> session(const ParameterValues& truth, double least, dou
 }
 
 struct Tally {
-  int fitted = 0, undetermined = 0, limit_below_truth = 0;
+  int fitted = 0, held = 0, undetermined = 0, limit_below_truth = 0;
   double worst_z = 0.0;
 };
 
@@ -61,11 +61,13 @@ Tally tally(const ParameterValues& truth, const FitOptions& options, double leas
       out.limit_below_truth += *mu.limit <= kMu ? 1 : 0;
     } else {
       ++out.fitted;
+      out.held += mu.lower.value_or(0.0) <= kMu && kMu <= mu.upper.value_or(10.0) ? 1 : 0;
       out.worst_z = std::max(out.worst_z, std::abs(mu.value - kMu) / mu.sd.value());
     }
   }
-  std::printf("fitted %d, undetermined %d, limit below the truth %d, worst z %.1f\n", out.fitted,
-              out.undetermined, out.limit_below_truth, out.worst_z);
+  std::printf(
+      "fitted %d (interval holds the truth in %d), undetermined %d, limit below the truth %d, worst z %.1f\n",
+      out.fitted, out.held, out.undetermined, out.limit_below_truth, out.worst_z);
   return out;
 }
 
@@ -103,7 +105,10 @@ TEST(FrictionEvidence, WhereSomeSlideItIsFittedToTheTruth) {
   // In a session in ten, say, hardly one of the twelve needs more than there is.
   CHECK(t.undetermined <= t.fitted / 9);
   CHECK_EQUAL(t.undetermined, t.limit_below_truth);
-  CHECK(t.worst_z < 4.0);
+  // Of 95 % of 50 sessions 2.5 miss, four sd of that more is 8.6; Student's t of 10 degrees of freedom exceeds 6 once in
+  // 8,000 times.
+  CHECK(t.held >= t.fitted - 8);
+  CHECK(t.worst_z < 6.0);
 }
 
 TEST(FrictionEvidence, WithoutItNoShotIsSaidToSlide) {

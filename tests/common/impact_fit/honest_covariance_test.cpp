@@ -30,6 +30,7 @@ struct Outcome {
 FitOptions three_free() {
   FitOptions out = default_options(ReboundModel::grip_offset);
   out.start = kTruth;
+  out.scale = CovarianceScale::residuals;
   out.free = {true, true, true, false, false};
   return out;
 }
