@@ -13,59 +13,61 @@ constexpr double kSigmas = 3.72;
 /// order of digitizing by hand.
 constexpr double kLabelledByEye = 0.01;
 
-/// Height of a centre above one that touches, over the ball's diameter, and its variance.
-struct Clearance {
-  double value = 0.0;
-  double variance = 0.0;
-
-  bool above(double limit) const { return value - limit > kLabelledByEye + kSigmas * std::sqrt(variance); }
-  bool below(double limit) const { return limit - value > kLabelledByEye + kSigmas * std::sqrt(variance); }
+/// A place in the levelled photograph, with the gradient of its height and a variance beyond that of the fit. [m]
+struct Place {
+  Eigen::Vector2d at_m;
+  JointVector gradient{};
+  double variance_m2 = 0.0;
 };
 
-/// Of a place in the levelled photograph with the given gradient of its height. The tilt's second order is left out.
-Clearance clearance(const ShotFit& fit, const Eigen::Vector2d& place, JointVector gradient) {
+/// Of a centre there above one that touches, in the ball's diameters.
+double clearance(const ShotFit& fit, const Place& place) {
   const double diameter = fit.observations.ball_diameter_m * fit.joint.unknowns[kScale];
-  const double height = surface_residual(fit.joint, place);
-  gradient[kTilt] -= surface_lever_m(fit.joint, place);
+  return surface_residual(fit.joint, place.at_m) / diameter - 0.5;
+}
+
+/// Of the clearance. The tilt's second order is left out.
+double sd_of(const ShotFit& fit, const Place& place) {
+  const double diameter = fit.observations.ball_diameter_m * fit.joint.unknowns[kScale];
+  JointVector gradient = place.gradient;
+  gradient[kTilt] -= surface_lever_m(fit.joint, place.at_m);
   gradient[kHeight] -= 1.0;
-  if (!fit.observations.scale_exact()) gradient[kScale] -= height / fit.joint.unknowns[kScale];
+  if (!fit.observations.scale_exact())
+    gradient[kScale] -= surface_residual(fit.joint, place.at_m) / fit.joint.unknowns[kScale];
   const auto y = fit.joint.factor.whitened(gradient);
-  return {height / diameter - 0.5, dot(y, y) / (diameter * diameter)};
+  return std::sqrt(dot(y, y) + place.variance_m2) / diameter;
 }
 
-Clearance of_image(const ShotFit& fit, const Observation& o) {
-  Clearance c = clearance(fit, o.centre_m, {});
-  const double diameter = fit.observations.ball_diameter_m * fit.joint.unknowns[kScale];
-  c.variance += fit.observations.centre_variance(o) / (diameter * diameter);
-  return c;
+/// Whether the clearance is beyond zero upward, or beyond minus a radius downward.
+bool above_touch(const ShotFit& fit, const Place& place) {
+  const double by = clearance(fit, place) - kLabelledByEye;
+  return by > 0.0 && by > kSigmas * sd_of(fit, place);
+}
+bool beneath_surface(const ShotFit& fit, const Place& place) {
+  const double by = -0.5 - clearance(fit, place) - kLabelledByEye;
+  return by > 0.0 && by > kSigmas * sd_of(fit, place);
 }
 
-/// Of the ball had it flown on along that leg.
-Clearance of_path(const ShotFit& fit, std::size_t leg, const Observation& o) {
+/// Where the ball would be had it flown on along that leg.
+Place on_path(const ShotFit& fit, std::size_t leg, const Observation& o) {
   const double s = fit.joint.legs[leg].scaled(o.time_s);
   const double t = s * fit.joint.legs[leg].span_s;
   const double* z = &fit.joint.unknowns[kLegStart[leg]];
-  const double scale = fit.joint.unknowns[kScale];
   const flight::Forcing& forcing = fit.joint.forcing[leg];
   const Eigen::Vector2d bend =
-      scale * t * t * (0.5 * forcing.acceleration_mps2 + t * forcing.jerk_mps3 / 6.0);
-  JointVector gradient{};
-  gradient[kLegStart[leg] + 1] = 1.0;
-  gradient[kLegStart[leg] + 3] = s;
-  Clearance c = clearance(fit, {z[0] + z[2] * s + bend.x(), z[1] + z[3] * s + bend.y()}, gradient);
+      fit.joint.unknowns[kScale] * t * t * (0.5 * forcing.acceleration_mps2 + t * forcing.jerk_mps3 / 6.0);
+  Place place{{z[0] + z[2] * s + bend.x(), z[1] + z[3] * s + bend.y()}};
+  place.gradient[kLegStart[leg] + 1] = 1.0;
+  place.gradient[kLegStart[leg] + 3] = s;
   const double by_time = o.time_sd_s * z[3] / fit.joint.legs[leg].span_s;
-  const double diameter = fit.observations.ball_diameter_m * scale;
-  c.variance += by_time * by_time / (diameter * diameter);
-  return c;
+  place.variance_m2 = by_time * by_time;
+  return place;
 }
 
 bool contradicts(const ShotFit& fit, const Observation& o) {
-  const Clearance own = of_image(fit, o);
-  if (own.above(0.0) || own.below(-0.5)) return true;
-  for (std::size_t leg = 0; leg < 2; ++leg) {
-    if (of_path(fit, leg, o).above(0.0)) return true;
-  }
-  return false;
+  const Place own{o.centre_m, {}, fit.observations.centre_variance(o)};
+  return above_touch(fit, own) || beneath_surface(fit, own) || above_touch(fit, on_path(fit, 0, o)) ||
+         above_touch(fit, on_path(fit, 1, o));
 }
 
 }  // namespace

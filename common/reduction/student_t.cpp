@@ -11,8 +11,10 @@ namespace {
 constexpr double kAboveOneSd = 0.158655253931457;
 constexpr double kAsGoodAsNormal = 1e6;
 
-using Distribution = boost::math::students_t_distribution<
-    double, boost::math::policies::policy<boost::math::policies::promote_double<false>>>;
+// Promoted to long double, quantiles would fail at the start of a program under valgrind, which has none.
+using Policy = boost::math::policies::policy<boost::math::policies::promote_double<false>>;
+using Distribution = boost::math::students_t_distribution<double, Policy>;
+using Normal = boost::math::normal_distribution<double, Policy>;
 
 }  // namespace
 
@@ -25,7 +27,7 @@ double student_t_sigma(double degrees_of_freedom) {
 double student_t_half_width(double share, double degrees_of_freedom) {
   const double above = 0.5 * (1.0 - share);
   if (degrees_of_freedom > kAsGoodAsNormal)
-    return boost::math::quantile(boost::math::complement(boost::math::normal(), above));
+    return boost::math::quantile(boost::math::complement(Normal(), above));
   return boost::math::quantile(boost::math::complement(Distribution(degrees_of_freedom), above));
 }
 

@@ -157,6 +157,11 @@ std::optional<std::vector<bool>> points_to_keep(const std::vector<Eigen::Vector2
 std::optional<ConsistentSurface> consistent_surface(const Frame& frame, const ShotFit& fit) {
   const auto& points = fit.observations.surface_m;
   if (points.size() < kMinAgreeing || fit.joint.degenerate) return std::nullopt;
+  // A deleted square is no larger than the sum of all squares: below 9 it cannot be beyond chance. Where the
+  // variance is estimated, a sum below it only makes the rest's variance larger.
+  const double sd = fit.observations.surface_sd();
+  if (square_sum(fit) < (fit.observations.surface_noise == NoiseGroup::stated ? 9.0 : 1.0) * sd * sd)
+    return std::nullopt;
   const auto noise = point_noise(fit);
   if (!noise || agree(fit, *noise)) return std::nullopt;
   ConsistentSurface consistent{frame, Flag::outlier_surface_point};

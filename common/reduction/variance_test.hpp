@@ -12,7 +12,4 @@ inline constexpr double kFalseAlarms = 1e-3;
 /// Source: Koch, Parameter Estimation and Hypothesis Testing, 4.2 (the global test of an adjustment).
 double chance_of_scatter(double sum_of_squares, double degrees_of_freedom, double noise_freedom);
 
-/// Square that a normal error's square exceeds with this probability, in variances. 0 < probability < 1.
-double normal_square_exceeded(double probability);
-
 }  // namespace strobe::reduction
