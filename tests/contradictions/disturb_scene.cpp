@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include "tests/contradictions/shot.hpp"
@@ -54,6 +55,18 @@ double disturb_alpha(Scene& scene, Random& random) {
   return std::abs(scene.alpha - 0.55);
 }
 
+/// Within what the reduction's README says of air and ball: no contradiction, what the sds must hold. Returns the drag
+/// coefficient's deviation in its sd.
+double draw_air(Scene& scene, Random& random) {
+  const double severity = random.normal();
+  scene.drag_coefficient = 0.55 + 0.05 * severity;
+  scene.lift_factor = 1.0 + 0.2 * random.normal();
+  scene.spin_decay_per_m = std::max(0.0, 0.01 + 0.005 * random.normal());
+  const double thin_shell = 2.0 / 3.0;
+  scene.alpha = std::min(scene.told_alpha_or_default() + 0.024 * random.normal(), thin_shell);
+  return std::abs(severity);
+}
+
 double disturb_inclination(Scene& scene, Random& random) {
   const double severity = random.logarithmic(0.5, 15.0);
   scene.told_inclination_deg += severity * random.sign();
@@ -86,8 +99,10 @@ double disturb_scene(Kind kind, Scene& scene, Random& random) {
       return 1.0;
     case Kind::alpha:
       return disturb_alpha(scene, random);
+    case Kind::air:
+      return draw_air(scene, random);
     case Kind::drag:
-      scene.drag_coefficient *= random.within(0.8, 1.2);
+      scene.drag_coefficient = 0.55 * random.within(0.8, 1.2);
       return 100.0 * std::abs(scene.drag_coefficient / 0.55 - 1.0);
     case Kind::spin_decay:
       scene.spin_decay_per_m = random.within(0.005, 0.02);

@@ -54,6 +54,7 @@ constexpr std::array kExplanations{
     Explanation{Kind::surface_angle, {kOutlier, kMisfit}},
     Explanation{Kind::wrong_leg, {kOutlier, kMisfit, kSurface, kOverlaps, kDegenerate}},
     Explanation{Kind::gap, {}},
+    Explanation{Kind::air, {}},
 };
 static_assert(kExplanations.size() == kKindCount);
 

@@ -88,8 +88,9 @@ void print(const std::vector<Row>& rows, const Options& options, const std::stri
   }
   fmt::print("seed {}, {} noise, {} images a leg\n{}", options.seed, noise, options.images, table(rows));
   for (const Row& row : rows) {
-    if (row.run.kind == Kind::none) fmt::print("\n{}", false_flags(row));
-    if (row.run.kind == Kind::none || options.coverage) fmt::print("\n{}", coverage_table(row));
+    const bool undisturbed = row.run.kind == Kind::none || row.run.kind == Kind::air;
+    if (undisturbed) fmt::print("\n{}", false_flags(row));
+    if (undisturbed || options.coverage) fmt::print("\n{}", coverage_table(row));
   }
 }
 

@@ -65,7 +65,7 @@ std::string table(const std::vector<Row>& rows) {
 
 std::string false_flags(const Row& undisturbed) {
   const Tally& t = undisturbed.tally;
-  std::string text = "false flags on undisturbed shots:\n";
+  std::string text = fmt::format("false flags, {}:\n", name(undisturbed.run.kind));
   for (std::size_t i = 0; i < kFlagCount; ++i) {
     if (t.flags[i] == 0 || is_fact(kFlagNames[i])) continue;
     text += fmt::format("  {:<24} {:.3f} % (at most {:.3f} %)\n", kFlagNames[i], percent(t.flags[i], t.shots),

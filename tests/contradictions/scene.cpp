@@ -20,8 +20,14 @@ void draw_ball(Scene& scene, Random& random) {
     scene.diameter_m += *scene.told_diameter_sd_m * random.normal();
   }
   scene.mass_kg = 0.0576;
-  if (random.chance(0.5)) scene.told_alpha = random.within(0.50, 0.66);
+  if (random.chance(0.5)) scene.told_alpha = random.within(0.50, 0.62);
   scene.alpha = scene.told_alpha_or_default();
+}
+
+void draw_temperature(Scene& scene, Random& random) {
+  scene.temperature_c = random.within(5.0, 35.0);
+  scene.tell_temperature = random.chance(0.7);
+  if (!scene.tell_temperature) scene.temperature_c = 20.0;
 }
 
 void draw_impact(ImpactParameters& impact, Random& random) {
@@ -101,7 +107,7 @@ Forces forces(const Scene& scene) {
   return {.gx_mps2 = -kGravity_mps2 * std::sin(inclination),
           .gy_mps2 = -kGravity_mps2 * std::cos(inclination),
           .drag_per_m = lift * scene.drag_coefficient,
-          .lift_per_m = lift,
+          .lift_per_m = lift * scene.lift_factor,
           .decay_per_m = scene.spin_decay_per_m * density(scene) / 1.204,
           .radius_m = scene.radius_m()};
 }
@@ -111,9 +117,7 @@ Scene drawn_scene(const Settings& settings, Random& random) {
   draw_ball(scene, random);
   draw_impact(scene.impact, random);
   draw_camera(scene, random);
-  scene.temperature_c = random.within(5.0, 35.0);
-  scene.tell_temperature = random.chance(0.7);
-  if (!scene.tell_temperature) scene.temperature_c = 20.0;
+  draw_temperature(scene, random);
   scene.coded = random.chance(0.3);
   scene.period_s = std::min(random.within(1e-3, 4e-3), resolved_period_s(scene));
   const double least = settings.least_images, most = settings.most_images + 1.0;

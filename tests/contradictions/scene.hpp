@@ -38,7 +38,7 @@ struct Scene {
   double mass_kg = 0.0576, alpha = 0.55;
   std::optional<double> told_alpha;  ///< absent: 0.55 is assumed
   // Air, plate.
-  double drag_coefficient = 0.55, spin_decay_per_m = 0.01, temperature_c = 20.0;
+  double drag_coefficient = 0.55, lift_factor = 1.0, spin_decay_per_m = 0.01, temperature_c = 20.0;
   bool tell_temperature = true;
   double inclination_deg = 0.0, told_inclination_deg = 0.0;  ///< as the camera sees it
   ImpactParameters impact;
@@ -71,8 +71,8 @@ struct Bounce {
 Bounce bounce(const Scene& scene);
 Forces forces(const Scene& scene);
 
-/// An undisturbed scene: what is told is true within its stated tolerance, the spins below 80 % of what the train
-/// resolves.
+/// An undisturbed scene: what is told is true within its stated tolerance, air and alpha are as assumed, the spins below
+/// 80 % of what the train resolves.
 Scene drawn_scene(const Settings& settings, Random& random);
 
 /// Makes the period so long, up to 15 ms, that most spins exceed what the train resolves.

@@ -1,4 +1,5 @@
-// The kinds of trouble that a shot can have: in what is measured, in what is told with it, in what is assumed.
+// The kinds of trouble that a shot can have: in what is measured, in what is told with it, in what is assumed. Their
+// numbers determine what a seed draws: append.
 // Constants only.
 #pragma once
 
@@ -36,6 +37,7 @@ enum class Kind {
   surface_angle,
   wrong_leg,
   gap,
+  air,
 };
 
 struct KindInWords {
@@ -44,7 +46,7 @@ struct KindInWords {
 };
 
 /// In the order of Kind.
-inline constexpr std::array<KindInWords, 26> kKinds{{
+inline constexpr std::array<KindInWords, 27> kKinds{{
     {"none", "undisturbed"},
     {"unread_equators", "5-90 % of the equators unread, at random or every second or third"},
     {"long_period", "5-15 ms between flashes, spins up to 600 rad/s"},
@@ -71,6 +73,7 @@ inline constexpr std::array<KindInWords, 26> kKinds{{
     {"surface_angle", "told inclination of the plate 0.5-15 degrees off"},
     {"wrong_leg", "one image labelled with a wrong leg"},
     {"gap", "5-70 % of the images missing, at random or in a row"},
+    {"air", "drag, lift, the spin's decay and alpha drawn from their tolerances"},
 }};
 inline constexpr std::size_t kKindCount = kKinds.size();
 
