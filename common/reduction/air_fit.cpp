@@ -44,7 +44,7 @@ Normal normal_equations(const Observations& all, const JointFit& joint, const Ai
   for (const Observation& o : all.images) {
     if (!o.use_centre || !joint.legs[leg_index(*o.leg)].fitted) continue;
     const std::size_t leg = leg_index(*o.leg);
-    const ImageRows rows = image_rows(all, joint, o);
+    const ImageRows rows = image_rows(all, joint, tilt, o);
     const std::array<std::size_t, 2> errors{kDragError, kLiftError[leg]};
     const std::array<Eigen::Vector2d, 2> moved{rows.moved_by(pull[leg][0]), rows.moved_by(pull[leg][1])};
     for (std::size_t e = 0; e < 2; ++e) {

@@ -215,6 +215,11 @@ ImageRows image_rows(const Observations& all, const JointFit& fit, const Observa
   return rows_of(all, fit, tilt_of(fit), image);
 }
 
+ImageRows image_rows(const Observations& all, const JointFit& fit, const Rotation2d& tilt,
+                     const Observation& image) {
+  return rows_of(all, fit, tilt, image);
+}
+
 geometry::Rotation2d tilt_of(const JointFit& fit) { return Rotation2d(fit.unknowns[kTilt]); }
 
 Eigen::Vector2d leg_velocity_mps(const JointFit& fit, std::size_t leg) {

@@ -64,6 +64,9 @@ struct ImageRows {
 };
 /// `image` is airborne, its leg fitted.
 ImageRows image_rows(const Observations& all, const JointFit& fit, const Observation& image);
+/// For many images of one fit, whose tilt_of() is `tilt`.
+ImageRows image_rows(const Observations& all, const JointFit& fit, const geometry::Rotation2d& tilt,
+                     const Observation& image);
 
 /// From the surface's axes as fitted to those of the observations.
 geometry::Rotation2d tilt_of(const JointFit& fit);

@@ -102,8 +102,8 @@ void Suspects::consider(double square, NoiseGroup noise, int dimensions, double 
 
 /// Squared deviation from the prediction by the other images: the whitened residual r has covariance I - H,
 /// H being the share that the image has in its own fitted place.
-double deleted_square(const ShotFit& fit, const Observation& o) {
-  const ImageRows rows = image_rows(fit.observations, fit.joint, o);
+double deleted_square(const ShotFit& fit, const geometry::Rotation2d& tilt, const Observation& o) {
+  const ImageRows rows = image_rows(fit.observations, fit.joint, tilt, o);
   const auto x = fit.joint.factor.whitened(leg_index(*o.leg), rows.row[0]);
   const auto y = fit.joint.factor.whitened(leg_index(*o.leg), rows.row[1]);
   const double xx = 1.0 - dot(x, x);
@@ -117,6 +117,7 @@ double deleted_square(const ShotFit& fit, const Observation& o) {
 }
 
 void suspect_centres(const ShotFit& fit, Suspects& suspects) {
+  const geometry::Rotation2d tilt = tilt_of(fit.joint);
   int count[2] = {0, 0};
   for (const Observation& o : fit.observations.images) {
     if (o.use_centre) ++count[leg_index(*o.leg)];
@@ -124,7 +125,7 @@ void suspect_centres(const ShotFit& fit, Suspects& suspects) {
   for (std::size_t i = 0; i < fit.observations.images.size(); ++i) {
     const Observation& o = fit.observations.images[i];
     if (!o.use_centre || count[leg_index(*o.leg)] < kMinImages) continue;
-    suspects.consider(deleted_square(fit, o), o.centre_noise, 2, count[0] + count[1], i,
+    suspects.consider(deleted_square(fit, tilt, o), o.centre_noise, 2, count[0] + count[1], i,
                       MeasurementKind::centre);
   }
 }

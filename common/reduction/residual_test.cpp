@@ -12,6 +12,7 @@ namespace {
 ResidualScatter centre_scatter(const ShotFit& fit) {
   constexpr double kTakenByLeg = 4.0;
   ResidualScatter centres;
+  const geometry::Rotation2d tilt = tilt_of(fit.joint);
   for (std::size_t leg = 0; leg < 2; ++leg) {
     if (!fit.joint.legs[leg].fitted) continue;
     double sum = 0.0;
@@ -22,7 +23,7 @@ ResidualScatter centre_scatter(const ShotFit& fit) {
       count += 1.0;
       if (o.centre_noise != NoiseGroup::stated) continue;
       stated += 1.0;
-      const ImageRows rows = image_rows(fit.observations, fit.joint, o);
+      const ImageRows rows = image_rows(fit.observations, fit.joint, tilt, o);
       sum += rows.residual[0] * rows.residual[0] + rows.residual[1] * rows.residual[1];
     }
     centres.sum_of_squares += sum;
@@ -61,11 +62,13 @@ ResidualScatter diameter_scatter(const ShotFit& fit) {
 ResidualScatter surface_scatter(const ShotFit& fit) {
   const Observations& all = fit.observations;
   if (all.surface_noise != NoiseGroup::stated) return {};
+  const geometry::Rotation2d to_surface = tilt_of(fit.joint).inverse();
   double sum = 0.0;
   for (const Eigen::Vector2d& p : all.surface_m) {
-    const double r = surface_residual(fit.joint, p) / all.surface_sd();
+    const double r = (to_surface * p).y() - fit.joint.unknowns[kHeight];
     sum += r * r;
   }
+  sum /= all.surface_sd() * all.surface_sd();
   return {sum, static_cast<double>(all.surface_m.size()) - 2.0};
 }
 

@@ -26,9 +26,10 @@ struct PointNoise {
 };
 
 double square_sum(const ShotFit& fit) {
+  const geometry::Rotation2d to_surface = tilt_of(fit.joint).inverse();
   double sum = 0.0;
   for (const Eigen::Vector2d& p : fit.observations.surface_m) {
-    const double r = surface_residual(fit.joint, p);
+    const double r = (to_surface * p).y() - fit.joint.unknowns[kHeight];
     sum += r * r;
   }
   return sum;
