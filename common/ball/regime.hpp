@@ -1,6 +1,8 @@
-// What the contact point did during an impact. Plain value; thread-safe, real-time safe.
+// What the contact point did during an impact, and how it is told from the velocities: the one definition of readouts,
+// predictions and fits. Plain values and pure functions; thread-safe, real-time safe.
 #pragma once
 
+#include <algorithm>
 #include <string_view>
 
 namespace strobe {
@@ -13,6 +15,21 @@ enum class Regime {
 
 constexpr std::string_view name(Regime regime) {
   return regime == Regime::slides ? "slides" : regime == Regime::grips ? "grips" : "unclear";
+}
+
+/// What the change of vx is short of rolling: friction that ends the slip vx + R·omega of touchdown changes vx by
+/// |slip|·alpha/(1 + alpha). A ball that changes it by less slid throughout; m/s.
+constexpr double short_of_rolling_mps(double slip_td_mps, double change_of_vx_mps, double alpha) {
+  return std::max(slip_td_mps, -slip_td_mps) * (alpha / (1.0 + alpha)) -
+         std::max(change_of_vx_mps, -change_of_vx_mps);
+}
+
+/// The regime of velocities that are exact but for rounding.
+constexpr Regime regime_of_exact(double slip_td_mps, double change_of_vx_mps, double alpha) {
+  constexpr double kRounding = 1e-12;
+  const double missing = short_of_rolling_mps(slip_td_mps, change_of_vx_mps, alpha);
+  const double needed = missing + std::max(change_of_vx_mps, -change_of_vx_mps);
+  return missing > kRounding * needed ? Regime::slides : Regime::grips;
 }
 
 }  // namespace strobe

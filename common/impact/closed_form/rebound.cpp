@@ -87,6 +87,11 @@ double max_offset_fraction(double alpha, double slip, double e_x, double spin, d
 
 }  // namespace
 
+Regime regime_of(const ball::Ball& ball, const Motion& touchdown, const Rebound& rebound) {
+  const double slip = std::fma(ball.radius_m(), touchdown.omega_radps, touchdown.vx_mps);
+  return regime_of_exact(slip, touchdown.vx_mps - rebound.lift_off.vx_mps, ball.alpha);
+}
+
 tl::expected<Rebound, InputError> grip(const ball::Ball& ball, const Motion& touchdown,
                                        const Coefficients& c) {
   if (const auto error = find_error(ball, touchdown, c)) return tl::unexpected(*error);

@@ -43,11 +43,16 @@ inline constexpr Coefficients kFittedToThesis{.e = 0.75, .mu = 0.570, .e_x = 0.0
 
 struct Rebound {
   Motion lift_off;
+  /// Whether friction was at its limit throughout. The velocities may tell otherwise: see regime_of().
   Regime regime = Regime::slides;
   double slip_lo_mps = 0.0;    ///< vx + R·omega at lift-off
   double impulse_ratio = 0.0;  ///< (vx_TD - vx_LO)/J: mu if it slides, less if it grips; 0 for e.g. mu = 0
   double offset_m = 0.0;       ///< offset of the normal force that acted, along +x
 };
+
+/// The regime that a measurement of this rebound tells, by regime_of_exact(): `grips` too where friction at its limit
+/// changed vx by all that rolling takes, which may be less than what a grip with tangential restitution takes.
+Regime regime_of(const ball::Ball& ball, const Motion& touchdown, const Rebound& rebound);
 
 /// Rigid body: slides throughout (thesis eq. 9–12) unless friction suffices to make it roll (eq. 14, 15 for
 /// any alpha). It slides throughout iff mu·J < |s|·alpha/(1 + alpha): the thesis's table after (16a),

@@ -13,6 +13,8 @@ using Eigen::Index;
 /// Enough to make any contact grip.
 constexpr double kAnyFriction = 1e9;
 
+constexpr double kSure = 2.0;  ///< sds, as for the regime of a readout
+
 /// The model's friction and slip for given inputs.
 struct Prediction {
   double needed = 0.0;
@@ -80,21 +82,31 @@ void add_parameters(const ModelInputs& in, ReboundModel model, const ModelFit& f
   }
 }
 
-/// The change of vx that rolling off needs less the measured one, in the direction of the slip; vx and omega
-/// taken as independent.
+/// vx and omega taken as independent.
 void add_measured(const Observation& o, double alpha, double radius, RegimeClassification& out) {
   const double share = alpha / (1.0 + alpha);
   const double slip = o.touchdown.vx_mps + radius * o.touchdown.omega_radps;
   const double sign = slip < 0.0 ? -1.0 : 1.0;
   out.slip_lo_mps = o.lift_off.vx_mps + radius * o.lift_off.omega_radps;
   out.slip_lo_sd_mps = std::hypot(o.lift_off_sd.vx_mps, radius * o.lift_off_sd.omega_radps);
-  out.shortfall_mps = share * std::abs(slip) - sign * (o.touchdown.vx_mps - o.lift_off.vx_mps);
+  out.shortfall_mps = short_of_rolling_mps(slip, o.touchdown.vx_mps - o.lift_off.vx_mps, alpha);
   out.shortfall_sd_mps = std::hypot((1.0 - share) * o.touchdown_sd.vx_mps, o.lift_off_sd.vx_mps,
                                     share * radius * o.touchdown_sd.omega_radps);
   if (out.shortfall_mps <= 0.0)
     out.measured = Regime::grips;
-  else if (sign * out.slip_lo_mps > 2.0 * out.slip_lo_sd_mps)
+  else if (sign * out.slip_lo_mps > kSure * out.slip_lo_sd_mps)
     out.measured = Regime::slides;
+}
+
+/// The rule of RegimeClassification, with the regime that the predicted velocities tell. Friction that is undetermined
+/// says nothing for sure.
+void reconcile(Regime told, RegimeClassification& r) {
+  r.regime = r.measured == told ? told : r.predicted;
+  if (r.measured == Regime::unclear || r.measured == r.regime) return;
+  const bool model_unsure = !r.z || std::abs(*r.z) < kSure;
+  const bool measurement_unsure = std::abs(r.shortfall_mps) < kSure * r.shortfall_sd_mps;
+  if (measurement_unsure) r.measured = Regime::unclear;
+  if (model_unsure || !measurement_unsure) r.regime = Regime::unclear;
 }
 
 }  // namespace
@@ -130,6 +142,8 @@ tl::expected<RegimeClassification, InputError> classify_regime(const Observation
   out.slip_lo_predicted_mps = predicted.slip_lo;
   out.slip_lo_predicted_sd_mps = std::sqrt(variances.slip_lo);
   add_measured(observation, values[index(Parameter::alpha)], 0.5 * diameter_m, out);
+  const ball::Ball ball{.diameter_m = diameter_m, .alpha = values[index(Parameter::alpha)]};
+  reconcile(regime_of(ball, in.touchdown, *rebound), out);
   return out;
 }
 

@@ -91,7 +91,8 @@ ordered_json comparison_json(const impact::Observation& o, const impact::Compari
 }
 
 void add_regime(const impact::RegimeClassification& r, ordered_json& out) {
-  out["regime"] = name(r.predicted);
+  out["regime"] = name(r.regime);
+  out["regime_model"] = name(r.predicted);
   out["probability_slides"] = messages::or_null(r.probability_slides);
   out["friction_needed_mps"] = r.friction_needed_mps;
   out["friction_available_mps"] = messages::or_null(r.friction_available_mps);

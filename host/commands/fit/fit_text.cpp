@@ -112,7 +112,7 @@ void print_observations(const FitReport& r) {
   std::size_t width = 10;
   for (const impact::Observation& o : r.data.observations) width = std::max(width, o.name.size());
   write_out(
-      fmt::format("\n{:<{}}   vx m/s  model     z   omega  model     z  regime  P(slides)  measured"
+      fmt::format("\n{:<{}}   vx m/s  model     z   omega  model     z  regime   P(slides)  measured"
                   "   slip m/s     d mm (+- alpha)\n",
                   "", width));
   for (std::size_t i = 0; i < r.data.observations.size(); ++i) {
@@ -120,13 +120,13 @@ void print_observations(const FitReport& r) {
     const impact::Comparison& c = r.fit.comparisons[i];
     const impact::RegimeClassification& g = r.regimes[i];
     const impact::RollingFriction& f = r.rolling_friction[i];
-    write_out(fmt::format(
-        "{:<{}}  {:7.2f} {:6.2f} {:>5}  {:6.1f} {:6.1f} {:>5}  {:<6}  {:>9}  {:<8} "
-        "{:5.2f} +- {:4.2f} {:5.1f} +- {:3.1f} ({:3.1f})\n",
-        o.name, width, o.lift_off.vx_mps, c.predicted.lift_off.vx_mps, z_text(c.z_vx), o.lift_off.omega_radps,
-        c.predicted.lift_off.omega_radps, z_text(c.z_omega), name(g.predicted),
-        probability_text(g.probability_slides), name(g.measured), g.slip_lo_mps, g.slip_lo_sd_mps,
-        1e3 * f.offset_m, 1e3 * f.offset_sd_m, 1e3 * f.offset_sd_alpha_m));
+    write_out(
+        fmt::format("{:<{}}  {:7.2f} {:6.2f} {:>5}  {:6.1f} {:6.1f} {:>5}  {:<7}  {:>9}  {:<8} "
+                    "{:5.2f} +- {:4.2f} {:5.1f} +- {:3.1f} ({:3.1f})\n",
+                    o.name, width, o.lift_off.vx_mps, c.predicted.lift_off.vx_mps, z_text(c.z_vx),
+                    o.lift_off.omega_radps, c.predicted.lift_off.omega_radps, z_text(c.z_omega),
+                    name(g.regime), probability_text(g.probability_slides), name(g.measured), g.slip_lo_mps,
+                    g.slip_lo_sd_mps, 1e3 * f.offset_m, 1e3 * f.offset_sd_m, 1e3 * f.offset_sd_alpha_m));
   }
 }
 

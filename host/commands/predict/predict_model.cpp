@@ -55,7 +55,10 @@ tl::expected<Prediction, impact::InputError> predict(const PredictInput& in) {
           ? impact::rigid(ball, in.touchdown, in.e, mu)
           : impact::grip(ball, in.touchdown,
                          {.e = in.e, .mu = mu, .e_x = in.e_x, .offset_m = in.offset_mm / 1e3});
-  return rebound.map([](const impact::Rebound& r) { return Prediction{.rebound = r}; });
+  return rebound.map([&](impact::Rebound r) {
+    r.regime = impact::regime_of(ball, in.touchdown, r);
+    return Prediction{.rebound = r};
+  });
 }
 
 }  // namespace strobe::host

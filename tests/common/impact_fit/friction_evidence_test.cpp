@@ -85,7 +85,7 @@ TEST_GROUP(FrictionEvidence) {
 
 TEST(FrictionEvidence, WhereAllShotsGripFrictionIsUndeterminedWithALowerLimit) {
   auto source = random_source("all grip");
-  const int sessions = repetitions(60);
+  const int sessions = repetitions(80);
   for (const auto& [truth, options] :
        {std::pair{offset, default_options(ReboundModel::grip_offset)},
         std::pair{offset, by_sd(default_options(ReboundModel::grip_offset))},
