@@ -209,7 +209,6 @@ class Alternatives {
         best_(best),
         sd_(std::sqrt(fit.variance)),
         decay_per_s_(decay_per_s),
-        least_(cost(best.line)),
         fit_(fit) {}
 
   void within_window(const std::vector<Proposal>& proposals) {
@@ -230,15 +229,19 @@ class Alternatives {
   }
 
  private:
-  double cost(const Line& line) const {
-    if (decay_per_s_ == 0.0) return robust_cost(readings_, line) + robust_cost(left_out_, line);
-    return cost_at_any_decay(readings_, line, decay_per_s_) + robust_cost(left_out_, line);
+  bool explains_as_well(const Line& line) const {
+    const double of_left_out = robust_cost(left_out_, line);
+    if (robust_cost(readings_, line) + of_left_out < best_.cost + kComparableSpins) return true;
+    if (decay_per_s_ == 0.0) return false;
+    const double least =
+        cost_at_any_decay(readings_, best_.line, decay_per_s_) + robust_cost(left_out_, best_.line);
+    return cost_at_any_decay(readings_, line, decay_per_s_) + of_left_out < least + kComparableSpins;
   }
 
   void add(const Line& line) {
     const double omega = line.slope();
     const auto same = [&](double known) { return std::abs(known - omega) <= 6.0 * sd_; };
-    if (same(best_.omega) || !(cost(line) < least_ + kComparableSpins)) return;
+    if (same(best_.omega) || !explains_as_well(line)) return;
     if (std::ranges::none_of(fit_.alternatives_radps, same)) fit_.alternatives_radps.push_back(omega);
   }
 
@@ -247,7 +250,6 @@ class Alternatives {
   const Proposal& best_;
   double sd_;
   double decay_per_s_;
-  double least_;
   SpinFit& fit_;
 };
 
