@@ -15,10 +15,10 @@ enum class Flag {
   flash_match_ambiguous,  // several assignments of images to flashes fit alike and give different numbers
   spin_aliased,  // another spin, by half turns between images, explains the equators as well and friction allows
                  // it; the regime is then unclear
-  too_few_images,       // a leg has too few airborne images for some number, which is null
-  outlier_image,        // an image did not fit its leg and was left out
-  no_redundancy,        // a leg has fewer than four images, or the surface fewer than four points: a bad
-                        // one could not be found
+  too_few_images,  // a leg has too few airborne images for some number, which is null
+  outlier_image,   // an image did not fit its leg and was left out
+  no_redundancy,   // a leg has two or three images or equators, the photograph two or three diameters, or the
+                   // surface fewer than four points: a bad one could not be found
   no_contact_image,     // no image between touchdown and lift-off
   overlaps_surface,     // an image given as airborne overlaps the surface line and was left out
   degenerate_geometry,  // no line through the surface, a leg that does not meet it, or no scale: numbers are

@@ -10,11 +10,10 @@
 namespace strobe::reduction {
 namespace {
 
-/// Standard deviations to start from where the frame states none: a hundredth of the ball's diameter and one degree, the order
-/// of digitizing by hand. The residuals replace them; where these cannot, only the sd is lost, not the
+/// Standard deviation to start from where the frame states none: a hundredth of the ball's diameter, the order of
+/// digitizing by hand, as is kUsualEquatorSd_rad. The residuals replace them; where these cannot, only the sd is lost, not the
 /// number.
 constexpr double kGuessOfDiameter = 0.01;
-constexpr double kGuessEquatorRad = 0.0175;
 
 /// Scale to start from: the calibrated one, or the median diameter of the images that may be airborne.
 double first_scale(const Frame& frame) {
@@ -215,7 +214,7 @@ std::optional<Observations> observe(const Frame& frame, FlagSet& flags, NoiseSou
   const double guess = kGuessOfDiameter * frame.ball_diameter_m;
   all.group_sd[NoiseGroup::centre] = all.group_sd[NoiseGroup::surface] = all.group_sd[NoiseGroup::diameter] =
       guess;
-  all.group_sd[NoiseGroup::equator] = kGuessEquatorRad;
+  all.group_sd[NoiseGroup::equator] = kUsualEquatorSd_rad;
   all.images.reserve(frame.images.size());
   for (const BallImage& image : frame.images) all.images.push_back(observation(image, frame, *surface));
   set_surface(frame, all);

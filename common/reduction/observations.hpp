@@ -19,6 +19,9 @@ namespace strobe::reduction {
 enum class NoiseGroup { stated, centre, surface, diameter, equator };
 inline constexpr std::size_t kNoiseGroupCount = 5;
 
+/// One degree: what a person who digitizes an equator does.
+inline constexpr double kUsualEquatorSd_rad = 0.0175;
+
 /// Standard deviations of the groups that are not stated, in units of the measurements' own ones: these are 1 m or
 /// 1 rad, or what the frame states where that is taken for a relative weight.
 struct GroupSds {

@@ -30,14 +30,20 @@ void keep_nearest(Observations& all) {
   }
 }
 
+/// Of three measurements of a kind that disagree none can be singled out: images and equators of a leg, diameters of the
+/// photograph, points of the surface.
 void flag_redundancy(const Observations& all, FlagSet& flags) {
-  int count[2] = {0, 0};
+  int centres[2] = {0, 0};
+  int equators[2] = {0, 0};
+  int diameters = 0;
   for (const Observation& o : all.images) {
-    if (o.use_centre) ++count[leg_index(*o.leg)];
+    if (o.use_centre) ++centres[leg_index(*o.leg)];
+    if (o.use_equator) ++equators[leg_index(*o.leg)];
+    if (o.use_diameter) ++diameters;
   }
-  // Of three images, or points of the surface, that disagree none can be singled out.
-  const auto few = [](int images) { return images == 2 || images == 3; };
-  if (few(count[0]) || few(count[1]) || all.surface_m.size() < 4) flags.set(Flag::no_redundancy);
+  const auto few = [](int number) { return number == 2 || number == 3; };
+  const bool few_of_a_leg = few(centres[0]) || few(centres[1]) || few(equators[0]) || few(equators[1]);
+  if (few_of_a_leg || few(diameters) || all.surface_m.size() < 4) flags.set(Flag::no_redundancy);
 }
 
 Readout empty_readout(const Frame& frame, Estimator estimator) {

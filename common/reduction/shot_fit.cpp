@@ -6,12 +6,17 @@
 #include <numbers>
 #include <utility>
 
+#include "common/reduction/equator_consensus.hpp"
 #include "common/reduction/noise.hpp"
 #include "common/reduction/outliers.hpp"
 #include "common/reduction/running_statistics.hpp"
+#include "common/reduction/variance_test.hpp"
 
 namespace strobe::reduction {
 namespace {
+
+/// Of three readings that disagree none can be singled out.
+constexpr std::size_t kMinForOutlier = 4;
 
 /// Between any two airborne images of the shot, of whichever leg.
 double shortest_interval_s(const Observations& all) {
@@ -158,23 +163,45 @@ bool aliased(const ShotFit& fit, std::size_t leg) {
          });
 }
 
+/// Whether equators of a leg were left out since they fit no spin of the others: before one by one is looked for a bad
+/// measurement, of which two mask each other.
+bool leave_out_equators(ShotFit& fit) {
+  const auto searches = spin_search(fit.observations, fit.spin_decay_per_m);
+  bool any = false;
+  for (std::size_t leg = 0; leg < 2; ++leg) {
+    const auto& spin = fit.spin[leg];
+    const std::vector<EquatorReading>& readings = fit.equators[leg];
+    if (!spin || readings.size() < kMinForOutlier || equators_agree(readings, *spin, kUsualEquatorSd_rad))
+      continue;
+    for (const std::size_t i :
+         outside_consensus(stretched(readings, spin->time_s, searches[leg].decay_per_s), spin->window_radps,
+                           kUsualEquatorSd_rad, kFalseAlarms / 3.0)) {
+      fit.observations.images[readings[i].index].use_equator = false;
+      any = true;
+    }
+  }
+  if (any) fit_once(fit);
+  return any;
+}
+
 /// Returns whether any was. The lift of a wrong spin bends the path away from good images: where the spin may be
 /// another, only what fits no lift is an outlier.
 bool leave_out_misfits(ShotFit& fit) {
+  const bool equators = leave_out_equators(fit);
   const auto fit_again = [&fit] { fit_once(fit); };
   const bool closed = !fit.spins_open && std::ranges::any_of(fit.spin, [](const auto& spin) {
     return spin && !spin->alternatives_radps.empty();
   });
-  if (!closed) return reject_outliers(fit, fit_again);
+  if (!closed) return reject_outliers(fit, fit_again) || equators;
   const std::vector<Observation> images = fit.observations.images;
-  if (!reject_outliers(fit, fit_again)) return false;
+  if (!reject_outliers(fit, fit_again)) return equators;
   fit.observations.images = images;
   fit.spins_open = true;
   fit_once(fit);
   const bool any = reject_outliers(fit, fit_again);
   fit.spins_open = false;
   fit_once(fit);
-  return any;
+  return any || equators;
 }
 
 /// Mirrors where the legs as fitted, without the images left out, say otherwise than the first and last image did.

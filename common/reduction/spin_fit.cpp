@@ -253,14 +253,6 @@ class Alternatives {
   SpinFit& fit_;
 };
 
-/// In a time that runs slower as the spin decays: the angle is straight in it.
-std::vector<EquatorReading> stretched(std::vector<EquatorReading> readings, double from_s,
-                                      double decay_per_s) {
-  for (EquatorReading& r : readings)
-    r.time_s = from_s - std::expm1(-decay_per_s * (r.time_s - from_s)) / decay_per_s;
-  return readings;
-}
-
 double mean_time_s(const std::vector<EquatorReading>& readings) {
   double mean = 0.0;
   for (const EquatorReading& r : readings) mean += r.time_s / static_cast<double>(readings.size());
@@ -299,6 +291,14 @@ SpinFit fit_steady_spin(const std::vector<EquatorReading>& readings,
 }
 
 }  // namespace
+
+std::vector<EquatorReading> stretched(std::vector<EquatorReading> readings, double from_s,
+                                      double decay_per_s) {
+  if (decay_per_s == 0.0) return readings;
+  for (EquatorReading& r : readings)
+    r.time_s = from_s - std::expm1(-decay_per_s * (r.time_s - from_s)) / decay_per_s;
+  return readings;
+}
 
 std::optional<SpinFit> fit_spin(const std::vector<EquatorReading>& readings,
                                 const std::vector<EquatorReading>& left_out, const SpinSearch& search) {

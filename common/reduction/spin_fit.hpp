@@ -60,4 +60,8 @@ std::optional<SpinFit> fit_spin(const std::vector<EquatorReading>& readings,
                                 const std::vector<EquatorReading>& left_out = {},
                                 const SpinSearch& search = {});
 
+/// In a time that runs slower as the spin decays, as the spin is fitted: the angle is straight in it.
+std::vector<EquatorReading> stretched(std::vector<EquatorReading> readings, double from_s,
+                                      double decay_per_s);
+
 }  // namespace strobe::reduction

@@ -138,6 +138,42 @@ TEST(ReadoutFlags, FewerThanFourImagesOfALegAreSaidToHaveNoRedundancy) {
   }
 }
 
+TEST(ReadoutFlags, TwoOrThreeEquatorsOrDiametersAreSaidToHaveNoRedundancy) {
+  for (const int equators : {2, 3, 4, 5}) {
+    Frame frame = noisy();
+    for (int i = equators; i < 5; ++i) frame.images[static_cast<std::size_t>(i)].equator_rad.reset();
+    CHECK_EQUAL(equators < 4, reduced(frame).flags.has(Flag::no_redundancy));
+  }
+  // A calibrated scale: the ball's tolerance is the larger, no diameter is in use.
+  Setup setup = vacuum();
+  Frame frame = noisy(setup);
+  frame.px_per_m = setup.px_per_m, frame.px_per_m_sd = 1.0, frame.ball_diameter_sd_m = 1e-3;
+  CHECK_FALSE(reduced(frame).flags.has(Flag::no_redundancy));
+}
+
+TEST(ReadoutFlags, TwoWrongEquatorsOfEightDoNotMaskEachOther) {
+  Setup setup = vacuum();
+  setup.incoming = setup.rebound = 8;
+  Bounce b;
+  b.omega_td = 258.5, b.omega_lo = -60.0;
+  for (const bool stated : {true, false}) {
+    setup.state_noise = stated;
+    for (std::size_t one = 0; one < 8; ++one) {
+      for (std::size_t other = one + 1; other < 8; ++other) {
+        test::Random random(100 * one + other);
+        Frame frame = test::photograph(b, setup, random);
+        *frame.images[one].equator_rad += 0.785;
+        *frame.images[other].equator_rad += 0.785;
+        const Readout r = reduced(frame);
+        CHECK_TRUE(r.flags.has(Flag::outlier_image));
+        // Student's factor of an estimated noise is in the sd; 56 draws.
+        DOUBLES_EQUAL(258.5, *r.value[Quantity::omega_td_radps], 5.0 * *r.sd[Quantity::omega_td_radps]);
+        CHECK_TRUE(*r.sd[Quantity::omega_td_radps] < 4.0);
+      }
+    }
+  }
+}
+
 TEST(ReadoutFlags, AWrongEquatorOfFiveIsLeftOutAndTheFlightKept) {
   Frame frame = noisy();
   const Readout clean = reduced(frame);
