@@ -166,6 +166,7 @@ struct LeftOut {
   std::size_t image = 0;
   MeasurementKind kind = MeasurementKind::centre;
   bool use_centre = false, use_diameter = false, use_equator = false;
+  double square = 0.0;  // of the deviation, in variances
 };
 
 class Rejection {
@@ -182,10 +183,9 @@ class Rejection {
   bool too_many(std::size_t kind) const { return count_[kind] > most_[kind]; }
 
   /// Kinds whose noise rather than whose measurements may be wrong: too many had to go, or what is left of them, or of
-  /// all kinds together, still scatters as one in twenty would by chance. Where it was chance, what stands far out is
-  /// left out all the same.
+  /// all kinds together, still scatters as one in a hundred would by chance and what was left out is not far beyond that.
   Kinds doubted() const {
-    constexpr double kWellExplained = 0.05;
+    constexpr double kWellExplained = 0.01;
     const auto explained = [](const ResidualScatter& rest) {
       constexpr double kKnown = std::numeric_limits<double>::infinity();
       return chance_of_scatter(rest.sum_of_squares, rest.degrees_of_freedom, kKnown) >= kWellExplained;
@@ -196,11 +196,14 @@ class Rejection {
       const ResidualScatter rest = scatter_of(fit_, static_cast<MeasurementKind>(kind));
       all.sum_of_squares += rest.sum_of_squares;
       all.degrees_of_freedom += rest.degrees_of_freedom;
-      doubted[kind] = too_many(kind) || !explained(rest);
+      doubted[kind] = !explained(rest);
     }
     const bool all_explained = explained(all);
     for (std::size_t kind = 0; kind < kMeasurementKindCount; ++kind)
-      doubted[kind] = count_[kind] > 0.0 && (doubted[kind] || !all_explained);
+      doubted[kind] =
+          too_many(kind) || ((doubted[kind] || !all_explained) &&
+                             (near_the_rest(kind, all) ||
+                              near_the_rest(kind, scatter_of(fit_, static_cast<MeasurementKind>(kind)))));
     return doubted;
   }
 
@@ -234,6 +237,17 @@ class Rejection {
   }
 
  private:
+  /// Whether something of the kind was left out that is within 6 sd of the rest's scatter. Of 20 degrees of freedom a
+  /// variance comes out at less than 0.54 of the true one once in twenty times: further out are 19 variances or more,
+  /// beyond chance for ten measurements.
+  bool near_the_rest(std::size_t kind, const ResidualScatter& rest) const {
+    constexpr double kFar = 36.0;
+    return std::ranges::any_of(left_out_, [&](const LeftOut& one) {
+      return static_cast<std::size_t>(one.kind) == kind &&
+             one.square * rest.degrees_of_freedom < kFar * rest.sum_of_squares;
+    });
+  }
+
   /// The worst; of many images all that are nearly as bad, for one bad image hardly moves so many.
   void leave_out(const std::vector<Suspect>& suspects) {
     constexpr double kNearly = 0.25;  // of the worst one's square: half as far out
@@ -245,7 +259,8 @@ class Rejection {
 
   void leave_out(const Suspect& suspect) {
     Observation& o = fit_.observations.images[suspect.image];
-    left_out_.push_back({suspect.image, suspect.kind, o.use_centre, o.use_diameter, o.use_equator});
+    left_out_.push_back(
+        {suspect.image, suspect.kind, o.use_centre, o.use_diameter, o.use_equator, suspect.square});
     ++count_[static_cast<std::size_t>(suspect.kind)];
     if (suspect.kind == MeasurementKind::centre) o.use_centre = o.use_diameter = o.use_equator = false;
     if (suspect.kind == MeasurementKind::diameter) o.use_diameter = false;

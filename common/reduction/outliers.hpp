@@ -13,7 +13,7 @@ namespace strobe::reduction {
 /// `fit_again` is called before the rest is judged. Needs at least four measurements of a kind: of three that
 /// disagree none can be singled out.
 ///
-/// Where more than a quarter of a kind would have to go, or the rest still scatters as one in twenty would with the
+/// Where more than a quarter of a kind would have to go, or the rest still scatters as one in a hundred would with the
 /// stated noise, the noise may be wrong and not the images: all are taken back and judged by their own scatter (F), so
 /// that only what stands out of that is left out. Returns whether some measurement is.
 bool reject_outliers(ShotFit& fit, const std::function<void()>& fit_again);

@@ -286,7 +286,12 @@ TEST(TruthOf21Conditions, OneGrossImageAmongFourOrMoreIsLeftOut) {
         setup.phase = std::uniform_real_distribution<double>(0.0, 1.0)(own);
         const auto readout = reduce(with_gross_image(bounces[i], setup, shot, own), Estimator::best);
         CHECK_TRUE(readout.has_value());
-        CHECK_TRUE(readout->flags.has(Flag::outlier_image) || readout->flags.has(Flag::overlaps_surface));
+        // Where the rest of four fits badly too, by chance, the noise is doubted and not the image.
+        CHECK_TRUE_TEXT(
+            readout->flags.has(Flag::outlier_image) || readout->flags.has(Flag::overlaps_surface) ||
+                (images == 4 && readout->flags.has(Flag::residuals_exceed_noise)),
+            (bounces[i].label + " shot " + std::to_string(shot) + ", images " + std::to_string(images))
+                .c_str());
         for (std::size_t k = 0; k < kQuantityCount; ++k) {
           const auto q = static_cast<Quantity>(k);
           if (!truth[q]) continue;
