@@ -48,7 +48,9 @@ ResidualScatter equator_scatter_of(const ShotFit& fit) {
           residual * residual / (readings[i].sd_rad * readings[i].sd_rad + by_time * by_time);
     }
     const double count = static_cast<double>(readings.size());
-    equators.degrees_of_freedom += stated > 0.0 ? (count - kTakenByLeg) * stated / count : 0.0;
+    if (!(stated > 0.0)) continue;
+    equators.sum_of_squares += fit.spin[leg]->decay_square * stated / count;
+    equators.degrees_of_freedom += (count - kTakenByLeg) * stated / count;
   }
   return equators;
 }

@@ -18,6 +18,7 @@ struct ResidualScatter {
 /// four degrees of freedom of its centres and two of its equators, the surface line two of its points, and the
 /// diameters lose one: they are held against their own mean, so that a wrong scale is not taken for noise. What the
 /// centres say of scale and tilt, through gravity, is left out: at most two degrees of freedom too many.
+/// The spin's decay is fitted with its own uncertainty, and its deviation counts as a measurement's.
 ResidualScatter scatter_of(const ShotFit& fit, MeasurementKind kind);
 
 /// Whether chance explains so much scatter of one kind. The four kinds and all of them together share the false

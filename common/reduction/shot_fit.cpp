@@ -45,14 +45,17 @@ double mean_speed(const Observations& all, std::size_t leg) {
 }
 
 /// The bounce adds no energy: v^2 + alpha (R omega)^2 does not grow, alpha being half or more.
-std::array<SpinSearch, 2> spin_search(const Observations& all, double decay_per_m) {
+std::array<SpinSearch, 2> spin_search(const ShotFit& fit) {
+  const Observations& all = fit.observations;
   const double interval_s = shortest_interval_s(all);
   const double radius_m = all.ball.radius_m();
   const std::array<double, 2> speed_mps{mean_speed(all, 0), mean_speed(all, 1)};
   const double faster_mps = std::max(speed_mps[0], speed_mps[1]);
   const double rebound_mps = std::hypot(kFastestRim_mps, std::numbers::sqrt2 * faster_mps);
-  return {SpinSearch{interval_s, kFastestRim_mps / radius_m, decay_per_m * speed_mps[0]},
-          SpinSearch{interval_s, rebound_mps / radius_m, decay_per_m * speed_mps[1]}};
+  const double decay = fit.spin_decay_per_m;
+  const double sd = fit.spin_decay_sd_per_m;
+  return {SpinSearch{interval_s, kFastestRim_mps / radius_m, decay * speed_mps[0], sd * speed_mps[0]},
+          SpinSearch{interval_s, rebound_mps / radius_m, decay * speed_mps[1], sd * speed_mps[1]}};
 }
 
 void fit_spins(ShotFit& fit, const std::array<SpinSearch, 2>& search) {
@@ -132,7 +135,7 @@ void fit_once(ShotFit& fit) {
   // The variances hardly change the fit, and the fit hardly the variances: three rounds reach rounding.
   constexpr int kMaxRounds = 6;
   const bool estimated = any_estimated(fit.observations);
-  const std::array<SpinSearch, 2> search = spin_search(fit.observations, fit.spin_decay_per_m);
+  const std::array<SpinSearch, 2> search = spin_search(fit);
   FlightModel model;
   if (fit.effects.gravity) model.gravity_mps2 = fit.observations.gravity_mps2;
   model.air = fit.air;
@@ -166,7 +169,7 @@ bool aliased(const ShotFit& fit, std::size_t leg) {
 /// Whether equators of a leg were left out since they fit no spin of the others: before one by one is looked for a bad
 /// measurement, of which two mask each other.
 bool leave_out_equators(ShotFit& fit) {
-  const auto searches = spin_search(fit.observations, fit.spin_decay_per_m);
+  const auto searches = spin_search(fit);
   bool any = false;
   for (std::size_t leg = 0; leg < 2; ++leg) {
     const auto& spin = fit.spin[leg];

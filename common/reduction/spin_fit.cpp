@@ -5,30 +5,20 @@
 #include <cmath>
 #include <limits>
 
-#include "common/geometry/regression.hpp"
+#include "common/reduction/spin_decay.hpp"
 #include "common/units/angles.hpp"
 
 namespace strobe::reduction {
 namespace {
 
-/// A reading further out than this many sd costs no more: it is wrong, not unlikely.
-constexpr double kCostLimit = 16.0;
 /// Spins whose chi squared differs by less than 3 sd are indistinguishable.
 constexpr double kComparableSpins = 9.0;
 /// Half turns tried between two readings far apart; more are beyond any flash train.
 constexpr int kMaxBranches = 1000;
-/// Times flight::kSpinDecay_per_m: no ball's spin decays faster.
-constexpr double kMostDecay = 3.0;
 /// Share of the window's width next to its limit where a turn more is as likely as the spin itself.
 constexpr double kNearLimit = 0.05;
 
-/// angle = mean + omega (t - mean time)
-using Line = geometry::LinearRegression<double>;
-
-double weight(const EquatorReading& r, double omega) {
-  const double by_time = omega * r.time_sd_s;
-  return 1.0 / (r.sd_rad * r.sd_rad + by_time * by_time);
-}
+using Line = SpinLine;
 
 /// The line through readings `pair` and `pair + 1` with that spin, extended to the others, nearest first.
 Line follow(const std::vector<EquatorReading>& readings, std::size_t pair, double omega) {
@@ -50,16 +40,6 @@ Line follow(const std::vector<EquatorReading>& readings, std::size_t pair, doubl
     // A wrong reading must not lead the line astray from those that follow.
     if (miss * miss > kCostLimit * (1.0 / w + line.variance_at(next.time_s))) continue;
     line.add(next.time_s, expected + miss, w);
-  }
-  return line;
-}
-
-/// Least squares through all readings, each at the half turn nearest to the given line.
-Line through_all(const std::vector<EquatorReading>& readings, const Line& nearby) {
-  Line line;
-  for (const EquatorReading& r : readings) {
-    const double expected = nearby.at(r.time_s);
-    line.add(r.time_s, expected + wrap_half_turn(r.angle_rad - expected), weight(r, nearby.slope()));
   }
   return line;
 }
@@ -158,6 +138,10 @@ Proposal best_of(const std::vector<Proposal>& proposals, const std::vector<Equat
   return {line, line.slope(), robust_cost(readings, line)};
 }
 
+double span_s(const std::vector<EquatorReading>& readings) {
+  return readings.back().time_s - readings.front().time_s;
+}
+
 /// The same line with another spin, about the reading that both go through, fitted once more.
 Line turned(const std::vector<EquatorReading>& readings, const Line& line, double by_radps, double time_s) {
   Line other;
@@ -169,36 +153,6 @@ Line turned(const std::vector<EquatorReading>& readings, const Line& line, doubl
   return other;
 }
 
-/// The cost with the decay that suits the line best, from none to kMostDecay of what it was stretched with: a faster spin
-/// bends the angle more, which is no evidence against it as long as nobody knows the decay well.
-double cost_at_any_decay(const std::vector<EquatorReading>& readings, const Line& line, double decay_per_s) {
-  const auto miss = [&](const EquatorReading& r) { return wrap_half_turn(r.angle_rad - line.at(r.time_s)); };
-  Line bend;
-  for (const EquatorReading& r : readings) {
-    const double t = r.time_s - line.mean_x();
-    bend.add(t, t * t, weight(r, line.slope()));
-  }
-  const auto shape = [&](const EquatorReading& r) {
-    const double t = r.time_s - line.mean_x();
-    return t * t - bend.at(t);
-  };
-  double by_shape = 0.0, squares = 0.0;
-  for (const EquatorReading& r : readings) {
-    const double w = weight(r, line.slope());
-    by_shape += w * miss(r) * shape(r);
-    squares += w * shape(r) * shape(r);
-  }
-  const double one = -0.5 * line.slope() * decay_per_s;  // of a decay that is larger by itself
-  const auto [least, most] = std::minmax({-one, (kMostDecay - 1.0) * one});
-  const double coefficient = squares > 0.0 ? std::clamp(by_shape / squares, least, most) : 0.0;
-  double cost = 0.0;
-  for (const EquatorReading& r : readings) {
-    const double rest = miss(r) - coefficient * shape(r);
-    cost += std::min(rest * rest * weight(r, line.slope()), kCostLimit);
-  }
-  return cost;
-}
-
 /// Whatever explains the readings as well must turn by whole half turns more in the shortest interval.
 class Alternatives {
  public:
@@ -207,7 +161,7 @@ class Alternatives {
       : readings_(readings),
         left_out_(left_out),
         best_(best),
-        sd_(std::sqrt(fit.variance)),
+        apart_radps_(std::max(6.0 * std::sqrt(fit.variance), 0.5 * kPi / span_s(readings))),
         decay_per_s_(decay_per_s),
         fit_(fit) {}
 
@@ -229,18 +183,21 @@ class Alternatives {
   }
 
  private:
-  bool explains_as_well(const Line& line) const {
+  /// The best line's own decay need not be the assumed one either.
+  bool explains_as_well(const Line& line) {
     const double of_left_out = robust_cost(left_out_, line);
-    if (robust_cost(readings_, line) + of_left_out < best_.cost + kComparableSpins) return true;
-    if (decay_per_s_ == 0.0) return false;
-    const double least =
-        cost_at_any_decay(readings_, best_.line, decay_per_s_) + robust_cost(left_out_, best_.line);
-    return cost_at_any_decay(readings_, line, decay_per_s_) + of_left_out < least + kComparableSpins;
+    const double cost = robust_cost(readings_, line) + of_left_out;
+    if (cost < kComparableSpins) return true;  // none costs less than nothing
+    if (decay_per_s_ == 0.0) return cost < best_.cost + kComparableSpins;
+    if (std::isnan(least_))
+      least_ = cost_at_any_decay(readings_, best_.line, decay_per_s_) + robust_cost(left_out_, best_.line);
+    if (cost < least_ + kComparableSpins) return true;
+    return cost_at_any_decay(readings_, line, decay_per_s_) + of_left_out < least_ + kComparableSpins;
   }
 
   void add(const Line& line) {
     const double omega = line.slope();
-    const auto same = [&](double known) { return std::abs(known - omega) <= 6.0 * sd_; };
+    const auto same = [&](double known) { return std::abs(known - omega) <= apart_radps_; };
     if (same(best_.omega) || !explains_as_well(line)) return;
     if (std::ranges::none_of(fit_.alternatives_radps, same)) fit_.alternatives_radps.push_back(omega);
   }
@@ -248,8 +205,11 @@ class Alternatives {
   const std::vector<EquatorReading>& readings_;
   const std::vector<EquatorReading>& left_out_;
   const Proposal& best_;
-  double sd_;
+  /// Lines a quarter turn apart over all readings put each at the same half turn; another spin's are half a turn apart.
+  double apart_radps_;
   double decay_per_s_;
+  double least_ =
+      std::numeric_limits<double>::quiet_NaN();  ///< of the best line at any decay; NaN: not asked yet
   SpinFit& fit_;
 };
 
@@ -272,16 +232,27 @@ SpinFit fit_steady_spin(const std::vector<EquatorReading>& readings,
   const double window = std::max(kPi / (2.0 * shortest.length_s), std::min(of_train, search.fastest_radps));
   std::vector<Proposal> proposals = propose(readings, left_out, window);
   Proposal best = best_of(proposals, readings, window);
+  const auto at_any_decay = [&](Proposal& p) {
+    p.cost = cost_at_any_decay(readings, p.line, search.decay_per_s) + robust_cost(left_out, p.line);
+  };
+  if (improbable(best.cost, readings.size()) && search.decay_per_s != 0.0) {
+    // Another decay than assumed is no evidence for another spin.
+    std::ranges::for_each(proposals, at_any_decay);
+    best = best_of(proposals, readings, window);
+  }
   if (improbable(best.cost, readings.size()) && search.fastest_radps > window) {
     // Unequal intervals tell a spin beyond the window from those within.
     proposals = propose(readings, left_out, search.fastest_radps);
+    if (search.decay_per_s != 0.0) std::ranges::for_each(proposals, at_any_decay);
     const Proposal faster = best_of(proposals, readings, search.fastest_radps);
     if (faster.cost + kComparableSpins < best.cost) best = faster;
   }
   SpinFit fit;
   fit.window_radps = window;
   fit.interval_s = shortest.length_s;
-  finish(readings, through_all(readings, best.line), fit);
+  const Line line = through_all(readings, best.line);
+  finish(readings, line, fit);
+  allow_for_decay(readings, line, search.decay_sd_per_s, fit);
   fit.near_limit =
       std::abs(fit.omega_radps) + std::max(3.0 * std::sqrt(fit.variance), kNearLimit * window) > window;
   Alternatives alternatives(readings, left_out, best, search.decay_per_s, fit);

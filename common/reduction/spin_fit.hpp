@@ -23,13 +23,14 @@ struct SpinFit {
   double variance = 0.0;            ///< of omega [rad^2/s^2]
   double estimated_variance = 0.0;  ///< the part of it that comes from estimated noise
   double time_s = 0.0;              ///< mean of the readings'
-  double chi_squared = 0.0;
+  double chi_squared = 0.0;         ///< of all readings, with `decay_square`
+  double decay_square = 0.0;        ///< squared deviation of the decay from the assumed one, in variances
   double window_radps = 0.0;
   double interval_s = 0.0;  ///< the shortest between two readings
   bool near_limit = false;  ///< so near the window's limit that a turn the other way is as likely
   /// Spins that explain them as well, within the window and beyond it up to SpinSearch::fastest_radps.
   std::vector<double> alternatives_radps;
-  std::vector<double> residual_rad;  ///< per reading
+  std::vector<double> residual_rad;  ///< per reading, at the likeliest decay
   std::vector<double> leverage;      ///< per reading: share of its own in its fitted angle
 };
 
@@ -45,14 +46,16 @@ struct SpinSearch {
   double fastest_radps = 0.0;
   /// What friction of the air takes of the spin, domega/dt over -omega: flight::kSpinDecay_per_m times the speed.
   double decay_per_s = 0.0;
+  double decay_sd_per_s = 0.0;
 };
 
 /// The most likely spin within the window |omega| < pi / (2 T), T being the shortest interval of the train or
 /// between two readings: an image without an equator does not make the ball turn slower. Each pair of neighbours
 /// proposes all spins of the window that it allows; each proposal is followed outward image by image, so that noise
 /// over a long leg cannot lose a half turn; the likeliest one is kept, by a cost that one bad reading cannot
-/// dominate. The spin decays exponentially: the angle is a straight line over (1 - exp(-decay t)) / decay. What else
-/// explains the readings need not decay at that rate, which is known to a factor of three only. Returns nullopt for fewer than two readings. Readings are in order of time, times differ.
+/// dominate. The spin decays exponentially: the angle is a straight line over (1 - exp(-decay t)) / decay. That
+/// rate is known to a factor of three only: neither the spin nor what else explains the readings need decay at it, and
+/// residuals are what it leaves unexplained. Returns nullopt for fewer than two readings. Readings are in order of time, times differ.
 ///
 /// `left_out`: readings whose image did not fit its leg. The line does not go through them, but they count
 /// for T and for the cost: with every second image left out the others alone could not tell half a turn more.

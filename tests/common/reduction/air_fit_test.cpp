@@ -115,6 +115,21 @@ TEST(AirFitting, AnotherDecayOfTheSpinIsWithinTheUncertainty) {
   }
 }
 
+TEST(AirFitting, AnotherDecayOfTheSpinIsNoContradiction) {
+  // Read to 2 mrad over 60 ms: of 2 sd the angle of the rebound bends by some ten of its own.
+  Setup setup = fine();
+  setup.incoming = setup.rebound = 20;
+  setup.equator_sd_rad = 2e-3;
+  setup.air.spin_decay_per_m = 0.02;
+  test::Random random(test::seed_or(24));
+  for (int shot = 0; shot < 20; ++shot) {
+    const Readout r = in_air(test::photograph(Bounce{}, setup, random));
+    CHECK_FALSE(r.flags.has(Flag::residuals_exceed_noise));
+    CHECK_FALSE(r.flags.has(Flag::outlier_image));
+    CHECK_FALSE(r.flags.has(Flag::spin_aliased));
+  }
+}
+
 TEST(AirFitting, TolerancesOfTheAirAreSystematic) {
   const Frame frame = noisy(fine());
   const Readout r = in_air(frame);

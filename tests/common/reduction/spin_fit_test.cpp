@@ -166,6 +166,68 @@ TEST(SpinFitting, TheDecayInFlightIsPartOfTheLine) {
   CHECK_TRUE(fit_spin(r)->chi_squared > 100.0);
 }
 
+namespace {
+
+/// Without noise, read to 1 mrad, decaying otherwise than by the 0.17 per second that a fit assumes.
+std::vector<EquatorReading> decaying(double omega, double decay, int count, double period_s = 0.003) {
+  std::vector<EquatorReading> result;
+  for (int i = 0; i < count; ++i) {
+    const double t = period_s * i;
+    const double angle = -omega / decay * std::expm1(-decay * t);
+    result.push_back({.time_s = t, .angle_rad = wrap_half_turn(angle), .sd_rad = 0.001});
+  }
+  return result;
+}
+
+constexpr SpinSearch kDecayKnownToHalf{0.003, 1200.0, 0.17, 0.085};
+
+}  // namespace
+
+TEST(SpinFitting, WhatIsNotKnownOfTheDecayIsNoResidual) {
+  for (const double sds : {-1.5, 1.0, 2.0}) {
+    const auto r = decaying(350.0, 0.17 + sds * 0.085, 20);
+    const auto fit = fit_spin(r, {}, kDecayKnownToHalf);
+    // Where the angles tell the decay well they say how far it is off, and nothing is left.
+    DOUBLES_EQUAL(sds * sds, fit->decay_square, 0.03 * sds * sds);
+    DOUBLES_EQUAL(fit->decay_square, fit->chi_squared, 0.05 * sds * sds);
+    for (const double residual : fit->residual_rad) CHECK_TRUE(std::abs(residual) < 2e-4);
+    LONGS_EQUAL(0, fit->alternatives_radps.size());
+    SpinSearch exact = kDecayKnownToHalf;
+    exact.decay_sd_per_s = 0.0;
+    CHECK_TRUE(fit_spin(r, {}, exact)->chi_squared > 100.0);
+  }
+}
+
+TEST(SpinFitting, TheDecayTakesOneMoreShareOfTheReadings) {
+  // A line takes two of them; a parabola whose coefficient the readings tell far better than it was known one more.
+  const auto fit = fit_spin(decaying(350.0, 0.17, 20), {}, kDecayKnownToHalf);
+  double taken = 0.0;
+  for (const double share : fit->leverage) taken += share;
+  DOUBLES_EQUAL(3.0, taken, 0.02);
+}
+
+TEST(SpinFitting, AnotherDecayMakesNoOtherSpinLikelier) {
+  // Half a turn more every 6 ms makes 774 of 250 rad/s. At the rate assumed, 0.17 per second, 774 slows by 132 rad/s in a
+  // second and 250 by 42: the true 105 is nearer to the first.
+  for (const double omega : {-250.0, 250.0}) {
+    const auto r = decaying(omega, 0.42, 20, 0.006);
+    SpinSearch search = kDecayKnownToHalf;
+    search.shortest_interval_s = 0.006;
+    const auto fit = fit_spin(r, {}, search);
+    // At the mean time, 57 ms after the first image; the line's slope is that to the bend's third order.
+    DOUBLES_EQUAL(omega * std::exp(-0.42 * 0.057), fit->omega_radps, 0.001 * std::abs(omega));
+    LONGS_EQUAL(1, fit->alternatives_radps.size());
+  }
+}
+
+TEST(SpinFitting, ALineThroughSomeOfTheReadingsIsNoOtherSpin) {
+  // The angles bend by up to eighty sd off a line: one that follows an end of them leaves out the other.
+  for (int sds = -1; sds <= 3; ++sds) {
+    const auto fit = fit_spin(decaying(400.0, 0.17 + 0.085 * sds, 40), {}, kDecayKnownToHalf);
+    for (const double other : fit->alternatives_radps) CHECK_TRUE(std::abs(other - fit->omega_radps) > 20.0);
+  }
+}
+
 TEST(SpinFitting, AnotherSpinNeedNotDecayAtTheRateAssumed) {
   // Of -100 rad/s the decay bends the angle so far that 528, which bends it more and the other way, would be excluded.
   std::vector<double> times;

@@ -1,0 +1,35 @@
+// The straight line that the equator's angles follow in a time that runs slower as the spin decays.
+// Part of the reduction, not of its interface. Thread-safe; no allocation.
+#pragma once
+
+#include <vector>
+
+#include "common/geometry/regression.hpp"
+#include "common/reduction/spin_fit.hpp"
+#include "common/units/angles.hpp"
+
+namespace strobe::reduction {
+
+/// angle = mean + omega (t - mean time)
+using SpinLine = geometry::LinearRegression<double>;
+
+/// A reading whose squared deviation is more than this many variances costs no more: it is wrong, not unlikely.
+inline constexpr double kCostLimit = 16.0;
+
+/// Inverse variance of a reading's angle, of a ball that spins so fast.
+inline double weight(const EquatorReading& r, double omega) {
+  const double by_time = omega * r.time_sd_s;
+  return 1.0 / (r.sd_rad * r.sd_rad + by_time * by_time);
+}
+
+/// Least squares through all readings, each at the half turn nearest to the given line.
+inline SpinLine through_all(const std::vector<EquatorReading>& readings, const SpinLine& nearby) {
+  SpinLine line;
+  for (const EquatorReading& r : readings) {
+    const double expected = nearby.at(r.time_s);
+    line.add(r.time_s, expected + wrap_half_turn(r.angle_rad - expected), weight(r, nearby.slope()));
+  }
+  return line;
+}
+
+}  // namespace strobe::reduction
