@@ -21,8 +21,8 @@ struct Scatter {
 double square(const std::array<double, 7>& v) { return dot(v, v); }
 
 /// Squares of the part of a residual that the centres' noise, and not a stated error in time, accounts for.
-void add_centre(const ShotFit& fit, const Observation& o, Scatter& s) {
-  const ImageRows rows = image_rows(fit.observations, fit.joint, o);
+void add_centre(const ShotFit& fit, const geometry::Rotation2d& tilt, const Observation& o, Scatter& s) {
+  const ImageRows rows = image_rows(fit.observations, fit.joint, tilt, o);
   const double sd = fit.observations.group_sd[NoiseGroup::centre];
   for (std::size_t k = 0; k < 2; ++k) {
     const double residual = rows.residual[k] * sd;
@@ -50,10 +50,11 @@ void add_surface(const ShotFit& fit, Eigen::Vector2d point, Scatter& s) {
 
 Scatter scatter(const ShotFit& fit, NoiseGroup noise) {
   const Observations& all = fit.observations;
+  const geometry::Rotation2d tilt = tilt_of(fit.joint);
   Scatter s;
   for (const Observation& o : all.images) {
     const bool centre = o.use_centre && o.centre_noise == noise && fit.joint.legs[leg_index(*o.leg)].fitted;
-    if (centre) add_centre(fit, o, s);
+    if (centre) add_centre(fit, tilt, o, s);
     if (o.use_diameter && o.diameter_noise == noise) add_diameter(fit, o, s);
   }
   if (all.surface_noise == noise) {

@@ -114,6 +114,7 @@ void weigh_by_stated_noise(Observations& all) {
 }
 
 void set_surface(const Frame& frame, Observations& all) {
+  all.surface_m.reserve(frame.surface_px.size());
   for (const PointPx& p : frame.surface_px) all.surface_m.push_back(all.surface.from_image(vector(p)));
   if (const auto sd = frame.surface_sd_px ? frame.surface_sd_px : frame.centre_sd_px) {
     all.surface_sd_m = *sd / all.surface.px_per_unit;

@@ -59,7 +59,10 @@ std::array<SpinSearch, 2> spin_search(const ShotFit& fit) {
 }
 
 void fit_spins(ShotFit& fit, const std::array<SpinSearch, 2>& search) {
-  for (auto& readings : fit.equators) readings.clear();
+  for (auto& readings : fit.equators) {
+    readings.clear();
+    readings.reserve(fit.observations.images.size());
+  }
   std::array<std::vector<EquatorReading>, 2> left_out;
   for (std::size_t i = 0; i < fit.observations.images.size(); ++i) {
     const Observation& o = fit.observations.images[i];
@@ -229,6 +232,7 @@ void refit(ShotFit& fit, flight::Effects effects) {
 ShotFit fit_shot(Observations observations, FitOptions options, FlagSet& flags) {
   ShotFit fit;
   fit.observations = std::move(observations);
+  fit.equator_seen.reserve(fit.observations.images.size());
   for (const Observation& o : fit.observations.images) fit.equator_seen.push_back(o.use_equator);
   fit.spins_open = options.spins_open;
   if (options.effects.drag) {

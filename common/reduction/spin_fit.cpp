@@ -84,6 +84,7 @@ bool within(double omega, double limit) { return std::abs(omega) <= limit * (1.0
 std::vector<Proposal> propose(const std::vector<EquatorReading>& readings,
                               const std::vector<EquatorReading>& left_out, double limit) {
   std::vector<Proposal> proposals;
+  proposals.reserve(readings.size());
   for (std::size_t i = 0; i + 1 < readings.size(); ++i) {
     const double interval = readings[i + 1].time_s - readings[i].time_s;
     const double base = wrap_half_turn(readings[i + 1].angle_rad - readings[i].angle_rad) / interval;
@@ -105,6 +106,8 @@ std::vector<Proposal> propose(const std::vector<EquatorReading>& readings,
 void finish(const std::vector<EquatorReading>& readings, const Line& line, SpinFit& fit) {
   fit.omega_radps = line.slope();
   fit.variance = 1.0 / line.moment();
+  fit.residual_rad.reserve(readings.size());
+  fit.leverage.reserve(readings.size());
   for (const EquatorReading& r : readings) {
     const double dt = r.time_s - line.mean_x();
     const double w = weight(r, fit.omega_radps);
