@@ -78,6 +78,9 @@ class TimedClassifier {
     return PredictedCrossing{at->time_s, sd / std::abs(at->velocity.y())};
   }
 
+  /// Clearly below touching, whatever the leg's path says: it is predicted without the air.
+  bool pressed(std::size_t i) const { return images_[i].height_m < -kSigmas * sd(i); }
+
   static bool airborne(double time_s, double crossing_s, Leg leg) {
     return leg == Leg::incoming ? time_s < crossing_s : time_s > crossing_s;
   }
@@ -94,7 +97,7 @@ class TimedClassifier {
       const auto cross = predict(indices, leg);
       const bool above =
           cross ? airborne(images_[next].time_s, cross->time_s, leg) : images_[next].height_m > 0.0;
-      if (!above) return;
+      if (!above || pressed(next)) return;
       legs_[next] = leg;
     }
   }
@@ -108,8 +111,8 @@ class TimedClassifier {
       others.erase(leg == Leg::incoming ? others.end() - 1 : others.begin());
       const auto cross = predict(others, leg);
       const double sign = leg == Leg::incoming ? 1.0 : -1.0;
-      const bool overlaps = cross ? sign * (images_[nearest].time_s - cross->time_s) > kSigmas * cross->sd_s
-                                  : images_[nearest].height_m < -kSigmas * sd(nearest);
+      const bool overlaps =
+          cross ? sign * (images_[nearest].time_s - cross->time_s) > kSigmas * cross->sd_s : pressed(nearest);
       if (!overlaps || images_[nearest].height_m >= 0.0) return;
       legs_[nearest] = found.legs[nearest] = Leg::contact;
       if (images_[nearest].leg == leg) found.overlaps.push_back(nearest);

@@ -29,6 +29,7 @@ struct LegAssignment {
 /// the touchdown (before the lift-off) which the other images of their leg predict. An image near the surface
 /// is judged by the predicted time of touchdown or lift-off, never by its own noisy height: choosing by
 /// height would keep the images whose error points up and make the stated errors too small.
+/// Only one that lies three sd beneath touching is in contact whatever the prediction, which leaves out the air.
 /// `reference_variance_m2` is that of the surface's height and the ball's radius together.
 LegAssignment classify_timed(std::span<const TimedHeight> images, double gravity_y_mps2,
                              double reference_variance_m2);
