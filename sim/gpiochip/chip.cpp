@@ -2,15 +2,14 @@
 
 #include <errno.h>
 #include <fcntl.h>
-#include <linux/gpio.h>
 #include <string.h>
-#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <utility>
 
+#include "sim/gpiochip/edges.hpp"
 #include "sim/gpiochip/folder.hpp"
 #include "sim/gpiochip/levels.hpp"
 #include "sim/gpiochip/ownership.hpp"
@@ -21,7 +20,6 @@ namespace {
 
 // How often a waiting rig looks for owners that died; a release is stamped when it is found.
 constexpr std::int64_t kSweep_ns = 1'000'000;
-constexpr int kEventDepth = 16;  // of the kernel's FIFO; a newer event is dropped
 
 static_assert(static_cast<int>(Cause::set) == static_cast<int>(gpio::CauseCode::set));
 static_assert(static_cast<int>(Cause::request) == static_cast<int>(gpio::CauseCode::request));
@@ -52,7 +50,8 @@ struct Chip::Impl {
     if (now - swept_ns < kSweep_ns) return;
     swept_ns = now;
     gpio::finish_pending(state());
-    if (state().input_on_release != 0) gpio::reap_handles(state(), path(), folder.lock_fd);
+    if (state().input_on_release != 0) gpio::reap_outputs(state(), path(), folder.lock_fd);
+    gpio::reap_watched(state(), path(), folder.lock_fd);
     if (state().unplugged.load() != 0) folder.close_events();
   }
 
@@ -81,22 +80,6 @@ struct Chip::Impl {
     std::int64_t until = to_ns(deadline);
     if (gpio::any_requested(state())) until = std::min(until, swept_ns + kSweep_ns);
     gpio::sys::futex_wait(&state().wake, seen, until);
-  }
-
-  void emit(std::uint32_t line, unsigned level, MonoTime stamp) {
-    using gpio::ConfigWord;
-    const std::uint32_t config = state().lines[line].config.load();
-    if ((config & ConfigWord::kRequested) == 0) return;
-    const bool active = (level != 0) != ((config & ConfigWord::kActiveLow) != 0);
-    if ((config & (active ? ConfigWord::kRising : ConfigWord::kFalling)) == 0) return;
-    const int fifo = folder.events[line];
-    int queued = 0;
-    if (fifo < 0 || gpio::sys::ioctl(fifo, FIONREAD, &queued) != 0) return;
-    gpioevent_data event{};
-    if (queued >= kEventDepth * static_cast<int>(sizeof(event))) return;
-    event.timestamp = static_cast<std::uint64_t>(to_ns(stamp));
-    event.id = active ? GPIOEVENT_EVENT_RISING_EDGE : GPIOEVENT_EVENT_FALLING_EDGE;
-    gpio::sys::write(fifo, &event, sizeof(event));
   }
 };
 
@@ -153,7 +136,7 @@ void Chip::drive(std::uint32_t line, int level, MonoTime stamp) {
   const std::int64_t byte = gpio::kDriveByte + line;
   while (gpio::sys::try_lock(impl_->folder.lock_fd, byte, true) == -EAGAIN) gpio::sys::sleep_ns(1'000);
   if (gpio::change_line(state, line, gpio::outside_edit(outside), gpio::CauseCode::drive, to_ns(stamp))) {
-    impl_->emit(line, outside, stamp);
+    gpio::emit_edge(impl_->folder, line, outside, to_ns(stamp));
   }
   gpio::sys::unlock(impl_->folder.lock_fd, byte);
   gpio::notify(state);

@@ -1,14 +1,16 @@
 // The rig's side of the simulated GPIO chip: create it, watch its lines, drive its inputs.
 //
-// The chip lives in one folder: a shared-memory state file, a lock file (ownership by OFD locks), one FIFO
-// per requested event line. A program sees it as /dev/<name> through the preloaded library (preload_path()),
-// with STROBE_GPIOCHIP_DIR naming the folder. Levels here are physical (0 or 1), never inverted by
-// active-low. One Chip object per thread; any number of processes may attach. Times are CLOCK_MONOTONIC. A
-// folder in memory (/dev/shm) spares programs the page faults of write-back. The chip ends with its creator.
+// The chip lives in one folder: a shared-memory state file, a lock file (ownership by OFD locks), FIFOs for
+// events and for what changes on watched lines. A program sees it as /dev/<name> through the preloaded library
+// (preload_path()), with STROBE_GPIOCHIP_DIR naming the folder, and speaks the kernel's GPIO uAPI v1 or v2 with
+// it. Levels here are physical (0 or 1), never inverted by active-low. One Chip object per thread; any number
+// of processes may attach. Times are CLOCK_MONOTONIC. A folder in memory (/dev/shm) spares programs the page
+// faults of write-back. The chip ends with its creator.
 //
-// Not simulated: uAPI v2 and line-info watches (EINVAL, as on kernels before they existed), write() to the
-// chip itself, bias resistors inside the chip (flags are kept and shown; the board's resistor decides the
-// level). A process that is killed inside a set of several lines may have set only the first of them.
+// Not simulated: write() to the chip itself, bias resistors inside the chip (flags are kept and shown; the
+// board's resistor decides the level), debouncing (the period is kept and shown; every edge is an event),
+// hardware time stamps (EOPNOTSUPP, as on kernels without them), watches by more than 32 opens of the chip at
+// once (ENOMEM). A process that is killed inside a set of several lines may have set only the first of them.
 #pragma once
 
 #include <cstdint>
@@ -84,8 +86,8 @@ class Chip {
   /// Appends to `changes` what happened since the cursor; waits until there is something or the deadline
   /// passes. Returns false if the ring lapped this reader (some changes were lost; the cursor then stands at
   /// the oldest kept). A change wakes the waiter at once. A release by close() or death is looked for once a
-  /// millisecond while lines are requested, and is stamped when found; so is a change whose process was
-  /// killed before it could record it (stamped when it happened).
+  /// millisecond while lines are requested, and is stamped when found, for programs that watch the line too;
+  /// so is a change whose process was killed before it could record it (stamped when it happened).
   bool wait_changes(ChangeCursor& cursor, MonoTime deadline, std::vector<Change>& changes);
   ChangeCursor cursor_now() const;  ///< only changes from now on
 

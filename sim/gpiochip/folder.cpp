@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -41,7 +42,15 @@ Result<void> check(const ChipSpec& spec) {
   return {};
 }
 
-std::string event_name(std::size_t line) { return kEventPrefix + std::to_string(line); }
+struct Fifos {
+  const char* prefix;
+  std::size_t count;
+};
+/// All FIFOs of a chip beside its device.
+std::array<Fifos, 3> fifos_of(std::size_t lines) {
+  return {{{kEventPrefix, lines}, {kRequestPrefix, lines}, {kWatchPrefix, kMaxWatchers}}};
+}
+std::string numbered(const char* prefix, std::size_t number) { return prefix + std::to_string(number); }
 
 std::uint64_t inode_of(const std::filesystem::path& file) {
   struct stat status {};
@@ -74,7 +83,11 @@ void fill_state(State& state, const ChipSpec& spec, const std::filesystem::path&
   state.lock_inode = inode_of(folder / kLockFile);
   state.folder_device = device_of(folder / kDeviceFile);
   for (std::size_t i = 0; i < spec.lines.size(); ++i) {
-    fill_line(state.lines[i], spec.lines[i], inode_of(folder / event_name(i)));
+    fill_line(state.lines[i], spec.lines[i], inode_of(folder / numbered(kEventPrefix, i)));
+    state.request_inodes[i] = inode_of(folder / numbered(kRequestPrefix, i));
+  }
+  for (std::size_t i = 0; i < kMaxWatchers; ++i) {
+    state.watch_inodes[i] = inode_of(folder / numbered(kWatchPrefix, i));
   }
   clear_ring(state);
   state.magic.store(kMagic);
@@ -94,6 +107,23 @@ int make_file(const std::filesystem::path& file, const std::string& text) {
 int make_fifo(const std::filesystem::path& file) {
   if (::mkfifo(file.c_str(), kFileMode) != 0 || ::chmod(file.c_str(), kFileMode) != 0) return errno;
   return 0;
+}
+
+/// Both ends of each.
+Result<void> open_fifos(const std::filesystem::path& folder, const char* prefix, std::size_t count,
+                        std::vector<int>& fifos) {
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::filesystem::path file = folder / numbered(prefix, i);
+    const int fifo = ::open(file.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);
+    if (fifo < 0) return system_failure(file.string(), errno);
+    fifos.push_back(fifo);
+  }
+  return {};
+}
+
+void close_fifos(std::vector<int>& fifos) {
+  for (int& fifo : fifos)
+    if (fifo >= 0) ::close(std::exchange(fifo, -1));
 }
 
 State* map(const std::filesystem::path& file) {
@@ -120,7 +150,9 @@ void remove_chip_files(const std::filesystem::path& folder) {
   for (const char* name : {kStateFile, "state.new", kLockFile, kDeviceFile, kSysfsFile}) {
     std::filesystem::remove(folder / name, ignored);
   }
-  for (std::size_t i = 0; i < kMaxLines; ++i) std::filesystem::remove(folder / event_name(i), ignored);
+  for (const Fifos& fifos : fifos_of(kMaxLines))
+    for (std::size_t i = 0; i < fifos.count; ++i)
+      std::filesystem::remove(folder / numbered(fifos.prefix, i), ignored);
 }
 
 }  // namespace
@@ -134,6 +166,8 @@ ChipFolder& ChipFolder::operator=(ChipFolder&& other) noexcept {
   state = std::exchange(other.state, nullptr);
   lock_fd = std::exchange(other.lock_fd, -1);
   events = std::exchange(other.events, {});
+  requests = std::exchange(other.requests, {});
+  watches_ = std::exchange(other.watches_, {});
   device_fd_ = std::exchange(other.device_fd_, -1);
   made_folder_ = std::exchange(other.made_folder_, false);
   made_chip_ = std::exchange(other.made_chip_, false);
@@ -155,7 +189,9 @@ Result<void> ChipFolder::make_files(std::size_t lines) {
   int failed = make_file(path / kLockFile, "");
   if (failed == 0) failed = make_fifo(path / kDeviceFile);
   if (failed == 0) failed = make_file(path / kSysfsFile, std::to_string(kDeviceMajor) + ":0\n");
-  for (std::size_t i = 0; i < lines && failed == 0; ++i) failed = make_fifo(path / event_name(i));
+  for (const Fifos& fifos : fifos_of(lines))
+    for (std::size_t i = 0; i < fifos.count && failed == 0; ++i)
+      failed = make_fifo(path / numbered(fifos.prefix, i));
   if (failed != 0) return system_failure("cannot create a simulated chip in " + path.string(), failed);
   return {};
 }
@@ -177,12 +213,8 @@ Result<void> ChipFolder::open_common(std::size_t lines) {
   if (lock_fd < 0) return system_failure((path / kLockFile).string(), errno);
   device_fd_ = ::open((path / kDeviceFile).c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);
   if (device_fd_ < 0) return system_failure((path / kDeviceFile).string(), errno);
-  for (std::size_t i = 0; i < lines; ++i) {
-    const int fifo = ::open((path / event_name(i)).c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);
-    if (fifo < 0) return system_failure((path / event_name(i)).string(), errno);
-    events.push_back(fifo);
-  }
-  return {};
+  if (auto opened = open_fifos(path, kEventPrefix, lines, events); !opened) return opened;
+  return open_fifos(path, kRequestPrefix, lines, requests);
 }
 
 Result<ChipFolder> ChipFolder::create(const std::filesystem::path& dir, const ChipSpec& spec) {
@@ -191,6 +223,8 @@ Result<ChipFolder> ChipFolder::create(const std::filesystem::path& dir, const Ch
   folder.path = std::filesystem::absolute(dir);
   if (const auto made = folder.make_files(spec.lines.size()); !made) return tl::unexpected(made.error());
   if (const auto opened = folder.open_common(spec.lines.size()); !opened)
+    return tl::unexpected(opened.error());
+  if (const auto opened = open_fifos(folder.path, kWatchPrefix, kMaxWatchers, folder.watches_); !opened)
     return tl::unexpected(opened.error());
   if (sys::try_lock(folder.lock_fd, kCreatorByte, true) != 0) {
     return fail("another simulated chip is being created in " + folder.path.string());
@@ -214,10 +248,7 @@ Result<ChipFolder> ChipFolder::attach(const std::filesystem::path& dir) {
 }
 
 void ChipFolder::close_events() {
-  for (int& fifo : events) {
-    if (fifo >= 0) ::close(fifo);
-    fifo = -1;
-  }
+  for (std::vector<int>* fifos : {&events, &requests, &watches_}) close_fifos(*fifos);
   if (device_fd_ >= 0) ::close(std::exchange(device_fd_, -1));
 }
 
@@ -232,7 +263,7 @@ void ChipFolder::reset() {
     if (made_folder_) std::filesystem::remove(path, ignored);  // only if empty
   }
   close_events();
-  events.clear();
+  for (std::vector<int>* fifos : {&events, &requests, &watches_}) fifos->clear();
   if (lock_fd >= 0) ::close(std::exchange(lock_fd, -1));
   if (state != nullptr) sys::unmap(std::exchange(state, nullptr), sizeof(State));
   made_chip_ = made_folder_ = false;

@@ -26,7 +26,8 @@ class ChipFolder {
   std::filesystem::path path;
   State* state = nullptr;
   int lock_fd = -1;
-  std::vector<int> events;  ///< one per line, -1 once closed
+  std::vector<int> events;    ///< one per line, -1 once closed
+  std::vector<int> requests;  ///< one per possible v2 request, of which there are as many as lines
 
  private:
   Result<void> make_files(std::size_t lines);
@@ -36,6 +37,7 @@ class ChipFolder {
   void reset();
 
   int device_fd_ = -1;
+  std::vector<int> watches_;  ///< the creator's
   bool made_folder_ = false;
   bool made_chip_ = false;
 };

@@ -7,11 +7,23 @@
 
 #include "sim/gpiochip/levels.hpp"
 #include "sim/gpiochip/system.hpp"
+#include "sim/gpiochip/watches.hpp"
 
 namespace strobe::sim::gpio {
 namespace {
 
 constexpr std::int64_t kLockTimeout_ns = 2'000'000'000;
+
+/// Waits for a lock, as long as a holder that is not stopped can need.
+int lock_within_limit(int fd, std::int64_t byte, std::int64_t pause_ns) {
+  const std::int64_t give_up = sys::now_ns() + kLockTimeout_ns;
+  for (;;) {
+    const int result = sys::try_lock(fd, byte, true);
+    if (result != -EAGAIN || sys::now_ns() >= give_up) return result;
+    sys::sleep_ns(pause_ns);
+    if (pause_ns < 1'000'000) pause_ns *= 2;
+  }
+}
 
 /// Spares owners that took the line between the check without the lock and the check with it.
 bool is_orphan(const State& state, const char* folder, int lock_fd, std::uint32_t line) {
@@ -26,8 +38,8 @@ bool path_in(const char* folder, const char* name, char (&path)[kPathSize]) {
   return length > 0 && static_cast<std::size_t>(length) < sizeof(path);
 }
 
-bool event_path(const char* folder, std::uint32_t line, char (&path)[kPathSize]) {
-  const int length = snprintf(path, sizeof(path), "%s/%s%u", folder, kEventPrefix, line);
+bool numbered_path(const char* folder, const char* prefix, std::uint32_t number, char (&path)[kPathSize]) {
+  const int length = snprintf(path, sizeof(path), "%s/%s%u", folder, prefix, number);
   return length > 0 && static_cast<std::size_t>(length) < sizeof(path);
 }
 
@@ -42,12 +54,7 @@ ChipLock::ChipLock(const char* folder) {
     error_ = fd_;
     return;
   }
-  const std::int64_t give_up = sys::now_ns() + kLockTimeout_ns;
-  std::int64_t pause = 20'000;
-  while ((error_ = sys::try_lock(fd_, kChipLockByte, true)) == -EAGAIN && sys::now_ns() < give_up) {
-    sys::sleep_ns(pause);
-    if (pause < 1'000'000) pause *= 2;
-  }
+  error_ = lock_within_limit(fd_, kChipLockByte, 20'000);
 }
 
 ChipLock::~ChipLock() {
@@ -57,10 +64,20 @@ ChipLock::~ChipLock() {
   sys::close(fd_);
 }
 
+EmitLock::EmitLock(int lock_fd, std::uint32_t slot)
+    : fd_(lock_fd), byte_(kEmitByte + slot), error_(lock_within_limit(fd_, byte_, 1'000)) {}
+
+EmitLock::~EmitLock() {
+  if (held()) sys::unlock(fd_, byte_);
+}
+
 bool owner_lives(const char* folder, int lock_fd, std::uint32_t line, std::uint32_t config) {
-  if ((config & ConfigWord::kEvents) == 0) return sys::is_locked(lock_fd, line);
+  const bool version2 = (config & ConfigWord::kVersion2) != 0;
+  if (!version2 && (config & ConfigWord::kEvents) == 0) return sys::is_locked(lock_fd, line);
   char path[kPathSize];
-  if (!event_path(folder, line, path)) return false;
+  const bool named = version2 ? numbered_path(folder, kRequestPrefix, ConfigWord::slot(config), path)
+                              : numbered_path(folder, kEventPrefix, line, path);
+  if (!named) return false;
   const int fifo = sys::open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
   if (fifo < 0) return true;  // cannot tell, e.g. out of descriptors: better busy than stolen
   const bool locked = sys::is_locked(fifo, 0);
@@ -68,7 +85,7 @@ bool owner_lives(const char* folder, int lock_fd, std::uint32_t line, std::uint3
   return locked;
 }
 
-void release_line(State& state, std::uint32_t line) {
+void release_line(State& state, const char* folder, std::uint32_t line) {
   Line& entry = state.lines[line];
   std::uint32_t config = entry.config.load() & (ConfigWord::kIsOut | ConfigWord::kKernelUsed);
   if (state.input_on_release != 0) {
@@ -76,12 +93,14 @@ void release_line(State& state, std::uint32_t line) {
     config &= ~ConfigWord::kIsOut;
   }
   set_consumer(entry, "");
+  entry.debounce_us.store(0);
   entry.config.store(config);
+  tell_watchers(state, folder, line, GPIO_V2_LINE_CHANGED_RELEASED);
   notify(state);
 }
 
 void reap_line_locked(State& state, const char* folder, const ChipLock& lock, std::uint32_t line) {
-  if (is_orphan(state, folder, lock.lock_fd(), line)) release_line(state, line);
+  if (is_orphan(state, folder, lock.lock_fd(), line)) release_line(state, folder, line);
 }
 
 void reap_line(State& state, const char* folder, int lock_fd, std::uint32_t line) {
@@ -91,9 +110,16 @@ void reap_line(State& state, const char* folder, int lock_fd, std::uint32_t line
   if (lock.error() == 0) reap_line_locked(state, folder, lock, line);
 }
 
-void reap_handles(State& state, const char* folder, int lock_fd) {
+void reap_outputs(State& state, const char* folder, int lock_fd) {
   for (std::uint32_t line = 0; line < state.line_count; ++line) {
-    if ((state.lines[line].config.load() & ConfigWord::kEvents) == 0) reap_line(state, folder, lock_fd, line);
+    if ((state.lines[line].config.load() & ConfigWord::kIsOut) != 0) reap_line(state, folder, lock_fd, line);
+  }
+}
+
+void reap_watched(State& state, const char* folder, int lock_fd) {
+  const std::uint64_t watched = watched_lines(state);
+  for (std::uint32_t line = 0; watched != 0 && line < state.line_count; ++line) {
+    if ((watched >> line & 1) != 0) reap_line(state, folder, lock_fd, line);
   }
 }
 

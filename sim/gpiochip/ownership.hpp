@@ -1,7 +1,7 @@
 // Ownership of a line: an open file description that holds a lock, so that the kernel itself releases it at
 // close() and at any process's death. A line of a handle is owned by a lock on its byte of the lock file, an
-// event line by a lock on its FIFO; both are shared locks (descriptors are read-only, as the kernel's are),
-// exclusive by the chip's lock.
+// event line and the lines of a v2 request by a lock on their FIFO; all are shared locks (descriptors are
+// read-only, as the kernel's are), exclusive by the chip's lock.
 //
 // A released line is detected by the next process that looks: it then restores the chip's configuration
 // ("reaps").
@@ -18,7 +18,8 @@ inline constexpr std::size_t kPathSize = 4096;
 
 /// DIR/name into `path`; false if it does not fit.
 bool path_in(const char* folder, const char* name, char (&path)[kPathSize]);
-bool event_path(const char* folder, std::uint32_t line, char (&path)[kPathSize]);
+/// The same for one of the FIFOs: DIR/<prefix><number>.
+bool numbered_path(const char* folder, const char* prefix, std::uint32_t number, char (&path)[kPathSize]);
 
 /// Serialises requests, releases and configuration between all processes. Held by a lock that the kernel
 /// drops at death; a holder that is stopped (not dead) makes others give up after two seconds.
@@ -37,18 +38,37 @@ class ChipLock {
   int error_ = 0;
 };
 
+/// Held while one event of a v2 request is numbered and queued, and while its queue passes to a next request.
+/// Taken after the chip's lock, never before. `lock_fd`: any description of the lock file that owns nothing.
+class EmitLock {
+ public:
+  EmitLock(int lock_fd, std::uint32_t slot);
+  ~EmitLock();
+  EmitLock(const EmitLock&) = delete;
+  EmitLock& operator=(const EmitLock&) = delete;
+
+  bool held() const { return error_ == 0; }
+  int error() const { return error_; }
+
+ private:
+  int fd_ = -1;
+  std::int64_t byte_ = 0;
+  int error_ = 0;
+};
+
 /// Whether the line's owner is still alive. `lock_fd`: any description of the lock file that owns nothing.
 bool owner_lives(const char* folder, int lock_fd, std::uint32_t line, std::uint32_t config);
 
 /// Restores a released line: unrequested, flags cleared, and, on chips of that kind, an input again. Lock
 /// held.
-void release_line(State& state, std::uint32_t line);
+void release_line(State& state, const char* folder, std::uint32_t line);
 
 /// Releases the line if its owner is gone. Takes the lock itself, and only then.
 void reap_line(State& state, const char* folder, int lock_fd, std::uint32_t line);
-/// The same for all lines of handles; an event line's release changes no level and can wait until that line
-/// is used.
-void reap_handles(State& state, const char* folder, int lock_fd);
+/// The same for all outputs; an input's release changes no level and can wait until that line is used, unless
+/// somebody watches it.
+void reap_outputs(State& state, const char* folder, int lock_fd);
+void reap_watched(State& state, const char* folder, int lock_fd);
 /// The same for one line with the lock held.
 void reap_line_locked(State& state, const char* folder, const ChipLock& lock, std::uint32_t line);
 

@@ -14,8 +14,9 @@
 namespace strobe::sim::gpio {
 
 inline constexpr std::uint64_t kMagic = 0x53545242'4750494fULL;  // "STRBGPIO"
-inline constexpr std::uint32_t kVersion = 1;
+inline constexpr std::uint32_t kVersion = 2;
 inline constexpr std::uint32_t kMaxLines = 64;
+inline constexpr std::uint32_t kMaxWatchers = 32;  ///< opens of the chip that can watch lines
 inline constexpr std::uint32_t kRingBits = 16;
 inline constexpr std::uint64_t kRingSize = std::uint64_t{1} << kRingBits;
 inline constexpr std::size_t kNameSize = 32;
@@ -23,14 +24,18 @@ inline constexpr std::size_t kNameSize = 32;
 /// Files in the chip's folder.
 inline constexpr const char* kStateFile = "state";
 inline constexpr const char* kLockFile = "locks";
-inline constexpr const char* kDeviceFile = "device";  ///< FIFO that an open of /dev/<name> really opens
-inline constexpr const char* kSysfsFile = "dev";      ///< what /sys/bus/gpio/devices/<name>/dev reads as
-inline constexpr const char* kEventPrefix = "event-";
+inline constexpr const char* kDeviceFile = "device";       ///< FIFO that an open of /dev/<name> really opens
+inline constexpr const char* kSysfsFile = "dev";           ///< what /sys/bus/gpio/devices/<name>/dev reads as
+inline constexpr const char* kEventPrefix = "event-";      ///< FIFO of a line's uAPI v1 events
+inline constexpr const char* kRequestPrefix = "request-";  ///< FIFO of a v2 request's events
+inline constexpr const char* kWatchPrefix = "watch-";      ///< FIFO of what changed on watched lines
 
 /// Bytes of the lock file: one per line (its owner), and a few of the chip's own.
 inline constexpr std::int64_t kChipLockByte = 1000;
 inline constexpr std::int64_t kCreatorByte = 1001;
 inline constexpr std::int64_t kDriveByte = 2000;
+inline constexpr std::int64_t kEmitByte =
+    3000;  ///< of a v2 request: its events are numbered and queued in turn
 
 inline constexpr unsigned kDeviceMajor = 254;
 
@@ -89,10 +94,12 @@ struct ConfigWord {
   static constexpr std::uint32_t kRising = 1U << 9;    ///< event wanted when the line becomes active
   static constexpr std::uint32_t kFalling = 1U << 10;  ///< event wanted when it becomes inactive
   static constexpr std::uint32_t kKernelUsed = 1U << 11;
-  static constexpr unsigned kSlotShift = 16;  ///< index of the handle
+  static constexpr std::uint32_t kVersion2 = 1U << 12;  ///< requested by uAPI v2
+  static constexpr std::uint32_t kRealtime = 1U << 13;  ///< its events are stamped by CLOCK_REALTIME
+  static constexpr unsigned kSlotShift = 16;            ///< index of the handle or v2 request
   static constexpr std::uint32_t kSlotMask = 0x3fU << kSlotShift;
-  static constexpr std::uint32_t kFlags =
-      kActiveLow | kOpenDrain | kOpenSource | kPullUp | kPullDown | kBiasDisable;
+
+  static constexpr std::uint32_t slot(std::uint32_t config) { return (config & kSlotMask) >> kSlotShift; }
 };
 
 struct alignas(64) Line {
@@ -102,14 +109,32 @@ struct alignas(64) Line {
   std::atomic<std::uint64_t> consumer[kNameSize / 8];
   char name[kNameSize];
   std::uint64_t fifo_inode;
+  std::atomic<std::uint32_t> debounce_us;
+  std::atomic<std::uint32_t> seqno;  ///< of its newest event in this v2 request
 };
 
-/// Lines of one line handle. A handle's descriptor names its slot and serial by its file offset
-/// (ownership.hpp).
+/// Lines of one line handle or v2 request. A handle's descriptor names its slot and serial by its file offset
+/// (ownership.hpp), a v2 request's is the FIFO of its slot.
 struct alignas(64) Handle {
   std::atomic<std::uint32_t> serial;
   std::atomic<std::uint32_t> count;
+  std::atomic<std::uint32_t> seqno;        ///< of the newest event
+  std::atomic<std::uint32_t> event_depth;  ///< events that wait at most, before the oldest is dropped
   std::atomic<std::uint8_t> lines[kMaxLines];
+};
+
+/// One open of the chip, as far as it watches lines.
+struct Watcher {
+  std::atomic<std::uint64_t> lines;    ///< watched, by bit
+  std::atomic<std::uint32_t> version;  ///< of the uAPI: 0 before its first watch
+};
+
+/// Sizes of records that were ever read from this chip beside v1's events, by bit: what need not be looked
+/// for costs nothing.
+struct RecordSizes {
+  static constexpr std::uint32_t kEvent = 1U << 0;          ///< v2's events
+  static constexpr std::uint32_t kInfoChanged = 1U << 1;    ///< v2's watches
+  static constexpr std::uint32_t kInfoChangedV1 = 1U << 2;  ///< v1's watches
 };
 
 struct State {
@@ -126,6 +151,11 @@ struct State {
   std::uint64_t folder_device;
   std::atomic<std::uint32_t> unplugged;
   std::atomic<std::uint32_t> last_serial;
+  std::atomic<std::uint32_t> record_sizes;
+  std::atomic<std::uint32_t> watching;  ///< watchers that may have lines, by bit
+  std::uint64_t request_inodes[kMaxLines];
+  std::uint64_t watch_inodes[kMaxWatchers];
+  Watcher watchers[kMaxWatchers];
 
   alignas(64) std::atomic<std::uint64_t> head;  ///< position of the next ring entry
   alignas(64) std::atomic<std::uint32_t> wake;  ///< futex: grows with every change

@@ -3,6 +3,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <linux/futex.h>
+#include <poll.h>
 #include <signal.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
@@ -36,6 +37,12 @@ struct flock byte_lock(short type, std::int64_t byte) {
 
 struct timespec to_timespec(std::int64_t ns) {
   return {static_cast<time_t>(ns / 1'000'000'000), static_cast<long>(ns % 1'000'000'000)};
+}
+
+std::int64_t clock_ns(clockid_t clock) {
+  struct timespec now {};
+  ::clock_gettime(clock, &now);
+  return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
 }
 
 }  // namespace
@@ -85,11 +92,8 @@ void* map_shared(int fd, std::size_t size) {
 }
 void unmap(void* address, std::size_t size) { call(SYS_munmap, address, size); }
 
-std::int64_t now_ns() {
-  struct timespec now {};
-  ::clock_gettime(CLOCK_MONOTONIC, &now);
-  return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
-}
+std::int64_t now_ns() { return clock_ns(CLOCK_MONOTONIC); }
+std::int64_t realtime_offset_ns() { return clock_ns(CLOCK_REALTIME) - clock_ns(CLOCK_MONOTONIC); }
 
 void sleep_ns(std::int64_t duration) {
   const struct timespec span = to_timespec(duration);
@@ -101,6 +105,14 @@ void futex_wake_all(const void* word) { call(SYS_futex, word, FUTEX_WAKE, INT_MA
 void futex_wait(const void* word, std::uint32_t expected, std::int64_t until_ns) {
   const struct timespec until = to_timespec(until_ns);
   call(SYS_futex, word, FUTEX_WAIT_BITSET, expected, &until, nullptr, FUTEX_BITSET_MATCH_ANY);
+}
+
+int readable(int fd, bool waits) {
+  struct pollfd waiting {
+    fd, POLLIN, 0
+  };
+  const struct timespec at_once {};
+  return static_cast<int>(call(SYS_ppoll, &waiting, 1UL, waits ? nullptr : &at_once, nullptr, 0UL));
 }
 
 int copy_in(void* to, const void* user, std::size_t size) {

@@ -34,10 +34,14 @@ void* map_shared(int fd, std::size_t size);
 void unmap(void* address, std::size_t size);
 
 std::int64_t now_ns();                  ///< CLOCK_MONOTONIC
+std::int64_t realtime_offset_ns();      ///< CLOCK_REALTIME minus CLOCK_MONOTONIC
 void sleep_ns(std::int64_t duration);   ///< may end early
 void futex_wake_all(const void* word);  ///< across processes
 /// Sleeps while *word == expected, until an absolute instant of CLOCK_MONOTONIC.
 void futex_wait(const void* word, std::uint32_t expected, std::int64_t until_ns);
+
+/// 1 if there is something to read or the other end is gone, 0 if not yet; it can wait for that.
+int readable(int fd, bool waits);
 
 /// Copies like the kernel's copy_from_user and copy_to_user: -EFAULT instead of a signal.
 int copy_in(void* to, const void* user, std::size_t size);

@@ -8,6 +8,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "sim/gpiochip/preload/lines.hpp"
 #include "sim/gpiochip/system.hpp"
 
 namespace strobe::sim::gpio {
@@ -57,6 +58,39 @@ Device open_device() {
   return found;
 }
 
+Descriptor request_of(const State& state, const sys::FileId& id) {
+  for (std::uint32_t slot = 0; slot < state.line_count; ++slot) {
+    if (id.inode == state.request_inodes[slot]) return {Kind::request, slot};
+  }
+  return {};
+}
+
+Descriptor chip_of(const State& state, const sys::FileId& id) {
+  for (std::uint32_t watcher = 0; watcher < kMaxWatchers; ++watcher) {
+    if (id.inode == state.watch_inodes[watcher]) return {Kind::chip, watcher};
+  }
+  return {};
+}
+
+/// -EBUSY if another open of the chip has it. Chip's lock held.
+int open_watcher(State& state, std::uint32_t index, int flags) {
+  char path[kPathSize];
+  if (!numbered_path(device().folder, kWatchPrefix, index, path)) return -ENAMETOOLONG;
+  const int fd = sys::open(path, flags | O_NONBLOCK);
+  if (fd < 0) return fd;
+  int result = sys::is_locked(fd, 0) ? -EBUSY : sys::try_lock(fd, 0, false);
+  if (result == 0) {
+    state.watching.fetch_and(~(1U << index));
+    state.watchers[index].lines.store(0);
+    state.watchers[index].version.store(0);
+    drain(fd);
+    result = sys::control(fd, F_SETFL, flags & O_NONBLOCK);
+  }
+  if (result == 0) return fd;
+  sys::close(fd);
+  return result;
+}
+
 /// Mapped before main, so that the first use is not the slow one.
 __attribute__((constructor)) void map_early() { device(); }
 
@@ -80,7 +114,7 @@ Node node_of(const char* path) {
 }
 
 Descriptor describe(int fd) {
-  State* state = device().state;
+  const State* state = device().state;
   if (state == nullptr || fd < 0) return {};
   const std::int64_t offset = sys::seek(fd, 0, SEEK_CUR);
   if (offset >= HandleName::kBase) {
@@ -89,11 +123,33 @@ Descriptor describe(int fd) {
   }
   sys::FileId id;
   if (sys::identify(fd, id) != 0 || id.device != state->folder_device) return {};
-  if (id.inode == state->device_inode) return {Kind::chip, 0};
+  if (id.inode == state->device_inode) return {Kind::chip, kMaxWatchers};
   for (std::uint32_t line = 0; line < state->line_count; ++line) {
     if (id.inode == state->lines[line].fifo_inode) return {Kind::event, line};
   }
-  return {};
+  const Descriptor request = request_of(*state, id);
+  return request.kind != Kind::none ? request : chip_of(*state, id);
+}
+
+Descriptor describe_request_first(int fd) {
+  const State* state = device().state;
+  sys::FileId id;
+  if (state != nullptr && sys::identify(fd, id) == 0 && id.device == state->folder_device) {
+    const Descriptor request = request_of(*state, id);
+    if (request.kind != Kind::none) return request;
+  }
+  return describe(fd);
+}
+
+int open_chip(int flags) {
+  const sys::NoSignals quiet;
+  const ChipLock lock(device().folder);
+  for (std::uint32_t i = 0; lock.error() == 0 && i < kMaxWatchers && (flags & O_ACCMODE) != O_WRONLY; ++i) {
+    const int fd = open_watcher(*device().state, i, flags);
+    if (fd != -EBUSY) return fd;
+  }
+  char path[kPathSize];
+  return path_in(device().folder, kDeviceFile, path) ? sys::open(path, flags) : -ENAMETOOLONG;
 }
 
 }  // namespace strobe::sim::gpio

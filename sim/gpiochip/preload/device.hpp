@@ -30,12 +30,17 @@ enum class Node {
 };
 Node node_of(const char* path);
 
-enum class Kind { none, chip, handle, event };
+enum class Kind { none, chip, handle, event, request };
 struct Descriptor {
   Kind kind = Kind::none;
-  std::uint32_t index = 0;  ///< handle: slot; event: line
+  std::uint32_t index = 0;  ///< chip: watcher; handle, request: slot; event: line
 };
 /// What a descriptor is, from the descriptor itself: copies by dup, fork or exec are known without a table.
 Descriptor describe(int fd);
+/// The same, faster for a v2 request.
+Descriptor describe_request_first(int fd);
+
+/// Opens the chip: a descriptor that can watch lines as long as there are watchers left.
+int open_chip(int flags);
 
 }  // namespace strobe::sim::gpio

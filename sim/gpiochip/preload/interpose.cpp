@@ -4,6 +4,7 @@
 #include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <linux/gpio.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -13,6 +14,7 @@
 #include <sys/sysmacros.h>
 #include <unistd.h>
 
+#include "sim/gpiochip/preload/records.hpp"
 #include "sim/gpiochip/preload/uapi.hpp"
 #include "sim/gpiochip/system.hpp"
 
@@ -52,10 +54,13 @@ int refused() { return gpio::device().wrong ? -ENODEV : -ENOENT; }
 bool open_ours(const char* path, int flags, int& result) {
   const Node node = gpio::node_of(path);
   if (node == Node::other) return false;
+  constexpr int kKept = O_ACCMODE | O_CLOEXEC | O_NONBLOCK;
   char backing[gpio::kPathSize];
   result = refused();
-  if (node != Node::missing && backing_path(node, backing)) {
-    result = gpio::sys::open(backing, flags & (O_ACCMODE | O_CLOEXEC | O_NONBLOCK));
+  if (node == Node::device) {
+    result = gpio::open_chip(flags & kKept);
+  } else if (node == Node::sysfs && backing_path(node, backing)) {
+    result = gpio::sys::open(backing, flags & kKept);
   }
   return true;
 }
@@ -105,6 +110,7 @@ long read_nothing(int fd) {
     case Kind::handle:
       return answer(-EINVAL);
     case Kind::event:
+    case Kind::request:
     case Kind::chip:
       return answer(-ENODEV);  // the rig closed its end
     default:
@@ -115,10 +121,10 @@ long read_nothing(int fd) {
 using ReadFunction = ssize_t(int, void*, size_t);
 
 ssize_t read_any(ReadFunction* native, int fd, void* data, size_t size) {
-  constexpr size_t kEvent = 16;  // sizeof(struct gpioevent_data)
-  if ((size % kEvent != 0 || size == 0) && gpio::describe(fd).kind == Kind::event) {
-    if (size < kEvent) return answer(gpio::present() ? -EINVAL : -ENODEV);
-    size -= size % kEvent;  // whole events only
+  if (!gpio::is_whole_for_all(size)) {
+    const long whole = gpio::whole_records(fd, size);
+    if (whole < 0) return answer(whole);
+    size = static_cast<size_t>(whole);
   }
   const ssize_t result = native(fd, data, size);
   return result == 0 && size > 0 && gpio::device().state != nullptr ? read_nothing(fd) : result;
@@ -278,6 +284,25 @@ STROBE_EXPORT int access(const char* path, int mode) noexcept {
   return native(backing, mode);
 }
 
+namespace {
+/// The subsystem of the chip's device number, by which libgpiod 2 knows a GPIO chip. Compared before anything else
+/// is looked at: the search for the chip's folder itself comes through here.
+bool is_subsystem(const char* path) {
+  constexpr const char* kPrefix = "/sys/dev/char/";
+  if (path == nullptr || strncmp(path, kPrefix, strlen(kPrefix)) != 0) return false;
+  char ours[64];
+  snprintf(ours, sizeof(ours), "%s%u:0/subsystem", kPrefix, gpio::kDeviceMajor);
+  return strcmp(path, ours) == 0 && gpio::present();
+}
+}  // namespace
+
+STROBE_EXPORT char* realpath(const char* path, char* resolved) noexcept {
+  using Function = char*(const char*, char*);
+  constexpr const char* kSubsystem = "/sys/bus/gpio";
+  if (!is_subsystem(path)) return STROBE_NEXT(Function, "realpath")(path, resolved);
+  return resolved != nullptr ? strcpy(resolved, kSubsystem) : strdup(kSubsystem);
+}
+
 STROBE_EXPORT int scandir(const char* folder, struct dirent*** list, ScanFilter* filter, ScanOrder* order) {
   return scan_any(STROBE_NEXT(ScanFunction, "scandir"), folder, list, filter, order);
 }
@@ -297,31 +322,36 @@ STROBE_EXPORT ssize_t __read_chk(int fd, void* data, size_t size, size_t room) {
   return read_any(STROBE_NEXT(ReadFunction, "read"), fd, data, size);
 }
 
-STROBE_EXPORT int ioctl(int fd, unsigned long request, ...) noexcept {
+STROBE_EXPORT int ioctl(int fd, unsigned long given, ...) noexcept {
   using Function = int(int, unsigned long, ...);
+  const unsigned request = static_cast<unsigned>(given);  // all that the kernel looks at
   va_list arguments;
-  va_start(arguments, request);
+  va_start(arguments, given);
   void* argument = va_arg(arguments, void*);
   va_end(arguments);
   constexpr unsigned kGpioType = 0xB4;
   const bool known_type = _IOC_TYPE(request) == kGpioType;
   const bool is_inert = gpio::device().state == nullptr;
   if (is_inert || !known_type) {
-    const int result = STROBE_NEXT(Function, "ioctl")(fd, request, argument);
+    const int result = STROBE_NEXT(Function, "ioctl")(fd, given, argument);
     // The kernel's chip, handles and events answer EINVAL to what they do not know, terminal calls included.
     const bool suspect = !is_inert && ((result < 0 && errno == ENOTTY) || request == FIONREAD);
     if (!suspect || gpio::describe(fd).kind == Kind::none) return result;
     return static_cast<int>(answer(-EINVAL));
   }
-  const gpio::Descriptor descriptor = gpio::describe(fd);
+  const bool for_request =
+      request == GPIO_V2_LINE_SET_VALUES_IOCTL || request == GPIO_V2_LINE_GET_VALUES_IOCTL;
+  const gpio::Descriptor descriptor = for_request ? gpio::describe_request_first(fd) : gpio::describe(fd);
   switch (descriptor.kind) {
     case Kind::chip:
-      return static_cast<int>(answer(gpio::chip_ioctl(request, argument)));
+      return static_cast<int>(answer(gpio::chip_ioctl(descriptor.index, request, argument)));
     case Kind::handle:
       return static_cast<int>(answer(gpio::handle_ioctl(descriptor.index, request, argument)));
     case Kind::event:
       return static_cast<int>(answer(gpio::event_ioctl(descriptor.index, request, argument)));
+    case Kind::request:
+      return static_cast<int>(answer(gpio::request_ioctl(descriptor.index, request, argument)));
     default:
-      return STROBE_NEXT(Function, "ioctl")(fd, request, argument);
+      return STROBE_NEXT(Function, "ioctl")(fd, given, argument);
   }
 }

@@ -5,8 +5,9 @@
 #include <string.h>
 
 #include "sim/gpiochip/levels.hpp"
-#include "sim/gpiochip/preload/pins.hpp"
+#include "sim/gpiochip/preload/lines.hpp"
 #include "sim/gpiochip/system.hpp"
+#include "sim/gpiochip/watches.hpp"
 
 namespace strobe::sim::gpio {
 namespace {
@@ -48,49 +49,25 @@ std::uint32_t config_flags(std::uint32_t flags) {
   return config;
 }
 
-/// Sets flags and direction of a line in one store together with `owner`, and only then touches the pin: at
-/// no instant is a line driven that would not be released if its owner died.
-void configure_line(State& state, std::uint32_t line, std::uint32_t flags, unsigned value,
-                    std::uint32_t owner, std::int64_t now) {
-  std::atomic<std::uint32_t>& word = state.lines[line].config;
-  std::uint32_t config = (word.load() & ConfigWord::kIsOut) | owner | config_flags(flags);
-  const bool output = (flags & GPIOHANDLE_REQUEST_OUTPUT) != 0;
-  const bool input = (flags & GPIOHANDLE_REQUEST_INPUT) != 0;
-  if (output) config |= ConfigWord::kIsOut;
-  if (input) config &= ~ConfigWord::kIsOut;
-  word.store(config);
-  if (output) change_line(state, line, output_edit(config, value), CauseCode::request, now);
-  if (input) change_line(state, line, float_edit(), CauseCode::request, now);
+LineSetting setting_of(std::uint32_t flags, unsigned value) {
+  Direction direction = Direction::as_is;
+  if ((flags & GPIOHANDLE_REQUEST_OUTPUT) != 0) direction = Direction::output;
+  if ((flags & GPIOHANDLE_REQUEST_INPUT) != 0) direction = Direction::input;
+  return {config_flags(flags), direction, value};
 }
 
 /// The line's owner is `fd` from now on. -EBUSY if it has another.
 int take_line(State& state, const ChipLock& lock, std::uint32_t line, int fd, std::int64_t byte,
               const char* label) {
-  reap_line_locked(state, device().folder, lock, line);
-  Line& entry = state.lines[line];
-  if ((entry.config.load() & (ConfigWord::kRequested | ConfigWord::kKernelUsed)) != 0) return -EBUSY;
-  const int locked = sys::try_lock(fd, byte, false);
-  // The kernel shows "?" for an owner without a name.
-  if (locked == 0) set_consumer(entry, label[0] != '\0' ? label : "?");
-  return locked;
+  int result = check_free(state, lock, line);
+  if (result == 0) result = sys::try_lock(fd, byte, false);
+  if (result == 0) name_owner(state, line, label);
+  return result;
 }
 
-std::uint64_t slots_in_use(const State& state) {
-  std::uint64_t used = 0;
-  for (std::uint32_t line = 0; line < state.line_count; ++line) {
-    const std::uint32_t config = state.lines[line].config.load();
-    if ((config & ConfigWord::kRequested) != 0 && (config & ConfigWord::kEvents) == 0) {
-      used |= std::uint64_t{1} << ((config & ConfigWord::kSlotMask) >> ConfigWord::kSlotShift);
-    }
-  }
-  return used;
-}
-
-/// A slot of its own for a new handle: there are as many as lines, and a handle has at least one line.
-int new_handle(State& state, const gpiohandle_request& request, HandleName& name) {
-  const std::uint64_t used = slots_in_use(state);
-  while (name.slot < kMaxLines && (used >> name.slot & 1) != 0) ++name.slot;
-  if (name.slot == kMaxLines) return -EBUSY;
+int new_handle(State& state, const ChipLock& lock, const gpiohandle_request& request, HandleName& name) {
+  const int result = free_slot(state, lock, name.slot);
+  if (result != 0) return result;
   name.serial = state.last_serial.fetch_add(1) + 1;
   Handle& handle = state.handles[name.slot];
   for (std::uint32_t i = 0; i < request.lines; ++i) {
@@ -120,25 +97,20 @@ int take_handle_lines(State& state, const ChipLock& lock, const gpiohandle_reque
     int result = line < state.line_count ? 0 : -EINVAL;
     if (result == 0) result = take_line(state, lock, line, fd, line, request.consumer_label);
     if (result != 0) {
-      for (std::uint32_t done = 0; done < i; ++done) release_line(state, request.lineoffsets[done]);
+      for (std::uint32_t done = 0; done < i; ++done)
+        release_line(state, device().folder, request.lineoffsets[done]);
       return result;
     }
-    configure_line(state, line, request.flags, request.default_values[i], owner, now);
+    configure_line(state, line, setting_of(request.flags, request.default_values[i]), owner, now);
+    tell_watchers(state, device().folder, line, GPIO_V2_LINE_CHANGED_REQUESTED);
   }
   return 0;
 }
 
 int open_event(std::uint32_t line) {
   char path[kPathSize];
-  if (!event_path(device().folder, line, path)) return -ENAMETOOLONG;
+  if (!numbered_path(device().folder, kEventPrefix, line, path)) return -ENAMETOOLONG;
   return sys::open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
-}
-
-/// Discards events that the previous owner did not read.
-void drain(int fd) {
-  char rest[4096];
-  while (sys::read(fd, rest, sizeof(rest)) > 0) {
-  }
 }
 
 int take_event_line(State& state, const ChipLock& lock, const gpioevent_request& request, int fd) {
@@ -149,19 +121,10 @@ int take_event_line(State& state, const ChipLock& lock, const gpioevent_request&
   std::uint32_t owner = ConfigWord::kRequested | ConfigWord::kEvents;
   if ((request.eventflags & GPIOEVENT_REQUEST_RISING_EDGE) != 0) owner |= ConfigWord::kRising;
   if ((request.eventflags & GPIOEVENT_REQUEST_FALLING_EDGE) != 0) owner |= ConfigWord::kFalling;
-  configure_line(state, line, request.handleflags | GPIOHANDLE_REQUEST_INPUT, 0, owner, sys::now_ns());
+  const LineSetting setting = setting_of(request.handleflags | GPIOHANDLE_REQUEST_INPUT, 0);
+  configure_line(state, line, setting, owner, sys::now_ns());
+  tell_watchers(state, device().folder, line, GPIO_V2_LINE_CHANGED_REQUESTED);
   return sys::control(fd, F_SETFL, 0);
-}
-
-/// The caller gets the descriptor; it is closed if the lines could not be had.
-int finish_request(State& state, int result, int fd, int& given) {
-  notify(state);
-  if (result != 0) {
-    sys::close(fd);
-  } else {
-    given = fd;
-  }
-  return result;
 }
 
 }  // namespace
@@ -176,7 +139,7 @@ int request_handle(gpiohandle_request& request) {
   const ChipLock lock(device().folder);
   if (lock.error() != 0) return lock.error();
   HandleName name;
-  int result = new_handle(state, request, name);
+  int result = new_handle(state, lock, request, name);
   if (result != 0) return result;
   const int fd = open_handle(name);
   if (fd < 0) return fd;
@@ -209,7 +172,9 @@ int configure_handle(std::uint32_t slot, const gpiohandle_config& config) {
   const std::uint32_t owner = ConfigWord::kRequested | slot << ConfigWord::kSlotShift;
   const std::int64_t now = sys::now_ns();
   for (std::uint32_t i = 0; i < handle.count.load(); ++i) {
-    configure_line(state, handle.lines[i].load(), config.flags, config.default_values[i], owner, now);
+    const std::uint32_t line = handle.lines[i].load();
+    configure_line(state, line, setting_of(config.flags, config.default_values[i]), owner, now);
+    tell_watchers(state, device().folder, line, GPIO_V2_LINE_CHANGED_CONFIG);
   }
   notify(state);
   return 0;

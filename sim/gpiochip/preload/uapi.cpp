@@ -5,15 +5,16 @@
 #include <string.h>
 
 #include "sim/gpiochip/levels.hpp"
+#include "sim/gpiochip/line_info.hpp"
+#include "sim/gpiochip/preload/lines.hpp"
 #include "sim/gpiochip/preload/pins.hpp"
 #include "sim/gpiochip/preload/request.hpp"
+#include "sim/gpiochip/preload/request_v2.hpp"
+#include "sim/gpiochip/preload/uapi_v2.hpp"
 #include "sim/gpiochip/system.hpp"
 
 namespace strobe::sim::gpio {
 namespace {
-
-/// The two hot calls skip the checked copy, which costs a system call; a wild pointer there is a fault.
-bool plausible(const void* user) { return reinterpret_cast<std::uintptr_t>(user) >= 4096; }
 
 int chip_info(void* user) {
   const State& state = *device().state;
@@ -24,37 +25,13 @@ int chip_info(void* user) {
   return sys::copy_out(user, &info, sizeof(info));
 }
 
-std::uint32_t info_flags(std::uint32_t config) {
-  std::uint32_t flags = 0;
-  if ((config & (ConfigWord::kRequested | ConfigWord::kKernelUsed)) != 0) flags |= GPIOLINE_FLAG_KERNEL;
-  if ((config & ConfigWord::kIsOut) != 0) flags |= GPIOLINE_FLAG_IS_OUT;
-  if ((config & ConfigWord::kActiveLow) != 0) flags |= GPIOLINE_FLAG_ACTIVE_LOW;
-  if ((config & ConfigWord::kOpenDrain) != 0) flags |= GPIOLINE_FLAG_OPEN_DRAIN;
-  if ((config & ConfigWord::kOpenSource) != 0) flags |= GPIOLINE_FLAG_OPEN_SOURCE;
-  if ((config & ConfigWord::kPullUp) != 0) flags |= GPIOLINE_FLAG_BIAS_PULL_UP;
-  if ((config & ConfigWord::kPullDown) != 0) flags |= GPIOLINE_FLAG_BIAS_PULL_DOWN;
-  if ((config & ConfigWord::kBiasDisable) != 0) flags |= GPIOLINE_FLAG_BIAS_DISABLE;
-  return flags;
-}
-
-void reap_before_look(State& state, std::uint32_t line) {
-  if ((state.lines[line].config.load() & ConfigWord::kRequested) == 0) return;
-  const sys::NoSignals quiet;
-  const ChipLock lock(device().folder);
-  if (lock.error() == 0) reap_line_locked(state, device().folder, lock, line);
-}
-
 int line_info(void* user) {
-  State& state = *device().state;
   gpioline_info info{};
   const int copied = sys::copy_in(&info, user, sizeof(info));
   if (copied != 0) return copied;
-  if (info.line_offset >= state.line_count) return -EINVAL;
-  reap_before_look(state, info.line_offset);
-  const Line& line = state.lines[info.line_offset];
-  info.flags = info_flags(line.config.load());
-  memcpy(info.name, line.name, sizeof(info.name));
-  get_consumer(line, info.consumer);
+  if (info.line_offset >= device().state->line_count) return -EINVAL;
+  reap_before_look(info.line_offset);
+  info = to_v1(info_of(*device().state, info.line_offset));
   return sys::copy_out(user, &info, sizeof(info));
 }
 
@@ -106,7 +83,7 @@ int set_values(const Handle& handle, const void* user) {
 
 }  // namespace
 
-int chip_ioctl(unsigned long request, void* argument) {
+int chip_ioctl(std::uint32_t watcher, unsigned long request, void* argument) {
   if (!present()) return -ENODEV;
   switch (request) {
     case GPIO_GET_CHIPINFO_IOCTL:
@@ -117,6 +94,16 @@ int chip_ioctl(unsigned long request, void* argument) {
       return with_request<gpiohandle_request>(argument, request_handle);
     case GPIO_GET_LINEEVENT_IOCTL:
       return with_request<gpioevent_request>(argument, request_event);
+    case GPIO_GET_LINEINFO_WATCH_IOCTL:
+      return watch_line_v1(watcher, argument);
+    case GPIO_GET_LINEINFO_UNWATCH_IOCTL:
+      return unwatch_line(watcher, argument);
+    case GPIO_V2_GET_LINEINFO_IOCTL:
+      return line_info_v2(argument);
+    case GPIO_V2_GET_LINEINFO_WATCH_IOCTL:
+      return watch_line(watcher, argument);
+    case GPIO_V2_GET_LINE_IOCTL:
+      return with_request<gpio_v2_line_request>(argument, request_lines);
     default:
       return -EINVAL;
   }
@@ -148,6 +135,23 @@ int event_ioctl(std::uint32_t line, unsigned long request, void* argument) {
   data.values[0] = static_cast<std::uint8_t>(logical_level(*device().state, line));
   memcpy(argument, &data, sizeof(data));
   return 0;
+}
+
+int request_ioctl(std::uint32_t slot, unsigned long request, void* argument) {
+  if (!present()) return -ENODEV;
+  switch (request) {
+    case GPIO_V2_LINE_GET_VALUES_IOCTL:
+      return get_line_values(slot, argument);
+    case GPIO_V2_LINE_SET_VALUES_IOCTL:
+      return set_line_values(slot, argument);
+    case GPIO_V2_LINE_SET_CONFIG_IOCTL: {
+      gpio_v2_line_config config{};
+      const int copied = sys::copy_in(&config, argument, sizeof(config));
+      return copied != 0 ? copied : configure_lines(slot, config);
+    }
+    default:
+      return -EINVAL;
+  }
 }
 
 }  // namespace strobe::sim::gpio
