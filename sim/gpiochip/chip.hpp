@@ -1,16 +1,17 @@
 // The rig's side of the simulated GPIO chip: create it, watch its lines, drive its inputs.
 //
 // The chip lives in one folder: a shared-memory state file, a lock file (ownership by OFD locks), FIFOs for
-// events and for what changes on watched lines. A program sees it as /dev/<name> through the preloaded library
-// (preload_path()), with STROBE_GPIOCHIP_DIR naming the folder, and speaks the kernel's GPIO uAPI v1 or v2 with
-// it. Levels here are physical (0 or 1), never inverted by active-low. One Chip object per thread; any number
-// of processes may attach. Times are CLOCK_MONOTONIC. A folder in memory (/dev/shm) spares programs the page
-// faults of write-back. The chip ends with its creator.
+// events and for what changes on watched lines. A program sees it as /dev/<name> through the preloaded
+// library (preload_path()), with STROBE_GPIOCHIP_DIR naming the folder, and speaks the kernel's GPIO uAPI v1
+// or v2 with it. Levels here are physical (0 or 1), never inverted by active-low. One Chip object per thread;
+// any number of processes may attach. Times are CLOCK_MONOTONIC. A folder in memory (/dev/shm) spares
+// programs the page faults of write-back. The chip ends with its creator.
 //
-// Not simulated: write() to the chip itself, bias resistors inside the chip (flags are kept and shown; the
-// board's resistor decides the level), debouncing (the period is kept and shown; every edge is an event),
-// hardware time stamps (EOPNOTSUPP, as on kernels without them), watches by more than 32 opens of the chip at
-// once (ENOMEM). A process that is killed inside a set of several lines may have set only the first of them.
+// Not simulated: write() to the chip itself (its descriptors are read-only), bias resistors inside the chip
+// (flags are kept and shown; the board's resistor decides the level), debouncing (the period is kept and
+// shown; every edge is an event), hardware time stamps (EOPNOTSUPP, as on kernels without them), watches by
+// more than 32 opens of the chip at once (ENOMEM). A process that is killed inside a set of several lines may
+// have set only the first of them.
 #pragma once
 
 #include <cstdint>

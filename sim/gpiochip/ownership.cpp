@@ -87,7 +87,7 @@ bool owner_lives(const char* folder, int lock_fd, std::uint32_t line, std::uint3
 
 void release_line(State& state, const char* folder, std::uint32_t line) {
   Line& entry = state.lines[line];
-  std::uint32_t config = entry.config.load() & (ConfigWord::kIsOut | ConfigWord::kKernelUsed);
+  std::uint32_t config = entry.config.load() & ConfigWord::kKeptByRelease;
   if (state.input_on_release != 0) {
     change_line(state, line, float_edit(), CauseCode::release, sys::now_ns());
     config &= ~ConfigWord::kIsOut;

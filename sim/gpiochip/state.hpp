@@ -98,6 +98,8 @@ struct ConfigWord {
   static constexpr std::uint32_t kRealtime = 1U << 13;  ///< its events are stamped by CLOCK_REALTIME
   static constexpr unsigned kSlotShift = 16;            ///< index of the handle or v2 request
   static constexpr std::uint32_t kSlotMask = 0x3fU << kSlotShift;
+  /// The kernel, too, forgets the clock only at the next v2 request.
+  static constexpr std::uint32_t kKeptByRelease = kIsOut | kKernelUsed | kRealtime;
 
   static constexpr std::uint32_t slot(std::uint32_t config) { return (config & kSlotMask) >> kSlotShift; }
 };

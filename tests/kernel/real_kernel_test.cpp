@@ -140,10 +140,11 @@ TEST_GROUP(RealKernel) {
         (bench->strobed_log() + bench->machine().log()).c_str());
   }
 
-  /// What the program of the conformance test printed, each of its requests carried out.
-  std::string answers_of_libgpiod() {
+  /// What a program of the conformance test printed, each of its requests carried out; `chip`: as it wants it
+  /// named.
+  std::string answers_to(const std::string& program, const std::string& chip) {
     VirtualMachine& machine = bench->machine();
-    machine.run("mkfifo /tmp/answers; gpio_library_calls gpiochip0 0 1 4 /tmp/answers >/tmp/out 2>&1 &");
+    machine.run("mkfifo /tmp/answers; " + program + " " + chip + " 0 1 4 /tmp/answers >/tmp/out 2>&1 &");
     std::size_t done = 0;
     CHECK_TRUE(testing::wait_until(
         [&] {
@@ -154,7 +155,7 @@ TEST_GROUP(RealKernel) {
             if (request.unplug) take_the_driver_away();
             machine.run(": >/tmp/answers");
           }
-          return machine.run("pidof gpio_library_calls").empty();
+          return machine.run("pidof " + program).empty();
         },
         kTimeout));
     return machine.run("cat /tmp/out");
@@ -171,9 +172,14 @@ TEST(RealKernel, SystemCallsAreAnsweredAsOnTheSimulatedChip) {
   CHECK_EQUAL(testing::read_text(STROBE_TEST_DATA "/gpio_kernel_calls.txt"), answers);
 }
 
+TEST(RealKernel, SystemCallsOfVersion2AreAnsweredAsOnTheSimulatedChip) {
+  const std::string out = answers_to("gpio_kernel_calls_v2", "/dev/gpiochip0");
+  CHECK_EQUAL(testing::read_text(STROBE_TEST_DATA "/gpio_kernel_calls_v2.txt"), out);
+}
+
 TEST(RealKernel, LibgpiodIsAnsweredAsOnTheSimulatedChip) {
   on_a_kernel_that_survives([this] {
-    const std::string out = answers_of_libgpiod();
+    const std::string out = answers_to("gpio_library_calls", "gpiochip0");
     CHECK_EQUAL(testing::read_text(STROBE_TEST_DATA "/gpio_library_calls.txt"), out);
   });
 }

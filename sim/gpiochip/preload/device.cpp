@@ -142,9 +142,11 @@ Descriptor describe_request_first(int fd) {
 }
 
 int open_chip(int flags) {
+  // Read-only, whatever was asked for: who could write to its FIFO would never see its end.
+  flags &= ~O_ACCMODE;
   const sys::NoSignals quiet;
   const ChipLock lock(device().folder);
-  for (std::uint32_t i = 0; lock.error() == 0 && i < kMaxWatchers && (flags & O_ACCMODE) != O_WRONLY; ++i) {
+  for (std::uint32_t i = 0; lock.error() == 0 && i < kMaxWatchers; ++i) {
     const int fd = open_watcher(*device().state, i, flags);
     if (fd != -EBUSY) return fd;
   }

@@ -285,8 +285,8 @@ STROBE_EXPORT int access(const char* path, int mode) noexcept {
 }
 
 namespace {
-/// The subsystem of the chip's device number, by which libgpiod 2 knows a GPIO chip. Compared before anything else
-/// is looked at: the search for the chip's folder itself comes through here.
+/// The subsystem of the chip's device number, by which libgpiod 2 knows a GPIO chip. Compared before anything
+/// else is looked at: the search for the chip's folder itself comes through here.
 bool is_subsystem(const char* path) {
   constexpr const char* kPrefix = "/sys/dev/char/";
   if (path == nullptr || strncmp(path, kPrefix, strlen(kPrefix)) != 0) return false;

@@ -27,7 +27,10 @@ std::uint32_t lowest_unused_slot(const State& state) {
 void configure_line(State& state, std::uint32_t line, const LineSetting& setting, std::uint32_t owner,
                     std::int64_t now_ns) {
   std::atomic<std::uint32_t>& word = state.lines[line].config;
-  std::uint32_t config = (word.load() & ConfigWord::kIsOut) | owner | setting.flags;
+  const bool version2 = (owner & ConfigWord::kVersion2) != 0;
+  // uAPI v1 knows no clocks, and leaves what it finds.
+  const std::uint32_t kept = ConfigWord::kIsOut | (version2 ? 0 : ConfigWord::kRealtime);
+  std::uint32_t config = (word.load() & kept) | owner | setting.flags;
   if (setting.direction == Direction::output) config |= ConfigWord::kIsOut;
   if (setting.direction == Direction::input) config &= ~ConfigWord::kIsOut;
   word.store(config);

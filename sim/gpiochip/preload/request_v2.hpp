@@ -7,8 +7,8 @@
 
 namespace strobe::sim::gpio {
 
-/// As the kernel's linereq_create(): lines are taken and driven one after the other; if one fails, those before
-/// it are released again, having been driven.
+/// As the kernel's linereq_create(): lines are taken and driven one after the other; if one fails, those
+/// before it are released again, having been driven.
 int request_lines(gpio_v2_line_request& request);
 int configure_lines(std::uint32_t slot, const gpio_v2_line_config& config);
 

@@ -1,6 +1,6 @@
-// The kernel's GPIO calls (drivers/gpio/gpiolib-cdev.c) on the simulated chip, by what their descriptor is: of
-// the chip, of a line handle or event line (uAPI v1), of a line request (v2). Every function returns what the
-// system call would: 0 or a negated errno.
+// The kernel's GPIO calls (drivers/gpio/gpiolib-cdev.c) on the simulated chip, by what their descriptor is:
+// of the chip, of a line handle or event line (uAPI v1), of a line request (v2). Every function returns what
+// the system call would: 0 or a negated errno.
 #pragma once
 
 #include "sim/gpiochip/preload/device.hpp"

@@ -19,6 +19,28 @@ TEST_GROUP(Conformance) {
     for (const int level : request.levels) fixture.chip().drive(line, level, now());
     if (request.unplug) fixture.chip().unplug();
   }
+
+  /// What a program prints that asks for what must happen outside; `chip`: as it wants it named.
+  std::string answers_to(const std::string& program, const std::string& chip) {
+    const std::string answers = fixture.logs() / "answers";
+    LONGS_EQUAL(0, mkfifo(answers.c_str(), 0600));
+    const auto command =
+        fixture.preloaded({built_program(program).string(), chip, "10", "11", "12", answers});
+    testing::Process process(command, fixture.logs());
+    std::size_t done = 0;
+    CHECK_TRUE(testing::wait_until(
+        [&] {
+          const auto requests = testing::conformance::requests_in(process.out());
+          if (requests.size() > done) {
+            do_as_asked(requests[done++], 12);
+            close(open(answers.c_str(), O_WRONLY));
+          }
+          return !process.running();
+        },
+        kLimit));
+    CHECK_EQUAL("", process.err());
+    return process.out();
+  }
 };
 
 TEST(Conformance, SystemCallsAreAnsweredAsByTheKernel) {
@@ -28,23 +50,12 @@ TEST(Conformance, SystemCallsAreAnsweredAsByTheKernel) {
   CHECK_EQUAL(testing::read_text(STROBE_TEST_DATA "/gpio_kernel_calls.txt"), finished.out);
 }
 
+TEST(Conformance, SystemCallsOfVersion2AreAnsweredAsByTheKernel) {
+  const std::string out = answers_to("gpio_kernel_calls_v2", "/dev/gpiochip0");
+  CHECK_EQUAL(testing::read_text(STROBE_TEST_DATA "/gpio_kernel_calls_v2.txt"), out);
+}
+
 TEST(Conformance, LibgpiodIsAnsweredAsByTheKernel) {
-  const std::string answers = fixture.logs() / "answers";
-  LONGS_EQUAL(0, mkfifo(answers.c_str(), 0600));
-  testing::Process process(fixture.preloaded({built_program("gpio_library_calls").string(), "gpiochip0", "10",
-                                              "11", "12", answers}),
-                           fixture.logs());
-  std::size_t done = 0;
-  CHECK_TRUE(testing::wait_until(
-      [&] {
-        const auto requests = testing::conformance::requests_in(process.out());
-        if (requests.size() > done) {
-          do_as_asked(requests[done++], 12);
-          close(open(answers.c_str(), O_WRONLY));
-        }
-        return !process.running();
-      },
-      kLimit));
-  CHECK_EQUAL("", process.err());
-  CHECK_EQUAL(testing::read_text(STROBE_TEST_DATA "/gpio_library_calls.txt"), process.out());
+  const std::string out = answers_to("gpio_library_calls", "gpiochip0");
+  CHECK_EQUAL(testing::read_text(STROBE_TEST_DATA "/gpio_library_calls.txt"), out);
 }

@@ -4,20 +4,17 @@
 // so the simulation cannot drift from the kernel. A and B are offsets of free lines to which nothing is
 // connected, and which are inputs at first. Behaviours that depend on the hardware (the level of a floating
 // input) are left out.
-#include <poll.h>
 #include <signal.h>
 #include <sys/wait.h>
-#include <termios.h>
 
-#include <cstdio>
 #include <cstdlib>
-#include <string>
 
-#include "tests/sim/gpiochip/conformance/uapi_client.hpp"
+#include "tests/sim/gpiochip/conformance/answers.hpp"
 
 namespace {
 
-constexpr unsigned long kUnknownRequest = _IO(0xB4, 0x7f);
+using namespace answers;
+
 constexpr std::uint32_t kIn = GPIOHANDLE_REQUEST_INPUT;
 constexpr std::uint32_t kOut = GPIOHANDLE_REQUEST_OUTPUT;
 constexpr std::uint32_t kLow = GPIOHANDLE_REQUEST_ACTIVE_LOW;
@@ -31,21 +28,6 @@ constexpr std::uint32_t kBoth = GPIOEVENT_REQUEST_BOTH_EDGES;
 int chip = -1;
 unsigned line_a = 0;
 unsigned line_b = 0;
-
-/// Errors by name; descriptors and other successes as "ok".
-std::string named(int result) { return result < 0 ? strerrorname_np(-result) : "ok"; }
-
-void say(const char* what, const std::string& answer) { std::printf("%s: %s\n", what, answer.c_str()); }
-void say_outcome(const char* what, int result) { say(what, named(result)); }
-void say_value(const char* what, int result) {
-  say(what, result < 0 ? named(result) : std::to_string(result));
-}
-
-/// For requests: names the outcome and lets go again.
-void say_request(const char* what, int descriptor) {
-  say_outcome(what, descriptor);
-  if (descriptor >= 0) close(descriptor);
-}
 
 std::string info_of(unsigned line) {
   gpioline_info info{};
@@ -66,39 +48,6 @@ std::string info_of(unsigned line) {
   for (const auto& flag : flags)
     if ((info.flags & flag.flag) != 0) text += std::string(flag.name) + " ";
   return text + "consumer '" + info.consumer + "'";
-}
-
-std::string access_mode(int descriptor) {
-  const int mode = fcntl(descriptor, F_GETFL) & O_ACCMODE;
-  return mode == O_RDONLY ? "read-only" : mode == O_RDWR ? "read-write" : "write-only";
-}
-
-std::string polled(int descriptor, short events) {
-  struct pollfd waiting {
-    descriptor, events, 0
-  };
-  poll(&waiting, 1, 0);
-  std::string text;
-  if ((waiting.revents & POLLIN) != 0) text += "in ";
-  if ((waiting.revents & POLLOUT) != 0) text += "out ";
-  if ((waiting.revents & (POLLERR | POLLHUP)) != 0) text += "error ";
-  return text.empty() ? "nothing" : text;
-}
-
-int read_bytes(int descriptor, std::size_t size) {
-  char data[256];
-  return uapi::outcome(static_cast<int>(read(descriptor, data, size)));
-}
-int write_bytes(int descriptor, std::size_t size) {
-  const char data[256] = {};
-  return uapi::outcome(static_cast<int>(write(descriptor, data, size)));
-}
-int terminal_call(int descriptor) {
-  struct termios settings {};
-  return uapi::outcome(ioctl(descriptor, TCGETS, &settings));
-}
-int with_null(int descriptor, unsigned long request) {
-  return uapi::outcome(ioctl(descriptor, request, nullptr));
 }
 
 void chip_calls(const char* device) {
@@ -233,6 +182,8 @@ void reconfiguration() {
   say("line", info_of(line_a));
   say_value("its value", uapi::get(handle));
   say_outcome("configure with input and output", uapi::configure(handle, kIn | kOut));
+  say_outcome("configure without direction", uapi::configure(handle, 0));
+  say("line", info_of(line_a));
   say_outcome("configure as pulled-down input", uapi::configure(handle, kIn | kDown));
   say("line", info_of(line_a));
   say_outcome("set on it", uapi::set(handle, {1}));

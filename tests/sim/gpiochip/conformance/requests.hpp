@@ -1,4 +1,4 @@
-// What library_calls.cpp asks whoever watches it to do: its lines "please: C 1 0" and "please: unplug".
+// What a conformance program asks whoever watches it to do: its lines "please: C 1 0" and "please: unplug".
 #pragma once
 
 #include <sstream>
