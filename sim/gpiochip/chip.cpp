@@ -9,6 +9,7 @@
 #include <array>
 #include <utility>
 
+#include "sim/gpiochip/debounce.hpp"
 #include "sim/gpiochip/edges.hpp"
 #include "sim/gpiochip/folder.hpp"
 #include "sim/gpiochip/levels.hpp"
@@ -52,7 +53,22 @@ struct Chip::Impl {
     gpio::finish_pending(state());
     if (state().input_on_release != 0) gpio::reap_outputs(state(), path(), folder.lock_fd);
     gpio::reap_watched(state(), path(), folder.lock_fd);
+    for (std::uint32_t line = 0; line < state().line_count; ++line) settle(line, now);
     if (state().unplugged.load() != 0) folder.close_events();
+  }
+
+  /// An edge and its event belong together: held while one process drives the line.
+  void lock_drive(std::uint32_t line) const {
+    const std::int64_t byte = gpio::kDriveByte + line;
+    while (gpio::sys::try_lock(folder.lock_fd, byte, true) == -EAGAIN) gpio::sys::sleep_ns(1'000);
+  }
+  void unlock_drive(std::uint32_t line) const { gpio::sys::unlock(folder.lock_fd, gpio::kDriveByte + line); }
+
+  void settle(std::uint32_t line, std::int64_t now_ns) const {
+    if (!gpio::is_debounced(state(), line)) return;
+    lock_drive(line);
+    gpio::emit_settled(folder, line, gpio::level_of(state(), line), now_ns);
+    unlock_drive(line);
   }
 
   bool read_ring(ChangeCursor& cursor, std::vector<Change>& changes) {
@@ -132,13 +148,11 @@ void Chip::drive(std::uint32_t line, int level, MonoTime stamp) {
   gpio::State& state = impl_->state();
   if (line >= state.line_count || state.unplugged.load() != 0) return;
   const unsigned outside = level != 0 ? 1 : 0;
-  // Another process may drive the same line: a level and its event belong together.
-  const std::int64_t byte = gpio::kDriveByte + line;
-  while (gpio::sys::try_lock(impl_->folder.lock_fd, byte, true) == -EAGAIN) gpio::sys::sleep_ns(1'000);
+  impl_->lock_drive(line);
   if (gpio::change_line(state, line, gpio::outside_edit(outside), gpio::CauseCode::drive, to_ns(stamp))) {
     gpio::emit_edge(impl_->folder, line, outside, to_ns(stamp));
   }
-  gpio::sys::unlock(impl_->folder.lock_fd, byte);
+  impl_->unlock_drive(line);
   gpio::notify(state);
 }
 

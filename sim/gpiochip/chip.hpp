@@ -8,10 +8,9 @@
 // programs the page faults of write-back. The chip ends with its creator.
 //
 // Not simulated: write() to the chip itself (its descriptors are read-only), bias resistors inside the chip
-// (flags are kept and shown; the board's resistor decides the level), debouncing (the period is kept and
-// shown; every edge is an event), hardware time stamps (EOPNOTSUPP, as on kernels without them), watches by
-// more than 32 opens of the chip at once (ENOMEM). A process that is killed inside a set of several lines may
-// have set only the first of them.
+// (flags are kept and shown; the board's resistor decides the level), hardware time stamps (EOPNOTSUPP, as on
+// kernels without them), watches by more than 32 opens of the chip at once (ENOMEM). A process that is killed
+// inside a set of several lines may have set only the first of them.
 #pragma once
 
 #include <cstdint>
@@ -88,7 +87,8 @@ class Chip {
   /// passes. Returns false if the ring lapped this reader (some changes were lost; the cursor then stands at
   /// the oldest kept). A change wakes the waiter at once. A release by close() or death is looked for once a
   /// millisecond while lines are requested, and is stamped when found, for programs that watch the line too;
-  /// so is a change whose process was killed before it could record it (stamped when it happened).
+  /// so is a change whose process was killed before it could record it (stamped when it happened), and a
+  /// debounced line that has settled (its event is stamped when it did).
   bool wait_changes(ChangeCursor& cursor, MonoTime deadline, std::vector<Change>& changes);
   ChangeCursor cursor_now() const;  ///< only changes from now on
 

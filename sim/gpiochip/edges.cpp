@@ -3,6 +3,7 @@
 #include <linux/gpio.h>
 #include <sys/ioctl.h>
 
+#include "sim/gpiochip/debounce.hpp"
 #include "sim/gpiochip/ownership.hpp"
 #include "sim/gpiochip/system.hpp"
 
@@ -71,11 +72,23 @@ void emit_v2(const ChipFolder& folder, std::uint32_t line, unsigned level, std::
 
 void emit_edge(const ChipFolder& folder, std::uint32_t line, unsigned level, std::int64_t stamp_ns) {
   const std::uint32_t config = folder.state->lines[line].config.load();
+  if (is_debounced(*folder.state, line)) {
+    emit_settled(folder, line, 1 - level, stamp_ns);  // before this edge
+    return note_bounce(*folder.state, line, stamp_ns);
+  }
   if (!is_wanted(config, level)) return;
   if ((config & ConfigWord::kVersion2) != 0) {
     emit_v2(folder, line, level, stamp_ns);
   } else {
     emit_v1(folder.events[line], config, level, stamp_ns);
+  }
+}
+
+void emit_settled(const ChipFolder& folder, std::uint32_t line, unsigned level, std::int64_t now_ns) {
+  Settled settled;
+  if (!take_settled(*folder.state, line, level, now_ns, settled) || !settled.changed) return;
+  if (is_wanted(folder.state->lines[line].config.load(), level)) {
+    emit_v2(folder, line, level, settled.stamp_ns);
   }
 }
 

@@ -104,6 +104,13 @@ struct ConfigWord {
   static constexpr std::uint32_t slot(std::uint32_t config) { return (config & kSlotMask) >> kSlotShift; }
 };
 
+/// A debounced line: the level that counts, and the time of an edge whose period is not over yet.
+struct DebounceWord {
+  static constexpr std::uint64_t kLevel = 1;
+  static constexpr std::uint64_t kBouncing = 2;
+  static constexpr unsigned kTimeShift = 12;
+};
+
 struct alignas(64) Line {
   std::atomic<std::uint64_t> level;
   std::atomic<std::uint32_t> config;
@@ -111,8 +118,9 @@ struct alignas(64) Line {
   std::atomic<std::uint64_t> consumer[kNameSize / 8];
   char name[kNameSize];
   std::uint64_t fifo_inode;
-  std::atomic<std::uint32_t> debounce_us;
-  std::atomic<std::uint32_t> seqno;  ///< of its newest event in this v2 request
+  std::atomic<std::uint64_t> debounce;
+  std::atomic<std::uint32_t> debounce_us;  ///< 0: not debounced
+  std::atomic<std::uint32_t> seqno;        ///< of its newest event in this v2 request
 };
 
 /// Lines of one line handle or v2 request. A handle's descriptor names its slot and serial by its file offset

@@ -3,6 +3,7 @@
 #include <errno.h>
 #include <fcntl.h>
 
+#include "sim/gpiochip/debounce.hpp"
 #include "sim/gpiochip/levels.hpp"
 #include "sim/gpiochip/preload/device.hpp"
 #include "sim/gpiochip/preload/line_config.hpp"
@@ -45,7 +46,7 @@ int configure(State& state, std::uint32_t slot, std::uint32_t index, std::uint32
   configure_line(state, line, setting, owner_of(slot), now_ns);
   // The kernel makes no queue of one event.
   if ((setting.flags & kEdges) != 0 && state.handles[slot].event_depth.load() < 2) return -EINVAL;
-  state.lines[line].debounce_us.store(debounce_us_of(config, index));
+  set_debounce(state, line, debounce_us_of(config, index));
   return 0;
 }
 

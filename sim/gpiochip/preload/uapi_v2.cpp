@@ -4,6 +4,7 @@
 #include <linux/gpio.h>
 #include <string.h>
 
+#include "sim/gpiochip/debounce.hpp"
 #include "sim/gpiochip/levels.hpp"
 #include "sim/gpiochip/line_info.hpp"
 #include "sim/gpiochip/preload/device.hpp"
@@ -89,7 +90,9 @@ int get_line_values(std::uint32_t slot, void* user) {
   for (std::uint32_t i = 0; i < count; ++i) {
     if ((values.mask & bit(i)) == 0) continue;
     const std::uint32_t line = request.lines[i].load();
-    if (physical(state.lines[line].config.load(), level_of(state, line)) != 0) values.bits |= bit(i);
+    const unsigned level =
+        is_debounced(state, line) ? debounced_level(state, line, sys::now_ns()) : level_of(state, line);
+    if (physical(state.lines[line].config.load(), level) != 0) values.bits |= bit(i);
   }
   memcpy(user, &values, sizeof(values));
   return 0;

@@ -1,7 +1,5 @@
 // The kernel's GPIO uAPI v2 on the simulated chip, and line-info watches of v1 and v2. Every function returns
 // what the system call would: 0 or a negated errno.
-//
-// No line is debounced: a period is kept and shown, and every edge is an event.
 #pragma once
 
 #include <cstdint>

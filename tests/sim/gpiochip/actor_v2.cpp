@@ -4,6 +4,7 @@
 //   turn LINE                takes an output at 1, says "ready", makes it an input on SIGUSR1, says "input"
 //   events LINES BUFFER      takes lines for both edges, says "ready", prints every event until SIGTERM
 //   late LINES BUFFER        the same, prints what is queued when SIGUSR1 comes, then "end"
+//   bouncing LINE PERIOD_US  takes a line for both edges, debounced, says "ready", prints every event
 //   slots LINES COUNT        takes every line by a request of its own and lets go of them all, COUNT times
 //   watch LINES              watches lines, says "ready", prints every change until SIGTERM
 //   opens COUNT              opens the chip COUNT times, says how many of these could watch
@@ -89,6 +90,11 @@ void print_events(int request) {
   }
 }
 
+void print_for_ever(int request) {
+  std::puts("ready");
+  for (;;) print_events(request);
+}
+
 void slots(const std::vector<unsigned>& lines, unsigned long count) {
   const int device = chip();
   for (unsigned long i = 0; i < count; ++i) {
@@ -150,9 +156,10 @@ bool play(const std::string& role, const std::vector<unsigned>& lines, unsigned 
   } else if (role == "turn") {
     turn(lines[0]);
   } else if (role == "events") {
-    const int request = edges(lines, static_cast<std::uint32_t>(number));
-    std::puts("ready");
-    for (;;) print_events(request);
+    print_for_ever(edges(lines, static_cast<std::uint32_t>(number)));
+  } else if (role == "bouncing") {
+    const auto debounced = config(kIn | kBoth, {debounce_us(static_cast<std::uint32_t>(number), kAll)});
+    print_for_ever(must("request", take(chip(), lines, debounced)));
   } else if (role == "late") {
     const int request = edges(lines, static_cast<std::uint32_t>(number));
     std::puts("ready");

@@ -179,6 +179,26 @@ TEST(RequestEvents, AreNumberedForTheRequestAndForEachLine) {
   CHECK_EQUAL(expected, wait_for(process, 3));
 }
 
+TEST(RequestEvents, OfADebouncedLineComeOnceItHasSettled) {
+  auto process = reader("bouncing", "4", "10000");
+  const MonoTime first = now() - milliseconds(100);
+  const auto drive_at = [&](int level, int after_ms) {
+    fixture.chip().drive(4, level, first + milliseconds(after_ms));
+  };
+  drive_at(1, 0);
+  drive_at(0, 1);
+  drive_at(1, 2);  // settles 10 ms later
+  drive_at(0, 30);
+  drive_at(1, 31);  // settles where it was
+  drive_at(0, 50);
+  const std::vector<Event> expected = {{kRising, 4, 1, 1, to_ns(first + milliseconds(12))},
+                                       {kFalling, 4, 2, 2, to_ns(first + milliseconds(60))}};
+  ChangeCursor cursor = fixture.chip().cursor_now();
+  std::vector<Change> changes;
+  fixture.chip().wait_changes(cursor, now() + milliseconds(2), changes);  // the last one is due
+  CHECK_EQUAL(expected, wait_for(process, 2));
+}
+
 TEST(RequestEvents, AreQueuedSixteenALineAndTheOldestAreLost) {
   auto one = reader("late", "4"), two = reader("late", "5,6");
   toggle(fixture.chip(), 4, 20);

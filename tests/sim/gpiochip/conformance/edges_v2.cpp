@@ -68,6 +68,24 @@ void every_edge() {
   close(request);
 }
 
+void debounced() {
+  const int request = take(chip, {line_c}, config(kIn | kBoth, {debounce_us(1'000'000, 1)}));
+  const std::uint64_t since_ns = ns_of(CLOCK_MONOTONIC);
+  please("C 1 0 1");
+  say_value("debounced level", get(request, 1));
+  say("poll", polled(request, POLLIN));
+  say("poll for longer", polled(request, POLLIN, 5000));
+  say_value("debounced level", get(request, 1));
+  say_events("once settled", request, CLOCK_MONOTONIC, since_ns);
+  please("C 0 1");
+  say("poll after a bounce that settles where it was", polled(request, POLLIN, 2000));
+  configure(request, config(kIn | kBoth));
+  please("C 0");
+  say_value("level, not debounced any more", get(request, 1));
+  say_events("at once", request, CLOCK_MONOTONIC, since_ns);
+  close(request);
+}
+
 void overflow() {
   gpio_v2_line_request asked = request_of({line_c}, config(kIn | kBoth));
   asked.event_buffer_size = 3;  // which is rounded up to 4
@@ -93,6 +111,7 @@ void overflow() {
 void drive_edges(const char* fifo) {
   answers_fifo = fifo;
   every_edge();
+  debounced();
   overflow();
 }
 
