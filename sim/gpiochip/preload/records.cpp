@@ -17,8 +17,7 @@ constexpr std::size_t kChangedV2 = sizeof(gpio_v2_line_info_changed);
 static_assert(kEvent == 16 && kEventV2 == 48 && kChanged == 104 && kChangedV2 == 288);
 
 long whole_events(std::size_t size, std::size_t record) {
-  if (size >= record) return static_cast<long>(size - size % record);
-  return present() ? -EINVAL : -ENODEV;
+  return size < record ? -EINVAL : static_cast<long>(size - size % record);
 }
 
 /// The kernel looks at the size only once there is something to read.
@@ -44,7 +43,7 @@ long whole_changes(int fd, std::uint32_t watcher, std::size_t size) {
 bool is_whole_for_all(std::size_t size) {
   const State* state = device().state;
   if (state == nullptr) return true;
-  if (size == 0 || size % kEvent != 0) return false;
+  if (size == 0 || size % kEvent != 0 || state->unplugged.load(std::memory_order_relaxed) != 0) return false;
   const std::uint32_t sizes = state->record_sizes.load(std::memory_order_relaxed);
   if ((sizes & RecordSizes::kEvent) != 0 && size % kEventV2 != 0) return false;
   if ((sizes & RecordSizes::kInfoChanged) != 0 && size % kChangedV2 != 0) return false;
@@ -53,6 +52,8 @@ bool is_whole_for_all(std::size_t size) {
 
 long whole_records(int fd, std::size_t size) {
   const Descriptor descriptor = describe(fd);
+  // Of an unplugged device not even what was queued before.
+  if (descriptor.kind != Kind::none && !present()) return -ENODEV;
   switch (descriptor.kind) {
     case Kind::event:
       return whole_events(size, kEvent);

@@ -5,7 +5,8 @@
 
 namespace strobe::sim::gpio {
 
-/// A read of that size can only take whole records, whichever kind `fd` has: nothing to look for.
+/// A read of that size can only take whole records, whatever it reads, of a device that is there: nothing to
+/// look for.
 bool is_whole_for_all(std::size_t size);
 
 /// Bytes that a read of `size` takes at most, or a negated errno.

@@ -70,12 +70,19 @@ int take_one(State& state, const ChipLock& lock, std::uint32_t slot, std::uint32
   name_owner(state, line, request.consumer);
   state.lines[line].seqno.store(0);
   const int configured = configure(state, slot, index, line, request.config, now_ns);
-  if (configured != 0) {
-    release_line(state, device().folder, line);
-  } else {
-    tell_watchers(state, device().folder, line, GPIO_V2_LINE_CHANGED_REQUESTED);
-  }
+  if (configured == 0) tell_watchers(state, device().folder, line, GPIO_V2_LINE_CHANGED_REQUESTED);
   return configured;
+}
+
+/// Lets go of the lines that a request had taken before it failed.
+void release_taken(State& state, std::uint32_t slot, const gpio_v2_line_request& request) {
+  for (std::uint32_t i = 0; i < request.num_lines; ++i) {
+    const std::uint32_t line = request.offsets[i];
+    if (line >= state.line_count) continue;
+    const std::uint32_t config = state.lines[line].config.load();
+    const bool taken = (config & owner_of(slot)) == owner_of(slot) && ConfigWord::slot(config) == slot;
+    if (taken) release_line(state, device().folder, line);
+  }
 }
 
 int take_lines(State& state, const ChipLock& lock, std::uint32_t slot, const gpio_v2_line_request& request) {
@@ -83,8 +90,7 @@ int take_lines(State& state, const ChipLock& lock, std::uint32_t slot, const gpi
   for (std::uint32_t i = 0; i < request.num_lines; ++i) {
     const int result = take_one(state, lock, slot, i, request, now);
     if (result == 0) continue;
-    for (std::uint32_t done = 0; done < i; ++done)
-      release_line(state, device().folder, request.offsets[done]);
+    release_taken(state, slot, request);
     return result;
   }
   return 0;
