@@ -80,14 +80,19 @@ void turn(unsigned line) {
   pause();
 }
 
-void print_events(int request) {
-  gpio_v2_line_event events[1024];
-  const ssize_t size = must("read", uapi::outcome(static_cast<int>(read(request, events, sizeof(events)))));
+/// Reads once, into room for some events and a third of another. False if there is none, and none is waited
+/// for.
+bool print_events(int request) {
+  gpio_v2_line_event events[11];
+  const int size = uapi::outcome(static_cast<int>(read(request, events, 10 * sizeof(events[0]) + 16)));
+  if (size == -EAGAIN) return false;
+  must("read", size);
   for (std::size_t i = 0; i < static_cast<std::size_t>(size) / sizeof(events[0]); ++i) {
     const gpio_v2_line_event& event = events[i];
     std::printf("%u %u %u %u %llu\n", event.id, event.offset, event.seqno, event.line_seqno,
                 static_cast<unsigned long long>(event.timestamp_ns));
   }
+  return true;
 }
 
 void print_for_ever(int request) {
@@ -164,7 +169,8 @@ bool play(const std::string& role, const std::vector<unsigned>& lines, unsigned 
     const int request = edges(lines, static_cast<std::uint32_t>(number));
     std::puts("ready");
     wait_for_signal();
-    print_events(request);
+    fcntl(request, F_SETFL, O_NONBLOCK);
+    while (print_events(request)) continue;
     std::puts("end");
   } else if (role == "slots") {
     slots(lines, number);
