@@ -135,7 +135,7 @@ struct alignas(64) Handle {
 
 /// One open of the chip, as far as it watches lines.
 struct Watcher {
-  std::atomic<std::uint64_t> lines;    ///< watched, by bit
+  std::atomic<std::uint64_t> lines;    ///< watched, by bit; also of one that died, until that is found
   std::atomic<std::uint32_t> version;  ///< of the uAPI: 0 before its first watch
 };
 
@@ -152,7 +152,7 @@ struct State {
   std::uint32_t version;
   std::uint32_t line_count;
   std::uint32_t input_on_release;
-  std::uint32_t reserved;
+  std::atomic<std::uint32_t> record_sizes;
   char name[kNameSize];
   char label[kNameSize];
   std::int64_t epoch_ns;
@@ -161,8 +161,6 @@ struct State {
   std::uint64_t folder_device;
   std::atomic<std::uint32_t> unplugged;
   std::atomic<std::uint32_t> last_serial;
-  std::atomic<std::uint32_t> record_sizes;
-  std::atomic<std::uint32_t> watching;  ///< watchers that may have lines, by bit
   std::uint64_t request_inodes[kMaxLines];
   std::uint64_t watch_inodes[kMaxWatchers];
   Watcher watchers[kMaxWatchers];

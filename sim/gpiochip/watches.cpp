@@ -38,7 +38,7 @@ void tell_one(State& state, const char* folder, std::uint32_t watcher,
   if (sys::is_locked(fifo, 0)) {
     tell(fifo, state.watchers[watcher].version.load(), changed);
   } else {
-    state.watching.fetch_and(~(1U << watcher));
+    state.watchers[watcher].lines.store(0);
   }
   sys::close(fifo);
 }
@@ -46,23 +46,19 @@ void tell_one(State& state, const char* folder, std::uint32_t watcher,
 }  // namespace
 
 void tell_watchers(State& state, const char* folder, std::uint32_t line, std::uint32_t change) {
-  const std::uint32_t watching = state.watching.load();
-  if (watching == 0) return;
+  if ((watched_lines(state) >> line & 1) == 0) return;
   gpio_v2_line_info_changed changed{};
   changed.info = info_of(state, line);
   changed.timestamp_ns = static_cast<std::uint64_t>(sys::now_ns());
   changed.event_type = change;
   for (std::uint32_t watcher = 0; watcher < kMaxWatchers; ++watcher) {
-    if ((watching >> watcher & 1) == 0) continue;
     if ((state.watchers[watcher].lines.load() >> line & 1) != 0) tell_one(state, folder, watcher, changed);
   }
 }
 
 std::uint64_t watched_lines(const State& state) {
   std::uint64_t lines = 0;
-  const std::uint32_t watching = state.watching.load();
-  for (std::uint32_t watcher = 0; watching != 0 && watcher < kMaxWatchers; ++watcher)
-    if ((watching >> watcher & 1) != 0) lines |= state.watchers[watcher].lines.load();
+  for (const Watcher& watcher : state.watchers) lines |= watcher.lines.load();
   return lines;
 }
 

@@ -80,7 +80,6 @@ int open_watcher(State& state, std::uint32_t index, int flags) {
   if (fd < 0) return fd;
   int result = sys::is_locked(fd, 0) ? -EBUSY : sys::try_lock(fd, 0, false);
   if (result == 0) {
-    state.watching.fetch_and(~(1U << index));
     state.watchers[index].lines.store(0);
     state.watchers[index].version.store(0);
     drain(fd);
@@ -144,10 +143,12 @@ Descriptor describe_request_first(int fd) {
 int open_chip(int flags) {
   // Read-only, whatever was asked for: who could write to its FIFO would never see its end.
   flags &= ~O_ACCMODE;
+  State* state = device().state;
+  if (state == nullptr) return -ENODEV;
   const sys::NoSignals quiet;
   const ChipLock lock(device().folder);
   for (std::uint32_t i = 0; lock.error() == 0 && i < kMaxWatchers; ++i) {
-    const int fd = open_watcher(*device().state, i, flags);
+    const int fd = open_watcher(*state, i, flags);
     if (fd != -EBUSY) return fd;
   }
   char path[kPathSize];

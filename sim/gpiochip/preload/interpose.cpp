@@ -298,9 +298,11 @@ bool is_subsystem(const char* path) {
 
 STROBE_EXPORT char* realpath(const char* path, char* resolved) noexcept {
   using Function = char*(const char*, char*);
-  constexpr const char* kSubsystem = "/sys/bus/gpio";
+  constexpr char kSubsystem[] = "/sys/bus/gpio";
   if (!is_subsystem(path)) return STROBE_NEXT(Function, "realpath")(path, resolved);
-  return resolved != nullptr ? strcpy(resolved, kSubsystem) : strdup(kSubsystem);
+  if (resolved == nullptr) return strdup(kSubsystem);
+  memcpy(resolved, kSubsystem, sizeof(kSubsystem));
+  return resolved;
 }
 
 STROBE_EXPORT int scandir(const char* folder, struct dirent*** list, ScanFilter* filter, ScanOrder* order) {

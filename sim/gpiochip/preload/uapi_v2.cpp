@@ -43,7 +43,6 @@ int start_watch(std::uint32_t index, std::uint32_t line, std::uint32_t version) 
   if (result != 0) return result;
   if ((watcher.lines.fetch_or(bit(line)) & bit(line)) != 0) return -EBUSY;
   state.record_sizes.fetch_or(version == 2 ? RecordSizes::kInfoChanged : RecordSizes::kInfoChangedV1);
-  state.watching.fetch_or(1U << index);
   return 0;
 }
 

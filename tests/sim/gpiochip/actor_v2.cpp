@@ -104,6 +104,7 @@ void slots(const std::vector<unsigned>& lines, unsigned long count) {
   const int device = chip();
   for (unsigned long i = 0; i < count; ++i) {
     std::vector<int> requests;
+    requests.reserve(lines.size());
     for (const unsigned line : lines)
       requests.push_back(must("request", take(device, {line}, config(kIn | kBoth))));
     for (const int request : requests) close(request);
