@@ -121,9 +121,14 @@ Result<void> open_fifos(const std::filesystem::path& folder, const char* prefix,
   return {};
 }
 
+/// With all that is queued: of a device that is gone, poll() tells the end alone.
 void close_fifos(std::vector<int>& fifos) {
-  for (int& fifo : fifos)
-    if (fifo >= 0) ::close(std::exchange(fifo, -1));
+  std::array<char, 4096> rest;
+  for (int& fifo : fifos) {
+    if (fifo < 0) continue;
+    while (::read(fifo, rest.data(), rest.size()) > 0) continue;
+    ::close(std::exchange(fifo, -1));
+  }
 }
 
 State* map(const std::filesystem::path& file) {

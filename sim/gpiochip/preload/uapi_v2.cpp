@@ -41,9 +41,8 @@ int start_watch(std::uint32_t index, std::uint32_t line, std::uint32_t version) 
   Watcher& watcher = state.watchers[index];
   const int result = take_version(watcher, version);
   if (result != 0) return result;
-  if ((watcher.lines.fetch_or(bit(line)) & bit(line)) != 0) return -EBUSY;
   state.record_sizes.fetch_or(version == 2 ? RecordSizes::kInfoChanged : RecordSizes::kInfoChangedV1);
-  return 0;
+  return (watcher.lines.fetch_or(bit(line)) & bit(line)) != 0 ? -EBUSY : 0;
 }
 
 /// An answer that cannot be written back leaves no line watched.

@@ -146,7 +146,8 @@ void unplugged(unsigned line) {
     };
     poll(&waiting, 1, 1000);
     char record[512];
-    std::printf("poll %s\n", (waiting.revents & POLLHUP) != 0 ? "hang-up" : "data");
+    std::printf("poll%s%s\n", (waiting.revents & POLLHUP) != 0 ? " hang-up" : "",
+                (waiting.revents & POLLIN) != 0 ? " data" : "");
     std::printf("read %s\n", name(uapi::outcome(static_cast<int>(read(descriptor, record, 288)))));
   }
   std::printf("info %s\n", name(watch(device, line)));

@@ -143,6 +143,8 @@ TEST(LineRequests, ShareTheLinesWithHandlesOfVersion1) {
   CHECK_EQUAL("request: EBUSY\n", late.out);
 }
 
+// As tried by hand on a real kernel. A program that then lets go of such a request does not come back from
+// Linux 6.1, so that the conformance program leaves it out.
 TEST(LineRequests, EndWhenTheDeviceIsUnplugged) {
   auto holder = actor({"unplugged", "4"});
   fixture.chip().drive(5, 1, now());  // its event is queued, and gone with the device
