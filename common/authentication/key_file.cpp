@@ -154,7 +154,10 @@ Result<FoundKey> make_key_file(const fs::path& path) {
   if (const fs::path folder = path.parent_path(); !folder.empty() && !fs::is_directory(folder, error)) {
     fs::create_directories(folder, error);
     if (error) return bad(path, "its folder cannot be made: " + error.message());
-    fs::permissions(folder, fs::perms::owner_all, error);
+    // Nobody else may replace the key, but a rig file beside it is for others, such as the service's user.
+    constexpr fs::perms kReadable =
+        fs::perms::group_read | fs::perms::group_exec | fs::perms::others_read | fs::perms::others_exec;
+    fs::permissions(folder, fs::perms::owner_all | kReadable, error);
   }
   const Key key = Key::random();
   if (auto written = write_new(key, path); !written) return tl::unexpected(written.error());
