@@ -1,6 +1,4 @@
-// Output lines and edge source on a /dev/gpiochipN, and what the guardian needs of it. The implementation is
-// chosen by libgpiod's version: gpio_lines_v1.cpp is libgpiod 1.6, whose events have no sequence number and
-// whose kernel buffer holds 16 edges of a line, the newest lost first.
+// Output lines and edge source on a /dev/gpiochipN, and what the guardian needs of it.
 #pragma once
 
 #include <memory>

@@ -78,12 +78,11 @@ KernelFixture::~KernelFixture() {
 
 MonoTime KernelFixture::there() const { return monotonic_now() - clock_offset_; }
 
-bool KernelFixture::start_strobed() {
+bool KernelFixture::start_strobed(const std::string& program) {
   // The same key on both sides.
   machine_.run("umask 077; echo " + std::string(kKey) + " >/tmp/lab.key");
-  machine_.run(
-      "STROBE_KEY_FILE=/tmp/lab.key strobed --config /rig.toml --session /session 2>/tmp/strobed.log & echo "
-      "$! >/tmp/pid");
+  machine_.run("STROBE_KEY_FILE=/tmp/lab.key " + program +
+               " --config /rig.toml --session /session 2>/tmp/strobed.log & echo $! >/tmp/pid");
   return testing::wait_until(
              [this] {
                const std::string log = strobed_log();

@@ -39,8 +39,9 @@ class KernelFixture {
   const LcmBridge& bridge() const { return bridge_; }
   const std::filesystem::path& folder() const { return folder_.path(); }
 
-  /// Starts the firmware there; true once it says that it is ready.
-  bool start_strobed();
+  /// Starts the firmware there; true once it says that it is ready. `program`: strobed, or /gpiod2/strobed, which is made
+  /// with libgpiod 2.
+  bool start_strobed(const std::string& program = "strobed");
   std::string strobed_log();
 
   /// `strobe` of this build with those words, in this network and with this rig.

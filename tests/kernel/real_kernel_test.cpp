@@ -80,8 +80,13 @@ std::size_t place_of(const std::vector<LineEvent>& events, Pin pin, int level) {
 TEST_GROUP(RealKernel) {
   std::optional<KernelFixture> bench{std::in_place, STROBE_KERNEL_BOOT};
 
-  void start() {
-    if (!bench->start_strobed()) FAIL(("strobed is not ready: " + bench->strobed_log()).c_str());
+  void start(const std::string& program = "strobed") {
+    if (!bench->start_strobed(program)) FAIL(("strobed is not ready: " + bench->strobed_log()).c_str());
+  }
+
+  void boot() {
+    bench.reset();
+    bench.emplace(STROBE_KERNEL_BOOT);
   }
 
   testing::Command fire(int shots, int retries = 0) const {
@@ -126,8 +131,7 @@ TEST_GROUP(RealKernel) {
         return trial();
       } catch (const PeerGone&) {
         std::printf("the machine is gone:\n%s\n", bench->machine().log().c_str());
-        bench.reset();
-        bench.emplace(STROBE_KERNEL_BOOT);
+        boot();
       }
     }
     FAIL("the machine ended each time that its driver was taken away");
@@ -155,7 +159,7 @@ TEST_GROUP(RealKernel) {
             if (request.unplug) take_the_driver_away();
             machine.run(": >/tmp/answers");
           }
-          return machine.run("pidof " + program).empty();
+          return machine.run("pidof " + std::filesystem::path(program).filename().string()).empty();
         },
         kTimeout));
     return machine.run("cat /tmp/out");
@@ -165,6 +169,53 @@ TEST_GROUP(RealKernel) {
     CHECK_TRUE_TEXT(testing::wait_until([this] { return outputs_inactive(bench->events()); }, kTimeout),
                     (bench->strobed_log() + bench->machine().log()).c_str());
   }
+
+  void whole_shots_are_fired(const std::string& program) {
+    // A machine that stands still for long ends a shot as flagged, and stamps that are some milliseconds off
+    // against the ball's flight leave numbers ambiguous: such a shot is fired again.
+    start(program);
+    const CompletedProcess fired = testing::run_process(fire(2, 2), kTimeout);
+    const auto readouts = readouts_in(fired.out);
+    const std::string said = fired.out + fired.err + bench->strobed_log();
+    CHECK_TRUE_TEXT(readouts.size() >= 2, said.c_str());
+    const auto events = bench->events();
+    const auto a = courses_of(events, Pin::strobe_a, Pin::sensor_a);
+    const auto b = courses_of(events, Pin::strobe_b, Pin::sensor_b);
+    CHECK_TRUE_TEXT(a.size() == readouts.size() + 1 && b.size() == a.size(), said.c_str());
+    LONGS_EQUAL(0, a[0].flashes + b[0].flashes);
+    int whole = 0;
+    for (std::size_t shot = 1; shot < a.size(); ++shot) {
+      const nlohmann::json& readout = readouts[shot - 1];
+      std::printf("shot %zu: flashes %d and %d, sensors %d and %d, vx %s m/s, flags %s\n", shot,
+                  a[shot].flashes, b[shot].flashes, a[shot].sensor_edges, b[shot].sensor_edges,
+                  readout.at("vx_td_mps").dump().c_str(), readout.at("flags").dump().c_str());
+      LONGS_EQUAL(shot, readout.at("shot_id").get<int>());
+      LONGS_EQUAL(0, a[shot].effects_without_cause + b[shot].effects_without_cause);
+      LONGS_EQUAL(a[shot].flashes, b[shot].flashes);
+      if (was_disturbed(readout)) continue;
+      ++whole;
+      for (const int count : {a[shot].flashes, a[shot].sensor_edges, b[shot].sensor_edges})
+        CHECK_TRUE_TEXT(count == kFlashes, said.c_str());
+    }
+    CHECK_TRUE_TEXT(whole >= 1, said.c_str());
+    CHECK_TRUE(bench->rises(Pin::trigger) <= static_cast<int>(readouts.size()));
+    CHECK_TRUE(bench->rises(Pin::trigger) >= whole);
+    outputs_become_inactive();
+  }
+
+  void an_emergency_stop_in_mid_train_stops(const std::string& program) {
+    start(program);
+    bench->drive_at_flash(kMidTrain, Pin::estop, 0);
+    const auto firing = fire_and_wait_for_the_train();
+    outputs_become_inactive();
+    firing->wait(kTimeout);
+    const auto events = bench->events();
+    const std::size_t pressed = place_of(events, Pin::estop, 0);
+    // An edge that was on its way when the line fell, and no more.
+    CHECK_TRUE(rises_after(events, pressed) <= 2);
+    CHECK_TRUE(bench->rises(Pin::strobe_a) < kLongTrain);
+    CHECK_TRUE(outputs_inactive(bench->events()));
+  }
 };
 
 TEST(RealKernel, SystemCallsAreAnsweredAsOnTheSimulatedChip) {
@@ -173,62 +224,31 @@ TEST(RealKernel, SystemCallsAreAnsweredAsOnTheSimulatedChip) {
 }
 
 TEST(RealKernel, SystemCallsOfVersion2AreAnsweredAsOnTheSimulatedChip) {
-  const std::string out = answers_to("gpio_kernel_calls_v2", "/dev/gpiochip0");
-  CHECK_EQUAL(testing::read_text(STROBE_TEST_DATA "/gpio_kernel_calls_v2.txt"), out);
-}
-
-TEST(RealKernel, LibgpiodIsAnsweredAsOnTheSimulatedChip) {
-  on_a_kernel_that_survives([this] {
-    const std::string out = answers_to("gpio_library_calls", "gpiochip0");
-    CHECK_EQUAL(testing::read_text(STROBE_TEST_DATA "/gpio_library_calls.txt"), out);
+  on_a_kernel_that_survives([&] {
+    const std::string out = answers_to("gpio_kernel_calls_v2", "/dev/gpiochip0");
+    CHECK_EQUAL(testing::read_text(STROBE_TEST_DATA "/gpio_kernel_calls_v2.txt"), out);
   });
 }
 
-TEST(RealKernel, WholeShotsAreFiredAndReadOutByTheHostOutside) {
-  // A machine that stands still for long ends a shot as flagged, and stamps that are some milliseconds off
-  // against the ball's flight leave numbers ambiguous: such a shot is fired again.
-  start();
-  const CompletedProcess fired = testing::run_process(fire(2, 2), kTimeout);
-  const auto readouts = readouts_in(fired.out);
-  const std::string said = fired.out + fired.err + bench->strobed_log();
-  CHECK_TRUE_TEXT(readouts.size() >= 2, said.c_str());
-  const auto events = bench->events();
-  const auto a = courses_of(events, Pin::strobe_a, Pin::sensor_a);
-  const auto b = courses_of(events, Pin::strobe_b, Pin::sensor_b);
-  CHECK_TRUE_TEXT(a.size() == readouts.size() + 1 && b.size() == a.size(), said.c_str());
-  LONGS_EQUAL(0, a[0].flashes + b[0].flashes);
-  int whole = 0;
-  for (std::size_t shot = 1; shot < a.size(); ++shot) {
-    const nlohmann::json& readout = readouts[shot - 1];
-    std::printf("shot %zu: flashes %d and %d, sensors %d and %d, vx %s m/s, flags %s\n", shot,
-                a[shot].flashes, b[shot].flashes, a[shot].sensor_edges, b[shot].sensor_edges,
-                readout.at("vx_td_mps").dump().c_str(), readout.at("flags").dump().c_str());
-    LONGS_EQUAL(shot, readout.at("shot_id").get<int>());
-    LONGS_EQUAL(0, a[shot].effects_without_cause + b[shot].effects_without_cause);
-    LONGS_EQUAL(a[shot].flashes, b[shot].flashes);
-    if (was_disturbed(readout)) continue;
-    ++whole;
-    for (const int count : {a[shot].flashes, a[shot].sensor_edges, b[shot].sensor_edges})
-      CHECK_TRUE_TEXT(count == kFlashes, said.c_str());
-  }
-  CHECK_TRUE_TEXT(whole >= 1, said.c_str());
-  CHECK_TRUE(bench->rises(Pin::trigger) <= static_cast<int>(readouts.size()));
-  CHECK_TRUE(bench->rises(Pin::trigger) >= whole);
-  outputs_become_inactive();
+TEST(RealKernel, TheFirmwaresGpioChipIsAnsweredAsOnTheSimulatedChip) {
+  for (const char* program : {"gpio_chip_calls", "/gpiod2/gpio_chip_calls"})
+    on_a_kernel_that_survives([&] {
+      if (bench->machine().run("ls /dev/gpiochip0 2>/dev/null").empty()) boot();
+      const std::string out = answers_to(program, "gpiochip0 9030000.pl061");
+      CHECK_EQUAL(testing::read_text(STROBE_TEST_DATA "/gpio_chip_calls.txt"), out);
+    });
 }
 
+TEST(RealKernel, WholeShotsAreFiredAndReadOutByTheHostOutside) { whole_shots_are_fired("strobed"); }
+
+TEST(RealKernel, WholeShotsAreFiredWithLibgpiod2Too) { whole_shots_are_fired("/gpiod2/strobed"); }
+
 TEST(RealKernel, OutputsAreInactiveAfterAnEmergencyStopInTheMiddleOfATrain) {
-  start();
-  bench->drive_at_flash(kMidTrain, Pin::estop, 0);
-  const auto firing = fire_and_wait_for_the_train();
-  outputs_become_inactive();
-  firing->wait(kTimeout);
-  const auto events = bench->events();
-  const std::size_t pressed = place_of(events, Pin::estop, 0);
-  // An edge that was on its way when the line fell, and no more.
-  CHECK_TRUE(rises_after(events, pressed) <= 2);
-  CHECK_TRUE(bench->rises(Pin::strobe_a) < kLongTrain);
-  CHECK_TRUE(outputs_inactive(bench->events()));
+  an_emergency_stop_in_mid_train_stops("strobed");
+}
+
+TEST(RealKernel, OutputsAreInactiveAfterAnEmergencyStopWithLibgpiod2Too) {
+  an_emergency_stop_in_mid_train_stops("/gpiod2/strobed");
 }
 
 TEST(RealKernel, OutputsAreInactiveAfterTheWorkerWasKilledInTheMiddleOfATrain) {

@@ -28,12 +28,13 @@ TEST_GROUP(Conformance) {
   }
 
   /// What a program prints that asks for what must happen outside; `chip`: as it wants it named.
-  std::string answers_to(const std::string& program, const std::string& chip) {
+  std::string answers_to(const std::filesystem::path& program, const std::vector<std::string>& chip) {
     const std::string answers = fixture.logs() / "answers";
     LONGS_EQUAL(0, mkfifo(answers.c_str(), 0600));
-    const auto command =
-        fixture.preloaded({built_program(program).string(), chip, "10", "11", "12", answers});
-    testing::Process process(command, fixture.logs());
+    std::vector<std::string> words{program.string()};
+    words.insert(words.end(), chip.begin(), chip.end());
+    words.insert(words.end(), {"10", "11", "12", answers});
+    testing::Process process(fixture.preloaded(words), fixture.logs());
     std::size_t done = 0;
     CHECK_TRUE(testing::wait_until(
         [&] {
@@ -59,11 +60,19 @@ TEST(Conformance, SystemCallsAreAnsweredAsByTheKernel) {
 }
 
 TEST(Conformance, SystemCallsOfVersion2AreAnsweredAsByTheKernel) {
-  const std::string out = answers_to("gpio_kernel_calls_v2", "/dev/gpiochip0");
+  const std::string out = answers_to(built_program("gpio_kernel_calls_v2"), {"/dev/gpiochip0"});
   CHECK_EQUAL(testing::read_text(STROBE_TEST_DATA "/gpio_kernel_calls_v2.txt"), out);
 }
 
-TEST(Conformance, LibgpiodIsAnsweredAsByTheKernel) {
-  const std::string out = answers_to("gpio_library_calls", "gpiochip0");
-  CHECK_EQUAL(testing::read_text(STROBE_TEST_DATA "/gpio_library_calls.txt"), out);
+TEST(Conformance, TheFirmwaresGpioChipIsAnsweredAsByTheKernel) {
+  const std::string out = answers_to(built_program("gpio_chip_calls"), {"gpiochip0", "strobe-sim-rig"});
+  CHECK_EQUAL(testing::read_text(STROBE_TEST_DATA "/gpio_chip_calls.txt"), out);
 }
+
+#ifdef STROBE_GPIOD2_PROGRAMS
+TEST(Conformance, TheFirmwaresGpioChipIsAnsweredAsByTheKernelWithLibgpiod2Too) {
+  const std::string out =
+      answers_to(STROBE_GPIOD2_PROGRAMS "/gpio_chip_calls", {"gpiochip0", "strobe-sim-rig"});
+  CHECK_EQUAL(testing::read_text(STROBE_TEST_DATA "/gpio_chip_calls.txt"), out);
+}
+#endif

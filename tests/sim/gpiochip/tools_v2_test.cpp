@@ -1,5 +1,5 @@
 // Debian's GPIO programs of libgpiod 2, unmodified, against the simulated chip: the installed ones, or on
-// Debian 12 those that prepare_gpiod2 downloaded. Skipped where there are neither.
+// Debian 12 those in STROBE_GPIOD2 (tests/gpiod2/download). Skipped where there are neither.
 #include <signal.h>
 
 #include <optional>
@@ -35,7 +35,8 @@ std::optional<Tools> find_tools() {
   if (version.out.find(" v2.") != std::string::npos) return Tools{};
   const auto found = downloaded();
   if (!found)
-    std::printf("skipped: no tools of libgpiod 2 (tests/sim/gpiochip/prepare_gpiod2 downloads them) ");
+    std::printf(
+        "skipped: no tools of libgpiod 2 (tests/gpiod2/download, then cmake -DSTROBE_GPIOD2=OUT/root) ");
   return found;
 }
 

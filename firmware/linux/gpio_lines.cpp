@@ -1,4 +1,3 @@
-#include <gpiod.h>
 #include <poll.h>
 #include <unistd.h>
 
@@ -8,20 +7,13 @@
 #include <cstring>
 #include <ctime>
 
+#include "firmware/linux/gpio_chip.hpp"
 #include "firmware/linux/gpio_lines.hpp"
 #include "firmware/linux/system_clock.hpp"
 
 namespace strobe::firmware {
 
 namespace {
-
-constexpr const char* kConsumer = "strobed";
-constexpr std::size_t kKernelBuffer = 16;
-
-struct ChipCloser {
-  void operator()(gpiod_chip* chip) const { gpiod_chip_close(chip); }
-};
-using ChipHandle = std::unique_ptr<gpiod_chip, ChipCloser>;
 
 std::string place(const Rig& rig, std::uint32_t line, const std::string& key) {
   return rig.file_name + ":" + std::to_string(line) + ": " + key + ": ";
@@ -31,42 +23,34 @@ tl::unexpected<Error> line_failure(const Rig& rig, Line which, const std::string
   return fail(place(rig, rig.line(which).file_line, std::string("lines.") + line_key(which)) + what);
 }
 
-Result<ChipHandle> open_chip(const Rig& rig) {
-  ChipHandle chip(gpiod_chip_open_lookup(rig.chip.c_str()));
-  if (chip) return chip;
-  const int error = errno;
+Result<GpioChip> open_chip(const Rig& rig) {
+  auto chip = GpioChip::open(rig.chip);
+  if (chip) return std::move(*chip);
+  const int error = chip.error();
   const char* hint = error == EACCES ? " (the user must be allowed to open it, e.g. by the group gpio)" : "";
   return fail(place(rig, rig.chip_file_line, "chip.name") + "cannot open \"" + rig.chip +
               "\": " + std::strerror(error) + hint);
 }
 
-Result<gpiod_line*> find_line(gpiod_chip* chip, const Rig& rig, Line which) {
+Result<unsigned> find_line(const GpioChip& chip, const Rig& rig, Line which) {
   const LineConfig& config = rig.line(which);
   if (config.offset >= 0) {
-    const unsigned count = gpiod_chip_num_lines(chip);
-    if (config.offset >= count) {
-      return line_failure(rig, which,
-                          "no offset " + std::to_string(config.offset) + " on " + gpiod_chip_name(chip) +
-                              ", which has " + std::to_string(count) + " lines");
-    }
-    gpiod_line* line = gpiod_chip_get_line(chip, static_cast<unsigned>(config.offset));
-    if (line == nullptr) return line_failure(rig, which, std::strerror(errno));
-    return line;
+    const unsigned count = chip.line_count();
+    if (config.offset < count) return static_cast<unsigned>(config.offset);
+    return line_failure(rig, which,
+                        "no offset " + std::to_string(config.offset) + " on " + chip.name() + ", which has " +
+                            std::to_string(count) + " lines");
   }
-  gpiod_line* line = gpiod_chip_find_line(chip, config.name.c_str());
-  if (line == nullptr) {
-    return line_failure(rig, which, "no line named \"" + config.name + "\" on " + gpiod_chip_name(chip));
-  }
-  return line;
+  const auto offset = chip.find_line(config.name);
+  if (!offset) return line_failure(rig, which, "no line named \"" + config.name + "\" on " + chip.name());
+  return *offset;
 }
 
-std::string request_error(gpiod_line* line, int error) {
-  std::string what =
-      "cannot take line " + std::to_string(gpiod_line_offset(line)) + ": " + std::strerror(error);
-  if (error == EBUSY && gpiod_line_update(line) == 0 && gpiod_line_consumer(line) != nullptr) {
-    what += std::string(" (used by ") + gpiod_line_consumer(line) + ")";
-  }
-  return what;
+std::string request_error(const GpioChip& chip, unsigned offset, int error) {
+  std::string what = "cannot take line " + std::to_string(offset) + ": " + std::strerror(error);
+  if (error != EBUSY) return what;
+  const auto user = chip.user_of(offset);
+  return user && !user->empty() ? what + " (used by " + *user + ")" : what;
 }
 
 std::vector<Line> lines_of(Output output) {
@@ -106,23 +90,12 @@ timespec until_timeout(MonoTime until) {
 }  // namespace
 
 struct GpioLines::Impl {
-  struct OutputGroup {
-    gpiod_line_bulk bulk = GPIOD_LINE_BULK_INITIALIZER;
-    // A v1 request has one active-low flag for all its lines, so levels are inverted here and not in the
-    // kernel.
-    std::array<int, 2> active{};
-    std::array<int, 2> inactive{};
-  };
-  struct InputHandle {
-    Input input = Input::key;
-    gpiod_line* line = nullptr;
-  };
-
-  ChipHandle chip;
-  std::array<OutputGroup, kOutputs.size()> outputs;
-  std::vector<InputHandle> inputs;
-  std::vector<pollfd> polled;  // the inputs', in their order, then the wake-up
-  std::int64_t overflows = 0;
+  std::optional<GpioChip> chip;
+  std::array<std::optional<OutputRequest>, kOutputs.size()> outputs;
+  std::optional<InputRequest> request;
+  std::vector<Input> inputs;   // in the order of their request
+  std::vector<pollfd> polled;  // the request's descriptors, in their order, then the wake-up
+  std::array<LineEdge, 64> taken;
 
   Result<void> take_outputs(const Rig& rig);
   Result<void> take_inputs(const Rig& rig);
@@ -133,41 +106,43 @@ struct GpioLines::Impl {
 
 Result<void> GpioLines::Impl::take_outputs(const Rig& rig) {
   for (const Output output : kOutputs) {
-    OutputGroup& group = outputs[index_of(output)];
-    std::size_t n = 0;
-    for (const Line which : lines_of(output)) {
-      auto line = find_line(chip.get(), rig, which);
-      if (!line) return tl::unexpected(line.error());
-      gpiod_line_bulk_add(&group.bulk, *line);
-      group.inactive[n] = rig.line(which).active_low ? 1 : 0;
-      group.active[n] = 1 - group.inactive[n];
-      ++n;
+    const std::vector<Line> group = lines_of(output);
+    std::vector<OutputLineSpec> specs;
+    for (const Line which : group) {
+      const auto offset = find_line(*chip, rig, which);
+      if (!offset) return tl::unexpected(offset.error());
+      specs.push_back({*offset, rig.line(which).active_low});
     }
-    if (gpiod_line_request_bulk_output(&group.bulk, kConsumer, group.inactive.data()) != 0) {
-      const int error = errno;
-      return line_failure(rig, lines_of(output).front(),
-                          request_error(gpiod_line_bulk_get_line(&group.bulk, 0), error));
+    auto taken_lines = chip->request_outputs(specs);
+    if (!taken_lines) {
+      const RequestFailure& failure = taken_lines.error();
+      return line_failure(rig, group[failure.line],
+                          request_error(*chip, specs[failure.line].offset, failure.error));
     }
+    outputs[index_of(output)].emplace(std::move(*taken_lines));
   }
   return {};
 }
 
 Result<void> GpioLines::Impl::take_inputs(const Rig& rig) {
+  std::vector<InputLineSpec> specs;
+  std::vector<Line> lines;
   for (const InputLine& input : kInputs) {
     if (!rig.line(input.line).fitted) continue;
-    auto line = find_line(chip.get(), rig, input.line);
-    if (!line) return tl::unexpected(line.error());
-    const gpiod_line_request_config config{
-        kConsumer,
-        input.both_edges ? GPIOD_LINE_REQUEST_EVENT_BOTH_EDGES : GPIOD_LINE_REQUEST_EVENT_RISING_EDGE,
-        rig.line(input.line).active_low ? static_cast<int>(GPIOD_LINE_REQUEST_FLAG_ACTIVE_LOW) : 0};
-    if (gpiod_line_request(*line, &config, 0) != 0) {
-      const int error = errno;
-      return line_failure(rig, input.line, request_error(*line, error));
-    }
-    inputs.push_back({input.input, *line});
-    polled.push_back({gpiod_line_event_get_fd(*line), POLLIN, 0});
+    const auto offset = find_line(*chip, rig, input.line);
+    if (!offset) return tl::unexpected(offset.error());
+    specs.push_back({*offset, rig.line(input.line).active_low, input.both_edges});
+    lines.push_back(input.line);
+    inputs.push_back(input.input);
   }
+  auto taken_lines = chip->request_inputs(specs);
+  if (!taken_lines) {
+    const RequestFailure& failure = taken_lines.error();
+    return line_failure(rig, lines[failure.line],
+                        request_error(*chip, specs[failure.line].offset, failure.error));
+  }
+  request.emplace(std::move(*taken_lines));
+  for (const int descriptor : request->descriptors()) polled.push_back({descriptor, POLLIN, 0});
   return {};
 }
 
@@ -178,7 +153,7 @@ Result<std::unique_ptr<GpioLines>> GpioLines::open(const Rig& rig, int wake_fd) 
   auto impl = std::make_unique<Impl>();
   auto chip = open_chip(rig);
   if (!chip) return tl::unexpected(chip.error());
-  impl->chip = std::move(*chip);
+  impl->chip.emplace(std::move(*chip));
   if (auto taken = impl->take_outputs(rig); !taken) return tl::unexpected(taken.error());
   if (auto taken = impl->take_inputs(rig); !taken) return tl::unexpected(taken.error());
   impl->polled.push_back({wake_fd, POLLIN, 0});
@@ -186,33 +161,27 @@ Result<std::unique_ptr<GpioLines>> GpioLines::open(const Rig& rig, int wake_fd) 
 }
 
 bool GpioLines::set(Output output, bool active) noexcept {
-  Impl::OutputGroup& group = impl_->outputs[index_of(output)];
-  return gpiod_line_set_value_bulk(&group.bulk, active ? group.active.data() : group.inactive.data()) == 0;
+  const std::array<bool, 2> levels{active, active};
+  auto& request = impl_->outputs[index_of(output)];
+  return request && request->set(std::span(levels).first(output == Output::strobes ? 2 : 1));
 }
 
 bool GpioLines::set_lamps(Lamps lamps) noexcept {
-  Impl::OutputGroup& group = impl_->outputs[index_of(Output::strobes)];
-  const std::array<int, 2> levels{(has_a(lamps) ? group.active : group.inactive)[0],
-                                  (has_b(lamps) ? group.active : group.inactive)[1]};
-  return gpiod_line_set_value_bulk(&group.bulk, levels.data()) == 0;
+  const std::array<bool, 2> levels{has_a(lamps), has_b(lamps)};
+  auto& request = impl_->outputs[index_of(Output::strobes)];
+  return request && request->set(levels);
 }
 
 void GpioLines::release_outputs() noexcept {
-  for (Impl::OutputGroup& group : impl_->outputs) gpiod_line_release_bulk(&group.bulk);
+  for (auto& request : impl_->outputs) request.reset();
 }
 
 bool GpioLines::Impl::drain(std::size_t i, std::span<Edge> edges, std::size_t& count) noexcept {
-  const std::size_t room = std::min(edges.size() - count, kKernelBuffer);
-  if (room == 0) return true;
-  std::array<gpiod_line_event, kKernelBuffer> events{};
-  const int read =
-      gpiod_line_event_read_fd_multiple(polled[i].fd, events.data(), static_cast<unsigned>(room));
-  if (read <= 0) return false;
-  if (static_cast<std::size_t>(read) == kKernelBuffer) ++overflows;
-  for (std::size_t k = 0; k < static_cast<std::size_t>(read); ++k) {
-    edges[count++] = {inputs[i].input, from_ns(events[k].ts.tv_sec * 1'000'000'000 + events[k].ts.tv_nsec),
-                      events[k].event_type == GPIOD_LINE_EVENT_RISING_EDGE};
-  }
+  const std::size_t room = std::min(edges.size() - count, taken.size());
+  const auto read = request->read(i, std::span(taken).first(room));
+  if (!read) return false;
+  for (std::size_t k = 0; k < *read; ++k)
+    edges[count++] = {inputs[taken[k].line], taken[k].time, taken[k].active};
   return true;
 }
 
@@ -234,7 +203,7 @@ std::optional<std::size_t> GpioLines::Impl::take(int ready, std::span<Edge> edge
   if (ready == 0 || (ready < 0 && errno == EINTR)) return 0;
   bool well = ready > 0;
   std::size_t count = 0;
-  for (std::size_t i = 0; well && i < inputs.size(); ++i) {
+  for (std::size_t i = 0; well && i + 1 < polled.size(); ++i) {
     if (polled[i].revents != 0) well = drain(i, edges, count);
   }
   if (polled.back().revents != 0) {
@@ -252,26 +221,24 @@ std::optional<std::size_t> GpioLines::Impl::take(int ready, std::span<Edge> edge
 }
 
 std::optional<bool> GpioLines::level(Input input) noexcept {
-  for (const Impl::InputHandle& handle : impl_->inputs) {
-    if (handle.input != input) continue;
-    const int value = gpiod_line_get_value(handle.line);
-    if (value < 0) return std::nullopt;
-    return value == 1;
-  }
-  return std::nullopt;
+  const auto found = std::find(impl_->inputs.begin(), impl_->inputs.end(), input);
+  if (found == impl_->inputs.end()) return std::nullopt;
+  return impl_->request->level(static_cast<std::size_t>(found - impl_->inputs.begin()));
 }
 
-std::int64_t GpioLines::kernel_overflows() const noexcept { return impl_->overflows; }
+std::int64_t GpioLines::kernel_overflows() const noexcept { return impl_->request->overflows(); }
 
 struct OutputTakeover::Impl {
   struct Target {
     Line which;
-    gpiod_line* line;
-    int inactive;
-    bool taken = false;
+    OutputLineSpec spec;
+    std::optional<OutputRequest> request;
   };
-  ChipHandle chip;
+  GpioChip chip;
   std::vector<Target> targets;
+
+  /// Returns what is missing, and whether somebody else holds any of it.
+  std::pair<std::string, bool> request_missing();
 };
 
 OutputTakeover::OutputTakeover(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -280,16 +247,33 @@ OutputTakeover& OutputTakeover::operator=(OutputTakeover&&) noexcept = default;
 OutputTakeover::~OutputTakeover() = default;
 
 Result<OutputTakeover> OutputTakeover::prepare(const Rig& rig) {
-  auto impl = std::make_unique<Impl>();
   auto chip = open_chip(rig);
   if (!chip) return tl::unexpected(chip.error());
-  impl->chip = std::move(*chip);
+  auto impl = std::make_unique<Impl>(Impl{std::move(*chip), {}});
   for (const Line which : kOutputLines) {
-    auto line = find_line(impl->chip.get(), rig, which);
-    if (!line) return tl::unexpected(line.error());
-    impl->targets.push_back({which, *line, rig.line(which).active_low ? 1 : 0});
+    const auto offset = find_line(impl->chip, rig, which);
+    if (!offset) return tl::unexpected(offset.error());
+    impl->targets.push_back({which, {*offset, rig.line(which).active_low}, {}});
   }
   return OutputTakeover(std::move(impl));
+}
+
+std::pair<std::string, bool> OutputTakeover::Impl::request_missing() {
+  bool busy = false;
+  std::string missing;
+  for (Target& target : targets) {
+    if (target.request) continue;
+    auto taken = chip.request_outputs(std::span(&target.spec, 1));
+    if (taken) {
+      target.request.emplace(std::move(*taken));
+      continue;
+    }
+    const int error = taken.error().error;
+    missing += (missing.empty() ? "" : "; ") + std::string(line_key(target.which)) + ": " +
+               request_error(chip, target.spec.offset, error);
+    busy = busy || error == EBUSY;
+  }
+  return {missing, busy};
 }
 
 Result<void> OutputTakeover::drive_inactive(Duration patience) {
@@ -298,39 +282,28 @@ Result<void> OutputTakeover::drive_inactive(Duration patience) {
   SystemClock clock;
   const MonoTime end = clock.now() + patience;
   for (int tries = 1;; ++tries) {
-    bool others = false;  // whoever holds a line may let it go yet
-    std::string missing;
-    for (Impl::Target& target : impl_->targets) {
-      if (!target.taken)
-        target.taken = gpiod_line_request_output(target.line, kConsumer, target.inactive) == 0;
-      if (!target.taken) {
-        const int error = errno;
-        missing += (missing.empty() ? "" : "; ") + std::string(line_key(target.which)) + ": " +
-                   request_error(target.line, error);
-        others = others || error == EBUSY;
-      }
-    }
+    const auto [missing, busy] = impl_->request_missing();  // whoever holds a line may let it go yet
     if (missing.empty()) return {};
     const bool patient = clock.now() < end || tries < kMinTries;
-    if (!others || !patient) return fail(missing);
+    if (!busy || !patient) return fail(missing);
     clock_nanosleep(CLOCK_MONOTONIC, 0, &pause, nullptr);
   }
 }
 
 std::vector<LineReport> inspect_lines(const Rig& rig) {
   std::vector<LineReport> reports;
-  auto chip = open_chip(rig);
+  const auto chip = open_chip(rig);
   reports.push_back({"chip.name", chip ? "" : chip.error().message});
   if (!chip) return reports;
   for (std::size_t i = 1; i < kLineCount; ++i) {
     const auto which = static_cast<Line>(i);
     if (!rig.line(which).fitted) continue;
     LineReport report{std::string("lines.") + line_key(which), ""};
-    auto line = find_line(chip->get(), rig, which);
-    if (!line) {
-      report.fault = line.error().message;
-    } else if (gpiod_line_is_used(*line)) {
-      report.fault = line_failure(rig, which, request_error(*line, EBUSY)).value().message;
+    const auto offset = find_line(*chip, rig, which);
+    if (!offset) {
+      report.fault = offset.error().message;
+    } else if (chip->user_of(*offset)) {
+      report.fault = line_failure(rig, which, request_error(*chip, *offset, EBUSY)).value().message;
     }
     reports.push_back(report);
   }
