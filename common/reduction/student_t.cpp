@@ -13,27 +13,27 @@ constexpr double kAsGoodAsNormal = 1e6;
 
 // Promoted to long double, quantiles would fail at the start of a program under valgrind, which has none.
 using Policy = boost::math::policies::policy<boost::math::policies::promote_double<false>>;
-using Distribution = boost::math::students_t_distribution<double, Policy>;
-using Normal = boost::math::normal_distribution<double, Policy>;
+using StudentsT = boost::math::students_t_distribution<double, Policy>;
+using NormalDistribution = boost::math::normal_distribution<double, Policy>;
 
 }  // namespace
 
 double student_t_sigma(double degrees_of_freedom) {
   if (degrees_of_freedom > kAsGoodAsNormal) return 1.0;
-  const Distribution distribution(degrees_of_freedom);
+  const StudentsT distribution(degrees_of_freedom);
   return boost::math::quantile(boost::math::complement(distribution, kAboveOneSd));
 }
 
 double student_t_half_width(double share, double degrees_of_freedom) {
   const double above = 0.5 * (1.0 - share);
   if (degrees_of_freedom > kAsGoodAsNormal)
-    return boost::math::quantile(boost::math::complement(Normal(), above));
-  return boost::math::quantile(boost::math::complement(Distribution(degrees_of_freedom), above));
+    return boost::math::quantile(boost::math::complement(NormalDistribution(), above));
+  return boost::math::quantile(boost::math::complement(StudentsT(degrees_of_freedom), above));
 }
 
 double student_t_tail(double t, double degrees_of_freedom) {
   if (degrees_of_freedom > kAsGoodAsNormal) return std::erfc(std::abs(t) / std::sqrt(2.0));
-  const Distribution distribution(degrees_of_freedom);
+  const StudentsT distribution(degrees_of_freedom);
   return 2.0 * boost::math::cdf(boost::math::complement(distribution, std::abs(t)));
 }
 

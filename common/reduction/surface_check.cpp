@@ -59,11 +59,11 @@ bool agree(const ShotFit& fit, const PointNoise& noise) {
   const double sd = fit.observations.surface_sd();
   // Three points have one degree of freedom, and with it one chance of a false alarm.
   const double chances = points.size() == 3 ? 1.0 : static_cast<double>(points.size());
-  constexpr double kRounding = 1e-9;
+  constexpr double kPassedThrough = 1e-9;  // of its variance: the line must go through the point
   for (const Eigen::Vector2d& p : points) {
     const auto row = fit.joint.factor.shared(surface_lever_m(fit.joint, p) / sd, 1.0 / sd, 0.0);
     const double left = 1.0 - dot(row, row);
-    if (!(left > kRounding)) continue;
+    if (!(left > kPassedThrough)) continue;
     const double r = surface_residual(fit.joint, p);
     const double square = r * r / (left * noise.variance_m2);
     if (square < 9.0) continue;  // cannot be beyond chance
