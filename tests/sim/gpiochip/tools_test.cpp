@@ -1,4 +1,5 @@
-// Debian's own GPIO programs, unmodified, against the simulated chip.
+// Debian 12's own GPIO programs, those of libgpiod 1, unmodified, against the simulated chip. Skipped where others are
+// installed: see tools_v2_test.cpp.
 #include <signal.h>
 #include <unistd.h>
 
@@ -12,6 +13,13 @@ using testing::CompletedProcess;
 
 TEST_GROUP(GpioTools) {
   ChipFixture fixture;
+
+  void setup() override {
+    const CompletedProcess version = testing::run_process({.arguments = {"gpiodetect", "--version"}}, kLimit);
+    if (version.out.find(" v2.") == std::string::npos) return;
+    std::printf("skipped: the installed tools are of libgpiod 2 ");
+    TEST_EXIT;
+  }
 
   /// Fails the test with the reason if the tool is missing or failed.
   std::string output_of(std::vector<std::string> arguments) {
@@ -34,6 +42,14 @@ TEST(GpioTools, GpioinfoShowsLinesAndOwners) {
   STRCMP_CONTAINS("gpiochip0 - 16 lines:\n", out.c_str());
   STRCMP_CONTAINS("line   0:   \"STROBE_A\"       unused   input  active-high \n", out.c_str());
   STRCMP_CONTAINS("line   1:   \"STROBE_B\"      \"actor\"  output  active-high [used]\n", out.c_str());
+}
+
+TEST(GpioTools, GpioinfoShowsALineThatTheKernelUses) {
+  ChipSpec spec = standard_chip();
+  spec.lines[2].kernel_used = true;
+  ChipFixture other(spec);
+  STRCMP_CONTAINS("\"SHUTTER\"       kernel   input  active-high [used]",
+                  other.run({"gpioinfo", "gpiochip0"}).out.c_str());
 }
 
 TEST(GpioTools, GpiofindFindsALineByName) {
