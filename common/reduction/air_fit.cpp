@@ -26,6 +26,11 @@ void set_accelerations(const flight::Aerodynamics& air, const JointFit& joint, A
   }
 }
 
+/// Beyond these no air pulls a ball, and squares and quotients of what a frame may state overflow.
+bool is_fitted(const AirError& error) {
+  return std::isgreater(error.sd, 1e-12) && std::isless(error.sd, 1e12);
+}
+
 /// Of the whitened images: by each error, and with the joint fit's unknowns.
 struct Normal {
   std::array<JointVector, kAirErrorCount> with_unknowns{};
@@ -69,7 +74,7 @@ AirFit fit_air(const Observations& all, const flight::Aerodynamics& air, const A
                const std::array<double, kAirErrorCount>& fitted_with, JointFit& joint) {
   AirFit fit;
   fit.prior = prior;
-  const bool any = std::ranges::any_of(prior, [](const AirError& e) { return e.sd > 0.0; });
+  const bool any = std::ranges::any_of(prior, is_fitted);
   if (!any || joint.degenerate || !joint.air_used) return fit;
   set_accelerations(air, joint, fit);
   const Normal n = normal_equations(all, joint, fit);
@@ -79,11 +84,11 @@ AirFit fit_air(const Observations& all, const flight::Aerodynamics& air, const A
   AirMatrix by_prior = AirMatrix::Identity();
   AirVector right = AirVector::Zero();
   for (std::size_t p = 0; p < kAirErrorCount; ++p) {
-    if (!(prior[p].sd > 0.0)) continue;
+    if (!is_fitted(prior[p])) continue;
     by_prior(index(p), index(p)) = 1.0 / (prior[p].sd * prior[p].sd);
     right[index(p)] = n.right[index(p)] + by_prior(index(p), index(p)) * (prior[p].mean - fitted_with[p]);
     for (std::size_t q = 0; q <= p; ++q) {
-      if (!(prior[q].sd > 0.0)) continue;
+      if (!is_fitted(prior[q])) continue;
       by_images(index(p), index(q)) = by_images(index(q), index(p)) =
           n.errors(index(p), index(q)) - dot(whitened[p], whitened[q]);
     }
@@ -94,13 +99,13 @@ AirFit fit_air(const Observations& all, const flight::Aerodynamics& air, const A
   const AirMatrix of_noise = covariance * by_images * covariance;
   const AirMatrix of_prior = covariance * by_prior * covariance;
   for (std::size_t p = 0; p < kAirErrorCount; ++p) {
-    if (!(prior[p].sd > 0.0)) continue;
+    if (!is_fitted(prior[p])) continue;
     // Images that ask for more are wrong themselves: their residuals must show it.
     const double reach = kFarthest_sd * prior[p].sd;
     fit.value[p] = std::clamp(fitted_with[p] + more[index(p)], prior[p].mean - reach, prior[p].mean + reach);
     more[index(p)] = fit.value[p] - fitted_with[p];
     for (std::size_t q = 0; q < kAirErrorCount; ++q) {
-      if (!(prior[q].sd > 0.0)) continue;
+      if (!is_fitted(prior[q])) continue;
       fit.by_noise[p][q] = of_noise(index(p), index(q));
       fit.by_prior[p][q] = of_prior(index(p), index(q));
     }

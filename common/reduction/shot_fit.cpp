@@ -52,8 +52,11 @@ std::array<SpinSearch, 2> spin_search(const ShotFit& fit) {
   const std::array<double, 2> speed_mps{mean_speed(all, 0), mean_speed(all, 1)};
   const double faster_mps = std::max(speed_mps[0], speed_mps[1]);
   const double rebound_mps = std::hypot(kFastestRim_mps, std::numbers::sqrt2 * faster_mps);
-  const double decay = fit.spin_decay_per_m;
-  const double sd = fit.spin_decay_sd_per_m;
+  // A photograph in which the spin would fade away shows no ball in flight, and exponentials that overflow.
+  const double longest_m = faster_mps * (all.images.empty() ? 0.0 : all.images.back().time_s);
+  const bool decays = fit.spin_decay_per_m * longest_m < 1.0;
+  const double decay = decays ? fit.spin_decay_per_m : 0.0;
+  const double sd = decays ? fit.spin_decay_sd_per_m : 0.0;
   return {SpinSearch{interval_s, kFastestRim_mps / radius_m, decay * speed_mps[0], sd * speed_mps[0]},
           SpinSearch{interval_s, rebound_mps / radius_m, decay * speed_mps[1], sd * speed_mps[1]}};
 }

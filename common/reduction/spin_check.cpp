@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <vector>
 
 #include "common/ball/ball.hpp"
@@ -45,7 +46,8 @@ std::optional<Friction> Friction::of(const Readout& readout, const ShotFit& fit)
   const ball::Ball& ball = fit.observations.ball;
   Friction f;
   f.radius_m_ = ball.radius_m();
-  f.least_alpha_ = std::min(kLeastAlpha, ball.alpha);
+  constexpr double kNoBallsAlpha = 1e-3;  // a frame may state any, and quotients overflow
+  f.least_alpha_ = std::clamp(ball.alpha, kNoBallsAlpha, kLeastAlpha);
   f.greatest_alpha_ = std::max(ball::kThinShellAlpha, ball.alpha);
   f.vx_td_mps_ = *before;
   f.vx_lo_mps_ = *after;
@@ -160,7 +162,9 @@ bool spins_in_doubt(const Readout& readout, const ShotFit& fit) {
       if (possible(before[i], after[k]) || contradiction(before[i], after[k]) < as_fitted) return true;
     }
   }
-  return false;
+  // As much as half of a half turn more between two flashes would explain, though that is faster than any known ball's.
+  const double interval_s = std::max(fit.spin[0]->interval_s, fit.spin[1]->interval_s);
+  return as_fitted * interval_s > 0.5 * std::numbers::pi * kLeastAlpha * fit.observations.ball.radius_m();
 }
 
 }  // namespace strobe::reduction

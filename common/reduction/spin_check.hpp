@@ -69,8 +69,8 @@ class Friction {
 };
 
 /// True where the readings allow other spins (SpinFit::alternatives_radps) that friction allows too, or that contradict it
-/// less than those fitted do: images cannot tell a turn more between two flashes, whatever the interval. False where no
-/// spin is known.
+/// less than those fitted do, and where those fitted contradict it by so much that only a turn more explains it: images cannot tell a turn more between two flashes,
+/// whatever the interval. False where no spin is known.
 bool spins_in_doubt(const Readout& readout, const ShotFit& fit);
 
 }  // namespace strobe::reduction

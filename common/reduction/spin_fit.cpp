@@ -244,11 +244,13 @@ SpinFit fit_steady_spin(const std::vector<EquatorReading>& readings,
     best = best_of(proposals, readings, window);
   }
   if (improbable(best.cost, readings.size()) && search.fastest_radps > window) {
-    // Unequal intervals tell a spin beyond the window from those within.
+    // Unequal intervals tell a spin beyond the window from those within, where it does explain the readings. Of spins
+    // none of which does, the readings' noise is larger than stated, and the window's stays.
     proposals = propose(readings, left_out, search.fastest_radps);
     if (search.decay_per_s != 0.0) std::ranges::for_each(proposals, at_any_decay);
     const Proposal faster = best_of(proposals, readings, search.fastest_radps);
-    if (faster.cost + kComparableSpins < best.cost) best = faster;
+    if (!improbable(faster.cost, readings.size()) && faster.cost + kComparableSpins < best.cost)
+      best = faster;
   }
   SpinFit fit;
   fit.window_radps = window;

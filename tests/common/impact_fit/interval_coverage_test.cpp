@@ -63,8 +63,10 @@ TEST(IntervalCoverage, IntervalsHoldTheTruthInSessionsOfEveryKind) {
 // conditions scatter: the shots of a condition share its error, and both numbers of a sliding shot that of its vy.
 TEST(IntervalCoverage, ResidualsThatAreNotAlikeNeedTheirOwnWeightsAndClusters) {
   const Kinds kinds{SessionKind::scattered};
-  const auto by_default = coverage_of("by default", kinds, repetitions(40), true)[0];
-  const auto alike = coverage_of("as if alike", kinds, repetitions(40), false)[0];
+  constexpr int kSessions = repetitions(40);
+  const auto by_default = coverage_of("by default", kinds, kSessions, true)[0];
   CHECK_COMPARE(share(by_default), >=, least_share(by_default));
+  if (kSessions < 40) return;  // a few sessions do not tell a half from 95 %
+  const auto alike = coverage_of("as if alike", kinds, kSessions, false)[0];
   CHECK_COMPARE(share(alike), <, least_share(alike));
 }

@@ -91,7 +91,7 @@ bool finite(const reduction::Quantities& q) {
 /// into every number.
 bool warned(const reduction::Readout& r) {
   for (const Flag flag : {Flag::outlier_image, Flag::too_few_images, Flag::degenerate_geometry,
-                          Flag::no_redundancy, Flag::spin_aliased})
+                          Flag::no_redundancy, Flag::spin_aliased, Flag::air_not_fitted})
     if (r.flags.has(flag)) return true;
   return false;
 }
