@@ -5,26 +5,18 @@
 #include <limits>
 #include <optional>
 
-#include "common/geometry/regression.hpp"
+#include "common/reduction/spin_line.hpp"
 #include "common/reduction/student_t.hpp"
 #include "common/units/angles.hpp"
 
 namespace strobe::reduction {
 namespace {
 
-using SpinLine = geometry::LinearRegression<double>;
-
-/// Further out a reading costs no more: it is wrong, not unlikely.
-constexpr double kMostCost = 16.0;
 /// Samples tried; some thousand lines through forty readings take a millisecond.
 constexpr int kMaxSamples = 4000;
 constexpr double kAsGood = 9.0;
 /// Times its noise by which the rest may miss the consensus as readings do: with few of them Student's t allows anything.
 constexpr double kMostUnderstated = 3.0;
-
-double miss(const EquatorReading& r, const SpinLine& line) {
-  return wrap_half_turn(r.angle_rad - line.at(r.time_s));
-}
 
 /// Variance over that of chi squared: its mean is the freedom, its variance twice that.
 bool too_large(double chi_squared, double freedom) {
@@ -64,7 +56,7 @@ class Consensus {
       const EquatorReading& r = readings_[i];
       const double off = miss(r, nearby);
       const double own = noise(i, nearby.slope());
-      if (off * off > kMostCost * (own + nearby.variance_at(r.time_s))) continue;
+      if (off * off > kCostLimit * (own + nearby.variance_at(r.time_s))) continue;
       line.add(r.time_s, nearby.at(r.time_s) + off, 1.0 / own);
     }
     return line.moment() > 0.0 ? line : nearby;
@@ -80,7 +72,7 @@ class Consensus {
     double cost = 0.0;
     for (std::size_t i = 0; i < readings_.size(); ++i) {
       const double off = miss(readings_[i], line);
-      cost += std::min(off * off / noise(i, line.slope()), kMostCost);
+      cost += std::min(off * off / noise(i, line.slope()), kCostLimit);
     }
     return cost;
   }
@@ -137,7 +129,7 @@ std::vector<std::size_t> outside_consensus(const std::vector<EquatorReading>& re
   for (std::size_t i = 0; i < readings.size(); ++i) {
     const double off = miss(readings[i], line);
     const double own = consensus.noise(i, line.slope());
-    if (off * off > kMostCost * (own + line.variance_at(readings[i].time_s))) {
+    if (off * off > kCostLimit * (own + line.variance_at(readings[i].time_s))) {
       outside.push_back(i);
     } else {
       chi_squared += off * off / own;

@@ -13,10 +13,6 @@ constexpr double kMostDecay = 3.0;
 /// Of a residual's variance, or of chi squared: too little to be looked at.
 constexpr double kNegligible = 1e-3;
 
-double miss(const EquatorReading& r, const SpinLine& line) {
-  return wrap_half_turn(r.angle_rad - line.at(r.time_s));
-}
-
 /// The parabola by which another decay bends the angles, less the line through it.
 class Bend {
  public:

@@ -22,6 +22,11 @@ inline double weight(const EquatorReading& r, double omega) {
   return 1.0 / (r.sd_rad * r.sd_rad + by_time * by_time);
 }
 
+/// What a reading misses the line by, to the nearest half turn. [rad]
+inline double miss(const EquatorReading& r, const SpinLine& line) {
+  return wrap_half_turn(r.angle_rad - line.at(r.time_s));
+}
+
 /// Least squares through all readings, each at the half turn nearest to the given line.
 inline SpinLine through_all(const std::vector<EquatorReading>& readings, const SpinLine& nearby) {
   SpinLine line;
