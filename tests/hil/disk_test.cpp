@@ -43,9 +43,12 @@ void enlarge_disk(RigFixture& bench) {
   CHECK_TEXT(done.status == ExitStatus({0, 0}), (done.err + bench.log()).c_str());
 }
 
-Command fire_elsewhere(RigFixture& bench, const std::string& wait_s) {
-  return bench.strobe({"fire", "--shots", "1", "--retries", std::to_string(kRetries), "--wait", wait_s,
-                       "--session", bench.folder() / "host", "--json"});
+Command fire_elsewhere(RigFixture& bench, const std::vector<std::string>& more) {
+  std::vector<std::string> words{
+      "fire",  "--shots", "1", "--retries", std::to_string(kRetries), "--session", bench.folder() / "host",
+      "--json"};
+  words.insert(words.end(), more.begin(), more.end());
+  return bench.strobe(std::move(words));
 }
 
 /// A refusal cannot be journalled, so that it is not published either; the status has said why. Judged by one
@@ -74,17 +77,17 @@ TEST(Disk, FullOrTakenAwayItRefusesShotsWithTheReasonAndARunningOneEndsSafely) {
   CHECK_FALSE(host.status().journal_ok);
   STRCMP_CONTAINS("no room for another shot: No space left on device", host.status().message.c_str());
   expect_no_token(host);
-  const auto refused = strobe::testing::run_process(fire_elsewhere(bench, "0.7"), 20s);
+  const auto refused = bench.refused(fire_elsewhere(bench, {}), "no room for another shot");
   CHECK_EQUAL(ExitStatus({1, 0}), refused.status);
   STRCMP_CONTAINS("no room for another shot", refused.err.c_str());
 
   enlarge_disk(bench);
   CHECK(host.wait([&] { return host.status().journal_ok != 0; }, kLongestWait));
-  const auto fired = strobe::testing::run_process(fire_elsewhere(bench, "20"), kLongestWait);
+  const auto fired = strobe::testing::run_process(fire_elsewhere(bench, {"--wait", "20"}), kLongestWait);
   CHECK_TEXT(fired.status == ExitStatus({0, 0}), fired.err.c_str());
 
   LineWatcher watch(bench.chip_dir());
-  Process last = bench.start(fire_elsewhere(bench, "20"));
+  Process last = bench.start(fire_elsewhere(bench, {"--wait", "20"}));
   const std::int64_t opened = watch.wait_for("SHUTTER", 1, 20s);
   CHECK(opened != 0);
   for (const auto& entry : std::filesystem::directory_iterator(seen_by_strobed(bench, bench.session())))

@@ -156,6 +156,17 @@ Command RigFixture::fire(int shots, int retries, const std::vector<std::string>&
   return strobe(std::move(words));
 }
 
+testing::CompletedProcess RigFixture::refused(const Command& fire, const std::string& reason) const {
+  testing::CompletedProcess done;
+  for (const int wait_s : {1, 4, 16}) {
+    Command command = fire;
+    command.arguments.insert(command.arguments.end(), {"--wait", std::to_string(wait_s)});
+    done = testing::run_process(command, std::chrono::seconds{60});
+    if (done.err.find(reason) != std::string::npos) break;
+  }
+  return done;
+}
+
 Command RigFixture::strobed(const std::vector<std::string>& words) const {
   Command command;
   command.arguments = {program("strobed")};

@@ -75,6 +75,9 @@ class RigFixture {
   /// A command of strobe with this bench's rig file; fire and live also with its network.
   testing::Command strobe(std::vector<std::string> words) const;
   testing::Command fire(int shots, int retries, const std::vector<std::string>& more = {}) const;
+  /// A `strobe fire` that is to be refused, run again with a longer --wait until it gives up for `reason`: on a
+  /// busy machine seconds may pass before firmware is heard. The last run.
+  testing::CompletedProcess refused(const testing::Command& fire, const std::string& reason) const;
   /// on this bench's chip, beside its strobed
   testing::Command strobed(const std::vector<std::string>& words) const;
   void drive(const std::string& line_and_level) const;
