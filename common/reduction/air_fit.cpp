@@ -1,6 +1,6 @@
 #include "common/reduction/air_fit.hpp"
 
-#include <Eigen/LU>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
@@ -68,6 +68,33 @@ Normal normal_equations(const Observations& all, const JointFit& joint, const Ai
   return n;
 }
 
+/// What remains of the images' information once the path is fitted is between none and all of it, unless the path
+/// itself is lost in rounding.
+bool lost_in_rounding(const AirMatrix& remaining, const AirMatrix& all) {
+  constexpr double kRounding = 1e-6;
+  return !(remaining.diagonal().array() >= -kRounding * all.diagonal().array()).all();
+}
+
+/// Of errors that a tolerance and images tell together.
+struct Combined {
+  AirMatrix covariance, by_noise, by_prior;  ///< the covariance is the sum of the others
+};
+
+/// In units of the tolerances, along the axes of the images' information: no inverse there is, however much or little
+/// the images tell, and each part is a covariance to the last bit.
+Combined combine(const AirVector& sd, const AirMatrix& by_images) {
+  const AirMatrix scaled = sd.asDiagonal() * by_images * sd.asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<AirMatrix> axes(scaled);
+  const AirMatrix v = sd.asDiagonal() * axes.eigenvectors();
+  const Eigen::Array<double, kAirErrorCount, 1> told =
+      axes.eigenvalues().array().max(0.0);  // but for rounding
+  const auto along = [&](const auto& variance) -> AirMatrix {
+    return v * variance.matrix().asDiagonal() * v.transpose();
+  };
+  const Eigen::Array<double, kAirErrorCount, 1> share = 1.0 / (1.0 + told);
+  return {along(share), along(share * (told * share)), along(share * share)};
+}
+
 }  // namespace
 
 AirFit fit_air(const Observations& all, const flight::Aerodynamics& air, const AirErrors& prior,
@@ -81,23 +108,22 @@ AirFit fit_air(const Observations& all, const flight::Aerodynamics& air, const A
   std::array<JointVector, kAirErrorCount> whitened;
   for (std::size_t p = 0; p < kAirErrorCount; ++p) whitened[p] = joint.factor.whitened(n.with_unknowns[p]);
   AirMatrix by_images = AirMatrix::Zero();
-  AirMatrix by_prior = AirMatrix::Identity();
+  AirVector sd = AirVector::Zero();
   AirVector right = AirVector::Zero();
   for (std::size_t p = 0; p < kAirErrorCount; ++p) {
     if (!is_fitted(prior[p])) continue;
-    by_prior(index(p), index(p)) = 1.0 / (prior[p].sd * prior[p].sd);
-    right[index(p)] = n.right[index(p)] + by_prior(index(p), index(p)) * (prior[p].mean - fitted_with[p]);
+    sd[index(p)] = prior[p].sd;
+    right[index(p)] = n.right[index(p)] + (prior[p].mean - fitted_with[p]) / (prior[p].sd * prior[p].sd);
     for (std::size_t q = 0; q <= p; ++q) {
       if (!is_fitted(prior[q])) continue;
       by_images(index(p), index(q)) = by_images(index(q), index(p)) =
           n.errors(index(p), index(q)) - dot(whitened[p], whitened[q]);
     }
   }
-  const AirMatrix covariance = (by_images + by_prior).inverse();
-  AirVector more = covariance * right;
-  if (!covariance.allFinite() || !more.allFinite()) return fit;
-  const AirMatrix of_noise = covariance * by_images * covariance;
-  const AirMatrix of_prior = covariance * by_prior * covariance;
+  if (lost_in_rounding(by_images, n.errors)) return fit;
+  const Combined told = combine(sd, by_images);
+  AirVector more = told.covariance * right;
+  if (!told.covariance.allFinite() || !more.allFinite()) return fit;
   for (std::size_t p = 0; p < kAirErrorCount; ++p) {
     if (!is_fitted(prior[p])) continue;
     // Images that ask for more are wrong themselves: their residuals must show it.
@@ -106,8 +132,8 @@ AirFit fit_air(const Observations& all, const flight::Aerodynamics& air, const A
     more[index(p)] = fit.value[p] - fitted_with[p];
     for (std::size_t q = 0; q < kAirErrorCount; ++q) {
       if (!is_fitted(prior[q])) continue;
-      fit.by_noise[p][q] = of_noise(index(p), index(q));
-      fit.by_prior[p][q] = of_prior(index(p), index(q));
+      fit.by_noise[p][q] = told.by_noise(index(p), index(q));
+      fit.by_prior[p][q] = told.by_prior(index(p), index(q));
     }
     fit.response[p] = joint.factor.unknowns(whitened[p]);
     for (double& x : fit.response[p]) x = -x;

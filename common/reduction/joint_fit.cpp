@@ -186,12 +186,16 @@ void start(const Observations& all, JointFit& fit) {
 void update_forcing(const FlightModel& model, JointFit& fit) {
   // The series of drag and lift is one in their share of the velocity; this bound leaves 1e-4 of it.
   constexpr double kLongest = 0.1;
+  // Drag and lift are those of far slower balls; and the squares of what a frame may state overflow.
+  constexpr double kSpeedOfSound_mps = 340.0;
   std::array<Eigen::Vector2d, 2> velocity{Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};
   for (std::size_t leg = 0; leg < 2; ++leg) {
     if (!fit.legs[leg].fitted) continue;
     velocity[leg] = leg_velocity_mps(fit, leg);
-    const double path_m = std::hypot(velocity[leg].x(), velocity[leg].y()) * fit.legs[leg].span_s;
-    if (!(path_m * std::max(model.air.drag_per_m, model.air.lift_per_m) < kLongest)) fit.air_used = false;
+    const double speed_mps = std::hypot(velocity[leg].x(), velocity[leg].y());
+    const double share =
+        speed_mps * fit.legs[leg].span_s * std::max(model.air.drag_per_m, model.air.lift_per_m);
+    if (!(share < kLongest) || !(speed_mps < kSpeedOfSound_mps)) fit.air_used = false;
   }
   const flight::Aerodynamics air = fit.air_used ? model.air : flight::Aerodynamics{};
   for (std::size_t leg = 0; leg < 2; ++leg) {

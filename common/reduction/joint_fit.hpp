@@ -38,7 +38,7 @@ struct JointFit {
   /// In the surface's axes at the leg's origin of time, as used.
   std::array<flight::Forcing, 2> forcing;
   bool degenerate = false;  ///< no scale, or no place, agrees with the measurements
-  bool air_used = true;     ///< false: the legs are too long for the series of the drag
+  bool air_used = true;     ///< false: the legs are too long or too fast for the law of the drag
 };
 
 constexpr std::size_t leg_index(Leg leg) { return leg == Leg::rebound ? 1 : 0; }

@@ -104,6 +104,47 @@ std::vector<NamedNumber> numbers_of(Frame& f) {
           {"images[2].centre_cov_px2", image.centre_cov_px2.emplace(std::array{4.0, 0.0, 0.0, 4.0}).data()}};
 }
 
+/// A frame of random numbers within the limits, drawn in the middle of a property.
+Frame extreme_frame() {
+  const auto power = [](int least, int most) {
+    return std::pow(10.0, *rc::gen::inRange(least, most + 1)) * (1.0 + *rc::gen::inRange(0, 1000) * 1e-3);
+  };
+  const auto sign = [] { return *rc::gen::arbitrary<bool>() ? 1.0 : -1.0; };
+  const auto coordinate = [&] { return *rc::gen::inRange(0, 4) == 0 ? 0.0 : sign() * power(-12, 11); };
+  const auto maybe = [] { return *rc::gen::arbitrary<bool>(); };
+  Frame frame;
+  frame.ball_diameter_m = 0.01 * (1 + *rc::gen::inRange(0, 99));
+  if (maybe()) frame.centre_sd_px = power(-9, 11);
+  if (maybe()) frame.diameter_sd_px = power(-9, 11);
+  if (maybe()) frame.equator_sd_rad = power(-9, 5);
+  if (maybe()) frame.surface_sd_px = power(-9, 11);
+  if (maybe()) frame.px_per_m = power(-9, 11);
+  if (maybe()) frame.px_per_m_sd = maybe() ? 0.0 : power(-9, 11);
+  if (maybe()) frame.ball_diameter_sd_m = 0.001;
+  if (maybe()) frame.temperature_c = 25.0;
+  const int surface = *rc::gen::inRange(2, 5);
+  for (int i = 0; i < surface; ++i) frame.surface_px.push_back({coordinate(), coordinate()});
+  const int images = *rc::gen::inRange(0, 12);
+  double time = 0.0;
+  for (int i = 0; i < images; ++i) {
+    BallImage image;
+    image.time_s = time += power(-8, 6);
+    const int leg = *rc::gen::inRange(0, 4);
+    if (leg < 3) image.leg = static_cast<Leg>(leg);
+    image.centre_px = {coordinate(), coordinate()};
+    image.diameter_px = power(-9, 11);
+    if (maybe()) image.equator_rad = sign() * power(-9, 5);
+    if (*rc::gen::inRange(0, 4) == 0) image.time_sd_s = power(-12, -1);
+    if (*rc::gen::inRange(0, 4) == 0) {
+      const double x = power(-9, 11), y = power(-9, 11);
+      const double correlation = *rc::gen::inRange(-999, 1000) * 1e-3;
+      image.centre_cov_px2 = std::array{x * x, correlation * x * y, correlation * x * y, y * y};
+    }
+    frame.images.push_back(image);
+  }
+  return frame;
+}
+
 }  // namespace
 
 TEST_GROUP(FrameLimits){};
@@ -146,46 +187,9 @@ TEST(FrameLimits, ImagesWithinANanosecondAreRefused) {
 }
 
 TEST(FrameLimits, NoFrameWithinThemGivesANumberThatIsNone) {
-  for (int round = 0; round < 20; ++round)
-    CHECK_TRUE(rc::check("extreme frames", [] {
-      const auto power = [](int least, int most) {
-        return std::pow(10.0, *rc::gen::inRange(least, most + 1)) * (1.0 + *rc::gen::inRange(0, 1000) * 1e-3);
-      };
-      const auto sign = [] { return *rc::gen::arbitrary<bool>() ? 1.0 : -1.0; };
-      const auto coordinate = [&] { return *rc::gen::inRange(0, 4) == 0 ? 0.0 : sign() * power(-12, 11); };
-      const auto maybe = [] { return *rc::gen::arbitrary<bool>(); };
-      Frame frame;
-      frame.ball_diameter_m = 0.01 * (1 + *rc::gen::inRange(0, 99));
-      if (maybe()) frame.centre_sd_px = power(-9, 11);
-      if (maybe()) frame.diameter_sd_px = power(-9, 11);
-      if (maybe()) frame.equator_sd_rad = power(-9, 5);
-      if (maybe()) frame.surface_sd_px = power(-9, 11);
-      if (maybe()) frame.px_per_m = power(-9, 11);
-      if (maybe()) frame.px_per_m_sd = maybe() ? 0.0 : power(-9, 11);
-      if (maybe()) frame.ball_diameter_sd_m = 0.001;
-      if (maybe()) frame.temperature_c = 25.0;
-      const int surface = *rc::gen::inRange(2, 5);
-      for (int i = 0; i < surface; ++i) frame.surface_px.push_back({coordinate(), coordinate()});
-      const int images = *rc::gen::inRange(0, 12);
-      double time = 0.0;
-      for (int i = 0; i < images; ++i) {
-        BallImage image;
-        image.time_s = time += power(-8, 6);
-        const int leg = *rc::gen::inRange(0, 4);
-        if (leg < 3) image.leg = static_cast<Leg>(leg);
-        image.centre_px = {coordinate(), coordinate()};
-        image.diameter_px = power(-9, 11);
-        if (maybe()) image.equator_rad = sign() * power(-9, 5);
-        if (*rc::gen::inRange(0, 4) == 0) image.time_sd_s = power(-12, -1);
-        if (*rc::gen::inRange(0, 4) == 0) {
-          const double x = power(-9, 11), y = power(-9, 11);
-          const double correlation = *rc::gen::inRange(-999, 1000) * 1e-3;
-          image.centre_cov_px2 = std::array{x * x, correlation * x * y, correlation * x * y, y * y};
-        }
-        frame.images.push_back(image);
-      }
-      RC_ASSERT(tried(frame) == "");
-    }));
+  CHECK_TRUE(rc::check("extreme frames", [] {
+    for (int i = 0; i < 20; ++i) RC_ASSERT(tried(extreme_frame()) == "");
+  }));
 }
 
 TEST(FrameLimits, IdenticalImagesAndExactDataGiveNoSpreadAndNoCrash) {
