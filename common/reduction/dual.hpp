@@ -55,6 +55,11 @@ template <std::size_t N> Dual<N> operator-(double a, const Dual<N>& b) { return 
 // clang-format on
 
 template <std::size_t N>
+Dual<N> abs(const Dual<N>& a) {
+  return a.value < 0.0 ? -a : a;
+}
+
+template <std::size_t N>
 Dual<N> sqrt(const Dual<N>& a) {
   const double root = std::sqrt(a.value);
   return chain(a, root, 0.5 / root);

@@ -16,12 +16,7 @@ namespace {
 constexpr int kMaxSamples = 4000;
 constexpr double kAsGood = 9.0;
 /// Times its noise by which the rest may miss the consensus as readings do: with few of them Student's t allows anything.
-constexpr double kMostUnderstated = 3.0;
-
-/// Variance over that of chi squared: its mean is the freedom, its variance twice that.
-bool too_large(double chi_squared, double freedom) {
-  return chi_squared > freedom + 4.0 * std::sqrt(2.0 * freedom);
-}
+constexpr double kMaxNoiseRatio = 3.0;
 
 class Consensus {
  public:
@@ -112,8 +107,7 @@ double subsets(std::size_t of, std::size_t size) {
 }  // namespace
 
 bool equators_agree(const std::vector<EquatorReading>& readings, const SpinFit& fit, double usual_sd_rad) {
-  const auto freedom = static_cast<double>(readings.size()) - 2.0;
-  if (too_large(fit.chi_squared, freedom)) return false;
+  if (improbable(fit.chi_squared, readings.size())) return false;
   return std::ranges::none_of(
       readings, [&](const EquatorReading& r) { return r.estimated_noise && r.sd_rad > 1.5 * usual_sd_rad; });
 }
@@ -146,7 +140,7 @@ std::vector<std::size_t> outside_consensus(const std::vector<EquatorReading>& re
     const double variance = scale * (consensus.noise(i, line.slope()) + line.variance_at(readings[i].time_s));
     const double t = std::abs(off) / std::sqrt(variance);
     const double chance =
-        std::min(student_t_tail(t, freedom), std::erfc(t / kMostUnderstated / std::sqrt(2.0)));
+        std::min(student_t_tail(t, freedom), std::erfc(t / kMaxNoiseRatio / std::sqrt(2.0)));
     if (!(chance * chances < false_alarms)) return {};
   }
   return outside;

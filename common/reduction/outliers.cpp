@@ -14,7 +14,6 @@
 namespace strobe::reduction {
 namespace {
 
-constexpr int kMinImages = 4;
 /// A residual variance below this share of the measurement's is rounding: the fit must pass through the
 /// measurement, which no other can contradict.
 constexpr double kRounding = 1e-9;
@@ -71,7 +70,7 @@ class Suspects {
 };
 
 /// Share of a kind beyond which so many outliers are not to be believed: with more of them the stated noise is wrong.
-constexpr double kMostOf = 0.25;
+constexpr double kMaxRejectedShare = 0.25;
 
 /// Of a square with `dimensions` degrees of freedom, in units of a variance that was estimated with it
 /// included: by the variance without it, F.
@@ -124,7 +123,7 @@ void suspect_centres(const ShotFit& fit, Suspects& suspects) {
   }
   for (std::size_t i = 0; i < fit.observations.images.size(); ++i) {
     const Observation& o = fit.observations.images[i];
-    if (!o.use_centre || count[leg_index(*o.leg)] < kMinImages) continue;
+    if (!o.use_centre || count[leg_index(*o.leg)] < kMinForOutlier) continue;
     suspects.consider(deleted_square(fit, tilt, o), o.centre_noise, 2, count[0] + count[1], i,
                       MeasurementKind::centre);
   }
@@ -132,7 +131,7 @@ void suspect_centres(const ShotFit& fit, Suspects& suspects) {
 
 void suspect_diameters(const ShotFit& fit, Suspects& suspects) {
   const MeanDiameter diameters = mean_diameter(fit);
-  if (diameters.count < kMinImages) return;
+  if (diameters.count < kMinForOutlier) return;
   for (std::size_t i = 0; i < fit.observations.images.size(); ++i) {
     const Observation& o = fit.observations.images[i];
     if (!o.use_diameter) continue;
@@ -148,7 +147,7 @@ void suspect_equators(const ShotFit& fit, Suspects& suspects) {
   const double chances = static_cast<double>(fit.equators[0].size() + fit.equators[1].size());
   for (std::size_t leg = 0; leg < 2; ++leg) {
     const auto& readings = fit.equators[leg];
-    if (!fit.spin[leg] || readings.size() < static_cast<std::size_t>(kMinImages)) continue;
+    if (!fit.spin[leg] || readings.size() < static_cast<std::size_t>(kMinForOutlier)) continue;
     for (std::size_t i = 0; i < readings.size(); ++i) {
       const double by_time = fit.spin[leg]->omega_radps * readings[i].time_sd_s;
       const double noise = readings[i].sd_rad * readings[i].sd_rad + by_time * by_time;
@@ -173,9 +172,9 @@ class Rejection {
  public:
   Rejection(ShotFit& fit, const std::function<void()>& fit_again) : fit_(fit), fit_again_(fit_again) {
     for (const Observation& o : fit.observations.images) {
-      most_[static_cast<std::size_t>(MeasurementKind::centre)] += o.use_centre ? kMostOf : 0.0;
-      most_[static_cast<std::size_t>(MeasurementKind::diameter)] += o.use_diameter ? kMostOf : 0.0;
-      most_[static_cast<std::size_t>(MeasurementKind::equator)] += o.use_equator ? kMostOf : 0.0;
+      most_[static_cast<std::size_t>(MeasurementKind::centre)] += o.use_centre ? kMaxRejectedShare : 0.0;
+      most_[static_cast<std::size_t>(MeasurementKind::diameter)] += o.use_diameter ? kMaxRejectedShare : 0.0;
+      most_[static_cast<std::size_t>(MeasurementKind::equator)] += o.use_equator ? kMaxRejectedShare : 0.0;
     }
   }
 

@@ -79,7 +79,7 @@ class Uncertainty {
   std::optional<Statistical> statistical(const Number& q) const {
     const JointVector y = fit_.joint.factor.whitened(joint_gradient(q));
     const double variance =
-        dot(y, y) + spin_covariance(q, q, &SpinFit::variance) + by_air(q, q, statistical_air_);
+        dot(y, y) + spin_covariance(q, q, &SpinFit::variance) + std::max(by_air(q, q, statistical_air_), 0.0);
     if (!any_estimated_ || variance == 0.0) return Statistical{std::sqrt(variance), {}};
     const auto parts = variance_shares(q, y);
     double uncertain = 0.0;  // sum of (estimated share)^2 / its degrees of freedom
@@ -304,15 +304,15 @@ class Propagation {
   /// What is missing of the change of vx that ends the slip, |slip| alpha / (1 + alpha), against its own sd: that of the
   /// measurements, of the ball's diameter, and of its alpha.
   void regime(const Number& lost, const Number& slip) {
-    const auto size = [](const Number& n) { return n.value < 0.0 ? -n : n; };
     const double alpha = fit_.observations.ball.alpha;
-    const Number missing = size(slip) * (alpha / (1.0 + alpha)) - size(lost);
+    const Number missing = short_of_rolling_mps(slip, lost, alpha);
     if (missing.value <= 0.0) {
       readout_.regime = Regime::grips;
       return;
     }
     const auto statistical = uncertainty_.statistical(missing);
-    const double by_alpha = size(slip).value / ((1.0 + alpha) * (1.0 + alpha)) * fit_.observations.alpha_sd;
+    const double by_alpha =
+        std::abs(slip.value) / ((1.0 + alpha) * (1.0 + alpha)) * fit_.observations.alpha_sd;
     const double tolerance = std::hypot(by_alpha, uncertainty_.systematic(missing).value_or(0.0));
     const bool certain = statistical && missing.value > 2.0 * std::hypot(statistical->sd, tolerance);
     readout_.regime = certain ? Regime::slides : Regime::unclear;

@@ -1,9 +1,11 @@
 #include "common/reduction/reduce.hpp"
 
+#include <iterator>
 #include <utility>
 
 #include "common/reduction/flight_effects.hpp"
 #include "common/reduction/legacy.hpp"
+#include "common/reduction/outliers.hpp"
 #include "common/reduction/propagate.hpp"
 #include "common/reduction/residual_test.hpp"
 #include "common/reduction/scale_check.hpp"
@@ -30,8 +32,8 @@ void keep_nearest(Observations& all) {
   }
 }
 
-/// Of three measurements of a kind that disagree none can be singled out: images and equators of a leg, diameters of the
-/// photograph, points of the surface.
+/// Kinds of which a bad one could not be singled out: images and equators of a leg, diameters of the photograph, points
+/// of the surface.
 void flag_redundancy(const Observations& all, FlagSet& flags) {
   int centres[2] = {0, 0};
   int equators[2] = {0, 0};
@@ -41,9 +43,10 @@ void flag_redundancy(const Observations& all, FlagSet& flags) {
     if (o.use_equator) ++equators[leg_index(*o.leg)];
     if (o.use_diameter) ++diameters;
   }
-  const auto few = [](int number) { return number == 2 || number == 3; };
+  const auto few = [](int number) { return number >= 2 && number < kMinForOutlier; };
   const bool few_of_a_leg = few(centres[0]) || few(centres[1]) || few(equators[0]) || few(equators[1]);
-  if (few_of_a_leg || few(diameters) || all.surface_m.size() < 4) flags.set(Flag::no_redundancy);
+  if (few_of_a_leg || few(diameters) || std::ssize(all.surface_m) < kMinForOutlier)
+    flags.set(Flag::no_redundancy);
 }
 
 Readout empty_readout(const Frame& frame, Estimator estimator) {
@@ -117,11 +120,7 @@ Readout best_readout(const Frame& frame, const PropagationOptions& propagation, 
   if (residuals.exceeded) readout.flags.set(Flag::residuals_exceed_noise);
   Readout reduced = readout;
   const Crossings crossings = propagate(fit, propagation, reduced);
-  if (spins_in_doubt(reduced, fit)) {
-    readout.flags.set(Flag::spin_aliased);
-    reduced.flags.set(Flag::spin_aliased);
-  }
-  if (reduced.flags.has(Flag::spin_aliased) && !spins_open)
+  if (!spins_open && (reduced.flags.has(Flag::spin_aliased) || spins_in_doubt(reduced, fit)))
     return best_readout(frame, propagation, options, true);
   withhold_doubtful(reduced);
   reduced.flight_effects = fit.effects;

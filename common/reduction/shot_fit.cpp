@@ -15,9 +15,6 @@
 namespace strobe::reduction {
 namespace {
 
-/// Of three readings that disagree none can be singled out.
-constexpr std::size_t kMinForOutlier = 4;
-
 /// Between any two airborne images of the shot, of whichever leg.
 double shortest_interval_s(const Observations& all) {
   double shortest = std::numeric_limits<double>::infinity();
@@ -180,7 +177,8 @@ bool leave_out_equators(ShotFit& fit) {
   for (std::size_t leg = 0; leg < 2; ++leg) {
     const auto& spin = fit.spin[leg];
     const std::vector<EquatorReading>& readings = fit.equators[leg];
-    if (!spin || readings.size() < kMinForOutlier || equators_agree(readings, *spin, kUsualEquatorSd_rad))
+    if (!spin || std::ssize(readings) < kMinForOutlier ||
+        equators_agree(readings, *spin, kUsualEquatorSd_rad))
       continue;
     for (const std::size_t i :
          outside_consensus(stretched(readings, spin->time_s, searches[leg].decay_per_s), spin->window_radps,

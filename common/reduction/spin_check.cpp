@@ -14,7 +14,7 @@ namespace strobe::reduction {
 namespace {
 
 /// Half a shell's: no ball of rubber and felt has less (thesis, 0.508).
-constexpr double kLeastAlpha = 0.5;
+constexpr double kMinAlpha = 0.5;
 /// The weight during the contact, and the air that the two-point estimator leaves out.
 constexpr double kLeftOut_mps = 0.1;
 
@@ -47,7 +47,7 @@ std::optional<Friction> Friction::of(const Readout& readout, const ShotFit& fit)
   Friction f;
   f.radius_m_ = ball.radius_m();
   constexpr double kNoBallsAlpha = 1e-3;  // a frame may state any, and quotients overflow
-  f.least_alpha_ = std::clamp(ball.alpha, kNoBallsAlpha, kLeastAlpha);
+  f.least_alpha_ = std::clamp(ball.alpha, kNoBallsAlpha, kMinAlpha);
   f.greatest_alpha_ = std::max(ball::kThinShellAlpha, ball.alpha);
   f.vx_td_mps_ = *before;
   f.vx_lo_mps_ = *after;
@@ -104,7 +104,7 @@ bool Friction::slides_too_easily(double omega_td_radps, double omega_lo_radps) c
   const double tolerance = kLeftOut_mps + kLimit_sd * std::hypot(change_sd_mps_, rim_sd_mps_);
   const double by_offset = kLargestOffset * impulse_mps_ / least_alpha_;
   const bool slid = slip * slip_after > 0.0 && std::abs(slip_after) > by_offset + tolerance;
-  return slid && std::abs(vx_lo_mps_ - vx_td_mps_) + tolerance < kLeastCoefficient * impulse_mps_;
+  return slid && std::abs(vx_lo_mps_ - vx_td_mps_) + tolerance < kMinFriction * impulse_mps_;
 }
 
 bool Friction::likely(double omega_td_radps, double omega_lo_radps) const {
@@ -164,7 +164,7 @@ bool spins_in_doubt(const Readout& readout, const ShotFit& fit) {
   }
   // As much as half of a half turn more between two flashes would explain, though that is faster than any known ball's.
   const double interval_s = std::max(fit.spin[0]->interval_s, fit.spin[1]->interval_s);
-  return as_fitted * interval_s > 0.5 * std::numbers::pi * kLeastAlpha * fit.observations.ball.radius_m();
+  return as_fitted * interval_s > 0.5 * std::numbers::pi * kMinAlpha * fit.observations.ball.radius_m();
 }
 
 }  // namespace strobe::reduction

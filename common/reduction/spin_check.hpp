@@ -47,7 +47,7 @@ class Friction {
   /// Chance passes it once in 16,000 shots.
   static constexpr double kLimit_sd = 4.0;
   /// The fastest courts rate CPR 60 in the ITF's scheme, 100(1 - mu) + ..., that is a mu of some 0.4: half of that.
-  static constexpr double kLeastCoefficient = 0.2;
+  static constexpr double kMinFriction = 0.2;
 
  private:
   /// Of the speed whose kinetic energy is all that the ball has.

@@ -9,7 +9,7 @@ namespace strobe::reduction {
 namespace {
 
 /// Times flight::kSpinDecay_per_m: no ball's spin decays faster.
-constexpr double kMostDecay = 3.0;
+constexpr double kMaxDecayRatio = 3.0;
 /// Of a residual's variance, or of chi squared: too little to be looked at.
 constexpr double kNegligible = 1e-3;
 
@@ -46,7 +46,7 @@ class Bend {
 double cost_of_bent(const std::vector<EquatorReading>& readings, const SpinLine& line, double decay_per_s) {
   const Bend bend(readings, line);
   const double one = -0.5 * line.slope() * decay_per_s;  // of a decay that is larger by itself
-  const auto [least, most] = std::minmax({-one, (kMostDecay - 1.0) * one});
+  const auto [least, most] = std::minmax({-one, (kMaxDecayRatio - 1.0) * one});
   const double coefficient =
       bend.squares() > 0.0 ? std::clamp(bend.by_misses() / bend.squares(), least, most) : 0.0;
   double cost = 0.0;

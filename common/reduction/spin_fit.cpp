@@ -222,12 +222,6 @@ double mean_time_s(const std::vector<EquatorReading>& readings) {
   return mean;
 }
 
-/// Of chi squared with two degrees of freedom less than readings, by more than 4 of its sd.
-bool improbable(double chi_squared, std::size_t readings) {
-  const double freedom = static_cast<double>(readings) - 2.0;
-  return chi_squared > freedom + 4.0 * std::sqrt(2.0 * freedom);
-}
-
 SpinFit fit_steady_spin(const std::vector<EquatorReading>& readings,
                         const std::vector<EquatorReading>& left_out, const SpinSearch& search) {
   const Interval shortest = shortest_interval(readings, left_out);

@@ -2,6 +2,8 @@
 // Part of the reduction, not of its interface. Thread-safe; no allocation.
 #pragma once
 
+#include <cmath>
+#include <cstddef>
 #include <vector>
 
 #include "common/geometry/regression.hpp"
@@ -25,6 +27,13 @@ inline double weight(const EquatorReading& r, double omega) {
 /// What a reading misses the line by, to the nearest half turn. [rad]
 inline double miss(const EquatorReading& r, const SpinLine& line) {
   return wrap_half_turn(r.angle_rad - line.at(r.time_s));
+}
+
+/// Whether a line's chi squared, with two degrees of freedom less than readings, is beyond 4 of its sd: its variance is
+/// twice its mean.
+inline bool improbable(double chi_squared, std::size_t readings) {
+  const double freedom = static_cast<double>(readings) - 2.0;
+  return chi_squared > freedom + 4.0 * std::sqrt(2.0 * freedom);
 }
 
 /// Least squares through all readings, each at the half turn nearest to the given line.
