@@ -170,6 +170,14 @@ void* operator new(std::size_t size) {
 void operator delete(void* memory) noexcept { std::free(memory); }
 void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 
+namespace {
+
+mode_t mode_argument(int flags, va_list more) {
+  return (flags & (O_CREAT | O_TMPFILE)) != 0 ? va_arg(more, mode_t) : 0;
+}
+
+}  // namespace
+
 extern "C" {
 
 ssize_t write(int fd, const void* data, size_t size) {
@@ -220,13 +228,10 @@ int link(const char* from, const char* to) noexcept {
 }
 
 int open(const char* path, int flags, ...) {
-  mode_t mode = 0;
-  if ((flags & (O_CREAT | O_TMPFILE)) != 0) {
-    va_list more;
-    va_start(more, flags);
-    mode = va_arg(more, mode_t);
-    va_end(more);
-  }
+  va_list more;
+  va_start(more, flags);
+  const mode_t mode = mode_argument(flags, more);
+  va_end(more);
   if ((flags & (O_WRONLY | O_RDWR)) != 0) {
     if (const auto fault = due_at("open", path)) return failing(*fault);
   }
@@ -234,13 +239,10 @@ int open(const char* path, int flags, ...) {
 }
 
 int open64(const char* path, int flags, ...) {
-  mode_t mode = 0;
-  if ((flags & (O_CREAT | O_TMPFILE)) != 0) {
-    va_list more;
-    va_start(more, flags);
-    mode = va_arg(more, mode_t);
-    va_end(more);
-  }
+  va_list more;
+  va_start(more, flags);
+  const mode_t mode = mode_argument(flags, more);
+  va_end(more);
   return open(path, flags, mode);
 }
 

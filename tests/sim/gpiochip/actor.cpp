@@ -17,33 +17,12 @@
 #include <cstdlib>
 #include <string>
 
+#include "tests/sim/gpiochip/actor_parts.hpp"
 #include "tests/sim/gpiochip/conformance/uapi_client.hpp"
 
 namespace {
 
-constexpr const char* kDevice = "/dev/gpiochip0";
-
-[[noreturn]] void give_up(const char* what, int error) {
-  std::printf("%s: %s\n", what, strerrorname_np(-error));
-  std::exit(1);
-}
-
-int must(const char* what, int result) {
-  if (result < 0) give_up(what, result);
-  return result;
-}
-
-int chip() { return must("open", uapi::open_chip(kDevice)); }
-
-std::vector<unsigned> numbers(const std::string& list) {
-  std::vector<unsigned> found;
-  for (std::size_t at = 0; at < list.size();) {
-    std::size_t length = 0;
-    found.push_back(static_cast<unsigned>(std::stoul(list.substr(at), &length)));
-    at += length + 1;
-  }
-  return found;
-}
+using namespace actor;
 
 unsigned number(const char* text) { return static_cast<unsigned>(std::strtoul(text, nullptr, 10)); }
 

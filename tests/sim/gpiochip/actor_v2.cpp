@@ -17,32 +17,15 @@
 #include <cstdlib>
 #include <string>
 
+#include "tests/sim/gpiochip/actor_parts.hpp"
 #include "tests/sim/gpiochip/conformance/uapi_v2_client.hpp"
 
 namespace {
 
+using namespace actor;
 using namespace uapi::v2;
 
-constexpr const char* kDevice = "/dev/gpiochip0";
 constexpr std::uint64_t kAll = ~std::uint64_t{0};
-
-int must(const char* what, int result) {
-  if (result >= 0) return result;
-  std::printf("%s: %s\n", what, strerrorname_np(-result));
-  std::exit(1);
-}
-
-int chip() { return must("open", uapi::open_chip(kDevice)); }
-
-std::vector<unsigned> numbers(const std::string& list) {
-  std::vector<unsigned> found;
-  for (std::size_t at = 0; at < list.size();) {
-    std::size_t length = 0;
-    found.push_back(static_cast<unsigned>(std::stoul(list.substr(at), &length)));
-    at += length + 1;
-  }
-  return found;
-}
 
 int outputs(const std::vector<unsigned>& lines, std::uint64_t bits) {
   return must("request", take(chip(), lines, config(kOut, {values(bits, kAll)}), "actor"));

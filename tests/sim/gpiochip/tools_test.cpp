@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include "tests/sim/gpiochip/fixture.hpp"
+#include "tests/support/gpio_tools.hpp"
 
 #include "tests/support/string_from.hpp"
 
@@ -15,8 +16,7 @@ TEST_GROUP(GpioTools) {
   ChipFixture fixture;
 
   void setup() override {
-    const CompletedProcess version = testing::run_process({.arguments = {"gpiodetect", "--version"}}, kLimit);
-    if (version.out.find(" v2.") == std::string::npos) return;
+    if (!testing::gpio_tools_are_of_version_2()) return;
     std::printf("skipped: the installed tools are of libgpiod 2 ");
     TEST_EXIT;
   }

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "tests/sim/gpiochip/fixture.hpp"
+#include "tests/support/gpio_tools.hpp"
 
 #include "tests/support/string_from.hpp"
 
@@ -31,8 +32,7 @@ std::optional<Tools> downloaded() {
 }
 
 std::optional<Tools> find_tools() {
-  const CompletedProcess version = testing::run_process({.arguments = {"gpiodetect", "--version"}}, kLimit);
-  if (version.out.find(" v2.") != std::string::npos) return Tools{};
+  if (testing::gpio_tools_are_of_version_2()) return Tools{};
   const auto found = downloaded();
   if (!found)
     std::printf(

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "tests/support/gpio_tools.hpp"
 #include "tests/support/json_lines.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -134,9 +135,7 @@ TEST(SimProgram, ShowsAndDrivesLinesOfARunningChip) {
 TEST(SimProgram, UnplugsTheChipInTheMiddleOfATrain) {
   // Lines held: edges that somebody waits for hang up, and the next pulse meets no device.
   const std::string chip = folder / "chip";
-  const CompletedProcess version =
-      strobe::testing::run_process({.arguments = {"gpiodetect", "--version"}}, kLimit);
-  const bool v2 = version.out.find(" v2.") != std::string::npos;
+  const bool v2 = strobe::testing::gpio_tools_are_of_version_2();
   const std::string watch = v2 ? "gpiomon -c gpiochip0 6" : "gpiomon gpiochip0 6";
   const std::string set = v2 ? "gpioset -t0 -c gpiochip0 " : "gpioset gpiochip0 ";
   const std::string script = watch + " & " + kSim + " unplug --chip-dir " + chip +

@@ -7,7 +7,6 @@
 // it again.
 #include <errno.h>
 #include <fcntl.h>
-#include <poll.h>
 #include <signal.h>
 #include <string.h>
 #include <sys/wait.h>
@@ -20,6 +19,7 @@
 #include <string>
 
 #include "firmware/linux/gpio_chip.hpp"
+#include "tests/sim/gpiochip/conformance/answers.hpp"
 
 namespace {
 
@@ -28,9 +28,9 @@ using namespace strobe::firmware;
 
 const char *chip_name = nullptr, *label = nullptr;
 unsigned line_a = 0, line_b = 0, line_c = 0;
-const char* answers = nullptr;
+const char* answers_path = nullptr;
 
-void say(const char* what, const std::string& answer) { std::printf("%s: %s\n", what, answer.c_str()); }
+using answers::say;
 void say(const char* what, bool answer) { say(what, std::string(answer ? "yes" : "no")); }
 template <typename Request>
 void say_outcome(const char* what, const tl::expected<Request, RequestFailure>& request) {
@@ -47,7 +47,7 @@ void say_user(const char* what, const std::optional<std::string>& user) {
 
 void please(const char* what) {
   std::printf("please: %s\n", what);
-  const int fifo = open(answers, O_RDONLY);  // once somebody has it open for writing
+  const int fifo = open(answers_path, O_RDONLY);  // once somebody has it open for writing
   char rest[64];
   while (fifo >= 0 && read(fifo, rest, sizeof rest) > 0) continue;
   if (fifo < 0) std::exit(1);
@@ -218,7 +218,7 @@ int main(int argc, char** argv) {
   line_a = static_cast<unsigned>(std::atoi(argv[3]));
   line_b = static_cast<unsigned>(std::atoi(argv[4]));
   line_c = static_cast<unsigned>(std::atoi(argv[5]));
-  answers = argv[6];
+  answers_path = argv[6];
   std::setvbuf(stdout, nullptr, _IONBF, 0);  // a forked child has nothing left to print
   opening();
   outputs();
