@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 #include "tests/contradictions/shot.hpp"
@@ -10,8 +9,6 @@ namespace {
 
 using reduction::BallImage;
 using reduction::PointPx;
-
-constexpr double kPi = std::numbers::pi;
 
 /// In standard deviations.
 double drawn_severity(Random& random) { return random.logarithmic(1.0, 100.0); }

@@ -3,7 +3,12 @@
 // counter-clockwise positive (backspin). Pure functions of plain values: thread-safe.
 #pragma once
 
+#include <numbers>
+
 namespace strobe::contradictions {
+
+inline constexpr double kPi = std::numbers::pi;
+inline constexpr double kDegree = kPi / 180.0;
 
 struct Motion {
   double x_m = 0.0, y_m = 0.0;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 namespace strobe::contradictions {
@@ -13,7 +12,6 @@ using reduction::Frame;
 using reduction::PointPx;
 using reduction::Quantity;
 
-constexpr double kPi = std::numbers::pi;
 /// Of a leg: what a photograph shows at some 3 px a millimetre.
 constexpr double kField_m = 1.2;
 /// Coded intervals differ from the period by up to this share.

@@ -3,12 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 namespace strobe::contradictions {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 /// Calibrated scale against the mean of the airborne diameters over the ball's.
 double of_scale(const Scene& scene, const Photograph& p, double percent) {

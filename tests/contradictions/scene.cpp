@@ -2,13 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace strobe::contradictions {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-constexpr double kDegree = kPi / 180.0;
 constexpr double kGravity_mps2 = 9.80665;
 
 double density(const Scene& scene) { return 1.204 * 293.15 / (273.15 + scene.temperature_c); }

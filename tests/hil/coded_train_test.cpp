@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <string>
 
+#include "tests/hil/expect_ready.hpp"
 #include "tests/hil/raw_host.hpp"
 #include "tests/hil/rig_fixture.hpp"
 #include "tests/support/json_lines.hpp"
@@ -49,7 +50,7 @@ TEST(CodedTrain, IsFiredAsPlannedSeenByItsLampsAndReadOut) {
   RigFixtureOptions options;
   options.rig_edits = {{"#xsync = ", "xsync = "}};
   RigFixture bench(options);
-  if (!bench.ready()) FAIL(("strobed did not come up:\n" + bench.log()).c_str());
+  expect_ready(bench);
   strobe::testing::write_text(bench.folder() / "plan.toml", kPlan);
   const std::string plan = bench.folder() / "plan.toml";
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/hil/expect_ready.hpp"
 #include "tests/hil/rig_fixture.hpp"
 #include "tests/support/private_network.hpp"
 
@@ -168,7 +169,7 @@ TEST(CommandLine, KeysThatAreNotKeptWellAreNamed) {
 
 TEST(CommandLine, LinesThatAnotherProgramHoldsAreNamed) {
   RigFixture bench;
-  if (!bench.ready()) FAIL(("strobed did not come up:\n" + bench.log()).c_str());
+  expect_ready(bench);
   const Command second = bench.strobed({"--config", bench.rig_file(), "--session", folder / "session",
                                         "--allow-no-rt", "--lcm-url", bench.lcm_url()});
   const Command safe = bench.strobed({"--safe", "--config", bench.rig_file()});

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/hil/expect_ready.hpp"
 #include "tests/hil/line_watcher.hpp"
 #include "tests/hil/raw_host.hpp"
 #include "tests/hil/rig_fixture.hpp"
@@ -22,7 +23,6 @@ using strobe::testing::monotonic_now_ns;
 
 namespace {
 
-constexpr std::int64_t kMs = 1'000'000;
 constexpr std::int64_t kAtOnce = 5 * kMs;
 /// A freeze of the host's (10-170 ms, 1-2 % of the time) may fall into those 5 ms: then once more. Five in a
 /// row are beyond one in a million.
@@ -182,7 +182,7 @@ std::vector<const Way*> try_together(const std::vector<const Way*>& tried) {
     trials.push_back({way, std::move(bench), std::move(host)});
   }
   for (Trial& trial : trials) {
-    if (!trial.bench->ready()) FAIL(("strobed did not come up:\n" + trial.bench->log()).c_str());
+    expect_ready(*trial.bench);
     trial.death = do_in_mid_train(*trial.bench, *trial.host, *trial.way);
   }
   std::vector<const Way*> late;
@@ -196,7 +196,7 @@ std::vector<const Way*> try_together(const std::vector<const Way*>& tried) {
 class StandingGuardian {
  public:
   StandingGuardian() {
-    if (!bench_.ready()) FAIL(("strobed did not come up:\n" + bench_.log()).c_str());
+    expect_ready(bench_);
     guardian_ = bench_.guardian();
     worker_ = bench_.worker();
     kill(guardian_, SIGSTOP);
@@ -240,7 +240,7 @@ TEST(Death, LeavesTheOutputsInactiveHoweverItComes) {
 
 TEST(Death, FollowsTheLossOfTheChipThoughNothingIsFired) {
   RigFixture bench;
-  if (!bench.ready()) FAIL(("strobed did not come up:\n" + bench.log()).c_str());
+  expect_ready(bench);
   const pid_t worker = bench.worker();
   LineWatcher(bench.chip_dir()).unplug();
   CHECK(
@@ -258,7 +258,7 @@ TEST(Death, OfAPublisherThatHangsIsOrderlyAndTheServiceManagerHearsOfIt) {
   options.environment = {{"NOTIFY_SOCKET", manager.path()}, {"WATCHDOG_USEC", "2000000"}};
   options.strobed_options = {"--drill", "publisher-hang@1"};
   RigFixture bench(options);
-  if (!bench.ready()) FAIL(("strobed did not come up:\n" + bench.log()).c_str());
+  expect_ready(bench);
   CHECK(strobe::testing::wait_until([&] { return manager.count("READY=1") == 1; }, kLongestWait));
   RawHost host(bench.lcm_url(), "bench");
   int attempt = 0;

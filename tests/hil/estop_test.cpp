@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tests/benchmarks/timing/freeze_detector.hpp"
+#include "tests/hil/expect_ready.hpp"
 #include "tests/hil/line_watcher.hpp"
 #include "tests/hil/raw_host.hpp"
 #include "tests/hil/rig_fixture.hpp"
@@ -19,13 +20,13 @@ using strobe::testing::monotonic_now_ns;
 
 namespace {
 
-constexpr std::int64_t kUs = 1'000, kMs = 1'000'000;
+constexpr std::int64_t kUs = 1'000;
 constexpr std::int64_t kLimitNs = kMs;
 /// Presses of each situation on one bench. Those in a freeze that the detector saw do not count, nor do shots
 /// that one rejected before. One in time must be left, and none may be late: else all is tried on another
 /// bench, since a freeze of less than the detector notices may have come between; so often at most.
 constexpr int kPresses = 3;
-constexpr int kAttempts = 4;
+constexpr int kBenches = 4;
 constexpr int kDetectorPriority = 70;  // below the loop's
 
 void busy_wait(std::int64_t until_ns) {
@@ -120,7 +121,7 @@ Session press_in_all_situations() {
   RigFixtureOptions options;
   options.rig_edits = {{"lag_ms = 310", "lag_ms = 70"}};  // shots that begin soon; nobody looks at the ball
   RigFixture bench(options);
-  if (!bench.ready()) FAIL(("strobed did not come up:\n" + bench.log()).c_str());
+  expect_ready(bench);
   RawHost host(bench.lcm_url(), "bench");
   CHECK(host.wait_status());
   strobe::benchmarks::timing::FreezeDetector detector(kDetectorPriority);
@@ -163,7 +164,7 @@ TEST_GROUP(EStop){};
 
 TEST(EStop, MakesAllOutputsInactiveWithinAMillisecondFromAnyState) {
   bool well = false;
-  for (int attempt = 0; attempt < kAttempts && !well; ++attempt) {
+  for (int attempt = 0; attempt < kBenches && !well; ++attempt) {
     const Session session = press_in_all_situations();
     well = true;
     for (const Situation& situation : situations()) well = answered_in_time(session, situation) && well;

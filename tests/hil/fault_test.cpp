@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/hil/expect_ready.hpp"
 #include "tests/hil/line_watcher.hpp"
 #include "tests/hil/rig_fixture.hpp"
 #include "tests/hil/truth_score.hpp"
@@ -51,7 +52,7 @@ std::string faults_twice(const std::vector<std::pair<std::string, std::string>>&
 
 /// Fires until every faulty exposure, which are the first ones, is through; returns what was read.
 std::vector<nlohmann::json> fire_exposures(RigFixture& bench, int exposures) {
-  if (!bench.ready()) FAIL(("strobed did not come up:\n" + bench.log()).c_str());
+  expect_ready(bench);
   strobe::testing::Process fire = bench.start(bench.fire(exposures, exposures + kSpareShots));
   const auto through = [&] {
     return fire.wait(0s) || readouts(fire.out()).size() >= static_cast<std::size_t>(exposures);
@@ -192,7 +193,7 @@ TEST(Fault, APhotographThatNeverComesIsSaidWithinASecond) {
   options.scene_addition = fault("no_photograph", 0);
   options.rig_edits = {{"photograph_timeout_s = 5", "photograph_timeout_s = 1"}};
   RigFixture bench(options);
-  if (!bench.ready()) FAIL(("strobed did not come up:\n" + bench.log()).c_str());
+  expect_ready(bench);
   bool reported = false;
   for (int attempt = 0; attempt < 5 && !reported; ++attempt) {  // an aborted shot is not waited for
     LineWatcher watch(bench.chip_dir());

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/hil/expect_ready.hpp"
 #include "tests/hil/line_watcher.hpp"
 #include "tests/hil/raw_host.hpp"
 #include "tests/hil/rig_fixture.hpp"
@@ -17,12 +18,7 @@ using strobe::testing::monotonic_now_ns;
 
 namespace {
 
-constexpr std::int64_t kMs = 1'000'000;
 constexpr auto kNothingHappens = 600ms;  ///< a refused shot's trigger would have come after 0.3 s
-
-void expect_ready(RigFixture& bench) {
-  if (!bench.ready()) FAIL(("strobed did not come up:\n" + bench.log()).c_str());
-}
 
 std::size_t shots_fired(const RigFixture& bench) { return read_log(bench.journal()).shots.size(); }
 

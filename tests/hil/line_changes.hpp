@@ -9,6 +9,8 @@
 
 namespace strobe::hil {
 
+inline constexpr std::int64_t kMs = 1'000'000;  ///< in nanoseconds
+
 struct LineChange {
   std::int64_t time_ns = 0;  ///< CLOCK_MONOTONIC
   std::string line;

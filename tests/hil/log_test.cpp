@@ -6,6 +6,7 @@
 #include <set>
 #include <string>
 
+#include "tests/hil/expect_ready.hpp"
 #include "tests/hil/raw_host.hpp"
 #include "tests/hil/rig_fixture.hpp"
 
@@ -58,10 +59,6 @@ std::string measured(const std::string& out, const std::set<int>& shots) {
   std::string all;
   for (const auto& [shot, line] : lines) all += line;
   return all;
-}
-
-void expect_ready(RigFixture& bench) {
-  if (!bench.ready()) FAIL(("strobed did not come up:\n" + bench.log()).c_str());
 }
 
 /// Waits until a recorder has written something: it hears the bench.

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <string>
 
+#include "tests/hil/expect_ready.hpp"
 #include "tests/hil/rig_fixture.hpp"
 #include "tests/hil/truth_score.hpp"
 #include "tests/support/json_lines.hpp"
@@ -58,7 +59,7 @@ TEST(Photographs, AreReadOutAsTheyArriveAndAJunkFileStopsNothing) {
   const strobe::testing::TemporaryFolder camera;
   strobe::testing::write_text(camera / "old.tif", "of another day");
   RigFixture bench(small_sensor(camera.path()));
-  if (!bench.ready()) FAIL(("strobed did not come up:\n" + bench.log()).c_str());
+  expect_ready(bench);
   auto fire = bench.start(bench.fire(2, kRetries, {"--photographs", camera.path(), "--effort", "fast"}));
   CHECK(fire.wait_for_err("photographs from", kLongestWait));
   strobe::testing::write_text(camera / "junk.tif", "no photograph");

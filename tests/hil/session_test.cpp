@@ -2,6 +2,7 @@
 #include <csignal>
 #include <string>
 
+#include "tests/hil/expect_ready.hpp"
 #include "tests/hil/raw_host.hpp"
 #include "tests/hil/rig_fixture.hpp"
 #include "tests/support/json_lines.hpp"
@@ -19,7 +20,7 @@ TEST(Session, AnOrdinaryUserFiresWithAWarning) {
   options.rights = strobe::testing::Privileges::ordinary;
   options.rig_edits = kShortExposure;
   RigFixture bench(options);
-  if (!bench.ready()) FAIL(("strobed did not come up:\n" + bench.log()).c_str());
+  expect_ready(bench);
   CHECK_TEXT(bench.log().find("warn") != std::string::npos, bench.log().c_str());
   strobe::testing::Command fire = bench.fire(1, kRetries);
   fire.rights = strobe::testing::Privileges::ordinary;
@@ -42,7 +43,7 @@ TEST(Session, WithoutRealTimeRightsStrobedRefusesUnlessToldOtherwise) {
 
 TEST(Session, FolderHoldsAllThatIsNeededToRecomputeIt) {
   RigFixture bench;
-  if (!bench.ready()) FAIL(("strobed did not come up:\n" + bench.log()).c_str());
+  expect_ready(bench);
   const auto fired =
       strobe::testing::run_process(bench.fire(2, kRetries, {"--note", "remarks=two shots"}), kLongestWait);
   CHECK_TEXT(fired.status == ExitStatus({0, 0}), fired.err.c_str());
@@ -63,7 +64,7 @@ TEST(Session, FolderHoldsAllThatIsNeededToRecomputeIt) {
 
 TEST(Session, ShotNumbersGoOnInTheSameFolder) {
   RigFixture bench;
-  if (!bench.ready()) FAIL(("strobed did not come up:\n" + bench.log()).c_str());
+  expect_ready(bench);
   strobe::testing::run_process(bench.fire(1, 0), kLongestWait);
   strobe::testing::run_process(bench.fire(1, 0), kLongestWait);
   const LogContents journal = read_log(bench.journal());
@@ -76,7 +77,7 @@ TEST(Session, UsesNoShotsNumberTwiceAfterADeath) {
   RigFixtureOptions options;
   options.shell = "\"$@\"; rm \"$5\"/journal-*; \"$@\"";  // nothing of the journal had come to the disk
   RigFixture bench(options);
-  if (!bench.ready()) FAIL(("strobed did not come up:\n" + bench.log()).c_str());
+  expect_ready(bench);
   strobe::testing::run_process(bench.fire(1, 0), kLongestWait);
   const std::filesystem::path old_journal = bench.journal();
   const pid_t guardian = bench.guardian();
@@ -95,7 +96,7 @@ TEST(Session, StartsAgainBesideTheOldJournalAndGoesOnCounting) {
   RigFixtureOptions options;
   options.shell = "\"$@\"; \"$@\"";  // strobed again once it was ended
   RigFixture bench(options);
-  if (!bench.ready()) FAIL(("strobed did not come up:\n" + bench.log()).c_str());
+  expect_ready(bench);
   strobe::testing::run_process(bench.fire(1, 0), kLongestWait);
   const std::filesystem::path old_journal = bench.journal();
   const pid_t guardian = bench.guardian();

@@ -8,6 +8,7 @@
 #include <sstream>
 #include <string>
 
+#include "tests/hil/expect_ready.hpp"
 #include "tests/hil/line_watcher.hpp"
 #include "tests/hil/raw_host.hpp"
 #include "tests/hil/rig_fixture.hpp"
@@ -69,9 +70,7 @@ bool stands_still(pid_t pid) {
 
 TEST_GROUP(Signals) {
   RigFixture bench;
-  void setup() override {
-    if (!bench.ready()) FAIL(("strobed did not come up:\n" + bench.log()).c_str());
-  }
+  void setup() override { expect_ready(bench); }
 };
 
 TEST(Signals, ThatWouldEndAProcessAreTakenOrIgnoredByEveryThread) {

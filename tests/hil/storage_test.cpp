@@ -3,6 +3,7 @@
 #include <fstream>
 #include <lcm/lcm-cpp.hpp>
 
+#include "tests/hil/expect_ready.hpp"
 #include "tests/hil/rig_fixture.hpp"
 
 #include "tests/support/string_from.hpp"
@@ -45,9 +46,7 @@ std::filesystem::path host_log(const std::filesystem::path& folder) {
 
 TEST_GROUP(Storage) {
   RigFixture bench{short_exposure()};
-  void setup() override {
-    if (!bench.ready()) FAIL(("strobed did not come up:\n" + bench.log()).c_str());
-  }
+  void setup() override { expect_ready(bench); }
 };
 
 TEST(Storage, ALogThatMayNotGrowEndsTheSeriesWithItsNameTheReasonAndWhatIsMissing) {

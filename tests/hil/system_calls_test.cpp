@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/hil/expect_ready.hpp"
 #include "tests/hil/line_watcher.hpp"
 #include "tests/hil/raw_host.hpp"
 #include "tests/hil/rig_fixture.hpp"
@@ -74,7 +75,7 @@ Names allowed_by(const std::string& unit, const std::map<std::string, Names>& gr
   return allowed;
 }
 
-constexpr int kAttempts = 5;
+constexpr int kTracings = 5;
 
 /// strace of all but these, at nearly no cost for them; execve is told, so that silence means something.
 std::string tracing_all_but(Names allowed, const std::filesystem::path& to) {
@@ -147,7 +148,7 @@ TEST(SystemCalls, OfAShotAnEmergencyStopAndAllWaysOutAreInTheUnitsList) {
                   "\"$@\" --drill output-failure@1; " + trace + "\"$1\" --safe --config \"$3\"; " + trace +
                   "\"$1\" --check --config \"$3\" --session \"$5\" --lcm-url \"$7\"";
   RigFixture bench(options);
-  if (!bench.ready()) FAIL(("strobed did not come up:\n" + bench.log()).c_str());
+  expect_ready(bench);
   LineWatcher watch(bench.chip_dir());
   const pid_t first = bench.guardian();
   {
@@ -165,7 +166,7 @@ TEST(SystemCalls, OfAShotAnEmergencyStopAndAllWaysOutAreInTheUnitsList) {
     fire(bench, host, watch);
     // The publisher may come to its drill when the train is over: the next one fails then.
     bool ended = bench.sim().wait(5s).has_value();
-    for (int attempt = 0; !ended && attempt < kAttempts; ++attempt) {
+    for (int attempt = 0; !ended && attempt < kTracings; ++attempt) {
       host.send(host.fire_command(host.arm(), false));
       ended = bench.sim().wait(5s).has_value();
     }
