@@ -157,10 +157,11 @@ int main(int argc, char** argv) {
   std::vector<std::string> drives;
   CLI::App* drive = app.add_subcommand("drive", "Drive inputs of a running rig's chip by hand");
   drive->footer(
-      "Levels are physical: ESTOP=0 presses the e-stop.\n"
+      "Levels are physical: ESTOP=0 presses the e-stop. LINE=open breaks the line's wire until it is driven\n"
+      "again: the chip's own resistor then decides, as strobed asked for it.\n"
       "Example: strobe-sim drive --chip-dir /tmp/chip KEY=0");
   drive->add_option("--chip-dir", chip_dir, "The chip's folder")->required();
-  drive->add_option("drives", drives, "LINE=LEVEL, a line's name or offset and 0 or 1")->required();
+  drive->add_option("drives", drives, "LINE=LEVEL, a line's name or offset and 0, 1 or open")->required();
 
   std::string after;
   CLI::App* unplug = app.add_subcommand("unplug", "Unplug a running rig's chip");

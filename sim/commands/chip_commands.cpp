@@ -3,6 +3,7 @@
 #include <charconv>
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "sim/commands/command_line.hpp"
 #include "sim/commands/commands.hpp"
@@ -60,21 +61,37 @@ std::string name_of(std::size_t line) {
   return line < kLineNames.size() ? std::string(kLineNames[line]) : std::string();
 }
 
+/// LINE=open, as the LINE=0 that names the same line.
+std::optional<std::string> opened_line(const std::string& text) {
+  const std::size_t equals = text.find('=');
+  if (equals == std::string::npos || text.substr(equals + 1) != "open") return std::nullopt;
+  return text.substr(0, equals) + "=0";
+}
+
 }  // namespace
 
 int drive_command(const std::string& chip_dir, const std::vector<std::string>& drives) {
   auto chip = Chip::attach(chip_dir);
   if (!chip) return report_error(chip.error().message, 2);
+  constexpr int kOpen = -1;
   std::vector<LineNumber> wanted;
   for (const std::string& text : drives) {
-    const auto drive = parse(*chip, text, 0, 1, "LINE=0 or LINE=1");
+    const auto opened = opened_line(text);
+    auto drive = parse(*chip, opened.value_or(text), 0, 1, "LINE=0, LINE=1 or LINE=open");
     if (!drive) return report_error(drive.error().message, 2);
     if (chip->state(drive->line).is_output)
       return report_error("\"" + text + "\": the line is an output of " + chip->state(drive->line).consumer,
                           1);
+    if (opened) drive->number = kOpen;
     wanted.push_back(*drive);
   }
-  for (const LineNumber& drive : wanted) chip->drive(drive.line, drive.number, monotonic_now());
+  for (const LineNumber& drive : wanted) {
+    if (drive.number == kOpen) {
+      chip->open_wire(drive.line, monotonic_now());
+    } else {
+      chip->drive(drive.line, drive.number, monotonic_now());
+    }
+  }
   return 0;
 }
 

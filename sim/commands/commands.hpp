@@ -70,7 +70,7 @@ Result<PlanRequirement> parse_requirement(const std::string& tolerance,
 
 int scenes_command(bool json);
 
-/// `drives`: LINE=LEVEL, LINE a name or an offset.
+/// `drives`: LINE=LEVEL or LINE=open, LINE a name or an offset.
 int drive_command(const std::string& chip_dir, const std::vector<std::string>& drives);
 int lines_command(const std::string& chip_dir, bool json);
 

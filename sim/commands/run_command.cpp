@@ -51,14 +51,29 @@ class TemporaryFolder {
   fs::path path_;
 };
 
+Bias bias_of(ChipSettings::Bias bias) {
+  switch (bias) {
+    case ChipSettings::Bias::set:
+      return Bias::set;
+    case ChipSettings::Bias::ignored:
+      return Bias::ignored;
+    case ChipSettings::Bias::refused:
+      return Bias::refused;
+  }
+  return Bias::set;
+}
+
 ChipSpec chip_of(const Scene& scene) {
   ChipSpec spec;
   spec.name = scene.chip.name;
   spec.label = scene.chip.label;
   spec.on_release = scene.chip.keep_on_release ? OnRelease::keep : OnRelease::input;
+  spec.bias = bias_of(scene.chip.bias);
   for (std::size_t i = 0; i < kLineNames.size(); ++i) {
     LineSpec line;
     line.name = std::string(kLineNames[i]);
+    if (scene.chip.reset_pull != ChipSettings::Pull::none)
+      line.reset_pull = scene.chip.reset_pull == ChipSettings::Pull::up ? 1 : 0;
     if (rig_line(static_cast<std::uint32_t>(i)) == RigLine::key) line.idle_level = scene.chip.key_level;
     if (rig_line(static_cast<std::uint32_t>(i)) == RigLine::estop) line.idle_level = scene.chip.estop_level;
     spec.lines.push_back(line);

@@ -26,6 +26,9 @@ static_assert(static_cast<int>(Cause::set) == static_cast<int>(gpio::CauseCode::
 static_assert(static_cast<int>(Cause::request) == static_cast<int>(gpio::CauseCode::request));
 static_assert(static_cast<int>(Cause::release) == static_cast<int>(gpio::CauseCode::release));
 static_assert(static_cast<int>(Cause::drive) == static_cast<int>(gpio::CauseCode::drive));
+static_assert(static_cast<int>(Bias::set) == static_cast<int>(gpio::BiasCode::set));
+static_assert(static_cast<int>(Bias::ignored) == static_cast<int>(gpio::BiasCode::ignored));
+static_assert(static_cast<int>(Bias::refused) == static_cast<int>(gpio::BiasCode::refused));
 
 Change unpack(const gpio::State& state, std::uint64_t word) {
   using gpio::RingWord;
@@ -63,6 +66,15 @@ struct Chip::Impl {
     while (gpio::sys::try_lock(folder.lock_fd, byte, true) == -EAGAIN) gpio::sys::sleep_ns(1'000);
   }
   void unlock_drive(std::uint32_t line) const { gpio::sys::unlock(folder.lock_fd, gpio::kDriveByte + line); }
+
+  void change_outside(std::uint32_t line, gpio::PinEdit edit, MonoTime stamp) const {
+    if (line >= state().line_count || state().unplugged.load() != 0) return;
+    lock_drive(line);
+    if (gpio::change_line(state(), line, edit, gpio::CauseCode::drive, to_ns(stamp)))
+      gpio::emit_edge(folder, line, gpio::level_of(state(), line), to_ns(stamp));
+    unlock_drive(line);
+    gpio::notify(state());
+  }
 
   void settle(std::uint32_t line, std::int64_t now_ns) const {
     if (!gpio::is_debounced(state(), line)) return;
@@ -145,15 +157,11 @@ LineState Chip::state(std::uint32_t line) const {
 }
 
 void Chip::drive(std::uint32_t line, int level, MonoTime stamp) {
-  gpio::State& state = impl_->state();
-  if (line >= state.line_count || state.unplugged.load() != 0) return;
-  const unsigned outside = level != 0 ? 1 : 0;
-  impl_->lock_drive(line);
-  if (gpio::change_line(state, line, gpio::outside_edit(outside), gpio::CauseCode::drive, to_ns(stamp))) {
-    gpio::emit_edge(impl_->folder, line, outside, to_ns(stamp));
-  }
-  impl_->unlock_drive(line);
-  gpio::notify(state);
+  impl_->change_outside(line, gpio::outside_edit(level != 0 ? 1 : 0), stamp);
+}
+
+void Chip::open_wire(std::uint32_t line, MonoTime stamp) {
+  impl_->change_outside(line, gpio::open_edit(), stamp);
 }
 
 bool Chip::wait_changes(ChangeCursor& cursor, MonoTime deadline, std::vector<Change>& changes) {

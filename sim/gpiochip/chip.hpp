@@ -7,9 +7,12 @@
 // any number of processes may attach. Times are CLOCK_MONOTONIC. A folder in memory (/dev/shm) spares
 // programs the page faults of write-back. The chip ends with its creator.
 //
-// Not simulated: write() to the chip itself (its descriptors are read-only), bias resistors inside the chip
-// (flags are kept and shown; the board's resistor decides the level), hardware time stamps (EOPNOTSUPP, as on
-// kernels without them), watches by more than 32 opens of the chip at once (ENOMEM). A process that is killed
+// A line's wire can be opened: its level is then that of the chip's own resistor as it was last asked for (a bias
+// outlives its request, as in hardware), and without one the level that it had. What holds a line from outside is
+// stronger than that resistor.
+//
+// Not simulated: write() to the chip itself (its descriptors are read-only), hardware time stamps (EOPNOTSUPP, as
+// on kernels without them), watches by more than 32 opens of the chip at once (ENOMEM). A process that is killed
 // inside a set of several lines may have set only the first of them.
 #pragma once
 
@@ -29,9 +32,17 @@ enum class OnRelease {
   input,  ///< a released output returns to input, read as the line's idle level
 };
 
+/// What becomes of a request that asks for a bias.
+enum class Bias {
+  set,      ///< the chip has pull-up and pull-down resistors
+  ignored,  ///< it has none: Linux grants the request and shows the bias all the same
+  refused,  ///< EINVAL, as of a kernel before 5.5 or a driver that says no
+};
+
 struct LineSpec {
-  std::string name;          ///< at most 31 characters; may be empty
-  int idle_level = 0;        ///< level while undriven: the board's pull resistor
+  std::string name;     ///< at most 31 characters; may be empty
+  int idle_level = 0;   ///< level while undriven: the board's pull resistor, at the other end of the wire
+  int reset_pull = -1;  ///< what the chip's resistor pulls to before a bias was asked for; -1: there is none
   bool kernel_used = false;  ///< used by the kernel: every request gets EBUSY
 };
 
@@ -40,6 +51,7 @@ struct ChipSpec {
   std::string label = "strobe-sim-rig";  ///< at most 31 characters
   std::vector<LineSpec> lines;           ///< 1 to 64
   OnRelease on_release = OnRelease::keep;
+  Bias bias = Bias::set;
 };
 
 /// Why a line changed.
@@ -82,6 +94,8 @@ class Chip {
   /// line is requested for that edge, an event with this very stamp. No effect but the latched outside level
   /// on an output.
   void drive(std::uint32_t line, int level, MonoTime stamp);
+  /// The same for a wire that breaks or is pulled off; the next drive() mends it.
+  void open_wire(std::uint32_t line, MonoTime stamp);
 
   /// Appends to `changes` what happened since the cursor; waits until there is something or the deadline
   /// passes. Returns false if the ring lapped this reader (some changes were lost; the cursor then stands at

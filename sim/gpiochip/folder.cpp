@@ -38,6 +38,8 @@ Result<void> check(const ChipSpec& spec) {
     if (line.name.size() >= kNameSize) return fail("name of a line is too long: " + line.name);
     if (line.idle_level != 0 && line.idle_level != 1)
       return fail("idle level of a line is not 0 or 1: " + line.name);
+    if (line.reset_pull < -1 || line.reset_pull > 1)
+      return fail("pull of a line is not 0, 1 or -1: " + line.name);
   }
   return {};
 }
@@ -64,7 +66,10 @@ std::uint64_t device_of(const std::filesystem::path& file) {
 
 void fill_line(Line& line, const LineSpec& spec, std::uint64_t fifo_inode) {
   const bool idle = spec.idle_level != 0;
-  line.level.store(idle ? LevelWord::kOutside : 0);
+  std::uint64_t level = idle ? LevelWord::kOutside : 0;
+  if (spec.reset_pull >= 0) level |= LevelWord::kPulled;
+  if (spec.reset_pull == 1) level |= LevelWord::kPulledUp;
+  line.level.store(level);
   line.config.store(spec.kernel_used ? ConfigWord::kKernelUsed : 0);
   line.idle_level = idle ? 1 : 0;
   memcpy(line.name, spec.name.data(), spec.name.size());
@@ -76,6 +81,7 @@ void fill_state(State& state, const ChipSpec& spec, const std::filesystem::path&
   state.version = kVersion;
   state.line_count = static_cast<std::uint32_t>(spec.lines.size());
   state.input_on_release = spec.on_release == OnRelease::input ? 1 : 0;
+  state.bias = static_cast<BiasCode>(spec.bias);
   memcpy(state.name, spec.name.data(), spec.name.size());
   memcpy(state.label, spec.label.data(), spec.label.size());
   state.epoch_ns = sys::now_ns() - kEpochMargin_ns;

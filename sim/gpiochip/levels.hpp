@@ -26,7 +26,16 @@ constexpr PinEdit drive_edit(unsigned value) {
 }
 constexpr PinEdit float_edit() { return {LevelWord::kDriven, 0}; }
 constexpr PinEdit outside_edit(unsigned level) {
-  return {LevelWord::kOutside, level != 0 ? LevelWord::kOutside : 0};
+  return {LevelWord::kOutside | LevelWord::kOpen, level != 0 ? LevelWord::kOutside : 0};
+}
+constexpr PinEdit open_edit() { return {LevelWord::kOpen, LevelWord::kOpen}; }
+/// The resistor that a line's configuration asks for. None asked for: the one that there is stays.
+constexpr PinEdit pull_edit(std::uint32_t config) {
+  constexpr std::uint64_t kPull = LevelWord::kPulled | LevelWord::kPulledUp;
+  if ((config & ConfigWord::kPullUp) != 0) return {kPull, kPull};
+  if ((config & ConfigWord::kPullDown) != 0) return {kPull, LevelWord::kPulled};
+  if ((config & ConfigWord::kBiasDisable) != 0) return {kPull, 0};
+  return {};
 }
 
 /// Applies the edit; if the line's level changed by it, that is in the ring when this returns true.

@@ -14,7 +14,7 @@
 namespace strobe::sim::gpio {
 
 inline constexpr std::uint64_t kMagic = 0x53545242'4750494fULL;  // "STRBGPIO"
-inline constexpr std::uint32_t kVersion = 2;
+inline constexpr std::uint32_t kVersion = 3;
 inline constexpr std::uint32_t kMaxLines = 64;
 inline constexpr std::uint32_t kMaxWatchers = 32;  ///< opens of the chip that can watch lines
 inline constexpr std::uint32_t kRingBits = 16;
@@ -40,21 +40,28 @@ inline constexpr std::int64_t kEmitByte =
 inline constexpr unsigned kDeviceMajor = 254;
 
 enum class CauseCode : std::uint8_t { set = 0, request = 1, release = 2, drive = 3 };
+enum class BiasCode : std::uint32_t { set = 0, ignored = 1, refused = 2 };  ///< see Bias in chip.hpp
 
-/// A line's electrical state in one word: how the chip drives it, its level from outside, and the last
-/// change. While `pending` is set, that change has not been seen in the ring yet.
+/// A line's electrical state in one word: how the chip drives it, its level from outside, what the chip's own
+/// resistor pulls it to where its wire is open, and the last change. While `pending` is set, that change has
+/// not been seen in the ring yet.
 struct LevelWord {
   static constexpr std::uint64_t kValue = 1;    ///< level that the chip drives
   static constexpr std::uint64_t kDriven = 2;   ///< the chip drives it
   static constexpr std::uint64_t kOutside = 4;  ///< level where the chip does not drive it
   static constexpr std::uint64_t kPending = 8;
   static constexpr unsigned kCauseShift = 4;
+  static constexpr std::uint64_t kOpen = 64;       ///< the wire is open: nothing outside holds the line
+  static constexpr std::uint64_t kPulled = 128;    ///< a resistor of the chip pulls
+  static constexpr std::uint64_t kPulledUp = 256;  ///< up, else down
   static constexpr unsigned kTimeShift = 12;
-  static constexpr std::uint64_t kPins = kValue | kDriven | kOutside;
+  static constexpr std::uint64_t kPins = kValue | kDriven | kOutside | kOpen | kPulled | kPulledUp;
 
+  /// An open line that nothing pulls keeps the level that it had: its charge has nowhere to go.
   static constexpr unsigned level(std::uint64_t word) {
-    return (word & kDriven) != 0 ? static_cast<unsigned>(word & kValue)
-                                 : static_cast<unsigned>((word & kOutside) >> 2);
+    if ((word & kDriven) != 0) return (word & kValue) != 0 ? 1 : 0;
+    const bool pulled = (word & kOpen) != 0 && (word & kPulled) != 0;
+    return (word & (pulled ? kPulledUp : kOutside)) != 0 ? 1 : 0;
   }
 };
 
@@ -152,6 +159,7 @@ struct State {
   std::uint32_t version;
   std::uint32_t line_count;
   std::uint32_t input_on_release;
+  BiasCode bias;
   std::atomic<std::uint32_t> record_sizes;
   char name[kNameSize];
   char label[kNameSize];

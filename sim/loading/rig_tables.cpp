@@ -114,6 +114,12 @@ ChipSettings read_chip(TomlTable table) {
   c.name = table.string_or("name", c.name);
   c.label = table.string_or("label", c.label);
   c.keep_on_release = table.choice_or("on_release", "keep", {"keep", "input"}) == "keep";
+  const std::string bias = table.choice_or("bias", "set", {"set", "ignored", "refused"});
+  if (bias == "ignored") c.bias = ChipSettings::Bias::ignored;
+  if (bias == "refused") c.bias = ChipSettings::Bias::refused;
+  const std::string pull = table.choice_or("reset_pull", "none", {"none", "up", "down"});
+  if (pull == "up") c.reset_pull = ChipSettings::Pull::up;
+  if (pull == "down") c.reset_pull = ChipSettings::Pull::down;
   c.key_level = static_cast<int>(table.integer_or("key_level", c.key_level, {0, 1}));
   c.estop_level = static_cast<int>(table.integer_or("estop_level", c.estop_level, {0, 1}));
   return c;

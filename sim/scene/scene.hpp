@@ -151,6 +151,10 @@ struct ChipSettings {
   bool keep_on_release = true;  ///< key on_release = "keep" | "input"
   int key_level = 1;            ///< 1: on
   int estop_level = 1;          ///< 1: not pressed
+  /// Key bias = "set" | "ignored" | "refused": what becomes of a request for a resistor of the chip.
+  enum class Bias { set, ignored, refused } bias = Bias::set;
+  /// Key reset_pull = "none" | "up" | "down": of every line, before a bias was asked for.
+  enum class Pull { none, up, down } reset_pull = Pull::none;
 };
 
 /// [[operator]] An action of the operator: key turned, e-stop pressed, gate interrupted.

@@ -56,6 +56,10 @@ void LineWatcher::drive(const std::string& line, int level) {
   chip_.drive(number(line), level, from_ns(testing::monotonic_now_ns()));
 }
 
+void LineWatcher::open_wire(const std::string& line) {
+  chip_.open_wire(number(line), from_ns(testing::monotonic_now_ns()));
+}
+
 sim::LineState LineWatcher::state(const std::string& line) const { return chip_.state(number(line)); }
 
 }  // namespace strobe::hil

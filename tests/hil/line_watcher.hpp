@@ -28,6 +28,9 @@ class LineWatcher {
   /// Drives an input with a stamp of now.
   void drive(const std::string& line, int level);
 
+  /// Breaks an input's wire, with a stamp of now; drive() mends it.
+  void open_wire(const std::string& line);
+
   /// As if somebody pulled the chip's cable.
   void unplug();
 

@@ -22,6 +22,8 @@ struct LineSetting {
 void configure_line(State& state, std::uint32_t line, const LineSetting& setting, std::uint32_t owner,
                     std::int64_t now_ns);
 
+/// -EINVAL if a bias is asked for of a chip that refuses it.
+int check_bias(const State& state, std::uint32_t flags);
 /// -EBUSY if the line has an owner.
 int check_free(State& state, const ChipLock& lock, std::uint32_t line);
 /// What the kernel shows as the line's owner.

@@ -95,6 +95,7 @@ int take_handle_lines(State& state, const ChipLock& lock, const gpiohandle_reque
   for (std::uint32_t i = 0; i < request.lines; ++i) {
     const std::uint32_t line = request.lineoffsets[i];
     int result = line < state.line_count ? 0 : -EINVAL;
+    if (result == 0) result = check_bias(state, config_flags(request.flags));
     if (result == 0) result = take_line(state, lock, line, fd, line, request.consumer_label);
     if (result != 0) {
       for (std::uint32_t done = 0; done < i; ++done)
@@ -115,7 +116,8 @@ int open_event(std::uint32_t line) {
 
 int take_event_line(State& state, const ChipLock& lock, const gpioevent_request& request, int fd) {
   const std::uint32_t line = request.lineoffset;
-  const int result = take_line(state, lock, line, fd, 0, request.consumer_label);
+  int result = check_bias(state, config_flags(request.handleflags));
+  if (result == 0) result = take_line(state, lock, line, fd, 0, request.consumer_label);
   if (result != 0) return result;
   drain(fd);
   std::uint32_t owner = ConfigWord::kRequested | ConfigWord::kEvents;
@@ -169,6 +171,8 @@ int configure_handle(std::uint32_t slot, const gpiohandle_config& config) {
   const sys::NoSignals quiet;
   const ChipLock lock(device().folder);
   if (lock.error() != 0) return lock.error();
+  const int refused = check_bias(state, config_flags(config.flags));
+  if (refused != 0) return refused;
   const Handle& handle = state.handles[slot];
   const std::uint32_t owner = ConfigWord::kRequested | slot << ConfigWord::kSlotShift;
   const std::int64_t now = sys::now_ns();

@@ -65,7 +65,8 @@ int take_one(State& state, const ChipLock& lock, std::uint32_t slot, std::uint32
              const gpio_v2_line_request& request, std::int64_t now_ns) {
   const std::uint32_t line = request.offsets[index];
   if (line >= state.line_count) return -EINVAL;
-  const int result = check_free(state, lock, line);
+  int result = check_free(state, lock, line);
+  if (result == 0) result = check_bias(state, setting_of(request.config, index).flags);
   if (result != 0) return result;
   name_owner(state, line, request.consumer);
   state.lines[line].seqno.store(0);
@@ -149,7 +150,8 @@ int configure_lines(std::uint32_t slot, const gpio_v2_line_config& config) {
     // A line without a direction stays as it is.
     if (setting_of(config, i).direction == Direction::as_is) continue;
     const std::uint32_t line = handle.lines[i].load();
-    result = configure(state, slot, i, line, config, now);
+    result = check_bias(state, setting_of(config, i).flags);
+    if (result == 0) result = configure(state, slot, i, line, config, now);
     if (result == 0) tell_watchers(state, device().folder, line, GPIO_V2_LINE_CHANGED_CONFIG);
   }
   notify(state);

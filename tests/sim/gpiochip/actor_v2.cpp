@@ -3,6 +3,7 @@
 //   toggle LINES COUNT       takes outputs at 0, says "ready", sets them all 1, 0, 1, ... (COUNT 0: for ever)
 //   turn LINE                takes an output at 1, says "ready", makes it an input on SIGUSR1, says "input"
 //   events LINES BUFFER      takes lines for both edges, says "ready", prints every event until SIGTERM
+//   pulled LINE BIAS         takes an input with bias 0 down, 1 up or 2 none, says "ready" and its level, sleeps
 //   late LINES BUFFER        the same, prints what is queued when SIGUSR1 comes, then "end"
 //   bouncing LINE PERIOD_US  takes a line for both edges, debounced, says "ready", prints every event
 //   slots LINES COUNT        takes every line by a request of its own and lets go of them all, COUNT times
@@ -35,6 +36,15 @@ int edges(const std::vector<unsigned>& lines, std::uint32_t buffer) {
   gpio_v2_line_request request = request_of(lines, config(kIn | kBoth), "actor");
   request.event_buffer_size = buffer;
   return must("request", take(chip(), request));
+}
+
+void pulled(unsigned line, unsigned long bias) {
+  const std::uint64_t flag = bias == 1 ? kUp : bias == 0 ? kDown : kNoBias;
+  const int request = must("request", take(chip(), {line}, config(kIn | flag), "actor"));
+  gpio_v2_line_values now{0, 1};
+  must("get", uapi::outcome(ioctl(request, GPIO_V2_LINE_GET_VALUES_IOCTL, &now)));
+  std::printf("ready %u\n", static_cast<unsigned>(now.bits));
+  pause();
 }
 
 void wait_for_signal() {
@@ -150,6 +160,8 @@ bool play(const std::string& role, const std::vector<unsigned>& lines, unsigned 
   } else if (role == "bouncing") {
     const auto debounced = config(kIn | kBoth, {debounce_us(static_cast<std::uint32_t>(number), kAll)});
     print_for_ever(must("request", take(chip(), lines, debounced)));
+  } else if (role == "pulled") {
+    pulled(lines[0], number);
   } else if (role == "late") {
     const int request = edges(lines, static_cast<std::uint32_t>(number));
     std::puts("ready");
