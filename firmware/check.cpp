@@ -2,13 +2,14 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <lcm/lcm-cpp.hpp>
 #include <nlohmann/json.hpp>
 
 #include "common/authentication/key_file.hpp"
-#include "firmware/linux/gpio_lines.hpp"
 #include "firmware/linux/guardian.hpp"
+#include "firmware/linux/inspect_lines.hpp"
 #include "firmware/linux/interrupts.hpp"
 #include "firmware/linux/real_time_report.hpp"
 #include "firmware/linux/tick_finder.hpp"
@@ -27,12 +28,15 @@ class Report {
     const bool well = item.verdict == Verdict::ok;
     const bool advised = item.verdict == Verdict::advice;
     if (!well && !advised && !tolerated) ++faults_;
+    for (const std::string& line : item.paste)
+      if (std::find(paste_.begin(), paste_.end(), line) == paste_.end()) paste_.push_back(line);
     if (json_) {
       const nlohmann::json object{{"item", item.name},
                                   {"ok", well},
                                   {"tolerated", advised || (tolerated && !well)},
                                   {"what", well ? "" : item.words},
-                                  {"found", well ? item.words : ""}};
+                                  {"found", well ? item.words : ""},
+                                  {"paste", item.paste}};
       std::printf("%s\n", object.dump().c_str());
     } else {
       const std::string before = well        ? (item.words.empty() ? "ok" : "ok: ")
@@ -46,10 +50,17 @@ class Report {
     item({name, fault.empty() ? Verdict::ok : Verdict::fault, fault});
   }
   int faults() const { return faults_; }
+  /// What can be done about it all, in lines to paste.
+  void print_lines_to_paste() const {
+    if (json_ || paste_.empty()) return;
+    std::printf("\nTo paste into root's shell (the kernel and its command line count after a reboot):\n");
+    for (const std::string& line : paste_) std::printf("%s\n", line.c_str());
+  }
 
  private:
   bool json_;
   int faults_ = 0;
+  std::vector<std::string> paste_;
 };
 
 std::string session_fault(const std::filesystem::path& session) {
@@ -74,7 +85,7 @@ std::string session_fault(const std::filesystem::path& session) {
 int check_rig(const Rig& rig, const Options& options) {
   Report report(options.json);
   report.item("rig file", "");
-  for (const LineReport& line : inspect_lines(rig)) report.item(line.key, line.fault);
+  for (const CheckItem& item : inspect_lines(rig, SystemFiles())) report.item(item);
   const RealTimeRights trial = probe_real_time(rig.real_time);
   for (const CheckItem& item : real_time_report(rig, trial, find_tick(rig.real_time), SystemFiles()))
     report.item(item, options.allow_no_rt);
@@ -87,6 +98,7 @@ int check_rig(const Rig& rig, const Options& options) {
   report.item(
       "lcm",
       lcm.good() ? "" : options.lcm_url + ": is there a multicast route? (ip route add 224.0.0.0/4 dev lo)");
+  report.print_lines_to_paste();
   return report.faults() == 0 ? kExitDone : kExitFailed;
 }
 
@@ -104,7 +116,9 @@ int move_interrupts(const Rig& rig) {
   print("moved", moved.away);
   print("refused", moved.refused);
   print("fixed", moved.fixed);
-  return moved.refused.empty() ? kExitDone : kExitFailed;
+  std::printf("%-9s interrupts that are requested later\n",
+              moved.newcomers_kept_off ? "kept off" : "refused");
+  return moved.refused.empty() && moved.newcomers_kept_off ? kExitDone : kExitFailed;
 }
 
 }  // namespace strobe::firmware

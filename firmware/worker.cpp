@@ -184,6 +184,7 @@ int run_worker(const Rig& rig, const Options& options, SharedStatus& page) {
   auto lines = GpioLines::open(rig, loop_wake.fd());
   if (!lines) return give_up(console, lines.error().message);
   page.lines_taken = true;
+  for (const std::string& warning : (*lines)->warnings()) console.say("warning: " + warning);
   // Taken inactive; only the loop sets them, so until it starts there is nothing for the guardian to do.
   const auto give_up_safely = [&page, &console](const std::string& why) {
     page.outputs_safe = true;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/units/time.hpp"
+#include "firmware/core/bias.hpp"
 #include "firmware/ports/event_sink.hpp"
 
 namespace strobe::firmware {
@@ -17,6 +18,8 @@ struct LineConfig {
   std::string name;          ///< empty: by offset
   std::int64_t offset = -1;  ///< -1: by name
   bool active_low = false;
+  Bias bias = Bias::as_is;      ///< of an input
+  bool bias_chosen = false;     ///< the file says so; else it is the default
   std::uint32_t file_line = 0;  ///< in the rig file, for messages
 };
 

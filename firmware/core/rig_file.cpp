@@ -1,5 +1,6 @@
 #include "firmware/core/rig_file.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 
@@ -25,6 +26,30 @@ std::string shortest(double value) {
   return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr};
 }
 
+bool is_output(Line which) {
+  return which == Line::strobe_a || which == Line::strobe_b || which == Line::shutter ||
+         which == Line::trigger;
+}
+
+void read_bias(TomlTable& table, Line which, LineConfig& line) {
+  line.bias_chosen = table.has("bias");
+  if (is_output(which)) {
+    if (line.bias_chosen)
+      table.error_at("bias", "is for inputs: an output that nobody drives is held by a resistor outside");
+    return;
+  }
+  const std::optional<Bias> safe = fail_safe_bias(which, line.active_low);
+  const std::string chosen =
+      table.choice_or("bias", name(safe.value_or(Bias::as_is)), {kBiasNames.begin(), kBiasNames.end()});
+  const auto found = std::find(kBiasNames.begin(), kBiasNames.end(), chosen);
+  if (found != kBiasNames.end()) line.bias = static_cast<Bias>(found - kBiasNames.begin());
+  if (safe && line.bias == opposite(*safe))
+    table.error_at(
+        "bias", "must not be \"" + chosen + "\": " +
+                    (which == Line::key ? "the key would read as on" : "the e-stop would read as released") +
+                    " when its wire breaks");
+}
+
 void read_line(TomlTable& lines, Line which, bool required, Rig& rig) {
   const char* key = line_key(which);
   LineConfig& line = rig.line(which);
@@ -44,6 +69,7 @@ void read_line(TomlTable& lines, Line which, bool required, Rig& rig) {
     table.error_at("line", table.has("line") ? "must be an offset or a name in quotes" : "is missing");
   }
   line.active_low = table.boolean_or("active_low", false);
+  read_bias(table, which, line);
 }
 
 void read_lines(TomlTable lines, Rig& rig) {

@@ -13,6 +13,7 @@
 #include <tl/expected.hpp>
 
 #include "common/units/time.hpp"
+#include "firmware/core/bias.hpp"
 
 namespace strobe::firmware {
 
@@ -25,6 +26,7 @@ struct InputLineSpec {
   unsigned offset = 0;
   bool active_low = false;
   bool both_edges = false;  ///< else only those to active
+  Bias bias = Bias::as_is;
 };
 
 /// Why lines could not be requested.
@@ -95,6 +97,8 @@ class GpioChip {
   std::optional<unsigned> find_line(const std::string& name) const;
   /// Who uses a line, "" if that is not told; nullopt if nobody does.
   std::optional<std::string> user_of(unsigned offset) const;
+  /// What the kernel was asked for with the line's request; it tells so even of a chip that has no such resistor.
+  Bias bias_of(unsigned offset) const;
 
   /// Drives the lines inactive from the very start. At least one line, at most 64.
   tl::expected<OutputRequest, RequestFailure> request_outputs(std::span<const OutputLineSpec> lines);

@@ -19,6 +19,14 @@ struct ChipCloser {
 };
 using ChipHandle = std::unique_ptr<gpiod_chip, ChipCloser>;
 
+int flags_of(const InputLineSpec& line) {
+  int flags = line.active_low ? GPIOD_LINE_REQUEST_FLAG_ACTIVE_LOW : 0;
+  if (line.bias == Bias::pull_up) flags |= GPIOD_LINE_REQUEST_FLAG_BIAS_PULL_UP;
+  if (line.bias == Bias::pull_down) flags |= GPIOD_LINE_REQUEST_FLAG_BIAS_PULL_DOWN;
+  if (line.bias == Bias::disabled) flags |= GPIOD_LINE_REQUEST_FLAG_BIAS_DISABLE;
+  return flags;
+}
+
 }  // namespace
 
 struct GpioChip::Impl {
@@ -50,6 +58,21 @@ std::optional<std::string> GpioChip::user_of(unsigned offset) const {
   if (line == nullptr || gpiod_line_update(line) != 0 || !gpiod_line_is_used(line)) return std::nullopt;
   const char* consumer = gpiod_line_consumer(line);
   return consumer != nullptr ? consumer : "";
+}
+
+Bias GpioChip::bias_of(unsigned offset) const {
+  gpiod_line* line = gpiod_chip_get_line(impl_->chip.get(), offset);
+  if (line == nullptr || gpiod_line_update(line) != 0) return Bias::as_is;
+  switch (gpiod_line_bias(line)) {
+    case GPIOD_LINE_BIAS_PULL_UP:
+      return Bias::pull_up;
+    case GPIOD_LINE_BIAS_PULL_DOWN:
+      return Bias::pull_down;
+    case GPIOD_LINE_BIAS_DISABLE:
+      return Bias::disabled;
+    default:
+      return Bias::as_is;
+  }
 }
 
 struct OutputRequest::Impl {
@@ -109,7 +132,7 @@ tl::expected<InputRequest, RequestFailure> GpioChip::request_inputs(std::span<co
     const gpiod_line_request_config config{
         kConsumer,
         lines[i].both_edges ? GPIOD_LINE_REQUEST_EVENT_BOTH_EDGES : GPIOD_LINE_REQUEST_EVENT_RISING_EDGE,
-        lines[i].active_low ? static_cast<int>(GPIOD_LINE_REQUEST_FLAG_ACTIVE_LOW) : 0};
+        flags_of(lines[i])};
     gpiod_line* line = gpiod_chip_get_line(impl_->chip.get(), lines[i].offset);
     if (line == nullptr || gpiod_line_request(line, &config, 0) != 0)
       return tl::unexpected(RequestFailure{errno, i});

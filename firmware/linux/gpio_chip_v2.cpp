@@ -77,6 +77,20 @@ ChipHandle open_chip(const std::string& which) {
   return open_labelled(which);
 }
 
+gpiod_line_bias bias_for(const InputLineSpec& line) {
+  switch (line.bias) {
+    case Bias::as_is:
+      break;
+    case Bias::pull_up:
+      return GPIOD_LINE_BIAS_PULL_UP;
+    case Bias::pull_down:
+      return GPIOD_LINE_BIAS_PULL_DOWN;
+    case Bias::disabled:
+      return GPIOD_LINE_BIAS_DISABLED;
+  }
+  return GPIOD_LINE_BIAS_AS_IS;
+}
+
 /// The requests' configuration, made line by line; fails as a whole if memory lacks.
 class Configuration {
  public:
@@ -153,6 +167,21 @@ std::optional<std::string> GpioChip::user_of(unsigned offset) const {
   return consumer != nullptr ? consumer : "";
 }
 
+Bias GpioChip::bias_of(unsigned offset) const {
+  const LineInfo info(gpiod_chip_get_line_info(impl_->chip.get(), offset));
+  if (!info) return Bias::as_is;
+  switch (gpiod_line_info_get_bias(info.get())) {
+    case GPIOD_LINE_BIAS_PULL_UP:
+      return Bias::pull_up;
+    case GPIOD_LINE_BIAS_PULL_DOWN:
+      return Bias::pull_down;
+    case GPIOD_LINE_BIAS_DISABLED:
+      return Bias::disabled;
+    default:
+      return Bias::as_is;
+  }
+}
+
 struct OutputRequest::Impl {
   Request request;
 };
@@ -210,6 +239,7 @@ tl::expected<InputRequest, RequestFailure> GpioChip::request_inputs(std::span<co
     if (settings == nullptr) return tl::unexpected(RequestFailure{ENOMEM, i});
     gpiod_line_settings_set_direction(settings, GPIOD_LINE_DIRECTION_INPUT);
     gpiod_line_settings_set_active_low(settings, lines[i].active_low);
+    gpiod_line_settings_set_bias(settings, bias_for(lines[i]));
     gpiod_line_settings_set_edge_detection(
         settings, lines[i].both_edges ? GPIOD_LINE_EDGE_BOTH : GPIOD_LINE_EDGE_RISING);
     gpiod_line_settings_set_event_clock(settings, GPIOD_LINE_CLOCK_MONOTONIC);

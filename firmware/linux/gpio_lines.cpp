@@ -9,49 +9,13 @@
 
 #include "firmware/linux/gpio_chip.hpp"
 #include "firmware/linux/gpio_lines.hpp"
+#include "firmware/linux/input_bias.hpp"
+#include "firmware/linux/rig_lines.hpp"
 #include "firmware/linux/system_clock.hpp"
 
 namespace strobe::firmware {
 
 namespace {
-
-std::string place(const Rig& rig, std::uint32_t line, const std::string& key) {
-  return rig.file_name + ":" + std::to_string(line) + ": " + key + ": ";
-}
-
-tl::unexpected<Error> line_failure(const Rig& rig, Line which, const std::string& what) {
-  return fail(place(rig, rig.line(which).file_line, std::string("lines.") + line_key(which)) + what);
-}
-
-Result<GpioChip> open_chip(const Rig& rig) {
-  auto chip = GpioChip::open(rig.chip);
-  if (chip) return std::move(*chip);
-  const int error = chip.error();
-  const char* hint = error == EACCES ? " (the user must be allowed to open it, e.g. by the group gpio)" : "";
-  return fail(place(rig, rig.chip_file_line, "chip.name") + "cannot open \"" + rig.chip +
-              "\": " + std::strerror(error) + hint);
-}
-
-Result<unsigned> find_line(const GpioChip& chip, const Rig& rig, Line which) {
-  const LineConfig& config = rig.line(which);
-  if (config.offset >= 0) {
-    const unsigned count = chip.line_count();
-    if (config.offset < count) return static_cast<unsigned>(config.offset);
-    return line_failure(rig, which,
-                        "no offset " + std::to_string(config.offset) + " on " + chip.name() + ", which has " +
-                            std::to_string(count) + " lines");
-  }
-  const auto offset = chip.find_line(config.name);
-  if (!offset) return line_failure(rig, which, "no line named \"" + config.name + "\" on " + chip.name());
-  return *offset;
-}
-
-std::string request_error(const GpioChip& chip, unsigned offset, int error) {
-  std::string what = "cannot take line " + std::to_string(offset) + ": " + std::strerror(error);
-  if (error != EBUSY) return what;
-  const auto user = chip.user_of(offset);
-  return user && !user->empty() ? what + " (used by " + *user + ")" : what;
-}
 
 std::vector<Line> lines_of(Output output) {
   switch (output) {
@@ -96,6 +60,7 @@ struct GpioLines::Impl {
   std::vector<Input> inputs;   // in the order of their request
   std::vector<pollfd> polled;  // the request's descriptors, in their order, then the wake-up
   std::array<LineEdge, 64> taken;
+  std::vector<std::string> warnings;
 
   Result<void> take_outputs(const Rig& rig);
   Result<void> take_inputs(const Rig& rig);
@@ -131,17 +96,15 @@ Result<void> GpioLines::Impl::take_inputs(const Rig& rig) {
     if (!rig.line(input.line).fitted) continue;
     const auto offset = find_line(*chip, rig, input.line);
     if (!offset) return tl::unexpected(offset.error());
-    specs.push_back({*offset, rig.line(input.line).active_low, input.both_edges});
+    const LineConfig& config = rig.line(input.line);
+    specs.push_back({*offset, config.active_low, input.both_edges, config.bias});
     lines.push_back(input.line);
     inputs.push_back(input.input);
   }
-  auto taken_lines = chip->request_inputs(specs);
-  if (!taken_lines) {
-    const RequestFailure& failure = taken_lines.error();
-    return line_failure(rig, lines[failure.line],
-                        request_error(*chip, specs[failure.line].offset, failure.error));
-  }
-  request.emplace(std::move(*taken_lines));
+  auto taken_lines = request_biased(*chip, rig, lines, specs);
+  if (!taken_lines) return tl::unexpected(taken_lines.error());
+  request.emplace(std::move(taken_lines->request));
+  warnings = std::move(taken_lines->warnings);
   for (const int descriptor : request->descriptors()) polled.push_back({descriptor, POLLIN, 0});
   return {};
 }
@@ -226,6 +189,8 @@ std::optional<bool> GpioLines::level(Input input) noexcept {
   return impl_->request->level(static_cast<std::size_t>(found - impl_->inputs.begin()));
 }
 
+const std::vector<std::string>& GpioLines::warnings() const { return impl_->warnings; }
+
 std::int64_t GpioLines::kernel_overflows() const noexcept { return impl_->request->overflows(); }
 
 struct OutputTakeover::Impl {
@@ -288,26 +253,6 @@ Result<void> OutputTakeover::drive_inactive(Duration patience) {
     if (!busy || !patient) return fail(missing);
     clock_nanosleep(CLOCK_MONOTONIC, 0, &pause, nullptr);
   }
-}
-
-std::vector<LineReport> inspect_lines(const Rig& rig) {
-  std::vector<LineReport> reports;
-  const auto chip = open_chip(rig);
-  reports.push_back({"chip.name", chip ? "" : chip.error().message});
-  if (!chip) return reports;
-  for (std::size_t i = 1; i < kLineCount; ++i) {
-    const auto which = static_cast<Line>(i);
-    if (!rig.line(which).fitted) continue;
-    LineReport report{std::string("lines.") + line_key(which), ""};
-    const auto offset = find_line(*chip, rig, which);
-    if (!offset) {
-      report.fault = offset.error().message;
-    } else if (chip->user_of(*offset)) {
-      report.fault = line_failure(rig, which, request_error(*chip, *offset, EBUSY)).value().message;
-    }
-    reports.push_back(report);
-  }
-  return reports;
 }
 
 }  // namespace strobe::firmware

@@ -21,6 +21,9 @@ class GpioLines final : public OutputLines, public EdgeSource {
   static Result<std::unique_ptr<GpioLines>> open(const Rig& rig, int wake_fd);
   ~GpioLines() override;
 
+  /// What was put up with when the lines were taken: inputs whose broken wire would not stop the rig. One line each.
+  const std::vector<std::string>& warnings() const;
+
   bool set(Output output, bool active) noexcept override;
   bool set_lamps(Lamps lamps) noexcept override;
   /// Releases the output lines, as they are, so that the guardian can take them; set() fails afterwards.
@@ -53,12 +56,5 @@ class OutputTakeover {
   explicit OutputTakeover(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };
-
-struct LineReport {
-  std::string key;    ///< in the rig file, e.g. "lines.strobe_a", or "chip.name"
-  std::string fault;  ///< empty if there is none
-};
-/// Checks chip and lines without requesting or changing any.
-std::vector<LineReport> inspect_lines(const Rig& rig);
 
 }  // namespace strobe::firmware

@@ -7,6 +7,8 @@ namespace strobe::firmware {
 
 namespace {
 
+const std::string kNewcomers = "proc/irq/default_smp_affinity";
+
 std::string folder_of(int number) { return "proc/irq/" + std::to_string(number); }
 
 std::string affinity_file(int number) { return folder_of(number) + "/smp_affinity_list"; }
@@ -46,8 +48,25 @@ std::vector<Interrupt> read_interrupts(const SystemFiles& files) {
   return all;
 }
 
+bool newcomers_may_run_on(int cpu, const SystemFiles& files) {
+  return parse_cpu_mask(files.read(kNewcomers).value_or("")).contains(cpu);
+}
+
+namespace {
+
+/// Before those that there are: one that comes meanwhile is then among them or kept off.
+bool keep_newcomers_off(int cpu, const SystemFiles& files) {
+  if (!newcomers_may_run_on(cpu, files)) return true;
+  std::set<int> rest = parse_cpu_mask(files.read(kNewcomers).value_or(""));
+  rest.erase(cpu);
+  return !rest.empty() && files.write(kNewcomers, format_cpu_mask(rest)) && !newcomers_may_run_on(cpu, files);
+}
+
+}  // namespace
+
 InterruptMoves move_interrupts_off(int cpu, const SystemFiles& files) {
   InterruptMoves moved;
+  moved.newcomers_kept_off = keep_newcomers_off(cpu, files);
   const std::set<int> online = parse_cpu_list(files.read("sys/devices/system/cpu/online").value_or("0"));
   for (Interrupt& interrupt : read_interrupts(files)) {
     if (!interrupt.cpus.contains(cpu)) continue;

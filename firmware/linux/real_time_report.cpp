@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cstdlib>
+#include <sstream>
 
 #include "firmware/core/cpu_budget.hpp"
 #include "firmware/linux/interrupts.hpp"
+#include "firmware/linux/machine_set_up.hpp"
 #include "firmware/linux/preemption.hpp"
 
 namespace strobe::firmware {
@@ -18,8 +20,10 @@ const std::string kCpuFolder = "sys/devices/system/cpu/";
 
 CheckItem ok(const char* name, std::string found) { return {name, Verdict::ok, std::move(found)}; }
 CheckItem advice(const char* name, std::string words) { return {name, Verdict::advice, std::move(words)}; }
-CheckItem tried(const char* name, const std::string& fault, std::string found) {
-  return fault.empty() ? ok(name, std::move(found)) : CheckItem{name, Verdict::fault, fault};
+CheckItem tried(const char* name, const std::string& fault, std::string found,
+                std::vector<std::string> paste = {}) {
+  if (fault.empty()) return ok(name, std::move(found));
+  return {name, Verdict::fault, fault, std::move(paste)};
 }
 
 /// Where the loop may run.
@@ -40,7 +44,7 @@ CheckItem pinning(const Rig& rig, const RealTimeRights& trial, const SystemFiles
                                  "a train is over");
   }
   return advice("pinning", "the loop may run on any CPU: set [real_time] cpu, e.g. to " +
-                               std::to_string(*online.rbegin()) + ", and keep other work off it");
+                               std::to_string(best_cpu(files)) + ", and keep other work off it");
 }
 
 CheckItem tick_item(const Tick& tick) {
@@ -64,9 +68,11 @@ CheckItem governor(const Rig& rig, const SystemFiles& files) {
   }
   if (!scaled) return ok("governor", "the CPU's frequency is not the kernel's to change");
   if (slow.empty()) return ok("governor", "performance");
-  return advice("governor", "\"" + name + "\" slows CPU " + format_cpu_list(slow) +
-                                " down between flashes: cpupower -c " + format_cpu_list(slow) +
-                                " frequency-set -g performance");
+  CheckItem item = advice("governor", "\"" + name + "\" slows CPU " + format_cpu_list(slow) +
+                                          " down between flashes: cpupower -c " + format_cpu_list(slow) +
+                                          " frequency-set -g performance");
+  for (const int cpu : slow) item.paste.push_back(set_performance_governor(cpu));
+  return item;
 }
 
 /// The largest share of time that the loop is awake: before every pulse, and through it.
@@ -89,9 +95,20 @@ CheckItem throttling(const Rig& rig, const SystemFiles& files) {
   if (100.0 * runtime_us / period_us >= needed) {
     return ok("throttling", allowed + " allowed, at most " + std::to_string(needed) + " % needed");
   }
-  return {"throttling", Verdict::fault,
+  return {"throttling",
+          Verdict::fault,
           "real-time threads may run " + allowed + " only, " + std::to_string(needed) +
-              " % are needed: sysctl kernel.sched_rt_runtime_us=950000 (of 1000000)"};
+              " % are needed: sysctl kernel.sched_rt_runtime_us=950000 (of 1000000)",
+          {set_real_time_runtime()}};
+}
+
+/// Whether RCU's callbacks are kept off the CPU; nohz_full does that, too.
+bool without_callbacks(int cpu, const SystemFiles& files) {
+  const std::string key = "rcu_nocbs=";
+  std::istringstream words(files.read("proc/cmdline").value_or(""));
+  for (std::string word; words >> word;)
+    if (word.starts_with(key) && parse_cpu_list(word.substr(key.size())).contains(cpu)) return true;
+  return false;
 }
 
 CheckItem isolation(const Rig& rig, const SystemFiles& files) {
@@ -102,10 +119,13 @@ CheckItem isolation(const Rig& rig, const SystemFiles& files) {
   if (!parse_cpu_list(files.read(kCpuFolder + "isolated").value_or("")).contains(cpu))
     missing += " isolcpus=" + number;
   if (!parse_cpu_list(files.read(kCpuFolder + "nohz_full").value_or("")).contains(cpu))
-    missing += " nohz_full=" + number;
+    missing += " nohz_full=" + number + (without_callbacks(cpu, files) ? "" : " rcu_nocbs=" + number);
   if (missing.empty()) return ok("isolation", "isolcpus and nohz_full hold CPU " + number);
-  return advice("isolation", "other work and the timer's tick run on CPU " + number +
-                                 ", too; best booted with" + missing + " on the kernel's command line");
+  return {"isolation",
+          Verdict::advice,
+          "other work and the timer's tick run on CPU " + number + ", too; best booted with" + missing +
+              " on the kernel's command line",
+          {add_boot_options(missing.substr(1), files)}};
 }
 
 std::string named(const std::vector<Interrupt>& interrupts) {
@@ -128,6 +148,11 @@ bool irqbalance_runs(const SystemFiles& files) {
   return false;
 }
 
+std::string another_cpu(int cpu, const SystemFiles& files) {
+  const int best = best_cpu(files);
+  return best == cpu ? "" : "take CPU " + std::to_string(best) + ", which has fewer, or ";
+}
+
 void interrupts(const Rig& rig, const SystemFiles& files, std::vector<CheckItem>& items) {
   const int cpu = rig.real_time.cpu;
   std::vector<Interrupt> movable;
@@ -142,22 +167,29 @@ void interrupts(const Rig& rig, const SystemFiles& files, std::vector<CheckItem>
     items.push_back(ok("fixed_interrupts", "not looked for"));
     return;
   }
-  if (movable.empty()) {
+  const std::vector<std::string> paste{"strobed --config " + rig.file_name + " --move-interrupts"};
+  if (movable.empty() && !newcomers_may_run_on(cpu, files)) {
     items.push_back(ok("interrupts", "none that could be moved runs on " + where));
+  } else if (movable.empty()) {
+    items.push_back({"interrupts", Verdict::advice,
+                     "those that are requested later may run on " + where +
+                         ": as root, strobed --config RIG.toml --move-interrupts",
+                     paste});
   } else {
     const std::string balancer =
         irqbalance_runs(files)
             ? "; irqbalance runs and brings them back: IRQBALANCE_BANNED_CPULIST=" + std::to_string(cpu)
             : "";
-    items.push_back(
-        advice("interrupts", std::to_string(movable.size()) + " may run on " + where + ": " + named(movable) +
-                                 ": as root, strobed --config RIG.toml --move-interrupts" + balancer));
+    items.push_back({"interrupts", Verdict::advice,
+                     std::to_string(movable.size()) + " may run on " + where + ": " + named(movable) +
+                         ": as root, strobed --config RIG.toml --move-interrupts" + balancer,
+                     paste});
   }
   if (fixed.empty()) {
     items.push_back(ok("fixed_interrupts", "none on " + where));
   } else {
-    items.push_back(advice("fixed_interrupts", "cannot be moved from " + where + ": " + named(fixed) +
-                                                   ": take another CPU, or leave their devices idle"));
+    items.push_back(advice("fixed_interrupts", "cannot be moved from " + where + ": " + named(fixed) + ": " +
+                                                   another_cpu(cpu, files) + "leave their devices idle"));
   }
 }
 
@@ -190,36 +222,41 @@ CheckItem preemption(const Rig& rig, const SystemFiles& files) {
   const PreemptionModel found = read_preemption(files);
   const std::string cure = how_to_preempt(found.switchable) + until_then(rig);
   const std::string late = ", under memory or disk load for milliseconds: ";
+  const auto better = [&](const std::string& words) {
+    CheckItem item = advice(name, words);
+    if (const auto line = install_rt_kernel(files)) item.paste.push_back(*line);
+    return item;
+  };
   switch (found.model) {
     case Preemption::real_time:
       return ok(name, "PREEMPT_RT: the loop interrupts nearly all that the kernel does");
     case Preemption::full:
       return ok(name, "full: the loop interrupts other programs' system calls, save where locks are held");
     case Preemption::voluntary:
-      return advice(name,
-                    "voluntary: other programs' system calls give way at chosen places only" + late + cure);
+      return better("voluntary: other programs' system calls give way at chosen places only" + late + cure);
     case Preemption::none:
-      return advice(name, "none: the loop waits for the end of other programs' system calls" + late + cure);
+      return better("none: the loop waits for the end of other programs' system calls" + late + cure);
     case Preemption::unknown:
       break;
   }
   if (found.switchable) {
-    return advice(name,
-                  "PREEMPT_DYNAMIC, whose model this user may not read: as root look into "
-                  "/sys/kernel/debug/sched/preempt; " +
-                      cure);
+    return better(
+        "PREEMPT_DYNAMIC, whose model this user may not read: as root look into "
+        "/sys/kernel/debug/sched/preempt; " +
+        cure);
   }
   if (found.source.empty()) return ok(name, "the kernel does not say");
-  return advice(name, "none or voluntary: the loop waits for other programs' system calls" + late + cure);
+  return better("none or voluntary: the loop waits for other programs' system calls" + late + cure);
 }
 
 }  // namespace
 
 std::vector<CheckItem> real_time_report(const Rig& rig, const RealTimeRights& trial, const Tick& tick,
                                         const SystemFiles& files) {
-  std::vector<CheckItem> items{tried("policy", trial.policy, "SCHED_FIFO"),
-                               tried("priority", trial.priority, std::to_string(rig.real_time.priority)),
-                               tried("memory", trial.memory, "locked"),
+  std::vector<CheckItem> items{tried("policy", trial.policy, "SCHED_FIFO", {allow_at_login("rtprio 99")}),
+                               tried("priority", trial.priority, std::to_string(rig.real_time.priority),
+                                     {allow_at_login("rtprio 99")}),
+                               tried("memory", trial.memory, "locked", {allow_at_login("memlock unlimited")}),
                                pinning(rig, trial, files),
                                trial.latency.empty() ? ok("latency", "/dev/cpu_dma_latency is held at 0")
                                                      : advice("latency", trial.latency),

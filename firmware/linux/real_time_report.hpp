@@ -7,21 +7,11 @@
 
 #include "firmware/core/rig.hpp"
 #include "firmware/core/tick.hpp"
+#include "firmware/linux/check_item.hpp"
 #include "firmware/linux/real_time.hpp"
 #include "firmware/linux/system_files.hpp"
 
 namespace strobe::firmware {
-
-struct CheckItem {
-  enum class Verdict {
-    ok,      ///< text: what was found
-    advice,  ///< it runs, but could be better: text says how
-    fault    ///< strobed would not start, or miss its times: text says what to do
-  };
-  std::string name;
-  Verdict verdict = Verdict::ok;
-  std::string words;  ///< one line
-};
 
 /// policy, priority, memory, pinning, latency, tick, governor, throttling, isolation, preemption, interrupts,
 /// fixed_interrupts, clock_source, in this order.

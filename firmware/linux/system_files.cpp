@@ -1,6 +1,8 @@
 #include "firmware/linux/system_files.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
@@ -42,6 +44,17 @@ bool SystemFiles::is_folder(const std::string& path) const {
   return std::filesystem::is_directory(root_ / path, error);
 }
 
+std::optional<std::string> SystemFiles::resolved(const std::string& path) const {
+  std::error_code error;
+  const auto root = std::filesystem::canonical(root_, error);
+  if (error) return std::nullopt;
+  const auto found = std::filesystem::canonical(root_ / path, error);
+  if (error) return std::nullopt;
+  const std::string relative = found.lexically_relative(root).string();
+  if (relative.starts_with("..")) return std::nullopt;
+  return relative;
+}
+
 bool SystemFiles::owner_may_write(const std::string& path) const {
   std::error_code error;
   const auto status = std::filesystem::status(root_ / path, error);
@@ -62,6 +75,36 @@ std::set<int> parse_cpu_list(const std::string& list) {
     for (int cpu = first; cpu <= std::min(last, kMaxCpus); ++cpu) cpus.insert(cpu);
   }
   return cpus;
+}
+
+std::set<int> parse_cpu_mask(const std::string& mask) {
+  constexpr int kBitsOfDigit = 4;
+  std::set<int> cpus;
+  int first = 0;
+  for (auto at = mask.rbegin(); at != mask.rend(); ++at) {
+    if (*at == ',') continue;
+    const std::size_t digit = std::string("0123456789abcdef").find(*at);
+    if (digit == std::string::npos) return {};
+    for (int bit = 0; bit < kBitsOfDigit; ++bit)
+      if ((digit >> bit & 1) != 0) cpus.insert(first + bit);
+    first += kBitsOfDigit;
+  }
+  return cpus;
+}
+
+std::string format_cpu_mask(const std::set<int>& cpus) {
+  constexpr int kBitsOfGroup = 32;
+  const int groups = cpus.empty() ? 1 : *cpus.rbegin() / kBitsOfGroup + 1;
+  std::string mask;
+  for (int group = groups - 1; group >= 0; --group) {
+    std::uint32_t bits = 0;
+    for (const int cpu : cpus)
+      if (cpu / kBitsOfGroup == group) bits |= std::uint32_t{1} << (cpu % kBitsOfGroup);
+    std::array<char, 16> text{};
+    std::snprintf(text.data(), text.size(), mask.empty() ? "%x" : ",%08x", bits);
+    mask += text.data();
+  }
+  return mask;
 }
 
 std::string format_cpu_list(const std::set<int>& cpus) {

@@ -21,6 +21,8 @@ class SystemFiles {
   /// Names in a folder, sorted: numbers by value; empty if there is no such folder.
   std::vector<std::string> list(const std::string& path) const;
   bool is_folder(const std::string& path) const;
+  /// Where it leads through all links, below the root; nullopt if it is absent or leads elsewhere.
+  std::optional<std::string> resolved(const std::string& path) const;
   /// Whether its mode lets the owner write, whoever calls.
   bool owner_may_write(const std::string& path) const;
 
@@ -32,5 +34,9 @@ class SystemFiles {
 std::set<int> parse_cpu_list(const std::string& list);
 /// The reverse: {0, 1, 2, 5} as "0-2,5".
 std::string format_cpu_list(const std::set<int>& cpus);
+/// "1,00000003" as {0, 1, 32}, as the kernel writes masks: hexadecimal, 32 CPUs a group; empty if malformed.
+std::set<int> parse_cpu_mask(const std::string& mask);
+/// The reverse.
+std::string format_cpu_mask(const std::set<int>& cpus);
 
 }  // namespace strobe::firmware

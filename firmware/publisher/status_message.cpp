@@ -36,7 +36,7 @@ std::string lacking(const StatusParts& parts) {
   if (!loop.fault.empty()) return "fault: " + std::string(loop.fault.view());
   if (!parts.journal_fault.empty()) return "the journal cannot be written: " + parts.journal_fault;
   if (loop.estop_active) return "the e-stop is pressed, or its wire is broken";
-  if (!loop.key_active) return "the key is off";
+  if (!loop.key_active) return "the key is off, or its wire is broken";
   return "";
 }
 

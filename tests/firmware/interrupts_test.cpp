@@ -48,6 +48,20 @@ TEST(Interrupts, ThatCannotBeMovedAreLeftAndNamed) {
   CHECK_EQUAL(std::string("0-1"), files.read("proc/irq/36/smp_affinity_list").value());
 }
 
+TEST(Interrupts, ThatAreRequestedLaterAreKeptOffTheCpuToo) {
+  tree.put("proc/irq/default_smp_affinity", "3");
+  CHECK_TRUE(newcomers_may_run_on(1, files));
+  CHECK_TRUE(move_interrupts_off(1, files).newcomers_kept_off);
+  CHECK_EQUAL(std::string("1"), files.read("proc/irq/default_smp_affinity").value());
+  CHECK_TRUE(move_interrupts_off(1, files).newcomers_kept_off);
+}
+
+TEST(Interrupts, ThatAreRequestedLaterStayWhereThereIsNoOtherCpu) {
+  tree.put("proc/irq/default_smp_affinity", "2");
+  CHECK_FALSE(move_interrupts_off(1, files).newcomers_kept_off);
+  CHECK_EQUAL(std::string("2"), files.read("proc/irq/default_smp_affinity").value());
+}
+
 TEST(Interrupts, OfTheOnlyCpuAreRefused) {
   tree.put("sys/devices/system/cpu/online", "0");
   CHECK_EQUAL(1U, move_interrupts_off(0, files).refused.size());

@@ -206,8 +206,10 @@ TEST(Publisher, SaysAtOnceWhatIsMissing) {
   status.estop_active = false;
   queue.status(status);
   queue.flush();
-  CHECK_TRUE(until(
-      [&] { return !listener.statuses.empty() && listener.statuses.back().message == "the key is off"; }));
+  CHECK_TRUE(until([&] {
+    return !listener.statuses.empty() &&
+           listener.statuses.back().message == "the key is off, or its wire is broken";
+  }));
   status.key_active = true;
   status.fault = "broken";
   queue.status(status);

@@ -15,7 +15,10 @@ TEST_GROUP(RealTimeReport) {
   RealTimeRights trial;
   Tick tick;
 
-  void setup() override { rig.real_time.cpu = 1; }
+  void setup() override {
+    rig.real_time.cpu = 1;
+    rig.file_name = "bench.toml";
+  }
 
   CheckItem item(const std::string& name) const {
     const auto items = real_time_report(rig, trial, tick, tree.files());
@@ -23,6 +26,11 @@ TEST_GROUP(RealTimeReport) {
         std::find_if(items.begin(), items.end(), [&](const CheckItem& i) { return i.name == name; });
     CHECK_TEXT(at != items.end(), name.c_str());
     return *at;
+  }
+  void pastes(const std::string& name, const std::string& line) const {
+    const CheckItem found = item(name);
+    CHECK_EQUAL(1U, found.paste.size());
+    CHECK_EQUAL(line, found.paste[0]);
   }
   void says(const std::string& name, Verdict verdict, const std::string& part) const {
     const CheckItem found = item(name);
@@ -90,6 +98,54 @@ TEST(RealTimeReport, NamesWhatTheKernelsCommandLineLacks) {
   CHECK_EQUAL(std::string::npos, item("isolation").words.find("isolcpus=1"));
   tree.put("sys/devices/system/cpu/isolated", "");
   says("isolation", Verdict::advice, "isolcpus=1 nohz_full=1");
+}
+
+TEST(RealTimeReport, GivesTheCommandLineToPasteAsThisMachineBoots) {
+  tree.put("sys/devices/system/cpu/isolated", "");
+  tree.put("sys/devices/system/cpu/nohz_full", "");
+  const std::string options = "isolcpus=1 nohz_full=1 rcu_nocbs=1";
+  says("isolation", Verdict::advice, options);
+  pastes("isolation", "mkdir -p /etc/default/grub.d && echo 'GRUB_CMDLINE_LINUX=\"$GRUB_CMDLINE_LINUX " +
+                          options + "\"' > /etc/default/grub.d/strobe.cfg && update-grub");
+  tree.put("boot/firmware/cmdline.txt", "console=tty1 rootwait");
+  pastes("isolation", "sed -i '1s/$/ " + options + "/' /boot/firmware/cmdline.txt");
+  tree.put("proc/cmdline", "quiet rcu_nocbs=0-1");
+  pastes("isolation", "sed -i '1s/$/ isolcpus=1 nohz_full=1/' /boot/firmware/cmdline.txt");
+}
+
+TEST(RealTimeReport, GivesWhatElseCanBePasted) {
+  trial = {"no FIFO", "no 80", "no lock", "", ""};
+  pastes("policy", "echo '@gpio - rtprio 99' >> /etc/security/limits.d/strobe.conf");
+  pastes("memory", "echo '@gpio - memlock unlimited' >> /etc/security/limits.d/strobe.conf");
+  tree.put("sys/devices/system/cpu/cpu1/cpufreq/scaling_governor", "ondemand");
+  pastes("governor", "echo performance > /sys/devices/system/cpu/cpu1/cpufreq/scaling_governor");
+  tree.put("proc/sys/kernel/sched_rt_runtime_us", "100000");
+  pastes("throttling",
+         "echo kernel.sched_rt_runtime_us=950000 > /etc/sysctl.d/60-strobe.conf && sysctl --system");
+  tree.put("proc/sys/kernel/version", "#1 SMP Debian 6.12.57-1 (2026-11-02)");
+  CHECK_TRUE(item("preemption").paste.empty());  // of a machine without such a kernel
+  tree.put("proc/sys/kernel/arch", "aarch64");
+  pastes("preemption", "apt install linux-image-rt-arm64");
+  tree.put("proc/sys/kernel/arch", "x86_64");
+  pastes("preemption", "apt install linux-image-rt-amd64");
+}
+
+TEST(RealTimeReport, NamesTheCpuWithTheFewestInterruptsThatNobodyCanMove) {
+  tree.put("sys/devices/system/cpu/online", "0-3");
+  rig.real_time.cpu = -1;
+  says("pinning", Verdict::advice, "e.g. to 3");
+  tree.fixed_interrupt(36, "queue.3", "3");
+  says("pinning", Verdict::advice, "e.g. to 2");
+  rig.real_time.cpu = 3;
+  says("fixed_interrupts", Verdict::advice, "take CPU 2, which has fewer, or leave");
+}
+
+TEST(RealTimeReport, TellsThatInterruptsToComeMayRunOnTheLoopsCpu) {
+  tree.put("proc/irq/default_smp_affinity", "3");
+  says("interrupts", Verdict::advice, "requested later may run on CPU 1");
+  pastes("interrupts", "strobed --config bench.toml --move-interrupts");
+  tree.put("proc/irq/default_smp_affinity", "1");
+  says("interrupts", Verdict::ok, "");
 }
 
 TEST(RealTimeReport, NamesInterruptsThatMayRunOnTheLoopsCpu) {

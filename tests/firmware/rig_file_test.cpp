@@ -64,6 +64,47 @@ TEST(RigFile, ReadsTheShippedRig) {
   CHECK_EQUAL(80, rig->real_time.priority);
 }
 
+TEST(RigFile, PullsKeyAndEStopToWhereABrokenWireStopsTheRig) {
+  const auto rig = read_rig(text, "rig.toml");
+  CHECK_TRUE(Bias::pull_down == rig->line(Line::key).bias);    // open: low, off
+  CHECK_TRUE(Bias::pull_down == rig->line(Line::estop).bias);  // open: low, pressed
+  CHECK_FALSE(rig->line(Line::key).bias_chosen);
+  for (const Line other : {Line::sensor_a, Line::gate, Line::strobe_a})
+    CHECK_TRUE(Bias::as_is == rig->line(other).bias);
+  text = replaced(text, "{ line = \"KEY\" }", "{ line = \"KEY\", active_low = true }");
+  text = replaced(text, "{ line = \"ESTOP\", active_low = true }", "{ line = \"ESTOP\" }");
+  const auto inverted = read_rig(text, "rig.toml");
+  CHECK_TRUE(Bias::pull_up == inverted->line(Line::key).bias);
+  CHECK_TRUE(Bias::pull_up == inverted->line(Line::estop).bias);
+}
+
+TEST(RigFile, ReadsABiasOfEachInput) {
+  for (const auto& [word, bias] : {std::pair{"as_is", Bias::as_is}, std::pair{"disabled", Bias::disabled},
+                                   std::pair{"pull_down", Bias::pull_down}}) {
+    const auto rig = read_rig(
+        replaced(text, "{ line = \"KEY\" }", "{ line = \"KEY\", bias = \"" + std::string(word) + "\" }"),
+        "rig.toml");
+    CHECK_TRUE(bias == rig->line(Line::key).bias);
+    CHECK_TRUE(rig->line(Line::key).bias_chosen);
+  }
+  const auto gate =
+      read_rig(replaced(text, "{ line = \"GATE\" }", "{ line = \"GATE\", bias = \"pull_up\" }"), "rig.toml");
+  CHECK_TRUE(Bias::pull_up == gate->line(Line::gate).bias);
+}
+
+TEST(RigFile, RefusesABiasThatLetsABrokenWirePassOrThatAnOutputCannotHave) {
+  const auto with = [&](const std::string& line, const std::string& bias) {
+    return error_of(replaced(text, "\"" + line + "\"", "\"" + line + "\", bias = \"" + bias + "\""));
+  };
+  STRCMP_CONTAINS("lines.key.bias: must not be \"pull_up\": the key would read as on when its wire breaks",
+                  with("KEY", "pull_up").c_str());
+  STRCMP_CONTAINS(
+      "lines.estop.bias: must not be \"pull_up\": the e-stop would read as released when its wire breaks",
+      with("ESTOP", "pull_up").c_str());
+  STRCMP_CONTAINS("lines.trigger.bias: is for inputs", with("TRIGGER", "pull_down").c_str());
+  STRCMP_CONTAINS("lines.gate.bias", with("GATE", "up").c_str());
+}
+
 TEST(RigFile, ReadsEveryNumberIntoItsPlace) {
   const std::array<std::array<const char*, 2>, 22> rows{
       {{"pulse_us = 50", "pulse_us = 51"},

@@ -77,7 +77,7 @@ TEST(StatusMessage, TellsEveryValueThatCameSinceTheLast) {
 
 TEST(StatusMessage, SaysTheGravestThingThatIsMissing) {
   parts.loop.estop_active = false;
-  CHECK_EQUAL("the key is off", to_message(parts, *timing, histograms).message);
+  CHECK_EQUAL("the key is off, or its wire is broken", to_message(parts, *timing, histograms).message);
   parts.loop.estop_active = true;
   CHECK_EQUAL("the e-stop is pressed, or its wire is broken", to_message(parts, *timing, histograms).message);
   parts.journal_fault = "the disk is full";

@@ -55,3 +55,12 @@ TEST(CpuList, WritesTheShortestList) {
   CHECK_EQUAL(std::string("0-2,5,7-8"), format_cpu_list({0, 1, 2, 5, 7, 8}));
   CHECK_EQUAL(std::string(), format_cpu_list({}));
 }
+
+TEST(SystemFiles, ReadsAndWritesMasksOfCpusAsTheKernel) {
+  CHECK_TRUE((std::set<int>{0, 1, 32}) == parse_cpu_mask("1,00000003"));
+  CHECK_TRUE((std::set<int>{4, 7}) == parse_cpu_mask("90"));
+  CHECK_TRUE(parse_cpu_mask("no mask").empty());
+  CHECK_EQUAL(std::string("1,00000003"), format_cpu_mask({0, 1, 32}));
+  CHECK_EQUAL(std::string("1,00000000,00000000"), format_cpu_mask({64}));
+  CHECK_EQUAL(std::string("0"), format_cpu_mask({}));
+}

@@ -38,6 +38,13 @@ class SystemTree {
     std::filesystem::permissions(folder_ / ("proc/irq/" + std::to_string(number) + "/smp_affinity_list"),
                                  std::filesystem::perms::owner_read);
   }
+  /// A link to a folder of the tree, which is made if need be; `to` as seen from the link's own folder.
+  void link(const std::string& path, const std::string& to) {
+    const std::filesystem::path at = folder_ / path;
+    std::filesystem::create_directories(at.parent_path());
+    std::filesystem::create_directories(at.parent_path() / to);
+    std::filesystem::create_directory_symlink(to, at);
+  }
   firmware::SystemFiles files() const { return firmware::SystemFiles(folder_.path()); }
 
  private:

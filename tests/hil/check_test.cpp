@@ -1,8 +1,10 @@
 // strobed --check on a bench that runs nothing: every item is there, once, in words.
 #include <map>
+#include <sstream>
 #include <string>
 #include <vector>
 
+#include "tests/hil/line_watcher.hpp"
 #include "tests/hil/rig_fixture.hpp"
 #include "tests/support/json_lines.hpp"
 #include "tests/support/private_network.hpp"
@@ -14,8 +16,9 @@ using namespace std::chrono_literals;
 
 namespace {
 
-RigFixtureOptions chip_with_nobody_on_it() {
+RigFixtureOptions chip_with_nobody_on_it(const std::string& chip = "") {
   RigFixtureOptions options;
+  options.scene_addition = chip;
   options.shell = "sleep 100";
   options.rig_edits = {{"cpu = -1", "cpu = 0"}};
   return options;
@@ -29,12 +32,91 @@ TEST_GROUP(Check) {
 
   void setup() override { CHECK(bench.sim().wait_for_err("strobe-sim: scene", 20s)); }
   strobe::testing::CompletedProcess check(const std::vector<std::string>& more) const {
+    return check(bench, more);
+  }
+  static strobe::testing::CompletedProcess check(const RigFixture& bench,
+                                                 const std::vector<std::string>& more) {
     std::vector<std::string> words{"--check",        "--allow-no-rt", "--config",
                                    bench.rig_file(), "--lcm-url",     bench.lcm_url()};
     words.insert(words.end(), more.begin(), more.end());
     return strobe::testing::run_process(bench.strobed(words), 20s);
   }
 };
+
+TEST_GROUP(CheckBias){/// What --check says of the bias of key and e-stop.
+                      static std::string biases_of(RigFixture & bench){
+                          CHECK(bench.sim().wait_for_err("strobe-sim: scene", 20s));
+return biases_of_waiting(bench);
+}
+static std::string biases_of_waiting(const RigFixture& bench) {
+  const auto finished = strobe::testing::run_process(
+      bench.strobed({"--check", "--allow-no-rt", "--config", bench.rig_file(), "--lcm-url", bench.lcm_url()}),
+      20s);
+  std::string found;
+  std::istringstream lines(finished.out);
+  for (std::string line; std::getline(lines, line);)
+    if (line.find(".bias") != std::string::npos) found += line + "\n";
+  return found;
+}
+}
+;
+
+TEST(CheckBias, TellsThatClosedContactsHoldTheirLines) {
+  RigFixture bench{chip_with_nobody_on_it()};
+  STRCMP_EQUAL(
+      "lines.key.bias   ok: pull_down is set as far as the kernel tells; the closed contact holds the line\n"
+      "lines.estop.bias ok: pull_down is set as far as the kernel tells; the closed contact holds the line\n",
+      biases_of(bench).c_str());
+  CHECK_FALSE(strobe::hil::LineWatcher(bench.chip_dir()).state("KEY").requested);
+}
+
+TEST(CheckBias, ProvesTheResistorWhereTheContactIsOpen) {
+  RigFixture bench{chip_with_nobody_on_it("[chip]\nreset_pull = \"up\"\n")};
+  CHECK(bench.sim().wait_for_err("strobe-sim: scene", 20s));
+  bench.drive("KEY=open");
+  STRCMP_CONTAINS(
+      "lines.key.bias   ok: pull_down, and the line follows it: its contact or its wire is open now",
+      biases_of_waiting(bench).c_str());
+  LONGS_EQUAL(0, strobe::hil::LineWatcher(bench.chip_dir()).state("KEY").level);
+}
+
+TEST(CheckBias, AdvisesAResistorWhereTheChipHasNoneOrMayHaveNone) {
+  RigFixture refusing{chip_with_nobody_on_it("[chip]\nbias = \"refused\"\n")};
+  STRCMP_CONTAINS(
+      "lines.key.bias   advice: the chip cannot set bias = \"pull_down\" (Invalid argument): a broken wire "
+      "stops the rig only where a resistor on the line pulls it down",
+      biases_of(refusing).c_str());
+  RigFixture silent{chip_with_nobody_on_it("[chip]\nbias = \"ignored\"\nestop_level = 0\n")};
+  STRCMP_CONTAINS(
+      "lines.estop.bias advice: pull_down is set as far as the kernel tells, but the other pull does not "
+      "move the line",
+      biases_of(silent).c_str());
+}
+
+TEST(CheckBias, AdvisesAResistorWhereTheFileWantsNoBias) {
+  RigFixtureOptions options = chip_with_nobody_on_it();
+  options.rig_edits.push_back({"{ line = \"KEY\" }", "{ line = \"KEY\", bias = \"as_is\" }"});
+  RigFixture bench{options};
+  STRCMP_CONTAINS("lines.key.bias   advice: \"as_is\": a broken wire stops the rig only where a resistor",
+                  biases_of(bench).c_str());
+}
+
+TEST(CheckBias, StartsOnAChipThatRefusesWithAWarningButNotAgainstTheFile) {
+  RigFixtureOptions options;
+  options.scene_addition = "[chip]\nbias = \"refused\"\n";
+  {
+    RigFixture bench{options};
+    CHECK_TEXT(bench.ready(), bench.log().c_str());
+    STRCMP_CONTAINS("strobed: warning: ", bench.log().c_str());
+    STRCMP_CONTAINS("lines.estop: the chip cannot set bias = \"pull_down\"", bench.log().c_str());
+  }
+  options.rig_edits.push_back({"{ line = \"KEY\" }", "{ line = \"KEY\", bias = \"pull_down\" }"});
+  RigFixture refused{options};
+  CHECK(refused.sim().wait(20s).has_value());
+  STRCMP_CONTAINS(
+      "lines.key: the chip cannot set bias = \"pull_down\" (Invalid argument): with a resistor on the line",
+      refused.log().c_str());
+}
 
 TEST(Check, FindsEveryItemOfABenchThatIsReady) {
   const auto finished = check({"--json", "--session", folder / "session"});
@@ -45,9 +127,13 @@ TEST(Check, FindsEveryItemOfABenchThatIsReady) {
     CHECK_TEXT(item["ok"] || item["tolerated"], item.dump().c_str());
     items[item["item"]] = item;
   }
-  for (const char* name : {"rig file", "chip.name", "lines.strobe_a", "lines.estop", "policy", "priority",
-                           "memory", "pinning", "latency", "tick", "governor", "throttling", "isolation",
-                           "preemption", "interrupts", "fixed_interrupts", "clock_source", "session", "lcm"})
+  for (const char* name : {"rig file",     "chip.name",      "lines.strobe_a",
+                           "lines.estop",  "lines.key.bias", "lines.estop.bias",
+                           "policy",       "priority",       "memory",
+                           "pinning",      "latency",        "tick",
+                           "governor",     "throttling",     "isolation",
+                           "preemption",   "interrupts",     "fixed_interrupts",
+                           "clock_source", "session",        "lcm"})
     CHECK_TEXT(items.contains(name), name);
 }
 

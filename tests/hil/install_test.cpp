@@ -26,12 +26,12 @@ TEST_GROUP(Install) {
 };
 
 TEST(Install, HasProgramsLibraryMessagesUnitRigScenesAndData) {
-  for (const char* file :
-       {"bin/strobed", "bin/strobe", "bin/strobe-sim", "share/strobe/rig.toml",
-        "share/strobe/scenes/zero_23.toml", "share/strobe/scenes/back_68.toml",
-        "share/strobe/thesis/tables_02_to_10.csv", "share/strobe/thesis/contact/zero_23.csv",
-        "share/strobe/lcm/event_t.lcm", "share/strobe/lcm/sealed_command_t.lcm", "lib/sysusers.d/strobe.conf",
-        "lib/udev/rules.d/60-strobe.rules"})
+  for (const char* file : {"bin/strobed", "bin/strobe", "bin/strobe-sim", "share/strobe/rig.toml",
+                           "share/strobe/boards/raspberry-pi-5.toml", "share/strobe/scenes/zero_23.toml",
+                           "share/strobe/scenes/back_68.toml", "share/strobe/thesis/tables_02_to_10.csv",
+                           "share/strobe/thesis/contact/zero_23.csv", "share/strobe/lcm/event_t.lcm",
+                           "share/strobe/lcm/sealed_command_t.lcm", "lib/sysusers.d/strobe.conf",
+                           "lib/udev/rules.d/60-strobe.rules"})
     CHECK_TEXT(std::filesystem::exists(moved / file), file);
   bool library = false, unit = false;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(moved)) {

@@ -67,6 +67,18 @@ Span stop_in_mid_train(const RigFixture& bench, RawHost& host, const std::string
   return {};
 }
 
+/// Lines that pull up until asked otherwise, as lines 0 to 8 of a Raspberry Pi: an open e-stop would read as
+/// released there and an open key as on.
+RigFixtureOptions lines_that_pull_up() {
+  RigFixtureOptions options;
+  options.scene_addition = "[chip]\nreset_pull = \"up\"\n";
+  return options;
+}
+
+const std::vector<std::pair<std::string, std::string>> kWires{
+    {"KEY", "the key is off, or its wire is broken"},
+    {"ESTOP", "the e-stop is pressed, or its wire is broken"}};
+
 }  // namespace
 
 TEST_GROUP(Interlock){};
@@ -87,7 +99,7 @@ TEST(Interlock, FiresTheMachineOnceAShotWhenAllIsWellAndElseRefusesInWords) {
     bench.drive(std::string(line) + "=0");
     const auto tried = bench.refused(bench.fire(1, 0), word);
     CHECK_TEXT(tried.status == ExitStatus({1, 0}), tried.err.c_str());
-    CHECK_TEXT(tried.err.find(word) != std::string::npos, tried.err.c_str());
+    CHECK_TEXT(tried.err.find(word) != std::string::npos, (tried.err + bench.log()).c_str());
     refused.to_ns = monotonic_now_ns();
     bench.drive(std::string(line) + "=1");
     refusals.push_back(refused);
@@ -176,4 +188,55 @@ TEST(Interlock, StopsAShotByKeyEStopAndDisarm) {
   const LineChanges changes = bench.finish();
   for (const Span& shot : stopped) expect_untouched(changes, shot, {"TRIGGER"});
   LONGS_EQUAL(host.shots().size(), read_log(bench.journal()).shots.size());
+}
+
+TEST(Interlock, StopsAShotWhenAWireBreaks) {
+  RigFixture bench(lines_that_pull_up());
+  expect_ready(bench);
+  RawHost host(bench.lcm_url(), "bench");
+  CHECK(host.wait_status());
+  std::vector<Span> stopped;
+  for (const auto& [line, words] : kWires) {
+    stopped.push_back(
+        stop_in_mid_train(bench, host, line, [&](LineWatcher& watch) { watch.open_wire(line); }));
+    CHECK_TEXT(host.wait([&] { return host.status().message == words; }, kLongestWait), words.c_str());
+    bench.drive(line + "=1");
+    CHECK(host.wait([&] { return host.status().key_active && !host.status().estop_active; }, kLongestWait));
+  }
+  const LineChanges changes = bench.finish();
+  for (const Span& shot : stopped) expect_untouched(changes, shot, {"TRIGGER"});
+}
+
+TEST(Interlock, EndsAnArmingWhenAWireBreaks) {
+  RigFixture bench(lines_that_pull_up());
+  expect_ready(bench);
+  RawHost host(bench.lcm_url(), "bench");
+  CHECK(host.wait_status());
+  for (const auto& [line, words] : kWires) {
+    const std::int64_t token = host.arm();
+    CHECK(token != 0);
+    bench.drive(line + "=open");
+    CHECK_TEXT(host.wait([&] { return host.status().message == words; }, kLongestWait), words.c_str());
+    LONGS_EQUAL(0, host.status().arm_token);
+    host.send(host.fire_command(token, false));
+    host.listen(kNothingHappens);
+    bench.drive(line + "=1");
+    CHECK(host.wait([&] { return host.status().key_active && !host.status().estop_active; }, kLongestWait));
+  }
+  LONGS_EQUAL(0, host.status().last_shot_id);
+  expect_untouched(bench.finish(), {"all the time", 0}, kOutputs);
+}
+
+TEST(Interlock, IsNotArmedWithAWireThatWasBrokenAtTheStart) {
+  for (const auto& [line, words] : kWires) {
+    RigFixtureOptions options = lines_that_pull_up();
+    options.shell = "'" + program("strobe-sim").string() + "' drive --chip-dir \"$STROBE_GPIOCHIP_DIR\" " +
+                    line + "=open && exec \"$@\"";
+    RigFixture bench(options);
+    expect_ready(bench);
+    const auto tried = bench.refused(bench.fire(1, 0), words);
+    CHECK_TEXT(tried.status == ExitStatus({1, 0}), tried.err.c_str());
+    STRCMP_CONTAINS(words.c_str(), tried.err.c_str());
+    expect_untouched(bench.finish(), {line, 0}, kOutputs);
+  }
 }
