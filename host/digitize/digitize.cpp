@@ -261,7 +261,13 @@ Result<Digitization> digitize(const Photograph& photograph, const DigitizeSettin
   if (const auto problem = invalid_setting(settings)) return fail(*problem);
   if (photograph.intensity.empty()) return fail(photograph.name + ": no picture");
   try {
-    return Digitizer(photograph, settings).run();
+    auto digitization = Digitizer(photograph, settings).run();
+    if (photograph.orientation != 1)
+      digitization.remarks.push_back(fmt::format(
+          "the camera says that it was held otherwise than upright (EXIF orientation {}): the pixels "
+          "are taken as they are stored, with the first row at the top",
+          photograph.orientation));
+    return digitization;
   } catch (const cv::Exception& e) {
     return fail(photograph.name + ": " + e.err);
   }

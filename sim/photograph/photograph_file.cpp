@@ -2,26 +2,20 @@
 
 #include <cstdint>
 #include <fstream>
-#include <opencv2/imgcodecs.hpp>
 #include <vector>
+
+#include "common/image/image_files.hpp"
 
 namespace strobe::sim {
 
 namespace {
 
-constexpr int kNoCompression = 1;  // of TIFF's tag 259
-constexpr int kQuickPng = 1;
-
 Result<std::vector<std::uint8_t>> encode(const cv::Mat& pixels, PhotographFormat format) {
-  std::vector<int> parameters{cv::IMWRITE_TIFF_COMPRESSION, kNoCompression};
-  if (format == PhotographFormat::png) parameters = {cv::IMWRITE_PNG_COMPRESSION, kQuickPng};
-  std::vector<std::uint8_t> bytes;
-  try {
-    if (cv::imencode(extension(format), pixels, bytes, parameters)) return bytes;
-  } catch (const cv::Exception& error) {
-    return fail("cannot be encoded: " + error.err);
-  }
-  return fail("cannot be encoded");
+  const bool known = pixels.type() == CV_8UC1 || pixels.type() == CV_16UC1;
+  if (!known) return fail("cannot be encoded");
+  const image::Pixels grey{pixels.data, pixels.step, pixels.cols,
+                           pixels.rows, 1,           pixels.depth() == CV_8U ? 8 : 16};
+  return format == PhotographFormat::png ? image::encode_png(grey) : image::encode_tiff(grey);
 }
 
 }  // namespace

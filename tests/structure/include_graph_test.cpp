@@ -190,3 +190,15 @@ TEST(IncludeGraph, CommonHasNoLinuxOrPosixHeaders) {
   }
   CHECK_EQUAL("", wrong);
 }
+
+TEST(IncludeGraph, NoModuleOfOpenCVThatLoadsAHundredLibrariesIsUsed) {
+  const std::set<std::string> heavy{"opencv2/imgcodecs.hpp", "opencv2/highgui.hpp", "opencv2/videoio.hpp",
+                                    "opencv2/opencv.hpp"};
+  std::string wrong;
+  for (const SourceFile& file : cpp_files())
+    for (const Include& include : includes_of(file))
+      if (heavy.count(include.target) != 0)
+        wrong += complaint(file, include,
+                           "makes each program start in 80 ms; common/image reads and writes files");
+  CHECK_EQUAL("", wrong);
+}

@@ -22,8 +22,8 @@ const std::map<std::string, std::vector<Layer>> kLayers{
     {"common",
      {
          {"common", "common/impact"},
-         {"common/authentication", "common/ball", "common/config", "common/data", "common/units",
-          "common/wire"},
+         {"common/authentication", "common/ball", "common/config", "common/data", "common/image",
+          "common/units", "common/wire"},
          {"common/flight", "common/frontier", "common/impact/closed_form", "common/shot"},
          {"common/geometry", "common/impact/ode"},
          {"common/contact/integration", "common/impact/fit", "common/reduction"},

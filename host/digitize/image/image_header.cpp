@@ -155,10 +155,9 @@ Result<ImageHeader> read_tiff(Bytes bytes) {
   if (kind != 1)
     return fail("the TIFF's pixels are signed or floating-point numbers: 1, 8 or 16 bits unsigned are read");
   if (!contains_all_strips(bytes, directory)) return cut_short("TIFF");
-  // OpenCV 4.6 inverts those of one bit and leaves the others.
   constexpr std::uint64_t kZeroIsWhite = 0;
   return sized({"TIFF", static_cast<std::int64_t>(width), static_cast<std::int64_t>(height),
-                static_cast<int>(std::min<std::uint64_t>(bits, 64)), meaning == kZeroIsWhite && bits > 1,
+                static_cast<int>(std::min<std::uint64_t>(bits, 64)), meaning == kZeroIsWhite,
                 raw_pixels(directory, big_endian, width, height, bits)});
 }
 

@@ -18,7 +18,7 @@ struct ImageHeader {
   std::int64_t width = 0;   ///< > 0
   std::int64_t height = 0;  ///< > 0
   int bits = 8;             ///< per channel
-  bool inverted = false;    ///< 0 is white, and OpenCV's decoder leaves it so
+  bool inverted = false;    ///< 0 is white
   /// Offset of uncompressed grey pixels of 8 or 16 bits in this machine's byte order, row by row from the top
   /// without gaps, which need no decoding.
   std::optional<std::size_t> raw_offset = std::nullopt;

@@ -10,10 +10,10 @@
 #include <limits>
 #include <memory>
 #include <opencv2/core/utility.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
+#include "common/image/image_files.hpp"
 #include "host/digitize/image/image_header.hpp"
 
 namespace strobe::digitize {
@@ -41,37 +41,42 @@ Result<ImageHeader> acceptable_header(std::span<const unsigned char> bytes) {
   return header;
 }
 
-/// Grey of 8 or 16 bits, as the file has it; it may lie in `bytes`.
-Result<cv::Mat> decode_grey(std::span<const unsigned char> bytes, const ImageHeader& header) {
-  // OpenCV takes no const buffer, though it only reads it.
-  auto* data = const_cast<unsigned char*>(bytes.data());
-  if (header.raw_offset) {
-    const cv::Mat plain(static_cast<int>(header.height), static_cast<int>(header.width),
-                        header.bits == 8 ? CV_8UC1 : CV_16UC1, data + *header.raw_offset);
-    if (!header.inverted) return plain;
-    cv::Mat positive;
-    cv::bitwise_not(plain, positive);
-    return positive;
-  }
-  const cv::Mat buffer(1, static_cast<int>(bytes.size()), CV_8UC1, data);
-  cv::Mat pixels = cv::imdecode(buffer, cv::IMREAD_UNCHANGED);
-  if (pixels.empty()) return fail(fmt::format("the {} file is damaged", header.format));
-  if (pixels.cols != header.width || pixels.rows != header.height)
-    return fail(fmt::format("the {} header says {} x {} pixels, but {} x {} were read", header.format,
-                            header.width, header.height, pixels.cols, pixels.rows));
-  if (pixels.depth() != CV_8U && pixels.depth() != CV_16U)
-    return fail(fmt::format("the {}'s pixels are of {} bits: 1, 8 or 16 bits unsigned are read",
-                            header.format, header.bits));
-  if (header.inverted) cv::bitwise_not(pixels, pixels);
+/// Grey of 8 or 16 bits. The pixels lie in the file's bytes, in `raster`, or in `grey` itself.
+struct Decoded {
+  image::Raster raster;
   cv::Mat grey;
-  if (pixels.channels() == 1) return pixels;
-  if (pixels.channels() == 3)
-    cv::cvtColor(pixels, grey, cv::COLOR_BGR2GRAY);
-  else if (pixels.channels() == 4)
-    cv::cvtColor(pixels, grey, cv::COLOR_BGRA2GRAY);
-  else
-    return fail(fmt::format("a pixel of {} numbers is neither grey nor a colour", pixels.channels()));
-  return grey;
+};
+
+cv::Mat plain_pixels(std::span<const unsigned char> bytes, const ImageHeader& header) {
+  // OpenCV takes no const pixels, though it only reads them.
+  auto* data = const_cast<unsigned char*>(bytes.data());
+  const cv::Mat plain(static_cast<int>(header.height), static_cast<int>(header.width),
+                      header.bits == 8 ? CV_8UC1 : CV_16UC1, data + *header.raw_offset);
+  if (!header.inverted) return plain;
+  cv::Mat positive;
+  cv::bitwise_not(plain, positive);
+  return positive;
+}
+
+Result<image::Raster> decode_file(std::span<const unsigned char> bytes, std::string_view format) {
+  if (format == "TIFF") return image::decode_tiff(bytes);
+  if (format == "PNG") return image::decode_png(bytes);
+  if (format == "JPEG") return image::decode_jpeg(bytes);
+  if (format == "BMP") return image::decode_bmp(bytes);
+  return image::decode_pnm(bytes);
+}
+
+Result<Decoded> decode_grey(std::span<const unsigned char> bytes, const ImageHeader& header) {
+  if (header.raw_offset) return Decoded{{}, plain_pixels(bytes, header)};
+  auto raster = decode_file(bytes, header.format);
+  if (!raster) return tl::unexpected(raster.error());
+  const int type = CV_MAKETYPE(raster->bits() == 8 ? CV_8U : CV_16U, raster->channels());
+  const cv::Mat pixels(raster->height(), raster->width(), type, raster->row(0));
+  if (raster->channels() == 1) return Decoded{std::move(*raster), pixels};
+  Decoded decoded;
+  cv::cvtColor(pixels, decoded.grey, cv::COLOR_RGB2GRAY);
+  decoded.raster.orientation = raster->orientation;
+  return decoded;
 }
 
 constexpr int kBins = 256;
@@ -127,18 +132,20 @@ Result<Photograph> decoded(std::span<const unsigned char> bytes, const std::stri
   if (bytes.size() > static_cast<std::size_t>(INT32_MAX)) return fail("the file is larger than 2 GB");
   const auto header = acceptable_header(bytes);
   if (!header) return tl::unexpected(header.error());
-  const auto grey = decode_grey(bytes, *header);
-  if (!grey) return tl::unexpected(grey.error());
+  const auto decoded = decode_grey(bytes, *header);
+  if (!decoded) return tl::unexpected(decoded.error());
+  const cv::Mat& grey = decoded->grey;
   Photograph photograph;
   photograph.name = name;
-  photograph.bits = header->bits == 1 ? 1 : grey->depth() == CV_8U ? 8 : 16;
-  const double top = grey->depth() == CV_8U ? 255.0 : 65535.0;
+  photograph.orientation = decoded->raster.orientation;
+  photograph.bits = header->bits == 1 ? 1 : grey.depth() == CV_8U ? 8 : 16;
+  const double top = grey.depth() == CV_8U ? 255.0 : 65535.0;
   // Half a number less, so that no saturated pixel is missed by rounding.
-  photograph.saturation = static_cast<float>((saturation_level(*grey) - 0.5) / top);
-  photograph.intensity.create(grey->size(), CV_32FC1);
-  cv::parallel_for_(cv::Range(0, grey->rows), [&](const cv::Range& rows) {
+  photograph.saturation = static_cast<float>((saturation_level(grey) - 0.5) / top);
+  photograph.intensity.create(grey.size(), CV_32FC1);
+  cv::parallel_for_(cv::Range(0, grey.rows), [&](const cv::Range& rows) {
     cv::Mat intensity = photograph.intensity.rowRange(rows);
-    grey->rowRange(rows).convertTo(intensity, CV_32F, 1.0 / top);
+    grey.rowRange(rows).convertTo(intensity, CV_32F, 1.0 / top);
   });
   return photograph;
 }

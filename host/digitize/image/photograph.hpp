@@ -8,6 +8,7 @@
 #include <span>
 #include <string>
 
+#include "common/image/image_files.hpp"
 #include "common/result.hpp"
 
 namespace strobe::digitize {
@@ -17,15 +18,18 @@ struct Photograph {
   int bits = 8;       ///< of the file's numbers: 1, 8 or 16
   float saturation = 1.0F;  ///< pixels of this intensity or more are clipped
   std::string name;         ///< the file's, for messages
+  /// How EXIF, in a JPEG or PNG, says that the camera was held (1 to 8; 1: upright). The pixels are as stored: a
+  /// fixed camera's calibration is of them.
+  int orientation = 1;
 
   int width() const { return intensity.cols; }
   int height() const { return intensity.rows; }
 };
 
 /// Photographs have from 16 x 16 to this many pixels.
-inline constexpr std::int64_t kMaxPixels = 120'000'000;
+inline constexpr std::int64_t kMaxPixels = image::kMaxPixels;
 
-/// Decodes the formats of image_header.hpp with OpenCV. Colours become luminance. Fails with "NAME: what is
+/// Decodes the formats of image_header.hpp. Colours become luminance. Fails with "NAME: what is
 /// wrong"; never throws, whatever the bytes. Thread-safe; allocates.
 Result<Photograph> decode_photograph(std::span<const unsigned char> bytes, const std::string& name);
 

@@ -3,13 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <numbers>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
 #include "common/config/files.hpp"
+#include "common/image/image_files.hpp"
 
 namespace strobe::digitize {
 
@@ -200,6 +201,20 @@ std::string label_of(const BallImage& image, std::size_t index) {
   return fmt::format("{}: {:.2f} ms", index + 1, image.time_s * 1e3);
 }
 
+/// `picture` has blue first.
+Result<std::vector<std::uint8_t>> encoded(const cv::Mat& picture, const std::filesystem::path& extension) {
+  cv::Mat colours;
+  cv::cvtColor(picture, colours, cv::COLOR_BGR2RGB);
+  const image::Pixels pixels{colours.data, colours.step, colours.cols, colours.rows, 3, 8};
+  std::string kind = extension.string();
+  std::ranges::transform(kind, kind.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (kind == ".png") return image::encode_png(pixels);
+  if (kind == ".jpg" || kind == ".jpeg") return image::encode_jpeg(pixels);
+  if (kind == ".tif" || kind == ".tiff") return image::encode_tiff(pixels, {.lzw = true});
+  return fail("cannot be written (an extension is needed: .png, .jpg or .tif)");
+}
+
 }  // namespace
 
 cv::Mat draw_overlay(const Photograph& photograph, const PlaneMap& map, const Digitization& digitization,
@@ -229,15 +244,9 @@ cv::Mat draw_overlay(const Photograph& photograph, const PlaneMap& map, const Di
 Result<void> write_overlay(const std::filesystem::path& path, const Photograph& photograph,
                            const PlaneMap& map, const Digitization& digitization,
                            const OverlaySettings& settings) {
-  std::vector<std::uint8_t> bytes;
-  bool encoded = false;
-  try {
-    encoded =
-        cv::imencode(path.extension().string(), draw_overlay(photograph, map, digitization, settings), bytes);
-  } catch (const cv::Exception&) {
-  }
-  if (!encoded) return fail(path.string() + ": cannot be written (an extension such as .png is needed)");
-  return config::write_file(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  const auto bytes = encoded(draw_overlay(photograph, map, digitization, settings), path.extension());
+  if (!bytes) return fail(path.string() + ": " + bytes.error().message);
+  return config::write_file(path, {reinterpret_cast<const char*>(bytes->data()), bytes->size()});
 }
 
 }  // namespace strobe::digitize

@@ -2,12 +2,12 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <opencv2/imgcodecs.hpp>
 
 #include "host/commands/command.hpp"
 #include "host/config/rig_file.hpp"
 #include "host/photographs/digitize_settings.hpp"
 #include "tests/host/camera/pinhole.hpp"
+#include "tests/support/pictures.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 #include "tests/support/string_from.hpp"
@@ -90,7 +90,7 @@ TEST(CalibrateCommand, FromAPhotographToTheDigitizersMap) {
   std::mt19937_64 random(3);
   cv::Mat bytes;
   testing::photograph(pinhole, pose, pattern, 0.005, random).convertTo(bytes, CV_16U, 65535.0);
-  cv::imwrite(in("plane.png"), bytes);
+  strobe::testing::write_picture(in("plane.png"), bytes);
   write("rig.toml", kRig);
   LONGS_EQUAL(host::kDone, run({in("plane.png"), "--rig", in("rig.toml"), "--columns", "7", "--rows", "5",
                                 "--spacing-mm", "20", "--lens-distance-m", "1.0", "--surface", "10", "250",
@@ -114,7 +114,7 @@ TEST(CalibrateCommand, SaysWhatIsWrongAndLeavesTheCalibrationAlone) {
   write("camera.toml", "px_per_m = 5\n");
   write("unnamed.toml", "rig = \"b\"\n");
   write("text.png", "no picture");
-  cv::imwrite(in("empty.png"), cv::Mat(120, 160, CV_8UC1, cv::Scalar(90)));
+  strobe::testing::write_picture(in("empty.png"), cv::Mat(120, 160, CV_8UC1, cv::Scalar(90)));
   for (const char* image : {"text.png", "empty.png", "absent.png"})
     LONGS_EQUAL(host::kBadInput, run({in(image), "--rig", in("rig.toml"), "--spacing-mm", "20"}));
   for (const char* rig : {"none.toml", "unnamed.toml"}) {

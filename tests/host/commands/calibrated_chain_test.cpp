@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "sim/loading/parse_scene.hpp"
 #include "sim/photograph/optics.hpp"
 #include "tests/host/commands/shipped_programs.hpp"
 #include "tests/support/json_lines.hpp"
+#include "tests/support/pictures.hpp"
 
 #include <CppUTest/TestHarness.h>
 
@@ -70,7 +70,7 @@ TEST_GROUP(CalibratedChain) {
   std::string calibrate(const std::string& date, int shots) {
     photograph(folder, "a", kScene, shots, kLens);
     const sim::Scene scene = scene_of(folder / "a.toml");
-    cv::imwrite((folder / "board.png").string(), board(scene));
+    strobe::testing::write_picture(folder / "board.png", board(scene));
     std::vector<std::string> surface{"--surface"};
     const sim::Optics optics(scene);
     for (const double x_m : {-0.2, 0.2}) {

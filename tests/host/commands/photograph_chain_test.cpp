@@ -4,10 +4,10 @@
 
 #include <cmath>
 #include <filesystem>
-#include <opencv2/imgcodecs.hpp>
 
 #include "tests/host/commands/shipped_programs.hpp"
 #include "tests/support/json_lines.hpp"
+#include "tests/support/pictures.hpp"
 
 #include "tests/support/string_from.hpp"
 
@@ -70,8 +70,8 @@ TEST(PhotographChain, DrawsWhatItFoundOnThePhotograph) {
   const Run one =
       run_program("strobe", digitize({shot("a"), "--overlay", folder / "one.png", "--effort", "fast"}));
   CHECK_TEXT(one.code == 0, one.err.c_str());
-  const cv::Mat bare = cv::imread(shot("a"), cv::IMREAD_UNCHANGED);
-  const cv::Mat drawn = cv::imread((folder / "one.png").string(), cv::IMREAD_UNCHANGED);
+  const cv::Mat bare = strobe::testing::read_picture(shot("a"));
+  const cv::Mat drawn = strobe::testing::read_picture(folder / "one.png");
   CHECK(bare.size() == drawn.size() && drawn.channels() == 3);
   const std::vector<std::string> two{shot("a", 1), shot("a", 2), "--effort", "fast", "--overlay"};
   CHECK_EQUAL(2, run_program("strobe", digitize(with(two, {folder / "many.png"}))).code);

@@ -173,6 +173,16 @@ TEST(Digitize, GivesAFrameThatCanBeReduced) {
   DOUBLES_EQUAL(75.3 / kDiameter_px * kBall_m / 3e-3, *readout->value[reduction::Quantity::vx_td_mps], 0.2);
 }
 
+TEST(Digitize, SaysThatAPhotographOfACameraOnItsSideIsNotTurned) {
+  digitize::Photograph photograph = painter::paint(picture(bounce()));
+  const auto upright = digitize::digitize(photograph, settings());
+  photograph.orientation = 6;
+  const auto turned = digitize::digitize(photograph, settings());
+  CHECK_TRUE(upright.has_value() && turned.has_value());
+  LONGS_EQUAL(upright->remarks.size() + 1, turned->remarks.size());
+  STRCMP_CONTAINS("EXIF orientation 6", turned->remarks.back().c_str());
+}
+
 TEST(Digitize, UndoesTheLensAndTheCamerasTilt) {
   const auto placed = bounce();
   DigitizeSettings s = settings();

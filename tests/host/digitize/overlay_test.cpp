@@ -1,7 +1,6 @@
 #include "host/digitize/overlay/overlay.hpp"
 
-#include <opencv2/imgcodecs.hpp>
-
+#include "tests/support/pictures.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 #include <CppUTest/TestHarness.h>
@@ -111,7 +110,7 @@ TEST(Overlay, IsWrittenAsTheExtensionSays) {
   const strobe::testing::TemporaryFolder folder;
   const auto path = folder.path() / "out.png";
   CHECK(write_overlay(path, grey_photograph(), map, two_images()).has_value());
-  const cv::Mat read = cv::imread(path.string(), cv::IMREAD_COLOR);
+  const cv::Mat read = strobe::testing::read_picture(path);
   DOUBLES_EQUAL(0.0, cv::norm(read, draw_overlay(grey_photograph(), map, two_images()), cv::NORM_INF), 0.0);
 }
 

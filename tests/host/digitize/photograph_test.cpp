@@ -1,11 +1,12 @@
 #include "host/digitize/image/photograph.hpp"
 
-#include <opencv2/imgcodecs.hpp>
+#include <array>
 #include <string>
 #include <vector>
 
 #include "host/digitize/image/image_header.hpp"
 
+#include "tests/support/pictures.hpp"
 #include "tests/support/string_from.hpp"
 
 using namespace strobe::digitize;
@@ -14,11 +15,7 @@ namespace {
 
 using Bytes = std::vector<unsigned char>;
 
-Bytes encoded(const cv::Mat& pixels, const std::string& extension, const std::vector<int>& options = {}) {
-  Bytes bytes;
-  cv::imencode(extension, pixels, bytes, options);
-  return bytes;
-}
+using strobe::testing::encoded_picture;
 
 /// 20 rows of 30: the number at (column, row) is step·(30·row + column), cut off at the top.
 cv::Mat ramp(int depth, int step) {
@@ -47,6 +44,18 @@ cv::Mat with_heap(int depth, int from, int to) {
   return pixels;
 }
 
+/// A TIFF of 20 x 20 numbers of tag 339's kind 3.
+Bytes of_floating_point() {
+  Bytes bytes{'I', 'I', 42, 0, 8, 0, 0, 0, 6, 0};
+  const std::vector<std::array<int, 2>> entries{{256, 20}, {257, 20},   {258, 32},
+                                                {273, 90}, {279, 1600}, {339, 3}};
+  for (const auto& [tag, value] : entries)
+    for (const int number : {tag, 3, 1, 0, value, 0})
+      for (const int byte : {number & 0xFF, number >> 8}) bytes.push_back(static_cast<unsigned char>(byte));
+  bytes.resize(90 + 1600);
+  return bytes;
+}
+
 std::string complaint(const Bytes& bytes) {
   const auto photograph = decode_photograph(bytes, "shot.tif");
   return photograph ? "" : photograph.error().message;
@@ -68,7 +77,7 @@ TEST(Photograph, LightIsProportionalToTheFilesNumbersWhateverTheFormat) {
     const double top = depth == CV_8U ? 255.0 : 65535.0;
     const cv::Mat pixels = ramp(depth, depth == CV_8U ? 1 : 101);
     for (const std::string extension : {".tif", ".png", ".pgm"}) {
-      const auto photograph = decode_photograph(encoded(pixels, extension), "a");
+      const auto photograph = decode_photograph(encoded_picture(pixels, extension), "a");
       CHECK_TRUE(photograph.has_value());
       CHECK_EQUAL(depth == CV_8U ? 8 : 16, photograph->bits);
       CHECK_EQUAL(30, photograph->width());
@@ -83,7 +92,7 @@ TEST(Photograph, LightIsProportionalToTheFilesNumbersWhateverTheFormat) {
 TEST(Photograph, APixelAtTheTopOfTheFileCountsAsSaturated) {
   for (const int depth : {CV_8U, CV_16U}) {
     const cv::Mat pixels(20, 20, depth, cv::Scalar(depth == CV_8U ? 255 : 65535));
-    const auto photograph = decode_photograph(encoded(pixels, ".png"), "a");
+    const auto photograph = decode_photograph(encoded_picture(pixels, ".png"), "a");
     CHECK_TRUE(photograph.has_value());
     CHECK_TRUE(photograph->intensity.at<float>(3, 3) >= photograph->saturation);
   }
@@ -91,16 +100,17 @@ TEST(Photograph, APixelAtTheTopOfTheFileCountsAsSaturated) {
 
 TEST(Photograph, ColoursBecomeTheirLuminance) {
   const cv::Mat pixels(16, 16, CV_8UC3, cv::Scalar(40, 80, 160));  // blue, green, red
-  const auto photograph = decode_photograph(encoded(pixels, ".png"), "a");
+  const auto photograph = decode_photograph(encoded_picture(pixels, ".png"), "a");
   CHECK_TRUE(photograph.has_value());
   // ITU-R BT.601, to a whole number of the file.
   DOUBLES_EQUAL(0.114 * 40 + 0.587 * 80 + 0.299 * 160, 255.0 * photograph->intensity.at<float>(5, 5), 0.51);
 }
 
 TEST(Photograph, OneBitIsBlackAndWhite) {
-  cv::Mat pixels = cv::Mat::zeros(16, 24, CV_8U);
-  pixels.colRange(10, 20).setTo(255);
-  const auto photograph = decode_photograph(encoded(pixels, ".png", {cv::IMWRITE_PNG_BILEVEL, 1}), "a");
+  // A bitmap of 24 x 16 pixels, black where its bits are set, white from column 10 on.
+  std::string text = "P4 24 16\n";
+  for (int row = 0; row < 16; ++row) text += std::string("\xFF\xC0\x0F", 3);
+  const auto photograph = decode_photograph(Bytes(text.begin(), text.end()), "a");
   CHECK_TRUE(photograph.has_value());
   CHECK_EQUAL(1, photograph->bits);
   DOUBLES_EQUAL(0.0, photograph->intensity.at<float>(8, 9), 0.0);
@@ -110,7 +120,7 @@ TEST(Photograph, OneBitIsBlackAndWhite) {
 TEST(Photograph, AFileThatEndsTooEarlySaysSo) {
   const cv::Mat pixels = ramp(CV_8U, 1);
   for (const std::string extension : {".tif", ".png", ".jpg", ".bmp", ".pgm"}) {
-    const Bytes whole = encoded(pixels, extension);
+    const Bytes whole = encoded_picture(pixels, extension);
     CHECK_TRUE(decode_photograph(whole, "a").has_value());
     for (std::size_t length = 0; length < whole.size(); length += 1 + length / 8)
       CHECK_TRUE(complaint(Bytes(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(length))) != "");
@@ -121,12 +131,12 @@ TEST(Photograph, AFileThatEndsTooEarlySaysSo) {
 TEST(Photograph, WhatIsNoPictureIsNamed) {
   check_complaint({}, "the file is empty");
   check_complaint(Bytes(100, 'x'), "no picture of a kind that is read");
-  check_complaint(encoded(cv::Mat::zeros(15, 40, CV_8U), ".png"), "40 x 15 pixels are too few");
-  check_complaint(encoded(cv::Mat::zeros(20, 20, CV_32F), ".tif"), "floating-point");
+  check_complaint(encoded_picture(cv::Mat::zeros(15, 40, CV_8U), ".png"), "40 x 15 pixels are too few");
+  check_complaint(of_floating_point(), "floating-point");
 }
 
 TEST(Photograph, AHeaderOfBillionsOfPixelsIsRefusedBeforeTheyAreAllocated) {
-  Bytes png = encoded(ramp(CV_8U, 1), ".png");
+  Bytes png = encoded_picture(ramp(CV_8U, 1), ".png");
   for (const std::size_t at : {std::size_t{16}, std::size_t{20}}) png[at] = 0x7F;
   check_complaint(png, "more than the 120 million");
 }
@@ -164,8 +174,8 @@ TEST(Photograph, OfPlainTiffIsReadAsThePackedOne) {
   for (const int depth : {CV_8U, CV_16U}) {
     const cv::Mat pixels = ramp(depth, depth == CV_8U ? 1 : 97);
     // 7 rows a strip, so that there are several.
-    const Bytes plain = encoded(pixels, ".tif", {cv::IMWRITE_TIFF_COMPRESSION, 1, 278, 7});
-    const Bytes packed = encoded(pixels, ".tif", {cv::IMWRITE_TIFF_COMPRESSION, 5});
+    const Bytes plain = encoded_picture(pixels, ".tif", {.rows_per_strip = 7});
+    const Bytes packed = encoded_picture(pixels, ".tif", {.lzw = true});
     const auto header = strobe::digitize::read_image_header(plain);
     CHECK_TRUE(header.has_value() && header->raw_offset.has_value());
     CHECK_FALSE(strobe::digitize::read_image_header(packed)->raw_offset.has_value());
@@ -178,7 +188,7 @@ TEST(Photograph, OfPlainTiffIsReadAsThePackedOne) {
 
 TEST(Photograph, OfPlainTiffWithZeroForWhiteIsTurnedAboutAndTheFileLeftAlone) {
   const cv::Mat pixels = ramp(CV_8U, 1);
-  Bytes bytes = encoded(pixels, ".tif", {cv::IMWRITE_TIFF_COMPRESSION, 1});
+  Bytes bytes = encoded_picture(pixels, ".tif");
   // The entry of tag 262 (photometric interpretation), a short: 1 becomes 0.
   bool found = false;
   for (std::size_t i = 8; i + 12 <= bytes.size() && !found; ++i) {

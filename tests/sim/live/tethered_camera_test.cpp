@@ -2,13 +2,13 @@
 #include "sim/live/tethered_camera.hpp"
 #include "sim/loading/parse_scene.hpp"
 
-#include <opencv2/imgcodecs.hpp>
 #include <set>
 #include <string>
 
 #include "sim/live/rig_runner.hpp"
 #include "sim/photograph/optics.hpp"
 #include "sim/shoot/shoot.hpp"
+#include "tests/support/pictures.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/temporary_folder.hpp"
 
@@ -72,7 +72,7 @@ TEST(TetheredCamera, WritesAPhotographOfEachExposureAsItEnds) {
   CHECK(strobe::testing::wait_until([&] { return files().contains("exposure-0002.tif"); }, 20s));
   stop();
   check_files({"exposure-0001.tif", "exposure-0002.tif"});
-  const cv::Mat read = cv::imread((folder / "camera/exposure-0002.tif").string(), cv::IMREAD_UNCHANGED);
+  const cv::Mat read = strobe::testing::read_picture(folder / "camera/exposure-0002.tif");
   LONGS_EQUAL(sensor_size(scene).width, read.cols);
   LONGS_EQUAL(sensor_size(scene).height, read.rows);
 }

@@ -5,9 +5,9 @@
 
 #include <array>
 #include <filesystem>
-#include <opencv2/imgcodecs.hpp>
 #include <string>
 
+#include "tests/support/pictures.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 #include "tests/support/string_from.hpp"
@@ -76,7 +76,7 @@ TEST(PhotographFile, KeepsEveryNumber) {
       const cv::Mat pixels = numbers(type, step);
       const fs::path path = folder / ("a" + extension(format));
       CHECK_TRUE(write_photograph(path, pixels, format).has_value());
-      const cv::Mat read = cv::imread(path.string(), cv::IMREAD_UNCHANGED);
+      const cv::Mat read = strobe::testing::read_picture(path);
       LONGS_EQUAL(type, read.type());
       CHECK_EQUAL(0.0, cv::norm(pixels, read, cv::NORM_INF));
     }

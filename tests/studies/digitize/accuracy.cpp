@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
-#include <opencv2/imgcodecs.hpp>
 
 #include "host/digitize/overlay/overlay.hpp"
 #include "sim/loading/scene_files.hpp"
@@ -15,6 +14,7 @@
 #include "tests/studies/digitize/photographs.hpp"
 #include "tests/studies/digitize/studies.hpp"
 #include "tests/studies/digitize/tables.hpp"
+#include "tests/support/pictures.hpp"
 
 namespace strobe::studies::digitize {
 
@@ -92,7 +92,7 @@ void save(const std::string& to, const std::string& name, const KnownPhotograph&
   std::filesystem::create_directories(folder, error);
   cv::Mat picture;
   known.photograph.intensity.convertTo(picture, CV_8U, 255.0);
-  cv::imwrite((folder / (name + ".png")).string(), picture);
+  strobe::testing::write_picture(folder / (name + ".png"), picture);
   if (const auto written = strobe::digitize::write_overlay(folder / (name + "_overlay.png"), known.photograph,
                                                            known.settings.map, digitization);
       !written)

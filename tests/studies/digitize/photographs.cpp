@@ -5,10 +5,10 @@
 #include <chrono>
 #include <fstream>
 #include <iterator>
-#include <opencv2/imgcodecs.hpp>
 #include <system_error>
 
 #include "sim/photograph/render.hpp"
+#include "tests/support/pictures.hpp"
 
 namespace strobe::studies::digitize {
 
@@ -16,8 +16,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using Bytes = std::vector<unsigned char>;
-
-constexpr int kNoCompression = 1;  // of TIFF's tag 259
 
 std::vector<TrueImage> true_images(const sim::Scene& scene, const sim::PhotographTruth& truth) {
   std::vector<TrueImage> images;
@@ -43,10 +41,7 @@ std::vector<double> seen_flashes(const sim::PhotographTruth& truth) {
 Result<Bytes> render_bytes(const Take& take, const sim::SimulatedShot& shot) {
   const auto rendered = sim::render(take.scene, take.seed, shot.exposure);
   if (!rendered) return tl::unexpected(rendered.error());
-  Bytes bytes;
-  if (!cv::imencode(".tif", rendered->pixels, bytes, {cv::IMWRITE_TIFF_COMPRESSION, kNoCompression}))
-    return fail(take.scene.name + ": cannot be encoded");
-  return bytes;
+  return testing::encoded_picture(rendered->pixels, ".tif");
 }
 
 /// Whole under its name or not there: several runs may share the folder.

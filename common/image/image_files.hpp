@@ -1,0 +1,53 @@
+// Image files, read and written in memory: TIFF by libtiff, PNG by libpng, JPEG by libjpeg, BMP and PNM by
+// hand. All functions: no I/O; nothing printed; never throw, whatever the bytes, but for want of memory
+// (bad_alloc); thread-safe; no memory is lost on errors. Errors are one line without the file's name.
+//
+// Pixels are the file's numbers: no colour profile, gamma or scaling is applied; alpha is left out, but that
+// libtiff multiplies colours of 8 bits by an unassociated alpha. A brighter pixel has a larger number.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "common/image/raster.hpp"
+#include "common/result.hpp"
+
+namespace strobe::image {
+
+using Bytes = std::span<const unsigned char>;
+
+/// No picture of more pixels is read, so that no file costs more than 6 bytes times these.
+inline constexpr std::int64_t kMaxPixels = 120'000'000;
+
+/// TIFF 6.0, the first picture: grey and RGB of 8 to 16 bits, in strips or tiles, planes together or apart,
+/// each compression that libtiff knows; whatever else libtiff turns into colours of 8 bits (palette, YCbCr,
+/// CMYK, 1 to 4 bits). Numbers of 9 to 15 bits are not scaled to 16. Turned as its tag Orientation says.
+Result<Raster> decode_tiff(Bytes bytes);
+
+/// PNG (W3C, 2nd edition) of every colour type and depth; 1, 2 and 4 bits and palettes become 8 bits.
+Result<Raster> decode_png(Bytes bytes);
+
+/// JPEG (ITU-T T.81) of 8 bits, baseline and progressive: grey, YCbCr, RGB, CMYK. What a decoder would mend by
+/// guessing is an error.
+Result<Raster> decode_jpeg(Bytes bytes);
+
+/// Uncompressed BMP of 1, 4, 8 (palette), 16, 24 and 32 bits a pixel.
+Result<Raster> decode_bmp(Bytes bytes);
+
+/// PBM, PGM and PPM, as text and binary. Of text up to 255 the largest number becomes 255; others stay.
+Result<Raster> decode_pnm(Bytes bytes);
+
+struct TiffOptions {
+  bool lzw = false;        ///< compressed, with differences of neighbours
+  int rows_per_strip = 0;  ///< 0: all
+};
+Result<std::vector<std::uint8_t>> encode_tiff(const Pixels& pixels, const TiffOptions& options = {});
+
+/// Compressed as quickly as is possible.
+Result<std::vector<std::uint8_t>> encode_png(const Pixels& pixels);
+
+/// Of 8 bits; quality from 1 to 100.
+Result<std::vector<std::uint8_t>> encode_jpeg(const Pixels& pixels, int quality = 95);
+
+}  // namespace strobe::image
