@@ -16,10 +16,6 @@
 
 namespace strobe::impact {
 
-/// Systematic sd of alpha: the difference between the value measured on balls (.55) and that of the thesis's
-/// shell (.51).
-inline constexpr double kAlphaSd = 0.04;
-
 /// Offset along the direction of travel with a statistical sd, from the observation's standard deviations by
 /// the delta method (touchdown and lift-off taken as independent), and a systematic one common to all
 /// conditions, from alpha. d is proportional to the ball's diameter; d/R does not depend on it.
@@ -42,7 +38,7 @@ struct RollingFriction {
 /// magnitude_out_of_range, not_approaching, restitution_out_of_range, ball_out_of_range.
 tl::expected<RollingFriction, InputError> rolling_friction(const Observation& observation,
                                                            const ball::Ball& ball,
-                                                           double alpha_sd = kAlphaSd);
+                                                           double alpha_sd = ball::kAlphaSd);
 
 /// Over several conditions. Weights: 1 over the statistical variance; equal if any of those is 0.
 struct RollingFrictionSummary {

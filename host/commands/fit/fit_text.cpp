@@ -137,7 +137,7 @@ void print_rolling_friction(const FitReport& r) {
       fmt::format("\nrolling friction from angular momentum (alpha {:.3g}): d {:.2f} mm, {:.2f} between "
                   "observations, positive in {} of {}; systematic {:.2f} mm from alpha +- {:g}\n",
                   alpha, 1e3 * s.mean_m, 1e3 * s.scatter_m, s.positive, s.count, 1e3 * s.mean_sd_alpha_m,
-                  impact::kAlphaSd));
+                  ball::kAlphaSd));
 }
 
 void print_validation(const FitReport& r) {

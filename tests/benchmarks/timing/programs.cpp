@@ -48,7 +48,8 @@ std::string with_real_time(std::string rig, const LoopSettings& like) {
 
 }  // namespace
 
-LoopRun run_programs(const LoopSettings& like, const std::filesystem::path& folder) {
+LoopRun run_programs(const LoopSettings& like, const std::filesystem::path& folder,
+                     const std::filesystem::path& strobed) {
   const std::string bin = std::filesystem::canonical("/proc/self/exe").parent_path();
   const std::filesystem::path session = folder / "session";
   std::filesystem::remove_all(session);
@@ -65,8 +66,9 @@ LoopRun run_programs(const LoopSettings& like, const std::filesystem::path& fold
   std::ofstream(script) << "export XDG_CONFIG_HOME='" << folder.string() << "'\nrig='"
                         << (folder / "rig.toml").string() << "'\n"
                         << bin << "/strobe-sim run --scene zero_23 --no-digitizer --lcm-url '" << url
-                        << "' -- " << bin << "/strobed --config $rig --session " << session << " --lcm-url '"
-                        << url << "' --allow-no-rt &\nsim=$!\n"
+                        << "' -- " << (strobed.empty() ? bin + "/strobed" : strobed.string())
+                        << " --config $rig --session " << session << " --lcm-url '" << url
+                        << "' --allow-no-rt &\nsim=$!\n"
                         << bin << "/strobe fire --rig $rig --dry --shots " << shots << " --retries " << shots
                         << " --session " << (session / "host") << " --lcm-url '" << url
                         << "' --json\nkill $sim\nwait $sim\n";

@@ -8,8 +8,9 @@
 namespace strobe::benchmarks::timing {
 
 /// Fires dry shots (lamps and shutter only) for about `like.seconds`, with the shipped rig file; a shot with
-/// its pauses takes about one. Of `like` only seconds, priority and CPU count. std::runtime_error if no flash
-/// was fired.
-LoopRun run_programs(const LoopSettings& like, const std::filesystem::path& folder);
+/// its pauses takes about one. Of `like` only seconds, priority and CPU count. `strobed`: the program, or empty
+/// for the one beside this. std::runtime_error if no flash was fired.
+LoopRun run_programs(const LoopSettings& like, const std::filesystem::path& folder,
+                     const std::filesystem::path& strobed = {});
 
 }  // namespace strobe::benchmarks::timing

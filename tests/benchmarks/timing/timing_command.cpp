@@ -21,6 +21,7 @@ namespace {
 
 struct Options : StudyOptions {
   bool programs = false, compare = false;
+  std::filesystem::path other_strobed;
 };
 
 /// What is measured in turns; the first is what the ratios are of, the second what they are to.
@@ -61,6 +62,8 @@ class LoadStudy {
       take("loop, sets nothing", loop(false, Outputs::none, true));
     }
     if (options_.programs) take("all programs", run_programs(options_.loop, folder_));
+    if (!options_.other_strobed.empty())
+      take("with the other strobed", run_programs(options_.loop, folder_, options_.other_strobed));
   }
 
   std::vector<Row> rows() const {
@@ -171,6 +174,10 @@ void add_timing_command(CLI::App& app, int& exit_status) {
   add_study_options(*command, *options);
   command->add_flag("--programs", options->programs,
                     "also strobed with strobe fire and strobe-sim, from its journal");
+  command
+      ->add_option("--other-strobed", options->other_strobed,
+                   "also with this strobed, such as one made with another libgpiod, in turns with --programs")
+      ->check(CLI::ExistingFile);
   command->add_flag("--compare", options->compare,
                     "also the loop with shots that start anywhere, and without the simulated rig or chip");
   command->callback([options, &exit_status] { exit_status = run_timing(*options); });
