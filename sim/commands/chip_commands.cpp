@@ -3,7 +3,6 @@
 #include <charconv>
 #include <cstdio>
 #include <nlohmann/json.hpp>
-#include <optional>
 
 #include "sim/commands/command_line.hpp"
 #include "sim/commands/commands.hpp"
@@ -27,6 +26,18 @@ bool whole_number(const std::string& text, auto& number) {
   return error == std::errc{} && end == text.data() + text.size();
 }
 
+/// `text` is what was given, for errors.
+Result<std::uint32_t> find_line(const Chip& chip, const std::string& line, const std::string& text) {
+  std::uint32_t offset = 0;
+  if (whole_number(line, offset)) {
+    if (offset < chip.line_count()) return offset;
+    return fail("\"" + text + "\": the chip has no line " + line);
+  }
+  const auto named = chip.line_named(line);
+  if (!named) return fail("\"" + text + "\": " + named.error().message);
+  return *named;
+}
+
 Result<LineNumber> parse(const Chip& chip, const std::string& text, int least, int most, const char* wanted) {
   const std::size_t equals = text.find('=');
   LineNumber parsed;
@@ -34,14 +45,9 @@ Result<LineNumber> parse(const Chip& chip, const std::string& text, int least, i
       parsed.number < least || parsed.number > most) {
     return fail("\"" + text + "\": " + wanted + " is wanted");
   }
-  const std::string line = text.substr(0, equals);
-  if (whole_number(line, parsed.line)) {
-    if (parsed.line >= chip.line_count()) return fail("\"" + text + "\": the chip has no line " + line);
-  } else {
-    const auto named = chip.line_named(line);
-    if (!named) return fail("\"" + text + "\": " + named.error().message);
-    parsed.line = *named;
-  }
+  const auto line = find_line(chip, text.substr(0, equals), text);
+  if (!line) return tl::unexpected(line.error());
+  parsed.line = *line;
   return parsed;
 }
 
@@ -61,11 +67,16 @@ std::string name_of(std::size_t line) {
   return line < kLineNames.size() ? std::string(kLineNames[line]) : std::string();
 }
 
-/// LINE=open, as the LINE=0 that names the same line.
-std::optional<std::string> opened_line(const std::string& text) {
+constexpr int kOpen = -1;
+
+/// LINE=open is kOpen.
+Result<LineNumber> parse_drive(const Chip& chip, const std::string& text) {
   const std::size_t equals = text.find('=');
-  if (equals == std::string::npos || text.substr(equals + 1) != "open") return std::nullopt;
-  return text.substr(0, equals) + "=0";
+  if (equals == std::string::npos || text.substr(equals + 1) != "open")
+    return parse(chip, text, 0, 1, "LINE=0, LINE=1 or LINE=open");
+  const auto line = find_line(chip, text.substr(0, equals), text);
+  if (!line) return tl::unexpected(line.error());
+  return LineNumber{*line, kOpen};
 }
 
 }  // namespace
@@ -73,16 +84,13 @@ std::optional<std::string> opened_line(const std::string& text) {
 int drive_command(const std::string& chip_dir, const std::vector<std::string>& drives) {
   auto chip = Chip::attach(chip_dir);
   if (!chip) return report_error(chip.error().message, 2);
-  constexpr int kOpen = -1;
   std::vector<LineNumber> wanted;
   for (const std::string& text : drives) {
-    const auto opened = opened_line(text);
-    auto drive = parse(*chip, opened.value_or(text), 0, 1, "LINE=0, LINE=1 or LINE=open");
+    const auto drive = parse_drive(*chip, text);
     if (!drive) return report_error(drive.error().message, 2);
     if (chip->state(drive->line).is_output)
       return report_error("\"" + text + "\": the line is an output of " + chip->state(drive->line).consumer,
                           1);
-    if (opened) drive->number = kOpen;
     wanted.push_back(*drive);
   }
   for (const LineNumber& drive : wanted) {

@@ -163,7 +163,7 @@ TEST(SimProgram, RefusesToUnplugWhatIsNoChipOrAfterWhatIsNoLine) {
 
 TEST(SimProgram, RefusesToDriveWhatIsNoLine) {
   const std::string chip = folder / "chip";
-  for (const char* drive : {"KEYS=0", "KEY", "KEY=2", "99=1", "=1"}) {
+  for (const char* drive : {"KEYS=0", "KEY", "KEY=2", "99=1", "=1", "KEYS=open", "KEY=opened"}) {
     const CompletedProcess finished = strobe::testing::run_process(
         on_rig({"--chip-dir", chip}, {kSim, "drive", "--chip-dir", chip, drive}), kLimit);
     CHECK_TEXT(finished.status == ExitStatus({2, 0}), drive);

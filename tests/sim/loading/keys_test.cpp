@@ -184,3 +184,14 @@ TEST(SceneKeys, ReadWhatIsToBeReadOut) {
           kSmallest + "[readout]\nmu = \"all\"\n");
   refuses("some.toml:11: readout.mu: must be at least", kSmallest + "[readout]\nmu = 0\n");
 }
+
+TEST(SceneKeys, SayWhatResistorsTheChipHas) {
+  const ChipSettings usual = scene_of(kSmallest).chip;
+  CHECK_TRUE(usual.bias == ChipSettings::Bias::set);
+  CHECK_TRUE(usual.reset_pull == ChipSettings::Pull::none);
+  const ChipSettings chip = scene_of(kSmallest + "[chip]\nbias = \"ignored\"\nreset_pull = \"up\"\n").chip;
+  CHECK_TRUE(chip.bias == ChipSettings::Bias::ignored);
+  CHECK_TRUE(chip.reset_pull == ChipSettings::Pull::up);
+  refuses("some.toml:11: chip.bias: must be one of set, ignored, refused",
+          kSmallest + "[chip]\nbias = \"none\"\n");
+}
