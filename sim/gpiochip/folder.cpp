@@ -127,12 +127,12 @@ Result<void> open_fifos(const std::filesystem::path& folder, const char* prefix,
   return {};
 }
 
-/// With all that is queued: of a device that is gone, poll() tells the end alone.
-void close_fifos(std::vector<int>& fifos) {
+/// With all that is queued, if the device is gone: poll() then tells the end alone.
+void close_fifos(std::vector<int>& fifos, bool emptied) {
   std::array<char, 4096> rest;
   for (int& fifo : fifos) {
     if (fifo < 0) continue;
-    while (::read(fifo, rest.data(), rest.size()) > 0) continue;
+    while (emptied && ::read(fifo, rest.data(), rest.size()) > 0) continue;
     ::close(std::exchange(fifo, -1));
   }
 }
@@ -259,7 +259,8 @@ Result<ChipFolder> ChipFolder::attach(const std::filesystem::path& dir) {
 }
 
 void ChipFolder::close_events() {
-  for (std::vector<int>* fifos : {&events, &requests, &watches_}) close_fifos(*fifos);
+  const bool emptied = state != nullptr && state->unplugged.load() != 0;
+  for (std::vector<int>* fifos : {&events, &requests, &watches_}) close_fifos(*fifos, emptied);
   if (device_fd_ >= 0) ::close(std::exchange(device_fd_, -1));
 }
 

@@ -97,6 +97,17 @@ TEST(EdgeEvents, AreQueuedSixteenDeepAndTheNewestAreLost) {
   for (std::size_t i = 0; i < 16; ++i) CHECK_EQUAL(stamps[i], found[i].stamp_ns);
 }
 
+TEST(EdgeEvents, StayQueuedWhenOneOfSeveralRigsLetsGoOfTheChip) {
+  auto reader = fixture.actor({"late", "4"});
+  {
+    const Chip other = std::move(*Chip::attach(fixture.chip_folder()));
+    drive(4, {1, 0, 1});
+  }
+  reader.signal(SIGUSR1);
+  CHECK_TRUE(reader.wait_for_out("end", kLimit));
+  LONGS_EQUAL(3, events_in(reader.out()).size());
+}
+
 TEST(EdgeEvents, OfAnEarlierOwnerAreNotHandedToTheNext) {
   {
     auto first = fixture.actor({"late", "4"});

@@ -226,6 +226,15 @@ TEST(RequestEvents, AreQueuedAThousandDeepWhereThatIsAskedFor) {
   LONGS_EQUAL(77, found.front().number);
 }
 
+TEST(RequestEvents, StayQueuedWhenOneOfSeveralRigsLetsGoOfTheChip) {
+  auto process = reader("late", "4");
+  {
+    const Chip other = std::move(*Chip::attach(fixture.chip_folder()));
+    toggle(fixture.chip(), 4, 3);
+  }
+  LONGS_EQUAL(3, queued(process).size());
+}
+
 TEST(RequestEvents, OfAnEarlierOwnerAreNotHandedToTheNext) {
   {
     auto first = reader("late", "4");
