@@ -222,7 +222,7 @@ struct InputRequest::Impl {
   EventBuffer events;
   std::vector<unsigned> offsets;  // of the specs
   int descriptor = -1;            // one for all lines
-  unsigned long last_seqno = 0;
+  std::uint32_t last_seqno = 0;
   std::int64_t lost = 0;
 };
 
@@ -264,8 +264,9 @@ std::optional<std::size_t> InputRequest::read(std::size_t, std::span<LineEdge> e
   const auto count = static_cast<std::size_t>(read);
   for (std::size_t k = 0; k < count; ++k) {
     gpiod_edge_event* event = gpiod_edge_event_buffer_get_event(impl_->events.get(), k);
-    const unsigned long seqno = gpiod_edge_event_get_global_seqno(event);
-    impl_->lost += static_cast<std::int64_t>(seqno - impl_->last_seqno) - 1;
+    // The kernel counts in 32 bits: after four thousand million edges from 0 again.
+    const auto seqno = static_cast<std::uint32_t>(gpiod_edge_event_get_global_seqno(event));
+    impl_->lost += static_cast<std::uint32_t>(seqno - impl_->last_seqno - 1);
     impl_->last_seqno = seqno;
     edges[k] = {impl_->line_at(gpiod_edge_event_get_line_offset(event)),
                 from_ns(static_cast<std::int64_t>(gpiod_edge_event_get_timestamp_ns(event))),

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdlib>
 #include <optional>
 #include <stdexcept>
 
@@ -45,6 +46,11 @@ Duration clock_offset(VirtualMachine& machine) {
 }
 
 }  // namespace
+
+std::filesystem::path boot_folder() {
+  const char* named = std::getenv("STROBE_KERNEL_BOOT");
+  return named != nullptr ? named : STROBE_KERNEL_BOOT;
+}
 
 KernelFixture::KernelFixture(const std::filesystem::path& boot)
     : bridge_(kLcm, VirtualMachine::cable_here(folder_.path()), VirtualMachine::cable_there(folder_.path())),

@@ -29,6 +29,9 @@ struct LineEvent {
   int level = 0;
 };
 
+/// What tests/kernel/prepare made: of this build, or what $STROBE_KERNEL_BOOT names.
+std::filesystem::path boot_folder();
+
 class KernelFixture {
  public:
   /// `boot` as VirtualMachine wants it; if there is a lab.key, that is the host's.

@@ -15,8 +15,10 @@ using namespace strobe::sim;
 TEST_GROUP(Conformance) {
   ChipFixture fixture;
 
-  void do_as_asked(const testing::conformance::Request& request, std::uint32_t line) {
-    for (const int level : request.levels) fixture.chip().drive(line, level, now());
+  void do_as_asked(const testing::conformance::Request& request) {
+    const std::uint32_t line = request.line == 'B' ? 11 : 12;
+    for (int i = 0; i < request.times; ++i)
+      for (const int level : request.levels) fixture.chip().drive(line, level, now());
     if (request.unplug) fixture.chip().unplug();
   }
 
@@ -40,7 +42,7 @@ TEST_GROUP(Conformance) {
         [&] {
           const auto requests = testing::conformance::requests_in(process.out());
           if (requests.size() > done) {
-            do_as_asked(requests[done++], 12);
+            do_as_asked(requests[done++]);
             close(open(answers.c_str(), O_WRONLY));
           }
           look();

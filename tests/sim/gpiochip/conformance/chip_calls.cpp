@@ -187,6 +187,33 @@ void edges() {
   say("poll", polled(*input, 0));
 }
 
+/// While nobody reads, more edges than any kernel's buffer holds, though a slow one may see one in two.
+void flood() {
+  GpioChip chip = opened();
+  const std::array<InputLineSpec, 2> specs{{{line_b, false, true}, {line_c, false, true}}};
+  auto input = chip.request_inputs(specs);
+  say_outcome("both edges of two lines", input);
+  if (!input) std::exit(1);
+  please("C 0 1 x 1500");
+  std::array<LineEdge, 64> some;
+  bool well = true;
+  std::size_t came = 0;
+  pollfd waiting{input->descriptors().back(), POLLIN, 0};
+  while (well && poll(&waiting, 1, 0) > 0) {
+    const auto count = input->read(input->descriptors().size() - 1, some);
+    well = count.has_value();
+    came += count.value_or(0);
+  }
+  say("of a flood of edges what the buffer holds came", well && came >= 16);
+  say("an overflow is told", input->overflows() > 0);
+  const std::int64_t lost = input->overflows();
+  please("B 1 0");
+  please("C 0 1");
+  for (std::size_t i = 0; i < input->descriptors().size(); ++i) input->read(i, some);
+  say("more are told of edges that are taken in time", input->overflows() > lost);
+  say_level("level", input->level(1));
+}
+
 void gone() {
   GpioChip chip = opened();
   const GpioChip spare = opened();
@@ -224,6 +251,7 @@ int main(int argc, char** argv) {
   outputs();
   output_of_a_killed_owner();
   edges();
+  flood();
   gone();
   say("after letting go", std::string("alive"));
 }

@@ -37,9 +37,11 @@ void say_events(const char* what, int request, clockid_t clock, std::uint64_t si
     const gpio_v2_line_event& event = events[i];
     const bool in_time = event.timestamp_ns >= since_ns && event.timestamp_ns <= ns_of(clock);
     say(what, std::string(event.id == GPIO_V2_LINE_EVENT_RISING_EDGE ? "rising" : "falling") +
-                  (event.offset == line_c ? " C" : " another line") + ", number " +
-                  std::to_string(event.seqno) + ", of the line " + std::to_string(event.line_seqno) +
-                  (in_time ? "" : ", stamp of another time"));
+                  (event.offset == line_c   ? " C"
+                   : event.offset == line_b ? " B"
+                                            : " another line") +
+                  ", number " + std::to_string(event.seqno) + ", of the line " +
+                  std::to_string(event.line_seqno) + (in_time ? "" : ", stamp of another time"));
   }
 }
 
@@ -96,6 +98,12 @@ void overflow() {
   please("C 1 0");
   say_events("then", request, CLOCK_MONOTONIC, since_ns);
   close(request);
+  asked = request_of({line_b, line_c}, config(kIn | kBoth));
+  asked.event_buffer_size = 4;
+  const int both = take(chip, asked);
+  for (const char* driven : {"C 1 0", "B 1 0", "C 1 0"}) please(driven);
+  say_events("the newest four of six of two lines", both, CLOCK_MONOTONIC, since_ns);
+  close(both);
   const int pair = take(chip, {line_a, line_c}, config(kIn, {flags(kIn | kRising, 2)}));
   please("C 1 0 1 0");
   say_events("of a request of two lines", pair, CLOCK_MONOTONIC, since_ns);

@@ -1,4 +1,5 @@
-// What a conformance program asks whoever watches it to do: its lines "please: C 1 0" and "please: unplug".
+// What a conformance program asks whoever watches it to do: its lines "please: C 1 0", "please: B 1 0 x 1500", which is
+// as much 1500 times over, and "please: unplug".
 #pragma once
 
 #include <sstream>
@@ -8,7 +9,9 @@
 namespace strobe::testing::conformance {
 
 struct Request {
-  std::vector<int> levels;  ///< for line C, one after the other
+  char line = 'C';
+  std::vector<int> levels;  ///< for that line, one after the other
+  int times = 1;
   bool unplug = false;
 };
 
@@ -21,7 +24,13 @@ inline std::vector<Request> requests_in(const std::string& output) {
     if (!(words >> please >> what) || please != "please:") continue;
     Request request;
     request.unplug = what == "unplug";
-    for (int level = 0; words >> level;) request.levels.push_back(level);
+    if (!request.unplug) request.line = what.front();
+    for (std::string word; words >> word;) {
+      if (word == "x")
+        words >> request.times;
+      else
+        request.levels.push_back(std::stoi(word));
+    }
     requests.push_back(request);
   }
   return requests;
