@@ -26,6 +26,9 @@ Result<GpioChip> open_chip(const Rig& rig) {
   auto chip = GpioChip::open(*path);
   if (chip) return std::move(*chip);
   const int error = chip.error();
+  // Either libgpiod has its own number for a device of another kind.
+  if (error == ENOTTY || error == ENODEV)
+    return fail(place(rig, rig.chip_file_line, "chip.name") + "\"" + rig.chip + "\" is no GPIO chip");
   const char* hint = error == EACCES ? " (the user must be allowed to open it, e.g. by the group gpio)" : "";
   return fail(place(rig, rig.chip_file_line, "chip.name") + "cannot open \"" + rig.chip +
               "\": " + std::strerror(error) + hint);

@@ -137,6 +137,8 @@ TEST(CommandLine, ChipsAndLinesThatCannotBeHadAreNamed) {
       "", complaints({
               {"no chip", no_chip, 2, "gpiochip0"},
               {"no such chip", strobed(rig("chip.toml", "\"gpiochip0\"", "\"gpiochip7\"")), 2, "gpiochip7"},
+              {"another device", strobed(rig("null.toml", "\"gpiochip0\"", "\"/dev/null\"")), 2,
+               "\"/dev/null\" is no GPIO chip"},
               {"no such line", strobed(rig("line.toml", "\"SHUTTER\"", "\"SHUTER\"")), 2, "SHUTER"},
               {"no such number", strobed(rig("offset.toml", "\"SHUTTER\"", "99")), 2, "99"},
           }));
