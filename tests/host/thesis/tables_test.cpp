@@ -2,6 +2,7 @@
 #include <cmath>
 #include <set>
 #include <string>
+#include <string_view>
 
 #include "common/contact/condition_inputs.hpp"
 #include "common/data/csv.hpp"
@@ -52,10 +53,10 @@ const Cell* mean_cell(const std::string& label, const std::string& key) {
   return nullptr;
 }
 
-const Table& table_of(const std::string& id) {
+const Table& table_of(std::string_view id) {
   for (const Table& table : tables(Version::corrected))
     if (table.id == id) return table;
-  FAIL(id.c_str());
+  FAIL(std::string(id).c_str());
   return tables(Version::corrected).front();
 }
 
@@ -116,7 +117,7 @@ TEST(ThesisTables, ShowEveryPrintedMeanAndSdOfTables2To10) {
 
 TEST(ThesisTables, ShowEveryOtherPrintedValueAtHand) {
   for (const thesis::PrintedValue& value : loaded_thesis(Version::corrected).values) {
-    const Table& table = table_of(value.table == "freund" ? "stiffness" : value.table);
+    const Table& table = table_of(value.table == "freund" ? std::string_view("stiffness") : value.table);
     bool found = false;
     for (const Row& row : table.rows)
       for (const Cell& cell : row.cells)
