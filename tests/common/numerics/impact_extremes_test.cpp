@@ -44,7 +44,8 @@ void check(Call&& call, IsFinite&& all_finite) {
   }));
   const strobe::testing::FloatingPointTraps traps;
   const auto result = call();
-  RC_ASSERT(!result || all_finite(*result));
+  const bool sound = !result || all_finite(*result);  // rapidcheck evaluates either side of an || of its own
+  RC_ASSERT(sound);
 }
 
 }  // namespace
