@@ -8,7 +8,9 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cstdlib>
+#include <cstring>
 #include <sstream>
 
 namespace strobe::firmware {
@@ -20,14 +22,14 @@ const std::string kChip = "gpiochip";
 
 int is_chip(const dirent* entry) { return std::string(entry->d_name).starts_with(kChip) ? 1 : 0; }
 
-std::string label_of(const std::string& path) {
+ChipNode look_at(const std::string& path) {
   const int chip = open(path.c_str(), O_RDWR | O_CLOEXEC);
-  if (chip < 0) return "";
+  if (chip < 0) return {path, "", errno};
   gpiochip_info info{};
-  const bool told = ioctl(chip, GPIO_GET_CHIPINFO_IOCTL, &info) == 0;
+  const int error = ioctl(chip, GPIO_GET_CHIPINFO_IOCTL, &info) == 0 ? 0 : errno;
   close(chip);
   info.label[sizeof info.label - 1] = '\0';
-  return told ? info.label : "";
+  return {path, info.label, error};
 }
 
 bool is_number(const std::string& text) {
@@ -36,9 +38,13 @@ bool is_number(const std::string& text) {
 
 std::string listed(const std::vector<ChipNode>& nodes) {
   std::string text;
-  for (const ChipNode& node : nodes)
-    text += (text.empty() ? "" : ", ") + node.path + (node.label.empty() ? "" : " (" + node.label + ")");
-  return text;
+  bool forbidden = false;
+  for (const ChipNode& node : nodes) {
+    const std::string known = node.error != 0 ? std::strerror(node.error) : node.label;
+    text += (text.empty() ? "" : ", ") + node.path + " (" + known + ")";
+    forbidden = forbidden || node.error == EACCES;
+  }
+  return forbidden ? text + "; the user must be allowed to open it, e.g. by the group gpio" : text;
 }
 
 /// "1-2.3", as against "usb1" and an interface's "1-2.3:1.0".
@@ -55,7 +61,7 @@ std::vector<ChipNode> chip_nodes() {
   for (int i = 0; i < count; ++i) {
     const std::string path = kDevices + entries[i]->d_name;
     struct stat status {};
-    if (lstat(path.c_str(), &status) == 0 && S_ISCHR(status.st_mode)) nodes.push_back({path, label_of(path)});
+    if (lstat(path.c_str(), &status) == 0 && S_ISCHR(status.st_mode)) nodes.push_back(look_at(path));
     std::free(entries[i]);
   }
   std::free(entries);

@@ -11,7 +11,8 @@ namespace strobe::firmware {
 
 struct ChipNode {
   std::string path;
-  std::string label;  ///< empty if the chip cannot be opened
+  std::string label;
+  int error = 0;  ///< an errno, if its label cannot be read
 };
 /// Every GPIO chip of this machine, by number; links to one (Raspberry Pi OS has some) are left out.
 std::vector<ChipNode> chip_nodes();

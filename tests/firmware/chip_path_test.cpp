@@ -1,5 +1,7 @@
 #include "firmware/linux/chip_path.hpp"
 
+#include <cerrno>
+
 #include "tests/firmware/system_tree.hpp"
 
 #include "tests/support/string_from.hpp"
@@ -39,11 +41,21 @@ TEST(ChipPath, OfALabelThatTwoHaveIsToldWithBoth) {
 
 TEST(ChipPath, OfALabelThatNoneHasIsToldWithThoseThatThereAre) {
   nodes.resize(2);
-  nodes[1].label = "";  // may not be opened
-  CHECK_EQUAL("there is no chip \"pinctrl-bcm2711\"; there are /dev/gpiochip0 (pinctrl-rp1), /dev/gpiochip1",
-              path_of("pinctrl-bcm2711"));
+  CHECK_EQUAL(
+      "there is no chip \"pinctrl-bcm2711\"; there are /dev/gpiochip0 (pinctrl-rp1), /dev/gpiochip1 "
+      "(gpio-brcmstb@107d508500)",
+      path_of("pinctrl-bcm2711"));
   nodes.clear();
   CHECK_EQUAL("there is no chip \"pinctrl-bcm2711\", nor any other", path_of("pinctrl-bcm2711"));
+}
+
+TEST(ChipPath, OfAChipThatThisUserMayNotOpenIsToldWithWhatToDo) {
+  nodes = {{"/dev/gpiochip0", "", EACCES}};
+  CHECK_EQUAL(
+      "there is no chip \"pinctrl-rp1\"; there are /dev/gpiochip0 (Permission denied); the user must be "
+      "allowed to "
+      "open it, e.g. by the group gpio",
+      path_of("pinctrl-rp1"));
 }
 
 TEST_GROUP(UsbPort) {
