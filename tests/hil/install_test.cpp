@@ -42,6 +42,16 @@ TEST(Install, HasProgramsLibraryMessagesUnitRigScenesAndData) {
   CHECK_TEXT(unit, "no strobed.service");
 }
 
+TEST(Install, NamesTheFolderThatItInstallsToInTheUnit) {
+  std::string unit;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(moved))
+    if (entry.path().filename() == "strobed.service") unit = strobe::testing::read_text(entry.path());
+  const std::string program = (first / "bin/strobed").string();
+  for (const char* key : {"ExecStart=", "ExecStopPost=", "ExecStartPre=-+"})
+    CHECK_TEXT(unit.find("\n" + std::string(key) + program + " ") != std::string::npos, unit.c_str());
+  CHECK_TEXT(unit.find("/usr/local") == std::string::npos, unit.c_str());
+}
+
 TEST(Install, RunsFromWhereItWasMoved) {
   const auto scenes = run_process({{bin("strobe-sim"), "scenes"}, {}, {}, {}}, 10s);
   CHECK_TEXT(scenes.status == ExitStatus({0, 0}), scenes.err.c_str());

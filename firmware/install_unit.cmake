@@ -1,0 +1,11 @@
+# Run by cmake --install and cpack: the unit, with the folder that programs are installed to.
+get_filename_component(prefix "${CMAKE_INSTALL_PREFIX}" ABSOLUTE)
+set(CMAKE_INSTALL_FULL_BINDIR ${prefix}/${STROBE_BIN_FOLDER})
+set(CMAKE_INSTALL_FULL_DATADIR ${prefix}/${STROBE_DATA_FOLDER})
+set(unit ${prefix}/lib/systemd/system/strobed.service)
+file(READ ${STROBE_UNIT_TEMPLATE} text)
+string(CONFIGURE "${text}" text @ONLY)
+message(STATUS "Installing: $ENV{DESTDIR}${unit}")
+file(WRITE "$ENV{DESTDIR}${unit}" "${text}")
+file(CHMOD "$ENV{DESTDIR}${unit}" PERMISSIONS OWNER_READ OWNER_WRITE GROUP_READ WORLD_READ)
+list(APPEND CMAKE_INSTALL_MANIFEST_FILES ${unit})
