@@ -1,6 +1,7 @@
 #include "common/impact/fit/fitter.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -95,6 +96,7 @@ VectorXd Fitter::whitened_at(const VectorXd& at) const {
   for (std::size_t i = 0; i < observations_.size(); ++i) {
     const Observation& o = observations_[i];
     const auto predicted = rebound_of(options_->model, values, options_->diameter_m, o.touchdown, o.e);
+    assert(predicted);  // the parameters are within their bounds
     const Vector2d residual(
         predicted->lift_off.vx_mps - o.lift_off.vx_mps,
         0.5 * options_->diameter_m * (predicted->lift_off.omega_radps - o.lift_off.omega_radps));

@@ -63,16 +63,15 @@ double crossing(const Fitter& fitter, Parameter parameter, double high, double r
   const double level = std::sqrt(fitter.chi2() + rise);
   const double least = lower_bound(parameter);
   const double tolerance = kLimitTolerance * std::abs(high);
-  double low = high, above = 0.0;
-  for (double step = kStepDown * (high - least); low > least && !(above > 0.0); step *= 2.0) {
-    high = low;
-    low = std::max(least, low - step);
-    above = root(low) - level;
+  // What was found on the way down: from another start the same value may end in another valley, above the level, too.
+  FunctionValue below{high, std::sqrt(fitter.chi2()) - level}, low = below;
+  for (double step = kStepDown * (high - least); low.at > least && !(low.value > 0.0); step *= 2.0) {
+    below = low;
+    low.at = std::max(least, low.at - step);
+    low.value = root(low.at) - level;
   }
-  if (!(above > 0.0)) return least;
-  return regula_falsi([&](double value) { return root(value) - level; }, {low, above},
-                      {high, root(high) - level}, tolerance)
-      .at;
+  if (!(low.value > 0.0)) return least;
+  return regula_falsi([&](double value) { return root(value) - level; }, low, below, tolerance).at;
 }
 
 }  // namespace

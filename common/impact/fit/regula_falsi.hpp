@@ -2,6 +2,7 @@
 // are costly and about straight. Deterministic; thread-safe.
 #pragma once
 
+#include <cassert>
 #include <cmath>
 
 namespace strobe::impact {
@@ -15,6 +16,7 @@ struct FunctionValue {
 /// Done when the ends are within `tolerance`, or the value is 0.
 template <typename Function>
 FunctionValue regula_falsi(Function function, FunctionValue first, FunctionValue second, double tolerance) {
+  assert((first.value > 0.0) != (second.value > 0.0) || second.value == 0.0);
   constexpr int kMaxSteps = 100;
   double first_weight = first.value, second_weight = second.value;
   int last = 0;
