@@ -146,7 +146,7 @@ class Digitizer {
     if (outlines.size() < kMinForRefit) return;
     const SizeModel size = fit_size_model(outlines);
     const auto inconsistent = [&](const Outline& o) {
-      const double sd = std::hypot(o.diameter_sd(), size.sd);
+      const double sd = std::hypot(o.diameter_sd(), size.sd, size.spread);
       return std::abs(o.diameter - size.at(o.centre.x)) > kInconsistent_sd * sd;
     };
     std::vector<std::size_t> again;
@@ -163,7 +163,8 @@ class Digitizer {
     if (again.empty()) return;
     OutlineSettings settings = outline_settings();
     settings.diameter_px = size.at(0.5 * photograph_.width());
-    settings.diameter_sd_px = size.sd + std::abs(size.slope) * 0.5 * photograph_.width();
+    settings.diameter_sd_px =
+        std::hypot(size.sd, size.spread) + std::abs(size.slope) * 0.5 * photograph_.width();
     const auto fitted = fit_outlines(photograph_, map_, candidates, settings);
     for (std::size_t k = 0; k < again.size(); ++k) {
       if (fitted[k] && inconsistent(outlines[again[k]])) outlines[again[k]] = *fitted[k];

@@ -6,9 +6,9 @@ namespace strobe::digitize {
 
 namespace {
 
-constexpr std::array<std::string_view, 13> kReasons{
-    "few_edges",     "wrong_size", "not_round",      "off_path", "at_border", "saturated", "duplicate",
-    "below_surface", "no_line",    "line_ambiguous", "no_plate", "imprecise", "by_hand"};
+constexpr std::array<std::string_view, 14> kReasons{
+    "few_edges", "wrong_size",    "not_round", "off_path",       "at_border", "saturated", "ghost",
+    "duplicate", "below_surface", "no_line",   "line_ambiguous", "no_plate",  "imprecise", "by_hand"};
 static_assert(kReasons.size() == static_cast<std::size_t>(Reason::by_hand) + 1);
 
 constexpr std::array<std::string_view, 3> kEfforts{"fast", "standard", "thorough"};

@@ -27,6 +27,7 @@ enum class Reason {
   off_path,    ///< not on the ball's path
   at_border,   ///< cut off by the photograph's border
   saturated,
+  ghost,      ///< a disc by ambient light between two flashes
   duplicate,  ///< another candidate fits the same outline better
   below_surface,
   no_line,         ///< no equator line is visible

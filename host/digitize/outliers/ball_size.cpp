@@ -52,6 +52,8 @@ SizeModel fit_size_model(std::span<const Outline> outlines) {
   }
   std::vector<double> sds;
   for (const Outline& o : outlines) sds.push_back(o.diameter_sd());
+  const double own = median(sds), all = 1.4826 * spread;
+  size.spread = std::sqrt(std::max(0.0, all * all - own * own));
   // 1.4826: from the median deviation to the sd; 1.25: of a median against a mean.
   size.sd = 1.25 * std::max(1.4826 * spread, median(std::move(sds))) /
             std::sqrt(static_cast<double>(outlines.size()));
@@ -60,8 +62,8 @@ SizeModel fit_size_model(std::span<const Outline> outlines) {
 
 bool has_wrong_size(const Outline& outline, const SizeModel& size) {
   const double expected = size.at(outline.centre.x);
-  const double allowed =
-      std::max(kToleranceOfDiameter * expected, kTolerance_sd * std::hypot(outline.diameter_sd(), size.sd));
+  const double allowed = std::max(kToleranceOfDiameter * expected,
+                                  kTolerance_sd * std::hypot(outline.diameter_sd(), size.sd, size.spread));
   return std::abs(outline.diameter - expected) > allowed;
 }
 

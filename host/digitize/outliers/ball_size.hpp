@@ -13,6 +13,7 @@ struct SizeModel {
   double diameter = 0.0;  ///< plane px, at x = 0
   double slope = 0.0;     ///< per px of x
   double sd = 0.0;        ///< of the diameter where the balls are
+  double spread = 0.0;    ///< sd of single balls about it, beyond what their own sds explain
 
   double at(double x) const { return diameter + slope * x; }
 };

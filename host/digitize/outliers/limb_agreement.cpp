@@ -13,13 +13,11 @@
 namespace strobe::digitize {
 namespace {
 
-constexpr std::size_t kDirections = 72;
+constexpr std::size_t kDirections = std::tuple_size_v<Limb>;
 constexpr int kAcross = 3;  // samples along the outline, for one direction
 constexpr std::size_t kMinOutlines = 3;
 constexpr float kMinGain = 0.7F;
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
-
-using Limb = std::array<float, kDirections>;
 
 struct Place {
   cv::Point2d centre;
@@ -37,7 +35,6 @@ class Reader {
     if (surface) axes_ = surface_frame(*surface);
   }
 
-  /// Rise of intensity from outside to inside in each direction; not-a-number where it cannot be observed.
   Limb limb(const Outline& outline) const {
     const Place place{outline.centre, map_.outline(outline.centre, outline.diameter)};
     // Beyond most of the blur, and near enough that what lies under the ball is the same.
@@ -104,6 +101,7 @@ float gain_of(const Limb& limb, const Limb& typical) {
 
 LimbAgreement compared(const Limb& limb, const Limb& typical) {
   LimbAgreement result;
+  result.limb = limb;
   const float gain = gain_of(limb, typical);
   double there = 0.0, expected = 0.0;
   for (std::size_t k = 0; k < kDirections; ++k) {

@@ -4,6 +4,7 @@
 // only. Deterministic; thread-safe; allocates.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <span>
 #include <vector>
@@ -15,6 +16,10 @@
 
 namespace strobe::digitize {
 
+/// Rise of intensity from outside to inside across an outline, by direction from its centre; not-a-number where it
+/// cannot be observed.
+using Limb = std::array<float, 72>;
+
 struct LimbAgreement {
   /// Fraction of the typical limb, weighted by its rise, that this outline shows too: near 1 for a ball, near
   /// the borrowed arcs' fraction for a false outline.
@@ -22,6 +27,7 @@ struct LimbAgreement {
   /// Fraction of the circle on which the limb can be observed: not saturated, on the photograph, above the
   /// surface.
   double observed = 0.0;
+  Limb limb{};
 
   bool is_certain_ball() const { return observed >= 0.3 && agreement >= 0.75; }
   /// A false outline agrees on its borrowed arcs and, by chance, on a third of the rest.

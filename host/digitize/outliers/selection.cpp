@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "host/digitize/outliers/ball_size.hpp"
+#include "host/digitize/outliers/ghosts.hpp"
 #include "host/digitize/outliers/limb_agreement.hpp"
 #include "host/digitize/outliers/spacing.hpp"
 #include "host/digitize/path/path.hpp"
@@ -19,7 +20,11 @@ constexpr std::size_t kMinCertainBalls = 4;
 constexpr double kMaxSdOfDiameter = 0.004;
 // Near the bounce, arcs of several balls are more likely to look like a ball in contact.
 constexpr double kMaxContactSdOfDiameter = 0.002;
-constexpr double kMinMaxContactSd_px = 0.5;
+// What is no certain ball by its limb must show this share of its outline: arcs of other things agree with a third of
+// a ball's limb by chance (limb_agreement.hpp).
+constexpr double kMinVisible = 1.0 / 3.0;
+// On small balls half a px, which annotation and the coarse search are good to.
+constexpr double kMinMaxSd_px = 0.5;
 
 void reject(std::vector<Unmeasured>& rejected, const Outline& o, Reason reason, std::string detail) {
   rejected.push_back({o.centre, o.diameter, "image", {reason, std::move(detail)}});
@@ -56,6 +61,26 @@ class PathSelection {
     }
   }
 
+  /// Judged along the path only, where ambient light draws them.
+  void reject_ghosts() {
+    std::vector<int> members = path_.contact;
+    for (const auto& leg : path_.legs) members.insert(members.end(), leg.begin(), leg.end());
+    std::vector<LitDisc> discs;
+    for (const int i : members) {
+      const Outline& o = outlines_[static_cast<std::size_t>(i)];
+      const LimbAgreement& limb = limbs_[static_cast<std::size_t>(i)];
+      discs.push_back({o.centre, o.diameter, limb.limb, limb.is_certain_ball()});
+    }
+    for (const Ghost& ghost : find_ghosts(discs)) {
+      const int index = members[static_cast<std::size_t>(ghost.index)];
+      drop(index, Reason::ghost,
+           fmt::format("its limb rises by {:.0f} % of the next ball's: ambient light between two flashes",
+                       100.0 * ghost.share));
+      for (auto& leg : path_.legs) std::erase(leg, index);
+      std::erase(path_.contact, index);
+    }
+  }
+
   void reject_too_close(std::span<const double> flash_times_s) {
     std::vector<double> quality;
     for (const LimbAgreement& limb : limbs_) quality.push_back(limb.agreement);
@@ -68,7 +93,7 @@ class PathSelection {
     for (const int i : path_.contact) {
       const auto at = static_cast<std::size_t>(i);
       const double sd = points_[at].sd_px;
-      if (sd <= std::max(kMinMaxContactSd_px, kMaxContactSdOfDiameter * outlines_[at].diameter)) continue;
+      if (sd <= std::max(kMinMaxSd_px, kMaxContactSdOfDiameter * outlines_[at].diameter)) continue;
       if (limbs_[at].is_certain_ball()) continue;
       drop(i, Reason::imprecise,
            fmt::format("arcs near the surface that fix a centre to {:.1f} px only", sd));
@@ -109,9 +134,9 @@ std::vector<Outline> select_by_size(const Photograph& photograph, const PlaneMap
   for (std::size_t i = 0; i < outlines.size(); ++i) {
     Outline& o = outlines[i];
     const double sd = o.centre_sd();
-    if (sd > kMaxSdOfDiameter * o.diameter && !limbs[i].is_certain_ball())
+    if (sd > std::max(kMinMaxSd_px, kMaxSdOfDiameter * o.diameter) && !limbs[i].is_certain_ball())
       reject(rejected, o, Reason::imprecise, fmt::format("its centre would be known to {:.1f} px only", sd));
-    else if (has_wrong_size(o, size))
+    else if (has_wrong_size(o, size) && !limbs[i].is_certain_ball())
       reject(
           rejected, o, Reason::wrong_size,
           fmt::format("{:.1f} px, where the ball's images agree on {:.1f}", o.diameter, size.at(o.centre.x)));
@@ -135,12 +160,21 @@ std::vector<Outline> select_by_path(const Photograph& photograph, const PlaneMap
                          100.0 * limbs[i].agreement));
       continue;
     }
+    if (!limbs[i].is_certain_ball() && outlines[i].visible_fraction < kMinVisible) {
+      reject(rejected, outlines[i], Reason::few_edges,
+             fmt::format(
+                 "its outline is clear over {:.0f} of 360 degrees only, and light rises by {:.0f} % of what "
+                 "it does across the others' outlines",
+                 360.0 * outlines[i].visible_fraction, 100.0 * limbs[i].agreement));
+      continue;
+    }
     their_limbs.push_back(limbs[i]);
     balls.push_back(std::move(outlines[i]));
   }
   if (balls.empty()) return balls;
   PathSelection selection(std::move(balls), std::move(their_limbs), surface, rejected);
   selection.reject_off_path();
+  selection.reject_ghosts();
   selection.reject_too_close(flash_times_s);
   selection.reject_imprecise_contacts();
   return selection.selected();

@@ -1,4 +1,4 @@
-// Which outlines are the ball's images: checks of precision, size, limb, path and spacing. Each outline that
+// Which outlines are the ball's images: checks of precision, size, limb, path, ghosts and spacing. Each outline that
 // fails one is added to `rejected`. Deterministic for any number of threads; thread-safe; allocates.
 #pragma once
 
@@ -13,12 +13,13 @@
 
 namespace strobe::digitize {
 
-/// Checks that need no path: precision, and the size that the outlines agree on.
+/// Checks that need no path: precision, and the size that the outlines agree on. Neither counts for what
+/// is certainly a ball: a poor sd is a result, and real sizes vary as the path comes nearer.
 std::vector<Outline> select_by_size(const Photograph& photograph, const PlaneMap& map,
                                     std::vector<Outline> outlines, const std::optional<SurfaceLine>& surface,
                                     std::vector<Unmeasured>& rejected);
 
-/// Checks of limb, path, spacing, and of the precision of images in contact. flash_times_s: empty if not
+/// Checks of limb, path, ghosts, spacing, and of the precision of images in contact. flash_times_s: empty if not
 /// known.
 std::vector<Outline> select_by_path(const Photograph& photograph, const PlaneMap& map,
                                     std::vector<Outline> outlines, const std::optional<SurfaceLine>& surface,

@@ -18,6 +18,12 @@ namespace strobe::digitize {
 namespace {
 
 constexpr double kLargeBlur = 1.3;
+// A centre less certain than this share of the diameter tells no speed. Whether it is a ball's is another
+// question (outliers/selection.hpp).
+constexpr double kMaxSdOfDiameter = 0.05;
+// Offsets are sought within two sd of the blur; those of no outline at all lie anywhere there, with an rms of
+// 2/sqrt(3) = 1.15 sd, give or take .1 over 24 sectors.
+constexpr double kMaxRmsOfBlur = 1.0;
 
 /// A circle in plane px.
 struct Disc {
@@ -205,11 +211,11 @@ class OutlineFitter {
       reject(work, Reason::wrong_size,
              fmt::format("diameter {:.1f} px is not between {:.1f} and {:.1f}", diameter,
                          settings_.diameter_min_px, settings_.diameter_max_px));
-    } else if (fitted.rms_px > std::max(1.0, 0.01 * fitted.shape.radius) ||
+    } else if (fitted.rms_px > std::max({1.0, 0.01 * fitted.shape.radius, kMaxRmsOfBlur * fitted.sigma_px}) ||
                std::hypot(fitted.shape.oval_cos, fitted.shape.oval_sin) > 0.03 * fitted.shape.radius) {
       reject(work, Reason::not_round,
              fmt::format("edges are {:.2f} px rms from an ellipse that a ball can have", fitted.rms_px));
-    } else if (sd > 0.02 * diameter) {
+    } else if (sd > kMaxSdOfDiameter * diameter) {
       reject(work, Reason::imprecise, fmt::format("centre known to {:.1f} px only", sd));
     }
   }

@@ -15,7 +15,8 @@ constexpr int kOwn = 5;  // linear terms without neighbours
 constexpr int kMaxLinear = kOwn + 2 * kMaxNeighbours;
 constexpr int kExtra = 5;  // derivatives of step and root by depth and sigma, intensity
 constexpr int kMaxTerms = kMaxLinear + kExtra;
-constexpr int kStep = 2, kRoot = 3;
+constexpr int kSlope = 1, kStep = 2, kRoot = 3, kInnerSlope = 4;
+constexpr int kLimb = kStep, kDeviation = kRoot;  // by add_limb_prior()
 constexpr int kLanes = 4;
 constexpr int kMaxDepths = SectorSamples::kMaxDepths;
 constexpr int kMinDegreesOfFreedom = 4;
@@ -114,10 +115,10 @@ Terms terms_of(const SectorSamples& samples, int index, const OutlineShape& shap
     const ProfileTable::Entry entry = profiles.at(depth);
     const auto inwards = static_cast<float>(depth * unit);
     terms.row[0][k] = 1.0F;
-    terms.row[1][k] = inwards;
+    terms.row[kSlope][k] = inwards;
     terms.row[kStep][k] = entry.step;
     terms.row[kRoot][k] = entry.root;
-    terms.row[4][k] = entry.step * inwards;
+    terms.row[kInnerSlope][k] = entry.step * inwards;
     terms.row[extra][k] = entry.step_by_depth;
     terms.row[extra + 1][k] = entry.root_by_depth;
     terms.row[extra + 2][k] = entry.step_by_sigma;
@@ -132,6 +133,44 @@ Terms terms_of(const SectorSamples& samples, int index, const OutlineShape& shap
   terms.depths = static_cast<int>(profile.intensity.size());
   terms.pad();
   return terms;
+}
+
+// What is known of a limb before its sector is seen. Of its rise over a window, the part that grows as the root
+// is anything from none (light from all around, fuzz) to all (a matt sphere lit from the camera): uniform, with
+// the mean 1/2 and the variance 1/12. A window is at most .3 of a radius deep, and light on a sphere, this one or
+// one behind it, changes by as much as it is over a radius: slopes of ball and background are within .3 of it.
+constexpr double kRootShare = 0.5, kRootShareVariance = 1.0 / 12.0, kSlopeVariance = 0.3 * 0.3;
+
+/// Replaces term `to` by itself plus `factor` times term `from`.
+void mix(Normal& normal, std::size_t to, std::size_t from, double factor) {
+  const auto terms = static_cast<std::size_t>(normal.linear + kExtra);
+  const auto at = [&](std::size_t i, std::size_t j) -> double& {
+    return normal.m[std::max(i, j)][std::min(i, j)];
+  };
+  const double own = at(to, to) + 2 * factor * at(to, from) + factor * factor * at(from, from);
+  for (std::size_t i = 0; i < terms; ++i)
+    if (i != to) at(i, to) += factor * at(i, from);
+  at(to, to) = own;
+}
+
+/// Rise of intensity over the limb, with nothing but an even background fitted beside it.
+double rough_rise(const Normal& normal) {
+  const auto light = static_cast<std::size_t>(normal.linear + kExtra - 1);
+  const double mean = normal.m[kLimb][0] / normal.m[0][0];
+  const double own = normal.m[kLimb][kLimb] - mean * normal.m[kLimb][0];
+  return own > 0.0 ? (normal.m[light][kLimb] - mean * normal.m[light][0]) / own : 0.0;
+}
+
+/// Makes step and root a limb of even shares and its deviation from it, which, like the slopes, is expected to
+/// be small against the limb's rise: by as much as noise, texture among it, hides. Without noise nothing is
+/// assumed; in bad light, where the terms are nearly collinear, the limb is of the common shape.
+void add_limb_prior(Normal& normal, double noise2) {
+  mix(normal, kDeviation, kLimb, -1.0);
+  mix(normal, kLimb, kDeviation, kRootShare);
+  const double relative = noise2 / (std::pow(rough_rise(normal), 2) + noise2);
+  normal.m[kSlope][kSlope] += relative / kSlopeVariance;
+  normal.m[kDeviation][kDeviation] += relative / kRootShareVariance;
+  normal.m[kInnerSlope][kInnerSlope] += relative / kSlopeVariance;
 }
 
 /// Projects the linear terms out of the others by a Cholesky factorization, row by row: afterwards m[i][j] of
@@ -171,16 +210,22 @@ std::array<double, kMaxLinear> coefficients(const Normal& normal) {
   return x;
 }
 
+/// Variance of the intensity around the freest of the models.
+double noise_of(Normal normal, int degrees_of_freedom) {
+  project(normal);
+  const auto light = static_cast<std::size_t>(normal.linear + kExtra - 1);
+  return kInterpolation * std::max(normal.m[light][light], 0.0) / degrees_of_freedom + 1e-14;
+}
+
 /// Products of a sector's residuals after projection, for the fitted amplitudes of step and root.
 class Residuals {
  public:
-  Residuals(const Normal& normal, double degrees_of_freedom)
-      : normal_(normal), first_(static_cast<std::size_t>(normal.linear)) {
+  Residuals(const Normal& normal, double noise2)
+      : normal_(normal), noise2_(noise2), first_(static_cast<std::size_t>(normal.linear)) {
     const auto x = coefficients(normal);
-    step_ = x[kStep];
-    root_ = x[kRoot];
+    step_ = x[kLimb] * (1.0 - kRootShare) - x[kDeviation];
+    root_ = x[kLimb] * kRootShare + x[kDeviation];
     depth_depth_ = step_ * step_ * of(0, 0) + 2 * step_ * root_ * of(0, 1) + root_ * root_ * of(1, 1);
-    noise2_ = kInterpolation * std::max(of(4, 4), 0.0) / degrees_of_freedom + 1e-14;
     if (depth_depth_ > 0.0) offset_ = (step_ * of(0, 4) + root_ * of(1, 4)) / depth_depth_;
   }
 
@@ -234,9 +279,9 @@ class Residuals {
   StepSd step_sd() const {
     std::array<double, kMaxLinear> unit{};
     double variance = 0.0, shared = 0.0;
-    for (std::size_t i = kStep; i < first_; ++i) {
-      double sum = i == kStep ? 1.0 : 0.0;
-      for (std::size_t k = kStep; k < i; ++k) sum -= normal_.m[i][k] * unit[k];
+    for (std::size_t i = kLimb; i < first_; ++i) {
+      double sum = i == kLimb ? 1.0 - kRootShare : i == kDeviation ? -1.0 : 0.0;
+      for (std::size_t k = kLimb; k < i; ++k) sum -= normal_.m[i][k] * unit[k];
       unit[i] = sum / normal_.m[i][i];
       variance += unit[i] * unit[i];
       shared += unit[i] * (step_ * normal_.m[first_][i] + root_ * normal_.m[first_ + 1][i]);
@@ -246,8 +291,9 @@ class Residuals {
   }
 
   const Normal& normal_;
+  double noise2_;
   std::size_t first_;
-  double step_ = 0.0, root_ = 0.0, depth_depth_ = 0.0, noise2_ = 0.0, offset_ = 0.0;
+  double step_ = 0.0, root_ = 0.0, depth_depth_ = 0.0, offset_ = 0.0;
 };
 
 }  // namespace
@@ -271,8 +317,10 @@ SectorEdge fit_sector(const SectorSamples& samples, int index, const OutlineShap
   const Terms terms = terms_of(samples, index, shape,
                                std::span(chosen).first(static_cast<std::size_t>(others)), profiles, sigma_px);
   Normal normal = products(terms);
+  const double noise2 = noise_of(normal, degrees_of_freedom);
+  add_limb_prior(normal, noise2);
   project(normal);
-  const Residuals residuals(normal, degrees_of_freedom);
+  const Residuals residuals(normal, noise2);
   const auto shadow = residuals.shadow_depth(samples.window_px(), coarse);
   if (!shadow || !(residuals.step() + residuals.root() * profiles.at(2.0 * sigma_px).root > 0.0)) {
     SectorEdge none;

@@ -65,6 +65,17 @@ TEST(BallSize, HasTheSdOfAMedian) {
   DOUBLES_EQUAL(1.4826 * 2.0 * std::sqrt(M_PI / 2.0) / std::sqrt(7.0), fit_size_model(apart).sd, 0.01);
 }
 
+TEST(BallSize, ThatDiffersFromBallToBallHasASpreadBesideTheOutlinesOwnSd) {
+  DOUBLES_EQUAL(0.0, fit_size_model(row(0.0)).spread, 0.0);
+  // Where the path comes nearer and goes away again: no slope, and a median deviation of 8 px.
+  auto bent = row(0.0);
+  const std::array more{-12.0, -8.0, 0.0, 12.0, 8.0, 0.0, -8.0};
+  for (std::size_t k = 0; k < more.size(); ++k) bent[k].diameter += more[k];
+  const SizeModel size = fit_size_model(bent);
+  DOUBLES_EQUAL(1.4826 * 8.0, size.spread, 0.01);
+  for (const Outline& outline : bent) CHECK_FALSE(has_wrong_size(outline, size));
+}
+
 TEST(BallSize, IsWrongBeyondThreePerCentOrFiveSd) {
   SizeModel size{260.0, 0.0, 0.3};
   CHECK_FALSE(has_wrong_size(ball_at(0.0, 260.0 * 1.029), size));

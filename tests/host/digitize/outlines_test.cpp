@@ -1,6 +1,7 @@
 #include "host/digitize/outline/outlines.hpp"
 
 #include <cmath>
+#include <opencv2/imgproc.hpp>
 
 #include "tests/host/digitize/painter.hpp"
 
@@ -49,6 +50,41 @@ OutlineSettings settings(Effort effort = Effort::standard) {
   return settings;
 }
 
+/// Noise of unit sd, smooth over `grain_px`.
+cv::Mat texture(cv::RNG& random, int side, double grain_px) {
+  cv::Mat noise(side, side, CV_32F);
+  random.fill(noise, cv::RNG::NORMAL, 0.0, 1.0);
+  cv::GaussianBlur(noise, noise, {}, grain_px);
+  cv::Scalar mean, sd;
+  cv::meanStdDev(noise, mean, sd);
+  return (noise - mean[0]) / sd[0];
+}
+
+struct RoughDisc {
+  Photograph photograph;
+  cv::Point2d centre;
+};
+
+RoughDisc rough_disc(std::uint64_t seed) {
+  constexpr int kSide = 160, kFine = 8;
+  cv::RNG random(seed);
+  RoughDisc disc;
+  disc.centre = {80.0 + random.uniform(-0.5, 0.5), 80.0 + random.uniform(-0.5, 0.5)};
+  cv::Mat cover(kSide * kFine, kSide * kFine, CV_32F, cv::Scalar(0.0));
+  const cv::Point2d fine = kFine * (disc.centre + cv::Point2d(0.5, 0.5)) - cv::Point2d(0.5, 0.5);
+  for (int y = 0; y < cover.rows; ++y)
+    for (int x = 0; x < cover.cols; ++x)
+      cover.at<float>(y, x) = cv::norm(cv::Point2d(x, y) - fine) < 50.0 * kFine ? 1.0F : 0.0F;
+  cv::resize(cover, cover, {kSide, kSide}, 0, 0, cv::INTER_AREA);
+  cv::GaussianBlur(cover, cover, {}, 1.2);
+  const cv::Mat wall = 0.15 + 0.04 * texture(random, kSide, 1.0);
+  const cv::Mat ball = cover.mul(0.08 + 0.016 * texture(random, kSide, 3.0));
+  cv::Mat counts;
+  cv::Mat(255.0 * (wall + ball)).convertTo(counts, CV_8U);
+  counts.convertTo(disc.photograph.intensity, CV_32F, 1.0 / 255.0);
+  return disc;
+}
+
 }  // namespace
 
 TEST_GROUP(Outlines){};
@@ -78,6 +114,32 @@ TEST(Outlines, FindOverlappingBallsOfAnyLookToATenthOfAPixelAndSayHowWell) {
   const double normalized = normalized2 / count;
   CHECK(normalized > 0.13);
   CHECK(normalized < 1.87);
+}
+
+TEST(Outlines, OfADimpledBallBeforeARoughWallAreFoundThoughTheirLimbsShapeIsNot) {
+  // Drawn by no profile of a limb: a disc flat but for its dimples, before a wall half as rough as its light, in 8
+  // bits. With step, root and slopes of each sector free, 5 of the 12 were lost and the others off by 0.8 px.
+  int found = 0;
+  double centre2 = 0.0;
+  constexpr int kDiscs = 12;
+  for (std::uint64_t seed = 1; seed <= kDiscs; ++seed) {
+    const RoughDisc disc = rough_disc(seed);
+    const PlaneMap map = PlaneMap::uncalibrated(disc.photograph.height());
+    const std::vector<Candidate> candidates{{disc.centre + cv::Point2d(1.0, -1.0), 51.0, 0.8}};
+    OutlineSettings range;
+    range.diameter_min_px = 88.0;
+    range.diameter_max_px = 112.0;
+    const auto outlines = fit_outlines(disc.photograph, map, candidates, range);
+    if (!outlines[0]) continue;
+    const cv::Point2d off = outlines[0]->centre - map.to_plane(disc.centre);
+    centre2 += off.dot(off) / 2;
+    ++found;
+  }
+  LONGS_EQUAL(kDiscs, found);
+  // The grain moves an edge of 1.2 px blur by about half the blur, alike over its correlation of 4 px: 80 of these
+  // on the outline, two for each coordinate, give 0.1 px; three times that for robust weights and the free blur,
+  // twice for chance.
+  CHECK(std::sqrt(centre2 / found) < 0.6);
 }
 
 TEST(Outlines, AreNotInventedWhereThereIsNone) {
