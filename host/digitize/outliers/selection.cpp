@@ -20,7 +20,7 @@ constexpr std::size_t kMinCertainBalls = 4;
 constexpr double kMaxSdOfDiameter = 0.004;
 // Near the bounce, arcs of several balls are more likely to look like a ball in contact.
 constexpr double kMaxContactSdOfDiameter = 0.002;
-// What is no certain ball by its limb must show this share of its outline: arcs of other things agree with a third of
+// What is no certain ball by its limb must show this share of what could be seen of its outline: arcs of other things agree with a third of
 // a ball's limb by chance (limb_agreement.hpp).
 constexpr double kMinVisible = 1.0 / 3.0;
 // On small balls half a px, which annotation and the coarse search are good to.
@@ -160,7 +160,7 @@ std::vector<Outline> select_by_path(const Photograph& photograph, const PlaneMap
                          100.0 * limbs[i].agreement));
       continue;
     }
-    if (!limbs[i].is_certain_ball() && outlines[i].visible_fraction < kMinVisible) {
+    if (!limbs[i].is_certain_ball() && outlines[i].visible_fraction < kMinVisible * limbs[i].observed) {
       reject(rejected, outlines[i], Reason::few_edges,
              fmt::format(
                  "its outline is clear over {:.0f} of 360 degrees only, and light rises by {:.0f} % of what "

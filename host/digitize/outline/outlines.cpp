@@ -134,9 +134,18 @@ class OutlineFitter {
     return shapes;
   }
 
+  /// So badly seen that measuring it a second time, more finely, would not make a ball of it: what is seen on
+  /// less than a third of its outline on the photograph is none, unless its centre is well fixed all the same.
+  static bool is_hopeless(const Work& work) {
+    const auto& covariance = work.fitted->covariance;
+    const double sd = std::sqrt(std::max(covariance(0, 0), covariance(1, 1)));
+    return work.fitted->visible_fraction < (1.0 - work.fitted->outside_fraction) / 3.0 &&
+           sd > 0.01 * work.fitted->shape.radius;
+  }
+
   void fit(std::size_t i, const std::vector<Work>& before, int sweep) {
     Work& work = works_[i];
-    if (!before[i].disc) return;
+    if (!before[i].disc || (sweep > 0 && is_hopeless(before[i]))) return;
     OutlineFitSettings settings;
     settings.steps = settings_.effort == Effort::fast ? 4 : sweep == 0 ? 3 : 2;
     settings.coarse_steps = sweep == 0 ? 2 : 0;

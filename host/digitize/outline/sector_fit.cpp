@@ -210,11 +210,22 @@ std::array<double, kMaxLinear> coefficients(const Normal& normal) {
   return x;
 }
 
-/// Variance of the intensity around the freest of the models.
-double noise_of(Normal normal, int degrees_of_freedom) {
-  project(normal);
-  const auto light = static_cast<std::size_t>(normal.linear + kExtra - 1);
-  return kInterpolation * std::max(normal.m[light][light], 0.0) / degrees_of_freedom + 1e-14;
+/// Variance of the intensity around the freest of the models: project() of the intensity alone.
+double noise_of(const Normal& normal, int degrees_of_freedom) {
+  std::array<std::array<double, kMaxLinear>, kMaxLinear + 1> factor;
+  const auto linear = static_cast<std::size_t>(normal.linear), light = linear + kExtra - 1;
+  double left = normal.m[light][light];
+  for (std::size_t i = 0; i <= linear; ++i) {
+    const auto& products = normal.m[i < linear ? i : light];
+    for (std::size_t j = 0; j < std::min(i + 1, linear); ++j) {
+      double sum = products[j];
+      if (i == j) sum += 1e-6 * sum + (j < kOwn ? 0.0 : kNeighbourPrior);
+      for (std::size_t k = 0; k < j; ++k) sum -= factor[i][k] * factor[j][k];
+      factor[i][j] = i == j ? std::sqrt(std::max(sum, 1e-9)) : sum / factor[j][j];
+      if (i == linear) left -= factor[i][j] * factor[i][j];
+    }
+  }
+  return kInterpolation * std::max(left, 0.0) / degrees_of_freedom + 1e-14;
 }
 
 /// Products of a sector's residuals after projection, for the fitted amplitudes of step and root.
