@@ -62,7 +62,8 @@ Bytes bmp(const cv::Mat& grey) {
 
 }  // namespace
 
-Bytes encoded_picture(const cv::Mat& pixels, const std::string& extension, const image::TiffOptions& options) {
+Bytes encoded_picture(const cv::Mat& pixels, const std::string& extension,
+                      const image::TiffOptions& options) {
   if (extension == ".pgm") return pgm(pixels);
   if (extension == ".bmp") return bmp(pixels);
   cv::Mat colours = pixels;

@@ -20,8 +20,8 @@ constexpr std::size_t kMinCertainBalls = 4;
 constexpr double kMaxSdOfDiameter = 0.004;
 // Near the bounce, arcs of several balls are more likely to look like a ball in contact.
 constexpr double kMaxContactSdOfDiameter = 0.002;
-// What is no certain ball by its limb must show this share of what could be seen of its outline: arcs of other things agree with a third of
-// a ball's limb by chance (limb_agreement.hpp).
+// What is no certain ball by its limb must show this share of what could be seen of its outline: arcs of other
+// things agree with a third of a ball's limb by chance (limb_agreement.hpp).
 constexpr double kMinVisible = 1.0 / 3.0;
 // On small balls half a px, which annotation and the coarse search are good to.
 constexpr double kMinMaxSd_px = 0.5;
