@@ -117,6 +117,7 @@ TEST_GROUP(SystemCalls) {
     std::istringstream lines(strobe::testing::read_text(traced));
     std::size_t count = 0;
     for (std::string line; std::getline(lines, line);) {
+      if (line.find(R"( ???)") != std::string::npos) continue;  // killed before strace knew the call
       const bool start = line.find("execve(") != std::string::npos;
       CHECK_TEXT(start, line.c_str());
       if (start) ++count;
