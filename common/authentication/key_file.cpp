@@ -170,8 +170,13 @@ Result<FoundKey> find_key(const KeyPlaces& places) {
   }
   if (const std::string credentials = environment("CREDENTIALS_DIRECTORY"); !credentials.empty()) {
     const fs::path path = fs::path(credentials) / "lab.key";
+    if (access(credentials.c_str(), X_OK) != 0) {
+      // Another key in its place would be a secret of this user alone.
+      return bad(path, std::string("the key in $CREDENTIALS_DIRECTORY cannot be read: ") +
+                           std::strerror(errno) + "; unset the variable, or name a key with --key-file FILE");
+    }
     std::error_code error;
-    if (fs::exists(path, error)) return with_path(read_key(path, Keeper::systemd), path);
+    if (fs::exists(fs::symlink_status(path, error))) return with_path(read_key(path, Keeper::systemd), path);
   }
   return find_home_key();
 }

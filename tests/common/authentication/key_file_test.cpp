@@ -2,6 +2,7 @@
 
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <csignal>
@@ -182,6 +183,35 @@ TEST(KeyFile, ACredentialMayBeReadByItsGroupButChangedByNobodyElse) {
   for (const mode_t mode : {0400, 0440, 0600, 0640}) CHECK_EQUAL(kText, credential_of_mode(mode));
   for (const mode_t mode : {0460, 0420, 0444, 0442, 0441, 0404, 0402})
     STRCMP_CONTAINS("others can read or change", credential_of_mode(mode).c_str());
+}
+
+TEST(KeyFile, OfACredentialThatCannotBeReadIsNotReplacedByAnother) {
+  setenv("CREDENTIALS_DIRECTORY", (folder / "none").c_str(), 1);
+  const auto gone = find_key({});
+  CHECK_FALSE(gone.has_value());
+  STRCMP_CONTAINS("none/lab.key: the key in $CREDENTIALS_DIRECTORY cannot be read: No such file",
+                  gone.error().message.c_str());
+  fs::create_symlink(folder / "nowhere", fs::path(file("credentials/other")).parent_path() / "lab.key");
+  setenv("CREDENTIALS_DIRECTORY", (folder / "credentials").c_str(), 1);
+  STRCMP_CONTAINS("no such key", find_key({}).error().message.c_str());
+  CHECK_FALSE(fs::exists(folder / ".config"));
+}
+
+TEST(KeyFile, OfACredentialInAClosedFolderIsNotReplacedByAnother) {
+  if (geteuid() != 0) return;  // root alone can become somebody who may not look into it
+  chmod(folder.path().c_str(), 0755);
+  const fs::path closed = file("credentials/lab.key").parent_path();
+  chmod(closed.c_str(), 0700);
+  setenv("CREDENTIALS_DIRECTORY", closed.c_str(), 1);
+  const pid_t child = fork();
+  if (child == 0) {
+    const bool other = setgid(65534) == 0 && setuid(65534) == 0;
+    const auto found = find_key({});
+    _exit(other && !found && found.error().message.find("Permission denied") != std::string::npos ? 0 : 1);
+  }
+  int status = -1;
+  LONGS_EQUAL(child, waitpid(child, &status, 0));
+  LONGS_EQUAL(0, status);
 }
 
 TEST(KeyFile, WithoutAHomeThatCanBeWrittenMustBeNamed) {
