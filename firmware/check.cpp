@@ -13,6 +13,7 @@
 #include "firmware/linux/interrupts.hpp"
 #include "firmware/linux/real_time_report.hpp"
 #include "firmware/linux/tick_finder.hpp"
+#include "firmware/service_files.hpp"
 
 namespace strobe::firmware {
 
@@ -82,18 +83,22 @@ std::string session_fault(const std::filesystem::path& session) {
 
 }  // namespace
 
-int check_rig(const Rig& rig, const Options& options) {
+int check_rig(const Rig& rig, const Options& given) {
+  const Options options = options_of_check(given, rig, geteuid() == 0);
   Report report(options.json);
   report.item("rig file", "");
   for (const CheckItem& item : inspect_lines(rig, SystemFiles())) report.item(item);
   const RealTimeRights trial = probe_real_time(rig.real_time);
   for (const CheckItem& item : real_time_report(rig, trial, find_tick(rig.real_time), SystemFiles()))
     report.item(item, options.allow_no_rt);
-  report.item("session", session_fault(options.session));
+  const std::string fault = session_fault(options.session);
+  report.item(fault.empty() ? CheckItem{"session", Verdict::ok, options.session.string()}
+                            : CheckItem{"session", Verdict::fault, fault});
   const auto key = authentication::find_key({options.key_file, rig.key_file});
-  report.item(
-      key ? CheckItem{"key", Verdict::ok, key->path.string() + ", fingerprint " + key->key.fingerprint()}
-          : CheckItem{"key", Verdict::fault, key.error().message});
+  report.item(key ? CheckItem{"key", Verdict::ok,
+                              key->path.string() + ", fingerprint " + key->key.fingerprint() +
+                                  (key->made ? " (new)" : "") + key_note(options, rig)}
+                  : CheckItem{"key", Verdict::fault, key.error().message});
   lcm::LCM lcm(options.lcm_url);
   report.item(
       "lcm",

@@ -88,8 +88,10 @@ int run(int argc, char** argv) {
                  "the lab's key, which commands must be sealed with (default: the rig file's, "
                  "$STROBE_KEY_FILE, systemd's credential lab.key, ~/.config/strobe/lab.key)");
   app.add_flag("--allow-no-rt", options.allow_no_rt, "run without real-time rights, with a warning");
-  auto* check_flag = app.add_flag(
-      "--check", check, "try chip, lines, rights and folder, tell what is wrong and what mends it, and end");
+  auto* check_flag = app.add_flag("--check", check,
+                                  "try chip, lines, rights, key and folder, tell what is wrong and what "
+                                  "mends it, and end; the service's key and "
+                                  "folder, where root gives the service's rig file");
   app.add_flag("--safe", safe, "drive all outputs inactive once, and end")->excludes(check_flag);
   app.add_flag("--move-interrupts", move,
                "as root: keep the machine's interrupts off the CPU of [real_time] cpu, and end")
