@@ -22,8 +22,9 @@ struct FoundKey {
 };
 
 /// The first of: the option's file, the rig file's, $STROBE_KEY_FILE, $CREDENTIALS_DIRECTORY/lab.key
-/// (systemd's LoadCredential=) if there is one, in a folder that this user must be able to look into, and $XDG_CONFIG_HOME/strobe/lab.key (or in ~/.config), which
-/// is created if it does not exist, so that firmware and host of one user on one machine need no set-up.
+/// (systemd's LoadCredential=) if there is one, in a folder that this user must be able to look into, and
+/// $XDG_CONFIG_HOME/strobe/lab.key (or in ~/.config), which is created if it does not exist, so that firmware and
+/// host of one user on one machine need no set-up.
 /// Fails with one line that names the file and what to do.
 Result<FoundKey> find_key(const KeyPlaces& places);
 

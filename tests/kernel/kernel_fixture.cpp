@@ -52,13 +52,15 @@ std::filesystem::path boot_folder() {
   return named != nullptr ? named : STROBE_KERNEL_BOOT;
 }
 
-KernelFixture::KernelFixture(const std::filesystem::path& boot)
+KernelFixture::KernelFixture(const std::filesystem::path& boot, const Install& install)
     : bridge_(kLcm, VirtualMachine::cable_here(folder_.path()), VirtualMachine::cable_there(folder_.path())),
       machine_(boot, folder_.path()),
       clock_offset_(clock_offset(machine_)) {
   const std::filesystem::path key = folder_.path() / "lab.key";
   const bool has_key = std::filesystem::exists(boot / "lab.key");
-  testing::write_text(key, has_key ? testing::read_text(boot / "lab.key") : kKey);
+  testing::write_text(key, install   ? install(machine_)
+                           : has_key ? testing::read_text(boot / "lab.key")
+                                     : kKey);
   std::filesystem::permissions(key, std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
   const auto scene = sim::load_scene(STROBE_KERNEL_SCENE);
   if (!scene) throw std::runtime_error(scene.error().message);

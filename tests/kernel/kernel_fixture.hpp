@@ -5,6 +5,7 @@
 #pragma once
 
 #include <atomic>
+#include <functional>
 #include <mutex>
 #include <string>
 #include <thread>
@@ -34,8 +35,11 @@ std::filesystem::path boot_folder();
 
 class KernelFixture {
  public:
-  /// `boot` as VirtualMachine wants it; if there is a lab.key, that is the host's.
-  explicit KernelFixture(const std::filesystem::path& boot);
+  /// What is done in the machine before the rig is there; returns the lab's key.
+  using Install = std::function<std::string(VirtualMachine&)>;
+
+  /// `boot` as VirtualMachine wants it; if there is a lab.key, or an `install` that makes one, that is the host's.
+  explicit KernelFixture(const std::filesystem::path& boot, const Install& install = {});
   ~KernelFixture();
 
   VirtualMachine& machine() { return machine_; }

@@ -7,8 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/kernel/kernel_fixture.hpp"
-#include "tests/support/json_lines.hpp"
+#include "tests/kernel/service.hpp"
 
 #include "tests/support/string_from.hpp"
 
@@ -17,27 +16,19 @@ using namespace strobe::kernel;
 
 namespace {
 
-constexpr int kFlashes = 30;  // of rig.toml's plan: 1200 ms, one each 40 ms
-constexpr int kMidTrain = 10;
-constexpr int kLongTrain = 100;
-constexpr int kMaxAttempts = 5;
 constexpr int kFifo = 1;  // SCHED_FIFO as /proc tells it
 
-KernelFixture& bench() {
-  static KernelFixture machine(STROBE_KERNEL_BOOT "/unit");
+Service& service() {
+  static Service machine(STROBE_KERNEL_BOOT "/unit");
   return machine;
 }
+KernelFixture& bench() { return service().bench(); }
 
-std::string shell(const std::string& line) { return bench().machine().run(line); }
-
-/// Without the end of its only line.
-std::string word(const std::string& line) {
-  std::string text = shell(line);
-  text.erase(text.find_last_not_of(" \r\n") + 1);
-  return text;
-}
-
-std::string property(const std::string& name) { return word("systemctl show -P " + name + " strobed"); }
+std::string shell(const std::string& line) { return service().shell(line); }
+std::string word(const std::string& line) { return service().word(line); }
+std::string property(const std::string& name) { return service().property(name); }
+bool becomes(const std::string& state) { return service().becomes(state); }
+std::string journal() { return service().journal(); }
 
 std::vector<std::string> words_of(const std::string& text) {
   std::istringstream in(text);
@@ -70,12 +61,6 @@ Scheduling highest_of(const std::string& process) {
   return highest;
 }
 
-bool becomes(const std::string& state) {
-  return testing::wait_until([&] { return property("ActiveState") == state; }, kTimeout);
-}
-
-std::string journal() { return shell("journalctl -b -u strobed -o cat --no-pager | tail -n 60"); }
-
 /// As root, but in the service's control group: its devices and addresses, none of its other bounds.
 std::string in_its_group(const std::string& command) {
   return shell("sh -c 'echo $$ >/sys/fs/cgroup/system.slice/strobed.service/cgroup.procs; " + command +
@@ -90,48 +75,19 @@ std::string refused(const std::string& said) {
 }  // namespace
 
 TEST_GROUP(Unit) {
-  std::size_t before = 0;  ///< events of earlier tests
   int restarts = 0;
 
   void setup() override {
     shell("systemctl reset-failed strobed; systemctl restart strobed");
     STRCMP_EQUAL_TEXT("active", property("ActiveState").c_str(), journal().c_str());
-    before = bench().events().size();
+    service().count_from_now();
     restarts = std::stoi(property("NRestarts"));
   }
 
-  std::vector<int> flashes_of_each_shot() const {
-    std::vector<int> counts;
-    const auto events = bench().events();
-    for (std::size_t i = before; i < events.size(); ++i) {
-      if (events[i].level != 1) continue;
-      if (events[i].pin == Pin::shutter) counts.push_back(0);
-      if (events[i].pin == Pin::strobe_a && !counts.empty()) ++counts.back();
-    }
-    return counts;
-  }
-
-  /// A train of 4 s, under way. A machine that stands still for long aborts one: then the next.
-  std::unique_ptr<testing::Process> fire_and_wait_for_the_train() {
-    const std::filesystem::path plan = bench().folder() / "plan.toml";
-    testing::write_text(plan,
-                        "train = \"free\"\nperiod_us = 40000\nshutter_open_ms = 4000\nimpact_at_ms = 600\n");
-    const auto under_way = [this] {
-      const auto counts = flashes_of_each_shot();
-      return !counts.empty() && counts.back() >= kMidTrain;
-    };
-    std::string said;
-    for (int attempt = 0; attempt < kMaxAttempts; ++attempt) {
-      auto firing = std::make_unique<testing::Process>(
-          bench().strobe({"fire", "--shots", "1", "--retries", "0", "--json", "--session",
-                          (bench().folder() / "killed").string(), "--plan", plan.string()}),
-          bench().folder());
-      testing::wait_until([&] { return under_way() || !firing->running(); }, kTimeout);
-      if (firing->running() && under_way()) return firing;
-      said += firing->err();
-    }
-    FAIL((said + journal()).c_str());
-    return nullptr;
+  static std::unique_ptr<testing::Process> fire_and_wait_for_the_train() {
+    auto firing = service().fire_and_wait_for_the_train();
+    CHECK_TRUE_TEXT(firing != nullptr, journal().c_str());
+    return firing;
   }
 
   void outputs_become_inactive() const {
@@ -140,7 +96,7 @@ TEST_GROUP(Unit) {
                     journal().c_str());
     std::printf("outputs inactive after %.1f s ",
                 1e-9 * static_cast<double>(testing::monotonic_now_ns() - from_ns));
-    CHECK_TRUE(flashes_of_each_shot().back() < kLongTrain);
+    CHECK_TRUE(service().flashes_of_each_shot().back() < kLongTrain);
   }
 
   void is_started_again() const {
@@ -183,12 +139,8 @@ TEST(Unit, IsActiveOnceTheGuardianSaysSoAndKeepsItsRealTimeRights) {
 }
 
 TEST(Unit, FiresAWholeShotForTheHostOutside) {
-  // A machine that stands still for long ends a shot as flagged: such a one is fired again.
-  const testing::CompletedProcess fired =
-      testing::run_process(bench().strobe({"fire", "--shots", "1", "--retries", "9", "--json", "--session",
-                                           (bench().folder() / "session").string()}),
-                           kTimeout);
-  const auto counts = flashes_of_each_shot();
+  const testing::CompletedProcess fired = service().fire_a_shot();
+  const auto counts = service().flashes_of_each_shot();
   for (const int count : counts) std::printf("%d flashes ", count);
   CHECK_TRUE_TEXT(std::find(counts.begin(), counts.end(), kFlashes) != counts.end(),
                   (fired.out + fired.err + journal()).c_str());
