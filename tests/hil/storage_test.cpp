@@ -71,7 +71,7 @@ TEST(Storage, AStandardOutputThatTakesNothingEndsTheSeries) {
       through_shell("exec \"$@\" >/dev/full", fire_elsewhere(bench, 50)), kLongestWait);
   CHECK_TEXT(fired.status == ExitStatus({1, 0}), fired.err.c_str());
   CHECK_TEXT(fired.err.find("standard output: cannot be written: No space left") != std::string::npos,
-             fired.err.c_str());
+             (fired.err + bench.log()).c_str());
 }
 
 TEST(Storage, AFolderThatIsRemovedUnderItEndsTheSeries) {
