@@ -25,7 +25,11 @@ std::int64_t random_id() {
   return id;
 }
 
-bool CommandQueue::push(const Command& command) { return queue_.try_enqueue(command) && loop_.wake(); }
+bool CommandQueue::push(const Command& command) {
+  if (!queue_.try_enqueue(command)) return false;
+  loop_.wake();
+  return true;
+}
 
 bool RepetitionFilter::is_new(std::int64_t host_id, std::int64_t command_id) {
   const auto known = newest_.find(host_id);

@@ -24,7 +24,9 @@ class CommandQueue final : public CommandSource {
  public:
   explicit CommandQueue(Wake& loop) : queue_(kCapacity), loop_(loop) {}
   bool pop(Command& command) noexcept override { return queue_.try_dequeue(command); }
-  bool push(const Command& command);  ///< false if full
+  /// False if full. A loop that cannot be woken takes the command in its next turn, Sequencer::kLongestSleep later
+  /// at most.
+  bool push(const Command& command);
 
  private:
   static constexpr std::size_t kCapacity = 256;

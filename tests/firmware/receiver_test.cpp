@@ -104,6 +104,23 @@ TEST(Receiver, WakesTheLoopWithACommand) {
   CHECK_EQUAL(1u, wake.take());
 }
 
+TEST(Receiver, DoesNotCallACommandDroppedThatALoopWhichCannotBeWokenWillTake) {
+  close(wake.fd());
+  CHECK_TRUE(deliver());
+  CHECK_TRUE(said.empty());
+}
+
+TEST(Receiver, TellsThatACommandWasDroppedWhenTheLoopTakesNone) {
+  for (; said.empty() && message.command_id < 10'000; ++message.command_id) receiver.receive(sealed());
+  CHECK_EQUAL(std::string("a command was dropped: too many at once"), said.front());
+  // Those before it are kept.
+  for (std::int64_t kept = 1; kept < message.command_id - 1; ++kept) {
+    CHECK_TRUE(commands.pop(command));
+    CHECK_EQUAL(kept, command.command_id);
+  }
+  CHECK_FALSE(commands.pop(command));
+}
+
 TEST(Receiver, GivesEachArmATokenOfItsOwn) {
   CHECK_TRUE(deliver());
   const std::int64_t first = command.new_token;
