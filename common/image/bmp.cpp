@@ -3,6 +3,7 @@
 
 #include "common/image/checks.hpp"
 #include "common/image/image_files.hpp"
+#include "common/image/numbers.hpp"
 
 namespace strobe::image {
 
@@ -10,12 +11,9 @@ namespace {
 
 using Colour = std::array<std::uint8_t, 3>;  ///< red, green, blue
 
-/// A number of that many bytes, the lowest first; 0 past the end.
+/// Of at most 4 bytes; 0 past the end.
 std::uint32_t number(Bytes bytes, std::uint64_t at, unsigned size) {
-  if (at > bytes.size() || size > bytes.size() - at) return 0;
-  std::uint32_t value = 0;
-  for (unsigned i = size; i > 0; --i) value = value << 8 | bytes[static_cast<std::size_t>(at) + i - 1];
-  return value;
+  return static_cast<std::uint32_t>(read_number(bytes, at, size, std::endian::little).value_or(0));
 }
 
 struct Header {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/image/image_files.hpp"
+#include "common/image/opencv.hpp"
 
 namespace strobe::sim {
 
@@ -13,8 +14,7 @@ namespace {
 Result<std::vector<std::uint8_t>> encode(const cv::Mat& pixels, PhotographFormat format) {
   const bool known = pixels.type() == CV_8UC1 || pixels.type() == CV_16UC1;
   if (!known) return fail("cannot be encoded");
-  const image::Pixels grey{pixels.data, pixels.step, pixels.cols,
-                           pixels.rows, 1,           pixels.depth() == CV_8U ? 8 : 16};
+  const image::Pixels grey = image::pixels_of(pixels);
   return format == PhotographFormat::png ? image::encode_png(grey) : image::encode_tiff(grey);
 }
 

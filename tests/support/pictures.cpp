@@ -6,6 +6,8 @@
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 
+#include "common/image/opencv.hpp"
+
 namespace strobe::testing {
 
 namespace {
@@ -68,8 +70,7 @@ Bytes encoded_picture(const cv::Mat& pixels, const std::string& extension,
   if (extension == ".bmp") return bmp(pixels);
   cv::Mat colours = pixels;
   if (pixels.channels() == 3) cv::cvtColor(pixels, colours, cv::COLOR_BGR2RGB);
-  const image::Pixels view{colours.data, colours.step,       colours.cols,
-                           colours.rows, colours.channels(), static_cast<int>(8 * colours.elemSize1())};
+  const image::Pixels view = image::pixels_of(colours);
   if (extension == ".jpg") return value_of(image::encode_jpeg(view));
   if (extension == ".png") return value_of(image::encode_png(view));
   return value_of(image::encode_tiff(view, options));
@@ -87,8 +88,7 @@ cv::Mat read_picture(const std::filesystem::path& path) {
   const Bytes bytes{std::istreambuf_iterator<char>(file), {}};
   auto raster = path.extension() == ".png" ? image::decode_png(bytes) : image::decode_tiff(bytes);
   if (!raster) throw std::runtime_error(path.string() + ": " + raster.error().message);
-  const int type = CV_MAKETYPE(raster->bits() == 8 ? CV_8U : CV_16U, raster->channels());
-  const cv::Mat pixels(raster->height(), raster->width(), type, raster->row(0));
+  const cv::Mat pixels = image::mat_of(*raster);
   if (raster->channels() == 1) return pixels.clone();
   cv::Mat picture;
   cv::cvtColor(pixels, picture, cv::COLOR_RGB2BGR);

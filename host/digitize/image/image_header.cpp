@@ -9,21 +9,21 @@
 #include <optional>
 #include <string>
 
+#include "common/image/checks.hpp"
+#include "common/image/numbers.hpp"
+
 namespace strobe::digitize {
 
 namespace {
 
-using Bytes = std::span<const unsigned char>;
+using image::Bytes;
 
 constexpr std::uint64_t kMissing = ~std::uint64_t{0};
 
-/// An unsigned number of that many bytes. Returns kMissing past the end.
+/// Of at most 8 bytes; kMissing past the end.
 std::uint64_t number(Bytes bytes, std::uint64_t at, unsigned size, bool big_endian) {
-  if (at > bytes.size() || size > bytes.size() - at) return kMissing;
-  std::uint64_t value = 0;
-  for (unsigned i = 0; i < size; ++i)
-    value = value << 8 | bytes[static_cast<std::size_t>(at) + (big_endian ? i : size - 1 - i)];
-  return value;
+  return image::read_number(bytes, at, size, big_endian ? std::endian::big : std::endian::little)
+      .value_or(kMissing);
 }
 
 bool starts(Bytes bytes, std::string_view with) {
@@ -37,8 +37,8 @@ tl::unexpected<Error> cut_short(std::string_view format) {
 }
 
 Result<ImageHeader> sized(ImageHeader header) {
-  if (header.width <= 0 || header.height <= 0)
-    return fail(fmt::format("the {} header says {} x {} pixels", header.format, header.width, header.height));
+  if (auto checked = image::check_size(header.format, header.width, header.height); !checked)
+    return tl::unexpected(checked.error());
   return header;
 }
 

@@ -25,8 +25,8 @@ struct ImageHeader {
 };
 
 /// Reads the header of PNG (W3C), TIFF 6.0, JPEG (ITU-T T.81), BMP and PNM files. Fails, without naming the
-/// file, for other formats, contradictory or truncated headers, pixels that are not unsigned integers, and
-/// files that end before their pixels do.
+/// file, for other formats, contradictory or truncated headers, pixels that are not unsigned integers, more
+/// than image::kMaxPixels of them, and files that end before their pixels do.
 Result<ImageHeader> read_image_header(std::span<const unsigned char> bytes);
 
 }  // namespace strobe::digitize

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "common/image/image_files.hpp"
+#include "common/image/opencv.hpp"
 #include "host/digitize/image/image_header.hpp"
 
 namespace strobe::digitize {
@@ -31,10 +32,6 @@ std::string one_line(std::string text) {
 Result<ImageHeader> acceptable_header(std::span<const unsigned char> bytes) {
   auto header = read_image_header(bytes);
   if (!header) return header;
-  // A quotient, as a product of what a header may say overflows.
-  if (header->width > kMaxPixels / header->height)
-    return fail(fmt::format("{} x {} pixels are more than the {} million that are read", header->width,
-                            header->height, kMaxPixels / 1'000'000));
   if (header->width < kMinSide || header->height < kMinSide)
     return fail(fmt::format("{} x {} pixels are too few: {} x {} are needed", header->width, header->height,
                             kMinSide, kMinSide));
@@ -70,8 +67,7 @@ Result<Decoded> decode_grey(std::span<const unsigned char> bytes, const ImageHea
   if (header.raw_offset) return Decoded{{}, plain_pixels(bytes, header)};
   auto raster = decode_file(bytes, header.format);
   if (!raster) return tl::unexpected(raster.error());
-  const int type = CV_MAKETYPE(raster->bits() == 8 ? CV_8U : CV_16U, raster->channels());
-  const cv::Mat pixels(raster->height(), raster->width(), type, raster->row(0));
+  const cv::Mat pixels = image::mat_of(*raster);
   if (raster->channels() == 1) return Decoded{std::move(*raster), pixels};
   Decoded decoded;
   cv::cvtColor(pixels, decoded.grey, cv::COLOR_RGB2GRAY);

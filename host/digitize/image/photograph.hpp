@@ -2,13 +2,11 @@
 // the row counted from the top, pixel centres are at integers.
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 #include <opencv2/core.hpp>
 #include <span>
 #include <string>
 
-#include "common/image/image_files.hpp"
 #include "common/result.hpp"
 
 namespace strobe::digitize {
@@ -26,10 +24,7 @@ struct Photograph {
   int height() const { return intensity.rows; }
 };
 
-/// Photographs have from 16 x 16 to this many pixels.
-inline constexpr std::int64_t kMaxPixels = image::kMaxPixels;
-
-/// Decodes the formats of image_header.hpp. Colours become luminance. Fails with "NAME: what is
+/// Decodes the formats of image_header.hpp, from 16 x 16 to image::kMaxPixels pixels. Colours become luminance. Fails with "NAME: what is
 /// wrong"; never throws, whatever the bytes. Thread-safe; allocates.
 Result<Photograph> decode_photograph(std::span<const unsigned char> bytes, const std::string& name);
 

@@ -11,6 +11,7 @@
 
 #include "common/config/files.hpp"
 #include "common/image/image_files.hpp"
+#include "common/image/opencv.hpp"
 
 namespace strobe::digitize {
 
@@ -205,7 +206,7 @@ std::string label_of(const BallImage& image, std::size_t index) {
 Result<std::vector<std::uint8_t>> encoded(const cv::Mat& picture, const std::filesystem::path& extension) {
   cv::Mat colours;
   cv::cvtColor(picture, colours, cv::COLOR_BGR2RGB);
-  const image::Pixels pixels{colours.data, colours.step, colours.cols, colours.rows, 3, 8};
+  const image::Pixels pixels = image::pixels_of(colours);
   std::string kind = extension.string();
   std::ranges::transform(kind, kind.begin(),
                          [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
