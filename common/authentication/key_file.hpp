@@ -28,8 +28,8 @@ struct FoundKey {
 /// Fails with one line that names the file and what to do.
 Result<FoundKey> find_key(const KeyPlaces& places);
 
-/// Creates a key file that only this user can read, and its folders, in which others may look. If several programs do so at once one
-/// succeeds, and no other program sees a half-written file. Fails if the file exists.
+/// Creates a key file that only this user can read, and its folders, in which others may look. If several programs
+/// do so at once one succeeds, and no other program sees a half-written file. Fails if the file exists.
 Result<FoundKey> make_key_file(const std::filesystem::path& path);
 
 /// Fails unless it is a regular file, owned by this user, that nobody else can read or change, and holds a

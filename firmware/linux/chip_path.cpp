@@ -44,7 +44,7 @@ std::string listed(const std::vector<ChipNode>& nodes) {
     text += (text.empty() ? "" : ", ") + node.path + " (" + known + ")";
     forbidden = forbidden || node.error == EACCES;
   }
-  return forbidden ? text + "; the user must be allowed to open it, e.g. by the group gpio" : text;
+  return forbidden ? text + "; " + kAllowUser : text;
 }
 
 /// "1-2.3", as against "usb1" and an interface's "1-2.3:1.0".
@@ -68,10 +68,16 @@ std::vector<ChipNode> chip_nodes() {
   return nodes;
 }
 
+bool is_chip_label(const std::string& which) {
+  const bool is_name = which.starts_with(kChip) && is_number(which.substr(kChip.size()));
+  return !which.starts_with("/") && !is_number(which) && !is_name;
+}
+
 Result<std::string> chip_path(const std::string& which, const std::vector<ChipNode>& nodes) {
-  if (which.starts_with("/")) return which;
-  if (is_number(which)) return kDevices + kChip + which;
-  if (which.starts_with(kChip) && is_number(which.substr(kChip.size()))) return kDevices + which;
+  if (!is_chip_label(which)) {
+    if (which.starts_with("/")) return which;
+    return kDevices + (is_number(which) ? kChip : "") + which;
+  }
   std::vector<ChipNode> labelled;
   std::copy_if(nodes.begin(), nodes.end(), std::back_inserter(labelled),
                [&](const ChipNode& node) { return node.path == kDevices + which || node.label == which; });

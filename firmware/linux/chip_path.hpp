@@ -17,8 +17,14 @@ struct ChipNode {
 /// Every GPIO chip of this machine, by number; links to one (Raspberry Pi OS has some) are left out.
 std::vector<ChipNode> chip_nodes();
 
-/// The path for a path, name ("gpiochip0"), number ("0") or label. Fails with a line of words if no chip has the label,
-/// or several have.
+/// What a user does to whom a chip is forbidden.
+inline constexpr const char* kAllowUser = "the user must be allowed to open it, e.g. by the group gpio";
+
+/// Whether it is a label: no path, name ("gpiochip0") or number ("0").
+bool is_chip_label(const std::string& which);
+
+/// The path; for a label among these nodes, that are needed for nothing else. Fails with a line of words if no chip
+/// has the label, or several have.
 Result<std::string> chip_path(const std::string& which, const std::vector<ChipNode>& nodes);
 
 /// The USB port of a chip such as "gpiochip0", e.g. "1-2"; empty if it is on none.

@@ -24,8 +24,8 @@ inline constexpr int kExitBadInput = 2;
 inline constexpr Duration kGuardianTimeout = milliseconds(5'000);
 
 /// Runs `work` in a child process of a session of its own, which gets SIGTERM if the guardian dies. Its
-/// worker_stop_signals() are blocked: it waits for them. Returns strobed's exit status: 0 after an orderly stop, 2 if the worker
-/// gave up before it had the lines, else 1. Requires: one thread, and no open descriptors.
+/// worker_stop_signals() are blocked: it waits for them. Returns strobed's exit status: 0 after an orderly stop, 2 if
+/// the worker gave up before it had the lines, else 1. Requires: one thread, and no open descriptors.
 int run_guardian(const Rig& rig, const std::function<int(SharedStatus&)>& work);
 
 }  // namespace strobe::firmware

@@ -53,8 +53,7 @@ Result<void> drop_refused(GpioChip& chip, const Rig& rig, std::span<const Line> 
     const auto safe = fail_safe_bias(rig, lines[i]);
     if (rig.line(lines[i]).bias_chosen)
       return line_failure(rig, lines[i], what + ": with a resistor on the line, write bias = \"as_is\"");
-    if (safe)
-      warnings.push_back(line_failure(rig, lines[i], what + ": " + needs_resistor(*safe)).value().message);
+    if (safe) warnings.push_back(line_message(rig, lines[i], what + ": " + needs_resistor(*safe)));
     specs[i].bias = Bias::as_is;
   }
   return {};
@@ -63,9 +62,7 @@ Result<void> drop_refused(GpioChip& chip, const Rig& rig, std::span<const Line> 
 void warn(const GpioChip& chip, const Rig& rig, Line which, const InputLineSpec& spec,
           std::vector<std::string>& warnings) {
   const auto safe = fail_safe_bias(rig, which);
-  const auto say = [&](const std::string& what) {
-    warnings.push_back(line_failure(rig, which, what).value().message);
-  };
+  const auto say = [&](const std::string& what) { warnings.push_back(line_message(rig, which, what)); };
   if (safe && !pulls(rig.line(which).bias))
     say("bias = " + quoted(rig.line(which).bias) + ": " + needs_resistor(*safe));
   if (spec.bias == Bias::as_is) return;

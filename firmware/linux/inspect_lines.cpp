@@ -18,8 +18,7 @@ void inspect_line(GpioChip& chip, const Rig& rig, Line which, std::vector<CheckI
   if (!offset) {
     item = {item.name, Verdict::fault, offset.error().message};
   } else if (chip.user_of(*offset)) {
-    item = {item.name, Verdict::fault,
-            line_failure(rig, which, request_error(chip, *offset, EBUSY)).value().message};
+    item = {item.name, Verdict::fault, line_message(rig, which, request_error(chip, *offset, EBUSY))};
   }
   items.push_back(item);
   if (item.verdict != Verdict::ok) return;

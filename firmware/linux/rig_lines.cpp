@@ -15,13 +15,16 @@ std::string place(const Rig& rig, std::uint32_t line, const std::string& key) {
 
 }  // namespace
 
+std::string line_message(const Rig& rig, Line which, const std::string& what) {
+  return place(rig, rig.line(which).file_line, std::string("lines.") + line_key(which)) + what;
+}
+
 tl::unexpected<Error> line_failure(const Rig& rig, Line which, const std::string& what) {
-  return fail(place(rig, rig.line(which).file_line, std::string("lines.") + line_key(which)) + what);
+  return fail(line_message(rig, which, what));
 }
 
 Result<GpioChip> open_chip(const Rig& rig) {
-  const bool by_label = !rig.chip.starts_with("/") && !rig.chip.starts_with("gpiochip");
-  const auto path = chip_path(rig.chip, by_label ? chip_nodes() : std::vector<ChipNode>{});
+  const auto path = chip_path(rig.chip, is_chip_label(rig.chip) ? chip_nodes() : std::vector<ChipNode>{});
   if (!path) return fail(place(rig, rig.chip_file_line, "chip.name") + path.error().message);
   auto chip = GpioChip::open(*path);
   if (chip) return std::move(*chip);
@@ -29,7 +32,7 @@ Result<GpioChip> open_chip(const Rig& rig) {
   // Either libgpiod has its own number for a device of another kind.
   if (error == ENOTTY || error == ENODEV)
     return fail(place(rig, rig.chip_file_line, "chip.name") + "\"" + rig.chip + "\" is no GPIO chip");
-  const char* hint = error == EACCES ? " (the user must be allowed to open it, e.g. by the group gpio)" : "";
+  const std::string hint = error == EACCES ? std::string(" (") + kAllowUser + ")" : "";
   return fail(place(rig, rig.chip_file_line, "chip.name") + "cannot open \"" + rig.chip +
               "\": " + std::strerror(error) + hint);
 }

@@ -10,6 +10,9 @@
 
 namespace strobe::firmware {
 
+/// `what` after the file's name, the line's place there, and its key.
+std::string line_message(const Rig& rig, Line which, const std::string& what);
+/// The same as an error.
 tl::unexpected<Error> line_failure(const Rig& rig, Line which, const std::string& what);
 Result<GpioChip> open_chip(const Rig& rig);
 /// Its offset on the chip.

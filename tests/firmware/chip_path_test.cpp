@@ -31,6 +31,17 @@ TEST(ChipPath, MayBeGivenAsPathNameOrNumber) {
   CHECK_EQUAL("/dev/gpiochip7", path_of("7"));
 }
 
+TEST(ChipPath, OfALabelThatBeginsAsANameIsLookedUp) {
+  nodes[2].label = "gpiochip-of-the-bench";
+  CHECK_EQUAL("/dev/gpiochip4", path_of("gpiochip-of-the-bench"));
+}
+
+TEST(ChipPath, NeedsTheMachinesChipsForALabelOnly) {
+  for (const char* name : {"/dev/by-hand", "gpiochip7", "7"}) CHECK_FALSE(is_chip_label(name));
+  for (const char* label : {"pinctrl-rp1", "gpiochip-of-the-bench", "gpiochip"})
+    CHECK_TRUE(is_chip_label(label));
+}
+
 TEST(ChipPath, OfALabelThatTwoHaveIsToldWithBoth) {
   nodes[1].label = "cp2112_gpio";
   CHECK_EQUAL(

@@ -30,9 +30,7 @@ strobe::sim::Chip chip_of(const std::filesystem::path& folder, const std::string
 std::string checked(const std::filesystem::path& rig, const std::filesystem::path& chip) {
   strobe::testing::Command command;
   command.arguments = {program("strobed"), "--check", "--allow-no-rt", "--config", rig};
-  command.environment = {
-      {"LD_PRELOAD", (std::filesystem::path(STROBE_BUILD_DIR) / "lib/libstrobe-gpiochip.so").string()},
-      {"STROBE_GPIOCHIP_DIR", chip}};
+  command.environment = strobe::hil::environment_of_chip(chip);
   return strobe::testing::run_process(command, 20s).out;
 }
 

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/hil/expect_ready.hpp"
 #include "tests/hil/line_watcher.hpp"
 #include "tests/hil/rig_fixture.hpp"
 #include "tests/support/json_lines.hpp"
@@ -22,6 +23,23 @@ RigFixtureOptions chip_with_nobody_on_it(const std::string& chip = "") {
   options.shell = "sleep 100";
   options.rig_edits = {{"cpu = -1", "cpu = 0"}};
   return options;
+}
+
+/// What --check says of the bias of key and e-stop, once the chip is there.
+std::string biases_of_waiting(const RigFixture& bench) {
+  const auto finished = strobe::testing::run_process(
+      bench.strobed({"--check", "--allow-no-rt", "--config", bench.rig_file(), "--lcm-url", bench.lcm_url()}),
+      20s);
+  std::string found;
+  std::istringstream lines(finished.out);
+  for (std::string line; std::getline(lines, line);)
+    if (line.find(".bias") != std::string::npos) found += line + "\n";
+  return found;
+}
+
+std::string biases_of(RigFixture& bench) {
+  CHECK(bench.sim().wait_for_err("strobe-sim: scene", 20s));
+  return biases_of_waiting(bench);
 }
 
 }  // namespace
@@ -43,23 +61,7 @@ TEST_GROUP(Check) {
   }
 };
 
-TEST_GROUP(CheckBias){/// What --check says of the bias of key and e-stop.
-                      static std::string biases_of(RigFixture & bench){
-                          CHECK(bench.sim().wait_for_err("strobe-sim: scene", 20s));
-return biases_of_waiting(bench);
-}
-static std::string biases_of_waiting(const RigFixture& bench) {
-  const auto finished = strobe::testing::run_process(
-      bench.strobed({"--check", "--allow-no-rt", "--config", bench.rig_file(), "--lcm-url", bench.lcm_url()}),
-      20s);
-  std::string found;
-  std::istringstream lines(finished.out);
-  for (std::string line; std::getline(lines, line);)
-    if (line.find(".bias") != std::string::npos) found += line + "\n";
-  return found;
-}
-}
-;
+TEST_GROUP(CheckBias){};
 
 TEST(CheckBias, TellsThatClosedContactsHoldTheirLines) {
   RigFixture bench{chip_with_nobody_on_it()};
@@ -106,7 +108,7 @@ TEST(CheckBias, StartsOnAChipThatRefusesWithAWarningButNotAgainstTheFile) {
   options.scene_addition = "[chip]\nbias = \"refused\"\n";
   {
     RigFixture bench{options};
-    CHECK_TEXT(bench.ready(), bench.log().c_str());
+    expect_ready(bench);
     STRCMP_CONTAINS("strobed: warning: ", bench.log().c_str());
     STRCMP_CONTAINS("lines.estop: the chip cannot set bias = \"pull_down\"", bench.log().c_str());
   }

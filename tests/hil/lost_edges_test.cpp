@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <string>
 
+#include "tests/hil/expect_ready.hpp"
 #include "tests/hil/line_watcher.hpp"
 #include "tests/hil/raw_host.hpp"
 #include "tests/hil/rig_fixture.hpp"
@@ -56,7 +57,7 @@ TEST_GROUP(LostEdges){};
 
 TEST(LostEdges, AreToldByTheShotWhoseReaderStoodStill) {
   RigFixture bench(slow_train());
-  if (!bench.ready()) FAIL(("strobed did not come up:\n" + bench.log()).c_str());
+  expect_ready(bench);
   std::size_t before = 0;
   nlohmann::json flooded;
   // A machine that stands still may end a shot before its flood is over: another one.

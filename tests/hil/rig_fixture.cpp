@@ -35,6 +35,11 @@ std::filesystem::path program(const std::string& name) {
   return std::filesystem::path(STROBE_BUILD_DIR) / "bin" / name;
 }
 
+std::map<std::string, std::string> environment_of_chip(const std::filesystem::path& chip_dir) {
+  return {{"LD_PRELOAD", std::filesystem::path(STROBE_BUILD_DIR) / "lib/libstrobe-gpiochip.so"},
+          {"STROBE_GPIOCHIP_DIR", chip_dir}};
+}
+
 std::filesystem::path share(const std::filesystem::path& name) {
   return std::filesystem::path(STROBE_BUILD_DIR) / "share/strobe" / name;
 }
@@ -171,9 +176,7 @@ Command RigFixture::strobed(const std::vector<std::string>& words) const {
   Command command;
   command.arguments = {program("strobed")};
   command.arguments.insert(command.arguments.end(), words.begin(), words.end());
-  command.environment = {
-      {"LD_PRELOAD", (std::filesystem::path(STROBE_BUILD_DIR) / "lib/libstrobe-gpiochip.so").string()},
-      {"STROBE_GPIOCHIP_DIR", chip_dir().string()}};
+  command.environment = environment_of_chip(chip_dir());
   return command;
 }
 

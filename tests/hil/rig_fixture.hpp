@@ -50,6 +50,9 @@ std::int64_t hang_known_within();
 std::filesystem::path program(const std::string& name);
 std::filesystem::path share(const std::filesystem::path& name);  ///< a shipped data file
 
+/// With it a program sees the simulated chip of this folder as a GPIO chip of the machine.
+std::map<std::string, std::string> environment_of_chip(const std::filesystem::path& chip_dir);
+
 /// `text` with every `from` replaced; std::runtime_error if there is none.
 std::string replaced(std::string text, const std::string& from, const std::string& to);
 

@@ -9,6 +9,7 @@
 #include "common/messages/channels.hpp"
 #include "firmware/publisher/command_feed.hpp"
 #include "host/messages/lcm_link.hpp"
+#include "tests/hil/expect_ready.hpp"
 #include "tests/hil/flooder.hpp"
 #include "tests/hil/raw_host.hpp"
 #include "tests/hil/rig_fixture.hpp"
@@ -64,7 +65,7 @@ TEST_GROUP(Stranger){};
 
 TEST(Stranger, IsNeverExecutedAndShowsOnlyInTheCounts) {
   RigFixture bench;
-  CHECK_TEXT(bench.ready(), bench.log().c_str());
+  expect_ready(bench);
   RawHost host(bench.lcm_url(), "bench");
   CHECK(host.wait_status());
   const command_t arm = host.command(command_t::ARM);
@@ -128,7 +129,7 @@ TEST(Stranger, WhoForgesAbortedShotsHasNoneFiredAgain) {
   RigFixtureOptions options;
   options.rig_edits = kShortExposure;
   RigFixture bench(options);
-  CHECK_TEXT(bench.ready(), bench.log().c_str());
+  expect_ready(bench);
   RawHost ear(bench.lcm_url(), "bench");
   CHECK(ear.wait_status());
   lcm::LCM lcm(bench.lcm_url());
@@ -178,7 +179,7 @@ TEST(Stranger, WhoPlaysALogBackWhileShotsAreFiredHasNoBallMoreThrown) {
   std::vector<std::pair<std::string, Bytes>> packets;
   {
     RigFixture yesterday(options);
-    CHECK_TEXT(yesterday.ready(), yesterday.log().c_str());
+    expect_ready(yesterday);
     const auto fired = strobe::testing::run_process(yesterday.fire(1, kRetries), kLongestWait);
     CHECK_TEXT(fired.status == strobe::testing::ExitStatus({0, 0}), fired.err.c_str());
     for (const auto& file : std::filesystem::directory_iterator(yesterday.session())) {
@@ -192,7 +193,7 @@ TEST(Stranger, WhoPlaysALogBackWhileShotsAreFiredHasNoBallMoreThrown) {
   }
   CHECK(packets.size() > 50);
   RigFixture bench(options);
-  CHECK_TEXT(bench.ready(), bench.log().c_str());
+  expect_ready(bench);
   auto fire = bench.start(bench.fire(2, kRetries));
   std::atomic<int> rounds = 0;
   {
@@ -215,7 +216,7 @@ TEST(Stranger, WhoFloodsTheBusDuringAShotCostsNoEvent) {
   RigFixtureOptions options;
   options.rig_edits = kShortExposure;
   RigFixture bench(options);
-  CHECK_TEXT(bench.ready(), bench.log().c_str());
+  expect_ready(bench);
   RawHost host(bench.lcm_url(), "bench");
   CHECK(host.wait_status());
   const command_t disarm = host.command(command_t::DISARM);

@@ -5,6 +5,7 @@
 #include <termios.h>
 
 #include <cstdio>
+#include <cstdlib>
 #include <string>
 
 #include "tests/sim/gpiochip/conformance/uapi_client.hpp"
@@ -28,6 +29,16 @@ inline void say_value(const char* what, int result) {
 inline void say_request(const char* what, int descriptor) {
   say_outcome(what, descriptor);
   if (descriptor >= 0) close(descriptor);
+}
+
+/// Asks whoever reads these lines to do something to the chip, and waits until they have: then they close the fifo.
+inline void please(const char* fifo_path, const char* what) {
+  std::printf("please: %s\n", what);
+  const int fifo = open(fifo_path, O_RDONLY);  // once somebody has it open for writing
+  char rest[64];
+  while (fifo >= 0 && read(fifo, rest, sizeof rest) > 0) continue;
+  if (fifo < 0) std::exit(1);
+  close(fifo);
 }
 
 inline std::string access_mode(int descriptor) {

@@ -45,14 +45,7 @@ void say_user(const char* what, const std::optional<std::string>& user) {
   say(what, user ? "\"" + *user + "\"" : "none");
 }
 
-void please(const char* what) {
-  std::printf("please: %s\n", what);
-  const int fifo = open(answers_path, O_RDONLY);  // once somebody has it open for writing
-  char rest[64];
-  while (fifo >= 0 && read(fifo, rest, sizeof rest) > 0) continue;
-  if (fifo < 0) std::exit(1);
-  close(fifo);
-}
+void please(const char* what) { answers::please(answers_path, what); }
 
 MonoTime now() {
   timespec time{};
