@@ -42,6 +42,7 @@ std::string unknown_command(CLI::App& app, int argc, char** argv) {
 int run(int argc, char** argv) {
   CLI::App app{"Strobe-photography impact experiments: fire shots, watch them, reduce frames."};
   app.name("strobe");
+  app.set_version_flag("--version", STROBE_VERSION);
   app.require_subcommand(1);
   app.footer(
       "Example: strobe fire --rig rig.toml --session run1 --shots 9 --spin zero --angle 23\n"
@@ -61,8 +62,8 @@ int run(int argc, char** argv) {
   demand_finite_numbers(app);
   try {
     app.parse(argc, argv);
-  } catch (const CLI::CallForHelp& help) {
-    return app.exit(help);
+  } catch (const CLI::Success& told) {  // help, or the version
+    return app.exit(told);
   } catch (const CLI::ParseError& error) {
     const std::string unknown = unknown_command(app, argc, argv);
     return strobe::host::bad_input((unknown.empty() ? one_line(error) : unknown) +

@@ -124,6 +124,7 @@ int main(int argc, char** argv) {
   std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is told like a full disk
   CLI::App app(
       "Simulated strobe rig: a GPIO chip with lamps, shutter, pitching machine, ball and camera behind it.");
+  app.set_version_flag("--version", STROBE_VERSION);
   app.require_subcommand(1);
 
   RunOptions options;
@@ -182,8 +183,8 @@ int main(int argc, char** argv) {
 
   try {
     app.parse(argc, argv);
-  } catch (const CLI::CallForHelp& help) {
-    return app.exit(help);
+  } catch (const CLI::Success& told) {  // help, or the version
+    return app.exit(told);
   } catch (const CLI::ParseError& error) {
     const std::string word = argc > 1 ? argv[1] : "";
     const bool unknown = !word.empty() && word[0] != '-' && app.get_subcommands().empty();

@@ -67,6 +67,14 @@ TEST_GROUP(CommandLine) {
   }
 };
 
+TEST(CommandLine, EachProgramTellsItsVersion) {
+  for (const char* name : {"strobed", "strobe", "strobe-sim"}) {
+    const auto told = strobe::testing::run_process({{program(name), "--version"}, {}, {}, {}}, 10s);
+    CHECK_TEXT(told.status == strobe::testing::ExitStatus({0, 0}), name);
+    CHECK_EQUAL(std::string(STROBE_VERSION "\n"), told.out);
+  }
+}
+
 TEST(CommandLine, WrongRigFilesAreNamedWithTheirLine) {
   const std::string session = folder / "session";
   const auto strobed = [&](const std::string& config) {
