@@ -11,6 +11,7 @@
 
 namespace {
 
+using strobe::sim::BoardOptions;
 using strobe::sim::PhotographOptions;
 using strobe::sim::PlanOptions;
 using strobe::sim::RunOptions;
@@ -102,6 +103,66 @@ void add_photograph(CLI::App& app, PhotographOptions& options) {
   photograph->add_flag("--json", options.json, "Print the lines of truth instead of the files' names");
 }
 
+void add_board(CLI::App& app, BoardOptions& o) {
+  CLI::App* board = app.add_subcommand("board", "Render photographs of a calibration board");
+  board->footer(
+      "Writes plane.tif, slanted_1.tif ... for `strobe calibrate`, and truth.jsonl: one JSON object per "
+      "photograph\n"
+      "with camera, place and where each point of the board truly is.\n\n"
+      "Example: strobe-sim board --spacing-mm 25 --lens -0.2 0.1 0 0 --slanted 4 --out boards");
+  board->add_option("--out", o.folder, "Folder for the photographs, made if missing")->required();
+  board->add_option("--board", o.board, "What is printed")
+      ->check(CLI::IsMember({"chessboard", "circles", "staggered"}))
+      ->capture_default_str();
+  board->add_option("--columns", o.columns, "Inner corners, or discs, along a row")
+      ->check(CLI::Range(3, 100))
+      ->capture_default_str();
+  board->add_option("--rows", o.rows, "Rows of them")->check(CLI::Range(3, 100))->capture_default_str();
+  board->add_option("--spacing-mm", o.spacing_mm, "Side of a square, or distance of discs")
+      ->check(CLI::Range(0.1, 1000.0))
+      ->capture_default_str();
+  board->add_option("--width-px", o.width_px, "Of the photograph")
+      ->check(CLI::Range(64, 12000))
+      ->capture_default_str();
+  board->add_option("--height-px", o.height_px, "Of the photograph")
+      ->check(CLI::Range(64, 12000))
+      ->capture_default_str();
+  board->add_option("--focal-px", o.focal_px, "The lens' focal length")
+      ->check(CLI::Range(10.0, 1e6))
+      ->capture_default_str();
+  board->add_option("--lens", o.lens, "Its distortion, k1 k2 p1 p2 as in OpenCV")
+      ->expected(4)
+      ->check(CLI::Range(-1.0, 1.0))
+      ->capture_default_str();
+  board->add_option("--lens-aside-px", o.lens_aside_px, "Its centre from the photograph's, right and down")
+      ->expected(2)
+      ->check(CLI::Range(-1000.0, 1000.0))
+      ->capture_default_str();
+  board->add_option("--distance-m", o.distance_m, "Lens to the board's middle")
+      ->check(CLI::Range(0.01, 1000.0))
+      ->capture_default_str();
+  board->add_option("--aside-mm", o.aside_mm, "The board's middle from the optical axis, right and down")
+      ->expected(2)
+      ->check(CLI::Range(-1e5, 1e5))
+      ->capture_default_str();
+  board->add_option("--turn-deg", o.turns_deg, "The board about x, y and in its plane")
+      ->expected(3)
+      ->check(CLI::Range(-80.0, 80.0))
+      ->capture_default_str();
+  board->add_option("--slanted", o.slanted, "More photographs, with the board slanted by 25 degrees")
+      ->check(CLI::Range(0, 20))
+      ->capture_default_str();
+  board->add_option("--blur-px", o.blur_px, "Sd of the lens' blur")
+      ->check(CLI::Range(0.0, 20.0))
+      ->capture_default_str();
+  board->add_option("--noise", o.noise, "Sd of a pixel, as a share of white")
+      ->check(CLI::Range(0.0, 0.5))
+      ->capture_default_str();
+  board->add_option("--bits", o.bits, "Of a pixel")->check(CLI::IsMember({8, 16}))->capture_default_str();
+  board->add_option("--seed", o.seed, "Seed of the noise")->capture_default_str();
+  board->add_flag("--json", o.json, "Print the lines of truth instead of the files' names");
+}
+
 void add_plan(CLI::App& app, PlanOptions& options) {
   CLI::App* plan = app.add_subcommand("plan", "Show which effects a scene requires at a tolerance");
   plan->footer(
@@ -147,6 +208,9 @@ int main(int argc, char** argv) {
 
   PhotographOptions photographs;
   add_photograph(app, photographs);
+
+  BoardOptions boards;
+  add_board(app, boards);
 
   std::string chip_dir;
   CLI::App* lines = app.add_subcommand("lines", "Show each line of a running rig's chip");
@@ -198,6 +262,7 @@ int main(int argc, char** argv) {
   if (app.got_subcommand("shoot")) return sim::shoot_command(shots);
   if (app.got_subcommand("plan")) return sim::plan_command(plan);
   if (app.got_subcommand("photograph")) return sim::photograph_command(photographs);
+  if (app.got_subcommand("board")) return sim::board_command(boards);
   if (lines->parsed()) return sim::lines_command(chip_dir, json);
   if (drive->parsed()) return sim::drive_command(chip_dir, drives);
   if (unplug->parsed()) return sim::unplug_command(chip_dir, after);

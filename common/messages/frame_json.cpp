@@ -173,6 +173,39 @@ void read_images(Fields& fields, Frame& frame, std::optional<Error>& error) {
   }
 }
 
+void read_shift(Fields& fields, const std::string& key, const json& value, reduction::MapError& into) {
+  const bool numbers = value.is_array() && value.size() == 4 &&
+                       std::ranges::all_of(value, [](const json& number) { return number.is_number(); });
+  if (!numbers) return fields.wrong(key, "must be four numbers: centre x, y, diameter [px], equator [rad]");
+  into.images.push_back(
+      {{value[0].get<double>(), value[1].get<double>()}, value[2].get<double>(), value[3].get<double>()});
+}
+
+void read_map_error(const json& object, const std::string& place, Frame& frame, std::optional<Error>& error) {
+  Fields fields(object, place, error);
+  reduction::MapError& into = frame.map_errors.emplace_back();
+  const json* images = fields.need("images");
+  const json* points = fields.need("surface_px");
+  if (!images || !points) return;
+  if (!images->is_array()) return fields.wrong("images", "must be an array");
+  if (!points->is_array()) return fields.wrong("surface_px", "must be an array");
+  for (std::size_t i = 0; i < images->size() && !error; ++i)
+    read_shift(fields, "images[" + std::to_string(i) + "]", (*images)[i], into);
+  for (std::size_t i = 0; i < points->size() && !error; ++i)
+    fields.point("surface_px[" + std::to_string(i) + "]", (*points)[i], into.surface_px.emplace_back());
+}
+
+void read_map_errors(Fields& fields, Frame& frame, std::optional<Error>& error) {
+  const json* errors = fields.find("map_errors");
+  if (!errors) return;
+  if (!errors->is_array()) return fields.wrong("map_errors", "must be an array");
+  for (std::size_t i = 0; i < errors->size() && !error; ++i) {
+    const std::string place = "map_errors[" + std::to_string(i) + "]";
+    if (!(*errors)[i].is_object()) return fields.wrong(place, "must be an object");
+    read_map_error((*errors)[i], place + ".", frame, error);
+  }
+}
+
 Frame read_frame(const json& object, std::optional<Error>& error) {
   Frame frame;
   Fields fields(object, "", error);
@@ -195,6 +228,7 @@ Frame read_frame(const json& object, std::optional<Error>& error) {
   fields.number("ball_alpha_sd", frame.ball_alpha_sd);
   fields.number("air_density_kgpm3", frame.air_density_kgpm3);
   read_record(fields, frame);
+  read_map_errors(fields, frame, error);
   read_images(fields, frame, error);
   return frame;
 }
@@ -231,6 +265,17 @@ ordered_json image_json(const BallImage& image) {
   return object;
 }
 
+ordered_json map_error_json(const reduction::MapError& error) {
+  ordered_json object;
+  object["surface_px"] = ordered_json::array();
+  for (const PointPx& p : error.surface_px) object["surface_px"].push_back(point(p));
+  object["images"] = ordered_json::array();
+  for (const auto& s : error.images)
+    object["images"].push_back(
+        ordered_json::array({s.centre_px.x, s.centre_px.y, s.diameter_px, s.equator_rad}));
+  return object;
+}
+
 }  // namespace
 
 Result<Frame> frame_from_json(std::string_view text) {
@@ -262,6 +307,8 @@ std::string frame_to_json(const Frame& frame) {
   put(object, "equator_sd_rad", frame.equator_sd_rad);
   put(object, "px_per_m", frame.px_per_m);
   put(object, "px_per_m_sd", frame.px_per_m_sd);
+  for (const reduction::MapError& error : frame.map_errors)
+    object["map_errors"].push_back(map_error_json(error));
   object["surface_angle_deg"] = frame.surface_angle_deg;
   put(object, "temperature_c", frame.temperature_c);
   put(object, "ball_mass_kg", frame.ball_mass_kg);

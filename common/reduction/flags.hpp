@@ -39,9 +39,10 @@ enum class Flag {
   scale_contradicts_ball,  // the images' diameters together contradict the calibrated scale, which was believed as far
                            // as its sd says
   residuals_exceed_noise,  // the residuals are larger than the stated noise explains: the sds are too small
+  scale_sd_unknown,  // the calibrated scale came without an sd: it was taken as exact, and the sds lack its share
 };
 
-inline constexpr std::array<std::string_view, 24> kFlagNames{"late_flash",
+inline constexpr std::array<std::string_view, 25> kFlagNames{"late_flash",
                                                              "missing_flash",
                                                              "double_flash",
                                                              "flash_match_ambiguous",
@@ -64,7 +65,8 @@ inline constexpr std::array<std::string_view, 24> kFlagNames{"late_flash",
                                                              "outlier_surface_point",
                                                              "surface_suspect",
                                                              "scale_contradicts_ball",
-                                                             "residuals_exceed_noise"};
+                                                             "residuals_exceed_noise",
+                                                             "scale_sd_unknown"};
 inline constexpr std::size_t kFlagCount = kFlagNames.size();
 
 constexpr std::string_view name(Flag flag) { return kFlagNames[static_cast<std::size_t>(flag)]; }

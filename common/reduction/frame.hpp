@@ -38,6 +38,18 @@ struct BallImage {
   std::string source;  ///< "auto", "hand" or empty
 };
 
+/// What one standard deviation of one of the camera calibration's independent errors does to the frame: all its
+/// points move together, so that no residual shows it. [px, rad]
+struct MapError {
+  struct Shift {
+    PointPx centre_px;
+    double diameter_px = 0.0;
+    double equator_rad = 0.0;  ///< 0 where no equator was seen
+  };
+  std::vector<Shift> images;        ///< one for each of the frame's
+  std::vector<PointPx> surface_px;  ///< likewise
+};
+
 /// The session's record: free key-value notes (frame number, ball, surface, operator, remarks ...).
 using Record = std::map<std::string, std::string>;
 
@@ -57,9 +69,12 @@ struct Frame {
   std::optional<double> centre_sd_px;        ///< of each coordinate
   std::optional<double> diameter_sd_px;
   std::optional<double> equator_sd_rad;
-  std::optional<double> px_per_m;     ///< calibrated scale; absent: from the ball's diameter, which joins in
-                                      ///< where it is the better known
-  std::optional<double> px_per_m_sd;  ///< absent or 0: the calibrated scale is exact
+  std::optional<double> px_per_m;  ///< calibrated scale; absent: from the ball's diameter, which joins in
+                                   ///< where it is the better known
+  std::optional<double>
+      px_per_m_sd;  ///< 0: the calibrated scale is exact; absent: likewise, but the readout is flagged
+  /// Of the calibration that made the coordinates; what they do to the scale is not in px_per_m_sd. At most 64.
+  std::vector<MapError> map_errors;
   double surface_angle_deg = 0.0;  ///< inclination of the plate against the horizontal, from an inclinometer
   std::optional<double> temperature_c;      ///< of the ball and the air, -60 to 100
   std::optional<double> ball_mass_kg;       ///< 0.001 to 10; absent: the thesis's 57.6 g. For drag and lift

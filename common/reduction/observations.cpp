@@ -125,10 +125,26 @@ void set_surface(const Frame& frame, Observations& all) {
   all.surface_noise = shared ? NoiseGroup::centre : NoiseGroup::surface;
 }
 
-void set_scale(const Frame& frame, Observations& all) {
+void set_scale(const Frame& frame, Observations& all, FlagSet& flags) {
   if (!frame.px_per_m) return;
   all.scale = *frame.px_per_m / all.surface.px_per_unit;
   all.scale_sd = frame.px_per_m_sd.value_or(0.0) / all.surface.px_per_unit;
+  if (!frame.px_per_m_sd) flags.set(Flag::scale_sd_unknown);
+}
+
+void set_map_errors(const Frame& frame, Observations& all) {
+  const Eigen::Vector2d origin = all.surface.from_image(Eigen::Vector2d::Zero());
+  const auto turned = [&](const PointPx& p) -> Eigen::Vector2d {
+    return all.surface.from_image(vector(p)) - origin;
+  };
+  for (const MapError& error : frame.map_errors) {
+    ObservedMapError& observed = all.map_errors.emplace_back();
+    for (const MapError::Shift& s : error.images) {
+      observed.images.push_back(
+          {turned(s.centre_px), s.diameter_px / all.surface.px_per_unit, s.equator_rad});
+    }
+    for (const PointPx& p : error.surface_px) observed.surface_m.push_back(turned(p));
+  }
 }
 
 double mean_diameter_variance(const Observations& all) {
@@ -219,7 +235,8 @@ std::optional<Observations> observe(const Frame& frame, FlagSet& flags, NoiseSou
   all.images.reserve(frame.images.size());
   for (const BallImage& image : frame.images) all.images.push_back(observation(image, frame, *surface));
   set_surface(frame, all);
-  set_scale(frame, all);
+  set_scale(frame, all, flags);
+  set_map_errors(frame, all);
   assign_legs(frame, all, flags);
   if (noise == NoiseSource::residuals) weigh_by_stated_noise(all);
   const bool any_incoming = std::any_of(all.images.begin(), all.images.end(),
@@ -238,6 +255,13 @@ void mirror(Observations& all) {
     o.centre_m.x() = -o.centre_m.x();
     o.centre_cholesky_m.yx = -o.centre_cholesky_m.yx;
     o.equator_rad = -o.equator_rad;
+  }
+  for (ObservedMapError& error : all.map_errors) {
+    for (Eigen::Vector2d& p : error.surface_m) p.x() = -p.x();
+    for (ObservedMapError::Shift& s : error.images) {
+      s.centre_m.x() = -s.centre_m.x();
+      s.equator_rad = -s.equator_rad;
+    }
   }
 }
 

@@ -57,6 +57,17 @@ struct Observation {
   bool use_equator = false;
 };
 
+/// A MapError in the surface's axes.
+struct ObservedMapError {
+  struct Shift {
+    Eigen::Vector2d centre_m = Eigen::Vector2d::Zero();
+    double diameter_m = 0.0;
+    double equator_rad = 0.0;
+  };
+  std::vector<Shift> images;
+  std::vector<Eigen::Vector2d> surface_m;
+};
+
 struct Observations {
   std::vector<Observation> images;
   std::vector<Eigen::Vector2d> surface_m;
@@ -68,6 +79,7 @@ struct Observations {
   double scale_sd = 0.0;                                   ///< 0: exact
   Eigen::Vector2d gravity_mps2 = Eigen::Vector2d::Zero();  ///< in the surface's axes
   ball::Ball ball;
+  std::vector<ObservedMapError> map_errors;
   double alpha_sd = ball::kAlphaSd;
   double air_density_kgpm3 = flight::kAirDensity_kgpm3;
   geometry::SurfaceFrame surface;

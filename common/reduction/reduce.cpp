@@ -5,6 +5,7 @@
 
 #include "common/reduction/flight_effects.hpp"
 #include "common/reduction/legacy.hpp"
+#include "common/reduction/map_errors.hpp"
 #include "common/reduction/outliers.hpp"
 #include "common/reduction/propagate.hpp"
 #include "common/reduction/residual_test.hpp"
@@ -73,7 +74,8 @@ Readout two_point_readout(const Frame& frame, const PropagationOptions& propagat
   const ShotFit fit = fit_shot(std::move(*observations),
                                {.effects = flight::kNoEffects, .reject_outliers = false}, readout.flags);
   readout.mirrored = fit.observations.surface.mirrored;
-  propagate(fit, propagation, readout);
+  const Crossings crossings = propagate(fit, propagation, readout);
+  add_map_errors(fit, propagation, crossings, readout);
   if (spins_in_doubt(readout, fit)) readout.flags.set(Flag::spin_aliased);
   withhold_doubtful(readout);
   return readout;
@@ -131,9 +133,13 @@ Readout best_readout(const Frame& frame, const PropagationOptions& propagation, 
     reduced.flags.set(Flag::air_not_fitted);
     kept.drag = kept.magnus = false;
   }
-  if (kept == fit.effects) return reduced;
+  if (kept == fit.effects) {
+    add_map_errors(fit, propagation, crossings, reduced);
+    return reduced;
+  }
   refit(fit, kept);
-  propagate(fit, propagation, readout);
+  const Crossings again = propagate(fit, propagation, readout);
+  add_map_errors(fit, propagation, again, readout);
   withhold_doubtful(readout);
   readout.flight_effects = kept;
   return readout;

@@ -10,6 +10,17 @@ namespace {
 
 double square(double x) { return x * x; }
 
+/// Of the mean diameter, by the errors of the camera's map: images weigh alike, near enough for a test.
+double map_variance(const Observations& all) {
+  double sum = 0.0;
+  for (const ObservedMapError& error : all.map_errors) {
+    double shift = 0.0;
+    for (const ObservedMapError::Shift& s : error.images) shift += s.diameter_m;
+    sum += square(shift / static_cast<double>(std::max<std::size_t>(error.images.size(), 1)));
+  }
+  return sum;
+}
+
 }  // namespace
 
 MeanDiameter mean_diameter(const ShotFit& fit) {
@@ -44,7 +55,7 @@ bool scale_contradicts_ball(const ShotFit& fit) {
     if (freedom < 1.0) return false;
     of_mean *= diameters.sum_of_squares / freedom;
   }
-  const double variance = of_mean + square(all.ball_diameter_m * all.scale_sd) +
+  const double variance = of_mean + map_variance(all) + square(all.ball_diameter_m * all.scale_sd) +
                           square(*all.scale * all.ball_diameter_sd_m.value_or(0.0));
   if (!(variance > 0.0)) return false;
   // Welch-Satterthwaite: only the mean's variance is an estimate.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "common/geometry/line.hpp"
@@ -153,6 +154,14 @@ std::optional<std::vector<bool>> points_to_keep(const std::vector<Eigen::Vector2
   return kept;
 }
 
+void keep_points(const std::vector<bool>& kept, std::vector<PointPx>& points) {
+  std::vector<PointPx> left;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (kept[i]) left.push_back(points[i]);
+  }
+  points = std::move(left);
+}
+
 }  // namespace
 
 std::optional<ConsistentSurface> consistent_surface(const Frame& frame, const ShotFit& fit) {
@@ -167,10 +176,8 @@ std::optional<ConsistentSurface> consistent_surface(const Frame& frame, const Sh
   if (!noise || agree(fit, *noise)) return std::nullopt;
   ConsistentSurface consistent{frame, Flag::outlier_surface_point};
   if (const auto kept = points_to_keep(points, *noise)) {
-    consistent.frame.surface_px.clear();
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      if ((*kept)[i]) consistent.frame.surface_px.push_back(frame.surface_px[i]);
-    }
+    keep_points(*kept, consistent.frame.surface_px);
+    for (MapError& error : consistent.frame.map_errors) keep_points(*kept, error.surface_px);
     return consistent;
   }
   consistent.flag = Flag::surface_suspect;

@@ -1,4 +1,5 @@
 // What makes a frame one that can be reduced.
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -95,6 +96,29 @@ Complaint invalid_constants(const Frame& frame) {
   return invalid_noise(frame);
 }
 
+Complaint invalid_map_error(const MapError& error, const Frame& frame) {
+  if (error.images.size() != frame.images.size()) return "images: must be one for each image";
+  if (error.surface_px.size() != frame.surface_px.size()) return "surface_px: must be one for each point";
+  const bool images = std::ranges::all_of(error.images, [](const MapError::Shift& s) {
+    return within(s.centre_px) && within(s.diameter_px, -kLargestPx, kLargestPx) &&
+           within(s.equator_rad, -kLargestRad, kLargestRad);
+  });
+  if (!images) return "images: must be finite numbers, pixels within 1e12 and angles within 1e6";
+  if (!std::ranges::all_of(error.surface_px, [](const PointPx& p) { return within(p); }))
+    return std::string("surface_px: ") + kPointNeeded;
+  return std::nullopt;
+}
+
+Complaint invalid_map_errors(const Frame& frame) {
+  constexpr std::size_t kMost = 64;
+  if (frame.map_errors.size() > kMost) return "map_errors: at most 64";
+  for (std::size_t i = 0; i < frame.map_errors.size(); ++i) {
+    if (const Complaint complaint = invalid_map_error(frame.map_errors[i], frame))
+      return "map_errors[" + std::to_string(i) + "]." + *complaint;
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 std::optional<std::string> validation_error(const Frame& frame) {
@@ -110,7 +134,7 @@ std::optional<std::string> validation_error(const Frame& frame) {
       return place + "time_s: must be later than the image before, by a nanosecond or more";
     }
   }
-  return std::nullopt;
+  return invalid_map_errors(frame);
 }
 
 }  // namespace strobe::reduction

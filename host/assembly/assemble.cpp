@@ -6,6 +6,7 @@
 #include "common/messages/lcm_conversions.hpp"
 #include "common/messages/record.hpp"
 #include "common/reduction/reduce.hpp"
+#include "host/assembly/camera_map.hpp"
 #include "host/assembly/flash_match.hpp"
 #include "host/assembly/flash_times.hpp"
 #include "host/assembly/image_track.hpp"
@@ -41,6 +42,7 @@ void set_rig(Frame& frame, const shot_t& shot, const AssemblySettings& settings)
     frame.px_per_m = settings.analysis.px_per_m;
     frame.px_per_m_sd = settings.analysis.px_per_m_sd;
   }
+  frame.map_errors = map_errors(settings.camera, frame);
   frame.surface_angle_deg = surface_angle_deg(shot, settings);
   frame.temperature_c = note_number(frame.record, "temperature_c");
 }
@@ -123,7 +125,9 @@ bool no_sensor_fired(const FlashTimes& times, const shot_t& shot) {
 
 }  // namespace
 
-AssemblySettings assembly_settings(const RigFile& rig) { return {rig.ball, rig.analysis, rig.machine_lag_s}; }
+AssemblySettings assembly_settings(const RigFile& rig) {
+  return {rig.ball, rig.analysis, rig.machine_lag_s, rig.camera};
+}
 
 reduction::Record record_of(const shot_t& shot) {
   return messages::record_from_notes(shot.notes).value_or(reduction::Record{});

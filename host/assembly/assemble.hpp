@@ -19,6 +19,7 @@ struct AssemblySettings {
   BallSettings ball;
   AnalysisSettings analysis;
   std::optional<double> machine_lag_s;
+  CameraTable camera;  ///< for the map's errors
 };
 
 AssemblySettings assembly_settings(const RigFile& rig);

@@ -14,7 +14,7 @@ namespace {
 using digitize::LensDistortion;
 
 constexpr int kPerView = 8;
-constexpr std::array<int, 4> kTerms{0, 1, 2, 4};
+constexpr int kTerms = static_cast<int>(kLensPriorSds.size());
 
 struct Point {
   std::size_t view = 0;
@@ -26,9 +26,9 @@ struct Point {
 struct Problem {
   std::vector<Point> points;
   std::size_t views = 0;
-  int terms = 0;
+  double noise = 0.0;  ///< sd of a coordinate, normalized: what the priors are weighed against
 
-  int parameters() const { return static_cast<int>(views) * kPerView + terms; }
+  int parameters() const { return static_cast<int>(views) * kPerView + kTerms; }
   int used() const {
     return static_cast<int>(
         std::count_if(points.begin(), points.end(), [](const Point& p) { return p.used; }));
@@ -43,8 +43,7 @@ void equations(const Problem& problem, const double* x, const Point& point, cv::
   const double bx = point.board_m.x, by = point.board_m.y;
   const double w = 1.0 / (h[6] * bx + h[7] * by + 1.0);
   const double u = (h[0] * bx + h[1] * by + h[2]) * w, v = (h[3] * bx + h[4] * by + h[5]) * w;
-  const double k1 = problem.terms > 0 ? lens[0] : 0.0, k2 = problem.terms > 1 ? lens[1] : 0.0;
-  const double p1 = problem.terms > 2 ? lens[2] : 0.0, p2 = problem.terms > 2 ? lens[3] : 0.0;
+  const double k1 = lens[0], k2 = lens[1], p1 = lens[2], p2 = lens[3];
   const double r2 = u * u + v * v, radial = 1.0 + r2 * (k1 + r2 * k2), rise = 2.0 * (k1 + 2.0 * k2 * r2);
   residual = {u * radial + 2.0 * p1 * u * v + p2 * (r2 + 2.0 * u * u) - point.seen.x,
               v * radial + p1 * (r2 + 2.0 * v * v) + 2.0 * p2 * u * v - point.seen.y};
@@ -60,7 +59,7 @@ void equations(const Problem& problem, const double* x, const Point& point, cv::
   }
   const double along[4] = {u * r2, u * r2 * r2, 2.0 * u * v, r2 + 2.0 * u * u};
   const double down[4] = {v * r2, v * r2 * r2, r2 + 2.0 * v * v, 2.0 * u * v};
-  for (int i = 0; i < problem.terms; ++i) {
+  for (int i = 0; i < kTerms; ++i) {
     slope_x[problem.views * kPerView + static_cast<std::size_t>(i)] = along[i];
     slope_y[problem.views * kPerView + static_cast<std::size_t>(i)] = down[i];
   }
@@ -72,7 +71,7 @@ class Equations : public cv::LMSolver::Callback {
 
   bool compute(cv::InputArray parameters, cv::OutputArray residuals, cv::OutputArray slopes) const override {
     const cv::Mat x = parameters.getMat();
-    const int rows = 2 * problem_.used();
+    const int rows = 2 * problem_.used() + kTerms;
     residuals.create(rows, 1, CV_64F);
     cv::Mat r = residuals.getMat(), j;
     if (slopes.needed()) {
@@ -89,6 +88,12 @@ class Equations : public cv::LMSolver::Callback {
       r.at<double>(row++) = residual[0];
       r.at<double>(row++) = residual[1];
     }
+    for (int i = 0; i < kTerms; ++i, ++row) {
+      const int column = static_cast<int>(problem_.views) * kPerView + i;
+      const double weight = problem_.noise / kLensPriorSds[static_cast<std::size_t>(i)];
+      r.at<double>(row) = weight * x.at<double>(column);
+      if (!j.empty()) j.at<double>(row, column) = weight;
+    }
     return true;
   }
 
@@ -96,10 +101,12 @@ class Equations : public cv::LMSolver::Callback {
   const Problem& problem_;
 };
 
+/// Of the points alone.
 double sum_of_squares(const Problem& problem, const cv::Mat& x) {
   cv::Mat residuals;
   Equations(problem).compute(x, residuals, cv::noArray());
-  return residuals.dot(residuals);
+  const cv::Mat points = residuals.rowRange(0, residuals.rows - kTerms);
+  return points.dot(points);
 }
 
 struct Solution {
@@ -107,35 +114,23 @@ struct Solution {
   double squares = 0.0;
 };
 
-Solution solve(const Problem& problem, const cv::Mat& homographies) {
+/// The points' noise is that of the residuals, and the priors' weight hangs on it: solved in turns.
+Solution solve(Problem& problem, const cv::Mat& homographies, double first_noise) {
   Solution solution;
   solution.x = cv::Mat::zeros(problem.parameters(), 1, CV_64F);
   homographies.copyTo(solution.x.rowRange(0, homographies.rows));
-  constexpr int kMaxSteps = 100;
-  const cv::Ptr<Equations> equations_of = cv::makePtr<Equations>(problem);
-  cv::LMSolver::create(equations_of, kMaxSteps)->run(solution.x);
-  solution.squares = sum_of_squares(problem, solution.x);
-  return solution;
-}
-
-/// Schwarz's criterion: what the terms save must be worth their number.
-Solution choose_terms(Problem& problem, const cv::Mat& homographies) {
-  Solution best;
-  double best_score = 0.0;
-  int best_terms = -1;
-  const double n = 2.0 * problem.used();
-  for (const int terms : kTerms) {
-    problem.terms = terms;
-    if (n < problem.parameters() + 8) break;
-    Solution solution = solve(problem, homographies);
-    const double score = n * std::log(std::max(solution.squares / n, 1e-24)) + terms * std::log(n);
-    if (best_terms >= 0 && score >= best_score) continue;
-    best = std::move(solution);
-    best_score = score;
-    best_terms = terms;
+  problem.noise = first_noise;
+  constexpr int kMaxSteps = 100, kMaxRounds = 6;
+  const double freedom = std::max(1.0, 2.0 * problem.used() - problem.parameters());
+  for (int round = 0; round < kMaxRounds; ++round) {
+    const cv::Ptr<Equations> equations_of = cv::makePtr<Equations>(problem);
+    cv::LMSolver::create(equations_of, kMaxSteps)->run(solution.x);
+    solution.squares = sum_of_squares(problem, solution.x);
+    const double before = problem.noise;
+    problem.noise = std::sqrt(solution.squares / freedom);
+    if (std::abs(problem.noise - before) < 0.01 * before) break;
   }
-  problem.terms = best_terms;
-  return best;
+  return solution;
 }
 
 int leave_outliers_out(Problem& problem, const cv::Mat& x) {
@@ -209,10 +204,20 @@ void report_residuals(const Problem& problem, const Solution& solution, BoardFit
   fit.sigma_px = fit.lens.focal_px * std::sqrt(solution.squares / std::max(1.0, n - problem.parameters()));
 }
 
+/// Told: the sd is at most half of what it was without the boards.
+int told_terms(const BoardFit& fit) {
+  const int first = static_cast<int>(fit.parameters.size()) - kTerms;
+  int told = 0;
+  for (int i = 0; i < kTerms; ++i) {
+    const double sd = std::sqrt(std::max(0.0, fit.covariance.at<double>(first + i, first + i)));
+    told += sd <= 0.5 * kLensPriorSds[static_cast<std::size_t>(i)] ? 1 : 0;
+  }
+  return told;
+}
+
 BoardFit finish(const Problem& problem, const Solution& solution, const LensDistortion& lens, int outliers) {
   BoardFit fit;
   fit.lens = lens;
-  fit.lens_terms = problem.terms;
   fit.points = problem.used();
   fit.outliers = outliers;
   fit.parameters.assign(solution.x.ptr<double>(), solution.x.ptr<double>() + problem.parameters());
@@ -220,8 +225,8 @@ BoardFit finish(const Problem& problem, const Solution& solution, const LensDist
   cv::Mat residuals, slopes, inverse;
   Equations(problem).compute(solution.x, residuals, slopes);
   cv::invert(slopes.t() * slopes, inverse, cv::DECOMP_SVD);
-  const double sigma = fit.sigma_px / lens.focal_px;
-  fit.covariance = inverse * (sigma * sigma);
+  fit.covariance = inverse * (problem.noise * problem.noise);
+  fit.lens_terms = told_terms(fit);
   fit.lens = lens_of(fit, fit.parameters);
   for (std::size_t v = 0; v < problem.views; ++v)
     fit.homographies.push_back(homography_of(fit.parameters, v));
@@ -235,10 +240,10 @@ Result<BoardFit> fit_all(std::span<const BoardView> views, int width_px, int hei
   Problem problem = problem_of(views, lens);
   const auto start = first_homographies(views, problem);
   if (!start) return tl::unexpected(start.error());
-  Solution solution = choose_terms(problem, *start);
-  if (problem.terms < 0) return fail("too few points of the board");
+  // A tenth of a pixel: what corners are found to on a plain photograph.
+  Solution solution = solve(problem, *start, 0.1 / lens.focal_px);
   const int outliers = leave_outliers_out(problem, solution.x);
-  if (outliers > 0) solution = choose_terms(problem, *start);
+  if (outliers > 0) solution = solve(problem, *start, problem.noise);
   if (!std::isfinite(solution.squares)) return fail("the boards' points fit no camera");
   return finish(problem, solution, lens, outliers);
 }
@@ -247,11 +252,11 @@ Result<BoardFit> fit_all(std::span<const BoardView> views, int width_px, int hei
 
 LensDistortion lens_of(const BoardFit& fit, std::span<const double> parameters) {
   LensDistortion lens = fit.lens;
-  const std::span<const double> terms = parameters.last(static_cast<std::size_t>(fit.lens_terms));
-  lens.k1 = fit.lens_terms > 0 ? terms[0] : 0.0;
-  lens.k2 = fit.lens_terms > 1 ? terms[1] : 0.0;
-  lens.p1 = fit.lens_terms > 2 ? terms[2] : 0.0;
-  lens.p2 = fit.lens_terms > 2 ? terms[3] : 0.0;
+  const std::span<const double> terms = parameters.last(kLensPriorSds.size());
+  lens.k1 = terms[0];
+  lens.k2 = terms[1];
+  lens.p1 = terms[2];
+  lens.p2 = terms[3];
   return lens;
 }
 

@@ -3,6 +3,7 @@
 // focal length, so that a single photograph will do. Deterministic; thread-safe; allocates.
 #pragma once
 
+#include <array>
 #include <opencv2/core.hpp>
 #include <span>
 #include <vector>
@@ -16,10 +17,10 @@ namespace strobe::camera {
 struct BoardFit {
   /// Unit of the normalized photograph: (image px - lens.centre_px)/lens.focal_px.
   digitize::LensDistortion lens;
-  int lens_terms = 0;                     ///< 0; 1: k1; 2: k1, k2; 4: k1, k2, p1, p2
+  /// Of k1, k2, p1, p2: those that the boards tell better than what is known of lenses does.
+  int lens_terms = 0;
   std::vector<cv::Matx33d> homographies;  ///< board [m] to normalized ideal photograph, (2, 2) = 1
-  /// Of all parameters: 8 for each homography (row by row, without the last), then k1, k2, p1, p2 as far as
-  /// fitted.
+  /// Of all parameters: 8 for each homography (row by row, without the last), then k1, k2, p1, p2.
   std::vector<double> parameters;
   cv::Mat covariance;  ///< CV_64F, of `parameters`
   std::vector<double> view_rms_px;
@@ -29,8 +30,17 @@ struct BoardFit {
   int outliers = 0;  ///< points left out as they were more than 5 sigma off
 };
 
-/// How many terms the lens has is chosen by Schwarz's criterion (BIC). The lens' centre is taken to be the
-/// photograph's. Fails with a line if a view has less than 9 points or they are on one line.
+/// What is known of lenses before any board: the sds of k1, k2, p1, p2, each about 0. With them all four terms are
+/// fitted. One that the board does not reach far enough to tell stays near 0, and its sd says what the corners may be
+/// off; chosen by a criterion it would be taken for known, in or out.
+inline constexpr std::array<double, 4> kLensPriorSds{
+    0.1,   // 2.5 % of the radius at the corners, as ordinary photographic lenses have
+    0.16,  // 1 % there
+    0.001,  // 0.15 %: elements off centre, and the lens' own centre beside the photograph's by 0.4 % of the diagonal
+    0.001};
+
+/// All terms with their priors. The lens' centre is taken to be the photograph's. Fails with a line if a view has less
+/// than 9 points or they are on one line.
 Result<BoardFit> fit_boards(std::span<const BoardView> views, int width_px, int height_px);
 
 /// The lens and a view's homography for a vector of parameters like BoardFit::parameters.

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <opencv2/imgproc.hpp>
@@ -37,8 +38,8 @@ std::vector<cv::Point2d> places(const CalibrationSettings& settings) {
   return points;
 }
 
-/// The scale's sd as a share, rms over the photograph, as the points' noise makes it.
-double points_error(const BoardFit& fit, const CalibrationSettings& settings) {
+/// How the scale at places all over the photograph changes with each parameter, as shares.
+cv::Mat scale_slopes(const BoardFit& fit, const CalibrationSettings& settings) {
   const auto where = places(settings);
   std::vector<double> x = fit.parameters;
   const int n = static_cast<int>(x.size());
@@ -55,8 +56,37 @@ double points_error(const BoardFit& fit, const CalibrationSettings& settings) {
     }
     x[static_cast<std::size_t>(i)] = kept;
   }
-  const cv::Mat spread = slopes * fit.covariance * slopes.t();
-  return std::sqrt(std::max(0.0, cv::trace(spread)[0]) / static_cast<double>(where.size()));
+  return slopes;
+}
+
+/// The scale's sd as a share, rms over the photograph, as the points' noise makes it.
+double points_error(const cv::Mat& slopes, const cv::Mat& covariance) {
+  const cv::Mat spread = slopes * covariance * slopes.t();
+  return std::sqrt(std::max(0.0, cv::trace(spread)[0]) / static_cast<double>(slopes.rows));
+}
+
+/// What would be left of it were the lens known.
+double points_error_of_known_lens(const cv::Mat& slopes, const cv::Mat& covariance) {
+  const int terms = static_cast<int>(kLensPriorSds.size()), rest = covariance.rows - terms;
+  const cv::Mat shared = covariance(cv::Rect(rest, 0, terms, rest));
+  const cv::Mat lens = covariance(cv::Rect(rest, rest, terms, terms));
+  const cv::Mat given_lens =
+      covariance(cv::Rect(0, 0, rest, rest)) - shared * lens.inv(cv::DECOMP_SVD) * shared.t();
+  return points_error(slopes.colRange(0, rest), given_lens);
+}
+
+std::optional<std::string> too_poor(const Calibration& found, const cv::Mat& slopes,
+                                    const CalibrationSettings& settings) {
+  const double points = found.scale_errors.points, tolerance = settings.tolerance_share;
+  if (points <= tolerance) return std::nullopt;
+  const bool by_lens = points_error_of_known_lens(slopes, found.fit.covariance) <= tolerance;
+  return fmt::format(
+      "away from the board, which covers {:.0f} % of the photograph, the scale is uncertain by {:.2g} % "
+      "(allowed are "
+      "{:.2g} %): {}",
+      100.0 * found.covered_share, 100.0 * points, 100.0 * tolerance,
+      by_lens ? "the lens is not told; add photographs with the board in the corners, or use a larger board"
+              : "use a board that fills more of the photograph, or has more squares, in the balls' plane");
 }
 
 /// Board metres to plane px: at the photograph's centre x to the right, y up, a pixel a pixel.
@@ -115,7 +145,8 @@ void remark(const CalibrationSettings& settings, Calibration& calibration) {
   auto& remarks = calibration.remarks;
   if (calibration.covered_share < 0.3) {
     remarks.push_back(
-        fmt::format("the board covers {:.0f} % of the photograph: outside of it the map is extrapolated",
+        fmt::format("the board covers {:.0f} % of the photograph: outside of it the map is extrapolated, and "
+                    "known less well",
                     100.0 * calibration.covered_share));
   }
   if (calibration.fit.rms_px > 0.3) {
@@ -142,6 +173,40 @@ void remark(const CalibrationSettings& settings, Calibration& calibration) {
   }
 }
 
+/// Noise makes two photographs of the same board differ by root two of its sd. A copy would be counted as a measurement
+/// that it is not.
+bool same_photograph(const BoardView& a, const BoardView& b, double sigma_px) {
+  if (a.image_px.size() != b.image_px.size()) return false;
+  double sum = 0.0;
+  for (std::size_t i = 0; i < a.image_px.size(); ++i) {
+    const cv::Point2d off = a.image_px[i] - b.image_px[i];
+    sum += off.dot(off);
+  }
+  // Of 18 coordinates or more, chance makes so little but once in a million.
+  const double rms_px =
+      std::sqrt(sum / (2.0 * static_cast<double>(std::max<std::size_t>(a.image_px.size(), 1))));
+  return rms_px <= std::numbers::sqrt2 * sigma_px / 3.0;
+}
+
+/// The fit of all photographs but those that are another's copy.
+Result<BoardFit> fit_distinct(std::span<const BoardView> views, const CalibrationSettings& settings,
+                              std::vector<std::string>& remarks) {
+  auto fit = fit_boards(views, settings.width_px, settings.height_px);
+  if (!fit) return fit;
+  std::vector<BoardView> distinct;
+  for (const BoardView& view : views) {
+    const auto other = std::ranges::find_if(
+        distinct, [&](const BoardView& before) { return same_photograph(before, view, fit->sigma_px); });
+    if (other == distinct.end())
+      distinct.push_back(view);
+    else
+      remarks.push_back(
+          fmt::format("{} is the same photograph as {}: it was left out", view.name, other->name));
+  }
+  if (distinct.size() < views.size()) fit = fit_boards(distinct, settings.width_px, settings.height_px);
+  return fit;
+}
+
 std::optional<std::string> wrong(const CalibrationSettings& s) {
   if (s.width_px < 16 || s.height_px < 16) return "the photograph is too small";
   if (!(s.spacing_sd_share >= 0.0 && s.spacing_sd_share <= 0.1)) return "the board's sd must be 0 to 10 %";
@@ -149,15 +214,14 @@ std::optional<std::string> wrong(const CalibrationSettings& s) {
   if (s.lens_distance_m && !(*s.lens_distance_m > 0.0)) return "the lens' distance must be above 0";
   if (s.lens_distance_sd_m && !(*s.lens_distance_sd_m > 0.0))
     return "the sd of the lens' distance must be above 0";
+  if (!(s.tolerance_share > 0.0)) return "the tolerance must be above 0";
   return std::nullopt;
 }
 
 }  // namespace
 
-double ScaleErrors::total() const {
-  const double place = off_plane.value_or(0.0);
-  return std::sqrt(points * points + print * print + place * place);
-}
+double ScaleErrors::common() const { return std::hypot(print, off_plane.value_or(0.0)); }
+double ScaleErrors::total() const { return std::hypot(points, common()); }
 
 PlaneMap Calibration::map() const {
   return PlaneMap::calibrated(lens, rectify, place ? std::optional(place->viewpoint) : std::nullopt);
@@ -165,9 +229,9 @@ PlaneMap Calibration::map() const {
 
 Result<Calibration> calibrate(std::span<const BoardView> views, const CalibrationSettings& settings) {
   if (const auto what = wrong(settings)) return fail(*what);
-  auto fit = fit_boards(views, settings.width_px, settings.height_px);
-  if (!fit) return tl::unexpected(fit.error());
   Calibration calibration;
+  auto fit = fit_distinct(views, settings, calibration.remarks);
+  if (!fit) return tl::unexpected(fit.error());
   calibration.fit = std::move(*fit);
   calibration.lens = calibration.fit.lens;
   const PlaneMap to_board = board_map(calibration.lens, calibration.fit.homographies[0]);
@@ -175,15 +239,14 @@ Result<Calibration> calibrate(std::span<const BoardView> views, const Calibratio
   calibration.px_per_m = std::exp(log_scale(to_board, centre));
   if (!std::isfinite(calibration.px_per_m)) return fail("the boards fit no camera");
   const cv::Matx33d to_plane = similarity(to_board, settings, calibration.px_per_m);
-  const double f = calibration.lens.focal_px;
-  const cv::Point2d c = calibration.lens.centre_px;
-  const cv::Matx33d normalize(1.0 / f, 0.0, -c.x / f, 0.0, 1.0 / f, -c.y / f, 0.0, 0.0, 1.0);
-  calibration.rectify = to_plane * calibration.fit.homographies[0].inv() * normalize;
-  calibration.rectify = calibration.rectify * (1.0 / calibration.rectify(2, 2));
-  calibration.scale_errors.points = points_error(calibration.fit, settings);
+  calibration.rectify = rectification(calibration.fit.homographies[0], calibration.lens, to_plane);
+  calibration.map_errors = map_errors(calibration.fit, to_plane, settings.width_px, settings.height_px);
+  const cv::Mat slopes = scale_slopes(calibration.fit, settings);
+  calibration.scale_errors.points = points_error(slopes, calibration.fit.covariance);
   calibration.scale_errors.print = settings.spacing_sd_share;
   calibration.covered_share = covered(views[0], settings);
   calibration.largest_shift_px = largest_shift(calibration.lens, settings);
+  calibration.too_poor = too_poor(calibration, slopes, settings);
   locate(settings, to_plane, calibration);
   remark(settings, calibration);
   return calibration;

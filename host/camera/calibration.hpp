@@ -12,6 +12,7 @@
 #include "common/result.hpp"
 #include "host/camera/board.hpp"
 #include "host/camera/board_fit.hpp"
+#include "host/camera/map_errors.hpp"
 #include "host/digitize/core/plane_map.hpp"
 
 namespace strobe::camera {
@@ -23,14 +24,19 @@ struct CalibrationSettings {
   double off_plane_sd_m = 0.0;               ///< between the board's plane and the balls', >= 0
   std::optional<double> lens_distance_m;     ///< of the lens from that plane, by a tape, > 0
   std::optional<double> lens_distance_sd_m;  ///< default 1 %
+  /// Largest ScaleErrors::points that is good enough, as a share, above 0. What a careful board's print and place leave
+  /// is 0.1 %; a map twice as uncertain as that would spoil it.
+  double tolerance_share = 0.002;
 };
 
 /// Of the scale, as shares of it.
 struct ScaleErrors {
-  double points = 0.0;              ///< of the board's points, rms over the photograph
-  double print = 0.0;               ///< of the board's print
+  double points = 0.0;  ///< of the board's points, rms over the photograph: in Calibration::map_errors
+  double print = 0.0;   ///< of the board's print
   std::optional<double> off_plane;  ///< of its place; absent: the lens' distance is not known
   double total() const;
+  /// Without the points' share.
+  double common() const;
 };
 
 /// Where the lens is, as far as the photographs or a tape tell.
@@ -52,6 +58,10 @@ struct Calibration {
   double covered_share = 0.0;        ///< of the photograph by the board in the plane
   double largest_shift_px = 0.0;     ///< by the lens, at the photograph's corners
   std::vector<std::string> remarks;  ///< for a person: what may be doubted
+  std::vector<MapError> map_errors;  ///< what the points leave open
+  /// Present if the points leave more open than the settings' tolerance: how much, and what to do. It should not be
+  /// used.
+  std::optional<std::string> too_poor;
 
   double px_per_m_sd() const { return px_per_m * scale_errors.total(); }
   digitize::PlaneMap map() const;

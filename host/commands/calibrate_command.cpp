@@ -37,6 +37,7 @@ struct CalibrateOptions {
   std::vector<double> surface;  ///< image px: x, row, x, row
   double surface_sd_px = 0.5;
   std::string date;  ///< empty: today
+  double tolerance_percent = 0.2;
   bool dry = false;
   bool json = false;
 };
@@ -93,13 +94,19 @@ CameraTable table_of(const CalibrateOptions& options, const camera::Calibration&
   table.width_px = boards.width_px;
   table.height_px = boards.height_px;
   table.px_per_m = found.px_per_m;
-  table.px_per_m_sd = found.px_per_m_sd();
+  // The points' share is in the map's errors, where it is another from place to place.
+  table.px_per_m_sd = found.px_per_m * found.scale_errors.common();
   CameraMap map;
   map.lens_centre_px = {found.lens.centre_px.x, found.lens.centre_px.y};
   map.lens_focal_px = found.lens.focal_px;
   map.lens_distortion = {found.lens.k1, found.lens.k2, found.lens.p1, found.lens.p2};
   std::copy(found.rectify.val, found.rectify.val + 9, map.rectify.begin());
   table.map = map;
+  for (const camera::MapError& error : found.map_errors) {
+    CameraMapError& of_file = table.map_errors.emplace_back();
+    std::copy(error.rectify.val, error.rectify.val + 9, of_file.rectify.begin());
+    of_file.lens_distortion = error.lens_terms;
+  }
   if (found.place) {
     const auto& viewpoint = found.place->viewpoint;
     table.viewpoint_px = {viewpoint.foot_px.x, viewpoint.foot_px.y, viewpoint.distance_px};
@@ -121,7 +128,7 @@ using nlohmann::ordered_json;
 void print_json(const CalibrateOptions& options, const CameraTable& table, const camera::Calibration& found) {
   ordered_json out;
   out["px_per_m"] = *table.px_per_m;
-  out["px_per_m_sd"] = *table.px_per_m_sd;
+  out["px_per_m_sd"] = found.px_per_m_sd();
   out["sd_share"] = {{"points", found.scale_errors.points},
                      {"print", found.scale_errors.print},
                      {"off_plane", messages::or_null(found.scale_errors.off_plane)}};
@@ -142,26 +149,28 @@ void print_json(const CalibrateOptions& options, const CameraTable& table, const
   }
   out["calibrated"] = *table.calibrated;
   out["remarks"] = found.remarks;
+  out["too_poor"] = messages::or_null(found.too_poor);
   out["inputs"] = {{"images", options.images},
                    {"board", options.board},
                    {"columns", options.columns},
                    {"rows", options.rows},
                    {"spacing_mm", options.spacing_mm},
                    {"spacing_sd_percent", options.spacing_sd_percent},
-                   {"off_plane_sd_mm", options.off_plane_sd_mm}};
+                   {"off_plane_sd_mm", options.off_plane_sd_mm},
+                   {"tolerance_percent", options.tolerance_percent}};
   std::printf("%s\n", out.dump().c_str());
 }
 
 void print_text(const CameraTable& table, const camera::Calibration& found) {
   fmt::print("scale          {:.3f} px/m, sd {:.3f} ({:.4f} %: points {:.4f}, print {:.4f}, place {})\n",
-             *table.px_per_m, *table.px_per_m_sd, 100.0 * found.scale_errors.total(),
+             *table.px_per_m, found.px_per_m_sd(), 100.0 * found.scale_errors.total(),
              100.0 * found.scale_errors.points, 100.0 * found.scale_errors.print,
              found.scale_errors.off_plane ? fmt::format("{:.4f}", 100.0 * *found.scale_errors.off_plane)
                                           : "unknown");
   fmt::print("residuals      {:.3f} px rms over {} points, {} left out\n", found.fit.rms_px, found.fit.points,
              found.fit.outliers);
-  fmt::print("lens           moves the corners by up to {:.2f} px ({} terms)\n", found.largest_shift_px,
-             found.fit.lens_terms);
+  fmt::print("lens           moves the corners by up to {:.2f} px ({} of 4 terms told by the board)\n",
+             found.largest_shift_px, found.fit.lens_terms);
   if (found.place) {
     fmt::print("lens' place    {:.3f} m from the plane, sd {:.3f}; tilt {:.2f} degrees\n",
                found.place->viewpoint.distance_px / found.px_per_m,
@@ -202,10 +211,11 @@ int run_calibrate(const CalibrateOptions& options) {
   settings.off_plane_sd_m = options.off_plane_sd_mm * 1e-3;
   settings.lens_distance_m = options.lens_distance_m;
   settings.lens_distance_sd_m = options.lens_distance_sd_m;
+  settings.tolerance_share = options.tolerance_percent / 100.0;
   const auto found = camera::calibrate(boards->views, settings);
   if (!found) return bad_input("calibrate: " + found.error().message);
   const CameraTable table = table_of(options, *found, *boards);
-  if (!path.empty() && !options.dry) {
+  if (!path.empty() && !options.dry && !found->too_poor) {
     if (const auto done = config::write_file(path.string(), calibration_text(table)); !done)
       return bad_input("calibrate: " + done.error().message);
   }
@@ -213,7 +223,7 @@ int run_calibrate(const CalibrateOptions& options) {
   for (const std::string& remark : found->remarks) {
     std::fprintf(stderr, "strobe: calibrate: note: %s\n", remark.c_str());
   }
-  return kDone;
+  return found->too_poor ? failed("calibrate: refused, no file was written: " + *found->too_poor) : kDone;
 }
 
 }  // namespace
@@ -262,6 +272,12 @@ void add_calibrate_command(CLI::App& app, int& exit_status) {
       ->expected(4);
   command->add_option("--surface-sd-px", options->surface_sd_px, "How well")
       ->check(CLI::Range(1e-4, 1000.0))
+      ->capture_default_str();
+  command
+      ->add_option("--tolerance-percent", options->tolerance_percent,
+                   "Refuse a calibration whose points leave the scale more uncertain than this, rms over the "
+                   "photograph")
+      ->check(CLI::Range(1e-6, 100.0))
       ->capture_default_str();
   command->add_option("--date", options->date, "Day of the photographs, 2026-11-21; today if left out");
   command->add_flag("--dry", options->dry, "Write no file");

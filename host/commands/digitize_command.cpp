@@ -9,6 +9,7 @@
 #include <memory>
 
 #include "common/config/files.hpp"
+#include "host/assembly/camera_map.hpp"
 #include "host/clock/machine_clock.hpp"
 #include "host/commands/command.hpp"
 #include "host/commands/digitize_options.hpp"
@@ -133,6 +134,7 @@ class Digitizer {
         return tl::unexpected(applied.error());
     }
     found->frame.shot_id = options_.shot_id + static_cast<int>(index);
+    found->frame.map_errors = map_errors(given_.rig.camera, found->frame);
     if (given_.even) count_from_first_image(found->frame);
     tell(*found, *settings, options_.images[index]);
     if (found->frame.images.empty()) ++empty_;

@@ -67,6 +67,36 @@ std::optional<CameraMap> read_map(TomlTable& table) {
   return map;
 }
 
+constexpr std::size_t kPerMapError = 13;
+constexpr std::size_t kMaxMapErrors = 64;
+
+void read_map_errors(TomlTable& table, CameraTable& camera) {
+  if (!table.has("map_errors")) return;
+  if (!camera.map) return table.error_at("map_errors", "needs rectify too");
+  const std::vector<double> values = table.numbers_or("map_errors", {}, kFactor);
+  if (values.size() % kPerMapError != 0 || values.size() > kPerMapError * kMaxMapErrors)
+    return table.error_at("map_errors", "must be 13 numbers for each error, of at most 64");
+  for (std::size_t i = 0; i < values.size(); i += kPerMapError) {
+    CameraMapError& error = camera.map_errors.emplace_back();
+    const auto first = values.begin() + static_cast<std::ptrdiff_t>(i);
+    std::copy_n(first, error.rectify.size(), error.rectify.begin());
+    std::copy_n(first + static_cast<std::ptrdiff_t>(error.rectify.size()), error.lens_distortion.size(),
+                error.lens_distortion.begin());
+  }
+}
+
+std::string map_errors_line(const std::vector<CameraMapError>& errors) {
+  if (errors.empty()) return "";
+  std::vector<std::string> rows;
+  for (const CameraMapError& error : errors)
+    rows.push_back(
+        fmt::format("  {}, {}", fmt::join(error.rectify, ", "), fmt::join(error.lens_distortion, ", ")));
+  return fmt::format(
+      "# what one sd of each of the map's errors adds to rectify and lens_distortion\nmap_errors = "
+      "[\n{}\n]\n",
+      fmt::join(rows, ",\n"));
+}
+
 std::optional<std::chrono::sys_days> parse_date(const std::string& text) {
   int year = 0, month = 0, day = 0, used = 0;
   if (text.size() != 10 || std::sscanf(text.c_str(), "%4d-%2d-%2d%n", &year, &month, &day, &used) != 3 ||
@@ -105,6 +135,7 @@ void read_calibration(TomlTable& table, CameraTable& camera) {
   camera.px_per_m_sd = table.optional_number("px_per_m_sd", {0.0, 1e6});
   if (camera.px_per_m_sd && !camera.px_per_m) table.error_at("px_per_m_sd", "needs px_per_m too");
   camera.map = read_map(table);
+  read_map_errors(table, camera);
   read_viewpoint(table, camera);
   read_surface(table, camera);
   camera.calibrated = optional_text(table, "calibrated");
@@ -166,7 +197,7 @@ std::string calibration_text(const CameraTable& camera) {
         line("lens_centre_px", std::optional(map->lens_centre_px)) +
         line("lens_focal_px", std::optional(map->lens_focal_px), "   # unit of the distortion's argument") +
         line("lens_distortion", std::optional(map->lens_distortion), "   # k1, k2, p1, p2") +
-        line("rectify", std::optional(map->rectify));
+        line("rectify", std::optional(map->rectify)) + map_errors_line(camera.map_errors);
   }
   text += line("viewpoint_px", camera.viewpoint_px, "   # foot of the lens on the plane, its distance") +
           line("viewpoint_sd_px", camera.viewpoint_sd_px) + line("surface_px", camera.surface_px);

@@ -9,6 +9,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "common/config/toml_reader.hpp"
 #include "common/result.hpp"
@@ -24,6 +25,12 @@ struct CameraMap {
   std::array<double, 9> rectify{};          ///< row by row: undistorted image px to plane px, homogeneous
 };
 
+/// How the map changes by one standard deviation of one of the calibration's independent errors.
+struct CameraMapError {
+  std::array<double, 9> rectify{};
+  std::array<double, 4> lens_distortion{};
+};
+
 struct CameraTable {
   std::optional<std::string> folder;  ///< where the camera's photographs arrive; ~ is not expanded
   double max_age_days = 90.0;         ///< 0.01 to 100,000; an older calibration is warned of
@@ -32,9 +39,12 @@ struct CameraTable {
 
   std::optional<int> width_px;  ///< of the photographs that the calibration is for
   std::optional<int> height_px;
-  std::optional<double> px_per_m;     ///< of plane px, 1 to 1e7
-  std::optional<double> px_per_m_sd;  ///< all of it: the board's print and place included; 0 to 1e6
-  std::optional<CameraMap> map;       ///< present if `rectify` is; absent: the photograph is taken as it is
+  std::optional<double> px_per_m;  ///< of plane px, 1 to 1e7
+  /// Of the board's print and place, and of its points where there are no map_errors; 0 to 1e6
+  std::optional<double> px_per_m_sd;
+  std::optional<CameraMap> map;  ///< present if `rectify` is; absent: the photograph is taken as it is
+  /// What the board's points leave open. Key map_errors: 13 numbers each, of rectify and lens_distortion; at most 64.
+  std::vector<CameraMapError> map_errors;
   /// Where the lens is: plane px of the foot of its perpendicular on the plane, and its distance. Key
   /// viewpoint_px = [x, y, distance]; absent: so far away that balls show as circles.
   std::optional<std::array<double, 3>> viewpoint_px;

@@ -4,30 +4,10 @@
 
 #include <utility>
 
+#include "host/assembly/camera_map.hpp"
+
 namespace strobe::host {
 namespace {
-
-using digitize::PlaneMap;
-
-std::optional<digitize::Viewpoint> viewpoint_of(const CameraTable& camera) {
-  if (!camera.viewpoint_px) return std::nullopt;
-  const auto& [x, y, distance] = *camera.viewpoint_px;
-  return digitize::Viewpoint{{x, y}, distance};
-}
-
-PlaneMap map_of(const CameraTable& camera, int height_px) {
-  const auto viewpoint = viewpoint_of(camera);
-  if (!camera.map && !viewpoint) return PlaneMap::uncalibrated(height_px);
-  if (!camera.map) {
-    const cv::Matx33d upside_down(1.0, 0.0, 0.0, 0.0, -1.0, height_px - 1.0, 0.0, 0.0, 1.0);
-    return PlaneMap::calibrated({}, upside_down, viewpoint);
-  }
-  const CameraMap& map = *camera.map;
-  const auto& [k1, k2, p1, p2] = map.lens_distortion;
-  const digitize::LensDistortion lens{
-      {map.lens_centre_px[0], map.lens_centre_px[1]}, map.lens_focal_px, k1, k2, p1, p2};
-  return PlaneMap::calibrated(lens, cv::Matx33d(map.rectify.data()), viewpoint);
-}
 
 digitize::SurfaceLine surface_of(const std::array<double, 4>& points, double sd_px) {
   digitize::SurfaceLine line{{{points[0], points[1]}, {points[2], points[3]}}, sd_px};
@@ -57,7 +37,7 @@ Result<digitize::DigitizeSettings> digitize_settings(const RigFile& rig, int wid
     return fail(
         "the rig file gives no scale: calibrate the camera (strobe calibrate), or state camera.px_per_m");
   }
-  settings.map = map_of(camera, height_px);
+  settings.map = plane_map(camera, height_px);
   if (camera.surface_px) settings.surface = surface_of(*camera.surface_px, camera.surface_sd_px);
   return settings;
 }

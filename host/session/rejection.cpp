@@ -37,6 +37,7 @@ constexpr std::array<std::string_view, reduction::kFlagCount> kWords{
     "the surface line is in doubt: its points disagree, or an image in contact contradicts it",
     "the balls' diameters contradict the calibrated scale, which was believed as far as its sd says",
     "the measurements scatter more than their stated noise explains: uncertainties are too small",
+    "the calibrated scale came without an sd and was taken as exact: uncertainties lack its share",
 };
 
 }  // namespace

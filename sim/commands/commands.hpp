@@ -63,6 +63,28 @@ struct PhotographOptions : SimulatedOptions {
 /// Writes photographs of simulated shots, and the truth about them.
 int photograph_command(const PhotographOptions& options);
 
+struct BoardOptions {
+  std::string folder;
+  std::string board = "chessboard";
+  int columns = 9, rows = 6;
+  double spacing_mm = 20.0;
+  int width_px = 2592, height_px = 2048;
+  double focal_px = 5200.0;
+  std::vector<double> lens{0.0, 0.0, 0.0, 0.0};
+  std::vector<double> lens_aside_px{0.0, 0.0};
+  double distance_m = 1.0;
+  std::vector<double> aside_mm{0.0, 0.0};
+  std::vector<double> turns_deg{0.0, 0.0, 0.0};
+  int slanted = 0;
+  double blur_px = 0.8;
+  double noise = 0.01;
+  int bits = 16;
+  std::uint64_t seed = 1;
+  bool json = false;
+};
+/// Writes photographs of a calibration board, and the truth about them.
+int board_command(const BoardOptions& options);
+
 /// From a tolerance as typed (empty: the scene's own, if it has one) and a deadline. The error names the
 /// option.
 Result<PlanRequirement> parse_requirement(const std::string& tolerance,

@@ -120,6 +120,16 @@ TEST(FrameJson, AnErrorNamesTheField) {
               complaint(R"({"ball_diameter_m":1,"surface_px":[[0,0],[1,0]],"images":7})"));
   CHECK_EQUAL("surface_px: must be an array of at least two points",
               complaint(R"({"ball_diameter_m":1,"surface_px":7,"images":[]})"));
+  for (const auto& [errors, wrong] : std::initializer_list<std::pair<const char*, const char*>>{
+           {"7", "map_errors: must be an array"},
+           {"[7]", "map_errors[0]: must be an object"},
+           {R"([{"images":[]}])", "map_errors[0].surface_px: is missing"},
+           {R"([{"images":[[1,2,3]],"surface_px":[]}])",
+            "map_errors[0].images[0]: must be four numbers: centre x, y, diameter [px], equator [rad]"},
+           {R"([{"images":[],"surface_px":[[1]]}])", "map_errors[0].surface_px[0]: must be two numbers"}}) {
+    CHECK_EQUAL(wrong, complaint(replaced(kExample, R"("shot_id":1)",
+                                          R"("shot_id":1,"map_errors":)" + std::string(errors))));
+  }
   CHECK_EQUAL("record: must be an object", complaint(replaced(kExample, R"("shot_id":1)", R"("record":[])")));
   CHECK_EQUAL("images[0]: must be an object",
               complaint(R"({"ball_diameter_m":1,"surface_px":[[0,0],[1,0]],"images":[7]})"));
@@ -136,7 +146,8 @@ TEST(FrameJson, ReadingAndWritingGivesTheSameBytesOfEveryField) {
   const std::string text =
       R"({"shot_id":-2147483648,"ball_diameter_m":0.0651,"ball_diameter_sd_m":0.0008,"surface_px":[[0.5,1.0],[10.0,1.5]],)"
       R"("surface_sd_px":1.5,"centre_sd_px":2.0,"diameter_sd_px":3.0,"equator_sd_rad":0.017,"px_per_m":4000.0,)"
-      R"("px_per_m_sd":8.0,"surface_angle_deg":-2.5,"temperature_c":21.0,"ball_mass_kg":0.058,"ball_alpha":0.5,"ball_alpha_sd":0.02,)"
+      R"("px_per_m_sd":8.0,"map_errors":[{"surface_px":[[0.5,0.0],[1.0,0.0]],"images":[[0.25,0.5,0.125,1e-05]]},)"
+      R"({"surface_px":[],"images":[]}],"surface_angle_deg":-2.5,"temperature_c":21.0,"ball_mass_kg":0.058,"ball_alpha":0.5,"ball_alpha_sd":0.02,)"
       R"("air_density_kgpm3":1.1,"record":{"dry":"true","n":"12","operator":"Ä"},"images":[)"
       R"({"time_s":0.25,"leg":"incoming","centre_px":[1.0,2.0],"diameter_px":260.0,"equator_rad":0.30000000000000004,)"
       R"("time_sd_s":1e-06,"flash_index":2147483647,"centre_cov_px2":[[4.0,1.0],[2.0,9.0]],"diameter_sd_px":2.0,)"

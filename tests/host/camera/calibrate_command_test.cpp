@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <filesystem>
 
 #include "host/commands/command.hpp"
 #include "host/config/rig_file.hpp"
@@ -29,6 +30,7 @@ CameraTable measured() {
   table.px_per_m = 1000.0 / 3.0;
   table.px_per_m_sd = 0.1;
   table.map = host::CameraMap{{319.5, 239.5}, 800.0, {0.1, 0, 0, 0}, {1, 0, 0, 0, -1, 479, 0, 0, 1}};
+  table.map_errors = {{{1e-3, 0, 1, 0, 0, 0, 1e-7, 0, 0}, {1.0 / 3.0, 0, 0, 1e-4}}, {}};
   table.viewpoint_px = {300, 200, 1e4};
   table.viewpoint_sd_px = 7.0;
   return table;
@@ -50,6 +52,7 @@ TEST(Calibration, ReadsBackToTheLastBitAndStandsForTheRigFilesOwn) {
   STRCMP_EQUAL(host::calibration_text(measured()).c_str(), host::calibration_text(*read).c_str());
   DOUBLES_EQUAL(1000.0 / 3.0, *read->px_per_m, 0);
   DOUBLES_EQUAL(479, read->map->rectify[5], 0);
+  DOUBLES_EQUAL(1e-7, read->map_errors.at(0).rectify[6], 0);
   CHECK_FALSE(read->surface_px.has_value());
   STRCMP_EQUAL("in", read->folder->c_str());
   DOUBLES_EQUAL(10, read->max_age_days, 0);
@@ -58,6 +61,12 @@ TEST(Calibration, ReadsBackToTheLastBitAndStandsForTheRigFilesOwn) {
 TEST(Calibration, NamesTheFileInWhatIsWrong) {
   STRCMP_EQUAL("camera.toml:2: px_per_metre: unknown key",
                host::with_calibration({}, "\npx_per_metre = 3\n", "camera.toml").error().message.c_str());
+  STRCMP_EQUAL("camera.toml:1: map_errors: needs rectify too",
+               host::with_calibration({}, "map_errors = [1]\n", "camera.toml").error().message.c_str());
+  std::string text = host::calibration_text(measured());
+  text.insert(text.find("map_errors = [") + 14, "7, ");
+  STRCMP_CONTAINS("map_errors: must be 13 numbers for each error, of at most 64",
+                  host::with_calibration({}, text, "camera.toml").error().message.c_str());
   for (const char* name : {"../camera.toml", "rig.toml", "camera"}) {
     const std::string rig = fmt::format("rig = \"b\"\n[camera]\ncalibration = \"{}\"\n", name);
     STRCMP_CONTAINS("rig.toml:3: camera.calibration: must be the name of a file beside this one",
@@ -92,9 +101,16 @@ TEST(CalibrateCommand, FromAPhotographToTheDigitizersMap) {
   testing::photograph(pinhole, pose, pattern, 0.005, random).convertTo(bytes, CV_16U, 65535.0);
   strobe::testing::write_picture(in("plane.png"), bytes);
   write("rig.toml", kRig);
-  LONGS_EQUAL(host::kDone, run({in("plane.png"), "--rig", in("rig.toml"), "--columns", "7", "--rows", "5",
-                                "--spacing-mm", "20", "--lens-distance-m", "1.0", "--surface", "10", "250",
-                                "390", "250", "--date", "2026-11-20", "--json"}));
+  std::vector<std::string> arguments{
+      in("plane.png"), "--rig",     in("rig.toml"), "--columns", "7",
+      "--rows",        "5",         "--spacing-mm", "20",        "--lens-distance-m",
+      "1.0",           "--surface", "10",           "250",       "390",
+      "250",           "--date",    "2026-11-20",   "--json"};
+  LONGS_EQUAL(host::kFailed, run(arguments));  // over 20 % of a small photograph
+  CHECK_FALSE(std::filesystem::exists(folder / "camera.toml"));
+  arguments.insert(arguments.end(), {"--tolerance-percent", "1"});
+  LONGS_EQUAL(host::kDone, run(arguments));
+  CHECK_FALSE(host::load_rig(in("rig.toml"))->camera.map_errors.empty());
   const auto rig = host::load_rig(in("rig.toml"));
   CHECK_TRUE_TEXT(rig.has_value(), rig ? "" : rig.error().message.c_str());
   STRCMP_EQUAL("2026-11-20", rig->camera.calibrated->c_str());

@@ -1,0 +1,82 @@
+#include <fmt/format.h>
+
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+
+#include "sim/commands/command_line.hpp"
+#include "sim/commands/commands.hpp"
+#include "sim/photograph/board.hpp"
+#include "sim/photograph/photograph_file.hpp"
+
+namespace strobe::sim {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+BoardCamera camera_of(const BoardOptions& options) {
+  BoardCamera camera;
+  camera.width_px = options.width_px;
+  camera.height_px = options.height_px;
+  camera.focal_px = options.focal_px;
+  std::copy(options.lens.begin(), options.lens.end(), camera.lens.begin());
+  camera.lens_aside_px = {options.lens_aside_px[0], options.lens_aside_px[1]};
+  camera.blur_px = options.blur_px;
+  camera.noise = options.noise;
+  camera.bits = options.bits;
+  return camera;
+}
+
+Board board_of(const BoardOptions& options) {
+  const BoardPrint print = options.board == "chessboard" ? BoardPrint::chessboard
+                           : options.board == "circles"  ? BoardPrint::circles
+                                                         : BoardPrint::staggered;
+  return {print, options.columns, options.rows, options.spacing_mm * 1e-3};
+}
+
+/// The board as stated, then slanted about the four directions that calibrations ask for.
+BoardPlace place_of(const BoardOptions& options, int index) {
+  BoardPlace place;
+  place.distance_m = options.distance_m;
+  if (index > 0) {
+    constexpr double kSlant_deg = 25.0;
+    constexpr std::array<std::array<double, 2>, 4> kSlants{{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
+    const auto& slant = kSlants[static_cast<std::size_t>(index - 1) % kSlants.size()];
+    place.turns_deg = {kSlant_deg * slant[0], kSlant_deg * slant[1], 5.0 * index};
+    return place;
+  }
+  place.aside_m = {options.aside_mm[0] * 1e-3, options.aside_mm[1] * 1e-3};
+  place.turns_deg = {options.turns_deg[0], options.turns_deg[1], options.turns_deg[2]};
+  return place;
+}
+
+}  // namespace
+
+int board_command(const BoardOptions& options) {
+  std::error_code error;
+  fs::create_directories(options.folder, error);
+  const fs::path truth_path = fs::path(options.folder) / "truth.jsonl";
+  std::ofstream truth(truth_path);
+  if (!truth) return report_error(truth_path.string() + ": cannot be written", 2);
+  const BoardCamera camera = camera_of(options);
+  const Board board = board_of(options);
+  for (int i = 0; i <= options.slanted; ++i) {
+    const std::string name = i == 0 ? "plane.tif" : fmt::format("slanted_{}.tif", i);
+    const BoardPlace place = place_of(options, i);
+    const auto seed = options.seed + static_cast<std::uint64_t>(i);
+    const BoardPhotograph photograph = photograph_board(camera, board, place, seed);
+    if (const auto written =
+            write_photograph(fs::path(options.folder) / name, photograph.pixels, PhotographFormat::tiff);
+        !written)
+      return report_error(written.error().message, 1);
+    const std::string line = board_truth_json(camera, board, place, photograph, name);
+    truth << line << '\n';
+    options.json ? fmt::print("{}\n", line) : fmt::print("{}/{}\n", options.folder, name);
+  }
+  if (!truth.flush() || std::fflush(stdout) != 0) return report_error("not everything could be written", 1);
+  return 0;
+}
+
+}  // namespace strobe::sim
