@@ -169,6 +169,8 @@ void read_images(Fields& fields, Frame& frame, std::optional<Error>& error) {
     const std::string place = "images[" + std::to_string(i) + "]";
     const json& object = (*images)[i];
     if (!object.is_object()) return fields.wrong(place, "must be an object");
+    // An image of another leg, which may have no time.
+    if (const auto other = object.find("other_leg"); other != object.end() && *other == true) continue;
     frame.images.push_back(read_image(object, place + ".", error));
   }
 }
@@ -262,6 +264,7 @@ ordered_json image_json(const BallImage& image) {
   put(object, "top_px", image.top_px);
   put(object, "contact_width_px", image.contact_width_px);
   if (!image.source.empty()) object["source"] = image.source;
+  if (image.other_leg) object["other_leg"] = true;
   return object;
 }
 

@@ -201,8 +201,10 @@ frame_t frame_to_lcm(const Frame& frame) {
     point.y_px = p.y;
     m.surface.push_back(point);
   }
-  m.image_count = static_cast<std::int32_t>(frame.images.size());
-  for (const BallImage& image : frame.images) m.images.push_back(image_to(image, m.source));
+  // A message has no place for images of other legs.
+  for (const BallImage& image : frame.images)
+    if (!image.other_leg) m.images.push_back(image_to(image, m.source));
+  m.image_count = static_cast<std::int32_t>(m.images.size());
   return m;
 }
 

@@ -36,6 +36,9 @@ struct BallImage {
   std::optional<PointPx> top_px;                        ///< top of the ball, contact images
   std::optional<double> contact_width_px;
   std::string source;  ///< "auto", "hand" or empty
+  /// In flight before or after another bounce than the frame's: for the operator only, it may have no time. Messages and
+  /// the JSON reader leave it out.
+  bool other_leg = false;
 };
 
 /// What one standard deviation of one of the camera calibration's independent errors does to the frame: all its

@@ -2,48 +2,71 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace strobe::host {
 namespace {
 
-// How far the next image may be from where steady speed puts it, as a fraction of the step: a flash half a
+// How far the next image may be from where steady flight puts it, as a fraction of the step: a flash half a
 // period off its neighbours' mean would be nearer to another image.
 constexpr double kStepTolerance = 0.45;
 
-double distance(const TrackPoint& a, const TrackPoint& b) { return (a.centre_px - b.centre_px).norm(); }
+/// Flight at known flashes under known gravity, whose next image is looked for.
+class SteadyFlight {
+ public:
+  SteadyFlight(std::span<const TrackPoint> images, std::span<const double> times_s, const Track& track)
+      : images_(images), times_s_(times_s), fit_(track.gravity_pxps2) {}
 
-/// The number of the flash nearest to the time, after the given one; nullopt past the end.
-std::optional<int> nearest_after(std::span<const double> times_s, int after, double time_s) {
-  const auto begin = times_s.begin() + after + 1;
-  if (begin == times_s.end()) return std::nullopt;
-  auto it = std::lower_bound(begin, times_s.end(), time_s);
-  if (it == times_s.end() || (it != begin && time_s - *(it - 1) < *it - time_s)) --it;
-  return static_cast<int>(it - times_s.begin());
-}
+  const std::vector<int>& flash() const { return flash_; }
+  int missed() const { return flash_.back() - flash_.front() + 1 - static_cast<int>(flash_.size()); }
 
-/// The flashes that follow when the leg starts with these two; empty if steady speed does not lead to
-/// flashes.
-std::vector<int> follow(std::span<const TrackPoint> images, std::span<const double> times_s, int first,
-                        int second) {
-  const auto at = [&](int k) { return times_s[static_cast<std::size_t>(k)]; };
-  std::vector<int> flash;
-  flash.reserve(images.size());
-  flash.push_back(first);
-  flash.push_back(second);
-  double path = distance(images[0], images[1]);
-  int missed = second - first - 1;
-  for (std::size_t i = 2; i < images.size(); ++i) {
-    const double step = distance(images[i - 1], images[i]);
-    const double predicted = step * (at(flash.back()) - at(first)) / path;
-    const auto next = nearest_after(times_s, flash.back(), at(flash.back()) + predicted);
-    if (!next || !std::isfinite(predicted)) return {};
-    if (std::abs(at(*next) - at(flash.back()) - predicted) > kStepTolerance * predicted) return {};
-    missed += *next - flash.back() - 1;
-    if (missed > kMaxMissed) return {};
-    flash.push_back(*next);
-    path += step;
+  void add(int flash) {
+    fit_.add(time_s(flash), images_[flash_.size()].centre_px);
+    flash_.push_back(flash);
   }
-  return flash;
+
+  /// The flash after the last one at which the flight comes nearest to the next image; nullopt if not near.
+  std::optional<int> next() const {
+    const flight::Parabola path = fit_.path();
+    const auto at = [&](int flash) { return path.position_at(time_s(flash) - fit_.mean_time_s()); };
+    const Eigen::Vector2d& centre = images_[flash_.size()].centre_px;
+    const int end = std::min(static_cast<int>(times_s_.size()), flash_.back() + 2 + kMaxMissed);
+    std::optional<int> nearest;
+    double least = std::numeric_limits<double>::infinity();
+    for (int k = flash_.back() + 1; k < end; ++k) {
+      const double off = (at(k) - centre).norm();
+      if (!(off < least)) continue;
+      least = off;
+      nearest = k;
+    }
+    if (!nearest) return std::nullopt;
+    const double step = (at(*nearest) - at(flash_.back())).norm();
+    return least <= kStepTolerance * step ? nearest : std::nullopt;
+  }
+
+ private:
+  double time_s(int flash) const { return times_s_[static_cast<std::size_t>(flash)]; }
+
+  std::span<const TrackPoint> images_;
+  std::span<const double> times_s_;
+  geometry::LegFit fit_;
+  std::vector<int> flash_;
+};
+
+/// The flashes that follow when the leg starts with these two; empty if steady flight does not lead to
+/// flashes.
+std::vector<int> follow(std::span<const TrackPoint> images, std::span<const double> times_s,
+                        const Track& track, int first, int second) {
+  SteadyFlight flight(images, times_s, track);
+  flight.add(first);
+  flight.add(second);
+  while (flight.flash().size() < images.size()) {
+    const auto next = flight.next();
+    if (!next) return {};
+    flight.add(*next);
+    if (flight.missed() > kMaxMissed) return {};
+  }
+  return flight.flash();
 }
 
 /// Of both coordinates, in units of the noise.
@@ -66,7 +89,7 @@ LegCandidate candidate(std::span<const TrackPoint> images, std::span<const doubl
   for (std::size_t i = 0; i < images.size(); ++i)
     result.fit.add(times_s[static_cast<std::size_t>(flash[i])], images[i].centre_px);
   result.chi_squared = chi_squared(images, times_s, flash, result.fit, track.sd_px);
-  result.crossing = geometry::crossing(result.fit, track.radius_px);
+  if (track.surface_known) result.crossing = geometry::crossing(result.fit, track.radius_px);
   result.missed = flash.back() - flash.front() + 1 - static_cast<int>(flash.size());
   result.flash = std::move(flash);
   return result;
@@ -86,7 +109,7 @@ std::vector<LegCandidate> leg_candidates(std::span<const TrackPoint> images, std
       continue;
     }
     for (int second = first + 1; second <= first + 1 + kMaxMissed && second < count; ++second) {
-      std::vector<int> flash = follow(images, times_s, first, second);
+      std::vector<int> flash = follow(images, times_s, track, first, second);
       if (!flash.empty()) candidates.push_back(candidate(images, times_s, track, std::move(flash)));
     }
   }

@@ -1,4 +1,4 @@
-// All assignments of one leg's images to flashes: in order, at a steady speed.
+// All assignments of one leg's images to flashes: in order, in steady flight under gravity.
 // No I/O; thread-safe; allocates.
 #pragma once
 

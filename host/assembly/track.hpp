@@ -18,6 +18,7 @@ struct TrackPoint {
 struct Track {
   std::vector<TrackPoint> images;  ///< in the frame's order: incoming, contact, rebound
   double radius_px = 0.0;          ///< of the undeformed ball
+  bool surface_known = true;       ///< else nothing is known of where the legs end, nor of the contact
   double px_per_m = 0.0;
   double sd_px = 0.0;  ///< of each coordinate; as stated, else 0.8 % of the diameter
   Eigen::Vector2d gravity_pxps2 = Eigen::Vector2d::Zero();

@@ -116,6 +116,7 @@ class Digitizer {
     if (!given_.has_rig && !options_.ball_diameter_sd_m) settings->ball_diameter_sd_m.reset();
     if (options_.size_tolerance_percent) settings->size_tolerance = *options_.size_tolerance_percent / 100.0;
     if (options_.direction != "auto") settings->leftwards = options_.direction == "left";
+    settings->bounce = options_.bounce;
     if (!given_.flash_times_s.empty())
       settings->flash_times_s = given_.flash_times_s[given_.flash_times_s.size() == 1 ? 0 : index];
     settings->effort = digitize::effort_from_name(options_.effort).value();

@@ -60,6 +60,12 @@ void add_digitize_options(CLI::App& command, DigitizeOptions& options) {
       ->check(CLI::IsMember({"fast", "standard", "thorough"}));
   command.add_option("--direction", options.direction, "of flight; auto: the bounce tells")
       ->check(CLI::IsMember({"auto", "right", "left"}));
+  command
+      .add_option(
+          "--bounce", options.bounce,
+          "of several, which one legs and times are told of, from 1 in time [the first with two images or "
+          "more on either side]; images of other legs get no time")
+      ->check(CLI::Range(1, 100));
   add_results(command, options);
 }
 

@@ -23,9 +23,10 @@ struct DigitizeOptions {
   std::string times_file;  ///< empty: none
   std::string effort = "standard";
   std::string direction = "auto";
-  std::string edit_file;  ///< empty: none
-  std::string overlay;    ///< empty: none
-  int shot_id = 1;        ///< of the first photograph
+  std::optional<int> bounce;  ///< from 1 in time
+  std::string edit_file;      ///< empty: none
+  std::string overlay;        ///< empty: none
+  int shot_id = 1;            ///< of the first photograph
   bool json = false;
   bool explain = false;
 };

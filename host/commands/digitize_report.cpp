@@ -20,7 +20,10 @@ using nlohmann::ordered_json;
 using reduction::BallImage;
 using reduction::Leg;
 
-std::string_view leg_name(const std::optional<Leg>& leg) { return leg ? name(*leg) : ""; }
+std::string_view leg_name(const BallImage& image) {
+  if (image.other_leg) return "other";
+  return image.leg ? name(*image.leg) : "";
+}
 
 ordered_json inputs_json(const DigitizeSettings& settings) {
   ordered_json inputs;
@@ -34,6 +37,7 @@ ordered_json inputs_json(const DigitizeSettings& settings) {
       settings.flash_times_s ? ordered_json(settings.flash_times_s->size()) : ordered_json(nullptr);
   inputs["effort"] = name(settings.effort);
   inputs["direction"] = !settings.leftwards ? "auto" : *settings.leftwards ? "left" : "right";
+  inputs["bounce"] = messages::or_null(settings.bounce);
   return inputs;
 }
 
@@ -61,7 +65,7 @@ std::optional<double> centre_sd(const BallImage& image, std::size_t axis) {
 }
 
 std::string image_line(const BallImage& image, std::size_t index) {
-  std::string line = right(fmt::format("{}", index + 1), 3) + "  " + left(leg_name(image.leg), 9);
+  std::string line = right(fmt::format("{}", index + 1), 3) + "  " + left(leg_name(image), 9);
   line += std::isfinite(image.time_s) ? right(fmt::format("{:.4f}", image.time_s * 1e3), 10) : right("-", 10);
   line += with_sd(image.centre_px.x, centre_sd(image, 0), 11) +
           with_sd(image.centre_px.y, centre_sd(image, 1), 11);

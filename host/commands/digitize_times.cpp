@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -71,8 +72,10 @@ std::vector<double> plan_flashes(const ShotPlan& plan) {
 }
 
 void count_from_first_image(reduction::Frame& frame) {
-  if (frame.images.empty()) return;
-  const reduction::BallImage first = frame.images.front();
+  const auto timed = std::ranges::find_if(
+      frame.images, [](const reduction::BallImage& image) { return !std::isnan(image.time_s); });
+  if (timed == frame.images.end()) return;
+  const reduction::BallImage first = *timed;
   for (reduction::BallImage& image : frame.images) {
     image.time_s -= first.time_s;
     if (image.flash_index && first.flash_index) *image.flash_index -= *first.flash_index;

@@ -278,6 +278,7 @@ void reorder_images(Digitization& digitization, const DigitizeSettings& settings
   OrderSettings order;
   order.ball_diameter_m = settings.ball_diameter_m;
   order.leftwards = settings.leftwards;
+  order.bounce = settings.bounce;
   if (settings.flash_times_s) order.flash_times_s = *settings.flash_times_s;
   order_images(digitization.frame, digitization.outlines, order, digitization.remarks);
 }

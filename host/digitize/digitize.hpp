@@ -27,6 +27,7 @@ struct DigitizeSettings {
   PlaneMap map = PlaneMap::uncalibrated(0);
   std::optional<SurfaceLine> surface;  ///< calibrated; absent: found from the plate
   std::optional<bool> leftwards;       ///< known direction of flight; absent: estimated from the bounce
+  std::optional<int> bounce;           ///< of several, whose legs and times are wanted, from 1 in time
   std::optional<std::vector<double>> flash_times_s;  ///< of all flashes, ascending
   Effort effort = Effort::standard;
 };

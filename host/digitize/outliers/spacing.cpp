@@ -16,8 +16,9 @@ constexpr double kClearDifference = 0.2;
 
 class Leg {
  public:
-  Leg(std::vector<int> members, std::span<const PathPoint> points, std::span<const double> quality)
-      : members_(std::move(members)), points_(points), quality_(quality) {}
+  Leg(std::vector<int> members, bool curved, std::span<const PathPoint> points,
+      std::span<const double> quality)
+      : members_(std::move(members)), curved_(curved), points_(points), quality_(quality) {}
 
   /// Shortest interval of the flashes over the median one.
   static double shortest_interval(std::span<const double> times_s) {
@@ -48,7 +49,11 @@ class Leg {
  private:
   double quality_of(int i) const { return quality_[static_cast<std::size_t>(i)]; }
   const PathPoint& at(int i) const { return points_[static_cast<std::size_t>(i)]; }
-  double step(std::size_t k) const { return cv::norm(at(members_[k]).at - at(members_[k - 1]).at); }
+  /// Gravity changes the speed along a curve, but not across the picture.
+  double step(std::size_t k) const {
+    const cv::Point2d step = at(members_[k]).at - at(members_[k - 1]).at;
+    return curved_ ? std::abs(step.x) : cv::norm(step);
+  }
 
   double median_step() const {
     std::vector<double> steps;
@@ -63,6 +68,7 @@ class Leg {
   }
 
   std::vector<int> members_;
+  bool curved_;
   std::span<const PathPoint> points_;
   std::span<const double> quality_;
 };
@@ -74,7 +80,7 @@ std::vector<TooClose> find_too_close(const Path& path, std::span<const PathPoint
   const double shortest_interval = Leg::shortest_interval(flash_times_s);
   std::vector<TooClose> too_close;
   for (const auto& members : path.legs) {
-    Leg leg(members, points, quality);
+    Leg leg(members, path.curved, points, quality);
     while (const auto next = leg.next(shortest_interval)) too_close.push_back(*next);
   }
   return too_close;

@@ -32,7 +32,7 @@ void assign_outliers(Path& path, std::span<const PathPoint> points, const PathCo
       path.contact.push_back(outlier.index);
       continue;
     }
-    std::vector<int>* nearest = &path.legs[0];
+    std::vector<int>* nearest = nullptr;
     double least = std::numeric_limits<double>::infinity();
     for (auto& leg : path.legs) {
       for (const int i : leg) {
@@ -42,13 +42,16 @@ void assign_outliers(Path& path, std::span<const PathPoint> points, const PathCo
         nearest = &leg;
       }
     }
+    if (nearest == nullptr) nearest = &path.legs.emplace_back();
     nearest->push_back(outlier.index);
   }
   const auto at = [&](int i) { return points[static_cast<std::size_t>(i)].at; };
-  for (auto& leg : path.legs) {
-    std::stable_sort(leg.begin(), leg.end(), [&](int a, int b) { return at(a).y > at(b).y; });
+  for (std::size_t k = 0; k < path.legs.size(); ++k) {
+    // Along the path: from left to right, or down and up again.
+    const auto place = [&](int i) { return path.curved ? at(i).x : k == 0 ? -at(i).y : at(i).y; };
+    std::ranges::stable_sort(path.legs[k], {}, place);
   }
-  std::stable_sort(path.contact.begin(), path.contact.end(), [&](int a, int b) { return at(a).x < at(b).x; });
+  std::ranges::stable_sort(path.contact, {}, [&](int i) { return at(i).x; });
   path.outliers.clear();
 }
 
@@ -63,10 +66,11 @@ std::vector<T> permuted(std::vector<T>& values, const std::vector<int>& sequence
 void set_legs_and_times(const TimeOrder& order, const OrderSettings& settings, Frame& frame) {
   for (std::size_t k = 0; k < frame.images.size(); ++k) {
     BallImage& image = frame.images[k];
-    if (!image.leg) image.leg = order.leg[k];
+    image.other_leg = order.other_leg[k];
+    if (!image.leg && !image.other_leg) image.leg = order.leg[k];
     image.time_s = std::numeric_limits<double>::quiet_NaN();
     image.flash_index.reset();
-    if (order.flash.empty()) continue;
+    if (order.flash.empty() || order.flash[k] < 0) continue;
     image.flash_index = order.flash[k];
     image.time_s = settings.flash_times_s[static_cast<std::size_t>(order.flash[k])];
   }
@@ -84,6 +88,7 @@ void order_images(Frame& frame, std::vector<Outline>& outlines, const OrderSetti
   context.px_per_m = context.path.diameter_px / settings.ball_diameter_m;
   context.gravity_mps2 = flight::gravity_mps2(radians(frame.surface_angle_deg));
   context.leftwards = settings.leftwards;
+  context.bounce = settings.bounce;
   context.flash_times_s = settings.flash_times_s;
   Path path = find_path(points, context.path);
   if (!path.outliers.empty()) assign_outliers(path, points, context.path);

@@ -16,6 +16,8 @@ struct OrderSettings {
   double ball_diameter_m = 0.0651;        ///< > 0
   std::optional<bool> leftwards;          ///< known direction of flight
   std::span<const double> flash_times_s;  ///< ascending; empty: not known
+  std::optional<int>
+      bounce;  ///< of several, whose legs and times are wanted, from 1; absent: see path_order.hpp
 };
 
 /// Orders images and their outlines (as many) by the centres and the frame's surface line, if it has one. A

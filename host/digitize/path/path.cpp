@@ -1,13 +1,13 @@
 #include "host/digitize/path/path.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
 #include <limits>
 #include <optional>
 
-#include "host/digitize/core/eigen.hpp"
-#include "host/digitize/core/statistics.hpp"
+#include "host/digitize/path/flight_legs.hpp"
 #include "host/digitize/path/leg_line.hpp"
 
 namespace strobe::digitize {
@@ -25,9 +25,8 @@ constexpr double kLegCostBlind = 1.2;
 constexpr double kLoneWeight = 0.6;  ///< of an image that is to be a leg by itself
 constexpr double kMinSlope = 0.03;
 constexpr std::size_t kMaxLines = 80;
-// The fastest shots compress a ball by 0.7 of its radius; contact shows from a hundredth on.
+// The fastest shots compress a ball by 0.7 of its radius.
 constexpr double kMaxCompressionOfRadius = 0.85;
-constexpr double kMinCompressionOfRadius = 0.01;
 
 const PathPoint& at(std::span<const PathPoint> points, int i) { return points[static_cast<std::size_t>(i)]; }
 
@@ -41,8 +40,10 @@ class Finder {
     const std::vector<LegLine> lines = leg_lines(points_, airborne_, d_, kMaxLines);
     choose(lines);
     place_contacts();
-    if (!path_.bounces()) lone_leg();
+    if (legs_[1].empty()) lone_leg();
     order_legs();
+    take_legs();
+    take_curves();
     list_outliers();
     return std::move(path_);
   }
@@ -147,7 +148,7 @@ class Finder {
   }
 
   void take_best_alone() {
-    path_.legs[0] = {*std::max_element(airborne_.begin(), airborne_.end(), [this](int a, int b) {
+    legs_[0] = {*std::max_element(airborne_.begin(), airborne_.end(), [this](int a, int b) {
       return at(points_, a).weight < at(points_, b).weight;
     })};
   }
@@ -155,7 +156,7 @@ class Finder {
   void keep(const LegLine& one, const LegLine* two) {
     kept_.push_back(one);
     if (two == nullptr) {
-      path_.legs[0] = one.members;
+      legs_[0] = one.members;
       return;
     }
     kept_.push_back(*two);
@@ -163,10 +164,10 @@ class Finder {
       const bool both = std::binary_search(two->members.begin(), two->members.end(), i);
       const bool second =
           both && std::abs(two->off(at(points_, i).at)) < std::abs(one.off(at(points_, i).at));
-      path_.legs[second ? 1 : 0].push_back(i);
+      legs_[second ? 1 : 0].push_back(i);
     }
     for (const int i : two->members) {
-      if (!std::binary_search(one.members.begin(), one.members.end(), i)) path_.legs[1].push_back(i);
+      if (!std::binary_search(one.members.begin(), one.members.end(), i)) legs_[1].push_back(i);
     }
   }
 
@@ -190,29 +191,29 @@ class Finder {
 
   /// A leg of one image: beyond where the other leg meets the surface, or beyond the images in contact.
   void lone_leg() {
-    if (!context_.surface_known || path_.legs[0].empty()) return;
-    if (!path_.contact.empty() && path_.legs[0].size() == 2 && split_at_contact()) return;
+    if (!context_.surface_known || legs_[0].empty()) return;
+    if (!path_.contact.empty() && legs_[0].size() == 2 && split_at_contact()) return;
     if (kept_.empty()) return;
     const auto c = crossing(kept_.front());
     if (!c) return;
     const cv::Point2d touch(c->x, 0.5 * d_);
     double longest = 0.0;
     const cv::Point2d end = far_end(kept_.front(), touch);
-    longest = cv::norm(end - touch) / static_cast<double>(path_.legs[0].size());
+    longest = cv::norm(end - touch) / static_cast<double>(legs_[0].size());
     std::vector<int> found;
     for (const int i : airborne_) {
       if (member(i) || at(points_, i).weight < kLoneWeight) continue;
       const cv::Point2d from = at(points_, i).at - touch;
       if (cv::norm(from) <= kLongestContact * d_ + longest && from.x * c->side <= 0.0) found.push_back(i);
     }
-    if (found.size() == 1) path_.legs[1] = found;
+    if (found.size() == 1) legs_[1] = found;
   }
 
   bool split_at_contact() {
-    const int a = path_.legs[0][0], b = path_.legs[0][1];
+    const int a = legs_[0][0], b = legs_[0][1];
     const double x = at(points_, path_.contact.front()).at.x;
     if ((at(points_, a).at.x - x) * (at(points_, b).at.x - x) >= 0.0) return false;
-    path_.legs = {std::vector<int>{a}, std::vector<int>{b}};
+    legs_ = {std::vector<int>{a}, std::vector<int>{b}};
     return true;
   }
 
@@ -220,12 +221,15 @@ class Finder {
     for (const auto& leg : path_.legs) {
       if (std::find(leg.begin(), leg.end(), i) != leg.end()) return true;
     }
+    for (const auto& leg : legs_) {
+      if (std::find(leg.begin(), leg.end(), i) != leg.end()) return true;
+    }
     return std::find(path_.contact.begin(), path_.contact.end(), i) != path_.contact.end();
   }
 
   void order_legs() {
     for (std::size_t k = 0; k < 2; ++k) {
-      std::vector<int>& leg = path_.legs[k];
+      std::vector<int>& leg = legs_[k];
       if (leg.size() < 2) continue;
       cv::Point2d down(0.0, -1.0);
       if (k < kept_.size()) down = kept_[k].along.y < 0 ? kept_[k].along : -kept_[k].along;
@@ -234,13 +238,63 @@ class Finder {
     }
   }
 
+  /// Along the path: from far to the surface and up again.
+  void take_legs() {
+    for (auto& leg : legs_) {
+      if (leg.empty()) continue;
+      if (!path_.legs.empty()) std::reverse(leg.begin(), leg.end());
+      path_.legs.push_back(std::move(leg));
+      leg.clear();
+    }
+  }
+
+  double weight(const std::vector<int>& members) const {
+    double sum = 0.0;
+    for (const int i : members) sum += at(points_, i).weight;
+    return sum;
+  }
+
+  /// Legs of free flight that leave less unexplained take the place of the straight ones.
+  void take_curves() {
+    double taken = 0.0;
+    for (const auto& leg : path_.legs) taken += weight(leg);
+    const double cost = context_.surface_known ? kLegCost : kLegCostBlind;
+    if (weight(airborne_) <= taken + cost) return;
+    const std::vector<FlightLeg> flights = flight_legs(points_, airborne_, context_);
+    double explained = -cost;
+    for (const FlightLeg& flight : flights) explained += flight.weight - cost;
+    if (explained <= taken - cost * static_cast<double>(path_.legs.size())) return;
+    path_.legs.clear();
+    path_.contact.clear();
+    path_.curved = true;
+    for (const FlightLeg& flight : flights) {
+      path_.legs.push_back(flight.members);
+      curves_.push_back(flight.curve);
+    }
+    place_curve_contacts();
+  }
+
+  /// Low images near the end of a leg.
+  void place_curve_contacts() {
+    for (const int i : low_) {
+      const bool near = std::ranges::any_of(path_.legs, [&](const std::vector<int>& leg) {
+        return std::min(std::abs(at(points_, i).at.x - at(points_, leg.front()).at.x),
+                        std::abs(at(points_, i).at.x - at(points_, leg.back()).at.x)) <= kLongestContact * d_;
+      });
+      if (near) path_.contact.push_back(i);
+    }
+    std::ranges::sort(path_.contact, {}, [this](int i) { return at(points_, i).at.x; });
+  }
+
   void list_outliers() {
     for (int i = 0; i < static_cast<int>(points_.size()); ++i) {
       const bool below = std::any_of(path_.outliers.begin(), path_.outliers.end(),
                                      [i](const Path::Outlier& outlier) { return outlier.index == i; });
       if (below || member(i)) continue;
       double off = std::numeric_limits<double>::infinity();
-      for (const LegLine& line : kept_) off = std::min(off, std::abs(line.off(at(points_, i).at)));
+      if (!path_.curved)
+        for (const LegLine& line : kept_) off = std::min(off, std::abs(line.off(at(points_, i).at)));
+      for (const FlightCurve& curve : curves_) off = std::min(off, std::abs(curve.off(at(points_, i).at)));
       path_.outliers.push_back({i, false, off});
     }
   }
@@ -249,44 +303,13 @@ class Finder {
   const PathContext& context_;
   double d_;
   std::vector<int> airborne_, low_;
+  std::array<std::vector<int>, 2> legs_;  ///< from far to the surface
   std::vector<LegLine> kept_;
+  std::vector<FlightCurve> curves_;
   Path path_;
 };
 
 }  // namespace
-
-std::vector<PathPoint> path_points(std::span<const Outline> outlines,
-                                   const std::optional<SurfaceLine>& surface) {
-  const geometry::SurfaceFrame axes = surface ? surface_frame(*surface) : geometry::SurfaceFrame{};
-  std::vector<PathPoint> points;
-  points.reserve(outlines.size());
-  for (const Outline& o : outlines)
-    points.push_back({to_point(axes.from_image(to_eigen(o.centre))), o.centre_sd(),
-                      0.3 + 0.7 * std::clamp(o.visible_fraction, 0.0, 1.0)});
-  return points;
-}
-
-PathContext path_context(std::span<const Outline> outlines, const std::optional<SurfaceLine>& surface) {
-  std::vector<double> diameters;
-  for (const Outline& o : outlines) diameters.push_back(o.diameter);
-  return {median(std::move(diameters)), surface.has_value(), surface ? height_sd_px(*surface) : 0.0};
-}
-
-bool is_partition(const Path& path, std::size_t points) {
-  std::vector<int> count(points, 0);
-  const auto add = [&](int i) { ++count.at(static_cast<std::size_t>(i)); };
-  for (const auto& leg : path.legs) std::ranges::for_each(leg, add);
-  std::ranges::for_each(path.contact, add);
-  for (const Path::Outlier& outlier : path.outliers) add(outlier.index);
-  return std::ranges::all_of(count, [](int n) { return n == 1; });
-}
-
-bool touches(double height_px, double sd_px, const PathContext& context) {
-  if (!context.surface_known) return false;
-  const double radius = 0.5 * context.diameter_px;
-  return height_px <
-         radius - std::max(4.0 * std::hypot(sd_px, context.surface_sd_px), kMinCompressionOfRadius * radius);
-}
 
 Path find_path(std::span<const PathPoint> points, const PathContext& context) {
   Path path = Finder(points, context).run();

@@ -1,9 +1,8 @@
 // The path of the ball through its images: two nearly straight legs that meet at the surface, with images in
-// contact between them; or one leg alone, as in free flight. Geometry only, no photograph. Deterministic;
-// thread-safe; allocates.
+// contact between them; one leg alone, as in free flight; or curved legs of free flight, joined by any number of
+// bounces. Geometry only, no photograph. Deterministic; thread-safe; allocates.
 #pragma once
 
-#include <array>
 #include <opencv2/core.hpp>
 #include <optional>
 #include <span>
@@ -35,10 +34,11 @@ PathContext path_context(std::span<const Outline> outlines, const std::optional<
 
 /// Indices into the points.
 struct Path {
-  /// In the air, from far to the surface; the second is empty if there is one leg. Their order in time is not
-  /// decided here.
-  std::array<std::vector<int>, 2> legs;
+  /// In the air: one leg after the other, and the images of each, along the path from one of its ends. Which end
+  /// comes first in time is not decided here. A leg alone begins far from the surface. None is empty.
+  std::vector<std::vector<int>> legs;
   std::vector<int> contact;  ///< by x
+  bool curved = false;       ///< legs bend as gravity has it, from left to right
   struct Outlier {
     int index = 0;
     bool below = false;   ///< below the surface
@@ -46,7 +46,7 @@ struct Path {
   };
   std::vector<Outlier> outliers;
 
-  bool bounces() const { return !legs[0].empty() && !legs[1].empty(); }
+  bool bounces() const { return legs.size() >= 2; }
 };
 
 /// Whether each of the points is in exactly one list: what find_path() guarantees.

@@ -8,6 +8,7 @@
 #include "common/geometry/leg.hpp"
 #include "host/assembly/flash_match.hpp"
 #include "host/digitize/core/statistics.hpp"
+#include "host/digitize/path/path_order.hpp"
 
 namespace strobe::digitize {
 namespace {
@@ -27,42 +28,12 @@ constexpr double kUnsteadyOfStep = 0.12;
 
 const PathPoint& at(std::span<const PathPoint> points, int i) { return points[static_cast<std::size_t>(i)]; }
 
-double mean_x(std::span<const PathPoint> points, const std::vector<int>& leg) {
-  double sum = 0.0;
-  for (const int i : leg) sum += at(points, i).at.x;
-  return sum / static_cast<double>(leg.size());
-}
-
 /// Median of the steps in height from image to image.
 double step_up(std::span<const PathPoint> points, const std::vector<int>& leg) {
   std::vector<double> steps;
   for (std::size_t k = 1; k < leg.size(); ++k)
     steps.push_back(std::abs(at(points, leg[k]).at.y - at(points, leg[k - 1]).at.y));
   return median(std::move(steps));
-}
-
-/// One possible order of the images.
-struct Order {
-  std::vector<int> sequence;
-  std::vector<Leg> leg;
-  double towards = 1.0;  ///< +1: travels to greater x
-};
-
-void append(Order& order, std::vector<int> indices, Leg leg, bool reversed) {
-  if (reversed) std::reverse(indices.begin(), indices.end());
-  order.leg.insert(order.leg.end(), indices.size(), leg);
-  order.sequence.insert(order.sequence.end(), indices.begin(), indices.end());
-}
-
-/// Legs are listed from far to the surface; contacts by x.
-Order bounce(const std::vector<int>& in, const std::vector<int>& contact, const std::vector<int>& out,
-             double towards) {
-  Order order;
-  order.towards = towards;
-  append(order, in, Leg::incoming, false);
-  append(order, contact, Leg::contact, towards < 0.0);
-  append(order, out, Leg::rebound, true);
-  return order;
 }
 
 struct Timed {
@@ -80,32 +51,42 @@ class Orderer {
       : points_(points), path_(path), context_(context) {}
 
   TimeOrder run() {
-    if (path_.bounces()) {
-      order_bounce();
+    PathOrder right = path_order(points_, path_, false, context_.bounce);
+    PathOrder left = path_order(points_, path_, true, context_.bounce);
+    if (right.towards < 0.0) std::swap(right, left);
+    if (context_.leftwards) {
+      take(*context_.leftwards ? left : right);
+    } else if (!path_.bounces()) {
+      order_one_leg(right, left);
+    } else if (path_.curved) {
+      order_flights(right, left);
     } else {
-      order_one_leg();
+      order_bounce(right, left);
     }
     return std::move(result_);
   }
 
  private:
-  host::Track track(const Order& order) const {
+  host::Track track(const PathOrder& order) const {
     host::Track track;
     track.radius_px = 0.5 * context_.path.diameter_px;
     track.px_per_m = context_.px_per_m;
+    track.surface_known = context_.path.surface_known;
     track.gravity_pxps2 = {order.towards * context_.gravity_mps2.x() * context_.px_per_m,
                            context_.gravity_mps2.y() * context_.px_per_m};
     double variance = 0.0;
     for (std::size_t k = 0; k < order.sequence.size(); ++k) {
+      if (!order.leg[k]) continue;
       const PathPoint& p = at(points_, order.sequence[k]);
-      track.images.push_back({order.leg[k], {order.towards * p.at.x, p.at.y}});
-      variance += p.sd_px * p.sd_px / static_cast<double>(order.sequence.size());
+      track.images.push_back({*order.leg[k], {order.towards * p.at.x, p.at.y}});
+      variance += p.sd_px * p.sd_px;
     }
+    variance /= static_cast<double>(track.images.size());
     track.sd_px = std::max(kMinNoise_px, std::sqrt(variance));
     return track;
   }
 
-  std::optional<Timed> timed(const Order& order) const {
+  std::optional<Timed> timed(const PathOrder& order) const {
     if (context_.flash_times_s.empty()) return std::nullopt;
     const host::Track path = track(order);
     const auto match = host::match_flashes(context_.flash_times_s, path, std::nullopt);
@@ -124,37 +105,33 @@ class Orderer {
         fit.add(context_.flash_times_s[static_cast<std::size_t>(flash[k])], path.images[k].centre_px);
     }
     if (!fit.has_velocity()) return 0.0;
-    const auto at = geometry::crossing(fit, path.radius_px);
+    const auto at =
+        path.surface_known ? geometry::crossing(fit, path.radius_px) : std::optional<geometry::Crossing>();
     return std::abs(at ? at->velocity.y() : fit.path().velocity.y());
   }
 
-  double freedom() const {
+  static double freedom(const PathOrder& order) {
     double dof = 1.0;
-    for (const auto& leg : path_.legs) dof += std::max(0.0, 2.0 * static_cast<double>(leg.size()) - 4.0);
+    for (const Leg leg : {Leg::incoming, Leg::rebound})
+      dof +=
+          std::max(0.0, 2.0 * static_cast<double>(std::ranges::count(order.leg, std::optional(leg))) - 4.0);
     return dof;
   }
 
   /// +1 where a is more likely than b, -1 the other way round, 0 where the flashes do not tell.
-  int likelier(const Timed& a, const Timed& b) const {
+  int likelier(const Timed& a, const Timed& b, double freedom) const {
     if (a.supported != b.supported) return a.supported ? 1 : -1;
-    const double scale = std::max(1.0, std::min(a.chi_squared, b.chi_squared) / freedom());
+    const double scale = std::max(1.0, std::min(a.chi_squared, b.chi_squared) / freedom);
     const double difference = (a.chi_squared - b.chi_squared) / scale;
     if (std::abs(difference) > kClearlyWorse) return difference < 0.0 ? 1 : -1;
     return 0;
   }
 
-  void order_bounce() {
-    const double xa = mean_x(points_, path_.legs[0]), xb = mean_x(points_, path_.legs[1]);
-    const int left = xa <= xb ? 0 : 1;
-    const auto& l = path_.legs[static_cast<std::size_t>(left)];
-    const auto& r = path_.legs[static_cast<std::size_t>(1 - left)];
-    const Order rightwards = bounce(l, path_.contact, r, 1.0);
-    const Order leftwards = bounce(r, path_.contact, l, -1.0);
-    if (context_.leftwards) return take(*context_.leftwards ? leftwards : rightwards);
-    const auto tr = timed(rightwards), tl = timed(leftwards);
-    double in_right = step_up(points_, l), in_left = step_up(points_, r);
+  void order_bounce(const PathOrder& right, const PathOrder& left) {
+    const auto tr = timed(right), tl = timed(left);
+    double in_right = step_up(points_, right.incoming), in_left = step_up(points_, left.incoming);
     if (tr && tl) {
-      if (const int sign = likelier(*tr, *tl)) return take(sign > 0 ? rightwards : leftwards);
+      if (const int sign = likelier(*tr, *tl, freedom(right))) return take(sign > 0 ? right : left);
       if (tr->speed_in > 0.0 && tl->speed_in > 0.0) {
         in_right = tr->speed_in;
         in_left = tl->speed_in;
@@ -164,33 +141,24 @@ class Orderer {
     if (in_right <= 0.0 || in_left <= 0.0 ||
         std::abs(difference) < kSameSpeed * std::max(in_right, in_left)) {
       result_.remarks.push_back("the two legs do not tell the direction of travel: taken to be to the right");
-      return take(rightwards);
+      return take(right);
     }
-    take(difference > 0.0 ? rightwards : leftwards);
+    take(difference > 0.0 ? right : left);
   }
 
-  /// The leg listed from far to the surface, beside it the contact images.
-  Order one_leg(bool towards_right) const {
-    std::vector<int> leg = path_.legs[0];
-    const bool by_x = leg.size() >= 2;
-    bool lower_first = false;
-    if (by_x) {
-      const bool falls_right = at(points_, leg.back()).at.x >= at(points_, leg.front()).at.x;
-      lower_first = falls_right != towards_right;
-    } else if (!leg.empty() && !path_.contact.empty()) {
-      const bool left_of = at(points_, leg.front()).at.x <= mean_x(points_, path_.contact);
-      lower_first = left_of != towards_right;
-    }
-    const double towards = towards_right ? 1.0 : -1.0;
-    return lower_first ? bounce({}, path_.contact, leg, towards) : bounce(leg, path_.contact, {}, towards);
+  /// A bounce adds no energy: the ball flies less high after it.
+  void order_flights(const PathOrder& right, const PathOrder& left) {
+    const int falls = falling_heights(points_, right.legs, context_.path.diameter_px);
+    if (falls == 0)
+      result_.remarks.push_back(
+          "the bounces' heights do not tell the direction of travel: taken to be to the right");
+    take(falls >= 0 ? right : left);
   }
 
-  void order_one_leg() {
-    const Order right = one_leg(true), left = one_leg(false);
-    if (context_.leftwards) return take(*context_.leftwards ? left : right);
+  void order_one_leg(const PathOrder& right, const PathOrder& left) {
     const auto tr = timed(right), tl = timed(left);
     if (tr && tl) {
-      if (const int sign = likelier(*tr, *tl)) return take(sign > 0 ? right : left);
+      if (const int sign = likelier(*tr, *tl, freedom(right))) return take(sign > 0 ? right : left);
     }
     if (right.sequence.size() > 1)
       result_.remarks.push_back("one leg does not tell the direction of travel: taken to be to the right");
@@ -198,27 +166,31 @@ class Orderer {
   }
 
   /// How far the images are from steady flight at the times of their flashes, rms of a coordinate.
-  double off_steady_px(const Order& order, const Timed& match) const {
-    const double dof = freedom() - 1.0;
+  double off_steady_px(const PathOrder& order, const Timed& match) const {
+    const double dof = freedom(order) - 1.0;
     if (dof <= 0.0) return 0.0;
     return match.supported ? track(order).sd_px * std::sqrt(match.chi_squared / dof) : usual_step(order);
   }
 
   /// From an airborne image to the next.
-  double usual_step(const Order& order) const {
+  double usual_step(const PathOrder& order) const {
     std::vector<double> steps;
     for (std::size_t k = 1; k < order.sequence.size(); ++k) {
-      if (order.leg[k] == Leg::contact || order.leg[k] != order.leg[k - 1]) continue;
+      if (!order.leg[k] || order.leg[k] == Leg::contact || order.leg[k] != order.leg[k - 1]) continue;
       steps.push_back(cv::norm(at(points_, order.sequence[k]).at - at(points_, order.sequence[k - 1]).at));
     }
     return median(std::move(steps));
   }
 
-  void take(const Order& order) {
+  void take(const PathOrder& order) {
     result_.sequence = order.sequence;
     result_.leftwards = order.towards < 0.0;
     const bool said = context_.path.surface_known || path_.bounces();
-    for (const Leg leg : order.leg) result_.leg.push_back(said ? std::optional(leg) : std::nullopt);
+    for (const auto& leg : order.leg) {
+      result_.leg.push_back(said ? leg : std::nullopt);
+      result_.other_leg.push_back(!leg.has_value());
+    }
+    tell_bounces(order);
     if (context_.flash_times_s.empty()) return;
     const auto match = timed(order);
     if (!match) {
@@ -232,9 +204,21 @@ class Orderer {
           "no steady flight passes through the images (they are {:.0f} px off): no image has a time", off));
       return;
     }
-    result_.flash = match->flash;
+    set_flashes(order, match->flash);
     if (match->ambiguity > host::kMaxAmbiguity)
       result_.remarks.push_back("which flash made which image is ambiguous");
+  }
+
+  void tell_bounces(const PathOrder& order) {
+    if (order.bounces < 2) return;
+    result_.remarks.push_back(
+        fmt::format("the ball bounces {} times: legs and times are those of bounce {}, counted in time",
+                    order.bounces, order.bounce));
+  }
+
+  void set_flashes(const PathOrder& order, const std::vector<int>& flash) {
+    auto next = flash.begin();
+    for (const auto& leg : order.leg) result_.flash.push_back(leg ? *next++ : -1);
   }
 
   std::span<const PathPoint> points_;

@@ -19,13 +19,15 @@ struct TimeContext {
   Eigen::Vector2d gravity_mps2 = Eigen::Vector2d::Zero();  ///< in the axes of the points
   std::optional<bool> leftwards;                           ///< known direction of flight
   std::span<const double> flash_times_s;                   ///< ascending; empty: not known
+  std::optional<int> bounce;  ///< whose legs are told, from 1 in time; absent: see path_order.hpp
 };
 
 struct TimeOrder {
   std::vector<int> sequence;                       ///< indices of the points, in order of time
   std::vector<std::optional<reduction::Leg>> leg;  ///< of the sequence; absent where undecided
-  /// Of the sequence: indices into flash_times_s. Empty: not known, or no steady flight passes through the
-  /// images.
+  std::vector<bool> other_leg;                     ///< of the sequence: of neither leg of the bounce
+  /// Of the sequence: indices into flash_times_s, -1 for images of other legs. Empty: not known, or no steady flight
+  /// passes through the images.
   std::vector<int> flash;
   bool leftwards = false;
   std::vector<std::string> remarks;  ///< assumptions and ambiguities

@@ -1,4 +1,5 @@
 // Frames as lines of JSON.
+#include <limits>
 #include <string>
 
 #include "common/messages/json_conversions.hpp"
@@ -156,6 +157,17 @@ TEST(FrameJson, ReadingAndWritingGivesTheSameBytesOfEveryField) {
       R"({"time_s":0.75,"leg":"rebound","centre_px":[5.0,6.0],"diameter_px":250.0},)"
       R"({"time_s":1.0,"centre_px":[5.0,6.0],"diameter_px":0.0}]})";
   CHECK_EQUAL(text, frame_to_json(frame_from_json(text).value()));
+}
+
+TEST(FrameJson, AnImageOfAnotherLegIsWrittenButNotRead) {
+  Frame frame = frame_from_json(kExample).value();
+  const std::size_t count = frame.images.size();
+  frame.images.insert(frame.images.begin(), frame.images.front());
+  frame.images.front().other_leg = true;
+  frame.images.front().time_s = std::numeric_limits<double>::quiet_NaN();
+  const std::string text = frame_to_json(frame);
+  STRCMP_CONTAINS(R"("other_leg":true)", text.c_str());
+  LONGS_EQUAL(count, frame_from_json(text).value().images.size());
 }
 
 TEST(FrameJson, BytesThatAreNotUtf8DoNotThrow) {

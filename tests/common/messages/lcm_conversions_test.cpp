@@ -87,6 +87,15 @@ TEST(FrameMessage, SurvivesTheWire) {
   CHECK_EQUAL(frame_to_json(bare), frame_to_json(*frame_from_lcm(wired(frame_to_lcm(bare)))));
 }
 
+TEST(FrameMessage, LeavesOutImagesOfOtherLegs) {
+  Frame frame = example_frame();
+  frame.images[0].other_leg = true;
+  message = frame_to_lcm(frame);
+  LONGS_EQUAL(3, message.image_count);
+  LONGS_EQUAL(3, message.images.size());
+  LONGS_EQUAL(strobe_msgs::ball_image_t::LEG_CONTACT, message.images[0].leg);
+}
+
 TEST(FrameMessage, SaysTheSourceOfMostImagesTheEarlierOfEquals) {
   Frame frame = example_frame();
   CHECK_EQUAL("hand", message.source);

@@ -195,5 +195,5 @@ TEST(BallPath, OfTwoFlightsOverEachOtherGetsNoTimes) {
 
 TEST(BallPath, OfNothingIsEmpty) {
   const Path path = find_path({}, scene(true).path);
-  CHECK_TRUE(path.legs[0].empty() && path.contact.empty() && path.outliers.empty());
+  CHECK_TRUE(path.legs.empty() && path.contact.empty() && path.outliers.empty());
 }

@@ -14,6 +14,7 @@ struct Row {
   Path path;
 
   void add(double x, double m) {
+    if (path.legs.empty()) path.legs.emplace_back();
     path.legs[0].push_back(static_cast<int>(points.size()));
     points.push_back({{x, 2000.0 - x}, 0.1, 1.0});
     quality.push_back(m);
