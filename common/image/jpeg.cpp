@@ -164,9 +164,9 @@ Result<Raster> decode_jpeg(Bytes bytes) {
   if (auto checked = check_size("JPEG", reader.width(), reader.height()); !checked)
     return tl::unexpected(checked.error());
   // Huffman's code takes a bit or more for each block of 8 x 8 pixels: so much must be there before memory is taken.
-  constexpr std::int64_t kMostPixelsOfAByte = 8 * 64;
+  constexpr std::int64_t kMaxPixelsOfAByte = 8 * 64;
   if (!reader.is_arithmetic() &&
-      reader.width() * reader.height() / kMostPixelsOfAByte > static_cast<std::int64_t>(bytes.size()))
+      reader.width() * reader.height() / kMaxPixelsOfAByte > static_cast<std::int64_t>(bytes.size()))
     return damaged("JPEG", "its pixels are not all there");
   Raster raster(static_cast<int>(reader.width()), static_cast<int>(reader.height()), reader.channels(), 8);
   raster.orientation = reader.orientation();  // libjpeg forgets it with the last row

@@ -131,7 +131,7 @@ class Writer {
 };
 
 /// Deflate packs at most this many bytes into one (zlib's technical details: 1032:1).
-constexpr std::uint64_t kMostPacked = 1032;
+constexpr std::uint64_t kMaxPacked = 1032;
 
 }  // namespace
 
@@ -141,7 +141,7 @@ Result<Raster> decode_png(Bytes bytes) {
   if (auto checked = check_size("PNG", reader.width(), reader.height()); !checked)
     return tl::unexpected(checked.error());
   // Before memory is taken for what cannot be there.
-  if (reader.file_row_bytes() * static_cast<std::uint64_t>(reader.height()) / kMostPacked > bytes.size())
+  if (reader.file_row_bytes() * static_cast<std::uint64_t>(reader.height()) / kMaxPacked > bytes.size())
     return damaged("PNG", "its pixels are not all there");
   Raster raster(static_cast<int>(reader.width()), static_cast<int>(reader.height()), reader.channels(),
                 reader.bits());

@@ -11,7 +11,7 @@ namespace strobe::image {
 namespace {
 
 /// No single piece of memory of libtiff's is larger than the largest picture.
-constexpr tmsize_t kMostMemory = 6 * kMaxPixels;
+constexpr tmsize_t kMaxMemory = 6 * kMaxPixels;
 
 TiffMemory& memory_of(thandle_t handle) { return *static_cast<TiffMemory*>(handle); }
 
@@ -82,7 +82,7 @@ int on_warning(TIFF*, void* data, const char*, const char* format, va_list) {
 OpenTiff open_tiff(TiffMemory& memory) {
   const std::unique_ptr<TIFFOpenOptions, decltype(&TIFFOpenOptionsFree)> options(TIFFOpenOptionsAlloc(),
                                                                                  TIFFOpenOptionsFree);
-  TIFFOpenOptionsSetMaxSingleMemAlloc(options.get(), kMostMemory);
+  TIFFOpenOptionsSetMaxSingleMemAlloc(options.get(), kMaxMemory);
   TIFFOpenOptionsSetErrorHandlerExtR(options.get(), on_error, &memory);
   TIFFOpenOptionsSetWarningHandlerExtR(options.get(), on_warning, &memory);
   const char* mode = memory.written != nullptr ? "w" : "r";

@@ -64,8 +64,8 @@ Result<Piece> piece_of(TIFF* tiff, const Directory& d) {
   }
   if (auto checked = check_size("TIFF", piece.width, piece.height); !checked)
     return tl::unexpected(checked.error());
-  constexpr int kMostSamples = 8;
-  if (piece.samples > kMostSamples)
+  constexpr int kMaxSamples = 8;
+  if (piece.samples > kMaxSamples)
     return fail(fmt::format("a pixel of {} numbers is neither grey nor a colour", d.samples));
   piece.row_bytes = (std::size_t{piece.width} * static_cast<std::size_t>(piece.samples) * d.bits + 7) / 8;
   return piece;

@@ -196,6 +196,7 @@ void add_digitize_command(CLI::App& app, int& exit_status) {
   add_digitize_options(*command, *options);
   command->footer(
       "Examples: strobe digitize shot.tiff --px-per-m 4000 --period-ms 3 --overlay shot.png\n"
+      "          strobe digitize shot.tiff --ball-diameter-m 0.0427 --json\n"
       "          strobe digitize shots/*.tiff --rig rig.toml --times times.jsonl --json | strobe reduce -\n"
       "          strobe digitize shot.tiff --rig rig.toml --edit corrections.toml --json\n"
       "Without --times and --period-ms the period is that of the rig file's plan; without one the images "

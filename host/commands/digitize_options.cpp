@@ -1,14 +1,30 @@
 #include "host/commands/digitize_options.hpp"
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 
 namespace strobe::host {
 
 namespace {
 
+/// A number below 1 is rather a share than a percentage, for no balls are that much alike on a photograph.
+std::string size_tolerance_problem(const std::string& text) {
+  double percent = 0.0;
+  if (!CLI::detail::lexical_cast(text, percent)) return text + " is not a number";
+  if (percent > 0.0 && percent < 1.0)
+    return fmt::format("{} is read as percent and would be too small for any ball; for {} % give {}", text,
+                       100.0 * percent, 100.0 * percent);
+  return percent >= 1.0 && percent <= 50.0 ? std::string() : text + " is not between 1 and 50 percent";
+}
+
 void add_scale(CLI::App& command, DigitizeOptions& options) {
   command.add_option("--rig", options.rig, "rig file: ball, calibrated camera, period of the plan");
-  command.add_option("--px-per-m", options.px_per_m, "scale in the ball's plane; overrules the rig file's")
+  command
+      .add_option(
+          "--px-per-m", options.px_per_m,
+          "scale in the ball's plane; overrules the rig file's. Without one it is found from the balls' "
+          "outlines, at least one of which must be seen for three quarters")
       ->check(CLI::Range(1.0, 1e7));
   command
       .add_option(
@@ -22,8 +38,9 @@ void add_scale(CLI::App& command, DigitizeOptions& options) {
       ->check(CLI::Range(0.0, 0.1));
   command
       .add_option("--size-tolerance", options.size_tolerance_percent,
-                  "how far a ball's size on the photograph may be from scale times diameter, in percent [8]")
-      ->check(CLI::Range(0.1, 50.0));
+                  "how far the ball's size on the photograph may be from scale times diameter, and single "
+                  "images' from it, in percent [8, and 12 where the scale is found]")
+      ->check(CLI::Validator(size_tolerance_problem, "1 - 50 PERCENT"));
 }
 
 void add_times(CLI::App& command, DigitizeOptions& options) {
@@ -70,8 +87,6 @@ void add_digitize_options(CLI::App& command, DigitizeOptions& options) {
 }
 
 std::string conflict(const DigitizeOptions& options) {
-  if (options.rig.empty() && !options.px_per_m)
-    return "--rig or --px-per-m is needed: the ball's size on the photograph";
   if (options.px_per_m_sd && !options.px_per_m) return "--px-per-m-sd is nothing without --px-per-m";
   if (options.period_ms && !options.times_file.empty()) return "--period-ms and --times exclude each other";
   if (!options.edit_file.empty() && options.images.size() > 1) return "--edit is for one photograph";

@@ -27,7 +27,7 @@ std::string_view leg_name(const BallImage& image) {
 
 ordered_json inputs_json(const DigitizeSettings& settings) {
   ordered_json inputs;
-  inputs["px_per_m"] = settings.px_per_m;
+  inputs["px_per_m"] = messages::or_null(settings.px_per_m);
   inputs["px_per_m_sd"] = messages::or_null(settings.px_per_m_sd);
   inputs["ball_diameter_m"] = settings.ball_diameter_m;
   inputs["ball_diameter_sd_m"] = messages::or_null(settings.ball_diameter_sd_m);
@@ -39,6 +39,14 @@ ordered_json inputs_json(const DigitizeSettings& settings) {
   inputs["direction"] = !settings.leftwards ? "auto" : *settings.leftwards ? "left" : "right";
   inputs["bounce"] = messages::or_null(settings.bounce);
   return inputs;
+}
+
+ordered_json scale_json(const digitize::BallScale& scale) {
+  return {{"px_per_m", scale.px_per_m},
+          {"px_per_m_sd", scale.px_per_m_sd},
+          {"diameter_px", scale.diameter_px},
+          {"diameter_sd_px", scale.diameter_sd_px},
+          {"images", scale.images}};
 }
 
 ordered_json rejection_json(const digitize::Rejection& why) {
@@ -98,6 +106,20 @@ std::vector<std::string> surface_lines(const Digitization& digitization) {
   return lines;
 }
 
+std::vector<std::string> scale_lines(const Digitization& digitization, const DigitizeSettings& settings) {
+  std::vector<std::string> lines;
+  if (settings.px_per_m)
+    lines.push_back(fmt::format("scale: {} px/m{}", *settings.px_per_m,
+                                settings.px_per_m_sd
+                                    ? fmt::format(" ± {:.2g}, calibrated", *settings.px_per_m_sd)
+                                    : ", a start only: speeds will be read by the ball's diameter"));
+  if (const auto& found = digitization.scale)
+    lines.push_back(fmt::format("by the ball's {} m on {} image{}: {} ± {:.2g} px/m",
+                                settings.ball_diameter_m, found->images, found->images == 1 ? "" : "s",
+                                rounded(found->px_per_m, found->px_per_m_sd, 1), found->px_per_m_sd));
+  return lines;
+}
+
 }  // namespace
 
 std::string digitization_json(const Digitization& digitization, const std::string& photograph,
@@ -105,6 +127,7 @@ std::string digitization_json(const Digitization& digitization, const std::strin
   ordered_json more;
   more["photograph"] = photograph;
   more["inputs"] = inputs_json(settings);
+  if (digitization.scale) more["scale"] = scale_json(*digitization.scale);
   if (digitization.no_surface) more["no_surface"] = rejection_json(*digitization.no_surface);
   if (!digitization.remarks.empty()) more["remarks"] = digitization.remarks;
   if (explain) {
@@ -136,10 +159,7 @@ std::vector<std::string> digitization_lines(const Digitization& digitization, co
     }
   }
   for (std::string& line : surface_lines(digitization)) lines.push_back(std::move(line));
-  lines.push_back(fmt::format("scale: {} px/m{}", settings.px_per_m,
-                              settings.px_per_m_sd
-                                  ? fmt::format(" ± {:.2g}, calibrated", *settings.px_per_m_sd)
-                                  : ", a start only: speeds will be read by the ball's diameter"));
+  for (std::string& line : scale_lines(digitization, settings)) lines.push_back(std::move(line));
   for (const std::string& remark : digitization.remarks) lines.push_back("note: " + remark);
   return lines;
 }

@@ -6,7 +6,8 @@
 #include <chrono>
 #include <cmath>
 
-#include "host/digitize/candidates/candidates.hpp"
+#include "host/digitize/candidates/size_decision.hpp"
+#include "host/digitize/core/statistics.hpp"
 #include "host/digitize/equator/equator.hpp"
 #include "host/digitize/outliers/ball_size.hpp"
 #include "host/digitize/outliers/selection.hpp"
@@ -24,7 +25,7 @@ std::optional<std::string> invalid_setting(const DigitizeSettings& s) {
   const auto positive = [](double v) { return std::isfinite(v) && v > 0.0; };
   if (!(s.ball_diameter_m >= 0.01 && s.ball_diameter_m <= 1.0))
     return "ball_diameter_m: must be within 0.01 and 1";
-  if (!positive(s.px_per_m)) return "px_per_m: must be positive";
+  if (s.px_per_m && !positive(*s.px_per_m)) return "px_per_m: must be positive";
   if (s.px_per_m_sd && !(std::isfinite(*s.px_per_m_sd) && *s.px_per_m_sd >= 0.0))
     return "px_per_m_sd: must not be negative";
   if (!(s.size_tolerance > 0.0 && s.size_tolerance < 0.9))
@@ -65,12 +66,11 @@ class Digitizer {
   Digitizer(const Photograph& photograph, const DigitizeSettings& settings)
       : photograph_(photograph),
         settings_(settings),
-        map_(settings.map.is_uncalibrated() ? PlaneMap::uncalibrated(photograph.height()) : settings.map),
-        expected_px_(settings.px_per_m * settings.ball_diameter_m) {}
+        map_(settings.map.is_uncalibrated() ? PlaneMap::uncalibrated(photograph.height()) : settings.map) {}
 
   Digitization run() {
     Stopwatch watch(result_.stage_ms);
-    const auto candidates = find_candidates(photograph_, search_range(), settings_.effort);
+    const auto candidates = candidates_of_size();
     watch.lap("candidates");
     std::vector<Outline> outlines =
         select_by_size(photograph_, map_, fit(candidates), settings_.surface, result_.unmeasured);
@@ -83,6 +83,7 @@ class Digitizer {
         select_by_path(photograph_, map_, std::move(outlines), surface_, times_s, result_.unmeasured);
     watch.lap("path");
     fill_frame();
+    measure_scale();
     reorder_images(result_, settings_);
     watch.lap("order");
     measure_contacts();
@@ -93,26 +94,29 @@ class Digitizer {
   }
 
  private:
-  /// On the photograph, where the lens may change the scale from place to place.
-  SearchRange search_range() const {
-    double least = 1e300, most = 0.0;
-    for (const double u : {0.0, 0.5, 1.0}) {
-      for (const double v : {0.0, 0.5, 1.0}) {
-        const double scale = map_.image_px_per_plane_px({u * photograph_.width(), v * photograph_.height()});
-        least = std::min(least, scale);
-        most = std::max(most, scale);
-      }
-    }
-    SearchRange range;
-    range.radius_min_px = std::max(3.01, 0.5 * expected_px_ * (1.0 - settings_.size_tolerance) * least);
-    range.radius_max_px = std::max(3.02, 0.5 * expected_px_ * (1.0 + settings_.size_tolerance) * most);
-    return range;
+  std::vector<Candidate> candidates_of_size() {
+    ExpectedSize expected{std::nullopt, settings_.size_tolerance};
+    if (settings_.px_per_m) expected.diameter_px = *settings_.px_per_m * settings_.ball_diameter_m;
+    SizeDecision decision = decide_size(photograph_, map_, expected, settings_.effort);
+    expected_px_ = decision.diameter_px.value_or(0.0);
+    size_min_px_ = decision.least_px;
+    size_max_px_ = decision.most_px;
+    if (!decision.diameter_px)
+      result_.remarks.push_back(
+          "no ball's outline is whole enough to tell its size: the scale must be given");
+    if (decision.contradicted_by_px)
+      result_.remarks.push_back(fmt::format(
+          "the picture's balls are about {:.0f} px wide, {:.0f} px/m for a ball of {} m, but {:.0f} px "
+          "is given ({:.0f} px/m): nothing was measured",
+          *decision.contradicted_by_px, *decision.contradicted_by_px / settings_.ball_diameter_m,
+          settings_.ball_diameter_m, *expected.diameter_px, *settings_.px_per_m));
+    return std::move(decision.candidates);
   }
 
   OutlineSettings outline_settings() const {
     OutlineSettings settings;
-    settings.diameter_min_px = expected_px_ * (1.0 - settings_.size_tolerance);
-    settings.diameter_max_px = expected_px_ * (1.0 + settings_.size_tolerance);
+    settings.diameter_min_px = size_min_px_;
+    settings.diameter_max_px = size_max_px_;
     settings.effort = settings_.effort;
     return settings;
   }
@@ -211,6 +215,22 @@ class Digitizer {
     }
   }
 
+  void measure_scale() {
+    if (result_.outlines.empty()) return;
+    const SizeModel size = fit_size_model(result_.outlines);
+    std::vector<double> diameters;
+    for (const Outline& o : result_.outlines) diameters.push_back(o.diameter);
+    BallScale scale;
+    scale.images = static_cast<int>(diameters.size());
+    scale.diameter_px = median(std::move(diameters));
+    scale.diameter_sd_px = size.sd;
+    scale.px_per_m = scale.diameter_px / settings_.ball_diameter_m;
+    scale.px_per_m_sd =
+        scale.px_per_m * std::hypot(size.sd / scale.diameter_px,
+                                    settings_.ball_diameter_sd_m.value_or(0.0) / settings_.ball_diameter_m);
+    result_.scale = scale;
+  }
+
   void measure_contacts() {
     if (!surface_) return;
     double top_sd = 0.0, width_sd = 0.0;
@@ -251,7 +271,8 @@ class Digitizer {
   const Photograph& photograph_;
   const DigitizeSettings& settings_;
   PlaneMap map_;
-  double expected_px_;  ///< diameter
+  double expected_px_ = 0.0;                      ///< diameter
+  double size_min_px_ = 0.0, size_max_px_ = 0.0;  ///< of single balls
   std::optional<SurfaceLine> surface_;
   Digitization result_;
 };

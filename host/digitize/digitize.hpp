@@ -20,9 +20,11 @@ namespace strobe::digitize {
 struct DigitizeSettings {
   double ball_diameter_m = 0.0651;  ///< 0.01 to 1
   std::optional<double> ball_diameter_sd_m;
-  double px_per_m = 0.0;              ///< in the balls' plane, > 0; a first guess unless calibrated
+  std::optional<double>
+      px_per_m;  ///< in the balls' plane, > 0; a first guess unless calibrated; absent: found
   std::optional<double> px_per_m_sd;  ///< present: px_per_m is calibrated, and copied to the frame
-  /// Largest relative difference of the ball's diameter from px_per_m·ball_diameter_m, above 0 and below 0.9.
+  /// Largest relative difference of the ball's diameter from px_per_m·ball_diameter_m, and of single images' from the
+  /// one that they agree on, above 0 and below 0.9. At least .12 where the scale is found.
   double size_tolerance = 0.08;
   PlaneMap map = PlaneMap::uncalibrated(0);
   std::optional<SurfaceLine> surface;  ///< calibrated; absent: found from the plate
@@ -32,16 +34,26 @@ struct DigitizeSettings {
   Effort effort = Effort::standard;
 };
 
+/// The ball's size by its images.
+struct BallScale {
+  double diameter_px = 0.0, diameter_sd_px = 0.0;  ///< plane px
+  double px_per_m = 0.0;
+  double px_per_m_sd = 0.0;  ///< with the ball's tolerance where known
+  int images = 0;
+};
+
 struct Digitization {
   reduction::Frame frame;         ///< images in order of time; sources "auto"
   std::vector<Outline> outlines;  ///< one for each image, in their order
   std::vector<Unmeasured> unmeasured;
   std::optional<Rejection> no_surface;                   ///< why there is no surface line
+  std::optional<BallScale> scale;                        ///< absent without images
   std::vector<std::string> remarks;                      ///< assumptions and ambiguities, for the operator
   std::vector<std::pair<std::string, double>> stage_ms;  ///< wall time of each stage
 };
 
-/// Fails with one line for settings out of range. A photograph without a ball gives no images, but reasons.
+/// Fails with one line for settings out of range. A photograph without a ball gives no images, but reasons. So does
+/// one whose balls have clearly not the size that is given: a remark says which they have.
 Result<Digitization> digitize(const Photograph& photograph, const DigitizeSettings& settings);
 
 /// Finds order, legs and times of the images again, after some were changed.

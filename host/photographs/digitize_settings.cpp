@@ -33,9 +33,6 @@ Result<digitize::DigitizeSettings> digitize_settings(const RigFile& rig, int wid
   } else if (rig.analysis.px_per_m) {
     settings.px_per_m = *rig.analysis.px_per_m;
     settings.px_per_m_sd = rig.analysis.px_per_m_sd;
-  } else {
-    return fail(
-        "the rig file gives no scale: calibrate the camera (strobe calibrate), or state camera.px_per_m");
   }
   settings.map = plane_map(camera, height_px);
   if (camera.surface_px) settings.surface = surface_of(*camera.surface_px, camera.surface_sd_px);

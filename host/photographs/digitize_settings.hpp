@@ -7,8 +7,8 @@
 
 namespace strobe::host {
 
-/// For photographs of that size. Fails with one line if the rig file says nothing of the scale, or if its
-/// camera's photographs have another size.
+/// For photographs of that size. Without a scale in the rig file there is none in the settings: it is found. Fails with
+/// one line if the camera's photographs have another size.
 Result<digitize::DigitizeSettings> digitize_settings(const RigFile& rig, int width_px, int height_px);
 
 }  // namespace strobe::host

@@ -39,7 +39,7 @@ DigitizeSettings settings_of(const std::uint8_t* bytes, const Photograph& photog
   settings.px_per_m = (12.0 + bytes[2] % 32) / kBall_m;
   settings.effort = has(bytes[0], 0) ? Effort::standard : Effort::fast;
   if (has(bytes[0], 1)) settings.leftwards = has(bytes[0], 2);
-  if (has(bytes[0], 3)) settings.px_per_m_sd = 0.001 * settings.px_per_m;
+  if (has(bytes[0], 3)) settings.px_per_m_sd = 0.001 * *settings.px_per_m;
   settings.size_tolerance = 0.01 + 0.2 * bytes[5] / 255.0;
   settings.map = PlaneMap::uncalibrated(photograph.height());
   if (has(bytes[0], 4)) {
@@ -53,8 +53,9 @@ DigitizeSettings settings_of(const std::uint8_t* bytes, const Photograph& photog
     settings.map =
         PlaneMap::calibrated({{middle, middle}, 200.0, -0.05, 0.0, 0.001, 0.0},
                              cv::Matx33d(1.0, 0.0, 0.0, 0.0, -1.0, photograph.height() - 1.0, 0.0, 1e-5, 1.0),
-                             Viewpoint{{middle, middle}, 20.0 * settings.px_per_m * kBall_m});
+                             Viewpoint{{middle, middle}, 20.0 * *settings.px_per_m * kBall_m});
   }
+  if (has(bytes[0], 7)) settings.px_per_m.reset();
   return settings;
 }
 

@@ -17,6 +17,10 @@ struct SearchRange {
   double min_coverage = 0.2;  ///< smallest visible fraction of an outline
 };
 
+/// Circles seen for this much are balls: texture, seams and shadows support half of a circle at most, and chance
+/// another tenth.
+inline constexpr double kCertainCoverage = 0.65;
+
 /// Best first, at least a tenth of the radius apart. Centres are good to about a pixel of the photograph
 /// (fast: two). Returns none for radii of 3 px or less or larger than the photograph.
 std::vector<Candidate> find_candidates(const Photograph& photograph, const SearchRange& range, Effort effort);

@@ -60,7 +60,7 @@ double coverage_of(std::array<bool, kSectors> seen) {
 
 }  // namespace
 
-CircleSupport::CircleSupport(std::vector<EdgePoint> edges, cv::Size size)
+CircleSupport::CircleSupport(const std::vector<EdgePoint>& edges, cv::Size size)
     : columns_(std::max(1, (size.width + kCell - 1) / kCell)),
       rows_(std::max(1, (size.height + kCell - 1) / kCell)) {
   const auto cell = [&](const EdgePoint& edge) {
@@ -137,5 +137,7 @@ void CircleSupport::claim(const Circle& circle) {
   visit_ring(circle, kBand, [&](std::size_t i, double, double, double) { on.push_back(i); });
   for (const std::size_t i : on) claimed_[i] = 1;
 }
+
+void CircleSupport::release() { claimed_.assign(edges_.size(), 0); }
 
 }  // namespace strobe::digitize

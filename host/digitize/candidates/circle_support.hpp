@@ -23,7 +23,7 @@ struct SupportedCircle {
 /// Edge points in square cells, so that those near a circle are found without visiting all.
 class CircleSupport {
  public:
-  CircleSupport(std::vector<EdgePoint> edges, cv::Size size);
+  CircleSupport(const std::vector<EdgePoint>& edges, cv::Size size);
 
   /// Least squares of centre and radius to unclaimed edge points with normals along the radius, from `start`,
   /// within a band that narrows. The radius stays within the bounds.
@@ -31,6 +31,9 @@ class CircleSupport {
 
   /// Removes the circle's edge points from later fits.
   void claim(const Circle& circle);
+
+  /// Gives all that was claimed back.
+  void release();
 
  private:
   template <typename Visit>

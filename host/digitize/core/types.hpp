@@ -60,6 +60,8 @@ struct Candidate {
   cv::Point2d centre_image;
   double radius_image_px = 0.0;
   double score = 0.0;  ///< share of the outline that edge points support, 0 to 1
+  /// The radius, also beyond those sought, that edge points support best around this centre.
+  double likeliest_radius_px = 0.0;
 };
 
 /// A visible part of an outline: directions from its centre in the plane, counter-clockwise from `from_rad`.

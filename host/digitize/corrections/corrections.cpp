@@ -18,7 +18,8 @@ constexpr std::string_view kHand = "hand";
 
 class Editor {
  public:
-  Editor(const Digitization& found, const DigitizeSettings& settings) : result_(found), settings_(settings) {
+  Editor(const Digitization& found, const DigitizeSettings& settings, double px_per_m)
+      : result_(found), settings_(settings), px_per_m_(px_per_m) {
     touched_.assign(found.frame.images.size(), nullptr);
   }
 
@@ -56,7 +57,7 @@ class Editor {
       const double distance_px = std::hypot(images[i].centre_px.x - at.x, images[i].centre_px.y - at.y);
       if (distance_px < least_px) least_px = distance_px, nearest = i;
     }
-    const double reach_px = 0.5 * settings_.px_per_m * settings_.ball_diameter_m;
+    const double reach_px = 0.5 * px_per_m_ * settings_.ball_diameter_m;
     if (!nearest || least_px > reach_px)
       return fail(fmt::format("{}: no image within {:.0f} px of ({:.1f}, {:.1f})", correction.location,
                               reach_px, at.x, at.y));
@@ -67,12 +68,12 @@ class Editor {
   }
 
   double hand_sd_px(const std::optional<double>& stated) const {
-    return stated.value_or(kManualCentre_sd_m * settings_.px_per_m);
+    return stated.value_or(kManualCentre_sd_m * px_per_m_);
   }
 
   /// Two points of an outline make a diameter.
   double hand_diameter_sd_px(const std::optional<double>& stated) const {
-    return stated.value_or(std::sqrt(2.0) * kManualCentre_sd_m * settings_.px_per_m);
+    return stated.value_or(std::sqrt(2.0) * kManualCentre_sd_m * px_per_m_);
   }
 
   void set_centre(BallImage& image, Outline& outline, const ManualMeasurement& m) const {
@@ -166,6 +167,7 @@ class Editor {
 
   Digitization result_;
   const DigitizeSettings& settings_;
+  double px_per_m_;
   std::vector<const Correction*> touched_;
   std::vector<BallImage> added_;
   std::vector<Outline> added_outlines_;
@@ -175,7 +177,14 @@ class Editor {
 
 Result<void> apply_corrections(Digitization& digitization, const std::vector<Correction>& corrections,
                                const DigitizeSettings& settings) {
-  Editor editor(digitization, settings);
+  const auto& found = digitization.scale;
+  const auto px_per_m = settings.px_per_m ? settings.px_per_m
+                        : found           ? std::optional(found->px_per_m)
+                                          : std::nullopt;
+  if (!px_per_m && !corrections.empty())
+    return fail(corrections.front().location +
+                ": without a scale and without an image that was found, none can be corrected");
+  Editor editor(digitization, settings, px_per_m.value_or(0.0));
   for (const Correction& correction : corrections) {
     if (auto applied = editor.apply(correction); !applied) return applied;
   }

@@ -67,8 +67,8 @@ Result<std::vector<Correction>> parse_corrections(std::string_view text, const s
 
 /// Applies all at once: `at` refers to the images as they were found. Order, legs and times are then found
 /// again, and removed images are listed among the unmeasured with Reason::by_hand. Fails with "FILE:LINE:
-/// what is wrong" if no image is near, two corrections select the same image, or an added image has no
-/// diameter to take; the digitization is then unchanged.
+/// what is wrong" if no image is near, two corrections select the same image, an added image has no diameter to
+/// take, or there is neither a scale nor an image; the digitization is then unchanged.
 Result<void> apply_corrections(Digitization& digitization, const std::vector<Correction>& corrections,
                                const DigitizeSettings& settings);
 

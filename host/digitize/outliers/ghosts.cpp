@@ -12,8 +12,8 @@ namespace {
 
 // Flashes of one train differ by at most 30 % in energy (limb_agreement.cpp). Less than half a diameter apart two
 // flashes light a ball alike; further on the lamps' light may fall off by as much again, .7² = .5.
-constexpr double kLeastShareBeside = 0.7;
-constexpr double kLeastShare = 0.5;
+constexpr double kMinShareBeside = 0.7;
+constexpr double kMinShare = 0.5;
 constexpr double kBesideOfDiameter = 0.5;
 // Beyond, light may have fallen off by any amount.
 constexpr double kReachOfDiameter = 2.0;
@@ -54,7 +54,7 @@ std::vector<Ghost> find_ghosts(std::span<const LitDisc> discs) {
     }
     const double share = nearest ? share_of(disc.limb, discs[*nearest].limb) : 1.0;
     const bool beside = least < kBesideOfDiameter * disc.diameter;
-    if (share < (beside ? kLeastShareBeside : kLeastShare))
+    if (share < (beside ? kMinShareBeside : kMinShare))
       ghosts.push_back({static_cast<int>(i), share});
     else if (disc.certain)
       balls.push_back(i);

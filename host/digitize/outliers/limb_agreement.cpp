@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kDirections = std::tuple_size_v<Limb>;
 constexpr int kAcross = 3;  // samples along the outline, for one direction
-constexpr std::size_t kMinOutlines = 3;
+constexpr std::ptrdiff_t kMinOutlines = 3;
 constexpr float kMinGain = 0.7F;
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
@@ -77,11 +77,16 @@ float median_rise(std::vector<double> rises) {
   return rises.empty() ? kNone : static_cast<float>(median(std::move(rises)));
 }
 
-Limb typical_limb(const std::vector<Limb>& limbs) {
+/// Of the outlines that are seen for more than half, which arcs of several things hardly are: where background is
+/// busy those outnumber the balls. Of all where there are fewer.
+Limb typical_limb(std::span<const Outline> outlines, const std::vector<Limb>& limbs) {
+  const auto is_whole = [](const Outline& o) { return o.visible_fraction > 0.5; };
+  const bool whole_only = std::ranges::count_if(outlines, is_whole) >= kMinOutlines;
   Limb typical{};
   for (std::size_t k = 0; k < kDirections; ++k) {
     std::vector<double> rises;
-    for (const Limb& limb : limbs) rises.push_back(limb[k]);
+    for (std::size_t i = 0; i < limbs.size(); ++i)
+      if (!whole_only || is_whole(outlines[i])) rises.push_back(limbs[i][k]);
     typical[k] = median_rise(std::move(rises));
   }
   return typical;
@@ -127,10 +132,10 @@ std::vector<LimbAgreement> compare_limbs(const Photograph& photograph, const Pla
       limbs[i] = reader.limb(outlines[i]);
   });
   Limb typical{};
-  if (limbs.size() >= kMinOutlines) typical = typical_limb(limbs);
+  if (std::ssize(limbs) >= kMinOutlines) typical = typical_limb(outlines, limbs);
   std::vector<LimbAgreement> result;
   for (const Limb& limb : limbs) {
-    if (limbs.size() < kMinOutlines) typical.fill(median_rise({limb.begin(), limb.end()}));
+    if (std::ssize(limbs) < kMinOutlines) typical.fill(median_rise({limb.begin(), limb.end()}));
     result.push_back(compared(limb, typical));
   }
   return result;

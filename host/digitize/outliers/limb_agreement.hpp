@@ -29,13 +29,16 @@ struct LimbAgreement {
   double observed = 0.0;
   Limb limb{};
 
-  bool is_certain_ball() const { return observed >= 0.3 && agreement >= 0.75; }
+  static constexpr double kBall = 0.75, kNonBall = 0.55;  ///< agreement
+
+  bool is_certain_ball() const { return observed >= 0.3 && agreement >= kBall; }
   /// A false outline agrees on its borrowed arcs and, by chance, on a third of the rest.
-  bool is_certain_non_ball() const { return observed >= 0.15 && agreement < 0.55; }
+  bool is_certain_non_ball() const { return observed >= 0.15 && agreement < kNonBall; }
 };
 
 /// One for each outline, in their order. Directions below the surface are left out. The typical limb is the
-/// median of all outlines; with fewer than 3 outlines, each one's own median over its directions.
+/// median of the outlines seen for more than half, or with fewer than 3 such of all; with fewer than 3 outlines, each
+/// one's own median over its directions.
 std::vector<LimbAgreement> compare_limbs(const Photograph& photograph, const PlaneMap& map,
                                          std::span<const Outline> outlines,
                                          const std::optional<SurfaceLine>& surface);

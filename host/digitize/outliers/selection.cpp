@@ -20,14 +20,20 @@ constexpr std::size_t kMinCertainBalls = 4;
 constexpr double kMaxSdOfDiameter = 0.004;
 // Near the bounce, arcs of several balls are more likely to look like a ball in contact.
 constexpr double kMaxContactSdOfDiameter = 0.002;
-// What is no certain ball by its limb must show this share of what could be seen of its outline: arcs of other
-// things agree with a third of a ball's limb by chance (limb_agreement.hpp).
+// What may be a ball by its limb or not must show a share of what could be seen of its outline: a third where it is
+// hardly more than arcs of other things, which agree with a ball's limb there and by chance on a third of the rest
+// (limb_agreement.hpp), and less the more likely a ball it is.
 constexpr double kMinVisible = 1.0 / 3.0;
 // On small balls half a px, which annotation and the coarse search are good to.
 constexpr double kMinMaxSd_px = 0.5;
 
 void reject(std::vector<Unmeasured>& rejected, const Outline& o, Reason reason, std::string detail) {
   rejected.push_back({o.centre, o.diameter, "image", {reason, std::move(detail)}});
+}
+
+double min_visible(const LimbAgreement& limb) {
+  constexpr double kFrom = LimbAgreement::kNonBall, kTo = LimbAgreement::kBall;
+  return kMinVisible * limb.observed * std::clamp((kTo - limb.agreement) / (kTo - kFrom), 0.0, 1.0);
 }
 
 std::vector<Outline> certain_balls(const std::vector<Outline>& outlines,
@@ -134,7 +140,8 @@ std::vector<Outline> select_by_size(const Photograph& photograph, const PlaneMap
   for (std::size_t i = 0; i < outlines.size(); ++i) {
     Outline& o = outlines[i];
     const double sd = o.centre_sd();
-    if (sd > std::max(kMinMaxSd_px, kMaxSdOfDiameter * o.diameter) && !limbs[i].is_certain_ball())
+    if (sd > std::max(kMinMaxSd_px, kMaxSdOfDiameter * o.diameter) &&
+        (limbs[i].is_certain_non_ball() || o.visible_fraction < min_visible(limbs[i])))
       reject(rejected, o, Reason::imprecise, fmt::format("its centre would be known to {:.1f} px only", sd));
     else if (has_wrong_size(o, size) && !limbs[i].is_certain_ball())
       reject(
@@ -160,7 +167,7 @@ std::vector<Outline> select_by_path(const Photograph& photograph, const PlaneMap
                          100.0 * limbs[i].agreement));
       continue;
     }
-    if (!limbs[i].is_certain_ball() && outlines[i].visible_fraction < kMinVisible * limbs[i].observed) {
+    if (!limbs[i].is_certain_ball() && outlines[i].visible_fraction < min_visible(limbs[i])) {
       reject(rejected, outlines[i], Reason::few_edges,
              fmt::format(
                  "its outline is clear over {:.0f} of 360 degrees only, and light rises by {:.0f} % of what "

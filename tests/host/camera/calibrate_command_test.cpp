@@ -121,7 +121,7 @@ TEST(CalibrateCommand, FromAPhotographToTheDigitizersMap) {
   const cv::Point2d a = settings->map.to_plane(pinhole.project(pose.to_camera({0.0, 0.0})));
   const cv::Point2d b = settings->map.to_plane(pinhole.project(pose.to_camera({0.12, 0.08})));
   // 35 corners, each some hundredths of a pixel off over 230 px; the board's print and place are exact here.
-  DOUBLES_EQUAL(std::hypot(0.12, 0.08), cv::norm(b - a) / settings->px_per_m, 5e-4 * 0.144);
+  DOUBLES_EQUAL(std::hypot(0.12, 0.08), cv::norm(b - a) / *settings->px_per_m, 5e-4 * 0.144);
 }
 
 TEST(CalibrateCommand, SaysWhatIsWrongAndLeavesTheCalibrationAlone) {

@@ -65,6 +65,20 @@ TEST(PhotographChain, ReadsWhatTheTruthTells) {
   }
 }
 
+TEST(PhotographChain, WithoutAScaleFindsItAndOfAWrongOneSaysSo) {
+  photograph(folder, "a", "zero_23", 1);
+  const Run found = run_program("strobe", {"digitize", shot("a"), "--json"});
+  CHECK_TEXT(found.code == 0, found.err.c_str());
+  const json frame = parse_json_lines(found.out).at(0);
+  CHECK(frame.at("inputs").at("px_per_m").is_null());
+  CHECK(!frame.contains("px_per_m"));
+  // Balls of a path differ by its slant to the camera; their middle is right to a tenth of a percent.
+  DOUBLES_EQUAL(kPxPerM, frame.at("scale").at("px_per_m").get<double>(), 0.005 * kPxPerM);
+  const Run wrong = run_program("strobe", {"digitize", shot("a"), "--px-per-m", plain_number(0.7 * kPxPerM)});
+  LONGS_EQUAL(1, wrong.code);
+  STRCMP_CONTAINS("the picture's balls are about", wrong.out.c_str());
+}
+
 TEST(PhotographChain, DrawsWhatItFoundOnThePhotograph) {
   photograph(folder, "a", "zero_34", 2);
   const Run one =
@@ -156,7 +170,8 @@ TEST(PhotographChain, NamesWhatItCannotRead) {
       {digitize({shot("a"), "--times", folder / "a/truth.jsonl", "--period-ms", "3"}), "exclude"},
       {digitize({shot("a"), "--edit", folder / "absent.toml"}), "absent.toml"},
       {digitize({shot("a"), "--effort", "hasty"}), "hasty"},
-      {{"digitize", shot("a")}, "--px-per-m"},
+      {digitize({shot("a"), "--size-tolerance", "0.3"}), "for 30 % give 30"},
+      {{"digitize", shot("a"), "--px-per-m-sd", "1"}, "--px-per-m"},
       {{"digitize", shot("a"), "--rig", folder / "absent.toml"}, "absent.toml"},
   };
   for (const Case& each : cases) {

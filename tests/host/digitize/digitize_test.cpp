@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
@@ -234,6 +235,43 @@ TEST(Digitize, OfAnEmptyPlateIsAResultWithoutImages) {
   const auto result = digitize::digitize(painter::paint(picture({})), settings());
   CHECK_TRUE(result.has_value());
   LONGS_EQUAL(0, result->frame.images.size());
+}
+
+TEST(Digitize, WithoutAScaleFindsTheBallsSizeAndSaysHowSure) {
+  const auto photograph = painter::paint(picture(bounce()));
+  const auto given = digitize::digitize(photograph, settings());
+  DigitizeSettings s = settings();
+  s.px_per_m.reset();
+  const auto found = digitize::digitize(photograph, s);
+  CHECK_TRUE(found.has_value());
+  LONGS_EQUAL(given->frame.images.size(), found->frame.images.size());
+  CHECK_TRUE(found->scale.has_value());
+  // The scale is not measured apart from the diameters: readers of the frame must not count it twice.
+  CHECK_FALSE(found->frame.px_per_m.has_value());
+  LONGS_EQUAL(found->frame.images.size(), found->scale->images);
+  DOUBLES_EQUAL(kDiameter_px, found->scale->diameter_px, 5.0 * found->scale->diameter_sd_px);
+  CHECK_TRUE(found->scale->diameter_sd_px < 0.01 * kDiameter_px);
+  DOUBLES_EQUAL(found->scale->diameter_px / kBall_m, found->scale->px_per_m, 1e-9);
+}
+
+TEST(Digitize, TheScalesSdHasTheBallsTolerance) {
+  DigitizeSettings s = settings();
+  s.ball_diameter_sd_m = 0.01 * kBall_m;
+  const auto scale = digitize::digitize(painter::paint(picture(bounce())), s)->scale;
+  CHECK_TRUE(scale->px_per_m_sd > 0.01 * scale->px_per_m);
+}
+
+TEST(Digitize, OfAWrongScaleSaysWhichSizeTheBallsHaveAndMeasuresNothing) {
+  DigitizeSettings s = settings();
+  for (const double factor : {0.7, 1.35}) {
+    s.px_per_m = factor * kDiameter_px / kBall_m;
+    const auto result = digitize::digitize(painter::paint(picture(bounce())), s);
+    LONGS_EQUAL(0, result->frame.images.size());
+    CHECK_TRUE(std::ranges::any_of(result->remarks, [](const std::string& remark) {
+      return remark.starts_with("the picture's balls are about 9") &&
+             remark.ends_with("nothing was measured");
+    }));
+  }
 }
 
 TEST(Digitize, RefusesSettingsOutOfRangeByName) {

@@ -49,7 +49,7 @@ reduction::Frame hough_circles(const strobe::digitize::Photograph& photograph,
              cv::INTER_AREA);
   cv::Mat picture = eight_bits(small);
   cv::GaussianBlur(picture, picture, {}, 1.0);
-  const double radius = 0.5 * ball.px_per_m * ball.ball_diameter_m / settings.reduction;
+  const double radius = 0.5 * ball.px_per_m.value() * ball.ball_diameter_m / settings.reduction;
   std::vector<cv::Vec3f> circles;
   cv::HoughCircles(picture, circles, settings.alternative ? cv::HOUGH_GRADIENT_ALT : cv::HOUGH_GRADIENT, 1.5,
                    0.2 * radius, settings.edge, settings.support,
