@@ -128,7 +128,8 @@ class Study {
  private:
   Result<Done> one(std::size_t scene, std::size_t shot) const {
     Done done;
-    auto known = known_photograph({scenes_[scene], options_.seed, static_cast<int>(shot), options_.keep});
+    auto known = known_photograph(
+        {scenes_[scene], options_.seed, static_cast<int>(shot), options_.keep, options_.independent});
     if (!known) return tl::unexpected(known.error());
     known->settings.effort = options_.effort;
     done.stages.add("decode", known->decode_ms);

@@ -18,13 +18,19 @@ using namespace strobe::studies::digitize;
 /// Which study, and what is asked of it.
 struct Request {
   bool robustness = false, chain = false, latency = false;
-  std::string effort = "standard";
+  std::string effort = "standard", renderer = "sim";
   Options options;
 };
 
 int run(Request& request) {
   if (request.robustness + request.chain + request.latency > 1) {
     fmt::print(stderr, "strobe-bench: digitize: --robustness, --chain and --latency exclude each other\n");
+    return 2;
+  }
+  request.options.independent = request.renderer == "independent";
+  if (request.options.independent && (request.chain || request.latency)) {
+    fmt::print(stderr,
+               "strobe-bench: digitize: --renderer independent is for the accuracy and --robustness\n");
     return 2;
   }
   request.options.effort = strobe::digitize::effort_from_name(request.effort).value();
@@ -60,6 +66,11 @@ void add_what(CLI::App& command, Request& request) {
   command.add_option("--seed", o.seed, "Of the simulation")->capture_default_str();
   command.add_option("--effort", request.effort, "fast, standard or thorough")
       ->check(CLI::IsMember({"fast", "standard", "thorough"}))
+      ->capture_default_str();
+  command
+      .add_option("--renderer", request.renderer,
+                  "Whose photographs: sim's, or an independent one's that shares no code")
+      ->check(CLI::IsMember({"sim", "independent"}))
       ->capture_default_str();
   command.add_option("--axis", o.axes, "Of the robustness; without, all");
   command.add_option("--scale-sd-percent", o.scale_sd_percent, "Of the chain's calibrated scale")

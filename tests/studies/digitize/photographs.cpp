@@ -5,8 +5,10 @@
 #include <chrono>
 #include <fstream>
 #include <iterator>
+#include <opencv2/imgproc.hpp>
 #include <system_error>
 
+#include "common/image/opencv.hpp"
 #include "sim/photograph/render.hpp"
 #include "tests/support/pictures.hpp"
 
@@ -38,10 +40,19 @@ std::vector<double> seen_flashes(const sim::PhotographTruth& truth) {
   return times_s;
 }
 
+/// Of pixels with blue first.
+Result<Bytes> as_file(const cv::Mat& pixels, int jpeg_quality) {
+  if (jpeg_quality == 0) return testing::encoded_picture(pixels, ".tif");
+  cv::Mat bytes;
+  pixels.convertTo(bytes, CV_8U, pixels.depth() == CV_16U ? 255.0 / 65535.0 : 1.0);
+  if (bytes.channels() == 3) cv::cvtColor(bytes, bytes, cv::COLOR_BGR2RGB);
+  return image::encode_jpeg(image::pixels_of(bytes), jpeg_quality);
+}
+
 Result<Bytes> render_bytes(const Take& take, const sim::SimulatedShot& shot) {
   const auto rendered = sim::render(take.scene, take.seed, shot.exposure);
   if (!rendered) return tl::unexpected(rendered.error());
-  return testing::encoded_picture(rendered->pixels, ".tif");
+  return as_file(rendered->pixels, take.jpeg_quality.value_or(0));
 }
 
 /// Whole under its name or not there: several runs may share the folder.
@@ -57,10 +68,22 @@ Result<void> keep(const fs::path& path, const Bytes& bytes) {
   return {};
 }
 
+Result<Bytes> photograph_independently(const Take& take, const sim::SimulatedShot& shot,
+                                       KnownPhotograph& known) {
+  auto rendered = render_independently(take.scene, shot.exposure, take.seed, take.look);
+  known.truth = std::move(rendered.truth);
+  known.times_s = std::move(rendered.times_s);
+  auto bytes = as_file(rendered.pixels, take.jpeg_quality.value_or(85 + take.shot % 11));
+  if (!bytes || take.kept_in.empty()) return bytes;
+  const auto name = fmt::format("{}_independent_seed{}_{:04}.jpg", take.scene.name, take.seed, take.shot);
+  if (auto kept = keep(take.kept_in / name, *bytes); !kept) return tl::unexpected(kept.error());
+  return bytes;
+}
+
 }  // namespace
 
 Result<Bytes> photograph_bytes(const Take& take, const sim::SimulatedShot& shot) {
-  if (take.kept_in.empty()) return render_bytes(take, shot);
+  if (take.kept_in.empty() || take.jpeg_quality) return render_bytes(take, shot);
   const fs::path path =
       take.kept_in / fmt::format("{}_seed{}_{:04}.tif", take.scene.name, take.seed, take.shot);
   std::ifstream file(path, std::ios::binary);
@@ -74,12 +97,13 @@ Result<Bytes> photograph_bytes(const Take& take, const sim::SimulatedShot& shot)
 Result<KnownPhotograph> known_photograph(const Take& take) {
   auto simulated = sim::shoot(take.scene, take.seed, take.shot);
   if (!simulated) return tl::unexpected(simulated.error());
-  const auto bytes = photograph_bytes(take, *simulated);
+  KnownPhotograph known;
+  const auto bytes = take.independent ? photograph_independently(take, *simulated, known)
+                                      : photograph_bytes(take, *simulated);
   if (!bytes) return tl::unexpected(bytes.error());
   const auto start = std::chrono::steady_clock::now();
   auto photograph = strobe::digitize::decode_photograph(*bytes, take.scene.name);
   if (!photograph) return tl::unexpected(photograph.error());
-  KnownPhotograph known;
   known.decode_ms =
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   const sim::Appearance appearance = sim::draw_appearance(take.scene, take.seed, take.shot);
@@ -90,8 +114,10 @@ Result<KnownPhotograph> known_photograph(const Take& take) {
   known.settings.px_per_m = known.scene_truth.px_per_m;
   known.settings.map = strobe::digitize::PlaneMap::uncalibrated(known.photograph.height());
   known.settings.flash_times_s = seen_flashes(known.scene_truth);
-  known.truth = true_images(take.scene, known.scene_truth);
-  for (const sim::ImageTruth& image : known.scene_truth.images) known.times_s.push_back(image.time_s);
+  if (!take.independent) {
+    known.truth = true_images(take.scene, known.scene_truth);
+    for (const sim::ImageTruth& image : known.scene_truth.images) known.times_s.push_back(image.time_s);
+  }
   known.shot = std::move(*simulated);
   return known;
 }

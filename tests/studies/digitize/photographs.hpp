@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 #include "common/result.hpp"
@@ -12,6 +13,7 @@
 #include "sim/photograph/photograph_truth.hpp"
 #include "sim/scene/scene.hpp"
 #include "sim/shoot/shoot.hpp"
+#include "tests/studies/digitize/independent_render.hpp"
 #include "tests/studies/digitize/score.hpp"
 
 namespace strobe::studies::digitize {
@@ -23,7 +25,11 @@ struct Take {
   int shot = 1;
   /// Empty, or a folder of photographs: one rendered there before is read instead of rendered again, whatever
   /// has become of the renderer since; a new one is left there.
-  std::filesystem::path kept_in;
+  std::filesystem::path kept_in{};
+  bool independent = false;  ///< the second renderer's, which is rendered each time
+  IndependentLook look{};
+  std::optional<int>
+      jpeg_quality{};  ///< 1 to 100, 8 bits; 0: not compressed; absent: 85 to 95 of the second renderer's
 };
 
 struct KnownPhotograph {

@@ -20,38 +20,59 @@ struct Condition {
   std::string axis;
   double value = 0.0;
   std::string label;
-  std::function<void(Scene&)> apply;
+  std::function<void(Take&)> apply;
 };
 
-using Setter = std::function<void(Scene&, double)>;
+using Setter = std::function<void(Take&, double)>;
 
 void add(std::vector<Condition>& all, const std::string& axis, const std::vector<double>& values,
          const Setter& set) {
   for (const double value : values)
-    all.push_back({axis, value, fmt::format("{:g}", value), [=](Scene& scene) { set(scene, value); }});
+    all.push_back({axis, value, fmt::format("{:g}", value), [=](Take& take) { set(take, value); }});
 }
 
-void lose_flash(Scene& scene, double from_impact) {
+void lose_flash(Take& take, double from_impact) {
   if (from_impact == 0.0) return;
   sim::Fault fault;
   fault.kind = sim::FaultKind::flash_missing;
   fault.flash_from_impact = static_cast<int>(from_impact);
-  scene.faults.push_back(fault);
+  take.scene.faults.push_back(fault);
+}
+
+/// Of either renderer's sensor, over the usual.
+void set_noise(Take& take, double factor) {
+  take.look.noise = factor;
+  take.scene.photograph.full_well_e /= factor * factor;
+  take.scene.photograph.read_noise_e /= factor;  // in electrons of fewer
+}
+
+/// The camera farther away or nearer: the ball's diameter in px.
+void set_size(Take& take, double diameter_px) {
+  auto& camera = take.scene.camera;
+  const double px_per_m = diameter_px / take.scene.ball.diameter_m;
+  camera.origin_x_px *= px_per_m / camera.px_per_m;
+  camera.origin_y_px *= px_per_m / camera.px_per_m;
+  camera.px_per_m = px_per_m;
 }
 
 std::vector<Condition> conditions() {
   std::vector<Condition> all;
   add(all, "exposure", {0.0625, 0.125, 0.25, 0.5, 1, 2, 4, 8},
-      [](Scene& s, double v) { s.photograph.exposure = v; });
+      [](Take& t, double v) { t.scene.photograph.exposure = v; });
   add(all, "line_contrast", {0.05, 0.1, 0.15, 0.2, 0.3, 0.5, 1},
-      [](Scene& s, double v) { s.ball_appearance.line_contrast = v; });
+      [](Take& t, double v) { t.scene.ball_appearance.line_contrast = v; });
   add(all, "line_tilt", {0, 1, 2, 3, 4, 5, 6, 8},
-      [](Scene& s, double v) { s.ball_appearance.line_tilt_rad = radians(v); });
-  add(all, "blur", {0, 0.5, 1, 2, 3, 4, 5}, [](Scene& s, double v) { s.photograph.blur_px = v; });
-  add(all, "blobs", {0, 1, 2, 3, 4}, [](Scene& s, double v) { s.background.blobs = static_cast<int>(v); });
-  add(all, "lamp_a", {1, 0.5, 0.2, 0.1, 0}, [](Scene& s, double v) { s.photograph.lamp_a_power = v; });
-  add(all, "lamp_b", {1, 0.5, 0.2, 0.1, 0}, [](Scene& s, double v) { s.photograph.lamp_b_power = v; });
+      [](Take& t, double v) { t.scene.ball_appearance.line_tilt_rad = radians(v); });
+  add(all, "blur", {0, 0.5, 1, 2, 3, 4, 5}, [](Take& t, double v) { t.scene.photograph.blur_px = v; });
+  add(all, "blobs", {0, 1, 2, 3, 4},
+      [](Take& t, double v) { t.scene.background.blobs = static_cast<int>(v); });
+  add(all, "lamp_a", {1, 0.5, 0.2, 0.1, 0}, [](Take& t, double v) { t.scene.photograph.lamp_a_power = v; });
+  add(all, "lamp_b", {1, 0.5, 0.2, 0.1, 0}, [](Take& t, double v) { t.scene.photograph.lamp_b_power = v; });
   add(all, "flash_lost", {-3, -2, -1, 0, 1, 2, 3}, lose_flash);
+  add(all, "noise", {0.5, 1, 2, 4, 8}, set_noise);
+  add(all, "gamma", {1, 0.9, 0.8, 0.6, 0.45}, [](Take& t, double v) { t.scene.photograph.gamma = v; });
+  add(all, "jpeg", {0, 95, 90, 85, 70, 50}, [](Take& t, double v) { t.jpeg_quality = static_cast<int>(v); });
+  add(all, "size", {20, 30, 45, 65, 100, 180, 260, 400}, set_size);
   return all;
 }
 
@@ -143,7 +164,11 @@ const std::vector<RobustnessAxis>& robustness_axes() {
       {"blobs", "foreign bright blobs", false},
       {"lamp_a", "light of lamp A", false},
       {"lamp_b", "light of lamp B", false},
-      {"flash_lost", "flash lost, from the impact (0: none)", false}};
+      {"flash_lost", "flash lost, from the impact (0: none)", false},
+      {"noise", "noise, over the usual", true},
+      {"gamma", "gamma of the file", false},
+      {"jpeg", "quality of JPEG (0: none)", false},
+      {"size", "ball's diameter [px]", true}};
   return axes;
 }
 
@@ -159,8 +184,12 @@ Result<void> study_robustness(const Options& options) {
   const auto done = try_in_order(
       all->size() * of_point, options.jobs,
       [&](std::size_t i) {
-        Take take{(*scenes)[i % of_point / shots], options.seed, static_cast<int>(i % shots) + 1, {}};
-        (*all)[i / of_point].apply(take.scene);
+        Take take{(*scenes)[i % of_point / shots],
+                  options.seed,
+                  static_cast<int>(i % shots) + 1,
+                  {},
+                  options.independent};
+        (*all)[i / of_point].apply(take);
         return measure(take, options.effort);
       },
       [&](std::size_t i, const Measured& measured) {

@@ -23,8 +23,9 @@ struct Options {
   int first_shot = 1;
   std::uint64_t seed = 1;
   strobe::digitize::Effort effort = strobe::digitize::Effort::standard;
-  int rounds = 2;  ///< the least of their times counts
-  int jobs = 1;    ///< photographs at a time; with more than one, times are not reported
+  int rounds = 2;            ///< the least of their times counts
+  int jobs = 1;              ///< photographs at a time; with more than one, times are not reported
+  bool independent = false;  ///< photographs by the second renderer
   bool hough = true;
   double scale_sd_percent = 0.05;  ///< of the chain's calibrated scale
   double ball_sd_mm = 0.0;         ///< by how much the chain's ball differs from what the rig file says

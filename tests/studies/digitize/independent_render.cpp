@@ -1,0 +1,354 @@
+#include "tests/studies/digitize/independent_render.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <opencv2/imgproc.hpp>
+#include <random>
+
+#include "tests/studies/digitize/independent_ball.hpp"
+
+namespace strobe::studies::digitize {
+
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+/// A flash's light: when, and how much of it. Its mean is what the ball's place is true of.
+constexpr std::array<std::array<double, 2>, 3> kFlash{{{0.0, 0.6}, {3e-6, 0.3}, {8e-6, 0.1}}};
+constexpr double kFlashMean_s = 1.7e-6;
+constexpr double kSecondFlash_s = 30e-6;
+
+/// The pinhole, and the pixels of the plane of flight.
+struct View {
+  int width = 0, height = 0;
+  double px_per_m = 4000.0, distance_m = 2.4, roll = 0.0;
+  double left_m = 0.0, top_m = 0.0;  ///< of the first pixel's centre, from the view's middle
+  double surface_m = 0.0;            ///< y of the surface
+
+  cv::Vec3d lens() const { return {0.0, 0.0, distance_m}; }
+  /// Where a pixel's ray meets the plane of flight.
+  cv::Vec3d plane(double column, double row) const {
+    const double x = left_m + column / px_per_m, y = top_m - row / px_per_m;
+    return {std::cos(roll) * x - std::sin(roll) * y, std::sin(roll) * x + std::cos(roll) * y, 0.0};
+  }
+  cv::Point2d pixel(const cv::Vec3d& point) const {
+    const double share = distance_m / (distance_m - point[2]);
+    const double x = std::cos(roll) * point[0] * share + std::sin(roll) * point[1] * share;
+    const double y = -std::sin(roll) * point[0] * share + std::cos(roll) * point[1] * share;
+    return {(x - left_m) * px_per_m, (top_m - y) * px_per_m};
+  }
+};
+
+View view_of(const sim::Scene& scene, std::mt19937_64& random) {
+  const auto& camera = scene.camera;
+  View view;
+  view.px_per_m = camera.px_per_m;
+  view.distance_m = std::uniform_real_distribution(1.8, 3.5)(random);
+  view.roll = std::normal_distribution(0.0, 0.4 * kDegree)(random);
+  constexpr double kMargin_m = 0.05;
+  const double half_m = camera.half_width_m + kMargin_m, high_m = camera.height_m + 2.0 * kMargin_m;
+  view.width = static_cast<int>(2.0 * half_m * view.px_per_m) & ~1;
+  view.height = static_cast<int>(high_m * view.px_per_m) & ~1;
+  view.left_m = -half_m;
+  view.top_m = 0.5 * high_m;
+  view.surface_m = -0.5 * high_m + kMargin_m;
+  return view;
+}
+
+struct Look {
+  FeltLook felt;
+  std::array<cv::Vec3d, 2> lamps;
+  std::array<double, 2> power{};
+  double wall = 0.03, plate = 1.0, blur_px = 0.8, glare = 0.03, vignetting = 0.2;
+  std::uint64_t background = 1;
+};
+
+Look look_of(const sim::Scene& scene, std::mt19937_64& random) {
+  const auto between = [&](double a, double b) { return std::uniform_real_distribution(a, b)(random); };
+  const auto& ball = scene.ball_appearance;
+  Look look;
+  look.felt = {
+      between(0.2, 0.6),  between(0.02, 0.1),
+      between(0.0, 0.3),  between(0.0018, 0.004),
+      between(0.5, 0.95), std::clamp(std::normal_distribution(0.0, 1.5)(random), -5.0, 5.0) * kDegree,
+      between(0.2, 1.0),  between(0.0, 0.2),
+      ball.line,          random()};
+  look.felt.line_contrast = ball.line_contrast.value_or(look.felt.line_contrast);
+  look.felt.line_tilt_rad = ball.line_tilt_rad.value_or(look.felt.line_tilt_rad);
+  look.felt.line_width_m = ball.line_width_m.value_or(look.felt.line_width_m);
+  look.lamps = {cv::Vec3d(-between(0.5, 1.4), between(-0.1, 0.9), between(0.6, 1.8)),
+                cv::Vec3d(between(0.5, 1.4), between(-0.1, 0.9), between(0.6, 1.8))};
+  look.power = {scene.photograph.lamp_a_power * between(0.8, 1.2),
+                scene.photograph.lamp_b_power * between(0.8, 1.2)};
+  look.wall = between(0.01, 0.08);
+  look.plate = between(0.4, 2.5);
+  look.blur_px = scene.photograph.blur_px.value_or(between(0.5, 1.1));
+  look.glare = between(0.0, 0.06);
+  look.vignetting = between(0.05, 0.3);
+  look.background = random();
+  return look;
+}
+
+struct Flash {
+  FeltBall ball;  ///< at the mean of its light
+  std::vector<FeltBall> moments;
+  double time_s = 0.0;
+  reduction::Leg leg{};
+};
+
+FeltBall ball_of(const View& view, const sim::Scene& scene, const sim::BallPath& path, double since_s) {
+  const sim::BallState state = path.at(since_s);
+  const double radius_m = 0.5 * scene.ball.diameter_m;
+  const double high_m = state.top_drop_m > 0.0 ? radius_m - state.top_drop_m : state.y_m;
+  FeltBall ball;
+  ball.centre = {state.x_m + path.spot_m(), view.surface_m + high_m, path.off_plane_m()};
+  ball.radius_m = radius_m;
+  ball.equator_rad = state.equator_rad;
+  if (high_m < radius_m) ball.floor_m = view.surface_m;
+  return ball;
+}
+
+std::vector<Flash> flashes_of(const View& view, const Look& look, const IndependentLook& extra,
+                              const sim::Scene& scene, const sim::Exposure& exposure,
+                              std::mt19937_64& random) {
+  std::normal_distribution<double> power(1.0, 0.03);
+  std::vector<Flash> flashes;
+  for (const sim::FilmImage& film : sim::film_images(scene, exposure)) {
+    const sim::BallPath& path = exposure.ball->path;
+    const double since_s = to_seconds(film.time - exposure.ball->touchdown);
+    const std::array<double, 2> light{look.power[0] * power(random), look.power[1] * power(random)};
+    if (light[0] + light[1] <= 0.0) continue;
+    Flash flash;
+    flash.ball = ball_of(view, scene, path, since_s + kFlashMean_s);
+    flash.time_s = to_seconds(film.time - exposure.pulses.front().edge);
+    const auto add = [&](double later_s, double share) {
+      flash.moments.push_back(ball_of(view, scene, path, since_s + later_s));
+      flash.moments.back().light = {share * light[0], share * light[1]};
+    };
+    for (const auto& [later_s, share] : kFlash) add(later_s, share);
+    if (extra.second_flash > 0.0) add(kSecondFlash_s, extra.second_flash);
+    const bool contact = film.state.top_drop_m > 0.0;
+    flash.leg = contact                          ? reduction::Leg::contact
+                : since_s > 0.5 * path.dwell_s() ? reduction::Leg::rebound
+                                                 : reduction::Leg::incoming;
+    flashes.push_back(std::move(flash));
+  }
+  return flashes;
+}
+
+/// The circle where rays touch the ball: two directions across the line of sight and how far towards the lens it is.
+struct Limb {
+  cv::Vec3d towards, across, up;
+  double height = 0.0, radius = 0.0;
+};
+
+Limb limb_of(const View& view, const FeltBall& ball) {
+  const cv::Vec3d way = view.lens() - ball.centre;
+  const double away = cv::norm(way);
+  Limb limb;
+  limb.towards = way * (1.0 / away);
+  limb.across = cv::normalize(cv::Vec3d(0.0, 1.0, 0.0).cross(limb.towards));
+  limb.up = limb.towards.cross(limb.across);
+  limb.height = ball.radius_m * ball.radius_m / away;
+  limb.radius = ball.radius_m * std::sqrt(1.0 - limb.height / away);
+  return limb;
+}
+
+/// Plane px, y up.
+reduction::PointPx upright(const View& view, cv::Point2d pixel) {
+  return {pixel.x, view.height - 1.0 - pixel.y};
+}
+
+TrueImage truth_of(const View& view, const Look& look, const Flash& flash) {
+  const FeltBall& ball = flash.ball;
+  const Limb limb = limb_of(view, ball);
+  std::vector<cv::Point2d> outline;
+  for (int i = 0; i < 360; ++i) {
+    const double a = i * kDegree;
+    outline.push_back(view.pixel(ball.centre + limb.towards * limb.height +
+                                 (limb.across * std::cos(a) + limb.up * std::sin(a)) * limb.radius));
+  }
+  double twice_area = 0.0;
+  cv::Point2d sum;
+  TrueImage image;
+  for (std::size_t i = 0; i < outline.size(); ++i) {
+    const cv::Point2d &a = outline[i], &b = outline[(i + 1) % outline.size()];
+    twice_area += a.cross(b);
+    sum += (a + b) * a.cross(b);
+    image.whole = image.whole && a.x > 0.0 && a.y > 0.0 && a.x < view.width - 1.0 && a.y < view.height - 1.0;
+  }
+  image.leg = flash.leg;
+  image.centre_px = upright(view, sum * (1.0 / (3.0 * twice_area)));
+  // The polygon's area is less than the ellipse's by its chords.
+  const double chords = 0.5 * 360.0 * std::sin(kDegree) / std::numbers::pi;
+  image.diameter_px = std::sqrt(4.0 * 0.5 * std::abs(twice_area) / chords / std::numbers::pi);
+  if (look.felt.line) {
+    const cv::Vec3d across(-std::sin(ball.equator_rad) * std::cos(look.felt.line_tilt_rad),
+                           std::cos(ball.equator_rad) * std::cos(look.felt.line_tilt_rad),
+                           std::sin(look.felt.line_tilt_rad));
+    // On the limb and on the line: towards . p = height, across . p = 0, |p| = R.
+    const cv::Vec3d along = cv::normalize(across.cross(limb.towards));
+    const cv::Vec3d level = cv::normalize(limb.towards - across * across.dot(limb.towards));
+    const double a = limb.height / level.dot(limb.towards),
+                 b = std::sqrt(ball.radius_m * ball.radius_m - a * a);
+    const cv::Point2d way =
+        view.pixel(ball.centre + level * a + along * b) - view.pixel(ball.centre + level * a - along * b);
+    image.equator_rad = std::atan2(-way.y, way.x);
+  }
+  return image;
+}
+
+/// Adds a ball's light and takes away what it hides.
+void paint(const View& view, const Look& look, const FeltBall& ball, const cv::Mat& scenery,
+           double hidden_share, cv::Mat& felt, cv::Mat& hidden) {
+  const cv::Point2d middle = view.pixel(ball.centre);
+  const double radius_px = ball.radius_m * view.px_per_m, reach = radius_px + 5.0;
+  const cv::Rect box =
+      cv::Rect(cv::Point(static_cast<int>(middle.x - reach), static_cast<int>(middle.y - reach)),
+               cv::Point(static_cast<int>(middle.x + reach), static_cast<int>(middle.y + reach))) &
+      cv::Rect(0, 0, view.width, view.height);
+  for (int row = box.y; row < box.y + box.height; ++row) {
+    for (int column = box.x; column < box.x + box.width; ++column) {
+      const double outside_px = std::hypot(column - middle.x, row - middle.y) - radius_px;
+      const int steps = outside_px > 4.0 ? 0 : outside_px > -4.0 || ball.floor_m > -1e8 ? 3 : 1;
+      double light = 0.0, cover = 0.0;
+      for (int sub = 0; sub < steps * steps; ++sub) {
+        const cv::Vec3d at =
+            view.plane(column + (sub % steps + 0.5) / steps - 0.5, row + (sub / steps + 0.5) / steps - 0.5);
+        const cv::Vec3d to_lens = cv::normalize(view.lens() - at);
+        const cv::Vec3d aside = at - ball.centre - to_lens * to_lens.dot(at - ball.centre);
+        const double share = cv::norm(aside) / ball.radius_m;
+        const double waver = limb_waver(look.felt, ball, std::atan2(aside[1], aside[0]));
+        const double inside_px = (1.0 - share) * radius_px + waver;
+        double c = std::clamp(0.5 + inside_px / std::max(look.felt.fringe_px, 1.0 / steps), 0.0, 1.0);
+        if (c <= 0.0) continue;
+        const double depth = std::sqrt(std::max(0.0, 1.0 - share * share));
+        const cv::Vec3d normal = cv::normalize(aside * (1.0 / ball.radius_m) + to_lens * depth);
+        if (ball.centre[1] + ball.radius_m * normal[1] < ball.floor_m) continue;
+        cover += c;
+        light += c * felt_light(look.felt, ball, look.lamps, normal, to_lens);
+      }
+      if (cover == 0.0) continue;
+      const double samples = steps * steps;
+      felt.at<float>(row, column) += static_cast<float>(light / samples);
+      hidden.at<float>(row, column) += static_cast<float>(
+          hidden_share * cover / samples * static_cast<double>(scenery.at<float>(row, column)));
+    }
+  }
+}
+
+/// Uneven over decimetres.
+cv::Mat wall_of(const View& view, const Look& look) {
+  constexpr int kCoarse = 8;
+  cv::Mat coarse((view.height + kCoarse - 1) / kCoarse, (view.width + kCoarse - 1) / kCoarse, CV_32FC1), wall;
+  for (int row = 0; row < coarse.rows; ++row) {
+    for (int column = 0; column < coarse.cols; ++column)
+      coarse.at<float>(row, column) = static_cast<float>(
+          look.wall *
+          (0.6 + 0.8 * value_noise(look.background, view.plane(kCoarse * column, kCoarse * row) * 9.0)));
+  }
+  cv::resize(coarse, wall, {view.width, view.height}, 0, 0, cv::INTER_LINEAR);
+  return wall;
+}
+
+/// Light of wall, plate and foreign things, of the whole exposure.
+cv::Mat scenery_of(const View& view, const Look& look, int blobs) {
+  cv::Mat scenery = wall_of(view, look);
+  constexpr double kPlate_m = 0.016;
+  for (int row = 0; row < view.height; ++row) {
+    for (int column = 0; column < view.width; ++column) {
+      const cv::Vec3d at = view.plane(column, row);
+      const double deep = view.surface_m - at[1];
+      if (deep > 0.0 && deep < kPlate_m)
+        scenery.at<float>(row, column) =
+            static_cast<float>(look.plate * (0.9 + 0.2 * value_noise(look.background + 1, at * 300.0)));
+    }
+  }
+  std::mt19937_64 random(look.background);
+  for (int i = 0; i < blobs; ++i) {
+    const auto in = [&](double least, double most) {
+      return std::uniform_real_distribution(least, most)(random);
+    };
+    const cv::Point at(static_cast<int>(in(0.05, 0.95) * view.width),
+                       static_cast<int>(in(0.05, 0.6) * view.height));
+    const double size = 0.03 * view.px_per_m;
+    cv::ellipse(scenery, at,
+                cv::Size(static_cast<int>(in(0.3, 1.0) * size), static_cast<int>(in(0.3, 1.0) * size)),
+                in(0.0, 180.0), 0.0, 360.0, cv::Scalar(in(0.5, 1.5)), cv::FILLED, cv::LINE_AA);
+  }
+  // Edges of real things are not as sharp as drawn ones.
+  cv::GaussianBlur(scenery, scenery, {0, 0}, 0.5);
+  return scenery;
+}
+
+/// A sharp core, and glare over tens of pixels.
+void spread(const Look& look, cv::Mat& light) {
+  cv::Mat wide, small;
+  cv::resize(light, small, {}, 0.125, 0.125, cv::INTER_AREA);
+  cv::GaussianBlur(small, small, {0, 0}, 5.0);
+  cv::resize(small, wide, light.size(), 0, 0, cv::INTER_LINEAR);
+  if (look.blur_px > 0.0) cv::GaussianBlur(light, light, {0, 0}, look.blur_px);
+  light = light * (1.0 - look.glare) + wide * look.glare;
+}
+
+/// Blue, green, red: yellow felt before grey things, and the sensor's own sensitivity.
+constexpr std::array<double, 3> kFelt{0.45, 1.0, 0.85}, kGrey{0.85, 1.0, 0.8};
+
+cv::Mat mosaic_of(const View& view, const Look& look, const cv::Mat& felt, const cv::Mat& behind,
+                  double exposure, double noise, double black, std::mt19937_64& random) {
+  constexpr double kFullWell_e = 12000.0, kRead_e = 6.0, kUneven = 0.008;
+  std::normal_distribution<double> normal;
+  cv::Mat mosaic(felt.size(), CV_16UC1);
+  for (int row = 0; row < felt.rows; ++row) {
+    for (int column = 0; column < felt.cols; ++column) {
+      const std::size_t colour = (row & 1) == (column & 1) ? 1 : (row & 1) == 0 ? 2 : 0;  // GRBG
+      const double x = 2.0 * column / view.width - 1.0, y = 2.0 * row / view.height - 1.0;
+      const double seen = exposure * (1.0 - 0.5 * look.vignetting * (x * x + y * y)) *
+                          (kFelt[colour] * static_cast<double>(felt.at<float>(row, column)) +
+                           kGrey[colour] * static_cast<double>(behind.at<float>(row, column)));
+      const double electrons = kFullWell_e * std::max(0.0, seen * (1.0 + kUneven * normal(random)));
+      const double read = electrons + noise * std::sqrt(electrons + kRead_e * kRead_e) * normal(random);
+      mosaic.at<std::uint16_t>(row, column) =
+          cv::saturate_cast<std::uint16_t>(65535.0 * (read / kFullWell_e + black));
+    }
+  }
+  return mosaic;
+}
+
+}  // namespace
+
+IndependentPhotograph render_independently(const sim::Scene& scene, const sim::Exposure& exposure,
+                                           std::uint64_t seed, const IndependentLook& extra) {
+  std::mt19937_64 random(seed * 7919 + static_cast<std::uint64_t>(exposure.shot));
+  const View view = view_of(scene, random);
+  const Look look = look_of(scene, random);
+  const auto flashes = flashes_of(view, look, extra, scene, exposure, random);
+  const cv::Mat scenery = scenery_of(view, look, scene.background.blobs);
+  cv::Mat felt(scenery.size(), CV_32FC1, cv::Scalar(0.0)), hidden = felt.clone();
+  IndependentPhotograph photograph;
+  const auto pulses = static_cast<double>(std::max<std::size_t>(exposure.pulses.size(), 1));
+  for (const Flash& flash : flashes) {
+    const double all = look.power[0] + look.power[1];
+    for (const FeltBall& moment : flash.moments)
+      paint(view, look, moment, scenery, (moment.light[0] + moment.light[1]) / all / pulses, felt, hidden);
+    photograph.truth.push_back(truth_of(view, look, flash));
+    photograph.times_s.push_back(flash.time_s);
+  }
+  cv::Mat behind = scenery - hidden;
+  spread(look, felt);
+  spread(look, behind);
+  // The lightest felt of one image is at two fifths of what saturates.
+  constexpr double kUsual = 0.4 / 1.3;
+  const cv::Mat mosaic = mosaic_of(view, look, felt, behind, kUsual * scene.photograph.exposure, extra.noise,
+                                   scene.photograph.black_level, random);
+  cv::cvtColor(mosaic, photograph.pixels, cv::COLOR_BayerGB2BGR);
+  if (scene.photograph.gamma != 1.0) {
+    cv::Mat light;
+    photograph.pixels.convertTo(light, CV_32F, 1.0 / 65535.0);
+    cv::pow(light, scene.photograph.gamma, light);
+    light.convertTo(photograph.pixels, CV_16U, 65535.0);
+  }
+  return photograph;
+}
+
+}  // namespace strobe::studies::digitize

@@ -1,0 +1,31 @@
+// A second renderer, to judge by what the first one cannot: it shares the shot (where the ball is at each flash) and
+// nothing of how a photograph is made. Rough felt after Oren and Nayar, other lamps, wall and plate; a lens with glare;
+// a colour sensor with a Bayer mosaic and uneven pixels; a flash with a tail; JPEG. Its own geometry, its own truth.
+// Deterministic by the take's seed; thread-safe; allocates.
+#pragma once
+
+#include <opencv2/core.hpp>
+#include <vector>
+
+#include "sim/rig/exposure.hpp"
+#include "sim/scene/scene.hpp"
+#include "tests/studies/digitize/score.hpp"
+
+namespace strobe::studies::digitize {
+
+/// What the scene does not say.
+struct IndependentLook {
+  double second_flash = 0.0;  ///< 0 to 1: light of a second flash 30 us after each, over the first's
+  double noise = 1.0;         ///< of the sensor, over the usual
+};
+
+struct IndependentPhotograph {
+  cv::Mat pixels;  ///< CV_16UC3, blue first
+  std::vector<TrueImage> truth;
+  std::vector<double> times_s;  ///< of the true images, from the first pulse's edge
+};
+
+IndependentPhotograph render_independently(const sim::Scene& scene, const sim::Exposure& exposure,
+                                           std::uint64_t seed, const IndependentLook& look);
+
+}  // namespace strobe::studies::digitize
