@@ -79,12 +79,15 @@ std::vector<Candidate> find_candidates(const Photograph& photograph, const Searc
   support.release();
 
   std::vector<Candidate> candidates;
+  // A few tell whether the size is right.
+  constexpr std::size_t kJudged = 6;
   for (const auto& found : circles) {
     const Circle& circle = found.circle;
-    candidates.push_back({{reduced.to_full(circle.centre.x), reduced.to_full(circle.centre.y)},
-                          circle.radius * reduced.factor,
-                          found.coverage,
-                          likeliest_radius(support, found) * reduced.factor});
+    candidates.push_back(
+        {{reduced.to_full(circle.centre.x), reduced.to_full(circle.centre.y)},
+         circle.radius * reduced.factor,
+         found.coverage,
+         (candidates.size() < kJudged ? likeliest_radius(support, found) : circle.radius) * reduced.factor});
   }
   // A refit may have increased the coverage.
   std::stable_sort(candidates.begin(), candidates.end(),

@@ -60,7 +60,7 @@ struct Candidate {
   cv::Point2d centre_image;
   double radius_image_px = 0.0;
   double score = 0.0;  ///< share of the outline that edge points support, 0 to 1
-  /// The radius, also beyond those sought, that edge points support best around this centre.
+  /// Of the best ones the radius, also beyond those sought, that edge points support best around this centre.
   double likeliest_radius_px = 0.0;
 };
 

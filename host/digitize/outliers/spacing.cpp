@@ -13,6 +13,10 @@ constexpr std::size_t kMinImages = 4;
 constexpr double kCloseOfStep = 0.5;
 // True images differ at most by this in quality where nothing is saturated.
 constexpr double kClearDifference = 0.2;
+// Of the median interval, where the flashes' times are not known: trains that tell their flashes apart by unequal
+// intervals have none shorter, and neither lamp flashes that fast again. An outline that near to another borrows most
+// of its limb, and its quality.
+constexpr double kMinIntervalOfUnknown = 0.2;
 
 class Leg {
  public:
@@ -20,11 +24,10 @@ class Leg {
       std::span<const double> quality)
       : members_(std::move(members)), curved_(curved), points_(points), quality_(quality) {}
 
-  /// Shortest interval of the flashes over the median one.
+  /// Shortest interval of two flashes or more over the median one.
   static double shortest_interval(std::span<const double> times_s) {
     std::vector<double> steps;
     for (std::size_t k = 1; k < times_s.size(); ++k) steps.push_back(times_s[k] - times_s[k - 1]);
-    if (steps.empty()) return 0.0;
     const double least = *std::min_element(steps.begin(), steps.end());
     return least / median(std::move(steps));
   }
@@ -77,7 +80,9 @@ class Leg {
 
 std::vector<TooClose> find_too_close(const Path& path, std::span<const PathPoint> points,
                                      std::span<const double> quality, std::span<const double> flash_times_s) {
-  const double shortest_interval = Leg::shortest_interval(flash_times_s);
+  // Along a curve the ball may be slow, or seen from above itself.
+  const double unknown = path.curved ? 0.0 : kMinIntervalOfUnknown;
+  const double shortest_interval = flash_times_s.size() < 2 ? unknown : Leg::shortest_interval(flash_times_s);
   std::vector<TooClose> too_close;
   for (const auto& members : path.legs) {
     Leg leg(members, path.curved, points, quality);

@@ -6,66 +6,21 @@
 #include <numbers>
 
 #include "host/digitize/core/covariance.hpp"
-#include "host/digitize/core/statistics.hpp"
+#include "host/digitize/outline/outline_covariance.hpp"
+#include "host/digitize/outline/sector_offsets.hpp"
 
 namespace strobe::digitize {
 
 namespace {
 
-constexpr double kTukey = 4.685;   // 95 % efficient on normal errors
-constexpr double kMaxSd_px = 1.0;  // of a sector's offset
 constexpr double kMinSigma_px = 0.35;
 constexpr int kFewestEdges = 6;
-// Systematic errors that the sectors' scatter does not show: shading and blur unlike the model shift many
-// sectors alike. Both from painted photographs of balls with many looks
-// (tests/host/digitize/outlines_test.cpp), the factor also from 721 images on rendered photographs, whose errors are
-// then 1.05 sd: a limb that is not of the expected shape moves its neighbours alike.
-constexpr double kSdFactor = 1.4;
-constexpr double kFloor_px = 0.01;
-// A blurred edge includes more of the ball's shaded side, which the profile models less well: an error of the
-// order sigma²/radius (the profile is sampled sigma deep, and shading goes as depth over radius), the same
-// all around. Rendered photographs show 2 to 3 times it, painted ones less than 1.
-constexpr double kMisfit = 1.5;
-// Fuzz and shading move all outlines of a photograph in or out alike: 0.025 px of the radius, over 525
-// rendered photographs with 25 looks.
-constexpr double kLimb_px = 0.025;
-
 using Vector = OutlineVector;
 using Square = OutlineMatrix;
 
 Vector gradient(cv::Point2d out) {
   const double c = out.x, s = out.y;
   return {c, s, 1.0, c * c - s * s, 2.0 * c * s};
-}
-
-struct Offsets {
-  std::vector<SectorEdge> edges;
-  std::vector<double> weight;       ///< 1/px²
-  std::vector<double> robust;       ///< Tukey's weight, 0 to 1
-  std::vector<double> sensitivity;  ///< 1/px², of the fit to a sector's offset (Tukey's psi')
-  std::vector<double> common_sd;    ///< px, of the error that adjacent sectors share
-  double extra_variance = 0.0;      ///< beyond the sectors' own
-};
-
-bool is_usable(const SectorEdge& edge) { return edge.usable && edge.sd_px < kMaxSd_px; }
-
-/// The variance to add so that the median of residual²/variance is that of a squared normal variable.
-double extra_variance(const std::vector<SectorEdge>& edges, const std::vector<double>& residual) {
-  constexpr double kMedianOfSquare = 0.4549;
-  const auto median_ratio = [&](double extra) {
-    std::vector<double> ratio;
-    for (std::size_t i = 0; i < edges.size(); ++i)
-      if (is_usable(edges[i]))
-        ratio.push_back(residual[i] * residual[i] / (edges[i].sd_px * edges[i].sd_px + extra));
-    return upper_median(std::move(ratio));
-  };
-  double low = 1e-6, high = 4.0;
-  if (median_ratio(low) <= kMedianOfSquare) return low;
-  for (int i = 0; i < 14; ++i) {
-    const double half = std::sqrt(low * high);
-    (median_ratio(half) > kMedianOfSquare ? low : high) = half;
-  }
-  return high;
 }
 
 /// One outline's fit, step by step.
@@ -110,7 +65,8 @@ class Fit {
     FittedOutline fitted;
     fitted.shape = shape_;
     fitted.sigma_px = sigma_;
-    fitted.covariance = covariance();
+    const std::vector<double> left = residuals(change_);
+    fitted.covariance = outline_covariance({offsets_, gradients_, left}, prior(), sigma_, shape_.radius);
     summarize(fitted);
     assert(is_covariance(fitted.covariance));
     return fitted;
@@ -132,40 +88,7 @@ class Fit {
       edge = fit_sector(samples_, i, shape_, neighbours_, profiles, sigma_, coarse);
       edge.offset_px = std::clamp(edge.offset_px, -most, most);
     }
-    if (!coarse) downweight_shadow();
-  }
-
-  /// Where most sectors around have no edge the limb is in shadow, and a single edge belongs to something
-  /// else. Next to it the limb fades into the terminator, which lies further inside: those sectors share an
-  /// error.
-  void downweight_shadow() {
-    constexpr int kReach = 4;
-    const auto at = [&](int i) { return static_cast<std::size_t>((i + count()) % count()); };
-    std::vector<bool> shadow(offsets_.edges.size());
-    for (int i = 0; i < count(); ++i) {
-      int without = 0, with = 0;
-      for (int k = -kReach; k <= kReach; ++k) {
-        const SectorEdge& edge = offsets_.edges[at(i + k)];
-        without += edge.no_edge ? 1 : 0;
-        with += edge.usable ? 1 : 0;
-      }
-      shadow[at(i)] = without > with && without > kReach;
-    }
-    offsets_.common_sd.assign(offsets_.edges.size(), 0.0);
-    for (int i = 0; i < count(); ++i) {
-      SectorEdge& edge = offsets_.edges[at(i)];
-      if (!edge.usable) continue;
-      if (shadow[at(i)]) {
-        edge.usable = false;
-        continue;
-      }
-      bool near = false;
-      for (int k = -kReach; k <= kReach; ++k) near = near || shadow[at(i + k)];
-      if (!near) continue;
-      const double common = sigma_ * std::min(1.0, edge.limb_ratio * edge.limb_ratio);
-      offsets_.common_sd[at(i)] = common;
-      edge.sd_px = std::hypot(edge.sd_px, common);
-    }
+    if (!coarse) downweight_shadow(offsets_, sigma_);
   }
 
   double residual(int i, const Vector& change) const {
@@ -173,12 +96,18 @@ class Fit {
     return offsets_.edges[at].offset_px - gradients_[at].dot(change);
   }
 
+  std::vector<double> residuals(const Vector& change) const {
+    std::vector<double> left;
+    for (int i = 0; i < count(); ++i) left.push_back(residual(i, change));
+    return left;
+  }
+
   /// Iteratively reweighted.
   void solve(const Vector& from) {
     constexpr int kRounds = 5;
     change_ = from;
     for (int round = 0; round < kRounds; ++round) {
-      reweight(change_);
+      reweight(offsets_, residuals(change_));
       Square normal = prior();
       Vector right = prior_right();
       for (std::size_t i = 0; i < gradients_.size(); ++i) {
@@ -193,23 +122,6 @@ class Fit {
       for (int a = 0; a < kOutlineParameters; ++a)
         for (int b = a + 1; b < kOutlineParameters; ++b) normal(a, b) = normal(b, a);
       change_ = normal.solve(right, cv::DECOMP_CHOLESKY);
-    }
-  }
-
-  void reweight(const Vector& change) {
-    std::vector<double> left(static_cast<std::size_t>(count()));
-    for (int i = 0; i < count(); ++i) left[static_cast<std::size_t>(i)] = residual(i, change);
-    offsets_.extra_variance = extra_variance(offsets_.edges, left);
-    for (std::size_t i = 0; i < left.size(); ++i) {
-      const SectorEdge& edge = offsets_.edges[i];
-      offsets_.weight[i] = offsets_.robust[i] = offsets_.sensitivity[i] = 0.0;
-      if (!is_usable(edge)) continue;
-      const double variance = edge.sd_px * edge.sd_px + offsets_.extra_variance;
-      const double z2 = left[i] * left[i] / (variance * kTukey * kTukey);
-      if (z2 >= 1.0) continue;
-      offsets_.robust[i] = (1.0 - z2) * (1.0 - z2);
-      offsets_.weight[i] = offsets_.robust[i] / variance;
-      offsets_.sensitivity[i] = (1.0 - z2) * std::max(0.0, 1.0 - 5.0 * z2) / variance;
     }
   }
 
@@ -242,54 +154,6 @@ class Fit {
     if (weight <= 0.0) return 0.0;
     const double grown = std::clamp(change / weight, -0.4 * sigma_, 0.4 * sigma_);
     return std::max(kMinSigma_px, sigma_ + grown) - sigma_;
-  }
-
-  Square covariance() const {
-    // Sectors with correlated errors: texture and seams reach over a few. A longer window underestimates, as
-    // the fit itself absorbs what varies slowly along the outline.
-    constexpr int kReach = 3;
-    std::vector<Vector> score(static_cast<std::size_t>(count()));
-    const Square inverse = sensitivity().inv(cv::DECOMP_CHOLESKY);
-    for (int i = 0; i < count(); ++i) {
-      const auto at = static_cast<std::size_t>(i);
-      const Vector& g = gradients_[at];
-      // Corrects the residual for its own leverage.
-      const double leverage = std::min(0.7, offsets_.weight[at] * g.dot(inverse * g));
-      score[at] = offsets_.weight[at] * residual(i, change_) / (1.0 - leverage) * g;
-    }
-    Square meat = prior();
-    for (int i = 0; i < count(); ++i) {
-      const Vector& here = score[static_cast<std::size_t>(i)];
-      meat += here * here.t();
-      for (int lag = 1; lag < kReach; ++lag) {
-        const Vector& there = score[static_cast<std::size_t>((i + lag) % count())];
-        meat += (1.0 - static_cast<double>(lag) / kReach) * (here * there.t() + there * here.t());
-      }
-    }
-    Square covariance = inverse * meat * inverse * (kSdFactor * kSdFactor);
-    // Errors that adjacent sectors share are not shared across the ball.
-    for (int pattern = 0; pattern < 3; ++pattern) {
-      Vector pull{};
-      for (std::size_t i = 0; i < gradients_.size(); ++i) {
-        const double along = pattern == 0 ? 1.0 : gradients_[i][pattern - 1];
-        pull += offsets_.weight[i] * along * offsets_.common_sd[i] * gradients_[i];
-      }
-      const Vector moved = inverse * pull * (1.0 / std::numbers::sqrt2);
-      covariance += moved * moved.t();
-    }
-    const double misfit = kMisfit * sigma_ * sigma_ / shape_.radius;
-    for (int a = 0; a < 3; ++a) covariance(a, a) += kFloor_px * kFloor_px + misfit * misfit;
-    covariance(2, 2) += kLimb_px * kLimb_px;
-    return covariance;
-  }
-
-  Square sensitivity() const {
-    Square slope = prior();
-    for (int i = 0; i < count(); ++i) {
-      const Vector& g = gradients_[static_cast<std::size_t>(i)];
-      slope += offsets_.sensitivity[static_cast<std::size_t>(i)] * g * g.t();
-    }
-    return slope;
   }
 
   void summarize(FittedOutline& fitted) const {
@@ -331,7 +195,7 @@ class Fit {
   double start_radius_;
   OutlineShape shape_;
   double sigma_;
-  Offsets offsets_;
+  SectorOffsets offsets_;
   std::vector<Vector> gradients_;  ///< of the radius by the unknowns, by sector
   Vector change_{};
 };

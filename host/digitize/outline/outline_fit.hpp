@@ -1,7 +1,5 @@
 // Fits one outline to its sectors (sector_fit.hpp): robust weighted least squares for centre, radius, ovality
-// and blur, with a covariance from the residuals of the sectors themselves, which texture and shading
-// correlate (sandwich estimator with Bartlett's window along the outline, Newey and West 1987).
-// Deterministic; thread-safe; allocates.
+// and blur. Deterministic; thread-safe; allocates.
 #pragma once
 
 #include <optional>

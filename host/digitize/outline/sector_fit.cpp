@@ -15,8 +15,10 @@ constexpr int kOwn = 5;  // linear terms without neighbours
 constexpr int kMaxLinear = kOwn + 2 * kMaxNeighbours;
 constexpr int kExtra = 5;  // derivatives of step and root by depth and sigma, intensity
 constexpr int kMaxTerms = kMaxLinear + kExtra;
-constexpr int kSlope = 1, kStep = 2, kRoot = 3, kInnerSlope = 4;
-constexpr int kLimb = kStep, kDeviation = kRoot;  // by add_limb_prior()
+// The linear terms are, in this order: an even background, step and root of each neighbour, and of this outline
+// slope, limb, deviation from it, and inner slope. Those that have a prior come last (noise_of()).
+constexpr int kPriorTerms = 4;
+constexpr std::size_t kSlope = 0, kLimb = 1, kDeviation = 2, kInnerSlope = 3;  // from first_prior_term()
 constexpr int kLanes = 4;
 constexpr int kMaxDepths = SectorSamples::kMaxDepths;
 constexpr int kMinDegreesOfFreedom = 4;
@@ -34,6 +36,7 @@ struct Terms {
   int linear = kOwn;
   int depths = 0;
 
+  std::size_t first_prior_term() const { return static_cast<std::size_t>(linear - kPriorTerms); }
   int count() const { return linear + kExtra; }
   void pad() {
     while (depths % kLanes != 0) {
@@ -47,6 +50,11 @@ struct Terms {
 struct Normal {
   std::array<std::array<double, kMaxTerms>, kMaxTerms> m;
   int linear = kOwn;
+
+  std::size_t first_prior_term() const { return static_cast<std::size_t>(linear - kPriorTerms); }
+  std::size_t light() const {
+    return static_cast<std::size_t>(linear + kExtra - 1);
+  }  ///< the intensity's row
 };
 
 Normal products(const Terms& terms) {
@@ -101,6 +109,13 @@ void add_neighbour(Terms& terms, std::size_t first, const SectorSamples& samples
   }
 }
 
+// What is known of a limb before its sector is seen. Of its rise over a window, the part that grows as the root
+// is anything from none (light from all around, fuzz) to all (a matt sphere lit from the camera): uniform, with
+// the mean 1/2 and the variance 1/12. A window is at most .3 of a radius deep, and light on a sphere, this one or
+// one behind it, changes by as much as it is over a radius: slopes of ball and background are within .3 of it.
+constexpr float kRootShare = 0.5F;
+constexpr double kRootShareVariance = 1.0 / 12.0, kSlopeVariance = 0.3 * 0.3;
+
 Terms terms_of(const SectorSamples& samples, int index, const OutlineShape& shape,
                std::span<const OutlineShape* const> neighbours, const ProfileTable& profiles, double sigma) {
   Terms terms;
@@ -110,22 +125,23 @@ Terms terms_of(const SectorSamples& samples, int index, const OutlineShape& shap
   const double moved = profile.depth_px + shape.depth(samples.middle(index)) - shift;
   const double unit = 1.0 / samples.window_px();
   const auto extra = static_cast<std::size_t>(terms.linear);
+  const std::size_t own = terms.first_prior_term();
   for (std::size_t k = 0; k < profile.intensity.size(); ++k) {
     const double depth = moved + static_cast<double>(k) * samples.depth_step_px();
     const ProfileTable::Entry entry = profiles.at(depth);
     const auto inwards = static_cast<float>(depth * unit);
     terms.row[0][k] = 1.0F;
-    terms.row[kSlope][k] = inwards;
-    terms.row[kStep][k] = entry.step;
-    terms.row[kRoot][k] = entry.root;
-    terms.row[kInnerSlope][k] = entry.step * inwards;
+    terms.row[own + kSlope][k] = inwards;
+    terms.row[own + kLimb][k] = (1.0F - kRootShare) * entry.step + kRootShare * entry.root;
+    terms.row[own + kDeviation][k] = entry.root - entry.step;
+    terms.row[own + kInnerSlope][k] = entry.step * inwards;
     terms.row[extra][k] = entry.step_by_depth;
     terms.row[extra + 1][k] = entry.root_by_depth;
     terms.row[extra + 2][k] = entry.step_by_sigma;
     terms.row[extra + 3][k] = entry.root_by_sigma;
     terms.row[extra + 4][k] = profile.intensity[k];
   }
-  std::size_t next = kOwn;
+  std::size_t next = 1;
   for (const OutlineShape* other : neighbours) {
     add_neighbour(terms, next, samples, index, shift, *other, profiles);
     next += 2;
@@ -135,56 +151,42 @@ Terms terms_of(const SectorSamples& samples, int index, const OutlineShape& shap
   return terms;
 }
 
-// What is known of a limb before its sector is seen. Of its rise over a window, the part that grows as the root
-// is anything from none (light from all around, fuzz) to all (a matt sphere lit from the camera): uniform, with
-// the mean 1/2 and the variance 1/12. A window is at most .3 of a radius deep, and light on a sphere, this one or
-// one behind it, changes by as much as it is over a radius: slopes of ball and background are within .3 of it.
-constexpr double kRootShare = 0.5, kRootShareVariance = 1.0 / 12.0, kSlopeVariance = 0.3 * 0.3;
-
-/// Replaces term `to` by itself plus `factor` times term `from`.
-void mix(Normal& normal, std::size_t to, std::size_t from, double factor) {
-  const auto terms = static_cast<std::size_t>(normal.linear + kExtra);
-  const auto at = [&](std::size_t i, std::size_t j) -> double& {
-    return normal.m[std::max(i, j)][std::min(i, j)];
-  };
-  const double own = at(to, to) + 2 * factor * at(to, from) + factor * factor * at(from, from);
-  for (std::size_t i = 0; i < terms; ++i)
-    if (i != to) at(i, to) += factor * at(i, from);
-  at(to, to) = own;
-}
-
 /// Rise of intensity over the limb, with nothing but an even background fitted beside it.
 double rough_rise(const Normal& normal) {
-  const auto light = static_cast<std::size_t>(normal.linear + kExtra - 1);
-  const double mean = normal.m[kLimb][0] / normal.m[0][0];
-  const double own = normal.m[kLimb][kLimb] - mean * normal.m[kLimb][0];
-  return own > 0.0 ? (normal.m[light][kLimb] - mean * normal.m[light][0]) / own : 0.0;
+  const std::size_t limb = normal.first_prior_term() + kLimb;
+  const double mean = normal.m[limb][0] / normal.m[0][0];
+  const double own = normal.m[limb][limb] - mean * normal.m[limb][0];
+  return own > 0.0 ? (normal.m[normal.light()][limb] - mean * normal.m[normal.light()][0]) / own : 0.0;
 }
 
-/// Makes step and root a limb of even shares and its deviation from it, which, like the slopes, is expected to
-/// be small against the limb's rise: by as much as noise, texture among it, hides. Without noise nothing is
-/// assumed; in bad light, where the terms are nearly collinear, the limb is of the common shape.
-void add_limb_prior(Normal& normal, double noise2) {
-  mix(normal, kDeviation, kLimb, -1.0);
-  mix(normal, kLimb, kDeviation, kRootShare);
-  const double relative = noise2 / (std::pow(rough_rise(normal), 2) + noise2);
-  normal.m[kSlope][kSlope] += relative / kSlopeVariance;
-  normal.m[kDeviation][kDeviation] += relative / kRootShareVariance;
-  normal.m[kInnerSlope][kInnerSlope] += relative / kSlopeVariance;
+/// The deviation from the limb, like the slopes, is expected to be small against its rise: by as much as noise,
+/// texture among it, hides. Without noise nothing is assumed; in bad light, where the terms are nearly collinear, the
+/// limb is of the common shape.
+void add_limb_prior(Normal& normal, double rise, double noise2) {
+  const double relative = noise2 / (rise * rise + noise2);
+  const std::size_t own = normal.first_prior_term();
+  normal.m[own + kSlope][own + kSlope] += relative / kSlopeVariance;
+  normal.m[own + kDeviation][own + kDeviation] += relative / kRootShareVariance;
+  normal.m[own + kInnerSlope][own + kInnerSlope] += relative / kSlopeVariance;
 }
 
-/// Projects the linear terms out of the others by a Cholesky factorization, row by row: afterwards m[i][j] of
-/// the others holds the products of their residuals, and m[last][j] of a linear term j holds (L⁻¹ b)_j, b
-/// being its products with the intensity.
-void project(Normal& normal) {
-  const auto linear = static_cast<std::size_t>(normal.linear), terms = linear + kExtra;
-  for (std::size_t j = 0; j < linear; ++j)
-    normal.m[j][j] = (1.0 + 1e-6) * normal.m[j][j] + (j < kOwn ? 0.0 : kNeighbourPrior);
-  for (std::size_t i = 0; i < terms; ++i) {
-    for (std::size_t j = 0; j <= i; ++j) {
+/// Keeps nearly collinear terms apart.
+void add_ridge(Normal& normal) {
+  for (std::size_t j = 0; j < static_cast<std::size_t>(normal.linear); ++j)
+    normal.m[j][j] =
+        (1.0 + 1e-6) * normal.m[j][j] + (j > 0 && j < normal.first_prior_term() ? kNeighbourPrior : 0.0);
+}
+
+/// Projects the linear terms from `first` to `last` out of all after them by a Cholesky factorization, row by row:
+/// afterwards m[i][j] of the others holds the products of their residuals, and m[light][j] of such a term j holds
+/// (L⁻¹ b)_j, b being its products with the intensity.
+void project(Normal& normal, std::size_t first, std::size_t last) {
+  const std::size_t terms = normal.light() + 1;
+  for (std::size_t i = first; i < terms; ++i) {
+    for (std::size_t j = first; j <= i; ++j) {
       double sum = normal.m[i][j];
-      for (std::size_t k = 0; k < std::min(j, linear); ++k) sum -= normal.m[i][k] * normal.m[j][k];
-      if (j >= linear) {
+      for (std::size_t k = first; k < std::min(j, last); ++k) sum -= normal.m[i][k] * normal.m[j][k];
+      if (j >= last) {
         normal.m[i][j] = sum;
       } else if (i == j) {
         normal.m[i][i] = std::sqrt(std::max(sum, 1e-9));
@@ -195,37 +197,33 @@ void project(Normal& normal) {
   }
 }
 
-/// The linear terms' amplitudes, by back substitution.
-std::array<double, kMaxLinear> coefficients(const Normal& normal) {
-  std::array<double, kMaxLinear> x{};
-  const int linear = normal.linear;
-  const auto& intensity = normal.m[static_cast<std::size_t>(linear + kExtra - 1)];
-  for (int i = linear - 1; i >= 0; --i) {
-    const auto row = static_cast<std::size_t>(i);
-    double sum = intensity[row];
-    for (int k = i + 1; k < linear; ++k)
-      sum -= normal.m[static_cast<std::size_t>(k)][row] * x[static_cast<std::size_t>(k)];
-    x[row] = sum / normal.m[row][row];
-  }
-  return x;
-}
-
-/// Variance of the intensity around the freest of the models: project() of the intensity alone.
+/// Variance of the intensity around the freest of the models, once all terms without a prior are projected out.
 double noise_of(const Normal& normal, int degrees_of_freedom) {
-  std::array<std::array<double, kMaxLinear>, kMaxLinear + 1> factor;
-  const auto linear = static_cast<std::size_t>(normal.linear), light = linear + kExtra - 1;
-  double left = normal.m[light][light];
-  for (std::size_t i = 0; i <= linear; ++i) {
-    const auto& products = normal.m[i < linear ? i : light];
-    for (std::size_t j = 0; j < std::min(i + 1, linear); ++j) {
-      double sum = products[j];
-      if (i == j) sum += 1e-6 * sum + (j < kOwn ? 0.0 : kNeighbourPrior);
+  std::array<std::array<double, kPriorTerms>, kPriorTerms + 1> factor;
+  const std::size_t own = normal.first_prior_term();
+  double left = normal.m[normal.light()][normal.light()];
+  for (std::size_t i = 0; i <= kPriorTerms; ++i) {
+    const auto& products = normal.m[i < kPriorTerms ? own + i : normal.light()];
+    for (std::size_t j = 0; j < std::min<std::size_t>(i + 1, kPriorTerms); ++j) {
+      double sum = products[own + j];
       for (std::size_t k = 0; k < j; ++k) sum -= factor[i][k] * factor[j][k];
       factor[i][j] = i == j ? std::sqrt(std::max(sum, 1e-9)) : sum / factor[j][j];
-      if (i == linear) left -= factor[i][j] * factor[i][j];
+      if (i == kPriorTerms) left -= factor[i][j] * factor[i][j];
     }
   }
   return kInterpolation * std::max(left, 0.0) / degrees_of_freedom + 1e-14;
+}
+
+/// The amplitudes of the terms that have a prior, by back substitution.
+std::array<double, kPriorTerms> amplitudes(const Normal& normal) {
+  std::array<double, kPriorTerms> x{};
+  const std::size_t own = normal.first_prior_term();
+  for (std::size_t i = kPriorTerms; i-- > 0;) {
+    double sum = normal.m[normal.light()][own + i];
+    for (std::size_t k = i + 1; k < kPriorTerms; ++k) sum -= normal.m[own + k][own + i] * x[k];
+    x[i] = sum / normal.m[own + i][own + i];
+  }
+  return x;
 }
 
 /// Products of a sector's residuals after projection, for the fitted amplitudes of step and root.
@@ -233,7 +231,7 @@ class Residuals {
  public:
   Residuals(const Normal& normal, double noise2)
       : normal_(normal), noise2_(noise2), first_(static_cast<std::size_t>(normal.linear)) {
-    const auto x = coefficients(normal);
+    const auto x = amplitudes(normal);
     step_ = x[kLimb] * (1.0 - kRootShare) - x[kDeviation];
     root_ = x[kLimb] * kRootShare + x[kDeviation];
     depth_depth_ = step_ * step_ * of(0, 0) + 2 * step_ * root_ * of(0, 1) + root_ * root_ * of(1, 1);
@@ -288,14 +286,15 @@ class Residuals {
     double by_depth = 0.0;  ///< change of the amplitude as the outline moves out
   };
   StepSd step_sd() const {
-    std::array<double, kMaxLinear> unit{};
+    std::array<double, kPriorTerms> unit{};
+    const std::size_t own = normal_.first_prior_term();
     double variance = 0.0, shared = 0.0;
-    for (std::size_t i = kLimb; i < first_; ++i) {
+    for (std::size_t i = kLimb; i < kPriorTerms; ++i) {
       double sum = i == kLimb ? 1.0 - kRootShare : i == kDeviation ? -1.0 : 0.0;
-      for (std::size_t k = kLimb; k < i; ++k) sum -= normal_.m[i][k] * unit[k];
-      unit[i] = sum / normal_.m[i][i];
+      for (std::size_t k = kLimb; k < i; ++k) sum -= normal_.m[own + i][own + k] * unit[k];
+      unit[i] = sum / normal_.m[own + i][own + i];
       variance += unit[i] * unit[i];
-      shared += unit[i] * (step_ * normal_.m[first_][i] + root_ * normal_.m[first_ + 1][i]);
+      shared += unit[i] * (step_ * normal_.m[first_][own + i] + root_ * normal_.m[first_ + 1][own + i]);
     }
     return {std::sqrt(noise2_ * variance), std::sqrt(noise2_ * (variance + shared * shared / depth_depth_)),
             shared};
@@ -328,9 +327,13 @@ SectorEdge fit_sector(const SectorSamples& samples, int index, const OutlineShap
   const Terms terms = terms_of(samples, index, shape,
                                std::span(chosen).first(static_cast<std::size_t>(others)), profiles, sigma_px);
   Normal normal = products(terms);
+  const double rise = rough_rise(normal);
+  const auto free = normal.first_prior_term(), all = static_cast<std::size_t>(normal.linear);
+  add_ridge(normal);
+  project(normal, 0, free);
   const double noise2 = noise_of(normal, degrees_of_freedom);
-  add_limb_prior(normal, noise2);
-  project(normal);
+  add_limb_prior(normal, rise, noise2);
+  project(normal, free, all);
   const Residuals residuals(normal, noise2);
   const auto shadow = residuals.shadow_depth(samples.window_px(), coarse);
   if (!shadow || !(residuals.step() + residuals.root() * profiles.at(2.0 * sigma_px).root > 0.0)) {

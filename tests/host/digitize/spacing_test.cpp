@@ -49,6 +49,14 @@ TEST(Crowding, FindsTheOneThatIsLessOfABall) {
 
 TEST(Crowding, LeavesUnequalStepsOfAsGoodImages) { LONGS_EQUAL(0, too_close(row(330.0, 0.93)).size()); }
 
+TEST(Crowding, IsCertainWhereNoTrainHasSuchAnInterval) {
+  // The second outline of one ball shares most of its limb.
+  LONGS_EQUAL(1, too_close(row(308.0, 0.93)).size());
+  Row curved = row(308.0, 0.93);
+  curved.path.curved = true;
+  LONGS_EQUAL(0, too_close(curved).size());
+}
+
 TEST(Crowding, IsCertainWhereTheFlashesAreEven) {
   const std::vector<double> even{0.0, 3e-3, 6e-3, 9e-3, 12e-3, 15e-3, 18e-3, 21e-3, 24e-3, 27e-3};
   LONGS_EQUAL(1, too_close(row(330.0, 0.93), even).size());
