@@ -15,10 +15,10 @@ flight::Parabola LegFit::path() const {
   return {line_.mean() + fall(mean_time_s()), line_.slope() + t * gravity_, gravity_};
 }
 
-std::optional<Crossing> crossing(const LegFit& leg, double height) {
+std::optional<Crossing> crossing(const LegFit& leg, double height, double nearest_s) {
   if (!leg.has_velocity()) return std::nullopt;
   const flight::Parabola path = leg.path();
-  const double up = path.velocity.y();
+  const double up = path.velocity_at(nearest_s - leg.mean_time_s()).y();
   if (up == 0.0) return std::nullopt;
   const auto t = up < 0.0 ? path.time_falling_through_s(height) : path.time_rising_through_s(height);
   if (!t) return std::nullopt;

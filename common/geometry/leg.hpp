@@ -48,8 +48,9 @@ struct Crossing {
   Eigen::Vector2d velocity = Eigen::Vector2d::Zero();  ///< per second
 };
 
-/// Touchdown (a path that falls at its mean time) or lift-off (one that rises): where the centre is at
-/// `height`. Returns nullopt if the path does not pass it so, or has no velocity along y.
-std::optional<Crossing> crossing(const LegFit& leg, double height);
+/// Touchdown (a path that falls at nearest_s, the time of the image next to the surface) or lift-off (one that rises
+/// then): where the centre is at `height`. A leg between two bounces has both. Returns nullopt if the path does not
+/// pass it so, or has no velocity along y.
+std::optional<Crossing> crossing(const LegFit& leg, double height, double nearest_s);
 
 }  // namespace strobe::geometry

@@ -72,7 +72,8 @@ class TimedClassifier {
     LegFit fit({0.0, gravity_});
     for (const std::size_t i : indices)
       fit.add(images_[i].time_s, {0.0, images_[i].height_m}, 1.0 / images_[i].variance_m2);
-    const auto at = crossing(fit, 0.0);
+    const std::size_t nearest = leg == Leg::incoming ? indices.back() : indices.front();
+    const auto at = crossing(fit, 0.0, images_[nearest].time_s);
     if (!at || (at->velocity.y() < 0.0) != (leg == Leg::incoming)) return std::nullopt;
     const double sd = std::sqrt(fit.position_variance(at->time_s) + reference_variance_);
     return PredictedCrossing{at->time_s, sd / std::abs(at->velocity.y())};

@@ -10,6 +10,7 @@
 #include "host/assembly/flash_match.hpp"
 #include "host/assembly/flash_times.hpp"
 #include "host/assembly/image_track.hpp"
+#include "host/assembly/steady_flight.hpp"
 #include "host/config/notes.hpp"
 
 namespace strobe::host {
@@ -180,6 +181,8 @@ AssembledShot assemble(const shot_t& shot, const frame_t& message, const Assembl
     times_s.push_back(to_seconds(flash.time - times.seen.front().time));
   const auto match = match_flashes(times_s, *track, arrival_prior(shot, *track, times, settings));
   if (!match) return unmatched(result, Flag::flash_match_ambiguous, "more images than flashes were seen");
+  if (!is_steady(*track, *match))
+    return unmatched(result, Flag::flash_match_ambiguous, "no steady flight passes through the images");
   set_times(result.frame, times, *match);
   result.match_ambiguity = match->ambiguity;
   if (match->ambiguity > kMaxAmbiguity) result.flags.set(Flag::flash_match_ambiguous);

@@ -89,7 +89,11 @@ LegCandidate candidate(std::span<const TrackPoint> images, std::span<const doubl
   for (std::size_t i = 0; i < images.size(); ++i)
     result.fit.add(times_s[static_cast<std::size_t>(flash[i])], images[i].centre_px);
   result.chi_squared = chi_squared(images, times_s, flash, result.fit, track.sd_px);
-  if (track.surface_known) result.crossing = geometry::crossing(result.fit, track.radius_px);
+  if (track.surface_known) {
+    const int nearest = images.front().leg == Leg::incoming ? flash.back() : flash.front();
+    result.crossing =
+        geometry::crossing(result.fit, track.radius_px, times_s[static_cast<std::size_t>(nearest)]);
+  }
   result.missed = flash.back() - flash.front() + 1 - static_cast<int>(flash.size());
   result.flash = std::move(flash);
   return result;

@@ -79,8 +79,8 @@ class Digitizer {
     find_surface(outlines);
     watch.lap("surface");
     const std::vector<double> times_s = settings_.flash_times_s.value_or(std::vector<double>());
-    result_.outlines =
-        select_by_path(photograph_, map_, std::move(outlines), surface_, times_s, result_.unmeasured);
+    result_.outlines = select_by_path(photograph_, map_, std::move(outlines), surface_,
+                                      {settings_.ball_diameter_m, times_s}, result_.unmeasured);
     watch.lap("path");
     fill_frame();
     measure_scale();

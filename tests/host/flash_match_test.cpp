@@ -169,7 +169,7 @@ TEST_GROUP(ContactFlashes) {
       candidate.fit.add(t, at + velocity * (t - at_s));
     }
     candidate.flash = std::move(flash);
-    candidate.crossing = geometry::crossing(candidate.fit, track.radius_px);
+    candidate.crossing = geometry::crossing(candidate.fit, track.radius_px, candidate.fit.mean_time_s());
     return candidate;
   }
 

@@ -48,11 +48,13 @@ std::vector<Outline> certain_balls(const std::vector<Outline>& outlines,
 class PathSelection {
  public:
   PathSelection(std::vector<Outline> outlines, std::vector<LimbAgreement> limbs,
-                const std::optional<SurfaceLine>& surface, std::vector<Unmeasured>& rejected)
+                const std::optional<SurfaceLine>& surface, const FlightFacts& facts,
+                std::vector<Unmeasured>& rejected)
       : outlines_(std::move(outlines)),
         limbs_(std::move(limbs)),
         points_(path_points(outlines_, surface)),
-        path_(find_path(points_, path_context(outlines_, surface))),
+        path_(
+            find_path(points_, path_context(outlines_, surface, facts.ball_diameter_m, facts.flash_times_s))),
         keep_(outlines_.size(), true),
         rejected_(rejected) {}
 
@@ -60,6 +62,9 @@ class PathSelection {
     for (const Path::Outlier& outlier : path_.outliers) {
       if (outlier.below)
         drop(outlier.index, Reason::below_surface, "it lies below the surface");
+      else if (outlier.doubled)
+        drop(outlier.index, Reason::imprecise,
+             "one outline of two images, of the way down and of the way up");
       else
         drop(outlier.index, Reason::off_path,
              std::isfinite(outlier.off_px) ? fmt::format("{:.1f} px off the ball's path", outlier.off_px)
@@ -87,7 +92,9 @@ class PathSelection {
     }
   }
 
+  /// Neighbours on a line that the ball flies down and up may be of both ways.
   void reject_too_close(std::span<const double> flash_times_s) {
+    if (path_.straight) return;
     std::vector<double> quality;
     for (const LimbAgreement& limb : limbs_) quality.push_back(limb.agreement);
     for (const TooClose& c : find_too_close(path_, points_, quality, flash_times_s))
@@ -155,8 +162,7 @@ std::vector<Outline> select_by_size(const Photograph& photograph, const PlaneMap
 
 std::vector<Outline> select_by_path(const Photograph& photograph, const PlaneMap& map,
                                     std::vector<Outline> outlines, const std::optional<SurfaceLine>& surface,
-                                    std::span<const double> flash_times_s,
-                                    std::vector<Unmeasured>& rejected) {
+                                    const FlightFacts& facts, std::vector<Unmeasured>& rejected) {
   const auto limbs = compare_limbs(photograph, map, outlines, surface);
   std::vector<Outline> balls;
   std::vector<LimbAgreement> their_limbs;
@@ -179,10 +185,10 @@ std::vector<Outline> select_by_path(const Photograph& photograph, const PlaneMap
     balls.push_back(std::move(outlines[i]));
   }
   if (balls.empty()) return balls;
-  PathSelection selection(std::move(balls), std::move(their_limbs), surface, rejected);
+  PathSelection selection(std::move(balls), std::move(their_limbs), surface, facts, rejected);
   selection.reject_off_path();
   selection.reject_ghosts();
-  selection.reject_too_close(flash_times_s);
+  selection.reject_too_close(facts.flash_times_s);
   selection.reject_imprecise_contacts();
   return selection.selected();
 }

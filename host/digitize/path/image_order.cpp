@@ -84,7 +84,7 @@ void order_images(Frame& frame, std::vector<Outline>& outlines, const OrderSetti
   const auto surface = line_of(frame);
   const auto points = path_points(outlines, surface);
   TimeContext context;
-  context.path = path_context(outlines, surface);
+  context.path = path_context(outlines, surface, settings.ball_diameter_m, settings.flash_times_s);
   context.px_per_m = context.path.diameter_px / settings.ball_diameter_m;
   context.gravity_mps2 = flight::gravity_mps2(radians(frame.surface_angle_deg));
   context.leftwards = settings.leftwards;

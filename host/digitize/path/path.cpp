@@ -4,9 +4,12 @@
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <functional>
+#include <iterator>
 #include <limits>
 #include <optional>
 
+#include "host/digitize/path/drop_path.hpp"
 #include "host/digitize/path/flight_legs.hpp"
 #include "host/digitize/path/leg_line.hpp"
 
@@ -24,7 +27,12 @@ constexpr double kLegCost = 0.5;
 constexpr double kLegCostBlind = 1.2;
 constexpr double kLoneWeight = 0.6;  ///< of an image that is to be a leg by itself
 constexpr double kMinSlope = 0.03;
+constexpr std::size_t kMinOwnImages = 2;  ///< that fix a line
 constexpr std::size_t kMaxLines = 80;
+// A path within 6 degrees of the normal whose images all lie in the band in which legs gather their images
+// (leg_line.cpp) is told apart by times only.
+constexpr double kMaxDropSlope = 0.1;
+constexpr double kDropWidth = 0.12;
 // The fastest shots compress a ball by 0.7 of its radius.
 constexpr double kMaxCompressionOfRadius = 0.85;
 
@@ -44,6 +52,7 @@ class Finder {
     order_legs();
     take_legs();
     take_curves();
+    take_drop();
     list_outliers();
     return std::move(path_);
   }
@@ -60,7 +69,7 @@ class Finder {
       if (!context_.surface_known) {
         airborne_.push_back(i);
       } else if (p.at.y < 0.5 * d_ * (1.0 - kMaxCompressionOfRadius) - 4.0 * context_.surface_sd_px) {
-        path_.outliers.push_back({i, true, 0.0});
+        path_.outliers.push_back({i, true, false, 0.0});
       } else if (touches(p.at.y, p.sd_px, context_)) {
         low_.push_back(i);
       } else {
@@ -169,6 +178,15 @@ class Finder {
     for (const int i : two->members) {
       if (!std::binary_search(one.members.begin(), one.members.end(), i)) legs_[1].push_back(i);
     }
+    list_ambiguous(one, *two);
+  }
+
+  /// A line through two images passes through both whatever they are: the other leg's image is on it too.
+  void list_ambiguous(const LegLine& one, const LegLine& two) {
+    std::vector<int> both;
+    std::ranges::set_intersection(one.members, two.members, std::back_inserter(both));
+    const std::size_t fewest = std::min(one.members.size(), two.members.size()) - both.size();
+    if (fewest < kMinOwnImages) path_.ambiguous = both;
   }
 
   /// Low images between the two crossings, or near the one.
@@ -266,6 +284,7 @@ class Finder {
     if (explained <= taken - cost * static_cast<double>(path_.legs.size())) return;
     path_.legs.clear();
     path_.contact.clear();
+    path_.ambiguous.clear();
     path_.curved = true;
     for (const FlightLeg& flight : flights) {
       path_.legs.push_back(flight.members);
@@ -286,16 +305,35 @@ class Finder {
     std::ranges::sort(path_.contact, {}, [this](int i) { return at(points_, i).at.x; });
   }
 
+  /// The images of a ball that goes straight down and up; empty if the path's legs can be told by their places.
+  std::vector<int> images_on_one_line() const {
+    if (!context_.surface_known || path_.curved || kept_.empty()) return {};
+    const LegLine& line = kept_.front();
+    if (std::abs(line.along.x) > kMaxDropSlope) return {};
+    const auto on_line = [&](int i) { return std::abs(line.off(at(points_, i).at)) <= kDropWidth * d_; };
+    for (const auto& leg : path_.legs)
+      if (!std::ranges::all_of(leg, on_line)) return {};
+    std::vector<int> images;
+    std::ranges::copy_if(airborne_, std::back_inserter(images), on_line);
+    std::ranges::sort(images, std::greater<>(), [this](int i) { return at(points_, i).at.y; });
+    return images;
+  }
+
+  void take_drop() {
+    std::vector<int> images = images_on_one_line();
+    if (images.size() >= 2) take_drop_images(points_, std::move(images), context_, path_);
+  }
+
   void list_outliers() {
     for (int i = 0; i < static_cast<int>(points_.size()); ++i) {
-      const bool below = std::any_of(path_.outliers.begin(), path_.outliers.end(),
-                                     [i](const Path::Outlier& outlier) { return outlier.index == i; });
-      if (below || member(i)) continue;
+      const bool listed = std::any_of(path_.outliers.begin(), path_.outliers.end(),
+                                      [i](const Path::Outlier& outlier) { return outlier.index == i; });
+      if (listed || member(i)) continue;
       double off = std::numeric_limits<double>::infinity();
       if (!path_.curved)
         for (const LegLine& line : kept_) off = std::min(off, std::abs(line.off(at(points_, i).at)));
       for (const FlightCurve& curve : curves_) off = std::min(off, std::abs(curve.off(at(points_, i).at)));
-      path_.outliers.push_back({i, false, off});
+      path_.outliers.push_back({i, false, false, off});
     }
   }
 

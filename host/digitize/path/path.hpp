@@ -1,6 +1,7 @@
 // The path of the ball through its images: two nearly straight legs that meet at the surface, with images in
 // contact between them; one leg alone, as in free flight; or curved legs of free flight, joined by any number of
-// bounces. Geometry only, no photograph. Deterministic; thread-safe; allocates.
+// bounces; or straight down and up, told apart by the flashes' times. Geometry only, no photograph. Deterministic;
+// thread-safe; allocates.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -24,13 +25,16 @@ struct PathContext {
   double diameter_px = 0.0;
   bool surface_known = false;  ///< then y = 0 is the surface
   double surface_sd_px = 0.0;
+  std::span<const double> flash_times_s{};  ///< ascending; empty: not known
+  double gravity_pxps2 = 0.0;               ///< towards the surface
 };
 
 std::vector<PathPoint> path_points(std::span<const Outline> outlines,
                                    const std::optional<SurfaceLine>& surface);
 
-/// With the outlines' median diameter.
-PathContext path_context(std::span<const Outline> outlines, const std::optional<SurfaceLine>& surface);
+/// With the outlines' median diameter, which is ball_diameter_m.
+PathContext path_context(std::span<const Outline> outlines, const std::optional<SurfaceLine>& surface,
+                         double ball_diameter_m, std::span<const double> flash_times_s);
 
 /// Indices into the points.
 struct Path {
@@ -38,14 +42,22 @@ struct Path {
   /// comes first in time is not decided here. A leg alone begins far from the surface. None is empty.
   std::vector<std::vector<int>> legs;
   std::vector<int> contact;  ///< by x
-  bool curved = false;       ///< legs bend as gravity has it, from left to right
+  /// Of the legs' images those that lie on either leg, where one has too few others to tell which.
+  std::vector<int> ambiguous;
+  bool curved = false;  ///< legs bend as gravity has it, from left to right
+  /// The ball falls and rises along one line. Its legs are then told by the flashes' times, which gives the flash of
+  /// each point (-1: not told), in order of time; or they are not told at all, and are one leg.
+  bool straight = false;
+  std::vector<int> flash;
   struct Outlier {
     int index = 0;
-    bool below = false;   ///< below the surface
-    double off_px = 0.0;  ///< distance to the nearest leg, infinite without a leg
+    bool below = false;    ///< below the surface
+    bool doubled = false;  ///< one outline of two images at nearly one place
+    double off_px = 0.0;   ///< distance to the nearest leg, infinite without a leg
   };
   std::vector<Outlier> outliers;
 
+  bool undecided() const { return straight && flash.empty(); }
   bool bounces() const { return legs.size() >= 2; }
 };
 

@@ -122,6 +122,8 @@ PathOrder path_order(std::span<const PathPoint> points, const Path& path, bool r
     append(order, order.legs[k], leg);
     append(order, contacts[k + 1], is_contact(k + 1) ? std::optional(Leg::contact) : std::nullopt);
   }
+  for (std::size_t k = 0; k < order.sequence.size(); ++k)
+    if (std::ranges::find(path.ambiguous, order.sequence[k]) != path.ambiguous.end()) order.leg[k].reset();
   return order;
 }
 

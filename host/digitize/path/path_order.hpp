@@ -12,10 +12,11 @@
 namespace strobe::digitize {
 
 struct PathOrder {
-  std::vector<int> sequence;            ///< in order of time
-  std::vector<std::optional<Leg>> leg;  ///< of the sequence, at the bounce; absent for other legs' images
-  std::vector<std::vector<int>> legs;   ///< in order of time
-  std::vector<int> incoming;            ///< to the bounce; empty without a bounce
+  std::vector<int> sequence;  ///< in order of time
+  std::vector<std::optional<Leg>>
+      leg;  ///< of the sequence, at the bounce; absent for other legs' and ambiguous images
+  std::vector<std::vector<int>> legs;  ///< in order of time
+  std::vector<int> incoming;           ///< to the bounce; empty without a bounce
   int bounces = 0;
   int bounce = 0;        ///< whose legs are told, from 1; 0 without
   double towards = 1.0;  ///< +1: travels to greater x

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/flight/gravity.hpp"
 #include "host/digitize/core/eigen.hpp"
 #include "host/digitize/core/statistics.hpp"
 #include "host/digitize/path/path.hpp"
@@ -24,10 +25,15 @@ std::vector<PathPoint> path_points(std::span<const Outline> outlines,
   return points;
 }
 
-PathContext path_context(std::span<const Outline> outlines, const std::optional<SurfaceLine>& surface) {
+PathContext path_context(std::span<const Outline> outlines, const std::optional<SurfaceLine>& surface,
+                         double ball_diameter_m, std::span<const double> flash_times_s) {
   std::vector<double> diameters;
   for (const Outline& o : outlines) diameters.push_back(o.diameter);
-  return {median(std::move(diameters)), surface.has_value(), surface ? height_sd_px(*surface) : 0.0};
+  PathContext context{median(std::move(diameters)), surface.has_value(),
+                      surface ? height_sd_px(*surface) : 0.0};
+  context.flash_times_s = flash_times_s;
+  context.gravity_pxps2 = flight::kStandardGravity_mps2 * context.diameter_px / ball_diameter_m;
+  return context;
 }
 
 bool is_partition(const Path& path, std::size_t points) {

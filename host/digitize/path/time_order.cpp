@@ -7,6 +7,7 @@
 
 #include "common/geometry/leg.hpp"
 #include "host/assembly/flash_match.hpp"
+#include "host/assembly/steady_flight.hpp"
 #include "host/digitize/core/statistics.hpp"
 #include "host/digitize/path/path_order.hpp"
 
@@ -22,9 +23,6 @@ constexpr double kSameSpeed = 0.04;
 // FlashMatch::ambiguity of an assignment that nothing supports.
 constexpr double kNoSupport = 9.0;
 constexpr double kMinNoise_px = 0.1;
-// Images at any place between their neighbours are .29 of a step off steady flight; a lens that no
-// calibration undoes bends it by hundredths.
-constexpr double kUnsteadyOfStep = 0.12;
 
 const PathPoint& at(std::span<const PathPoint> points, int i) { return points[static_cast<std::size_t>(i)]; }
 
@@ -37,11 +35,8 @@ double step_up(std::span<const PathPoint> points, const std::vector<int>& leg) {
 }
 
 struct Timed {
-  std::vector<int> flash;
-  double chi_squared = 0.0;
-  double ambiguity = 0.0;
+  host::FlashMatch match;
   double speed_in = 0.0;  ///< along the normal, px/s, > 0; 0: not known
-  double speed_out = 0.0;
   bool supported = true;  ///< some steady speed fits
 };
 
@@ -51,10 +46,16 @@ class Orderer {
       : points_(points), path_(path), context_(context) {}
 
   TimeOrder run() {
+    if (path_.undecided()) {
+      order_undecided();
+      return std::move(result_);
+    }
     PathOrder right = path_order(points_, path_, false, context_.bounce);
     PathOrder left = path_order(points_, path_, true, context_.bounce);
     if (right.towards < 0.0) std::swap(right, left);
-    if (context_.leftwards) {
+    if (path_.straight) {
+      take(path_order(points_, path_, false, context_.bounce));
+    } else if (context_.leftwards) {
       take(*context_.leftwards ? left : right);
     } else if (!path_.bounces()) {
       order_one_leg(right, left);
@@ -91,22 +92,24 @@ class Orderer {
     const host::Track path = track(order);
     const auto match = host::match_flashes(context_.flash_times_s, path, std::nullopt);
     if (!match) return std::nullopt;
-    Timed timed{match->flash, match->chi_squared, match->ambiguity, 0.0, 0.0, true};
+    Timed timed{*match, 0.0, true};
     timed.supported = match->chi_squared > 0.0 || match->ambiguity < kNoSupport;
     timed.speed_in = speed(path, match->flash, Leg::incoming);
-    timed.speed_out = speed(path, match->flash, Leg::rebound);
     return timed;
   }
 
   double speed(const host::Track& path, const std::vector<int>& flash, Leg leg) const {
     geometry::LegFit fit(path.gravity_pxps2);
+    double nearest_s = 0.0;
     for (std::size_t k = 0; k < path.images.size(); ++k) {
-      if (path.images[k].leg == leg)
-        fit.add(context_.flash_times_s[static_cast<std::size_t>(flash[k])], path.images[k].centre_px);
+      if (path.images[k].leg != leg) continue;
+      const double time_s = context_.flash_times_s[static_cast<std::size_t>(flash[k])];
+      if (leg == Leg::incoming || fit.count() == 0) nearest_s = time_s;
+      fit.add(time_s, path.images[k].centre_px);
     }
     if (!fit.has_velocity()) return 0.0;
-    const auto at =
-        path.surface_known ? geometry::crossing(fit, path.radius_px) : std::optional<geometry::Crossing>();
+    const auto at = path.surface_known ? geometry::crossing(fit, path.radius_px, nearest_s)
+                                       : std::optional<geometry::Crossing>();
     return std::abs(at ? at->velocity.y() : fit.path().velocity.y());
   }
 
@@ -121,8 +124,8 @@ class Orderer {
   /// +1 where a is more likely than b, -1 the other way round, 0 where the flashes do not tell.
   int likelier(const Timed& a, const Timed& b, double freedom) const {
     if (a.supported != b.supported) return a.supported ? 1 : -1;
-    const double scale = std::max(1.0, std::min(a.chi_squared, b.chi_squared) / freedom);
-    const double difference = (a.chi_squared - b.chi_squared) / scale;
+    const double scale = std::max(1.0, std::min(a.match.chi_squared, b.match.chi_squared) / freedom);
+    const double difference = (a.match.chi_squared - b.match.chi_squared) / scale;
     if (std::abs(difference) > kClearlyWorse) return difference < 0.0 ? 1 : -1;
     return 0;
   }
@@ -165,23 +168,6 @@ class Orderer {
     take(right);
   }
 
-  /// How far the images are from steady flight at the times of their flashes, rms of a coordinate.
-  double off_steady_px(const PathOrder& order, const Timed& match) const {
-    const double dof = freedom(order) - 1.0;
-    if (dof <= 0.0) return 0.0;
-    return match.supported ? track(order).sd_px * std::sqrt(match.chi_squared / dof) : usual_step(order);
-  }
-
-  /// From an airborne image to the next.
-  double usual_step(const PathOrder& order) const {
-    std::vector<double> steps;
-    for (std::size_t k = 1; k < order.sequence.size(); ++k) {
-      if (!order.leg[k] || order.leg[k] == Leg::contact || order.leg[k] != order.leg[k - 1]) continue;
-      steps.push_back(cv::norm(at(points_, order.sequence[k]).at - at(points_, order.sequence[k - 1]).at));
-    }
-    return median(std::move(steps));
-  }
-
   void take(const PathOrder& order) {
     result_.sequence = order.sequence;
     result_.leftwards = order.towards < 0.0;
@@ -191,6 +177,7 @@ class Orderer {
       result_.other_leg.push_back(!leg.has_value());
     }
     tell_bounces(order);
+    if (path_.straight) return set_drop_flashes(order);
     if (context_.flash_times_s.empty()) return;
     const auto match = timed(order);
     if (!match) {
@@ -198,18 +185,52 @@ class Orderer {
                                             order.sequence.size(), context_.flash_times_s.size()));
       return;
     }
-    const double off = off_steady_px(order, *match);
-    if (off > kUnsteadyOfStep * usual_step(order)) {
-      result_.remarks.push_back(fmt::format(
-          "no steady flight passes through the images (they are {:.0f} px off): no image has a time", off));
+    const host::Track path = track(order);
+    if (!host::is_steady(path, match->match)) {
+      const double off = host::off_steady_px(path, match->match);
+      result_.remarks.push_back(
+          "no steady flight passes through the images" +
+          (std::isfinite(off) ? fmt::format(" (they are {:.0f} px off)", off) : std::string()) +
+          ": no image has a time");
       return;
     }
-    set_flashes(order, match->flash);
-    if (match->ambiguity > host::kMaxAmbiguity)
+    set_flashes(order, match->match.flash);
+    if (match->match.ambiguity > host::kMaxAmbiguity)
       result_.remarks.push_back("which flash made which image is ambiguous");
   }
 
+  /// Straight down and up: by height, no image is of any leg.
+  void order_undecided() {
+    const PathOrder order = path_order(points_, path_, false, std::nullopt);
+    result_.sequence = order.sequence;
+    result_.leg.resize(order.sequence.size());
+    result_.other_leg.assign(order.sequence.size(), true);
+    result_.remarks.push_back(context_.flash_times_s.empty()
+                                  ? "the ball flies along one line: without the flashes' times no image can "
+                                    "be told to be of the way down "
+                                    "or of the way up"
+                                  : "the ball flies along one line, and the flashes' times leave open which "
+                                    "images are of the way down and "
+                                    "which of the way up: no image has a time");
+  }
+
+  /// Each image's, and those of contacts where as many flashes lie between.
+  void set_drop_flashes(const PathOrder& order) {
+    for (const int i : order.sequence) result_.flash.push_back(path_.flash[static_cast<std::size_t>(i)]);
+    const auto first = std::ranges::find(order.leg, std::optional(Leg::contact));
+    const auto count = std::ranges::count(order.leg, std::optional(Leg::contact));
+    const auto at = first - order.leg.begin();
+    const auto flash = [&](std::ptrdiff_t k) -> int& { return result_.flash[static_cast<std::size_t>(k)]; };
+    const bool determined = count > 0 && flash(at + count) - flash(at - 1) == static_cast<int>(count) + 1;
+    for (std::ptrdiff_t k = at; determined && k < at + count; ++k) flash(k) = flash(k - 1) + 1;
+    for (std::size_t k = 0; k < result_.flash.size(); ++k)
+      result_.other_leg[k] = result_.other_leg[k] || result_.flash[k] < 0;
+  }
+
   void tell_bounces(const PathOrder& order) {
+    if (!path_.ambiguous.empty())
+      result_.remarks.push_back(
+          "an image lies on either leg, and too few others tell which: it has no leg and no time");
     if (order.bounces < 2) return;
     result_.remarks.push_back(
         fmt::format("the ball bounces {} times: legs and times are those of bounce {}, counted in time",

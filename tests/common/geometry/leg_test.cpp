@@ -48,7 +48,7 @@ TEST(LegFits, NeedTwoInstantsForAVelocity) {
   CHECK_FALSE(fit.has_velocity());
   fit.add(1.0, {0.0, 0.0});
   CHECK_FALSE(fit.has_velocity());
-  CHECK_FALSE(crossing(fit, 0.0).has_value());
+  CHECK_FALSE(crossing(fit, 0.0, fit.mean_time_s()).has_value());
   fit.add(2.0, {1.0, 1.0});
   CHECK_TRUE(fit.has_velocity());
 }
@@ -57,7 +57,8 @@ TEST_GROUP(Crossings){};
 
 TEST(Crossings, AreWhereTheFlightIsAtTheHeight) {
   // 1 - 6 t - 30 t² = 0.1 at t = 0.1 (1 - 0.6 - 0.3).
-  const auto down = crossing(fitted(kFalling, 5.0), 0.1);
+  const LegFit fit = fitted(kFalling, 5.0);
+  const auto down = crossing(fit, 0.1, fit.mean_time_s());
   CHECK_TRUE(down.has_value());
   DOUBLES_EQUAL(5.1, down->time_s, 1e-13);
   DOUBLES_EQUAL(0.2 + 1.5 - 0.1, down->position.x(), 1e-12);
@@ -71,15 +72,26 @@ TEST(Crossings, OfARisingLegAreBeforeIt) {
   const flight::Parabola rising{Vector2d(0.0, 0.03), Vector2d(9.0, 5.0), Vector2d(0.0, -60.0)};
   LegFit fit(rising.acceleration);
   for (const double t : {0.01, 0.02, 0.04}) fit.add(t, rising.position_at(t));
-  const auto up = crossing(fit, 0.03);
+  const auto up = crossing(fit, 0.03, fit.mean_time_s());
   DOUBLES_EQUAL(0.0, up->time_s, 1e-14);
   DOUBLES_EQUAL(5.0, up->velocity.y(), 1e-12);
-  CHECK_FALSE(crossing(fit, 0.03 + 25.0 / 120.0 + 1e-6).has_value());  // above the apex
+  CHECK_FALSE(crossing(fit, 0.03 + 25.0 / 120.0 + 1e-6, fit.mean_time_s()).has_value());  // above the apex
+}
+
+TEST(Crossings, OfALegBetweenTwoBouncesAreTheOneBesideTheImage) {
+  // Off at t = 0 from 0.03 at 5 m/s, down again 10/60 s later.
+  const flight::Parabola arc{Vector2d(0.0, 0.03), Vector2d(9.0, 5.0), Vector2d(0.0, -60.0)};
+  LegFit fit(arc.acceleration);
+  for (const double t : {0.01, 0.07, 0.12, 0.15}) fit.add(t, arc.position_at(t));
+  DOUBLES_EQUAL(0.0, crossing(fit, 0.03, 0.01)->time_s, 1e-14);
+  const auto down = crossing(fit, 0.03, 0.15);
+  DOUBLES_EQUAL(10.0 / 60.0, down->time_s, 1e-14);
+  DOUBLES_EQUAL(-5.0, down->velocity.y(), 1e-12);
 }
 
 TEST(Crossings, OfALegAlongTheSurfaceAreNone) {
   LegFit level(Vector2d::Zero());
   level.add(0.0, {0.0, 1.0});
   level.add(1.0, {1.0, 1.0});
-  CHECK_FALSE(crossing(level, 1.0).has_value());
+  CHECK_FALSE(crossing(level, 1.0, level.mean_time_s()).has_value());
 }

@@ -190,7 +190,7 @@ TEST(BallPath, OfTwoFlightsOverEachOtherGetsNoTimes) {
   const TimeContext s = scene(true, times);
   const TimeOrder result = order_in_time(points, find_path(points, s.path), s);
   CHECK_TRUE(result.flash.empty());
-  STRCMP_CONTAINS("no steady flight", result.remarks.back().c_str());
+  STRCMP_CONTAINS("flies along one line", result.remarks.back().c_str());
 }
 
 TEST(BallPath, OfNothingIsEmpty) {

@@ -1,0 +1,53 @@
+#include "host/assembly/steady_flight.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+namespace strobe::host {
+namespace {
+
+// FlashMatch::ambiguity of an assignment that nothing supports.
+constexpr double kNoSupport = 9.0;
+// Images at any place between their neighbours are .29 of a step off steady flight; a lens that no
+// calibration undoes bends it by hundredths.
+constexpr double kUnsteadyOfStep = 0.12;
+
+double degrees_of_freedom(const Track& track) {
+  double dof = 0.0;
+  for (const Leg leg : {Leg::incoming, Leg::rebound}) {
+    const auto count = std::ranges::count(track.images, leg, &TrackPoint::leg);
+    dof += std::max(0.0, 2.0 * static_cast<double>(count) - 4.0);
+  }
+  return dof;
+}
+
+/// Median distance from an airborne image to the next.
+double usual_step_px(const Track& track) {
+  std::vector<double> steps;
+  for (std::size_t k = 1; k < track.images.size(); ++k) {
+    const TrackPoint &a = track.images[k - 1], &b = track.images[k];
+    if (a.leg == b.leg && b.leg != Leg::contact) steps.push_back((b.centre_px - a.centre_px).norm());
+  }
+  if (steps.empty()) return std::numeric_limits<double>::infinity();
+  std::ranges::sort(steps);
+  return 0.5 * (steps[(steps.size() - 1) / 2] + steps[steps.size() / 2]);
+}
+
+}  // namespace
+
+double off_steady_px(const Track& track, const FlashMatch& match) {
+  const double dof = degrees_of_freedom(track);
+  if (!(dof > 0.0)) return 0.0;
+  if (match.chi_squared <= 0.0 && match.ambiguity >= kNoSupport)
+    return std::numeric_limits<double>::infinity();
+  return track.sd_px * std::sqrt(match.chi_squared / dof);
+}
+
+bool is_steady(const Track& track, const FlashMatch& match) {
+  const double off = off_steady_px(track, match);
+  return !(off > kUnsteadyOfStep * usual_step_px(track));
+}
+
+}  // namespace strobe::host

@@ -1,0 +1,40 @@
+// A ball that falls and rises along one line: which of its images are of the way down and which of the way up, from
+// the times of the flashes alone. Deterministic; no I/O; thread-safe; allocates.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace strobe::digitize {
+
+/// An image in the air, on the line.
+struct DropImage {
+  double height_px = 0.0;  ///< of the centre above the surface
+  double sd_px = 0.0;
+};
+
+struct DropScene {
+  double diameter_px = 0.0;
+  double gravity_pxps2 = 0.0;             ///< towards the surface, >= 0
+  std::span<const double> flash_times_s;  ///< ascending
+};
+
+struct StraightDrop {
+  struct Flight {
+    std::vector<int> image;   ///< in order of time
+    std::vector<int> flash;   ///< of each image
+    double touch_s = 0.0;     ///< touchdown or lift-off
+    double speed_pxps = 0.0;  ///< then, > 0
+  };
+  Flight down, up;
+  std::vector<int> doubled;  ///< outlines of two images at nearly one place: of neither flight
+  std::vector<double>
+      off_px;  ///< for each image how far it is from the nearest place where a flash saw the ball
+};
+
+/// The two flights that explain the most images and leave the fewest of their own unseen. Returns nullopt unless they
+/// are a thousand times likelier than flights of other speeds; each has two images or more.
+std::optional<StraightDrop> split_drop(std::span<const DropImage> images, const DropScene& scene);
+
+}  // namespace strobe::digitize

@@ -1,0 +1,69 @@
+// A ball dropped straight down, rendered, digitized and reduced by the shipped programs: right or not at all.
+#include <fmt/format.h>
+
+#include <cmath>
+#include <optional>
+
+#include "tests/host/commands/shipped_programs.hpp"
+#include "tests/support/json_lines.hpp"
+
+#include "tests/support/string_from.hpp"
+
+using namespace strobe;
+using namespace strobe::chain;
+using nlohmann::json;
+using testing::parse_json_lines;
+using testing::write_text;
+
+namespace {
+
+struct Case {
+  json readout, truth;
+  std::string remarks;
+};
+
+Case dropped(const testing::TemporaryFolder& folder, int period_ms) {
+  const std::string name = fmt::format("drop_{}", period_ms), scene = folder / (name + ".toml");
+  write_text(
+      scene,
+      "inherits = \"drop_100in_in_air\"\n[camera]\npx_per_m = 1500\norigin_x_px = 560\norigin_y_px = 110\n");
+  const Run made = run_program("strobe-sim", {"photograph", "--scene", scene, "--seed", "3", "--period-ms",
+                                              std::to_string(period_ms), "--out", folder / name, "--json"});
+  CHECK_TEXT(made.code == 0, made.err.c_str());
+  const Run found = run_program(
+      "strobe", {"digitize", folder / (name + "/shot_0001.tif"), "--px-per-m", "1500", "--ball-diameter-m",
+                 "0.067", "--times", folder / (name + "/truth.jsonl"), "--json"});
+  CHECK_TEXT(found.code == 0, found.err.c_str());
+  write_text(folder / "frame.jsonl", found.out);
+  const Run reduced = run_program("strobe", {"reduce", folder / "frame.jsonl", "--json"});
+  CHECK_TEXT(reduced.code == 0, reduced.err.c_str());
+  const json frame = parse_json_lines(found.out).at(0);
+  return {parse_json_lines(reduced.out).at(0), parse_json_lines(made.out).at(0).at("readout"),
+          frame.value("remarks", json::array()).dump()};
+}
+
+/// Whether the number is there; if it is, it is right: within 5 sd, and a millimetre a second for the flight's model.
+bool is_read(const Case& c, const char* name) {
+  const json& value = c.readout.at(name);
+  if (value.is_null()) return false;
+  const double sd =
+      std::hypot(c.readout.at("sd").at(name).get<double>(), c.readout.at("sd_systematic").value(name, 0.0));
+  DOUBLES_EQUAL_TEXT(c.truth.at(name).get<double>(), value.get<double>(), 5.0 * sd + 0.001,
+                     c.readout.dump().c_str());
+  return true;
+}
+
+}  // namespace
+
+TEST_GROUP(DropChain) { testing::TemporaryFolder folder; };
+
+TEST(DropChain, ReadsADropRightOrNotAtAll) {
+  int read = 0;
+  for (const int period_ms : {6, 10, 14, 30, 50}) {
+    const Case c = dropped(folder, period_ms);
+    const bool down = is_read(c, "vy_td_mps"), up = is_read(c, "vy_lo_mps");
+    if (down && up) ++read;
+    if (!down && !up) STRCMP_CONTAINS("flies along one line", c.remarks.c_str());
+  }
+  CHECK_TRUE(read >= 2);
+}
