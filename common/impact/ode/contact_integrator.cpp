@@ -308,6 +308,7 @@ ContactSummary ContactIntegrator::summary() const {
   out.impulse_ratio = (0.0 - z_[kVxChange]) / normal_impulse;
   out.mean_offset_m = s_.radius_m * z_[kOffsetImpulse] / normal_impulse;
   out.energy = energy();
+  out.method = options_.method;
   out.events = events_;
   out.event_count = event_count_;
   out.steps = steps_;
@@ -334,8 +335,14 @@ bool ContactIntegrator::is_consistent(const ContactSummary& summary) const {
 
 }  // namespace
 
-tl::expected<ContactSummary, InputError> integrate(const System& system, const ContactOptions& options,
+tl::expected<ContactSummary, InputError> integrate(const System& system, const ContactOptions& asked,
                                                    std::vector<ContactStep>* steps) {
+  ContactOptions options = asked;
+  if (options.method == ContactMethod::collocation) {
+    // What collocation gives up is hard for steps as well, which may miss how sharply an offset turns round.
+    options.method = ContactMethod::dormand_prince;
+    if (options.tolerance >= 1e-12 && options.tolerance <= 1e-3) options.tolerance = 1e-12;
+  }
   const bool adaptive = options.method == ContactMethod::dormand_prince;
   if (adaptive && !(options.tolerance >= 1e-12 && options.tolerance <= 1e-3))
     return tl::unexpected(InputError::tolerance_out_of_range);
@@ -346,15 +353,3 @@ tl::expected<ContactSummary, InputError> integrate(const System& system, const C
 }
 
 }  // namespace strobe::impact::detail
-
-namespace strobe::impact {
-
-tl::expected<ContactSummary, InputError> simulate(const ball::Ball& ball, const Motion& touchdown,
-                                                  const ContactCoefficients& coefficients,
-                                                  const ContactOptions& options) {
-  const auto system = detail::make_system(ball, touchdown, coefficients);
-  if (!system) return tl::unexpected(system.error());
-  return detail::integrate(*system, options, nullptr);
-}
-
-}  // namespace strobe::impact

@@ -17,7 +17,8 @@ struct ContactStep {
   State derivative{};
 };
 
-/// `system`: from make_system(). `steps` is replaced by the steps taken if it is not null. Errors:
+/// `system`: from make_system(). `steps` is replaced by the steps taken if it is not null. collocation: by
+/// dormand_prince, to 1e-12. Errors:
 /// tolerance_out_of_range, no_release, too_many_steps.
 tl::expected<ContactSummary, InputError> integrate(const System& system, const ContactOptions& options,
                                                    std::vector<ContactStep>* steps);

@@ -19,15 +19,26 @@
 // each term <= 0 (F and s - du/dt have the same sign), so energy never grows. A mirrored contact is the
 // mirror image to the last bit.
 //
-// Numerics. Integrated in units of |vy|, sqrt(m/k) and m, as changes since touchdown, so that no range of
-// speeds loses digits. Dormand and Prince's embedded pair 5(4) with the error of speeds, displacements and
-// energies within the tolerance; or fixed steps of RK4 or semi-implicit Euler. Mode changes and the release
-// are bracketed on the step's cubic Hermite interpolant and then located to rounding by repeating the step
-// with that size, so that no step spans a change of mode and the method keeps its order; likewise friction
-// reversals, the deepest point and the largest force. Where rounding decides between grip and slip, the
-// present mode is kept for 1e-7 of sqrt(m/k). No allocation in simulate(); thread-safe, real-time safe.
+// Numerics, in units of |vy|, sqrt(m/k) and m, as changes since touchdown, so that no range of speeds loses digits.
+//
+// dormand_prince, the reference: the embedded pair 5(4) with the error of speeds, displacements and energies within the
+// tolerance; or fixed steps of RK4 or semi-implicit Euler. Mode changes and the release are bracketed on the step's
+// cubic Hermite interpolant and then located to rounding by repeating the step with that size, so that no step spans a
+// change of mode and the method keeps its order; likewise friction reversals, the deepest point and the largest force.
+// Where rounding decides between grip and slip, the present mode is kept for 1e-7 of sqrt(m/k).
+//
+// collocation: the normal motion is a damped sine in closed form, and with it, gripping or slipping, all tangential
+// motion but the impulse of the offset's couple, which is a fixed point on Gauss–Legendre nodes (segment_solver.hpp).
+// Segments end where friction changes its law; their error is that of the last Legendre coefficients. Where that would
+// take too many (grips that decay within a small part of the contact, w0 far below |vy|) or the closed forms do not
+// hold (a weight of a tenth and more of the largest force, dashpots whose stretch decays as the normal force does) the
+// result is dormand_prince's to 1e-12, and says so: its steps may miss how sharply an offset turns round. The energies'
+// sums are good to the tolerance, but not better than 1e-8 of m·|vy| times the speeds that change (1e-5 with tolerances
+// above 3e-8); max_friction_n to the tolerance's root.
+//
+// No allocation in simulate() and lift_off(); thread-safe, real-time safe.
 // Sources: R. Cross, Grip-slip behavior of a bouncing ball, 2002 (tangential spring, grip and slip); E.
-// Hairer, S. P. Nørsett, G. Wanner, Solving Ordinary Differential Equations I, II.5, II.6.
+// Hairer, S. P. Nørsett, G. Wanner, Solving Ordinary Differential Equations I, II.5 to II.7.
 #pragma once
 
 #include <array>
@@ -110,6 +121,15 @@ struct ContactEnergy {
   }
 };
 
+/// Of the same laws. What was asked for and what a summary names differ where collocation gives up.
+enum class ContactMethod { dormand_prince, rk4, semi_implicit_euler, collocation };
+
+constexpr std::string_view name(ContactMethod method) {
+  constexpr std::array<std::string_view, 4> names{"dormand_prince", "rk4", "semi_implicit_euler",
+                                                  "collocation"};
+  return names[static_cast<std::size_t>(method)];
+}
+
 struct ContactSummary {
   Motion lift_off;
   /// grips: the contact point stuck, or came to a stop as a rigid one (s = 0), before release.
@@ -135,7 +155,8 @@ struct ContactSummary {
   ContactEnergy energy;
   std::array<ContactEvent, kMaxContactEvents> events{};
   int event_count = 0;
-  int steps = 0;
+  ContactMethod method = ContactMethod::dormand_prince;  ///< that computed it, not always the one asked for
+  int steps = 0;                                         ///< collocation: segments
   int evaluations = 0;  ///< of the right-hand side, those of locating events included
 
   std::span<const ContactEvent> event_list() const {
@@ -143,11 +164,9 @@ struct ContactSummary {
   }
 };
 
-enum class ContactMethod { dormand_prince, rk4, semi_implicit_euler };
-
 struct ContactOptions {
   ContactMethod method = ContactMethod::dormand_prince;
-  /// dormand_prince: error at release relative to the scale of each motion, 1e-12…1e-3.
+  /// dormand_prince, collocation: error at release relative to the scale of each motion, 1e-12…1e-3.
   double tolerance = 1e-9;
   int steps = 200;  ///< fixed-step methods: steps from touchdown to release without gravity, 4…1e7
 };
@@ -162,5 +181,21 @@ struct ContactOptions {
 tl::expected<ContactSummary, InputError> simulate(const ball::Ball& ball, const Motion& touchdown,
                                                   const ContactCoefficients& coefficients,
                                                   const ContactOptions& options = {});
+
+/// What a contact leaves behind it, without the times and sums of ContactSummary.
+struct ContactLiftOff {
+  Motion lift_off;
+  Regime regime = Regime::slides;
+  double dwell_s = 0.0;
+  std::optional<double> skid_to_grip_s;
+  double dwell_distance_m = 0.0;
+  double rotation_rad = 0.0;
+  ContactMethod method = ContactMethod::collocation;  ///< that computed it
+};
+
+/// The same contact, by collocation at a small part of simulate()'s cost. Errors as for simulate().
+tl::expected<ContactLiftOff, InputError> lift_off(const ball::Ball& ball, const Motion& touchdown,
+                                                  const ContactCoefficients& coefficients,
+                                                  const ContactOptions& options);
 
 }  // namespace strobe::impact

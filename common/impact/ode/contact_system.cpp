@@ -176,6 +176,7 @@ State take_step(const System& s, ContactMethod method, ContactMode mode, const S
     case ContactMethod::semi_implicit_euler:
       return semi_implicit_euler(s, mode, z, k1, h);
     case ContactMethod::dormand_prince:
+    case ContactMethod::collocation:
       break;
   }
   State error;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <iterator>
 
+#include "common/impact/ode/collocation_summary.hpp"
+
 namespace strobe::impact {
 
 tl::expected<ContactTrajectory, InputError> ContactTrajectory::make(const ball::Ball& ball,
@@ -11,16 +13,68 @@ tl::expected<ContactTrajectory, InputError> ContactTrajectory::make(const ball::
                                                                     const ContactOptions& options) {
   const auto system = detail::make_system(ball, touchdown, coefficients);
   if (!system) return tl::unexpected(system.error());
+  if (options.method == ContactMethod::collocation && options.tolerance >= 1e-12 && options.tolerance <= 1e-3)
+    if (auto solved = by_collocation(*system, options.tolerance)) return std::move(*solved);
   ContactTrajectory out;
   out.system_ = *system;
-  out.method_ = options.method;
+  out.method_ = options.method == ContactMethod::collocation ? ContactMethod::dormand_prince : options.method;
   const auto summary = detail::integrate(out.system_, options, &out.steps_);
   if (!summary) return tl::unexpected(summary.error());
   out.summary_ = *summary;
   return out;
 }
 
+std::optional<ContactTrajectory> ContactTrajectory::by_collocation(const detail::System& system,
+                                                                   double tolerance) {
+  ContactTrajectory out;
+  out.system_ = system;
+  out.method_ = ContactMethod::collocation;
+  out.constants_ = detail::CollocationConstants::make(system);
+  if (!out.constants_) return std::nullopt;
+  detail::Segments segments;
+  const auto contact = detail::collocate(*out.constants_, tolerance, true, &segments);
+  if (!contact) return std::nullopt;
+  const auto summary = detail::summary_of(*out.constants_, *contact, segments);
+  if (!summary) return std::nullopt;
+  out.summary_ = *summary;
+  out.segments_.assign(segments.all.begin(),
+                       segments.all.begin() + static_cast<std::ptrdiff_t>(segments.count));
+  return out;
+}
+
+/// Its losses are what the mechanical energy lacks, as one sum.
+detail::State ContactTrajectory::state_by_collocation(double tau, ContactMode& mode) const {
+  const detail::System& s = system_;
+  const auto after = std::upper_bound(segments_.begin(), segments_.end(), tau,
+                                      [](double t, const detail::Segment& g) { return t < g.from.tau; });
+  const detail::Segment& segment = after == segments_.begin() ? segments_.front() : *std::prev(after);
+  mode = segment.mode;
+  const double x = std::clamp(constants_->normal.x_of(tau), segment.x, segment.x + segment.size);
+  const detail::SegmentPoint p = detail::whole_point_on(*constants_, segment, x);
+  detail::State z{};
+  const double dx = p.tangential.vx_change;
+  const double dw = (p.tangential.couple + dx) / s.alpha;
+  const double y = p.normal.depth, vy = p.normal.rate, u = p.tangential.stretch;
+  z[detail::kDepth] = y;
+  z[detail::kDepthRate] = vy;
+  z[detail::kVxChange] = dx;
+  z[detail::kSpinChange] = dw;
+  z[detail::kStretch] = u;
+  z[detail::kPathChange] = p.tangential.path;
+  z[detail::kAngleChange] = p.tangential.angle;
+  z[detail::kDampingLoss] =
+      (0.5 * (1.0 - vy) * (1.0 + vy) - dx * (s.vx0 + 0.5 * dx) - s.alpha * dw * (s.w0 + 0.5 * dw)) -
+      0.5 * (y * y + s.kt * u * u) + s.gravity * y;
+  return z;
+}
+
 ContactState ContactTrajectory::at(double time_s) const {
+  if (constants_) {
+    const double tau = std::clamp(time_s * system_.frequency_radps, 0.0, constants_->normal.release_tau());
+    ContactMode mode = ContactMode::grips;
+    const detail::State z = state_by_collocation(tau, mode);
+    return state_of(z, tau, mode);
+  }
   const detail::ContactStep& last = steps_.back();
   const double tau = std::clamp(time_s * system_.frequency_radps, 0.0, last.tau + last.size);
   const auto after = std::upper_bound(steps_.begin(), steps_.end(), tau,
@@ -35,6 +89,12 @@ ContactState ContactTrajectory::at(double time_s) const {
 
 std::vector<double> ContactTrajectory::step_times_s() const {
   std::vector<double> times;
+  if (constants_) {
+    for (const detail::Segment& segment : segments_)
+      times.push_back(segment.from.tau / system_.frequency_radps);
+    times.push_back(constants_->normal.release_tau() / system_.frequency_radps);
+    return times;
+  }
   times.reserve(steps_.size() + 1);
   for (const detail::ContactStep& step : steps_) times.push_back(step.tau / system_.frequency_radps);
   times.push_back((steps_.back().tau + steps_.back().size) / system_.frequency_radps);

@@ -1,10 +1,12 @@
-// Dense output of the contact ODE: the steps of simulate() are stored, and a state between two of them is one
-// step of the method from the one before it, as accurate as the steps themselves. make() allocates for the
-// steps; at() does not allocate. Thread-safe for reading.
+// Dense output of the contact ODE. By an integrator the steps of simulate() are stored, and a state between two of
+// them is one step of the method from the one before it, as accurate as the steps themselves. By collocation the
+// segments are stored, solved to the tolerance along their whole length, and a state is that of their closed forms.
+// make() allocates for the steps; at() does not allocate. Thread-safe for reading.
 #pragma once
 
 #include <vector>
 
+#include "common/impact/ode/collocation_segment.hpp"
 #include "common/impact/ode/contact_integrator.hpp"
 #include "common/impact/ode/contact_ode.hpp"
 
@@ -40,17 +42,21 @@ class ContactTrajectory {
   /// release the last in contact.
   ContactState at(double time_s) const;
 
-  /// Ends of the steps, touchdown and release included; every mode change is one of them.
+  /// Ends of the steps or segments, touchdown and release included; every mode change is one of them.
   std::vector<double> step_times_s() const;
 
  private:
   ContactTrajectory() = default;
+  static std::optional<ContactTrajectory> by_collocation(const detail::System& system, double tolerance);
+  detail::State state_by_collocation(double tau, ContactMode& mode) const;
   ContactState state_of(const detail::State& z, double tau, ContactMode mode) const;
 
   detail::System system_;
   ContactMethod method_ = ContactMethod::dormand_prince;
   ContactSummary summary_;
   std::vector<detail::ContactStep> steps_;
+  std::optional<detail::CollocationConstants> constants_;  ///< with segments instead of steps
+  std::vector<detail::Segment> segments_;
 };
 
 }  // namespace strobe::impact

@@ -278,8 +278,8 @@ TEST(ContactOde, NothingIsAllocatedOnTheWay) {
   bool done = true;
   {
     const strobe::testing::AllocationCounter counter;
-    for (const ContactMethod method :
-         {ContactMethod::dormand_prince, ContactMethod::rk4, ContactMethod::semi_implicit_euler})
+    for (const ContactMethod method : {ContactMethod::dormand_prince, ContactMethod::rk4,
+                                       ContactMethod::semi_implicit_euler, ContactMethod::collocation})
       done = simulate(kBall, kShot, {}, {.method = method}).has_value() && done;
     allocated = counter.count();
   }

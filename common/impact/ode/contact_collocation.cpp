@@ -1,0 +1,266 @@
+#include "common/impact/ode/contact_collocation.hpp"
+
+#include "common/impact/ode/friction_law.hpp"
+
+namespace strobe::impact::detail {
+
+namespace {
+
+template <std::size_t n>
+class Collocation {
+ public:
+  Collocation(const CollocationConstants& constants, double tolerance, bool along, Segments* stored)
+      : c_(constants),
+        s_(constants.system),
+        tolerance_(tolerance),
+        along_(along),
+        stored_(stored),
+        allowed_(allowance()),
+        solver_(c_, allowed_),
+        law_(c_, tolerance) {
+    mode_ = initial_mode(s_);
+    out_.started_gripping = mode_ == ContactMode::grips;
+    at_.slip = s_.slip0;
+    if (s_.slip0 == 0.0) {
+      out_.slip_zero_tau = 0.0;
+      out_.slip_zero_first = true;
+    }
+    if (stored_) stored_->count = 0;
+    full_x_ = full_footprint();
+  }
+
+  std::optional<CollocatedContact> run() {
+    while (x_ < c_.normal.end()) {
+      if (++out_.segments > static_cast<int>(kMaxSegments) || !step()) return std::nullopt;
+    }
+    out_.tau = c_.normal.release_tau();
+    out_.rate = from_.rate;
+    out_.release = at_;
+    return out_;
+  }
+
+ private:
+  static constexpr int kMaxAttempts = 12;
+  static constexpr double kMinTangential = 1e-200;  ///< scale of a motion that does not take place
+  /// Growth of exp(b·t) and of the hyperbolic functions within a segment: what the difference of its ends loses.
+  static constexpr double kMaxGrowth = 4.0;
+  /// Decay, within a segment, of what the stretch of a slip began with: Gauss's rule of n nodes integrates its square
+  /// to 1e-10 with 8 nodes and 1e-14 with 12.
+  static constexpr double kMaxDecay = n == 8 ? 3.0 : 5.0;
+
+  /// Error of D that a segment may make: a quarter of the tolerance in w = R·omega, relative to the scale of
+  /// tangential changes.
+  double allowance() const {
+    const double offset = s_.delta > 0.0 ? 2.0 * s_.delta * std::sqrt(std::min(1.0, 2.0 / s_.radius)) : 0.0;
+    const double scale = std::max(std::min(2.0 * s_.mu, std::abs(s_.slip0)) + offset, kMinTangential);
+    return 0.25 * tolerance_ * s_.alpha * scale;
+  }
+
+  /// Where the depth passes the radius, up and down: the footprint's law changes.
+  std::array<double, 2> full_footprint() const {
+    const double never = 2.0;
+    if (s_.delta == 0.0) return {never, never};
+    const double deepest = c_.normal.deepest_tau();
+    if (!(c_.normal.at(deepest).depth > s_.radius)) return {never, never};
+    const double release = c_.normal.release_tau();
+    const bool deep_at_release = c_.normal.at(release).depth > s_.radius;
+    return {c_.normal.x_of(c_.normal.passes(s_.radius, 0.0)),
+            deep_at_release ? never : c_.normal.x_of(c_.normal.passes(s_.radius, release))};
+  }
+
+  double limit_of_segment() const {
+    double limit = c_.normal.end();
+    for (const double x : full_x_)
+      if (x > x_ && x < limit) limit = x;
+    const double tau = longest();
+    if (from_.tau + tau < c_.normal.tau(limit)) limit = std::min(limit, c_.normal.x_of(from_.tau + tau));
+    return limit;
+  }
+
+  /// Time for which the closed forms keep their digits and the nodes resolve them.
+  double longest() const {
+    if (mode_ != ContactMode::grips) {
+      if (c_.kappa == 0.0) return 1e300;
+      const double transient = s_.kt * std::abs(at_.stretch - c_.slipping_stretch(from_, direction(mode_)));
+      return transient <= 0.01 * allowed_ ? 1e300 : kMaxDecay / c_.kappa;
+    }
+    const double q = std::sqrt(std::abs(c_.omega2));
+    const double growth = c_.b + (c_.omega2 < 0.0 ? q : 0.0);
+    // The nodes sample the law of friction, and where energies are asked for they integrate squares.
+    const double turns = c_.omega2 > 0.0 ? q / ((stored_ ? 0.4 : 0.5) * static_cast<double>(n)) : 0.0;
+    return 1.0 / std::max({growth / kMaxGrowth, turns, 1e-300});
+  }
+
+  /// Solves from here to `x` in the present mode.
+  bool solve_to(double x) {
+    segment_.mode = mode_;
+    segment_.x = x_;
+    segment_.size = x - x_;
+    segment_.from = from_;
+    segment_.start = at_;
+    to_.tau = x >= c_.normal.end() ? c_.normal.release_tau() : c_.normal.tau(x);
+    out_.evaluations += static_cast<int>(n);
+    return solver_.solve(segment_, to_);
+  }
+
+  void sample() { law_.sample(segment_, solver_, {to_, solver_.end()}, just_switched_); }
+
+  double guess() const {
+    if (mode_ == ContactMode::grips || guessed_) return 2.0;
+    // Sliding as a rigid contact, without an offset and damping: gripping after 1 - cos(tau) of the impulse.
+    const double impulse = std::abs(s_.slip0) / (c_.beta * s_.mu);
+    if (!(impulse < 1.9)) return 2.0;
+    return 1.2 * c_.normal.x_of(std::acos(1.0 - impulse)) + 0.02;
+  }
+
+  bool step() {
+    const double limit = limit_of_segment();
+    double to = limit;
+    if (const double g = guess(); x_ + g < limit) to = x_ + g;
+    guessed_ = true;
+    for (int attempt = 0; attempt < kMaxAttempts; ++attempt) {
+      if (to - x_ < 1e-6) return false;
+      const bool converged = solve_to(to);
+      const double error = error_of_segment() / allowed_;
+      if ((!converged && error <= 1.0) || (converged && !spin_resolved())) {
+        to = x_ + 0.5 * (to - x_);
+        continue;
+      }
+      if (error > 1.0) {
+        const double power = along_ ? 1.0 / static_cast<double>(n) : 0.5 / static_cast<double>(n);
+        to = x_ + (to - x_) * std::clamp(0.9 * std::pow(error, -power), 0.15, 0.85);
+        continue;
+      }
+      sample();
+      if (!law_.accept_start(switch_law_)) {
+        if (++start_attempts_ > 4) return false;
+        to = x_ + 0.2 * (to - x_);
+        continue;
+      }
+      const std::optional<double> event = law_.find_event();
+      return event ? switch_near(x_ + (to - x_) * *event) : advance(to, false);
+    }
+    return false;
+  }
+
+  /// Solves again up to the event; once more where the polynomial missed it. An error of the time at which one
+  /// friction follows the other, to which it is then equal, counts by its square. Where energies are asked for, the
+  /// time itself counts: without a dashpot the stretch jumps by what the law is missed by.
+  bool switch_near(double x) {
+    const FrictionLaw law(c_, mode_);
+    for (int i = 0; i < 6; ++i) {
+      if (!(x > x_) || x > c_.normal.end() || !solve_to(x)) return false;
+      sample();
+      const double end = law_.at_end();
+      const double rate = law.rate({to_, solver_.end()}, law_.side_at_end());
+      if (!(rate < 0.0)) return false;
+      const double late = end / rate;  // after the event
+      const double impulse = std::abs(0.5 * law.weight() * end * late);
+      const bool in_time = !stored_ || std::abs(late) <= (0.03 * tolerance_ + 2e-15) * to_.tau;
+      if (impulse <= 0.3 * allowed_ && in_time) {
+        event_tau_ = to_.tau - late;
+        return advance(x, true);
+      }
+      const double pace = c_.normal.pace(x);
+      if (!(pace > 0.0)) return false;
+      x -= std::clamp(late / pace, -0.2 * (x - x_), 0.2 * (x - x_));
+    }
+    return false;
+  }
+
+  /// Where the spin changes by several times its distance from the couple's poles, at ± i·w0, what they add is small
+  /// against the whole and falls off more slowly: then the last coefficients count by themselves.
+  double error_of_segment() const {
+    const double at_end = solver_.error_at_end();
+    if (along_) return std::max(at_end, solver_.error_along());
+    if (at_end > allowed_ || s_.delta == 0.0 || s_.ahead != 0.0) return at_end;
+    double least = std::abs(c_.spin(at_)), most = least;
+    for (const double spin : solver_.spin()) {
+      least = spin * c_.spin(at_) < 0.0 ? 0.0 : std::min(least, std::abs(spin));
+      most = std::max(most, std::abs(spin));
+    }
+    const bool by_poles = most > 4.0 * std::hypot(least, s_.w_ref);
+    return by_poles ? std::max(at_end, solver_.error_along()) : at_end;
+  }
+
+  /// The offset turns round with the spin within w0 of 0, where the couple has its poles. The Legendre coefficients
+  /// see that if the nodes do; none is before the first and after the last of them.
+  bool spin_resolved() const {
+    if (s_.delta == 0.0 || s_.ahead != 0.0) return true;
+    const auto resolved = [this](double a, double b, double share) {
+      const double least = a * b < 0.0 ? 0.0 : std::min(std::abs(a), std::abs(b));
+      return std::abs(a - b) <= share * std::sqrt(least * least + s_.w_ref * s_.w_ref);
+    };
+    const auto& spin = solver_.spin();
+    for (std::size_t i = 1; i < n; ++i)
+      if (!resolved(spin[i - 1], spin[i], 2.0)) return false;
+    return resolved(c_.spin(at_), spin[0], 0.5) && resolved(c_.spin(solver_.end()), spin[n - 1], 0.5);
+  }
+
+  bool advance(double x, bool event) {
+    note_slip_zero();
+    if (stored_) {
+      solver_.interpolate(segment_);
+      stored_->all[stored_->count++] = segment_;
+    }
+    switch_law_ = s_.ct > 0.0 ? 2.0 * std::abs(law_.at_end()) : 0.0;
+    x_ = x;
+    from_ = to_;
+    at_ = solver_.end();
+    start_attempts_ = 0;
+    just_switched_ = event;
+    if (!event) return true;
+    switches_ += 1;
+    const bool gripped = mode_ == ContactMode::grips;
+    mode_ = gripped ? slipping(law_.side_at_end()) : ContactMode::grips;
+    if (s_.ct == 0.0 && gripped) at_.stretch = c_.slipping_stretch(from_, direction(mode_));
+    if (!gripped && !out_.first_grip_tau) out_.first_grip_tau = event_tau_;
+    return switches_ < kMaxContactEvents / 2;
+  }
+
+  void note_slip_zero() {
+    if (out_.slip_zero_tau) return;
+    const double first = at_.slip;
+    const auto opposite = [first](double slip) { return first > 0.0 ? slip <= 0.0 : slip >= 0.0; };
+    bool found = opposite(solver_.end().slip);
+    for (const double slip : solver_.slip()) found = found || opposite(slip);
+    if (!found) return;
+    out_.slip_zero_tau = to_.tau;
+    out_.slip_zero_first = !out_.first_grip_tau;
+  }
+
+  const CollocationConstants& c_;
+  const System& s_;
+  double tolerance_;
+  bool along_;
+  Segments* stored_;
+  double allowed_;
+  SegmentSolver<n> solver_;
+  LawAlongSegment<n> law_;
+  CollocatedContact out_;
+  ContactMode mode_ = ContactMode::grips;
+  double x_ = 0.0;
+  NormalState from_, to_;
+  TangentialState at_;
+  Segment segment_;
+  std::array<double, 2> full_x_{};
+  double switch_law_ = 0.0, event_tau_ = 0.0;
+  bool just_switched_ = false, guessed_ = false;
+  int start_attempts_ = 0, switches_ = 0;
+};
+
+template <std::size_t n>
+std::optional<CollocatedContact> by_nodes(const CollocationConstants& c, double tolerance, bool along,
+                                          Segments* segments) {
+  return Collocation<n>(c, tolerance, along, segments).run();
+}
+
+}  // namespace
+
+std::optional<CollocatedContact> collocate(const CollocationConstants& c, double tolerance, bool along,
+                                           Segments* segments) {
+  if (tolerance > 3e-8) return by_nodes<8>(c, tolerance, along, segments);
+  return by_nodes<12>(c, tolerance, along, segments);
+}
+
+}  // namespace strobe::impact::detail

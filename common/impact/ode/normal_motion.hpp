@@ -1,0 +1,87 @@
+// The motion normal to the surface in closed form, gravity included, in contact_system.hpp's units:
+//   y = g + exp(-zeta·tau)·(-g·C + (1 - g·zeta)·S),   dy/dtau = exp(-zeta·tau)·(C + (g - zeta)·S),
+// C and S the solutions of v'' + (1 - zeta²)·v = 0. Along x, with tau = T·x²(3 - 2x) and T where y next is 0, the
+// footprint's radius (a root of y) is smooth at touchdown and at release. With heavy damping, where the ball
+// leaves long before y is 0, tau = x²·tau_release. Pure, no allocation: thread-safe, real-time safe.
+#pragma once
+
+#include <optional>
+
+#include "common/impact/ode/contact_system.hpp"
+#include "common/impact/ode/oscillation.hpp"
+
+namespace strobe::impact::detail {
+
+struct NormalState {
+  double tau = 0.0;
+  double depth = 0.0;
+  double rate = 1.0;
+};
+
+class NormalMotion {
+ public:
+  /// Returns nullopt where the weight is too large a part of the force for the release to be near that without it.
+  static std::optional<NormalMotion> make(const System& system);
+
+  double release_tau() const { return release_; }
+  double end() const { return end_; }  ///< x at release
+  double tau(double x) const { return smooth_ ? span_ * x * x * (3.0 - 2.0 * x) : span_ * x * x; }
+  double pace(double x) const { return smooth_ ? 6.0 * span_ * x * (1.0 - x) : 2.0 * span_ * x; }
+  double x_of(double tau) const;
+
+  NormalState at(double tau) const {
+    const Oscillation o = oscillation(omega2_, tau);
+    const double fade = std::exp(-zeta_ * tau);
+    return {tau, depth(fade, o.cosine, o.sine), rate(fade, o.cosine, o.sine)};
+  }
+
+  /// Depths and their rates at several times of the contact.
+  template <std::size_t n>
+  void along(const std::array<double, n>& tau, std::array<double, n>& depths,
+             std::array<double, n>& rates) const {
+    std::array<double, n> fade, cosine, sine;
+    oscillation_along(omega2_, by_series_, tau, cosine, sine);
+    for (std::size_t i = 0; i < n; ++i) fade[i] = std::exp(-zeta_ * tau[i]);
+    for (std::size_t i = 0; i < n; ++i) {
+      depths[i] = depth(fade[i], cosine[i], sine[i]);
+      rates[i] = rate(fade[i], cosine[i], sine[i]);
+    }
+  }
+
+  double force(const NormalState& n) const { return n.depth + 2.0 * zeta_ * n.rate; }
+  double force_rate(const NormalState& n) const { return n.rate + 2.0 * zeta_ * (gravity_ - force(n)); }
+  /// Integral of the force since touchdown, and the integral of that.
+  double impulse(const NormalState& n) const { return gravity_ * n.tau + (1.0 - n.rate); }
+  double impulse_integral(const NormalState& n) const {
+    return n.tau + (0.5 * gravity_ * n.tau * n.tau - n.depth);
+  }
+
+  /// Where the depth passes `depth`, by Newton's method from `tau`, on whose side of it the deepest point is not: the
+  /// depth bends down throughout a contact.
+  double passes(double depth, double tau) const;
+
+  /// Where the depth is largest; where the force is, 0 if that is at touchdown.
+  double deepest_tau() const;
+  double largest_force_tau() const;
+
+ private:
+  double depth(double fade, double cosine, double sine) const {
+    return gravity_ + fade * ((1.0 - gravity_ * zeta_) * sine - gravity_ * cosine);
+  }
+  double rate(double fade, double cosine, double sine) const {
+    return fade * (cosine + (gravity_ - zeta_) * sine);
+  }
+  bool settle(double& tau, bool of_force) const;
+  double first_turn(double cosine, double sine) const;
+
+  double zeta_ = 0.0;
+  double gravity_ = 0.0;
+  double omega2_ = 1.0;
+  double release_ = 0.0;
+  double span_ = 0.0;
+  double end_ = 1.0;
+  bool smooth_ = false;
+  bool by_series_ = false;  ///< oscillation_series() holds to release
+};
+
+}  // namespace strobe::impact::detail
