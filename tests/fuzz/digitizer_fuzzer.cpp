@@ -62,7 +62,7 @@ DigitizeSettings settings_of(const std::uint8_t* bytes, const Photograph& photog
 void check(const reduction::BallImage& image, bool timed) {
   require(std::isfinite(image.centre_px.x) && std::isfinite(image.centre_px.y));
   require(std::isfinite(image.diameter_px) && image.diameter_px >= 0.0);
-  if (timed) require(std::isfinite(image.time_s));
+  require(std::isfinite(image.time_s) == timed);
   if (image.diameter_sd_px) require(*image.diameter_sd_px > 0.0 && std::isfinite(*image.diameter_sd_px));
   if (image.equator_rad) {
     require(std::isfinite(*image.equator_rad));
@@ -88,9 +88,13 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     return 0;
   }
   require(found->outlines.size() == found->frame.images.size());
-  const bool timed = settings.flash_times_s && !settings.flash_times_s->empty();
+  // Where no steady flight passes through the images none has a time, and a remark says so.
+  const auto& images = found->frame.images;
+  const bool given = settings.flash_times_s && !settings.flash_times_s->empty();
+  const bool timed = given && !images.empty() && std::isfinite(images.front().time_s);
+  if (given && !timed && !images.empty()) require(!found->remarks.empty());
   double before_s = -1.0;
-  for (const auto& image : found->frame.images) {
+  for (const auto& image : images) {
     check(image, timed);
     if (!timed) continue;
     require(image.time_s > before_s);

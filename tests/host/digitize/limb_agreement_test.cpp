@@ -49,6 +49,24 @@ std::vector<LimbAgreement> looked_at(const painter::Painting& painting, const st
 
 TEST_GROUP(LimbAgreement){};
 
+TEST(LimbAgreement, KnowsABallsLimbWhereFalseOutlinesOutnumberTheBalls) {
+  const auto painting = row_of_balls(5, 4, 0.12);
+  std::vector<Outline> outlines;
+  for (const auto& ball : painting.balls) {
+    outlines.push_back(outline_at(ball.centre));
+    outlines.back().visible_fraction = 0.8;
+  }
+  // On the even background above them.
+  for (int k = 0; k < 10; ++k) {
+    outlines.push_back(outline_at({100.0 + 36.0 * k, 60.0}));
+    outlines.back().visible_fraction = 0.25;
+  }
+  const auto limbs = looked_at(painting, outlines);
+  for (std::size_t i = 0; i < painting.balls.size(); ++i) CHECK_TRUE(limbs[i].is_certain_ball());
+  for (std::size_t i = painting.balls.size(); i < limbs.size(); ++i)
+    CHECK_TRUE(limbs[i].is_certain_non_ball());
+}
+
 TEST(LimbAgreement, TellsBallsFromACircleHalfWayBetweenTwo) {
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
     const auto painting = row_of_balls(seed, 6, 0.12);
