@@ -14,6 +14,7 @@
 #include "host/digitize/outline/outlines.hpp"
 #include "host/digitize/path/image_order.hpp"
 #include "host/digitize/surface/contact_image.hpp"
+#include "host/digitize/transfer/transfer_curve.hpp"
 
 namespace strobe::digitize {
 namespace {
@@ -277,13 +278,37 @@ class Digitizer {
   Digitization result_;
 };
 
+/// Where numbers turn out not to be proportional to light, once more with light in their place: a screen's gamma
+/// widens every ball by half a pixel.
+Digitization digitize_light(const Photograph& photograph, const DigitizeSettings& settings) {
+  auto digitization = Digitizer(photograph, settings).run();
+  const PlaneMap map =
+      settings.map.is_uncalibrated() ? PlaneMap::uncalibrated(photograph.height()) : settings.map;
+  const auto curve = measure_transfer(photograph, map, digitization.outlines);
+  digitization.transfer = curve;
+  // Files of 8 bits are a screen's as often as a sensor's.
+  if (!curve && photograph.bits <= 8 && !digitization.frame.images.empty())
+    digitization.remarks.push_back(
+        "whether the file's numbers are proportional to light cannot be told, since too few images of the "
+        "ball "
+        "overlap: a screen's gamma would widen every ball");
+  if (!curve || curve->is_proportional()) return digitization;
+  digitization = Digitizer(linearized(photograph, *curve), settings).run();
+  digitization.transfer = curve;
+  digitization.remarks.push_back(
+      fmt::format("the numbers are not proportional to light but to its power {:.2f} ± {:.2f}, as {} places "
+                  "tell where images of the ball overlap: this was undone",
+                  curve->exponent, curve->sd, curve->crossings));
+  return digitization;
+}
+
 }  // namespace
 
 Result<Digitization> digitize(const Photograph& photograph, const DigitizeSettings& settings) {
   if (const auto problem = invalid_setting(settings)) return fail(*problem);
   if (photograph.intensity.empty()) return fail(photograph.name + ": no picture");
   try {
-    auto digitization = Digitizer(photograph, settings).run();
+    auto digitization = digitize_light(photograph, settings);
     if (photograph.orientation != 1)
       digitization.remarks.push_back(fmt::format(
           "the camera says that it was held otherwise than upright (EXIF orientation {}): the pixels "

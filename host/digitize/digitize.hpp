@@ -14,6 +14,7 @@
 #include "host/digitize/core/types.hpp"
 #include "host/digitize/image/photograph.hpp"
 #include "host/digitize/surface/surface_line.hpp"
+#include "host/digitize/transfer/transfer_curve.hpp"
 
 namespace strobe::digitize {
 
@@ -46,9 +47,10 @@ struct Digitization {
   reduction::Frame frame;         ///< images in order of time; sources "auto"
   std::vector<Outline> outlines;  ///< one for each image, in their order
   std::vector<Unmeasured> unmeasured;
-  std::optional<Rejection> no_surface;                   ///< why there is no surface line
-  std::optional<BallScale> scale;                        ///< absent without images
-  std::vector<std::string> remarks;                      ///< assumptions and ambiguities, for the operator
+  std::optional<Rejection> no_surface;    ///< why there is no surface line
+  std::optional<BallScale> scale;         ///< absent without images
+  std::optional<TransferCurve> transfer;  ///< of numbers to light; absent: the photograph cannot tell
+  std::vector<std::string> remarks;       ///< assumptions and ambiguities, for the operator
   std::vector<std::pair<std::string, double>> stage_ms;  ///< wall time of each stage
 };
 

@@ -41,7 +41,8 @@ const std::map<std::string, std::vector<Layer>> kLayers{
      {
          {"host/clock", "host/config", "host/digitize/core", "host/digitize/image", "host/thesis"},
          {"host/assembly", "host/camera", "host/digitize/candidates", "host/digitize/equator",
-          "host/digitize/outline", "host/digitize/surface", "host/messages", "host/thesis/figures"},
+          "host/digitize/outline", "host/digitize/surface", "host/digitize/transfer", "host/messages",
+          "host/thesis/figures"},
          {"host/digitize/path", "host/session"},
          {"host/digitize/outliers", "host/view"},
          {"host/commands/frontier", "host/digitize", "host/thesis/tables"},
