@@ -17,8 +17,8 @@ struct TooClose {
 
 /// Of two neighbours less than half the leg's median step apart, the one of clearly less `quality` (0 to 1,
 /// as steps may be unequal on purpose). If the flashes' times are known, and no two of them are close enough
-/// to explain it, the one of less quality however little; if they are not known, so on straight legs where a step is less
-/// than a tenth of the median one. Legs of fewer than 4 images are not checked.
+/// to explain it, the one of less quality however little; if they are not known, so on straight legs where a
+/// step is less than a tenth of the median one. Legs of fewer than 4 images are not checked.
 std::vector<TooClose> find_too_close(const Path& path, std::span<const PathPoint> points,
                                      std::span<const double> quality, std::span<const double> flash_times_s);
 
