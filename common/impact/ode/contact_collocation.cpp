@@ -91,8 +91,8 @@ class Collocation {
     return 1.0 / std::max({growth / kMaxGrowth, turns, 1e-300});
   }
 
-  /// Solves from here to `x` in the present mode.
-  bool solve_to(double x) {
+  /// Solves from here to `x` in the present mode, even if that looks hopeless where a longer segment was solved.
+  bool solve_to(double x, bool persist = false) {
     segment_.mode = mode_;
     segment_.x = x_;
     segment_.size = x - x_;
@@ -100,7 +100,7 @@ class Collocation {
     segment_.start = at_;
     to_.tau = x >= c_.normal.end() ? c_.normal.release_tau() : c_.normal.tau(x);
     out_.evaluations += static_cast<int>(n);
-    return solver_.solve(segment_, to_);
+    return solver_.solve(segment_, to_, persist);
   }
 
   void sample() { law_.sample(segment_, solver_, {to_, solver_.end()}, just_switched_); }
@@ -119,7 +119,7 @@ class Collocation {
     if (const double g = guess(); x_ + g < limit) to = x_ + g;
     guessed_ = true;
     for (int attempt = 0; attempt < kMaxAttempts; ++attempt) {
-      if (to - x_ < 1e-6) return false;
+      if (to < limit && to - x_ < 1e-6) return false;
       const bool converged = solve_to(to);
       const double error = error_of_segment() / allowed_;
       if ((!converged && error <= 1.0) || (converged && !spin_resolved())) {
@@ -149,7 +149,7 @@ class Collocation {
   bool switch_near(double x) {
     const FrictionLaw law(c_, mode_);
     for (int i = 0; i < 6; ++i) {
-      if (!(x > x_) || x > c_.normal.end() || !solve_to(x)) return false;
+      if (!(x > x_) || x > c_.normal.end() || !solve_to(x, true)) return false;
       sample();
       const double end = law_.at_end();
       const double rate = law.rate({to_, solver_.end()}, law_.side_at_end());

@@ -15,13 +15,12 @@ class SegmentSolver {
   using Points = std::array<double, n + 2>;
 
   /// `allowed`: error of D.
-  /// `hopeless`: a segment this many times less resolved than allowed is given up before its fixed point is sought.
-  SegmentSolver(const CollocationConstants& constants, double allowed, double hopeless = 10.0)
-      : c_(constants), allowed_(allowed), hopeless_(hopeless) {}
+  SegmentSolver(const CollocationConstants& constants, double allowed) : c_(constants), allowed_(allowed) {}
 
   /// Solves the segment from its x, size, mode, from, start to `to`, its end. Returns false if the iteration does
-  /// not converge. to.depth and to.rate are filled.
-  bool solve(const Segment& segment, NormalState& to);
+  /// not converge; unless told to persist, also if its first values are resolved kHopeless times less than allowed.
+  /// to.depth and to.rate are filled.
+  bool solve(const Segment& segment, NormalState& to, bool persist);
 
   /// Of the last solve: error of D at the segment's end, estimated from the last two Legendre coefficients. Where
   /// they fall geometrically from a, that of P_0, to e, that of P_(n-2), that of P_2n, the first which Gauss's rule
@@ -46,13 +45,14 @@ class SegmentSolver {
 
  private:
   static constexpr int kMaxSweeps = 14;
+  static constexpr double kHopeless = 10.0;
   static constexpr const GaussLegendre<n>& kRule = kGaussLegendre<n>;
 
   void place_nodes(const Segment& segment, NormalState& to);
   void place_grip(const Segment& segment);
   void slip_stretches(const Segment& segment);
   void evaluate(const Segment& segment);
-  bool iterate(const Segment& segment);
+  bool iterate(const Segment& segment, bool persist);
   void finish(const Segment& segment, const NormalState& to);
   void estimate(bool grips);
 
@@ -79,7 +79,7 @@ class SegmentSolver {
   }
 
   const CollocationConstants& c_;
-  double allowed_, hopeless_;
+  double allowed_;
   int sweeps_ = 0;
   double last_ = 0.0, largest_ = 0.0, local_fall_ = 1.0;
   TangentialState end_;
@@ -169,7 +169,7 @@ void SegmentSolver<n>::evaluate(const Segment& segment) {
 }
 
 template <std::size_t n>
-bool SegmentSolver<n>::iterate(const Segment& segment) {
+bool SegmentSolver<n>::iterate(const Segment& segment, bool persist) {
   const bool grips = segment.mode == ContactMode::grips;
   couple_.fill(0.0);
   cosine_.fill(0.0);
@@ -179,7 +179,7 @@ bool SegmentSolver<n>::iterate(const Segment& segment) {
   last_ = largest_ = 0.0;
   if (c_.system.delta == 0.0) return true;
   estimate(grips);
-  if (error_at_end() > hopeless_ * allowed_) return false;
+  if (!persist && error_at_end() > kHopeless * allowed_) return false;
   double before = 0.0;
   for (sweeps_ = 1; sweeps_ <= kMaxSweeps; ++sweeps_) {
     alignas(16) Row next;
@@ -303,7 +303,7 @@ double SegmentSolver<n>::error_at_end() const {
 }
 
 template <std::size_t n>
-bool SegmentSolver<n>::solve(const Segment& segment, NormalState& to) {
+bool SegmentSolver<n>::solve(const Segment& segment, NormalState& to, bool persist) {
   place_nodes(segment, to);
   if (segment.mode == ContactMode::grips) {
     place_grip(segment);
@@ -314,7 +314,7 @@ bool SegmentSolver<n>::solve(const Segment& segment, NormalState& to) {
       base_[i] =
           segment.start.vx_change - limit * (c_.normal.impulse({tau_[i], depth_[i], rate_[i]}) - impulse);
   }
-  if (!iterate(segment)) return false;
+  if (!iterate(segment, persist)) return false;
   finish(segment, to);
   estimate(segment.mode == ContactMode::grips);
   return true;

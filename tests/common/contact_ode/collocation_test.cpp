@@ -180,6 +180,39 @@ TEST(Collocation, KeepsItsToleranceWhereNumbersAreHardOrSaysThatTheIntegratorToo
   }
 }
 
+// The cost of lift_off() is that of its nodes. 1 to 60 m/s, 5 to 85 degrees, |R omega| up to the speed and 600 rad/s, e
+// .5 to .9, mu .3 to .9, dwell times of tennis balls. Means of 300 contacts, with a twentieth for other compilers.
+TEST(Collocation, BouncesOfShotsTakeFewNodesAndNoIntegrator) {
+  ContactDraws draws(1);
+  std::array<double, 4> nodes{};
+  std::array<int, 4> given_up{};
+  constexpr int kContacts = 300;
+  for (int i = 0; i < kContacts; ++i) {
+    const double degree = std::numbers::pi / 180.0, speed = draws.over_decades(1.0, 60.0);
+    const double angle = draws.between(5.0, 85.0), radius = contact_ball().radius_m();
+    const Motion touchdown{speed * std::cos(angle * degree), -speed * std::sin(angle * degree),
+                           draws.between(-1.0, 1.0) * std::min(600.0, speed / radius)};
+    ContactCoefficients c{.e = draws.between(0.5, 0.9), .dwell_s = draws.between(3e-3, 6.5e-3)};
+    c.mu = draws.between(0.3, 0.9);
+    c.stiffness_ratio = draws.over_decades(0.7, 2.5);
+    c.damping_ratio = draws.over_decades(0.2, 1.5);
+    c.offset_share = draws.between(0.0, 0.25);
+    const auto system = impact::detail::make_system(contact_ball(), touchdown, c);
+    const auto constants = impact::detail::CollocationConstants::make(*system);
+    for (std::size_t k = 0; k < kTolerances.size(); ++k) {
+      const auto contact = impact::detail::collocate(*constants, kTolerances[k], false, nullptr);
+      if (!contact) ++given_up[k];
+      if (contact) nodes[k] += static_cast<double>(contact->evaluations) / kContacts;
+    }
+  }
+  const std::array<double, 4> most{41.7, 60.0, 82.0, 113.3};
+  for (std::size_t k = 0; k < nodes.size(); ++k) {
+    UT_PRINT((std::to_string(nodes[k]) + " nodes, given up: " + std::to_string(given_up[k])).c_str());
+    CHECK(nodes[k] <= 1.05 * most[k]);
+    LONGS_EQUAL(0, given_up[k]);
+  }
+}
+
 TEST(Collocation, AMirroredContactIsTheMirrorImageToTheLastBit) {
   ContactDraws draws(3);
   for (int i = 0; i < repetitions(300); ++i) {
@@ -292,7 +325,7 @@ TEST(Collocation, ASegmentsEndIsOfTwiceTheNodesOrder) {
   const auto constants = CollocationConstants::make(*system);
   const double first = 0.2 * constants->normal.end(), last = 0.8 * constants->normal.end();
   const auto couple = [&](int parts) {
-    SegmentSolver<4> solver(*constants, 1e-15, 1e300);
+    SegmentSolver<4> solver(*constants, 1e-15);
     Segment segment;
     segment.mode = impact::ContactMode::slips_forward;
     segment.from = constants->normal.at(constants->normal.tau(first));
@@ -301,7 +334,7 @@ TEST(Collocation, ASegmentsEndIsOfTwiceTheNodesOrder) {
       segment.x = first + (last - first) * (i - 1) / parts;
       segment.size = (last - first) / parts;
       NormalState to{.tau = constants->normal.tau(segment.x + segment.size)};
-      solver.solve(segment, to);
+      solver.solve(segment, to, true);
       segment.from = to;
       segment.start = solver.end();
     }
