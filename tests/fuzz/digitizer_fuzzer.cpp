@@ -1,5 +1,6 @@
 // Any pixels at all, under settings of any kind: the digitizer ends, and what it measured are numbers with
 // standard deviations, in order of time. Six bytes of settings, then a small photograph's rows.
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -91,12 +92,14 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   // Where no steady flight passes through the images none has a time, and a remark says so.
   const auto& images = found->frame.images;
   const bool given = settings.flash_times_s && !settings.flash_times_s->empty();
-  const bool timed = given && !images.empty() && std::isfinite(images.front().time_s);
+  // Nor has an image of another leg than the bounce's.
+  const auto told = std::ranges::find_if(images, [](const auto& image) { return !image.other_leg; });
+  const bool timed = given && told != images.end() && std::isfinite(told->time_s);
   if (given && !timed && !images.empty()) require(!found->remarks.empty());
   double before_s = -1.0;
   for (const auto& image : images) {
-    check(image, timed);
-    if (!timed) continue;
+    check(image, timed && !image.other_leg);
+    if (!timed || image.other_leg) continue;
     require(image.time_s > before_s);
     before_s = image.time_s;
   }
