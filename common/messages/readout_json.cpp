@@ -60,6 +60,11 @@ void put_flashes(ordered_json& object, const std::optional<reduction::ImagedFlas
       flashes ? ordered_json(flashes->misassignment_probability) : ordered_json();
 }
 
+void put_assignments(ordered_json& object, const std::optional<reduction::Assignments>& assignments) {
+  object["assignments"] = assignments ? ordered_json(assignments->hypotheses) : ordered_json();
+  object["sd_assignments"] = assignments ? quantities_json(assignments->sd) : ordered_json();
+}
+
 void put_residual_ratios(ordered_json& object, const reduction::ResidualRatios& ratios) {
   object["residual_ratio"] = or_null(ratios.all);
   ordered_json& by_kind = object["residual_ratio_by_kind"] = ordered_json::object();
@@ -84,6 +89,7 @@ std::string readout_to_json(const Readout& readout) {
   }
   object["flags"] = flags_json(readout.flags);
   put_flashes(object, readout.flashes);
+  put_assignments(object, readout.assignments);
   object["sd"] = quantities_json(readout.sd);
   object["sd_systematic"] = quantities_json(readout.sd_systematic);
   object["degrees_of_freedom"] = quantities_json(readout.degrees_of_freedom);

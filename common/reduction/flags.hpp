@@ -12,7 +12,8 @@ enum class Flag {
   late_flash,  // a flash that shows the ball came later than the rig's tolerance; its measured time was used
   missing_flash,  // a planned flash among those that show the ball was seen by no sensor
   double_flash,   // a lamp flashed twice for one pulse, or between two, among those that (may) show the ball
-  flash_match_ambiguous,  // several assignments of images to flashes fit alike and give different numbers
+  flash_match_ambiguous,  // several assignments of images to flashes are plausible and differ by more than the rest of
+                          // a number's uncertainty, or no steady flight fits the flashes
   spin_aliased,  // another spin, by half turns between images, explains the equators as well and friction allows
                  // it; the regime is then unclear
   too_few_images,  // a leg has too few airborne images for some number, which is null

@@ -90,6 +90,15 @@ struct ImagedFlashes {
   bool operator==(const ImagedFlashes&) const = default;
 };
 
+/// What it adds to the numbers' uncertainty that several assignments of flashes to images are plausible.
+/// See mixture.hpp.
+struct Assignments {
+  int hypotheses = 1;
+  Quantities sd;  ///< between the hypotheses; contained in Readout::sd
+
+  bool operator==(const Assignments&) const = default;
+};
+
 enum class MeasurementKind { centre, equator, diameter, surface };
 inline constexpr std::array<std::string_view, 4> kMeasurementKindNames{"centre", "equator", "diameter",
                                                                        "surface"};
@@ -116,7 +125,8 @@ struct Readout {
   FlagSet flags;
   ResidualRatios residual_ratios;  ///< only with method "best"
   Record record;
-  std::optional<ImagedFlashes> flashes;  ///< only of a photograph that a host matched with its shot
+  std::optional<ImagedFlashes> flashes;    ///< only of a photograph that a host matched with its shot
+  std::optional<Assignments> assignments;  ///< likewise; absent where no steady flight fits the flashes
   flight::Effects flight_effects = flight::kNoEffects;  ///< what the paths were fitted with
   std::optional<PrimaryCovariance> covariance;          ///< only if asked for
   std::optional<LegacyDetail> legacy;                   ///< only with method "legacy"

@@ -5,7 +5,6 @@
 
 #include "common/messages/lcm_conversions.hpp"
 #include "common/messages/record.hpp"
-#include "common/reduction/reduce.hpp"
 #include "host/assembly/camera_map.hpp"
 #include "host/assembly/flash_match.hpp"
 #include "host/assembly/flash_times.hpp"
@@ -102,15 +101,36 @@ FlagSet flash_flags(const FlashTimes& times, const FlashMatch& match, int first,
   return flags;
 }
 
-void set_times(Frame& frame, const FlashTimes& times, const FlashMatch& match) {
+void set_times(Frame& frame, const FlashTimes& times, const FlashAssignment& assignment) {
   const auto flash = [&](std::size_t image) -> const ObservedFlash& {
-    return times.seen[static_cast<std::size_t>(match.flash[image])];
+    return times.seen[static_cast<std::size_t>(assignment.flash[image])];
   };
   for (std::size_t i = 0; i < frame.images.size(); ++i) {
     frame.images[i].time_s = to_seconds(flash(i).time - flash(0).time);
     frame.images[i].time_sd_s = flash(i).time_sd_s;
     frame.images[i].flash_index = flash(i).index;
   }
+}
+
+std::vector<AssignedTimes> assigned_times(const FlashTimes& times, const FlashMatch& match) {
+  std::vector<AssignedTimes> assigned;
+  assigned.reserve(match.hypotheses.size());
+  for (const FlashAssignment& hypothesis : match.hypotheses) {
+    AssignedTimes& one = assigned.emplace_back(AssignedTimes{{}, hypothesis.weight});
+    one.time_s.reserve(hypothesis.flash.size());
+    const MonoTime first = times.seen[static_cast<std::size_t>(hypothesis.flash.front())].time;
+    for (const int flash : hypothesis.flash)
+      one.time_s.push_back(to_seconds(times.seen[static_cast<std::size_t>(flash)].time - first));
+  }
+  return assigned;
+}
+
+/// What the matching has to know of the ball besides its images.
+void set_physics(Track& track, const Frame& frame, const FlashTimes& times) {
+  const ball::Ball ball{frame.ball_diameter_m, frame.ball_mass_kg.value_or(ball::kThesisMass_kg),
+                        frame.ball_alpha.value_or(ball::kMeasuredAlpha)};
+  track.air = flight::aerodynamics(ball, flight::air_density_kgpm3(frame.temperature_c.value_or(20.0)));
+  for (const ObservedFlash& flash : times.seen) track.time_sd_s = std::max(track.time_sd_s, flash.time_sd_s);
 }
 
 AssembledShot unmatched(AssembledShot shot, Flag flag, std::string problem) {
@@ -161,13 +181,13 @@ AssembledShot assemble(const shot_t& shot, const frame_t& message, const Assembl
   set_rig(result.frame, shot, settings);
   if (message.images.empty())
     return unmatched(result, Flag::too_few_images, "no image of the ball on the photograph");
-  const auto track = image_track(message, settings.ball.diameter_m, result.frame.surface_angle_deg);
+  auto track = image_track(message, settings.ball.diameter_m, result.frame.surface_angle_deg);
   if (!track) {
     return unmatched(result, Flag::degenerate_geometry,
                      message.surface.empty() ? "no surface line on the photograph"
                                              : "the frame has no surface line or an image without a size");
   }
-  FlashTimes times = flash_times(shot);
+  const FlashTimes times = flash_times(shot, settings.analysis.flash_time_sd_s);
   if (no_sensor_fired(times, shot)) result.flags.set(Flag::sensor_missing);
   if (times.seen.empty())
     return unmatched(result, Flag::missing_flash, "images, but no flash was seen or issued");
@@ -175,6 +195,7 @@ AssembledShot assemble(const shot_t& shot, const frame_t& message, const Assembl
     result.flags.set(Flag::clock_suspect);
     return unmatched(result, Flag::flash_match_ambiguous, "flash times are out of order");
   }
+  set_physics(*track, result.frame, times);
   std::vector<double> times_s;
   times_s.reserve(times.seen.size());
   for (const ObservedFlash& flash : times.seen)
@@ -183,9 +204,8 @@ AssembledShot assemble(const shot_t& shot, const frame_t& message, const Assembl
   if (!match) return unmatched(result, Flag::flash_match_ambiguous, "more images than flashes were seen");
   if (!is_steady(*track, *match))
     return unmatched(result, Flag::flash_match_ambiguous, "no steady flight passes through the images");
-  set_times(result.frame, times, *match);
-  result.match_ambiguity = match->ambiguity;
-  if (match->ambiguity > kMaxAmbiguity) result.flags.set(Flag::flash_match_ambiguous);
+  set_times(result.frame, times, match->hypotheses.front());
+  result.hypotheses = assigned_times(times, *match);
   const reduction::ImagedFlashes flashes{*result.frame.images.front().flash_index,
                                          *result.frame.images.back().flash_index,
                                          match->misassignment_probability, shot.plan.code_count > 0};
@@ -199,7 +219,7 @@ AssembledShot assemble(const shot_t& shot, const frame_t& message, const Assembl
 ShotReadout shot_readout(const shot_t& shot, const frame_t& frame, const AssemblySettings& settings) {
   AssembledShot assembled = assemble(shot, frame, settings);
   if (assembled.frame.images.empty()) return {empty_readout(shot, assembled.flags), assembled.problem};
-  auto readout = reduction::reduce(assembled.frame, reduction::Estimator::best);
+  auto readout = reduce_hypotheses(assembled.frame, assembled.hypotheses);
   if (!readout) {
     assembled.flags.set(Flag::degenerate_geometry);
     return {empty_readout(shot, assembled.flags), readout.error().message};

@@ -10,6 +10,7 @@
 
 #include "common/reduction/frame.hpp"
 #include "common/reduction/readout.hpp"
+#include "host/assembly/shot_mixture.hpp"
 #include "host/config/rig_file.hpp"
 
 namespace strobe::host {
@@ -27,8 +28,9 @@ AssemblySettings assembly_settings(const RigFile& rig);
 struct AssembledShot {
   /// images with the times of their flashes, from the first image's; empty if unmatched
   reduction::Frame frame;
-  reduction::FlagSet flags;      ///< of the flashes that show the ball, the match, the sensors and the shot
-  double match_ambiguity = 0.0;  ///< FlashMatch::ambiguity
+  reduction::FlagSet flags;  ///< of the flashes that show the ball, the match, the sensors and the shot
+  /// Plausible assignments, the frame's first; empty if unmatched.
+  std::vector<AssignedTimes> hypotheses;
   std::optional<reduction::ImagedFlashes> flashes;  ///< absent if unmatched
   std::string problem;  ///< why the frame could not be matched, for a person; else empty
 };
@@ -48,8 +50,8 @@ struct ShotReadout {
   std::string problem;  ///< for a person; empty if the flags say all
 };
 
-/// Assembles and reduces with the best estimator. A frame that cannot be reduced gives a readout without
-/// numbers.
+/// Assembles and reduces with the best estimator, to the mixture over the plausible assignments of flashes to images
+/// (common/reduction/mixture.hpp). A frame that cannot be reduced gives a readout without numbers.
 ShotReadout shot_readout(const strobe_msgs::shot_t& shot, const strobe_msgs::frame_t& frame,
                          const AssemblySettings& settings);
 

@@ -5,18 +5,16 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <map>
 #include <numeric>
 
+#include "common/reduction/variance_test.hpp"
 #include "host/assembly/contact_match.hpp"
 #include "host/assembly/leg_candidates.hpp"
 
 namespace strobe::host {
 namespace {
 
-// -2 ln of 0.5 %: how rarely an image of the ball is missing from the digitized frame.
-constexpr double kMissedPenalty = 10.6;
-// An error of 3 sd is a wrong number; a larger one is no worse.
-constexpr double kMaxSquaredError = 9.0;
 // An assignment whose flight alone is this much worse than the best has a negligible probability.
 constexpr double kNegligible = 60.0;
 // -2 ln of 1/10: an assignment ten times less likely than the best is implausible.
@@ -98,7 +96,7 @@ class Matcher {
     int missed = in.missed + out.missed;
     if (!in.empty() && !out.empty()) missed += out.first() - in.last() - 1 - contact_count();
     if (out.empty() && !in.empty() && in.last() + contact_count() >= flash_count()) return;
-    Pair pair{&in, &out, in.chi_squared + out.chi_squared, kMissedPenalty * missed};
+    Pair pair{&in, &out, in.chi_squared + out.chi_squared, missed_penalty_ * missed};
     if (pair.score(scale_) > best_score_ + kNegligible) return;
     pair.penalty += prior_penalty(in, out, times_s_, prior_);
     if (in.crossing && out.crossing) pair.penalty += contact_penalty(estimate_bounce(in, out, track_));
@@ -116,9 +114,13 @@ class Matcher {
     return dof;
   }
 
-  /// Noise larger than stated shows in the best match's own residuals and makes the others less unlikely.
+  /// Noise larger than stated shows in the best match's own residuals and makes the others less unlikely. What chance
+  /// explains is not taken for it: weights would be too even, and the mixture too wide.
   double noise_scale(double chi_squared) const {
-    return std::max(1.0, chi_squared / std::max(1.0, degrees_of_freedom()));
+    constexpr double kStated = std::numeric_limits<double>::infinity();
+    const double dof = degrees_of_freedom();
+    const bool explained = reduction::chance_of_scatter(chi_squared, dof, kStated) >= reduction::kFalseAlarms;
+    return explained ? 1.0 : chi_squared / std::max(1.0, dof);
   }
 
   static double lowest(const std::vector<LegCandidate>& candidates) {
@@ -133,23 +135,76 @@ class Matcher {
     });
   }
 
-  FlashMatch choose() const {
+  FlashMatch choose() {
     const double scale = noise_scale(best(scale_).chi_squared);
-    const Pair& chosen = best(scale);
+    std::ranges::sort(pairs_, [scale](const Pair& a, const Pair& b) {
+      return std::pair(a.score(scale), order(a)) < std::pair(b.score(scale), order(b));
+    });
     FlashMatch match;
-    match.flash = chosen.in->flash;
-    const auto contact = contact_flashes(legs_.contact, *chosen.in, *chosen.out, times_s_, track_).flash;
-    match.flash.insert(match.flash.end(), contact.begin(), contact.end());
-    match.flash.insert(match.flash.end(), chosen.out->flash.begin(), chosen.out->flash.end());
-    assert(match.flash.size() == track_.images.size());
-    assert(std::adjacent_find(match.flash.begin(), match.flash.end(), std::greater_equal<>()) ==
-           match.flash.end());
-    assert(match.flash.front() >= 0 && match.flash.back() < flash_count());
-    match.chi_squared = chosen.chi_squared;
-    match.ambiguity = ambiguity(chosen, scale);
-    match.misassignment_probability = misassignment_probability(chosen, scale);
-    match.possibly_imaged = possibly_imaged(chosen, scale);
+    match.hypotheses = likeliest(scale);
+    match.chi_squared = pairs_.front().chi_squared;
+    match.misassignment_probability = 1.0 - 1.0 / total_weight(scale);
+    match.possibly_imaged = possibly_imaged(pairs_.front(), scale);
     return match;
+  }
+
+  /// Of two as likely the earlier first, on every machine.
+  static std::pair<int, int> order(const Pair& pair) {
+    return {pair.in->empty() ? -1 : pair.in->first(), pair.out->empty() ? -1 : pair.out->first()};
+  }
+
+  /// In units of the likeliest one's.
+  double weight(const Pair& pair, double scale) const {
+    return std::exp(-0.5 * (pair.score(scale) - pairs_.front().score(scale)));
+  }
+
+  double total_weight(double scale) const {
+    double all = 0.0;
+    for (const Pair& pair : pairs_) all += weight(pair, scale);
+    return all;
+  }
+
+  /// Without the patterns of gaps that are implausible together, such as an image in contact that nobody found, and of
+  /// the others without the least likely hypotheses.
+  std::vector<FlashAssignment> likeliest(double scale) const {
+    std::vector<std::vector<int>> flashes;
+    std::map<std::vector<int>, double> by_gaps;
+    double all = 0.0;
+    for (const Pair& pair : pairs_) {
+      const double w = weight(pair, scale);
+      if (w < kDroppedProbability / static_cast<double>(pairs_.size())) break;
+      flashes.push_back(flashes_of(pair));
+      by_gaps[gaps(flashes.back())] += w;
+      all += w;
+    }
+    std::vector<FlashAssignment> hypotheses;
+    double kept = 0.0;
+    for (std::size_t i = 0; i < flashes.size() && kept < (1.0 - kDroppedProbability) * all; ++i) {
+      if (by_gaps[gaps(flashes[i])] < kDroppedProbability * all) continue;
+      hypotheses.push_back({std::move(flashes[i]), weight(pairs_[i], scale)});
+      kept += hypotheses.back().weight;
+    }
+    for (FlashAssignment& hypothesis : hypotheses) hypothesis.weight /= kept;
+    return hypotheses;
+  }
+
+  /// Flashes from one image to the next.
+  static std::vector<int> gaps(const std::vector<int>& flash) {
+    std::vector<int> gaps(flash.size());
+    std::adjacent_difference(flash.begin(), flash.end(), gaps.begin());
+    gaps.front() = 0;
+    return gaps;
+  }
+
+  std::vector<int> flashes_of(const Pair& pair) const {
+    std::vector<int> flash = pair.in->flash;
+    const auto contact = contact_flashes(legs_.contact, *pair.in, *pair.out, times_s_, track_).flash;
+    flash.insert(flash.end(), contact.begin(), contact.end());
+    flash.insert(flash.end(), pair.out->flash.begin(), pair.out->flash.end());
+    assert(flash.size() == track_.images.size());
+    assert(std::adjacent_find(flash.begin(), flash.end(), std::greater_equal<>()) == flash.end());
+    assert(flash.front() >= 0 && flash.back() < flash_count());
+    return flash;
   }
 
   /// Where equal intervals leave the offset open, a flash next to the ball's may have been one of them.
@@ -165,45 +220,6 @@ class Matcher {
     return marked;
   }
 
-  double ambiguity(const Pair& chosen, double scale) const {
-    double error = 0.0, all = 0.0;
-    for (const Pair& pair : pairs_) {
-      const double delta = pair.score(scale) - chosen.score(scale);
-      if (delta > kNegligible) continue;
-      const double weight = std::exp(-0.5 * delta);
-      all += weight;
-      error += weight * std::min(squared_error(pair, chosen) / scale, kMaxSquaredError);
-    }
-    return error / all;
-  }
-
-  double misassignment_probability(const Pair& chosen, double scale) const {
-    double all = 0.0;
-    for (const Pair& pair : pairs_) all += std::exp(-0.5 * (pair.score(scale) - chosen.score(scale)));
-    return 1.0 - 1.0 / all;
-  }
-
-  /// In units of the noise as stated.
-  double squared_leg_error(const LegCandidate& a, const LegCandidate& b) const {
-    if (!a.fit.has_velocity() || !b.fit.has_velocity()) return 0.0;
-    const double variance = track_.sd_px * track_.sd_px * b.fit.velocity_variance();
-    const Eigen::Vector2d d = a.fit.path().velocity - b.fit.path().velocity;
-    return d.cwiseAbs2().maxCoeff() / variance;
-  }
-
-  /// Of the number that differs most.
-  double squared_error(const Pair& a, const Pair& b) const {
-    double worst = std::max(squared_leg_error(*a.in, *b.in), squared_leg_error(*a.out, *b.out));
-    if (!a.in->crossing || !a.out->crossing || !b.in->crossing || !b.out->crossing) return worst;
-    const BounceEstimate ra = estimate_bounce(*a.in, *a.out, track_);
-    const BounceEstimate rb = estimate_bounce(*b.in, *b.out, track_);
-    for (std::size_t i = 0; i < ra.value.size(); ++i) {
-      const double z = (ra.value[i] - rb.value[i]) / rb.sd[i];
-      worst = std::max(worst, z * z);
-    }
-    return worst;
-  }
-
   /// Consecutive flashes around the expected arrival, else around the middle of the exposure.
   FlashMatch in_order() const {
     const int count = static_cast<int>(track_.images.size());
@@ -211,11 +227,11 @@ class Matcher {
     const auto it = std::lower_bound(times_s_.begin(), times_s_.end(), around);
     const int middle = static_cast<int>(it - times_s_.begin());
     FlashMatch match;
-    match.flash.resize(track_.images.size());
-    std::iota(match.flash.begin(), match.flash.end(),
-              std::clamp(middle - count / 2, 0, flash_count() - count));
-    match.ambiguity = kMaxSquaredError;
+    std::vector<int>& flash = match.hypotheses.front().flash;
+    flash.resize(track_.images.size());
+    std::iota(flash.begin(), flash.end(), std::clamp(middle - count / 2, 0, flash_count() - count));
     match.misassignment_probability = 1.0;
+    match.steady = false;
     return match;
   }
 
@@ -223,12 +239,22 @@ class Matcher {
   const Track& track_;
   const std::optional<ArrivalPrior>& prior_;
   Legs legs_;
+  double missed_penalty_ = -2.0 * std::log(track_.missed_share);
   std::vector<Pair> pairs_;
   double scale_ = 1.0;
   double best_score_ = std::numeric_limits<double>::infinity();
 };
 
 }  // namespace
+
+bool gaps_agree(const FlashMatch& match) {
+  const std::vector<int>& first = match.hypotheses.front().flash;
+  return std::ranges::all_of(match.hypotheses, [&](const FlashAssignment& one) {
+    for (std::size_t i = 1; i < first.size(); ++i)
+      if (one.flash[i] - one.flash[0] != first[i] - first[0]) return false;
+    return true;
+  });
+}
 
 std::optional<FlashMatch> match_flashes(std::span<const double> times_s, const Track& track,
                                         const std::optional<ArrivalPrior>& prior) {

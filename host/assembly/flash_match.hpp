@@ -1,5 +1,17 @@
-// Which flash made which image of the ball: the most likely assignment by order, spacing, ballistic flight and
-// a plausible contact, and how ambiguous it is.
+// Which flash made which image of the ball: the plausible assignments by order, spacing, ballistic flight and a
+// plausible contact, and how probable each is.
+//
+// Data association with many hypotheses: a hypothesis assigns a flash to every image. Its weight is its posterior
+// probability, proportional to exp(-d/2) with
+//   d = chi squared of both legs' flight (the images' noise, the errors in time and of the air's pull, and each leg's
+//       position and velocity free)
+//     + -2 ln of the share of images that are not found, for every flash within the path without an image
+//     + the penalties of contact_match.hpp for a bounce that balls do not make, and for images in contact
+//     + 2 ln(1 + z^2) of the arrival, where there is a prior for it.
+// Where the noise as stated explains not even the likeliest hypothesis, chi squared is divided by what it then is over
+// its degrees of freedom.
+// Source: Bar-Shalom, Li, Kirubarajan, Estimation with Applications to Tracking and Navigation, 1.4.16 (mixtures);
+// Blackman, Multiple hypothesis tracking for multiple target tracking (2004).
 // Deterministic, no I/O; thread-safe; allocates. 166 flashes and a dozen images take a fraction of a
 // millisecond.
 #pragma once
@@ -19,27 +31,33 @@ struct ArrivalPrior {
   double scale_s = 0.010;
 };
 
-struct FlashMatch {
-  std::vector<int> flash;  ///< for each image the number of its flash among the observed ones, ascending
-  /// For each observed flash, 1 if it lies within this or another plausible assignment.
-  std::vector<char> possibly_imaged;
-  double chi_squared = 0.0;  ///< straight flight of both legs
-  /// Expected increase of the worst number's variance by wrong assignments, in units of that variance; an
-  /// assignment's error counts as at most 3 sd. 0 to 9.
-  double ambiguity = 0.0;
-  /// Probability that the images are of other flashes, 0 to 1. The intervals of an even train leave open which
-  /// flashes they are, however certain the numbers; those of a coded train tell.
-  double misassignment_probability = 0.0;
+/// A hypothesis: for each image the number of its flash among the observed ones, ascending.
+struct FlashAssignment {
+  std::vector<int> flash;
+  double weight = 1.0;
 };
 
-/// Above this a match is ambiguous: the stated sd would be 5 % too small, or numbers that are off by 3 sd or
-/// more have odds of more than 1 to 90.
-inline constexpr double kMaxAmbiguity = 0.1;
+struct FlashMatch {
+  /// The likeliest first, with most of the probability; their weights add up to 1. Never empty.
+  std::vector<FlashAssignment> hypotheses{FlashAssignment{}};
+  /// For each observed flash, 1 if it lies within one of the plausible assignments.
+  std::vector<char> possibly_imaged;
+  double chi_squared = 0.0;  ///< flight of both legs, of the likeliest
+  /// Probability that the images are of other flashes than the likeliest has, 0 to 1. The intervals of an even train
+  /// leave open which flashes they are, however certain the numbers; those of a coded train tell.
+  double misassignment_probability = 0.0;
+  bool steady = true;  ///< false: no steady speed fits; the images are assigned to consecutive flashes
+};
+
+/// Whether all hypotheses have as many flashes between one image and the next.
+bool gaps_agree(const FlashMatch& match);
+
+/// Probability of the hypotheses that are dropped: together they are rarer than an outlier that no test finds.
+inline constexpr double kDroppedProbability = 0.01;
 /// Above this the code of a coded train leaves open which flashes made the images.
 inline constexpr double kMaxMisassignmentProbability = 0.01;
 
 /// times_s: observed flashes, ascending, any origin. Returns nullopt if there are fewer flashes than images.
-/// If no steady speed fits, the images are assigned to consecutive flashes, with ambiguity 9.
 std::optional<FlashMatch> match_flashes(std::span<const double> times_s, const Track& track,
                                         const std::optional<ArrivalPrior>& prior);
 

@@ -42,11 +42,11 @@ bool any_observed(const shot_t& shot) {
                      [&](const flash_t& flash) { return known(observed(shot, flash)); });
 }
 
-ObservedFlash seen_flash(const shot_t& shot, const flash_t& flash, MonoTime time, bool measured) {
+ObservedFlash seen_flash(const shot_t& shot, const flash_t& flash, MonoTime time, double time_sd_s) {
   ObservedFlash seen;
   seen.index = flash.flash_index;
   seen.time = time;
-  seen.time_sd_s = measured ? kSensorTimeSd_s : kIssuedTimeSd_s;
+  seen.time_sd_s = time_sd_s;
   const Duration lateness = time - from_ns(flash.commanded_ns) - lamp_delay(shot, flash);
   seen.late = to_microseconds(lateness) > shot.late_tolerance_us;
   seen.doubled = flash.extra_edges > 0;
@@ -60,7 +60,7 @@ ObservedFlash seen_flash(const shot_t& shot, const flash_t& flash, MonoTime time
 
 }  // namespace
 
-FlashTimes flash_times(const shot_t& shot) {
+FlashTimes flash_times(const shot_t& shot, double sensor_time_sd_s) {
   FlashTimes times;
   times.measured = any_observed(shot);
   for (const flash_t& flash : shot.flashes) {
@@ -72,7 +72,7 @@ FlashTimes flash_times(const shot_t& shot) {
       continue;
     }
     if (!times.seen.empty() && time <= times.seen.back().time) times.in_order = false;
-    times.seen.push_back(seen_flash(shot, flash, time, times.measured));
+    times.seen.push_back(seen_flash(shot, flash, time, times.measured ? sensor_time_sd_s : kIssuedTimeSd_s));
   }
   return times;
 }

@@ -30,12 +30,14 @@ struct FlashTimes {
   bool in_order = true;  ///< times rise with the index
 };
 
-/// Standard deviation of a flash time that a sensor's edge gives: kernel stamp and photodiode. [s]
+/// Standard deviation of a flash time that a sensor's edge gives, unless the rig file tells it: kernel stamp and
+/// photodiode. [s]
 inline constexpr double kSensorTimeSd_s = 2e-6;
 /// The same where no sensor saw it: a lamp's delay differs from its mean from flash to flash and with age.
 /// [s]
 inline constexpr double kIssuedTimeSd_s = 20e-6;
 
-FlashTimes flash_times(const strobe_msgs::shot_t& shot);
+/// sensor_time_sd_s: of a flash time that sensors give.
+FlashTimes flash_times(const strobe_msgs::shot_t& shot, double sensor_time_sd_s = kSensorTimeSd_s);
 
 }  // namespace strobe::host

@@ -1,4 +1,4 @@
-// All assignments of one leg's images to flashes: in order, in steady flight under gravity.
+// All assignments of one leg's images to flashes: in order, in steady flight under gravity and drag.
 // No I/O; thread-safe; allocates.
 #pragma once
 
@@ -18,8 +18,11 @@ struct LegCandidate {
   /// For each image of the leg the number of its flash among the seen ones, ascending.
   std::vector<int> flash;
   int missed = 0;  ///< flashes between the first and the last whose image was not found
-  geometry::LegFit fit{Eigen::Vector2d::Zero()};  ///< centres in px, of unit weight
-  double chi_squared = 0.0;  ///< both coordinates, in units of the noise; 2 count - 4 degrees of freedom
+  geometry::LegFit fit{
+      Eigen::Vector2d::Zero()};  ///< centres in px, weighted by 1 / TrackPoint::variance_share
+  /// -2 ln of how likely the centres are at these times, but for a constant: both coordinates, in variances of the
+  /// centres, of the flashes' times and of the air's pull. 2 count - 4 degrees of freedom.
+  double chi_squared = 0.0;
   std::optional<geometry::Crossing> crossing;  ///< touchdown or lift-off: the centre is a radius up
 
   bool empty() const { return flash.empty(); }

@@ -8,8 +8,6 @@
 namespace strobe::host {
 namespace {
 
-// FlashMatch::ambiguity of an assignment that nothing supports.
-constexpr double kNoSupport = 9.0;
 // Images at any place between their neighbours are .29 of a step off steady flight; a lens that no
 // calibration undoes bends it by hundredths.
 constexpr double kUnsteadyOfStep = 0.12;
@@ -40,8 +38,7 @@ double usual_step_px(const Track& track) {
 double off_steady_px(const Track& track, const FlashMatch& match) {
   const double dof = degrees_of_freedom(track);
   if (!(dof > 0.0)) return 0.0;
-  if (match.chi_squared <= 0.0 && match.ambiguity >= kNoSupport)
-    return std::numeric_limits<double>::infinity();
+  if (!match.steady) return std::numeric_limits<double>::infinity();
   return track.sd_px * std::sqrt(match.chi_squared / dof);
 }
 

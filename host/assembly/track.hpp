@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "common/flight/aerodynamics.hpp"
 #include "common/shot/leg.hpp"
 
 namespace strobe::host {
@@ -13,6 +14,7 @@ struct TrackPoint {
   Leg leg = Leg::contact;
   /// In the surface's axes: along it in the direction of travel, up from it. [px of the photograph]
   Eigen::Vector2d centre_px = Eigen::Vector2d::Zero();
+  double variance_share = 1.0;  ///< variance of each coordinate over Track::sd_px squared; > 0
 };
 
 struct Track {
@@ -22,6 +24,9 @@ struct Track {
   double px_per_m = 0.0;
   double sd_px = 0.0;  ///< of each coordinate; as stated, else 0.8 % of the diameter
   Eigen::Vector2d gravity_pxps2 = Eigen::Vector2d::Zero();
+  flight::Aerodynamics air{.drag_per_m = 0.0, .lift_per_m = 0.0};  ///< of the ball
+  double missed_share = 0.005;  ///< of the ball's images that are not found
+  double time_sd_s = 0.0;       ///< of a flash's time
 };
 
 }  // namespace strobe::host

@@ -1,6 +1,12 @@
 #include "host/session/rejection.hpp"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <array>
+#include <cmath>
+
+#include "common/units/angles.hpp"
 
 namespace strobe::host {
 
@@ -40,18 +46,68 @@ constexpr std::array<std::string_view, reduction::kFlagCount> kWords{
     "the calibrated scale came without an sd and was taken as exact: uncertainties lack its share",
 };
 
+using reduction::Quantity;
+
+/// What a share of it is small to an operator. Returns nullopt if it is not known.
+std::optional<double> natural_scale(const reduction::Readout& readout, Quantity q,
+                                    const MatchTolerance& tolerance) {
+  switch (q) {
+    case Quantity::theta_in_deg:
+    case Quantity::theta_out_deg:
+      return degrees(1.0);
+    case Quantity::omega_td_radps:
+    case Quantity::omega_lo_radps:
+      if (!readout.value[Quantity::v_td_mps]) return std::nullopt;
+      return *readout.value[Quantity::v_td_mps] / (0.5 * tolerance.ball_diameter_m);
+    case Quantity::e:
+    case Quantity::mu:
+      return 1.0;
+    case Quantity::court_pace:
+      return 100.0;
+    case Quantity::dwell_time_ms:
+    case Quantity::dwell_distance_cm:
+      return readout.value[q];
+    default:
+      return readout.value[Quantity::v_td_mps];
+  }
+}
+
+/// The number that depends most on which flashes made the images, if it does by more than the tolerance.
+std::optional<std::string> match_reason(const reduction::Readout& readout, const MatchTolerance& tolerance) {
+  if (!readout.assignments) {
+    if (readout.flags.has(Flag::flash_match_ambiguous))
+      return std::string(words(Flag::flash_match_ambiguous));
+    return std::nullopt;
+  }
+  double worst = 0.0;
+  std::optional<Quantity> which;
+  for (std::size_t i = 0; i < reduction::kQuantityCount; ++i) {
+    const auto q = static_cast<Quantity>(i);
+    const auto scale = natural_scale(readout, q, tolerance);
+    const auto& between = readout.assignments->sd[q];
+    if (!between || !scale) continue;
+    const double percent = 100.0 * 2.0 * *between / std::abs(*scale);
+    if (percent <= std::max(worst, tolerance.percent)) continue;
+    worst = percent;
+    which = q;
+  }
+  if (!which) return std::nullopt;
+  return fmt::format("{} ({} by {:.2g} %)", words(Flag::flash_match_ambiguous), name(*which), worst);
+}
+
 }  // namespace
 
 std::string_view words(Flag flag) { return kWords[static_cast<std::size_t>(flag)]; }
 
-std::optional<std::string> rejection_reason(const reduction::Readout& readout) {
-  constexpr std::array kRejecting{
-      Flag::shot_aborted,       Flag::no_photograph, Flag::too_few_images,        Flag::late_flash,
-      Flag::missing_flash,      Flag::double_flash,  Flag::flash_match_ambiguous, Flag::clock_suspect,
-      Flag::degenerate_geometry};
+std::optional<std::string> rejection_reason(const reduction::Readout& readout,
+                                            const MatchTolerance& tolerance) {
+  constexpr std::array kRejecting{Flag::shot_aborted,       Flag::no_photograph, Flag::too_few_images,
+                                  Flag::missing_flash,      Flag::double_flash,  Flag::clock_suspect,
+                                  Flag::degenerate_geometry};
   for (const Flag flag : kRejecting) {
     if (readout.flags.has(flag)) return std::string(words(flag));
   }
+  if (const auto reason = match_reason(readout, tolerance)) return reason;
   return std::nullopt;
 }
 

@@ -246,7 +246,8 @@ void Session::finish(const shot_t& shot, const frame_t& frame) {
   ShotReadout result = shot_readout(shot, frame, settings_);
   ShotResult shot_result;
   add_flags(shot, result.readout.flags);
-  shot_result.rejected = rejection_reason(result.readout);
+  shot_result.rejected = rejection_reason(
+      result.readout, {settings_.analysis.match_tolerance_percent, settings_.ball.diameter_m});
   shot_result.readout = std::move(result.readout);
   shot_result.problem = std::move(result.problem);
   if (shot.aborted) shot_result.problem = shot.abort_reason;

@@ -29,6 +29,10 @@ Shooter::Shooter(const Scene& scene, std::uint64_t seed, const Model& model, con
                             : crossing_window(scene, to_seconds(settings.period));
   before_ = from_seconds(window.before_s);
   flashes_ = static_cast<int>((before_ + from_seconds(window.after_s)) / settings.period) + 1;
+  if (!settings.train.empty()) {
+    before_ = settings.train.back() / 2;
+    flashes_ = static_cast<int>(settings.train.size());
+  }
   open_ahead_ = from_seconds(scene.shutter.open_lag_s + kLargestNormal * scene.shutter.lag_sd_s) + kLead;
 }
 
@@ -38,7 +42,13 @@ Result<Shooter> Shooter::make(const Scene& scene, std::uint64_t seed, const Mode
     return fail("period: must be 0.1…1000 ms");
   if (settings.exposure < Duration{} || settings.exposure > milliseconds(2000))
     return fail("exposure: must be 0…2 s");
+  if (!std::ranges::is_sorted(settings.train)) return fail("train: must ascend");
   return Shooter(scene, seed, model, settings);
+}
+
+Duration Shooter::offset(int flash) const {
+  return settings_.train.empty() ? settings_.period * flash
+                                 : settings_.train[static_cast<std::size_t>(flash)];
 }
 
 void Shooter::play(int shot) {
@@ -47,7 +57,7 @@ void Shooter::play(int shot) {
   rig_->restart(shot, kStart);
   const MonoTime first = kStart + milliseconds(10'000);
   const MonoTime trigger = first + before_ - from_seconds(scene().machine.lag_s);
-  const MonoTime last = first + settings_.period * (flashes_ - 1);
+  const MonoTime last = first + offset(flashes_ - 1);
   bool triggered = false;
   const auto change = [&](RigLine line, int level, MonoTime at) {
     if (!triggered && trigger <= at) {
@@ -60,7 +70,7 @@ void Shooter::play(int shot) {
   // A ball that was thrown long before the shutter's line is not this exposure's to the rig.
   change(RigLine::shutter, 1, std::min(first - open_ahead_, trigger + kLongestFlight));
   for (int i = 0; i < flashes_; ++i) {
-    const MonoTime at = first + settings_.period * i;
+    const MonoTime at = first + offset(i);
     rig_->collect(at, drives_, exposures_);
     for (const int level : {1, 0}) {
       for (const RigLine lamp : {RigLine::strobe_a, RigLine::strobe_b})

@@ -334,8 +334,8 @@ TEST(Assembly, GivesTheNumbersOnRecord) {
   std::string found;
   const auto add = [&found](const char* name, const SyntheticShot& made, const host::AssemblySettings& s) {
     const AssembledShot shot = host::assemble(made.shot, made.frame, s);
-    found += fmt::format("# {}\nflags {}problem {}\nambiguity {:.6f}", name, flags_of(shot.flags),
-                         shot.problem, 1e3 * shot.match_ambiguity);
+    found += fmt::format("# {}\nflags {}problem {}\nassignments {}", name, flags_of(shot.flags), shot.problem,
+                         shot.hypotheses.size());
     if (shot.flashes)
       found += fmt::format(" misassigned {:.6f}", 1e3 * shot.flashes->misassignment_probability);
     for (const auto& image : shot.frame.images) found += fmt::format(" {}", image.flash_index.value_or(-1));
@@ -387,7 +387,7 @@ TEST(AssemblyOverManyShots, RandomFaultsNeverGiveAWrongNumberThatNoFlagTellsOf) 
   const auto pick = [&](int least, int most) {
     return std::uniform_int_distribution<int>(least, most)(generator);
   };
-  int ambiguous = 0, shots = 0;
+  int ambiguous = 0, repeated = 0, shots = 0;
   for (int i = 0; i < 600; ++i) {
     Scenario sc;
     sc.seed = static_cast<std::uint32_t>(i + 1000);
@@ -401,6 +401,7 @@ TEST(AssemblyOverManyShots, RandomFaultsNeverGiveAWrongNumberThatNoFlagTellsOf) 
     if (pick(0, 3) == 0) sc.unseen.insert(around + pick(-4, 6));
     const Readout r = readout(make_shot(sc));
     ++shots;
+    repeated += r.flags.has(Flag::flash_match_ambiguous) && host::rejection_reason(r).has_value() ? 1 : 0;
     if (r.flags.has(Flag::flash_match_ambiguous)) {
       ++ambiguous;
       continue;
@@ -409,6 +410,7 @@ TEST(AssemblyOverManyShots, RandomFaultsNeverGiveAWrongNumberThatNoFlagTellsOf) 
     CHECK_TEXT(z < kMaxZ || r.flags.has(Flag::too_few_images) || r.flags.has(Flag::outlier_image),
                fmt::format("shot {} (noise {} mm): z {}, {}", i, sc.noise_mm, z, flags_of(r.flags)).c_str());
   }
-  // The flag must stay the exception, or every shot would be fired again.
-  CHECK_TEXT(ambiguous < shots / 20, fmt::format("{} of {} ambiguous", ambiguous, shots).c_str());
+  // One to four faults about the contact in most of these shots: both must stay the exception all the same.
+  CHECK_TEXT(ambiguous < shots / 10, fmt::format("{} of {} ambiguous", ambiguous, shots).c_str());
+  CHECK_TEXT(repeated < shots / 10, fmt::format("{} of {} fired again", repeated, shots).c_str());
 }

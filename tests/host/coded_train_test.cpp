@@ -157,7 +157,8 @@ TEST(CodedPhotograph, OfACodeThatRepeatsWithinThePhotographIsFlaggedAndCounts) {
   const SyntheticShot made = make_shot(coded);
   const auto result = host::shot_readout(made.shot, made.frame, settings).readout;
   CHECK(result.flags.has(reduction::Flag::flash_index_ambiguous));
-  CHECK(result.flashes->coded && result.flashes->misassignment_probability > host::kMaxMisassignmentProbability);
+  CHECK(result.flashes->coded &&
+        result.flashes->misassignment_probability > host::kMaxMisassignmentProbability);
   CHECK_FALSE(host::rejection_reason(result).has_value());
 }
 

@@ -299,15 +299,15 @@ TEST(SeriesStatistics, AreMeanAndPopulationSdOverTheShotsThatHaveTheNumber) {
 TEST_GROUP(Verdict){};
 
 TEST(Verdict, OnlyWhatInvalidatesTheNumbersIsFiredAgain) {
-  for (const Flag flag : {Flag::shot_aborted, Flag::no_photograph, Flag::too_few_images, Flag::late_flash,
-                          Flag::missing_flash, Flag::double_flash, Flag::flash_match_ambiguous}) {
+  for (const Flag flag : {Flag::shot_aborted, Flag::no_photograph, Flag::too_few_images, Flag::missing_flash,
+                          Flag::double_flash, Flag::flash_match_ambiguous}) {
     reduction::Readout readout;
     readout.flags.set(flag);
     CHECK_TRUE(host::rejection_reason(readout).has_value());
   }
-  for (const Flag flag :
-       {Flag::sensor_missing, Flag::outlier_image, Flag::no_contact_image, Flag::sd_from_residuals,
-        Flag::spin_aliased, Flag::events_missing, Flag::no_redundancy, Flag::overlaps_surface}) {
+  for (const Flag flag : {Flag::late_flash, Flag::sensor_missing, Flag::outlier_image, Flag::no_contact_image,
+                          Flag::sd_from_residuals, Flag::spin_aliased, Flag::events_missing,
+                          Flag::no_redundancy, Flag::overlaps_surface}) {
     reduction::Readout readout;
     readout.flags.set(flag);
     CHECK_FALSE(host::rejection_reason(readout).has_value());

@@ -20,8 +20,6 @@ using reduction::Leg;
 constexpr double kClearlyWorse = 12.0;
 // Legs whose speeds along the normal differ by less than this share do not tell the direction.
 constexpr double kSameSpeed = 0.04;
-// FlashMatch::ambiguity of an assignment that nothing supports.
-constexpr double kNoSupport = 9.0;
 constexpr double kMinNoise_px = 0.1;
 
 const PathPoint& at(std::span<const PathPoint> points, int i) { return points[static_cast<std::size_t>(i)]; }
@@ -92,9 +90,8 @@ class Orderer {
     const host::Track path = track(order);
     const auto match = host::match_flashes(context_.flash_times_s, path, std::nullopt);
     if (!match) return std::nullopt;
-    Timed timed{*match, 0.0, true};
-    timed.supported = match->chi_squared > 0.0 || match->ambiguity < kNoSupport;
-    timed.speed_in = speed(path, match->flash, Leg::incoming);
+    Timed timed{*match, 0.0, match->steady};
+    timed.speed_in = speed(path, match->hypotheses.front().flash, Leg::incoming);
     return timed;
   }
 
@@ -194,8 +191,8 @@ class Orderer {
           ": no image has a time");
       return;
     }
-    set_flashes(order, match->match.flash);
-    if (match->match.ambiguity > host::kMaxAmbiguity)
+    set_flashes(order, match->match.hypotheses.front().flash);
+    if (!host::gaps_agree(match->match))
       result_.remarks.push_back("which flash made which image is ambiguous");
   }
 

@@ -35,10 +35,10 @@ TEST_GROUP(ReadoutJson){};
 
 TEST(ReadoutJson, HasEveryDocumentedName) {
   const json object = json::parse(readout_to_json(example()));
-  for (const char* key :
-       {"shot_id", "regime", "court_pace_conforming", "method", "mirrored", "flight_effects", "flags",
-        "record", "sd", "sd_systematic", "degrees_of_freedom", "expanded_uncertainty", "residual_ratio",
-        "residual_ratio_by_kind", "first_flash", "last_flash", "misassignment_probability"})
+  for (const char* key : {"shot_id", "regime", "court_pace_conforming", "method", "mirrored",
+                          "flight_effects", "flags", "record", "sd", "sd_systematic", "degrees_of_freedom",
+                          "expanded_uncertainty", "residual_ratio", "residual_ratio_by_kind", "first_flash",
+                          "last_flash", "misassignment_probability", "assignments", "sd_assignments"})
     CHECK_TRUE_TEXT(object.contains(key), key);
   for (const char* key : {"theta_in_deg", "theta_out_deg", "vx_td_mps", "vy_td_mps", "v_td_mps",
                           "omega_td_radps", "vx_lo_mps", "vy_lo_mps", "v_lo_mps", "omega_lo_radps",
@@ -49,6 +49,17 @@ TEST(ReadoutJson, HasEveryDocumentedName) {
     CHECK_TRUE_TEXT(object["degrees_of_freedom"].contains(key), key);
     CHECK_TRUE_TEXT(object["expanded_uncertainty"].contains(key), key);
   }
+}
+
+TEST(ReadoutJson, SaysWhatSeveralAssignmentsOfFlashesAddToTheSd) {
+  Readout r = example();
+  CHECK_TRUE(json::parse(readout_to_json(r))["assignments"].is_null());
+  r.assignments.emplace().hypotheses = 7;
+  r.assignments->sd[Quantity::e] = 0.002;
+  const json object = json::parse(readout_to_json(r));
+  CHECK_EQUAL(json(7), object["assignments"]);
+  CHECK_EQUAL(json(0.002), object["sd_assignments"]["e"]);
+  CHECK_TRUE(object["sd_assignments"]["mu"].is_null());
 }
 
 TEST(ReadoutJson, StatesTheExpandedUncertaintyBesideTheSd) {

@@ -7,6 +7,8 @@
 #include <opencv2/core.hpp>
 #include <string>
 
+#include "common/config/files.hpp"
+#include "host/config/rig_file.hpp"
 #include "tests/benchmarks/command.hpp"
 #include "tests/studies/digitize/studies.hpp"
 
@@ -17,21 +19,50 @@ using namespace strobe::studies::digitize;
 
 /// Which study, and what is asked of it.
 struct Request {
-  bool robustness = false, chain = false, latency = false;
-  std::string effort = "standard", renderer = "sim";
+  bool robustness = false, chain = false, latency = false, matches = false;
+  std::string plan, effort = "standard", renderer = "sim";
   Options options;
 };
 
+/// Of a plan file, or of the shipped rig file.
+Result<std::vector<Duration>> planned_train(const std::string& plan_file) {
+  const auto rig = host::load_rig("");
+  if (!rig) return tl::unexpected(rig.error());
+  host::PlanFile plan = rig->plan;
+  if (!plan_file.empty()) {
+    const auto text = config::read_file(plan_file);
+    if (!text) return tl::unexpected(text.error());
+    const auto read = host::read_plan(*text, plan_file, plan);
+    if (!read) return tl::unexpected(read.error());
+    plan = *read;
+  }
+  const ShotPlan shot = plan.shot();
+  std::vector<Duration> train;
+  for (const CodedFlash& flash : shot.code) train.push_back(flash.offset);
+  if (shot.code.empty())
+    for (Duration at{}; at < shot.exposure; at += shot.period) train.push_back(at);
+  return train;
+}
+
 int run(Request& request) {
-  if (request.robustness + request.chain + request.latency > 1) {
-    fmt::print(stderr, "strobe-bench: digitize: --robustness, --chain and --latency exclude each other\n");
+  if (request.robustness + request.chain + request.latency + request.matches > 1) {
+    fmt::print(stderr,
+               "strobe-bench: digitize: --robustness, --chain, --latency and --matches exclude each other\n");
     return 2;
   }
   request.options.independent = request.renderer == "independent";
-  if (request.options.independent && (request.chain || request.latency)) {
+  if (request.options.independent && (request.chain || request.latency || request.matches)) {
     fmt::print(stderr,
                "strobe-bench: digitize: --renderer independent is for the accuracy and --robustness\n");
     return 2;
+  }
+  if (request.matches) {
+    auto train = planned_train(request.plan);
+    if (!train) {
+      fmt::print(stderr, "strobe-bench: {}\n", train.error().message);
+      return 2;
+    }
+    request.options.train = std::move(*train);
   }
   request.options.effort = strobe::digitize::effort_from_name(request.effort).value();
   // Photographs side by side: threads within one only get in each other's way.
@@ -39,6 +70,7 @@ int run(Request& request) {
   const auto study = request.robustness ? study_robustness
                      : request.chain    ? study_chain
                      : request.latency  ? study_latency
+                     : request.matches  ? study_matches
                                         : study_accuracy;
   const auto done = study(request.options);
   if (done) return 0;
@@ -53,6 +85,18 @@ void add_studies(CLI::App& command, Request& o) {
                    "Readouts held against the truth, and what scale, stamps, centres ... contribute");
   command.add_flag("--latency", o.latency,
                    "Time from a photograph's arrival to the readout, as in strobe live (--shots: in all)");
+  command.add_flag("--matches", o.matches,
+                   "Which flash made which image: shots rejected and flagged, errors over stated sds");
+  command.add_flag("--simulated", o.options.simulated,
+                   "Of --matches: nothing is rendered, a normal error stands for the digitizer's");
+  command.add_option("--plan", o.plan, "Of --matches: plan file, TOML (default: the shipped rig file's)");
+  command.add_option("--flash-time-sd-us", o.options.flash_time_sd_us, "Of --matches: as in the rig file")
+      ->check(CLI::Range(0.01, 100.0));
+  command
+      .add_option("--issue-jitter-us", o.options.issue_jitter_us,
+                  "Of --matches: by how much flashes come late")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 1000.0));
 }
 
 void add_what(CLI::App& command, Request& request) {

@@ -94,31 +94,54 @@ Result<Bytes> photograph_bytes(const Take& take, const sim::SimulatedShot& shot)
   return bytes;
 }
 
-Result<KnownPhotograph> known_photograph(const Take& take) {
-  auto simulated = sim::shoot(take.scene, take.seed, take.shot);
-  if (!simulated) return tl::unexpected(simulated.error());
+namespace {
+
+KnownPhotograph known_of(const Take& take, sim::SimulatedShot shot) {
   KnownPhotograph known;
-  const auto bytes = take.independent ? photograph_independently(take, *simulated, known)
-                                      : photograph_bytes(take, *simulated);
+  const sim::Appearance appearance = sim::draw_appearance(take.scene, take.seed, take.shot);
+  known.scene_truth = sim::photograph_truth(take.scene, shot.exposure, appearance,
+                                            sim::lit_balls(take.scene, shot.exposure, appearance));
+  known.settings.ball_diameter_m = take.scene.ball.diameter_m;
+  known.settings.px_per_m = known.scene_truth.px_per_m;
+  known.settings.flash_times_s = seen_flashes(known.scene_truth);
+  known.truth = true_images(take.scene, known.scene_truth);
+  for (const sim::ImageTruth& image : known.scene_truth.images) known.times_s.push_back(image.time_s);
+  known.shot = std::move(shot);
+  return known;
+}
+
+Result<sim::SimulatedShot> simulated(const Take& take) {
+  return sim::shoot(take.scene, take.seed, take.shot, sim::Model::full(), take.shooting);
+}
+
+}  // namespace
+
+Result<KnownPhotograph> known_exposure(const Take& take) {
+  auto shot = simulated(take);
+  if (!shot) return tl::unexpected(shot.error());
+  return known_of(take, std::move(*shot));
+}
+
+Result<KnownPhotograph> known_photograph(const Take& take) {
+  auto shot = simulated(take);
+  if (!shot) return tl::unexpected(shot.error());
+  KnownPhotograph drawn;
+  const auto bytes =
+      take.independent ? photograph_independently(take, *shot, drawn) : photograph_bytes(take, *shot);
   if (!bytes) return tl::unexpected(bytes.error());
   const auto start = std::chrono::steady_clock::now();
   auto photograph = strobe::digitize::decode_photograph(*bytes, take.scene.name);
   if (!photograph) return tl::unexpected(photograph.error());
-  known.decode_ms =
+  const double decode_ms =
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-  const sim::Appearance appearance = sim::draw_appearance(take.scene, take.seed, take.shot);
-  known.scene_truth = sim::photograph_truth(take.scene, simulated->exposure, appearance,
-                                            sim::lit_balls(take.scene, simulated->exposure, appearance));
-  known.photograph = std::move(*photograph);
-  known.settings.ball_diameter_m = take.scene.ball.diameter_m;
-  known.settings.px_per_m = known.scene_truth.px_per_m;
-  known.settings.map = strobe::digitize::PlaneMap::uncalibrated(known.photograph.height());
-  known.settings.flash_times_s = seen_flashes(known.scene_truth);
-  if (!take.independent) {
-    known.truth = true_images(take.scene, known.scene_truth);
-    for (const sim::ImageTruth& image : known.scene_truth.images) known.times_s.push_back(image.time_s);
+  KnownPhotograph known = known_of(take, std::move(*shot));
+  if (take.independent) {
+    known.truth = std::move(drawn.truth);
+    known.times_s = std::move(drawn.times_s);
   }
-  known.shot = std::move(*simulated);
+  known.decode_ms = decode_ms;
+  known.photograph = std::move(*photograph);
+  known.settings.map = strobe::digitize::PlaneMap::uncalibrated(known.photograph.height());
   return known;
 }
 

@@ -30,6 +30,7 @@ struct Take {
   IndependentLook look{};
   std::optional<int>
       jpeg_quality{};  ///< 1 to 100, 8 bits; 0: not compressed; absent: 85 to 95 of the second renderer's
+  sim::ShootSettings shooting{};  ///< the train of flashes; a kept photograph is one of the default's
 };
 
 struct KnownPhotograph {
@@ -44,6 +45,9 @@ struct KnownPhotograph {
 
 /// Fails as Shooter, render() and decode_photograph() do, or if a file cannot be written.
 Result<KnownPhotograph> known_photograph(const Take& take);
+
+/// The same without its photograph. Fails as Shooter does.
+Result<KnownPhotograph> known_exposure(const Take& take);
 
 /// The bytes of an uncompressed TIFF, as the rig's camera writes it.
 Result<std::vector<unsigned char>> photograph_bytes(const Take& take, const sim::SimulatedShot& shot);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/result.hpp"
+#include "common/units/time.hpp"
 #include "host/digitize/core/types.hpp"
 #include "sim/scene/scene.hpp"
 #include "tests/studies/digitize/score.hpp"
@@ -29,10 +30,15 @@ struct Options {
   bool hough = true;
   double scale_sd_percent = 0.05;  ///< of the chain's calibrated scale
   double ball_sd_mm = 0.0;         ///< by how much the chain's ball differs from what the rig file says
-  std::string save;                ///< folder for what went wrong
-  std::string keep;                ///< Take::kept_in
-  std::string csv;                 ///< one line an image; of the robustness: a condition
-  std::string plot;                ///< FILE.svg or FILE.png
+  std::vector<Duration>
+      train;  ///< of the matches, as commanded, from the first flash; empty: even, as long as needed
+  double issue_jitter_us = 0.0;            ///< by how much its flashes are issued late
+  std::optional<double> flash_time_sd_us;  ///< of the matches, as a rig file's; empty: its default
+  bool simulated = false;  ///< of the matches: nothing is rendered, the digitizer is a normal error
+  std::string save;        ///< folder for what went wrong
+  std::string keep;        ///< Take::kept_in
+  std::string csv;         ///< one line an image; of the robustness: a condition
+  std::string plot;        ///< FILE.svg or FILE.png
 };
 
 /// The named scenes, or the thesis's conditions.
@@ -45,6 +51,9 @@ Result<void> study_accuracy(const Options& options);
 /// The whole way from a shot to its readout: digitizer, match of images to flashes, best estimator; and what each
 /// measurement contributes to the error.
 Result<void> study_chain(const Options& options);
+
+/// Shots of which flash made which image is in doubt, what is rejected, and normalized errors.
+Result<void> study_matches(const Options& options);
 
 /// From the rename of a photograph into the camera's folder to its shot's readout, through what `strobe live` runs.
 /// Writes files into a temporary folder.

@@ -1,0 +1,35 @@
+// One readout of several hypotheses about a photograph, of which only one is true: which flashes made its images.
+// Pure functions; thread-safe; allocates.
+#pragma once
+
+#include <optional>
+#include <span>
+
+#include "common/reduction/readout.hpp"
+
+namespace strobe::reduction {
+
+/// What the photograph says under one hypothesis.
+struct MixtureComponent {
+  Quantities value;
+  Quantities sd;  ///< statistical
+  Quantities sd_systematic;
+  std::optional<Regime> regime;
+  double weight = 1.0;  ///< probability; of all hypotheses together above 0
+};
+
+/// The mixture: each number becomes the hypotheses' mean, its variance the mean of their variances plus the variance
+/// between their values (law of total variance), sd_systematic the root mean square. Only hypotheses that have a number
+/// count for it, and a number that the likeliest lacks stays null. Effective degrees of freedom grow, as the variance
+/// between hypotheses is known (Welch, Satterthwaite). A regime that hypotheses of more than 1 in 20 contradict is
+/// unclear. `likeliest`: of the first hypothesis; keeps all else. Sets Readout::assignments and the flag
+/// flash_match_ambiguous where mixture_ambiguous(). The covariance of the primary numbers is left out.
+/// Source: Bar-Shalom, Li, Kirubarajan, Estimation with Applications to Tracking and Navigation, 1.4.16.
+void mix(std::span<const MixtureComponent> hypotheses, Readout& likeliest);
+
+/// Whether the variance between the hypotheses exceeds that within them for some number: its sd is then more than 41 %
+/// larger. Two equally likely normal densities have two peaks from there on (Eisenberger, Technometrics 6, 1964): a
+/// mean and an sd no longer describe them.
+bool mixture_ambiguous(const Readout& mixture);
+
+}  // namespace strobe::reduction
