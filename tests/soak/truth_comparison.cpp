@@ -39,6 +39,7 @@ bool explains(Flag flag) {
     case Flag::surface_suspect:
     case Flag::scale_contradicts_ball:
     case Flag::residuals_exceed_noise:
+    case Flag::scale_sd_unknown:
       return true;
     case Flag::outlier_image:
     case Flag::outlier_surface_point:
