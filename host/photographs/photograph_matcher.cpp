@@ -16,6 +16,9 @@ constexpr Duration kClockTolerance = milliseconds{100};
 constexpr Duration kFileTimeTolerance = std::chrono::seconds{2};
 // Longest that a photograph waits for word of its shot, which may have to be asked for again.
 constexpr Duration kClaim = std::chrono::seconds{5};
+// What a photograph may take, as multiple of the longest so far, and more.
+constexpr int kTimesUsual = 2;
+constexpr Duration kAboveUsual = milliseconds{200};
 // Longest after a shot that a photograph may still be its.
 constexpr Duration kForgotten = std::chrono::minutes{1};
 constexpr std::size_t kMaxExposures = 200;
@@ -83,8 +86,13 @@ PhotographMatcher::Candidates PhotographMatcher::candidates(const Held& held, Ho
 
 /// When the photograph of an exposure should have come, as far as earlier ones tell.
 HostTime PhotographMatcher::own_due(const Exposure& exposure) const {
-  const Duration usual = usual_ ? 2 * *usual_ + milliseconds{200} : timeout_ / 2;
+  const Duration usual = usual_ ? kTimesUsual * *usual_ + kAboveUsual : timeout_ / 2;
   return local(exposure)->closed + std::min(usual, timeout_ / 5 * 4);
+}
+
+/// Whether a photograph would be no slower for this exposure than others have been.
+bool PhotographMatcher::may_still_come(const Exposure& exposure, HostTime arrived) const {
+  return usual_ && arrived - local(exposure)->closed <= kTimesUsual * *usual_ + kAboveUsual;
 }
 
 PhotographDecision PhotographMatcher::take(std::size_t i, HostTime now, bool certain) {
@@ -140,6 +148,10 @@ std::optional<PhotographDecision> PhotographMatcher::choose(const Candidates& ca
     return reject(fmt::format("it came too late, of one of the shots before {}: not used",
                               exposures_[waiting.front()].key.shot_id));
   }
+  // With a camera so slow nothing tells whose it is: wait for another one, or until both are given up.
+  if (std::ranges::any_of(
+          given_up, [&](std::size_t i) { return may_still_come(exposures_[i], held_.front().arrived); }))
+    return std::nullopt;
   // If the one before the newest had come late, the newest shot's own would follow by then.
   if (now < own_due(exposures_[waiting.front()])) return std::nullopt;
   return take(waiting.front(), now, false);

@@ -1,7 +1,8 @@
 // Which photograph shows which shot. A photograph comes after its exposure has ended, its file is not older
 // than the opening of the shutter, and photographs come in the order of the exposures. What these leave open
 // is waited for, and in the end left unmatched: a shot without a photograph is fired again, one with the
-// wrong photograph is a wrong number. Shots of several boots may be waiting, each on its own boot's clock. No I/O; deterministic; single-threaded.
+// wrong photograph is a wrong number. Shots of several boots may be waiting, each on its own boot's clock.
+// No I/O; deterministic; single-threaded.
 #pragma once
 
 #include <cstdint>
@@ -80,6 +81,7 @@ class PhotographMatcher {
   PhotographDecision reject(std::string why);
   std::string nobody(const Held& held) const;
   HostTime own_due(const Exposure& exposure) const;
+  bool may_still_come(const Exposure& exposure, HostTime arrived) const;
 
   const DeviceClock& clock_;
   Duration timeout_;

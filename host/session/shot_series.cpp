@@ -108,6 +108,7 @@ void ShotSeries::wait_for_readiness(const status_t& status, HostTime now) {
     if (now - entered_ < kSendAgain) return;
     blocking_reason_.clear();
   }
+  if (now < quiet_until_) return;
   enter(State::arming, now);
   if (!ours(status)) send_arm(status, now);
 }
@@ -188,6 +189,8 @@ void ShotSeries::on_shot_result(const ShotResult& shot_result) {
   if (shot_result.boot_id != boot_id_ || shot_result.shot_id <= shots_before_) return;
   refusals_ = 0;
   fired_ = false;
+  if (shot_result.readout.flags.has(reduction::Flag::no_photograph))
+    quiet_until_ = now_ + from_seconds(settings_.photograph_timeout_s);
   if (shot_result.rejected) return on_rejected(rejection_in_full(shot_result), shot_result.shot_id);
   ++good_;
   if (good_ >= settings_.shots) {
@@ -220,7 +223,8 @@ std::string ShotSeries::activity() const {
   const std::string of = fmt::format("shot {} of {}", good_ + 1, settings_.shots);
   switch (state_) {
     case State::waiting:
-      return of + ": waiting until the rig can be armed";
+      return of + (now_ < quiet_until_ ? ": waiting, as a photograph may still come"
+                                       : ": waiting until the rig can be armed");
     case State::arming:
       return of + ": arming";
     case State::firing:

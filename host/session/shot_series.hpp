@@ -26,6 +26,8 @@ struct ShotSeriesSettings {
   reduction::Record notes;
   double blocked_timeout_s =
       60.0;  ///< gives up if nothing can be fired (no firmware, key off ...) for so long
+  /// Of a photograph after its shot. Where one has not come, the next shot waits for as long again: a photograph that
+  /// comes while no other was exposed cannot be taken for another shot's.
   double photograph_timeout_s = 5.0;
   bool clear_fault = false;
 };
@@ -89,6 +91,7 @@ class ShotSeries {
   int good_ = 0;
   int refired_ = 0;
   int refusals_ = 0;
+  HostTime quiet_until_;  ///< no shot before: a photograph may still come
   std::string blocking_reason_;
   std::string refusal_;
   std::string ending_;  ///< why there is no further shot; empty: there may be

@@ -133,6 +133,17 @@ TEST(PhotographsToShots, AfterAMissingOneTheNextShotsIsTakenOnceNoOtherCame) {
   CHECK_EQUAL("3>4", decided(25.6));
 }
 
+TEST(PhotographsToShots, OfACameraThatHasBeenSlowerThanItsTimeAreNeverGuessed) {
+  shot(1, 10.0);
+  photograph(1, 16.5);
+  CHECK_EQUAL("1>1!", decided(16.5));
+  shot(2, 20.0);
+  shot(3, 31.0);
+  photograph(2, 31.5);  // 11.5 s after shot 2, where 6.5 s have been seen: either's
+  CHECK_EQUAL("", decided(35.9));
+  CHECK_EQUAL("2:it came too late, of shot 2 or 3: not used", decided(36.1));
+}
+
 TEST(PhotographsToShots, OfShotsInQuickSuccessionTheyComeInOrder) {
   shot(1, 10.0);
   shot(2, 11.0);

@@ -69,6 +69,7 @@ struct Play {
   int answered = 0;
   std::deque<std::string> verdicts;  // of the shots to come; empty text: good
   std::string problem;               // of the rejected ones
+  bool photograph_missing = false;   // of those
   std::vector<std::string> notifications;
   bool heard = true;
 
@@ -90,6 +91,7 @@ struct Play {
       if (!verdicts.front().empty()) {
         shot_result.rejected = verdicts.front();
         shot_result.problem = problem;
+        if (photograph_missing) shot_result.readout.flags.set(reduction::Flag::no_photograph);
       }
       verdicts.pop_front();
     }
@@ -142,6 +144,22 @@ TEST(ShotSeriesOfAHost, TheFirmwaresReasonForAnAbortIsToldWithTheRejection) {
   CHECK_EQUAL(
       "shot 4 is rejected (the shot was aborted: the trigger was on for 130000 us) and no retries are left",
       play.series.blocking_reason());
+}
+
+TEST(ShotSeriesOfAHost, WaitsForAPhotographThatDidNotComeBeforeItFiresAgain) {
+  Play play(series(1, 1));
+  play.photograph_missing = true;
+  play.verdicts = {"the photograph did not come in time", ""};
+  while (play.answered < 1) play.run(10);
+  const HostTime given_up = play.now;
+  // Its 5 s over again, less the turn in which they end.
+  while (play.now < given_up + milliseconds{4960}) play.turn();
+  LONGS_EQUAL(1, play.firmware.fired);
+  STRCMP_CONTAINS("waiting, as a photograph may still come", play.series.activity().c_str());
+  CHECK_EQUAL("", play.series.blocking_reason());
+  play.run(100);
+  LONGS_EQUAL(2, play.firmware.fired);
+  CHECK_TRUE(play.series.succeeded());
 }
 
 TEST(ShotSeriesOfAHost, DryShotsAreFiredDryAndCount) {
