@@ -275,7 +275,7 @@ StraightDrop drop_of(const Pair& best, int flashes, double diameter_px) {
   drop.down = flight_of(*best.down, *best.up, diameter_px, drop.doubled);
   drop.up = flight_of(*best.up, *best.down, diameter_px, drop.doubled);
   std::ranges::sort(drop.doubled);
-  drop.doubled.erase(std::ranges::unique(drop.doubled).begin(), drop.doubled.end());
+  drop.doubled.erase(std::unique(drop.doubled.begin(), drop.doubled.end()), drop.doubled.end());
   std::ranges::reverse(drop.up.image);
   std::ranges::reverse(drop.up.flash);
   for (int& flash : drop.up.flash) flash = flashes - 1 - flash;
