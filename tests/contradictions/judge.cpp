@@ -127,8 +127,8 @@ double error_floor(Quantity quantity) {
 }
 
 bool is_fact(std::string_view flag) {
-  constexpr std::array<std::string_view, 4> kFacts{"no_contact_image", "no_redundancy", "too_few_images",
-                                                   "sd_from_residuals"};
+  constexpr std::array<std::string_view, 5> kFacts{"no_contact_image", "no_redundancy", "too_few_images",
+                                                   "sd_from_residuals", "scale_sd_unknown"};
   return std::find(kFacts.begin(), kFacts.end(), flag) != kFacts.end();
 }
 
