@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 #include <opencv2/core/utility.hpp>
 #include <opencv2/imgproc.hpp>
@@ -35,6 +36,9 @@ constexpr double kOccludedRadii = 1.08;
 constexpr double kBelowOfRadius = 0.06;
 constexpr double kBelow_px = 4.0;
 constexpr double kMaxCirclesBelow = 0.5;
+// Of outlines that no surface at the line allows, one in so many may be false, e.g. a clamp's. One of fewer is too much
+// of what tells where the surface can be.
+constexpr std::size_t kOutlinesPerFalse = 8;
 
 /// Where balls cover the plate's edge.
 OcclusionMask occlusion_of(const Photograph& photograph, const PlaneMap& map,
@@ -54,11 +58,18 @@ OcclusionMask occlusion_of(const Photograph& photograph, const PlaneMap& map,
   return occluded;
 }
 
-/// Whether no ball would be compressed by more than a ball can be.
-bool below_balls(const EdgeLine& edge, std::span<const Outline> outlines) {
-  return std::all_of(outlines.begin(), outlines.end(), [&](const Outline& o) {
-    return o.centre.y - edge.at(o.centre.x) > kLowestOfRadius * 0.5 * o.diameter;
-  });
+/// Whether the ball would be compressed by no more than a ball can be.
+bool is_over(const Outline& o, const EdgeLine& edge) {
+  return o.centre.y - edge.at(o.centre.x) > kLowestOfRadius * 0.5 * o.diameter;
+}
+
+/// The outlines that the surface allows, if the others are few enough to be false; else all.
+std::vector<Outline> balls_over(const EdgeLine& edge, std::span<const Outline> outlines) {
+  std::vector<Outline> balls;
+  std::ranges::copy_if(outlines, std::back_inserter(balls),
+                       [&](const Outline& o) { return is_over(o, edge); });
+  if (outlines.size() - balls.size() <= outlines.size() / kOutlinesPerFalse) return balls;
+  return {outlines.begin(), outlines.end()};
 }
 
 /// How much of the outlines is visible below the line, in whole circles: nothing of a ball that the surface
@@ -82,7 +93,9 @@ double circles_below(const EdgeLine& edge, std::span<const Outline> outlines) {
 }
 
 bool possible(const EdgeLine& edge, std::span<const Outline> outlines) {
-  return below_balls(edge, outlines) && circles_below(edge, outlines) <= kMaxCirclesBelow;
+  const std::vector<Outline> balls = balls_over(edge, outlines);
+  const bool below = std::ranges::all_of(balls, [&](const Outline& o) { return is_over(o, edge); });
+  return below && circles_below(edge, balls) <= kMaxCirclesBelow;
 }
 
 /// Height of the lowest centre over the line, in radii.
@@ -171,7 +184,7 @@ Measured<SurfaceLine> find_surface_line(const Photograph& photograph, const Plan
   double longest = 0.0;
   for (const auto& edge : measured) {
     if (!edge) continue;
-    if (below_balls(*edge, outlines)) longest = std::max(longest, edge->visible_fraction);
+    if (possible(*edge, outlines)) longest = std::max(longest, edge->visible_fraction);
     if (edge->visible_fraction < kMinShare || edge->rms_px > kMaxRms_px) continue;
     edges.push_back(*edge);
   }

@@ -103,6 +103,20 @@ TEST(SurfaceLine, IsNotOneThatBallsAreSeenBelow) {
   CHECK_EQUAL(Reason::no_plate, none.error().reason);
 }
 
+TEST(SurfaceLine, IsNotVetoedByOneFalseOutlineOfManyBelow) {
+  std::vector<Outline> outlines;
+  for (int k = 0; k < 7; ++k) outlines.push_back(ball_at(100.0 + 60.0 * k, 112.0 + 20.0 * std::abs(k - 3)));
+  outlines.push_back(ball_at(540.0, 70.0));  // a clamp's, astride the edge
+  for (Outline& outline : outlines) outline.visible_arcs = {{0.0, 2.0 * std::numbers::pi}};
+  const Photograph photograph = stepped({220.3});
+  const auto line = find_surface_line(photograph, PlaneMap::uncalibrated(kHeight), outlines);
+  CHECK_TRUE(line.has_value());
+  DOUBLES_EQUAL(0.0, height_above(*line, {300.0, kHeight - 1 - 220.3}), 0.1);
+  // Of seven one is too many.
+  outlines.erase(outlines.begin());
+  CHECK_FALSE(find_surface_line(photograph, PlaneMap::uncalibrated(kHeight), outlines).has_value());
+}
+
 TEST(SurfaceLine, MayCutOffWhatIsNotSeenOfABall) {
   // Pressed together by a third of its radius: the outline is seen above the line alone.
   Outline pressed = ball_at(300.0, 98.7);
