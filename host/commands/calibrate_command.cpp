@@ -16,6 +16,7 @@
 #include "common/config/files.hpp"
 #include "common/messages/or_null.hpp"
 #include "host/camera/calibration.hpp"
+#include "host/camera/map_table.hpp"
 #include "host/commands/command.hpp"
 #include "host/config/rig_file.hpp"
 #include "host/digitize/image/photograph.hpp"
@@ -96,17 +97,7 @@ CameraTable table_of(const CalibrateOptions& options, const camera::Calibration&
   table.px_per_m = found.px_per_m;
   // The points' share is in the map's errors, where it is another from place to place.
   table.px_per_m_sd = found.px_per_m * found.scale_errors.common();
-  CameraMap map;
-  map.lens_centre_px = {found.lens.centre_px.x, found.lens.centre_px.y};
-  map.lens_focal_px = found.lens.focal_px;
-  map.lens_distortion = {found.lens.k1, found.lens.k2, found.lens.p1, found.lens.p2};
-  std::copy(found.rectify.val, found.rectify.val + 9, map.rectify.begin());
-  table.map = map;
-  for (const camera::MapError& error : found.map_errors) {
-    CameraMapError& of_file = table.map_errors.emplace_back();
-    std::copy(error.rectify.val, error.rectify.val + 9, of_file.rectify.begin());
-    of_file.lens_distortion = error.lens_terms;
-  }
+  camera::set_map(found, table);
   if (found.place) {
     const auto& viewpoint = found.place->viewpoint;
     table.viewpoint_px = {viewpoint.foot_px.x, viewpoint.foot_px.y, viewpoint.distance_px};

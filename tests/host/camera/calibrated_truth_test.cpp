@@ -7,6 +7,7 @@
 #include "common/reduction/reduce.hpp"
 #include "host/assembly/camera_map.hpp"
 #include "host/camera/calibration.hpp"
+#include "host/camera/map_table.hpp"
 #include "sim/photograph/board.hpp"
 #include "tests/common/reduction/simulated_shot.hpp"
 
@@ -24,17 +25,7 @@ const double kDiagonal = std::hypot(kWidth, kHeight);
 /// What the calibration file says of it.
 host::CameraTable table_of(const camera::Calibration& found) {
   host::CameraTable table;
-  host::CameraMap map;
-  map.lens_centre_px = {found.lens.centre_px.x, found.lens.centre_px.y};
-  map.lens_focal_px = found.lens.focal_px;
-  map.lens_distortion = {found.lens.k1, found.lens.k2, found.lens.p1, found.lens.p2};
-  std::copy(found.rectify.val, found.rectify.val + 9, map.rectify.begin());
-  table.map = map;
-  for (const camera::MapError& error : found.map_errors) {
-    host::CameraMapError& into = table.map_errors.emplace_back();
-    std::copy(error.rectify.val, error.rectify.val + 9, into.rectify.begin());
-    into.lens_distortion = error.lens_terms;
-  }
+  camera::set_map(found, table);
   return table;
 }
 
