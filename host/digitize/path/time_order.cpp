@@ -35,7 +35,6 @@ double step_up(std::span<const PathPoint> points, const std::vector<int>& leg) {
 struct Timed {
   host::FlashMatch match;
   double speed_in = 0.0;  ///< along the normal, px/s, > 0; 0: not known
-  bool supported = true;  ///< some steady speed fits
 };
 
 class Orderer {
@@ -90,9 +89,7 @@ class Orderer {
     const host::Track path = track(order);
     const auto match = host::match_flashes(context_.flash_times_s, path, std::nullopt);
     if (!match) return std::nullopt;
-    Timed timed{*match, 0.0, match->steady};
-    timed.speed_in = speed(path, match->hypotheses.front().flash, Leg::incoming);
-    return timed;
+    return Timed{*match, speed(path, match->hypotheses.front().flash, Leg::incoming)};
   }
 
   double speed(const host::Track& path, const std::vector<int>& flash, Leg leg) const {
@@ -120,7 +117,7 @@ class Orderer {
 
   /// +1 where a is more likely than b, -1 the other way round, 0 where the flashes do not tell.
   int likelier(const Timed& a, const Timed& b, double freedom) const {
-    if (a.supported != b.supported) return a.supported ? 1 : -1;
+    if (a.match.steady != b.match.steady) return a.match.steady ? 1 : -1;
     const double scale = std::max(1.0, std::min(a.match.chi_squared, b.match.chi_squared) / freedom);
     const double difference = (a.match.chi_squared - b.match.chi_squared) / scale;
     if (std::abs(difference) > kClearlyWorse) return difference < 0.0 ? 1 : -1;
@@ -131,7 +128,8 @@ class Orderer {
     const auto tr = timed(right), tl = timed(left);
     double in_right = step_up(points_, right.incoming), in_left = step_up(points_, left.incoming);
     if (tr && tl) {
-      if (const int sign = likelier(*tr, *tl, freedom(right))) return take(sign > 0 ? right : left);
+      if (const int sign = likelier(*tr, *tl, freedom(right)))
+        return sign > 0 ? take(right, tr) : take(left, tl);
       if (tr->speed_in > 0.0 && tl->speed_in > 0.0) {
         in_right = tr->speed_in;
         in_left = tl->speed_in;
@@ -141,9 +139,9 @@ class Orderer {
     if (in_right <= 0.0 || in_left <= 0.0 ||
         std::abs(difference) < kSameSpeed * std::max(in_right, in_left)) {
       result_.remarks.push_back("the two legs do not tell the direction of travel: taken to be to the right");
-      return take(right);
+      return take(right, tr);
     }
-    take(difference > 0.0 ? right : left);
+    difference > 0.0 ? take(right, tr) : take(left, tl);
   }
 
   /// A bounce adds no energy: the ball flies less high after it.
@@ -158,14 +156,16 @@ class Orderer {
   void order_one_leg(const PathOrder& right, const PathOrder& left) {
     const auto tr = timed(right), tl = timed(left);
     if (tr && tl) {
-      if (const int sign = likelier(*tr, *tl, freedom(right))) return take(sign > 0 ? right : left);
+      if (const int sign = likelier(*tr, *tl, freedom(right)))
+        return sign > 0 ? take(right, tr) : take(left, tl);
     }
     if (right.sequence.size() > 1)
       result_.remarks.push_back("one leg does not tell the direction of travel: taken to be to the right");
-    take(right);
+    take(right, tr);
   }
 
-  void take(const PathOrder& order) {
+  /// `match`: the order's, if it was made already.
+  void take(const PathOrder& order, std::optional<Timed> match = std::nullopt) {
     result_.sequence = order.sequence;
     result_.leftwards = order.towards < 0.0;
     const bool said = context_.path.surface_known || path_.bounces();
@@ -176,7 +176,7 @@ class Orderer {
     tell_bounces(order);
     if (path_.straight) return set_drop_flashes(order);
     if (context_.flash_times_s.empty()) return;
-    const auto match = timed(order);
+    if (!match) match = timed(order);
     if (!match) {
       result_.remarks.push_back(fmt::format("{} images, but only {} flashes: no image has a time",
                                             order.sequence.size(), context_.flash_times_s.size()));
