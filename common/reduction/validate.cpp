@@ -110,8 +110,8 @@ Complaint invalid_map_error(const MapError& error, const Frame& frame) {
 }
 
 Complaint invalid_map_errors(const Frame& frame) {
-  constexpr std::size_t kMost = 64;
-  if (frame.map_errors.size() > kMost) return "map_errors: at most 64";
+  constexpr std::size_t kMaxMapErrors = 64;
+  if (frame.map_errors.size() > kMaxMapErrors) return "map_errors: at most 64";
   for (std::size_t i = 0; i < frame.map_errors.size(); ++i) {
     if (const Complaint complaint = invalid_map_error(frame.map_errors[i], frame))
       return "map_errors[" + std::to_string(i) + "]." + *complaint;

@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
+
+#include "host/digitize/core/statistics.hpp"
 
 namespace strobe::host {
 namespace {
@@ -29,8 +32,7 @@ double usual_step_px(const Track& track) {
     if (a.leg == b.leg && b.leg != Leg::contact) steps.push_back((b.centre_px - a.centre_px).norm());
   }
   if (steps.empty()) return std::numeric_limits<double>::infinity();
-  std::ranges::sort(steps);
-  return 0.5 * (steps[(steps.size() - 1) / 2] + steps[steps.size() / 2]);
+  return digitize::median(std::move(steps));
 }
 
 }  // namespace

@@ -6,6 +6,8 @@
 #include <numbers>
 #include <vector>
 
+#include "host/digitize/core/statistics.hpp"
+
 namespace strobe::digitize {
 namespace {
 
@@ -119,8 +121,8 @@ std::optional<Quad> quad_at(const Photograph& photograph, std::span<const Disc> 
   if (!both || !none || !one || !other) return std::nullopt;
   const Quad quad{*both, *one, *other, *none};
   // A ball that is hardly lit tells nothing, but by its texture.
-  constexpr double kLeastRise = 0.15;
-  const double least = quad.none + kLeastRise * (quad.both - quad.none);
+  constexpr double kMinRise = 0.15;
+  const double least = quad.none + kMinRise * (quad.both - quad.none);
   if (!(quad.both > 0.0) || !(quad.one > least) || !(quad.other > least)) return std::nullopt;
   return quad;
 }
@@ -171,12 +173,6 @@ std::vector<double> log_powers(const Photograph& photograph, std::span<const Dis
   return powers;
 }
 
-double median(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 }  // namespace
 
 bool TransferCurve::is_proportional() const {
@@ -190,13 +186,13 @@ std::optional<TransferCurve> measure_transfer(const Photograph& photograph, cons
                                               std::span<const Outline> outlines) {
   constexpr std::size_t kFewest = 5;
   const std::vector<Disc> discs = discs_of(map, outlines);
-  std::vector<double> powers = log_powers(photograph, discs);
+  const std::vector<double> powers = log_powers(photograph, discs);
   if (powers.size() < kFewest) return std::nullopt;
-  const double middle = median(powers);
+  const double middle = upper_median(powers);
   std::vector<double> off;
   for (const double power : powers) off.push_back(std::abs(power - middle));
   // Of a normal distribution: 1.48 median deviations are an sd, and a median's is 1.25 of a mean's.
-  const double noise = 1.25 * 1.48 * median(off) / std::sqrt(static_cast<double>(powers.size()));
+  const double noise = 1.25 * 1.48 * upper_median(off) / std::sqrt(static_cast<double>(powers.size()));
   const double sd = std::hypot(noise, by_bend(discs));
   const double exponent = std::exp(-middle);
   return TransferCurve{exponent, exponent * sd, static_cast<int>(powers.size())};
