@@ -10,8 +10,6 @@ namespace {
 // Across one diameter of travel the scale changes by up to about a tenth where the ball flies steeply towards the
 // camera; a camera held askew by some degrees makes a term of the same size.
 constexpr double kPerspectiveSd = 0.1;
-// What the outline's own sd leaves out, as a share of the diameter: annotation and lens.
-constexpr double kNoiseOfDiameter = 0.005;
 // Where the curve's own height is worth less than this share of a height beside it, it turns back over itself.
 constexpr double kMinUniqueness = 0.2;
 // The weight of a prior that leaves a term out.
@@ -74,7 +72,7 @@ bool FlightCurve::solve(std::span<const PathPoint> points, std::span<const int> 
   Terms right = Terms::Zero();
   for (const int i : members) {
     const PathPoint& p = point_of(points, i);
-    const double sd = std::hypot(p.sd_px / unit_px_, kNoiseOfDiameter) * gradient(p.at);
+    const double sd = std::sqrt(variance_across(p, unit_px_)) / unit_px_ * gradient(p.at);
     const Terms row = terms(p.at);
     normal += row * row.transpose() / (sd * sd);
     right += row * ((p.at.y - origin_.y) / unit_px_ / (sd * sd));

@@ -1,5 +1,6 @@
 #include "host/digitize/path/leg_line.hpp"
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -14,18 +15,18 @@ namespace {
 // The bend of a leg at 5 m/s, g/(2 v²) = 0.2 per metre, for a ball of 65 mm; and some more.
 constexpr double kMaxBendOfDiameter = 0.02;
 constexpr double kLooseOfDiameter = 0.12;
-constexpr double kTightOfDiameter = 0.02;
+constexpr double kInlier_sd = 4.0;
 // Two centres closer than this give no direction.
 constexpr double kMinStepOfDiameter = 0.1;
 
 /// The members are not all at one place.
-LegLine straight(std::span<const PathPoint> points, const std::vector<int>& members) {
+LegLine straight(std::span<const PathPoint> points, const std::vector<int>& members, double diameter_px) {
   std::vector<Eigen::Vector2d> centres;
   std::vector<double> weights;
   for (const int i : members) {
     const PathPoint& p = points[static_cast<std::size_t>(i)];
     centres.push_back(to_eigen(p.at));
-    weights.push_back(p.weight);
+    weights.push_back(p.weight / variance_across(p, diameter_px));
   }
   const auto fitted = geometry::fit_line(centres, weights);
   assert(fitted.has_value());
@@ -35,27 +36,40 @@ LegLine straight(std::span<const PathPoint> points, const std::vector<int>& memb
   return line;
 }
 
-/// Bends the line by least squares, off = a + b place + c place², unless c is more than gravity explains.
-void bend(std::span<const PathPoint> points, const std::vector<int>& members, double diameter_px,
-          LegLine& line) {
-  double scale = 1.0;
+/// The bent leg's least squares, off = a + b place + c place² with places in units of `scale_px`.
+struct BentFit {
+  double scale_px = 1.0;
+  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d right = Eigen::Vector3d::Zero();
+};
+
+BentFit bent_fit(std::span<const PathPoint> points, const std::vector<int>& members, double diameter_px,
+                 const LegLine& line) {
+  BentFit fit;
   for (const int i : members)
-    scale = std::max(scale, std::abs(line.place(points[static_cast<std::size_t>(i)].at)));
-  cv::Matx33d normal = cv::Matx33d::zeros();
-  cv::Vec3d right(0, 0, 0);
+    fit.scale_px = std::max(fit.scale_px, std::abs(line.place(points[static_cast<std::size_t>(i)].at)));
   for (const int i : members) {
     const PathPoint& p = points[static_cast<std::size_t>(i)];
-    const double s = line.place(p.at) / scale;
-    const cv::Vec3d row(1.0, s, s * s);
-    normal += p.weight * (row * row.t());
-    right += p.weight * line.off(p.at) * row;
+    const double s = line.place(p.at) / fit.scale_px, weight = p.weight / variance_across(p, diameter_px);
+    const Eigen::Vector3d row(1.0, s, s * s);
+    fit.normal += weight * row * row.transpose();
+    fit.right += weight * line.off(p.at) * row;
   }
-  const cv::Vec3d c = normal.solve(right, cv::DECOMP_SVD);
-  const double bend_per_px = c[2] / (scale * scale);
-  if (!(std::abs(bend_per_px) <= kMaxBendOfDiameter / diameter_px)) return;
-  line.bend_per_px = bend_per_px;
+  return fit;
+}
+
+/// Bends the line unless that is more than gravity explains; then says how well it is known.
+void bend(std::span<const PathPoint> points, const std::vector<int>& members, double diameter_px,
+          LegLine& line) {
+  const BentFit fit = bent_fit(points, members, diameter_px, line);
+  const Eigen::CompleteOrthogonalDecomposition<Eigen::Matrix3d> solver(fit.normal);
+  const Eigen::Vector3d units(1.0, 1.0 / fit.scale_px, 1.0 / (fit.scale_px * fit.scale_px));
+  const Eigen::Vector3d c = units.cwiseProduct(solver.solve(fit.right));
+  if (!(std::abs(c[2]) <= kMaxBendOfDiameter / diameter_px)) return;
+  line.covariance = units.asDiagonal() * solver.pseudoInverse() * units.asDiagonal();
+  line.bend_per_px = c[2];
   line.origin += c[0] * cv::Point2d(-line.along.y, line.along.x);
-  line.along = to_point(geometry::Rotation2d(std::atan(c[1] / scale)) * to_eigen(line.along));
+  line.along = to_point(geometry::Rotation2d(std::atan(c[1])) * to_eigen(line.along));
 }
 
 std::vector<int> near_line(std::span<const PathPoint> points, std::span<const int> eligible,
@@ -63,7 +77,7 @@ std::vector<int> near_line(std::span<const PathPoint> points, std::span<const in
   std::vector<int> members;
   for (const int i : eligible) {
     const PathPoint& p = points[static_cast<std::size_t>(i)];
-    if (std::abs(line.off(p.at)) <= leg_tolerance(p, diameter_px)) members.push_back(i);
+    if (std::abs(line.off(p.at)) <= leg_tolerance(p, diameter_px, line.sd(p.at))) members.push_back(i);
   }
   return members;
 }
@@ -100,12 +114,19 @@ double LegLine::off(cv::Point2d p) const {
   return along.cross(p - origin) - bend_per_px * s * s;
 }
 
-double leg_tolerance(const PathPoint& point, double diameter_px) {
-  return std::max(kTightOfDiameter * diameter_px, 4.0 * point.sd_px);
+double LegLine::sd(cv::Point2d p) const {
+  const double s = place(p);
+  const Eigen::Vector3d row(1.0, s, s * s);
+  return std::sqrt(std::max(0.0, row.dot(covariance * row)));
+}
+
+double leg_tolerance(const PathPoint& point, double diameter_px, double leg_sd_px) {
+  const double sd = std::sqrt(variance_across(point, diameter_px) + leg_sd_px * leg_sd_px);
+  return std::max(kInlier_sd * point.sd_px, std::min(kInlier_sd * sd, kLooseOfDiameter * diameter_px));
 }
 
 LegLine fit_leg_line(std::span<const PathPoint> points, std::vector<int> members, double diameter_px) {
-  LegLine line = straight(points, members);
+  LegLine line = straight(points, members, diameter_px);
   if (members.size() >= 4) bend(points, members, diameter_px, line);
   for (const int i : members) line.weight += points[static_cast<std::size_t>(i)].weight;
   line.members = std::move(members);

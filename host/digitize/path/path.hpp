@@ -21,6 +21,9 @@ struct PathPoint {
   double weight = 1.0;  ///< probability-like confidence that it is a ball, 0 to 1
 };
 
+/// Of the point's distance from a smooth path (px²): the outline's, and what that leaves out, the lens.
+double variance_across(const PathPoint& point, double diameter_px);
+
 struct PathContext {
   double diameter_px = 0.0;
   bool surface_known = false;  ///< then y = 0 is the surface

@@ -11,8 +11,15 @@ namespace {
 
 // Contact shows from a hundredth of the radius on.
 constexpr double kMinCompressionOfRadius = 0.01;
+// A wide lens without a calibration moves centres by about that share of the diameter against a smooth path.
+constexpr double kLensOfDiameter = 0.005;
 
 }  // namespace
+
+double variance_across(const PathPoint& point, double diameter_px) {
+  const double lens = kLensOfDiameter * diameter_px;
+  return point.sd_px * point.sd_px + lens * lens;
+}
 
 std::vector<PathPoint> path_points(std::span<const Outline> outlines,
                                    const std::optional<SurfaceLine>& surface) {

@@ -145,6 +145,26 @@ TEST(BallPath, LeavesOutWhatIsNotOnIt) {
     CHECK_TRUE(order[static_cast<std::size_t>(outlier.index)] >= static_cast<int>(own));
 }
 
+// Beyond four sd of its own distance, to which the leg's uncertainty belongs, lies one image in 16,000. The legs
+// are fitted with the images they judge, which are nearer then: none of 2,000 is expected beyond.
+TEST(BallPath, KeepsImagesOfPoorPrecisionThatItsOwnUncertaintyExplains) {
+  std::mt19937_64 random(20);
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> log_sd(std::log(0.3), std::log(3.0));
+  const PathContext context{60.0, false, 0.0};
+  int off = 0;
+  for (int shot = 0; shot < 400; ++shot) {
+    std::vector<PathPoint> points;
+    for (const double x : {-200.0, -170.0, -75.0, 30.0, 210.0}) {
+      const double sd = std::exp(log_sd(random));
+      points.push_back(
+          {{x, 300.0 + 0.5 * x - 1e-4 * x * x + sd * normal(random)}, sd / std::hypot(1.0, 0.5), 1.0});
+    }
+    off += static_cast<int>(find_path(points, context).outliers.size());
+  }
+  LONGS_EQUAL(0, off);
+}
+
 TEST(BallPath, TakesTheTimesOfItsFlashesWithOneMissing) {
   const auto times = flashes();
   Shot shot;
