@@ -45,6 +45,8 @@ PhotographSettings read_photograph(TomlTable table) {
   p.lamp_a_power = table.number_or("lamp_a_power", p.lamp_a_power, {0.0, 10.0});
   p.lamp_b_power = table.number_or("lamp_b_power", p.lamp_b_power, {0.0, 10.0});
   p.flash_power_sd = table.number_or("flash_power_sd", p.flash_power_sd, {0.0, 0.3});
+  p.second_flash = table.number_or("second_flash", p.second_flash, {0.0, 0.9});
+  p.second_flash_s = table.number_or("second_flash_us", p.second_flash_s / kMicro, {0.0, 400.0}) * kMicro;
   p.ambient = table.number_or("ambient", p.ambient, {0.0, 0.9});
   return p;
 }

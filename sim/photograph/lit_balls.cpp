@@ -65,9 +65,12 @@ class Flashes {
     std::array<double, 2> light =
         light_of(exposure_.pulses[pulse], pulse, appearance_, scene_.photograph.flash_power_sd);
     for (double& l : light) l *= share;
-    BallImageOnSensor image{film, ball(film.state, light), {}};
-    const int instants = instants_of(film.state);
-    for (int i = 0; i < instants; ++i) image.balls.push_back(at_instant(film, light, i, instants));
+    const auto& settings = scene_.photograph;
+    const FilmImage mean = later(film, settings.second_flash * settings.second_flash_s);
+    BallImageOnSensor image{mean, ball(mean.state, light), {}};
+    add_flash(film, 1.0 - settings.second_flash, light, image);
+    if (settings.second_flash > 0.0)
+      add_flash(later(film, settings.second_flash_s), settings.second_flash, light, image);
     return image;
   }
 
@@ -77,6 +80,21 @@ class Flashes {
   int instants_of(const BallState& s) const {
     const double way_px = std::hypot(s.vx_mps, s.vy_mps) * scene_.lamps.flash_s * scene_.camera.px_per_m;
     return std::clamp(static_cast<int>(std::ceil(way_px / kSpacing_px)), 1, kMaxInstants);
+  }
+
+  FilmImage later(FilmImage film, double by_s) const {
+    if (by_s == 0.0) return film;
+    film.time += from_seconds(by_s);
+    film.state = exposure_.ball->path.mean_over(to_seconds(film.time - exposure_.ball->touchdown),
+                                                scene_.lamps.flash_s);
+    return film;
+  }
+
+  void add_flash(const FilmImage& film, double share, std::array<double, 2> light,
+                 BallImageOnSensor& image) const {
+    for (double& l : light) l *= share;
+    const int instants = instants_of(film.state);
+    for (int i = 0; i < instants; ++i) image.balls.push_back(at_instant(film, light, i, instants));
   }
 
   LitBall at_instant(const FilmImage& film, std::array<double, 2> light, int i, int instants) const {

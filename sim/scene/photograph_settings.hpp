@@ -34,6 +34,8 @@ struct PhotographSettings {
   double lamp_a_power = 1.0;         ///< 0…10; lamp A stands to the left, 0: it has failed
   double lamp_b_power = 1.0;         ///< 0…10
   double flash_power_sd = 0.02;      ///< 0…0.3, of the light from flash to flash, relative
+  double second_flash = 0.0;         ///< 0…0.9, part of a flash's light that comes in a second discharge
+  double second_flash_s = 30e-6;     ///< key second_flash_us 0…400: so much later; the truth is of the mean
   double ambient = 0.0;              ///< 0…0.9; light of the room while the shutter was open
 };
 

@@ -117,6 +117,12 @@ TEST(Render, CoversTheEllipseOfABallSeenObliquely) {
   check_coverage(clean_scene("distance_m = 1.0\noff_plane_sd_mm = 10\n"));
 }
 
+TEST(Render, TellsTheMeanOfAFlashAndItsSecondDischarge) {
+  Scene scene = clean_scene();
+  scene.photograph.second_flash = 0.3;  // .15 px of the way in 30 us
+  check_coverage(scene);
+}
+
 TEST(Render, SeesAnImageFromTheOtherSide) { check_coverage(clean_scene("mirrored = true\n")); }
 
 TEST(Render, TurnsTheLineAsTheTruthTells) {

@@ -86,7 +86,8 @@ void add_studies(CLI::App& command, Request& o) {
   command.add_flag("--latency", o.latency,
                    "Time from a photograph's arrival to the readout, as in strobe live (--shots: in all)");
   command.add_flag("--matches", o.matches,
-                   "Which flash made which image: shots rejected and flagged, errors over stated sds");
+                   "Which flash made which image: shots rejected and flagged, errors over stated sds, shots "
+                   "with wrong numbers and no flag");
   command.add_flag("--simulated", o.options.simulated,
                    "Of --matches: nothing is rendered, a normal error stands for the digitizer's");
   command.add_option("--plan", o.plan, "Of --matches: plan file, TOML (default: the shipped rig file's)");

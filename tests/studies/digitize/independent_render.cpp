@@ -7,6 +7,7 @@
 #include <random>
 
 #include "tests/studies/digitize/independent_ball.hpp"
+#include "tests/studies/digitize/independent_camera.hpp"
 
 namespace strobe::studies::digitize {
 
@@ -16,7 +17,6 @@ constexpr double kDegree = std::numbers::pi / 180.0;
 /// A flash's light: when, and how much of it. Its mean is what the ball's place is true of.
 constexpr std::array<std::array<double, 2>, 3> kFlash{{{0.0, 0.6}, {3e-6, 0.3}, {8e-6, 0.1}}};
 constexpr double kFlashMean_s = 1.7e-6;
-constexpr double kSecondFlash_s = 30e-6;
 
 /// The pinhole, and the pixels of the plane of flight.
 struct View {
@@ -108,9 +108,9 @@ FeltBall ball_of(const View& view, const sim::Scene& scene, const sim::BallPath&
   return ball;
 }
 
-std::vector<Flash> flashes_of(const View& view, const Look& look, const IndependentLook& extra,
-                              const sim::Scene& scene, const sim::Exposure& exposure,
-                              std::mt19937_64& random) {
+std::vector<Flash> flashes_of(const View& view, const Look& look, const sim::Scene& scene,
+                              const sim::Exposure& exposure, std::mt19937_64& random) {
+  const double second = scene.photograph.second_flash, second_s = scene.photograph.second_flash_s;
   std::normal_distribution<double> power(1.0, 0.03);
   std::vector<Flash> flashes;
   for (const sim::FilmImage& film : sim::film_images(scene, exposure)) {
@@ -119,14 +119,16 @@ std::vector<Flash> flashes_of(const View& view, const Look& look, const Independ
     const std::array<double, 2> light{look.power[0] * power(random), look.power[1] * power(random)};
     if (light[0] + light[1] <= 0.0) continue;
     Flash flash;
-    flash.ball = ball_of(view, scene, path, since_s + kFlashMean_s);
+    flash.ball = ball_of(view, scene, path, since_s + kFlashMean_s + second * second_s);
     flash.time_s = to_seconds(film.time - exposure.pulses.front().edge);
     const auto add = [&](double later_s, double share) {
       flash.moments.push_back(ball_of(view, scene, path, since_s + later_s));
       flash.moments.back().light = {share * light[0], share * light[1]};
     };
-    for (const auto& [later_s, share] : kFlash) add(later_s, share);
-    if (extra.second_flash > 0.0) add(kSecondFlash_s, extra.second_flash);
+    for (const auto& [later_s, share] : kFlash) {
+      add(later_s, (1.0 - second) * share);
+      if (second > 0.0) add(second_s + later_s, second * share);
+    }
     const bool contact = film.state.top_drop_m > 0.0;
     flash.leg = contact                          ? reduction::Leg::contact
                 : since_s > 0.5 * path.dwell_s() ? reduction::Leg::rebound
@@ -281,74 +283,62 @@ cv::Mat scenery_of(const View& view, const Look& look, int blobs) {
   return scenery;
 }
 
-/// A sharp core, and glare over tens of pixels.
-void spread(const Look& look, cv::Mat& light) {
-  cv::Mat wide, small;
-  cv::resize(light, small, {}, 0.125, 0.125, cv::INTER_AREA);
-  cv::GaussianBlur(small, small, {0, 0}, 5.0);
-  cv::resize(small, wide, light.size(), 0, 0, cv::INTER_LINEAR);
-  if (look.blur_px > 0.0) cv::GaussianBlur(light, light, {0, 0}, look.blur_px);
-  light = light * (1.0 - look.glare) + wide * look.glare;
+/// All that is drawn before a photograph is taken.
+struct Draft {
+  std::mt19937_64 random;
+  View view;
+  Look look;
+  std::vector<Flash> flashes;
+};
+
+Draft draft_of(const sim::Scene& scene, const sim::Exposure& exposure, std::uint64_t seed) {
+  Draft draft;
+  draft.random.seed(seed * 7919 + static_cast<std::uint64_t>(exposure.shot));
+  draft.view = view_of(scene, draft.random);
+  draft.look = look_of(scene, draft.random);
+  draft.flashes = flashes_of(draft.view, draft.look, scene, exposure, draft.random);
+  return draft;
 }
 
-/// Blue, green, red: yellow felt before grey things, and the sensor's own sensitivity.
-constexpr std::array<double, 3> kFelt{0.45, 1.0, 0.85}, kGrey{0.85, 1.0, 0.8};
-
-cv::Mat mosaic_of(const View& view, const Look& look, const cv::Mat& felt, const cv::Mat& behind,
-                  double exposure, double noise, double black, std::mt19937_64& random) {
-  constexpr double kFullWell_e = 12000.0, kRead_e = 6.0, kUneven = 0.008;
-  std::normal_distribution<double> normal;
-  cv::Mat mosaic(felt.size(), CV_16UC1);
-  for (int row = 0; row < felt.rows; ++row) {
-    for (int column = 0; column < felt.cols; ++column) {
-      const std::size_t colour = (row & 1) == (column & 1) ? 1 : (row & 1) == 0 ? 2 : 0;  // GRBG
-      const double x = 2.0 * column / view.width - 1.0, y = 2.0 * row / view.height - 1.0;
-      const double seen = exposure * (1.0 - 0.5 * look.vignetting * (x * x + y * y)) *
-                          (kFelt[colour] * static_cast<double>(felt.at<float>(row, column)) +
-                           kGrey[colour] * static_cast<double>(behind.at<float>(row, column)));
-      const double electrons = kFullWell_e * std::max(0.0, seen * (1.0 + kUneven * normal(random)));
-      const double read = electrons + noise * std::sqrt(electrons + kRead_e * kRead_e) * normal(random);
-      mosaic.at<std::uint16_t>(row, column) =
-          cv::saturate_cast<std::uint16_t>(65535.0 * (read / kFullWell_e + black));
-    }
-  }
-  return mosaic;
+IndependentCamera camera_of(const sim::Scene& scene, const Look& look, const IndependentLook& extra) {
+  // The lightest felt of one image is at two fifths of what saturates.
+  constexpr double kUsual = 0.4 / 1.3;
+  return {.blur_px = look.blur_px,
+          .glare = look.glare,
+          .vignetting = look.vignetting,
+          .exposure = kUsual * scene.photograph.exposure,
+          .noise = extra.noise,
+          .black = scene.photograph.black_level,
+          .gamma = scene.photograph.gamma};
 }
 
 }  // namespace
 
-IndependentPhotograph render_independently(const sim::Scene& scene, const sim::Exposure& exposure,
-                                           std::uint64_t seed, const IndependentLook& extra) {
-  std::mt19937_64 random(seed * 7919 + static_cast<std::uint64_t>(exposure.shot));
-  const View view = view_of(scene, random);
-  const Look look = look_of(scene, random);
-  const auto flashes = flashes_of(view, look, extra, scene, exposure, random);
-  const cv::Mat scenery = scenery_of(view, look, scene.background.blobs);
+IndependentTruth independent_truth(const sim::Scene& scene, const sim::Exposure& exposure,
+                                   std::uint64_t seed) {
+  const Draft draft = draft_of(scene, exposure, seed);
+  IndependentTruth truth;
+  for (const Flash& flash : draft.flashes) {
+    truth.images.push_back(truth_of(draft.view, draft.look, flash));
+    truth.times_s.push_back(flash.time_s);
+  }
+  return truth;
+}
+
+cv::Mat render_independently(const sim::Scene& scene, const sim::Exposure& exposure, std::uint64_t seed,
+                             const IndependentLook& extra) {
+  Draft draft = draft_of(scene, exposure, seed);
+  const Look& look = draft.look;
+  const cv::Mat scenery = scenery_of(draft.view, look, scene.background.blobs);
   cv::Mat felt(scenery.size(), CV_32FC1, cv::Scalar(0.0)), hidden = felt.clone();
-  IndependentPhotograph photograph;
   const auto pulses = static_cast<double>(std::max<std::size_t>(exposure.pulses.size(), 1));
-  for (const Flash& flash : flashes) {
-    const double all = look.power[0] + look.power[1];
+  const double all = look.power[0] + look.power[1];
+  for (const Flash& flash : draft.flashes) {
     for (const FeltBall& moment : flash.moments)
-      paint(view, look, moment, scenery, (moment.light[0] + moment.light[1]) / all / pulses, felt, hidden);
-    photograph.truth.push_back(truth_of(view, look, flash));
-    photograph.times_s.push_back(flash.time_s);
+      paint(draft.view, look, moment, scenery, (moment.light[0] + moment.light[1]) / all / pulses, felt,
+            hidden);
   }
-  cv::Mat behind = scenery - hidden;
-  spread(look, felt);
-  spread(look, behind);
-  // The lightest felt of one image is at two fifths of what saturates.
-  constexpr double kUsual = 0.4 / 1.3;
-  const cv::Mat mosaic = mosaic_of(view, look, felt, behind, kUsual * scene.photograph.exposure, extra.noise,
-                                   scene.photograph.black_level, random);
-  cv::cvtColor(mosaic, photograph.pixels, cv::COLOR_BayerGB2BGR);
-  if (scene.photograph.gamma != 1.0) {
-    cv::Mat light;
-    photograph.pixels.convertTo(light, CV_32F, 1.0 / 65535.0);
-    cv::pow(light, scene.photograph.gamma, light);
-    light.convertTo(photograph.pixels, CV_16U, 65535.0);
-  }
-  return photograph;
+  return develop(camera_of(scene, look, extra), felt, scenery - hidden, draft.random);
 }
 
 }  // namespace strobe::studies::digitize

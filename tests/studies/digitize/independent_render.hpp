@@ -15,17 +15,20 @@ namespace strobe::studies::digitize {
 
 /// What the scene does not say.
 struct IndependentLook {
-  double second_flash = 0.0;  ///< 0 to 1: light of a second flash 30 us after each, over the first's
-  double noise = 1.0;         ///< of the sensor, over the usual
+  double noise = 1.0;  ///< of the sensor, over the usual
 };
 
-struct IndependentPhotograph {
-  cv::Mat pixels;  ///< CV_16UC3, blue first
-  std::vector<TrueImage> truth;
-  std::vector<double> times_s;  ///< of the true images, from the first pulse's edge
+struct IndependentTruth {
+  std::vector<TrueImage> images;
+  std::vector<double> times_s;  ///< of the images, from the first pulse's edge
 };
 
-IndependentPhotograph render_independently(const sim::Scene& scene, const sim::Exposure& exposure,
-                                           std::uint64_t seed, const IndependentLook& look);
+/// Of the photograph that the same arguments render; nothing is rendered here.
+IndependentTruth independent_truth(const sim::Scene& scene, const sim::Exposure& exposure,
+                                   std::uint64_t seed);
+
+/// CV_16UC3, blue first.
+cv::Mat render_independently(const sim::Scene& scene, const sim::Exposure& exposure, std::uint64_t seed,
+                             const IndependentLook& look);
 
 }  // namespace strobe::studies::digitize

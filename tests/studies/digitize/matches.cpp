@@ -63,10 +63,34 @@ reduction::Frame measured_frame(const KnownPhotograph& known, sim::Draws& draws)
 }
 
 struct Done {
+  int shot = 0;
   reduction::Readout readout;
   reduction::Quantities truth;
   std::optional<std::string> rejected;
 };
+
+/// Error over the stated sd, the ball's tolerance included. Returns nullopt if either is missing.
+std::optional<double> normalized_error(const Done& done, Quantity q) {
+  const auto& value = done.readout.value[q];
+  const double sd = std::hypot(done.readout.sd[q].value_or(0.0), done.readout.sd_systematic[q].value_or(0.0));
+  if (!value || !done.truth[q] || !(sd > 0.0)) return std::nullopt;
+  return (*value - *done.truth[q]) / sd;
+}
+
+/// The numbers that are wrong though nothing says so: beyond kWild_sd, the shot neither flagged nor rejected. A normal
+/// error is so large once in two million numbers.
+std::string wrong_in_silence(const Done& done) {
+  std::string wrong;
+  if (done.rejected || !done.readout.flags.empty()) return wrong;
+  for (std::size_t i = 0; i < reduction::kQuantityCount; ++i) {
+    const auto q = static_cast<Quantity>(i);
+    const auto error = normalized_error(done, q);
+    if (error && std::abs(*error) > kWild_sd)
+      wrong += fmt::format(" {} {:.6g} for {:.6g} ({:+.1f} sd)", name(q), *done.readout.value[q],
+                           *done.truth[q], *error);
+  }
+  return wrong;
+}
 
 Result<reduction::Frame> digitized_frame(const Options& options, const KnownPhotograph& known,
                                          const host::RigFile& rig, const strobe_msgs::shot_t& shot) {
@@ -106,8 +130,10 @@ Result<Done> run_shot(const Options& options, Take take) {
     frame->px_per_m = rig.camera.px_per_m;
     frame->px_per_m_sd = rig.camera.px_per_m_sd;
   }
-  Done done{
-      host::shot_readout(shot, messages::frame_to_lcm(*frame), assembly).readout, known->shot.truth, {}};
+  Done done{take.shot,
+            host::shot_readout(shot, messages::frame_to_lcm(*frame), assembly).readout,
+            known->shot.truth,
+            {}};
   done.rejected = host::rejection_reason(done.readout);
   return done;
 }
@@ -120,13 +146,13 @@ class Tally {
       flagged_[f] += done.readout.flags.has(static_cast<Flag>(f)) ? 1 : 0;
     if (done.rejected) ++rejected_[done.rejected->substr(0, done.rejected->find(" ("))];
     for (std::size_t i = 0; i < reduction::kQuantityCount; ++i) {
-      const auto q = static_cast<Quantity>(i);
-      const auto& value = done.readout.value[q];
-      const auto& sd = done.readout.sd[q];
-      if (!value || !sd || !done.truth[q] || !(*sd > 0.0)) continue;
+      const auto error = normalized_error(done, static_cast<Quantity>(i));
+      if (!error) continue;
       ++count_[i];
-      squares_[i] += std::pow((*value - *done.truth[q]) / *sd, 2);
+      squares_[i] += *error * *error;
     }
+    if (const std::string wrong = wrong_in_silence(done); !wrong.empty())
+      wrong_.push_back(fmt::format("shot {}:{}", done.shot, wrong));
   }
 
   void print(const std::string& name) const {
@@ -142,6 +168,9 @@ class Tally {
     for (const auto& [why, times] : rejected_) fmt::print("    rejected {}: {}\n", times, why);
     for (std::size_t f = 0; f < reduction::kFlagCount; ++f)
       if (flagged_[f] > 0) fmt::print("    {} {}\n", reduction::kFlagNames[f], flagged_[f]);
+    if (!wrong_.empty())
+      fmt::print("    {} with numbers beyond {:g} sd and no flag\n", wrong_.size(), kWild_sd);
+    for (const std::string& one : wrong_) fmt::print("      {}\n", one);
     std::fflush(stdout);
   }
 
@@ -151,6 +180,7 @@ class Tally {
   std::map<std::string, int> rejected_;
   std::array<double, reduction::kQuantityCount> squares_{};
   std::array<int, reduction::kQuantityCount> count_{};
+  std::vector<std::string> wrong_;
 };
 
 }  // namespace

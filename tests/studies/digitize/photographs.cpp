@@ -49,12 +49,6 @@ Result<Bytes> as_file(const cv::Mat& pixels, int jpeg_quality) {
   return image::encode_jpeg(image::pixels_of(bytes), jpeg_quality);
 }
 
-Result<Bytes> render_bytes(const Take& take, const sim::SimulatedShot& shot) {
-  const auto rendered = sim::render(take.scene, take.seed, shot.exposure);
-  if (!rendered) return tl::unexpected(rendered.error());
-  return as_file(rendered->pixels, take.jpeg_quality.value_or(0));
-}
-
 /// Whole under its name or not there: several runs may share the folder.
 Result<void> keep(const fs::path& path, const Bytes& bytes) {
   std::error_code error;
@@ -68,24 +62,26 @@ Result<void> keep(const fs::path& path, const Bytes& bytes) {
   return {};
 }
 
-Result<Bytes> photograph_independently(const Take& take, const sim::SimulatedShot& shot,
-                                       KnownPhotograph& known) {
-  auto rendered = render_independently(take.scene, shot.exposure, take.seed, take.look);
-  known.truth = std::move(rendered.truth);
-  known.times_s = std::move(rendered.times_s);
-  auto bytes = as_file(rendered.pixels, take.jpeg_quality.value_or(85 + take.shot % 11));
-  if (!bytes || take.kept_in.empty()) return bytes;
-  const auto name = fmt::format("{}_independent_seed{}_{:04}.jpg", take.scene.name, take.seed, take.shot);
-  if (auto kept = keep(take.kept_in / name, *bytes); !kept) return tl::unexpected(kept.error());
-  return bytes;
+Result<Bytes> render_bytes(const Take& take, const sim::SimulatedShot& shot) {
+  if (take.independent)
+    return as_file(render_independently(take.scene, shot.exposure, take.seed, take.look),
+                   take.jpeg_quality.value_or(85 + take.shot % 11));
+  const auto rendered = sim::render(take.scene, take.seed, shot.exposure);
+  if (!rendered) return tl::unexpected(rendered.error());
+  return as_file(rendered->pixels, take.jpeg_quality.value_or(0));
+}
+
+fs::path kept_path(const Take& take) {
+  const std::string name = take.scene.name + (take.independent ? "_independent" : "");
+  return take.kept_in /
+         fmt::format("{}_seed{}_{:04}{}", name, take.seed, take.shot, take.independent ? ".jpg" : ".tif");
 }
 
 }  // namespace
 
 Result<Bytes> photograph_bytes(const Take& take, const sim::SimulatedShot& shot) {
   if (take.kept_in.empty() || take.jpeg_quality) return render_bytes(take, shot);
-  const fs::path path =
-      take.kept_in / fmt::format("{}_seed{}_{:04}.tif", take.scene.name, take.seed, take.shot);
+  const fs::path path = kept_path(take);
   std::ifstream file(path, std::ios::binary);
   if (file) return Bytes(std::istreambuf_iterator<char>(file), {});
   auto bytes = render_bytes(take, shot);
@@ -125,9 +121,7 @@ Result<KnownPhotograph> known_exposure(const Take& take) {
 Result<KnownPhotograph> known_photograph(const Take& take) {
   auto shot = simulated(take);
   if (!shot) return tl::unexpected(shot.error());
-  KnownPhotograph drawn;
-  const auto bytes =
-      take.independent ? photograph_independently(take, *shot, drawn) : photograph_bytes(take, *shot);
+  const auto bytes = photograph_bytes(take, *shot);
   if (!bytes) return tl::unexpected(bytes.error());
   const auto start = std::chrono::steady_clock::now();
   auto photograph = strobe::digitize::decode_photograph(*bytes, take.scene.name);
@@ -136,8 +130,9 @@ Result<KnownPhotograph> known_photograph(const Take& take) {
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   KnownPhotograph known = known_of(take, std::move(*shot));
   if (take.independent) {
-    known.truth = std::move(drawn.truth);
-    known.times_s = std::move(drawn.times_s);
+    IndependentTruth truth = independent_truth(take.scene, known.shot.exposure, take.seed);
+    known.truth = std::move(truth.images);
+    known.times_s = std::move(truth.times_s);
   }
   known.decode_ms = decode_ms;
   known.photograph = std::move(*photograph);

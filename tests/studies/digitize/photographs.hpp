@@ -26,7 +26,7 @@ struct Take {
   /// Empty, or a folder of photographs: one rendered there before is read instead of rendered again, whatever
   /// has become of the renderer since; a new one is left there.
   std::filesystem::path kept_in{};
-  bool independent = false;  ///< the second renderer's, which is rendered each time
+  bool independent = false;  ///< the second renderer's
   IndependentLook look{};
   std::optional<int>
       jpeg_quality{};  ///< 1 to 100, 8 bits; 0: not compressed; absent: 85 to 95 of the second renderer's
@@ -49,7 +49,7 @@ Result<KnownPhotograph> known_photograph(const Take& take);
 /// The same without its photograph. Fails as Shooter does.
 Result<KnownPhotograph> known_exposure(const Take& take);
 
-/// The bytes of an uncompressed TIFF, as the rig's camera writes it.
+/// The bytes of an uncompressed TIFF, as the rig's camera writes it; the second renderer's of a JPEG.
 Result<std::vector<unsigned char>> photograph_bytes(const Take& take, const sim::SimulatedShot& shot);
 
 }  // namespace strobe::studies::digitize

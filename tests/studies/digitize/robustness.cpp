@@ -69,6 +69,8 @@ std::vector<Condition> conditions() {
   add(all, "lamp_a", {1, 0.5, 0.2, 0.1, 0}, [](Take& t, double v) { t.scene.photograph.lamp_a_power = v; });
   add(all, "lamp_b", {1, 0.5, 0.2, 0.1, 0}, [](Take& t, double v) { t.scene.photograph.lamp_b_power = v; });
   add(all, "flash_lost", {-3, -2, -1, 0, 1, 2, 3}, lose_flash);
+  add(all, "second_flash", {0, 0.02, 0.05, 0.1, 0.2, 0.4},
+      [](Take& t, double v) { t.scene.photograph.second_flash = v; });
   add(all, "noise", {0.5, 1, 2, 4, 8}, set_noise);
   add(all, "gamma", {1, 0.9, 0.8, 0.6, 0.45}, [](Take& t, double v) { t.scene.photograph.gamma = v; });
   add(all, "jpeg", {0, 95, 90, 85, 70, 50}, [](Take& t, double v) { t.jpeg_quality = static_cast<int>(v); });
@@ -165,6 +167,7 @@ const std::vector<RobustnessAxis>& robustness_axes() {
       {"lamp_a", "light of lamp A", false},
       {"lamp_b", "light of lamp B", false},
       {"flash_lost", "flash lost, from the impact (0: none)", false},
+      {"second_flash", "light of a second flash 30 us later", false},
       {"noise", "noise, over the usual", true},
       {"gamma", "gamma of the file", false},
       {"jpeg", "quality of JPEG (0: none)", false},
