@@ -11,8 +11,8 @@ namespace {
 
 constexpr std::size_t kMinImages = 4;
 constexpr double kCloseOfStep = 0.5;
-// True images differ at most by this in quality where nothing is saturated.
-constexpr double kClearDifference = 0.2;
+// A true image that another hides by half agrees with a ball's limb less well, under ambient light by a quarter.
+constexpr double kClearDifference = 0.35;
 // Of the median interval, where the flashes' times are not known: trains that tell their flashes apart by unequal
 // intervals have none shorter, and neither lamp flashes that fast again. An outline that near to another borrows most
 // of its limb, and its quality.

@@ -38,4 +38,17 @@ double log10_curves_by_chance(std::size_t points, std::size_t members, std::size
   return (trials + log_tail(points - parameters, members - parameters, probability)) / std::log(10.0);
 }
 
+double share_of_view_per_px(std::span<const PathPoint> points, std::span<const int> eligible,
+                            double diameter_px) {
+  if (eligible.empty()) return 1.0;
+  cv::Point2d least = point_at(points, eligible.front()).at, most = least;
+  for (const int i : eligible) {
+    const cv::Point2d at = point_at(points, i).at;
+    least = {std::min(least.x, at.x), std::min(least.y, at.y)};
+    most = {std::max(most.x, at.x), std::max(most.y, at.y)};
+  }
+  const double width = most.x - least.x + 2.0 * diameter_px, height = most.y - least.y + 2.0 * diameter_px;
+  return (width + height) / (width * height);
+}
+
 }  // namespace strobe::digitize

@@ -17,10 +17,6 @@ constexpr double kLeftOut = 1e18;
 constexpr double kMaxUpwards_sd = 3.0;
 constexpr int kReweightings = 3;
 
-const PathPoint& point_of(std::span<const PathPoint> points, int i) {
-  return points[static_cast<std::size_t>(i)];
-}
-
 }  // namespace
 
 FlightCurve::Terms FlightCurve::terms(cv::Point2d p) const {
@@ -71,7 +67,7 @@ bool FlightCurve::solve(std::span<const PathPoint> points, std::span<const int> 
   for (int k = shape; k < 5; ++k) normal(k, k) = kLeftOut;
   Terms right = Terms::Zero();
   for (const int i : members) {
-    const PathPoint& p = point_of(points, i);
+    const PathPoint& p = point_at(points, i);
     const double sd = std::sqrt(variance_across(p, unit_px_)) / unit_px_ * gradient(p.at);
     const Terms row = terms(p.at);
     normal += row * row.transpose() / (sd * sd);
@@ -87,7 +83,7 @@ bool FlightCurve::solve(std::span<const PathPoint> points, std::span<const int> 
 bool FlightCurve::is_flight(std::span<const PathPoint> points, std::span<const int> members) const {
   if (value_[2] > kMaxUpwards_sd * std::sqrt(covariance_(2, 2))) return false;
   return std::ranges::all_of(members, [&](int i) {
-    const cv::Point2d p = point_of(points, i).at;
+    const cv::Point2d p = point_at(points, i).at;
     const double u = (p.x - origin_.x) / unit_px_, v = (p.y - origin_.y) / unit_px_;
     return 1.0 - value_[3] * u - 2.0 * value_[4] * v > kMinUniqueness;
   });
@@ -97,7 +93,7 @@ std::optional<FlightCurve> FlightCurve::fit(std::span<const PathPoint> points, s
                                             double diameter_px, Shape shape) {
   FlightCurve curve;
   curve.unit_px_ = diameter_px;
-  for (const int i : members) curve.origin_ += point_of(points, i).at / static_cast<double>(members.size());
+  for (const int i : members) curve.origin_ += point_at(points, i).at / static_cast<double>(members.size());
   for (int round = 0; round < kReweightings; ++round)
     if (!curve.solve(points, members, static_cast<int>(shape))) return std::nullopt;
   if (!curve.is_flight(points, members)) return std::nullopt;

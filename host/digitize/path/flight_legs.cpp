@@ -23,8 +23,6 @@ constexpr double kAllowed_sd = 3.0;
 // A curve known no better than this share of a diameter predicts no image.
 constexpr double kVagueOfDiameter = 0.5;
 constexpr double kMinAsideOfDiameter = 0.05;
-// Places are no better known than this, whatever the residuals.
-constexpr double kMinResidual_px = 0.1;
 // How far a bounce may be from between its legs' images, and above touching the surface.
 constexpr double kBounceNoise = 0.4;
 
@@ -33,7 +31,7 @@ class LegSearch {
   LegSearch(std::span<const PathPoint> points, std::span<const int> eligible, const PathContext& context)
       : points_(points), context_(context), d_(context.diameter_px), free_(eligible.begin(), eligible.end()) {
     std::ranges::sort(free_, {}, [this](int i) { return at(i).x; });
-    measure_view();
+    share_per_px_ = share_of_view_per_px(points_, free_, d_);
   }
 
   std::vector<FlightLeg> run() {
@@ -52,24 +50,12 @@ class LegSearch {
     double log10_chance;
   };
 
-  cv::Point2d at(int i) const { return points_[static_cast<std::size_t>(i)].at; }
+  cv::Point2d at(int i) const { return point_at(points_, i).at; }
   static bool has(const std::vector<int>& members, int i) {
     return std::ranges::find(members, i) != members.end();
   }
   double first_x(const FlightLeg& leg) const { return at(leg.members.front()).x; }
   double last_x(const FlightLeg& leg) const { return at(leg.members.back()).x; }
-
-  /// What part of the view a band along a path across it covers, for each px of its width.
-  void measure_view() {
-    if (free_.empty()) return;
-    cv::Point2d least = at(free_.front()), most = least;
-    for (const int i : free_) {
-      least = {std::min(least.x, at(i).x), std::min(least.y, at(i).y)};
-      most = {std::max(most.x, at(i).x), std::max(most.y, at(i).y)};
-    }
-    const double width = most.x - least.x + 2.0 * d_, height = most.y - least.y + 2.0 * d_;
-    share_per_px_ = (width + height) / (width * height);
-  }
 
   std::optional<FlightLeg> next() const {
     std::vector<Candidate> candidates;
@@ -86,7 +72,7 @@ class LegSearch {
   }
 
   double allowed_off(int i, const FlightCurve& curve) const {
-    return leg_tolerance(points_[static_cast<std::size_t>(i)], d_) + kAllowed_sd * curve.sd(at(i));
+    return leg_tolerance(point_at(points_, i), d_) + kAllowed_sd * curve.sd(at(i));
   }
 
   double longest_step(const std::vector<int>& members) const {
@@ -134,7 +120,7 @@ class LegSearch {
     const double log10_chance = by_chance(members);
     if (log10_chance > kMaxLog10ByChance) return;
     FlightLeg leg{*curve, std::move(members), 0.0};
-    for (const int i : leg.members) leg.weight += points_[static_cast<std::size_t>(i)].weight;
+    for (const int i : leg.members) leg.weight += point_at(points_, i).weight;
     candidates.push_back({std::move(leg), log10_chance});
   }
 

@@ -24,7 +24,7 @@ LegLine straight(std::span<const PathPoint> points, const std::vector<int>& memb
   std::vector<Eigen::Vector2d> centres;
   std::vector<double> weights;
   for (const int i : members) {
-    const PathPoint& p = points[static_cast<std::size_t>(i)];
+    const PathPoint& p = point_at(points, i);
     centres.push_back(to_eigen(p.at));
     weights.push_back(p.weight / variance_across(p, diameter_px));
   }
@@ -47,9 +47,9 @@ BentFit bent_fit(std::span<const PathPoint> points, const std::vector<int>& memb
                  const LegLine& line) {
   BentFit fit;
   for (const int i : members)
-    fit.scale_px = std::max(fit.scale_px, std::abs(line.place(points[static_cast<std::size_t>(i)].at)));
+    fit.scale_px = std::max(fit.scale_px, std::abs(line.place(point_at(points, i).at)));
   for (const int i : members) {
-    const PathPoint& p = points[static_cast<std::size_t>(i)];
+    const PathPoint& p = point_at(points, i);
     const double s = line.place(p.at) / fit.scale_px, weight = p.weight / variance_across(p, diameter_px);
     const Eigen::Vector3d row(1.0, s, s * s);
     fit.normal += weight * row * row.transpose();
@@ -76,7 +76,7 @@ std::vector<int> near_line(std::span<const PathPoint> points, std::span<const in
                            const LegLine& line, double diameter_px) {
   std::vector<int> members;
   for (const int i : eligible) {
-    const PathPoint& p = points[static_cast<std::size_t>(i)];
+    const PathPoint& p = point_at(points, i);
     if (std::abs(line.off(p.at)) <= leg_tolerance(p, diameter_px, line.sd(p.at))) members.push_back(i);
   }
   return members;
@@ -93,8 +93,7 @@ std::vector<int> loosely_near(std::span<const PathPoint> points, std::span<const
                               const LegLine& line, double diameter_px) {
   std::vector<int> members;
   for (const int i : eligible) {
-    if (std::abs(line.off(points[static_cast<std::size_t>(i)].at)) <= kLooseOfDiameter * diameter_px)
-      members.push_back(i);
+    if (std::abs(line.off(point_at(points, i).at)) <= kLooseOfDiameter * diameter_px) members.push_back(i);
   }
   return members;
 }
@@ -102,8 +101,7 @@ std::vector<int> loosely_near(std::span<const PathPoint> points, std::span<const
 double spread(std::span<const PathPoint> points, const std::vector<int>& members) {
   double most = 0.0;
   for (const int i : members)
-    most = std::max(most, cv::norm(points[static_cast<std::size_t>(i)].at -
-                                   points[static_cast<std::size_t>(members.front())].at));
+    most = std::max(most, cv::norm(point_at(points, i).at - point_at(points, members.front()).at));
   return most;
 }
 
@@ -128,7 +126,7 @@ double leg_tolerance(const PathPoint& point, double diameter_px, double leg_sd_p
 LegLine fit_leg_line(std::span<const PathPoint> points, std::vector<int> members, double diameter_px) {
   LegLine line = straight(points, members, diameter_px);
   if (members.size() >= 4) bend(points, members, diameter_px, line);
-  for (const int i : members) line.weight += points[static_cast<std::size_t>(i)].weight;
+  for (const int i : members) line.weight += point_at(points, i).weight;
   line.members = std::move(members);
   return line;
 }
@@ -144,8 +142,8 @@ std::vector<LegLine> leg_lines(std::span<const PathPoint> points, std::span<cons
   };
   for (std::size_t a = 0; a < eligible.size(); ++a) {
     for (std::size_t b = a + 1; b < eligible.size(); ++b) {
-      const PathPoint& pa = points[static_cast<std::size_t>(eligible[a])];
-      const PathPoint& pb = points[static_cast<std::size_t>(eligible[b])];
+      const PathPoint& pa = point_at(points, eligible[a]);
+      const PathPoint& pb = point_at(points, eligible[b]);
       if (cv::norm(pa.at - pb.at) < kMinStepOfDiameter * diameter_px) continue;
       const LegLine pair = through(pa, pb);
       offer(near_line(points, eligible, pair, diameter_px));

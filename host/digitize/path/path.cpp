@@ -11,23 +11,13 @@
 
 #include "host/digitize/path/drop_path.hpp"
 #include "host/digitize/path/flight_legs.hpp"
-#include "host/digitize/path/leg_line.hpp"
+#include "host/digitize/path/leg_pair.hpp"
 
 namespace strobe::digitize {
 namespace {
 
-// In diameters: how far apart the ball may touch down and lift off (9 ms at 20 m/s), and how far the order of
-// the two may be wrong where it goes straight down and up.
-constexpr double kLongestContact = 2.8;
-constexpr double kCrossingNoise = 0.4;
-constexpr double kContactMargin = 0.2;  ///< beyond where the legs meet the surface
-constexpr double kNearApex = 3.0;
-// A second leg must explain at least this much weight of images.
-constexpr double kLegCost = 0.5;
-constexpr double kLegCostBlind = 1.2;
-constexpr double kLoneWeight = 0.6;  ///< of an image that is to be a leg by itself
-constexpr double kMinSlope = 0.03;
-constexpr std::size_t kMinOwnImages = 2;  ///< that fix a line
+constexpr double kContactMargin = 0.2;  ///< in diameters, beyond where the legs meet the surface
+constexpr double kLoneWeight = 0.6;     ///< of an image that is to be a leg by itself
 constexpr std::size_t kMaxLines = 80;
 // A path within 6 degrees of the normal whose images all lie in the band in which legs gather their images
 // (leg_line.cpp) is told apart by times only.
@@ -36,8 +26,6 @@ constexpr double kDropWidth = 0.12;
 // The fastest shots compress a ball by 0.7 of its radius.
 constexpr double kMaxCompressionOfRadius = 0.85;
 
-const PathPoint& at(std::span<const PathPoint> points, int i) { return points[static_cast<std::size_t>(i)]; }
-
 class Finder {
  public:
   Finder(std::span<const PathPoint> points, const PathContext& context)
@@ -45,8 +33,8 @@ class Finder {
 
   Path run() {
     sort_by_height();
-    const std::vector<LegLine> lines = leg_lines(points_, airborne_, d_, kMaxLines);
-    choose(lines);
+    kept_ = choose_legs(points_, airborne_, leg_lines(points_, airborne_, d_, kMaxLines), context_);
+    share_images();
     place_contacts();
     if (legs_[1].empty()) lone_leg();
     order_legs();
@@ -58,14 +46,9 @@ class Finder {
   }
 
  private:
-  struct Crossing {
-    double x = 0.0;
-    double side = 0.0;  ///< where the leg lies from there: -1 left, +1 right, 0 straight above
-  };
-
   void sort_by_height() {
     for (int i = 0; i < static_cast<int>(points_.size()); ++i) {
-      const PathPoint& p = at(points_, i);
+      const PathPoint& p = point_at(points_, i);
       if (!context_.surface_known) {
         airborne_.push_back(i);
       } else if (p.at.y < 0.5 * d_ * (1.0 - kMaxCompressionOfRadius) - 4.0 * context_.surface_sd_px) {
@@ -78,107 +61,35 @@ class Finder {
     }
   }
 
-  /// Where the leg is a radius above the surface. Returns nullopt if it is parallel to it.
-  std::optional<Crossing> crossing(const LegLine& line) const {
-    if (std::abs(line.along.y) < kMinSlope) return std::nullopt;
-    const double s = (0.5 * d_ - line.origin.y) / line.along.y;
-    const cv::Point2d up = line.along.y > 0 ? line.along : -line.along;
-    return Crossing{line.origin.x + s * line.along.x, up.x > 0.03 ? 1.0 : up.x < -0.03 ? -1.0 : 0.0};
-  }
-
-  bool meet_at_surface(const LegLine& a, const LegLine& b) const {
-    auto ca = crossing(a), cb = crossing(b);
-    if (!ca || !cb) return false;
-    const double apart = std::abs(ca->x - cb->x);
-    if (ca->side * cb->side > 0) return apart <= d_;
-    if (ca->side > cb->side) std::swap(ca, cb);  // the left one first
-    return cb->x - ca->x >= -kCrossingNoise * d_ && apart <= kLongestContact * d_;
-  }
-
-  /// Both legs go up from where their lines meet, and start near it.
-  bool meet_somewhere(const LegLine& a, const LegLine& b) const {
-    const double sine = a.along.cross(b.along);
-    if (std::abs(sine) < 0.08) return false;
-    const double s = (b.origin - a.origin).cross(b.along) / sine;
-    const cv::Point2d apex = a.origin + s * a.along;
-    for (const LegLine* leg : {&a, &b}) {
-      const cv::Point2d far = far_end(*leg, apex) - apex;
-      if (far.y < kMinSlope * cv::norm(far)) return false;
-      double nearest = std::numeric_limits<double>::infinity();
-      for (const int i : leg->members) {
-        const double place = (at(points_, i).at - apex).dot(far) / cv::norm(far);
-        if (place < -0.3 * d_) return false;
-        nearest = std::min(nearest, place);
-      }
-      if (nearest > kNearApex * d_) return false;
-    }
-    return true;
-  }
-
-  cv::Point2d far_end(const LegLine& leg, cv::Point2d from) const {
-    cv::Point2d far = at(points_, leg.members.front()).at;
-    for (const int i : leg.members) {
-      if (cv::norm(at(points_, i).at - from) > cv::norm(far - from)) far = at(points_, i).at;
-    }
-    return far;
-  }
-
-  double union_weight(const LegLine& a, const LegLine& b) const {
-    double weight = a.weight;
-    for (const int i : b.members) {
-      if (!std::binary_search(a.members.begin(), a.members.end(), i)) weight += at(points_, i).weight;
-    }
-    return weight;
-  }
-
-  void choose(const std::vector<LegLine>& lines) {
-    if (lines.empty()) {
-      if (!airborne_.empty()) take_best_alone();
+  /// An image on both lines is the nearer one's.
+  void share_images() {
+    if (kept_.empty()) {
+      take_best_alone();
       return;
     }
-    double best = lines.front().weight;
-    const LegLine* one = &lines.front();
-    const LegLine* two = nullptr;
-    const double cost = context_.surface_known ? kLegCost : kLegCostBlind;
-    for (std::size_t i = 0; i < lines.size(); ++i) {
-      for (std::size_t j = i + 1; j < lines.size(); ++j) {
-        if (lines[i].weight + lines[j].weight - cost <= best) break;
-        const double weight = union_weight(lines[i], lines[j]) - cost;
-        if (weight <= best) continue;
-        if (!(context_.surface_known ? meet_at_surface(lines[i], lines[j])
-                                     : meet_somewhere(lines[i], lines[j])))
-          continue;
-        best = weight;
-        one = &lines[i];
-        two = &lines[j];
-      }
-    }
-    keep(*one, two);
-  }
-
-  void take_best_alone() {
-    legs_[0] = {*std::max_element(airborne_.begin(), airborne_.end(), [this](int a, int b) {
-      return at(points_, a).weight < at(points_, b).weight;
-    })};
-  }
-
-  void keep(const LegLine& one, const LegLine* two) {
-    kept_.push_back(one);
-    if (two == nullptr) {
+    const LegLine& one = kept_.front();
+    if (kept_.size() == 1) {
       legs_[0] = one.members;
       return;
     }
-    kept_.push_back(*two);
+    const LegLine& two = kept_.back();
     for (const int i : one.members) {
-      const bool both = std::binary_search(two->members.begin(), two->members.end(), i);
+      const bool both = std::binary_search(two.members.begin(), two.members.end(), i);
       const bool second =
-          both && std::abs(two->off(at(points_, i).at)) < std::abs(one.off(at(points_, i).at));
+          both && std::abs(two.off(point_at(points_, i).at)) < std::abs(one.off(point_at(points_, i).at));
       legs_[second ? 1 : 0].push_back(i);
     }
-    for (const int i : two->members) {
+    for (const int i : two.members) {
       if (!std::binary_search(one.members.begin(), one.members.end(), i)) legs_[1].push_back(i);
     }
-    list_ambiguous(one, *two);
+    list_ambiguous(one, two);
+  }
+
+  void take_best_alone() {
+    if (airborne_.empty()) return;
+    legs_[0] = {*std::max_element(airborne_.begin(), airborne_.end(), [this](int a, int b) {
+      return point_at(points_, a).weight < point_at(points_, b).weight;
+    })};
   }
 
   /// A line through two images passes through both whatever they are: the other leg's image is on it too.
@@ -193,18 +104,18 @@ class Finder {
   void place_contacts() {
     std::optional<double> from, to;
     for (const LegLine& line : kept_) {
-      if (const auto c = crossing(line)) {
+      if (const auto c = crossing(line, d_)) {
         from = std::min(from.value_or(c->x), c->x);
         to = std::max(to.value_or(c->x), c->x);
       }
     }
     const double margin = kept_.size() == 2 ? kContactMargin * d_ : kLongestContact * d_;
     for (const int i : low_) {
-      const double x = at(points_, i).at.x;
+      const double x = point_at(points_, i).at.x;
       if (!from || (x >= *from - margin && x <= *to + margin)) path_.contact.push_back(i);
     }
     std::sort(path_.contact.begin(), path_.contact.end(),
-              [this](int a, int b) { return at(points_, a).at.x < at(points_, b).at.x; });
+              [this](int a, int b) { return point_at(points_, a).at.x < point_at(points_, b).at.x; });
   }
 
   /// A leg of one image: beyond where the other leg meets the surface, or beyond the images in contact.
@@ -212,16 +123,16 @@ class Finder {
     if (!context_.surface_known || legs_[0].empty()) return;
     if (!path_.contact.empty() && legs_[0].size() == 2 && split_at_contact()) return;
     if (kept_.empty()) return;
-    const auto c = crossing(kept_.front());
+    const auto c = crossing(kept_.front(), d_);
     if (!c) return;
     const cv::Point2d touch(c->x, 0.5 * d_);
     double longest = 0.0;
-    const cv::Point2d end = far_end(kept_.front(), touch);
+    const cv::Point2d end = far_end(points_, kept_.front(), touch);
     longest = cv::norm(end - touch) / static_cast<double>(legs_[0].size());
     std::vector<int> found;
     for (const int i : airborne_) {
-      if (member(i) || at(points_, i).weight < kLoneWeight) continue;
-      const cv::Point2d from = at(points_, i).at - touch;
+      if (member(i) || point_at(points_, i).weight < kLoneWeight) continue;
+      const cv::Point2d from = point_at(points_, i).at - touch;
       if (cv::norm(from) <= kLongestContact * d_ + longest && from.x * c->side <= 0.0) found.push_back(i);
     }
     if (found.size() == 1) legs_[1] = found;
@@ -229,8 +140,8 @@ class Finder {
 
   bool split_at_contact() {
     const int a = legs_[0][0], b = legs_[0][1];
-    const double x = at(points_, path_.contact.front()).at.x;
-    if ((at(points_, a).at.x - x) * (at(points_, b).at.x - x) >= 0.0) return false;
+    const double x = point_at(points_, path_.contact.front()).at.x;
+    if ((point_at(points_, a).at.x - x) * (point_at(points_, b).at.x - x) >= 0.0) return false;
     legs_ = {std::vector<int>{a}, std::vector<int>{b}};
     return true;
   }
@@ -251,8 +162,9 @@ class Finder {
       if (leg.size() < 2) continue;
       cv::Point2d down(0.0, -1.0);
       if (k < kept_.size()) down = kept_[k].along.y < 0 ? kept_[k].along : -kept_[k].along;
-      std::sort(leg.begin(), leg.end(),
-                [&](int a, int b) { return at(points_, a).at.dot(down) < at(points_, b).at.dot(down); });
+      std::sort(leg.begin(), leg.end(), [&](int a, int b) {
+        return point_at(points_, a).at.dot(down) < point_at(points_, b).at.dot(down);
+      });
     }
   }
 
@@ -268,7 +180,7 @@ class Finder {
 
   double weight(const std::vector<int>& members) const {
     double sum = 0.0;
-    for (const int i : members) sum += at(points_, i).weight;
+    for (const int i : members) sum += point_at(points_, i).weight;
     return sum;
   }
 
@@ -276,7 +188,7 @@ class Finder {
   void take_curves() {
     double taken = 0.0;
     for (const auto& leg : path_.legs) taken += weight(leg);
-    const double cost = context_.surface_known ? kLegCost : kLegCostBlind;
+    const double cost = leg_cost(context_);
     if (weight(airborne_) <= taken + cost) return;
     const std::vector<FlightLeg> flights = flight_legs(points_, airborne_, context_);
     double explained = -cost;
@@ -297,12 +209,13 @@ class Finder {
   void place_curve_contacts() {
     for (const int i : low_) {
       const bool near = std::ranges::any_of(path_.legs, [&](const std::vector<int>& leg) {
-        return std::min(std::abs(at(points_, i).at.x - at(points_, leg.front()).at.x),
-                        std::abs(at(points_, i).at.x - at(points_, leg.back()).at.x)) <= kLongestContact * d_;
+        return std::min(std::abs(point_at(points_, i).at.x - point_at(points_, leg.front()).at.x),
+                        std::abs(point_at(points_, i).at.x - point_at(points_, leg.back()).at.x)) <=
+               kLongestContact * d_;
       });
       if (near) path_.contact.push_back(i);
     }
-    std::ranges::sort(path_.contact, {}, [this](int i) { return at(points_, i).at.x; });
+    std::ranges::sort(path_.contact, {}, [this](int i) { return point_at(points_, i).at.x; });
   }
 
   /// The images of a ball that goes straight down and up; empty if the path's legs can be told by their places.
@@ -310,12 +223,14 @@ class Finder {
     if (!context_.surface_known || path_.curved || kept_.empty()) return {};
     const LegLine& line = kept_.front();
     if (std::abs(line.along.x) > kMaxDropSlope) return {};
-    const auto on_line = [&](int i) { return std::abs(line.off(at(points_, i).at)) <= kDropWidth * d_; };
+    const auto on_line = [&](int i) {
+      return std::abs(line.off(point_at(points_, i).at)) <= kDropWidth * d_;
+    };
     for (const auto& leg : path_.legs)
       if (!std::ranges::all_of(leg, on_line)) return {};
     std::vector<int> images;
     std::ranges::copy_if(airborne_, std::back_inserter(images), on_line);
-    std::ranges::sort(images, std::greater<>(), [this](int i) { return at(points_, i).at.y; });
+    std::ranges::sort(images, std::greater<>(), [this](int i) { return point_at(points_, i).at.y; });
     return images;
   }
 
@@ -331,8 +246,9 @@ class Finder {
       if (listed || member(i)) continue;
       double off = std::numeric_limits<double>::infinity();
       if (!path_.curved)
-        for (const LegLine& line : kept_) off = std::min(off, std::abs(line.off(at(points_, i).at)));
-      for (const FlightCurve& curve : curves_) off = std::min(off, std::abs(curve.off(at(points_, i).at)));
+        for (const LegLine& line : kept_) off = std::min(off, std::abs(line.off(point_at(points_, i).at)));
+      for (const FlightCurve& curve : curves_)
+        off = std::min(off, std::abs(curve.off(point_at(points_, i).at)));
       path_.outliers.push_back({i, false, false, off});
     }
   }

@@ -21,6 +21,10 @@ struct PathPoint {
   double weight = 1.0;  ///< probability-like confidence that it is a ball, 0 to 1
 };
 
+inline const PathPoint& point_at(std::span<const PathPoint> points, int i) {
+  return points[static_cast<std::size_t>(i)];
+}
+
 /// Of the point's distance from a smooth path (px²): the outline's, and what that leaves out, the lens.
 double variance_across(const PathPoint& point, double diameter_px);
 

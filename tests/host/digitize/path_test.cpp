@@ -165,6 +165,22 @@ TEST(BallPath, KeepsImagesOfPoorPrecisionThatItsOwnUncertaintyExplains) {
   LONGS_EQUAL(0, off);
 }
 
+TEST(BallPath, HasNoSecondLegOfPlacesAtRandom) {
+  std::mt19937_64 random(21);
+  std::uniform_real_distribution<double> x(0.0, 1500.0), y(0.0, 1000.0);
+  constexpr int kSets = 400;
+  int invented = 0;
+  for (int set = 0; set < kSets; ++set) {
+    std::vector<PathPoint> points;
+    for (const double along : {900.0, 1050.0, 1150.0, 1300.0})
+      points.push_back({{along, 0.3 * along}, 0.3, 1.0});
+    for (int k = 0; k < 4 + set % 6; ++k) points.push_back({{x(random), y(random)}, 0.7, 0.8});
+    invented += find_path(points, {90.0, false, 0.0}).legs.size() > 1 ? 1 : 0;
+  }
+  // One in ten is allowed; the binomial's sd is 6.
+  CHECK_COMPARE(invented, <, kSets / 10 + 4 * 6);
+}
+
 TEST(BallPath, TakesTheTimesOfItsFlashesWithOneMissing) {
   const auto times = flashes();
   Shot shot;

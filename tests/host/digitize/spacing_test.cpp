@@ -49,6 +49,8 @@ TEST(Crowding, FindsTheOneThatIsLessOfABall) {
 
 TEST(Crowding, LeavesUnequalStepsOfAsGoodImages) { LONGS_EQUAL(0, too_close(row(330.0, 0.93)).size()); }
 
+TEST(Crowding, LeavesAnImageThatAnotherHidesByHalf) { LONGS_EQUAL(0, too_close(row(330.0, 0.68)).size()); }
+
 TEST(Crowding, IsCertainWhereNoTrainHasSuchAnInterval) {
   // The second outline of one ball shares most of its limb.
   LONGS_EQUAL(1, too_close(row(308.0, 0.93)).size());
