@@ -98,6 +98,7 @@ void read_rebound(TomlTable& root, const Scene& scene, BounceSettings& b) {
   b.e_slope_spm = bounce.number_or("e_slope_s_per_m", b.e_slope_spm, {-0.1, 0.1});
   b.e_sd = bounce.number_or("e_sd", 0.0, {0.0, 0.3});
   b.dwell_sd_s = bounce.number_or("dwell_sd_ms", 0.0, {0.0, 10.0}) * kMilli;
+  b.count = static_cast<int>(bounce.integer_or("count", b.count, {1, 20}));
 }
 
 /// Middle of each of the ITF's classes; of the open ones as far from their edge.

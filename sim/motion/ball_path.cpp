@@ -1,5 +1,6 @@
 #include "sim/motion/ball_path.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -12,6 +13,23 @@ void add(BallState& sum, const BallState& s, double weight) {
   sum.y_m += weight * s.y_m;
   sum.equator_rad += weight * s.equator_rad;
   sum.top_drop_m += weight * s.top_drop_m;
+}
+
+/// When a flight that begins at height `y_m`, upwards, is there again. Returns nullopt if not within two seconds.
+std::optional<double> time_back_down_s(const Flight& flight, double y_m) {
+  constexpr double kStep_s = 1e-3, kLongest_s = 2.0;
+  double above_s = 0.0, below_s = kStep_s;
+  while (flight.at(below_s).y_m >= y_m) {
+    above_s = below_s;
+    below_s += kStep_s;
+    if (below_s > kLongest_s) return std::nullopt;
+  }
+  constexpr int kHalvings = 50;  // of a millisecond: to a double's last digits
+  for (int i = 0; i < kHalvings; ++i) {
+    const double middle_s = 0.5 * (above_s + below_s);
+    (flight.at(middle_s).y_m >= y_m ? above_s : below_s) = middle_s;
+  }
+  return above_s;
 }
 
 }  // namespace
@@ -30,7 +48,28 @@ Result<BallPath> BallPath::make(const Scene& scene, const ShotConditions& thrown
                                 const ReducedContact* reduced) {
   auto contact = ContactPath::make(scene, thrown, model, reduced);
   if (!contact) return tl::unexpected(contact.error());
-  return BallPath(scene, thrown, model, std::move(*contact));
+  BallPath path(scene, thrown, model, std::move(*contact));
+  path.bounce_again(scene, model, reduced, scene.bounce.count - 1);
+  return path;
+}
+
+void BallPath::bounce_again(const Scene& scene, const Model& model, const ReducedContact* reduced,
+                            int times) {
+  if (times <= 0) return;
+  const auto flight_s = time_back_down_s(departure_, radius_m_);
+  if (!flight_s) return;
+  const BallState down = at(dwell_s() + *flight_s);
+  const ShotConditions again =
+      conditions_of_next_bounce(scene, conditions_, {down.vx_mps, down.vy_mps, down.omega_radps});
+  // It lies on the surface from there on if its weight holds it.
+  auto contact = ContactPath::make(scene, again, model, reduced);
+  if (!contact) return;
+  BallPath next(scene, again, model, std::move(*contact));
+  next.conditions_.equator_rad = down.equator_rad;
+  next.bounce_again(scene, model, reduced, times - 1);
+  next_at_s_ = dwell_s() + *flight_s;
+  next_x_m_ = down.x_m;
+  next_ = std::make_shared<const BallPath>(std::move(next));
 }
 
 BallState BallPath::contact_at(double time_s) const {
@@ -45,6 +84,11 @@ BallState BallPath::contact_at(double time_s) const {
 }
 
 BallState BallPath::at(double time_s) const {
+  if (bounced_again(time_s)) {
+    BallState s = next_->at(time_s - next_at_s_);
+    s.x_m += next_x_m_;
+    return s;
+  }
   const LiftOff& end = contact_.lift_off();
   if (time_s > 0.0 && time_s < end.dwell_s) return contact_at(time_s);
   const bool rebounding = time_s > 0.0;

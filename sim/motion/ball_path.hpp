@@ -1,9 +1,11 @@
-// The true path of one ball: flight to the surface, contact, flight away from it. Readouts are compared with
+// The true path of one ball: flight to the surface, contact, flight away from it, and so on for as many bounces as
+// the scene says. Touchdown, lift-off, rebound and dwell are the first bounce's. Readouts are compared with
 // it; it shares no code with the reduction. Axes of the surface: x along it in the direction of travel, y up
 // from it, origin under the centre at touchdown; spin counter-clockwise (backspin) positive. Touchdown and
 // lift-off: the centre is one radius above the surface. Plain values, thread-safe.
 #pragma once
 
+#include <memory>
 #include <optional>
 
 #include "common/result.hpp"
@@ -41,10 +43,14 @@ class BallPath {
   BallState mean_over(double from_s, double duration_s) const;
 
   /// Whether the ball is in the air there with its centre lower than at touchdown: it would have met the
-  /// surface a second time, which is not simulated.
-  bool after_second_contact(double time_s, const BallState& state) const {
+  /// surface once more than is simulated.
+  bool beyond_last_bounce(double time_s, const BallState& state) const {
+    if (next_ && time_s >= next_at_s_) return next_->beyond_last_bounce(time_s - next_at_s_, state);
     return (time_s < 0.0 || time_s > dwell_s()) && state.y_m < radius_m_;
   }
+
+  /// Whether the ball has met the surface a second time by then.
+  bool bounced_again(double time_s) const { return next_ && time_s >= next_at_s_; }
 
   const impact::Motion& touchdown() const { return conditions_.touchdown; }
   const impact::Rebound& rebound() const { return contact_.lift_off().rebound; }
@@ -60,6 +66,7 @@ class BallPath {
  private:
   BallPath(const Scene& scene, const ShotConditions& thrown, const Model& model, ContactPath contact);
   BallState contact_at(double time_s) const;
+  void bounce_again(const Scene& scene, const Model& model, const ReducedContact* reduced, int times);
 
   ShotConditions conditions_;
   ContactPath contact_;
@@ -67,6 +74,9 @@ class BallPath {
   double top_drop_ratio_;
   Flight approach_;   ///< backwards from touchdown
   Flight departure_;  ///< from lift-off on
+  /// From the next touchdown on, in its own time and place; empty: there is none.
+  std::shared_ptr<const BallPath> next_;
+  double next_at_s_ = 0.0, next_x_m_ = 0.0;
 };
 
 }  // namespace strobe::sim

@@ -12,6 +12,7 @@ namespace {
 
 /// Smallest stiffness ratio after a draw.
 constexpr double kMinStiffnessRatio = 0.01;
+constexpr double kMinRestitution = 0.05, kMaxRestitution = 0.99;
 
 }  // namespace
 
@@ -34,7 +35,7 @@ ShotConditions draw_shot_conditions(const Scene& scene, std::uint64_t seed, int 
 
   Draws bounce(seed, Purpose::bounce, number);
   const double e_mean = b.e + b.e_slope_spm * (std::abs(t.touchdown.vy_mps) - b.e_speed_mps);
-  t.coefficients.e = std::clamp(bounce.normal(e_mean, b.e_sd), 0.05, 0.99);
+  t.coefficients.e = std::clamp(bounce.normal(e_mean, b.e_sd), kMinRestitution, kMaxRestitution);
   const double grip = bounce.normal();
   const double rho = b.offset_grip_correlation;
   const double offset = rho * grip + std::sqrt(1.0 - rho * rho) * bounce.normal();
@@ -45,6 +46,16 @@ ShotConditions draw_shot_conditions(const Scene& scene, std::uint64_t seed, int 
   t.offset_share = std::clamp(b.offset_share + b.offset_share_sd * offset, 0.0, 1.0);
   t.dwell_s = std::clamp(bounce.normal(b.dwell_s, b.dwell_sd_s), 0.5 * b.dwell_s, 1.5 * b.dwell_s);
   return t;
+}
+
+ShotConditions conditions_of_next_bounce(const Scene& scene, const ShotConditions& before,
+                                         const impact::Motion& touchdown) {
+  ShotConditions next = before;
+  next.touchdown = touchdown;
+  const double faster_mps = std::abs(touchdown.vy_mps) - std::abs(before.touchdown.vy_mps);
+  next.coefficients.e = std::clamp(before.coefficients.e + scene.bounce.e_slope_spm * faster_mps,
+                                   kMinRestitution, kMaxRestitution);
+  return next;
 }
 
 Scene without_spread(Scene scene) {

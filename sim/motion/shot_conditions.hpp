@@ -23,6 +23,10 @@ struct ShotConditions {
 /// Normal draws are within kLargestNormal standard deviations of their means.
 ShotConditions draw_shot_conditions(const Scene& scene, std::uint64_t seed, int shot);
 
+/// Of the same ball where it comes down once more: it is as elastic as its speed there makes it.
+ShotConditions conditions_of_next_bounce(const Scene& scene, const ShotConditions& before,
+                                         const impact::Motion& touchdown);
+
 /// The scene without any spread of machine, bounce and plane: every shot is the mean one, but for the
 /// equator's angle.
 Scene without_spread(Scene scene);

@@ -76,7 +76,7 @@ class Film {
     const double time_s = to_seconds(blend.time - ball_.touchdown);
     const BallState begin = ball_.path.at(time_s);
     const double x_m = begin.x_m + ball_.path.spot_m();
-    if (ball_.path.after_second_contact(time_s, begin) || !camera_.may_see(x_m)) return true;
+    if (ball_.path.beyond_last_bounce(time_s, begin) || !camera_.may_see(x_m)) return true;
     if (camera_.sees(x_m, begin.y_m))
       images.push_back({blend.pulse, blend.time, blend.stamp, ball_.path.mean_over(time_s, flash_s_)});
     return false;

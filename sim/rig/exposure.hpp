@@ -63,8 +63,8 @@ struct FilmImage {
 
 /// All images in order of time. Flashes less than half a millisecond apart blend into one image (some 8 mm of
 /// a fast ball's way), which is measured in its middle. A flash begins at its instant, where the sensor sees
-/// it, and gives even light for the scene's flash_s. Where the ball would have met the surface a second time
-/// there is no image.
+/// it, and gives even light for the scene's flash_s. Where the ball would have met the surface once more
+/// than is simulated there is no image.
 std::vector<FilmImage> film_images(const Scene& scene, const Exposure& exposure);
 
 }  // namespace strobe::sim

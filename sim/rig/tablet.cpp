@@ -123,7 +123,9 @@ Digitized digitize_by(Hand&& hand, const Scene& scene, const Exposure& exposure)
   frame.images.reserve(film_of_all.size());
   result.image_pulse.reserve(film_of_all.size());
   for (const FilmImage& film : film_of_all) {
-    BallImage image = hand.image(film, exposure.ball->path, exposure.ball->touchdown);
+    const BallPath& path = exposure.ball->path;
+    if (path.bounced_again(to_seconds(film.time - exposure.ball->touchdown))) break;
+    BallImage image = hand.image(film, path, exposure.ball->touchdown);
     if (unseen(scene, exposure, film.pulse)) continue;
     frame.images.push_back(std::move(image));
     result.image_pulse.push_back(film.pulse);

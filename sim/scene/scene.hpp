@@ -69,6 +69,7 @@ struct BounceSettings {
   // either
   /// -1…1, between one shot's offset (or its share) and its draw of mu.
   double offset_grip_correlation = 0.0;
+  int count = 1;                 ///< 1…20, bounces on the photograph; readouts and frames are of the first
   double top_drop_ratio = 1.27;  ///< drop of the ball's top over that of its centre (measured at 23 degrees)
 };
 

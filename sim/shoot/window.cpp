@@ -18,7 +18,7 @@ double seen_for_s(const Camera& camera, const BallPath& path, double step_s) {
   double t = 0.0;
   while (std::abs(t) < kLongest_s) {
     const BallState s = path.at(t);
-    if (path.after_second_contact(t, s) || !camera.sees(s.x_m, s.y_m)) break;
+    if (path.beyond_last_bounce(t, s) || !camera.sees(s.x_m, s.y_m)) break;
     t += step_s;
   }
   return std::abs(t);

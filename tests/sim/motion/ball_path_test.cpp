@@ -114,6 +114,38 @@ TEST(BallPath, HasNoJumpInPlaceVelocityOrSpin) {
   });
 }
 
+TEST(BallPath, MeetsTheSurfaceAsOftenAsTheSceneSays) {
+  Scene scene = test::plain_scene();
+  scene.machine.speed_mps = 2.0;
+  scene.machine.angle_rad = -1.0;
+  scene.bounce.count = 3;
+  const auto path = BallPath::make(scene, draw_shot_conditions(scene, 1, 1));
+  const double radius_m = scene.ball.radius_m();
+  int contacts = 0;
+  bool touches = false;
+  double t = 0.0, last_m = 0.0;
+  for (; !path->beyond_last_bounce(t, path->at(t)); t += 1e-4) {
+    const BallState s = path->at(t);
+    CHECK_EQUAL(s.y_m < radius_m && t > 0.0, s.top_drop_m > 0.0);
+    contacts += s.top_drop_m > 0.0 && !touches ? 1 : 0;
+    touches = s.top_drop_m > 0.0;
+    CHECK_EQUAL(contacts > 1, path->bounced_again(t));
+    CHECK(s.x_m >= last_m);
+    last_m = s.x_m;
+    const BallState before = path->at(t - 1e-9), after = path->at(t + 1e-9);
+    // 4 m/s for 2 ns; a contact's 600 m/s² for as long.
+    DOUBLES_EQUAL(before.x_m, after.x_m, 1e-8);
+    DOUBLES_EQUAL(before.y_m, after.y_m, 1e-8);
+    DOUBLES_EQUAL(before.vy_mps, after.vy_mps, 2e-6);
+    DOUBLES_EQUAL(std::remainder(before.equator_rad - after.equator_rad, std::numbers::pi), 0.0, 1e-6);
+  }
+  LONGS_EQUAL(3, contacts);
+  scene.bounce.count = 1;
+  const auto first = BallPath::make(scene, draw_shot_conditions(scene, 1, 1));
+  DOUBLES_EQUAL(first->at(0.05).y_m, path->at(0.05).y_m, 0.0);
+  CHECK(!first->bounced_again(1.0));
+}
+
 TEST(BallPath, TurnsFrictionIntoSpinByTheMomentEquation) {
   // alpha·R²·Δomega = R·Δvx + d·J with the offset that acted.
   for_many_balls([](const Scene& scene, const ShotConditions& thrown, const BallPath& path) {

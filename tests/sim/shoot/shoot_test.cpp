@@ -50,6 +50,25 @@ TEST(Shoot, GivesAFrameThatReducesToTheTruth) {
   DOUBLES_EQUAL(*shot->truth[Quantity::omega_lo_radps], *readout->value[Quantity::omega_lo_radps], 0.5);
 }
 
+TEST(Shoot, DigitizesTheFirstOfSeveralBounces) {
+  scene.machine.speed_mps = 2.0;
+  scene.machine.angle_rad = -1.0;
+  scene.bounce.count = 3;
+  const ShootSettings settings{.period = milliseconds(10), .exposure = milliseconds(800)};
+  const auto shot = shoot(scene, 3, 1, Model::full(), settings);
+  CHECK(shot.has_value() && shot->exposure.ball.has_value());
+  const auto& ball = *shot->exposure.ball;
+  int later = 0;
+  for (const FilmImage& film : film_images(scene, shot->exposure))
+    later += ball.path.bounced_again(to_seconds(film.time - ball.touchdown)) ? 1 : 0;
+  CHECK(later > 5);
+  CHECK(shot->frame.images.size() > 10);
+  for (const int pulse : shot->image_pulse) {
+    const MonoTime time = flash_time(shot->exposure.pulses[static_cast<std::size_t>(pulse)]);
+    CHECK(!ball.path.bounced_again(to_seconds(time - ball.touchdown)));
+  }
+}
+
 TEST(Shoot, DoesNotDependOnWhatWasShotBefore) {
   auto shooter = Shooter::make(scene, 5);
   for (const int i : {1, 3, 2}) shooter->shoot(i);
