@@ -134,6 +134,7 @@ void read_plan(TomlTable& root, Rig& rig) {
   plan.gate_delay = rounded(table.number_or("gate_delay_ms", 0.0, {0, 60'000}), kNsPerMs);
   plan.flash_count = static_cast<std::int32_t>(table.integer_or("flash_count", 0, {0, kMaxFlashes}));
   // A coded train is the host's to make; what comes with a FIRE is checked like any plan.
+  table.choice_or("spacing", "even", {"even", "coded"});
   for (const char* key : {"intervals_us", "omit", "only_a", "only_b"}) table.numbers_or(key, {});
   plan.impact_at = rounded(table.number("impact_at_ms", {0.001, 60'000}), kNsPerMs);
   if (auto checked = check_plan(plan, rig); !checked) root.error_at("plan", checked.error().message);

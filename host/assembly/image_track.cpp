@@ -15,8 +15,6 @@ namespace {
 using strobe_msgs::ball_image_t;
 using strobe_msgs::frame_t;
 
-// A person who marks a centre by hand errs by about 0.5 mm, 0.8 % of a ball's diameter.
-constexpr double kHandSdOfDiameter = 0.008;
 // The digitizer misses three airborne images in 36,921 (host/README.md); of images in contact, which are fewer, no more
 // is known than that they are found nearly as well.
 constexpr double kMissedByDigitizer = 0.001;

@@ -7,6 +7,7 @@
 #include "common/authentication/key_file.hpp"
 #include "common/config/files.hpp"
 #include "common/wire/lcm_url.hpp"
+#include "host/assembly/coded_spacing.hpp"
 #include "host/clock/machine_clock.hpp"
 #include "host/commands/command.hpp"
 #include "host/commands/fire_run.hpp"
@@ -18,7 +19,7 @@ namespace strobe::host {
 namespace {
 
 struct FireOptions {
-  std::string rig_path, url, session, plan_path, spin, key_file;
+  std::string rig_path, url, session, plan_path, spacing, spin, key_file;
   std::vector<std::string> notes;
   std::optional<double> angle_deg;
   int shots = 1;
@@ -54,13 +55,8 @@ std::optional<thesis::Condition> condition_of(const FireOptions& options) {
   return std::nullopt;
 }
 
-Result<FireRequest> request_of(const FireOptions& options) {
-  auto rig = load_rig(options.rig_path);
-  if (!rig) return tl::unexpected(rig.error());
-  const auto key = authentication::find_key({options.key_file, rig->key_file.value_or("")});
-  if (!key) return tl::unexpected(key.error());
-  FireRequest request(key->key);
-  request.rig = std::move(*rig);
+/// The plan to be fired, and the text of which the session keeps a copy.
+Result<void> set_plan(const FireOptions& options, FireRequest& request) {
   PlanFile plan = request.rig.plan;
   if (!options.plan_path.empty()) {
     const auto text = config::read_file(options.plan_path);
@@ -69,16 +65,35 @@ Result<FireRequest> request_of(const FireOptions& options) {
     if (!read) return tl::unexpected(read.error());
     plan = std::move(*read);
     request.plan_text = *text;
-  } else {
-    request.plan_text = plan_to_toml(plan);
   }
+  if (!options.spacing.empty()) {
+    if (plan.coded()) return fail("--spacing: the plan has a code of its own");
+    plan.spacing = options.spacing == "coded" ? Spacing::coded : Spacing::even;
+  }
+  // Who asks for the code by name measures the photographs with the digitizer, be it later.
+  const bool digitized = !options.photographs.folder.empty() || request.rig.camera.folder.has_value() ||
+                         options.spacing == "coded";
+  SpacedPlan spaced = spaced_plan(plan, request.rig, digitized);
+  if (options.plan_path.empty()) request.plan_text = plan_to_toml(spaced.plan);
+  request.series.plan = spaced.plan.shot();
+  request.series.plan.dry = options.dry;
+  request.train_remark = std::move(spaced.remark);
+  return {};
+}
+
+Result<FireRequest> request_of(const FireOptions& options) {
+  auto rig = load_rig(options.rig_path);
+  if (!rig) return tl::unexpected(rig.error());
+  const auto key = authentication::find_key({options.key_file, rig->key_file.value_or("")});
+  if (!key) return tl::unexpected(key.error());
+  FireRequest request(key->key);
+  request.rig = std::move(*rig);
+  if (auto set = set_plan(options, request); !set) return tl::unexpected(set.error());
   auto notes = notes_of(options);
   if (!notes) return tl::unexpected(notes.error());
   request.series.notes = std::move(*notes);
   request.series.shots = options.shots;
   request.series.retries = options.retries.value_or(options.shots);
-  request.series.plan = plan.shot();
-  request.series.plan.dry = options.dry;
   request.series.blocked_timeout_s = options.wait_s;
   request.series.photograph_timeout_s = request.rig.analysis.photograph_timeout_s;
   request.series.clear_fault = options.clear_fault;
@@ -112,6 +127,13 @@ void add_fire_command(CLI::App& app, int& exit_status) {
   command->add_option("--session", options->session,
                       "session folder (default: session-<UTC> in the current one)");
   command->add_option("--plan", options->plan_path, "shot plan, TOML (default: the rig file's [plan])");
+  command
+      ->add_option(
+          "--spacing", options->spacing,
+          "even: all intervals between flashes are the plan's period; coded: some are longer, so that images "
+          "measured by the digitizer tell which flashes made them (default: the plan's; without photographs "
+          "even)")
+      ->check(CLI::IsMember({"even", "coded"}));
   command->add_option("--spin", options->spin, "label of the series: zero, top or back")
       ->check(CLI::IsMember({"zero", "top", "back"}));
   command->add_option("--angle", options->angle_deg, "label of the series: the machine's angle in degrees")

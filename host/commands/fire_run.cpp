@@ -77,6 +77,7 @@ class FireRun {
   int fire() {
     terminal_.open();
     terminal_.note(fmt::format("session {}, rig {} on {}", request_.session, request_.rig.rig, request_.url));
+    if (!request_.train_remark.empty()) loop_.notify(request_.train_remark);
     bool receiving = true;
     while (!runner_.finished() && (receiving = stored_.run_once())) {
       if (interrupted()) stop();

@@ -21,6 +21,7 @@ struct FireRequest {
   RigFile rig;
   ShotSeriesSettings series;
   std::string plan_text;
+  std::string train_remark;  ///< told at the start, if any
   std::string url;
   std::string session;
   PhotographOptions photographs;

@@ -75,7 +75,7 @@ void check_names(config::TomlTable& table, const PlanFile& plan, std::size_t fla
 }
 
 void read_code(config::TomlTable& table, PlanFile& plan) {
-  if (table.has("period_us")) plan.intervals.clear();
+  if (table.has("period_us") || table.has("spacing")) plan.intervals.clear();
   if (table.has("intervals_us")) {
     if (table.has("period_us")) table.error_at("intervals_us", "instead of period_us, not beside it");
     plan.intervals.clear();
@@ -89,6 +89,15 @@ void read_code(config::TomlTable& table, PlanFile& plan) {
   plan.omit = read_numbers(table, "omit", plan.omit);
   plan.only_a = read_numbers(table, "only_a", plan.only_a);
   plan.only_b = read_numbers(table, "only_b", plan.only_b);
+}
+
+/// A period alone is that of an even train, as it always was.
+void read_spacing(config::TomlTable& table, PlanFile& plan) {
+  const bool even = plan.spacing == Spacing::even || table.has("period_us");
+  const bool coded = table.choice_or("spacing", even ? "even" : "coded", {"even", "coded"}) == "coded";
+  if (table.has("spacing") && (table.has("intervals_us") || (coded && plan.coded())))
+    table.error_at("spacing", "not beside a code of the plan's own (intervals_us, omit, only_a, only_b)");
+  plan.spacing = coded && !plan.coded() ? Spacing::coded : Spacing::even;
 }
 
 void check_code(config::TomlTable& table, const PlanFile& plan) {
@@ -128,6 +137,7 @@ PlanFile read_plan_table(config::TomlTable table, const PlanFile& defaults) {
   even.flash_count = static_cast<int>(table.integer_or("flash_count", even.flash_count, {0.0, 100000.0}));
   even.impact_at = read_duration<Milliseconds>(table, "impact_at_ms", even.impact_at, {0.0, 60000.0});
   read_code(table, plan);
+  read_spacing(table, plan);
   if (even.train == Train::gated && even.flash_count < 1) {
     table.error_at("flash_count", "a gated train needs at least 1 flash");
   }
@@ -164,6 +174,7 @@ std::string plan_to_toml(const PlanFile& plan) {
       fmt::format("train = \"{}\"\nshutter_open_ms = {}\n", gated ? "gated" : "free", ms(even.exposure));
   text += intervals_us.empty() ? fmt::format("period_us = {}\n", us(even.period))
                                : fmt::format("intervals_us = [{}]\n", fmt::join(intervals_us, ", "));
+  if (plan.spacing == Spacing::coded) text += "spacing = \"coded\"\n";
   for (const auto& [key, numbers] : {std::pair("omit", &plan.omit), std::pair("only_a", &plan.only_a),
                                      std::pair("only_b", &plan.only_b)}) {
     if (!numbers->empty()) text += fmt::format("{} = [{}]\n", key, fmt::join(*numbers, ", "));

@@ -12,10 +12,15 @@
 
 namespace strobe::host {
 
+/// Of a train without a code of its own. coded: by intervals that name its flashes, see
+/// host/assembly/coded_spacing.hpp, which knows what images can tell.
+enum class Spacing { even, coded };
+
 /// What a plan file says, to the nanosecond: a shot with an even train, and how that train is coded.
 struct PlanFile {
   /// Period 100 us to 1 s, exposure 1 ms to 1 min, gate delay up to 10 s, gated flashes 1 to 100,000; no code.
   ShotPlan even{.period = milliseconds{3}, .exposure = milliseconds{500}};
+  Spacing spacing = Spacing::coded;  ///< even where a period alone, or a code, was given
   /// Intervals between one flash and the next, repeated over the train; as long as a period may be. Empty: all
   /// are the period.
   std::vector<Duration> intervals;
@@ -26,7 +31,7 @@ struct PlanFile {
   std::vector<int> only_b;
 
   bool coded() const { return !intervals.empty() || !omit.empty() || !only_a.empty() || !only_b.empty(); }
-  /// With the coded train, if it is one. Valid: a plan as it was read.
+  /// With the coded train, if it is one; Spacing::coded counts as even. Valid: a plan as it was read.
   ShotPlan shot() const;
   bool operator==(const PlanFile&) const = default;
 };

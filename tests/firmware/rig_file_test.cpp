@@ -251,6 +251,7 @@ TEST(RigFile, NamesFileLineAndKeyOfEveryMistake) {
       {"lag_ms = 45", "lag_ms = -1", "shutter.lag_ms: must be at least 0, is -1"},
       {"pulse_ms = 20", "pulse_ms = 101", "machine.pulse_ms: must not be longer than machine.max_on_ms"},
       {"train = \"free\"", "train = \"fast\"", "plan.train: must be one of free, gated, is \"fast\""},
+      {"spacing = \"coded\"", "spacing = \"odd\"", "plan.spacing: must be one of even, coded, is \"odd\""},
       {"late_us = 100 ", "late_us = 1300 ",
        "tolerance.late_us: together with lamps.max_on_us must be shorter than lamps.min_period_us"},
       {"abort_late_us = 1500", "abort_late_us = 99",

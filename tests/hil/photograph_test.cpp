@@ -66,6 +66,7 @@ TEST(Photographs, AreReadOutAsTheyArriveAndAJunkFileStopsNothing) {
   const auto status = fire.wait(240s);
   CHECK_TEXT(status == ExitStatus({0, 0}), fire.err().c_str());
   CHECK_TEXT(fire.err().find("junk.tif") != std::string::npos, fire.err().c_str());
+  CHECK_TEXT(fire.err().find("coded train: intervals of 3000 to ") != std::string::npos, fire.err().c_str());
   CHECK_TEXT(fire.err().find("old.tif") == std::string::npos, fire.err().c_str());
   const std::string printed = fire.out();
   bench.finish();
@@ -76,10 +77,14 @@ TEST(Photographs, AreReadOutAsTheyArriveAndAJunkFileStopsNothing) {
     for (const auto& truth : bench.truths()) {
       if (truth.at("shot_id") != readout.at("shot_id")) continue;
       ++good;
+      // The shipped plan's train: its intervals tell the flashes.
+      CHECK_TEXT(readout.at("misassignment_probability").get<double>() < 0.01, readout.dump().c_str());
       CHECK_TEXT(worst_share(readout, truth) < 0.02, readout.dump().c_str());
     }
   }
   CHECK(good >= 1);
+  const std::string plan = strobe::testing::read_text(bench.session() / "plan.toml");
+  CHECK_TEXT(plan.find("intervals_us = [3000, ") != std::string::npos, plan.c_str());
   CHECK(files_in(bench.session() / "photographs") >= 2);
 
   std::filesystem::remove_all(bench.session() / "photographs");

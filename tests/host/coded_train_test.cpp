@@ -68,6 +68,26 @@ TEST(CodedPlanFile, HasPeriodOrIntervalsWhicheverItNamesItself) {
                error_of("period_us = 3000\nintervals_us = [3000]\n").c_str());
 }
 
+TEST(CodedPlanFile, IsSpacedAsItSaysAndEvenWhereItNamesAPeriodAlone) {
+  using host::Spacing;
+  const PlanFile rig = *read("period_us = 3000\nspacing = \"coded\"\n");
+  CHECK(rig.spacing == Spacing::coded && rig.shot().code.empty());
+  CHECK(*read(host::plan_to_toml(rig)) == rig);
+  CHECK(read("shutter_open_ms = 300\n", rig)->spacing == Spacing::coded);
+  CHECK(read("spacing = \"even\"\n", rig)->spacing == Spacing::even);
+  CHECK(read("period_us = 2000\n", rig)->spacing == Spacing::even);
+  CHECK(read("intervals_us = [3000, 3100]\n", rig)->spacing == Spacing::even);
+  CHECK(read("omit = [3]\n", rig)->spacing == Spacing::even);
+  PlanFile own;
+  own.intervals = {microseconds{3000}, microseconds{3400}};
+  CHECK(read("spacing = \"coded\"\n", own)->intervals.empty());
+  STRCMP_CONTAINS("PLAN.toml:2: spacing: not beside a code of the plan's own",
+                  error_of("intervals_us = [3000, 3100]\nspacing = \"even\"\n").c_str());
+  STRCMP_CONTAINS("spacing: not beside", error_of("omit = [2]\nspacing = \"coded\"\n").c_str());
+  CHECK(read("omit = [2]\nspacing = \"even\"\n")->coded());
+  STRCMP_CONTAINS("spacing: must be one of even, coded", error_of("spacing = \"odd\"\n").c_str());
+}
+
 TEST(CodedPlanFile, IsWrittenAsItIsRead) {
   PlanFile plan = *read("intervals_us = [3000, 3100.5]\nomit = [9, 3]\nonly_a = [1]\nonly_b = [2]\n");
   CHECK(plan.omit == (std::vector<int>{3, 9}));

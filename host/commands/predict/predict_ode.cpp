@@ -14,7 +14,7 @@ namespace {
 
 using nlohmann::ordered_json;
 
-ordered_json milliseconds(const std::optional<double>& time_s) {
+ordered_json milliseconds_json(const std::optional<double>& time_s) {
   return time_s ? ordered_json(*time_s * 1e3) : ordered_json(nullptr);
 }
 
@@ -53,8 +53,8 @@ ordered_json state_json(const impact::ContactState& s) {
 
 void add_contact_json(ordered_json& out, const impact::ContactTrajectory& contact, int samples) {
   const impact::ContactSummary& s = contact.summary();
-  out["skid_to_grip_ms"] = milliseconds(s.skid_to_grip_s);
-  out["slip_zero_ms"] = milliseconds(s.slip_zero_s);
+  out["skid_to_grip_ms"] = milliseconds_json(s.skid_to_grip_s);
+  out["slip_zero_ms"] = milliseconds_json(s.slip_zero_s);
   out["friction_reversals"] = s.friction_reversals;
   out["dwell_time_ms"] = s.dwell_s * 1e3;
   out["dwell_distance_cm"] = s.dwell_distance_m * 1e2;

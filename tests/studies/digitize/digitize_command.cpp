@@ -8,6 +8,7 @@
 #include <string>
 
 #include "common/config/files.hpp"
+#include "host/assembly/coded_spacing.hpp"
 #include "host/config/rig_file.hpp"
 #include "tests/benchmarks/command.hpp"
 #include "tests/studies/digitize/studies.hpp"
@@ -36,7 +37,7 @@ Result<std::vector<Duration>> planned_train(const std::string& plan_file) {
     if (!read) return tl::unexpected(read.error());
     plan = *read;
   }
-  const ShotPlan shot = plan.shot();
+  const ShotPlan shot = host::spaced_plan(plan, *rig, true).plan.shot();
   std::vector<Duration> train;
   for (const CodedFlash& flash : shot.code) train.push_back(flash.offset);
   if (shot.code.empty())
