@@ -57,6 +57,14 @@ void TruthScore::add(const nlohmann::json& readout, const nlohmann::json& truth,
   }
 }
 
+std::optional<double> TruthScore::rms_of(const std::string& quantity) const {
+  const auto found = errors_.find(quantity);
+  if (found == errors_.end()) return std::nullopt;
+  std::vector<double> values;
+  for (const Error& error : found->second) values.push_back(error.z);
+  return rms(values);
+}
+
 std::string TruthScore::beyond(double limit) const {
   std::string lines;
   for (const auto& [quantity, errors] : errors_) {

@@ -3,6 +3,7 @@
 
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,9 @@ class TruthScore {
   /// of one shot depend on each other, shots do not. `false_alarm` is the chance that any quantity is named
   /// although all stated sds are true, shared out evenly over them and the two sides (Bonferroni).
   std::string implausible_rms(double false_alarm) const;
+
+  /// Of one quantity's errors. Returns nullopt if there are none.
+  std::optional<double> rms_of(const std::string& quantity) const;
 
   /// A table of rms and largest error by quantity.
   std::string table() const;

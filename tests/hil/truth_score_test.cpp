@@ -41,6 +41,14 @@ TEST(TruthScore, TakesANumberWithoutAnSdForWrong) {
   CHECK(!score.beyond(1e9).empty());
 }
 
+TEST(TruthScore, TellsTheRmsOfWhatWasMeasured) {
+  TruthScore score;
+  score.add(readout_with(0.76, 0.01), kTruth, "shot 1");
+  score.add(readout_with(0.68, 0.01), kTruth, "shot 2");
+  DOUBLES_EQUAL(5.0, score.rms_of("e").value(), 1e-9);  // of 1 and -7
+  CHECK_FALSE(score.rms_of("mu").has_value());
+}
+
 TEST(TruthScore, AcceptsErrorsAsLargeAsStated) {
   CHECK_EQUAL("", shots_with_noise(1.0, 60).implausible_rms(1e-3));
 }
