@@ -11,9 +11,10 @@ namespace strobe::digitize {
 namespace {
 
 // Flashes of one train differ by at most 30 % in energy (limb_agreement.cpp). Less than half a diameter apart two
-// flashes light a ball alike; further on the lamps' light may fall off by as much again, .7² = .5.
+// flashes light a ball alike; further on the lamps' light may fall off by as much again, and noise and blur take a
+// fifth of the rise of an outline that another half hides: .7² · .8 = .4.
 constexpr double kMinShareBeside = 0.7;
-constexpr double kMinShare = 0.5;
+constexpr double kMinShare = 0.4;
 constexpr double kBesideOfDiameter = 0.5;
 // Beyond, light may have fallen off by any amount.
 constexpr double kReachOfDiameter = 2.0;
