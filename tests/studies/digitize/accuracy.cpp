@@ -140,7 +140,8 @@ class Study {
       digitization = std::move(*result);
       for (const auto& [stage, ms] : digitization.stage_ms) done.stages.add(stage, ms);
     }
-    const Score& s = done.score = score(known->truth, digitization.frame, reported_places(digitization));
+    Score& s = done.score = score(known->truth, digitization.frame, reported_places(digitization));
+    score_surface(known->surface_px, digitization.frame, s);
     done.times = count_times(known->truth, known->times_s, digitization.frame);
     const std::string& name = scenes_[scene].name;
     if (!options_.csv.empty()) done.csv = image_csv(name, static_cast<int>(shot), *known, digitization);

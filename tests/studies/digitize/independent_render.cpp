@@ -322,6 +322,8 @@ IndependentTruth independent_truth(const sim::Scene& scene, const sim::Exposure&
     truth.images.push_back(truth_of(draft.view, draft.look, flash));
     truth.times_s.push_back(flash.time_s);
   }
+  for (const double x_m : {-0.2, 0.2})
+    truth.surface_px.push_back(upright(draft.view, draft.view.pixel({x_m, draft.view.surface_m, 0.0})));
   return truth;
 }
 

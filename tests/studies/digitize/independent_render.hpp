@@ -20,7 +20,8 @@ struct IndependentLook {
 
 struct IndependentTruth {
   std::vector<TrueImage> images;
-  std::vector<double> times_s;  ///< of the images, from the first pulse's edge
+  std::vector<double> times_s;                 ///< of the images, from the first pulse's edge
+  std::vector<reduction::PointPx> surface_px;  ///< two points of the surface
 };
 
 /// Of the photograph that the same arguments render; nothing is rendered here.

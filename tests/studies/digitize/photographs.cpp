@@ -102,6 +102,7 @@ KnownPhotograph known_of(const Take& take, sim::SimulatedShot shot) {
   known.settings.flash_times_s = seen_flashes(known.scene_truth);
   known.truth = true_images(take.scene, known.scene_truth);
   for (const sim::ImageTruth& image : known.scene_truth.images) known.times_s.push_back(image.time_s);
+  known.surface_px = known.scene_truth.surface_px;
   known.shot = std::move(shot);
   return known;
 }
@@ -133,6 +134,7 @@ Result<KnownPhotograph> known_photograph(const Take& take) {
     IndependentTruth truth = independent_truth(take.scene, known.shot.exposure, take.seed);
     known.truth = std::move(truth.images);
     known.times_s = std::move(truth.times_s);
+    known.surface_px = std::move(truth.surface_px);
   }
   known.decode_ms = decode_ms;
   known.photograph = std::move(*photograph);

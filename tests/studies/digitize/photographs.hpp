@@ -37,7 +37,8 @@ struct KnownPhotograph {
   strobe::digitize::Photograph photograph;  ///< read as from an uncompressed TIFF
   strobe::digitize::DigitizeSettings settings;
   std::vector<TrueImage> truth;
-  std::vector<double> times_s;  ///< of the true images, in the same order
+  std::vector<double> times_s;                 ///< of the true images, in the same order
+  std::vector<reduction::PointPx> surface_px;  ///< two points of the surface's true line
   double decode_ms = 0.0;
   sim::SimulatedShot shot;
   sim::PhotographTruth scene_truth;

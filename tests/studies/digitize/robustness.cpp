@@ -135,8 +135,10 @@ Result<Measured> measure(const Take& take, strobe::digitize::Effort effort) {
   known->settings.effort = effort;
   const auto result = strobe::digitize::digitize(known->photograph, known->settings);
   if (!result) return tl::unexpected(result.error());
-  return Measured{score(known->truth, result->frame, reported_places(*result)),
-                  count_times(known->truth, known->times_s, result->frame)};
+  Measured measured{score(known->truth, result->frame, reported_places(*result)),
+                    count_times(known->truth, known->times_s, result->frame)};
+  score_surface(known->surface_px, result->frame, measured.score);
+  return measured;
 }
 
 Result<std::vector<Scene>> scenes_of(const Options& options) {

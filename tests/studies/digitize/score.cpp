@@ -116,8 +116,9 @@ void Score::add(const Score& other) {
   lines += other.lines;
   lines_found += other.lines_found;
   lines_reported += other.lines_reported;
-  for (const auto member : {&Score::x_px, &Score::y_px, &Score::mahalanobis, &Score::diameter_px,
-                            &Score::equator_rad, &Score::top_px, &Score::contact_width_px})
+  for (const auto member :
+       {&Score::x_px, &Score::y_px, &Score::mahalanobis, &Score::diameter_px, &Score::equator_rad,
+        &Score::top_px, &Score::contact_width_px, &Score::surface_px})
     (this->*member).add(other.*member);
 }
 
@@ -147,6 +148,17 @@ Score score(const std::vector<TrueImage>& truth, const reduction::Frame& frame,
     if (missed && is_reported(truth[t], "image", reported)) ++result.reported;
   }
   return result;
+}
+
+void score_surface(const std::vector<reduction::PointPx>& line, const reduction::Frame& frame, Score& score) {
+  if (line.size() < 2 || frame.surface_px.empty()) return;
+  const double slope = (line[1].y - line[0].y) / (line[1].x - line[0].x);
+  double sum_px = 0.0;
+  for (const reduction::PointPx& p : frame.surface_px) sum_px += p.y - line[0].y - slope * (p.x - line[0].x);
+  const auto count = static_cast<double>(frame.surface_px.size());
+  score.surface_px.add(sum_px / count, frame.surface_sd_px
+                                           ? std::optional(*frame.surface_sd_px / std::sqrt(count))
+                                           : std::nullopt);
 }
 
 void TimeCount::add(const TimeCount& other) {

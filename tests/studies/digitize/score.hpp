@@ -63,10 +63,11 @@ struct Score {
   ErrorTally equator_rad;
   ErrorTally top_px;  ///< of contact images, height only
   ErrorTally contact_width_px;
+  ErrorTally surface_px;  ///< height of its line in the middle of the frame's points
 
   void add(const Score& other);
-  /// Centres, diameters and equators beyond kWild_sd.
-  int wild() const { return mahalanobis.wild + diameter_px.wild + equator_rad.wild; }
+  /// Centres, diameters, equators and surfaces beyond kWild_sd.
+  int wild() const { return mahalanobis.wild + diameter_px.wild + equator_rad.wild + surface_px.wild; }
 };
 
 /// A true image and the frame's image that was taken of it.
@@ -83,6 +84,10 @@ std::vector<Pair> pairs_of(const std::vector<TrueImage>& truth,
 /// contact image: a quarter, as its outline is not round); each of the frame's images counts once.
 Score score(const std::vector<TrueImage>& truth, const reduction::Frame& frame,
             const std::vector<ReportedPlace>& reported = {});
+
+/// The frame's surface against the true line through two points. Its sd is that of the mean of independent points, as
+/// the reduction takes them.
+void score_surface(const std::vector<reduction::PointPx>& line, const reduction::Frame& frame, Score& score);
 
 /// Times of found images that are not as far from the others' as they truly are, by more than a millisecond:
 /// taken for another flash's. Which flash was the first cannot be seen on images at even intervals, so that

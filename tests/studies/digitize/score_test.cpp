@@ -43,6 +43,18 @@ TEST(DigitizeScore, CountsWhatIsFoundMissedAndInvented) {
   DOUBLES_EQUAL(0.5, s.x_px.rms(), 1e-12);
 }
 
+TEST(DigitizeScore, HoldsTheSurfaceAgainstTheTrueLine) {
+  Frame frame;
+  frame.surface_px = {{0.0, 10.1}, {100.0, 11.3}, {200.0, 12.2}, {300.0, 13.2}};
+  frame.surface_sd_px = 0.4;
+  Score s;
+  score_surface({{-100.0, 9.0}, {400.0, 14.0}}, frame, s);
+  DOUBLES_EQUAL(0.2, s.surface_px.bias(), 1e-12);
+  DOUBLES_EQUAL(1.0, s.surface_px.normalized(), 1e-12);
+  score_surface({}, frame, s);
+  LONGS_EQUAL(1, s.surface_px.count);
+}
+
 TEST(DigitizeScore, ASecondImageOfTheSameOneIsInvented) {
   Frame frame;
   frame.images = {found_at(103.0, 500.0), found_at(100.0, 500.0)};
