@@ -5,6 +5,7 @@
 #include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -88,7 +89,13 @@ void count(const nlohmann::json& readout, const nlohmann::json* truth, const std
   tally.score.add(readout, *truth, name);
 }
 
-/// Readouts, truth and the photographs of shots with something to look at.
+/// Whether there is something to look at; few images are none's fault.
+bool is_conspicuous(const nlohmann::json& readout) {
+  return std::ranges::any_of(readout.at("flags"),
+                             [](const nlohmann::json& flag) { return flag != "no_redundancy"; });
+}
+
+/// Readouts, truth, logs and the photographs of shots rejected or flagged.
 void keep(const RigFixture& bench, const testing::CompletedProcess& fired, const fs::path& folder) {
   fs::create_directories(folder);
   testing::write_text(folder / "readouts.jsonl", fired.out);
@@ -101,7 +108,7 @@ void keep(const RigFixture& bench, const testing::CompletedProcess& fired, const
   }
   for (const auto& readout : readouts(fired.out)) {
     const int shot = readout.at("shot_id").get<int>();
-    if (!lost.contains(shot) && !has_flag(readout, "outlier_image")) continue;
+    if (!lost.contains(shot) && !is_conspicuous(readout)) continue;
     const std::regex of_shot(fmt::format("(.*[^0-9])?0*{}[^0-9].*", shot));
     for (const auto& entry : fs::directory_iterator(bench.session() / "photographs")) {
       const fs::path name = entry.path().filename();
@@ -226,7 +233,7 @@ int main(int argc, char** argv) {
                  "as in the rig file (default: the shipped one's, 2; the simulated sensors' is 0.2)")
       ->check(CLI::Range(0.01, 100.0));
   app.add_option("--keep", plan.keep,
-                 "folder for readouts, truth, logs and the photographs of shots rejected or with outliers");
+                 "folder for readouts, truth, logs and the photographs of shots rejected or flagged");
   app.footer(
       "Example: strobe-fire-study itf_pace_medium zero_23 --shots 20 --keep lost\n"
       "Exit status: 0 fired, 1 a program failed.");
