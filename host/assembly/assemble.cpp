@@ -6,6 +6,7 @@
 #include "common/messages/lcm_conversions.hpp"
 #include "common/messages/record.hpp"
 #include "host/assembly/camera_map.hpp"
+#include "host/assembly/false_image.hpp"
 #include "host/assembly/flash_match.hpp"
 #include "host/assembly/flash_times.hpp"
 #include "host/assembly/image_track.hpp"
@@ -140,6 +141,28 @@ AssembledShot unmatched(AssembledShot shot, Flag flag, std::string problem) {
   return shot;
 }
 
+void leave_out(std::size_t image, Track& track, AssembledShot& shot) {
+  const auto at = static_cast<std::ptrdiff_t>(image);
+  track.images.erase(track.images.begin() + at);
+  shot.frame.images.erase(shot.frame.images.begin() + at);
+  shot.flags.set(Flag::outlier_image);
+}
+
+/// Which flashes made the images. One that none made is left out of track and shot.
+std::optional<FlashMatch> matched(const FlashTimes& times, const std::optional<ArrivalPrior>& prior,
+                                  Track& track, AssembledShot& shot) {
+  std::vector<double> times_s;
+  times_s.reserve(times.seen.size());
+  for (const ObservedFlash& flash : times.seen)
+    times_s.push_back(to_seconds(flash.time - times.seen.front().time));
+  auto match = match_flashes(times_s, track, prior);
+  if (!match) return std::nullopt;
+  auto found = find_false_image(times_s, track, prior, *match);
+  if (!found) return match;
+  leave_out(found->image, track, shot);
+  return std::move(found->match);
+}
+
 bool no_sensor_fired(const FlashTimes& times, const shot_t& shot) {
   return !times.measured && !times.seen.empty() && (shot.sensor_a_fitted || shot.sensor_b_fitted);
 }
@@ -196,11 +219,7 @@ AssembledShot assemble(const shot_t& shot, const frame_t& message, const Assembl
     return unmatched(result, Flag::flash_match_ambiguous, "flash times are out of order");
   }
   set_physics(*track, result.frame, times);
-  std::vector<double> times_s;
-  times_s.reserve(times.seen.size());
-  for (const ObservedFlash& flash : times.seen)
-    times_s.push_back(to_seconds(flash.time - times.seen.front().time));
-  const auto match = match_flashes(times_s, *track, arrival_prior(shot, *track, times, settings));
+  const auto match = matched(times, arrival_prior(shot, *track, times, settings), *track, result);
   if (!match) return unmatched(result, Flag::flash_match_ambiguous, "more images than flashes were seen");
   if (!is_steady(*track, *match))
     return unmatched(result, Flag::flash_match_ambiguous, "no steady flight passes through the images");

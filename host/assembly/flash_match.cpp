@@ -141,8 +141,10 @@ class Matcher {
       return std::pair(a.score(scale), order(a)) < std::pair(b.score(scale), order(b));
     });
     FlashMatch match;
+    match.explained = scale == 1.0;
     match.hypotheses = likeliest(scale);
     match.chi_squared = pairs_.front().chi_squared;
+    match.penalty = pairs_.front().penalty;
     match.misassignment_probability = 1.0 - 1.0 / total_weight(scale);
     match.possibly_imaged = possibly_imaged(pairs_.front(), scale);
     return match;
@@ -231,7 +233,7 @@ class Matcher {
     flash.resize(track_.images.size());
     std::iota(flash.begin(), flash.end(), std::clamp(middle - count / 2, 0, flash_count() - count));
     match.misassignment_probability = 1.0;
-    match.steady = false;
+    match.explained = match.steady = false;
     return match;
   }
 

@@ -43,10 +43,13 @@ struct FlashMatch {
   /// For each observed flash, 1 if it lies within one of the plausible assignments.
   std::vector<char> possibly_imaged;
   double chi_squared = 0.0;  ///< flight of both legs, of the likeliest
+  double penalty =
+      0.0;  ///< of the likeliest, the rest of d above: bounce, images in contact, missed ones, arrival
   /// Probability that the images are of other flashes than the likeliest has, 0 to 1. The intervals of an even train
   /// leave open which flashes they are, however certain the numbers; those of a coded train tell.
   double misassignment_probability = 0.0;
-  bool steady = true;  ///< false: no steady speed fits; the images are assigned to consecutive flashes
+  bool explained = true;  ///< the noise as stated explains the flight of the likeliest
+  bool steady = true;     ///< false: no steady speed fits; the images are assigned to consecutive flashes
 };
 
 /// Whether all hypotheses have as many flashes between one image and the next.

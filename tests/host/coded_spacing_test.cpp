@@ -154,3 +154,36 @@ TEST(SpacedPlan, TellsTheFlashesOfAFastBallWithThreeImagesALeg) {
     CHECK_FALSE(shot.flags.has(reduction::Flag::flash_index_ambiguous));
   }
 }
+
+TEST(SpacedPlan, TellsAnImageThatNoFlashMade) {
+  host::AssemblySettings settings;
+  Scenario scenario;
+  scenario.noise_mm = 0.025;
+  scenario.flash_count = 155;
+  const auto intervals = host::coded_intervals(kPeriod, kFlashes, kShipped).value();
+  for (const Duration interval : intervals) scenario.intervals_s.push_back(to_seconds(interval));
+  for (std::uint32_t seed = 1; seed <= 10; ++seed) {
+    scenario.seed = seed;
+    scenario.touchdown_s = 0.2 + 0.0007 * seed;
+    SyntheticShot made = make_shot(scenario);
+    const auto readout_before = host::shot_readout(made.shot, made.frame, settings).readout;
+    // A step before the first rebound image, where a ball in contact is near: an even train would take it for a flash's.
+    auto& images = made.frame.images;
+    const auto rebound =
+        std::ranges::find(images, strobe_msgs::ball_image_t::LEG_REBOUND, &strobe_msgs::ball_image_t::leg);
+    auto invented = *rebound;
+    invented.centre_x_px -= (rebound + 1)->centre_x_px - rebound->centre_x_px;
+    invented.centre_y_px -= 0.9 * ((rebound + 1)->centre_y_px - rebound->centre_y_px);
+    images.insert(rebound, invented);
+    ++made.frame.image_count;
+    const auto shot = host::assemble(made.shot, made.frame, settings);
+    CHECK(shot.flags.has(reduction::Flag::outlier_image));
+    std::vector<int> flashes;
+    for (const auto& image : shot.frame.images) flashes.push_back(image.flash_index.value_or(-1));
+    CHECK(flashes == made.image_flash);
+    const auto readout = host::shot_readout(made.shot, made.frame, settings).readout;
+    // The same images; only the weights of what is dropped as implausible may differ.
+    for (const auto q : {reduction::Quantity::vx_td_mps, reduction::Quantity::dwell_time_ms})
+      DOUBLES_EQUAL(*readout_before.value[q], *readout.value[q], 0.01 * *readout.sd[q]);
+  }
+}
