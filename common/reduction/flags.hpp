@@ -17,7 +17,7 @@ enum class Flag {
   spin_aliased,  // another spin, by half turns between images, explains the equators as well and friction allows
                  // it; the regime is then unclear
   too_few_images,  // a leg has too few airborne images for some number, which is null
-  outlier_image,   // an image did not fit its leg and was left out
+  outlier_image,   // an image did not fit its leg, or the times of the flashes, and was left out
   no_redundancy,   // a leg has two or three images or equators, the photograph two or three diameters, or the
                    // surface fewer than four points: a bad one could not be found
   no_contact_image,     // no image between touchdown and lift-off

@@ -18,7 +18,7 @@ struct FalseImage {
 
 /// The image without which the noise as stated explains the flight, where it does not with it, and without
 /// which the others have other times. An image that is only misplaced leaves the others' times as they are: it is the
-/// reduction's to leave out. Returns nullopt where there is none, or a leg in the air would keep fewer than three images.
+/// reduction's to leave out. Returns nullopt where there is none; three images of a leg in the air are kept.
 std::optional<FalseImage> find_false_image(std::span<const double> times_s, const Track& track,
                                            const std::optional<ArrivalPrior>& prior, const FlashMatch& match);
 

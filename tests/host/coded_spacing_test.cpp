@@ -167,7 +167,7 @@ TEST(SpacedPlan, TellsAnImageThatNoFlashMade) {
     scenario.touchdown_s = 0.2 + 0.0007 * seed;
     SyntheticShot made = make_shot(scenario);
     const auto readout_before = host::shot_readout(made.shot, made.frame, settings).readout;
-    // A step before the first rebound image, where a ball in contact is near: an even train would take it for a flash's.
+    // A step before the first rebound image, near a ball in contact: an even train would take it for a flash's.
     auto& images = made.frame.images;
     const auto rebound =
         std::ranges::find(images, strobe_msgs::ball_image_t::LEG_REBOUND, &strobe_msgs::ball_image_t::leg);
