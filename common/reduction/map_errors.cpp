@@ -39,7 +39,7 @@ void add_map_errors(const ShotFit& fit, const PropagationOptions& options, const
                     Readout& readout) {
   Quantities variance;
   const Primary as_seen = primary(readout, crossings);
-  const PropagationOptions numbers{options.temperature_c, false};
+  const PropagationOptions numbers{options.temperature_c};
   for (const ObservedMapError& error : fit.observations.map_errors) {
     ShotFit moved = fit;
     shift(moved.observations, error);

@@ -19,7 +19,7 @@ Moments moments_of(std::span<const MixtureComponent> hypotheses, Quantity q) {
     const double share = h.weight / m.weight;
     const double off = *h.value[q] - m.mean;
     m.mean += share * off;
-    m.between += share * ((1.0 - share) * off * off - m.between);
+    m.between += share * ((1.0 - share) * off * off + h.between[static_cast<std::size_t>(q)] - m.between);
     m.within += share * (std::pow(h.sd[q].value_or(0.0), 2) - m.within);
     m.systematic += share * (std::pow(h.sd_systematic[q].value_or(0.0), 2) - m.systematic);
   }
@@ -38,7 +38,7 @@ void mix(const Moments& m, Quantity q, Readout& readout) {
 }  // namespace
 
 void mix(std::span<const MixtureComponent> hypotheses, Readout& likeliest) {
-  likeliest.assignments.emplace().hypotheses = static_cast<int>(hypotheses.size());
+  likeliest.assignments.emplace().hypotheses = 0;
   likeliest.covariance.reset();
   for (std::size_t i = 0; i < kQuantityCount; ++i) {
     const auto q = static_cast<Quantity>(i);
@@ -46,6 +46,7 @@ void mix(std::span<const MixtureComponent> hypotheses, Readout& likeliest) {
   }
   double all = 0.0, other = 0.0;
   for (const MixtureComponent& h : hypotheses) {
+    likeliest.assignments->hypotheses += h.hypotheses;
     all += h.weight;
     if (h.regime != likeliest.regime) other += h.weight;
   }

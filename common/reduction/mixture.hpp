@@ -2,6 +2,7 @@
 // Pure functions; thread-safe; allocates.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <span>
 
@@ -9,13 +10,16 @@
 
 namespace strobe::reduction {
 
-/// What the photograph says under one hypothesis.
+/// What the photograph says under one hypothesis, or under several whose sds are the same.
 struct MixtureComponent {
   Quantities value;
   Quantities sd;  ///< statistical
   Quantities sd_systematic;
   std::optional<Regime> regime;
   double weight = 1.0;  ///< probability; of all hypotheses together above 0
+  int hypotheses = 1;
+  std::array<double, kQuantityCount>
+      between{};  ///< variance between them, index Quantity; `value` is their mean
 };
 
 /// The mixture: each number becomes the hypotheses' mean, its variance the mean of their variances plus the variance

@@ -9,6 +9,7 @@
 #include "common/reduction/court_pace.hpp"
 #include "common/reduction/student_t.hpp"
 #include "common/reduction/surface_crossing.hpp"
+#include "common/reduction/time_response.hpp"
 #include "common/units/angles.hpp"
 
 namespace strobe::reduction {
@@ -194,7 +195,11 @@ class Uncertainty {
 
 class Propagation {
  public:
-  Propagation(const ShotFit& fit, Readout& readout) : fit_(fit), readout_(readout), uncertainty_(fit) {}
+  Propagation(const ShotFit& fit, bool by_time, Readout& readout)
+      : fit_(fit), readout_(readout), uncertainty_(fit) {
+    if (by_time) time_response_ = time_response(fit);
+    readout.by_time.assign(time_response_.size(), {});
+  }
 
   void legs() {
     for (std::size_t leg = 0; leg < 2; ++leg) {
@@ -299,6 +304,8 @@ class Propagation {
       readout_.degrees_of_freedom[quantity] = statistical->degrees_of_freedom;
     }
     readout_.sd_systematic[quantity] = uncertainty_.systematic(number);
+    for (std::size_t i = 0; i < time_response_.size(); ++i)
+      readout_.by_time[i][static_cast<std::size_t>(quantity)] = dot(number.grad, time_response_[i]);
   }
 
   /// What is missing of the change of vx that ends the slip, |slip| alpha / (1 + alpha), against its own sd: that of the
@@ -321,6 +328,7 @@ class Propagation {
   const ShotFit& fit_;
   Readout& readout_;
   Uncertainty uncertainty_;
+  std::vector<decltype(Number::grad)> time_response_;  ///< empty unless asked for
   std::array<std::optional<SurfaceCrossing>, 2> crossing_;
   std::array<std::optional<Number>, 2> omega_;
 };
@@ -328,7 +336,7 @@ class Propagation {
 }  // namespace
 
 Crossings propagate(const ShotFit& fit, const PropagationOptions& options, Readout& readout) {
-  Propagation propagation(fit, readout);
+  Propagation propagation(fit, options.by_time, readout);
   propagation.legs();
   propagation.impact(options.temperature_c);
   if (options.covariance) propagation.covariance();

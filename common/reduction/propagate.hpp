@@ -13,6 +13,7 @@ namespace strobe::reduction {
 struct PropagationOptions {
   std::optional<double> temperature_c;  ///< for the court pace
   bool covariance = false;              ///< fill Readout::covariance
+  bool by_time = false;                 ///< fill Readout::by_time
 };
 
 /// Touchdown and lift-off, where there is one, in the observations' time. [s]

@@ -99,6 +99,9 @@ struct Assignments {
   bool operator==(const Assignments&) const = default;
 };
 
+/// Of each number, by the time of one image: its unit per second. Index: Quantity; 0 where the number is absent.
+using TimeDerivatives = std::array<double, kQuantityCount>;
+
 enum class MeasurementKind { centre, equator, diameter, surface };
 inline constexpr std::array<std::string_view, 4> kMeasurementKindNames{"centre", "equator", "diameter",
                                                                        "surface"};
@@ -129,6 +132,7 @@ struct Readout {
   std::optional<Assignments> assignments;  ///< likewise; absent where no steady flight fits the flashes
   flight::Effects flight_effects = flight::kNoEffects;  ///< what the paths were fitted with
   std::optional<PrimaryCovariance> covariance;          ///< only if asked for
+  std::vector<TimeDerivatives> by_time;                 ///< of each image; empty unless asked for
   std::optional<LegacyDetail> legacy;                   ///< only with method "legacy"
 };
 

@@ -150,7 +150,7 @@ Readout best_readout(const Frame& frame, const PropagationOptions& propagation, 
 Result<Readout> reduce(const Frame& frame, Estimator estimator, const ReduceOptions& options) {
   if (const auto complaint = validation_error(frame)) return fail(*complaint);
   if (estimator == Estimator::legacy) return reduce_legacy(frame);
-  const PropagationOptions propagation{temperature_c(frame), options.covariance};
+  const PropagationOptions propagation{temperature_c(frame), options.covariance, options.by_time};
   if (estimator == Estimator::two_point) return two_point_readout(frame, propagation);
   return best_readout(frame, propagation, options);
 }

@@ -37,6 +37,8 @@ struct ReduceOptions {
   bool reject_outliers = true;
   /// Give Readout::covariance as well.
   bool covariance = false;
+  /// Give Readout::by_time as well.
+  bool by_time = false;
 };
 
 /// A readout of the frame. Numbers that cannot be computed are absent and the flags say why.

@@ -1,6 +1,7 @@
 #include "host/assembly/shot_mixture.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -19,14 +20,6 @@ using reduction::Readout;
 // Times that differ by this share of the shortest interval change a velocity by as much to first order, and to second
 // order by its square, 2.5e-5 of the velocity: a tenth of what the best photographs leave uncertain.
 constexpr double kLinearShare = 0.005;
-// Of a number's variance: its sd is a hundredth too small without it.
-constexpr double kNegligibleVariance = 0.02;
-// Of the derivatives. Far above rounding, 1e-16 of a second over 1e-12 of a number, and far within linearity.
-constexpr double kStep_s = 1e-7;
-
-MixtureComponent component_of(const Readout& readout, double weight) {
-  return {readout.value, readout.sd, readout.sd_systematic, readout.regime, weight};
-}
 
 double shortest_interval_s(const Frame& frame) {
   double shortest = std::numeric_limits<double>::infinity();
@@ -35,128 +28,102 @@ double shortest_interval_s(const Frame& frame) {
   return shortest;
 }
 
+/// Hypotheses whose times are alike, the likeliest first.
+struct Group {
+  std::vector<const AssignedTimes*> members;
+};
+
+/// What a readout's numbers are at other times than its own, to first order.
+std::array<double, reduction::kQuantityCount> changes(const Readout& readout, const AssignedTimes& own,
+                                                      const AssignedTimes& other) {
+  std::array<double, reduction::kQuantityCount> sum{};
+  for (std::size_t i = 0; i < readout.by_time.size(); ++i) {
+    const double off_s = other.time_s[i] - own.time_s[i];
+    for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += readout.by_time[i][k] * off_s;
+  }
+  return sum;
+}
+
+/// Of a group whose first member has this readout.
+MixtureComponent component_of(const Readout& readout, const Group& group) {
+  MixtureComponent all{readout.value, readout.sd, readout.sd_systematic, readout.regime, 0.0};
+  all.hypotheses = static_cast<int>(group.members.size());
+  std::array<double, reduction::kQuantityCount> mean{};
+  for (const AssignedTimes* one : group.members) {
+    all.weight += one->weight;
+    const double share = one->weight / all.weight;
+    const auto change = changes(readout, *group.members.front(), *one);
+    for (std::size_t k = 0; k < mean.size(); ++k) {
+      const double off = change[k] - mean[k];
+      mean[k] += share * off;
+      all.between[k] += share * ((1.0 - share) * off * off - all.between[k]);
+    }
+  }
+  for (std::size_t k = 0; k < mean.size(); ++k) {
+    auto& value = all.value[static_cast<Quantity>(k)];
+    if (value) *value += mean[k];
+  }
+  return all;
+}
+
 class Mixing {
  public:
-  Mixing(const Frame& frame, std::span<const AssignedTimes> hypotheses, const Readout& first)
-      : frame_(frame),
-        all_(hypotheses),
-        first_(first),
-        linear_s_(kLinearShare * shortest_interval_s(frame)) {}
+  Mixing(const Frame& frame, std::span<const AssignedTimes> hypotheses)
+      : frame_(frame), linear_s_(kLinearShare * shortest_interval_s(frame)) {
+    for (const AssignedTimes& one : hypotheses) add(one);
+  }
 
-  std::vector<MixtureComponent> run() {
-    std::vector<MixtureComponent> mixed{component_of(first_, all_.front().weight)};
-    const auto alike = std::ranges::count_if(all_, [&](const AssignedTimes& one) { return is_alike(one); });
-    if (alike > 1 && largest_share_of_variance() < kNegligibleVariance) {
-      slopes_.assign(frame_.images.size(), {});
-    } else if (alike > static_cast<std::ptrdiff_t>(frame_.images.size())) {
-      differentiate();
-    }
-    int reduced = 0;
-    for (const AssignedTimes& one : all_.subspan(1)) {
-      if (!slopes_.empty() && is_alike(one)) {
-        mixed.push_back(linear(one));
-      } else if (reduced < kMaxReduced) {
-        ++reduced;
-        if (const auto readout = reduced_with(one.time_s))
-          mixed.push_back(component_of(*readout, one.weight));
-      }
+  /// `first`: the frame's own, with Readout::by_time.
+  std::vector<MixtureComponent> run(const Readout& first) const {
+    std::vector<MixtureComponent> mixed{component_of(first, groups_.front())};
+    mixed.reserve(groups_.size());
+    for (std::size_t g = 1; g < groups_.size(); ++g) {
+      const auto readout = reduced(groups_[g], first.flight_effects);
+      if (readout) mixed.push_back(component_of(*readout, groups_[g]));
     }
     return mixed;
   }
 
  private:
-  /// Bound of the variance between alike hypotheses over that within, for any number. A number is a sum of the centres
-  /// with weights; an error in time moves a centre by the ball's speed times it, and by Cauchy and Schwarz the number
-  /// by no more of its sd than the root of the sum of these displacements' squares over the centres' variances.
-  double largest_share_of_variance() const {
-    double sum = 0.0, weight = 0.0;
-    for (const AssignedTimes& one : all_) {
-      if (!is_alike(one)) continue;
-      weight += one.weight;
-      for (std::size_t i = 0; i < frame_.images.size(); ++i)
-        sum += one.weight * std::pow(displacement_in_sds(i, one.time_s[i] - frame_.images[i].time_s), 2);
+  void add(const AssignedTimes& one) {
+    const auto group =
+        std::ranges::find_if(groups_, [&](const Group& g) { return alike(*g.members.front(), one); });
+    if (group != groups_.end()) {
+      group->members.push_back(&one);
+    } else if (std::ssize(groups_) < kMaxReduced) {
+      groups_.push_back({{&one}});
     }
-    return sum / weight;
   }
 
-  /// Infinite where the frame does not state the centres' noise.
-  double displacement_in_sds(std::size_t i, double off_s) const {
-    const auto& image = frame_.images[i];
-    const std::size_t k = i > 0 ? i - 1 : 1;
-    const auto& neighbour = frame_.images[std::min(k, frame_.images.size() - 1)];
-    const double way =
-        std::hypot(image.centre_px.x - neighbour.centre_px.x, image.centre_px.y - neighbour.centre_px.y);
-    const double variance = image.centre_cov_px2
-                                ? std::min((*image.centre_cov_px2)[0], (*image.centre_cov_px2)[3])
-                                : std::pow(frame_.centre_sd_px.value_or(0.0), 2);
-    const double off_px = off_s == 0.0 ? 0.0 : way / (image.time_s - neighbour.time_s) * off_s;
-    return variance > 0.0 ? off_px / std::sqrt(variance) : std::numeric_limits<double>::infinity();
-  }
-
-  bool is_alike(const AssignedTimes& one) const {
+  bool alike(const AssignedTimes& a, const AssignedTimes& b) const {
     for (std::size_t i = 0; i < frame_.images.size(); ++i)
-      if (!(std::abs(one.time_s[i] - frame_.images[i].time_s) <= linear_s_)) return false;
+      if (!(std::abs(a.time_s[i] - b.time_s[i]) <= linear_s_)) return false;
     return true;
   }
 
   /// With the same effects of the flight, so that numbers do not jump.
-  std::optional<Readout> reduced_with(const std::vector<double>& times_s) const {
+  std::optional<Readout> reduced(const Group& group, const flight::Effects& effects) const {
     Frame frame = frame_;
-    for (std::size_t i = 0; i < frame.images.size(); ++i) frame.images[i].time_s = times_s[i];
-    auto readout = reduction::reduce(frame, reduction::Estimator::best, {.effects = first_.flight_effects});
+    for (std::size_t i = 0; i < frame.images.size(); ++i)
+      frame.images[i].time_s = group.members.front()->time_s[i];
+    auto readout = reduction::reduce(frame, reduction::Estimator::best,
+                                     {.effects = effects, .by_time = group.members.size() > 1});
     if (!readout) return std::nullopt;
     return std::move(*readout);
   }
 
-  /// Leaves slopes_ empty where a number appears or disappears, or an image is left out, with so small a step.
-  void differentiate() {
-    std::vector<double> times_s;
-    for (const auto& image : frame_.images) times_s.push_back(image.time_s);
-    const auto here = reduced_with(times_s);
-    for (std::size_t i = 0; here && i < times_s.size(); ++i) {
-      if (frame_.images[i].leg == Leg::contact) {  // no number hangs on it
-        slopes_.emplace_back();
-        continue;
-      }
-      std::vector<double> moved = times_s;
-      moved[i] += kStep_s;
-      const auto there = reduced_with(moved);
-      if (!there || there->flags != here->flags) {
-        slopes_.clear();
-        return;
-      }
-      auto& slopes = slopes_.emplace_back();
-      for (std::size_t k = 0; k < reduction::kQuantityCount; ++k) {
-        const auto q = static_cast<Quantity>(k);
-        if (here->value[q] && there->value[q]) slopes[k] = (*there->value[q] - *here->value[q]) / kStep_s;
-      }
-    }
-  }
-
-  MixtureComponent linear(const AssignedTimes& one) const {
-    MixtureComponent h = component_of(first_, one.weight);
-    for (std::size_t k = 0; k < reduction::kQuantityCount; ++k) {
-      auto& value = h.value[static_cast<Quantity>(k)];
-      if (!value) continue;
-      for (std::size_t i = 0; i < slopes_.size(); ++i)
-        *value += slopes_[i][k] * (one.time_s[i] - frame_.images[i].time_s);
-    }
-    return h;
-  }
-
   const Frame& frame_;
-  std::span<const AssignedTimes> all_;
-  const Readout& first_;
   double linear_s_;
-  std::vector<std::array<double, reduction::kQuantityCount>>
-      slopes_;  ///< of the numbers by each image's time
+  std::vector<Group> groups_;
 };
 
 }  // namespace
 
 Result<Readout> reduce_hypotheses(const Frame& frame, std::span<const AssignedTimes> hypotheses) {
-  auto readout = reduction::reduce(frame, reduction::Estimator::best);
-  if (readout && !hypotheses.empty()) reduction::mix(Mixing(frame, hypotheses, *readout).run(), *readout);
+  auto readout = reduction::reduce(frame, reduction::Estimator::best, {.by_time = hypotheses.size() > 1});
+  if (!readout || hypotheses.empty()) return readout;
+  reduction::mix(Mixing(frame, hypotheses).run(*readout), *readout);
+  readout->by_time.clear();
   return readout;
 }
 

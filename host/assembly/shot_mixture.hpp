@@ -20,14 +20,13 @@ struct AssignedTimes {
 /// The mixture over the hypotheses (common/reduction/mixture.hpp), of which the frame has the first one's times;
 /// without any the frame's own readout, without Readout::assignments. Fails as reduce() does.
 ///
-/// The flashes of an even train are alike but for microseconds, in which every number is as good as linear: the
-/// numbers of such hypotheses follow from the first one's and its derivatives by the images' times, a reduction each.
-/// Where noise hides the microseconds the first one's numbers stand for all of these. The others are reduced
-/// themselves, the likeliest kMaxReduced of them.
+/// The flashes of an even train are alike but for microseconds, in which every number is as good as linear: hypotheses
+/// alike in this way are reduced once, and the numbers of the others follow by the derivatives by the images' times
+/// (Readout::by_time). So are the likeliest kMaxReduced that are not alike.
 Result<reduction::Readout> reduce_hypotheses(const reduction::Frame& frame,
                                              std::span<const AssignedTimes> hypotheses);
 
-/// More are not reduced one by one: a millisecond's work.
+/// More reductions are not made: a millisecond's work.
 inline constexpr int kMaxReduced = 64;
 
 }  // namespace strobe::host
