@@ -45,18 +45,10 @@ double depth_at(double time_s, const geometry::Crossing& down, const geometry::C
   return dwell / std::numbers::pi * std::sin(std::numbers::pi * s) * speed;
 }
 
-std::vector<int> between(const LegCandidate& in, const LegCandidate& out) {
-  std::vector<int> slots(static_cast<std::size_t>(std::max(0, out.first() - in.last() - 1)));
-  std::iota(slots.begin(), slots.end(), in.last() + 1);
-  return slots;
-}
-
 /// Next to the one leg that is known, else from the first flash on.
-std::vector<int> adjacent(std::size_t count, const LegCandidate& in, const LegCandidate& out) {
-  std::vector<int> slots(count);
-  const int first = !in.empty() ? in.last() + 1 : !out.empty() ? out.first() - static_cast<int>(count) : 0;
-  std::iota(slots.begin(), slots.end(), first);
-  return slots;
+int first_beside(std::size_t count, const LegCandidate& in, const LegCandidate& out) {
+  if (!in.empty()) return in.last() + 1;
+  return out.empty() ? 0 : out.first() - static_cast<int>(count);
 }
 
 }  // namespace
@@ -103,44 +95,57 @@ double contact_penalty(const BounceEstimate& r) {
   return penalty + squared(outside(distance, slow * positive_dwell, fast * positive_dwell) / sd);
 }
 
-ContactFlashes contact_flashes(std::span<const TrackPoint> images, const LegCandidate& in,
-                               const LegCandidate& out, std::span<const double> times_s, const Track& track) {
-  ContactFlashes best;
-  if (images.empty()) return best;
+const ContactFlashes& ContactMatcher::match(const LegCandidate& in, const LegCandidate& out) {
+  best_.flash.resize(images_.size());
+  best_.chi_squared = 0.0;
+  if (images_.empty()) return best_;
   if (in.empty() || out.empty()) {
-    best.flash = adjacent(images.size(), in, out);
-    return best;
+    take_from(first_beside(images_.size(), in, out));
+    return best_;
   }
-  const std::vector<int> slots = between(in, out);
+  const int first = in.last() + 1;
   if (!in.crossing || !out.crossing || in.crossing->time_s >= out.crossing->time_s) {
-    best.flash.assign(slots.begin(), slots.begin() + static_cast<std::ptrdiff_t>(images.size()));
-    return best;
+    take_from(first);
+    return best_;
   }
-  const double variance = squared(track.sd_px) + squared(kContactModelSd_m * track.px_per_m);
-  // Dynamic programming over (image, slot): the least cost of the first i images in the first j slots.
-  const std::size_t n = images.size(), m = slots.size();
-  constexpr double kNever = std::numeric_limits<double>::infinity();
-  std::vector<double> cost((n + 1) * (m + 1), kNever);
-  const auto at = [&](std::size_t i, std::size_t j) -> double& { return cost[i * (m + 1) + j]; };
-  const auto with = [&](std::size_t i, std::size_t j) {
-    const double time_s = times_s[static_cast<std::size_t>(slots[j - 1])];
-    const double place = place_at(time_s, *in.crossing, *out.crossing);
-    const double depth = depth_at(time_s, *in.crossing, *out.crossing);
-    const double miss = track.radius_px - images[i - 1].centre_px.y() - depth;
-    return at(i - 1, j - 1) + squared(images[i - 1].centre_px.x() - place) / variance +
-           squared(miss) / (variance + squared(kDepthModelShare * depth));
-  };
-  for (std::size_t j = 0; j <= m; ++j) at(0, j) = 0.0;
+  expected_.resize(static_cast<std::size_t>(std::max(0, out.first() - first)));
+  set_expected(*in.crossing, *out.crossing, first);
+  fill_costs();
+  best_.chi_squared = cost(images_.size(), expected_.size());
+  for (std::size_t i = images_.size(), j = expected_.size(); i > 0; --j) {
+    if (j > i && cost(i, j) == cost(i, j - 1)) continue;
+    best_.flash[--i] = first + static_cast<int>(j) - 1;
+  }
+  return best_;
+}
+
+void ContactMatcher::take_from(int first) { std::iota(best_.flash.begin(), best_.flash.end(), first); }
+
+void ContactMatcher::set_expected(const geometry::Crossing& down, const geometry::Crossing& off, int first) {
+  const double variance = squared(track_.sd_px) + squared(kContactModelSd_m * track_.px_per_m);
+  for (std::size_t j = 0; j < expected_.size(); ++j) {
+    const double time_s = times_s_[static_cast<std::size_t>(first) + j];
+    const double depth = depth_at(time_s, down, off);
+    expected_[j] = {place_at(time_s, down, off), depth, variance + squared(kDepthModelShare * depth)};
+  }
+}
+
+double ContactMatcher::miss(std::size_t image, std::size_t slot) const {
+  const double variance = squared(track_.sd_px) + squared(kContactModelSd_m * track_.px_per_m);
+  const Expected& at = expected_[slot];
+  const Eigen::Vector2d& centre = images_[image].centre_px;
+  const double deep = track_.radius_px - centre.y() - at.depth_px;
+  return squared(centre.x() - at.place_px) / variance + squared(deep) / at.depth_variance;
+}
+
+void ContactMatcher::fill_costs() {
+  const std::size_t n = images_.size(), m = expected_.size();
+  cost_.assign((n + 1) * (m + 1), std::numeric_limits<double>::infinity());
+  for (std::size_t j = 0; j <= m; ++j) cost(0, j) = 0.0;
   for (std::size_t i = 1; i <= n; ++i) {
-    for (std::size_t j = i; j <= m; ++j) at(i, j) = std::min(at(i, j - 1), with(i, j));
+    for (std::size_t j = i; j <= m; ++j)
+      cost(i, j) = std::min(cost(i, j - 1), cost(i - 1, j - 1) + miss(i - 1, j - 1));
   }
-  best.chi_squared = at(n, m);
-  best.flash.resize(n);
-  for (std::size_t i = n, j = m; i > 0; --j) {
-    if (j > i && at(i, j) == at(i, j - 1)) continue;
-    best.flash[--i] = slots[j - 1];
-  }
-  return best;
 }
 
 }  // namespace strobe::host

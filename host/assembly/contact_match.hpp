@@ -26,13 +26,39 @@ BounceEstimate estimate_bounce(const LegCandidate& in, const LegCandidate& out, 
 /// lies between those before and after, as friction acts one way), and of the restitution.
 double contact_penalty(const BounceEstimate& bounce);
 
-/// The most likely flashes of the contact images among those between the legs, by dynamic programming. Model:
-/// along the surface a cubic that keeps both velocities, into it a half sine.
 struct ContactFlashes {
   std::vector<int> flash;
   double chi_squared = 0.0;
 };
-ContactFlashes contact_flashes(std::span<const TrackPoint> images, const LegCandidate& in,
-                               const LegCandidate& out, std::span<const double> times_s, const Track& track);
+
+/// The most likely flashes of the contact images among those between the legs, by dynamic programming. Model:
+/// along the surface a cubic that keeps both velocities, into it a half sine. Allocates in its first matches only.
+class ContactMatcher {
+ public:
+  /// What is given is kept, not copied.
+  ContactMatcher(std::span<const TrackPoint> images, std::span<const double> times_s, const Track& track)
+      : images_(images), times_s_(times_s), track_(track) {}
+
+  /// Valid until the next match.
+  const ContactFlashes& match(const LegCandidate& in, const LegCandidate& out);
+
+ private:
+  void take_from(int first);
+  void set_expected(const geometry::Crossing& down, const geometry::Crossing& off, int first);
+  double miss(std::size_t image, std::size_t slot) const;
+  double& cost(std::size_t image, std::size_t slot) { return cost_[image * (expected_.size() + 1) + slot]; }
+  void fill_costs();
+
+  struct Expected {
+    double place_px, depth_px, depth_variance;
+  };
+
+  std::span<const TrackPoint> images_;
+  std::span<const double> times_s_;
+  const Track& track_;
+  ContactFlashes best_;
+  std::vector<Expected> expected_;  ///< at each flash between the legs
+  std::vector<double> cost_;        ///< the least of the first i images in the first j flashes
+};
 
 }  // namespace strobe::host

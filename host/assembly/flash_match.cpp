@@ -5,7 +5,6 @@
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <map>
 #include <numeric>
 
 #include "common/reduction/variance_test.hpp"
@@ -59,11 +58,22 @@ double prior_penalty(const LegCandidate& in, const LegCandidate& out, std::span<
   return 2.0 * std::log1p(z * z);
 }
 
+/// Whether there are as many flashes from one image to the next.
+bool same_gaps(const std::vector<int>& a, const std::vector<int>& b) {
+  for (std::size_t i = 1; i < a.size(); ++i)
+    if (a[i] - a[0] != b[i] - b[0]) return false;
+  return true;
+}
+
 /// Combines candidates of both legs into assignments of all images.
 class Matcher {
  public:
   Matcher(std::span<const double> times_s, const Track& track, const std::optional<ArrivalPrior>& prior)
-      : times_s_(times_s), track_(track), prior_(prior), legs_(split(track)) {}
+      : times_s_(times_s),
+        track_(track),
+        prior_(prior),
+        legs_(split(track)),
+        contact_(legs_.contact, times_s, track) {}
 
   FlashMatch run() {
     const auto in = leg_candidates(legs_.in, times_s_, track_);
@@ -101,24 +111,16 @@ class Matcher {
     pair.penalty += prior_penalty(in, out, times_s_, prior_);
     if (in.crossing && out.crossing) pair.penalty += contact_penalty(estimate_bounce(in, out, track_));
     if (!std::isfinite(pair.penalty) || pair.score(scale_) > best_score_ + kNegligible) return;
-    pair.penalty += contact_flashes(legs_.contact, in, out, times_s_, track_).chi_squared;
+    pair.penalty += contact_.match(in, out).chi_squared;
     best_score_ = std::min(best_score_, pair.score(scale_));
     pairs_.push_back(pair);
-  }
-
-  double degrees_of_freedom() const {
-    double dof = 0.0;
-    for (const auto& leg : {legs_.in, legs_.out}) {
-      if (leg.size() >= 2) dof += 2.0 * static_cast<double>(leg.size()) - 4.0;
-    }
-    return dof;
   }
 
   /// Noise larger than stated shows in the best match's own residuals and makes the others less unlikely. What chance
   /// explains is not taken for it: weights would be too even, and the mixture too wide.
   double noise_scale(double chi_squared) const {
     constexpr double kStated = std::numeric_limits<double>::infinity();
-    const double dof = degrees_of_freedom();
+    const double dof = degrees_of_freedom(track_);
     const bool explained = reduction::chance_of_scatter(chi_squared, dof, kStated) >= reduction::kFalseAlarms;
     return explained ? 1.0 : chi_squared / std::max(1.0, dof);
   }
@@ -168,39 +170,51 @@ class Matcher {
 
   /// Without the patterns of gaps that are implausible together, such as an image in contact that nobody found, and of
   /// the others without the least likely hypotheses.
-  std::vector<FlashAssignment> likeliest(double scale) const {
-    std::vector<std::vector<int>> flashes;
-    std::map<std::vector<int>, double> by_gaps;
-    double all = 0.0;
+  std::vector<FlashAssignment> likeliest(double scale) {
+    std::vector<FlashAssignment> all;
+    std::vector<Pattern> patterns;
+    std::vector<std::size_t> pattern;  // of each
+    double total = 0.0;
     for (const Pair& pair : pairs_) {
       const double w = weight(pair, scale);
       if (w < kDroppedProbability / static_cast<double>(pairs_.size())) break;
-      flashes.push_back(flashes_of(pair));
-      by_gaps[gaps(flashes.back())] += w;
-      all += w;
+      all.push_back({flashes_of(pair), w});
+      pattern.push_back(pattern_of(all, patterns));
+      patterns[pattern.back()].weight += w;
+      total += w;
     }
     std::vector<FlashAssignment> hypotheses;
     double kept = 0.0;
-    for (std::size_t i = 0; i < flashes.size() && kept < (1.0 - kDroppedProbability) * all; ++i) {
-      if (by_gaps[gaps(flashes[i])] < kDroppedProbability * all) continue;
-      hypotheses.push_back({std::move(flashes[i]), weight(pairs_[i], scale)});
-      kept += hypotheses.back().weight;
+    for (std::size_t i = 0; i < all.size() && kept < (1.0 - kDroppedProbability) * total; ++i) {
+      if (patterns[pattern[i]].weight < kDroppedProbability * total) continue;
+      kept += all[i].weight;
+      hypotheses.push_back(std::move(all[i]));
     }
     for (FlashAssignment& hypothesis : hypotheses) hypothesis.weight /= kept;
     return hypotheses;
   }
 
-  /// Flashes from one image to the next.
-  static std::vector<int> gaps(const std::vector<int>& flash) {
-    std::vector<int> gaps(flash.size());
-    std::adjacent_difference(flash.begin(), flash.end(), gaps.begin());
-    gaps.front() = 0;
-    return gaps;
+  /// Hypotheses with as many flashes from one image to the next.
+  struct Pattern {
+    std::vector<int> flash;  ///< of one of them
+    double weight = 0.0;
+  };
+
+  /// Of the last hypothesis; a new one if it is like none before.
+  static std::size_t pattern_of(const std::vector<FlashAssignment>& all, std::vector<Pattern>& patterns) {
+    const std::vector<int>& last = all.back().flash;
+    const auto same =
+        std::ranges::find_if(patterns, [&](const Pattern& one) { return same_gaps(one.flash, last); });
+    const auto index = static_cast<std::size_t>(same - patterns.begin());
+    if (same == patterns.end()) patterns.push_back({last});
+    return index;
   }
 
-  std::vector<int> flashes_of(const Pair& pair) const {
-    std::vector<int> flash = pair.in->flash;
-    const auto contact = contact_flashes(legs_.contact, *pair.in, *pair.out, times_s_, track_).flash;
+  std::vector<int> flashes_of(const Pair& pair) {
+    std::vector<int> flash;
+    flash.reserve(track_.images.size());
+    flash.insert(flash.end(), pair.in->flash.begin(), pair.in->flash.end());
+    const auto& contact = contact_.match(*pair.in, *pair.out).flash;
     flash.insert(flash.end(), contact.begin(), contact.end());
     flash.insert(flash.end(), pair.out->flash.begin(), pair.out->flash.end());
     assert(flash.size() == track_.images.size());
@@ -241,6 +255,7 @@ class Matcher {
   const Track& track_;
   const std::optional<ArrivalPrior>& prior_;
   Legs legs_;
+  ContactMatcher contact_;
   double missed_penalty_ = -2.0 * std::log(track_.missed_share);
   std::vector<Pair> pairs_;
   double scale_ = 1.0;
@@ -250,11 +265,8 @@ class Matcher {
 }  // namespace
 
 bool gaps_agree(const FlashMatch& match) {
-  const std::vector<int>& first = match.hypotheses.front().flash;
   return std::ranges::all_of(match.hypotheses, [&](const FlashAssignment& one) {
-    for (std::size_t i = 1; i < first.size(); ++i)
-      if (one.flash[i] - one.flash[0] != first[i] - first[0]) return false;
-    return true;
+    return same_gaps(match.hypotheses.front().flash, one.flash);
   });
 }
 

@@ -17,13 +17,33 @@ constexpr double kStepTolerance = 0.45;
 // Lift coefficient of a ball that does nothing but spin, see flight::lift_coefficient().
 constexpr double kGreatestLift = 0.5;
 
-/// Flight at known flashes under known gravity, whose next image is looked for.
+/// Follows a leg from its first two flashes to the others, under known gravity. Allocates once.
 class SteadyFlight {
  public:
   SteadyFlight(std::span<const TrackPoint> images, std::span<const double> times_s, const Track& track)
-      : images_(images), times_s_(times_s), fit_(track.gravity_pxps2) {}
+      : images_(images), times_s_(times_s), gravity_pxps2_(track.gravity_pxps2), fit_(gravity_pxps2_) {
+    flash_.reserve(images.size());
+  }
 
   const std::vector<int>& flash() const { return flash_; }
+
+  /// False if steady flight does not lead from these two to flashes.
+  bool follow(int first, int second) {
+    fit_ = geometry::LegFit(gravity_pxps2_);
+    flash_.clear();
+    add(first);
+    add(second);
+    while (flash_.size() < images_.size()) {
+      const auto flash = next();
+      if (!flash) return false;
+      add(*flash);
+      if (missed() > kMaxMissed) return false;
+    }
+    return true;
+  }
+
+ private:
+  double time_s(int flash) const { return times_s_[static_cast<std::size_t>(flash)]; }
   int missed() const { return flash_.back() - flash_.front() + 1 - static_cast<int>(flash_.size()); }
 
   void add(int flash) {
@@ -40,40 +60,22 @@ class SteadyFlight {
     std::optional<int> nearest;
     double least = std::numeric_limits<double>::infinity();
     for (int k = flash_.back() + 1; k < end; ++k) {
-      const double off = (at(k) - centre).norm();
+      const double off = (at(k) - centre).squaredNorm();
       if (!(off < least)) continue;
       least = off;
       nearest = k;
     }
     if (!nearest) return std::nullopt;
-    const double step = (at(*nearest) - at(flash_.back())).norm();
-    return least <= kStepTolerance * step ? nearest : std::nullopt;
+    const double step = (at(*nearest) - at(flash_.back())).squaredNorm();
+    return least <= kStepTolerance * kStepTolerance * step ? nearest : std::nullopt;
   }
-
- private:
-  double time_s(int flash) const { return times_s_[static_cast<std::size_t>(flash)]; }
 
   std::span<const TrackPoint> images_;
   std::span<const double> times_s_;
+  Eigen::Vector2d gravity_pxps2_;
   geometry::LegFit fit_;
   std::vector<int> flash_;
 };
-
-/// The flashes that follow when the leg starts with these two; empty if steady flight does not lead to
-/// flashes.
-std::vector<int> follow(std::span<const TrackPoint> images, std::span<const double> times_s,
-                        const Track& track, int first, int second) {
-  SteadyFlight flight(images, times_s, track);
-  flight.add(first);
-  flight.add(second);
-  while (flight.flash().size() < images.size()) {
-    const auto next = flight.next();
-    if (!next) return {};
-    flight.add(*next);
-    if (flight.missed() > kMaxMissed) return {};
-  }
-  return flight.flash();
-}
 
 struct Drift {
   Eigen::Vector2d acceleration_pxps2 = Eigen::Vector2d::Zero();
@@ -133,7 +135,7 @@ double chi_squared(std::span<const TrackPoint> images, std::span<const double> t
 }
 
 LegCandidate candidate(std::span<const TrackPoint> images, std::span<const double> times_s,
-                       const Track& track, std::vector<int> flash) {
+                       const Track& track, const std::vector<int>& flash) {
   LegCandidate result;
   const auto at = [&](int k) { return times_s[static_cast<std::size_t>(k)]; };
   Drift drift{track.gravity_pxps2, Eigen::Vector2d::Zero()};
@@ -150,7 +152,7 @@ LegCandidate candidate(std::span<const TrackPoint> images, std::span<const doubl
     result.crossing = geometry::crossing(result.fit, track.radius_px, at(nearest));
   }
   result.missed = flash.back() - flash.front() + 1 - static_cast<int>(flash.size());
-  result.flash = std::move(flash);
+  result.flash = flash;
   return result;
 }
 
@@ -162,14 +164,15 @@ std::vector<LegCandidate> leg_candidates(std::span<const TrackPoint> images, std
   std::vector<LegCandidate> candidates;
   candidates.reserve(2 * times_s.size());
   const int count = static_cast<int>(times_s.size());
+  SteadyFlight flight(images, times_s, track);
   for (int first = 0; first < count; ++first) {
     if (images.size() == 1) {
       candidates.push_back(candidate(images, times_s, track, {first}));
       continue;
     }
     for (int second = first + 1; second <= first + 1 + kMaxMissed && second < count; ++second) {
-      std::vector<int> flash = follow(images, times_s, track, first, second);
-      if (!flash.empty()) candidates.push_back(candidate(images, times_s, track, std::move(flash)));
+      if (flight.follow(first, second))
+        candidates.push_back(candidate(images, times_s, track, flight.flash()));
     }
   }
   return candidates;

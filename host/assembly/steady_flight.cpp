@@ -15,15 +15,6 @@ namespace {
 // calibration undoes bends it by hundredths.
 constexpr double kUnsteadyOfStep = 0.12;
 
-double degrees_of_freedom(const Track& track) {
-  double dof = 0.0;
-  for (const Leg leg : {Leg::incoming, Leg::rebound}) {
-    const auto count = std::ranges::count(track.images, leg, &TrackPoint::leg);
-    dof += std::max(0.0, 2.0 * static_cast<double>(count) - 4.0);
-  }
-  return dof;
-}
-
 /// Median distance from an airborne image to the next.
 double usual_step_px(const Track& track) {
   std::vector<double> steps;

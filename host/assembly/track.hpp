@@ -29,4 +29,7 @@ struct Track {
   double time_sd_s = 0.0;       ///< of a flash's time
 };
 
+/// Of the residuals from steady flight: each leg's images have two coordinates, its position and velocity take up four.
+double degrees_of_freedom(const Track& track);
+
 }  // namespace strobe::host

@@ -185,7 +185,7 @@ TEST_GROUP(ContactFlashes) {
   host::ContactFlashes matched(const std::vector<double>& at_s) const {
     std::vector<host::TrackPoint> images;
     for (const double t : at_s) images.push_back({Leg::contact, pressed(t)});
-    return host::contact_flashes(images, in, out, times_s, track);
+    return host::ContactMatcher(images, times_s, track).match(in, out);
   }
 };
 
@@ -214,8 +214,8 @@ TEST(ContactFlashes, CostMoreTheFurtherTheyAreFromThere) {
 TEST(ContactFlashes, BesideOneLegAloneAreNextToIt) {
   const host::LegCandidate none;
   const std::vector<host::TrackPoint> two{{Leg::contact, pressed(1e-3)}, {Leg::contact, pressed(2e-3)}};
-  CHECK_EQUAL((std::vector<int>{10, 11}), host::contact_flashes(two, in, none, times_s, track).flash);
-  CHECK_EQUAL((std::vector<int>{17, 18}), host::contact_flashes(two, none, out, times_s, track).flash);
+  CHECK_EQUAL((std::vector<int>{10, 11}), host::ContactMatcher(two, times_s, track).match(in, none).flash);
+  CHECK_EQUAL((std::vector<int>{17, 18}), host::ContactMatcher(two, times_s, track).match(none, out).flash);
 }
 
 TEST(ContactFlashes, ABallCanHaveThisContactButNotOneThatGivesEnergy) {

@@ -34,7 +34,8 @@ double step_up(std::span<const PathPoint> points, const std::vector<int>& leg) {
 
 struct Timed {
   host::FlashMatch match;
-  double speed_in = 0.0;  ///< along the normal, px/s, > 0; 0: not known
+  double degrees_of_freedom = 0.0;  ///< of the flight, see host/assembly/track.hpp
+  double speed_in = 0.0;            ///< along the normal, px/s, > 0; 0: not known
 };
 
 class Orderer {
@@ -89,7 +90,8 @@ class Orderer {
     const host::Track path = track(order);
     const auto match = host::match_flashes(context_.flash_times_s, path, std::nullopt);
     if (!match) return std::nullopt;
-    return Timed{*match, speed(path, match->hypotheses.front().flash, Leg::incoming)};
+    return Timed{*match, host::degrees_of_freedom(path),
+                 speed(path, match->hypotheses.front().flash, Leg::incoming)};
   }
 
   double speed(const host::Track& path, const std::vector<int>& flash, Leg leg) const {
@@ -107,17 +109,10 @@ class Orderer {
     return std::abs(at ? at->velocity.y() : fit.path().velocity.y());
   }
 
-  static double freedom(const PathOrder& order) {
-    double dof = 1.0;
-    for (const Leg leg : {Leg::incoming, Leg::rebound})
-      dof +=
-          std::max(0.0, 2.0 * static_cast<double>(std::ranges::count(order.leg, std::optional(leg))) - 4.0);
-    return dof;
-  }
-
   /// +1 where a is more likely than b, -1 the other way round, 0 where the flashes do not tell.
-  int likelier(const Timed& a, const Timed& b, double freedom) const {
+  static int likelier(const Timed& a, const Timed& b) {
     if (a.match.steady != b.match.steady) return a.match.steady ? 1 : -1;
+    const double freedom = std::max(1.0, a.degrees_of_freedom);
     const double scale = std::max(1.0, std::min(a.match.chi_squared, b.match.chi_squared) / freedom);
     const double difference = (a.match.chi_squared - b.match.chi_squared) / scale;
     if (std::abs(difference) > kClearlyWorse) return difference < 0.0 ? 1 : -1;
@@ -128,8 +123,7 @@ class Orderer {
     const auto tr = timed(right), tl = timed(left);
     double in_right = step_up(points_, right.incoming), in_left = step_up(points_, left.incoming);
     if (tr && tl) {
-      if (const int sign = likelier(*tr, *tl, freedom(right)))
-        return sign > 0 ? take(right, tr) : take(left, tl);
+      if (const int sign = likelier(*tr, *tl)) return sign > 0 ? take(right, tr) : take(left, tl);
       if (tr->speed_in > 0.0 && tl->speed_in > 0.0) {
         in_right = tr->speed_in;
         in_left = tl->speed_in;
@@ -156,8 +150,7 @@ class Orderer {
   void order_one_leg(const PathOrder& right, const PathOrder& left) {
     const auto tr = timed(right), tl = timed(left);
     if (tr && tl) {
-      if (const int sign = likelier(*tr, *tl, freedom(right)))
-        return sign > 0 ? take(right, tr) : take(left, tl);
+      if (const int sign = likelier(*tr, *tl)) return sign > 0 ? take(right, tr) : take(left, tl);
     }
     if (right.sequence.size() > 1)
       result_.remarks.push_back("one leg does not tell the direction of travel: taken to be to the right");
