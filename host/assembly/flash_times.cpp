@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+
+#include "host/digitize/core/statistics.hpp"
 
 namespace strobe::host {
 namespace {
@@ -42,11 +45,10 @@ bool any_observed(const shot_t& shot) {
                      [&](const flash_t& flash) { return known(observed(shot, flash)); });
 }
 
-ObservedFlash seen_flash(const shot_t& shot, const flash_t& flash, MonoTime time, double time_sd_s) {
+ObservedFlash seen_flash(const shot_t& shot, const flash_t& flash, MonoTime time) {
   ObservedFlash seen;
   seen.index = flash.flash_index;
   seen.time = time;
-  seen.time_sd_s = time_sd_s;
   const Duration lateness = time - from_ns(flash.commanded_ns) - lamp_delay(shot, flash);
   seen.late = to_microseconds(lateness) > shot.late_tolerance_us;
   seen.doubled = flash.extra_edges > 0;
@@ -58,9 +60,32 @@ ObservedFlash seen_flash(const shot_t& shot, const flash_t& flash, MonoTime time
   return seen;
 }
 
+// The sd of a median absolute deviation of so many is a fifth of it: 1.17 over the root of their number.
+constexpr std::size_t kEnoughIntervals = 34;
+
+/// Seconds from the pulse's end to the stamp, over what the lamp's delay says.
+std::vector<double> late_by_s(const shot_t& shot) {
+  std::vector<double> late;
+  late.reserve(shot.flashes.size());
+  for (const flash_t& flash : shot.flashes) {
+    const MonoTime time = observed(shot, flash), issued = from_ns(flash.issue_end_ns);
+    if (known(time) && known(issued)) late.push_back(to_seconds(time - issued - lamp_delay(shot, flash)));
+  }
+  return late;
+}
+
+double sensor_time_sd_of(const shot_t& shot) {
+  constexpr double kSdOverMad = 1.4826;  // of normal errors
+  std::vector<double> late = late_by_s(shot);
+  if (late.size() < kEnoughIntervals) return kSensorTimeSd_s;
+  const double middle = digitize::median(late);
+  for (double& x : late) x = std::abs(x - middle);
+  return std::clamp(kSdOverMad * digitize::median(std::move(late)), kLeastSensorTimeSd_s, kSensorTimeSd_s);
+}
+
 }  // namespace
 
-FlashTimes flash_times(const shot_t& shot, double sensor_time_sd_s) {
+FlashTimes flash_times(const shot_t& shot, std::optional<double> sensor_time_sd_s) {
   FlashTimes times;
   times.measured = any_observed(shot);
   for (const flash_t& flash : shot.flashes) {
@@ -72,8 +97,10 @@ FlashTimes flash_times(const shot_t& shot, double sensor_time_sd_s) {
       continue;
     }
     if (!times.seen.empty() && time <= times.seen.back().time) times.in_order = false;
-    times.seen.push_back(seen_flash(shot, flash, time, times.measured ? sensor_time_sd_s : kIssuedTimeSd_s));
+    times.seen.push_back(seen_flash(shot, flash, time));
   }
+  const double by_sensors = sensor_time_sd_s ? *sensor_time_sd_s : sensor_time_sd_of(shot);
+  for (ObservedFlash& flash : times.seen) flash.time_sd_s = times.measured ? by_sensors : kIssuedTimeSd_s;
   return times;
 }
 

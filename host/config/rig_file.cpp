@@ -39,8 +39,8 @@ AnalysisSettings read_analysis(TomlTable table) {
   analysis.gate_distance_m = table.optional_number("gate_distance_m", {0.0, 20.0});
   analysis.gate_distance_sd_m =
       table.number_or("gate_distance_sd_m", analysis.gate_distance_sd_m, {1e-4, 20.0});
-  analysis.flash_time_sd_s =
-      1e-6 * table.number_or("flash_time_sd_us", 1e6 * analysis.flash_time_sd_s, {0.01, 100.0});
+  analysis.flash_time_sd_s = table.optional_number("flash_time_sd_us", {0.01, 100.0});
+  if (analysis.flash_time_sd_s) *analysis.flash_time_sd_s *= 1e-6;
   analysis.match_tolerance_percent =
       table.number_or("match_tolerance_percent", analysis.match_tolerance_percent, {0.001, 100.0});
   return analysis;

@@ -28,8 +28,9 @@ struct AnalysisSettings {
   std::optional<double> px_per_m_sd;
   std::optional<double> gate_distance_m;  ///< light gate to the point of touchdown, along the ball's path
   double gate_distance_sd_m = 0.05;
-  /// 0.01 to 100 us, key flash_time_sd_us; of a flash's time as its sensors give it.
-  double flash_time_sd_s = 2e-6;
+  /// 0.01 to 100 us, key flash_time_sd_us; of a flash's time as its sensors give it. Absent: each shot's own, see
+  /// host/assembly/flash_times.hpp.
+  std::optional<double> flash_time_sd_s;
   /// 0.001 to 100: a shot is rejected where plausible assignments of flashes to images differ by more, see
   /// host/session/rejection.hpp.
   double match_tolerance_percent = 1.0;

@@ -1,6 +1,8 @@
 #include "host/assembly/flash_times.hpp"
 
+#include <cmath>
 #include <limits>
+#include <random>
 
 #include "tests/host/synthetic_shot.hpp"
 #include "tests/support/string_from.hpp"
@@ -154,4 +156,42 @@ TEST(FlashTimesOfAShot, ALampDelayThatIsNotANumberCountsAsNone) {
   shot.lamp_delay_a_us = shot.lamp_delay_b_us = std::numeric_limits<double>::quiet_NaN();
   shot.flashes = {flash(0, 1'000'000, kNone, kNone)};
   CHECK_EQUAL(from_ns(1'000'100), flash_times(shot).seen[0].time);
+}
+
+TEST_GROUP(FlashTimeSd) {
+  shot_t shot{};
+
+  /// A hundred flashes of which the lamp lets each wait by its own time, normal with 1 us, and every tenth far longer.
+  void setup() override {
+    shot.sensor_a_fitted = shot.sensor_b_fitted = true;
+    std::mt19937 generator(3);
+    std::normal_distribution<double> jitter_ns(0.0, 1000.0);
+    for (int k = 0; k < 100; ++k) {
+      const std::int64_t pulse = 1'000'000 + 1'500'000 * k + (k % 3) * 700;  // wherever the pulse was
+      const std::int64_t seen =
+          pulse + 12'000 + std::llround(jitter_ns(generator)) + (k % 10 == 0 ? 90'000 : 0);
+      shot.flashes.push_back(flash(k, pulse, seen, seen));
+    }
+  }
+};
+
+TEST(FlashTimeSd, IsNoLargerThanWhatPulsesAndStampsAreApartBy) {
+  const FlashTimes times = flash_times(shot);
+  // A tenth far off makes the median absolute deviation larger by a seventh; of a hundred its sd is 0.12 of it.
+  DOUBLES_EQUAL(1.14e-6, times.seen.front().time_sd_s, 3 * 0.12e-6);
+  DOUBLES_EQUAL(times.seen.front().time_sd_s, times.seen.back().time_sd_s, 0.0);
+}
+
+TEST(FlashTimeSd, IsTheRigFilesWhereThatStatesIt) {
+  DOUBLES_EQUAL(5e-6, flash_times(shot, 5e-6).seen.front().time_sd_s, 0.0);
+}
+
+TEST(FlashTimeSd, OfFewFlashesOrLampsThatWaitDifferentlyIsTheDefault) {
+  for (flash_t& flash : shot.flashes) flash.observed_b_ns += flash.flash_index % 2 == 0 ? 30'000 : 0;
+  DOUBLES_EQUAL(strobe::host::kSensorTimeSd_s, flash_times(shot).seen.front().time_sd_s, 0.0);
+  shot.flashes.resize(33);
+  for (flash_t& flash : shot.flashes) flash.observed_a_ns = flash.observed_b_ns = flash.issue_end_ns + 12'000;
+  DOUBLES_EQUAL(strobe::host::kSensorTimeSd_s, flash_times(shot).seen.front().time_sd_s, 0.0);
+  shot.flashes.push_back(shot.flashes.back());
+  DOUBLES_EQUAL(strobe::host::kLeastSensorTimeSd_s, flash_times(shot).seen.front().time_sd_s, 0.0);
 }
