@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "common/messages/lcm_conversions.hpp"
 #include "common/messages/record.hpp"
@@ -22,7 +23,7 @@ using reduction::Frame;
 using strobe_msgs::frame_t;
 using strobe_msgs::shot_t;
 
-// A machine that has warmed up repeats its lag to about 10 ms.
+// A machine that has warmed up repeats its lag to about 10 ms, where the rig file does not say better.
 constexpr double kMachineLagScale_s = 0.010;
 
 double surface_angle_deg(const shot_t& shot, const AssemblySettings& settings) {
@@ -72,7 +73,10 @@ std::optional<ArrivalPrior> arrival_prior(const shot_t& shot, const Track& track
     return ArrivalPrior{to_seconds(gate - origin) + flight_s, scale_s};
   }
   if (known(trigger) && settings.machine_lag_s) {
-    return ArrivalPrior{to_seconds(trigger - origin) + *settings.machine_lag_s, kMachineLagScale_s};
+    const auto& sd = settings.analysis.machine_lag_sd_s;
+    // As narrow in its middle as a normal density with that sd.
+    const double scale_s = sd ? std::numbers::sqrt2 * *sd : kMachineLagScale_s;
+    return ArrivalPrior{to_seconds(trigger - origin) + *settings.machine_lag_s, scale_s};
   }
   return std::nullopt;
 }

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "host/assembly/contact_match.hpp"
+#include "host/assembly/flash_times.hpp"
 #include "host/assembly/image_track.hpp"
 
 namespace strobe::host {
@@ -120,7 +121,7 @@ SpacingNoise noise_of(const RigFile& rig, bool digitized) {
   const auto px_per_m = rig.camera.px_per_m ? rig.camera.px_per_m : rig.analysis.px_per_m;
   const double centre_sd =
       digitized && px_per_m ? kDigitizerSd_px / (*px_per_m * rig.ball.diameter_m) : kHandSdOfDiameter;
-  return {centre_sd, rig.analysis.flash_time_sd_s};
+  return {centre_sd, rig.analysis.flash_time_sd_s.value_or(kSensorTimeSd_s)};
 }
 
 Result<std::vector<Duration>> intervals_of(const ShotPlan& even, const SpacingNoise& noise) {

@@ -40,10 +40,10 @@ inline constexpr double kLeastSensorTimeSd_s = 10e-9;
 /// [s]
 inline constexpr double kIssuedTimeSd_s = 20e-6;
 
-/// sensor_time_sd_s: of a flash time that sensors give. Absent: what the shot itself tells. From pulse to stamp it takes
-/// the lamp's delay, which differs from flash to flash, and the stamp's error, which is independent of that: the stamps'
-/// sd is no larger than these intervals', of which half the flashes give a robust estimate (median absolute deviation;
-/// Rousseeuw, Croux, J. Am. Stat. Assoc. 88, 1993), nor than kSensorTimeSd_s.
+/// sensor_time_sd_s: of a flash time that sensors give. Absent: what the shot itself tells. From pulse to stamp it
+/// takes the lamp's delay, which differs from flash to flash, and the stamp's error, which is independent of that:
+/// the stamps' sd is no larger than these intervals', of which half the flashes give a robust estimate (median
+/// absolute deviation; Rousseeuw, Croux, J. Am. Stat. Assoc. 88, 1993), nor than kSensorTimeSd_s.
 FlashTimes flash_times(const strobe_msgs::shot_t& shot, std::optional<double> sensor_time_sd_s = {});
 
 }  // namespace strobe::host

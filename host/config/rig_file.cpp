@@ -41,6 +41,8 @@ AnalysisSettings read_analysis(TomlTable table) {
       table.number_or("gate_distance_sd_m", analysis.gate_distance_sd_m, {1e-4, 20.0});
   analysis.flash_time_sd_s = table.optional_number("flash_time_sd_us", {0.01, 100.0});
   if (analysis.flash_time_sd_s) *analysis.flash_time_sd_s *= 1e-6;
+  analysis.machine_lag_sd_s = table.optional_number("machine_lag_sd_ms", {0.01, 1000.0});
+  if (analysis.machine_lag_sd_s) *analysis.machine_lag_sd_s *= 1e-3;
   analysis.match_tolerance_percent =
       table.number_or("match_tolerance_percent", analysis.match_tolerance_percent, {0.001, 100.0});
   return analysis;

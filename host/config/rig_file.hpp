@@ -31,6 +31,8 @@ struct AnalysisSettings {
   /// 0.01 to 100 us, key flash_time_sd_us; of a flash's time as its sensors give it. Absent: each shot's own, see
   /// host/assembly/flash_times.hpp.
   std::optional<double> flash_time_sd_s;
+  /// 0.01 to 1000 ms, key machine_lag_sd_ms; of the machine's lag from shot to shot. Absent: not known.
+  std::optional<double> machine_lag_sd_s;
   /// 0.001 to 100: a shot is rejected where plausible assignments of flashes to images differ by more, see
   /// host/session/rejection.hpp.
   double match_tolerance_percent = 1.0;

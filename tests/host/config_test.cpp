@@ -89,7 +89,8 @@ TEST(RigFileOfTheHost, TakesItsOwnTablesAndLeavesTheFirmwares) {
       "rig = \"bench\"\nlcm_url = \"udpm://239.1.1.1:7000\"\n"
       "[lines]\nstrobe_a = { line = \"A\" }\n[lamps]\nwhatever = 3\n[machine]\nlag_ms = 310\npulse_ms = 20\n"
       "[plan]\nperiod_us = 2500\n"
-      "[ball]\ndiameter_m = 0.0660\n[analysis]\nphotograph_timeout_s = 2\nsurface_angle_deg = 1.5\n"
+      "[ball]\ndiameter_m = 0.0660\n[analysis]\nphotograph_timeout_s = 2\nmachine_lag_sd_ms = "
+      "3\nsurface_angle_deg = 1.5\n"
       "[record]\noperator = \"A. Author\"\ntemperature_c = 21.5\nframe_number = 12\n",
       "rig.toml");
   CHECK_TRUE(rig.has_value());
@@ -98,6 +99,8 @@ TEST(RigFileOfTheHost, TakesItsOwnTablesAndLeavesTheFirmwares) {
   DOUBLES_EQUAL(0.066, rig->ball.diameter_m, 0);
   DOUBLES_EQUAL(2, rig->analysis.photograph_timeout_s, 0);
   DOUBLES_EQUAL(1.5, *rig->analysis.surface_angle_deg, 0);
+  DOUBLES_EQUAL(3e-3, *rig->analysis.machine_lag_sd_s, 1e-18);
+  CHECK_FALSE(rig->analysis.flash_time_sd_s.has_value());
   DOUBLES_EQUAL(0.31, *rig->machine_lag_s, 1e-12);
   CHECK_EQUAL(Duration{microseconds{2500}}, rig->plan.even.period);
   STRCMP_EQUAL("21.5", rig->record.at("temperature_c").c_str());

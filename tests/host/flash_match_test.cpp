@@ -124,6 +124,20 @@ TEST(ArrivalPriors, TheGateWeighsAsMuchAsItsDistanceIsKnown) {
   CHECK_EQUAL(made.image_flash, flashes_of(host::assemble(made.shot, made.frame, settings)));
 }
 
+TEST(ArrivalPriors, TheMachinesLagWeighsAsMuchAsItsSdSays) {
+  // Places 3 ms apart as above: 10 ms of half-width where no sd is stated, else the root of two of it.
+  const SyntheticShot made = make_shot({});
+  host::AssemblySettings settings;
+  settings.machine_lag_s = kMachineLag_s;
+  const auto probability = [&] {
+    return host::assemble(made.shot, made.frame, settings).flashes->misassignment_probability;
+  };
+  const auto of_places = [](double places) { return 1.0 - std::tanh(places) / places; };
+  DOUBLES_EQUAL(of_places(std::numbers::pi * 10.0 / 3.0), probability(), 0.02);
+  settings.analysis.machine_lag_sd_s = 3e-3;
+  DOUBLES_EQUAL(of_places(std::numbers::pi * std::numbers::sqrt2), probability(), 0.02);
+}
+
 TEST(ArrivalPriors, OneImageBeforeTheBounceTellsNoSpeedForTheGate) {
   // The gate says 30 ms too late: without the ball's speed it says nothing, and the machine's lag counts.
   Scenario sc;

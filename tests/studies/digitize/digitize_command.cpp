@@ -94,6 +94,8 @@ void add_studies(CLI::App& command, Request& o) {
   command.add_option("--plan", o.plan, "Of --matches: plan file, TOML (default: the shipped rig file's)");
   command.add_option("--flash-time-sd-us", o.options.flash_time_sd_us, "Of --matches: as in the rig file")
       ->check(CLI::Range(0.01, 100.0));
+  command.add_option("--machine-lag-sd-ms", o.options.machine_lag_sd_ms, "Likewise")
+      ->check(CLI::Range(0.01, 1000.0));
   command
       .add_option("--issue-jitter-us", o.options.issue_jitter_us,
                   "Of --matches: by how much flashes come late")

@@ -123,6 +123,7 @@ Result<Done> run_shot(const Options& options, Take take) {
   host::AssemblySettings assembly = host::assembly_settings(rig);
   assembly.machine_lag_s = take.scene.machine.lag_s;
   if (options.flash_time_sd_us) assembly.analysis.flash_time_sd_s = 1e-6 * *options.flash_time_sd_us;
+  if (options.machine_lag_sd_ms) assembly.analysis.machine_lag_sd_s = 1e-3 * *options.machine_lag_sd_ms;
   auto frame =
       options.simulated ? measured_frame(*known, draws) : digitized_frame(options, *known, rig, shot);
   if (!frame) return tl::unexpected(frame.error());

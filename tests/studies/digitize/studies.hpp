@@ -32,8 +32,9 @@ struct Options {
   double ball_sd_mm = 0.0;         ///< by how much the chain's ball differs from what the rig file says
   std::vector<Duration>
       train;  ///< of the matches, as commanded, from the first flash; empty: even, as long as needed
-  double issue_jitter_us = 0.0;            ///< by how much its flashes are issued late
-  std::optional<double> flash_time_sd_us;  ///< of the matches, as a rig file's; empty: its default
+  double issue_jitter_us = 0.0;             ///< by how much its flashes are issued late
+  std::optional<double> flash_time_sd_us;   ///< of the matches, as a rig file's; empty: its default
+  std::optional<double> machine_lag_sd_ms;  ///< likewise
   bool simulated = false;  ///< of the matches: nothing is rendered, the digitizer is a normal error
   std::string save;        ///< folder for what went wrong
   std::string keep;        ///< Take::kept_in
