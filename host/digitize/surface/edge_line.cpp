@@ -9,13 +9,14 @@
 
 #include "common/geometry/regression.hpp"
 #include "host/digitize/core/statistics.hpp"
+#include "host/digitize/surface/edge_profile_samples.hpp"
 
 namespace strobe::digitize {
 namespace {
 
 constexpr int kProfiles = 240;
-constexpr int kHalfReach = 10;  // px to either side of the Hough line
-constexpr int kAlong = 5;       // columns averaged for one profile
+constexpr int kHalfReach = kProfileHalfReach_px;  // to either side of the Hough line
+constexpr int kAlong = 5;                         // columns averaged for one profile
 constexpr int kHalfStep = 2;
 constexpr int kBlocks = 12;  // of profiles with correlated errors
 constexpr double kInlier_px = 1.5;
@@ -26,23 +27,6 @@ struct Crossing {
   double rise = 0.0;
   int profile = 0;
 };
-
-/// Intensity on the columns around, down the rows across the line. Returns false where it is occluded or
-/// outside.
-bool profile(const Photograph& photograph, const OcclusionMask& occluded, int column, double row,
-             std::array<double, 2 * kHalfReach + 1>& intensity) {
-  const int top = static_cast<int>(std::lround(row)) - kHalfReach;
-  if (top < 0 || top + 2 * kHalfReach >= photograph.height()) return false;
-  if (column < kAlong / 2 || column + kAlong / 2 >= photograph.width()) return false;
-  for (int k = 0; k <= 2 * kHalfReach; k += kHalfReach / 2) {
-    if (occluded.at(column - kAlong / 2, top + k) || occluded.at(column + kAlong / 2, top + k)) return false;
-  }
-  for (int k = 0; k <= 2 * kHalfReach; ++k) {
-    const float* values = photograph.intensity.ptr<float>(top + k) + column - kAlong / 2;
-    intensity[static_cast<std::size_t>(k)] = std::accumulate(values, values + kAlong, 0.0) / kAlong;
-  }
-  return true;
-}
 
 /// The steepest rise, with sub-pixel position by a parabola.
 std::optional<Crossing> steepest(const std::array<double, 2 * kHalfReach + 1>& intensity, int column,
@@ -70,13 +54,13 @@ std::vector<Crossing> crossings(const Photograph& photograph, const PlaneMap& ma
                                 const OcclusionMask& occluded, const HoughLine& start, int& tried) {
   std::vector<Crossing> found;
   const int count = std::min(kProfiles, std::max(16, photograph.width() / kAlong));
-  std::array<double, 2 * kHalfReach + 1> intensity{};
   for (int i = 0; i < count; ++i) {
     const int column = static_cast<int>((i + 0.5) * photograph.width() / count);
     const double row = start.row_px + start.slope * (column - 0.5 * photograph.width());
-    if (!profile(photograph, occluded, column, row, intensity)) continue;
+    const auto samples = samples_across(photograph, occluded, column, row, kAlong);
+    if (!samples) continue;
     ++tried;
-    auto crossing = steepest(intensity, column, static_cast<int>(std::lround(row)) - kHalfReach);
+    auto crossing = steepest(samples->intensity, column, samples->top);
     if (!crossing) continue;
     crossing->plane = map.to_plane(crossing->plane);
     crossing->profile = i;

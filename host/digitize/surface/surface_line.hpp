@@ -15,7 +15,8 @@ namespace strobe::digitize {
 
 struct SurfaceLine {
   std::vector<cv::Point2d> points;  ///< plane px, left to right, at least 2
-  double sd_px = 0.0;               ///< of each coordinate of a point
+  double sd_px =
+      0.0;  ///< of each coordinate of a point, seen from the balls: what all of them are off alike is in it
   /// Distance of the front and back edges of a plate seen from above, else 0. The balls' plane cuts the plate
   /// somewhere between: the line lies half-way, and sd_px covers both.
   double edge_separation_px = 0.0;

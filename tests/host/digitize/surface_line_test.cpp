@@ -31,6 +31,21 @@ Photograph stepped(const std::vector<double>& rows, double slope = 0.0, double f
   return photograph;
 }
 
+/// Scratches of many lengths on the plate, up to the edge at `row`, on what stepped() paints at a slope of .013.
+Photograph uneven(Photograph photograph, double row, std::uint64_t seed) {
+  cv::RNG random(seed);
+  for (int scratch = 0; scratch < 40; ++scratch) {
+    const int from = random.uniform(0, kWidth), length = random.uniform(3, 25);
+    const double lighter = random.gaussian(0.03), deep = random.uniform(0.0, 4.0);
+    for (int x = from; x < std::min(kWidth, from + length); ++x) {
+      const int top = static_cast<int>(std::ceil(row + 0.013 * (x - 300) + deep));
+      for (int y = top; y < std::min(kHeight, top + 6); ++y)
+        photograph.intensity.at<float>(y, x) += static_cast<float>(lighter);
+    }
+  }
+  return photograph;
+}
+
 Outline ball_at(double x, double y) {
   Outline outline;
   outline.centre = {x, y};
@@ -57,6 +72,35 @@ TEST(SurfaceLine, OfAPlateSeenEdgeOnIsItsEdge) {
   DOUBLES_EQUAL(0.0, line->edge_separation_px, 0.0);
   DOUBLES_EQUAL(0.0, height_above(*line, {300.0, kHeight - 1 - 220.3}), 0.1);
   CHECK_TRUE(height_sd_px(*line) < 0.15);
+}
+
+TEST(SurfaceLine, OfASaturatedPlateLiesWhereItsEdgeIsAndNotWhereTheLightIsCutOff) {
+  // Twice and four times as light as what saturates: the steepest rise of what is left lies .3 and .8 px too high.
+  for (const double share : {2.0, 4.0}) {
+    Photograph photograph = stepped({220.3}, 0.01, share * 5.0);
+    cv::min(photograph.intensity, 1.0, photograph.intensity);
+    const auto line = found(photograph);
+    CHECK_TRUE(line.has_value());
+    const double off = height_above(*line, {300.0, kHeight - 1 - 220.3});
+    DOUBLES_EQUAL(0.0, off, 0.15);
+    // What the lens's tails leave unknown is said.
+    CHECK_TRUE(std::abs(off) < 4.0 * height_sd_px(*line));
+  }
+}
+
+TEST(SurfaceLine, IsAsFarFromTheTruthAsItsSdSays) {
+  // Errors over sds of 60 pictures with uneven plates: the rms of as many numbers errs by 1/sqrt(120) = 9 %, and the
+  // sds themselves, of 8 and 24 blocks, by a tenth: 3 such sds are .4.
+  double squares = 0.0;
+  constexpr int kPictures = 60;
+  for (int k = 0; k < kPictures; ++k) {
+    const double row = 218.0 + 0.05 * k;
+    const auto line = found(uneven(stepped({row}, 0.013), row, static_cast<std::uint64_t>(k) + 7));
+    CHECK_TRUE(line.has_value());
+    // Of four points, the mean's variance is a quarter of one's.
+    squares += std::pow(height_above(*line, {300.0, kHeight - 1 - row}) / (0.5 * line->sd_px), 2);
+  }
+  DOUBLES_EQUAL(1.0, std::sqrt(squares / kPictures), 0.4);
 }
 
 TEST(SurfaceLine, OfAPlateSeenFromAboveLiesBetweenItsEdgesAndSaysSo) {

@@ -1,0 +1,228 @@
+#include "host/digitize/surface/edge_refinement.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "host/digitize/core/statistics.hpp"
+#include "host/digitize/surface/edge_profile_samples.hpp"
+#include "host/digitize/surface/step_fit.hpp"
+
+namespace strobe::digitize {
+namespace {
+
+constexpr int kStepProfiles = 240;
+constexpr int kStepColumns = 5;  // averaged for one profile
+constexpr std::size_t kLeastProfiles = 12;
+// Profiles of one block err alike. Long blocks hold what a scratch or uneven light does; but errors that come and go
+// with the edge's place between two rows cancel within them and not at the line's ends, as short ones tell.
+constexpr std::size_t kLongBlocks = 8, kShortBlocks = 24;
+constexpr std::size_t kProfilesForBlur = 24;
+// Of any lens that is in focus, up to where the samples' reach holds 3 sd.
+constexpr double kLeastBlur_px = 0.2, kMostBlur_px = 3.0, kBlurRatio = 1.5;
+// For a normal sample 95 % efficient, and blind to what is farther out (Beaton and Tukey, Technometrics 16, 1974).
+constexpr double kBiweight_sd = 4.685;
+constexpr double kSdOfMedian = 1.4826;  // of absolute values, for a normal sample
+constexpr int kRounds = 6;
+constexpr double kCutOff_px = 1.0;
+
+struct Profile {
+  EdgeSamples samples;
+  int column = 0;
+  double along = 0.0;              ///< the photograph, 0 to 1
+  double start = 0.0;              ///< index of the samples
+  double least = 0.0, most = 0.0;  ///< of the samples
+};
+
+/// Where the edge crosses a profile. Plane px from the middle of the edge that is refined.
+struct Place {
+  double x = 0.0, y = 0.0;
+  double along = 0.0;  ///< the photograph, 0 to 1
+  double weight = 1.0;
+};
+
+/// Height at x = 0, and slope.
+using Coefficients = Eigen::Vector2d;
+
+double off(const Coefficients& line, const Place& p) { return p.y - line[0] - line[1] * p.x; }
+
+struct NormalEquations {
+  Eigen::Matrix2d matrix = Eigen::Matrix2d::Zero();
+  Eigen::Vector2d right = Eigen::Vector2d::Zero();
+  void add(const Place& p) {
+    const Eigen::Vector2d by(1.0, p.x);
+    matrix += p.weight * by * by.transpose();
+    right += p.weight * p.y * by;
+  }
+  Coefficients solve() const { return matrix.ldlt().solve(right); }
+};
+
+/// By iteratively reweighted least squares; leaves the weights in the places.
+Coefficients robust_line(std::vector<Place>& places, double slope) {
+  std::vector<double> values;
+  for (const Place& p : places) values.push_back(p.y - slope * p.x);
+  Coefficients line(upper_median(std::move(values)), slope);
+  for (int round = 0; round < kRounds; ++round) {
+    std::vector<double> away;
+    for (const Place& p : places) away.push_back(std::abs(off(line, p)));
+    const double reach = std::max(1e-9, kBiweight_sd * kSdOfMedian * upper_median(std::move(away)));
+    NormalEquations equations;
+    for (Place& p : places) {
+      const double share = off(line, p) / reach;
+      p.weight = std::abs(share) < 1.0 ? (1.0 - share * share) * (1.0 - share * share) : 0.0;
+      equations.add(p);
+    }
+    line = equations.solve();
+  }
+  return line;
+}
+
+/// By the jackknife, a block left out at a time (Efron and Tibshirani, An introduction to the bootstrap, 1993, chapter
+/// 11).
+Eigen::Matrix2d covariance(const std::vector<Place>& places, const Coefficients& line, std::size_t count) {
+  NormalEquations all;
+  std::vector<NormalEquations> blocks(count);
+  for (Place p : places) {
+    p.y = off(line, p);
+    all.add(p);
+    blocks[static_cast<std::size_t>(p.along * static_cast<double>(count))].add(p);
+  }
+  Eigen::Matrix2d sum = Eigen::Matrix2d::Zero();
+  double used = 0.0;
+  for (const NormalEquations& block : blocks) {
+    if (block.matrix(0, 0) <= 0.0) continue;
+    used += 1.0;
+    const NormalEquations others{all.matrix - block.matrix, all.right - block.right};
+    const Coefficients without = others.solve();
+    sum += without * without.transpose();
+  }
+  // Two of the blocks' degrees of freedom are the line's; two more make up for the few others (Student's t).
+  if (used < 5.0) return Eigen::Matrix2d::Identity();
+  return sum * ((used - 1.0) / used * (used - 2.0) / (used - 4.0));
+}
+
+/// Of height and slope.
+Eigen::Vector2d variances(const std::vector<Place>& places, const Coefficients& line) {
+  return 0.5 * (covariance(places, line, kLongBlocks) + covariance(places, line, kShortBlocks)).diagonal();
+}
+
+class Profiles {
+ public:
+  Profiles(const Photograph& photograph, const PlaneMap& map, const OcclusionMask& occluded,
+           const EdgeLine& edge)
+      : photograph_(photograph), map_(map), edge_(edge) {
+    const int count = std::min(kStepProfiles, std::max(16, photograph.width() / kStepColumns));
+    for (int i = 0; i < count; ++i) {
+      const int column = static_cast<int>((i + 0.5) * photograph.width() / count);
+      const double row = row_of(column);
+      const auto samples = samples_across(photograph, occluded, column, row, kStepColumns);
+      if (!samples) continue;
+      const auto [least, most] = std::ranges::minmax(samples->intensity);
+      profiles_.push_back({*samples, column, (i + 0.5) / count, row - samples->top, least, most});
+    }
+  }
+
+  /// The blur that leaves the least residuals: of a coarse grid, then thrice a parabola's.
+  StepShape shape(Blur blur) const {
+    StepShape best{blur, kLeastBlur_px};
+    double least = 1e300;
+    const auto attempt = [&](double sd_px) {
+      const double of = misfit({blur, sd_px});
+      if (of < least) least = of, best.sd_px = sd_px;
+      return of;
+    };
+    for (double sd_px = kLeastBlur_px; sd_px < kMostBlur_px; sd_px *= kBlurRatio) attempt(sd_px);
+    for (const double ratio : {1.2, 1.06, 1.02}) {
+      const double middle = best.sd_px, of = least;
+      const double below = attempt(middle / ratio), above = attempt(middle * ratio);
+      const double bend = below - 2.0 * of + above;
+      if (bend > 0.0) attempt(middle * std::pow(ratio, std::clamp(0.5 * (below - above) / bend, -1.0, 1.0)));
+    }
+    return best;
+  }
+
+  std::size_t size() const { return profiles_.size(); }
+  bool saturated() const {
+    return std::ranges::any_of(profiles_, [&](const Profile& p) { return p.most >= full(); });
+  }
+
+  std::vector<Place> places(const StepShape& shape) const {
+    std::vector<Place> places;
+    for (const Profile& profile : profiles_) {
+      const auto fit = fit_step(profile.samples.intensity, full(), profile.start, shape);
+      if (!fit) continue;
+      const cv::Point2d at =
+          map_.to_plane({static_cast<double>(profile.column), profile.samples.top + fit->at}) - edge_.middle;
+      places.push_back({at.x, at.y, profile.along});
+    }
+    return places;
+  }
+
+ private:
+  double full() const { return kSaturatedShare * static_cast<double>(photograph_.saturation); }
+
+  /// The edge's row in a column of the photograph.
+  double row_of(int column) const {
+    cv::Point2d image(column, 0.5 * photograph_.height());
+    for (int k = 0; k < 4; ++k)
+      image.y = map_.to_image({map_.to_plane(image).x, edge_.at(map_.to_plane(image).x)}).y;
+    return image.y;
+  }
+
+  /// Of the three quarters that fit best: scratches do not count.
+  double misfit(const StepShape& shape) const {
+    const std::size_t every = std::max<std::size_t>(1, profiles_.size() / kProfilesForBlur);
+    std::vector<double> squares;
+    for (std::size_t i = 0; i < profiles_.size(); i += every) {
+      const Profile& p = profiles_[i];
+      const auto fit = fit_step(p.samples.intensity, full(), p.start, shape);
+      squares.push_back(fit ? fit->squares / ((p.most - p.least) * (p.most - p.least)) : 1.0);
+    }
+    std::ranges::sort(squares);
+    squares.resize(squares.size() * 3 / 4);
+    double sum = 0.0;
+    for (const double s : squares) sum += s;
+    return sum;
+  }
+
+  const Photograph& photograph_;
+  const PlaneMap& map_;
+  const EdgeLine& edge_;
+  std::vector<Profile> profiles_;
+};
+
+/// The steepest rise of an edge that is cut off is some px to the dark side of it.
+EdgeLine as_it_is(EdgeLine edge, bool saturated) {
+  if (saturated) edge.sd_px = std::hypot(edge.sd_px, kCutOff_px);
+  return edge;
+}
+
+}  // namespace
+
+EdgeLine refine_edge_line(const Photograph& photograph, const PlaneMap& map, const OcclusionMask& occluded,
+                          const EdgeLine& edge) {
+  const Profiles profiles(photograph, map, occluded, edge);
+  std::vector<Place> places = profiles.places(profiles.shape(Blur::normal));
+  if (places.size() < kLeastProfiles) return as_it_is(edge, profiles.saturated());
+  const Coefficients line = robust_line(places, edge.slope);
+  Eigen::Vector2d variance = variances(places, line);
+  if (profiles.saturated()) {
+    // What tails the lens's blur has is not known, and they place an edge of which only the foot is seen.
+    std::vector<Place> others = profiles.places(profiles.shape(Blur::logistic));
+    if (others.size() < kLeastProfiles) return as_it_is(edge, true);
+    const Coefficients by_tails = robust_line(others, edge.slope) - line;
+    variance += by_tails.cwiseAbs2();
+  }
+  if (!line.allFinite() || !variance.allFinite()) return edge;
+  EdgeLine refined = edge;
+  refined.middle.y += line[0];
+  refined.slope = line[1];
+  refined.sd_px = std::sqrt(variance[0]);
+  refined.slope_sd = std::sqrt(variance[1]);
+  return refined;
+}
+
+}  // namespace strobe::digitize
