@@ -61,14 +61,16 @@ OutlineMatrix outline_covariance(const FittedSectors& sectors, const OutlineMatr
     }
   }
   Square covariance = inverse * meat * inverse * (kSdFactor * kSdFactor);
-  // Errors that adjacent sectors share are not shared across the ball.
+  // Errors that adjacent sectors share are not quite shared across the ball; but the terminator lies further in on all
+  // sides.
   for (int pattern = 0; pattern < 3; ++pattern) {
+    const double share = pattern == 0 ? 1.0 : 1.0 / std::numbers::sqrt2;
     Vector pull{};
     for (std::size_t i = 0; i < sectors.gradients.size(); ++i) {
       const double along = pattern == 0 ? 1.0 : sectors.gradients[i][pattern - 1];
       pull += sectors.offsets.weight[i] * along * sectors.offsets.common_sd[i] * sectors.gradients[i];
     }
-    const Vector moved = inverse * pull * (1.0 / std::numbers::sqrt2);
+    const Vector moved = inverse * pull * share;
     covariance += moved * moved.t();
   }
   const double misfit = kMisfit * sigma_px * sigma_px / radius_px;

@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "host/digitize/core/covariance.hpp"
 #include "host/digitize/outline/outline_covariance.hpp"
@@ -28,7 +29,7 @@ class Fit {
  public:
   Fit(const SectorSamples& samples, std::span<const OutlineShape> neighbours,
       const OutlineFitSettings& settings, const OutlineShape& start, double sigma)
-      : samples_(samples),
+      : samples_(&samples),
         neighbours_(neighbours),
         settings_(settings),
         start_radius_(start.radius),
@@ -60,6 +61,13 @@ class Fit {
     return true;
   }
 
+  /// Half an outline hardly tells its radius and its centre apart, and reaches them in small steps.
+  bool is_moving() const {
+    constexpr double kSettled_px = 0.05;
+    return offsets_.half_lit &&
+           std::max({std::abs(change_[0]), std::abs(change_[1]), std::abs(change_[2])}) > kSettled_px;
+  }
+
   /// After the last step.
   FittedOutline result() const {
     FittedOutline fitted;
@@ -73,7 +81,7 @@ class Fit {
   }
 
  private:
-  int count() const { return samples_.count(); }
+  int count() const { return samples_->count(); }
 
   int used() const {
     return static_cast<int>(
@@ -82,10 +90,10 @@ class Fit {
 
   void measure(bool coarse) {
     const double most = 2.0 * std::max(sigma_, 0.7);
-    const ProfileTable profiles = sector_profiles(samples_, shape_.radius, sigma_);
+    const ProfileTable profiles = sector_profiles(*samples_, shape_.radius, sigma_);
     for (int i = 0; i < count(); ++i) {
       SectorEdge& edge = offsets_.edges[static_cast<std::size_t>(i)];
-      edge = fit_sector(samples_, i, shape_, neighbours_, profiles, sigma_, coarse);
+      edge = fit_sector(*samples_, i, shape_, neighbours_, profiles, sigma_, coarse);
       edge.offset_px = std::clamp(edge.offset_px, -most, most);
     }
     if (!coarse) downweight_shadow(offsets_, sigma_);
@@ -166,8 +174,8 @@ class Fit {
       trusts += offsets_.robust[at];
       visible[at] = offsets_.robust[at] > 0.1;
       seen += visible[at] ? 1 : 0;
-      fitted.saturated_fraction += (samples_.saturated_fraction(i) > 0.3 ? 1.0 : 0.0) / count();
-      fitted.outside_fraction += (samples_.inside_fraction(i) < 0.5 ? 1.0 : 0.0) / count();
+      fitted.saturated_fraction += (samples_->saturated_fraction(i) > 0.3 ? 1.0 : 0.0) / count();
+      fitted.outside_fraction += (samples_->inside_fraction(i) < 0.5 ? 1.0 : 0.0) / count();
     }
     fitted.visible_fraction = static_cast<double>(seen) / count();
     fitted.rms_px = trusts > 0.0 ? std::sqrt(squares / trusts) : 0.0;
@@ -189,7 +197,7 @@ class Fit {
     return found;
   }
 
-  const SectorSamples& samples_;
+  const SectorSamples* samples_;
   std::span<const OutlineShape> neighbours_;
   OutlineFitSettings settings_;
   double start_radius_;
@@ -217,6 +225,12 @@ std::optional<FittedOutline> fit_outline(const Photograph& photograph, const Loc
   Fit fit(samples, neighbours, settings, start, sigma_px);
   for (int step = 0; step < settings.steps; ++step)
     if (!fit.step(step < settings.coarse_steps)) return std::nullopt;
+  constexpr int kMostFurther = 10;
+  for (int further = 0; further < kMostFurther && fit.is_moving(); ++further) {
+    Fit next = fit;
+    if (!next.step(false)) break;
+    fit = std::move(next);
+  }
   return fit.result();
 }
 

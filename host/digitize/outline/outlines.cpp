@@ -18,9 +18,9 @@ namespace strobe::digitize {
 namespace {
 
 constexpr double kLargeBlur = 1.3;
-// A centre less certain than this share of the diameter tells no speed: images are about a diameter apart, and a
-// percent is wanted. Whether it is a ball's is another question (outliers/selection.hpp).
-constexpr double kMaxSdOfDiameter = 0.02;
+// A centre less certain than this share of the diameter tells no speed: images are about a diameter apart, a leg has
+// three or more, and a percent or two is wanted. Whether it is a ball's is another question (outliers/selection.hpp).
+constexpr double kMaxSdOfDiameter = 0.03;
 // Offsets are sought within two sd of the blur; those of no outline at all lie anywhere there, with an rms of
 // 2/sqrt(3) = 1.15 sd, give or take .1 over 24 sectors.
 constexpr double kMaxRmsOfBlur = 1.0;

@@ -336,15 +336,16 @@ SectorEdge fit_sector(const SectorSamples& samples, int index, const OutlineShap
   project(normal, free, all);
   const Residuals residuals(normal, noise2);
   const auto shadow = residuals.shadow_depth(samples.window_px(), coarse);
-  if (!shadow || !(residuals.step() + residuals.root() * profiles.at(2.0 * sigma_px).root > 0.0)) {
-    SectorEdge none;
-    none.no_edge = true;
-    return none;
+  const bool rises = residuals.step() + residuals.root() * profiles.at(2.0 * sigma_px).root > 0.0;
+  SectorEdge edge;
+  if (shadow && rises) {
+    edge = residuals.edge();
+    edge.sd_px = std::hypot(edge.sd_px, *shadow);
+  } else {
+    edge.no_edge = true;
   }
-  SectorEdge edge = residuals.edge();
-  edge.sd_px = std::hypot(edge.sd_px, *shadow);
-  const double rounding = std::max(0.0, residuals.root()) * std::sqrt(sigma_px / samples.window_px());
-  edge.limb_ratio = rounding / std::max(residuals.step(), 1e-3 * rounding);
+  edge.step = residuals.step();
+  edge.rounding = residuals.root() * std::sqrt(sigma_px / samples.window_px());
   return edge;
 }
 

@@ -21,7 +21,8 @@ struct SectorEdge {
   double sigma_change = 0.0;  ///< suggested change of the blur, times sigma_weight
   double sigma_weight = 0.0;  ///< inverse variance of that change
   bool no_edge = false;       ///< intensity does not rise here though an edge would be visible
-  double limb_ratio = 0.0;    ///< rise by the limb's curvature over a blur's width, over the step at the limb
+                              /// Rise of intensity at the limb, and by its curvature over a blur's width.
+  double step = 0.0, rounding = 0.0;
   double offset_by_sigma = 0.0;  ///< d(offset)/d(blur)
 };
 

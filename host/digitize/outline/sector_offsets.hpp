@@ -16,6 +16,7 @@ struct SectorOffsets {
   std::vector<double> robust;       ///< Tukey's weight, 0 to 1
   std::vector<double> sensitivity;  ///< 1/px², of the fit to a sector's offset (Tukey's psi')
   std::vector<double> common_sd;    ///< px, of the error that adjacent sectors share
+  bool half_lit = false;            ///< an eighth of the outline or more lies in shadow
   double extra_variance = 0.0;      ///< beyond the sectors' own
 };
 
@@ -23,8 +24,8 @@ struct SectorOffsets {
 void reweight(SectorOffsets& offsets, std::span<const double> residuals);
 
 /// Where most sectors around have no edge the limb is in shadow, and a single edge belongs to something
-/// else. Next to it the limb fades into the terminator, which lies further inside: those sectors share an
-/// error.
+/// else. Next to it, and on a half-lit ball as far as the light is oblique, the limb fades into the terminator, which
+/// lies further inside: those sectors share an error.
 void downweight_shadow(SectorOffsets& offsets, double sigma_px);
 
 }  // namespace strobe::digitize
