@@ -22,9 +22,9 @@ namespace strobe::host {
 
 /// What the images can tell.
 struct SpacingNoise {
-  double centre_sd_of_diameter =
-      0.0;                       ///< of a coordinate of a centre, as a share of the ball's diameter; > 0
-  double flash_time_sd_s = 0.0;  ///< of a flash's time
+  /// Of a coordinate of a centre, as a share of the ball's diameter; > 0.
+  double centre_sd_of_diameter = 0.0;
+  double flash_time_sd_s = 0.0;
 };
 
 /// Intervals between `flashes` flashes, in order. Fails, for a person, where no code of so many flashes exists whose
@@ -34,8 +34,8 @@ Result<std::vector<Duration>> coded_intervals(Duration period, std::size_t flash
 
 struct SpacedPlan {
   PlanFile plan;
-  std::string
-      remark;  ///< which train it became and why, for a person; empty where the plan says it by itself
+  /// Which train it became and why, for a person; empty where the plan says it by itself.
+  std::string remark;
 };
 
 /// The plan with the intervals that Spacing::coded stands for, else as it is; even where no code is possible.

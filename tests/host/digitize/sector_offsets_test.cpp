@@ -41,7 +41,7 @@ TEST_GROUP(SectorOffsets){};
 TEST(SectorOffsets, OfAHalfLitBallShareAnErrorAsFarAsLightIsOblique) {
   const SectorOffsets offsets = outline(40);
   CHECK_TRUE(offsets.half_lit);
-  // Next to the terminator the curvature adds as much as the step is worth, and the step is within a blur's width of it.
+  // Next to the terminator the curvature adds more than the step.
   CHECK_COMPARE(common(offsets, 40), >, 0.3 * kSigma_px);
   // Beyond the reach of single edges, with a step twice the rounding's.
   CHECK_COMPARE(common(offsets, 45), >, kSigma_px / 8.0);
