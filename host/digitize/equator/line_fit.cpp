@@ -13,13 +13,19 @@ constexpr int kMaxSegments = 24;
 constexpr double kMinSegment_px = 5.0;
 constexpr int kRounds = 3;
 
-/// Least squares of one segment: level, gradient, darkness, shift times contrast.
+using SegmentTerms = cv::Vec<double, 5>;
+using SegmentNormal = cv::Matx<double, 5, 5>;
+
+/// Least squares of one segment: level, gradient, darkness, shift times contrast, and the share by which the
+/// neighbours' light was subtracted amiss, which makes a step where a neighbour's image ends.
 struct Sums {
-  cv::Matx44d normal;
-  cv::Vec4d right;
+  SegmentNormal normal;
+  SegmentTerms right;
+  SegmentTerms widening;  ///< the right side of a line whose half width is a radius more
   double square = 0.0;
   double along = 0.0;
   double weight = 0.0;
+  double others = 0.0;  ///< the neighbours' light over the ball's
   double count = 0.0;
   double information = 0.0;  ///< weight on the line's flanks
 };
@@ -43,6 +49,13 @@ void add(Sums& s, const LinePoint& point, double along, double f, double dark, d
   s.normal(1, 1) += gradient * f * lit;
   s.right[0] += level * x;
   s.right[1] += gradient * x;
+  // Light adds up, and the variance is the sum of the squares.
+  const double others = std::sqrt(std::max(0.0, 1.0 / w - 1.0));
+  s.others += w * others;
+  s.normal(4, 0) += level * others;
+  s.normal(4, 1) += gradient * others;
+  s.normal(4, 4) += w * others * others;
+  s.right[4] += w * others * x;
   s.square += w * x * x;
   s.weight += w;
   s.count += 1.0;
@@ -53,10 +66,15 @@ void add(Sums& s, const LinePoint& point, double along, double f, double dark, d
   s.normal(3, 0) += level * derivative;
   s.normal(3, 1) += gradient * derivative;
   s.normal(3, 2) -= w * dark * derivative;
+  s.normal(4, 2) -= w * others * dark;
+  s.normal(4, 3) += w * others * derivative;
   const double information = w * derivative * derivative;
   s.normal(3, 3) += information;
   s.right[2] -= w * dark * x;
   s.right[3] += w * derivative * x;
+  // Both edges move outwards: derivative is positive below the line and negative above.
+  const double wider = -w * std::abs(derivative);
+  s.widening += wider * SegmentTerms(lit, lit * f, -dark, derivative, others);
   s.along += information * along;
   s.information += information;
 }
@@ -78,28 +96,44 @@ std::vector<Sums> sum_segments(std::span<const LinePoint> points, const EquatorL
   return sums;
 }
 
+/// From here on the neighbours' light counts by how it differs from its mean: even, it is told from the ball's by the
+/// line's darkness only.
+void centre_others(Sums& s, double contrast) {
+  SegmentNormal centre = SegmentNormal::eye();
+  const double mean = s.others / s.weight;
+  centre(0, 4) = -mean;
+  centre(2, 4) = mean * contrast;
+  s.normal = centre.t() * s.normal * centre;
+  s.right = centre.t() * s.right;
+  s.widening = centre.t() * s.widening;
+}
+
 Segments measure_segments(std::span<const LinePoint> points, const EquatorLine& line, int count) {
   const double within = 1.7 * line.shape.reach() + 0.02;
   Segments result;
   for (Sums& s : sum_segments(points, line, within, count)) {
     if (s.count < 20.0 || s.information <= 0.0) continue;
-    for (int a = 0; a < 4; ++a)
+    for (int a = 0; a < 5; ++a)
       for (int b = 0; b < a; ++b) s.normal(b, a) = s.normal(a, b);
-    // A weak prior of the gradient, which is degenerate with the shift where one flank is hidden.
+    centre_others(s, line.contrast);
+    // Weak priors of the gradient, which is degenerate with the shift where one flank is hidden, and of the neighbours'
+    // light, which is degenerate where it is even.
     s.normal(1, 1) += 0.02 * s.weight * within * within;
+    s.normal(4, 4) += 0.002 * s.weight;
     bool solved = false;
-    const cv::Matx44d inverse = s.normal.inv(cv::DECOMP_CHOLESKY, &solved);
+    const SegmentNormal inverse = s.normal.inv(cv::DECOMP_CHOLESKY, &solved);
     if (!solved) continue;
-    const cv::Vec4d fit = inverse * s.right;
+    const SegmentTerms fit = inverse * s.right;
     Segment segment;
     segment.along = s.along / s.information;
     segment.contrast = fit[2];
     segment.contrast_sd = std::sqrt(inverse(2, 2));
+    segment.widening = (inverse * s.widening)[3];
     result.segments.push_back(segment);
     result.shift.push_back(fit[3]);
     result.shift_variance.push_back(inverse(3, 3));
     result.residual += std::max(0.0, s.square - fit.dot(s.right));
-    result.degrees_of_freedom += std::max(0.0, s.count - 4.0);
+    result.degrees_of_freedom += std::max(0.0, s.count - 5.0);
   }
   return result;
 }
@@ -130,7 +164,7 @@ class Regression {
 
   /// Updates the line and its statistics. Returns false if it is not determined.
   bool run() {
-    cv::Vec3d change;
+    cv::Vec4d change;
     for (int round = 0; round < kMaxRounds; ++round) {
       const double variance = scale_ > 0.0 ? scale_ * scale_ : fit_.expected_scatter;
       if (!solve(variance, change)) return false;
@@ -158,22 +192,25 @@ class Regression {
   static constexpr double kParameters = 2.5;  // the priors take half of one
   static constexpr double kMaxTilt_rad = 0.45;
 
-  cv::Vec3d row(const Segment& s) const {
-    return {s.along * cos_tilt_, 1.0, std::sqrt(std::max(0.0, 1.0 - s.along * s.along)) * cos_tilt_};
+  cv::Vec4d row(const Segment& s) const {
+    return {s.along * cos_tilt_, 1.0, std::sqrt(std::max(0.0, 1.0 - s.along * s.along)) * cos_tilt_,
+            s.widening};
   }
 
   /// `variance`: of offsets times weight, against which the priors count.
-  void add_priors(double variance, cv::Matx33d& normal) const {
+  void add_priors(double variance, cv::Matx44d& normal) const {
     normal(1, 1) += variance / (settings_.offset_sd * settings_.offset_sd);
     normal(2, 2) += variance / (settings_.tilt_sd * settings_.tilt_sd);
+    const double width_sd = ShapeGrid::kHalfWidthSd * fit_.line.shape.half_width;
+    normal(3, 3) += variance / (width_sd * width_sd);
   }
 
-  bool solve(double variance, cv::Vec3d& change) {
-    cv::Matx33d normal;
-    cv::Vec3d right;
+  bool solve(double variance, cv::Vec4d& change) {
+    cv::Matx44d normal;
+    cv::Vec4d right;
     for (std::size_t k = 0; k < raw_.size(); ++k) {
       const Segment& s = fit_.segments[k];
-      const cv::Vec3d x = row(s);
+      const cv::Vec4d x = row(s);
       const double w = s.weight * s.inlier_weight;
       right += x * (w * raw_[k]);
       normal += (x * x.t()) * w;
@@ -182,7 +219,7 @@ class Regression {
     right[1] -= variance / (settings_.offset_sd * settings_.offset_sd) * fit_.line.offset;
     right[2] -= variance / (settings_.tilt_sd * settings_.tilt_sd) * fit_.line.tilt_rad;
     bool solved = false;
-    const cv::Matx33d inverse = normal.inv(cv::DECOMP_CHOLESKY, &solved);
+    const cv::Matx44d inverse = normal.inv(cv::DECOMP_CHOLESKY, &solved);
     if (!solved) return false;
     change = inverse * right;
     fit_.angle_variance = inverse(0, 0);
@@ -226,14 +263,14 @@ class Regression {
 
   /// With full weights, as mean psi' accounts for the outliers.
   void set_angle_variance() {
-    cv::Matx33d normal;
+    cv::Matx44d normal;
     for (const Segment& s : fit_.segments) {
-      const cv::Vec3d x = row(s);
+      const cv::Vec4d x = row(s);
       normal += (x * x.t()) * s.weight;
     }
     add_priors(fit_.scatter, normal);
     bool solved = false;
-    const cv::Matx33d inverse = normal.inv(cv::DECOMP_CHOLESKY, &solved);
+    const cv::Matx44d inverse = normal.inv(cv::DECOMP_CHOLESKY, &solved);
     if (solved) fit_.angle_variance = inverse(0, 0);
   }
 

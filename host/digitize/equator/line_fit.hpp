@@ -1,6 +1,7 @@
 // From a coarse line to its angle: the line is cut into segments, the offset of each is measured, and a
 // straight line (or half an ellipse) is fitted to the offsets robustly. Seams, print and neighbours make
-// outliers of some segments; the residuals of the others give the standard deviation, whatever the felt.
+// outliers of some segments; where a neighbour's limb hides one edge of the line, the line's width and the
+// neighbour's light are fitted too; the residuals of the others give the standard deviation, whatever the felt.
 // Thread-safe; allocates.
 #pragma once
 
@@ -13,9 +14,10 @@
 namespace strobe::digitize {
 
 struct Segment {
-  double along = 0.0;   ///< u' of its middle, radii
-  double offset = 0.0;  ///< residual across the fitted line, radii
-  double weight = 0.0;  ///< inverse variance of `offset`, up to a factor common to all
+  double along = 0.0;     ///< u' of its middle, radii
+  double offset = 0.0;    ///< residual across the fitted line, radii
+  double weight = 0.0;    ///< inverse variance of `offset`, up to a factor common to all
+  double widening = 0.0;  ///< of `offset`, as the half width grows: 0 if both edges are seen, to 1 or -1
   double contrast = 0.0;
   double contrast_sd = 0.0;    ///< up to the same factor's root
   double inlier_weight = 1.0;  ///< 1 inlier, to 0 outlier

@@ -79,7 +79,7 @@ void LineProfile::add(const LineProfile& other) {
 
 ShapeGrid::ShapeGrid(double radius) {
   const double softest = std::max(0.004, 0.5 / radius);
-  for (double half = 0.012; half < 0.13; half *= 1.25) {
+  for (double half = 0.012; half < 0.13; half *= kHalfWidthStep) {
     for (double soft = softest; soft < 0.05; soft *= 1.7) {
       const LineShape shape{half, soft};
       if (shape.reach() > 0.8 * kWithin) continue;

@@ -31,6 +31,9 @@ struct LineProfile {
 /// A grid of line shapes that are compared with profiles.
 class ShapeGrid {
  public:
+  static constexpr double kHalfWidthStep = 1.25;  ///< from one half width to the next
+  /// Of the true half width, relative: uniform between two of the grid.
+  static constexpr double kHalfWidthSd = (kHalfWidthStep - 1.0) / 3.4641;  // root of 12
   /// `radius`: the ball's in bins, which limit how sharp a line can look.
   explicit ShapeGrid(double radius);
   /// The shape with the least squares, of those that are darker than their surroundings.
