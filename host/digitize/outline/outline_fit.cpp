@@ -64,7 +64,7 @@ class Fit {
   /// Half an outline hardly tells its radius and its centre apart, and reaches them in small steps.
   bool is_moving() const {
     constexpr double kSettled_px = 0.05;
-    return offsets_.half_lit &&
+    return offsets_.half_lit && 4 * used() >= count() &&
            std::max({std::abs(change_[0]), std::abs(change_[1]), std::abs(change_[2])}) > kSettled_px;
   }
 
@@ -225,8 +225,7 @@ std::optional<FittedOutline> fit_outline(const Photograph& photograph, const Loc
   Fit fit(samples, neighbours, settings, start, sigma_px);
   for (int step = 0; step < settings.steps; ++step)
     if (!fit.step(step < settings.coarse_steps)) return std::nullopt;
-  constexpr int kMostFurther = 10;
-  for (int further = 0; further < kMostFurther && fit.is_moving(); ++further) {
+  for (int further = 0; further < settings.further_steps && fit.is_moving(); ++further) {
     Fit next = fit;
     if (!next.step(false)) break;
     fit = std::move(next);

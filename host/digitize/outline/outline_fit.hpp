@@ -19,6 +19,7 @@ using OutlineMatrix = cv::Matx<double, kOutlineParameters, kOutlineParameters>;
 struct OutlineFitSettings {
   int steps = 4;            ///< Gauss-Newton steps
   int coarse_steps = 2;     ///< the first of these, from a start that may be off by more than a px
+  int further_steps = 0;    ///< at most so many more where half an outline is seen and still moves
   double sectors_px = 8.0;  ///< length of a sector
   double rays_px = 1.0;     ///< distance of the rays along which intensity is sampled
   /// How far out and in the profile is sampled, beyond three sd of the blur.

@@ -149,6 +149,7 @@ class OutlineFitter {
     OutlineFitSettings settings;
     settings.steps = settings_.effort == Effort::fast ? 4 : sweep == 0 ? 3 : 2;
     settings.coarse_steps = sweep == 0 ? 2 : 0;
+    settings.further_steps = settings_.effort == Effort::fast || sweep > 0 ? 16 : 0;
     settings.sectors_px = settings_.effort == Effort::fast ? 12.0 : 8.0;
     settings.rays_px = settings_.effort == Effort::fast || sweep == 0 ? 2.0 : 1.0;
     settings.oval_sd = oval_sd();
