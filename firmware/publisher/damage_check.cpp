@@ -5,12 +5,12 @@
 namespace strobe::firmware {
 
 bool DamageCheck::step() {
-  const LogReader::Step step = log_.advance(record_);
-  if (step == LogReader::Step::record) {
+  const wire::LogReader::Step step = log_.advance(record_);
+  if (step == wire::LogReader::Step::record) {
     damaged_ += record_.offset - whole_end_;
     whole_end_ = log_.at();
   }
-  return step != LogReader::Step::end;
+  return step != wire::LogReader::Step::end;
 }
 
 std::string DamageCheck::finding() const {

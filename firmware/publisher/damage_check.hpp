@@ -1,7 +1,7 @@
 // Looks through a whole journal for damage between its records, in bounded steps. Not real-time; one thread's.
 #pragma once
 
-#include "firmware/publisher/log_reader.hpp"
+#include "common/wire/log_reader.hpp"
 
 namespace strobe::firmware {
 
@@ -9,7 +9,7 @@ class DamageCheck {
  public:
   DamageCheck(const std::filesystem::path& path, std::int64_t boot_id) : log_(path), boot_id_(boot_id) {}
 
-  /// Reads at most one record and LogReader::kPart_bytes of the file. Returns false at its end.
+  /// Reads at most one record and wire::LogReader::kPart_bytes of the file. Returns false at its end.
   bool step();
   /// What was found so far, in words of at most 160 characters; empty: nothing. What follows the last whole
   /// record is not counted.
@@ -18,8 +18,8 @@ class DamageCheck {
   std::int64_t bytes_read() const { return log_.bytes_read(); }
 
  private:
-  LogReader log_;
-  LogRecord record_;
+  wire::LogReader log_;
+  wire::LogRecord record_;
   std::int64_t boot_id_;
   std::int64_t whole_end_ = 0;  ///< where the last whole record ends
   std::int64_t damaged_ = 0;    ///< bytes between whole records

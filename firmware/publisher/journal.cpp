@@ -21,7 +21,7 @@
 
 namespace strobe::firmware {
 
-std::optional<JournalEntry> entry_of(const LogRecord& record) {
+std::optional<JournalEntry> entry_of(const wire::LogRecord& record) {
   if (record.channel.ends_with("/EVENT")) {
     strobe_msgs::event_t event{};
     if (!messages::decode_checked(event, record.bytes.data(), record.bytes.size())) return std::nullopt;

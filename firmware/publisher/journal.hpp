@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "common/result.hpp"
-#include "firmware/publisher/log_reader.hpp"
+#include "common/wire/log_reader.hpp"
 #include "firmware/publisher/messages.hpp"
 
 namespace strobe::firmware {
@@ -75,6 +75,6 @@ class Journal {
 };
 
 /// Returns nullopt unless the record is an event or a shot that can be decoded.
-std::optional<JournalEntry> entry_of(const LogRecord& record);
+std::optional<JournalEntry> entry_of(const wire::LogRecord& record);
 
 }  // namespace strobe::firmware

@@ -107,9 +107,9 @@ Contents contents_from(const JournalFile& file, std::int64_t begin) {
   Contents contents;
   contents.boot_id = file.boot_id;
   contents.begin = contents.whole_end = begin;
-  LogReader log(file.path);
+  wire::LogReader log(file.path);
   log.seek(begin);
-  for (LogRecord record; log.next(record);) {
+  for (wire::LogRecord record; log.next(record);) {
     const auto entry = entry_of(record);
     if (!contents.any && begin > 0) {
       // The reading began anywhere: what looks like a record may be a part of one.
@@ -144,13 +144,13 @@ Contents end_of(const JournalFile& file, bool find_shot) {
 
 /// What begins in a journal's torn end, in words: "an EVENT", "zeros" ...
 std::string tail_in_words(const fs::path& path, std::int64_t from) {
-  std::array<char, kLogHeaderSize + 64> bytes{};
+  std::array<char, wire::kLogHeaderSize + 64> bytes{};
   std::ifstream file(path, std::ios::binary);
   file.seekg(from);
   file.read(bytes.data(), bytes.size());
   const std::string_view begin(bytes.data(), static_cast<std::size_t>(file.gcount()));
   if (begin.find_first_not_of('\0') == std::string_view::npos) return "zeros";
-  if (!begin.starts_with(kLogSync_bytes.substr(0, begin.size()))) return "no record";
+  if (!begin.starts_with(wire::kLogSync_bytes.substr(0, begin.size()))) return "no record";
   for (const std::string_view kind : {"/EVENT", "/SHOT"}) {
     if (begin.find(kind) != std::string_view::npos) return std::string("a torn ").append(kind.substr(1));
   }

@@ -217,7 +217,7 @@ void Publisher::resend_some() {
     resend_.emplace(journal_path(settings_.session, wanted->boot_id), wanted->sequences);
   }
   const std::int64_t until = resend_->bytes_read() + kTurn_bytes;
-  LogRecord record;
+  wire::LogRecord record;
   for (std::size_t sent = 0; sent < kResendBatch && resend_->bytes_read() < until;) {
     const RangeReader::Step step = resend_->step(record);
     if (step == RangeReader::Step::done) return resend_.reset();

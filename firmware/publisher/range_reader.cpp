@@ -24,7 +24,7 @@ void RangeReader::narrow(std::int64_t begin, std::int64_t end) {
   log_.seek(found() ? begin_ : middle_);
 }
 
-RangeReader::Step RangeReader::step(LogRecord& record) {
+RangeReader::Step RangeReader::step(wire::LogRecord& record) {
   if (over_) return Step::done;
   if (found()) return collect(record);
   halve();
@@ -33,11 +33,11 @@ RangeReader::Step RangeReader::step(LogRecord& record) {
 
 /// One step of the search for a record behind the middle, and once it is found, of the halving.
 void RangeReader::halve() {
-  LogRecord record;
-  const LogReader::Step step = log_.advance(record);
-  if (step == LogReader::Step::end || (step == LogReader::Step::searching && log_.at() >= end_))
+  wire::LogRecord record;
+  const wire::LogReader::Step step = log_.advance(record);
+  if (step == wire::LogReader::Step::end || (step == wire::LogReader::Step::searching && log_.at() >= end_))
     return narrow(begin_, middle_);
-  if (step == LogReader::Step::searching) return;
+  if (step == wire::LogReader::Step::searching) return;
   const auto entry = entry_of(record);
   // The search began anywhere: what looks like a record may be a part of one.
   if (!entry) return log_.seek(record.offset + 1);
@@ -45,10 +45,10 @@ void RangeReader::halve() {
   narrow(begin_, middle_);
 }
 
-RangeReader::Step RangeReader::collect(LogRecord& record) {
-  const LogReader::Step step = log_.advance(record);
-  over_ = step == LogReader::Step::end;
-  if (step != LogReader::Step::record) return over_ ? Step::done : Step::searching;
+RangeReader::Step RangeReader::collect(wire::LogRecord& record) {
+  const wire::LogReader::Step step = log_.advance(record);
+  over_ = step == wire::LogReader::Step::end;
+  if (step != wire::LogReader::Step::record) return over_ ? Step::done : Step::searching;
   const auto entry = entry_of(record);
   if (!entry || entry->sequences.last < wanted_.first) return Step::searching;
   if (entry->kind == Message::Kind::shot) {

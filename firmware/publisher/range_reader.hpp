@@ -14,19 +14,19 @@ class RangeReader {
   RangeReader(const std::filesystem::path& path, const SequenceRange& wanted);
 
   enum class Step { message, searching, done };
-  /// Reads at most one record and LogReader::kPart_bytes of the file. `message`: the next of the range's events,
+  /// Reads at most one record and wire::LogReader::kPart_bytes of the file. `message`: the next of the range's events,
   /// or of the shots that any of them belongs to.
-  Step step(LogRecord& record);
+  Step step(wire::LogRecord& record);
   /// From the file so far.
   std::int64_t bytes_read() const { return log_.bytes_read(); }
 
  private:
-  bool found() const { return end_ - begin_ <= static_cast<std::int64_t>(LogReader::kPart_bytes); }
+  bool found() const { return end_ - begin_ <= static_cast<std::int64_t>(wire::LogReader::kPart_bytes); }
   void halve();
   void narrow(std::int64_t begin, std::int64_t end);
-  Step collect(LogRecord& record);
+  Step collect(wire::LogRecord& record);
 
-  LogReader log_;
+  wire::LogReader log_;
   SequenceRange wanted_;
   /// The first record of the range begins here or behind, ...
   std::int64_t begin_ = 0;

@@ -9,8 +9,8 @@
 #include "common/authentication/seal.hpp"
 #include "common/messages/plan_lcm.hpp"
 #include "common/messages/well_formed.hpp"
+#include "common/wire/log_reader.hpp"
 #include "firmware/core/pulse_schedule.hpp"
-#include "firmware/publisher/log_reader.hpp"
 
 namespace strobe::firmware {
 
@@ -47,8 +47,8 @@ namespace {
 
 /// No value may look like a journal's record, which the journal's readers search for.
 bool good_note(const strobe_msgs::note_t& note) {
-  return note.value.find(kLogSync_bytes) == std::string::npos && !note.key.empty() && note.key.size() <= 64 &&
-         note.value.size() <= 1024 &&
+  return note.value.find(wire::kLogSync_bytes) == std::string::npos && !note.key.empty() &&
+         note.key.size() <= 64 && note.value.size() <= 1024 &&
          note.key.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_.") == std::string::npos;
 }
 

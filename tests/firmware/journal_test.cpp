@@ -76,8 +76,8 @@ TEST(Journal, IsALogThatLcmReads) {
 
 TEST(Journal, CanBeReadWhileItIsWritten) {
   auto journal = Journal::create(folder.path(), kBoot);
-  LogReader reader(journal->path());
-  LogRecord record;
+  wire::LogReader reader(journal->path());
+  wire::LogRecord record;
   CHECK_FALSE(reader.next(record));
   for (std::int64_t k = 1; k <= 3; ++k) {
     CHECK(journal->append({event(k)}, 0).has_value());

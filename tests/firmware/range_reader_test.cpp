@@ -44,7 +44,7 @@ TEST_GROUP(RangeReader) {
   std::string read(std::int64_t first, std::int64_t last) {
     RangeReader reader(path, {first, last});
     std::string words;
-    LogRecord record;
+    wire::LogRecord record;
     for (;;) {
       const std::int64_t before = reader.bytes_read();
       const RangeReader::Step step = reader.step(record);
@@ -77,7 +77,7 @@ TEST(RangeReader, FindsEveryRangeWithTheShotsAmongIt) {
 TEST(RangeReader, ReadsLittleOfAJournalForARange) {
   const auto size = static_cast<std::int64_t>(std::filesystem::file_size(path));
   CHECK(size > 2'500'000);
-  constexpr auto kPart = static_cast<std::int64_t>(LogReader::kPart_bytes);
+  constexpr auto kPart = static_cast<std::int64_t>(wire::LogReader::kPart_bytes);
   for (std::int64_t first = 1; first < kEvents; first += 997) {
     read(first, first + 9);
     CHECK(bytes <= 20 * kPart);

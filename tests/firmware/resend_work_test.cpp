@@ -114,7 +114,7 @@ TEST(ResendWork, OfATurnIsBoundedHoweverMuchIsAskedFor) {
   }
   CHECK(turns > 100 && turns < 100'000);
   // One part or record beyond, what a stream reads ahead (8 KiB), and /proc/self/io itself.
-  CHECK(most_bytes <= Publisher::kTurn_bytes + 2 * static_cast<std::int64_t>(LogReader::kPart_bytes));
+  CHECK(most_bytes <= Publisher::kTurn_bytes + 2 * static_cast<std::int64_t>(wire::LogReader::kPart_bytes));
   CHECK(most_messages <= 128);
 }
 
@@ -199,7 +199,7 @@ TEST(ResendWork, LooksThroughTheLastJournalForDamageWithoutDelayingTheStart) {
     const std::int64_t before = bytes_read();
     publisher->turn();
     CHECK(bytes_read() - before <=
-          Publisher::kTurn_bytes + 2 * static_cast<std::int64_t>(LogReader::kPart_bytes));
+          Publisher::kTurn_bytes + 2 * static_cast<std::int64_t>(wire::LogReader::kPart_bytes));
   }
   CHECK_EQUAL(2, bus.newest[kThisBoot]);
   const std::string told = strobe::testing::read_text(journal->path());

@@ -8,8 +8,8 @@
 #include <fstream>
 #include <string>
 
+#include "common/wire/log_reader.hpp"
 #include "firmware/publisher/journal_folder.hpp"
-#include "firmware/publisher/log_reader.hpp"
 #include "firmware/publisher/range_reader.hpp"
 #include "tests/fuzz/require.hpp"
 
@@ -25,8 +25,8 @@ std::filesystem::path folder() {
 }
 
 int records_of(const std::filesystem::path& path, std::size_t size) {
-  strobe::firmware::LogReader reader(path);
-  strobe::firmware::LogRecord record;
+  strobe::wire::LogReader reader(path);
+  strobe::wire::LogRecord record;
   int records = 0;
   while (reader.next(record)) {
     ++records;
@@ -40,7 +40,7 @@ int records_of(const std::filesystem::path& path, std::size_t size) {
 void read_range(const std::filesystem::path& path, std::size_t size, const strobe::SequenceRange& wanted) {
   using strobe::firmware::RangeReader;
   RangeReader reader(path, wanted);
-  strobe::firmware::LogRecord record;
+  strobe::wire::LogRecord record;
   const std::size_t most = 64 * (size + 64);
   std::size_t steps = 0;
   for (RangeReader::Step step{}; step != RangeReader::Step::done; ++steps) {

@@ -12,17 +12,17 @@
 
 #include "common/authentication/packet_seal.hpp"
 #include "common/shot/shot_key.hpp"
-#include "firmware/publisher/log_reader.hpp"
+#include "common/wire/log_reader.hpp"
 
 namespace strobe::loss {
 
 namespace {
 
-using firmware::LogReader;
-using firmware::LogRecord;
 using strobe_msgs::event_t;
 using strobe_msgs::readout_t;
 using strobe_msgs::shot_t;
+using wire::LogReader;
+using wire::LogRecord;
 
 using EventKey = std::pair<std::int64_t, std::int64_t>;  // boot, sequence
 

@@ -14,8 +14,8 @@ struct PlacedEntry : firmware::JournalEntry {
 
 inline std::vector<PlacedEntry> journal_entries(const std::filesystem::path& path) {
   std::vector<PlacedEntry> entries;
-  firmware::LogReader log(path);
-  for (firmware::LogRecord record; log.next(record);) {
+  wire::LogReader log(path);
+  for (wire::LogRecord record; log.next(record);) {
     if (const auto entry = firmware::entry_of(record)) entries.push_back({*entry, record.offset});
   }
   return entries;

@@ -1,4 +1,4 @@
-#include "firmware/publisher/log_reader.hpp"
+#include "common/wire/log_reader.hpp"
 
 #include <string>
 
@@ -7,7 +7,7 @@
 #include <CppUTest/TestHarness.h>
 
 using namespace strobe;
-using namespace strobe::firmware;
+using namespace strobe::wire;
 
 namespace {
 

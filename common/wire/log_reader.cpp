@@ -1,13 +1,14 @@
-#include "firmware/publisher/log_reader.hpp"
+#include "common/wire/log_reader.hpp"
 
 #include <algorithm>
 #include <array>
 
-namespace strobe::firmware {
+namespace strobe::wire {
 
 namespace {
 
-constexpr std::uint32_t kLongestChannel = 1000;
+constexpr std::uint32_t kLongestLogChannel = 1000;  // as for LCM's own reader
+
 std::uint32_t big_endian(const std::uint8_t* bytes) {
   return std::uint32_t{bytes[0]} << 24 | std::uint32_t{bytes[1]} << 16 | std::uint32_t{bytes[2]} << 8 |
          std::uint32_t{bytes[3]};
@@ -43,7 +44,7 @@ bool LogReader::read_record(std::int64_t offset, LogRecord& record) {
   std::array<std::uint8_t, kLogHeaderSize> header{};
   if (!read(offset, header.data(), header.size()) || big_endian(header.data()) != kLogSyncWord) return false;
   const std::uint32_t channel = big_endian(&header[20]), data = big_endian(&header[24]);
-  if (channel == 0 || channel > kLongestChannel || data > kLargestMessage_bytes) return false;
+  if (channel == 0 || channel > kLongestLogChannel || data > kLargestMessage_bytes) return false;
   std::vector<std::uint8_t> body(std::size_t{channel} + data);
   if (!read(offset + static_cast<std::int64_t>(header.size()), body.data(), body.size())) return false;
   record.offset = offset;
@@ -76,4 +77,4 @@ bool LogReader::next(LogRecord& record) {
   return step == Step::record;
 }
 
-}  // namespace strobe::firmware
+}  // namespace strobe::wire

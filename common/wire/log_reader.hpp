@@ -11,7 +11,7 @@
 
 #include "common/wire/lcm_log_record.hpp"
 
-namespace strobe::firmware {
+namespace strobe::wire {
 
 struct LogRecord {
   std::int64_t offset = 0;   ///< of the record in the file
@@ -53,9 +53,7 @@ class LogReader {
   std::int64_t bytes_read_ = 0;
 };
 
-using wire::kLogSync_bytes;
-using wire::kLogSyncWord;
 /// Sync word, number, time, channel's length, data's length.
 inline constexpr std::size_t kLogHeaderSize = 28;
 
-}  // namespace strobe::firmware
+}  // namespace strobe::wire
