@@ -51,6 +51,16 @@ Result<void> mend(RecordFile& file, const std::string& text, std::ptrdiff_t full
 
 }  // namespace
 
+std::string csv_field(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  std::string result = "\"";
+  for (const char c : text) {
+    if (c == '"') result += '"';
+    result += c;
+  }
+  return result + "\"";
+}
+
 Result<CsvFile> CsvFile::open(const std::filesystem::path& path, const std::string& header,
                               const std::string& earlier) {
   auto file = RecordFile::open(path, RecordFile::Use::shared);

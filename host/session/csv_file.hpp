@@ -11,6 +11,9 @@
 
 namespace strobe::host {
 
+/// A cell as it stands in a line: in quotes where need be (RFC 4180).
+std::string csv_field(const std::string& text);
+
 class CsvFile {
  public:
   /// Opens for appending; writes the header if the file is new. A last line without its end is closed if it has
@@ -23,6 +26,9 @@ class CsvFile {
   /// One write per line, or lines: those of several processes do not mix. What cannot be written waits and is
   /// tried again (record_file.hpp).
   Result<void> append(const std::string& line);
+
+  /// Columns at the end of the header that the file, an earlier version's, does not have.
+  std::size_t left_out() const { return static_cast<std::size_t>(left_out_); }
 
   RecordFile& file() { return file_; }
   const RecordFile& file() const { return file_; }

@@ -7,6 +7,8 @@
 #include <optional>
 #include <string_view>
 
+#include "host/session/data_dictionary.hpp"
+
 namespace strobe::host {
 namespace {
 
@@ -29,10 +31,7 @@ std::optional<Number> take_number(std::string_view& text, int base) {
 
 }  // namespace
 
-std::string flashes_header() {
-  return "boot_id,shot_id,flash_index,lamps,commanded_ns,issue_start_ns,issue_end_ns,observed_a_ns,"
-         "observed_b_ns,extra_edges";
-}
+std::string flashes_header() { return csv_header(flashes_columns()); }
 
 namespace {
 

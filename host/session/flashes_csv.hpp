@@ -1,7 +1,5 @@
 // flashes.csv: the record of every flash of every shot, one line each, appended over any number of runs.
-// Columns: boot_id (hex), shot_id, flash_index, lamps (a, b or ab), commanded_ns, issue_start_ns,
-// issue_end_ns, observed_a_ns, observed_b_ns (the firmware's CLOCK_MONOTONIC; sensors' delays subtracted),
-// extra_edges. What was not there is empty. Writes a file; one thread's.
+// The columns of data_dictionary.hpp. What was not there is empty. Writes a file; one thread's.
 #pragma once
 
 #include <cstdint>

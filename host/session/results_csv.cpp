@@ -2,7 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <span>
+
 #include "host/config/notes.hpp"
+#include "host/session/csv_file.hpp"
+#include "host/session/data_dictionary.hpp"
 
 namespace strobe::host {
 namespace {
@@ -10,20 +14,6 @@ namespace {
 using reduction::kQuantityCount;
 using reduction::Quantities;
 using reduction::Quantity;
-
-std::string csv_field(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string result = "\"";
-  for (const char c : text) {
-    if (c == '"') result += '"';
-    result += c;
-  }
-  return result + "\"";
-}
-
-void add_names(std::string& header, const std::string& prefix) {
-  for (const std::string_view name : reduction::kQuantityNames) header += fmt::format(",{}{}", prefix, name);
-}
 
 void add_values(std::string& line, const Quantities& values) {
   for (std::size_t i = 0; i < kQuantityCount; ++i) {
@@ -63,18 +53,11 @@ void add_flashes(std::string& line, const std::optional<reduction::ImagedFlashes
 }  // namespace
 
 std::string earlier_results_header() {
-  std::string header = "utc,boot_id,shot_id,rejected";
-  add_names(header, "");
-  add_names(header, "sd_");
-  add_names(header, "sd_systematic_");
-  header += ",regime,court_pace_conforming,method,mirrored,flags";
-  for (const std::string_view key : kNamedNotes) header += fmt::format(",{}", key);
-  return header + ",other_notes";
+  constexpr std::size_t kAddedLater = 3;
+  return csv_header(std::span(results_columns()).first(results_columns().size() - kAddedLater));
 }
 
-std::string results_header() {
-  return earlier_results_header() + ",first_flash,last_flash,misassignment_probability";
-}
+std::string results_header() { return csv_header(results_columns()); }
 
 std::string results_line(const ShotResult& shot_result, const std::string& utc) {
   const reduction::Readout& readout = shot_result.readout;

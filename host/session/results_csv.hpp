@@ -7,10 +7,7 @@
 
 namespace strobe::host {
 
-/// Columns: utc, boot_id (hex), shot_id, rejected (why, else empty), each quantity, sd_<quantity>,
-/// sd_systematic_<quantity>, regime, court_pace_conforming, method, mirrored, flags (separated by ;), the
-/// named notes of notes.hpp, other_notes (key=value separated by ;), first_flash, last_flash, misassignment_probability
-/// (ImagedFlashes). What could not be had is empty. New columns come last and hold plain numbers.
+/// The columns of data_dictionary.hpp. What could not be had is empty. New columns come last and hold plain numbers.
 std::string results_header();
 /// As it was before first_flash.
 std::string earlier_results_header();

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <lcm/lcm-cpp.hpp>
 #include <new>
+#include <span>
 #include <system_error>
 
 #include "common/authentication/packet_seal.hpp"
@@ -14,6 +15,7 @@
 #include "common/messages/channels.hpp"
 #include "common/messages/well_formed.hpp"
 #include "common/shot/shot_key.hpp"
+#include "host/session/data_dictionary.hpp"
 
 namespace strobe::host {
 namespace {
@@ -28,6 +30,15 @@ Result<void> keep(const fs::path& path, std::string_view text, const std::string
   if (!fs::exists(path, error)) return config::write_file(path, text);
   if (config::read_file(path.string()) == text) return {};
   return config::write_file(path.parent_path() / (path.stem().string() + "-" + utc + ".toml"), text);
+}
+
+/// Beside the table, again where another version wrote it.
+Result<void> describe(const fs::path& table, std::string_view title, std::span<const Column> columns) {
+  const fs::path path = table.string() + "-metadata.json";
+  const std::string text = data_dictionary(table.filename().string(), title, columns);
+  std::error_code error;
+  if (fs::exists(path, error) && config::read_file(path.string()) == text) return {};
+  return config::write_file(path, text);
 }
 
 /// "2 FRAME, 1 READOUT"
@@ -63,6 +74,13 @@ Result<std::unique_ptr<SessionFolder>> SessionFolder::open(const fs::path& folde
   if (!results) return tl::unexpected(results.error());
   auto flashes = FlashesCsv::open(folder / "flashes.csv");
   if (!flashes) return tl::unexpected(flashes.error());
+  const auto& columns = results_columns();
+  if (auto told = describe(folder / "results.csv", "Results, one row per shot",
+                           std::span(columns).first(columns.size() - results->left_out()));
+      !told)
+    return tl::unexpected(told.error());
+  if (auto told = describe(folder / "flashes.csv", "Flashes, one row each", flashes_columns()); !told)
+    return tl::unexpected(told.error());
   auto log = EventLog::create(folder, utc);
   if (!log) return tl::unexpected(log.error());
   if (!config::sync_folder(folder))

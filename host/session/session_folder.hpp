@@ -1,6 +1,7 @@
-// What a host keeps of a session: DIR/host-<UTC>.lcmlog (every message received, its own readouts),
-// results.csv, flashes.csv, and the rig, plan and calibration files as used. A failing disk stops no
-// call: it is told (take_failures), and what was not written is counted (unstored). Writes files; one thread's.
+// What a host keeps of a session: DIR/host-<UTC>.lcmlog (every message received, its own readouts), results.csv and
+// flashes.csv with their data dictionaries (data_dictionary.hpp), and the rig, plan and calibration files as used. A
+// failing disk stops no call: it is told (take_failures), and what was not written is counted (unstored). Writes files;
+// one thread's.
 #pragma once
 
 #include <array>

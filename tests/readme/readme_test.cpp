@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "common/reduction/flags.hpp"
+#include "common/reduction/readout.hpp"
 #include "tests/readme/markdown.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/string_from.hpp"
@@ -63,6 +64,7 @@ void imitate_repository(const fs::path& folder) {
     fs::create_symlink(kRoot / name, folder / name);
   fs::create_directories(folder / "build/release");
   fs::create_symlink(kPrograms, folder / "build/release/bin");
+  fs::create_symlink(kPrograms.parent_path() / "lib", folder / "build/release/lib");
   fs::create_directory(folder / "firmware");
   std::string rig = strobe::testing::read_text(kRoot / "firmware/rig.toml");
   rig = replaced(rig, "\nabort_late_us = 1500 ", "\nabort_late_us = 1000000 ");
@@ -218,4 +220,10 @@ TEST(Readme, EveryFlagOfAReadoutIsDescribed) {
   const std::set<std::string> described(cells.begin(), cells.end());
   for (const std::string_view flag : strobe::reduction::kFlagNames)
     CHECK_TEXT(described.count(std::string(flag)) == 1, std::string(flag).c_str());
+}
+
+TEST(Readme, EveryQuantityOfAReadoutIsDescribed) {
+  const std::string text = text_of("common/reduction/README.md");
+  for (const std::string_view quantity : strobe::reduction::kQuantityNames)
+    CHECK_TEXT(text.find(fmt::format("`{}`", quantity)) != std::string::npos, std::string(quantity).c_str());
 }
