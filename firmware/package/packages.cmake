@@ -56,6 +56,7 @@ set(CPACK_DEBIAN_STROBED_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 set(CPACK_DEBIAN_STROBE_PACKAGE_NAME strobe)
 set(CPACK_DEBIAN_STROBE_DESCRIPTION "strobe fires series of shots at a rig that strobed runs, digitizes the
 photographs and shows velocities, spin, restitution and friction after each
-shot. strobe-sim stands in for the rig. The LCM message types are included.")
-set(CPACK_DEBIAN_STROBE_PACKAGE_SUGGESTS "strobed, gnuplot-nox")
+shot. strobe-sim stands in for the rig. The LCM message types are included, also
+as Python modules and, where a JDK was there, as a jar for lcm-spy.")
+set(CPACK_DEBIAN_STROBE_PACKAGE_SUGGESTS "strobed, gnuplot-nox, python3-numpy, parallel, liblcm-java")
 include(CPack)

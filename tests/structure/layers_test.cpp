@@ -44,7 +44,7 @@ const std::map<std::string, std::vector<Layer>> kLayers{
           "host/digitize/outline", "host/digitize/surface", "host/digitize/transfer", "host/messages",
           "host/thesis/figures"},
          {"host/digitize/path", "host/session"},
-         {"host/digitize/outliers", "host/view"},
+         {"host/digitize/outliers", "host/export", "host/view"},
          {"host/commands/frontier", "host/digitize", "host/thesis/tables"},
          {"host/commands/reduce", "host/digitize/corrections", "host/digitize/overlay", "host/photographs"},
          {"host/loop"},

@@ -1,0 +1,82 @@
+#include "host/export/table_files.hpp"
+
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <system_error>
+
+#include "common/config/files.hpp"
+#include "host/session/csv_file.hpp"
+
+namespace strobe::host {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<Column> columns_of(const MessageRow& row) {
+  std::vector<Column> columns;
+  for (const MessageCell& cell : row.cells) {
+    columns.push_back({cell.name, cell.datatype, unit_of_field(cell.name), cell.meaning});
+  }
+  return columns;
+}
+
+}  // namespace
+
+std::string csv_line(const MessageRow& row) {
+  std::string line;
+  for (const MessageCell& cell : row.cells)
+    line += (&cell == &row.cells.front() ? "" : ",") + csv_field(cell.text);
+  return line + "\n";
+}
+
+std::string csv_names(const MessageRow& row) { return csv_header(columns_of(row)) + "\n"; }
+
+fs::path TableFiles::path_of(const std::string& table, const char* ending) const {
+  return folder_ / (table + ending);
+}
+
+TableFiles::Table& TableFiles::table_of(const MessageRow& row) {
+  const auto [entry, is_new] = tables_.try_emplace(row.table);
+  Table& table = entry->second;
+  if (!is_new) return table;
+  table.columns = columns_of(row);
+  const fs::path path = path_of(row.table, ".csv.part");
+  table.file.reset(std::fopen(path.c_str(), "wb"));
+  if (!table.file) {
+    if (problem_.empty()) problem_ = path.string() + ": " + std::strerror(errno);
+    return table;
+  }
+  std::fputs(csv_names(row).c_str(), table.file.get());
+  return table;
+}
+
+void TableFiles::add(const MessageRow& row) {
+  Table& table = table_of(row);
+  ++rows_[row.table];
+  const std::string line = csv_line(row);
+  if (table.file) std::fwrite(line.data(), 1, line.size(), table.file.get());
+}
+
+Result<void> TableFiles::finish(const std::string& name, Table& table) {
+  const fs::path part = path_of(name, ".csv.part"), path = path_of(name, ".csv");
+  const bool written = std::ferror(table.file.get()) == 0 && std::fflush(table.file.get()) == 0 &&
+                       ::fsync(::fileno(table.file.get())) == 0;
+  if (!written) return fail(part.string() + ": " + std::strerror(errno != 0 ? errno : EIO));
+  table.file.reset();
+  if (::rename(part.c_str(), path.c_str()) != 0) return fail(path.string() + ": " + std::strerror(errno));
+  return config::write_file(path.string() + "-metadata.json",
+                            data_dictionary(name + ".csv", "Messages of an LCM log: " + name, table.columns));
+}
+
+Result<void> TableFiles::close() {
+  if (!problem_.empty()) return fail(problem_);
+  for (auto& [name, table] : tables_) {
+    if (auto finished = finish(name, table); !finished) return finished;
+  }
+  if (!config::sync_folder(folder_)) return fail(folder_.string() + ": " + std::strerror(errno));
+  return {};
+}
+
+}  // namespace strobe::host
