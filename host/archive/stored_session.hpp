@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <strobe_msgs/frame_t.hpp>
@@ -35,6 +36,7 @@ struct StoredShot {
   std::optional<strobe_msgs::shot_t> summary;       ///< absent: the firmware ended during the shot
   std::vector<Digitization> digitizations;          ///< oldest first; the newest counts
   std::optional<std::filesystem::path> photograph;  ///< kept in the session
+  std::shared_ptr<const RigFile> rig;               ///< as the run that fired it used it; never null
   ShotResult result;                                ///< of the newest digitization
 };
 
@@ -42,12 +44,13 @@ struct StoredShot {
 struct StoredRun {
   std::string utc;
   std::int64_t host_id = 0;
-  std::string version;        ///< of strobe; empty in folders of versions that kept no runs
-  std::string operator_name;  ///< login name and machine
-  int shots = 0;              ///< asked for
-  bool until = false;         ///< `shots` counts the whole session's, not this run's
-  reduction::Record notes;    ///< --spin, --angle, --note
-  std::string plan_file;      ///< in the folder
+  std::string version;               ///< of strobe; empty in folders of versions that kept no runs
+  std::string operator_name;         ///< login name and machine
+  int shots = 0;                     ///< asked for
+  bool until = false;                ///< `shots` counts the whole session's, not this run's
+  reduction::Record notes;           ///< --spin, --angle, --note
+  std::string plan_file;             ///< in the folder
+  std::vector<std::string> command;  ///< as it was typed, word by word
 };
 
 struct StoredSession {

@@ -9,16 +9,16 @@
 #include <memory>
 
 #include "common/config/files.hpp"
-#include "host/assembly/camera_map.hpp"
 #include "host/clock/machine_clock.hpp"
 #include "host/commands/command.hpp"
 #include "host/commands/digitize_options.hpp"
 #include "host/commands/digitize_report.hpp"
 #include "host/commands/digitize_times.hpp"
 #include "host/commands/terminal.hpp"
-#include "host/digitize/corrections/corrections.hpp"
 #include "host/digitize/overlay/overlay.hpp"
+#include "host/photographs/digitization_json.hpp"
 #include "host/photographs/digitize_settings.hpp"
+#include "host/photographs/measure_photograph.hpp"
 
 namespace strobe::host {
 namespace {
@@ -128,14 +128,9 @@ class Digitizer {
     if (!photograph) return tl::unexpected(photograph.error());
     const auto settings = settings_of(*photograph, index);
     if (!settings) return tl::unexpected(settings.error());
-    auto found = digitize::digitize(*photograph, *settings);
-    if (!found) return fail(options_.images[index] + ": " + found.error().message);
-    if (!given_.corrections.empty()) {
-      if (auto applied = digitize::apply_corrections(*found, given_.corrections, *settings); !applied)
-        return tl::unexpected(applied.error());
-    }
+    auto found = measure(*photograph, *settings, given_.corrections, given_.rig.camera);
+    if (!found) return tl::unexpected(found.error());
     found->frame.shot_id = options_.shot_id + static_cast<int>(index);
-    found->frame.map_errors = map_errors(given_.rig.camera, found->frame);
     if (given_.even) count_from_first_image(found->frame);
     tell(*found, *settings, options_.images[index]);
     if (found->frame.images.empty()) ++empty_;

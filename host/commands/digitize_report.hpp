@@ -1,4 +1,4 @@
-// What `strobe digitize` tells of a photograph: as JSON and as text. Pure; they allocate.
+// What `strobe digitize` tells a person of a photograph. Pure; they allocate.
 #pragma once
 
 #include <string>
@@ -7,12 +7,6 @@
 #include "host/digitize/digitize.hpp"
 
 namespace strobe::host {
-
-/// The frame as one line, and beside its keys (which readers of frames ignore): "photograph", "inputs",
-/// "scale" (by the ball's diameter on its images) where there are some, "no_surface" where there is no surface
-/// line, "remarks" where there are any, and if asked for "unmeasured".
-std::string digitization_json(const digitize::Digitization& digitization, const std::string& photograph,
-                              const digitize::DigitizeSettings& settings, bool explain);
 
 /// A table of the images, the surface, the scale, remarks.
 std::vector<std::string> digitization_lines(const digitize::Digitization& digitization,

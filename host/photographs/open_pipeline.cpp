@@ -1,32 +1,20 @@
 #include "host/photographs/open_pipeline.hpp"
 
-#include "host/photographs/digitize_settings.hpp"
-#include "host/digitize/digitize.hpp"
-#include "host/digitize/image/photograph.hpp"
+#include "host/photographs/measure_photograph.hpp"
 
 namespace strobe::host {
 namespace {
 
-tl::expected<PhotographReading, UnreadPhotograph> measure(const RigFile& rig, digitize::Effort effort,
-                                                          const std::filesystem::path& file,
-                                                          const std::vector<double>& flash_times_s) {
-  const auto photograph = digitize::load_photograph(file);
-  if (!photograph) return tl::unexpected(UnreadPhotograph{photograph.error().message, true});
-  auto settings = digitize_settings(rig, photograph->width(), photograph->height());
-  if (!settings) {
-    return tl::unexpected(
-        UnreadPhotograph{file.filename().string() + ": " + settings.error().message, false});
-  }
-  settings->effort = effort;
-  if (!flash_times_s.empty()) settings->flash_times_s = flash_times_s;
-  auto result = digitize::digitize(*photograph, *settings);
-  if (!result) {
-    return tl::unexpected(UnreadPhotograph{file.filename().string() + ": " + result.error().message, false});
-  }
+tl::expected<PhotographReading, UnreadPhotograph> reading_of(const RigFile& rig, digitize::Effort effort,
+                                                             const std::filesystem::path& file,
+                                                             const std::vector<double>& flash_times_s) {
+  auto measured = measure_photograph(file, rig, {effort, flash_times_s, {}});
+  if (!measured) return tl::unexpected(measured.error());
   PhotographReading reading;
-  reading.frame = std::move(result->frame);
-  reading.remarks = std::move(result->remarks);
-  if (result->no_surface) reading.remarks.push_back("no surface line: " + result->no_surface->detail);
+  reading.frame = std::move(measured->found.frame);
+  reading.remarks = std::move(measured->found.remarks);
+  if (const auto& missing = measured->found.no_surface)
+    reading.remarks.push_back("no surface line: " + missing->detail);
   return reading;
 }
 
@@ -49,7 +37,7 @@ Result<std::unique_ptr<PhotographPipeline>> open_pipeline(const RigFile& rig,
   auto pipeline = std::make_unique<PhotographPipeline>(
       clock, std::move(*folder),
       [rig, effort](const std::filesystem::path& file, const std::vector<double>& flash_times_s) {
-        return measure(rig, effort, file, flash_times_s);
+        return reading_of(rig, effort, file, flash_times_s);
       },
       PhotographSettings{rig.analysis.photograph_timeout_s, host_id, keep_folder});
   pipeline->notify("photographs from " + name);

@@ -5,22 +5,11 @@
 #include <system_error>
 
 #include "common/messages/lcm_conversions.hpp"
-#include "host/assembly/flash_times.hpp"
+#include "host/photographs/measure_photograph.hpp"
 
 namespace strobe::host {
-namespace {
 
 namespace fs = std::filesystem;
-
-std::vector<double> seconds_of(const FlashTimes& times) {
-  std::vector<double> seconds;
-  if (!times.in_order) return seconds;
-  for (const ObservedFlash& flash : times.seen)
-    seconds.push_back(to_seconds(flash.time - times.seen.front().time));
-  return seconds;
-}
-
-}  // namespace
 
 PhotographPipeline::PhotographPipeline(const DeviceClock& clock, std::unique_ptr<CameraFolder> folder,
                                        MeasurePhotograph measure, PhotographSettings settings)
@@ -32,7 +21,7 @@ PhotographPipeline::PhotographPipeline(const DeviceClock& clock, std::unique_ptr
 void PhotographPipeline::on_shot(const strobe_msgs::shot_t& shot) {
   matcher_.on_shot(shot);
   const ShotKey key{shot.boot_id, shot.shot_id};
-  flash_times_s_.put(key, seconds_of(flash_times(shot)));
+  flash_times_s_.put(key, flash_times_s(shot));
   if (const auto* measured = measured_.find(key)) frames_.push_back(*measured);
 }
 

@@ -7,8 +7,6 @@
 #include <charconv>
 #include <string_view>
 
-#include "host/session/rejection.hpp"
-
 namespace strobe::host {
 namespace {
 
@@ -224,15 +222,6 @@ void Session::mark_finished(const ShotKey& key, FinishedShot how) {
   done_[key] = how;
 }
 
-void Session::push(ShotResult shot_result, const shot_t& shot) {
-  shot_result.boot_id = shot.boot_id;
-  shot_result.host_id = shot.host_id;
-  shot_result.shot_id = shot.shot_id;
-  shot_result.dry = shot.plan.dry;
-  shot_result.train = train_report(shot);
-  shot_results_.push_back(std::move(shot_result));
-}
-
 /// What the shot itself does not tell. The clock is judged by the firmware's own clocks alone, so that a log
 /// gives the same flags wherever it is played.
 void Session::add_flags(const shot_t& shot, reduction::FlagSet& flags) const {
@@ -243,36 +232,22 @@ void Session::add_flags(const shot_t& shot, reduction::FlagSet& flags) const {
 
 void Session::finish(const shot_t& shot, const frame_t& frame) {
   mark_finished({shot.boot_id, shot.shot_id}, {hash_of(frame), false});
-  ShotReadout result = shot_readout(shot, frame, settings_);
-  ShotResult shot_result;
-  add_flags(shot, result.readout.flags);
-  shot_result.rejected = rejection_reason(
-      result.readout, {settings_.analysis.match_tolerance_percent, settings_.ball.diameter_m});
-  shot_result.readout = std::move(result.readout);
-  shot_result.problem = std::move(result.problem);
-  if (shot.aborted) shot_result.problem = shot.abort_reason;
-  push(std::move(shot_result), shot);
+  reduction::FlagSet flags;
+  add_flags(shot, flags);
+  push(measured_result(shot, frame, flags, settings_));
 }
 
 void Session::finish_without_photograph(const shot_t& shot, Flag why, std::string problem) {
   mark_finished({shot.boot_id, shot.shot_id}, {std::nullopt, why == Flag::no_photograph});
-  reduction::FlagSet flags = shot_flags(shot);
+  reduction::FlagSet flags;
   flags.set(why);
   add_flags(shot, flags);
-  ShotResult shot_result;
-  shot_result.readout = empty_readout(shot, flags);
-  shot_result.rejected = rejection_reason(shot_result.readout);
-  shot_result.problem = std::move(problem);
-  push(std::move(shot_result), shot);
+  push(unmeasured_result(shot, flags, std::move(problem)));
 }
 
 void Session::finish_dry(const shot_t& shot) {
   mark_finished({shot.boot_id, shot.shot_id}, {});
-  ShotResult shot_result;
-  shot_result.readout = empty_readout(shot, shot_flags(shot));
-  shot_result.problem = shot.abort_reason;
-  if (shot.aborted) shot_result.rejected = std::string(words(Flag::shot_aborted));
-  push(std::move(shot_result), shot);
+  push(dry_result(shot));
 }
 
 /// Who armed for it: the last one before its start.
@@ -285,21 +260,9 @@ std::int64_t Session::host_of(const ShotKey& key, const OpenShot& open) const {
 
 /// The firmware died before it had written the shot's summary.
 void Session::finish_interrupted(const ShotKey& key, const OpenShot& open) {
-  shot_t shot{};
-  shot.boot_id = key.boot_id;
-  shot.shot_id = key.shot_id;
-  shot.host_id = host_of(key, open);
-  shot.plan.dry = open.dry;
-  shot.aborted = true;
-  shot.abort_reason = "the firmware died in it; what it had not yet written is lost";
   mark_finished(key, {});
-  reduction::FlagSet flags = shot_flags(shot);
-  flags.set(Flag::events_missing);
-  ShotResult shot_result;
-  shot_result.readout = empty_readout(shot, flags);
-  shot_result.rejected = rejection_reason(shot_result.readout);
-  shot_result.problem = shot.abort_reason;
-  push(std::move(shot_result), shot);
+  push(interrupted_result(key, host_of(key, open), open.dry,
+                          "the firmware died in it; what it had not yet written is lost"));
 }
 
 void Session::finish_interrupted_shots() {

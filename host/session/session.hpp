@@ -28,22 +28,9 @@
 #include "host/messages/event_ledger.hpp"
 #include "host/session/heard_time.hpp"
 #include "host/session/series_statistics.hpp"
-#include "host/session/train_report.hpp"
+#include "host/session/shot_result.hpp"
 
 namespace strobe::host {
-
-/// One shot, done with.
-struct ShotResult {
-  std::int64_t boot_id = 0;
-  std::int64_t host_id = 0;  ///< who fired it
-  int shot_id = 0;
-  bool dry = false;
-  reduction::Readout readout;  ///< without numbers for a dry shot
-  TrainReport train;
-  std::optional<std::string> rejected;  ///< why it does not count; nothing: it counts
-  std::string problem;                  ///< more words for a person; may be empty
-  bool verified = true;                 ///< false: nothing proves that its messages are the lab's
-};
 
 class Session {
  public:
@@ -122,7 +109,7 @@ class Session {
   void set_deadline(PendingShot& waiting) const;
   /// Each shot is finished once.
   void mark_finished(const ShotKey& key, FinishedShot how);
-  void push(ShotResult shot_result, const strobe_msgs::shot_t& shot);
+  void push(ShotResult shot_result) { shot_results_.push_back(std::move(shot_result)); }
   bool ball_came_after_abort(const strobe_msgs::shot_t& shot) const;
   std::optional<strobe_msgs::frame_t> take_early_frame(const ShotKey& key);
   std::map<ShotKey, PendingShot>::iterator waiting_for(const strobe_msgs::frame_t& frame);

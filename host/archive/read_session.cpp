@@ -1,0 +1,304 @@
+#include "host/archive/read_session.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <system_error>
+
+#include "common/authentication/key_file.hpp"
+#include "common/config/files.hpp"
+#include "host/archive/fired_shots.hpp"
+#include "host/archive/photograph_files.hpp"
+#include "host/archive/run_records.hpp"
+#include "host/archive/session_rigs.hpp"
+#include "host/archive/shot_names.hpp"
+#include "host/archive/shot_outcome.hpp"
+#include "host/archive/stored_digitizations.hpp"
+#include "host/session/results_rows.hpp"
+#include "host/session/session_folder.hpp"
+
+namespace strobe::host {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::int64_t kProgressEvery = 2000;  // messages
+constexpr double kLogsShare = 0.95;            // of the work, as a share
+
+class SessionReader {
+ public:
+  SessionReader(const fs::path& folder, const ReadSessionOptions& options, SessionRigs rigs)
+      : options_(options), rigs_(std::move(rigs)) {
+    session_.folder = folder;
+    session_.rig = *rigs_.main();
+    session_.logs = host_logs(folder);
+    journals_ = journals(folder);
+  }
+
+  Result<StoredSession> read() {
+    if (const auto plan = config::read_file((session_.folder / "plan.toml").string()))
+      session_.plan_text = *plan;
+    if (auto played = play(); !played) return tl::unexpected(played.error());
+    find_runs();
+    find_shots();
+    find_digitizations();
+    find_photographs();
+    name_shots();
+    progress(1.0);
+    return std::move(session_);
+  }
+
+ private:
+  void remark(std::string text) { session_.remarks.push_back(std::move(text)); }
+  void remark(std::vector<std::string> texts) {
+    for (std::string& text : texts) remark(std::move(text));
+  }
+  void progress(double share) const {
+    if (options_.progress) options_.progress(share);
+  }
+
+  std::optional<authentication::Key> sealing_key();
+  Result<void> play();
+  Result<void> play_journals();
+  void find_runs();
+  void add_unrecorded_run(std::int64_t host, WallTime time);
+  const SessionRigs::Rig& rig_of(std::int64_t host_id) const;
+  bool own(const FiredShot& fired) const;
+  void find_shots();
+  StoredShot stored(const ShotKey& key, const FiredShot& fired) const;
+  void find_digitizations();
+  void find_digitizations(StoredShot& shot, const std::vector<DigitizationFile>& files);
+  void find_photographs();
+  void name_shots();
+
+  const ReadSessionOptions& options_;
+  SessionRigs rigs_;
+  StoredSession session_;
+  std::vector<fs::path> journals_;
+  std::optional<LogPlayer> player_;
+  std::optional<FiredShots> fired_;
+  std::map<std::int64_t, fs::path> log_of_host_;
+  std::set<std::int64_t> own_hosts_;
+};
+
+/// The key, if every log is sealed with it.
+std::optional<authentication::Key> SessionReader::sealing_key() {
+  const auto key = rigs_.key(options_.key_file);
+  if (!key) {
+    remark("unverified: this host has no key of a lab that it can read (see strobe key)");
+    return std::nullopt;
+  }
+  for (const fs::path& log : session_.logs) {
+    std::error_code error;
+    if (fs::file_size(log, error) == 0 || is_sealed(log, session_.rig.rig, *key)) continue;
+    remark(fmt::format("unverified: {} has no seal of this host's key (see strobe key)",
+                       log.filename().string()));
+    return std::nullopt;
+  }
+  return key;
+}
+
+Result<void> SessionReader::play() {
+  auto logs = LogReader::open(session_.logs);
+  if (!logs) return tl::unexpected(logs.error());
+  const auto key = sealing_key();
+  session_.verified = key.has_value() && !session_.logs.empty();
+  player_.emplace(session_.rig, key);
+  fired_.emplace(*player_, session_.rig.rig);
+  player_->play(*logs, [&](const LogMessage& message) {
+    fired_->watch(message);
+    if (logs->messages() % kProgressEvery == 0) progress(kLogsShare * logs->share());
+  });
+  remark(logs->remarks());
+  for (const auto& [host, heard] : fired_->commanding_hosts()) log_of_host_[host] = logs->path(heard.log);
+  return play_journals();
+}
+
+Result<void> SessionReader::play_journals() {
+  fired_->begin_journals();
+  for (const fs::path& path : journals_) {
+    auto journal = LogReader::open({path});
+    if (!journal) return tl::unexpected(journal.error());
+    player_->complete_from(*journal, *fired_);
+    remark(journal->remarks());
+  }
+  player_->end();
+  return {};
+}
+
+void SessionReader::find_runs() {
+  if (const auto text = config::read_file((session_.folder / "runs.jsonl").string())) {
+    RunRecords records = parse_run_records(*text);
+    session_.runs = std::move(records.runs);
+    remark(std::move(records.remarks));
+  }
+  const bool nobody = fired_->commanding_hosts().empty() && session_.runs.empty();
+  for (const auto& [host, heard] : nobody ? fired_->reading_hosts() : fired_->commanding_hosts())
+    add_unrecorded_run(host, heard.time);
+  std::ranges::stable_sort(session_.runs, {}, &StoredRun::utc);
+  for (const StoredRun& run : session_.runs) own_hosts_.insert(run.host_id);
+  if (own_hosts_.empty())
+    remark("no run of strobe fire is known here: every shot is taken for the session's own");
+}
+
+/// Of a version that kept no runs, or whose record of it was lost.
+void SessionReader::add_unrecorded_run(std::int64_t host, WallTime time) {
+  if (std::ranges::any_of(session_.runs, [host](const StoredRun& run) { return run.host_id == host; }))
+    return;
+  StoredRun run;
+  run.host_id = host;
+  run.utc = utc_for_table(time);
+  session_.runs.push_back(std::move(run));
+}
+
+const SessionRigs::Rig& SessionReader::rig_of(std::int64_t host_id) const {
+  const auto log = log_of_host_.find(host_id);
+  return log == log_of_host_.end() ? rigs_.main() : rigs_.of_log(log->second);
+}
+
+/// A shot of nobody known is rather kept than lost.
+bool SessionReader::own(const FiredShot& fired) const {
+  return own_hosts_.empty() || fired.host_id == 0 || own_hosts_.contains(fired.host_id);
+}
+
+void SessionReader::find_shots() {
+  int foreign = 0;
+  int lost = 0;
+  std::vector<std::pair<WallTime, ShotKey>> order;
+  for (const auto& [key, fired] : fired_->all()) {
+    if (fired.dry) continue;
+    if (!own(fired)) {
+      ++foreign;
+      continue;
+    }
+    lost += fired.from_journal ? 1 : 0;
+    order.emplace_back(fired_->boots().at(key.boot_id), key);
+  }
+  std::ranges::sort(order);
+  for (const auto& [boot_heard, key] : order) session_.shots.push_back(stored(key, fired_->all().at(key)));
+  if (foreign > 0)
+    remark(fmt::format("{} shot{} of other hosts {} left out", foreign, foreign == 1 ? "" : "s",
+                       foreign == 1 ? "is" : "are"));
+  if (lost > 0) {
+    session_.verified = false;
+    remark(fmt::format(
+        "the summar{} of {} shot{} come{} from strobed's journal, which has no seal: no host's log has {}",
+        lost == 1 ? "y" : "ies", lost, lost == 1 ? "" : "s", lost == 1 ? "s" : "",
+        lost == 1 ? "it" : "them"));
+  }
+}
+
+StoredShot SessionReader::stored(const ShotKey& key, const FiredShot& fired) const {
+  StoredShot shot;
+  shot.key = key;
+  shot.summary = fired.summary;
+  shot.rig = rig_of(fired.host_id);
+  WallTime came = fired.heard;
+  if (fired.result && fired.result->frame) {
+    Digitization digitization;
+    digitization.frame = *fired.result->frame;
+    digitization.by_hand = digitization.frame.source == "hand";
+    came = std::max(came, fired_->frame_time(key).value_or(came));
+    digitization.utc = utc_for_table(came);
+    shot.digitizations.push_back(std::move(digitization));
+  }
+  shot.utc = utc_for_table(came);
+  shot.result = logged_outcome(key, fired);
+  shot.result.verified = session_.verified && !fired.from_journal;
+  if (shot.rig != rigs_.main() && fired.summary && !shot.digitizations.empty())
+    shot.result = measured_again(shot, shot.digitizations.front().frame);
+  return shot;
+}
+
+void SessionReader::find_digitizations() {
+  const auto files = digitization_files(session_.folder);
+  for (StoredShot& shot : session_.shots) {
+    const auto found = files.find(shot.key);
+    if (found != files.end()) find_digitizations(shot, found->second);
+  }
+}
+
+void SessionReader::find_digitizations(StoredShot& shot, const std::vector<DigitizationFile>& files) {
+  for (const DigitizationFile& file : files) {
+    auto digitization = read_digitization(file);
+    if (!digitization) {
+      remark(digitization.error().message);
+      continue;
+    }
+    shot.digitizations.push_back(std::move(*digitization));
+  }
+  if (shot.digitizations.empty() || shot.digitizations.back().file.empty() || !shot.summary) return;
+  shot.result = measured_again(shot, shot.digitizations.back().frame);
+}
+
+void SessionReader::find_photographs() {
+  std::set<fs::path> named;
+  for (StoredShot& shot : session_.shots) {
+    for (const Digitization& digitization : shot.digitizations)
+      if (auto path = named_photograph(session_.folder, digitization.frame.photograph))
+        shot.photograph = path;
+    if (shot.photograph) named.insert(*shot.photograph);
+  }
+  // Dry shots and other hosts' have photographs, too.
+  std::vector<ShotKey> without;
+  for (const auto& [key, fired] : fired_->all()) {
+    const bool measured = fired.result && fired.result->frame &&
+                          named_photograph(session_.folder, fired.result->frame->photograph);
+    if (measured) named.insert(*named_photograph(session_.folder, fired.result->frame->photograph));
+    const auto shot = std::ranges::find(session_.shots, key, &StoredShot::key);
+    const bool has = shot != session_.shots.end() ? shot->photograph.has_value() : measured;
+    if (!has) without.push_back(key);
+  }
+  UnnamedPhotographs unnamed = unnamed_photographs(session_.folder, named, without);
+  for (StoredShot& shot : session_.shots) {
+    if (const auto found = unnamed.of_shot.find(shot.key); found != unnamed.of_shot.end())
+      shot.photograph = found->second;
+  }
+  remark(std::move(unnamed.remarks));
+}
+
+void SessionReader::name_shots() {
+  std::vector<ShotKey> keys;
+  for (const StoredShot& shot : session_.shots) keys.push_back(shot.key);
+  std::vector<std::string> names = shot_names(keys);
+  for (std::size_t i = 0; i < names.size(); ++i) session_.shots[i].name = std::move(names[i]);
+}
+
+/// Times as the session's results.csv has them.
+void take_times(StoredSession& session) {
+  const auto text = config::read_file((session.folder / "results.csv").string());
+  if (!text) return;
+  std::map<ShotKey, std::string> times;
+  for (ResultsRow& row : parse_results(*text)) times.try_emplace(row.key, std::move(row.utc));
+  for (StoredShot& shot : session.shots)
+    if (const auto found = times.find(shot.key); found != times.end()) shot.utc = found->second;
+}
+
+}  // namespace
+
+Result<StoredSession> read_session(const fs::path& folder, const ReadSessionOptions& options) {
+  std::error_code error;
+  if (!fs::is_directory(folder, error)) return fail(folder.string() + ": no such folder");
+  const auto logs = host_logs(folder);
+  if (logs.empty() && journals(folder).empty())
+    return fail(folder.string() + ": no log of a host (host-*.lcmlog) and no journal is in it");
+  auto rigs = SessionRigs::open(folder, options.rig_path, logs);
+  if (!rigs) return tl::unexpected(rigs.error());
+  auto session = SessionReader(folder, options, std::move(*rigs)).read();
+  if (!session) return session;
+  take_times(*session);
+  if (auto remark = never_digitized_remark(*session)) session->remarks.push_back(std::move(*remark));
+  return session;
+}
+
+Result<const StoredShot*> find_shot(const StoredSession& session, const std::string& name) {
+  const auto found = std::ranges::find(session.shots, name, &StoredShot::name);
+  if (found != session.shots.end()) return &*found;
+  std::vector<std::string> names;
+  for (const StoredShot& shot : session.shots) names.push_back(shot.name);
+  if (names.empty()) return fail(fmt::format("{}: no shot was fired", session.folder.string()));
+  return fail(fmt::format("{}: no shot {}; there {}: {}", session.folder.string(), name,
+                          names.size() == 1 ? "is" : "are", fmt::join(names, ", ")));
+}
+
+}  // namespace strobe::host

@@ -1,0 +1,22 @@
+// results.csv read back. Pure; thread-safe; allocates.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/shot/shot_key.hpp"
+
+namespace strobe::host {
+
+struct ResultsRow {
+  ShotKey key;
+  std::string utc;
+  std::string line;  ///< as it stands there, without its end
+};
+
+/// Rows of any text: the header and lines that do not begin with a time, a boot and a shot are left out, as is a last line
+/// that was cut short. Quoted fields may hold line ends.
+std::vector<ResultsRow> parse_results(std::string_view text);
+
+}  // namespace strobe::host
