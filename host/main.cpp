@@ -58,6 +58,7 @@ int run(int argc, char** argv) {
   strobe::host::add_fit_command(app, exit_status);
   strobe::host::add_thesis_command(app, exit_status);
   strobe::host::add_calibrate_command(app, exit_status);
+  strobe::host::add_batch_command(app, exit_status);
   strobe::host::add_export_command(app, exit_status);
   strobe::host::add_key_command(app, exit_status);
   demand_finite_numbers(app);

@@ -1,9 +1,12 @@
 #include "host/commands/terminal.hpp"
 
+#include <fmt/format.h>
+
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
 #include <cstring>
+#include <nlohmann/json.hpp>
 #include <random>
 
 #include "common/messages/channels.hpp"
@@ -18,11 +21,13 @@ volatile std::sig_atomic_t caught = 0;
 
 void mark(int) { caught = 1; }
 
-/// The readout, or the train report of a dry shot; and whether they are the lab's.
+/// The readout, or the train report of a dry shot; whose it is, why it does not count, and whether it is the lab's.
 std::string json_line(const ShotResult& result) {
   std::string line = result.dry ? train_report_json(result.train, result.shot_id)
                                 : messages::readout_to_json(result.readout);
   line.pop_back();
+  line += fmt::format(",\"boot_id\":\"{:x}\",\"rejected\":{}", static_cast<std::uint64_t>(result.boot_id),
+                      result.rejected ? nlohmann::json(*result.rejected).dump() : "null");
   return line + (result.verified ? ",\"verified\":true}" : ",\"verified\":false}");
 }
 

@@ -61,6 +61,23 @@ std::string csv_field(const std::string& text) {
   return result + "\"";
 }
 
+std::vector<std::string> csv_fields(std::string_view line) {
+  std::vector<std::string> cells(1);
+  bool quoted = false;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const bool quote = line[i] == '"';
+    if (quote && quoted && i + 1 < line.size() && line[i + 1] == '"')
+      cells.back() += line[i++];
+    else if (quote)
+      quoted = !quoted;
+    else if (line[i] == ',' && !quoted)
+      cells.emplace_back();
+    else
+      cells.back() += line[i];
+  }
+  return cells;
+}
+
 Result<CsvFile> CsvFile::open(const std::filesystem::path& path, const std::string& header,
                               const std::string& earlier) {
   auto file = RecordFile::open(path, RecordFile::Use::shared);

@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <filesystem>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "common/result.hpp"
 #include "host/session/record_file.hpp"
@@ -13,6 +15,8 @@ namespace strobe::host {
 
 /// A cell as it stands in a line: in quotes where need be (RFC 4180).
 std::string csv_field(const std::string& text);
+/// The cells of a line, without their quotes.
+std::vector<std::string> csv_fields(std::string_view line);
 
 class CsvFile {
  public:

@@ -50,6 +50,7 @@ const std::map<std::string, std::vector<Layer>> kLayers{
          {"host/photographs"},
          {"host/loop"},
          {"host/archive"},
+         {"host/batch"},
          {"host/commands"},
          {"host/commands/contact", "host/commands/fit", "host/commands/predict", "host/commands/thesis"},
          {"host"},

@@ -1,0 +1,54 @@
+// Finished rows of a batch, one JSON object a line: done.jsonl, or of a part on one of several machines done-2-of-8.jsonl.
+// A row is on the disk before it counts as finished; what a kill cut short at the end is removed. Writes a file that only
+// one process has open at a time; thread-safe.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <unordered_map>
+
+#include "common/result.hpp"
+#include "host/batch/batch_row.hpp"
+
+namespace strobe::host {
+
+/// A photograph as it was when its bytes were hashed.
+struct PhotographStamp {
+  std::string path;
+  std::int64_t size = 0;
+  std::int64_t changed_ns = 0;
+  std::string hash;
+};
+
+class BatchJournal {
+ public:
+  /// Reads all journals of the folder, opens `name` for appending. Fails if another batch has it open.
+  static Result<std::unique_ptr<BatchJournal>> open(const std::filesystem::path& folder,
+                                                    const std::string& name);
+  ~BatchJournal();
+  BatchJournal(const BatchJournal&) = delete;
+  BatchJournal& operator=(const BatchJournal&) = delete;
+
+  std::optional<BatchRow> find(const std::string& key) const;
+  /// The hash of a photograph that has not changed since; hashed anew else. Fails if it cannot be read.
+  Result<PhotographStamp> stamp(const std::filesystem::path& photograph) const;
+  /// Fails with the file's name if the row is not on the disk.
+  Result<void> add(const std::string& key, const BatchRow& row,
+                   const std::optional<PhotographStamp>& photograph);
+
+ private:
+  BatchJournal() = default;
+  Result<void> load(const std::filesystem::path& path, bool own);
+  bool load_line(const std::string& line);
+
+  mutable std::mutex mutex_;
+  std::filesystem::path path_;
+  int fd_ = -1;
+  std::unordered_map<std::string, BatchRow> rows_;
+  std::map<std::string, PhotographStamp> stamps_;
+};
+
+}  // namespace strobe::host

@@ -1,0 +1,37 @@
+// What a batch leaves in its folder: NAME.csv of each session, results.csv of all by the sessions' names, each with its
+// data dictionary, and batch.json, which names the sessions. Writes files; one thread's.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "common/result.hpp"
+
+namespace strobe::host {
+
+struct BatchSession {
+  std::string path;  ///< as it was given
+  std::string name;  ///< its folder's; where several have the same, with a hash of the path
+};
+
+/// Absolute or relative paths of sessions, each once.
+std::vector<BatchSession> batch_sessions(const std::vector<std::string>& paths);
+
+struct BatchManifest {
+  std::string id;  ///< of batch_id()
+  std::vector<std::string> sessions;
+};
+
+Result<void> write_manifest(const std::filesystem::path& folder, const BatchManifest& manifest);
+Result<BatchManifest> read_manifest(const std::filesystem::path& folder);
+
+/// lines: rows, each with its line end.
+Result<void> write_session_table(const std::filesystem::path& folder, const std::string& session,
+                                 const std::string& lines);
+
+/// results.csv of all sessions, which may lie in several folders, into `out`. Returns the number of rows. Fails if the
+/// folders are of different batches, or with the number of sessions that are not finished and the first of their names.
+Result<int> merge_tables(const std::vector<std::filesystem::path>& folders, const std::filesystem::path& out);
+
+}  // namespace strobe::host
