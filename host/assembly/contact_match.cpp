@@ -121,21 +121,23 @@ const ContactFlashes& ContactMatcher::match(const LegCandidate& in, const LegCan
 
 void ContactMatcher::take_from(int first) { std::iota(best_.flash.begin(), best_.flash.end(), first); }
 
+double ContactMatcher::place_variance(const Track& track) {
+  return squared(track.sd_px) + squared(kContactModelSd_m * track.px_per_m);
+}
+
 void ContactMatcher::set_expected(const geometry::Crossing& down, const geometry::Crossing& off, int first) {
-  const double variance = squared(track_.sd_px) + squared(kContactModelSd_m * track_.px_per_m);
   for (std::size_t j = 0; j < expected_.size(); ++j) {
     const double time_s = times_s_[static_cast<std::size_t>(first) + j];
     const double depth = depth_at(time_s, down, off);
-    expected_[j] = {place_at(time_s, down, off), depth, variance + squared(kDepthModelShare * depth)};
+    expected_[j] = {place_at(time_s, down, off), depth, variance_ + squared(kDepthModelShare * depth)};
   }
 }
 
 double ContactMatcher::miss(std::size_t image, std::size_t slot) const {
-  const double variance = squared(track_.sd_px) + squared(kContactModelSd_m * track_.px_per_m);
   const Expected& at = expected_[slot];
   const Eigen::Vector2d& centre = images_[image].centre_px;
   const double deep = track_.radius_px - centre.y() - at.depth_px;
-  return squared(centre.x() - at.place_px) / variance + squared(deep) / at.depth_variance;
+  return squared(centre.x() - at.place_px) / variance_ + squared(deep) / at.depth_variance;
 }
 
 void ContactMatcher::fill_costs() {

@@ -37,12 +37,13 @@ class ContactMatcher {
  public:
   /// What is given is kept, not copied.
   ContactMatcher(std::span<const TrackPoint> images, std::span<const double> times_s, const Track& track)
-      : images_(images), times_s_(times_s), track_(track) {}
+      : images_(images), times_s_(times_s), track_(track), variance_(place_variance(track)) {}
 
   /// Valid until the next match.
   const ContactFlashes& match(const LegCandidate& in, const LegCandidate& out);
 
  private:
+  static double place_variance(const Track& track);
   void take_from(int first);
   void set_expected(const geometry::Crossing& down, const geometry::Crossing& off, int first);
   double miss(std::size_t image, std::size_t slot) const;
@@ -56,6 +57,7 @@ class ContactMatcher {
   std::span<const TrackPoint> images_;
   std::span<const double> times_s_;
   const Track& track_;
+  double variance_;  ///< of an image's place about the model's [px^2]
   ContactFlashes best_;
   std::vector<Expected> expected_;  ///< at each flash between the legs
   std::vector<double> cost_;        ///< the least of the first i images in the first j flashes

@@ -75,12 +75,12 @@ std::vector<double> late_by_s(const shot_t& shot) {
 }
 
 double sensor_time_sd_of(const shot_t& shot) {
-  constexpr double kSdOverMad = 1.4826;  // of normal errors
   std::vector<double> late = late_by_s(shot);
   if (late.size() < kEnoughIntervals) return kSensorTimeSd_s;
   const double middle = digitize::median(late);
   for (double& x : late) x = std::abs(x - middle);
-  return std::clamp(kSdOverMad * digitize::median(std::move(late)), kLeastSensorTimeSd_s, kSensorTimeSd_s);
+  return std::clamp(digitize::kSdOverMad * digitize::median(std::move(late)), kMinSensorTimeSd_s,
+                    kSensorTimeSd_s);
 }
 
 }  // namespace

@@ -35,7 +35,7 @@ struct FlashTimes {
 /// less: kernel stamp and photodiode. [s]
 inline constexpr double kSensorTimeSd_s = 2e-6;
 /// The least: a photodiode's rise. [s]
-inline constexpr double kLeastSensorTimeSd_s = 10e-9;
+inline constexpr double kMinSensorTimeSd_s = 10e-9;
 /// The same where no sensor saw it: a lamp's delay differs from its mean from flash to flash and with age.
 /// [s]
 inline constexpr double kIssuedTimeSd_s = 20e-6;

@@ -6,14 +6,12 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
-#include <cstdlib>
 #include <map>
 #include <random>
 #include <stdexcept>
 
 #include "tests/ends/trial.hpp"
 #include "tests/support/private_network.hpp"
-#include "tests/support/temporary_folder.hpp"
 
 using namespace strobe::ends;
 
@@ -59,10 +57,7 @@ int main(int argc, char** argv) {
   app.add_option("--only", only, "the one of this number, with strobed's words")->check(CLI::PositiveNumber);
   app.add_flag("-v,--verbose", verbose, "a line for each");
   CLI11_PARSE(app, argc, argv);
-  if (const std::string problem = strobe::testing::enter_private_network(); !problem.empty())
-    fmt::print(stderr, "no private network ({}), going on in this one\n", problem);
-  const strobe::testing::TemporaryFolder home;  // for the key that the programs make
-  setenv("XDG_CONFIG_HOME", home.path().c_str(), 1);
+  const strobe::testing::IsolatedEnvironment isolated;
   fmt::print("seed {}\n", seed);
   std::map<std::string, Row> faults, moments;
   int violated = 0;

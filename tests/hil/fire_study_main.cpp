@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <map>
 #include <optional>
 #include <regex>
@@ -238,9 +237,6 @@ int main(int argc, char** argv) {
       "Example: strobe-fire-study itf_pace_medium zero_23 --shots 20 --keep lost\n"
       "Exit status: 0 fired, 1 a program failed.");
   CLI11_PARSE(app, argc, argv);
-  if (const std::string problem = testing::enter_private_network(); !problem.empty())
-    fmt::print(stderr, "no private network ({}), going on in this one\n", problem);
-  const testing::TemporaryFolder home;  // for the key that the programs make
-  setenv("XDG_CONFIG_HOME", home.path().c_str(), 1);
+  const testing::IsolatedEnvironment isolated;
   return run(plan);
 }

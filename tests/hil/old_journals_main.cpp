@@ -7,7 +7,6 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
-#include <cstdlib>
 #include <lcm/lcm-cpp.hpp>
 #include <memory>
 #include <sstream>
@@ -146,9 +145,6 @@ int main(int argc, char** argv) {
   app.add_option("--hosts", plan.hosts, "that ask (default 3)");
   app.add_option("--seconds", plan.seconds, "for which they ask (default 60)");
   CLI11_PARSE(app, argc, argv);
-  if (const std::string problem = testing::enter_private_network(); !problem.empty())
-    fmt::print(stderr, "no private network ({}), going on in this one\n", problem);
-  const testing::TemporaryFolder home;  // for the key that the programs make
-  setenv("XDG_CONFIG_HOME", home.path().c_str(), 1);
+  const testing::IsolatedEnvironment isolated;
   return run(plan);
 }

@@ -193,5 +193,5 @@ TEST(FlashTimeSd, OfFewFlashesOrLampsThatWaitDifferentlyIsTheDefault) {
   for (flash_t& flash : shot.flashes) flash.observed_a_ns = flash.observed_b_ns = flash.issue_end_ns + 12'000;
   DOUBLES_EQUAL(strobe::host::kSensorTimeSd_s, flash_times(shot).seen.front().time_sd_s, 0.0);
   shot.flashes.push_back(shot.flashes.back());
-  DOUBLES_EQUAL(strobe::host::kLeastSensorTimeSd_s, flash_times(shot).seen.front().time_sd_s, 0.0);
+  DOUBLES_EQUAL(strobe::host::kMinSensorTimeSd_s, flash_times(shot).seen.front().time_sd_s, 0.0);
 }

@@ -5,12 +5,10 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
-#include <cstdlib>
 #include <random>
 
 #include "tests/loss/trials.hpp"
 #include "tests/support/private_network.hpp"
-#include "tests/support/temporary_folder.hpp"
 
 using namespace strobe::loss;
 
@@ -76,10 +74,7 @@ int main(int argc, char** argv) {
   app.add_option("--seed", seed, "of everything that is drawn (default: a random one, which is printed)");
   app.add_flag("--full-exposure", full, "the shipped plan's exposure instead of a third of it");
   CLI11_PARSE(app, argc, argv);
-  if (const std::string problem = strobe::testing::enter_private_network(); !problem.empty())
-    fmt::print(stderr, "no private network ({}), going on in this one\n", problem);
-  const strobe::testing::TemporaryFolder home;  // for the key that the programs make
-  setenv("XDG_CONFIG_HOME", home.path().c_str(), 1);
+  const strobe::testing::IsolatedEnvironment isolated;
   fmt::print("seed {}\n", seed);
   head();
   int status = kDone;

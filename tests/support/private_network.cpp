@@ -9,6 +9,8 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <random>
@@ -69,6 +71,13 @@ std::string enter_private_network() {
   problem = bring_up_loopback(control);
   close(control);
   return problem;
+}
+
+IsolatedEnvironment::IsolatedEnvironment() {
+  // Without a namespace each bench still has a multicast group and port drawn at random.
+  if (const std::string problem = enter_private_network(); !problem.empty())
+    std::fprintf(stderr, "no private network (%s), going on in this one\n", problem.c_str());
+  setenv("XDG_CONFIG_HOME", configuration_.path().c_str(), 1);
 }
 
 std::string private_lcm_url() {

@@ -8,7 +8,6 @@
 #include <cstdlib>
 
 #include "tests/support/private_network.hpp"
-#include "tests/support/temporary_folder.hpp"
 
 #include <CppUTest/CommandLineTestRunner.h>
 #include <CppUTest/TestHarness.h>
@@ -36,11 +35,7 @@ int run_tests(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  // Without a namespace each bench still has a multicast group and port drawn at random.
-  if (const std::string problem = strobe::testing::enter_private_network(); !problem.empty())
-    std::fprintf(stderr, "no private network (%s), going on in this one\n", problem.c_str());
-  const strobe::testing::TemporaryFolder configuration;
-  setenv("XDG_CONFIG_HOME", configuration.path().c_str(), 1);
+  const strobe::testing::IsolatedEnvironment isolated;
   MemoryLeakWarningPlugin::turnOffNewDeleteOverloads();
   int failed = 1;
   for (int attempt = 0; attempt < STROBE_TEST_ATTEMPTS && failed != 0; ++attempt) {

@@ -8,6 +8,9 @@
 
 namespace strobe::digitize {
 
+/// The sd of a normal sample over the median of its absolute deviations.
+inline constexpr double kSdOverMad = 1.4826;
+
 /// The value that `numerator` / `denominator` of the others, rounded down, do not exceed: without
 /// interpolation, so that the median of an even number of values is the upper one. Returns 0 for no values.
 template <typename Number>

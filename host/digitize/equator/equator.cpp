@@ -125,8 +125,7 @@ void fit_with_common_priors(const Scene& scene, const std::vector<Near>& near, s
   }
   constexpr std::size_t kFewestBalls = 5;
   if (offsets.size() < kFewestBalls) return;
-  constexpr double kSdOfMedian = 1.4826;
-  const double offset_sd = kSdOfMedian * upper_median(offsets), tilt_sd = kSdOfMedian * upper_median(tilts);
+  const double offset_sd = kSdOverMad * upper_median(offsets), tilt_sd = kSdOverMad * upper_median(tilts);
   for_each_ball(scene, [&](std::size_t k) {
     if (!found[k].accepted) return;
     LineFitSettings settings = line_fit_settings(scene.discs[k], nullptr);

@@ -231,7 +231,7 @@ class Regression {
     std::vector<double> size;
     for (const Segment& s : fit_.segments) size.push_back(std::abs(s.offset) * std::sqrt(s.weight));
     const double n = static_cast<double>(size.size());
-    scale_ = 1.4826 * upper_median(std::move(size)) * std::sqrt(n / std::max(1.0, n - kParameters));
+    scale_ = kSdOverMad * upper_median(std::move(size)) * std::sqrt(n / std::max(1.0, n - kParameters));
     scale_ = std::max(scale_, 0.5 * std::sqrt(fit_.expected_scatter));
   }
 
@@ -299,7 +299,7 @@ void set_contrast_statistics(LineFit& fit) {
   const double typical = upper_median(contrasts);
   for (double& c : contrasts) c = std::abs(c - typical);
   fit.contrast_significance =
-      typical * std::sqrt(n) / (1.4826 * 1.2533 * upper_median(std::move(contrasts)) + 1e-6);
+      typical * std::sqrt(n) / (kSdOverMad * 1.2533 * upper_median(std::move(contrasts)) + 1e-6);
 }
 
 /// Returns false if there is no dark line.

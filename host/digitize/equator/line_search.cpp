@@ -229,7 +229,7 @@ double spread(const Table& table) {
     for (const float dark : table.columns(angle, table.tilts / 2))
       if (dark != kInvisible) values.push_back(std::abs(dark));
   if (values.size() < 50) return 0.0;
-  return 1.4826 * upper_median(std::move(values));
+  return kSdOverMad * upper_median(std::move(values));
 }
 
 struct Tally {

@@ -157,7 +157,7 @@ double huber_limit(const std::vector<double>& left) {
   for (const double x : left)
     if (x > 0.0) bright.push_back(x);
   if (bright.size() <= 10) return 1e30;
-  return 1.5 * 1.4826 * upper_median(std::move(bright)) + 1e-9;
+  return 1.5 * kSdOverMad * upper_median(std::move(bright)) + 1e-9;
 }
 
 /// Of each disc's samples, with weight one.

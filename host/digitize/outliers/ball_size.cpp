@@ -52,10 +52,10 @@ SizeModel fit_size_model(std::span<const Outline> outlines) {
   }
   std::vector<double> sds;
   for (const Outline& o : outlines) sds.push_back(o.diameter_sd());
-  const double own = median(sds), all = 1.4826 * spread;
+  const double own = median(sds), all = kSdOverMad * spread;
   size.spread = std::sqrt(std::max(0.0, all * all - own * own));
-  // 1.4826: from the median deviation to the sd; 1.25: of a median against a mean.
-  size.sd = 1.25 * std::max(1.4826 * spread, median(std::move(sds))) /
+  // 1.25: the error of a median against that of a mean.
+  size.sd = 1.25 * std::max(kSdOverMad * spread, median(std::move(sds))) /
             std::sqrt(static_cast<double>(outlines.size()));
   return size;
 }

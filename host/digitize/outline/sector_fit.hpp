@@ -15,14 +15,14 @@ namespace strobe::digitize {
 
 /// The edge in one sector.
 struct SectorEdge {
-  bool usable = false;        ///< there is an edge, brighter inside
-  double offset_px = 0.0;     ///< of the true outline, outwards
-  double sd_px = 0.0;         ///< of the offset, from the pixels' scatter
-  double sigma_change = 0.0;  ///< suggested change of the blur, times sigma_weight
-  double sigma_weight = 0.0;  ///< inverse variance of that change
-  bool no_edge = false;       ///< intensity does not rise here though an edge would be visible
-                              /// Rise of intensity at the limb, and by its curvature over a blur's width.
-  double step = 0.0, rounding = 0.0;
+  bool usable = false;           ///< there is an edge, brighter inside
+  double offset_px = 0.0;        ///< of the true outline, outwards
+  double sd_px = 0.0;            ///< of the offset, from the pixels' scatter
+  double sigma_change = 0.0;     ///< suggested change of the blur, times sigma_weight
+  double sigma_weight = 0.0;     ///< inverse variance of that change
+  bool no_edge = false;          ///< intensity does not rise here though an edge would be visible
+  double step = 0.0;             ///< rise of intensity at the limb
+  double rounding = 0.0;         ///< likewise by its curvature over a blur's width
   double offset_by_sigma = 0.0;  ///< d(offset)/d(blur)
 };
 

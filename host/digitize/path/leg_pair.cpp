@@ -26,7 +26,11 @@ constexpr double kMeetByChance = 1.0 / 72.0;
 class LegPair {
  public:
   LegPair(std::span<const PathPoint> points, std::span<const int> airborne, const PathContext& context)
-      : points_(points), airborne_(airborne), context_(context), d_(context.diameter_px) {}
+      : points_(points),
+        airborne_(airborne),
+        context_(context),
+        d_(context.diameter_px),
+        share_per_px_(share_of_view_per_px(points, airborne, d_)) {}
 
   std::vector<LegLine> run(std::span<const LegLine> lines) const {
     if (lines.empty()) return {};
@@ -99,7 +103,7 @@ class LegPair {
       return std::log10(0.5 * static_cast<double>(left.size() * (left.size() - 1)) * kMeetByChance);
     double off = kMinResidual_px;
     for (const int i : own) off = std::max(off, std::abs(two.off(point_at(points_, i).at)));
-    const double share = 2.0 * off * share_of_view_per_px(points_, airborne_, d_);
+    const double share = 2.0 * off * share_per_px_;
     return log10_curves_by_chance(left.size(), own.size(), kMinOwnImages, share) + std::log10(kMeetByChance);
   }
 
@@ -107,6 +111,7 @@ class LegPair {
   std::span<const int> airborne_;
   const PathContext& context_;
   double d_;
+  double share_per_px_;  ///< of the view
 };
 
 }  // namespace

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
@@ -14,9 +13,7 @@
 namespace strobe::digitize {
 namespace {
 
-constexpr int kProfiles = 240;
 constexpr int kHalfReach = kProfileHalfReach_px;  // to either side of the Hough line
-constexpr int kAlong = 5;                         // columns averaged for one profile
 constexpr int kHalfStep = 2;
 constexpr int kBlocks = 12;  // of profiles with correlated errors
 constexpr double kInlier_px = 1.5;
@@ -53,11 +50,11 @@ std::optional<Crossing> steepest(const std::array<double, 2 * kHalfReach + 1>& i
 std::vector<Crossing> crossings(const Photograph& photograph, const PlaneMap& map,
                                 const OcclusionMask& occluded, const HoughLine& start, int& tried) {
   std::vector<Crossing> found;
-  const int count = std::min(kProfiles, std::max(16, photograph.width() / kAlong));
+  const int count = profile_count(photograph);
   for (int i = 0; i < count; ++i) {
-    const int column = static_cast<int>((i + 0.5) * photograph.width() / count);
+    const int column = profile_column(photograph, i);
     const double row = start.row_px + start.slope * (column - 0.5 * photograph.width());
-    const auto samples = samples_across(photograph, occluded, column, row, kAlong);
+    const auto samples = samples_across(photograph, occluded, column, row);
     if (!samples) continue;
     ++tried;
     auto crossing = steepest(samples->intensity, column, samples->top);
@@ -113,7 +110,7 @@ void set_sd(const std::vector<Crossing>& inliers, const Line& line, EdgeLine& ed
     const double off = line.off(c.plane);
     squares += off * off;
     sxx += (c.plane.x - line.x0) * (c.plane.x - line.x0);
-    const auto block = static_cast<std::size_t>(c.profile * kBlocks / kProfiles) % kBlocks;
+    const auto block = static_cast<std::size_t>(c.profile * kBlocks / kMaxProfiles) % kBlocks;
     sum[block] += off;
     count[block] += 1.0;
   }

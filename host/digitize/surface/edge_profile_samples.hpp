@@ -9,6 +9,8 @@
 namespace strobe::digitize {
 
 inline constexpr int kProfileHalfReach_px = 10;
+inline constexpr int kProfileColumns = 5;  ///< averaged for one profile; odd
+inline constexpr int kMaxProfiles = 240;   ///< along an edge
 /// Of the level of saturation: noise and compression leave saturated pixels a little below it.
 inline constexpr double kSaturatedShare = 0.985;
 
@@ -17,10 +19,14 @@ struct EdgeSamples {
   std::array<double, 2 * kProfileHalfReach_px + 1> intensity{};
 };
 
-/// Means over `along` columns (odd), from the edge's row upwards and downwards. Returns nullopt where the edge is
+/// How many profiles are taken across an edge that crosses the photograph, and the middle column of each.
+int profile_count(const Photograph& photograph);
+int profile_column(const Photograph& photograph, int profile);
+
+/// Means over kProfileColumns, from the edge's row upwards and downwards. Returns nullopt where the edge is
 /// occluded or not on the photograph. A mean with a saturated pixel in it is one: kSaturatedShare of saturation or
 /// more.
 std::optional<EdgeSamples> samples_across(const Photograph& photograph, const OcclusionMask& occluded,
-                                          int column, double row, int along);
+                                          int column, double row);
 
 }  // namespace strobe::digitize

@@ -14,18 +14,15 @@
 namespace strobe::digitize {
 namespace {
 
-constexpr int kStepProfiles = 240;
-constexpr int kStepColumns = 5;  // averaged for one profile
-constexpr std::size_t kLeastProfiles = 12;
+constexpr std::size_t kMinProfiles = 12;
 // Profiles of one block err alike. Long blocks hold what a scratch or uneven light does; but errors that come and go
 // with the edge's place between two rows cancel within them and not at the line's ends, as short ones tell.
 constexpr std::size_t kLongBlocks = 8, kShortBlocks = 24;
 constexpr std::size_t kProfilesForBlur = 24;
 // Of any lens that is in focus, up to where the samples' reach holds 3 sd.
-constexpr double kLeastBlur_px = 0.2, kMostBlur_px = 3.0, kBlurRatio = 1.5;
+constexpr double kMinBlur_px = 0.2, kMaxBlur_px = 3.0, kBlurRatio = 1.5;
 // For a normal sample 95 % efficient, and blind to what is farther out (Beaton and Tukey, Technometrics 16, 1974).
 constexpr double kBiweight_sd = 4.685;
-constexpr double kSdOfMedian = 1.4826;  // of absolute values, for a normal sample
 constexpr int kRounds = 6;
 constexpr double kCutOff_px = 1.0;
 
@@ -68,7 +65,7 @@ Coefficients robust_line(std::vector<Place>& places, double slope) {
   for (int round = 0; round < kRounds; ++round) {
     std::vector<double> away;
     for (const Place& p : places) away.push_back(std::abs(off(line, p)));
-    const double reach = std::max(1e-9, kBiweight_sd * kSdOfMedian * upper_median(std::move(away)));
+    const double reach = std::max(1e-9, kBiweight_sd * kSdOverMad * upper_median(std::move(away)));
     NormalEquations equations;
     for (Place& p : places) {
       const double share = off(line, p) / reach;
@@ -114,11 +111,11 @@ class Profiles {
   Profiles(const Photograph& photograph, const PlaneMap& map, const OcclusionMask& occluded,
            const EdgeLine& edge)
       : photograph_(photograph), map_(map), edge_(edge) {
-    const int count = std::min(kStepProfiles, std::max(16, photograph.width() / kStepColumns));
+    const int count = profile_count(photograph);
     for (int i = 0; i < count; ++i) {
-      const int column = static_cast<int>((i + 0.5) * photograph.width() / count);
+      const int column = profile_column(photograph, i);
       const double row = row_of(column);
-      const auto samples = samples_across(photograph, occluded, column, row, kStepColumns);
+      const auto samples = samples_across(photograph, occluded, column, row);
       if (!samples) continue;
       const auto [least, most] = std::ranges::minmax(samples->intensity);
       profiles_.push_back({*samples, column, (i + 0.5) / count, row - samples->top, least, most});
@@ -127,14 +124,14 @@ class Profiles {
 
   /// The blur that leaves the least residuals: of a coarse grid, then thrice a parabola's.
   StepShape shape(Blur blur) const {
-    StepShape best{blur, kLeastBlur_px};
+    StepShape best{blur, kMinBlur_px};
     double least = 1e300;
     const auto attempt = [&](double sd_px) {
       const double of = misfit({blur, sd_px});
       if (of < least) least = of, best.sd_px = sd_px;
       return of;
     };
-    for (double sd_px = kLeastBlur_px; sd_px < kMostBlur_px; sd_px *= kBlurRatio) attempt(sd_px);
+    for (double sd_px = kMinBlur_px; sd_px < kMaxBlur_px; sd_px *= kBlurRatio) attempt(sd_px);
     for (const double ratio : {1.2, 1.06, 1.02}) {
       const double middle = best.sd_px, of = least;
       const double below = attempt(middle / ratio), above = attempt(middle * ratio);
@@ -206,13 +203,13 @@ EdgeLine refine_edge_line(const Photograph& photograph, const PlaneMap& map, con
                           const EdgeLine& edge) {
   const Profiles profiles(photograph, map, occluded, edge);
   std::vector<Place> places = profiles.places(profiles.shape(Blur::normal));
-  if (places.size() < kLeastProfiles) return as_it_is(edge, profiles.saturated());
+  if (places.size() < kMinProfiles) return as_it_is(edge, profiles.saturated());
   const Coefficients line = robust_line(places, edge.slope);
   Eigen::Vector2d variance = variances(places, line);
   if (profiles.saturated()) {
     // What tails the lens's blur has is not known, and they place an edge of which only the foot is seen.
     std::vector<Place> others = profiles.places(profiles.shape(Blur::logistic));
-    if (others.size() < kLeastProfiles) return as_it_is(edge, true);
+    if (others.size() < kMinProfiles) return as_it_is(edge, true);
     const Coefficients by_tails = robust_line(others, edge.slope) - line;
     variance += by_tails.cwiseAbs2();
   }

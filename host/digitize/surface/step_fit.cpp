@@ -12,7 +12,7 @@ namespace {
 constexpr int kMaxSteps = 20;
 constexpr double kConverged_px = 1e-3;
 constexpr double kMaxAway_px = 2.0;
-constexpr int kLeastSamples = 5;
+constexpr int kMinSamples = 5;
 
 /// A cumulative distribution of sd 1 and its integral.
 struct Distribution {
@@ -128,7 +128,7 @@ std::optional<StepFit> fit_from(const StepFitter& fitter, Step step, double star
 std::optional<StepFit> fit_step(std::span<const double> intensity, double saturation, double start,
                                 const StepShape& shape) {
   StepFitter fitter(intensity, saturation, start, shape);
-  if (fitter.samples() < kLeastSamples) return std::nullopt;
+  if (fitter.samples() < kMinSamples) return std::nullopt;
   Step first = fitter.first_guess(start);
   if (!fitter.saturated()) return fit_from(fitter, first, start);
   // A step that ends at saturation fits what is saturated without fitting the rest, and is hard to leave from below.
