@@ -66,8 +66,8 @@ std::string read_lcm_url(TomlTable root) {
 }
 
 void accept_firmware_tables(TomlTable root) {
-  const std::set<std::string> own{"rig",    "lcm_url", "commands", "ball",   "analysis",
-                                  "camera", "record",  "plan",     "machine"};
+  const std::set<std::string> own{"rig",    "lcm_url", "commands", "ball",       "analysis", "camera",
+                                  "record", "plan",    "machine",  "laboratory", "report"};
   for (const std::string& key : root.keys()) {
     if (!own.contains(key) && root.is_table(key)) root.table(key).accept_all();
   }
@@ -91,6 +91,7 @@ Result<RigFile> read_rig(std::string_view text, const std::string& file_name) {
   rig.analysis = read_analysis(root.table("analysis"));
   rig.camera = read_camera(root.table("camera"));
   rig.record = read_record(root.table("record"));
+  rig.statements = read_statements(root);
   rig.plan = read_plan_table(root.table("plan"), {});
   TomlTable machine = root.table("machine");
   if (const auto lag = machine.optional_number("lag_ms", {0.0, 60000.0})) rig.machine_lag_s = *lag * 1e-3;

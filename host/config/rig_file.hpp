@@ -1,5 +1,6 @@
-// The host's part of the rig file: rig, lcm_url, [commands], [ball], [analysis], [camera], [record], [plan]
-// and the machine's lag. The other tables are strobed's; they are accepted unread. Values; thread-safe.
+// The host's part of the rig file: rig, lcm_url, [commands], [ball], [analysis], [camera], [record],
+// [laboratory], [report], [plan] and the machine's lag. The other tables are strobed's; they are accepted unread. Values;
+// thread-safe.
 #pragma once
 
 #include <optional>
@@ -10,6 +11,7 @@
 #include "common/result.hpp"
 #include "host/config/camera_table.hpp"
 #include "host/config/plan_file.hpp"
+#include "host/config/statements.hpp"
 
 namespace strobe::host {
 
@@ -46,6 +48,7 @@ struct RigFile {
   AnalysisSettings analysis;
   CameraTable camera;
   reduction::Record record;
+  Statements statements;  ///< for reports
   PlanFile plan;
   std::optional<double> machine_lag_s;  ///< trigger to touchdown
   std::string text;                     ///< the file as it was read

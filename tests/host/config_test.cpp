@@ -277,3 +277,25 @@ TEST(Notes, ANumberIsReadToItsEndOrNotAtAll) {
   DOUBLES_EQUAL(-3, *host::note_number(record, "e"), 0);
   CHECK_FALSE(host::note_number(record, "f").has_value());
 }
+
+TEST_GROUP(Statements){};
+
+TEST(Statements, AreReadFromTheRigFileAndEmptyOnesStateNothing) {
+  const auto rig = read_rig(
+      "rig = \"b\"\n[laboratory]\nname = \"Lab & <Sons>\"\naddress = \"\"\n[report]\nreceived = "
+      "\"2026-11-02\"\n",
+      "rig.toml");
+  CHECK_TRUE(rig.has_value());
+  CHECK_TRUE(
+      (rig->statements == host::Statements{{"laboratory", "Lab & <Sons>"}, {"received", "2026-11-02"}}));
+}
+
+TEST(Statements, AreNamedWhereTheyAreWrong) {
+  STRCMP_CONTAINS("rig.toml:3: report.customr",
+                  rig_error("rig = \"b\"\n[report]\ncustomr = \"x\"\n").c_str());
+  STRCMP_CONTAINS("rig.toml:3: report.issued: must be a day as 2026-11-21",
+                  rig_error("rig = \"b\"\n[report]\nissued = \"21.11.2026\"\n").c_str());
+  STRCMP_CONTAINS("rig.toml:3: laboratory.name: must be plain UTF-8",
+                  rig_error("rig = \"b\"\n[laboratory]\nname = \"a\\nb\"\n").c_str());
+  STRCMP_CONTAINS("rig.toml:3: laboratory.name", rig_error("rig = \"b\"\n[laboratory]\nname = 5\n").c_str());
+}

@@ -1,0 +1,220 @@
+#include "host/report/html/svg.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/report/html/escape.hpp"
+
+namespace strobe::lab_report {
+
+namespace {
+
+using report::PlotPoint;
+using report::Series;
+using report::Stroke;
+
+// In units of the drawing, whose width is the page's.
+constexpr double kWidth = 720.0;
+constexpr double kLeft = 54.0;
+constexpr double kRight = 12.0;
+constexpr double kTop = 22.0;
+constexpr double kBottom = 40.0;
+constexpr double kLegendLine = 17.0;
+constexpr double kMark = 3.2;  // half the size of a mark
+
+double panel_height(int columns) { return columns == 1 ? 270.0 : columns == 2 ? 235.0 : 195.0; }
+
+struct Frame {
+  double left, top, right, bottom;
+  const Axis& x;
+  const Axis& y;
+
+  double at_x(double value) const { return left + (value - x.low) / (x.high - x.low) * (right - left); }
+  double at_y(double value) const { return bottom - (value - y.low) / (y.high - y.low) * (bottom - top); }
+  bool holds(const PlotPoint& p) const {
+    const double slack_x = 1e-9 * (x.high - x.low), slack_y = 1e-9 * (y.high - y.low);
+    return p.x >= x.low - slack_x && p.x <= x.high + slack_x && p.y >= y.low - slack_y &&
+           p.y <= y.high + slack_y;  // false for NaN
+  }
+  double clamped_y(double value) const { return at_y(std::clamp(value, y.low, y.high)); }
+};
+
+std::string line(double x1, double y1, double x2, double y2, const char* stroke, double width) {
+  return fmt::format(
+      "<line x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\" stroke=\"{}\" "
+      "stroke-width=\"{}\"/>\n",
+      x1, y1, x2, y2, stroke, width);
+}
+
+std::string text(double x, double y, const char* anchor, double size, const std::string& words,
+                 const std::string& more = "") {
+  return fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\" font-size=\"{}\"{}>{}</text>\n", x,
+                     y, anchor, size, more, escaped(words));
+}
+
+const char* dashes(Stroke stroke) {
+  switch (stroke) {
+    case Stroke::dashed:
+      return " stroke-dasharray=\"6 3\"";
+    case Stroke::dotted:
+      return " stroke-dasharray=\"1.5 2.5\"";
+    case Stroke::dash_dotted:
+      return " stroke-dasharray=\"7 3 1.5 3\"";
+    default:
+      return "";
+  }
+}
+
+/// gnuplot's numbers: even ones are open, and its pairs are square, circle, triangle, triangle downwards, diamond.
+std::string mark(double x, double y, int symbol, const std::string& colour) {
+  const bool open = symbol % 2 == 0;
+  const std::string paint =
+      fmt::format("fill=\"{}\" stroke=\"{}\" stroke-width=\"1\"", open ? "#ffffff" : colour, colour);
+  const double s = kMark;
+  if (symbol == 4 || symbol == 5)
+    return fmt::format("<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{}\" height=\"{}\" {}/>\n", x - s, y - s,
+                       2 * s, 2 * s, paint);
+  if (symbol >= 8 && symbol <= 11) {
+    const double up = symbol <= 9 ? 1.0 : -1.0;
+    return fmt::format("<path d=\"M{:.1f} {:.1f}L{:.1f} {:.1f}L{:.1f} {:.1f}Z\" {}/>\n", x, y - up * s * 1.2,
+                       x + s * 1.1, y + up * s, x - s * 1.1, y + up * s, paint);
+  }
+  return fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{}\" {}/>\n", x, y, s, paint);
+}
+
+std::string points_of(const Series& series, const Frame& frame) {
+  std::string out;
+  for (const PlotPoint& p : series.points) {
+    if (!frame.holds(p)) continue;
+    const double x = frame.at_x(p.x);
+    if (std::isfinite(p.low) && std::isfinite(p.high))
+      out += line(x, frame.clamped_y(p.low), x, frame.clamped_y(p.high), series.colour.c_str(), 1.0);
+    out += mark(x, frame.at_y(p.y), series.symbol, series.colour);
+  }
+  return out;
+}
+
+std::string curve_of(const Series& series, const Frame& frame) {
+  std::string path;
+  bool begun = false;
+  for (const PlotPoint& p : series.points) {
+    const bool inside = frame.holds(p);
+    if (inside) path += fmt::format("{}{:.1f} {:.1f}", begun ? "L" : "M", frame.at_x(p.x), frame.at_y(p.y));
+    begun = inside;
+  }
+  if (path.empty()) return {};
+  return fmt::format("<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"1.6\"{}/>\n", path,
+                     series.colour, dashes(series.stroke));
+}
+
+std::string band_of(const Series& series, const Frame& frame) {
+  std::string there, back;
+  for (const PlotPoint& p : series.points) {
+    if (!frame.holds(p) || !std::isfinite(p.low) || !std::isfinite(p.high)) continue;
+    const double x = frame.at_x(p.x);
+    there += fmt::format("{}{:.1f} {:.1f}", there.empty() ? "M" : "L", x, frame.clamped_y(p.high));
+    back = fmt::format("L{:.1f} {:.1f}", x, frame.clamped_y(p.low)) + back;
+  }
+  if (there.empty()) return {};
+  return fmt::format("<path d=\"{}{}Z\" fill=\"{}\" fill-opacity=\"0.15\" stroke=\"none\"/>\n", there, back,
+                     series.colour);
+}
+
+std::string axes(const ChartPanel& panel, const Frame& frame) {
+  std::string out;
+  for (const Tick& tick : frame.y.ticks) {
+    const double y = frame.at_y(tick.at);
+    out += line(frame.left, y, frame.right, y, "#e2e2e2", 0.7);
+    out += text(frame.left - 5, y + 3.5, "end", 10, tick.text);
+  }
+  for (const Tick& tick : frame.x.ticks) {
+    const double x = frame.at_x(tick.at);
+    out += line(x, frame.bottom, x, frame.bottom + 4, "#444444", 0.8);
+    out += text(x, frame.bottom + 15, "middle", 10, tick.text);
+  }
+  if (panel.panel.zero_line && frame.y.low < 0.0 && frame.y.high > 0.0)
+    out += line(frame.left, frame.at_y(0.0), frame.right, frame.at_y(0.0), "#888888", 0.9);
+  out += line(frame.left, frame.bottom, frame.right, frame.bottom, "#444444", 1.0);
+  out += line(frame.left, frame.top, frame.left, frame.bottom, "#444444", 1.0);
+  const double middle = 0.5 * (frame.top + frame.bottom);
+  out += text(0.5 * (frame.left + frame.right), frame.bottom + 31, "middle", 11, panel.panel.x_label);
+  const double at = frame.left - kLeft + 12;
+  out += text(at, middle, "middle", 11, panel.panel.y_label,
+              fmt::format(" transform=\"rotate(-90 {:.1f} {:.1f})\"", at, middle));
+  if (!panel.panel.title.empty())
+    out += text(0.5 * (frame.left + frame.right), frame.top - 8, "middle", 11, panel.panel.title,
+                " font-weight=\"bold\"");
+  return out;
+}
+
+std::string panel_of(const ChartPanel& panel, const Frame& frame) {
+  std::string out = axes(panel, frame);
+  if (panel.is_empty)
+    return out + text(0.5 * (frame.left + frame.right), 0.5 * (frame.top + frame.bottom), "middle", 12,
+                      "no data", " fill=\"#777777\"");
+  std::string curves, points;
+  for (const Series& series : panel.panel.series) {
+    if (series.stroke == Stroke::points) {
+      points += points_of(series, frame);
+    } else {
+      out += band_of(series, frame);
+      curves += curve_of(series, frame);
+    }
+  }
+  return out + curves + points;
+}
+
+std::string legend_of(const std::vector<const Series*>& entries, int columns, double top) {
+  std::string out;
+  const double width = (kWidth - 20.0) / columns;
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    const Series& series = *entries[i];
+    const double x = 14.0 + width * static_cast<double>(i % static_cast<std::size_t>(columns));
+    const double y = top + kLegendLine * (0.5 + static_cast<double>(i / static_cast<std::size_t>(columns)));
+    if (series.stroke == Stroke::points) {
+      out += mark(x + 11, y, series.symbol, series.colour);
+    } else {
+      out += fmt::format(
+          "<path d=\"M{:.1f} {:.1f}L{:.1f} {:.1f}\" fill=\"none\" stroke=\"{}\" "
+          "stroke-width=\"1.6\"{}/>\n",
+          x, y, x + 22, y, series.colour, dashes(series.stroke));
+    }
+    out += text(x + 28, y + 3.5, "start", 10.5, series.legend);
+  }
+  return out;
+}
+
+}  // namespace
+
+std::string svg_of(const Chart& chart) {
+  const int columns =
+      std::max(1, std::min(chart.columns, std::max(1, static_cast<int>(chart.panels.size()))));
+  const double width = kWidth / columns, height = panel_height(columns);
+  std::vector<const Series*> entries;
+  for (const ChartPanel& panel : chart.panels)
+    for (const Series& series : panel.panel.series)
+      if (!series.legend.empty()) entries.push_back(&series);
+  std::string body;
+  for (std::size_t i = 0; i < chart.panels.size(); ++i) {
+    const double x = width * static_cast<double>(i % static_cast<std::size_t>(columns));
+    const double y = height * static_cast<double>(i / static_cast<std::size_t>(columns));
+    const ChartPanel& panel = chart.panels[i];
+    const Frame frame{x + kLeft, y + kTop, x + width - kRight, y + height - kBottom, panel.x, panel.y};
+    body += panel_of(panel, frame);
+  }
+  const auto rows =
+      (chart.panels.size() + static_cast<std::size_t>(columns) - 1) / static_cast<std::size_t>(columns);
+  const double below = height * static_cast<double>(rows);
+  const int legend_columns = std::max(1, chart.legend_columns);
+  const auto lines = (entries.size() + static_cast<std::size_t>(legend_columns) - 1) /
+                     static_cast<std::size_t>(legend_columns);
+  const double total = below + kLegendLine * static_cast<double>(lines) + 4.0;
+  return fmt::format(
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {} {:.0f}\" width=\"{}\" height=\"{:.0f}\" "
+      "role=\"img\" font-family=\"sans-serif\" fill=\"#222222\" aria-label=\"{}\">\n{}{}</svg>\n",
+      kWidth, total, kWidth, total, escaped(chart.title), body, legend_of(entries, legend_columns, below));
+}
+
+}  // namespace strobe::lab_report

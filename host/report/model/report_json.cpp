@@ -1,0 +1,143 @@
+#include "host/report/model/report_json.hpp"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "host/report/model/hashes.hpp"
+
+namespace strobe::lab_report {
+
+namespace {
+
+using nlohmann::ordered_json;
+
+ordered_json number(const std::optional<double>& value) {
+  return value && std::isfinite(*value) ? ordered_json(*value) : ordered_json();
+}
+
+ordered_json number(double value) { return number(std::optional(value)); }
+
+ordered_json fact_json(const Fact& fact) {
+  ordered_json out{{"label", fact.label}, {"text", fact.text}};
+  if (fact.number) out["number"] = number(fact.number);
+  if (!fact.stated) out["stated"] = false;
+  return out;
+}
+
+ordered_json facts_json(const std::vector<Fact>& facts) {
+  ordered_json out = ordered_json::object();
+  for (const Fact& fact : facts) out[fact.key] = fact_json(fact);
+  return out;
+}
+
+ordered_json table_json(const Table& table) {
+  ordered_json columns = ordered_json::array(), rows = ordered_json::array();
+  for (const Column& column : table.columns)
+    columns.push_back({{"key", column.key}, {"head", column.head}, {"unit", column.unit}});
+  for (const Row& row : table.rows) {
+    ordered_json cells = ordered_json::object();
+    for (std::size_t i = 0; i < row.cells.size() && i < table.columns.size(); ++i) {
+      const Cell& cell = row.cells[i];
+      ordered_json& out = cells[table.columns[i].key];
+      out["text"] = cell.text;
+      if (cell.number) out["number"] = number(cell.number);
+    }
+    if (row.beside) cells["beside"] = true;
+    rows.push_back(std::move(cells));
+  }
+  return {{"title", table.title}, {"columns", columns}, {"rows", rows}, {"notes", table.notes}};
+}
+
+ordered_json axis_json(const std::string& label, const Axis& axis) {
+  ordered_json ticks = ordered_json::array();
+  for (const Tick& tick : axis.ticks) ticks.push_back({{"at", number(tick.at)}, {"text", tick.text}});
+  return {{"label", label}, {"low", number(axis.low)}, {"high", number(axis.high)}, {"ticks", ticks}};
+}
+
+ordered_json series_json(const report::Series& series) {
+  ordered_json points = ordered_json::array();
+  for (const report::PlotPoint& p : series.points) {
+    ordered_json point = ordered_json::array({number(p.x), number(p.y)});
+    if (std::isfinite(p.low) || std::isfinite(p.high))
+      point.insert(point.end(), {number(p.low), number(p.high)});
+    points.push_back(std::move(point));
+  }
+  return {{"name", series.name}, {"legend", series.legend}, {"points", points}};
+}
+
+ordered_json chart_json(const Chart& chart) {
+  ordered_json panels = ordered_json::array();
+  for (const ChartPanel& panel : chart.panels) {
+    ordered_json series = ordered_json::array();
+    for (const report::Series& each : panel.panel.series) series.push_back(series_json(each));
+    panels.push_back({{"title", panel.panel.title},
+                      {"x", axis_json(panel.panel.x_label, panel.x)},
+                      {"y", axis_json(panel.panel.y_label, panel.y)},
+                      {"series", series}});
+  }
+  return {{"title", chart.title}, {"caption", chart.caption}, {"panels", panels}};
+}
+
+ordered_json shot_json(const ShotCard& shot) {
+  ordered_json out{{"title", shot.title},
+                   {"counts", shot.counts},
+                   {"facts", facts_json(shot.facts)},
+                   {"remarks", shot.remarks}};
+  if (!shot.picture) return out["no_picture"] = shot.no_picture, out;
+  out["picture"] = {{"width_px", shot.picture->width_px},
+                    {"height_px", shot.picture->height_px},
+                    {"jpeg_base64", base64(shot.picture->jpeg)}};
+  return out;
+}
+
+/// Puts each block where its kind's are.
+struct JsonWriter {
+  ordered_json& section;
+
+  void operator()(const Facts& facts) const {
+    for (const Fact& fact : facts.facts) section["facts"][facts.key][fact.key] = fact_json(fact);
+    if (!facts.title.empty()) section["titles"][facts.key] = facts.title;
+  }
+  void operator()(const Table& table) const { section["tables"][table.key] = table_json(table); }
+  void operator()(const Chart& chart) const { section["charts"][chart.key] = chart_json(chart); }
+  void operator()(const Paragraph& p) const { section["texts"][p.key] = p.text; }
+  void operator()(const Listing& listing) const {
+    section["files"][listing.key] = {{"title", listing.title}, {"text", listing.text}};
+  }
+  void operator()(const ShotCard& shot) const { section["shots"][shot.key] = shot_json(shot); }
+  void operator()(const Signature& signature) const {
+    section["signatures"][signature.key] = facts_json(signature.lines);
+  }
+};
+
+ordered_json sections_json(const Report& report) {
+  ordered_json sections = ordered_json::object();
+  int count = 0;
+  for (const Section& section : report.sections) {
+    ordered_json out{{"number", ++count}, {"title", section.title}};
+    for (const Block& block : section.blocks) std::visit(JsonWriter{out}, block);
+    sections[section.key] = std::move(out);
+  }
+  return sections;
+}
+
+std::string dumped(const ordered_json& json) {
+  return json.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
+}
+
+}  // namespace
+
+std::string report_json(const Report& report) {
+  ordered_json out;
+  out["report"] = {{"id", report.id}, {"title", report.title}, {"issued", report.issued}};
+  out["sections"] = sections_json(report);
+  return dumped(out);
+}
+
+std::string identify(const Report& report) {
+  Report without = report;
+  without.id.clear();
+  return sha256_hex(report_json(without)).substr(0, 16);
+}
+
+}  // namespace strobe::lab_report

@@ -1,0 +1,173 @@
+// Figures 4 to 17 of the thesis, of one's own images in contact.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <set>
+
+#include "common/units/angles.hpp"
+#include "host/assembly/assemble.hpp"
+#include "host/report/content/contact_points.hpp"
+#include "host/report/sections/parts.hpp"
+#include "host/report/sections/sections.hpp"
+#include "host/thesis/contact_scale.hpp"
+#include "host/thesis/figures/figures.hpp"
+
+namespace strobe::lab_report {
+
+namespace {
+
+using reduction::Quantity;
+
+/// A cubic has four coefficients; one more image tells how well it fits.
+constexpr std::size_t kLeastImages = 5;
+
+struct ContactImages {
+  data::ContactSet set;
+  std::size_t images = 0;
+};
+
+thesis::MeanSd mean_sd(const ConditionGroup& group, Quantity q) {
+  const host::QuantitySummary& s = group.of(q);
+  return {s.mean, s.scatter_sd.value_or(0.0)};
+}
+
+/// The group's means as a condition of the thesis. Returns nullopt where a number, or a spin that it knows, is missing.
+std::optional<thesis::Condition> condition_of(const ConditionGroup& group) {
+  int angle = 0;
+  const auto [end, error] =
+      std::from_chars(group.angle.data(), group.angle.data() + group.angle.size(), angle);
+  const bool known_spin = group.spin == "zero" || group.spin == "top" || group.spin == "back";
+  if (!known_spin || error != std::errc() || end != group.angle.data() + group.angle.size())
+    return std::nullopt;
+  for (const Quantity q : kEssential)
+    if (group.of(q).n == 0) return std::nullopt;
+  thesis::Condition c;
+  c.spin = group.spin;
+  c.angle_label_deg = angle;
+  c.n_incoming = c.n_rebound = c.n_system = group.summary.counted;
+  c.theta_in_deg = mean_sd(group, Quantity::theta_in_deg);
+  c.vx_td_mps = mean_sd(group, Quantity::vx_td_mps);
+  c.vy_td_mps = mean_sd(group, Quantity::vy_td_mps);
+  c.v_td_mps = mean_sd(group, Quantity::v_td_mps);
+  c.omega_td_radps = mean_sd(group, Quantity::omega_td_radps);
+  c.theta_out_deg = mean_sd(group, Quantity::theta_out_deg);
+  c.vx_lo_mps = mean_sd(group, Quantity::vx_lo_mps);
+  c.vy_lo_mps = mean_sd(group, Quantity::vy_lo_mps);
+  c.v_lo_mps = mean_sd(group, Quantity::v_lo_mps);
+  c.omega_lo_radps = mean_sd(group, Quantity::omega_lo_radps);
+  c.e = mean_sd(group, Quantity::e);
+  c.mu = mean_sd(group, Quantity::mu);
+  c.dwell_distance_cm = mean_sd(group, Quantity::dwell_distance_cm);
+  c.dwell_time_ms = mean_sd(group, Quantity::dwell_time_ms);
+  return c;
+}
+
+/// Fractions of each shot's own contact; rotations of `total_rotation_rad`.
+ContactImages images_of(const ConditionGroup& group, double total_rotation_rad) {
+  ContactImages out;
+  out.set.name = group.key;
+  out.set.rows.push_back({0.0, 0.0, 0.0, 0.0});
+  for (const ReportShot& each : group.counted) {
+    const auto& readout = each.shot->result.readout;
+    const auto dwell_ms = readout.value[Quantity::dwell_time_ms],
+               distance_cm = readout.value[Quantity::dwell_distance_cm];
+    if (!each.shot->summary || each.shot->digitizations.empty() || !dwell_ms || !distance_cm ||
+        !(*distance_cm > 0.0))
+      continue;
+    const auto assembled = host::assemble(*each.shot->summary, each.shot->digitizations.back().frame,
+                                          host::assembly_settings(each.session->rig));
+    for (const ContactPoint& p : contact_points(assembled.frame, readout)) {
+      data::ContactRow row{1e3 * p.time_s / *dwell_ms,
+                           1e2 * p.x_m / *distance_cm,
+                           p.drop_m / each.session->rig.ball.diameter_m,
+                           {}};
+      if (p.rotation_rad && std::abs(total_rotation_rad) > 1e-6)
+        row.rotation_fraction = *p.rotation_rad / total_rotation_rad;
+      out.set.rows.push_back(row);
+      ++out.images;
+    }
+  }
+  out.set.rows.push_back({1.0, 1.0, 0.0, 1.0});
+  std::stable_sort(
+      out.set.rows.begin(), out.set.rows.end(),
+      [](const data::ContactRow& a, const data::ContactRow& b) { return a.time_fraction < b.time_fraction; });
+  return out;
+}
+
+/// The thesis's inputs with this condition in the place of its own one.
+report::ThesisInputs with(const report::ThesisInputs& thesis, const thesis::Condition& own,
+                          data::ContactSet set) {
+  report::ThesisInputs inputs = thesis;
+  auto& conditions = inputs.used.conditions;
+  const auto same = std::find_if(conditions.begin(), conditions.end(),
+                                 [&](const thesis::Condition& c) { return c.name() == own.name(); });
+  if (same == conditions.end()) {
+    conditions.push_back(own);
+  } else {
+    *same = own;
+  }
+  inputs.used.contact[own.name()] = std::move(set);
+  return inputs;
+}
+
+std::string replaced(std::string text, const std::string& what, const std::string& with) {
+  for (std::size_t at = text.find(what); at != text.npos; at = text.find(what, at + with.size()))
+    text.replace(at, what.size(), with);
+  return text;
+}
+
+/// Figures say "printed" of what is here measured.
+std::string own_words(const std::string& text) {
+  return replaced(replaced(text, "printed sd", "scatter sd"), "printed means", "means");
+}
+
+Chart chart_of(report::Figure figure, const std::string& key) {
+  const int number = figure.number;
+  figure.title = fmt::format("As the thesis's Figure {}: {}", number, own_words(figure.title));
+  figure.caption = own_words(figure.caption);
+  for (report::Panel& panel : figure.panels)
+    for (report::Series& series : panel.series) series.legend = own_words(series.legend);
+  return make_chart(fmt::format("figure_{}_{}", number, key), std::move(figure));
+}
+
+void add(Section& section, const ConditionGroup& group, const ReportInput& input, bool all) {
+  const auto own = condition_of(group);
+  if (!own) return;
+  auto inputs = with(*input.thesis, *own, {own->name(), {}});
+  ContactImages images = images_of(group, report::contact_scale(inputs, *own).total_rotation_rad);
+  if (images.images < kLeastImages) return;
+  inputs.used.contact[own->name()] = std::move(images.set);
+  auto figures = report::figures(inputs, {own->name()});
+  if (!figures) return;
+  section.blocks.emplace_back(
+      Paragraph{"images_" + group.key, fmt::format("{}: {} images in contact of {} shots.", group.label,
+                                                   images.images, group.counted.size())});
+  const std::set<int> essential{4, 5, 6, 13, 16};
+  for (report::Figure& figure : *figures)
+    if (all || essential.contains(figure.number))
+      section.blocks.emplace_back(chart_of(std::move(figure), group.key));
+}
+
+}  // namespace
+
+Section contact_figures(const Content& content) {
+  Section section{"contact", "Images in contact", {}};
+  if (!content.input.thesis) return section;
+  const bool all = content.input.all || content.conditions.size() == 1;
+  for (std::size_t i = 0; i < content.conditions.size(); ++i) {
+    if (content.input.progress) content.input.progress(i, content.conditions.size(), "images in contact");
+    add(section, content.conditions[i], content.input, all);
+  }
+  if (!section.blocks.empty())
+    section.blocks.insert(
+        section.blocks.begin(),
+        Paragraph{
+            "meaning",
+            "Images in contact since touchdown, of all shots of a condition, as fractions of each shot's own "
+            "contact; the contact mechanics are those fitted to the thesis's 21 conditions."});
+  return section;
+}
+
+}  // namespace strobe::lab_report

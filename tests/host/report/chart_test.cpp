@@ -1,0 +1,144 @@
+// Axes, ticks, and drawings of whatever there is to draw.
+#include <rapidcheck.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "host/report/charts/chart.hpp"
+#include "host/report/html/svg.hpp"
+#include "tests/host/report/parsed_html.hpp"
+#include "tests/support/string_from.hpp"
+
+#include <CppUTest/TestHarness.h>
+
+using namespace strobe::lab_report;
+using strobe::report::Figure;
+using strobe::report::Panel;
+using strobe::report::PlotPoint;
+using strobe::report::Series;
+using strobe::report::Stroke;
+using strobe::report_test::parse_html;
+
+namespace {
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+std::string ticks_of(const Axis& axis) {
+  std::string out;
+  for (const Tick& tick : axis.ticks) out += (out.empty() ? "" : " ") + tick.text;
+  return out;
+}
+
+Chart chart_of(std::vector<PlotPoint> points, Stroke stroke = Stroke::points) {
+  Panel panel{.x_label = "x", .y_label = "y"};
+  panel.series.push_back(
+      {.name = "s", .legend = "s", .stroke = stroke, .colour = "#123456", .points = std::move(points)});
+  return make_chart("c", {.number = 0, .title = "t", .caption = "", .panels = {panel}});
+}
+
+strobe::report_test::ParsedHtml drawn(const Chart& chart) {
+  const std::string svg = svg_of(chart);
+  CHECK_TEXT(svg.find("nan") == svg.npos && svg.find("inf") == svg.npos, svg.c_str());
+  auto parsed = parse_html(svg);
+  CHECK_TEXT(parsed.well_formed, parsed.problem.c_str());
+  return parsed;
+}
+
+}  // namespace
+
+TEST_GROUP(ReportAxis){};
+
+TEST(ReportAxis, TicksAreRoundNumbersWithTheDecimalsThatTellThemApart) {
+  CHECK_EQUAL(std::string("0.0 0.2 0.4 0.6 0.8 1.0"), ticks_of(axis_between(0.0, 1.0)));
+  CHECK_EQUAL(std::string("-20 -10 0 10 20"), ticks_of(axis_between(-23.0, 24.0)));
+  CHECK_EQUAL(std::string("15.60 15.62 15.64 15.66 15.68"), ticks_of(axis_between(15.59, 15.69)));
+  CHECK_EQUAL(std::string("0 1e+06 2e+06 3e+06 4e+06"), ticks_of(axis_between(-1.0, 4.1e6)));
+}
+
+TEST(ReportAxis, HasRoomAboutOneValueAndAboutEqualOnes) {
+  for (const auto& values : {std::vector<double>{5.0}, {5.0, 5.0, 5.0}, {0.0}, {-1e-12}, {1e90, 1e90}}) {
+    const Axis axis = axis_for(values);
+    CHECK(axis.low < values[0] && values[0] < axis.high);
+    CHECK(axis.ticks.size() >= 2);
+  }
+}
+
+TEST(ReportAxis, LeavesOutWhatIsNoNumber) {
+  const Axis axis = axis_for({kNone, 1.0, INFINITY, 2.0, -INFINITY, 1e300});
+  CHECK(axis.low > 0.9 && axis.low < 1.0 && axis.high > 2.0 && axis.high < 2.1);
+  const Axis none = axis_for({kNone, INFINITY});
+  DOUBLES_EQUAL(0.0, none.low, 0.0);
+  DOUBLES_EQUAL(1.0, none.high, 0.0);
+}
+
+TEST(ReportAxis, HoldsAnyValuesWithAHandfulOfTicksWithin) {
+  CHECK(rc::check("axis holds its values", [] {
+    const auto values = *rc::gen::container<std::vector<double>>(rc::gen::map(
+        rc::gen::pair(rc::gen::inRange(-100000, 100000), rc::gen::inRange(-60, 60)),
+        [](const std::pair<int, int>& number) { return number.first * std::pow(10.0, number.second); }));
+    const Axis axis = axis_for(values);
+    RC_ASSERT(std::isfinite(axis.low));
+    RC_ASSERT(axis.low < axis.high);
+    for (const double value : values) RC_ASSERT(value >= axis.low && value <= axis.high);
+    RC_ASSERT(axis.ticks.size() >= 2U);
+    RC_ASSERT(axis.ticks.size() <= 8U);
+    const double slack = 1e-6 * (axis.high - axis.low);
+    for (const Tick& tick : axis.ticks)
+      RC_ASSERT(tick.at >= axis.low - slack && tick.at <= axis.high + slack);
+  }));
+}
+
+TEST_GROUP(ReportChart){};
+
+TEST(ReportChart, DrawsAMarkForEachPointAndABarForEachSd) {
+  const auto parsed = drawn(chart_of({{1.0, 2.0, 1.5, 2.5}, {2.0, 3.0, 2.5, 3.5}, {3.0, kNone}}));
+  LONGS_EQUAL(2 + 1, parsed.count("circle"));  // the legend's, too
+}
+
+TEST(ReportChart, SaysWhereThereIsNothingToDraw) {
+  STRCMP_CONTAINS("no data", drawn(chart_of({})).text.c_str());
+  STRCMP_CONTAINS("no data", drawn(chart_of({{kNone, 1.0}, {1.0, kNone}, {INFINITY, 1.0}})).text.c_str());
+  CHECK(drawn(chart_of({{1.0, 1.0}})).text.find("no data") == std::string::npos);
+  CHECK(drawn(make_chart("empty", Figure{})).well_formed);
+}
+
+TEST(ReportChart, ALineIsInterruptedWhereAValueIsMissing) {
+  const auto parsed = drawn(chart_of({{0, 0}, {1, 1}, {2, kNone}, {3, 1}, {4, 2}}, Stroke::solid));
+  bool interrupted = false;
+  for (const auto& element : parsed.elements) {
+    const auto path = element.attributes.find("d");
+    if (path == element.attributes.end()) continue;
+    interrupted = interrupted || std::count(path->second.begin(), path->second.end(), 'M') == 2;
+  }
+  CHECK(interrupted);
+}
+
+TEST(ReportChart, NamesOfManyShotsAreThinnedOut) {
+  std::vector<std::string> names;
+  for (int i = 1; i <= 300; ++i) names.push_back(std::to_string(i));
+  Figure figure;
+  figure.panels.emplace_back();
+  const Chart chart = make_chart("c", figure, names);
+  CHECK(chart.panels[0].x.ticks.size() <= 25);
+  CHECK_EQUAL(std::string("1"), chart.panels[0].x.ticks[0].text);
+  DOUBLES_EQUAL(300.5, chart.panels[0].x.high, 0.0);
+}
+
+TEST(ReportChart, AnyPointsGiveAWellFormedDrawing) {
+  CHECK(rc::check("drawing is well-formed", [] {
+    const auto number =
+        rc::gen::oneOf(rc::gen::arbitrary<double>(),
+                       rc::gen::element(0.0, 1.0, -1.0, kNone, INFINITY, 1e308, -1e308, 5e-324));
+    const auto values = *rc::gen::container<std::vector<double>>(number);
+    std::vector<PlotPoint> points;
+    for (std::size_t i = 0; i + 3 < values.size(); ++i)
+      points.push_back({values[i], values[i + 1], values[i + 2], values[i + 3]});
+    for (const Stroke stroke : {Stroke::points, Stroke::solid, Stroke::dotted}) {
+      const std::string svg = svg_of(chart_of(points, stroke));
+      RC_ASSERT(parse_html(svg).well_formed);
+      RC_ASSERT(svg.find("nan") == svg.npos);
+      RC_ASSERT(svg.find("inf") == svg.npos);
+    }
+  }));
+}

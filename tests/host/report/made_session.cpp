@@ -1,0 +1,119 @@
+#include "tests/host/report/made_session.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "host/assembly/assemble.hpp"
+#include "tests/host/synthetic_shot.hpp"
+
+#include <CppUTest/TestHarness.h>
+
+namespace strobe::report_test {
+
+namespace {
+
+strobe_msgs::note_t note(const std::string& key, const std::string& value) {
+  strobe_msgs::note_t out;
+  out.key = key;
+  out.value = value;
+  return out;
+}
+
+host::StoredShot stored_shot(int number, const MadeSession& settings, const host::RigFile& rig) {
+  host_test::Scenario scenario;
+  scenario.seed = static_cast<std::uint32_t>(number);
+  auto made = host_test::make_shot(scenario);
+  made.shot.shot_id = made.frame.shot_id = number;
+  made.shot.notes = {note("spin", settings.spin), note("angle_deg", settings.angle),
+                     note("ball_name", "new")};
+  if (!settings.note.empty()) made.shot.notes.push_back(note("remarks", settings.note));
+  made.shot.note_count = static_cast<int>(made.shot.notes.size());
+  host::StoredShot stored;
+  stored.key = {made.shot.boot_id, number};
+  stored.name = std::to_string(number);
+  stored.utc = fmt::format("2026-11-21T10:{:02}:00Z", number);
+  stored.summary = made.shot;
+  host::Digitization digitization;
+  digitization.frame = made.frame;
+  digitization.utc = stored.utc;
+  stored.digitizations.push_back(digitization);
+  auto readout = host::shot_readout(made.shot, made.frame, host::assembly_settings(rig));
+  stored.result.boot_id = made.shot.boot_id;
+  stored.result.shot_id = number;
+  stored.result.readout = std::move(readout.readout);
+  stored.result.train = host::train_report(made.shot);
+  return stored;
+}
+
+}  // namespace
+
+host::StoredSession made_session(const MadeSession& settings) {
+  const auto rig =
+      host::read_rig("rig = \"bench\"\n" + settings.rig_lines + "[machine]\nlag_ms = 310\n", "rig.toml");
+  CHECK_TEXT(rig.has_value(), rig ? "" : rig.error().message.c_str());
+  host::StoredSession session;
+  session.folder = "today";
+  session.rig = *rig;
+  session.plan_text = "period_us = 3000\n";
+  host::StoredRun run;
+  run.utc = "2026-11-21T09:59:00Z";
+  run.host_id = 5;
+  run.version = "1.0";
+  run.operator_name = "jo@lab";
+  run.shots = settings.shots;
+  run.notes = {{"spin", settings.spin}};
+  session.runs.push_back(run);
+  for (int i = 1; i <= settings.shots; ++i) {
+    session.shots.push_back(stored_shot(i, settings, session.rig));
+    if (i > settings.shots - settings.rejected)
+      session.shots.back().result.rejected = "a flash <was> missing";
+  }
+  session.verified = true;
+  return session;
+}
+
+host::SeriesSummary plain_summary(const std::string& name, const std::vector<lab_report::ReportShot>& shots) {
+  host::SeriesSummary out;
+  out.name = name;
+  out.counted = static_cast<int>(shots.size());
+  for (std::size_t i = 0; i < reduction::kQuantityCount; ++i) {
+    const auto q = static_cast<reduction::Quantity>(i);
+    host::QuantitySummary& s = out.quantities[i];
+    double sum = 0.0, squares = 0.0;
+    for (const auto& each : shots) {
+      const auto& value = each.shot->result.readout.value[q];
+      if (!value) continue;
+      ++s.n;
+      sum += *value;
+      squares += *value * *value;
+    }
+    if (s.n == 0) continue;
+    s.mean = sum / s.n;
+    if (s.n < 2) continue;
+    s.scatter_sd = std::sqrt(std::max(0.0, squares - s.n * s.mean * s.mean) / (s.n - 1));
+    s.standard_error = *s.scatter_sd / std::sqrt(s.n);
+    s.total_sd = s.standard_error;
+    s.degrees_of_freedom = s.n - 1.0;
+    s.expanded_uncertainty = 2.0 * *s.total_sd;
+    host::BudgetLine scatter;
+    scatter.source = "scatter";
+    scatter.type = host::EvaluationType::a;
+    scatter.sensitivity = 1.0;
+    scatter.effect = *s.total_sd;
+    scatter.share = 1.0;
+    scatter.degrees_of_freedom = s.n - 1.0;
+    s.budget.push_back(scatter);
+  }
+  return out;
+}
+
+lab_report::ReportInput input_of(host::StoredSession session) {
+  lab_report::ReportInput input;
+  input.sessions.push_back(std::move(session));
+  input.version = "1.2.3";
+  input.summarize = plain_summary;
+  return input;
+}
+
+}  // namespace strobe::report_test
