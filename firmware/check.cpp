@@ -86,7 +86,7 @@ std::string session_fault(const std::filesystem::path& session) {
 int check_rig(const Rig& rig, const Options& given) {
   const Options options = options_of_check(given, rig, geteuid() == 0);
   Report report(options.json);
-  report.item("rig file", "");
+  report.item({"rig file", Verdict::ok, options.config});
   for (const CheckItem& item : inspect_lines(rig, SystemFiles())) report.item(item);
   const RealTimeRights trial = probe_real_time(rig.real_time);
   for (const CheckItem& item : real_time_report(rig, trial, find_tick(rig.real_time), SystemFiles()))

@@ -7,6 +7,9 @@
 #include <filesystem>
 
 #include "common/authentication/key_file.hpp"
+#include "common/command_line/complaint.hpp"
+#include "common/command_line/help.hpp"
+#include "common/config/default_rig.hpp"
 #include "common/config/files.hpp"
 #include "common/messages/channels.hpp"
 #include "common/wire/lcm_url.hpp"
@@ -20,11 +23,15 @@ namespace {
 using namespace strobe::firmware;  // NOLINT: the program's own
 
 constexpr const char* kFooter =
-    "Exit status: 0 stopped in good order (or checked, or made safe); 1 the worker died, or a check failed;\n"
+    "Without --config the example that comes with strobed is taken; its lines exist on the simulated chip "
+    "alone, so that "
+    "it drives nothing on a real one. --safe and --move-interrupts are for a real rig and want its file "
+    "named.\n"
+    "Exit status: 0 stopped in good order (or checked, or made safe); 1 the worker died, or a check failed; "
     "2 bad usage, rig file, chip or line.\n"
-    "A drill proves on the real rig that the outputs become safe: --drill publisher-exception@3 lets the\n"
-    "publishing thread fail at the first flash of this start's third shot; publisher-hang and loop-hang let\n"
-    "that thread stand still, output-failure lets every further setting of an output fail.";
+    "Examples:\n"
+    "  strobed --check --config rig.toml --session today\n"
+    "  strobed --config rig.toml --session today";
 
 strobe::Result<Rig> load_rig(const std::string& path) {
   const auto text = strobe::config::read_file(path);
@@ -47,6 +54,17 @@ strobe::Result<void> take_key(const Rig& rig, Options& options) {
   options.key = found->key;
   options.key_words =
       found->path.string() + ", fingerprint " + found->key.fingerprint() + (found->made ? " (new)" : "");
+  return {};
+}
+
+/// Whoever makes outputs safe must say whose.
+strobe::Result<void> choose_rig_file(Options& options, bool must_be_named) {
+  if (!options.config.empty()) return {};
+  if (must_be_named) return strobe::fail("--config is required: the rig file of the rig that is meant");
+  const auto found = strobe::config::rig_file_or_example(options.config, "--config");
+  if (!found) return tl::unexpected(found.error());
+  std::fprintf(stderr, "strobed: %s\n", strobe::config::words_on_example(options.config, "--config").c_str());
+  options.config = *found;
   return {};
 }
 
@@ -74,11 +92,13 @@ bool read_drill(const std::string& text, Options& options) {
 int run(int argc, char** argv) {
   CLI::App app(
       "Plays strobe-photography shots on a rig's GPIO lines, with a guardian that keeps the outputs safe.");
+  app.name("strobed");
+  strobe::command_line::set_help(app);
   app.footer(kFooter);
   Options options;
   bool check = false, safe = false, move = false;
   std::string session, drill;
-  app.add_option("--config", options.config, "rig file (rig.toml)")->required();
+  app.add_option("--config", options.config, "rig file (default: the example that comes with strobed)");
   app.add_option("--session", session, "folder of the journal; made if need be");
   app.add_option(
          "--lcm-url", options.lcm_url,
@@ -90,27 +110,33 @@ int run(int argc, char** argv) {
   app.add_flag("--allow-no-rt", options.allow_no_rt, "run without real-time rights, with a warning");
   auto* check_flag = app.add_flag("--check", check,
                                   "try chip, lines, rights, key and folder, tell what is wrong and what "
-                                  "mends it, and end; the service's key and "
-                                  "folder, where root gives the service's rig file");
+                                  "mends it, and end");
   app.add_flag("--safe", safe, "drive all outputs inactive once, and end")->excludes(check_flag);
   app.add_flag("--move-interrupts", move,
                "as root: keep the machine's interrupts off the CPU of [real_time] cpu, and end")
       ->excludes(check_flag);
-  app.add_option("--drill", drill,
-                 "publisher-exception@SHOT, publisher-hang@, loop-hang@ or output-failure@SHOT, see below");
+  app.add_option(
+      "--drill", drill,
+      "lets a part fail at the first flash of this start's shot SHOT, to prove on the real rig that the "
+      "outputs become safe: publisher-exception@SHOT and publisher-hang@SHOT (the publishing thread), "
+      "loop-hang@SHOT (the real-time loop stands still), output-failure@SHOT (no output can be set)");
   app.add_flag("--json", options.json, "with --check: one JSON object per line");
   app.add_flag("--verbose", options.verbose, "every event on stderr");
   app.set_version_flag("--version", STROBE_VERSION);
+  strobe::command_line::for_experts(app,
+                                    {"--lcm-url", "--key-file", "--move-interrupts", "--drill", "--verbose"});
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);
-    return bad_input(error.what());
+    std::fprintf(stderr, "%s\n", strobe::command_line::complaint(app, error).c_str());
+    return kExitBadInput;
   }
   if (!drill.empty() && !read_drill(drill, options)) {
     return bad_input("--drill: must be CAUSE@SHOT with SHOT from 1, is \"" + drill + "\"");
   }
   options.session = session;
+  if (auto found = choose_rig_file(options, safe || move); !found) return bad_input(found.error().message);
   auto rig = load_rig(options.config);
   if (!rig) return bad_input(rig.error().message);
   if (options.lcm_url.empty()) options.lcm_url = rig->lcm_url;

@@ -8,14 +8,11 @@
 #include <new>
 #include <string>
 
+#include "common/command_line/complaint.hpp"
+#include "common/command_line/help.hpp"
 #include "host/commands/command.hpp"
 
 namespace {
-
-std::string one_line(const CLI::ParseError& error) {
-  const std::string what = error.what();
-  return what.empty() ? error.get_name() : what;
-}
 
 /// NaN and infinity are spelled like numbers, but no option means them.
 std::string finite(const std::string& text) {
@@ -30,18 +27,10 @@ void demand_finite_numbers(CLI::App& app) {
   }
 }
 
-/// The library says only that a command is missing when it is misspelt.
-std::string unknown_command(CLI::App& app, int argc, char** argv) {
-  if (argc < 2 || argv[1][0] == '-') return {};
-  for (const CLI::App* command : app.get_subcommands({})) {
-    if (command->check_name(argv[1])) return {};
-  }
-  return std::string("no command \"") + argv[1] + "\"";
-}
-
 int run(int argc, char** argv) {
   CLI::App app{"Strobe-photography impact experiments: fire shots, watch them, reduce frames."};
   app.name("strobe");
+  strobe::command_line::set_help(app);
   app.set_version_flag("--version", STROBE_VERSION);
   app.require_subcommand(1);
   app.footer(
@@ -67,9 +56,8 @@ int run(int argc, char** argv) {
   } catch (const CLI::Success& told) {  // help, or the version
     return app.exit(told);
   } catch (const CLI::ParseError& error) {
-    const std::string unknown = unknown_command(app, argc, argv);
-    return strobe::host::bad_input((unknown.empty() ? one_line(error) : unknown) +
-                                   " (strobe --help lists commands and options)");
+    std::fprintf(stderr, "%s\n", strobe::command_line::complaint(app, error).c_str());
+    return strobe::host::kBadInput;
   }
   return exit_status;
 }

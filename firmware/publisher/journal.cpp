@@ -103,7 +103,7 @@ Result<void> Journal::append(const std::vector<Message>& messages, std::int64_t 
 Result<void> Journal::sync() {
   if (fdatasync(fd_) == 0) return {};
   broken_ = path_.string() + ": " + std::strerror(errno) +
-            ", and what was written may be lost; look after the disk and start strobed anew";
+            ", and what was written may be lost; look after the disk and restart strobed";
   return fail(broken_);
 }
 
@@ -113,14 +113,14 @@ Result<void> Journal::check() const {
   struct stat ours {
   }, there{};
   if (fstat(fd_, &ours) != 0) return failed(std::strerror(errno));
-  if (ours.st_nlink == 0) return failed("the journal was removed; start strobed anew");
+  if (ours.st_nlink == 0) return failed("the journal was removed; restart strobed");
   if (stat(path_.c_str(), &there) != 0) {
     return failed(std::string("the journal was moved away (") + std::strerror(errno) +
-                  "); put it back or start strobed anew");
+                  "); put it back or restart strobed");
   }
   if (ours.st_dev != there.st_dev || ours.st_ino != there.st_ino)
-    return failed("another file is in the journal's place; start strobed anew");
-  if (ours.st_size != size_) return failed("the journal was changed by another program; start strobed anew");
+    return failed("another file is in the journal's place; restart strobed");
+  if (ours.st_size != size_) return failed("the journal was changed by another program; restart strobed");
   struct statvfs system {};
   if (fstatvfs(fd_, &system) == 0 && (system.f_flag & ST_RDONLY) != 0)
     return failed("the file system is read-only");

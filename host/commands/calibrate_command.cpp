@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "common/command_line/help.hpp"
 #include "common/config/files.hpp"
 #include "common/messages/or_null.hpp"
 #include "host/camera/calibration.hpp"
@@ -245,39 +246,47 @@ void add_calibrate_command(CLI::App& app, int& exit_status) {
                    "Side of a square, or distance of discs in a row, as measured on the print (over many)")
       ->check(CLI::Range(0.1, 1000.0))
       ->required();
-  command->add_option("--spacing-sd-percent", options->spacing_sd_percent, "How well that is known")
+  command
+      ->add_option("--spacing-sd-percent", options->spacing_sd_percent,
+                   "Standard deviation of the spacing, in percent")
       ->check(CLI::Range(0.0, 10.0))
       ->capture_default_str();
   command
       ->add_option("--off-plane-sd-mm", options->off_plane_sd_mm,
-                   "How well the board stands in the plane of the ball's centre")
+                   "Standard deviation of the board's distance from the plane in which balls fly")
       ->check(CLI::Range(0.0, 1000.0))
       ->capture_default_str();
-  command->add_option("--lens-distance-m", options->lens_distance_m, "Lens to plane, by a tape")
+  command
+      ->add_option("--lens-distance-m", options->lens_distance_m,
+                   "Distance from lens to plane, measured by tape")
       ->check(CLI::Range(0.01, 1000.0));
-  command->add_option("--lens-distance-sd-m", options->lens_distance_sd_m, "How well; 1 % if left out")
+  command
+      ->add_option("--lens-distance-sd-m", options->lens_distance_sd_m,
+                   "Its standard deviation (default 1 %)")
       ->check(CLI::Range(1e-6, 1000.0));
   command
       ->add_option("--surface", options->surface,
                    "Two points of the surface's line on the photograph: column row column row [px]")
       ->expected(4);
-  command->add_option("--surface-sd-px", options->surface_sd_px, "How well")
+  command
+      ->add_option("--surface-sd-px", options->surface_sd_px, "Standard deviation of each of these numbers")
       ->check(CLI::Range(1e-4, 1000.0))
       ->capture_default_str();
   command
       ->add_option("--tolerance-percent", options->tolerance_percent,
-                   "Refuse a calibration whose points leave the scale more uncertain than this, rms over the "
-                   "photograph")
+                   "Refuse a calibration whose scale is more uncertain than this, rms over the photograph")
       ->check(CLI::Range(1e-6, 100.0))
       ->capture_default_str();
-  command->add_option("--date", options->date, "Day of the photographs, 2026-11-21; today if left out");
+  command->add_option("--date", options->date, "Day of the photographs, 2026-11-21; default: today");
   command->add_flag("--dry", options->dry, "Write no file");
   command->add_flag("--json", options->json, "One JSON object");
+  command_line::for_experts(
+      *command, {"--spacing-sd-percent", "--off-plane-sd-mm", "--lens-distance-m", "--lens-distance-sd-m",
+                 "--surface", "--surface-sd-px", "--tolerance-percent", "--date"});
   command->footer(
       "Example: strobe calibrate plane.tif slanted1.tif slanted2.tif --spacing-mm 20.02 --rig rig.toml\n"
       "One photograph gives scale, tilt and lens; with slanted ones, or --lens-distance-m, also how balls "
-      "show away "
-      "from the\nmiddle. `strobe digitize --rig` then uses all of it.");
+      "show away from the middle. `strobe digitize --rig` then uses all of it.");
   command->callback([options, &exit_status] { exit_status = run_calibrate(*options); });
 }
 

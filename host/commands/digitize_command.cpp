@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "common/command_line/help.hpp"
 #include "common/config/files.hpp"
 #include "host/clock/machine_clock.hpp"
 #include "host/commands/command.hpp"
@@ -189,16 +190,20 @@ void add_digitize_command(CLI::App& app, int& exit_status) {
   auto options = std::make_shared<DigitizeOptions>();
   CLI::App* command = app.add_subcommand("digitize", "Measure the ball's images on photographs");
   add_digitize_options(*command, *options);
+  command_line::for_experts(*command, {"--px-per-m-sd", "--explain", "--ball-diameter-sd-m",
+                                       "--size-tolerance", "--direction", "--bounce", "--shot-id"});
   command->footer(
       "Examples: strobe digitize shot.tiff --px-per-m 4000 --period-ms 3 --overlay shot.png\n"
       "          strobe digitize shot.tiff --ball-diameter-m 0.0427 --json\n"
       "          strobe digitize shots/*.tiff --rig rig.toml --times times.jsonl --json | strobe reduce -\n"
       "          strobe digitize shot.tiff --rig rig.toml --edit corrections.toml --json\n"
       "Without --times and --period-ms the period is that of the rig file's plan; without one the images "
-      "come in\n"
-      "their order but with no times, and cannot be reduced. A file of corrections has tables [[add]], "
-      "[[move]]\n"
-      "and [[remove]]:\n"
+      "come in "
+      "their order but with no times, and cannot be reduced.\n"
+      "Exit status: 1 if a photograph of several could not be read, or shows no ball; 2 if none could be "
+      "read.\n"
+      "\f"
+      "A file of corrections has tables [[add]], [[move]] and [[remove]]:\n"
       "  [[remove]]\n"
       "  at_px = [812, 640]        # the image nearest to this point of the frame (x right, y up)\n"
       "  [[move]]\n"
@@ -207,9 +212,7 @@ void add_digitize_command(CLI::App& app, int& exit_status) {
       "  equator_deg = 31\n"
       "  [[add]]\n"
       "  centre_px = [1410, 1180]\n"
-      "  diameter_px = 261\n"
-      "Exit status: 1 if a photograph of several could not be read, or shows no ball; 2 if none could be "
-      "read.");
+      "  diameter_px = 261");
   command->callback([options, &exit_status] { exit_status = run_digitize(*options); });
 }
 

@@ -21,30 +21,32 @@ std::string size_tolerance_problem(const std::string& text) {
 void add_scale(CLI::App& command, DigitizeOptions& options) {
   command.add_option("--rig", options.rig, "rig file: ball, calibrated camera, period of the plan");
   command
-      .add_option(
-          "--px-per-m", options.px_per_m,
-          "scale in the ball's plane; overrules the rig file's. Without one it is found from the balls' "
-          "outlines, at least one of which must be seen for three quarters")
+      .add_option("--px-per-m", options.px_per_m,
+                  "scale in the plane of flight, instead of the rig file's. Without one it is found from the "
+                  "balls' outlines, at least one of which must be visible for three quarters")
       ->check(CLI::Range(1.0, 1e7));
   command
       .add_option(
           "--px-per-m-sd", options.px_per_m_sd,
-          "its standard deviation, if calibrated: handed on with the frame, so that speeds are read by "
-          "it and not by the ball's diameter")
+          "standard deviation of a calibrated scale: speeds are then computed from the scale, not from "
+          "the ball's diameter")
       ->check(CLI::Range(0.0, 1e6));
-  command.add_option("--ball-diameter-m", options.ball_diameter_m, "[the rig file's, else 0.0651]")
+  command
+      .add_option("--ball-diameter-m", options.ball_diameter_m,
+                  "diameter of the ball (default: the rig file's, else 0.0651)")
       ->check(CLI::Range(0.01, 1.0));
-  command.add_option("--ball-diameter-sd-m", options.ball_diameter_sd_m, "its tolerance")
+  command.add_option("--ball-diameter-sd-m", options.ball_diameter_sd_m, "its standard deviation")
       ->check(CLI::Range(0.0, 0.1));
   command
       .add_option("--size-tolerance", options.size_tolerance_percent,
-                  "how far the ball's size on the photograph may be from scale times diameter, and single "
-                  "images' from it, in percent [8, and 12 where the scale is found]")
+                  "by how many percent an image's diameter may differ from scale times ball diameter "
+                  "(default 8; 12 where the scale is found from the photograph)")
       ->check(CLI::Validator(size_tolerance_problem, "1 - 50 PERCENT"));
 }
 
 void add_times(CLI::App& command, DigitizeOptions& options) {
-  command.add_option("--period-ms", options.period_ms, "between flashes, if all came when they were due")
+  command
+      .add_option("--period-ms", options.period_ms, "time between flashes, if all came when they were due")
       ->check(CLI::Range(0.01, 1000.0));
   command.add_option("--times", options.times_file,
                      "the flashes as measured, in seconds: an array [0, 0.003, ...] or an object with "
@@ -52,10 +54,11 @@ void add_times(CLI::App& command, DigitizeOptions& options) {
 }
 
 void add_results(CLI::App& command, DigitizeOptions& options) {
-  command.add_option("--shot-id", options.shot_id, "of the first photograph; the others count on")
+  command
+      .add_option("--shot-id", options.shot_id, "shot number of the first photograph; the next ones follow")
       ->check(CLI::Range(0, 1000000000));
   command.add_option("--edit", options.edit_file,
-                     "a person's corrections, applied to what was found; one photograph only");
+                     "a file of corrections made by hand (one photograph only; --help-all shows one)");
   command.add_option("--overlay", options.overlay,
                      "write the photograph with what was found drawn on it: a file's name, or of several "
                      "photographs a folder's");
@@ -75,19 +78,21 @@ void add_digitize_options(CLI::App& command, DigitizeOptions& options) {
       .add_option("--effort", options.effort,
                   "fast, standard, or thorough (outlines measured five times over)")
       ->check(CLI::IsMember({"fast", "standard", "thorough"}));
-  command.add_option("--direction", options.direction, "of flight; auto: the bounce tells")
+  command
+      .add_option("--direction", options.direction,
+                  "direction of flight: right, left, or auto, found from the bounce")
       ->check(CLI::IsMember({"auto", "right", "left"}));
   command
       .add_option(
           "--bounce", options.bounce,
-          "of several, which one legs and times are told of, from 1 in time [the first with two images or "
-          "more on either side]; images of other legs get no time")
+          "where there are several bounces, the one to measure, counted in time from 1 (default: the first "
+          "with two images or more on either side)")
       ->check(CLI::Range(1, 100));
   add_results(command, options);
 }
 
 std::string conflict(const DigitizeOptions& options) {
-  if (options.px_per_m_sd && !options.px_per_m) return "--px-per-m-sd is nothing without --px-per-m";
+  if (options.px_per_m_sd && !options.px_per_m) return "--px-per-m-sd needs --px-per-m";
   if (options.period_ms && !options.times_file.empty()) return "--period-ms and --times exclude each other";
   if (!options.edit_file.empty() && options.images.size() > 1) return "--edit is for one photograph";
   return {};

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "common/authentication/key_file.hpp"
+#include "common/command_line/help.hpp"
 #include "common/config/files.hpp"
 #include "common/wire/lcm_url.hpp"
 #include "host/assembly/coded_spacing.hpp"
@@ -151,6 +152,8 @@ void add_fire_command(CLI::App& app, int& exit_status) {
   command->add_flag("--json", options->json,
                     "one JSON object per readout on standard output, nothing else there");
   command->add_flag("--plain", options->plain, "lines of text instead of a screen");
+  command_line::for_experts(*command,
+                            {"--spacing", "--effort", "--lcm-url", "--key-file", "--wait", "--clear-fault"});
   command->footer(
       "Example: strobe fire --rig rig.toml --session run1 --shots 9 --spin zero --angle 23 --note "
       "operator=\"A. Author\"\n"

@@ -41,7 +41,7 @@ void add_key_command(CLI::App& app, int& exit_status) {
   command->add_option("--new", options->new_file, "make a key in this new file, which only you can read");
   command->footer(
       "Example: strobe key --new lab.key\n"
-      "Firmware and hosts of a lab need the same key: copy the file over a way that nobody else reads\n"
+      "Firmware and hosts of a lab need the same key: copy the file over a way that nobody else reads "
       "(scp keeps its rights with -p), and compare fingerprints.");
   command->callback([options, &exit_status] { exit_status = run(*options); });
 }

@@ -5,6 +5,8 @@
 #include <optional>
 
 #include "common/authentication/key_file.hpp"
+#include "common/command_line/help.hpp"
+#include "common/config/default_rig.hpp"
 #include "common/wire/lcm_url.hpp"
 #include "host/clock/machine_clock.hpp"
 #include "host/commands/command.hpp"
@@ -119,6 +121,8 @@ int run_live(const LiveOptions& options) {
   TimingReport timing(loop, terminal, options.json);
   const bool with_timing = options.timing && !terminal.owns_screen();
   if (with_timing) loop.add_listener(timing);
+  if (const auto words = config::words_on_example(options.rig_path, "--rig"); !words.empty())
+    terminal.note(words);
   terminal.note(fmt::format("listening to rig {} on {}", rig->rig, url));
   if (!loop.verifies()) {
     loop.notify("unverified: anybody's messages are shown, and what is lost on the way cannot be asked for" +
@@ -162,6 +166,8 @@ void add_live_command(CLI::App& app, int& exit_status) {
       ->add_option("--idle-exit", options->idle_exit_s,
                    "end when nothing was heard for this many seconds (default 0: never)")
       ->check(CLI::Range(0.0, 1e6));
+  command_line::for_experts(
+      *command, {"--effort", "--lcm-url", "--key-file", "--timing", "--idle-exit", "--unverified"});
   command->footer(
       "Example: strobe live --rig rig.toml\n         strobe live --rig rig.toml --json --shots 9 > "
       "readouts.jsonl");

@@ -12,6 +12,7 @@
 #include <optional>
 #include <system_error>
 
+#include "common/command_line/help.hpp"
 #include "common/config/files.hpp"
 #include "common/messages/json_conversions.hpp"
 #include "common/reduction/legacy.hpp"
@@ -284,12 +285,12 @@ void add_reduce_command(CLI::App& app, int& exit_status) {
           "spins), or all")
       ->check(CLI::IsMember({"auto", "none", "gravity", "all"}));
   command
-      ->add_option("--noise", options->noise,
-                   "what the sds that a frame states are taken for: stated (default: the noise), or "
-                   "residuals (relative "
-                   "weights: the noise of each kind of measurement is estimated from the shot's own "
-                   "residuals, and sds are "
-                   "widened by Student's t)")
+      ->add_option(
+          "--noise", options->noise,
+          "where the noise of the measurements is taken from: stated (default: the sds that the frame "
+          "states) or "
+          "residuals (those are relative weights only; the noise of each kind of measurement is estimated "
+          "from the shot's own residuals, and sds are widened by Student's t)")
       ->check(CLI::IsMember({"stated", "residuals"}));
   command->add_option(
       "--tolerance", options->tolerance,
@@ -307,16 +308,16 @@ void add_reduce_command(CLI::App& app, int& exit_status) {
                       "writes it [share/strobe/frontier/frontier.csv]");
   command->add_flag("--json", options->json,
                     "one JSON object per readout on standard output, nothing else there");
+  command_line::for_experts(*command, {"--noise", "--tolerance", "--deadline-us", "--frontier"});
   command->footer(
       "Example: strobe reduce frames.jsonl --estimator best --json\n"
       "         strobe reduce frames.jsonl --tolerance 1% --deadline-us 20 --json\n"
-      "--estimator and --flight restrict the choice of --tolerance and --deadline-us. No estimator that "
-      "meets "
-      "both:\n"
-      "exit status 2, or for some frames only as for bad lines.\n"
       "Bad lines are named on standard error and make the exit status 1; the others are reduced. Without "
-      "any\n"
-      "good line it is 2.");
+      "any good line it is 2.\n"
+      "\f"
+      "--estimator and --flight restrict the choice of --tolerance and --deadline-us. No estimator that "
+      "meets both: "
+      "exit status 2, or for some frames only as for bad lines.");
   command->callback([options, command, &exit_status] {
     options->estimator_given = command->count("--estimator") > 0;
     options->flight_given = command->count("--flight") > 0;

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "common/ball/ball.hpp"
+#include "common/config/default_rig.hpp"
 #include "common/config/files.hpp"
 #include "common/config/toml_reader.hpp"
 #include "common/messages/channels.hpp"
@@ -102,12 +103,9 @@ Result<RigFile> read_rig(std::string_view text, const std::string& file_name) {
 }
 
 Result<RigFile> load_rig(const std::string& path) {
-  std::string file = path;
-  if (file.empty()) {
-    const auto share = config::share_folder();
-    if (!share) return fail("no --rig given, and " + share.error().message);
-    file = (*share / "rig.toml").string();
-  }
+  const auto found = config::rig_file_or_example(path, "--rig");
+  if (!found) return tl::unexpected(found.error());
+  const std::string& file = *found;
   const auto text = read_file(file);
   if (!text) return tl::unexpected(text.error());
   auto rig = read_rig(*text, file);

@@ -180,7 +180,7 @@ struct Underneath {
 TEST(Journal, NoticesThatItsFileOrItsFolderWasRemoved) {
   Underneath file;
   std::filesystem::remove(file.journal->path());
-  STRCMP_CONTAINS("the journal was removed; start strobed anew", file.fault().c_str());
+  STRCMP_CONTAINS("the journal was removed; restart strobed", file.fault().c_str());
   Underneath whole;
   std::filesystem::remove_all(whole.folder);
   STRCMP_CONTAINS("the journal was removed", whole.fault().c_str());

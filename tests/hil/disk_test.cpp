@@ -94,7 +94,7 @@ TEST(Disk, FullOrTakenAwayItRefusesShotsWithTheReasonAndARunningOneEndsSafely) {
     std::filesystem::remove(entry.path());
   CHECK(watch.wait_for("SHUTTER", 0, 5s) != 0);
   CHECK(host.wait([&] { return !host.status().journal_ok; }, kLongestWait));
-  STRCMP_CONTAINS("the journal was removed; start strobed anew", host.status().message.c_str());
+  STRCMP_CONTAINS("the journal was removed; restart strobed", host.status().message.c_str());
   expect_no_token(host);
   last.signal(SIGINT);
   last.wait(20s);

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "common/command_line/help.hpp"
 #include "common/config/files.hpp"
 #include "common/contact/condition_inputs.hpp"
 #include "common/data/csv.hpp"
@@ -180,10 +181,10 @@ int run_contact(const ContactOptions& options) {
 
 void add_contact_command(CLI::App& app, int& exit_status) {
   auto options = std::make_shared<ContactOptions>();
-  CLI::App* command = app.add_subcommand(
-      "contact",
-      "Hold the images of a ball in contact against the damped sine pulse, with spin, grip, forces and "
-      "stiffness, and against cubics and splines fitted to them.");
+  CLI::App* command = app.add_subcommand("contact",
+                                         "Analyse the images of a ball in contact with the surface: its "
+                                         "motion, the forces and the spin, whether it "
+                                         "grips or slips, and how well a damped spring describes it.");
   command
       ->add_option(
           "SET", options->set,
@@ -199,7 +200,7 @@ void add_contact_command(CLI::App& app, int& exit_status) {
   command->add_option("--dwell-time-ms", options->dwell_time_ms, "Touchdown to lift-off, ms");
   command->add_option("--dwell-distance-cm", options->dwell_distance_cm, "Along the surface, cm");
   command->add_option("--omega-td", options->omega_td_radps,
-                      "Spin at touchdown, rad/s, backspin positive; without it nothing is said about spin");
+                      "Spin at touchdown, rad/s, backspin positive; without it spin is not analysed");
   command->add_option("--omega-lo", options->omega_lo_radps, "Spin at lift-off, rad/s, for the spline");
   command->add_option("--vx-lo", options->vx_lo_mps,
                       "Speed along the surface at lift-off, m/s, for the spline; default from e and mu");
@@ -207,8 +208,8 @@ void add_contact_command(CLI::App& app, int& exit_status) {
                       "Speed normal to the surface at lift-off, m/s, for the spline; default from e");
   command->add_option(
       "--total-rotation-deg", options->total_rotation_deg,
-      "Rotation from touchdown to lift-off that the fractions are shares of; default: the one "
-      "that fits the pulse best");
+      "Total rotation from touchdown to lift-off, of which the file has fractions (default: the one "
+      "that fits best)");
   command->add_option("--offset-mm", options->offset_mm, "Normal force ahead of the centre, mm")
       ->capture_default_str();
   command->add_option("--mass-kg", options->mass_kg, "Mass of the ball, kg")->capture_default_str();
@@ -219,6 +220,9 @@ void add_contact_command(CLI::App& app, int& exit_status) {
       ->capture_default_str();
   command->add_flag("--as-printed", options->as_printed, "A project's set without its corrections");
   command->add_flag("--json", options->json, "One JSON object on stdout");
+  command_line::for_experts(
+      *command, {"--omega-td", "--omega-lo", "--vx-lo", "--vy-lo", "--total-rotation-deg", "--offset-mm",
+                 "--mass-kg", "--alpha", "--diameter-m", "--form", "--as-printed"});
   command->footer(
       "Examples: strobe contact zero_23 --form simplified\n"
       "          strobe contact shot.csv --vx-td 15.62 --vy-td -6.701 --e 0.865 --mu 0.55 "

@@ -8,6 +8,7 @@
 #include <iterator>
 #include <memory>
 
+#include "common/command_line/help.hpp"
 #include "common/impact/fit/fit_checks.hpp"
 #include "host/commands/command.hpp"
 #include "host/commands/fit/fit_report.hpp"
@@ -221,7 +222,9 @@ void add_model_options(CLI::App& command, Arguments& a) {
 
 void add_data_options(CLI::App& command, Arguments& a) {
   command.add_option("FILE", a.files, "results.csv of sessions [the 21 conditions of the thesis]");
-  command.add_option("--spread", a.spread, "The conditions' sd: of a replicate, as printed, or of the mean")
+  command
+      .add_option("--spread", a.spread,
+                  "Which sd of the conditions: of one shot (replicate), as printed, or of the mean")
       ->check(CLI::IsMember({"replicate", "mean"}))
       ->capture_default_str();
   command.add_option("--spin", a.spin, "Only these: zero, top or back")
@@ -243,6 +246,8 @@ void add_fit_command(CLI::App& app, int& exit_status) {
   add_model_options(*command, *arguments);
   command->add_flag("--json", arguments->json,
                     "JSON objects on stdout: fit, observations, then those left out");
+  command_line::for_experts(
+      *command, {"--weights", "--covariance", "--spread", "--as-printed", "--leave-out", "--diameter-m"});
   command->footer(
       "Example: strobe fit --model grip-offset --leave-out spin\n"
       "         strobe fit session/results.csv --free mu,ex --fix d=3 --weights sd --json");

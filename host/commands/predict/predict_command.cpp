@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "common/command_line/help.hpp"
 #include "common/config/files.hpp"
 #include "common/units/angles.hpp"
 #include "host/clock/machine_clock.hpp"
@@ -189,14 +190,17 @@ void add_predict_command(CLI::App& app, int& exit_status) {
   auto options = std::make_shared<PredictOptions>();
   CLI::App* command = app.add_subcommand("predict", "Predict the rebound from the motion at touchdown.");
   add_predict_options(*command, *options);
+  command_line::for_experts(*command,
+                            {"--form", "--kt-ratio", "--ct", "--offset-footprint", "--offset-reference-mps",
+                             "--gravity-mps2", "--ode-tolerance", "--trajectory", "--samples", "--tolerance",
+                             "--deadline-us", "--frontier", "--offset-mm", "--alpha"});
   command->footer(
       "Examples: strobe predict --vx 15.62 --vy -6.71 --omega 2.6 --model grip --e 0.86\n"
       "          strobe predict --vx 14.49 --vy -9.95 --model ode --e 0.77 --dwell-time-ms 4.84 --samples "
       "11\n"
       "          strobe predict --vx 15.62 --vy -6.71 --e 0.86 --tolerance 0.1% --deadline-us 50\n"
       "Exit status: 1 if --model restricts the choice to one that misses the tolerance on this impact, 2 for "
-      "bad\n"
-      "input and if no model meets tolerance and deadline.");
+      "bad input and if no model meets tolerance and deadline.");
   command->callback([options, command, &exit_status] {
     const std::string wrong = find_conflict(*command, *options);
     exit_status = wrong.empty() ? run_predict(*options) : bad_input("predict: " + wrong);

@@ -143,7 +143,8 @@ void add_thesis_command(CLI::App& app, int& exit_status) {
   auto options = std::make_shared<ThesisOptions>();
   CLI::App* command = app.add_subcommand(
       "thesis", "Compute every table of the thesis anew beside the printed values, or draw its figures.");
-  CLI::Option* table = command->add_option("--table", options->table, "Only this table (see below)");
+  CLI::Option* table =
+      command->add_option("--table", options->table, "Only this table (--help-all lists them)");
   CLI::Option* set =
       command->add_option("--set", options->set, "Only this set, zero_17 to back_68; figures go to DIR/SET");
   CLI::Option* figures = command->add_option(
@@ -159,13 +160,15 @@ void add_thesis_command(CLI::App& app, int& exit_status) {
   command->add_flag("--as-printed", options->as_printed, "The thesis's data without its corrections");
   command->add_flag("--json", options->json, "One JSON object for each table, or figure, on stdout");
   command->footer(
-      "Tables 2 to 17 are the thesis's, the others go beyond it:\n" + contents() +
-      "Figures are numbered in the thesis's order of topics: 4-9 differentiation (distance, drop, "
-      "rotation, velocities, spin and slip, forces), 10-14 integration (the same), 15 and 16 both "
-      "approaches, 17 touchdown to lift-off.\n"
       "Examples: strobe thesis --table 8\n"
       "          strobe thesis --set zero_23 --json\n"
-      "          strobe thesis --figures figures --all-sets");
+      "          strobe thesis --figures figures --all-sets\n"
+      "\f"
+      "Tables 2 to 17 are the thesis's, the others go beyond it:\n" +
+      contents() +
+      "Figures are numbered in the thesis's order of topics: 4-9 differentiation (distance, drop, "
+      "rotation, velocities, spin and slip, forces), 10-14 integration (the same), 15 and 16 both "
+      "approaches, 17 touchdown to lift-off.");
   command->callback([options, &exit_status] { exit_status = run_thesis(*options); });
 }
 

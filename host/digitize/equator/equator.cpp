@@ -304,7 +304,7 @@ void refine_lines(const Scene& scene, std::vector<Found>& found) {
     if (refine(scene, k, near[k].points, shape, found[k])) return;
     found[k].accepted = false;
     found[k].why =
-        check_line(*found[k].fit, true).value_or(Rejection{Reason::no_line, "no line stands a closer look"});
+        check_line(*found[k].fit, true).value_or(Rejection{Reason::no_line, "no line is clear enough"});
   });
   fit_with_common_priors(scene, near, found);
 }

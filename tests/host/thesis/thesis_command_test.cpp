@@ -82,9 +82,11 @@ TEST(ThesisCommand, RefusesATableThatHasNothingOfTheSet) {
 }
 
 TEST(ThesisCommand, RefusesAnOptionLeftEmpty) {
-  for (const char* option : {"--table", "--set", "--figures"})
-    check_refused(thesis({option, ""}),
-                  std::string(option) + ": must not be empty (strobe --help lists commands and options)");
+  for (const std::string option : {"--table", "--set", "--figures"}) {
+    const CompletedProcess run = thesis({option, ""});
+    CHECK_EQUAL("strobe thesis: " + option + ": must not be empty (strobe thesis --help)\n", run.err);
+    LONGS_EQUAL(2, run.status->code);
+  }
 }
 
 TEST(ThesisCommand, DrawsFourteenFiguresOfTheThreeSpins) {

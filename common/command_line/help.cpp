@@ -1,0 +1,135 @@
+#include "common/command_line/help.hpp"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <memory>
+#include <sstream>
+
+namespace strobe::command_line {
+namespace {
+
+constexpr const char* kExperts = "Options that few need";
+constexpr std::size_t kWidth = 80;
+constexpr std::size_t kNames = 26;  // columns for options' names
+
+/// "INT:INT in [1 - 9]" and the like, as a person would say it.
+std::string value_words(const std::string& type, bool all) {
+  const std::size_t colon = type.find(':');
+  const std::string limits = colon == std::string::npos ? "" : type.substr(colon + 1);
+  if (!limits.empty() && limits[0] == '{') return limits;
+  const std::string kind = type.substr(0, colon);
+  const std::string plain = kind == "INT" || kind == "UINT" ? "N" : kind == "FLOAT" ? "NUMBER" : kind;
+  const std::size_t range = limits.find('[');
+  return all && range != std::string::npos ? plain + " " + limits.substr(range) : plain;
+}
+
+class ScreenFormatter final : public CLI::Formatter {
+ public:
+  ScreenFormatter() {
+    column_width(kNames);
+    label("SUBCOMMAND", "COMMAND");
+    label("Positionals", "Arguments");
+  }
+
+  std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const override {
+    all_ = mode != CLI::AppFormatMode::Normal;
+    std::string help = Formatter::make_help(app, name, mode);
+    for (std::size_t at; (at = help.find("\n\n\n")) != help.npos;) help.erase(at, 1);
+    return help;
+  }
+  std::string make_group(std::string group, bool is_positional,
+                         std::vector<const CLI::Option*> options) const override {
+    if (group == kExperts && !all_) return "";
+    return Formatter::make_group(group, is_positional, options);
+  }
+  std::string make_option(const CLI::Option* option, bool is_positional) const override {
+    std::ostringstream out;
+    CLI::detail::format_help(out, make_option_name(option, is_positional) + make_option_opts(option),
+                             wrapped(make_option_desc(option), kWidth - kNames), kNames);
+    return out.str();
+  }
+  std::string make_option_opts(const CLI::Option* option) const override {
+    if (option->get_type_size() == 0) return "";
+    std::string words = " " + value_words(option->get_type_name(), all_);
+    if (option->get_expected_max() > 1) words += " ...";
+    return words;
+  }
+  std::string make_option_desc(const CLI::Option* option) const override {
+    const std::string standard = option->get_default_str();
+    return option->get_description() + (option->get_required() ? " (required)" : "") +
+           (standard.empty() || standard == "\"\"" ? "" : " (default " + standard + ")");
+  }
+  std::string make_subcommand(const CLI::App* command) const override {
+    std::ostringstream out;
+    constexpr std::size_t kCommands = 14;
+    CLI::detail::format_help(out, command->get_name(),
+                             wrapped(command->get_description(), kWidth - kCommands), kCommands);
+    return out.str();
+  }
+  std::string make_description(const CLI::App* app) const override {
+    return wrapped(Formatter::make_description(app), kWidth);
+  }
+  std::string make_footer(const CLI::App* app) const override {
+    const std::string footer = app->get_footer();
+    const std::size_t end = footer.find(kForExperts);
+    if (end == footer.npos) return wrapped(footer, kWidth) + "\n";
+    return wrapped(footer.substr(0, end), kWidth) +
+           (all_ ? wrapped(footer.substr(end + 1), kWidth) + "\n" : "");
+  }
+
+ private:
+  mutable bool all_ = false;  // while a help is made
+};
+
+/// Appends one line, broken.
+void append_wrapped(std::string& text, std::string_view line, std::size_t width) {
+  if (line.size() <= width) {
+    text.append(line);
+    return;
+  }
+  const std::size_t margin = std::min(line.find_first_not_of(' '), line.size());
+  std::istringstream words{std::string(line)};
+  std::size_t column = 0;
+  for (std::string word; words >> word; column += word.size()) {
+    if (column > 0 && column + 1 + word.size() > width) {
+      text += '\n';
+      column = 0;
+    }
+    const std::size_t blanks = column == 0 ? margin : 1;
+    text.append(blanks, ' ').append(word);
+    column += blanks;
+  }
+}
+
+}  // namespace
+
+std::string wrapped(std::string_view text, std::size_t width) {
+  std::string broken;
+  bool to_type = false;
+  while (true) {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    const std::string_view line = text.substr(0, end);
+    to_type = line.substr(0, 7) == "Example" || (to_type && line.substr(0, 1) == " ");
+    if (to_type) {
+      broken.append(line);
+    } else {
+      append_wrapped(broken, line, width);
+    }
+    if (end == text.size()) return broken;
+    broken += '\n';
+    text.remove_prefix(end + 1);
+  }
+}
+
+void set_help(CLI::App& program) {
+  program.formatter(std::make_shared<ScreenFormatter>());
+  program.group("Commands");  // as which its commands are listed
+  program.set_help_flag("-h,--help", "print this and end");
+  program.set_help_all_flag("--help-all", "likewise, with options that few need");
+}
+
+void for_experts(CLI::App& command, const std::vector<std::string>& options) {
+  for (const std::string& name : options) command.get_option(name)->group(kExperts);
+}
+
+}  // namespace strobe::command_line
