@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "common/command_line/complaint.hpp"
+#include "common/command_line/help.hpp"
 #include "common/messages/channels.hpp"
 #include "common/wire/lcm_url.hpp"
 #include "sim/commands/commands.hpp"
@@ -38,12 +40,10 @@ void add_run(CLI::App& app, RunOptions& options, bool& no_digitizer) {
   CLI::App* run = app.add_subcommand("run", "Run a command on a simulated rig");
   run->footer(
       "The command sees the rig's chip as /dev/gpiochip0 (or the scene's name for it). Its exit status is "
-      "passed on,\n"
-      "128 plus the signal if one ended it. A folder given by --chip-dir holds the chip until strobe-sim "
-      "ends, so\n"
-      "that `strobe-sim lines` and `drive` can be used on it meanwhile; strobe-sim removes what it put "
-      "there.\n\n"
-      "Example: strobe-sim run --scene zero_23 --seed 42 -- strobed --config rig.toml --session today");
+      "passed on, 128 plus the signal if one ended it. A folder given by --chip-dir holds the chip until "
+      "strobe-sim ends, so that `strobe-sim lines`, `drive` and `unplug` can be used on it meanwhile.\n"
+      "Example: strobe-sim run --scene zero_23 --photographs photos --write-rig rig.toml -- \\\n"
+      "           strobed --config rig.toml --session today --allow-no-rt");
   add_scene(*run, options.scene);
   run->add_option("--seed", options.seed, "Seed of every random draw (default: a fresh one, printed)");
   run->add_option("--lcm-url", options.lcm_url, "LCM URL of the tablet")
@@ -58,21 +58,26 @@ void add_run(CLI::App& app, RunOptions& options, bool& no_digitizer) {
   run->add_option("--changes", options.changes_file, "Write every change of every line as CSV");
   run->add_option("--photographs", options.photographs,
                   "Folder for a photograph of each exposure; no tablet operator then");
+  run->add_option(
+      "--write-rig", options.rig_file,
+      "Write a rig file that fits the scene, for strobed --config and strobe fire --rig; a file that "
+      "says something else is not overwritten");
   run->add_option("--tolerance", options.tolerance,
                   "Simulate only what numbers read require to stay within this: 0.5%, 5e-3");
   run->add_option("--deadline-us", options.deadline_us, "Longest that computing a shot may take");
   run->add_flag("--no-digitizer", no_digitizer, "Photographs are not digitized; no LCM is needed");
-  run->add_option("command", options.command, "Command and its arguments, after --")->required();
+  run->add_option("command", options.command,
+                  "Command and its arguments, after --; may be left out with --write-rig");
+  strobe::command_line::for_experts(*run, {"--lcm-url", "--key-file", "--rig", "--changes", "--tolerance",
+                                           "--deadline-us", "--no-digitizer"});
 }
 
 void add_shoot(CLI::App& app, ShootOptions& options, bool& json) {
   CLI::App* shoot = app.add_subcommand("shoot", "Simulate whole shots in virtual time, without a firmware");
   shoot->footer(
       "Prints one frame per line, always as JSON, for `strobe reduce --format frame`. The same scene, seed, "
-      "model\n"
-      "and settings print the same bytes. A model is \"full\", \"none\", the effects to have "
-      "(gravity,grip) or those\n"
-      "to leave out (--model=-pixels,-drag).\n\n"
+      "model and settings print the same bytes. A model is \"full\", \"none\", the effects to have "
+      "(gravity,grip) or those to leave out (--model=-pixels,-drag).\n\n"
       "Example: strobe-sim shoot --scene zero_23 --shots 9 --seed 42 | strobe reduce - --format frame");
   add_shots(*shoot, options);
   auto* model = shoot->add_option("--model", options.model, "Effects to simulate")->capture_default_str();
@@ -92,10 +97,9 @@ void add_photograph(CLI::App& app, PhotographOptions& options) {
   CLI::App* photograph = app.add_subcommand("photograph", "Render photographs of simulated shots");
   photograph->footer(
       "Writes shot_0001.tif ... into the folder, as the scene's [photograph], [ball_appearance] and "
-      "[background] "
-      "say,\n"
-      "and truth.jsonl: one JSON object per photograph with what a perfect measurement would read. The same\n"
-      "scene, seed and settings write the same photographs.\n\n"
+      "[background] say, and truth.jsonl: one JSON object per photograph with what a perfect measurement "
+      "would "
+      "read. The same scene, seed and settings write the same photographs.\n\n"
       "Example: strobe-sim photograph --scene zero_23 --shots 3 --seed 42 --out photographs");
   add_shots(*photograph, options);
   photograph->add_option("--out", options.folder, "Folder for the photographs, made if missing")->required();
@@ -107,8 +111,7 @@ void add_board(CLI::App& app, BoardOptions& o) {
   CLI::App* board = app.add_subcommand("board", "Render photographs of a calibration board");
   board->footer(
       "Writes plane.tif, slanted_1.tif ... for `strobe calibrate`, and truth.jsonl: one JSON object per "
-      "photograph\n"
-      "with camera, place and where each point of the board truly is.\n\n"
+      "photograph with camera, place and where each point of the board truly is.\n\n"
       "Example: strobe-sim board --spacing-mm 25 --lens -0.2 0.1 0 0 --slanted 4 --out boards");
   board->add_option("--out", o.folder, "Folder for the photographs, made if missing")->required();
   board->add_option("--board", o.board, "What is printed")
@@ -160,15 +163,18 @@ void add_board(CLI::App& app, BoardOptions& o) {
       ->capture_default_str();
   board->add_option("--bits", o.bits, "Of a pixel")->check(CLI::IsMember({8, 16}))->capture_default_str();
   board->add_option("--seed", o.seed, "Seed of the noise")->capture_default_str();
+  strobe::command_line::for_experts(
+      *board, {"--width-px", "--height-px", "--focal-px", "--lens", "--lens-aside-px", "--distance-m",
+               "--aside-mm", "--turn-deg", "--blur-px", "--noise", "--bits", "--seed"});
   board->add_flag("--json", o.json, "Print the lines of truth instead of the files' names");
 }
 
 void add_plan(CLI::App& app, PlanOptions& options) {
   CLI::App* plan = app.add_subcommand("plan", "Show which effects a scene requires at a tolerance");
   plan->footer(
-      "For each effect: by how much leaving it out can change any number read from any shot, at most, and\n"
-      "what it costs a shot on this machine. What may go together is left out. A tolerance of 1% is 1 % of\n"
-      "the speed for velocities, of v/R for spins, of a radian for angles, .01 for e and mu, 1 % of the\n"
+      "For each effect: by how much leaving it out can change any number read from any shot, at most, and "
+      "what it costs a shot on this machine. What may go together is left out. A tolerance of 1% is 1 % of "
+      "the speed for velocities, of v/R for spins, of a radian for angles, .01 for e and mu, 1 % of the "
       "dwell time, 1 for the court pace; a scene's [readout] may say otherwise.\n\n"
       "Example: strobe-sim plan --scene top_23 --tolerance 1%");
   add_scene(*plan, options.scene);
@@ -185,8 +191,14 @@ int main(int argc, char** argv) {
   std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is told like a full disk
   CLI::App app(
       "Simulated strobe rig: a GPIO chip with lamps, shutter, pitching machine, ball and camera behind it.");
+  app.name("strobe-sim");
+  strobe::command_line::set_help(app);
   app.set_version_flag("--version", STROBE_VERSION);
   app.require_subcommand(1);
+  app.footer(
+      "Example: strobe-sim run --scene zero_23 --write-rig rig.toml -- strobed --config rig.toml --session "
+      "today\n"
+      "Exit status: 0 done, 1 ran but failed, 2 bad usage or input; of `run` its command's.");
 
   RunOptions options;
   options.lcm_url = strobe::messages::kDefaultLcmUrl;
@@ -222,7 +234,7 @@ int main(int argc, char** argv) {
   std::vector<std::string> drives;
   CLI::App* drive = app.add_subcommand("drive", "Drive inputs of a running rig's chip by hand");
   drive->footer(
-      "Levels are physical: ESTOP=0 presses the e-stop. LINE=open breaks the line's wire until it is driven\n"
+      "Levels are physical: ESTOP=0 presses the e-stop. LINE=open breaks the line's wire until it is driven "
       "again: the chip's own resistor then decides, as strobed asked for it.\n"
       "Example: strobe-sim drive --chip-dir /tmp/chip KEY=0");
   drive->add_option("--chip-dir", chip_dir, "The chip's folder")->required();
@@ -231,7 +243,7 @@ int main(int argc, char** argv) {
   std::string after;
   CLI::App* unplug = app.add_subcommand("unplug", "Unplug a running rig's chip");
   unplug->footer(
-      "Every further call on it answers \"no such device\", and event lines hang up. A chip that keeps\n"
+      "Every further call on it answers \"no such device\", and event lines hang up. A chip that keeps "
       "released outputs goes on driving them; one that does not lets them all go.\n"
       "Example: strobe-sim unplug --chip-dir /tmp/chip --after STROBE_A=20");
   unplug->add_option("--chip-dir", chip_dir, "The chip's folder")->required();
@@ -250,11 +262,7 @@ int main(int argc, char** argv) {
   } catch (const CLI::Success& told) {  // help, or the version
     return app.exit(told);
   } catch (const CLI::ParseError& error) {
-    const std::string word = argc > 1 ? argv[1] : "";
-    const bool unknown = !word.empty() && word[0] != '-' && app.get_subcommands().empty();
-    const std::string what =
-        unknown ? "no command \"" + word + "\" (strobe-sim --help lists them)" : error.what();
-    std::cerr << "strobe-sim: " << what << '\n';
+    std::cerr << strobe::command_line::complaint(app, error) << '\n';
     return 2;
   }
   options.digitizer = !no_digitizer;

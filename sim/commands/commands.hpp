@@ -21,6 +21,7 @@ struct RunOptions {
   std::string truth_file;    ///< empty: none
   std::string changes_file;  ///< empty: none
   std::string photographs;   ///< folder for the camera's files; empty: none are made
+  std::string rig_file;      ///< to write before the command starts; empty: none
   bool digitizer = true;
   std::string tolerance;              ///< empty: none
   std::optional<double> deadline_us;  ///< per computed shot

@@ -7,9 +7,9 @@
 
 #include "sim/commands/command_line.hpp"
 #include "sim/commands/commands.hpp"
+#include "sim/loading/scene_files.hpp"
 #include "sim/photograph/photograph_file.hpp"
 #include "sim/photograph/render.hpp"
-#include "sim/loading/scene_files.hpp"
 #include "sim/shoot/shoot.hpp"
 
 namespace strobe::sim {

@@ -7,10 +7,10 @@
 #include "common/units/tolerance.hpp"
 #include "sim/commands/command_line.hpp"
 #include "sim/commands/commands.hpp"
+#include "sim/loading/scene_files.hpp"
 #include "sim/plan/choose.hpp"
 #include "sim/plan/cost.hpp"
 #include "sim/scene/model_text.hpp"
-#include "sim/loading/scene_files.hpp"
 
 namespace strobe::sim {
 

@@ -19,6 +19,7 @@
 #include "sim/live/tablet_operator.hpp"
 #include "sim/live/tethered_camera.hpp"
 #include "sim/loading/scene_files.hpp"
+#include "sim/rig_file/rig_file.hpp"
 #include "sim/scene/reduced_scene.hpp"
 
 namespace strobe::sim {
@@ -205,6 +206,16 @@ int choose_model(const RunOptions& options, const Scene& scene, Model& model) {
   return 0;
 }
 
+Result<void> write_rig_of(const RunOptions& options, const Scene& scene) {
+  if (options.rig_file.empty()) return {};
+  const std::string url = options.lcm_url == messages::kDefaultLcmUrl ? "" : options.lcm_url;
+  return write_rig_file(options.rig_file, scene,
+                        {.rig_name = options.rig_name,
+                         .lcm_url = url,
+                         .key_file = options.key_file,
+                         .photographs = options.photographs});
+}
+
 }  // namespace
 
 int run_command(const RunOptions& options) {
@@ -212,6 +223,13 @@ int run_command(const RunOptions& options) {
     return report_error("--rig: 1 to 24 letters, digits, _ or -, not \"" + options.rig_name + "\"", 2);
   const auto scene = load_scene(options.scene);
   if (!scene) return report_error(scene.error().message, 2);
+  if (const auto written = write_rig_of(options, *scene); !written)
+    return report_error(written.error().message, 2);
+  if (options.command.empty()) {
+    return options.rig_file.empty()
+               ? report_error("run: the command to run is missing: strobe-sim run ... -- COMMAND", 2)
+               : 0;
+  }
   Model model = Model::full();
   if (const int status = choose_model(options, *scene, model); status != 0) return status;
   const auto library = preload_path();
