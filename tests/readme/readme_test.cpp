@@ -37,12 +37,16 @@ constexpr int kMaxBlocksNotRun = 7;
 bool runs(const Block& block) { return block.info == "sh"; }
 bool is_marked(const Block& block) { return block.info.rfind("sh not-run-in-tests: ", 0) == 0; }
 
-/// All README.md of the tree, as paths from its root, the front page first.
+/// From an empty bench to a report: read like a README.
+constexpr const char* kBench = "firmware/BENCH.md";
+
+/// All README.md of the tree and the guide to the bench, as paths from its root, the front page first.
 std::vector<std::string> readmes() {
   std::vector<std::string> found{"README.md"};
   for (const char* folder : {"common", "firmware", "host", "sim", "tests"}) {
     for (const auto& entry : fs::recursive_directory_iterator(kRoot / folder))
-      if (entry.path().filename() == "README.md") found.push_back(fs::relative(entry.path(), kRoot).string());
+      if (entry.path().filename() == "README.md" || entry.path().filename() == fs::path(kBench).filename())
+        found.push_back(fs::relative(entry.path(), kRoot).string());
   }
   std::sort(found.begin() + 1, found.end());
   return found;
@@ -56,15 +60,16 @@ std::string replaced(std::string text, const std::string& from, const std::strin
   return text.replace(at, from.size(), to);
 }
 
-/// A folder that looks like the repository after a build: links to its folders and programs. Its rig file has more
+/// A folder that looks like the repository after a build: links to its folders and programs. Its example rig file has more
 /// patience than the shipped one, since a test may run on a busy machine: shots that are late are not aborted, and
-/// photographs, which are rendered at the lowest priority, are waited for.
+/// photographs, which are rendered at the lowest priority, are waited for. Simulated rigs' own files have it anyway.
 void imitate_repository(const fs::path& folder) {
   for (const char* name : {"README.md", "common", "host", "sim", "tests"})
     fs::create_symlink(kRoot / name, folder / name);
   fs::create_directories(folder / "build/release");
   fs::create_symlink(kPrograms, folder / "build/release/bin");
-  fs::create_symlink(kPrograms.parent_path() / "lib", folder / "build/release/lib");
+  for (const char* name : {"lib", "share"})
+    fs::create_symlink(kPrograms.parent_path() / name, folder / "build/release" / name);
   fs::create_directory(folder / "firmware");
   std::string rig = strobe::testing::read_text(kRoot / "firmware/rig.toml");
   rig = replaced(rig, "\nabort_late_us = 1500 ", "\nabort_late_us = 1000000 ");
@@ -87,16 +92,19 @@ std::string tail(const std::string& text, std::size_t length) {
   return text.size() <= length ? text : "..." + text.substr(text.size() - length);
 }
 
-/// Output of `PROGRAM [SUBCOMMAND] --help`; empty if there is no such program or subcommand.
+/// Output of `PROGRAM [SUBCOMMAND] --help-all`, or --help where a program has no other; empty if there is no such program or subcommand.
 const std::string& help_of(const std::string& program, const std::string& subcommand) {
   static std::map<std::pair<std::string, std::string>, std::string> known;
   const auto [entry, is_new] = known.try_emplace({program, subcommand});
   if (!is_new) return entry->second;
   strobe::testing::Command command{{kPrograms / program}, {}, {}, {}};
   if (!subcommand.empty()) command.arguments.push_back(subcommand);
-  command.arguments.push_back("--help");
-  const auto finished = strobe::testing::run_process(command, 20s);
-  if (finished.status == ExitStatus({0, 0})) entry->second = finished.out;
+  for (const char* option : {"--help-all", "--help"}) {
+    command.arguments.push_back(option);
+    const auto finished = strobe::testing::run_process(command, 20s);
+    if (finished.status == ExitStatus({0, 0})) return entry->second = finished.out;
+    command.arguments.pop_back();
+  }
   return entry->second;
 }
 
@@ -146,9 +154,51 @@ CHECK_TEXT(finished.status == ExitStatus({0, 0}), (readme + "\n" + tail(finished
 TEST(Readme, CommandsOfTheFrontPageWorkAsTyped) { check_commands("README.md"); }
 TEST(Readme, CommandsOfTheHostWorkAsTyped) { check_commands("host/README.md"); }
 
+TEST(Readme, CommandsOfTheGuideToTheBenchWorkAsTyped) { check_commands(kBench); }
+
 TEST(Readme, CommandsOfAllOthersWorkAsTyped) {
   for (const std::string& readme : readmes())
-    if (readme != "README.md" && readme != "host/README.md") check_commands(readme);
+    if (readme != "README.md" && readme != "host/README.md" && readme != kBench) check_commands(readme);
+}
+
+TEST(Readme, TheGuidesPinsAreThoseOfTheRaspberryPisRigFiles) {
+  static const std::regex row("\\| `([a-z_]+)` \\| ([0-9]+) \\| ([0-9]+) \\|");
+  const std::string guide = text_of(kBench);
+  int lines = 0;
+  for (std::sregex_iterator cells(guide.begin(), guide.end(), row), end; cells != end; ++cells, ++lines) {
+    const std::regex wired(fmt::format("{} *= \\{{ line = {}\\b.*# pin {}\\b", (*cells)[1].str(),
+                                       (*cells)[2].str(), (*cells)[3].str()));
+    for (const char* board : {"raspberry-pi-3", "raspberry-pi-4", "raspberry-pi-5"})
+      CHECK_TEXT(std::regex_search(text_of(fmt::format("firmware/boards/{}.toml", board)), wired),
+                 (*cells)[0].str().c_str());
+  }
+  CHECK_EQUAL(9, lines);
+}
+
+TEST(Readme, TheGuidesLinesMakeARigFileThatStrobedAndTheHostTake) {
+  const strobe::testing::TemporaryFolder folder;
+  std::string wiring;
+  for (const Block& block : parse(text_of(kBench)).blocks)
+    if (block.info == "toml") wiring += block.text;
+  CHECK(wiring.find("[lines]") != std::string::npos);
+  const std::string example = text_of("firmware/rig.toml");
+  const std::size_t chip = example.find("[chip]\n"), lamps = example.find("[lamps]\n");
+  strobe::testing::write_text(folder / "rig.toml",
+                              example.substr(0, chip) + wiring + "\n" + example.substr(lamps));
+  // Read through; then there is no such chip here.
+  const auto started = strobe::testing::run_process({{kPrograms / "strobed", "--config", folder / "rig.toml",
+                                                      "--session", folder / "session", "--allow-no-rt"},
+                                                     {},
+                                                     folder.path(),
+                                                     {}},
+                                                    20s);
+  STRCMP_CONTAINS("chip.name: ", started.err.c_str());
+  const auto key = strobe::testing::run_process({{kPrograms / "strobe", "key", "--rig", folder / "rig.toml"},
+                                                 {{"HOME", folder.path()}},
+                                                 folder.path(),
+                                                 {}},
+                                                20s);
+  CHECK_TEXT(key.status == ExitStatus({0, 0}), key.err.c_str());
 }
 
 TEST(Readme, TheDemoFiresItsShots) {
@@ -165,7 +215,8 @@ TEST(Readme, BlocksThatNothingRunsAreFewAndSayWhy) {
   for (const std::string& readme : readmes()) {
     for (const Block& block : parse(text_of(readme)).blocks) {
       const std::string place = fmt::format("{}:{}: ```{}", readme, block.line - 1, block.info);
-      CHECK_TEXT(block.info.empty() || runs(block) || is_marked(block), place.c_str());
+      CHECK_TEXT(block.info.empty() || block.info == "toml" || runs(block) || is_marked(block),
+                 place.c_str());
       if (!is_marked(block)) continue;
       ++not_run;
       std::printf("not run: %s\n", place.c_str());
