@@ -1,5 +1,6 @@
 #include "common/reduction/reduce.hpp"
 
+#include <cassert>
 #include <iterator>
 #include <utility>
 
@@ -8,6 +9,7 @@
 #include "common/reduction/map_errors.hpp"
 #include "common/reduction/outliers.hpp"
 #include "common/reduction/propagate.hpp"
+#include "common/reduction/reduced_shot.hpp"
 #include "common/reduction/residual_test.hpp"
 #include "common/reduction/scale_check.hpp"
 #include "common/reduction/shot_fit.hpp"
@@ -65,14 +67,15 @@ void withhold_doubtful(Readout& readout) {
   readout.court_pace_conforming = false;
 }
 
-Readout two_point_readout(const Frame& frame, const PropagationOptions& propagation) {
+Readout two_point_readout(const Frame& frame, const PropagationOptions& propagation,
+                          std::optional<ShotFit>& fitted) {
   Readout readout = empty_readout(frame, Estimator::two_point);
   std::optional<Observations> observations = observe(frame, readout.flags);
   if (!observations) return readout;
   flag_redundancy(*observations, readout.flags);
   keep_nearest(*observations);
-  const ShotFit fit = fit_shot(std::move(*observations),
-                               {.effects = flight::kNoEffects, .reject_outliers = false}, readout.flags);
+  const ShotFit& fit = fitted.emplace(fit_shot(
+      std::move(*observations), {.effects = flight::kNoEffects, .reject_outliers = false}, readout.flags));
   readout.mirrored = fit.observations.surface.mirrored;
   const Crossings crossings = propagate(fit, propagation, readout);
   add_map_errors(fit, propagation, crossings, readout);
@@ -106,11 +109,12 @@ std::optional<ShotFit> fit_frame(const Frame& frame, const ReduceOptions& option
 
 /// Air is fitted first and left out again where it does not matter: it nearly always does, and costs nothing.
 /// `spins_open`: a first fit left open which spin it was. Its lift is then open too, and what it made of the images.
+/// `fitted` is the fit that the numbers are from.
 Readout best_readout(const Frame& frame, const PropagationOptions& propagation, const ReduceOptions& options,
-                     bool spins_open = false) {
+                     std::optional<ShotFit>& fitted, bool spins_open = false) {
   Readout readout = empty_readout(frame, Estimator::best);
   if (spins_open) readout.flags.set(Flag::spin_aliased);
-  std::optional<ShotFit> fitted = fit_frame(frame, options, spins_open, readout.flags);
+  fitted = fit_frame(frame, options, spins_open, readout.flags);
   if (!fitted) return readout;
   ShotFit& fit = *fitted;
   readout.mirrored = fit.observations.surface.mirrored;
@@ -123,7 +127,7 @@ Readout best_readout(const Frame& frame, const PropagationOptions& propagation, 
   Readout reduced = readout;
   const Crossings crossings = propagate(fit, propagation, reduced);
   if (!spins_open && (reduced.flags.has(Flag::spin_aliased) || spins_in_doubt(reduced, fit)))
-    return best_readout(frame, propagation, options, true);
+    return best_readout(frame, propagation, options, fitted, true);
   withhold_doubtful(reduced);
   reduced.flight_effects = fit.effects;
   flight::Effects kept =
@@ -148,11 +152,23 @@ Readout best_readout(const Frame& frame, const PropagationOptions& propagation, 
 }  // namespace
 
 Result<Readout> reduce(const Frame& frame, Estimator estimator, const ReduceOptions& options) {
+  if (estimator == Estimator::legacy) {
+    if (const auto complaint = validation_error(frame)) return fail(*complaint);
+    return reduce_legacy(frame);
+  }
+  auto shot = reduce_shot(frame, estimator, options);
+  if (!shot) return tl::unexpected(shot.error());
+  return std::move(shot->readout);
+}
+
+Result<ReducedShot> reduce_shot(const Frame& frame, Estimator estimator, const ReduceOptions& options) {
+  assert(estimator != Estimator::legacy);
   if (const auto complaint = validation_error(frame)) return fail(*complaint);
-  if (estimator == Estimator::legacy) return reduce_legacy(frame);
+  ReducedShot shot;
   const PropagationOptions propagation{temperature_c(frame), options.covariance, options.by_time};
-  if (estimator == Estimator::two_point) return two_point_readout(frame, propagation);
-  return best_readout(frame, propagation, options);
+  shot.readout = estimator == Estimator::two_point ? two_point_readout(frame, propagation, shot.fit)
+                                                   : best_readout(frame, propagation, options, shot.fit);
+  return shot;
 }
 
 }  // namespace strobe::reduction

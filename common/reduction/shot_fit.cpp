@@ -119,6 +119,7 @@ AirErrors air_errors(const ShotFit& fit) {
   if (fit.effects.magnus) {
     for (std::size_t leg = 0; leg < 2; ++leg) errors[kLiftError[leg]] = lift_error(fit, leg, fastest_radps);
   }
+  for (std::size_t p = 0; p < kAirErrorCount; ++p) errors[p].mean += fit.air_shift[p];
   return errors;
 }
 

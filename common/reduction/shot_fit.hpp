@@ -31,6 +31,8 @@ struct ShotFit {
   bool spins_open = false;
   JointFit joint;
   AirFit air_fit;
+  /// Added to what is known of the air before (AirError::mean): asks what another air would have made of the numbers.
+  std::array<double, kAirErrorCount> air_shift{};
   std::array<std::optional<SpinFit>, 2> spin;           ///< incoming, rebound
   std::array<std::vector<EquatorReading>, 2> equators;  ///< what the spins were fitted to
   std::vector<bool> equator_seen;  ///< per image: it came with an equator, whether it is used or was left out

@@ -1,0 +1,124 @@
+#include "common/reduction/monte_carlo.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include "common/reduction/budget_inputs.hpp"
+#include "common/reduction/expanded_uncertainty.hpp"
+#include "common/reduction/reduced_shot.hpp"
+#include "common/reduction/running_statistics.hpp"
+
+namespace strobe::reduction {
+namespace {
+
+constexpr double kOutside = 0.5 * (1.0 - kExpandedLevel);
+
+class Drawing {
+ public:
+  Drawing(const ShotFit& fit, const PropagationOptions& propagation, std::uint64_t seed)
+      : inputs_(inputs_of(fit)), propagation_(propagation), random_(seed) {}
+
+  Quantities draw() {
+    std::normal_distribution<double> normal;
+    std::array<double, kNoiseGroupCount> widened;
+    widened.fill(0.0);  // not drawn yet
+    ShotFit moved = inputs_.fit;
+    for (const Input& input : inputs_.inputs)
+      input.move(moved, normal(random_) * widening(inputs_.sources[input.source], widened));
+    return numbers(std::move(moved), propagation_);
+  }
+
+ private:
+  /// Student's t is a normal deviate over the root of chi squared by its degrees of freedom.
+  double widening(const BudgetSource& source, std::array<double, kNoiseGroupCount>& drawn) {
+    if (!source.degrees_of_freedom || !(*source.degrees_of_freedom > 0.0)) return 1.0;
+    double& factor = drawn[static_cast<std::size_t>(source.factor)];
+    if (factor == 0.0) {
+      const double freedom = *source.degrees_of_freedom;
+      factor = std::sqrt(freedom / std::chi_squared_distribution<double>(freedom)(random_));
+    }
+    return factor;
+  }
+
+  Inputs inputs_;
+  PropagationOptions propagation_;
+  std::mt19937_64 random_;
+};
+
+/// Of n sorted draws, the end below which `share` of them lie; its sd from the binomial distribution of their number
+/// there: half the distance between the draws that far on either side.
+struct End {
+  double value = 0.0, sd = 0.0;
+};
+
+End end_of(const std::vector<double>& sorted, double share) {
+  const double n = static_cast<double>(sorted.size());
+  const double at = share * (n - 1.0);
+  const double reach = std::sqrt(n * share * (1.0 - share));
+  const auto draw = [&](double place) {
+    return sorted[static_cast<std::size_t>(std::lround(std::clamp(place, 0.0, n - 1.0)))];
+  };
+  return {draw(at), 0.5 * (draw(at + reach) - draw(at - reach))};
+}
+
+/// Half a unit of its second significant digit.
+double tolerance_of(double standard_uncertainty) {
+  return 0.5 * std::pow(10.0, std::floor(std::log10(standard_uncertainty)) - 1.0);
+}
+
+Agreement agreement(double off, double tolerance, double end_sd) {
+  // Of sixteen quantities chance alone takes one beyond three sds once in some twenty times.
+  constexpr double kReach = 3.0;
+  if (off + kReach * end_sd <= tolerance) return Agreement::yes;
+  return off - kReach * end_sd > tolerance ? Agreement::no : Agreement::open;
+}
+
+std::optional<DrawnNumber> summary(std::vector<double>& values, const Readout& readout, Quantity q) {
+  const auto expanded = expanded_uncertainty(readout, q);
+  if (values.size() < 2 || !readout.value[q] || !expanded) return std::nullopt;
+  DrawnNumber number;
+  number.draws = static_cast<int>(values.size());
+  RunningStatistics all;
+  for (const double v : values) all.add(v);
+  number.mean = all.mean();
+  number.sd = all.population_sd();
+  std::ranges::sort(values);
+  const End low = end_of(values, kOutside), high = end_of(values, 1.0 - kOutside);
+  number.low = low.value;
+  number.high = high.value;
+  number.end_sd = std::max(low.sd, high.sd);
+  const double sd = std::hypot(*readout.sd[q], readout.sd_systematic[q].value_or(0.0));
+  if (!(sd > 0.0)) return number;
+  number.tolerance = tolerance_of(sd);
+  const double off = std::max(std::abs(*readout.value[q] - *expanded - number.low),
+                              std::abs(*readout.value[q] + *expanded - number.high));
+  number.agrees = agreement(off, number.tolerance, number.end_sd);
+  return number;
+}
+
+}  // namespace
+
+Result<MonteCarlo> monte_carlo(const Frame& frame, int draws, std::uint64_t seed, Estimator estimator,
+                               const ReduceOptions& options) {
+  if (estimator == Estimator::legacy) return fail("the estimator legacy has no uncertainty");
+  if (draws < kMinDraws || draws > kMaxDraws) return fail("draws: must be 1,000 to 10,000,000");
+  auto shot = reduce_shot(frame, estimator, options);
+  if (!shot) return tl::unexpected(shot.error());
+  MonteCarlo result{.draws = draws, .seed = seed};
+  if (!shot->fit) return result;
+  Drawing drawing(*shot->fit, {temperature_c(frame)}, seed);
+  std::array<std::vector<double>, kQuantityCount> values;
+  for (int i = 0; i < draws; ++i) {
+    const Quantities drawn = drawing.draw();
+    for (std::size_t k = 0; k < kQuantityCount; ++k) {
+      if (const auto& value = drawn[static_cast<Quantity>(k)]) values[k].push_back(*value);
+    }
+  }
+  for (std::size_t k = 0; k < kQuantityCount; ++k)
+    result.quantities[k] = summary(values[k], shot->readout, static_cast<Quantity>(k));
+  return result;
+}
+
+}  // namespace strobe::reduction
