@@ -52,6 +52,17 @@ std::array<double, kQuantityCount> effects(const Inputs& inputs, const Input& in
   return by_one;
 }
 
+/// The fit ends within a millionth of an sd: differences below this share of the number's own sd are rounding.
+constexpr double kRounding = 1e-5;
+
+void drop_rounding(const Readout& readout, BudgetSource& source) {
+  for (std::size_t i = 0; i < kQuantityCount; ++i) {
+    const auto q = static_cast<Quantity>(i);
+    const double sd = std::hypot(readout.sd[q].value_or(0.0), readout.sd_systematic[q].value_or(0.0));
+    if (std::abs(source.effect[i]) < kRounding * sd) source.effect[i] = 0.0;
+  }
+}
+
 bool has_effect(const BudgetSource& source) {
   return std::ranges::any_of(source.effect, [](double e) { return e != 0.0; });
 }
@@ -92,7 +103,8 @@ std::string name_of(const BudgetSource& source) {
   return source.number > 0 ? name + " " + std::to_string(source.number) : name;
 }
 
-Result<Budget> uncertainty_budget(const Frame& frame, Estimator estimator, const ReduceOptions& options) {
+Result<Budget> uncertainty_budget(const Frame& frame, Estimator estimator, const ReduceOptions& options,
+                                  SourceChoice choice) {
   if (estimator == Estimator::legacy) return fail("the estimator legacy has no uncertainty");
   auto shot = reduce_shot(frame, estimator, options);
   if (!shot) return tl::unexpected(shot.error());
@@ -103,10 +115,12 @@ Result<Budget> uncertainty_budget(const Frame& frame, Estimator estimator, const
   budget.sources = inputs.sources;
   for (const Input& input : inputs.inputs) {
     BudgetSource& source = budget.sources[input.source];
+    if (choice == SourceChoice::shared && !is_shared(source.source)) continue;
     const auto by_one = effects(inputs, input, propagation);
     for (std::size_t i = 0; i < kQuantityCount; ++i)
       source.effect[i] = source.input_sd > 0.0 ? by_one[i] : std::hypot(source.effect[i], by_one[i]);
   }
+  for (BudgetSource& source : budget.sources) drop_rounding(shot->readout, source);
   std::erase_if(budget.sources, [](const BudgetSource& s) { return !has_effect(s); });
   return budget;
 }

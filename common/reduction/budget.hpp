@@ -74,9 +74,12 @@ struct Budget {
 /// "centres", "map error 3", "ball diameter" ...
 std::string name_of(const BudgetSource& source);
 
+/// Which sources to look at: those that shots share are few, and cost a tenth.
+enum class SourceChoice { all, shared };
+
 /// Of the readout that reduce() gives, with the images, effects and weights that it used. Fails as reduce() does, and
 /// with the estimator "legacy", which states no sd.
 Result<Budget> uncertainty_budget(const Frame& frame, Estimator estimator = Estimator::best,
-                                  const ReduceOptions& options = {});
+                                  const ReduceOptions& options = {}, SourceChoice choice = SourceChoice::all);
 
 }  // namespace strobe::reduction

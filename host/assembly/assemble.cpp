@@ -11,6 +11,7 @@
 #include "host/assembly/flash_match.hpp"
 #include "host/assembly/flash_times.hpp"
 #include "host/assembly/image_track.hpp"
+#include "host/assembly/shot_budget.hpp"
 #include "host/assembly/steady_flight.hpp"
 #include "host/config/notes.hpp"
 
@@ -174,7 +175,7 @@ bool no_sensor_fired(const FlashTimes& times, const shot_t& shot) {
 }  // namespace
 
 AssemblySettings assembly_settings(const RigFile& rig) {
-  return {rig.ball, rig.analysis, rig.machine_lag_s, rig.camera};
+  return {rig.ball, rig.analysis, rig.machine_lag_s, rig.camera, false};
 }
 
 reduction::Record record_of(const shot_t& shot) {
@@ -249,7 +250,9 @@ ShotReadout shot_readout(const shot_t& shot, const frame_t& frame, const Assembl
   }
   readout->flags.merge(assembled.flags);
   readout->flashes = assembled.flashes;
-  return {std::move(*readout), assembled.problem};
+  ShotReadout result{std::move(*readout), assembled.problem};
+  if (settings.budgets) result.budget = shot_budget(assembled, result.readout);
+  return result;
 }
 
 }  // namespace strobe::host

@@ -8,6 +8,7 @@
 #include <strobe_msgs/shot_t.hpp>
 #include <vector>
 
+#include "common/reduction/budget.hpp"
 #include "common/reduction/frame.hpp"
 #include "common/reduction/readout.hpp"
 #include "host/assembly/shot_mixture.hpp"
@@ -20,7 +21,8 @@ struct AssemblySettings {
   BallSettings ball;
   AnalysisSettings analysis;
   std::optional<double> machine_lag_s;
-  CameraTable camera;  ///< for the map's errors
+  CameraTable camera;    ///< for the map's errors
+  bool budgets = false;  ///< give ShotReadout::budget: some milliseconds a shot
 };
 
 AssemblySettings assembly_settings(const RigFile& rig);
@@ -47,7 +49,8 @@ reduction::Readout empty_readout(const strobe_msgs::shot_t& shot, const reductio
 
 struct ShotReadout {
   reduction::Readout readout;
-  std::string problem;  ///< for a person; empty if the flags say all
+  std::string problem;                        ///< for a person; empty if the flags say all
+  std::optional<reduction::Budget> budget{};  ///< if asked for
 };
 
 /// Assembles and reduces with the best estimator, to the mixture over the plausible assignments of flashes to images

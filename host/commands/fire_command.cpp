@@ -15,6 +15,7 @@
 #include "host/commands/photograph_options.hpp"
 #include "host/config/notes.hpp"
 #include "host/session/session_folder.hpp"
+#include "host/thesis/condition.hpp"
 
 namespace strobe::host {
 namespace {
@@ -27,7 +28,7 @@ struct FireOptions {
   std::optional<int> retries;
   double wait_s = 60.0;
   PhotographOptions photographs;
-  bool dry = false, json = false, plain = false, clear_fault = false;
+  bool dry = false, json = false, plain = false, clear_fault = false, all = false;
 };
 
 Result<reduction::Record> notes_of(const FireOptions& options) {
@@ -38,22 +39,6 @@ Result<reduction::Record> notes_of(const FireOptions& options) {
     if (auto added = add_note(notes, note); !added) return fail("--note: " + added.error().message);
   }
   return notes;
-}
-
-/// The thesis's series that --spin and --angle name, if they do; angles of incidence are labelled without
-/// sign.
-std::optional<thesis::Condition> condition_of(const FireOptions& options) {
-  const auto share = config::share_folder();
-  if (options.spin.empty() || !options.angle_deg || !share) return std::nullopt;
-  const auto text = config::read_file((*share / "thesis" / "tables_02_to_10.csv").string());
-  if (!text) return std::nullopt;
-  const auto conditions = thesis::parse_conditions(*text, "tables_02_to_10.csv");
-  if (!conditions) return std::nullopt;
-  for (const thesis::Condition& condition : *conditions) {
-    if (condition.spin == options.spin && condition.angle_label_deg == std::abs(*options.angle_deg))
-      return condition;
-  }
-  return std::nullopt;
 }
 
 /// The plan to be fired, and the text of which the session keeps a copy.
@@ -102,8 +87,9 @@ Result<FireRequest> request_of(const FireOptions& options) {
   request.session =
       options.session.empty() ? "session-" + utc_for_file(MachineClock().read().wall) : options.session;
   request.photographs = options.photographs;
-  request.condition = condition_of(options);
+  if (options.angle_deg) request.condition = thesis_condition(options.spin, *options.angle_deg);
   request.style = Terminal::style(options.json, options.plain);
+  request.all = options.all;
   return request;
 }
 
@@ -152,6 +138,7 @@ void add_fire_command(CLI::App& app, int& exit_status) {
   command->add_flag("--json", options->json,
                     "one JSON object per readout on standard output, nothing else there");
   command->add_flag("--plain", options->plain, "lines of text instead of a screen");
+  command->add_flag("--all", options->all, kAllHelp);
   command_line::for_experts(*command,
                             {"--spacing", "--effort", "--lcm-url", "--key-file", "--wait", "--clear-fault"});
   command->footer(

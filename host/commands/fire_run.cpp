@@ -49,13 +49,20 @@ class ActivityNotes {
   bool told_ = false;
 };
 
+/// What a person reads of a series tells what its shots share.
+AssemblySettings assembly_of(const FireRequest& request) {
+  AssemblySettings settings = assembly_settings(request.rig);
+  settings.budgets = request.style != Terminal::Style::json;
+  return settings;
+}
+
 class FireRun {
  public:
   FireRun(const FireRequest& request, SessionFolder& folder, Transport& link, Clock& clock,
           std::int64_t host_id)
       : request_(request),
-        stored_({request.rig.rig, assembly_settings(request.rig), host_id, true, request.key}, request.series,
-                folder, link, clock),
+        stored_({request.rig.rig, assembly_of(request), host_id, true, request.key}, request.series, folder,
+                link, clock),
         loop_(stored_.loop()),
         runner_(stored_.runner()),
         terminal_(request.style,
@@ -63,6 +70,7 @@ class FireRun {
     loop_.add_listener(terminal_);
     terminal_.show_only(host_id);
     terminal_.model().thesis = request.condition;
+    terminal_.model().all = request.all;
   }
 
   HostLoop& loop() { return loop_; }
@@ -132,7 +140,7 @@ class FireRun {
   int conclude() {
     const ShotSeries& series = runner_.series();
     if (request_.style != Terminal::Style::json && !request_.series.plan.dry)
-      print(render_series(terminal_.model().series, request_.condition, kPlainWidth));
+      print(render_series(terminal_.model().series, request_.condition, kPlainWidth, request_.all));
     const std::string summary =
         fmt::format("{} of {} shots came, {} fired again; session in {}", series.good(),
                     request_.series.shots, series.refired(), request_.session);

@@ -27,6 +27,7 @@ struct FireRequest {
   PhotographOptions photographs;
   std::optional<thesis::Condition> condition;
   Terminal::Style style = Terminal::Style::plain;
+  bool all = false;  ///< show experts' numbers as well
 };
 
 /// Returns the exit status.

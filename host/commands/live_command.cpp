@@ -29,6 +29,7 @@ struct LiveOptions {
   bool plain = false;
   bool timing = false;
   bool unverified = false;
+  bool all = false;
   int shots = 0;
   double idle_exit_s = 0.0;
 };
@@ -104,6 +105,7 @@ int run_live(const LiveOptions& options) {
   const std::string url = lcm_url(options.url, *rig);
   const auto key = authentication::find_key({options.key_file, rig->key_file.value_or("")});
   HostLoopSettings settings{rig->rig, assembly_settings(*rig), random_host_id()};
+  settings.assembly.budgets = !options.json;
   if (key && !options.unverified) settings.key = key->key;
   MachineClock clock;
   auto link = LcmLink::open(url, rig->rig);
@@ -116,6 +118,7 @@ int run_live(const LiveOptions& options) {
   catch_signals();
   Terminal terminal(Terminal::style(options.json, options.plain),
                     fmt::format("strobe live   rig {}", rig->rig), options.shots);
+  terminal.model().all = options.all;
   loop.add_listener(terminal);
   terminal.open();
   TimingReport timing(loop, terminal, options.json);
@@ -131,8 +134,8 @@ int run_live(const LiveOptions& options) {
   const bool receiving = watch(loop, terminal, with_timing ? &timing : nullptr, options);
   terminal.close();
   if (!receiving) return failed("LCM cannot receive any more");
-  if (!options.json && terminal.model().series.shots() > 0)
-    print(render_series(terminal.model().series, std::nullopt, kPlainWidth));
+  if (!options.json && terminal.model().series.counted() > 0)
+    print(render_series(terminal.model().series, std::nullopt, kPlainWidth, options.all));
   if (terminal.output_problem()) return failed(*terminal.output_problem());
   return terminal.model().shots < options.shots ? kFailed : kDone;
 }
@@ -156,6 +159,7 @@ void add_live_command(CLI::App& app, int& exit_status) {
   command->add_flag("--json", options->json,
                     "one JSON object per readout on standard output, nothing else there");
   command->add_flag("--plain", options->plain, "lines of text instead of a screen");
+  command->add_flag("--all", options->all, kAllHelp);
   command->add_flag(
       "--timing", options->timing,
       "after each shot also how all flashes since the firmware's start were timed, and its clock; "

@@ -9,12 +9,14 @@
 #include <fstream>
 #include <iostream>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <system_error>
 
 #include "common/command_line/help.hpp"
 #include "common/config/files.hpp"
 #include "common/messages/json_conversions.hpp"
+#include "common/reduction/budget.hpp"
 #include "common/reduction/legacy.hpp"
 #include "common/reduction/legacy_file.hpp"
 #include "common/reduction/reduce.hpp"
@@ -24,7 +26,10 @@
 #include "host/commands/reduce/reduce_choice.hpp"
 #include "host/commands/terminal.hpp"
 #include "host/config/rig_file.hpp"
+#include "host/series/budget_lines.hpp"
 #include "host/view/quantities.hpp"
+#include "host/view/series_json.hpp"
+#include "host/view/series_view.hpp"
 #include "host/view/text.hpp"
 
 namespace strobe::host {
@@ -45,6 +50,8 @@ struct ReduceOptions {
   bool estimator_given = false;
   bool flight_given = false;
   bool json = false;
+  bool all = false;
+  bool budget = false;
 
   bool chooses() const { return !tolerance.empty() || deadline_us.has_value(); }
 };
@@ -64,6 +71,8 @@ class Reducer {
   /// `chooser`: absent if the estimator is stated.
   Reducer(const ReduceOptions& options, std::optional<EstimatorChooser> chooser)
       : json_(options.json),
+        all_(options.all),
+        budget_(options.budget),
         estimator_(*reduction::estimator_from_name(options.estimator)),
         options_(reduction_options(options.flight, options.noise)),
         chooser_(std::move(chooser)) {}
@@ -106,9 +115,9 @@ class Reducer {
 
   int conclude() const {
     if (chooser_ && timed_ > 0) std::fputs(timing().c_str(), stderr);
-    if (!json_ && series_.shots() > 1) print(render_series(series_, std::nullopt, kPlainWidth));
+    if (!json_ && series_.counted() > 1) print(render_series(series_, std::nullopt, kPlainWidth, all_));
     if (bad_ == 0) return kDone;
-    return series_.shots() > 0 ? kFailed : kBadInput;
+    return reduced_ > 0 ? kFailed : kBadInput;
   }
 
  private:
@@ -118,31 +127,71 @@ class Reducer {
   }
 
   void reduce(const reduction::Frame& frame, const std::string& place) {
-    if (!chooser_) return put(reduction::reduce(frame, estimator_, options_), place);
+    if (!chooser_) return put(reduction::reduce(frame, estimator_, options_), place, &frame);
     auto chosen = chooser_->reduce(frame);
     if (!chosen) return bad(place + chosen.error().message);
     time(chosen->choice);
-    put(std::move(chosen->readout), place, &chosen->choice);
+    put(std::move(chosen->readout), place, nullptr, &chosen->choice);
   }
 
-  void put(const Result<Readout>& readout, const std::string& place,
+  /// A person's series tells what its shots share; a program asks for it.
+  reduction::Budget budget_of(const reduction::Frame* frame) const {
+    const bool asked = !json_ || budget_;
+    if (!asked || frame == nullptr || estimator_ == reduction::Estimator::legacy) return {};
+    auto budget = reduction::uncertainty_budget(*frame, estimator_, options_);
+    return budget ? std::move(*budget) : reduction::Budget{};
+  }
+
+  /// Frames of one scale and one ball are taken to have the same calibration and ball.
+  void add_to_series(const Readout& readout, const reduction::Budget& budget, const reduction::Frame* frame) {
+    SeriesShot shot;
+    shot.name = std::to_string(readout.shot_id);
+    shot.readout = readout;
+    shot.budget = budget;
+    if (frame != nullptr) {
+      shot.calibration =
+          fmt::format("{} {}", frame->px_per_m.value_or(0.0), frame->px_per_m_sd.value_or(0.0));
+      const auto name = readout.record.find("ball_name");
+      shot.ball = fmt::format("{} {}", frame->ball_diameter_m, frame->ball_diameter_sd_m.value_or(0.0));
+      if (name != readout.record.end()) shot.ball += "\n" + name->second;
+    }
+    series_.add(shot);
+  }
+
+  void put(const Result<Readout>& readout, const std::string& place, const reduction::Frame* frame = nullptr,
            const EstimatorChoice* choice = nullptr) {
     if (!readout) return bad(place + readout.error().message);
-    series_.add(*readout);
+    ++reduced_;
+    const reduction::Budget budget = budget_of(frame);
+    if (!json_) add_to_series(*readout, budget, frame);
     show_progress();
-    if (json_) return put_json(*readout, choice);
+    if (json_) return put_json(*readout, budget, choice);
     ShotResult shot_result;
     shot_result.shot_id = readout->shot_id;
     shot_result.readout = *readout;
-    print(render_shot(shot_result, kPlainWidth));
-    if (readout->method == "best") print({flight_line(readout->flight_effects)});
-    if (readout->residual_ratios.all) print({residual_line(readout->residual_ratios)});
+    print(render_shot(shot_result, kPlainWidth, all_));
+    if (all_ && readout->method == "best") print({flight_line(readout->flight_effects)});
+    if (all_ && readout->residual_ratios.all) print({residual_line(readout->residual_ratios)});
+    if (budget_) print_budget(budget, *readout);
     if (readout->legacy) print(legacy_lines(*readout->legacy));
     if (choice != nullptr) print(choice_lines(*choice));
   }
 
-  void put_json(const Readout& readout, const EstimatorChoice* choice) const {
+  void print_budget(const reduction::Budget& budget, const Readout& readout) const {
+    for (std::size_t i = 0; i < reduction::kQuantityCount; ++i) {
+      const auto q = static_cast<Quantity>(i);
+      if (!readout.value[q] || !(all_ || is_essential(q))) continue;
+      print(render_budget(fmt::format("shot {}", readout.shot_id), budget_lines(budget, q), q, kPlainWidth));
+    }
+  }
+
+  void put_json(const Readout& readout, const reduction::Budget& budget,
+                const EstimatorChoice* choice) const {
     std::string line = messages::readout_to_json(readout);
+    if (budget_) {
+      line.back() = ',';
+      line += "\"budget\":" + budget_json(budget, readout).dump() + "}";
+    }
     if (choice != nullptr) {
       line.back() = ',';
       line += "\"choice\":" + choice_json(*choice, chooser_->requirement()) + "}";
@@ -193,7 +242,7 @@ class Reducer {
     if (now - progress_ < kEvery) return;
     progress_ = now;
     if (::isatty(STDERR_FILENO) == 1 && ::isatty(STDOUT_FILENO) == 0) {
-      std::fprintf(stderr, "strobe: %d frames reduced\n", series_.shots());
+      std::fprintf(stderr, "strobe: %d frames reduced\n", reduced_);
     }
   }
 
@@ -212,7 +261,7 @@ class Reducer {
     return lines;
   }
 
-  bool json_;
+  bool json_, all_, budget_;
   reduction::Estimator estimator_;
   reduction::ReduceOptions options_;
   std::optional<EstimatorChooser> chooser_;
@@ -220,7 +269,8 @@ class Reducer {
   int late_ = 0;
   double took_us_ = 0.0;
   double longest_us_ = 0.0;
-  SeriesStatistics series_;
+  Series series_;
+  int reduced_ = 0;
   int bad_ = 0;
   HostTime progress_ = steady_now();
 };
@@ -246,6 +296,8 @@ Result<std::optional<EstimatorChooser>> chooser_of(const ReduceOptions& options)
 int run_reduce(const ReduceOptions& options) {
   if (options.flight != "auto" && options.estimator != "best")
     return bad_input("reduce: --flight is for the best estimator");
+  if (options.budget && (options.chooses() || options.format == "legacy"))
+    return bad_input("reduce: --budget is for frames, without --tolerance and --deadline-us");
   if (options.noise != "stated" && (options.estimator != "best" || options.chooses()))
     return bad_input("reduce: --noise is for the best estimator, without --tolerance and --deadline-us");
   for (const std::string& file : options.files) {
@@ -306,6 +358,10 @@ void add_reduce_command(CLI::App& app, int& exit_status) {
   command->add_option("--frontier", options->frontier_file,
                       "what the estimators cost and how exact they are, as `strobe-bench trade --frontier` "
                       "writes it [share/strobe/frontier/frontier.csv]");
+  command->add_flag(
+      "--budget", options->budget,
+      "what each number's uncertainty is made of: source, type (A or B), sensitivity, effect, share");
+  command->add_flag("--all", options->all, "experts' numbers as well: slip, flight effects, residuals");
   command->add_flag("--json", options->json,
                     "one JSON object per readout on standard output, nothing else there");
   command_line::for_experts(*command, {"--noise", "--tolerance", "--deadline-us", "--frontier"});

@@ -69,7 +69,7 @@ void Terminal::on_shot_result(const ShotResult& result) {
   if (style_ == Style::json) {
     std::puts(json_line(result).c_str());
   } else if (style_ == Style::plain) {
-    print(render_shot(result, kPlainWidth));
+    print(render_shot(result, kPlainWidth, model_.all));
   }
   if ((std::fflush(stdout) != 0 || std::ferror(stdout) != 0) && !output_problem_) {
     output_problem_ = std::string("standard output: cannot be written: ") + std::strerror(errno);
@@ -92,7 +92,7 @@ void Terminal::show(HostLoop& loop) {
   if (const auto warning = model_.update(loop.session(), loop.now())) loop.notify(*warning);
   if (!screen_ || loop.now() - painted_ < kRepaint) return;
   painted_ = loop.now();
-  screen_->paint(render(model_, screen_->width()));
+  if (screen_->paint(render(model_, screen_->width())) == 'a') model_.all = !model_.all;
 }
 
 void print(const std::vector<std::string>& lines) {

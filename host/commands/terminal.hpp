@@ -69,4 +69,9 @@ std::string lcm_url(const std::string& given, const RigFile& rig);
 
 inline constexpr std::size_t kPlainWidth = 120;
 
+/// Of --all. On a screen the key a does the same.
+inline constexpr const char* kAllHelp =
+    "experts' numbers as well: slip, what each uncertainty is made of, the flashes' code, the timing (key a "
+    "on a screen)";
+
 }  // namespace strobe::host

@@ -9,12 +9,12 @@
 #include <string>
 #include <vector>
 
+#include "common/reduction/budget.hpp"
 #include "common/reduction/readout.hpp"
 
 namespace strobe::host {
 
-/// GUM's evaluation: from scatter, or by other means.
-enum class EvaluationType { a, b };
+using reduction::EvaluationType;
 
 /// One line of an uncertainty budget.
 struct BudgetLine {
@@ -37,6 +37,7 @@ struct QuantitySummary {
   std::optional<double> scatter_sd;          ///< of the shots about their mean, n - 1; absent below two shots
   std::optional<double> standard_error;      ///< of the mean: scatter_sd / sqrt(n)
   double shared_sd = 0.0;                    ///< of the mean, from what the shots share
+  bool shared_known = true;                  ///< false: a shot came without its budget, and there is no total
   std::optional<double> total_sd;            ///< of the mean: both
   std::optional<double> degrees_of_freedom;  ///< effective (Welch-Satterthwaite); absent: infinitely many
   std::optional<double> expanded_uncertainty;  ///< half width of the mean's 95 % interval

@@ -27,7 +27,6 @@
 #include "host/clock/device_clock.hpp"
 #include "host/messages/event_ledger.hpp"
 #include "host/session/heard_time.hpp"
-#include "host/session/series_statistics.hpp"
 #include "host/session/shot_result.hpp"
 
 namespace strobe::host {

@@ -31,6 +31,7 @@ ShotResult measured_result(const shot_t& shot, const strobe_msgs::frame_t& frame
   result.rejected = rejection_reason(measured.readout,
                                      {settings.analysis.match_tolerance_percent, settings.ball.diameter_m});
   result.readout = std::move(measured.readout);
+  result.budget = std::move(measured.budget);
   result.problem = shot.aborted ? shot.abort_reason : std::move(measured.problem);
   result.frame = frame;
   return result;

@@ -7,6 +7,7 @@
 #include <strobe_msgs/frame_t.hpp>
 #include <strobe_msgs/shot_t.hpp>
 
+#include "common/reduction/budget.hpp"
 #include "common/reduction/readout.hpp"
 #include "common/shot/shot_key.hpp"
 #include "host/assembly/assemble.hpp"
@@ -26,6 +27,7 @@ struct ShotResult {
   std::string problem;                        ///< more words for a person; may be empty
   bool verified = true;                       ///< false: nothing proves that its messages are the lab's
   std::optional<strobe_msgs::frame_t> frame;  ///< of the photograph that the readout comes from
+  std::optional<reduction::Budget> budget;    ///< if AssemblySettings asks for it
 };
 
 /// Of a shot with its photograph. more: flags that shot and photograph do not tell.

@@ -6,33 +6,23 @@
 #include <cmath>
 #include <utility>
 
+#include "common/reduction/expanded_uncertainty.hpp"
 #include "host/config/notes.hpp"
 #include "host/session/rejection.hpp"
 #include "host/view/quantities.hpp"
 #include "host/view/rejected_commands.hpp"
-#include "host/view/text.hpp"
+#include "host/view/series_view.hpp"
+#include "host/view/table_layout.hpp"
 #include "host/view/timing.hpp"
 
 namespace strobe::host {
 namespace {
 
-using reduction::Quantities;
 using reduction::Quantity;
 using strobe_msgs::status_t;
 using Lines = std::vector<std::string>;
 
-constexpr std::size_t kNameWidth = 17;
-constexpr std::size_t kUnitWidth = 6;
-constexpr std::size_t kNumberWidth = 10;
 constexpr std::size_t kNotificationsShown = 5;
-
-Lines fitted(Lines lines, std::size_t width) {
-  for (std::string& line : lines) {
-    line = cut(line, width);
-    while (!line.empty() && line.back() == ' ') line.pop_back();
-  }
-  return lines;
-}
 
 std::string state_name(const status_t& status) {
   switch (status.state) {
@@ -83,88 +73,59 @@ std::string blocking_reason_of(const ViewModel& model) {
   return model.status->message;
 }
 
-std::string value_text(const Quantities& values, const Quantities& sds, Quantity q) {
-  return values[q] ? rounded(*values[q], sds[q].value_or(0.0)) : "-";
+std::optional<double> total_sd(const reduction::Readout& readout, Quantity q) {
+  const auto& sd = readout.sd[q];
+  if (!sd) return std::nullopt;
+  return std::hypot(*sd, readout.sd_systematic[q].value_or(0.0));
 }
 
-std::string sd_text(const std::optional<double>& sd, double scale) {
-  return sd ? "± " + rounded(*sd, scale) : "";
+/// The court pace is the ITF's for shots as it prescribes them only.
+bool is_shown(const reduction::Readout& readout, Quantity q, bool all) {
+  if (all || is_essential(q)) return true;
+  return q == Quantity::court_pace && readout.value[q] && readout.court_pace_conforming;
 }
 
-std::string shot_row(const reduction::Readout& readout, Quantity q) {
+std::string plus_minus(const std::optional<double>& number, double uncertainty) {
+  return number ? left("± " + rounded(*number, uncertainty), kNumberWidth) : left("", kNumberWidth);
+}
+
+/// The value with two digits of its standard uncertainty, `all`: and what that is made of.
+std::string shot_row(const reduction::Readout& readout, Quantity q, bool all) {
   const QuantityLabel& label = kQuantityLabels[static_cast<std::size_t>(q)];
-  const double sd = readout.sd[q].value_or(0.0);
-  // Given the diameter, these do not depend on it: a systematic sd of rounding size is none.
-  const auto& systematic = readout.sd_systematic[q];
-  const bool shown = systematic && *systematic > 1e-3 * sd;
-  return left(label.words, kNameWidth) + right(value_text(readout.value, readout.sd, q), kNumberWidth) + " " +
-         left(sd_text(readout.sd[q], sd), kNumberWidth) + " " +
-         left(shown ? sd_text(systematic, sd > 0.0 ? sd : *systematic) : "", kNumberWidth) + " " +
-         left(label.unit, kUnitWidth);
+  const auto total = total_sd(readout, q);
+  const double digits = total.value_or(0.0);
+  std::string line = left(label.words, kNameWidth) +
+                     right(readout.value[q] ? rounded(*readout.value[q], digits) : "-", kNumberWidth) + " " +
+                     plus_minus(total, digits) + " " + left(label.unit, kUnitWidth);
+  if (!all) return line;
+  return line + " " + plus_minus(readout.sd[q], digits) + " " + plus_minus(readout.sd_systematic[q], digits) +
+         " " + plus_minus(reduction::expanded_uncertainty(readout, q), digits);
 }
 
-std::string series_cells(const reduction::RunningStatistics& series) {
-  if (series.count() == 0) return right("-", kNumberWidth) + right("", kNumberWidth + 9 + 5);
-  const double sd = series.population_sd();
-  const std::string variation = series.count() > 1 && std::isfinite(series.coefficient_of_variation())
-                                    ? fmt::format("{:.1f} %", 100.0 * series.coefficient_of_variation())
-                                    : "";
-  return right(rounded(series.mean(), sd), kNumberWidth) +
-         right(series.count() > 1 ? "± " + rounded(sd, sd) : "", kNumberWidth) + right(variation, 9) +
-         right(std::to_string(series.count()), 5);
-}
-
-/// The thesis's column of each quantity, in the order of Quantity; null: it has none.
-using C = thesis::Condition;
-constexpr std::array<thesis::MeanSd C::*, reduction::kQuantityCount> kThesisColumns{&C::theta_in_deg,
-                                                                                    &C::theta_out_deg,
-                                                                                    &C::vx_td_mps,
-                                                                                    &C::vy_td_mps,
-                                                                                    &C::v_td_mps,
-                                                                                    &C::omega_td_radps,
-                                                                                    &C::vx_lo_mps,
-                                                                                    &C::vy_lo_mps,
-                                                                                    &C::v_lo_mps,
-                                                                                    &C::omega_lo_radps,
-                                                                                    nullptr,
-                                                                                    &C::e,
-                                                                                    &C::mu,
-                                                                                    &C::dwell_time_ms,
-                                                                                    &C::dwell_distance_cm,
-                                                                                    nullptr};
-
-/// Tables 2-4 hold the incoming, 5-7 the rebounding ball, 8-10 the parameters; one each for zero, top, back
-/// spin.
-int first_table(const thesis::Condition& c) { return c.spin == "top" ? 3 : c.spin == "back" ? 4 : 2; }
-
-std::string thesis_cells(const thesis::Condition& condition, Quantity q,
-                         const reduction::RunningStatistics& series) {
-  const auto column = kThesisColumns[static_cast<std::size_t>(q)];
-  if (!column) return "";
-  const thesis::MeanSd* printed = &(condition.*column);
-  std::string cells = right(fmt::format("{:.2f}", printed->mean), kNumberWidth) +
-                      right(fmt::format("± {:.2f}", printed->sd), kNumberWidth);
-  if (series.count() > 0 && printed->sd > 0.0) {
-    cells += right(fmt::format("{:+.1f} sd", (series.mean() - printed->mean) / printed->sd), 10);
-  }
-  return cells;
+std::string series_cells(const QuantitySummary& s) {
+  const double total = s.total_sd.value_or(s.standard_error.value_or(s.shared_sd));
+  const auto cell = [&](const std::optional<double>& number) {
+    return right(number ? rounded(*number, total) : "", kNumberWidth);
+  };
+  if (s.n == 0) return right("-", kNumberWidth) + right("", 4 * kNumberWidth + 5);
+  return cell(s.mean) + cell(s.expanded_uncertainty) + cell(s.scatter_sd) + cell(s.standard_error) +
+         cell(s.shared_known ? std::optional(s.shared_sd) : std::nullopt) + right(std::to_string(s.n), 5);
 }
 
 void append(Lines& lines, const Lines& more) { lines.insert(lines.end(), more.begin(), more.end()); }
 
-std::string headline(const ShotResult& shot_result) {
+std::string headline(const ShotResult& shot_result, bool all) {
   std::string text = fmt::format("shot {}", shot_result.shot_id);
   if (shot_result.dry) text += "   dry";
   if (shot_result.readout.regime) text += "   " + std::string(name(*shot_result.readout.regime));
-  if (shot_result.readout.value[Quantity::court_pace] && !shot_result.readout.court_pace_conforming) {
+  if (all && shot_result.readout.value[Quantity::court_pace] && !shot_result.readout.court_pace_conforming)
     text += "   court pace indicative";
-  }
   if (shot_result.rejected) text += "   REJECTED";
   if (!shot_result.verified) text += "   unverified";
   return text;
 }
 
-Lines remarks(const ShotResult& shot_result) {
+Lines remarks(const ShotResult& shot_result, bool all) {
   Lines lines;
   for (std::size_t i = 0; i < reduction::kFlagCount; ++i) {
     const auto flag = static_cast<reduction::Flag>(i);
@@ -172,7 +133,7 @@ Lines remarks(const ShotResult& shot_result) {
   }
   if (!shot_result.problem.empty()) lines.push_back("! " + shot_result.problem);
   const auto& flashes = shot_result.readout.flashes;
-  if (flashes && flashes->coded) {
+  if (all && flashes && flashes->coded) {
     // Rivals that are hopeless are left out of the sum, so that 0 is not to be taken at its word.
     const double misassigned_percent = 100.0 * flashes->misassignment_probability;
     const std::string others =
@@ -197,18 +158,27 @@ bool has_numbers(const ShotResult& shot_result) {
   return false;
 }
 
-std::string shot_header() {
-  return left("", kNameWidth) + right("value", kNumberWidth) + " " + left("± sd", kNumberWidth) + " " +
-         left("± ball", kNumberWidth) + " " + left("unit", kUnitWidth);
+std::string shot_header(bool all) {
+  std::string line = left("", kNameWidth) + right("value", kNumberWidth) + " " + left("± sd", kNumberWidth) +
+                     " " + left("unit", kUnitWidth);
+  if (!all) return line;
+  return line + " " + left("± noise", kNumberWidth) + " " + left("± ball,air", kNumberWidth) + " " +
+         left("± 95 %", kNumberWidth);
 }
 
-constexpr std::string_view kSeriesHeader = "      mean        sd  variation   n";
+constexpr std::string_view kSeriesHeader = "      mean    ± 95 %   scatter std error    shared    n";
+
+std::string count_words(const Series& series) {
+  return fmt::format("series of {} {}", series.counted(), series.counted() == 1 ? "shot" : "shots");
+}
 
 Lines shot_beside_series(const ViewModel& model) {
-  Lines lines{shot_header() + std::string(kSeriesHeader)};
+  const SeriesSummary summary = model.series.summary("");
+  Lines lines{shot_header(false) + std::string(kSeriesHeader)};
   for (std::size_t i = 0; i < reduction::kQuantityCount; ++i) {
     const auto q = static_cast<Quantity>(i);
-    lines.push_back(shot_row(model.last->readout, q) + series_cells(model.series.of(q)));
+    if (is_shown(model.last->readout, q, model.all))
+      lines.push_back(shot_row(model.last->readout, q, false) + series_cells(summary.quantities[i]));
   }
   return lines;
 }
@@ -225,7 +195,7 @@ Lines render_firmware(const ViewModel& model, std::size_t width) {
     lines.push_back(fmt::format("lost: queue {}, kernel {}, link {}{}", s.queue_overflows, s.kernel_overflows,
                                 model.events_missing, rejected_commands_text(s)));
     lines.push_back(clock_line(model.clock, model.status_age_s));
-    append(lines, render_timing(s));
+    if (model.all) append(lines, render_timing(s));
   }
   if (const std::string unverified = unverified_text(model); !unverified.empty()) lines.push_back(unverified);
   if (const std::string blocking_reason = blocking_reason_of(model); !blocking_reason.empty())
@@ -234,53 +204,38 @@ Lines render_firmware(const ViewModel& model, std::size_t width) {
   return fitted(std::move(lines), width);
 }
 
-Lines render_shot(const ShotResult& shot_result, std::size_t width) {
-  Lines lines{headline(shot_result)};
+Lines render_shot(const ShotResult& shot_result, std::size_t width, bool all) {
+  Lines lines{headline(shot_result, all)};
   if (shot_result.dry) append(lines, describe(shot_result.train));
   if (has_numbers(shot_result)) {
-    lines.push_back(shot_header());
+    lines.push_back(shot_header(all));
     for (std::size_t i = 0; i < reduction::kQuantityCount; ++i) {
-      lines.push_back(shot_row(shot_result.readout, static_cast<Quantity>(i)));
+      const auto q = static_cast<Quantity>(i);
+      if (is_shown(shot_result.readout, q, all)) lines.push_back(shot_row(shot_result.readout, q, all));
     }
   }
-  append(lines, remarks(shot_result));
+  append(lines, remarks(shot_result, all));
   return fitted(std::move(lines), width);
 }
 
-Lines render_series(const SeriesStatistics& series, const std::optional<thesis::Condition>& condition,
-                    std::size_t width) {
-  Lines lines{fmt::format("series of {} shots", series.shots())};
-  std::string header = left("", kNameWidth) + left("unit", kUnitWidth) + std::string(kSeriesHeader);
-  if (condition) {
-    const int table = first_table(*condition);
-    header += fmt::format("    thesis {} {}, Tables {}, {}, {}", condition->spin, condition->angle_label_deg,
-                          table, table + 3, table + 6);
-  }
-  lines.push_back(header);
-  for (std::size_t i = 0; i < reduction::kQuantityCount; ++i) {
-    const auto q = static_cast<Quantity>(i);
-    const QuantityLabel& label = kQuantityLabels[i];
-    std::string line =
-        left(label.words, kNameWidth) + left(label.unit, kUnitWidth) + series_cells(series.of(q));
-    if (condition) line += thesis_cells(*condition, q, series.of(q));
-    lines.push_back(line);
-  }
-  return fitted(std::move(lines), width);
+Lines render_series(const Series& series, const std::optional<thesis::Condition>& condition,
+                    std::size_t width, bool all) {
+  return render_summary(series.summary("series"), condition, width, all);
 }
 
 Lines render(const ViewModel& model, std::size_t width) {
   Lines lines{model.title};
   append(lines, render_firmware(model, width));
   lines.emplace_back();
-  const std::size_t both = columns(shot_header()) + kSeriesHeader.size();
+  const std::size_t both = columns(shot_header(false)) + columns(kSeriesHeader);
   if (!model.last) {
     lines.push_back("no shot yet");
   } else if (has_numbers(*model.last) && width >= both) {
-    lines.push_back(headline(*model.last) + fmt::format("   series of {} shots", model.series.shots()));
+    lines.push_back(headline(*model.last, model.all) + "   " + count_words(model.series));
     append(lines, shot_beside_series(model));
-    append(lines, remarks(*model.last));
+    append(lines, remarks(*model.last, model.all));
   } else {
-    append(lines, render_shot(*model.last, width));
+    append(lines, render_shot(*model.last, width, model.all));
   }
   lines.emplace_back();
   const std::size_t first =

@@ -15,9 +15,12 @@ std::vector<std::string> render(const ViewModel& model, std::size_t width);
 
 /// Parts of it, for plain output.
 std::vector<std::string> render_firmware(const ViewModel& model, std::size_t width);
-std::vector<std::string> render_shot(const ShotResult& shot_result, std::size_t width);
-/// Mean, sd, coefficient of variation and n of each quantity; beside the thesis's row where there is one.
-std::vector<std::string> render_series(const SeriesStatistics& series,
-                                       const std::optional<thesis::Condition>& condition, std::size_t width);
+/// The essential numbers (series_view.hpp) with their total standard uncertainty. `all`: every number, what its uncertainty
+/// is made of, and which flashes show the ball.
+std::vector<std::string> render_shot(const ShotResult& shot_result, std::size_t width, bool all = false);
+/// render_summary() of the series.
+std::vector<std::string> render_series(const Series& series,
+                                       const std::optional<thesis::Condition>& condition, std::size_t width,
+                                       bool all = false);
 
 }  // namespace strobe::host

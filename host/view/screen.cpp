@@ -27,15 +27,16 @@ std::size_t Screen::width() const {
   return static_cast<std::size_t>(getmaxx(stdscr) > 0 ? getmaxx(stdscr) : 80);
 }
 
-void Screen::paint(const std::vector<std::string>& lines) {
+int Screen::paint(const std::vector<std::string>& lines) {
   timeout(0);
-  getch();  // takes note of a resized terminal
+  const int key = getch();  // takes note of a resized terminal, too
   erase();
   const int height = getmaxy(stdscr);
   for (int row = 0; row < height && row < static_cast<int>(lines.size()); ++row) {
     mvaddstr(row, 0, lines[static_cast<std::size_t>(row)].c_str());
   }
   refresh();
+  return key;
 }
 
 }  // namespace strobe::host

@@ -18,7 +18,8 @@ class Screen {
   Screen& operator=(const Screen&) = delete;
 
   std::size_t width() const;
-  void paint(const std::vector<std::string>& lines);
+  /// Returns the key that was pressed since, or a negative number.
+  int paint(const std::vector<std::string>& lines);
 };
 
 }  // namespace strobe::host

@@ -7,11 +7,23 @@ namespace {
 
 constexpr std::size_t kMaxNotifications = 50;
 
+/// All shots of a rig have its calibration; its ball is told apart by its name.
+SeriesShot series_shot_of(const ShotResult& result) {
+  SeriesShot shot;
+  shot.name = std::to_string(result.shot_id);
+  shot.readout = result.readout;
+  if (result.budget) shot.budget = *result.budget;
+  if (const auto ball = result.readout.record.find("ball_name"); ball != result.readout.record.end())
+    shot.ball = ball->second;
+  shot.rejected = result.rejected;
+  return shot;
+}
+
 }  // namespace
 
 void ViewModel::add(const ShotResult& result) {
   ++shots;
-  if (!result.rejected && !result.dry) series.add(result.readout);
+  if (!result.dry) series.add(series_shot_of(result));
   last = result;
 }
 

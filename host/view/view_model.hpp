@@ -9,7 +9,7 @@
 #include "common/authentication/unverified.hpp"
 #include "common/data/thesis_data.hpp"
 #include "host/clock/device_clock.hpp"
-#include "host/session/series_statistics.hpp"
+#include "host/series/series.hpp"
 #include "host/session/session.hpp"
 
 namespace strobe::host {
@@ -27,7 +27,8 @@ struct ViewModel {
   authentication::UnverifiedCounts unverified;  ///< packets that were not acted on
   int shots = 0;                                ///< whose results have come
   std::optional<ShotResult> last;
-  SeriesStatistics series;                  ///< of the shots that count
+  Series series;                            ///< of the shots, one rig's
+  bool all = false;                         ///< experts' numbers as well
   std::optional<thesis::Condition> thesis;  ///< the thesis's series of the same spin and angle
   std::vector<std::string> notifications;   ///< newest last; the last 50 are kept
 

@@ -15,7 +15,8 @@ constexpr std::array<AddCommand, 12> kCommands{
     strobe::studies::add_plan_command,      strobe::studies::add_efficiency_command,
     strobe::studies::add_digits_command,    strobe::studies::add_thesis_command,
     strobe::studies::add_trade_command,     strobe::studies::add_digitize_command,
-    strobe::studies::add_clock_command,     strobe::studies::add_fit_coverage_command};
+    strobe::studies::add_clock_command,     strobe::studies::add_fit_coverage_command,
+    strobe::studies::add_series_coverage_command};
 
 }  // namespace
 

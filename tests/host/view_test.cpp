@@ -66,12 +66,23 @@ strobe_msgs::status_t idle() {
   return status;
 }
 
+/// As the model has it, with a scale error of 0.02 m/s and an expanded uncertainty to be seen.
+host::SeriesShot shot_of(const ShotResult& result) {
+  host::SeriesShot shot;
+  shot.name = std::to_string(result.shot_id);
+  shot.readout = result.readout;
+  reduction::BudgetSource scale{.source = reduction::Source::scale, .input_sd = 0.1, .input_unit = "%"};
+  scale.effect[static_cast<std::size_t>(Quantity::vx_td_mps)] = 0.02;
+  shot.budget.sources = {scale};
+  return shot;
+}
+
 ViewModel model() {
   ViewModel m;
   m.title = "strobe live   rig bench";
   m.status = idle();
   m.last = example();
-  m.series.add(m.last->readout);
+  m.series.add(shot_of(*m.last));
   return m;
 }
 
@@ -79,18 +90,41 @@ ViewModel model() {
 
 TEST_GROUP(ScreenLines) { ViewModel m = model(); };
 
-TEST(ScreenLines, ShowTheShotWithBothUncertaintiesBesideTheSeries) {
-  m.series.add(example(5, 15.7).readout);
+// Total of the shot: 0.0367 and 0.189 together, 0.1925. Of the series: mean of 15.6234 and 15.7, scatter (n - 1) 0.0542,
+// standard error 0.0383, with the scale's 0.02 a total of 0.0432. Freedom 1 * (0.0432 / 0.0383)^4 = 1.62, whose Student's
+// t is 5.5: 0.236 (12.7 of one degree, 4.3 of two).
+TEST(ScreenLines, ShowTheShotWithItsTotalUncertaintyBesideTheSeries) {
+  m.series.add(shot_of(example(5, 15.7)));
   const auto lines = render(m, 120);
   STRCMP_CONTAINS("shot 4 grips series of 2 shots", row(lines, "shot 4").c_str());
-  // Mean of 15.6234 and 15.7 is 15.6617, population sd 0.0383, 0.2 %.
-  CHECK_EQUAL("vx touchdown 15.623 ± 0.037 ± 0.189 m/s 15.662 ± 0.038 0.2 % 2", row(lines, "vx touchdown"));
+  CHECK_EQUAL("vx touchdown 15.62 ± 0.19 m/s 15.662 0.236 0.054 0.038 0.020 2", row(lines, "vx touchdown"));
   STRCMP_CONTAINS("0.8359 ± 0.0024", row(lines, "restitution e").c_str());
   CHECK_EQUAL("impulse ratio mu - -", row(lines, "impulse ratio mu"));
 }
 
+TEST(ScreenLines, ShowExpertsNumbersOnlyIfAsked) {
+  m.last->readout.value[Quantity::slip_lo_mps] = 0.5;
+  CHECK_EQUAL("", row(render(m, 120), "slip"));
+  CHECK_EQUAL("", row(render(m, 160), "lateness"));
+  m.all = true;
+  CHECK_TRUE(!row(render(m, 120), "slip").empty());
+  CHECK_TRUE(!row(render(m, 160), "lateness").empty());
+  // What the total is made of, and 1.96 of it.
+  CHECK_EQUAL("vx touchdown 15.62 ± 0.19 m/s ± 0.04 ± 0.19 ± 0.38",
+              row(host::render_shot(*m.last, 120, true), "vx touchdown"));
+}
+
+TEST(ScreenLines, ShowTheCourtPaceOfShotsThatConformOnly) {
+  m.last->readout.value[Quantity::court_pace] = 37.0;
+  CHECK_EQUAL("", row(host::render_shot(*m.last, 120), "court pace"));
+  STRCMP_CONTAINS("court pace indicative", host::render_shot(*m.last, 120, true).front().c_str());
+  m.last->readout.court_pace_conforming = true;
+  STRCMP_CONTAINS("37", row(host::render_shot(*m.last, 120), "court pace").c_str());
+}
+
 TEST(ScreenLines, SayWhatTheFirmwareIsDoing) {
-  const auto lines = render(model(), 160);
+  m.all = true;
+  const auto lines = render(m, 160);
   STRCMP_CONTAINS("firmware idle key on e-stop released real time yes", row(lines, "firmware").c_str());
   CHECK_EQUAL("timing, us mean sd min p50 p99 p99.9 max n", row(lines, "timing"));
   // Eighths of ln n / ln 128, the rarest still one: 128 is all, 1 the least, 11 half.
@@ -179,6 +213,7 @@ TEST(ScreenLines, GiveEveryFlagInWords) {
 }
 
 TEST(ScreenLines, TellWhichFlashesOfACodedTrainShowTheBall) {
+  m.all = true;
   m.last->readout.flashes = reduction::ImagedFlashes{25, 37, 0.99, false};
   CHECK_EQUAL("", row(render(m, 120), "code:"));
   m.last->readout.flashes = reduction::ImagedFlashes{25, 37, 0.000123, true};
@@ -214,16 +249,28 @@ TEST(ScreenLines, FitAnyWidthAndHoldNoEscapeCodes) {
 }
 
 TEST(ScreenLines, ThesisRowsStandBesideTheSeries) {
-  host::SeriesStatistics series;
-  for (const double vx : {15.0, 16.0}) series.add(example(1, vx).readout);
+  host::Series series;
+  for (const double vx : {15.0, 16.0}) series.add(shot_of(example(1, vx)));
   thesis::Condition condition;
   condition.spin = "top";
   condition.angle_label_deg = 23;
   condition.vx_td_mps = {16.19, 0.23};
   const auto lines = host::render_series(series, condition, 160);
   STRCMP_CONTAINS("thesis top 23, Tables 3, 6, 9", joined(lines).c_str());
+  // Two shots, 1 m/s apart: standard error 0.5, of which the scale's 0.02 is nothing; Student's t of one degree is 12.7.
   // (15.5 - 16.19) / 0.23 = -3.0
-  CHECK_EQUAL("vx touchdown m/s 15.50 ± 0.50 3.2 % 2 16.19 ± 0.23 -3.0 sd", row(lines, "vx touchdown"));
+  CHECK_EQUAL("vx touchdown m/s 15.50 6.34 0.50 0.71 0.50 0.02 2 16.19 ± 0.23 -3.0 sd",
+              row(lines, "vx touchdown"));
+}
+
+TEST(ScreenLines, ASeriesWithoutShotsIsASentence) {
+  host::Series series;
+  CHECK_EQUAL(1U, host::render_series(series, std::nullopt, 120).size());
+  CHECK_EQUAL("series: no shot counted yet", host::render_series(series, std::nullopt, 120).front());
+  host::SeriesShot shot = shot_of(example());
+  shot.rejected = "no image of the ball";
+  series.add(shot);
+  CHECK_EQUAL("series: no shot counted: 1 rejected", host::render_series(series, std::nullopt, 120).front());
 }
 
 TEST(ScreenLines, ADryShotShowsItsTrain) {
@@ -269,7 +316,8 @@ TEST(ViewModel, CountsEveryShotAndAddsToTheSeriesOnlyThoseThatCount) {
   result.rejected = "late";
   m.add(result);
   LONGS_EQUAL(3, m.shots);
-  LONGS_EQUAL(1, m.series.shots());
+  LONGS_EQUAL(1, m.series.counted());
+  LONGS_EQUAL(1, m.series.rejected());
   STRCMP_EQUAL("late", m.last->rejected->c_str());
 }
 
@@ -279,21 +327,6 @@ TEST(ViewModel, KeepsTheNewestFiftyNotifications) {
   LONGS_EQUAL(50, m.notifications.size());
   CHECK_EQUAL("2", m.notifications.front());
   CHECK_EQUAL("51", m.notifications.back());
-}
-
-TEST_GROUP(SeriesStatistics){};
-
-TEST(SeriesStatistics, AreMeanAndPopulationSdOverTheShotsThatHaveTheNumber) {
-  host::SeriesStatistics table;
-  // By hand: 2, 4, 4, 4, 5, 5, 7, 9 have mean 5 and population sd 2.
-  for (const double vx : {2.0, 4.0, 4.0, 4.0, 5.0, 5.0, 7.0, 9.0}) table.add(example(1, vx).readout);
-  table.add(reduction::Readout{});  // a readout without numbers
-  LONGS_EQUAL(9, table.shots());
-  LONGS_EQUAL(8, table.of(Quantity::vx_td_mps).count());
-  DOUBLES_EQUAL(5.0, table.of(Quantity::vx_td_mps).mean(), 1e-12);
-  DOUBLES_EQUAL(2.0, table.of(Quantity::vx_td_mps).population_sd(), 1e-12);
-  DOUBLES_EQUAL(0.4, table.of(Quantity::vx_td_mps).coefficient_of_variation(), 1e-12);
-  LONGS_EQUAL(0, table.of(Quantity::mu).count());
 }
 
 TEST_GROUP(Verdict){};

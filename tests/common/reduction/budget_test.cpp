@@ -195,6 +195,20 @@ TEST(Budget, AnExactBallsScaleErrorHasItsSign) {
   CHECK_TRUE(std::abs(scale.of(Quantity::e)) < 1e-4);
 }
 
+TEST(Budget, OfSharedSourcesAloneHasTheSameLines) {
+  const Frame frame = frame_of(cases()[6], Bounce{});
+  const auto all = uncertainty_budget(frame);
+  const auto shared = uncertainty_budget(frame, Estimator::best, {}, SourceChoice::shared);
+  std::size_t k = 0;
+  for (const BudgetSource& s : all->sources) {
+    if (!is_shared(s.source)) continue;
+    CHECK_TRUE(k < shared->sources.size());
+    CHECK_TRUE(shared->sources[k].source == s.source);
+    CHECK_TRUE(shared->sources[k++].effect == s.effect);
+  }
+  CHECK_TRUE(k == shared->sources.size() && k > 0);
+}
+
 TEST(Budget, NamesItsSources) {
   Frame frame = frame_of(cases()[6], Bounce{});
   frame.ball_diameter_sd_m = 5e-5;

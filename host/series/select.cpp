@@ -1,0 +1,113 @@
+#include "host/series/select.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <map>
+#include <optional>
+
+namespace strobe::host {
+namespace {
+
+std::optional<double> as_number(const std::string& text) {
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+/// Numbers by size and before words, words by their bytes: an order whatever stands there.
+struct ByValue {
+  bool operator()(const std::string& a, const std::string& b) const {
+    const auto x = as_number(a), y = as_number(b);
+    if (x && y) return *x < *y;
+    if (x.has_value() != y.has_value()) return x.has_value();
+    return a < b;
+  }
+};
+
+bool same_value(const std::string& a, const std::string& b) {
+  const ByValue before;
+  return !before(a, b) && !before(b, a);
+}
+
+std::string value_of(const SeriesShot& shot, const std::string& key) {
+  if (key == "session") return shot.session;
+  const auto note = shot.readout.record.find(key);
+  return note == shot.readout.record.end() ? "" : note->second;
+}
+
+bool named(const SeriesShot& shot, const std::string& name) {
+  return shot.full_name() == name || shot.name == name;
+}
+
+/// The one shot of that name.
+Result<std::size_t> find_named(const std::vector<SeriesShot>& shots, const std::string& name) {
+  std::optional<std::size_t> found;
+  for (std::size_t i = 0; i < shots.size(); ++i) {
+    if (shots[i].full_name() == name) return i;
+    if (!named(shots[i], name)) continue;
+    if (found)
+      return fail("shot " + name + ": several sessions have one: " + shots[*found].full_name() + ", " +
+                  shots[i].full_name());
+    found = i;
+  }
+  if (!found) return fail("no shot " + name);
+  return *found;
+}
+
+struct ByValues {
+  bool operator()(const std::vector<std::string>& a, const std::vector<std::string>& b) const {
+    return std::ranges::lexicographical_compare(a, b, ByValue());
+  }
+};
+
+std::string group_title(const std::vector<std::string>& keys, const std::vector<std::string>& values) {
+  std::string name;
+  for (std::size_t i = 0; i < keys.size(); ++i)
+    name += (i > 0 ? " " : "") + (values[i].empty() ? "(no " + keys[i] + ")" : values[i]);
+  return name;
+}
+
+}  // namespace
+
+std::string note_key(const std::string& word) { return word == "angle" ? "angle_deg" : word; }
+
+Result<std::pair<std::string, std::string>> parse_where(const std::string& text) {
+  const auto equals = text.find('=');
+  if (equals == std::string::npos || equals == 0)
+    return fail("--where " + text + ": is not key=value, as spin=zero");
+  return std::pair(note_key(text.substr(0, equals)), text.substr(equals + 1));
+}
+
+Result<SelectedShots> select_shots(std::vector<SeriesShot> shots, const Selection& selection) {
+  SelectedShots selected;
+  std::vector<bool> left_out(shots.size(), false);
+  for (const std::string& name : selection.without) {
+    const auto found = find_named(shots, name);
+    if (!found) return fail("--without: " + found.error().message);
+    if (left_out[*found]) continue;
+    left_out[*found] = true;
+    selected.left_out.push_back(shots[*found].full_name());
+  }
+  std::vector<std::string> keys;
+  for (const std::string& word : selection.by) keys.push_back(note_key(word));
+  std::map<std::vector<std::string>, std::vector<SeriesShot>, ByValues> groups;
+  for (std::size_t i = 0; i < shots.size(); ++i) {
+    if (left_out[i]) continue;
+    const bool asked = std::ranges::all_of(selection.where, [&](const auto& condition) {
+      return same_value(value_of(shots[i], condition.first), condition.second);
+    });
+    if (!asked) {
+      ++selected.other;
+      continue;
+    }
+    std::vector<std::string> values;
+    for (const std::string& key : keys) values.push_back(value_of(shots[i], key));
+    groups[std::move(values)].push_back(std::move(shots[i]));
+  }
+  for (auto& [values, members] : groups)
+    selected.groups.push_back({group_title(keys, values), std::move(members)});
+  return selected;
+}
+
+}  // namespace strobe::host

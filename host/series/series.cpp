@@ -1,0 +1,183 @@
+#include "host/series/series.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "common/reduction/expanded_uncertainty.hpp"
+#include "common/reduction/running_statistics.hpp"
+#include "common/reduction/student_t.hpp"
+
+namespace strobe::host {
+namespace {
+
+using reduction::BudgetSource;
+using reduction::kQuantityCount;
+using reduction::Quantity;
+using reduction::Source;
+
+double sample_sd(const reduction::RunningStatistics& all) {
+  const auto n = static_cast<double>(all.count());
+  return all.population_sd() * std::sqrt(n / (n - 1.0));
+}
+
+BudgetLine scatter_line(double standard_error, int n) {
+  BudgetLine line;
+  line.source = "scatter of the shots";
+  line.type = EvaluationType::a;
+  line.effect = standard_error;
+  line.degrees_of_freedom = n - 1;
+  return line;
+}
+
+/// "scale", and "scale (2)" for the second calibration or ball of the series.
+std::string numbered(const SharedSource& source, const SharedEffects& all) {
+  const std::string name = reduction::name_of({source.source});
+  int which = 0, different = 0;
+  for (const auto& [other, effect] : all) {
+    if (other.source != source.source || other.number != source.number) continue;
+    ++different;
+    if (other.identity <= source.identity) ++which;
+  }
+  return different > 1 ? name + " (" + std::to_string(which) + ")" : name;
+}
+
+/// The map's errors are many, and none of them means anything to a person: one line.
+void add_map_line(const SharedEffects& shared, std::size_t q, std::vector<BudgetLine>& lines) {
+  BudgetLine line;
+  line.source = "map from photograph to plane";
+  line.shared = true;
+  for (const auto& [source, effect] : shared)
+    if (source.source == Source::map) line.effect = std::hypot(line.effect, effect.effect[q]);
+  if (line.effect > 0.0) lines.push_back(line);
+}
+
+std::vector<BudgetLine> shared_lines(const SharedEffects& shared, std::size_t q) {
+  std::vector<BudgetLine> lines;
+  for (const auto& [source, effect] : shared) {
+    if (source.source == Source::map || effect.effect[q] == 0.0) continue;
+    BudgetLine& line = lines.emplace_back();
+    line.source = numbered(source, shared);
+    line.input_sd = effect.input_sd;
+    line.input_unit = effect.input_unit;
+    if (effect.input_sd > 0.0) line.sensitivity = effect.effect[q] / effect.input_sd;
+    line.effect = std::abs(effect.effect[q]);
+    line.shared = true;
+  }
+  add_map_line(shared, q, lines);
+  return lines;
+}
+
+/// Combines the lines and says how much each is of it.
+void combine(QuantitySummary& s) {
+  double variance = 0.0;
+  for (const BudgetLine& line : s.budget) variance += line.effect * line.effect;
+  for (BudgetLine& line : s.budget) line.share = variance > 0.0 ? line.effect * line.effect / variance : 0.0;
+  if (!s.standard_error || !s.shared_known) return;
+  s.total_sd = std::sqrt(variance);
+  double freedom = std::numeric_limits<double>::infinity();
+  if (*s.standard_error > 0.0) {
+    const double ratio = variance / (*s.standard_error * *s.standard_error);
+    freedom = (s.n - 1) * ratio * ratio;  // Welch-Satterthwaite; what is shared has infinitely many
+    s.degrees_of_freedom = freedom;
+  }
+  s.expanded_uncertainty = *s.total_sd * reduction::student_t_half_width(reduction::kExpandedLevel, freedom);
+}
+
+/// The court pace is the ITF's for shots as it prescribes them only.
+bool counts(const SeriesShot& shot, Quantity q) {
+  return shot.readout.value[q] && (q != Quantity::court_pace || shot.readout.court_pace_conforming);
+}
+
+}  // namespace
+
+void Series::add(const SeriesShot& shot) {
+  if (shot.rejected) {
+    ++rejected_;
+    return;
+  }
+  ++counted_;
+  if (shot.budget.sources.empty()) shared_known_ = false;
+  names_.push_back(shot.full_name());
+  for (std::size_t i = 0; i < kQuantityCount; ++i) {
+    const auto& value = shot.readout.value[static_cast<Quantity>(i)];
+    if (!counts(shot, static_cast<Quantity>(i))) continue;
+    columns_[i].values.push_back(*value);
+    columns_[i].shots.push_back(names_.size() - 1);
+  }
+  add_shared(shot);
+}
+
+void Series::add_shared(const SeriesShot& shot) {
+  for (const BudgetSource& source : shot.budget.sources) {
+    if (!is_shared(source.source)) continue;
+    const std::string& identity = is_calibration(source.source) ? shot.calibration : shot.ball;
+    SharedEffect& sum = sums_[{source.source, source.number, identity}];
+    sum.input_sd = source.input_sd;
+    sum.input_unit = source.input_unit;
+    for (std::size_t i = 0; i < kQuantityCount; ++i)
+      if (counts(shot, static_cast<Quantity>(i))) sum.effect[i] += source.effect[i];
+  }
+}
+
+SharedEffects Series::shared_effects() const {
+  SharedEffects means = sums_;
+  for (auto& [source, mean] : means) {
+    for (std::size_t i = 0; i < kQuantityCount; ++i)
+      if (!columns_[i].values.empty()) mean.effect[i] /= static_cast<double>(columns_[i].values.size());
+  }
+  return means;
+}
+
+/// The distance of each shot from the others, in standard deviations of such a distance, is Student's t with n - 2 degrees
+/// of freedom, and follows from g, that from the mean of all in their scatter; of the largest of n, Bonferroni's bound is
+/// what Grubbs's test uses.
+void Series::find_outliers(Quantity q, const QuantitySummary& s, std::vector<SeriesOutlier>& found) const {
+  const std::vector<double>& values = of(q).values;
+  const auto n = static_cast<double>(values.size());
+  if (std::ssize(values) < kMinForOutlier || !(*s.scatter_sd > 0.0)) return;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const double g = (values[i] - s.mean) / *s.scatter_sd;
+    const double others = (n - 1.0) * (n - 1.0) - n * g * g;  // their sum of squares, times (n - 1)
+    if (!(others > 1e-9 * n * n)) continue;                   // they have no scatter
+    const double t = g * std::sqrt(n * (n - 2.0) / others);
+    if (reduction::student_t_tail(t, n - 2.0) * n < kOutlierLevel)
+      found.push_back({names_[of(q).shots[i]], q, t * std::sqrt(n / (n - 1.0))});
+  }
+}
+
+SeriesSummary Series::summary(std::string name) const {
+  SeriesSummary summary;
+  summary.name = std::move(name);
+  summary.counted = counted_;
+  summary.rejected = rejected_;
+  const SharedEffects shared = shared_effects();
+  for (std::size_t i = 0; i < kQuantityCount; ++i) {
+    QuantitySummary& s = summary.quantities[i];
+    reduction::RunningStatistics all;
+    for (const double v : columns_[i].values) all.add(v);
+    s.n = static_cast<int>(all.count());
+    if (s.n == 0) continue;
+    s.mean = all.mean();
+    s.shared_known = shared_known_;
+    s.budget = shared_lines(shared, i);
+    for (const BudgetLine& line : s.budget) s.shared_sd = std::hypot(s.shared_sd, line.effect);
+    if (s.n > 1) {
+      s.scatter_sd = sample_sd(all);
+      s.standard_error = *s.scatter_sd / std::sqrt(s.n);
+      s.budget.insert(s.budget.begin(), scatter_line(*s.standard_error, s.n));
+    }
+    combine(s);
+    find_outliers(static_cast<Quantity>(i), s, summary.outliers);
+  }
+  return summary;
+}
+
+SeriesSummary summarize(std::string name, std::span<const SeriesShot> shots) {
+  Series series;
+  for (const SeriesShot& shot : shots) series.add(shot);
+  return series.summary(std::move(name));
+}
+
+}  // namespace strobe::host

@@ -1,0 +1,173 @@
+#include "host/view/series_view.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/view/quantities.hpp"
+#include "host/view/table_layout.hpp"
+#include "host/view/thesis_row.hpp"
+
+namespace strobe::host {
+namespace {
+
+using reduction::kQuantityCount;
+using reduction::Quantity;
+using Lines = std::vector<std::string>;
+
+bool is_row_of(Quantity q, bool all) { return all || is_essential(q); }
+
+std::string label_cells(Quantity q) {
+  const QuantityLabel& label = kQuantityLabels[static_cast<std::size_t>(q)];
+  return left(label.words, kNameWidth) + left(label.unit, kUnitWidth);
+}
+
+std::string cell(const std::optional<double>& number, double uncertainty) {
+  return right(number ? rounded(*number, uncertainty) : "-", kNumberWidth);
+}
+
+std::string header(std::initializer_list<std::string_view> names) {
+  std::string line = left("", kNameWidth) + left("unit", kUnitWidth);
+  for (const std::string_view name : names) line += right(name, kNumberWidth);
+  return line;
+}
+
+/// What the numbers of a row are rounded by.
+double digits_of(const QuantitySummary& s) {
+  return s.total_sd.value_or(s.shared_known && s.shared_sd > 0.0 ? s.shared_sd
+                                                                 : s.standard_error.value_or(0.0));
+}
+
+std::string summary_row(const QuantitySummary& s, Quantity q) {
+  const double total = digits_of(s);
+  const auto shared = s.shared_known ? std::optional(s.shared_sd) : std::nullopt;
+  return label_cells(q) + cell(s.mean, total) + cell(s.expanded_uncertainty, total) +
+         cell(s.total_sd, total) + cell(s.scatter_sd, total) + cell(s.standard_error, total) +
+         cell(shared, total) + right(std::to_string(s.n), 5);
+}
+
+void add_outliers(const SeriesSummary& summary, Lines& lines) {
+  for (const SeriesOutlier& o : summary.outliers) {
+    lines.push_back(fmt::format("! shot {} stands apart in {}: {:+.1f} sd of the others; it counts", o.shot,
+                                kQuantityLabels[static_cast<std::size_t>(o.quantity)].words, o.sds));
+  }
+  if (!summary.outliers.empty())
+    lines.push_back(fmt::format("  (Grubbs's test, {:.0f} % for each quantity)", 100.0 * kOutlierLevel));
+}
+
+std::string shots_words(const SeriesSummary& summary) {
+  std::string words = fmt::format("{} {} counted", summary.counted, summary.counted == 1 ? "shot" : "shots");
+  if (summary.rejected > 0) words += fmt::format(", {} rejected", summary.rejected);
+  return words;
+}
+
+std::string more_words(const QuantityDifference& d) {
+  if (!d.more_first) return d.asked > 0.0 ? "no number" : "-";
+  if (*d.more_first == 0 && *d.more_second == 0) return "enough";
+  return fmt::format("{} + {}", *d.more_first, *d.more_second);
+}
+
+std::string_view agreement_words(reduction::Agreement agrees) {
+  switch (agrees) {
+    case reduction::Agreement::yes:
+      return "yes";
+    case reduction::Agreement::no:
+      return "NO";
+    default:
+      return "too few draws to tell";
+  }
+}
+
+}  // namespace
+
+bool is_essential(Quantity q) { return q != Quantity::slip_lo_mps && q != Quantity::court_pace; }
+
+Lines render_summary(const SeriesSummary& summary, const std::optional<thesis::Condition>& condition,
+                     std::size_t width, bool all) {
+  const std::string name = summary.name.empty() ? "series" : summary.name;
+  if (summary.counted == 0) {
+    const std::string why =
+        summary.rejected > 0 ? fmt::format(": {} rejected", summary.rejected) : std::string(" yet");
+    return fitted({fmt::format("{}: no shot counted{}", name, why)}, width);
+  }
+  Lines lines{name + ": " + shots_words(summary)};
+  lines.push_back(header({"mean", "± 95 %", "total sd", "scatter", "std error", "shared"}) + right("n", 5) +
+                  (condition ? "    " + thesis_title(*condition) : ""));
+  for (std::size_t i = 0; i < kQuantityCount; ++i) {
+    const auto q = static_cast<Quantity>(i);
+    const QuantitySummary& s = summary.quantities[i];
+    if (s.n == 0 || !(is_row_of(q, all) || q == Quantity::court_pace)) continue;
+    lines.push_back(summary_row(s, q) + (condition ? thesis_cells(*condition, q, s.mean) : ""));
+  }
+  const auto unknown = [](const QuantitySummary& s) { return s.n > 0 && !s.shared_known; };
+  if (std::ranges::any_of(summary.quantities, unknown))
+    lines.push_back("(a shot came without its uncertainty budget: what the shots share is not known)");
+  if (summary.counted == 1)
+    lines.push_back("(one shot has no scatter: what it says of itself is above; a series needs two)");
+  add_outliers(summary, lines);
+  return fitted(std::move(lines), width);
+}
+
+Lines render_budget(const std::string& title, const std::vector<BudgetLine>& budget, Quantity q,
+                    std::size_t width) {
+  const QuantityLabel& label = kQuantityLabels[static_cast<std::size_t>(q)];
+  const std::string unit(label.unit.empty() ? "1" : label.unit);
+  Lines lines{fmt::format("{}: uncertainty of {}, {}", title, label.words, unit),
+              left("source", 30) + "type" + right("input sd", 14) + right("sensitivity", 16) +
+                  right("effect", 12) + right("share", 9) + right("freedom", 9) + "  shared"};
+  double variance = 0.0;
+  for (const BudgetLine& line : budget) {
+    variance += line.effect * line.effect;
+    const std::string input =
+        line.input_sd > 0.0 ? fmt::format("{:.3g} {}", line.input_sd, line.input_unit) : "";
+    const std::string sensitivity =
+        line.sensitivity ? fmt::format("{:+.3g}/{}", *line.sensitivity, line.input_unit) : "";
+    lines.push_back(left(line.source, 30) + left(line.type == EvaluationType::a ? " A" : " B", 4) +
+                    right(input, 14) + right(sensitivity, 16) +
+                    right(fmt::format("{:.2g}", line.effect), 12) +
+                    right(fmt::format("{:.1f} %", 100.0 * line.share), 9) +
+                    right(line.degrees_of_freedom ? fmt::format("{:.1f}", *line.degrees_of_freedom) : "", 9) +
+                    (line.shared ? "  yes" : ""));
+  }
+  lines.push_back(left("total", 64) + right(fmt::format("{:.2g}", std::sqrt(variance)), 12));
+  return fitted(std::move(lines), width);
+}
+
+Lines render_comparison(const std::string& first, const std::string& second, const Comparison& comparison,
+                        std::size_t width, bool all) {
+  Lines lines{fmt::format("{} less {}", first, second),
+              header({"difference", "± 95 %", "total sd", "std error", "shared", "p"}) + "  shots to decide"};
+  bool any = false;
+  for (std::size_t i = 0; i < kQuantityCount; ++i) {
+    const auto q = static_cast<Quantity>(i);
+    const auto& d = comparison.of(q);
+    if (!d || !is_row_of(q, all)) continue;
+    any = true;
+    lines.push_back(label_cells(q) + cell(d->difference, d->total_sd) +
+                    cell(d->expanded_uncertainty, d->total_sd) + cell(d->total_sd, d->total_sd) +
+                    cell(d->standard_error, d->total_sd) + cell(d->shared_sd, d->total_sd) +
+                    right(fmt::format("{:.2g}", d->p_value), kNumberWidth) + "  " + left(more_words(*d), 14) +
+                    (d->decided ? "differs" : "not decided"));
+  }
+  if (!any)
+    return fitted({fmt::format("{} less {}: two counted shots of each are needed", first, second)}, width);
+  return fitted(std::move(lines), width);
+}
+
+Lines render_monte_carlo(const reduction::MonteCarlo& drawn, const std::string& shot, std::size_t width,
+                         bool all) {
+  Lines lines{fmt::format("shot {}: {} draws, seed {}", shot, drawn.draws, drawn.seed),
+              header({"mean", "sd", "2.5 %", "97.5 %", "tolerance"}) + "  stated interval holds"};
+  for (std::size_t i = 0; i < kQuantityCount; ++i) {
+    const auto q = static_cast<Quantity>(i);
+    const auto& d = drawn.of(q);
+    if (!d || !is_row_of(q, all)) continue;
+    lines.push_back(label_cells(q) + cell(d->mean, d->sd) + cell(d->sd, d->sd) + cell(d->low, d->sd) +
+                    cell(d->high, d->sd) + right(fmt::format("{:.1g}", d->tolerance), kNumberWidth) + "  " +
+                    std::string(agreement_words(d->agrees)));
+  }
+  return fitted(std::move(lines), width);
+}
+
+}  // namespace strobe::host

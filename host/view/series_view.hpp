@@ -1,0 +1,37 @@
+// What a series says, for a person: scatter, standard error, what the shots share, and the total; differences; budgets.
+// Numbers have two significant digits of their total uncertainty (GUM 7.2.6). Pure; thread-safe.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/data/thesis_data.hpp"
+#include "common/reduction/monte_carlo.hpp"
+#include "host/series/compare.hpp"
+#include "host/series/series_summary.hpp"
+
+namespace strobe::host {
+
+/// Of a person's first reading: not the slip. The court pace is there where shots conform to ITF CS 01/02.
+bool is_essential(reduction::Quantity q);
+
+/// "zero 23: 9 shots counted, 1 rejected", a row for each quantity, and outliers. `all`: every quantity, else the essential
+/// ones. Without a counted shot a sentence.
+std::vector<std::string> render_summary(const SeriesSummary& summary,
+                                        const std::optional<thesis::Condition>& condition, std::size_t width,
+                                        bool all = false);
+
+/// The budget's lines of one quantity.
+std::vector<std::string> render_budget(const std::string& title, const std::vector<BudgetLine>& lines,
+                                       reduction::Quantity q, std::size_t width);
+
+/// Differences of `first` less `second`.
+std::vector<std::string> render_comparison(const std::string& first, const std::string& second,
+                                           const Comparison& comparison, std::size_t width, bool all = false);
+
+/// Whether draws bear the stated intervals out, a row for each quantity.
+std::vector<std::string> render_monte_carlo(const reduction::MonteCarlo& drawn, const std::string& shot,
+                                            std::size_t width, bool all = false);
+
+}  // namespace strobe::host

@@ -1,0 +1,179 @@
+// What a series says: scatter, standard error, what the shots share, and the total.
+#include "host/series/series.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <rapidcheck.h>
+
+#include "tests/host/series/simulated_series.hpp"
+#include "tests/support/string_from.hpp"
+
+using namespace strobe;
+using namespace strobe::host;
+using namespace strobe::test;
+using reduction::Quantity;
+
+namespace {
+
+const QuantitySummary& of(const SeriesSummary& summary, Quantity q) {
+  return summary.quantities[static_cast<std::size_t>(q)];
+}
+
+std::vector<double> some_values() {
+  std::vector<double> values;
+  const int n = *rc::gen::inRange(2, 12);
+  for (int i = 0; i < n; ++i) values.push_back(*rc::gen::inRange(-1000, 1000) / 64.0);
+  return values;
+}
+
+}  // namespace
+
+TEST_GROUP(Series){};
+
+// Of 10, 12, 14: sd 2, standard error 2/sqrt(3). The scale's 0.5 does not become smaller: total sqrt(4/3 + 1/4).
+// Welch-Satterthwaite: 2 * ((4/3 + 1/4) / (4/3))^2 = 2.82; Student's t of that is 3.30 (tables: 4.30 of 2, 3.18 of 3).
+TEST(Series, TellsApartScatterStandardErrorSharedPartAndTotal) {
+  const SeriesSummary summary = summarize("zero 23", series_shots({10.0, 12.0, 14.0}, 0.5));
+  const QuantitySummary& vx = of(summary, Quantity::vx_td_mps);
+  CHECK_EQUAL(3, vx.n);
+  DOUBLES_EQUAL(12.0, vx.mean, 1e-12);
+  DOUBLES_EQUAL(2.0, *vx.scatter_sd, 1e-12);
+  DOUBLES_EQUAL(2.0 / std::sqrt(3.0), *vx.standard_error, 1e-12);
+  DOUBLES_EQUAL(0.5, vx.shared_sd, 1e-12);
+  DOUBLES_EQUAL(std::sqrt(4.0 / 3.0 + 0.25), *vx.total_sd, 1e-12);
+  DOUBLES_EQUAL(2.0 * std::pow(19.0 / 16.0, 2), *vx.degrees_of_freedom, 1e-12);
+  DOUBLES_EQUAL(3.30, *vx.expanded_uncertainty / *vx.total_sd, 0.01);
+}
+
+TEST(Series, BudgetNamesTheScatterAndWhatIsShared) {
+  const SeriesSummary summary = summarize("", series_shots({10.0, 12.0, 14.0}, -0.5));
+  const auto& budget = of(summary, Quantity::vx_td_mps).budget;
+  CHECK_EQUAL(2U, budget.size());
+  CHECK_EQUAL(std::string("scatter of the shots"), budget[0].source);
+  CHECK_TRUE(budget[0].type == EvaluationType::a && !budget[0].shared);
+  DOUBLES_EQUAL(2.0, *budget[0].degrees_of_freedom, 0.0);
+  CHECK_EQUAL(std::string("scale"), budget[1].source);
+  CHECK_TRUE(budget[1].type == EvaluationType::b && budget[1].shared);
+  DOUBLES_EQUAL(-0.5, *budget[1].sensitivity, 1e-12);
+  DOUBLES_EQUAL(0.5, budget[1].effect, 1e-12);
+  DOUBLES_EQUAL(1.0, budget[0].share + budget[1].share, 1e-12);
+}
+
+TEST(Series, OfOneShotHasNeitherScatterNorTotal) {
+  const SeriesSummary summary = summarize("", series_shots({10.0}, 0.5));
+  const QuantitySummary& vx = of(summary, Quantity::vx_td_mps);
+  DOUBLES_EQUAL(10.0, vx.mean, 0.0);
+  DOUBLES_EQUAL(0.5, vx.shared_sd, 1e-12);
+  CHECK_FALSE(vx.scatter_sd || vx.standard_error || vx.total_sd || vx.expanded_uncertainty);
+  CHECK_EQUAL(0, of(summary, Quantity::mu).n);
+}
+
+TEST(Series, CountsRejectedShotsAndLeavesTheirNumbersOut) {
+  auto shots = series_shots({10.0, 12.0, 99.0});
+  shots[2].rejected = "no image of the ball";
+  const SeriesSummary summary = summarize("", shots);
+  CHECK_EQUAL(2, summary.counted);
+  CHECK_EQUAL(1, summary.rejected);
+  DOUBLES_EQUAL(11.0, of(summary, Quantity::vx_td_mps).mean, 1e-12);
+}
+
+// Two calibrations, independent: half of the shots have each, sqrt(0.25^2 + 0.25^2). The same: 0.5.
+TEST(Series, AveragesTheErrorsOfDifferentCalibrationsAndNotOfTheSame) {
+  auto shots = series_shots({10.0, 12.0, 14.0, 12.0}, 0.5);
+  DOUBLES_EQUAL(0.5, of(summarize("", shots), Quantity::vx_td_mps).shared_sd, 1e-12);
+  shots[2].calibration = shots[3].calibration = "another camera's";
+  const SeriesSummary summary = summarize("", shots);
+  DOUBLES_EQUAL(std::sqrt(0.125), of(summary, Quantity::vx_td_mps).shared_sd, 1e-12);
+  CHECK_EQUAL(std::string("scale (2)"), of(summary, Quantity::vx_td_mps).budget[2].source);
+}
+
+TEST(Series, SharesABallsErrorWithTheSameBallOnly) {
+  std::vector<SeriesShot> shots;
+  for (int i = 0; i < 4; ++i) shots.push_back(series_shot(std::to_string(i), 10.0, 0.8, 0.5, 0.02));
+  DOUBLES_EQUAL(0.02, of(summarize("", shots), Quantity::e).shared_sd, 1e-12);
+  for (SeriesShot& shot : shots) shot.ball = shot.name;
+  DOUBLES_EQUAL(0.01, of(summarize("", shots), Quantity::e).shared_sd, 1e-12);
+  DOUBLES_EQUAL(0.5, of(summarize("", shots), Quantity::vx_td_mps).shared_sd, 1e-12);
+}
+
+// A source that pushes some shots up and others down cancels in their mean: topspin and backspin, say.
+TEST(Series, AveragesSharedEffectsWithTheirSigns) {
+  std::vector<SeriesShot> shots{series_shot("1", 10.0, 0.8, 0.5), series_shot("2", 10.0, 0.8, -0.5)};
+  DOUBLES_EQUAL(0.0, of(summarize("", shots), Quantity::vx_td_mps).shared_sd, 1e-12);
+}
+
+TEST(Series, HasNoTotalWhereAShotCameWithoutItsBudget) {
+  auto shots = series_shots({10.0, 12.0, 14.0}, 0.5);
+  shots[1].budget.sources.clear();
+  const SeriesSummary summary = summarize("", shots);
+  const QuantitySummary& vx = of(summary, Quantity::vx_td_mps);
+  CHECK_FALSE(vx.shared_known || vx.total_sd || vx.expanded_uncertainty);
+  DOUBLES_EQUAL(2.0, *vx.scatter_sd, 1e-12);
+}
+
+TEST(Series, NamesTheShotThatStandsApartAndCountsIt) {
+  const SeriesSummary summary =
+      summarize("", series_shots({10.0, 10.1, 9.9, 10.05, 9.95, 10.02, 9.98, 14.0, 10.0}));
+  CHECK_EQUAL(9, of(summary, Quantity::vx_td_mps).n);
+  CHECK_EQUAL(1U, summary.outliers.size());
+  CHECK_EQUAL(std::string("8"), summary.outliers[0].shot);
+  CHECK_TRUE(summary.outliers[0].quantity == Quantity::vx_td_mps);
+  CHECK_TRUE(summary.outliers[0].sds > 30.0);
+}
+
+// Grubbs's critical value of 9 at 1 % (two sides) is G = 2.387: the farthest by so many sds of all from the mean of all.
+// With eight at ±a and one at x that is reached near x = 5.6 a.
+TEST(Series, NamesShotsAtGrubbsCriticalValue) {
+  const auto with_last = [](double x) {
+    return summarize("", series_shots({1, -1, 1, -1, 1, -1, 1, -1, x})).outliers.size();
+  };
+  const auto g = [](double x) {
+    std::vector<double> v{1, -1, 1, -1, 1, -1, 1, -1, x};
+    double mean = x / 9.0, squares = 0.0;
+    for (const double each : v) squares += (each - mean) * (each - mean);
+    return (x - mean) / std::sqrt(squares / 8.0);
+  };
+  double x = 1.0;
+  while (with_last(x) == 0) x += 0.001;
+  DOUBLES_EQUAL(2.387, g(x), 0.001);
+}
+
+TEST(Series, DoesNotDependOnTheOrderOfShots) {
+  CHECK_TRUE(rc::check([] {
+    auto shots = series_shots(some_values(), 0.25);
+    const SeriesSummary one = summarize("", shots);
+    std::ranges::reverse(shots);
+    const SeriesSummary other = summarize("", shots);
+    const auto &a = of(one, Quantity::vx_td_mps), &b = of(other, Quantity::vx_td_mps);
+    RC_ASSERT(std::abs(a.mean - b.mean) < 1e-12);
+    RC_ASSERT(std::abs(*a.total_sd - *b.total_sd) < 1e-12 * (1.0 + *a.total_sd));
+    RC_ASSERT(one.outliers.size() == other.outliers.size());
+  }));
+}
+
+TEST(Series, OfIdenticalShotsHasNoScatterAndTheSharedPartWhateverTheirNumber) {
+  CHECK_TRUE(rc::check([] {
+    const int n = *rc::gen::inRange(2, 40);
+    const auto summary =
+        summarize("", series_shots(std::vector<double>(static_cast<std::size_t>(n), 7.25), 0.5));
+    const auto& vx = of(summary, Quantity::vx_td_mps);
+    RC_ASSERT(*vx.scatter_sd == 0.0);
+    RC_ASSERT(std::abs(vx.shared_sd - 0.5) < 1e-12);
+    RC_ASSERT(std::abs(*vx.total_sd - 0.5) < 1e-12);
+    RC_ASSERT(std::abs(*vx.expanded_uncertainty - 1.959964 * 0.5) < 1e-6);
+    RC_ASSERT(summary.outliers.empty());
+  }));
+}
+
+TEST(Series, TotalIsNeverBelowTheSharedPartOrTheStandardError) {
+  CHECK_TRUE(rc::check([] {
+    const auto summary = summarize("", series_shots(some_values(), *rc::gen::inRange(-50, 50) / 16.0));
+    const auto& vx = of(summary, Quantity::vx_td_mps);
+    RC_ASSERT(*vx.total_sd >= vx.shared_sd);
+    RC_ASSERT(*vx.total_sd >= *vx.standard_error);
+    double shares = 0.0;
+    for (const BudgetLine& line : vx.budget) shares += line.share;
+    RC_ASSERT(*vx.total_sd == 0.0 || std::abs(shares - 1.0) < 1e-9);
+  }));
+}

@@ -1,0 +1,88 @@
+// What a person and a program read of a series.
+#include "host/view/series_view.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include "host/view/series_json.hpp"
+#include "tests/host/series/simulated_series.hpp"
+#include "tests/support/string_from.hpp"
+
+using namespace strobe;
+using namespace strobe::host;
+using namespace strobe::test;
+using reduction::Quantity;
+
+namespace {
+
+/// The line that starts with the words, with runs of spaces as one.
+std::string row(const std::vector<std::string>& lines, const std::string& words) {
+  for (const std::string& line : lines) {
+    if (line.rfind(words, 0) != 0) continue;
+    std::string text;
+    for (const char c : line)
+      if (c != ' ' || (!text.empty() && text.back() != ' ')) text += c;
+    return text;
+  }
+  return "";
+}
+
+SeriesSummary example() { return summarize("zero 23", series_shots({10.0, 12.0, 14.0}, 0.5)); }
+
+}  // namespace
+
+TEST_GROUP(SeriesView){};
+
+// Total sqrt(4/3 + 1/4) = 1.258, of which two digits.
+TEST(SeriesView, HasMeanIntervalTotalScatterStandardErrorAndSharedPart) {
+  const auto lines = render_summary(example(), std::nullopt, 120);
+  CHECK_EQUAL(std::string("zero 23: 3 shots counted"), lines[0]);
+  CHECK_EQUAL(std::string("vx touchdown m/s 12.0 4.2 1.3 2.0 1.2 0.5 3"), row(lines, "vx touchdown"));
+  CHECK_EQUAL(std::string(""), row(lines, "impulse ratio mu"));
+}
+
+TEST(SeriesView, TellsOfOneShotThatItHasNoScatter) {
+  const auto lines = render_summary(summarize("a", series_shots({10.0}, 0.5)), std::nullopt, 120);
+  CHECK_EQUAL(std::string("a: 1 shot counted"), lines[0]);
+  CHECK_TRUE(!row(lines, "(one shot has no scatter").empty());
+}
+
+TEST(SeriesView, NamesOutliersWithTheRule) {
+  const auto summary = summarize("a", series_shots({10.0, 10.1, 9.9, 10.05, 9.95, 14.0}));
+  const auto lines = render_summary(summary, std::nullopt, 120);
+  STRCMP_CONTAINS("shot 6 stands apart in vx touchdown", row(lines, "! shot 6").c_str());
+  STRCMP_CONTAINS("Grubbs's test, 1 %", row(lines, " (Grubbs").c_str());
+}
+
+TEST(SeriesView, HasTheBudgetOfAMean) {
+  const auto& vx = example().quantities[static_cast<std::size_t>(Quantity::vx_td_mps)];
+  const auto lines = render_budget("zero 23, mean", vx.budget, Quantity::vx_td_mps, 120);
+  // 4/3 of 19/12 is 84.2 %.
+  CHECK_EQUAL(std::string("scatter of the shots A 1.2 84.2 % 2.0"), row(lines, "scatter"));
+  CHECK_EQUAL(std::string("scale B 1 % +0.5/% 0.5 15.8 % yes"), row(lines, "scale"));
+  CHECK_EQUAL(std::string("total 1.3"), row(lines, "total"));
+}
+
+TEST(SeriesView, ComparesAndSaysWhatWouldDecide) {
+  const Series first = series_of(series_shots({10.0, 12.0, 14.0}));
+  const Series second = series_of(series_shots({11.0, 12.0, 14.0}));
+  const auto lines = render_comparison("a", "b", compare(first, second), 120);
+  CHECK_EQUAL(std::string("a less b"), lines[0]);
+  STRCMP_CONTAINS("not decided", row(lines, "vx touchdown").c_str());
+  CHECK_EQUAL(1U, render_comparison("a", "b", compare(first, Series{}), 120).size());
+}
+
+TEST(SeriesView, TellsAProgramTheSame) {
+  const auto json = series_json(example(), std::nullopt);
+  CHECK_EQUAL(3, json["counted"].get<int>());
+  const auto& vx = json["quantities"]["vx_td_mps"];
+  DOUBLES_EQUAL(12.0, vx["mean"].get<double>(), 1e-12);
+  DOUBLES_EQUAL(0.5, vx["shared_sd"].get<double>(), 1e-12);
+  CHECK_EQUAL(std::string("A"), vx["budget"][0]["type"].get<std::string>());
+  CHECK_TRUE(vx["budget"][1]["degrees_of_freedom"].is_null());
+  CHECK_TRUE(json["quantities"]["mu"]["mean"].is_null());
+  CHECK_TRUE(json["thesis"].is_null());
+  const Series one = series_of(series_shots({10.0, 12.0}));
+  const auto compared = comparison_json("a", "b", compare(one, one));
+  DOUBLES_EQUAL(0.0, compared["quantities"]["vx_td_mps"]["difference"].get<double>(), 0.0);
+  CHECK_TRUE(compared["quantities"]["mu"].is_null());
+}
