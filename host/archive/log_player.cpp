@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "common/authentication/packet_seal.hpp"
+#include "common/messages/channels.hpp"
 #include "host/messages/message_decoder.hpp"
 
 namespace strobe::host {
@@ -37,24 +38,26 @@ class PastTheCheck final : public MessageHandler {
 
 }  // namespace
 
-bool is_sealed(const std::filesystem::path& path, const std::string& rig, const authentication::Key& key) {
+std::optional<bool> is_sealed(const std::filesystem::path& path, const std::string& rig,
+                              const authentication::Key& key) {
   const std::string channels = "STROBE/" + rig + "/";
+  const std::string commands = messages::channel_name(rig, messages::Channel::command);
   const authentication::PacketSeal seal(key);
-  lcm::LogFile log(path.string(), "r");
-  if (!log.good()) return false;
-  while (const lcm::LogEvent* event = log.readNextEvent()) {
-    if (event->channel.starts_with(channels) &&
-        seal.open(event->channel,
-                  {static_cast<const std::uint8_t*>(event->data), static_cast<std::size_t>(event->datalen)}))
-      return true;
+  wire::LogReader log(path);
+  wire::LogRecord record;
+  std::optional<bool> sealed;
+  while (log.next(record)) {
+    if (!record.channel.starts_with(channels) || record.channel == commands) continue;
+    if (seal.open(record.channel, record.bytes)) return true;
+    sealed = false;
   }
-  return false;
+  return sealed;
 }
 
 LogPlayer::LogPlayer(const RigFile& rig, const std::optional<authentication::Key>& key)
     : rig_(rig.rig), loop_(loop_settings(rig, key), transport_, clock_) {}
 
-void LogPlayer::play(LogReader& logs, const Watcher& watcher) {
+void LogPlayer::play(StoredLogs& logs, const Watcher& watcher) {
   while (const auto message = logs.next()) {
     clock_.now = std::max(clock_.now, message->time.time_since_epoch());
     logged_ = WallTime{clock_.now};
@@ -64,7 +67,7 @@ void LogPlayer::play(LogReader& logs, const Watcher& watcher) {
   }
 }
 
-void LogPlayer::complete_from(LogReader& journal, MessageHandler& handler) {
+void LogPlayer::complete_from(StoredLogs& journal, MessageHandler& handler) {
   PastTheCheck past(loop_, handler);
   MessageDecoder decoder(rig_, past);
   while (const auto message = journal.next()) {

@@ -15,8 +15,9 @@
 namespace strobe::host {
 
 /// Whether a log has a packet that is sealed with the lab's key. It is then reduced from those alone; a log without, of
-/// another lab or of a journal, which is never sealed, as unverified.
-bool is_sealed(const std::filesystem::path& log, const std::string& rig, const authentication::Key& key);
+/// another lab or of a journal, which is never sealed, as unverified. Absent: it has no message of the rig's firmware.
+std::optional<bool> is_sealed(const std::filesystem::path& log, const std::string& rig,
+                              const authentication::Key& key);
 
 class LogPlayer {
  public:
@@ -29,9 +30,9 @@ class LogPlayer {
 
   /// Told of each message before the loop has it.
   using Watcher = std::function<void(const LogMessage&)>;
-  void play(LogReader& logs, const Watcher& watcher = {});
+  void play(StoredLogs& logs, const Watcher& watcher = {});
   /// Of a journal, whose messages nobody sealed: what the logs lack of it. handler: told of all that is in it.
-  void complete_from(LogReader& journal, MessageHandler& handler);
+  void complete_from(StoredLogs& journal, MessageHandler& handler);
   /// No message will come any more.
   void end() { loop_.end_session(); }
 

@@ -3,27 +3,27 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
+#include <set>
 #include <system_error>
 
-#include "common/authentication/key_file.hpp"
 #include "common/config/files.hpp"
-#include "host/archive/fired_shots.hpp"
 #include "host/archive/photograph_files.hpp"
+#include "host/archive/played_session.hpp"
 #include "host/archive/run_records.hpp"
 #include "host/archive/session_rigs.hpp"
-#include "host/archive/shot_names.hpp"
 #include "host/archive/shot_outcome.hpp"
 #include "host/archive/stored_digitizations.hpp"
 #include "host/session/results_rows.hpp"
 #include "host/session/session_folder.hpp"
+#include "host/session/shot_names.hpp"
 
 namespace strobe::host {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::int64_t kProgressEvery = 2000;  // messages
-constexpr double kLogsShare = 0.95;            // of the work, as a share
+constexpr double kLogsShare = 0.95;  // of the work, as a share
 
 class SessionReader {
  public:
@@ -32,13 +32,19 @@ class SessionReader {
     session_.folder = folder;
     session_.rig = *rigs_.main();
     session_.logs = host_logs(folder);
-    journals_ = journals(folder);
   }
 
   Result<StoredSession> read() {
     if (const auto plan = config::read_file((session_.folder / "plan.toml").string()))
       session_.plan_text = *plan;
-    if (auto played = play(); !played) return tl::unexpected(played.error());
+    const auto key = sealing_key();
+    session_.verified = key.has_value() && !session_.logs.empty();
+    auto played = play_session(session_.logs, journals(session_.folder), session_.rig, key,
+                               [this](double share) { progress(kLogsShare * share); });
+    if (!played) return tl::unexpected(played.error());
+    played_ = std::move(*played);
+    fired_ = played_.fired.get();
+    for (std::string& text : played_.remarks) remark(std::move(text));
     find_runs();
     find_shots();
     find_digitizations();
@@ -50,16 +56,11 @@ class SessionReader {
 
  private:
   void remark(std::string text) { session_.remarks.push_back(std::move(text)); }
-  void remark(std::vector<std::string> texts) {
-    for (std::string& text : texts) remark(std::move(text));
-  }
   void progress(double share) const {
     if (options_.progress) options_.progress(share);
   }
 
   std::optional<authentication::Key> sealing_key();
-  Result<void> play();
-  Result<void> play_journals();
   void find_runs();
   void add_unrecorded_run(std::int64_t host, WallTime time);
   const SessionRigs::Rig& rig_of(std::int64_t host_id) const;
@@ -74,10 +75,8 @@ class SessionReader {
   const ReadSessionOptions& options_;
   SessionRigs rigs_;
   StoredSession session_;
-  std::vector<fs::path> journals_;
-  std::optional<LogPlayer> player_;
-  std::optional<FiredShots> fired_;
-  std::map<std::int64_t, fs::path> log_of_host_;
+  PlayedSession played_;
+  const FiredShots* fired_ = nullptr;
   std::set<std::int64_t> own_hosts_;
 };
 
@@ -89,8 +88,7 @@ std::optional<authentication::Key> SessionReader::sealing_key() {
     return std::nullopt;
   }
   for (const fs::path& log : session_.logs) {
-    std::error_code error;
-    if (fs::file_size(log, error) == 0 || is_sealed(log, session_.rig.rig, *key)) continue;
+    if (is_sealed(log, session_.rig.rig, *key).value_or(true)) continue;
     remark(fmt::format("unverified: {} has no seal of this host's key (see strobe key)",
                        log.filename().string()));
     return std::nullopt;
@@ -98,39 +96,11 @@ std::optional<authentication::Key> SessionReader::sealing_key() {
   return key;
 }
 
-Result<void> SessionReader::play() {
-  auto logs = LogReader::open(session_.logs);
-  if (!logs) return tl::unexpected(logs.error());
-  const auto key = sealing_key();
-  session_.verified = key.has_value() && !session_.logs.empty();
-  player_.emplace(session_.rig, key);
-  fired_.emplace(*player_, session_.rig.rig);
-  player_->play(*logs, [&](const LogMessage& message) {
-    fired_->watch(message);
-    if (logs->messages() % kProgressEvery == 0) progress(kLogsShare * logs->share());
-  });
-  remark(logs->remarks());
-  for (const auto& [host, heard] : fired_->commanding_hosts()) log_of_host_[host] = logs->path(heard.log);
-  return play_journals();
-}
-
-Result<void> SessionReader::play_journals() {
-  fired_->begin_journals();
-  for (const fs::path& path : journals_) {
-    auto journal = LogReader::open({path});
-    if (!journal) return tl::unexpected(journal.error());
-    player_->complete_from(*journal, *fired_);
-    remark(journal->remarks());
-  }
-  player_->end();
-  return {};
-}
-
 void SessionReader::find_runs() {
   if (const auto text = config::read_file((session_.folder / "runs.jsonl").string())) {
     RunRecords records = parse_run_records(*text);
     session_.runs = std::move(records.runs);
-    remark(std::move(records.remarks));
+    for (std::string& told : records.remarks) remark(std::move(told));
   }
   const bool nobody = fired_->commanding_hosts().empty() && session_.runs.empty();
   for (const auto& [host, heard] : nobody ? fired_->reading_hosts() : fired_->commanding_hosts())
@@ -152,8 +122,8 @@ void SessionReader::add_unrecorded_run(std::int64_t host, WallTime time) {
 }
 
 const SessionRigs::Rig& SessionReader::rig_of(std::int64_t host_id) const {
-  const auto log = log_of_host_.find(host_id);
-  return log == log_of_host_.end() ? rigs_.main() : rigs_.of_log(log->second);
+  const auto log = played_.log_of_host.find(host_id);
+  return log == played_.log_of_host.end() ? rigs_.main() : rigs_.of_log(log->second);
 }
 
 /// A shot of nobody known is rather kept than lost.
@@ -254,14 +224,23 @@ void SessionReader::find_photographs() {
     if (const auto found = unnamed.of_shot.find(shot.key); found != unnamed.of_shot.end())
       shot.photograph = found->second;
   }
-  remark(std::move(unnamed.remarks));
+  for (std::string& told : unnamed.remarks) remark(std::move(told));
 }
 
 void SessionReader::name_shots() {
   std::vector<ShotKey> keys;
   for (const StoredShot& shot : session_.shots) keys.push_back(shot.key);
   std::vector<std::string> names = shot_names(keys);
-  for (std::size_t i = 0; i < names.size(); ++i) session_.shots[i].name = std::move(names[i]);
+  std::vector<std::string> without_end;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    session_.shots[i].name = names[i];
+    if (!session_.shots[i].summary) without_end.push_back(names[i]);
+  }
+  if (!without_end.empty())
+    remark(fmt::format(
+        "the end of shot{} {} is in no log; where strobed kept its journal elsewhere, a copy of it in this "
+        "folder tells of it",
+        without_end.size() == 1 ? "" : "s", fmt::join(without_end, ", ")));
 }
 
 /// Times as the session's results.csv has them.

@@ -177,21 +177,21 @@ Result<ChangedShot> take_back(const StoredSession& session, const StoredShot& sh
   return changed;
 }
 
-int complete(StoredSession& session) {
-  int count = 0;
+Completion complete(StoredSession& session) {
+  Completion completion;
   if (const auto told = never_digitized_remark(session)) std::erase(session.remarks, *told);
   for (StoredShot& shot : session.shots) {
     if (!never_digitized(shot)) continue;
     const auto measured = redigitize(session, shot);
-    Result<void> done = measured ? put(session, shot, *measured, "", {"", author_now().utc})
-                                 : Result<void>(tl::unexpected(measured.error()));
+    const Result<void> done = measured ? put(session, shot, *measured, "", {"", author_now().utc})
+                                       : Result<void>(tl::unexpected(measured.error()));
     if (done) {
-      ++count;
+      ++completion.digitized;
     } else {
-      session.remarks.push_back(fmt::format("shot {}: {}", shot.name, done.error().message));
+      completion.problems.push_back(fmt::format("shot {}: {}", shot.name, done.error().message));
     }
   }
-  return count;
+  return completion;
 }
 
 }  // namespace strobe::host

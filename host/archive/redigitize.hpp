@@ -42,8 +42,11 @@ Result<ChangedShot> put_correction(const StoredSession& session, const StoredSho
 /// Takes the newest digitization that is a file back: the one before it counts again. Fails if there is none.
 Result<ChangedShot> take_back(const StoredSession& session, const StoredShot& shot);
 
+struct Completion {
+  int digitized = 0;
+  std::vector<std::string> problems;  ///< a line for each photograph that cannot be measured, or not be kept
+};
 /// Measures all photographs that are kept and were never digitized, and puts that into the session and into `session`.
-/// Returns their number; remarks tell of those that cannot be measured.
-int complete(StoredSession& session);
+Completion complete(StoredSession& session);
 
 }  // namespace strobe::host

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <chrono>
+#include <fstream>
 #include <optional>
 #include <system_error>
 
@@ -12,9 +13,6 @@ namespace strobe::host {
 namespace {
 
 namespace fs = std::filesystem;
-
-// Of a record but for its channel and message: sync word, number, time, two sizes.
-constexpr std::uintmax_t kRecordHeader_bytes = 4 + 8 + 8 + 4 + 4;
 
 std::vector<fs::path> logs_named(const fs::path& folder, std::string_view before) {
   std::vector<fs::path> found;
@@ -57,69 +55,64 @@ WallTime start_in(const std::string& name) {
 std::vector<fs::path> host_logs(const fs::path& folder) { return logs_named(folder, "host-"); }
 std::vector<fs::path> journals(const fs::path& folder) { return logs_named(folder, "journal-"); }
 
-Result<LogReader> LogReader::open(std::vector<fs::path> paths) {
+Result<StoredLogs> StoredLogs::open(std::vector<fs::path> paths) {
   std::vector<Log> logs;
   for (fs::path& path : paths) {
     Log log;
     std::error_code error;
     log.bytes = fs::file_size(path, error);
     if (error || !fs::is_regular_file(path, error)) return fail(path.string() + ": no such file");
-    if (!lcm::LogFile(path.string(), "r").good()) return fail(path.string() + ": cannot be read");
+    if (!std::ifstream(path).good()) return fail(path.string() + ": cannot be read");
     log.starts = start_in(path.filename().string());
     log.path = std::move(path);
     logs.push_back(std::move(log));
   }
-  return LogReader(std::move(logs));
+  return StoredLogs(std::move(logs));
 }
 
-LogReader::LogReader(std::vector<Log> logs) : logs_(std::move(logs)) {
+StoredLogs::StoredLogs(std::vector<Log> logs) : logs_(std::move(logs)) {
   std::ranges::stable_sort(logs_, {}, &Log::starts);
 }
 
-bool LogReader::advance(Log& log) {
-  log.event = log.file ? log.file->readNextEvent() : nullptr;
-  if (log.event == nullptr) return log.file.reset(), false;
-  log.read +=
-      kRecordHeader_bytes + log.event->channel.size() + static_cast<std::uintmax_t>(log.event->datalen);
-  log.time =
-      std::max(log.time, WallTime{microseconds{log.event->timestamp}});  // a wall clock may have been set
+bool StoredLogs::advance(Log& log) {
+  if (!log.reader) return false;
+  if (!log.reader->next(log.record)) return log.reader.reset(), false;
+  log.read += wire::kLogHeaderSize + log.record.channel.size() + log.record.bytes.size();
+  // A wall clock may have been set.
+  log.time = std::max(log.time, WallTime{microseconds{log.record.wall_us}});
   return true;
 }
 
 /// Logs that may hold what comes next.
-void LogReader::open_due() {
+void StoredLogs::open_due() {
   const auto next_time = [this] {
     std::optional<WallTime> time;
     for (const Log& log : logs_)
-      if (log.event != nullptr && (!time || log.time < *time)) time = log.time;
+      if (log.reader && (!time || log.time < *time)) time = log.time;
     return time;
   };
   while (opened_ < logs_.size()) {
     const auto time = next_time();
     if (time && logs_[opened_].starts > *time) return;
     Log& log = logs_[opened_++];
-    log.file = std::make_unique<lcm::LogFile>(log.path.string(), "r");
-    if (!log.file->good()) log.file.reset();
+    log.reader = std::make_unique<wire::LogReader>(log.path);
     advance(log);
   }
 }
 
-std::optional<LogMessage> LogReader::next() {
+std::optional<LogMessage> StoredLogs::next() {
   if (last_ != nullptr) advance(*last_);
   last_ = nullptr;
   open_due();
   for (Log& log : logs_)
-    if (log.event != nullptr && (last_ == nullptr || log.time < last_->time)) last_ = &log;
+    if (log.reader && (last_ == nullptr || log.time < last_->time)) last_ = &log;
   if (last_ == nullptr) return std::nullopt;
   ++messages_;
-  return LogMessage{
-      last_->event->channel,
-      {static_cast<const std::uint8_t*>(last_->event->data), static_cast<std::size_t>(last_->event->datalen)},
-      last_->time,
-      static_cast<std::size_t>(last_ - logs_.data())};
+  return LogMessage{last_->record.channel, last_->record.bytes, last_->time,
+                    static_cast<std::size_t>(last_ - logs_.data())};
 }
 
-double LogReader::share() const {
+double StoredLogs::share() const {
   std::uintmax_t bytes = 0, read = 0;
   for (const Log& log : logs_) {
     bytes += log.bytes;
@@ -128,7 +121,7 @@ double LogReader::share() const {
   return bytes == 0 ? 1.0 : std::min(1.0, static_cast<double>(read) / static_cast<double>(bytes));
 }
 
-std::vector<std::string> LogReader::remarks() const {
+std::vector<std::string> StoredLogs::remarks() const {
   std::vector<std::string> lines;
   for (const Log& log : logs_) {
     if (log.read >= log.bytes) continue;

@@ -3,10 +3,7 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
 #include <filesystem>
-#include <functional>
-#include <lcm/lcm-cpp.hpp>
 #include <memory>
 #include <optional>
 #include <span>
@@ -15,6 +12,7 @@
 
 #include "common/result.hpp"
 #include "common/units/time.hpp"
+#include "common/wire/log_reader.hpp"
 
 namespace strobe::host {
 
@@ -31,10 +29,10 @@ struct LogMessage {
   std::size_t log = 0;  ///< which of the logs
 };
 
-class LogReader {
+class StoredLogs {
  public:
   /// Fails with the file's name if one cannot be opened.
-  static Result<LogReader> open(std::vector<std::filesystem::path> logs);
+  static Result<StoredLogs> open(std::vector<std::filesystem::path> logs);
 
   /// The next message of all, or nullopt: there is none. What is no record is passed over.
   std::optional<LogMessage> next();
@@ -49,13 +47,13 @@ class LogReader {
  private:
   struct Log {
     std::filesystem::path path;
-    WallTime starts;                     ///< by its name; nothing in it is earlier
-    std::unique_ptr<lcm::LogFile> file;  ///< while it is read
-    const lcm::LogEvent* event = nullptr;
+    WallTime starts;                          ///< by its name; nothing in it is earlier
+    std::unique_ptr<wire::LogReader> reader;  ///< while there is more
+    wire::LogRecord record;                   ///< the next, if there is more
     WallTime time;
     std::uintmax_t bytes = 0, read = 0;
   };
-  explicit LogReader(std::vector<Log> logs);
+  explicit StoredLogs(std::vector<Log> logs);
   void open_due();
   bool advance(Log& log);
 

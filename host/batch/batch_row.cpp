@@ -7,6 +7,7 @@
 #include "common/config/files.hpp"
 #include "common/messages/encode.hpp"
 #include "common/messages/lcm_conversions.hpp"
+#include "host/archive/results_table.hpp"
 #include "host/archive/shot_outcome.hpp"
 #include "host/photographs/measure_photograph.hpp"
 #include "host/session/results_csv.hpp"
@@ -38,8 +39,13 @@ Result<frame_t> measured_frame(const BatchShot& job, const BatchSettings& batch)
   return frame;
 }
 
+std::string line_of(const StoredShot& shot, const ShotResult& result) {
+  const auto digitization = shot.digitizations.empty() ? digitization_word(result) : digitization_word(shot);
+  return results_line(result, shot.utc, shot.name, digitization);
+}
+
 BatchRow row_of(const StoredShot& shot, const frame_t& frame) {
-  return {results_line(measured_again(shot, frame), shot.utc)};
+  return {line_of(shot, measured_again(shot, frame))};
 }
 
 }  // namespace
@@ -65,7 +71,7 @@ std::string row_key(const BatchShot& job, const BatchSettings& settings, const s
   hash.add(shot.rig->calibration_text).add(name(job.source)).add(photograph_hash).add(job.corrections);
   hash.add(shot.summary ? bytes_of(messages::encode(*shot.summary)) : std::string_view());
   // What the logs tell of the shot beside its summary.
-  hash.add(results_line(shot.result, shot.utc));
+  hash.add(line_of(shot, shot.result));
   if (job.source == RowSource::stored_frame)
     hash.add(bytes_of(messages::encode(shot.digitizations.back().frame)));
   return hash.digits();
@@ -76,14 +82,14 @@ BatchRow failed_row(const StoredShot& shot, const std::string& why) {
   const reduction::FlagSet flags = result.readout.flags;
   if (shot.summary) result.readout = empty_readout(*shot.summary, flags);
   result.rejected = why;
-  return {results_line(result, shot.utc), true};
+  return {line_of(shot, result), true};
 }
 
 BatchRow measure(const BatchShot& job, const BatchSettings& settings) {
   const StoredShot& shot = *job.shot;
   switch (job.source) {
     case RowSource::none:
-      return {results_line(shot.result, shot.utc)};
+      return {line_of(shot, shot.result)};
     case RowSource::stored_frame:
       return row_of(shot, shot.digitizations.back().frame);
     case RowSource::photograph:

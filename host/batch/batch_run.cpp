@@ -119,7 +119,7 @@ void BatchRun::finish_unread(const BatchSession& session, const std::string& why
   unread.place = session;
   ShotResult none;
   none.rejected = "session not read: " + why;
-  unread.lines = {fmt::format("{},{},,{},,{}", results_line(none, ""), csv_field(session.name),
+  unread.lines = {fmt::format("{},{},,{},,{}", results_line(none, "", "", ""), csv_field(session.name),
                               name(RowSource::none), id_)};
   ++progress_.unread_sessions;
   listener_({session.name, nullptr, unread.lines.front(), true, false}, progress_);

@@ -21,6 +21,7 @@ void add_fire_command(CLI::App& app, int& exit_status);
 void add_live_command(CLI::App& app, int& exit_status);
 void add_replay_command(CLI::App& app, int& exit_status);
 void add_series_command(CLI::App& app, int& exit_status);
+void add_shot_command(CLI::App& app, int& exit_status);
 void add_reduce_command(CLI::App& app, int& exit_status);
 void add_contact_command(CLI::App& app, int& exit_status);
 void add_predict_command(CLI::App& app, int& exit_status);

@@ -1,96 +1,130 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
-#include <algorithm>
 #include <filesystem>
-#include <lcm/lcm-cpp.hpp>
 #include <memory>
+#include <optional>
 #include <system_error>
 
 #include "common/authentication/key_file.hpp"
-#include "common/authentication/packet_seal.hpp"
+#include "host/archive/fired_shots.hpp"
+#include "host/archive/redigitize.hpp"
+#include "host/archive/results_table.hpp"
+#include "host/archive/shot_outcome.hpp"
 #include "host/commands/command.hpp"
-#include "host/commands/terminal.hpp"
-#include "host/config/rig_file.hpp"
-#include "host/loop/host_loop.hpp"
+#include "host/commands/session_options.hpp"
+#include "host/session/shot_names.hpp"
 
 namespace strobe::host {
 namespace {
 
+namespace fs = std::filesystem;
+
 struct ReplayOptions {
-  std::string log;
-  std::string rig_path;
-  std::string key_file;
+  std::string path;
+  SessionOptions reading;
+  std::string shot;                    ///< empty: all
+  std::optional<std::string> results;  ///< file; empty: the session's own
+  bool complete = false;
   bool json = false;
 };
 
 /// --rig, else the rig file kept beside the log, else the shipped example.
 std::string rig_path(const ReplayOptions& options) {
-  if (!options.rig_path.empty()) return options.rig_path;
-  const auto beside = std::filesystem::path(options.log).parent_path() / "rig.toml";
+  if (!options.reading.rig_path.empty()) return options.reading.rig_path;
+  const auto beside = fs::path(options.path).parent_path() / "rig.toml";
   std::error_code error;
-  return std::filesystem::exists(beside, error) ? beside.string() : std::string();
+  return fs::exists(beside, error) ? beside.string() : std::string();
 }
 
-/// The clock of whoever wrote the log.
-class LogClock final : public Clock {
+std::optional<authentication::Key> sealing_key(const ReplayOptions& options, const RigFile& rig) {
+  const auto key = authentication::find_key({options.reading.key_file, rig.key_file.value_or("")});
+  if (!key || !is_sealed(options.path, rig.rig, key->key).value_or(false)) return std::nullopt;
+  return key->key;
+}
+
+/// Shows the results of one shot, or of all.
+class ChosenShot final : public HostListener {
  public:
-  HostReading read() override { return {HostTime{now}, WallTime{now}, now}; }
-  Duration now{};
+  ChosenShot(Terminal& terminal, std::string name) : terminal_(terminal), name_(std::move(name)) {}
+
+  void on_shot_result(const ShotResult& result) override {
+    if (!result.dry) shots_.push_back({result.boot_id, result.shot_id});
+    if (name_.empty() || (!result.dry && shot_names(shots_).back() == name_))
+      terminal_.on_shot_result(result);
+  }
+  void on_notification(const std::string& text) override { terminal_.on_notification(text); }
+
+ private:
+  Terminal& terminal_;
+  std::string name_;
+  std::vector<ShotKey> shots_;
 };
 
-/// Whether a log has a packet that is sealed with the lab's key. It is then reduced from those alone; a log
-/// without, of another lab or of a journal, which is never sealed, as unverified.
-bool is_sealed(const std::string& path, const std::string& rig, const authentication::Key& key) {
-  const std::string channels = "STROBE/" + rig + "/";
-  const authentication::PacketSeal seal(key);
-  lcm::LogFile log(path, "r");
-  while (const lcm::LogEvent* event = log.readNextEvent()) {
-    if (event->channel.starts_with(channels) &&
-        seal.open(event->channel,
-                  {static_cast<const std::uint8_t*>(event->data), static_cast<std::size_t>(event->datalen)}))
-      return true;
-  }
-  return false;
+/// The journal of a firmware that ended in a shot says no more of it.
+void show_unfinished(const FiredShots& fired, ChosenShot& shown) {
+  for (const auto& [key, shot] : fired.all())
+    if (!shot.result) shown.on_shot_result(logged_outcome(key, shot));
 }
 
-HostLoopSettings loop_settings(const ReplayOptions& options, const RigFile& rig) {
-  HostLoopSettings settings{rig.rig, assembly_settings(rig)};
-  settings.replays = true;
-  const auto key = authentication::find_key({options.key_file, rig.key_file.value_or("")});
-  if (key && is_sealed(options.log, rig.rig, key->key)) settings.key = key->key;
-  return settings;
+int conclude(const ReplayOptions& options, Terminal& terminal, const std::string& rig,
+             std::int64_t messages) {
+  if (!options.json && options.shot.empty())
+    print(render_series(terminal.model().series, std::nullopt, kPlainWidth));
+  if (terminal.model().shots > 0) return kDone;
+  const std::string which = options.shot.empty() ? "no shot" : "no shot " + options.shot;
+  return failed(fmt::format("{}: {} of rig {} in {} messages", options.path, which, rig, messages));
+}
+
+int replay_log(const ReplayOptions& options) {
+  if (options.results || options.complete)
+    return bad_input(options.path + ": --results and --complete are for a session's folder");
+  const auto rig = load_rig(rig_path(options));
+  if (!rig) return bad_input(rig.error().message);
+  auto log = StoredLogs::open({options.path});
+  if (!log) return bad_input(log.error().message);
+  LogPlayer player(*rig, sealing_key(options, *rig));
+  FiredShots fired(player, rig->rig);
+  Terminal terminal(Terminal::style(options.json, true));
+  ChosenShot shown(terminal, options.shot);
+  player.loop().add_listener(shown);
+  if (!player.loop().verifies())
+    terminal.note("unverified: the log has no seal of this host's key (see strobe key)");
+  player.play(*log);
+  player.end();
+  if (log->messages() == 0) return bad_input(options.path + ": not an LCM log, or an empty one");
+  if (fs::path(options.path).filename().string().starts_with("journal-")) show_unfinished(fired, shown);
+  return conclude(options, terminal, rig->rig, log->messages());
+}
+
+int replay_session(const ReplayOptions& options) {
+  Terminal terminal(Terminal::style(options.json, true));
+  auto session = read_for(terminal, options.path, options.reading);
+  if (!session) return bad_input(session.error().message);
+  if (!options.shot.empty()) {
+    if (const auto shot = find_shot(*session, options.shot); !shot) return bad_input(shot.error().message);
+  }
+  if (options.complete) {
+    const Completion done = complete(*session);
+    terminal.note(fmt::format("{} photograph{} digitized", done.digitized, done.digitized == 1 ? "" : "s"));
+    for (const std::string& problem : done.problems) terminal.note(problem);
+  }
+  for (const StoredShot& shot : session->shots)
+    if (options.shot.empty() || shot.name == options.shot) terminal.on_shot_result(shot.result);
+  if (options.results) {
+    const fs::path file =
+        options.results->empty() ? session->folder / "results.csv" : fs::path(*options.results);
+    if (auto written = rebuild_results(*session, file); !written) return failed(written.error().message);
+  }
+  if (!options.json && options.shot.empty())
+    print(render_series(terminal.model().series, std::nullopt, kPlainWidth));
+  if (session->shots.empty()) return failed(options.path + ": no shot was fired");
+  return kDone;
 }
 
 int run_replay(const ReplayOptions& options) {
-  const auto rig = load_rig(rig_path(options));
-  if (!rig) return bad_input(rig.error().message);
   std::error_code error;
-  if (!std::filesystem::is_regular_file(options.log, error)) return bad_input(options.log + ": no such file");
-  lcm::LogFile log(options.log, "r");
-  if (!log.good()) return bad_input(options.log + ": cannot be read");
-  LogClock clock;
-  NullTransport transport;
-  HostLoop loop(loop_settings(options, *rig), transport, clock);
-  Terminal terminal(Terminal::style(options.json, true));
-  loop.add_listener(terminal);
-  if (!loop.verifies()) terminal.note("unverified: the log has no seal of this host's key (see strobe key)");
-  std::int64_t messages = 0;
-  while (const lcm::LogEvent* event = log.readNextEvent()) {
-    ++messages;
-    clock.now =
-        std::max(clock.now, Duration{microseconds{event->timestamp}});  // a wall clock may have been set
-    loop.step();
-    loop.receive(event->channel,
-                 {static_cast<const std::uint8_t*>(event->data), static_cast<std::size_t>(event->datalen)});
-  }
-  loop.end_session();
-  if (messages == 0) return bad_input(options.log + ": not an LCM log, or an empty one");
-  if (!options.json) print(render_series(terminal.model().series, std::nullopt, kPlainWidth));
-  if (terminal.model().shots == 0) {
-    return failed(fmt::format("{}: no shot of rig {} in {} messages", options.log, rig->rig, messages));
-  }
-  return kDone;
+  return fs::is_directory(options.path, error) ? replay_session(options) : replay_log(options);
 }
 
 }  // namespace
@@ -98,17 +132,37 @@ int run_replay(const ReplayOptions& options) {
 void add_replay_command(CLI::App& app, int& exit_status) {
   auto options = std::make_shared<ReplayOptions>();
   CLI::App* command = app.add_subcommand("replay", "Compute the readouts of a recorded session again");
-  command->add_option("LOG", options->log, "LCM log: a host's, a journal with frames, or lcm-logger's")
+  command
+      ->add_option(
+          "SESSION|LOG", options->path,
+          "a session's folder, with its photographs' newest digitizations; or an LCM log: a host's, a "
+          "journal, lcm-logger's")
       ->required();
-  command->add_option("--rig", options->rig_path,
-                      "rig file (default: rig.toml beside the log, else the example that comes with strobe)");
+  command->add_option("--shot", options->shot, "only the shot of this name (column shot of results.csv)");
+  command
+      ->add_option_function<std::string>(
+          "--results", [options](const std::string& file) { options->results = file; },
+          "of a folder: write results.csv anew, every shot once, or the table to this file; no host may be "
+          "firing there")
+      ->expected(0, 1)
+      ->type_name("[FILE]");
+  command->add_flag(
+      "--complete", options->complete,
+      "of a folder: digitize the photographs that its host did not come to, and keep that in it");
   command->add_option(
-      "--key-file", options->key_file,
+      "--rig", options->reading.rig_path,
+      "rig file (default: those that the session keeps, or rig.toml beside the log, else the example "
+      "that comes with strobe)");
+  command->add_option(
+      "--key-file", options->reading.key_file,
       "the lab's key, to know the lab's messages (default: as `strobe key` tells); a log without "
       "its seal is shown as unverified");
   command->add_flag("--json", options->json,
                     "one JSON object per readout on standard output, nothing else there");
-  command->footer("Example: strobe replay run1/host-20260131T093000Z.lcmlog --json");
+  command->footer(
+      "Examples: strobe replay run1 --json\n"
+      "          strobe replay run1 --complete --results\n"
+      "          strobe replay run1/host-20260131T093000Z.lcmlog --json");
   command->callback([options, &exit_status] { exit_status = run_replay(*options); });
 }
 

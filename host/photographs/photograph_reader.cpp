@@ -119,10 +119,15 @@ tl::expected<PhotographReading, UnreadPhotograph> PhotographReader::read_when_wh
   }
 }
 
+/// One that nobody changes any more is kept first: a host that is killed meanwhile leaves it in the session.
 PhotographResult PhotographReader::work(PhotographJob job) {
   PhotographResult result;
+  const bool to_keep = !job.keep_as.empty();
+  const bool kept_first = to_keep && job.may_link && keep(job).empty();
   result.reading = job.measure ? read_when_whole(job) : PhotographReading{};
-  if (!job.keep_as.empty() && result.reading) result.not_kept = keep(job);
+  std::error_code error;
+  if (kept_first && !result.reading) fs::remove(job.keep_as, error);
+  if (to_keep && !kept_first && result.reading) result.not_kept = keep(job);
   result.job = std::move(job);
   return result;
 }

@@ -79,16 +79,16 @@ std::vector<std::string> csv_fields(std::string_view line) {
 }
 
 Result<CsvFile> CsvFile::open(const std::filesystem::path& path, const std::string& header,
-                              const std::string& earlier) {
+                              const std::vector<std::string>& earlier) {
   auto file = RecordFile::open(path, RecordFile::Use::shared);
   if (!file) return tl::unexpected(file.error());
   const auto text = read_all(*file);
   if (!text) return tl::unexpected(text.error());
   std::string first = text->substr(0, text->find('\n'));
   // Cut short, or not yet written.
-  const bool unfinished =
-      first.size() == text->size() && header.starts_with(first) && (first.empty() || first != earlier);
-  if (!unfinished && first != header && first != earlier)
+  const bool is_earlier = std::ranges::find(earlier, first) != earlier.end();
+  const bool unfinished = first.size() == text->size() && header.starts_with(first) && !is_earlier;
+  if (!unfinished && first != header && !is_earlier)
     return fail(path.string() + ":1: another version's columns; use another session folder");
   if (unfinished) {
     if (!file->cut(0, static_cast<off_t>(text->size())))

@@ -23,9 +23,9 @@ class CsvFile {
   /// Opens for appending; writes the header if the file is new. A last line without its end is closed if it has
   /// all columns, as a person's editor may leave it; else a write was cut short there, and it is removed. A file
   /// with the header of an earlier version, which lacked the last columns, keeps it: they are then left out of
-  /// each line, and must hold plain numbers. Fails if the file has any other header, or cannot be read or written.
+  /// each line, and must hold no commas. Fails if the file has any other header, or cannot be read or written.
   static Result<CsvFile> open(const std::filesystem::path& path, const std::string& header,
-                              const std::string& earlier = "");
+                              const std::vector<std::string>& earlier = {});
 
   /// One write per line, or lines: those of several processes do not mix. What cannot be written waits and is
   /// tried again (record_file.hpp).

@@ -91,7 +91,12 @@ std::vector<Column> make_results_columns() {
       columns.end(),
       {{"first_flash", "integer", "1", "flash, numbered as fired from 0, that made the first image"},
        {"last_flash", "integer", "1", "flash, numbered as fired from 0, that made the last image"},
-       {"misassignment_probability", "number", "1", "probability that other flashes made these images"}});
+       {"misassignment_probability", "number", "1", "probability that other flashes made these images"},
+       {"digitization", "string", "",
+        "who measured the photograph: auto, hand, or corrected by a person afterwards; empty: there is none"},
+       {"shot", "string", "",
+        "what the shot is called: its number and, where an earlier start of the firmware had the same, its "
+        "start"}});
   return columns;
 }
 

@@ -2,11 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <fstream>
+#include <iterator>
 #include <span>
 
 #include "host/config/notes.hpp"
-#include "host/session/csv_file.hpp"
 #include "host/session/data_dictionary.hpp"
+#include "host/session/results_rows.hpp"
+#include "host/session/shot_names.hpp"
 
 namespace strobe::host {
 namespace {
@@ -52,14 +55,23 @@ void add_flashes(std::string& line, const std::optional<reduction::ImagedFlashes
 
 }  // namespace
 
-std::string earlier_results_header() {
-  constexpr std::size_t kAddedLater = 3;
-  return csv_header(std::span(results_columns()).first(results_columns().size() - kAddedLater));
+std::vector<std::string> earlier_results_headers() {
+  const auto without = [](std::size_t added_later) {
+    return csv_header(std::span(results_columns()).first(results_columns().size() - added_later));
+  };
+  constexpr std::size_t kNames = 2, kFlashes = 3;
+  return {without(kNames), without(kNames + kFlashes)};
 }
 
 std::string results_header() { return csv_header(results_columns()); }
 
-std::string results_line(const ShotResult& shot_result, const std::string& utc) {
+std::string_view digitization_word(const ShotResult& shot_result) {
+  if (!shot_result.frame) return "";
+  return shot_result.frame->source == "hand" ? "hand" : "auto";
+}
+
+std::string results_line(const ShotResult& shot_result, const std::string& utc, const std::string& shot_name,
+                         std::string_view digitization) {
   const reduction::Readout& readout = shot_result.readout;
   std::string line = fmt::format("{},{:x},{},{}", utc, static_cast<std::uint64_t>(shot_result.boot_id),
                                  shot_result.shot_id, csv_field(shot_result.rejected.value_or("")));
@@ -71,7 +83,24 @@ std::string results_line(const ShotResult& shot_result, const std::string& utc) 
                   readout.court_pace_conforming, readout.method, readout.mirrored, flag_names(readout.flags));
   add_notes(line, readout.record);
   add_flashes(line, readout.flashes);
-  return line;
+  return line + fmt::format(",{},{}", digitization, shot_name);
+}
+
+Result<ResultsCsv> ResultsCsv::open(const std::filesystem::path& path) {
+  auto file = CsvFile::open(path, results_header(), earlier_results_headers());
+  if (!file) return tl::unexpected(file.error());
+  std::ifstream lines(path, std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(lines), {}};
+  if (lines.bad()) return fail(path.string() + ": cannot be read");
+  std::vector<ShotKey> shots;
+  for (const ResultsRow& row : parse_results(text)) shots.push_back(row.key);
+  return ResultsCsv(std::move(*file), std::move(shots));
+}
+
+Result<void> ResultsCsv::add(const ShotResult& shot_result, const std::string& utc) {
+  shots_.push_back({shot_result.boot_id, shot_result.shot_id});
+  return file_.append(
+      results_line(shot_result, utc, shot_names(shots_).back(), digitization_word(shot_result)));
 }
 
 }  // namespace strobe::host

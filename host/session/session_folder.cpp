@@ -70,12 +70,12 @@ Result<std::unique_ptr<SessionFolder>> SessionFolder::open(const fs::path& folde
     if (name.empty()) continue;
     if (auto kept = keep(folder / name, text, utc); !kept) return tl::unexpected(kept.error());
   }
-  auto results = CsvFile::open(folder / "results.csv", results_header(), earlier_results_header());
+  auto results = ResultsCsv::open(folder / "results.csv");
   if (!results) return tl::unexpected(results.error());
   auto flashes = FlashesCsv::open(folder / "flashes.csv");
   if (!flashes) return tl::unexpected(flashes.error());
   const auto& columns = results_columns();
-  if (auto told = describe(folder / "results.csv", "Results, one row per shot",
+  if (auto told = describe(folder / "results.csv", kResultsTitle,
                            std::span(columns).first(columns.size() - results->left_out()));
       !told)
     return tl::unexpected(told.error());
@@ -98,7 +98,7 @@ void SessionFolder::log(const std::string& channel, std::span<const std::uint8_t
 }
 
 void SessionFolder::add(const ShotResult& shot_result, const std::string& utc) try {
-  note(results_.append(results_line(shot_result, utc)));
+  note(results_.add(shot_result, utc));
 } catch (const std::bad_alloc&) {
   lost_for_want_of_memory(results_.file().path(), shot_result.shot_id);
 }

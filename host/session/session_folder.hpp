@@ -20,7 +20,6 @@
 #include "common/authentication/key.hpp"
 #include "common/result.hpp"
 #include "host/messages/event_ledger.hpp"
-#include "host/session/csv_file.hpp"
 #include "host/session/event_log.hpp"
 #include "host/session/flashes_csv.hpp"
 #include "host/session/results_csv.hpp"
@@ -73,7 +72,7 @@ class SessionFolder {
   const std::filesystem::path& path() const { return folder_; }
 
  private:
-  explicit SessionFolder(std::filesystem::path folder, EventLog log, CsvFile results, FlashesCsv flashes)
+  explicit SessionFolder(std::filesystem::path folder, EventLog log, ResultsCsv results, FlashesCsv flashes)
       : folder_(std::move(folder)),
         log_(std::move(log)),
         results_(std::move(results)),
@@ -84,7 +83,7 @@ class SessionFolder {
 
   std::filesystem::path folder_;
   EventLog log_;
-  CsvFile results_;
+  ResultsCsv results_;
   FlashesCsv flashes_;
   std::vector<std::string> failures_;
   std::set<std::string> told_;

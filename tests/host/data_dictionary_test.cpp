@@ -98,8 +98,9 @@ TEST(DataDictionary, LiesBesideTheTablesOfASessionAndHasTheirColumns) {
 
 TEST(DataDictionary, HasTheColumnsOfATableThatAnEarlierVersionBegan) {
   testing::TemporaryFolder folder;
-  testing::write_text(folder / "results.csv", host::earlier_results_header() + "\n");
+  testing::write_text(folder / "results.csv", host::earlier_results_headers().back() + "\n");
   testing::write_text(folder / "results.csv-metadata.json", "{}");
   CHECK_TRUE(host::SessionFolder::open(folder.path(), "20260131T093000Z", "", "").has_value());
-  CHECK_EQUAL(host::earlier_results_header(), names_of(json_in(folder / "results.csv-metadata.json")));
+  CHECK_EQUAL(host::earlier_results_headers().back(),
+              names_of(json_in(folder / "results.csv-metadata.json")));
 }

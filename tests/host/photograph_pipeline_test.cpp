@@ -5,6 +5,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <fstream>
 #include <string>
 
@@ -198,6 +199,24 @@ TEST(PipelineOfPhotographs, MakesTheFrameOfAShotAndKeepsThePhotograph) {
   CHECK_EQUAL("ball 700", testing::read_text(session / frame.photograph));
 }
 
+TEST(PipelineOfPhotographs, OneThatWasRenamedIsKeptBeforeItIsMeasured) {
+  write_text(folder / "a.tif", "x");
+  std::atomic<bool> kept{false};
+  host::PhotographReader reader(
+      [&](const fs::path&, const std::vector<double>&) {
+        kept = fs::exists(session / "photographs/a.tif");
+        return host::PhotographReading{};
+      },
+      0.3);
+  host::PhotographJob job;
+  job.file = folder / "a.tif";
+  job.keep_as = session / "photographs/a.tif";
+  job.may_link = true;
+  reader.add(job);
+  CHECK_TRUE(testing::wait_until([&] { return !reader.take_results().empty(); }, 20s));
+  CHECK_TRUE(kept);
+}
+
 TEST(PipelineOfPhotographs, KeepsTwoOfOneNameBoth) {
   for (const char* text : {"ball 1", "ball 2"}) {
     shot(text[5] - '0');
@@ -212,6 +231,7 @@ TEST(PipelineOfPhotographs, AnUnreadableOneIsSaidAndAnotherMayFollow) {
   shot(1);
   put("a.tif", "garbage");
   step_until(0, "photograph of shot 1: a.tif: cut short");
+  CHECK_FALSE(fs::exists(session / "photographs/shot-0001-a.tif"));
   put("b.tif", "ball 2");
   step_until(1, "");
 }

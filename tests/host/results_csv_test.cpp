@@ -4,6 +4,7 @@
 #include <string>
 
 #include "host/session/csv_file.hpp"
+#include "host/session/results_rows.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 #include "tests/support/string_from.hpp"
@@ -35,7 +36,7 @@ std::vector<std::string> fields(const std::string& line) {
 
 std::string field(const ShotResult& shot_result, const std::string& column) {
   const auto names = fields(host::results_header());
-  const auto values = fields(host::results_line(shot_result, "2026-01-31T09:30:00.000Z"));
+  const auto values = fields(host::results_line(shot_result, "2026-01-31T09:30:00.000Z", "3", "auto"));
   LONGS_EQUAL(names.size(), values.size());
   const auto at = std::find(names.begin(), names.end(), column);
   CHECK_TRUE_TEXT(at != names.end(), column.c_str());
@@ -114,15 +115,36 @@ TEST(ResultsTable, AHeaderThatWasCutShortIsWrittenAnew) {
 
 TEST(ResultsTable, ATableOfAnEarlierVersionGoesOnWithItsColumns) {
   TemporaryFolder folder;
-  const std::string earlier = host::earlier_results_header();
-  write_text(folder / "results.csv", earlier + "\n");
-  auto csv = CsvFile::open(folder / "results.csv", host::results_header(), earlier);
-  CHECK_TRUE(csv.has_value());
-  const std::string line = host::results_line(example(), "2026-01-31T09:30:00.000Z");
-  CHECK_TRUE(csv->append(line).has_value());
-  const std::string without_flashes = line.substr(0, line.size() - std::string(",25,37,0.001").size());
-  CHECK_EQUAL(earlier + "\n" + without_flashes + "\n", read_text(folder / "results.csv"));
-  LONGS_EQUAL(fields(earlier).size(), fields(without_flashes).size());
+  const auto earlier = host::earlier_results_headers();
+  const std::vector<std::string> without{",auto,3", ",25,37,0.001,auto,3"};
+  LONGS_EQUAL(without.size(), earlier.size());
+  const std::string line = host::results_line(example(), "2026-01-31T09:30:00.000Z", "3", "auto");
+  for (std::size_t i = 0; i < earlier.size(); ++i) {
+    write_text(folder / "results.csv", earlier[i] + "\n");
+    auto csv = CsvFile::open(folder / "results.csv", host::results_header(), earlier);
+    CHECK_TRUE(csv.has_value());
+    CHECK_TRUE(csv->append(line).has_value());
+    const std::string shorter = line.substr(0, line.size() - without[i].size());
+    CHECK_EQUAL(earlier[i] + "\n" + shorter + "\n", read_text(folder / "results.csv"));
+    LONGS_EQUAL(fields(earlier[i]).size(), fields(shorter).size());
+  }
+}
+
+TEST(ResultsTable, NamesAShotOfALaterStartOfTheFirmwareByItsStart) {
+  TemporaryFolder folder;
+  ShotResult shot = example();
+  for (const std::int64_t boot : {std::int64_t{0x2a}, std::int64_t{0x1234567800000001}}) {
+    auto csv = host::ResultsCsv::open(folder / "results.csv");  // each in a run of its own
+    shot.boot_id = boot;
+    CHECK_TRUE(csv->add(shot, "2026-01-31T09:30:00.000Z").has_value());
+    shot.frame.emplace().source = "hand";
+  }
+  const auto rows = host::parse_results(read_text(folder / "results.csv"));
+  LONGS_EQUAL(2, rows.size());
+  LONGS_EQUAL(0x1234567800000001, rows[1].key.boot_id);
+  CHECK_EQUAL("2026-01-31T09:30:00.000Z", rows[1].utc);
+  CHECK_TRUE(rows[0].line.ends_with(",,3"));
+  CHECK_TRUE(rows[1].line.ends_with(",hand,3/123456"));
 }
 
 TEST(ResultsTable, AnotherVersionsColumnsAreNotMixed) {

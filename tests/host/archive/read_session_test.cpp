@@ -197,6 +197,7 @@ TEST(ReadSession, HasTheShotsThatNobodySawTheEndOf) {
   CHECK_FALSE(session.shots[2].summary.has_value());
   CHECK_TRUE(session.shots[2].result.readout.flags.has(Flag::shot_aborted));
   LONGS_EQUAL(5, session.shots[2].result.host_id);
+  CHECK_TRUE_TEXT(told(session, "the end of shot 3 is in no log"), all_remarks(session).c_str());
 }
 
 TEST(ReadSession, TakesFromAJournalWhatTheLogsLack) {

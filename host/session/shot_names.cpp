@@ -1,4 +1,4 @@
-#include "host/archive/shot_names.hpp"
+#include "host/session/shot_names.hpp"
 
 #include <fmt/format.h>
 

@@ -1,0 +1,120 @@
+// strobe shot: one shot of a session again.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "common/config/files.hpp"
+#include "host/archive/redigitize.hpp"
+#include "host/archive/reduce_again.hpp"
+#include "host/commands/command.hpp"
+#include "host/commands/session_options.hpp"
+#include "host/commands/shot_report.hpp"
+#include "host/digitize/overlay/overlay.hpp"
+
+namespace strobe::host {
+namespace {
+
+struct ShotOptions {
+  std::string session;
+  std::string name;
+  SessionOptions reading;
+  std::string estimator = "best";
+  std::string noise = "stated";
+  std::string edit_file;  ///< empty: none
+  bool undo_edit = false;
+  std::string overlay;  ///< empty: none
+  bool json = false;
+
+  bool reduces() const { return estimator != "best" || noise != "stated"; }
+};
+
+/// What the options ask to be done with the session: the shot as it is then.
+Result<ChangedShot> change(const ShotOptions& options, const StoredSession& session, const StoredShot& shot) {
+  if (options.undo_edit) return take_back(session, shot);
+  if (options.edit_file.empty()) return ChangedShot{shot, false};
+  const auto corrections = config::read_file(options.edit_file);
+  if (!corrections) return tl::unexpected(corrections.error());
+  return put_correction(session, shot, *corrections, options.edit_file, author_now());
+}
+
+Result<void> draw(const ShotOptions& options, const StoredSession& session, const StoredShot& shot) {
+  const auto measured = redigitize_newest(session, shot);
+  if (!measured) return tl::unexpected(measured.error());
+  return digitize::write_overlay(options.overlay, measured->photograph, measured->settings.map,
+                                 measured->found);
+}
+
+int run_shot(const ShotOptions& options) {
+  if (options.noise != "stated" && options.estimator != "best")
+    return bad_input("shot: --noise is for the best estimator");
+  Terminal terminal(Terminal::style(options.json, true));
+  const auto session = read_for(terminal, options.session, options.reading);
+  if (!session) return bad_input(session.error().message);
+  const auto shot = find_shot(*session, options.name);
+  if (!shot) return bad_input(shot.error().message);
+  const auto changed = change(options, *session, **shot);
+  if (!changed) return bad_input(changed.error().message);
+  ShotResult result = changed->shot.result;
+  if (options.reduces()) {
+    reduction::ReduceOptions how;
+    how.noise = *reduction::noise_source_from_name(options.noise);
+    auto reduced = reduced_by(changed->shot, *reduction::estimator_from_name(options.estimator), how);
+    if (!reduced) return bad_input(reduced.error().message);
+    result = std::move(*reduced);
+  }
+  if (!options.overlay.empty()) {
+    if (auto drawn = draw(options, *session, changed->shot); !drawn) return bad_input(drawn.error().message);
+  }
+  terminal.on_shot_result(result);
+  const ShotResult* before = changed->changed ? &(*shot)->result : nullptr;
+  if (options.json) {
+    print({measurement_json(*session, changed->shot, before)});
+  } else {
+    if (before != nullptr) print(comparison_lines(*before, result));
+    print(measurement_lines(*session, changed->shot));
+  }
+  if (changed->changed)
+    terminal.note(
+        fmt::format("results.csv still has the former numbers; strobe replay {} --results writes it anew",
+                    options.session));
+  if (!options.edit_file.empty() && !changed->changed) terminal.note("these corrections count already");
+  return kDone;
+}
+
+}  // namespace
+
+void add_shot_command(CLI::App& app, int& exit_status) {
+  auto options = std::make_shared<ShotOptions>();
+  CLI::App* command = app.add_subcommand("shot", "One shot of a session again; correct its digitization");
+  command->add_option("SESSION", options->session, "the session's folder")->required();
+  command->add_option("SHOT", options->name, "its number, as on the screen and in results.csv (column shot)")
+      ->required();
+  CLI::Option* edit = command->add_option(
+      "--edit", options->edit_file,
+      "correct the digitization of its photograph by this file (see strobe digitize); the "
+      "corrected one is kept in the session beside the first, and counts");
+  command
+      ->add_flag("--undo-edit", options->undo_edit,
+                 "take the newest correction back; the one before it counts again")
+      ->excludes(edit);
+  command->add_option("--overlay", options->overlay,
+                      "draw what was found on the photograph, as a PNG, TIFF or JPEG file");
+  command->add_option("--estimator", options->estimator, "best (default), two-point or legacy")
+      ->check(CLI::IsMember({"best", "two-point", "legacy"}));
+  command->add_option("--noise", options->noise, "as of strobe reduce: stated (default) or residuals")
+      ->check(CLI::IsMember({"stated", "residuals"}));
+  add_session_options(*command, options->reading);
+  command->add_flag(
+      "--json", options->json,
+      "on standard output the readout as of strobe replay --json, then an object that tells its photograph "
+      "and digitizations; nothing else there");
+  command->footer(
+      "Examples: strobe shot run1 3\n"
+      "          strobe shot run1 3 --overlay shot3.png\n"
+      "          strobe shot run1 3 --edit corrections.toml\n"
+      "Exit status: 2 if there is no such shot, or it cannot be done.");
+  command->callback([options, &exit_status] { exit_status = run_shot(*options); });
+}
+
+}  // namespace strobe::host
