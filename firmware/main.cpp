@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <exception>
 #include <filesystem>
+#include <optional>
 
 #include "common/authentication/key_file.hpp"
 #include "common/command_line/complaint.hpp"
@@ -13,6 +14,7 @@
 #include "common/config/files.hpp"
 #include "common/messages/channels.hpp"
 #include "common/wire/lcm_url.hpp"
+#include "firmware/alarm.hpp"
 #include "firmware/check.hpp"
 #include "firmware/core/rig_file.hpp"
 #include "firmware/linux/gpio_lines.hpp"
@@ -147,7 +149,13 @@ int run(int argc, char** argv) {
   if (move) return move_interrupts(*rig);
   if (options.session.empty()) return bad_input("--session is required: the folder for the journal");
   if (auto key = take_key(*rig, options); !key) return bad_input(key.error().message);
-  return run_guardian(*rig, [&](SharedStatus& page) { return run_worker(*rig, options, page); });
+  std::optional<Alarm> alarm;
+  const auto tell = [&](std::int64_t boot_id, const std::string& message) {
+    if (!alarm) alarm.emplace(*rig, options, boot_id);
+    alarm->tell(message);
+  };
+  return run_guardian(
+      *rig, [&](SharedStatus& page) { return run_worker(*rig, options, page); }, tell);
 }
 
 }  // namespace

@@ -197,6 +197,7 @@ int run_worker(const Rig& rig, const Options& options, SharedStatus& page) {
       CommandFeed::open(options.lcm_url, messages::channel_name(rig.name, messages::Channel::command));
   if (!commands_in) return give_up_safely(commands_in.error().message);
   const std::int64_t boot_id = random_id();
+  page.boot_id = boot_id;
   LcmBus network(lcm);
   SealedBus bus(network, options.key.value(), boot_id);
   SystemClock clock;

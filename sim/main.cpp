@@ -236,11 +236,13 @@ int main(int argc, char** argv) {
   drive->footer(
       "Levels are physical: ESTOP=0 presses the e-stop. LINE=open breaks the line's wire until it is driven "
       "again: the chip's own resistor then decides, as strobed asked for it.\n"
-      "Example: strobe-sim drive --chip-dir /tmp/chip KEY=0");
+      "Example: strobe-sim drive --chip-dir /tmp/chip KEY=0\n"
+      "         strobe-sim drive --chip-dir /tmp/chip --after STROBE_A=20 ESTOP=0");
   drive->add_option("--chip-dir", chip_dir, "The chip's folder")->required();
   drive->add_option("drives", drives, "LINE=LEVEL, a line's name or offset and 0, 1 or open")->required();
-
   std::string after;
+  drive->add_option("--after", after, "LINE=N: at the line's Nth rise from now (default: at once)");
+
   CLI::App* unplug = app.add_subcommand("unplug", "Unplug a running rig's chip");
   unplug->footer(
       "Every further call on it answers \"no such device\", and event lines hang up. A chip that keeps "
@@ -272,7 +274,7 @@ int main(int argc, char** argv) {
   if (app.got_subcommand("photograph")) return sim::photograph_command(photographs);
   if (app.got_subcommand("board")) return sim::board_command(boards);
   if (lines->parsed()) return sim::lines_command(chip_dir, json);
-  if (drive->parsed()) return sim::drive_command(chip_dir, drives);
+  if (drive->parsed()) return sim::drive_command(chip_dir, drives, after);
   if (unplug->parsed()) return sim::unplug_command(chip_dir, after);
   if (fit->parsed()) return sim::fit_command(tables, folder, json);
   return sim::run_command(options);

@@ -4,12 +4,11 @@
 #include <vector>
 
 #include "common/result.hpp"
+#include "common/shot/plan_check.hpp"
 #include "firmware/core/rig.hpp"
 #include "firmware/ports/output_lines.hpp"
 
 namespace strobe::firmware {
-
-inline constexpr std::int32_t kMaxFlashes = 4000;  ///< of any rig; sizes what is allocated at the start
 
 /// One pulse of an output. It ends `width` after it was issued, so that a late one is never cut short.
 struct PlannedPulse {
@@ -35,11 +34,10 @@ struct PulseSchedule {
 /// reads the e-stop in between.
 Duration min_flash_interval(const Rig& rig);
 
+PlanLimits plan_limits(const Rig& rig);
+
 /// Fails, naming the limit, if the plan exceeds the rig's limits or contradicts itself. Allocates.
 Result<void> check_plan(const ShotPlan& plan, const Rig& rig);
-
-/// Number of flashes of a checked plan.
-std::int32_t flash_count(const ShotPlan& plan);
 
 /// The pulses of a checked plan. Real-time safe once `schedule` has its capacity.
 void build_schedule(const ShotPlan& plan, const Rig& rig, PulseSchedule& schedule) noexcept;

@@ -97,7 +97,9 @@ void Sequencer::arm(const Command& command) noexcept {
     return refuse(command, why);
   }
   ShortText host;
-  report(EventKind::armed, host.append(command.host_id, 16));
+  host.append(command.host_id, 16);
+  if (!command.host_name.empty()) host.append(" ").append(command.host_name.view());
+  report(EventKind::armed, host);
 }
 
 void Sequencer::fire(const Command& command) noexcept {

@@ -18,6 +18,7 @@
 #include <optional>
 #include <string>
 
+#include "common/messages/danger.hpp"
 #include "firmware/linux/console.hpp"
 #include "firmware/linux/gpio_lines.hpp"
 #include "firmware/linux/real_time.hpp"
@@ -32,6 +33,8 @@ namespace {
 
 constexpr int kAnywhere = -1;  // for a CPU
 constexpr Duration kPatience = milliseconds(1000);
+constexpr int kAlarms = 6;
+constexpr int kAlarmEvery_ms = 400;
 constexpr Duration kTimeToStop = milliseconds(15'000);  // a slow disk may keep the journal's last lines
 // for a worker that was asked to stop since its publisher hangs
 constexpr Duration kGrace = milliseconds(1000);
@@ -51,10 +54,11 @@ constexpr Duration kGrace = milliseconds(1000);
 
 class Guardian {
  public:
-  Guardian(const Rig& rig, pid_t worker, SharedStatus& page)
+  Guardian(const Rig& rig, pid_t worker, SharedStatus& page, const TellDanger& tell)
       : rig_(rig),
         worker_(worker),
         page_(page),
+        tell_(tell),
         service_(ServiceNotify::from_environment()),
         watchdog_(Watchdog::publisher_timeout_for(service_.watchdog())) {}
 
@@ -69,7 +73,9 @@ class Guardian {
     if (page_.lines_taken && !page_.outputs_safe && !(safe_ && *safe_)) make_safe();
     int status = 0;
     while (waitpid(worker_, &status, 0) < 0 && errno == EINTR) continue;
-    return report(status);
+    const int ended = report(status);
+    if (safe_ && !*safe_) sound_alarm(cause(status));
+    return ended;
   }
 
  private:
@@ -176,6 +182,24 @@ class Guardian {
     took_ = clock_.now() - noticed;
   }
 
+  /// The workstations hear it, several times as some may get lost; in between the outputs are tried again, for a chip
+  /// may come back.
+  void sound_alarm(const std::string& cause) {
+    const sched_param ordinary{};
+    sched_setscheduler(0, SCHED_OTHER, &ordinary);
+    const std::string words = "press the e-stop, and cut the power of lamps and machine: " + cause + "; ";
+    for (int i = 0; i < kAlarms; ++i) {
+      tell_(page_.boot_id, std::string(messages::kDangerWords) + ": " + words + safe_->error().message);
+      poll(nullptr, 0, kAlarmEvery_ms);
+      takeover_.reset();
+      make_safe();
+      if (!*safe_) continue;
+      const std::string made = "the guardian made the outputs inactive after all";
+      Console().say(made);
+      return tell_(page_.boot_id, cause + "; " + made);
+    }
+  }
+
   std::string cause(int status) const {
     if (page_.lines_released) return "an output could not be switched off";
     if (hung_ == Watchdog::Verdict::loop_hung) return "the loop hung and the worker was killed";
@@ -193,7 +217,7 @@ class Guardian {
     } else if (*safe_) {
       words += "the guardian made the outputs inactive in " + std::to_string(took_ / microseconds(1)) + " us";
     } else {
-      words += "THE OUTPUTS MAY BE ACTIVE: " + safe_->error().message;
+      words += std::string(messages::kDangerWords) + ": " + safe_->error().message;
     }
     Console().say(words);
     service_.say("STATUS=" + words);
@@ -203,6 +227,7 @@ class Guardian {
   const Rig& rig_;
   pid_t worker_;
   SharedStatus& page_;
+  const TellDanger& tell_;
   SystemClock clock_;
   ServiceNotify service_;
   Watchdog watchdog_;
@@ -220,7 +245,7 @@ class Guardian {
 
 }  // namespace
 
-int run_guardian(const Rig& rig, const std::function<int(SharedStatus&)>& work) {
+int run_guardian(const Rig& rig, const std::function<int(SharedStatus&)>& work, const TellDanger& tell) {
   void* memory =
       mmap(nullptr, sizeof(SharedStatus), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
   if (memory == MAP_FAILED) {
@@ -237,7 +262,7 @@ int run_guardian(const Rig& rig, const std::function<int(SharedStatus&)>& work) 
     return kExitFailed;
   }
   if (worker == 0) become_worker(guardian, work, *page);
-  return Guardian(rig, worker, *page).run();
+  return Guardian(rig, worker, *page, tell).run();
 }
 
 }  // namespace strobe::firmware

@@ -9,7 +9,9 @@
 // blocked in the kernel by a dead disk keeps the lines open even after a kill.
 #pragma once
 
+#include <cstdint>
 #include <functional>
+#include <string>
 
 #include "firmware/core/rig.hpp"
 #include "firmware/linux/shared_status.hpp"
@@ -23,9 +25,13 @@ inline constexpr int kExitBadInput = 2;
 /// The worker stops if the guardian has shown no sign of life for so long.
 inline constexpr Duration kGuardianTimeout = milliseconds(5'000);
 
+/// Tells the hosts that outputs may be active: called again and again with the message, from the guardian, once the
+/// worker of that boot is dead.
+using TellDanger = std::function<void(std::int64_t boot_id, const std::string& message)>;
+
 /// Runs `work` in a child process of a session of its own, which gets SIGTERM if the guardian dies. Its
 /// worker_stop_signals() are blocked: it waits for them. Returns strobed's exit status: 0 after an orderly stop, 2 if
 /// the worker gave up before it had the lines, else 1. Requires: one thread, and no open descriptors.
-int run_guardian(const Rig& rig, const std::function<int(SharedStatus&)>& work);
+int run_guardian(const Rig& rig, const std::function<int(SharedStatus&)>& work, const TellDanger& tell);
 
 }  // namespace strobe::firmware

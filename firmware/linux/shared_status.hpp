@@ -15,6 +15,7 @@ struct SharedStatus {
   /// It can no longer drive them and has released them: the guardian takes them over now.
   std::atomic<bool> lines_released{false};
   std::atomic<bool> ready{false};                  ///< its first status is published
+  std::atomic<std::int64_t> boot_id{0};            ///< the worker's; 0: not yet drawn
   std::atomic<std::int64_t> loop_heartbeat_ns{0};  ///< when the loop last ran; 0: not yet
   std::atomic<int> loop_cpu{-1};                   ///< the CPU it ran on
   std::atomic<std::int64_t> publisher_heartbeat_ns{0};

@@ -17,6 +17,7 @@ struct Command {
   std::int64_t token = 0;      ///< FIRE: the token it carries
   std::int64_t new_token = 0;  ///< ARM: drawn by the receiver; the host's token if it is armed
   ShotPlan plan;               ///< FIRE
+  ShortText host_name;         ///< ARM: who asks, for a person; may be empty
   ShortText defect;            ///< why it must be refused; empty if it is valid
 };
 

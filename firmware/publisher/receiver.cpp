@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "common/authentication/seal.hpp"
+#include "common/messages/host_name.hpp"
 #include "common/messages/plan_lcm.hpp"
 #include "common/messages/well_formed.hpp"
 #include "common/wire/log_reader.hpp"
@@ -50,6 +51,19 @@ bool good_note(const strobe_msgs::note_t& note) {
   return note.value.find(wire::kLogSync_bytes) == std::string::npos && !note.key.empty() &&
          note.key.size() <= 64 && note.value.size() <= 1024 &&
          note.key.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_.") == std::string::npos;
+}
+
+/// Who asks, as the command tells for a person: one word.
+ShortText host_name_in(const strobe_msgs::command_t& command) {
+  constexpr std::size_t kLongest = 64;
+  for (const auto& note : command.notes) {
+    if (note.key != messages::kHostNameNote || !good_note(note)) continue;
+    std::string name = note.value.substr(0, kLongest);
+    std::replace_if(
+        name.begin(), name.end(), [](unsigned char c) { return c <= ' ' || c == 0x7f; }, '_');
+    return ShortText(std::string_view(name));
+  }
+  return {};
 }
 
 }  // namespace
@@ -135,7 +149,10 @@ void Receiver::dispatch(const strobe_msgs::command_t& message) {
   command.token = message.arm_token;
   command.plan = messages::plan_from_lcm(message.plan);
   command.defect = ShortText(defect);
-  if (command.kind == CommandKind::arm) command.new_token = draw_token_();
+  if (command.kind == CommandKind::arm) {
+    command.new_token = draw_token_();
+    command.host_name = host_name_in(message);
+  }
   if (command.kind == CommandKind::fire && defect.empty()) {
     ShotNotes notes{message.host_id, message.command_id, {}};
     for (const auto& note : message.notes) notes.notes.push_back({note.key, note.value});

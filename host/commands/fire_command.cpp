@@ -1,8 +1,11 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include <algorithm>
+#include <filesystem>
 #include <memory>
 #include <optional>
+#include <system_error>
 
 #include "common/authentication/key_file.hpp"
 #include "common/command_line/help.hpp"
@@ -11,34 +14,25 @@
 #include "host/assembly/coded_spacing.hpp"
 #include "host/clock/machine_clock.hpp"
 #include "host/commands/command.hpp"
+#include "host/commands/fire_options.hpp"
 #include "host/commands/fire_run.hpp"
+#include "host/commands/operator_name.hpp"
 #include "host/commands/photograph_options.hpp"
-#include "host/config/notes.hpp"
+#include "host/messages/command_factory.hpp"
+#include "host/session/former_runs.hpp"
 #include "host/session/session_folder.hpp"
 #include "host/thesis/condition.hpp"
 
 namespace strobe::host {
 namespace {
 
-struct FireOptions {
-  std::string rig_path, url, session, plan_path, spacing, spin, key_file;
-  std::vector<std::string> notes;
-  std::optional<double> angle_deg;
-  int shots = 1;
-  std::optional<int> retries;
-  double wait_s = 60.0;
-  PhotographOptions photographs;
-  bool dry = false, json = false, plain = false, clear_fault = false, all = false;
-};
-
-Result<reduction::Record> notes_of(const FireOptions& options) {
-  reduction::Record notes;
-  if (!options.spin.empty()) notes["spin"] = options.spin;
-  if (options.angle_deg) notes["angle_deg"] = fmt::format("{}", *options.angle_deg);
-  for (const std::string& note : options.notes) {
-    if (auto added = add_note(notes, note); !added) return fail("--note: " + added.error().message);
-  }
-  return notes;
+/// What strobed would refuse, once armed.
+Result<void> check_plan(const FireOptions& options, const FireRequest& request) {
+  const auto problem = plan_problem(request.series.plan, request.rig.limits);
+  if (!problem) return {};
+  const std::string rig = options.rig_path.empty() ? "the example rig file" : options.rig_path;
+  const std::string where = options.plan_path.empty() ? rig + ": plan." : options.plan_path + ": ";
+  return fail(fmt::format("{}{}: {} (by the limits in {})", where, problem->field, problem->what, rig));
 }
 
 /// The plan to be fired, and the text of which the session keeps a copy.
@@ -64,7 +58,42 @@ Result<void> set_plan(const FireOptions& options, FireRequest& request) {
   request.series.plan = spaced.plan.shot();
   request.series.plan.dry = options.dry;
   request.train_remark = std::move(spaced.remark);
-  return {};
+  return check_plan(options, request);
+}
+
+std::string absolute(const std::string& path) {
+  std::error_code error;
+  return path.empty() ? "" : std::filesystem::absolute(path, error).string();
+}
+
+/// What the session keeps of it.
+RunRecord record_of(const FireOptions& options, const FireRequest& request) {
+  RunRecord run;
+  run.version = STROBE_VERSION;
+  run.operator_name = operator_name();
+  run.shots = request.series.shots;
+  run.until = request.series.whole_session;
+  run.retries = request.series.retries;
+  run.dry = options.dry;
+  run.notes = request.series.notes;
+  if (!options.plan_path.empty()) run.spacing = options.spacing;
+  run.rig_file = absolute(options.rig_path);
+  run.photographs = absolute(options.photographs.folder);
+  run.effort = options.photographs.effort;
+  run.key_fingerprint = request.key.fingerprint();
+  run.command = options.command;
+  return run;
+}
+
+/// How many shots, those included that the session holds already.
+void set_shots(const FireOptions& options, FireRequest& request) {
+  ShotSeriesSettings& series = request.series;
+  series.whole_session = options.until.has_value();
+  if (series.whole_session) {
+    for (const auto& [key, counts] : read_result_rows(request.session)) series.counted += counts ? 1 : 0;
+  }
+  series.shots = options.until ? *options.until : options.shots.value_or(1);
+  series.retries = options.retries.value_or(std::max(0, series.shots - series.counted));
 }
 
 Result<FireRequest> request_of(const FireOptions& options) {
@@ -78,23 +107,30 @@ Result<FireRequest> request_of(const FireOptions& options) {
   auto notes = notes_of(options);
   if (!notes) return tl::unexpected(notes.error());
   request.series.notes = std::move(*notes);
-  request.series.shots = options.shots;
-  request.series.retries = options.retries.value_or(options.shots);
+  // Plan and notes travel in one command.
+  const auto sealed = CommandSealer(request.key, request.rig.rig)
+                          .seal(CommandFactory(1).fire(1, 1, request.series.plan, request.series.notes));
+  if (!sealed) return tl::unexpected(sealed.error());
   request.series.blocked_timeout_s = options.wait_s;
   request.series.photograph_timeout_s = request.rig.analysis.photograph_timeout_s;
   request.series.clear_fault = options.clear_fault;
   request.url = lcm_url(options.url, request.rig);
   request.session =
       options.session.empty() ? "session-" + utc_for_file(MachineClock().read().wall) : options.session;
+  set_shots(options, request);
   request.photographs = options.photographs;
+  request.run = record_of(options, request);
   if (options.angle_deg) request.condition = thesis_condition(options.spin, *options.angle_deg);
   request.style = Terminal::style(options.json, options.plain);
   request.all = options.all;
   return request;
 }
 
-int run(const FireOptions& options) {
-  const auto request = request_of(options);
+int run(const FireOptions& given) {
+  if (given.until && given.dry) return bad_input("--until counts shots with a ball: not with --dry");
+  const auto options = given.resume ? resumed(given) : Result<FireOptions>(given);
+  if (!options) return bad_input(options.error().message);
+  const auto request = request_of(*options);
   return request ? run_fire(*request) : bad_input(request.error().message);
 }
 
@@ -104,8 +140,16 @@ void add_fire_command(CLI::App& app, int& exit_status) {
   auto options = std::make_shared<FireOptions>();
   CLI::App* command =
       app.add_subcommand("fire", "Fire shots and show the rebound of each; rejected shots are fired again");
-  command->add_option("--shots", options->shots, "shots that must count (default 1)")
-      ->check(CLI::Range(1, 100000));
+  CLI::Option* const shots =
+      command->add_option("--shots", options->shots, "shots that must count (default 1)")
+          ->check(CLI::Range(1, 100000));
+  command
+      ->add_option("--until", options->until,
+                   "fire until the session holds so many shots that count, those of earlier runs included")
+      ->check(CLI::Range(1, 100000))
+      ->excludes(shots);
+  command->add_flag("--resume", options->resume,
+                    "go on with what the session's last run was asked for: shots, plan, labels, notes");
   command
       ->add_option("--retries", options->retries,
                    "shots that may be fired again, in all (default: as many as --shots)")
@@ -142,10 +186,15 @@ void add_fire_command(CLI::App& app, int& exit_status) {
   command_line::for_experts(*command,
                             {"--spacing", "--effort", "--lcm-url", "--key-file", "--wait", "--clear-fault"});
   command->footer(
+      "Ctrl-C finishes the shot under way and ends; a second one aborts it. Ctrl-\\ aborts it at once.\n"
       "Example: strobe fire --rig rig.toml --session run1 --shots 9 --spin zero --angle 23 --note "
       "operator=\"A. Author\"\n"
-      "Exit status: 0 all shots came, 1 some did not, 2 bad usage or input.");
-  command->callback([options, &exit_status] { exit_status = run(*options); });
+      "         strobe fire --session run1 --resume\n"
+      "Exit status: 0 all shots counted, 1 some did not, 2 bad usage or input.");
+  command->callback([options, &exit_status] {
+    options->command = words_of_command_line();
+    exit_status = run(*options);
+  });
 }
 
 }  // namespace strobe::host

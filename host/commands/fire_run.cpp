@@ -4,6 +4,7 @@
 
 #include "host/clock/machine_clock.hpp"
 #include "host/commands/command.hpp"
+#include "host/commands/shot_text.hpp"
 #include "host/loop/stored_series.hpp"
 #include "host/messages/lcm_link.hpp"
 
@@ -61,16 +62,22 @@ class FireRun {
   FireRun(const FireRequest& request, SessionFolder& folder, Transport& link, Clock& clock,
           std::int64_t host_id)
       : request_(request),
-        stored_({request.rig.rig, assembly_of(request), host_id, true, request.key}, request.series, folder,
-                link, clock),
+        folder_(folder),
+        clock_(clock),
+        stored_({request.rig.rig, assembly_of(request), host_id, true, request.key, false,
+                 request.run.operator_name},
+                request.series, folder, link, clock),
         loop_(stored_.loop()),
         runner_(stored_.runner()),
         terminal_(request.style,
-                  fmt::format("strobe fire   rig {}   session {}", request.rig.rig, request.session)) {
+                  fmt::format("strobe fire   rig {}   session {}", request.rig.rig, request.session)),
+        shot_text_(folder, clock, [this](std::int64_t host) { return shown(host); }) {
     loop_.add_listener(terminal_);
-    terminal_.show_only(host_id);
+    loop_.add_listener(shot_text_);
+    terminal_.show_only([this](std::int64_t host) { return shown(host); });
     terminal_.model().thesis = request.condition;
     terminal_.model().all = request.all;
+    runner_.set_on_begin([this] { record_run(); });
   }
 
   HostLoop& loop() { return loop_; }
@@ -84,11 +91,13 @@ class FireRun {
  private:
   int fire() {
     terminal_.open();
-    terminal_.note(fmt::format("session {}, rig {} on {}", request_.session, request_.rig.rig, request_.url));
+    tell(fmt::format("session {}, rig {} on {}", request_.session, request_.rig.rig, request_.url));
+    if (runner_.taking_in())
+      tell("looking for shots that earlier runs in this session left without a result");
     if (!request_.train_remark.empty()) loop_.notify(request_.train_remark);
     bool receiving = true;
     while (!runner_.finished() && (receiving = stored_.run_once())) {
-      if (interrupted()) stop();
+      heed_signals();
       check_output();
       check_key();
       show();
@@ -101,8 +110,48 @@ class FireRun {
     return conclude();
   }
 
-  void stop() {
-    if (runner_.stop()) loop_.notify("interrupted: disarming");
+  /// This run's, and those that it takes over from earlier ones.
+  bool shown(std::int64_t host) const {
+    return host == loop_.settings().host_id || loop_.session().adopted(host);
+  }
+
+  /// For a person, now and in the session.
+  void tell(const std::string& text) {
+    terminal_.note(text);
+    shot_text_.add(text);
+  }
+
+  /// Before its first shot.
+  void record_run() {
+    RunRecord run = request_.run;
+    run.utc = utc_for_table(clock_.read().wall);
+    run.host_id = loop_.settings().host_id;
+    run.plan_file = folder_.plan_file();
+    run.session_shots = run.until ? run.shots : runner_.counted_before() + run.shots;
+    folder_.add(run);
+    recorded_ = true;
+    shot_text_.add(
+        fmt::format("{} fires {} {}", run.operator_name, run.until ? "until" : "shots:", run.shots));
+  }
+
+  /// The first finishes the shot under way; the second, or Ctrl-\, ends all at once.
+  void heed_signals() {
+    const int asked = ends_asked_for();
+    if (asked == heeded_) return;
+    heeded_ = asked;
+    interrupted_ = true;
+    if (asked == 1 && runner_.firing() && runner_.series().shot_under_way()) {
+      loop_.notify(fmt::format("finishing shot {}; press Ctrl-C again to stop at once",
+                               runner_.series().shot_number()));
+      return runner_.end_after_shot("interrupted");
+    }
+    if (asked == 1) {
+      loop_.notify(runner_.stop() ? "interrupted: disarming"
+                                  : "fetching lost events; press Ctrl-C again to stop at once");
+      return;
+    }
+    loop_.notify("stopping at once");
+    runner_.stop_at_once();
   }
 
   /// Readouts that nobody gets are no reason to throw on.
@@ -139,32 +188,62 @@ class FireRun {
 
   int conclude() {
     const ShotSeries& series = runner_.series();
-    if (request_.style != Terminal::Style::json && !request_.series.plan.dry)
+    const bool dry = request_.series.plan.dry;
+    if (request_.style != Terminal::Style::json && !dry && terminal_.model().series.shots() > 0)
       print(render_series(terminal_.model().series, request_.condition, kPlainWidth, request_.all));
     const std::string summary =
-        fmt::format("{} of {} shots came, {} fired again; session in {}", series.good(),
-                    request_.series.shots, series.refired(), request_.session);
+        fmt::format("{} of {} {} {}, {} fired again; session in {}", series.good(), request_.series.shots,
+                    request_.series.shots == 1 ? "shot" : "shots", dry ? "fired dry" : "counted",
+                    series.refired(), request_.session);
     std::string problem = series.succeeded() ? "" : series.blocking_reason();
+    if (interrupted_ && !series.succeeded()) problem = "interrupted";
     for (const std::string& line : stored_.unstored()) problem += (problem.empty() ? "" : "; ") + line;
-    if (!series.succeeded() || !problem.empty())
-      return failed(summary + (problem.empty() ? "" : ": " + problem));
-    std::fprintf(stderr, "strobe: %s\n", summary.c_str());
-    return kDone;
+    if (series.succeeded() && problem.empty()) {
+      std::fprintf(stderr, "strobe: %s\n", summary.c_str());
+      return kDone;
+    }
+    const std::string how_on =
+        series.succeeded() || dry || !recorded_
+            ? ""
+            : fmt::format("; go on with: strobe fire --resume --session {}", request_.session);
+    return failed(summary + (problem.empty() ? "" : ": " + problem) + how_on);
   }
 
   const FireRequest& request_;
+  SessionFolder& folder_;
+  Clock& clock_;
   StoredSeries stored_;
   HostLoop& loop_;
   SeriesRunner& runner_;
   Terminal terminal_;
+  ShotText shot_text_;
+  int heeded_ = 0;  ///< of ends_asked_for()
+  bool interrupted_ = false;
+  bool recorded_ = false;  ///< there is a run to go on with
   KeyCheck key_;
   ActivityNotes activity_;
   bool recovery_told_ = false;
 };
 
+/// Whether the session holds all shots that are wanted, and nothing is left to take in.
+Result<bool> already_there(const FireRequest& request) {
+  const ShotSeriesSettings& series = request.series;
+  if (!series.whole_session || series.counted < series.shots) return false;
+  const auto former = read_former_runs(request.session, request.rig.rig, request.key);
+  if (!former) return tl::unexpected(former.error());
+  return !former->may_lack_results();
+}
+
 }  // namespace
 
 int run_fire(const FireRequest& request) {
+  const auto there = already_there(request);
+  if (!there) return bad_input(there.error().message);
+  if (*there) {
+    std::fprintf(stderr, "strobe: session %s holds %d shots that count, of %d wanted: nothing is fired\n",
+                 request.session.c_str(), request.series.counted, request.series.shots);
+    return kDone;
+  }
   MachineClock clock;
   auto folder = SessionFolder::open(
       request.session, utc_for_file(clock.read().wall), request.rig.text, request.plan_text,

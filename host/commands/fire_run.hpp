@@ -10,6 +10,7 @@
 #include "host/commands/terminal.hpp"
 #include "host/config/rig_file.hpp"
 #include "host/photographs/open_pipeline.hpp"
+#include "host/session/run_record.hpp"
 #include "host/session/shot_series.hpp"
 
 namespace strobe::host {
@@ -25,6 +26,7 @@ struct FireRequest {
   std::string url;
   std::string session;
   PhotographOptions photographs;
+  RunRecord run;  ///< for the session's runs.jsonl, but for what only the run knows
   std::optional<thesis::Condition> condition;
   Terminal::Style style = Terminal::Style::plain;
   bool all = false;  ///< show experts' numbers as well

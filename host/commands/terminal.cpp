@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <atomic>
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
@@ -17,9 +18,11 @@ namespace {
 
 constexpr Duration kRepaint = milliseconds{100};
 
-volatile std::sig_atomic_t caught = 0;
+// Lock-free, as a handler needs it; several threads may be interrupted at once.
+std::atomic<int> ends_asked{0};
+static_assert(std::atomic<int>::is_always_lock_free);
 
-void mark(int) { caught = 1; }
+void count(int signal) { ends_asked += signal == SIGQUIT ? 2 : 1; }
 
 /// The readout, or the train report of a dry shot; whose it is, why it does not count, and whether it is the lab's.
 std::string json_line(const ShotResult& result) {
@@ -41,12 +44,12 @@ std::int64_t random_host_id() {
 
 void catch_signals() {
   struct sigaction action {};
-  action.sa_handler = mark;
+  action.sa_handler = count;
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) sigaction(signal, &action, nullptr);
   std::signal(SIGPIPE, SIG_IGN);
 }
 
-bool interrupted() { return caught != 0; }
+int ends_asked_for() { return ends_asked; }
 
 Terminal::Style Terminal::style(bool json, bool plain) {
   if (json) return Style::json;
@@ -63,7 +66,7 @@ void Terminal::open() {
 }
 
 void Terminal::on_shot_result(const ShotResult& result) {
-  if (only_host_ && result.host_id != *only_host_) return;
+  if (shown_ && !shown_(result.host_id)) return;
   model_.add(result);
   if (max_shots_ > 0 && model_.shots > max_shots_) return;
   if (style_ == Style::json) {

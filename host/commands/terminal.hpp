@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -16,9 +17,12 @@ namespace strobe::host {
 /// Random, positive.
 std::int64_t random_host_id();
 
-/// From now on SIGINT, SIGTERM, SIGHUP and SIGQUIT only make interrupted() true.
+/// From now on SIGINT, SIGTERM, SIGHUP and SIGQUIT only count in ends_asked_for().
 void catch_signals();
-bool interrupted();
+/// How urgently a person, or the system, has asked for the end: once for each SIGINT, SIGTERM and SIGHUP, twice for
+/// SIGQUIT.
+int ends_asked_for();
+inline bool interrupted() { return ends_asked_for() > 0; }
 
 /// Shows a session to a person or a script: one JSON object a line, lines of text, or the whole screen.
 class Terminal final : public HostListener {
@@ -30,9 +34,9 @@ class Terminal final : public HostListener {
   /// max_shots: results beyond are not printed; 0: no limit.
   explicit Terminal(Style style, std::string title = "", int max_shots = 0);
 
-  /// From now on only the results of this host's shots are shown: others', or those of a log that is played
-  /// back, are none of its series.
-  void show_only(std::int64_t host_id) { only_host_ = host_id; }
+  /// From now on only results of these hosts' shots are shown: others', or those of a log that is played back, are
+  /// none of the series.
+  void show_only(std::function<bool(std::int64_t host_id)> shown) { shown_ = std::move(shown); }
   /// Takes the screen, if that is the style; where there is none that can be painted on, lines are printed.
   void open();
   bool owns_screen() const { return screen_ != nullptr; }
@@ -54,7 +58,7 @@ class Terminal final : public HostListener {
  private:
   Style style_;
   int max_shots_;
-  std::optional<std::int64_t> only_host_;
+  std::function<bool(std::int64_t)> shown_;
   ViewModel model_;
   std::unique_ptr<Screen> screen_;
   HostTime painted_;

@@ -66,6 +66,26 @@ std::string read_lcm_url(TomlTable root) {
   return url;
 }
 
+Duration in_us(TomlTable& table, const char* key) {
+  return from_seconds(1e-6 * table.optional_number(key, {0.0, 1e9}).value_or(0.0));
+}
+
+/// strobed's own tables, of which it checks the rest.
+PlanLimits read_limits(TomlTable root, const ShotPlan& plan) {
+  PlanLimits limits;
+  TomlTable lamps = root.table("lamps"), tolerance = root.table("tolerance"), shutter = root.table("shutter");
+  limits.lamp_period = in_us(lamps, "min_period_us");
+  limits.lamp_pulse = in_us(lamps, "pulse_us");
+  limits.flash_interval = in_us(lamps, "max_on_us") + in_us(tolerance, "spin_us");
+  if (lamps.has("max_flashes_per_shot"))
+    limits.max_flashes = static_cast<std::int32_t>(lamps.integer("max_flashes_per_shot", {1, kMaxFlashes}));
+  if (const auto most_s = shutter.optional_number("max_open_s", {0.0, to_seconds(kLongestOfPlan)}))
+    limits.longest_exposure = from_seconds(*most_s);
+  limits.gate_fitted = !root.has("lines") || root.table("lines").has("gate");
+  limits.impact_at = plan.impact_at;
+  return limits;
+}
+
 void accept_firmware_tables(TomlTable root) {
   const std::set<std::string> own{"rig",    "lcm_url", "commands", "ball",       "analysis", "camera",
                                   "record", "plan",    "machine",  "laboratory", "report"};
@@ -97,6 +117,7 @@ Result<RigFile> read_rig(std::string_view text, const std::string& file_name) {
   TomlTable machine = root.table("machine");
   if (const auto lag = machine.optional_number("lag_ms", {0.0, 60000.0})) rig.machine_lag_s = *lag * 1e-3;
   machine.accept_all();
+  rig.limits = read_limits(root, rig.plan.even);
   accept_firmware_tables(root);
   if (const auto bad = reader.error()) return fail(bad->message);
   return rig;

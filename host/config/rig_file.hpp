@@ -1,6 +1,6 @@
 // The host's part of the rig file: rig, lcm_url, [commands], [ball], [analysis], [camera], [record],
-// [laboratory], [report], [plan] and the machine's lag. The other tables are strobed's; they are accepted unread. Values;
-// thread-safe.
+// [laboratory], [report], [plan], the machine's lag, and what limits a plan. The rest is strobed's and accepted unread.
+// Values; thread-safe.
 #pragma once
 
 #include <optional>
@@ -9,6 +9,7 @@
 
 #include "common/reduction/frame.hpp"
 #include "common/result.hpp"
+#include "common/shot/plan_check.hpp"
 #include "host/config/camera_table.hpp"
 #include "host/config/plan_file.hpp"
 #include "host/config/statements.hpp"
@@ -50,6 +51,7 @@ struct RigFile {
   reduction::Record record;
   Statements statements;  ///< for reports
   PlanFile plan;
+  PlanLimits limits;                    ///< as far as the file names them
   std::optional<double> machine_lag_s;  ///< trigger to touchdown
   std::string text;                     ///< the file as it was read
   std::string calibration_text;         ///< likewise that which camera.calibration names

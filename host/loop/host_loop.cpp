@@ -18,7 +18,7 @@ HostLoop::HostLoop(HostLoopSettings settings, Transport& transport, Clock& clock
     : settings_(std::move(settings)),
       transport_(transport),
       clock_(clock),
-      commands_(settings_.host_id),
+      commands_(settings_.host_id, settings_.host_name),
       rig_channels_("STROBE/" + settings_.rig + "/"),
       command_channel_(messages::channel_name(settings_.rig, messages::Channel::command)),
       check_(settings_.key, settings_.host_id),
@@ -107,6 +107,11 @@ void HostLoop::on_frame(const strobe_msgs::frame_t& message) {
   take_in(message);
 }
 
+void HostLoop::take_in(const strobe_msgs::shot_t& shot) {
+  if (photographs_) photographs_->on_shot(shot);
+  session_.on_shot(shot, now_);
+}
+
 void HostLoop::take_in(const strobe_msgs::frame_t& frame) {
   if (photographs_) photographs_->on_frame(frame);
   session_.on_frame(frame, now_);
@@ -167,7 +172,8 @@ void HostLoop::report() {
   for (const std::string& text : session_.take_notifications()) notify(text);
   for (ShotResult& result : session_.take_shot_results()) {
     result.verified = verifies();
-    if (settings_.fires && result.host_id == settings_.host_id && !result.dry) {
+    const bool own = result.host_id == settings_.host_id || session_.adopted(result.host_id);
+    if (settings_.fires && own && !result.dry && !read_out_.contains({result.boot_id, result.shot_id})) {
       publish(messages::Channel::readout,
               messages::readout_to_lcm(result.readout, settings_.host_id, result.boot_id));
     }

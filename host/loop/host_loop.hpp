@@ -9,6 +9,7 @@
 
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -32,6 +33,7 @@ struct HostLoopSettings {
   bool fires = false;        ///< this host's own shots each get a readout, which is published
   std::optional<authentication::Key> key = {};  ///< absent: nothing is verified, requested or fired
   bool replays = false;                         ///< a log: verified, but nobody is there to be asked
+  std::string host_name = {};                   ///< who fires, told to other hosts; empty: nothing is said
 };
 
 /// Hears what happens in a session. The default is to ignore it.
@@ -59,6 +61,12 @@ class HostLoop final : private MessageHandler {
   void add_listener(HostListener& listener) { listeners_.push_back(&listener); }
   /// Photographs are taken from this pipeline. Null: none are.
   void set_photographs(std::unique_ptr<PhotographPipeline> pipeline) { photographs_ = std::move(pipeline); }
+  PhotographPipeline* photographs() { return photographs_.get(); }
+  /// A summary, or a frame, from an earlier run's log.
+  void take_in(const strobe_msgs::shot_t& shot);
+  void take_in(const strobe_msgs::frame_t& frame);
+  /// The readouts of these shots have been published before, and are not again.
+  void mark_read_out(const std::set<ShotKey>& shots) { read_out_ = shots; }
 
   /// Waits for messages, takes them in, does what is due. Returns false if the transport has failed.
   bool run_once();
@@ -95,7 +103,6 @@ class HostLoop final : private MessageHandler {
   void on_event(const strobe_msgs::event_t& message) override;
   void on_shot(const strobe_msgs::shot_t& message) override;
   void on_frame(const strobe_msgs::frame_t& message) override;
-  void take_in(const strobe_msgs::frame_t& frame);
   std::int64_t firmware_boot_time_ns(std::int64_t boot_id);
   void publish_photographs();
   void request_lost_events();
@@ -118,6 +125,7 @@ class HostLoop final : private MessageHandler {
   std::unique_ptr<PhotographPipeline> photographs_;
   MessageDecoder decoder_;
   std::vector<HostListener*> listeners_;
+  std::set<ShotKey> read_out_;
   std::string told_fault_;
   HostTime now_;
   HostTime last_message_;

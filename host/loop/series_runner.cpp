@@ -1,5 +1,7 @@
 #include "host/loop/series_runner.hpp"
 
+#include <utility>
+
 namespace strobe::host {
 namespace {
 
@@ -20,31 +22,60 @@ void SeriesRunner::enter(Phase phase) {
   if (phase == Phase::recovering) recovery_.emplace(loop_.now());
 }
 
+void SeriesRunner::take_in_first(FormerRuns former) {
+  take_in_.emplace(loop_, std::move(former));
+  enter(Phase::taking_in);
+}
+
+void SeriesRunner::on_shot_result(const ShotResult& result) {
+  if (result.host_id == loop_.settings().host_id) {
+    series_.on_shot_result(result);
+  } else if (loop_.session().adopted(result.host_id)) {
+    series_.on_former_result(result);
+  }
+}
+
 void SeriesRunner::step() {
+  if (phase_ == Phase::taking_in && take_in_->finished()) enter(Phase::firing);
   if (phase_ == Phase::firing && series_.finished()) enter(Phase::recovering);
   if (phase_ == Phase::disarming && (disarmed() || loop_.now() - entered_ > kDisarmTimeout))
     enter(Phase::recovering);
-  if (phase_ == Phase::firing) fire();
-  if (phase_ == Phase::recovering && recovery_->finished(loop_.session(), loop_.now()))
+  if (phase_ == Phase::firing) {
+    if (on_begin_) std::exchange(on_begin_, nullptr)();
+    fire();
+  }
+  if (phase_ == Phase::recovering && (hurried_ || recovery_->finished(loop_.session(), loop_.now())))
     phase_ = Phase::finished;
 }
 
 void SeriesRunner::fire() {
   const auto status = loop_.live_status();
-  if (status || loop_.now() - entered_ > kFirstStatus) series_.step(status, loop_.now());
+  const Session& session = loop_.session();
+  series_.on_danger(session.danger());
+  if (status)
+    series_.on_arming_of(session.host_name(status->arm_host_id), session.adopted(status->arm_host_id));
+  // One that was fired at the last moment of an earlier run.
+  const bool former_under_way = status && session.waits_for_adopted() && !series_.shot_under_way();
+  if (!former_under_way && (status || loop_.now() - entered_ > kFirstStatus))
+    series_.step(status, loop_.now());
   send_commands();
 }
 
 bool SeriesRunner::stop() {
-  if (phase_ != Phase::firing) return false;
+  if (phase_ != Phase::firing && phase_ != Phase::taking_in) return false;
   series_.stop(loop_.live_status());
   send_commands();
   enter(Phase::disarming);
   return true;
 }
 
+void SeriesRunner::stop_at_once() {
+  hurried_ = true;
+  stop();
+}
+
 void SeriesRunner::end_after_shot(const std::string& why) {
-  if (phase_ != Phase::firing) return;
+  if (phase_ != Phase::firing && phase_ != Phase::taking_in) return;
   series_.end_after_shot(why, loop_.live_status());
   send_commands();
 }

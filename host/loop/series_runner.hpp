@@ -3,9 +3,11 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 
 #include "host/loop/host_loop.hpp"
+#include "host/loop/take_in.hpp"
 #include "host/session/gap_recovery.hpp"
 #include "host/session/shot_series.hpp"
 
@@ -16,25 +18,37 @@ class SeriesRunner final : public HostListener {
   /// Adds itself to the loop's listeners; the loop must be the longer-lived and have a key.
   SeriesRunner(HostLoop& loop, ShotSeriesSettings settings);
 
+  /// Before the series: what earlier runs left.
+  void take_in_first(FormerRuns former);
+
+  /// Called once, before the series begins.
+  void set_on_begin(std::function<void()> on_begin) { on_begin_ = std::move(on_begin); }
+  /// Shots in the folder that count, of earlier runs.
+  int counted_before() const { return take_in_ ? take_in_->former().counted() : 0; }
+
   void step();
-  /// Ends the series before its time: disarms, which may take a second, then recovers lost events. Returns
-  /// false if it had ended already.
+  /// Ends the series before its time: the shot under way is aborted, the rig disarmed, which may take a second; then
+  /// lost events are recovered. Returns false if it had ended already.
   bool stop();
+  /// As stop(), and lost events are not waited for.
+  void stop_at_once();
   /// No shot after the one under way, if one is.
   void end_after_shot(const std::string& why);
 
   bool finished() const { return phase_ == Phase::finished; }
   /// The series has been fired or given up; lost events are being fetched, or have been.
   bool fired() const { return phase_ == Phase::recovering || phase_ == Phase::finished; }
+  bool firing() const { return phase_ == Phase::firing; }
+  bool taking_in() const { return phase_ == Phase::taking_in; }
   /// How long lost events have been fetched; 0 before.
   Duration recovering_for() const;
   const ShotSeries& series() const { return series_; }
 
-  void on_shot_result(const ShotResult& result) override { series_.on_shot_result(result); }
+  void on_shot_result(const ShotResult& result) override;
   void on_event(const strobe_msgs::event_t& event) override { series_.on_event(event); }
 
  private:
-  enum class Phase { firing, disarming, recovering, finished };
+  enum class Phase { taking_in, firing, disarming, recovering, finished };
 
   void enter(Phase phase);
   void fire();
@@ -45,6 +59,9 @@ class SeriesRunner final : public HostListener {
   ShotSeries series_;
   Phase phase_ = Phase::firing;
   HostTime entered_;
+  std::function<void()> on_begin_;
+  bool hurried_ = false;  ///< lost events are not waited for
+  std::optional<TakeIn> take_in_;
   std::optional<GapRecovery> recovery_;
 };
 

@@ -18,11 +18,15 @@ StoredSeries::StoredSeries(const HostLoopSettings& settings, const ShotSeriesSet
       loop_(settings, transport_, clock),
       runner_(loop_, series) {
   loop_.add_listener(*this);
-  if (settings.key) folder.load_events(loop_.session().ledger(), settings.rig, *settings.key);
+  if (!settings.key) return;
+  auto former = read_former_runs(folder.path(), settings.rig, *settings.key, folder.log_path());
+  if (!former) return;  // whoever wants to know has read it before
+  for (const auto& [key, shot] : former->shots) folder.add(shot);
+  if (!former->empty() || !former->events.empty()) runner_.take_in_first(std::move(*former));
 }
 
 void StoredSeries::on_shot_result(const ShotResult& result) {
-  if (result.host_id != loop_.settings().host_id) return;
+  if (result.host_id != loop_.settings().host_id && !loop_.session().adopted(result.host_id)) return;
   if (!result.dry) folder_.add(result, utc_for_table(clock_.read().wall));
   unsynced_ = true;
 }

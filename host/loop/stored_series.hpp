@@ -15,7 +15,7 @@ namespace strobe::host {
 
 class StoredSeries final : private HostListener {
  public:
-  /// The references must outlive the object.
+  /// The references must outlive the object. What earlier runs in the folder left is taken in first.
   StoredSeries(const HostLoopSettings& settings, const ShotSeriesSettings& series, SessionFolder& folder,
                Transport& transport, Clock& clock);
 

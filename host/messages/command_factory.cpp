@@ -1,6 +1,7 @@
 #include "host/messages/command_factory.hpp"
 
 #include "common/authentication/seal.hpp"
+#include "common/messages/host_name.hpp"
 #include "common/messages/plan_lcm.hpp"
 #include "common/messages/record.hpp"
 
@@ -18,7 +19,14 @@ command_t CommandFactory::make(std::int64_t boot_id, std::int8_t kind) {
   return command;
 }
 
-command_t CommandFactory::arm(std::int64_t boot_id) { return make(boot_id, command_t::ARM); }
+command_t CommandFactory::arm(std::int64_t boot_id) {
+  command_t command = make(boot_id, command_t::ARM);
+  if (host_name_.empty()) return command;
+  command.notes = messages::notes_from_record({{std::string(messages::kHostNameNote), host_name_}});
+  command.note_count = static_cast<std::int32_t>(command.notes.size());
+  return command;
+}
+
 command_t CommandFactory::disarm(std::int64_t boot_id) { return make(boot_id, command_t::DISARM); }
 command_t CommandFactory::clear(std::int64_t boot_id) { return make(boot_id, command_t::CLEAR); }
 

@@ -18,10 +18,12 @@ namespace strobe::host {
 
 class CommandFactory {
  public:
-  /// host_id: random, not 0.
-  explicit CommandFactory(std::int64_t host_id) : host_id_(host_id) {}
+  /// host_id: random, not 0. host_name: who arms, for other hosts; empty: nothing is said.
+  explicit CommandFactory(std::int64_t host_id, std::string host_name = "")
+      : host_id_(host_id), host_name_(std::move(host_name)) {}
 
   std::int64_t host_id() const { return host_id_; }
+  const std::string& host_name() const { return host_name_; }
   strobe_msgs::command_t arm(std::int64_t boot_id);
   strobe_msgs::command_t fire(std::int64_t boot_id, std::int64_t arm_token, const ShotPlan& plan,
                               const reduction::Record& notes);
@@ -34,6 +36,7 @@ class CommandFactory {
   strobe_msgs::command_t make(std::int64_t boot_id, std::int8_t kind);
 
   std::int64_t host_id_;
+  std::string host_name_;
   std::int64_t next_id_ = 1;
 };
 

@@ -45,6 +45,7 @@ Result<std::unique_ptr<CameraFolder>> CameraFolder::open(const fs::path& folder,
   }
   if (error) return fail(folder.string() + ": " + error.message());
   result->scanned_ = now;
+  result->old_ = result->known_;
   return result;
 }
 
@@ -136,6 +137,16 @@ void CameraFolder::scan(HostTime now, std::vector<Arrival>& arrivals) {
   std::sort(whole.begin(), whole.end());
   for (const std::string& name : whole) consider(name, false, now, arrivals);
   std::erase_if(known_, [&there](const auto& entry) { return !there.contains(entry.first); });
+}
+
+std::vector<OldFile> CameraFolder::old_files() {
+  std::vector<OldFile> files;
+  for (const auto& [name, before] : old_) {
+    Identity identity;
+    if (identify(name, identity) && identity == before && wanted(name))
+      files.push_back({folder_ / name, HostTime{before.changed.time_since_epoch()}});
+  }
+  return files;
 }
 
 std::vector<Arrival> CameraFolder::look(HostTime now) {

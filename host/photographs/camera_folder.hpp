@@ -15,6 +15,7 @@
 
 #include "common/result.hpp"
 #include "common/units/time.hpp"
+#include "host/photographs/left_photographs.hpp"
 
 namespace strobe::host {
 
@@ -38,6 +39,9 @@ class CameraFolder {
   std::vector<Arrival> look(HostTime now);
   /// For a person: files of a kind that cannot be read, a folder that went away and came back.
   std::vector<std::string> take_notifications() { return std::exchange(notifications_, {}); }
+
+  /// What was there when it was opened and has not changed since.
+  std::vector<OldFile> old_files();
 
   /// Readable when look() may find something at once.
   int descriptor() const { return inotify_; }
@@ -64,7 +68,7 @@ class CameraFolder {
   int watch_ = -1;
   bool rescan_ = false;
   HostTime scanned_;
-  std::map<std::string, Identity> known_;
+  std::map<std::string, Identity> known_, old_;
   std::map<std::string, Identity> changing_;  ///< seen by looking; arrived once it stays the same
   std::set<std::string> said_kinds_;
   std::vector<std::string> notifications_;

@@ -59,6 +59,12 @@ void PhotographMatcher::on_measured(const ShotKey& shot) {
   }
 }
 
+void PhotographMatcher::on_taken(const ShotKey& shot) {
+  for (Exposure& exposure : exposures_) {
+    if (exposure.key == shot) exposure.taken = true;
+  }
+}
+
 void PhotographMatcher::give_back(const ShotKey& shot) {
   for (Exposure& exposure : exposures_) {
     if (exposure.key == shot) exposure.taken = false;

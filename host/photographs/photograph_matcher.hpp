@@ -36,6 +36,8 @@ class PhotographMatcher {
   void on_shot(const strobe_msgs::shot_t& shot);
   /// The photograph of this shot has been measured, here or elsewhere.
   void on_measured(const ShotKey& shot);
+  /// The photograph of this shot has come before.
+  void on_taken(const ShotKey& shot);
   /// The photograph assigned to this shot could not be read: another one may come.
   void give_back(const ShotKey& shot);
   /// A photograph has arrived; numbers rise.

@@ -54,14 +54,14 @@ void PhotographPipeline::add(const Arrival& arrival) {
 }
 
 /// photographs/shot-0007-NAME in the session's folder, with a number where that is taken.
-fs::path PhotographPipeline::name_to_keep(const Arrival& arrival, const ShotKey& shot) {
+fs::path PhotographPipeline::name_to_keep(const fs::path& file, const ShotKey& shot) {
   if (settings_.keep_folder.empty()) return {};
   const fs::path folder = settings_.keep_folder / "photographs";
-  const std::string stem = fmt::format("shot-{:04}-{}", shot.shot_id, arrival.path.stem().string());
-  fs::path path = folder / (stem + arrival.path.extension().string());
+  const std::string stem = fmt::format("shot-{:04}-{}", shot.shot_id, file.stem().string());
+  fs::path path = folder / (stem + file.extension().string());
   std::error_code error;
   for (int i = 2; fs::exists(path, error) || names_used_.contains(path); ++i)
-    path = folder / fmt::format("{}-{}{}", stem, i, arrival.path.extension().string());
+    path = folder / fmt::format("{}-{}{}", stem, i, file.extension().string());
   names_used_.insert(path);
   return path;
 }
@@ -76,7 +76,7 @@ void PhotographPipeline::apply(const PhotographDecision& decision) {
   job.file = arrival.path;
   job.shot = *decision.shot;
   job.measure = decision.wanted;
-  job.keep_as = name_to_keep(arrival, job.shot);
+  job.keep_as = name_to_keep(arrival.path, job.shot);
   job.may_link = arrival.renamed;
   if (const auto* times = flash_times_s_.find(job.shot)) job.flash_times_s = *times;
   newest_ = arrival.path;
@@ -84,8 +84,36 @@ void PhotographPipeline::apply(const PhotographDecision& decision) {
   reader_.add(std::move(job));
 }
 
+std::vector<ShotKey> PhotographPipeline::measure_left(const LeftShots& shots, const DeviceClock& clock) {
+  std::vector<ShotKey> found;
+  for (const LeftPhotograph& left : match_left_photographs(shots, folder_->old_files(), settings_.keep_folder,
+                                                           clock, settings_.timeout_s)) {
+    PhotographJob job;
+    job.file = left.file;
+    job.shot = left.shot;
+    if (!left.kept) job.keep_as = name_to_keep(left.file, left.shot);
+    job.left = true;
+    if (const auto* times = flash_times_s_.find(left.shot)) job.flash_times_s = *times;
+    found.push_back(left.shot);
+    ++left_;
+    being_read_.insert(left.file);
+    reader_.add(std::move(job));
+  }
+  return found;
+}
+
+/// What a frame calls its photograph.
+std::string PhotographPipeline::name_in_session(const PhotographJob& job, bool kept) const {
+  const fs::path folder = "photographs";
+  if (!job.keep_as.empty() && kept) return (folder / job.keep_as.filename()).string();
+  const bool own_copy =
+      !settings_.keep_folder.empty() && job.file.parent_path() == settings_.keep_folder / folder;
+  return own_copy ? (folder / job.file.filename()).string() : job.file.filename().string();
+}
+
 void PhotographPipeline::finish(PhotographResult result) {
   const PhotographJob& job = result.job;
+  left_ -= job.left ? 1 : 0;
   const std::string what = fmt::format("photograph of shot {}", job.shot.shot_id);
   being_read_.erase(job.file);
   if (!result.reading) {
@@ -101,9 +129,7 @@ void PhotographPipeline::finish(PhotographResult result) {
   frame.shot_id = job.shot.shot_id;
   frame.host_id = settings_.host_id;
   if (frame.source.empty()) frame.source = "auto";
-  const bool kept = !job.keep_as.empty() && result.not_kept.empty();
-  frame.photograph =
-      kept ? (fs::path("photographs") / job.keep_as.filename()).string() : job.file.filename().string();
+  frame.photograph = name_in_session(job, result.not_kept.empty());
   measured_.put(job.shot, frame);
   frames_.push_back(std::move(frame));
 }

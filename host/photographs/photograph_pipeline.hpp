@@ -14,6 +14,7 @@
 
 #include "common/shot/recent_map.hpp"
 #include "host/photographs/camera_folder.hpp"
+#include "host/photographs/left_photographs.hpp"
 #include "host/photographs/photograph_matcher.hpp"
 #include "host/photographs/photograph_reader.hpp"
 
@@ -38,6 +39,12 @@ class PhotographPipeline {
   /// A frame that anybody has measured, this pipeline included.
   void on_frame(const strobe_msgs::frame_t& frame);
 
+  /// Measures what earlier runs left of the camera's photographs and fits a shot that is wanted (left_photographs.hpp).
+  /// Returns the shots.
+  std::vector<ShotKey> measure_left(const LeftShots& shots, const DeviceClock& clock);
+  /// Of these, so many are not measured yet.
+  int left() const { return left_; }
+
   /// Takes in what has arrived and what has been measured.
   void step(HostTime now);
   /// No shot will come any more: tells what is left over.
@@ -61,7 +68,8 @@ class PhotographPipeline {
   void add(const Arrival& arrival);
   void apply(const PhotographDecision& decision);
   void finish(PhotographResult result);
-  std::filesystem::path name_to_keep(const Arrival& arrival, const ShotKey& shot);
+  std::filesystem::path name_to_keep(const std::filesystem::path& file, const ShotKey& shot);
+  std::string name_in_session(const PhotographJob& job, bool kept) const;
 
   std::unique_ptr<CameraFolder> folder_;
   PhotographSettings settings_;
@@ -69,6 +77,7 @@ class PhotographPipeline {
   RecentMap<ShotKey, std::vector<double>> flash_times_s_{kMaxShots};
   std::map<int, Arrival> undecided_;  ///< photographs not yet decided on, by number
   int next_photograph_ = 1;
+  int left_ = 0;
   std::set<std::filesystem::path> being_read_;
   std::filesystem::path newest_;  ///< the photograph last matched
   std::set<std::filesystem::path> names_used_;

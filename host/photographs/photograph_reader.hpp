@@ -39,6 +39,7 @@ struct PhotographJob {
   bool measure = true;            ///< false: it is only kept
   std::filesystem::path keep_as;  ///< empty: not kept
   bool may_link = false;          ///< a hard link does: nobody changes the file in place
+  bool left = false;              ///< by an earlier run
   std::vector<double> flash_times_s;
 };
 

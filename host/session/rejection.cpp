@@ -36,7 +36,7 @@ constexpr std::array<std::string_view, reduction::kFlagCount> kWords{
     "a flash sensor missed flashes that show the ball",
     "flash times are not plausible",
     "events of the shot were lost",
-    "the shutter's contact did not show it opening and closing as it should",
+    "the shutter's contact (line xsync) did not show it opening and closing as it should",
     "the train's code leaves open which of its flashes made the images",
     "the air matters, but a leg is too long to be fitted with drag and lift",
     "a surface point did not lie on the line through the others and was left out",
@@ -95,17 +95,44 @@ std::optional<std::string> match_reason(const reduction::Readout& readout, const
   return fmt::format("{} ({} by {:.2g} %)", words(Flag::flash_match_ambiguous), name(*which), worst);
 }
 
+/// "flash 41", "flashes 41, 44, 60 and 5 more": of those that show the ball, where it is known which do.
+std::string listed(std::vector<int> flashes, const reduction::Readout& readout) {
+  constexpr std::size_t kMost = 4;
+  if (readout.flashes) {
+    std::erase_if(flashes,
+                  [&](int flash) { return flash < readout.flashes->first || flash > readout.flashes->last; });
+  }
+  if (flashes.empty()) return "";
+  std::string text = flashes.size() == 1 ? "flash " : "flashes ";
+  for (std::size_t i = 0; i < std::min(kMost, flashes.size()); ++i)
+    text += fmt::format("{}{}", i == 0 ? "" : ", ", flashes[i]);
+  return text + (flashes.size() > kMost ? fmt::format(" and {} more", flashes.size() - kMost) : "");
+}
+
 }  // namespace
 
 std::string_view words(Flag flag) { return kWords[static_cast<std::size_t>(flag)]; }
 
+std::string words(Flag flag, const reduction::Readout& readout, const FlashFaults& faults) {
+  const std::string sentence(words(flag));
+  std::string which;
+  if (flag == Flag::late_flash) which = listed(faults.late, readout);
+  if (flag == Flag::double_flash) which = listed(faults.doubled, readout);
+  if (flag == Flag::missing_flash) which = listed(faults.missing, readout);
+  if (flag == Flag::sensor_missing) {
+    const std::string a = listed(faults.unseen_by_a, readout), b = listed(faults.unseen_by_b, readout);
+    which = (a.empty() ? "" : "A " + a) + (a.empty() || b.empty() ? "" : "; ") + (b.empty() ? "" : "B " + b);
+  }
+  return which.empty() ? sentence : sentence + " (" + which + ")";
+}
+
 std::optional<std::string> rejection_reason(const reduction::Readout& readout,
-                                            const MatchTolerance& tolerance) {
+                                            const MatchTolerance& tolerance, const FlashFaults& faults) {
   constexpr std::array kRejecting{Flag::shot_aborted,       Flag::no_photograph, Flag::too_few_images,
                                   Flag::missing_flash,      Flag::double_flash,  Flag::clock_suspect,
                                   Flag::degenerate_geometry};
   for (const Flag flag : kRejecting) {
-    if (readout.flags.has(flag)) return std::string(words(flag));
+    if (readout.flags.has(flag)) return words(flag, readout, faults);
   }
   if (const auto reason = match_reason(readout, tolerance)) return reason;
   return std::nullopt;

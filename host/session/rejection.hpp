@@ -6,11 +6,14 @@
 #include <string_view>
 
 #include "common/reduction/readout.hpp"
+#include "host/session/train_report.hpp"
 
 namespace strobe::host {
 
 /// A flag as a sentence for a person.
 std::string_view words(reduction::Flag flag);
+/// Likewise, with the flashes that it is about: of those that show the ball, where these are known.
+std::string words(reduction::Flag flag, const reduction::Readout& readout, const FlashFaults& faults);
 
 /// By how much numbers may differ from one plausible assignment of flashes to images to the next: twice the standard
 /// deviation between the hypotheses, which of two equally likely ones is their difference.
@@ -27,6 +30,7 @@ struct MatchTolerance {
 /// images that some number depends on it by more than the tolerance. A late flash does not reject it: its own time is
 /// used.
 std::optional<std::string> rejection_reason(const reduction::Readout& readout,
-                                            const MatchTolerance& tolerance = {});
+                                            const MatchTolerance& tolerance = {},
+                                            const FlashFaults& faults = {});
 
 }  // namespace strobe::host

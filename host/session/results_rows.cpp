@@ -43,8 +43,10 @@ std::vector<ResultsRow> parse_results(std::string_view text) {
     const std::string_view utc = take_field(rest);
     const auto boot = number<std::uint64_t>(take_field(rest), 16);
     const auto shot = number<std::int32_t>(take_field(rest), 10);
+    const bool counts = rest.empty() || rest.front() == ',';  // the reason, else
     if (boot && shot)
-      rows.push_back({{static_cast<std::int64_t>(*boot), *shot}, std::string(utc), std::string(*line)});
+      rows.push_back(
+          {{static_cast<std::int64_t>(*boot), *shot}, std::string(utc), counts, std::string(*line)});
   }
   return rows;
 }

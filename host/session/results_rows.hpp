@@ -12,6 +12,7 @@ namespace strobe::host {
 struct ResultsRow {
   ShotKey key;
   std::string utc;
+  bool counts = false;  ///< it is not rejected
   std::string line;  ///< as it stands there, without its end
 };
 

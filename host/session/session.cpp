@@ -7,6 +7,9 @@
 #include <charconv>
 #include <string_view>
 
+#include "common/messages/danger.hpp"
+#include "common/messages/host_name.hpp"
+
 namespace strobe::host {
 namespace {
 
@@ -14,9 +17,12 @@ using reduction::Flag;
 using strobe_msgs::event_t;
 using strobe_msgs::frame_t;
 using strobe_msgs::shot_t;
+using strobe_msgs::status_t;
 
 // A network that is cut for ten seconds has lost nothing yet.
 constexpr Duration kCutOff = std::chrono::seconds{10};
+// Nobody may miss it.
+constexpr Duration kDangerEvery = std::chrono::seconds{10};
 constexpr Duration kSummaryGrace = milliseconds{300};
 // An ask and its answer each pass a lossy link: at 50 % loss 24 in vain have a chance of 0.1 %.
 constexpr int kSummaryRequests = 24;
@@ -58,6 +64,8 @@ void Session::on_status(const strobe_msgs::status_t& status, HostTime now) {
   heard_.on_heartbeat(status.boot_id, device.mono);
   clock_.on_heartbeat(status.boot_id, device, now);
   report_clock();
+  report_danger(status, now);
+  report_arming(status);
   status_ = status;
   status_heard_ = now;
   if (host_id_ != 0 && status.arm_host_id == host_id_) answered_boot_ = status.boot_id;
@@ -67,6 +75,31 @@ void Session::on_status(const strobe_msgs::status_t& status, HostTime now) {
   ledger_.earlier(earlier, now);
   finish_interrupted_shots();
   expire(now);
+}
+
+void Session::report_danger(const status_t& status, HostTime now) {
+  if (!messages::tells_danger(status.message)) {
+    if (!danger_.empty()) notify("the outputs are inactive again; the firmware was heard to say so");
+    return danger_.clear();
+  }
+  if (danger_ == status.message) return;
+  danger_ = status.message;
+  danger_told_ = now;
+  notify(danger_);
+}
+
+void Session::report_arming(const status_t& status) {
+  const std::int64_t host = status.arm_host_id;
+  if (host == 0 || host == arming_told_ || host == host_id_) return;
+  const std::string name = host_name(host);
+  if (name.empty()) return;
+  arming_told_ = host;
+  notify("the rig was armed by " + name);
+}
+
+std::string Session::host_name(std::int64_t host_id) const {
+  const auto* name = host_names_.find(host_id);
+  return name ? *name : "";
 }
 
 void Session::on_local_clocks(const HostReading& reading) {
@@ -118,7 +151,10 @@ void Session::on_event(const event_t& event, HostTime now) {
   if (!ledger_.add(event.boot_id, event.sequence, now)) return;
   const ShotKey key{event.boot_id, event.shot_id};
   if (event.kind == event_t::ARMED) {
-    armed_.put({event.boot_id, event.sequence}, host_id_in(event.detail));
+    const std::int64_t host = host_id_in(event.detail);
+    armed_.put({event.boot_id, event.sequence}, host);
+    if (const auto name = messages::host_name_in(event.detail); !name.empty())
+      host_names_.put(host, std::string(name));
   }
   if (event.kind == event_t::REPAIRED) notify("strobed found when it started: " + event.detail);
   const bool of_open_shot = event.shot_id > 0 && !done_.contains(key) && !pending_.contains(key);
@@ -259,10 +295,9 @@ std::int64_t Session::host_of(const ShotKey& key, const OpenShot& open) const {
 }
 
 /// The firmware died before it had written the shot's summary.
-void Session::finish_interrupted(const ShotKey& key, const OpenShot& open) {
+void Session::finish_interrupted(const ShotKey& key, const OpenShot& open, const char* why) {
   mark_finished(key, {});
-  push(interrupted_result(key, host_of(key, open), open.dry,
-                          "the firmware died in it; what it had not yet written is lost"));
+  push(interrupted_result(key, host_of(key, open), open.dry, why));
 }
 
 void Session::finish_interrupted_shots() {
@@ -274,7 +309,34 @@ void Session::finish_interrupted_shots() {
       continue;
     }
     if (open.ended != 0) ledger_.cancel_request(key.boot_id, open.ended);
-    finish_interrupted(key, open);
+    finish_interrupted(key, open, "the firmware died in it; what it had not yet written is lost");
+    it = open_.erase(it);
+  }
+}
+
+void Session::mark_known(const ShotKey& key) {
+  if (!pending_.contains(key)) done_.try_emplace(key);
+  open_.erase(key);
+}
+
+bool Session::waits_for_adopted() const {
+  const auto runs = [this](const auto& entry) {
+    return status_ && entry.first.boot_id == status_->boot_id && adopted(host_of(entry.first, entry.second));
+  };
+  return std::ranges::any_of(open_, runs) || std::ranges::any_of(pending_, [this](const auto& entry) {
+           return adopted(entry.second.shot.host_id);
+         });
+}
+
+void Session::give_up_adopted() {
+  for (auto it = open_.begin(); it != open_.end();) {
+    const auto& [key, open] = *it;
+    if (!adopted(host_of(key, open))) {
+      ++it;
+      continue;
+    }
+    if (open.ended != 0) ledger_.cancel_request(key.boot_id, open.ended);
+    finish_interrupted(key, open, "no journal that can be reached has its summary");
     it = open_.erase(it);
   }
 }
@@ -299,7 +361,8 @@ bool Session::over(const PendingShot& waiting, bool silent, HostTime now) const 
 void Session::expire(HostTime now) {
   const bool silent = !live_status(now);
   for (auto it = pending_.begin(); it != pending_.end();) {
-    if (!over(it->second, silent, now)) {
+    const bool held = holds_ && adopted(it->second.shot.host_id);
+    if (held || !over(it->second, silent, now)) {
       ++it;
       continue;
     }
@@ -335,6 +398,10 @@ void Session::request_lost_photographs(HostTime now) {
 }
 
 void Session::on_time(HostTime now) {
+  if (!danger_.empty() && now - danger_told_ >= kDangerEvery) {
+    danger_told_ = now;
+    notify(danger_);
+  }
   expire(now);
   request_lost_summaries(now);
   request_lost_photographs(now);

@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <strobe_msgs/event_t.hpp>
 #include <strobe_msgs/frame_t.hpp>
@@ -51,8 +52,26 @@ class Session {
   /// No message will come any more: shots that still wait end without a photograph.
   void on_end();
 
+  /// Shots of these hosts are this one's, too: of earlier runs, which ended before their results came. What is not yet
+  /// known of them is then asked for.
+  void adopt(const std::set<std::int64_t>& hosts) { adopted_.insert(hosts.begin(), hosts.end()); }
+  bool adopted(std::int64_t host_id) const { return adopted_.contains(host_id); }
+  /// The shot has a result from before: it gets none.
+  void mark_known(const ShotKey& key);
+  /// As long as it is held, no adopted shot ends for want of a photograph.
+  void hold_photograph_timeouts(bool hold) { holds_ = hold; }
+  /// Whether an adopted shot is still under way, or waits for its photograph or for events.
+  bool waits_for_adopted() const;
+  /// Adopted shots of which the summary is not to be had end without.
+  void give_up_adopted();
+
   std::vector<ShotResult> take_shot_results() { return std::exchange(shot_results_, {}); }
   std::vector<std::string> take_notifications() { return std::exchange(notifications_, {}); }
+
+  /// Who a host said to be when it armed; empty: it is not known.
+  std::string host_name(std::int64_t host_id) const;
+  /// What the firmware last said of outputs that may be active, until it says that they are not; else empty.
+  const std::string& danger() const { return danger_; }
 
   EventLedger& ledger() { return ledger_; }
   const EventLedger& ledger() const { return ledger_; }
@@ -96,12 +115,14 @@ class Session {
   void finish_without_photograph(const strobe_msgs::shot_t& shot, reduction::Flag why, std::string problem);
   void finish_late(const PendingShot& waiting, const std::string& problem);
   void finish_dry(const strobe_msgs::shot_t& shot);
-  void finish_interrupted(const ShotKey& key, const OpenShot& open);
+  void finish_interrupted(const ShotKey& key, const OpenShot& open, const char* why);
   void finish_complete_shots();
   void finish_interrupted_shots();
   bool whole(const strobe_msgs::shot_t& shot) const;
   void add_flags(const strobe_msgs::shot_t& shot, reduction::FlagSet& flags) const;
-  bool own(const strobe_msgs::shot_t& shot) const { return host_id_ != 0 && shot.host_id == host_id_; }
+  bool own(const strobe_msgs::shot_t& shot) const {
+    return (host_id_ != 0 && shot.host_id == host_id_) || adopted(shot.host_id);
+  }
   std::int64_t host_of(const ShotKey& key, const OpenShot& open) const;
   bool outdated(const strobe_msgs::status_t& status, HostTime now) const;
   bool ran_earlier(std::int64_t boot_id) const;
@@ -118,10 +139,14 @@ class Session {
   void request_lost_summaries(HostTime now);
   void request_lost_photographs(HostTime now);
   void report_clock();
+  void report_danger(const strobe_msgs::status_t& status, HostTime now);
+  void report_arming(const strobe_msgs::status_t& status);
   void notify(std::string text) { notifications_.push_back(std::move(text)); }
 
   AssemblySettings settings_;
   std::int64_t host_id_;
+  std::set<std::int64_t> adopted_;
+  bool holds_ = false;
   EventLedger ledger_;
   std::optional<strobe_msgs::status_t> status_;
   DeviceClock clock_;
@@ -135,6 +160,10 @@ class Session {
   std::map<ShotKey, OpenShot> open_;
   RecentMap<std::pair<std::int64_t, std::int64_t>, std::int64_t> armed_{
       kMaxArmed};  ///< boot, sequence: by whom
+  RecentMap<std::int64_t, std::string> host_names_{kMaxArmed};
+  std::string danger_;
+  HostTime danger_told_;
+  std::int64_t arming_told_ = 0;  ///< the host
   std::vector<ShotResult> shot_results_;
   std::vector<std::string> notifications_;
 };

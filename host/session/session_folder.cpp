@@ -5,31 +5,27 @@
 
 #include <cerrno>
 #include <cstring>
-#include <lcm/lcm-cpp.hpp>
 #include <new>
 #include <span>
 #include <system_error>
 
-#include "common/authentication/packet_seal.hpp"
 #include "common/config/files.hpp"
-#include "common/messages/channels.hpp"
-#include "common/messages/well_formed.hpp"
-#include "common/shot/shot_key.hpp"
 #include "host/session/data_dictionary.hpp"
 
 namespace strobe::host {
 namespace {
 
 namespace fs = std::filesystem;
-using strobe_msgs::event_t;
-using strobe_msgs::shot_t;
 
-/// name.toml, or name-<utc>.toml where an earlier run in this folder used another one.
-Result<void> keep(const fs::path& path, std::string_view text, const std::string& utc) {
+/// name.toml, or name-<utc>.toml where an earlier run in this folder used another one. Returns which.
+Result<std::string> keep(const fs::path& path, std::string_view text, const std::string& utc) {
   std::error_code error;
-  if (!fs::exists(path, error)) return config::write_file(path, text);
-  if (config::read_file(path.string()) == text) return {};
-  return config::write_file(path.parent_path() / (path.stem().string() + "-" + utc + ".toml"), text);
+  const fs::path other = path.parent_path() / (path.stem().string() + "-" + utc + ".toml");
+  const bool free = !fs::exists(path, error);
+  if (!free && config::read_file(path.string()) == text) return path.filename().string();
+  const fs::path& chosen = free ? path : other;
+  if (auto written = config::write_file(chosen, text); !written) return tl::unexpected(written.error());
+  return chosen.filename().string();
 }
 
 /// Beside the table, again where another version wrote it.
@@ -65,10 +61,13 @@ Result<std::unique_ptr<SessionFolder>> SessionFolder::open(const fs::path& folde
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) return fail(folder.string() + ": " + error.message());
+  std::string plan_file;
   for (const auto& [name, text] :
        {KeptFile{"rig.toml", rig_text}, KeptFile{"plan.toml", plan_text}, calibration}) {
     if (name.empty()) continue;
-    if (auto kept = keep(folder / name, text, utc); !kept) return tl::unexpected(kept.error());
+    auto kept = keep(folder / name, text, utc);
+    if (!kept) return tl::unexpected(kept.error());
+    if (name == "plan.toml") plan_file = std::move(*kept);
   }
   auto results = ResultsCsv::open(folder / "results.csv");
   if (!results) return tl::unexpected(results.error());
@@ -81,12 +80,15 @@ Result<std::unique_ptr<SessionFolder>> SessionFolder::open(const fs::path& folde
     return tl::unexpected(told.error());
   if (auto told = describe(folder / "flashes.csv", "Flashes, one row each", flashes_columns()); !told)
     return tl::unexpected(told.error());
+  auto words = RecordFile::open(folder / "shots.txt", RecordFile::Use::shared);
+  if (!words) return tl::unexpected(words.error());
   auto log = EventLog::create(folder, utc);
   if (!log) return tl::unexpected(log.error());
   if (!config::sync_folder(folder))
     return fail(folder.string() + ": cannot be written: " + std::strerror(errno));
-  return std::unique_ptr<SessionFolder>(
-      new SessionFolder(folder, std::move(*log), std::move(*results), std::move(*flashes)));
+  return std::unique_ptr<SessionFolder>(new SessionFolder(folder, std::move(plan_file), std::move(*log),
+                                                          std::move(*results), std::move(*flashes),
+                                                          std::move(*words)));
 }
 
 void SessionFolder::note(const Result<void>& done) {
@@ -107,6 +109,29 @@ void SessionFolder::add(const strobe_msgs::shot_t& shot) try {
   note(flashes_.add(shot));
 } catch (const std::bad_alloc&) {
   lost_for_want_of_memory(flashes_.file().path(), shot.shot_id);
+}
+
+void SessionFolder::add_text(const std::string& lines) try {
+  note(text_.append(lines, "note"));
+} catch (const std::bad_alloc&) {
+  doubts_[text_.path()] =
+      fmt::format("{}: a note is not stored: there is not enough memory", text_.path().string());
+  note(fail(doubts_[text_.path()]));
+}
+
+/// A line that a power cut tore is ended first.
+void SessionFolder::add(const RunRecord& run) {
+  const fs::path path = folder_ / "runs.jsonl";
+  const auto before = config::read_file(path.string());
+  const bool torn = before && !before->empty() && before->back() != '\n';
+  auto file = RecordFile::open(path, RecordFile::Use::shared);
+  Result<void> done = file ? file->append((torn ? "\n" : "") + run_line(run), "run")
+                           : Result<void>(tl::unexpected(file.error()));
+  if (done) done = file->close();
+  if (done && !config::sync_folder(folder_))
+    done = fail(path.string() + ": cannot be written: " + std::strerror(errno));
+  note(done);
+  if (!done) doubts_[path] = done.error().message;
 }
 
 void SessionFolder::lost_for_want_of_memory(const fs::path& path, int shot_id) {
@@ -141,7 +166,7 @@ void SessionFolder::close() {
 
 std::vector<std::string> SessionFolder::unstored() const {
   std::vector<std::string> lines;
-  for (const RecordFile* file : {&log_.file(), &results_.file(), &flashes_.file()}) {
+  for (const RecordFile* file : {&log_.file(), &results_.file(), &flashes_.file(), &text_}) {
     const auto kinds = file->unstored();
     if (!kinds.empty())
       lines.push_back(fmt::format("{}: not stored: {}", file->path().string(), listed(kinds)));
@@ -149,44 +174,6 @@ std::vector<std::string> SessionFolder::unstored() const {
   }
   for (const auto& [path, why] : doubts_) lines.push_back(why);
   return lines;
-}
-
-void SessionFolder::load_events(EventLedger& ledger, const std::string& rig, const authentication::Key& key) {
-  const authentication::PacketSeal seal(key);
-  const std::string events = messages::channel_name(rig, messages::Channel::event);
-  const std::string shots = messages::channel_name(rig, messages::Channel::shot);
-  std::map<ShotKey, std::int64_t> ended;
-  std::set<ShotKey> summed_up;
-  const auto enter = [&](const lcm::LogEvent& logged) {
-    const auto opened = seal.open(logged.channel, {static_cast<const std::uint8_t*>(logged.data),
-                                                   static_cast<std::size_t>(logged.datalen)});
-    if (!opened) return;
-    const auto [data, size] = std::pair(opened->message.data(), opened->message.size());
-    if (logged.channel == events) {
-      event_t event;
-      if (!messages::decode_checked(event, data, size) || !messages::in_range(event)) return;
-      ledger.add(event.boot_id, event.sequence, HostTime{});
-      if (event.kind == event_t::SHOT_ENDED || event.kind == event_t::SHOT_ABORTED)
-        ended[{event.boot_id, event.shot_id}] = event.sequence;
-    } else if (logged.channel == shots) {
-      shot_t shot;
-      if (!messages::decode_checked(shot, data, size)) return;
-      summed_up.insert({shot.boot_id, shot.shot_id});
-      if (messages::in_range(shot)) add(shot);
-    }
-  };
-  std::error_code error;
-  for (const auto& entry : fs::directory_iterator(folder_, error)) {
-    const std::string name = entry.path().filename().string();
-    if (!name.starts_with("host-") || !name.ends_with(".lcmlog") || entry.path() == log_.file().path())
-      continue;
-    lcm::LogFile log(entry.path().string(), "r");
-    if (!log.good()) continue;
-    while (const lcm::LogEvent* logged = log.readNextEvent()) enter(*logged);
-  }
-  for (const auto& [shot, sequence] : ended) {
-    if (!summed_up.contains(shot)) ledger.request_again(shot.boot_id, sequence);
-  }
 }
 
 }  // namespace strobe::host

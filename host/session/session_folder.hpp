@@ -1,7 +1,7 @@
 // What a host keeps of a session: DIR/host-<UTC>.lcmlog (every message received, its own readouts), results.csv and
-// flashes.csv with their data dictionaries (data_dictionary.hpp), and the rig, plan and calibration files as used. A
-// failing disk stops no call: it is told (take_failures), and what was not written is counted (unstored). Writes files;
-// one thread's.
+// flashes.csv with their data dictionaries (data_dictionary.hpp), shots.txt (what a person was told), runs.jsonl
+// (run_record.hpp), and the rig, plan and calibration files as used. A failing disk stops no call: it is told
+// (take_failures), and what was not written is counted (unstored). Writes files; one thread's.
 #pragma once
 
 #include <array>
@@ -17,12 +17,12 @@
 #include <utility>
 #include <vector>
 
-#include "common/authentication/key.hpp"
 #include "common/result.hpp"
-#include "host/messages/event_ledger.hpp"
 #include "host/session/event_log.hpp"
 #include "host/session/flashes_csv.hpp"
+#include "host/session/record_file.hpp"
 #include "host/session/results_csv.hpp"
+#include "host/session/run_record.hpp"
 #include "host/session/session.hpp"
 
 namespace strobe::host {
@@ -49,6 +49,10 @@ class SessionFolder {
   void add(const ShotResult& shot_result, const std::string& utc);
   /// Appends a shot's flashes to flashes.csv, once.
   void add(const strobe_msgs::shot_t& shot);
+  /// Appends lines, each with its end, to shots.txt.
+  void add_text(const std::string& lines);
+  /// Appends a line to runs.jsonl; on the disk when it returns.
+  void add(const RunRecord& run);
 
   /// Writes what could not be written before, and looks whether the files are still in their places.
   void tend();
@@ -64,27 +68,30 @@ class SessionFolder {
   /// What is not stored, a line for each file: nothing, or what waits, is lost or may be.
   std::vector<std::string> unstored() const;
 
-  /// Enters the events in this folder's earlier host logs that are sealed with the lab's key, so that they are
-  /// not asked for again; but for the last ones of shots whose summaries are in none. Flashes of those summaries
-  /// that flashes.csv lacks are added.
-  void load_events(EventLedger& ledger, const std::string& rig, const authentication::Key& key);
-
   const std::filesystem::path& path() const { return folder_; }
+  const std::filesystem::path& log_path() const { return log_.file().path(); }
+  /// The plan file as used, a name in the folder: plan.toml, or another where an earlier run had another plan.
+  const std::string& plan_file() const { return plan_file_; }
 
  private:
-  explicit SessionFolder(std::filesystem::path folder, EventLog log, ResultsCsv results, FlashesCsv flashes)
+  SessionFolder(std::filesystem::path folder, std::string plan_file, EventLog log, ResultsCsv results,
+                FlashesCsv flashes, RecordFile text)
       : folder_(std::move(folder)),
+        plan_file_(std::move(plan_file)),
         log_(std::move(log)),
         results_(std::move(results)),
-        flashes_(std::move(flashes)) {}
-  std::array<RecordFile*, 3> files() { return {&log_.file(), &results_.file(), &flashes_.file()}; }
+        flashes_(std::move(flashes)),
+        text_(std::move(text)) {}
+  std::array<RecordFile*, 4> files() { return {&log_.file(), &results_.file(), &flashes_.file(), &text_}; }
   void note(const Result<void>& done);
   void lost_for_want_of_memory(const std::filesystem::path& path, int shot_id);
 
   std::filesystem::path folder_;
+  std::string plan_file_;
   EventLog log_;
   ResultsCsv results_;
   FlashesCsv flashes_;
+  RecordFile text_;
   std::vector<std::string> failures_;
   std::set<std::string> told_;
   std::map<std::filesystem::path, std::string>

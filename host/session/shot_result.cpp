@@ -29,7 +29,8 @@ ShotResult measured_result(const shot_t& shot, const strobe_msgs::frame_t& frame
   ShotResult result = of(shot);
   measured.readout.flags.merge(more);
   result.rejected = rejection_reason(measured.readout,
-                                     {settings.analysis.match_tolerance_percent, settings.ball.diameter_m});
+                                     {settings.analysis.match_tolerance_percent, settings.ball.diameter_m},
+                                     result.train.faults);
   result.readout = std::move(measured.readout);
   result.budget = std::move(measured.budget);
   result.problem = shot.aborted ? shot.abort_reason : std::move(measured.problem);

@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+
 namespace strobe::host {
 namespace {
 
@@ -13,23 +16,43 @@ constexpr Duration kSendAgain = milliseconds{300};
 constexpr Duration kSignOfShot = milliseconds{1500};
 constexpr int kMaxRefusals = 3;
 
-std::string blocking_reason_of(const status_t& status, std::int64_t host_id) {
-  if (!status.message.empty()) return status.message;
-  if (status.state == status_t::FAULT) return "the firmware has latched a fault";
-  if (status.estop_active) return "the e-stop is pressed";
-  if (!status.key_active) return "the key is off";
-  if (!status.journal_ok) return "the firmware's journal cannot be written";
-  if (status.arm_host_id != 0 && status.arm_host_id != host_id) return "another host has armed the rig";
-  if (status.state == status_t::FIRING) return "the rig is firing a shot already";
-  return "";
-}
-
 std::string rejection_in_full(const ShotResult& shot_result) {
   const std::string& flag = *shot_result.rejected;
   return shot_result.problem.empty() ? flag : flag + ": " + shot_result.problem;
 }
 
 }  // namespace
+
+std::string ShotSeries::why_blocked(const status_t& status) {
+  if (!status.message.empty()) return status.message;
+  if (status.state == status_t::FAULT) return "the firmware has latched a fault";
+  if (status.estop_active) return "the e-stop is pressed";
+  if (!status.key_active) return "the key is off";
+  if (!status.journal_ok) return "the firmware's journal cannot be written";
+  if (status.arm_host_id != 0 && status.arm_host_id != factory_.host_id()) return who_armed(status);
+  if (status.state == status_t::FIRING) return "the rig is firing a shot already";
+  return "";
+}
+
+/// In words that stay the same as long as the arming lasts.
+std::string ShotSeries::who_armed(const status_t& status) {
+  if (!own_arming_)
+    return "another host " + (arming_host_.empty() ? "" : "(" + arming_host_ + ") ") + "has armed the rig";
+  if (!left_of_arming_ || left_of_arming_->first != status.arm_token) {
+    const double left_s = to_seconds(from_ns(status.arm_expires_ns) - from_ns(status.mono_ns));
+    left_of_arming_ = {status.arm_token, fmt::format("{:.0f} s", std::max(0.0, std::ceil(left_s)))};
+  }
+  return "an earlier run of yours still holds the arming for " + left_of_arming_->second;
+}
+
+void ShotSeries::on_arming_of(std::string host_name, bool own) {
+  arming_host_ = std::move(host_name);
+  own_arming_ = own || (!arming_host_.empty() && arming_host_ == factory_.host_name());
+}
+
+void ShotSeries::on_danger(const std::string& danger) {
+  if (!danger.empty() && state_ != State::finished) give_up(danger);
+}
 
 void ShotSeries::enter(State state, HostTime now) {
   if (state == State::waiting && !ending_.empty()) return give_up(ending_);
@@ -57,13 +80,14 @@ void ShotSeries::give_back(const status_t& status) { commands_.push_back(factory
 void ShotSeries::end_after_shot(const std::string& why, const std::optional<status_t>& status) {
   if (state_ == State::finished || !ending_.empty()) return;
   ending_ = why;
-  if (state_ == State::firing || state_ == State::shooting) return;
+  if (shot_under_way()) return;
   if (status && (ours(*status) || state_ == State::arming)) give_back(*status);
   give_up(why);
 }
 
 void ShotSeries::step(const std::optional<status_t>& status, HostTime now) {
   now_ = now;
+  if (state_ == State::waiting && succeeded()) state_ = State::finished;
   if (state_ == State::finished) return;
   if (!blocked_since_) blocked_since_ = now;
   if (!status) {
@@ -96,7 +120,7 @@ void ShotSeries::wait_for_readiness(const status_t& status, HostTime now) {
   // FIRE seemed refused or lost, and was not: another shot now would be one too many.
   if (fired_ && status.boot_id == boot_id_ && status.last_shot_id > shots_before_)
     return enter(State::shooting, now);
-  blocking_reason_ = ours(status) ? "" : blocking_reason_of(status, factory_.host_id());
+  blocking_reason_ = ours(status) ? "" : why_blocked(status);
   if (status.state == status_t::FAULT && settings_.clear_fault && now - sent_ > kSendAgain) {
     commands_.push_back(factory_.clear(status.boot_id));
     sent_ = now;
@@ -123,7 +147,7 @@ void ShotSeries::arm(const status_t& status, HostTime now) {
     send_fire(status, now);
     return;
   }
-  if (!blocking_reason_of(status, factory_.host_id()).empty()) return enter(State::waiting, now);
+  if (!why_blocked(status).empty()) return enter(State::waiting, now);
   if (now - sent_ < kSendAgain) return;
   send_arm(status, now);
 }
@@ -200,14 +224,22 @@ void ShotSeries::on_shot_result(const ShotResult& shot_result) {
   }
 }
 
+void ShotSeries::on_former_result(const ShotResult& shot_result) {
+  if (settings_.whole_session && !shot_result.rejected && !shot_result.dry) ++good_;
+}
+
 void ShotSeries::on_rejected(const std::string& why, std::int64_t shot_id) {
+  if (!ending_.empty()) {
+    notifications_.push_back(fmt::format("shot {} does not count: {}", shot_id, why));
+    return give_up(ending_);
+  }
   if (refired_ >= settings_.retries) {
-    return give_up(fmt::format("shot {} is rejected ({}) and no retries are left", shot_id, why));
+    return give_up(fmt::format("shot {} does not count ({}), and none may be fired again", shot_id, why));
   }
   ++refired_;
   fired_ = false;
-  notifications_.push_back(fmt::format("shot {} is rejected ({}): firing again, retry {} of {}", shot_id, why,
-                                       refired_, settings_.retries));
+  notifications_.push_back(fmt::format("shot {} does not count ({}): firing again, {} of {} times", shot_id,
+                                       why, refired_, settings_.retries));
   enter(State::waiting, now_);
 }
 

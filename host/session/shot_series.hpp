@@ -20,8 +20,10 @@
 namespace strobe::host {
 
 struct ShotSeriesSettings {
-  int shots = 1;
-  int retries = 0;  ///< further shots that may be fired for rejected ones, in all
+  int shots = 1;               ///< that are to count, `counted` included
+  int counted = 0;             ///< so many do already
+  bool whole_session = false;  ///< shots of earlier runs whose result comes now count, too
+  int retries = 0;             ///< further shots that may be fired for rejected ones, in all
   ShotPlan plan;
   reduction::Record notes;
   double blocked_timeout_s =
@@ -35,11 +37,13 @@ struct ShotSeriesSettings {
 class ShotSeries {
  public:
   ShotSeries(ShotSeriesSettings settings, CommandFactory& factory)
-      : settings_(std::move(settings)), factory_(factory) {}
+      : settings_(std::move(settings)), factory_(factory), good_(settings_.counted) {}
 
   void on_event(const strobe_msgs::event_t& event);
   /// The result of a shot; those of other hosts are ignored.
   void on_shot_result(const ShotResult& shot_result);
+  /// The result of a shot that an earlier run fired.
+  void on_former_result(const ShotResult& shot_result);
   /// What to do now. status: the newest; absent if the firmware is silent (Session::live_status()).
   void step(const std::optional<strobe_msgs::status_t>& status, HostTime now);
   /// Ends the series with the shot under way; if there is none, at once. why: for a person.
@@ -47,10 +51,19 @@ class ShotSeries {
   /// Ends the series: the arm token is given back, a running shot is aborted.
   void stop(const std::optional<strobe_msgs::status_t>& status);
 
+  /// Who holds the arming that the status tells of, if it is known; whether it was an earlier run of one's own.
+  void on_arming_of(std::string host_name, bool own);
+  /// Outputs may be active (Session::danger()): nothing more is fired. Empty: nothing is known of it.
+  void on_danger(const std::string& danger);
+
   std::vector<strobe_msgs::command_t> take_commands() { return std::exchange(commands_, {}); }
   std::vector<std::string> take_notifications() { return std::exchange(notifications_, {}); }
 
   bool finished() const { return state_ == State::finished; }
+  /// Whether a shot has been asked for and has no result yet.
+  bool shot_under_way() const { return state_ == State::firing || state_ == State::shooting; }
+  /// The number that the shot under way has, as far as nobody else fires.
+  int shot_number() const { return shots_before_ + 1; }
   bool succeeded() const { return good_ >= settings_.shots; }
   int good() const { return good_; }
   int refired() const { return refired_; }
@@ -75,6 +88,8 @@ class ShotSeries {
   void sent(const strobe_msgs::status_t& status, HostTime now);
   double longest_shot_s() const;
   bool ours(const strobe_msgs::status_t& status) const;
+  std::string why_blocked(const strobe_msgs::status_t& status);
+  std::string who_armed(const strobe_msgs::status_t& status);
 
   ShotSeriesSettings settings_;
   CommandFactory& factory_;
@@ -91,7 +106,10 @@ class ShotSeries {
   int good_ = 0;
   int refired_ = 0;
   int refusals_ = 0;
-  HostTime quiet_until_;  ///< no shot before: a photograph may still come
+  HostTime quiet_until_;     ///< no shot before: a photograph may still come
+  std::string arming_host_;  ///< who holds the arming; empty: not known
+  bool own_arming_ = false;
+  std::optional<std::pair<std::int64_t, std::string>> left_of_arming_;  ///< of the token, in words
   std::string blocking_reason_;
   std::string refusal_;
   std::string ending_;  ///< why there is no further shot; empty: there may be

@@ -73,14 +73,21 @@ TrainReport train_report(const strobe_msgs::shot_t& shot) {
     if (report.seen_by_a && known(a) && lamp_a) ++*report.seen_by_a;
     if (report.seen_by_b && known(b) && lamp_b) ++*report.seen_by_b;
     if (known(a) && known(b) && lamp_a && lamp_b) skew.add(a - b);
+    if (known(issued) && report.seen_by_a && lamp_a && !known(a))
+      report.faults.unseen_by_a.push_back(flash.flash_index);
+    if (known(issued) && report.seen_by_b && lamp_b && !known(b))
+      report.faults.unseen_by_b.push_back(flash.flash_index);
   }
   const FlashTimes times = flash_times(shot);
   for (const ObservedFlash& flash : times.seen) {
     report.late += flash.late;
     report.doubled += flash.doubled;
+    if (flash.late) report.faults.late.push_back(flash.index);
+    if (flash.doubled) report.faults.doubled.push_back(flash.index);
     const MonoTime issued = from_ns(shot.flashes[static_cast<std::size_t>(flash.index)].issue_end_ns);
     if (times.measured && known(issued)) delay.add(flash.time - issued);
   }
+  report.faults.missing = times.missing;
   report.calibration = delay_calibration(shot);
   report.issue_lateness_us = lateness.result();
   report.lamp_delay_us = delay.result();

@@ -18,6 +18,14 @@ struct MeanSdMax {
   double largest = 0.0;  ///< of the magnitude
 };
 
+/// Flashes that were not as they should be, numbered as fired from 0; ascending.
+struct FlashFaults {
+  std::vector<int> late;  ///< beyond the rig's tolerance
+  std::vector<int> doubled;
+  std::vector<int> missing;                   ///< seen by no sensor
+  std::vector<int> unseen_by_a, unseen_by_b;  ///< by a fitted sensor, of its own lamp
+};
+
 struct TrainReport {
   int planned = 0;
   int planned_a = 0;  ///< of lamp A, alone or with the other
@@ -31,6 +39,7 @@ struct TrainReport {
   MeanSdMax lamp_delay_us;      ///< flash time - issue_end, flashes that a sensor saw
   MeanSdMax skew_us;            ///< sensor A - sensor B, flashes of both lamps that both saw
   DelayCalibration calibration;
+  FlashFaults faults;
 };
 
 TrainReport train_report(const strobe_msgs::shot_t& shot);

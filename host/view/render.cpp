@@ -129,7 +129,8 @@ Lines remarks(const ShotResult& shot_result, bool all) {
   Lines lines;
   for (std::size_t i = 0; i < reduction::kFlagCount; ++i) {
     const auto flag = static_cast<reduction::Flag>(i);
-    if (shot_result.readout.flags.has(flag)) lines.push_back("! " + std::string(words(flag)));
+    if (shot_result.readout.flags.has(flag))
+      lines.push_back("! " + words(flag, shot_result.readout, shot_result.train.faults));
   }
   if (!shot_result.problem.empty()) lines.push_back("! " + shot_result.problem);
   const auto& flashes = shot_result.readout.flashes;
@@ -187,6 +188,7 @@ Lines shot_beside_series(const ViewModel& model) {
 
 Lines render_firmware(const ViewModel& model, std::size_t width) {
   Lines lines;
+  if (!model.danger.empty()) lines.push_back("!!! " + model.danger);
   if (model.status) {
     const status_t& s = *model.status;
     lines.push_back(fmt::format("firmware {}   key {}   e-stop {}   real time {}", state_name(s),
@@ -199,7 +201,7 @@ Lines render_firmware(const ViewModel& model, std::size_t width) {
   }
   if (const std::string unverified = unverified_text(model); !unverified.empty()) lines.push_back(unverified);
   if (const std::string blocking_reason = blocking_reason_of(model); !blocking_reason.empty())
-    lines.push_back("MISSING: " + blocking_reason);
+    lines.push_back("cannot fire: " + blocking_reason);
   if (!model.activity.empty()) lines.push_back(model.activity);
   return fitted(std::move(lines), width);
 }

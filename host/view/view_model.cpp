@@ -34,6 +34,7 @@ void ViewModel::add_notification(const std::string& text) {
 
 std::optional<std::string> ViewModel::update(Session& session, HostTime now) {
   status = session.status();
+  danger = session.danger();
   silent = !session.live_status(now);
   status_age_s = to_seconds(now - session.status_heard());
   events_missing = session.ledger().missing();

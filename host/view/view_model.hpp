@@ -19,6 +19,7 @@ struct ViewModel {
   std::string activity;                         ///< what is under way; empty: nothing to say
   std::string blocking_reason;                  ///< why nothing can be fired; empty: nothing is known of
   std::optional<strobe_msgs::status_t> status;  ///< newest; absent: no firmware was ever heard
+  std::string danger;                           ///< of outputs that may be active; empty: none is known of
   bool silent = false;                          ///< the firmware has not been heard for a while
   double status_age_s = 0.0;
   ClockState clock;

@@ -3,6 +3,7 @@
 #include <charconv>
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "sim/commands/command_line.hpp"
 #include "sim/commands/commands.hpp"
@@ -63,6 +64,15 @@ bool wait_for_rises(Chip& chip, const LineNumber& rises) {
   return !chip.unplugged();
 }
 
+/// `after` is LINE=N, or empty. Returns the exit status of a command that cannot go on; nullopt: it is time.
+std::optional<int> wait_until(Chip& chip, const std::string& after) {
+  if (after.empty()) return std::nullopt;
+  const auto rises = parse(chip, after, 1, 1'000'000, "LINE=1 or more");
+  if (!rises) return report_error(rises.error().message, 2);
+  if (!wait_for_rises(chip, *rises)) return report_error("the rig ended before that", 1);
+  return std::nullopt;
+}
+
 std::string name_of(std::size_t line) {
   return line < kLineNames.size() ? std::string(kLineNames[line]) : std::string();
 }
@@ -81,7 +91,8 @@ Result<LineNumber> parse_drive(const Chip& chip, const std::string& text) {
 
 }  // namespace
 
-int drive_command(const std::string& chip_dir, const std::vector<std::string>& drives) {
+int drive_command(const std::string& chip_dir, const std::vector<std::string>& drives,
+                  const std::string& after) {
   auto chip = Chip::attach(chip_dir);
   if (!chip) return report_error(chip.error().message, 2);
   std::vector<LineNumber> wanted;
@@ -93,6 +104,7 @@ int drive_command(const std::string& chip_dir, const std::vector<std::string>& d
                           1);
     wanted.push_back(*drive);
   }
+  if (const auto ended = wait_until(*chip, after)) return *ended;
   for (const LineNumber& drive : wanted) {
     if (drive.number == kOpen) {
       chip->open_wire(drive.line, monotonic_now());
@@ -106,11 +118,7 @@ int drive_command(const std::string& chip_dir, const std::vector<std::string>& d
 int unplug_command(const std::string& chip_dir, const std::string& after) {
   auto chip = Chip::attach(chip_dir);
   if (!chip) return report_error(chip.error().message, 2);
-  if (!after.empty()) {
-    const auto rises = parse(*chip, after, 1, 1'000'000, "LINE=1 or more");
-    if (!rises) return report_error(rises.error().message, 2);
-    if (!wait_for_rises(*chip, *rises)) return report_error("the rig ended before that", 1);
-  }
+  if (const auto ended = wait_until(*chip, after)) return *ended;
   chip->unplug();
   return 0;
 }

@@ -93,8 +93,10 @@ Result<PlanRequirement> parse_requirement(const std::string& tolerance,
 
 int scenes_command(bool json);
 
-/// `drives`: LINE=LEVEL or LINE=open, LINE a name or an offset.
-int drive_command(const std::string& chip_dir, const std::vector<std::string>& drives);
+/// `drives`: LINE=LEVEL or LINE=open, LINE a name or an offset. At once, or after the N-th rising edge of a line
+/// (`after` is LINE=N).
+int drive_command(const std::string& chip_dir, const std::vector<std::string>& drives,
+                  const std::string& after);
 int lines_command(const std::string& chip_dir, bool json);
 
 /// Unplugs the chip: at once, or after the N-th rising edge of a line (`after` is LINE=N).

@@ -104,6 +104,23 @@ TEST(Receiver, WakesTheLoopWithACommand) {
   CHECK_EQUAL(1u, wake.take());
 }
 
+TEST(Receiver, TellsTheLoopWhoArms) {
+  note("host_name", "anna@desk");
+  CHECK_TRUE(deliver());
+  CHECK_EQUAL("anna@desk", std::string(command.host_name.view()));
+}
+
+TEST(Receiver, TakesANameForOneWordOfAtMost64BytesOrLeavesItOut) {
+  note("host_name", "anna maria\n" + std::string(100, 'x'));
+  CHECK_TRUE(deliver());
+  CHECK_EQUAL("anna_maria_" + std::string(53, 'x'), std::string(command.host_name.view()));
+  message.notes.front().value = std::string(2000, 'x');
+  ++message.command_id;
+  CHECK_TRUE(deliver());
+  CHECK_TRUE(command.host_name.empty());
+  CHECK_EQUAL(std::string(), defect());
+}
+
 TEST(Receiver, DoesNotCallACommandDroppedThatALoopWhichCannotBeWokenWillTake) {
   close(wake.fd());
   CHECK_TRUE(deliver());

@@ -258,6 +258,17 @@ TEST(Sequencer, WakesThePublisherForWhatTheTurnBeforeReported) {
   CHECK_EQUAL(reported, rig.flushed);
 }
 
+TEST(Sequencer, TellsWhoHasArmed) {
+  Command arm = bench.arm_command();
+  arm.host_id = 0x1f2e;
+  bench.give(arm);
+  CHECK_EQUAL("1f2e", std::string(rig.find(EventKind::armed)->detail.view()));
+  rig.events.clear();
+  arm.host_name = "anna@desk";
+  bench.give(arm);
+  CHECK_EQUAL("1f2e anna@desk", std::string(rig.find(EventKind::armed)->detail.view()));
+}
+
 TEST(Sequencer, LetsTheArmingExpireByItself) {
   bench.arm();
   const MonoTime armed = rig.time;

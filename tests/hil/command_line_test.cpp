@@ -62,6 +62,16 @@ TEST_GROUP(CommandLine) {
     strobe::testing::write_text(folder / name, text);
     return folder / name;
   }
+  /// A session whose run was asked for three shots.
+  std::string recorded_run() const {
+    std::filesystem::create_directory(folder / "recorded");
+    file("recorded/plan.toml", "period_us = 3000\n");
+    file(
+        "recorded/runs.jsonl",
+        R"({"host_id":"5","shots":3,"until":false,"session_shots":3,"notes":{"spin":"zero"},"plan_file":"plan.toml"})"
+        "\n");
+    return folder / "recorded";
+  }
   std::string rig(const std::string& name, const std::string& from, const std::string& to) const {
     return file(name, replaced(strobe::testing::read_text(share("rig.toml")), from, to));
   }
@@ -251,6 +261,25 @@ TEST(CommandLine, WrongOptionsOfStrobeAreNamed) {
            with_strobe(
                {"fire", "--shots", "1", "--plan", file("plan.toml", "period_us = 3000\nperid = 1\n")}),
            2, "plan.toml:2"},
+          {"a plan beyond the rig's limits",
+           with_strobe({"fire", "--shots", "1", "--plan", file("fast.toml", "period_us = 1000\n")}), 2,
+           "fast.toml: period_us: a period of 1000 us is shorter than the lamps'"},
+          {"shots of a run and of the session", with_strobe({"fire", "--shots", "1", "--until", "2"}), 2,
+           "--until"},
+          {"dry shots of the session", with_strobe({"fire", "--until", "2", "--dry"}), 2, "--dry"},
+          {"a run to go on with, of no session", with_strobe({"fire", "--resume"}), 2, "--session"},
+          {"no run to go on with", with_strobe({"fire", "--resume", "--session", folder / "none"}), 2,
+           "runs.jsonl"},
+          {"other shots than the run's",
+           with_strobe({"fire", "--resume", "--session", recorded_run(), "--shots", "5"}), 2,
+           "--shots 5 contradicts the session's last run, which was asked for --shots 3"},
+          {"another spin than the run's",
+           with_strobe({"fire", "--resume", "--session", recorded_run(), "--spin", "top"}), 2,
+           "--spin top contradicts the session's last run, where it was \"zero\""},
+          {"another plan than the run's",
+           with_strobe({"fire", "--resume", "--session", recorded_run(), "--plan",
+                        file("other.toml", "period_us = 4000\n")}),
+           2, "other.toml contradicts"},
           {"no such log", with_strobe({"replay", folder / "none.lcmlog"}), 2, "none.lcmlog"},
           {"no such rig file", with_strobe({"live", "--rig", folder / "none.toml"}), 2, "none.toml"},
           {"restitution above 1",

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "tests/hil/expect_ready.hpp"
+#include "tests/hil/line_watcher.hpp"
 #include "tests/hil/raw_host.hpp"
 #include "tests/hil/rig_fixture.hpp"
 #include "tests/support/json_lines.hpp"
@@ -12,6 +13,18 @@
 using namespace strobe::hil;
 using namespace std::chrono_literals;
 using strobe::testing::ExitStatus;
+
+namespace {
+
+/// A busy machine makes flashes late: here that is no reason to abort a shot.
+RigFixtureOptions patient() {
+  RigFixtureOptions options;
+  options.rig_edits = kShortExposure;
+  options.rig_edits.emplace_back("abort_late_us = 1500", "abort_late_us = 300000");
+  return options;
+}
+
+}  // namespace
 
 TEST_GROUP(Session){};
 
@@ -64,6 +77,74 @@ TEST(Session, FolderHoldsAllThatIsNeededToRecomputeIt) {
   CHECK_EQUAL(std::to_string(journal.shots.front().flashes.front().commanded_ns),
               flashes.rows.front().at(flashes.column("commanded_ns")));
   CHECK_EQUAL("two shots", readouts(fired.out).front().at("record").at("remarks").get<std::string>());
+}
+
+TEST(Session, TheFirstCtrlCFinishesTheShotUnderWayAndTheSessionCanBeGoneOnWith) {
+  RigFixture bench(patient());
+  expect_ready(bench);
+  const std::string host = bench.folder() / "host";
+  strobe::testing::Command fire = bench.strobe(
+      {"fire", "--shots", "3", "--retries", "20", "--session", host, "--plain", "--spin", "zero"});
+  LineWatcher watch(bench.chip_dir());
+  auto first = bench.start(fire);
+  CHECK(watch.wait_for("SHUTTER", 1, kLongestWait) != 0);
+  first.signal(SIGINT);
+  CHECK_EQUAL(ExitStatus({1, 0}), first.wait(kLongestWait));
+  const std::string said = first.err();
+  CHECK_TEXT(said.find("finishing shot 1; press Ctrl-C again to stop at once") != std::string::npos,
+             said.c_str());
+  CHECK_TEXT(said.find("go on with: strobe fire --resume --session " + host) != std::string::npos,
+             said.c_str());
+  LONGS_EQUAL(1, strobe::testing::read_csv(host + "/results.csv").rows.size());
+  const std::string text = strobe::testing::read_text(host + "/shots.txt");
+  CHECK_TEXT(text.find("Z  shot 1") != std::string::npos, text.c_str());
+  CHECK_TEXT(text.find("finishing shot 1") != std::string::npos, text.c_str());
+
+  strobe::testing::Command on = bench.strobe({"fire", "--resume", "--session", host, "--plain"});
+  const auto resumed = strobe::testing::run_process(on, kLongestWait);
+  CHECK_TEXT(resumed.status == ExitStatus({0, 0}), resumed.err.c_str());
+  CHECK_TEXT(resumed.err.find("3 of 3 shots counted") != std::string::npos, resumed.err.c_str());
+  const auto table = strobe::testing::read_csv(host + "/results.csv");
+  int counted = 0;
+  for (const auto& row : table.rows) {
+    counted += row.at(table.column("rejected")).empty() ? 1 : 0;
+    CHECK_EQUAL("zero", row.at(table.column("spin")));
+  }
+  LONGS_EQUAL(3, counted);
+  const auto again = strobe::testing::run_process(on, kLongestWait);
+  CHECK_TEXT(again.status == ExitStatus({0, 0}), again.err.c_str());
+  CHECK_TEXT(again.err.find("holds 3 shots that count, of 3 wanted: nothing is fired") != std::string::npos,
+             again.err.c_str());
+}
+
+TEST(Session, CtrlBackslashStopsTheShotUnderWayAtOnce) {
+  RigFixture bench(patient());
+  expect_ready(bench);
+  LineWatcher watch(bench.chip_dir());
+  auto fire = bench.start(bench.fire(3, 20));
+  CHECK(watch.wait_for("SHUTTER", 1, kLongestWait) != 0);
+  fire.signal(SIGQUIT);
+  CHECK_EQUAL(ExitStatus({1, 0}), fire.wait(kLongestWait));
+  CHECK_TEXT(fire.err().find("stopping at once") != std::string::npos, fire.err().c_str());
+  bench.finish();
+  LONGS_EQUAL(1, read_log(bench.journal()).shots.size());
+}
+
+TEST(Session, TheWorkstationHearsThatOutputsMayBeActive) {
+  RigFixture bench;
+  expect_ready(bench);
+  auto live = bench.start(bench.strobe({"live", "--plain"}));
+  CHECK_TEXT(live.wait_for_err("listening", kLongestWait), live.err().c_str());
+  RawHost host(bench.lcm_url(), "bench");
+  CHECK(host.wait_status());
+  LineWatcher watch(bench.chip_dir());
+  CHECK(host.fire_until_flash(watch,
+                              [&host](std::int64_t token) { return host.fire_command(token, true); }) != 0);
+  watch.unplug();
+  CHECK_TEXT(live.wait_for_err("THE OUTPUTS MAY BE ACTIVE: press the e-stop", kLongestWait),
+             (live.err() + bench.log()).c_str());
+  live.signal(SIGINT);
+  CHECK(live.wait(kLongestWait).has_value());
 }
 
 TEST(Session, ShotNumbersGoOnInTheSameFolder) {

@@ -1,14 +1,10 @@
 // What is kept of a session, and what a second run in the same folder makes of it.
 #include "host/session/session_folder.hpp"
 
-#include <algorithm>
 #include <lcm/lcm-cpp.hpp>
 #include <string>
-#include <strobe_msgs/event_t.hpp>
-#include <strobe_msgs/shot_t.hpp>
 #include <vector>
 
-#include "tests/support/sealed_sender.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 #include "tests/support/string_from.hpp"
@@ -16,22 +12,11 @@
 namespace {
 
 using namespace strobe;
-using host::EventLedger;
 using host::SessionFolder;
 using testing::read_text;
 using testing::TemporaryFolder;
 
 constexpr const char* kUtc = "20260131T093000Z";
-
-const authentication::Key kKey = authentication::Key::random();
-constexpr const char* kEvents = "STROBE/bench/EVENT";
-
-strobe_msgs::event_t event_of(std::int64_t sequence) {
-  strobe_msgs::event_t event{};
-  event.boot_id = 77;
-  event.sequence = sequence;
-  return event;
-}
 
 }  // namespace
 
@@ -73,57 +58,47 @@ TEST(FolderOfASession, ASecondRunOverwritesNothing) {
     CHECK_TRUE_TEXT(std::filesystem::exists(folder / log), log);
 }
 
-TEST(FolderOfASession, EventsOfEarlierRunsAreNotAskedForAgain) {
+TEST(FolderOfASession, KeepsWhatAPersonWasToldAndWhatEachRunWasAskedFor) {
   TemporaryFolder folder;
-  testing::SealedSender lab{kKey};
-  {
-    auto first = SessionFolder::open(folder.path(), kUtc, "", "");
-    const auto log = [&first](const char* channel, const std::vector<std::uint8_t>& bytes) {
-      (*first)->log(channel, bytes, {});
-    };
-    for (const std::int64_t sequence : {1, 2, 4}) log(kEvents, lab.packet(kEvents, event_of(sequence)));
-    log("STROBE/other/EVENT", lab.packet("STROBE/other/EVENT", event_of(3)));
-    log(kEvents, {1, 2, 3});
-    // What a host without the key has kept may be anybody's.
-    log(kEvents, messages::encode(event_of(3)));
-    // its last field, an empty text with its end, says that it is -1 bytes long
-    auto hostile = messages::encode(event_of(3));
-    std::fill(hostile.end() - 5, hostile.end() - 1, std::uint8_t{0xff});
-    log(kEvents, lab.packet(kEvents, authentication::Bytes(hostile)));
+  for (int run = 1; run <= 2; ++run) {
+    auto session =
+        SessionFolder::open(folder.path(), kUtc, "", run == 1 ? "period_us = 3000\n" : "period_us = 4000\n");
+    (*session)->add_text("09:30 shot " + std::to_string(run) + "\n");
+    host::RunRecord record;
+    record.host_id = run;
+    record.plan_file = (*session)->plan_file();
+    (*session)->add(record);
+    // Read while still open, as after a kill.
+    LONGS_EQUAL(run, host::read_runs(folder / "runs.jsonl")->size());
+    (*session)->close();
+    CHECK_TRUE((*session)->take_failures().empty());
   }
-  auto second = SessionFolder::open(folder.path(), kUtc, "", "");
-  EventLedger ledger(true);
-  (*second)->load_events(ledger, "bench", kKey);
-  ledger.status(77, 4, {});
-  LONGS_EQUAL(3, ledger.received());
-  LONGS_EQUAL(1, ledger.missing());
+  CHECK_EQUAL("09:30 shot 1\n09:30 shot 2\n", read_text(folder / "shots.txt"));
+  const auto runs = host::read_runs(folder / "runs.jsonl");
+  CHECK_EQUAL("plan.toml", runs->at(0).plan_file);
+  CHECK_EQUAL("plan-20260131T093000Z.toml", runs->at(1).plan_file);
+  CHECK_EQUAL("period_us = 4000\n", read_text(folder / runs->at(1).plan_file));
 }
 
-TEST(FolderOfASession, ASummaryThatAnEarlierRunDidNotGetIsAskedFor) {
+TEST(FolderOfASession, ARunIsRecordedBehindALineThatAPowerCutTore) {
   TemporaryFolder folder;
-  testing::SealedSender lab{kKey};
-  {
-    auto first = SessionFolder::open(folder.path(), kUtc, "", "");
-    for (const std::int64_t sequence : {1, 2}) {
-      strobe_msgs::event_t event = event_of(sequence);
-      event.kind = strobe_msgs::event_t::SHOT_ENDED;
-      event.shot_id = static_cast<std::int32_t>(sequence);
-      const auto bytes = lab.packet(kEvents, event);
-      (*first)->log("STROBE/bench/EVENT", bytes, from_ns<WallTime>(sequence));
-    }
-    strobe_msgs::shot_t shot{};
-    shot.boot_id = 77;
-    shot.shot_id = 1;
-    const auto bytes = lab.packet("STROBE/bench/SHOT", shot);
-    (*first)->log("STROBE/bench/SHOT", bytes, {});
-  }
-  auto second = SessionFolder::open(folder.path(), kUtc, "", "");
-  EventLedger ledger(true);
-  (*second)->load_events(ledger, "bench", kKey);
-  ledger.status(77, 2, {});
-  const auto asks = ledger.due(HostTime{milliseconds{1000}});
-  LONGS_EQUAL(1, asks.size());
-  LONGS_EQUAL(2, asks[0].sequences.first);
+  testing::write_text(folder / "runs.jsonl", "{\"host_id\":\"5\",\"sho");
+  auto session = SessionFolder::open(folder.path(), kUtc, "", "");
+  host::RunRecord record;
+  record.host_id = 6;
+  (*session)->add(record);
+  const auto runs = host::read_runs(folder / "runs.jsonl");
+  LONGS_EQUAL(1, runs->size());
+  LONGS_EQUAL(6, runs->front().host_id);
+}
+
+TEST(FolderOfASession, ARunThatCannotBeRecordedIsTold) {
+  TemporaryFolder folder;
+  auto session = SessionFolder::open(folder.path(), kUtc, "", "");
+  std::filesystem::create_directory(folder / "runs.jsonl");
+  (*session)->add(host::RunRecord{});
+  STRCMP_CONTAINS("runs.jsonl: cannot be written", (*session)->take_failures().at(0).c_str());
+  STRCMP_CONTAINS("runs.jsonl", (*session)->unstored().at(0).c_str());
 }
 
 TEST(FolderOfASession, AFolderThatCannotBeMadeIsNamed) {

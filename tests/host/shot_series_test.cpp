@@ -62,7 +62,7 @@ struct Firmware {
 };
 
 struct Play {
-  CommandFactory factory{kHost};
+  CommandFactory factory{kHost, "anna@desk"};
   Firmware firmware;
   ShotSeries series;
   HostTime now;
@@ -132,7 +132,7 @@ TEST(ShotSeriesOfAHost, ARejectedShotIsFiredAgainWithinTheRetries) {
   CHECK_TRUE(play.series.succeeded());
   LONGS_EQUAL(4, play.firmware.fired);
   LONGS_EQUAL(2, play.series.refired());
-  STRCMP_CONTAINS("shot 4 is rejected (the shot was aborted): firing again, retry 1 of 2",
+  STRCMP_CONTAINS("shot 4 does not count (the shot was aborted): firing again, 1 of 2 times",
                   play.notifications.at(0).c_str());
 }
 
@@ -142,7 +142,8 @@ TEST(ShotSeriesOfAHost, TheFirmwaresReasonForAnAbortIsToldWithTheRejection) {
   play.problem = "the trigger was on for 130000 us";
   play.run(1000);
   CHECK_EQUAL(
-      "shot 4 is rejected (the shot was aborted: the trigger was on for 130000 us) and no retries are left",
+      "shot 4 does not count (the shot was aborted: the trigger was on for 130000 us), and none may be fired "
+      "again",
       play.series.blocking_reason());
 }
 
@@ -230,6 +231,111 @@ TEST(ShotSeriesOfAHost, DoesNotTakeTheRigFromAnotherHost) {
   play.run(100);
   LONGS_EQUAL(0, play.firmware.fired);
   CHECK_EQUAL("another host has armed the rig", play.series.blocking_reason());
+}
+
+TEST(ShotSeriesOfAHost, SaysWhoElseHasArmedTheRig) {
+  Play play(series(1));
+  play.firmware.status.state = status_t::ARMED;
+  play.firmware.status.arm_host_id = 999;
+  play.firmware.status.arm_token = 5;
+  play.series.on_arming_of("eve@lab2", false);
+  play.turn();
+  CHECK_EQUAL("another host (eve@lab2) has armed the rig", play.series.blocking_reason());
+}
+
+TEST(ShotSeriesOfAHost, AnEarlierRunOfOnesOwnIsNoOtherHost) {
+  for (const auto& [name, own] : {std::pair{"", true}, std::pair{"anna@desk", false}}) {
+    Play play(series(1));
+    status_t& status = play.firmware.status;
+    status.state = status_t::ARMED;
+    status.arm_host_id = 999;
+    status.arm_token = 5;
+    status.mono_ns = 1'000'000'000;
+    status.arm_expires_ns = 12'400'000'000;
+    play.series.on_arming_of(name, own);
+    play.turn();
+    CHECK_EQUAL("an earlier run of yours still holds the arming for 12 s", play.series.blocking_reason());
+    status.mono_ns += 5'000'000'000;
+    play.turn();
+    // The same words as long as it lasts: a new one would be told anew.
+    CHECK_EQUAL("an earlier run of yours still holds the arming for 12 s", play.series.blocking_reason());
+    status.state = status_t::IDLE;
+    status.arm_host_id = status.arm_token = 0;
+    play.run(300);
+    CHECK_TRUE(play.series.succeeded());
+  }
+}
+
+TEST(ShotSeriesOfAHost, ArmsUnderItsName) {
+  CommandFactory factory(kHost, "anna@desk");
+  const command_t arm = factory.arm(kBoot);
+  LONGS_EQUAL(1, arm.note_count);
+  CHECK_EQUAL("host_name", arm.notes[0].key);
+  CHECK_EQUAL("anna@desk", arm.notes[0].value);
+  LONGS_EQUAL(0, CommandFactory(kHost).arm(kBoot).note_count);
+}
+
+TEST(ShotSeriesOfAHost, OutputsThatMayBeActiveEndIt) {
+  Play play(series(3));
+  while (play.firmware.fired == 0) play.turn();
+  play.series.on_danger("");
+  CHECK_FALSE(play.series.finished());
+  play.series.on_danger("THE OUTPUTS MAY BE ACTIVE: no such device");
+  CHECK_TRUE(play.series.finished());
+  CHECK_FALSE(play.series.succeeded());
+  STRCMP_CONTAINS("THE OUTPUTS MAY BE ACTIVE", play.series.blocking_reason().c_str());
+}
+
+TEST(ShotSeriesOfAHost, FiresWhatTheSessionLacks) {
+  ShotSeriesSettings settings = series(5);
+  settings.counted = 3;
+  settings.whole_session = true;
+  Play play(settings);
+  ShotResult former;
+  former.host_id = 999;
+  play.series.on_former_result(former);
+  former.rejected = "the shot was aborted";
+  play.series.on_former_result(former);
+  play.run(1000);
+  CHECK_TRUE(play.series.succeeded());
+  LONGS_EQUAL(1, play.firmware.fired);
+  LONGS_EQUAL(5, play.series.good());
+}
+
+TEST(ShotSeriesOfAHost, ASessionThatHasEnoughIsNotArmed) {
+  ShotSeriesSettings settings = series(2);
+  settings.counted = 1;
+  settings.whole_session = true;
+  Play play(settings);
+  play.series.on_former_result({});
+  play.heard = false;
+  play.turn();
+  CHECK_TRUE(play.series.finished());
+  CHECK_TRUE(play.series.succeeded());
+}
+
+TEST(ShotSeriesOfAHost, ShotsOfEarlierRunsAreNoneOfASeriesOfItsOwn) {
+  Play play(series(1));
+  play.series.on_former_result({});
+  LONGS_EQUAL(0, play.series.good());
+}
+
+TEST(ShotSeriesOfAHost, AnEndThatWasAskedForComesAfterTheShotUnderWayEvenIfItIsRejected) {
+  for (const char* verdict : {"", "the photograph did not come in time"}) {
+    Play play(series(3, 5));
+    play.verdicts = {verdict};
+    while (play.firmware.fired == 0) play.turn();
+    CHECK_TRUE(play.series.shot_under_way());
+    LONGS_EQUAL(4, play.series.shot_number());
+    play.series.end_after_shot("interrupted", play.firmware.status);
+    CHECK_FALSE(play.series.finished());
+    play.run(1000);
+    CHECK_TRUE(play.series.finished());
+    LONGS_EQUAL(1, play.firmware.fired);
+    LONGS_EQUAL(0, play.series.refired());
+    LONGS_EQUAL(*verdict == '\0' ? 1 : 0, play.series.good());
+    CHECK_EQUAL("interrupted", play.series.blocking_reason());
+  }
 }
 
 TEST(ShotSeriesOfAHost, GivesUpWhenNothingIsPossibleForTooLong) {

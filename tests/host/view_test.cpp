@@ -188,18 +188,26 @@ TEST(ScreenLines, TellAProgramTheSame) {
   CHECK_EQUAL(std::string::npos, line.find('\n'));
 }
 
-TEST(ScreenLines, SayWhatIsMissing) {
-  CHECK_EQUAL("", row(render(m, 120), "MISSING"));
+TEST(ScreenLines, SayWhyNothingCanBeFired) {
+  CHECK_EQUAL("", row(render(m, 120), "cannot fire"));
   m.status->message = "the key is off";
-  CHECK_EQUAL("MISSING: the key is off", row(render(m, 120), "MISSING"));
+  CHECK_EQUAL("cannot fire: the key is off", row(render(m, 120), "cannot fire"));
   m.blocking_reason = "another host has armed the rig";
-  CHECK_EQUAL("MISSING: another host has armed the rig", row(render(m, 120), "MISSING"));
+  CHECK_EQUAL("cannot fire: another host has armed the rig", row(render(m, 120), "cannot fire"));
   m.blocking_reason.clear();
   m.status_age_s = 7;
   m.silent = true;
-  STRCMP_CONTAINS("silent for 7 s", row(render(m, 120), "MISSING").c_str());
+  STRCMP_CONTAINS("silent for 7 s", row(render(m, 120), "cannot fire").c_str());
   m.status.reset();
-  CHECK_EQUAL("MISSING: no firmware heard", row(render(m, 120), "MISSING"));
+  CHECK_EQUAL("cannot fire: no firmware heard", row(render(m, 120), "cannot fire"));
+}
+
+TEST(ScreenLines, BeginWithDangerUntilItIsOver) {
+  m.danger = "THE OUTPUTS MAY BE ACTIVE: no such device";
+  m.silent = true;
+  CHECK_EQUAL("!!! THE OUTPUTS MAY BE ACTIVE: no such device", render_firmware(m, 120).front());
+  m.danger.clear();
+  CHECK_EQUAL("", row(render(m, 120), "!!!"));
 }
 
 TEST(ScreenLines, GiveEveryFlagInWords) {

@@ -150,6 +150,27 @@ TEST(SimProgram, UnplugsTheChipInTheMiddleOfATrain) {
   STRCMP_CONTAINS("gpioset: ", finished.err.c_str());
 }
 
+TEST(SimProgram, DrivesALineOnceAnotherHasRisenSoOften) {
+  const std::string chip = folder / "chip";
+  const std::string drive = kSim + " drive --chip-dir " + chip;
+  // Pulses on a line that nobody holds, until the other command has seen its third and ended.
+  const std::string script = drive + " --after GATE=3 KEY=0 & until ! kill -0 $! 2>/dev/null; do " + drive +
+                             " GATE=1; " + drive + " GATE=0; done; wait $!";
+  const CompletedProcess finished = strobe::testing::run_process(
+      on_rig({"--chip-dir", chip, "--changes", folder / "changes.csv"}, {"sh", "-c", script}), kLimit);
+  CHECK_TEXT(finished.status == ExitStatus({0, 0}), finished.err.c_str());
+  const auto changes = strobe::testing::read_csv(folder / "changes.csv");
+  int rises = 0;
+  bool driven = false;
+  for (const auto& row : changes.rows) {
+    if (driven) break;
+    rises += row[changes.column("name")] == "GATE" && row[changes.column("level")] == "1" ? 1 : 0;
+    driven = row[changes.column("name")] == "KEY";
+  }
+  CHECK(driven);
+  CHECK(rises >= 3);  // more rise before the command is under way
+}
+
 TEST(SimProgram, RefusesToUnplugWhatIsNoChipOrAfterWhatIsNoLine) {
   check_refused(sim({"unplug", "--chip-dir", folder / "none"}), "none");
   const std::string chip = folder / "chip";
@@ -158,6 +179,10 @@ TEST(SimProgram, RefusesToUnplugWhatIsNoChipOrAfterWhatIsNoLine) {
         on_rig({"--chip-dir", chip}, {kSim, "unplug", "--chip-dir", chip, "--after", after}), kLimit);
     LONGS_EQUAL(2, finished.status.value().code);
     STRCMP_CONTAINS(after, finished.err.c_str());
+    const CompletedProcess driven = strobe::testing::run_process(
+        on_rig({"--chip-dir", chip}, {kSim, "drive", "--chip-dir", chip, "--after", after, "KEY=0"}), kLimit);
+    LONGS_EQUAL(2, driven.status.value().code);
+    STRCMP_CONTAINS(after, driven.err.c_str());
   }
 }
 

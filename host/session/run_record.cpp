@@ -1,0 +1,101 @@
+#include "host/session/run_record.hpp"
+
+#include <charconv>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <system_error>
+
+#include "common/config/files.hpp"
+
+namespace strobe::host {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Absent, or of another kind than is wanted: the fallback.
+template <typename Value>
+Value value_of(const Json& object, const char* key, Value fallback) {
+  const auto found = object.find(key);
+  if (found == object.end()) return fallback;
+  if constexpr (std::is_same_v<Value, bool>) return found->is_boolean() ? found->get<bool>() : fallback;
+  if constexpr (std::is_same_v<Value, int>) return found->is_number_integer() ? found->get<int>() : fallback;
+  if constexpr (std::is_same_v<Value, std::string>)
+    return found->is_string() ? found->get<std::string>() : fallback;
+}
+
+std::int64_t host_id_of(const Json& object) {
+  const std::string text = value_of(object, "host_id", std::string());
+  std::int64_t id = 0;
+  std::from_chars(text.data(), text.data() + text.size(), id);
+  return id;
+}
+
+std::optional<RunRecord> run_of(const std::string& line) {
+  const Json object = Json::parse(line, nullptr, false);
+  if (!object.is_object()) return std::nullopt;
+  RunRecord run;
+  run.utc = value_of(object, "utc", std::string());
+  run.host_id = host_id_of(object);
+  run.version = value_of(object, "version", std::string());
+  run.operator_name = value_of(object, "operator", std::string());
+  run.shots = value_of(object, "shots", 1);
+  run.until = value_of(object, "until", false);
+  run.retries = value_of(object, "retries", 0);
+  run.dry = value_of(object, "dry", false);
+  const auto notes = object.find("notes");
+  if (notes != object.end() && notes->is_object()) {
+    for (const auto& [key, value] : notes->items())
+      if (value.is_string()) run.notes[key] = value.get<std::string>();
+  }
+  run.plan_file = value_of(object, "plan_file", std::string());
+  run.spacing = value_of(object, "spacing", std::string());
+  run.rig_file = value_of(object, "rig_file", std::string());
+  run.photographs = value_of(object, "photographs", std::string());
+  run.effort = value_of(object, "effort", std::string());
+  run.key_fingerprint = value_of(object, "key_fingerprint", std::string());
+  run.session_shots = value_of(object, "session_shots", run.shots);
+  const auto command = object.find("command");
+  if (command != object.end() && command->is_array()) {
+    for (const Json& word : *command)
+      if (word.is_string()) run.command.push_back(word.get<std::string>());
+  }
+  return run.host_id == 0 ? std::nullopt : std::optional(run);
+}
+
+}  // namespace
+
+std::string run_line(const RunRecord& run) {
+  const Json object{{"utc", run.utc},
+                    {"host_id", std::to_string(run.host_id)},
+                    {"version", run.version},
+                    {"operator", run.operator_name},
+                    {"shots", run.shots},
+                    {"until", run.until},
+                    {"retries", run.retries},
+                    {"dry", run.dry},
+                    {"notes", run.notes},
+                    {"plan_file", run.plan_file},
+                    {"spacing", run.spacing},
+                    {"rig_file", run.rig_file},
+                    {"photographs", run.photographs},
+                    {"effort", run.effort},
+                    {"key_fingerprint", run.key_fingerprint},
+                    {"command", run.command},
+                    {"session_shots", run.session_shots}};
+  // Words of a command line need not be text.
+  return object.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+Result<std::vector<RunRecord>> read_runs(const std::filesystem::path& path) {
+  std::error_code error;
+  if (!std::filesystem::exists(path, error)) return std::vector<RunRecord>{};
+  const auto text = config::read_file(path.string());
+  if (!text) return tl::unexpected(text.error());
+  std::vector<RunRecord> runs;
+  std::istringstream lines(*text);
+  for (std::string line; std::getline(lines, line);)
+    if (auto run = run_of(line)) runs.push_back(std::move(*run));
+  return runs;
+}
+
+}  // namespace strobe::host
