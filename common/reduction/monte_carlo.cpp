@@ -1,8 +1,10 @@
 #include "common/reduction/monte_carlo.hpp"
 
 #include <algorithm>
+#include <boost/random/chi_squared_distribution.hpp>
+#include <boost/random/mersenne_twister.hpp>
+#include <boost/random/normal_distribution.hpp>
 #include <cmath>
-#include <random>
 #include <vector>
 
 #include "common/reduction/budget_inputs.hpp"
@@ -21,7 +23,7 @@ class Drawing {
       : inputs_(inputs_of(fit)), propagation_(propagation), random_(seed) {}
 
   Quantities draw() {
-    std::normal_distribution<double> normal;
+    boost::random::normal_distribution<double> normal;
     std::array<double, kNoiseGroupCount> widened;
     widened.fill(0.0);  // not drawn yet
     ShotFit moved = inputs_.fit;
@@ -37,14 +39,14 @@ class Drawing {
     double& factor = drawn[static_cast<std::size_t>(source.factor)];
     if (factor == 0.0) {
       const double freedom = *source.degrees_of_freedom;
-      factor = std::sqrt(freedom / std::chi_squared_distribution<double>(freedom)(random_));
+      factor = std::sqrt(freedom / boost::random::chi_squared_distribution<double>(freedom)(random_));
     }
     return factor;
   }
 
   Inputs inputs_;
   PropagationOptions propagation_;
-  std::mt19937_64 random_;
+  boost::random::mt19937_64 random_;  ///< the same draws with every standard library
 };
 
 /// Of n sorted draws, the end below which `share` of them lie; its sd from the binomial distribution of their number

@@ -189,7 +189,7 @@ class FireRun {
   int conclude() {
     const ShotSeries& series = runner_.series();
     const bool dry = request_.series.plan.dry;
-    if (request_.style != Terminal::Style::json && !dry && terminal_.model().series.shots() > 0)
+    if (request_.style != Terminal::Style::json && !dry && terminal_.model().series.counted() > 0)
       print(render_series(terminal_.model().series, request_.condition, kPlainWidth, request_.all));
     const std::string summary =
         fmt::format("{} of {} {} {}, {} fired again; session in {}", series.good(), request_.series.shots,

@@ -87,6 +87,8 @@ class Session {
  private:
   static constexpr std::size_t kMaxArmed = 4096;
   static constexpr std::size_t kMaxHeldFrames = 64;
+  /// A network that is cut for so long has lost nothing yet.
+  static constexpr Duration kCutOff = std::chrono::seconds{10};
 
   struct PendingShot {
     strobe_msgs::shot_t shot;

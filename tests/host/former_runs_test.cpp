@@ -146,10 +146,10 @@ TEST(FormerRuns, RowsOfTheTableTellWhichShotsCount) {
   counts.shot_id = 1;
   rejected.shot_id = 2;
   rejected.rejected = "it said \"no\", twice";
-  std::string table = host::results_header() + "\n" + host::results_line(counts, "u") + "\n" +
-                      host::results_line(rejected, "u") + "\n";
+  std::string table = host::results_header() + "\n" + host::results_line(counts, "u", "1", "auto") + "\n" +
+                      host::results_line(rejected, "u", "2", "") + "\n";
   counts.shot_id = 3;
-  table += host::results_line(counts, "u");  // torn: no end
+  table += host::results_line(counts, "u", "1", "auto");  // torn: no end
   write_text(folder / "results.csv", table);
   const auto rows = host::read_result_rows(folder.path());
   LONGS_EQUAL(2, rows.size());

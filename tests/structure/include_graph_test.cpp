@@ -94,7 +94,8 @@ std::string directory_of(const std::string& path) { return path.substr(0, path.r
 bool is_pure(const Include& include) {
   if (include.quoted) return true;
   return kPureStandardHeaders.count(include.target) != 0 || starts_with(include.target, "tl/") ||
-         starts_with(include.target, "Eigen/") || starts_with(include.target, "boost/math/");
+         starts_with(include.target, "Eigen/") || starts_with(include.target, "boost/math/") ||
+         (starts_with(include.target, "boost/random/") && include.target != "boost/random/random_device.hpp");
 }
 
 }  // namespace
