@@ -7,6 +7,7 @@
 #include <system_error>
 
 #include "common/authentication/key_file.hpp"
+#include "common/command_line/help.hpp"
 #include "host/archive/fired_shots.hpp"
 #include "host/archive/redigitize.hpp"
 #include "host/archive/results_table.hpp"
@@ -163,6 +164,7 @@ void add_replay_command(CLI::App& app, int& exit_status) {
       "Examples: strobe replay run1 --json\n"
       "          strobe replay run1 --complete --results\n"
       "          strobe replay run1/host-20260131T093000Z.lcmlog --json");
+  command_line::for_experts(*command, {"--key-file"});
   command->callback([options, &exit_status] { exit_status = run_replay(*options); });
 }
 

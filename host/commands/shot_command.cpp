@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 
+#include "common/command_line/help.hpp"
 #include "common/config/files.hpp"
 #include "host/archive/redigitize.hpp"
 #include "host/archive/reduce_again.hpp"
@@ -114,6 +115,7 @@ void add_shot_command(CLI::App& app, int& exit_status) {
       "          strobe shot run1 3 --overlay shot3.png\n"
       "          strobe shot run1 3 --edit corrections.toml\n"
       "Exit status: 2 if there is no such shot, or it cannot be done.");
+  command_line::for_experts(*command, {"--noise", "--rig", "--key-file"});
   command->callback([options, &exit_status] { exit_status = run_shot(*options); });
 }
 
