@@ -3,10 +3,9 @@
 #include <charconv>
 #include <iterator>
 #include <strobe_msgs/command_t.hpp>
-#include <strobe_msgs/frame_t.hpp>
+#include <strobe_msgs/readout_t.hpp>
 #include <strobe_msgs/sealed_command_t.hpp>
 
-#include "common/authentication/packet_seal.hpp"
 #include "common/messages/channels.hpp"
 #include "common/messages/well_formed.hpp"
 
@@ -34,14 +33,20 @@ FiredShots::FiredShots(LogPlayer& player, const std::string& rig)
 void FiredShots::watch(const LogMessage& message) {
   if (message.channel == command_channel_) return watch_command(message);
   const auto bytes = authentication::message_of(message.bytes);
-  if (message.channel == readout_channel_) {
-    if (const std::int64_t host = messages::readout_host(bytes.data(), bytes.size()); host != 0)
-      reading_.try_emplace(host, HostHeard{message.time, message.log});
-  } else if (message.channel == frame_channel_) {
-    strobe_msgs::frame_t frame;
-    if (messages::decode_checked(frame, bytes.data(), bytes.size()))
-      frames_[{frame.boot_id, frame.shot_id}] = message.time;
-  }
+  if (message.channel == readout_channel_) return watch_readout(message, bytes);
+  if (message.channel != frame_channel_) return;
+  strobe_msgs::frame_t frame;
+  if (messages::decode_checked(frame, bytes.data(), bytes.size()) &&
+      frame.schema_version == strobe_msgs::frame_t::SCHEMA_VERSION)
+    frames_[{frame.boot_id, frame.shot_id}] = {message.time, frame};
+}
+
+void FiredShots::watch_readout(const LogMessage& message, authentication::Bytes bytes) {
+  if (const std::int64_t host = messages::readout_host(bytes.data(), bytes.size()); host != 0)
+    reading_.try_emplace(host, HostHeard{message.time, message.log});
+  strobe_msgs::readout_t readout;
+  if (messages::decode_checked(readout, bytes.data(), bytes.size()))
+    told_[{readout.boot_id, readout.shot_id}] = message.time;
 }
 
 void FiredShots::watch_command(const LogMessage& message) {
@@ -52,10 +57,20 @@ void FiredShots::watch_command(const LogMessage& message) {
     commanding_.try_emplace(command.host_id, HostHeard{message.time, message.log});
 }
 
-std::optional<WallTime> FiredShots::frame_time(const ShotKey& key) const {
+const LoggedFrame* FiredShots::frame(const ShotKey& key) const {
   auto found = frames_.find(key);
   if (found == frames_.end()) found = frames_.find({0, key.shot_id});
-  return found == frames_.end() ? std::nullopt : std::optional(found->second);
+  return found == frames_.end() ? nullptr : &found->second;
+}
+
+const LoggedFrame* FiredShots::late_frame(const ShotKey& key) const {
+  const auto shot = shots_.find(key);
+  const auto logged = frames_.find(key);
+  const auto told = told_.find(key);
+  if (shot == shots_.end() || !shot->second.summary || logged == frames_.end() || told == told_.end())
+    return nullptr;
+  const bool measured = shot->second.result && shot->second.result->frame;
+  return measured || told->second < logged->second.time ? nullptr : &logged->second;
 }
 
 FiredShot& FiredShots::heard_of(const ShotKey& key) {

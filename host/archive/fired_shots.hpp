@@ -7,8 +7,10 @@
 #include <set>
 #include <string>
 #include <strobe_msgs/event_t.hpp>
+#include <strobe_msgs/frame_t.hpp>
 #include <strobe_msgs/shot_t.hpp>
 
+#include "common/authentication/packet_seal.hpp"
 #include "common/shot/shot_key.hpp"
 #include "common/units/time.hpp"
 #include "host/archive/log_player.hpp"
@@ -20,6 +22,11 @@ namespace strobe::host {
 struct HostHeard {
   WallTime time;
   std::size_t log = 0;  ///< of the reader's
+};
+
+struct LoggedFrame {
+  WallTime time;
+  strobe_msgs::frame_t frame;
 };
 
 struct FiredShot {
@@ -49,8 +56,10 @@ class FiredShots final : public HostListener, public MessageHandler {
   const std::map<std::int64_t, HostHeard>& commanding_hosts() const { return commanding_; }
   /// Hosts whose readouts are in the logs.
   const std::map<std::int64_t, HostHeard>& reading_hosts() const { return reading_; }
-  /// When the shot's newest frame was logged.
-  std::optional<WallTime> frame_time(const ShotKey& key) const;
+  /// The shot's newest frame in the hosts' logs; null: there is none.
+  const LoggedFrame* frame(const ShotKey& key) const;
+  /// A frame that came when the wait for it was over here, and from which a later run has told a readout all the same.
+  const LoggedFrame* late_frame(const ShotKey& key) const;
 
  private:
   void on_shot_result(const ShotResult& result) override;
@@ -59,6 +68,7 @@ class FiredShots final : public HostListener, public MessageHandler {
   void on_status(const strobe_msgs::status_t&) override {}
   void on_frame(const strobe_msgs::frame_t&) override {}
   void watch_command(const LogMessage& message);
+  void watch_readout(const LogMessage& message, authentication::Bytes bytes);
   FiredShot& heard_of(const ShotKey& key);
   std::int64_t host_of(std::int64_t boot_id, std::int64_t started) const;
 
@@ -68,7 +78,8 @@ class FiredShots final : public HostListener, public MessageHandler {
   std::map<ShotKey, FiredShot> shots_;
   std::map<std::int64_t, WallTime> boots_;
   std::map<std::int64_t, HostHeard> commanding_, reading_;
-  std::map<ShotKey, WallTime> frames_;
+  std::map<ShotKey, LoggedFrame> frames_;
+  std::map<ShotKey, WallTime> told_;                                     ///< the newest readout of each shot
   std::map<std::pair<std::int64_t, std::int64_t>, std::int64_t> armed_;  ///< boot, sequence: by whom
 };
 

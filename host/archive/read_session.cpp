@@ -163,20 +163,18 @@ StoredShot SessionReader::stored(const ShotKey& key, const FiredShot& fired) con
   shot.key = key;
   shot.summary = fired.summary;
   shot.rig = rig_of(fired.host_id);
-  WallTime came = fired.heard;
-  if (fired.result && fired.result->frame) {
-    Digitization digitization;
-    digitization.frame = *fired.result->frame;
-    digitization.by_hand = digitization.frame.source == "hand";
-    came = std::max(came, fired_->frame_time(key).value_or(came));
-    digitization.utc = utc_for_table(came);
-    shot.digitizations.push_back(std::move(digitization));
-  }
-  shot.utc = utc_for_table(came);
   shot.result = logged_outcome(key, fired);
   shot.result.verified = session_.verified && !fired.from_journal;
-  if (shot.rig != rigs_.main() && fired.summary && !shot.digitizations.empty())
-    shot.result = measured_again(shot, shot.digitizations.front().frame);
+  const LoggedFrame* late = fired_->late_frame(key);
+  const auto frame = late != nullptr ? std::optional(late->frame) : shot.result.frame;
+  WallTime came = fired.heard;
+  if (frame) {
+    if (const LoggedFrame* logged = fired_->frame(key)) came = std::max(came, logged->time);
+    shot.digitizations.push_back({*frame, frame->source == "hand", utc_for_table(came), "", {}, {}});
+  }
+  shot.utc = utc_for_table(came);
+  const bool other_rig = shot.rig != rigs_.main();
+  if (late != nullptr || (other_rig && fired.summary && frame)) shot.result = measured_again(shot, *frame);
   return shot;
 }
 

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <optional>
+#include <strobe_msgs/readout_t.hpp>
 
 #include "common/authentication/key_file.hpp"
 #include "common/messages/json_conversions.hpp"
@@ -198,6 +199,42 @@ TEST(ReadSession, HasTheShotsThatNobodySawTheEndOf) {
   CHECK_TRUE(session.shots[2].result.readout.flags.has(Flag::shot_aborted));
   LONGS_EQUAL(5, session.shots[2].result.host_id);
   CHECK_TRUE_TEXT(told(session, "the end of shot 3 is in no log"), all_remarks(session).c_str());
+}
+
+TEST(ReadSession, HasTheReadoutThatALaterRunToldOfAShot) {
+  auto run = begin(5, 0);
+  run->heartbeat();
+  run->arm_and_fire();
+  run->started(1);
+  run->ended(1);
+  run->summary(1);  // and is killed
+  const auto sequence = run->sequence;
+  const auto mono_ns = run->mono_ns;
+  run = begin(6, 60);
+  run->sequence = sequence;
+  run->mono_ns = mono_ns + 60'000'000'000;
+  run->wait_s(20);  // no log tells for how long the next run waits
+  run->frame(1, WrittenRun::kBoot, "photographs/shot-0001-a.tif");
+  strobe_msgs::readout_t readout{};
+  readout.host_id = 6;
+  readout.boot_id = WrittenRun::kBoot;
+  readout.shot_id = 1;
+  run->log(messages::Channel::readout, readout);
+  // One that came too late for its own run: that has told so before.
+  run->arm_and_fire();
+  run->started(2);
+  run->ended(2);
+  run->summary(2);
+  run->wait_s(20);
+  readout.shot_id = 2;
+  run->log(messages::Channel::readout, readout);
+  run->frame(2);
+  run.reset();
+  const StoredSession session = read();
+  LONGS_EQUAL(2, session.shots.size());
+  CHECK_FALSE_TEXT(session.shots[0].result.rejected.has_value(), all_remarks(session).c_str());
+  LONGS_EQUAL(1, session.shots[0].digitizations.size());
+  CHECK_TRUE(session.shots[1].result.readout.flags.has(Flag::no_photograph));
 }
 
 TEST(ReadSession, TakesFromAJournalWhatTheLogsLack) {
