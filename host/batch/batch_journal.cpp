@@ -56,13 +56,15 @@ bool BatchJournal::load_line(const std::string& line) {
 Result<void> BatchJournal::load(const fs::path& path, bool own) {
   std::ifstream file(path, std::ios::binary);
   off_t whole = 0;
+  bool torn = false;
   for (std::string line; std::getline(file, line);) {
-    if (file.eof()) break;  // without its end: cut short
+    torn = file.eof();  // without its end: cut short
+    if (torn) break;
     load_line(line);
     whole += static_cast<off_t>(line.size()) + 1;
   }
   if (file.bad()) return fail(failure(path));
-  if (own && ::ftruncate(fd_, whole) != 0) return fail(failure(path));
+  if (own && torn && ::ftruncate(fd_, whole) != 0) return fail(failure(path));
   return {};
 }
 
@@ -71,6 +73,9 @@ Result<std::unique_ptr<BatchJournal>> BatchJournal::open(const fs::path& folder,
   journal->path_ = folder / name;
   journal->fd_ = ::open(journal->path_.c_str(), O_RDWR | O_APPEND | O_CREAT | O_CLOEXEC, 0666);
   if (journal->fd_ < 0) return fail(failure(journal->path_));
+  struct stat opened {};
+  if (::fstat(journal->fd_, &opened) != 0 || !S_ISREG(opened.st_mode))
+    return fail(journal->path_.string() + ": not a regular file");
   if (::flock(journal->fd_, LOCK_EX | LOCK_NB) != 0)
     return fail(journal->path_.string() + ": another batch is writing it");
   std::vector<fs::path> paths;

@@ -175,7 +175,10 @@ void BatchRun::finish_session(const OpenSession& session) {
   ++progress_.sessions;
   std::string lines;
   for (const std::string& line : session.lines) lines += line + "\n";
-  const auto written = write_session_table(out_, session.place.name, lines);
+  if (!session.stored.remarks.empty()) ++progress_.sessions_with_remarks;
+  const auto written = write_session_remarks(out_, session.place.name, session.stored.remarks).and_then([&] {
+    return write_session_table(out_, session.place.name, lines);
+  });
   if (!written && problem_.empty()) {
     problem_ = written.error().message;
     stopped_ = true;

@@ -28,6 +28,7 @@ struct BatchProgress {
   std::int64_t failed = 0;    ///< photographs that could not be measured, of any run
   int sessions = 0;           ///< finished, those that could not be read included
   int unread_sessions = 0;    ///< that could not be read
+  int sessions_with_remarks = 0;
 };
 
 struct FinishedRow {

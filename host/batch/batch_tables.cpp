@@ -96,6 +96,14 @@ Result<void> write_session_table(const fs::path& folder, const std::string& sess
   return write_table(folder / (session + ".csv"), lines);
 }
 
+Result<void> write_session_remarks(const fs::path& folder, const std::string& session,
+                                   const std::vector<std::string>& remarks) {
+  const fs::path path = folder / (session + ".remarks.txt");
+  std::error_code error;
+  if (remarks.empty()) return fs::remove(path, error), Result<void>();
+  return config::write_file(path, fmt::format("{}\n", fmt::join(remarks, "\n")));
+}
+
 Result<int> merge_tables(const std::vector<fs::path>& folders, const fs::path& out) {
   std::optional<BatchManifest> manifest;
   for (const fs::path& folder : folders) {

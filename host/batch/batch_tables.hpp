@@ -1,5 +1,5 @@
 // What a batch leaves in its folder: NAME.csv of each session, results.csv of all by the sessions' names, each with its
-// data dictionary, and batch.json, which names the sessions. Writes files; one thread's.
+// data dictionary, NAME.remarks.txt, and batch.json, which names the sessions. Writes files; one thread's.
 #pragma once
 
 #include <filesystem>
@@ -29,6 +29,10 @@ Result<BatchManifest> read_manifest(const std::filesystem::path& folder);
 /// lines: rows, each with its line end.
 Result<void> write_session_table(const std::filesystem::path& folder, const std::string& session,
                                  const std::string& lines);
+
+/// NAME.remarks.txt: what of the session could not be read or is missing, a line each; no file where there is nothing.
+Result<void> write_session_remarks(const std::filesystem::path& folder, const std::string& session,
+                                   const std::vector<std::string>& remarks);
 
 /// results.csv of all sessions, which may lie in several folders, into `out`. Returns the number of rows. Fails if the
 /// folders are of different batches, or with the number of sessions that are not finished and the first of their names.

@@ -129,20 +129,34 @@ void on_signal(int number) {
   std::signal(number, SIG_DFL);
 }
 
+std::string end_json(const BatchProgress& progress, bool stopped) {
+  nlohmann::ordered_json object;
+  object["finished"] = progress.rows;
+  object["measured"] = progress.measured;
+  object["failed"] = progress.failed;
+  object["sessions"] = progress.sessions;
+  object["unread_sessions"] = progress.unread_sessions;
+  object["sessions_with_remarks"] = progress.sessions_with_remarks;
+  object["stopped"] = stopped;
+  return object.dump();
+}
+
+void print_end(const BatchOptions& options, const BatchProgress& progress, std::optional<int> merged) {
+  const fs::path out = options.out;
+  fmt::print("{} shots of {} sessions, {} of them measured now; {} photographs failed\n", progress.rows,
+             progress.sessions, progress.measured, progress.failed);
+  if (progress.sessions_with_remarks > 0)
+    fmt::print("remarks on {} sessions: {}\n", progress.sessions_with_remarks,
+               (out / "*.remarks.txt").string());
+  if (merged) fmt::print("{}: {} rows\n", (out / "results.csv").string(), *merged);
+}
+
 int tell_end(const BatchOptions& options, const BatchProgress& progress, bool stopped,
              std::optional<int> merged) {
-  const std::string results = (fs::path(options.out) / "results.csv").string();
-  if (options.json) {
-    fmt::print(
-        "{{\"finished\":{},\"measured\":{},\"failed\":{},\"sessions\":{},\"unread_sessions\":{},\"stopped\":{"
-        "}}}\n",
-        progress.rows, progress.measured, progress.failed, progress.sessions, progress.unread_sessions,
-        stopped);
-  } else {
-    fmt::print("{} shots of {} sessions, {} of them measured now; {} photographs failed{}\n", progress.rows,
-               progress.sessions, progress.measured, progress.failed,
-               merged ? fmt::format("\n{}: {} rows", results, *merged) : "");
-  }
+  if (options.json)
+    std::puts(end_json(progress, stopped).c_str());
+  else
+    print_end(options, progress, merged);
   if (stopped) return failed("batch: stopped; what is finished is stored, the same command goes on");
   if (progress.unread_sessions > 0)
     return failed(
